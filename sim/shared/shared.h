@@ -1,0 +1,48 @@
+// The shared time behaviour for C++: footlight::f32 in float, as on the GPU; footlight::f64 in double, the judge.
+// See sim/shared/real.h for the rules of the subset.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include <glm/glm.hpp>
+
+#include "sim/shared/real.h"
+
+#define FL_SHARED_USING   \
+  using uint = std::uint32_t; \
+  using Turns = glm::uvec2;   \
+  using glm::abs;             \
+  using glm::clamp;           \
+  using glm::cross;           \
+  using glm::dot;             \
+  using glm::floor;           \
+  using glm::max;             \
+  using glm::min;             \
+  using glm::mix;             \
+  using glm::normalize;       \
+  using glm::sqrt;            \
+  using std::cos;             \
+  using std::exp;             \
+  using std::sin;             \
+  using std::tan;
+
+namespace footlight::f32 {
+using Real = float;
+using Vec2 = glm::vec2;
+using Vec3 = glm::vec3;
+FL_SHARED_USING
+#include "sim/shared/motion.h"
+#include "sim/shared/shutter.h"
+#include "sim/shared/turns.h"
+}  // namespace footlight::f32
+
+namespace footlight::f64 {
+using Real = double;
+using Vec2 = glm::dvec2;
+using Vec3 = glm::dvec3;
+FL_SHARED_USING
+#include "sim/shared/motion.h"
+#include "sim/shared/shutter.h"
+#include "sim/shared/turns.h"
+}  // namespace footlight::f64
