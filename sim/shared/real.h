@@ -12,11 +12,15 @@
 #define FL_INOUT(T) T&
 #define FL_OUT(T) T&
 #define FL_CONST constexpr
+#define FL_LIST_BEGIN(T, n) {
+#define FL_LIST_END }
 #else
 #define FL_FN
 #define FL_INOUT(T) inout T
 #define FL_OUT(T) out T
 #define FL_CONST const
+#define FL_LIST_BEGIN(T, n) T[n](
+#define FL_LIST_END )
 #define Real float
 #define Vec2 vec2
 #define Vec3 vec3

@@ -1,0 +1,45 @@
+// Pictures and the point of view they are taken from.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "fixtures/rig.h"
+
+namespace footlight::render {
+
+// Scene-linear radiance in cd/m^2 per channel, Rec. 709 primaries. Rows from the top, pixels from the left, 3 floats each.
+struct RadianceImage {
+  int width = 0;
+  int height = 0;
+  std::vector<float> rgb;
+};
+
+// What a screen shows: 8 bits a channel, sRGB, 4 bytes a pixel (alpha 255), rows from the top.
+struct ScreenImage {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgba;
+};
+
+// The ray of pixel (x, y), counted from 0 at the top left, goes through its centre:
+//   d = normalize(forward + right * ((2 (x + 0.5) / width - 1) * tan(fov / 2) * width / height)
+//                         + up * ((1 - 2 (y + 0.5) / height) * tan(fov / 2)))
+struct View {
+  glm::dvec3 position_m{0};
+  glm::dvec3 right{1, 0, 0};    // unit
+  glm::dvec3 up{0, 0, 1};       // unit
+  glm::dvec3 forward{0, 1, 0};  // unit
+  double tan_half_fov = 0.5;    // vertical
+};
+
+// Z up; a camera that looks straight up or down has +y as the top of its picture.
+[[nodiscard]] View view_of(const fixtures::Camera& camera);
+
+// Light ends this far from its lens, and air is seen no further than this from the camera: the diagonal of everything in
+// the rig plus 20 m, 10 m to 200 m. What it cuts off is haze beyond the rig.
+[[nodiscard]] double light_range_m(const fixtures::Rig& rig);
+
+}  // namespace footlight::render

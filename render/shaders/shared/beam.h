@@ -1,0 +1,226 @@
+// Light in one beam: the shape of a stage beam, what it puts on a surface and what haze in it sends to the eye.
+//
+// Light space of a beam: the lens centre at 0, the axis along +z, metres. The beam's radius is w(z) = R0 + k z, with R0 the
+// lens radius and k the tangent of the half angle; rho = (x, y) / w in the unit disc is the gobo plane. Illuminance across
+// the light is E(p) = J0 f(rho) / (w^2 (1 + k^2 rho^2)), with the profile f = 1 - |rho|^(2m). J0 is in candela-like units
+// (lm): the flux is J0 times the integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc.
+//
+// A camera ray o + t d maps to a straight line in the gobo plane, and dt / w^2 = ds / |V| with constant V, so the integral
+// along the ray becomes one over s of a smooth function, which a few Gauss nodes give (the projective beam integral). The
+// form (tb - ta) / (wa wb) x mean over s has no singularity: not at the lens, not along the axis, not for a cylinder.
+//
+// Error and cost of each method: docs/numerics.md, printed by `footlight report`. Range: half angles up to 75 degrees.
+// The including file provides Real gobo_at(uint gobo, Vec2 rho) where gobos are used, and defines FL_GOBO.
+
+struct BeamShape {
+  Real lens_radius_m;  // R0 > 0
+  Real spread;         // k = tan(half angle) >= 0
+  Real range_m;        // the light ends at this z
+  Real profile_m;      // m: 1, 2, 3 or 4
+};
+
+struct Medium {
+  Real anisotropy;        // g of Henyey-Greenstein
+  Real extinction_per_m;  // sigma_t
+};
+
+// f(rho) from q = |rho|^2; 0 outside the beam.
+FL_FN Real beam_profile(Real q, Real profile_m) {
+  Real q2 = q * q;
+  Real power = q;
+  if (profile_m > Real(1.5)) power = q2;
+  if (profile_m > Real(2.5)) power = q2 * q;
+  if (profile_m > Real(3.5)) power = q2 * q2;
+  return max(Real(1) - power, Real(0));
+}
+
+// Integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc, by 4 Gauss nodes in q = rho^2. Times J0: the flux in lumens.
+FL_FN Real beam_flux_factor(Real spread, Real profile_m) {
+  Real total = Real(0);
+  for (uint i = uint(0); i < uint(4); ++i) {
+    Real x = i < uint(2) ? Real(0.3399810435848563) : Real(0.8611363115940526);
+    Real weight = i < uint(2) ? Real(0.6521451548625461) : Real(0.3478548451374538);
+    Real q = Real(0.5) + Real(0.5) * ((i & uint(1)) == uint(0) ? x : -x);
+    Real u = Real(1) + spread * spread * q;
+    total += weight * beam_profile(q, profile_m) / (u * sqrt(u));
+  }
+  return total * Real(0.5) * Real(3.141592653589793);
+}
+
+// Henyey-Greenstein for light that travels along a unit direction with cosine mu to the camera ray, 1/sr. The eye sees
+// the scattering angle from the other side: cos(gamma) = -mu.
+FL_FN Real phase_function(Real mu, Real g) {
+  Real square = max(Real(1) + g * g + Real(2) * g * mu, Real(1e-6));
+  return (Real(1) - g * g) * Real(0.07957747154594767) / (square * sqrt(square));
+}
+
+// Illuminance over J0 at light-space point p on a plane across the light, 1/m^2; 0 outside. r_m: distance from the lens
+// along the light.
+FL_FN Real beam_illuminance(BeamShape beam, Vec3 p, FL_OUT(Vec2) rho, FL_OUT(Real) r_m) {
+  Real w = beam.lens_radius_m + beam.spread * p.z;
+  rho = Vec2(p.x, p.y) / max(w, Real(1e-9));
+  Real q = rho.x * rho.x + rho.y * rho.y;
+  Real u = Real(1) + beam.spread * beam.spread * q;
+  r_m = p.z * sqrt(u);
+  if (!(p.z > Real(0)) || p.z > beam.range_m || !(q < Real(1))) return Real(0);
+  return beam_profile(q, beam.profile_m) / (w * w * u);
+}
+
+// Unit direction in which the light travels at gobo-plane position rho.
+FL_FN Vec3 beam_direction(BeamShape beam, Vec2 rho) {
+  Real s = Real(1) / sqrt(Real(1) + beam.spread * beam.spread * (rho.x * rho.x + rho.y * rho.y));
+  return Vec3(rho.x * beam.spread * s, rho.y * beam.spread * s, s);
+}
+
+// The part of a ray inside the beam, and the straight line that it draws in the gobo plane.
+struct Chord {
+  Vec3 base;       // the ray's point nearest the lens within the clip: all t below are relative to it, so nothing large
+                   // is subtracted from anything large
+  Real t_base_m;   // of that point along the ray
+  Real w_base;     // beam radius there
+  Real w_slope;    // k d_z
+  Real v_length;   // |V|
+  Vec2 along;      // V / |V|
+  Real offset;     // of the line from the centre of the disc, signed: rho = s along + offset (along.y, -along.x)
+  Real s_base;     // s at the base
+  Real s_from;     // the lit part of the line
+  Real s_to;
+  Real t_from_m;   // the lit part of the ray, relative to the base
+  Real t_to_m;
+};
+
+// t relative to the base, for a position s on the line.
+FL_FN Real chord_t(Chord chord, Real s) {
+  Real ds = s - chord.s_base;
+  Real denominator = chord.v_length - ds * chord.w_base * chord.w_slope;
+  return ds * chord.w_base * chord.w_base / denominator;
+}
+
+// o, d: camera and unit ray direction in light space; t_min_m..t_max_m: the visible part of the ray. False: dark.
+FL_FN bool beam_chord(BeamShape beam, Vec3 o, Vec3 d, Real t_min_m, Real t_max_m, FL_OUT(Chord) chord) {
+  Real t_from = t_min_m;
+  Real t_to = t_max_m;
+  // The slab 0 <= z <= range.
+  Real inverse = Real(1) / (abs(d.z) > Real(1e-12) ? d.z : Real(1e-12));
+  Real t_lens = -o.z * inverse;
+  Real t_end = (beam.range_m - o.z) * inverse;
+  t_from = max(t_from, min(t_lens, t_end));
+  t_to = min(t_to, max(t_lens, t_end));
+
+  chord.t_base_m = min(max(-dot(o, d), t_from), t_to);
+  chord.base = o + d * chord.t_base_m;
+  chord.w_base = max(beam.lens_radius_m + beam.spread * chord.base.z, Real(1e-9));
+  chord.w_slope = beam.spread * d.z;
+  Vec2 v = Vec2(d.x * chord.w_base - chord.base.x * chord.w_slope, d.y * chord.w_base - chord.base.y * chord.w_slope);
+  chord.v_length = sqrt(v.x * v.x + v.y * v.y);
+  chord.along = chord.v_length > Real(0) ? v / chord.v_length : Vec2(1, 0);
+  Vec2 rho = Vec2(chord.base.x, chord.base.y) / chord.w_base;
+  chord.offset = rho.x * chord.along.y - rho.y * chord.along.x;
+  chord.s_base = rho.x * chord.along.x + rho.y * chord.along.y;
+
+  Real half_square = Real(1) - chord.offset * chord.offset;
+  Real half_chord = sqrt(max(half_square, Real(0)));
+  Real a = t_from - chord.t_base_m;
+  Real b = t_to - chord.t_base_m;
+  Real w_a = max(chord.w_base + a * chord.w_slope, Real(1e-9));
+  Real w_b = max(chord.w_base + b * chord.w_slope, Real(1e-9));
+  Real s_a = chord.s_base + chord.v_length * a / (chord.w_base * w_a);
+  Real s_b = chord.s_base + chord.v_length * b / (chord.w_base * w_b);
+  chord.s_from = max(s_a, -half_chord);
+  chord.s_to = min(s_b, half_chord);
+  chord.t_from_m = chord.s_from > s_a ? min(max(chord_t(chord, chord.s_from), a), b) : a;
+  chord.t_to_m = chord.s_to < s_b ? min(max(chord_t(chord, chord.s_to), a), b) : b;
+  // Comparisons stand so that NaN is dark.
+  return t_to > t_from && half_square > Real(0) && chord.s_to >= chord.s_from && chord.t_to_m > chord.t_from_m;
+}
+
+// The smooth part of the integrand at (s, t): profile over (1 + k^2 rho^2), phase function, extinction to the lens and
+// back to the eye.
+FL_FN Real chord_integrand(BeamShape beam, Medium medium, Chord chord, Vec3 d, Real s, Real t_m, bool with_extinction) {
+  Real q = chord.offset * chord.offset + s * s;
+  Real u = Real(1) + beam.spread * beam.spread * q;
+  Real root = Real(1) / sqrt(u);
+  Real across = s * (chord.along.x * d.x + chord.along.y * d.y) + chord.offset * (chord.along.y * d.x - chord.along.x * d.y);
+  Real mu = (beam.spread * across + d.z) * root;
+  Real value = beam_profile(q, beam.profile_m) * root * root * phase_function(mu, medium.anisotropy);
+  if (with_extinction) {
+    Real z = max(chord.base.z + t_m * d.z, Real(0));
+    value *= exp(-medium.extinction_per_m * (chord.t_base_m + t_m + z * u * root));
+  }
+  return value;
+}
+
+// The measure of the chord: integral of dt / w^2 over it.
+FL_FN Real chord_measure(Chord chord) {
+  return (chord.t_to_m - chord.t_from_m) /
+         ((chord.w_base + chord.t_from_m * chord.w_slope) * (chord.w_base + chord.t_to_m * chord.w_slope));
+}
+
+// Where a share x in [0, 1] of the chord lies. Even in s; where s hardly changes (along the axis, through the apex) even
+// in the same measure by t.
+FL_FN void chord_point(Chord chord, Real x, FL_OUT(Real) s, FL_OUT(Real) t_m) {
+  s = chord.s_from + x * (chord.s_to - chord.s_from);
+  if (chord.s_to - chord.s_from > Real(1e-4)) {
+    t_m = min(max(chord_t(chord, s), chord.t_from_m), chord.t_to_m);
+  } else {
+    Real w_from = chord.w_base + chord.t_from_m * chord.w_slope;
+    Real w_to = chord.w_base + chord.t_to_m * chord.w_slope;
+    t_m = chord.t_from_m + (chord.t_to_m - chord.t_from_m) * x * w_from / (w_to + x * (w_from - w_to));
+  }
+}
+
+// Gauss-Legendre nodes on [0, 1] and weights that sum to 1, for n = 1 to 8 nodes.
+FL_FN uint gauss_index(uint n, uint i) { return n * (n - uint(1)) / uint(2) + i; }
+
+// Projective beam integral with n Gauss nodes: in-scattered light over sigma_s J0, 1/m.
+FL_FN Real chord_inscatter_gauss(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction) {
+  Real total = Real(0);
+  for (uint i = uint(0); i < n; ++i) {
+    Real s;
+    Real t_m;
+    chord_point(chord, kGaussNode[gauss_index(n, i)], s, t_m);
+    total += kGaussWeight[gauss_index(n, i)] * chord_integrand(beam, medium, chord, d, s, t_m, with_extinction);
+  }
+  return total * chord_measure(chord);
+}
+
+// A rival: midpoint march in t with n equal steps over the same lit interval.
+FL_FN Real chord_inscatter_march(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction) {
+  Real total = Real(0);
+  Real h = (chord.t_to_m - chord.t_from_m) / Real(n);
+  for (uint i = uint(0); i < n; ++i) {
+    Real t_m = chord.t_from_m + (Real(i) + Real(0.5)) * h;
+    Real w = chord.w_base + t_m * chord.w_slope;
+    Real s = chord.s_base + chord.v_length * t_m / (chord.w_base * w);
+    total += chord_integrand(beam, medium, chord, d, s, t_m, with_extinction) / (w * w);
+  }
+  return total * h;
+}
+
+#ifdef FL_GOBO
+// With a gobo: n midpoints in s, each with a look at the gobo. turn: (cos, sin) of the gobo's rotation.
+FL_FN Real chord_inscatter_gobo(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction, uint gobo,
+                                Vec2 turn) {
+  Real total = Real(0);
+  for (uint i = uint(0); i < n; ++i) {
+    Real s;
+    Real t_m;
+    chord_point(chord, (Real(i) + Real(0.5)) / Real(n), s, t_m);
+    Vec2 rho = Vec2(s * chord.along.x + chord.offset * chord.along.y, s * chord.along.y - chord.offset * chord.along.x);
+    Vec2 image = Vec2(turn.x * rho.x + turn.y * rho.y, turn.x * rho.y - turn.y * rho.x);
+    total += chord_integrand(beam, medium, chord, d, s, t_m, with_extinction) * gobo_at(gobo, image);
+  }
+  return total / Real(n) * chord_measure(chord);
+}
+#endif
+
+// Whether the ray of direction d (any length) can miss the beam's disc in the gobo plane: the line passes it by when
+// |N| > |V|, with N and V linear in d. Convex in d, so that a convex set of directions misses when all its corners do, on
+// one side. Returns N - |V| for side = +1 and -N - |V| for side = -1: positive means a miss.
+FL_FN Real beam_miss(BeamShape beam, Vec3 o, Vec3 d, Real side) {
+  Real w = beam.lens_radius_m + beam.spread * o.z;
+  Real vx = d.x * w - o.x * beam.spread * d.z;
+  Real vy = d.y * w - o.y * beam.spread * d.z;
+  // |N| is |o x d|_z: the offset times |V|. The factor w keeps it linear where w is negative or zero.
+  return side * (o.x * d.y - o.y * d.x) - sqrt(vx * vx + vy * vy);
+}

@@ -1,0 +1,35 @@
+#include <algorithm>
+#include <cmath>
+
+#include "render/image.h"
+
+namespace footlight::render {
+
+View view_of(const fixtures::Camera& camera) {
+  View view;
+  view.position_m = camera.position_m;
+  const glm::dvec3 way = camera.target_m - camera.position_m;
+  view.forward = glm::length(way) > 1e-9 ? glm::normalize(way) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 world_up = std::abs(view.forward.z) > 0.999999 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
+  view.right = glm::normalize(glm::cross(view.forward, world_up));
+  view.up = glm::cross(view.right, view.forward);
+  view.tan_half_fov = std::tan(glm::radians(camera.fov_deg) / 2);
+  return view;
+}
+
+double light_range_m(const fixtures::Rig& rig) {
+  glm::dvec3 low(1e30);
+  glm::dvec3 high(-1e30);
+  for (const auto& fixture : rig.fixtures) {
+    low = glm::min(low, fixture.position_m);
+    high = glm::max(high, fixture.position_m);
+  }
+  for (const auto& box : rig.boxes) {
+    low = glm::min(low, box.min_m);
+    high = glm::max(high, box.max_m);
+  }
+  const double diagonal_m = low.x <= high.x ? glm::length(high - low) : 0.0;
+  return std::clamp(diagonal_m + 20.0, 10.0, 200.0);
+}
+
+}  // namespace footlight::render
