@@ -1,0 +1,24 @@
+// Opens a port by the words of its endpoint: the only call that a main needs in order to use a dongle.
+//
+//   auto sink = drivers::open_sink({.scheme = "enttec-pro", .target = "EN172589", .universes = {1}}, clock);
+//
+// Network schemes (sacn, artnet) have factories of their own in drivers/net/.
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "drivers/driver.h"
+
+namespace footlight::drivers {
+
+// Whether open_sink() or open_source() knows the scheme.
+[[nodiscard]] bool has_driver(std::string_view scheme);
+
+// Errors: kBadInput (unknown scheme, wrong number of universes), kNotFound (no such device; says which are there),
+// kPermission (says the command that mends it), kTimeout (a device that does not answer), kUnsupported (this build has no
+// USB, or the device cannot do that direction). Threads: call from any; the port then belongs to one thread.
+[[nodiscard]] Result<std::unique_ptr<Sink>> open_sink(const PortRequest& request, Clock& clock);
+[[nodiscard]] Result<std::unique_ptr<Source>> open_source(const PortRequest& request, Clock& clock);
+
+}  // namespace footlight::drivers

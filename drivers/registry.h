@@ -1,0 +1,68 @@
+// What is plugged in, whether it can be used, and the command that mends it where it cannot.
+//
+// Reads /sys only: nothing is opened, no kernel driver is disturbed, no permission is needed. Works in builds without libusb
+// too. Takes well under the time of one video frame, so a window may call it on a timer.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "drivers/driver.h"
+
+namespace footlight::drivers {
+
+enum class Readiness {
+  kReady,         // open_sink() or open_source() should succeed
+  kNoPermission,  // this user may not write the device node
+  kBusy,          // another program holds it
+  kNoNode,        // the kernel knows it, but /dev/bus/usb has no node: a container without device access
+  kUnsupported,   // this build cannot open it
+  kNotDmx,        // listed because it has an id of the table, but nothing says that it speaks DMX
+};
+// "ready", "no-permission", "busy", "no-node", "unsupported", "not-dmx": stable words for JSON.
+[[nodiscard]] std::string_view name_of(Readiness readiness);
+
+struct FoundDevice {
+  std::string driver_id;     // DriverInfo::id; empty for kNotDmx
+  std::string model_name;    // "ENTTEC DMX USB Pro"; for kNotDmx "FTDI serial adapter, not known to be a DMX USB Pro"
+  std::string manufacturer;  // as the device says it; may be empty
+  std::string product;
+  std::string serial;        // of the USB descriptor; may be empty or shared by clones
+  std::uint16_t usb_vendor = 0;
+  std::uint16_t usb_product = 0;
+  std::string port_path;     // where it is plugged in: "1-2.3"; stays the same when it is replugged there
+  std::string node;          // "/dev/bus/usb/001/004"; changes when it is replugged
+  std::string kernel_driver; // bound to its first interface: "ftdi_sio", "usbfs" (a program holds it), or empty
+  std::string endpoint;      // what to write in a show file: "enttec-pro:EN172589"; empty for kNotDmx
+  unsigned capabilities = 0; // Capability
+  unsigned quirks = 0;       // Quirk
+  Readiness readiness = Readiness::kReady;
+  std::string reason;        // for people, one sentence; empty where ready
+  std::string remedy;        // a command to copy; empty where there is none
+};
+
+struct DeviceList {
+  std::vector<FoundDevice> devices;  // in the order of their port paths
+  std::vector<std::string> notes;    // about the whole: "built without USB: ..."
+};
+
+// Where to look. The defaults are the system's; tests lay out folders of their own.
+struct FindOptions {
+  std::string sys_root = "/sys";
+  std::string dev_root = "/dev";
+  std::string proc_root = "/proc";
+  // 0 where the node may be read and written, else an errno value. Empty: ask the system.
+  std::function<int(const std::string& node)> node_access;
+};
+
+[[nodiscard]] DeviceList find_devices(const FindOptions& options = {});
+
+// True where libusb was there at build time.
+[[nodiscard]] bool built_with_usb();
+// Installs the udev rules; the remedy for kNoPermission.
+[[nodiscard]] std::string udev_install_command();
+
+}  // namespace footlight::drivers
