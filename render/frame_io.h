@@ -1,0 +1,20 @@
+// render/shaders/shared/frame_io.h for C++.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include <glm/glm.hpp>
+
+namespace footlight::render {
+using uint = std::uint32_t;
+using vec4 = glm::vec4;
+#include "render/shaders/shared/frame_io.h"
+
+static_assert(sizeof(FrameParams) == 144);
+static_assert(offsetof(FrameParams, width) == 64);
+static_assert(offsetof(FrameParams, room_min) == 112);
+static_assert(sizeof(BeamRow) == 96);
+static_assert(sizeof(CountsRow) == 48);
+static_assert(sizeof(BoxRow) == 48);
+}  // namespace footlight::render

@@ -1,0 +1,65 @@
+#version 460
+// Light in the haze: adds the in-scattered light of every beam along the pixel's ray, up to the surface it shows.
+#extension GL_GOOGLE_include_directive : require
+#define FL_USE_BEAMS
+#define FL_BEAMS_ACCESS readonly
+#define FL_USE_COUNTS
+#define FL_COUNTS_ACCESS readonly
+#define FL_USE_MASKS
+#define FL_MASKS_ACCESS readonly
+#include "render/shaders/lib/frame.glsl"
+#include "render/shaders/lib/surface.glsl"
+#include "render/shaders/lib/gobo.glsl"
+#include "render/shaders/shared/gauss.h"
+#include "render/shaders/shared/beam.h"
+#include "render/shaders/lib/tile_test.glsl"
+#include "render/shaders/lib/tile_walk.glsl"
+
+layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX) in;
+layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
+layout(constant_id = FL_SPEC_PROFILE) const bool kProfile = false;
+layout(constant_id = FL_SPEC_METHOD) const uint kMethod = FL_METHOD_GAUSS;
+layout(constant_id = FL_SPEC_NODES) const uint kNodes = 3;
+
+layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  bool inside = pixel.x < int(params.width) && pixel.y < int(params.height);
+  vec3 d = normalize(ray_through(vec2(pixel) + 0.5));
+  float t_max_m = inside ? surface_distance(pixel, d) : 0.0;
+  Medium medium = Medium(params.anisotropy, params.position.w);
+
+  vec3 total = vec3(0.0);
+  vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
+  vec2 high = min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height)));
+  for (uint base = 0u; base < counts.live_count; base += FL_WALK_BEAMS) {
+    if (!tile_walk(base, low, high)) continue;
+    FL_WALK_BEGIN(base, index)
+      BeamRow row = beams[index];
+      BeamShape beam = beam_shape(row);
+      if (!kProfile) beam.profile_m = 1.0;
+      vec3 ray = to_light(row, d);
+      Chord chord;
+      if (beam_chord(beam, row.eye.xyz, ray, 0.0, t_max_m, chord)) {
+        float value;
+        if (kMethod == uint(FL_METHOD_MARCH)) {
+          value = chord_inscatter_march(beam, medium, chord, ray, kNodes, kExtinction);
+        } else if (kGobo && row.gobo > 0u) {
+          value = chord_inscatter_gobo(beam, medium, chord, ray, kGoboTaps, kExtinction, row.gobo,
+                                       vec2(row.gobo_cos, row.gobo_sin));
+        } else {
+          // A flat profile 1 - rho^(2m) is a polynomial of degree 2m in s: m = 3 and 4 need one and two nodes more.
+          uint nodes = kNodes;
+          if (kProfile) nodes += (beam.profile_m > 2.5 ? 1u : 0u) + (beam.profile_m > 3.5 ? 1u : 0u);
+          value = chord_inscatter_gauss(beam, medium, chord, ray, min(nodes, 8u), kExtinction);
+        }
+        total += row.j0.rgb * value;
+      }
+    FL_WALK_END
+  }
+  if (inside) {
+    vec4 behind = imageLoad(radiance, pixel);
+    imageStore(radiance, pixel, vec4(behind.rgb + params.forward.w * total, 1.0));
+  }
+}

@@ -1,0 +1,26 @@
+// Bindings and small access functions that every pass may use. A pass declares what it needs with FL_USE_... first, so
+// that nothing else is in its interface.
+#include "sim/shared/real.h"
+#include "fixtures/shared/tables.h"
+#include "render/shaders/shared/frame_io.h"
+
+layout(set = 0, binding = FL_BINDING_PARAMS, std430) readonly buffer ParamsBuffer { FrameParams params; };
+
+#ifdef FL_USE_BEAMS
+layout(set = 0, binding = FL_BINDING_BEAMS, std430) FL_BEAMS_ACCESS buffer BeamsBuffer { BeamRow beams[]; };
+#endif
+#ifdef FL_USE_COUNTS
+layout(set = 0, binding = FL_BINDING_COUNTS, std430) FL_COUNTS_ACCESS buffer CountsBuffer {
+  CountsRow counts;
+  uint group_live[];  // live beams of each workgroup of the step pass
+};
+#endif
+#ifdef FL_USE_MASKS
+layout(set = 0, binding = FL_BINDING_MASKS, std430) FL_MASKS_ACCESS buffer MasksBuffer { uint masks[]; };
+#endif
+
+// The ray through picture position p (pixels, (0, 0) at the top left corner), not normalised.
+vec3 ray_through(vec2 p) {
+  vec2 ndc = vec2(2.0 * p.x / float(params.width) - 1.0, 1.0 - 2.0 * p.y / float(params.height));
+  return params.forward.xyz + params.right.xyz * ndc.x + params.up.xyz * ndc.y;
+}

@@ -1,0 +1,102 @@
+#version 460
+// Light on solid things: albedo / pi times the illuminance of every beam that reaches the pixel's surface, dimmed by the
+// haze between it and the eye. Lenses shine by themselves.
+#extension GL_GOOGLE_include_directive : require
+#define FL_USE_BEAMS
+#define FL_BEAMS_ACCESS readonly
+#define FL_USE_COUNTS
+#define FL_COUNTS_ACCESS readonly
+#define FL_USE_MASKS
+#define FL_MASKS_ACCESS readonly
+#include "render/shaders/lib/frame.glsl"
+#include "render/shaders/lib/surface.glsl"
+#include "render/shaders/lib/gobo.glsl"
+#include "render/shaders/shared/gauss.h"
+#include "render/shaders/shared/beam.h"
+#include "render/shaders/lib/tile_test.glsl"
+#include "render/shaders/lib/tile_walk.glsl"
+#include "sim/shared/motion.h"
+#include "sim/shared/turns.h"
+#include "fixtures/shared/state.h"
+#include "fixtures/shared/pose.h"
+
+layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX) in;
+layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
+layout(constant_id = FL_SPEC_PROFILE) const bool kProfile = false;
+
+layout(set = 0, binding = FL_BINDING_TYPES, std430) readonly buffer TypesBuffer { TypeRow types[]; };
+layout(set = 0, binding = FL_BINDING_FIXTURES, std430) readonly buffer FixturesBuffer { FixtureRow fixtures[]; };
+layout(set = 0, binding = FL_BINDING_STATES, std430) readonly buffer StatesBuffer { FixtureState states[]; };
+layout(set = 0, binding = FL_BINDING_BOXES, std430) readonly buffer BoxesBuffer { BoxRow boxes[]; };
+layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform writeonly image2D radiance;
+
+const float kPi = 3.141592653589793;
+const uint kPartLens = 3u;
+// Reflectance of painted housings, and the share of a lamp's flux that its lens scatters to all sides. Chosen by eye.
+const float kBodyAlbedo = 0.04;
+const float kLensScatter = 2e-4;
+
+// What the lens of a fixture sends towards the eye, cd/m^2: the beam's own intensity over the lens area where the eye is
+// inside the beam, and a little scattered light everywhere.
+vec3 lens_radiance(uint index, vec3 unit_ray, vec3 normal) {
+  TypeRow type = types[fixtures[index].type];
+  FixtureState state = states[index];
+  vec3 flux_lm = type.flux_lm * state.flux_share * vec3(state.red, state.green, state.blue);
+  float area_m2 = kPi * type.lens_radius_m * type.lens_radius_m;
+  float facing = dot(normal, -unit_ray);
+  if (!(facing > 0.0)) return vec3(0.0);
+  float spread = max(tan(state.zoom.position), 1e-3);
+  float rho = sqrt(max(1.0 - facing * facing, 0.0)) / (facing * spread);
+  float intensity = beam_profile(rho * rho, type.profile_m) / (beam_flux_factor(spread, type.profile_m) * spread * spread);
+  return flux_lm * (intensity / (area_m2 * facing) + kLensScatter / (kPi * area_m2));
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  bool inside = pixel.x < int(params.width) && pixel.y < int(params.height);
+  vec3 d = normalize(ray_through(vec2(pixel) + 0.5));
+  uvec2 id = inside ? imageLoad(surface_id, pixel).xy : uvec2(0);
+  uint kind = id.y >> 30;
+  bool solid = kind != 0u;
+  float t_m = inside ? surface_distance(pixel, d) : 0.0;
+  vec3 normal = unpack_normal(id.x);
+  vec3 offset_m = d * t_m;  // from the camera
+  Medium medium = Medium(params.anisotropy, params.position.w);
+
+  vec3 illuminance_lx = vec3(params.ambient_lx);
+  vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
+  vec2 high = min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height)));
+  for (uint base = 0u; base < counts.live_count; base += FL_WALK_BEAMS) {
+    if (!tile_walk(base, low, high)) continue;
+    FL_WALK_BEGIN(base, index)
+      BeamRow row = beams[index];
+      BeamShape beam = beam_shape(row);
+      if (!kProfile) beam.profile_m = 1.0;
+      vec3 p = row.eye.xyz + to_light(row, offset_m);
+      vec2 rho;
+      float r_m;
+      float share = beam_illuminance(beam, p, rho, r_m);
+      if (solid && share > 0.0) {
+        vec3 light = beam_direction(beam, rho);
+        float cosine = max(-dot(to_light(row, normal), light), 0.0);
+        if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);
+        if (kGobo && row.gobo > 0u) {
+          share *= gobo_at(row.gobo, vec2(row.gobo_cos * rho.x + row.gobo_sin * rho.y,
+                                          row.gobo_cos * rho.y - row.gobo_sin * rho.x));
+        }
+        illuminance_lx += row.j0.rgb * (share * cosine);
+      }
+    FL_WALK_END
+  }
+
+  vec3 color = vec3(0.0);
+  if (kind == uint(FL_SURFACE_BOX)) {
+    color = boxes[id.y & 0x3fffffffu].albedo.rgb / kPi * illuminance_lx;
+  } else if (kind == uint(FL_SURFACE_FIXTURE)) {
+    uint index = (id.y & 0x3fffffffu) >> 3;
+    color = vec3(kBodyAlbedo / kPi) * illuminance_lx;
+    if ((id.y & 7u) == kPartLens) color += lens_radiance(index, d, normal);
+  }
+  if (kExtinction) color *= exp(-medium.extinction_per_m * t_m);
+  if (inside) imageStore(radiance, pixel, vec4(color, 1.0));
+}

@@ -1,0 +1,34 @@
+#version 460
+// For each supertile of 64 x 64 pixels one bit a live beam: can it touch the supertile? Bits keep the patch order, so the
+// passes that walk them sum in a fixed order, and no list can overflow.
+#extension GL_GOOGLE_include_directive : require
+#define FL_USE_BEAMS
+#define FL_BEAMS_ACCESS readonly
+#define FL_USE_COUNTS
+#define FL_COUNTS_ACCESS readonly
+#define FL_USE_MASKS
+#define FL_MASKS_ACCESS writeonly
+#include "render/shaders/lib/frame.glsl"
+#include "render/shaders/shared/gauss.h"
+#include "render/shaders/shared/beam.h"
+#include "render/shaders/lib/tile_test.glsl"
+
+layout(local_size_x = FL_GROUP_MASK) in;
+
+shared uint bits[FL_GROUP_MASK / 32];
+
+void main() {
+  uint lane = gl_LocalInvocationIndex;
+  uint beam = gl_GlobalInvocationID.x;
+  uint supertile = gl_WorkGroupID.y;
+  if (lane < uint(FL_GROUP_MASK) / 32u) bits[lane] = 0u;
+  barrier();
+  vec2 low = vec2(float(supertile % params.supertiles_x), float(supertile / params.supertiles_x)) * float(FL_SUPERTILE_PX);
+  vec2 high = min(low + float(FL_SUPERTILE_PX), vec2(float(params.width), float(params.height)));
+  if (beam < counts.live_count && beam_touches(beams[beam], low, high)) atomicOr(bits[lane >> 5], 1u << (lane & 31u));
+  barrier();
+  uint word = gl_WorkGroupID.x * (uint(FL_GROUP_MASK) / 32u) + lane;
+  if (lane < uint(FL_GROUP_MASK) / 32u && word < params.mask_words) {
+    masks[supertile * params.mask_words + word] = bits[lane];
+  }
+}
