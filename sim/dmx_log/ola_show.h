@@ -1,0 +1,97 @@
+// OLA Show text, as the Open Lighting Architecture's recorder writes and plays it: the line "OLA Show", then in turns
+// "<universe> <level>,<level>,..." and a delay in whole milliseconds. Unix or DOS line ends; a last delay may follow.
+//
+// It holds no stamps, senders, priorities or repeats told from changes, so a DMX log that goes through it keeps levels
+// and times rounded to 1 ms. Rounding is carried forward: no frame and no total is off by more than 0.5 ms.
+// Threads: none; one thread at a time.
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "sim/core/dmx.h"
+#include "sim/core/result.h"
+#include "sim/dmx_log/dmx_log.h"
+
+namespace footlight {
+
+struct OlaShowFrame {
+  DurationNs time_ns = 0;           // since the start; a whole number of milliseconds
+  Universe universe = 0;
+  std::vector<std::uint8_t> slots;  // 0 to 512
+};
+
+class OlaShowReader {
+ public:
+  // `universe_offset` is added to each universe: 1 for shows that count from 0, as OLA may.
+  [[nodiscard]] static Result<OlaShowReader> open(const std::string& path, int universe_offset = 0);
+  // The next frame; false at the end. Errors name file:line and what was expected there.
+  [[nodiscard]] Result<bool> next(OlaShowFrame& frame);
+  // The sum of all delays read so far; after the end the length of the show.
+  [[nodiscard]] DurationNs time_ns() const { return time_ns_; }
+
+ private:
+  OlaShowReader(std::string path, std::ifstream stream, int universe_offset);
+  // The next line that is not empty, without its line end; false at the end.
+  [[nodiscard]] Result<bool> read_line(std::string& line);
+
+  std::string path_;
+  std::ifstream stream_;
+  int universe_offset_ = 0;
+  int line_ = 0;
+  bool delay_next_ = false;
+  DurationNs time_ns_ = 0;
+  std::string text_;
+};
+
+class OlaShowWriter {
+ public:
+  // Writes `path`.part; close() gives it its name.
+  [[nodiscard]] static Result<OlaShowWriter> create(const std::string& path, bool overwrite = false);
+  // Times must not fall. The format starts with its first frame: silence before it cannot be written.
+  Status append(DurationNs time_ns, Universe universe, std::span<const std::uint8_t> slots);
+  // Writes the delay up to the end of the show.
+  Status close(DurationNs end_ns);
+  // The silence before the first frame, which the file does not hold.
+  [[nodiscard]] DurationNs lead_ns() const { return lead_ns_; }
+
+ private:
+  OlaShowWriter(std::string path, std::ofstream stream);
+  void write_delay(DurationNs time_ns);
+  [[nodiscard]] Status check_stream();
+
+  std::string path_;
+  std::ofstream stream_;
+  bool any_ = false;
+  DurationNs lead_ns_ = 0;
+  std::int64_t written_ms_ = 0;  // all delays so far
+  std::string text_;
+};
+
+struct ConvertOptions {
+  bool overwrite = false;
+  bool changes_only = false;  // leave out frames that repeat the levels before them
+  int universe_offset = 0;    // added to the universes of an OLA Show on reading
+};
+
+struct ConvertReport {
+  std::uint64_t frames = 0;        // written
+  std::uint64_t left_out = 0;      // repeats (changes_only) and, in an OLA Show, frames that end a stream
+  DurationNs duration_ns = 0;      // of the result
+  DurationNs lead_dropped_ns = 0;  // silence before the first frame, which an OLA Show cannot hold
+  std::uint64_t bytes_in = 0;
+  std::uint64_t bytes_out = 0;
+  std::uint64_t damage_count = 0;  // of the input
+};
+
+// Reads `in` (a DMX log or an OLA Show, told by its first bytes), writes `out`: a DMX log where its name ends in
+// .dmxlog, an OLA Show otherwise. From one format to itself is allowed: that recovers a damaged log.
+[[nodiscard]] Result<ConvertReport> convert_log(const std::string& in, const std::string& out,
+                                                const ConvertOptions& options = {});
+
+// Which of the two a file is. Errors: kNotFound, kPermission, kBadInput (neither).
+[[nodiscard]] Result<LogFormat> detect_log_format(const std::string& path);
+
+}  // namespace footlight
