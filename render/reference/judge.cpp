@@ -1,0 +1,414 @@
+#include "render/reference/judge.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <thread>
+#include <utility>
+
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+
+#include "sim/core/check.h"
+
+namespace footlight::render {
+namespace {
+
+using Wide = long double;
+
+// One piece of an integral with its estimated error.
+struct Piece {
+  double from = 0;
+  double to = 0;
+  double value = 0;
+  double error = 0;
+};
+
+bool less_wrong(const Piece& a, const Piece& b) { return a.error < b.error; }
+
+template <class F>
+Piece measure_piece(const F& f, double from, double to) {
+  Piece piece{from, to, 0, 0};
+  const double middle = (from + to) / 2;
+  const double half = (to - from) / 2;
+  // Over [-1, 1], where the library's error estimate has the scale of its result.
+  piece.value = boost::math::quadrature::gauss_kronrod<double, 15>::integrate(
+      [&](double x) { return half * f(middle + half * x); }, -1.0, 1.0, 0, 0.0, &piece.error);
+  return piece;
+}
+
+// Globally adaptive: the piece with the largest error is halved until the errors add up to less than tolerance x value.
+// `cuts` are ascending, at least two.
+template <class F>
+double integrate(const F& f, const std::vector<double>& cuts, double tolerance) {
+  // Enough for a gobo with a few hundred hard edges along a ray; what is left is part of the stated error.
+  constexpr std::size_t kPiecesMax = 20'000;
+  std::vector<Piece> pieces;
+  pieces.reserve(2 * cuts.size());
+  double value = 0;
+  double error = 0;
+  for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+    if (!(cuts[i + 1] > cuts[i])) continue;
+    pieces.push_back(measure_piece(f, cuts[i], cuts[i + 1]));
+    value += pieces.back().value;
+    error += pieces.back().error;
+  }
+  std::make_heap(pieces.begin(), pieces.end(), less_wrong);
+  while (error > tolerance * std::abs(value) && !pieces.empty() && pieces.size() < kPiecesMax) {
+    std::pop_heap(pieces.begin(), pieces.end(), less_wrong);
+    const Piece worst = pieces.back();
+    const double middle = (worst.from + worst.to) / 2;
+    // Rounding is all that is left of the error, or the piece has no inside.
+    if (worst.error <= 4e-16 * std::abs(value) || !(middle > worst.from && middle < worst.to)) break;
+    pieces.pop_back();
+    for (const auto& [from, to] : {std::pair(worst.from, middle), std::pair(middle, worst.to)}) {
+      pieces.push_back(measure_piece(f, from, to));
+      value += pieces.back().value;
+      error += pieces.back().error;
+      std::push_heap(pieces.begin(), pieces.end(), less_wrong);
+    }
+    value -= worst.value;
+    error -= worst.error;
+  }
+  // Summed anew: the running sums above carry the rounding of every step.
+  Wide total = 0;
+  for (const Piece& piece : pieces) total += piece.value;
+  return static_cast<double>(total);
+}
+
+// A ray in light space: (x, y) across the beam, z along it.
+struct LightRay {
+  Wide ox, oy, oz;
+  Wide dx, dy, dz;
+};
+
+Wide wide_dot(const glm::dvec3& a, const glm::dvec3& b) {
+  return Wide(a.x) * b.x + Wide(a.y) * b.y + Wide(a.z) * b.z;
+}
+
+LightRay light_ray(const JudgeBeam& beam, const Ray& ray) {
+  const glm::dvec3 from_lens = ray.origin_m - beam.lens_m;
+  return {wide_dot(from_lens, beam.x_axis), wide_dot(from_lens, beam.y_axis), wide_dot(from_lens, beam.axis),
+          wide_dot(ray.direction, beam.x_axis), wide_dot(ray.direction, beam.y_axis),
+          wide_dot(ray.direction, beam.axis)};
+}
+
+bool is_finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+// The part of the ray with 0 <= z <= range inside the cone: `from` < `to`, or false. Relative to `base`, the point where
+// the ray is nearest the axis within the slab, so that the roots of far rays keep their digits.
+bool lit_interval(const JudgeBeam& beam, const LightRay& r, double t_min_m, double t_max_m, Wide& base, Wide& from,
+                  Wide& to) {
+  constexpr Wide kInfinity = std::numeric_limits<Wide>::infinity();
+  Wide low = t_min_m;
+  Wide high = t_max_m;
+  if (r.dz == 0) {
+    if (r.oz < 0 || r.oz > beam.range_m) return false;
+  } else {
+    const Wide at_lens = -r.oz / r.dz;
+    const Wide at_end = (beam.range_m - r.oz) / r.dz;
+    low = std::max(low, std::min(at_lens, at_end));
+    high = std::min(high, std::max(at_lens, at_end));
+  }
+  if (!(high > low)) return false;
+
+  const Wide across = r.dx * r.dx + r.dy * r.dy;
+  base = across > 0 ? -(r.ox * r.dx + r.oy * r.dy) / across : low;
+  base = std::clamp(base, low, high);
+  const Wide bx = r.ox + base * r.dx;
+  const Wide by = r.oy + base * r.dy;
+  const Wide bw = beam.lens_radius_m + beam.spread * (r.oz + base * r.dz);
+  const Wide slope = beam.spread * r.dz;
+  // |xy|^2 - w^2 = a t^2 + 2 b t + c, t from the base.
+  const Wide a = across - slope * slope;
+  const Wide b = bx * r.dx + by * r.dy - bw * slope;
+  const Wide c = bx * bx + by * by - bw * bw;
+  const auto outside = [&](Wide t) { return (a * t + 2 * b) * t + c; };
+
+  Wide cuts[4] = {low - base, high - base, kInfinity, kInfinity};
+  int count = 2;
+  const Wide discriminant = b * b - a * c;
+  if (discriminant > 0) {
+    const Wide q = -(b + std::copysign(std::sqrt(discriminant), b));
+    for (const Wide root : {q / a, c / q}) {
+      if (root > low - base && root < high - base) cuts[count++] = root;
+    }
+  }
+  std::sort(cuts, cuts + count);
+  // The slab holds one nappe of the cone, so the lit part is one interval; neighbours join where a root is double.
+  bool lit = false;
+  for (int i = 0; i + 1 < count; ++i) {
+    if (!(cuts[i + 1] > cuts[i])) continue;
+    const Wide middle =
+        std::isfinite(cuts[i + 1]) ? (cuts[i] + cuts[i + 1]) / 2 : cuts[i] + 1;  // only a cylinder along the ray
+    if (!(outside(middle) < 0)) continue;
+    if (!lit) from = cuts[i];
+    to = cuts[i + 1];
+    lit = true;
+  }
+  return lit && to > from && std::isfinite(to);
+}
+
+double henyey_greenstein(double cosine, double g) {
+  return (1 - g * g) / (4 * std::numbers::pi * std::pow(1 + g * g - 2 * g * cosine, 1.5));
+}
+
+double profile(double rho_square, double m) { return rho_square < 1 ? 1 - std::pow(rho_square, m) : 0.0; }
+
+double gobo_share(const JudgeBeam& beam, const GoboTransmission& gobo, double x, double y) {
+  if (beam.gobo <= 0 || !gobo) return 1;
+  return gobo(beam.gobo, beam.gobo_cos * x + beam.gobo_sin * y, beam.gobo_cos * y - beam.gobo_sin * x);
+}
+
+double extinction_per_m(const fixtures::Haze& haze) { return haze.scattering_per_m + haze.absorption_per_m; }
+
+// The light of a beam at a point: illuminance across the light over J0, before extinction.
+struct LightAt {
+  double illuminance = 0;   // 1/m^2, gobo included
+  double distance_m = 0;    // along the light from the lens
+  glm::dvec3 direction{0};  // of travel, unit, stage space
+};
+
+LightAt light_at(const JudgeBeam& beam, const GoboTransmission& gobo, const glm::dvec3& from_lens) {
+  LightAt light;
+  const double z = glm::dot(from_lens, beam.axis);
+  const double w = beam.lens_radius_m + beam.spread * z;
+  const double x = glm::dot(from_lens, beam.x_axis) / w;
+  const double y = glm::dot(from_lens, beam.y_axis) / w;
+  const double stretch = 1 + beam.spread * beam.spread * (x * x + y * y);
+  light.direction = (beam.axis + beam.spread * (x * beam.x_axis + y * beam.y_axis)) / std::sqrt(stretch);
+  light.distance_m = z * std::sqrt(stretch);
+  light.illuminance = profile(x * x + y * y, beam.profile_m) / (w * w * stretch);
+  if (light.illuminance > 0) light.illuminance *= gobo_share(beam, gobo, x, y);
+  return light;
+}
+
+// `range_m` of the scene cuts the ray at first, then surfaces do.
+double visible_air_m(const JudgeScene& scene, const std::optional<SurfaceHit>& hit) {
+  return hit ? std::min(hit->t_m, scene.range_m) : scene.range_m;
+}
+
+glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, double* hits) {
+  glm::dvec3 total(0);
+  const std::optional<SurfaceHit> hit = judge_hit(scene, ray);
+  if (scene.haze.scattering_per_m > 0) {
+    const double t_max_m = visible_air_m(scene, hit);
+    for (const JudgeBeam& beam : scene.beams) {
+      const double share = judge_inscatter(beam, scene.haze, ray, 0, t_max_m, scene.gobo, tolerance);
+      if (share > 0) *hits += 1;
+      total += scene.haze.scattering_per_m * share * beam.strength_lm;
+    }
+  }
+  if (hit) {
+    const glm::dvec3 point_m = ray.origin_m + hit->t_m * ray.direction;
+    glm::dvec3 lux(scene.ambient_lx);
+    for (const JudgeBeam& beam : scene.beams) {
+      lux += judge_illuminance(beam, scene.haze, point_m, hit->normal, scene.gobo) * beam.strength_lm;
+    }
+    total += std::exp(-extinction_per_m(scene.haze) * hit->t_m) / std::numbers::pi * hit->albedo * lux;
+  }
+  return total;
+}
+
+}  // namespace
+
+double judge_flux_factor(double spread, double profile_m) {
+  // In q = rho^2: area of the disc is pi dq.
+  const auto f = [&](double q) { return profile(q, profile_m) * std::pow(1 + spread * spread * q, -1.5); };
+  return std::numbers::pi * integrate(f, {0.0, 1.0}, 1e-14);
+}
+
+JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, GoboTransmission gobo) {
+  JudgeScene scene;
+  scene.boxes = rig.boxes;
+  scene.haze = rig.haze;
+  scene.ambient_lx = rig.ambient_lx;
+  scene.range_m = light_range_m(rig);
+  scene.gobo = std::move(gobo);
+  for (std::size_t i = 0; i < walker.states.size(); ++i) {
+    const auto& state = walker.states[i];
+    const fixtures::FixtureRow& row = walker.rig.fixtures[i];
+    const fixtures::TypeRow& type = walker.rig.types[row.type];
+    const double flux_lm = static_cast<double>(type.flux_lm) * state.flux_share;
+    const glm::dvec3 colour(state.red, state.green, state.blue);
+    if (!(flux_lm > 0) || !(std::max({colour.x, colour.y, colour.z}) > 0)) continue;
+    const auto pose = walker.beam_pose(row, type, state.pan.position, state.tilt.position);
+    JudgeBeam beam;
+    beam.lens_m = pose.lens_m;
+    beam.x_axis = pose.x_axis;
+    beam.y_axis = pose.y_axis;
+    beam.axis = pose.axis;
+    beam.lens_radius_m = type.lens_radius_m;
+    beam.spread = std::tan(state.zoom.position);
+    beam.profile_m = type.profile_m;
+    beam.range_m = scene.range_m;
+    beam.strength_lm = flux_lm * colour / judge_flux_factor(beam.spread, beam.profile_m);
+    beam.gobo = static_cast<int>(state.gobo);
+    const double turn = 2 * std::numbers::pi * f64::turns_fraction(state.gobo_phase);
+    beam.gobo_cos = std::cos(turn);
+    beam.gobo_sin = std::sin(turn);
+    scene.beams.push_back(beam);
+  }
+  return scene;
+}
+
+double judge_inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& ray, double t_min_m,
+                       double t_max_m, const GoboTransmission& gobo, double tolerance) {
+  if (!is_finite(ray.origin_m) || !is_finite(ray.direction) || !std::isfinite(t_min_m) || !(t_max_m > t_min_m)) {
+    return 0;
+  }
+  const LightRay light = light_ray(beam, ray);
+  Wide base = 0;
+  Wide from = 0;
+  Wide to = 0;
+  if (!lit_interval(beam, light, t_min_m, t_max_m, base, from, to)) return 0;
+
+  // Relative to the base, which is far away where the camera is.
+  const auto base_m = static_cast<double>(base);
+  const glm::dvec3 base_from_lens =
+      static_cast<double>(light.ox + base * light.dx) * beam.x_axis +
+      static_cast<double>(light.oy + base * light.dy) * beam.y_axis +
+      static_cast<double>(light.oz + base * light.dz) * beam.axis;
+  const double sigma_t = extinction_per_m(haze);
+  const auto integrand = [&](double t_m) {
+    const LightAt at = light_at(beam, gobo, base_from_lens + t_m * ray.direction);
+    if (!(at.illuminance > 0)) return 0.0;
+    const double scattering_cosine = -glm::dot(at.direction, ray.direction);
+    return at.illuminance * henyey_greenstein(scattering_cosine, haze.anisotropy) *
+           std::exp(-sigma_t * (base_m + t_m + at.distance_m));
+  };
+
+  // Cut where the integrand can peak: nearest the lens, nearest the axis (the base) and, since 1 / w^2 can rise over
+  // decades, at points that are even across the gobo plane. A gobo has detail; more cuts see it.
+  const auto from_m = static_cast<double>(from);
+  const auto to_m = static_cast<double>(to);
+  std::vector<double> cuts{from_m, to_m};
+  const auto cut = [&](double t_m) {
+    if (t_m > from_m && t_m < to_m) cuts.push_back(t_m);
+  };
+  cut(0);
+  cut(-glm::dot(base_from_lens, ray.direction) / glm::dot(ray.direction, ray.direction));
+  const double w_base = beam.lens_radius_m + beam.spread * glm::dot(base_from_lens, beam.axis);
+  const double w_slope = beam.spread * static_cast<double>(light.dz);
+  const double w_from = w_base + from_m * w_slope;
+  const double w_to = w_base + to_m * w_slope;
+  const int parts = beam.gobo > 0 && gobo ? 48 : 4;
+  for (int i = 1; i < parts; ++i) {
+    const double x = static_cast<double>(i) / parts;
+    cut(from_m + (to_m - from_m) * x * w_from / (w_to + x * (w_from - w_to)));
+  }
+  std::sort(cuts.begin(), cuts.end());
+  return integrate(integrand, cuts, tolerance);
+}
+
+double judge_illuminance(const JudgeBeam& beam, const fixtures::Haze& haze, const glm::dvec3& point_m,
+                         const glm::dvec3& normal, const GoboTransmission& gobo) {
+  const glm::dvec3 from_lens = point_m - beam.lens_m;
+  const double z = glm::dot(from_lens, beam.axis);
+  if (!(z > 0) || !(z <= beam.range_m)) return 0;
+  const LightAt at = light_at(beam, gobo, from_lens);
+  const double cosine = std::max(0.0, -glm::dot(normal, at.direction));
+  return at.illuminance * cosine * std::exp(-extinction_per_m(haze) * at.distance_m);
+}
+
+std::optional<SurfaceHit> judge_hit(const JudgeScene& scene, const Ray& ray) {
+  std::optional<SurfaceHit> nearest;
+  for (const fixtures::StageBox& box : scene.boxes) {
+    double enter = -std::numeric_limits<double>::infinity();
+    double leave = std::numeric_limits<double>::infinity();
+    int side = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double d = ray.direction[axis];
+      const double o = ray.origin_m[axis];
+      if (d == 0) {
+        if (o < box.min_m[axis] || o > box.max_m[axis]) leave = -std::numeric_limits<double>::infinity();
+        continue;
+      }
+      const double a = (box.min_m[axis] - o) / d;
+      const double b = (box.max_m[axis] - o) / d;
+      if (std::min(a, b) > enter) {
+        enter = std::min(a, b);
+        side = axis;
+      }
+      leave = std::min(leave, std::max(a, b));
+    }
+    if (!(enter > 0) || !(enter <= leave) || (nearest && nearest->t_m <= enter)) continue;
+    SurfaceHit hit;
+    hit.t_m = enter;
+    hit.normal[side] = ray.direction[side] > 0 ? -1.0 : 1.0;
+    hit.albedo = box.albedo;
+    nearest = hit;
+  }
+  return nearest;
+}
+
+glm::dvec3 judge_radiance(const JudgeScene& scene, const Ray& ray, double tolerance) {
+  double hits = 0;
+  return radiance(scene, ray, tolerance, &hits);
+}
+
+Ray pixel_ray(const View& view, int width, int height, int x, int y) {
+  const double across = (2 * (x + 0.5) / width - 1) * view.tan_half_fov * width / height;
+  const double upward = (1 - 2 * (y + 0.5) / height) * view.tan_half_fov;
+  return {view.position_m, glm::normalize(view.forward + view.right * across + view.up * upward)};
+}
+
+JudgedImage judge_image(const JudgeScene& scene, const View& view, int width, int height, const JudgeOptions& options) {
+  FL_CHECK_GT(width, 0);
+  FL_CHECK_GT(height, 0);
+  const auto values = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3;
+  JudgedImage judged;
+  judged.rgb.resize(values);
+  std::vector<double> coarse(options.stated_error ? values : 0);
+  std::vector<double> row_hits(static_cast<std::size_t>(height));
+
+  // Rows are taken one by one, so that no thread waits for a bright one; each is computed alone, so the picture is the
+  // same for every number of threads.
+  std::atomic<int> next_row{0};
+  const auto work = [&] {
+    for (int y = next_row++; y < height; y = next_row++) {
+      double hits = 0;
+      for (int x = 0; x < width; ++x) {
+        const Ray ray = pixel_ray(view, width, height, x, y);
+        const auto at = (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) * 3;
+        const glm::dvec3 fine = radiance(scene, ray, options.tolerance / 100, &hits);
+        for (int c = 0; c < 3; ++c) judged.rgb[at + static_cast<std::size_t>(c)] = fine[c];
+        if (!options.stated_error) continue;
+        const glm::dvec3 rough = judge_radiance(scene, ray, options.tolerance);
+        for (int c = 0; c < 3; ++c) coarse[at + static_cast<std::size_t>(c)] = rough[c];
+      }
+      row_hits[static_cast<std::size_t>(y)] = hits;
+    }
+  };
+  const auto cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const int threads = std::min(options.threads > 0 ? options.threads : cores, height);
+  {
+    std::vector<std::jthread> pool;
+    for (int i = 1; i < threads; ++i) pool.emplace_back(work);
+    work();
+  }
+
+  judged.image = {width, height, std::vector<float>(values)};
+  Wide sum = 0;
+  Wide square = 0;
+  for (std::size_t i = 0; i < values; ++i) {
+    judged.image.rgb[i] = static_cast<float>(judged.rgb[i]);
+    sum += judged.rgb[i];
+    square += Wide(judged.rgb[i]) * judged.rgb[i];
+  }
+  for (const double hits : row_hits) judged.hits_per_px += hits / (static_cast<double>(width) * height);
+  if (options.stated_error && square > 0) {
+    const auto floor_value = static_cast<double>(1e-2L * sum / static_cast<Wide>(values));
+    Wide difference = 0;
+    for (std::size_t i = 0; i < values; ++i) {
+      const double d = std::abs(coarse[i] - judged.rgb[i]);
+      difference += Wide(d) * d;
+      judged.own_max = std::max(judged.own_max, d / (judged.rgb[i] + floor_value));
+    }
+    judged.own_rel_l2 = static_cast<double>(std::sqrt(difference / square));
+  }
+  return judged;
+}
+
+}  // namespace footlight::render

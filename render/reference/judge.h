@@ -1,0 +1,105 @@
+// The judge of pictures: the light model of docs/numerics.md by adaptive quadrature in double.
+//
+// It shares no formula with render/shaders/shared/beam.h: the integrand along the ray is written in stage space from the
+// definition of the beam, and Gauss-Kronrod 15 (Boost.Math) refines it until its own error estimate is below a tolerance.
+// Every picture is computed at a tolerance and at a hundredth of it; the difference is the judge's stated error.
+//
+// The model: single scattering in homogeneous haze, Henyey-Greenstein, diffuse boxes. Fixtures, boxes and beams do not
+// shade each other, and fixture bodies are left out of judged pictures.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "fixtures/rig.h"
+#include "fixtures/walker.h"
+#include "render/image.h"
+
+namespace footlight::render {
+
+// Share of the light that a gobo lets through at (x, y) in the unit disc, 0 to 1. gobo > 0.
+using GoboTransmission = std::function<double(int gobo, double x, double y)>;
+
+// One beam in stage space; metres. The axes are unit, right-handed: x cross y = axis.
+struct JudgeBeam {
+  glm::dvec3 lens_m{0};
+  glm::dvec3 x_axis{1, 0, 0};
+  glm::dvec3 y_axis{0, 1, 0};
+  glm::dvec3 axis{0, 0, 1};
+  double lens_radius_m = 0.05;   // R0 > 0
+  double spread = 0.1;           // k = tan(half angle) >= 0
+  double profile_m = 1;          // f = 1 - rho^(2m)
+  double range_m = 100;          // the light ends there, along the axis
+  glm::dvec3 strength_lm{1};     // J0 per channel
+  int gobo = 0;                  // 0: open
+  double gobo_cos = 1;           // of the gobo's rotation
+  double gobo_sin = 0;
+};
+
+struct JudgeScene {
+  std::vector<JudgeBeam> beams;  // only those that give light
+  std::vector<fixtures::StageBox> boxes;
+  fixtures::Haze haze;
+  double ambient_lx = 0;
+  double range_m = 100;          // air is seen no further than this from the camera
+  GoboTransmission gobo;         // empty: every gobo is open
+};
+
+// The scene of a rig as the walker's states have it. The walker is not stepped; it is taken by reference since the shared
+// functions are its members.
+[[nodiscard]] JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker,
+                                     GoboTransmission gobo = {});
+
+// Integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc by adaptive quadrature: flux in lumens over J0.
+[[nodiscard]] double judge_flux_factor(double spread, double profile_m);
+
+struct Ray {
+  glm::dvec3 origin_m{0};
+  glm::dvec3 direction{0, 0, 1};  // unit
+};
+
+// In-scattered light of one beam along a ray from t_min_m to t_max_m (may be infinite), over sigma_s J0: 1/m.
+// Extinction runs from the lens to the air and back to t = 0. Not finite input gives 0.
+[[nodiscard]] double judge_inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& ray, double t_min_m,
+                                     double t_max_m, const GoboTransmission& gobo, double tolerance);
+
+// Illuminance over J0 of one beam on a surface with unit normal at a point, 1/m^2; extinction included.
+[[nodiscard]] double judge_illuminance(const JudgeBeam& beam, const fixtures::Haze& haze, const glm::dvec3& point_m,
+                                       const glm::dvec3& normal, const GoboTransmission& gobo);
+
+struct SurfaceHit {
+  double t_m = 0;
+  glm::dvec3 normal{0};
+  glm::dvec3 albedo{0};
+};
+
+// The nearest box that the ray enters from outside.
+[[nodiscard]] std::optional<SurfaceHit> judge_hit(const JudgeScene& scene, const Ray& ray);
+
+// Radiance along a ray, cd/m^2 per channel.
+[[nodiscard]] glm::dvec3 judge_radiance(const JudgeScene& scene, const Ray& ray, double tolerance);
+
+// The ray of pixel (x, y); see render/image.h.
+[[nodiscard]] Ray pixel_ray(const View& view, int width, int height, int x, int y);
+
+struct JudgeOptions {
+  double tolerance = 1e-7;  // relative, of each integral; the picture is taken at a hundredth of it
+  int threads = 0;          // 0: one per core. The picture does not depend on it.
+  bool stated_error = true; // false: only the finer pass, own_* are 0
+};
+
+struct JudgedImage {
+  RadianceImage image;      // `rgb` rounded to float
+  std::vector<double> rgb;  // the same in double
+  double own_rel_l2 = 0;    // between the tolerance and a hundredth of it
+  double own_max = 0;       // largest difference over (value + 1e-2 mean)
+  double hits_per_px = 0;   // mean number of beams that the visible part of a pixel's ray crosses
+};
+
+[[nodiscard]] JudgedImage judge_image(const JudgeScene& scene, const View& view, int width, int height,
+                                      const JudgeOptions& options = {});
+
+}  // namespace footlight::render

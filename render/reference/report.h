@@ -1,0 +1,96 @@
+// Error against run time, on paper: rows, tables, JSON lines, CSV, and a plot.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/core/result.h"
+
+namespace footlight::render {
+
+// One picture of one scene by one method with its knob at one value.
+struct PictureRow {
+  std::string scene;
+  std::string method;
+  double knob = 0;         // what the method's quality is set by: nodes, steps
+  double hits_per_px = 0;  // beams that the visible part of a pixel's ray crosses, mean
+  double ms_p10 = 0;       // time a frame
+  double ms_p50 = 0;
+  double ms_p90 = 0;
+  double rel_l2 = 0;       // norms.h
+  double rel_mse = 0;
+  double p999 = 0;
+  double max = 0;
+  double flip = 0;
+  std::int64_t nonfinite = 0;
+  std::int64_t bytes = 0;  // GPU memory that the method allocates
+};
+
+// One run of one time-dependent model.
+struct TimeRow {
+  std::string model;       // "axis", "strobe"
+  std::string method;
+  double knob = 0;         // substeps or samples a frame; for the smoothing: its time constant in ms
+  double stiffness = 0;    // axis: acceleration over speed limit, 1/s; strobe: flashes a second
+  double fps = 0;
+  double error_max = 0;    // axis: of position, over the range of the axis; strobe: of the open share
+  double ns_per_step = 0;  // time a fixture and frame
+  bool failed = false;     // not finite, or past the bound that time_report.h states
+};
+
+// Text: columns aligned, one row a line, a line of names on top, units in the names. Ends with a newline.
+[[nodiscard]] std::string table_of(std::span<const PictureRow> rows);
+[[nodiscard]] std::string table_of(std::span<const TimeRow> rows);
+// One JSON object a line with the names of the struct. A number that is not finite is written as null.
+[[nodiscard]] std::string json_lines_of(std::span<const PictureRow> rows);
+[[nodiscard]] std::string json_lines_of(std::span<const TimeRow> rows);
+// Comma-separated with a header line; texts are quoted where they need it (RFC 4180), lines end with CR LF.
+[[nodiscard]] std::string csv_of(std::span<const PictureRow> rows);
+[[nodiscard]] std::string csv_of(std::span<const TimeRow> rows);
+// Rows back from JSON lines, for comparing with an older report. Names the line that is wrong.
+[[nodiscard]] Result<std::vector<PictureRow>> picture_rows_from_json_lines(const std::string& text,
+                                                                           const std::string& name);
+
+// One curve of a plot: points of positive finite cost and error; others are left out.
+struct CurvePoint {
+  double cost = 0;
+  double error = 0;
+  std::string label;  // of the knob: "n=4"; may be empty
+};
+struct Curve {
+  std::string name;
+  std::vector<CurvePoint> points;
+};
+
+// One curve a method, in order of first appearance: error rel_l2 against ms_p50, error_max against ns_per_step. Failed
+// rows are not points. Give rows of one scene, or of one model, stiffness and frame rate.
+[[nodiscard]] std::vector<Curve> curves_of(std::span<const PictureRow> rows);
+[[nodiscard]] std::vector<Curve> curves_of(std::span<const TimeRow> rows);
+
+struct PlotText {
+  std::string title;
+  std::string subtitle;    // the machine, the command
+  std::string cost_axis;   // "time a frame, ms"
+  std::string error_axis;  // "relative L2 error"
+};
+
+// A log-log plot of error against cost as an SVG file of its own; one colour a method, legend at the right.
+[[nodiscard]] std::string svg_plot(const PlotText& text, std::span<const Curve> curves);
+
+// Least cost at which a curve reaches an error, by linear interpolation of the logarithms between neighbours in order of
+// cost. A curve whose every point is at or below the error gives its cheapest point's cost. Empty: not reached.
+[[nodiscard]] std::optional<double> cost_at_error(const Curve& curve, double error);
+// Least error that a curve reaches within a cost, likewise. Empty: every point costs more.
+[[nodiscard]] std::optional<double> error_at_cost(const Curve& curve, double cost);
+// Order of convergence: minus the least-squares slope of log error over log cost. Empty with fewer than two costs.
+[[nodiscard]] std::optional<double> order_of(const Curve& curve);
+
+// "time at error 1e-2, 1e-3, 1e-4", "error at 1, 4, 16 ms" and the order, one line a method; "not reached" where so.
+// cost_unit: "ms" or "ns".
+[[nodiscard]] std::string summary_of(std::span<const Curve> curves, const std::string& cost_unit,
+                                     std::span<const double> costs);
+
+}  // namespace footlight::render
