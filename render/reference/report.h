@@ -66,7 +66,9 @@ struct Curve {
 };
 
 // One curve a method, in order of first appearance: error rel_l2 against ms_p50, error_max against ns_per_step. Failed
-// rows are not points. Give rows of one scene, or of one model, stiffness and frame rate.
+// rows are not points; an error of 0 stands as kLeastError, so that it has a logarithm. Give rows of one scene, or of one
+// model, stiffness and frame rate.
+inline constexpr double kLeastError = 1e-17;
 [[nodiscard]] std::vector<Curve> curves_of(std::span<const PictureRow> rows);
 [[nodiscard]] std::vector<Curve> curves_of(std::span<const TimeRow> rows);
 

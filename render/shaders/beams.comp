@@ -59,7 +59,7 @@ void main() {
     FL_WALK_END
   }
   if (inside) {
-    vec4 behind = imageLoad(radiance, pixel);
-    imageStore(radiance, pixel, vec4(behind.rgb + params.forward.w * total, 1.0));
+    vec3 behind = kSolids ? imageLoad(radiance, pixel).rgb : vec3(0.0);
+    imageStore(radiance, pixel, vec4(behind + params.forward.w * total, 1.0));
   }
 }

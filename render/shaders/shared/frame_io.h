@@ -30,7 +30,8 @@
 #define FL_SPEC_METHOD 5
 #define FL_SPEC_NODES 6
 #define FL_SPEC_GOBO_TAPS 7
-#define FL_SPEC_COUNT 8
+#define FL_SPEC_SOLIDS 8
+#define FL_SPEC_COUNT 9
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1

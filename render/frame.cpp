@@ -1,0 +1,248 @@
+#include "render/frame.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "render/passes/beams.h"
+#include "render/passes/gather.h"
+#include "render/passes/solids.h"
+#include "render/passes/step.h"
+#include "render/passes/surfaces.h"
+#include "render/passes/tiles.h"
+#include "render/passes/tonemap.h"
+
+namespace footlight::render {
+namespace {
+
+// The frame, in order. A new pass is one line here.
+const PassEntry* const kPasses[] = {
+    &kStepPass,      // raw levels -> fixture states
+    &kGatherPass,    // states -> lit beams, in patch order
+    &kSolidsPass,    // stage and bodies -> visibility buffer
+    &kTilesPass,     // beams -> which supertile they touch
+    &kSurfacesPass,  // beams x visibility buffer -> radiance
+    &kBeamsPass,     // beams x air -> radiance
+    &kTonemapPass,   // radiance -> screen
+};
+
+constexpr double kNearM = 0.05;
+constexpr VkDeviceSize kUpdateBytesMax = 65536;  // of vkCmdUpdateBuffer
+
+// Where the step pass finds its time step: the push constants of step.comp.
+struct StepPush {
+  std::uint32_t dt_ns_low;
+  std::uint32_t dt_ns_high;
+};
+
+}  // namespace
+
+std::vector<PassPlan> plan_frame(const fixtures::Needs& needs, const FrameSettings& settings) {
+  std::vector<PassPlan> plan;
+  for (const PassEntry* pass : kPasses) {
+    if (pass->needed(needs, settings)) plan.push_back({pass->name, pass->constants(needs, settings)});
+  }
+  return plan;
+}
+
+std::vector<LeftOutPass> left_out_passes(const fixtures::Needs& needs, const FrameSettings& settings) {
+  std::vector<LeftOutPass> out;
+  for (const PassEntry* pass : kPasses) {
+    if (!pass->needed(needs, settings)) out.push_back({pass->name, pass->gives});
+  }
+  return out;
+}
+
+Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures::Rig& rig,
+                                             const fixtures::CompiledRig& compiled, const FrameSettings& settings) {
+  if (settings.nodes < 1 || (settings.method == BeamMethod::kGauss && settings.nodes > 8)) {
+    return fail(ErrorCode::kBadInput, "{} quadrature nodes: expected 1 to 8", settings.nodes);
+  }
+  std::unique_ptr<Frame> frame(new Frame(device, settings));
+  FL_ASSIGN(frame->resources_, Resources::create(device, rig, compiled, settings));
+  frame->plan_ = plan_frame(compiled.needs, settings);
+  for (const PassEntry* entry : kPasses) {
+    if (!entry->needed(compiled.needs, settings)) continue;
+    FL_ASSIGN(auto pass, entry->create({device, frame->resources_, frame->settings_,
+                                        entry->constants(compiled.needs, settings)}));
+    frame->passes_.push_back(std::move(pass));
+  }
+  frame->haze_ = rig.haze;
+  frame->ambient_lx_ = rig.ambient_lx;
+  frame->range_m_ = light_range_m(rig);
+  VkQueryPoolCreateInfo query{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+  query.queryType = VK_QUERY_TYPE_TIMESTAMP;
+  query.queryCount = static_cast<std::uint32_t>(std::size(kPasses)) + 1;
+  FL_TRY(vk::check(vkCreateQueryPool(device.handle, &query, nullptr, &frame->times_), "vkCreateQueryPool"));
+  return frame;
+}
+
+Frame::~Frame() {
+  vkDeviceWaitIdle(device_.handle);
+  if (times_ != VK_NULL_HANDLE) vkDestroyQueryPool(device_.handle, times_, nullptr);
+}
+
+void Frame::step(std::span<const std::uint8_t> levels, std::int64_t dt_ns) {
+  FL_CHECK_EQ(levels.size(), resources_.levels_bytes);
+  pending_.push_back({{levels.begin(), levels.end()}, std::max<std::int64_t>(dt_ns, 0)});
+}
+
+void Frame::record(VkCommandBuffer commands, const View& view, double exposure_ev) {
+  vkCmdResetQueryPool(commands, times_, 0, static_cast<std::uint32_t>(std::size(kPasses)) + 1);
+  marks_ = 0;
+  resources_.bindings.bind(commands);
+  upload_params(commands, view, exposure_ev);
+  mark(commands);
+  for (std::size_t i = 0; i < passes_.size(); ++i) {
+    if (plan_[i].name == kStepPass.name) {
+      record_steps(commands);
+    } else {
+      passes_[i]->record(commands);
+    }
+    vk::full_barrier(commands);
+    mark(commands);
+  }
+}
+
+// Each pending step: its levels, its dt, one dispatch. vkCmdUpdateBuffer keeps the bytes in the command buffer, so there is
+// no staging memory that a frame in flight could still be reading.
+void Frame::record_steps(VkCommandBuffer commands) {
+  for (const PendingStep& pending : pending_) {
+    for (VkDeviceSize at = 0; at < pending.levels.size(); at += kUpdateBytesMax) {
+      vkCmdUpdateBuffer(commands, resources_.levels.handle, at,
+                        std::min<VkDeviceSize>(kUpdateBytesMax, pending.levels.size() - at), pending.levels.data() + at);
+    }
+    const auto dt = static_cast<std::uint64_t>(pending.dt_ns);
+    const StepPush push{static_cast<std::uint32_t>(dt), static_cast<std::uint32_t>(dt >> 32)};
+    vkCmdPushConstants(commands, resources_.bindings.layout,
+                       VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
+                       sizeof(push), &push);
+    vk::full_barrier(commands);
+    passes_.front()->record(commands);
+    vk::full_barrier(commands);
+  }
+  pending_.clear();
+}
+
+void Frame::upload_params(VkCommandBuffer commands, const View& view, double exposure_ev) {
+  const double aspect = static_cast<double>(settings_.width) / settings_.height;
+  FrameParams params{};
+  params.right = vec4(view.right * (view.tan_half_fov * aspect), kNearM);
+  params.up = vec4(view.up * view.tan_half_fov, range_m_);
+  params.forward = vec4(view.forward, haze_.scattering_per_m);
+  params.position = vec4(view.position_m, haze_.scattering_per_m + haze_.absorption_per_m);
+  params.width = static_cast<std::uint32_t>(settings_.width);
+  params.height = static_cast<std::uint32_t>(settings_.height);
+  params.fixture_count = resources_.fixture_count;
+  params.box_count = resources_.box_count;
+  params.supertiles_x = resources_.supertiles_x;
+  params.mask_words = resources_.mask_words;
+  params.anisotropy = static_cast<float>(haze_.anisotropy);
+  params.ambient_lx = static_cast<float>(ambient_lx_);
+  params.exposure = static_cast<float>(1.0 / (1.2 * std::exp2(exposure_ev)));
+  params.dark_lm = static_cast<float>(settings_.dark_lm);
+  params.bodies = settings_.bodies ? 1 : 0;
+  vk::full_barrier(commands);  // the frame before may still be reading
+  vkCmdUpdateBuffer(commands, resources_.params.handle, 0, sizeof(params), &params);
+  vk::full_barrier(commands);
+}
+
+void Frame::mark(VkCommandBuffer commands) {
+  vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, times_, marks_++);
+}
+
+Status Frame::draw(const View& view, double exposure_ev) {
+  return device_.run_once([&](VkCommandBuffer commands) { record(commands, view, exposure_ev); });
+}
+
+Status Frame::run_steps() {
+  if (pending_.empty()) return {};
+  if (passes_.empty() || plan_.front().name != kStepPass.name) {  // nothing to step
+    pending_.clear();
+    return {};
+  }
+  return device_.run_once([&](VkCommandBuffer commands) {
+    resources_.bindings.bind(commands);
+    upload_params(commands, View{}, 0);
+    record_steps(commands);
+  });
+}
+
+Status Frame::read_buffer(const vk::Buffer& buffer, void* out, std::size_t bytes) {
+  if (bytes == 0) return {};
+  FL_ASSIGN(vk::Buffer staging, vk::Buffer::host_visible(device_, bytes, 0));
+  FL_TRY(device_.run_once([&](VkCommandBuffer commands) {
+    vk::full_barrier(commands);
+    const VkBufferCopy region{0, 0, bytes};
+    vkCmdCopyBuffer(commands, buffer.handle, staging.handle, 1, &region);
+    vk::full_barrier(commands);
+  }));
+  std::memcpy(out, staging.mapped, bytes);
+  return {};
+}
+
+Status Frame::read_image(const vk::Image& image, void* out, std::size_t bytes) {
+  FL_ASSIGN(vk::Buffer staging, vk::Buffer::host_visible(device_, bytes, 0));
+  FL_TRY(device_.run_once([&](VkCommandBuffer commands) {
+    vk::full_barrier(commands);
+    VkBufferImageCopy region{};
+    region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.imageExtent = {static_cast<std::uint32_t>(settings_.width), static_cast<std::uint32_t>(settings_.height), 1};
+    vkCmdCopyImageToBuffer(commands, image.handle, VK_IMAGE_LAYOUT_GENERAL, staging.handle, 1, &region);
+    vk::full_barrier(commands);
+  }));
+  std::memcpy(out, staging.mapped, bytes);
+  return {};
+}
+
+Result<RadianceImage> Frame::read_radiance() {
+  const std::size_t pixels = static_cast<std::size_t>(settings_.width) * static_cast<std::size_t>(settings_.height);
+  std::vector<float> rgba(pixels * 4);
+  FL_TRY(read_image(resources_.radiance, rgba.data(), rgba.size() * sizeof(float)));
+  RadianceImage image{settings_.width, settings_.height, std::vector<float>(pixels * 3)};
+  for (std::size_t i = 0; i < pixels; ++i) std::copy_n(&rgba[i * 4], 3, &image.rgb[i * 3]);
+  return image;
+}
+
+Result<ScreenImage> Frame::read_screen() {
+  ScreenImage image{settings_.width, settings_.height, {}};
+  image.rgba.resize(static_cast<std::size_t>(settings_.width) * static_cast<std::size_t>(settings_.height) * 4);
+  FL_TRY(read_image(resources_.screen, image.rgba.data(), image.rgba.size()));
+  return image;
+}
+
+Result<CountsRow> Frame::read_counts() {
+  CountsRow counts{};
+  FL_TRY(read_buffer(resources_.counts, &counts, sizeof(counts)));
+  return counts;
+}
+
+Result<std::vector<fixtures::f32::Walker::FixtureState>> Frame::read_states() {
+  using State = fixtures::f32::Walker::FixtureState;
+  static_assert(sizeof(State) == kStateBytes);
+  std::vector<State> states(resources_.fixture_count);
+  FL_TRY(read_buffer(resources_.states, states.data(), states.size() * sizeof(State)));
+  return states;
+}
+
+Result<std::vector<BeamRow>> Frame::read_beams() {
+  FL_ASSIGN(const CountsRow counts, read_counts());
+  std::vector<BeamRow> beams(counts.live_count);
+  FL_TRY(read_buffer(resources_.beams, beams.data(), beams.size() * sizeof(BeamRow)));
+  return beams;
+}
+
+Result<std::vector<PassTime>> Frame::read_times() {
+  std::vector<std::uint64_t> ticks(marks_);
+  if (marks_ == 0) return std::vector<PassTime>{};
+  FL_TRY(vk::check(vkGetQueryPoolResults(device_.handle, times_, 0, marks_, ticks.size() * 8, ticks.data(), 8,
+                                         VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+                   "vkGetQueryPoolResults"));
+  std::vector<PassTime> times;
+  for (std::size_t i = 0; i + 1 < ticks.size(); ++i) {
+    times.push_back({plan_[i].name, static_cast<double>(ticks[i + 1] - ticks[i]) * device_.timestamp_period_ns() * 1e-6});
+  }
+  return times;
+}
+
+}  // namespace footlight::render

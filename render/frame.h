@@ -1,0 +1,105 @@
+// The frame: from raw levels to a picture, headless and windowed alike.
+//
+//   levels, dt -> step -> gather -> solids -> tiles -> surfaces -> beams -> tonemap -> screen image
+//
+// Per frame only the levels, the camera and the time step are uploaded. Passes that the rig does not need do not exist.
+// One thread. The device must outlive the frame.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fixtures/rig.h"
+#include "fixtures/walker.h"
+#include "render/image.h"
+#include "render/pass.h"
+#include "render/resources.h"
+#include "render/settings.h"
+#include "render/vk/device.h"
+
+namespace footlight::render {
+
+// A pass as the rig and the settings make it; the answer to "what does this scene need?".
+struct PassPlan {
+  std::string name;
+  std::vector<vk::SpecConstant> constants;
+  bool operator==(const PassPlan&) const = default;
+};
+
+[[nodiscard]] std::vector<PassPlan> plan_frame(const fixtures::Needs& needs, const FrameSettings& settings);
+// Names of the passes that the plan leaves out, with what the picture would gain from them.
+struct LeftOutPass {
+  std::string name;
+  std::string gives;
+};
+[[nodiscard]] std::vector<LeftOutPass> left_out_passes(const fixtures::Needs& needs, const FrameSettings& settings);
+
+struct PassTime {
+  std::string name;
+  double gpu_ms = 0;
+};
+
+class Frame {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<Frame>> create(vk::Device& device, const fixtures::Rig& rig,
+                                                             const fixtures::CompiledRig& compiled,
+                                                             const FrameSettings& settings);
+  ~Frame();
+  Frame(const Frame&) = delete;
+  Frame& operator=(const Frame&) = delete;
+
+  // Notes one step of dt_ns >= 0 with these levels held (universes x 512 bytes, as CompiledRig::universes orders them).
+  // Steps are carried out in order by the next record(); any number of them may come before a picture.
+  void step(std::span<const std::uint8_t> levels, std::int64_t dt_ns);
+
+  // Records the pending steps and the whole picture; the caller submits. Afterwards resources().screen holds the picture
+  // in VK_IMAGE_LAYOUT_GENERAL. Times can be read once the GPU is done with these commands.
+  void record(VkCommandBuffer commands, const View& view, double exposure_ev);
+
+  // Headless: record, submit, wait.
+  Status draw(const View& view, double exposure_ev);
+  // Carries the pending steps out without making a picture: for long replays between pictures.
+  Status run_steps();
+  [[nodiscard]] std::size_t pending_steps() const { return pending_.size(); }
+
+  [[nodiscard]] Result<RadianceImage> read_radiance();
+  [[nodiscard]] Result<ScreenImage> read_screen();
+  [[nodiscard]] Result<CountsRow> read_counts();
+  [[nodiscard]] Result<std::vector<fixtures::f32::Walker::FixtureState>> read_states();
+  [[nodiscard]] Result<std::vector<BeamRow>> read_beams();  // the live ones
+  // GPU time of each pass of the last recorded picture, which must be finished. Steps count into "step".
+  [[nodiscard]] Result<std::vector<PassTime>> read_times();
+
+  [[nodiscard]] const std::vector<PassPlan>& plan() const { return plan_; }
+  [[nodiscard]] const FrameSettings& settings() const { return settings_; }
+  [[nodiscard]] Resources& resources() { return resources_; }
+
+ private:
+  struct PendingStep {
+    std::vector<std::uint8_t> levels;
+    std::int64_t dt_ns;
+  };
+  Frame(vk::Device& device, const FrameSettings& settings) : device_(device), settings_(settings) {}
+  void record_steps(VkCommandBuffer commands);
+  void upload_params(VkCommandBuffer commands, const View& view, double exposure_ev);
+  void mark(VkCommandBuffer commands);
+  [[nodiscard]] Status read_buffer(const vk::Buffer& buffer, void* out, std::size_t bytes);
+  [[nodiscard]] Status read_image(const vk::Image& image, void* out, std::size_t bytes);
+
+  vk::Device& device_;
+  FrameSettings settings_;
+  Resources resources_;
+  std::vector<PassPlan> plan_;
+  std::vector<std::unique_ptr<Pass>> passes_;  // one a plan entry
+  std::vector<PendingStep> pending_;
+  fixtures::Haze haze_;
+  double ambient_lx_ = 0;
+  double range_m_ = 0;
+  VkQueryPool times_ = VK_NULL_HANDLE;
+  std::uint32_t marks_ = 0;
+};
+
+}  // namespace footlight::render

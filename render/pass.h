@@ -1,0 +1,46 @@
+// One pass of the frame.
+//
+// A pass is one pair of files in render/passes/, its shaders in render/shaders/, and one line in the list of
+// render/frame.cpp. Passes meet only through the buffers and images of Resources, never through each other.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fixtures/rig.h"
+#include "render/resources.h"
+#include "render/settings.h"
+#include "render/vk/pipeline.h"
+
+namespace footlight::render {
+
+// Recorded once a frame, in the order of the list. Each record() may rely on everything before it being finished.
+class Pass {
+ public:
+  virtual ~Pass() = default;
+  virtual void record(VkCommandBuffer commands) = 0;
+};
+
+struct PassContext {
+  vk::Device& device;
+  Resources& resources;
+  const FrameSettings& settings;
+  std::vector<vk::SpecConstant> constants;  // what PassEntry::constants answered
+};
+
+// How the frame knows a pass. needed() and constants() are pure: tests call them without a device.
+struct PassEntry {
+  const char* name;
+  bool (*needed)(const fixtures::Needs& needs, const FrameSettings& settings);
+  std::vector<vk::SpecConstant> (*constants)(const fixtures::Needs& needs, const FrameSettings& settings);
+  Result<std::unique_ptr<Pass>> (*create)(const PassContext& context);
+  const char* gives;  // what the picture loses without it, for the report
+};
+
+// Whether anything solid is in the picture.
+[[nodiscard]] inline bool has_solids(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return needs.surfaces || (needs.fixtures && settings.bodies);
+}
+
+}  // namespace footlight::render

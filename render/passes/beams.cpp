@@ -1,0 +1,31 @@
+#include "render/passes/beams.h"
+
+#include <cstddef>
+
+#include "render/passes/compute_pass.h"
+#include "shaders/beams.comp.h"
+
+namespace footlight::render {
+
+// Dispatched indirectly: a frame in which nothing is lit does no work here.
+const PassEntry kBeamsPass{
+    "beams",
+    [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures && needs.haze; },
+    [](const fixtures::Needs& needs, const FrameSettings& settings) {
+      return std::vector<vk::SpecConstant>{{FL_SPEC_GOBO, needs.gobo},
+                                           {FL_SPEC_EXTINCTION, needs.extinction},
+                                           {FL_SPEC_PROFILE, needs.profile},
+                                           {FL_SPEC_METHOD, static_cast<uint>(settings.method)},
+                                           {FL_SPEC_NODES, settings.nodes},
+                                           {FL_SPEC_GOBO_TAPS, settings.gobo_taps},
+                                           {FL_SPEC_SOLIDS, has_solids(needs, settings)}};
+    },
+    [](const PassContext& context) {
+      return make_compute_pass(context, kBeamsComp,
+                               [counts = context.resources.counts.handle](VkCommandBuffer commands) {
+                                 vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, beams_groups));
+                               });
+    },
+    "beams in the air"};
+
+}  // namespace footlight::render

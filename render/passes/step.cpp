@@ -1,0 +1,21 @@
+#include "render/passes/step.h"
+
+#include "render/passes/compute_pass.h"
+#include "shaders/step.comp.h"
+
+namespace footlight::render {
+
+const PassEntry kStepPass{
+    "step",
+    [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures; },
+    [](const fixtures::Needs& needs, const FrameSettings&) {
+      return std::vector<vk::SpecConstant>{{FL_SPEC_MOTION, needs.motion}, {FL_SPEC_STROBE, needs.strobe}};
+    },
+    [](const PassContext& context) {
+      return make_compute_pass(context, kStepComp, [groups = context.resources.fixture_groups](VkCommandBuffer commands) {
+        vkCmdDispatch(commands, groups, 1, 1);
+      });
+    },
+    "fixtures"};
+
+}  // namespace footlight::render

@@ -1,0 +1,25 @@
+#include "render/passes/surfaces.h"
+
+#include "render/passes/compute_pass.h"
+#include "shaders/surfaces.comp.h"
+
+namespace footlight::render {
+
+const PassEntry kSurfacesPass{
+    "surfaces",
+    [](const fixtures::Needs& needs, const FrameSettings& settings) { return has_solids(needs, settings); },
+    [](const fixtures::Needs& needs, const FrameSettings&) {
+      return std::vector<vk::SpecConstant>{{FL_SPEC_GOBO, needs.gobo},
+                                           {FL_SPEC_EXTINCTION, needs.extinction},
+                                           {FL_SPEC_PROFILE, needs.profile}};
+    },
+    [](const PassContext& context) {
+      return make_compute_pass(context, kSurfacesComp,
+                               [x = tile_groups(context.settings.width),
+                                y = tile_groups(context.settings.height)](VkCommandBuffer commands) {
+                                 vkCmdDispatch(commands, x, y, 1);
+                               });
+    },
+    "light on floor, walls and fixtures"};
+
+}  // namespace footlight::render

@@ -1,0 +1,23 @@
+#include "render/passes/tonemap.h"
+
+#include "render/passes/compute_pass.h"
+#include "shaders/tonemap.comp.h"
+
+namespace footlight::render {
+
+const PassEntry kTonemapPass{
+    "tonemap",
+    [](const fixtures::Needs& needs, const FrameSettings& settings) {
+      return needs.fixtures || has_solids(needs, settings);
+    },
+    [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
+    [](const PassContext& context) {
+      return make_compute_pass(context, kTonemapComp,
+                               [x = tile_groups(context.settings.width),
+                                y = tile_groups(context.settings.height)](VkCommandBuffer commands) {
+                                 vkCmdDispatch(commands, x, y, 1);
+                               });
+    },
+    "anything to see"};
+
+}  // namespace footlight::render

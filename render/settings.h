@@ -1,0 +1,23 @@
+// How a frame is computed: size, method and its knob. What the scene needs comes from fixtures::Needs.
+#pragma once
+
+#include <cstdint>
+
+#include "render/frame_io.h"
+
+namespace footlight::render {
+
+enum class BeamMethod : std::uint32_t { kGauss = FL_METHOD_GAUSS, kMarch = FL_METHOD_MARCH };
+
+struct FrameSettings {
+  int width = 1280;
+  int height = 720;
+  // Beams in haze. Nodes of the Gauss rule (1 to 8) or steps of the march; errors in docs/numerics.md.
+  BeamMethod method = BeamMethod::kGauss;
+  std::uint32_t nodes = 3;
+  std::uint32_t gobo_taps = 32;  // looks at the gobo along one ray through one beam
+  bool bodies = true;            // draw fixture bodies
+  double dark_lm = 1.0;          // beams with less flux are left out
+};
+
+}  // namespace footlight::render

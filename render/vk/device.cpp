@@ -1,0 +1,239 @@
+#include "render/vk/device.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+namespace footlight::render::vk {
+namespace {
+
+constexpr const char* kNoDeviceAdvice =
+    "install a driver for your GPU, or 'sudo apt-get install mesa-vulkan-drivers' for the software renderer lavapipe; "
+    "'vulkaninfo --summary' (package vulkan-tools) shows what is there";
+
+bool has_layer(const char* name) {
+  std::uint32_t count = 0;
+  vkEnumerateInstanceLayerProperties(&count, nullptr);
+  std::vector<VkLayerProperties> layers(count);
+  vkEnumerateInstanceLayerProperties(&count, layers.data());
+  return std::any_of(layers.begin(), layers.end(),
+                     [&](const VkLayerProperties& layer) { return std::strcmp(layer.layerName, name) == 0; });
+}
+
+int rank_of(VkPhysicalDeviceType type) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return 4;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return 3;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return 2;
+    case VK_PHYSICAL_DEVICE_TYPE_CPU: return 1;
+    default: return 0;
+  }
+}
+
+}  // namespace
+
+Status check(VkResult result, const char* call) {
+  switch (result) {
+    case VK_SUCCESS: return {};
+    case VK_ERROR_OUT_OF_HOST_MEMORY: return fail(ErrorCode::kIo, "{}: out of memory", call);
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+      return fail(ErrorCode::kIo, "{}: out of GPU memory; use a smaller picture or fewer fixtures", call);
+    case VK_ERROR_DEVICE_LOST:
+      return fail(ErrorCode::kDisconnected, "{}: the GPU stopped answering (device lost); see 'sudo dmesg'", call);
+    default: return fail(ErrorCode::kIo, "{}: Vulkan error {}", call, static_cast<int>(result));
+  }
+}
+
+VKAPI_ATTR VkBool32 VKAPI_CALL Device::on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                                  VkDebugUtilsMessageTypeFlagsEXT types,
+                                                  const VkDebugUtilsMessengerCallbackDataEXT* data, void* self) {
+  // Loader chatter about other drivers is GENERAL; what the program does wrong is VALIDATION or PERFORMANCE.
+  if ((types & VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT) == 0) return VK_FALSE;
+  if (severity < VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT) return VK_FALSE;
+  static_cast<Device*>(self)->validation_messages_.emplace_back(data->pMessage);
+  fmt::print(stderr, "validation: {}\n", data->pMessage);
+  return VK_FALSE;
+}
+
+Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
+  std::unique_ptr<Device> device(new Device());
+  FL_TRY(device->create_instance(options));
+  FL_TRY(device->choose_physical(options));
+  FL_TRY(device->create_logical(options));
+  return device;
+}
+
+Status Device::create_instance(const DeviceOptions& options) {
+  const char* environment = std::getenv("FOOTLIGHT_VALIDATION");
+  const bool validation = options.validation || (environment != nullptr && std::strcmp(environment, "1") == 0);
+
+  std::vector<const char*> layers;
+  std::vector<const char*> extensions;
+  for (const auto& extension : options.instance_extensions) extensions.push_back(extension.c_str());
+  if (validation) {
+    if (!has_layer("VK_LAYER_KHRONOS_validation")) {
+      return fail(ErrorCode::kUnsupported,
+                  "the Vulkan validation layer is not installed; 'sudo apt-get install vulkan-validationlayers'");
+    }
+    layers.push_back("VK_LAYER_KHRONOS_validation");
+    extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+  }
+
+  VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO, nullptr, "footlight", 1, "footlight", 1,
+                                VK_API_VERSION_1_3};
+  VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+  messenger.messageSeverity =
+      VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
+  messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
+  messenger.pfnUserCallback = &Device::on_message;
+  messenger.pUserData = this;
+
+  VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+  info.pNext = validation ? &messenger : nullptr;
+  info.pApplicationInfo = &application;
+  info.enabledLayerCount = static_cast<std::uint32_t>(layers.size());
+  info.ppEnabledLayerNames = layers.data();
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
+  if (const VkResult result = vkCreateInstance(&info, nullptr, &instance); result != VK_SUCCESS) {
+    return fail(ErrorCode::kUnsupported, "no Vulkan 1.3 on this machine (vkCreateInstance gave {}); {}",
+                static_cast<int>(result), kNoDeviceAdvice);
+  }
+  if (validation) {
+    const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
+        vkGetInstanceProcAddr(instance, "vkCreateDebugUtilsMessengerEXT"));
+    FL_TRY(check(create(instance, &messenger, nullptr, &messenger_), "vkCreateDebugUtilsMessengerEXT"));
+  }
+  return {};
+}
+
+Status Device::choose_physical(const DeviceOptions& options) {
+  std::uint32_t count = 0;
+  vkEnumeratePhysicalDevices(instance, &count, nullptr);
+  std::vector<VkPhysicalDevice> devices(count);
+  vkEnumeratePhysicalDevices(instance, &count, devices.data());
+  int best = -1;
+  std::string seen;
+  for (VkPhysicalDevice candidate : devices) {
+    VkPhysicalDeviceProperties properties;
+    vkGetPhysicalDeviceProperties(candidate, &properties);
+    seen += fmt::format("{}{} (Vulkan {}.{})", seen.empty() ? "" : ", ", properties.deviceName,
+                        VK_API_VERSION_MAJOR(properties.apiVersion), VK_API_VERSION_MINOR(properties.apiVersion));
+    if (properties.apiVersion < VK_API_VERSION_1_3) continue;
+    if (!options.name_contains.empty() &&
+        std::string(properties.deviceName).find(options.name_contains) == std::string::npos) {
+      continue;
+    }
+    if (rank_of(properties.deviceType) <= best) continue;
+    best = rank_of(properties.deviceType);
+    physical = candidate;
+    properties_ = properties;
+  }
+  if (physical == VK_NULL_HANDLE) {
+    return fail(ErrorCode::kUnsupported, "no usable Vulkan 1.3 device{}; found: {}; {}",
+                options.name_contains.empty() ? "" : " named '" + options.name_contains + "'",
+                seen.empty() ? "none" : seen, kNoDeviceAdvice);
+  }
+  VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &driver, {}};
+  vkGetPhysicalDeviceProperties2(physical, &properties);
+  name_ = properties_.deviceName;
+  driver_ = fmt::format("{} {}", driver.driverName, driver.driverInfo);
+  software_ = properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  return {};
+}
+
+Status Device::create_logical(const DeviceOptions& options) {
+  std::uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families.data());
+  constexpr VkQueueFlags kWanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+  const auto family = std::find_if(families.begin(), families.end(), [](const VkQueueFamilyProperties& f) {
+    return (f.queueFlags & kWanted) == kWanted;
+  });
+  if (family == families.end()) {
+    return fail(ErrorCode::kUnsupported, "{} has no queue that both draws and computes; {}", name_, kNoDeviceAdvice);
+  }
+  queue_family = static_cast<std::uint32_t>(family - families.begin());
+
+  const float priority = 1.0f;
+  VkDeviceQueueCreateInfo queue_info{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+  queue_info.queueFamilyIndex = queue_family;
+  queue_info.queueCount = 1;
+  queue_info.pQueuePriorities = &priority;
+
+  VkPhysicalDeviceVulkan13Features features_13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+  features_13.synchronization2 = VK_TRUE;
+  features_13.dynamicRendering = VK_TRUE;
+  features_13.maintenance4 = VK_TRUE;
+  VkPhysicalDeviceVulkan12Features features_12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, &features_13};
+  features_12.hostQueryReset = VK_TRUE;
+  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features_12, {}};
+  features.features.multiDrawIndirect = VK_TRUE;
+  features.features.drawIndirectFirstInstance = VK_TRUE;
+
+  std::vector<const char*> extensions;
+  if (options.swapchain) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+  VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
+  info.queueCreateInfoCount = 1;
+  info.pQueueCreateInfos = &queue_info;
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
+  FL_TRY(check(vkCreateDevice(physical, &info, nullptr, &handle), "vkCreateDevice"));
+  vkGetDeviceQueue(handle, queue_family, 0, &queue);
+
+  VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+  pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
+  pool.queueFamilyIndex = queue_family;
+  return check(vkCreateCommandPool(handle, &pool, nullptr, &command_pool), "vkCreateCommandPool");
+}
+
+Device::~Device() {
+  if (handle != VK_NULL_HANDLE) {
+    vkDeviceWaitIdle(handle);
+    vkDestroyCommandPool(handle, command_pool, nullptr);
+    vkDestroyDevice(handle, nullptr);
+  }
+  if (messenger_ != VK_NULL_HANDLE) {
+    const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
+        vkGetInstanceProcAddr(instance, "vkDestroyDebugUtilsMessengerEXT"));
+    destroy(instance, messenger_, nullptr);
+  }
+  if (instance != VK_NULL_HANDLE) vkDestroyInstance(instance, nullptr);
+}
+
+Result<std::uint32_t> Device::memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags flags) const {
+  VkPhysicalDeviceMemoryProperties memory;
+  vkGetPhysicalDeviceMemoryProperties(physical, &memory);
+  for (std::uint32_t i = 0; i < memory.memoryTypeCount; ++i) {
+    if ((type_bits & (1u << i)) != 0 && (memory.memoryTypes[i].propertyFlags & flags) == flags) return i;
+  }
+  return fail(ErrorCode::kUnsupported, "{} has no memory type with properties {:#x}", name_, flags);
+}
+
+Result<VkCommandBuffer> Device::begin_once() {
+  VkCommandBufferAllocateInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+  info.commandPool = command_pool;
+  info.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  info.commandBufferCount = 1;
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+  FL_TRY(check(vkAllocateCommandBuffers(handle, &info, &commands), "vkAllocateCommandBuffers"));
+  VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  FL_TRY(check(vkBeginCommandBuffer(commands, &begin), "vkBeginCommandBuffer"));
+  return commands;
+}
+
+Status Device::end_once(VkCommandBuffer commands) {
+  FL_TRY(check(vkEndCommandBuffer(commands), "vkEndCommandBuffer"));
+  VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+  submit.commandBufferCount = 1;
+  submit.pCommandBuffers = &commands;
+  FL_TRY(check(vkQueueSubmit(queue, 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit"));
+  FL_TRY(check(vkQueueWaitIdle(queue), "vkQueueWaitIdle"));
+  vkFreeCommandBuffers(handle, command_pool, 1, &commands);
+  return {};
+}
+
+}  // namespace footlight::render::vk

@@ -1,0 +1,80 @@
+// A Vulkan 1.3 device: instance, physical device, one queue that can draw and compute, and what every call needs.
+//
+// Knows no word of DMX. Owns everything it makes; buffers and images made from it must die before it. Not safe to share
+// between threads. Validation: with Options::validation, or FOOTLIGHT_VALIDATION=1 in the environment, the Khronos layer
+// is on and every warning or error is kept in validation_messages(); tests require that none is.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <vulkan/vulkan.h>
+
+#include "sim/core/result.h"
+
+namespace footlight::render::vk {
+
+struct DeviceOptions {
+  bool validation = false;
+  std::vector<std::string> instance_extensions;  // of the window system; empty without a window
+  bool swapchain = false;                        // VK_KHR_swapchain on the device
+  std::string name_contains;                     // choose a device whose name contains this; empty: the best one
+};
+
+class Device {
+ public:
+  // kUnsupported where there is no usable Vulkan device; the message names the package that brings a software one.
+  [[nodiscard]] static Result<std::unique_ptr<Device>> create(const DeviceOptions& options);
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::string& driver() const { return driver_; }
+  [[nodiscard]] bool is_software() const { return software_; }
+  [[nodiscard]] double timestamp_period_ns() const { return properties_.limits.timestampPeriod; }
+  [[nodiscard]] const VkPhysicalDeviceLimits& limits() const { return properties_.limits; }
+  [[nodiscard]] const std::vector<std::string>& validation_messages() const { return validation_messages_; }
+
+  // Index of a memory type that is allowed by `type_bits` and has `flags`; kUnsupported where there is none.
+  [[nodiscard]] Result<std::uint32_t> memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags flags) const;
+
+  // Records with `record` into a command buffer of its own, submits it and waits. For set-up and read-back.
+  template <class Record>
+  Status run_once(Record&& record) {
+    FL_ASSIGN(VkCommandBuffer commands, begin_once());
+    record(commands);
+    return end_once(commands);
+  }
+
+  VkInstance instance = VK_NULL_HANDLE;
+  VkPhysicalDevice physical = VK_NULL_HANDLE;
+  VkDevice handle = VK_NULL_HANDLE;
+  VkQueue queue = VK_NULL_HANDLE;
+  std::uint32_t queue_family = 0;
+  VkCommandPool command_pool = VK_NULL_HANDLE;
+
+ private:
+  Device() = default;
+  Result<VkCommandBuffer> begin_once();
+  Status end_once(VkCommandBuffer commands);
+  Status create_instance(const DeviceOptions& options);
+  Status choose_physical(const DeviceOptions& options);
+  Status create_logical(const DeviceOptions& options);
+  static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                                   VkDebugUtilsMessageTypeFlagsEXT types,
+                                                   const VkDebugUtilsMessengerCallbackDataEXT* data, void* self);
+
+  VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
+  VkPhysicalDeviceProperties properties_{};
+  std::string name_;
+  std::string driver_;
+  bool software_ = false;
+  std::vector<std::string> validation_messages_;
+};
+
+// Success, or the name of the failed call and of the VkResult.
+[[nodiscard]] Status check(VkResult result, const char* call);
+
+}  // namespace footlight::render::vk
