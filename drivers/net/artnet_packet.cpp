@@ -1,0 +1,165 @@
+#include "drivers/net/artnet_packet.h"
+
+#include <algorithm>
+
+#include "drivers/net/bytes.h"
+#include "sim/core/check.h"
+
+namespace footlight::drivers {
+namespace {
+
+constexpr std::array<std::uint8_t, 8> kMagic = {'A', 'r', 't', '-', 'N', 'e', 't', 0};
+constexpr std::uint16_t kOpPoll = 0x2000;
+constexpr std::uint16_t kOpPollReply = 0x2100;
+constexpr std::uint16_t kOpDmx = 0x5000;
+constexpr std::uint16_t kOpSync = 0x5200;
+constexpr std::uint16_t kVersion = 14;
+
+constexpr std::size_t kAtOpCode = 8;
+constexpr std::size_t kAtVersion = 10;
+constexpr std::size_t kAtSequence = 12;
+constexpr std::size_t kAtPhysical = 13;
+constexpr std::size_t kAtSubUni = 14;
+constexpr std::size_t kAtNet = 15;
+constexpr std::size_t kAtLength = 16;
+constexpr std::size_t kAtPollFlags = 12;
+constexpr std::size_t kAtPollLast = 14;   // the upper end of the range comes first
+constexpr std::size_t kAtPollFirst = 16;
+constexpr std::uint8_t kPollTargeted = 0x20;
+
+// ArtPollReply.
+constexpr std::size_t kAtReplyIp = 10;
+constexpr std::size_t kAtReplyUdpPort = 14;
+constexpr std::size_t kAtReplyNet = 18;
+constexpr std::size_t kAtReplySub = 19;
+constexpr std::size_t kAtReplyOem = 20;
+constexpr std::size_t kAtReplyStatus1 = 23;
+constexpr std::size_t kAtReplyShortName = 26;
+constexpr std::size_t kAtReplyLongName = 44;
+constexpr std::size_t kAtReplyReport = 108;
+constexpr std::size_t kAtReplyPortCount = 172;
+constexpr std::size_t kAtReplyPortTypes = 174;
+constexpr std::size_t kAtReplyGoodOutput = 182;
+constexpr std::size_t kAtReplySwOut = 190;
+constexpr std::size_t kAtReplyMac = 201;
+constexpr std::size_t kAtReplyBindIp = 207;
+constexpr std::size_t kAtReplyBindIndex = 211;
+constexpr std::size_t kAtReplyStatus2 = 212;
+constexpr std::uint16_t kOemUnknown = 0x00FF;
+constexpr std::uint8_t kStatus1Normal = 0xD0;  // indicators normal, port addresses set here and not over the network
+constexpr std::uint8_t kStatus2FifteenBits = 0x08;
+constexpr std::uint8_t kPortTypeOutputDmx = 0x80;  // takes DMX512 from Art-Net
+constexpr std::uint8_t kGoodOutputActive = 0x80;
+
+void write_text(std::span<std::uint8_t> out, std::size_t at, std::size_t field_bytes, std::string_view text) {
+  const std::string_view cut = cut_utf8(text, field_bytes - 1);
+  std::copy(cut.begin(), cut.end(), out.begin() + static_cast<std::ptrdiff_t>(at));
+}
+
+tl::expected<ArtnetPacket, ArtnetFault> parse_dmx(std::span<const std::uint8_t> datagram) {
+  if (datagram.size() < kArtnetDmxHeaderBytes) return tl::unexpected(ArtnetFault::kTooShort);
+  if ((datagram[kAtNet] & 0x80u) != 0) return tl::unexpected(ArtnetFault::kPortAddress);
+  const std::size_t length = read_u16_be(datagram, kAtLength);
+  if (length < 1 || length > kSlotCountMax || length > datagram.size() - kArtnetDmxHeaderBytes) {
+    return tl::unexpected(ArtnetFault::kLength);
+  }
+  ArtnetDmx dmx;
+  dmx.sequence = datagram[kAtSequence];
+  dmx.physical = datagram[kAtPhysical];
+  dmx.port_address = datagram[kAtNet] << 8 | datagram[kAtSubUni];
+  dmx.slots = datagram.subspan(kArtnetDmxHeaderBytes, length);
+  return dmx;
+}
+
+}  // namespace
+
+const char* text_of(ArtnetFault fault) {
+  switch (fault) {
+    case ArtnetFault::kTooShort: return "the datagram is shorter than its header";
+    case ArtnetFault::kNotArtnet: return "the datagram does not begin with \"Art-Net\"";
+    case ArtnetFault::kVersion: return "the protocol version is below 14";
+    case ArtnetFault::kPortAddress: return "the port address has more than 15 bits";
+    case ArtnetFault::kLength: return "the length is outside 1 to 512 or more than the datagram holds";
+  }
+  return "unknown fault";
+}
+
+tl::expected<ArtnetPacket, ArtnetFault> parse_artnet_packet(std::span<const std::uint8_t> datagram) {
+  if (datagram.size() < kAtVersion) return tl::unexpected(ArtnetFault::kTooShort);
+  if (!std::equal(kMagic.begin(), kMagic.end(), datagram.begin())) return tl::unexpected(ArtnetFault::kNotArtnet);
+  const std::uint16_t op_code = read_u16_le(datagram, kAtOpCode);
+  // ArtPollReply alone has its address where the others have the protocol version.
+  if (op_code == kOpPollReply) return ArtnetOther{op_code};
+  if (datagram.size() < kAtVersion + 2) return tl::unexpected(ArtnetFault::kTooShort);
+  if (read_u16_be(datagram, kAtVersion) < kVersion) return tl::unexpected(ArtnetFault::kVersion);
+  if (op_code == kOpDmx) return parse_dmx(datagram);
+  if (op_code == kOpSync) return ArtnetSync{};
+  if (op_code != kOpPoll) return ArtnetOther{op_code};
+
+  if (datagram.size() < kArtnetPollBytesMin) return tl::unexpected(ArtnetFault::kTooShort);
+  ArtnetPoll poll;
+  poll.flags = datagram[kAtPollFlags];
+  if ((poll.flags & kPollTargeted) != 0 && datagram.size() >= kAtPollFirst + 2) {
+    poll.port_address_last = read_u16_be(datagram, kAtPollLast);
+    poll.port_address_first = read_u16_be(datagram, kAtPollFirst);
+  }
+  return poll;
+}
+
+Result<ArtnetPacket> parse_artnet(std::span<const std::uint8_t> datagram) {
+  auto packet = parse_artnet_packet(datagram);
+  if (!packet) return fail(ErrorCode::kProtocol, "Art-Net, {} octets: {}", datagram.size(), text_of(packet.error()));
+  return *packet;
+}
+
+std::size_t build_artnet_dmx(const ArtnetDmx& dmx, std::span<std::uint8_t> out) {
+  FL_CHECK(dmx.port_address >= 0 && dmx.port_address <= kArtnetPortAddressMax);
+  FL_CHECK_LE(dmx.slots.size(), std::size_t{kSlotCountMax});
+  const std::size_t length = std::max<std::size_t>(2, (dmx.slots.size() + 1) / 2 * 2);
+  FL_CHECK_GE(out.size(), kArtnetDmxHeaderBytes + length);
+  std::copy(kMagic.begin(), kMagic.end(), out.begin());
+  write_u16_le(out, kAtOpCode, kOpDmx);
+  write_u16_be(out, kAtVersion, kVersion);
+  out[kAtSequence] = dmx.sequence;
+  out[kAtPhysical] = dmx.physical;
+  out[kAtSubUni] = static_cast<std::uint8_t>(dmx.port_address & 0xFF);
+  out[kAtNet] = static_cast<std::uint8_t>(dmx.port_address >> 8);
+  write_u16_be(out, kAtLength, static_cast<std::uint16_t>(length));
+  const auto data = out.subspan(kArtnetDmxHeaderBytes, length);
+  const auto end = std::copy(dmx.slots.begin(), dmx.slots.end(), data.begin());
+  std::fill(end, data.end(), std::uint8_t{0});
+  return kArtnetDmxHeaderBytes + length;
+}
+
+std::size_t build_artnet_poll_reply(const ArtnetPollReply& reply, std::span<std::uint8_t> out) {
+  FL_CHECK_GE(out.size(), kArtnetPollReplyBytes);
+  FL_CHECK(!reply.ports.empty() && reply.ports.size() <= kArtnetReplyPortsMax);
+  const auto packet = out.first(kArtnetPollReplyBytes);
+  std::fill(packet.begin(), packet.end(), std::uint8_t{0});
+  std::copy(kMagic.begin(), kMagic.end(), packet.begin());
+  write_u16_le(packet, kAtOpCode, kOpPollReply);
+  std::copy(reply.ip.begin(), reply.ip.end(), packet.begin() + kAtReplyIp);
+  write_u16_le(packet, kAtReplyUdpPort, kArtnetPort);
+  const int upper = reply.ports.front().port_address >> 4;
+  packet[kAtReplyNet] = static_cast<std::uint8_t>(upper >> 4);
+  packet[kAtReplySub] = static_cast<std::uint8_t>(upper & 0x0F);
+  write_u16_be(packet, kAtReplyOem, kOemUnknown);
+  packet[kAtReplyStatus1] = kStatus1Normal;
+  write_text(packet, kAtReplyShortName, 18, reply.short_name);
+  write_text(packet, kAtReplyLongName, 64, reply.long_name);
+  write_text(packet, kAtReplyReport, 64, reply.report);
+  write_u16_be(packet, kAtReplyPortCount, static_cast<std::uint16_t>(reply.ports.size()));
+  for (std::size_t i = 0; i < reply.ports.size(); ++i) {
+    FL_CHECK_EQ(reply.ports[i].port_address >> 4, upper);
+    packet[kAtReplyPortTypes + i] = kPortTypeOutputDmx;
+    packet[kAtReplyGoodOutput + i] = reply.ports[i].active ? kGoodOutputActive : 0;
+    packet[kAtReplySwOut + i] = static_cast<std::uint8_t>(reply.ports[i].port_address & 0x0F);
+  }
+  std::copy(reply.mac.begin(), reply.mac.end(), packet.begin() + kAtReplyMac);
+  std::copy(reply.ip.begin(), reply.ip.end(), packet.begin() + kAtReplyBindIp);
+  packet[kAtReplyBindIndex] = reply.bind_index;
+  packet[kAtReplyStatus2] = kStatus2FifteenBits;
+  return kArtnetPollReplyBytes;
+}
+
+}  // namespace footlight::drivers

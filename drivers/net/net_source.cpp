@@ -1,0 +1,231 @@
+#include "drivers/net/net_source.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+
+#include <sys/epoll.h>
+
+#include "drivers/net/sequence.h"
+
+namespace footlight::drivers {
+namespace {
+
+constexpr std::uint64_t kWatchTag = UINT64_MAX;
+// Of one poll() and socket. What is left makes the descriptor readable again at once, so a flood on one port does not keep
+// the pump from the others.
+constexpr int kBatchesMax = 16;
+
+bool watch_readable(const Fd& epoll, int fd, std::uint64_t tag) {
+  epoll_event event = {};
+  event.events = EPOLLIN;
+  event.data.u64 = tag;
+  return epoll_ctl(epoll.get(), EPOLL_CTL_ADD, fd, &event) == 0;
+}
+
+}  // namespace
+
+Status check_universes(const std::string& name, const std::vector<WireUniverse>& universes, int wire_max) {
+  if (universes.empty()) {
+    return fail(ErrorCode::kBadInput, "{}: no universe is named; name one or more, as in \"1-9\"", name);
+  }
+  for (const auto& [wire, show] : universes) {
+    if (wire < 1 || wire > wire_max) {
+      return fail(ErrorCode::kBadInput, "{}: expected wire universes from 1 to {}, got {}", name, wire_max, wire);
+    }
+    if (!is_universe(show)) {
+      return fail(ErrorCode::kBadInput, "{}: expected universes of the show from 1 to {}, got {}", name, kUniverseMax,
+                  show);
+    }
+  }
+  for (auto numbers : {wire_numbers(universes), show_numbers(universes)}) {
+    std::sort(numbers.begin(), numbers.end());
+    const auto twice = std::adjacent_find(numbers.begin(), numbers.end());
+    if (twice != numbers.end()) {
+      return fail(ErrorCode::kBadInput, "{}: universe {} is named twice; name each universe once on either side", name,
+                  *twice);
+    }
+  }
+  return {};
+}
+
+std::vector<int> wire_numbers(const std::vector<WireUniverse>& universes) {
+  std::vector<int> numbers;
+  for (const auto& universe : universes) numbers.push_back(universe.wire);
+  return numbers;
+}
+
+std::vector<Universe> show_numbers(const std::vector<WireUniverse>& universes) {
+  std::vector<Universe> numbers;
+  for (const auto& universe : universes) numbers.push_back(universe.show);
+  return numbers;
+}
+
+NetSource::NetSource(Settings settings)
+    : settings_(std::move(settings)),
+      show_universes_(show_numbers(settings_.universes)),
+      wire_index_(wire_numbers(settings_.universes)) {}
+
+Status NetSource::open() {
+  if (!settings_.address.empty()) {
+    FL_ASSIGN(bind_ipv4_, parse_ipv4(settings_.name, settings_.address));
+    settings_.groups.clear();  // unicast only
+  }
+  if (!settings_.interface_name.empty()) {
+    FL_ASSIGN(const Interface only, find_interface(settings_.name, settings_.interface_name));
+    only_interface_index_ = only.index;
+  }
+  epoll_ = Fd(epoll_create1(EPOLL_CLOEXEC));
+  if (!epoll_) return tl::unexpected(net_error(settings_.name, "create an epoll descriptor", errno));
+  if (watch_.fd() >= 0 && !watch_readable(epoll_, watch_.fd(), kWatchTag)) {
+    return tl::unexpected(net_error(settings_.name, "watch the network interfaces", errno));
+  }
+  FL_TRY(add_socket());
+  return join_missing();
+}
+
+Status NetSource::add_socket() {
+  ReceiverSocket wanted;
+  wanted.port_name = settings_.name;
+  wanted.bind_ipv4 = bind_ipv4_;
+  wanted.udp_port = settings_.udp_port;
+  wanted.kernel_stamps = settings_.kernel_stamps;
+  wanted.packet_info = settings_.packet_info;
+  FL_ASSIGN(Fd socket, open_receiver(wanted));
+  if (!watch_readable(epoll_, socket.get(), sockets_.size())) {
+    return tl::unexpected(net_error(settings_.name, "watch a socket", errno));
+  }
+  sockets_.push_back({std::move(socket), 0, 0});
+  return {};
+}
+
+Status NetSource::join(std::uint32_t group, int interface_index) {
+  // A socket below our limit may still be full where the system's limit is lower; then the next one takes the group.
+  for (std::size_t i = 0;; ++i) {
+    if (i == sockets_.size()) FL_TRY(add_socket());
+    Socket& socket = sockets_[i];
+    if (socket.groups >= kGroupsPerSocketMax) continue;
+    const int error_number = join_group(socket.fd, group, interface_index);
+    if (error_number == 0 || error_number == EADDRINUSE) {  // EADDRINUSE: this socket is a member already
+      if (error_number == 0) {
+        ++socket.groups;
+        memberships_.push_back({interface_index, group, i});
+      }
+      return {};
+    }
+    if (error_number == ENOBUFS && socket.groups > 0) continue;
+    return tl::unexpected(
+        net_error(settings_.name, fmt::format("join multicast group {}", text_of_ipv4(group)), error_number));
+  }
+}
+
+Status NetSource::join_missing() {
+  join_trouble_.clear();
+  if (settings_.groups.empty()) return {};
+  std::set<int> wanted;
+  if (only_interface_index_ != 0) {
+    // Asked for by name: tried even where the interface does not say that it can do multicast, as "lo" does not.
+    FL_ASSIGN(const Interface only, find_interface(settings_.name, settings_.interface_name));
+    only_interface_index_ = only.index;
+    wanted.insert(only.index);
+  } else {
+    for (const auto& candidate : list_interfaces()) {
+      if (candidate.up && candidate.multicast) wanted.insert(candidate.index);
+    }
+  }
+  if (wanted.empty()) {
+    join_trouble_ = fmt::format("{}: no network interface is up and can do multicast; connect one, or send to this machine "
+                                "by unicast", settings_.name);
+  }
+  for (const int interface_index : wanted) {
+    if (joined_interfaces_.count(interface_index) != 0) continue;
+    for (const std::uint32_t group : settings_.groups) {
+      if (auto status = join(group, interface_index); !status) {
+        forget(interface_index);
+        return status;
+      }
+    }
+    joined_interfaces_.insert(interface_index);
+  }
+  return {};
+}
+
+void NetSource::forget(int interface_index) {
+  for (const auto& membership : memberships_) {
+    if (membership.interface_index != interface_index) continue;
+    leave_group(sockets_[membership.socket].fd, membership.group, interface_index);
+    --sockets_[membership.socket].groups;
+  }
+  memberships_.erase(std::remove_if(memberships_.begin(), memberships_.end(),
+                                    [&](const Membership& m) { return m.interface_index == interface_index; }),
+                     memberships_.end());
+  joined_interfaces_.erase(interface_index);
+}
+
+PortState NetSource::state() const {
+  if (polled_ns_ - kSenderTimeoutNs < heard_ns_) return PortState::kWorking;
+  return join_trouble_.empty() ? PortState::kWaiting : PortState::kGone;
+}
+
+std::string NetSource::trouble() const { return state() == PortState::kGone ? join_trouble_ : std::string(); }
+
+void NetSource::deliver(const FrameView& frame, FrameReceiver& receiver) {
+  ++counters_.frames;
+  heard_ns_ = polled_ns_;
+  receiver.receive(frame);
+}
+
+void NetSource::read_socket(std::size_t index, TimeNs now_ns, FrameReceiver& receiver) {
+  for (int batch = 0; batch < kBatchesMax; ++batch) {
+    const int count = reader_.read(sockets_[index].fd.get());
+    if (count < 0) {
+      // Such as ENETDOWN, told once; the socket goes on working when the interface is back.
+      ++counters_.errors;
+      return;
+    }
+    if (count == 0) return;
+    const std::uint32_t drops = reader_.kernel_drops();
+    for (int i = 0; i < count; ++i) {
+      const Datagram& datagram = reader_[static_cast<std::size_t>(i)];
+      if (datagram.truncated) {
+        ++counters_.rejected;
+        continue;
+      }
+      take(datagram, now_ns - datagram.age_ns, receiver);
+    }
+    counters_.dropped += static_cast<std::uint32_t>(drops - sockets_[index].kernel_drops);
+    sockets_[index].kernel_drops = drops;
+    if (static_cast<std::size_t>(count) < DatagramReader::kBatch) return;
+  }
+}
+
+Status NetSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
+  polled_ns_ = now_ns;
+  std::array<epoll_event, 64> events;
+  const int count = epoll_wait(epoll_.get(), events.data(), static_cast<int>(events.size()), 0);
+  if (count < 0 && errno != EINTR) {
+    return tl::unexpected(net_error(settings_.name, "wait for datagrams", errno));
+  }
+  bool interfaces_changed = false;
+  for (int i = 0; i < count; ++i) {
+    const std::uint64_t tag = events[static_cast<std::size_t>(i)].data.u64;
+    if (tag == kWatchTag) {
+      interfaces_changed = true;
+    } else {
+      read_socket(static_cast<std::size_t>(tag), now_ns, receiver);
+    }
+  }
+  if (interfaces_changed) {
+    std::vector<int> lost;
+    watch_.read(lost);
+    for (const int interface_index : lost) forget(interface_index);
+    // Not the end of the port: the interface may come back, and unicast may work all along.
+    if (auto status = join_missing(); !status) {
+      join_trouble_ = status.error().message;
+      ++counters_.errors;
+    }
+  }
+  return {};
+}
+
+}  // namespace footlight::drivers

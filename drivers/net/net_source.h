@@ -1,0 +1,105 @@
+// What sACN and Art-Net sources have in common: shared sockets, batched reading, groups joined on interfaces as they come
+// and go. A protocol derives from it and says what a datagram means.
+#pragma once
+
+#include <memory>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "drivers/net/net.h"
+#include "drivers/net/udp.h"
+#include "drivers/net/universe_index.h"
+#include "sim/core/ports.h"
+
+namespace footlight::drivers {
+
+// Linux lets one socket join this many groups unless told otherwise (net.ipv4.igmp_max_memberships).
+inline constexpr std::size_t kGroupsPerSocketMax = 20;
+
+class NetSource : public Source {
+ public:
+  [[nodiscard]] std::string name() const override { return settings_.name; }
+  [[nodiscard]] int poll_fd() const override { return epoll_.get(); }
+  [[nodiscard]] PortState state() const override;
+  [[nodiscard]] std::string trouble() const override;
+  [[nodiscard]] PortCounters counters() const override { return counters_; }
+  [[nodiscard]] std::span<const Universe> universes() const override { return show_universes_; }
+  Status poll(TimeNs now_ns, FrameReceiver& receiver) override;
+
+  // Sockets open now: one for each kGroupsPerSocketMax groups, at least one. For tests.
+  [[nodiscard]] std::size_t socket_count() const { return sockets_.size(); }
+
+ protected:
+  struct Settings {
+    std::string name;
+    std::vector<WireUniverse> universes;
+    std::string address;
+    std::string interface_name;
+    std::uint16_t udp_port = 0;
+    bool kernel_stamps = true;
+    bool packet_info = false;
+    std::vector<std::uint32_t> groups;  // to join; empty: none
+  };
+  explicit NetSource(Settings settings);
+
+  // Opens the sockets and joins the groups. Called once, before anything else.
+  Status open();
+
+  // One datagram of at most kDatagramBytesMax octets. `stamp_ns` is when it arrived.
+  virtual void take(const Datagram& datagram, TimeNs stamp_ns, FrameReceiver& receiver) = 0;
+
+  // Place in settings.universes of a universe as the wire numbers it; -1: not ours.
+  [[nodiscard]] int place_of(int wire_universe) const { return wire_index_.find(wire_universe); }
+  [[nodiscard]] Universe show_universe(int place) const { return show_universes_[static_cast<std::size_t>(place)]; }
+  void deliver(const FrameView& frame, FrameReceiver& receiver);
+  void count_rejected() { ++counters_.rejected; }
+  void count_error() { ++counters_.errors; }
+  // Socket to answer a datagram from.
+  [[nodiscard]] const Fd& first_socket() const { return sockets_.front().fd; }
+  [[nodiscard]] const Settings& settings() const { return settings_; }
+  // The interface that settings().interface_name names; 0: any.
+  [[nodiscard]] int only_interface_index() const { return only_interface_index_; }
+
+ private:
+  struct Socket {
+    Fd fd;
+    std::size_t groups = 0;
+    std::uint32_t kernel_drops = 0;
+  };
+  struct Membership {
+    int interface_index = 0;
+    std::uint32_t group = 0;
+    std::size_t socket = 0;
+  };
+
+  Status add_socket();
+  Status join_missing();
+  Status join(std::uint32_t group, int interface_index);
+  void forget(int interface_index);
+  void read_socket(std::size_t index, TimeNs now_ns, FrameReceiver& receiver);
+
+  Settings settings_;
+  std::vector<Universe> show_universes_;
+  UniverseIndex wire_index_;
+  std::uint32_t bind_ipv4_ = 0;
+  int only_interface_index_ = 0;
+  Fd epoll_;
+  std::vector<Socket> sockets_;
+  std::vector<Membership> memberships_;
+  std::set<int> joined_interfaces_;
+  InterfaceWatch watch_;
+  DatagramReader reader_;
+  PortCounters counters_;
+  std::string join_trouble_;  // why a group could not be joined; empty: all were
+  TimeNs heard_ns_ = -kTimeNever;  // newest frame
+  TimeNs polled_ns_ = 0;
+};
+
+// Checks what every port's options have in common; kBadInput names the number. `wire_max`: 63'999 or 32'768.
+[[nodiscard]] Status check_universes(const std::string& name, const std::vector<WireUniverse>& universes, int wire_max);
+[[nodiscard]] std::vector<int> wire_numbers(const std::vector<WireUniverse>& universes);
+[[nodiscard]] std::vector<Universe> show_numbers(const std::vector<WireUniverse>& universes);
+
+}  // namespace footlight::drivers

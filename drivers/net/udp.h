@@ -1,0 +1,151 @@
+// Sockets: opening them with errors that people can act on, and moving datagrams in batches. The one place of drivers/net
+// that calls the operating system. IPv4 addresses are numbers in host byte order here.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/core/clock.h"
+#include "sim/core/result.h"
+
+namespace footlight::drivers {
+
+inline constexpr std::size_t kDatagramBytesMax = 1280;  // above the largest sACN (1144) and Art-Net packet that we read
+
+// Owns a file descriptor.
+class Fd {
+ public:
+  Fd() = default;
+  explicit Fd(int fd) : fd_(fd) {}
+  Fd(Fd&& other) noexcept : fd_(other.release()) {}
+  Fd& operator=(Fd&& other) noexcept;
+  Fd(const Fd&) = delete;
+  Fd& operator=(const Fd&) = delete;
+  ~Fd() { reset(); }
+  [[nodiscard]] int get() const { return fd_; }
+  [[nodiscard]] explicit operator bool() const { return fd_ >= 0; }
+  int release();
+  void reset();
+
+ private:
+  int fd_ = -1;
+};
+
+[[nodiscard]] Result<std::uint32_t> parse_ipv4(std::string_view port_name, const std::string& text);
+[[nodiscard]] std::string text_of_ipv4(std::uint32_t ipv4);
+
+// One IPv4 address of one network interface. Interfaces without an IPv4 address do not appear.
+struct Interface {
+  std::string name;
+  int index = 0;
+  std::uint32_t ipv4 = 0;
+  std::uint32_t broadcast = 0;  // 0: has none
+  bool up = false;
+  bool multicast = false;
+  bool loopback = false;
+  std::array<std::uint8_t, 6> mac = {};
+};
+[[nodiscard]] std::vector<Interface> list_interfaces();
+// kNotFound lists what there is. Interfaces without an IPv4 address are found too (ipv4 = 0).
+[[nodiscard]] Result<Interface> find_interface(std::string_view port_name, const std::string& interface_name);
+
+// A message of the form "sacn:1-9: cannot send to 239.255.0.1: no route; run '...'" for what the system said.
+[[nodiscard]] Error net_error(std::string_view port_name, std::string_view action, int error_number);
+
+struct ReceiverSocket {
+  std::string_view port_name;
+  std::uint32_t bind_ipv4 = 0;   // 0: any
+  std::uint16_t udp_port = 0;
+  bool kernel_stamps = true;
+  bool packet_info = false;      // fill Datagram::local_ipv4 and interface_index
+};
+// Non-blocking, shares its port with every other program that shares it, receive buffer of 4 MiB or what the system allows.
+// Hears only the groups that it joins itself.
+[[nodiscard]] Result<Fd> open_receiver(const ReceiverSocket& wanted);
+
+struct SenderSocket {
+  std::string_view port_name;
+  int interface_index = 0;  // of multicast and broadcast; 0: the routing table decides
+};
+// Non-blocking, bound to a port that the system picks, heard by other sockets of this machine too.
+[[nodiscard]] Result<Fd> open_sender(const SenderSocket& wanted);
+[[nodiscard]] std::uint16_t local_udp_port(const Fd& socket);
+
+// Asks the routing table without sending anything. 0: there is a way; otherwise errno.
+[[nodiscard]] int route_error(std::uint32_t ipv4, int interface_index);
+
+// errno, or 0.
+[[nodiscard]] int join_group(const Fd& socket, std::uint32_t group, int interface_index);
+void leave_group(const Fd& socket, std::uint32_t group, int interface_index);
+
+struct Datagram {
+  std::span<const std::uint8_t> bytes;  // valid until the next read()
+  std::uint32_t from_ipv4 = 0;
+  std::uint16_t from_udp_port = 0;
+  std::uint32_t local_ipv4 = 0;  // ours, for an answer; 0 without packet_info
+  int interface_index = 0;       // where it came in; 0 without packet_info
+  DurationNs age_ns = 0;         // how long it has waited in the kernel; 0 where that is not known
+  bool truncated = false;        // it was longer than kDatagramBytesMax
+};
+
+// Reads batches with recvmmsg.
+class DatagramReader {
+ public:
+  static constexpr std::size_t kBatch = 64;
+
+  DatagramReader();
+  ~DatagramReader();
+  // Datagrams read, 0 where none waits; -errno where the system refused.
+  int read(int fd);
+  [[nodiscard]] const Datagram& operator[](std::size_t i) const { return datagrams_[i]; }
+  // Datagrams that the kernel has dropped from this socket's full buffer, counted since it was opened, as of the last
+  // read(). Counts modulo 2^32.
+  [[nodiscard]] std::uint32_t kernel_drops() const { return kernel_drops_; }
+
+ private:
+  struct Buffers;
+  std::unique_ptr<Buffers> buffers_;
+  std::array<Datagram, kBatch> datagrams_ = {};
+  std::uint32_t kernel_drops_ = 0;
+};
+
+// Sends batches with sendmmsg.
+class DatagramWriter {
+ public:
+  DatagramWriter();
+  ~DatagramWriter();
+  // `bytes` must stay until flush().
+  void add(std::span<const std::uint8_t> bytes, std::uint32_t ipv4, std::uint16_t udp_port);
+  struct Sent {
+    std::size_t count = 0;  // the first so many of those added have gone
+    int error_number = 0;   // why the next one has not; 0: all have gone
+  };
+  // Empties the batch, sent or not. Stops at the first datagram that the system refuses.
+  Sent flush(int fd);
+
+ private:
+  struct Batch;
+  std::unique_ptr<Batch> batch_;
+};
+
+// Watches the machine's interfaces and addresses come and go (rtnetlink).
+class InterfaceWatch {
+ public:
+  // Without rtnetlink (a sandbox) there is no descriptor and read() never says anything.
+  InterfaceWatch();
+  [[nodiscard]] int fd() const { return socket_.get(); }
+  // True where anything may have changed since the last call. Interfaces that lost an address or went away are appended
+  // to `lost`: the kernel forgets the groups joined there.
+  bool read(std::vector<int>& lost);
+
+ private:
+  Fd socket_;
+};
+
+}  // namespace footlight::drivers
