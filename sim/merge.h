@@ -1,0 +1,137 @@
+// Several senders, one look: decides for every universe whose levels count.
+//
+// Rules, per universe (E1.31-2018 sections 6.2.3 and 6.7.1 for priority and loss):
+// - The senders of the highest priority win. Equal ones are merged: HTP, the highest level of each slot, or LTP, the levels
+//   of the one that changed last (a repeat of unchanged levels is not a change, or two consoles would flicker).
+// - Losing senders are kept up to date, so that a failover shows their newest levels at once.
+// - A sender that is silent holds its last look for timeout_ns, 2.5 s by default, and is then forgotten. A frame marked
+//   `terminated` has it forgotten at once.
+// - When the last sender is forgotten, the look stays as it is.
+// - Slots that no winner ever sent stay as they are. Within one sender, slots past the end of a short frame stay as well.
+// - A priority above 200 is against the protocol: the frame is ignored and counted.
+// - Eight senders at most. A ninth is refused and counted, unless its priority is above that of the lowest, which cannot win
+//   beside it: then it takes that one's place (of several, the one silent for longest), which is counted too.
+//
+// A source that speaks only when something changes has to repeat itself within timeout_ns, or it loses its universe to
+// other senders.
+//
+// Time is passed in: silence is counted from the `now_ns` of receive(), not from the frame's stamp, so that frames that
+// waited in a socket while the machine was stopped count as heard when they are read.
+//
+// Threads: none of its own; not safe to share (the pump's thread owns it). Only the constructor allocates: 512 bytes per
+// universe for the look, and address space for 8 senders per universe, of which memory is used only as senders come.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sim/core/dmx.h"
+
+namespace footlight {
+
+inline constexpr int kSendersPerUniverseMax = 8;
+inline constexpr DurationNs kSenderTimeoutDefaultNs = 2'500 * kNsPerMs;  // E1.31-2018 section 6.7.1
+
+enum class MergeMode : std::uint8_t { kHtp, kLtp };
+
+struct MergeOptions {
+  DurationNs timeout_ns = kSenderTimeoutDefaultNs;  // > 0
+  MergeMode mode = MergeMode::kHtp;                 // of every universe; set_mode() changes single ones
+};
+
+// What happened to the frames of one universe.
+struct MergeCounters {
+  std::uint64_t frames = 0;             // given to receive()
+  std::uint64_t refused_priority = 0;   // frames ignored: priority above 200
+  std::uint64_t refused_full = 0;       // frames ignored: eight other senders are there
+  std::uint64_t senders_displaced = 0;  // senders that gave their place to one of higher priority
+  std::uint64_t senders_silent = 0;     // senders forgotten after timeout_ns
+  std::uint64_t senders_ended = 0;      // senders that said they stop
+  std::uint64_t frames_replaced = 0;    // frames of a winner replaced by its next one before resolve()
+};
+
+class Merge {
+ public:
+  explicit Merge(int universe_count, const MergeOptions& options = {});
+
+  [[nodiscard]] int count() const { return static_cast<int>(universes_.size()); }
+  void set_mode(int index, MergeMode mode);
+
+  enum class Received {
+    kStored,           // taken; whether the look may change is said by changed()
+    kRefusedPriority,  // see MergeCounters
+    kRefusedFull,
+  };
+  // Takes one frame (oldest first within a sender). `now_ns` never goes back between calls.
+  Received receive(int index, const FrameView& frame, TimeNs now_ns);
+
+  // Forgets the senders that have been silent for timeout_ns. Cheap before next_expiry_ns().
+  void expire(TimeNs now_ns);
+  // Nobody can be forgotten before; kTimeNever: nobody is there. May be too early, never too late.
+  [[nodiscard]] TimeNs next_expiry_ns() const { return next_expiry_ns_; }
+
+  // Universes whose look has to be made anew, in the order in which that became so, once each. Until clear_changed().
+  [[nodiscard]] std::span<const int> changed() const { return changed_; }
+  // Makes the look of one universe from its winners. Returns false, and leaves the look, where there are none.
+  bool resolve(int index);
+  // Call after every changed universe was resolved.
+  void clear_changed();
+
+  // The look: 512 levels, and the stamp, sender, sequence and priority of the winner heard last. Valid until the next
+  // resolve() of this universe. `universe` is 0: Merge knows indices only.
+  [[nodiscard]] FrameView look(int index) const;
+  // Begins with a look that nobody sent here (a buffer filled before the pump started). Senders are left alone.
+  void set_look(int index, const FrameView& frame);
+
+  [[nodiscard]] int sender_count(int index) const;
+  // How many of them win, that is: share the highest priority.
+  [[nodiscard]] int winner_count(int index) const;
+  [[nodiscard]] const MergeCounters& counters(int index) const;
+
+ private:
+  struct Sender {
+    SenderId id = 0;
+    TimeNs heard_ns = 0;           // `now_ns` of its last frame
+    TimeNs stamp_ns = 0;           // of its last frame
+    std::uint64_t heard_at = 0;    // running number of its last frame, and of the last that changed a level
+    std::uint64_t changed_at = 0;
+    std::uint32_t sequence = 0;
+    std::uint16_t slot_count = 0;  // of its longest frame
+    std::uint8_t priority = 0;
+    std::uint8_t place = 0;        // which of the eight blocks of levels_ is its own
+    bool fresh = false;            // its last frame has not been resolved
+  };
+  struct PerUniverse {
+    Sender senders[kSendersPerUniverseMax];  // the first sender_count are there, in no order
+    MergeCounters counters;
+    TimeNs look_stamp_ns = 0;
+    SenderId look_sender = 0;
+    std::uint32_t look_sequence = 0;
+    std::uint8_t look_priority = kPriorityDefault;
+    std::uint8_t sender_count = 0;
+    MergeMode mode = MergeMode::kHtp;
+    bool changed = false;
+  };
+
+  [[nodiscard]] static int highest_priority(const PerUniverse& universe);  // -1: nobody is there
+  [[nodiscard]] static bool changed_last(const PerUniverse& universe, const Sender& sender);
+  [[nodiscard]] std::uint8_t* levels_of(int index, int place) const;
+  [[nodiscard]] Sender* find_or_add(int index, const FrameView& frame, TimeNs now_ns);
+  void remove(int index, int sender);
+  void mark_changed(int index);
+
+  MergeOptions options_;
+  std::vector<PerUniverse> universes_;
+  std::unique_ptr<std::uint8_t[]> looks_;   // count() x 512
+  // 8 x count() x 512, not initialised: block [place][universe] is cleared when a sender takes it, so that memory which no
+  // sender needs is never touched.
+  std::unique_ptr<std::uint8_t[]> levels_;
+  std::vector<int> changed_;
+  TimeNs next_expiry_ns_ = kTimeNever;
+  std::uint64_t frame_number_ = 0;
+};
+
+}  // namespace footlight
