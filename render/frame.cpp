@@ -33,6 +33,7 @@ constexpr VkDeviceSize kUpdateBytesMax = 65536;  // of vkCmdUpdateBuffer
 struct StepPush {
   std::uint32_t dt_ns_low;
   std::uint32_t dt_ns_high;
+  std::uint32_t new_exposure;
 };
 
 }  // namespace
@@ -82,9 +83,9 @@ Frame::~Frame() {
   if (times_ != VK_NULL_HANDLE) vkDestroyQueryPool(device_.handle, times_, nullptr);
 }
 
-void Frame::step(std::span<const std::uint8_t> levels, std::int64_t dt_ns) {
+void Frame::step(std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
   FL_CHECK_EQ(levels.size(), resources_.levels_bytes);
-  pending_.push_back({{levels.begin(), levels.end()}, std::max<std::int64_t>(dt_ns, 0)});
+  pending_.push_back({{levels.begin(), levels.end()}, std::max<std::int64_t>(dt_ns, 0), new_exposure});
 }
 
 void Frame::record(VkCommandBuffer commands, const View& view, double exposure_ev) {
@@ -113,7 +114,7 @@ void Frame::record_steps(VkCommandBuffer commands) {
                         std::min<VkDeviceSize>(kUpdateBytesMax, pending.levels.size() - at), pending.levels.data() + at);
     }
     const auto dt = static_cast<std::uint64_t>(pending.dt_ns);
-    const StepPush push{static_cast<std::uint32_t>(dt), static_cast<std::uint32_t>(dt >> 32)};
+    const StepPush push{static_cast<std::uint32_t>(dt), static_cast<std::uint32_t>(dt >> 32), pending.new_exposure};
     vkCmdPushConstants(commands, resources_.bindings.layout,
                        VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
                        sizeof(push), &push);

@@ -230,7 +230,7 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
     const auto& state = walker.states[i];
     const fixtures::FixtureRow& row = walker.rig.fixtures[i];
     const fixtures::TypeRow& type = walker.rig.types[row.type];
-    const double flux_lm = static_cast<double>(type.flux_lm) * state.flux_share;
+    const double flux_lm = static_cast<double>(type.flux_lm);
     const glm::dvec3 colour(state.red, state.green, state.blue);
     if (!(flux_lm > 0) || !(std::max({colour.x, colour.y, colour.z}) > 0)) continue;
     const auto pose = walker.beam_pose(row, type, state.pan.position, state.tilt.position);

@@ -51,7 +51,7 @@ void main() {
     BeamPose pose = beam_pose(row, type, state.pan.position, state.tilt.position);
     float spread = tan(state.zoom.position);
     vec3 eye = params.position.xyz - pose.lens_m;
-    float j0 = type.flux_lm * state.flux_share / beam_flux_factor(spread, type.profile_m);
+    float j0 = type.flux_lm / beam_flux_factor(spread, type.profile_m);
 
     BeamRow beam;
     beam.x_axis = vec4(pose.x_axis, type.lens_radius_m);

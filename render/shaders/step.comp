@@ -8,7 +8,7 @@
 layout(local_size_x = FL_GROUP_FIXTURES) in;
 layout(constant_id = FL_SPEC_MOTION) const bool kMotion = true;
 layout(constant_id = FL_SPEC_STROBE) const bool kStrobe = true;
-layout(push_constant) uniform Push { uint dt_ns_low; uint dt_ns_high; } push;
+layout(push_constant) uniform Push { uint dt_ns_low; uint dt_ns_high; uint new_exposure; } push;
 
 layout(set = 0, binding = FL_BINDING_LEVELS, std430) readonly buffer LevelsBuffer { uint levels[]; };
 layout(set = 0, binding = FL_BINDING_TYPES, std430) readonly buffer TypesBuffer { TypeRow types[]; };
@@ -41,7 +41,8 @@ void main() {
     FixtureRow row = fixtures[index];
     TypeRow type = types[row.type];
     FixtureState state =
-        fixture_step(states[index], type, decode_fixture(type, row.slot_first), Turns(push.dt_ns_low, push.dt_ns_high));
+        fixture_step(states[index], type, decode_fixture(type, row.slot_first), Turns(push.dt_ns_low, push.dt_ns_high),
+                     push.new_exposure != 0u);
     states[index] = state;
     if (is_lit(state, type)) atomicAdd(live_here, 1u);
   }

@@ -41,7 +41,7 @@ const float kLensScatter = 2e-4;
 vec3 lens_radiance(uint index, vec3 unit_ray, vec3 normal) {
   TypeRow type = types[fixtures[index].type];
   FixtureState state = states[index];
-  vec3 flux_lm = type.flux_lm * state.flux_share * vec3(state.red, state.green, state.blue);
+  vec3 flux_lm = type.flux_lm * vec3(state.red, state.green, state.blue);
   float area_m2 = kPi * type.lens_radius_m * type.lens_radius_m;
   float facing = dot(normal, -unit_ray);
   if (!(facing > 0.0)) return vec3(0.0);
