@@ -1,0 +1,98 @@
+// Device models in this process, behind the same Transport as real devices. They ship: `mock:enttec-pro` works on any
+// machine, and everything above the bus runs as it does with hardware.
+//
+// As a sink the model keeps the newest frame and counts; as a source it plays a slow sine over all 512 slots. Faults happen on
+// command: obey("unplug").
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include "drivers/mock/enttec_pro_model.h"
+#include "drivers/usb/transport.h"
+#include "sim/core/clock.h"
+
+namespace footlight::drivers::mock {
+
+// A widget, the socket that it is plugged into, and what can go wrong between. Threads: safe to use from any.
+class MockUsb {
+ public:
+  // Plays the world around the widget: called with the model whenever time may have passed, returns when it wants to be
+  // called next.
+  using Script = std::function<TimeNs(EnttecProModel& model, TimeNs now_ns)>;
+
+  explicit MockUsb(std::string where = "mock:enttec-pro", Script script = {});
+
+  // Runs f(model) while nobody else touches it, then lets waiting reads look again. Returns what f returns.
+  template <class F>
+  decltype(auto) with_model(F&& f) {
+    const Notifier notifier{*this};
+    const std::lock_guard lock(mutex_);
+    return f(model_);
+  }
+  // Waits until f(model) is true; false where it is not within `patience` of real time.
+  template <class F>
+  bool wait_for(F&& f, std::chrono::milliseconds patience = std::chrono::seconds(10)) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_until(lock, std::chrono::system_clock::now() + patience, [&] { return f(model_); });
+  }
+
+  // --- Faults
+  void unplug();                               // at once; what is in flight fails
+  void plug();                                 // the model is powered on anew
+  void unplug_after(std::size_t byte_count);   // in the middle of a write, after that many bytes
+  void stall(bool stalled);                    // takes and gives nothing
+  void cut_next_write(std::size_t byte_count); // the device takes that many bytes of one write, then time runs out
+  void limit_reads(std::size_t byte_count);    // a read brings at most that many bytes; 0: no limit
+  // The same as words, one command a line: "unplug", "plug", "unplug-after 100", "stall on", "stall off", "cut-write 7",
+  // "limit-reads 1", "garbage 7E00FF" (hex bytes towards the host), "serial EN999999" (before "plug": another device).
+  Status obey(std::string_view command);
+
+  [[nodiscard]] bool claimed();                // somebody has it open
+  // Waits until somebody has it open, or nobody.
+  bool wait_for_claim(bool claimed, std::chrono::milliseconds patience = std::chrono::seconds(10));
+  // A clock that is moved by hand has been moved: waits look at it again.
+  void clock_moved() { changed_.notify_all(); }
+
+ private:
+  friend class MockConnector;
+  friend class MockTransport;
+  struct Notifier {
+    MockUsb& usb;
+    ~Notifier() { usb.changed_.notify_all(); }
+  };
+
+  const std::string where_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  // All below: guarded by mutex_.
+  const Script script_;
+  TimeNs script_due_ns_ = 0;
+  EnttecProModel model_;
+  bool plugged_ = true;
+  std::uint64_t plug_count_ = 1;  // an open transport belongs to one plugging in
+  bool claimed_ = false;
+  bool stalled_ = false;
+  std::size_t unplug_after_ = SIZE_MAX;
+  std::size_t cut_next_write_ = SIZE_MAX;
+  std::size_t read_size_max_ = 0;
+};
+
+// `serial`: empty for any.
+[[nodiscard]] std::unique_ptr<Connector> make_mock_connector(std::shared_ptr<MockUsb> usb, Clock& clock,
+                                                             std::string serial = {});
+
+// The widgets that `mock:` endpoints name, made at first use and kept until the program ends. Target "enttec-pro", or
+// "enttec-pro/NAME" where several are wanted. Without a name, sinks and sources get a widget each.
+// kBadInput: not a target of that form.
+[[nodiscard]] Result<std::shared_ptr<MockUsb>> mock_of_target(std::string_view target, bool for_output);
+
+// Plays one frame of all slots every 25 ms: each a sine of 10 s, from 0 to 255, slot 511 lagging slot 0 by one period.
+[[nodiscard]] MockUsb::Script slow_sine();
+
+}  // namespace footlight::drivers::mock

@@ -1,0 +1,193 @@
+#include "drivers/registry.h"
+
+#include <dirent.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <optional>
+
+#include "drivers/usb_match.h"
+
+namespace footlight::drivers {
+namespace {
+
+// opendir() and not std::filesystem: the emulated /sys of the tests redirects this call.
+std::vector<std::string> names_in(const std::string& folder) {
+  std::vector<std::string> names;
+  DIR* dir = ::opendir(folder.c_str());
+  if (dir == nullptr) return names;
+  while (const dirent* entry = ::readdir(dir)) {
+    const std::string_view name = entry->d_name;
+    if (name != "." && name != "..") names.emplace_back(name);
+  }
+  ::closedir(dir);
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+bool folder_exists(const std::string& folder) {
+  DIR* dir = ::opendir(folder.c_str());
+  if (dir != nullptr) ::closedir(dir);
+  return dir != nullptr;
+}
+
+// One attribute: the first line, without white space at its ends. Empty where there is none.
+std::string attribute(const std::string& path) {
+  std::string line;
+  std::ifstream file(path);
+  std::getline(file, line);
+  constexpr const char* kSpace = " \t\r\n";
+  const std::size_t first = line.find_first_not_of(kSpace);
+  if (first == std::string::npos) return {};
+  return line.substr(first, line.find_last_not_of(kSpace) - first + 1);
+}
+
+std::optional<int> number_of(const std::string& text, int base) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+std::string link_target(const std::string& path) {
+  char buffer[4096];
+  const ssize_t size = ::readlink(path.c_str(), buffer, sizeof buffer);
+  return size < 0 ? std::string{} : std::string(buffer, static_cast<std::size_t>(size));
+}
+
+std::string last_part(const std::string& path) {
+  const std::size_t slash = path.find_last_of('/');
+  return slash == std::string::npos ? path : path.substr(slash + 1);
+}
+
+// "olad (process 812)", of the first process that has one of the nodes open; empty where none is visible to this user.
+std::string holder_of(const std::string& proc_root, const std::vector<std::string>& nodes) {
+  const std::string own = std::to_string(::getpid());
+  for (const std::string& process : names_in(proc_root)) {
+    if (process.find_first_not_of("0123456789") != std::string::npos || process == own) continue;
+    const std::string fds = fmt::format("{}/{}/fd", proc_root, process);
+    for (const std::string& fd : names_in(fds)) {
+      const std::string target = link_target(fmt::format("{}/{}", fds, fd));
+      if (std::find(nodes.begin(), nodes.end(), target) != nodes.end())
+        return fmt::format("{} (process {})", attribute(fmt::format("{}/{}/comm", proc_root, process)), process);
+    }
+  }
+  return {};
+}
+
+int access_of(const FindOptions& options, const std::string& node) {
+  if (options.node_access) return options.node_access(node);
+  return ::access(node.c_str(), R_OK | W_OK) == 0 ? 0 : errno;
+}
+
+void judge(FoundDevice& device, const std::vector<std::string>& ttys, const FindOptions& options) {
+  const auto verdict = [&](Readiness readiness, std::string reason, std::string remedy = {}) {
+    device.readiness = readiness;
+    device.reason = std::move(reason);
+    device.remedy = std::move(remedy);
+  };
+  if (device.driver_id.empty())
+    return verdict(Readiness::kNotDmx,
+                   "its USB ids are those of a bare serial chip and its name is not that of a DMX interface; if it is one, name "
+                   "it by its serial number or port");
+  if (!built_with_usb())
+    return verdict(Readiness::kUnsupported, "this build has no USB",
+                   "sudo apt install libusb-1.0-0-dev && cmake -B build -DFOOTLIGHT_USB=ON && cmake --build build");
+  const int access_error = access_of(options, device.node);
+  if (access_error == ENOENT)
+    return verdict(Readiness::kNoNode,
+                   fmt::format("{} does not exist; a container has to be started with access to /dev/bus/usb", device.node));
+  if (access_error != 0)
+    return verdict(Readiness::kNoPermission, fmt::format("{}: {}", device.node, std::strerror(access_error)),
+                   udev_install_command());
+  std::vector<std::string> nodes{device.node};
+  nodes.insert(nodes.end(), ttys.begin(), ttys.end());
+  if (device.kernel_driver == "usbfs" || !ttys.empty()) {
+    const std::string holder = holder_of(options.proc_root, nodes);
+    const std::string see = fmt::format("sudo fuser -v {}", fmt::join(nodes, " "));
+    if (!holder.empty()) return verdict(Readiness::kBusy, fmt::format("in use by {}", holder), see);
+    if (device.kernel_driver == "usbfs") return verdict(Readiness::kBusy, "in use by another program", see);
+  }
+}
+
+std::optional<FoundDevice> read_device(const std::string& name, const FindOptions& options) {
+  if (name.find(':') != std::string::npos || name.starts_with("usb")) return std::nullopt;  // interfaces and root hubs
+  const std::string folder = fmt::format("{}/bus/usb/devices/{}", options.sys_root, name);
+  const auto vendor = number_of(attribute(folder + "/idVendor"), 16);
+  const auto product = number_of(attribute(folder + "/idProduct"), 16);
+  const auto bus = number_of(attribute(folder + "/busnum"), 10);
+  const auto number = number_of(attribute(folder + "/devnum"), 10);
+  if (!vendor || !product || !bus || !number) return std::nullopt;  // unplugged while we looked
+
+  FoundDevice device;
+  device.usb_vendor = static_cast<std::uint16_t>(*vendor);
+  device.usb_product = static_cast<std::uint16_t>(*product);
+  device.manufacturer = attribute(folder + "/manufacturer");
+  device.product = attribute(folder + "/product");
+  const UsbMatch match = match_usb_device(device.usb_vendor, device.usb_product, device.manufacturer, device.product);
+  if (match.driver == nullptr && !match.ids_are_known) return std::nullopt;
+
+  device.serial = attribute(folder + "/serial");
+  device.port_path = name;
+  device.node = fmt::format("{}/bus/usb/{:03}/{:03}", options.dev_root, *bus, *number);
+  const std::string interface = fmt::format("{}/{}:1.0", folder, name);
+  device.kernel_driver = last_part(link_target(interface + "/driver"));
+  if (match.driver != nullptr) {
+    device.driver_id = match.driver->id;
+    device.model_name = match.model->model_name;
+    device.capabilities = match.driver->capabilities;
+    device.quirks = match.model->quirks;
+  } else {
+    device.model_name = "FTDI serial adapter, not known to be a DMX USB Pro";
+  }
+  std::vector<std::string> ttys;
+  for (const std::string& entry : names_in(interface))
+    if (entry.starts_with("ttyUSB")) ttys.push_back(fmt::format("{}/{}", options.dev_root, entry));
+  judge(device, ttys, options);
+  return device;
+}
+
+}  // namespace
+
+std::string_view name_of(Readiness readiness) {
+  switch (readiness) {
+    case Readiness::kReady: return "ready";
+    case Readiness::kNoPermission: return "no-permission";
+    case Readiness::kBusy: return "busy";
+    case Readiness::kNoNode: return "no-node";
+    case Readiness::kUnsupported: return "unsupported";
+    case Readiness::kNotDmx: return "not-dmx";
+  }
+  return "";
+}
+
+std::string udev_install_command() {
+  return "sudo cp udev/70-footlight.rules /etc/udev/rules.d/ && sudo udevadm control --reload && sudo udevadm trigger";
+}
+
+DeviceList find_devices(const FindOptions& options) {
+  DeviceList list;
+  if (!built_with_usb())
+    list.notes.emplace_back(
+        "built without USB: devices are listed and cannot be opened; install libusb-1.0-0-dev and configure with "
+        "-DFOOTLIGHT_USB=ON");
+  const std::string folder = options.sys_root + "/bus/usb/devices";
+  if (!folder_exists(folder))
+    list.notes.push_back(fmt::format("{} does not exist: no USB here, as in many containers and virtual machines", folder));
+  for (const std::string& name : names_in(folder))
+    if (auto device = read_device(name, options)) list.devices.push_back(std::move(*device));
+  for (FoundDevice& device : list.devices) {
+    if (device.driver_id.empty()) continue;
+    const auto same_serial = [&](const FoundDevice& other) { return other.serial == device.serial; };
+    const bool serial_tells = !device.serial.empty() && std::count_if(list.devices.begin(), list.devices.end(), same_serial) == 1;
+    device.endpoint = serial_tells ? fmt::format("{}:{}", device.driver_id, device.serial)
+                                   : fmt::format("{}:port-{}", device.driver_id, device.port_path);
+  }
+  return list;
+}
+
+}  // namespace footlight::drivers
