@@ -34,16 +34,16 @@ Result<vk::Buffer> table(vk::Device& device, const std::vector<Row>& rows, VkBuf
 Result<vk::Image> make_gobos(vk::Device& device, bool needed) {
   const int count = needed ? fixtures::kGoboCount : 1;
   const int size = needed ? kGoboSizePx : 1;
-  std::vector<std::uint8_t> texels;
+  std::vector<float> texels;
   for (int gobo = 1; gobo <= count; ++gobo) {
-    const std::vector<std::uint8_t> image = fixtures::gobo_image(gobo, size);
+    const std::vector<float> image = fixtures::gobo_image(gobo, size);
     texels.insert(texels.end(), image.begin(), image.end());
   }
-  FL_ASSIGN(vk::Image image, vk::Image::create(device, static_cast<uint>(size), static_cast<uint>(size), VK_FORMAT_R8_UNORM,
+  FL_ASSIGN(vk::Image image, vk::Image::create(device, static_cast<uint>(size), static_cast<uint>(size), VK_FORMAT_R32_SFLOAT,
                                                VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
                                                static_cast<uint>(count)));
-  FL_ASSIGN(vk::Buffer staging, vk::Buffer::host_visible(device, texels.size(), 0));
-  std::memcpy(staging.mapped, texels.data(), texels.size());
+  FL_ASSIGN(vk::Buffer staging, vk::Buffer::host_visible(device, texels.size() * sizeof(float), 0));
+  std::memcpy(staging.mapped, texels.data(), texels.size() * sizeof(float));
   FL_TRY(device.run_once([&](VkCommandBuffer commands) {
     vk::change_layout(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     VkBufferImageCopy region{};
@@ -55,20 +55,23 @@ Result<vk::Image> make_gobos(vk::Device& device, bool needed) {
   return image;
 }
 
-// One mesh buffer for all body models in use, fixtures sorted by model, one indirect command a model.
+// One mesh buffer for the bodies of all types, fixtures sorted by type, one indirect command a type.
 Status make_bodies(vk::Device& device, const fixtures::CompiledRig& compiled, Resources& r) {
   std::vector<fixtures::BodyVertex> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<std::uint32_t> instances;
   std::vector<VkDrawIndexedIndirectCommand> draws;
-  for (int model = 0; model < fixtures::kBodyModelCount; ++model) {
+  for (std::uint32_t t = 0; t < compiled.types.size(); ++t) {
+    const fixtures::TypeRow& type = compiled.types[t];
     const auto first_instance = static_cast<std::uint32_t>(instances.size());
     for (std::uint32_t i = 0; i < compiled.fixtures.size(); ++i) {
-      if (compiled.types[compiled.fixtures[i].type].body_model == static_cast<uint>(model)) instances.push_back(i);
+      if (compiled.fixtures[i].type == t) instances.push_back(i);
     }
     const auto count = static_cast<std::uint32_t>(instances.size()) - first_instance;
     if (count == 0) continue;
-    const fixtures::BodyMesh mesh = fixtures::body_mesh(static_cast<fixtures::BodyModel>(model));
+    const fixtures::BodyMesh mesh =
+        fixtures::make_body(static_cast<fixtures::BodyModel>(type.body_model),
+                            {type.pivot_drop_m, type.lens_offset_m, type.lens_radius_m});
     draws.push_back({static_cast<std::uint32_t>(mesh.indices.size()), count, static_cast<std::uint32_t>(indices.size()),
                      static_cast<std::int32_t>(vertices.size()), first_instance});
     vertices.insert(vertices.end(), mesh.vertices.begin(), mesh.vertices.end());

@@ -19,7 +19,7 @@ struct Resources {
   // Rig tables, written once. Rows of fixtures/shared/tables.h.
   vk::Buffer types, channels, functions, fixtures;
   vk::Buffer boxes;                               // BoxRow
-  vk::Buffer instances, vertices, indices, draws; // bodies: fixture indices by model; one draw command a model
+  vk::Buffer instances, vertices, indices, draws; // bodies: fixture indices by type; one draw command a type
   vk::Image gobos;                                // one layer a gobo
 
   // Per frame.

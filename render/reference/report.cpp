@@ -174,6 +174,7 @@ std::string decade_label(int exponent) {
     case 0: return "1";
     case 1: return "10";
     case 2: return "100";
+    case 3: return "1000";
     case -1: return "0.1";
     default:
       return fmt::format("10<tspan dy='-5' font-size='9'>{}{}</tspan>", exponent < 0 ? "−" : "", std::abs(exponent));
@@ -351,7 +352,7 @@ std::string summary_of(std::span<const Curve> curves, const std::string& cost_un
 std::string svg_plot(const PlotText& text, std::span<const Curve> curves) {
   constexpr double kLeft = 86, kTop = 74, kPlotWidth = 560, kPlotHeight = 400;
   std::size_t longest = 0;
-  for (const Curve& curve : curves) longest = std::max(longest, curve.name.size());
+  for (const Curve& curve : curves) longest = std::max(longest, curve.name.size() + (by_cost(curve).empty() ? 9 : 0));
   const double legend_width = 52 + 6.9 * static_cast<double>(longest);
   const double width = kLeft + kPlotWidth + 24 + legend_width;
   const double height = std::max(kTop + kPlotHeight + 66, kTop + 40 + 24 * static_cast<double>(curves.size()));

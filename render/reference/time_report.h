@@ -10,8 +10,8 @@
 // Model "strobe": the share of a frame during which the shutter is open, against the sum of the overlaps of the frame with
 // each flash in long double.
 //
-// A row has failed where a value is not finite, or a position leaves the span of the judge's positions by more than 1 % of
-// the axis's range.
+// A row has failed where a value is not finite, or a position leaves the span of all targets and all the judge's positions
+// by more than 1 % of the axis's range, or an open share leaves 0 to 1.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ struct TimeReportOptions {
 
 [[nodiscard]] std::vector<TimeRow> time_rows(const TimeReportOptions& options = {});
 
-// The judge's own largest error over the axis's range, for the report's head: bisection to 1e-17 s against 1e-15 s.
+// The axis judge's own largest error over the axis's range, for the report's head: bisection to 1e-17 s against 1e-15 s.
 [[nodiscard]] double axis_judge_own_error(const TimeReportOptions& options = {});
 
 }  // namespace footlight::render

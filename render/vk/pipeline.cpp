@@ -29,7 +29,10 @@ Result<BindingSet> BindingSet::create(Device& device, std::span<const VkDescript
   sampler.addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
   sampler.addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
   sampler.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
-  FL_TRY(check(vkCreateSampler(device.handle, &sampler, nullptr, &set.sampler_), "vkCreateSampler"));
+  FL_TRY(check(vkCreateSampler(device.handle, &sampler, nullptr, &set.linear_), "vkCreateSampler"));
+  sampler.magFilter = VK_FILTER_NEAREST;
+  sampler.minFilter = VK_FILTER_NEAREST;
+  FL_TRY(check(vkCreateSampler(device.handle, &sampler, nullptr, &set.nearest_), "vkCreateSampler"));
 
   std::vector<VkDescriptorSetLayoutBinding> bindings;
   std::vector<VkDescriptorPoolSize> sizes;
@@ -69,7 +72,8 @@ BindingSet::~BindingSet() {
   vkDestroyPipelineLayout(device_->handle, layout, nullptr);
   vkDestroyDescriptorPool(device_->handle, pool_, nullptr);
   vkDestroyDescriptorSetLayout(device_->handle, set_layout_, nullptr);
-  vkDestroySampler(device_->handle, sampler_, nullptr);
+  vkDestroySampler(device_->handle, linear_, nullptr);
+  vkDestroySampler(device_->handle, nearest_, nullptr);
 }
 
 void BindingSet::set_buffer(std::uint32_t binding, const Buffer& buffer) {
@@ -84,7 +88,8 @@ void BindingSet::set_buffer(std::uint32_t binding, const Buffer& buffer) {
 }
 
 void BindingSet::set_image(std::uint32_t binding, const Image& image, VkImageLayout image_layout) {
-  const VkDescriptorImageInfo info{sampler_, image.view, image_layout};
+  const bool depth = image.aspect == VK_IMAGE_ASPECT_DEPTH_BIT;
+  const VkDescriptorImageInfo info{depth ? nearest_ : linear_, image.view, image_layout};
   VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
   write.dstSet = set_;
   write.dstBinding = binding;

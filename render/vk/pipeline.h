@@ -33,7 +33,8 @@ class BindingSet {
   }
 
   void set_buffer(std::uint32_t binding, const Buffer& buffer);
-  // Storage images in VK_IMAGE_LAYOUT_GENERAL; sampled ones in `layout` with the set's own sampler (linear, clamped).
+  // Storage images in VK_IMAGE_LAYOUT_GENERAL; sampled ones in `layout` with a clamped sampler of the set: nearest for
+  // depth, linear for colour.
   void set_image(std::uint32_t binding, const Image& image, VkImageLayout layout = VK_IMAGE_LAYOUT_GENERAL);
   void bind(VkCommandBuffer commands) const;
 
@@ -46,14 +47,16 @@ class BindingSet {
     std::swap(set_layout_, other.set_layout_);
     std::swap(pool_, other.pool_);
     std::swap(set_, other.set_);
-    std::swap(sampler_, other.sampler_);
+    std::swap(linear_, other.linear_);
+    std::swap(nearest_, other.nearest_);
     std::swap(types_, other.types_);
   }
   Device* device_ = nullptr;
   VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
   VkDescriptorSet set_ = VK_NULL_HANDLE;
-  VkSampler sampler_ = VK_NULL_HANDLE;
+  VkSampler linear_ = VK_NULL_HANDLE;
+  VkSampler nearest_ = VK_NULL_HANDLE;
   std::vector<VkDescriptorType> types_;
 };
 
