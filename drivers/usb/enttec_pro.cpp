@@ -103,6 +103,7 @@ class EnttecPro {
   Status open_device(const std::stop_token& stop);
   Result<ProMessageView> ask(Transport& transport, const ProMessage& question, ProLabel label, const std::stop_token& stop);
   Status send_frames(const std::stop_token& stop);
+  Status write_look(const LineFrame& look);
   Status send_last_words();
   Status take_frames(const std::stop_token& stop);
   void take_message(const ProMessageView& message);
@@ -124,6 +125,7 @@ class EnttecPro {
   LineFrame line_{};
   std::size_t line_size_ = 0;
   bool look_sent_ = false;  // since the device was opened
+  bool cut_short_ = false;  // the last write ended in the middle
   std::uint64_t bad_payload_count_ = 0;
   std::uint64_t line_error_count_ = 0;
 
@@ -197,6 +199,8 @@ Status EnttecPro::open_device(const std::stop_token& stop) {
   unread_ = {};
   EnttecProIdentity identity{.usb_serial = transport->serial(), .widget_serial = 0, .params = {}};
 
+  // A program that was killed in the middle of a message, this one included, leaves the widget waiting for the rest of it.
+  FL_TRY(transport->write(pro_flush_bytes(), clock_.now_ns() + config_.write_timeout_ns));
   // A widget may not know its number (a blank EEPROM answers FF FF FF FF, some relatives nothing); it works all the same.
   if (const auto answer = ask(*transport, encode_get_serial(), ProLabel::kSerialNumber, stop)) {
     identity.widget_serial = decode_serial(answer->payload).value_or(0);
@@ -211,6 +215,7 @@ Status EnttecPro::open_device(const std::stop_token& stop) {
     line_size_ = 0;
   }
   look_sent_ = false;
+  cut_short_ = false;
   transport_ = std::move(transport);
   with_shared([&](Shared& shared) {
     shared.identity = std::move(identity);
@@ -237,8 +242,7 @@ Status EnttecPro::send_frames(const std::stop_token& stop) {
     });
     const TimeNs now_ns = clock_.now_ns();
     if (have_look && (fresh || !look_sent_ || now_ns >= sent_ns + config_.keep_alive_ns)) {
-      const Status sent = transport_->write(encode_send_dmx(std::span(look).subspan(1), look[0]).bytes(),
-                                            now_ns + config_.write_timeout_ns);
+      const Status sent = write_look(look);
       if (sent) {
         timeout_count = 0;
         sent_ns = now_ns;
@@ -270,6 +274,18 @@ Status EnttecPro::send_frames(const std::stop_token& stop) {
   return {};
 }
 
+Status EnttecPro::write_look(const LineFrame& look) {
+  const TimeNs deadline_ns = clock_.now_ns() + config_.write_timeout_ns;
+  if (cut_short_) {
+    // The widget still waits for the rest of a message and would take this one for it.
+    FL_TRY(transport_->write(pro_flush_bytes(), deadline_ns));
+    cut_short_ = false;
+  }
+  const Status sent = transport_->write(encode_send_dmx(std::span(look).subspan(1)).bytes(), deadline_ns);
+  cut_short_ = !sent;
+  return sent;
+}
+
 // The newest look that was never sent, or darkness.
 Status EnttecPro::send_last_words() {
   LineFrame look{};
@@ -281,7 +297,7 @@ Status EnttecPro::send_last_words() {
       shared.fresh = false;
     });
   if (!wanted) return {};
-  FL_TRY(transport_->write(encode_send_dmx(std::span(look).subspan(1)).bytes(), clock_.now_ns() + config_.write_timeout_ns));
+  FL_TRY(write_look(look));
   with_shared([](Shared& shared) { ++shared.counters.frames; });
   return {};
 }

@@ -26,6 +26,11 @@ ProMessage::ProMessage(ProLabel label, std::span<const std::uint8_t> payload) : 
   buffer_[size_ - 1] = kProEnd;
 }
 
+std::span<const std::uint8_t> pro_flush_bytes() {
+  static constexpr std::array<std::uint8_t, kProMessageSizeMax> kZeros{};
+  return kZeros;
+}
+
 std::size_t ProParser::declared_payload_size() const { return held_[2] | static_cast<std::size_t>(held_[3]) << 8; }
 
 ProParser::Verdict ProParser::judge() const {

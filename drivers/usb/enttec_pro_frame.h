@@ -51,6 +51,10 @@ class ProMessage {
   std::size_t size_;
 };
 
+// What ends a message that somebody left unfinished, whatever its length says: so many bytes that are neither a start nor an
+// end, which a widget ignores between messages.
+[[nodiscard]] std::span<const std::uint8_t> pro_flush_bytes();
+
 struct ProMessageView {
   std::uint8_t label = 0;                 // may be one that ProLabel does not name
   std::span<const std::uint8_t> payload;  // valid until the parser is used again

@@ -1,0 +1,520 @@
+// The driver's threads against the model in this process. Time stands still unless a test moves it; waits end by being told.
+#include "drivers/usb/enttec_pro.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "drivers/mock/mock_usb.h"
+#include "drivers/ports_factory.h"
+#include "sim/system_clock.h"
+#include "tests/support/usb_port_test.h"
+#include "tests/support/usb_shared_clock.h"
+
+namespace footlight::drivers {
+namespace {
+
+using mock::Bytes;
+using mock::EnttecProModel;
+using mock::MockUsb;
+using testing::FrameKeeper;
+using testing::poll_until;
+using testing::wait_for_state;
+
+constexpr Universe kUniverse = 3;
+
+Bytes ramp(std::uint8_t first) {
+  Bytes slots(512);
+  std::iota(slots.begin(), slots.end(), first);
+  return slots;
+}
+Bytes line_frame_of(const Bytes& slots) {
+  Bytes frame{0};
+  frame.insert(frame.end(), slots.begin(), slots.end());
+  return frame;
+}
+
+struct Bench {
+  testing::SharedFakeClock clock;
+  std::shared_ptr<MockUsb> usb = std::make_shared<MockUsb>();
+  EnttecProConfig config{.universe = kUniverse, .name = "mock:enttec-pro"};
+
+  std::unique_ptr<EnttecProSink> open_sink() {
+    auto sink = EnttecProSink::open(config, mock::make_mock_connector(usb, clock), clock);
+    REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
+    return std::move(*sink);
+  }
+  std::unique_ptr<EnttecProSource> open_source() {
+    auto source = EnttecProSource::open(config, mock::make_mock_connector(usb, clock), clock);
+    REQUIRE_MESSAGE(source, (source ? "" : source.error().message));
+    return std::move(*source);
+  }
+  void send(Sink& sink, const Bytes& slots, Universe universe = kUniverse) {
+    const FrameView frame{.universe = universe, .stamp_ns = clock.now_ns(), .slots = slots};
+    REQUIRE(sink.send(clock.now_ns(), {&frame, 1}));
+  }
+  bool widget_shows(const Bytes& slots) {
+    return usb->wait_for([&](const EnttecProModel& model) { return model.frame == line_frame_of(slots); });
+  }
+  void advance_ns(DurationNs by_ns) {
+    clock.advance_ns(by_ns);
+    usb->clock_moved();
+  }
+  bool trouble_says(Sink& sink, std::string_view words) {
+    return poll_until(sink, [&] { (void)sink.poll(clock.now_ns()); },
+                      [&] { return sink.trouble().find(words) != std::string::npos; });
+  }
+  // Polls until that many frames have been handed over in all.
+  bool frames_come(EnttecProSource& source, FrameKeeper& keeper, std::size_t count) {
+    return poll_until(source, [&] { (void)source.poll(clock.now_ns(), keeper); },
+                      [&] { return keeper.kept.size() >= count; });
+  }
+};
+
+TEST_SUITE_BEGIN("enttec_pro");
+
+TEST_CASE("a sink knows the widget's serial numbers, parameters and rate after opening") {
+  Bench bench;
+  bench.usb->with_model([](EnttecProModel& model) { model.rate_hz = 30; });
+  const auto sink = bench.open_sink();
+  CHECK(sink->state() == PortState::kWorking);
+  CHECK(sink->identity().usb_serial == "EN172589");
+  CHECK(sink->identity().widget_serial == 2172589);
+  CHECK(sink->identity().params.break_units == 9);
+  CHECK(sink->rate_hz_max() == 30.0);
+  CHECK(sink->name() == "mock:enttec-pro");
+  REQUIRE(sink->universes().size() == 1);
+  CHECK(sink->universes()[0] == kUniverse);
+}
+
+TEST_CASE("a frame reaches the widget with start code 0 and 512 slots") {
+  Bench bench;
+  const auto sink = bench.open_sink();
+  bench.send(*sink, ramp(7));
+  CHECK(bench.widget_shows(ramp(7)));
+}
+
+TEST_CASE("a short frame leaves the slots past its end as they were") {
+  Bench bench;
+  const auto sink = bench.open_sink();
+  bench.send(*sink, ramp(7));
+  bench.send(*sink, Bytes{255, 255});
+  Bytes expected = ramp(7);
+  expected[0] = expected[1] = 255;
+  CHECK(bench.widget_shows(expected));
+}
+
+TEST_CASE("frames of other universes and terminated ones are not sent") {
+  Bench bench;
+  const auto sink = bench.open_sink();
+  bench.send(*sink, ramp(1), kUniverse + 1);
+  const FrameView ended{.universe = kUniverse, .terminated = true, .slots = {}};
+  REQUIRE(sink->send(0, {&ended, 1}));
+  bench.send(*sink, ramp(2));
+  CHECK(bench.widget_shows(ramp(2)));
+  CHECK(bench.usb->with_model([](EnttecProModel& model) { return model.frame_count; }) == 1);
+}
+
+TEST_CASE("an unchanged look is sent again after a second, and not before") {
+  Bench bench;
+  std::vector<TimeNs> stamps_ns;
+  bench.usb->with_model([&](EnttecProModel& model) {
+    model.on_frame = [&](const Bytes&) { stamps_ns.push_back(bench.clock.now_ns()); };
+  });
+  const auto sink = bench.open_sink();
+  bench.send(*sink, ramp(7));
+  REQUIRE(bench.widget_shows(ramp(7)));
+  for (std::uint64_t frames = 2; frames <= 4; ++frames) {
+    for (int step = 0; step < 10; ++step) bench.advance_ns(100 * kNsPerMs);
+    REQUIRE(bench.usb->wait_for([&](const EnttecProModel& model) { return model.frame_count == frames; }));
+  }
+  bench.usb->with_model([&](EnttecProModel&) {
+    for (std::size_t i = 1; i < stamps_ns.size(); ++i) CHECK(stamps_ns[i] - stamps_ns[i - 1] >= kNsPerS);
+  });
+  CHECK(poll_until(*sink, [] {}, [&] { return sink->stats().keep_alives == 3; }, std::chrono::seconds(1)));
+}
+
+TEST_CASE("while the widget takes nothing the newest frame replaces older ones, and those are counted") {
+  Bench bench;
+  const auto sink = bench.open_sink();
+  bench.usb->stall(true);
+  for (std::uint8_t i = 1; i <= 50; ++i) bench.send(*sink, ramp(i));
+  bench.usb->stall(false);
+  CHECK(bench.widget_shows(ramp(50)));
+  sink->close(bench.clock.now_ns());
+  const PortCounters counters = sink->counters();
+  CHECK(counters.frames + counters.dropped == 50);
+  CHECK(counters.dropped >= 48);  // one may have been on its way, and one in the mailbox
+  CHECK(bench.usb->with_model([](EnttecProModel& model) { return model.frame_count; }) == counters.frames);
+}
+
+TEST_CASE("an unplugged widget is reported gone, and shows the last look again when it is back") {
+  Bench bench;
+  const auto sink = bench.open_sink();
+  bench.send(*sink, ramp(7));
+  REQUIRE(bench.widget_shows(ramp(7)));
+  bench.usb->unplug();
+  REQUIRE(wait_for_state(*sink, PortState::kGone));
+  CHECK(sink->trouble().find("mock:enttec-pro") != std::string::npos);
+  CHECK(sink->counters().errors == 1);
+
+  bench.usb->with_model([](EnttecProModel& model) { model.frame.clear(); });
+  const TimeNs plugged_ns = bench.clock.now_ns();
+  bench.usb->plug();
+  CHECK(bench.widget_shows(ramp(7)));
+  CHECK(bench.clock.now_ns() == plugged_ns);  // no timer had to run out
+  REQUIRE(wait_for_state(*sink, PortState::kWorking));
+  CHECK(sink->trouble().empty());
+  CHECK(sink->stats().connects == 2);
+}
+
+TEST_CASE("a frame sent while the widget is gone is the one it shows when it is back") {
+  Bench bench;
+  const auto sink = bench.open_sink();
+  bench.send(*sink, ramp(1));
+  REQUIRE(bench.widget_shows(ramp(1)));
+  bench.usb->unplug();
+  REQUIRE(wait_for_state(*sink, PortState::kGone));
+  bench.send(*sink, ramp(2));
+  bench.send(*sink, ramp(3));
+  bench.usb->plug();
+  CHECK(bench.widget_shows(ramp(3)));
+}
+
+TEST_CASE("a widget that vanishes in the middle of a frame gets the whole frame when it is back") {
+  for (const std::size_t byte_count : {0u, 1u, 4u, 100u, 517u}) {
+    CAPTURE(byte_count);
+    Bench bench;
+    const auto sink = bench.open_sink();
+    bench.usb->unplug_after(byte_count);
+    bench.send(*sink, ramp(9));
+    REQUIRE(wait_for_state(*sink, PortState::kGone));
+    CHECK(bench.usb->with_model([](EnttecProModel& model) { return model.frame_count; }) == 0);
+    bench.usb->plug();
+    CHECK(bench.widget_shows(ramp(9)));
+  }
+}
+
+TEST_CASE("a frame that was cut short is sent again whole, and the widget is not left waiting for the rest") {
+  for (const std::size_t byte_count : {1u, 3u, 4u, 5u, 300u, 517u}) {
+    CAPTURE(byte_count);
+    Bench bench;
+    const auto sink = bench.open_sink();
+    bench.usb->cut_next_write(byte_count);
+    bench.send(*sink, ramp(9));
+    CHECK(bench.widget_shows(ramp(9)));
+    CHECK(bench.usb->with_model([](EnttecProModel& model) { return model.frame_count; }) == 1);
+  }
+}
+
+TEST_CASE("a message that a killed program left unfinished does not keep the next one from opening") {
+  Bench bench;
+  bench.usb->with_model([](EnttecProModel& model) { model.data_out(0x02, Bytes{0x7E, 6, 0x01, 0x02, 0, 1, 2, 3}); });
+  const auto sink = bench.open_sink();
+  bench.send(*sink, ramp(9));
+  CHECK(bench.widget_shows(ramp(9)));
+}
+
+TEST_CASE("another widget in the same socket is not taken for the one that left") {
+  Bench bench;
+  const auto sink = bench.open_sink();
+  bench.send(*sink, ramp(1));
+  REQUIRE(bench.widget_shows(ramp(1)));
+  bench.usb->unplug();
+  REQUIRE(wait_for_state(*sink, PortState::kGone));
+  REQUIRE(bench.usb->obey("serial EN999999"));
+  bench.usb->plug();
+  REQUIRE(bench.trouble_says(*sink, "EN999999"));
+  CHECK(sink->state() == PortState::kGone);
+
+  bench.usb->unplug();
+  REQUIRE(bench.usb->obey("serial EN172589"));
+  bench.usb->plug();
+  CHECK(wait_for_state(*sink, PortState::kWorking));
+}
+
+TEST_CASE("a widget that takes nothing three times over is opened afresh") {
+  Bench bench;
+  bench.config.write_timeout_ns = bench.config.retry_ns = 5 * kNsPerMs;
+  SystemClock clock;
+  auto sink = EnttecProSink::open(bench.config, mock::make_mock_connector(bench.usb, clock), clock);
+  REQUIRE(sink);
+  bench.usb->stall(true);
+  bench.send(**sink, ramp(9));
+  REQUIRE(wait_for_state(**sink, PortState::kGone));
+  CHECK(bench.trouble_says(**sink, "does not take data"));
+  bench.usb->stall(false);
+  CHECK(bench.widget_shows(ramp(9)));
+}
+
+TEST_CASE("what does not answer like a widget is refused, and the message says what was asked") {
+  Bench bench;
+  bench.config.reply_timeout_ns = 5 * kNsPerMs;
+  SystemClock clock;
+  bench.usb->with_model([](EnttecProModel& model) { model.answers = false; });
+  const auto sink = EnttecProSink::open(bench.config, mock::make_mock_connector(bench.usb, clock), clock);
+  REQUIRE_FALSE(sink);
+  CHECK(sink.error().code == ErrorCode::kTimeout);
+  CHECK(sink.error().message.find("label 3") != std::string::npos);
+  CHECK_FALSE(bench.usb->claimed());
+}
+
+TEST_CASE("a widget with a blank serial number opens") {
+  Bench bench;
+  bench.usb->with_model([](EnttecProModel& model) { model.widget_serial_bcd = 0xFFFFFFFF; });
+  CHECK(bench.open_sink()->identity().widget_serial == 0);
+}
+
+TEST_CASE("a widget that is busy talking can be opened") {
+  Bench bench;
+  bench.usb->with_model([](EnttecProModel& model) {
+    for (int i = 0; i < 5; ++i) model.receive_line_frame(line_frame_of(ramp(1)));
+    model.say(Bytes{0x7E, 0x05});
+  });
+  CHECK(bench.open_sink()->state() == PortState::kWorking);
+}
+
+TEST_CASE("two ports cannot have one widget") {
+  Bench bench;
+  const auto first = bench.open_sink();
+  const auto second = EnttecProSink::open(bench.config, mock::make_mock_connector(bench.usb, bench.clock), bench.clock);
+  REQUIRE_FALSE(second);
+  CHECK(second.error().code == ErrorCode::kPermission);
+}
+
+TEST_CASE("a sink without its widget fails to open, or waits for it when told to") {
+  Bench bench;
+  bench.usb->unplug();
+  const auto refused = EnttecProSink::open(bench.config, mock::make_mock_connector(bench.usb, bench.clock), bench.clock);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::kNotFound);
+
+  bench.config.wait_for_device = true;
+  const auto sink = bench.open_sink();
+  CHECK(sink->state() == PortState::kGone);
+  bench.send(*sink, ramp(4));
+  bench.usb->plug();
+  CHECK(bench.widget_shows(ramp(4)));
+}
+
+TEST_CASE("closing leaves the last look on the line and gives the widget back") {
+  Bench bench;
+  const auto sink = bench.open_sink();
+  bench.send(*sink, ramp(7));
+  sink->close(bench.clock.now_ns());  // at once: the frame may still be in the mailbox
+  CHECK(sink->state() == PortState::kEnded);
+  CHECK_FALSE(bench.usb->claimed());
+  CHECK(bench.usb->with_model([](EnttecProModel& model) { return model.frame; }) == line_frame_of(ramp(7)));
+  sink->close(bench.clock.now_ns());  // a second time is harmless
+}
+
+TEST_CASE("closing with blackout on exit leaves all slots at 0") {
+  Bench bench;
+  bench.config.blackout_on_exit = true;
+  const auto sink = bench.open_sink();
+  bench.send(*sink, ramp(7));
+  REQUIRE(bench.widget_shows(ramp(7)));
+  sink->close(bench.clock.now_ns());
+  CHECK(bench.usb->with_model([](EnttecProModel& model) { return model.frame; }) == Bytes(513, 0));
+}
+
+TEST_CASE("a sink that is destroyed while its widget takes nothing does not wait for a timeout") {
+  Bench bench;
+  auto sink = bench.open_sink();
+  bench.usb->stall(true);
+  bench.send(*sink, ramp(7));
+  sink.reset();  // the clock stands still: a timeout would never end
+  CHECK_FALSE(bench.usb->claimed());
+}
+
+TEST_CASE("a source hands over what the line brings, address 1 in slot 0") {
+  Bench bench;
+  const auto source = bench.open_source();
+  FrameKeeper keeper;
+  bench.advance_ns(5 * kNsPerMs);
+  bench.usb->with_model([](EnttecProModel& model) { model.receive_line_frame(line_frame_of(ramp(1))); });
+  REQUIRE(bench.frames_come(*source, keeper, 1));
+  CHECK(keeper.kept[0].slots == ramp(1));
+  CHECK(keeper.kept[0].view.universe == kUniverse);
+  CHECK(keeper.kept[0].view.priority == kPriorityDefault);
+  CHECK(keeper.kept[0].view.stamp_ns == bench.clock.now_ns());
+  CHECK(keeper.kept[0].view.sender != 0);
+  CHECK(source->state() == PortState::kWorking);
+}
+
+TEST_CASE("a short line frame is handed over with its own length") {
+  Bench bench;
+  const auto source = bench.open_source();
+  FrameKeeper keeper;
+  bench.usb->with_model([](EnttecProModel& model) { model.receive_line_frame(Bytes{0, 10, 20, 30}); });
+  REQUIRE(bench.frames_come(*source, keeper, 1));
+  CHECK(keeper.kept[0].slots == Bytes{10, 20, 30});
+}
+
+TEST_CASE("frames arrive the same when reads bring one byte at a time and noise stands between them") {
+  Bench bench;
+  bench.usb->limit_reads(1);
+  const auto source = bench.open_source();
+  FrameKeeper keeper;
+  for (std::uint8_t i = 0; i < 5; ++i) {
+    REQUIRE(bench.usb->obey("garbage 00E7FF7E0AFFFF"));
+    bench.usb->with_model([&](EnttecProModel& model) { model.receive_line_frame(line_frame_of(ramp(i))); });
+    REQUIRE(bench.frames_come(*source, keeper, i + 1u));
+    CHECK(keeper.kept[i].slots == ramp(i));
+  }
+  bench.usb->limit_reads(0);
+  CHECK(poll_until(*source, [] {}, [&] { return source->stats().garbage_bytes == 5 * 7; }, std::chrono::seconds(1)));
+  CHECK(source->counters().rejected == 5);
+}
+
+TEST_CASE("changes of state build up the whole frame") {
+  Bench bench;
+  bench.config.receive_mode = ProReceiveMode::kOnChange;
+  const auto source = bench.open_source();
+  REQUIRE(bench.usb->wait_for([](const EnttecProModel& model) { return model.receive_mode == 1; }));
+  FrameKeeper keeper;
+  Bytes slots(512, 0);
+  slots[0] = 1;
+  slots[511] = 9;
+  bench.usb->with_model([&](EnttecProModel& model) { model.receive_line_frame(line_frame_of(slots)); });
+  CHECK(poll_until(*source, [&] { (void)source->poll(0, keeper); },
+                   [&] { return !keeper.kept.empty() && keeper.kept.back().slots == slots; }));
+  slots[200] = 77;
+  bench.usb->with_model([&](EnttecProModel& model) { model.receive_line_frame(line_frame_of(slots)); });
+  CHECK(poll_until(*source, [&] { (void)source->poll(0, keeper); }, [&] { return keeper.kept.back().slots == slots; }));
+}
+
+TEST_CASE("damaged line frames and those with another start code are counted and not handed over") {
+  Bench bench;
+  const auto source = bench.open_source();
+  FrameKeeper keeper;
+  bench.usb->with_model([](EnttecProModel& model) {
+    model.receive_line_frame(line_frame_of(ramp(1)), 0x01);
+    model.receive_line_frame(line_frame_of(ramp(2)), 0x02);
+    model.receive_line_frame(Bytes{0xCC, 1, 2, 3});
+    model.receive_line_frame(line_frame_of(ramp(4)));
+  });
+  REQUIRE(bench.frames_come(*source, keeper, 1));
+  CHECK(keeper.kept[0].slots == ramp(4));
+  CHECK(poll_until(*source, [] {}, [&] { return source->stats().line_errors == 2; }, std::chrono::seconds(1)));
+  CHECK(source->stats().other_start_codes == 1);
+  CHECK(source->counters().frames == 1);
+  CHECK(source->counters().rejected == 2);
+}
+
+TEST_CASE("frames that nobody polls for are replaced by the newest and counted") {
+  Bench bench;
+  const auto source = bench.open_source();
+  for (std::uint8_t i = 1; i <= 20; ++i)
+    bench.usb->with_model([&](EnttecProModel& model) { model.receive_line_frame(line_frame_of(ramp(i))); });
+  CHECK(poll_until(*source, [] {}, [&] { return source->counters().frames == 20; }, std::chrono::seconds(10)));
+  FrameKeeper keeper;
+  REQUIRE(source->poll(bench.clock.now_ns(), keeper));
+  REQUIRE(keeper.kept.size() == 1);
+  CHECK(keeper.kept[0].slots == ramp(20));
+  CHECK(source->counters().dropped == 19);
+}
+
+TEST_CASE("a line that falls quiet turns the source to waiting after 1.25 s") {
+  Bench bench;
+  const auto source = bench.open_source();
+  CHECK(source->state() == PortState::kWaiting);
+  CHECK(source->next_deadline_ns() == kTimeNever);
+  FrameKeeper keeper;
+  bench.usb->with_model([](EnttecProModel& model) { model.receive_line_frame(line_frame_of(ramp(1))); });
+  REQUIRE(bench.frames_come(*source, keeper, 1));
+  const TimeNs heard_ns = bench.clock.now_ns();
+  CHECK(source->next_deadline_ns() == heard_ns + 1'250 * kNsPerMs);
+  bench.advance_ns(1'249 * kNsPerMs);
+  REQUIRE(source->poll(bench.clock.now_ns(), keeper));
+  CHECK(source->state() == PortState::kWorking);
+  bench.advance_ns(kNsPerMs);
+  REQUIRE(source->poll(bench.clock.now_ns(), keeper));
+  CHECK(source->state() == PortState::kWaiting);
+}
+
+TEST_CASE("a source listens again after its widget was replugged") {
+  Bench bench;
+  const auto source = bench.open_source();
+  FrameKeeper keeper;
+  bench.usb->unplug();
+  REQUIRE(poll_until(*source, [&] { (void)source->poll(0, keeper); }, [&] { return source->state() == PortState::kGone; }));
+  CHECK_FALSE(source->trouble().empty());
+  bench.usb->plug();
+  REQUIRE(poll_until(*source, [&] { (void)source->poll(0, keeper); }, [&] { return source->state() != PortState::kGone; }));
+  bench.usb->with_model([](EnttecProModel& model) { model.receive_line_frame(line_frame_of(ramp(5))); });
+  REQUIRE(bench.frames_come(*source, keeper, 1));
+  CHECK(keeper.kept[0].slots == ramp(5));
+}
+
+TEST_CASE("the end of a message that never comes does not swallow the next frame for long") {
+  Bench bench;
+  const auto source = bench.open_source();
+  FrameKeeper keeper;
+  // The head of a full frame and nothing else: the parser would wait for 513 bytes.
+  REQUIRE(bench.usb->obey("garbage 7E0502020000"));
+  bench.usb->with_model([](EnttecProModel& model) { model.receive_line_frame(Bytes{0, 11, 22}); });
+  for (int i = 0; i < 1000 && keeper.kept.empty(); ++i) {  // the thread has to see both the bytes and then the time pass
+    bench.advance_ns(50 * kNsPerMs);
+    pollfd waited{.fd = source->poll_fd(), .events = POLLIN, .revents = 0};
+    ::poll(&waited, 1, 10);
+    REQUIRE(source->poll(bench.clock.now_ns(), keeper));
+  }
+  REQUIRE(keeper.kept.size() == 1);
+  CHECK(keeper.kept[0].slots == Bytes{11, 22});
+}
+
+TEST_CASE("mock endpoints play a sine as a source and take frames as a sink") {
+  SystemClock clock;
+  auto source = open_source({.scheme = "mock", .target = "enttec-pro/sine-test", .universes = {1}}, clock);
+  REQUIRE_MESSAGE(source, (source ? "" : source.error().message));
+  FrameKeeper keeper;
+  REQUIRE(poll_until(**source, [&] { (void)(*source)->poll(clock.now_ns(), keeper); },
+                     [&] { return keeper.kept.size() >= 2; }));
+  const auto [low, high] = std::minmax_element(keeper.kept[0].slots.begin(), keeper.kept[0].slots.end());
+  CHECK(*low == 0);
+  CHECK(*high == 255);
+  CHECK(keeper.kept[0].slots != keeper.kept[1].slots);
+
+  auto sink = open_sink({.scheme = "mock", .target = "enttec-pro/sink-test", .universes = {2}}, clock);
+  REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
+  const Bytes slots = ramp(3);
+  const FrameView frame{.universe = 2, .slots = slots};
+  REQUIRE((*sink)->send(clock.now_ns(), {&frame, 1}));
+  const auto usb = mock::mock_of_target("enttec-pro/sink-test", true);
+  REQUIRE(usb);
+  CHECK((*usb)->wait_for([&](const EnttecProModel& model) { return model.frame == line_frame_of(slots); }));
+  (*sink)->close(clock.now_ns());
+}
+
+TEST_CASE("a port request that makes no sense is refused with what would") {
+  SystemClock clock;
+  CHECK(open_sink({.scheme = "nonesuch", .target = "x", .universes = {1}}, clock).error().message.find("enttec-pro, mock") !=
+        std::string::npos);
+  CHECK(open_sink({.scheme = "mock", .target = "enttec-pro", .universes = {1, 2}}, clock).error().code ==
+        ErrorCode::kBadInput);
+  CHECK(open_sink({.scheme = "mock", .target = "enttec-pro", .universes = {0}}, clock).error().code == ErrorCode::kBadInput);
+  CHECK(open_source({.scheme = "mock", .target = "teapot", .universes = {1}}, clock).error().message.find("mock:enttec-pro") !=
+        std::string::npos);
+  CHECK(open_source({.scheme = "mock", .target = "enttec-proX", .universes = {1}}, clock).error().code ==
+        ErrorCode::kBadInput);
+  CHECK(has_driver("mock"));
+  CHECK_FALSE(has_driver("sacn"));
+}
+
+TEST_CASE("a mock command with a mistake is refused with the commands there are") {
+  MockUsb usb;
+  for (const char* command : {"", "explode", "unplug now", "stall maybe", "garbage 7", "garbage zz", "cut-write -1", "serial "}) {
+    CAPTURE(command);
+    CHECK_FALSE(usb.obey(command));
+  }
+  CHECK(usb.obey("explode").error().message.find("limit-reads N") != std::string::npos);
+  CHECK(usb.obey("stall on"));
+  CHECK(usb.obey("cut-write 7"));
+}
+
+TEST_SUITE_END();
+
+}  // namespace
+}  // namespace footlight::drivers
