@@ -140,7 +140,7 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   params.mask_words = resources_.mask_words;
   params.anisotropy = static_cast<float>(haze_.anisotropy);
   params.ambient_lx = static_cast<float>(ambient_lx_);
-  params.exposure = static_cast<float>(1.0 / (1.2 * std::exp2(exposure_ev)));
+  params.exposure = static_cast<float>(exposure_factor(exposure_ev));
   params.dark_lm = static_cast<float>(settings_.dark_lm);
   params.bodies = settings_.bodies ? 1 : 0;
   vk::full_barrier(commands);  // the frame before may still be reading

@@ -35,6 +35,11 @@ struct View {
   double tan_half_fov = 0.5;    // vertical
 };
 
+// The picture on a screen, as the tone map pass makes it; on the CPU, in float.
+[[nodiscard]] ScreenImage screen_of(const RadianceImage& image, double exposure_ev);
+// What the radiance is multiplied by before the tone map: the brightest luminance is 1.2 x 2^EV cd/m^2 (EV at ISO 100).
+[[nodiscard]] double exposure_factor(double exposure_ev);
+
 // Z up; a camera that looks straight up or down has +y as the top of its picture.
 [[nodiscard]] View view_of(const fixtures::Camera& camera);
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/beam.h"
 #include "render/image.h"
 
 namespace footlight::render {
@@ -15,6 +16,20 @@ View view_of(const fixtures::Camera& camera) {
   view.up = glm::cross(view.right, view.forward);
   view.tan_half_fov = std::tan(glm::radians(camera.fov_deg) / 2);
   return view;
+}
+
+double exposure_factor(double exposure_ev) { return 1.0 / (1.2 * std::exp2(exposure_ev)); }
+
+ScreenImage screen_of(const RadianceImage& image, double exposure_ev) {
+  ScreenImage screen{image.width, image.height, {}};
+  screen.rgba.reserve(image.rgb.size() / 3 * 4);
+  const auto factor = static_cast<float>(exposure_factor(exposure_ev));
+  for (std::size_t i = 0; i + 2 < image.rgb.size(); i += 3) {
+    const glm::vec3 shown = f32::agx(glm::vec3(image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]) * factor);
+    for (int c = 0; c < 3; ++c) screen.rgba.push_back(static_cast<std::uint8_t>(std::lround(shown[c] * 255.0f)));
+    screen.rgba.push_back(255);
+  }
+  return screen;
 }
 
 double light_range_m(const fixtures::Rig& rig) {

@@ -24,6 +24,8 @@
   using glm::sqrt;            \
   using std::cos;             \
   using std::exp;             \
+  using std::log2;            \
+  using std::pow;             \
   using std::sin;             \
   using std::tan;
 

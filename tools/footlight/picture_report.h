@@ -1,0 +1,38 @@
+// Error against run time of pictures: GPU methods over their knobs, against the judge.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "render/frame.h"
+#include "render/reference/judge.h"
+#include "render/reference/report.h"
+#include "tools/footlight/report_scenes.h"
+
+namespace footlight::tools {
+
+struct PictureReportOptions {
+  int width = 640;        // the size that is timed
+  int height = 360;
+  int judge_width = 64;   // the size that is judged: the same view, fewer pixels, since the judge is slow
+  int judge_height = 36;
+  int runs = 11;          // timed frames, after 3 that are not
+  std::vector<std::uint32_t> gauss_nodes{1, 2, 3, 4, 6, 8};
+  std::vector<std::uint32_t> march_steps{8, 16, 32, 64, 128, 256};
+  bool judge = true;      // false: only times
+};
+
+struct PictureReport {
+  std::vector<render::PictureRow> rows;
+  double judge_own_rel_l2 = 0;     // the judge's stated error
+  double judge_seconds = 0;
+  std::vector<render::PassTime> passes;  // median GPU time of each pass with the default method
+  std::string device;
+  std::vector<std::string> validation_messages;
+};
+
+[[nodiscard]] Result<PictureReport> make_picture_report(render::vk::Device& device, const Scene& scene,
+                                                        const PictureReportOptions& options);
+
+}  // namespace footlight::tools
