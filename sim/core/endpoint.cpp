@@ -1,0 +1,197 @@
+#include "sim/core/endpoint.h"
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+
+namespace footlight {
+namespace {
+
+constexpr int kArtnetWireMax = 32'768;  // 15 bits of port address, counted from 1
+constexpr const char* kFileScheme = "log";
+
+struct NetworkScheme {
+  std::string_view name;
+  int wire_max;
+};
+constexpr NetworkScheme kNetworkSchemes[] = {{"sacn", kUniverseMax}, {"artnet", kArtnetWireMax}};
+
+// The whole text as a number from 0; nothing for anything else.
+std::optional<int> number_of(std::string_view text) {
+  int number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size() || number < 0) return std::nullopt;
+  return number;
+}
+
+// Four numbers from 0 to 255 between dots.
+bool is_ipv4(std::string_view text) {
+  for (int part = 0; part < 4; ++part) {
+    const std::size_t dot = part < 3 ? text.find('.') : text.size();
+    if (dot == std::string_view::npos || dot == 0 || dot > 3) return false;
+    const auto number = number_of(text.substr(0, dot));
+    if (!number || *number > 255) return false;
+    text.remove_prefix(part < 3 ? dot + 1 : dot);
+  }
+  return true;
+}
+
+// Takes what follows the last `mark` off the end of `text`; nothing where there is no mark.
+std::optional<std::string_view> take_suffix(std::string_view& text, char mark) {
+  const std::size_t at = text.rfind(mark);
+  if (at == std::string_view::npos) return std::nullopt;
+  const std::string_view suffix = text.substr(at + 1);
+  text = text.substr(0, at);
+  return suffix;
+}
+
+// "1-3,7" to 1, 2, 3, 7.
+Result<std::vector<int>> parse_list(std::string_view text, int number_max) {
+  std::vector<int> numbers;
+  std::string_view rest = text;
+  while (true) {
+    const std::size_t comma = rest.find(',');
+    const std::string_view part = rest.substr(0, comma);
+    const std::size_t dash = part.find('-');
+    const auto first = number_of(part.substr(0, dash));
+    const auto last = dash == std::string_view::npos ? first : number_of(part.substr(dash + 1));
+    if (!first || !last) {
+      return fail(ErrorCode::kBadInput, "expected universes as in 1-9 or 1,3,5-7, got \"{}\"", part);
+    }
+    for (const int number : {*first, *last}) {
+      if (number < kUniverseMin || number > number_max) {
+        return fail(ErrorCode::kBadInput, "universe {} does not exist; expected {} to {}, as in 1-9", number,
+                    kUniverseMin, number_max);
+      }
+    }
+    if (*last < *first) {
+      return fail(ErrorCode::kBadInput, "the range {} runs backwards; write {}-{}", part, *last, *first);
+    }
+    for (int number = *first; number <= *last; ++number) numbers.push_back(number);
+    if (comma == std::string_view::npos) break;
+    rest.remove_prefix(comma + 1);
+  }
+  auto sorted = numbers;
+  std::sort(sorted.begin(), sorted.end());
+  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+  if (twice != sorted.end()) {
+    return fail(ErrorCode::kBadInput, "universe {} is named twice in {}; name each universe once", *twice, text);
+  }
+  return numbers;
+}
+
+Status parse_network(std::string_view text, std::string_view rest, const NetworkScheme& scheme, Endpoint& endpoint) {
+  if (const auto name = take_suffix(rest, '%')) {
+    if (name->empty() || name->find_first_of("@=,: ") != std::string_view::npos) {
+      return fail(ErrorCode::kBadInput,
+                  "{}: expected the name of an interface at the end after \"%\", as in {}:1-9%eth0", text, scheme.name);
+    }
+    endpoint.interface_name = *name;
+  }
+  if (auto address = take_suffix(rest, '@')) {
+    std::string_view host = *address;
+    if (const auto port = take_suffix(host, ':')) {
+      const auto number = port->empty() ? std::nullopt : number_of(*port);
+      if (!number || *number < 1 || *number > 65'535) {
+        return fail(ErrorCode::kBadInput,
+                    "{}: expected a UDP port from 1 to 65535 after \":\", as in {}:1-9@10.0.0.7:5569, got \"{}\"", text,
+                    scheme.name, *port);
+      }
+      endpoint.udp_port = static_cast<std::uint16_t>(*number);
+    }
+    if (!is_ipv4(host)) {
+      return fail(ErrorCode::kBadInput, "{}: expected an IPv4 address after \"@\", as in {}:1-9@10.0.0.7, got \"{}\"",
+                  text, scheme.name, host);
+    }
+    endpoint.address = host;
+  }
+  if (rest.empty()) {
+    return fail(ErrorCode::kBadInput, "{}: expected universes, as in {}:1-9 or {}:1,3,5-7", text, scheme.name,
+                scheme.name);
+  }
+  auto universes = parse_wire_universes(rest, scheme.wire_max);
+  if (!universes) return fail(ErrorCode::kBadInput, "{}: {}", text, universes.error().message);
+  endpoint.universes = std::move(*universes);
+  return {};
+}
+
+Status parse_device(std::string_view text, std::string_view rest, Endpoint& endpoint) {
+  WireUniverse universe{1, 1};
+  if (const auto show = take_suffix(rest, '=')) {
+    const auto number = show->empty() ? std::nullopt : number_of(*show);
+    if (!number || !is_universe(*number)) {
+      return fail(ErrorCode::kBadInput,
+                  "{}: expected one universe from {} to {} after \"=\", as in {}:EN123456=3, got \"{}\"", text,
+                  kUniverseMin, kUniverseMax, endpoint.scheme, *show);
+    }
+    universe.show = *number;
+  }
+  endpoint.target = rest;
+  endpoint.universes = {universe};
+  return {};
+}
+
+}  // namespace
+
+std::vector<Universe> Endpoint::show_universes() const {
+  std::vector<Universe> numbers;
+  for (const WireUniverse& universe : universes) numbers.push_back(universe.show);
+  return numbers;
+}
+
+Result<std::vector<WireUniverse>> parse_wire_universes(std::string_view text, int wire_max) {
+  const std::size_t equals = text.find('=');
+  FL_ASSIGN(const auto wire, parse_list(text.substr(0, equals), wire_max));
+  auto show = wire;
+  if (equals != std::string_view::npos) {
+    FL_ASSIGN(show, parse_list(text.substr(equals + 1), kUniverseMax));
+  }
+  if (show.size() != wire.size()) {
+    return fail(ErrorCode::kBadInput,
+                "{} names {} universes on the wire and {} in the show; name equally many, as in 101-109=1-9", text,
+                wire.size(), show.size());
+  }
+  std::vector<WireUniverse> universes;
+  for (std::size_t i = 0; i < wire.size(); ++i) universes.push_back({wire[i], show[i]});
+  return universes;
+}
+
+Result<Endpoint> parse_endpoint(std::string_view text, std::span<const std::string_view> device_schemes) {
+  Endpoint endpoint;
+  endpoint.text = text;
+  // "enttec-pro=3" has no target, so the scheme may end at "=" too.
+  const std::size_t scheme_end = std::min(text.find_first_of(":="), text.size());
+  endpoint.scheme = text.substr(0, scheme_end);
+  const bool has_colon = scheme_end < text.size() && text[scheme_end] == ':';
+  const std::string_view rest = text.substr(scheme_end + (has_colon ? 1 : 0));
+
+  if (endpoint.scheme == kFileScheme) {
+    if (!has_colon || rest.empty()) {
+      return fail(ErrorCode::kBadInput, "{}: expected the name of a file, as in log:show.dmxlog", text);
+    }
+    endpoint.kind = EndpointKind::kFile;
+    endpoint.target = rest;
+    return endpoint;
+  }
+  for (const NetworkScheme& scheme : kNetworkSchemes) {
+    if (endpoint.scheme != scheme.name) continue;
+    endpoint.kind = EndpointKind::kNetwork;
+    FL_TRY(parse_network(text, has_colon ? rest : std::string_view{}, scheme, endpoint));
+    return endpoint;
+  }
+  for (const std::string_view scheme : device_schemes) {
+    if (endpoint.scheme != scheme) continue;
+    endpoint.kind = EndpointKind::kDevice;
+    FL_TRY(parse_device(text, rest, endpoint));
+    return endpoint;
+  }
+
+  std::string known;
+  for (const NetworkScheme& scheme : kNetworkSchemes) known += fmt::format("{}, ", scheme.name);
+  for (const std::string_view scheme : device_schemes) known += fmt::format("{}, ", scheme);
+  known += kFileScheme;
+  return fail(ErrorCode::kBadInput, "{}: unknown scheme \"{}\"; expected one of {}, as in sacn:1-9",
+              text.empty() ? "\"\"" : text, endpoint.scheme, known);
+}
+
+}  // namespace footlight

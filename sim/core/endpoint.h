@@ -1,0 +1,62 @@
+// The one syntax that names where frames come from or go to, in show files and on the command line.
+//
+//   sacn:1-9                  universes 1 to 9 over multicast          sacn:1,3,5-7    single ones
+//   sacn:1-9@10.0.0.7         to (out) or on (in) one address          artnet:1-9@10.9.0.255
+//   sacn:1-9@10.0.0.7:5569    with a UDP port of its own               sacn:1-9%eth0   through one interface
+//   sacn:101-109=1-9          renumbered: wire on the left, show on the right
+//   enttec-pro:EN123456=3     a device by its serial, as universe 3 of the show; without "=" as universe 1
+//   enttec-pro                the one that is plugged in               mock:enttec-pro a model of one in this process
+//   log:FILE                  a file; everything after "log:" is its name
+//
+// Universe numbers count from 1 on both sides, in every protocol.
+// Only text is looked at here: whether the device, the interface or the file exists is found out when it is opened.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/core/dmx.h"
+#include "sim/core/result.h"
+
+namespace footlight {
+
+// One universe of a port: its number on the wire and its number in the show.
+struct WireUniverse {
+  int wire = 0;
+  Universe show = 0;
+  friend bool operator==(const WireUniverse&, const WireUniverse&) = default;
+};
+
+enum class EndpointKind {
+  kNetwork,  // sacn, artnet: universes are required
+  kDevice,   // one of the device schemes: one universe
+  kFile,     // log: the file says which universes there are
+};
+
+struct Endpoint {
+  std::string text;  // as the user wrote it
+  EndpointKind kind = EndpointKind::kNetwork;
+  std::string scheme;                   // "sacn"
+  std::string target;                   // device: serial or model, may be empty; file: its name; network: empty
+  std::string address;                  // network: an IPv4 address, or empty
+  std::uint16_t udp_port = 0;           // network: 0 for the one of the protocol
+  std::string interface_name;           // network: "eth0", or empty
+  std::vector<WireUniverse> universes;  // in the order in which they were written; empty for a file
+
+  [[nodiscard]] std::vector<Universe> show_universes() const;
+};
+
+// `device_schemes`: the ids of the drivers of this build. All errors are kBadInput; the message begins with the endpoint
+// and says what was expected, with an example.
+[[nodiscard]] Result<Endpoint> parse_endpoint(std::string_view text, std::span<const std::string_view> device_schemes);
+
+// Reads "1-9", "1,3,7-9" or "101-109=1-9" (wire on the left, show on the right; both sides name equally many, in order).
+// No number appears twice on either side. `wire_max`: the highest number that the protocol has.
+// Errors: kBadInput; the message names the offending part.
+[[nodiscard]] Result<std::vector<WireUniverse>> parse_wire_universes(std::string_view text,
+                                                                     int wire_max = kUniverseMax);
+
+}  // namespace footlight

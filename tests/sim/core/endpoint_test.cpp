@@ -1,0 +1,131 @@
+#include "sim/core/endpoint.h"
+
+#include <doctest/doctest.h>
+
+namespace footlight {
+namespace {
+
+constexpr std::string_view kDevices[] = {"enttec-pro", "mock"};
+
+Endpoint parsed(std::string_view text) {
+  auto endpoint = parse_endpoint(text, kDevices);
+  REQUIRE_MESSAGE(endpoint.has_value(), (endpoint ? "" : endpoint.error().message));
+  return *endpoint;
+}
+
+std::string refusal(std::string_view text) {
+  const auto endpoint = parse_endpoint(text, kDevices);
+  REQUIRE_FALSE(endpoint.has_value());
+  CHECK(endpoint.error().code == ErrorCode::kBadInput);
+  return endpoint.error().message;
+}
+
+bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+TEST_CASE("a network endpoint names universes, address, port and interface in one text") {
+  const auto plain = parsed("sacn:1-9");
+  CHECK(plain.kind == EndpointKind::kNetwork);
+  CHECK(plain.scheme == "sacn");
+  CHECK(plain.text == "sacn:1-9");
+  CHECK(plain.show_universes() == std::vector<Universe>{1, 2, 3, 4, 5, 6, 7, 8, 9});
+  CHECK(plain.address.empty());
+  CHECK(plain.interface_name.empty());
+  CHECK(plain.udp_port == 0);
+
+  const auto full = parsed("artnet:101-103,9=1-3,7@10.9.0.255:6455%eth0");
+  CHECK(full.universes == std::vector<WireUniverse>{{101, 1}, {102, 2}, {103, 3}, {9, 7}});
+  CHECK(full.address == "10.9.0.255");
+  CHECK(full.udp_port == 6455);
+  CHECK(full.interface_name == "eth0");
+}
+
+TEST_CASE("single universes keep the order in which they are written") {
+  CHECK(parsed("sacn:7,1,3-4").show_universes() == std::vector<Universe>{7, 1, 3, 4});
+}
+
+TEST_CASE("a device endpoint carries one universe, the first of the show unless told otherwise") {
+  CHECK(parsed("enttec-pro").universes == std::vector<WireUniverse>{{1, 1}});
+  CHECK(parsed("enttec-pro").target.empty());
+  CHECK(parsed("enttec-pro=4").universes == std::vector<WireUniverse>{{1, 4}});
+  const auto serial = parsed("enttec-pro:EN123=3");
+  CHECK(serial.kind == EndpointKind::kDevice);
+  CHECK(serial.target == "EN123");
+  CHECK(serial.universes == std::vector<WireUniverse>{{1, 3}});
+  CHECK(parsed("enttec-pro:port-1-2.3").target == "port-1-2.3");
+  CHECK(parsed("mock:enttec-pro").target == "enttec-pro");
+}
+
+TEST_CASE("the name of a log may hold every character that endpoints use elsewhere") {
+  for (const std::string file : {"show.dmxlog", "/tmp/a b=1-9@10.0.0.7%eth0:x.dmxlog", "=", "C:\\x"}) {
+    const auto log = parsed("log:" + file);
+    CHECK(log.kind == EndpointKind::kFile);
+    CHECK(log.target == file);
+    CHECK(log.universes.empty());
+  }
+}
+
+TEST_CASE("universe 0, universe 64000 and Art-Net universe 32769 are refused, and the highest ones are not") {
+  CHECK(contains(refusal("sacn:0-9"), "universe 0 does not exist; expected 1 to 63999"));
+  CHECK(contains(refusal("sacn:64000"), "universe 64000 does not exist"));
+  CHECK(contains(refusal("sacn:1=64000"), "universe 64000 does not exist"));
+  CHECK(contains(refusal("artnet:32769"), "expected 1 to 32768"));
+  CHECK(contains(refusal("enttec-pro=0"), "1 to 63999"));
+  CHECK(contains(refusal("enttec-pro=64000"), "1 to 63999"));
+  CHECK(parsed("sacn:63999").show_universes() == std::vector<Universe>{63'999});
+  CHECK(parsed("artnet:32768=63999").universes == std::vector<WireUniverse>{{32'768, 63'999}});
+}
+
+TEST_CASE("an unknown scheme is answered with the schemes that there are") {
+  for (const char* text : {"scan:1-9", "", "1-9", "SACN:1", ":1-9", "=3"}) {
+    const auto message = refusal(text);
+    CHECK(contains(message, "unknown scheme"));
+    CHECK(contains(message, "sacn, artnet, enttec-pro, mock, log"));
+  }
+}
+
+TEST_CASE("every refusal begins with the endpoint and shows how it is written") {
+  for (const char* text : {"sacn",
+                           "sacn:",
+                           "sacn:@10.0.0.7",
+                           "sacn:x",
+                           "sacn:1-",
+                           "sacn:-1",
+                           "sacn:1,,2",
+                           "sacn: 1",
+                           "sacn:1-9@",
+                           "sacn:+1",
+                           "sacn:1-9@10.0.0",
+                           "sacn:1-9@10.0.0.256",
+                           "sacn:1-9@host",
+                           "sacn:1-9@::1",
+                           "sacn:1-9@10.0.0.7:",
+                           "sacn:1-9@10.0.0.7:0",
+                           "sacn:1-9@10.0.0.7:65536",
+                           "sacn:1-9@10.0.0.7.1",
+                           "sacn:1-9%",
+                           "sacn:1-9%eth0@10.0.0.7",
+                           "artnet:1-9=",
+                           "log:",
+                           "log",
+                           "log=x",
+                           "enttec-pro=",
+                           "enttec-pro:EN1=1-3",
+                           "enttec-pro:EN1=x",
+                           "sacn:99999999999",
+                           "sacn:1-9=1-8"}) {
+    CAPTURE(text);
+    const auto message = refusal(text);
+    CHECK(message.rfind(text, 0) == 0);
+    CHECK(contains(message, "as in"));
+  }
+}
+
+TEST_CASE("a range that runs backwards, a universe named twice and unequal sides are told apart") {
+  CHECK(contains(refusal("sacn:9-1"), "write 1-9"));
+  CHECK(contains(refusal("sacn:1-9,5"), "universe 5 is named twice"));
+  CHECK(contains(refusal("sacn:1-2=5,5"), "universe 5 is named twice"));
+  CHECK(contains(refusal("sacn:1-9=1-8"), "names 9 universes on the wire and 8 in the show"));
+}
+
+}  // namespace
+}  // namespace footlight
