@@ -182,7 +182,7 @@ Result<std::unique_ptr<ArtnetSink>> ArtnetSink::create(const ArtnetSinkOptions& 
 }
 
 ArtnetSink::ArtnetSink(const ArtnetSinkOptions& options, std::uint32_t destination, Fd socket)
-    : NetSink({options.name, options.universes, options.port, options.rate_hz_max},
+    : NetSink({options.name, options.universes, options.interface_name, options.port, options.rate_hz_max},
               std::vector<std::uint32_t>(options.universes.size(), destination), std::move(socket)),
       sequences_(options.universes.size(), 1) {
   for (const auto& universe : options.universes) port_addresses_.push_back(artnet_port_address(universe.wire));

@@ -71,8 +71,15 @@ void NetSink::add_pending(std::size_t place) {
   pending_.push_back(place);
 }
 
+void NetSink::find_interface_again() {
+  if (settings_.interface_name.empty()) return;
+  const auto leaving = find_interface(settings_.name, settings_.interface_name);
+  if (leaving && leave_through(socket_, leaving->index) != 0) ++counters_.errors;
+}
+
 void NetSink::transmit(TimeNs now_ns) {
   if (pending_.empty()) return;
+  if (!trouble_.empty()) find_interface_again();
   for (const std::size_t place : pending_) {
     Outlet& outlet = outlets_[place];
     outlet.pending = false;

@@ -45,6 +45,7 @@ class NetSink : public Sink {
   struct Settings {
     std::string name;
     std::vector<WireUniverse> universes;
+    std::string interface_name;  // empty: the routing table decides
     std::uint16_t udp_port = 0;
     double rate_hz_max = 0.0;
   };
@@ -75,6 +76,8 @@ class NetSink : public Sink {
     bool pending = false; // is in pending_
   };
 
+  // An interface that has gone and come back has another number; finds it again by its name.
+  void find_interface_again();
   void add_pending(std::size_t place);
   // Sends one packet of each universe in pending_, and clears that.
   void transmit(TimeNs now_ns);

@@ -37,12 +37,6 @@ bool set_option(const Fd& socket, int level, int option, int value) {
   return setsockopt(socket.get(), level, option, &value, sizeof value) == 0;
 }
 
-int choose_interface(const Fd& socket, int interface_index) {
-  ip_mreqn request = {};
-  request.imr_ifindex = interface_index;
-  return setsockopt(socket.get(), IPPROTO_IP, IP_MULTICAST_IF, &request, sizeof request) == 0 ? 0 : errno;
-}
-
 TimeNs wall_clock_ns() {
   timespec now = {};
   clock_gettime(CLOCK_REALTIME, &now);
@@ -208,7 +202,7 @@ Result<Fd> open_sender(const SenderSocket& wanted) {
   set_option(socket, IPPROTO_IP, IP_MULTICAST_LOOP, 1);
   set_option(socket, IPPROTO_IP, IP_MULTICAST_TTL, kMulticastTtl);
   if (wanted.interface_index != 0) {
-    const int error_number = choose_interface(socket, wanted.interface_index);
+    const int error_number = leave_through(socket, wanted.interface_index);
     if (error_number != 0) return tl::unexpected(net_error(wanted.port_name, "choose the interface", error_number));
   }
   const sockaddr_in any = address_of(0, 0);
@@ -216,6 +210,12 @@ Result<Fd> open_sender(const SenderSocket& wanted) {
     return tl::unexpected(net_error(wanted.port_name, "open a UDP port to send from", errno));
   }
   return socket;
+}
+
+int leave_through(const Fd& socket, int interface_index) {
+  ip_mreqn request = {};
+  request.imr_ifindex = interface_index;
+  return setsockopt(socket.get(), IPPROTO_IP, IP_MULTICAST_IF, &request, sizeof request) == 0 ? 0 : errno;
 }
 
 std::uint16_t local_udp_port(const Fd& socket) {
@@ -230,7 +230,7 @@ int route_error(std::uint32_t ipv4, int interface_index) {
   if (!probe) return errno;
   set_option(probe, SOL_SOCKET, SO_BROADCAST, 1);
   if (interface_index != 0) {
-    if (const int error_number = choose_interface(probe, interface_index); error_number != 0) return error_number;
+    if (const int error_number = leave_through(probe, interface_index); error_number != 0) return error_number;
   }
   // Connecting a UDP socket sends nothing. Any port but 0 will do.
   const sockaddr_in address = address_of(ipv4, 9);
@@ -248,7 +248,6 @@ void leave_group(const Fd& socket, std::uint32_t group, int interface_index) {
   ip_mreqn request = {};
   request.imr_multiaddr.s_addr = htonl(group);
   request.imr_ifindex = interface_index;
-  // Fails where the interface has gone; the socket's own entry is freed all the same.
   setsockopt(socket.get(), IPPROTO_IP, IP_DROP_MEMBERSHIP, &request, sizeof request);
 }
 

@@ -71,16 +71,18 @@ struct ReceiverSocket {
 
 struct SenderSocket {
   std::string_view port_name;
-  int interface_index = 0;  // of multicast and broadcast; 0: the routing table decides
+  int interface_index = 0;  // that multicast leaves through; 0: the routing table decides
 };
 // Non-blocking, bound to a port that the system picks, heard by other sockets of this machine too.
 [[nodiscard]] Result<Fd> open_sender(const SenderSocket& wanted);
+// Has the multicast of an open sender leave through this interface. errno, or 0.
+[[nodiscard]] int leave_through(const Fd& socket, int interface_index);
 [[nodiscard]] std::uint16_t local_udp_port(const Fd& socket);
 
 // Asks the routing table without sending anything. 0: there is a way; otherwise errno.
 [[nodiscard]] int route_error(std::uint32_t ipv4, int interface_index);
 
-// errno, or 0.
+// errno, or 0. Groups of an interface that has gone are forgotten by the kernel, not by the socket: leave them too.
 [[nodiscard]] int join_group(const Fd& socket, std::uint32_t group, int interface_index);
 void leave_group(const Fd& socket, std::uint32_t group, int interface_index);
 

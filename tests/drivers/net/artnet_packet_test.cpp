@@ -1,0 +1,196 @@
+#include "drivers/net/artnet_packet.h"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "drivers/net/bytes.h"
+#include "tests/drivers/net/tshark.h"
+
+namespace footlight::drivers {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+Bytes built(const ArtnetDmx& dmx) {
+  Bytes packet(kArtnetDmxBytesMax);
+  packet.resize(build_artnet_dmx(dmx, packet));
+  return packet;
+}
+
+Bytes poll_packet(std::uint8_t flags, std::uint16_t last, std::uint16_t first) {
+  Bytes packet = {'A', 'r', 't', '-', 'N', 'e', 't', 0, 0x00, 0x20, 0, 14, flags, 0, 0, 0, 0, 0};
+  write_u16_be(packet, 14, last);
+  write_u16_be(packet, 16, first);
+  return packet;
+}
+
+}  // namespace
+
+TEST_CASE("wire universe 1 is Art-Net port address 0 and 32768 is the last") {
+  CHECK(artnet_port_address(1) == 0);
+  CHECK(artnet_port_address(kArtnetUniverseMax) == kArtnetPortAddressMax);
+  CHECK(artnet_wire_universe(0x7FFF) == 32'768);
+}
+
+TEST_CASE("a built ArtDmx parses to the same fields for every bit of the port address") {
+  const Bytes slots = {9, 8, 7, 6};
+  for (int bit = 0; bit < 15; ++bit) {
+    ArtnetDmx dmx;
+    dmx.sequence = 77;
+    dmx.physical = 3;
+    dmx.port_address = 1 << bit;
+    dmx.slots = slots;
+    const auto parsed = parse_artnet(built(dmx));
+    REQUIRE(parsed.has_value());
+    const auto& got = std::get<ArtnetDmx>(*parsed);
+    CHECK(got.sequence == 77);
+    CHECK(got.physical == 3);
+    CHECK(got.port_address == 1 << bit);
+  }
+}
+
+TEST_CASE("ArtDmx leaves with an even length of at least two, padded with zero") {
+  for (const std::size_t count : {0u, 1u, 2u, 3u, 511u, 512u}) {
+    const Bytes slots(count, 0xFF);
+    ArtnetDmx dmx;
+    dmx.slots = slots;
+    const Bytes packet = built(dmx);
+    const std::size_t length = packet.size() - 18;
+    CHECK(length == std::max<std::size_t>(2, (count + 1) / 2 * 2));
+    CHECK(read_u16_be(packet, 16) == length);
+    for (std::size_t i = 0; i < length; ++i) CHECK(packet[18 + i] == (i < count ? 0xFF : 0));
+  }
+}
+
+TEST_CASE("each broken field of an ArtDmx is refused for its own reason") {
+  const Bytes slots(512, 1);
+  ArtnetDmx dmx;
+  dmx.slots = slots;
+  const Bytes good = built(dmx);
+  struct Case {
+    std::size_t at;
+    std::uint8_t value;
+    ArtnetFault fault;
+  };
+  for (const Case& c : {Case{0, 'a', ArtnetFault::kNotArtnet}, Case{11, 13, ArtnetFault::kVersion},
+                        Case{15, 0x80, ArtnetFault::kPortAddress}, Case{17, 1, ArtnetFault::kLength},
+                        Case{16, 0, ArtnetFault::kLength}}) {
+    Bytes bad = good;
+    bad[c.at] = c.value;
+    const auto parsed = parse_artnet_packet(bad);
+    REQUIRE_FALSE(parsed.has_value());
+    CHECK(parsed.error() == c.fault);
+  }
+  for (std::size_t size = 0; size < good.size(); ++size) {
+    CHECK_FALSE(parse_artnet_packet(std::span(good).first(size)).has_value());
+  }
+}
+
+TEST_CASE("an ArtDmx of odd length is accepted as it is") {
+  const Bytes slots(4, 5);
+  ArtnetDmx dmx;
+  dmx.slots = slots;
+  Bytes packet = built(dmx);
+  packet[17] = 3;
+  CHECK(std::get<ArtnetDmx>(parse_artnet(packet).value()).slots.size() == 3);
+}
+
+TEST_CASE("an ArtPoll asks for all ports unless it is targeted") {
+  const auto all = std::get<ArtnetPoll>(parse_artnet(poll_packet(0x02, 5, 3)).value());
+  CHECK(all.port_address_first == 0);
+  CHECK(all.port_address_last == kArtnetPortAddressMax);
+  const auto targeted = std::get<ArtnetPoll>(parse_artnet(poll_packet(0x20, 5, 3)).value());
+  CHECK(targeted.port_address_first == 3);
+  CHECK(targeted.port_address_last == 5);
+  Bytes old = poll_packet(0x20, 5, 3);
+  old.resize(14);  // as before Art-Net 4
+  CHECK(std::get<ArtnetPoll>(parse_artnet(old).value()).port_address_last == kArtnetPortAddressMax);
+}
+
+TEST_CASE("Wireshark reads our ArtDmx as we meant it") {
+  const Bytes slots = {1, 2, 3};
+  ArtnetDmx dmx;
+  dmx.sequence = 200;
+  dmx.port_address = 0x1234;
+  dmx.slots = slots;
+  const auto fields =
+      testing::dissect(built(dmx), kArtnetPort,
+                       {"artnet.header.opcode", "artnet.header.protver", "artnet.output.sequence",
+                        "artnet.output.universe", "artnet.output.length", "_ws.malformed"});
+  if (!fields) return;
+  CHECK(fields->at("artnet.header.opcode") == "0x5000");
+  CHECK(fields->at("artnet.header.protver") == "14");
+  CHECK(fields->at("artnet.output.sequence") == "200");
+  CHECK(fields->at("artnet.output.universe") == "4660");
+  CHECK(fields->at("artnet.output.length") == "4");
+  CHECK(fields->at("_ws.malformed") == "");
+}
+
+TEST_CASE("Wireshark reads our ArtPollReply as we meant it") {
+  const std::vector<ArtnetPollReply::Port> ports = {{0x0120, true}, {0x0121, false}, {0x012F, true}};
+  ArtnetPollReply reply;
+  reply.ip = {10, 0, 0, 5};
+  reply.mac = {2, 0, 0, 0, 0, 9};
+  reply.short_name = "Footlight";
+  reply.long_name = "Footlight at the back of the house";
+  reply.report = "#0001 [0001] receiving";
+  reply.bind_index = 3;
+  reply.ports = ports;
+  Bytes packet(kArtnetPollReplyBytes);
+  build_artnet_poll_reply(reply, packet);
+  const auto fields = testing::dissect(
+      packet, kArtnetPort,
+      {"artnet.header.opcode", "artnet.poll_reply.ip_address", "artnet.poll_reply.port_nr",
+       "artnet.poll_reply.netswitch", "artnet.poll_reply.subswitch", "artnet.poll_reply.short_name",
+       "artnet.poll_reply.long_name", "artnet.poll_reply.node_report", "artnet.poll_reply.num_ports",
+       "artnet.poll_reply.port_types_1", "artnet.poll_reply.port_types_4", "artnet.poll_reply.swout_3",
+       "artnet.poll_reply.mac", "artnet.poll_reply.bind_ip_address", "artnet.poll_reply.bind_index", "_ws.malformed"});
+  if (!fields) return;
+  CHECK(fields->at("artnet.header.opcode") == "0x2100");
+  CHECK(fields->at("artnet.poll_reply.ip_address") == "10.0.0.5");
+  CHECK(fields->at("artnet.poll_reply.port_nr") == "6454");
+  CHECK(fields->at("artnet.poll_reply.netswitch") == "0x01");
+  CHECK(fields->at("artnet.poll_reply.subswitch") == "0x02");
+  CHECK(fields->at("artnet.poll_reply.short_name") == "Footlight");
+  CHECK(fields->at("artnet.poll_reply.long_name") == "Footlight at the back of the house");
+  CHECK(fields->at("artnet.poll_reply.node_report") == "#0001 [0001] receiving");
+  CHECK(fields->at("artnet.poll_reply.num_ports") == "3");
+  CHECK(fields->at("artnet.poll_reply.port_types_1") == "0x80");
+  CHECK(fields->at("artnet.poll_reply.port_types_4") == "0x00");
+  CHECK(fields->at("artnet.poll_reply.swout_3") == "0x0f");
+  CHECK(fields->at("artnet.poll_reply.mac") == "02:00:00:00:00:09");
+  CHECK(fields->at("artnet.poll_reply.bind_ip_address") == "10.0.0.5");
+  CHECK(fields->at("artnet.poll_reply.bind_index") == "0x03");
+  CHECK(fields->at("_ws.malformed") == "");
+}
+
+TEST_CASE("20000 damaged Art-Net packets crash nothing and none passes with a value out of range") {
+  std::mt19937 random(2);
+  const Bytes slots(512, 1);
+  ArtnetDmx dmx;
+  dmx.slots = slots;
+  const std::vector<Bytes> seeds = {built(dmx), poll_packet(0x20, 9, 1)};
+  int accepted = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    Bytes packet = seeds[random() % seeds.size()];
+    for (std::size_t f = 0; f < 1 + random() % 4; ++f) packet[random() % 18] = static_cast<std::uint8_t>(random());
+    if (random() % 4 == 0) packet.resize(random() % (packet.size() + 10));
+    const Bytes exact(packet.begin(), packet.end());
+    const auto parsed = parse_artnet_packet(exact);
+    if (!parsed) continue;
+    ++accepted;
+    if (const auto* got = std::get_if<ArtnetDmx>(&*parsed)) {
+      REQUIRE(got->port_address >= 0);
+      REQUIRE(got->port_address <= kArtnetPortAddressMax);
+      REQUIRE(got->slots.size() >= 1);
+      REQUIRE(got->slots.size() <= 512);
+      REQUIRE(got->slots.size() + 18 <= exact.size());
+    }
+  }
+  CHECK(accepted > 1'000);
+  CHECK(accepted < 19'000);
+}
+
+}  // namespace footlight::drivers

@@ -1,0 +1,80 @@
+// A receiver that keeps what it is given, and waiting for it without sleeping.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <poll.h>
+#include <time.h>
+
+#include "drivers/net/net.h"
+#include "sim/core/ports.h"
+
+namespace footlight::testing {
+
+struct KeptFrame {
+  FrameView view;  // its slots are gone; use `slots`
+  std::vector<std::uint8_t> slots;
+};
+
+class KeepingReceiver final : public FrameReceiver {
+ public:
+  void receive(const FrameView& frame) override {
+    frames.push_back({frame, {frame.slots.begin(), frame.slots.end()}});
+    frames.back().view.slots = {};
+  }
+  std::vector<KeptFrame> frames;
+};
+
+inline TimeNs real_now_ns() {
+  timespec now = {};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return now.tv_sec * kNsPerS + now.tv_nsec;
+}
+
+// Polls the source until `done` says so or two seconds have passed without; waits in poll(2). True: done.
+template <class Done>
+bool poll_until(Source& source, TimeNs now_ns, FrameReceiver& receiver, Done done) {
+  const TimeNs deadline_ns = real_now_ns() + 2 * kNsPerS;
+  while (!done()) {
+    const DurationNs left_ns = deadline_ns - real_now_ns();
+    if (left_ns <= 0) return false;
+    pollfd waiting = {source.poll_fd(), POLLIN, 0};
+    if (::poll(&waiting, 1, static_cast<int>(left_ns / kNsPerMs) + 1) < 0) return false;
+    if (!source.poll(now_ns, receiver)) return false;
+  }
+  return true;
+}
+
+// Polls until the descriptor is quiet.
+inline bool drain(Source& source, TimeNs now_ns, FrameReceiver& receiver) {
+  pollfd waiting = {source.poll_fd(), POLLIN, 0};
+  while (::poll(&waiting, 1, 0) == 1) {
+    if (!source.poll(now_ns, receiver)) return false;
+  }
+  return true;
+}
+
+// Datagrams over "lo" are in the receiver's buffer when the send returns, so draining it shows that nothing came.
+inline bool hears_nothing(Source& source, TimeNs now_ns, KeepingReceiver& receiver) {
+  const std::size_t before = receiver.frames.size();
+  return drain(source, now_ns, receiver) && receiver.frames.size() == before;
+}
+
+inline std::vector<drivers::WireUniverse> universes_from(int first, int count, int show_first) {
+  std::vector<drivers::WireUniverse> universes;
+  for (int i = 0; i < count; ++i) universes.push_back({first + i, show_first + i});
+  return universes;
+}
+
+// Levels that differ from universe to universe, slot to slot and round to round.
+inline std::vector<std::uint8_t> test_levels(int universe, int round, int count = kSlotCountMax) {
+  std::vector<std::uint8_t> levels(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    levels[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(universe * 31 + round * 7 + i * 3 + i / 256);
+  }
+  return levels;
+}
+
+}  // namespace footlight::testing

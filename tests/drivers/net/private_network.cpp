@@ -1,0 +1,92 @@
+#include "tests/drivers/net/private_network.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <net/if.h>
+#include <net/route.h>
+#include <netinet/in.h>
+#include <sched.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace footlight::testing {
+namespace {
+
+bool write_text(const char* path, const std::string& text) {
+  const int fd = open(path, O_WRONLY);
+  if (fd < 0) return false;
+  const bool good = write(fd, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+  close(fd);
+  return good;
+}
+
+// Without privilege a user namespace of our own gives the right to make a network namespace.
+bool unshare_network() {
+  if (unshare(CLONE_NEWNET) == 0) return true;
+  const uid_t uid = getuid();
+  const gid_t gid = getgid();
+  if (unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) return false;
+  write_text("/proc/self/setgroups", "deny");
+  return write_text("/proc/self/uid_map", "0 " + std::to_string(uid) + " 1") &&
+         write_text("/proc/self/gid_map", "0 " + std::to_string(gid) + " 1");
+}
+
+void set_ipv4(sockaddr& address, const char* text) {
+  sockaddr_in ipv4 = {};
+  ipv4.sin_family = AF_INET;
+  inet_pton(AF_INET, text, &ipv4.sin_addr);
+  std::memcpy(&address, &ipv4, sizeof ipv4);
+}
+
+bool prepare_loopback(bool multicast) {
+  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+  if (fd < 0) return false;
+  ifreq interface = {};
+  std::strcpy(interface.ifr_name, "lo");
+  const int flags = IFF_UP | IFF_RUNNING | IFF_LOOPBACK | (multicast ? IFF_MULTICAST : 0);
+  interface.ifr_flags = static_cast<short>(flags);
+  bool good = ioctl(fd, SIOCSIFFLAGS, &interface) == 0;
+  rtentry route = {};
+  set_ipv4(route.rt_dst, "239.255.0.0");
+  set_ipv4(route.rt_genmask, "255.255.0.0");
+  route.rt_flags = RTF_UP;
+  char name[] = "lo";
+  route.rt_dev = name;
+  good = good && (!multicast || ioctl(fd, SIOCADDRT, &route) == 0);
+  close(fd);
+  return good;
+}
+
+}  // namespace
+
+bool enter_private_network(bool loopback_multicast) {
+  if (unshare_network() && prepare_loopback(loopback_multicast)) return true;
+  std::fprintf(stderr, "SKIPPED: no private network namespace (%s); run as root or allow user namespaces\n",
+               std::strerror(errno));
+  return false;
+}
+
+bool add_interface(const char* name, const char* ipv4) {
+  // rtnetlink would need a hundred lines here; iproute2 is on every machine that has network namespaces.
+  const std::string peer = std::string(name) + "p";
+  const std::string command = std::string("ip link add ") + name + " type veth peer name " + peer + " && ip address add " +
+                              ipv4 + "/24 brd + dev " + name + " && ip link set " + peer + " up && ip link set " + name +
+                              " up";
+  if (std::system((command + " 2>/dev/null").c_str()) == 0) return true;
+  std::fprintf(stderr, "SKIPPED: cannot add an interface: %s\n", command.c_str());
+  return false;
+}
+
+void remove_interface(const char* name) {
+  const std::string command = std::string("ip link delete ") + name;
+  if (std::system(command.c_str()) != 0) std::fprintf(stderr, "could not run: %s\n", command.c_str());
+}
+
+}  // namespace footlight::testing

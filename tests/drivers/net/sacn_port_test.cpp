@@ -1,0 +1,574 @@
+// sACN ports against each other over real sockets, in a network namespace with nothing but "lo" in it.
+#include "drivers/net/sacn_port.h"
+
+#include <doctest/doctest.h>
+
+#include <optional>
+#include <random>
+#include <set>
+
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include "tests/drivers/net/port_helpers.h"
+#include "tests/drivers/net/private_network.h"
+
+namespace footlight::drivers {
+namespace {
+
+using testing::enter_private_network;
+using testing::hears_nothing;
+using testing::KeepingReceiver;
+using testing::poll_until;
+using testing::test_levels;
+using testing::universes_from;
+
+constexpr TimeNs kStartNs = 1'000 * kNsPerS;
+
+SacnSourceOptions source_options(std::vector<WireUniverse> universes) {
+  SacnSourceOptions options;
+  options.name = "sacn:test-in";
+  options.universes = std::move(universes);
+  options.kernel_stamps = false;  // stamps then equal the time that the test passes in
+  return options;
+}
+
+SacnSinkOptions sink_options(std::vector<WireUniverse> universes) {
+  SacnSinkOptions options;
+  options.name = "sacn:test-out";
+  options.universes = std::move(universes);
+  return options;
+}
+
+template <class T>
+T must(Result<T> result) {
+  REQUIRE_MESSAGE(result.has_value(), (result ? std::string() : result.error().message));
+  return std::move(*result);
+}
+
+FrameView frame_of(int universe, std::span<const std::uint8_t> slots) {
+  FrameView frame;
+  frame.universe = universe;
+  frame.slots = slots;
+  return frame;
+}
+
+// Sends packets made by hand, as a sender with faults would.
+class HandSender {
+ public:
+  explicit HandSender(int universe, std::uint8_t cid_octet = 1) : socket_(must(open_sender({"test", 0}))) {
+    data_.cid.fill(cid_octet);
+    data_.universe = universe;
+  }
+  void send() {
+    std::array<std::uint8_t, kSacnDataBytesMax> packet;
+    send_bytes(std::span(packet).first(build_sacn_data(data_, packet)));
+  }
+  void send(std::uint8_t sequence) {
+    data_.sequence = sequence;
+    send();
+  }
+  void send_bytes(std::span<const std::uint8_t> bytes) {
+    writer_.add(bytes, 0x7F000001, kSacnPort);
+    REQUIRE(writer_.flush(socket_.get()).error_number == 0);
+  }
+  SacnData& data() { return data_; }
+
+ private:
+  Fd socket_;
+  DatagramWriter writer_;
+  SacnData data_;
+};
+
+}  // namespace
+
+TEST_CASE("nine universes cross from sink to source by multicast, every level of every round exact") {
+  if (!enter_private_network()) return;
+  auto source = must(SacnSource::create(source_options(universes_from(1, 9, 1))));
+  auto sink = must(SacnSink::create(sink_options(universes_from(1, 9, 1))));
+  CHECK(source->state() == PortState::kWaiting);
+  CHECK(sink->state() == PortState::kWaiting);
+  for (int round = 0; round < 300; ++round) {  // past the wrap of the sequence number
+    std::vector<std::vector<std::uint8_t>> levels;
+    std::vector<FrameView> frames;
+    for (int u = 1; u <= 9; ++u) levels.push_back(test_levels(u, round));
+    for (int u = 1; u <= 9; ++u) frames.push_back(frame_of(u, levels[static_cast<std::size_t>(u - 1)]));
+    const TimeNs now_ns = kStartNs + round * 22 * kNsPerMs;
+    REQUIRE(sink->send(now_ns, frames).has_value());
+    KeepingReceiver receiver;
+    REQUIRE(poll_until(*source, now_ns, receiver, [&] { return receiver.frames.size() >= 9; }));
+    REQUIRE(receiver.frames.size() == 9);
+    for (int u = 1; u <= 9; ++u) {
+      const auto& got = receiver.frames[static_cast<std::size_t>(u - 1)];
+      REQUIRE(got.view.universe == u);
+      REQUIRE(got.view.stamp_ns == now_ns);
+      REQUIRE(got.view.priority == 100);
+      REQUIRE(got.view.sequence == static_cast<std::uint32_t>(round % 256));
+      REQUIRE_FALSE(got.view.terminated);
+      REQUIRE(got.slots == levels[static_cast<std::size_t>(u - 1)]);
+    }
+  }
+  CHECK(source->counters().frames == 2700);
+  CHECK(source->counters().rejected == 0);
+  CHECK(source->counters().dropped == 0);
+  CHECK(sink->counters().frames == 2700);
+  CHECK(source->state() == PortState::kWorking);
+  CHECK(sink->state() == PortState::kWorking);
+}
+
+TEST_CASE("a closing sink ends each universe that it has sent, once, and no other") {
+  if (!enter_private_network()) return;
+  auto source = must(SacnSource::create(source_options(universes_from(1, 9, 1))));
+  auto sink = must(SacnSink::create(sink_options(universes_from(1, 9, 1))));
+  const auto levels = test_levels(3, 0);
+  const std::vector<FrameView> frames = {frame_of(3, levels), frame_of(7, levels)};
+  REQUIRE(sink->send(kStartNs, frames).has_value());
+  sink->close(kStartNs);
+  sink->close(kStartNs);
+  CHECK(sink->state() == PortState::kEnded);
+  CHECK(sink->next_deadline_ns() == kTimeNever);
+  KeepingReceiver receiver;
+  REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return source->details().ended_already >= 4; }));
+  REQUIRE(receiver.frames.size() == 4);
+  CHECK_FALSE(receiver.frames[0].view.terminated);
+  CHECK_FALSE(receiver.frames[1].view.terminated);
+  for (const std::size_t i : {2u, 3u}) {
+    CHECK(receiver.frames[i].view.terminated);
+    CHECK(receiver.frames[i].slots.empty());
+    CHECK(receiver.frames[i].view.universe == (i == 2 ? 3 : 7));
+    CHECK(receiver.frames[i].view.sender == receiver.frames[0].view.sender);
+  }
+}
+
+TEST_CASE("a sender that starts again after its end is heard again") {
+  if (!enter_private_network()) return;
+  auto source = must(SacnSource::create(source_options({{1, 1}})));
+  HandSender sender(1);
+  KeepingReceiver receiver;
+  sender.send(10);
+  sender.data().terminated = true;
+  for (const int sequence : {11, 12, 13}) sender.send(static_cast<std::uint8_t>(sequence));
+  sender.data().terminated = false;
+  sender.send(10);  // a straggler of before the end does not bring it back
+  sender.send(14);
+  REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() >= 3; }));
+  CHECK(receiver.frames.size() == 3);
+  CHECK(receiver.frames[1].view.terminated);
+  CHECK(receiver.frames[2].view.sequence == 14);
+  CHECK(source->details().late == 1);
+  // After a silence of 2.5 s any number is new.
+  sender.send(0);
+  REQUIRE(poll_until(*source, kStartNs + 2'500 * kNsPerMs, receiver, [&] { return receiver.frames.size() >= 4; }));
+}
+
+TEST_CASE("sequence numbers from 0 to 19 behind are discarded, 20 behind and any ahead are taken") {
+  if (!enter_private_network()) return;
+  for (int step = -128; step < 128; ++step) {
+    CAPTURE(step);
+    SequenceFilter filter;
+    const std::uint8_t base = 5;  // so that steps cross the wrap in both directions
+    REQUIRE(filter.judge(1, base, false, true, kStartNs) == SequenceFilter::Verdict::kNew);
+    const auto verdict = filter.judge(1, static_cast<std::uint8_t>(base + step), false, true, kStartNs);
+    CHECK((verdict == SequenceFilter::Verdict::kLate) == (step > -20 && step <= 0));
+  }
+  auto source = must(SacnSource::create(source_options({{1, 1}, {2, 2}})));
+  HandSender sender(1);
+  HandSender other(1, 2);
+  HandSender elsewhere(2);
+  KeepingReceiver receiver;
+  sender.send(100);
+  sender.send(95);      // late
+  other.send(95);       // another sender counts for itself
+  elsewhere.send(95);   // so does another universe of the same sender
+  sender.send(100);     // doubled
+  sender.send(80);      // a restart, as far as one can tell
+  REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() >= 4; }));
+  CHECK(receiver.frames.size() == 4);
+  CHECK(source->details().late == 2);
+  CHECK(receiver.frames[0].view.sender != receiver.frames[1].view.sender);
+  CHECK(receiver.frames[0].view.sender == receiver.frames[2].view.sender);
+}
+
+TEST_CASE("a thousand invented senders do not grow the memory of the sequence rule nor disturb a live one") {
+  SequenceFilter filter;
+  for (int i = 0; i < 1'000; ++i) {
+    const TimeNs now_ns = kStartNs + i * kNsPerMs;
+    REQUIRE(filter.judge(1, static_cast<std::uint8_t>(i), false, true, now_ns) == SequenceFilter::Verdict::kNew);
+    REQUIRE(filter.judge(1, static_cast<std::uint8_t>(i), false, true, now_ns) == SequenceFilter::Verdict::kLate);
+    filter.judge(static_cast<SenderId>(i + 2), 0, false, true, now_ns);
+  }
+}
+
+TEST_CASE("preview, other start codes, other universes, sync and rubbish give no frame and are counted apart") {
+  if (!enter_private_network()) return;
+  auto source = must(SacnSource::create(source_options({{1, 1}})));
+  KeepingReceiver receiver;
+  HandSender preview(1, 1);
+  preview.data().preview = true;
+  preview.send(1);
+  HandSender per_address(1, 2);
+  per_address.data().start_code = kStartCodePriority;
+  per_address.send(1);
+  HandSender elsewhere(2, 3);
+  elsewhere.send(1);
+  HandSender rubbish(1, 4);
+  const std::vector<std::uint8_t> zeros(638);
+  rubbish.send_bytes(zeros);
+  rubbish.send_bytes(std::span(zeros).first(0));
+  const std::vector<std::uint8_t> huge(4'000);
+  rubbish.send_bytes(huge);
+  HandSender good(1, 5);
+  good.data().priority = 7;
+  good.data().sync_universe = 500;  // passed on: this source does not synchronise
+  good.send(1);
+  REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return !receiver.frames.empty(); }));
+  CHECK(receiver.frames.size() == 1);
+  CHECK(receiver.frames[0].view.priority == 7);
+  CHECK(source->details().preview == 1);
+  CHECK(source->details().other_start_code == 1);
+  CHECK(source->details().other_universe == 1);
+  CHECK(source->counters().rejected == 3);
+
+  auto visualiser_options = source_options({{1, 1}});
+  visualiser_options.hear_preview = true;
+  source = must(SacnSource::create(visualiser_options));
+  preview.send(2);
+  REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() >= 2; }));
+}
+
+TEST_CASE("a frame that stays the same goes out three more times and then every 900 ms") {
+  if (!enter_private_network()) return;
+  auto source = must(SacnSource::create(source_options({{1, 1}})));
+  auto sink = must(SacnSink::create(sink_options({{1, 1}})));
+  CHECK(sink->next_deadline_ns() == kTimeNever);
+  REQUIRE(sink->poll(kStartNs).has_value());  // nothing to keep alive before the first frame
+  const auto levels = test_levels(1, 0);
+  const std::vector<FrameView> frames = {frame_of(1, levels)};
+  REQUIRE(sink->send(kStartNs, frames).has_value());
+  KeepingReceiver receiver;
+  std::vector<DurationNs> sent_after_ns;
+  TimeNs last_ns = kStartNs;
+  for (int i = 0; i < 6; ++i) {
+    const TimeNs due_ns = sink->next_deadline_ns();
+    sent_after_ns.push_back(due_ns - last_ns);
+    last_ns = due_ns;
+    REQUIRE(sink->poll(due_ns - 1).has_value());  // too early: nothing
+    REQUIRE(sink->counters().frames == static_cast<std::uint64_t>(1 + i));
+    REQUIRE(sink->poll(due_ns).has_value());
+    REQUIRE(sink->counters().frames == static_cast<std::uint64_t>(2 + i));
+  }
+  for (int i = 0; i < 3; ++i) CHECK(sent_after_ns[static_cast<std::size_t>(i)] == 25 * kNsPerMs);
+  for (int i = 3; i < 6; ++i) CHECK(sent_after_ns[static_cast<std::size_t>(i)] == 900 * kNsPerMs);
+  REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() >= 7; }));
+  for (const auto& frame : receiver.frames) CHECK(frame.slots == levels);
+}
+
+TEST_CASE("sending the same levels again and again sends them four times; a change starts over") {
+  if (!enter_private_network()) return;
+  auto sink = must(SacnSink::create(sink_options({{1, 1}})));
+  auto levels = test_levels(1, 0);
+  for (int i = 0; i < 20; ++i) {
+    const std::vector<FrameView> frames = {frame_of(1, levels)};
+    REQUIRE(sink->send(kStartNs + i * 22 * kNsPerMs, frames).has_value());
+  }
+  CHECK(sink->counters().frames == 4);
+  levels[511] ^= 1;
+  const std::vector<FrameView> frames = {frame_of(1, levels), frame_of(2, levels)};  // universe 2 is not ours
+  REQUIRE(sink->send(kStartNs + kNsPerS, frames).has_value());
+  CHECK(sink->counters().frames == 5);
+  CHECK(sink->next_deadline_ns() == kStartNs + kNsPerS + 25 * kNsPerMs);
+}
+
+TEST_CASE("a short frame leaves the slots past its end as they were") {
+  if (!enter_private_network()) return;
+  auto source = must(SacnSource::create(source_options({{1, 1}})));
+  auto sink = must(SacnSink::create(sink_options({{1, 1}})));
+  const std::vector<std::uint8_t> first = {1, 2, 3, 4};
+  const std::vector<std::uint8_t> second = {9};
+  std::vector<FrameView> frames = {frame_of(1, first)};
+  REQUIRE(sink->send(kStartNs, frames).has_value());
+  frames = {frame_of(1, second)};
+  REQUIRE(sink->send(kStartNs, frames).has_value());
+  KeepingReceiver receiver;
+  REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() >= 2; }));
+  CHECK(receiver.frames[0].slots == first);
+  CHECK(receiver.frames[1].slots == std::vector<std::uint8_t>{9, 2, 3, 4});
+}
+
+TEST_CASE("wire universes 101 to 109 come in and go out as 1 to 9") {
+  if (!enter_private_network()) return;
+  const auto renumbered = must(parse_wire_universes("101-109=1-9"));
+  auto in = must(SacnSource::create(source_options(renumbered)));
+  auto wire = must(SacnSource::create(source_options(universes_from(101, 9, 101))));
+  auto out = must(SacnSink::create(sink_options(renumbered)));
+  std::vector<std::vector<std::uint8_t>> levels;
+  std::vector<FrameView> frames;
+  for (int u = 1; u <= 9; ++u) levels.push_back(test_levels(u, 0));
+  for (int u = 1; u <= 9; ++u) frames.push_back(frame_of(u, levels[static_cast<std::size_t>(u - 1)]));
+  REQUIRE(out->send(kStartNs, frames).has_value());
+  KeepingReceiver heard_in;
+  KeepingReceiver heard_wire;
+  REQUIRE(poll_until(*in, kStartNs, heard_in, [&] { return heard_in.frames.size() >= 9; }));
+  REQUIRE(poll_until(*wire, kStartNs, heard_wire, [&] { return heard_wire.frames.size() >= 9; }));
+  for (int u = 1; u <= 9; ++u) {
+    const auto i = static_cast<std::size_t>(u - 1);
+    CHECK(heard_in.frames[i].view.universe == u);
+    CHECK(heard_wire.frames[i].view.universe == 100 + u);
+    CHECK(heard_in.frames[i].slots == levels[i]);
+    CHECK(heard_wire.frames[i].slots == levels[i]);
+  }
+}
+
+TEST_CASE("101 universes on one interface take six sockets, and each universe is heard once") {
+  if (!enter_private_network()) return;
+  auto options = source_options(universes_from(1, 101, 1));
+  options.interface_name = "lo";
+  auto source = must(SacnSource::create(options));
+  CHECK(source->socket_count() == 6);
+  auto out_options = sink_options(universes_from(1, 101, 1));
+  out_options.interface_name = "lo";
+  auto sink = must(SacnSink::create(out_options));
+  const auto levels = test_levels(1, 0);
+  std::vector<FrameView> frames;
+  for (int u = 1; u <= 101; ++u) frames.push_back(frame_of(u, levels));
+  REQUIRE(sink->send(kStartNs, frames).has_value());
+  KeepingReceiver receiver;
+  REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() >= 101; }));
+  REQUIRE(hears_nothing(*source, kStartNs, receiver));
+  std::set<int> heard;
+  for (const auto& frame : receiver.frames) heard.insert(frame.view.universe);
+  CHECK(heard.size() == 101);
+  CHECK(source->details().late == 0);  // no datagram came in by two sockets
+}
+
+TEST_CASE("two sources on one machine both hear a multicast sender") {
+  if (!enter_private_network()) return;
+  auto first = must(SacnSource::create(source_options({{1, 1}})));
+  auto second = must(SacnSource::create(source_options({{1, 1}})));
+  auto sink = must(SacnSink::create(sink_options({{1, 1}})));
+  const auto levels = test_levels(1, 0);
+  const std::vector<FrameView> frames = {frame_of(1, levels)};
+  REQUIRE(sink->send(kStartNs, frames).has_value());
+  for (auto* source : {first.get(), second.get()}) {
+    KeepingReceiver receiver;
+    CHECK(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() == 1; }));
+  }
+}
+
+TEST_CASE("a source does not hear the sinks of its own program, and hears those of others") {
+  if (!enter_private_network()) return;
+  const auto own_senders = std::make_shared<OwnSenders>();
+  auto in = source_options({{1, 1}});
+  in.own_senders = own_senders;
+  auto source = must(SacnSource::create(in));
+  auto out = sink_options({{1, 1}});
+  out.own_senders = own_senders;
+  auto own = must(SacnSink::create(out));
+  auto foreign_options = sink_options({{1, 1}});
+  foreign_options.source_name = "Another program";
+  auto foreign = must(SacnSink::create(foreign_options));
+  const auto levels = test_levels(1, 0);
+  const std::vector<FrameView> frames = {frame_of(1, levels)};
+  REQUIRE(own->send(kStartNs, frames).has_value());
+  REQUIRE(foreign->send(kStartNs, frames).has_value());
+  KeepingReceiver receiver;
+  REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return !receiver.frames.empty(); }));
+  own->close(kStartNs);
+  REQUIRE(hears_nothing(*source, kStartNs, receiver));
+  CHECK(receiver.frames.size() == 1);
+  CHECK(source->details().own == 4);
+}
+
+TEST_CASE("20000 damaged packets sent to a live source disturb none of the good ones between them") {
+  if (!enter_private_network()) return;
+  auto source = must(SacnSource::create(source_options({{1, 1}})));
+  HandSender rubbish(1, 9);
+  auto sink_made = sink_options({{1, 1}});
+  sink_made.address = "127.0.0.1";
+  auto sink = must(SacnSink::create(sink_made));
+  std::mt19937 random(3);
+  const auto noise_levels = test_levels(1, 99);
+  std::array<std::uint8_t, kSacnDataBytesMax> good_packet;
+  SacnData data;
+  data.cid.fill(9);
+  data.universe = 1;
+  data.slots = noise_levels;
+  build_sacn_data(data, good_packet);
+  std::optional<SenderId> good_sender;
+  for (int round = 0; round < 1'000; ++round) {
+    for (int i = 0; i < 20; ++i) {
+      auto packet = good_packet;
+      for (std::size_t f = 0; f < 1 + random() % 4; ++f) packet[random() % 126] = static_cast<std::uint8_t>(random());
+      rubbish.send_bytes(std::span(packet).first(random() % 4 == 0 ? random() % packet.size() : packet.size()));
+    }
+    const auto levels = test_levels(1, round);
+    const std::vector<FrameView> frames = {frame_of(1, levels)};
+    REQUIRE(sink->send(kStartNs, frames).has_value());
+    KeepingReceiver receiver;
+    const auto found = [&] {
+      for (const auto& frame : receiver.frames) {
+        if (frame.slots == levels && (!good_sender || frame.view.sender == *good_sender)) {
+          good_sender = frame.view.sender;
+          return true;
+        }
+      }
+      return false;
+    };
+    REQUIRE(poll_until(*source, kStartNs, receiver, found));
+    for (const auto& frame : receiver.frames) {
+      REQUIRE(frame.view.universe == 1);
+      REQUIRE(frame.view.priority <= 200);
+      REQUIRE(frame.slots.size() <= 512);
+    }
+  }
+  CHECK(source->counters().rejected > 1'000);
+}
+
+TEST_CASE("a kernel stamp is not later than the poll and tells how long the datagram waited") {
+  if (!enter_private_network()) return;
+  auto options = source_options({{1, 1}});
+  options.kernel_stamps = true;
+  auto source = must(SacnSource::create(options));
+  HandSender sender(1);
+  KeepingReceiver receiver;
+  // The kernel switches stamping on a moment after the first socket asks; datagrams of before then have the time of poll().
+  bool stamped = false;
+  for (int i = 0; i < 200 && !stamped; ++i) {
+    sender.send(static_cast<std::uint8_t>(i));
+    const TimeNs sent_ns = testing::real_now_ns();
+    while (testing::real_now_ns() < sent_ns + 3 * kNsPerMs) {
+    }
+    const std::size_t before = receiver.frames.size();
+    REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() > before; }));
+    const TimeNs stamp_ns = receiver.frames.back().view.stamp_ns;
+    REQUIRE(stamp_ns <= kStartNs);
+    REQUIRE(stamp_ns > kStartNs - 10 * kNsPerS);
+    stamped = stamp_ns <= kStartNs - 3 * kNsPerMs;
+  }
+  CHECK(stamped);
+}
+
+TEST_CASE("a flood past the receive buffer is counted as dropped") {
+  if (!enter_private_network()) return;
+  auto source = must(SacnSource::create(source_options({{1, 1}})));
+  HandSender sender(1);
+  const std::vector<std::uint8_t> levels(512);
+  sender.data().slots = levels;
+  constexpr int kFlood = 20'000;  // above what 4 MiB, doubled by the kernel, hold
+  for (int i = 0; i < kFlood; ++i) sender.send(static_cast<std::uint8_t>(i));
+  KeepingReceiver receiver;
+  REQUIRE(testing::drain(*source, kStartNs, receiver));
+  REQUIRE(receiver.frames.size() < kFlood);
+  // The kernel tells with the next datagram that fits.
+  HandSender late_comer(1, 2);
+  late_comer.send(1);
+  const std::size_t before = receiver.frames.size();
+  REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() > before; }));
+  CHECK(source->counters().dropped + receiver.frames.size() == kFlood + 1);
+}
+
+TEST_CASE("source and sink follow an interface that comes, goes and comes back") {
+  if (!enter_private_network(false)) return;
+  auto source = must(SacnSource::create(source_options({{1, 1}})));
+  CHECK(source->state() == PortState::kGone);
+  CHECK(source->trouble().find("no network interface is up and can do multicast") != std::string::npos);
+  if (!testing::add_interface("eth7", "10.99.0.1")) return;
+  KeepingReceiver receiver;
+  REQUIRE(testing::drain(*source, kStartNs, receiver));
+  CHECK(source->state() == PortState::kWaiting);
+  auto out = sink_options({{1, 1}});
+  out.interface_name = "eth7";
+  auto sink = must(SacnSink::create(out));
+  const auto levels = test_levels(1, 0);
+  const std::vector<FrameView> frames = {frame_of(1, levels)};
+  REQUIRE(sink->send(kStartNs, frames).has_value());
+  REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() == 1; }));
+
+  testing::remove_interface("eth7");
+  REQUIRE(testing::drain(*source, kStartNs, receiver));
+  REQUIRE(sink->poll(sink->next_deadline_ns()).has_value());
+  CHECK(sink->state() == PortState::kGone);
+  CHECK(sink->trouble().find("sacn:test-out: cannot send to 239.255.0.1:5568") != std::string::npos);
+
+  // The sink has kept the look and says it again by itself, though the interface has another number now.
+  REQUIRE(testing::add_interface("eth7", "10.99.0.1"));
+  REQUIRE(testing::drain(*source, kStartNs, receiver));
+  REQUIRE(sink->poll(sink->next_deadline_ns()).has_value());
+  CHECK(sink->state() == PortState::kWorking);
+  REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() == 2; }));
+  CHECK(receiver.frames[1].slots == levels);
+}
+
+TEST_CASE("wrong options are refused with a message that names the port and the next step") {
+  if (!enter_private_network()) return;
+  const auto message = [](const auto& result) { return result ? std::string("accepted") : result.error().message; };
+  CHECK(message(SacnSource::create(source_options({}))).find("no universe is named") != std::string::npos);
+  CHECK(message(SacnSource::create(source_options({{0, 1}}))).find("from 1 to 63999, got 0") != std::string::npos);
+  CHECK(message(SacnSource::create(source_options({{64'000, 1}}))).find("got 64000") != std::string::npos);
+  CHECK(message(SacnSource::create(source_options({{1, 1}, {1, 2}}))).find("universe 1 is named twice") != std::string::npos);
+  CHECK(message(SacnSource::create(source_options({{1, 5}, {2, 5}}))).find("universe 5 is named twice") != std::string::npos);
+
+  auto in = source_options({{1, 1}});
+  in.interface_name = "eht7";
+  auto refused = SacnSource::create(in);
+  CHECK(message(refused) == "sacn:test-in: no network interface is called \"eht7\"; choose one of: lo");
+  CHECK(refused.error().code == ErrorCode::kNotFound);
+  in = source_options({{1, 1}});
+  in.address = "house";
+  CHECK(message(SacnSource::create(in)).find("expected an IPv4 address such as 10.0.0.5, got \"house\"") != std::string::npos);
+  in.address = "10.1.2.3";
+  CHECK(message(SacnSource::create(in)).find("this machine does not have that address") != std::string::npos);
+
+  auto out = sink_options({{1, 1}});
+  out.priority = 201;
+  CHECK(message(SacnSink::create(out)).find("expected a priority from 0 to 200, got 201") != std::string::npos);
+  out = sink_options({{1, 1}});
+  out.address = "10.1.2.3";
+  auto unreachable = SacnSink::create(out);
+  CHECK(message(unreachable).find("cannot send to 10.1.2.3") != std::string::npos);
+  CHECK(message(unreachable).find("there is no route") != std::string::npos);
+}
+
+TEST_CASE("a port that another program holds without sharing is named, with how to find that program") {
+  if (!enter_private_network()) return;
+  const Fd greedy(socket(AF_INET, SOCK_DGRAM, 0));
+  sockaddr_in address = {};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(kSacnPort);
+  REQUIRE(bind(greedy.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  const auto refused = SacnSource::create(source_options({{1, 1}}));
+  REQUIRE_FALSE(refused.has_value());
+  CHECK(refused.error().message.find("cannot listen on UDP 0.0.0.0:5568") != std::string::npos);
+  CHECK(refused.error().message.find("ss -ulpn") != std::string::npos);
+}
+
+TEST_CASE("a universe list is read as it is written, and refused where it makes no sense") {
+  CHECK(must(parse_wire_universes("1-3")) == std::vector<WireUniverse>{{1, 1}, {2, 2}, {3, 3}});
+  CHECK(must(parse_wire_universes("7,1-2")) == std::vector<WireUniverse>{{7, 7}, {1, 1}, {2, 2}});
+  CHECK(must(parse_wire_universes("101-103=3,1-2")) == std::vector<WireUniverse>{{101, 3}, {102, 1}, {103, 2}});
+  for (const char* const bad : {"", "0", "1-", "-3", "3-1", "1,,2", "1-2-3", "a", "1=", "=1", "1-3=1-2", "1,1", "1-5,3",
+                                "64000", "1 - 2", "1=2=3", "99999999999", "1,"}) {
+    CAPTURE(bad);
+    const auto result = parse_wire_universes(bad);
+    REQUIRE_FALSE(result.has_value());
+    CHECK(result.error().code == ErrorCode::kBadInput);
+  }
+}
+
+TEST_CASE("a CID depends on machine, name and endpoint, stays the same, and is a UUID of version 8") {
+  const Cid one = sacn_cid("machine", "Footlight", "sacn:1-9");
+  CHECK(one == sacn_cid("machine", "Footlight", "sacn:1-9"));
+  CHECK(one != sacn_cid("machine2", "Footlight", "sacn:1-9"));
+  CHECK(one != sacn_cid("machine", "Footlight2", "sacn:1-9"));
+  CHECK(one != sacn_cid("machine", "Footlight", "sacn:1-10"));
+  CHECK((one[6] & 0xF0) == 0x80);
+  CHECK((one[8] & 0xC0) == 0x80);
+  std::set<Cid> distinct;
+  for (int i = 0; i < 1'000; ++i) distinct.insert(sacn_cid("machine", "Footlight", std::to_string(i)));
+  CHECK(distinct.size() == 1'000);
+  SacnSinkOptions options;
+  options.cid.fill(3);
+  CHECK(sacn_cid_of(options) == options.cid);
+}
+
+}  // namespace footlight::drivers
