@@ -1,0 +1,12 @@
+// The demo show as the bytes of a DMX log, made by the build (tools/demo/compose_demo.cpp) and embedded.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace footlight::demo {
+
+// A whole .dmxlog of demo_rig(). Static; any thread.
+[[nodiscard]] std::span<const std::uint8_t> demo_log_bytes();
+
+}  // namespace footlight::demo
