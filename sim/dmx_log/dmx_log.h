@@ -84,6 +84,7 @@ class LogWriter {
   [[nodiscard]] const std::string& written_path() const;
 
  private:
+  friend struct LogWriterMaker;  // log_writer.cpp
   struct Impl;
   explicit LogWriter(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
@@ -214,7 +215,8 @@ class LogReader {
 inline constexpr std::size_t kLogBlockBytesMax = 128u << 20;  // of a block when decompressed
 
 // All about a log (or an OLA Show file, told by its first line). `check` reads every block even if the index is sound;
-// an unfinished or damaged log and an OLA Show are always read whole.
-[[nodiscard]] Result<LogInfo> read_log_info(const std::string& path, bool check = false);
+// an unfinished or damaged log and an OLA Show are always read whole. universe_offset is
+// added to the universes of an OLA Show.
+[[nodiscard]] Result<LogInfo> read_log_info(const std::string& path, bool check = false, int universe_offset = 0);
 
 }  // namespace footlight

@@ -21,6 +21,7 @@ struct LogSourceOptions {
   double speed = 1.0;                   // 0.001 to 1000
   std::vector<std::pair<Universe, Universe>> renumber;  // from (in the log) to (in the pump)
   bool only_renumbered = false;         // leave out universes that `renumber` does not name
+  int universe_offset = 0;              // added to the universes of an OLA Show
 };
 
 // Plays a log. Time 0 is the `now_ns` of the first poll() or start(). Each frame is due at

@@ -1,0 +1,127 @@
+#include "sim/dmx_log/log_output.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace footlight::dmx_log {
+namespace {
+
+constexpr int kPartNamesMax = 1000;
+
+class FileOutput final : public LogOutput {
+ public:
+  FileOutput(int fd, std::string part_path, std::string path, bool overwrite)
+      : fd_(fd), part_path_(std::move(part_path)), path_(std::move(path)), overwrite_(overwrite) {}
+  FileOutput(const FileOutput&) = delete;
+  FileOutput& operator=(const FileOutput&) = delete;
+  ~FileOutput() override {
+    ::close(fd_);
+    if (size_ == 0) ::unlink(part_path_.c_str());  // refused before it began: nothing to recover
+  }
+
+  Status write(std::span<const std::uint8_t> bytes) override {
+    std::size_t done = 0;
+    while (done < bytes.size()) {
+      const ssize_t count = ::pwrite(fd_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(size_ + done));
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) {
+        const int error_number = count < 0 ? errno : ENOSPC;
+        // What did get through would read as a torn block; without it the file ends cleanly.
+        if (::ftruncate(fd_, static_cast<off_t>(size_)) != 0) {
+          // The reader copes with the torn block.
+        }
+        return fail_errno(error_number, part_path_, "cannot write; what is in it so far can be read");
+      }
+      done += static_cast<std::size_t>(count);
+    }
+    size_ += done;
+    return {};
+  }
+
+  Status sync() override {
+    if (::fdatasync(fd_) != 0 && errno != EINVAL) return fail_errno(errno, part_path_, "cannot flush to the disk");
+    return {};
+  }
+
+  Status finish() override {
+    FL_TRY(sync());
+    if (!overwrite_) {
+      // Unlike rename(), link() never replaces what has come there meanwhile.
+      if (::link(part_path_.c_str(), path_.c_str()) == 0) {
+        ::unlink(part_path_.c_str());
+        part_path_ = path_;
+        return {};
+      }
+      if (errno == EEXIST) {
+        return fail(ErrorCode::kIo, "{}: exists; the recording is complete under the name {}", path_, part_path_);
+      }
+      // Some file systems (FAT, many network ones) have no links: rename then.
+    }
+    if (std::rename(part_path_.c_str(), path_.c_str()) != 0) {
+      return fail_errno(errno, path_, "cannot give the recording its name; it is complete under " + part_path_);
+    }
+    part_path_ = path_;
+    return {};
+  }
+
+  const std::string& path() const override { return part_path_; }
+
+ private:
+  int fd_;
+  std::string part_path_;
+  std::string path_;
+  bool overwrite_;
+  std::uint64_t size_ = 0;
+};
+
+class MemoryOutput final : public LogOutput {
+ public:
+  MemoryOutput(Bytes& bytes, std::string name) : bytes_(bytes), name_(std::move(name)) {}
+  Status write(std::span<const std::uint8_t> bytes) override {
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    return {};
+  }
+  Status sync() override { return {}; }
+  Status finish() override { return {}; }
+  const std::string& path() const override { return name_; }
+
+ private:
+  Bytes& bytes_;
+  std::string name_;
+};
+
+}  // namespace
+
+tl::unexpected<Error> fail_errno(int error_number, const std::string& path, const std::string& doing) {
+  ErrorCode code = ErrorCode::kIo;
+  if (error_number == ENOENT || error_number == ENOTDIR) code = ErrorCode::kNotFound;
+  if (error_number == EACCES || error_number == EPERM || error_number == EROFS) code = ErrorCode::kPermission;
+  return fail(code, "{}: {}: {}", path, doing, std::generic_category().message(error_number));
+}
+
+Result<std::unique_ptr<LogOutput>> open_file_output(const std::string& path, bool overwrite) {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) == 0) {
+    if (S_ISDIR(info.st_mode)) return fail(ErrorCode::kBadInput, "{}: is a directory; name a file", path);
+    if (!overwrite) return fail(ErrorCode::kBadInput, "{}: exists; choose another name or allow overwriting", path);
+  }
+  for (int attempt = 1; attempt <= kPartNamesMax; ++attempt) {
+    const std::string part_path = attempt == 1 ? path + ".part" : fmt::format("{}.part{}", path, attempt);
+    const int fd = ::open(part_path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (fd >= 0) return std::unique_ptr<LogOutput>(new FileOutput(fd, part_path, path, overwrite));
+    if (errno != EEXIST) return fail_errno(errno, part_path, "cannot create");
+  }
+  return fail(ErrorCode::kIo, "{}.part to {}.part{}: all exist; convert or remove these unfinished recordings", path,
+              path, kPartNamesMax);
+}
+
+std::unique_ptr<LogOutput> memory_output(Bytes& bytes, const std::string& name) {
+  return std::make_unique<MemoryOutput>(bytes, name);
+}
+
+}  // namespace footlight::dmx_log

@@ -1,0 +1,523 @@
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zstd.h>
+
+#include "sim/core/check.h"
+#include "sim/dmx_log/block.h"
+#include "sim/dmx_log/crc32c.h"
+#include "sim/dmx_log/dmx_log.h"
+#include "sim/dmx_log/format.h"
+#include "sim/dmx_log/log_output.h"
+
+namespace footlight {
+
+using dmx_log::BlockHeader;
+using dmx_log::Bytes;
+using dmx_log::UniverseState;
+
+static_assert(kLogBlockBytesMax == dmx_log::kRawBytesMax);
+
+namespace {
+
+constexpr std::size_t kDamageListedMax = 64;
+constexpr std::size_t kDamageCountedMax = 65'536;  // a broken disk must not fill the memory
+constexpr std::size_t kScanBytes = 64u << 10;
+
+class Input {
+ public:
+  virtual ~Input() = default;
+  [[nodiscard]] virtual std::uint64_t size() const = 0;
+  // Fills `out`; fewer bytes than that in the file are an error.
+  virtual Status read(std::uint64_t offset, std::span<std::uint8_t> out) = 0;
+};
+
+// Reads with pread, not through a mapping: a file that somebody cuts short meanwhile is then an error, not a signal.
+class FileInput final : public Input {
+ public:
+  FileInput(int fd, std::uint64_t size, std::string path) : fd_(fd), size_(size), path_(std::move(path)) {}
+  FileInput(const FileInput&) = delete;
+  FileInput& operator=(const FileInput&) = delete;
+  ~FileInput() override { ::close(fd_); }
+
+  std::uint64_t size() const override { return size_; }
+  Status read(std::uint64_t offset, std::span<std::uint8_t> out) override {
+    std::size_t done = 0;
+    while (done < out.size()) {
+      const ssize_t count = ::pread(fd_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) return dmx_log::fail_errno(errno, path_, "cannot read");
+      if (count == 0) return fail(ErrorCode::kIo, "{}: became shorter while it was read", path_);
+      done += static_cast<std::size_t>(count);
+    }
+    return {};
+  }
+
+ private:
+  int fd_;
+  std::uint64_t size_;
+  std::string path_;
+};
+
+class MemoryInput final : public Input {
+ public:
+  explicit MemoryInput(Bytes bytes) : bytes_(std::move(bytes)) {}
+  std::uint64_t size() const override { return bytes_.size(); }
+  Status read(std::uint64_t offset, std::span<std::uint8_t> out) override {
+    FL_CHECK(offset <= bytes_.size() && out.size() <= bytes_.size() - offset);
+    std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), out.size(), out.begin());
+    return {};
+  }
+
+ private:
+  Bytes bytes_;
+};
+
+struct FoundBlock {
+  std::uint64_t offset = 0;
+  BlockHeader header;
+  [[nodiscard]] std::uint64_t end() const { return offset + dmx_log::kBlockHeaderBytes + header.compressed_bytes; }
+};
+
+}  // namespace
+
+struct LogReader::Impl {
+  Impl(std::unique_ptr<Input> input_in, std::string name, const LogReaderOptions& options_in)
+      : input(std::move(input_in)), options(options_in), zstd(ZSTD_createDCtx(), &ZSTD_freeDCtx) {
+    info.path = std::move(name);
+    info.file_bytes = input->size();
+  }
+
+  void note_damage(std::uint64_t offset, std::uint64_t size_bytes, std::string what) {
+    if (damage_offsets.size() == kDamageCountedMax) return;
+    if (!damage_offsets.insert(offset).second) return;  // met before, on an earlier way through
+    ++info.damage_count;
+    if (info.damage.size() < kDamageListedMax) info.damage.push_back({offset, size_bytes, std::move(what)});
+  }
+
+  Status open() {
+    FL_TRY(read_header());
+    FL_TRY(read_tail());
+    if (!info.finished) FL_TRY(scan());
+    if (header_damaged && !info.finished && info.blocks == 0) {
+      return fail(ErrorCode::kBadInput, "{}: the header is damaged or cut short and no block follows; it holds no frame",
+                  info.path);
+    }
+    at = first_block;
+    return {};
+  }
+
+  Status read_header() {
+    const std::string& name = info.path;
+    std::array<std::uint8_t, dmx_log::kFileHeaderFixedBytes> fixed{};
+    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(fixed.size(), input->size()));
+    if (count == 0) return fail(ErrorCode::kBadInput, "{}: is empty; expected a DMX log", name);
+    const auto head = std::span(fixed).first(count);
+    FL_TRY(input->read(0, head));
+    const std::size_t magic_count = std::min(count, sizeof dmx_log::kFileMagic);
+    if (!std::equal(head.begin(), head.begin() + static_cast<std::ptrdiff_t>(magic_count), dmx_log::kFileMagic)) {
+      return fail(ErrorCode::kBadInput, "{}: is not a DMX log: it does not begin with the bytes of one{}", name,
+                  fixed[0] == 'O' ? "; an OLA Show must be converted first" : "");
+    }
+    if (count < fixed.size()) {
+      return fail(ErrorCode::kBadInput, "{}: ends inside its header, at byte {}; it holds no frame", name, count);
+    }
+    const int major = fixed[8] | fixed[9] << 8;
+    const int minor = fixed[10] | fixed[11] << 8;
+    if (major != dmx_log::kVersionMajor) {
+      return fail(ErrorCode::kUnsupported, "{}: is a DMX log of version {}.{}, this program reads version {}.x", name,
+                  major, minor, dmx_log::kVersionMajor);
+    }
+    info.version_major = major;
+    info.version_minor = minor;
+
+    std::optional<dmx_log::FileHeader> header;
+    const auto size = dmx_log::file_header_size(fixed);
+    if (size && *size <= input->size()) {
+      Bytes bytes(*size);
+      FL_TRY(input->read(0, bytes));
+      header = dmx_log::decode_file_header(bytes, options.check_checksums);
+    }
+    if (!header) {
+      // The blocks need nothing of the header but the place where they begin, and that can be searched.
+      header_damaged = true;
+      first_block = dmx_log::kFileHeaderFixedBytes;
+      note_damage(0, first_block, "the header is damaged: the start of the recording is unknown");
+      return {};
+    }
+    first_block = *size;
+    info.origin_ns = header->origin_ns;
+    info.wall_start_unix_ns = header->wall_start_unix_ns;
+    std::sort(header->universes.begin(), header->universes.end());
+    for (const Universe universe : header->universes) {
+      if (info.universes.empty() || info.universes.back().universe != universe) {
+        info.universes.push_back({});
+        info.universes.back().universe = universe;
+      }
+    }
+    return {};
+  }
+
+  // Where the index is sound the file is finished; otherwise blocks reach up to the end of the file.
+  Status read_tail() {
+    data_end = input->size();
+    if (input->size() < first_block + dmx_log::kTrailerBytes) return {};
+    std::array<std::uint8_t, dmx_log::kTrailerBytes> tail{};
+    const std::uint64_t tail_offset = input->size() - tail.size();
+    FL_TRY(input->read(tail_offset, tail));
+    const auto trailer = dmx_log::decode_trailer(tail, options.check_checksums);
+    if (!trailer) return {};
+    if (trailer->index_offset < dmx_log::kFileHeaderFixedBytes || trailer->index_offset > tail_offset ||
+        tail_offset - trailer->index_offset != trailer->index_bytes) {
+      return {};
+    }
+    Bytes bytes(trailer->index_bytes);
+    FL_TRY(input->read(trailer->index_offset, bytes));
+    const auto index = dmx_log::decode_index(bytes, options.check_checksums);
+    if (!index) {
+      note_damage(trailer->index_offset, bytes.size(), "the index is damaged");
+      data_end = trailer->index_offset;
+      return {};
+    }
+    for (const dmx_log::IndexEntry& entry : index->entries) {
+      if (entry.offset < dmx_log::kFileHeaderFixedBytes || entry.offset >= trailer->index_offset) {
+        note_damage(trailer->index_offset, bytes.size(), "the index names places outside the file");
+        return {};
+      }
+    }
+    data_end = trailer->index_offset;
+    info.finished = true;
+    info.duration_ns = index->end_ns;
+    info.frames = index->frames;
+    info.changes = index->changes;
+    info.blocks = index->blocks;
+    info.late_stamps = index->late_stamps;
+    entries = index->entries;
+    std::map<Universe, LogUniverseInfo> merged;
+    for (const LogUniverseInfo& universe : info.universes) merged[universe.universe] = universe;
+    for (const dmx_log::IndexUniverse& universe : index->universes) {
+      merged[universe.universe] = {universe.universe,   universe.frames,   universe.changes,
+                                   universe.slot_count, universe.first_ns, universe.last_ns};
+    }
+    info.universes.clear();
+    for (const auto& [number, universe] : merged) info.universes.push_back(universe);
+    return {};
+  }
+
+  // Of an unfinished log: from header to header.
+  Status scan() {
+    dmx_log::IndexThinner index;
+    DurationNs newest_ns = 0;
+    std::uint64_t offset = first_block;
+    while (true) {
+      FL_ASSIGN(const std::optional<FoundBlock> block, find_block(offset));
+      if (!block) break;
+      offset = block->end();
+      if (block->header.first_ns < newest_ns) continue;  // next_block() reports it
+      newest_ns = block->header.last_ns;
+      index.add({block->offset, block->header.first_ns});
+      ++info.blocks;
+      info.frames += block->header.frame_count;
+    }
+    info.duration_ns = newest_ns;
+    entries = index.entries();
+    return {};
+  }
+
+  Result<std::optional<FoundBlock>> block_at(std::uint64_t offset) {
+    if (offset > data_end || data_end - offset < dmx_log::kBlockHeaderBytes) return std::nullopt;
+    std::array<std::uint8_t, dmx_log::kBlockHeaderBytes> bytes{};
+    FL_TRY(input->read(offset, bytes));
+    const auto header = dmx_log::decode_block_header(bytes, options.check_checksums);
+    if (!header) return std::nullopt;
+    return FoundBlock{offset, *header};
+  }
+
+  // The first block at or after `offset` that lies whole before data_end. What is skipped on the way is damage.
+  Result<std::optional<FoundBlock>> find_block(std::uint64_t offset) {
+    if (offset >= data_end) return std::nullopt;
+    FL_ASSIGN(std::optional<FoundBlock> block, block_at(offset));
+    if (block && block->end() <= data_end) return block;
+    const bool torn = block.has_value();
+    // Search for the next header. Its checksum tells it from the same four bytes inside compressed levels.
+    Bytes window;
+    constexpr std::array<std::uint8_t, 4> kMagic = {
+        dmx_log::kBlockMagic & 0xFF, dmx_log::kBlockMagic >> 8 & 0xFF, dmx_log::kBlockMagic >> 16 & 0xFF,
+        dmx_log::kBlockMagic >> 24};
+    std::uint64_t from = offset + 1;
+    while (from < data_end && data_end - from >= dmx_log::kBlockHeaderBytes) {
+      window.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kScanBytes, data_end - from)));
+      FL_TRY(input->read(from, window));
+      auto place = window.begin();
+      while (true) {
+        place = std::search(place, window.end(), kMagic.begin(), kMagic.end());
+        if (place == window.end()) break;
+        const std::uint64_t candidate = from + static_cast<std::uint64_t>(place - window.begin());
+        FL_ASSIGN(std::optional<FoundBlock> found, block_at(candidate));
+        if (found && found->end() <= data_end) {
+          note_damage(offset, candidate - offset, torn ? "the block is cut short" : "no block begins here");
+          return found;
+        }
+        ++place;
+      }
+      from += window.size() - (kMagic.size() - 1);
+      if (window.size() < kScanBytes) break;
+    }
+    note_damage(offset, data_end - offset,
+                torn ? "the file ends inside this block" : "the file ends with bytes that are no block");
+    return std::nullopt;
+  }
+
+  // Reads and decodes the block. False: it is damaged, which is noted.
+  Result<bool> load(const FoundBlock& block) {
+    const std::uint64_t size_bytes = block.end() - block.offset;
+    packed.resize(block.header.compressed_bytes);
+    FL_TRY(input->read(block.offset + dmx_log::kBlockHeaderBytes, packed));
+    if (options.check_checksums && dmx_log::crc32c(packed) != block.header.payload_crc) {
+      note_damage(block.offset, size_bytes, "the checksum of the block is wrong");
+      return false;
+    }
+    // Asked before memory is taken, so that a lie in the header costs nothing.
+    const unsigned long long content = ZSTD_getFrameContentSize(packed.data(), packed.size());
+    if (content != block.header.raw_bytes) {
+      note_damage(block.offset, size_bytes, "the compressed part is not as long as the block says");
+      return false;
+    }
+    raw.resize(block.header.raw_bytes);
+    const std::size_t size = ZSTD_decompressDCtx(zstd.get(), raw.data(), raw.size(), packed.data(), packed.size());
+    if (ZSTD_isError(size) != 0 || size != raw.size()) {
+      note_damage(block.offset, size_bytes, "the block does not decompress");
+      return false;
+    }
+    const Status status =
+        loading.load(raw, block.header.frame_count, block.header.first_ns, block.header.last_ns);
+    if (!status) {
+      note_damage(block.offset, size_bytes, status.error().message);
+      return false;
+    }
+    return true;
+  }
+
+  // Loads the next sound block, in order. False at the end.
+  Result<bool> next_block() {
+    while (true) {
+      FL_ASSIGN(const std::optional<FoundBlock> block, find_block(at));
+      if (!block) {
+        at = data_end;
+        return false;
+      }
+      at = block->end();
+      if (block->header.first_ns < time_ns) {
+        note_damage(block->offset, block->end() - block->offset, "the block is earlier than the one before it");
+        continue;
+      }
+      // `decoder` looks into `raw`, which load() overwrites: of the old block nothing is left to read. Its states stay:
+      // what changed inside damage is told when the next sound block comes.
+      FL_ASSIGN(const bool sound, load(*block));
+      if (!sound) continue;
+      current = *block;
+      std::swap(decoder, loading);
+      find_restored(loading.states());
+      return true;
+    }
+  }
+
+  // What the block's look differs in from how the last block left the universes: without damage, nothing.
+  void find_restored(const std::vector<UniverseState>& was_states) {
+    restored.clear();
+    std::map<Universe, const UniverseState*> old;
+    for (const UniverseState& state : was_states) {
+      if (state.heard) old[state.universe] = &state;
+    }
+    for (std::size_t i = 0; i < decoder.states().size(); ++i) {
+      const UniverseState& state = decoder.states()[i];
+      if (!state.heard) continue;
+      const auto known = old.find(state.universe);
+      if (known == old.end()) {
+        restored.push_back({i, Slots{}});
+      } else if (const UniverseState& was = *known->second;
+                 was.levels != state.levels || was.slot_count != state.slot_count ||
+                 was.terminated != state.terminated || was.priority != state.priority || was.sender != state.sender) {
+        restored.push_back({i, was.levels});
+      }
+    }
+    std::reverse(restored.begin(), restored.end());  // taken from the back
+  }
+
+  void fill(LogFrame& frame, const UniverseState& state, DurationNs frame_time_ns, bool changed) {
+    frame = {};
+    frame.time_ns = frame_time_ns;
+    frame.stamp_ns = info.origin_ns + frame_time_ns;
+    frame.universe = state.universe;
+    frame.sender = state.sender;
+    frame.sequence = state.sequence;
+    frame.priority = state.priority;
+    frame.terminated = state.terminated;
+    frame.slot_count = state.slot_count;
+    frame.levels = state.levels;
+    runs.clear();
+    if (changed) {
+      for (std::size_t slot = 0; slot < state.levels.size(); ++slot) {
+        if (state.levels[slot] == before[slot]) continue;
+        if (!runs.empty() && std::size_t{runs.back().first} + runs.back().count == slot) {
+          ++runs.back().count;
+        } else {
+          runs.push_back({static_cast<std::uint16_t>(slot), 1});
+        }
+      }
+    }
+    frame.changes = runs;
+  }
+
+  // The next frame of the loaded block, applied. False where it has no more, or breaks off.
+  std::optional<dmx_log::BlockDecoder::Step> step() {
+    if (!decoder.has_next()) return std::nullopt;
+    const DurationNs next_ns = decoder.next_time_ns();
+    const auto result = decoder.next(before);
+    if (!result) {
+      note_damage(current.offset, current.end() - current.offset, result.error().message);
+      decoder.clear_frames();
+      return std::nullopt;
+    }
+    time_ns = next_ns;
+    return *result;
+  }
+
+  Result<bool> next(LogFrame& frame) {
+    while (true) {
+      if (!restored.empty()) {
+        const auto [index, was] = restored.back();
+        restored.pop_back();
+        before = was;
+        time_ns = current.header.first_ns;
+        fill(frame, decoder.states()[index], time_ns, true);
+        frame.restored = true;
+        return true;
+      }
+      if (const auto taken = step()) {
+        fill(frame, decoder.states()[taken->index], time_ns, taken->changed);
+        return true;
+      }
+      FL_ASSIGN(const bool more, next_block());
+      if (!more) return false;
+    }
+  }
+
+  void rewind() {
+    at = first_block;
+    time_ns = 0;
+    restored.clear();
+    decoder.clear();
+  }
+
+  Status seek(DurationNs target_ns) {
+    rewind();
+    // The last entry at or before the target; from there headers lead to the last such block.
+    auto entry = std::upper_bound(entries.begin(), entries.end(), target_ns,
+                                  [](DurationNs value, const dmx_log::IndexEntry& e) { return value < e.first_ns; });
+    std::uint64_t end = data_end;  // blocks from here on are known to be of no use
+    while (entry != entries.begin()) {
+      --entry;
+      std::vector<FoundBlock> candidates;
+      std::uint64_t offset = entry->offset;
+      DurationNs newest_ns = 0;
+      while (offset < end) {
+        FL_ASSIGN(const std::optional<FoundBlock> block, find_block(offset));
+        if (!block || block->offset >= end || block->header.first_ns > target_ns) break;
+        offset = block->end();
+        if (block->header.first_ns < newest_ns) continue;  // runs backwards, as next_block() says
+        newest_ns = block->header.last_ns;
+        candidates.push_back(*block);
+      }
+      end = entry->offset;
+      for (; !candidates.empty(); candidates.pop_back()) {
+        FL_ASSIGN(const bool sound, load(candidates.back()));
+        if (!sound) continue;
+        current = candidates.back();
+        at = current.end();
+        time_ns = current.header.first_ns;
+        std::swap(decoder, loading);
+        while (decoder.has_next() && decoder.next_time_ns() <= target_ns && step()) {
+        }
+        return {};
+      }
+    }
+    return {};
+  }
+
+  std::span<const LogLook> look() {
+    looks.clear();
+    for (const UniverseState& state : decoder.states()) {
+      if (!state.heard) continue;
+      looks.push_back({state.universe, state.time_ns, state.sender, state.sequence, state.priority, state.terminated,
+                       state.slot_count, state.levels});
+    }
+    std::sort(looks.begin(), looks.end(), [](const LogLook& a, const LogLook& b) { return a.universe < b.universe; });
+    return looks;
+  }
+
+  std::unique_ptr<Input> input;
+  LogReaderOptions options;
+  LogInfo info;
+  std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> zstd;
+  std::set<std::uint64_t> damage_offsets;
+
+  bool header_damaged = false;
+  std::uint64_t first_block = 0;
+  std::uint64_t data_end = 0;
+  std::vector<dmx_log::IndexEntry> entries;
+
+  std::uint64_t at = 0;        // where the next block is looked for
+  DurationNs time_ns = 0;      // of the newest frame given
+  FoundBlock current;
+  Bytes packed, raw;
+  dmx_log::BlockDecoder decoder, loading;
+  std::vector<std::pair<std::size_t, Slots>> restored;  // states of `decoder` to tell, with the levels they had
+  Slots before{};
+  std::vector<SlotRun> runs;
+  std::vector<LogLook> looks;
+};
+
+LogReader::LogReader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+LogReader::LogReader(LogReader&&) noexcept = default;
+LogReader& LogReader::operator=(LogReader&&) noexcept = default;
+LogReader::~LogReader() = default;
+
+Result<LogReader> LogReader::open(const std::string& path, const LogReaderOptions& options) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return dmx_log::fail_errno(errno, path, "cannot open");
+  struct stat status {};
+  const bool known = ::fstat(fd, &status) == 0;
+  auto input = std::make_unique<FileInput>(fd, known ? static_cast<std::uint64_t>(status.st_size) : 0, path);
+  if (!known) return dmx_log::fail_errno(errno, path, "cannot read");
+  if (!S_ISREG(status.st_mode)) return fail(ErrorCode::kBadInput, "{}: is not a regular file", path);
+  auto impl = std::make_unique<Impl>(std::move(input), path, options);
+  FL_TRY(impl->open());
+  return LogReader(std::move(impl));
+}
+
+Result<LogReader> LogReader::open_bytes(std::vector<std::uint8_t> bytes, const std::string& name,
+                                        const LogReaderOptions& options) {
+  auto impl = std::make_unique<Impl>(std::make_unique<MemoryInput>(std::move(bytes)), name, options);
+  FL_TRY(impl->open());
+  return LogReader(std::move(impl));
+}
+
+const LogInfo& LogReader::info() const { return impl_->info; }
+Result<bool> LogReader::next(LogFrame& frame) { return impl_->next(frame); }
+Status LogReader::seek(DurationNs time_ns) { return impl_->seek(time_ns); }
+Status LogReader::rewind() {
+  impl_->rewind();
+  return {};
+}
+std::span<const LogLook> LogReader::look() { return impl_->look(); }
+
+}  // namespace footlight
