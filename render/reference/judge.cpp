@@ -224,7 +224,8 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
   scene.boxes = rig.boxes;
   scene.haze = rig.haze;
   scene.ambient_lx = rig.ambient_lx;
-  scene.range_m = light_range_m(rig);
+  scene.range_m = kAirRangeM;
+  const double range_m = light_range_m(rig);
   scene.gobo = std::move(gobo);
   for (std::size_t i = 0; i < walker.states.size(); ++i) {
     const auto& state = walker.states[i];
@@ -242,7 +243,7 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
     beam.lens_radius_m = type.lens_radius_m;
     beam.spread = std::tan(state.zoom.position);
     beam.profile_m = type.profile_m;
-    beam.range_m = scene.range_m;
+    beam.range_m = range_m;
     beam.strength_lm = flux_lm * colour / judge_flux_factor(beam.spread, beam.profile_m);
     beam.gobo = static_cast<int>(state.gobo);
     const double turn = 2 * std::numbers::pi * f64::turns_fraction(state.gobo_phase);
