@@ -192,7 +192,7 @@ Cue rise(const Player& p, double t) {
       c.dimmer = std::max(full, static_cast<int>(std::floor(steps)) % 4 == p.pair ? 1.0 : 0.08);
       c.color = glm::mix(kDeepBlue, kWhite, ramp(since, 0.5, 5.0));
       c.zoom_deg = 5;
-      c.target_m = {0, -0.3 - 0.8 * ramp(since, 0, 6), 2.6 + 1.2 * ramp(since, 0, 6)};
+      c.target_m = {0, 0.4 - 0.6 * ramp(since, 0, 6), 2.0 + 1.0 * ramp(since, 0, 6)};
       break;
     case Group::kTrussWash:
       c.dimmer = 0.2 + 0.6 * ramp(since, 0, 6);
@@ -265,7 +265,7 @@ Cue sweep(const Player& p, double t) {
       c.dimmer = 0.9;
       c.color = hue(since * 0.14 + 0.22 * p.side);
       c.zoom_deg = 7;
-      c.target_m = {p.position_m.x * 2.0, -9.0, 4.4 + 3.0 * std::sin(2 * kPi * (since / 3.5 + 0.35 * p.side))};
+      c.target_m = {p.position_m.x * 2.0, -9.0, 6.6 + 2.0 * std::sin(2 * kPi * (since / 3.5 + 0.35 * p.side))};
       break;
     case Group::kTrussWash:
       c.dimmer = 0.5;
