@@ -11,9 +11,8 @@ using uint = std::uint32_t;
 using vec4 = glm::vec4;
 #include "render/shaders/shared/frame_io.h"
 
-static_assert(sizeof(FrameParams) == 144);
+static_assert(sizeof(FrameParams) == 112);
 static_assert(offsetof(FrameParams, width) == 64);
-static_assert(offsetof(FrameParams, room_min) == 112);
 static_assert(sizeof(BeamRow) == 96);
 static_assert(sizeof(CountsRow) == 48);
 static_assert(sizeof(BoxRow) == 48);

@@ -43,8 +43,11 @@ struct View {
 // Z up; a camera that looks straight up or down has +y as the top of its picture.
 [[nodiscard]] View view_of(const fixtures::Camera& camera);
 
-// Light ends this far from its lens, and air is seen no further than this from the camera: the diagonal of everything in
-// the rig plus 20 m, 10 m to 200 m. What it cuts off is haze beyond the rig.
+// Air is seen no further than this from the camera.
+inline constexpr double kAirRangeM = 1000.0;
+
+// Light ends this far from its lens: Haze::reach_m, or the diagonal of everything in the rig plus 20 m, 10 m to 200 m. What
+// it cuts off is light in the haze beyond the rig.
 [[nodiscard]] double light_range_m(const fixtures::Rig& rig);
 
 }  // namespace footlight::render

@@ -33,6 +33,7 @@ ScreenImage screen_of(const RadianceImage& image, double exposure_ev) {
 }
 
 double light_range_m(const fixtures::Rig& rig) {
+  if (rig.haze.reach_m > 0) return rig.haze.reach_m;
   glm::dvec3 low(1e30);
   glm::dvec3 high(-1e30);
   for (const auto& fixture : rig.fixtures) {

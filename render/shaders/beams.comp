@@ -13,6 +13,12 @@
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
 #include "render/shaders/lib/tile_test.glsl"
+
+// The tile itself, 16 x 16 pixels.
+bool tile_touches(BeamRow row) {
+  vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
+  return beam_touches(row, low, min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height))));
+}
 #include "render/shaders/lib/tile_walk.glsl"
 
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX) in;
@@ -20,6 +26,7 @@ layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(constant_id = FL_SPEC_PROFILE) const bool kProfile = false;
 layout(constant_id = FL_SPEC_METHOD) const uint kMethod = FL_METHOD_GAUSS;
 layout(constant_id = FL_SPEC_NODES) const uint kNodes = 3;
+layout(constant_id = FL_SPEC_SOLIDS) const bool kSolids = true;
 
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
 
@@ -27,14 +34,14 @@ void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   bool inside = pixel.x < int(params.width) && pixel.y < int(params.height);
   vec3 d = normalize(ray_through(vec2(pixel) + 0.5));
-  float t_max_m = inside ? surface_distance(pixel, d) : 0.0;
+  float t_max_m = kNothingM;
+  if (!inside) t_max_m = 0.0;
+  if (kSolids && inside) t_max_m = surface_distance(pixel, imageLoad(surface_id, pixel).xy, d);
   Medium medium = Medium(params.anisotropy, params.position.w);
 
   vec3 total = vec3(0.0);
-  vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
-  vec2 high = min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height)));
   for (uint base = 0u; base < counts.live_count; base += FL_WALK_BEAMS) {
-    if (!tile_walk(base, low, high)) continue;
+    if (!tile_walk(base)) continue;
     FL_WALK_BEGIN(base, index)
       BeamRow row = beams[index];
       BeamShape beam = beam_shape(row);

@@ -14,6 +14,45 @@
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
 #include "render/shaders/lib/tile_test.glsl"
+
+// Smallest box of the tile's surface points as ordered integers, camera-relative; then a sphere round it.
+shared int bound_low[3];
+shared int bound_high[3];
+
+// Order-preserving integer of a float.
+int ordered(float x) {
+  int bits = floatBitsToInt(x);
+  return bits ^ ((bits >> 31) & 0x7fffffff);
+}
+float from_ordered(int bits) { return intBitsToFloat(bits ^ ((bits >> 31) & 0x7fffffff)); }
+
+void bound_points(bool solid, vec3 offset_m) {
+  uint lane = gl_LocalInvocationIndex;
+  if (lane < 3u) {
+    bound_low[lane] = 0x7fffffff;
+    bound_high[lane] = int(0x80000000);
+  }
+  barrier();
+  if (solid) {
+    for (int i = 0; i < 3; ++i) {
+      atomicMin(bound_low[i], ordered(offset_m[i]));
+      atomicMax(bound_high[i], ordered(offset_m[i]));
+    }
+  }
+  barrier();
+}
+
+// Whether the cone reaches the sphere round the tile's points.
+bool tile_touches(BeamRow row) {
+  if (bound_low[0] > bound_high[0]) return false;  // nothing solid here
+  vec3 low = vec3(from_ordered(bound_low[0]), from_ordered(bound_low[1]), from_ordered(bound_low[2]));
+  vec3 high = vec3(from_ordered(bound_high[0]), from_ordered(bound_high[1]), from_ordered(bound_high[2]));
+  vec3 p = row.eye.xyz + to_light(row, 0.5 * (low + high));
+  float radius = 0.5001 * length(high - low) + 1e-4;
+  float spread = row.y_axis.w;
+  return p.z > -radius && p.z < row.axis.w + radius &&
+         length(p.xy) < row.x_axis.w + spread * max(p.z, 0.0) + radius * sqrt(1.0 + spread * spread);
+}
 #include "render/shaders/lib/tile_walk.glsl"
 #include "sim/shared/motion.h"
 #include "sim/shared/turns.h"
@@ -27,7 +66,6 @@ layout(constant_id = FL_SPEC_PROFILE) const bool kProfile = false;
 layout(set = 0, binding = FL_BINDING_TYPES, std430) readonly buffer TypesBuffer { TypeRow types[]; };
 layout(set = 0, binding = FL_BINDING_FIXTURES, std430) readonly buffer FixturesBuffer { FixtureRow fixtures[]; };
 layout(set = 0, binding = FL_BINDING_STATES, std430) readonly buffer StatesBuffer { FixtureState states[]; };
-layout(set = 0, binding = FL_BINDING_BOXES, std430) readonly buffer BoxesBuffer { BoxRow boxes[]; };
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform writeonly image2D radiance;
 
 const float kPi = 3.141592653589793;
@@ -58,16 +96,16 @@ void main() {
   uvec2 id = inside ? imageLoad(surface_id, pixel).xy : uvec2(0);
   uint kind = id.y >> 30;
   bool solid = kind != 0u;
-  float t_m = inside ? surface_distance(pixel, d) : 0.0;
+  float t_m = solid ? surface_distance(pixel, id, d) : 0.0;
   vec3 normal = unpack_normal(id.x);
   vec3 offset_m = d * t_m;  // from the camera
   Medium medium = Medium(params.anisotropy, params.position.w);
 
   vec3 illuminance_lx = vec3(params.ambient_lx);
-  vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
-  vec2 high = min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height)));
+  // A sphere round all surface points of the tile: most beams that cross the tile in the air light none of them.
+  bound_points(solid, offset_m);
   for (uint base = 0u; base < counts.live_count; base += FL_WALK_BEAMS) {
-    if (!tile_walk(base, low, high)) continue;
+    if (!tile_walk(base)) continue;
     FL_WALK_BEGIN(base, index)
       BeamRow row = beams[index];
       BeamShape beam = beam_shape(row);

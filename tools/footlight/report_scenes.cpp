@@ -65,10 +65,10 @@ Result<Scene> make_beams_scene(int count) {
   scene.name = fmt::format("beams:{}", count);
   Rig& rig = scene.rig;
   rig.name = scene.name;
-  rig.haze = {0.01, 0.0, 0.5};
+  rig.haze = {0.01, 0.0, 0.5, 40};
   rig.ambient_lx = 0.5;
-  rig.boxes.push_back({"floor", {-45, -45, -1}, {45, 35, 0}, glm::dvec3(0.2)});
-  rig.boxes.push_back({"wall", {-45, 35, 0}, {45, 36, 25}, glm::dvec3(0.2)});
+  rig.boxes.push_back({"floor", {-45, -45, -1}, {45, 25, 0}, glm::dvec3(0.2)});
+  rig.boxes.push_back({"wall", {-45, 25, 0}, {45, 26, 30}, glm::dvec3(0.2)});
   rig.cameras = {Camera{"foh", {0, -40, 8}, {0, 0, 6}, 50, 10}};
   constexpr int kLenses = 8;
   for (int i = 0; i < kLenses; ++i) rig.types.push_back(beam_type(0.05 + 0.07 * i / (kLenses - 1)));

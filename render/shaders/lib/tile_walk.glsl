@@ -1,18 +1,19 @@
 // The walk of one workgroup (16 x 16 pixels) over the beams that can touch its tile, in patch order:
 //
 //   for (uint base = 0u; base < counts.live_count; base += FL_WALK_BEAMS) {
-//     if (!tile_walk(base, low, high)) continue;
+//     if (!tile_walk(base)) continue;
 //     FL_WALK_BEGIN(base, index) ... beams[index] ... FL_WALK_END
 //   }
 //
-// tile_walk() tests 256 beams of the supertile's mask against the tile, one a thread. All threads of the group must call
-// it together; it returns the same for all.
+// tile_walk() puts 256 beams of the supertile's mask to the test of the including pass, bool tile_touches(BeamRow), one a
+// thread. All threads of the group must call it together; it returns the same for all.
 #define FL_WALK_BEAMS 256u
 shared uint walk_bits[8];
 
-bool tile_walk(uint base, vec2 low, vec2 high) {
+bool tile_walk(uint base) {
   uint lane = gl_LocalInvocationIndex;
-  uint supertile = (uint(low.y) / uint(FL_SUPERTILE_PX)) * params.supertiles_x + uint(low.x) / uint(FL_SUPERTILE_PX);
+  uvec2 cell = gl_WorkGroupID.xy / uint(FL_SUPERTILE_PX / FL_TILE_PX);
+  uint supertile = cell.y * params.supertiles_x + cell.x;
   uint first = supertile * params.mask_words + base / 32u;
   uint words = min((counts.live_count - base + 31u) / 32u, 8u);
   uint any = 0u;
@@ -23,7 +24,7 @@ bool tile_walk(uint base, vec2 low, vec2 high) {
   barrier();
   uint beam = base + lane;
   if (beam < counts.live_count && (masks[first + (lane >> 5)] & (1u << (lane & 31u))) != 0u) {
-    if (beam_touches(beams[beam], low, high)) atomicOr(walk_bits[lane >> 5], 1u << (lane & 31u));
+    if (tile_touches(beams[beam])) atomicOr(walk_bits[lane >> 5], 1u << (lane & 31u));
   }
   barrier();
   return true;

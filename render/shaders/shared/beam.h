@@ -51,7 +51,8 @@ FL_FN Real beam_flux_factor(Real spread, Real profile_m) {
 // the scattering angle from the other side: cos(gamma) = -mu.
 FL_FN Real phase_function(Real mu, Real g) {
   Real square = max(Real(1) + g * g + Real(2) * g * mu, Real(1e-6));
-  return (Real(1) - g * g) * Real(0.07957747154594767) / (square * sqrt(square));
+  Real root = inversesqrt(square);
+  return (Real(1) - g * g) * Real(0.07957747154594767) * root * root * root;
 }
 
 // Illuminance over J0 at light-space point p on a plane across the light, 1/m^2; 0 outside. r_m: distance from the lens
@@ -68,7 +69,7 @@ FL_FN Real beam_illuminance(BeamShape beam, Vec3 p, FL_OUT(Vec2) rho, FL_OUT(Rea
 
 // Unit direction in which the light travels at gobo-plane position rho.
 FL_FN Vec3 beam_direction(BeamShape beam, Vec2 rho) {
-  Real s = Real(1) / sqrt(Real(1) + beam.spread * beam.spread * (rho.x * rho.x + rho.y * rho.y));
+  Real s = inversesqrt(Real(1) + beam.spread * beam.spread * (rho.x * rho.x + rho.y * rho.y));
   return Vec3(rho.x * beam.spread * s, rho.y * beam.spread * s, s);
 }
 
@@ -96,42 +97,45 @@ FL_FN Real chord_t(Chord chord, Real s) {
   return ds * chord.w_base * chord.w_base / denominator;
 }
 
-// o, d: camera and unit ray direction in light space; t_min_m..t_max_m: the visible part of the ray. False: dark.
+// o, d: camera and unit ray direction in light space; t_min_m..t_max_m: the visible part of the ray. False: dark. Returns
+// early where it can: on a GPU whole groups of pixels miss together. Comparisons stand so that NaN is dark.
 FL_FN bool beam_chord(BeamShape beam, Vec3 o, Vec3 d, Real t_min_m, Real t_max_m, FL_OUT(Chord) chord) {
-  Real t_from = t_min_m;
-  Real t_to = t_max_m;
   // The slab 0 <= z <= range.
   Real inverse = Real(1) / (abs(d.z) > Real(1e-12) ? d.z : Real(1e-12));
   Real t_lens = -o.z * inverse;
   Real t_end = (beam.range_m - o.z) * inverse;
-  t_from = max(t_from, min(t_lens, t_end));
-  t_to = min(t_to, max(t_lens, t_end));
+  Real t_from = max(t_min_m, min(t_lens, t_end));
+  Real t_to = min(t_max_m, max(t_lens, t_end));
+  if (!(t_to > t_from)) return false;
 
   chord.t_base_m = min(max(-dot(o, d), t_from), t_to);
   chord.base = o + d * chord.t_base_m;
   chord.w_base = max(beam.lens_radius_m + beam.spread * chord.base.z, Real(1e-9));
   chord.w_slope = beam.spread * d.z;
   Vec2 v = Vec2(d.x * chord.w_base - chord.base.x * chord.w_slope, d.y * chord.w_base - chord.base.y * chord.w_slope);
-  chord.v_length = sqrt(v.x * v.x + v.y * v.y);
-  chord.along = chord.v_length > Real(0) ? v / chord.v_length : Vec2(1, 0);
-  Vec2 rho = Vec2(chord.base.x, chord.base.y) / chord.w_base;
+  Real v_square = v.x * v.x + v.y * v.y;
+  Real v_inverse = inversesqrt(max(v_square, Real(1e-30)));
+  Real w_inverse = Real(1) / chord.w_base;
+  chord.v_length = v_square * v_inverse;
+  chord.along = v_square > Real(1e-30) ? v * v_inverse : Vec2(1, 0);
+  Vec2 rho = Vec2(chord.base.x, chord.base.y) * w_inverse;
   chord.offset = rho.x * chord.along.y - rho.y * chord.along.x;
+  Real half_square = Real(1) - chord.offset * chord.offset;
+  if (!(half_square > Real(0))) return false;
   chord.s_base = rho.x * chord.along.x + rho.y * chord.along.y;
 
-  Real half_square = Real(1) - chord.offset * chord.offset;
-  Real half_chord = sqrt(max(half_square, Real(0)));
+  Real half_chord = sqrt(half_square);
   Real a = t_from - chord.t_base_m;
   Real b = t_to - chord.t_base_m;
-  Real w_a = max(chord.w_base + a * chord.w_slope, Real(1e-9));
-  Real w_b = max(chord.w_base + b * chord.w_slope, Real(1e-9));
-  Real s_a = chord.s_base + chord.v_length * a / (chord.w_base * w_a);
-  Real s_b = chord.s_base + chord.v_length * b / (chord.w_base * w_b);
+  Real rate = chord.v_length * w_inverse;
+  Real s_a = chord.s_base + rate * a / max(chord.w_base + a * chord.w_slope, Real(1e-9));
+  Real s_b = chord.s_base + rate * b / max(chord.w_base + b * chord.w_slope, Real(1e-9));
   chord.s_from = max(s_a, -half_chord);
   chord.s_to = min(s_b, half_chord);
+  if (!(chord.s_to >= chord.s_from)) return false;
   chord.t_from_m = chord.s_from > s_a ? min(max(chord_t(chord, chord.s_from), a), b) : a;
   chord.t_to_m = chord.s_to < s_b ? min(max(chord_t(chord, chord.s_to), a), b) : b;
-  // Comparisons stand so that NaN is dark.
-  return t_to > t_from && half_square > Real(0) && chord.s_to >= chord.s_from && chord.t_to_m > chord.t_from_m;
+  return chord.t_to_m > chord.t_from_m;
 }
 
 // The smooth part of the integrand at (s, t): profile over (1 + k^2 rho^2), phase function, extinction to the lens and
@@ -139,7 +143,7 @@ FL_FN bool beam_chord(BeamShape beam, Vec3 o, Vec3 d, Real t_min_m, Real t_max_m
 FL_FN Real chord_integrand(BeamShape beam, Medium medium, Chord chord, Vec3 d, Real s, Real t_m, bool with_extinction) {
   Real q = chord.offset * chord.offset + s * s;
   Real u = Real(1) + beam.spread * beam.spread * q;
-  Real root = Real(1) / sqrt(u);
+  Real root = inversesqrt(u);
   Real across = s * (chord.along.x * d.x + chord.along.y * d.y) + chord.offset * (chord.along.y * d.x - chord.along.x * d.y);
   Real mu = (beam.spread * across + d.z) * root;
   Real value = beam_profile(q, beam.profile_m) * root * root * phase_function(mu, medium.anisotropy);

@@ -41,7 +41,7 @@
 #define FL_SUPERTILE_PX 64    // beams are listed per supertile, one bit a live beam
 #define FL_GROUP_MASK 64      // beams a workgroup of the tile pass tests
 
-// Camera, medium and sizes of one frame; 144 bytes, uploaded each frame.
+// Camera, medium and sizes of one frame; 112 bytes, uploaded each frame.
 struct FrameParams {
   vec4 right;     // xyz: unit right x tan(fov / 2) x width / height; w: near plane, m
   vec4 up;        // xyz: unit up x tan(fov / 2); w: range of light, m
@@ -59,8 +59,6 @@ struct FrameParams {
   float dark_lm;      // a beam with less flux is not drawn
   uint bodies;        // 1: fixture bodies are in the picture
   uint pad;
-  vec4 room_min;      // xyz: low corner of everything in the rig
-  vec4 room_max;
 };
 
 // One lit beam, 96 bytes. Light space is camera-relative: eye = camera in it.
