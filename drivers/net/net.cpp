@@ -1,9 +1,9 @@
 #include "drivers/net/net.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <fstream>
+#include <utility>
 
 #include <unistd.h>
 
@@ -12,40 +12,22 @@
 namespace footlight::drivers {
 namespace {
 
-// "1-3,7" to 1, 2, 3, 7.
-Result<std::vector<int>> parse_list(std::string_view text, std::string_view whole) {
-  std::vector<int> numbers;
-  while (true) {
-    const std::size_t comma = text.find(',');
-    const std::string_view part = text.substr(0, comma);
-    const char* const end = part.data() + part.size();
-    int first = 0;
-    auto [after_first, error] = std::from_chars(part.data(), end, first);
-    int last = first;
-    bool good = error == std::errc{};
-    if (good && after_first != end) {
-      good = *after_first == '-';
-      if (good) {
-        const auto [after_last, last_error] = std::from_chars(after_first + 1, end, last);
-        good = last_error == std::errc{} && after_last == end;
-      }
-    }
-    if (!good || !is_universe(first) || !is_universe(last) || last < first) {
-      return fail(ErrorCode::kBadInput,
-                  "universes \"{}\": expected numbers from 1 to {} as in \"1-9\" or \"1,3\" before and after one \"=\", "
-                  "got \"{}\"", whole, kUniverseMax, part);
-    }
-    for (int number = first; number <= last; ++number) numbers.push_back(number);
-    if (comma == std::string_view::npos) break;
-    text.remove_prefix(comma + 1);
-  }
-  auto sorted = numbers;
-  std::sort(sorted.begin(), sorted.end());
-  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
-  if (twice != sorted.end()) {
-    return fail(ErrorCode::kBadInput, "universes \"{}\": {} is named twice; name each universe once", whole, *twice);
-  }
-  return numbers;
+// Fills what all four options have in common.
+template <class Options>
+Options options_of(const Endpoint& endpoint, std::shared_ptr<OwnSenders> own_senders) {
+  Options options;
+  options.name = endpoint.text;
+  options.universes = endpoint.universes;
+  options.address = endpoint.address;
+  options.interface_name = endpoint.interface_name;
+  if (endpoint.udp_port != 0) options.port = endpoint.udp_port;
+  options.own_senders = std::move(own_senders);
+  return options;
+}
+
+tl::unexpected<Error> not_of_the_network(const Endpoint& endpoint) {
+  return fail(ErrorCode::kBadInput, "{}: expected an endpoint of the network, as in sacn:1-9 or artnet:1-9@10.9.0.255",
+              endpoint.text);
 }
 
 std::string machine_text() {
@@ -59,20 +41,22 @@ std::string machine_text() {
 
 }  // namespace
 
-Result<std::vector<WireUniverse>> parse_wire_universes(std::string_view text) {
-  const std::size_t equals = text.find('=');
-  FL_ASSIGN(const auto wire, parse_list(text.substr(0, equals), text));
-  auto show = wire;
-  if (equals != std::string_view::npos) {
-    FL_ASSIGN(show, parse_list(text.substr(equals + 1), text));
+Result<std::unique_ptr<Source>> make_net_source(const Endpoint& endpoint, std::shared_ptr<OwnSenders> own_senders) {
+  if (endpoint.scheme == "sacn") {
+    return make_sacn_source(options_of<SacnSourceOptions>(endpoint, std::move(own_senders)));
   }
-  if (show.size() != wire.size()) {
-    return fail(ErrorCode::kBadInput, "universes \"{}\": {} on the wire and {} in the show; name equally many on both sides",
-                text, wire.size(), show.size());
+  if (endpoint.scheme == "artnet") {
+    return make_artnet_source(options_of<ArtnetSourceOptions>(endpoint, std::move(own_senders)));
   }
-  std::vector<WireUniverse> universes;
-  for (std::size_t i = 0; i < wire.size(); ++i) universes.push_back({wire[i], show[i]});
-  return universes;
+  return not_of_the_network(endpoint);
+}
+
+Result<std::unique_ptr<Sink>> make_net_sink(const Endpoint& endpoint, std::shared_ptr<OwnSenders> own_senders) {
+  if (endpoint.scheme == "sacn") return make_sacn_sink(options_of<SacnSinkOptions>(endpoint, std::move(own_senders)));
+  if (endpoint.scheme == "artnet") {
+    return make_artnet_sink(options_of<ArtnetSinkOptions>(endpoint, std::move(own_senders)));
+  }
+  return not_of_the_network(endpoint);
 }
 
 bool OwnSenders::has_cid(const Cid& cid) const { return std::find(cids_.begin(), cids_.end(), cid) != cids_.end(); }

@@ -4,7 +4,7 @@
 // in with poll() and send(); the only clock asked is the one that the kernel stamps datagrams with, and only for how long a
 // datagram had to wait.
 //
-// Universe numbers on the wire count from 1 in both protocols. Art-Net itself counts port addresses from 0, so wire
+// Universe numbers on the wire (WireUniverse::wire) count from 1 in both protocols. Art-Net itself counts port addresses from 0, so wire
 // universe 1 is Art-Net port address 0 (net 0, sub-net 0, universe 0), and wire universe 17 is net 0, sub-net 1, universe 0.
 #pragma once
 
@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sim/core/endpoint.h"
 #include "sim/core/ports.h"
 
 namespace footlight::drivers {
@@ -25,18 +26,6 @@ inline constexpr int kArtnetUniverseMax = 32'768;      // 15 bits of port addres
 
 // Component identifier: names one sender on the network for good (E1.31-2018 section 5.6).
 using Cid = std::array<std::uint8_t, 16>;
-
-// One universe of a port: its number on the wire and its number in the show. They differ where the user renumbers:
-// "sacn:101-109=1-9" carries wire universes 101 to 109 as universes 1 to 9 of the show.
-struct WireUniverse {
-  int wire = 0;
-  Universe show = 0;
-  friend bool operator==(const WireUniverse&, const WireUniverse&) = default;
-};
-
-// Reads "1-9", "1,3,7-9" or "101-109=1-9" (wire on the left, show on the right; both sides name equally many, in order).
-// Errors: kBadInput with the offending part. No number appears twice on either side.
-[[nodiscard]] Result<std::vector<WireUniverse>> parse_wire_universes(std::string_view text);
 
 // The senders of this program. Give one to all network ports of a program and no source takes for input what a sink of
 // the same program sent (multicast and broadcast come back to the machine that sent them, which is how several programs on
@@ -118,6 +107,13 @@ struct ArtnetSinkOptions {
 [[nodiscard]] Result<std::unique_ptr<Sink>> make_sacn_sink(const SacnSinkOptions& options);
 [[nodiscard]] Result<std::unique_ptr<Source>> make_artnet_source(const ArtnetSourceOptions& options);
 [[nodiscard]] Result<std::unique_ptr<Sink>> make_artnet_sink(const ArtnetSinkOptions& options);
+
+// The same from the words of an endpoint whose scheme is sacn or artnet (kBadInput for any other), with the defaults above
+// for what an endpoint does not say.
+[[nodiscard]] Result<std::unique_ptr<Source>> make_net_source(const Endpoint& endpoint,
+                                                              std::shared_ptr<OwnSenders> own_senders);
+[[nodiscard]] Result<std::unique_ptr<Sink>> make_net_sink(const Endpoint& endpoint,
+                                                          std::shared_ptr<OwnSenders> own_senders);
 
 // The CID that a sink takes by default: the same after every start on this machine, another one on every other machine, for
 // every other source name and for every other endpoint. A UUID of version 8 (RFC 9562) over a 64-bit digest of

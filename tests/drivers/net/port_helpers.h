@@ -62,8 +62,8 @@ inline bool hears_nothing(Source& source, TimeNs now_ns, KeepingReceiver& receiv
   return drain(source, now_ns, receiver) && receiver.frames.size() == before;
 }
 
-inline std::vector<drivers::WireUniverse> universes_from(int first, int count, int show_first) {
-  std::vector<drivers::WireUniverse> universes;
+inline std::vector<WireUniverse> universes_from(int first, int count, int show_first) {
+  std::vector<WireUniverse> universes;
   for (int i = 0; i < count; ++i) universes.push_back({first + i, show_first + i});
   return universes;
 }

@@ -542,17 +542,24 @@ TEST_CASE("a port that another program holds without sharing is named, with how 
   CHECK(refused.error().message.find("ss -ulpn") != std::string::npos);
 }
 
-TEST_CASE("a universe list is read as it is written, and refused where it makes no sense") {
-  CHECK(must(parse_wire_universes("1-3")) == std::vector<WireUniverse>{{1, 1}, {2, 2}, {3, 3}});
-  CHECK(must(parse_wire_universes("7,1-2")) == std::vector<WireUniverse>{{7, 7}, {1, 1}, {2, 2}});
-  CHECK(must(parse_wire_universes("101-103=3,1-2")) == std::vector<WireUniverse>{{101, 3}, {102, 1}, {103, 2}});
-  for (const char* const bad : {"", "0", "1-", "-3", "3-1", "1,,2", "1-2-3", "a", "1=", "=1", "1-3=1-2", "1,1", "1-5,3",
-                                "64000", "1 - 2", "1=2=3", "99999999999", "1,"}) {
-    CAPTURE(bad);
-    const auto result = parse_wire_universes(bad);
-    REQUIRE_FALSE(result.has_value());
-    CHECK(result.error().code == ErrorCode::kBadInput);
+TEST_CASE("an endpoint's words open the ports that they say, and a device's words none") {
+  if (!enter_private_network()) return;
+  const auto ends = std::make_shared<OwnSenders>();
+  for (const char* const text : {"sacn:101-109=1-9@127.0.0.1:5570%lo", "artnet:1-9@127.0.0.1:6460"}) {
+    const auto endpoint = must(parse_endpoint(text, {}));
+    auto source = must(make_net_source(endpoint, nullptr));
+    auto sink = must(make_net_sink(endpoint, ends));
+    CHECK(source->name() == text);
+    const auto levels = test_levels(9, 0);
+    const std::vector<FrameView> frames = {frame_of(9, levels)};
+    REQUIRE(sink->send(kStartNs, frames).has_value());
+    KeepingReceiver receiver;
+    REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() == 1; }));
+    CHECK(receiver.frames[0].view.universe == 9);
   }
+  const auto file = must(parse_endpoint("log:show.dmxlog", {}));
+  CHECK(make_net_source(file, nullptr).error().code == ErrorCode::kBadInput);
+  CHECK(make_net_sink(file, nullptr).error().code == ErrorCode::kBadInput);
 }
 
 TEST_CASE("a CID depends on machine, name and endpoint, stays the same, and is a UUID of version 8") {
