@@ -97,6 +97,7 @@ class LibusbTransport final : public Transport {
         packet_size_(packet_size) {}
 
   ~LibusbTransport() override {
+    closing_ = true;  // one that ends with data now must not be submitted again
     for (InTransfer& in : in_)
       if (in.in_flight) libusb_cancel_transfer(in.transfer.get());
     const TimeNs patience_ns = bus_->clock.now_ns() + kCancelPatience_ns;
@@ -222,7 +223,7 @@ class LibusbTransport final : public Transport {
     const auto bytes = std::span(*in.buffer).first(static_cast<std::size_t>(transfer->actual_length));
     const std::size_t count = ftdi::strip_status(bytes, self.packet_size_);
     self.waiting_.insert(self.waiting_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count));
-    if (self.waiting_.size() < kWaitingSizeMax) self.submit(in);
+    if (self.waiting_.size() < kWaitingSizeMax && !self.closing_) self.submit(in);
   }
   static void LIBUSB_CALL on_out(libusb_transfer* transfer) { static_cast<Out*>(transfer->user_data)->done = true; }
 
@@ -233,6 +234,7 @@ class LibusbTransport final : public Transport {
   const std::size_t packet_size_;
   std::vector<InTransfer> in_;          // never resized while one is in flight: callbacks point into it
   std::vector<std::uint8_t> waiting_;   // stripped bytes that nobody has read yet
+  bool closing_ = false;
   int failure_ = LIBUSB_SUCCESS;        // of the first IN transfer that ended badly
 };
 

@@ -1,0 +1,346 @@
+// The driver through the real libusb and the real sysfs reader, against an emulated kernel with the model behind it.
+#define DOCTEST_CONFIG_IMPLEMENT
+#include <doctest/doctest.h>
+
+#include <numeric>
+
+#include "drivers/mock/enttec_pro_model.h"
+#include "drivers/ports_factory.h"
+#include "drivers/registry.h"
+#include "drivers/usb/enttec_pro.h"
+#include "drivers/usb/libusb_connector.h"
+#include "sim/system_clock.h"
+#include "tests/support/usb_fs.h"
+#include "tests/support/usb_port_test.h"
+
+namespace footlight::drivers {
+namespace {
+
+using mock::Bytes;
+using mock::EnttecProModel;
+using testing::FrameKeeper;
+using testing::poll_until;
+using testing::UsbSocket;
+using testing::wait_for_state;
+
+Bytes pattern(std::size_t seed) {
+  Bytes slots(512);
+  for (std::size_t i = 0; i < slots.size(); ++i) slots[i] = static_cast<std::uint8_t>(i * 7 + seed * 31 + (i >> 8));
+  return slots;
+}
+Bytes line_frame_of(const Bytes& slots) {
+  Bytes frame{0};
+  frame.insert(frame.end(), slots.begin(), slots.end());
+  return frame;
+}
+
+struct Bench {
+  SystemClock clock;
+  testing::Testbed testbed;
+  EnttecProModel model;
+  UsbSocket socket{testbed, model};
+  PortRequest request{.scheme = "enttec-pro", .target = "EN172589", .universes = {1}};
+
+  std::unique_ptr<Sink> open_sink() {
+    auto sink = drivers::open_sink(request, clock);
+    REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
+    return std::move(*sink);
+  }
+  std::unique_ptr<Source> open_source() {
+    auto source = drivers::open_source(request, clock);
+    REQUIRE_MESSAGE(source, (source ? "" : source.error().message));
+    return std::move(*source);
+  }
+  // With timeouts that a test can wait for.
+  std::unique_ptr<Sink> open_impatient_sink() {
+    auto connector = make_libusb_connector({.driver_id = "enttec-pro", .target = ""}, clock);
+    REQUIRE(connector);
+    auto sink = EnttecProSink::open({.universe = 1,
+                                     .name = "enttec-pro",
+                                     .write_timeout_ns = 20 * kNsPerMs,
+                                     .retry_ns = 20 * kNsPerMs},
+                                    std::move(*connector), clock);
+    REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
+    return std::move(*sink);
+  }
+  void send(Sink& sink, const Bytes& slots) {
+    const FrameView frame{.universe = 1, .slots = slots};
+    REQUIRE(sink.send(clock.now_ns(), {&frame, 1}));
+  }
+  bool widget_shows(const Bytes& slots) {
+    return socket.wait_for([&] { return model.frame == line_frame_of(slots); });
+  }
+  void receive(const Bytes& slots) {
+    socket.with_model([&] { model.receive_line_frame(line_frame_of(slots)); });
+  }
+};
+
+TEST_CASE("a plugged-in widget is listed with its endpoint, without being opened") {
+  Bench bench;
+  bench.socket.plug();
+  const DeviceList list = find_devices();
+  REQUIRE(list.devices.size() == 1);
+  const FoundDevice& device = list.devices[0];
+  CHECK(device.endpoint == "enttec-pro:EN172589");
+  CHECK(device.model_name == "ENTTEC DMX USB Pro");
+  CHECK(device.manufacturer == "ENTTEC");
+  CHECK(device.port_path == "1-1");
+  CHECK(device.node == "/dev/bus/usb/001/002");
+  CHECK(device.kernel_driver == "ftdi_sio");
+  CHECK(device.readiness == Readiness::kReady);
+  CHECK(bench.socket.kernel_driver() == "ftdi_sio");
+}
+
+TEST_CASE("opening takes the widget from the kernel driver and closing gives it back") {
+  Bench bench;
+  bench.socket.plug();
+  const auto sink = bench.open_sink();
+  CHECK(bench.socket.claimed());
+  CHECK(bench.socket.kernel_driver() == "usbfs");
+  sink->close(bench.clock.now_ns());
+  CHECK_FALSE(bench.socket.claimed());
+  CHECK(bench.socket.kernel_driver() == "ftdi_sio");
+}
+
+TEST_CASE("serial number and parameters come over the bus, and the chip is set up") {
+  Bench bench;
+  bench.model.rate_hz = 33;
+  bench.socket.plug();
+  const auto sink = bench.open_sink();
+  const auto& enttec = dynamic_cast<EnttecProSink&>(*sink);
+  CHECK(enttec.identity().usb_serial == "EN172589");
+  CHECK(enttec.identity().widget_serial == 2172589);
+  CHECK(enttec.identity().params.firmware == 0x0144);
+  CHECK(sink->rate_hz_max() == 33.0);
+  bench.socket.with_model([&] {
+    CHECK(bench.model.baud_value == 0x000C);
+    CHECK(bench.model.line_data == 0x1008);
+    CHECK(bench.model.latency_ms == 16);
+    CHECK(bench.model.reset_count == 3);
+  });
+}
+
+TEST_CASE("100 frames arrive with every byte, each as soon as it was sent") {
+  Bench bench;
+  bench.socket.plug();
+  std::vector<Bytes> frames;
+  bench.model.on_frame = [&](const Bytes& frame) { frames.push_back(frame); };
+  const auto sink = bench.open_sink();
+  const TimeNs begin_ns = bench.clock.now_ns();
+  for (std::size_t i = 0; i < 100; ++i) {
+    bench.send(*sink, pattern(i));
+    REQUIRE(bench.widget_shows(pattern(i)));
+  }
+  CHECK(bench.clock.now_ns() - begin_ns < 10 * kNsPerS);  // a keep-alive comes once a second: none was needed
+  bench.socket.with_model([&] {
+    REQUIRE(frames.size() == 100);
+    for (std::size_t i = 0; i < 100; ++i) CHECK(frames[i] == line_frame_of(pattern(i)));
+    CHECK(bench.model.false_start_count == drivers::pro_flush_bytes().size());  // the flush at opening, nothing else
+  });
+  CHECK(sink->counters().dropped == 0);
+}
+
+TEST_CASE("frames of the line are received with every byte") {
+  Bench bench;
+  bench.socket.plug();
+  const auto source = bench.open_source();
+  FrameKeeper keeper;
+  for (std::size_t i = 0; i < 20; ++i) {
+    bench.receive(pattern(i));
+    REQUIRE(poll_until(*source, [&] { (void)source->poll(bench.clock.now_ns(), keeper); },
+                       [&] { return keeper.kept.size() == i + 1; }));
+    CHECK(keeper.kept[i].slots == pattern(i));
+  }
+  bench.socket.with_model([&] { CHECK(bench.model.latency_ms == 2); });
+  CHECK(source->counters().rejected == 0);
+}
+
+TEST_CASE("an unplug is noticed without traffic, and the last look is back within a second of the replug") {
+  Bench bench;
+  bench.socket.plug();
+  const auto sink = bench.open_sink();
+  bench.send(*sink, pattern(1));
+  REQUIRE(bench.widget_shows(pattern(1)));
+  const TimeNs unplugged_ns = bench.clock.now_ns();
+  bench.socket.unplug();
+  REQUIRE(wait_for_state(*sink, PortState::kGone));
+  CHECK(bench.clock.now_ns() - unplugged_ns < 500 * kNsPerMs);
+  CHECK(sink->trouble().find("enttec-pro:EN172589") != std::string::npos);
+
+  bench.socket.with_model([&] { bench.model.frame.clear(); });
+  const TimeNs plugged_ns = bench.clock.now_ns();
+  bench.socket.plug();
+  REQUIRE(bench.widget_shows(pattern(1)));
+  const DurationNs back_ns = bench.clock.now_ns() - plugged_ns;
+  CHECK(back_ns < kNsPerS);
+  MESSAGE("replug to last look: ", static_cast<double>(back_ns) * 1e-6, " ms");
+  REQUIRE(wait_for_state(*sink, PortState::kWorking));
+}
+
+TEST_CASE("a widget that vanishes with a frame in flight gets it when it is back") {
+  Bench bench;
+  bench.socket.plug();
+  const auto sink = bench.open_sink();
+  bench.socket.out_frozen = true;
+  bench.send(*sink, pattern(5));
+  REQUIRE(bench.socket.transfer_in_flight(0x02));
+  bench.socket.unplug();
+  REQUIRE(wait_for_state(*sink, PortState::kGone));
+  bench.socket.out_frozen = false;
+  bench.socket.plug();
+  CHECK(bench.widget_shows(pattern(5)));
+}
+
+TEST_CASE("a source listens again after a replug") {
+  Bench bench;
+  bench.socket.plug();
+  const auto source = bench.open_source();
+  FrameKeeper keeper;
+  const auto poll = [&] { (void)source->poll(bench.clock.now_ns(), keeper); };
+  bench.socket.unplug();
+  REQUIRE(poll_until(*source, poll, [&] { return source->state() == PortState::kGone; }));
+  bench.socket.plug();
+  REQUIRE(poll_until(*source, poll, [&] { return source->state() != PortState::kGone; }));
+  bench.receive(pattern(3));
+  REQUIRE(poll_until(*source, poll, [&] { return !keeper.kept.empty(); }));
+  CHECK(keeper.kept[0].slots == pattern(3));
+}
+
+TEST_CASE("another widget is not taken for the one that left, and the message names it") {
+  Bench bench;
+  bench.request.target = "";
+  bench.socket.plug();
+  const auto sink = bench.open_sink();
+  bench.socket.unplug();
+  REQUIRE(wait_for_state(*sink, PortState::kGone));
+  EnttecProModel other;
+  other.serial = "EN999999";
+  {
+    UsbSocket other_socket(bench.testbed, other, 2);
+    other_socket.plug();
+    REQUIRE(poll_until(*sink, [&] { (void)sink->poll(0); },
+                       [&] { return sink->trouble().find("there is enttec-pro:EN999999") != std::string::npos; }));
+    CHECK_FALSE(other_socket.claimed());
+  }
+  bench.socket.plug();
+  CHECK(wait_for_state(*sink, PortState::kWorking));
+}
+
+TEST_CASE("transfers that take only a few bytes each still carry the whole frame") {
+  Bench bench;
+  bench.socket.plug();
+  const auto sink = bench.open_sink();
+  bench.socket.out_size_max = 7;
+  bench.send(*sink, pattern(2));
+  CHECK(bench.widget_shows(pattern(2)));
+}
+
+TEST_CASE("a widget that takes nothing turns gone, and comes back by itself") {
+  Bench bench;
+  bench.socket.plug();
+  const auto sink = bench.open_impatient_sink();
+  bench.socket.out_frozen = true;
+  bench.send(*sink, pattern(2));
+  REQUIRE(wait_for_state(*sink, PortState::kGone));
+  bench.socket.out_frozen = false;
+  CHECK(bench.widget_shows(pattern(2)));
+}
+
+TEST_CASE("a bus error leads to opening the widget afresh") {
+  Bench bench;
+  bench.socket.plug();
+  const auto sink = bench.open_impatient_sink();
+  bench.socket.out_status = -EPROTO;
+  bench.send(*sink, pattern(2));
+  REQUIRE(wait_for_state(*sink, PortState::kGone));
+  CHECK(sink->trouble().find("/dev/bus/usb/001/002") != std::string::npos);
+  bench.socket.out_status = 0;
+  CHECK(bench.widget_shows(pattern(2)));
+}
+
+TEST_CASE("a claimed widget is reported as in use, and how to see by whom") {
+  Bench bench;
+  bench.socket.plug();
+  bench.socket.claim_error = EBUSY;
+  const auto sink = drivers::open_sink(bench.request, bench.clock);
+  REQUIRE_FALSE(sink);
+  CHECK(sink.error().code == ErrorCode::kPermission);
+  CHECK(sink.error().message.find("fuser -v /dev/bus/usb/001/002") != std::string::npos);
+
+  bench.socket.claim_error = 0;
+  const auto opened = bench.open_sink();
+  const DeviceList list = find_devices();
+  REQUIRE(list.devices.size() == 1);
+  CHECK(list.devices[0].readiness == Readiness::kBusy);  // as another program would see it
+}
+
+TEST_CASE("a bare FTDI chip is listed as not DMX, and taken only when it is named") {
+  Bench bench;
+  bench.model.manufacturer = "FTDI";
+  bench.model.product = "FT232R USB UART";
+  bench.model.serial = "A50285BI";
+  bench.socket.plug();
+  const DeviceList list = find_devices();
+  REQUIRE(list.devices.size() == 1);
+  CHECK(list.devices[0].readiness == Readiness::kNotDmx);
+  CHECK(list.devices[0].endpoint.empty());
+
+  bench.request.target = "";
+  const auto refused = drivers::open_sink(bench.request, bench.clock);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::kNotFound);
+  bench.request.target = "A50285BI";
+  CHECK(bench.open_sink()->state() == PortState::kWorking);
+  bench.request.target = "port-1-1";
+  CHECK(bench.open_sink()->state() == PortState::kWorking);
+}
+
+TEST_CASE("two widgets without a name in the request are refused with their ports") {
+  Bench bench;
+  EnttecProModel other;
+  other.serial = "EN999999";
+  UsbSocket other_socket(bench.testbed, other, 2);
+  bench.socket.plug();
+  other_socket.plug();
+  bench.request.target = "";
+  const auto refused = drivers::open_sink(bench.request, bench.clock);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::kBadInput);
+  CHECK(refused.error().message.find("enttec-pro:port-1-1, enttec-pro:port-1-2") != std::string::npos);
+
+  bench.request.target = "EN172589";
+  const auto first = bench.open_sink();
+  bench.request.target = "EN999999";
+  const auto second = drivers::open_sink(bench.request, bench.clock);
+  REQUIRE(second);
+  CHECK(other_socket.claimed());
+}
+
+TEST_CASE("no widget at all is an error that says so") {
+  Bench bench;
+  const auto sink = drivers::open_sink(bench.request, bench.clock);
+  REQUIRE_FALSE(sink);
+  CHECK(sink.error().code == ErrorCode::kNotFound);
+  CHECK(sink.error().message == "enttec-pro:EN172589: not plugged in");
+}
+
+TEST_CASE("a sink destroyed with a frozen transfer in flight ends at once") {
+  Bench bench;
+  bench.socket.plug();
+  auto sink = bench.open_sink();
+  bench.socket.out_frozen = true;
+  bench.send(*sink, pattern(5));
+  REQUIRE(bench.socket.transfer_in_flight(0x02));
+  const TimeNs begin_ns = bench.clock.now_ns();
+  sink.reset();
+  CHECK(bench.clock.now_ns() - begin_ns < 200 * kNsPerMs);  // a write's own patience is 250 ms
+  CHECK_FALSE(bench.socket.claimed());
+}
+
+}  // namespace
+}  // namespace footlight::drivers
+
+int main(int argc, char** argv) {
+  if (const int skipped = footlight::testing::run_under_umockdev(argv)) return skipped;
+  return doctest::Context(argc, argv).run();
+}

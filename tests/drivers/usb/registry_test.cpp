@@ -1,0 +1,258 @@
+// What is plugged in, read from folders laid out like /sys, /dev and /proc; and the files generated from the driver table.
+#include "drivers/registry.h"
+
+#include <doctest/doctest.h>
+
+#include <stdlib.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "drivers/udev_rules.h"
+#include "drivers/usb_match.h"
+
+namespace footlight::drivers {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Machine {
+ public:
+  Machine() {
+    std::string pattern = (fs::temp_directory_path() / "footlight-machine-XXXXXX").string();
+    REQUIRE(::mkdtemp(pattern.data()) != nullptr);
+    root_ = pattern;
+    fs::create_directories(devices());
+    fs::create_directories(root_ / "proc");
+  }
+  ~Machine() { fs::remove_all(root_); }
+  Machine(const Machine&) = delete;
+  Machine& operator=(const Machine&) = delete;
+
+  struct Device {
+    std::string port_path = "1-2.3";
+    std::string vendor = "0403", product_id = "6001";
+    std::string manufacturer = "ENTTEC", product = "DMX USB PRO", serial = "EN172589";
+    int bus = 1, number = 4;
+    std::string kernel_driver = "ftdi_sio", tty = {};
+    bool has_node = true;
+  };
+  void plug(const Device& device) {
+    const fs::path folder = devices() / device.port_path;
+    write(folder / "idVendor", device.vendor);
+    write(folder / "idProduct", device.product_id);
+    write(folder / "busnum", std::to_string(device.bus));
+    write(folder / "devnum", std::to_string(device.number));
+    if (!device.manufacturer.empty()) write(folder / "manufacturer", device.manufacturer);
+    if (!device.product.empty()) write(folder / "product", device.product);
+    if (!device.serial.empty()) write(folder / "serial", device.serial);
+    const fs::path interface = folder / (device.port_path + ":1.0");
+    fs::create_directories(interface);
+    if (!device.kernel_driver.empty())
+      fs::create_symlink("../../../../bus/usb/drivers/" + device.kernel_driver, interface / "driver");
+    if (!device.tty.empty()) fs::create_directories(interface / device.tty);
+    if (device.has_node) write(node(device), "");
+  }
+  // A process that has a file open.
+  void run(int process, const std::string& name, const std::string& open_file) {
+    const fs::path folder = root_ / "proc" / std::to_string(process);
+    fs::create_directories(folder / "fd");
+    write(folder / "comm", name);
+    fs::create_symlink(open_file, folder / "fd" / "7");
+  }
+  fs::path node(const Device& device) const {
+    return root_ / "dev" / fmt::format("bus/usb/{:03}/{:03}", device.bus, device.number);
+  }
+  std::string dev(const std::string& name) const { return (root_ / "dev" / name).string(); }
+  DeviceList find() const { return find_devices(options()); }
+  FindOptions options() const {
+    return {.sys_root = (root_ / "sys").string(), .dev_root = (root_ / "dev").string(), .proc_root = (root_ / "proc").string()};
+  }
+
+ private:
+  fs::path devices() const { return root_ / "sys/bus/usb/devices"; }
+  static void write(const fs::path& path, const std::string& text) {
+    fs::create_directories(path.parent_path());
+    std::ofstream(path) << text << '\n';
+  }
+  fs::path root_;
+};
+
+std::string text_of(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST_SUITE_BEGIN("registry");
+
+TEST_CASE("a widget is ready where its node may be written, and its endpoint carries its serial number") {
+  Machine machine;
+  machine.plug({});
+  const DeviceList list = machine.find();
+  REQUIRE(list.devices.size() == 1);
+  const FoundDevice& device = list.devices[0];
+  CHECK(device.driver_id == "enttec-pro");
+  CHECK(device.endpoint == "enttec-pro:EN172589");
+  CHECK(device.port_path == "1-2.3");
+  CHECK(device.usb_vendor == 0x0403);
+  CHECK(device.kernel_driver == "ftdi_sio");
+  CHECK((device.capabilities & kCanInput) != 0);
+  if (!built_with_usb()) return;
+  CHECK(device.readiness == Readiness::kReady);  // ftdi_sio is no hindrance: it is detached on opening
+  CHECK(device.reason.empty());
+  CHECK(list.notes.empty());
+}
+
+TEST_CASE("a device without a serial number, or with another's, is named by its port") {
+  Machine machine;
+  machine.plug({.port_path = "1-1", .serial = "", .number = 2});
+  machine.plug({.port_path = "1-3", .serial = "CLONE", .number = 3});
+  machine.plug({.port_path = "1-4", .serial = "CLONE", .number = 5});
+  const DeviceList list = machine.find();
+  REQUIRE(list.devices.size() == 3);
+  CHECK(list.devices[0].endpoint == "enttec-pro:port-1-1");
+  CHECK(list.devices[1].endpoint == "enttec-pro:port-1-3");
+  CHECK(list.devices[2].endpoint == "enttec-pro:port-1-4");
+}
+
+TEST_CASE("models are told apart by their strings, whatever their case") {
+  CHECK(match_usb_device(0x0403, 0x6001, "ENTTEC", "DMX USB PRO Mk2").model->model_name == "ENTTEC DMX USB Pro Mk2");
+  CHECK(match_usb_device(0x0403, 0x6001, "enttec", "dmx usb pro").model->model_name == "ENTTEC DMX USB Pro");
+  CHECK(match_usb_device(0x0403, 0x6001, "DMXking.com", "ultraDMX Micro").model->model_name == "DMXking ultraDMX");
+  CHECK(match_usb_device(0x0403, 0x6001, "FTDI", "FT232R USB UART").driver == nullptr);
+  CHECK(match_usb_device(0x0403, 0x6001, "", "").ids_are_known);
+  CHECK_FALSE(match_usb_device(0x1D6B, 0x0002, "ENTTEC", "DMX USB PRO").ids_are_known);
+}
+
+TEST_CASE("a bare FTDI adapter is listed, is not called a widget, and says how to use it all the same") {
+  Machine machine;
+  machine.plug({.manufacturer = "FTDI", .product = "FT232R USB UART", .serial = "A50285BI"});
+  const DeviceList list = machine.find();
+  REQUIRE(list.devices.size() == 1);
+  CHECK(list.devices[0].model_name == "FTDI serial adapter, not known to be a DMX USB Pro");
+  CHECK(list.devices[0].readiness == Readiness::kNotDmx);
+  CHECK(list.devices[0].endpoint.empty());
+  CHECK_FALSE(list.devices[0].reason.empty());
+}
+
+TEST_CASE("devices that no driver knows are not listed") {
+  Machine machine;
+  machine.plug({.vendor = "046d", .product_id = "c077"});
+  machine.plug({.port_path = "usb1"});
+  CHECK(machine.find().devices.empty());
+}
+
+TEST_CASE("a device whose attributes are missing or garbled is passed over") {
+  Machine machine;
+  machine.plug({.port_path = "1-1", .vendor = "04g3"});
+  machine.plug({.port_path = "1-2", .vendor = ""});
+  machine.plug({.port_path = "1-3"});
+  CHECK(machine.find().devices.size() == 1);
+}
+
+TEST_CASE("a node that may not be written names the command that mends it") {
+  if (!built_with_usb()) return;
+  Machine machine;
+  machine.plug({});
+  FindOptions options = machine.options();
+  options.node_access = [](const std::string&) { return EACCES; };
+  const DeviceList list = find_devices(options);
+  REQUIRE(list.devices.size() == 1);
+  CHECK(list.devices[0].readiness == Readiness::kNoPermission);
+  CHECK(list.devices[0].reason.find("Permission denied") != std::string::npos);
+  CHECK(list.devices[0].remedy ==
+        "sudo cp udev/70-footlight.rules /etc/udev/rules.d/ && sudo udevadm control --reload && sudo udevadm trigger");
+  CHECK(name_of(list.devices[0].readiness) == "no-permission");
+}
+
+TEST_CASE("a device without its node is told from one without permission") {
+  if (!built_with_usb()) return;
+  Machine machine;
+  machine.plug({.has_node = false});
+  const DeviceList list = machine.find();
+  REQUIRE(list.devices.size() == 1);
+  CHECK(list.devices[0].readiness == Readiness::kNoNode);
+  CHECK(list.devices[0].reason.find("container") != std::string::npos);
+}
+
+TEST_CASE("a busy device names the program that holds it, through usbfs or through its tty") {
+  if (!built_with_usb()) return;
+  Machine machine;
+  const Machine::Device by_usbfs{.port_path = "1-1", .serial = "A", .number = 2, .kernel_driver = "usbfs"};
+  const Machine::Device by_tty{.port_path = "1-2", .serial = "B", .number = 3, .tty = "ttyUSB0"};
+  const Machine::Device by_nobody{.port_path = "1-3", .serial = "C", .number = 5, .tty = "ttyUSB1"};
+  const Machine::Device by_another_user{.port_path = "1-4", .serial = "D", .number = 6, .kernel_driver = "usbfs"};
+  for (const auto& device : {by_usbfs, by_tty, by_nobody, by_another_user}) machine.plug(device);
+  machine.run(812, "olad", machine.node(by_usbfs).string());
+  machine.run(813, "qlcplus", machine.dev("ttyUSB0"));
+  const DeviceList list = machine.find();
+  REQUIRE(list.devices.size() == 4);
+  CHECK(list.devices[0].readiness == Readiness::kBusy);
+  CHECK(list.devices[0].reason == "in use by olad (process 812)");
+  CHECK(list.devices[1].readiness == Readiness::kBusy);
+  CHECK(list.devices[1].reason == "in use by qlcplus (process 813)");
+  CHECK(list.devices[2].readiness == Readiness::kReady);
+  CHECK(list.devices[3].readiness == Readiness::kBusy);
+  CHECK(list.devices[3].remedy.find("fuser -v") != std::string::npos);
+}
+
+TEST_CASE("a machine without a USB bus is told so, and is no error") {
+  const DeviceList list = find_devices({.sys_root = "/nonexistent"});
+  CHECK(list.devices.empty());
+  REQUIRE_FALSE(list.notes.empty());
+  CHECK(list.notes.back().find("/nonexistent/bus/usb/devices") != std::string::npos);
+}
+
+TEST_CASE("every driver has a name of its own that fits into an endpoint") {
+  std::vector<std::string_view> ids;
+  for (const DriverInfo* driver : drivers()) {
+    CHECK(std::all_of(driver->id.begin(), driver->id.end(),
+                      [](unsigned char c) { return std::islower(c) || std::isdigit(c) || c == '-'; }));
+    CHECK(std::find(ids.begin(), ids.end(), driver->id) == ids.end());
+    CHECK(find_driver(driver->id) == driver);
+    CHECK((driver->open_sink != nullptr) == ((driver->capabilities & kCanOutput) != 0));
+    CHECK((driver->open_source != nullptr) == ((driver->capabilities & kCanInput) != 0));
+    ids.push_back(driver->id);
+  }
+  CHECK(find_driver("nonesuch") == nullptr);
+}
+
+TEST_CASE("the committed udev rules are those of the driver table") {
+  CHECK_MESSAGE(text_of(fs::path(FOOTLIGHT_SOURCE_DIR) / "udev/70-footlight.rules") == udev_rules_text(),
+                "run: ninja -C build/dev list_udev_rules && build/dev/drivers/list_udev_rules > udev/70-footlight.rules");
+}
+
+TEST_CASE("the committed hardware table is that of the driver table") {
+  CHECK_MESSAGE(text_of(fs::path(FOOTLIGHT_SOURCE_DIR) / "docs/hardware.md").find(hardware_table_text()) != std::string::npos,
+                "put the output of this between its markers in docs/hardware.md: build/dev/drivers/list_udev_rules --hardware");
+}
+
+TEST_CASE("udev rules never open a bare serial chip and never to everybody") {
+  std::istringstream rules(udev_rules_text());
+  std::string line;
+  int rule_count = 0;
+  while (std::getline(rules, line)) {
+    if (line.empty() || line[0] == '#') continue;
+    ++rule_count;
+    CAPTURE(line);
+    CHECK(line.find("TAG+=\"uaccess\"") != std::string::npos);
+    CHECK(line.find("GROUP=\"plugdev\"") != std::string::npos);
+    CHECK(line.find("0666") == std::string::npos);
+    if (line.find("0403") != std::string::npos)
+      CHECK((line.find("ATTR{manufacturer}") != std::string::npos || line.find("ATTR{product}") != std::string::npos));
+    const std::size_t id = line.find("ATTR{idVendor}==\"") + 17;
+    CHECK(std::none_of(line.begin() + static_cast<std::ptrdiff_t>(id), line.begin() + static_cast<std::ptrdiff_t>(id + 4),
+                       [](unsigned char c) { return std::isupper(c); }));
+  }
+  CHECK(rule_count >= 3);
+}
+
+TEST_SUITE_END();
+
+}  // namespace
+}  // namespace footlight::drivers

@@ -1,0 +1,124 @@
+// An emulated /dev/bus/usb and /sys: real libusb and real sysfs readers on one side, a device model on the other.
+//
+// umockdev redirects the system calls of this process into a folder of its own and hands usbfs ioctls to a handler; the handler
+// plays the kernel for one device: it binds and detaches drivers, keeps transfers in flight, completes them from the model,
+// and ends them with ESHUTDOWN at an unplug. A program that uses it has to run under libumockdev-preload, see
+// run_under_umockdev().
+//
+// libusb polls the device node for "a transfer has ended". An ordinary file is always ready, which would make libusb spin, so
+// the node is a FIFO: full (not writable) while nothing has ended.
+//
+// Threads: umockdev calls the handler on its own; one thread here completes what takes time. All members are safe to call from
+// the test's thread.
+#pragma once
+
+#include <umockdev.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <list>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "drivers/mock/usb_model.h"
+
+namespace footlight::testing {
+
+// Starts the program again with libumockdev-preload in front where it is not there yet; returns 0 when it is, 77 (skip) when
+// it cannot be had. Call first in main().
+int run_under_umockdev(char** argv);
+
+// The folder that stands for / while it lives. One at a time.
+class Testbed {
+ public:
+  Testbed() : testbed_(umockdev_testbed_new()) {}
+  ~Testbed() { g_object_unref(testbed_); }
+  Testbed(const Testbed&) = delete;
+  Testbed& operator=(const Testbed&) = delete;
+  [[nodiscard]] UMockdevTestbed* get() const { return testbed_; }
+  [[nodiscard]] std::string root() const;
+
+ private:
+  UMockdevTestbed* testbed_;
+};
+
+// One socket of a hub, number `socket` from 1, into which a model can be plugged. The testbed outlives it.
+class UsbSocket {
+ public:
+  UsbSocket(Testbed& testbed, drivers::mock::UsbModel& model, int socket = 1);
+  ~UsbSocket();
+  UsbSocket(const UsbSocket&) = delete;
+  UsbSocket& operator=(const UsbSocket&) = delete;
+
+  void plug();    // powers the model on and announces it as udev does
+  void unplug();  // ends every transfer in flight, then announces it
+
+  // Runs f() while nobody else touches the model, then completes what has become possible.
+  template <class F>
+  decltype(auto) with_model(F&& f) {
+    const Notifier notifier{*this};
+    const std::lock_guard lock(mutex_);
+    return f();
+  }
+  template <class F>
+  bool wait_for(F&& f, std::chrono::milliseconds patience = std::chrono::seconds(10)) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_until(lock, std::chrono::system_clock::now() + patience, f);
+  }
+  [[nodiscard]] bool claimed();
+  [[nodiscard]] std::string kernel_driver();  // bound to interface 0; empty: none
+  [[nodiscard]] std::string node() const;     // "/dev/bus/usb/001/002"
+  [[nodiscard]] std::string port_path() const;  // "1-1"
+  [[nodiscard]] bool transfer_in_flight(std::uint8_t endpoint);
+
+  // --- Faults
+  std::atomic<int> claim_error{0};         // an errno value for every claim
+  std::atomic<int> out_status{0};          // a negative errno value: how OUT transfers end
+  std::atomic<int> out_size_max{-1};       // bytes that an OUT transfer takes before it ends as complete; -1: all
+  std::atomic<bool> out_frozen{false};     // OUT transfers stay in flight
+  std::atomic<bool> in_frozen{false};      // IN transfers stay in flight
+
+ private:
+  using Time = std::chrono::steady_clock::time_point;
+  struct Urb {
+    UMockdevIoctlData* urb;
+    UMockdevIoctlData* buffer;  // nullptr where the transfer has none
+    int status = 0;
+    int actual_size = 0;
+    Time due;
+  };
+  struct Notifier {
+    UsbSocket& socket;
+    ~Notifier() { socket.changed_.notify_all(); }
+  };
+
+  static gboolean on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, UsbSocket* self);
+  void answer(UMockdevIoctlClient* client);
+  void submit(UMockdevIoctlClient* client, UMockdevIoctlData* argument);
+  void reap(UMockdevIoctlClient* client, UMockdevIoctlData* argument);
+  void discard(UMockdevIoctlClient* client, UMockdevIoctlData* argument);
+  void run_control(Urb& urb);
+  bool run_bulk(Urb& urb, Time now);  // false: not yet
+  void finish(const Urb& urb);
+  void complete_in_time();  // the thread
+  void bind(const std::string& driver);
+  void make_gate();
+  void set_gate(bool open);
+
+  Testbed& testbed_;
+  drivers::mock::UsbModel& model_;
+  const int socket_;
+  UMockdevIoctlBase* handler_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  // All below: guarded by mutex_.
+  std::list<Urb> in_flight_, ended_;
+  std::string driver_;
+  bool plugged_ = false, claimed_ = false, stopping_ = false, gate_open_ = true;
+  int gate_fd_ = -1;
+  std::thread thread_;  // last: it uses the rest
+};
+
+}  // namespace footlight::testing
