@@ -4,7 +4,8 @@
 // (double integrator, |v| <= V, |a| <= A, time-optimal control: accelerate, cruise, brake). While the target is constant
 // the motion has a closed form, so a step of any length is exact: step(a) then step(b) equals step(a + b).
 //
-// Units: any unit of position u with u/s and u/s^2. Range: V > 0, A > 0, dt >= 0; anything else leaves the axis alone.
+// Units: any unit of position u with u/s and u/s^2. Range: V > 0, A > 0, dt >= 0 and a finite target; anything else leaves
+// the axis alone.
 // Source: L. S. Pontryagin et al., The Mathematical Theory of Optimal Processes, chapter 1 (the time-optimal double
 // integrator), with a speed limit added.
 
@@ -21,6 +22,7 @@ FL_FN void axis_coast(FL_INOUT(Axis) axis, Real acceleration, Real dt_s) {
 
 FL_FN Axis axis_step(Axis axis, Real target, Real speed_max, Real acceleration_max, Real dt_s) {
   if (!(dt_s > Real(0)) || !(speed_max > Real(0)) || !(acceleration_max > Real(0))) return axis;
+  if (!(abs(target) < Real(1e30))) return axis;
 
   // Towards which side? Where the axis would stop if it braked now decides. Mirror, so that the way is upwards.
   Real brake_stop = axis.position + axis.speed * abs(axis.speed) / (Real(2) * acceleration_max);

@@ -17,6 +17,7 @@
   using glm::cross;           \
   using glm::dot;             \
   using glm::floor;           \
+  using glm::inversesqrt;     \
   using glm::max;             \
   using glm::min;             \
   using glm::mix;             \
