@@ -1,0 +1,377 @@
+// bench_wire: how long a bridge keeps a frame, and how many it loses.
+//
+//   generator --(--to)--> device under test --(--from)--> listener
+//
+// The generator stamps each universe's first slots with the time and a count and sends all universes at once; the listener
+// takes the stamp back out. Latency is from just before the generator's send() to the wake-up of the listener, so it holds
+// two crossings of the kernel; --floor leaves the device out and measures one crossing. Of the universes of one round the
+// last also waits for the datagrams of the others to be sent.
+//
+//   bench_wire --floor
+//   bench_wire -- footlight run --in sacn:1-9%lo --out sacn:101-109=1-9%lo
+//   bench_wire --from artnet:1-9@127.0.0.1 -- footlight run --in sacn:1-9%lo --out artnet:1-9@127.0.0.1
+//   bench_wire --pid 1234          a device that is running already; its processor time is taken from /proc
+//   bench_wire --relay             a device of a few lines in a process of its own: the ports of this program and no more
+//
+// A frame that the device replaced by a newer one of its universe counts as lost: after a stall of more than one period,
+// of the device or of the generator, that is what a bridge which never queues does.
+//
+// Nothing leaves the machine unless an endpoint says so: the default ones are on "lo". Compare medians of several runs;
+// the worst case is the scheduler's.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "drivers/net/net.h"
+#include "sim/core/endpoint.h"
+#include "sim/system_clock.h"
+
+namespace footlight {
+namespace {
+
+constexpr std::size_t kStampBytes = 16;  // time in ns and count, 8 octets each, low octet first
+constexpr DurationNs kWarmUpMaxNs = 5 * kNsPerS;
+constexpr DurationNs kWarmUpRestNs = kNsPerS / 2;
+constexpr DurationNs kDrainNs = kNsPerS / 2;
+
+void write_u64(std::span<std::uint8_t> out, std::uint64_t value) {
+  for (std::size_t i = 0; i < 8; ++i) out[i] = static_cast<std::uint8_t>(value >> (8 * i));
+}
+
+std::uint64_t read_u64(std::span<const std::uint8_t> in) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < 8; ++i) value |= std::uint64_t{in[i]} << (8 * i);
+  return value;
+}
+
+// Takes stamps out of frames. Runs on the listener's thread; the generator reads `universes_heard` meanwhile and the rest
+// after that thread has ended.
+class Listener final : public FrameReceiver {
+ public:
+  Listener(std::span<const Universe> universes, std::size_t counts_max)
+      : universes_(universes.begin(), universes.end()), seen_(universes.size(), std::vector<bool>(counts_max)) {}
+
+  void receive(const FrameView& frame) override {
+    const auto at = std::find(universes_.begin(), universes_.end(), frame.universe);
+    if (at == universes_.end() || frame.slots.size() < kStampBytes) return;
+    const std::uint64_t count = read_u64(frame.slots.subspan(8));
+    auto& seen = seen_[static_cast<std::size_t>(at - universes_.begin())];
+    if (count >= seen.size()) return;
+    if (seen[count]) {
+      ++repeats;
+      return;
+    }
+    if (std::find(seen.begin(), seen.end(), true) == seen.end()) universes_heard.fetch_add(1);
+    seen[count] = true;
+    if (count < measured_from.load()) return;
+    ++frames;
+    latencies_ns.push_back(awake_ns - static_cast<TimeNs>(read_u64(frame.slots)));
+  }
+
+  TimeNs awake_ns = 0;
+  std::atomic<std::size_t> universes_heard = 0;
+  std::atomic<std::uint64_t> measured_from = UINT64_MAX;
+  std::uint64_t frames = 0;
+  std::uint64_t repeats = 0;
+  std::vector<DurationNs> latencies_ns;
+
+ private:
+  std::vector<Universe> universes_;
+  std::vector<std::vector<bool>> seen_;
+};
+
+// Nanoseconds of processor time that all threads of a process have had; 0 where it cannot be read.
+std::uint64_t cpu_ns_of(pid_t pid) {
+  std::uint64_t sum_ns = 0;
+  std::error_code error;
+  const auto tasks = std::filesystem::directory_iterator(fmt::format("/proc/{}/task", pid), error);
+  if (error) return 0;
+  for (const auto& task : tasks) {
+    std::ifstream file(task.path() / "schedstat");
+    std::uint64_t on_cpu_ns = 0;
+    if (file >> on_cpu_ns) sum_ns += on_cpu_ns;
+  }
+  return sum_ns;
+}
+
+// A bridge and nothing else: every frame that comes in goes out, in batches in which no universe appears twice. (A pump
+// would send the newest frame of each universe only; after a stall that is a loss by the count of this program.)
+Status relay(Source& source, Sink& sink, Clock& clock) {
+  class Collector final : public FrameReceiver {
+   public:
+    explicit Collector(Sink& to) : to_(to), slots_(to.universes().size()) {}
+    void receive(const FrameView& frame) override {
+      if (frame.terminated) return;
+      const auto same = [&](const FrameView& kept) { return kept.universe == frame.universe; };
+      if (std::any_of(batch_.begin(), batch_.end(), same)) flush();
+      Slots& slots = slots_[batch_.size()];
+      std::copy(frame.slots.begin(), frame.slots.end(), slots.begin());
+      batch_.push_back(frame);
+      batch_.back().slots = std::span(slots).first(frame.slots.size());
+    }
+    void flush() {
+      if (status) status = to_.send(now_ns, batch_);
+      batch_.clear();
+    }
+    TimeNs now_ns = 0;
+    Status status;
+
+   private:
+    Sink& to_;
+    std::vector<Slots> slots_;
+    std::vector<FrameView> batch_;
+  } collector(sink);
+  while (collector.status) {
+    const TimeNs deadline_ns = sink.next_deadline_ns();
+    const DurationNs left_ns =
+        deadline_ns == kTimeNever ? kNsPerS : std::clamp<DurationNs>(deadline_ns - clock.now_ns(), 0, kNsPerS);
+    pollfd waiting = {source.poll_fd(), POLLIN, 0};
+    const int readable = ::poll(&waiting, 1, static_cast<int>((left_ns + kNsPerMs - 1) / kNsPerMs));
+    collector.now_ns = clock.now_ns();
+    if (readable == 1) FL_TRY(source.poll(collector.now_ns, collector));
+    collector.flush();
+    if (collector.now_ns >= sink.next_deadline_ns()) FL_TRY(sink.poll(collector.now_ns));
+  }
+  return collector.status;
+}
+
+// The device as a process of its own, ended with this object.
+class Child {
+ public:
+  template <class Body>
+  explicit Child(Body body) : pid_(fork()) {
+    if (pid_ != 0) return;
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    body();
+    _exit(127);
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  ~Child() {
+    if (pid_ <= 0) return;
+    kill(pid_, SIGTERM);
+    SystemClock clock;
+    for (int i = 0; i < 200; ++i) {
+      if (waitpid(pid_, nullptr, WNOHANG) == pid_) return;
+      clock.sleep_until_ns(clock.now_ns() + 10 * kNsPerMs);
+    }
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  [[nodiscard]] pid_t pid() const { return pid_; }
+
+ private:
+  pid_t pid_;
+};
+
+struct Wanted {
+  std::string to = "sacn:1-9%lo";
+  std::string from = "sacn:101-109%lo";
+  bool floor = false;
+  bool use_relay = false;
+  bool json = false;
+  double rate_hz = 44.0;
+  double seconds = 10.0;
+  pid_t pid = 0;
+  std::vector<std::string> command;
+};
+
+struct Report {
+  std::size_t universes = 0;
+  std::uint64_t sent = 0;
+  std::uint64_t received = 0;
+  std::uint64_t repeats = 0;
+  double seconds = 0.0;
+  double cpu_percent = -1.0;  // of one core; below 0: not known
+  std::vector<DurationNs> latencies_ns;  // sorted
+
+  [[nodiscard]] double quantile_us(double q) const {
+    if (latencies_ns.empty()) return 0.0;
+    const auto at = static_cast<std::size_t>(std::ceil(q * static_cast<double>(latencies_ns.size())));
+    return static_cast<double>(latencies_ns[std::clamp<std::size_t>(at, 1, latencies_ns.size()) - 1]) * 1e-3;
+  }
+};
+
+Result<Report> measure(const Wanted& wanted, Source& source, Sink& sink, pid_t device) {
+  SystemClock clock;
+  const auto sink_universes = sink.universes();
+  const auto period_ns = static_cast<DurationNs>(1e9 / wanted.rate_hz);
+  const auto rounds = static_cast<std::uint64_t>(wanted.seconds * wanted.rate_hz);
+  const auto warm_up_rounds_max = static_cast<std::uint64_t>((kWarmUpMaxNs + kWarmUpRestNs) / period_ns) + 2;
+  Listener listener(source.universes(), rounds + warm_up_rounds_max);
+  listener.latencies_ns.reserve(rounds * source.universes().size());
+
+  std::atomic<bool> stop = false;
+  std::thread listening([&] {
+    while (!stop.load()) {
+      pollfd waiting = {source.poll_fd(), POLLIN, 0};
+      if (::poll(&waiting, 1, 50) < 1) continue;
+      listener.awake_ns = clock.now_ns();
+      if (!source.poll(listener.awake_ns, listener)) return;
+    }
+  });
+  const auto end_listening = [&] {
+    stop.store(true);
+    listening.join();
+  };
+
+  std::vector<Slots> slots(sink_universes.size());
+  std::vector<FrameView> frames(sink_universes.size());
+  for (std::size_t u = 0; u < frames.size(); ++u) {
+    frames[u].universe = sink_universes[u];
+    frames[u].slots = slots[u];
+  }
+  std::uint64_t count = 0;
+  TimeNs next_ns = clock.now_ns();
+  const auto send_round = [&]() -> Status {
+    clock.sleep_until_ns(next_ns);
+    next_ns += period_ns;
+    const TimeNs now_ns = clock.now_ns();
+    for (std::size_t u = 0; u < slots.size(); ++u) {
+      write_u64(std::span(slots[u]).first(8), static_cast<std::uint64_t>(now_ns));
+      write_u64(std::span(slots[u]).subspan(8, 8), count);
+      // Some of the rest moves too, as in a show.
+      for (std::size_t s = kStampBytes; s < slots[u].size(); s += 7) slots[u][s] = static_cast<std::uint8_t>(count + s + u);
+    }
+    ++count;
+    return sink.send(now_ns, frames);
+  };
+
+  const TimeNs warm_up_end_ns = next_ns + kWarmUpMaxNs;
+  Status status;
+  while (status && next_ns < warm_up_end_ns && listener.universes_heard.load() < source.universes().size()) {
+    status = send_round();
+  }
+  const TimeNs rest_end_ns = next_ns + kWarmUpRestNs;
+  while (status && next_ns < rest_end_ns) status = send_round();
+  if (status && listener.universes_heard.load() < source.universes().size()) {
+    status = fail(ErrorCode::kTimeout,
+                  "{}: {} of {} universes came back within {} s; check that the device takes {} and sends there",
+                  source.name(), listener.universes_heard.load(), source.universes().size(), kWarmUpMaxNs / kNsPerS,
+                  sink.name());
+  }
+  const std::uint64_t measured_from = count;
+  listener.measured_from.store(measured_from);
+  const std::uint64_t cpu_before_ns = device > 0 ? cpu_ns_of(device) : 0;
+  const TimeNs begin_ns = clock.now_ns();
+  for (std::uint64_t round = 0; status && round < rounds; ++round) status = send_round();
+  const TimeNs end_ns = clock.now_ns();
+  const std::uint64_t cpu_after_ns = device > 0 ? cpu_ns_of(device) : 0;
+  clock.sleep_until_ns(end_ns + kDrainNs);
+  end_listening();
+  sink.close(clock.now_ns());
+  if (!status) return tl::unexpected(status.error());
+
+  Report report;
+  report.universes = source.universes().size();
+  report.sent = (count - measured_from) * report.universes;
+  report.received = listener.frames;
+  report.repeats = listener.repeats;
+  report.seconds = static_cast<double>(end_ns - begin_ns) * 1e-9;
+  if (cpu_before_ns > 0 && cpu_after_ns >= cpu_before_ns) {
+    report.cpu_percent = 1e-7 * static_cast<double>(cpu_after_ns - cpu_before_ns) / report.seconds;
+  }
+  report.latencies_ns = std::move(listener.latencies_ns);
+  std::sort(report.latencies_ns.begin(), report.latencies_ns.end());
+  return report;
+}
+
+void print(const Wanted& wanted, const Report& report) {
+  const std::uint64_t lost = report.sent - std::min(report.sent, report.received);
+  if (wanted.json) {
+    fmt::print("{{\"to\": \"{}\", \"from\": \"{}\", \"universes\": {}, \"rate_hz\": {}, \"seconds\": {:.3f}, "
+               "\"sent\": {}, \"received\": {}, \"lost\": {}, \"repeats\": {}, \"p50_us\": {:.1f}, \"p90_us\": {:.1f}, "
+               "\"p99_us\": {:.1f}, \"max_us\": {:.1f}",
+               wanted.to, wanted.floor ? wanted.to : wanted.from, report.universes, wanted.rate_hz, report.seconds,
+               report.sent, report.received, lost, report.repeats, report.quantile_us(0.5), report.quantile_us(0.9),
+               report.quantile_us(0.99), report.quantile_us(1.0));
+    if (report.cpu_percent >= 0) fmt::print(", \"cpu_percent\": {:.3f}", report.cpu_percent);
+    fmt::print("}}\n");
+    return;
+  }
+  fmt::print("{} to {}, {} universes at {} Hz for {:.1f} s\n", wanted.to, wanted.floor ? wanted.to : wanted.from,
+             report.universes, wanted.rate_hz, report.seconds);
+  fmt::print("frames   {} sent, {} received, {} lost, {} repeats\n", report.sent, report.received, lost, report.repeats);
+  fmt::print("latency  p50 {:.0f} us, p90 {:.0f} us, p99 {:.0f} us, worst {:.0f} us\n", report.quantile_us(0.5),
+             report.quantile_us(0.9), report.quantile_us(0.99), report.quantile_us(1.0));
+  if (report.cpu_percent >= 0) fmt::print("device   {:.2f} % of one core\n", report.cpu_percent);
+}
+
+Status run(const Wanted& wanted) {
+  FL_ASSIGN(const Endpoint to, parse_endpoint(wanted.to, {}));
+  FL_ASSIGN(const Endpoint from, parse_endpoint(wanted.floor ? wanted.to : wanted.from, {}));
+  if (to.universes.size() != from.universes.size()) {
+    return fail(ErrorCode::kBadInput, "{} and {} name {} and {} universes; expected as many on both sides", wanted.to,
+                wanted.from, to.universes.size(), from.universes.size());
+  }
+  std::unique_ptr<Child> child;
+  if (wanted.use_relay) {
+    child = std::make_unique<Child>([&] {
+      // What goes out on `from` is numbered as it came in on `to`.
+      Endpoint out = from;
+      for (std::size_t i = 0; i < out.universes.size(); ++i) out.universes[i].show = to.universes[i].show;
+      out.text += " (relay)";
+      SystemClock clock;
+      auto source = drivers::make_net_source(to, nullptr);
+      auto sink = drivers::make_net_sink(out, nullptr);
+      Status status;
+      if (!source) status = tl::unexpected(source.error());
+      if (!sink) status = tl::unexpected(sink.error());
+      if (status) status = relay(**source, **sink, clock);
+      if (!status) fmt::print(stderr, "bench_wire: relay: {}\n", status.error().message);
+    });
+  } else if (!wanted.command.empty()) {
+    child = std::make_unique<Child>([&] {
+      std::vector<char*> arguments;
+      for (const auto& word : wanted.command) arguments.push_back(const_cast<char*>(word.c_str()));
+      arguments.push_back(nullptr);
+      execvp(arguments[0], arguments.data());
+      fmt::print(stderr, "bench_wire: cannot start {}: {}\n", wanted.command[0], std::strerror(errno));
+    });
+  }
+  FL_ASSIGN(const auto source, drivers::make_net_source(from, nullptr));
+  FL_ASSIGN(const auto sink, drivers::make_net_sink(to, nullptr));
+  FL_ASSIGN(const Report report, measure(wanted, *source, *sink, child ? child->pid() : wanted.pid));
+  print(wanted, report);
+  return {};
+}
+
+}  // namespace
+}  // namespace footlight
+
+int main(int argc, char** argv) {
+  footlight::Wanted wanted;
+  CLI::App app("Measures latency, loss and processor time of a DMX bridge on the network.");
+  app.add_option("--to", wanted.to, "Where the device takes its input")->capture_default_str();
+  app.add_option("--from", wanted.from, "Where the device sends its output")->capture_default_str();
+  app.add_option("--rate", wanted.rate_hz, "Rounds a second")->check(CLI::Range(0.1, 20'000.0))->capture_default_str();
+  app.add_option("--seconds", wanted.seconds, "Length")->check(CLI::Range(0.1, 3'600.0))->capture_default_str();
+  app.add_flag("--floor", wanted.floor, "No device: listen to the generator itself");
+  app.add_flag("--relay", wanted.use_relay, "The device is the smallest bridge there is");
+  app.add_option("--pid", wanted.pid, "The device runs already; measure this process");
+  app.add_flag("--json", wanted.json, "One line of JSON");
+  app.add_option("command", wanted.command, "After --: start this as the device");
+  CLI11_PARSE(app, argc, argv);
+  const auto status = footlight::run(wanted);
+  if (!status) {
+    fmt::print(stderr, "bench_wire: {}\n", status.error().message);
+    return 1;
+  }
+  return 0;
+}
