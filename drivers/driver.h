@@ -39,7 +39,8 @@ enum Quirk : unsigned {
 struct UsbModelId {
   std::uint16_t vendor = 0;
   std::uint16_t product = 0;
-  // Text that the device's string has to start with, case ignored; empty: any. Where several rows fit, the first counts.
+  // Text that the device's string has to start with, case ignored; empty: any. Where several rows fit, the first
+  // counts.
   std::string_view manufacturer_text;
   std::string_view product_text;
   std::string_view model_name;  // for people
@@ -63,8 +64,8 @@ struct DriverInfo {
   std::string_view id;         // the scheme of its endpoints, lower case: "enttec-pro"
   std::string_view full_name;  // for people
   std::span<const UsbModelId> usb_ids;
-  unsigned capabilities = 0;   // Capability
-  std::string_view notes;      // for docs/hardware.md; one or two sentences
+  unsigned capabilities = 0;  // Capability
+  std::string_view notes;     // for docs/hardware.md; one or two sentences
   // nullptr where the driver has none. Both may block for about a second while the device answers.
   // Clock: outlives the port; its now_ns() is called from the port's device thread.
   Result<std::unique_ptr<Sink>> (*open_sink)(const PortRequest& request, Clock& clock) = nullptr;

@@ -9,14 +9,15 @@ Result<const DriverInfo*> driver_of(const PortRequest& request) {
   if (const DriverInfo* driver = find_driver(request.scheme)) return driver;
   std::string known;
   for (const DriverInfo* driver : drivers()) known += fmt::format("{}{}", known.empty() ? "" : ", ", driver->id);
-  return fail(ErrorCode::kBadInput, "{}:{}: no driver of that name; there are {}", request.scheme, request.target, known);
+  return fail(ErrorCode::kBadInput, "{}:{}: no driver of that name; there are {}", request.scheme, request.target,
+              known);
 }
 
 Status check_universes(const PortRequest& request) {
   for (const Universe universe : request.universes)
     if (!is_universe(universe))
-      return fail(ErrorCode::kBadInput, "{}:{}: universe {}: expected {} to {}", request.scheme, request.target, universe,
-                  kUniverseMin, kUniverseMax);
+      return fail(ErrorCode::kBadInput, "{}:{}: universe {}: expected {} to {}", request.scheme, request.target,
+                  universe, kUniverseMin, kUniverseMax);
   return {};
 }
 

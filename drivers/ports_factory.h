@@ -16,8 +16,8 @@ namespace footlight::drivers {
 [[nodiscard]] bool has_driver(std::string_view scheme);
 
 // Errors: kBadInput (unknown scheme, wrong number of universes), kNotFound (no such device; says which are there),
-// kPermission (says the command that mends it), kTimeout (a device that does not answer), kUnsupported (this build has no
-// USB, or the device cannot do that direction). Threads: call from any; the port then belongs to one thread.
+// kPermission (says the command that mends it), kTimeout (a device that does not answer), kUnsupported (this build has
+// no USB, or the device cannot do that direction). Threads: call from any; the port then belongs to one thread.
 [[nodiscard]] Result<std::unique_ptr<Sink>> open_sink(const PortRequest& request, Clock& clock);
 [[nodiscard]] Result<std::unique_ptr<Source>> open_source(const PortRequest& request, Clock& clock);
 

@@ -91,16 +91,18 @@ void judge(FoundDevice& device, const std::vector<std::string>& ttys, const Find
     device.remedy = std::move(remedy);
   };
   if (device.driver_id.empty())
-    return verdict(Readiness::kNotDmx,
-                   "its USB ids are those of a bare serial chip and its name is not that of a DMX interface; if it is one, name "
-                   "it by its serial number or port");
+    return verdict(
+        Readiness::kNotDmx,
+        "its USB ids are those of a bare serial chip and its name is not that of a DMX interface; if it is one, name "
+        "it by its serial number or port");
   if (!built_with_usb())
     return verdict(Readiness::kUnsupported, "this build has no USB",
                    "sudo apt install libusb-1.0-0-dev && cmake -B build -DFOOTLIGHT_USB=ON && cmake --build build");
   const int access_error = access_of(options, device.node);
   if (access_error == ENOENT)
-    return verdict(Readiness::kNoNode,
-                   fmt::format("{} does not exist; a container has to be started with access to /dev/bus/usb", device.node));
+    return verdict(
+        Readiness::kNoNode,
+        fmt::format("{} does not exist; a container has to be started with access to /dev/bus/usb", device.node));
   if (access_error != 0)
     return verdict(Readiness::kNoPermission, fmt::format("{}: {}", device.node, std::strerror(access_error)),
                    udev_install_command());
@@ -177,13 +179,15 @@ DeviceList find_devices(const FindOptions& options) {
         "-DFOOTLIGHT_USB=ON");
   const std::string folder = options.sys_root + "/bus/usb/devices";
   if (!folder_exists(folder))
-    list.notes.push_back(fmt::format("{} does not exist: no USB here, as in many containers and virtual machines", folder));
+    list.notes.push_back(
+        fmt::format("{} does not exist: no USB here, as in many containers and virtual machines", folder));
   for (const std::string& name : names_in(folder))
     if (auto device = read_device(name, options)) list.devices.push_back(std::move(*device));
   for (FoundDevice& device : list.devices) {
     if (device.driver_id.empty()) continue;
     const auto same_serial = [&](const FoundDevice& other) { return other.serial == device.serial; };
-    const bool serial_tells = !device.serial.empty() && std::count_if(list.devices.begin(), list.devices.end(), same_serial) == 1;
+    const bool serial_tells =
+        !device.serial.empty() && std::count_if(list.devices.begin(), list.devices.end(), same_serial) == 1;
     device.endpoint = serial_tells ? fmt::format("{}:{}", device.driver_id, device.serial)
                                    : fmt::format("{}:port-{}", device.driver_id, device.port_path);
   }

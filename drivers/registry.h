@@ -1,7 +1,7 @@
 // What is plugged in, whether it can be used, and the command that mends it where it cannot.
 //
-// Reads /sys only: nothing is opened, no kernel driver is disturbed, no permission is needed. Works in builds without libusb
-// too. Takes well under the time of one video frame, so a window may call it on a timer.
+// Reads /sys only: nothing is opened, no kernel driver is disturbed, no permission is needed. Works in builds without
+// libusb too. Takes well under the time of one video frame, so a window may call it on a timer.
 #pragma once
 
 #include <cstdint>
@@ -30,18 +30,18 @@ struct FoundDevice {
   std::string model_name;    // "ENTTEC DMX USB Pro"; for kNotDmx "FTDI serial adapter, not known to be a DMX USB Pro"
   std::string manufacturer;  // as the device says it; may be empty
   std::string product;
-  std::string serial;        // of the USB descriptor; may be empty or shared by clones
+  std::string serial;  // of the USB descriptor; may be empty or shared by clones
   std::uint16_t usb_vendor = 0;
   std::uint16_t usb_product = 0;
-  std::string port_path;     // where it is plugged in: "1-2.3"; stays the same when it is replugged there
-  std::string node;          // "/dev/bus/usb/001/004"; changes when it is replugged
-  std::string kernel_driver; // bound to its first interface: "ftdi_sio", "usbfs" (a program holds it), or empty
-  std::string endpoint;      // what to write in a show file: "enttec-pro:EN172589"; empty for kNotDmx
-  unsigned capabilities = 0; // Capability
-  unsigned quirks = 0;       // Quirk
+  std::string port_path;      // where it is plugged in: "1-2.3"; stays the same when it is replugged there
+  std::string node;           // "/dev/bus/usb/001/004"; changes when it is replugged
+  std::string kernel_driver;  // bound to its first interface: "ftdi_sio", "usbfs" (a program holds it), or empty
+  std::string endpoint;       // what to write in a show file: "enttec-pro:EN172589"; empty for kNotDmx
+  unsigned capabilities = 0;  // Capability
+  unsigned quirks = 0;        // Quirk
   Readiness readiness = Readiness::kReady;
-  std::string reason;        // for people, one sentence; empty where ready
-  std::string remedy;        // a command to copy; empty where there is none
+  std::string reason;  // for people, one sentence; empty where ready
+  std::string remedy;  // a command to copy; empty where there is none
 };
 
 struct DeviceList {

@@ -9,13 +9,13 @@
 namespace footlight::drivers {
 
 struct UsbMatch {
-  const DriverInfo* driver = nullptr;   // nullptr: no row fits
-  const UsbModelId* model = nullptr;    // the first row that fits, points into the driver's table
-  bool ids_are_known = false;           // some row has these ids, whatever the strings say
+  const DriverInfo* driver = nullptr;  // nullptr: no row fits
+  const UsbModelId* model = nullptr;   // the first row that fits, points into the driver's table
+  bool ids_are_known = false;          // some row has these ids, whatever the strings say
 };
 
 // manufacturer, product: the device's strings; may be empty.
-[[nodiscard]] UsbMatch match_usb_device(std::uint16_t usb_vendor, std::uint16_t usb_product, std::string_view manufacturer,
-                                        std::string_view product);
+[[nodiscard]] UsbMatch match_usb_device(std::uint16_t usb_vendor, std::uint16_t usb_product,
+                                        std::string_view manufacturer, std::string_view product);
 
 }  // namespace footlight::drivers

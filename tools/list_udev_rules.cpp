@@ -1,4 +1,5 @@
-// Prints what is generated from the driver table: udev/70-footlight.rules, or with --hardware the table in docs/hardware.md.
+// Prints what is generated from the driver table: udev/70-footlight.rules, or with --hardware the table in
+// docs/hardware.md.
 #include <cstdio>
 #include <cstring>
 

@@ -16,9 +16,9 @@ Bytes EnttecProModel::device_descriptor() const {
 }
 
 Bytes EnttecProModel::config_descriptor() const {
-  return {9, 2, 32, 0,    1, 1, 0, 0xA0, 45,                       // one interface, bus powered, 90 mA
-          9, 4, 0,  0,    2, 0xFF, 0xFF, 0xFF, 2,                  // vendor class, two endpoints
-          7, 5, 0x81, 2, kPacketSize, 0, 0, 7, 5, 0x02, 2, kPacketSize, 0, 0};
+  return {9, 2, 32,   0, 1,           1,    0,    0xA0, 45,  // one interface, bus powered, 90 mA
+          9, 4, 0,    0, 2,           0xFF, 0xFF, 0xFF, 2,   // vendor class, two endpoints
+          7, 5, 0x81, 2, kPacketSize, 0,    0,    7,    5,  0x02, 2, kPacketSize, 0, 0};
 }
 
 void EnttecProModel::power_on() {
@@ -71,8 +71,10 @@ void EnttecProModel::take(std::uint8_t byte) {
   };
   switch (awaits_) {
     case Awaits::kStart:
-      if (byte == 0x7E) awaits_ = Awaits::kLabel;
-      else ++false_start_count;
+      if (byte == 0x7E)
+        awaits_ = Awaits::kLabel;
+      else
+        ++false_start_count;
       break;
     case Awaits::kLabel:
       label_ = byte;
@@ -85,8 +87,10 @@ void EnttecProModel::take(std::uint8_t byte) {
     case Awaits::kLengthHigh:
       payload_size_ |= static_cast<std::size_t>(byte) << 8;
       payload_.clear();
-      if (payload_size_ > kPayloadSizeMax) refuse();
-      else awaits_ = payload_size_ == 0 ? Awaits::kEnd : Awaits::kPayload;
+      if (payload_size_ > kPayloadSizeMax)
+        refuse();
+      else
+        awaits_ = payload_size_ == 0 ? Awaits::kEnd : Awaits::kPayload;
       break;
     case Awaits::kPayload:
       payload_.push_back(byte);
@@ -131,12 +135,12 @@ void EnttecProModel::obey(std::uint8_t label, const Bytes& payload) {
       break;
     case 10: {
       Bytes answer;
-      for (int shift = 0; shift < 32; shift += 8) answer.push_back(static_cast<std::uint8_t>(widget_serial_bcd >> shift & 0xFF));
+      for (int shift = 0; shift < 32; shift += 8)
+        answer.push_back(static_cast<std::uint8_t>(widget_serial_bcd >> shift & 0xFF));
       send(10, answer);
       break;
     }
-    default:
-      break;  // the widget ignores what it does not know
+    default: break;  // the widget ignores what it does not know
   }
 }
 
@@ -167,7 +171,8 @@ void EnttecProModel::receive_line_frame(std::span<const std::uint8_t> line_frame
       for (; i < std::min(first + kBlockSpan, line_frame.size()); ++i) {
         if (line_frame[i] == line_[i]) continue;
         line_[i] = line_frame[i];
-        payload[1 + (i - first) / 8] = static_cast<std::uint8_t>(payload[1 + (i - first) / 8] | 1u << ((i - first) % 8));
+        payload[1 + (i - first) / 8] =
+            static_cast<std::uint8_t>(payload[1 + (i - first) / 8] | 1u << ((i - first) % 8));
         payload.push_back(line_frame[i]);
       }
       send(9, payload);

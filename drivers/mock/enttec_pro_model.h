@@ -1,7 +1,7 @@
 // An ENTTEC DMX USB Pro, modelled from its host's side: the FTDI chip on the bus and the widget's processor behind it.
 //
-// It parses with code of its own, byte by byte as the widget's firmware would, and not with the driver's parser: a mistake in
-// one does not hide the same mistake in the other.
+// It parses with code of its own, byte by byte as the widget's firmware would, and not with the driver's parser: a
+// mistake in one does not hide the same mistake in the other.
 #pragma once
 
 #include <array>
@@ -19,24 +19,25 @@ class EnttecProModel final : public UsbModel {
   // --- What it is; free to change before it is plugged in.
   std::string manufacturer = "ENTTEC";
   std::string product = "DMX USB PRO";
-  std::string serial = "EN172589";             // of the USB descriptor
+  std::string serial = "EN172589";               // of the USB descriptor
   std::uint32_t widget_serial_bcd = 0x02172589;  // label 10
   std::uint16_t firmware = 0x0144;
   std::uint8_t break_units = 9, mab_units = 1, rate_hz = 40;
-  bool answers = true;                         // false: takes everything and says nothing
+  bool answers = true;  // false: takes everything and says nothing
 
   // --- What it saw; only to be read.
-  Bytes frame;                     // payload of the newest label 6, start code first
-  std::uint64_t frame_count = 0;   // label 6 messages
+  Bytes frame;                                       // payload of the newest label 6, start code first
+  std::uint64_t frame_count = 0;                     // label 6 messages
   std::function<void(const Bytes& frame)> on_frame;  // called for each; empty: none
-  std::uint64_t false_start_count = 0;  // bytes that began no message
-  int receive_mode = -1;           // of label 8; -1: it sends
+  std::uint64_t false_start_count = 0;               // bytes that began no message
+  int receive_mode = -1;                             // of label 8; -1: it sends
   int power_on_count = 0, reset_count = 0;
   std::uint16_t baud_value = 0xFFFF, line_data = 0xFFFF;
   std::uint8_t latency_ms = 16;
 
   // --- What happens to it.
-  // A frame on its DMX input, start code first. Ignored while it sends, as the hardware does: line and transmitter are one.
+  // A frame on its DMX input, start code first. Ignored while it sends, as the hardware does: line and transmitter are
+  // one.
   void receive_line_frame(std::span<const std::uint8_t> line_frame, std::uint8_t status = 0);
   // Bytes towards the host as they are: noise, or messages that the real widget would not send.
   void say(std::span<const std::uint8_t> bytes) { to_host_.insert(to_host_.end(), bytes.begin(), bytes.end()); }

@@ -35,7 +35,8 @@ extern constinit const DriverInfo mock_driver{
     .full_name = "Device models inside this program",
     .usb_ids = {},
     .capabilities = kCanOutput | kCanInput | kKeepsLookAlive,
-    .notes = "mock:enttec-pro runs the ENTTEC driver without hardware; as a source it plays a slow sine over all slots.",
+    .notes =
+        "mock:enttec-pro runs the ENTTEC driver without hardware; as a source it plays a slow sine over all slots.",
     .open_sink = open_mock_sink,
     .open_source = open_mock_source,
 };

@@ -1,8 +1,8 @@
 #include "drivers/mock/mock_usb.h"
 
 #include <algorithm>
-#include <cmath>
 #include <charconv>
+#include <cmath>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -88,13 +88,20 @@ Status MockUsb::obey(std::string_view command) {
   const std::string_view verb = command.substr(0, space);
   const std::string_view object = space == std::string_view::npos ? std::string_view{} : command.substr(space + 1);
   const auto number = number_of(object);
-  if (verb == "unplug" && object.empty()) unplug();
-  else if (verb == "plug" && object.empty()) plug();
-  else if (verb == "unplug-after" && number) unplug_after(*number);
-  else if (verb == "stall" && (object == "on" || object == "off")) stall(object == "on");
-  else if (verb == "cut-write" && number) cut_next_write(*number);
-  else if (verb == "limit-reads" && number) limit_reads(*number);
-  else if (verb == "serial" && !object.empty()) with_model([&](EnttecProModel& model) { model.serial = object; });
+  if (verb == "unplug" && object.empty())
+    unplug();
+  else if (verb == "plug" && object.empty())
+    plug();
+  else if (verb == "unplug-after" && number)
+    unplug_after(*number);
+  else if (verb == "stall" && (object == "on" || object == "off"))
+    stall(object == "on");
+  else if (verb == "cut-write" && number)
+    cut_next_write(*number);
+  else if (verb == "limit-reads" && number)
+    limit_reads(*number);
+  else if (verb == "serial" && !object.empty())
+    with_model([&](EnttecProModel& model) { model.serial = object; });
   else if (const auto bytes = bytes_of_hex(object); verb == "garbage" && bytes)
     with_model([&](EnttecProModel& model) { model.say(*bytes); });
   else
@@ -114,7 +121,10 @@ struct Wakeups {
 class MockTransport final : public Transport {
  public:
   MockTransport(std::shared_ptr<MockUsb> usb, Clock& clock, std::shared_ptr<Wakeups> wakeups)
-      : usb_(std::move(usb)), clock_(clock), wakeups_(std::move(wakeups)), plug_count_(usb_->plug_count_),
+      : usb_(std::move(usb)),
+        clock_(clock),
+        wakeups_(std::move(wakeups)),
+        plug_count_(usb_->plug_count_),
         serial_(usb_->model_.serial) {
     usb_->claimed_ = true;
     for (const ftdi::Request& request : ftdi::kOpening)
@@ -191,8 +201,8 @@ class MockTransport final : public Transport {
   }
 
  public:
-  // Returns early whenever anything happens, and late never by more than a real second: callers look again in a loop. On a
-  // clock that is moved by hand, clock_moved() makes them look.
+  // Returns early whenever anything happens, and late never by more than a real second: callers look again in a loop.
+  // On a clock that is moved by hand, clock_moved() makes them look.
   static void sleep_until_changed(MockUsb& usb, std::unique_lock<std::mutex>& lock, Clock& clock, TimeNs deadline_ns) {
     const DurationNs left_ns = std::clamp<DurationNs>(deadline_ns - clock.now_ns(), 0, kNsPerS);
     usb.changed_.wait_until(lock, std::chrono::system_clock::now() + std::chrono::nanoseconds(left_ns));
@@ -218,11 +228,11 @@ class MockConnector final : public Connector {
     if (wakeups_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", usb_->where_);
     if (!usb_->plugged_) return fail(ErrorCode::kNotFound, "{}: not plugged in", usb_->where_);
     if (!serial_.empty() && usb_->model_.serial != serial_)
-      return fail(ErrorCode::kNotFound, "{}: not plugged in; there is another device, with the serial number {}", serial_,
-                  usb_->model_.serial);
+      return fail(ErrorCode::kNotFound, "{}: not plugged in; there is another device, with the serial number {}",
+                  serial_, usb_->model_.serial);
     if (usb_->claimed_)
-      return fail(ErrorCode::kPermission, "{}: in use by another port of this program; name a second one 'mock:enttec-pro/NAME'",
-                  usb_->where_);
+      return fail(ErrorCode::kPermission,
+                  "{}: in use by another port of this program; name a second one 'mock:enttec-pro/NAME'", usb_->where_);
     serial_ = usb_->model_.serial;
     return std::make_unique<MockTransport>(usb_, clock_, wakeups_);
   }

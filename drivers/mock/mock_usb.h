@@ -1,8 +1,8 @@
 // Device models in this process, behind the same Transport as real devices. They ship: `mock:enttec-pro` works on any
 // machine, and everything above the bus runs as it does with hardware.
 //
-// As a sink the model keeps the newest frame and counts; as a source it plays a slow sine over all 512 slots. Faults happen on
-// command: obey("unplug").
+// As a sink the model keeps the newest frame and counts; as a source it plays a slow sine over all 512 slots. Faults
+// happen on command: obey("unplug").
 #pragma once
 
 #include <chrono>
@@ -43,17 +43,18 @@ class MockUsb {
   }
 
   // --- Faults
-  void unplug();                               // at once; what is in flight fails
-  void plug();                                 // the model is powered on anew
-  void unplug_after(std::size_t byte_count);   // in the middle of a write, after that many bytes
-  void stall(bool stalled);                    // takes and gives nothing
-  void cut_next_write(std::size_t byte_count); // the device takes that many bytes of one write, then time runs out
-  void limit_reads(std::size_t byte_count);    // a read brings at most that many bytes; 0: no limit
-  // The same as words, one command a line: "unplug", "plug", "unplug-after 100", "stall on", "stall off", "cut-write 7",
-  // "limit-reads 1", "garbage 7E00FF" (hex bytes towards the host), "serial EN999999" (before "plug": another device).
+  void unplug();                                // at once; what is in flight fails
+  void plug();                                  // the model is powered on anew
+  void unplug_after(std::size_t byte_count);    // in the middle of a write, after that many bytes
+  void stall(bool stalled);                     // takes and gives nothing
+  void cut_next_write(std::size_t byte_count);  // the device takes that many bytes of one write, then time runs out
+  void limit_reads(std::size_t byte_count);     // a read brings at most that many bytes; 0: no limit
+  // The same as words, one command a line: "unplug", "plug", "unplug-after 100", "stall on", "stall off", "cut-write
+  // 7", "limit-reads 1", "garbage 7E00FF" (hex bytes towards the host), "serial EN999999" (before "plug": another
+  // device).
   Status obey(std::string_view command);
 
-  [[nodiscard]] bool claimed();                // somebody has it open
+  [[nodiscard]] bool claimed();  // somebody has it open
   // Waits until somebody has it open, or nobody.
   bool wait_for_claim(bool claimed, std::chrono::milliseconds patience = std::chrono::seconds(10));
   // A clock that is moved by hand has been moved: waits look at it again.

@@ -1,8 +1,8 @@
 // A USB device as its host sees it, without a bus: what a front end needs in order to play one.
 //
 // A model has no thread, no clock and no lock, so the same class stands behind the in-process transport
-// (drivers/mock/mock_usb.h) and behind the emulated usbfs of the tests (tests/support/usb_fs.h). Its owner calls it from one
-// thread at a time.
+// (drivers/mock/mock_usb.h) and behind the emulated usbfs of the tests (tests/support/usb_fs.h). Its owner calls it
+// from one thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -27,8 +27,8 @@ struct SetupPacket {
 class UsbModel {
  public:
   virtual ~UsbModel() = default;
-  [[nodiscard]] virtual Bytes device_descriptor() const = 0;   // 18 bytes
-  [[nodiscard]] virtual Bytes config_descriptor() const = 0;   // with its interfaces and endpoints
+  [[nodiscard]] virtual Bytes device_descriptor() const = 0;  // 18 bytes
+  [[nodiscard]] virtual Bytes config_descriptor() const = 0;  // with its interfaces and endpoints
   // Manufacturer, product, serial number; empty ones are not reported.
   [[nodiscard]] virtual std::vector<std::string> strings() const = 0;
   // Power comes: volatile state is as new, what the device stores stays.

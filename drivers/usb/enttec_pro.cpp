@@ -14,10 +14,10 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr DurationNs kLineLost_ns = 1'250 * kNsPerMs;      // a receiver's patience, E1.11 section 9.3 plus a frame
-constexpr DurationNs kSplitMessage_ns = 100 * kNsPerMs;    // silence inside a message: the rest was lost
-constexpr int kWriteTimeoutCountMax = 3;                   // then the device is opened afresh
-constexpr double kLineRateHzMax = 44.0;                    // 513 slots of 44 us with the shortest break
+constexpr DurationNs kLineLost_ns = 1'250 * kNsPerMs;    // a receiver's patience, E1.11 section 9.3 plus a frame
+constexpr DurationNs kSplitMessage_ns = 100 * kNsPerMs;  // silence inside a message: the rest was lost
+constexpr int kWriteTimeoutCountMax = 3;                 // then the device is opened afresh
+constexpr double kLineRateHzMax = 44.0;                  // 513 slots of 44 us with the shortest break
 
 // A counter in the kernel that poll() and epoll can wait for.
 class EventFd {
@@ -41,8 +41,8 @@ class EventFd {
 
 }  // namespace
 
-// Named parts: open_device() to get to a talking widget, send_frames() and take_frames() as the two working loops, run() around
-// them. What the port's thread shares with the device thread is in shared_, under mutex_.
+// Named parts: open_device() to get to a talking widget, send_frames() and take_frames() as the two working loops,
+// run() around them. What the port's thread shares with the device thread is in shared_, under mutex_.
 class EnttecPro {
  public:
   enum class Direction { kOutput, kInput };
@@ -83,10 +83,10 @@ class EnttecPro {
     PortCounters counters;
     EnttecProStats stats;
     EnttecProIdentity identity;
-    LineFrame frame{};            // output: the look to send; input: the newest frame, start code first
-    std::size_t frame_size = 0;   // 0: none came yet
-    bool fresh = false;           // the other side has not taken `frame` yet
-    TimeNs stamp_ns = 0;          // input: when it came
+    LineFrame frame{};           // output: the look to send; input: the newest frame, start code first
+    std::size_t frame_size = 0;  // 0: none came yet
+    bool fresh = false;          // the other side has not taken `frame` yet
+    TimeNs stamp_ns = 0;         // input: when it came
   };
   // Runs f(shared) under the lock; returns what f returns. f must not block.
   template <class F>
@@ -101,7 +101,8 @@ class EnttecPro {
  private:
   void run(const std::stop_token& stop);
   Status open_device(const std::stop_token& stop);
-  Result<ProMessageView> ask(Transport& transport, const ProMessage& question, ProLabel label, const std::stop_token& stop);
+  Result<ProMessageView> ask(Transport& transport, const ProMessage& question, ProLabel label,
+                             const std::stop_token& stop);
   Status send_frames(const std::stop_token& stop);
   Status write_look(const LineFrame& look);
   Status send_last_words();
@@ -130,7 +131,7 @@ class EnttecPro {
   std::uint64_t line_error_count_ = 0;
 
   std::mutex mutex_;
-  Shared shared_;  // guarded by mutex_
+  Shared shared_;        // guarded by mutex_
   std::jthread thread_;  // last: it ends before what it uses
 };
 
@@ -186,8 +187,8 @@ Result<ProMessageView> EnttecPro::ask(Transport& transport, const ProMessage& qu
       if (message.label == static_cast<std::uint8_t>(label)) return message;
     if (stop.stop_requested()) return fail(ErrorCode::kDisconnected, "{}: closed", transport.where());
     if (clock_.now_ns() >= deadline_ns)
-      return fail(ErrorCode::kTimeout, "{}: no answer to label {} within {} ms; is it a DMX USB Pro?", transport.where(),
-                  static_cast<int>(label), config_.reply_timeout_ns / kNsPerMs);
+      return fail(ErrorCode::kTimeout, "{}: no answer to label {} within {} ms; is it a DMX USB Pro?",
+                  transport.where(), static_cast<int>(label), config_.reply_timeout_ns / kNsPerMs);
     FL_ASSIGN(const std::size_t count, transport.read(input_, deadline_ns));
     unread_ = std::span<const std::uint8_t>(input_).first(count);
   }
@@ -199,9 +200,11 @@ Status EnttecPro::open_device(const std::stop_token& stop) {
   unread_ = {};
   EnttecProIdentity identity{.usb_serial = transport->serial(), .widget_serial = 0, .params = {}};
 
-  // A program that was killed in the middle of a message, this one included, leaves the widget waiting for the rest of it.
+  // A program that was killed in the middle of a message, this one included, leaves the widget waiting for the rest of
+  // it.
   FL_TRY(transport->write(pro_flush_bytes(), clock_.now_ns() + config_.write_timeout_ns));
-  // A widget may not know its number (a blank EEPROM answers FF FF FF FF, some relatives nothing); it works all the same.
+  // A widget may not know its number (a blank EEPROM answers FF FF FF FF, some relatives nothing); it works all the
+  // same.
   if (const auto answer = ask(*transport, encode_get_serial(), ProLabel::kSerialNumber, stop)) {
     identity.widget_serial = decode_serial(answer->payload).value_or(0);
   } else if (answer.error().code != ErrorCode::kTimeout) {
@@ -210,7 +213,8 @@ Status EnttecPro::open_device(const std::stop_token& stop) {
   FL_ASSIGN(const ProMessageView answer, ask(*transport, encode_get_params(), ProLabel::kGetParams, stop));
   FL_ASSIGN(identity.params, decode_params(answer.payload));
   if (direction_ == Direction::kInput) {
-    FL_TRY(transport->write(encode_receive_mode(config_.receive_mode).bytes(), clock_.now_ns() + config_.write_timeout_ns));
+    FL_TRY(transport->write(encode_receive_mode(config_.receive_mode).bytes(),
+                            clock_.now_ns() + config_.write_timeout_ns));
     line_.fill(0);
     line_size_ = 0;
   }
@@ -312,8 +316,10 @@ Status EnttecPro::take_frames(const std::stop_token& stop) {
               transport_->read(input_, parser_.pending() ? heard_ns + kSplitMessage_ns : kTimeNever));
     unread_ = std::span<const std::uint8_t>(input_).first(count);
     const TimeNs now_ns = clock_.now_ns();
-    if (count > 0) heard_ns = now_ns;
-    else if (parser_.pending() && now_ns >= heard_ns + kSplitMessage_ns) parser_.abandon();
+    if (count > 0)
+      heard_ns = now_ns;
+    else if (parser_.pending() && now_ns >= heard_ns + kSplitMessage_ns)
+      parser_.abandon();
   }
   return {};
 }
@@ -342,8 +348,7 @@ void EnttecPro::take_message(const ProMessageView& message) {
       }
       line_size_ = line_.size();
       break;
-    default:
-      return;  // late answers, and labels of relatives
+    default: return;  // late answers, and labels of relatives
   }
   publish_line_frame();
 }
@@ -372,7 +377,8 @@ EnttecProSink::~EnttecProSink() = default;
 
 Result<std::unique_ptr<EnttecProSink>> EnttecProSink::open(EnttecProConfig config, std::unique_ptr<Connector> connector,
                                                            Clock& clock) {
-  auto device = std::make_unique<EnttecPro>(std::move(config), EnttecPro::Direction::kOutput, std::move(connector), clock);
+  auto device =
+      std::make_unique<EnttecPro>(std::move(config), EnttecPro::Direction::kOutput, std::move(connector), clock);
   FL_TRY(device->start());
   return std::unique_ptr<EnttecProSink>(new EnttecProSink(std::move(device)));
 }
@@ -430,9 +436,10 @@ void EnttecProSink::close(TimeNs) { device_->stop(); }
 EnttecProSource::EnttecProSource(std::unique_ptr<EnttecPro> device) : device_(std::move(device)) {}
 EnttecProSource::~EnttecProSource() { device_->stop(); }
 
-Result<std::unique_ptr<EnttecProSource>> EnttecProSource::open(EnttecProConfig config, std::unique_ptr<Connector> connector,
-                                                               Clock& clock) {
-  auto device = std::make_unique<EnttecPro>(std::move(config), EnttecPro::Direction::kInput, std::move(connector), clock);
+Result<std::unique_ptr<EnttecProSource>> EnttecProSource::open(EnttecProConfig config,
+                                                               std::unique_ptr<Connector> connector, Clock& clock) {
+  auto device =
+      std::make_unique<EnttecPro>(std::move(config), EnttecPro::Direction::kInput, std::move(connector), clock);
   FL_TRY(device->start());
   return std::unique_ptr<EnttecProSource>(new EnttecProSource(std::move(device)));
 }

@@ -16,7 +16,8 @@ constexpr std::uint8_t high_byte(std::size_t value) { return static_cast<std::ui
 
 }  // namespace
 
-ProMessage::ProMessage(ProLabel label, std::span<const std::uint8_t> payload) : size_(payload.size() + kProEnvelopeSize) {
+ProMessage::ProMessage(ProLabel label, std::span<const std::uint8_t> payload)
+    : size_(payload.size() + kProEnvelopeSize) {
   FL_CHECK_LE(payload.size(), kProPayloadSizeMax);
   buffer_[0] = kProStart;
   buffer_[1] = static_cast<std::uint8_t>(label);
@@ -79,11 +80,8 @@ bool ProParser::next(std::span<const std::uint8_t>& stream, ProMessageView& mess
           taken_size_ = message.payload.size() + kProEnvelopeSize;
           ++message_count_;
           return true;
-        case Verdict::kFalseStart:
-          drop_false_start();
-          continue;
-        case Verdict::kNeedsMore:
-          break;
+        case Verdict::kFalseStart: drop_false_start(); continue;
+        case Verdict::kNeedsMore: break;
       }
     } else {
       const auto start = std::find(stream.begin(), stream.end(), kProStart);
@@ -115,7 +113,8 @@ Result<ProMessage> encode_set_params(const ProParams& params, std::span<const st
   if (params.break_units < 9 || params.break_units > 127)
     return fail(ErrorCode::kBadInput, "break of {} units: expected 9 to 127 units of 10.67 us", params.break_units);
   if (params.mab_units < 1 || params.mab_units > 127)
-    return fail(ErrorCode::kBadInput, "mark after break of {} units: expected 1 to 127 units of 10.67 us", params.mab_units);
+    return fail(ErrorCode::kBadInput, "mark after break of {} units: expected 1 to 127 units of 10.67 us",
+                params.mab_units);
   if (params.rate_hz > 40)
     return fail(ErrorCode::kBadInput, "rate of {} Hz: expected 1 to 40, or 0 for as fast as possible", params.rate_hz);
   if (user.size() > kUserSizeMax)
@@ -152,9 +151,8 @@ Result<std::span<const std::uint8_t>> decode_send_dmx(std::span<const std::uint8
 Result<ProReceived> decode_received(std::span<const std::uint8_t> payload) {
   if (payload.size() < 2 || payload.size() > 1 + kLineFrameSizeMax)
     return fail(ErrorCode::kProtocol, "received frame (label 5) of {} bytes: expected 2 to 514", payload.size());
-  return ProReceived{.queue_overflow = (payload[0] & 1u) != 0,
-                     .overrun = (payload[0] & 2u) != 0,
-                     .frame = payload.subspan(1)};
+  return ProReceived{
+      .queue_overflow = (payload[0] & 1u) != 0, .overrun = (payload[0] & 2u) != 0, .frame = payload.subspan(1)};
 }
 
 ProMessage encode_receive_mode(ProReceiveMode mode) {
@@ -164,7 +162,8 @@ ProMessage encode_receive_mode(ProReceiveMode mode) {
 
 Result<ProReceiveMode> decode_receive_mode(std::span<const std::uint8_t> payload) {
   if (payload.size() != 1 || payload[0] > 1)
-    return fail(ErrorCode::kProtocol, "receive mode (label 8): expected one byte, 0 or 1, got {} bytes", payload.size());
+    return fail(ErrorCode::kProtocol, "receive mode (label 8): expected one byte, 0 or 1, got {} bytes",
+                payload.size());
   return static_cast<ProReceiveMode>(payload[0]);
 }
 

@@ -1,7 +1,7 @@
 // The messages of an ENTTEC DMX USB Pro and its relatives: bytes only, no I/O, no allocation, no time.
 //
-// A message is  7E label length_low length_high payload[length] E7  with length 0 to 600; 7E and E7 may occur inside the
-// payload. Payload layouts follow ENTTEC's "DMX USB Pro Widget API Specification 1.44".
+// A message is  7E label length_low length_high payload[length] E7  with length 0 to 600; 7E and E7 may occur inside
+// the payload. Payload layouts follow ENTTEC's "DMX USB Pro Widget API Specification 1.44".
 //
 // Threads: none of its own; a ProParser belongs to one thread. Errors: kProtocol where a payload is not what its label
 // promises, kBadInput where the caller asks for something that the wire cannot carry.
@@ -51,8 +51,8 @@ class ProMessage {
   std::size_t size_;
 };
 
-// What ends a message that somebody left unfinished, whatever its length says: so many bytes that are neither a start nor an
-// end, which a widget ignores between messages.
+// What ends a message that somebody left unfinished, whatever its length says: so many bytes that are neither a start
+// nor an end, which a widget ignores between messages.
 [[nodiscard]] std::span<const std::uint8_t> pro_flush_bytes();
 
 struct ProMessageView {
@@ -60,17 +60,19 @@ struct ProMessageView {
   std::span<const std::uint8_t> payload;  // valid until the parser is used again
 };
 
-// Finds messages in a stream that may begin anywhere, be cut anywhere and carry noise. The result does not depend on how the
-// stream is cut into pieces. A candidate that breaks the rules (length above 600, no E7 where it belongs) costs its first
-// byte only: everything behind that byte is looked at again, so a true message inside a false one is not lost.
+// Finds messages in a stream that may begin anywhere, be cut anywhere and carry noise. The result does not depend on
+// how the stream is cut into pieces. A candidate that breaks the rules (length above 600, no E7 where it belongs) costs
+// its first byte only: everything behind that byte is looked at again, so a true message inside a false one is not
+// lost.
 class ProParser {
  public:
-  // Takes bytes from the front of `stream` until a message is complete, and shortens `stream` by what it took. Returns true
-  // and fills `message`, or false when the stream is used up:
+  // Takes bytes from the front of `stream` until a message is complete, and shortens `stream` by what it took. Returns
+  // true and fills `message`, or false when the stream is used up:
   //   while (parser.next(stream, message)) use(message);
   [[nodiscard]] bool next(std::span<const std::uint8_t>& stream, ProMessageView& message);
-  // Gives up waiting for the rest of a started message: its first byte counts as garbage, and next() looks again at what
-  // followed. For the owner of a clock: a widget sends a whole message at once, so silence in the middle means lost bytes.
+  // Gives up waiting for the rest of a started message: its first byte counts as garbage, and next() looks again at
+  // what followed. For the owner of a clock: a widget sends a whole message at once, so silence in the middle means
+  // lost bytes.
   void abandon();
   // In the middle of a message, or of something that may be one.
   [[nodiscard]] bool pending() const { return held_size_ > taken_size_; }
@@ -105,10 +107,10 @@ class ProParser {
 
 // Labels 3 and 4. Break and mark after break count in units of 32/3 us.
 struct ProParams {
-  std::uint16_t firmware = 0;     // high byte 1: DMX, 2: RDM (no labels 8 and 9), 3: sniffer; ignored when set
-  std::uint8_t break_units = 9;   // 9 to 127
-  std::uint8_t mab_units = 1;     // 1 to 127
-  std::uint8_t rate_hz = 40;      // 1 to 40; 0: as fast as possible
+  std::uint16_t firmware = 0;    // high byte 1: DMX, 2: RDM (no labels 8 and 9), 3: sniffer; ignored when set
+  std::uint8_t break_units = 9;  // 9 to 127
+  std::uint8_t mab_units = 1;    // 1 to 127
+  std::uint8_t rate_hz = 40;     // 1 to 40; 0: as fast as possible
 };
 inline constexpr double kProTimeUnitUs = 32.0 / 3.0;
 [[nodiscard]] constexpr double us_of_pro_units(std::uint8_t units) { return units * kProTimeUnitUs; }
@@ -125,8 +127,8 @@ inline constexpr double kProTimeUnitUs = 32.0 / 3.0;
 
 // Label 5.
 struct ProReceived {
-  bool queue_overflow = false;  // status bit 0: the widget lost bytes between its line and USB
-  bool overrun = false;         // status bit 1: the widget lost bytes on the line
+  bool queue_overflow = false;          // status bit 0: the widget lost bytes between its line and USB
+  bool overrun = false;                 // status bit 1: the widget lost bytes on the line
   std::span<const std::uint8_t> frame;  // start code first; 1 to 513 bytes; points into the payload
 };
 [[nodiscard]] Result<ProReceived> decode_received(std::span<const std::uint8_t> payload);
@@ -136,9 +138,9 @@ enum class ProReceiveMode : std::uint8_t { kEveryFrame = 0, kOnChange = 1 };
 [[nodiscard]] ProMessage encode_receive_mode(ProReceiveMode mode);
 [[nodiscard]] Result<ProReceiveMode> decode_receive_mode(std::span<const std::uint8_t> payload);
 
-// Label 9: block b, a 40-bit field (bit i, lowest first, stands for frame byte 8b + i), then one value for every set bit.
-// Frame byte 0 is the start code, so frame byte n is DMX address n. Writes into `frame`, which keeps what did not change;
-// returns how many values came. On error nothing was written.
+// Label 9: block b, a 40-bit field (bit i, lowest first, stands for frame byte 8b + i), then one value for every set
+// bit. Frame byte 0 is the start code, so frame byte n is DMX address n. Writes into `frame`, which keeps what did not
+// change; returns how many values came. On error nothing was written.
 [[nodiscard]] Result<int> apply_change_of_state(std::span<const std::uint8_t> payload, LineFrame& frame);
 
 // Label 10: four bytes, lowest digits first, two decimal digits each: 89 25 17 02 is 2172589.

@@ -8,8 +8,8 @@
 
 namespace footlight::drivers::ftdi {
 
-// Every packet that the chip sends begins with two status bytes, also one without data, which it sends whenever its latency
-// timer runs out. A transfer is a row of full packets and a last, shorter one.
+// Every packet that the chip sends begins with two status bytes, also one without data, which it sends whenever its
+// latency timer runs out. A transfer is a row of full packets and a last, shorter one.
 inline constexpr std::size_t kStatusSize = 2;
 inline constexpr std::size_t kFullSpeedPacketSize = 64;
 
@@ -35,16 +35,17 @@ struct Request {
 inline constexpr std::uint8_t kEndpointIn = 0x81;
 inline constexpr std::uint8_t kEndpointOut = 0x02;
 
-inline constexpr std::uint8_t kReset = 0;      // value 0: all, 1: bytes to the widget, 2: bytes from the widget
+inline constexpr std::uint8_t kReset = 0;  // value 0: all, 1: bytes to the widget, 2: bytes from the widget
 inline constexpr std::uint8_t kFlowControl = 2;
 inline constexpr std::uint8_t kBaudRate = 3;
 inline constexpr std::uint8_t kLineData = 4;
 inline constexpr std::uint8_t kLatencyTimer = 9;  // value in ms, 1 to 255; 16 after reset
 
-// Before the first byte. The widget's processor sits behind a parallel bus (FT245), so the baud rate has no effect there; it
-// is set (250000, 8 bits, 2 stop bits) because look-alikes put a serial line in its place.
+// Before the first byte. The widget's processor sits behind a parallel bus (FT245), so the baud rate has no effect
+// there; it is set (250000, 8 bits, 2 stop bits) because look-alikes put a serial line in its place.
 inline constexpr Request kOpening[] = {
-    {kReset, 0, 0}, {kReset, 1, 0}, {kReset, 2, 0}, {kFlowControl, 0, 0}, {kBaudRate, 0x000C, 0}, {kLineData, 0x1008, 0},
+    {kReset, 0, 0},       {kReset, 1, 0},         {kReset, 2, 0},
+    {kFlowControl, 0, 0}, {kBaudRate, 0x000C, 0}, {kLineData, 0x1008, 0},
 };
 
 }  // namespace footlight::drivers::ftdi

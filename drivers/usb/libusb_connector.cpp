@@ -19,9 +19,9 @@ namespace {
 
 constexpr int kInterface = 0;
 constexpr unsigned kControlTimeoutMs = 500;
-constexpr std::size_t kInTransferCount = 4;        // enough that the chip never waits for a buffer while we copy
-constexpr std::size_t kInTransferSize = 512;       // whole packets at full and at high speed
-constexpr std::size_t kWaitingSizeMax = 16 * 1024; // 30 frames; beyond it the chip is left to hold its data
+constexpr std::size_t kInTransferCount = 4;         // enough that the chip never waits for a buffer while we copy
+constexpr std::size_t kInTransferSize = 512;        // whole packets at full and at high speed
+constexpr std::size_t kWaitingSizeMax = 16 * 1024;  // 30 frames; beyond it the chip is left to hold its data
 constexpr DurationNs kEventSliceMax_ns = 60 * kNsPerS;
 constexpr DurationNs kCancelPatience_ns = 5 * kNsPerS;
 
@@ -51,8 +51,7 @@ tl::unexpected<Error> usb_error(int code, std::string_view where, std::string_vi
       return fail(ErrorCode::kProtocol, "{}: {}: more data than its packets may carry", where, action);
     case LIBUSB_ERROR_NOT_SUPPORTED:
       return fail(ErrorCode::kUnsupported, "{}: {}: not supported on this system", where, action);
-    default:
-      return fail(ErrorCode::kIo, "{}: {}: {}; try another cable or port", where, action, libusb_strerror(code));
+    default: return fail(ErrorCode::kIo, "{}: {}: {}; try another cable or port", where, action, libusb_strerror(code));
   }
 }
 
@@ -92,8 +91,12 @@ struct Bus {
 
 class LibusbTransport final : public Transport {
  public:
-  LibusbTransport(std::shared_ptr<Bus> bus, OwnedHandle handle, std::string where, std::string serial, std::size_t packet_size)
-      : bus_(std::move(bus)), handle_(std::move(handle)), where_(std::move(where)), serial_(std::move(serial)),
+  LibusbTransport(std::shared_ptr<Bus> bus, OwnedHandle handle, std::string where, std::string serial,
+                  std::size_t packet_size)
+      : bus_(std::move(bus)),
+        handle_(std::move(handle)),
+        where_(std::move(where)),
+        serial_(std::move(serial)),
         packet_size_(packet_size) {}
 
   ~LibusbTransport() override {
@@ -196,7 +199,8 @@ class LibusbTransport final : public Transport {
   };
 
   std::size_t in_flight_count() const {
-    return static_cast<std::size_t>(std::count_if(in_.begin(), in_.end(), [](const InTransfer& in) { return in.in_flight; }));
+    return static_cast<std::size_t>(
+        std::count_if(in_.begin(), in_.end(), [](const InTransfer& in) { return in.in_flight; }));
   }
 
   Status control(const ftdi::Request& request) {
@@ -232,10 +236,10 @@ class LibusbTransport final : public Transport {
   const std::string where_;
   const std::string serial_;
   const std::size_t packet_size_;
-  std::vector<InTransfer> in_;          // never resized while one is in flight: callbacks point into it
-  std::vector<std::uint8_t> waiting_;   // stripped bytes that nobody has read yet
+  std::vector<InTransfer> in_;         // never resized while one is in flight: callbacks point into it
+  std::vector<std::uint8_t> waiting_;  // stripped bytes that nobody has read yet
   bool closing_ = false;
-  int failure_ = LIBUSB_SUCCESS;        // of the first IN transfer that ended badly
+  int failure_ = LIBUSB_SUCCESS;  // of the first IN transfer that ended badly
 };
 
 class LibusbConnector final : public Connector {
@@ -262,15 +266,17 @@ class LibusbConnector final : public Connector {
     FL_ASSIGN(const OwnedDevice device, device_at(found.node));
 
     libusb_device_handle* opened = nullptr;
-    if (const int code = libusb_open(device.get(), &opened); code != LIBUSB_SUCCESS) return usb_error(code, found.node, "open");
+    if (const int code = libusb_open(device.get(), &opened); code != LIBUSB_SUCCESS)
+      return usb_error(code, found.node, "open");
     OwnedHandle handle(opened);
     libusb_set_auto_detach_kernel_driver(handle.get(), 1);
     if (const int code = libusb_claim_interface(handle.get(), kInterface); code != LIBUSB_SUCCESS)
       return usb_error(code, found.node, "claim");
     const int packet_size = libusb_get_max_packet_size(device.get(), ftdi::kEndpointIn);
-    auto transport = std::make_unique<LibusbTransport>(
-        bus_, std::move(handle), found.node, found.serial,
-        packet_size > static_cast<int>(ftdi::kStatusSize) ? static_cast<std::size_t>(packet_size) : ftdi::kFullSpeedPacketSize);
+    auto transport = std::make_unique<LibusbTransport>(bus_, std::move(handle), found.node, found.serial,
+                                                       packet_size > static_cast<int>(ftdi::kStatusSize)
+                                                           ? static_cast<std::size_t>(packet_size)
+                                                           : ftdi::kFullSpeedPacketSize);
     FL_TRY(transport->start(config_.latency_ms));
     if (!pinned_)
       pinned_ = found.serial.empty() ? Pin{.serial = {}, .port_path = found.port_path}
@@ -312,16 +318,22 @@ class LibusbConnector final : public Connector {
     for (const FoundDevice& device : list.devices) {
       const bool ours = device.driver_id == config_.driver_id;
       bool fits = ours && target.empty();
-      if (pinned_) fits = pinned_->serial.empty() ? device.port_path == pinned_->port_path : device.serial == pinned_->serial;
-      else if (by_port) fits = device.port_path == target.substr(kPort.size());
-      else if (!target.empty()) fits = device.serial == target;
-      if (fits) fitting.push_back(&device);
-      else if (ours) others += fmt::format("{}{}", others.empty() ? "" : ", ", device.endpoint);
+      if (pinned_)
+        fits = pinned_->serial.empty() ? device.port_path == pinned_->port_path : device.serial == pinned_->serial;
+      else if (by_port)
+        fits = device.port_path == target.substr(kPort.size());
+      else if (!target.empty())
+        fits = device.serial == target;
+      if (fits)
+        fitting.push_back(&device);
+      else if (ours)
+        others += fmt::format("{}{}", others.empty() ? "" : ", ", device.endpoint);
     }
     if (fitting.size() == 1) return *fitting[0];
-    const std::string named = pinned_ ? fmt::format("{}:{}", config_.driver_id,
-                                                    pinned_->serial.empty() ? "port-" + pinned_->port_path : pinned_->serial)
-                                      : fmt::format("{}{}{}", config_.driver_id, target.empty() ? "" : ":", target);
+    const std::string named =
+        pinned_ ? fmt::format("{}:{}", config_.driver_id,
+                              pinned_->serial.empty() ? "port-" + pinned_->port_path : pinned_->serial)
+                : fmt::format("{}{}{}", config_.driver_id, target.empty() ? "" : ":", target);
     if (fitting.empty())
       return fail(ErrorCode::kNotFound, "{}: not plugged in{}{}", named, others.empty() ? "" : "; there is ", others);
     std::string ports;
@@ -337,7 +349,8 @@ class LibusbConnector final : public Connector {
     if (count < 0) return usb_error(static_cast<int>(count), node, "list devices");
     OwnedDevice found;
     for (ssize_t i = 0; i < count && !found; ++i) {
-      const std::string tail = fmt::format("/{:03}/{:03}", libusb_get_bus_number(all[i]), libusb_get_device_address(all[i]));
+      const std::string tail =
+          fmt::format("/{:03}/{:03}", libusb_get_bus_number(all[i]), libusb_get_device_address(all[i]));
       if (node.ends_with(tail)) found.reset(libusb_ref_device(all[i]));
     }
     libusb_free_device_list(all, 1);

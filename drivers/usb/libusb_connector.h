@@ -1,7 +1,7 @@
 // Real USB devices: a Connector on libusb, with the FTDI chip's framing taken off.
 //
-// libusb itself is seen only by libusb_connector.cpp. In a build without it, no_usb_connector.cpp stands in and every call
-// answers kUnsupported.
+// libusb itself is seen only by libusb_connector.cpp. In a build without it, no_usb_connector.cpp stands in and every
+// call answers kUnsupported.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@ struct LibusbConfig {
   std::string driver_id;  // of the devices to take, as in the driver table
   std::string target;     // a serial number, "port-1-2.3", or empty where only one such device is plugged in
   // Optional
-  int latency_ms = 16;    // of the chip's latency timer: how long a packet that is not full waits inside it; 1 to 255
+  int latency_ms = 16;  // of the chip's latency timer: how long a packet that is not full waits inside it; 1 to 255
   FindOptions find = {};
 };
 

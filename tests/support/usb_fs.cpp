@@ -49,7 +49,8 @@ void reply(UMockdevIoctlClient* client, long result, int error = 0) {
 template <class T>
 class Argument {
  public:
-  explicit Argument(UMockdevIoctlData* argument) : data_(umockdev_ioctl_data_resolve(argument, 0, sizeof(T), nullptr)) {}
+  explicit Argument(UMockdevIoctlData* argument)
+      : data_(umockdev_ioctl_data_resolve(argument, 0, sizeof(T), nullptr)) {}
   ~Argument() { umockdev_ioctl_data_unref(data_); }
   Argument(const Argument&) = delete;
   Argument& operator=(const Argument&) = delete;
@@ -72,18 +73,22 @@ int run_under_umockdev(char** argv) {
   constexpr const char* kMarker = "ioctl_node_list_new";  // a symbol of that library alone
   constexpr const char* kTried = "FOOTLIGHT_UMOCKDEV_TRIED";
   const char* preload = std::getenv("LD_PRELOAD");
-  if (preload != nullptr && std::strstr(preload, kLibrary) != nullptr && ::dlsym(RTLD_DEFAULT, kMarker) != nullptr) return 0;
+  if (preload != nullptr && std::strstr(preload, kLibrary) != nullptr && ::dlsym(RTLD_DEFAULT, kMarker) != nullptr)
+    return 0;
   if (std::getenv(kTried) != nullptr) {
     std::fprintf(stderr, "SKIPPED: %s cannot be loaded; install the package umockdev\n", kLibrary);
     return 77;
   }
   ::setenv(kTried, "1", 1);
-  ::setenv("LD_PRELOAD", preload != nullptr && *preload != 0 ? fmt::format("{}:{}", preload, kLibrary).c_str() : kLibrary, 1);
+  ::setenv("LD_PRELOAD",
+           preload != nullptr && *preload != 0 ? fmt::format("{}:{}", preload, kLibrary).c_str() : kLibrary, 1);
   // AddressSanitizer wants to be the first library; here another one has to be.
   const char* asan = std::getenv("ASAN_OPTIONS");
-  ::setenv("ASAN_OPTIONS",
-           fmt::format("{}{}verify_asan_link_order=0", asan != nullptr ? asan : "", asan != nullptr && *asan != 0 ? ":" : "").c_str(),
-           1);
+  ::setenv(
+      "ASAN_OPTIONS",
+      fmt::format("{}{}verify_asan_link_order=0", asan != nullptr ? asan : "", asan != nullptr && *asan != 0 ? ":" : "")
+          .c_str(),
+      1);
   ::execv("/proc/self/exe", argv);
   return 77;
 }
@@ -137,17 +142,19 @@ bool UsbSocket::transfer_in_flight(std::uint8_t endpoint) {
 void UsbSocket::plug() {
   FL_CHECK(umockdev_testbed_attach_ioctl(testbed_.get(), node().c_str(), handler_, nullptr));
   if (!std::filesystem::exists(testbed_.root() + kHub))  // libusb wants a parent for the port number
-    add_device(testbed_.get(),
-               fmt::format("P: {}\nN: bus/usb/001/001\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: BUSNUM=001\nE: DEVNUM=001\n"
-                           "E: MAJOR=189\nE: MINOR=0\nE: DEVNAME=/dev/bus/usb/001/001\nA: busnum=1\\n\nA: devnum=1\\n\n"
-                           "A: speed=480\\n\nA: bConfigurationValue=1\\n\nA: idVendor=1d6b\\n\nA: idProduct=0002\\n\n"
-                           "H: descriptors=12010002090001406B1D020001060302010109021900010100E0000904000001090000000705810304000C\n\n",
-                           std::string(kHub).substr(4)));
+    add_device(
+        testbed_.get(),
+        fmt::format(
+            "P: {}\nN: bus/usb/001/001\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: BUSNUM=001\nE: DEVNUM=001\n"
+            "E: MAJOR=189\nE: MINOR=0\nE: DEVNAME=/dev/bus/usb/001/001\nA: busnum=1\\n\nA: devnum=1\\n\n"
+            "A: speed=480\\n\nA: bConfigurationValue=1\\n\nA: idVendor=1d6b\\n\nA: idProduct=0002\\n\n"
+            "H: descriptors=12010002090001406B1D020001060302010109021900010100E0000904000001090000000705810304000C\n\n",
+            std::string(kHub).substr(4)));
   const Bytes device = model_.device_descriptor();
   std::vector<std::string> texts = model_.strings();
   texts.resize(3);
-  const std::string ids = fmt::format("A: idVendor={:02x}{:02x}\\n\nA: idProduct={:02x}{:02x}\\n\n", device[9], device[8],
-                                      device[11], device[10]);
+  const std::string ids = fmt::format("A: idVendor={:02x}{:02x}\\n\nA: idProduct={:02x}{:02x}\\n\n", device[9],
+                                      device[8], device[11], device[10]);
   std::string attributes;
   const char* names[] = {"manufacturer", "product", "serial"};
   for (std::size_t i = 0; i < texts.size(); ++i)
@@ -158,12 +165,14 @@ void UsbSocket::plug() {
     plugged_ = true;
     claimed_ = false;
   }
-  add_device(testbed_.get(),
-             fmt::format("P: {}/{}\nN: bus/usb/001/{:03}\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: BUSNUM=001\nE: DEVNUM={:03}\n"
-                         "E: MAJOR=189\nE: MINOR={}\nE: DEVNAME={}\nA: busnum=1\\n\nA: devnum={}\\n\nA: speed=12\\n\n"
-                         "A: bConfigurationValue=1\\n\n{}{}H: descriptors={}{}\n\n",
-                         std::string(kHub).substr(4), port_path(), socket_ + 1, socket_ + 1, socket_, node(), socket_ + 1, ids,
-                         attributes, hex_of(device), hex_of(model_.config_descriptor())));
+  add_device(
+      testbed_.get(),
+      fmt::format(
+          "P: {}/{}\nN: bus/usb/001/{:03}\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nE: BUSNUM=001\nE: DEVNUM={:03}\n"
+          "E: MAJOR=189\nE: MINOR={}\nE: DEVNAME={}\nA: busnum=1\\n\nA: devnum={}\\n\nA: speed=12\\n\n"
+          "A: bConfigurationValue=1\\n\n{}{}H: descriptors={}{}\n\n",
+          std::string(kHub).substr(4), port_path(), socket_ + 1, socket_ + 1, socket_, node(), socket_ + 1, ids,
+          attributes, hex_of(device), hex_of(model_.config_descriptor())));
   const std::lock_guard lock(mutex_);
   bind(kOwnDriver);
   make_gate();
@@ -195,10 +204,12 @@ void UsbSocket::unplug() {
 // Called with the lock. The interface's folder in /sys, with the link that says who drives it.
 void UsbSocket::bind(const std::string& driver) {
   driver_ = driver;
-  const std::filesystem::path interface = fmt::format("{}{}/{}/{}:1.0", testbed_.root(), kHub, port_path(), port_path());
+  const std::filesystem::path interface =
+      fmt::format("{}{}/{}/{}:1.0", testbed_.root(), kHub, port_path(), port_path());
   std::filesystem::create_directories(interface);
   std::filesystem::remove(interface / "driver");
-  if (!driver.empty()) std::filesystem::create_symlink("../../../../../../bus/usb/drivers/" + driver, interface / "driver");
+  if (!driver.empty())
+    std::filesystem::create_symlink("../../../../../../bus/usb/drivers/" + driver, interface / "driver");
 }
 
 void UsbSocket::make_gate() {
@@ -299,8 +310,10 @@ void UsbSocket::submit(UMockdevIoctlClient* client, UMockdevIoctlData* argument)
   }
   if ((content.endpoint & 0x80) != 0)
     urb.due += std::chrono::milliseconds(std::max(model_.in_latency_ms(content.endpoint), 0));
-  if (run_bulk(urb, std::chrono::steady_clock::now())) finish(urb);
-  else in_flight_.push_back(urb);
+  if (run_bulk(urb, std::chrono::steady_clock::now()))
+    finish(urb);
+  else
+    in_flight_.push_back(urb);
   reply(client, 0);
 }
 

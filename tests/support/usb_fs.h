@@ -1,15 +1,15 @@
 // An emulated /dev/bus/usb and /sys: real libusb and real sysfs readers on one side, a device model on the other.
 //
-// umockdev redirects the system calls of this process into a folder of its own and hands usbfs ioctls to a handler; the handler
-// plays the kernel for one device: it binds and detaches drivers, keeps transfers in flight, completes them from the model,
-// and ends them with ESHUTDOWN at an unplug. A program that uses it has to run under libumockdev-preload, see
-// run_under_umockdev().
+// umockdev redirects the system calls of this process into a folder of its own and hands usbfs ioctls to a handler; the
+// handler plays the kernel for one device: it binds and detaches drivers, keeps transfers in flight, completes them
+// from the model, and ends them with ESHUTDOWN at an unplug. A program that uses it has to run under
+// libumockdev-preload, see run_under_umockdev().
 //
-// libusb polls the device node for "a transfer has ended". An ordinary file is always ready, which would make libusb spin, so
-// the node is a FIFO: full (not writable) while nothing has ended.
+// libusb polls the device node for "a transfer has ended". An ordinary file is always ready, which would make libusb
+// spin, so the node is a FIFO: full (not writable) while nothing has ended.
 //
-// Threads: umockdev calls the handler on its own; one thread here completes what takes time. All members are safe to call from
-// the test's thread.
+// Threads: umockdev calls the handler on its own; one thread here completes what takes time. All members are safe to
+// call from the test's thread.
 #pragma once
 
 #include <umockdev.h>
@@ -26,8 +26,8 @@
 
 namespace footlight::testing {
 
-// Starts the program again with libumockdev-preload in front where it is not there yet; returns 0 when it is, 77 (skip) when
-// it cannot be had. Call first in main().
+// Starts the program again with libumockdev-preload in front where it is not there yet; returns 0 when it is, 77 (skip)
+// when it cannot be had. Call first in main().
 int run_under_umockdev(char** argv);
 
 // The folder that stands for / while it lives. One at a time.
@@ -68,17 +68,17 @@ class UsbSocket {
     return changed_.wait_until(lock, std::chrono::system_clock::now() + patience, f);
   }
   [[nodiscard]] bool claimed();
-  [[nodiscard]] std::string kernel_driver();  // bound to interface 0; empty: none
-  [[nodiscard]] std::string node() const;     // "/dev/bus/usb/001/002"
+  [[nodiscard]] std::string kernel_driver();    // bound to interface 0; empty: none
+  [[nodiscard]] std::string node() const;       // "/dev/bus/usb/001/002"
   [[nodiscard]] std::string port_path() const;  // "1-1"
   [[nodiscard]] bool transfer_in_flight(std::uint8_t endpoint);
 
   // --- Faults
-  std::atomic<int> claim_error{0};         // an errno value for every claim
-  std::atomic<int> out_status{0};          // a negative errno value: how OUT transfers end
-  std::atomic<int> out_size_max{-1};       // bytes that an OUT transfer takes before it ends as complete; -1: all
-  std::atomic<bool> out_frozen{false};     // OUT transfers stay in flight
-  std::atomic<bool> in_frozen{false};      // IN transfers stay in flight
+  std::atomic<int> claim_error{0};      // an errno value for every claim
+  std::atomic<int> out_status{0};       // a negative errno value: how OUT transfers end
+  std::atomic<int> out_size_max{-1};    // bytes that an OUT transfer takes before it ends as complete; -1: all
+  std::atomic<bool> out_frozen{false};  // OUT transfers stay in flight
+  std::atomic<bool> in_frozen{false};   // IN transfers stay in flight
 
  private:
   using Time = std::chrono::steady_clock::time_point;

@@ -21,8 +21,8 @@ class FrameKeeper final : public FrameReceiver {
   std::vector<Kept> kept;
 };
 
-// Waits until `done()` is true, looking again whenever the port's descriptor becomes readable; polls the port each time. False
-// where it is not true within `patience` of real time.
+// Waits until `done()` is true, looking again whenever the port's descriptor becomes readable; polls the port each
+// time. False where it is not true within `patience` of real time.
 template <class PollPort, class Done>
 bool poll_until(const Port& port, PollPort&& poll_port, Done&& done,
                 std::chrono::milliseconds patience = std::chrono::seconds(10)) {
@@ -38,7 +38,8 @@ bool poll_until(const Port& port, PollPort&& poll_port, Done&& done,
 }
 
 inline bool wait_for_state(Sink& sink, PortState state) {
-  return poll_until(sink, [&] { (void)sink.poll(0); }, [&] { return sink.state() == state; });
+  return poll_until(
+      sink, [&] { (void)sink.poll(0); }, [&] { return sink.state() == state; });
 }
 
 }  // namespace footlight::testing

@@ -19,14 +19,15 @@ struct ProParse {
   std::uint64_t garbage_byte_count = 0;
 };
 
-// The definition, with the whole stream at hand: a message begins at a start byte whose length is legal and whose end byte is
-// where it belongs; everything else costs one byte.
+// The definition, with the whole stream at hand: a message begins at a start byte whose length is legal and whose end
+// byte is where it belongs; everything else costs one byte.
 inline ProParse parse_whole(std::span<const std::uint8_t> stream) {
   ProParse parse;
   for (std::size_t i = 0; i < stream.size();) {
     if (stream[i] == drivers::kProStart && i + 4 < stream.size()) {
       const std::size_t size = stream[i + 2] | static_cast<std::size_t>(stream[i + 3]) << 8;
-      if (size <= drivers::kProPayloadSizeMax && i + 4 + size < stream.size() && stream[i + 4 + size] == drivers::kProEnd) {
+      if (size <= drivers::kProPayloadSizeMax && i + 4 + size < stream.size() &&
+          stream[i + 4 + size] == drivers::kProEnd) {
         const auto payload = stream.subspan(i + 4, size);
         parse.messages.emplace_back(stream[i + 1], std::vector<std::uint8_t>(payload.begin(), payload.end()));
         i += size + drivers::kProEnvelopeSize;
@@ -50,7 +51,8 @@ ProParse parse_pieces(std::span<const std::uint8_t> stream, NextSize&& next_size
     stream = stream.subspan(size);
     drivers::ProMessageView message;
     while (parser.next(piece, message))
-      parse.messages.emplace_back(message.label, std::vector<std::uint8_t>(message.payload.begin(), message.payload.end()));
+      parse.messages.emplace_back(message.label,
+                                  std::vector<std::uint8_t>(message.payload.begin(), message.payload.end()));
   }
   parse.garbage_byte_count = parser.garbage_byte_count();
   return parse;
@@ -70,9 +72,11 @@ inline std::string check_pro_stream(std::span<const std::uint8_t> bytes, std::ui
     state = state * 6364136223846793005u + 1442695040888963407u;
     return 1 + static_cast<std::size_t>(state >> 33) % 97;
   };
-  for (const ProParse& got : {parse_pieces(stream, [&] { return stream.size(); }), parse_pieces(stream, cut_anywhere)}) {
+  for (const ProParse& got :
+       {parse_pieces(stream, [&] { return stream.size(); }), parse_pieces(stream, cut_anywhere)}) {
     if (got.messages != expected.messages) return "the messages depend on how the stream is cut";
-    if (got.garbage_byte_count != expected.garbage_byte_count) return "a byte is in no message and not counted as garbage";
+    if (got.garbage_byte_count != expected.garbage_byte_count)
+      return "a byte is in no message and not counted as garbage";
   }
   if (expected.messages.empty() || expected.messages.back().first != 10) return "the last good message was not found";
 
@@ -85,7 +89,8 @@ inline std::string check_pro_stream(std::span<const std::uint8_t> bytes, std::ui
     if (const auto received = drivers::decode_received(payload); received && received->frame.size() > frame.size())
       return "a received frame is longer than a line frame";
     const drivers::LineFrame before = frame;
-    if (!drivers::apply_change_of_state(payload, frame) && frame != before) return "a refused change of state was applied";
+    if (!drivers::apply_change_of_state(payload, frame) && frame != before)
+      return "a refused change of state was applied";
   }
   return {};
 }

@@ -216,8 +216,8 @@ TEST_CASE("status bytes go with every packet of a transfer and with no other byt
   CHECK(ftdi::strip_status({}, 64) == 0);
 }
 
-// Goal: no bytes whatever upset the parser. Method: good streams with bytes changed, dropped, doubled and cut out, the same
-// on every run; the properties are those of the fuzz target.
+// Goal: no bytes whatever upset the parser. Method: good streams with bytes changed, dropped, doubled and cut out, the
+// same on every run; the properties are those of the fuzz target.
 TEST_CASE("20000 damaged streams parse as the definition says and leave the next message intact") {
   const Bytes good = bytes_of(ProMessage(ProLabel::kReceived, Bytes(514, 0x7E))) + bytes_of(encode_get_serial()) +
                      bytes_of(ProMessage(ProLabel::kChangeOfState, Bytes{0, 0x38, 0, 0, 0, 0, 1, 2, 3})) +

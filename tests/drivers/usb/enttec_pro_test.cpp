@@ -1,4 +1,5 @@
-// The driver's threads against the model in this process. Time stands still unless a test moves it; waits end by being told.
+// The driver's threads against the model in this process. Time stands still unless a test moves it; waits end by being
+// told.
 #include "drivers/usb/enttec_pro.h"
 
 #include <doctest/doctest.h>
@@ -62,13 +63,14 @@ struct Bench {
     usb->clock_moved();
   }
   bool trouble_says(Sink& sink, std::string_view words) {
-    return poll_until(sink, [&] { (void)sink.poll(clock.now_ns()); },
-                      [&] { return sink.trouble().find(words) != std::string::npos; });
+    return poll_until(
+        sink, [&] { (void)sink.poll(clock.now_ns()); },
+        [&] { return sink.trouble().find(words) != std::string::npos; });
   }
   // Polls until that many frames have been handed over in all.
   bool frames_come(EnttecProSource& source, FrameKeeper& keeper, std::size_t count) {
-    return poll_until(source, [&] { (void)source.poll(clock.now_ns(), keeper); },
-                      [&] { return keeper.kept.size() >= count; });
+    return poll_until(
+        source, [&] { (void)source.poll(clock.now_ns(), keeper); }, [&] { return keeper.kept.size() >= count; });
   }
 };
 
@@ -132,7 +134,8 @@ TEST_CASE("an unchanged look is sent again after a second, and not before") {
   bench.usb->with_model([&](EnttecProModel&) {
     for (std::size_t i = 1; i < stamps_ns.size(); ++i) CHECK(stamps_ns[i] - stamps_ns[i - 1] >= kNsPerS);
   });
-  CHECK(poll_until(*sink, [] {}, [&] { return sink->stats().keep_alives == 3; }, std::chrono::seconds(1)));
+  CHECK(poll_until(
+      *sink, [] {}, [&] { return sink->stats().keep_alives == 3; }, std::chrono::seconds(1)));
 }
 
 TEST_CASE("while the widget takes nothing the newest frame replaces older ones, and those are counted") {
@@ -286,7 +289,8 @@ TEST_CASE("two ports cannot have one widget") {
 TEST_CASE("a sink without its widget fails to open, or waits for it when told to") {
   Bench bench;
   bench.usb->unplug();
-  const auto refused = EnttecProSink::open(bench.config, mock::make_mock_connector(bench.usb, bench.clock), bench.clock);
+  const auto refused =
+      EnttecProSink::open(bench.config, mock::make_mock_connector(bench.usb, bench.clock), bench.clock);
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ErrorCode::kNotFound);
 
@@ -364,7 +368,8 @@ TEST_CASE("frames arrive the same when reads bring one byte at a time and noise 
     CHECK(keeper.kept[i].slots == ramp(i));
   }
   bench.usb->limit_reads(0);
-  CHECK(poll_until(*source, [] {}, [&] { return source->stats().garbage_bytes == 5 * 7; }, std::chrono::seconds(1)));
+  CHECK(poll_until(
+      *source, [] {}, [&] { return source->stats().garbage_bytes == 5 * 7; }, std::chrono::seconds(1)));
   CHECK(source->counters().rejected == 5);
 }
 
@@ -378,11 +383,13 @@ TEST_CASE("changes of state build up the whole frame") {
   slots[0] = 1;
   slots[511] = 9;
   bench.usb->with_model([&](EnttecProModel& model) { model.receive_line_frame(line_frame_of(slots)); });
-  CHECK(poll_until(*source, [&] { (void)source->poll(0, keeper); },
-                   [&] { return !keeper.kept.empty() && keeper.kept.back().slots == slots; }));
+  CHECK(poll_until(
+      *source, [&] { (void)source->poll(0, keeper); },
+      [&] { return !keeper.kept.empty() && keeper.kept.back().slots == slots; }));
   slots[200] = 77;
   bench.usb->with_model([&](EnttecProModel& model) { model.receive_line_frame(line_frame_of(slots)); });
-  CHECK(poll_until(*source, [&] { (void)source->poll(0, keeper); }, [&] { return keeper.kept.back().slots == slots; }));
+  CHECK(poll_until(
+      *source, [&] { (void)source->poll(0, keeper); }, [&] { return keeper.kept.back().slots == slots; }));
 }
 
 TEST_CASE("damaged line frames and those with another start code are counted and not handed over") {
@@ -397,7 +404,8 @@ TEST_CASE("damaged line frames and those with another start code are counted and
   });
   REQUIRE(bench.frames_come(*source, keeper, 1));
   CHECK(keeper.kept[0].slots == ramp(4));
-  CHECK(poll_until(*source, [] {}, [&] { return source->stats().line_errors == 2; }, std::chrono::seconds(1)));
+  CHECK(poll_until(
+      *source, [] {}, [&] { return source->stats().line_errors == 2; }, std::chrono::seconds(1)));
   CHECK(source->stats().other_start_codes == 1);
   CHECK(source->counters().frames == 1);
   CHECK(source->counters().rejected == 2);
@@ -408,7 +416,8 @@ TEST_CASE("frames that nobody polls for are replaced by the newest and counted")
   const auto source = bench.open_source();
   for (std::uint8_t i = 1; i <= 20; ++i)
     bench.usb->with_model([&](EnttecProModel& model) { model.receive_line_frame(line_frame_of(ramp(i))); });
-  CHECK(poll_until(*source, [] {}, [&] { return source->counters().frames == 20; }, std::chrono::seconds(10)));
+  CHECK(poll_until(
+      *source, [] {}, [&] { return source->counters().frames == 20; }, std::chrono::seconds(10)));
   FrameKeeper keeper;
   REQUIRE(source->poll(bench.clock.now_ns(), keeper));
   REQUIRE(keeper.kept.size() == 1);
@@ -439,10 +448,12 @@ TEST_CASE("a source listens again after its widget was replugged") {
   const auto source = bench.open_source();
   FrameKeeper keeper;
   bench.usb->unplug();
-  REQUIRE(poll_until(*source, [&] { (void)source->poll(0, keeper); }, [&] { return source->state() == PortState::kGone; }));
+  REQUIRE(poll_until(
+      *source, [&] { (void)source->poll(0, keeper); }, [&] { return source->state() == PortState::kGone; }));
   CHECK_FALSE(source->trouble().empty());
   bench.usb->plug();
-  REQUIRE(poll_until(*source, [&] { (void)source->poll(0, keeper); }, [&] { return source->state() != PortState::kGone; }));
+  REQUIRE(poll_until(
+      *source, [&] { (void)source->poll(0, keeper); }, [&] { return source->state() != PortState::kGone; }));
   bench.usb->with_model([](EnttecProModel& model) { model.receive_line_frame(line_frame_of(ramp(5))); });
   REQUIRE(bench.frames_come(*source, keeper, 1));
   CHECK(keeper.kept[0].slots == ramp(5));
@@ -455,7 +466,8 @@ TEST_CASE("the end of a message that never comes does not swallow the next frame
   // The head of a full frame and nothing else: the parser would wait for 513 bytes.
   REQUIRE(bench.usb->obey("garbage 7E0502020000"));
   bench.usb->with_model([](EnttecProModel& model) { model.receive_line_frame(Bytes{0, 11, 22}); });
-  for (int i = 0; i < 1000 && keeper.kept.empty(); ++i) {  // the thread has to see both the bytes and then the time pass
+  for (int i = 0; i < 1000 && keeper.kept.empty();
+       ++i) {  // the thread has to see both the bytes and then the time pass
     bench.advance_ns(50 * kNsPerMs);
     pollfd waited{.fd = source->poll_fd(), .events = POLLIN, .revents = 0};
     ::poll(&waited, 1, 10);
@@ -470,8 +482,8 @@ TEST_CASE("mock endpoints play a sine as a source and take frames as a sink") {
   auto source = open_source({.scheme = "mock", .target = "enttec-pro/sine-test", .universes = {1}}, clock);
   REQUIRE_MESSAGE(source, (source ? "" : source.error().message));
   FrameKeeper keeper;
-  REQUIRE(poll_until(**source, [&] { (void)(*source)->poll(clock.now_ns(), keeper); },
-                     [&] { return keeper.kept.size() >= 2; }));
+  REQUIRE(poll_until(
+      **source, [&] { (void)(*source)->poll(clock.now_ns(), keeper); }, [&] { return keeper.kept.size() >= 2; }));
   const auto [low, high] = std::minmax_element(keeper.kept[0].slots.begin(), keeper.kept[0].slots.end());
   CHECK(*low == 0);
   CHECK(*high == 255);
@@ -490,13 +502,16 @@ TEST_CASE("mock endpoints play a sine as a source and take frames as a sink") {
 
 TEST_CASE("a port request that makes no sense is refused with what would") {
   SystemClock clock;
-  CHECK(open_sink({.scheme = "nonesuch", .target = "x", .universes = {1}}, clock).error().message.find("enttec-pro, mock") !=
-        std::string::npos);
+  CHECK(open_sink({.scheme = "nonesuch", .target = "x", .universes = {1}}, clock)
+            .error()
+            .message.find("enttec-pro, mock") != std::string::npos);
   CHECK(open_sink({.scheme = "mock", .target = "enttec-pro", .universes = {1, 2}}, clock).error().code ==
         ErrorCode::kBadInput);
-  CHECK(open_sink({.scheme = "mock", .target = "enttec-pro", .universes = {0}}, clock).error().code == ErrorCode::kBadInput);
-  CHECK(open_source({.scheme = "mock", .target = "teapot", .universes = {1}}, clock).error().message.find("mock:enttec-pro") !=
-        std::string::npos);
+  CHECK(open_sink({.scheme = "mock", .target = "enttec-pro", .universes = {0}}, clock).error().code ==
+        ErrorCode::kBadInput);
+  CHECK(open_source({.scheme = "mock", .target = "teapot", .universes = {1}}, clock)
+            .error()
+            .message.find("mock:enttec-pro") != std::string::npos);
   CHECK(open_source({.scheme = "mock", .target = "enttec-proX", .universes = {1}}, clock).error().code ==
         ErrorCode::kBadInput);
   CHECK(has_driver("mock"));
@@ -505,7 +520,8 @@ TEST_CASE("a port request that makes no sense is refused with what would") {
 
 TEST_CASE("a mock command with a mistake is refused with the commands there are") {
   MockUsb usb;
-  for (const char* command : {"", "explode", "unplug now", "stall maybe", "garbage 7", "garbage zz", "cut-write -1", "serial "}) {
+  for (const char* command :
+       {"", "explode", "unplug now", "stall maybe", "garbage 7", "garbage zz", "cut-write -1", "serial "}) {
     CAPTURE(command);
     CHECK_FALSE(usb.obey(command));
   }

@@ -55,11 +55,9 @@ struct Bench {
   std::unique_ptr<Sink> open_impatient_sink() {
     auto connector = make_libusb_connector({.driver_id = "enttec-pro", .target = ""}, clock);
     REQUIRE(connector);
-    auto sink = EnttecProSink::open({.universe = 1,
-                                     .name = "enttec-pro",
-                                     .write_timeout_ns = 20 * kNsPerMs,
-                                     .retry_ns = 20 * kNsPerMs},
-                                    std::move(*connector), clock);
+    auto sink = EnttecProSink::open(
+        {.universe = 1, .name = "enttec-pro", .write_timeout_ns = 20 * kNsPerMs, .retry_ns = 20 * kNsPerMs},
+        std::move(*connector), clock);
     REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
     return std::move(*sink);
   }
@@ -147,8 +145,9 @@ TEST_CASE("frames of the line are received with every byte") {
   FrameKeeper keeper;
   for (std::size_t i = 0; i < 20; ++i) {
     bench.receive(pattern(i));
-    REQUIRE(poll_until(*source, [&] { (void)source->poll(bench.clock.now_ns(), keeper); },
-                       [&] { return keeper.kept.size() == i + 1; }));
+    REQUIRE(poll_until(
+        *source, [&] { (void)source->poll(bench.clock.now_ns(), keeper); },
+        [&] { return keeper.kept.size() == i + 1; }));
     CHECK(keeper.kept[i].slots == pattern(i));
   }
   bench.socket.with_model([&] { CHECK(bench.model.latency_ms == 2); });
@@ -218,8 +217,9 @@ TEST_CASE("another widget is not taken for the one that left, and the message na
   {
     UsbSocket other_socket(bench.testbed, other, 2);
     other_socket.plug();
-    REQUIRE(poll_until(*sink, [&] { (void)sink->poll(0); },
-                       [&] { return sink->trouble().find("there is enttec-pro:EN999999") != std::string::npos; }));
+    REQUIRE(poll_until(
+        *sink, [&] { (void)sink->poll(0); },
+        [&] { return sink->trouble().find("there is enttec-pro:EN999999") != std::string::npos; }));
     CHECK_FALSE(other_socket.claimed());
   }
   bench.socket.plug();

@@ -18,7 +18,10 @@ namespace footlight::drivers {
 namespace {
 
 PortRequest request_of_environment() {
-  return {.scheme = "enttec-pro", .target = std::getenv("FOOTLIGHT_REAL_ENTTEC_PRO"), .universes = {1}, .blackout_on_exit = true};
+  return {.scheme = "enttec-pro",
+          .target = std::getenv("FOOTLIGHT_REAL_ENTTEC_PRO"),
+          .universes = {1},
+          .blackout_on_exit = true};
 }
 
 TEST_CASE("a real widget takes 40 frames a second for two seconds without an error") {
@@ -48,8 +51,8 @@ TEST_CASE("a real widget hears its line") {
   auto source = open_source(request_of_environment(), clock);
   REQUIRE_MESSAGE(source, (source ? "" : source.error().message));
   testing::FrameKeeper keeper;
-  CHECK(testing::poll_until(**source, [&] { (void)(*source)->poll(clock.now_ns(), keeper); },
-                            [&] { return keeper.kept.size() >= 20; }));
+  CHECK(testing::poll_until(
+      **source, [&] { (void)(*source)->poll(clock.now_ns(), keeper); }, [&] { return keeper.kept.size() >= 20; }));
   CHECK((*source)->counters().rejected == 0);
 }
 

@@ -1,4 +1,5 @@
-// What is plugged in, read from folders laid out like /sys, /dev and /proc; and the files generated from the driver table.
+// What is plugged in, read from folders laid out like /sys, /dev and /proc; and the files generated from the driver
+// table.
 #include "drivers/registry.h"
 
 #include <doctest/doctest.h>
@@ -71,7 +72,9 @@ class Machine {
   std::string dev(const std::string& name) const { return (root_ / "dev" / name).string(); }
   DeviceList find() const { return find_devices(options()); }
   FindOptions options() const {
-    return {.sys_root = (root_ / "sys").string(), .dev_root = (root_ / "dev").string(), .proc_root = (root_ / "proc").string()};
+    return {.sys_root = (root_ / "sys").string(),
+            .dev_root = (root_ / "dev").string(),
+            .proc_root = (root_ / "proc").string()};
   }
 
  private:
@@ -223,13 +226,15 @@ TEST_CASE("every driver has a name of its own that fits into an endpoint") {
 }
 
 TEST_CASE("the committed udev rules are those of the driver table") {
-  CHECK_MESSAGE(text_of(fs::path(FOOTLIGHT_SOURCE_DIR) / "udev/70-footlight.rules") == udev_rules_text(),
-                "run: ninja -C build/dev list_udev_rules && build/dev/drivers/list_udev_rules > udev/70-footlight.rules");
+  CHECK_MESSAGE(
+      text_of(fs::path(FOOTLIGHT_SOURCE_DIR) / "udev/70-footlight.rules") == udev_rules_text(),
+      "run: ninja -C build/dev list_udev_rules && build/dev/drivers/list_udev_rules > udev/70-footlight.rules");
 }
 
 TEST_CASE("the committed hardware table is that of the driver table") {
-  CHECK_MESSAGE(text_of(fs::path(FOOTLIGHT_SOURCE_DIR) / "docs/hardware.md").find(hardware_table_text()) != std::string::npos,
-                "put the output of this between its markers in docs/hardware.md: build/dev/drivers/list_udev_rules --hardware");
+  CHECK_MESSAGE(
+      text_of(fs::path(FOOTLIGHT_SOURCE_DIR) / "docs/hardware.md").find(hardware_table_text()) != std::string::npos,
+      "put the output of this between its markers in docs/hardware.md: build/dev/drivers/list_udev_rules --hardware");
 }
 
 TEST_CASE("udev rules never open a bare serial chip and never to everybody") {
@@ -246,7 +251,8 @@ TEST_CASE("udev rules never open a bare serial chip and never to everybody") {
     if (line.find("0403") != std::string::npos)
       CHECK((line.find("ATTR{manufacturer}") != std::string::npos || line.find("ATTR{product}") != std::string::npos));
     const std::size_t id = line.find("ATTR{idVendor}==\"") + 17;
-    CHECK(std::none_of(line.begin() + static_cast<std::ptrdiff_t>(id), line.begin() + static_cast<std::ptrdiff_t>(id + 4),
+    CHECK(std::none_of(line.begin() + static_cast<std::ptrdiff_t>(id),
+                       line.begin() + static_cast<std::ptrdiff_t>(id + 4),
                        [](unsigned char c) { return std::isupper(c); }));
   }
   CHECK(rule_count >= 3);
