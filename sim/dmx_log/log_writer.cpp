@@ -15,6 +15,12 @@ namespace footlight {
 
 using dmx_log::Bytes;
 
+namespace {
+
+constexpr DurationNs kPauseNs = 2 * kNsPerMs;  // between frames: not within a burst
+
+}  // namespace
+
 struct LogWriter::Impl {
   Impl(std::unique_ptr<dmx_log::LogOutput> output_in, const LogWriterOptions& options_in)
       : output(std::move(output_in)), options(options_in), zstd(ZSTD_createCCtx(), &ZSTD_freeCCtx) {}
@@ -70,7 +76,12 @@ struct LogWriter::Impl {
     const std::size_t base = encoder.base_bytes_bound();
     // Where one look is large, a block must hold many changes to be worth it, but still fit the limit of the format.
     const std::size_t limit = std::min(base + std::max(options.block_bytes, 4 * base), dmx_log::kRawBytesMax - 4096);
-    return time_ns - encoder.first_ns() >= options.block_span_ns || encoder.raw_bytes_bound() > limit;
+    if (encoder.raw_bytes_bound() > limit) return true;
+    // A player decompresses a block in the pause before it. Frames of several universes come in bursts: wait a little for
+    // the end of one.
+    const DurationNs age_ns = time_ns - encoder.first_ns();
+    const bool pause = time_ns - encoder.last_ns() >= kPauseNs;
+    return age_ns >= options.block_span_ns && (pause || age_ns >= options.block_span_ns + options.block_span_ns / 4);
   }
 
   std::unique_ptr<dmx_log::LogOutput> output;

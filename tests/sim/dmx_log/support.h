@@ -14,6 +14,7 @@
 
 #include <doctest/doctest.h>
 
+#include "sim/core/check.h"
 #include "sim/dmx_log/dmx_log.h"
 
 namespace footlight::testing {
@@ -69,7 +70,7 @@ class TempFolder {
  public:
   TempFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "footlight_log_XXXXXX").string();
-    REQUIRE(::mkdtemp(name.data()) != nullptr);
+    FL_CHECK(::mkdtemp(name.data()) != nullptr);
     path_ = name;
   }
   TempFolder(const TempFolder&) = delete;
