@@ -294,10 +294,6 @@ Pump::Pump(Universes& universes, Clock& clock, Waiter& waiter, PumpOptions optio
   FL_CHECK_GT(options_.status_period_ns, 0);
 }
 
-Pump::~Pump() {
-  if (started_) stop();
-}
-
 Pump::PortRun Pump::make_run(Port& port, std::span<const Universe> universes) const {
   FL_CHECK(!started_);
   PortRun run;
@@ -378,7 +374,7 @@ void Pump::start() {
 
   for (std::vector<PortRun>* runs : {&sources_, &sinks_})
     for (PortRun& run : *runs) {
-      run.ready = run.source != nullptr;  // what had arrived before is taken by the first tick
+      run.ready = false;
       run.muted = false;
       run.polled_ns = now_ns;
       settle(run, {}, now_ns);

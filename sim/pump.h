@@ -16,7 +16,7 @@
 // - A port that fails is said once, stays listed as kGone and is polled again at its own deadline, though not within 10 ms;
 //   one that keeps failing is left alone for longer, up to 1 s; one that names no deadline is tried every second. The others
 //   go on meanwhile. A port that comes back is said once.
-// - stop() sends what a rate cap has held back and closes every sink.
+// - stop() sends what a rate cap has held back and closes every sink. run() ends with it; who calls start() calls stop().
 //
 // Ports: poll_fd() may change whenever a port was kGone in between; otherwise it stays the same. A descriptor that wakes the
 // pump while its port stays kGone is not listened to again before the port's next deadline. Two ports may share a
@@ -110,8 +110,6 @@ class Pump {
  public:
   // All three outlive the pump. The pump is the one writer of every universe.
   Pump(Universes& universes, Clock& clock, Waiter& waiter, PumpOptions options = {});
-  // Stops, if that was not done; the ports have to be there still.
-  ~Pump();
   Pump(const Pump&) = delete;
   Pump& operator=(const Pump&) = delete;
 

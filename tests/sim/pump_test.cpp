@@ -1,1 +1,677 @@
+#include "sim/pump.h"
+
 #include <doctest/doctest.h>
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/sim/allocation_count.h"
+#include "tests/support/fake_ports.h"
+
+using namespace footlight;
+using footlight::testing::FakeClock;
+using footlight::testing::FakeSink;
+using footlight::testing::FakeSource;
+using footlight::testing::FakeWaiter;
+
+namespace {
+
+constexpr DurationNs kFrameNs = kNsPerS / 40;
+
+// A pump with a scripted world around it.
+struct World {
+  FakeClock clock;
+  FakeWaiter waiter{clock};
+  Universes universes;
+  std::vector<std::string> said;
+  std::unique_ptr<Pump> pump_owner;
+
+  explicit World(PumpOptions options = {}) {
+    options.say = [this](std::string_view line) { said.emplace_back(line); };
+    pump_owner = std::make_unique<Pump>(universes, clock, waiter, options);
+  }
+  Pump& pump() { return *pump_owner; }
+  TimeNs now_ns() { return clock.now_ns(); }
+  void run_until(TimeNs time_ns) {
+    waiter.at(time_ns, [this] { waiter.interrupt(); });
+    while (clock.now_ns() < time_ns) pump().step();
+  }
+  void run_for(DurationNs duration_ns) { run_until(clock.now_ns() + duration_ns); }
+  int level(Universe universe) {
+    std::array<std::uint8_t, kSlotCountMax> levels;
+    FrameStamp stamp;
+    universes.snapshot(universes.index_of(universe), levels, stamp);
+    return levels[0];
+  }
+};
+
+// A source that sends one level of one universe 40 times a second from its own deadline, as long as `alive`.
+void make_desk(FakeSource& source, FakeClock& clock, Universe universe, std::uint8_t priority, std::uint8_t& level,
+               bool& alive) {
+  source.deadline_ns = clock.now_ns() + kFrameNs;
+  source.repeat_ns = kFrameNs;
+  source.before_poll = [&source, universe, priority, &level, &alive](TimeNs) {
+    if (alive) source.give(universe, level, priority);
+  };
+}
+
+std::vector<int> levels_sent(const FakeSink& sink) {
+  std::vector<int> levels;
+  for (const FakeSink::Sent& sent : sink.sent)
+    for (const int level : sent.levels) levels.push_back(level);
+  return levels;
+}
+
+}  // namespace
+
+TEST_CASE("a frame reaches buffer and sink in the wake-up in which it arrives") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1});
+  FakeSink sink(world.waiter, "dongle", {1});
+  world.pump().add_source(source);
+  world.pump().add_sink(sink);
+  world.pump().start();
+  const TimeNs at_ns = world.now_ns() + 12'345;
+  world.waiter.at(at_ns, [&] { source.give(1, 77); });
+  world.run_until(at_ns + 1);
+  CHECK(world.level(1) == 77);
+  REQUIRE(sink.sent.size() == 1);
+  CHECK(sink.sent[0] == FakeSink::Sent{at_ns, {1}, {77}});
+}
+
+TEST_CASE("of several frames in one wake-up only the newest leaves, and the others are counted") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1});
+  FakeSink sink(world.waiter, "dongle", {1});
+  world.pump().add_source(source);
+  world.pump().add_sink(sink);
+  world.pump().start();
+  for (const int level : {10, 20, 30}) source.give(1, static_cast<std::uint8_t>(level));
+  world.run_for(kNsPerMs);
+  CHECK(levels_sent(sink) == std::vector<int>{30});
+  CHECK(world.pump().status().universes[0].merge.frames_replaced == 2);
+  CHECK(world.pump().status().ports[0].frames == 3);
+  CHECK(world.pump().status().ports[1].frames == 1);
+}
+
+TEST_CASE("all universes of one wake-up go to a sink in one call, and to each sink only its own") {
+  World world;
+  FakeSource source(world.waiter, "desk", universe_range(1, 9));
+  FakeSink all(world.waiter, "artnet", universe_range(1, 9)), some(world.waiter, "dongle", {8, 3});
+  world.pump().add_source(source);
+  world.pump().add_sink(all);
+  world.pump().add_sink(some);
+  world.pump().start();
+  for (Universe universe = 1; universe <= 9; ++universe) source.give(universe, static_cast<std::uint8_t>(universe * 10));
+  world.run_for(kNsPerMs);
+  REQUIRE(all.sent.size() == 1);
+  CHECK(all.sent[0].universes == universe_range(1, 9));
+  CHECK(all.sent[0].levels == std::vector<int>{10, 20, 30, 40, 50, 60, 70, 80, 90});
+  REQUIRE(some.sent.size() == 1);
+  CHECK(some.sent[0].universes == std::vector<Universe>{3, 8});
+}
+
+TEST_CASE("a sink gets every look that is in the buffer once when it starts, and nothing that nobody ever sent") {
+  World world;
+  const Slots slots = [] {
+    Slots full;
+    full.fill(42);
+    return full;
+  }();
+  FrameView frame;
+  frame.stamp_ns = 1;
+  frame.slots = slots;
+  world.universes.write(world.universes.index_of(4), frame);
+  FakeSink sink(world.waiter, "dongle", universe_range(1, 9));
+  world.pump().add_sink(sink);
+  world.pump().start();
+  world.run_for(10 * kNsPerS);
+  REQUIRE(sink.sent.size() == 1);
+  CHECK(sink.sent[0].universes == std::vector<Universe>{4});
+  CHECK(sink.sent[0].levels == std::vector<int>{42});
+  CHECK(world.pump().status().ports[0].latency.count == 0);  // an old look says nothing about how fast we are
+}
+
+TEST_CASE("the last look stays when the source vanishes, and a sink that comes back gets it at once") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1});
+  FakeSink sink(world.waiter, "dongle", {1});
+  world.pump().add_source(source);
+  world.pump().add_sink(sink);
+  world.pump().start();
+  source.give(1, 99);
+  world.run_for(kNsPerMs);
+  source.poll_error = "desk: connection reset";
+  source.give(1, 11);  // wakes it, and fails
+  world.run_for(kNsPerS);
+
+  sink.port_state = PortState::kGone;
+  sink.port_trouble = "dongle: unplugged";
+  sink.readable = true;
+  sink.deadline_ns = world.now_ns() + 200 * kNsPerMs;
+  sink.repeat_ns = 200 * kNsPerMs;
+  world.run_for(60 * kNsPerS);
+  CHECK(world.level(1) == 99);
+  CHECK(levels_sent(sink) == std::vector<int>{99});
+
+  const TimeNs plugged_in_ns = world.now_ns();
+  sink.during_poll = [&](TimeNs) { sink.port_state = PortState::kWorking; };
+  world.run_for(kNsPerS);
+  REQUIRE(levels_sent(sink) == std::vector<int>{99, 99});
+  CHECK(sink.sent[1].time_ns <= plugged_in_ns + 200 * kNsPerMs);
+  CHECK(world.said == std::vector<std::string>{"desk: lost: desk: connection reset", "dongle: lost: dongle: unplugged",
+                                               "dongle: back"});
+}
+
+TEST_CASE("a capped sink gets exactly its rate over two simulated hours, and every other sink all frames") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1, 2});
+  FakeSink capped(world.waiter, "dongle", {1, 2}, 30.0), free(world.waiter, "artnet", {1, 2});
+  capped.keep_history = free.keep_history = false;
+  // 44 Hz, as a desk with its own clock would send: 22,727,273 ns.
+  source.deadline_ns = world.now_ns();
+  source.repeat_ns = 22'727'273;
+  source.before_poll = [&](TimeNs) {
+    source.give(1, 1);
+    source.give(2, 2);
+  };
+  world.pump().add_source(source);
+  world.pump().add_sink(capped);
+  world.pump().add_sink(free);
+  world.pump().start();
+  constexpr std::int64_t kHours = 2;
+  const TimeNs start_ns = world.now_ns();
+  world.run_until(start_ns + kHours * 3'600 * kNsPerS);
+  const auto given = static_cast<std::int64_t>(source.poll_count);
+  CHECK(static_cast<std::int64_t>(free.frame_count) == 2 * given);
+  const auto sent = static_cast<std::int64_t>(capped.frame_count);
+  CHECK(sent >= 2 * (kHours * 3'600 * 30 - 1));
+  CHECK(sent <= 2 * (kHours * 3'600 * 30 + 1));
+  const PumpStatus status = world.pump().status();
+  CHECK(status.ports[1].frames + status.ports[1].replaced + 2 >= 2 * source.poll_count);  // sent, replaced or held now
+  CHECK(status.ports[1].universes[0].rate_hz == doctest::Approx(30.0).epsilon(0.05));
+  CHECK(status.ports[2].universes[1].rate_hz == doctest::Approx(44.0).epsilon(0.05));
+}
+
+TEST_CASE("a rate cap sends the newest look when it is due, though no further frame comes") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1});
+  FakeSink sink(world.waiter, "dongle", {1}, 10.0);
+  world.pump().add_source(source);
+  world.pump().add_sink(sink);
+  world.pump().start();
+  const TimeNs start_ns = world.now_ns();
+  for (const int ms : {0, 10, 20, 30})
+    world.waiter.at(start_ns + ms * kNsPerMs, [&source, ms] { source.give(1, static_cast<std::uint8_t>(ms)); });
+  world.run_for(kNsPerS);
+  REQUIRE(sink.sent.size() == 2);
+  CHECK(sink.sent[0] == FakeSink::Sent{start_ns, {1}, {0}});
+  CHECK(sink.sent[1] == FakeSink::Sent{start_ns + 100 * kNsPerMs, {1}, {30}});
+}
+
+TEST_CASE("a wake-up that is always late lowers no rate, and its lateness is told") {
+  World world;
+  world.waiter.late_by_ns = 3 * kNsPerMs;
+  FakeSource source(world.waiter, "desk", {1});
+  FakeSink sink(world.waiter, "dongle", {1}, 40.0);
+  source.deadline_ns = world.now_ns();
+  source.repeat_ns = kNsPerMs;
+  source.before_poll = [&](TimeNs) { source.give(1, 1); };
+  world.pump().add_source(source);
+  world.pump().add_sink(sink);
+  world.pump().start();
+  world.run_for(100 * kNsPerS);
+  CHECK(sink.frame_count >= 4'000 - 1);
+  CHECK(sink.frame_count <= 4'000 + 1);
+  const PumpStatus status = world.pump().status();
+  CHECK(status.ports[0].lateness.max_ns >= 2 * kNsPerMs);
+  CHECK(status.ports[0].lateness.max_ns <= 4 * kNsPerMs);
+  CHECK(status.ports[1].lateness.count > 0);
+  CHECK(status.ports[1].lateness.p50_ns <= 5 * kNsPerMs);
+}
+
+TEST_CASE("the backup desk takes over 2.5 s after the last word of the main desk, and the look holds until then") {
+  World world;
+  FakeSource main_desk(world.waiter, "main", {1}), backup(world.waiter, "backup", {1});
+  main_desk.sender = 1;
+  backup.sender = 2;
+  FakeSink sink(world.waiter, "dongle", {1});
+  std::uint8_t main_level = 200, backup_level = 50;
+  bool main_alive = true, backup_alive = true;
+  make_desk(main_desk, world.clock, 1, 150, main_level, main_alive);
+  make_desk(backup, world.clock, 1, 100, backup_level, backup_alive);
+  world.pump().add_source(main_desk);
+  world.pump().add_source(backup);
+  world.pump().add_sink(sink);
+  world.pump().start();
+  world.run_for(kNsPerS);
+  main_alive = false;
+  const TimeNs last_word_ns = sink.sent.back().time_ns;
+  backup_level = 60;  // the newest look of the backup has to show, not the one from the begin
+  world.run_until(last_word_ns + 2'500 * kNsPerMs - 1);
+  CHECK(world.level(1) == 200);
+  world.run_for(kNsPerMs);
+  CHECK(world.level(1) == 60);
+  const auto first = std::find_if(sink.sent.begin(), sink.sent.end(), [](const auto& sent) { return sent.levels[0] == 60; });
+  REQUIRE(first != sink.sent.end());
+  CHECK(first->time_ns == last_word_ns + 2'500 * kNsPerMs);
+  for (const FakeSink::Sent& sent : sink.sent) CHECK((sent.levels[0] == 200 || sent.levels[0] == 60));
+
+  main_alive = true;
+  world.run_for(2 * kFrameNs);
+  CHECK(world.level(1) == 200);
+}
+
+TEST_CASE("a desk that says it stops is followed in the same wake-up") {
+  World world;
+  FakeSource main_desk(world.waiter, "main", {1}), backup(world.waiter, "backup", {1});
+  main_desk.sender = 1;
+  backup.sender = 2;
+  FakeSink sink(world.waiter, "dongle", {1});
+  world.pump().add_source(main_desk);
+  world.pump().add_source(backup);
+  world.pump().add_sink(sink);
+  world.pump().start();
+  main_desk.give(1, 200, 150);
+  backup.give(1, 50, 100);
+  world.run_for(kNsPerMs);
+  const TimeNs end_ns = world.now_ns() + 1'000;
+  world.waiter.at(end_ns, [&] { main_desk.end(1); });
+  world.run_for(kNsPerMs);
+  REQUIRE(sink.sent.size() == 2);
+  CHECK(sink.sent[1] == FakeSink::Sent{end_ns, {1}, {50}});
+}
+
+TEST_CASE("a sink that fails stops neither the other sinks nor the sources, and is said once") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1});
+  FakeSink bad(world.waiter, "bad", {1}), good(world.waiter, "good", {1});
+  std::uint8_t level = 1;
+  bool alive = true;
+  make_desk(source, world.clock, 1, 100, level, alive);
+  bad.send_error = "bad: write failed";
+  world.pump().add_source(source);
+  world.pump().add_sink(bad);
+  world.pump().add_sink(good);
+  world.pump().start();
+  world.run_for(60 * kNsPerS);
+  CHECK(good.frame_count == source.poll_count);
+  CHECK(world.said == std::vector<std::string>{"bad: lost: bad: write failed"});
+  CHECK(bad.send_count > 50);    // it is tried again, less and less often, in the end every second
+  CHECK(bad.send_count < 80);
+  const PortStatus status = world.pump().status().ports[1];
+  CHECK(status.name == "bad");
+  CHECK(status.failures == bad.send_count);
+  CHECK(status.frames == 0);
+
+  bad.send_error.clear();
+  world.run_for(2 * kNsPerS);
+  CHECK(bad.frame_count > 0);
+  CHECK(world.said.back() == "bad: back");
+  CHECK(world.pump().status().ports[1].state == PortState::kWorking);
+  CHECK(world.pump().status().ports[1].trouble.empty());
+}
+
+TEST_CASE("a source that fails stays listed as gone with its reason and is polled again at its own deadline") {
+  World world;
+  FakeSource bad(world.waiter, "bad", {1}), good(world.waiter, "good", {1});
+  good.sender = 2;
+  FakeSink sink(world.waiter, "dongle", {1});
+  world.pump().add_source(bad);
+  world.pump().add_source(good);
+  world.pump().add_sink(sink);
+  world.pump().start();
+  bad.poll_error = "bad: unplugged";
+  bad.give(1, 255);  // stays readable for ever: must not keep the pump awake
+  world.run_for(kNsPerMs);
+  const std::uint64_t polls = bad.poll_count, waits = world.waiter.wait_count;
+  bad.deadline_ns = world.now_ns() + 400 * kNsPerMs;
+  world.run_for(399 * kNsPerMs);
+  CHECK(bad.poll_count == polls);
+  CHECK(world.waiter.wait_count - waits < 5);
+  PortStatus status = world.pump().status().ports[0];
+  CHECK(status.state == PortState::kGone);
+  CHECK(status.trouble == "bad: unplugged");
+  good.give(1, 7);
+  world.run_for(kNsPerMs);
+  CHECK(bad.poll_count == polls + 1);
+  CHECK(world.level(1) == 7);
+
+  bad.poll_error.clear();
+  bad.deadline_ns = world.now_ns() + 20 * kNsPerMs;
+  world.run_for(100 * kNsPerMs);
+  CHECK(world.level(1) == 255);  // its letter was still there
+  status = world.pump().status().ports[0];
+  CHECK(status.state == PortState::kWorking);
+  CHECK(status.trouble.empty());
+  CHECK(world.said == std::vector<std::string>{"bad: lost: bad: unplugged", "bad: back"});
+}
+
+TEST_CASE("a port that is gone cannot keep the pump awake with its descriptor or with a deadline in the past") {
+  for (const bool by_descriptor : {true, false}) {
+    World world;
+    FakeSink sink(world.waiter, "dongle", {1});
+    sink.port_state = PortState::kGone;
+    if (by_descriptor) {
+      sink.during_poll = [&](TimeNs) { sink.readable = true; };
+      sink.readable = true;
+    } else {
+      sink.deadline_ns = 1;
+      sink.deadline_stuck = true;
+    }
+    world.pump().add_sink(sink);
+    world.pump().start();
+    world.run_for(10 * kNsPerS);
+    CHECK(sink.poll_count > 5);  // and it is not forgotten either
+    CHECK(world.waiter.wait_count < 1'100);
+  }
+}
+
+TEST_CASE("a port may come back with another descriptor") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1});
+  world.pump().add_source(source);
+  world.pump().start();
+  world.run_for(kNsPerMs);
+  const int old_fd = source.fd;
+  CHECK(world.waiter.watched().count(old_fd) == 1);
+  source.port_state = PortState::kGone;
+  source.fd = -1;
+  source.deadline_ns = world.now_ns() + 50 * kNsPerMs;
+  world.run_for(100 * kNsPerMs);
+  CHECK(world.waiter.watched().count(old_fd) == 0);
+  bool rang = false;
+  source.before_poll = [&](TimeNs) { rang = false; };
+  source.fd = world.waiter.make_fd([&] { return rang; });
+  source.port_state = PortState::kWorking;
+  source.deadline_ns = world.now_ns() + 50 * kNsPerMs;
+  world.run_for(100 * kNsPerMs);
+  CHECK(world.waiter.watched().count(source.fd) == 1);
+  source.deadline_ns = kTimeNever;
+  source.give(1, 5);
+  rang = true;
+  world.run_for(kNsPerMs);
+  CHECK(world.level(1) == 5);
+}
+
+TEST_CASE("two ports that share a descriptor are both polled when it is readable") {
+  World world;
+  FakeSource in(world.waiter, "in", {1});
+  FakeSink out(world.waiter, "out", {2});
+  out.fd = in.fd;
+  world.pump().add_source(in);
+  world.pump().add_sink(out);
+  world.pump().start();
+  world.run_for(kNsPerMs);
+  const std::uint64_t before = out.poll_count;
+  in.give(1, 1);
+  world.run_for(kNsPerMs);
+  CHECK(out.poll_count == before + 1);
+  CHECK(world.level(1) == 1);
+}
+
+TEST_CASE("keep-alives are the sink's own: its poll comes at its deadline while nothing arrives") {
+  World world;
+  FakeSink sink(world.waiter, "sacn", {1});
+  const TimeNs start_ns = world.now_ns();
+  sink.deadline_ns = start_ns + kNsPerS;
+  sink.repeat_ns = kNsPerS;
+  world.pump().add_sink(sink);
+  world.pump().start();
+  world.run_for(5 * kNsPerS + 1);
+  REQUIRE(sink.polled_ns.size() == 5);
+  for (std::size_t i = 0; i < 5; ++i) CHECK(sink.polled_ns[i] == start_ns + static_cast<TimeNs>(i + 1) * kNsPerS);
+  CHECK(sink.send_count == 0);
+}
+
+TEST_CASE("frames of universes that the source did not announce are counted and go nowhere") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1, 40});
+  FakeSink sink(world.waiter, "dongle", universe_range(1, 9));
+  world.pump().add_source(source);
+  CHECK(world.said == std::vector<std::string>{"desk: universe 40 is not among those of this run; it stays unused"});
+  world.pump().add_sink(sink);
+  world.pump().start();
+  source.give(2, 1);
+  source.give(40, 1);
+  source.give(-1, 1);
+  world.run_for(kNsPerMs);
+  CHECK(sink.send_count == 0);
+  CHECK(world.pump().status().ports[0].unrouted == 3);
+}
+
+TEST_CASE("a refused ninth sender and a priority above 200 are said once and counted every time") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1});
+  world.pump().add_source(source);
+  world.pump().start();
+  for (source.sender = 1; source.sender <= 10; ++source.sender) source.give(1, 1);
+  source.sender = 1;
+  source.give(1, 1, 201);
+  source.give(1, 1, 202);
+  world.run_for(kNsPerMs);
+  REQUIRE(world.said.size() == 2);
+  CHECK(world.said[0].find("universe 1 has 8 senders already") != std::string::npos);
+  CHECK(world.said[1].find("priority 201") != std::string::npos);
+  const UniverseStatus status = world.pump().status().universes[0];
+  CHECK(status.merge.refused_full == 2);
+  CHECK(status.merge.refused_priority == 2);
+  CHECK(status.senders == 8);
+  CHECK(status.winners == 8);
+}
+
+TEST_CASE("a tap sees every frame as it came, losers and strangers too") {
+  struct Tap final : FrameReceiver {
+    void receive(const FrameView& frame) override { levels.push_back(frame.slots[0]); }
+    std::vector<int> levels;
+  };
+  World world;
+  Tap tap;
+  FakeSource source(world.waiter, "desk", {1});
+  world.pump().add_source(source);
+  world.pump().add_tap(tap);
+  world.pump().start();
+  source.give(1, 1, 150);
+  source.sender = 2;
+  source.give(1, 2, 100);
+  source.give(63, 3);
+  world.run_for(kNsPerMs);
+  CHECK(tap.levels == std::vector<int>{1, 2, 3});
+}
+
+TEST_CASE("stop closes every sink once, also a failed one, after sending what the cap held back") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1});
+  FakeSink capped(world.waiter, "capped", {1}, 1.0), failed(world.waiter, "failed", {1}), idle(world.waiter, "idle", {2});
+  failed.send_error = "failed: no";
+  world.pump().add_source(source);
+  for (FakeSink* sink : {&capped, &failed, &idle}) world.pump().add_sink(*sink);
+  world.pump().start();
+  source.give(1, 1);
+  world.run_for(kNsPerMs);
+  source.give(1, 2);
+  world.run_for(kNsPerMs);
+  CHECK(levels_sent(capped) == std::vector<int>{1});
+  world.pump().stop();
+  world.pump().stop();
+  CHECK(levels_sent(capped) == std::vector<int>{1, 2});
+  for (const FakeSink* sink : {&capped, &failed, &idle}) CHECK(sink->close_count == 1);
+  CHECK(world.waiter.watched().empty());
+}
+
+TEST_CASE("run returns after request_stop, from before it or from in between, with every sink closed") {
+  for (const bool before : {true, false}) {
+    World world;
+    FakeSink sink(world.waiter, "dongle", {1});
+    world.pump().add_sink(sink);
+    if (before) {
+      world.pump().request_stop();
+    } else {
+      world.waiter.at(world.now_ns() + 10 * kNsPerS, [&] { world.pump().request_stop(); });
+    }
+    world.pump().run();
+    CHECK(sink.close_count == 1);
+    CHECK(world.now_ns() == FakeClock().now_ns() + (before ? 0 : 10 * kNsPerS));
+  }
+}
+
+TEST_CASE("with stop_at_end run returns when the last source has ended, and not before") {
+  PumpOptions options;
+  options.stop_at_end = true;
+  World world(options);
+  FakeSource first(world.waiter, "a.dmxlog", {1}), second(world.waiter, "b.dmxlog", {2});
+  FakeSink sink(world.waiter, "dongle", {1, 2});
+  const TimeNs start_ns = world.now_ns();
+  for (FakeSource* source : {&first, &second}) {
+    const DurationNs end_ns = source == &first ? kNsPerS : 3 * kNsPerS;
+    source->deadline_ns = start_ns + kFrameNs;
+    source->repeat_ns = kFrameNs;
+    source->before_poll = [source, start_ns, end_ns](TimeNs now_ns) {
+      source->give(source->carried[0], 9);
+      if (now_ns >= start_ns + end_ns) source->port_state = PortState::kEnded;
+    };
+    world.pump().add_source(*source);
+  }
+  world.pump().add_sink(sink);
+  world.pump().run();
+  CHECK(world.now_ns() == start_ns + 3 * kNsPerS);
+  CHECK(first.poll_count == 40);  // none after its end
+  CHECK(second.poll_count == 120);
+  CHECK(sink.close_count == 1);
+}
+
+TEST_CASE("LTP for one universe: the desk that moved last has it") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1, 2});
+  world.pump().set_mode(2, MergeMode::kLtp);
+  world.pump().add_source(source);
+  world.pump().start();
+  for (const int level : {200, 100}) {
+    source.sender = static_cast<SenderId>(level);
+    source.give(1, static_cast<std::uint8_t>(level));
+    source.give(2, static_cast<std::uint8_t>(level));
+  }
+  world.run_for(kNsPerMs);
+  CHECK(world.level(1) == 200);
+  CHECK(world.level(2) == 100);
+}
+
+TEST_CASE("latency is the age of the frame when its sink has taken it, waiting under a cap included") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1});
+  FakeSink sink(world.waiter, "dongle", {1}, 10.0);
+  world.pump().add_source(source);
+  world.pump().add_sink(sink);
+  world.pump().start();
+  const TimeNs start_ns = world.now_ns();
+  source.give(1, 1, 100, start_ns - 400);
+  world.run_for(10 * kNsPerMs);
+  CHECK(world.pump().status().ports[1].latency.count == 1);
+  CHECK(world.pump().status().ports[1].latency.max_ns == 400);
+  source.give(1, 2);
+  world.run_for(kNsPerS);
+  CHECK(world.pump().status().ports[1].latency.max_ns == 90 * kNsPerMs);
+}
+
+TEST_CASE("after its start the pump allocates nothing, in ten minutes of traffic with failover and a rate cap") {
+  World world;
+  // Ports of fixed memory, so that every allocation seen is the pump's.
+  struct Desk final : Source {
+    std::string name() const override { return "desk"; }
+    TimeNs next_deadline_ns() const override { return next_ns; }
+    PortState state() const override { return PortState::kWorking; }
+    PortCounters counters() const override { return {}; }
+    std::span<const Universe> universes() const override { return carried; }
+    Status poll(TimeNs now_ns, FrameReceiver& receiver) override {
+      while (next_ns <= now_ns) next_ns += kFrameNs;
+      FrameView frame;
+      frame.stamp_ns = now_ns;
+      frame.slots = slots;
+      for (int sender = 1; sender <= 9; ++sender) {
+        if (now_ns / (4 * kNsPerS) % 2 == 1 && sender > 4) break;  // half of them are silent for 4 s out of 8
+        frame.sender = static_cast<SenderId>(sender);
+        frame.priority = static_cast<std::uint8_t>(100 + sender % 3);
+        for (const Universe universe : carried) {
+          frame.universe = universe;
+          receiver.receive(frame);
+        }
+      }
+      return {};
+    }
+    TimeNs next_ns = 0;
+    std::vector<Universe> carried = universe_range(1, 9);
+    Slots slots{};
+  };
+  struct Stage final : Sink {
+    std::string name() const override { return "stage"; }
+    PortState state() const override { return PortState::kWorking; }
+    PortCounters counters() const override { return {}; }
+    std::span<const Universe> universes() const override { return carried; }
+    double rate_hz_max() const override { return 33.0; }
+    Status send(TimeNs, std::span<const FrameView> frames) override {
+      frame_count += frames.size();
+      return {};
+    }
+    Status poll(TimeNs) override { return {}; }
+    void close(TimeNs) override {}
+    std::uint64_t frame_count = 0;
+    std::vector<Universe> carried = universe_range(1, 9);
+  };
+  Desk desk;
+  Stage stage;
+  world.pump().add_source(desk);
+  world.pump().add_sink(stage);
+  world.pump().start();
+  for (int i = 0; i < 100; ++i) world.pump().step();  // the ninth sender is refused and said: that may allocate
+  const std::uint64_t before = testing::allocation_count();
+  const TimeNs end_ns = world.now_ns() + 600 * kNsPerS;
+  while (world.now_ns() < end_ns) {
+    world.pump().step();
+    static_cast<void>(world.universes.revision());
+  }
+  CHECK(testing::allocation_count() == before);
+  CHECK(stage.frame_count > 9u * 600u * 30u);
+  CHECK(world.pump().status().universes[0].merge.senders_silent > 100);
+}
+
+TEST_CASE("another thread may read buffer and status while the pump runs") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1});
+  FakeSink sink(world.waiter, "dongle", {1}, 20.0);
+  std::uint8_t level = 3;
+  bool alive = true;
+  make_desk(source, world.clock, 1, 100, level, alive);
+  sink.keep_history = false;
+  world.pump().add_source(source);
+  world.pump().add_sink(sink);
+  world.pump().start();
+  std::atomic<bool> done{false};
+  std::uint64_t backwards = 0, torn = 0;
+  std::jthread preview([&] {
+    std::array<std::uint8_t, kSlotCountMax> levels;
+    FrameStamp stamp;
+    std::uint64_t ticks = 0;
+    while (!done) {
+      world.universes.snapshot(0, levels, stamp);
+      if (stamp.revision != 0 && levels[0] != 3) ++torn;
+      const PumpStatus status = world.pump().latest_status();
+      if (status.ticks < ticks) ++backwards;
+      ticks = status.ticks;
+      if (status.ports.size() != 2 || status.ports[0].name != "desk") ++torn;
+    }
+  });
+  world.run_for(120 * kNsPerS);
+  done = true;
+  preview.join();
+  CHECK(backwards == 0);
+  CHECK(torn == 0);
+  static_cast<void>(world.pump().latest_status());  // asks
+  world.run_for(2 * kNsPerS);
+  const PumpStatus status = world.pump().latest_status();
+  CHECK(status.stamp_ns > world.now_ns() - 2 * kNsPerS);
+  CHECK(status.ports[1].rate_hz == doctest::Approx(20.0).epsilon(0.1));
+}
