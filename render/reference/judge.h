@@ -2,7 +2,8 @@
 //
 // It shares no formula with render/shaders/shared/beam.h: the integrand along the ray is written in stage space from the
 // definition of the beam, and Gauss-Kronrod 15 (Boost.Math) refines it until its own error estimate is below a tolerance.
-// Every picture is computed at a tolerance and at a hundredth of it; the difference is the judge's stated error.
+// Every picture is computed at a tolerance and again, from other pieces, at a hundredth of it; the difference is the
+// judge's stated error.
 //
 // The model: single scattering in homogeneous haze, Henyey-Greenstein, diffuse boxes. Fixtures, boxes and beams do not
 // shade each other, and fixture bodies are left out of judged pictures.
