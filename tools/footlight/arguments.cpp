@@ -1,0 +1,123 @@
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+
+#include <CLI/CLI.hpp>
+
+#include "tools/footlight/command.h"
+#include "tools/footlight/duration.h"
+
+namespace footlight::tools {
+
+ExitCode exit_code_of(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kBadInput: return kExitUsage;
+    case ErrorCode::kNotFound: return kExitNotFound;
+    case ErrorCode::kPermission:
+    case ErrorCode::kDisconnected:
+    case ErrorCode::kTimeout:
+    case ErrorCode::kProtocol:
+    case ErrorCode::kUnsupported:
+    case ErrorCode::kIo: break;
+  }
+  return kExitFailed;
+}
+
+void Arguments::flag(const std::string& names, bool& value, const std::string& help) {
+  app_.add_flag(names, value, help);
+}
+
+void Arguments::option(const std::string& names, std::string& value, const std::string& unit, const std::string& help) {
+  app_.add_option(names, value, help)->type_name(unit);
+}
+
+void Arguments::option(const std::string& names, int& value, int from, int to, const std::string& help) {
+  app_.add_option(names, value, help)->check(CLI::Range(from, to))->capture_default_str();
+}
+
+void Arguments::option(const std::string& names, double& value, double from, double to, const std::string& help) {
+  app_.add_option(names, value, help)->check(CLI::Range(from, to))->capture_default_str();
+}
+
+void Arguments::list(const std::string& names, std::vector<std::string>& values, const std::string& unit,
+                     const std::string& help) {
+  // One value each time, so that "--in a FILE" leaves FILE alone.
+  app_.add_option(names, values, help)->type_name(unit)->expected(1)->take_all();
+}
+
+void Arguments::duration(const std::string& names, DurationNs& value, const std::string& help) {
+  app_.add_option_function<std::string>(
+          names,
+          [&value, names](const std::string& text) {
+            const auto duration_ns = parse_duration(text);
+            if (!duration_ns) throw CLI::ValidationError(names, duration_ns.error().message);
+            value = *duration_ns;
+          },
+          help)
+      ->type_name("TIME");
+}
+
+void Arguments::word(const std::string& name, std::string& value, const std::string& help) {
+  app_.add_option(name, value, help)->type_name("");
+}
+
+Arguments Arguments::subcommand(const std::string& name, const std::string& help, const std::string& examples) {
+  CLI::App* const sub = app_.add_subcommand(name, help);
+  sub->footer("Examples:\n" + examples);
+  app_.require_subcommand(1);
+  return {*sub, chosen_};
+}
+
+void Arguments::job(Job job) {
+  app_.callback([this_job = std::move(job), &chosen = chosen_] { chosen = this_job; });
+}
+
+int run_command_line(int argc, const char* const* argv, std::span<const CommandInfo* const> commands) {
+  CLI::App app{"Footlight: a DMX bridge and fixture simulator.", "footlight"};
+  app.set_version_flag("--version", "footlight " FOOTLIGHT_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Endpoints name where frames come from or go to:\n"
+      "  sacn:1-9              sACN universes 1 to 9, multicast       sacn:1-9@10.0.0.7     to one address\n"
+      "  artnet:1-9            Art-Net, broadcast                     artnet:1-4%eth1       through one interface\n"
+      "  sacn:101-109=1-9      wire 101-109 as 1-9 of the show        enttec-pro:EN123=3    a dongle as universe 3\n"
+      "  log:show.dmxlog       a recording                            mock:enttec-pro       a dongle that is not "
+      "there\n"
+      "\n"
+      "Exit codes: 0 done, also when stopped by Ctrl-C; 1 the job failed; 2 wrong argument or file; 3 nothing found.\n"
+      "'footlight COMMAND --help' shows examples of each command.");
+  Job chosen;
+  for (const CommandInfo* command : commands) {
+    CLI::App* const sub = app.add_subcommand(command->name, command->help);
+    if (*command->examples != '\0') sub->footer(std::string("Examples:\n") + command->examples);
+    Arguments arguments{*sub, chosen};
+    command->add(arguments);
+  }
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {  // --help, --version
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    // The deepest command that was reached knows best which help is meant.
+    std::string name = "footlight";
+    for (CLI::App* at = &app; !at->get_subcommands().empty();) {
+      at = at->get_subcommands().front();
+      name += " " + at->get_name();
+    }
+    std::fputs(fmt::format("footlight: {}\nSee '{} --help'.\n", error.what(), name).c_str(), stderr);
+    return kExitUsage;
+  }
+
+  try {
+    const Result<int> code = chosen ? chosen() : Result<int>(kExitOk);
+    if (code) return *code;
+    std::fputs(fmt::format("footlight: {}\n", code.error().message).c_str(), stderr);
+    return exit_code_of(code.error().code);
+  } catch (const std::exception& error) {  // out of memory; nothing of ours throws
+    std::fputs(fmt::format("footlight: {}\n", error.what()).c_str(), stderr);
+    return kExitFailed;
+  }
+}
+
+}  // namespace footlight::tools

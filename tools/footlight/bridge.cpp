@@ -1,0 +1,204 @@
+#include "tools/footlight/bridge.h"
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <mutex>
+#include <thread>
+
+#include <unistd.h>
+
+#include "drivers/wait/epoll_waiter.h"
+#include "sim/universes.h"
+#include "tools/footlight/json_lines.h"
+#include "tools/footlight/service.h"
+#include "tools/footlight/status_text.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr DurationNs kStatusPeriodNs = 2 * kNsPerS;
+constexpr DurationNs kPumpSilentMaxNs = 5 * kNsPerS;  // latest_status() is at most two status periods of 1 s old
+constexpr std::size_t kNoticesMax = 64;
+
+// Prints events and status, and keeps the service manager informed, on a thread of its own.
+class Reporter {
+ public:
+  Reporter(Clock& clock, bool json, DurationNs run_for_ns)
+      : clock_(clock), json_(json), rewrite_(!json && isatty(STDERR_FILENO) != 0), run_for_ns_(run_for_ns) {}
+  ~Reporter() { stop(); }
+  Reporter(const Reporter&) = delete;
+  Reporter& operator=(const Reporter&) = delete;
+
+  // From the pump's thread: takes a copy and returns.
+  void say(std::string_view line) {
+    const std::lock_guard lock(mutex_);
+    if (notices_.size() < kNoticesMax) {
+      notices_.emplace_back(line);
+    } else {
+      ++notices_lost_;
+    }
+    wake_.notify_one();
+  }
+
+  void start(Pump& pump) {
+    pump_ = &pump;
+    start_ns_ = clock_.now_ns();
+    thread_ = std::thread([this] { run(); });
+  }
+
+  void stop() {
+    if (!thread_.joinable()) return;
+    {
+      const std::lock_guard lock(mutex_);
+      stopping_ = true;
+    }
+    wake_.notify_one();
+    thread_.join();
+    if (line_shown_) std::fputs("\r\033[K", stderr);
+  }
+
+ private:
+  void run() {
+    const DurationNs alive_period_ns = service_.alive_period_ns();
+    service_.ready();
+    TimeNs status_ns = start_ns_ + kStatusPeriodNs;
+    TimeNs alive_ns = alive_period_ns == kTimeNever ? kTimeNever : start_ns_;
+    TimeNs end_ns = run_for_ns_ == kTimeNever ? kTimeNever : start_ns_ + run_for_ns_;
+    (void)pump_->latest_status();  // asks for one
+    while (true) {
+      std::vector<std::string> notices;
+      std::uint64_t notices_lost = 0;
+      bool last = false;
+      {
+        std::unique_lock lock(mutex_);
+        const TimeNs next_ns = std::min({status_ns, alive_ns, end_ns});
+        const auto patience = std::chrono::nanoseconds(std::max<DurationNs>(next_ns - clock_.now_ns(), 0));
+        wake_.wait_for(lock, patience, [this] { return stopping_ || !notices_.empty(); });
+        std::swap(notices, notices_);
+        std::swap(notices_lost, notices_lost_);
+        last = stopping_;
+      }
+      if (notices_lost != 0) notices.push_back(fmt::format("{} more events were not printed", notices_lost));
+      for (const std::string& notice : notices) print_notice(notice);
+      const TimeNs now_ns = clock_.now_ns();
+      if (now_ns >= end_ns) {
+        pump_->request_stop();
+        end_ns = kTimeNever;
+      }
+      if (now_ns >= status_ns && !last) {
+        print_status(pump_->latest_status());
+        status_ns = now_ns + kStatusPeriodNs;
+      }
+      if (now_ns >= alive_ns && !last) {
+        // A pump that hangs must not look alive because this thread is.
+        if (now_ns - pump_->latest_status().stamp_ns < kPumpSilentMaxNs) service_.alive();
+        alive_ns = now_ns + alive_period_ns;
+      }
+      if (last) break;
+    }
+    service_.stopping();
+  }
+
+  void print_notice(const std::string& line) {
+    if (json_) {
+      std::fputs((json_of_notice(line) + "\n").c_str(), stdout);
+      std::fflush(stdout);
+    } else {
+      std::fputs(fmt::format("{}footlight: {}\n", line_shown_ ? "\r\033[K" : "", line).c_str(), stderr);
+      line_shown_ = false;
+    }
+  }
+
+  void print_status(const PumpStatus& status) {
+    const std::string line = status_line(status);
+    service_.status(line);
+    if (json_) {
+      std::fputs((json_of_status(status) + "\n").c_str(), stdout);
+      std::fflush(stdout);
+    } else if (rewrite_) {
+      std::fputs(fmt::format("\r\033[K{}", line).c_str(), stderr);
+      line_shown_ = true;
+    }
+  }
+
+  Clock& clock_;
+  const bool json_;
+  const bool rewrite_;
+  const DurationNs run_for_ns_;
+  Service service_;
+  Pump* pump_ = nullptr;
+  TimeNs start_ns_ = 0;
+  bool line_shown_ = false;  // of the thread, then of stop()
+
+  std::mutex mutex_;  // guards what follows
+  std::condition_variable wake_;
+  std::vector<std::string> notices_;
+  std::uint64_t notices_lost_ = 0;
+  bool stopping_ = false;
+
+  std::thread thread_;
+};
+
+bool carries(const auto& ports, Universe universe) {
+  return std::any_of(ports.begin(), ports.end(), [&](const auto& port) {
+    const auto universes = port->universes();
+    return std::find(universes.begin(), universes.end(), universe) != universes.end();
+  });
+}
+
+// Outputs that nothing feeds are most often a typing mistake.
+void say_unfed(const Bridge& bridge, Reporter& reporter) {
+  for (const auto& sink : bridge.sinks) {
+    std::vector<Universe> unfed;
+    for (const Universe universe : sink->universes())
+      if (!carries(bridge.sources, universe)) unfed.push_back(universe);
+    if (!unfed.empty()) {
+      reporter.say(fmt::format("{}: no input brings universe {}", sink->name(), show_universes(unfed)));
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<Universe> sorted_once(std::vector<Universe> universes) {
+  std::sort(universes.begin(), universes.end());
+  universes.erase(std::unique(universes.begin(), universes.end()), universes.end());
+  return universes;
+}
+
+Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal) {
+  FL_ASSIGN(const std::unique_ptr<Universes> universes, Universes::make(bridge.universes));
+  FL_ASSIGN(const std::unique_ptr<drivers::EpollWaiter> waiter, drivers::EpollWaiter::make());
+  Reporter reporter(clock, bridge.json, bridge.run_for_ns);
+  PumpOptions options;
+  options.merge = bridge.merge;
+  options.stop_at_end = bridge.stop_at_end;
+  options.say = [&reporter](std::string_view line) { reporter.say(line); };
+  Pump pump(*universes, clock, *waiter, options);
+  for (const auto& source : bridge.sources) pump.add_source(*source);
+  for (const auto& sink : bridge.sinks) pump.add_sink(*sink);
+  if (bridge.tap != nullptr) pump.add_tap(*bridge.tap);
+  for (const Universe universe : bridge.ltp) pump.set_mode(universe, MergeMode::kLtp);
+
+  say_unfed(bridge, reporter);
+  const TimeNs start_ns = clock.now_ns();
+  reporter.start(pump);
+  signal.stops(&pump);
+  pump.run();
+  signal.stops(nullptr);
+  BridgeReport report;
+  report.elapsed_ns = clock.now_ns() - start_ns;
+  reporter.stop();
+  report.status = pump.status();
+  if (bridge.json) {
+    std::fputs((json_of_summary(report.status, report.elapsed_ns) + "\n").c_str(), stdout);
+    std::fflush(stdout);
+  } else {
+    std::fputs(summary_text(report.status, report.elapsed_ns).c_str(), stderr);
+  }
+  return report;
+}
+
+}  // namespace footlight::tools

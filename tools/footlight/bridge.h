@@ -1,0 +1,48 @@
+// Runs a pump until it is told to stop, and says how it goes: what `run`, `record` and `replay` have in common.
+//
+// On a terminal one line is rewritten every two seconds; with json a line is printed every two seconds and at each event, on
+// standard output; otherwise only events and a summary are printed. Events, status and summary for people go to standard
+// error. A thread of its own prints, so that a terminal that hangs does not hold up the pump; lines that it cannot take in
+// time are dropped and counted.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/core/clock.h"
+#include "sim/core/ports.h"
+#include "sim/core/result.h"
+#include "sim/merge.h"
+#include "sim/pump.h"
+#include "tools/footlight/stop_signal.h"
+
+namespace footlight::tools {
+
+struct Bridge {
+  // Required.
+  std::vector<std::unique_ptr<Source>> sources;
+  std::vector<std::unique_ptr<Sink>> sinks;
+  std::vector<Universe> universes;  // of the buffer; any order, repeats allowed, not empty
+  // Optional.
+  MergeOptions merge;
+  std::vector<Universe> ltp;
+  FrameReceiver* tap = nullptr;
+  bool stop_at_end = false;
+  DurationNs run_for_ns = kTimeNever;
+  bool json = false;
+};
+
+struct BridgeReport {
+  PumpStatus status;          // after the sinks were closed
+  DurationNs elapsed_ns = 0;  // from start to stop
+};
+
+// `signal`: made before the ports were opened, so that a Ctrl-C during that is not lost. Prints the summary.
+[[nodiscard]] Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal);
+
+// Universe numbers in use: ascending, once each.
+[[nodiscard]] std::vector<Universe> sorted_once(std::vector<Universe> universes);
+
+}  // namespace footlight::tools

@@ -1,0 +1,71 @@
+// footlight devices: what is plugged in, what it can do, and the command that mends what cannot be opened.
+#include <cstdio>
+#include <memory>
+
+#include "drivers/registry.h"
+#include "tools/footlight/command.h"
+#include "tools/footlight/json_lines.h"
+
+namespace footlight::tools {
+namespace {
+
+std::string abilities_of(const drivers::FoundDevice& device) {
+  std::string text;
+  if ((device.capabilities & drivers::kCanOutput) != 0) text += "output";
+  if ((device.capabilities & drivers::kCanInput) != 0) text += text.empty() ? "input" : " or input";
+  if ((device.capabilities & drivers::kKeepsLookAlive) != 0) text += ", keeps the last look when the program ends";
+  if ((device.quirks & drivers::kQuirkFirstPortOnly) != 0) text += ", first port only";
+  return text;
+}
+
+void print(const drivers::FoundDevice& device) {
+  fmt::print("{}\n",
+             device.endpoint.empty() ? device.model_name : fmt::format("{}  {}", device.endpoint, device.model_name));
+  const std::string abilities = abilities_of(device);
+  if (!abilities.empty()) fmt::print("  can:   {}\n", abilities);
+  fmt::print("  where: USB socket {}, {}{}\n", device.port_path, device.node,
+             device.kernel_driver.empty() ? "" : fmt::format(", held by {}", device.kernel_driver));
+  if (device.readiness == drivers::Readiness::kReady) {
+    fmt::print("  ready: footlight run --in sacn:1 --out {}\n", device.endpoint);
+  } else {
+    fmt::print("  state: {}: {}\n", drivers::name_of(device.readiness), device.reason);
+    if (!device.remedy.empty()) fmt::print("  mend:  {}\n", device.remedy);
+  }
+}
+
+int list_devices(bool json) {
+  const drivers::DeviceList list = drivers::find_devices();
+  for (const drivers::FoundDevice& device : list.devices) {
+    if (json) {
+      fmt::print("{}\n", json_of_device(device));
+    } else {
+      print(device);
+    }
+  }
+  for (const std::string& note : list.notes) fmt::print(stderr, "footlight: {}\n", note);
+  if (!list.devices.empty()) return kExitOk;
+  fmt::print(
+      stderr,
+      "footlight: no DMX device is plugged in; 'footlight run --in sacn:1 --out mock:enttec-pro' runs without one\n");
+  return kExitNotFound;
+}
+
+void add(Arguments& arguments) {
+  auto json = std::make_shared<bool>(false);
+  arguments.flag("--json", *json, "one JSON object a device and line");
+  arguments.job([json]() -> Result<int> { return list_devices(*json); });
+}
+
+}  // namespace
+
+extern const CommandInfo devices_command{
+    .name = "devices",
+    .help = "List the DMX devices that are plugged in, and how to mend what cannot be opened",
+    .examples =
+        "  footlight devices\n"
+        "  footlight devices --json | jq -r .endpoint\n"
+        "Needs no permission and opens nothing. Exit code 3 where no device is there.",
+    .add = add,
+};
+
+}  // namespace footlight::tools

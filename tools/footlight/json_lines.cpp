@@ -1,0 +1,130 @@
+#include "tools/footlight/json_lines.h"
+
+#include <nlohmann/json.hpp>
+
+#include "tools/footlight/status_text.h"
+
+namespace footlight::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string line_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+Json timing(const Timing& timing) {
+  return {{"count", timing.count}, {"p50_ns", timing.p50_ns}, {"p99_ns", timing.p99_ns}, {"max_ns", timing.max_ns}};
+}
+
+Json ports_of(const PumpStatus& status) {
+  Json ports = Json::array();
+  for (const PortStatus& port : status.ports) {
+    Json universes = Json::array();
+    for (const PortUniverseStatus& universe : port.universes) {
+      universes.push_back(
+          {{"universe", universe.universe}, {"frames", universe.frames}, {"rate_hz", universe.rate_hz}});
+    }
+    ports.push_back({{"name", port.name},
+                     {"direction", port.is_sink ? "out" : "in"},
+                     {"state", name_of(port.state)},
+                     {"trouble", port.trouble},
+                     {"frames", port.frames},
+                     {"rate_hz", port.rate_hz},
+                     {"rejected", port.port.rejected},
+                     {"dropped", port.port.dropped},
+                     {"errors", port.port.errors},
+                     {"replaced", port.replaced},
+                     {"unrouted", port.unrouted},
+                     {"failures", port.failures},
+                     {"lateness", timing(port.lateness)},
+                     {"latency", timing(port.latency)},
+                     {"universes", std::move(universes)}});
+  }
+  return ports;
+}
+
+}  // namespace
+
+std::string json_of_notice(std::string_view line) { return line_of({{"event", "notice"}, {"text", line}}); }
+
+std::string json_of_status(const PumpStatus& status) {
+  Json universes = Json::array();
+  for (const UniverseStatus& universe : status.universes) {
+    universes.push_back({{"universe", universe.universe},
+                         {"rate_hz", universe.rate_hz},
+                         {"writes", universe.writes},
+                         {"senders", universe.senders},
+                         {"winners", universe.winners},
+                         {"priority", universe.priority}});
+  }
+  return line_of({{"event", "status"},
+                  {"stamp_ns", status.stamp_ns},
+                  {"ports", ports_of(status)},
+                  {"universes", std::move(universes)}});
+}
+
+std::string json_of_summary(const PumpStatus& status, DurationNs elapsed_ns) {
+  return line_of({{"event", "summary"}, {"elapsed_ns", elapsed_ns}, {"ports", ports_of(status)}});
+}
+
+std::string json_of_device(const drivers::FoundDevice& device) {
+  using namespace drivers;
+  return line_of({{"driver", device.driver_id},
+                  {"model", device.model_name},
+                  {"manufacturer", device.manufacturer},
+                  {"product", device.product},
+                  {"serial", device.serial},
+                  {"usb_vendor", device.usb_vendor},
+                  {"usb_product", device.usb_product},
+                  {"port", device.port_path},
+                  {"node", device.node},
+                  {"kernel_driver", device.kernel_driver},
+                  {"endpoint", device.endpoint},
+                  {"can_output", (device.capabilities & kCanOutput) != 0},
+                  {"can_input", (device.capabilities & kCanInput) != 0},
+                  {"readiness", drivers::name_of(device.readiness)},
+                  {"reason", device.reason},
+                  {"remedy", device.remedy}});
+}
+
+std::string json_of_log(const LogInfo& info) {
+  Json universes = Json::array();
+  for (const LogUniverseInfo& universe : info.universes) {
+    universes.push_back({{"universe", universe.universe},
+                         {"frames", universe.frames},
+                         {"changes", universe.changes},
+                         {"slots", universe.slot_count},
+                         {"first_ns", universe.first_ns},
+                         {"last_ns", universe.last_ns},
+                         {"rate_hz", universe.rate_hz()}});
+  }
+  Json damage = Json::array();
+  for (const LogDamage& part : info.damage) {
+    damage.push_back({{"offset", part.offset}, {"size_bytes", part.size_bytes}, {"what", part.what}});
+  }
+  return line_of({{"path", info.path},
+                  {"format", info.format == LogFormat::kDmxLog ? "dmxlog" : "ola-show"},
+                  {"duration_ns", info.duration_ns},
+                  {"wall_start_unix_ns", info.wall_start_unix_ns},
+                  {"frames", info.frames},
+                  {"changes", info.changes},
+                  {"file_bytes", info.file_bytes},
+                  {"finished", info.finished},
+                  {"checked", info.checked},
+                  {"damage_count", info.damage_count},
+                  {"damage", std::move(damage)},
+                  {"universes", std::move(universes)}});
+}
+
+std::string json_of_conversion(const std::string& in, const std::string& out, const ConvertReport& report) {
+  return line_of({{"in", in},
+                  {"out", out},
+                  {"frames", report.frames},
+                  {"left_out", report.left_out},
+                  {"duration_ns", report.duration_ns},
+                  {"lead_dropped_ns", report.lead_dropped_ns},
+                  {"bytes_in", report.bytes_in},
+                  {"bytes_out", report.bytes_out},
+                  {"damage_count", report.damage_count}});
+}
+
+}  // namespace footlight::tools

@@ -1,0 +1,137 @@
+#include "tools/footlight/open_ports.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "drivers/driver.h"
+#include "drivers/net/net.h"
+#include "drivers/ports_factory.h"
+#include "sim/dmx_log/log_ports.h"
+#include "tools/demo/demo_assets.h"
+
+namespace footlight::tools {
+namespace {
+
+drivers::PortRequest device_request(const Endpoint& endpoint) {
+  drivers::PortRequest request;
+  request.scheme = endpoint.scheme;
+  request.target = endpoint.target;
+  request.universes = endpoint.show_universes();
+  return request;
+}
+
+LogSourceOptions log_source_options(const InOptions& options) {
+  LogSourceOptions log;
+  log.start_ns = options.log_start_ns;
+  log.stop_ns = options.log_stop_ns;
+  log.loop = options.log_loop;
+  log.speed = options.log_speed;
+  for (const WireUniverse& universe : options.log_renumber) log.renumber.emplace_back(universe.wire, universe.show);
+  log.only_renumbered = !options.log_renumber.empty();
+  return log;
+}
+
+Result<std::unique_ptr<Source>> as_source(Result<std::unique_ptr<LogSource>> log) {
+  if (!log) return tl::unexpected<Error>(std::move(log).error());
+  return std::unique_ptr<Source>(std::move(*log));
+}
+
+}  // namespace
+
+Result<Endpoint> parse_port(std::string_view text) {
+  std::vector<std::string_view> schemes;
+  for (const drivers::DriverInfo* driver : drivers::drivers()) schemes.push_back(driver->id);
+  return parse_endpoint(text, schemes);
+}
+
+PortOpener::PortOpener(Clock& clock) : clock_(clock), own_senders_(std::make_shared<drivers::OwnSenders>()) {}
+
+Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint, const InOptions& options) {
+  switch (endpoint.kind) {
+    case EndpointKind::kFile: return as_source(LogSource::open(endpoint.target, log_source_options(options)));
+    case EndpointKind::kDevice: {
+      drivers::PortRequest request = device_request(endpoint);
+      request.wait_for_device = options.wait_for_device;
+      return drivers::open_source(request, clock_);
+    }
+    case EndpointKind::kNetwork: break;
+  }
+  if (endpoint.scheme == "sacn") {
+    drivers::SacnSourceOptions sacn;
+    sacn.name = endpoint.text;
+    sacn.universes = endpoint.universes;
+    sacn.address = endpoint.address;
+    sacn.interface_name = endpoint.interface_name;
+    if (endpoint.udp_port != 0) sacn.port = endpoint.udp_port;
+    sacn.hear_preview = options.hear_preview;
+    sacn.own_senders = own_senders_;
+    return drivers::make_sacn_source(sacn);
+  }
+  drivers::ArtnetSourceOptions artnet;
+  artnet.name = endpoint.text;
+  artnet.universes = endpoint.universes;
+  artnet.address = endpoint.address;
+  artnet.interface_name = endpoint.interface_name;
+  if (endpoint.udp_port != 0) artnet.port = endpoint.udp_port;
+  artnet.priority = static_cast<std::uint8_t>(options.priority);
+  artnet.own_senders = own_senders_;
+  return drivers::make_artnet_source(artnet);
+}
+
+Result<std::unique_ptr<Sink>> PortOpener::open_sink(const Endpoint& endpoint, std::span<const Universe> show_universes,
+                                                    const OutOptions& options) {
+  switch (endpoint.kind) {
+    case EndpointKind::kFile: {
+      LogSinkOptions log;
+      log.universes.assign(show_universes.begin(), show_universes.end());
+      log.start_ns = clock_.now_ns();
+      log.writer.wall_start_unix_ns = wall_clock_unix_ns();
+      log.writer.overwrite = options.log_overwrite;
+      FL_ASSIGN(std::unique_ptr<LogSink> sink, LogSink::create(endpoint.target, log));
+      return std::unique_ptr<Sink>(std::move(sink));
+    }
+    case EndpointKind::kDevice: {
+      drivers::PortRequest request = device_request(endpoint);
+      request.wait_for_device = options.wait_for_device;
+      request.blackout_on_exit = options.blackout_on_exit;
+      return drivers::open_sink(request, clock_);
+    }
+    case EndpointKind::kNetwork: break;
+  }
+  if (endpoint.scheme == "sacn") {
+    drivers::SacnSinkOptions sacn;
+    sacn.name = endpoint.text;
+    sacn.universes = endpoint.universes;
+    sacn.address = endpoint.address;
+    sacn.interface_name = endpoint.interface_name;
+    if (endpoint.udp_port != 0) sacn.port = endpoint.udp_port;
+    sacn.source_name = options.source_name;
+    sacn.priority = static_cast<std::uint8_t>(options.priority);
+    sacn.preview = options.preview;
+    sacn.rate_hz_max = options.rate_hz_max;
+    sacn.own_senders = own_senders_;
+    return drivers::make_sacn_sink(sacn);
+  }
+  drivers::ArtnetSinkOptions artnet;
+  artnet.name = endpoint.text;
+  artnet.universes = endpoint.universes;
+  artnet.address = endpoint.address;
+  artnet.interface_name = endpoint.interface_name;
+  if (endpoint.udp_port != 0) artnet.port = endpoint.udp_port;
+  artnet.rate_hz_max = options.rate_hz_max;
+  artnet.own_senders = own_senders_;
+  return drivers::make_artnet_sink(artnet);
+}
+
+Result<std::unique_ptr<Source>> open_demo_source(const InOptions& options) {
+  const auto bytes = demo::demo_log_bytes();
+  FL_ASSIGN(LogReader reader, LogReader::open_bytes({bytes.begin(), bytes.end()}, "demo"));
+  return as_source(LogSource::from_reader(std::move(reader), "demo", log_source_options(options)));
+}
+
+std::int64_t wall_clock_unix_ns() {
+  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(since_epoch).count();
+}
+
+}  // namespace footlight::tools

@@ -1,0 +1,76 @@
+// From the words of an endpoint to a port of the pump: the one place that sees networks, devices and logs together.
+//
+//   PortOpener opener(clock);
+//   FL_ASSIGN(const Endpoint endpoint, parse_port("sacn:1-9"));
+//   FL_ASSIGN(std::unique_ptr<Source> source, opener.open_source(endpoint));
+//
+// Threads: one; the ports belong to the thread that runs the pump.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/core/clock.h"
+#include "sim/core/dmx.h"
+#include "sim/core/endpoint.h"
+#include "sim/core/ports.h"
+#include "sim/core/result.h"
+
+namespace footlight::drivers {
+class OwnSenders;
+}
+
+namespace footlight::tools {
+
+// parse_endpoint() with the device schemes of this build.
+[[nodiscard]] Result<Endpoint> parse_port(std::string_view text);
+
+// All optional; those that the kind of endpoint has no use for are not looked at.
+struct InOptions {
+  bool wait_for_device = false;     // device: begin although it is not plugged in
+  bool hear_preview = false;        // sacn: frames that are meant for visualisers, too
+  int priority = kPriorityDefault;  // artnet: what its frames carry into the merge
+  DurationNs log_start_ns = 0;      // log: where in it to begin
+  DurationNs log_stop_ns = kTimeNever;
+  bool log_loop = false;
+  double log_speed = 1.0;
+  std::vector<WireUniverse> log_renumber;  // log: where not empty, only these
+};
+
+struct OutOptions {
+  bool wait_for_device = false;
+  bool blackout_on_exit = false;          // device: zeros at the end, not the last look
+  bool preview = false;                   // sacn: flag every frame as meant for visualisers
+  int priority = kPriorityDefault;        // sacn
+  std::string source_name = "Footlight";  // sacn
+  double rate_hz_max = 0.0;               // network: 0 for as frames come
+  bool log_overwrite = false;
+};
+
+class PortOpener {
+ public:
+  // The clock outlives the ports.
+  explicit PortOpener(Clock& clock);
+
+  // Errors: those of the factories in drivers/ and sim/dmx_log/; the message begins with the endpoint.
+  [[nodiscard]] Result<std::unique_ptr<Source>> open_source(const Endpoint& endpoint, const InOptions& options = {});
+  // `show_universes`: what a log records; the other kinds carry what their endpoint names.
+  [[nodiscard]] Result<std::unique_ptr<Sink>> open_sink(const Endpoint& endpoint,
+                                                        std::span<const Universe> show_universes,
+                                                        const OutOptions& options = {});
+
+ private:
+  Clock& clock_;
+  std::shared_ptr<drivers::OwnSenders> own_senders_;  // so that no input hears what an output of this program sends
+};
+
+// The demo show as a source; `options` as for a log.
+[[nodiscard]] Result<std::unique_ptr<Source>> open_demo_source(const InOptions& options = {});
+
+// Nanoseconds since 1970-01-01 UTC, for the headers of logs.
+[[nodiscard]] std::int64_t wall_clock_unix_ns();
+
+}  // namespace footlight::tools

@@ -1,0 +1,146 @@
+#include "tools/footlight/show_file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include "fixtures/toml_reader.h"
+#include "tools/footlight/duration.h"
+
+namespace footlight::tools {
+namespace {
+
+using fixtures::TomlNode;
+using fixtures::TomlReader;
+
+// A time as people type it, or a number of seconds.
+DurationNs read_duration(TomlReader& reader, std::string_view key, DurationNs fallback) {
+  if (!reader.has(key)) return fallback;
+  const auto duration_ns = parse_duration(reader.text(key));
+  if (duration_ns) return *duration_ns;
+  reader.trouble(reader.line_of(key), "{}: {}", key, duration_ns.error().message);
+  return fallback;
+}
+
+std::optional<Endpoint> read_endpoint(TomlReader& reader) {
+  const int line = reader.line_of("endpoint");
+  const std::string text = reader.text("endpoint");
+  if (!reader.has("endpoint")) return std::nullopt;
+  auto endpoint = parse_port(text);
+  if (endpoint) return std::move(*endpoint);
+  reader.trouble(line, "{}", endpoint.error().message);
+  return std::nullopt;
+}
+
+Result<InPlan> read_in(const TomlNode& node, const std::string& file) {
+  TomlReader reader(node, file, "[[in]]");
+  InPlan plan;
+  if (auto endpoint = read_endpoint(reader)) {
+    plan.endpoint = std::move(*endpoint);
+    InOptions& options = plan.options;
+    switch (plan.endpoint.kind) {
+      case EndpointKind::kNetwork:
+        if (plan.endpoint.scheme == "sacn") options.hear_preview = reader.boolean("preview", false);
+        if (plan.endpoint.scheme == "artnet") {
+          options.priority = static_cast<int>(reader.integer("priority", 0, kPriorityMax, kPriorityDefault));
+        }
+        break;
+      case EndpointKind::kDevice: options.wait_for_device = reader.boolean("wait_for_device", false); break;
+      case EndpointKind::kFile:
+        options.log_loop = reader.boolean("loop", false);
+        options.log_start_ns = read_duration(reader, "start", 0);
+        options.log_stop_ns = read_duration(reader, "stop", kTimeNever);
+        options.log_speed = reader.number("speed", 0.001, 1'000.0, 1.0);
+        break;
+    }
+  }
+  FL_TRY(reader.finish());
+  return plan;
+}
+
+Result<OutPlan> read_out(const TomlNode& node, const std::string& file) {
+  TomlReader reader(node, file, "[[out]]");
+  OutPlan plan;
+  if (auto endpoint = read_endpoint(reader)) {
+    plan.endpoint = std::move(*endpoint);
+    OutOptions& options = plan.options;
+    switch (plan.endpoint.kind) {
+      case EndpointKind::kNetwork:
+        options.rate_hz_max = reader.number("rate_hz_max", 0.0, 1'000.0, 0.0);
+        if (plan.endpoint.scheme == "sacn") {
+          options.priority = static_cast<int>(reader.integer("priority", 0, kPriorityMax, kPriorityDefault));
+          options.preview = reader.boolean("preview", false);
+          options.source_name = reader.text("source_name", options.source_name);
+        }
+        break;
+      case EndpointKind::kDevice:
+        options.wait_for_device = reader.boolean("wait_for_device", false);
+        options.blackout_on_exit = reader.boolean("blackout_on_exit", false);
+        break;
+      case EndpointKind::kFile: options.log_overwrite = reader.boolean("overwrite", false); break;
+    }
+  }
+  FL_TRY(reader.finish());
+  return plan;
+}
+
+}  // namespace
+
+Result<Show> parse_show(std::string_view text, const std::string& file) {
+  FL_ASSIGN(const TomlNode root, fixtures::parse_toml(text, file));
+  TomlReader reader(root, file, "");
+  Show show;
+  show.universe_count = static_cast<int>(reader.integer("universes", 0, kUniverseMax, 0));
+  const TomlNode* const merge = reader.table("merge");
+  const auto ins = reader.tables("in");
+  const auto outs = reader.tables("out");
+  if (merge != nullptr) {
+    TomlReader merge_reader(*merge, file, "[merge]");
+    show.merge.timeout_ns = read_duration(merge_reader, "timeout", kSenderTimeoutDefaultNs);
+    if (show.merge.timeout_ns == 0) {
+      merge_reader.trouble(merge_reader.line_of("timeout"), "timeout: expected a time above 0, as in \"2.5s\"");
+    }
+    if (merge_reader.has("ltp")) {
+      for (const std::int64_t universe : merge_reader.integers("ltp", 1, kUniverseMax, kUniverseMin, kUniverseMax)) {
+        show.ltp.push_back(static_cast<Universe>(universe));
+      }
+    }
+    FL_TRY(merge_reader.finish());
+  }
+  for (const TomlNode* node : ins) {
+    FL_ASSIGN(InPlan plan, read_in(*node, file));
+    show.ins.push_back(std::move(plan));
+  }
+  for (const TomlNode* node : outs) {
+    FL_ASSIGN(OutPlan plan, read_out(*node, file));
+    show.outs.push_back(std::move(plan));
+  }
+  FL_TRY(reader.finish());
+  if (show.ins.empty() || show.outs.empty()) {
+    return fail(ErrorCode::kBadInput, "{}: a show needs at least one {}, as in\n  [[{}]]\n  endpoint = \"{}\"", file,
+                show.ins.empty() ? "[[in]]" : "[[out]]", show.ins.empty() ? "in" : "out",
+                show.ins.empty() ? "sacn:1-9" : "enttec-pro");
+  }
+  return show;
+}
+
+Result<Show> load_show(const std::string& path) {
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    const int number = errno;
+    const ErrorCode code = number == ENOENT   ? ErrorCode::kNotFound
+                           : number == EACCES ? ErrorCode::kPermission
+                                              : ErrorCode::kIo;
+    return fail(code,
+                "{}: {}; give the name of a show file, or ports as in 'footlight run --in sacn:1-9 --out enttec-pro'",
+                path, std::strerror(number));
+  }
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (file.bad()) return fail(ErrorCode::kIo, "{}: cannot be read; is it a directory?", path);
+  return parse_show(text, path);
+}
+
+}  // namespace footlight::tools

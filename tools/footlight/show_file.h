@@ -1,0 +1,59 @@
+// What a bridge connects: read from a show file or put together from the command line.
+//
+// The show file is TOML:
+//
+//   universes = 9                  # optional: 1 to 9 are there even where no port names them
+//   [merge]                        # optional
+//   timeout = "2.5s"               # how long a silent sender is remembered
+//   ltp = [2, 3]                   # in these universes the latest change wins, not the highest level
+//   [[in]]
+//   endpoint = "sacn:1-9"          # see sim/core/endpoint.h
+//   preview = false                # sacn: hear frames for visualisers, too
+//   priority = 100                 # artnet
+//   wait_for_device = true         # devices
+//   loop = true                    # log; also start = "10s", stop = "20s", speed = 2.0
+//   [[out]]
+//   endpoint = "enttec-pro:EN123456=3"
+//   blackout_on_exit = true        # devices; also wait_for_device
+//   rate_hz_max = 40               # sacn, artnet
+//   priority = 120                 # sacn; also source_name = "FOH", preview = true
+//   overwrite = true               # log
+//
+// A key that the kind of endpoint has no use for is an error, with the line.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/core/endpoint.h"
+#include "sim/core/result.h"
+#include "sim/merge.h"
+#include "tools/footlight/open_ports.h"
+
+namespace footlight::tools {
+
+struct InPlan {
+  Endpoint endpoint;
+  InOptions options;
+};
+
+struct OutPlan {
+  Endpoint endpoint;
+  OutOptions options;
+};
+
+struct Show {
+  std::vector<InPlan> ins;
+  std::vector<OutPlan> outs;
+  int universe_count = 0;  // universes 1 to this are there beside those that ports name
+  MergeOptions merge;
+  std::vector<Universe> ltp;
+};
+
+// `file` stands for the text in messages: "show.toml:12: ...". Errors: kBadInput.
+[[nodiscard]] Result<Show> parse_show(std::string_view text, const std::string& file);
+// Also kNotFound, kPermission, kIo.
+[[nodiscard]] Result<Show> load_show(const std::string& path);
+
+}  // namespace footlight::tools

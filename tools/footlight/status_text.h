@@ -1,0 +1,21 @@
+// What a pump did, for people.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "sim/core/dmx.h"
+#include "sim/pump.h"
+
+namespace footlight::tools {
+
+// One line: each port with its rate over the last second, and what went wrong.
+[[nodiscard]] std::string status_line(const PumpStatus& status);
+// Some lines with ends: one for each port, over the whole run.
+[[nodiscard]] std::string summary_text(const PumpStatus& status, DurationNs elapsed_ns);
+
+// "1-9", "1-3,7": ascending numbers.
+[[nodiscard]] std::string show_universes(std::span<const Universe> universes);
+[[nodiscard]] const char* name_of(PortState state);
+
+}  // namespace footlight::tools
