@@ -7,7 +7,7 @@
 #include "drivers/net/net.h"
 #include "drivers/ports_factory.h"
 #include "sim/dmx_log/log_ports.h"
-#include "tools/demo/demo_assets.h"
+#include "tools/demo_show/demo_assets.h"
 
 namespace footlight::tools {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "fixtures/rig.h"
 #include "sim/dmx_log/dmx_log.h"
-#include "tools/demo/demo_show.h"
+#include "tools/demo_show/demo_show.h"
 
 namespace footlight {
 namespace {

@@ -1,4 +1,4 @@
-// The demo show as the bytes of a DMX log, made by the build (tools/demo/compose_demo.cpp) and embedded.
+// The demo show as the bytes of a DMX log, made by the build (tools/demo_show/compose_demo.cpp) and embedded.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "tools/demo/demo_show.h"
+#include "tools/demo_show/demo_show.h"
 
 #include <algorithm>
 #include <array>
