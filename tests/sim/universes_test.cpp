@@ -4,6 +4,8 @@
 
 #include <array>
 #include <atomic>
+#include <cstring>
+#include <latch>
 #include <numeric>
 #include <string>
 #include <thread>
@@ -125,13 +127,15 @@ TEST_CASE("snapshot_changed copies exactly the universes written since, and ends
 // copy shows. Bounded by the number of writes; nothing depends on how fast anybody is.
 TEST_CASE("no snapshot under concurrent writes mixes two writes") {
   constexpr int kUniverses = 4;
-  constexpr std::uint32_t kWrites = 20'000;
+  constexpr std::uint32_t kWrites = 400'000;
   constexpr int kReaders = 3;
+  std::latch everybody(kReaders + 2);  // or the writers would be done before a reader runs
   Universes universes(universe_range(1, kUniverses));
   std::atomic<int> writers_left{2};
 
   // Two writers with two universes each: one writer per universe.
   const auto write = [&](int first) {
+    everybody.arrive_and_wait();
     for (std::uint32_t n = 1; n <= kWrites; ++n)
       for (int index = first; index < first + 2; ++index) {
         const Slots slots = filled(static_cast<std::uint8_t>(n));
@@ -147,6 +151,7 @@ TEST_CASE("no snapshot under concurrent writes mixes two writes") {
   const auto read = [&](std::size_t reader) {
     std::vector<std::uint8_t> levels(kUniverses * kSlotCountMax);
     std::vector<FrameStamp> stamps(kUniverses), before(kUniverses);
+    everybody.arrive_and_wait();
     bool last_round = false;
     while (!last_round) {
       last_round = writers_left.load() == 0;  // one more round after the last write
@@ -161,8 +166,9 @@ TEST_CASE("no snapshot under concurrent writes mixes two writes") {
       for (std::size_t i = 0; i < kUniverses; ++i) {
         const FrameStamp& stamp = stamps[i];
         bool whole = stamp.stamp_ns == stamp.revision && stamp.sender == stamp.revision && stamp.sequence == stamp.revision;
-        for (std::size_t slot = 0; slot < kSlotCountMax; ++slot)
-          whole = whole && levels[i * kSlotCountMax + slot] == static_cast<std::uint8_t>(stamp.revision);
+        const std::uint8_t* const first = levels.data() + i * kSlotCountMax;
+        whole = whole && *first == static_cast<std::uint8_t>(stamp.revision);
+        whole = whole && std::memcmp(first, first + 1, kSlotCountMax - 1) == 0;  // all alike
         torn[reader] += whole ? 0u : 1u;
         backwards[reader] += stamp.revision < before[i].revision ? 1u : 0u;
         before[i] = stamp;
