@@ -2,19 +2,19 @@
 //
 //   generator --(--to)--> device under test --(--from)--> listener
 //
-// The generator stamps each universe's first slots with the time and a count and sends all universes at once; the listener
-// takes the stamp back out. Latency is from just before the generator's send() to the wake-up of the listener, so it holds
-// two crossings of the kernel; --floor leaves the device out and measures one crossing. Of the universes of one round the
-// last also waits for the datagrams of the others to be sent.
+// The generator stamps each universe's first slots with the time and a count and sends all universes at once; the
+// listener takes the stamp back out. Latency is from just before the generator's send() to the wake-up of the listener,
+// so it holds two crossings of the kernel; --floor leaves the device out and measures one crossing. Of the universes of
+// one round the last also waits for the datagrams of the others to be sent.
 //
 //   bench_wire --floor
 //   bench_wire -- footlight run --in sacn:1-9%lo --out sacn:101-109=1-9%lo
 //   bench_wire --from artnet:1-9@127.0.0.1 -- footlight run --in sacn:1-9%lo --out artnet:1-9@127.0.0.1
 //   bench_wire --pid 1234          a device that is running already; its processor time is taken from /proc
-//   bench_wire --relay             a device of a few lines in a process of its own: the ports of this program and no more
+//   bench_wire --relay             a device of a few lines in a process of its own: our ports and no more
 //
-// A frame that the device replaced by a newer one of its universe counts as lost: after a stall of more than one period,
-// of the device or of the generator, that is what a bridge which never queues does.
+// A frame that the device replaced by a newer one of its universe counts as lost: after a stall of more than one
+// period, of the device or of the generator, that is what a bridge which never queues does.
 //
 // Nothing leaves the machine unless an endpoint says so: the default ones are on "lo". Compare medians of several runs;
 // the worst case is the scheduler's.
@@ -32,11 +32,11 @@
 #include <thread>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <CLI/CLI.hpp>
 
 #include "drivers/net/net.h"
 #include "sim/core/endpoint.h"
@@ -60,8 +60,8 @@ std::uint64_t read_u64(std::span<const std::uint8_t> in) {
   return value;
 }
 
-// Takes stamps out of frames. Runs on the listener's thread; the generator reads `universes_heard` meanwhile and the rest
-// after that thread has ended.
+// Takes stamps out of frames. Runs on the listener's thread; the generator reads `universes_heard` meanwhile and the
+// rest after that thread has ended.
 class Listener final : public FrameReceiver {
  public:
   Listener(std::span<const Universe> universes, std::size_t counts_max)
@@ -198,7 +198,7 @@ struct Report {
   std::uint64_t received = 0;
   std::uint64_t repeats = 0;
   double seconds = 0.0;
-  double cpu_percent = -1.0;  // of one core; below 0: not known
+  double cpu_percent = -1.0;             // of one core; below 0: not known
   std::vector<DurationNs> latencies_ns;  // sorted
 
   [[nodiscard]] double quantile_us(double q) const {
@@ -247,7 +247,8 @@ Result<Report> measure(const Wanted& wanted, Source& source, Sink& sink, pid_t d
       write_u64(std::span(slots[u]).first(8), static_cast<std::uint64_t>(now_ns));
       write_u64(std::span(slots[u]).subspan(8, 8), count);
       // Some of the rest moves too, as in a show.
-      for (std::size_t s = kStampBytes; s < slots[u].size(); s += 7) slots[u][s] = static_cast<std::uint8_t>(count + s + u);
+      for (std::size_t s = kStampBytes; s < slots[u].size(); s += 7)
+        slots[u][s] = static_cast<std::uint8_t>(count + s + u);
     }
     ++count;
     return sink.send(now_ns, frames);
@@ -295,19 +296,21 @@ Result<Report> measure(const Wanted& wanted, Source& source, Sink& sink, pid_t d
 void print(const Wanted& wanted, const Report& report) {
   const std::uint64_t lost = report.sent - std::min(report.sent, report.received);
   if (wanted.json) {
-    fmt::print("{{\"to\": \"{}\", \"from\": \"{}\", \"universes\": {}, \"rate_hz\": {}, \"seconds\": {:.3f}, "
-               "\"sent\": {}, \"received\": {}, \"lost\": {}, \"repeats\": {}, \"p50_us\": {:.1f}, \"p90_us\": {:.1f}, "
-               "\"p99_us\": {:.1f}, \"max_us\": {:.1f}",
-               wanted.to, wanted.floor ? wanted.to : wanted.from, report.universes, wanted.rate_hz, report.seconds,
-               report.sent, report.received, lost, report.repeats, report.quantile_us(0.5), report.quantile_us(0.9),
-               report.quantile_us(0.99), report.quantile_us(1.0));
+    fmt::print(
+        "{{\"to\": \"{}\", \"from\": \"{}\", \"universes\": {}, \"rate_hz\": {}, \"seconds\": {:.3f}, "
+        "\"sent\": {}, \"received\": {}, \"lost\": {}, \"repeats\": {}, \"p50_us\": {:.1f}, \"p90_us\": {:.1f}, "
+        "\"p99_us\": {:.1f}, \"max_us\": {:.1f}",
+        wanted.to, wanted.floor ? wanted.to : wanted.from, report.universes, wanted.rate_hz, report.seconds,
+        report.sent, report.received, lost, report.repeats, report.quantile_us(0.5), report.quantile_us(0.9),
+        report.quantile_us(0.99), report.quantile_us(1.0));
     if (report.cpu_percent >= 0) fmt::print(", \"cpu_percent\": {:.3f}", report.cpu_percent);
     fmt::print("}}\n");
     return;
   }
   fmt::print("{} to {}, {} universes at {} Hz for {:.1f} s\n", wanted.to, wanted.floor ? wanted.to : wanted.from,
              report.universes, wanted.rate_hz, report.seconds);
-  fmt::print("frames   {} sent, {} received, {} lost, {} repeats\n", report.sent, report.received, lost, report.repeats);
+  fmt::print("frames   {} sent, {} received, {} lost, {} repeats\n", report.sent, report.received, lost,
+             report.repeats);
   fmt::print("latency  p50 {:.0f} us, p90 {:.0f} us, p99 {:.0f} us, worst {:.0f} us\n", report.quantile_us(0.5),
              report.quantile_us(0.9), report.quantile_us(0.99), report.quantile_us(1.0));
   if (report.cpu_percent >= 0) fmt::print("device   {:.2f} % of one core\n", report.cpu_percent);

@@ -23,7 +23,7 @@ constexpr std::size_t kAtSubUni = 14;
 constexpr std::size_t kAtNet = 15;
 constexpr std::size_t kAtLength = 16;
 constexpr std::size_t kAtPollFlags = 12;
-constexpr std::size_t kAtPollLast = 14;   // the upper end of the range comes first
+constexpr std::size_t kAtPollLast = 14;  // the upper end of the range comes first
 constexpr std::size_t kAtPollFirst = 16;
 constexpr std::uint8_t kPollTargeted = 0x20;
 

@@ -1,5 +1,5 @@
-// The packets of Art-Net 4 that this program speaks, as bytes: ArtDmx in and out, ArtPoll in, ArtPollReply out. ArtSync is
-// recognised. No socket, no clock, no memory of its own.
+// The packets of Art-Net 4 that this program speaks, as bytes: ArtDmx in and out, ArtPoll in, ArtPollReply out. ArtSync
+// is recognised. No socket, no clock, no memory of its own.
 //
 // All begin with "Art-Net", a zero and a 16-bit operation code, low octet first; the other numbers are high octet first
 // unless said otherwise.
@@ -30,9 +30,9 @@ inline constexpr int kArtnetReplyPortsMax = 4;
 [[nodiscard]] constexpr int artnet_wire_universe(int port_address) { return port_address + 1; }
 
 struct ArtnetDmx {
-  std::uint8_t sequence = 0;   // 1 to 255; 0: the sender does not number its frames
-  std::uint8_t physical = 0;   // input that the frame came from, for information
-  int port_address = 0;        // 0 to 0x7FFF: net (7 bits), sub-net (4), universe (4)
+  std::uint8_t sequence = 0;            // 1 to 255; 0: the sender does not number its frames
+  std::uint8_t physical = 0;            // input that the frame came from, for information
+  int port_address = 0;                 // 0 to 0x7FFF: net (7 bits), sub-net (4), universe (4)
   std::span<const std::uint8_t> slots;  // 1 to 512 as read; an even number from 2 to 512 as written
 };
 
@@ -66,23 +66,23 @@ enum class ArtnetFault {
 [[nodiscard]] tl::expected<ArtnetPacket, ArtnetFault> parse_artnet_packet(std::span<const std::uint8_t> datagram);
 [[nodiscard]] Result<ArtnetPacket> parse_artnet(std::span<const std::uint8_t> datagram);
 
-// Writes ArtDmx and returns its size in octets. The slots are padded with a zero to an even number, and to two at least.
-// Checked (FL_CHECK): port address, at most 512 slots, `out` large enough.
+// Writes ArtDmx and returns its size in octets. The slots are padded with a zero to an even number, and to two at
+// least. Checked (FL_CHECK): port address, at most 512 slots, `out` large enough.
 std::size_t build_artnet_dmx(const ArtnetDmx& dmx, std::span<std::uint8_t> out);
 
 // What this program tells about up to four of its ports. They share net and sub-net (the upper 11 bits).
 struct ArtnetPollReply {
-  std::array<std::uint8_t, 4> ip = {};   // ours, as the asker reaches it
+  std::array<std::uint8_t, 4> ip = {};  // ours, as the asker reaches it
   std::array<std::uint8_t, 6> mac = {};
-  std::string_view short_name;           // at most 17 octets go out
-  std::string_view long_name;            // at most 63
-  std::string_view report;               // "#0001 [count] text", at most 63
-  std::uint8_t bind_index = 1;           // 1 for the first four ports, 2 for the next, up to 255
+  std::string_view short_name;  // at most 17 octets go out
+  std::string_view long_name;   // at most 63
+  std::string_view report;      // "#0001 [count] text", at most 63
+  std::uint8_t bind_index = 1;  // 1 for the first four ports, 2 for the next, up to 255
   struct Port {
     int port_address = 0;
     bool active = false;  // frames have come for it lately
   };
-  std::span<const Port> ports;           // 1 to 4
+  std::span<const Port> ports;  // 1 to 4
 };
 
 // Returns kArtnetPollReplyBytes.

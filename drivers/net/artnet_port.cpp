@@ -56,8 +56,8 @@ ArtnetSource::ArtnetSource(const ArtnetSourceOptions& options)
   for (const auto& [upper, places] : by_net_and_subnet) {
     for (std::size_t first = 0; first < places.size(); first += kArtnetReplyPortsMax) {
       const std::size_t last = std::min(first + kArtnetReplyPortsMax, places.size());
-      groups_.push_back({{places.begin() + static_cast<std::ptrdiff_t>(first),
-                          places.begin() + static_cast<std::ptrdiff_t>(last)}});
+      groups_.push_back(
+          {{places.begin() + static_cast<std::ptrdiff_t>(first), places.begin() + static_cast<std::ptrdiff_t>(last)}});
     }
   }
 }
@@ -90,8 +90,8 @@ void ArtnetSource::take_dmx(const ArtnetDmx& dmx, const Datagram& datagram, Time
     ++details_.other_universe;
     return;
   }
-  // Sinks of this program send from a port of their own; the address is checked too, as another machine may use the same
-  // port. A datagram that left here comes back from the address that it arrives at.
+  // Sinks of this program send from a port of their own; the address is checked too, as another machine may use the
+  // same port. A datagram that left here comes back from the address that it arrives at.
   if (options_.own_senders && options_.own_senders->has_udp_port(datagram.from_udp_port) &&
       datagram.from_ipv4 == datagram.local_ipv4) {
     ++details_.own;
@@ -99,8 +99,8 @@ void ArtnetSource::take_dmx(const ArtnetDmx& dmx, const Datagram& datagram, Time
   }
   const auto at = static_cast<std::size_t>(place);
   const SenderId sender = sender_hash(octets_of(datagram.from_ipv4));
-  if (dmx.sequence != 0 && filters_[at].judge(sender, dmx.sequence, false, false, stamp_ns) ==
-                               SequenceFilter::Verdict::kLate) {
+  if (dmx.sequence != 0 &&
+      filters_[at].judge(sender, dmx.sequence, false, false, stamp_ns) == SequenceFilter::Verdict::kLate) {
     ++details_.late;
     return;
   }
@@ -169,9 +169,10 @@ Result<std::unique_ptr<ArtnetSink>> ArtnetSink::create(const ArtnetSinkOptions& 
   if (!options.address.empty()) {
     FL_ASSIGN(destination, parse_ipv4(options.name, options.address));
   } else if (destination == 0) {
-    return fail(ErrorCode::kNotFound,
-                "{}: no network interface with a broadcast address is up; say where to send, as in \"artnet:1-9@10.0.0.255\"",
-                options.name);
+    return fail(
+        ErrorCode::kNotFound,
+        "{}: no network interface with a broadcast address is up; say where to send, as in \"artnet:1-9@10.0.0.255\"",
+        options.name);
   }
   if (const int error_number = route_error(destination, wanted.interface_index); error_number != 0) {
     return tl::unexpected(net_error(options.name, fmt::format("send to {}", text_of_ipv4(destination)), error_number));

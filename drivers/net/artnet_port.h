@@ -17,7 +17,7 @@ struct ArtnetSourceDetails {
   std::uint64_t other_universe = 0;
   std::uint64_t other_interface = 0;
   std::uint64_t own = 0;
-  std::uint64_t polls = 0;        // ArtPoll
+  std::uint64_t polls = 0;  // ArtPoll
   std::uint64_t polls_answered = 0;
   std::uint64_t sync = 0;
   std::uint64_t other_op_code = 0;

@@ -1,11 +1,12 @@
 // Ports on the network: sACN (ANSI E1.31-2018) and Art-Net 4, in and out.
 //
-// A port is made from options and then belongs to the pump's thread; nothing in here starts a thread or blocks. Time comes
-// in with poll() and send(); the only clock asked is the one that the kernel stamps datagrams with, and only for how long a
-// datagram had to wait.
+// A port is made from options and then belongs to the pump's thread; nothing in here starts a thread or blocks. Time
+// comes in with poll() and send(); the only clock asked is the one that the kernel stamps datagrams with, and only for
+// how long a datagram had to wait.
 //
-// Universe numbers on the wire (WireUniverse::wire) count from 1 in both protocols. Art-Net itself counts port addresses from 0, so wire
-// universe 1 is Art-Net port address 0 (net 0, sub-net 0, universe 0), and wire universe 17 is net 0, sub-net 1, universe 0.
+// Universe numbers on the wire (WireUniverse::wire) count from 1 in both protocols. Art-Net itself counts port
+// addresses from 0, so wire universe 1 is Art-Net port address 0 (net 0, sub-net 0, universe 0), and wire universe 17
+// is net 0, sub-net 1, universe 0.
 #pragma once
 
 #include <array>
@@ -20,16 +21,16 @@
 
 namespace footlight::drivers {
 
-inline constexpr std::uint16_t kSacnPort = 5568;       // E1.31-2018 section 9.3.2
-inline constexpr std::uint16_t kArtnetPort = 6454;     // 0x1936
-inline constexpr int kArtnetUniverseMax = 32'768;      // 15 bits of port address, counted from 1
+inline constexpr std::uint16_t kSacnPort = 5568;    // E1.31-2018 section 9.3.2
+inline constexpr std::uint16_t kArtnetPort = 6454;  // 0x1936
+inline constexpr int kArtnetUniverseMax = 32'768;   // 15 bits of port address, counted from 1
 
 // Component identifier: names one sender on the network for good (E1.31-2018 section 5.6).
 using Cid = std::array<std::uint8_t, 16>;
 
 // The senders of this program. Give one to all network ports of a program and no source takes for input what a sink of
-// the same program sent (multicast and broadcast come back to the machine that sent them, which is how several programs on
-// one machine hear each other). Used on the pump's thread only. An entry stays after its sink has closed, since last
+// the same program sent (multicast and broadcast come back to the machine that sent them, which is how several programs
+// on one machine hear each other). Used on the pump's thread only. An entry stays after its sink has closed, since last
 // datagrams may still be on their way.
 class OwnSenders {
  public:
@@ -46,14 +47,14 @@ class OwnSenders {
 
 struct SacnSourceOptions {
   // Required.
-  std::string name;                      // the endpoint as the user wrote it; starts every error message
-  std::vector<WireUniverse> universes;   // 1 to 63'999 on both sides, no number twice
+  std::string name;                     // the endpoint as the user wrote it; starts every error message
+  std::vector<WireUniverse> universes;  // 1 to 63'999 on both sides, no number twice
   // Optional.
   std::string address;         // a local IPv4 address: take only unicast to it, join no group. Empty: every address
   std::string interface_name;  // join groups on this one only ("eth0"). Empty: on all that are up and can do multicast
   std::uint16_t port = kSacnPort;
-  bool hear_preview = false;   // pass on frames flagged as preview, meant for visualisers and not for the stage
-  bool kernel_stamps = true;   // stamp frames with their time of arrival in the kernel, else with the time of poll()
+  bool hear_preview = false;  // pass on frames flagged as preview, meant for visualisers and not for the stage
+  bool kernel_stamps = true;  // stamp frames with their time of arrival in the kernel, else with the time of poll()
   std::shared_ptr<OwnSenders> own_senders;  // null: echoes of this program's sinks are input like any other
 };
 
@@ -65,11 +66,11 @@ struct SacnSinkOptions {
   std::string address;         // send to this IPv4 address (unicast). Empty: to the multicast group of each universe
   std::string interface_name;  // leave through this one. Empty: where the routing table says
   std::uint16_t port = kSacnPort;
-  std::string source_name = "Footlight";   // UTF-8; at most 63 bytes go out, cut at a whole character
+  std::string source_name = "Footlight";     // UTF-8; at most 63 bytes go out, cut at a whole character
   std::uint8_t priority = kPriorityDefault;  // 0 to 200
-  bool preview = false;        // flag every frame as preview
-  double rate_hz_max = 0.0;    // what Sink::rate_hz_max() tells the pump; 0: as frames come
-  Cid cid = {};                // all zero: sacn_cid_of(options)
+  bool preview = false;                      // flag every frame as preview
+  double rate_hz_max = 0.0;                  // what Sink::rate_hz_max() tells the pump; 0: as frames come
+  Cid cid = {};                              // all zero: sacn_cid_of(options)
   std::shared_ptr<OwnSenders> own_senders;
 };
 
@@ -82,8 +83,8 @@ struct ArtnetSourceOptions {
   std::string interface_name;  // take only what arrives there. Empty: anywhere
   std::uint16_t port = kArtnetPort;
   std::uint8_t priority = kPriorityDefault;  // Art-Net has none; what its frames carry into the merge, 0 to 200
-  bool answer_polls = true;    // answer ArtPoll with ArtPollReply, so that consoles list this program
-  std::string node_name = "Footlight";  // in ArtPollReply; at most 17 and 63 bytes go out as short and long name
+  bool answer_polls = true;                  // answer ArtPoll with ArtPollReply, so that consoles list this program
+  std::string node_name = "Footlight";       // in ArtPollReply; at most 17 and 63 bytes go out as short and long name
   bool kernel_stamps = true;
   std::shared_ptr<OwnSenders> own_senders;
 };
@@ -93,30 +94,30 @@ struct ArtnetSinkOptions {
   std::string name;
   std::vector<WireUniverse> universes;
   // Optional.
-  std::string address;         // unicast or directed broadcast. Empty: the broadcast address of interface_name, or of
-                               // the first interface that is up, is not loopback and has one
+  std::string address;  // unicast or directed broadcast. Empty: the broadcast address of interface_name, or of
+                        // the first interface that is up, is not loopback and has one
   std::string interface_name;
   std::uint16_t port = kArtnetPort;  // of the receiver
   double rate_hz_max = 0.0;
   std::shared_ptr<OwnSenders> own_senders;
 };
 
-// Errors: kBadInput (universes, address, priority), kNotFound (interface), kPermission, kIo (port taken, no route). Each
-// message begins with options.name and ends with the next step.
+// Errors: kBadInput (universes, address, priority), kNotFound (interface), kPermission, kIo (port taken, no route).
+// Each message begins with options.name and ends with the next step.
 [[nodiscard]] Result<std::unique_ptr<Source>> make_sacn_source(const SacnSourceOptions& options);
 [[nodiscard]] Result<std::unique_ptr<Sink>> make_sacn_sink(const SacnSinkOptions& options);
 [[nodiscard]] Result<std::unique_ptr<Source>> make_artnet_source(const ArtnetSourceOptions& options);
 [[nodiscard]] Result<std::unique_ptr<Sink>> make_artnet_sink(const ArtnetSinkOptions& options);
 
-// The same from the words of an endpoint whose scheme is sacn or artnet (kBadInput for any other), with the defaults above
-// for what an endpoint does not say.
+// The same from the words of an endpoint whose scheme is sacn or artnet (kBadInput for any other), with the defaults
+// above for what an endpoint does not say.
 [[nodiscard]] Result<std::unique_ptr<Source>> make_net_source(const Endpoint& endpoint,
                                                               std::shared_ptr<OwnSenders> own_senders);
 [[nodiscard]] Result<std::unique_ptr<Sink>> make_net_sink(const Endpoint& endpoint,
                                                           std::shared_ptr<OwnSenders> own_senders);
 
-// The CID that a sink takes by default: the same after every start on this machine, another one on every other machine, for
-// every other source name and for every other endpoint. A UUID of version 8 (RFC 9562) over a 64-bit digest of
+// The CID that a sink takes by default: the same after every start on this machine, another one on every other machine,
+// for every other source name and for every other endpoint. A UUID of version 8 (RFC 9562) over a 64-bit digest of
 // /etc/machine-id (the host name where there is none), which is as good as secret and so is not sent itself.
 [[nodiscard]] Cid sacn_cid_of(const SacnSinkOptions& options);
 [[nodiscard]] Cid sacn_cid(std::string_view machine, std::string_view source_name, std::string_view endpoint);

@@ -101,10 +101,11 @@ void NetSink::transmit(TimeNs now_ns) {
   }
   if (sent.error_number != 0 && !full) {
     ++counters_.errors;
-    trouble_ = net_error(settings_.name,
-                         fmt::format("send to {}:{}", text_of_ipv4(destinations_[pending_[sent.count]]),
-                                     settings_.udp_port),
-                         sent.error_number).message;
+    trouble_ =
+        net_error(settings_.name,
+                  fmt::format("send to {}:{}", text_of_ipv4(destinations_[pending_[sent.count]]), settings_.udp_port),
+                  sent.error_number)
+            .message;
   } else if (sent.count > 0) {
     trouble_.clear();
     has_sent_ = true;

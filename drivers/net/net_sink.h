@@ -16,8 +16,8 @@
 
 namespace footlight::drivers {
 
-// After a change the same levels go out this many times more, so that a lost datagram does not leave a stale look, and then
-// at the pace of the keep-alive (E1.31-2018 section 6.6.2 asks for three, and for 800 to 1000 ms).
+// After a change the same levels go out this many times more, so that a lost datagram does not leave a stale look, and
+// then at the pace of the keep-alive (E1.31-2018 section 6.6.2 asks for three, and for 800 to 1000 ms).
 inline constexpr int kRepeats = 3;
 inline constexpr DurationNs kRepeatIntervalNs = 25 * kNsPerMs;
 inline constexpr DurationNs kKeepAliveNs = 900 * kNsPerMs;
@@ -71,9 +71,9 @@ class NetSink : public Sink {
     Slots slots = {};
     std::size_t slot_count = 0;  // the longest frame so far
     int repeats_left = 0;
-    bool known = false;   // has had a frame
-    bool unsent = false;  // its newest levels were refused by the system and have not left yet
-    bool pending = false; // is in pending_
+    bool known = false;    // has had a frame
+    bool unsent = false;   // its newest levels were refused by the system and have not left yet
+    bool pending = false;  // is in pending_
   };
 
   // An interface that has gone and come back has another number; finds it again by its name.

@@ -12,8 +12,8 @@ namespace footlight::drivers {
 namespace {
 
 constexpr std::uint64_t kWatchTag = UINT64_MAX;
-// Of one poll() and socket. What is left makes the descriptor readable again at once, so a flood on one port does not keep
-// the pump from the others.
+// Of one poll() and socket. What is left makes the descriptor readable again at once, so a flood on one port does not
+// keep the pump from the others.
 constexpr int kBatchesMax = 16;
 
 bool watch_readable(const Fd& epoll, int fd, std::uint64_t tag) {
@@ -134,8 +134,10 @@ Status NetSource::join_missing() {
     }
   }
   if (wanted.empty()) {
-    join_trouble_ = fmt::format("{}: no network interface is up and can do multicast; connect one, or send to this machine "
-                                "by unicast", settings_.name);
+    join_trouble_ = fmt::format(
+        "{}: no network interface is up and can do multicast; connect one, or send to this machine "
+        "by unicast",
+        settings_.name);
   }
   for (const int interface_index : wanted) {
     if (joined_interfaces_.count(interface_index) != 0) continue;

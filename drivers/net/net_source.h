@@ -1,5 +1,5 @@
-// What sACN and Art-Net sources have in common: shared sockets, batched reading, groups joined on interfaces as they come
-// and go. A protocol derives from it and says what a datagram means.
+// What sACN and Art-Net sources have in common: shared sockets, batched reading, groups joined on interfaces as they
+// come and go. A protocol derives from it and says what a datagram means.
 #pragma once
 
 #include <memory>
@@ -92,7 +92,7 @@ class NetSource : public Source {
   InterfaceWatch watch_;
   DatagramReader reader_;
   PortCounters counters_;
-  std::string join_trouble_;  // why a group could not be joined; empty: all were
+  std::string join_trouble_;       // why a group could not be joined; empty: all were
   TimeNs heard_ns_ = -kTimeNever;  // newest frame
   TimeNs polled_ns_ = 0;
 };

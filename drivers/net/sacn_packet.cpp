@@ -195,8 +195,8 @@ std::size_t build_sacn_data(const SacnData& data, std::span<std::uint8_t> out) {
   std::copy(name.begin(), name.end(), packet.begin() + kAtName);
   packet[kAtPriority] = data.priority;
   write_u16_be(packet, kAtSyncUniverse, static_cast<std::uint16_t>(data.sync_universe));
-  packet[kAtOptions] = static_cast<std::uint8_t>((data.preview ? kOptionPreview : 0) |
-                                                 (data.force_sync ? kOptionForceSync : 0));
+  packet[kAtOptions] =
+      static_cast<std::uint8_t>((data.preview ? kOptionPreview : 0) | (data.force_sync ? kOptionForceSync : 0));
   write_u16_be(packet, kAtUniverse, static_cast<std::uint16_t>(data.universe));
   packet[kAtDmpVector] = kDmpVectorSet;
   packet[kAtDmpAddressType] = kDmpAddressType;
@@ -215,8 +215,8 @@ std::size_t update_sacn_data(std::span<std::uint8_t> packet, std::uint8_t sequen
   write_length(used, kAtDmpLength);
   write_u16_be(used, kAtDmpCount, static_cast<std::uint16_t>(slots.size() + 1));
   used[kAtSequence] = sequence;
-  used[kAtOptions] = static_cast<std::uint8_t>((used[kAtOptions] & ~kOptionTerminated) |
-                                               (terminated ? kOptionTerminated : 0));
+  used[kAtOptions] =
+      static_cast<std::uint8_t>((used[kAtOptions] & ~kOptionTerminated) | (terminated ? kOptionTerminated : 0));
   std::copy(slots.begin(), slots.end(), used.begin() + kSacnDataHeaderBytes);
   return size;
 }

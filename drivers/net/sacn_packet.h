@@ -1,8 +1,8 @@
 // The packets of ANSI E1.31-2018 as bytes: no socket, no clock, no memory of its own.
 //
-// A data packet is 126 octets of header and 0 to 512 levels, all numbers big endian. Three layers lie inside one another;
-// each begins with a length that counts from its own first octet to the end of the packet (0x7000 | length). parse_sacn()
-// holds every length against the size of the datagram and believes none.
+// A data packet is 126 octets of header and 0 to 512 levels, all numbers big endian. Three layers lie inside one
+// another; each begins with a length that counts from its own first octet to the end of the packet (0x7000 | length).
+// parse_sacn() holds every length against the size of the datagram and believes none.
 #pragma once
 
 #include <array>
@@ -23,25 +23,25 @@ inline constexpr std::size_t kSacnDataHeaderBytes = 126;  // with the start code
 inline constexpr std::size_t kSacnDataBytesMax = kSacnDataHeaderBytes + kSlotCountMax;
 inline constexpr std::size_t kSacnSyncBytes = 49;
 inline constexpr std::size_t kSacnDiscoveryHeaderBytes = 120;
-inline constexpr int kSacnDiscoveryUniversesMax = 512;    // of one page
+inline constexpr int kSacnDiscoveryUniversesMax = 512;  // of one page
 inline constexpr int kSacnDiscoveryUniverse = 64'214;
-inline constexpr std::size_t kSacnSourceNameBytes = 64;   // with the closing zero
+inline constexpr std::size_t kSacnSourceNameBytes = 64;  // with the closing zero
 inline constexpr std::uint8_t kStartCodeLevels = 0x00;
 inline constexpr std::uint8_t kStartCodePriority = 0xDD;  // per-address priority
 
 // One data packet. The views look into the datagram (parsed) or into the caller's memory (to be built).
 struct SacnData {
   Cid cid = {};
-  std::string_view source_name;            // UTF-8, without the closing zero
+  std::string_view source_name;              // UTF-8, without the closing zero
   std::uint8_t priority = kPriorityDefault;  // 0 to 200
-  int sync_universe = 0;                   // 0: not synchronised, else 1 to 63'999
+  int sync_universe = 0;                     // 0: not synchronised, else 1 to 63'999
   std::uint8_t sequence = 0;
-  bool preview = false;                    // options bit 7
-  bool terminated = false;                 // options bit 6; the levels mean nothing then
-  bool force_sync = false;                 // options bit 5: go on unsynchronised when synchronisation is lost
-  int universe = 0;                        // 1 to 63'999
+  bool preview = false;     // options bit 7
+  bool terminated = false;  // options bit 6; the levels mean nothing then
+  bool force_sync = false;  // options bit 5: go on unsynchronised when synchronisation is lost
+  int universe = 0;         // 1 to 63'999
   std::uint8_t start_code = kStartCodeLevels;
-  std::span<const std::uint8_t> slots;     // 0 to 512
+  std::span<const std::uint8_t> slots;  // 0 to 512
 };
 
 struct SacnSync {
@@ -53,8 +53,8 @@ struct SacnSync {
 struct SacnDiscovery {
   Cid cid = {};
   std::string_view source_name;
-  int page = 0;       // 0 to last_page
-  int last_page = 0;  // 0 to 255
+  int page = 0;                                // 0 to last_page
+  int last_page = 0;                           // 0 to 255
   std::span<const std::uint8_t> universes_be;  // two octets each, big endian, as on the wire
 
   [[nodiscard]] std::size_t universe_count() const { return universes_be.size() / 2; }
@@ -67,16 +67,16 @@ using SacnPacket = std::variant<SacnData, SacnSync, SacnDiscovery>;
 
 // Why a datagram is no sACN packet. Plain values, since a port under a flood of rubbish must not build strings.
 enum class SacnFault {
-  kTooShort,         // shorter than the headers it announces
-  kNotAcn,           // preamble, postamble or ACN packet identifier differ
-  kLength,           // a layer's length disagrees with the size of the datagram
-  kVector,           // an unknown kind of packet
-  kPropertyFormat,   // address type, first address or increment other than E1.31 has them
-  kSlotCount,        // no start code, or more than 512 slots
-  kUniverse,         // outside 1 to 63'999
-  kSyncUniverse,     // the same for the synchronisation address
-  kPriority,         // above 200
-  kPage,             // a discovery page past the last page
+  kTooShort,        // shorter than the headers it announces
+  kNotAcn,          // preamble, postamble or ACN packet identifier differ
+  kLength,          // a layer's length disagrees with the size of the datagram
+  kVector,          // an unknown kind of packet
+  kPropertyFormat,  // address type, first address or increment other than E1.31 has them
+  kSlotCount,       // no start code, or more than 512 slots
+  kUniverse,        // outside 1 to 63'999
+  kSyncUniverse,    // the same for the synchronisation address
+  kPriority,        // above 200
+  kPage,            // a discovery page past the last page
 };
 [[nodiscard]] const char* text_of(SacnFault fault);
 
@@ -86,8 +86,8 @@ enum class SacnFault {
 // The same with the fault as an Error, for tools that show it. Code kProtocol.
 [[nodiscard]] Result<SacnPacket> parse_sacn(std::span<const std::uint8_t> datagram);
 
-// Writes a data packet and returns its size in octets. Checked (FL_CHECK): universe, priority, slot count, and `out` large
-// enough. A source name longer than 63 octets is cut at the last whole character.
+// Writes a data packet and returns its size in octets. Checked (FL_CHECK): universe, priority, slot count, and `out`
+// large enough. A source name longer than 63 octets is cut at the last whole character.
 std::size_t build_sacn_data(const SacnData& data, std::span<std::uint8_t> out);
 
 // A sink keeps each universe's packet and changes what differs from frame to frame. `packet` was written by

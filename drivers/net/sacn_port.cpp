@@ -112,8 +112,8 @@ Result<std::unique_ptr<SacnSink>> SacnSink::create(const SacnSinkOptions& option
 }
 
 SacnSink::SacnSink(const SacnSinkOptions& options, std::vector<std::uint32_t> destinations, Fd socket)
-    : NetSink({options.name, options.universes, options.interface_name, options.port, options.rate_hz_max}, std::move(destinations),
-              std::move(socket)),
+    : NetSink({options.name, options.universes, options.interface_name, options.port, options.rate_hz_max},
+              std::move(destinations), std::move(socket)),
       cid_(sacn_cid_of(options)),
       sequences_(options.universes.size(), 0) {
   for (std::size_t place = 0; place < options.universes.size(); ++place) {

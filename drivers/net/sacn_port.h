@@ -1,5 +1,5 @@
-// sACN in and out as ports of the pump. Made with make_sacn_source() and make_sacn_sink() in net.h; the classes are here for
-// what only sACN counts.
+// sACN in and out as ports of the pump. Made with make_sacn_source() and make_sacn_sink() in net.h; the classes are
+// here for what only sACN counts.
 #pragma once
 
 #include <memory>
@@ -24,8 +24,8 @@ struct SacnSourceDetails {
   std::uint64_t discovery = 0;
 };
 
-// Frames with a synchronisation address are passed on as they come, as E1.31-2018 section 6.2.4.1 has it for receivers that
-// do not synchronise.
+// Frames with a synchronisation address are passed on as they come, as E1.31-2018 section 6.2.4.1 has it for receivers
+// that do not synchronise.
 class SacnSource final : public NetSource {
  public:
   [[nodiscard]] static Result<std::unique_ptr<SacnSource>> create(const SacnSourceOptions& options);

@@ -21,8 +21,8 @@ class SequenceFilter {
 
   enum class Verdict { kNew, kLate, kEndedAlready };
 
-  // `equal_is_late`: sACN discards a repeated number, since the same datagram arrives once per interface that joined its
-  // group. Art-Net frames with a number that never moves are taken.
+  // `equal_is_late`: sACN discards a repeated number, since the same datagram arrives once per interface that joined
+  // its group. Art-Net frames with a number that never moves are taken.
   // kEndedAlready: the second and third of the three packets that say that a sender stops.
   Verdict judge(SenderId sender, std::uint8_t sequence, bool terminated, bool equal_is_late, TimeNs now_ns) {
     auto known = std::find_if(senders_.begin(), senders_.end(), [&](const Sender& s) { return s.id == sender; });

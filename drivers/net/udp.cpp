@@ -143,12 +143,11 @@ Error net_error(std::string_view port_name, std::string_view action, int error_n
       break;
     case ENETUNREACH:
     case EHOSTUNREACH:
-      next = "there is no route; name the interface to use, or give one: "
-             "'sudo ip route add 239.255.0.0/16 dev INTERFACE' for sACN";
+      next =
+          "there is no route; name the interface to use, or give one: "
+          "'sudo ip route add 239.255.0.0/16 dev INTERFACE' for sACN";
       break;
-    case ENETDOWN:
-      next = "the interface is down; run 'sudo ip link set INTERFACE up'";
-      break;
+    case ENETDOWN: next = "the interface is down; run 'sudo ip link set INTERFACE up'"; break;
     case ENODEV:
     case ENXIO:
       code = ErrorCode::kDisconnected;
@@ -162,9 +161,7 @@ Error net_error(std::string_view port_name, std::string_view action, int error_n
     case ENOMEM:
       next = "the system is out of network memory; carry fewer universes or raise net.ipv4.igmp_max_memberships";
       break;
-    default:
-      next = "see 'ip -4 address' and 'journalctl -k' for the state of the network";
-      break;
+    default: next = "see 'ip -4 address' and 'journalctl -k' for the state of the network"; break;
   }
   return {code, fmt::format("{}: cannot {}: {}; {}", port_name, action, std::strerror(error_number), next)};
 }
@@ -188,9 +185,9 @@ Result<Fd> open_receiver(const ReceiverSocket& wanted) {
   const sockaddr_in address = address_of(wanted.bind_ipv4, wanted.udp_port);
   if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     const int error_number = errno;
-    return tl::unexpected(net_error(
-        wanted.port_name, fmt::format("listen on UDP {}:{}", text_of_ipv4(wanted.bind_ipv4), wanted.udp_port),
-        error_number));
+    return tl::unexpected(net_error(wanted.port_name,
+                                    fmt::format("listen on UDP {}:{}", text_of_ipv4(wanted.bind_ipv4), wanted.udp_port),
+                                    error_number));
   }
   return socket;
 }
@@ -289,7 +286,8 @@ int DatagramReader::read(int fd) {
     msghdr& header = buffers_->messages[i].msg_hdr;
     Datagram& datagram = datagrams_[i];
     datagram = {};
-    datagram.bytes = std::span(buffers_->data[i]).first(std::min<std::size_t>(buffers_->messages[i].msg_len, kDatagramBytesMax));
+    datagram.bytes =
+        std::span(buffers_->data[i]).first(std::min<std::size_t>(buffers_->messages[i].msg_len, kDatagramBytesMax));
     datagram.truncated = (header.msg_flags & MSG_TRUNC) != 0;
     datagram.from_ipv4 = ntohl(buffers_->senders[i].sin_addr.s_addr);
     datagram.from_udp_port = ntohs(buffers_->senders[i].sin_port);
@@ -354,7 +352,8 @@ DatagramWriter::Sent DatagramWriter::flush(int fd) {
   return sent;
 }
 
-InterfaceWatch::InterfaceWatch() : socket_(::socket(AF_NETLINK, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, NETLINK_ROUTE)) {
+InterfaceWatch::InterfaceWatch()
+    : socket_(::socket(AF_NETLINK, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, NETLINK_ROUTE)) {
   if (!socket_) return;
   sockaddr_nl address = {};
   address.nl_family = AF_NETLINK;

@@ -1,5 +1,5 @@
-// Sockets: opening them with errors that people can act on, and moving datagrams in batches. The one place of drivers/net
-// that calls the operating system. IPv4 addresses are numbers in host byte order here.
+// Sockets: opening them with errors that people can act on, and moving datagrams in batches. The one place of
+// drivers/net that calls the operating system. IPv4 addresses are numbers in host byte order here.
 #pragma once
 
 #include <array>
@@ -60,13 +60,13 @@ struct Interface {
 
 struct ReceiverSocket {
   std::string_view port_name;
-  std::uint32_t bind_ipv4 = 0;   // 0: any
+  std::uint32_t bind_ipv4 = 0;  // 0: any
   std::uint16_t udp_port = 0;
   bool kernel_stamps = true;
-  bool packet_info = false;      // fill Datagram::local_ipv4 and interface_index
+  bool packet_info = false;  // fill Datagram::local_ipv4 and interface_index
 };
-// Non-blocking, shares its port with every other program that shares it, receive buffer of 4 MiB or what the system allows.
-// Hears only the groups that it joins itself.
+// Non-blocking, shares its port with every other program that shares it, receive buffer of 4 MiB or what the system
+// allows. Hears only the groups that it joins itself.
 [[nodiscard]] Result<Fd> open_receiver(const ReceiverSocket& wanted);
 
 struct SenderSocket {

@@ -115,10 +115,9 @@ TEST_CASE("Wireshark reads our ArtDmx as we meant it") {
   dmx.sequence = 200;
   dmx.port_address = 0x1234;
   dmx.slots = slots;
-  const auto fields =
-      testing::dissect(built(dmx), kArtnetPort,
-                       {"artnet.header.opcode", "artnet.header.protver", "artnet.output.sequence",
-                        "artnet.output.universe", "artnet.output.length", "_ws.malformed"});
+  const auto fields = testing::dissect(built(dmx), kArtnetPort,
+                                       {"artnet.header.opcode", "artnet.header.protver", "artnet.output.sequence",
+                                        "artnet.output.universe", "artnet.output.length", "_ws.malformed"});
   if (!fields) return;
   CHECK(fields->at("artnet.header.opcode") == "0x5000");
   CHECK(fields->at("artnet.header.protver") == "14");

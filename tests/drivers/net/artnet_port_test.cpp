@@ -194,10 +194,13 @@ TEST_CASE("an ArtPoll is answered with every port of the source, at most four of
 TEST_CASE("wrong Art-Net options are refused with a message that names the port and the next step") {
   if (!enter_private_network()) return;
   const auto message = [](const auto& result) { return result ? std::string("accepted") : result.error().message; };
-  CHECK(message(ArtnetSource::create(source_options({{32'769, 1}}))).find("from 1 to 32768, got 32769") != std::string::npos);
+  CHECK(message(ArtnetSource::create(source_options({{32'769, 1}}))).find("from 1 to 32768, got 32769") !=
+        std::string::npos);
   CHECK(message(ArtnetSink::create(sink_options({{1, 1}}, ""))).find("say where to send, as in") != std::string::npos);
-  CHECK(message(ArtnetSink::create(sink_options({{1, 1}}, "10.0.0"))).find("expected an IPv4 address") != std::string::npos);
-  CHECK(message(ArtnetSink::create(sink_options({{1, 1}}, "10.0.0.255"))).find("there is no route") != std::string::npos);
+  CHECK(message(ArtnetSink::create(sink_options({{1, 1}}, "10.0.0"))).find("expected an IPv4 address") !=
+        std::string::npos);
+  CHECK(message(ArtnetSink::create(sink_options({{1, 1}}, "10.0.0.255"))).find("there is no route") !=
+        std::string::npos);
 }
 
 }  // namespace footlight::drivers

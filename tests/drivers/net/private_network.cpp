@@ -76,9 +76,9 @@ bool enter_private_network(bool loopback_multicast) {
 bool add_interface(const char* name, const char* ipv4) {
   // rtnetlink would need a hundred lines here; iproute2 is on every machine that has network namespaces.
   const std::string peer = std::string(name) + "p";
-  const std::string command = std::string("ip link add ") + name + " type veth peer name " + peer + " && ip address add " +
-                              ipv4 + "/24 brd + dev " + name + " && ip link set " + peer + " up && ip link set " + name +
-                              " up";
+  const std::string command = std::string("ip link add ") + name + " type veth peer name " + peer +
+                              " && ip address add " + ipv4 + "/24 brd + dev " + name + " && ip link set " + peer +
+                              " up && ip link set " + name + " up";
   if (std::system((command + " 2>/dev/null").c_str()) == 0) return true;
   std::fprintf(stderr, "SKIPPED: cannot add an interface: %s\n", command.c_str());
   return false;

@@ -141,17 +141,17 @@ TEST_CASE("each broken field of a data packet is refused for its own reason") {
     std::uint8_t value;
     SacnFault fault;
   };
-  for (const Case& c : {
-           Case{"preamble", 1, 0x11, SacnFault::kNotAcn}, Case{"identifier", 12, '8', SacnFault::kNotAcn},
-           Case{"root flags", 16, 0x62, SacnFault::kLength}, Case{"root length", 17, 0x6F, SacnFault::kLength},
-           Case{"root vector", 21, 5, SacnFault::kVector}, Case{"framing length", 39, 0x57, SacnFault::kLength},
-           Case{"framing vector", 43, 3, SacnFault::kVector}, Case{"priority", 108, 201, SacnFault::kPriority},
-           Case{"sync universe", 109, 0xFA, SacnFault::kSyncUniverse}, Case{"universe", 113, 0xFA, SacnFault::kUniverse},
-           Case{"DMP length", 116, 0x0A, SacnFault::kLength}, Case{"DMP vector", 117, 3, SacnFault::kVector},
-           Case{"address type", 118, 0xA2, SacnFault::kPropertyFormat},
-           Case{"first address", 120, 1, SacnFault::kPropertyFormat},
-           Case{"increment", 122, 2, SacnFault::kPropertyFormat}, Case{"count", 124, 0x00, SacnFault::kLength},
-           Case{"count above 513", 123, 0x03, SacnFault::kSlotCount}}) {
+  for (const Case& c :
+       {Case{"preamble", 1, 0x11, SacnFault::kNotAcn}, Case{"identifier", 12, '8', SacnFault::kNotAcn},
+        Case{"root flags", 16, 0x62, SacnFault::kLength}, Case{"root length", 17, 0x6F, SacnFault::kLength},
+        Case{"root vector", 21, 5, SacnFault::kVector}, Case{"framing length", 39, 0x57, SacnFault::kLength},
+        Case{"framing vector", 43, 3, SacnFault::kVector}, Case{"priority", 108, 201, SacnFault::kPriority},
+        Case{"sync universe", 109, 0xFA, SacnFault::kSyncUniverse}, Case{"universe", 113, 0xFA, SacnFault::kUniverse},
+        Case{"DMP length", 116, 0x0A, SacnFault::kLength}, Case{"DMP vector", 117, 3, SacnFault::kVector},
+        Case{"address type", 118, 0xA2, SacnFault::kPropertyFormat},
+        Case{"first address", 120, 1, SacnFault::kPropertyFormat},
+        Case{"increment", 122, 2, SacnFault::kPropertyFormat}, Case{"count", 124, 0x00, SacnFault::kLength},
+        Case{"count above 513", 123, 0x03, SacnFault::kSlotCount}}) {
     CAPTURE(c.what);
     Bytes bad = good;
     bad[c.at] = c.value;

@@ -177,11 +177,11 @@ TEST_CASE("sequence numbers from 0 to 19 behind are discarded, 20 behind and any
   HandSender elsewhere(2);
   KeepingReceiver receiver;
   sender.send(100);
-  sender.send(95);      // late
-  other.send(95);       // another sender counts for itself
-  elsewhere.send(95);   // so does another universe of the same sender
-  sender.send(100);     // doubled
-  sender.send(80);      // a restart, as far as one can tell
+  sender.send(95);     // late
+  other.send(95);      // another sender counts for itself
+  elsewhere.send(95);  // so does another universe of the same sender
+  sender.send(100);    // doubled
+  sender.send(80);     // a restart, as far as one can tell
   REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() >= 4; }));
   CHECK(receiver.frames.size() == 4);
   CHECK(source->details().late == 2);
@@ -431,7 +431,8 @@ TEST_CASE("a kernel stamp is not later than the poll and tells how long the data
   auto source = must(SacnSource::create(options));
   HandSender sender(1);
   KeepingReceiver receiver;
-  // The kernel switches stamping on a moment after the first socket asks; datagrams of before then have the time of poll().
+  // The kernel switches stamping on a moment after the first socket asks; datagrams of before then have the time of
+  // poll().
   bool stamped = false;
   for (int i = 0; i < 200 && !stamped; ++i) {
     sender.send(static_cast<std::uint8_t>(i));
@@ -505,8 +506,10 @@ TEST_CASE("wrong options are refused with a message that names the port and the 
   CHECK(message(SacnSource::create(source_options({}))).find("no universe is named") != std::string::npos);
   CHECK(message(SacnSource::create(source_options({{0, 1}}))).find("from 1 to 63999, got 0") != std::string::npos);
   CHECK(message(SacnSource::create(source_options({{64'000, 1}}))).find("got 64000") != std::string::npos);
-  CHECK(message(SacnSource::create(source_options({{1, 1}, {1, 2}}))).find("universe 1 is named twice") != std::string::npos);
-  CHECK(message(SacnSource::create(source_options({{1, 5}, {2, 5}}))).find("universe 5 is named twice") != std::string::npos);
+  CHECK(message(SacnSource::create(source_options({{1, 1}, {1, 2}}))).find("universe 1 is named twice") !=
+        std::string::npos);
+  CHECK(message(SacnSource::create(source_options({{1, 5}, {2, 5}}))).find("universe 5 is named twice") !=
+        std::string::npos);
 
   auto in = source_options({{1, 1}});
   in.interface_name = "eht7";
@@ -515,7 +518,8 @@ TEST_CASE("wrong options are refused with a message that names the port and the 
   CHECK(refused.error().code == ErrorCode::kNotFound);
   in = source_options({{1, 1}});
   in.address = "house";
-  CHECK(message(SacnSource::create(in)).find("expected an IPv4 address such as 10.0.0.5, got \"house\"") != std::string::npos);
+  CHECK(message(SacnSource::create(in)).find("expected an IPv4 address such as 10.0.0.5, got \"house\"") !=
+        std::string::npos);
   in.address = "10.1.2.3";
   CHECK(message(SacnSource::create(in)).find("this machine does not have that address") != std::string::npos);
 

@@ -61,14 +61,15 @@ std::optional<std::map<std::string, std::string>> dissect(std::span<const std::u
   if (mkdtemp(folder_name.data()) == nullptr) return std::nullopt;
   const std::filesystem::path folder(folder_name);
   write_capture(folder / "one.pcap", datagram, port);
-  std::string command =
-      "tshark -r " + (folder / "one.pcap").string() + " --enable-heuristic acn -o acn.dmx_enable:TRUE -T fields -E separator='|'";
+  std::string command = "tshark -r " + (folder / "one.pcap").string() +
+                        " --enable-heuristic acn -o acn.dmx_enable:TRUE -T fields -E separator='|'";
   for (const auto& field : fields) command += " -e " + field;
   command += " 2> " + (folder / "errors").string();
   std::string output;
   if (FILE* const pipe = popen(command.c_str(), "r"); pipe != nullptr) {
     std::array<char, 4096> buffer;
-    for (std::size_t size; (size = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) output.append(buffer.data(), size);
+    for (std::size_t size; (size = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
+      output.append(buffer.data(), size);
     pclose(pipe);
   }
   std::filesystem::remove_all(folder);
