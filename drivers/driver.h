@@ -58,7 +58,12 @@ struct PortRequest {
   bool blackout_on_exit = false;
   // Start although the device is not plugged in; the port is kGone until it comes.
   bool wait_for_device = false;
+  // Port::name(): the endpoint as the user wrote it. Empty: built from scheme and target.
+  std::string name = {};
 };
+
+// What a port opened by this request is called.
+[[nodiscard]] std::string name_of(const PortRequest& request);
 
 struct DriverInfo {
   std::string_view id;         // the scheme of its endpoints, lower case: "enttec-pro"

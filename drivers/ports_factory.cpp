@@ -29,21 +29,24 @@ const DriverInfo* find_driver(std::string_view id) {
   return found == all.end() ? nullptr : *found;
 }
 
+std::string name_of(const PortRequest& request) {
+  if (!request.name.empty()) return request.name;
+  return request.target.empty() ? request.scheme : fmt::format("{}:{}", request.scheme, request.target);
+}
+
 bool has_driver(std::string_view scheme) { return find_driver(scheme) != nullptr; }
 
 Result<std::unique_ptr<Sink>> open_sink(const PortRequest& request, Clock& clock) {
   FL_ASSIGN(const DriverInfo* driver, driver_of(request));
   FL_TRY(check_universes(request));
-  if (driver->open_sink == nullptr)
-    return fail(ErrorCode::kUnsupported, "{}:{}: has no output", request.scheme, request.target);
+  if (driver->open_sink == nullptr) return fail(ErrorCode::kUnsupported, "{}: has no output", name_of(request));
   return driver->open_sink(request, clock);
 }
 
 Result<std::unique_ptr<Source>> open_source(const PortRequest& request, Clock& clock) {
   FL_ASSIGN(const DriverInfo* driver, driver_of(request));
   FL_TRY(check_universes(request));
-  if (driver->open_source == nullptr)
-    return fail(ErrorCode::kUnsupported, "{}:{}: has no input", request.scheme, request.target);
+  if (driver->open_source == nullptr) return fail(ErrorCode::kUnsupported, "{}: has no input", name_of(request));
   return driver->open_source(request, clock);
 }
 

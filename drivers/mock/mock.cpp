@@ -8,10 +8,10 @@ namespace {
 
 Result<EnttecProConfig> config_of(const PortRequest& request) {
   if (request.universes.size() != 1)
-    return fail(ErrorCode::kBadInput, "mock:{}: carries one universe, {} were asked for", request.target,
+    return fail(ErrorCode::kBadInput, "{}: carries one universe, {} were asked for", name_of(request),
                 request.universes.size());
   return EnttecProConfig{.universe = request.universes[0],
-                         .name = fmt::format("mock:{}", request.target),
+                         .name = name_of(request),
                          .blackout_on_exit = request.blackout_on_exit,
                          .wait_for_device = request.wait_for_device};
 }

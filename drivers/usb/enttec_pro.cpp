@@ -517,10 +517,10 @@ constexpr UsbModelId kModels[] = {
 
 Result<EnttecProConfig> config_of(const PortRequest& request) {
   if (request.universes.size() != 1)
-    return fail(ErrorCode::kBadInput, "enttec-pro:{}: carries one universe, {} were asked for", request.target,
+    return fail(ErrorCode::kBadInput, "{}: carries one universe, {} were asked for", name_of(request),
                 request.universes.size());
   return EnttecProConfig{.universe = request.universes[0],
-                         .name = request.target.empty() ? "enttec-pro" : fmt::format("enttec-pro:{}", request.target),
+                         .name = name_of(request),
                          .blackout_on_exit = request.blackout_on_exit,
                          .wait_for_device = request.wait_for_device};
 }
