@@ -228,13 +228,13 @@ TEST_CASE("every driver has a name of its own that fits into an endpoint") {
 TEST_CASE("the committed udev rules are those of the driver table") {
   CHECK_MESSAGE(
       text_of(fs::path(FOOTLIGHT_SOURCE_DIR) / "udev/70-footlight.rules") == udev_rules_text(),
-      "run: ninja -C build/dev list_udev_rules && build/dev/drivers/list_udev_rules > udev/70-footlight.rules");
+      "run: ninja -C build/dev list_udev_rules && build/dev/tools/list_udev_rules > udev/70-footlight.rules");
 }
 
 TEST_CASE("the committed hardware table is that of the driver table") {
   CHECK_MESSAGE(
       text_of(fs::path(FOOTLIGHT_SOURCE_DIR) / "docs/hardware.md").find(hardware_table_text()) != std::string::npos,
-      "put the output of this between its markers in docs/hardware.md: build/dev/drivers/list_udev_rules --hardware");
+      "put the output of this between its markers in docs/hardware.md: build/dev/tools/list_udev_rules --hardware");
 }
 
 TEST_CASE("udev rules never open a bare serial chip and never to everybody") {
