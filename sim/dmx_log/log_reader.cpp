@@ -241,8 +241,9 @@ struct LogReader::Impl {
     return FoundBlock{offset, *header};
   }
 
-  // The first block at or after `offset` that lies whole before data_end. What is skipped on the way is damage.
-  Result<std::optional<FoundBlock>> find_block(std::uint64_t offset) {
+  // The first block at or after `offset` that lies whole before data_end. What is skipped on the way is damage. A search
+  // goes no further than `search_end`.
+  Result<std::optional<FoundBlock>> find_block(std::uint64_t offset, std::uint64_t search_end = UINT64_MAX) {
     if (offset >= data_end) return std::nullopt;
     FL_ASSIGN(std::optional<FoundBlock> block, block_at(offset));
     if (block && block->end() <= data_end) return block;
@@ -254,6 +255,7 @@ struct LogReader::Impl {
         dmx_log::kBlockMagic >> 24};
     std::uint64_t from = offset + 1;
     while (from < data_end && data_end - from >= dmx_log::kBlockHeaderBytes) {
+      if (from >= search_end) return std::nullopt;
       window.resize(static_cast<std::size_t>(std::min<std::uint64_t>(kScanBytes, data_end - from)));
       FL_TRY(input->read(from, window));
       auto place = window.begin();
@@ -398,11 +400,13 @@ struct LogReader::Impl {
         restored.pop_back();
         before = was;
         time_ns = current.header.first_ns;
+        if (time_ns <= floor_ns) continue;
         fill(frame, decoder.states()[index], time_ns, true);
         frame.restored = true;
         return true;
       }
       if (const auto taken = step()) {
+        if (time_ns <= floor_ns) continue;  // only where damage has led seek() astray
         fill(frame, decoder.states()[taken->index], time_ns, taken->changed);
         return true;
       }
@@ -414,43 +418,55 @@ struct LogReader::Impl {
   void rewind() {
     at = first_block;
     time_ns = 0;
+    floor_ns = -1;
     restored.clear();
     decoder.clear();
   }
 
   Status seek(DurationNs target_ns) {
     rewind();
+    floor_ns = target_ns;
     // The last entry at or before the target; from there headers lead to the last such block.
     auto entry = std::upper_bound(entries.begin(), entries.end(), target_ns,
                                   [](DurationNs value, const dmx_log::IndexEntry& e) { return value < e.first_ns; });
     std::uint64_t end = data_end;  // blocks from here on are known to be of no use
-    while (entry != entries.begin()) {
-      --entry;
-      std::vector<FoundBlock> candidates;
-      std::uint64_t offset = entry->offset;
-      DurationNs newest_ns = 0;
-      while (offset < end) {
-        FL_ASSIGN(const std::optional<FoundBlock> block, find_block(offset));
-        if (!block || block->offset >= end || block->header.first_ns > target_ns) break;
-        offset = block->end();
-        if (block->header.first_ns < newest_ns) continue;  // runs backwards, as next_block() says
-        newest_ns = block->header.last_ns;
-        candidates.push_back(*block);
-      }
-      end = entry->offset;
-      for (; !candidates.empty(); candidates.pop_back()) {
-        FL_ASSIGN(const bool sound, load(candidates.back()));
-        if (!sound) continue;
-        current = candidates.back();
-        at = current.end();
-        time_ns = current.header.first_ns;
-        std::swap(decoder, loading);
+    while (end > first_block) {
+      // Before the first entry may lie a block, too, where bytes went missing and the index no longer fits.
+      const std::uint64_t from = entry == entries.begin() ? first_block : (--entry)->offset;
+      FL_ASSIGN(const bool found, load_last(from, end, target_ns));
+      if (found) {
         while (decoder.has_next() && decoder.next_time_ns() <= target_ns && step()) {
         }
         return {};
       }
+      if (from <= first_block) break;
+      end = std::min(end, from);
     }
     return {};
+  }
+
+  // Loads the last sound block that begins in the file from `from` to before `end` and in time at target_ns at the latest.
+  Result<bool> load_last(std::uint64_t from, std::uint64_t end, DurationNs target_ns) {
+    std::vector<FoundBlock> candidates;
+    DurationNs newest_ns = 0;
+    for (std::uint64_t offset = from; offset < end;) {
+      FL_ASSIGN(const std::optional<FoundBlock> block, find_block(offset, end));
+      if (!block || block->offset >= end || block->header.first_ns > target_ns) break;
+      offset = block->end();
+      if (block->header.first_ns < newest_ns) continue;  // runs backwards, as next_block() says
+      newest_ns = block->header.last_ns;
+      candidates.push_back(*block);
+    }
+    for (; !candidates.empty(); candidates.pop_back()) {
+      FL_ASSIGN(const bool sound, load(candidates.back()));
+      if (!sound) continue;
+      current = candidates.back();
+      at = current.end();
+      time_ns = current.header.first_ns;
+      std::swap(decoder, loading);
+      return true;
+    }
+    return false;
   }
 
   std::span<const LogLook> look() {
@@ -477,6 +493,7 @@ struct LogReader::Impl {
 
   std::uint64_t at = 0;        // where the next block is looked for
   DurationNs time_ns = 0;      // of the newest frame given
+  DurationNs floor_ns = -1;    // frames up to here are part of the look that seek() went to
   FoundBlock current;
   Bytes packed, raw;
   dmx_log::BlockDecoder decoder, loading;
