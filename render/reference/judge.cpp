@@ -96,8 +96,8 @@ LightRay light_ray(const JudgeBeam& beam, const Ray& ray) {
 
 bool is_finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-// The part of the ray with 0 <= z <= range inside the cone: `from` < `to`, or false. Relative to `base`, the point where
-// the ray is nearest the axis within the slab, so that the roots of far rays keep their digits.
+// The part of the ray with 0 <= z <= range inside the cone: `from` < `to`, or false. Relative to `base`, the point
+// where the ray is nearest the axis within the slab, so that the roots of far rays keep their digits.
 bool lit_interval(const JudgeBeam& beam, const LightRay& r, double t_min_m, double t_max_m, Wide& base, Wide& from,
                   Wide& to) {
   constexpr Wide kInfinity = std::numeric_limits<Wide>::infinity();
@@ -381,7 +381,8 @@ JudgedImage judge_image(const JudgeScene& scene, const View& view, int width, in
       double hits = 0;
       for (int x = 0; x < width; ++x) {
         const Ray ray = pixel_ray(view, width, height, x, y);
-        const auto at = (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) * 3;
+        const auto at =
+            (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) * 3;
         // Three times the pieces, or both passes would take the same nodes wherever the light is smooth, and their
         // difference would say nothing.
         const glm::dvec3 fine = radiance(scene, ray, options.tolerance / 100, 3, &hits);

@@ -1,9 +1,9 @@
 // The judge of pictures: the light model of docs/numerics.md by adaptive quadrature in double.
 //
-// It shares no formula with render/shaders/shared/beam.h: the integrand along the ray is written in stage space from the
-// definition of the beam, and Gauss-Kronrod 15 (Boost.Math) refines it until its own error estimate is below a tolerance.
-// Every picture is computed at a tolerance and again, from other pieces, at a hundredth of it; the difference is the
-// judge's stated error.
+// It shares no formula with render/shaders/shared/beam.h: the integrand along the ray is written in stage space from
+// the definition of the beam, and Gauss-Kronrod 15 (Boost.Math) refines it until its own error estimate is below a
+// tolerance. Every picture is computed at a tolerance and again, from other pieces, at a hundredth of it; the
+// difference is the judge's stated error.
 //
 // The model: single scattering in homogeneous haze, Henyey-Greenstein, diffuse boxes. Fixtures, boxes and beams do not
 // shade each other, and fixture bodies are left out of judged pictures.
@@ -49,8 +49,8 @@ struct JudgeScene {
   GoboTransmission gobo;         // empty: every gobo is open
 };
 
-// The scene of a rig as the walker's states have it. The walker is not stepped; it is taken by reference since the shared
-// functions are its members.
+// The scene of a rig as the walker's states have it. The walker is not stepped; it is taken by reference since the
+// shared functions are its members.
 [[nodiscard]] JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker,
                                      GoboTransmission gobo = {});
 

@@ -28,7 +28,9 @@ struct Plane {
   std::vector<double> value;
 
   Plane(int w, int h) : width(w), height(h), value(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)) {}
-  double& at(int x, int y) { return value[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)]; }
+  double& at(int x, int y) {
+    return value[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+  }
   double at(int x, int y) const {
     const int cx = std::clamp(x, 0, width - 1);
     const int cy = std::clamp(y, 0, height - 1);

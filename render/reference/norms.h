@@ -20,16 +20,17 @@ struct PictureNorms {
   std::int64_t nonfinite = 0;
 };
 
-// `picture` and `reference` have equal size > 0; values of `reference` are finite and >= 0. A reference that is all black
-// gives 0 for a black picture, infinity otherwise.
+// `picture` and `reference` have equal size > 0; values of `reference` are finite and >= 0. A reference that is all
+// black gives 0 for a black picture, infinity otherwise.
 [[nodiscard]] PictureNorms picture_norms(std::span<const float> picture, std::span<const double> reference);
 [[nodiscard]] PictureNorms picture_norms(const RadianceImage& picture, const RadianceImage& reference);
 
 // FLIP for screens: the mean difference that a viewer sees when flipping between two pictures, 0 to 1.
 //
-// Source: P. Andersson et al., FLIP: A Difference Evaluator for Alternating Images, HPG 2020. Assumes an sRGB screen with
-// D65 white, seen at `pixels_per_degree` (67.02: 3840 pixels on 0.7 m seen from 0.7 m, the paper's default), edges
-// continued by their last pixel, and the mean as the single number. Not checked against the authors' program to the digit.
+// Source: P. Andersson et al., FLIP: A Difference Evaluator for Alternating Images, HPG 2020. Assumes an sRGB screen
+// with D65 white, seen at `pixels_per_degree` (67.02: 3840 pixels on 0.7 m seen from 0.7 m, the paper's default), edges
+// continued by their last pixel, and the mean as the single number. Not checked against the authors' program to the
+// digit.
 inline constexpr double kFlipPixelsPerDegree = 67.02064327658225;
 
 struct FlipMap {

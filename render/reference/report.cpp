@@ -316,7 +316,7 @@ std::optional<double> order_of(const Curve& curve) {
     x_mean += std::log(p.cost);
     y_mean += std::log(p.error);
   }
-  if (n < 2) return std::nullopt;
+  if (n < 2 || points.back().cost < 1.1 * points.front().cost) return std::nullopt;
   x_mean /= n;
   y_mean /= n;
   double xx = 0, xy = 0;
@@ -324,7 +324,6 @@ std::optional<double> order_of(const Curve& curve) {
     xx += (std::log(p.cost) - x_mean) * (std::log(p.cost) - x_mean);
     xy += (std::log(p.cost) - x_mean) * (std::log(p.error) - y_mean);
   }
-  if (!(xx > 0)) return std::nullopt;
   return -xy / xx;
 }
 
@@ -382,8 +381,10 @@ std::string svg_plot(const PlotText& text, std::span<const Curve> curves) {
     const double decade_px = std::abs(scale.end_px - scale.start_px) / (scale.to - scale.from);
     const int label_every = std::max(1, static_cast<int>(std::ceil((across ? 40.0 : 22.0) / decade_px)));
     const auto line = [&](double at, const char* colour) {
-      svg += across ? fmt::format("<path d='M{:.1f} {:.1f}V{:.1f}' stroke='{}'/>\n", at, kTop, kTop + kPlotHeight, colour)
-                    : fmt::format("<path d='M{:.1f} {:.1f}H{:.1f}' stroke='{}'/>\n", kLeft, at, kLeft + kPlotWidth, colour);
+      svg += across ? fmt::format("<path d='M{:.1f} {:.1f}V{:.1f}' stroke='{}'/>\n", at, kTop, kTop + kPlotHeight,
+                                  colour)
+                    : fmt::format("<path d='M{:.1f} {:.1f}H{:.1f}' stroke='{}'/>\n", kLeft, at, kLeft + kPlotWidth,
+                                  colour);
     };
     for (int e = scale.from; e < scale.to && decade_px > 50; ++e) {
       for (int i = 2; i < 10; ++i) line(scale.at_log(e + std::log10(i)), "#f1f1f1");
@@ -414,7 +415,9 @@ std::string svg_plot(const PlotText& text, std::span<const Curve> curves) {
     const char* dash = i >= kColours.size() ? " stroke-dasharray='5 4'" : "";
     const std::vector<CurvePoint> points = by_cost(curves[i]);
     std::string path;
-    for (const CurvePoint& p : points) path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", x(p.cost), y(p.error));
+    for (const CurvePoint& p : points) {
+      path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", x(p.cost), y(p.error));
+    }
     if (points.size() > 1) {
       svg += fmt::format("<path d='{}' fill='none' stroke='{}' stroke-width='2' stroke-linejoin='round'{}/>\n", path,
                          colour, dash);
@@ -428,7 +431,8 @@ std::string svg_plot(const PlotText& text, std::span<const Curve> curves) {
           x(p.cost) + 7, y(p.error) - 6, colour, escaped(p.label));
     }
     const double legend_x = kLeft + kPlotWidth + 22;
-    svg += fmt::format("<path d='M{:.1f} {:.1f}h26' stroke='{}' stroke-width='2'{}/>\n", legend_x, legend_y, colour, dash);
+    svg += fmt::format("<path d='M{:.1f} {:.1f}h26' stroke='{}' stroke-width='2'{}/>\n", legend_x, legend_y, colour,
+                       dash);
     svg += marker(i, legend_x + 13, legend_y, colour);
     svg += fmt::format("<text x='{:.1f}' y='{:.1f}'{}>{}{}</text>\n", legend_x + 34, legend_y + 4,
                        points.empty() ? " fill='#999'" : "", escaped(curves[i].name),

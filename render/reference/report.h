@@ -66,8 +66,8 @@ struct Curve {
 };
 
 // One curve a method, in order of first appearance: error rel_l2 against ms_p50, error_max against ns_per_step. Failed
-// rows are not points; an error of 0 stands as kLeastError, so that it has a logarithm. Give rows of one scene, or of one
-// model, stiffness and frame rate.
+// rows are not points; an error of 0 stands as kLeastError, so that it has a logarithm. Give rows of one scene, or of
+// one model, stiffness and frame rate.
 inline constexpr double kLeastError = 1e-17;
 [[nodiscard]] std::vector<Curve> curves_of(std::span<const PictureRow> rows);
 [[nodiscard]] std::vector<Curve> curves_of(std::span<const TimeRow> rows);
@@ -82,12 +82,13 @@ struct PlotText {
 // A log-log plot of error against cost as an SVG file of its own; one colour a method, legend at the right.
 [[nodiscard]] std::string svg_plot(const PlotText& text, std::span<const Curve> curves);
 
-// Least cost at which a curve reaches an error, by linear interpolation of the logarithms between neighbours in order of
-// cost. A curve whose every point is at or below the error gives its cheapest point's cost. Empty: not reached.
+// Least cost at which a curve reaches an error, by linear interpolation of the logarithms between neighbours in order
+// of cost. A curve whose every point is at or below the error gives its cheapest point's cost. Empty: not reached.
 [[nodiscard]] std::optional<double> cost_at_error(const Curve& curve, double error);
 // Least error that a curve reaches within a cost, likewise. Empty: every point costs more.
 [[nodiscard]] std::optional<double> error_at_cost(const Curve& curve, double cost);
-// Order of convergence: minus the least-squares slope of log error over log cost. Empty with fewer than two costs.
+// Order of convergence: minus the least-squares slope of log error over log cost. Empty where the costs
+// differ by less than a tenth: then the knob does not buy error with time.
 [[nodiscard]] std::optional<double> order_of(const Curve& curve);
 
 // "time at error 1e-2, 1e-3, 1e-4", "error at 1, 4, 16 ms" and the order, one line a method; "not reached" where so.

@@ -69,8 +69,8 @@ Show show_at(const TimeReportOptions& options, const std::vector<double>& target
 
 // ---- The judge of the axis ----
 
-// Follows the control law event by event: push towards the target while braking now would stop short of it, coast at the
-// speed limit, brake from where braking now would stop on it. Each event is found by halving an interval of time.
+// Follows the control law event by event: push towards the target while braking now would stop short of it, coast at
+// the speed limit, brake from where braking now would stop on it. Each event is found by halving an interval of time.
 class AxisJudge {
  public:
   AxisJudge(double start, double speed_max, double acceleration_max, double resolution_s)
@@ -394,7 +394,8 @@ void add_strobe_rows(const TimeReportOptions& options, double strobe_hz, double 
   // What a shader does that multiplies a float of seconds by the rate, one day after the program started.
   add("point sample, float time after a day", 1, judge_next_day, run_of(frames, options.measure_time, [&] {
         return [&](std::size_t i) {
-          const auto t_s = static_cast<float>(static_cast<double>(kDayS) + static_cast<double>(show.start_ns[i]) * 1e-9);
+          const double after_s = static_cast<double>(show.start_ns[i]) * 1e-9;
+          const auto t_s = static_cast<float>(static_cast<double>(kDayS) + after_s);
           const float turns = t_s * static_cast<float>(hz);
           return turns - std::floor(turns) < static_cast<float>(kStrobeDuty) ? 1.0 : 0.0;
         };
@@ -422,7 +423,8 @@ double axis_judge_own_error(const TimeReportOptions& options) {
     const auto a_max = static_cast<double>(static_cast<float>(stiffness * kSpeedMax));
     for (const double fps : options.fps) {
       const Show show = show_at(options, targets, fps);
-      largest = std::max(largest, largest_difference(judged_held(show, a_max, kFineS), judged_held(show, a_max, kCoarseS)));
+      const std::vector<double> fine = judged_held(show, a_max, kFineS);
+      largest = std::max(largest, largest_difference(fine, judged_held(show, a_max, kCoarseS)));
     }
   }
   return largest / kRangeRad;

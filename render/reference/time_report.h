@@ -1,17 +1,17 @@
 // Error against run time of what moves and flashes: sim/shared/motion.h and shutter.h against rivals.
 //
-// Model "axis": a pan axis of 540 degrees is sent to random targets by levels that change at 44 Hz; the program sees the
-// newest levels once a frame and holds them for the frame. Every method gets the same held targets, and so does the judge:
-// an integrator in long double that follows the time-optimal control law event by event, finding each event by bisection.
-// It shares no formula with the closed form. Its own error is the difference to bisection a hundred times coarser.
-// The method "hold" is apart: the closed form against a judge that sees every change of level when it comes. It says what
-// looking at the levels once a frame costs, whatever integrates.
+// Model "axis": a pan axis of 540 degrees is sent to random targets by levels that change at 44 Hz; the program sees
+// the newest levels once a frame and holds them for the frame. Every method gets the same held targets, and so does the
+// judge: an integrator in long double that follows the time-optimal control law event by event, finding each event by
+// bisection. It shares no formula with the closed form. Its own error is the difference to bisection a hundred times
+// coarser. The method "hold" is apart: the closed form against a judge that sees every change of level when it comes.
+// It says what looking at the levels once a frame costs, whatever integrates.
 //
-// Model "strobe": the share of a frame during which the shutter is open, against the sum of the overlaps of the frame with
-// each flash in long double.
+// Model "strobe": the share of a frame during which the shutter is open, against the sum of the overlaps of the frame
+// with each flash in long double.
 //
-// A row has failed where a value is not finite, or a position leaves the span of all targets and all the judge's positions
-// by more than 1 % of the axis's range, or an open share leaves 0 to 1.
+// A row has failed where a value is not finite, or a position leaves the span of all targets and all the judge's
+// positions by more than 1 % of the axis's range, or an open share leaves 0 to 1.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,8 @@ struct TimeReportOptions {
 
 [[nodiscard]] std::vector<TimeRow> time_rows(const TimeReportOptions& options = {});
 
-// The axis judge's own largest error over the axis's range, for the report's head: bisection to 1e-17 s against 1e-15 s.
+// The axis judge's own largest error over the axis's range, for the report's head: bisection to 1e-17 s against 1e-15
+// s.
 [[nodiscard]] double axis_judge_own_error(const TimeReportOptions& options = {});
 
 }  // namespace footlight::render

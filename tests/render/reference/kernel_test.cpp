@@ -281,7 +281,8 @@ TEST_CASE("illuminance of the kernels equals the judge's at random points, and i
       return value > 0 ? static_cast<double>(value * direction(shape, rho).z) : 0.0;
     };
     const double wide = of_kernel(render::f64::BeamShape{beam.lens_radius_m, beam.spread, 30, beam.profile_m},
-                                  glm::dvec3(p), glm::dvec2(0), render::f64::beam_illuminance, render::f64::beam_direction);
+                                  glm::dvec3(p), glm::dvec2(0), render::f64::beam_illuminance,
+                                  render::f64::beam_direction);
     const double real = of_kernel(
         render::f32::BeamShape{static_cast<float>(beam.lens_radius_m), static_cast<float>(beam.spread), 30.0f,
                                static_cast<float>(beam.profile_m)},

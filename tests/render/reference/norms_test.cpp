@@ -84,7 +84,8 @@ TEST_CASE("percentiles tell a rare error from a common one") {
 
 TEST_CASE("values that are not finite are counted and do not spread") {
   const std::vector<double> reference{1, 1, 1, 1};
-  const std::vector<float> picture{std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1, 1};
+  const float infinity = std::numeric_limits<float>::infinity();
+  const std::vector<float> picture{std::numeric_limits<float>::quiet_NaN(), infinity, 1, 1};
   const PictureNorms norms = picture_norms(picture, reference);
   CHECK(norms.nonfinite == 2);
   CHECK(norms.rel_l2 == doctest::Approx(std::sqrt(0.5)));

@@ -149,6 +149,7 @@ TEST_CASE("the order of a power law is its exponent, and of one point unknown") 
   CHECK(*order_of(power_law(0)) == doctest::Approx(0));
   CHECK_FALSE(order_of(Curve{"one", {{1, 1, ""}}}));
   CHECK_FALSE(order_of(Curve{"same cost", {{1, 1, ""}, {1, 2, ""}}}));
+  CHECK_FALSE(order_of(Curve{"nearly the same", {{1, 1e-3, ""}, {1.01, 1e-6, ""}}}));
 }
 
 TEST_CASE("points without a logarithm are left out") {
