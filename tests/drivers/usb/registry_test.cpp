@@ -226,9 +226,8 @@ TEST_CASE("every driver has a name of its own that fits into an endpoint") {
 }
 
 TEST_CASE("the committed udev rules are those of the driver table") {
-  CHECK_MESSAGE(
-      text_of(fs::path(FOOTLIGHT_SOURCE_DIR) / "udev/70-footlight.rules") == udev_rules_text(),
-      "run: ninja -C build/dev list_udev_rules && build/dev/tools/list_udev_rules > udev/70-footlight.rules");
+  CHECK_MESSAGE(text_of(fs::path(FOOTLIGHT_SOURCE_DIR) / "udev/70-footlight.rules") == udev_rules_text(),
+                "run: ninja -C build/dev list_udev_rules && build/dev/tools/list_udev_rules > udev/70-footlight.rules");
 }
 
 TEST_CASE("the committed hardware table is that of the driver table") {
