@@ -32,11 +32,17 @@ void Arguments::option(const std::string& names, std::string& value, const std::
 }
 
 void Arguments::option(const std::string& names, int& value, int from, int to, const std::string& help) {
-  app_.add_option(names, value, help)->check(CLI::Range(from, to))->capture_default_str();
+  app_.add_option(names, value, help)
+      ->check(CLI::Range(from, to).description(fmt::format("from {} to {}", from, to)))
+      ->type_name("NUMBER")
+      ->capture_default_str();
 }
 
 void Arguments::option(const std::string& names, double& value, double from, double to, const std::string& help) {
-  app_.add_option(names, value, help)->check(CLI::Range(from, to))->capture_default_str();
+  app_.add_option(names, value, help)
+      ->check(CLI::Range(from, to).description(fmt::format("from {} to {}", from, to)))
+      ->type_name("NUMBER")
+      ->capture_default_str();
 }
 
 void Arguments::list(const std::string& names, std::vector<std::string>& values, const std::string& unit,

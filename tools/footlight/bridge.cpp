@@ -22,6 +22,11 @@ constexpr DurationNs kStatusPeriodNs = 2 * kNsPerS;
 constexpr DurationNs kPumpSilentMaxNs = 5 * kNsPerS;  // latest_status() is at most two status periods of 1 s old
 constexpr std::size_t kNoticesMax = 64;
 
+void print_json(const std::string& line) {
+  std::fputs((line + "\n").c_str(), stdout);
+  std::fflush(stdout);  // who reads a pipe wants it now
+}
+
 // Prints events and status, and keeps the service manager informed, on a thread of its own.
 class Reporter {
  public:
@@ -63,6 +68,7 @@ class Reporter {
   void run() {
     const DurationNs alive_period_ns = service_.alive_period_ns();
     service_.ready();
+    if (json_) print_json(json_of_ready());
     TimeNs status_ns = start_ns_ + kStatusPeriodNs;
     TimeNs alive_ns = alive_period_ns == kTimeNever ? kTimeNever : start_ns_;
     TimeNs end_ns = run_for_ns_ == kTimeNever ? kTimeNever : start_ns_ + run_for_ns_;
@@ -103,8 +109,7 @@ class Reporter {
 
   void print_notice(const std::string& line) {
     if (json_) {
-      std::fputs((json_of_notice(line) + "\n").c_str(), stdout);
-      std::fflush(stdout);
+      print_json(json_of_notice(line));
     } else {
       std::fputs(fmt::format("{}footlight: {}\n", line_shown_ ? "\r\033[K" : "", line).c_str(), stderr);
       line_shown_ = false;
@@ -115,8 +120,7 @@ class Reporter {
     const std::string line = status_line(status);
     service_.status(line);
     if (json_) {
-      std::fputs((json_of_status(status) + "\n").c_str(), stdout);
-      std::fflush(stdout);
+      print_json(json_of_status(status));
     } else if (rewrite_) {
       std::fputs(fmt::format("\r\033[K{}", line).c_str(), stderr);
       line_shown_ = true;
@@ -193,8 +197,7 @@ Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal
   reporter.stop();
   report.status = pump.status();
   if (bridge.json) {
-    std::fputs((json_of_summary(report.status, report.elapsed_ns) + "\n").c_str(), stdout);
-    std::fflush(stdout);
+    print_json(json_of_summary(report.status, report.elapsed_ns));
   } else {
     std::fputs(summary_text(report.status, report.elapsed_ns).c_str(), stderr);
   }

@@ -44,6 +44,7 @@ Json ports_of(const PumpStatus& status) {
 
 }  // namespace
 
+std::string json_of_ready() { return line_of({{"event", "ready"}}); }
 std::string json_of_notice(std::string_view line) { return line_of({{"event", "notice"}, {"text", line}}); }
 
 std::string json_of_status(const PumpStatus& status) {

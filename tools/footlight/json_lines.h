@@ -12,8 +12,9 @@
 
 namespace footlight::tools {
 
-[[nodiscard]] std::string json_of_notice(std::string_view line);                             // "event": "notice"
-[[nodiscard]] std::string json_of_status(const PumpStatus& status);                          // "event": "status"
+[[nodiscard]] std::string json_of_ready();                           // "event": "ready": every port is open
+[[nodiscard]] std::string json_of_notice(std::string_view line);     // "event": "notice"
+[[nodiscard]] std::string json_of_status(const PumpStatus& status);  // "event": "status"
 [[nodiscard]] std::string json_of_summary(const PumpStatus& status, DurationNs elapsed_ns);  // "event": "summary"
 [[nodiscard]] std::string json_of_device(const drivers::FoundDevice& device);
 [[nodiscard]] std::string json_of_log(const LogInfo& info);
