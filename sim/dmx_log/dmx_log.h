@@ -57,8 +57,8 @@ struct LogWriterStats {
   std::uint64_t bytes = 0;        // in the file so far
 };
 
-// Writes `path`.part and gives it the name `path` in close(). A process that dies leaves the .part file, which LogReader
-// reads; a .part file of an earlier recording is never touched (the next one is called .part2 and so on).
+// Writes `path`.part and gives it the name `path` in close(). A process that dies leaves the .part file, which
+// LogReader reads; a .part file of an earlier recording is never touched (the next one is called .part2 and so on).
 //
 // Memory: one look, one block (about block_bytes, twice while it is written), an index of at most 1 MiB.
 // Errors: kIo (the message names the file; on a full disk the file ends after its last whole block and stays readable),
@@ -77,7 +77,8 @@ class LogWriter {
   Status tick(TimeNs now_ns);
   // Writes the open block now.
   Status flush();
-  // Ends the recording at this time (on the clock of the frames; not before the last frame) and gives the file its name.
+  // Ends the recording at this time (on the clock of the frames; not before the last frame) and gives the file its
+  // name.
   Status close(TimeNs end_stamp_ns);
 
   [[nodiscard]] LogWriterStats stats() const;

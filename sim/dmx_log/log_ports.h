@@ -25,12 +25,13 @@ struct LogSourceOptions {
 };
 
 // Plays a log. Time 0 is the `now_ns` of the first poll() or start(). Each frame is due at
-// start + (time in the log - start_ns) / speed, reckoned anew from the start for each frame, so lateness never adds up; it
-// is handed over in the first poll() at or after that, stamped with the time it was due. With start_ns > 0 the whole look
-// at that time comes first. Reads an OLA Show, too (rewritten as a log in memory when it is opened).
+// start + (time in the log - start_ns) / speed, reckoned anew from the start for each frame, so lateness never adds up;
+// it is handed over in the first poll() at or after that, stamped with the time it was due. With start_ns > 0 the whole
+// look at that time comes first. Reads an OLA Show, too (rewritten as a log in memory when it is opened).
 //
-// Threads: all calls on the pump's thread. Reads and decompresses blocks there, between frames rather than when one is due.
-// Errors of poll(): the file cannot be read any more. Damage in the log is skipped and counted in counters().rejected.
+// Threads: all calls on the pump's thread. Reads and decompresses blocks there, between frames rather than when one is
+// due. Errors of poll(): the file cannot be read any more. Damage in the log is skipped and counted in
+// counters().rejected.
 class LogSource final : public Source {
  public:
   [[nodiscard]] static Result<std::unique_ptr<LogSource>> open(const std::string& path,
@@ -67,9 +68,9 @@ struct LogSinkOptions {
   std::size_t waiting_bytes_max = 16u << 20;  // frames that wait for a slow disk; what comes on top is lost and counted
 };
 
-// Records every frame with the stamp that it carries. send() copies the frame; a thread of the sink's own compresses and
-// writes, so that a slow disk never holds up the pump. Lost frames are in counters().dropped, trouble of the disk makes
-// the state kGone with trouble() saying why; what was written stays readable.
+// Records every frame with the stamp that it carries. send() copies the frame; a thread of the sink's own compresses
+// and writes, so that a slow disk never holds up the pump. Lost frames are in counters().dropped, trouble of the disk
+// makes the state kGone with trouble() saying why; what was written stays readable.
 class LogSink final : public Sink {
  public:
   [[nodiscard]] static Result<std::unique_ptr<LogSink>> create(const std::string& path, const LogSinkOptions& options);

@@ -108,8 +108,8 @@ struct LogReader::Impl {
     FL_TRY(read_tail());
     if (!info.finished) FL_TRY(scan());
     if (header_damaged && !info.finished && info.blocks == 0) {
-      return fail(ErrorCode::kBadInput, "{}: the header is damaged or cut short and no block follows; it holds no frame",
-                  info.path);
+      return fail(ErrorCode::kBadInput,
+                  "{}: the header is damaged or cut short and no block follows; it holds no frame", info.path);
     }
     at = first_block;
     return {};
@@ -241,8 +241,8 @@ struct LogReader::Impl {
     return FoundBlock{offset, *header};
   }
 
-  // The first block at or after `offset` that lies whole before data_end. What is skipped on the way is damage. A search
-  // goes no further than `search_end`.
+  // The first block at or after `offset` that lies whole before data_end. What is skipped on the way is damage. A
+  // search goes no further than `search_end`.
   Result<std::optional<FoundBlock>> find_block(std::uint64_t offset, std::uint64_t search_end = UINT64_MAX) {
     if (offset >= data_end) return std::nullopt;
     FL_ASSIGN(std::optional<FoundBlock> block, block_at(offset));
@@ -445,7 +445,8 @@ struct LogReader::Impl {
     return {};
   }
 
-  // Loads the last sound block that begins in the file from `from` to before `end` and in time at target_ns at the latest.
+  // Loads the last sound block that begins in the file from `from` to before `end` and in time at target_ns at the
+  // latest.
   Result<bool> load_last(std::uint64_t from, std::uint64_t end, DurationNs target_ns) {
     std::vector<FoundBlock> candidates;
     DurationNs newest_ns = 0;

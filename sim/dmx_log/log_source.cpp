@@ -89,8 +89,8 @@ struct LogSource::Impl {
                   static_cast<double>(options.start_ns) * 1e-9, static_cast<double>(log_end_ns) * 1e-9);
     }
     if (options.stop_ns < options.start_ns || (options.loop && stop_ns == options.start_ns)) {
-      return fail(ErrorCode::kBadInput, "{}: there is no time between the start at {:.3f} s and the end at {:.3f} s", name,
-                  static_cast<double>(options.start_ns) * 1e-9, static_cast<double>(stop_ns) * 1e-9);
+      return fail(ErrorCode::kBadInput, "{}: there is no time between the start at {:.3f} s and the end at {:.3f} s",
+                  name, static_cast<double>(options.start_ns) * 1e-9, static_cast<double>(stop_ns) * 1e-9);
     }
     for (const char c : name) salt = spread(salt ^ static_cast<unsigned char>(c));
     return begin_pass();
@@ -122,8 +122,8 @@ struct LogSource::Impl {
     return fetch();
   }
 
-  // Looks ahead by one frame. Done as soon as the one before is out, so that a block is decompressed in the pause between
-  // frames and not when one is due.
+  // Looks ahead by one frame. Done as soon as the one before is out, so that a block is decompressed in the pause
+  // between frames and not when one is due.
   Status fetch() {
     FL_ASSIGN(has_frame, reader.next(frame));
     // The frame at the very end belongs to a log that is played whole; at a stop of the user's the next part begins.

@@ -46,9 +46,9 @@ struct LogWriter::Impl {
     FL_CHECK_LE(raw.size(), dmx_log::kRawBytesMax);
     header.raw_bytes = static_cast<std::uint32_t>(raw.size());
     packed.resize(dmx_log::kBlockHeaderBytes + ZSTD_compressBound(raw.size()));
-    const std::size_t size =
-        ZSTD_compressCCtx(zstd.get(), packed.data() + dmx_log::kBlockHeaderBytes,
-                          packed.size() - dmx_log::kBlockHeaderBytes, raw.data(), raw.size(), options.compression_level);
+    const std::size_t size = ZSTD_compressCCtx(zstd.get(), packed.data() + dmx_log::kBlockHeaderBytes,
+                                               packed.size() - dmx_log::kBlockHeaderBytes, raw.data(), raw.size(),
+                                               options.compression_level);
     if (ZSTD_isError(size) != 0) {
       error = Error{ErrorCode::kIo, fmt::format("{}: cannot compress: {}", output->path(), ZSTD_getErrorName(size))};
       return tl::unexpected<Error>(*error);
@@ -77,8 +77,8 @@ struct LogWriter::Impl {
     // Where one look is large, a block must hold many changes to be worth it, but still fit the limit of the format.
     const std::size_t limit = std::min(base + std::max(options.block_bytes, 4 * base), dmx_log::kRawBytesMax - 4096);
     if (encoder.raw_bytes_bound() > limit) return true;
-    // A player decompresses a block in the pause before it. Frames of several universes come in bursts: wait a little for
-    // the end of one.
+    // A player decompresses a block in the pause before it. Frames of several universes come in bursts: wait a little
+    // for the end of one.
     const DurationNs age_ns = time_ns - encoder.first_ns();
     const bool pause = time_ns - encoder.last_ns() >= kPauseNs;
     return age_ns >= options.block_span_ns && (pause || age_ns >= options.block_span_ns + options.block_span_ns / 4);

@@ -1,5 +1,5 @@
-// Fuzzes the reader of DMX logs. The first byte says how the rest is taken: as a file (0: checksums checked, 1: ignored),
-// or as the inside of a block (2 and up), so that mutations reach the decoder past checksums and compression.
+// Fuzzes the reader of DMX logs. The first byte says how the rest is taken: as a file (0: checksums checked, 1:
+// ignored), or as the inside of a block (2 and up), so that mutations reach the decoder past checksums and compression.
 #include <cstddef>
 #include <cstdint>
 #include <vector>

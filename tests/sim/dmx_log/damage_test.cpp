@@ -190,7 +190,8 @@ TEST_CASE("what is no log is refused with a reason") {
 TEST_CASE("a log of a later major version is refused, of a later minor version read") {
   auto bytes = small_log(few_frames());
   bytes[8] = 2;
-  CHECK(error_of(bytes, ErrorCode::kUnsupported).find("version 2.0, this program reads version 1.x") != std::string::npos);
+  CHECK(error_of(bytes, ErrorCode::kUnsupported).find("version 2.0, this program reads version 1.x") !=
+        std::string::npos);
 
   dmx_log::FileHeader header;
   header.version_minor = 9;

@@ -1,5 +1,5 @@
-// Does to a log, or to what claims to be one, everything that a reader offers. Used by the fuzz target and by the replay
-// of mutated inputs; whatever the bytes are, nothing may crash, hang or read out of bounds.
+// Does to a log, or to what claims to be one, everything that a reader offers. Used by the fuzz target and by the
+// replay of mutated inputs; whatever the bytes are, nothing may crash, hang or read out of bounds.
 #pragma once
 
 #include <cstdint>

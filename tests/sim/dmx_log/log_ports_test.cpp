@@ -11,7 +11,8 @@ namespace {
 
 struct Recorder final : FrameReceiver {
   void receive(const FrameView& frame) override {
-    OwnedFrame owned{frame.stamp_ns, frame.universe, frame.sender, frame.sequence, frame.priority, frame.terminated, {}};
+    OwnedFrame owned{
+        frame.stamp_ns, frame.universe, frame.sender, frame.sequence, frame.priority, frame.terminated, {}};
     owned.slots.assign(frame.slots.begin(), frame.slots.end());
     frames.push_back(owned);
   }
@@ -141,7 +142,8 @@ TEST_CASE("a part of a log loops with the look at its start") {
   // Two universes as they stood at 55 ms, frames 6 and 7 (60 and 70 ms); again after 25 ms. Frame 8 is past the stop.
   std::vector<std::pair<TimeNs, int>> got;
   for (const OwnedFrame& frame : recorder.frames) got.emplace_back(frame.time_ns / 1'000'000, frame.slots[0]);
-  CHECK(got == std::vector<std::pair<TimeNs, int>>{{0, 4}, {0, 5}, {5, 6}, {15, 7}, {25, 4}, {25, 5}, {30, 6}, {40, 7}});
+  CHECK(got ==
+        std::vector<std::pair<TimeNs, int>>{{0, 4}, {0, 5}, {5, 6}, {15, 7}, {25, 4}, {25, 5}, {30, 6}, {40, 7}});
 }
 
 TEST_CASE("speed scales the deadlines, not the frames") {
@@ -169,7 +171,8 @@ TEST_CASE("universes are renumbered, and left out where only named ones are want
   FakeClock clock(0);
   {
     auto source = source_of(ticks(4), kNsPerS, options);
-    CHECK(std::vector<Universe>(source->universes().begin(), source->universes().end()) == std::vector<Universe>{1, 17});
+    CHECK(std::vector<Universe>(source->universes().begin(), source->universes().end()) ==
+          std::vector<Universe>{1, 17});
     Recorder recorder;
     run(*source, clock, recorder);
     REQUIRE(recorder.frames.size() == 4);

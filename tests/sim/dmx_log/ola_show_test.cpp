@@ -57,7 +57,8 @@ TEST_CASE("an OLA Show is read with either line end, with frames of any length a
   const TempFolder folder;
   const std::string path = folder.file("a.show");
   for (const std::string end : {"\n", "\r\n"}) {
-    write_bytes(path, "OLA Show" + end + "1 0,255,7" + end + "23" + end + "2 9" + end + "0" + end + "1 1,2" + end + "977" + end);
+    write_bytes(path, "OLA Show" + end + "1 0,255,7" + end + "23" + end + "2 9" + end + "0" + end + "1 1,2" + end +
+                          "977" + end);
     DurationNs end_ns = 0;
     const auto frames = read_show(path, &end_ns);
     REQUIRE(frames.size() == 3);
@@ -86,7 +87,8 @@ TEST_CASE("what is wrong in an OLA Show is named with its line and what was expe
   CHECK(error_of("OLA Show\n1 0,\n") == "bad.show:2: expected a level from 0 to 255 for address 2, got ''");
   CHECK(error_of("OLA Show\nx 0\n") == "bad.show:2: expected '<universe> <level>,<level>,...', got 'x 0'");
   CHECK(error_of("OLA Show\n64000 0\n") == "bad.show:2: expected a universe from 1 to 63999, got 64000");
-  CHECK(error_of("OLA Show\n0 0\n").find("expected a universe from 1 to 63999, got 0; for a show") != std::string::npos);
+  CHECK(error_of("OLA Show\n0 0\n").find("expected a universe from 1 to 63999, got 0; for a show") !=
+        std::string::npos);
   CHECK(error_of("OLA Show\n0 0\n", 1) == "");
   std::string long_line = "OLA Show\n1 0";
   for (int i = 0; i < 512; ++i) long_line += ",0";
