@@ -52,10 +52,9 @@ Status EpollWaiter::watch(int fd) { return add(epoll_fd_, fd); }
 void EpollWaiter::unwatch(int fd) { epoll_ctl(epoll_fd_, EPOLL_CTL_DEL, fd, nullptr); }
 
 int EpollWaiter::wait_until(TimeNs deadline_ns, std::span<int> ready) {
-  // Deadlines move later with nearly every frame (keep-alives), so a timer that would ring too early is left to ring: that
-  // costs a wake-up now and then instead of a system call each time. Setting it also takes back that it has rung, so it is
-  // never read.
-  if (deadline_ns < armed_ns_ || rung_) {
+  // Setting the timer also takes back that it has rung, so it is never read. Leaving it at an earlier time to save the call
+  // when deadlines move later was tried: sinks that repeat within 25 ms then woke the pump twice per frame.
+  if (deadline_ns != armed_ns_) {
     itimerspec when{};
     if (deadline_ns != kTimeNever) {
       const TimeNs at_ns = std::max<TimeNs>(deadline_ns, 1);  // 0 would switch the timer off
@@ -64,7 +63,6 @@ int EpollWaiter::wait_until(TimeNs deadline_ns, std::span<int> ready) {
     }
     FL_CHECK_EQ(timerfd_settime(timer_fd_, TFD_TIMER_ABSTIME, &when, nullptr), 0);
     armed_ns_ = deadline_ns;
-    rung_ = false;
   }
 
   std::array<epoll_event, kEventsPerWait> events;
@@ -78,10 +76,7 @@ int EpollWaiter::wait_until(TimeNs deadline_ns, std::span<int> ready) {
   std::size_t ready_count = 0;
   for (int i = 0; i < event_count; ++i) {
     const int fd = events[static_cast<std::size_t>(i)].data.fd;
-    if (fd == timer_fd_) {
-      rung_ = true;
-      continue;
-    }
+    if (fd == timer_fd_) continue;
     if (fd == interrupt_fd_) {
       std::uint64_t calls = 0;
       [[maybe_unused]] const ssize_t got = ::read(interrupt_fd_, &calls, sizeof calls);

@@ -4,7 +4,7 @@
 // because it takes an absolute time in nanoseconds and is not rounded up by the timer slack of the thread (50 us unless it
 // is a real-time one).
 //
-// Cost: one system call per wait, and one more when the deadline is earlier than any since the timer last rang.
+// Cost: one system call per wait, two when the deadline is another than last time.
 // Threads: one, except interrupt().
 #pragma once
 
@@ -35,8 +35,7 @@ class EpollWaiter final : public Waiter {
   int epoll_fd_ = -1;
   int timer_fd_ = -1;
   int interrupt_fd_ = -1;
-  TimeNs armed_ns_ = kTimeNever;  // what the timer is set to; not later than the deadline
-  bool rung_ = false;             // that time has passed
+  TimeNs armed_ns_ = kTimeNever;  // what the timer is set to
 };
 
 }  // namespace footlight::drivers
