@@ -1,16 +1,18 @@
 // Several senders, one look: decides for every universe whose levels count.
 //
 // Rules, per universe (E1.31-2018 sections 6.2.3 and 6.7.1 for priority and loss):
-// - The senders of the highest priority win. Equal ones are merged: HTP, the highest level of each slot, or LTP, the levels
-//   of the one that changed last (a repeat of unchanged levels is not a change, or two consoles would flicker).
+// - The senders of the highest priority win. Equal ones are merged: HTP, the highest level of each slot, or LTP, the
+//   levels of the one that changed last (a repeat of unchanged levels is not a change, or two consoles would flicker).
 // - Losing senders are kept up to date, so that a failover shows their newest levels at once.
 // - A sender that is silent holds its last look for timeout_ns, 2.5 s by default, and is then forgotten. A frame marked
 //   `terminated` has it forgotten at once.
 // - When the last sender is forgotten, the look stays as it is.
-// - Slots that no winner ever sent stay as they are. Within one sender, slots past the end of a short frame stay as well.
+// - Slots that no winner ever sent stay as they are. Within one sender, slots past the end of a short frame stay as
+//   well.
 // - A priority above 200 is against the protocol: the frame is ignored and counted.
-// - Eight senders at most. A ninth is refused and counted, unless its priority is above that of the lowest, which cannot win
-//   beside it: then it takes that one's place (of several, the one silent for longest), which is counted too.
+// - Eight senders at most. A ninth is refused and counted, unless its priority is above that of the lowest, which
+//   cannot win beside it: then it takes that one's place (of several, the one silent for longest), which is counted
+//   too.
 //
 // A source that speaks only when something changes has to repeat itself within timeout_ns, or it loses its universe to
 // other senders.
@@ -18,8 +20,9 @@
 // Time is passed in: silence is counted from the `now_ns` of receive(), not from the frame's stamp, so that frames that
 // waited in a socket while the machine was stopped count as heard when they are read.
 //
-// Threads: none of its own; not safe to share (the pump's thread owns it). Only the constructor allocates: 512 bytes per
-// universe for the look, and address space for 8 senders per universe, of which memory is used only as senders come.
+// Threads: none of its own; not safe to share (the pump's thread owns it). Only the constructor allocates: 512 bytes
+// per universe for the look, and address space for 8 senders per universe, of which memory is used only as senders
+// come.
 #pragma once
 
 #include <cstddef>
@@ -94,15 +97,15 @@ class Merge {
  private:
   struct Sender {
     SenderId id = 0;
-    TimeNs heard_ns = 0;           // `now_ns` of its last frame
-    TimeNs stamp_ns = 0;           // of its last frame
-    std::uint64_t heard_at = 0;    // running number of its last frame, and of the last that changed a level
+    TimeNs heard_ns = 0;         // `now_ns` of its last frame
+    TimeNs stamp_ns = 0;         // of its last frame
+    std::uint64_t heard_at = 0;  // running number of its last frame, and of the last that changed a level
     std::uint64_t changed_at = 0;
     std::uint32_t sequence = 0;
     std::uint16_t slot_count = 0;  // of its longest frame
     std::uint8_t priority = 0;
-    std::uint8_t place = 0;        // which of the eight blocks of levels_ is its own
-    bool fresh = false;            // its last frame has not been resolved
+    std::uint8_t place = 0;  // which of the eight blocks of levels_ is its own
+    bool fresh = false;      // its last frame has not been resolved
   };
   struct PerUniverse {
     Sender senders[kSendersPerUniverseMax];  // the first sender_count are there, in no order
@@ -125,9 +128,9 @@ class Merge {
 
   MergeOptions options_;
   std::vector<PerUniverse> universes_;
-  std::unique_ptr<std::uint8_t[]> looks_;   // count() x 512
-  // 8 x count() x 512, not initialised: block [place][universe] is cleared when a sender takes it, so that memory which no
-  // sender needs is never touched.
+  std::unique_ptr<std::uint8_t[]> looks_;  // count() x 512
+  // 8 x count() x 512, not initialised: block [place][universe] is cleared when a sender takes it, so that memory which
+  // no sender needs is never touched.
   std::unique_ptr<std::uint8_t[]> levels_;
   std::vector<int> changed_;
   TimeNs next_expiry_ns_ = kTimeNever;

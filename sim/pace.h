@@ -1,8 +1,8 @@
 // Lets something happen at most `rate_hz` times a second, on a grid, so that the rate is met without drift.
 //
-// Where the demand never ends, the n-th event is due at anchor + n periods: an event that comes late (less than a period)
-// does not move those after it. After a pause of a period or more the next event may come at once and starts a new grid.
-// So within any span of T seconds there are at most T * rate_hz + 2 events.
+// Where the demand never ends, the n-th event is due at anchor + n periods: an event that comes late (less than a
+// period) does not move those after it. After a pause of a period or more the next event may come at once and starts a
+// new grid. So within any span of T seconds there are at most T * rate_hz + 2 events.
 //
 // n periods are computed, not added up: the error is the rounding of a double, 2 ns after 208 days without a pause.
 #pragma once

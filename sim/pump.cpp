@@ -12,7 +12,8 @@ namespace {
 
 // A port that is gone is not polled more often than this, whatever deadline it names.
 constexpr DurationNs kRetryMinNs = 10 * kNsPerMs;
-// A port whose calls fail is left alone for at most this long, and a gone one that names no deadline for just this long.
+// A port whose calls fail is left alone for at most this long, and a gone one that names no deadline for just this
+// long.
 constexpr DurationNs kRetryMaxNs = kNsPerS;
 
 // Flags of a look that waits to be sent.
@@ -87,8 +88,9 @@ void Pump::Inlet::receive(const FrameView& frame) {
   }
   if (received == Merge::Received::kRefusedPriority && !universe.said_priority) {
     universe.said_priority = true;
-    pump_.say(fmt::format("{}: universe {}: a sender has priority {}; expected 0 to {}; its frames are ignored and counted",
-                          run->name, frame.universe, frame.priority, kPriorityMax));
+    pump_.say(
+        fmt::format("{}: universe {}: a sender has priority {}; expected 0 to {}; its frames are ignored and counted",
+                    run->name, frame.universe, frame.priority, kPriorityMax));
   }
 }
 
@@ -288,8 +290,12 @@ void Pump::record_lateness(PortRun& run, TimeNs deadline_ns, TimeNs now_ns) {
 // --- Begin and end ---------------------------------------------------------------------------------------------------
 
 Pump::Pump(Universes& universes, Clock& clock, Waiter& waiter, PumpOptions options)
-    : universes_(universes), clock_(clock), waiter_(waiter), options_(std::move(options)),
-      merge_(universes.count(), options_.merge), inlet_(*this),
+    : universes_(universes),
+      clock_(clock),
+      waiter_(waiter),
+      options_(std::move(options)),
+      merge_(universes.count(), options_.merge),
+      inlet_(*this),
       universe_runs_(static_cast<std::size_t>(universes.count())) {
   FL_CHECK_GT(options_.status_period_ns, 0);
 }
@@ -307,7 +313,8 @@ Pump::PortRun Pump::make_run(Port& port, std::span<const Universe> universes) co
     const bool is_new = index >= 0 && run.position_of_index[static_cast<std::size_t>(index)] < 0;
     if (is_new) run.position_of_index[static_cast<std::size_t>(index)] = static_cast<int>(run.index_of_position.size());
     run.index_of_position.push_back(is_new ? index : -1);
-    if (index < 0) say(fmt::format("{}: universe {} is not among those of this run; it stays unused", run.name, universe));
+    if (index < 0)
+      say(fmt::format("{}: universe {} is not among those of this run; it stays unused", run.name, universe));
   }
   run.frames.resize(run.universes.size());
   run.frames_before.resize(run.universes.size());

@@ -1,5 +1,5 @@
-// The pump: sources -> merge -> universes -> sinks. One loop on one thread; it knows ports, a clock and a waiter, nothing
-// of networks or devices.
+// The pump: sources -> merge -> universes -> sinks. One loop on one thread; it knows ports, a clock and a waiter,
+// nothing of networks or devices.
 //
 //   Pump pump(universes, clock, waiter);
 //   pump.add_source(*sacn);
@@ -8,25 +8,26 @@
 //
 // What it promises:
 // - The newest frame wins. Frames that come faster than they are used replace each other and are counted, never queued.
-// - A sink is called as soon as a universe that it carries gets a frame, once per wake-up with all those universes, and at
-//   most rate_hz_max() times a second per universe (sim/pace.h). Repeats of an unchanged look are passed on as well.
+// - A sink is called as soon as a universe that it carries gets a frame, once per wake-up with all those universes, and
+//   at most rate_hz_max() times a second per universe (sim/pace.h). Repeats of an unchanged look are passed on as well.
 // - A sink gets every look that there is when the pump starts and when the sink comes back after having been gone.
 //   Keep-alives in between are the sink's own business: next_deadline_ns() and poll().
 // - When a sender or a source vanishes, the last look stays (sim/merge.h).
-// - A port that fails is said once, stays listed as kGone and is polled again at its own deadline, though not within 10 ms;
-//   one that keeps failing is left alone for longer, up to 1 s; one that names no deadline is tried every second. The others
-//   go on meanwhile. A port that comes back is said once.
-// - stop() sends what a rate cap has held back and closes every sink. run() ends with it; who calls start() calls stop().
+// - A port that fails is said once, stays listed as kGone and is polled again at its own deadline, though not within 10
+//   ms; one that keeps failing is left alone for longer, up to 1 s; one that names no deadline is tried every second.
+//   The others go on meanwhile. A port that comes back is said once.
+// - stop() sends what a rate cap has held back and closes every sink. run() ends with it; who calls start() calls
+//   stop().
 //
-// Ports: poll_fd() may change whenever a port was kGone in between; otherwise it stays the same. A descriptor that wakes the
-// pump while its port stays kGone is not listened to again before the port's next deadline. Two ports may share a
-// descriptor; both are then polled. A source that is kEnded is not polled again.
+// Ports: poll_fd() may change whenever a port was kGone in between; otherwise it stays the same. A descriptor that
+// wakes the pump while its port stays kGone is not listened to again before the port's next deadline. Two ports may
+// share a descriptor; both are then polled. A source that is kEnded is not polled again.
 //
 // Threads: everything runs on the thread that calls run(), or start(), step() and stop(). Other threads may read the
 // Universes, and call request_stop() and latest_status().
 //
-// Cost: after start() a tick makes no system call, takes no lock and allocates nothing, unless a port fails or comes back;
-// once every status_period_ns it copies out what it has counted, if somebody has asked.
+// Cost: after start() a tick makes no system call, takes no lock and allocates nothing, unless a port fails or comes
+// back; once every status_period_ns it copies out what it has counted, if somebody has asked.
 #pragma once
 
 #include <atomic>
@@ -51,10 +52,10 @@ namespace footlight {
 struct PumpOptions {
   // All optional.
   MergeOptions merge;
-  bool stop_at_end = false;  // run() returns when every source is kEnded (a replay)
+  bool stop_at_end = false;               // run() returns when every source is kEnded (a replay)
   DurationNs status_period_ns = kNsPerS;  // over which rates are measured; > 0
-  // One line for people when something out of the ordinary happens: a port lost or back, a sender refused. Called on the
-  // pump's thread; must not block for long.
+  // One line for people when something out of the ordinary happens: a port lost or back, a sender refused. Called on
+  // the pump's thread; must not block for long.
   std::function<void(std::string_view line)> say;
 };
 
@@ -92,15 +93,15 @@ struct UniverseStatus {
   Universe universe = 0;
   FrameStamp newest;
   std::uint8_t priority = kPriorityDefault;  // of the winners
-  double rate_hz = 0.0;        // writes, over the last status period
+  double rate_hz = 0.0;                      // writes, over the last status period
   std::uint64_t writes = 0;
-  int senders = 0;             // known at the moment
-  int winners = 0;             // that share the highest priority
+  int senders = 0;  // known at the moment
+  int winners = 0;  // that share the highest priority
   MergeCounters merge;
 };
 
 struct PumpStatus {
-  TimeNs stamp_ns = 0;         // when this was true; 0: the pump has not started
+  TimeNs stamp_ns = 0;  // when this was true; 0: the pump has not started
   std::uint64_t ticks = 0;
   std::vector<PortStatus> ports;  // sources, then sinks, each in the order in which they were added
   std::vector<UniverseStatus> universes;
@@ -147,21 +148,21 @@ class Pump {
     Sink* sink = nullptr;
     std::string name;
 
-    bool ready = false;          // its descriptor is readable
-    bool down = false;           // it failed or says kGone
-    bool failed = false;         // its last call returned an error
-    bool said_down = false;      // people know
-    bool muted = false;          // its descriptor is not listened to: see "Ports" above
+    bool ready = false;      // its descriptor is readable
+    bool down = false;       // it failed or says kGone
+    bool failed = false;     // its last call returned an error
+    bool said_down = false;  // people know
+    bool muted = false;      // its descriptor is not listened to: see "Ports" above
     int watched_fd = -1;
     TimeNs polled_ns = 0;
     TimeNs armed_ns = kTimeNever;  // the deadline that the last wait knew of
     DurationNs retry_ns = 0;       // while failed: how long it is left alone
     std::string trouble;
 
-    std::vector<Universe> universes;     // as it names them; the k-th has position k
-    std::vector<int> index_of_position;  // in the buffer; -1: the buffer has no such universe
-    std::vector<int> position_of_index;  // -1: it does not carry it
-    std::vector<std::uint64_t> frames;   // per position
+    std::vector<Universe> universes;           // as it names them; the k-th has position k
+    std::vector<int> index_of_position;        // in the buffer; -1: the buffer has no such universe
+    std::vector<int> position_of_index;        // -1: it does not carry it
+    std::vector<std::uint64_t> frames;         // per position
     std::vector<std::uint64_t> frames_before;  // at the begin of this status period
     std::vector<double> rates_hz;
     std::uint64_t replaced = 0;
@@ -171,9 +172,9 @@ class Pump {
     Histogram latency;
 
     // Sinks only.
-    double period_ns = 0.0;             // 0: no cap
-    TimeNs held_until_ns = kTimeNever;  // when the first look that the cap holds back is due
-    std::vector<int> pending;           // positions to be sent
+    double period_ns = 0.0;                   // 0: no cap
+    TimeNs held_until_ns = kTimeNever;        // when the first look that the cap holds back is due
+    std::vector<int> pending;                 // positions to be sent
     std::vector<std::uint8_t> pending_flags;  // per position
     std::vector<Pace> paces;                  // per position
     std::vector<FrameView> batch;             // of the call under way
@@ -224,8 +225,8 @@ class Pump {
   std::vector<FrameReceiver*> taps_;
 
   struct UniverseRun {
-    bool has_look = false;         // a frame was written since the buffer was made
-    bool said_full = false;        // people know that a sender was refused
+    bool has_look = false;   // a frame was written since the buffer was made
+    bool said_full = false;  // people know that a sender was refused
     bool said_priority = false;
     std::uint64_t heard_tick = 0;  // in which the last frame came
     std::uint64_t writes = 0;
@@ -242,9 +243,9 @@ class Pump {
   std::atomic<bool> stop_requested_{false};
 
   mutable std::atomic<bool> status_wanted_{false};
-  PumpStatus spare_status_;     // filled here, then swapped with published_
+  PumpStatus spare_status_;  // filled here, then swapped with published_
   mutable std::mutex published_mutex_;
-  PumpStatus published_;        // guarded by published_mutex_
+  PumpStatus published_;  // guarded by published_mutex_
 };
 
 }  // namespace footlight

@@ -9,8 +9,8 @@
 
 // The sequence lock, without fences so that ThreadSanitizer can follow it.
 //
-// The writer makes the lock odd, stores the data with release, makes the lock even with release. The reader loads the lock
-// with acquire, the data with acquire, the lock again. Two facts make it right:
+// The writer makes the lock odd, stores the data with release, makes the lock even with release. The reader loads the
+// lock with acquire, the data with acquire, the lock again. Two facts make it right:
 // - The first load sees the even value of write k: everything of write k happened before, so no data is older than k.
 // - Some data comes from write k+1: its release store stands after the odd value of k+1, so the second load of the lock
 //   sees that odd value or a later one, and the reader throws the copy away.
@@ -49,7 +49,8 @@ Result<std::unique_ptr<Universes>> Universes::make(std::span<const Universe> num
   if (numbers.empty()) return fail(ErrorCode::kBadInput, "no universe is named; expected at least one from 1 to 63999");
   for (Universe number : numbers)
     if (!is_universe(number))
-      return fail(ErrorCode::kBadInput, "universe {}: expected a number from {} to {}", number, kUniverseMin, kUniverseMax);
+      return fail(ErrorCode::kBadInput, "universe {}: expected a number from {} to {}", number, kUniverseMin,
+                  kUniverseMax);
   return std::make_unique<Universes>(numbers);
 }
 

@@ -1,13 +1,15 @@
 // The one buffer: N universes of 512 levels, each with the stamp of its newest frame.
 //
 // Everything that brings levels writes here, everything that shows or sends them reads here. The levels lie in one flat
-// array of N x 512 bytes, in the order of numbers(); nine universes are 4,608 bytes. Any set of universe numbers will do.
+// array of N x 512 bytes, in the order of numbers(); nine universes are 4,608 bytes. Any set of universe numbers will
+// do.
 //
 // Threads: one writer per universe (different universes may have different writers), any number of readers, no lock. A
-// reader gets the levels and the stamp of one and the same write. Each universe is a sequence lock: the writer never waits;
-// a reader that meets a write under way reads that universe again. Where the writer is stopped in the middle of a write
-// (the reader outranks it on the same core), the reader sleeps 50 us between tries, so that the writer can finish.
-// Consistency holds within one universe; snapshot_all() may take universe 1 from before and universe 2 from after a write.
+// reader gets the levels and the stamp of one and the same write. Each universe is a sequence lock: the writer never
+// waits; a reader that meets a write under way reads that universe again. Where the writer is stopped in the middle of
+// a write (the reader outranks it on the same core), the reader sleeps 50 us between tries, so that the writer can
+// finish. Consistency holds within one universe; snapshot_all() may take universe 1 from before and universe 2 from
+// after a write.
 //
 // Cost: see docs/decisions/0010-buffer-and-pump.md for measured figures; tests/bench/universes_bench.cpp measures them.
 // No call but the constructor allocates.
@@ -32,8 +34,8 @@ class Universes {
  public:
   // Universes 1 to 9.
   Universes();
-  // Any set of numbers from 1 to 63999, in any order, repeats allowed; kept sorted, once each. Checked: every number is a
-  // universe and there is at least one. For numbers that a user typed, ask make().
+  // Any set of numbers from 1 to 63999, in any order, repeats allowed; kept sorted, once each. Checked: every number is
+  // a universe and there is at least one. For numbers that a user typed, ask make().
   explicit Universes(std::span<const Universe> numbers);
   // As the constructor; kBadInput names the number that is no universe.
   [[nodiscard]] static Result<std::unique_ptr<Universes>> make(std::span<const Universe> numbers);
@@ -47,8 +49,9 @@ class Universes {
   // -1: not one of ours. Constant time where the numbers are consecutive, else a binary search.
   [[nodiscard]] int index_of(Universe universe) const;
 
-  // Stores the frame's slots, stamp, sender and sequence; slots past the end of the frame stay as they are. Its universe,
-  // priority and terminated fields are not looked at. Only the one writer of this universe may call it. Never waits.
+  // Stores the frame's slots, stamp, sender and sequence; slots past the end of the frame stay as they are. Its
+  // universe, priority and terminated fields are not looked at. Only the one writer of this universe may call it. Never
+  // waits.
   void write(int index, const FrameView& frame);
 
   // Levels and stamp of the newest write, as one piece.

@@ -13,8 +13,8 @@ namespace footlight {
 class Waiter {
  public:
   virtual ~Waiter() = default;
-  // Has wait_until() report this descriptor while it is readable, closed by the other side or in error. Calling it again
-  // is harmless, and needed where a descriptor was closed and its number given out anew.
+  // Has wait_until() report this descriptor while it is readable, closed by the other side or in error. Calling it
+  // again is harmless, and needed where a descriptor was closed and its number given out anew.
   virtual Status watch(int fd) = 0;
   // Harmless for a descriptor that is not watched or already closed.
   virtual void unwatch(int fd) = 0;

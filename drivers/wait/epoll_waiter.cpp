@@ -24,7 +24,8 @@ Status add(int epoll_fd, int fd) {
   event.data.fd = fd;
   if (epoll_ctl(epoll_fd, EPOLL_CTL_ADD, fd, &event) == 0 || errno == EEXIST) return {};
   if (errno == EPERM)
-    return fail(ErrorCode::kUnsupported, "descriptor {}: a plain file cannot be waited for; give the port a deadline", fd);
+    return fail(ErrorCode::kUnsupported, "descriptor {}: a plain file cannot be waited for; give the port a deadline",
+                fd);
   return fail(ErrorCode::kIo, "descriptor {}: cannot be waited for: {}", fd, std::strerror(errno));
 }
 
@@ -52,8 +53,8 @@ Status EpollWaiter::watch(int fd) { return add(epoll_fd_, fd); }
 void EpollWaiter::unwatch(int fd) { epoll_ctl(epoll_fd_, EPOLL_CTL_DEL, fd, nullptr); }
 
 int EpollWaiter::wait_until(TimeNs deadline_ns, std::span<int> ready) {
-  // Setting the timer also takes back that it has rung, so it is never read. Leaving it at an earlier time to save the call
-  // when deadlines move later was tried: sinks that repeat within 25 ms then woke the pump twice per frame.
+  // Setting the timer also takes back that it has rung, so it is never read. Leaving it at an earlier time to save the
+  // call when deadlines move later was tried: sinks that repeat within 25 ms then woke the pump twice per frame.
   if (deadline_ns != armed_ns_) {
     itimerspec when{};
     if (deadline_ns != kTimeNever) {

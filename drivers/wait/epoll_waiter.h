@@ -1,8 +1,8 @@
 // The waiter of a real machine: epoll for descriptors, a timerfd for the deadline, an eventfd for interrupt().
 //
 // The deadline is a time of CLOCK_MONOTONIC, as SystemClock gives it. A timerfd and not the time-out of epoll_wait(),
-// because it takes an absolute time in nanoseconds and is not rounded up by the timer slack of the thread (50 us unless it
-// is a real-time one).
+// because it takes an absolute time in nanoseconds and is not rounded up by the timer slack of the thread (50 us unless
+// it is a real-time one).
 //
 // Cost: one system call per wait, two when the deadline is another than last time.
 // Threads: one, except interrupt().

@@ -1,5 +1,5 @@
-// What one universe costs in the buffer, the merge and the pump. The counter "per_universe" is the figure to read (CPU time,
-// so that other load matters little); the time columns are for all N universes of an iteration.
+// What one universe costs in the buffer, the merge and the pump. The counter "per_universe" is the figure to read (CPU
+// time, so that other load matters little); the time columns are for all N universes of an iteration.
 #include <benchmark/benchmark.h>
 
 #include <cstdint>
@@ -52,7 +52,8 @@ void snapshot_one_by_one(benchmark::State& state) {
   FrameStamp stamp;
   for (auto _ : state) {
     for (std::int64_t i = 0; i < count; ++i)
-      universes.snapshot(static_cast<int>(i), std::span<std::uint8_t, kSlotCountMax>(levels.data() + i * kSlotCountMax, kSlotCountMax),
+      universes.snapshot(static_cast<int>(i),
+                         std::span<std::uint8_t, kSlotCountMax>(levels.data() + i * kSlotCountMax, kSlotCountMax),
                          stamp);
     benchmark::DoNotOptimize(levels.data());
     benchmark::ClobberMemory();

@@ -135,7 +135,8 @@ TEST_CASE("LTP may be set for a single universe") {
   CHECK(merge.look(1).slots[0] == 100);
 }
 
-TEST_CASE("a silent winner holds its look for 2.5 s to the nanosecond, then the next priority shows its newest levels") {
+TEST_CASE(
+    "a silent winner holds its look for 2.5 s to the nanosecond, then the next priority shows its newest levels") {
   Stage stage;
   stage.send(1, 200, 150);
   stage.send(2, 50, 100);
@@ -233,7 +234,8 @@ TEST_CASE("a ninth sender of equal priority is refused and counted, and gets in 
 
 TEST_CASE("a ninth sender of higher priority takes the place of the lowest one that was silent for longest") {
   Stage stage;
-  for (SenderId sender = 1; sender <= 8; ++sender) stage.send(sender, static_cast<std::uint8_t>(sender), sender < 3 ? 50 : 100);
+  for (SenderId sender = 1; sender <= 8; ++sender)
+    stage.send(sender, static_cast<std::uint8_t>(sender), sender < 3 ? 50 : 100);
   stage.send(1, 1, 50);  // so 2 is the silent one
   CHECK(stage.send(9, 99, 60) == Merge::Received::kStored);
   CHECK(stage.counters().senders_displaced == 1);
@@ -340,7 +342,8 @@ TEST_CASE("a long random history gives the look that the rules give when told sl
     for (std::size_t slot = 0; slot < kSlots; ++slot) {
       int level = -1;
       for (const auto& [id, entry] : told)
-        if (entry.priority == top && slot < entry.slots.size()) level = std::max(level, static_cast<int>(entry.slots[slot]));
+        if (entry.priority == top && slot < entry.slots.size())
+          level = std::max(level, static_cast<int>(entry.slots[slot]));
       if (level >= 0) expected[slot] = static_cast<std::uint8_t>(level);
     }
     stage.settle();

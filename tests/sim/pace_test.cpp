@@ -20,7 +20,8 @@ TEST_CASE("endless demand at 44 Hz for ten hours gives 44 times 36000 events, ea
     pace.happened(now_ns, kPeriodNs);
     ++events;
     const auto exact_ns = static_cast<long double>(events) * 1e9L / 44.0L;
-    error_ns_max = std::max(error_ns_max, std::abs(static_cast<double>(static_cast<long double>(pace.due_ns() - start_ns) - exact_ns)));
+    error_ns_max = std::max(
+        error_ns_max, std::abs(static_cast<double>(static_cast<long double>(pace.due_ns() - start_ns) - exact_ns)));
     now_ns = pace.due_ns();
   }
   CHECK(events == 44 * 36'000);

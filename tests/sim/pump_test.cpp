@@ -106,7 +106,8 @@ TEST_CASE("all universes of one wake-up go to a sink in one call, and to each si
   world.pump().add_sink(all);
   world.pump().add_sink(some);
   world.pump().start();
-  for (Universe universe = 1; universe <= 9; ++universe) source.give(universe, static_cast<std::uint8_t>(universe * 10));
+  for (Universe universe = 1; universe <= 9; ++universe)
+    source.give(universe, static_cast<std::uint8_t>(universe * 10));
   world.run_for(kNsPerMs);
   REQUIRE(all.sent.size() == 1);
   CHECK(all.sent[0].universes == universe_range(1, 9));
@@ -256,7 +257,8 @@ TEST_CASE("the backup desk takes over 2.5 s after the last word of the main desk
   CHECK(world.level(1) == 200);
   world.run_for(kNsPerMs);
   CHECK(world.level(1) == 60);
-  const auto first = std::find_if(sink.sent.begin(), sink.sent.end(), [](const auto& sent) { return sent.levels[0] == 60; });
+  const auto first =
+      std::find_if(sink.sent.begin(), sink.sent.end(), [](const auto& sent) { return sent.levels[0] == 60; });
   REQUIRE(first != sink.sent.end());
   CHECK(first->time_ns == last_word_ns + 2'500 * kNsPerMs);
   for (const FakeSink::Sent& sent : sink.sent) CHECK((sent.levels[0] == 200 || sent.levels[0] == 60));
@@ -301,7 +303,7 @@ TEST_CASE("a sink that fails stops neither the other sinks nor the sources, and 
   world.run_for(60 * kNsPerS);
   CHECK(good.frame_count == source.poll_count);
   CHECK(world.said == std::vector<std::string>{"bad: lost: bad: write failed"});
-  CHECK(bad.send_count > 50);    // it is tried again, less and less often, in the end every second
+  CHECK(bad.send_count > 50);  // it is tried again, less and less often, in the end every second
   CHECK(bad.send_count < 80);
   const PortStatus status = world.pump().status().ports[1];
   CHECK(status.name == "bad");
@@ -486,7 +488,8 @@ TEST_CASE("a tap sees every frame as it came, losers and strangers too") {
 TEST_CASE("stop closes every sink once, also a failed one, after sending what the cap held back") {
   World world;
   FakeSource source(world.waiter, "desk", {1});
-  FakeSink capped(world.waiter, "capped", {1}, 1.0), failed(world.waiter, "failed", {1}), idle(world.waiter, "idle", {2});
+  FakeSink capped(world.waiter, "capped", {1}, 1.0), failed(world.waiter, "failed", {1}),
+      idle(world.waiter, "idle", {2});
   failed.send_error = "failed: no";
   world.pump().add_source(source);
   for (FakeSink* sink : {&capped, &failed, &idle}) world.pump().add_sink(*sink);

@@ -113,7 +113,8 @@ TEST_CASE("snapshot_changed copies exactly the universes written since, and ends
   std::vector<FrameStamp> stamps(20), all_stamps(20);
   CHECK(universes.snapshot_changed(levels, stamps) == 0);
   const std::uint64_t revision = universes.revision();
-  for (const int index : {3, 11, 11, 19}) universes.write(index, frame_of(filled(static_cast<std::uint8_t>(index + 1))));
+  for (const int index : {3, 11, 11, 19})
+    universes.write(index, frame_of(filled(static_cast<std::uint8_t>(index + 1))));
   CHECK(universes.revision() == revision + 4);
   CHECK(universes.snapshot_changed(levels, stamps) == 3);
   CHECK(universes.snapshot_changed(levels, stamps) == 0);
@@ -160,12 +161,14 @@ TEST_CASE("no snapshot under concurrent writes mixes two writes") {
         case 1: universes.snapshot_changed(levels, stamps); break;
         default:
           for (int i = 0; i < kUniverses; ++i)
-            universes.snapshot(i, std::span<std::uint8_t, kSlotCountMax>(levels.data() + i * kSlotCountMax, kSlotCountMax),
+            universes.snapshot(i,
+                               std::span<std::uint8_t, kSlotCountMax>(levels.data() + i * kSlotCountMax, kSlotCountMax),
                                stamps[static_cast<std::size_t>(i)]);
       }
       for (std::size_t i = 0; i < kUniverses; ++i) {
         const FrameStamp& stamp = stamps[i];
-        bool whole = stamp.stamp_ns == stamp.revision && stamp.sender == stamp.revision && stamp.sequence == stamp.revision;
+        bool whole =
+            stamp.stamp_ns == stamp.revision && stamp.sender == stamp.revision && stamp.sequence == stamp.revision;
         const std::uint8_t* const first = levels.data() + i * kSlotCountMax;
         whole = whole && *first == static_cast<std::uint8_t>(stamp.revision);
         whole = whole && std::memcmp(first, first + 1, kSlotCountMax - 1) == 0;  // all alike
@@ -175,7 +178,8 @@ TEST_CASE("no snapshot under concurrent writes mixes two writes") {
         ++seen[reader];
       }
     }
-    for (const FrameStamp& stamp : stamps) backwards[reader] += stamp.revision == kWrites ? 0u : 1u;  // the last is seen
+    for (const FrameStamp& stamp : stamps)
+      backwards[reader] += stamp.revision == kWrites ? 0u : 1u;  // the last is seen
   };
 
   {

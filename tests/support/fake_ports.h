@@ -100,8 +100,7 @@ struct FakePort {
   Status polled(TimeNs now_ns) {
     ++poll_count;
     if (polled_ns.size() < 1000) polled_ns.push_back(now_ns);
-    while (deadline_ns <= now_ns && !deadline_stuck)
-      deadline_ns = repeat_ns > 0 ? deadline_ns + repeat_ns : kTimeNever;
+    while (deadline_ns <= now_ns && !deadline_stuck) deadline_ns = repeat_ns > 0 ? deadline_ns + repeat_ns : kTimeNever;
     if (!poll_error.empty()) return tl::unexpected<Error>(Error{ErrorCode::kDisconnected, poll_error});
     return {};
   }

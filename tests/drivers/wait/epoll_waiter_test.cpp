@@ -91,7 +91,8 @@ TEST_CASE("what does not fit into the answer comes with the next one") {
 
 TEST_CASE("a deadline in the past, also 0 and below, ends the wait at once") {
   const auto waiter = make();
-  for (const TimeNs past_ns : {TimeNs{-5}, TimeNs{0}, TimeNs{1}, TimeNs{1}, TimeNs{2}}) CHECK(wait(*waiter, past_ns).empty());
+  for (const TimeNs past_ns : {TimeNs{-5}, TimeNs{0}, TimeNs{1}, TimeNs{1}, TimeNs{2}})
+    CHECK(wait(*waiter, past_ns).empty());
 }
 
 TEST_CASE("a wait that nothing but its deadline ends does not end before it") {
