@@ -1,6 +1,8 @@
 #version 460
 // Light in the haze: adds the in-scattered light of every beam along the pixel's ray, up to the surface it shows.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_ballot : require
 #define FL_USE_BEAMS
 #define FL_BEAMS_ACCESS readonly
 #define FL_USE_COUNTS
@@ -21,7 +23,7 @@ bool tile_touches(BeamRow row) {
 }
 #include "render/shaders/lib/tile_walk.glsl"
 
-layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX) in;
+layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX / FL_ROWS) in;
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(constant_id = FL_SPEC_PROFILE) const bool kProfile = false;
 layout(constant_id = FL_SPEC_METHOD) const uint kMethod = FL_METHOD_GAUSS;
@@ -31,42 +33,49 @@ layout(constant_id = FL_SPEC_SOLIDS) const bool kSolids = true;
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
 
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  bool inside = pixel.x < int(params.width) && pixel.y < int(params.height);
-  vec3 d = normalize(ray_through(vec2(pixel) + 0.5));
-  float t_max_m = kNothingM;
-  if (!inside) t_max_m = 0.0;
-  if (kSolids && inside) t_max_m = surface_distance(pixel, imageLoad(surface_id, pixel).xy, d);
   Medium medium = Medium(params.anisotropy, params.position.w);
-
-  vec3 total = vec3(0.0);
+  vec3 d[FL_ROWS];
+  float t_max_m[FL_ROWS];
+  vec3 total[FL_ROWS];
+  for (int i = 0; i < FL_ROWS; ++i) {
+    ivec2 pixel = tile_pixel(i);
+    bool inside = in_picture(pixel);
+    d[i] = normalize(ray_through(vec2(pixel) + 0.5));
+    t_max_m[i] = inside ? kNothingM : 0.0;
+    if (kSolids && inside) t_max_m[i] = surface_distance(pixel, imageLoad(surface_id, pixel).xy, d[i]);
+    total[i] = vec3(0.0);
+  }
   for (uint base = 0u; base < counts.live_count; base += FL_WALK_BEAMS) {
     if (!tile_walk(base)) continue;
     FL_WALK_BEGIN(base, index)
       BeamRow row = beams[index];
       BeamShape beam = beam_shape(row);
       if (!kProfile) beam.profile_m = 1.0;
-      vec3 ray = to_light(row, d);
-      Chord chord;
-      if (beam_chord(beam, row.eye.xyz, ray, 0.0, t_max_m, chord)) {
-        float value;
-        if (kMethod == uint(FL_METHOD_MARCH)) {
-          value = chord_inscatter_march(beam, medium, chord, ray, kNodes, kExtinction);
-        } else if (kGobo && row.gobo > 0u) {
-          value = chord_inscatter_gobo(beam, medium, chord, ray, kGoboTaps, kExtinction, row.gobo,
-                                       vec2(row.gobo_cos, row.gobo_sin));
-        } else {
-          // A flat profile 1 - rho^(2m) is a polynomial of degree 2m in s: m = 3 and 4 need one and two nodes more.
-          uint nodes = kNodes;
-          if (kProfile) nodes += (beam.profile_m > 2.5 ? 1u : 0u) + (beam.profile_m > 3.5 ? 1u : 0u);
-          value = chord_inscatter_gauss(beam, medium, chord, ray, min(nodes, 8u), kExtinction);
+      // A flat profile 1 - rho^(2m) is a polynomial of degree 2m in s: m = 3 and 4 need one and two nodes more.
+      uint nodes = kNodes;
+      if (kProfile) nodes = min(nodes + (beam.profile_m > 2.5 ? 1u : 0u) + (beam.profile_m > 3.5 ? 1u : 0u), 8u);
+      for (int i = 0; i < FL_ROWS; ++i) {
+        vec3 ray = to_light(row, d[i]);
+        Chord chord;
+        if (beam_chord(beam, row.eye.xyz, ray, 0.0, t_max_m[i], chord)) {
+          float value;
+          if (kMethod == uint(FL_METHOD_MARCH)) {
+            value = chord_inscatter_march(beam, medium, chord, ray, kNodes, kExtinction);
+          } else if (kGobo && row.gobo > 0u) {
+            value = chord_inscatter_gobo(beam, medium, chord, ray, kGoboTaps, kExtinction, row.gobo,
+                                         vec2(row.gobo_cos, row.gobo_sin));
+          } else {
+            value = chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction);
+          }
+          total[i] += row.j0.rgb * value;
         }
-        total += row.j0.rgb * value;
       }
     FL_WALK_END
   }
-  if (inside) {
+  for (int i = 0; i < FL_ROWS; ++i) {
+    ivec2 pixel = tile_pixel(i);
+    if (!in_picture(pixel)) continue;
     vec3 behind = kSolids ? imageLoad(radiance, pixel).rgb : vec3(0.0);
-    imageStore(radiance, pixel, vec4(behind + params.forward.w * total, 1.0));
+    imageStore(radiance, pixel, vec4(behind + params.forward.w * total[i], 1.0));
   }
 }

@@ -2,6 +2,8 @@
 // Light on solid things: albedo / pi times the illuminance of every beam that reaches the pixel's surface, dimmed by the
 // haze between it and the eye. Lenses shine by themselves.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_ballot : require
 #define FL_USE_BEAMS
 #define FL_BEAMS_ACCESS readonly
 #define FL_USE_COUNTS
@@ -26,20 +28,19 @@ int ordered(float x) {
 }
 float from_ordered(int bits) { return intBitsToFloat(bits ^ ((bits >> 31) & 0x7fffffff)); }
 
-void bound_points(bool solid, vec3 offset_m) {
+void bound_begin() {
   uint lane = gl_LocalInvocationIndex;
   if (lane < 3u) {
     bound_low[lane] = 0x7fffffff;
     bound_high[lane] = int(0x80000000);
   }
   barrier();
-  if (solid) {
-    for (int i = 0; i < 3; ++i) {
-      atomicMin(bound_low[i], ordered(offset_m[i]));
-      atomicMax(bound_high[i], ordered(offset_m[i]));
-    }
+}
+void bound_add(vec3 offset_m) {
+  for (int i = 0; i < 3; ++i) {
+    atomicMin(bound_low[i], ordered(offset_m[i]));
+    atomicMax(bound_high[i], ordered(offset_m[i]));
   }
-  barrier();
 }
 
 // Whether the cone reaches the sphere round the tile's points.
@@ -59,7 +60,7 @@ bool tile_touches(BeamRow row) {
 #include "fixtures/shared/state.h"
 #include "fixtures/shared/pose.h"
 
-layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX) in;
+layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX / FL_ROWS) in;
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(constant_id = FL_SPEC_PROFILE) const bool kProfile = false;
 
@@ -90,51 +91,64 @@ vec3 lens_radiance(uint index, vec3 unit_ray, vec3 normal) {
 }
 
 void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  bool inside = pixel.x < int(params.width) && pixel.y < int(params.height);
-  vec3 d = normalize(ray_through(vec2(pixel) + 0.5));
-  uvec2 id = inside ? imageLoad(surface_id, pixel).xy : uvec2(0);
-  uint kind = id.y >> 30;
-  bool solid = kind != 0u;
-  float t_m = solid ? surface_distance(pixel, id, d) : 0.0;
-  vec3 normal = unpack_normal(id.x);
-  vec3 offset_m = d * t_m;  // from the camera
   Medium medium = Medium(params.anisotropy, params.position.w);
-
-  vec3 illuminance_lx = vec3(params.ambient_lx);
+  uvec2 id[FL_ROWS];
+  vec3 offset_m[FL_ROWS];  // of the surface point from the camera
+  vec3 normal[FL_ROWS];
+  vec3 illuminance_lx[FL_ROWS];
   // A sphere round all surface points of the tile: most beams that cross the tile in the air light none of them.
-  bound_points(solid, offset_m);
+  bound_begin();
+  for (int i = 0; i < FL_ROWS; ++i) {
+    ivec2 pixel = tile_pixel(i);
+    vec3 d = normalize(ray_through(vec2(pixel) + 0.5));
+    id[i] = in_picture(pixel) ? imageLoad(surface_id, pixel).xy : uvec2(0u);
+    normal[i] = unpack_normal(id[i].x);
+    offset_m[i] = vec3(0.0);
+    illuminance_lx[i] = vec3(params.ambient_lx);
+    if (id[i].y != 0u) {
+      offset_m[i] = d * surface_distance(pixel, id[i], d);
+      bound_add(offset_m[i]);
+    }
+  }
+  barrier();
+
   for (uint base = 0u; base < counts.live_count; base += FL_WALK_BEAMS) {
     if (!tile_walk(base)) continue;
     FL_WALK_BEGIN(base, index)
       BeamRow row = beams[index];
       BeamShape beam = beam_shape(row);
       if (!kProfile) beam.profile_m = 1.0;
-      vec3 p = row.eye.xyz + to_light(row, offset_m);
-      vec2 rho;
-      float r_m;
-      float share = beam_illuminance(beam, p, rho, r_m);
-      if (solid && share > 0.0) {
-        vec3 light = beam_direction(beam, rho);
-        float cosine = max(-dot(to_light(row, normal), light), 0.0);
-        if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);
-        if (kGobo && row.gobo > 0u) {
-          share *= gobo_at(row.gobo, vec2(row.gobo_cos * rho.x + row.gobo_sin * rho.y,
-                                          row.gobo_cos * rho.y - row.gobo_sin * rho.x));
+      for (int i = 0; i < FL_ROWS; ++i) {
+        vec3 p = row.eye.xyz + to_light(row, offset_m[i]);
+        vec2 rho;
+        float r_m;
+        float share = beam_illuminance(beam, p, rho, r_m);
+        if (id[i].y != 0u && share > 0.0) {
+          share *= max(-dot(to_light(row, normal[i]), beam_direction(beam, rho)), 0.0);
+          if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);
+          if (kGobo && row.gobo > 0u) {
+            share *= gobo_at(row.gobo, vec2(row.gobo_cos * rho.x + row.gobo_sin * rho.y,
+                                            row.gobo_cos * rho.y - row.gobo_sin * rho.x));
+          }
+          illuminance_lx[i] += row.j0.rgb * share;
         }
-        illuminance_lx += row.j0.rgb * (share * cosine);
       }
     FL_WALK_END
   }
 
-  vec3 color = vec3(0.0);
-  if (kind == uint(FL_SURFACE_BOX)) {
-    color = boxes[id.y & 0x3fffffffu].albedo.rgb / kPi * illuminance_lx;
-  } else if (kind == uint(FL_SURFACE_FIXTURE)) {
-    uint index = (id.y & 0x3fffffffu) >> 3;
-    color = vec3(kBodyAlbedo / kPi) * illuminance_lx;
-    if ((id.y & 7u) == kPartLens) color += lens_radiance(index, d, normal);
+  for (int i = 0; i < FL_ROWS; ++i) {
+    ivec2 pixel = tile_pixel(i);
+    if (!in_picture(pixel)) continue;
+    uint kind = id[i].y >> 30;
+    uint which = id[i].y & 0x3fffffffu;
+    vec3 color = vec3(0.0);
+    if (kind == uint(FL_SURFACE_BOX)) {
+      color = boxes[which].albedo.rgb / kPi * illuminance_lx[i];
+    } else if (kind == uint(FL_SURFACE_FIXTURE)) {
+      color = vec3(kBodyAlbedo / kPi) * illuminance_lx[i];
+      if ((which & 7u) == kPartLens) color += lens_radiance(which >> 3, normalize(offset_m[i]), normal[i]);
+    }
+    if (kExtinction) color *= exp(-medium.extinction_per_m * length(offset_m[i]));
+    imageStore(radiance, pixel, vec4(color, 1.0));
   }
-  if (kExtinction) color *= exp(-medium.extinction_per_m * t_m);
-  if (inside) imageStore(radiance, pixel, vec4(color, 1.0));
 }
