@@ -105,13 +105,22 @@ int run_command_line(int argc, const char* const* argv, std::span<const CommandI
   } catch (const CLI::Success& success) {  // --help, --version
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    // The deepest command that was reached knows best which help is meant.
-    std::string name = "footlight";
-    for (CLI::App* at = &app; !at->get_subcommands().empty();) {
+    // The deepest command that was reached knows best which help is meant, and which word it did not know.
+    const CLI::App* at = &app;
+    std::string name = app.get_name();
+    while (!at->get_subcommands().empty()) {
       at = at->get_subcommands().front();
       name += " " + at->get_name();
     }
-    std::fputs(fmt::format("footlight: {}\nSee '{} --help'.\n", error.what(), name).c_str(), stderr);
+    std::string trouble = error.what();
+    const std::vector<std::string> unknown = at->remaining();
+    const std::vector<const CLI::App*> known = at->get_subcommands([](const CLI::App*) { return true; });
+    if (!unknown.empty() && !known.empty()) {
+      trouble = fmt::format("there is no command \"{}\"; expected", unknown.front());
+      for (const CLI::App* sub : known)
+        trouble += fmt::format("{} {}", sub == known.front() ? "" : ",", sub->get_name());
+    }
+    std::fputs(fmt::format("footlight: {}\nSee '{} --help'.\n", trouble, name).c_str(), stderr);
     return kExitUsage;
   }
 

@@ -1,0 +1,150 @@
+// The command as a user meets it: its help, and what it answers to wrong words. Nothing here needs a network or a device.
+#include <algorithm>
+#include <fstream>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "tests/tools/footlight/run_footlight.h"
+
+namespace footlight::testing {
+namespace {
+
+bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+// The words in the first column of the list of subcommands.
+std::vector<std::string> commands_of(const std::string& help) {
+  std::vector<std::string> commands;
+  const std::size_t at = help.find("Subcommands:");
+  REQUIRE(at != std::string::npos);
+  const std::string list = help.substr(at, help.find("\n\n", at) - at);
+  const std::regex line(R"(\n  ([a-z]+)  )");
+  for (auto match = std::sregex_iterator(list.begin(), list.end(), line); match != std::sregex_iterator(); ++match) {
+    commands.push_back((*match)[1]);
+  }
+  return commands;
+}
+
+TEST_CASE("help names every command, the endpoints and the exit codes") {
+  const Outcome outcome = footlight({"--help"});
+  CHECK(outcome.exit_code == 0);
+  for (const char* command : {"devices", "run", "record", "replay", "log"}) {
+    const auto commands = commands_of(outcome.out);
+    CHECK(std::find(commands.begin(), commands.end(), command) != commands.end());
+  }
+  CHECK(contains(outcome.out, "sacn:1-9@10.0.0.7"));
+  CHECK(contains(outcome.out, "Exit codes: 0 done"));
+}
+
+TEST_CASE("the help of every command teaches with examples that begin with its name") {
+  for (const std::string& command : commands_of(footlight({"--help"}).out)) {
+    CAPTURE(command);
+    const Outcome outcome = footlight({command, "--help"});
+    CHECK(outcome.exit_code == 0);
+    CHECK(contains(outcome.out, "Examples:"));
+    CHECK(contains(outcome.out, "\n  footlight " + command));
+  }
+  for (const char* command : {"info", "convert"}) {
+    const Outcome outcome = footlight({"log", command, "--help"});
+    CHECK(outcome.exit_code == 0);
+    CHECK(contains(outcome.out, std::string("\n  footlight log ") + command));
+  }
+}
+
+TEST_CASE("the commands that the README shows exist") {
+  const auto commands = commands_of(footlight({"--help"}).out);
+  std::ifstream readme(FOOTLIGHT_SOURCE_DIR "/README.md");
+  REQUIRE(readme.is_open());
+  const std::regex call(R"((?:^|[ `/])footlight ([a-z]+)( |$|`))");
+  bool in_code = false;
+  for (std::string line; std::getline(readme, line);) {
+    if (line.rfind("```", 0) == 0) in_code = !in_code;
+    std::smatch match;
+    if (!in_code || !std::regex_search(line, match, call)) continue;
+    CAPTURE(line);
+    CHECK(std::find(commands.begin(), commands.end(), match[1].str()) != commands.end());
+  }
+}
+
+TEST_CASE("the version is one line") {
+  const Outcome outcome = footlight({"--version"});
+  CHECK(outcome.exit_code == 0);
+  CHECK(std::regex_match(outcome.out, std::regex("footlight [0-9]+\\.[0-9]+\\.[0-9]+\n")));
+}
+
+// Arguments that are wrong, what the program has to answer and what its message has to name.
+struct Wrong {
+  std::vector<std::string> arguments;
+  int exit_code;
+  std::vector<std::string> named;
+};
+
+TEST_CASE("wrong arguments end with an exit code and a message that names the thing and the next step") {
+  const TempFolder folder;
+  const std::string missing = folder.file("missing.dmxlog");
+  std::ofstream(folder.file("text.dmxlog")) << "this is no log\n";
+  std::ofstream(folder.file("broken.show")) << "OLA Show\n1 0,300\n";
+  std::ofstream(folder.file("wrong.toml"))
+      << "[[in]]\nendpoint = \"sacn:1-9\"\npriorty = 3\n[[out]]\nendpoint = \"artnet:1\"\n";
+
+  const std::vector<Wrong> wrongs = {
+      {{}, 2, {"--help"}},
+      {{"rum"}, 2, {"rum", "run", "--help"}},
+      {{"run"}, 2, {"--in", "--out", "footlight run --in sacn:1-9"}},
+      {{"run", "--in", "sacn:1-9"}, 2, {"--out"}},
+      {{"run", "--in", "sacn:0-9", "--out", "mock:enttec-pro"}, 2, {"sacn:0-9", "universe 0", "1 to 63999"}},
+      {{"run", "--in", "sacn:64000", "--out", "mock:enttec-pro"}, 2, {"sacn:64000", "universe 64000"}},
+      {{"run", "--in", "scan:1", "--out", "mock:enttec-pro"}, 2, {"scan:1", "unknown scheme", "sacn, artnet"}},
+      {{"run", "--in", "sacn:1@10.0.0.300", "--out", "mock:enttec-pro"}, 2, {"10.0.0.300", "IPv4", "@10.0.0.7"}},
+      {{"run", "--in", "sacn:1%nosuch0", "--out", "mock:enttec-pro"}, 3, {"sacn:1%nosuch0", "nosuch0"}},
+      {{"run", "--in", "mock:enttec-pro", "--out", "mock:nothing"}, 2, {"mock:nothing", "enttec-pro"}},
+      {{"run", "--in", "mock:enttec-pro", "--out", "enttec-pro:NOSUCH"}, 3, {"enttec-pro:NOSUCH"}},
+      {{"run", "--in", "mock:enttec-pro", "--out", "mock:enttec-pro", "--for", "soon"}, 2, {"--for", "soon", "1m30s"}},
+      {{"run", folder.file("none.toml")}, 3, {"none.toml", "footlight run"}},
+      {{"run", folder.file("wrong.toml")}, 2, {"wrong.toml:3", "priorty"}},
+      {{"record", "--in", "sacn:1"}, 2, {"-o", "footlight record"}},
+      {{"record", "--in", "mock:enttec-pro", "-o", folder.file("no/such/folder.dmxlog"), "--for", "0s"},
+       3,
+       {"no/such"}},
+      {{"replay"}, 2, {"--demo", "footlight replay"}},
+      {{"replay", missing, "--out", "mock:enttec-pro"}, 3, {"missing.dmxlog"}},
+      {{"replay", missing, "--demo", "--out", "mock:enttec-pro"}, 2, {"--demo"}},
+      {{"replay", folder.file("text.dmxlog"), "--out", "mock:enttec-pro"}, 2, {"text.dmxlog"}},
+      {{"replay", "--demo", "--out", "mock:enttec-pro", "--speed", "0"}, 2, {"--speed"}},
+      {{"replay", "--demo", "--out", "mock:enttec-pro", "--universes", "0-3"}, 2, {"--universes", "universe 0"}},
+      {{"log"}, 2, {"footlight log --help"}},
+      {{"log", "inform"}, 2, {"inform", "info, convert"}},
+      {{"log", "info"}, 2, {"footlight log info"}},
+      {{"log", "info", missing}, 3, {"missing.dmxlog"}},
+      {{"log", "info", folder.file("text.dmxlog")}, 2, {"text.dmxlog"}},
+      {{"log", "info", folder.file("broken.show")}, 2, {"broken.show:2", "300"}},
+      {{"log", "convert", missing}, 2, {"two files"}},
+      {{"log", "convert", missing, folder.file("out.dmxlog")}, 3, {"missing.dmxlog"}},
+  };
+  for (const Wrong& wrong : wrongs) {
+    std::string line = "footlight";
+    for (const std::string& argument : wrong.arguments) line += " " + argument;
+    CAPTURE(line);
+    const Outcome outcome = footlight(wrong.arguments);
+    CAPTURE(outcome.err);
+    CHECK(outcome.exit_code == wrong.exit_code);
+    CHECK(outcome.err.rfind("footlight: ", 0) == 0);
+    for (const std::string& name : wrong.named) CHECK_MESSAGE(contains(outcome.err, name), name);
+  }
+}
+
+TEST_CASE("devices prints JSON objects or says that there are none, and never fails otherwise") {
+  const Outcome outcome = footlight({"devices", "--json"});
+  if (outcome.exit_code == 0) {
+    CHECK(contains(outcome.out, "\"endpoint\""));
+  } else {
+    CHECK(outcome.exit_code == 3);
+    CHECK(outcome.out.empty());
+    CHECK(contains(outcome.err, "mock:enttec-pro"));
+  }
+}
+
+}  // namespace
+}  // namespace footlight::testing

@@ -1,0 +1,250 @@
+// Logs through the commands: recorded, looked into, converted, replayed. Every level has to come out as it went in.
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "sim/dmx_log/dmx_log.h"
+#include "tests/tools/footlight/run_footlight.h"
+
+namespace footlight::testing {
+namespace {
+
+using Json = nlohmann::json;
+
+bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+struct Frame {
+  DurationNs time_ns = 0;
+  Universe universe = 0;
+  std::uint8_t priority = 0;
+  std::vector<std::uint8_t> slots;
+  bool operator==(const Frame&) const = default;
+};
+
+// Two universes every 20 ms, with slots that change, some of them not, and frames of different lengths.
+std::vector<Frame> pattern() {
+  std::vector<Frame> frames;
+  for (int step = 0; step < 25; ++step) {
+    for (const Universe universe : {1, 7}) {
+      Frame frame;
+      frame.time_ns = step * 20 * kNsPerMs + universe * kNsPerUs;
+      frame.universe = universe;
+      frame.priority = universe == 1 ? 100 : 150;
+      frame.slots.resize(universe == 1 ? 512 : 24);
+      for (std::size_t slot = 0; slot < frame.slots.size(); ++slot) {
+        frame.slots[slot] = static_cast<std::uint8_t>(slot % 3 == 0 ? slot : slot * static_cast<std::size_t>(step));
+      }
+      frames.push_back(frame);
+    }
+  }
+  return frames;
+}
+
+void write_log(const std::string& path, const std::vector<Frame>& frames) {
+  LogWriterOptions options;
+  options.origin_ns = 1'000'000'000;
+  options.universes = {1, 7};
+  auto writer = LogWriter::create(path, options);
+  REQUIRE(writer.has_value());
+  for (const Frame& frame : frames) {
+    FrameView view;
+    view.universe = frame.universe;
+    view.stamp_ns = options.origin_ns + frame.time_ns;
+    view.sender = static_cast<SenderId>(frame.universe);
+    view.priority = frame.priority;
+    view.slots = frame.slots;
+    REQUIRE(writer->append(view).has_value());
+  }
+  REQUIRE(writer->close(options.origin_ns + 500 * kNsPerMs).has_value());
+}
+
+std::vector<Frame> read_log(const std::string& path) {
+  auto reader = LogReader::open(path);
+  REQUIRE_MESSAGE(reader.has_value(), (reader ? "" : reader.error().message));
+  std::vector<Frame> frames;
+  LogFrame frame;
+  while (true) {
+    const auto more = reader->next(frame);
+    REQUIRE(more.has_value());
+    if (!*more) break;
+    if (frame.terminated) continue;
+    const auto slots = frame.slots();
+    frames.push_back({frame.time_ns, frame.universe, frame.priority, {slots.begin(), slots.end()}});
+  }
+  return frames;
+}
+
+// All levels, as far as they were sent, of the last frame of a universe.
+std::vector<std::uint8_t> last_look(const std::vector<Frame>& frames, Universe universe) {
+  const auto last =
+      std::find_if(frames.rbegin(), frames.rend(), [&](const Frame& f) { return f.universe == universe; });
+  REQUIRE(last != frames.rend());
+  return last->slots;
+}
+
+void check_done(const Outcome& outcome) {
+  CAPTURE(outcome.err);
+  CHECK(outcome.exit_code == 0);
+}
+
+TEST_CASE("a log that is recorded again keeps every frame, level, priority and interval") {
+  const TempFolder folder;
+  write_log(folder.file("a.dmxlog"), pattern());
+  check_done(footlight({"record", "--in", "log:" + folder.file("a.dmxlog"), "-o", folder.file("b.dmxlog")}));
+  auto copy = read_log(folder.file("b.dmxlog"));
+  const auto original = pattern();
+  REQUIRE(copy.size() == original.size());
+  const DurationNs shift_ns = copy.front().time_ns - original.front().time_ns;  // the recording began a little earlier
+  for (Frame& frame : copy) frame.time_ns -= shift_ns;
+  CHECK(copy == original);
+}
+
+TEST_CASE("a replayed log reaches a log at the other end with its levels unchanged") {
+  const TempFolder folder;
+  write_log(folder.file("a.dmxlog"), pattern());
+  check_done(footlight(
+      {"replay", folder.file("a.dmxlog"), "--out", "log:" + folder.file("b.dmxlog"), "--out", "mock:enttec-pro"}));
+  const auto original = pattern();
+  const auto copy = read_log(folder.file("b.dmxlog"));
+  CHECK(last_look(copy, 1) == last_look(original, 1));
+  for (const Frame& frame : copy) {
+    // A frame may be left out where the machine was stopped; none may be made up.
+    CHECK(std::any_of(original.begin(), original.end(), [&](const Frame& one) {
+      return one.universe == frame.universe && std::equal(one.slots.begin(), one.slots.end(), frame.slots.begin());
+    }));
+  }
+}
+
+TEST_CASE("info counts what is in a log, for people and as JSON") {
+  const TempFolder folder;
+  const std::string log = folder.file("a.dmxlog");
+  write_log(log, pattern());
+  const Outcome people = footlight({"log", "info", log});
+  check_done(people);
+  CHECK(contains(people.out, "length:   500 ms"));
+  CHECK(contains(people.out, "universe 7: 25 frames, 50.00/s, 24 slots"));
+  const Outcome machine = footlight({"log", "info", "--check", "--json", log});
+  check_done(machine);
+  const Json info = Json::parse(machine.out);
+  CHECK(info["frames"] == 50);
+  CHECK(info["duration_ns"] == 500'000'000);
+  CHECK(info["finished"] == true);
+  CHECK(info["checked"] == true);
+  CHECK(info["universes"].size() == 2);
+  CHECK(info["universes"][1]["universe"] == 7);
+}
+
+TEST_CASE("through an OLA Show and back, levels stay and times are rounded to a millisecond") {
+  const TempFolder folder;
+  write_log(folder.file("a.dmxlog"), pattern());
+  check_done(footlight({"log", "convert", folder.file("a.dmxlog"), folder.file("a.show")}));
+  check_done(footlight({"log", "convert", folder.file("a.show"), folder.file("b.dmxlog")}));
+  const auto original = pattern();
+  const auto copy = read_log(folder.file("b.dmxlog"));
+  REQUIRE(copy.size() == original.size());
+  for (std::size_t i = 0; i < copy.size(); ++i) {
+    CHECK(copy[i].universe == original[i].universe);
+    CHECK(copy[i].slots == original[i].slots);
+    CHECK(std::abs((copy[i].time_ns - copy[0].time_ns) - (original[i].time_ns - original[0].time_ns)) <= kNsPerMs);
+  }
+  const Outcome again = footlight({"log", "convert", folder.file("a.show"), folder.file("b.dmxlog")});
+  CHECK(again.exit_code != 0);  // never over a file that is there
+  CHECK(contains(again.err, "b.dmxlog"));
+  check_done(footlight({"log", "convert", "--overwrite", folder.file("a.show"), folder.file("b.dmxlog")}));
+}
+
+TEST_CASE("a log that was cut off is shown as far as it goes, with exit code 1 and the command that saves the rest") {
+  const TempFolder folder;
+  auto frames = pattern();
+  const std::size_t count = frames.size();
+  for (std::size_t i = 0; i < count; ++i) {  // long enough for several blocks
+    Frame frame = frames[i];
+    frame.time_ns += 60 * kNsPerS;
+    frames.push_back(frame);
+  }
+  std::sort(frames.begin(), frames.end(), [](const Frame& a, const Frame& b) { return a.time_ns < b.time_ns; });
+  {
+    LogWriterOptions options;
+    auto writer = LogWriter::create(folder.file("a.dmxlog"), options);
+    REQUIRE(writer.has_value());
+    for (const Frame& frame : frames) {
+      FrameView view;
+      view.universe = frame.universe;
+      view.stamp_ns = frame.time_ns;
+      view.slots = frame.slots;
+      REQUIRE(writer->append(view).has_value());
+    }
+    REQUIRE(writer->close(61 * kNsPerS).has_value());
+  }
+  std::ifstream file(folder.file("a.dmxlog"), std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  std::ofstream(folder.file("cut.dmxlog"), std::ios::binary) << bytes.substr(0, bytes.size() * 2 / 3);
+
+  const Outcome outcome = footlight({"log", "info", folder.file("cut.dmxlog")});
+  CHECK(outcome.exit_code == 1);
+  CHECK(contains(outcome.out, "universe 1:"));
+  CHECK(contains(outcome.err, "cut.dmxlog"));
+  CHECK(contains(outcome.err, "footlight log convert"));
+  (void)footlight({"log", "convert", folder.file("cut.dmxlog"), folder.file("whole.dmxlog")});
+  check_done(footlight({"log", "info", "--check", folder.file("whole.dmxlog")}));
+  CHECK(read_log(folder.file("whole.dmxlog")).size() >= count);
+
+  const Outcome headless = [&] {
+    std::ofstream(folder.file("head.dmxlog"), std::ios::binary) << bytes.substr(0, 6);
+    return footlight({"log", "info", folder.file("head.dmxlog")});
+  }();
+  CHECK(headless.exit_code == 2);
+  CHECK(contains(headless.err, "head.dmxlog"));
+}
+
+TEST_CASE("the demo show can be replayed anywhere in it, faster and for a while") {
+  const Outcome outcome = footlight(
+      {"replay", "--demo", "--at", "1s", "--until", "11s", "--speed", "1000", "--out", "mock:enttec-pro", "--json"});
+  check_done(outcome);
+  CHECK(contains(outcome.out, R"("event":"summary")"));
+}
+
+// A UDP port that was free a moment ago.
+int free_udp_port() {
+  const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  REQUIRE(fd >= 0);
+  sockaddr_in address = {};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  REQUIRE(bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  socklen_t size = sizeof address;
+  REQUIRE(getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) == 0);
+  close(fd);
+  return ntohs(address.sin_port);
+}
+
+TEST_CASE("levels that one program replays over sACN are those that another one records") {
+  const TempFolder folder;
+  write_log(folder.file("a.dmxlog"), pattern());
+  const std::string wire = "@127.0.0.1:" + std::to_string(free_udp_port());
+  Footlight recorder({"record", "--in", "sacn:101,107=1,7" + wire, "-o", folder.file("b.dmxlog"), "--json"});
+  recorder.wait_for(R"("event":"ready")");
+  check_done(footlight({"replay", folder.file("a.dmxlog"), "--out", "sacn:101,107=1,7" + wire}));
+  recorder.signal(SIGTERM);
+  check_done(recorder.wait());
+  const auto original = pattern();
+  const auto copy = read_log(folder.file("b.dmxlog"));
+  CHECK(last_look(copy, 1) == last_look(original, 1));
+  auto short_look = last_look(copy, 7);
+  short_look.resize(24);  // the network carries whole universes
+  CHECK(short_look == last_look(original, 7));
+}
+
+}  // namespace
+}  // namespace footlight::testing

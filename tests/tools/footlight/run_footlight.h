@@ -1,0 +1,57 @@
+// Runs the built `footlight` as a user would, in a folder of its own.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+namespace footlight::testing {
+
+// A folder that goes away with the object.
+class TempFolder {
+ public:
+  TempFolder();
+  ~TempFolder();
+  TempFolder(const TempFolder&) = delete;
+  TempFolder& operator=(const TempFolder&) = delete;
+  [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+struct Outcome {
+  int exit_code = -1;  // -1: ended by a signal
+  std::string out;
+  std::string err;
+};
+
+// A program under way.
+class Footlight {
+ public:
+  explicit Footlight(const std::vector<std::string>& arguments,
+                     const std::map<std::string, std::string>& environment = {});
+  ~Footlight();  // kills it where it was not waited for
+  Footlight(const Footlight&) = delete;
+  Footlight& operator=(const Footlight&) = delete;
+
+  // Reads standard output up to a line that holds `text`; fails the test where the program ends before, or after 60 s.
+  void wait_for(const std::string& text);
+  void signal(int number);
+  Outcome wait();
+
+ private:
+  bool read_some(bool& out_open, bool& err_open);
+
+  pid_t pid_ = -1;
+  int out_fd_ = -1;
+  int err_fd_ = -1;
+  Outcome outcome_;
+};
+
+[[nodiscard]] Outcome footlight(const std::vector<std::string>& arguments);
+
+}  // namespace footlight::testing

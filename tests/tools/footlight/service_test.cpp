@@ -1,0 +1,97 @@
+// The command as a service: started, watched, told to stop.
+#include <csignal>
+#include <cstring>
+#include <string>
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <doctest/doctest.h>
+
+#include "tests/tools/footlight/run_footlight.h"
+
+namespace footlight::testing {
+namespace {
+
+bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+TEST_CASE("SIGTERM and SIGINT stop a bridge cleanly, with a summary and exit code 0") {
+  for (const int number : {SIGTERM, SIGINT}) {
+    Footlight bridge({"run", "--in", "mock:enttec-pro", "--out", "mock:enttec-pro", "--json"});
+    bridge.wait_for(R"("event":"ready")");
+    bridge.signal(number);
+    const Outcome outcome = bridge.wait();
+    CAPTURE(outcome.err);
+    CHECK(outcome.exit_code == 0);
+    CHECK(contains(outcome.out, R"("event":"summary")"));
+  }
+}
+
+TEST_CASE("a bridge without JSON ends with a summary for people on standard error and nothing on standard output") {
+  const Outcome outcome = footlight({"run", "--in", "mock:enttec-pro", "--out", "mock:enttec-pro", "--for", "300ms"});
+  CHECK(outcome.exit_code == 0);
+  CHECK(outcome.out.empty());
+  CHECK(contains(outcome.err, "ran "));
+  CHECK(contains(outcome.err, "  in  mock:enttec-pro"));
+  CHECK(contains(outcome.err, "  out mock:enttec-pro"));
+}
+
+TEST_CASE("a universe that no input brings is said once at the start") {
+  const Outcome outcome = footlight({"run", "--in", "mock:enttec-pro", "--out", "mock:enttec-pro=2", "--for", "0s"});
+  CHECK(outcome.exit_code == 0);
+  CHECK(contains(outcome.err, "mock:enttec-pro: no input brings universe 2"));
+}
+
+// The service manager's end of sd_notify().
+class NotifySocket {
+ public:
+  explicit NotifySocket(const std::string& path) : fd_(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address = {};
+    address.sun_family = AF_UNIX;
+    REQUIRE(path.size() < sizeof address.sun_path);
+    std::memcpy(address.sun_path, path.c_str(), path.size());
+    REQUIRE(bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  }
+  ~NotifySocket() { close(fd_); }
+  NotifySocket(const NotifySocket&) = delete;
+  NotifySocket& operator=(const NotifySocket&) = delete;
+
+  // Messages up to the first that holds `text`; empty where none came within a minute.
+  std::string wait_for(const std::string& text) {
+    std::string all;
+    while (!contains(all, text)) {
+      pollfd ready = {fd_, POLLIN, 0};
+      if (poll(&ready, 1, 60'000) != 1) return {};
+      char buffer[2048];
+      const ssize_t size = recv(fd_, buffer, sizeof buffer, 0);
+      if (size > 0) all.append(buffer, static_cast<std::size_t>(size)).push_back('\n');
+    }
+    return all;
+  }
+
+ private:
+  int fd_;
+};
+
+TEST_CASE("the service manager hears when a bridge is ready, that it is alive, and that it stops") {
+  const TempFolder folder;
+  NotifySocket manager(folder.file("notify"));
+  Footlight bridge({"run", "--in", "mock:enttec-pro", "--out", "mock:enttec-pro", "--json"},
+                   {{"NOTIFY_SOCKET", folder.file("notify")}, {"WATCHDOG_USEC", "200000"}});
+  const std::string start = manager.wait_for("READY=1");
+  if (start.empty()) {
+    MESSAGE("built without libsystemd");
+    return;
+  }
+  CHECK_FALSE(manager.wait_for("WATCHDOG=1").empty());
+  CHECK_FALSE(manager.wait_for("WATCHDOG=1").empty());
+  CHECK_FALSE(manager.wait_for("STATUS=").empty());
+  bridge.signal(SIGTERM);
+  CHECK_FALSE(manager.wait_for("STOPPING=1").empty());
+  CHECK(bridge.wait().exit_code == 0);
+}
+
+}  // namespace
+}  // namespace footlight::testing

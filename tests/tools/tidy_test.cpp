@@ -1,0 +1,371 @@
+// What the compiler does not see: who includes whom, widths of lines, files that nobody builds, commands in the README.
+//
+// Reads the source tree as text. A rule that has to be broken somewhere is changed here, with the reason beside it.
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace footlight {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = FOOTLIGHT_SOURCE_DIR;
+constexpr int kColumnsMax = 120;
+
+struct SourceFile {
+  std::string path;  // from the root, with "/"
+  std::vector<std::string> lines;
+};
+
+std::vector<std::string> lines_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  return lines;
+}
+
+bool starts_with(std::string_view text, std::string_view start) { return text.substr(0, start.size()) == start; }
+bool ends_with(std::string_view text, std::string_view end) {
+  return text.size() >= end.size() && text.substr(text.size() - end.size()) == end;
+}
+
+// Every text file of ours, in order of path.
+const std::vector<SourceFile>& tree() {
+  static const std::vector<SourceFile> files = [] {
+    std::vector<SourceFile> found;
+    for (const char* folder :
+         {"sim", "drivers", "fixtures", "render", "tools", "tests", "docs", "udev", ".ci", "CMakeLists.txt",
+          "README.md", "CHANGELOG.md", ".clang-format", ".clang-tidy", "CMakePresets.json"}) {
+      const fs::path top = kRoot / folder;
+      if (fs::is_regular_file(top)) found.push_back({folder, lines_of(top)});
+      if (!fs::is_directory(top)) continue;
+      for (const auto& entry : fs::recursive_directory_iterator(top)) {
+        if (!entry.is_regular_file()) continue;
+        found.push_back({fs::relative(entry.path(), kRoot).generic_string(), lines_of(entry.path())});
+      }
+    }
+    std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.path < b.path; });
+    return found;
+  }();
+  return files;
+}
+
+bool is_header(std::string_view path) { return ends_with(path, ".h"); }
+bool is_cpp(std::string_view path) { return is_header(path) || ends_with(path, ".cpp"); }
+bool is_shader(std::string_view path) {
+  return std::any_of(std::begin({".comp", ".vert", ".frag", ".glsl"}), std::end({".comp", ".vert", ".frag", ".glsl"}),
+                     [&](const char* end) { return ends_with(path, end); });
+}
+// Shared headers are C++ and GLSL at once; they are included many times, on purpose.
+bool is_shared(std::string_view path) { return path.find("/shared/") != std::string_view::npos; }
+
+struct Include {
+  std::string file;
+  int line = 0;
+  std::string target;  // what stands between the quotes
+  bool quoted = false;
+};
+
+std::vector<Include> includes_of(const SourceFile& file) {
+  static const std::regex kInclude(R"rx(^\s*#\s*include\s*(["<])([^">]+)[">])rx");
+  std::vector<Include> includes;
+  for (std::size_t i = 0; i < file.lines.size(); ++i) {
+    std::smatch match;
+    if (file.lines[i].find("include") == std::string::npos || !std::regex_search(file.lines[i], match, kInclude))
+      continue;
+    includes.push_back({file.path, static_cast<int>(i) + 1, match[2], match[1] == "\""});
+  }
+  return includes;
+}
+
+std::string top_of(std::string_view path) { return std::string(path.substr(0, path.find('/'))); }
+
+void check_none(const std::vector<std::string>& offences) {
+  for (const std::string& offence : offences) MESSAGE(offence);
+  CHECK(offences.empty());
+}
+
+TEST_CASE("the tree is found") {
+  CHECK(tree().size() > 100);
+  CHECK(std::any_of(tree().begin(), tree().end(), [](const auto& file) { return file.path == "sim/core/dmx.h"; }));
+}
+
+TEST_CASE("includes point down only: tools, then render and drivers, then fixtures, then sim") {
+  const std::map<std::string, std::set<std::string>> allowed = {
+      {"sim", {"sim"}},
+      {"drivers", {"drivers", "sim"}},
+      {"fixtures", {"fixtures", "sim"}},
+      {"render", {"render", "fixtures", "sim"}},
+      {"tools", {"tools", "render", "fixtures", "drivers", "sim"}},
+      {"tests", {"tests", "tools", "render", "fixtures", "drivers", "sim"}},
+  };
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree()) {
+    if (!is_cpp(file.path) && !is_shader(file.path)) continue;
+    const auto rule = allowed.find(top_of(file.path));
+    if (rule == allowed.end()) continue;
+    for (const Include& include : includes_of(file)) {
+      if (!include.quoted) continue;
+      const std::string top = top_of(include.target);
+      const bool generated = starts_with(include.target, "shaders/");  // glslang's arrays, seen by render only
+      if (generated ? top_of(file.path) == "render" : rule->second.contains(top)) continue;
+      offences.push_back(fmt::format("{}:{}: {}/ must not include \"{}\"; it may include {}", file.path, include.line,
+                                     rule->first, include.target, fmt::join(rule->second, ", ")));
+    }
+  }
+  check_none(offences);
+}
+
+TEST_CASE("sim/core stands on nothing but itself, and render/vk knows no word of DMX") {
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree()) {
+    const bool core = starts_with(file.path, "sim/core/");
+    const bool vk = starts_with(file.path, "render/vk/");
+    if (!core && !vk) continue;
+    for (const Include& include : includes_of(file)) {
+      if (!include.quoted || starts_with(include.target, core ? "sim/core/" : "render/vk/")) continue;
+      if (vk && starts_with(include.target, "sim/core/") && !starts_with(include.target, "sim/core/dmx")) continue;
+      offences.push_back(fmt::format("{}:{}: \"{}\"", file.path, include.line, include.target));
+    }
+  }
+  check_none(offences);
+}
+
+TEST_CASE("quoted includes start at the root and name a file that is there") {
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree()) {
+    if (!is_cpp(file.path) && !is_shader(file.path)) continue;
+    for (const Include& include : includes_of(file)) {
+      if (!include.quoted || starts_with(include.target, "shaders/")) continue;
+      if (fs::is_regular_file(kRoot / include.target)) continue;
+      offences.push_back(fmt::format("{}:{}: \"{}\"", file.path, include.line, include.target));
+    }
+  }
+  check_none(offences);
+}
+
+TEST_CASE("libraries of hardware, and those that are slow to compile, stay where they are wrapped") {
+  struct Rule {
+    const char* library;  // begin of what stands between < and >
+    const char* may;      // pattern of paths
+  };
+  const Rule rules[] = {
+      {"libusb", R"((drivers|tests/drivers)/.*\.cpp)"},
+      {"hidapi", R"((drivers|tests/drivers)/.*\.cpp)"},
+      {"gpiod", R"((drivers|tests/drivers)/.*\.cpp)"},
+      {"libudev", R"((drivers|tests/drivers)/.*\.cpp)"},
+      {"vulkan/", R"((render|tests/render)/.*|tools/footlight/window.*)"},
+      {"GLFW/", R"(tools/footlight/window.*)"},
+      {"imgui", R"(tools/footlight/window.*)"},
+      {"libav", R"(tools/footlight/video.*\.cpp|tests/tools/.*\.cpp)"},
+      {"libsw", R"(tools/footlight/video.*\.cpp|tests/tools/.*\.cpp)"},
+      {"systemd/", R"(tools/footlight/service\.cpp)"},
+      {"zstd", R"((sim|tests/sim)/dmx_log/.*\.cpp)"},
+      {"CLI/", R"(tools/(footlight/arguments|[a-z_]+)\.cpp)"},
+      {"nlohmann/", R"(.*\.cpp)"},
+      {"toml++/", R"(fixtures/.*\.cpp)"},
+      {"boost/", R"((render/reference|tests)/.*\.(cpp|h))"},
+      {"doctest/", R"(tests/.*)"},
+      {"benchmark/", R"(tests/.*)"},
+      {"umockdev", R"(tests/.*)"},
+  };
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree()) {
+    if (!is_cpp(file.path)) continue;
+    for (const Include& include : includes_of(file)) {
+      for (const Rule& rule : rules) {
+        if (include.quoted || !starts_with(include.target, rule.library)) continue;
+        if (std::regex_match(file.path, std::regex(rule.may))) continue;
+        offences.push_back(fmt::format("{}:{}: <{}> belongs in {}", file.path, include.line, include.target, rule.may));
+      }
+    }
+  }
+  check_none(offences);
+}
+
+TEST_CASE("no line of source is wider than 120 columns, ends in a space or holds a tab") {
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree()) {
+    const bool build = ends_with(file.path, "CMakeLists.txt") || ends_with(file.path, ".cmake");
+    if (!is_cpp(file.path) && !is_shader(file.path) && !build) continue;
+    for (std::size_t i = 0; i < file.lines.size(); ++i) {
+      const std::string& line = file.lines[i];
+      const auto columns = std::count_if(line.begin(), line.end(),
+                                         [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
+      if (columns > kColumnsMax) offences.push_back(fmt::format("{}:{}: {} columns", file.path, i + 1, columns));
+      if (ends_with(line, " ")) offences.push_back(fmt::format("{}:{}: ends in a space", file.path, i + 1));
+      if (line.find('\t') != std::string::npos) offences.push_back(fmt::format("{}:{}: holds a tab", file.path, i + 1));
+      if (ends_with(line, "\r")) offences.push_back(fmt::format("{}:{}: DOS line end", file.path, i + 1));
+    }
+  }
+  check_none(offences);
+}
+
+TEST_CASE("nothing is left for later, and no path of one machine is written down") {
+  // In two parts, so that this file does not find itself.
+  const std::vector<std::string> banned = {
+      "TO"
+      "DO",
+      "FIX"
+      "ME",
+      "XX"
+      "X:",
+      "/wo"
+      "rk/",
+      "/ro"
+      "ot/",
+      "for no"
+      "w,"};
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree()) {
+    for (std::size_t i = 0; i < file.lines.size(); ++i) {
+      for (const std::string& word : banned) {
+        if (file.lines[i].find(word) == std::string::npos) continue;
+        offences.push_back(fmt::format("{}:{}: {}", file.path, i + 1, word));
+      }
+    }
+  }
+  check_none(offences);
+}
+
+TEST_CASE("every header guards itself, except those that C++ and GLSL share") {
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree()) {
+    if (!is_header(file.path)) continue;
+    const bool guarded = std::find(file.lines.begin(), file.lines.end(), "#pragma once") != file.lines.end();
+    if (!guarded && !is_shared(file.path)) offences.push_back(file.path + ": no #pragma once");
+  }
+  check_none(offences);
+}
+
+TEST_CASE("every header is included by somebody") {
+  std::set<std::string> included;
+  for (const SourceFile& file : tree()) {
+    for (const Include& include : includes_of(file)) included.insert(include.target);
+  }
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree()) {
+    const bool wanted = is_header(file.path) || ends_with(file.path, ".glsl");
+    if (wanted && !included.contains(file.path)) offences.push_back(file.path + ": nobody includes it");
+  }
+  check_none(offences);
+}
+
+TEST_CASE("every source file is named in the CMakeLists.txt of its folder or of one above") {
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree()) {
+    if (!ends_with(file.path, ".cpp") && !(is_shader(file.path) && !ends_with(file.path, ".glsl"))) continue;
+    // Lists of words: subcommands and fuzz targets are listed without ".cpp".
+    const bool by_word = starts_with(file.path, "tools/footlight/") || starts_with(file.path, "tests/fuzz/");
+    const std::string name = fs::path(file.path).filename().string();
+    const std::string word = fs::path(file.path).stem().string();
+    const std::regex listed(fmt::format("(^|[^A-Za-z0-9_])({}{})($|[^A-Za-z0-9_.])",
+                                        std::regex_replace(name, std::regex(R"(\.)"), R"(\.)"),
+                                        by_word ? "|" + word : ""));
+    // What several folders share is named from the root.
+    bool found = std::any_of(tree().begin(), tree().end(), [&](const SourceFile& list) {
+      return ends_with(list.path, "CMakeLists.txt") &&
+             std::any_of(list.lines.begin(), list.lines.end(),
+                         [&](const std::string& line) { return line.find("}/" + file.path) != std::string::npos; });
+    });
+    for (fs::path folder = fs::path(file.path).parent_path(); !found; folder = folder.parent_path()) {
+      for (const std::string& line : lines_of(kRoot / folder / "CMakeLists.txt")) {
+        found = found || std::regex_search(line.substr(0, line.find('#')), listed);
+      }
+      if (folder.empty()) break;
+    }
+    if (!found) offences.push_back(file.path + ": not built");
+  }
+  check_none(offences);
+}
+
+TEST_CASE("every test file holds a test, and no two tests of one program share a name") {
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree()) {
+    if (!starts_with(file.path, "tests/") || !ends_with(file.path, "_test.cpp")) continue;
+    std::set<std::string> names;
+    bool any = false;
+    for (const std::string& line : file.lines) {
+      const std::size_t at = line.find("TEST_CASE");
+      any = any || at != std::string::npos;
+      if (at != 0 || line.find('"') == std::string::npos) continue;
+      if (!names.insert(line).second) offences.push_back(fmt::format("{}: twice: {}", file.path, line));
+    }
+    if (!any) offences.push_back(file.path + ": no test");
+  }
+  check_none(offences);
+}
+
+TEST_CASE("every package is named once, with the reason for it") {
+  std::vector<std::string> offences;
+  std::set<std::string> packages;
+  const std::regex line_form(R"(([a-z0-9][a-z0-9+.-]+)\s+# \S.*)");
+  for (const std::string& line : lines_of(kRoot / "tools/packages.txt")) {
+    if (line.empty() || line.front() == '#') continue;
+    std::smatch match;
+    if (!std::regex_match(line, match, line_form)) {
+      offences.push_back("tools/packages.txt: expected \"package  # reason\", got \"" + line + "\"");
+    } else if (!packages.insert(match[1]).second) {
+      offences.push_back("tools/packages.txt: twice: " + line);
+    }
+  }
+  CHECK(packages.contains("g++"));
+  check_none(offences);
+}
+
+TEST_CASE("every check that clang-tidy leaves out says why") {
+  const auto lines = lines_of(kRoot / ".clang-tidy");
+  std::string rationale;
+  for (const std::string& line : lines) {
+    if (starts_with(line, "#")) rationale += line + "\n";
+  }
+  std::vector<std::string> offences;
+  for (const std::string& line : lines) {
+    static const std::regex kOff(R"(^\s+-([a-z][A-Za-z0-9.-]+),?$)");
+    std::smatch match;
+    if (!std::regex_match(line, match, kOff)) continue;
+    if (rationale.find(" " + match[1].str() + " ") == std::string::npos)
+      offences.push_back(match[1].str() + ": no reason");
+  }
+  check_none(offences);
+}
+
+TEST_CASE("the scripts that the README and the documents name are there and can be run") {
+  std::vector<std::string> offences;
+  bool any = false;
+  const std::regex script(R"((?:^|[\s`(./])(tools/[a-z_]+|\.ci/run)(?=$|[\s`),.:;]))");
+  for (const SourceFile& file : tree()) {
+    if (!ends_with(file.path, ".md")) continue;
+    for (std::size_t i = 0; i < file.lines.size(); ++i) {
+      const std::string& line = file.lines[i];
+      for (auto at = std::sregex_iterator(line.begin(), line.end(), script); at != std::sregex_iterator(); ++at) {
+        const fs::path path = kRoot / (*at)[1].str();
+        any = true;
+        if (fs::is_directory(path) || fs::is_regular_file(path.string() + ".cpp")) continue;  // a folder, or a program
+        std::error_code error;
+        const auto status = fs::status(path, error);
+        if (fs::is_regular_file(status) && (status.permissions() & fs::perms::owner_exec) != fs::perms::none) continue;
+        offences.push_back(fmt::format("{}:{}: {}", file.path, i + 1, (*at)[1].str()));
+      }
+    }
+  }
+  CHECK(any);
+  check_none(offences);
+}
+
+}  // namespace
+}  // namespace footlight
