@@ -1,0 +1,196 @@
+// footlight render: pictures and videos of a rig driven by a log, without a display.
+#include <chrono>
+#include <cstdio>
+#include <memory>
+
+#include "render/frame.h"
+#include "tools/footlight/command.h"
+#include "tools/footlight/duration.h"
+#include "tools/footlight/picture_file.h"
+#include "tools/footlight/scene_files.h"
+#include "tools/footlight/timeline.h"
+#include "tools/footlight/video_file.h"
+
+namespace footlight::tools {
+namespace {
+
+struct Options {
+  SceneFiles files;
+  std::string out;
+  std::string size = "1280x720";
+  std::string camera;
+  std::string device;
+  DurationNs at_ns = -1;      // -1: not given
+  DurationNs every_ns = -1;
+  DurationNs from_ns = 0;
+  DurationNs until_ns = -1;
+  DurationNs exposure_ns = -1;
+  double exposure_ev = 1000;  // over 100: the camera's own
+  int nodes = 3;
+  bool json = false;
+};
+
+constexpr DurationNs kStillExposureNs = 20 * kNsPerMs;
+constexpr std::size_t kStepsHeldMax = 512;  // steps that wait for the GPU between pictures
+
+bool is_video(const std::string& path) { return path.size() > 4 && path.compare(path.size() - 4, 4, ".mp4") == 0; }
+
+Status check_options(const Options& options) {
+  if (options.out.empty()) {
+    return fail(ErrorCode::kBadInput, "no output: expected -o frame.png, -o frame_%04d.png or -o show.mp4");
+  }
+  const bool many = options.every_ns >= 0;
+  if (many == (options.at_ns >= 0)) {
+    return fail(ErrorCode::kBadInput, "expected --at TIME for one picture, or --every TIME for many");
+  }
+  if (many && options.every_ns < kNsPerMs) {
+    return fail(ErrorCode::kBadInput, "--every {}: expected 1 ms or more", show_duration(options.every_ns));
+  }
+  if (many && !is_video(options.out) && !is_numbered(options.out)) {
+    return fail(ErrorCode::kBadInput,
+                "{}: with --every, expected a place for the picture's number, as in frame_%04d.png, or a name that ends "
+                "in .mp4", options.out);
+  }
+  if (!many && is_video(options.out)) {
+    return fail(ErrorCode::kBadInput, "{}: a video needs --every, as in --every 40ms", options.out);
+  }
+  return {};
+}
+
+// One render job: the log walks on, a picture is taken, it goes to its file.
+class Job {
+ public:
+  Job(const Options& options, Timeline* timeline, render::Frame& frame, const render::View& view, double exposure_ev)
+      : options_(options), timeline_(timeline), frame_(frame), view_(view), exposure_ev_(exposure_ev) {}
+
+  Status take(DurationNs at_ns, DurationNs exposure_ns) {
+    const auto start = std::chrono::steady_clock::now();
+    Status flushed;
+    const auto step = [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+      frame_.step(levels, dt_ns, new_exposure);
+      if (frame_.pending_steps() >= kStepsHeldMax && flushed) flushed = frame_.run_steps();
+    };
+    if (timeline_ != nullptr) {
+      FL_TRY(timeline_->advance(at_ns, exposure_ns, step));
+      FL_TRY(flushed);
+    }
+    FL_TRY(frame_.draw(view_, exposure_ev_));
+    FL_ASSIGN(picture_, frame_.read_screen());
+    const double wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    FL_TRY(store());
+    if (options_.json) {
+      FL_ASSIGN(const auto times, frame_.read_times());
+      FL_ASSIGN(const auto counts, frame_.read_counts());
+      double gpu_ms = 0;
+      for (const auto& time : times) gpu_ms += time.gpu_ms;
+      fmt::print(R"({{"event":"picture","number":{},"time_ns":{},"gpu_ms":{:.3f},"wall_ms":{:.3f},"live":{},"dark":{}}})"
+                 "\n", number_, at_ns, gpu_ms, wall_ms, counts.live_count, counts.dark_count);
+    }
+    ++number_;
+    return {};
+  }
+
+  Status finish() { return video_ ? video_->close() : Status{}; }
+  [[nodiscard]] int count() const { return number_; }
+
+ private:
+  Status store() {
+    if (is_video(options_.out)) {
+      if (!video_) {
+        FL_ASSIGN(video_, VideoFile::create(options_.out, picture_.width, picture_.height, options_.every_ns));
+      }
+      return video_->add(picture_);
+    }
+    if (options_.every_ns < 0) return write_png(options_.out, picture_);
+    FL_ASSIGN(const std::string path, numbered_path(options_.out, number_));
+    return write_png(path, picture_);
+  }
+
+  const Options& options_;
+  Timeline* timeline_;
+  render::Frame& frame_;
+  const render::View& view_;
+  double exposure_ev_;
+  render::ScreenImage picture_;
+  std::unique_ptr<VideoFile> video_;
+  int number_ = 0;
+};
+
+Result<int> render_pictures(const Options& options) {
+  FL_TRY(check_options(options));
+  FL_ASSIGN(const PictureSize size, parse_size(options.size));
+  FL_ASSIGN(const fixtures::Rig rig, load_scene_rig(options.files));
+  FL_ASSIGN(const fixtures::CompiledRig compiled, fixtures::compile(rig));
+  FL_ASSIGN(const fixtures::Camera camera, find_camera(rig, options.camera));
+  FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options.files));
+  std::optional<Timeline> timeline;
+  if (log) timeline.emplace(std::move(*log), compiled);
+
+  FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = options.device}));
+  render::FrameSettings settings;
+  settings.width = size.width;
+  settings.height = size.height;
+  settings.nodes = static_cast<std::uint32_t>(options.nodes);
+  FL_ASSIGN(const auto frame, render::Frame::create(*device, rig, compiled, settings));
+  if (!timeline && frame->resources().levels_bytes > 0) {
+    // No log: every level is 0.
+    frame->step(std::vector<std::uint8_t>(frame->resources().levels_bytes), 0);
+  }
+  const render::View view = render::view_of(camera);
+  Job job(options, timeline ? &*timeline : nullptr, *frame, view,
+          options.exposure_ev <= 100 ? options.exposure_ev : camera.exposure_ev);
+
+  if (options.at_ns >= 0) {
+    FL_TRY(job.take(options.at_ns, options.exposure_ns >= 0 ? options.exposure_ns : kStillExposureNs));
+  } else {
+    const DurationNs end_ns = options.until_ns >= 0 ? options.until_ns : timeline ? timeline->duration_ns() : 0;
+    const DurationNs exposure_ns = options.exposure_ns >= 0 ? options.exposure_ns : options.every_ns;
+    for (DurationNs at_ns = options.from_ns; at_ns <= end_ns; at_ns += options.every_ns) {
+      FL_TRY(job.take(at_ns, exposure_ns));
+      if (!options.json && job.count() % 50 == 0) {
+        fmt::print(stderr, "{} pictures, at {}\n", job.count(), show_duration(at_ns));
+      }
+    }
+  }
+  FL_TRY(job.finish());
+  if (!options.json) {
+    fmt::print("{}: {} picture{} of {}x{} on {}\n", options.out, job.count(), job.count() == 1 ? "" : "s", size.width,
+               size.height, device->name());
+  }
+  return device->validation_messages().empty() ? kExitOk : kExitFailed;
+}
+
+void add(Arguments& arguments) {
+  auto options = std::make_shared<Options>();
+  add_scene_arguments(arguments, options->files);
+  arguments.option("--out,-o", options->out, "FILE", "frame.png, frame_%04d.png or show.mp4");
+  arguments.duration("--at", options->at_ns, "one picture, at this time of the log");
+  arguments.duration("--every", options->every_ns, "pictures this far apart");
+  arguments.duration("--from", options->from_ns, "with --every: the first picture's time");
+  arguments.duration("--until", options->until_ns, "with --every: no picture after this time; the end of the log");
+  arguments.duration("--exposure", options->exposure_ns,
+                     "how long the shutter is open before the picture's time; 20ms, or all of --every");
+  arguments.option("--ev", options->exposure_ev, -20, 1000, "exposure value at ISO 100, up to 30; the camera's own");
+  arguments.option("--size", options->size, "WxH", "of the picture in pixels");
+  arguments.option("--camera", options->camera, "NAME", "a camera of the rig; its first one");
+  arguments.option("--nodes", options->nodes, 1, 8, "Gauss nodes a beam and pixel: error and time, see footlight report");
+  arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this");
+  arguments.flag("--json", options->json, "one JSON object a picture");
+  arguments.job([options]() -> Result<int> { return render_pictures(*options); });
+}
+
+}  // namespace
+
+extern const CommandInfo render_command{
+    .name = "render",
+    .help = "Make pictures or a video of a rig, without a display",
+    .examples =
+        "  footlight render --demo --at 12.5s -o frame.png\n"
+        "  footlight render --rig rig.toml --log show.dmxlog --at 12.5s --size 1920x1080 -o frame.png\n"
+        "  footlight render --rig rig.toml --log show.dmxlog --every 40ms -o frame_%04d.png\n"
+        "  footlight render --demo --every 40ms --from 10s --until 20s --camera side -o side.mp4\n"
+        "The same rig, log and time give the same picture, bit for bit on one device.",
+    .add = add,
+};
+
+}  // namespace footlight::tools

@@ -1,0 +1,63 @@
+#include "tools/footlight/scene_files.h"
+
+#include <charconv>
+
+#include "tools/demo_show/demo_assets.h"
+
+namespace footlight::tools {
+
+void add_scene_arguments(Arguments& arguments, SceneFiles& files) {
+  arguments.option("--rig", files.rig, "FILE", "the rig (docs/rig.md)");
+  arguments.option("--log", files.log, "FILE", "the DMX log that drives it");
+  arguments.flag("--demo", files.demo, "the built-in rig, driven by the built-in show");
+}
+
+Result<fixtures::Rig> load_scene_rig(const SceneFiles& files) {
+  if (!files.rig.empty() && files.demo) {
+    return fail(ErrorCode::kBadInput, "--rig and --demo: expected one of them");
+  }
+  if (files.demo) return fixtures::demo_rig();
+  if (files.rig.empty()) {
+    return fail(ErrorCode::kBadInput, "no rig: expected --rig FILE, or --demo for the built-in one");
+  }
+  return fixtures::load_rig(files.rig);
+}
+
+Result<std::optional<LogReader>> open_scene_log(const SceneFiles& files) {
+  std::optional<LogReader> log;
+  if (!files.log.empty()) {
+    FL_ASSIGN(log, LogReader::open(files.log));
+  } else if (files.demo) {
+    const auto bytes = demo::demo_log_bytes();
+    FL_ASSIGN(log, LogReader::open_bytes({bytes.begin(), bytes.end()}, "the built-in show"));
+  }
+  return log;
+}
+
+Result<PictureSize> parse_size(const std::string& text) {
+  constexpr int kSizeMax = 16'384;
+  PictureSize size;
+  const char* end = text.data() + text.size();
+  const auto [at, width_fault] = std::from_chars(text.data(), end, size.width);
+  if (width_fault == std::errc() && at != end && *at == 'x') {
+    const auto [rest, height_fault] = std::from_chars(at + 1, end, size.height);
+    if (height_fault == std::errc() && rest == end && size.width >= 1 && size.height >= 1 && size.width <= kSizeMax &&
+        size.height <= kSizeMax) {
+      return size;
+    }
+  }
+  return fail(ErrorCode::kBadInput, "size '{}': expected width x height from 1x1 to {}x{}, as in 1280x720", text, kSizeMax,
+              kSizeMax);
+}
+
+Result<fixtures::Camera> find_camera(const fixtures::Rig& rig, const std::string& name) {
+  if (name.empty()) return rig.cameras.front();
+  std::string names;
+  for (const fixtures::Camera& camera : rig.cameras) {
+    if (camera.name == name) return camera;
+    names += (names.empty() ? "" : ", ") + camera.name;
+  }
+  return fail(ErrorCode::kBadInput, "camera '{}': this rig has {}", name, names);
+}
+
+}  // namespace footlight::tools

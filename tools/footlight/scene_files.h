@@ -1,0 +1,38 @@
+// Which rig and which log: the options that render, preview and report share.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "fixtures/rig.h"
+#include "render/settings.h"
+#include "sim/dmx_log/dmx_log.h"
+#include "tools/footlight/command.h"
+
+namespace footlight::tools {
+
+struct SceneFiles {
+  std::string rig;   // path; empty with demo
+  std::string log;   // path; may be empty
+  bool demo = false; // the embedded rig, and the embedded log where no other is named
+};
+
+// --rig, --log, --demo.
+void add_scene_arguments(Arguments& arguments, SceneFiles& files);
+
+// The rig that is named; kBadInput where neither --rig nor --demo is given.
+[[nodiscard]] Result<fixtures::Rig> load_scene_rig(const SceneFiles& files);
+// The log that is named; nothing where none is.
+[[nodiscard]] Result<std::optional<LogReader>> open_scene_log(const SceneFiles& files);
+
+// "1280x720" as --size takes it: 1x1 to 16384x16384.
+struct PictureSize {
+  int width = 0;
+  int height = 0;
+};
+[[nodiscard]] Result<PictureSize> parse_size(const std::string& text);
+
+// The rig's camera of this name; the first one where the name is empty. kBadInput lists the names.
+[[nodiscard]] Result<fixtures::Camera> find_camera(const fixtures::Rig& rig, const std::string& name);
+
+}  // namespace footlight::tools
