@@ -49,12 +49,12 @@ struct Endpoint {
   [[nodiscard]] std::vector<Universe> show_universes() const;
 };
 
-// `device_schemes`: the ids of the drivers of this build. All errors are kBadInput; the message begins with the endpoint
-// and says what was expected, with an example.
+// `device_schemes`: the ids of the drivers of this build. All errors are kBadInput; the message begins with the
+// endpoint and says what was expected, with an example.
 [[nodiscard]] Result<Endpoint> parse_endpoint(std::string_view text, std::span<const std::string_view> device_schemes);
 
-// Reads "1-9", "1,3,7-9" or "101-109=1-9" (wire on the left, show on the right; both sides name equally many, in order).
-// No number appears twice on either side. `wire_max`: the highest number that the protocol has.
+// Reads "1-9", "1,3,7-9" or "101-109=1-9" (wire on the left, show on the right; both sides name equally many, in
+// order). No number appears twice on either side. `wire_max`: the highest number that the protocol has.
 // Errors: kBadInput; the message names the offending part.
 [[nodiscard]] Result<std::vector<WireUniverse>> parse_wire_universes(std::string_view text,
                                                                      int wire_max = kUniverseMax);

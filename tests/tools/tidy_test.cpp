@@ -67,8 +67,7 @@ const std::vector<SourceFile>& tree() {
 bool is_header(std::string_view path) { return ends_with(path, ".h"); }
 bool is_cpp(std::string_view path) { return is_header(path) || ends_with(path, ".cpp"); }
 bool is_shader(std::string_view path) {
-  return std::any_of(std::begin({".comp", ".vert", ".frag", ".glsl"}), std::end({".comp", ".vert", ".frag", ".glsl"}),
-                     [&](const char* end) { return ends_with(path, end); });
+  return ends_with(path, ".comp") || ends_with(path, ".vert") || ends_with(path, ".frag") || ends_with(path, ".glsl");
 }
 // Shared headers are C++ and GLSL at once; they are included many times, on purpose.
 bool is_shared(std::string_view path) { return path.find("/shared/") != std::string_view::npos; }

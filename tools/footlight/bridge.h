@@ -1,9 +1,9 @@
 // Runs a pump until it is told to stop, and says how it goes: what `run`, `record` and `replay` have in common.
 //
-// On a terminal one line is rewritten every two seconds; with json a line is printed every two seconds and at each event, on
-// standard output; otherwise only events and a summary are printed. Events, status and summary for people go to standard
-// error. A thread of its own prints, so that a terminal that hangs does not hold up the pump; lines that it cannot take in
-// time are dropped and counted.
+// On a terminal one line is rewritten every two seconds; with json a line is printed every two seconds and at each
+// event, on standard output; otherwise only events and a summary are printed. Events, status and summary for people go
+// to standard error. A thread of its own prints, so that a terminal that hangs does not hold up the pump; lines that it
+// cannot take in time are dropped and counted.
 #pragma once
 
 #include <memory>

@@ -1,12 +1,13 @@
-// How a subcommand of `footlight` is made: one file with one CommandInfo at its bottom, one word in FOOTLIGHT_COMMANDS of
-// CMakeLists.txt, from which the build writes the list that commands() returns.
+// How a subcommand of `footlight` is made: one file with one CommandInfo at its bottom, one word in FOOTLIGHT_COMMANDS
+// of CMakeLists.txt, from which the build writes the list that commands() returns.
 //
 //   void add(Arguments& arguments) {
 //     auto options = std::make_shared<Options>();
 //     arguments.flag("--json", options->json, "one JSON object a line");
 //     arguments.job([options]() -> Result<int> { return blink(*options); });
 //   }
-//   extern const CommandInfo blink_command{.name = "blink", .help = "...", .examples = "  footlight blink\n", .add = add};
+//   extern const CommandInfo blink_command{
+//       .name = "blink", .help = "...", .examples = "  footlight blink\n", .add = add};
 //
 // The library that parses the command line is seen by arguments.cpp alone: it is slow to compile.
 #pragma once
@@ -37,8 +38,8 @@ enum ExitCode : int {
 // Runs after the whole command line was read; returns an ExitCode. An error is printed and turned into one.
 using Job = std::function<Result<int>()>;
 
-// The options of one subcommand. Names are as typed: "--out,-o" for an option, "FILE" for a place on the line. Values are
-// written when the line is parsed and have to live until then: keep them in a shared_ptr that the job holds.
+// The options of one subcommand. Names are as typed: "--out,-o" for an option, "FILE" for a place on the line. Values
+// are written when the line is parsed and have to live until then: keep them in a shared_ptr that the job holds.
 class Arguments {
  public:
   Arguments(CLI::App& app, Job& chosen) : app_(app), chosen_(chosen) {}

@@ -1,5 +1,5 @@
-// The objects that --json prints, one a line. Keys stay as they are from version to version; new ones may be added. Times end
-// in _ns, rates in _hz; bytes of a text that are not UTF-8 are replaced.
+// The objects that --json prints, one a line. Keys stay as they are from version to version; new ones may be added.
+// Times end in _ns, rates in _hz; bytes of a text that are not UTF-8 are replaced.
 #pragma once
 
 #include <string>

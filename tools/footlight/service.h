@@ -1,5 +1,5 @@
-// Talks to the service manager that started the program, if one did (sd_notify(3)). Without libsystemd or outside a service
-// nothing happens. Threads: any.
+// Talks to the service manager that started the program, if one did (sd_notify(3)). Without libsystemd or outside a
+// service nothing happens. Threads: any.
 #pragma once
 
 #include <string>

@@ -1,4 +1,5 @@
-// The command as a user meets it: its help, and what it answers to wrong words. Nothing here needs a network or a device.
+// The command as a user meets it: its help, and what it answers to wrong words. Nothing here needs a network or a
+// device.
 #include <algorithm>
 #include <fstream>
 #include <regex>
