@@ -5,8 +5,8 @@
 #include <cstring>
 
 #include "render/passes/beams.h"
+#include "render/passes/bodies.h"
 #include "render/passes/gather.h"
-#include "render/passes/solids.h"
 #include "render/passes/step.h"
 #include "render/passes/surfaces.h"
 #include "render/passes/tiles.h"
@@ -19,9 +19,9 @@ namespace {
 const PassEntry* const kPasses[] = {
     &kStepPass,      // raw levels -> fixture states
     &kGatherPass,    // states -> lit beams, in patch order
-    &kSolidsPass,    // stage and bodies -> visibility buffer
+    &kBodiesPass,    // fixture bodies -> visibility buffer
     &kTilesPass,     // beams -> which supertile they touch
-    &kSurfacesPass,  // beams x visibility buffer -> radiance
+    &kSurfacesPass,  // beams x boxes and bodies -> radiance, distance
     &kBeamsPass,     // beams x air -> radiance
     &kTonemapPass,   // radiance -> screen
 };

@@ -1,6 +1,6 @@
 // The frame: from raw levels to a picture, headless and windowed alike.
 //
-//   levels, dt -> step -> gather -> solids -> tiles -> surfaces -> beams -> tonemap -> screen image
+//   levels, dt -> step -> gather -> bodies -> tiles -> surfaces -> beams -> tonemap -> screen image
 //
 // Per frame only the levels, the camera and the time step are uploaded. Passes that the rig does not need do not exist.
 // One thread. The device must outlive the frame.

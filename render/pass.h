@@ -38,9 +38,12 @@ struct PassEntry {
   const char* gives;  // what the picture loses without it, for the report
 };
 
+[[nodiscard]] inline bool has_bodies(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return needs.fixtures && settings.bodies;
+}
 // Whether anything solid is in the picture.
 [[nodiscard]] inline bool has_solids(const fixtures::Needs& needs, const FrameSettings& settings) {
-  return needs.surfaces || (needs.fixtures && settings.bodies);
+  return needs.surfaces || has_bodies(needs, settings);
 }
 
 }  // namespace footlight::render

@@ -135,9 +135,10 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   FL_ASSIGN(r.counts, zeroed(device, sizeof(CountsRow) + r.fixture_groups * 4, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
   FL_ASSIGN(r.masks, zeroed(device, VkDeviceSize{r.supertiles_x} * r.supertiles_y * r.mask_words * 4));
 
-  const bool solids = has_solids(compiled.needs, settings);
-  const std::uint32_t solid_width = solids ? width : 1;
-  const std::uint32_t solid_height = solids ? height : 1;
+  // Without bodies there is no visibility buffer, only a texel for the bindings' sake.
+  const bool bodies = has_bodies(compiled.needs, settings);
+  const std::uint32_t solid_width = bodies ? width : 1;
+  const std::uint32_t solid_height = bodies ? height : 1;
   FL_ASSIGN(r.surface_id, vk::Image::create(device, solid_width, solid_height, VK_FORMAT_R32G32_UINT,
                                             VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_STORAGE_BIT));
   FL_ASSIGN(r.depth, vk::Image::create(device, solid_width, solid_height, VK_FORMAT_D32_SFLOAT,

@@ -8,10 +8,12 @@ namespace footlight::render {
 const PassEntry kSurfacesPass{
     "surfaces",
     [](const fixtures::Needs& needs, const FrameSettings& settings) { return has_solids(needs, settings); },
-    [](const fixtures::Needs& needs, const FrameSettings&) {
+    [](const fixtures::Needs& needs, const FrameSettings& settings) {
       return std::vector<vk::SpecConstant>{{FL_SPEC_GOBO, needs.gobo},
                                            {FL_SPEC_EXTINCTION, needs.extinction},
-                                           {FL_SPEC_PROFILE, needs.profile}};
+                                           {FL_SPEC_PROFILE, needs.profile},
+                                           {FL_SPEC_BOXES, needs.surfaces},
+                                           {FL_SPEC_BODIES, has_bodies(needs, settings)}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kSurfacesComp,

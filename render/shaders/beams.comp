@@ -10,7 +10,6 @@
 #define FL_USE_MASKS
 #define FL_MASKS_ACCESS readonly
 #include "render/shaders/lib/frame.glsl"
-#include "render/shaders/lib/surface.glsl"
 #include "render/shaders/lib/gobo.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
@@ -28,9 +27,13 @@ layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(constant_id = FL_SPEC_PROFILE) const bool kProfile = false;
 layout(constant_id = FL_SPEC_METHOD) const uint kMethod = FL_METHOD_GAUSS;
 layout(constant_id = FL_SPEC_NODES) const uint kNodes = 3;
-layout(constant_id = FL_SPEC_SOLIDS) const bool kSolids = true;
+layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
+layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
 
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
+
+// As kAirRangeM of render/image.h.
+const float kAirRangeM = 1000.0;
 
 void main() {
   Medium medium = Medium(params.anisotropy, params.position.w);
@@ -41,8 +44,8 @@ void main() {
     ivec2 pixel = tile_pixel(i);
     bool inside = in_picture(pixel);
     d[i] = normalize(ray_through(vec2(pixel) + 0.5));
-    t_max_m[i] = inside ? kNothingM : 0.0;
-    if (kSolids && inside) t_max_m[i] = surface_distance(pixel, imageLoad(surface_id, pixel).xy, d[i]);
+    t_max_m[i] = inside ? kAirRangeM : 0.0;
+    if ((kBoxes || kBodies) && inside) t_max_m[i] = imageLoad(radiance, pixel).a;  // the surface pass left it there
     total[i] = vec3(0.0);
   }
   for (uint base = 0u; base < counts.live_count; base += FL_WALK_BEAMS) {
@@ -75,7 +78,7 @@ void main() {
   for (int i = 0; i < FL_ROWS; ++i) {
     ivec2 pixel = tile_pixel(i);
     if (!in_picture(pixel)) continue;
-    vec3 behind = kSolids ? imageLoad(radiance, pixel).rgb : vec3(0.0);
+    vec3 behind = kBoxes || kBodies ? imageLoad(radiance, pixel).rgb : vec3(0.0);
     imageStore(radiance, pixel, vec4(behind + params.forward.w * total[i], 1.0));
   }
 }

@@ -36,5 +36,5 @@ void main() {
   }
   out_normal = fixture_to_stage_direction(row, n);
   gl_Position = project(fixture_to_stage_point(row, p) - params.position.xyz);
-  out_id = (uint(FL_SURFACE_FIXTURE) << 30) | (index << 3) | part;
+  out_id = 1u + ((index << 3) | part);
 }

@@ -1,5 +1,5 @@
 #version 460
-// Light on solid things: albedo / pi times the illuminance of every beam that reaches the pixel's surface, dimmed by the
+// Light on solid things, and how far away they are (alpha of the radiance image, for the beams that follow): albedo / pi times the illuminance of every beam that reaches the pixel's surface, dimmed by the
 // haze between it and the eye. Lenses shine by themselves.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_basic : require
@@ -92,23 +92,18 @@ vec3 lens_radiance(uint index, vec3 unit_ray, vec3 normal) {
 
 void main() {
   Medium medium = Medium(params.anisotropy, params.position.w);
-  uvec2 id[FL_ROWS];
+  Surface surface[FL_ROWS];
   vec3 offset_m[FL_ROWS];  // of the surface point from the camera
-  vec3 normal[FL_ROWS];
   vec3 illuminance_lx[FL_ROWS];
   // A sphere round all surface points of the tile: most beams that cross the tile in the air light none of them.
   bound_begin();
   for (int i = 0; i < FL_ROWS; ++i) {
     ivec2 pixel = tile_pixel(i);
     vec3 d = normalize(ray_through(vec2(pixel) + 0.5));
-    id[i] = in_picture(pixel) ? imageLoad(surface_id, pixel).xy : uvec2(0u);
-    normal[i] = unpack_normal(id[i].x);
-    offset_m[i] = vec3(0.0);
+    surface[i] = surface_at(pixel, d);
+    offset_m[i] = d * surface[i].t_m;
     illuminance_lx[i] = vec3(params.ambient_lx);
-    if (id[i].y != 0u) {
-      offset_m[i] = d * surface_distance(pixel, id[i], d);
-      bound_add(offset_m[i]);
-    }
+    if (surface[i].kind != kNothing && in_picture(pixel)) bound_add(offset_m[i]);
   }
   barrier();
 
@@ -123,8 +118,8 @@ void main() {
         vec2 rho;
         float r_m;
         float share = beam_illuminance(beam, p, rho, r_m);
-        if (id[i].y != 0u && share > 0.0) {
-          share *= max(-dot(to_light(row, normal[i]), beam_direction(beam, rho)), 0.0);
+        if (surface[i].kind != kNothing && share > 0.0) {
+          share *= max(-dot(to_light(row, surface[i].normal), beam_direction(beam, rho)), 0.0);
           if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);
           if (kGobo && row.gobo > 0u) {
             share *= gobo_at(row.gobo, vec2(row.gobo_cos * rho.x + row.gobo_sin * rho.y,
@@ -139,16 +134,15 @@ void main() {
   for (int i = 0; i < FL_ROWS; ++i) {
     ivec2 pixel = tile_pixel(i);
     if (!in_picture(pixel)) continue;
-    uint kind = id[i].y >> 30;
-    uint which = id[i].y & 0x3fffffffu;
     vec3 color = vec3(0.0);
-    if (kind == uint(FL_SURFACE_BOX)) {
+    uint which = surface[i].which;
+    if (surface[i].kind == kBox) {
       color = boxes[which].albedo.rgb / kPi * illuminance_lx[i];
-    } else if (kind == uint(FL_SURFACE_FIXTURE)) {
+    } else if (surface[i].kind == kBody) {
       color = vec3(kBodyAlbedo / kPi) * illuminance_lx[i];
-      if ((which & 7u) == kPartLens) color += lens_radiance(which >> 3, normalize(offset_m[i]), normal[i]);
+      if ((which & 7u) == kPartLens) color += lens_radiance(which >> 3, normalize(offset_m[i]), surface[i].normal);
     }
-    if (kExtinction) color *= exp(-medium.extinction_per_m * length(offset_m[i]));
-    imageStore(radiance, pixel, vec4(color, 1.0));
+    if (kExtinction) color *= exp(-medium.extinction_per_m * surface[i].t_m);
+    imageStore(radiance, pixel, vec4(color, surface[i].t_m));
   }
 }

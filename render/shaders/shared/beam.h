@@ -108,7 +108,7 @@ FL_FN bool beam_chord(BeamShape beam, Vec3 o, Vec3 d, Real t_min_m, Real t_max_m
   Real t_end = (beam.range_m - o.z) * inverse;
   Real t_from = max(t_min_m, min(t_lens, t_end));
   Real t_to = min(t_max_m, max(t_lens, t_end));
-  if (!(t_to > t_from)) return false;
+  bool hit = t_to > t_from;
 
   chord.t_base_m = min(max(-dot(o, d), t_from), t_to);
   chord.base = o + d * chord.t_base_m;
@@ -123,10 +123,10 @@ FL_FN bool beam_chord(BeamShape beam, Vec3 o, Vec3 d, Real t_min_m, Real t_max_m
   Vec2 rho = Vec2(chord.base.x, chord.base.y) * w_inverse;
   chord.offset = rho.x * chord.along.y - rho.y * chord.along.x;
   Real half_square = Real(1) - chord.offset * chord.offset;
-  if (!(half_square > Real(0))) return false;
+  hit = hit && half_square > Real(0);
   chord.s_base = rho.x * chord.along.x + rho.y * chord.along.y;
 
-  Real half_chord = sqrt(half_square);
+  Real half_chord = sqrt(max(half_square, Real(0)));
   Real a = t_from - chord.t_base_m;
   Real b = t_to - chord.t_base_m;
   Real rate = chord.v_length * w_inverse;
@@ -134,12 +134,12 @@ FL_FN bool beam_chord(BeamShape beam, Vec3 o, Vec3 d, Real t_min_m, Real t_max_m
   Real s_b = chord.s_base + rate * b / max(chord.w_base + b * chord.w_slope, Real(1e-9));
   chord.s_from = max(s_a, -half_chord);
   chord.s_to = min(s_b, half_chord);
-  if (!(chord.s_to >= chord.s_from)) return false;
+  hit = hit && chord.s_to >= chord.s_from;
   chord.t_from_m = chord.s_from > s_a ? min(max(chord_t(chord, chord.s_from), a), b) : a;
   chord.t_to_m = chord.s_to < s_b ? min(max(chord_t(chord, chord.s_to), a), b) : b;
   chord.w_from = max(chord.w_base + chord.t_from_m * chord.w_slope, Real(1e-9));
   chord.w_to = max(chord.w_base + chord.t_to_m * chord.w_slope, Real(1e-9));
-  return chord.t_to_m > chord.t_from_m;
+  return hit && chord.t_to_m > chord.t_from_m;
 }
 
 // The smooth part of the integrand at (s, t): profile over (1 + k^2 rho^2), phase function, extinction to the lens and

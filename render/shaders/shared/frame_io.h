@@ -30,8 +30,9 @@
 #define FL_SPEC_METHOD 5
 #define FL_SPEC_NODES 6
 #define FL_SPEC_GOBO_TAPS 7
-#define FL_SPEC_SOLIDS 8
-#define FL_SPEC_COUNT 9
+#define FL_SPEC_BOXES 8
+#define FL_SPEC_BODIES 9
+#define FL_SPEC_COUNT 10
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -91,6 +92,4 @@ struct BoxRow {
   vec4 albedo;  // linear
 };
 
-// Surface identity in the visibility buffer: 0 nothing; kind in bits 30-31.
-#define FL_SURFACE_BOX 1     // bits 0-29: box
-#define FL_SURFACE_FIXTURE 2 // bits 0-2: part, bits 3-29: fixture
+// The visibility buffer of fixture bodies, two words a pixel: packed normal; 0 for nothing, else 1 + (fixture << 3 | part).

@@ -1,0 +1,81 @@
+#include "render/passes/bodies.h"
+
+#include <cstddef>
+#include <utility>
+
+#include "fixtures/model/primitives.h"
+#include "shaders/body.vert.h"
+#include "shaders/surface.frag.h"
+
+namespace footlight::render {
+namespace {
+
+class BodiesPass final : public Pass {
+ public:
+  BodiesPass(const PassContext& context, vk::Pipeline bodies)
+      : resources_(context.resources),
+        width_(static_cast<std::uint32_t>(context.settings.width)),
+        height_(static_cast<std::uint32_t>(context.settings.height)),
+        bodies_(std::move(bodies)) {}
+
+  void record(VkCommandBuffer commands) override {
+    VkRenderingAttachmentInfo color{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+    color.imageView = resources_.surface_id.view;
+    color.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
+    color.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
+    color.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+    depth.imageView = resources_.depth.view;
+    depth.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
+    depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
+    depth.storeOp = VK_ATTACHMENT_STORE_OP_STORE;  // cleared to 0: infinitely far in reversed depth
+    VkRenderingInfo info{VK_STRUCTURE_TYPE_RENDERING_INFO};
+    info.renderArea = {{0, 0}, {width_, height_}};
+    info.layerCount = 1;
+    info.colorAttachmentCount = 1;
+    info.pColorAttachments = &color;
+    info.pDepthAttachment = &depth;
+    vkCmdBeginRendering(commands, &info);
+    const VkViewport viewport{0, 0, static_cast<float>(width_), static_cast<float>(height_), 0, 1};
+    vkCmdSetViewport(commands, 0, 1, &viewport);
+    vkCmdSetScissor(commands, 0, 1, &info.renderArea);
+    bodies_.bind(commands);
+    const VkDeviceSize zero = 0;
+    vkCmdBindVertexBuffers(commands, 0, 1, &resources_.vertices.handle, &zero);
+    vkCmdBindIndexBuffer(commands, resources_.indices.handle, 0, VK_INDEX_TYPE_UINT32);
+    vkCmdDrawIndexedIndirect(commands, resources_.draws.handle, 0, resources_.draw_count,
+                             sizeof(VkDrawIndexedIndirectCommand));
+    vkCmdEndRendering(commands);
+  }
+
+ private:
+  Resources& resources_;
+  std::uint32_t width_;
+  std::uint32_t height_;
+  vk::Pipeline bodies_;
+};
+
+}  // namespace
+
+const PassEntry kBodiesPass{
+    "bodies",
+    [](const fixtures::Needs& needs, const FrameSettings& settings) { return has_bodies(needs, settings); },
+    [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
+    [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
+      using fixtures::BodyVertex;
+      const Resources& r = context.resources;
+      FL_ASSIGN(vk::Pipeline bodies, vk::Pipeline::raster(
+                                         context.device, r.bindings,
+                                         {kBodyVert,
+                                          kSurfaceFrag,
+                                          r.surface_id.format,
+                                          r.depth.format,
+                                          sizeof(BodyVertex),
+                                          {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, position)},
+                                           {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, normal)},
+                                           {2, 0, VK_FORMAT_R32_UINT, offsetof(BodyVertex, part)}}}));
+      return std::unique_ptr<Pass>(new BodiesPass(context, std::move(bodies)));
+    },
+    "fixture bodies"};
+
+}  // namespace footlight::render
