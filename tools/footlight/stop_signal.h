@@ -1,4 +1,5 @@
 // SIGINT and SIGTERM as a request, so that sinks can say their last words. A second signal ends the program at once.
+// SIGPIPE is ignored.
 #pragma once
 
 #include "sim/pump.h"

@@ -97,6 +97,11 @@ void Footlight::wait_for(const std::string& text) {
   }
 }
 
+void Footlight::stop_reading() {
+  close(out_fd_);
+  out_fd_ = -1;
+}
+
 void Footlight::signal(int number) { REQUIRE(kill(pid_, number) == 0); }
 
 Outcome Footlight::wait() {

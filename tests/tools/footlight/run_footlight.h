@@ -40,6 +40,8 @@ class Footlight {
 
   // Reads standard output up to a line that holds `text`; fails the test where the program ends before, or after 60 s.
   void wait_for(const std::string& text);
+  // Closes our end of its standard output.
+  void stop_reading();
   void signal(int number);
   Outcome wait();
 

@@ -29,6 +29,16 @@ TEST_CASE("SIGTERM and SIGINT stop a bridge cleanly, with a summary and exit cod
   }
 }
 
+TEST_CASE("a bridge goes on when the reader of its JSON has gone, and still stops cleanly") {
+  const TempFolder folder;
+  Footlight bridge({"run", "--in", "mock:enttec-pro", "--out", "log:" + folder.file("a.dmxlog"), "--json"});
+  bridge.wait_for(R"("event":"ready")");
+  bridge.stop_reading();
+  bridge.signal(SIGTERM);
+  CHECK(bridge.wait().exit_code == 0);
+  CHECK(footlight({"log", "info", folder.file("a.dmxlog")}).exit_code == 0);  // finished, not left as a part
+}
+
 TEST_CASE("a bridge without JSON ends with a summary for people on standard error and nothing on standard output") {
   const Outcome outcome = footlight({"run", "--in", "mock:enttec-pro", "--out", "mock:enttec-pro", "--for", "300ms"});
   CHECK(outcome.exit_code == 0);
