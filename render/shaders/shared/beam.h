@@ -34,17 +34,15 @@ FL_FN Real beam_profile(Real q, Real profile_m) {
   return max(Real(1) - power, Real(0));
 }
 
-// Integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc, by 4 Gauss nodes in q = rho^2. Times J0: the flux in lumens.
+// Integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc, by 8 Gauss nodes in q = rho^2. Times J0: the flux in lumens.
 FL_FN Real beam_flux_factor(Real spread, Real profile_m) {
   Real total = Real(0);
-  for (uint i = uint(0); i < uint(4); ++i) {
-    Real x = i < uint(2) ? Real(0.3399810435848563) : Real(0.8611363115940526);
-    Real weight = i < uint(2) ? Real(0.6521451548625461) : Real(0.3478548451374538);
-    Real q = Real(0.5) + Real(0.5) * ((i & uint(1)) == uint(0) ? x : -x);
+  for (uint i = uint(0); i < uint(8); ++i) {
+    Real q = kGaussNode[uint(28) + i];
     Real u = Real(1) + spread * spread * q;
-    total += weight * beam_profile(q, profile_m) / (u * sqrt(u));
+    total += kGaussWeight[uint(28) + i] * beam_profile(q, profile_m) / (u * sqrt(u));
   }
-  return total * Real(0.5) * Real(3.141592653589793);
+  return total * Real(3.141592653589793);
 }
 
 // Henyey-Greenstein for light that travels along a unit direction with cosine mu to the camera ray, 1/sr. The eye sees

@@ -56,7 +56,7 @@ inline constexpr Bound kBounds[] = {
 };
 
 // Relative error of beam_flux_factor: measured, plus a tenth.
-inline constexpr double kFluxBound = 7.7e-2;
-inline constexpr double kFluxStageBound = 2.6e-7;
+inline constexpr double kFluxBound = 1.6e-3;
+inline constexpr double kFluxStageBound = 1e-12;
 
 }  // namespace footlight::render::cases

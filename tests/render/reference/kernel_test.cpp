@@ -299,7 +299,7 @@ TEST_CASE("illuminance of the kernels equals the judge's at random points, and i
   if (prints()) fmt::print("illuminance over its middle: f64 {:.1e} f32 {:.1e}\n", worst_wide, worst_real);
 }
 
-TEST_CASE("the flux factor of four nodes is within its stated error up to 75 degrees") {
+TEST_CASE("the flux factor of eight nodes is within its stated error up to 75 degrees") {
   double worst = 0;
   double worst_stage = 0;  // up to 30 degrees
   for (int m = 1; m <= 4; ++m) {
