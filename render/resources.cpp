@@ -11,8 +11,6 @@
 namespace footlight::render {
 namespace {
 
-constexpr int kGoboSizePx = 256;
-
 std::array<VkDescriptorType, FL_BINDING_COUNT> binding_types() {
   std::array<VkDescriptorType, FL_BINDING_COUNT> types;
   types.fill(VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
@@ -29,16 +27,31 @@ Result<vk::Buffer> table(vk::Device& device, const std::vector<Row>& rows, VkBuf
   return vk::Buffer::filled(device, std::as_bytes(std::span(rows)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | usage);
 }
 
+// All gobo images, one after the other; computed once a process.
+const std::vector<float>& gobo_texels() {
+  static const std::vector<float> texels = [] {
+    std::vector<float> all;
+    all.reserve(std::size_t{fixtures::kGoboCount} * kGoboSizePx * kGoboSizePx);
+    for (int gobo = 1; gobo <= fixtures::kGoboCount; ++gobo) {
+      for (int row = 0; row < kGoboSizePx; ++row) {
+        for (int column = 0; column < kGoboSizePx; ++column) {
+          const double x = 2 * (column + 0.5) / kGoboSizePx - 1;
+          const double y = 2 * (row + 0.5) / kGoboSizePx - 1;
+          all.push_back(static_cast<float>(fixtures::gobo_transmission(gobo, x, y, kGoboEdge)));
+        }
+      }
+    }
+    return all;
+  }();
+  return texels;
+}
+
 // Gobo images as one array. A rig without gobos gets a single texel, since the shaders name the binding even where their
 // specialisation never reads it.
 Result<vk::Image> make_gobos(vk::Device& device, bool needed) {
   const int count = needed ? fixtures::kGoboCount : 1;
   const int size = needed ? kGoboSizePx : 1;
-  std::vector<float> texels;
-  for (int gobo = 1; gobo <= count; ++gobo) {
-    const std::vector<float> image = fixtures::gobo_image(gobo, size);
-    texels.insert(texels.end(), image.begin(), image.end());
-  }
+  const std::vector<float> texels = needed ? gobo_texels() : std::vector<float>{1.0f};
   FL_ASSIGN(vk::Image image, vk::Image::create(device, static_cast<uint>(size), static_cast<uint>(size), VK_FORMAT_R32_SFLOAT,
                                                VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
                                                static_cast<uint>(count)));

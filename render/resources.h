@@ -43,6 +43,11 @@ struct Resources {
   std::uint64_t total_bytes = 0;  // GPU memory, for the report
 };
 
+// Gobo images: texels a side, and the width of their edges in units of the gate's radius. Edges are three texels wide, so
+// that interpolation between texels follows them.
+inline constexpr int kGoboSizePx = 512;
+inline constexpr double kGoboEdge = 3.0 * 2.0 / kGoboSizePx;
+
 // Bytes of a FixtureState on the GPU.
 inline constexpr std::uint64_t kStateBytes = 64;
 

@@ -62,11 +62,13 @@ void main() {
         Chord chord;
         if (beam_chord(beam, row.eye.xyz, ray, 0.0, t_max_m[i], chord)) {
           float value;
-          if (kMethod == uint(FL_METHOD_MARCH)) {
+          if (kGobo && row.gobo > 0u) {
+            vec2 turn = vec2(row.gobo_cos, row.gobo_sin);
+            value = kMethod == uint(FL_METHOD_MARCH)
+                        ? chord_inscatter_march_gobo(beam, medium, chord, ray, kNodes, kExtinction, row.gobo, turn)
+                        : chord_inscatter_gobo(beam, medium, chord, ray, kGoboTaps, kExtinction, row.gobo, turn);
+          } else if (kMethod == uint(FL_METHOD_MARCH)) {
             value = chord_inscatter_march(beam, medium, chord, ray, kNodes, kExtinction);
-          } else if (kGobo && row.gobo > 0u) {
-            value = chord_inscatter_gobo(beam, medium, chord, ray, kGoboTaps, kExtinction, row.gobo,
-                                         vec2(row.gobo_cos, row.gobo_sin));
           } else {
             value = chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction);
           }

@@ -13,9 +13,6 @@ namespace {
 
 using namespace render;
 
-// The edge width of the gobo images that the renderer samples: one and a half texels of 256.
-constexpr double kGoboEdge = 1.5 * 2.0 / 256;
-
 double percentile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
@@ -49,17 +46,19 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
   }
 
   const FrameSettings defaults;
-  const auto run = [&](const std::string& name, BeamMethod method, std::uint32_t knob) -> Status {
+  const auto run = [&](const std::string& name, BeamMethod method, std::uint32_t nodes,
+                       std::uint32_t gobo_taps = FrameSettings{}.gobo_taps) -> Status {
     PictureRow row;
     row.scene = scene.name;
     row.method = name;
-    row.knob = knob;
+    row.knob = name == "gobo taps" ? gobo_taps : nodes;
     row.hits_per_px = judged.hits_per_px;
     FrameSettings settings;
     settings.width = options.width;
     settings.height = options.height;
     settings.method = method;
-    settings.nodes = knob;
+    settings.nodes = nodes;
+    settings.gobo_taps = gobo_taps;
     settings.bodies = false;
     settings.dark_lm = 0;
     {
@@ -81,7 +80,8 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
       row.ms_p50 = percentile(times_ms, 0.5);
       row.ms_p90 = percentile(times_ms, 0.9);
       row.bytes = static_cast<std::int64_t>(frame->resources().total_bytes);
-      if (method == defaults.method && knob == defaults.nodes) {
+      if (method == defaults.method && nodes == defaults.nodes && gobo_taps == defaults.gobo_taps) {
+          report.passes.clear();
         for (std::size_t p = 0; p < pass_ms.size(); ++p) {
           report.passes.push_back({frame->plan()[p].name, percentile(pass_ms[p], 0.5)});
         }
@@ -107,6 +107,9 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
   };
   for (const std::uint32_t nodes : options.gauss_nodes) FL_TRY(run("gauss", BeamMethod::kGauss, nodes));
   for (const std::uint32_t steps : options.march_steps) FL_TRY(run("march", BeamMethod::kMarch, steps));
+  if (scene.compiled.needs.gobo) {
+    for (const std::uint32_t taps : options.gobo_taps) FL_TRY(run("gobo taps", BeamMethod::kGauss, defaults.nodes, taps));
+  }
   report.validation_messages = device.validation_messages();
   return report;
 }

@@ -20,6 +20,7 @@ struct PictureReportOptions {
   int runs = 11;          // timed frames, after 3 that are not
   std::vector<std::uint32_t> gauss_nodes{1, 2, 3, 4, 6, 8};
   std::vector<std::uint32_t> march_steps{8, 16, 32, 64, 128, 256};
+  std::vector<std::uint32_t> gobo_taps{8, 16, 32, 64, 128};  // with the default nodes; for rigs with gobos only
   bool judge = true;      // false: only times
 };
 

@@ -103,6 +103,7 @@ Status report_pictures(const Options& options) {
   if (options.quick) {
     picture_options.gauss_nodes = {2, 3, 4};
     picture_options.march_steps = {16, 64};
+    picture_options.gobo_taps = {16, 64};
   }
   FL_ASSIGN(const PictureReport report, make_picture_report(*device, scene, picture_options));
   const auto curves = render::curves_of(report.rows);

@@ -196,7 +196,28 @@ FL_FN Real chord_inscatter_march(BeamShape beam, Medium medium, Chord chord, Vec
 }
 
 #ifdef FL_GOBO
-// With a gobo: n midpoints in s, each with a look at the gobo. turn: (cos, sin) of the gobo's rotation.
+// Where the gobo's image is looked up for a position on the line. turn: (cos, sin) of its rotation.
+FL_FN Vec2 gobo_position(Chord chord, Real s, Vec2 turn) {
+  Vec2 rho = Vec2(s * chord.along.x + chord.offset * chord.along.y, s * chord.along.y - chord.offset * chord.along.x);
+  return Vec2(turn.x * rho.x + turn.y * rho.y, turn.x * rho.y - turn.y * rho.x);
+}
+
+// The rival march, with a gobo.
+FL_FN Real chord_inscatter_march_gobo(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction,
+                                      uint gobo, Vec2 turn) {
+  Real total = Real(0);
+  Real h = (chord.t_to_m - chord.t_from_m) / Real(n);
+  for (uint i = uint(0); i < n; ++i) {
+    Real t_m = chord.t_from_m + (Real(i) + Real(0.5)) * h;
+    Real w = chord.w_base + t_m * chord.w_slope;
+    Real s = chord.s_base + chord.v_length * t_m / (chord.w_base * w);
+    total += chord_integrand(beam, medium, chord, d, s, t_m, with_extinction) * gobo_at(gobo, gobo_position(chord, s, turn)) /
+             (w * w);
+  }
+  return total * h;
+}
+
+// With a gobo: n midpoints in s, each with a look at the gobo.
 FL_FN Real chord_inscatter_gobo(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction, uint gobo,
                                 Vec2 turn) {
   Real total = Real(0);
@@ -204,9 +225,7 @@ FL_FN Real chord_inscatter_gobo(BeamShape beam, Medium medium, Chord chord, Vec3
     Real s;
     Real t_m;
     chord_point(chord, (Real(i) + Real(0.5)) / Real(n), s, t_m);
-    Vec2 rho = Vec2(s * chord.along.x + chord.offset * chord.along.y, s * chord.along.y - chord.offset * chord.along.x);
-    Vec2 image = Vec2(turn.x * rho.x + turn.y * rho.y, turn.x * rho.y - turn.y * rho.x);
-    total += chord_integrand(beam, medium, chord, d, s, t_m, with_extinction) * gobo_at(gobo, image);
+    total += chord_integrand(beam, medium, chord, d, s, t_m, with_extinction) * gobo_at(gobo, gobo_position(chord, s, turn));
   }
   return total / Real(n) * chord_measure(chord);
 }
