@@ -1,0 +1,177 @@
+// What a rig makes of the frame, without a device: passes, their constants, what is left out.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "render/frame.h"
+#include "tests/render/scenes.h"
+
+namespace footlight::render {
+namespace {
+
+using fixtures::Needs;
+using vk::SpecConstant;
+
+const std::vector<std::string> kAll{"step", "gather", "bodies", "tiles", "surfaces", "beams", "tonemap"};
+
+std::vector<std::string> names_of(const std::vector<PassPlan>& plan) {
+  std::vector<std::string> names;
+  for (const PassPlan& pass : plan) names.push_back(pass.name);
+  return names;
+}
+
+std::vector<SpecConstant> constants_of(const std::vector<PassPlan>& plan, const std::string& name) {
+  for (const PassPlan& pass : plan) {
+    if (pass.name == name) return pass.constants;
+  }
+  FAIL("the plan lacks " << name);
+  return {};
+}
+
+// Needs of the demo rig, as the rig itself tells them.
+Needs demo_needs() { return fixtures::compile(fixtures::demo_rig())->needs; }
+
+// Every plan and what it leaves out make up the whole list, in order and without a pass in both.
+void check_left_out(const Needs& needs, const FrameSettings& settings) {
+  std::vector<std::string> planned = names_of(plan_frame(needs, settings));
+  std::vector<std::string> all;
+  const auto left_out = left_out_passes(needs, settings);
+  for (const std::string& name : kAll) {
+    const bool in_plan = std::count(planned.begin(), planned.end(), name) == 1;
+    const bool out = std::count_if(left_out.begin(), left_out.end(),
+                                   [&](const LeftOutPass& pass) { return pass.name == name && !pass.gives.empty(); }) == 1;
+    CHECK_MESSAGE(in_plan != out, name);
+  }
+  CHECK(planned.size() + left_out.size() == kAll.size());
+}
+
+TEST_CASE("the demo rig needs every pass, with every branch") {
+  const FrameSettings settings;
+  const auto plan = plan_frame(demo_needs(), settings);
+  CHECK(plan == std::vector<PassPlan>{
+                    {"step", {{FL_SPEC_MOTION, 1}, {FL_SPEC_STROBE, 1}}},
+                    {"gather", {{FL_SPEC_GOBO, 1}}},
+                    {"bodies", {}},
+                    {"tiles", {}},
+                    {"surfaces",
+                     {{FL_SPEC_GOBO, 1}, {FL_SPEC_EXTINCTION, 1}, {FL_SPEC_PROFILE, 1}, {FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1}}},
+                    {"beams",
+                     {{FL_SPEC_GOBO, 1},
+                      {FL_SPEC_EXTINCTION, 1},
+                      {FL_SPEC_PROFILE, 1},
+                      {FL_SPEC_METHOD, FL_METHOD_GAUSS},
+                      {FL_SPEC_NODES, settings.nodes},
+                      {FL_SPEC_GOBO_TAPS, settings.gobo_taps},
+                      {FL_SPEC_BOXES, 1},
+                      {FL_SPEC_BODIES, 1}}},
+                    {"tonemap", {}}});
+  CHECK(left_out_passes(demo_needs(), settings).empty());
+}
+
+TEST_CASE("method, nodes and taps reach the beam pass and nothing else") {
+  FrameSettings settings;
+  settings.method = BeamMethod::kMarch;
+  settings.nodes = 64;
+  settings.gobo_taps = 5;
+  const auto plan = plan_frame(demo_needs(), settings);
+  const auto beams = constants_of(plan, "beams");
+  CHECK(std::count(beams.begin(), beams.end(), SpecConstant{FL_SPEC_METHOD, FL_METHOD_MARCH}) == 1);
+  CHECK(std::count(beams.begin(), beams.end(), SpecConstant{FL_SPEC_NODES, 64}) == 1);
+  CHECK(std::count(beams.begin(), beams.end(), SpecConstant{FL_SPEC_GOBO_TAPS, 5}) == 1);
+  for (const std::string& name : kAll) {
+    if (name != "beams") CHECK(constants_of(plan, name) == constants_of(plan_frame(demo_needs(), {}), name));
+  }
+}
+
+TEST_CASE("each need that goes takes its branches or its passes with it") {
+  const FrameSettings settings;
+  struct Case {
+    const char* what;
+    bool Needs::* need;
+    std::vector<std::string> lost;  // passes
+    std::uint32_t constant;         // that turns 0 where it is; FL_SPEC_COUNT: none
+  };
+  for (const Case& c : {Case{"motion", &Needs::motion, {}, FL_SPEC_MOTION}, Case{"strobe", &Needs::strobe, {}, FL_SPEC_STROBE},
+                        Case{"gobo", &Needs::gobo, {}, FL_SPEC_GOBO},
+                        Case{"extinction", &Needs::extinction, {}, FL_SPEC_EXTINCTION},
+                        Case{"profile", &Needs::profile, {}, FL_SPEC_PROFILE},
+                        Case{"surfaces", &Needs::surfaces, {}, FL_SPEC_BOXES},
+                        Case{"haze", &Needs::haze, {"beams"}, FL_SPEC_COUNT},
+                        Case{"fixtures", &Needs::fixtures, {"step", "gather", "bodies", "tiles", "beams"}, FL_SPEC_BODIES}}) {
+    CAPTURE(c.what);
+    Needs needs = demo_needs();
+    needs.*c.need = false;
+    std::vector<PassPlan> expected = plan_frame(demo_needs(), settings);
+    std::erase_if(expected, [&](const PassPlan& pass) {
+      return std::find(c.lost.begin(), c.lost.end(), pass.name) != c.lost.end();
+    });
+    for (PassPlan& pass : expected) {
+      for (SpecConstant& constant : pass.constants) {
+        if (constant.id == c.constant) constant.value = 0;
+      }
+    }
+    CHECK(plan_frame(needs, settings) == expected);
+    check_left_out(needs, settings);
+  }
+}
+
+TEST_CASE("without boxes and bodies only light in the air is left") {
+  Needs needs = demo_needs();
+  needs.surfaces = false;
+  FrameSettings settings;
+  settings.bodies = false;
+  CHECK(names_of(plan_frame(needs, settings)) == std::vector<std::string>{"step", "gather", "tiles", "beams", "tonemap"});
+  needs.haze = false;  // and without haze nothing can be seen
+  CHECK(names_of(plan_frame(needs, settings)) == std::vector<std::string>{"step", "gather", "tonemap"});
+  check_left_out(needs, settings);
+}
+
+TEST_CASE("an empty rig needs no pass at all") {
+  const auto compiled = fixtures::compile(fixtures::Rig{});
+  REQUIRE(compiled);
+  CHECK(plan_frame(compiled->needs, {}).empty());
+  CHECK(left_out_passes(compiled->needs, {}).size() == kAll.size());
+  // A stage without fixtures is lit by the work light.
+  Needs needs;
+  needs.surfaces = true;
+  CHECK(names_of(plan_frame(needs, {})) == std::vector<std::string>{"surfaces", "tonemap"});
+}
+
+TEST_CASE("every combination of needs gives each pass once or says what its absence costs") {
+  for (unsigned bits = 0; bits < 512; ++bits) {
+    const auto bit = [&](unsigned i) { return (bits >> i & 1u) != 0; };
+    const Needs needs{bit(0), bit(1), bit(2), bit(3), bit(4), bit(5), bit(6), bit(7)};
+    FrameSettings settings;
+    settings.bodies = bit(8);
+    check_left_out(needs, settings);
+  }
+}
+
+TEST_CASE("the needs of a rig follow from its fixtures and its haze") {
+  fixtures::Rig rig = fixtures::demo_rig();
+  // Pars alone: no motor and no gobo, but a flat profile and a strobe.
+  std::erase_if(rig.fixtures, [&](const fixtures::PatchedFixture& fixture) {
+    return rig.types[static_cast<std::size_t>(fixture.type)].id != "generic/par";
+  });
+  const auto pars = fixtures::compile(rig);
+  REQUIRE(pars);
+  CHECK(pars->needs.fixtures);
+  CHECK(!pars->needs.motion);
+  CHECK(pars->needs.strobe);
+  CHECK(!pars->needs.gobo);
+  CHECK(pars->needs.profile);
+  CHECK(constants_of(plan_frame(pars->needs, {}), "step") == std::vector<SpecConstant>{{FL_SPEC_MOTION, 0}, {FL_SPEC_STROBE, 1}});
+  rig.haze.scattering_per_m = 0;
+  rig.haze.absorption_per_m = 0;
+  rig.boxes.clear();
+  const auto clear = fixtures::compile(rig);
+  REQUIRE(clear);
+  CHECK(!clear->needs.haze);
+  CHECK(!clear->needs.extinction);
+  CHECK(!clear->needs.surfaces);
+}
+
+}  // namespace
+}  // namespace footlight::render

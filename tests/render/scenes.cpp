@@ -1,0 +1,169 @@
+#include "tests/render/scenes.h"
+
+#include <cmath>
+
+#include "fixtures/builtin/builtin.h"
+#include "fixtures/encode.h"
+
+namespace footlight::render::testing {
+namespace {
+
+using namespace fixtures;
+
+constexpr int kLampSlots = 6;
+
+Channel channel(std::vector<int> slots, fixtures::uint param, double from, double to, std::uint32_t default_value) {
+  Channel c;
+  c.functions.push_back({"all", 0, slots.size() == 2 ? 65535u : 255u, param, from, to});
+  c.slot_offsets = std::move(slots);
+  c.default_value = default_value;
+  return c;
+}
+
+FixtureType lamp_type(double lens_radius_m, int profile_m) {
+  FixtureType type;
+  type.name = "Lamp";
+  type.id = "test/lamp";
+  type.modes.push_back({"6 slots",
+                        kLampSlots,
+                        {channel({0}, kParamDimmer, 0, 1, 255), channel({1}, kParamRed, 0, 1, 255),
+                         channel({2}, kParamGreen, 0, 1, 255), channel({3}, kParamBlue, 0, 1, 255),
+                         channel({4, 5}, kParamZoom, 0, 30 * kDegree, 20000)}});
+  type.dimmer_square = false;
+  type.flux_lm = 10'000;
+  type.lens_radius_m = lens_radius_m;
+  type.profile_m = profile_m;
+  type.body = BodyModel::kPar;
+  type.pivot_drop_m = 0;
+  type.lens_offset_m = 0;
+  return type;
+}
+
+}  // namespace
+
+std::span<std::uint8_t> Scene::slots(std::size_t fixture) {
+  const auto at = std::find(compiled.universes.begin(), compiled.universes.end(), rig.fixtures[fixture].universe);
+  REQUIRE(at != compiled.universes.end());
+  return {&levels[static_cast<std::size_t>(at - compiled.universes.begin()) * kSlotCountMax], kSlotCountMax};
+}
+
+void Scene::set(std::size_t fixture, fixtures::uint param, double value) {
+  REQUIRE(encode_param(rig, rig.fixtures[fixture], param, value, slots(fixture)));
+}
+
+void Scene::compile() {
+  compiled = must(fixtures::compile(rig));
+  levels.assign(compiled.universes.size() * kSlotCountMax, 0);
+  for (std::size_t i = 0; i < rig.fixtures.size(); ++i) encode_defaults(rig, rig.fixtures[i], slots(i));
+  if (!rig.cameras.empty()) camera = rig.cameras.front();
+}
+
+Scene demo_scene(std::uint64_t seed, bool with_gobos) {
+  Scene scene;
+  scene.rig = demo_rig();
+  scene.compile();
+  Random random(seed);
+  for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) {
+    const PatchedFixture& fixture = scene.rig.fixtures[i];
+    const std::string& type = scene.rig.types[static_cast<std::size_t>(fixture.type)].id;
+    scene.set(i, kParamDimmer, random.between(0.4, 1));
+    if (type != "generic/profile") {
+      for (const auto color : {kParamRed, kParamGreen, kParamBlue}) scene.set(i, color, random.between(0.1, 1));
+    }
+    if (type == "generic/par") continue;
+    scene.set(i, kParamPan, random.between(-180, 180) * kDegree);
+    scene.set(i, kParamTilt, random.between(-60, 60) * kDegree);
+    scene.set(i, kParamZoom, random.between(3, 15) * kDegree);
+    if (type == "generic/profile") {
+      scene.set(i, kParamGobo, with_gobos ? static_cast<double>(1 + i % 8) : 0.0);
+      scene.set(i, kParamGoboSpinHz, 0);
+    }
+  }
+  return scene;
+}
+
+Scene all_modes_scene() {
+  Scene scene;
+  scene.rig.types = builtin_types();
+  Address address = 1;
+  for (std::size_t t = 0; t < scene.rig.types.size(); ++t) {
+    for (std::size_t m = 0; m < scene.rig.types[t].modes.size(); ++m) {
+      PatchedFixture fixture;
+      fixture.name = scene.rig.types[t].id + " " + std::to_string(m);
+      fixture.type = static_cast<int>(t);
+      fixture.mode = static_cast<int>(m);
+      fixture.address = address;
+      fixture.position_m = {static_cast<double>(scene.rig.fixtures.size()), 0, 5};
+      scene.rig.fixtures.push_back(fixture);
+      address += scene.rig.types[t].modes[m].slot_count;
+    }
+  }
+  scene.rig.cameras.emplace_back();
+  scene.compile();
+  return scene;
+}
+
+Scene lamps_scene(std::uint64_t seed, int count) {
+  Scene scene;
+  scene.rig.name = "lamps";
+  scene.rig.haze = {0.02, 0.001, 0.4, 30};
+  scene.rig.ambient_lx = 0;
+  scene.rig.types = {lamp_type(0.02, 1), lamp_type(0.1, 1), lamp_type(0.15, 2)};
+  scene.rig.cameras.push_back({"foh", {0, -14, 3}, {0, 0, 3}, 55, 4});
+  Random random(seed);
+  constexpr int kPerUniverse = kSlotCountMax / kLampSlots;
+  for (int i = 0; i < count; ++i) {
+    PatchedFixture lamp;
+    lamp.name = "Lamp " + std::to_string(i + 1);
+    lamp.type = static_cast<int>(random.below(3));
+    lamp.universe = 1 + i / kPerUniverse;
+    lamp.address = 1 + i % kPerUniverse * kLampSlots;
+    lamp.position_m = {random.between(-8, 8), random.between(-6, 8), random.between(0, 7)};
+    lamp.rotation_deg = {random.between(-180, 180), random.between(-180, 180), random.between(-180, 180)};
+    scene.rig.fixtures.push_back(lamp);
+  }
+  scene.compile();
+  for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) {
+    for (const auto color : {kParamRed, kParamGreen, kParamBlue}) scene.set(i, color, random.between(0.2, 1));
+    const std::size_t kind = i % 4;
+    scene.set(i, kParamZoom,
+              (kind == 0   ? 0.05
+               : kind == 1 ? 0.0
+               : kind == 2 ? random.between(0.5, 10)
+                           : 30.0) * kDegree);
+  }
+  return scene;
+}
+
+void dim_lamps(Scene& scene, const std::vector<bool>& lit) {
+  REQUIRE(lit.size() == scene.rig.fixtures.size());
+  for (std::size_t i = 0; i < lit.size(); ++i) {
+    const auto slot = static_cast<std::size_t>(slot_of_address(scene.rig.fixtures[i].address) + kLampDimmerSlot);
+    scene.slots(i)[slot] = lit[i] ? 255 : 0;
+  }
+}
+
+FrameSettings judged_settings(int width, int height) {
+  FrameSettings settings;
+  settings.width = width;
+  settings.height = height;
+  settings.bodies = false;
+  settings.dark_lm = 0;
+  return settings;
+}
+
+std::unique_ptr<Frame> make_frame(vk::Device& device, const Scene& scene, const FrameSettings& settings) {
+  return must(Frame::create(device, scene.rig, scene.compiled, settings));
+}
+
+RadianceImage draw(Frame& frame, const Scene& scene) {
+  frame.step(scene.levels, 0);
+  must(frame.draw(view_of(scene.camera), scene.camera.exposure_ev));
+  return must(frame.read_radiance());
+}
+
+RadianceImage draw_new(vk::Device& device, const Scene& scene, const FrameSettings& settings) {
+  return draw(*make_frame(device, scene, settings), scene);
+}
+
+}  // namespace footlight::render::testing

@@ -1,0 +1,78 @@
+// What the tests of the renderer draw: rigs with their levels, made from a seed, and the two ways to a picture.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "fixtures/rig.h"
+#include "render/frame.h"
+
+namespace footlight::render::testing {
+
+inline constexpr double kDegree = std::numbers::pi / 180;
+inline constexpr std::int64_t kMs = 1'000'000;
+
+// SplitMix64 (Steele, Lea, Flood 2014): the same scenes with every standard library.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+  std::uint64_t next() {
+    std::uint64_t z = state_ += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+  }
+  std::size_t below(std::size_t bound) { return static_cast<std::size_t>(next() % bound); }
+  double between(double from, double to) { return from + (to - from) * static_cast<double>(next() >> 11) * 0x1.0p-53; }
+
+ private:
+  std::uint64_t state_;
+};
+
+struct Scene {
+  fixtures::Rig rig;
+  fixtures::CompiledRig compiled;
+  std::vector<std::uint8_t> levels;  // universes x 512, as compiled.universes orders them
+  fixtures::Camera camera;
+
+  // The 512 slots of a fixture's universe.
+  std::span<std::uint8_t> slots(std::size_t fixture);
+  void set(std::size_t fixture, fixtures::uint param, double value);
+  // Compiles the rig and puts every channel at its default.
+  void compile();
+};
+
+// The demo rig: heads aimed about the stage, in colour, no gobo; with_gobos: the profiles have gobos 1 to 8.
+[[nodiscard]] Scene demo_scene(std::uint64_t seed, bool with_gobos);
+// One fixture of each mode of each built-in type.
+[[nodiscard]] Scene all_modes_scene();
+// `count` fixed lamps over a stage without boxes, all lit in white or colour. Their channels: dimmer, red, green, blue and
+// zoom, of which some are pencils of 0.1 degrees, some cylinders, some washes of 60 degrees.
+[[nodiscard]] Scene lamps_scene(std::uint64_t seed, int count);
+inline constexpr int kLampDimmerSlot = 0;  // of a lamp's five: set to 0 it is dark
+// Sets the dimmer of every lamp.
+void dim_lamps(Scene& scene, const std::vector<bool>& lit);
+
+// 64 x 36, no bodies, nothing left out for being dark: what the judge computes.
+[[nodiscard]] FrameSettings judged_settings(int width = 64, int height = 36);
+
+template <class T>
+T must(Result<T> result) {
+  REQUIRE_MESSAGE(result.has_value(), (result ? std::string() : result.error().message));
+  return std::move(*result);
+}
+inline void must(const Status& status) {
+  REQUIRE_MESSAGE(status.has_value(), (status ? std::string() : status.error().message));
+}
+
+[[nodiscard]] std::unique_ptr<Frame> make_frame(vk::Device& device, const Scene& scene, const FrameSettings& settings);
+// The picture of the scene's levels after a step of 0 s.
+[[nodiscard]] RadianceImage draw(Frame& frame, const Scene& scene);
+[[nodiscard]] RadianceImage draw_new(vk::Device& device, const Scene& scene, const FrameSettings& settings);
+
+}  // namespace footlight::render::testing

@@ -1,0 +1,55 @@
+#include "tests/support/headless_vulkan.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <string>
+
+#include <doctest/doctest.h>
+
+namespace footlight::testing {
+namespace {
+
+using render::vk::Device;
+
+Result<std::unique_ptr<Device>> create_device() {
+  if (const char* name = std::getenv("FOOTLIGHT_TEST_DEVICE"); name != nullptr) {
+    return Device::create({.validation = true, .name_contains = name});
+  }
+  if (auto software = Device::create({.validation = true, .name_contains = "llvmpipe"})) return software;
+  return Device::create({.validation = true});
+}
+
+Device* shared_device() {
+  static const std::unique_ptr<Device> device = []() -> std::unique_ptr<Device> {
+    auto created = create_device();
+    if (created) {
+      std::fprintf(stderr, "on %s (%s)\n", (*created)->name().c_str(), (*created)->driver().c_str());
+      return std::move(*created);
+    }
+    std::fprintf(stderr, "SKIPPED: %s\n", created.error().message.c_str());
+    return nullptr;
+  }();
+  return device.get();
+}
+
+}  // namespace
+
+HeadlessVulkan::HeadlessVulkan() : device_(shared_device()) {
+  if (device_ != nullptr) {
+    messages_before_ = device_->validation_messages().size();
+    return;
+  }
+  const char* required = std::getenv("FOOTLIGHT_REQUIRE_VULKAN");
+  CHECK_MESSAGE((required == nullptr || std::strcmp(required, "1") != 0),
+                "no Vulkan device, and FOOTLIGHT_REQUIRE_VULKAN=1 asks for one");
+}
+
+HeadlessVulkan::~HeadlessVulkan() {
+  if (device_ == nullptr) return;
+  const auto& messages = device_->validation_messages();
+  for (std::size_t i = messages_before_; i < messages.size(); ++i) CHECK_MESSAGE(false, messages[i]);
+}
+
+}  // namespace footlight::testing
