@@ -139,8 +139,11 @@ void main() {
     if (surface[i].kind == kBox) {
       color = boxes[which].albedo.rgb / kPi * illuminance_lx[i];
     } else if (surface[i].kind == kBody) {
-      color = vec3(kBodyAlbedo / kPi) * illuminance_lx[i];
-      if ((which & 7u) == kPartLens) color += lens_radiance(which >> 3, normalize(offset_m[i]), surface[i].normal);
+      // The work light falls on bodies from above and from the eye, so that their form shows.
+      vec3 ray = normalize(offset_m[i]);
+      float form = 0.15 + 0.45 * (0.5 + 0.5 * surface[i].normal.z) + 0.4 * max(-dot(surface[i].normal, ray), 0.0);
+      color = vec3(kBodyAlbedo / kPi) * (illuminance_lx[i] + params.ambient_lx * (form - 1.0));
+      if ((which & 7u) == kPartLens) color += lens_radiance(which >> 3, ray, surface[i].normal);
     }
     if (kExtinction) color *= exp(-medium.extinction_per_m * surface[i].t_m);
     imageStore(radiance, pixel, vec4(color, surface[i].t_m));
