@@ -1,0 +1,442 @@
+// The loop of `footlight preview`: levels from a log, the wire or hands -> Frame -> window.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include <GLFW/glfw3.h>
+
+#include <imgui/imgui.h>
+
+#include <nlohmann/json.hpp>
+
+#include "render/frame.h"
+#include "sim/system_clock.h"
+#include "tools/footlight/command.h"
+#include "tools/footlight/hand_levels.h"
+#include "tools/footlight/live_levels.h"
+#include "tools/footlight/open_ports.h"
+#include "tools/footlight/orbit_camera.h"
+#include "tools/footlight/picture_file.h"
+#include "tools/footlight/preview.h"
+#include "tools/footlight/preview_panel.h"
+#include "tools/footlight/stop_signal.h"
+#include "tools/footlight/timeline.h"
+#include "tools/footlight/window.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr DurationNs kExposureMaxNs = 20 * kNsPerMs;  // as `footlight render --at`; the whole frame where that is shorter
+constexpr std::size_t kStepsHeldMax = 512;            // steps that wait for the GPU while a log is replayed
+constexpr DurationNs kSettleNs = 200 * kNsPerMs;      // a new size is taken when the window has kept it for this long
+constexpr int kStripWidth = 800;                      // in a window narrower than this the panel begins as a strip
+constexpr double kSeekStepS = 5;
+constexpr double kExposureStepEv = 0.25;
+
+// The last times from picture to picture.
+class FrameTimes {
+ public:
+  void add(double ms) { ring_[count_++ % ring_.size()] = ms; }
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+  [[nodiscard]] double quantile_ms(double share) const {
+    const std::size_t held = std::min<std::size_t>(static_cast<std::size_t>(count_), ring_.size());
+    if (held == 0) return 0;
+    std::vector<double> sorted(ring_.begin(), ring_.begin() + static_cast<std::ptrdiff_t>(held));
+    const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(held - 1) + 0.5);
+    std::nth_element(sorted.begin(), sorted.begin() + at, sorted.end());
+    return sorted[static_cast<std::size_t>(at)];
+  }
+
+ private:
+  std::array<double, 256> ring_{};
+  std::uint64_t count_ = 0;
+};
+
+class Preview {
+ public:
+  explicit Preview(const PreviewOptions& options) : options_(options), opener_(clock_) {}
+
+  Result<int> run() {
+    FL_TRY(open());
+    StopSignal signal;
+    start_ns_ = last_ns_ = second_ns_ = clock_.now_ns();
+    while (!window_->wants_close() && !signal.came() && !closing_) FL_TRY(turn());
+    FL_TRY(window_->wait_gpu());
+    if (!options_.screenshot.empty()) FL_TRY(write_shot());
+    if (options_.json) print_summary();
+    return device_->validation_messages().empty() ? kExitOk : kExitFailed;
+  }
+
+ private:
+  Status open();
+  Status open_levels();
+  Status turn();
+  Status rebuild();
+  Status replay_to(DurationNs until_ns, DurationNs exposure_ns);
+  Status step_levels(DurationNs dt_ns);
+  Status read_figures(DurationNs dt_ns);
+  void take_input();
+  void take_camera(std::size_t index);
+  Status write_shot();
+  [[nodiscard]] nlohmann::json figures() const;
+  void print_second();
+  void print_summary();
+  [[nodiscard]] PixelRect place() const;
+
+  const PreviewOptions& options_;
+  SystemClock clock_;
+  PortOpener opener_;
+  fixtures::Rig rig_;
+  fixtures::CompiledRig compiled_;
+  fixtures::Rig clear_rig_;  // the same without haze
+  fixtures::CompiledRig clear_compiled_;
+
+  // What drives the rig: one of the three.
+  std::unique_ptr<Timeline> timeline_;
+  std::unique_ptr<LiveLevels> live_;
+  std::unique_ptr<HandLevels> hand_;
+
+  std::unique_ptr<Window> window_;
+  std::unique_ptr<render::vk::Device> device_;
+  std::unique_ptr<render::Frame> frame_;
+  render::vk::Buffer counts_;  // of the picture under way, for the panel
+  bool shown_ = false;         // a picture is under way, its figures can be read when it is done
+
+  OrbitCamera camera_{fixtures::Camera{}};
+  PreviewControls controls_;
+  PreviewFacts facts_;
+  FrameTimes times_;
+  bool frame_haze_ = true;
+  int wanted_width_ = 0;  // of the window's place for the picture when last looked at, and since when
+  int wanted_height_ = 0;
+  TimeNs wanted_since_ns_ = 0;
+
+  TimeNs start_ns_ = 0;
+  TimeNs last_ns_ = 0;
+  TimeNs second_ns_ = 0;  // when the figures were last counted
+  std::uint64_t second_frames_ = 0;
+  bool closing_ = false;
+};
+
+Status Preview::open() {
+  FL_ASSIGN(const PictureSize size, parse_size(options_.size));
+  FL_ASSIGN(rig_, load_scene_rig(options_.files));
+  FL_ASSIGN(compiled_, fixtures::compile(rig_));
+  FL_ASSIGN(const fixtures::Camera camera, find_camera(rig_, options_.camera));
+  clear_rig_ = rig_;
+  clear_rig_.haze.scattering_per_m = 0;
+  FL_ASSIGN(clear_compiled_, fixtures::compile(clear_rig_));
+  FL_TRY(open_levels());
+
+  FL_ASSIGN(window_, Window::open(fmt::format("{} - Footlight", rig_.name), size.width, size.height));
+  render::vk::DeviceOptions device;
+  device.instance_extensions = window_->instance_extensions();
+  device.swapchain = true;
+  device.name_contains = options_.device;
+  FL_ASSIGN(device_, render::vk::Device::create(device));
+  FL_TRY(window_->attach(*device_));
+  FL_ASSIGN(counts_, render::vk::Buffer::host_visible(*device_, sizeof(render::CountsRow), 0));
+
+  camera_ = OrbitCamera(camera);
+  controls_.exposure_ev = static_cast<float>(camera.exposure_ev);
+  controls_.nodes = options_.nodes;
+  controls_.loop = options_.files.demo && options_.files.log.empty();
+  controls_.panel = window_->width() < kStripWidth ? PanelState::kStrip : PanelState::kFull;
+  facts_.rig = rig_.name;
+  facts_.device = device_->name();
+  for (const auto& one : rig_.cameras) facts_.cameras.push_back(one.name);
+  for (const auto& fixture : rig_.fixtures) facts_.fixtures.push_back(fixture.name);
+  facts_.can_haze = compiled_.needs.haze;
+  facts_.gobos = compiled_.needs.gobo;
+  FL_TRY(rebuild());
+  if (timeline_) FL_TRY(replay_to(options_.at_ns, 0));
+  return {};
+}
+
+Status Preview::open_levels() {
+  if (!options_.ins.empty()) {
+    if (!options_.files.log.empty()) {
+      return fail(ErrorCode::kBadInput, "--log and --in: expected one of them; 'footlight replay' puts a log on the wire");
+    }
+    std::vector<std::unique_ptr<Source>> sources;
+    for (const std::string& text : options_.ins) {
+      FL_ASSIGN(const Endpoint endpoint, parse_port(text));
+      InOptions in;
+      in.hear_preview = true;  // this is the visualiser that such frames are meant for
+      FL_ASSIGN(std::unique_ptr<Source> source, opener_.open_source(endpoint, in));
+      sources.push_back(std::move(source));
+    }
+    FL_ASSIGN(live_, LiveLevels::start(compiled_.universes, std::move(sources), clock_));
+    return {};
+  }
+  FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
+  if (log) {
+    timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_);
+    facts_.has_log = true;
+    facts_.duration_s = static_cast<double>(timeline_->duration_ns()) * 1e-9;
+  } else {
+    hand_ = std::make_unique<HandLevels>(rig_, compiled_);
+  }
+  return {};
+}
+
+// The part of the window that the panel leaves to the picture.
+PixelRect Preview::place() const {
+  const float panel_px =
+      controls_.panel == PanelState::kFull ? kPanelWidth * window_->ui_scale() * window_->pixels_per_unit() : 0;
+  return {0, 0, std::max(window_->width() - static_cast<int>(std::lround(panel_px)), 1), std::max(window_->height(), 1)};
+}
+
+// A frame of the present size, nodes and haze. The fixtures keep their states: they move from the old frame to the new.
+Status Preview::rebuild() {
+  const PixelRect where = place();
+  render::FrameSettings settings;
+  settings.width = std::max(where.width / controls_.divisor, 1);
+  settings.height = std::max(where.height / controls_.divisor, 1);
+  settings.nodes = static_cast<std::uint32_t>(controls_.nodes);
+  if (frame_) FL_TRY(frame_->run_steps());
+  FL_ASSIGN(auto fresh, render::Frame::create(*device_, controls_.haze ? rig_ : clear_rig_,
+                                              controls_.haze ? compiled_ : clear_compiled_, settings));
+  if (frame_ && fresh->resources().fixture_count > 0) {
+    const VkBufferCopy states{0, 0, fresh->resources().fixture_count * render::kStateBytes};
+    FL_TRY(device_->run_once([&](VkCommandBuffer commands) {
+      render::vk::full_barrier(commands);
+      vkCmdCopyBuffer(commands, frame_->resources().states.handle, fresh->resources().states.handle, 1, &states);
+      render::vk::full_barrier(commands);
+    }));
+  }
+  frame_ = std::move(fresh);
+  frame_haze_ = controls_.haze;
+  shown_ = false;
+  wanted_width_ = where.width;
+  wanted_height_ = where.height;
+  return {};
+}
+
+// Goes to a time of the log, back to its start first where that lies behind: then every fixture starts afresh, so that the
+// picture is the one that `footlight render` makes of this moment.
+Status Preview::replay_to(DurationNs until_ns, DurationNs exposure_ns) {
+  until_ns = std::clamp<DurationNs>(until_ns, 0, timeline_->duration_ns());
+  if (until_ns < timeline_->now_ns()) {
+    FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
+    if (!log) return fail(ErrorCode::kIo, "{}: the log is gone", options_.files.log);
+    timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_);
+    FL_TRY(frame_->run_steps());
+    FL_TRY(device_->run_once([&](VkCommandBuffer commands) {
+      render::vk::full_barrier(commands);
+      vkCmdFillBuffer(commands, frame_->resources().states.handle, 0, VK_WHOLE_SIZE, 0);
+      render::vk::full_barrier(commands);
+    }));
+  }
+  Status flushed;
+  FL_TRY(timeline_->advance(until_ns, exposure_ns,
+                            [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+                              frame_->step(levels, dt_ns, new_exposure);
+                              if (frame_->pending_steps() >= kStepsHeldMax && flushed) flushed = frame_->run_steps();
+                            }));
+  return flushed;
+}
+
+Status Preview::step_levels(DurationNs dt_ns) {
+  if (live_) {
+    live_->take();
+    frame_->step(live_->levels(), dt_ns);
+  } else if (hand_) {
+    frame_->step(hand_->levels(), dt_ns);
+  } else {
+    if (controls_.seek_s) {
+      FL_TRY(replay_to(static_cast<DurationNs>(*controls_.seek_s * 1e9), kExposureMaxNs));
+      controls_.seek_s.reset();
+    } else if (controls_.playing) {
+      DurationNs until_ns = timeline_->now_ns() + dt_ns;
+      if (until_ns > timeline_->duration_ns() && controls_.loop) until_ns = 0;
+      FL_TRY(replay_to(until_ns, std::min(dt_ns, kExposureMaxNs)));
+    }
+    facts_.time_s = static_cast<double>(timeline_->now_ns()) * 1e-9;
+  }
+  return {};
+}
+
+void Preview::take_camera(std::size_t index) {
+  if (index >= rig_.cameras.size()) return;
+  camera_ = OrbitCamera(rig_.cameras[index]);
+  controls_.exposure_ev = static_cast<float>(rig_.cameras[index].exposure_ev);
+}
+
+void Preview::take_input() {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (controls_.camera) take_camera(static_cast<std::size_t>(*std::exchange(controls_.camera, std::nullopt)));
+  if (!io.WantCaptureMouse) {
+    const double heights = 1.0 / std::max<double>(io.DisplaySize.y, 1);
+    if (ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
+      camera_.orbit(io.MouseDelta.x * heights * 3, -io.MouseDelta.y * heights * 3);
+    } else if (ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::IsMouseDown(ImGuiMouseButton_Middle)) {
+      camera_.pan(-io.MouseDelta.x * heights, io.MouseDelta.y * heights);
+    }
+    camera_.approach(io.MouseWheel);
+  }
+  if (io.WantTextInput) return;
+  const auto pressed = [](int key, bool repeat = false) { return ImGui::IsKeyPressed(key, repeat); };
+  for (int digit = 1; digit <= 9; ++digit) {
+    if (pressed(GLFW_KEY_0 + digit) || pressed(GLFW_KEY_KP_0 + digit)) take_camera(static_cast<std::size_t>(digit - 1));
+  }
+  if (pressed(GLFW_KEY_F)) {
+    const Bounds bounds = bounds_of(rig_);
+    const PixelRect where = place();
+    camera_.frame(bounds.low_m, bounds.high_m, static_cast<double>(where.width) / where.height);
+  }
+  // A higher EV makes a darker picture; E and + are for brighter.
+  const bool brighter = pressed(GLFW_KEY_E, true) || pressed(GLFW_KEY_EQUAL, true) || pressed(GLFW_KEY_KP_ADD, true);
+  const bool darker = pressed(GLFW_KEY_Q, true) || pressed(GLFW_KEY_MINUS, true) || pressed(GLFW_KEY_KP_SUBTRACT, true);
+  controls_.exposure_ev += static_cast<float>(kExposureStepEv * ((darker ? 1 : 0) - (brighter ? 1 : 0)));
+  controls_.exposure_ev = std::clamp(controls_.exposure_ev, -20.0f, 30.0f);
+  if (pressed(GLFW_KEY_H)) {
+    controls_.panel = controls_.panel == PanelState::kFull    ? PanelState::kStrip
+                      : controls_.panel == PanelState::kStrip ? PanelState::kHidden
+                                                              : PanelState::kFull;
+  }
+  if (pressed(GLFW_KEY_ESCAPE)) closing_ = true;
+  if (!timeline_) return;
+  if (pressed(GLFW_KEY_SPACE)) controls_.playing = !controls_.playing;
+  if (pressed(GLFW_KEY_LEFT, true)) controls_.seek_s = facts_.time_s - kSeekStepS;
+  if (pressed(GLFW_KEY_RIGHT, true)) controls_.seek_s = facts_.time_s + kSeekStepS;
+}
+
+// Of the picture that has just been finished.
+Status Preview::read_figures(DurationNs dt_ns) {
+  if (shown_) {
+    times_.add(static_cast<double>(dt_ns) * 1e-6);
+    ++second_frames_;
+    FL_ASSIGN(facts_.passes, frame_->read_times());
+    render::CountsRow counts{};
+    std::memcpy(&counts, counts_.mapped, sizeof(counts));
+    facts_.live_beams = counts.live_count;
+    facts_.dark_beams = counts.dark_count;
+  }
+  facts_.now_ns = clock_.now_ns();
+  facts_.width = frame_->settings().width;
+  facts_.height = frame_->settings().height;
+  facts_.gpu_mib = static_cast<double>(frame_->resources().total_bytes) / (1024.0 * 1024.0);
+  const DurationNs since_ns = facts_.now_ns - second_ns_;
+  if (since_ns >= kNsPerS) {
+    facts_.fps = static_cast<double>(second_frames_) * 1e9 / static_cast<double>(since_ns);
+    second_ns_ = facts_.now_ns;
+    second_frames_ = 0;
+    if (live_) {
+      facts_.status = live_->status();
+      for (std::string& notice : live_->notices()) {
+        if (!options_.json) fmt::print(stderr, "footlight: {}\n", notice);
+        facts_.notice = std::move(notice);
+      }
+    }
+    facts_.frame_p50_ms = times_.quantile_ms(0.5);
+    facts_.frame_p90_ms = times_.quantile_ms(0.9);
+    if (options_.json) print_second();
+  }
+  return {};
+}
+
+// One picture.
+Status Preview::turn() {
+  window_->poll();
+  const TimeNs now_ns = clock_.now_ns();
+  const DurationNs dt_ns = now_ns - last_ns_;
+  last_ns_ = now_ns;
+  if (options_.seconds > 0 && static_cast<double>(now_ns - start_ns_) >= options_.seconds * 1e9) {
+    closing_ = true;
+    window_->keep_shot();
+  }
+  window_->begin_ui();
+  draw_panel(facts_, controls_, live_.get(), hand_.get(), window_->ui_scale());
+  take_input();
+  if (closing_ || window_->wants_close()) window_->keep_shot();
+  window_->end_ui();
+  FL_TRY(window_->wait_gpu());
+  FL_TRY(read_figures(dt_ns));
+
+  const PixelRect where = place();
+  if (where.width != wanted_width_ || where.height != wanted_height_) {
+    wanted_width_ = where.width;
+    wanted_height_ = where.height;
+    wanted_since_ns_ = now_ns;
+  }
+  const render::FrameSettings& settings = frame_->settings();
+  const bool other_size = settings.width != std::max(where.width / controls_.divisor, 1) ||
+                          settings.height != std::max(where.height / controls_.divisor, 1);
+  if (static_cast<std::uint32_t>(controls_.nodes) != settings.nodes || controls_.haze != frame_haze_ ||
+      (other_size && now_ns - wanted_since_ns_ >= kSettleNs && !window_->minimised())) {
+    FL_TRY(rebuild());
+  }
+  FL_TRY(step_levels(dt_ns));
+  if (window_->minimised()) return frame_->run_steps();
+
+  WindowPicture picture;
+  picture.image = frame_->resources().screen.handle;
+  picture.width = frame_->settings().width;
+  picture.height = frame_->settings().height;
+  picture.place = where;
+  FL_ASSIGN(shown_, window_->show(picture, [&](VkCommandBuffer commands) {
+    frame_->record(commands, render::view_of(camera_.camera()), controls_.exposure_ev);
+    render::vk::full_barrier(commands);
+    const VkBufferCopy region{0, 0, sizeof(render::CountsRow)};
+    vkCmdCopyBuffer(commands, frame_->resources().counts.handle, counts_.handle, 1, &region);
+  }));
+  return {};
+}
+
+// The window as it was; the picture alone where the window system does not let it be read.
+Status Preview::write_shot() {
+  FL_ASSIGN(render::ScreenImage image, window_->read_shot());
+  if (image.rgba.empty()) {
+    FL_ASSIGN(image, frame_->read_screen());
+  }
+  return write_png(options_.screenshot, image);
+}
+
+nlohmann::json Preview::figures() const {
+  nlohmann::json passes = nlohmann::json::object();
+  double gpu_ms = 0;
+  for (const auto& pass : facts_.passes) {
+    passes[pass.name] = pass.gpu_ms;
+    gpu_ms += pass.gpu_ms;
+  }
+  return {{"frames", times_.count()},
+          {"frame_ms_p50", times_.quantile_ms(0.5)},
+          {"frame_ms_p90", times_.quantile_ms(0.9)},
+          {"gpu_ms", gpu_ms},
+          {"pass_gpu_ms", passes},
+          {"width", frame_->settings().width},
+          {"height", frame_->settings().height},
+          {"nodes", frame_->settings().nodes},
+          {"live", facts_.live_beams},
+          {"dark", facts_.dark_beams}};
+}
+
+void Preview::print_second() {
+  nlohmann::json line = figures();
+  line["event"] = "frames";
+  line["fps"] = facts_.fps;
+  if (timeline_) line["time_ns"] = timeline_->now_ns();
+  fmt::print("{}\n", line.dump());
+  std::fflush(stdout);
+}
+
+void Preview::print_summary() {
+  nlohmann::json line = figures();
+  const double elapsed_s = static_cast<double>(clock_.now_ns() - start_ns_) * 1e-9;
+  line["event"] = "summary";
+  line["device"] = device_->name();
+  line["seconds"] = elapsed_s;
+  line["fps"] = elapsed_s > 0 ? static_cast<double>(times_.count()) / elapsed_s : 0;
+  line["validation_messages"] = device_->validation_messages().size();
+  fmt::print("{}\n", line.dump());
+}
+
+}  // namespace
+
+Result<int> run_preview(const PreviewOptions& options) { return Preview(options).run(); }
+
+}  // namespace footlight::tools
