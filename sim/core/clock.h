@@ -6,7 +6,7 @@
 
 namespace footlight {
 
-using TimeNs = std::int64_t;      // a point in time, nanoseconds since an arbitrary origin (CLOCK_MONOTONIC in SystemClock)
+using TimeNs = std::int64_t;  // a point in time, nanoseconds since an arbitrary origin (CLOCK_MONOTONIC in SystemClock)
 using DurationNs = std::int64_t;  // a difference of two TimeNs
 
 inline constexpr DurationNs kNsPerUs = 1'000;

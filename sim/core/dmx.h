@@ -1,7 +1,7 @@
 // The words of DMX512-A (ANSI E1.11) as this program uses them.
 //
-// A universe has 512 slots (bytes). People count universes and addresses from 1; code counts slots from 0. The one place
-// that turns an address into a slot is slot_of_address().
+// A universe has 512 slots (bytes). People count universes and addresses from 1; code counts slots from 0. The one
+// place that turns an address into a slot is slot_of_address().
 #pragma once
 
 #include <array>

@@ -1,8 +1,8 @@
 // The whole hardware boundary: a source of frames and a sink for frames.
 //
-// The pump (sim/pump.h) runs one loop on one thread. Each port gives it a file descriptor to wait for; a port that needs a
-// thread of its own (USB, HID) keeps it inside, leaves frames in a mailbox of its own and makes an eventfd readable. So
-// nothing here blocks, and nothing in the loop takes a lock that a device thread holds during I/O.
+// The pump (sim/pump.h) runs one loop on one thread. Each port gives it a file descriptor to wait for; a port that
+// needs a thread of its own (USB, HID) keeps it inside, leaves frames in a mailbox of its own and makes an eventfd
+// readable. So nothing here blocks, and nothing in the loop takes a lock that a device thread holds during I/O.
 #pragma once
 
 #include <cstdint>
@@ -52,7 +52,8 @@ class Port {
 
 class Source : public Port {
  public:
-  // Hands over everything that has arrived, oldest first, without blocking. Failure means that the port is lost for good.
+  // Hands over everything that has arrived, oldest first, without blocking. Failure means that the port is lost for
+  // good.
   virtual Status poll(TimeNs now_ns, FrameReceiver& receiver) = 0;
   // The universes that it may deliver, after renumbering.
   [[nodiscard]] virtual std::span<const Universe> universes() const = 0;
@@ -60,8 +61,8 @@ class Source : public Port {
 
 class Sink : public Port {
  public:
-  // Takes the newest frames: those of `frames` whose universe it carries. Never queues: what it has not sent when the next
-  // call comes is replaced and counted as dropped. Does not block.
+  // Takes the newest frames: those of `frames` whose universe it carries. Never queues: what it has not sent when the
+  // next call comes is replaced and counted as dropped. Does not block.
   virtual Status send(TimeNs now_ns, std::span<const FrameView> frames) = 0;
   // Called when poll_fd() is readable or next_deadline_ns() has passed: keep-alives, device housekeeping.
   virtual Status poll(TimeNs now_ns) = 0;

@@ -1,8 +1,9 @@
 // Errors are values.
 //
 // Expected trouble (no permission, unplugged, timeout, malformed line, missing GPU feature) comes back as a Result. The
-// message names the thing and the next step: "/dev/bus/usb/001/004: permission denied; run 'sudo footlight udev install'".
-// A broken program (index out of range, unsorted table) is FL_CHECK in check.h.
+// message names the thing and the next step: "/dev/bus/usb/001/004: permission denied; run 'sudo cp
+// udev/70-footlight.rules /etc/udev/rules.d/'". A broken program (index out of range, unsorted table) is FL_CHECK in
+// check.h.
 #pragma once
 
 #include <string>

@@ -1,11 +1,11 @@
 // One motor axis: pan, tilt or zoom.
 //
 // The axis goes to its target in the shortest time that its speed and acceleration limits allow and stops there
-// (double integrator, |v| <= V, |a| <= A, time-optimal control: accelerate, cruise, brake). While the target is constant
-// the motion has a closed form, so a step of any length is exact: step(a) then step(b) equals step(a + b).
+// (double integrator, |v| <= V, |a| <= A, time-optimal control: accelerate, cruise, brake). While the target is
+// constant the motion has a closed form, so a step of any length is exact: step(a) then step(b) equals step(a + b).
 //
-// Units: any unit of position u with u/s and u/s^2. Range: V > 0, A > 0, dt >= 0 and a finite target; anything else leaves
-// the axis alone.
+// Units: any unit of position u with u/s and u/s^2. Range: V > 0, A > 0, dt >= 0 and a finite target; anything else
+// leaves the axis alone.
 // Source: L. S. Pontryagin et al., The Mathematical Theory of Optimal Processes, chapter 1 (the time-optimal double
 // integrator), with a speed limit added.
 

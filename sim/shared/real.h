@@ -4,9 +4,9 @@
 // In C++ it is included twice, through sim/shared/shared.h or its neighbours in fixtures/ and render/: inside namespace
 // f32 with Real = float (what the GPU computes) and inside namespace f64 with Real = double (the judge).
 //
-// The rules of the subset: literals as Real(0.5) or uint(3); Vec2, Vec3 for vectors; FL_FN before a function; FL_INOUT(T)
-// and FL_OUT(T) for parameters that change; no templates, references, pointers, member functions or overloads on Real;
-// arrays of fixed size; comparisons written so that NaN takes the safe branch.
+// The rules of the subset: literals as Real(0.5) or uint(3); Vec2, Vec3 for vectors; FL_FN before a function;
+// FL_INOUT(T) and FL_OUT(T) for parameters that change; no templates, references, pointers, member functions or
+// overloads on Real; arrays of fixed size; comparisons written so that NaN takes the safe branch.
 #ifdef __cplusplus
 #define FL_FN inline
 #define FL_INOUT(T) T&

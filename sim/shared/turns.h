@@ -1,8 +1,8 @@
 // Phase as an unsigned 64-bit count of 2^-64 turn: wraps exactly, never drifts. Turns is (low word, high word).
 //
-// A rate in Hz becomes an integer number of 2^-64 turns a nanosecond, so that steps of integer nanoseconds add up exactly:
-// step(a) then step(b) equals step(a + b) to the bit. The rate is rounded down to 2^-64 turn/ns = 5.4e-11 Hz for a whole
-// number of hertz.
+// A rate in Hz becomes an integer number of 2^-64 turns a nanosecond, so that steps of integer nanoseconds add up
+// exactly: step(a) then step(b) equals step(a + b) to the bit. The rate is rounded down to 2^-64 turn/ns = 5.4e-11 Hz
+// for a whole number of hertz.
 
 FL_FN Turns turns_add(Turns a, Turns b) {
   uint low = a.x + b.x;

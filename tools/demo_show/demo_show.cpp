@@ -45,7 +45,7 @@ dvec3 hue(double turns) {
 }
 bool even(double whole) { return std::fmod(std::floor(whole), 2.0) == 0.0; }
 
-// ---- The nine parts of the show. Each gives a cue for a player at t_s seconds into the show. --------------------------
+// ---- The nine parts of the show. Each gives a cue for a player at t_s seconds into the show. ------------------------
 
 // Out of the dark: blue from the floor, then ice-cold columns from the middle outwards.
 Cue intro(const Player& p, double t) {
@@ -247,7 +247,10 @@ Cue drop(const Player& p, double t, bool lit) {
       c.strobe_hz = hits ? 12 : 0;
       break;
     case Group::kFrontPar: c.dimmer = 0.35 * hit(beats / 2, 1.5); c.color = kLavender; break;
-    case Group::kSidePar: c.dimmer = left == first ? 0.75 * hit(beats, 1.0) : 0.1; c.color = left ? kRed : kDeepBlue; break;
+    case Group::kSidePar:
+      c.dimmer = left == first ? 0.75 * hit(beats, 1.0) : 0.1;
+      c.color = left ? kRed : kDeepBlue;
+      break;
   }
   if (!lit) {
     c.dimmer = 0;

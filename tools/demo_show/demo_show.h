@@ -1,5 +1,6 @@
-// The show that --demo plays: one minute over the embedded rig, composed from the rig's own tables, so that it follows any
-// change of patch or mode. A pure function of time; it loops without a seam in light, since it begins and ends dark.
+// The show that --demo plays: one minute over the embedded rig, composed from the rig's own tables, so that it follows
+// any change of patch or mode. A pure function of time; it loops without a seam in light, since it begins and ends
+// dark.
 #pragma once
 
 #include <span>
@@ -45,8 +46,8 @@ class DemoShow {
 
   // In use, ascending.
   [[nodiscard]] const std::vector<Universe>& universes() const { return universes_; }
-  // The levels of all universes at t_s, any finite number; the show repeats outside 0 to kShowLength_s. One Slots for each
-  // of universes().
+  // The levels of all universes at t_s, any finite number; the show repeats outside 0 to kShowLength_s. One Slots for
+  // each of universes().
   void look(double t_s, std::span<Slots> levels) const;
   // What look() encodes, for one fixture.
   [[nodiscard]] Cue cue(const Player& player, double t_s) const;

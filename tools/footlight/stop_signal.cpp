@@ -28,7 +28,8 @@ void set_action(void (*handler)(int), int flags) {
 
 }  // namespace
 
-// SA_RESETHAND: the next one has its usual effect. A reader of our output that goes away must not take the show with it.
+// SA_RESETHAND: the next one has its usual effect. A reader of our output that goes away must not take the show with
+// it.
 StopSignal::StopSignal() {
   signal_came.store(false);
   std::signal(SIGPIPE, SIG_IGN);

@@ -51,8 +51,8 @@ typename T::Axis start(const Case& c) {
 template <class T>
 typename T::Axis step(const typename T::Axis& axis, const Case& c, double dt_s) {
   using Real = typename T::Real;
-  return T::step(axis, static_cast<Real>(c.target), static_cast<Real>(c.speed_max), static_cast<Real>(c.acceleration_max),
-                 static_cast<Real>(dt_s));
+  return T::step(axis, static_cast<Real>(c.target), static_cast<Real>(c.speed_max),
+                 static_cast<Real>(c.acceleration_max), static_cast<Real>(dt_s));
 }
 
 // Largest difference in position between one step and the same time in pieces, over `count` random cases.
@@ -118,7 +118,8 @@ TEST_CASE("no step breaks the limits of speed and acceleration") {
     for (int k = 0; k < 1500; ++k) {
       const f64::Axis next = step<Double>(axis, c, kDt);
       speed_over = std::max(speed_over, std::abs(next.speed) - std::max(c.speed_max, std::abs(axis.speed)));
-      acceleration_over = std::max(acceleration_over, std::abs(next.speed - axis.speed) / (kDt * c.acceleration_max) - 1);
+      acceleration_over =
+          std::max(acceleration_over, std::abs(next.speed - axis.speed) / (kDt * c.acceleration_max) - 1);
       // Position and speed belong together: no jump in place.
       const double mean = (next.position - axis.position) / kDt;
       const double reach = c.acceleration_max * kDt + 1e-9;
@@ -134,8 +135,8 @@ TEST_CASE("no step breaks the limits of speed and acceleration") {
   CHECK(acceleration_over < 1e-9);
 }
 
-// A judge of another kind: the control law of the double integrator, applied anew every `h` seconds. Brake when braking is
-// just enough, else push towards the target, never past the speed limit.
+// A judge of another kind: the control law of the double integrator, applied anew every `h` seconds. Brake when braking
+// is just enough, else push towards the target, never past the speed limit.
 f64::Axis by_small_steps(const Case& c, double dt_s, double h) {
   double x = c.position;
   double v = c.speed;

@@ -55,7 +55,8 @@ TEST_CASE("the share agrees with counting over a fine grid of instants") {
       const double p = 0.85 + turns * (i + 0.5) / kInstants;
       open += p - std::floor(p) < 0.3;
     }
-    CHECK(f64::shutter_open_share(0.85, turns, 0.3) == doctest::Approx(static_cast<double>(open) / kInstants).epsilon(1e-4));
+    CHECK(f64::shutter_open_share(0.85, turns, 0.3) ==
+          doctest::Approx(static_cast<double>(open) / kInstants).epsilon(1e-4));
   }
 }
 

@@ -128,8 +128,8 @@ TEST_CASE("few beams at a time point into the main camera") {
     int at_eye = 0;
     for (std::size_t i = 0; i < walker.states.size(); ++i) {
       const auto& state = walker.states[i];
-      const auto pose = walker.beam_pose(compiled->fixtures[i], compiled->types[compiled->fixtures[i].type], state.pan.position,
-                                         state.tilt.position);
+      const auto pose = walker.beam_pose(compiled->fixtures[i], compiled->types[compiled->fixtures[i].type],
+                                         state.pan.position, state.tilt.position);
       const bool inside = glm::dot(glm::normalize(eye - pose.lens_m), pose.axis) > std::cos(state.zoom.position);
       at_eye += inside && state.red + state.green + state.blue > 0.05f;
     }
