@@ -1,18 +1,19 @@
-// The light formulas of render/shaders/shared/beam.h and the tone map of agx.h for C++: footlight::render::f32 in float as on the GPU, f64 in double.
+// The light formulas of render/shaders/shared/beam.h and the tone map of agx.h for C++: footlight::render::f32 in float
+// as on the GPU, f64 in double.
 #pragma once
 
 #include "sim/shared/shared.h"
 
 namespace footlight::render::f32 {
 using namespace ::footlight::f32;
-#include "render/shaders/shared/gauss.h"
-#include "render/shaders/shared/beam.h"
 #include "render/shaders/shared/agx.h"
+#include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/gauss.h"
 }  // namespace footlight::render::f32
 
 namespace footlight::render::f64 {
 using namespace ::footlight::f64;
-#include "render/shaders/shared/gauss.h"
-#include "render/shaders/shared/beam.h"
 #include "render/shaders/shared/agx.h"
+#include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/gauss.h"
 }  // namespace footlight::render::f64

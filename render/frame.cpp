@@ -64,8 +64,8 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   frame->plan_ = plan_frame(compiled.needs, settings);
   for (const PassEntry* entry : kPasses) {
     if (!entry->needed(compiled.needs, settings)) continue;
-    FL_ASSIGN(auto pass, entry->create({device, frame->resources_, frame->settings_,
-                                        entry->constants(compiled.needs, settings)}));
+    FL_ASSIGN(auto pass,
+              entry->create({device, frame->resources_, frame->settings_, entry->constants(compiled.needs, settings)}));
     frame->passes_.push_back(std::move(pass));
   }
   frame->haze_ = rig.haze;
@@ -105,13 +105,14 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
   }
 }
 
-// Each pending step: its levels, its dt, one dispatch. vkCmdUpdateBuffer keeps the bytes in the command buffer, so there is
-// no staging memory that a frame in flight could still be reading.
+// Each pending step: its levels, its dt, one dispatch. vkCmdUpdateBuffer keeps the bytes in the command buffer, so
+// there is no staging memory that a frame in flight could still be reading.
 void Frame::record_steps(VkCommandBuffer commands) {
   for (const PendingStep& pending : pending_) {
     for (VkDeviceSize at = 0; at < pending.levels.size(); at += kUpdateBytesMax) {
       vkCmdUpdateBuffer(commands, resources_.levels.handle, at,
-                        std::min<VkDeviceSize>(kUpdateBytesMax, pending.levels.size() - at), pending.levels.data() + at);
+                        std::min<VkDeviceSize>(kUpdateBytesMax, pending.levels.size() - at),
+                        pending.levels.data() + at);
     }
     const auto dt = static_cast<std::uint64_t>(pending.dt_ns);
     const StepPush push{static_cast<std::uint32_t>(dt), static_cast<std::uint32_t>(dt >> 32), pending.new_exposure};
@@ -241,7 +242,8 @@ Result<std::vector<PassTime>> Frame::read_times() {
                    "vkGetQueryPoolResults"));
   std::vector<PassTime> times;
   for (std::size_t i = 0; i + 1 < ticks.size(); ++i) {
-    times.push_back({plan_[i].name, static_cast<double>(ticks[i + 1] - ticks[i]) * device_.timestamp_period_ns() * 1e-6});
+    times.push_back(
+        {plan_[i].name, static_cast<double>(ticks[i + 1] - ticks[i]) * device_.timestamp_period_ns() * 1e-6});
   }
   return times;
 }

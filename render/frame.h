@@ -52,12 +52,12 @@ class Frame {
   Frame& operator=(const Frame&) = delete;
 
   // Notes one step of dt_ns >= 0 with these levels held (universes x 512 bytes, as CompiledRig::universes orders them).
-  // Steps are carried out in order by the next record(); any number of them may come before a picture. The picture shows
-  // the mean light over the steps since the last one that said new_exposure.
+  // Steps are carried out in order by the next record(); any number of them may come before a picture. The picture
+  // shows the mean light over the steps since the last one that said new_exposure.
   void step(std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure = true);
 
-  // Records the pending steps and the whole picture; the caller submits. Afterwards resources().screen holds the picture
-  // in VK_IMAGE_LAYOUT_GENERAL. Times can be read once the GPU is done with these commands.
+  // Records the pending steps and the whole picture; the caller submits. Afterwards resources().screen holds the
+  // picture in VK_IMAGE_LAYOUT_GENERAL. Times can be read once the GPU is done with these commands.
   void record(VkCommandBuffer commands, const View& view, double exposure_ev);
 
   // Headless: record, submit, wait.

@@ -10,7 +10,8 @@
 
 namespace footlight::render {
 
-// Scene-linear radiance in cd/m^2 per channel, Rec. 709 primaries. Rows from the top, pixels from the left, 3 floats each.
+// Scene-linear radiance in cd/m^2 per channel, Rec. 709 primaries. Rows from the top, pixels from the left, 3 floats
+// each.
 struct RadianceImage {
   int width = 0;
   int height = 0;
@@ -46,8 +47,8 @@ struct View {
 // Air is seen no further than this from the camera.
 inline constexpr double kAirRangeM = 1000.0;
 
-// Light ends this far from its lens: Haze::reach_m, or the diagonal of everything in the rig plus 20 m, 10 m to 200 m. What
-// it cuts off is light in the haze beyond the rig.
+// Light ends this far from its lens: Haze::reach_m, or the diagonal of everything in the rig plus 20 m, 10 m to 200 m.
+// What it cuts off is light in the haze beyond the rig.
 [[nodiscard]] double light_range_m(const fixtures::Rig& rig);
 
 }  // namespace footlight::render

@@ -46,15 +46,15 @@ const std::vector<float>& gobo_texels() {
   return texels;
 }
 
-// Gobo images as one array. A rig without gobos gets a single texel, since the shaders name the binding even where their
-// specialisation never reads it.
+// Gobo images as one array. A rig without gobos gets a single texel, since the shaders name the binding even where
+// their specialisation never reads it.
 Result<vk::Image> make_gobos(vk::Device& device, bool needed) {
   const int count = needed ? fixtures::kGoboCount : 1;
   const int size = needed ? kGoboSizePx : 1;
   const std::vector<float> texels = needed ? gobo_texels() : std::vector<float>{1.0f};
-  FL_ASSIGN(vk::Image image, vk::Image::create(device, static_cast<uint>(size), static_cast<uint>(size), VK_FORMAT_R32_SFLOAT,
-                                               VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
-                                               static_cast<uint>(count)));
+  FL_ASSIGN(vk::Image image,
+            vk::Image::create(device, static_cast<uint>(size), static_cast<uint>(size), VK_FORMAT_R32_SFLOAT,
+                              VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, static_cast<uint>(count)));
   FL_ASSIGN(vk::Buffer staging, vk::Buffer::host_visible(device, texels.size() * sizeof(float), 0));
   std::memcpy(staging.mapped, texels.data(), texels.size() * sizeof(float));
   FL_TRY(device.run_once([&](VkCommandBuffer commands) {
@@ -82,9 +82,8 @@ Status make_bodies(vk::Device& device, const fixtures::CompiledRig& compiled, Re
     }
     const auto count = static_cast<std::uint32_t>(instances.size()) - first_instance;
     if (count == 0) continue;
-    const fixtures::BodyMesh mesh =
-        fixtures::make_body(static_cast<fixtures::BodyModel>(type.body_model),
-                            {type.pivot_drop_m, type.lens_offset_m, type.lens_radius_m});
+    const fixtures::BodyMesh mesh = fixtures::make_body(static_cast<fixtures::BodyModel>(type.body_model),
+                                                        {type.pivot_drop_m, type.lens_offset_m, type.lens_radius_m});
     draws.push_back({static_cast<std::uint32_t>(mesh.indices.size()), count, static_cast<std::uint32_t>(indices.size()),
                      static_cast<std::int32_t>(vertices.size()), first_instance});
     vertices.insert(vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
@@ -115,8 +114,8 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   const auto height = static_cast<std::uint32_t>(settings.height);
   const std::uint32_t size_max = device.limits().maxImageDimension2D;
   if (settings.width < 1 || settings.height < 1 || width > size_max || height > size_max) {
-    return fail(ErrorCode::kBadInput, "picture size {}x{}: expected 1x1 to {}x{} on {}", settings.width, settings.height,
-                size_max, size_max, device.name());
+    return fail(ErrorCode::kBadInput, "picture size {}x{}: expected 1x1 to {}x{} on {}", settings.width,
+                settings.height, size_max, size_max, device.name());
   }
   Resources r;
   FL_ASSIGN(r.bindings, vk::BindingSet::create(device, binding_types(), 16));
@@ -164,7 +163,7 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
     for (const vk::Image* image : {&r.surface_id, &r.depth, &r.radiance, &r.screen}) {
       vk::change_layout(commands, *image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
     }
-    const VkClearColorValue black{};
+    const VkClearColorValue black{{0, 0, 0, 1}};  // opaque: what a picture without a pass shows
     const VkImageSubresourceRange range{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     vkCmdClearColorImage(commands, r.radiance.handle, VK_IMAGE_LAYOUT_GENERAL, &black, 1, &range);
     vkCmdClearColorImage(commands, r.screen.handle, VK_IMAGE_LAYOUT_GENERAL, &black, 1, &range);
@@ -187,8 +186,9 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   r.bindings.set_image(FL_BINDING_SCREEN, r.screen);
   r.bindings.set_image(FL_BINDING_GOBOS, r.gobos, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
 
-  for (const vk::Buffer* buffer : {&r.types, &r.channels, &r.functions, &r.fixtures, &r.boxes, &r.instances, &r.vertices,
-                                   &r.indices, &r.draws, &r.params, &r.levels, &r.states, &r.beams, &r.counts, &r.masks}) {
+  for (const vk::Buffer* buffer :
+       {&r.types, &r.channels, &r.functions, &r.fixtures, &r.boxes, &r.instances, &r.vertices, &r.indices, &r.draws,
+        &r.params, &r.levels, &r.states, &r.beams, &r.counts, &r.masks}) {
     r.total_bytes += buffer->size_bytes;
   }
   for (const vk::Image* image : {&r.gobos, &r.surface_id, &r.depth, &r.radiance, &r.screen}) {

@@ -1,5 +1,5 @@
-// The buffers and images that the passes of a frame share. Made once for a rig and a size; what the rig does not need is
-// not allocated.
+// The buffers and images that the passes of a frame share. Made once for a rig and a size; what the rig does not need
+// is not allocated.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,9 @@ struct Resources {
 
   // Rig tables, written once. Rows of fixtures/shared/tables.h.
   vk::Buffer types, channels, functions, fixtures;
-  vk::Buffer boxes;                               // BoxRow
-  vk::Buffer instances, vertices, indices, draws; // bodies: fixture indices by type; one draw command a type
-  vk::Image gobos;                                // one layer a gobo
+  vk::Buffer boxes;                                // BoxRow
+  vk::Buffer instances, vertices, indices, draws;  // bodies: fixture indices by type; one draw command a type
+  vk::Image gobos;                                 // one layer a gobo
 
   // Per frame.
   vk::Buffer params;  // FrameParams
@@ -43,8 +43,8 @@ struct Resources {
   std::uint64_t total_bytes = 0;  // GPU memory, for the report
 };
 
-// Gobo images: texels a side, and the width of their edges in units of the gate's radius. Edges are three texels wide, so
-// that interpolation between texels follows them.
+// Gobo images: texels a side, and the width of their edges in units of the gate's radius. Edges are three texels wide,
+// so that interpolation between texels follows them.
 inline constexpr int kGoboSizePx = 512;
 inline constexpr double kGoboEdge = 3.0 * 2.0 / kGoboSizePx;
 

@@ -9,17 +9,13 @@ namespace footlight::render {
 
 // Dispatched indirectly: a frame in which nothing is lit does no work here.
 const PassEntry kBeamsPass{
-    "beams",
-    [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures && needs.haze; },
+    "beams", [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures && needs.haze; },
     [](const fixtures::Needs& needs, const FrameSettings& settings) {
-      return std::vector<vk::SpecConstant>{{FL_SPEC_GOBO, needs.gobo},
-                                           {FL_SPEC_EXTINCTION, needs.extinction},
-                                           {FL_SPEC_PROFILE, needs.profile},
-                                           {FL_SPEC_METHOD, static_cast<uint>(settings.method)},
-                                           {FL_SPEC_NODES, settings.nodes},
-                                           {FL_SPEC_GOBO_TAPS, settings.gobo_taps},
-                                           {FL_SPEC_BOXES, needs.surfaces},
-                                           {FL_SPEC_BODIES, has_bodies(needs, settings)}};
+      return std::vector<vk::SpecConstant>{
+          {FL_SPEC_GOBO, needs.gobo},       {FL_SPEC_EXTINCTION, needs.extinction},
+          {FL_SPEC_PROFILE, needs.profile}, {FL_SPEC_METHOD, static_cast<uint>(settings.method)},
+          {FL_SPEC_NODES, settings.nodes},  {FL_SPEC_GOBO_TAPS, settings.gobo_taps},
+          {FL_SPEC_BOXES, needs.surfaces},  {FL_SPEC_BODIES, has_bodies(needs, settings)}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kBeamsComp,

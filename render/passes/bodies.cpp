@@ -58,22 +58,21 @@ class BodiesPass final : public Pass {
 }  // namespace
 
 const PassEntry kBodiesPass{
-    "bodies",
-    [](const fixtures::Needs& needs, const FrameSettings& settings) { return has_bodies(needs, settings); },
+    "bodies", [](const fixtures::Needs& needs, const FrameSettings& settings) { return has_bodies(needs, settings); },
     [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       using fixtures::BodyVertex;
       const Resources& r = context.resources;
-      FL_ASSIGN(vk::Pipeline bodies, vk::Pipeline::raster(
-                                         context.device, r.bindings,
-                                         {kBodyVert,
-                                          kSurfaceFrag,
-                                          r.surface_id.format,
-                                          r.depth.format,
-                                          sizeof(BodyVertex),
-                                          {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, position)},
-                                           {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, normal)},
-                                           {2, 0, VK_FORMAT_R32_UINT, offsetof(BodyVertex, part)}}}));
+      FL_ASSIGN(vk::Pipeline bodies,
+                vk::Pipeline::raster(context.device, r.bindings,
+                                     {kBodyVert,
+                                      kSurfaceFrag,
+                                      r.surface_id.format,
+                                      r.depth.format,
+                                      sizeof(BodyVertex),
+                                      {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, position)},
+                                       {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, normal)},
+                                       {2, 0, VK_FORMAT_R32_UINT, offsetof(BodyVertex, part)}}}));
       return std::unique_ptr<Pass>(new BodiesPass(context, std::move(bodies)));
     },
     "fixture bodies"};

@@ -5,18 +5,17 @@
 
 namespace footlight::render {
 
-const PassEntry kGatherPass{
-    "gather",
-    [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures; },
-    [](const fixtures::Needs& needs, const FrameSettings&) {
-      return std::vector<vk::SpecConstant>{{FL_SPEC_GOBO, needs.gobo}};
-    },
-    [](const PassContext& context) {
-      return make_compute_pass(context, kGatherComp,
-                               [groups = context.resources.fixture_groups](VkCommandBuffer commands) {
-                                 vkCmdDispatch(commands, groups, 1, 1);
-                               });
-    },
-    "beams of any kind"};
+const PassEntry kGatherPass{"gather", [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures; },
+                            [](const fixtures::Needs& needs, const FrameSettings&) {
+                              return std::vector<vk::SpecConstant>{{FL_SPEC_GOBO, needs.gobo}};
+                            },
+                            [](const PassContext& context) {
+                              return make_compute_pass(
+                                  context, kGatherComp,
+                                  [groups = context.resources.fixture_groups](VkCommandBuffer commands) {
+                                    vkCmdDispatch(commands, groups, 1, 1);
+                                  });
+                            },
+                            "beams of any kind"};
 
 }  // namespace footlight::render

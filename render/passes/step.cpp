@@ -6,15 +6,15 @@
 namespace footlight::render {
 
 const PassEntry kStepPass{
-    "step",
-    [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures; },
+    "step", [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures; },
     [](const fixtures::Needs& needs, const FrameSettings&) {
       return std::vector<vk::SpecConstant>{{FL_SPEC_MOTION, needs.motion}, {FL_SPEC_STROBE, needs.strobe}};
     },
     [](const PassContext& context) {
-      return make_compute_pass(context, kStepComp, [groups = context.resources.fixture_groups](VkCommandBuffer commands) {
-        vkCmdDispatch(commands, groups, 1, 1);
-      });
+      return make_compute_pass(context, kStepComp,
+                               [groups = context.resources.fixture_groups](VkCommandBuffer commands) {
+                                 vkCmdDispatch(commands, groups, 1, 1);
+                               });
     },
     "fixtures"};
 

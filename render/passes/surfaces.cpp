@@ -6,8 +6,7 @@
 namespace footlight::render {
 
 const PassEntry kSurfacesPass{
-    "surfaces",
-    [](const fixtures::Needs& needs, const FrameSettings& settings) { return has_solids(needs, settings); },
+    "surfaces", [](const fixtures::Needs& needs, const FrameSettings& settings) { return has_solids(needs, settings); },
     [](const fixtures::Needs& needs, const FrameSettings& settings) {
       return std::vector<vk::SpecConstant>{{FL_SPEC_GOBO, needs.gobo},
                                            {FL_SPEC_EXTINCTION, needs.extinction},
@@ -17,10 +16,8 @@ const PassEntry kSurfacesPass{
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kSurfacesComp,
-                               [x = tile_groups(context.settings.width),
-                                y = tile_groups(context.settings.height)](VkCommandBuffer commands) {
-                                 vkCmdDispatch(commands, x, y, 1);
-                               });
+                               [x = tile_groups(context.settings.width), y = tile_groups(context.settings.height)](
+                                   VkCommandBuffer commands) { vkCmdDispatch(commands, x, y, 1); });
     },
     "light on floor, walls and fixtures"};
 

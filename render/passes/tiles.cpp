@@ -7,18 +7,18 @@
 
 namespace footlight::render {
 
-const PassEntry kTilesPass{
-    "tiles",
-    [](const fixtures::Needs& needs, const FrameSettings& settings) {
-      return needs.fixtures && (needs.haze || has_solids(needs, settings));
-    },
-    [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
-    [](const PassContext& context) {
-      return make_compute_pass(context, kTilesComp,
-                               [counts = context.resources.counts.handle](VkCommandBuffer commands) {
-                                 vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, tiles_groups));
-                               });
-    },
-    "beams on surfaces and in haze"};
+const PassEntry kTilesPass{"tiles",
+                           [](const fixtures::Needs& needs, const FrameSettings& settings) {
+                             return needs.fixtures && (needs.haze || has_solids(needs, settings));
+                           },
+                           [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
+                           [](const PassContext& context) {
+                             return make_compute_pass(
+                                 context, kTilesComp,
+                                 [counts = context.resources.counts.handle](VkCommandBuffer commands) {
+                                   vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, tiles_groups));
+                                 });
+                           },
+                           "beams on surfaces and in haze"};
 
 }  // namespace footlight::render

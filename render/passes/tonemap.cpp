@@ -13,10 +13,8 @@ const PassEntry kTonemapPass{
     [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
     [](const PassContext& context) {
       return make_compute_pass(context, kTonemapComp,
-                               [x = tile_groups(context.settings.width),
-                                y = tile_groups(context.settings.height)](VkCommandBuffer commands) {
-                                 vkCmdDispatch(commands, x, y, 1);
-                               });
+                               [x = tile_groups(context.settings.width), y = tile_groups(context.settings.height)](
+                                   VkCommandBuffer commands) { vkCmdDispatch(commands, x, y, 1); });
     },
     "anything to see"};
 

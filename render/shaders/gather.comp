@@ -1,6 +1,6 @@
 #version 460
-// Compacts the lit fixtures into beam rows, in patch order: each group finds its place from the counts of those before it.
-// The last group writes the totals and the indirect arguments of the passes that follow.
+// Compacts the lit fixtures into beam rows, in patch order: each group finds its place from the counts of those before
+// it. The last group writes the totals and the indirect arguments of the passes that follow.
 #extension GL_GOOGLE_include_directive : require
 #define FL_USE_BEAMS
 #define FL_BEAMS_ACCESS writeonly
@@ -43,7 +43,8 @@ void main() {
   if (lit) atomicOr(live_bits[lane >> 5], 1u << (lane & 31u));
   barrier();
 
-  uint rank = bitCount(live_bits[lane >> 5] & ((1u << (lane & 31u)) - 1u)) + (lane >= 32u ? bitCount(live_bits[0]) : 0u);
+  uint before_in_word = live_bits[lane >> 5] & ((1u << (lane & 31u)) - 1u);
+  uint rank = uint(bitCount(before_in_word)) + (lane >= 32u ? uint(bitCount(live_bits[0])) : 0u);
   if (lit) {
     FixtureRow row = fixtures[index];
     TypeRow type = types[row.type];

@@ -1,5 +1,6 @@
 #version 460
-// One thread a fixture: raw levels -> what is asked -> motors, shutter, phases after dt. Counts the lit ones of its group.
+// One thread a fixture: raw levels -> what is asked -> motors, shutter, phases after dt. Counts the lit ones of its
+// group.
 #extension GL_GOOGLE_include_directive : require
 #define FL_USE_COUNTS
 #define FL_COUNTS_ACCESS

@@ -1,6 +1,7 @@
 #version 460
-// Light on solid things, and how far away they are (alpha of the radiance image, for the beams that follow): albedo / pi times the illuminance of every beam that reaches the pixel's surface, dimmed by the
-// haze between it and the eye. Lenses shine by themselves.
+// Light on solid things, and how far away they are (alpha of the radiance image, for the beams that follow): albedo /
+// pi times the illuminance of every beam that reaches the pixel's surface, dimmed by the haze between it and the eye.
+// Lenses shine by themselves.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -75,8 +76,8 @@ const uint kPartLens = 3u;
 const float kBodyAlbedo = 0.04;
 const float kLensScatter = 2e-4;
 
-// What the lens of a fixture sends towards the eye, cd/m^2: the beam's own intensity over the lens area where the eye is
-// inside the beam, and a little scattered light everywhere.
+// What the lens of a fixture sends towards the eye, cd/m^2: the beam's own intensity over the lens area where the eye
+// is inside the beam, and a little scattered light everywhere.
 vec3 lens_radiance(uint index, vec3 unit_ray, vec3 normal) {
   TypeRow type = types[fixtures[index].type];
   FixtureState state = states[index];
@@ -86,7 +87,8 @@ vec3 lens_radiance(uint index, vec3 unit_ray, vec3 normal) {
   if (!(facing > 0.0)) return vec3(0.0);
   float spread = max(tan(state.zoom.position), 1e-3);
   float rho = sqrt(max(1.0 - facing * facing, 0.0)) / (facing * spread);
-  float intensity = beam_profile(rho * rho, type.profile_m) / (beam_flux_factor(spread, type.profile_m) * spread * spread);
+  float flux_factor = beam_flux_factor(spread, type.profile_m);
+  float intensity = beam_profile(rho * rho, type.profile_m) / (flux_factor * spread * spread);
   return flux_lm * (intensity / (area_m2 * facing) + kLensScatter / (kPi * area_m2));
 }
 

@@ -1,6 +1,6 @@
 #version 460
-// For each supertile of 64 x 64 pixels one bit a live beam: can it touch the supertile? Bits keep the patch order, so the
-// passes that walk them sum in a fixed order, and no list can overflow.
+// For each supertile of 64 x 64 pixels one bit a live beam: can it touch the supertile? Bits keep the patch order, so
+// the passes that walk them sum in a fixed order, and no list can overflow.
 #extension GL_GOOGLE_include_directive : require
 #define FL_USE_BEAMS
 #define FL_BEAMS_ACCESS readonly
@@ -23,7 +23,8 @@ void main() {
   uint supertile = gl_WorkGroupID.y;
   if (lane < uint(FL_GROUP_MASK) / 32u) bits[lane] = 0u;
   barrier();
-  vec2 low = vec2(float(supertile % params.supertiles_x), float(supertile / params.supertiles_x)) * float(FL_SUPERTILE_PX);
+  uvec2 cell = uvec2(supertile % params.supertiles_x, supertile / params.supertiles_x);
+  vec2 low = vec2(cell * uint(FL_SUPERTILE_PX));
   vec2 high = min(low + float(FL_SUPERTILE_PX), vec2(float(params.width), float(params.height)));
   if (beam < counts.live_count && beam_touches(beams[beam], low, high)) atomicOr(bits[lane >> 5], 1u << (lane & 31u));
   barrier();

@@ -1,8 +1,8 @@
 // A Vulkan 1.3 device: instance, physical device, one queue that can draw and compute, and what every call needs.
 //
 // Knows no word of DMX. Owns everything it makes; buffers and images made from it must die before it. Not safe to share
-// between threads. Validation: with Options::validation, or FOOTLIGHT_VALIDATION=1 in the environment, the Khronos layer
-// is on and every warning or error is kept in validation_messages(); tests require that none is.
+// between threads. Validation: with Options::validation, or FOOTLIGHT_VALIDATION=1 in the environment, the Khronos
+// layer is on and every warning or error is kept in validation_messages(); tests require that none is.
 #pragma once
 
 #include <memory>

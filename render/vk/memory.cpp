@@ -34,8 +34,7 @@ Result<Buffer> Buffer::device_local(Device& device, VkDeviceSize size_bytes, VkB
 Result<Buffer> Buffer::host_visible(Device& device, VkDeviceSize size_bytes, VkBufferUsageFlags usage) {
   constexpr VkMemoryPropertyFlags kCoherent =
       VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-  FL_ASSIGN(Buffer buffer,
-            make(device, size_bytes, usage, kCoherent | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, kCoherent));
+  FL_ASSIGN(Buffer buffer, make(device, size_bytes, usage, kCoherent | VK_MEMORY_PROPERTY_HOST_CACHED_BIT, kCoherent));
   FL_TRY(check(vkMapMemory(device.handle, buffer.memory_, 0, VK_WHOLE_SIZE, 0, &buffer.mapped), "vkMapMemory"));
   return buffer;
 }

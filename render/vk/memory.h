@@ -1,5 +1,5 @@
-// Buffers and images with their memory. Move-only owners; the device must outlive them, and the GPU must be done with them
-// when they die.
+// Buffers and images with their memory. Move-only owners; the device must outlive them, and the GPU must be done with
+// them when they die.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,8 @@ class Buffer {
   // Mapped, cached where possible: for read-back and staging.
   [[nodiscard]] static Result<Buffer> host_visible(Device& device, VkDeviceSize size_bytes, VkBufferUsageFlags usage);
   // device_local() filled with `bytes`; at least 16 bytes long, so that an empty table is a valid binding.
-  [[nodiscard]] static Result<Buffer> filled(Device& device, std::span<const std::byte> bytes, VkBufferUsageFlags usage);
+  [[nodiscard]] static Result<Buffer> filled(Device& device, std::span<const std::byte> bytes,
+                                             VkBufferUsageFlags usage);
   ~Buffer();
   Buffer(Buffer&& other) noexcept { swap(other); }
   Buffer& operator=(Buffer&& other) noexcept {

@@ -63,7 +63,8 @@ Result<BindingSet> BindingSet::create(Device& device, std::span<const VkDescript
   pipeline_layout.pSetLayouts = &set.set_layout_;
   pipeline_layout.pushConstantRangeCount = push_bytes > 0 ? 1 : 0;
   pipeline_layout.pPushConstantRanges = &push;
-  FL_TRY(check(vkCreatePipelineLayout(device.handle, &pipeline_layout, nullptr, &set.layout), "vkCreatePipelineLayout"));
+  FL_TRY(
+      check(vkCreatePipelineLayout(device.handle, &pipeline_layout, nullptr, &set.layout), "vkCreatePipelineLayout"));
   return set;
 }
 
@@ -193,8 +194,7 @@ Result<Pipeline> Pipeline::raster(Device& device, const BindingSet& bindings, co
   Pipeline pipeline;
   pipeline.device_ = &device;
   pipeline.point_ = VK_PIPELINE_BIND_POINT_GRAPHICS;
-  const VkResult result =
-      vkCreateGraphicsPipelines(device.handle, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline.handle);
+  const VkResult result = vkCreateGraphicsPipelines(device.handle, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline.handle);
   vkDestroyShaderModule(device.handle, vertex, nullptr);
   vkDestroyShaderModule(device.handle, fragment, nullptr);
   FL_TRY(check(result, "vkCreateGraphicsPipelines"));

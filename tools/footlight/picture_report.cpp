@@ -36,8 +36,9 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
   if (options.judge) {
     fixtures::f64::Walker walker(scene.compiled);
     walker.step(scene.levels, 0);
-    const JudgeScene judge = judge_scene(
-        scene.rig, walker, [](int gobo, double x, double y) { return fixtures::gobo_transmission(gobo, x, y, kGoboEdge); });
+    const JudgeScene judge = judge_scene(scene.rig, walker, [](int gobo, double x, double y) {
+      return fixtures::gobo_transmission(gobo, x, y, kGoboEdge);
+    });
     const auto start = std::chrono::steady_clock::now();
     judged = judge_image(judge, view, options.judge_width, options.judge_height);
     report.judge_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -81,7 +82,7 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
       row.ms_p90 = percentile(times_ms, 0.9);
       row.bytes = static_cast<std::int64_t>(frame->resources().total_bytes);
       if (method == defaults.method && nodes == defaults.nodes && gobo_taps == defaults.gobo_taps) {
-          report.passes.clear();
+        report.passes.clear();
         for (std::size_t p = 0; p < pass_ms.size(); ++p) {
           report.passes.push_back({frame->plan()[p].name, percentile(pass_ms[p], 0.5)});
         }
@@ -108,7 +109,8 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
   for (const std::uint32_t nodes : options.gauss_nodes) FL_TRY(run("gauss", BeamMethod::kGauss, nodes));
   for (const std::uint32_t steps : options.march_steps) FL_TRY(run("march", BeamMethod::kMarch, steps));
   if (scene.compiled.needs.gobo) {
-    for (const std::uint32_t taps : options.gobo_taps) FL_TRY(run("gobo taps", BeamMethod::kGauss, defaults.nodes, taps));
+    for (const std::uint32_t taps : options.gobo_taps)
+      FL_TRY(run("gobo taps", BeamMethod::kGauss, defaults.nodes, taps));
   }
   report.validation_messages = device.validation_messages();
   return report;

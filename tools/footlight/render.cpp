@@ -20,13 +20,14 @@ struct Options {
   std::string size = "1280x720";
   std::string camera;
   std::string device;
-  DurationNs at_ns = -1;      // -1: not given
+  DurationNs at_ns = -1;  // -1: not given
   DurationNs every_ns = -1;
   DurationNs from_ns = 0;
   DurationNs until_ns = -1;
   DurationNs exposure_ns = -1;
   double exposure_ev = 1000;  // over 100: the camera's own
   int nodes = 3;
+  int gobo_taps = 64;
   bool json = false;
 };
 
@@ -47,9 +48,11 @@ Status check_options(const Options& options) {
     return fail(ErrorCode::kBadInput, "--every {}: expected 1 ms or more", show_duration(options.every_ns));
   }
   if (many && !is_video(options.out) && !is_numbered(options.out)) {
-    return fail(ErrorCode::kBadInput,
-                "{}: with --every, expected a place for the picture's number, as in frame_%04d.png, or a name that ends "
-                "in .mp4", options.out);
+    return fail(
+        ErrorCode::kBadInput,
+        "{}: with --every, expected a place for the picture's number, as in frame_%04d.png, or a name that ends "
+        "in .mp4",
+        options.out);
   }
   if (!many && is_video(options.out)) {
     return fail(ErrorCode::kBadInput, "{}: a video needs --every, as in --every 40ms", options.out);
@@ -83,8 +86,10 @@ class Job {
       FL_ASSIGN(const auto counts, frame_.read_counts());
       double gpu_ms = 0;
       for (const auto& time : times) gpu_ms += time.gpu_ms;
-      fmt::print(R"({{"event":"picture","number":{},"time_ns":{},"gpu_ms":{:.3f},"wall_ms":{:.3f},"live":{},"dark":{}}})"
-                 "\n", number_, at_ns, gpu_ms, wall_ms, counts.live_count, counts.dark_count);
+      fmt::print(
+          R"({{"event":"picture","number":{},"time_ns":{},"gpu_ms":{:.3f},"wall_ms":{:.3f},"live":{},"dark":{}}})"
+          "\n",
+          number_, at_ns, gpu_ms, wall_ms, counts.live_count, counts.dark_count);
     }
     ++number_;
     return {};
@@ -131,6 +136,7 @@ Result<int> render_pictures(const Options& options) {
   settings.width = size.width;
   settings.height = size.height;
   settings.nodes = static_cast<std::uint32_t>(options.nodes);
+  settings.gobo_taps = static_cast<std::uint32_t>(options.gobo_taps);
   FL_ASSIGN(const auto frame, render::Frame::create(*device, rig, compiled, settings));
   if (!timeline && frame->resources().levels_bytes > 0) {
     // No log: every level is 0.
@@ -173,7 +179,9 @@ void add(Arguments& arguments) {
   arguments.option("--ev", options->exposure_ev, -20, 1000, "exposure value at ISO 100, up to 30; the camera's own");
   arguments.option("--size", options->size, "WxH", "of the picture in pixels");
   arguments.option("--camera", options->camera, "NAME", "a camera of the rig; its first one");
-  arguments.option("--nodes", options->nodes, 1, 8, "Gauss nodes a beam and pixel: error and time, see footlight report");
+  arguments.option("--nodes", options->nodes, 1, 8,
+                   "Gauss nodes a beam and pixel: error and time, see footlight report");
+  arguments.option("--gobo-taps", options->gobo_taps, 1, 1024, "looks at the gobo a beam and pixel: error and time");
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this");
   arguments.flag("--json", options->json, "one JSON object a picture");
   arguments.job([options]() -> Result<int> { return render_pictures(*options); });

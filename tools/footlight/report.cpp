@@ -48,8 +48,8 @@ std::string with_suffix(const std::string& path, const std::string& suffix) {
   return path.substr(0, dot) + "-" + suffix + path.substr(dot);
 }
 
-// The scene as the log has it at a time. Motors stand where the levels send them, so that GPU and judge start from the same
-// state without a history.
+// The scene as the log has it at a time. Motors stand where the levels send them, so that GPU and judge start from the
+// same state without a history.
 Result<Scene> scene_of_files(const SceneFiles& files, DurationNs at_ns, const std::string& camera) {
   Scene scene;
   FL_ASSIGN(scene.rig, load_scene_rig(files));
@@ -88,8 +88,8 @@ Status report_pictures(const Options& options) {
   }
   SceneFiles files = options.files;
   if (files.rig.empty()) files.demo = true;
-  FL_ASSIGN(const Scene scene, options.beams > 0 ? make_beams_scene(options.beams)
-                                                 : scene_of_files(files, options.at_ns, options.camera));
+  FL_ASSIGN(const Scene scene,
+            options.beams > 0 ? make_beams_scene(options.beams) : scene_of_files(files, options.at_ns, options.camera));
   FL_ASSIGN(const PictureSize size, parse_size(options.size));
   FL_ASSIGN(const PictureSize judge_size, parse_size(options.judge_size));
   FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = options.device}));
@@ -115,14 +115,16 @@ Status report_pictures(const Options& options) {
     if (options.no_judge) {
       fmt::print("Not judged.\n\n");
     } else {
-      fmt::print("Errors: {}x{} of the same view against adaptive quadrature in double, whose own error is {:.1e} "
-                 "(it took {:.1f} s).\n\n", judge_size.width, judge_size.height, report.judge_own_rel_l2,
-                 report.judge_seconds);
+      fmt::print(
+          "Errors: {}x{} of the same view against adaptive quadrature in double, whose own error is {:.1e} "
+          "(it took {:.1f} s).\n\n",
+          judge_size.width, judge_size.height, report.judge_own_rel_l2, report.judge_seconds);
     }
     fmt::print("{}\n", render::table_of(report.rows));
     for (const auto& row : report.rows) {
       if (row.ms_p10 > 0 && row.ms_p90 / row.ms_p10 > 1.15) {
-        fmt::print("unstable: {} {} varies by {:.2f} between p10 and p90\n", row.method, row.knob, row.ms_p90 / row.ms_p10);
+        fmt::print("unstable: {} {} varies by {:.2f} between p10 and p90\n", row.method, row.knob,
+                   row.ms_p90 / row.ms_p10);
       }
     }
     if (!options.no_judge) {
@@ -138,7 +140,8 @@ Status report_pictures(const Options& options) {
   if (!options.csv.empty()) FL_TRY(write_text(options.csv, render::csv_of(report.rows)));
   if (!options.svg.empty()) {
     FL_TRY(write_text(options.svg, render::svg_plot({scene.name + ": beams", report.device, "GPU time a frame, ms",
-                                                     "relative L2 error"}, curves)));
+                                                     "relative L2 error"},
+                                                    curves)));
   }
   return {};
 }
@@ -168,7 +171,8 @@ Status report_time(const Options& options) {
     }
     FL_TRY(write_text(with_suffix(options.svg, "time"),
                       render::svg_plot({"axis: 540 degrees of pan, stiffness 20 /s, 60 fps", "one CPU core",
-                                        "time a step, ns", "largest error over the range"}, render::curves_of(axis))));
+                                        "time a step, ns", "largest error over the range"},
+                                       render::curves_of(axis))));
   }
   return {};
 }

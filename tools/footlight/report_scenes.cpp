@@ -42,11 +42,11 @@ FixtureType beam_type(double lens_radius_m) {
   type.manufacturer = "Footlight";
   type.name = "Report beam";
   type.id = fmt::format("report/beam-{:.0f}mm", lens_radius_m * 1000);
-  type.modes.push_back({"6 slots",
-                        kSlots,
-                        {channel(0, 2, kParamZoom, 0.5 * kDegree, 26 * kDegree), channel(2, 1, kParamDimmer, 0, 1),
-                         channel(3, 1, kParamRed, 0, 1), channel(4, 1, kParamGreen, 0, 1),
-                         channel(5, 1, kParamBlue, 0, 1)}});
+  type.modes.push_back(
+      {"6 slots",
+       kSlots,
+       {channel(0, 2, kParamZoom, 0.5 * kDegree, 26 * kDegree), channel(2, 1, kParamDimmer, 0, 1),
+        channel(3, 1, kParamRed, 0, 1), channel(4, 1, kParamGreen, 0, 1), channel(5, 1, kParamBlue, 0, 1)}});
   type.dimmer_square = false;
   type.flux_lm = 10'000;
   type.lens_radius_m = lens_radius_m;
@@ -93,8 +93,7 @@ Result<Scene> make_beams_scene(int count) {
                             random.uniform() < 0.5 ? 0.0 : random.between(0, 20)};
     const glm::dvec3 d = glm::normalize(target - fixture.position_m);
     const double across = std::hypot(d.x, d.y);
-    fixture.rotation_deg =
-        glm::dvec3(std::atan2(across, -d.z), 0, across > 0 ? std::atan2(-d.x, d.y) : 0.0) / kDegree;
+    fixture.rotation_deg = glm::dvec3(std::atan2(across, -d.z), 0, across > 0 ? std::atan2(-d.x, d.y) : 0.0) / kDegree;
     rig.fixtures.push_back(fixture);
     colors.emplace_back(random.uniform(), random.uniform(), random.uniform());
   }
@@ -103,7 +102,8 @@ Result<Scene> make_beams_scene(int count) {
   for (int i = 0; i < count; ++i) {
     const auto index = static_cast<std::size_t>(i);
     const PatchedFixture& fixture = rig.fixtures[index];
-    const std::span<std::uint8_t> slots(&scene.levels[std::size_t(fixture.universe - 1) * kSlotCountMax], kSlotCountMax);
+    const std::span<std::uint8_t> slots(&scene.levels[std::size_t(fixture.universe - 1) * kSlotCountMax],
+                                        kSlotCountMax);
     encode_param(rig, fixture, kParamZoom, half_angles_rad[index], slots);
     encode_param(rig, fixture, kParamDimmer, 1, slots);
     encode_param(rig, fixture, kParamRed, colors[index].x, slots);

@@ -46,8 +46,8 @@ Result<PictureSize> parse_size(const std::string& text) {
       return size;
     }
   }
-  return fail(ErrorCode::kBadInput, "size '{}': expected width x height from 1x1 to {}x{}, as in 1280x720", text, kSizeMax,
-              kSizeMax);
+  return fail(ErrorCode::kBadInput, "size '{}': expected width x height from 1x1 to {}x{}, as in 1280x720", text,
+              kSizeMax, kSizeMax);
 }
 
 Result<fixtures::Camera> find_camera(const fixtures::Rig& rig, const std::string& name) {

@@ -48,7 +48,8 @@ class AvVideoFile final : public VideoFile {
     if (codec == nullptr) {
       return fail(ErrorCode::kUnsupported,
                   "{}: the installed libavcodec has no H.264 and no MPEG-4 encoder; write pictures instead, "
-                  "-o frame_%04d.png", path_);
+                  "-o frame_%04d.png",
+                  path_);
     }
     stream_ = avformat_new_stream(format_, nullptr);
     codec_ = avcodec_alloc_context3(codec);
@@ -80,8 +81,8 @@ class AvVideoFile final : public VideoFile {
     frame_->height = height;
     FL_TRY(av_check(av_frame_get_buffer(frame_, 0), path_, "allocating a picture"));
     packet_ = av_packet_alloc();
-    scaler_ = sws_getContext(width, height, AV_PIX_FMT_RGBA, width, height, codec_->pix_fmt, SWS_BICUBIC, nullptr, nullptr,
-                             nullptr);
+    scaler_ = sws_getContext(width, height, AV_PIX_FMT_RGBA, width, height, codec_->pix_fmt, SWS_BICUBIC, nullptr,
+                             nullptr, nullptr);
     const int* bt709 = sws_getCoefficients(SWS_CS_ITU709);
     sws_setColorspaceDetails(scaler_, bt709, 1, bt709, 0, 0, 1 << 16, 1 << 16);
     return {};
@@ -122,7 +123,7 @@ class AvVideoFile final : public VideoFile {
   std::string path_;
   std::string part_;
   AVFormatContext* format_ = nullptr;
-  AVStream* stream_ = nullptr;      // owned by format_
+  AVStream* stream_ = nullptr;  // owned by format_
   AVCodecContext* codec_ = nullptr;
   AVFrame* frame_ = nullptr;
   AVPacket* packet_ = nullptr;

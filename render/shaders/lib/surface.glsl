@@ -1,7 +1,7 @@
 // What solid thing a ray meets, and how far away: stage boxes by cutting the ray with them, fixture bodies from the
 // visibility buffer. Boxes are not drawn, since the plane of a face is exact where interpolated depth is not (hardware
-// snaps corners to 1/256 of a pixel, centimetres on a floor seen from far away), and since fragment work is slow on some
-// GPUs: two boxes over 3840 x 2160 take 3.3 ms to draw on an H200.
+// snaps corners to 1/256 of a pixel, centimetres on a floor seen from far away), and since fragment work is slow on
+// some GPUs: two boxes over 3840 x 2160 take 3.3 ms to draw on an H200.
 layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
 layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
 layout(set = 0, binding = FL_BINDING_SURFACE_ID, rg32ui) uniform readonly uimage2D surface_id;

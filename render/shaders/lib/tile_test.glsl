@@ -1,6 +1,7 @@
-// Whether a beam can touch any pixel of a rectangle of the picture. Conservative: never says no when a pixel is touched.
-// Two tests: the beam's line in the gobo plane passes the disc by for all four corners (convex in the direction, so for
-// all pixels between them); or the whole truncated cone lies outside one side of the rectangle's pyramid.
+// Whether a beam can touch any pixel of a rectangle of the picture. Conservative: never says no when a pixel is
+// touched. Two tests: the beam's line in the gobo plane passes the disc by for all four corners (convex in the
+// direction, so for all pixels between them); or the whole truncated cone lies outside one side of the rectangle's
+// pyramid.
 
 BeamShape beam_shape(BeamRow row) {
   BeamShape beam;
@@ -11,7 +12,9 @@ BeamShape beam_shape(BeamRow row) {
   return beam;
 }
 
-vec3 to_light(BeamRow row, vec3 v) { return vec3(dot(row.x_axis.xyz, v), dot(row.y_axis.xyz, v), dot(row.axis.xyz, v)); }
+vec3 to_light(BeamRow row, vec3 v) {
+  return vec3(dot(row.x_axis.xyz, v), dot(row.y_axis.xyz, v), dot(row.axis.xyz, v));
+}
 
 // Largest n . (p - eye) over the two end discs of the beam, for a plane normal n in light space.
 float beam_extent(BeamShape beam, vec3 eye, vec3 n) {

@@ -5,19 +5,20 @@
 //     FL_WALK_BEGIN(base, index) ... beams[index] ... FL_WALK_END
 //   }
 //
-// tile_walk() puts 256 beams of the supertile's mask to the test of the including pass, bool tile_touches(BeamRow), shared
-// out among the threads. All threads of the group must call it together; it returns the same for all.
+// tile_walk() puts 256 beams of the supertile's mask to the test of the including pass, bool tile_touches(BeamRow),
+// shared out among the threads. All threads of the group must call it together; it returns the same for all.
 //
-// A thread has FL_ROWS pixels, one below the other, so that a beam's row is read once for all of them: on an H200 10,000
-// beams at 3840 x 2160 take 45 ms with one pixel a thread, 41 ms with four (3 nodes).
-// The including pass declares its workgroup as FL_TILE_PX x FL_TILE_PX / FL_ROWS.
+// A thread has FL_ROWS pixels, one below the other, so that a beam's row is read once for all of them: on an H200
+// 10,000 beams at 3840 x 2160 take 45 ms with one pixel a thread, 41 ms with four (3 nodes). The including pass
+// declares its workgroup as FL_TILE_PX x FL_TILE_PX / FL_ROWS.
 #define FL_ROWS 4
 #define FL_WALK_BEAMS 256u
 shared uint walk_bits[8];
 
 // Pixel number i of this thread, 0 to FL_ROWS - 1.
 ivec2 tile_pixel(int i) {
-  return ivec2(gl_WorkGroupID.xy * uint(FL_TILE_PX)) + ivec2(gl_LocalInvocationID.xy) + ivec2(0, i * (FL_TILE_PX / FL_ROWS));
+  return ivec2(gl_WorkGroupID.xy * uint(FL_TILE_PX)) + ivec2(gl_LocalInvocationID.xy) +
+         ivec2(0, i * (FL_TILE_PX / FL_ROWS));
 }
 bool in_picture(ivec2 pixel) { return pixel.x < int(params.width) && pixel.y < int(params.height); }
 

@@ -1,5 +1,5 @@
-// From exposed linear light to the screen: AgX (Troy Sobotka), with the 6th-order fit of its curve that Benjamin Wrensch
-// published for GLSL (2023), then a little more contrast and saturation, as stage colours want.
+// From exposed linear light to the screen: AgX (Troy Sobotka), with the 6th-order fit of its curve that Benjamin
+// Wrensch published for GLSL (2023), then a little more contrast and saturation, as stage colours want.
 
 FL_CONST Real kAgxEvMin = Real(-12.47393);
 FL_CONST Real kAgxEvMax = Real(4.026069);
@@ -16,7 +16,8 @@ FL_FN Real agx_curve(Real linear_value) {
   return pow(max(y, Real(0)), kAgxContrast);
 }
 
-// color: linear Rec. 709, 1.0 = the exposure's brightest. Returns display values 0 to 1, encoded (gamma 2.2, near sRGB).
+// color: linear Rec. 709, 1.0 = the exposure's brightest. Returns display values 0 to 1, encoded (gamma 2.2, near
+// sRGB).
 FL_FN Vec3 agx(Vec3 color) {
   Vec3 inset = Vec3(
       Real(0.842479062253094) * color.x + Real(0.0784335999999992) * color.y + Real(0.0792237451477643) * color.z,

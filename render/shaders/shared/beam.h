@@ -1,13 +1,14 @@
 // Light in one beam: the shape of a stage beam, what it puts on a surface and what haze in it sends to the eye.
 //
-// Light space of a beam: the lens centre at 0, the axis along +z, metres. The beam's radius is w(z) = R0 + k z, with R0 the
-// lens radius and k the tangent of the half angle; rho = (x, y) / w in the unit disc is the gobo plane. Illuminance across
-// the light is E(p) = J0 f(rho) / (w^2 (1 + k^2 rho^2)), with the profile f = 1 - |rho|^(2m). J0 is in candela-like units
-// (lm): the flux is J0 times the integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc.
+// Light space of a beam: the lens centre at 0, the axis along +z, metres. The beam's radius is w(z) = R0 + k z, with R0
+// the lens radius and k the tangent of the half angle; rho = (x, y) / w in the unit disc is the gobo plane. Illuminance
+// across the light is E(p) = J0 f(rho) / (w^2 (1 + k^2 rho^2)), with the profile f = 1 - |rho|^(2m). J0 is in
+// candela-like units (lm): the flux is J0 times the integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc.
 //
-// A camera ray o + t d maps to a straight line in the gobo plane, and dt / w^2 = ds / |V| with constant V, so the integral
-// along the ray becomes one over s of a smooth function, which a few Gauss nodes give (the projective beam integral). The
-// form (tb - ta) / (wa wb) x mean over s has no singularity: not at the lens, not along the axis, not for a cylinder.
+// A camera ray o + t d maps to a straight line in the gobo plane, and dt / w^2 = ds / |V| with constant V, so the
+// integral along the ray becomes one over s of a smooth function, which a few Gauss nodes give (the projective beam
+// integral). The form (tb - ta) / (wa wb) x mean over s has no singularity: not at the lens, not along the axis, not
+// for a cylinder.
 //
 // Error and cost of each method: docs/numerics.md, printed by `footlight report`. Range: half angles up to 75 degrees.
 // The including file provides Real gobo_at(uint gobo, Vec2 rho) where gobos are used, and defines FL_GOBO.
@@ -97,8 +98,8 @@ FL_FN Real chord_t(Chord chord, Real s) {
   return ds * chord.w_base * chord.w_base / denominator;
 }
 
-// o, d: camera and unit ray direction in light space; t_min_m..t_max_m: the visible part of the ray. False: dark. Returns
-// early where it can: on a GPU whole groups of pixels miss together. Comparisons stand so that NaN is dark.
+// o, d: camera and unit ray direction in light space; t_min_m..t_max_m: the visible part of the ray. False: dark.
+// Returns early where it can: on a GPU whole groups of pixels miss together. Comparisons stand so that NaN is dark.
 FL_FN bool beam_chord(BeamShape beam, Vec3 o, Vec3 d, Real t_min_m, Real t_max_m, FL_OUT(Chord) chord) {
   // The slab 0 <= z <= range.
   Real inverse = Real(1) / (abs(d.z) > Real(1e-12) ? d.z : Real(1e-12));
@@ -146,7 +147,8 @@ FL_FN Real chord_integrand(BeamShape beam, Medium medium, Chord chord, Vec3 d, R
   Real q = chord.offset * chord.offset + s * s;
   Real u = Real(1) + beam.spread * beam.spread * q;
   Real root = inversesqrt(u);
-  Real across = s * (chord.along.x * d.x + chord.along.y * d.y) + chord.offset * (chord.along.y * d.x - chord.along.x * d.y);
+  Real across =
+      s * (chord.along.x * d.x + chord.along.y * d.y) + chord.offset * (chord.along.y * d.x - chord.along.x * d.y);
   Real mu = (beam.spread * across + d.z) * root;
   Real value = beam_profile(q, beam.profile_m) * root * root * phase_function(mu, medium.anisotropy);
   if (with_extinction) {
@@ -159,8 +161,8 @@ FL_FN Real chord_integrand(BeamShape beam, Medium medium, Chord chord, Vec3 d, R
 // The measure of the chord: integral of dt / w^2 over it.
 FL_FN Real chord_measure(Chord chord) { return (chord.t_to_m - chord.t_from_m) / (chord.w_from * chord.w_to); }
 
-// Where a share x in [0, 1] of the chord's measure lies. The measure is even in s, so s is linear in x; t follows from the
-// ends alone, without a singularity where s hardly changes (along the axis, through the apex).
+// Where a share x in [0, 1] of the chord's measure lies. The measure is even in s, so s is linear in x; t follows from
+// the ends alone, without a singularity where s hardly changes (along the axis, through the apex).
 FL_FN void chord_point(Chord chord, Real x, FL_OUT(Real) s, FL_OUT(Real) t_m) {
   s = chord.s_from + x * (chord.s_to - chord.s_from);
   t_m = chord.t_from_m +
@@ -211,27 +213,29 @@ FL_FN Real chord_inscatter_march_gobo(BeamShape beam, Medium medium, Chord chord
     Real t_m = chord.t_from_m + (Real(i) + Real(0.5)) * h;
     Real w = chord.w_base + t_m * chord.w_slope;
     Real s = chord.s_base + chord.v_length * t_m / (chord.w_base * w);
-    total += chord_integrand(beam, medium, chord, d, s, t_m, with_extinction) * gobo_at(gobo, gobo_position(chord, s, turn)) /
-             (w * w);
+    Real through = gobo_at(gobo, gobo_position(chord, s, turn));
+    total += chord_integrand(beam, medium, chord, d, s, t_m, with_extinction) * through / (w * w);
   }
   return total * h;
 }
 
 // With a gobo: n midpoints in s, each with a look at the gobo.
-FL_FN Real chord_inscatter_gobo(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction, uint gobo,
-                                Vec2 turn) {
+FL_FN Real chord_inscatter_gobo(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction,
+                                uint gobo, Vec2 turn) {
   Real total = Real(0);
   for (uint i = uint(0); i < n; ++i) {
     Real s;
     Real t_m;
     chord_point(chord, (Real(i) + Real(0.5)) / Real(n), s, t_m);
-    total += chord_integrand(beam, medium, chord, d, s, t_m, with_extinction) * gobo_at(gobo, gobo_position(chord, s, turn));
+    Real through = gobo_at(gobo, gobo_position(chord, s, turn));
+    total += chord_integrand(beam, medium, chord, d, s, t_m, with_extinction) * through;
   }
   return total / Real(n) * chord_measure(chord);
 }
 #endif
 
-// A cheap first look at one ray: true only where it misses the beam by more than rounding. A dozen operations, no division.
+// A cheap first look at one ray: true only where it misses the beam by more than rounding. A dozen operations, no
+// division.
 FL_FN bool beam_misses(BeamShape beam, Vec3 o, Vec3 d) {
   Real w = beam.lens_radius_m + beam.spread * o.z;
   Real slope = beam.spread * d.z;
@@ -242,8 +246,8 @@ FL_FN bool beam_misses(BeamShape beam, Vec3 o, Vec3 d) {
 }
 
 // Whether the ray of direction d (any length) can miss the beam's disc in the gobo plane: the line passes it by when
-// |N| > |V|, with N and V linear in d. Convex in d, so that a convex set of directions misses when all its corners do, on
-// one side. Returns N - |V| for side = +1 and -N - |V| for side = -1: positive means a miss.
+// |N| > |V|, with N and V linear in d. Convex in d, so that a convex set of directions misses when all its corners do,
+// on one side. Returns N - |V| for side = +1 and -N - |V| for side = -1: positive means a miss.
 FL_FN Real beam_miss(BeamShape beam, Vec3 o, Vec3 d, Real side) {
   Real w = beam.lens_radius_m + beam.spread * o.z;
   Real vx = d.x * w - o.x * beam.spread * d.z;

@@ -92,4 +92,5 @@ struct BoxRow {
   vec4 albedo;  // linear
 };
 
-// The visibility buffer of fixture bodies, two words a pixel: packed normal; 0 for nothing, else 1 + (fixture << 3 | part).
+// The visibility buffer of fixture bodies, two words a pixel: packed normal; 0 for nothing, else 1 + (fixture << 3 |
+// part).
