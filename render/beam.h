@@ -4,16 +4,18 @@
 
 #include "sim/shared/shared.h"
 
+// clang-format off: gauss.h has to come before beam.h
 namespace footlight::render::f32 {
 using namespace ::footlight::f32;
-#include "render/shaders/shared/agx.h"
-#include "render/shaders/shared/beam.h"
 #include "render/shaders/shared/gauss.h"
+#include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/agx.h"
 }  // namespace footlight::render::f32
 
 namespace footlight::render::f64 {
 using namespace ::footlight::f64;
-#include "render/shaders/shared/agx.h"
-#include "render/shaders/shared/beam.h"
 #include "render/shaders/shared/gauss.h"
+#include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/agx.h"
 }  // namespace footlight::render::f64
+// clang-format on
