@@ -70,16 +70,16 @@ void forget(vk::Device& device, Frame& frame) {
   }));
 }
 
-// What a step of 0 s gives has no arithmetic that a compiler could contract or reorder on lavapipe; other drivers may round
-// mix() otherwise, by 2^-23 of the larger end, and the largest end is 270 degrees.
+// What a step of 0 s gives has no arithmetic that a compiler could contract or reorder on lavapipe; other drivers may
+// round mix() otherwise, by 2^-23 of the larger end, and the largest end is 270 degrees.
 constexpr double kDecodeMax = 1e-6;
 // To double: tables hold floats, 2^-24 of 4.7 rad, and mix() rounds twice.
 constexpr double kDecodeJudgeMax = 2e-6;
-// Motors, over 400 steps: measured 1.6e-6 rad and 5.0e-6 rad/s to the walker in float on lavapipe, where one float in 60 is
-// not equal to the bit (the driver's square root and quotients), 4.2e-6 rad and 1.2e-5 rad/s to double. Errors do not add
-// up for long, since every arrival is exact; four times the measured ones are allowed.
-constexpr double kMotionMax = 1.7e-5;       // rad
-constexpr double kMotionSpeedMax = 5e-5;    // rad/s
+// Motors, over 400 steps: measured 1.6e-6 rad and 5.0e-6 rad/s to the walker in float on lavapipe, where one in 60
+// floats is not equal to the bit (the driver's square root and quotients), 4.2e-6 rad and 1.2e-5 rad/s to double.
+// Errors do not add up for long, since every arrival is exact; four times the measured ones are allowed.
+constexpr double kMotionMax = 1.7e-5;     // rad
+constexpr double kMotionSpeedMax = 5e-5;  // rad/s
 
 TEST_CASE("random levels give the states of the walker, over the demo rig and every built-in mode") {
   const HeadlessVulkan vulkan;
@@ -156,8 +156,8 @@ TEST_CASE("motors, strobes and gobos follow the walker over steps of every lengt
     CHECK(to_float.phases == 0);
     CHECK(to_double.position_rad <= kMotionMax);
     CHECK(to_double.speed_rad_s <= kMotionSpeedMax);
-    // Light and phases are not compared to double: a float holds the fraction of a strobe's hertz to 6e-8, so that after an
-    // hour the two can differ in whether the shutter is open. tests/sim/shared/ states how far.
+    // Light and phases are not compared to double: a float holds the fraction of a strobe's hertz to 6e-8, so that
+    // after an hour the two can differ in whether the shutter is open.
   }
 }
 

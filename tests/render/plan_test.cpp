@@ -41,7 +41,7 @@ void check_left_out(const Needs& needs, const FrameSettings& settings) {
   for (const std::string& name : kAll) {
     const bool in_plan = std::count(planned.begin(), planned.end(), name) == 1;
     const bool out = std::count_if(left_out.begin(), left_out.end(),
-                                   [&](const LeftOutPass& pass) { return pass.name == name && !pass.gives.empty(); }) == 1;
+                                   [&](const LeftOutPass& p) { return p.name == name && !p.gives.empty(); }) == 1;
     CHECK_MESSAGE(in_plan != out, name);
   }
   CHECK(planned.size() + left_out.size() == kAll.size());
@@ -56,7 +56,11 @@ TEST_CASE("the demo rig needs every pass, with every branch") {
                     {"bodies", {}},
                     {"tiles", {}},
                     {"surfaces",
-                     {{FL_SPEC_GOBO, 1}, {FL_SPEC_EXTINCTION, 1}, {FL_SPEC_PROFILE, 1}, {FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1}}},
+                     {{FL_SPEC_GOBO, 1},
+                      {FL_SPEC_EXTINCTION, 1},
+                      {FL_SPEC_PROFILE, 1},
+                      {FL_SPEC_BOXES, 1},
+                      {FL_SPEC_BODIES, 1}}},
                     {"beams",
                      {{FL_SPEC_GOBO, 1},
                       {FL_SPEC_EXTINCTION, 1},
@@ -93,13 +97,15 @@ TEST_CASE("each need that goes takes its branches or its passes with it") {
     std::vector<std::string> lost;  // passes
     std::uint32_t constant;         // that turns 0 where it is; FL_SPEC_COUNT: none
   };
-  for (const Case& c : {Case{"motion", &Needs::motion, {}, FL_SPEC_MOTION}, Case{"strobe", &Needs::strobe, {}, FL_SPEC_STROBE},
+  for (const Case& c : {Case{"motion", &Needs::motion, {}, FL_SPEC_MOTION},
+                        Case{"strobe", &Needs::strobe, {}, FL_SPEC_STROBE},
                         Case{"gobo", &Needs::gobo, {}, FL_SPEC_GOBO},
                         Case{"extinction", &Needs::extinction, {}, FL_SPEC_EXTINCTION},
                         Case{"profile", &Needs::profile, {}, FL_SPEC_PROFILE},
                         Case{"surfaces", &Needs::surfaces, {}, FL_SPEC_BOXES},
                         Case{"haze", &Needs::haze, {"beams"}, FL_SPEC_COUNT},
-                        Case{"fixtures", &Needs::fixtures, {"step", "gather", "bodies", "tiles", "beams"}, FL_SPEC_BODIES}}) {
+                        Case{"fixtures", &Needs::fixtures, {"step", "gather", "bodies", "tiles", "beams"},
+                             FL_SPEC_BODIES}}) {
     CAPTURE(c.what);
     Needs needs = demo_needs();
     needs.*c.need = false;
@@ -122,7 +128,8 @@ TEST_CASE("without boxes and bodies only light in the air is left") {
   needs.surfaces = false;
   FrameSettings settings;
   settings.bodies = false;
-  CHECK(names_of(plan_frame(needs, settings)) == std::vector<std::string>{"step", "gather", "tiles", "beams", "tonemap"});
+  CHECK(names_of(plan_frame(needs, settings)) ==
+        std::vector<std::string>{"step", "gather", "tiles", "beams", "tonemap"});
   needs.haze = false;  // and without haze nothing can be seen
   CHECK(names_of(plan_frame(needs, settings)) == std::vector<std::string>{"step", "gather", "tonemap"});
   check_left_out(needs, settings);
@@ -162,7 +169,8 @@ TEST_CASE("the needs of a rig follow from its fixtures and its haze") {
   CHECK(pars->needs.strobe);
   CHECK(!pars->needs.gobo);
   CHECK(pars->needs.profile);
-  CHECK(constants_of(plan_frame(pars->needs, {}), "step") == std::vector<SpecConstant>{{FL_SPEC_MOTION, 0}, {FL_SPEC_STROBE, 1}});
+  CHECK(constants_of(plan_frame(pars->needs, {}), "step") ==
+        std::vector<SpecConstant>{{FL_SPEC_MOTION, 0}, {FL_SPEC_STROBE, 1}});
   rig.haze.scattering_per_m = 0;
   rig.haze.absorption_per_m = 0;
   rig.boxes.clear();

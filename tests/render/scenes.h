@@ -51,10 +51,10 @@ struct Scene {
 [[nodiscard]] Scene demo_scene(std::uint64_t seed, bool with_gobos);
 // One fixture of each mode of each built-in type.
 [[nodiscard]] Scene all_modes_scene();
-// `count` fixed lamps over a stage without boxes, all lit in white or colour. Their channels: dimmer, red, green, blue and
-// zoom, of which some are pencils of 0.1 degrees, some cylinders, some washes of 60 degrees.
+// `count` fixed lamps over a stage without boxes, all lit in colour. Their channels: dimmer, red, green, blue and zoom,
+// of which some are pencils of 0.1 degrees, some cylinders, some washes of 60 degrees.
 [[nodiscard]] Scene lamps_scene(std::uint64_t seed, int count);
-inline constexpr int kLampDimmerSlot = 0;  // of a lamp's five: set to 0 it is dark
+inline constexpr int kLampDimmerSlot = 0;  // from a lamp's address: set to 0 it is dark
 // Sets the dimmer of every lamp.
 void dim_lamps(Scene& scene, const std::vector<bool>& lit);
 

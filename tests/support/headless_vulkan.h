@@ -5,7 +5,7 @@
 //   auto frame = Frame::create(vulkan.device(), ...);
 //
 // When it goes out of scope, every message of the validation layer since then is a failure of the test. Frames must die
-// before it, so declare it first. FOOTLIGHT_TEST_DEVICE chooses a device by a part of its name; otherwise tests run on the
+// before it, so declare it first. FOOTLIGHT_TEST_DEVICE chooses a device by a part of its name; else tests run on the
 // software renderer lavapipe, whose name contains "llvmpipe", and without it on the best device there is.
 #pragma once
 

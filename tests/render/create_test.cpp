@@ -1,0 +1,152 @@
+// What cannot be made says why, and what is nothing is a black picture.
+#include <cstdlib>
+#include <optional>
+#include <string>
+
+#include "tests/render/scenes.h"
+#include "tests/support/headless_vulkan.h"
+
+namespace footlight::render {
+namespace {
+
+using namespace render::testing;
+using footlight::testing::HeadlessVulkan;
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// Sets an environment variable and puts it back.
+class WithVariable {
+ public:
+  WithVariable(const char* name, const char* value) : name_(name) {
+    if (const char* before = std::getenv(name); before != nullptr) before_ = before;
+    setenv(name, value, 1);
+  }
+  ~WithVariable() {
+    if (before_) {
+      setenv(name_, before_->c_str(), 1);
+    } else {
+      unsetenv(name_);
+    }
+  }
+  WithVariable(const WithVariable&) = delete;
+  WithVariable& operator=(const WithVariable&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> before_;
+};
+
+TEST_CASE("without a driver the message names the package that brings one") {
+  const WithVariable icd("VK_ICD_FILENAMES", "/nonexistent/no_driver.json");
+  const WithVariable drivers("VK_DRIVER_FILES", "/nonexistent/no_driver.json");
+  const auto device = vk::Device::create({});
+  REQUIRE(!device);
+  CHECK(device.error().code == ErrorCode::kUnsupported);
+  CHECK(contains(device.error().message, "apt-get install mesa-vulkan-drivers"));
+}
+
+TEST_CASE("a device name that nothing has gives the names that there are") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const auto device = vk::Device::create({.name_contains = "no such GPU"});
+  REQUIRE(!device);
+  CHECK(device.error().code == ErrorCode::kUnsupported);
+  CHECK(contains(device.error().message, "no such GPU"));
+  CHECK(contains(device.error().message, vulkan.device().name()));
+}
+
+TEST_CASE("a device can be chosen by a part of its name") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const std::string part = vulkan.device().name().substr(1, 4);
+  const auto device = vk::Device::create({.validation = true, .name_contains = part});
+  REQUIRE(device);
+  CHECK(contains((*device)->name(), part));
+  CHECK((*device)->validation_messages().empty());
+}
+
+TEST_CASE("sizes that no picture has are refused with what is allowed") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = lamps_scene(40, 1);
+  const int too_large = static_cast<int>(vulkan.device().limits().maxImageDimension2D) + 1;
+  for (const auto& [width, height] : {std::pair(0, 10), std::pair(10, 0), std::pair(-5, 10), std::pair(too_large, 10),
+                                      std::pair(10, too_large)}) {
+    const auto frame = Frame::create(vulkan.device(), scene.rig, scene.compiled, judged_settings(width, height));
+    REQUIRE(!frame);
+    CHECK(frame.error().code == ErrorCode::kBadInput);
+    CHECK(contains(frame.error().message, std::to_string(width) + "x" + std::to_string(height)));
+    CHECK(contains(frame.error().message, std::to_string(too_large - 1)));
+  }
+}
+
+TEST_CASE("node counts without a rule are refused, steps of a march are not") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = lamps_scene(41, 1);
+  FrameSettings settings = judged_settings(8, 8);
+  for (const std::uint32_t nodes : {0u, 9u, 1000u}) {
+    settings.nodes = nodes;
+    const auto frame = Frame::create(vulkan.device(), scene.rig, scene.compiled, settings);
+    REQUIRE(!frame);
+    CHECK(frame.error().code == ErrorCode::kBadInput);
+    CHECK(contains(frame.error().message, std::to_string(nodes)));
+    CHECK(contains(frame.error().message, "1 to 8"));
+  }
+  settings.nodes = 1;
+  CHECK(Frame::create(vulkan.device(), scene.rig, scene.compiled, settings));
+  settings.nodes = 1000;
+  settings.method = BeamMethod::kMarch;
+  CHECK(Frame::create(vulkan.device(), scene.rig, scene.compiled, settings));
+  settings.nodes = 0;
+  CHECK(!Frame::create(vulkan.device(), scene.rig, scene.compiled, settings));
+}
+
+TEST_CASE("an empty rig gives a black picture without a pass") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene;
+  scene.rig.cameras.emplace_back();
+  scene.compile();
+  const auto frame = make_frame(vulkan.device(), scene, judged_settings(20, 10));
+  CHECK(frame->plan().empty());
+  CHECK(draw(*frame, scene).rgb == std::vector<float>(20 * 10 * 3, 0.0f));
+  must(frame->run_steps());
+  CHECK(must(frame->read_states()).empty());
+  CHECK(must(frame->read_beams()).empty());
+  std::vector<std::uint8_t> black(20 * 10 * 4, 0);
+  for (std::size_t i = 3; i < black.size(); i += 4) black[i] = 255;
+  CHECK(must(frame->read_screen()).rgba == black);
+}
+
+TEST_CASE("a frame that was never stepped is dark") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = lamps_scene(42, 70);
+  const auto frame = make_frame(vulkan.device(), scene, judged_settings(20, 10));
+  must(frame->draw(view_of(scene.camera), 4));
+  CHECK(must(frame->read_counts()).live_count == 0);
+  CHECK(must(frame->read_radiance()).rgb == std::vector<float>(20 * 10 * 3, 0.0f));
+}
+
+TEST_CASE("a picture tells the time of each of its passes, in order") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = demo_scene(43, true);
+  FrameSettings settings;
+  settings.width = 64;
+  settings.height = 36;
+  const auto frame = make_frame(vulkan.device(), scene, settings);
+  CHECK(must(frame->read_times()).empty());  // nothing recorded
+  (void)draw(*frame, scene);
+  const auto times = must(frame->read_times());
+  REQUIRE(times.size() == frame->plan().size());
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    CHECK(times[i].name == frame->plan()[i].name);
+    CHECK(times[i].gpu_ms >= 0);
+    CHECK(times[i].gpu_ms < 60'000);
+  }
+}
+
+}  // namespace
+}  // namespace footlight::render

@@ -1,0 +1,109 @@
+// The light of a picture is the mean over its exposure, however the exposure is cut into steps.
+#include <cmath>
+#include <cstdio>
+
+#include "fixtures/encode.h"
+#include "fixtures/walker.h"
+#include "render/reference/norms.h"
+#include "tests/render/scenes.h"
+#include "tests/support/headless_vulkan.h"
+
+namespace footlight::render {
+namespace {
+
+using namespace render::testing;
+using footlight::testing::HeadlessVulkan;
+
+// Share of from_ns to from_ns + dt_ns during which a shutter is open that opens at 0 s, by looking.
+double open_share(double rate_hz, double duty, std::int64_t from_ns, std::int64_t dt_ns) {
+  constexpr int kLooks = 20'000;
+  int open = 0;
+  for (int i = 0; i < kLooks; ++i) {
+    const double at_ns = static_cast<double>(from_ns) + (i + 0.5) / kLooks * static_cast<double>(dt_ns);
+    const double turns = rate_hz * 1e-9 * at_ns;
+    open += turns - std::floor(turns) < duty;
+  }
+  return static_cast<double>(open) / kLooks;
+}
+
+TEST_CASE("a picture over 20 ms of two looks is the mean of the pictures of both, by their time") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene first = lamps_scene(30, 20);
+  Scene second = first;
+  for (std::size_t i = 0; i < second.rig.fixtures.size(); ++i) {
+    second.set(i, fixtures::kParamDimmer, i % 3 == 0 ? 0.0 : 0.4);
+  }
+  const View view = view_of(first.camera);
+  const auto frame = make_frame(vulkan.device(), first, judged_settings(40, 24));
+  const RadianceImage a = draw(*frame, first);
+  const RadianceImage b = draw(*frame, second);
+  frame->step(first.levels, 5 * kMs, true);
+  frame->step(second.levels, 9 * kMs, false);
+  frame->step(second.levels, 6 * kMs, false);
+  must(frame->draw(view, 0));
+  const RadianceImage mean = must(frame->read_radiance());
+  std::vector<double> expected;
+  for (std::size_t i = 0; i < a.rgb.size(); ++i) {
+    expected.push_back(0.25 * static_cast<double>(a.rgb[i]) + 0.75 * static_cast<double>(b.rgb[i]));
+  }
+  const PictureNorms norms = picture_norms(mean.rgb, expected);
+  std::fprintf(stderr, "mean over two looks: max %.3g\n", norms.max);
+  CHECK(norms.max < 5e-6);
+  // A picture without a new step shows the same light; a new exposure forgets it.
+  must(frame->draw(view, 0));
+  CHECK(must(frame->read_radiance()).rgb == mean.rgb);
+  frame->step(second.levels, 3 * kMs, true);
+  must(frame->draw(view, 0));
+  CHECK(must(frame->read_radiance()).rgb == b.rgb);
+}
+
+TEST_CASE("pictures over 20 ms of a strobe at 12 Hz have the share of light that looking often finds, in any cut") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = all_modes_scene();
+  std::size_t par = 0;
+  while (scene.rig.types[static_cast<std::size_t>(scene.rig.fixtures[par].type)].id != "generic/par") ++par;
+  scene.set(par, fixtures::kParamDimmer, 1);
+  scene.set(par, fixtures::kParamStrobeHz, 12);
+  fixtures::f64::Walker walker(scene.compiled);
+  walker.levels = scene.levels;
+  const fixtures::FixtureRow& row = scene.compiled.fixtures[par];
+  const fixtures::TypeRow& type = scene.compiled.types[row.type];
+  const double rate_hz = walker.decode_fixture(type, row.slot_first).value[fixtures::kParamStrobeHz];
+  REQUIRE(std::abs(rate_hz - 12) < 0.1);  // as near as 8 bits come
+
+  const auto whole = make_frame(vulkan.device(), scene, judged_settings(8, 8));
+  const auto pieces = make_frame(vulkan.device(), scene, judged_settings(8, 8));
+  constexpr std::int64_t kExposureNs = 20 * kMs;
+  double worst = 0;
+  double worst_cut = 0;
+  double darkest = 1;
+  double brightest = 0;
+  for (std::int64_t picture = 0; picture < 50; ++picture) {
+    whole->step(scene.levels, kExposureNs, true);
+    pieces->step(scene.levels, 7 * kMs, true);
+    pieces->step(scene.levels, 1, false);
+    pieces->step(scene.levels, 0, false);
+    pieces->step(scene.levels, 13 * kMs - 1, false);
+    must(whole->run_steps());
+    must(pieces->run_steps());
+    const auto a = must(whole->read_states())[par];
+    const auto b = must(pieces->read_states())[par];
+    const double expected =
+        open_share(rate_hz, static_cast<double>(type.strobe_duty), picture * kExposureNs, kExposureNs);
+    worst = std::max(worst, std::abs(static_cast<double>(a.red) - expected));
+    worst_cut = std::max(worst_cut, std::abs(static_cast<double>(a.red) - static_cast<double>(b.red)));
+    darkest = std::min(darkest, expected);
+    brightest = std::max(brightest, expected);
+    CHECK(a.strobe_phase == b.strobe_phase);  // to the bit: turns are integers
+  }
+  std::fprintf(stderr, "strobe: %.3g from looking, %.3g between cuts\n", worst, worst_cut);
+  CHECK(darkest < 0.1);  // the case has open, closed and half open pictures
+  CHECK(brightest > 0.9);
+  CHECK(worst < 2e-4);   // 20,000 looks see an edge to 5e-5, and there are up to two
+  CHECK(worst_cut < 5e-6);
+}
+
+}  // namespace
+}  // namespace footlight::render

@@ -1,0 +1,217 @@
+// The levels of a log over time, and the files that pictures go to.
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "tests/sim/dmx_log/support.h"
+#include "tools/footlight/picture_file.h"
+#include "tools/footlight/timeline.h"
+
+namespace footlight::tools {
+namespace {
+
+using footlight::testing::OwnedFrame;
+using footlight::testing::Random;
+using footlight::testing::TempFolder;
+
+constexpr DurationNs kMs = 1'000'000;
+
+// A rig that listens to universes 2 and 5.
+fixtures::CompiledRig rig_of_two() {
+  fixtures::CompiledRig compiled;
+  compiled.universes = {2, 5};
+  return compiled;
+}
+
+OwnedFrame frame_of(DurationNs time_ns, Universe universe, std::uint8_t level) {
+  OwnedFrame frame;
+  frame.time_ns = time_ns;
+  frame.universe = universe;
+  frame.slots.assign(512, level);
+  return frame;
+}
+
+Timeline timeline_of(const std::vector<OwnedFrame>& frames, DurationNs end_ns) {
+  return Timeline(testing::open_log(testing::log_bytes(frames, end_ns)), rig_of_two());
+}
+
+// What the steps said, levels as long as they were held: pieces of equal levels that touch are one.
+struct Held {
+  std::vector<std::uint8_t> levels;
+  DurationNs held_ns = 0;
+  bool operator==(const Held&) const = default;
+};
+
+struct Story {
+  std::vector<Held> held;
+  DurationNs total_ns = 0;
+  DurationNs exposed_ns = 0;  // since the last step that began an exposure
+  int steps = 0;
+  int exposures = 0;
+  int backward = 0;
+
+  Timeline::Step hear() {
+    return [this](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+      ++steps;
+      exposures += new_exposure;
+      backward += dt_ns < 0;
+      total_ns += dt_ns;
+      exposed_ns = new_exposure ? dt_ns : exposed_ns + dt_ns;
+      std::vector<std::uint8_t> now(levels.begin(), levels.end());
+      if (held.empty() || held.back().levels != now) {
+        if (dt_ns > 0) held.push_back({std::move(now), dt_ns});
+      } else {
+        held.back().held_ns += dt_ns;
+      }
+    };
+  }
+};
+
+TEST_CASE("levels are held from the moment they came, and universes that the rig lacks cut nothing") {
+  Timeline timeline = timeline_of({frame_of(0, 2, 10), frame_of(5 * kMs, 3, 99), frame_of(10 * kMs, 5, 20),
+                                   frame_of(10 * kMs, 2, 11), frame_of(12 * kMs, 2, 11), frame_of(30 * kMs, 2, 12)},
+                                  50 * kMs);
+  Story story;
+  REQUIRE(timeline.advance(40 * kMs, 0, story.hear()));
+  CHECK(timeline.now_ns() == 40 * kMs);
+  CHECK(timeline.duration_ns() == 50 * kMs);
+  REQUIRE(story.held.size() == 3);
+  CHECK(story.held[0].held_ns == 10 * kMs);
+  CHECK(story.held[0].levels[0] == 10);
+  CHECK(story.held[0].levels[511] == 10);
+  CHECK(story.held[0].levels[512] == 0);  // universe 5 has not been heard
+  CHECK(story.held[1].held_ns == 20 * kMs);
+  CHECK(story.held[1].levels[0] == 11);
+  CHECK(story.held[1].levels[512] == 20);
+  CHECK(story.held[2].held_ns == 10 * kMs);
+  CHECK(story.held[2].levels[0] == 12);
+}
+
+TEST_CASE("one long advance and many short ones hold the same levels for the same times") {
+  // Random traffic over universes 1, 8, 15, ..., moved to those of the rig and one that it does not know.
+  std::vector<OwnedFrame> frames = testing::random_frames(3, 400, 3);
+  for (OwnedFrame& frame : frames) frame.universe = frame.universe == 1 ? 2 : frame.universe == 8 ? 5 : 9;
+  const DurationNs end_ns = frames.back().time_ns + 7 * kMs;
+  Story whole;
+  Timeline in_one_go = timeline_of(frames, end_ns);
+  REQUIRE(in_one_go.advance(end_ns, 0, whole.hear()));
+  CHECK(whole.total_ns == end_ns);
+  CHECK(whole.held.size() > 100);
+
+  Random random(4);
+  for (const DurationNs longest_ns : {1 * kMs, 20 * kMs, 400 * kMs}) {
+    CAPTURE(longest_ns);
+    Story pieces;
+    Timeline timeline = timeline_of(frames, end_ns);
+    DurationNs at_ns = 0;
+    while (at_ns < end_ns) {
+      at_ns = std::min(at_ns + static_cast<DurationNs>(random.below(static_cast<std::uint64_t>(longest_ns))), end_ns);
+      REQUIRE(timeline.advance(at_ns, static_cast<DurationNs>(random.below(30'000'000)), pieces.hear()));
+      REQUIRE(timeline.now_ns() == at_ns);
+    }
+    CHECK(pieces.backward == 0);
+    CHECK(pieces.total_ns == end_ns);
+    CHECK(pieces.held == whole.held);
+  }
+}
+
+TEST_CASE("the last part of an advance is one exposure of the length asked for") {
+  std::vector<OwnedFrame> frames;
+  for (int i = 0; i < 100; ++i) frames.push_back(frame_of(i * 3 * kMs, 2, static_cast<std::uint8_t>(i)));
+  Timeline timeline = timeline_of(frames, 300 * kMs);
+  for (const DurationNs at_ns : {100 * kMs, 140 * kMs, 180 * kMs, 299 * kMs}) {
+    Story story;
+    REQUIRE(timeline.advance(at_ns, 20 * kMs, story.hear()));
+    CHECK(story.exposed_ns == 20 * kMs);
+    CHECK(story.exposures == 2);  // one before the shutter opens, one of the picture
+  }
+  // An exposure longer than the advance is all of it.
+  Story story;
+  REQUIRE(timeline.advance(305 * kMs, 20 * kMs, story.hear()));
+  CHECK(story.exposed_ns == 6 * kMs);
+  CHECK(story.exposures == 1);
+}
+
+TEST_CASE("past the end of the log the last look is held") {
+  Timeline timeline = timeline_of({frame_of(0, 2, 7), frame_of(10 * kMs, 2, 200)}, 20 * kMs);
+  Story story;
+  REQUIRE(timeline.advance(3'600'000 * kMs, 0, story.hear()));
+  REQUIRE(timeline.advance(7'200'000 * kMs, 40 * kMs, story.hear()));
+  CHECK(timeline.now_ns() == 7'200'000 * kMs);
+  REQUIRE(story.held.size() == 2);
+  CHECK(story.held[1].levels[0] == 200);
+  CHECK(story.held[1].held_ns == 7'199'990 * kMs);
+}
+
+TEST_CASE("a picture at the very beginning has one step of no length with the levels of time 0") {
+  Timeline timeline = timeline_of({frame_of(0, 2, 7), frame_of(10 * kMs, 2, 200)}, 20 * kMs);
+  std::vector<std::uint8_t> first_levels;
+  int steps = 0;
+  REQUIRE(timeline.advance(0, 20 * kMs, [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool) {
+    ++steps;
+    CHECK(dt_ns == 0);
+    first_levels.assign(levels.begin(), levels.end());
+  }));
+  CHECK(steps == 1);
+  REQUIRE(first_levels.size() == 1024);
+  CHECK(first_levels[0] == 7);
+}
+
+TEST_CASE("a log without a frame for the rig holds darkness for as long as it is asked to") {
+  Timeline timeline = timeline_of({frame_of(5 * kMs, 77, 255)}, 20 * kMs);
+  Story story;
+  REQUIRE(timeline.advance(20 * kMs, 0, story.hear()));
+  REQUIRE(story.held.size() == 1);
+  CHECK(story.held[0].held_ns == 20 * kMs);
+  CHECK(std::all_of(story.held[0].levels.begin(), story.held[0].levels.end(), [](auto level) { return level == 0; }));
+}
+
+TEST_CASE("a picture's number goes into its one place, padded as asked") {
+  CHECK(is_numbered("frame_%04d.png"));
+  CHECK(is_numbered("%d"));
+  CHECK(*numbered_path("frame_%04d.png", 7) == "frame_0007.png");
+  CHECK(*numbered_path("frame_%04d.png", 123456) == "frame_123456.png");
+  CHECK(*numbered_path("out/%d.png", 12) == "out/12.png");
+  CHECK(*numbered_path("%3d", 5) == "005");  // a name with spaces would be nobody's wish
+}
+
+TEST_CASE("a name without exactly one place for the number is refused by its name") {
+  for (const char* path : {"frame.png", "frame_%d_%d.png", "100%.png", "%s.png", "%04", "%", "", "%x%d"}) {
+    CAPTURE(path);
+    CHECK(!is_numbered(path));
+    const auto numbered = numbered_path(path, 1);
+    REQUIRE(!numbered);
+    CHECK(numbered.error().code == ErrorCode::kBadInput);
+    CHECK(numbered.error().message.find(std::string(path) + ": ") == 0);
+    CHECK(numbered.error().message.find("frame_%04d.png") != std::string::npos);
+  }
+}
+
+TEST_CASE("a PNG into a folder that is not there is an error that names the file; nothing is left behind") {
+  const TempFolder folder;
+  const render::ScreenImage image{2, 1, {255, 0, 0, 255, 0, 255, 0, 255}};
+  const std::string path = folder.file("missing/frame.png");
+  const Status status = write_png(path, image);
+  REQUIRE(!status);
+  CHECK(status.error().code == ErrorCode::kIo);
+  CHECK(status.error().message.find(path) == 0);
+  CHECK(status.error().message.find("folder") != std::string::npos);
+
+  const std::string good = folder.file("frame.png");
+  REQUIRE(write_png(good, image));
+  const auto bytes = testing::read_bytes(good);
+  REQUIRE(bytes.size() > 8);
+  CHECK(std::string(bytes.begin() + 1, bytes.begin() + 4) == "PNG");
+  CHECK(!std::filesystem::exists(good + ".part"));
+  // In place of a folder it cannot go; what was there stays.
+  std::filesystem::create_directory(folder.file("taken.png"));
+  const Status taken = write_png(folder.file("taken.png"), image);
+  REQUIRE(!taken);
+  CHECK(std::filesystem::is_directory(folder.file("taken.png")));
+}
+
+}  // namespace
+}  // namespace footlight::tools
