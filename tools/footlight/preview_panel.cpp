@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,9 @@ namespace {
 constexpr double kRelL2OfNodes[] = {4.3e-1, 1.0e-3, 2.9e-4, 3.3e-5, 3.3e-5, 9.9e-6, 9.9e-6, 9.9e-6};
 // 'footlight report --demo --pictures', at 30 s, 3 and more nodes: what the edges of gobos leave.
 constexpr double kRelL2Gobos = 4.7e-2;
+
+// Going back in a log replays it from its start, so in a long one the picture follows the slider when it is let go.
+constexpr double kFollowSliderMaxS = 120;
 
 constexpr double kDegree = std::numbers::pi / 180;
 const ImVec4 kAmber{0.95f, 0.66f, 0.25f, 1};
@@ -45,9 +49,14 @@ void row(const char* word, const std::string& figure) {
 }
 
 void heading(const char* word) {
-  ImGui::Dummy({0, 2});
+  ImGui::Dummy({0, 1});
   ImGui::Separator();
   text(kAmber, word);
+}
+
+// Three digits or so.
+std::string ms_text(double ms) {
+  return ms < 10 ? fmt::format("{:.2f} ms", ms) : ms < 100 ? fmt::format("{:.1f} ms", ms) : fmt::format("{:.0f} ms", ms);
 }
 
 // A pass: its name, a bar of its share of the longest, its time.
@@ -63,24 +72,23 @@ void pass_bar(const render::PassTime& pass, double longest_ms) {
   const float bottom = at.y + line * 0.76f;
   draw->AddRectFilled({left, top}, {right, bottom}, IM_COL32(32, 34, 40, 255), 2);
   draw->AddRectFilled({left, top}, {std::max(end, left + 2), bottom}, IM_COL32(226, 158, 66, 255), 2);
-  row(pass.name.c_str(), fmt::format("{:.2f} ms", pass.gpu_ms));
+  row(pass.name.c_str(), ms_text(pass.gpu_ms));
 }
 
 void draw_cost(const PreviewFacts& facts) {
   heading("Cost");
   row("frames", fmt::format("{:.1f} /s", facts.fps));
-  row("p50, p90", fmt::format("{:.1f}, {:.1f} ms", facts.frame_p50_ms, facts.frame_p90_ms));
+  row("p50, p90", fmt::format("{}, {}", ms_text(facts.frame_p50_ms), ms_text(facts.frame_p90_ms)));
   double longest_ms = 0;
   double total_ms = 0;
   for (const auto& pass : facts.passes) {
     longest_ms = std::max(longest_ms, pass.gpu_ms);
     total_ms += pass.gpu_ms;
   }
-  row("GPU", fmt::format("{:.2f} ms", total_ms));
+  row("GPU", ms_text(total_ms));
   for (const auto& pass : facts.passes) pass_bar(pass, longest_ms);
   row("beams", fmt::format("{} lit, {} dark", facts.live_beams, facts.dark_beams));
-  row("picture", fmt::format("{} x {}", facts.width, facts.height));
-  row("GPU memory", fmt::format("{:.1f} MiB", facts.gpu_mib));
+  row("picture", fmt::format("{} x {}, {:.0f} MiB", facts.width, facts.height, std::ceil(facts.gpu_mib)));
 }
 
 void draw_quality(const PreviewFacts& facts, PreviewControls& controls) {
@@ -113,14 +121,16 @@ void draw_look(const PreviewFacts& facts, PreviewControls& controls) {
 
 void draw_log(const PreviewFacts& facts, PreviewControls& controls) {
   heading("Log");
-  auto time_s = static_cast<float>(facts.time_s);
+  float time_s = controls.drag_s.value_or(static_cast<float>(facts.time_s));
   ImGui::SetNextItemWidth(-1);
-  const std::string label = fmt::format("{} of {}", clock_text(facts.time_s), clock_text(facts.duration_s));
   // The label is a format to ImGui, and holds no per cent sign.
+  const std::string label = fmt::format("{} of {}", clock_text(static_cast<double>(time_s)), clock_text(facts.duration_s));
   if (ImGui::SliderFloat("##time", &time_s, 0, static_cast<float>(std::max(facts.duration_s, 0.1)), label.c_str(),
                          ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput)) {
-    controls.seek_s = time_s;
+    controls.drag_s = time_s;
+    if (facts.duration_s <= kFollowSliderMaxS) controls.seek_s = time_s;
   }
+  if (ImGui::IsItemDeactivated() && controls.drag_s) controls.seek_s = *std::exchange(controls.drag_s, std::nullopt);
   if (ImGui::Button(controls.playing ? "pause" : "play", {ImGui::GetTextLineHeight() * 4, 0})) {
     controls.playing = !controls.playing;
   }
@@ -279,9 +289,8 @@ void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const Live
     draw_cost(facts);
     heading("Keys");
     ImGui::PushTextWrapPos(0);
-    text(kDim, "Drag orbits, right drag pans, wheel approaches. 1-9 cameras, F frames the rig, Q and E expose, "
-               "H hides this, Esc closes.");
-    if (facts.has_log) text(kDim, "Space pauses, left and right seek 5 s.");
+    text(kDim, std::string("Drag orbits, right drag pans, wheel approaches. F frames the rig, Q and E expose, ") +
+                   (facts.has_log ? "space pauses, arrows seek 5 s, " : "") + "H hides this.");
     ImGui::PopTextWrapPos();
   }
   ImGui::End();

@@ -53,6 +53,7 @@ struct PreviewControls {
   int hand_fixture = -1;  // -1: all
 
   std::optional<double> seek_s;
+  std::optional<float> drag_s;  // where the slider of the log is held
   std::optional<int> camera;
 };
 

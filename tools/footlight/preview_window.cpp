@@ -33,8 +33,10 @@ constexpr DurationNs kExposureMaxNs = 20 * kNsPerMs;  // as `footlight render --
 constexpr std::size_t kStepsHeldMax = 512;            // steps that wait for the GPU while a log is replayed
 constexpr DurationNs kSettleNs = 200 * kNsPerMs;      // a new size is taken when the window has kept it for this long
 constexpr int kStripWidth = 800;                      // in a window narrower than this the panel begins as a strip
+constexpr int kSoftwarePixels = 640 * 360;            // about as many as a software renderer begins with
 constexpr double kSeekStepS = 5;
 constexpr double kExposureStepEv = 0.25;
+constexpr double kOrbitRad = 3;                       // for a drag over the height of the window
 
 // The last times from picture to picture.
 class FrameTimes {
@@ -79,7 +81,10 @@ class Preview {
   Status step_levels(DurationNs dt_ns);
   Status read_figures(DurationNs dt_ns);
   void take_input();
+  void take_key(int code, bool repeat);
   void take_camera(std::size_t index);
+  void expose(double steps_ev);
+  void seek(double by_s);
   Status write_shot();
   [[nodiscard]] nlohmann::json figures() const;
   void print_second();
@@ -99,8 +104,8 @@ class Preview {
   std::unique_ptr<LiveLevels> live_;
   std::unique_ptr<HandLevels> hand_;
 
+  std::unique_ptr<render::vk::Device> device_;  // outlives the window's swapchain
   std::unique_ptr<Window> window_;
-  std::unique_ptr<render::vk::Device> device_;
   std::unique_ptr<render::Frame> frame_;
   render::vk::Buffer counts_;  // of the picture under way, for the panel
   bool shown_ = false;         // a picture is under way, its figures can be read when it is done
@@ -145,6 +150,13 @@ Status Preview::open() {
   controls_.nodes = options_.nodes;
   controls_.loop = options_.files.demo && options_.files.log.empty();
   controls_.panel = window_->width() < kStripWidth ? PanelState::kStrip : PanelState::kFull;
+  if (device_->is_software()) {
+    // A picture every few seconds is no preview: begin with fewer pixels, and let people ask for all of them.
+    const int pixels = place().width * place().height;
+    while (controls_.divisor < 4 && pixels / (controls_.divisor * controls_.divisor) > kSoftwarePixels) {
+      controls_.divisor *= 2;
+    }
+  }
   facts_.rig = rig_.name;
   facts_.device = device_->name();
   for (const auto& one : rig_.cameras) facts_.cameras.push_back(one.name);
@@ -270,39 +282,63 @@ void Preview::take_input() {
   const ImGuiIO& io = ImGui::GetIO();
   if (controls_.camera) take_camera(static_cast<std::size_t>(*std::exchange(controls_.camera, std::nullopt)));
   if (!io.WantCaptureMouse) {
-    const double heights = 1.0 / std::max<double>(io.DisplaySize.y, 1);
-    if (ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
-      camera_.orbit(io.MouseDelta.x * heights * 3, -io.MouseDelta.y * heights * 3);
-    } else if (ImGui::IsMouseDown(ImGuiMouseButton_Right) || ImGui::IsMouseDown(ImGuiMouseButton_Middle)) {
-      camera_.pan(-io.MouseDelta.x * heights, io.MouseDelta.y * heights);
+    // The way of the mouse before the button went down, in the same frame, does not count.
+    const auto drags = [](ImGuiMouseButton button) { return ImGui::IsMouseDown(button) && !ImGui::IsMouseClicked(button); };
+    const double heights = 1.0 / std::max(static_cast<double>(io.DisplaySize.y), 1.0);
+    const double right = static_cast<double>(io.MouseDelta.x) * heights;
+    const double down = static_cast<double>(io.MouseDelta.y) * heights;
+    if (drags(ImGuiMouseButton_Left)) {
+      camera_.orbit(-right * kOrbitRad, down * kOrbitRad);
+    } else if (drags(ImGuiMouseButton_Right) || drags(ImGuiMouseButton_Middle)) {
+      camera_.pan(-right, down);
     }
-    camera_.approach(io.MouseWheel);
+    camera_.approach(static_cast<double>(io.MouseWheel));
   }
   if (io.WantTextInput) return;
-  const auto pressed = [](int key, bool repeat = false) { return ImGui::IsKeyPressed(key, repeat); };
-  for (int digit = 1; digit <= 9; ++digit) {
-    if (pressed(GLFW_KEY_0 + digit) || pressed(GLFW_KEY_KP_0 + digit)) take_camera(static_cast<std::size_t>(digit - 1));
+  for (const Window::Key& key : window_->keys()) take_key(key.code, key.repeat);
+}
+
+void Preview::take_key(int code, bool repeat) {
+  switch (code) {  // those that repeat while they are held
+    case GLFW_KEY_E:
+    case GLFW_KEY_EQUAL:
+    case GLFW_KEY_KP_ADD: expose(-kExposureStepEv); return;  // a lower EV makes a brighter picture
+    case GLFW_KEY_Q:
+    case GLFW_KEY_MINUS:
+    case GLFW_KEY_KP_SUBTRACT: expose(kExposureStepEv); return;
+    case GLFW_KEY_LEFT: seek(-kSeekStepS); return;
+    case GLFW_KEY_RIGHT: seek(kSeekStepS); return;
+    default: break;
   }
-  if (pressed(GLFW_KEY_F)) {
-    const Bounds bounds = bounds_of(rig_);
-    const PixelRect where = place();
-    camera_.frame(bounds.low_m, bounds.high_m, static_cast<double>(where.width) / where.height);
+  if (repeat) return;
+  switch (code) {
+    case GLFW_KEY_F: {
+      const Bounds bounds = bounds_of(rig_);
+      const PixelRect where = place();
+      camera_.frame(bounds.low_m, bounds.high_m, static_cast<double>(where.width) / where.height);
+      break;
+    }
+    case GLFW_KEY_H:
+      controls_.panel = controls_.panel == PanelState::kFull    ? PanelState::kStrip
+                        : controls_.panel == PanelState::kStrip ? PanelState::kHidden
+                                                                : PanelState::kFull;
+      break;
+    case GLFW_KEY_SPACE: controls_.playing = !controls_.playing; break;
+    case GLFW_KEY_ESCAPE: closing_ = true; break;
+    default:
+      if (code >= GLFW_KEY_1 && code <= GLFW_KEY_9) take_camera(static_cast<std::size_t>(code - GLFW_KEY_1));
+      if (code >= GLFW_KEY_KP_1 && code <= GLFW_KEY_KP_9) take_camera(static_cast<std::size_t>(code - GLFW_KEY_KP_1));
+      break;
   }
-  // A higher EV makes a darker picture; E and + are for brighter.
-  const bool brighter = pressed(GLFW_KEY_E, true) || pressed(GLFW_KEY_EQUAL, true) || pressed(GLFW_KEY_KP_ADD, true);
-  const bool darker = pressed(GLFW_KEY_Q, true) || pressed(GLFW_KEY_MINUS, true) || pressed(GLFW_KEY_KP_SUBTRACT, true);
-  controls_.exposure_ev += static_cast<float>(kExposureStepEv * ((darker ? 1 : 0) - (brighter ? 1 : 0)));
-  controls_.exposure_ev = std::clamp(controls_.exposure_ev, -20.0f, 30.0f);
-  if (pressed(GLFW_KEY_H)) {
-    controls_.panel = controls_.panel == PanelState::kFull    ? PanelState::kStrip
-                      : controls_.panel == PanelState::kStrip ? PanelState::kHidden
-                                                              : PanelState::kFull;
-  }
-  if (pressed(GLFW_KEY_ESCAPE)) closing_ = true;
-  if (!timeline_) return;
-  if (pressed(GLFW_KEY_SPACE)) controls_.playing = !controls_.playing;
-  if (pressed(GLFW_KEY_LEFT, true)) controls_.seek_s = facts_.time_s - kSeekStepS;
-  if (pressed(GLFW_KEY_RIGHT, true)) controls_.seek_s = facts_.time_s + kSeekStepS;
+}
+
+void Preview::expose(double steps_ev) {
+  controls_.exposure_ev = std::clamp(controls_.exposure_ev + static_cast<float>(steps_ev), -20.0f, 30.0f);
+}
+
+// Several steps may come in one frame.
+void Preview::seek(double by_s) {
+  if (timeline_) controls_.seek_s = std::clamp(controls_.seek_s.value_or(facts_.time_s) + by_s, 0.0, facts_.duration_s);
 }
 
 // Of the picture that has just been finished.
@@ -371,7 +407,10 @@ Status Preview::turn() {
     FL_TRY(rebuild());
   }
   FL_TRY(step_levels(dt_ns));
-  if (window_->minimised()) return frame_->run_steps();
+  if (window_->minimised()) {  // the fixtures go on, nobody looks
+    shown_ = false;
+    return frame_->run_steps();
+  }
 
   WindowPicture picture;
   picture.image = frame_->resources().screen.handle;

@@ -59,7 +59,7 @@ void set_style(float scale) {
   style.WindowBorderSize = 0;
   style.WindowPadding = {12, 10};
   style.FramePadding = {6, 3};
-  style.ItemSpacing = {8, 5};
+  style.ItemSpacing = {8, 3};
   style.GrabMinSize = 10;
   style.ScrollbarSize = 9;
   ImVec4* colours = style.Colors;
@@ -70,8 +70,8 @@ void set_style(float scale) {
   colours[ImGuiCol_FrameBg] = {0.12f, 0.13f, 0.15f, 1};
   colours[ImGuiCol_FrameBgHovered] = {0.17f, 0.18f, 0.21f, 1};
   colours[ImGuiCol_FrameBgActive] = {0.20f, 0.21f, 0.24f, 1};
-  colours[ImGuiCol_SliderGrab] = {0.95f, 0.66f, 0.25f, 0.85f};
-  colours[ImGuiCol_SliderGrabActive] = {1.0f, 0.72f, 0.32f, 1};
+  colours[ImGuiCol_SliderGrab] = {0.52f, 0.36f, 0.14f, 1};
+  colours[ImGuiCol_SliderGrabActive] = {0.68f, 0.47f, 0.18f, 1};
   colours[ImGuiCol_CheckMark] = {0.95f, 0.66f, 0.25f, 1};
   colours[ImGuiCol_Button] = {0.14f, 0.15f, 0.18f, 1};
   colours[ImGuiCol_ButtonHovered] = {0.21f, 0.22f, 0.26f, 1};
@@ -321,6 +321,9 @@ Status Window::start_ui() {
     io.Fonts->AddFontDefault();
     io.FontGlobalScale = ui_scale_;
   }
+  // ImGui calls the callbacks that it finds.
+  glfwSetWindowUserPointer(window_, this);
+  glfwSetKeyCallback(window_, &Window::on_key);
   ImGui_ImplGlfw_InitForVulkan(window_, true);
 
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
@@ -347,13 +350,20 @@ Status Window::start_ui() {
   return {};
 }
 
+void Window::on_key(GLFWwindow* window, int key, int, int action, int) {
+  auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));
+  if (action != GLFW_RELEASE) self->keys_.push_back({key, action == GLFW_REPEAT});
+}
+
 void Window::poll() {
+  keys_.clear();
   if (minimised() && device_ != nullptr) {
     glfwWaitEventsTimeout(kMinimisedWaitS);
   } else {
     glfwPollEvents();
   }
   glfwGetFramebufferSize(window_, &width_, &height_);
+  minimised_ = width_ == 0 || height_ == 0 || glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE;
 }
 
 bool Window::wants_close() const { return glfwWindowShouldClose(window_) == GLFW_TRUE; }

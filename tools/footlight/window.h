@@ -59,8 +59,16 @@ class Window {
   // Handles events. While the window is minimised it waits up to 100 ms for one.
   void poll();
   [[nodiscard]] bool wants_close() const;
-  [[nodiscard]] bool minimised() const { return width_ == 0 || height_ == 0; }
-  // Pixels, as of the last poll().
+  // The keys that the last poll() saw going down, or repeating while held, in order: GLFW_KEY_... ImGui's own list would miss
+  // a key that goes down and up within one slow frame.
+  struct Key {
+    int code = 0;
+    bool repeat = false;
+  };
+  [[nodiscard]] const std::vector<Key>& keys() const { return keys_; }
+  // As of the last poll(): nobody can see the window.
+  [[nodiscard]] bool minimised() const { return minimised_; }
+  // Pixels.
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   // Pixels a unit of ImGui, and how large things should be drawn for this screen.
@@ -88,6 +96,7 @@ class Window {
   Status create_render_pass();
   Status start_ui();
   void record_all(VkCommandBuffer commands, std::uint32_t index, const WindowPicture& picture);
+  static void on_key(GLFWwindow* window, int key, int scancode, int action, int mods);
   void record_shot(VkCommandBuffer commands, VkImage image);
 
   struct Target {
@@ -101,6 +110,8 @@ class Window {
   std::vector<std::string> instance_extensions_;
   int width_ = 0;
   int height_ = 0;
+  bool minimised_ = false;
+  std::vector<Key> keys_;
   float ui_scale_ = 1;
   bool ui_started_ = false;
 
