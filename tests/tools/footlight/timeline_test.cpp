@@ -190,7 +190,7 @@ TEST_CASE("a name without exactly one place for the number is refused by its nam
   }
 }
 
-TEST_CASE("a PNG into a folder that is not there is an error that names the file; nothing is left behind") {
+TEST_CASE("a PNG into a folder that is not there is an error that names the file, and nothing is left behind") {
   const TempFolder folder;
   const render::ScreenImage image{2, 1, {255, 0, 0, 255, 0, 255, 0, 255}};
   const std::string path = folder.file("missing/frame.png");
