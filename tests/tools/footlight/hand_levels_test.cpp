@@ -1,0 +1,76 @@
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "fixtures/walker.h"
+#include "tools/footlight/hand_levels.h"
+
+namespace footlight::tools {
+namespace {
+
+struct Demo {
+  const fixtures::Rig& rig = fixtures::demo_rig();
+  fixtures::CompiledRig compiled = fixtures::compile(rig).value();
+  HandLevels hand{rig, compiled};
+
+  // The states that the levels lead to, motors at their targets.
+  [[nodiscard]] fixtures::f64::Walker walk() const {
+    fixtures::f64::Walker walker(compiled);
+    walker.step(hand.levels(), 0);
+    return walker;
+  }
+};
+
+const Fader* find(const HandLevels& hand, std::size_t index, fixtures::uint param) {
+  for (const Fader& fader : hand.faders(index)) {
+    if (fader.param == param) return &fader;
+  }
+  return nullptr;
+}
+
+TEST_CASE("every fixture of a rig that nothing drives begins lit white") {
+  const Demo demo;
+  const auto walker = demo.walk();
+  for (std::size_t i = 0; i < demo.rig.fixtures.size(); ++i) {
+    CAPTURE(demo.rig.fixtures[i].name);
+    CHECK(walker.states[i].red > 0.9);
+    CHECK(walker.states[i].green > 0.9);
+    CHECK(walker.states[i].blue > 0.9);
+  }
+}
+
+TEST_CASE("what a fader says is what the fixture does, to the resolution of its channel") {
+  Demo demo;
+  const Fader* pan = find(demo.hand, 0, fixtures::kParamPan);
+  REQUIRE(pan != nullptr);
+  demo.hand.set(0, fixtures::kParamPan, 0.5);
+  demo.hand.set(0, fixtures::kParamBlue, 0);
+  CHECK(pan->value == 0.5);
+  const auto walker = demo.walk();
+  CHECK(walker.states[0].pan.position == doctest::Approx(0.5).epsilon(1e-3));
+  CHECK(walker.states[0].blue == 0);
+  CHECK(walker.states[1].blue > 0.9);
+  CHECK(std::abs(walker.states[1].pan.position) < 1e-3);
+}
+
+TEST_CASE("a fader stops at the ends of its way") {
+  Demo demo;
+  const Fader* tilt = find(demo.hand, 0, fixtures::kParamTilt);
+  REQUIRE(tilt != nullptr);
+  demo.hand.set(0, fixtures::kParamTilt, 100);
+  CHECK(tilt->value == tilt->to);
+  demo.hand.set(0, fixtures::kParamTilt, -100);
+  CHECK(tilt->value == tilt->from);
+}
+
+TEST_CASE("a fixture has no fader for what its mode has no channel for, and setting it changes nothing") {
+  Demo demo;
+  const std::size_t par = demo.rig.fixtures.size() - 1;
+  CHECK(find(demo.hand, par, fixtures::kParamPan) == nullptr);
+  const std::vector<std::uint8_t> before(demo.hand.levels().begin(), demo.hand.levels().end());
+  demo.hand.set(par, fixtures::kParamPan, 1);
+  CHECK(std::equal(before.begin(), before.end(), demo.hand.levels().begin()));
+}
+
+}  // namespace
+}  // namespace footlight::tools

@@ -1,0 +1,138 @@
+#include <array>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <doctest/doctest.h>
+
+#include "sim/system_clock.h"
+#include "tools/footlight/live_levels.h"
+
+namespace footlight::tools {
+namespace {
+
+// A source that another thread gives frames to.
+class MailSource final : public Source {
+ public:
+  MailSource() : fd_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) { REQUIRE(fd_ >= 0); }
+  ~MailSource() override { close(fd_); }
+
+  void give(Universe universe, std::uint8_t level) {
+    const std::lock_guard lock(mutex_);
+    letters_.push_back({universe, level});
+    const std::uint64_t one = 1;
+    REQUIRE(write(fd_, &one, sizeof(one)) == sizeof(one));
+  }
+
+  std::string name() const override { return "mail"; }
+  int poll_fd() const override { return fd_; }
+  PortState state() const override { return PortState::kWorking; }
+  PortCounters counters() const override { return {}; }
+  std::span<const Universe> universes() const override { return carried_; }
+  Status poll(TimeNs now_ns, FrameReceiver& receiver) override {
+    const std::lock_guard lock(mutex_);
+    std::uint64_t count = 0;
+    if (read(fd_, &count, sizeof(count)) != sizeof(count)) return {};
+    for (const Letter& letter : letters_) {
+      Slots slots;
+      slots.fill(letter.level);
+      FrameView frame;
+      frame.universe = letter.universe;
+      frame.stamp_ns = now_ns;
+      frame.sender = 1;
+      frame.slots = slots;
+      receiver.receive(frame);
+    }
+    letters_.clear();
+    return {};
+  }
+
+ private:
+  struct Letter {
+    Universe universe;
+    std::uint8_t level;
+  };
+  int fd_;
+  std::array<Universe, 2> carried_{7, 9};
+  std::mutex mutex_;
+  std::vector<Letter> letters_;
+};
+
+struct Live {
+  SystemClock clock;
+  MailSource* source = nullptr;
+  std::unique_ptr<LiveLevels> levels;
+
+  explicit Live(const std::vector<Universe>& universes) {
+    auto mail = std::make_unique<MailSource>();
+    source = mail.get();
+    std::vector<std::unique_ptr<Source>> sources;
+    sources.push_back(std::move(mail));
+    levels = LiveLevels::start(universes, std::move(sources), clock).value();
+  }
+
+  // Looks until universe `index` was written `count` times.
+  void wait_for(std::size_t index, std::uint32_t count) {
+    const TimeNs end_ns = clock.now_ns() + 30 * kNsPerS;
+    do {
+      levels->take();
+      std::this_thread::yield();
+    } while (levels->stamps()[index].revision < count && clock.now_ns() < end_ns);
+    REQUIRE(levels->stamps()[index].revision >= count);
+  }
+};
+
+TEST_CASE("what comes over the wire stands at its universe's place among those of the rig") {
+  Live live({2, 7});
+  live.source->give(7, 200);
+  live.wait_for(1, 1);
+  CHECK(live.levels->levels().size() == 2 * kSlotCountMax);
+  CHECK(live.levels->levels()[kSlotCountMax] == 200);
+  CHECK(live.levels->levels()[2 * kSlotCountMax - 1] == 200);
+  CHECK(live.levels->levels()[0] == 0);
+  CHECK(live.levels->stamps()[0].revision == 0);
+  CHECK(live.levels->stamps()[1].stamp_ns > 0);
+  live.source->give(7, 5);
+  live.wait_for(1, 2);
+  CHECK(live.levels->levels()[kSlotCountMax] == 5);
+}
+
+TEST_CASE("a universe of the rig that no source brings is known, and one that the rig has not is left out") {
+  Live live({2, 7});
+  CHECK_FALSE(live.levels->fed(2));
+  CHECK(live.levels->fed(7));
+  live.source->give(9, 255);
+  live.source->give(7, 1);
+  live.wait_for(1, 1);
+  CHECK(live.levels->levels()[0] == 0);
+  CHECK(live.levels->levels()[kSlotCountMax] == 1);
+}
+
+TEST_CASE("taking without a new frame returns at once with the levels as they were") {
+  Live live({7});
+  live.levels->take();
+  CHECK(live.levels->levels()[0] == 0);
+  live.source->give(7, 9);
+  live.wait_for(0, 1);
+  live.levels->take();
+  CHECK(live.levels->levels()[0] == 9);
+}
+
+TEST_CASE("a pump that waits for the wire ends when nobody looks any more") {
+  Live live({7});
+  live.levels.reset();
+  CHECK(live.levels == nullptr);
+}
+
+TEST_CASE("a rig without fixtures cannot be driven live") {
+  SystemClock clock;
+  const auto live = LiveLevels::start({}, {}, clock);
+  REQUIRE_FALSE(live.has_value());
+  CHECK(live.error().code == ErrorCode::kBadInput);
+}
+
+}  // namespace
+}  // namespace footlight::tools

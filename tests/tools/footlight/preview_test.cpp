@@ -1,0 +1,111 @@
+// The window as a user meets it. Under Xvfb where that and a Vulkan device are installed; skips with a word elsewhere.
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "render/vk/device.h"
+#include "tests/tools/footlight/run_footlight.h"
+
+namespace footlight::testing {
+namespace {
+
+bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+std::string read(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// Whether a window can be opened here at all; says why not.
+bool can_open_window() {
+  const bool layer = render::vk::Device::create({.validation = true}).has_value();
+  const bool here = layer && std::system("command -v xvfb-run > /dev/null") == 0;  // NOLINT: a fixed command
+  if (!here) MESSAGE("skipped: needs xvfb, mesa-vulkan-drivers (or another driver) and vulkan-validationlayers");
+  return here;
+}
+
+// Runs the preview on a display of its own with the validation layer; returns the exit code.
+int preview(const TempFolder& folder, const std::string& arguments) {
+  const std::string line = "FOOTLIGHT_VALIDATION=1 xvfb-run -a -s '-screen 0 1024x768x24' " FOOTLIGHT_BINARY " preview " +
+                           arguments + " > " + folder.file("out") + " 2> " + folder.file("err");
+  const int status = std::system(line.c_str());  // NOLINT: words of this test
+  INFO(read(folder.file("err")));
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+// The last line of standard output.
+nlohmann::json summary(const TempFolder& folder) {
+  const std::string out = read(folder.file("out"));
+  REQUIRE(out.size() > 2);
+  const std::size_t before = out.rfind('\n', out.size() - 2);
+  return nlohmann::json::parse(out.substr(before == std::string::npos ? 0 : before + 1));
+}
+
+TEST_CASE("without a display the preview says so and names the way without one") {
+  const Outcome outcome =
+      Footlight({"preview", "--demo"}, {{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}).wait();
+  CHECK(outcome.exit_code == 1);
+  CHECK((contains(outcome.err, "no window") || contains(outcome.err, "libglfw3-dev")));
+  CHECK(contains(outcome.err, "footlight render"));
+}
+
+TEST_CASE("a log and a live input at once are refused before any window opens") {
+  const Outcome outcome = footlight({"preview", "--demo", "--log", "a.dmxlog", "--in", "sacn:1"});
+  if (contains(outcome.err, "libglfw3-dev")) return;  // a build without a window
+  CHECK(outcome.exit_code == 2);
+  CHECK(contains(outcome.err, "--log and --in"));
+}
+
+TEST_CASE("the demo opens, draws, takes its picture and closes by itself without a word from the validation layer") {
+  if (!can_open_window()) return;
+  const TempFolder folder;
+  const int code = preview(folder, "--demo --at 12s --seconds 1 --size 320x180 --json --screenshot " + folder.file("a.png"));
+  const std::string err = read(folder.file("err"));
+  if (contains(err, "libglfw3-dev")) return;
+  INFO(err);
+  REQUIRE(code == 0);
+  CHECK(err.empty());
+  const nlohmann::json line = summary(folder);
+  CHECK(line["event"] == "summary");
+  CHECK(line["validation_messages"] == 0);
+  CHECK(line["frames"].get<int>() >= 1);
+  CHECK(line["live"].get<int>() > 0);
+  CHECK(line["width"] == 320);
+  const std::string png = read(folder.file("a.png"));
+  REQUIRE(png.size() > 1000);
+  CHECK(png.substr(1, 3) == "PNG");
+}
+
+TEST_CASE("a rig that nothing drives opens with its fixtures lit") {
+  if (!can_open_window()) return;
+  const TempFolder folder;
+  std::ofstream(folder.file("rig.toml")) << R"([rig]
+name = "One par"
+[haze]
+scattering_per_m = 0.02
+[[fixture]]
+name = "Par"
+type = "generic/par"
+universe = 3
+address = 1
+position = [0, 0, 5]
+[[box]]
+name = "Floor"
+min = [-4, -4, -0.1]
+max = [4, 4, 0]
+)";
+  const int code = preview(folder, "--rig " + folder.file("rig.toml") + " --seconds 1 --size 320x180 --json");
+  const std::string err = read(folder.file("err"));
+  if (contains(err, "libglfw3-dev")) return;
+  INFO(err);
+  REQUIRE(code == 0);
+  CHECK(summary(folder)["live"] == 1);
+  CHECK(summary(folder)["validation_messages"] == 0);
+}
+
+}  // namespace
+}  // namespace footlight::testing
