@@ -57,7 +57,8 @@ void OrbitCamera::frame(const glm::dvec3& low_m, const glm::dvec3& high_m, doubl
   const double radius_m = std::max(glm::length(high_m - low_m) * 0.5, 0.5);
   const double half_height_rad = glm::radians(camera_.fov_deg) / 2;
   const double half_width_rad = std::atan(std::tan(half_height_rad) * aspect);
-  distance_m_ = std::clamp(radius_m / std::sin(std::min(half_height_rad, half_width_rad)), kDistanceMinM, kDistanceMaxM);
+  distance_m_ =
+      std::clamp(radius_m / std::sin(std::min(half_height_rad, half_width_rad)), kDistanceMinM, kDistanceMaxM);
 }
 
 Bounds bounds_of(const fixtures::Rig& rig) {

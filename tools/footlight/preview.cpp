@@ -15,7 +15,7 @@ void add(Arguments& arguments) {
   arguments.duration("--at", options->at_ns, "where in the log to begin");
   arguments.option("--size", options->size, "WxH", "of the window in pixels");
   arguments.option("--camera", options->camera, "NAME", "a camera of the rig; its first one");
-  arguments.option("--nodes", options->nodes, 1, 8, "Gauss nodes a beam and pixel: error and time, see footlight report");
+  arguments.option("--nodes", options->nodes, 1, 8, "Gauss nodes a beam and pixel, see footlight report");
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this");
   arguments.option("--seconds", options->seconds, 0, 1e6, "close after this time; 0 stays open");
   arguments.option("--screenshot", options->screenshot, "FILE", "write the last frame as PNG when closing");
@@ -34,8 +34,9 @@ extern const CommandInfo preview_command{
         "  footlight preview --rig rig.toml --in sacn:1-9            live\n"
         "  footlight preview --rig rig.toml --in enttec-pro --in artnet:2-9\n"
         "  footlight preview --rig rig.toml                          by hand, with faders\n"
-        "Mouse: left orbits, right or middle pans, wheel approaches. Keys: 1-9 cameras, F frames the rig, space pauses,\n"
-        "left and right seek 5 s, Q and E expose, H hides the panel, Esc closes. Without a display: footlight render.",
+        "Mouse: left orbits, right or middle pans, wheel approaches. Keys: 1-9 cameras, F frames the rig, space\n"
+        "pauses, left and right seek 5 s, Q and E expose, H hides the panel, Esc closes. Without a display: footlight\n"
+        "render.",
     .add = add,
 };
 

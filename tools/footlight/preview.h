@@ -1,5 +1,5 @@
-// What `footlight preview` was asked for. The window itself is in preview_window.cpp; a build without GLFW or Dear ImGui
-// has no_preview_window.cpp in its place.
+// What `footlight preview` was asked for. The window itself is in preview_window.cpp; a build without GLFW or Dear
+// ImGui has no_preview_window.cpp in its place.
 #pragma once
 
 #include <string>
@@ -16,9 +16,9 @@ struct PreviewOptions {
   std::string size = "1280x720";
   std::string camera;
   std::string device;
-  std::string screenshot;        // PNG of the last frame; empty: none
-  DurationNs at_ns = 0;          // where in the log to begin
-  double seconds = 0;            // closes by itself after this time; 0: stays open
+  std::string screenshot;  // PNG of the last frame; empty: none
+  DurationNs at_ns = 0;    // where in the log to begin
+  double seconds = 0;      // closes by itself after this time; 0: stays open
   int nodes = 3;
   bool json = false;
 };

@@ -12,8 +12,8 @@
 namespace footlight::tools {
 namespace {
 
-// 'footlight report --pictures --beams 100' (smooth beams on surfaces and in haze, 64x36 pixels judged): 1, 2, 3, 4, 6 and
-// 8 nodes. 5 and 7 are not in that report and stand here with the figure of one node less.
+// 'footlight report --pictures --beams 100' (smooth beams on surfaces and in haze, 64x36 pixels judged): 1, 2, 3, 4, 6
+// and 8 nodes. 5 and 7 are not in that report and stand here with the figure of one node less.
 constexpr double kRelL2OfNodes[] = {4.3e-1, 1.0e-3, 2.9e-4, 3.3e-5, 3.3e-5, 9.9e-6, 9.9e-6, 9.9e-6};
 // 'footlight report --demo --pictures', at 30 s, 3 and more nodes: what the edges of gobos leave.
 constexpr double kRelL2Gobos = 4.7e-2;
@@ -55,9 +55,7 @@ void heading(const char* word) {
 }
 
 // Three digits or so.
-std::string ms_text(double ms) {
-  return ms < 10 ? fmt::format("{:.2f} ms", ms) : ms < 100 ? fmt::format("{:.1f} ms", ms) : fmt::format("{:.0f} ms", ms);
-}
+std::string ms_text(double ms) { return fmt::format("{:.{}f} ms", ms, ms < 10 ? 2 : ms < 100 ? 1 : 0); }
 
 // A pass: its name, a bar of its share of the longest, its time.
 void pass_bar(const render::PassTime& pass, double longest_ms) {
@@ -124,7 +122,8 @@ void draw_log(const PreviewFacts& facts, PreviewControls& controls) {
   float time_s = controls.drag_s.value_or(static_cast<float>(facts.time_s));
   ImGui::SetNextItemWidth(-1);
   // The label is a format to ImGui, and holds no per cent sign.
-  const std::string label = fmt::format("{} of {}", clock_text(static_cast<double>(time_s)), clock_text(facts.duration_s));
+  const std::string label =
+      fmt::format("{} of {}", clock_text(static_cast<double>(time_s)), clock_text(facts.duration_s));
   if (ImGui::SliderFloat("##time", &time_s, 0, static_cast<float>(std::max(facts.duration_s, 0.1)), label.c_str(),
                          ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput)) {
     controls.drag_s = time_s;
@@ -223,11 +222,13 @@ void draw_hand(const PreviewFacts& facts, PreviewControls& controls, HandLevels&
   }
   if (index >= hand.fixture_count()) return;
   for (const Fader& fader : hand.faders(index)) {
-    const bool angle =
-        fader.param == fixtures::kParamPan || fader.param == fixtures::kParamTilt || fader.param == fixtures::kParamZoom;
+    const bool angle = fader.param == fixtures::kParamPan || fader.param == fixtures::kParamTilt ||
+                       fader.param == fixtures::kParamZoom;
     const double unit = angle ? kDegree : fader.param == fixtures::kParamGobo ? 1 : 0.01;
-    const std::string format =
-        fmt::format("{} %.0f{}", fader.name, angle ? " deg" : fader.param == fixtures::kParamGobo ? "" : " %%");
+    const std::string format = fmt::format("{} %.0f{}", fader.name,
+                                           angle                                 ? " deg"
+                                           : fader.param == fixtures::kParamGobo ? ""
+                                                                                 : " %%");
     auto value = static_cast<float>(fader.value / unit);
     ImGui::PushID(static_cast<int>(fader.param));
     ImGui::SetNextItemWidth(-1);
@@ -252,8 +253,8 @@ void draw_strip(const PreviewFacts& facts) {
   if (ImGui::Begin("strip", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs)) {
     double total_ms = 0;
     for (const auto& pass : facts.passes) total_ms += pass.gpu_ms;
-    std::string words = fmt::format("{}    {:.1f} fps    GPU {:.1f} ms    {} beams", facts.rig, facts.fps, total_ms,
-                                    facts.live_beams);
+    std::string words =
+        fmt::format("{}    {:.1f} fps    GPU {:.1f} ms    {} beams", facts.rig, facts.fps, total_ms, facts.live_beams);
     if (facts.has_log) words += fmt::format("    {} / {}", clock_text(facts.time_s), clock_text(facts.duration_s));
     text(words + "    H: panel");
   }
@@ -273,8 +274,8 @@ void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const Live
   const float width = kPanelWidth * scale;
   ImGui::SetNextWindowPos({size.x - width, 0});
   ImGui::SetNextWindowSize({width, size.y});
-  constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove |
-                                      ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoNav;
+  constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                                      ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoNav;
   if (ImGui::Begin("panel", nullptr, kFlags)) {
     text(kAmber, "FOOTLIGHT");
     text(facts.rig);

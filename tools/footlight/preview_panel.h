@@ -34,9 +34,9 @@ struct PreviewFacts {
   bool has_log = false;
   double time_s = 0;
   double duration_s = 0;
-  TimeNs now_ns = 0;  // on the clock of the live stamps
-  PumpStatus status;  // live
-  std::string notice; // the newest event of the wire
+  TimeNs now_ns = 0;   // on the clock of the live stamps
+  PumpStatus status;   // live
+  std::string notice;  // the newest event of the wire
 };
 
 enum class PanelState { kFull, kStrip, kHidden };

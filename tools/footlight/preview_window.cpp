@@ -29,14 +29,14 @@
 namespace footlight::tools {
 namespace {
 
-constexpr DurationNs kExposureMaxNs = 20 * kNsPerMs;  // as `footlight render --at`; the whole frame where that is shorter
+constexpr DurationNs kExposureMaxNs = 20 * kNsPerMs;  // as `footlight render --at`; the frame where that is shorter
 constexpr std::size_t kStepsHeldMax = 512;            // steps that wait for the GPU while a log is replayed
 constexpr DurationNs kSettleNs = 200 * kNsPerMs;      // a new size is taken when the window has kept it for this long
 constexpr int kStripWidth = 800;                      // in a window narrower than this the panel begins as a strip
 constexpr int kSoftwarePixels = 640 * 360;            // about as many as a software renderer begins with
 constexpr double kSeekStepS = 5;
 constexpr double kExposureStepEv = 0.25;
-constexpr double kOrbitRad = 3;                       // for a drag over the height of the window
+constexpr double kOrbitRad = 3;  // for a drag over the height of the window
 
 // The last times from picture to picture.
 class FrameTimes {
@@ -171,7 +171,7 @@ Status Preview::open() {
 Status Preview::open_levels() {
   if (!options_.ins.empty()) {
     if (!options_.files.log.empty()) {
-      return fail(ErrorCode::kBadInput, "--log and --in: expected one of them; 'footlight replay' puts a log on the wire");
+      return fail(ErrorCode::kBadInput, "--log and --in: expected one of them");
     }
     std::vector<std::unique_ptr<Source>> sources;
     for (const std::string& text : options_.ins) {
@@ -199,7 +199,8 @@ Status Preview::open_levels() {
 PixelRect Preview::place() const {
   const float panel_px =
       controls_.panel == PanelState::kFull ? kPanelWidth * window_->ui_scale() * window_->pixels_per_unit() : 0;
-  return {0, 0, std::max(window_->width() - static_cast<int>(std::lround(panel_px)), 1), std::max(window_->height(), 1)};
+  return {0, 0, std::max(window_->width() - static_cast<int>(std::lround(panel_px)), 1),
+          std::max(window_->height(), 1)};
 }
 
 // A frame of the present size, nodes and haze. The fixtures keep their states: they move from the old frame to the new.
@@ -228,8 +229,8 @@ Status Preview::rebuild() {
   return {};
 }
 
-// Goes to a time of the log, back to its start first where that lies behind: then every fixture starts afresh, so that the
-// picture is the one that `footlight render` makes of this moment.
+// Goes to a time of the log, back to its start first where that lies behind: then every fixture starts afresh, so that
+// the picture is the one that `footlight render` makes of this moment.
 Status Preview::replay_to(DurationNs until_ns, DurationNs exposure_ns) {
   until_ns = std::clamp<DurationNs>(until_ns, 0, timeline_->duration_ns());
   if (until_ns < timeline_->now_ns()) {
@@ -283,7 +284,9 @@ void Preview::take_input() {
   if (controls_.camera) take_camera(static_cast<std::size_t>(*std::exchange(controls_.camera, std::nullopt)));
   if (!io.WantCaptureMouse) {
     // The way of the mouse before the button went down, in the same frame, does not count.
-    const auto drags = [](ImGuiMouseButton button) { return ImGui::IsMouseDown(button) && !ImGui::IsMouseClicked(button); };
+    const auto drags = [](ImGuiMouseButton button) {
+      return ImGui::IsMouseDown(button) && !ImGui::IsMouseClicked(button);
+    };
     const double heights = 1.0 / std::max(static_cast<double>(io.DisplaySize.y), 1.0);
     const double right = static_cast<double>(io.MouseDelta.x) * heights;
     const double down = static_cast<double>(io.MouseDelta.y) * heights;

@@ -90,7 +90,8 @@ Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width
   if (glfwInit() != GLFW_TRUE) {
     return fail(ErrorCode::kUnsupported,
                 "no window: {}; start it inside a desktop session, or use 'footlight render', which makes pictures and "
-                "videos without a display", last_glfw_error());
+                "videos without a display",
+                last_glfw_error());
   }
   std::unique_ptr<Window> window(new Window());
   if (glfwVulkanSupported() != GLFW_TRUE) {
@@ -147,13 +148,13 @@ Status Window::attach(vk::Device& device) {
     return fail(ErrorCode::kUnsupported, "{} cannot draw into a window: {}", device.name(), last_glfw_error());
   }
   VkBool32 can_present = VK_FALSE;
-  FL_TRY(vk::check(
-      vkGetPhysicalDeviceSurfaceSupportKHR(device.physical, device.queue_family, surface_, &can_present),
-      "vkGetPhysicalDeviceSurfaceSupportKHR"));
+  FL_TRY(vk::check(vkGetPhysicalDeviceSurfaceSupportKHR(device.physical, device.queue_family, surface_, &can_present),
+                   "vkGetPhysicalDeviceSurfaceSupportKHR"));
   if (can_present != VK_TRUE) {
     return fail(ErrorCode::kUnsupported,
-                "{} cannot show pictures in this window; choose another with --device ('vulkaninfo --summary' names them), "
-                "or use 'footlight render'", device.name());
+                "{} cannot show pictures in this window; choose another with --device ('vulkaninfo --summary' names "
+                "them), or use 'footlight render'",
+                device.name());
   }
 
   // The tone map has encoded sRGB already, so the screen's bytes are taken as they are: no _SRGB format.

@@ -1,7 +1,8 @@
 // A window with a picture in it and Dear ImGui over that: GLFW, a Vulkan swapchain, one frame in flight.
 //
 //   FL_ASSIGN(auto window, Window::open("title", 1280, 720));
-//   FL_ASSIGN(auto device, vk::Device::create({.instance_extensions = window->instance_extensions(), .swapchain = true}));
+//   FL_ASSIGN(auto device, vk::Device::create({.instance_extensions = window->instance_extensions(),
+//                                              .swapchain = true}));
 //   FL_TRY(window->attach(*device));
 //   while (!window->wants_close()) {
 //     window->poll();
@@ -10,8 +11,9 @@
 //     FL_TRY(window->show(picture, [&](VkCommandBuffer commands) { frame->record(commands, view, ev); }));
 //   }
 //
-// One frame in flight, because a frame's states and levels are the next one's start: a second one would wait for the first
-// anyway, and one keeps the light a frame nearer to the desk. Waits for the screen (FIFO), never longer than a second.
+// One frame in flight, because a frame's states and levels are the next one's start: a second one would wait for the
+// first anyway, and one keeps the light a frame nearer to the desk. Waits for the screen (FIFO), never longer than a
+// second.
 //
 // Knows nothing of rigs. Threads: the main thread only, as GLFW demands. The device must outlive attach()ed windows.
 #pragma once
@@ -59,8 +61,8 @@ class Window {
   // Handles events. While the window is minimised it waits up to 100 ms for one.
   void poll();
   [[nodiscard]] bool wants_close() const;
-  // The keys that the last poll() saw going down, or repeating while held, in order: GLFW_KEY_... ImGui's own list would miss
-  // a key that goes down and up within one slow frame.
+  // The keys that the last poll() saw going down, or repeating while held, in order: GLFW_KEY_... ImGui's own list
+  // would miss a key that goes down and up within one slow frame.
   struct Key {
     int code = 0;
     bool repeat = false;
@@ -80,8 +82,8 @@ class Window {
 
   // Returns when the GPU is done with the last show().
   Status wait_gpu();
-  // Records `record`, then the picture, then what ImGui drew; submits and presents. Where the window has just changed its
-  // size nothing is recorded and the answer is false.
+  // Records `record`, then the picture, then what ImGui drew; submits and presents. Where the window has just changed
+  // its size nothing is recorded and the answer is false.
   [[nodiscard]] Result<bool> show(const WindowPicture& picture, const std::function<void(VkCommandBuffer)>& record);
 
   // The next show() keeps a copy of the window for read_shot().

@@ -30,7 +30,8 @@ bool can_open_window() {
 
 // Runs the preview on a display of its own with the validation layer; returns the exit code.
 int preview(const TempFolder& folder, const std::string& arguments) {
-  const std::string line = "FOOTLIGHT_VALIDATION=1 xvfb-run -a -s '-screen 0 1024x768x24' " FOOTLIGHT_BINARY " preview " +
+  const std::string line = "FOOTLIGHT_VALIDATION=1 xvfb-run -a -s '-screen 0 1024x768x24' " FOOTLIGHT_BINARY
+                           " preview " +
                            arguments + " > " + folder.file("out") + " 2> " + folder.file("err");
   const int status = std::system(line.c_str());  // NOLINT: words of this test
   INFO(read(folder.file("err")));
@@ -46,8 +47,7 @@ nlohmann::json summary(const TempFolder& folder) {
 }
 
 TEST_CASE("without a display the preview says so and names the way without one") {
-  const Outcome outcome =
-      Footlight({"preview", "--demo"}, {{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}).wait();
+  const Outcome outcome = Footlight({"preview", "--demo"}, {{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}).wait();
   CHECK(outcome.exit_code == 1);
   CHECK((contains(outcome.err, "no window") || contains(outcome.err, "libglfw3-dev")));
   CHECK(contains(outcome.err, "footlight render"));
@@ -63,7 +63,8 @@ TEST_CASE("a log and a live input at once are refused before any window opens") 
 TEST_CASE("the demo opens, draws, takes its picture and closes by itself without a word from the validation layer") {
   if (!can_open_window()) return;
   const TempFolder folder;
-  const int code = preview(folder, "--demo --at 12s --seconds 1 --size 320x180 --json --screenshot " + folder.file("a.png"));
+  const int code =
+      preview(folder, "--demo --at 12s --seconds 1 --size 320x180 --json --screenshot " + folder.file("a.png"));
   const std::string err = read(folder.file("err"));
   if (contains(err, "libglfw3-dev")) return;
   INFO(err);
