@@ -102,7 +102,8 @@ void main() {
   for (int i = 0; i < FL_ROWS; ++i) {
     ivec2 pixel = tile_pixel(i);
     vec3 d = normalize(ray_through(vec2(pixel) + 0.5));
-    surface[i] = surface_at(pixel, d);
+    // Threads past the edge of the picture look at its last pixel; what they find is not used.
+    surface[i] = surface_at(min(pixel, ivec2(int(params.width), int(params.height)) - 1), d);
     offset_m[i] = d * surface[i].t_m;
     illuminance_lx[i] = vec3(params.ambient_lx);
     if (surface[i].kind != kNothing && in_picture(pixel)) bound_add(offset_m[i]);

@@ -1,7 +1,7 @@
 // Datagrams on port 6454, any whatever. Build with clang and -DFOOTLIGHT_FUZZ=ON; run: artnet_fuzz -max_len=1280
 //
-// What is accepted lies in the ranges that artnet_packet.h states, and an ArtDmx built anew from what was read reads the
-// same again, but for the slot that makes its length even.
+// What is accepted lies in the ranges that artnet_packet.h states, and an ArtDmx built anew from what was read reads
+// the same again, but for the slot that makes its length even.
 #include <algorithm>
 #include <array>
 #include <cstdlib>

@@ -1,7 +1,7 @@
 // Datagrams on port 5568, any whatever. Build with clang and -DFOOTLIGHT_FUZZ=ON; run: sacn_fuzz -max_len=1280
 //
-// What is accepted lies in the ranges that sacn_packet.h states, and a data packet built anew from what was read reads the
-// same again.
+// What is accepted lies in the ranges that sacn_packet.h states, and a data packet built anew from what was read reads
+// the same again.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
