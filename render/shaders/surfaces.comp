@@ -5,6 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 #define FL_USE_BEAMS
 #define FL_BEAMS_ACCESS readonly
 #define FL_USE_COUNTS
@@ -37,10 +38,14 @@ void bound_begin() {
   }
   barrier();
 }
-void bound_add(vec3 offset_m) {
+// The box of one thread's points; low > high where it has none. All threads of the group call it together.
+void bound_add(vec3 low_m, vec3 high_m) {
+  low_m = subgroupMin(low_m);
+  high_m = subgroupMax(high_m);
+  if (!subgroupElect() || low_m.x > high_m.x) return;
   for (int i = 0; i < 3; ++i) {
-    atomicMin(bound_low[i], ordered(offset_m[i]));
-    atomicMax(bound_high[i], ordered(offset_m[i]));
+    atomicMin(bound_low[i], ordered(low_m[i]));
+    atomicMax(bound_high[i], ordered(high_m[i]));
   }
 }
 
@@ -99,6 +104,8 @@ void main() {
   vec3 illuminance_lx[FL_ROWS];
   // A sphere round all surface points of the tile: most beams that cross the tile in the air light none of them.
   bound_begin();
+  vec3 low_m = vec3(kNothingM * 2.0);
+  vec3 high_m = vec3(-kNothingM * 2.0);
   for (int i = 0; i < FL_ROWS; ++i) {
     ivec2 pixel = tile_pixel(i);
     vec3 d = normalize(ray_through(vec2(pixel) + 0.5));
@@ -106,8 +113,12 @@ void main() {
     surface[i] = surface_at(min(pixel, ivec2(int(params.width), int(params.height)) - 1), d);
     offset_m[i] = d * surface[i].t_m;
     illuminance_lx[i] = vec3(params.ambient_lx);
-    if (surface[i].kind != kNothing && in_picture(pixel)) bound_add(offset_m[i]);
+    if (surface[i].kind != kNothing && in_picture(pixel)) {
+      low_m = min(low_m, offset_m[i]);
+      high_m = max(high_m, offset_m[i]);
+    }
   }
+  bound_add(low_m, high_m);
   barrier();
 
   for (uint base = 0u; base < counts.live_count; base += FL_WALK_BEAMS) {

@@ -34,17 +34,27 @@ Surface surface_at(ivec2 pixel, vec3 ray) {
   }
   if (kBoxes) {
     vec3 inverse = 1.0 / mix(ray, vec3(1e-12), lessThan(abs(ray), vec3(1e-12)));
+    vec3 start = params.position.xyz * inverse;
+    float nearest_m = hit.t_m;
+    uint nearest = ~0u;
     for (uint b = 0u; b < params.box_count; ++b) {
-      vec3 to_low = (boxes[b].low.xyz - params.position.xyz) * inverse;
-      vec3 to_high = (boxes[b].high.xyz - params.position.xyz) * inverse;
+      vec3 to_low = boxes[b].low.xyz * inverse - start;
+      vec3 to_high = boxes[b].high.xyz * inverse - start;
       vec3 in_m = min(to_low, to_high);
       vec3 out_m = max(to_low, to_high);
       float enter_m = max(in_m.x, max(in_m.y, in_m.z));
       float leave_m = min(out_m.x, min(out_m.y, out_m.z));
-      if (enter_m > 0.0 && enter_m <= leave_m && enter_m < hit.t_m) {
-        vec3 face = in_m.x >= enter_m ? vec3(1, 0, 0) : in_m.y >= enter_m ? vec3(0, 1, 0) : vec3(0, 0, 1);
-        hit = Surface(kBox, b, -sign(ray) * face, enter_m);
-      }
+      bool closer = enter_m > 0.0 && enter_m <= leave_m && enter_m < nearest_m;
+      nearest_m = closer ? enter_m : nearest_m;
+      nearest = closer ? b : nearest;
+    }
+    if (nearest != ~0u) {
+      // The face is where the ray comes in last; its distance once more, from the difference, without cancellation.
+      vec3 in_m = min((boxes[nearest].low.xyz - params.position.xyz) * inverse,
+                      (boxes[nearest].high.xyz - params.position.xyz) * inverse);
+      float enter_m = max(in_m.x, max(in_m.y, in_m.z));
+      vec3 face = in_m.x >= enter_m ? vec3(1, 0, 0) : in_m.y >= enter_m ? vec3(0, 1, 0) : vec3(0, 0, 1);
+      hit = Surface(kBox, nearest, -sign(ray) * face, enter_m);
     }
   }
   return hit;
