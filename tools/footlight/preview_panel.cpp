@@ -16,7 +16,7 @@ namespace {
 // and 8 nodes. 5 and 7 are not in that report and stand here with the figure of one node less.
 constexpr double kRelL2OfNodes[] = {4.3e-1, 1.0e-3, 2.9e-4, 3.3e-5, 3.3e-5, 9.9e-6, 9.9e-6, 9.9e-6};
 // 'footlight report --demo --pictures', at 30 s, 3 and more nodes: what the edges of gobos leave.
-constexpr double kRelL2Gobos = 4.7e-2;
+constexpr double kRelL2Gobos = 2.0e-2;
 
 // Going back in a log replays it from its start, so in a long one the picture follows the slider when it is let go.
 constexpr double kFollowSliderMaxS = 120;
