@@ -59,11 +59,14 @@ TEST_CASE("the commands that the README shows exist") {
   std::ifstream readme(FOOTLIGHT_SOURCE_DIR "/README.md");
   REQUIRE(readme.is_open());
   const std::regex call(R"((?:^|[ `/])footlight ([a-z]+)( |$|`))");
+  // A build without Vulkan has no commands that make pictures.
+  const std::regex picture_call(R"(footlight (render|preview|report) )");
   bool in_code = false;
   for (std::string line; std::getline(readme, line);) {
     if (line.rfind("```", 0) == 0) in_code = !in_code;
     std::smatch match;
     if (!in_code || !std::regex_search(line, match, call)) continue;
+    if (FOOTLIGHT_HAS_PICTURES == 0 && std::regex_search(line, picture_call)) continue;
     CAPTURE(line);
     CHECK(std::find(commands.begin(), commands.end(), match[1].str()) != commands.end());
   }
