@@ -143,7 +143,6 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   params.ambient_lx = static_cast<float>(ambient_lx_);
   params.exposure = static_cast<float>(exposure_factor(exposure_ev));
   params.dark_lm = static_cast<float>(settings_.dark_lm);
-  params.bodies = settings_.bodies ? 1 : 0;
   vk::full_barrier(commands);  // the frame before may still be reading
   vkCmdUpdateBuffer(commands, resources_.params.handle, 0, sizeof(params), &params);
   vk::full_barrier(commands);

@@ -234,17 +234,6 @@ FL_FN Real chord_inscatter_gobo(BeamShape beam, Medium medium, Chord chord, Vec3
 }
 #endif
 
-// A cheap first look at one ray: true only where it misses the beam by more than rounding. A dozen operations, no
-// division.
-FL_FN bool beam_misses(BeamShape beam, Vec3 o, Vec3 d) {
-  Real w = beam.lens_radius_m + beam.spread * o.z;
-  Real slope = beam.spread * d.z;
-  Real vx = d.x * w - o.x * slope;
-  Real vy = d.y * w - o.y * slope;
-  Real n = o.x * d.y - o.y * d.x;
-  return n * n > Real(1.02) * (vx * vx + vy * vy) + Real(1e-9) * (o.x * o.x + o.y * o.y);
-}
-
 // Whether the ray of direction d (any length) can miss the beam's disc in the gobo plane: the line passes it by when
 // |N| > |V|, with N and V linear in d. Convex in d, so that a convex set of directions misses when all its corners do,
 // on one side. Returns N - |V| for side = +1 and -N - |V| for side = -1: positive means a miss.

@@ -58,8 +58,8 @@ struct FrameParams {
   float ambient_lx;
   float exposure;     // from cd/m^2 to the tone map's 1.0
   float dark_lm;      // a beam with less flux is not drawn
-  uint bodies;        // 1: fixture bodies are in the picture
   uint pad;
+  uint pad_1;
 };
 
 // One lit beam, 96 bytes. Light space is camera-relative: eye = camera in it.
