@@ -12,19 +12,6 @@
 namespace footlight::drivers {
 namespace {
 
-// Fills what all four options have in common.
-template <class Options>
-Options options_of(const Endpoint& endpoint, std::shared_ptr<OwnSenders> own_senders) {
-  Options options;
-  options.name = endpoint.text;
-  options.universes = endpoint.universes;
-  options.address = endpoint.address;
-  options.interface_name = endpoint.interface_name;
-  if (endpoint.udp_port != 0) options.port = endpoint.udp_port;
-  options.own_senders = std::move(own_senders);
-  return options;
-}
-
 tl::unexpected<Error> not_of_the_network(const Endpoint& endpoint) {
   return fail(ErrorCode::kBadInput, "{}: expected an endpoint of the network, as in sacn:1-9 or artnet:1-9@10.9.0.255",
               endpoint.text);

@@ -14,6 +14,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "sim/core/endpoint.h"
@@ -108,6 +109,19 @@ struct ArtnetSinkOptions {
 [[nodiscard]] Result<std::unique_ptr<Sink>> make_sacn_sink(const SacnSinkOptions& options);
 [[nodiscard]] Result<std::unique_ptr<Source>> make_artnet_source(const ArtnetSourceOptions& options);
 [[nodiscard]] Result<std::unique_ptr<Sink>> make_artnet_sink(const ArtnetSinkOptions& options);
+
+// What an endpoint says, as any of the options above; the rest stays at its default.
+template <class Options>
+Options options_of(const Endpoint& endpoint, std::shared_ptr<OwnSenders> own_senders) {
+  Options options;
+  options.name = endpoint.text;
+  options.universes = endpoint.universes;
+  options.address = endpoint.address;
+  options.interface_name = endpoint.interface_name;
+  if (endpoint.udp_port != 0) options.port = endpoint.udp_port;
+  options.own_senders = std::move(own_senders);
+  return options;
+}
 
 // The same from the words of an endpoint whose scheme is sacn or artnet (kBadInput for any other), with the defaults
 // above for what an endpoint does not say.

@@ -57,24 +57,12 @@ Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint
     case EndpointKind::kNetwork: break;
   }
   if (endpoint.scheme == "sacn") {
-    drivers::SacnSourceOptions sacn;
-    sacn.name = endpoint.text;
-    sacn.universes = endpoint.universes;
-    sacn.address = endpoint.address;
-    sacn.interface_name = endpoint.interface_name;
-    if (endpoint.udp_port != 0) sacn.port = endpoint.udp_port;
+    auto sacn = drivers::options_of<drivers::SacnSourceOptions>(endpoint, own_senders_);
     sacn.hear_preview = options.hear_preview;
-    sacn.own_senders = own_senders_;
     return drivers::make_sacn_source(sacn);
   }
-  drivers::ArtnetSourceOptions artnet;
-  artnet.name = endpoint.text;
-  artnet.universes = endpoint.universes;
-  artnet.address = endpoint.address;
-  artnet.interface_name = endpoint.interface_name;
-  if (endpoint.udp_port != 0) artnet.port = endpoint.udp_port;
+  auto artnet = drivers::options_of<drivers::ArtnetSourceOptions>(endpoint, own_senders_);
   artnet.priority = static_cast<std::uint8_t>(options.priority);
-  artnet.own_senders = own_senders_;
   return drivers::make_artnet_source(artnet);
 }
 
@@ -99,27 +87,15 @@ Result<std::unique_ptr<Sink>> PortOpener::open_sink(const Endpoint& endpoint, st
     case EndpointKind::kNetwork: break;
   }
   if (endpoint.scheme == "sacn") {
-    drivers::SacnSinkOptions sacn;
-    sacn.name = endpoint.text;
-    sacn.universes = endpoint.universes;
-    sacn.address = endpoint.address;
-    sacn.interface_name = endpoint.interface_name;
-    if (endpoint.udp_port != 0) sacn.port = endpoint.udp_port;
+    auto sacn = drivers::options_of<drivers::SacnSinkOptions>(endpoint, own_senders_);
     sacn.source_name = options.source_name;
     sacn.priority = static_cast<std::uint8_t>(options.priority);
     sacn.preview = options.preview;
     sacn.rate_hz_max = options.rate_hz_max;
-    sacn.own_senders = own_senders_;
     return drivers::make_sacn_sink(sacn);
   }
-  drivers::ArtnetSinkOptions artnet;
-  artnet.name = endpoint.text;
-  artnet.universes = endpoint.universes;
-  artnet.address = endpoint.address;
-  artnet.interface_name = endpoint.interface_name;
-  if (endpoint.udp_port != 0) artnet.port = endpoint.udp_port;
+  auto artnet = drivers::options_of<drivers::ArtnetSinkOptions>(endpoint, own_senders_);
   artnet.rate_hz_max = options.rate_hz_max;
-  artnet.own_senders = own_senders_;
   return drivers::make_artnet_sink(artnet);
 }
 
