@@ -14,7 +14,7 @@
 #include <string_view>
 
 #include "drivers/mock/enttec_pro_model.h"
-#include "drivers/usb/transport.h"
+#include "drivers/device/transport.h"
 #include "sim/core/clock.h"
 
 namespace footlight::drivers::mock {

@@ -23,7 +23,7 @@
 
 #include "drivers/driver.h"
 #include "drivers/usb/enttec_pro_frame.h"
-#include "drivers/usb/transport.h"
+#include "drivers/device/transport.h"
 #include "sim/core/ports.h"
 
 namespace footlight::drivers {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "drivers/registry.h"
-#include "drivers/usb/transport.h"
+#include "drivers/device/transport.h"
 
 namespace footlight::drivers {
 

@@ -20,6 +20,10 @@ inline constexpr int kUniverseMax = 63'999;  // E1.31-2018 section 6.2.7
 inline constexpr std::uint8_t kPriorityDefault = 100;  // E1.31-2018 section 6.2.3
 inline constexpr std::uint8_t kPriorityMax = 200;
 
+// What the slots of a frame mean (E1.11 section 8.5). All others are dropped by the port that meets them.
+inline constexpr std::uint8_t kStartCodeLevels = 0x00;
+inline constexpr std::uint8_t kStartCodePriorities = 0xDD;  // per-address priority, an ETC extension of sACN
+
 using Universe = int;  // as people count: 1 to kUniverseMax
 using Address = int;   // as people count: 1 to 512
 using Slots = std::array<std::uint8_t, kSlotCountMax>;
@@ -39,7 +43,13 @@ struct FrameView {
   std::uint32_t sequence = 0;   // of the sender, as it came over the wire; 0 where the wire has none
   std::uint8_t priority = kPriorityDefault;  // 0 to 200
   bool terminated = false;      // the sender says that it stops sending this universe; slots are ignored
-  std::span<const std::uint8_t> slots;       // 0 to 512 levels, slot 0 = address 1; slots past the end are unchanged
+  std::uint8_t start_code = kStartCodeLevels;  // what the slots mean
+  // How long the sender may be silent before it is forgotten; 0: as the merge is told. For protocols whose senders
+  // repeat themselves less often than E1.31's (Art-Net: 4 s between repeats, 10 s to be forgotten).
+  DurationNs silence_max_ns = 0;
+  // 0 to 512 levels, slot 0 = address 1; slots past the end are unchanged. With kStartCodePriorities: a priority for
+  // each address, 0 = not sent by this sender; addresses past the end have 0.
+  std::span<const std::uint8_t> slots;
 };
 
 // What the buffer keeps beside the 512 levels.

@@ -57,6 +57,9 @@ class Source : public Port {
   virtual Status poll(TimeNs now_ns, FrameReceiver& receiver) = 0;
   // The universes that it may deliver, after renumbering.
   [[nodiscard]] virtual std::span<const Universe> universes() const = 0;
+  // What people call a sender whose frames this source has delivered: "FOH desk (10.0.0.7)"; empty: nothing better than
+  // the port's own name. On the pump's thread; may allocate.
+  [[nodiscard]] virtual std::string sender_text(SenderId /*sender*/) const { return {}; }
 };
 
 class Sink : public Port {
