@@ -1,23 +1,40 @@
-// Datagrams on port 6454, any whatever. Build with clang and -DFOOTLIGHT_FUZZ=ON; run: artnet_fuzz -max_len=1280
+// Datagrams on port 6454, any whatever.
 //
 // What is accepted lies in the ranges that artnet_packet.h states, and an ArtDmx built anew from what was read reads
 // the same again, but for the slot that makes its length even.
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 
 #include "drivers/net/artnet_packet.h"
-
-namespace {
+#include "tests/fuzz/fuzz.h"
 
 using namespace footlight;
 using namespace footlight::drivers;
+using footlight::testing::require;
 
-void require(bool holds) {
-  if (!holds) std::abort();
+void footlight::testing::add_seeds(Seeds& seeds) {
+  std::array<std::uint8_t, kSlotCountMax> slots;
+  for (std::size_t i = 0; i < slots.size(); ++i) slots[i] = static_cast<std::uint8_t>(i);
+  std::array<std::uint8_t, kArtnetDmxBytesMax> packet;
+  ArtnetDmx dmx;
+  dmx.port_address = 0x1234;
+  dmx.sequence = 7;
+  for (const std::size_t count : {std::size_t{2}, std::size_t{24}, slots.size()}) {
+    dmx.slots = std::span(slots).first(count);
+    const std::size_t size = build_artnet_dmx(dmx, packet);
+    seeds.add("dmx-" + std::to_string(count), std::span(packet).first(size));
+  }
+  ArtnetPollReply reply;
+  reply.short_name = "Footlight";
+  reply.long_name = "Footlight";
+  const ArtnetPollReply::Port ports[] = {{0, true}, {1, false}};
+  reply.ports = ports;
+  std::array<std::uint8_t, kArtnetPollReplyBytes> reply_packet;
+  seeds.add("poll-reply", std::span(reply_packet).first(build_artnet_poll_reply(reply, reply_packet)));
+  using namespace std::string_view_literals;
+  seeds.add("poll", "Art-Net\0\x00\x20\x00\x0E\x20\x00\x7F\xFF\x00\x00"sv);
+  seeds.add("sync", "Art-Net\0\x00\x52\x00\x0E\x00\x00"sv);
 }
-
-}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto packet = parse_artnet_packet({data, size});

@@ -1,21 +1,19 @@
-// Datagrams on port 5568, any whatever. Build with clang and -DFOOTLIGHT_FUZZ=ON; run: sacn_fuzz -max_len=1280
+// Datagrams on port 5568, any whatever.
 //
 // What is accepted lies in the ranges that sacn_packet.h states, and a data packet built anew from what was read reads
 // the same again.
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 
 #include "drivers/net/sacn_packet.h"
+#include "tests/fuzz/fuzz.h"
 
 namespace {
 
 using namespace footlight;
 using namespace footlight::drivers;
 
-void require(bool holds) {
-  if (!holds) std::abort();
-}
+using footlight::testing::require;
 
 void check(const SacnData& data) {
   require(is_universe(data.universe));
@@ -42,6 +40,31 @@ void check(const SacnDiscovery& discovery) {
 }
 
 }  // namespace
+
+void footlight::testing::add_seeds(Seeds& seeds) {
+  std::array<std::uint8_t, kSlotCountMax> slots;
+  for (std::size_t i = 0; i < slots.size(); ++i) slots[i] = static_cast<std::uint8_t>(i);
+  std::array<std::uint8_t, kSacnDataBytesMax> packet;
+  SacnData data;
+  data.cid = {1, 2, 3};
+  data.source_name = "Footlight";
+  data.universe = 300;
+  data.sync_universe = 7;
+  data.sequence = 9;
+  data.force_sync = true;
+  for (const std::size_t count : {std::size_t{0}, std::size_t{24}, slots.size()}) {
+    data.slots = std::span(slots).first(count);
+    data.start_code = count == 24 ? 0xDD : 0;
+    const std::size_t size = build_sacn_data(data, packet);
+    seeds.add("data-" + std::to_string(count), std::span(packet).first(size));
+  }
+  using namespace std::string_literals;
+  const std::string root = "\x00\x10\x00\x00" "ASC-E1.17\0\0\0"s;
+  const std::string cid(16, 'c');
+  seeds.add("sync", root + "\x70\x21\0\0\0\x08"s + cid + "\x70\x0B\0\0\0\x01\x05\x00\x07\0\0"s);
+  seeds.add("discovery", root + "\x70\x6C\0\0\0\x08"s + cid + "\x70\x56\0\0\0\x02"s + std::string(64, 'n') +
+                             std::string(4, '\0') + "\x70\x0C\0\0\0\x01\0\0\0\x01\0\x02"s);
+}
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto packet = parse_sacn_packet({data, size});
