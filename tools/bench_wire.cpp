@@ -11,6 +11,7 @@
 //   bench_wire -- footlight run --in sacn:1-9%lo --out sacn:101-109=1-9%lo
 //   bench_wire --from artnet:1-9@127.0.0.1 -- footlight run --in sacn:1-9%lo --out artnet:1-9@127.0.0.1
 //   bench_wire --pid 1234          a device that is running already; its processor time is taken from /proc
+//   bench_wire --to sacn:1-9%lo --from artnet:2-5@127.0.0.1 --pid 1234    only four of the nine are heard
 //   bench_wire --relay             a device of a few lines in a process of its own: our ports and no more
 //
 // A frame that the device replaced by a newer one of its universe counts as lost: after a stall of more than one
@@ -189,6 +190,7 @@ struct Wanted {
   double rate_hz = 44.0;
   double seconds = 10.0;
   pid_t pid = 0;
+  std::string latencies;
   std::vector<std::string> command;
 };
 
@@ -316,12 +318,22 @@ void print(const Wanted& wanted, const Report& report) {
   if (report.cpu_percent >= 0) fmt::print("device   {:.2f} % of one core\n", report.cpu_percent);
 }
 
+// One latency a line, in ns, the shortest first.
+Status write_latencies(const std::string& path, const Report& report) {
+  std::ofstream file(path);
+  for (const DurationNs latency_ns : report.latencies_ns) file << latency_ns << '\n';
+  file.close();
+  if (!file) return fail(ErrorCode::kIo, "{}: cannot be written", path);
+  return {};
+}
+
 Status run(const Wanted& wanted) {
   FL_ASSIGN(const Endpoint to, parse_endpoint(wanted.to, {}));
   FL_ASSIGN(const Endpoint from, parse_endpoint(wanted.floor ? wanted.to : wanted.from, {}));
-  if (to.universes.size() != from.universes.size()) {
-    return fail(ErrorCode::kBadInput, "{} and {} name {} and {} universes; expected as many on both sides", wanted.to,
-                wanted.from, to.universes.size(), from.universes.size());
+  if (from.universes.size() > to.universes.size() || (wanted.use_relay && from.universes.size() < to.universes.size())) {
+    return fail(ErrorCode::kBadInput, "{} and {} name {} and {} universes; expected {} on both sides", wanted.to,
+                wanted.from, to.universes.size(), from.universes.size(),
+                wanted.use_relay ? "as many" : "no fewer on the first");
   }
   std::unique_ptr<Child> child;
   if (wanted.use_relay) {
@@ -352,7 +364,7 @@ Status run(const Wanted& wanted) {
   FL_ASSIGN(const auto sink, drivers::make_net_sink(to, nullptr));
   FL_ASSIGN(const Report report, measure(wanted, *source, *sink, child ? child->pid() : wanted.pid));
   print(wanted, report);
-  return {};
+  return wanted.latencies.empty() ? Status{} : write_latencies(wanted.latencies, report);
 }
 
 }  // namespace
@@ -369,6 +381,7 @@ int main(int argc, char** argv) {
   app.add_flag("--relay", wanted.use_relay, "The device is the smallest bridge there is");
   app.add_option("--pid", wanted.pid, "The device runs already; measure this process");
   app.add_flag("--json", wanted.json, "One line of JSON");
+  app.add_option("--latencies", wanted.latencies, "Write every latency into this file, in ns, one a line");
   app.add_option("command", wanted.command, "After --: start this as the device");
   CLI11_PARSE(app, argc, argv);
   const auto status = footlight::run(wanted);
