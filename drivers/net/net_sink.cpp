@@ -6,6 +6,13 @@
 #include "drivers/net/net_source.h"
 
 namespace footlight::drivers {
+namespace {
+
+bool is_buffer_full(int error_number) {
+  return error_number == EAGAIN || error_number == EWOULDBLOCK || error_number == ENOBUFS;
+}
+
+}  // namespace
 
 NetSink::NetSink(Settings settings, std::vector<std::uint32_t> destinations, Fd socket)
     : settings_(std::move(settings)),
@@ -77,39 +84,63 @@ void NetSink::find_interface_again() {
   if (leaving && leave_through(socket_, leaving->index) != 0) ++counters_.errors;
 }
 
+void NetSink::send_again(std::size_t place, TimeNs now_ns) {
+  if (socket_ && outlets_[place].known) due_ns_[place] = now_ns;
+}
+
 void NetSink::transmit(TimeNs now_ns) {
   if (pending_.empty()) return;
   if (!trouble_.empty()) find_interface_again();
+  ends_.clear();
+  std::size_t datagram_count = 0;
   for (const std::size_t place : pending_) {
     Outlet& outlet = outlets_[place];
     outlet.pending = false;
     const std::size_t size =
         write_packet({outlet.packet, place, false, std::span(outlet.slots).first(outlet.slot_count)});
-    writer_.add(std::span(outlet.packet).first(size), destinations_[place], settings_.udp_port);
+    for (const std::uint32_t ipv4 : destinations_of(place)) {
+      writer_.add(std::span(outlet.packet).first(size), ipv4, settings_.udp_port);
+      ++datagram_count;
+    }
+    ends_.push_back(datagram_count);
   }
-  const auto sent = writer_.flush(socket_.get());
-  for (std::size_t i = 0; i < sent.count; ++i) {
-    Outlet& outlet = outlets_[pending_[i]];
-    outlet.unsent = false;
-    due_ns_[pending_[i]] = now_ns + (outlet.repeats_left > 0 ? kRepeatIntervalNs : kKeepAliveNs);
+  if (datagram_count > 0) end_batch(writer_);
+  writer_.flush_each(socket_.get(), error_numbers_);
+
+  bool any_sent = false;
+  std::string trouble;
+  for (std::size_t i = 0, at = 0; i < pending_.size(); ++i) {
+    const std::size_t place = pending_[i];
+    Outlet& outlet = outlets_[place];
+    std::size_t sent = 0;
+    bool full = false;
+    const std::size_t first = at;
+    for (; at < ends_[i]; ++at) {
+      const int error_number = error_numbers_[at];
+      sent += error_number == 0;
+      full |= is_buffer_full(error_number);
+      if (error_number == 0 || is_buffer_full(error_number)) continue;
+      ++counters_.errors;
+    }
+    // Nobody to send to is no failure. One of several receivers out of reach is none for the others.
+    outlet.unsent = full || (sent == 0 && at > first);
+    if (outlet.unsent) {
+      due_ns_[place] = now_ns + (full ? kRetryFullNs : kRetryDownNs);
+      if (!full && trouble.empty()) {
+        const std::uint32_t ipv4 = destinations_of(place).front();
+        trouble = net_error(settings_.name, fmt::format("send to {}:{}", text_of_ipv4(ipv4), settings_.udp_port),
+                            error_numbers_[first])
+                      .message;
+      }
+      continue;
+    }
+    due_ns_[place] = now_ns + (outlet.repeats_left > 0 ? kRepeatIntervalNs : kKeepAliveNs);
+    if (sent == 0) continue;
+    ++counters_.frames;
+    any_sent = true;
   }
-  counters_.frames += sent.count;
-  const bool full = sent.error_number == EAGAIN || sent.error_number == EWOULDBLOCK || sent.error_number == ENOBUFS;
-  for (std::size_t i = sent.count; i < pending_.size(); ++i) {
-    outlets_[pending_[i]].unsent = true;
-    due_ns_[pending_[i]] = now_ns + (full ? kRetryFullNs : kRetryDownNs);
-  }
-  if (sent.error_number != 0 && !full) {
-    ++counters_.errors;
-    trouble_ =
-        net_error(settings_.name,
-                  fmt::format("send to {}:{}", text_of_ipv4(destinations_[pending_[sent.count]]), settings_.udp_port),
-                  sent.error_number)
-            .message;
-  } else if (sent.count > 0) {
-    trouble_.clear();
-    has_sent_ = true;
-  }
+  if (!trouble.empty() || any_sent) trouble_ = std::move(trouble);
+  has_sent_ |= any_sent;
   pending_.clear();
 }
 
@@ -122,7 +153,9 @@ void NetSink::close(TimeNs) {
       if (!outlet.known) continue;
       const std::size_t size =
           write_packet({outlet.packet, place, true, std::span(outlet.slots).first(outlet.slot_count)});
-      writer_.add(std::span(outlet.packet).first(size), destinations_[place], settings_.udp_port);
+      for (const std::uint32_t ipv4 : destinations_of(place)) {
+        writer_.add(std::span(outlet.packet).first(size), ipv4, settings_.udp_port);
+      }
     }
     if (writer_.flush(socket_.get()).error_number != 0) ++counters_.errors;
   }

@@ -61,6 +61,17 @@ class NetSink : public Sink {
 
   // Writes the next packet of a universe and returns its size; numbers it too.
   virtual std::size_t write_packet(const Packet& packet) = 0;
+  // IPv4 addresses that the packets of a universe go to; may be empty. Valid until the next change by the protocol.
+  [[nodiscard]] virtual std::span<const std::uint32_t> destinations_of(std::size_t place) const {
+    return {&destinations_[place], 1};
+  }
+  // Adds what follows the packets of one call, such as a synchronisation packet; its bytes stay until the next call.
+  virtual void end_batch(DatagramWriter& /*writer*/) {}
+  // Has the newest look of a universe go out with the next poll(), which is due at once.
+  void send_again(std::size_t place, TimeNs now_ns);
+  [[nodiscard]] const Fd& socket() const { return socket_; }
+  void count_error() { ++counters_.errors; }
+  void count_rejected() { ++counters_.rejected; }
   // Whether close() sends three packets that end each universe.
   [[nodiscard]] virtual bool says_goodbye() const = 0;
   [[nodiscard]] std::span<std::uint8_t> packet_bytes(std::size_t place) { return outlets_[place].packet; }
@@ -89,6 +100,8 @@ class NetSink : public Sink {
   std::vector<Outlet> outlets_;
   std::vector<TimeNs> due_ns_;  // per universe; kTimeNever before its first frame
   std::vector<std::size_t> pending_;
+  std::vector<std::size_t> ends_;   // of transmit(): the datagrams of pending_[i] end before ends_[i]
+  std::vector<int> error_numbers_;  // of transmit(): per datagram
   Fd socket_;
   DatagramWriter writer_;
   PortCounters counters_;

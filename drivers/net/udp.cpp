@@ -8,6 +8,7 @@
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>
+#include <linux/filter.h>
 #include <linux/if_packet.h>
 #include <linux/netlink.h>
 #include <linux/rtnetlink.h>
@@ -209,6 +210,47 @@ Result<Fd> open_sender(const SenderSocket& wanted) {
   return socket;
 }
 
+Result<Fd> open_yielding_sender(const SenderSocket& wanted, std::uint16_t udp_port,
+                                std::span<const std::uint16_t> op_code_filter) {
+  bool ipv6 = true;
+  Fd socket(::socket(AF_INET6, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (socket) set_option(socket, IPPROTO_IPV6, IPV6_V6ONLY, 0);
+  sockaddr_in6 any6 = {};
+  any6.sin6_family = AF_INET6;
+  any6.sin6_port = htons(udp_port);
+  for (;; ipv6 = false) {
+    if (!ipv6) socket = Fd(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+    if (!socket && ipv6) continue;
+    if (!socket) return tl::unexpected(net_error(wanted.port_name, "open a UDP socket", errno));
+    set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
+    set_option(socket, SOL_SOCKET, SO_REUSEPORT, 1);
+    set_option(socket, SOL_SOCKET, SO_BROADCAST, 1);
+    set_option(socket, IPPROTO_IP, IP_PKTINFO, 1);
+    set_option(socket, SOL_SOCKET, SO_TIMESTAMPNS, 1);
+    const sockaddr_in any4 = address_of(0, udp_port);
+    const int bound = ipv6 ? ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&any6), sizeof any6)
+                           : ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&any4), sizeof any4);
+    if (bound == 0) break;
+    if (ipv6 && errno == EADDRNOTAVAIL) continue;  // IPv6 is switched off
+    const int error_number = errno;
+    return tl::unexpected(net_error(wanted.port_name, fmt::format("send from UDP port {}", udp_port), error_number));
+  }
+  if (!op_code_filter.empty()) {
+    // A filter of a UDP socket sees the datagram from its UDP header on, which has 8 octets.
+    std::vector<sock_filter> program = {BPF_STMT(BPF_LD | BPF_H | BPF_ABS, 8 + 8)};
+    for (const std::uint16_t op_code : op_code_filter) {
+      const auto as_read = static_cast<std::uint16_t>(op_code << 8 | op_code >> 8);  // BPF reads high octet first
+      program.push_back(BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, as_read, 0, 1));
+      program.push_back(BPF_STMT(BPF_RET | BPF_K, UINT32_MAX));
+    }
+    program.push_back(BPF_STMT(BPF_RET | BPF_K, 0));
+    const sock_fprog filter = {static_cast<unsigned short>(program.size()), program.data()};
+    // Without the filter there is more to read and throw away, no more.
+    setsockopt(socket.get(), SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter);
+  }
+  return socket;
+}
+
 int leave_through(const Fd& socket, int interface_index) {
   ip_mreqn request = {};
   request.imr_ifindex = interface_index;
@@ -253,7 +295,7 @@ struct DatagramReader::Buffers {
       CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t)) + CMSG_SPACE(sizeof(in_pktinfo));
   std::array<mmsghdr, kBatch> messages = {};
   std::array<iovec, kBatch> parts = {};
-  std::array<sockaddr_in, kBatch> senders = {};
+  std::array<sockaddr_in6, kBatch> senders = {};  // or sockaddr_in, which is smaller
   struct alignas(cmsghdr) Control {
     std::array<char, kControlBytes> bytes;
   };
@@ -276,7 +318,7 @@ DatagramReader::~DatagramReader() = default;
 
 int DatagramReader::read(int fd) {
   for (auto& message : buffers_->messages) {  // the kernel wrote the sizes of the last batch over these
-    message.msg_hdr.msg_namelen = sizeof(sockaddr_in);
+    message.msg_hdr.msg_namelen = sizeof(sockaddr_in6);
     message.msg_hdr.msg_controllen = Buffers::kControlBytes;
   }
   const int count = recvmmsg(fd, buffers_->messages.data(), kBatch, MSG_DONTWAIT, nullptr);
@@ -289,8 +331,18 @@ int DatagramReader::read(int fd) {
     datagram.bytes =
         std::span(buffers_->data[i]).first(std::min<std::size_t>(buffers_->messages[i].msg_len, kDatagramBytesMax));
     datagram.truncated = (header.msg_flags & MSG_TRUNC) != 0;
-    datagram.from_ipv4 = ntohl(buffers_->senders[i].sin_addr.s_addr);
-    datagram.from_udp_port = ntohs(buffers_->senders[i].sin_port);
+    const sockaddr_in6& sender = buffers_->senders[i];
+    sockaddr_in sender4 = {};
+    std::memcpy(&sender4, &sender, sizeof sender4);
+    if (sender.sin6_family == AF_INET6) {
+      // ::ffff:a.b.c.d from an IPv6 socket that speaks IPv4. True IPv6 leaves 0.0.0.0, which nobody answers.
+      sender4.sin_addr.s_addr = 0;
+      if (IN6_IS_ADDR_V4MAPPED(&sender.sin6_addr)) {
+        std::memcpy(&sender4.sin_addr, &sender.sin6_addr.s6_addr[12], sizeof sender4.sin_addr);
+      }
+    }
+    datagram.from_ipv4 = ntohl(sender4.sin_addr.s_addr);
+    datagram.from_udp_port = ntohs(sender4.sin_port);
     for (cmsghdr* control = CMSG_FIRSTHDR(&header); control != nullptr; control = CMSG_NXTHDR(&header, control)) {
       if (control->cmsg_level == SOL_SOCKET && control->cmsg_type == SCM_TIMESTAMPNS) {
         timespec stamp = {};
@@ -326,7 +378,7 @@ void DatagramWriter::add(std::span<const std::uint8_t> bytes, std::uint32_t ipv4
   batch_->receivers.push_back(address_of(ipv4, udp_port));
 }
 
-DatagramWriter::Sent DatagramWriter::flush(int fd) {
+void DatagramWriter::prepare() {
   const std::size_t total = batch_->parts.size();
   batch_->messages.assign(total, mmsghdr{});
   for (std::size_t i = 0; i < total; ++i) {
@@ -336,6 +388,11 @@ DatagramWriter::Sent DatagramWriter::flush(int fd) {
     header.msg_name = &batch_->receivers[i];
     header.msg_namelen = sizeof(sockaddr_in);
   }
+}
+
+DatagramWriter::Sent DatagramWriter::flush(int fd) {
+  prepare();
+  const std::size_t total = batch_->parts.size();
   Sent sent;
   while (sent.count < total) {
     const auto left = static_cast<unsigned>(std::min<std::size_t>(total - sent.count, 1024));  // UIO_MAXIOV
@@ -350,6 +407,32 @@ DatagramWriter::Sent DatagramWriter::flush(int fd) {
   batch_->parts.clear();
   batch_->receivers.clear();
   return sent;
+}
+
+void DatagramWriter::flush_each(int fd, std::vector<int>& error_numbers) {
+  constexpr int kRefusalsMax = 64;
+  prepare();
+  const std::size_t total = batch_->parts.size();
+  error_numbers.assign(total, 0);
+  int refusals = 0;
+  for (std::size_t at = 0; at < total;) {
+    const auto left = static_cast<unsigned>(std::min<std::size_t>(total - at, 1024));  // UIO_MAXIOV
+    const int count = sendmmsg(fd, batch_->messages.data() + at, left, MSG_DONTWAIT);
+    if (count >= 0) {
+      at += static_cast<std::size_t>(count);
+      refusals = 0;
+      continue;
+    }
+    const int error_number = errno;
+    if (error_number == EINTR) continue;
+    error_numbers[at++] = error_number;
+    const bool full = error_number == EAGAIN || error_number == EWOULDBLOCK || error_number == ENOBUFS;
+    if (!full && ++refusals < kRefusalsMax) continue;
+    std::fill(error_numbers.begin() + static_cast<std::ptrdiff_t>(at), error_numbers.end(), error_number);
+    break;
+  }
+  batch_->parts.clear();
+  batch_->receivers.clear();
 }
 
 InterfaceWatch::InterfaceWatch()

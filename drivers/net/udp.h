@@ -75,6 +75,13 @@ struct SenderSocket {
 };
 // Non-blocking, bound to a port that the system picks, heard by other sockets of this machine too.
 [[nodiscard]] Result<Fd> open_sender(const SenderSocket& wanted);
+// The same, bound to `udp_port` beside whatever listens there, for protocols whose answers come to a fixed port. It
+// hears broadcasts, and unicast only where no other socket of this machine wants it, so that it takes nothing away: it
+// is an IPv6 socket that speaks IPv4, and Linux prefers IPv4 sockets (compute_score() in net/ipv4/udp.c). Without IPv6
+// in the kernel it shares the port like open_receiver(). Packet information as there; `op_code_filter` has the kernel
+// drop all datagrams but those with one of these 16-bit numbers, low octet first, at octet 8; empty: all.
+[[nodiscard]] Result<Fd> open_yielding_sender(const SenderSocket& wanted, std::uint16_t udp_port,
+                                              std::span<const std::uint16_t> op_code_filter);
 // Has the multicast of an open sender leave through this interface. errno, or 0.
 [[nodiscard]] int leave_through(const Fd& socket, int interface_index);
 [[nodiscard]] std::uint16_t local_udp_port(const Fd& socket);
@@ -130,9 +137,14 @@ class DatagramWriter {
   };
   // Empties the batch, sent or not. Stops at the first datagram that the system refuses.
   Sent flush(int fd);
+  // The same, and goes on after a datagram that the system refuses, since the next may have another receiver. Writes
+  // why each has not gone, 0 where it has; those that were not tried have the error of the last that was: all behind a
+  // full buffer, and behind 64 refusals in a row.
+  void flush_each(int fd, std::vector<int>& error_numbers);
 
  private:
   struct Batch;
+  void prepare();
   std::unique_ptr<Batch> batch_;
 };
 
