@@ -22,10 +22,15 @@ constexpr std::uint8_t kHeard = 2;  // because a frame came, so that its age is 
 constexpr std::uint8_t kHeld = 4;   // the rate cap holds it back
 
 Timing timing_of(const Histogram& histogram) {
-  return {.count = histogram.count(),
-          .p50_ns = histogram.quantile_ns(0.50),
-          .p99_ns = histogram.quantile_ns(0.99),
-          .max_ns = histogram.max_ns()};
+  Timing timing = {.count = histogram.count(),
+                   .sum_ns = histogram.sum_ns(),
+                   .p50_ns = histogram.quantile_ns(0.50),
+                   .p99_ns = histogram.quantile_ns(0.99),
+                   .max_ns = histogram.max_ns()};
+  for (int k = 0; k < kTimingPowerCount; ++k) {
+    timing.below[static_cast<std::size_t>(k)] = histogram.count_below_power(kTimingPowerFirst + k);
+  }
+  return timing;
 }
 
 }  // namespace
@@ -83,14 +88,17 @@ void Pump::Inlet::receive(const FrameView& frame) {
   const Merge::Received received = pump_.merge_.receive(index, frame, now_ns);
   if (received == Merge::Received::kRefusedFull && !universe.said_full) {
     universe.said_full = true;
-    pump_.say(fmt::format("{}: universe {} has {} senders already; frames of further ones are refused and counted",
-                          run->name, frame.universe, kSendersPerUniverseMax));
+    pump_.say(NoticeLevel::kWarning, "sender-refused", *run,
+              fmt::format("universe {} has {} senders already; frames of further ones are refused and counted",
+                          frame.universe, kSendersPerUniverseMax),
+              frame.universe);
   }
   if (received == Merge::Received::kRefusedPriority && !universe.said_priority) {
     universe.said_priority = true;
-    pump_.say(
-        fmt::format("{}: universe {}: a sender has priority {}; expected 0 to {}; its frames are ignored and counted",
-                    run->name, frame.universe, frame.priority, kPriorityMax));
+    pump_.say(NoticeLevel::kWarning, "priority-refused", *run,
+              fmt::format("universe {}: a sender has priority {}; expected 0 to {}; its frames are ignored and counted",
+                          frame.universe, frame.priority, kPriorityMax),
+              frame.universe);
   }
 }
 
@@ -213,7 +221,10 @@ void Pump::settle(PortRun& run, const Status& result, TimeNs now_ns) {
   }
   if (run.down) {
     run.held_until_ns = kTimeNever;
-    if (!run.said_down) say(fmt::format("{}: lost: {}", run.name, run.failed ? run.trouble : run.port->trouble()));
+    if (!run.said_down) {
+      say(NoticeLevel::kWarning, "port-lost", run,
+          fmt::format("lost: {}", run.failed ? run.trouble : run.port->trouble()));
+    }
     run.said_down = true;
   } else {
     if (run.sink != nullptr) mark_every_look(run);
@@ -228,7 +239,7 @@ void Pump::say_back(PortRun& run) {
   if (!run.said_down) return;
   run.said_down = false;
   run.trouble.clear();
-  say(fmt::format("{}: back", run.name));
+  say(NoticeLevel::kInfo, "port-back", run, "back");
 }
 
 // Listens to the port's descriptor, or to none. `again`: even if the number is the one that is listened to.
@@ -252,12 +263,15 @@ void Pump::watch(PortRun& run, bool again) {
     ++run.failures;
     run.retry_ns = kRetryMaxNs;
     run.said_down = true;
-    say(fmt::format("{}: lost: {}", run.name, run.trouble));
+    say(NoticeLevel::kWarning, "port-lost", run, fmt::format("lost: {}", run.trouble));
   }
 }
 
-void Pump::say(const std::string& line) const {
-  if (options_.say) options_.say(line);
+void Pump::say(NoticeLevel level, std::string_view id, const PortRun& run, const std::string& text,
+               Universe universe) const {
+  if (!options_.say) return;
+  const std::string line = fmt::format("{}: {}", run.name, text);
+  options_.say({.level = level, .id = id, .text = line, .port = run.name, .universe = universe});
 }
 
 // --- Time ------------------------------------------------------------------------------------------------------------
@@ -314,7 +328,8 @@ Pump::PortRun Pump::make_run(Port& port, std::span<const Universe> universes) co
     if (is_new) run.position_of_index[static_cast<std::size_t>(index)] = static_cast<int>(run.index_of_position.size());
     run.index_of_position.push_back(is_new ? index : -1);
     if (index < 0)
-      say(fmt::format("{}: universe {} is not among those of this run; it stays unused", run.name, universe));
+      say(NoticeLevel::kWarning, "universe-unused", run,
+          fmt::format("universe {} is not among those of this run; it stays unused", universe), universe);
   }
   run.frames.resize(run.universes.size());
   run.frames_before.resize(run.universes.size());

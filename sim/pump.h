@@ -30,9 +30,9 @@
 // back; once every status_period_ns it copies out what it has counted, if somebody has asked.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <mutex>
 #include <span>
 #include <string>
@@ -41,6 +41,7 @@
 
 #include "sim/core/clock.h"
 #include "sim/core/histogram.h"
+#include "sim/core/notice.h"
 #include "sim/core/ports.h"
 #include "sim/merge.h"
 #include "sim/pace.h"
@@ -54,17 +55,23 @@ struct PumpOptions {
   MergeOptions merge;
   bool stop_at_end = false;               // run() returns when every source is kEnded (a replay)
   DurationNs status_period_ns = kNsPerS;  // over which rates are measured; > 0
-  // One line for people when something out of the ordinary happens: a port lost or back, a sender refused. Called on
-  // the pump's thread; must not block for long.
-  std::function<void(std::string_view line)> say;
+  // Told when something out of the ordinary happens: a port lost or back, a sender refused. Called on the pump's
+  // thread.
+  NoticeReceiver say;
 };
 
 // Quantiles to within 1/8 of their value, the largest exactly (sim/core/histogram.h). All 0 where count is 0.
+inline constexpr int kTimingPowerFirst = 14;
+inline constexpr int kTimingPowerCount = 14;
+
 struct Timing {
   std::uint64_t count = 0;
+  std::uint64_t sum_ns = 0;
   DurationNs p50_ns = 0;
   DurationNs p99_ns = 0;
   DurationNs max_ns = 0;
+  // How many were shorter than 2^(14 + k) ns: 16 us, 33 us, ... 134 ms. Exact.
+  std::array<std::uint64_t, kTimingPowerCount> below{};
 };
 
 struct PortUniverseStatus {
@@ -208,7 +215,8 @@ class Pump {
   void say_back(PortRun& run);
   void watch(PortRun& run, bool again);
   void record_lateness(PortRun& run, TimeNs deadline_ns, TimeNs now_ns);
-  void say(const std::string& line) const;
+  void say(NoticeLevel level, std::string_view id, const PortRun& run, const std::string& text,
+           Universe universe = 0) const;
   [[nodiscard]] TimeNs deadline_of(const PortRun& run) const;
   [[nodiscard]] bool is_due(const PortRun& run, TimeNs now_ns) const;
   [[nodiscard]] TimeNs next_deadline_ns();

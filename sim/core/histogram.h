@@ -20,11 +20,20 @@ class Histogram {
     const auto value = static_cast<std::uint64_t>(std::max<DurationNs>(duration_ns, 0));
     ++buckets_[bucket_of(value)];
     ++count_;
+    sum_ns_ += value;
     max_ns_ = std::max(max_ns_, static_cast<DurationNs>(value));
   }
 
   [[nodiscard]] std::uint64_t count() const { return count_; }
   [[nodiscard]] DurationNs max_ns() const { return max_ns_; }  // 0: nothing recorded
+  [[nodiscard]] std::uint64_t sum_ns() const { return sum_ns_; }
+  // How many were shorter than 2^power ns, exactly; `power` from 3 to 39.
+  [[nodiscard]] std::uint64_t count_below_power(int power) const {
+    const std::size_t end = bucket_of(std::uint64_t{1} << power);
+    std::uint64_t seen = 0;
+    for (std::size_t i = 0; i < end; ++i) seen += buckets_[i];
+    return seen;
+  }
 
   // The smallest bucket edge that at least `share` (0 to 1) of the values do not exceed; 0 where nothing was recorded.
   [[nodiscard]] DurationNs quantile_ns(double share) const {
@@ -62,6 +71,7 @@ class Histogram {
 
   std::array<std::uint64_t, kBucketCount> buckets_{};
   std::uint64_t count_ = 0;
+  std::uint64_t sum_ns_ = 0;
   DurationNs max_ns_ = 0;
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <cstdint>
 #include <vector>
 
@@ -31,6 +32,11 @@ TEST_CASE("a quantile is never below the true one and at most an eighth above it
   std::sort(values.begin(), values.end());
   CHECK(histogram.count() == values.size());
   CHECK(histogram.max_ns() == values.back());
+  CHECK(histogram.sum_ns() == std::accumulate(values.begin(), values.end(), std::uint64_t{0}));
+  for (int power = 3; power < 40; ++power) {
+    const auto end = std::lower_bound(values.begin(), values.end(), DurationNs{1} << power);
+    CHECK(histogram.count_below_power(power) == static_cast<std::uint64_t>(end - values.begin()));
+  }
   for (const double share : {0.0, 0.001, 0.01, 0.1, 0.5, 0.9, 0.99, 0.999, 1.0}) {
     const auto wanted = static_cast<std::size_t>(std::max(1.0, std::ceil(share * static_cast<double>(values.size()))));
     const DurationNs exact = values[wanted - 1];

@@ -31,7 +31,7 @@ struct World {
   std::unique_ptr<Pump> pump_owner;
 
   explicit World(PumpOptions options = {}) {
-    options.say = [this](std::string_view line) { said.emplace_back(line); };
+    options.say = [this](const Notice& notice) { said.emplace_back(notice.text); };
     pump_owner = std::make_unique<Pump>(universes, clock, waiter, options);
   }
   Pump& pump() { return *pump_owner; }

@@ -12,6 +12,7 @@
 #include "drivers/wait/epoll_waiter.h"
 #include "sim/universes.h"
 #include "tools/footlight/json_lines.h"
+#include "tools/footlight/open_ports.h"
 #include "tools/footlight/service.h"
 #include "tools/footlight/status_text.h"
 
@@ -20,7 +21,7 @@ namespace {
 
 constexpr DurationNs kStatusPeriodNs = 2 * kNsPerS;
 constexpr DurationNs kPumpSilentMaxNs = 5 * kNsPerS;  // latest_status() is at most two status periods of 1 s old
-constexpr std::size_t kNoticesMax = 64;
+constexpr std::size_t kEventsMax = 64;
 
 void print_json(const std::string& line) {
   std::fputs((line + "\n").c_str(), stdout);
@@ -30,19 +31,24 @@ void print_json(const std::string& line) {
 // Prints events and status, and keeps the service manager informed, on a thread of its own.
 class Reporter {
  public:
-  Reporter(Clock& clock, bool json, DurationNs run_for_ns)
-      : clock_(clock), json_(json), rewrite_(!json && isatty(STDERR_FILENO) != 0), run_for_ns_(run_for_ns) {}
+  Reporter(const Bridge& bridge, Clock& clock)
+      : clock_(clock),
+        json_(bridge.json),
+        rewrite_(!bridge.json && isatty(STDERR_FILENO) != 0),
+        event_format_(bridge.event_format.value_or(bridge.json ? EventFormat::kNone : EventFormat::kText)),
+        event_level_(bridge.event_level),
+        run_for_ns_(bridge.run_for_ns) {}
   ~Reporter() { stop(); }
   Reporter(const Reporter&) = delete;
   Reporter& operator=(const Reporter&) = delete;
 
-  // From the pump's thread: takes a copy and returns.
-  void say(std::string_view line) {
+  // From any thread: takes a copy and returns.
+  void say(const Notice& notice) {
     const std::lock_guard lock(mutex_);
-    if (notices_.size() < kNoticesMax) {
-      notices_.emplace_back(line);
+    if (events_.size() < kEventsMax) {
+      events_.emplace_back(notice, wall_clock_unix_ns());
     } else {
-      ++notices_lost_;
+      ++events_lost_;
     }
     wake_.notify_one();
   }
@@ -74,20 +80,23 @@ class Reporter {
     TimeNs end_ns = run_for_ns_ == kTimeNever ? kTimeNever : start_ns_ + run_for_ns_;
     (void)pump_->latest_status();  // asks for one
     while (true) {
-      std::vector<std::string> notices;
-      std::uint64_t notices_lost = 0;
+      std::vector<Event> events;
+      std::uint64_t events_lost = 0;
       bool last = false;
       {
         std::unique_lock lock(mutex_);
         const TimeNs next_ns = std::min({status_ns, alive_ns, end_ns});
         const auto patience = std::chrono::nanoseconds(std::max<DurationNs>(next_ns - clock_.now_ns(), 0));
-        wake_.wait_for(lock, patience, [this] { return stopping_ || !notices_.empty(); });
-        std::swap(notices, notices_);
-        std::swap(notices_lost, notices_lost_);
+        wake_.wait_for(lock, patience, [this] { return stopping_ || !events_.empty(); });
+        std::swap(events, events_);
+        std::swap(events_lost, events_lost_);
         last = stopping_;
       }
-      if (notices_lost != 0) notices.push_back(fmt::format("{} more events were not printed", notices_lost));
-      for (const std::string& notice : notices) print_notice(notice);
+      for (const Event& event : events) print_event(event);
+      if (events_lost != 0) {
+        const std::string text = fmt::format("{} more events were not printed", events_lost);
+        print_event({{.level = NoticeLevel::kWarning, .id = "events-lost", .text = text}, wall_clock_unix_ns()});
+      }
       const TimeNs now_ns = clock_.now_ns();
       if (now_ns >= end_ns) {
         pump_->request_stop();
@@ -107,13 +116,12 @@ class Reporter {
     service_.stopping();
   }
 
-  void print_notice(const std::string& line) {
-    if (json_) {
-      print_json(json_of_notice(line));
-    } else {
-      std::fputs(fmt::format("{}footlight: {}\n", line_shown_ ? "\r\033[K" : "", line).c_str(), stderr);
-      line_shown_ = false;
-    }
+  void print_event(const Event& event) {
+    if (json_) print_json(json_of_notice(event));
+    if (event.level < event_level_ || event_format_ == EventFormat::kNone) return;
+    if (line_shown_) std::fputs("\r\033[K", stderr);
+    line_shown_ = false;
+    write_event(event, event_format_);
   }
 
   void print_status(const PumpStatus& status) {
@@ -130,6 +138,8 @@ class Reporter {
   Clock& clock_;
   const bool json_;
   const bool rewrite_;
+  const EventFormat event_format_;
+  const NoticeLevel event_level_;
   const DurationNs run_for_ns_;
   Service service_;
   Pump* pump_ = nullptr;
@@ -138,8 +148,8 @@ class Reporter {
 
   std::mutex mutex_;  // guards what follows
   std::condition_variable wake_;
-  std::vector<std::string> notices_;
-  std::uint64_t notices_lost_ = 0;
+  std::vector<Event> events_;
+  std::uint64_t events_lost_ = 0;
   bool stopping_ = false;
 
   std::thread thread_;
@@ -159,7 +169,9 @@ void say_unfed(const Bridge& bridge, Reporter& reporter) {
     for (const Universe universe : sink->universes())
       if (!carries(bridge.sources, universe)) unfed.push_back(universe);
     if (!unfed.empty()) {
-      reporter.say(fmt::format("{}: no input brings universe {}", sink->name(), show_universes(unfed)));
+      const std::string name = sink->name();
+      const std::string text = fmt::format("{}: no input brings universe {}", name, show_universes(unfed));
+      reporter.say({.level = NoticeLevel::kWarning, .id = "universe-unfed", .text = text, .port = name});
     }
   }
 }
@@ -175,11 +187,11 @@ std::vector<Universe> sorted_once(std::vector<Universe> universes) {
 Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal) {
   FL_ASSIGN(const std::unique_ptr<Universes> universes, Universes::make(bridge.universes));
   FL_ASSIGN(const std::unique_ptr<drivers::EpollWaiter> waiter, drivers::EpollWaiter::make());
-  Reporter reporter(clock, bridge.json, bridge.run_for_ns);
+  Reporter reporter(bridge, clock);
   PumpOptions options;
   options.merge = bridge.merge;
   options.stop_at_end = bridge.stop_at_end;
-  options.say = [&reporter](std::string_view line) { reporter.say(line); };
+  options.say = [&reporter](const Notice& notice) { reporter.say(notice); };
   Pump pump(*universes, clock, *waiter, options);
   for (const auto& source : bridge.sources) pump.add_source(*source);
   for (const auto& sink : bridge.sinks) pump.add_sink(*sink);

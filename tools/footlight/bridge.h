@@ -1,12 +1,13 @@
 // Runs a pump until it is told to stop, and says how it goes: what `run`, `record` and `replay` have in common.
 //
 // On a terminal one line is rewritten every two seconds; with json a line is printed every two seconds and at each
-// event, on standard output; otherwise only events and a summary are printed. Events, status and summary for people go
-// to standard error. A thread of its own prints, so that a terminal that hangs does not hold up the pump; lines that it
-// cannot take in time are dropped and counted.
+// event, on standard output; otherwise only events (event_log.h) and a summary are printed. Events, status and summary
+// for people go to standard error. A thread of its own prints, so that a terminal that hangs does not hold up the pump;
+// lines that it cannot take in time are dropped and counted.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "sim/core/result.h"
 #include "sim/merge.h"
 #include "sim/pump.h"
+#include "tools/footlight/event_log.h"
 #include "tools/footlight/stop_signal.h"
 
 namespace footlight::tools {
@@ -32,6 +34,8 @@ struct Bridge {
   bool stop_at_end = false;
   DurationNs run_for_ns = kTimeNever;
   bool json = false;
+  std::optional<EventFormat> event_format;       // not set: text; with json none, since they are on standard output
+  NoticeLevel event_level = NoticeLevel::kInfo;  // of those that are written; json has all
 };
 
 struct BridgeReport {

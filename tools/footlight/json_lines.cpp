@@ -42,10 +42,27 @@ Json ports_of(const PumpStatus& status) {
   return ports;
 }
 
+Json facts_of(const Event& event, const char* id_key) {
+  Json json = {{"time", utc_text(event.unix_ns, 6)}, {"level", name_of(event.level)}, {id_key, event.id}};
+  if (!event.port.empty()) json["port"] = event.port;
+  if (event.universe != 0) json["universe"] = event.universe;
+  json["text"] = event.text;
+  return json;
+}
+
 }  // namespace
 
 std::string json_of_ready() { return line_of({{"event", "ready"}}); }
-std::string json_of_notice(std::string_view line) { return line_of({{"event", "notice"}, {"text", line}}); }
+
+std::string json_of_notice(const Event& event) {
+  Json json = {{"event", "notice"}};
+  json.update(facts_of(event, "id"));
+  return line_of(json);
+}
+
+std::string json_of_event(const Event& event) {
+  return line_of(facts_of(event, "event"));
+}
 
 std::string json_of_status(const PumpStatus& status) {
   Json universes = Json::array();

@@ -3,17 +3,21 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 #include "drivers/registry.h"
 #include "sim/dmx_log/dmx_log.h"
 #include "sim/dmx_log/ola_show.h"
 #include "sim/pump.h"
+#include "tools/footlight/event_log.h"
 
 namespace footlight::tools {
 
-[[nodiscard]] std::string json_of_ready();                           // "event": "ready": every port is open
-[[nodiscard]] std::string json_of_notice(std::string_view line);     // "event": "notice"
+[[nodiscard]] std::string json_of_ready();  // "event": "ready": every port is open
+// "event": "notice", with the "id" of what happened (docs/events.md), "level", "time" and "text"; "port" and "universe"
+// where it is about one.
+[[nodiscard]] std::string json_of_notice(const Event& event);
+// The same as a line of a log: "event" is the id.
+[[nodiscard]] std::string json_of_event(const Event& event);
 [[nodiscard]] std::string json_of_status(const PumpStatus& status);  // "event": "status"
 [[nodiscard]] std::string json_of_summary(const PumpStatus& status, DurationNs elapsed_ns);  // "event": "summary"
 [[nodiscard]] std::string json_of_device(const drivers::FoundDevice& device);

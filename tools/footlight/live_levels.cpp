@@ -21,10 +21,10 @@ Result<std::unique_ptr<LiveLevels>> LiveLevels::start(std::span<const Universe> 
   FL_ASSIGN(live->waiter_, drivers::EpollWaiter::make());
   live->sources_ = std::move(sources);
   PumpOptions options;
-  options.say = [self = live.get()](std::string_view line) {
+  options.say = [self = live.get()](const Notice& notice) {
     const std::lock_guard lock(self->mutex_);
     if (self->notices_.size() == kNoticesMax) self->notices_.erase(self->notices_.begin());
-    self->notices_.emplace_back(line);
+    self->notices_.emplace_back(notice.text);
   };
   live->pump_ = std::make_unique<Pump>(*live->universes_, clock, *live->waiter_, options);
   for (const auto& source : live->sources_) {

@@ -19,6 +19,8 @@ struct Options {
   bool wait_for_device = false;
   bool blackout_on_exit = false;
   bool json = false;
+  std::string log_format;
+  std::string log_level = "info";
   DurationNs run_for_ns = kTimeNever;
 };
 
@@ -57,6 +59,9 @@ Result<int> run(const Options& options) {
   bridge.merge = show.merge;
   bridge.json = options.json;
   bridge.run_for_ns = options.run_for_ns;
+  FL_ASSIGN(const EventFormat event_format, event_format_of(options.log_format));
+  if (!options.json || !options.log_format.empty()) bridge.event_format = event_format;
+  FL_ASSIGN(bridge.event_level, notice_level_of(options.log_level));
   for (Universe universe = kUniverseMin; universe <= show.universe_count; ++universe) {
     bridge.universes.push_back(universe);
   }
@@ -102,6 +107,9 @@ void add(Arguments& arguments) {
   arguments.flag("--blackout-on-exit", options->blackout_on_exit, "devices: send zeros at the end, not the last look");
   arguments.duration("--for", options->run_for_ns, "stop after this time, as in 90s or 1h30m");
   arguments.flag("--json", options->json, "status and events as JSON, one object a line");
+  arguments.option("--log-format", options->log_format, "WORD",
+                   "events as text, json or journal (systemd's fields); the journal by itself where it listens");
+  arguments.option("--log-level", options->log_level, "WORD", "write events from info, warning or error on");
   arguments.job([options]() -> Result<int> { return run(*options); });
 }
 
