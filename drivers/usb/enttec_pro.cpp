@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "drivers/usb/libusb_connector.h"
+#include "drivers/wait/real_time.h"
 #include "sim/core/check.h"
 
 namespace footlight::drivers {
@@ -61,7 +62,10 @@ class EnttecPro {
       if (!config_.wait_for_device || opened.error().code != ErrorCode::kNotFound) return opened;
       lose(opened.error());
     }
-    thread_ = std::jthread([this](std::stop_token stop) { run(stop); });
+    thread_ = std::jthread([this](std::stop_token stop) {
+      (void)enter_real_time();  // a refusal is said once, by the main
+      run(stop);
+    });
     return {};
   }
 

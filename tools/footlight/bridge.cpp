@@ -10,7 +10,9 @@
 #include <unistd.h>
 
 #include "drivers/wait/epoll_waiter.h"
+#include "drivers/wait/real_time.h"
 #include "sim/universes.h"
+#include "tools/footlight/duration.h"
 #include "tools/footlight/json_lines.h"
 #include "tools/footlight/open_ports.h"
 #include "tools/footlight/service.h"
@@ -78,6 +80,7 @@ class Reporter {
     TimeNs status_ns = start_ns_ + kStatusPeriodNs;
     TimeNs alive_ns = alive_period_ns == kTimeNever ? kTimeNever : start_ns_;
     TimeNs end_ns = run_for_ns_ == kTimeNever ? kTimeNever : start_ns_ + run_for_ns_;
+    bool said_given_up = false;
     (void)pump_->latest_status();  // asks for one
     while (true) {
       std::vector<Event> events;
@@ -105,6 +108,13 @@ class Reporter {
       if (now_ns >= status_ns && !last) {
         print_status(pump_->latest_status());
         status_ns = now_ns + kStatusPeriodNs;
+        if (!said_given_up && drivers::real_time_given_up() != 0) {
+          said_given_up = true;
+          say({.level = NoticeLevel::kWarning,
+               .id = "realtime-given-up",
+               .text = fmt::format("a thread ran for {} without a rest and went back to normal priority",
+                                   show_duration(drivers::kRealTimeRunMaxNs))});
+        }
       }
       if (now_ns >= alive_ns && !last) {
         // A pump that hangs must not look alive because this thread is.
@@ -201,9 +211,13 @@ Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal
   say_unfed(bridge, reporter);
   const TimeNs start_ns = clock.now_ns();
   reporter.start(pump);
+  if (const Status granted = drivers::enter_real_time(); !granted) {
+    reporter.say({.level = NoticeLevel::kWarning, .id = "realtime-refused", .text = granted.error().message});
+  }
   signal.stops(&pump);
   pump.run();
   signal.stops(nullptr);
+  drivers::leave_real_time();
   BridgeReport report;
   report.elapsed_ns = clock.now_ns() - start_ns;
   reporter.stop();

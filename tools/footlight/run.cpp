@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "drivers/wait/real_time.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/bridge.h"
 #include "tools/footlight/command.h"
@@ -19,6 +20,7 @@ struct Options {
   bool wait_for_device = false;
   bool blackout_on_exit = false;
   bool json = false;
+  bool no_realtime = false;
   std::string log_format;
   std::string log_level = "info";
   DurationNs run_for_ns = kTimeNever;
@@ -55,6 +57,7 @@ Result<int> run(const Options& options) {
   StopSignal signal;
   SystemClock clock;
   PortOpener opener(clock);
+  drivers::want_real_time(options.no_realtime ? 0 : drivers::kRealTimePriority);
   Bridge bridge;
   bridge.merge = show.merge;
   bridge.json = options.json;
@@ -107,6 +110,7 @@ void add(Arguments& arguments) {
   arguments.flag("--blackout-on-exit", options->blackout_on_exit, "devices: send zeros at the end, not the last look");
   arguments.duration("--for", options->run_for_ns, "stop after this time, as in 90s or 1h30m");
   arguments.flag("--json", options->json, "status and events as JSON, one object a line");
+  arguments.flag("--no-realtime", options->no_realtime, "carry frames at normal priority, and do not ask for more");
   arguments.option("--log-format", options->log_format, "WORD",
                    "events as text, json or journal (systemd's fields); the journal by itself where it listens");
   arguments.option("--log-level", options->log_level, "WORD", "write events from info, warning or error on");

@@ -1,0 +1,83 @@
+#include "drivers/wait/real_time.h"
+
+#include <sched.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+
+namespace footlight::drivers {
+namespace {
+
+std::atomic<int> wanted_priority{0};
+std::atomic<int> given_up{0};
+
+bool set_normal() {
+  const sched_param none = {};
+  return sched_setscheduler(0, SCHED_OTHER, &none) == 0;
+}
+
+// The kernel sends it to the thread that ran on, unless that one has blocked it; nobody here does. Once a second until
+// the thread has rested, so it does not matter that one comes too late.
+void on_no_rest(int) {
+  const int saved_errno = errno;
+  if ((sched_getscheduler(0) & ~SCHED_RESET_ON_FORK) == SCHED_FIFO && set_normal()) given_up.fetch_add(1);
+  errno = saved_errno;
+}
+
+// The soft limit of a resource, at `value` or as near below it as the hard one allows.
+rlim_t set_soft_limit(__rlimit_resource resource, rlim_t value) {
+  rlimit limit = {};
+  if (getrlimit(resource, &limit) != 0) return 0;
+  limit.rlim_cur = std::min(value, limit.rlim_max);
+  return setrlimit(resource, &limit) == 0 ? limit.rlim_cur : 0;
+}
+
+}  // namespace
+
+void want_real_time(int priority) {
+  wanted_priority.store(priority);
+  if (priority == 0) return;
+  struct sigaction action = {};
+  action.sa_handler = on_no_rest;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGXCPU, &action, nullptr);
+  // At the hard limit the kernel kills: keep well below one that somebody has set.
+  rlimit run_time = {};
+  if (getrlimit(RLIMIT_RTTIME, &run_time) != 0) return;
+  const auto run_max_us = static_cast<rlim_t>(kRealTimeRunMaxNs / kNsPerUs);
+  const bool bounded = run_time.rlim_max != RLIM_INFINITY;
+  run_time.rlim_cur = bounded ? std::min(run_max_us, run_time.rlim_max / 2) : run_max_us;
+  setrlimit(RLIMIT_RTTIME, &run_time);
+}
+
+Status enter_real_time() {
+  const int wanted = wanted_priority.load();
+  if (wanted == 0) return {};
+  const auto set = [](int priority) {
+    sched_param param = {};
+    param.sched_priority = priority;
+    return sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &param) == 0;
+  };
+  if (set(wanted)) return {};  // the limits allow it, or the process may do so anyway
+  const int number = errno;
+  const auto allowed = static_cast<int>(set_soft_limit(RLIMIT_RTPRIO, static_cast<rlim_t>(wanted)));
+  if (allowed > 0 && set(allowed)) return {};
+  return fail(ErrorCode::kPermission,
+              "real-time priority refused ({}), so that a busy machine may delay frames; allow it with LimitRTPRIO={} "
+              "in the service, or with the line 'USER - rtprio {}' in /etc/security/limits.d/footlight.conf and a new "
+              "login; or do without it: --no-realtime",
+              std::strerror(number), wanted, wanted);
+}
+
+void leave_real_time() {
+  if (wanted_priority.load() != 0) set_normal();
+}
+
+int real_time_given_up() { return given_up.load(); }
+
+}  // namespace footlight::drivers

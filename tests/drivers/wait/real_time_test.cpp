@@ -1,0 +1,126 @@
+// Each case runs in a process of its own, since priorities and limits belong to processes.
+#include "drivers/wait/real_time.h"
+
+#include <functional>
+#include <string>
+#include <thread>
+
+#include <sched.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <doctest/doctest.h>
+
+namespace footlight::drivers {
+namespace {
+
+constexpr int kSkipped = 77;
+constexpr uid_t kNobody = 65'534;
+
+// What `body` returns, in a child: 0 where all was as it should be, else which step was not. -1: it was killed.
+int in_child(const std::function<int()>& body) {
+  const pid_t pid = fork();
+  REQUIRE(pid >= 0);
+  if (pid == 0) _exit(body());
+  int status = 0;
+  REQUIRE(waitpid(pid, &status, 0) == pid);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+void check_child(int code) {
+  if (code == kSkipped) {
+    MESSAGE("skipped: this user may not choose its limits, its user or its priority");
+    return;
+  }
+  CHECK(code == 0);
+}
+
+// Somebody who may have real time: by limit, or by privilege where limits cannot be raised here.
+bool may_have_real_time() {
+  const rlimit limit = {.rlim_cur = 95, .rlim_max = 95};
+  const sched_param one = {.sched_priority = 1};
+  const sched_param none = {};
+  setrlimit(RLIMIT_RTPRIO, &limit);
+  return sched_setscheduler(0, SCHED_FIFO, &one) == 0 && sched_setscheduler(0, SCHED_OTHER, &none) == 0;
+}
+
+// An ordinary user whose limit is this.
+bool become_user(rlim_t rtprio_max) {
+  const rlimit limit = {.rlim_cur = 0, .rlim_max = rtprio_max};
+  return setrlimit(RLIMIT_RTPRIO, &limit) == 0 && setuid(kNobody) == 0;
+}
+
+int policy() { return sched_getscheduler(0); }
+
+int priority() {
+  sched_param param = {};
+  return sched_getparam(0, &param) == 0 ? param.sched_priority : -1;
+}
+
+TEST_CASE("nobody gets real time who has not said that it is wanted") {
+  check_child(in_child([] {
+    if (!enter_real_time()) return 1;
+    return policy() == SCHED_OTHER ? 0 : 2;
+  }));
+}
+
+TEST_CASE("a thread that asks gets real time where it may, and threads that it starts do not") {
+  check_child(in_child([] {
+    if (!may_have_real_time()) return kSkipped;
+    want_real_time(kRealTimePriority);
+    if (!enter_real_time()) return 1;
+    if (policy() != (SCHED_FIFO | SCHED_RESET_ON_FORK) || priority() != kRealTimePriority) return 2;
+    int policy_of_other = -1;
+    std::thread([&] { policy_of_other = policy(); }).join();
+    if (policy_of_other != SCHED_OTHER) return 3;
+    leave_real_time();
+    return policy() == SCHED_OTHER ? 0 : 4;
+  }));
+}
+
+TEST_CASE("a limit below the priority that is wanted lowers it") {
+  check_child(in_child([] {
+    if (!become_user(7)) return kSkipped;
+    want_real_time(kRealTimePriority);
+    if (!enter_real_time()) return 1;
+    return priority() == 7 ? 0 : 2;
+  }));
+}
+
+TEST_CASE("a refusal names both places where it can be allowed, and the way to do without") {
+  check_child(in_child([] {
+    if (!become_user(0)) return kSkipped;
+    want_real_time(kRealTimePriority);
+    const Status refused = enter_real_time();
+    if (refused || refused.error().code != ErrorCode::kPermission) return 1;
+    for (const char* part : {"LimitRTPRIO=40", "/etc/security/limits.d", "--no-realtime"})
+      if (refused.error().message.find(part) == std::string::npos) return 2;
+    return policy() == SCHED_OTHER ? 0 : 3;
+  }));
+}
+
+TEST_CASE("a thread that never rests loses real time and goes on at normal priority") {
+  check_child(in_child([] {
+    if (!may_have_real_time()) return kSkipped;
+    want_real_time(kRealTimePriority);
+    if (!enter_real_time()) return 1;
+    while (policy() != SCHED_OTHER) {
+    }
+    return real_time_given_up() == 1 ? 0 : 2;
+  }));
+}
+
+TEST_CASE("a limit on the time of real-time threads that kills is kept away from") {
+  check_child(in_child([] {
+    const rlimit limit = {.rlim_cur = 100'000, .rlim_max = 100'000};  // us
+    if (setrlimit(RLIMIT_RTTIME, &limit) != 0) return kSkipped;
+    want_real_time(kRealTimePriority);
+    rlimit now = {};
+    getrlimit(RLIMIT_RTTIME, &now);
+    return now.rlim_cur <= 50'000 ? 0 : 1;
+  }));
+}
+
+}  // namespace
+}  // namespace footlight::drivers
