@@ -48,6 +48,9 @@ class Port {
   // Why the state is kGone, for people; empty otherwise.
   [[nodiscard]] virtual std::string trouble() const { return {}; }
   [[nodiscard]] virtual PortCounters counters() const = 0;
+  // One line for people about something that a working port did or saw (flashes held back by a safety cap); each once.
+  // Empty: nothing. Asked for after every poll(), on the pump's thread.
+  [[nodiscard]] virtual std::string take_notice() { return {}; }
 };
 
 class Source : public Port {
