@@ -39,8 +39,8 @@ ArtnetSource::ArtnetSource(const ArtnetSourceOptions& options)
         Settings settings;
         settings.name = options.name;
         settings.universes = options.universes;
-        settings.address = options.address;
-        settings.interface_name = options.interface_name;
+        settings.addresses = options.addresses;
+        settings.interface_names = options.interface_names;
         settings.udp_port = options.port;
         settings.kernel_stamps = options.kernel_stamps;
         settings.packet_info = true;
@@ -68,7 +68,7 @@ void ArtnetSource::take(const Datagram& datagram, TimeNs stamp_ns, FrameReceiver
     count_rejected();
     return;
   }
-  if (only_interface_index() != 0 && datagram.interface_index != only_interface_index()) {
+  if (!hears_interface(datagram.interface_index)) {
     ++details_.other_interface;
     return;
   }
@@ -154,39 +154,38 @@ void ArtnetSource::answer(const ArtnetPoll& poll, const Datagram& datagram, Time
 
 Result<std::unique_ptr<ArtnetSink>> ArtnetSink::create(const ArtnetSinkOptions& options) {
   FL_TRY(check_universes(options.name, options.universes, kArtnetUniverseMax));
-  std::uint32_t destination = 0;
-  SenderSocket wanted;
-  wanted.port_name = options.name;
-  if (!options.interface_name.empty()) {
-    FL_ASSIGN(const Interface leaving, find_interface(options.name, options.interface_name));
-    wanted.interface_index = leaving.index;
-    destination = leaving.broadcast;
-  } else {
+  FL_ASSIGN(auto ipv4s, parse_ipv4_list(options.name, options.addresses));
+  if (ipv4s.empty()) {
+    for (const auto& interface_name : options.interface_names) {
+      FL_ASSIGN(const Interface leaving, find_interface(options.name, interface_name));
+      if (leaving.broadcast != 0) ipv4s.push_back(leaving.broadcast);
+    }
     for (const auto& candidate : list_interfaces()) {
-      if (destination == 0 && candidate.up && !candidate.loopback) destination = candidate.broadcast;
+      if (!ipv4s.empty() || !options.interface_names.empty()) break;
+      if (candidate.up && !candidate.loopback && candidate.broadcast != 0) ipv4s.push_back(candidate.broadcast);
     }
   }
-  if (!options.address.empty()) {
-    FL_ASSIGN(destination, parse_ipv4(options.name, options.address));
-  } else if (destination == 0) {
+  if (ipv4s.empty()) {
     return fail(
         ErrorCode::kNotFound,
         "{}: no network interface with a broadcast address is up; say where to send, as in \"artnet:1-9@10.0.0.255\"",
         options.name);
   }
-  if (const int error_number = route_error(destination, wanted.interface_index); error_number != 0) {
-    return tl::unexpected(net_error(options.name, fmt::format("send to {}", text_of_ipv4(destination)), error_number));
-  }
-  FL_ASSIGN(Fd socket, open_sender(wanted));
-  if (options.own_senders) options.own_senders->add_udp_port(local_udp_port(socket));
-  return std::unique_ptr<ArtnetSink>(new ArtnetSink(options, destination, std::move(socket)));
+  std::vector<Destination> destinations;
+  for (const std::uint32_t ipv4 : ipv4s) destinations.push_back({ipv4, 0});
+  // Broadcast addresses find their interface by themselves, so one socket is enough.
+  FL_ASSIGN(auto links, open_links(options.name, {}, kMulticastTtlDefault));
+  FL_TRY(check_routes(options.name, links, destinations));
+  if (options.own_senders) options.own_senders->add_udp_port(local_udp_port(links.front().socket));
+  return std::unique_ptr<ArtnetSink>(new ArtnetSink(options, destinations, std::move(links)));
 }
 
-ArtnetSink::ArtnetSink(const ArtnetSinkOptions& options, std::uint32_t destination, Fd socket)
-    : NetSink({options.name, options.universes, options.interface_name, options.port, options.rate_hz_max},
-              std::vector<std::uint32_t>(options.universes.size(), destination), std::move(socket)),
+ArtnetSink::ArtnetSink(const ArtnetSinkOptions& options, const std::vector<Destination>& destinations,
+                       std::vector<Link> links)
+    : NetSink({options.name, options.universes, options.port, options.rate_hz_max}, std::move(links)),
       sequences_(options.universes.size(), 1) {
   for (const auto& universe : options.universes) port_addresses_.push_back(artnet_port_address(universe.wire));
+  for (std::size_t place = 0; place < options.universes.size(); ++place) set_destinations(place, destinations);
 }
 
 std::size_t ArtnetSink::write_packet(const Packet& packet) {

@@ -52,7 +52,7 @@ class ArtnetSink final : public NetSink {
   [[nodiscard]] static Result<std::unique_ptr<ArtnetSink>> create(const ArtnetSinkOptions& options);
 
  private:
-  ArtnetSink(const ArtnetSinkOptions& options, std::uint32_t destination, Fd socket);
+  ArtnetSink(const ArtnetSinkOptions& options, const std::vector<Destination>& destinations, std::vector<Link> links);
   std::size_t write_packet(const Packet& packet) override;
   [[nodiscard]] bool says_goodbye() const override { return false; }
 

@@ -24,7 +24,9 @@ namespace footlight::drivers {
 
 inline constexpr std::uint16_t kSacnPort = 5568;    // E1.31-2018 section 9.3.2
 inline constexpr std::uint16_t kArtnetPort = 6454;  // 0x1936
-inline constexpr int kArtnetUniverseMax = 32'768;   // 15 bits of port address, counted from 1
+// Far enough for the routers of one site; 239.255.0.0/16 does not leave it (RFC 2365).
+inline constexpr int kMulticastTtlDefault = 20;
+inline constexpr int kArtnetUniverseMax = 32'768;  // 15 bits of port address, counted from 1
 
 // Component identifier: names one sender on the network for good (E1.31-2018 section 5.6).
 using Cid = std::array<std::uint8_t, 16>;
@@ -51,8 +53,8 @@ struct SacnSourceOptions {
   std::string name;                     // the endpoint as the user wrote it; starts every error message
   std::vector<WireUniverse> universes;  // 1 to 63'999 on both sides, no number twice
   // Optional.
-  std::string address;         // a local IPv4 address: take only unicast to it, join no group. Empty: every address
-  std::string interface_name;  // join groups on this one only ("eth0"). Empty: on all that are up and can do multicast
+  std::vector<std::string> addresses;        // local IPv4: take only unicast to these, join no group. None: any
+  std::vector<std::string> interface_names;  // join groups on these only ("eth0"). None: on all that can do multicast
   std::uint16_t port = kSacnPort;
   bool hear_preview = false;  // pass on frames flagged as preview, meant for visualisers and not for the stage
   bool kernel_stamps = true;  // stamp frames with their time of arrival in the kernel, else with the time of poll()
@@ -64,8 +66,9 @@ struct SacnSinkOptions {
   std::string name;
   std::vector<WireUniverse> universes;
   // Optional.
-  std::string address;         // send to this IPv4 address (unicast). Empty: to the multicast group of each universe
-  std::string interface_name;  // leave through this one. Empty: where the routing table says
+  std::vector<std::string> addresses;        // unicast to each of these IPv4 addresses. None: multicast
+  std::vector<std::string> interface_names;  // multicast leaves through each of these. None: the routing table decides
+  int multicast_ttl = kMulticastTtlDefault;  // 1 to 255: networks that multicast crosses, plus one
   std::uint16_t port = kSacnPort;
   std::string source_name = "Footlight";     // UTF-8; at most 63 bytes go out, cut at a whole character
   std::uint8_t priority = kPriorityDefault;  // 0 to 200
@@ -80,8 +83,8 @@ struct ArtnetSourceOptions {
   std::string name;
   std::vector<WireUniverse> universes;  // wire: 1 to 32'768, where 1 is port address 0
   // Optional.
-  std::string address;         // a local IPv4 address: take only datagrams sent to it. Empty: any, broadcast too
-  std::string interface_name;  // take only what arrives there. Empty: anywhere
+  std::vector<std::string> addresses;        // local IPv4: take only datagrams sent to these. None: any, broadcast too
+  std::vector<std::string> interface_names;  // take only what arrives there. None: anywhere
   std::uint16_t port = kArtnetPort;
   std::uint8_t priority = kPriorityDefault;  // Art-Net has none; what its frames carry into the merge, 0 to 200
   bool answer_polls = true;                  // answer ArtPoll with ArtPollReply, so that consoles list this program
@@ -95,10 +98,9 @@ struct ArtnetSinkOptions {
   std::string name;
   std::vector<WireUniverse> universes;
   // Optional.
-  std::string address;  // unicast or directed broadcast. Empty: the broadcast address of interface_name, or of
-                        // the first interface that is up, is not loopback and has one
-  std::string interface_name;
-  std::uint16_t port = kArtnetPort;  // of the receiver
+  std::vector<std::string> addresses;        // unicast or directed broadcast. None: the broadcast address of each of
+  std::vector<std::string> interface_names;  // these; without them of the first that is up, not loopback, and has one
+  std::uint16_t port = kArtnetPort;          // of the receiver
   double rate_hz_max = 0.0;
   std::shared_ptr<OwnSenders> own_senders;
 };
@@ -116,8 +118,8 @@ Options options_of(const Endpoint& endpoint, std::shared_ptr<OwnSenders> own_sen
   Options options;
   options.name = endpoint.text;
   options.universes = endpoint.universes;
-  options.address = endpoint.address;
-  options.interface_name = endpoint.interface_name;
+  options.addresses = endpoint.addresses;
+  options.interface_names = endpoint.interface_names;
   if (endpoint.udp_port != 0) options.port = endpoint.udp_port;
   options.own_senders = std::move(own_senders);
   return options;

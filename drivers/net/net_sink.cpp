@@ -6,22 +6,55 @@
 #include "drivers/net/net_source.h"
 
 namespace footlight::drivers {
-namespace {
 
-bool is_buffer_full(int error_number) {
-  return error_number == EAGAIN || error_number == EWOULDBLOCK || error_number == ENOBUFS;
-}
-
-}  // namespace
-
-NetSink::NetSink(Settings settings, std::vector<std::uint32_t> destinations, Fd socket)
+NetSink::NetSink(Settings settings, std::vector<Link> links)
     : settings_(std::move(settings)),
       show_universes_(show_numbers(settings_.universes)),
       show_index_(show_universes_),
-      destinations_(std::move(destinations)),
       outlets_(show_universes_.size()),
       due_ns_(show_universes_.size(), kTimeNever),
-      socket_(std::move(socket)) {}
+      links_(std::move(links)),
+      entries_(links_.size()) {}
+
+Result<std::vector<NetSink::Link>> NetSink::open_links(const std::string& port_name,
+                                                       const std::vector<std::string>& interface_names,
+                                                       int multicast_ttl) {
+  std::vector<Link> links;
+  SenderSocket wanted;
+  wanted.port_name = port_name;
+  wanted.multicast_ttl = multicast_ttl;
+  for (const auto& interface_name : interface_names) {
+    FL_ASSIGN(const Interface leaving, find_interface(port_name, interface_name));
+    wanted.interface_index = leaving.index;
+    FL_ASSIGN(Fd socket, open_sender(wanted));
+    links.push_back({std::move(socket), interface_name});
+  }
+  if (links.empty()) {
+    FL_ASSIGN(Fd socket, open_sender(wanted));
+    links.push_back({std::move(socket), {}});
+  }
+  return links;
+}
+
+Status NetSink::check_routes(const std::string& port_name, std::span<const Link> links,
+                             std::span<const Destination> destinations) {
+  for (const Destination& destination : destinations) {
+    int interface_index = 0;
+    if (const auto& interface_name = links[destination.link].interface_name; !interface_name.empty()) {
+      FL_ASSIGN(const Interface leaving, find_interface(port_name, interface_name));
+      interface_index = leaving.index;
+    }
+    if (const int error_number = route_error(destination.ipv4, interface_index); error_number != 0) {
+      return tl::unexpected(
+          net_error(port_name, fmt::format("send to {}", text_of_ipv4(destination.ipv4)), error_number));
+    }
+  }
+  return {};
+}
+
+void NetSink::set_destinations(std::size_t place, std::vector<Destination> destinations) {
+  outlets_[place].destinations = std::move(destinations);
+}
 
 TimeNs NetSink::next_deadline_ns() const {
   const auto earliest = std::min_element(due_ns_.begin(), due_ns_.end());
@@ -29,13 +62,13 @@ TimeNs NetSink::next_deadline_ns() const {
 }
 
 PortState NetSink::state() const {
-  if (!socket_) return PortState::kEnded;
+  if (!is_open()) return PortState::kEnded;
   if (!trouble_.empty()) return PortState::kGone;
   return has_sent_ ? PortState::kWorking : PortState::kWaiting;
 }
 
 Status NetSink::send(TimeNs now_ns, std::span<const FrameView> frames) {
-  if (!socket_) return {};
+  if (!is_open()) return {};
   for (const FrameView& frame : frames) {
     const int place = show_index_.find(frame.universe);
     if (place < 0 || frame.terminated) continue;
@@ -61,7 +94,7 @@ Status NetSink::send(TimeNs now_ns, std::span<const FrameView> frames) {
 }
 
 Status NetSink::poll(TimeNs now_ns) {
-  if (!socket_) return {};
+  if (!is_open()) return {};
   for (std::size_t place = 0; place < outlets_.size(); ++place) {
     if (due_ns_[place] > now_ns) continue;
     Outlet& outlet = outlets_[place];
@@ -78,74 +111,96 @@ void NetSink::add_pending(std::size_t place) {
   pending_.push_back(place);
 }
 
-void NetSink::find_interface_again() {
-  if (settings_.interface_name.empty()) return;
-  const auto leaving = find_interface(settings_.name, settings_.interface_name);
-  if (leaving && leave_through(socket_, leaving->index) != 0) ++counters_.errors;
+void NetSink::find_interface_again(Link& link) {
+  if (link.interface_name.empty()) return;
+  const auto leaving = find_interface(settings_.name, link.interface_name);
+  if (leaving && leave_through(link.socket, leaving->index) != 0) ++counters_.errors;
 }
 
+void NetSink::add_entry(std::span<const std::uint8_t> bytes, std::span<const Destination> destinations,
+                        std::size_t place) {
+  for (const Destination& to : destinations) entries_[to.link].push_back({bytes, to.ipv4, place});
+}
+
+void NetSink::add(std::span<const std::uint8_t> bytes, std::span<const Destination> destinations) {
+  add_entry(bytes, destinations, kNoPlace);
+}
+
+void NetSink::send_added() { flush_entries(); }
+
 void NetSink::send_again(std::size_t place, TimeNs now_ns) {
-  if (socket_ && outlets_[place].known) due_ns_[place] = now_ns;
+  if (is_open() && outlets_[place].known) due_ns_[place] = now_ns;
+}
+
+bool NetSink::flush_entries() {
+  bool any = false;
+  for (std::size_t i = 0; i < links_.size(); ++i) {
+    if (entries_[i].empty()) continue;
+    if (links_[i].failed) find_interface_again(links_[i]);
+    any |= flush_link(links_[i], entries_[i]);
+    entries_[i].clear();
+  }
+  return any;
+}
+
+bool NetSink::flush_link(Link& link, const std::vector<Entry>& entries) {
+  for (const Entry& entry : entries) writer_.add(entry.bytes, entry.ipv4, settings_.udp_port);
+  writer_.flush_each(link.socket.get(), error_numbers_);
+  bool any = false;
+  link.failed = false;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const int error_number = error_numbers_[i];
+    const bool full = error_number == EAGAIN || error_number == EWOULDBLOCK || error_number == ENOBUFS;
+    any |= error_number == 0;
+    if (entries[i].place != kNoPlace) {
+      outlets_[entries[i].place].reached |= error_number == 0;
+      outlets_[entries[i].place].refused |= full;
+    }
+    if (error_number == 0 || full) continue;
+    ++counters_.errors;
+    link.failed = true;
+    if (!refusal_.empty()) continue;
+    refusal_ = net_error(settings_.name,
+                         fmt::format("send to {}:{}", text_of_ipv4(entries[i].ipv4), settings_.udp_port), error_number)
+                   .message;
+  }
+  return any;
 }
 
 void NetSink::transmit(TimeNs now_ns) {
   if (pending_.empty()) return;
-  if (!trouble_.empty()) find_interface_again();
-  ends_.clear();
-  std::size_t datagram_count = 0;
+  refusal_.clear();
+  add_before(now_ns, pending_);
   for (const std::size_t place : pending_) {
     Outlet& outlet = outlets_[place];
     outlet.pending = false;
+    outlet.reached = outlet.destinations.empty();
+    outlet.refused = false;
+    if (outlet.reached) continue;
     const std::size_t size =
         write_packet({outlet.packet, place, false, std::span(outlet.slots).first(outlet.slot_count)});
-    for (const std::uint32_t ipv4 : destinations_of(place)) {
-      writer_.add(std::span(outlet.packet).first(size), ipv4, settings_.udp_port);
-      ++datagram_count;
-    }
-    ends_.push_back(datagram_count);
+    add_entry(std::span(outlet.packet).first(size), outlet.destinations, place);
   }
-  if (datagram_count > 0) end_batch(writer_);
-  writer_.flush_each(socket_.get(), error_numbers_);
-
-  bool any_sent = false;
-  std::string trouble;
-  for (std::size_t i = 0, at = 0; i < pending_.size(); ++i) {
-    const std::size_t place = pending_[i];
+  add_after(now_ns, pending_);
+  if (flush_entries()) {
+    trouble_.clear();
+    has_sent_ = true;
+  } else if (!refusal_.empty()) {
+    trouble_ = refusal_;
+  }
+  for (const std::size_t place : pending_) {
     Outlet& outlet = outlets_[place];
-    std::size_t sent = 0;
-    bool full = false;
-    const std::size_t first = at;
-    for (; at < ends_[i]; ++at) {
-      const int error_number = error_numbers_[at];
-      sent += error_number == 0;
-      full |= is_buffer_full(error_number);
-      if (error_number == 0 || is_buffer_full(error_number)) continue;
-      ++counters_.errors;
-    }
-    // Nobody to send to is no failure. One of several receivers out of reach is none for the others.
-    outlet.unsent = full || (sent == 0 && at > first);
-    if (outlet.unsent) {
-      due_ns_[place] = now_ns + (full ? kRetryFullNs : kRetryDownNs);
-      if (!full && trouble.empty()) {
-        const std::uint32_t ipv4 = destinations_of(place).front();
-        trouble = net_error(settings_.name, fmt::format("send to {}:{}", text_of_ipv4(ipv4), settings_.udp_port),
-                            error_numbers_[first])
-                      .message;
-      }
-      continue;
-    }
-    due_ns_[place] = now_ns + (outlet.repeats_left > 0 ? kRepeatIntervalNs : kKeepAliveNs);
-    if (sent == 0) continue;
-    ++counters_.frames;
-    any_sent = true;
+    outlet.unsent = outlet.refused || !outlet.reached;
+    DurationNs pause_ns = outlet.repeats_left > 0 ? kRepeatIntervalNs : kKeepAliveNs;
+    if (outlet.unsent) pause_ns = outlet.refused ? kRetryFullNs : kRetryDownNs;
+    due_ns_[place] = now_ns + pause_ns;
+    if (!outlet.unsent && !outlet.destinations.empty()) ++counters_.frames;
   }
-  if (!trouble.empty() || any_sent) trouble_ = std::move(trouble);
-  has_sent_ |= any_sent;
   pending_.clear();
 }
 
 void NetSink::close(TimeNs) {
-  if (!socket_) return;
+  if (!is_open()) return;
   // Three, since any datagram may be lost (E1.31-2018 section 6.2.6).
   for (int round = 0; says_goodbye() && round < 3; ++round) {
     for (std::size_t place = 0; place < outlets_.size(); ++place) {
@@ -153,14 +208,12 @@ void NetSink::close(TimeNs) {
       if (!outlet.known) continue;
       const std::size_t size =
           write_packet({outlet.packet, place, true, std::span(outlet.slots).first(outlet.slot_count)});
-      for (const std::uint32_t ipv4 : destinations_of(place)) {
-        writer_.add(std::span(outlet.packet).first(size), ipv4, settings_.udp_port);
-      }
+      add_entry(std::span(outlet.packet).first(size), outlet.destinations, place);
     }
-    if (writer_.flush(socket_.get()).error_number != 0) ++counters_.errors;
+    flush_entries();
   }
   std::fill(due_ns_.begin(), due_ns_.end(), kTimeNever);
-  socket_.reset();
+  links_.clear();
 }
 
 }  // namespace footlight::drivers

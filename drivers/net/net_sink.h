@@ -1,5 +1,5 @@
-// What sACN and Art-Net sinks have in common: which frame is new, when an old one is said again, and batched sending. A
-// protocol derives from it and writes the packets.
+// What sACN and Art-Net sinks have in common: which frame is new, when an old one is said again, to whom each universe
+// goes, and batched sending. A protocol derives from it and writes the packets.
 #pragma once
 
 #include <array>
@@ -25,6 +25,8 @@ inline constexpr DurationNs kKeepAliveNs = 900 * kNsPerMs;
 inline constexpr DurationNs kRetryFullNs = 2 * kNsPerMs;
 inline constexpr DurationNs kRetryDownNs = 500 * kNsPerMs;
 
+// A datagram of several receivers goes to each. One that cannot be reached is counted as an error and left out until
+// the next frame or keep-alive; the sink is kGone only while it reaches nobody.
 class NetSink : public Sink {
  public:
   [[nodiscard]] std::string name() const override { return settings_.name; }
@@ -45,9 +47,18 @@ class NetSink : public Sink {
   struct Settings {
     std::string name;
     std::vector<WireUniverse> universes;
-    std::string interface_name;  // empty: the routing table decides
     std::uint16_t udp_port = 0;
     double rate_hz_max = 0.0;
+  };
+  // One way out: a socket, whose multicast leaves through one interface.
+  struct Link {
+    Fd socket;
+    std::string interface_name;  // empty: the routing table decides
+    bool failed = false;         // the last datagrams were refused
+  };
+  struct Destination {
+    std::uint32_t ipv4 = 0;
+    std::uint8_t link = 0;
   };
   struct Packet {
     std::span<std::uint8_t> bytes;  // of this universe alone; keeps what was written last time
@@ -56,27 +67,51 @@ class NetSink : public Sink {
     std::span<const std::uint8_t> slots;  // 0 to 512
   };
 
-  // `destinations`: IPv4 per universe.
-  NetSink(Settings settings, std::vector<std::uint32_t> destinations, Fd socket);
+  // At least one link.
+  NetSink(Settings settings, std::vector<Link> links);
+
+  // One link for each interface; without any, one where the routing table decides. Errors: as find_interface() and
+  // open_sender().
+  [[nodiscard]] static Result<std::vector<Link>> open_links(const std::string& port_name,
+                                                            const std::vector<std::string>& interface_names,
+                                                            int multicast_ttl);
+  // An error where there is no way to one of the receivers; asks the routing table and sends nothing.
+  [[nodiscard]] static Status check_routes(const std::string& port_name, std::span<const Link> links,
+                                           std::span<const Destination> destinations);
+
+  // Who gets a universe; none: it is kept and sent to nobody. May change at any time between calls.
+  void set_destinations(std::size_t place, std::vector<Destination> destinations);
+  [[nodiscard]] std::span<const Destination> destinations(std::size_t place) const {
+    return outlets_[place].destinations;
+  }
 
   // Writes the next packet of a universe and returns its size; numbers it too.
   virtual std::size_t write_packet(const Packet& packet) = 0;
-  // IPv4 addresses that the packets of a universe go to; may be empty. Valid until the next change by the protocol.
-  [[nodiscard]] virtual std::span<const std::uint32_t> destinations_of(std::size_t place) const {
-    return {&destinations_[place], 1};
-  }
-  // Adds what follows the packets of one call, such as a synchronisation packet; its bytes stay until the next call.
-  virtual void end_batch(DatagramWriter& /*writer*/) {}
+  // Called around the packets of one batch, which carries the universes at `places`; what they add() leaves in the same
+  // batch, before or after the universes.
+  virtual void add_before(TimeNs /*now_ns*/, std::span<const std::size_t> /*places*/) {}
+  virtual void add_after(TimeNs /*now_ns*/, std::span<const std::size_t> /*places*/) {}
+  // `bytes` stay until the batch has been sent.
+  void add(std::span<const std::uint8_t> bytes, std::span<const Destination> destinations);
+  // Sends what add() has gathered outside of a batch, now.
+  void send_added();
   // Has the newest look of a universe go out with the next poll(), which is due at once.
   void send_again(std::size_t place, TimeNs now_ns);
-  [[nodiscard]] const Fd& socket() const { return socket_; }
   void count_error() { ++counters_.errors; }
   void count_rejected() { ++counters_.rejected; }
   // Whether close() sends three packets that end each universe.
   [[nodiscard]] virtual bool says_goodbye() const = 0;
+
   [[nodiscard]] std::span<std::uint8_t> packet_bytes(std::size_t place) { return outlets_[place].packet; }
+  [[nodiscard]] bool is_open() const { return !links_.empty(); }
+  // Whether the universe has had a frame.
+  [[nodiscard]] bool is_known(std::size_t place) const { return outlets_[place].known; }
+  [[nodiscard]] const Settings& settings() const { return settings_; }
+  [[nodiscard]] std::span<const Link> links() const { return links_; }
 
  private:
+  static constexpr std::size_t kNoPlace = SIZE_MAX;
+
   struct Outlet {
     std::array<std::uint8_t, kPacketBytesMax> packet = {};
     Slots slots = {};
@@ -85,27 +120,41 @@ class NetSink : public Sink {
     bool known = false;    // has had a frame
     bool unsent = false;   // its newest levels were refused by the system and have not left yet
     bool pending = false;  // is in pending_
+    // What became of the batch under way.
+    bool reached = false;  // a receiver, or there is none
+    bool refused = false;  // the send buffer was full
+    std::vector<Destination> destinations;
+  };
+  // One datagram of the batch under way.
+  struct Entry {
+    std::span<const std::uint8_t> bytes;
+    std::uint32_t ipv4 = 0;
+    std::size_t place = kNoPlace;  // of the universe that it carries
   };
 
   // An interface that has gone and come back has another number; finds it again by its name.
-  void find_interface_again();
+  void find_interface_again(Link& link);
   void add_pending(std::size_t place);
   // Sends one packet of each universe in pending_, and clears that.
   void transmit(TimeNs now_ns);
+  void add_entry(std::span<const std::uint8_t> bytes, std::span<const Destination> destinations, std::size_t place);
+  // Sends entries_ link by link and clears them. True: at least one has gone.
+  bool flush_entries();
+  bool flush_link(Link& link, const std::vector<Entry>& entries);
 
   Settings settings_;
   std::vector<Universe> show_universes_;
   UniverseIndex show_index_;
-  std::vector<std::uint32_t> destinations_;
   std::vector<Outlet> outlets_;
   std::vector<TimeNs> due_ns_;  // per universe; kTimeNever before its first frame
   std::vector<std::size_t> pending_;
-  std::vector<std::size_t> ends_;   // of transmit(): the datagrams of pending_[i] end before ends_[i]
-  std::vector<int> error_numbers_;  // of transmit(): per datagram
-  Fd socket_;
+  std::vector<Link> links_;                  // none: closed
+  std::vector<std::vector<Entry>> entries_;  // per link
+  std::vector<int> error_numbers_;           // of flush_link(): per datagram
   DatagramWriter writer_;
   PortCounters counters_;
-  std::string trouble_;
+  std::string trouble_;  // why nothing could be sent
+  std::string refusal_;  // what the system said last, of the batch under way
   bool has_sent_ = false;
 };
 

@@ -67,27 +67,29 @@ NetSource::NetSource(Settings settings)
       wire_index_(wire_numbers(settings_.universes)) {}
 
 Status NetSource::open() {
-  if (!settings_.address.empty()) {
-    FL_ASSIGN(bind_ipv4_, parse_ipv4(settings_.name, settings_.address));
+  FL_ASSIGN(std::vector<std::uint32_t> bind_ipv4s, parse_ipv4_list(settings_.name, settings_.addresses));
+  if (bind_ipv4s.empty()) {
+    bind_ipv4s.push_back(0);
+  } else {
     settings_.groups.clear();  // unicast only
   }
-  if (!settings_.interface_name.empty()) {
-    FL_ASSIGN(const Interface only, find_interface(settings_.name, settings_.interface_name));
-    only_interface_index_ = only.index;
-  }
+  FL_TRY(find_named_interfaces());
   epoll_ = Fd(epoll_create1(EPOLL_CLOEXEC));
   if (!epoll_) return tl::unexpected(net_error(settings_.name, "create an epoll descriptor", errno));
   if (watch_.fd() >= 0 && !watch_readable(epoll_, watch_.fd(), kWatchTag)) {
     return tl::unexpected(net_error(settings_.name, "watch the network interfaces", errno));
   }
-  FL_TRY(add_socket());
-  return join_missing();
+  for (const std::uint32_t bind_ipv4 : bind_ipv4s) FL_TRY(add_socket(bind_ipv4));
+  join_missing();
+  // From the start, a group that cannot be joined is a mistake in the options or in the system.
+  if (joined_interfaces_.empty() && join_refused_) return fail(join_refused_->code, "{}", join_refused_->message);
+  return {};
 }
 
-Status NetSource::add_socket() {
+Status NetSource::add_socket(std::uint32_t bind_ipv4) {
   ReceiverSocket wanted;
   wanted.port_name = settings_.name;
-  wanted.bind_ipv4 = bind_ipv4_;
+  wanted.bind_ipv4 = bind_ipv4;
   wanted.udp_port = settings_.udp_port;
   wanted.kernel_stamps = settings_.kernel_stamps;
   wanted.packet_info = settings_.packet_info;
@@ -99,10 +101,24 @@ Status NetSource::add_socket() {
   return {};
 }
 
+Status NetSource::find_named_interfaces() {
+  Status first;
+  only_interfaces_.clear();
+  for (const auto& name : settings_.interface_names) {
+    const auto found = find_interface(settings_.name, name);
+    if (found) {
+      only_interfaces_.insert(found->index);
+    } else if (first) {
+      first = tl::unexpected(found.error());
+    }
+  }
+  return first;
+}
+
 Status NetSource::join(std::uint32_t group, int interface_index) {
   // A socket below our limit may still be full where the system's limit is lower; then the next one takes the group.
   for (std::size_t i = 0;; ++i) {
-    if (i == sockets_.size()) FL_TRY(add_socket());
+    if (i == sockets_.size()) FL_TRY(add_socket(0));
     Socket& socket = sockets_[i];
     if (socket.groups >= kGroupsPerSocketMax) continue;
     const int error_number = join_group(socket.fd, group, interface_index);
@@ -119,21 +135,21 @@ Status NetSource::join(std::uint32_t group, int interface_index) {
   }
 }
 
-Status NetSource::join_missing() {
+void NetSource::join_missing() {
   join_trouble_.clear();
-  if (settings_.groups.empty()) return {};
-  std::set<int> wanted;
-  if (only_interface_index_ != 0) {
-    // Asked for by name: tried even where the interface does not say that it can do multicast, as "lo" does not.
-    FL_ASSIGN(const Interface only, find_interface(settings_.name, settings_.interface_name));
-    only_interface_index_ = only.index;
-    wanted.insert(only.index);
-  } else {
+  join_refused_.reset();
+  const Status named = find_named_interfaces();
+  if (settings_.groups.empty()) return;
+  // Those asked for by name are tried even where the interface does not say that it can do multicast, as "lo" does not.
+  std::set<int> wanted = only_interfaces_;
+  if (settings_.interface_names.empty()) {
     for (const auto& candidate : list_interfaces()) {
       if (candidate.up && candidate.multicast) wanted.insert(candidate.index);
     }
   }
-  if (wanted.empty()) {
+  if (!named) {
+    join_trouble_ = named.error().message;
+  } else if (wanted.empty()) {
     join_trouble_ = fmt::format(
         "{}: no network interface is up and can do multicast; connect one, or send to this machine "
         "by unicast",
@@ -141,32 +157,55 @@ Status NetSource::join_missing() {
   }
   for (const int interface_index : wanted) {
     if (joined_interfaces_.count(interface_index) != 0) continue;
+    Status status;
     for (const std::uint32_t group : settings_.groups) {
-      if (auto status = join(group, interface_index); !status) {
-        forget(interface_index);
-        return status;
-      }
+      if (status) status = join(group, interface_index);
     }
-    joined_interfaces_.insert(interface_index);
+    if (status) {
+      joined_interfaces_.insert(interface_index);
+    } else {
+      forget(interface_index);
+      join_trouble_ = status.error().message;
+      join_refused_ = status.error();
+    }
   }
-  return {};
+}
+
+Status NetSource::add_group(std::uint32_t group) {
+  if (std::find(settings_.groups.begin(), settings_.groups.end(), group) != settings_.groups.end()) return {};
+  Status first;
+  for (const int interface_index : joined_interfaces_) {
+    if (Status status = join(group, interface_index); !status && first) first = status;
+  }
+  settings_.groups.push_back(group);
+  return first;
+}
+
+void NetSource::drop_group(std::uint32_t group) {
+  leave([group](const Membership& m) { return m.group == group; });
+  settings_.groups.erase(std::remove(settings_.groups.begin(), settings_.groups.end(), group), settings_.groups.end());
+}
+
+template <class Condition>
+void NetSource::leave(Condition condition) {
+  for (const auto& membership : memberships_) {
+    if (!condition(membership)) continue;
+    leave_group(sockets_[membership.socket].fd, membership.group, membership.interface_index);
+    --sockets_[membership.socket].groups;
+  }
+  memberships_.erase(std::remove_if(memberships_.begin(), memberships_.end(), condition), memberships_.end());
 }
 
 void NetSource::forget(int interface_index) {
-  for (const auto& membership : memberships_) {
-    if (membership.interface_index != interface_index) continue;
-    leave_group(sockets_[membership.socket].fd, membership.group, interface_index);
-    --sockets_[membership.socket].groups;
-  }
-  memberships_.erase(std::remove_if(memberships_.begin(), memberships_.end(),
-                                    [&](const Membership& m) { return m.interface_index == interface_index; }),
-                     memberships_.end());
+  leave([interface_index](const Membership& m) { return m.interface_index == interface_index; });
   joined_interfaces_.erase(interface_index);
 }
 
 PortState NetSource::state() const {
   if (polled_ns_ - kSenderTimeoutNs < heard_ns_) return PortState::kWorking;
-  return join_trouble_.empty() ? PortState::kWaiting : PortState::kGone;
+  // One interface that works is enough to wait for frames.
+  const bool deaf = !settings_.groups.empty() && joined_interfaces_.empty();
+  return deaf && !join_trouble_.empty() ? PortState::kGone : PortState::kWaiting;
 }
 
 std::string NetSource::trouble() const { return state() == PortState::kGone ? join_trouble_ : std::string(); }
@@ -222,10 +261,8 @@ Status NetSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
     watch_.read(lost);
     for (const int interface_index : lost) forget(interface_index);
     // Not the end of the port: the interface may come back, and unicast may work all along.
-    if (auto status = join_missing(); !status) {
-      join_trouble_ = status.error().message;
-      ++counters_.errors;
-    }
+    join_missing();
+    if (join_refused_) ++counters_.errors;
   }
   return {};
 }

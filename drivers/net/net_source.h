@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -35,8 +36,8 @@ class NetSource : public Source {
   struct Settings {
     std::string name;
     std::vector<WireUniverse> universes;
-    std::string address;
-    std::string interface_name;
+    std::vector<std::string> addresses;        // local ones to bind to; none: any
+    std::vector<std::string> interface_names;  // to join groups on; none: all that are up and can do multicast
     std::uint16_t udp_port = 0;
     bool kernel_stamps = true;
     bool packet_info = false;
@@ -59,8 +60,13 @@ class NetSource : public Source {
   // Socket to answer a datagram from.
   [[nodiscard]] const Fd& first_socket() const { return sockets_.front().fd; }
   [[nodiscard]] const Settings& settings() const { return settings_; }
-  // The interface that settings().interface_name names; 0: any.
-  [[nodiscard]] int only_interface_index() const { return only_interface_index_; }
+  // Whether settings().interface_names names this interface, or none at all.
+  [[nodiscard]] bool hears_interface(int interface_index) const {
+    return settings_.interface_names.empty() || only_interfaces_.count(interface_index) != 0;
+  }
+  // Joins one more group on every interface that the others are joined on; nothing where it is joined already.
+  Status add_group(std::uint32_t group);
+  void drop_group(std::uint32_t group);
 
  private:
   struct Socket {
@@ -74,17 +80,21 @@ class NetSource : public Source {
     std::size_t socket = 0;
   };
 
-  Status add_socket();
-  Status join_missing();
+  Status add_socket(std::uint32_t bind_ipv4);
+  // Joins the groups on interfaces that have not been joined. What keeps one from it is noted in join_trouble_ and
+  // leaves the others alone.
+  void join_missing();
+  Status find_named_interfaces();
   Status join(std::uint32_t group, int interface_index);
+  template <class Condition>
+  void leave(Condition condition);
   void forget(int interface_index);
   void read_socket(std::size_t index, TimeNs now_ns, FrameReceiver& receiver);
 
   Settings settings_;
   std::vector<Universe> show_universes_;
   UniverseIndex wire_index_;
-  std::uint32_t bind_ipv4_ = 0;
-  int only_interface_index_ = 0;
+  std::set<int> only_interfaces_;  // those of settings_.interface_names that are there
   Fd epoll_;
   std::vector<Socket> sockets_;
   std::vector<Membership> memberships_;
@@ -92,8 +102,9 @@ class NetSource : public Source {
   InterfaceWatch watch_;
   DatagramReader reader_;
   PortCounters counters_;
-  std::string join_trouble_;       // why a group could not be joined; empty: all were
-  TimeNs heard_ns_ = -kTimeNever;  // newest frame
+  std::string join_trouble_;           // why groups could not be joined on an interface; empty: all were
+  std::optional<Error> join_refused_;  // what the system said to it; nothing where it was not asked
+  TimeNs heard_ns_ = -kTimeNever;      // newest frame
   TimeNs polled_ns_ = 0;
 };
 

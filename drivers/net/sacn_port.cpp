@@ -18,8 +18,8 @@ SacnSource::SacnSource(const SacnSourceOptions& options)
         Settings settings;
         settings.name = options.name;
         settings.universes = options.universes;
-        settings.address = options.address;
-        settings.interface_name = options.interface_name;
+        settings.addresses = options.addresses;
+        settings.interface_names = options.interface_names;
         settings.udp_port = options.port;
         settings.kernel_stamps = options.kernel_stamps;
         for (const auto& universe : options.universes) settings.groups.push_back(sacn_group_ipv4(universe.wire));
@@ -88,32 +88,20 @@ Result<std::unique_ptr<SacnSink>> SacnSink::create(const SacnSinkOptions& option
     return fail(ErrorCode::kBadInput, "{}: expected a priority from 0 to {}, got {}", options.name, kPriorityMax,
                 options.priority);
   }
-  std::vector<std::uint32_t> destinations;
-  if (options.address.empty()) {
-    for (const auto& universe : options.universes) destinations.push_back(sacn_group_ipv4(universe.wire));
-  } else {
-    FL_ASSIGN(const std::uint32_t ipv4, parse_ipv4(options.name, options.address));
-    destinations.assign(options.universes.size(), ipv4);
+  if (options.multicast_ttl < 1 || options.multicast_ttl > 255) {
+    return fail(ErrorCode::kBadInput, "{}: expected a multicast time to live from 1 to 255, got {}", options.name,
+                options.multicast_ttl);
   }
-  SenderSocket wanted;
-  wanted.port_name = options.name;
-  if (!options.interface_name.empty()) {
-    FL_ASSIGN(const Interface leaving, find_interface(options.name, options.interface_name));
-    wanted.interface_index = leaving.index;
-  }
-  if (const int error_number = route_error(destinations.front(), wanted.interface_index); error_number != 0) {
-    return tl::unexpected(
-        net_error(options.name, fmt::format("send to {}", text_of_ipv4(destinations.front())), error_number));
-  }
-  FL_ASSIGN(Fd socket, open_sender(wanted));
-  std::unique_ptr<SacnSink> sink(new SacnSink(options, std::move(destinations), std::move(socket)));
+  FL_ASSIGN(const auto unicast, parse_ipv4_list(options.name, options.addresses));
+  FL_ASSIGN(auto links, open_links(options.name, options.interface_names, options.multicast_ttl));
+  std::unique_ptr<SacnSink> sink(new SacnSink(options, std::move(links), unicast));
+  FL_TRY(check_routes(options.name, sink->links(), sink->destinations(0)));
   if (options.own_senders) options.own_senders->add_cid(sink->cid());
   return sink;
 }
 
-SacnSink::SacnSink(const SacnSinkOptions& options, std::vector<std::uint32_t> destinations, Fd socket)
-    : NetSink({options.name, options.universes, options.interface_name, options.port, options.rate_hz_max},
-              std::move(destinations), std::move(socket)),
+SacnSink::SacnSink(const SacnSinkOptions& options, std::vector<Link> links, std::span<const std::uint32_t> unicast)
+    : NetSink({options.name, options.universes, options.port, options.rate_hz_max}, std::move(links)),
       cid_(sacn_cid_of(options)),
       sequences_(options.universes.size(), 0) {
   for (std::size_t place = 0; place < options.universes.size(); ++place) {
@@ -124,7 +112,19 @@ SacnSink::SacnSink(const SacnSinkOptions& options, std::vector<std::uint32_t> de
     data.preview = options.preview;
     data.universe = options.universes[place].wire;
     build_sacn_data(data, packet_bytes(place));
+    set_destinations(place, destinations_of(data.universe, unicast));
   }
+}
+
+std::vector<NetSink::Destination> SacnSink::destinations_of(int universe,
+                                                            std::span<const std::uint32_t> unicast) const {
+  std::vector<Destination> destinations;
+  for (const std::uint32_t ipv4 : unicast) destinations.push_back({ipv4, 0});
+  if (!unicast.empty()) return destinations;
+  for (std::size_t link = 0; link < links().size(); ++link) {
+    destinations.push_back({sacn_group_ipv4(universe), static_cast<std::uint8_t>(link)});
+  }
+  return destinations;
 }
 
 std::size_t SacnSink::write_packet(const Packet& packet) {

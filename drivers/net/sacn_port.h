@@ -48,7 +48,10 @@ class SacnSink final : public NetSink {
   [[nodiscard]] const Cid& cid() const { return cid_; }
 
  private:
-  SacnSink(const SacnSinkOptions& options, std::vector<std::uint32_t> destinations, Fd socket);
+  // `unicast`: the receivers; none: multicast.
+  SacnSink(const SacnSinkOptions& options, std::vector<Link> links, std::span<const std::uint32_t> unicast);
+  // Of one universe, or of the synchronisation of several.
+  [[nodiscard]] std::vector<Destination> destinations_of(int universe, std::span<const std::uint32_t> unicast) const;
   std::size_t write_packet(const Packet& packet) override;
   [[nodiscard]] bool says_goodbye() const override { return true; }
 

@@ -21,8 +21,6 @@ namespace footlight::drivers {
 namespace {
 
 constexpr int kReceiveBufferBytes = 4 << 20;
-// Far enough for the routers of one site; 239.255.0.0/16 does not leave it (RFC 2365).
-constexpr int kMulticastTtl = 20;
 // A larger age comes from a stepped wall clock, not from a full buffer.
 constexpr DurationNs kAgeMaxNs = 10 * kNsPerS;
 
@@ -66,6 +64,15 @@ Result<std::uint32_t> parse_ipv4(std::string_view port_name, const std::string& 
     return fail(ErrorCode::kBadInput, "{}: expected an IPv4 address such as 10.0.0.5, got \"{}\"", port_name, text);
   }
   return ntohl(address.s_addr);
+}
+
+Result<std::vector<std::uint32_t>> parse_ipv4_list(std::string_view port_name, const std::vector<std::string>& texts) {
+  std::vector<std::uint32_t> addresses;
+  for (const auto& text : texts) {
+    FL_ASSIGN(const std::uint32_t ipv4, parse_ipv4(port_name, text));
+    addresses.push_back(ipv4);
+  }
+  return addresses;
 }
 
 std::string text_of_ipv4(std::uint32_t ipv4) {
@@ -198,7 +205,7 @@ Result<Fd> open_sender(const SenderSocket& wanted) {
   if (!socket) return tl::unexpected(net_error(wanted.port_name, "open a UDP socket", errno));
   set_option(socket, SOL_SOCKET, SO_BROADCAST, 1);
   set_option(socket, IPPROTO_IP, IP_MULTICAST_LOOP, 1);
-  set_option(socket, IPPROTO_IP, IP_MULTICAST_TTL, kMulticastTtl);
+  set_option(socket, IPPROTO_IP, IP_MULTICAST_TTL, wanted.multicast_ttl);
   if (wanted.interface_index != 0) {
     const int error_number = leave_through(socket, wanted.interface_index);
     if (error_number != 0) return tl::unexpected(net_error(wanted.port_name, "choose the interface", error_number));

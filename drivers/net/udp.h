@@ -38,7 +38,11 @@ class Fd {
 };
 
 [[nodiscard]] Result<std::uint32_t> parse_ipv4(std::string_view port_name, const std::string& text);
+// Errors: of the first text that is no address.
+[[nodiscard]] Result<std::vector<std::uint32_t>> parse_ipv4_list(std::string_view port_name,
+                                                                 const std::vector<std::string>& texts);
 [[nodiscard]] std::string text_of_ipv4(std::uint32_t ipv4);
+[[nodiscard]] constexpr bool is_multicast(std::uint32_t ipv4) { return ipv4 >> 28 == 0xE; }
 
 // One IPv4 address of one network interface. Interfaces without an IPv4 address do not appear.
 struct Interface {
@@ -72,6 +76,7 @@ struct ReceiverSocket {
 struct SenderSocket {
   std::string_view port_name;
   int interface_index = 0;  // that multicast leaves through; 0: the routing table decides
+  int multicast_ttl = 1;    // 1 to 255
 };
 // Non-blocking, bound to a port that the system picks, heard by other sockets of this machine too.
 [[nodiscard]] Result<Fd> open_sender(const SenderSocket& wanted);

@@ -45,6 +45,24 @@ std::optional<std::string_view> take_suffix(std::string_view& text, char mark) {
   return suffix;
 }
 
+// "a,b,,c" to "a", "b", "", "c".
+std::vector<std::string> split_at_commas(std::string_view text) {
+  std::vector<std::string> parts;
+  while (true) {
+    const std::size_t comma = text.find(',');
+    parts.emplace_back(text.substr(0, comma));
+    if (comma == std::string_view::npos) return parts;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+// The first part that an earlier one repeats; nothing where all differ.
+std::optional<std::string> named_twice(std::vector<std::string> parts) {
+  std::sort(parts.begin(), parts.end());
+  const auto twice = std::adjacent_find(parts.begin(), parts.end());
+  return twice == parts.end() ? std::nullopt : std::optional(*twice);
+}
+
 // "1-3,7" to 1, 2, 3, 7.
 Result<std::vector<int>> parse_list(std::string_view text, int number_max) {
   std::vector<int> numbers;
@@ -81,12 +99,17 @@ Result<std::vector<int>> parse_list(std::string_view text, int number_max) {
 }
 
 Status parse_network(std::string_view text, std::string_view rest, const NetworkScheme& scheme, Endpoint& endpoint) {
-  if (const auto name = take_suffix(rest, '%')) {
-    if (name->empty() || name->find_first_of("@=,: ") != std::string_view::npos) {
+  if (const auto names = take_suffix(rest, '%')) {
+    endpoint.interface_names = split_at_commas(*names);
+    for (const std::string& name : endpoint.interface_names) {
+      if (!name.empty() && name.find_first_of("@=: ") == std::string::npos) continue;
       return fail(ErrorCode::kBadInput,
-                  "{}: expected the name of an interface at the end after \"%\", as in {}:1-9%eth0", text, scheme.name);
+                  "{}: expected the name of an interface at the end after \"%\", as in {}:1-9%eth0 or {}:1-9%eth0,eth1",
+                  text, scheme.name, scheme.name);
     }
-    endpoint.interface_name = *name;
+    if (const auto twice = named_twice(endpoint.interface_names)) {
+      return fail(ErrorCode::kBadInput, "{}: interface {} is named twice; name each interface once", text, *twice);
+    }
   }
   if (auto address = take_suffix(rest, '@')) {
     std::string_view host = *address;
@@ -99,11 +122,15 @@ Status parse_network(std::string_view text, std::string_view rest, const Network
       }
       endpoint.udp_port = static_cast<std::uint16_t>(*number);
     }
-    if (!is_ipv4(host)) {
+    endpoint.addresses = split_at_commas(host);
+    for (const std::string& one : endpoint.addresses) {
+      if (is_ipv4(one)) continue;
       return fail(ErrorCode::kBadInput, "{}: expected an IPv4 address after \"@\", as in {}:1-9@10.0.0.7, got \"{}\"",
-                  text, scheme.name, host);
+                  text, scheme.name, one);
     }
-    endpoint.address = host;
+    if (const auto twice = named_twice(endpoint.addresses)) {
+      return fail(ErrorCode::kBadInput, "{}: address {} is named twice; name each address once", text, *twice);
+    }
   }
   if (rest.empty()) {
     return fail(ErrorCode::kBadInput, "{}: expected universes, as in {}:1-9 or {}:1,3,5-7", text, scheme.name,

@@ -3,6 +3,8 @@
 //   sacn:1-9                  universes 1 to 9 over multicast          sacn:1,3,5-7    single ones
 //   sacn:1-9@10.0.0.7         to (out) or on (in) one address          artnet:1-9@10.9.0.255
 //   sacn:1-9@10.0.0.7:5569    with a UDP port of its own               sacn:1-9%eth0   through one interface
+//   sacn:1-9@10.0.0.7,10.0.0.8                                  to several, on one UDP port
+//   sacn:1-9%eth0,eth1        through several interfaces
 //   sacn:101-109=1-9          renumbered: wire on the left, show on the right
 //   enttec-pro:EN123456=3     a device by its serial, as universe 3 of the show; without "=" as universe 1
 //   enttec-pro                the one that is plugged in               mock:enttec-pro a model of one in this process
@@ -39,12 +41,12 @@ enum class EndpointKind {
 struct Endpoint {
   std::string text;  // as the user wrote it
   EndpointKind kind = EndpointKind::kNetwork;
-  std::string scheme;                   // "sacn"
-  std::string target;                   // device: serial or model, may be empty; file: its name; network: empty
-  std::string address;                  // network: an IPv4 address, or empty
-  std::uint16_t udp_port = 0;           // network: 0 for the one of the protocol
-  std::string interface_name;           // network: "eth0", or empty
-  std::vector<WireUniverse> universes;  // in the order in which they were written; empty for a file
+  std::string scheme;                        // "sacn"
+  std::string target;                        // device: serial or model, may be empty; file: its name; network: empty
+  std::vector<std::string> addresses;        // network: IPv4 addresses, or none
+  std::uint16_t udp_port = 0;                // network: 0 for the one of the protocol
+  std::vector<std::string> interface_names;  // network: "eth0", or none
+  std::vector<WireUniverse> universes;       // in the order in which they were written; empty for a file
 
   [[nodiscard]] std::vector<Universe> show_universes() const;
 };

@@ -32,7 +32,7 @@ ArtnetSinkOptions sink_options(std::vector<WireUniverse> universes, std::string 
   ArtnetSinkOptions options;
   options.name = "artnet:test-out";
   options.universes = std::move(universes);
-  options.address = std::move(address);
+  if (!address.empty()) options.addresses = {std::move(address)};
   return options;
 }
 

@@ -53,6 +53,9 @@ FrameView frame_of(int universe, std::span<const std::uint8_t> slots) {
   return frame;
 }
 
+// Datagrams with levels of its universes that a source has read, those that it heard twice included.
+std::uint64_t source_count(const SacnSource& source) { return source.counters().frames + source.details().late; }
+
 // Sends packets made by hand, as a sender with faults would.
 class HandSender {
  public:
@@ -322,11 +325,11 @@ TEST_CASE("wire universes 101 to 109 come in and go out as 1 to 9") {
 TEST_CASE("101 universes on one interface take six sockets, and each universe is heard once") {
   if (!enter_private_network()) return;
   auto options = source_options(universes_from(1, 101, 1));
-  options.interface_name = "lo";
+  options.interface_names = {"lo"};
   auto source = must(SacnSource::create(options));
   CHECK(source->socket_count() == 6);
   auto out_options = sink_options(universes_from(1, 101, 1));
-  out_options.interface_name = "lo";
+  out_options.interface_names = {"lo"};
   auto sink = must(SacnSink::create(out_options));
   const auto levels = test_levels(1, 0);
   std::vector<FrameView> frames;
@@ -384,7 +387,7 @@ TEST_CASE("20000 damaged packets sent to a live source disturb none of the good 
   auto source = must(SacnSource::create(source_options({{1, 1}})));
   HandSender rubbish(1, 9);
   auto sink_made = sink_options({{1, 1}});
-  sink_made.address = "127.0.0.1";
+  sink_made.addresses = {"127.0.0.1"};
   auto sink = must(SacnSink::create(sink_made));
   std::mt19937 random(3);
   const auto noise_levels = test_levels(1, 99);
@@ -478,7 +481,7 @@ TEST_CASE("source and sink follow an interface that comes, goes and comes back")
   REQUIRE(testing::drain(*source, kStartNs, receiver));
   CHECK(source->state() == PortState::kWaiting);
   auto out = sink_options({{1, 1}});
-  out.interface_name = "eth7";
+  out.interface_names = {"eth7"};
   auto sink = must(SacnSink::create(out));
   const auto levels = test_levels(1, 0);
   const std::vector<FrameView> frames = {frame_of(1, levels)};
@@ -500,6 +503,102 @@ TEST_CASE("source and sink follow an interface that comes, goes and comes back")
   CHECK(receiver.frames[1].slots == levels);
 }
 
+TEST_CASE("of three interfaces the two that are chosen are heard and sent to, and the third is not") {
+  if (!enter_private_network(false)) return;
+  for (const char* const name : {"eth1", "eth2", "eth3"}) {
+    if (!testing::add_interface(name, fmt::format("10.99.{}.1", name[3] - 0).c_str())) return;
+  }
+  // One listener for each interface, and the port under test on two of them.
+  std::vector<std::unique_ptr<SacnSource>> listeners;
+  for (const char* const name : {"eth1", "eth2", "eth3"}) {
+    auto options = source_options({{7, 7}});
+    options.interface_names = {name};
+    listeners.push_back(must(SacnSource::create(options)));
+  }
+  auto in = source_options({{7, 7}});
+  in.interface_names = {"eth1", "eth3"};
+  auto source = must(SacnSource::create(in));
+  auto out = sink_options({{7, 7}});
+  out.interface_names = {"eth1", "eth3"};
+  auto sink = must(SacnSink::create(out));
+  const auto levels = test_levels(7, 0);
+  const std::vector<FrameView> frames = {frame_of(7, levels)};
+  REQUIRE(sink->send(kStartNs, frames).has_value());
+  CHECK(sink->counters().frames == 1);  // one frame, two datagrams
+  for (const std::size_t i : {0u, 2u}) {
+    KeepingReceiver heard;
+    CHECK(poll_until(*listeners[i], kStartNs, heard, [&] { return heard.frames.size() == 1; }));
+  }
+  KeepingReceiver heard;
+  CHECK(hears_nothing(*listeners[1], kStartNs, heard));
+  CHECK(poll_until(*source, kStartNs, heard, [&] { return source->details().late == 1; }));
+  CHECK(heard.frames.size() == 1);  // it came in twice and counts once
+
+  auto elsewhere_options = sink_options({{7, 7}});
+  elsewhere_options.source_name = "elsewhere";
+  elsewhere_options.interface_names = {"eth2"};
+  auto elsewhere = must(SacnSink::create(elsewhere_options));
+  REQUIRE(elsewhere->send(kStartNs, frames).has_value());
+  CHECK(hears_nothing(*source, kStartNs, heard));
+
+  // One of the two goes: the other goes on, and neither port is lost.
+  testing::remove_interface("eth1");
+  const auto changed = test_levels(7, 1);
+  const std::vector<FrameView> next = {frame_of(7, changed)};
+  REQUIRE(sink->send(kStartNs + kNsPerS, next).has_value());
+  CHECK(sink->state() == PortState::kWorking);
+  CHECK(sink->counters().errors == 1);
+  REQUIRE(poll_until(*source, kStartNs + kNsPerS, heard, [&] { return heard.frames.size() == 2; }));
+  REQUIRE(source->poll(kStartNs + 10 * kNsPerS, heard).has_value());
+  CHECK(source->state() == PortState::kWaiting);
+  // And it comes back.
+  REQUIRE(testing::add_interface("eth1", "10.99.1.1"));
+  REQUIRE(testing::drain(*source, kStartNs + 10 * kNsPerS, heard));
+  const auto changed_again = test_levels(7, 2);
+  const std::vector<FrameView> last = {frame_of(7, changed_again)};
+  REQUIRE(sink->send(kStartNs + 10 * kNsPerS, last).has_value());
+  CHECK(sink->counters().errors == 1);
+  const auto late_before = source->details().late;
+  CHECK(poll_until(*source, kStartNs + 10 * kNsPerS, heard, [&] { return source->details().late > late_before; }));
+}
+
+TEST_CASE("a sink sends to every address of its list, and one without a route does not hold up the others") {
+  if (!enter_private_network()) return;
+  std::vector<std::unique_ptr<SacnSource>> listeners;
+  for (const char* const address : {"127.0.0.1", "127.0.0.2"}) {
+    auto options = source_options({{1, 1}, {2, 2}});
+    options.addresses = {address};
+    listeners.push_back(must(SacnSource::create(options)));
+  }
+  auto both_options = source_options({{1, 1}, {2, 2}});
+  both_options.addresses = {"127.0.0.3", "127.0.0.4"};
+  auto both = must(SacnSource::create(both_options));
+  auto out = sink_options({{1, 1}, {2, 2}});
+  out.addresses = {"127.0.0.1", "127.0.0.3", "127.0.0.4", "127.0.0.2"};
+  auto sink = must(SacnSink::create(out));
+  const auto levels = test_levels(1, 0);
+  const std::vector<FrameView> frames = {frame_of(1, levels), frame_of(2, levels)};
+  REQUIRE(sink->send(kStartNs, frames).has_value());
+  for (auto& listener : listeners) {
+    KeepingReceiver heard;
+    CHECK(poll_until(*listener, kStartNs, heard, [&] { return heard.frames.size() == 2; }));
+  }
+  KeepingReceiver heard;
+  CHECK(poll_until(*both, kStartNs, heard, [&] { return source_count(*both) == 4; }));
+  CHECK(heard.frames.size() == 2);
+
+  if (!testing::add_interface("eth5", "10.99.5.1")) return;
+  out.addresses = {"10.99.5.9", "127.0.0.1"};
+  out.source_name = "Another";  // its numbers start anew
+  sink = must(SacnSink::create(out));
+  testing::remove_interface("eth5");  // with it goes the route
+  REQUIRE(sink->send(kStartNs, frames).has_value());
+  CHECK(poll_until(*listeners[0], kStartNs, heard, [&] { return heard.frames.size() == 4; }));
+  CHECK(sink->state() == PortState::kWorking);
+  CHECK(sink->counters().errors == 2);  // one a universe
+  CHECK(sink->counters().frames == 2);
+}
+
 TEST_CASE("wrong options are refused with a message that names the port and the next step") {
   if (!enter_private_network()) return;
   const auto message = [](const auto& result) { return result ? std::string("accepted") : result.error().message; };
@@ -512,22 +611,25 @@ TEST_CASE("wrong options are refused with a message that names the port and the 
         std::string::npos);
 
   auto in = source_options({{1, 1}});
-  in.interface_name = "eht7";
+  in.interface_names = {"eht7"};
   auto refused = SacnSource::create(in);
   CHECK(message(refused) == "sacn:test-in: no network interface is called \"eht7\"; choose one of: lo");
   CHECK(refused.error().code == ErrorCode::kNotFound);
   in = source_options({{1, 1}});
-  in.address = "house";
+  in.addresses = {"house"};
   CHECK(message(SacnSource::create(in)).find("expected an IPv4 address such as 10.0.0.5, got \"house\"") !=
         std::string::npos);
-  in.address = "10.1.2.3";
+  in.addresses = {"10.1.2.3"};
   CHECK(message(SacnSource::create(in)).find("this machine does not have that address") != std::string::npos);
 
   auto out = sink_options({{1, 1}});
   out.priority = 201;
   CHECK(message(SacnSink::create(out)).find("expected a priority from 0 to 200, got 201") != std::string::npos);
   out = sink_options({{1, 1}});
-  out.address = "10.1.2.3";
+  out.multicast_ttl = 256;
+  CHECK(message(SacnSink::create(out)).find("time to live from 1 to 255, got 256") != std::string::npos);
+  out = sink_options({{1, 1}});
+  out.addresses = {"10.1.2.3"};
   auto unreachable = SacnSink::create(out);
   CHECK(message(unreachable).find("cannot send to 10.1.2.3") != std::string::npos);
   CHECK(message(unreachable).find("there is no route") != std::string::npos);

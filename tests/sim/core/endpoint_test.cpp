@@ -28,15 +28,28 @@ TEST_CASE("a network endpoint names universes, address, port and interface in on
   CHECK(plain.scheme == "sacn");
   CHECK(plain.text == "sacn:1-9");
   CHECK(plain.show_universes() == std::vector<Universe>{1, 2, 3, 4, 5, 6, 7, 8, 9});
-  CHECK(plain.address.empty());
-  CHECK(plain.interface_name.empty());
+  CHECK(plain.addresses.empty());
+  CHECK(plain.interface_names.empty());
   CHECK(plain.udp_port == 0);
 
   const auto full = parsed("artnet:101-103,9=1-3,7@10.9.0.255:6455%eth0");
   CHECK(full.universes == std::vector<WireUniverse>{{101, 1}, {102, 2}, {103, 3}, {9, 7}});
-  CHECK(full.address == "10.9.0.255");
+  CHECK(full.addresses == std::vector<std::string>{"10.9.0.255"});
   CHECK(full.udp_port == 6455);
-  CHECK(full.interface_name == "eth0");
+  CHECK(full.interface_names == std::vector<std::string>{"eth0"});
+}
+
+TEST_CASE("addresses and interfaces come as lists, each named once, with one UDP port behind the last address") {
+  const auto wide = parsed("sacn:1,3=7,8@10.0.0.7,10.0.0.8:5569%eth0,eth1.20");
+  CHECK(wide.universes == std::vector<WireUniverse>{{1, 7}, {3, 8}});
+  CHECK(wide.addresses == std::vector<std::string>{"10.0.0.7", "10.0.0.8"});
+  CHECK(wide.udp_port == 5569);
+  CHECK(wide.interface_names == std::vector<std::string>{"eth0", "eth1.20"});
+  CHECK(contains(refusal("sacn:1@10.0.0.7,"), "expected an IPv4 address after \"@\""));
+  CHECK(contains(refusal("sacn:1@10.0.0.7:1,10.0.0.8:2"), "got \"10.0.0.7:1\""));
+  CHECK(contains(refusal("sacn:1@10.0.0.7,10.0.0.7"), "address 10.0.0.7 is named twice"));
+  CHECK(contains(refusal("sacn:1%eth0,"), "sacn:1-9%eth0,eth1"));
+  CHECK(contains(refusal("sacn:1%eth0,eth0"), "interface eth0 is named twice"));
 }
 
 TEST_CASE("single universes keep the order in which they are written") {
