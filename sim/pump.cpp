@@ -194,7 +194,7 @@ void Pump::poll(PortRun& run, TimeNs now_ns) {
   inlet_.run = &run;
   inlet_.now_ns = now_ns;
   settle(run, run.source != nullptr ? run.source->poll(now_ns, inlet_) : run.sink->poll(now_ns), now_ns);
-  if (const std::string notice = run.port->take_notice(); !notice.empty()) say(fmt::format("{}: {}", run.name, notice));
+  while (const auto notice = run.port->take_notice()) say(notice->level, notice->id, run, notice->text);
   const bool mute = run.down && woken_by_descriptor;
   if (mute != run.muted) {
     run.muted = mute;

@@ -88,10 +88,11 @@ Status GpioSource::read_line(std::size_t index, TimeNs now_ns, FrameReceiver& re
   FL_TRY(listen(index, false));
   if (now_ns >= say_storm_ns_) {
     say_storm_ns_ = now_ns + kSayAgainNs;
-    say(
-        fmt::format("line {}: more than {} edges in {} ms; until it calms down it is looked at ten times a second; an "
-                    "input that floats wants bias = \"pull-up\" or a resistor",
-                    config_.lines[index], kStormEdgesMax, kStormNs / kNsPerMs));
+    notices_.push_back(
+        {NoticeLevel::kWarning, "edge-storm",
+         fmt::format("line {}: more than {} edges in {} ms; until it calms down it is looked at ten times a second; an "
+                     "input that floats wants bias = \"pull-up\" or a resistor",
+                     config_.lines[index], kStormEdgesMax, kStormNs / kNsPerMs)});
   }
   return {};
 }
@@ -270,17 +271,21 @@ void GpioSource::say_capped(TimeNs now_ns) {
     Line& line = lines_[i];
     const std::uint64_t capped = line.strobe.counters().capped;
     if (capped == line.said_capped) continue;
-    say(fmt::format("line {}: {} {} held back, for no more than {:g} a second are let through (flashes_hz_max)",
-                    config_.lines[i], capped - line.said_capped, capped - line.said_capped == 1 ? "flash" : "flashes",
-                    config_.strobe.flashes_hz_max));
+    notices_.push_back(
+        {NoticeLevel::kWarning, "flashes-held-back",
+         fmt::format("line {}: {} {} held back, for no more than {:g} a second are let through (flashes_hz_max)",
+                     config_.lines[i], capped - line.said_capped, capped - line.said_capped == 1 ? "flash" : "flashes",
+                     config_.strobe.flashes_hz_max)});
     line.said_capped = capped;
     say_capped_ns_ = now_ns + kSayAgainNs;
   }
 }
 
-void GpioSource::say(std::string text) {
-  if (!notice_.empty()) notice_ += "; ";
-  notice_ += text;
+std::optional<PortNotice> GpioSource::take_notice() {
+  if (notices_.empty()) return std::nullopt;
+  PortNotice notice = std::move(notices_.front());
+  notices_.erase(notices_.begin());
+  return notice;
 }
 
 Result<std::unique_ptr<Source>> open_gpio_source(GpioConfig config, Clock& clock) {

@@ -55,7 +55,7 @@ class GpioSource final : public Source {
   [[nodiscard]] PortState state() const override { return is_open() ? PortState::kWorking : PortState::kGone; }
   [[nodiscard]] std::string trouble() const override { return trouble_; }
   [[nodiscard]] PortCounters counters() const override;
-  [[nodiscard]] std::string take_notice() override { return std::exchange(notice_, {}); }
+  [[nodiscard]] std::optional<PortNotice> take_notice() override;
   Status poll(TimeNs now_ns, FrameReceiver& receiver) override;
   [[nodiscard]] std::span<const Universe> universes() const override { return {&config_.universe, 1}; }
 
@@ -87,7 +87,6 @@ class GpioSource final : public Source {
   void hand_over_changes(FrameReceiver& receiver);
   void hand_over(TimeNs stamp_ns, std::uint8_t start_code, FrameReceiver& receiver);
   void say_capped(TimeNs now_ns);
-  void say(std::string text);
 
   GpioConfig config_;
   std::shared_ptr<GpioChips> chips_;
@@ -105,7 +104,7 @@ class GpioSource final : public Source {
   TimeNs say_capped_ns_ = INT64_MIN;  // not before
   TimeNs say_storm_ns_ = INT64_MIN;   // not before
   std::string trouble_;
-  std::string notice_;
+  std::vector<PortNotice> notices_;  // oldest first
 };
 
 // The source of an endpoint: lines of this machine, or of the model where the chip is "mock".

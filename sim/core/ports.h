@@ -6,12 +6,15 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/core/clock.h"
 #include "sim/core/dmx.h"
+#include "sim/core/notice.h"
 #include "sim/core/result.h"
 
 namespace footlight {
@@ -35,6 +38,13 @@ enum class PortState { kWorking, kWaiting, kGone, kEnded };
 // kWorking: in use. kWaiting: open, nothing heard or not ready yet. kGone: unplugged; poll() tries again.
 // kEnded: a log has reached its end; it will give no more frames.
 
+// A Notice (sim/core/notice.h) without what the pump adds: the port's name.
+struct PortNotice {
+  NoticeLevel level = NoticeLevel::kInfo;
+  std::string_view id;  // of docs/events.md; a constant
+  std::string text;     // for people, without the port's name
+};
+
 class Port {
  public:
   virtual ~Port() = default;
@@ -48,9 +58,9 @@ class Port {
   // Why the state is kGone, for people; empty otherwise.
   [[nodiscard]] virtual std::string trouble() const { return {}; }
   [[nodiscard]] virtual PortCounters counters() const = 0;
-  // One line for people about something that a working port did or saw (flashes held back by a safety cap); each once.
-  // Empty: nothing. Asked for after every poll(), on the pump's thread.
-  [[nodiscard]] virtual std::string take_notice() { return {}; }
+  // Something that a working port did or saw (flashes held back by a safety cap), each once; nothing where there is no
+  // more. Asked for after every poll(), on the pump's thread.
+  [[nodiscard]] virtual std::optional<PortNotice> take_notice() { return std::nullopt; }
 };
 
 class Source : public Port {
