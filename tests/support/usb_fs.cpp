@@ -1,6 +1,5 @@
 #include "tests/support/usb_fs.h"
 
-#include <dlfcn.h>
 #include <fcntl.h>
 #include <linux/usbdevice_fs.h>
 #include <sys/ioctl.h>
@@ -41,64 +40,7 @@ void release(UMockdevIoctlData* urb, UMockdevIoctlData* buffer) {
   umockdev_ioctl_data_unref(urb);
 }
 
-void reply(UMockdevIoctlClient* client, long result, int error = 0) {
-  umockdev_ioctl_client_complete(client, result, error);
-}
-
-// An ioctl's argument as a structure in this process.
-template <class T>
-class Argument {
- public:
-  explicit Argument(UMockdevIoctlData* argument)
-      : data_(umockdev_ioctl_data_resolve(argument, 0, sizeof(T), nullptr)) {}
-  ~Argument() { umockdev_ioctl_data_unref(data_); }
-  Argument(const Argument&) = delete;
-  Argument& operator=(const Argument&) = delete;
-  T* operator->() const { return reinterpret_cast<T*>(data_->data); }
-  T& operator*() const { return *reinterpret_cast<T*>(data_->data); }
-
- private:
-  UMockdevIoctlData* data_;
-};
-
-void add_device(UMockdevTestbed* testbed, const std::string& description) {
-  GError* error = nullptr;
-  FL_CHECK(umockdev_testbed_add_from_string(testbed, description.c_str(), &error));
-}
-
 }  // namespace
-
-int run_under_umockdev(char** argv) {
-  constexpr const char* kLibrary = "libumockdev-preload.so.0";
-  constexpr const char* kMarker = "ioctl_node_list_new";  // a symbol of that library alone
-  constexpr const char* kTried = "FOOTLIGHT_UMOCKDEV_TRIED";
-  const char* preload = std::getenv("LD_PRELOAD");
-  if (preload != nullptr && std::strstr(preload, kLibrary) != nullptr && ::dlsym(RTLD_DEFAULT, kMarker) != nullptr)
-    return 0;
-  if (std::getenv(kTried) != nullptr) {
-    std::fprintf(stderr, "SKIPPED: %s cannot be loaded; install the package umockdev\n", kLibrary);
-    return 77;
-  }
-  ::setenv(kTried, "1", 1);
-  ::setenv("LD_PRELOAD",
-           preload != nullptr && *preload != 0 ? fmt::format("{}:{}", preload, kLibrary).c_str() : kLibrary, 1);
-  // AddressSanitizer wants to be the first library; here another one has to be.
-  const char* asan = std::getenv("ASAN_OPTIONS");
-  ::setenv(
-      "ASAN_OPTIONS",
-      fmt::format("{}{}verify_asan_link_order=0", asan != nullptr ? asan : "", asan != nullptr && *asan != 0 ? ":" : "")
-          .c_str(),
-      1);
-  ::execv("/proc/self/exe", argv);
-  return 77;
-}
-
-std::string Testbed::root() const {
-  gchar* root = umockdev_testbed_get_root_dir(testbed_);
-  std::string text(root);
-  g_free(root);
-  return text;
-}
 
 UsbSocket::UsbSocket(Testbed& testbed, drivers::mock::UsbModel& model, int socket)
     : testbed_(testbed), model_(model), socket_(socket), handler_(umockdev_ioctl_base_new()) {

@@ -23,26 +23,9 @@
 #include <thread>
 
 #include "drivers/mock/usb_model.h"
+#include "tests/support/umockdev_bed.h"
 
 namespace footlight::testing {
-
-// Starts the program again with libumockdev-preload in front where it is not there yet; returns 0 when it is, 77 (skip)
-// when it cannot be had. Call first in main().
-int run_under_umockdev(char** argv);
-
-// The folder that stands for / while it lives. One at a time.
-class Testbed {
- public:
-  Testbed() : testbed_(umockdev_testbed_new()) {}
-  ~Testbed() { g_object_unref(testbed_); }
-  Testbed(const Testbed&) = delete;
-  Testbed& operator=(const Testbed&) = delete;
-  [[nodiscard]] UMockdevTestbed* get() const { return testbed_; }
-  [[nodiscard]] std::string root() const;
-
- private:
-  UMockdevTestbed* testbed_;
-};
 
 // One socket of a hub, number `socket` from 1, into which a model can be plugged. The testbed outlives it.
 class UsbSocket {
