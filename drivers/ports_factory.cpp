@@ -2,6 +2,12 @@
 
 #include <algorithm>
 
+#include "drivers/device/chooser.h"
+#include "drivers/device/device.h"
+#include "drivers/mock/mock_usb.h"
+#include "drivers/usb/libusb_connector.h"
+#include "drivers/usb_match.h"
+
 namespace footlight::drivers {
 namespace {
 
@@ -36,18 +42,90 @@ std::string name_of(const PortRequest& request) {
 
 bool has_driver(std::string_view scheme) { return find_driver(scheme) != nullptr; }
 
-Result<std::unique_ptr<Sink>> open_sink(const PortRequest& request, Clock& clock) {
+namespace {
+
+// Everything that a port of a device is opened with.
+struct Opening {
+  DevicePlan plan;
+  DevicePortConfig port;
+};
+
+// The row of the device that is plugged in; an empty one where that is not known.
+UsbModelId model_of(const DriverInfo& driver, const std::string& target) {
+  const auto found = Chooser(std::string(driver.id), target).find();
+  if (!found || found->driver_id != driver.id) return {};
+  const UsbMatch match = match_usb_device(found->usb_vendor, found->usb_product, found->manufacturer, found->product);
+  return match.model != nullptr ? *match.model : UsbModelId{};
+}
+
+Result<std::unique_ptr<Connector>> connector_to(const DriverInfo& driver, const PortRequest& request, Clock& clock) {
+  const TransportKind kind = driver.usb_ids.empty() ? TransportKind::kFtdi : driver.usb_ids[0].transport;
+  return make_libusb_connector({.driver_id = std::string(driver.id), .target = request.target, .unknown_kind = kind},
+                               clock);
+}
+
+// The connectors that are asked for, or the first ones that can do it.
+Result<std::vector<DeviceLine>> lines_of(const PortRequest& request, const Widget& widget, LineUse use) {
+  std::vector<DeviceLine> lines;
+  if (!request.connectors.empty() && request.connectors.size() != request.universes.size())
+    return fail(ErrorCode::kBadInput, "{}: {} connectors and {} universes; name equally many", name_of(request),
+                request.connectors.size(), request.universes.size());
+  if (!request.connectors.empty()) {
+    for (std::size_t i = 0; i < request.universes.size(); ++i)
+      lines.push_back({.line = request.connectors[i] - 1, .universe = request.universes[i]});
+    return lines;
+  }
+  Status refusal;
+  for (int line = 0; line < widget.line_count() && lines.size() < request.universes.size(); ++line) {
+    const Status can = widget.can(line, use);
+    if (can)
+      lines.push_back({.line = line, .universe = request.universes[lines.size()]});
+    else
+      refusal = can;
+  }
+  if (lines.size() == request.universes.size()) return lines;
+  if (!refusal) return fail(refusal.error().code, "{}: {}", name_of(request), refusal.error().message);
+  return fail(ErrorCode::kBadInput, "{}: carries {} universe{}, {} were asked for", name_of(request), lines.size(),
+              lines.size() == 1 ? "" : "s", request.universes.size());
+}
+
+Result<Opening> opening_of(const PortRequest& request, LineUse use, Clock& clock) {
   FL_ASSIGN(const DriverInfo* driver, driver_of(request));
   FL_TRY(check_universes(request));
-  if (driver->open_sink == nullptr) return fail(ErrorCode::kUnsupported, "{}: has no output", name_of(request));
-  return driver->open_sink(request, clock);
+  Opening opening;
+  UsbModelId model;
+  if (driver->make_widget == nullptr) {
+    FL_ASSIGN(const mock::MockTarget target, mock::mock_of_target(request.target, use == LineUse::kOutput));
+    driver = target.driver;
+    model = target.row;
+    opening.plan.connector = mock::make_mock_connector(target.usb, clock);
+  } else {
+    FL_ASSIGN(opening.plan.connector, connector_to(*driver, request, clock));
+    model = model_of(*driver, request.target);
+  }
+  const unsigned wanted = use == LineUse::kOutput ? kCanOutput : kCanInput;
+  if ((driver->capabilities & wanted) == 0)
+    return fail(ErrorCode::kUnsupported, "{}: has no {}", name_of(request),
+                use == LineUse::kOutput ? "output" : "input");
+  FL_ASSIGN(opening.plan.widget, driver->make_widget(request, model));
+  FL_ASSIGN(std::vector<DeviceLine> lines, lines_of(request, *opening.plan.widget, use));
+  opening.port = {.name = name_of(request),
+                  .lines = std::move(lines),
+                  .blackout_on_exit = request.blackout_on_exit,
+                  .wait_for_device = request.wait_for_device};
+  return opening;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Sink>> open_sink(const PortRequest& request, Clock& clock) {
+  FL_ASSIGN(Opening opening, opening_of(request, LineUse::kOutput, clock));
+  return DeviceSink::open(std::move(opening.plan), opening.port, clock);
 }
 
 Result<std::unique_ptr<Source>> open_source(const PortRequest& request, Clock& clock) {
-  FL_ASSIGN(const DriverInfo* driver, driver_of(request));
-  FL_TRY(check_universes(request));
-  if (driver->open_source == nullptr) return fail(ErrorCode::kUnsupported, "{}: has no input", name_of(request));
-  return driver->open_source(request, clock);
+  FL_ASSIGN(Opening opening, opening_of(request, LineUse::kInput, clock));
+  return DeviceSource::open(std::move(opening.plan), opening.port, clock);
 }
 
 }  // namespace footlight::drivers

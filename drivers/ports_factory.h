@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "drivers/driver.h"
+#include "sim/core/ports.h"
 
 namespace footlight::drivers {
 

@@ -128,6 +128,7 @@ std::optional<FoundDevice> read_device(const std::string& name, const FindOption
   FoundDevice device;
   device.usb_vendor = static_cast<std::uint16_t>(*vendor);
   device.usb_product = static_cast<std::uint16_t>(*product);
+  device.usb_release = static_cast<std::uint16_t>(number_of(attribute(folder + "/bcdDevice"), 16).value_or(0));
   device.manufacturer = attribute(folder + "/manufacturer");
   device.product = attribute(folder + "/product");
   const UsbMatch match = match_usb_device(device.usb_vendor, device.usb_product, device.manufacturer, device.product);
@@ -143,6 +144,7 @@ std::optional<FoundDevice> read_device(const std::string& name, const FindOption
     device.model_name = match.model->model_name;
     device.capabilities = match.driver->capabilities;
     device.quirks = match.model->quirks;
+    device.transport = match.model->transport;
   } else {
     device.model_name = "FTDI serial adapter, not known to be a DMX USB Pro";
   }

@@ -33,9 +33,13 @@ struct FoundDevice {
   std::string serial;  // of the USB descriptor; may be empty or shared by clones
   std::uint16_t usb_vendor = 0;
   std::uint16_t usb_product = 0;
-  std::string port_path;      // where it is plugged in: "1-2.3"; stays the same when it is replugged there
-  std::string node;           // "/dev/bus/usb/001/004"; changes when it is replugged
-  std::string kernel_driver;  // bound to its first interface: "ftdi_sio", "usbfs" (a program holds it), or empty
+  std::uint16_t usb_release = 0;  // bcdDevice
+  std::string port_path;          // where it is plugged in: "1-2.3"; stays the same when it is replugged there
+  std::string node;               // "/dev/bus/usb/001/004"; changes when it is replugged
+  std::string kernel_driver;      // bound to its first interface: "ftdi_sio", "usbfs" (a program holds it), or empty
+  TransportKind transport = TransportKind::kFtdi;  // of its row
+  std::string tty;            // "/dev/ttyUSB0" of its first interface; empty where there is none at the moment
+  std::string hidraw;         // "/dev/hidraw3", likewise
   std::string endpoint;       // what to write in a show file: "enttec-pro:EN172589"; empty for kNotDmx
   unsigned capabilities = 0;  // Capability
   unsigned quirks = 0;        // Quirk

@@ -18,13 +18,13 @@ Result<std::size_t> Transport::read_endpoint(std::uint8_t, std::span<std::uint8_
   return fail(ErrorCode::kUnsupported, "{}: has no endpoints of its own", where());
 }
 
+std::size_t Transport::packet_size(std::uint8_t) const { return 64; }
+
 Status Transport::set_line(const LineSettings&, TimeNs) {
   return fail(ErrorCode::kUnsupported, "{}: is not a serial line", where());
 }
 
-Status Transport::set_break(bool, TimeNs) {
-  return fail(ErrorCode::kUnsupported, "{}: is not a serial line", where());
-}
+Status Transport::set_break(bool, TimeNs) { return fail(ErrorCode::kUnsupported, "{}: is not a serial line", where()); }
 
 Result<bool> Transport::transmitter_empty(TimeNs) {
   return fail(ErrorCode::kUnsupported, "{}: is not a serial line", where());

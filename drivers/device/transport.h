@@ -26,7 +26,8 @@ struct ControlRequest {
 
 struct LineSettings {
   int baud = 250'000;
-  int stop_bits = 2;  // 8 bits, no parity
+  int stop_bits = 2;    // 8 bits, no parity
+  int latency_ms = 16;  // how long received bytes may wait inside the interface for more to come; 1 to 255
 };
 
 // One thing heard on a serial line.
@@ -37,6 +38,9 @@ struct LineByte {
   bool lost_before = false;    // the receiver overran: bytes are missing before this one
   TimeNs stamp_ns = 0;         // as good as the transport knows: when the packet that held it arrived
 };
+
+// What one IN transfer brings at most: whole packets at full and at high speed.
+inline constexpr std::size_t kUsbTransferSizeMax = 512;
 
 // An open device. Destroying it gives the device back: its interface is released and the kernel driver bound again.
 //
@@ -50,6 +54,9 @@ class Transport {
   [[nodiscard]] virtual std::string where() const = 0;
   // The serial number in its USB descriptor; may be empty.
   [[nodiscard]] virtual std::string serial() const = 0;
+  // Sleeps until the deadline or wake(); kDisconnected where an unplug is noticed meanwhile. For widgets that have
+  // nothing to read.
+  virtual Status wait(TimeNs deadline_ns) = 0;
 
   // --- A pipe of bytes (a serial port, an FTDI chip) or of reports (HID: one whole report a call, its number first).
   // Writes all of it.
@@ -62,14 +69,19 @@ class Transport {
   virtual Status control_out(const ControlRequest& request, std::span<const std::uint8_t> bytes, TimeNs deadline_ns);
   virtual Result<std::size_t> control_in(const ControlRequest& request, std::span<std::uint8_t> into,
                                          TimeNs deadline_ns);
-  // Bulk or interrupt, as the device's descriptor says. As write() and read().
+  // Bulk or interrupt, as the device's descriptor says. As write() and read(). A read brings bytes of one transfer
+  // only, so that packet borders are not lost where `into` has kUsbTransferSizeMax bytes. The first read of an endpoint
+  // begins to listen there.
   virtual Status write_endpoint(std::uint8_t endpoint, std::span<const std::uint8_t> bytes, TimeNs deadline_ns);
   virtual Result<std::size_t> read_endpoint(std::uint8_t endpoint, std::span<std::uint8_t> into, TimeNs deadline_ns);
+
+  [[nodiscard]] virtual std::size_t packet_size(std::uint8_t endpoint) const;
 
   // --- Serial lines whose timing is the host's.
   virtual Status set_line(const LineSettings& settings, TimeNs deadline_ns);
   virtual Status set_break(bool on, TimeNs deadline_ns);
-  // Whether the last bit of what was written has left the transmitter, as the chip says it (not: as the clock suggests).
+  // Whether the last bit of what was written has left the transmitter, as the chip says it and not as the clock would
+  // have it.
   virtual Result<bool> transmitter_empty(TimeNs deadline_ns);
   // As read(), with breaks where they came. Not to be mixed with read().
   virtual Result<std::size_t> read_line(std::span<LineByte> into, TimeNs deadline_ns);
@@ -86,6 +98,9 @@ class Connector {
   virtual void wait(TimeNs deadline_ns) = 0;
   // Makes the running or else the next read() or wait() return at once. Does not disturb a write().
   virtual void wake() = 0;
+  // Names the device that connect() would take at this moment, the same text for the same device however it was asked
+  // for; where it is not plugged in, what was asked for. Any thread.
+  [[nodiscard]] virtual std::string identity() = 0;
   // Ends what is running, a write() too, and makes every later call fail with kDisconnected. For good.
   virtual void abort() = 0;
 };

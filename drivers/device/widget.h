@@ -26,11 +26,12 @@ enum class LineUse : std::uint8_t { kUnused, kOutput, kInput };
 
 // What a widget says of the device once begin() has talked to it.
 struct WidgetTraits {
-  double rate_hz_max = 44.0;             // what one line takes; the pump sends no more often
-  DurationNs keep_alive_ns = kNsPerS;    // an unchanged look is sent again after this long; the frame period where the
-                                         // device does not repeat by itself; kTimeNever: never
-  std::string identity;                  // for people: "firmware 1.44, serial number 02172589"; may be empty
-  std::vector<std::string> remarks;      // what the device cannot do as asked, one sentence each
+  double rate_hz_max = 44.0;           // what one line takes; the pump sends no more often
+  DurationNs keep_alive_ns = kNsPerS;  // an unchanged look is sent again after this long; the frame period where the
+                                       // device does not repeat by itself; kTimeNever: never
+  bool host_timed = false;             // keep_alive_ns is a frame period that is to be kept on average
+  std::string identity;                // for people: "firmware 1.44, serial number 02172589"; may be empty
+  std::vector<std::string> remarks;    // what the device cannot do as asked, one sentence each
 };
 
 // Figures of one driver beyond PortCounters, for `footlight devices`, status and metrics: {"break_us_p50", 176.0}.
@@ -61,10 +62,12 @@ class Widget {
   virtual ~Widget() = default;
   // DMX connectors of this model, 1 or more. Known before the device is there.
   [[nodiscard]] virtual int line_count() const = 0;
-  // Whether line can be used so; a message with the next step where not.
+  // Whether line can be used so; a message with the next step where not. Depends on the construction alone; any
+  // thread.
   [[nodiscard]] virtual Status can(int line, LineUse use) const = 0;
 
-  // After every connect: forgets what it knew of the device, finds out what it is, sets up what lines() ask for.
+  // After every connect, and when lines() has changed: forgets what it knew of the device, finds out what it is, sets up
+  // what lines() asks for. kUnsupported: the device that is there cannot do it.
   virtual Result<WidgetTraits> begin(WidgetContext& context) = 0;
   // Output: puts a look on a line. Returns when the device has it, or, where the host times the line, when the next
   // look may come. kTimeout: the look is due again.

@@ -1,70 +1,29 @@
 #include "drivers/mock/enttec_pro_model.h"
 
 #include <algorithm>
+#include <string_view>
 
 namespace footlight::drivers::mock {
 namespace {
 
-constexpr std::uint8_t kModemStatus = 0x01, kLineStatus = 0x60;  // of an idle FT232: transmitter empty
-constexpr std::size_t kPacketSize = 64;
 constexpr std::size_t kPayloadSizeMax = 600;
 
 }  // namespace
 
-Bytes EnttecProModel::device_descriptor() const {
-  return {18, 1, 0x00, 0x02, 0, 0, 0, 8, 0x03, 0x04, 0x01, 0x60, 0x00, 0x06, 1, 2, 3, 1};  // 0403:6001, release 6.00
-}
-
-Bytes EnttecProModel::config_descriptor() const {
-  return {9, 2, 32,   0, 1,           1,    0,    0xA0, 45,  // one interface, bus powered, 90 mA
-          9, 4, 0,    0, 2,           0xFF, 0xFF, 0xFF, 2,   // vendor class, two endpoints
-          7, 5, 0x81, 2, kPacketSize, 0,    0,    7,    5,  0x02, 2, kPacketSize, 0, 0};
-}
-
 void EnttecProModel::power_on() {
-  ++power_on_count;
+  SerialModel::power_on();
   awaits_ = Awaits::kStart;
-  to_host_.clear();
   payload_.clear();
-  receive_mode = 0;  // a fresh widget listens until it is told to send
-  latency_ms = 16;
-  line_.fill(0);
+  receive_modes = {0, 0};  // a fresh widget listens until it is told to send
+  second_port_open = false;
+  for (auto& frame : seen_) frame.fill(0);
 }
 
-std::optional<Bytes> EnttecProModel::control(const SetupPacket& setup, std::span<const std::uint8_t>) {
-  constexpr unsigned kTypeMask = 0x60, kStandard = 0x00, kVendor = 0x40;
-  if ((setup.request_type & kTypeMask) == kStandard) return standard_request(*this, setup);
-  if ((setup.request_type & kTypeMask) != kVendor) return std::nullopt;
-  if ((setup.request_type & 0x80u) != 0) {
-    switch (setup.request) {
-      case 0x05: return Bytes{kModemStatus, kLineStatus};
-      case 0x0A: return Bytes{latency_ms};
-      case 0x90: return Bytes{0xFF, 0xFF};  // a word of a blank EEPROM
-      default: return std::nullopt;
-    }
-  }
-  switch (setup.request) {
-    case 0x00:
-      ++reset_count;
-      if (setup.value != 1) to_host_.clear();
-      return Bytes{};
-    case 0x03: baud_value = setup.value; return Bytes{};
-    case 0x04: line_data = setup.value; return Bytes{};
-    case 0x09: latency_ms = static_cast<std::uint8_t>(setup.value); return Bytes{};
-    case 0x01:
-    case 0x02:
-    case 0x06:
-    case 0x07:
-    case 0x0B: return Bytes{};  // modem lines, flow control, event and error characters, bit mode
-    default: return std::nullopt;
-  }
+void EnttecProModel::take(std::span<const std::uint8_t> bytes) {
+  for (const std::uint8_t byte : bytes) take_byte(byte);
 }
 
-void EnttecProModel::data_out(std::uint8_t, std::span<const std::uint8_t> bytes) {
-  for (const std::uint8_t byte : bytes) take(byte);
-}
-
-void EnttecProModel::take(std::uint8_t byte) {
+void EnttecProModel::take_byte(std::uint8_t byte) {
   const auto refuse = [this] {
     ++false_start_count;
     awaits_ = Awaits::kStart;
@@ -105,6 +64,25 @@ void EnttecProModel::take(std::uint8_t byte) {
 }
 
 void EnttecProModel::obey(std::uint8_t label, const Bytes& payload) {
+  newest_label = label;
+  const bool second = second_port && second_port_open;
+  const auto is_second = [&](std::uint8_t wanted) { return second && wanted != 0 && label == wanted; };
+  const auto named = [&](std::uint16_t id, std::string_view name) {
+    Bytes answer{static_cast<std::uint8_t>(id & 0xFF), static_cast<std::uint8_t>(id >> 8)};
+    answer.insert(answer.end(), name.begin(), name.end());
+    send(label, answer);
+  };
+  const auto output = [&](std::size_t line) {
+    receive_modes[line] = -1;
+    show(static_cast<int>(line), payload);
+  };
+  const auto set_mode = [&](std::size_t line) {
+    if (payload.size() != 1) return;
+    receive_modes[line] = payload[0];
+    seen_[line].fill(0);
+  };
+  if (second_port && is_second(second_port->send)) return output(1);
+  if (second_port && is_second(second_port->receive_mode)) return set_mode(1);
   switch (label) {
     case 3: {
       const std::size_t wanted = payload.size() == 2 ? payload[0] | static_cast<std::size_t>(payload[1]) << 8 : 0;
@@ -122,17 +100,8 @@ void EnttecProModel::obey(std::uint8_t label, const Bytes& payload) {
       rate_hz = payload[4];
       user_.assign(payload.begin() + 5, payload.end());
       break;
-    case 6:
-      receive_mode = -1;
-      frame = payload;
-      ++frame_count;
-      if (on_frame) on_frame(frame);
-      break;
-    case 8:
-      if (payload.size() != 1) break;
-      receive_mode = payload[0];
-      line_.fill(0);
-      break;
+    case 6: output(0); break;
+    case 8: set_mode(0); break;
     case 10: {
       Bytes answer;
       for (int shift = 0; shift < 32; shift += 8)
@@ -140,6 +109,23 @@ void EnttecProModel::obey(std::uint8_t label, const Bytes& payload) {
       send(10, answer);
       break;
     }
+    case 13:
+      second_port_open =
+          second_port && std::equal(payload.begin(), payload.end(), second_port->key.begin(), second_port->key.end());
+      break;
+    case 77:
+      if (esta_id) named(*esta_id, manufacturer);
+      break;
+    case 78:
+      if (esta_id) named(device_id, product);
+      break;
+    case 99:
+      if (port_count > 0) send(99, Bytes{port_count});
+      break;
+    case 100:
+    case 101:
+      if (port_count > 1) output(label - 100u);
+      break;
     default: break;  // the widget ignores what it does not know
   }
 }
@@ -154,44 +140,41 @@ void EnttecProModel::send(std::uint8_t label, std::span<const std::uint8_t> payl
   say(end);
 }
 
-void EnttecProModel::receive_line_frame(std::span<const std::uint8_t> line_frame, std::uint8_t status) {
+bool EnttecProModel::listens(int line) const {
+  if (line == 1) return second_port && second_port_open && receive_modes[1] >= 0;
+  return line == 0 && receive_modes[0] >= 0;
+}
+
+// Ignored while it sends, as the hardware does: line and transmitter are one.
+void EnttecProModel::receive_line_frame(int line, std::span<const std::uint8_t> line_frame, std::uint8_t status) {
+  if (!listens(line)) return;
+  const int receive_mode = receive_modes[static_cast<std::size_t>(line)];
+  auto& seen = seen_[static_cast<std::size_t>(line)];
+  const std::uint8_t received_label = line == 1 ? second_port->receive : 5;
+  const std::uint8_t change_label = line == 1 ? second_port->change_of_state : 9;
   constexpr std::size_t kBlockSize = 8, kBlockSpan = 40;  // a message covers 40 bytes from a multiple of 8
   if (receive_mode == 0) {
     Bytes payload{status};
     payload.insert(payload.end(), line_frame.begin(), line_frame.end());
-    send(5, payload);
+    send(received_label, payload);
   } else if (receive_mode == 1) {
     for (std::size_t i = 0; i < line_frame.size();) {
-      if (line_frame[i] == line_[i]) {
+      if (line_frame[i] == seen[i]) {
         ++i;
         continue;
       }
       const std::size_t first = i / kBlockSize * kBlockSize;
       Bytes payload{static_cast<std::uint8_t>(first / kBlockSize), 0, 0, 0, 0, 0};
       for (; i < std::min(first + kBlockSpan, line_frame.size()); ++i) {
-        if (line_frame[i] == line_[i]) continue;
-        line_[i] = line_frame[i];
+        if (line_frame[i] == seen[i]) continue;
+        seen[i] = line_frame[i];
         payload[1 + (i - first) / 8] =
             static_cast<std::uint8_t>(payload[1 + (i - first) / 8] | 1u << ((i - first) % 8));
         payload.push_back(line_frame[i]);
       }
-      send(9, payload);
+      send(change_label, payload);
     }
   }
-}
-
-Bytes EnttecProModel::data_in(std::uint8_t, std::size_t size_max) {
-  Bytes transfer;
-  // Every packet starts with the status; one that is not full ends the transfer.
-  while (transfer.size() + 2 <= size_max) {
-    const std::size_t count = std::min({kPacketSize - 2, to_host_.size(), size_max - transfer.size() - 2});
-    transfer.push_back(kModemStatus);
-    transfer.push_back(kLineStatus);
-    transfer.insert(transfer.end(), to_host_.begin(), to_host_.begin() + static_cast<std::ptrdiff_t>(count));
-    to_host_.erase(to_host_.begin(), to_host_.begin() + static_cast<std::ptrdiff_t>(count));
-    if (count < kPacketSize - 2) break;
-  }
-  return transfer;
 }
 
 }  // namespace footlight::drivers::mock

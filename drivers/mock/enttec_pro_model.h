@@ -1,4 +1,5 @@
-// An ENTTEC DMX USB Pro, modelled from its host's side: the FTDI chip on the bus and the widget's processor behind it.
+// An ENTTEC DMX USB Pro, modelled from its host's side: the chip on the bus and the widget's processor behind it. With
+// other settings: its Mk2 with a second port, and DMXking's relatives.
 //
 // It parses with code of its own, byte by byte as the widget's firmware would, and not with the driver's parser: a
 // mistake in one does not hide the same mistake in the other.
@@ -6,56 +7,46 @@
 
 #include <array>
 #include <cstdint>
-#include <deque>
-#include <functional>
-#include <string>
+#include <optional>
 
-#include "drivers/mock/usb_model.h"
+#include "drivers/driver.h"
+#include "drivers/mock/serial_model.h"
 
 namespace footlight::drivers::mock {
 
-class EnttecProModel final : public UsbModel {
+class EnttecProModel final : public SerialModel {
  public:
+  EnttecProModel() {
+    manufacturer = "ENTTEC";
+    product = "DMX USB PRO";
+    serial = "EN172589";
+  }
+
   // --- What it is; free to change before it is plugged in.
-  std::string manufacturer = "ENTTEC";
-  std::string product = "DMX USB PRO";
-  std::string serial = "EN172589";               // of the USB descriptor
   std::uint32_t widget_serial_bcd = 0x02172589;  // label 10
   std::uint16_t firmware = 0x0144;
   std::uint8_t break_units = 9, mab_units = 1, rate_hz = 40;
-  bool answers = true;  // false: takes everything and says nothing
+  bool answers = true;                    // false: takes everything and says nothing
+  std::optional<SecondPort> second_port;  // answers to these labels, once the key was given
+  std::optional<std::uint16_t> esta_id;   // label 77; none: ignores it
+  std::uint16_t device_id = 0;            // label 78, where it has an ESTA id
+  std::uint8_t port_count = 0;            // label 99; 0: ignores it
 
   // --- What it saw; only to be read.
-  Bytes frame;                                       // payload of the newest label 6, start code first
-  std::uint64_t frame_count = 0;                     // label 6 messages
-  std::function<void(const Bytes& frame)> on_frame;  // called for each; empty: none
-  std::uint64_t false_start_count = 0;               // bytes that began no message
-  int receive_mode = -1;                             // of label 8; -1: it sends
-  int power_on_count = 0, reset_count = 0;
-  std::uint16_t baud_value = 0xFFFF, line_data = 0xFFFF;
-  std::uint8_t latency_ms = 16;
-
-  // --- What happens to it.
-  // A frame on its DMX input, start code first. Ignored while it sends, as the hardware does: line and transmitter are
-  // one.
-  void receive_line_frame(std::span<const std::uint8_t> line_frame, std::uint8_t status = 0);
-  // Bytes towards the host as they are: noise, or messages that the real widget would not send.
-  void say(std::span<const std::uint8_t> bytes) { to_host_.insert(to_host_.end(), bytes.begin(), bytes.end()); }
+  std::uint64_t false_start_count = 0;       // bytes that began no message
+  std::array<int, 2> receive_modes{-1, -1};  // of label 8, per line; -1: it sends
+  bool second_port_open = false;             // the key was given
+  std::uint8_t newest_label = 0;
 
   // --- UsbModel
-  Bytes device_descriptor() const override;
-  Bytes config_descriptor() const override;
-  std::vector<std::string> strings() const override { return {manufacturer, product, serial}; }
+  void receive_line_frame(int line, std::span<const std::uint8_t> line_frame, std::uint8_t status = 0) override;
+  bool listens(int line) const override;
   void power_on() override;
-  std::optional<Bytes> control(const SetupPacket& setup, std::span<const std::uint8_t> data) override;
-  void data_out(std::uint8_t endpoint, std::span<const std::uint8_t> bytes) override;
-  bool has_data(std::uint8_t) const override { return !to_host_.empty(); }
-  Bytes data_in(std::uint8_t endpoint, std::size_t size_max) override;
-  int in_latency_ms(std::uint8_t) const override { return latency_ms; }
+  void take(std::span<const std::uint8_t> bytes) override;
 
  private:
   enum class Awaits { kStart, kLabel, kLengthLow, kLengthHigh, kPayload, kEnd };
-  void take(std::uint8_t byte);
+  void take_byte(std::uint8_t byte);
   void obey(std::uint8_t label, const Bytes& payload);
   void send(std::uint8_t label, std::span<const std::uint8_t> payload);
 
@@ -63,9 +54,8 @@ class EnttecProModel final : public UsbModel {
   std::uint8_t label_ = 0;
   std::size_t payload_size_ = 0;
   Bytes payload_;
-  Bytes user_;  // label 4's user configuration
-  std::deque<std::uint8_t> to_host_;
-  std::array<std::uint8_t, 513> line_{};  // last frame of the line, for on-change mode
+  Bytes user_;                                           // label 4's user configuration
+  std::array<std::array<std::uint8_t, 513>, 2> seen_{};  // last frame of each line, for on-change mode
 };
 
 }  // namespace footlight::drivers::mock

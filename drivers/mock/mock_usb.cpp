@@ -1,6 +1,7 @@
 #include "drivers/mock/mock_usb.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -8,11 +9,13 @@
 #include <optional>
 
 #include "drivers/usb/ftdi.h"
+#include "drivers/usb_match.h"
 
 namespace footlight::drivers::mock {
 
-MockUsb::MockUsb(std::string where, Script script) : where_(std::move(where)), script_(std::move(script)) {
-  model_.power_on();
+MockUsb::MockUsb(std::unique_ptr<UsbModel> model, std::string where, Script script)
+    : where_(std::move(where)), script_(std::move(script)), model_(std::move(model)) {
+  model_->power_on();
 }
 
 void MockUsb::unplug() {
@@ -27,7 +30,8 @@ void MockUsb::plug() {
   if (plugged_) return;
   plugged_ = true;
   ++plug_count_;
-  model_.power_on();
+  said_ns_ = kTimeNever;
+  model_->power_on();
 }
 
 void MockUsb::unplug_after(std::size_t byte_count) {
@@ -51,13 +55,25 @@ void MockUsb::limit_reads(std::size_t byte_count) {
   read_size_max_ = byte_count;
 }
 
+void MockUsb::slow_down(DurationNs by_ns) {
+  const Notifier notifier{*this};
+  const std::lock_guard lock(mutex_);
+  slow_ns_ = by_ns;
+}
+
+void MockUsb::move_clock(BusTime time) {
+  const std::lock_guard lock(mutex_);
+  moves_clock_ = true;
+  bus_time_ = time;
+}
+
 bool MockUsb::claimed() {
   const std::lock_guard lock(mutex_);
   return claimed_;
 }
 
 bool MockUsb::wait_for_claim(bool claimed, std::chrono::milliseconds patience) {
-  return wait_for([&](const EnttecProModel&) { return claimed_ == claimed; }, patience);
+  return wait_for([&](const UsbModel&) { return claimed_ == claimed; }, patience);
 }
 
 namespace {
@@ -100,17 +116,31 @@ Status MockUsb::obey(std::string_view command) {
     cut_next_write(*number);
   else if (verb == "limit-reads" && number)
     limit_reads(*number);
+  else if (verb == "slow" && number)
+    slow_down(static_cast<DurationNs>(*number) * kNsPerMs);
   else if (verb == "serial" && !object.empty())
-    with_model([&](EnttecProModel& model) { model.serial = object; });
+    with_model([&](UsbModel& model) { model.serial = object; });
   else if (const auto bytes = bytes_of_hex(object); verb == "garbage" && bytes)
-    with_model([&](EnttecProModel& model) { model.say(*bytes); });
+    with_model([&](UsbModel& model) { model.say(*bytes); });
   else
     return fail(ErrorCode::kBadInput,
                 "mock command '{}': expected unplug, plug, unplug-after N, stall on|off, cut-write N, limit-reads N, "
-                "garbage HEX or serial TEXT",
+                "slow MS, garbage HEX or serial TEXT",
                 command);
   return {};
 }
+
+namespace {
+
+std::uint16_t word_of(const Bytes& bytes, std::size_t at) {
+  return static_cast<std::uint16_t>(bytes[at] | bytes[at + 1] << 8);
+}
+UsbMatch match_of(const UsbModel& model) {
+  const Bytes device = model.device_descriptor();
+  return match_usb_device(word_of(device, 8), word_of(device, 10), model.manufacturer, model.product);
+}
+
+}  // namespace
 
 // What a connector and its transport share; guarded by the mutex of the MockUsb.
 struct Wakeups {
@@ -120,15 +150,14 @@ struct Wakeups {
 
 class MockTransport final : public Transport {
  public:
+  // With the lock of the MockUsb.
   MockTransport(std::shared_ptr<MockUsb> usb, Clock& clock, std::shared_ptr<Wakeups> wakeups)
       : usb_(std::move(usb)),
         clock_(clock),
         wakeups_(std::move(wakeups)),
         plug_count_(usb_->plug_count_),
-        serial_(usb_->model_.serial) {
+        serial_(usb_->model_->serial) {
     usb_->claimed_ = true;
-    for (const ftdi::Request& request : ftdi::kOpening)
-      usb_->model_.control({ftdi::kRequestTypeOut, request.request, request.value, request.index, 0}, {});
   }
   ~MockTransport() override {
     const MockUsb::Notifier notifier{*usb_};
@@ -136,79 +165,162 @@ class MockTransport final : public Transport {
     usb_->claimed_ = false;
   }
 
-  Status write(std::span<const std::uint8_t> bytes, TimeNs deadline_ns) override {
-    const MockUsb::Notifier notifier{*usb_};
+  std::string where() const override { return usb_->where_; }
+  std::string serial() const override { return serial_; }
+
+  Status wait(TimeNs deadline_ns) override {
     std::unique_lock lock(usb_->mutex_);
     while (true) {
       FL_TRY(still_there());
-      if (!usb_->stalled_) break;
-      if (clock_.now_ns() >= deadline_ns) return fail(ErrorCode::kTimeout, "{}: does not take data", usb_->where_);
-      sleep(lock, deadline_ns);
+      const TimeNs next_ns = play();
+      if (std::exchange(wakeups_->woken, false) || clock_.now_ns() >= deadline_ns) return {};
+      sleep_until_changed(*usb_, lock, clock_, std::min(deadline_ns, next_ns));
     }
-    if (usb_->unplug_after_ < bytes.size()) {
-      usb_->model_.data_out(ftdi::kEndpointOut, bytes.first(usb_->unplug_after_));
-      usb_->unplug_after_ = SIZE_MAX;
+  }
+
+  Status write(std::span<const std::uint8_t>, TimeNs) override {
+    return fail(ErrorCode::kUnsupported, "{}: is no serial line", usb_->where_);
+  }
+  Result<std::size_t> read(std::span<std::uint8_t>, TimeNs) override {
+    return fail(ErrorCode::kUnsupported, "{}: is no serial line", usb_->where_);
+  }
+
+  Status control_out(const ControlRequest& request, std::span<const std::uint8_t> bytes, TimeNs deadline_ns) override {
+    FL_TRY(control(request, bytes, static_cast<std::uint16_t>(bytes.size()), deadline_ns));
+    return {};
+  }
+  Result<std::size_t> control_in(const ControlRequest& request, std::span<std::uint8_t> into,
+                                 TimeNs deadline_ns) override {
+    FL_ASSIGN(const Bytes answer, control(request, {}, static_cast<std::uint16_t>(into.size()), deadline_ns));
+    const std::size_t count = std::min(answer.size(), into.size());
+    std::copy_n(answer.begin(), count, into.begin());
+    return count;
+  }
+
+  Status write_endpoint(std::uint8_t endpoint, std::span<const std::uint8_t> bytes, TimeNs deadline_ns) override {
+    const MockUsb::Notifier notifier{*usb_};
+    std::unique_lock lock(usb_->mutex_);
+    FL_TRY(wait_until_taken(lock, deadline_ns));
+    take_time(lock, usb_->bus_time_.bulk_ns);
+    std::size_t taken = 0;
+    const std::size_t unplug_at =
+        std::exchange(usb_->unplug_after_, usb_->unplug_after_ < bytes.size() ? SIZE_MAX : usb_->unplug_after_);
+    const std::size_t cut_at =
+        std::exchange(usb_->cut_next_write_, usb_->cut_next_write_ < bytes.size() ? SIZE_MAX : usb_->cut_next_write_);
+    const std::size_t end = std::min({bytes.size(), unplug_at, cut_at});
+    while (taken < end) {
+      FL_TRY(still_there());
+      const TimeNs next_ns = play();
+      const std::size_t room = usb_->stalled_ ? 0 : std::min(usb_->model_->room(endpoint), end - taken);
+      usb_->model_->data_out(endpoint, bytes.subspan(taken, room));
+      taken += room;
+      if (taken == end) break;
+      if (clock_.now_ns() >= deadline_ns)
+        return fail(ErrorCode::kTimeout, "{}: took {} of {} bytes", usb_->where_, taken, bytes.size());
+      if (room == 0) sleep_until_changed(*usb_, lock, clock_, std::min(deadline_ns, next_ns));
+    }
+    if (unplug_at < bytes.size()) {
       usb_->plugged_ = false;
       return still_there();
     }
-    if (usb_->cut_next_write_ < bytes.size()) {
-      const std::size_t taken = usb_->cut_next_write_;
-      usb_->model_.data_out(ftdi::kEndpointOut, bytes.first(taken));
-      usb_->cut_next_write_ = SIZE_MAX;
+    if (cut_at < bytes.size())
       return fail(ErrorCode::kTimeout, "{}: took {} of {} bytes", usb_->where_, taken, bytes.size());
-    }
-    usb_->model_.data_out(ftdi::kEndpointOut, bytes);
+    if (bytes.empty()) usb_->model_->data_out(endpoint, bytes);
     return {};
   }
 
-  Result<std::size_t> read(std::span<std::uint8_t> into, TimeNs deadline_ns) override {
+  Result<std::size_t> read_endpoint(std::uint8_t endpoint, std::span<std::uint8_t> into, TimeNs deadline_ns) override {
     std::unique_lock lock(usb_->mutex_);
     while (true) {
       FL_TRY(still_there());
       if (std::exchange(wakeups_->woken, false)) return 0;
+      TimeNs next_ns = play();
       const TimeNs now_ns = clock_.now_ns();
-      if (usb_->script_ && now_ns >= usb_->script_due_ns_) usb_->script_due_ns_ = usb_->script_(usb_->model_, now_ns);
-      if (waiting_.empty() && !usb_->stalled_ && usb_->model_.has_data(ftdi::kEndpointIn)) {
-        waiting_ = usb_->model_.data_in(ftdi::kEndpointIn, kTransferSize);
-        waiting_.resize(ftdi::strip_status(waiting_, ftdi::kFullSpeedPacketSize));
+      if (waiting_.empty() && !usb_->stalled_ && usb_->model_->has_data(endpoint)) {
+        if (usb_->said_ns_ == kTimeNever) usb_->said_ns_ = now_ns;
+        if (now_ns >= usb_->said_ns_ + usb_->slow_ns_) {
+          usb_->said_ns_ = kTimeNever;
+          const std::size_t limit =
+              usb_->read_size_max_ > 0 ? usb_->read_size_max_ + usb_->model_->in_overhead() : kUsbTransferSizeMax;
+          waiting_ = usb_->model_->data_in(endpoint, std::min(limit, kUsbTransferSizeMax));
+        } else {
+          next_ns = std::min(next_ns, usb_->said_ns_ + usb_->slow_ns_);
+        }
       }
       if (!waiting_.empty()) {
-        std::size_t count = std::min(into.size(), waiting_.size());
-        if (usb_->read_size_max_ > 0) count = std::min(count, usb_->read_size_max_);
+        const std::size_t count = std::min(into.size(), waiting_.size());
         std::copy_n(waiting_.begin(), count, into.begin());
         waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count));
         return count;
       }
       if (now_ns >= deadline_ns) return 0;
-      sleep(lock, usb_->script_ ? std::min(deadline_ns, usb_->script_due_ns_) : deadline_ns);
+      sleep_until_changed(*usb_, lock, clock_, std::min(deadline_ns, next_ns));
     }
   }
 
-  std::string where() const override { return usb_->where_; }
-  std::string serial() const override { return serial_; }
+  // Returns early whenever anything happens, and late never by more than a real second: callers look again in a loop.
+  // On a clock that is moved by hand, clock_moved() makes them look.
+  static void sleep_until_changed(MockUsb& usb, std::unique_lock<std::mutex>& lock, Clock& clock, TimeNs deadline_ns) {
+    if (usb.moves_clock_) {
+      FL_CHECK(deadline_ns != kTimeNever);  // nothing would ever happen
+      lock.unlock();
+      clock.sleep_until_ns(deadline_ns);
+      lock.lock();
+      return;
+    }
+    const DurationNs left_ns = std::clamp<DurationNs>(deadline_ns - clock.now_ns(), 0, kNsPerS);
+    usb.changed_.wait_until(lock, std::chrono::system_clock::now() + std::chrono::nanoseconds(left_ns));
+  }
 
  private:
-  static constexpr std::size_t kTransferSize = 512;
+  Result<Bytes> control(const ControlRequest& request, std::span<const std::uint8_t> bytes, std::uint16_t size,
+                        TimeNs deadline_ns) {
+    const MockUsb::Notifier notifier{*usb_};
+    std::unique_lock lock(usb_->mutex_);
+    FL_TRY(wait_until_taken(lock, deadline_ns));
+    take_time(lock, usb_->bus_time_.control_ns);
+    (void)play();
+    if (!bytes.empty() && usb_->unplug_after_ < bytes.size()) {
+      usb_->unplug_after_ = SIZE_MAX;
+      usb_->plugged_ = false;
+      FL_TRY(still_there());
+    }
+    if (!bytes.empty() && usb_->cut_next_write_ < bytes.size()) {
+      usb_->cut_next_write_ = SIZE_MAX;
+      return fail(ErrorCode::kTimeout, "{}: no answer to control request {} in time", usb_->where_, request.request);
+    }
+    auto answer =
+        usb_->model_->control({request.request_type, request.request, request.value, request.index, size}, bytes);
+    if (!answer) return fail(ErrorCode::kIo, "{}: refused control request {}", usb_->where_, request.request);
+    return std::move(*answer);
+  }
 
+  // The model and the world around it live on; returns when something happens next.
+  TimeNs play() {
+    const TimeNs now_ns = clock_.now_ns();
+    const TimeNs model_ns = usb_->model_->pass_time(now_ns);
+    if (!usb_->script_) return model_ns;
+    if (now_ns >= usb_->script_due_ns_) usb_->script_due_ns_ = usb_->script_(*usb_->model_, now_ns);
+    return std::min(model_ns, usb_->script_due_ns_);
+  }
+  void take_time(std::unique_lock<std::mutex>& lock, DurationNs duration_ns) {
+    if (usb_->moves_clock_ && duration_ns > 0) sleep_until_changed(*usb_, lock, clock_, clock_.now_ns() + duration_ns);
+  }
+  Status wait_until_taken(std::unique_lock<std::mutex>& lock, TimeNs deadline_ns) {
+    while (true) {
+      FL_TRY(still_there());
+      if (!usb_->stalled_) return {};
+      if (clock_.now_ns() >= deadline_ns) return fail(ErrorCode::kTimeout, "{}: does not take data", usb_->where_);
+      sleep_until_changed(*usb_, lock, clock_, deadline_ns);
+    }
+  }
   Status still_there() const {
     if (wakeups_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", usb_->where_);
     if (!usb_->plugged_ || usb_->plug_count_ != plug_count_)
       return fail(ErrorCode::kDisconnected, "{}: unplugged", usb_->where_);
     return {};
   }
-  void sleep(std::unique_lock<std::mutex>& lock, TimeNs deadline_ns) {
-    sleep_until_changed(*usb_, lock, clock_, deadline_ns);
-  }
 
- public:
-  // Returns early whenever anything happens, and late never by more than a real second: callers look again in a loop.
-  // On a clock that is moved by hand, clock_moved() makes them look.
-  static void sleep_until_changed(MockUsb& usb, std::unique_lock<std::mutex>& lock, Clock& clock, TimeNs deadline_ns) {
-    const DurationNs left_ns = std::clamp<DurationNs>(deadline_ns - clock.now_ns(), 0, kNsPerS);
-    usb.changed_.wait_until(lock, std::chrono::system_clock::now() + std::chrono::nanoseconds(left_ns));
-  }
-
- private:
   std::shared_ptr<MockUsb> usb_;
   Clock& clock_;
   std::shared_ptr<Wakeups> wakeups_;
@@ -217,24 +329,70 @@ class MockTransport final : public Transport {
   Bytes waiting_;  // arrived and not yet read
 };
 
+// A pipe above one endpoint each way, as the kernel's drivers for serial devices and for HID make it.
+class PipeTransport final : public Transport {
+ public:
+  PipeTransport(std::unique_ptr<Transport> usb, const UsbModel& model, bool is_hid)
+      : usb_(std::move(usb)), is_hid_(is_hid) {
+    constexpr std::uint8_t kEndpointDescriptor = 5, kAttributesBulk = 2;
+    const Bytes config = model.config_descriptor();
+    for (std::size_t at = 0; at + 3 < config.size() && config[at] > 0; at += config[at]) {
+      if (config[at + 1] != kEndpointDescriptor) continue;
+      if (!is_hid_ && config[at + 3] != kAttributesBulk) continue;  // not the one for notifications
+      std::uint8_t& endpoint = (config[at + 2] & 0x80u) != 0 ? in_ : out_;
+      if (endpoint == 0) endpoint = config[at + 2];
+    }
+  }
+  std::string where() const override { return usb_->where(); }
+  std::string serial() const override { return usb_->serial(); }
+  Status wait(TimeNs deadline_ns) override { return usb_->wait(deadline_ns); }
+  Status write(std::span<const std::uint8_t> bytes, TimeNs deadline_ns) override {
+    if (is_hid_ && !bytes.empty() && bytes[0] == 0) bytes = bytes.subspan(1);  // reports without a number
+    return usb_->write_endpoint(out_, bytes, deadline_ns);
+  }
+  Result<std::size_t> read(std::span<std::uint8_t> into, TimeNs deadline_ns) override {
+    return usb_->read_endpoint(in_, into, deadline_ns);
+  }
+  Status set_line(const LineSettings&, TimeNs deadline_ns) override {
+    constexpr std::uint8_t kCoding[] = {0x90, 0xD0, 0x03, 0x00, 2, 0, 8};  // 250000 baud, 2 stop bits, no parity
+    return usb_->control_out({0x21, 0x20, 0, 0}, kCoding, deadline_ns);
+  }
+
+ private:
+  const std::unique_ptr<Transport> usb_;
+  const bool is_hid_;
+  std::uint8_t in_ = 0, out_ = 0;
+};
+
 class MockConnector final : public Connector {
  public:
   MockConnector(std::shared_ptr<MockUsb> usb, Clock& clock, std::string serial)
       : usb_(std::move(usb)), clock_(clock), serial_(std::move(serial)) {}
 
   Result<std::unique_ptr<Transport>> connect() override {
-    const std::lock_guard lock(usb_->mutex_);
+    std::unique_lock lock(usb_->mutex_);
     tried_plug_count_ = usb_->plugged_ ? usb_->plug_count_ : 0;
+    const UsbModel& model = *usb_->model_;
     if (wakeups_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", usb_->where_);
     if (!usb_->plugged_) return fail(ErrorCode::kNotFound, "{}: not plugged in", usb_->where_);
-    if (!serial_.empty() && usb_->model_.serial != serial_)
+    if (!serial_.empty() && model.serial != serial_)
       return fail(ErrorCode::kNotFound, "{}: not plugged in; there is another device, with the serial number {}",
-                  serial_, usb_->model_.serial);
+                  serial_, model.serial);
     if (usb_->claimed_)
-      return fail(ErrorCode::kPermission,
-                  "{}: in use by another port of this program; name a second one 'mock:enttec-pro/NAME'", usb_->where_);
-    serial_ = usb_->model_.serial;
-    return std::make_unique<MockTransport>(usb_, clock_, wakeups_);
+      return fail(ErrorCode::kPermission, "{}: in use by another port of this program; name a second one '{}/NAME'",
+                  usb_->where_, usb_->where_);
+    serial_ = model.serial;
+    const UsbMatch match = match_of(model);
+    const TransportKind kind = match.model != nullptr ? match.model->transport : TransportKind::kFtdi;
+    std::unique_ptr<Transport> raw = std::make_unique<MockTransport>(usb_, clock_, wakeups_);
+    lock.unlock();
+    switch (kind) {
+      case TransportKind::kUsb: return raw;
+      case TransportKind::kFtdi: return open_ftdi(std::move(raw), word_of(model.device_descriptor(), 12), clock_);
+      case TransportKind::kTty:
+      case TransportKind::kHid: break;
+    }
+    return std::make_unique<PipeTransport>(std::move(raw), model, kind == TransportKind::kHid);
   }
 
   void wait(TimeNs deadline_ns) override {
@@ -257,6 +415,8 @@ class MockConnector final : public Connector {
     wakeups_->aborted = true;
   }
 
+  std::string identity() override { return fmt::format("mock {}", fmt::ptr(usb_.get())); }
+
  private:
   std::shared_ptr<MockUsb> usb_;
   Clock& clock_;
@@ -269,31 +429,41 @@ std::unique_ptr<Connector> make_mock_connector(std::shared_ptr<MockUsb> usb, Clo
   return std::make_unique<MockConnector>(std::move(usb), clock, std::move(serial));
 }
 
-Result<std::shared_ptr<MockUsb>> mock_of_target(std::string_view target, bool for_output) {
+Result<MockTarget> mock_of_target(std::string_view target, bool for_output) {
   static std::mutex mutex;
-  static std::map<std::string, std::shared_ptr<MockUsb>, std::less<>> widgets;  // guarded by mutex
-  constexpr std::string_view kModel = "enttec-pro";
-  std::string_view name = target.substr(0, kModel.size()) == kModel ? target.substr(kModel.size()) : target;
-  if (!target.starts_with(kModel) || (!name.empty() && (name[0] != '/' || name.size() == 1)))
-    return fail(ErrorCode::kBadInput, "mock:{}: expected mock:enttec-pro or mock:enttec-pro/NAME", target);
-  const std::string key = name.empty() ? (for_output ? "output" : "input") : std::string(name);
+  static std::map<std::string, std::shared_ptr<MockUsb>, std::less<>> devices;  // guarded by mutex
+  const std::size_t slash = target.find('/');
+  const std::string_view name = slash == std::string_view::npos ? std::string_view{} : target.substr(slash + 1);
+  const DriverInfo* driver = find_driver(target.substr(0, slash));
+  if (driver == nullptr || driver->make_model == nullptr || (slash != std::string_view::npos && name.empty())) {
+    std::string known;
+    for (const DriverInfo* one : drivers())
+      if (one->make_model != nullptr) known += fmt::format("{}mock:{}", known.empty() ? "" : ", ", one->id);
+    return fail(ErrorCode::kBadInput, "mock:{}: expected one of {}, with /NAME behind it where several are wanted",
+                target, known);
+  }
+  const std::string key =
+      fmt::format("{}/{}", driver->id, name.empty() ? (for_output ? ":output" : ":input") : std::string(name));
   const std::lock_guard lock(mutex);
-  std::shared_ptr<MockUsb>& widget = widgets[key];
-  if (!widget) widget = std::make_shared<MockUsb>(fmt::format("mock:{}", target), slow_sine());
-  return widget;
+  std::shared_ptr<MockUsb>& device = devices[key];
+  if (!device) device = std::make_shared<MockUsb>(driver->make_model(), fmt::format("mock:{}", target), slow_sine());
+  const UsbMatch match = device->with_model([](UsbModel& model) { return match_of(model); });
+  return MockTarget{driver, match.model != nullptr ? *match.model : UsbModelId{}, device};
 }
 
 MockUsb::Script slow_sine() {
-  return [](EnttecProModel& model, TimeNs now_ns) {
+  return [](UsbModel& model, TimeNs now_ns) {
     constexpr DurationNs kFrame_ns = 25 * kNsPerMs, kPeriod_ns = 10 * kNsPerS;
-    if (model.receive_mode >= 0) {
+    constexpr int kLineCountMax = 8;
+    for (int line = 0; line < kLineCountMax; ++line) {
+      if (!model.listens(line)) continue;
       std::array<std::uint8_t, 513> line_frame{};
       const double turns = static_cast<double>(now_ns % kPeriod_ns) / static_cast<double>(kPeriod_ns);
       for (std::size_t slot = 0; slot < 512; ++slot) {
         const double phase_rad = 2.0 * std::numbers::pi * (turns - static_cast<double>(slot) / 511.0);
         line_frame[1 + slot] = static_cast<std::uint8_t>(std::lround(127.5 + 127.5 * std::sin(phase_rad)));
       }
-      model.receive_line_frame(line_frame);
+      model.receive_line_frame(line, line_frame);
     }
     return now_ns + kFrame_ns;
   };

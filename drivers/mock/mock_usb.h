@@ -1,5 +1,5 @@
-// Device models in this process, behind the same Transport as real devices. They ship: `mock:enttec-pro` works on any
-// machine, and everything above the bus runs as it does with hardware.
+// Device models in this process, behind the same Transport as real devices. They ship: `mock:` with any driver's id, as
+// in `mock:enttec-pro`, works on any machine, and everything above the bus runs as it does with hardware.
 //
 // As a sink the model keeps the newest frame and counts; as a source it plays a slow sine over all 512 slots. Faults
 // happen on command: obey("unplug").
@@ -13,33 +13,34 @@
 #include <string>
 #include <string_view>
 
-#include "drivers/mock/enttec_pro_model.h"
-#include "drivers/device/transport.h"
-#include "sim/core/clock.h"
+#include "drivers/driver.h"
+#include "drivers/mock/usb_model.h"
+#include "sim/core/check.h"
 
 namespace footlight::drivers::mock {
 
-// A widget, the socket that it is plugged into, and what can go wrong between. Threads: safe to use from any.
+// A device, the socket that it is plugged into, and what can go wrong between. Threads: safe to use from any.
 class MockUsb {
  public:
-  // Plays the world around the widget: called with the model whenever time may have passed, returns when it wants to be
+  // Plays the world around the device: called with the model whenever time may have passed, returns when it wants to be
   // called next.
-  using Script = std::function<TimeNs(EnttecProModel& model, TimeNs now_ns)>;
+  using Script = std::function<TimeNs(UsbModel& model, TimeNs now_ns)>;
 
-  explicit MockUsb(std::string where = "mock:enttec-pro", Script script = {});
+  explicit MockUsb(std::unique_ptr<UsbModel> model, std::string where = "mock", Script script = {});
 
   // Runs f(model) while nobody else touches it, then lets waiting reads look again. Returns what f returns.
-  template <class F>
+  template <class Model = UsbModel, class F>
   decltype(auto) with_model(F&& f) {
     const Notifier notifier{*this};
     const std::lock_guard lock(mutex_);
-    return f(model_);
+    return f(model_as<Model>());
   }
   // Waits until f(model) is true; false where it is not within `patience` of real time.
-  template <class F>
+  template <class Model = UsbModel, class F>
   bool wait_for(F&& f, std::chrono::milliseconds patience = std::chrono::seconds(10)) {
     std::unique_lock lock(mutex_);
-    return changed_.wait_until(lock, std::chrono::system_clock::now() + patience, [&] { return f(model_); });
+    return changed_.wait_until(lock, std::chrono::system_clock::now() + patience,
+                               [&] { return f(std::as_const(model_as<Model>())); });
   }
 
   // --- Faults
@@ -49,9 +50,10 @@ class MockUsb {
   void stall(bool stalled);                     // takes and gives nothing
   void cut_next_write(std::size_t byte_count);  // the device takes that many bytes of one write, then time runs out
   void limit_reads(std::size_t byte_count);     // a read brings at most that many bytes; 0: no limit
+  void slow_down(DurationNs by_ns);             // what the device says arrives that much later
   // The same as words, one command a line: "unplug", "plug", "unplug-after 100", "stall on", "stall off", "cut-write
-  // 7", "limit-reads 1", "garbage 7E00FF" (hex bytes towards the host), "serial EN999999" (before "plug": another
-  // device).
+  // 7", "limit-reads 1", "slow 300" (ms), "garbage 7E00FF" (hex bytes towards the host), "serial EN999999" (before
+  // "plug": another device).
   Status obey(std::string_view command);
 
   [[nodiscard]] bool claimed();  // somebody has it open
@@ -59,6 +61,13 @@ class MockUsb {
   bool wait_for_claim(bool claimed, std::chrono::milliseconds patience = std::chrono::seconds(10));
   // A clock that is moved by hand has been moved: waits look at it again.
   void clock_moved() { changed_.notify_all(); }
+  // For tests in one thread: waits move the clock (Clock::sleep_until_ns) instead of sleeping, and every transfer takes
+  // the time that its bus would.
+  struct BusTime {
+    DurationNs control_ns = 0;
+    DurationNs bulk_ns = 0;
+  };
+  void move_clock(BusTime time);
 
  private:
   friend class MockConnector;
@@ -67,6 +76,12 @@ class MockUsb {
     MockUsb& usb;
     ~Notifier() { usb.changed_.notify_all(); }
   };
+  template <class Model>
+  Model& model_as() {
+    auto* model = dynamic_cast<Model*>(model_.get());
+    FL_CHECK(model != nullptr);
+    return *model;
+  }
 
   const std::string where_;
   std::mutex mutex_;
@@ -74,7 +89,7 @@ class MockUsb {
   // All below: guarded by mutex_.
   const Script script_;
   TimeNs script_due_ns_ = 0;
-  EnttecProModel model_;
+  const std::unique_ptr<UsbModel> model_;
   bool plugged_ = true;
   std::uint64_t plug_count_ = 1;  // an open transport belongs to one plugging in
   bool claimed_ = false;
@@ -82,18 +97,28 @@ class MockUsb {
   std::size_t unplug_after_ = SIZE_MAX;
   std::size_t cut_next_write_ = SIZE_MAX;
   std::size_t read_size_max_ = 0;
+  DurationNs slow_ns_ = 0;
+  TimeNs said_ns_ = kTimeNever;  // since when the device has had something to say
+  bool moves_clock_ = false;
+  BusTime bus_time_;
 };
 
-// `serial`: empty for any.
+// The transport is of the kind that the driver table says for such a device. `serial`: empty for any.
 [[nodiscard]] std::unique_ptr<Connector> make_mock_connector(std::shared_ptr<MockUsb> usb, Clock& clock,
                                                              std::string serial = {});
 
-// The widgets that `mock:` endpoints name, made at first use and kept until the program ends. Target "enttec-pro", or
-// "enttec-pro/NAME" where several are wanted. Without a name, sinks and sources get a widget each.
-// kBadInput: not a target of that form.
-[[nodiscard]] Result<std::shared_ptr<MockUsb>> mock_of_target(std::string_view target, bool for_output);
+// A device that a `mock:` endpoint names.
+struct MockTarget {
+  const DriverInfo* driver = nullptr;  // of the device
+  UsbModelId row;                      // of its driver's table; an empty one where none fits
+  std::shared_ptr<MockUsb> usb;
+};
+// Devices are made at first use and kept until the program ends. Target: a driver's id, or id/NAME where several are
+// wanted. Without a name, sinks and sources get a device each. kBadInput: not a target of that form.
+[[nodiscard]] Result<MockTarget> mock_of_target(std::string_view target, bool for_output);
 
-// Plays one frame of all slots every 25 ms: each a sine of 10 s, from 0 to 255, slot 511 lagging slot 0 by one period.
+// Plays one frame of all slots every 25 ms on every line that listens: each slot a sine of 10 s, from 0 to 255, slot
+// 511 lagging slot 0 by one period.
 [[nodiscard]] MockUsb::Script slow_sine();
 
 }  // namespace footlight::drivers::mock

@@ -39,6 +39,23 @@ std::optional<Bytes> descriptor(const UsbModel& model, const SetupPacket& setup)
 
 }  // namespace
 
+const UsbModel::Line& UsbModel::line(int number) const {
+  static const Line kNone;
+  const auto index = static_cast<std::size_t>(number);
+  return index < lines_.size() ? lines_[index] : kNone;
+}
+
+void UsbModel::show(int line, Bytes frame) {
+  const auto index = static_cast<std::size_t>(line);
+  if (index >= lines_.size()) lines_.resize(index + 1);
+  lines_[index].frame = std::move(frame);
+  ++lines_[index].frame_count;
+  if (on_frame) on_frame(line, lines_[index].frame);
+}
+
+void UsbModel::receive_line_frame(int, std::span<const std::uint8_t>, std::uint8_t) {}
+void UsbModel::say(std::span<const std::uint8_t>) {}
+
 std::optional<Bytes> standard_request(const UsbModel& model, const SetupPacket& setup) {
   switch (setup.request) {
     case kGetDescriptor: return descriptor(model, setup);

@@ -1,497 +1,237 @@
 #include "drivers/usb/enttec_pro.h"
 
-#include <sys/eventfd.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <functional>
-#include <mutex>
-#include <thread>
 
-#include "drivers/usb/libusb_connector.h"
-#include "drivers/wait/real_time.h"
-#include "sim/core/check.h"
+#include "drivers/mock/enttec_pro_model.h"
 
 namespace footlight::drivers {
 namespace {
 
-constexpr DurationNs kLineLost_ns = 1'250 * kNsPerMs;    // a receiver's patience, E1.11 section 9.3 plus a frame
 constexpr DurationNs kSplitMessage_ns = 100 * kNsPerMs;  // silence inside a message: the rest was lost
-constexpr int kWriteTimeoutCountMax = 3;                 // then the device is opened afresh
 constexpr double kLineRateHzMax = 44.0;                  // 513 slots of 44 us with the shortest break
+constexpr std::uint16_t kDmxkingEstaId = 0x6A6B;
+constexpr std::uint16_t kDmxkingUltraPro = 2;  // device id of the model with two outputs
+constexpr std::uint8_t kBothPortsDmx[] = {1, 1};
 
-// A counter in the kernel that poll() and epoll can wait for.
-class EventFd {
- public:
-  EventFd() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) { FL_CHECK_GE(fd_, 0); }
-  ~EventFd() { ::close(fd_); }
-  EventFd(const EventFd&) = delete;
-  EventFd& operator=(const EventFd&) = delete;
-  [[nodiscard]] int fd() const { return fd_; }
-  // Both can fail only by being signalled or quiet already.
-  void signal() { (void)!::write(fd_, &kOne, sizeof kOne); }
-  void clear() {
-    std::uint64_t count = 0;
-    (void)!::read(fd_, &count, sizeof count);
-  }
+std::uint8_t number_of(ProLabel label) { return static_cast<std::uint8_t>(label); }
 
- private:
-  static constexpr std::uint64_t kOne = 1;
-  const int fd_;
-};
+std::optional<std::uint16_t> id_of(std::span<const std::uint8_t> payload) {
+  if (payload.size() < 2) return std::nullopt;
+  return static_cast<std::uint16_t>(payload[0] | payload[1] << 8);
+}
 
 }  // namespace
 
-// Named parts: open_device() to get to a talking widget, send_frames() and take_frames() as the two working loops,
-// run() around them. What the port's thread shares with the device thread is in shared_, under mutex_.
-class EnttecPro {
- public:
-  enum class Direction { kOutput, kInput };
-
-  EnttecPro(EnttecProConfig config, Direction direction, std::unique_ptr<Connector> connector, Clock& clock)
-      : config_(std::move(config)), direction_(direction), connector_(std::move(connector)), clock_(clock) {
-    FL_CHECK(is_universe(config_.universe));
-  }
-  ~EnttecPro() {
-    if (thread_.joinable()) connector_->abort();
-  }  // ~jthread asks the thread to stop and waits for it
-
-  // Called once, before anything else.
-  Status start() {
-    if (Status opened = open_device({}); !opened) {
-      if (!config_.wait_for_device || opened.error().code != ErrorCode::kNotFound) return opened;
-      lose(opened.error());
-    }
-    thread_ = std::jthread([this](std::stop_token stop) {
-      (void)enter_real_time();  // a refusal is said once, by the main
-      run(stop);
-    });
-    return {};
-  }
-
-  // Lets the thread finish its last words and give the device back.
-  void stop() {
-    if (!thread_.joinable()) return;
-    thread_.request_stop();
-    connector_->wake();
-    thread_.join();
-    const std::lock_guard lock(mutex_);
-    shared_.state = PortState::kEnded;
-    shared_.trouble.clear();
-  }
-
-  // Everything below but the thread's functions: from the port's thread.
-  struct Shared {
-    PortState state = PortState::kGone;
-    std::string trouble;
-    PortCounters counters;
-    EnttecProStats stats;
-    EnttecProIdentity identity;
-    LineFrame frame{};           // output: the look to send; input: the newest frame, start code first
-    std::size_t frame_size = 0;  // 0: none came yet
-    bool fresh = false;          // the other side has not taken `frame` yet
-    TimeNs stamp_ns = 0;         // input: when it came
-  };
-  // Runs f(shared) under the lock; returns what f returns. f must not block.
-  template <class F>
-  decltype(auto) with_shared(F&& f) {
-    const std::lock_guard lock(mutex_);
-    return f(shared_);
-  }
-  EventFd& event() { return event_; }
-  Connector& connector() { return *connector_; }
-  const EnttecProConfig& config() const { return config_; }
-
- private:
-  void run(const std::stop_token& stop);
-  Status open_device(const std::stop_token& stop);
-  Result<ProMessageView> ask(Transport& transport, const ProMessage& question, ProLabel label,
-                             const std::stop_token& stop);
-  Status send_frames(const std::stop_token& stop);
-  Status write_look(const LineFrame& look);
-  Status send_last_words();
-  Status take_frames(const std::stop_token& stop);
-  void take_message(const ProMessageView& message);
-  void publish_line_frame();
-  void lose(const Error& error);
-  void count_parsed();
-
-  const EnttecProConfig config_;
-  const Direction direction_;
-  const std::unique_ptr<Connector> connector_;
-  Clock& clock_;
-  EventFd event_;
-
-  // The device thread's own, and start()'s before there is one.
-  std::unique_ptr<Transport> transport_;  // empty while the device is gone
-  ProParser parser_;
-  std::array<std::uint8_t, 1024> input_{};  // bytes of the last read; unread_ points into it
-  std::span<const std::uint8_t> unread_;
-  LineFrame line_{};
-  std::size_t line_size_ = 0;
-  bool look_sent_ = false;  // since the device was opened
-  bool cut_short_ = false;  // the last write ended in the middle
-  std::uint64_t bad_payload_count_ = 0;
-  std::uint64_t line_error_count_ = 0;
-
-  std::mutex mutex_;
-  Shared shared_;        // guarded by mutex_
-  std::jthread thread_;  // last: it ends before what it uses
-};
-
-void EnttecPro::run(const std::stop_token& stop) {
-  while (!stop.stop_requested()) {
-    if (!transport_) {
-      if (const Status opened = open_device(stop); !opened) {
-        lose(opened.error());
-        connector_->wait(clock_.now_ns() + config_.retry_ns);
-        continue;
-      }
-    }
-    const Status worked = direction_ == Direction::kOutput ? send_frames(stop) : take_frames(stop);
-    if (!worked) {
-      lose(worked.error());
-      // Not at once: a device that opens and then fails every time must not keep a processor busy.
-      connector_->wait(clock_.now_ns() + config_.retry_ns);
-    }
-  }
-  if (transport_ && direction_ == Direction::kOutput)
-    if (const Status said = send_last_words(); !said) lose(said.error());
-  transport_.reset();
+Status EnttecPro::can(int line, LineUse use) const {
+  if (line == 0) return {};
+  if (config_.second_needs_key && !config_.second_port)
+    return fail(ErrorCode::kUnsupported,
+                "connector 2 of this model answers to a key and labels that ENTTEC gives to each applicant; put yours "
+                "into the show file as second_port (docs/hardware.md)");
+  if (use == LineUse::kInput && !config_.second_port)
+    return fail(ErrorCode::kUnsupported, "connector 2 is an output; use connector 1 as the input");
+  return {};
 }
 
-void EnttecPro::lose(const Error& error) {
-  count_parsed();
-  transport_.reset();
-  with_shared([&](Shared& shared) {
-    if (shared.state != PortState::kGone) ++shared.counters.errors;
-    shared.state = PortState::kGone;
-    shared.trouble = fmt::format("{}: {}", config_.name, error.message);
-  });
-  event_.signal();
+Status EnttecPro::write(WidgetContext& context, std::span<const std::uint8_t> bytes) {
+  const Status written = context.transport().write(bytes, context.now_ns() + config_.write_timeout_ns);
+  if (!written) cut_short_ = true;
+  return written;
 }
 
-void EnttecPro::count_parsed() {
-  with_shared([&](Shared& shared) {
-    shared.stats.garbage_bytes = parser_.garbage_byte_count();
-    shared.stats.bad_messages = parser_.rejected_count() + bad_payload_count_;
-    shared.stats.line_errors = line_error_count_;
-    shared.counters.rejected = shared.stats.bad_messages + line_error_count_;
-  });
-}
-
-// Sends a question and waits for the message with that label; what else arrives meanwhile is dropped.
-Result<ProMessageView> EnttecPro::ask(Transport& transport, const ProMessage& question, ProLabel label,
-                                      const std::stop_token& stop) {
-  FL_TRY(transport.write(question.bytes(), clock_.now_ns() + config_.write_timeout_ns));
-  const TimeNs deadline_ns = clock_.now_ns() + config_.reply_timeout_ns;
+Result<ProMessageView> EnttecPro::ask(WidgetContext& context, const ProMessage& question, std::uint8_t label,
+                                      TimeNs deadline_ns) {
+  FL_TRY(write(context, question.bytes()));
   while (true) {
     ProMessageView message;
-    while (parser_.next(unread_, message))
-      if (message.label == static_cast<std::uint8_t>(label)) return message;
-    if (stop.stop_requested()) return fail(ErrorCode::kDisconnected, "{}: closed", transport.where());
-    if (clock_.now_ns() >= deadline_ns)
+    while (parser_.next(unread_, message)) {
+      if (message.label == label) return message;
+      (void)take_line_message(context, message);
+    }
+    if (context.stopping()) return fail(ErrorCode::kDisconnected, "{}: closed", context.transport().where());
+    if (context.now_ns() >= deadline_ns)
       return fail(ErrorCode::kTimeout, "{}: no answer to label {} within {} ms; is it a DMX USB Pro?",
-                  transport.where(), static_cast<int>(label), config_.reply_timeout_ns / kNsPerMs);
-    FL_ASSIGN(const std::size_t count, transport.read(input_, deadline_ns));
+                  context.transport().where(), label, config_.reply_timeout_ns / kNsPerMs);
+    FL_ASSIGN(const std::size_t count, context.transport().read(input_, deadline_ns));
     unread_ = std::span<const std::uint8_t>(input_).first(count);
   }
 }
 
-Status EnttecPro::open_device(const std::stop_token& stop) {
-  FL_ASSIGN(std::unique_ptr<Transport> transport, connector_->connect());
+Result<WidgetTraits> EnttecPro::begin(WidgetContext& context) {
   parser_.reset();
   unread_ = {};
-  EnttecProIdentity identity{.usb_serial = transport->serial(), .widget_serial = 0, .params = {}};
-
+  cut_short_ = false;
+  heard_ns_ = context.now_ns();
+  for (Line& line : lines_) line.frame.fill(0);
+  const bool listens =
+      std::any_of(context.lines().begin(), context.lines().end(), [](LineUse use) { return use == LineUse::kInput; });
+  // A short latency timer for inputs: the end of a frame waits for it inside the chip.
+  FL_TRY(context.transport().set_line({.latency_ms = listens ? 2 : 16}, context.now_ns() + config_.write_timeout_ns));
   // A program that was killed in the middle of a message, this one included, leaves the widget waiting for the rest of
   // it.
-  FL_TRY(transport->write(pro_flush_bytes(), clock_.now_ns() + config_.write_timeout_ns));
-  // A widget may not know its number (a blank EEPROM answers FF FF FF FF, some relatives nothing); it works all the
-  // same.
-  if (const auto answer = ask(*transport, encode_get_serial(), ProLabel::kSerialNumber, stop)) {
-    identity.widget_serial = decode_serial(answer->payload).value_or(0);
-  } else if (answer.error().code != ErrorCode::kTimeout) {
-    return tl::unexpected(answer.error());
-  }
-  FL_ASSIGN(const ProMessageView answer, ask(*transport, encode_get_params(), ProLabel::kGetParams, stop));
-  FL_ASSIGN(identity.params, decode_params(answer.payload));
-  if (direction_ == Direction::kInput) {
-    FL_TRY(transport->write(encode_receive_mode(config_.receive_mode).bytes(),
-                            clock_.now_ns() + config_.write_timeout_ns));
-    line_.fill(0);
-    line_size_ = 0;
-  }
-  look_sent_ = false;
-  cut_short_ = false;
-  transport_ = std::move(transport);
-  with_shared([&](Shared& shared) {
-    shared.identity = std::move(identity);
-    shared.state = PortState::kWorking;
-    shared.trouble.clear();
-    ++shared.stats.connects;
-  });
-  event_.signal();
-  return {};
+  FL_TRY(write(context, pro_flush_bytes()));
+  FL_TRY(find_out(context));
+
+  WidgetTraits traits;
+  traits.rate_hz_max = params_.rate_hz == 0 ? kLineRateHzMax : params_.rate_hz;
+  traits.keep_alive_ns = config_.keep_alive_ns;
+  traits.identity = fmt::format("{}firmware {}.{}", serial_ != 0 ? fmt::format("serial number {}, ", serial_) : "",
+                                params_.firmware >> 8, params_.firmware & 0xFF);
+  FL_TRY(set_up_lines(context, traits));
+  return traits;
 }
 
-Status EnttecPro::send_frames(const std::stop_token& stop) {
-  LineFrame look{};
-  bool have_look = false;
-  bool fresh = false;
-  TimeNs sent_ns = 0;
-  int timeout_count = 0;
-  while (!stop.stop_requested()) {
-    with_shared([&](Shared& shared) {
-      have_look = shared.frame_size > 0;
-      if (shared.fresh) fresh = true;
-      if (shared.fresh || !look_sent_) look = shared.frame;
-      shared.fresh = false;
-    });
-    const TimeNs now_ns = clock_.now_ns();
-    if (have_look && (fresh || !look_sent_ || now_ns >= sent_ns + config_.keep_alive_ns)) {
-      const Status sent = write_look(look);
-      if (sent) {
-        timeout_count = 0;
-        sent_ns = now_ns;
-        with_shared([&](Shared& shared) {
-          ++shared.counters.frames;
-          if (!fresh && look_sent_) ++shared.stats.keep_alives;
-        });
-        look_sent_ = true;
-        fresh = false;
-      } else {
-        // A look that did not get through is due again, unless a newer one has come by then.
-        with_shared([&](Shared& shared) {
-          if (!shared.fresh && fresh) shared.fresh = true;
-        });
-        if (sent.error().code != ErrorCode::kTimeout || ++timeout_count >= kWriteTimeoutCountMax) return sent;
-        with_shared([](Shared& shared) { ++shared.counters.errors; });
-      }
-      continue;
-    }
-    // Nothing to send: sleep in a read, which notices an unplug and takes what the widget has to say off its hands.
-    const TimeNs due_ns = have_look ? sent_ns + config_.keep_alive_ns : kTimeNever;
-    FL_ASSIGN(const std::size_t count, transport_->read(input_, due_ns));
-    unread_ = std::span<const std::uint8_t>(input_).first(count);
+// All questions but the last may stay without an answer: a blank EEPROM has no serial number, and labels 77 and 78 are
+// not ENTTEC's own. They are asked together, so that a widget that ignores some costs no timeout.
+Status EnttecPro::find_out(WidgetContext& context) {
+  is_dmxking_ = false;
+  port_count_ = 1;
+  serial_ = 0;
+  FL_TRY(write(context, ProMessage(ProLabel::kManufacturer, {}).bytes()));
+  FL_TRY(write(context, ProMessage(ProLabel::kDeviceName, {}).bytes()));
+  FL_TRY(write(context, encode_get_serial().bytes()));
+  FL_TRY(write(context, encode_get_params().bytes()));
+  const TimeNs deadline_ns = context.now_ns() + config_.reply_timeout_ns;
+  bool has_params = false;
+  while (!has_params) {
     ProMessageView message;
-    while (parser_.next(unread_, message)) {
+    while (!has_params && parser_.next(unread_, message)) {
+      if (message.label == number_of(ProLabel::kManufacturer)) {
+        is_dmxking_ = id_of(message.payload) == kDmxkingEstaId;
+      } else if (message.label == number_of(ProLabel::kDeviceName)) {
+        if (is_dmxking_ && id_of(message.payload) == kDmxkingUltraPro) port_count_ = 2;
+      } else if (message.label == number_of(ProLabel::kSerialNumber)) {
+        serial_ = decode_serial(message.payload).value_or(0);
+      } else if (message.label == number_of(ProLabel::kGetParams)) {
+        FL_ASSIGN(params_, decode_params(message.payload));
+        has_params = true;
+      }
     }
-    count_parsed();
+    if (has_params) break;
+    if (context.stopping()) return fail(ErrorCode::kDisconnected, "{}: closed", context.transport().where());
+    if (context.now_ns() >= deadline_ns)
+      return fail(ErrorCode::kTimeout, "{}: no answer to label {} within {} ms; is it a DMX USB Pro?",
+                  context.transport().where(), number_of(ProLabel::kGetParams), config_.reply_timeout_ns / kNsPerMs);
+    FL_ASSIGN(const std::size_t count, context.transport().read(input_, deadline_ns));
+    unread_ = std::span<const std::uint8_t>(input_).first(count);
   }
+  if (!is_dmxking_) return {};
+  const auto answer = ask(context, ProMessage(ProLabel::kPortCount, {}), number_of(ProLabel::kPortCount),
+                          context.now_ns() + config_.reply_timeout_ns);
+  if (answer && !answer->payload.empty())
+    port_count_ = std::max<int>(port_count_, answer->payload[0]);
+  else if (!answer && answer.error().code != ErrorCode::kTimeout)
+    return tl::unexpected(answer.error());
   return {};
 }
 
-Status EnttecPro::write_look(const LineFrame& look) {
-  const TimeNs deadline_ns = clock_.now_ns() + config_.write_timeout_ns;
+Status EnttecPro::set_up_lines(WidgetContext& context, WidgetTraits& traits) {
+  const auto uses = context.lines();
+  const bool two = is_dmxking_ && port_count_ >= 2;
+  lines_[0].send_label = number_of(two ? ProLabel::kSendDmxFirst : ProLabel::kSendDmx);
+  lines_[1].send_label = number_of(ProLabel::kSendDmxSecond);
+  if (uses.size() > 1 && uses[1] != LineUse::kUnused && !two) {
+    if (!config_.second_port)
+      return fail(ErrorCode::kUnsupported,
+                  "{}: says that it has one DMX connector; that of an ENTTEC Mk2 answers to a key and labels that "
+                  "ENTTEC gives to each applicant: put yours into the show file as second_port (docs/hardware.md)",
+                  context.transport().where());
+    const SecondPort& second = *config_.second_port;
+    lines_[1].send_label = second.send;
+    const std::uint8_t needed = uses[1] == LineUse::kOutput ? second.send : second.receive;
+    if (needed == 0)
+      return fail(ErrorCode::kUnsupported, "connector 2: second_port has no label to {}; add \"{}\"",
+                  uses[1] == LineUse::kOutput ? "send with" : "receive with",
+                  uses[1] == LineUse::kOutput ? "send" : "receive");
+    FL_TRY(write(context, ProMessage(ProLabel::kApiKey, second.key).bytes()));
+    if (second.assign != 0) FL_TRY(write(context, ProMessage(ProLabel{second.assign}, kBothPortsDmx).bytes()));
+  }
+  const std::uint8_t mode[] = {static_cast<std::uint8_t>(config_.receive_mode)};
+  if (uses[0] == LineUse::kInput) FL_TRY(write(context, ProMessage(ProLabel::kReceiveMode, mode).bytes()));
+  if (uses.size() > 1 && uses[1] == LineUse::kInput && config_.second_port->receive_mode != 0)
+    FL_TRY(write(context, ProMessage(ProLabel{config_.second_port->receive_mode}, mode).bytes()));
+  if (uses[0] == LineUse::kInput && config_.receive_mode == ProReceiveMode::kOnChange && params_.firmware >> 8 == 2)
+    traits.remarks.emplace_back("its firmware for RDM does not report changes only; every frame may be missing");
+  return {};
+}
+
+Status EnttecPro::send(WidgetContext& context, int line, std::span<const std::uint8_t, kSlotCountMax> look) {
   if (cut_short_) {
     // The widget still waits for the rest of a message and would take this one for it.
-    FL_TRY(transport_->write(pro_flush_bytes(), deadline_ns));
+    FL_TRY(write(context, pro_flush_bytes()));
     cut_short_ = false;
   }
-  const Status sent = transport_->write(encode_send_dmx(std::span(look).subspan(1)).bytes(), deadline_ns);
-  cut_short_ = !sent;
-  return sent;
+  LineFrame frame;
+  frame[0] = kStartCodeLevels;
+  std::copy(look.begin(), look.end(), frame.begin() + 1);
+  return write(context, ProMessage(ProLabel{lines_[static_cast<std::size_t>(line)].send_label}, frame).bytes());
 }
 
-// The newest look that was never sent, or darkness.
-Status EnttecPro::send_last_words() {
-  LineFrame look{};
-  bool wanted = config_.blackout_on_exit;
-  if (!wanted)
-    with_shared([&](Shared& shared) {
-      wanted = shared.fresh;
-      look = shared.frame;
-      shared.fresh = false;
-    });
-  if (!wanted) return {};
-  FL_TRY(write_look(look));
-  with_shared([](Shared& shared) { ++shared.counters.frames; });
+Status EnttecPro::listen(WidgetContext& context, TimeNs deadline_ns) {
+  ProMessageView message;
+  while (parser_.next(unread_, message)) (void)take_line_message(context, message);
+  count_rejected(context);
+  const TimeNs split_ns = parser_.pending() ? heard_ns_ + kSplitMessage_ns : kTimeNever;
+  FL_ASSIGN(const std::size_t count, context.transport().read(input_, std::min(deadline_ns, split_ns)));
+  unread_ = std::span<const std::uint8_t>(input_).first(count);
+  const TimeNs now_ns = context.now_ns();
+  if (count > 0)
+    heard_ns_ = now_ns;
+  else if (parser_.pending() && now_ns >= split_ns)
+    parser_.abandon();
+  while (parser_.next(unread_, message)) (void)take_line_message(context, message);
+  count_rejected(context);
   return {};
 }
 
-Status EnttecPro::take_frames(const std::stop_token& stop) {
-  TimeNs heard_ns = clock_.now_ns();
-  while (!stop.stop_requested()) {
-    ProMessageView message;
-    while (parser_.next(unread_, message)) take_message(message);
-    count_parsed();
-    FL_ASSIGN(const std::size_t count,
-              transport_->read(input_, parser_.pending() ? heard_ns + kSplitMessage_ns : kTimeNever));
-    unread_ = std::span<const std::uint8_t>(input_).first(count);
-    const TimeNs now_ns = clock_.now_ns();
-    if (count > 0)
-      heard_ns = now_ns;
-    else if (parser_.pending() && now_ns >= heard_ns + kSplitMessage_ns)
-      parser_.abandon();
-  }
-  return {};
-}
-
-void EnttecPro::take_message(const ProMessageView& message) {
-  switch (static_cast<ProLabel>(message.label)) {
-    case ProLabel::kReceived: {
-      const auto received = decode_received(message.payload);
-      if (!received) {
-        ++bad_payload_count_;
-        return;
-      }
-      if (received->queue_overflow || received->overrun) {
-        // Slots may be missing anywhere in it, so that the rest sits at wrong addresses.
-        ++line_error_count_;
-        return;
-      }
-      std::copy(received->frame.begin(), received->frame.end(), line_.begin());
-      line_size_ = received->frame.size();
-      break;
+bool EnttecPro::take_line_message(WidgetContext& context, const ProMessageView& message) {
+  const SecondPort second = config_.second_port.value_or(SecondPort{});
+  const auto is = [&](ProLabel label, std::uint8_t second_label) {
+    if (message.label == number_of(label)) return 0;
+    return message.label == second_label && second_label != 0 ? 1 : -1;
+  };
+  const TimeNs now_ns = context.now_ns();
+  if (const int at = is(ProLabel::kReceived, second.receive); at >= 0) {
+    const auto received = decode_received(message.payload);
+    if (!received) {
+      ++bad_payload_count_;
+    } else if (received->queue_overflow || received->overrun) {
+      // Slots may be missing anywhere in it, so that the rest sits at wrong addresses.
+      ++line_error_count_;
+    } else {
+      LineFrame& frame = lines_[static_cast<std::size_t>(at)].frame;
+      std::copy(received->frame.begin(), received->frame.end(), frame.begin());
+      context.deliver(at, received->frame, now_ns);
     }
-    case ProLabel::kChangeOfState:
-      if (!apply_change_of_state(message.payload, line_)) {
-        ++bad_payload_count_;
-        return;
-      }
-      line_size_ = line_.size();
-      break;
-    default: return;  // late answers, and labels of relatives
+    return true;
   }
-  publish_line_frame();
-}
-
-void EnttecPro::publish_line_frame() {
-  if (line_[0] != 0) {
-    with_shared([](Shared& shared) { ++shared.stats.other_start_codes; });
-    return;
+  if (const int at = is(ProLabel::kChangeOfState, second.change_of_state); at >= 0) {
+    LineFrame& frame = lines_[static_cast<std::size_t>(at)].frame;
+    if (apply_change_of_state(message.payload, frame))
+      context.deliver(at, frame, now_ns);
+    else
+      ++bad_payload_count_;
+    return true;
   }
-  const TimeNs now_ns = clock_.now_ns();
-  with_shared([&](Shared& shared) {
-    if (shared.fresh) ++shared.counters.dropped;
-    ++shared.counters.frames;
-    shared.frame = line_;
-    shared.frame_size = line_size_;
-    shared.fresh = true;
-    shared.stamp_ns = now_ns;
-  });
-  event_.signal();
+  return false;  // late answers, and labels of relatives
 }
 
-// --- Sink
-
-EnttecProSink::EnttecProSink(std::unique_ptr<EnttecPro> device) : device_(std::move(device)) {}
-EnttecProSink::~EnttecProSink() = default;
-
-Result<std::unique_ptr<EnttecProSink>> EnttecProSink::open(EnttecProConfig config, std::unique_ptr<Connector> connector,
-                                                           Clock& clock) {
-  auto device =
-      std::make_unique<EnttecPro>(std::move(config), EnttecPro::Direction::kOutput, std::move(connector), clock);
-  FL_TRY(device->start());
-  return std::unique_ptr<EnttecProSink>(new EnttecProSink(std::move(device)));
+void EnttecPro::count_rejected(WidgetContext& context) {
+  const std::uint64_t rejected = parser_.rejected_count() + bad_payload_count_ + line_error_count_;
+  if (rejected == told_rejected_) return;
+  context.count_rejected(rejected - told_rejected_);
+  told_rejected_ = rejected;
 }
 
-std::string EnttecProSink::name() const { return device_->config().name; }
-int EnttecProSink::poll_fd() const { return device_->event().fd(); }
-PortState EnttecProSink::state() const {
-  return device_->with_shared([](const auto& shared) { return shared.state; });
-}
-std::string EnttecProSink::trouble() const {
-  return device_->with_shared([](const auto& shared) { return shared.trouble; });
-}
-PortCounters EnttecProSink::counters() const {
-  return device_->with_shared([](const auto& shared) { return shared.counters; });
-}
-EnttecProIdentity EnttecProSink::identity() const {
-  return device_->with_shared([](const auto& shared) { return shared.identity; });
-}
-EnttecProStats EnttecProSink::stats() const {
-  return device_->with_shared([](const auto& shared) { return shared.stats; });
-}
-std::span<const Universe> EnttecProSink::universes() const { return {&device_->config().universe, 1}; }
-
-double EnttecProSink::rate_hz_max() const {
-  const std::uint8_t rate_hz = identity().params.rate_hz;
-  return rate_hz == 0 ? kLineRateHzMax : rate_hz;
-}
-
-Status EnttecProSink::send(TimeNs, std::span<const FrameView> frames) {
-  for (const FrameView& frame : frames) {
-    if (frame.universe != device_->config().universe || frame.terminated) continue;
-    FL_CHECK_LE(frame.slots.size(), static_cast<std::size_t>(kSlotCountMax));
-    const bool open = device_->with_shared([&](auto& shared) {
-      if (shared.fresh) ++shared.counters.dropped;
-      std::copy(frame.slots.begin(), frame.slots.end(), shared.frame.begin() + 1);
-      shared.frame_size = shared.frame.size();
-      shared.fresh = true;
-      return shared.state == PortState::kWorking;
-    });
-    // A gone device is looked for at its own pace, not at that of the frames.
-    if (open) device_->connector().wake();
-  }
-  return {};
-}
-
-Status EnttecProSink::poll(TimeNs) {
-  device_->event().clear();
-  return {};
-}
-
-void EnttecProSink::close(TimeNs) { device_->stop(); }
-
-// --- Source
-
-EnttecProSource::EnttecProSource(std::unique_ptr<EnttecPro> device) : device_(std::move(device)) {}
-EnttecProSource::~EnttecProSource() { device_->stop(); }
-
-Result<std::unique_ptr<EnttecProSource>> EnttecProSource::open(EnttecProConfig config,
-                                                               std::unique_ptr<Connector> connector, Clock& clock) {
-  auto device =
-      std::make_unique<EnttecPro>(std::move(config), EnttecPro::Direction::kInput, std::move(connector), clock);
-  FL_TRY(device->start());
-  return std::unique_ptr<EnttecProSource>(new EnttecProSource(std::move(device)));
-}
-
-std::string EnttecProSource::name() const { return device_->config().name; }
-int EnttecProSource::poll_fd() const { return device_->event().fd(); }
-TimeNs EnttecProSource::next_deadline_ns() const { return line_is_quiet_ ? kTimeNever : heard_ns_ + kLineLost_ns; }
-PortState EnttecProSource::state() const {
-  const PortState state = device_->with_shared([](const auto& shared) { return shared.state; });
-  return state == PortState::kWorking && line_is_quiet_ ? PortState::kWaiting : state;
-}
-std::string EnttecProSource::trouble() const {
-  return device_->with_shared([](const auto& shared) { return shared.trouble; });
-}
-PortCounters EnttecProSource::counters() const {
-  return device_->with_shared([](const auto& shared) { return shared.counters; });
-}
-EnttecProIdentity EnttecProSource::identity() const {
-  return device_->with_shared([](const auto& shared) { return shared.identity; });
-}
-EnttecProStats EnttecProSource::stats() const {
-  return device_->with_shared([](const auto& shared) { return shared.stats; });
-}
-std::span<const Universe> EnttecProSource::universes() const { return {&device_->config().universe, 1}; }
-
-Status EnttecProSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
-  // Cleared first: a frame that comes after the copy below makes it readable again.
-  device_->event().clear();
-  std::size_t size = 0;
-  std::uint64_t sequence = 0;
-  device_->with_shared([&](auto& shared) {
-    if (!shared.fresh) return;
-    shared.fresh = false;
-    frame_ = shared.frame;
-    size = shared.frame_size;
-    heard_ns_ = shared.stamp_ns;
-    sequence = shared.counters.frames;
-  });
-  if (size > 0) {
-    receiver.receive({.universe = device_->config().universe,
-                      .stamp_ns = heard_ns_,
-                      .sender = std::hash<std::string>{}(device_->config().name) | 1u,
-                      .sequence = static_cast<std::uint32_t>(sequence),
-                      .slots = std::span<const std::uint8_t>(frame_).subspan(1, size - 1)});
-    line_is_quiet_ = false;
-  }
-  if (!line_is_quiet_ && now_ns >= heard_ns_ + kLineLost_ns) line_is_quiet_ = true;
-  return {};
+std::vector<WidgetFigure> EnttecPro::figures() const {
+  return {{"garbage_bytes", static_cast<double>(parser_.garbage_byte_count())},
+          {"bad_messages", static_cast<double>(parser_.rejected_count() + bad_payload_count_)},
+          {"line_errors", static_cast<double>(line_error_count_)},
+          {"widget_serial", static_cast<double>(serial_)},
+          {"firmware", static_cast<double>(params_.firmware)},
+          {"break_us", us_of_pro_units(params_.break_units)},
+          {"mab_us", us_of_pro_units(params_.mab_units)},
+          {"rate_hz", static_cast<double>(params_.rate_hz)}};
 }
 
 // --- The driver's row
@@ -504,7 +244,7 @@ constexpr UsbModelId kModels[] = {
      .manufacturer_text = "ENTTEC",
      .product_text = "DMX USB PRO Mk2",
      .model_name = "ENTTEC DMX USB Pro Mk2",
-     .quirks = kQuirkGenericUsbIds | kQuirkFirstPortOnly},
+     .quirks = kQuirkGenericUsbIds | kQuirkSecondPortNeedsKey},
     {.vendor = 0x0403,
      .product = 0x6001,
      .manufacturer_text = "ENTTEC",
@@ -516,31 +256,26 @@ constexpr UsbModelId kModels[] = {
      .manufacturer_text = "DMXking",
      .product_text = "",
      .model_name = "DMXking ultraDMX",
-     .quirks = kQuirkGenericUsbIds | kQuirkFirstPortOnly},
+     .quirks = kQuirkGenericUsbIds | kQuirkTwoPorts},
+    {.vendor = 0x1FC9,
+     .product = 0x0094,
+     .manufacturer_text = "",
+     .product_text = "",
+     .model_name = "DMXking MAX",
+     .quirks = kQuirkTwoPorts,
+     .transport = TransportKind::kTty},
 };
 
-Result<EnttecProConfig> config_of(const PortRequest& request) {
-  if (request.universes.size() != 1)
-    return fail(ErrorCode::kBadInput, "{}: carries one universe, {} were asked for", name_of(request),
-                request.universes.size());
-  return EnttecProConfig{.universe = request.universes[0],
-                         .name = name_of(request),
-                         .blackout_on_exit = request.blackout_on_exit,
-                         .wait_for_device = request.wait_for_device};
-}
-
-Result<std::unique_ptr<Sink>> open_enttec_pro_sink(const PortRequest& request, Clock& clock) {
-  FL_ASSIGN(EnttecProConfig config, config_of(request));
-  FL_ASSIGN(auto connector, make_libusb_connector({.driver_id = "enttec-pro", .target = request.target}, clock));
-  return EnttecProSink::open(std::move(config), std::move(connector), clock);
-}
-
-Result<std::unique_ptr<Source>> open_enttec_pro_source(const PortRequest& request, Clock& clock) {
-  FL_ASSIGN(EnttecProConfig config, config_of(request));
-  // A short latency timer: the end of a frame waits for it inside the chip.
-  FL_ASSIGN(auto connector,
-            make_libusb_connector({.driver_id = "enttec-pro", .target = request.target, .latency_ms = 2}, clock));
-  return EnttecProSource::open(std::move(config), std::move(connector), clock);
+// An unknown device may have a second connector; its answers will tell.
+Result<std::unique_ptr<Widget>> make_enttec_pro(const PortRequest& request, const UsbModelId& model) {
+  const bool unknown = model.vendor == 0;
+  const bool needs_key = (model.quirks & kQuirkSecondPortNeedsKey) != 0;
+  const bool two = unknown || needs_key || (model.quirks & kQuirkTwoPorts) != 0;
+  return std::make_unique<EnttecPro>(EnttecProConfig{
+      .line_count = two ? 2 : 1,
+      .second_needs_key = needs_key,
+      .second_port = request.second_port,
+      .receive_mode = request.receive_on_change ? ProReceiveMode::kOnChange : ProReceiveMode::kEveryFrame});
 }
 
 }  // namespace
@@ -550,9 +285,9 @@ extern constinit const DriverInfo enttec_pro_driver{
     .full_name = "ENTTEC DMX USB Pro and compatible",
     .usb_ids = kModels,
     .capabilities = kCanOutput | kCanInput | kKeepsLookAlive,
-    .notes = "One universe, in or out. The widget times the line itself. Two-port models: the first port.",
-    .open_sink = open_enttec_pro_sink,
-    .open_source = open_enttec_pro_source,
+    .notes = "One universe per connector, in or out. The widget times the line itself.",
+    .make_widget = make_enttec_pro,
+    .make_model = []() -> std::unique_ptr<mock::UsbModel> { return std::make_unique<mock::EnttecProModel>(); },
 };
 
 }  // namespace footlight::drivers

@@ -1,118 +1,80 @@
-// ENTTEC DMX USB Pro: a sink and a source for one universe.
+// ENTTEC DMX USB Pro, its Mk2, DMXking's ultraDMX family and what else speaks their protocol: the Widget.
 //
-// Inside each is one device thread. It opens the widget, asks for its serial number (label 10) and parameters (label
-// 3), then sends the newest frame (label 6) or takes what the line brings (labels 5 and 9). After an unplug it looks
-// for the same device until it is back, and sends the last frame again. Between that thread and the pump stand a
-// one-frame mailbox, where a newer frame replaces an unused one and is counted as dropped, and an eventfd. The mailbox
-// lock is held for a copy of 512 bytes and never during I/O.
+// It asks for serial number (label 10), parameters (3), and who made it (77, 78), then sends looks (label 6) or takes
+// what the line brings (labels 5 and 9). The device repeats the last look on the line at its own rate. A connector is
+// either input or output: listening switches the transmitter off.
 //
-// The widget itself repeats the last frame on the line at its own rate. We send it again every keep_alive_ns as well,
-// so that a widget that lost power for a moment recovers.
+// Second connectors: DMXking's are found out by asking and sent to by labels 100 and 101. That of an ENTTEC Mk2 speaks
+// with labels that ENTTEC hands to each applicant together with a key: SecondPort, from the user.
 //
-// Its one line is either input or output: a source switches the widget's transmitter off.
-//
-// Closing a sink leaves the last look on the line, since the widget goes on without us: a crashed or restarted bridge
-// must not black a stage out. blackout_on_exit asks for zeros instead.
-//
-// Threads: the ports belong to one thread, the pump's. Errors while running: state() turns to kGone and trouble() says
-// why.
+// Sources: ENTTEC's "DMX USB Pro Widget API Specification 1.44"; labels 77 and 78 from Open Lighting's USB protocol
+// extensions; 99 to 101 as other programs use them with DMXking's devices. Not tried on hardware.
 #pragma once
 
-#include <memory>
-#include <string>
+#include <array>
+#include <optional>
 
+#include "drivers/device/widget.h"
 #include "drivers/driver.h"
 #include "drivers/usb/enttec_pro_frame.h"
-#include "drivers/device/transport.h"
-#include "sim/core/ports.h"
 
 namespace footlight::drivers {
 
 struct EnttecProConfig {
-  // Required
-  Universe universe = 0;  // as people count
-  std::string name;       // Port::name(): the endpoint as the user wrote it
-  // Optional
-  bool blackout_on_exit = false;                              // sink only
-  bool wait_for_device = false;                               // open() succeeds though nothing is plugged in
-  ProReceiveMode receive_mode = ProReceiveMode::kEveryFrame;  // source only
-  DurationNs keep_alive_ns = kNsPerS;            // sink: how long an unchanged frame is left to the widget alone
-  DurationNs reply_timeout_ns = 250 * kNsPerMs;  // of labels 10 and 3
+  // All optional
+  int line_count = 1;
+  bool second_needs_key = false;  // the second line is refused without second_port before the device is asked
+  std::optional<SecondPort> second_port = {};
+  ProReceiveMode receive_mode = ProReceiveMode::kEveryFrame;
+  DurationNs keep_alive_ns = kNsPerS;            // how long an unchanged look is left to the device alone
+  DurationNs reply_timeout_ns = 250 * kNsPerMs;  // of the questions
   DurationNs write_timeout_ns = 250 * kNsPerMs;
-  DurationNs retry_ns = 250 * kNsPerMs;  // how often a lost device is looked for where nothing announces it
 };
 
-// What a widget said of itself.
-struct EnttecProIdentity {
-  std::string usb_serial;           // of the USB descriptor; may be empty
-  std::uint32_t widget_serial = 0;  // label 10; 0: it does not know
-  ProParams params;
-};
-
-// Beyond PortCounters; a copy, taken at one instant.
-struct EnttecProStats {
-  std::uint64_t garbage_bytes = 0;      // bytes from the widget that belong to no message
-  std::uint64_t bad_messages = 0;       // false starts, and payloads that are not what their label promises
-  std::uint64_t line_errors = 0;        // source: frames that the widget marked as damaged; not passed on
-  std::uint64_t other_start_codes = 0;  // source: frames that carry no levels (RDM, text, tests); not passed on
-  std::uint64_t connects = 0;           // times the device was opened
-  std::uint64_t keep_alives = 0;        // sink: frames sent again although unchanged
-};
-
-class EnttecPro;  // the thread and what it shares
-
-class EnttecProSink final : public Sink {
+class EnttecPro final : public Widget {
  public:
-  // Opens the device on the caller's thread, then starts the device thread. Clock: outlives the sink.
-  static Result<std::unique_ptr<EnttecProSink>> open(EnttecProConfig config, std::unique_ptr<Connector> connector,
-                                                     Clock& clock);
-  // Without close(): ends at once, a write in progress is cut off.
-  ~EnttecProSink() override;
+  explicit EnttecPro(EnttecProConfig config) : config_(std::move(config)) {}
 
-  std::string name() const override;
-  int poll_fd() const override;  // readable when state() may have changed
-  PortState state() const override;
-  std::string trouble() const override;
-  PortCounters counters() const override;
-  // Slots past the end of a short frame keep the levels sent before.
-  Status send(TimeNs now_ns, std::span<const FrameView> frames) override;
-  Status poll(TimeNs now_ns) override;
-  std::span<const Universe> universes() const override;
-  double rate_hz_max() const override;  // what the widget puts on its line
-  void close(TimeNs now_ns) override;   // returns within write_timeout_ns, twice that with blackout_on_exit
+  int line_count() const override { return config_.line_count; }
+  Status can(int line, LineUse use) const override;
+  Result<WidgetTraits> begin(WidgetContext& context) override;
+  Status send(WidgetContext& context, int line, std::span<const std::uint8_t, kSlotCountMax> look) override;
+  Status listen(WidgetContext& context, TimeNs deadline_ns) override;
+  // garbage_bytes, bad_messages, line_errors, widget_serial, firmware, break_us, mab_us, rate_hz.
+  std::vector<WidgetFigure> figures() const override;
 
-  [[nodiscard]] EnttecProIdentity identity() const;
-  [[nodiscard]] EnttecProStats stats() const;
+  // For what is not levels (RDM), from the device's thread: sends a message, and takes everything that the device says
+  // up to a message with that label or the deadline (kTimeout). Frames of input lines are delivered meanwhile. The
+  // payload is valid until the next call.
+  Result<ProMessageView> ask(WidgetContext& context, const ProMessage& question, std::uint8_t label,
+                             TimeNs deadline_ns);
 
  private:
-  explicit EnttecProSink(std::unique_ptr<EnttecPro> device);
-  std::unique_ptr<EnttecPro> device_;
-};
+  struct Line {
+    std::uint8_t send_label = 0;
+    LineFrame frame{};  // input
+  };
+  Status write(WidgetContext& context, std::span<const std::uint8_t> bytes);
+  Status find_out(WidgetContext& context);
+  Status set_up_lines(WidgetContext& context, WidgetTraits& traits);
+  // False: not one that belongs to a line.
+  bool take_line_message(WidgetContext& context, const ProMessageView& message);
+  void count_rejected(WidgetContext& context);
 
-class EnttecProSource final : public Source {
- public:
-  static Result<std::unique_ptr<EnttecProSource>> open(EnttecProConfig config, std::unique_ptr<Connector> connector,
-                                                       Clock& clock);
-  ~EnttecProSource() override;
-
-  std::string name() const override;
-  int poll_fd() const override;  // readable when a frame has come or state() may have changed
-  TimeNs next_deadline_ns() const override;
-  PortState state() const override;  // kWaiting: open, and the line has been quiet for 1.25 s
-  std::string trouble() const override;
-  PortCounters counters() const override;
-  Status poll(TimeNs now_ns, FrameReceiver& receiver) override;  // at most one frame: the newest
-  std::span<const Universe> universes() const override;
-
-  [[nodiscard]] EnttecProIdentity identity() const;
-  [[nodiscard]] EnttecProStats stats() const;
-
- private:
-  explicit EnttecProSource(std::unique_ptr<EnttecPro> device);
-  std::unique_ptr<EnttecPro> device_;
-  LineFrame frame_{};    // of the last poll(); FrameView points into it
-  TimeNs heard_ns_ = 0;  // when the newest frame came
-  bool line_is_quiet_ = true;
+  const EnttecProConfig config_;
+  ProParser parser_;
+  std::array<std::uint8_t, 1024> input_{};  // bytes of the last read; unread_ points into it
+  std::span<const std::uint8_t> unread_;
+  TimeNs heard_ns_ = 0;
+  bool cut_short_ = false;  // the last write ended in the middle
+  std::array<Line, 2> lines_;
+  bool is_dmxking_ = false;
+  int port_count_ = 1;  // as a DMXking device says it
+  std::uint32_t serial_ = 0;
+  ProParams params_;
+  std::uint64_t bad_payload_count_ = 0;
+  std::uint64_t line_error_count_ = 0;
+  std::uint64_t told_rejected_ = 0;  // what the context has been told
 };
 
 }  // namespace footlight::drivers

@@ -31,6 +31,13 @@ enum class ProLabel : std::uint8_t {
   kReceiveMode = 8,    // to the widget; turns its port into an input
   kChangeOfState = 9,  // from the widget: what changed, in receive mode kOnChange
   kSerialNumber = 10,  // both ways
+  kApiKey = 13,        // to the widget: opens the labels of a second port
+  // Not ENTTEC's: relatives answer, others ignore them.
+  kManufacturer = 77,   // both ways: ESTA id, low byte first, then a name
+  kDeviceName = 78,     // both ways: device id, low byte first, then a name
+  kPortCount = 99,      // both ways: one byte
+  kSendDmxFirst = 100,  // as kSendDmx, to one of two ports
+  kSendDmxSecond = 101,
 };
 
 // One frame as it runs over the line: the start code, then up to 512 slots.

@@ -4,11 +4,11 @@
 #include <array>
 #include <atomic>
 #include <cstring>
-#include <optional>
 #include <vector>
 
 #include <libusb.h>
 
+#include "drivers/device/chooser.h"
 #include "drivers/usb/ftdi.h"
 
 namespace footlight::drivers {
@@ -18,10 +18,9 @@ bool built_with_usb() { return true; }
 namespace {
 
 constexpr int kInterface = 0;
-constexpr unsigned kControlTimeoutMs = 500;
-constexpr std::size_t kInTransferCount = 4;         // enough that the chip never waits for a buffer while we copy
-constexpr std::size_t kInTransferSize = 512;        // whole packets at full and at high speed
-constexpr std::size_t kWaitingSizeMax = 16 * 1024;  // 30 frames; beyond it the chip is left to hold its data
+constexpr std::size_t kInTransferCount = 4;         // enough that the device never waits for a buffer while we copy
+constexpr std::size_t kWaitingSizeMax = 16 * 1024;  // 30 frames; beyond it the device is left to hold its data
+constexpr int kInTransferSize = kUsbTransferSizeMax;
 constexpr DurationNs kEventSliceMax_ns = 60 * kNsPerS;
 constexpr DurationNs kCancelPatience_ns = 5 * kNsPerS;
 
@@ -75,7 +74,10 @@ struct Bus {
   Clock& clock;
   std::atomic<bool> woken{false};
   std::atomic<bool> aborted{false};
-  bool arrived = false;  // a device was plugged in; the device thread's
+  // The device thread's, written inside handle_events().
+  bool arrived = false;           // a device was plugged in
+  libusb_device* open = nullptr;  // the one that is in use; compared only
+  bool open_has_left = false;
 
   explicit Bus(libusb_context* opened, Clock& used_clock) : context(opened), clock(used_clock) {}
 
@@ -89,181 +91,285 @@ struct Bus {
   }
 };
 
+// What comes in at one endpoint: transfers in flight, and what they brought.
+struct InStream {
+  struct InTransfer {
+    InStream* stream = nullptr;
+    std::array<std::uint8_t, kUsbTransferSizeMax> buffer{};
+    OwnedTransfer transfer;
+    bool in_flight = false;
+  };
+  std::uint8_t endpoint = 0;
+  // Behind pointers, since callbacks point into them.
+  std::array<std::unique_ptr<InTransfer>, kInTransferCount> transfers;
+  std::vector<std::uint8_t> waiting;  // per transfer its size, two bytes, then its bytes; read from waiting_begin on
+  std::size_t waiting_begin = 0;
+  bool closing = false;
+  int failure = LIBUSB_SUCCESS;  // of the first transfer that ended badly
+
+  void submit(InTransfer& in) {
+    const int code = libusb_submit_transfer(in.transfer.get());
+    in.in_flight = code == LIBUSB_SUCCESS;
+    if (!in.in_flight) failure = code;
+  }
+  void submit_idle() {
+    for (const auto& in : transfers)
+      if (!in->in_flight && failure == LIBUSB_SUCCESS && waiting.size() < kWaitingSizeMax) submit(*in);
+  }
+  // Runs inside handle_events(), so on the device thread.
+  static void LIBUSB_CALL on_in(libusb_transfer* transfer) {
+    auto& in = *static_cast<InTransfer*>(transfer->user_data);
+    InStream& self = *in.stream;
+    in.in_flight = false;
+    if (transfer->status != LIBUSB_TRANSFER_COMPLETED) {
+      if (self.failure == LIBUSB_SUCCESS) self.failure = code_of(transfer->status);
+      return;
+    }
+    const int size = transfer->actual_length;
+    if (size > 0) {
+      self.waiting.push_back(static_cast<std::uint8_t>(size & 0xFF));
+      self.waiting.push_back(static_cast<std::uint8_t>(size >> 8));
+      self.waiting.insert(self.waiting.end(), in.buffer.begin(), in.buffer.begin() + size);
+    }
+    if (self.waiting.size() < kWaitingSizeMax && !self.closing) self.submit(in);
+  }
+  // One transfer, or the front of it.
+  std::size_t take(std::span<std::uint8_t> into) {
+    if (waiting_begin == waiting.size()) return 0;
+    std::uint8_t* const head = waiting.data() + waiting_begin;
+    const auto size = static_cast<std::size_t>(head[0] | head[1] << 8);
+    const std::size_t count = std::min(into.size(), size);
+    std::copy_n(head + 2, count, into.begin());
+    if (count < size) {
+      // What is left gets a head of its own, over the bytes that were taken.
+      std::uint8_t* const rest = head + count;
+      rest[0] = static_cast<std::uint8_t>((size - count) & 0xFF);
+      rest[1] = static_cast<std::uint8_t>((size - count) >> 8);
+      waiting_begin += count;
+    } else {
+      waiting_begin += 2 + size;
+    }
+    if (waiting_begin == waiting.size()) {
+      waiting.clear();
+      waiting_begin = 0;
+    }
+    submit_idle();
+    return count;
+  }
+};
+
 class LibusbTransport final : public Transport {
  public:
-  LibusbTransport(std::shared_ptr<Bus> bus, OwnedHandle handle, std::string where, std::string serial,
-                  std::size_t packet_size)
+  LibusbTransport(std::shared_ptr<Bus> bus, OwnedDevice device, OwnedHandle handle, std::string where,
+                  std::string serial)
       : bus_(std::move(bus)),
+        device_(std::move(device)),
         handle_(std::move(handle)),
         where_(std::move(where)),
-        serial_(std::move(serial)),
-        packet_size_(packet_size) {}
+        serial_(std::move(serial)) {
+    bus_->open = device_.get();
+    bus_->open_has_left = false;
+  }
 
   ~LibusbTransport() override {
-    closing_ = true;  // one that ends with data now must not be submitted again
-    for (InTransfer& in : in_)
-      if (in.in_flight) libusb_cancel_transfer(in.transfer.get());
+    bus_->open = nullptr;
+    for (const auto& stream : streams_) {
+      stream->closing = true;  // one that ends with data now must not be submitted again
+      for (const auto& in : stream->transfers)
+        if (in->in_flight) libusb_cancel_transfer(in->transfer.get());
+    }
     const TimeNs patience_ns = bus_->clock.now_ns() + kCancelPatience_ns;
-    while (in_flight_count() > 0 && bus_->clock.now_ns() < patience_ns) bus_->handle_events(patience_ns);
-    if (in_flight_count() > 0) {
+    while (in_flight() && bus_->clock.now_ns() < patience_ns) bus_->handle_events(patience_ns);
+    if (in_flight()) {
       // The kernel still owns the buffers: what it may write to is left to the end of the process.
-      for (InTransfer& in : in_) (void)in.transfer.release();
-      (void)new decltype(in_)(std::move(in_));
+      for (auto& stream : streams_) (void)stream.release();
       (void)handle_.release();
       return;
     }
     libusb_release_interface(handle_.get(), kInterface);  // binds the kernel driver again
   }
 
-  // After the interface was claimed.
-  Status start(int latency_ms) {
-    const ftdi::Request latency{ftdi::kLatencyTimer, static_cast<std::uint16_t>(latency_ms), 0};
-    for (const ftdi::Request& request : ftdi::kOpening) FL_TRY(control(request));
-    FL_TRY(control(latency));
-    in_.resize(kInTransferCount);
-    waiting_.reserve(kWaitingSizeMax + kInTransferCount * kInTransferSize);
-    for (InTransfer& in : in_) {
-      in.owner = this;
-      in.buffer = std::make_unique<std::array<std::uint8_t, kInTransferSize>>();
-      in.transfer.reset(libusb_alloc_transfer(0));
-      libusb_fill_bulk_transfer(in.transfer.get(), handle_.get(), ftdi::kEndpointIn, in.buffer->data(), kInTransferSize,
-                                &LibusbTransport::on_in, &in, 0);
-      submit(in);
+  std::string where() const override { return where_; }
+  std::string serial() const override { return serial_; }
+
+  Status wait(TimeNs deadline_ns) override {
+    while (true) {
+      if (bus_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", where_);
+      if (bus_->open_has_left) return fail(ErrorCode::kDisconnected, "{}: unplugged", where_);
+      if (bus_->woken.exchange(false) || bus_->clock.now_ns() >= deadline_ns) return {};
+      bus_->handle_events(deadline_ns);
     }
-    return failure_ == LIBUSB_SUCCESS ? Status{} : usb_error(failure_, where_, "read");
   }
 
-  Status write(std::span<const std::uint8_t> bytes, TimeNs deadline_ns) override {
-    Out out{.buffer = std::vector<std::uint8_t>(bytes.begin(), bytes.end())};
-    const OwnedTransfer transfer(libusb_alloc_transfer(0));
+  Status write(std::span<const std::uint8_t>, TimeNs) override {
+    return fail(ErrorCode::kUnsupported, "{}: is no serial line", where_);
+  }
+  Result<std::size_t> read(std::span<std::uint8_t>, TimeNs) override {
+    return fail(ErrorCode::kUnsupported, "{}: is no serial line", where_);
+  }
+
+  Status control_out(const ControlRequest& request, std::span<const std::uint8_t> bytes, TimeNs deadline_ns) override {
+    FL_ASSIGN(const std::size_t count,
+              control(
+                  request, bytes.size(), [&](std::uint8_t* data) { std::copy(bytes.begin(), bytes.end(), data); },
+                  deadline_ns));
+    if (count < bytes.size())
+      return fail(ErrorCode::kIo, "{}: took {} of {} bytes of a control transfer", where_, count, bytes.size());
+    return {};
+  }
+  Result<std::size_t> control_in(const ControlRequest& request, std::span<std::uint8_t> into,
+                                 TimeNs deadline_ns) override {
+    FL_ASSIGN(const std::size_t count, control(
+                                           request, into.size(), [](std::uint8_t*) {}, deadline_ns));
+    std::copy_n(buffer_.begin() + LIBUSB_CONTROL_SETUP_SIZE, count, into.begin());
+    return count;
+  }
+
+  Status write_endpoint(std::uint8_t endpoint, std::span<const std::uint8_t> bytes, TimeNs deadline_ns) override {
+    buffer_.assign(bytes.begin(), bytes.end());
     std::size_t written = 0;
     while (written < bytes.size()) {
-      if (bus_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", where_);
-      out.done = false;
-      libusb_fill_bulk_transfer(transfer.get(), handle_.get(), ftdi::kEndpointOut, out.buffer.data() + written,
-                                static_cast<int>(bytes.size() - written), &LibusbTransport::on_out, &out, 0);
-      if (const int code = libusb_submit_transfer(transfer.get()); code != LIBUSB_SUCCESS)
-        return usb_error(code, where_, "write");
-      bool cancelled = false;
-      while (!out.done) {
-        const bool late = bus_->clock.now_ns() >= deadline_ns;
-        if ((late || bus_->aborted) && !cancelled) {
-          libusb_cancel_transfer(transfer.get());
-          cancelled = true;
-        }
-        bus_->handle_events(cancelled ? kTimeNever : deadline_ns);
-      }
-      written += static_cast<std::size_t>(transfer->actual_length);
-      if (transfer->status == LIBUSB_TRANSFER_CANCELLED && bus_->aborted)
-        return fail(ErrorCode::kDisconnected, "{}: closed", where_);
-      if (transfer->status == LIBUSB_TRANSFER_CANCELLED)
-        return fail(ErrorCode::kTimeout, "{}: took {} of {} bytes in time", where_, written, bytes.size());
-      if (transfer->status != LIBUSB_TRANSFER_COMPLETED) return usb_error(code_of(transfer->status), where_, "write");
-      if (transfer->actual_length == 0 && bus_->clock.now_ns() >= deadline_ns)
+      const auto fill = is_interrupt(endpoint) ? &libusb_fill_interrupt_transfer : &libusb_fill_bulk_transfer;
+      fill(out_.get(), handle_.get(), endpoint, buffer_.data() + written, static_cast<int>(bytes.size() - written),
+           &LibusbTransport::on_out, this, 0);
+      FL_TRY(run(deadline_ns, "write"));
+      written += static_cast<std::size_t>(out_->actual_length);
+      const bool late = out_->status == LIBUSB_TRANSFER_CANCELLED ||
+                        (out_->actual_length == 0 && bus_->clock.now_ns() >= deadline_ns);
+      if (late && written < bytes.size())
         return fail(ErrorCode::kTimeout, "{}: took {} of {} bytes in time", where_, written, bytes.size());
     }
     return {};
   }
 
-  Result<std::size_t> read(std::span<std::uint8_t> into, TimeNs deadline_ns) override {
+  Result<std::size_t> read_endpoint(std::uint8_t endpoint, std::span<std::uint8_t> into, TimeNs deadline_ns) override {
+    InStream& in = stream(endpoint);
     while (true) {
       if (bus_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", where_);
       if (bus_->woken.exchange(false)) return 0;
-      if (!waiting_.empty()) {
-        const std::size_t count = std::min(into.size(), waiting_.size());
-        std::copy_n(waiting_.begin(), count, into.begin());
-        waiting_.erase(waiting_.begin(), waiting_.begin() + static_cast<std::ptrdiff_t>(count));
-        for (InTransfer& in : in_)
-          if (!in.in_flight && failure_ == LIBUSB_SUCCESS && waiting_.size() < kWaitingSizeMax) submit(in);
-        return count;
-      }
-      if (failure_ != LIBUSB_SUCCESS) return usb_error(failure_, where_, "read");
+      if (const std::size_t count = in.take(into); count > 0) return count;
+      if (in.failure != LIBUSB_SUCCESS) return usb_error(in.failure, where_, "read");
       if (bus_->clock.now_ns() >= deadline_ns) return 0;
       bus_->handle_events(deadline_ns);
     }
   }
 
-  std::string where() const override { return where_; }
-  std::string serial() const override { return serial_; }
+  std::size_t packet_size(std::uint8_t endpoint) const override {
+    const int size = libusb_get_max_packet_size(device_.get(), endpoint);
+    return size > 0 ? static_cast<std::size_t>(size) : Transport::packet_size(endpoint);
+  }
 
  private:
-  struct InTransfer {
-    LibusbTransport* owner = nullptr;
-    std::unique_ptr<std::array<std::uint8_t, kInTransferSize>> buffer;
-    OwnedTransfer transfer;
-    bool in_flight = false;
-  };
-  struct Out {
-    std::vector<std::uint8_t> buffer;
-    bool done = false;
-  };
-
-  std::size_t in_flight_count() const {
-    return static_cast<std::size_t>(
-        std::count_if(in_.begin(), in_.end(), [](const InTransfer& in) { return in.in_flight; }));
+  bool in_flight() const {
+    return std::any_of(streams_.begin(), streams_.end(), [](const auto& stream) {
+      return std::any_of(stream->transfers.begin(), stream->transfers.end(),
+                         [](const auto& in) { return in->in_flight; });
+    });
   }
 
-  Status control(const ftdi::Request& request) {
-    const int code = libusb_control_transfer(handle_.get(), ftdi::kRequestTypeOut, request.request, request.value,
-                                             request.index, nullptr, 0, kControlTimeoutMs);
-    return code >= 0 ? Status{} : usb_error(code, where_, "set up the FTDI chip");
-  }
-
-  void submit(InTransfer& in) {
-    const int code = libusb_submit_transfer(in.transfer.get());
-    in.in_flight = code == LIBUSB_SUCCESS;
-    if (!in.in_flight) failure_ = code;
-  }
-
-  // Both run inside handle_events(), so on the device thread.
-  static void LIBUSB_CALL on_in(libusb_transfer* transfer) {
-    auto& in = *static_cast<InTransfer*>(transfer->user_data);
-    LibusbTransport& self = *in.owner;
-    in.in_flight = false;
-    if (transfer->status != LIBUSB_TRANSFER_COMPLETED) {
-      if (self.failure_ == LIBUSB_SUCCESS) self.failure_ = code_of(transfer->status);
-      return;
+  // Begins to listen at the endpoint where that was not done yet.
+  InStream& stream(std::uint8_t endpoint) {
+    for (const auto& known : streams_)
+      if (known->endpoint == endpoint) return *known;
+    InStream& added = *streams_.emplace_back(std::make_unique<InStream>());
+    added.endpoint = endpoint;
+    added.waiting.reserve(kWaitingSizeMax + kInTransferCount * (kUsbTransferSizeMax + 2));
+    for (auto& in : added.transfers) {
+      in = std::make_unique<InStream::InTransfer>();
+      in->stream = &added;
+      in->transfer.reset(libusb_alloc_transfer(0));
     }
-    const auto bytes = std::span(*in.buffer).first(static_cast<std::size_t>(transfer->actual_length));
-    const std::size_t count = ftdi::strip_status(bytes, self.packet_size_);
-    self.waiting_.insert(self.waiting_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count));
-    if (self.waiting_.size() < kWaitingSizeMax && !self.closing_) self.submit(in);
+    for (auto& in : added.transfers) {
+      const auto fill = is_interrupt(endpoint) ? &libusb_fill_interrupt_transfer : &libusb_fill_bulk_transfer;
+      fill(in->transfer.get(), handle_.get(), endpoint, in->buffer.data(), kInTransferSize, &InStream::on_in, in.get(),
+           0);
+      if (added.failure == LIBUSB_SUCCESS) added.submit(*in);
+    }
+    return added;
   }
-  static void LIBUSB_CALL on_out(libusb_transfer* transfer) { static_cast<Out*>(transfer->user_data)->done = true; }
+
+  bool is_interrupt(std::uint8_t endpoint) const {
+    libusb_config_descriptor* config = nullptr;
+    if (libusb_get_active_config_descriptor(device_.get(), &config) != LIBUSB_SUCCESS) return false;
+    bool found = false;
+    for (int i = 0; i < config->bNumInterfaces; ++i)
+      for (int a = 0; a < config->interface[i].num_altsetting; ++a) {
+        const libusb_interface_descriptor& setting = config->interface[i].altsetting[a];
+        for (int e = 0; e < setting.bNumEndpoints; ++e)
+          if (setting.endpoint[e].bEndpointAddress == endpoint)
+            found = (setting.endpoint[e].bmAttributes & LIBUSB_TRANSFER_TYPE_MASK) == LIBUSB_TRANSFER_TYPE_INTERRUPT;
+      }
+    libusb_free_config_descriptor(config);
+    return found;
+  }
+
+  // Leaves what came back in buffer_ behind the setup; returns how many bytes went either way.
+  template <class Fill>
+  Result<std::size_t> control(const ControlRequest& request, std::size_t size, Fill&& fill_data, TimeNs deadline_ns) {
+    buffer_.assign(LIBUSB_CONTROL_SETUP_SIZE + size, 0);
+    fill_data(buffer_.data() + LIBUSB_CONTROL_SETUP_SIZE);
+    libusb_fill_control_setup(buffer_.data(), request.request_type, request.request, request.value, request.index,
+                              static_cast<std::uint16_t>(size));
+    libusb_fill_control_transfer(out_.get(), handle_.get(), buffer_.data(), &LibusbTransport::on_out, this, 0);
+    FL_TRY(run(deadline_ns, "control transfer"));
+    if (out_->status == LIBUSB_TRANSFER_CANCELLED)
+      return fail(ErrorCode::kTimeout, "{}: no answer to control request {} in time", where_, request.request);
+    return static_cast<std::size_t>(out_->actual_length);
+  }
+
+  // Submits out_ and waits for its end: completed, or cancelled at the deadline.
+  Status run(TimeNs deadline_ns, std::string_view action) {
+    if (bus_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", where_);
+    out_done_ = false;
+    if (const int code = libusb_submit_transfer(out_.get()); code != LIBUSB_SUCCESS)
+      return usb_error(code, where_, action);
+    bool cancelled = false;
+    while (!out_done_) {
+      const bool late = bus_->clock.now_ns() >= deadline_ns;
+      if ((late || bus_->aborted) && !cancelled) {
+        libusb_cancel_transfer(out_.get());
+        cancelled = true;
+      }
+      bus_->handle_events(cancelled ? kTimeNever : deadline_ns);
+    }
+    if (out_->status == LIBUSB_TRANSFER_CANCELLED && bus_->aborted)
+      return fail(ErrorCode::kDisconnected, "{}: closed", where_);
+    if (out_->status != LIBUSB_TRANSFER_COMPLETED && out_->status != LIBUSB_TRANSFER_CANCELLED)
+      return usb_error(code_of(out_->status), where_, action);
+    return {};
+  }
+  static void LIBUSB_CALL on_out(libusb_transfer* transfer) {
+    static_cast<LibusbTransport*>(transfer->user_data)->out_done_ = true;
+  }
 
   std::shared_ptr<Bus> bus_;
+  OwnedDevice device_;
   OwnedHandle handle_;
   const std::string where_;
   const std::string serial_;
-  const std::size_t packet_size_;
-  std::vector<InTransfer> in_;         // never resized while one is in flight: callbacks point into it
-  std::vector<std::uint8_t> waiting_;  // stripped bytes that nobody has read yet
-  bool closing_ = false;
-  int failure_ = LIBUSB_SUCCESS;  // of the first IN transfer that ended badly
+  std::vector<std::unique_ptr<InStream>> streams_;
+  std::vector<std::uint8_t> buffer_;  // of out_
+  OwnedTransfer out_{libusb_alloc_transfer(0)};
+  bool out_done_ = false;
 };
 
 class LibusbConnector final : public Connector {
  public:
-  LibusbConnector(LibusbConfig config, std::shared_ptr<Bus> bus) : config_(std::move(config)), bus_(std::move(bus)) {
+  LibusbConnector(LibusbConfig config, std::shared_ptr<Bus> bus)
+      : unknown_kind_(config.unknown_kind),
+        chooser_(std::move(config.driver_id), std::move(config.target), std::move(config.find)),
+        bus_(std::move(bus)) {
     // Without hotplug support wait() simply lasts until its deadline.
-    (void)libusb_hotplug_register_callback(bus_->context.get(), LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED, 0,
+    (void)libusb_hotplug_register_callback(bus_->context.get(),
+                                           LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED | LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT, 0,
                                            LIBUSB_HOTPLUG_MATCH_ANY, LIBUSB_HOTPLUG_MATCH_ANY, LIBUSB_HOTPLUG_MATCH_ANY,
-                                           &LibusbConnector::on_arrival, bus_.get(), nullptr);
+                                           &LibusbConnector::on_hotplug, bus_.get(), nullptr);
   }
 
   Result<std::unique_ptr<Transport>> connect() override {
-    if (bus_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", config_.driver_id);
-    FL_ASSIGN(const FoundDevice found, choose(find_devices(config_.find)));
-    switch (found.readiness) {
-      case Readiness::kReady:
-      case Readiness::kNotDmx: break;  // named by the user; whether it answers will show
-      case Readiness::kUnsupported: return fail(ErrorCode::kUnsupported, "{}", found.reason);
-      case Readiness::kNoNode: return fail(ErrorCode::kNotFound, "{}", found.reason);
-      case Readiness::kNoPermission:
-      case Readiness::kBusy:
-        return fail(ErrorCode::kPermission, "{}: {}; run: {}", found.node, found.reason, found.remedy);
-    }
-    FL_ASSIGN(const OwnedDevice device, device_at(found.node));
+    if (bus_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", chooser_.driver_id());
+    FL_ASSIGN(const FoundDevice found, chooser_.choose());
+    FL_ASSIGN(OwnedDevice device, device_at(found.node));
 
     libusb_device_handle* opened = nullptr;
     if (const int code = libusb_open(device.get(), &opened); code != LIBUSB_SUCCESS)
@@ -272,15 +378,12 @@ class LibusbConnector final : public Connector {
     libusb_set_auto_detach_kernel_driver(handle.get(), 1);
     if (const int code = libusb_claim_interface(handle.get(), kInterface); code != LIBUSB_SUCCESS)
       return usb_error(code, found.node, "claim");
-    const int packet_size = libusb_get_max_packet_size(device.get(), ftdi::kEndpointIn);
-    auto transport = std::make_unique<LibusbTransport>(bus_, std::move(handle), found.node, found.serial,
-                                                       packet_size > static_cast<int>(ftdi::kStatusSize)
-                                                           ? static_cast<std::size_t>(packet_size)
-                                                           : ftdi::kFullSpeedPacketSize);
-    FL_TRY(transport->start(config_.latency_ms));
-    if (!pinned_)
-      pinned_ = found.serial.empty() ? Pin{.serial = {}, .port_path = found.port_path}
-                                     : Pin{.serial = found.serial, .port_path = {}};
+    std::unique_ptr<Transport> transport =
+        std::make_unique<LibusbTransport>(bus_, std::move(device), std::move(handle), found.node, found.serial);
+    if ((found.driver_id.empty() ? unknown_kind_ : found.transport) == TransportKind::kFtdi) {
+      FL_ASSIGN(transport, open_ftdi(std::move(transport), found.usb_release, bus_->clock));
+    }
+    chooser_.pin(found);
     return transport;
   }
 
@@ -297,49 +400,16 @@ class LibusbConnector final : public Connector {
     bus_->aborted = true;
     bus_->interrupt();
   }
+  std::string identity() override { return chooser_.identity(); }
 
  private:
-  struct Pin {
-    std::string serial;
-    std::string port_path;
-  };
-
-  static int LIBUSB_CALL on_arrival(libusb_context*, libusb_device*, libusb_hotplug_event, void* bus) {
-    static_cast<Bus*>(bus)->arrived = true;
+  static int LIBUSB_CALL on_hotplug(libusb_context*, libusb_device* device, libusb_hotplug_event event, void* user) {
+    auto& bus = *static_cast<Bus*>(user);
+    if (event == LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED)
+      bus.arrived = true;
+    else if (device == bus.open)
+      bus.open_has_left = true;
     return 0;
-  }
-
-  Result<FoundDevice> choose(const DeviceList& list) const {
-    constexpr std::string_view kPort = "port-";
-    const std::string& target = config_.target;
-    const bool by_port = target.starts_with(kPort);
-    std::vector<const FoundDevice*> fitting;
-    std::string others;
-    for (const FoundDevice& device : list.devices) {
-      const bool ours = device.driver_id == config_.driver_id;
-      bool fits = ours && target.empty();
-      if (pinned_)
-        fits = pinned_->serial.empty() ? device.port_path == pinned_->port_path : device.serial == pinned_->serial;
-      else if (by_port)
-        fits = device.port_path == target.substr(kPort.size());
-      else if (!target.empty())
-        fits = device.serial == target;
-      if (fits)
-        fitting.push_back(&device);
-      else if (ours)
-        others += fmt::format("{}{}", others.empty() ? "" : ", ", device.endpoint);
-    }
-    if (fitting.size() == 1) return *fitting[0];
-    const std::string named =
-        pinned_ ? fmt::format("{}:{}", config_.driver_id,
-                              pinned_->serial.empty() ? "port-" + pinned_->port_path : pinned_->serial)
-                : fmt::format("{}{}{}", config_.driver_id, target.empty() ? "" : ":", target);
-    if (fitting.empty())
-      return fail(ErrorCode::kNotFound, "{}: not plugged in{}{}", named, others.empty() ? "" : "; there is ", others);
-    std::string ports;
-    for (const FoundDevice* device : fitting)
-      ports += fmt::format("{}{}:port-{}", ports.empty() ? "" : ", ", config_.driver_id, device->port_path);
-    return fail(ErrorCode::kBadInput, "{}: {} devices fit; name one of {}", named, fitting.size(), ports);
   }
 
   // node: "/dev/bus/usb/001/004", whose last two parts are libusb's bus number and device address.
@@ -358,9 +428,9 @@ class LibusbConnector final : public Connector {
     return found;
   }
 
-  const LibusbConfig config_;
+  const TransportKind unknown_kind_;
+  Chooser chooser_;
   const std::shared_ptr<Bus> bus_;  // outlives the transport, which holds it too
-  std::optional<Pin> pinned_;
 };
 
 }  // namespace

@@ -1,4 +1,5 @@
-// Real USB devices: a Connector on libusb, with the FTDI chip's framing taken off.
+// Real USB devices: a Connector on libusb. The Transport has control transfers and endpoints; where the device is one
+// of FTDI's chips it is a serial line above those (drivers/usb/ftdi.h).
 //
 // libusb itself is seen only by libusb_connector.cpp. In a build without it, no_usb_connector.cpp stands in and every
 // call answers kUnsupported.
@@ -7,8 +8,8 @@
 #include <memory>
 #include <string>
 
-#include "drivers/registry.h"
 #include "drivers/device/transport.h"
+#include "drivers/registry.h"
 
 namespace footlight::drivers {
 
@@ -17,7 +18,7 @@ struct LibusbConfig {
   std::string driver_id;  // of the devices to take, as in the driver table
   std::string target;     // a serial number, "port-1-2.3", or empty where only one such device is plugged in
   // Optional
-  int latency_ms = 16;  // of the chip's latency timer: how long a packet that is not full waits inside it; 1 to 255
+  TransportKind unknown_kind = TransportKind::kFtdi;  // of a device that the user named and no row fits
   FindOptions find = {};
 };
 

@@ -95,8 +95,10 @@ void UsbSocket::plug() {
   const Bytes device = model_.device_descriptor();
   std::vector<std::string> texts = model_.strings();
   texts.resize(3);
-  const std::string ids = fmt::format("A: idVendor={:02x}{:02x}\\n\nA: idProduct={:02x}{:02x}\\n\n", device[9],
-                                      device[8], device[11], device[10]);
+  const std::string ids = fmt::format(
+      "A: idVendor={:02x}{:02x}\\n\nA: idProduct={:02x}{:02x}\\n\n"
+      "A: bcdDevice={:02x}{:02x}\\n\n",
+      device[9], device[8], device[11], device[10], device[13], device[12]);
   std::string attributes;
   const char* names[] = {"manufacturer", "product", "serial"};
   for (std::size_t i = 0; i < texts.size(); ++i)

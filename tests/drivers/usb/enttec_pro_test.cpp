@@ -5,8 +5,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
+#include "drivers/device/device.h"
+#include "drivers/mock/enttec_pro_model.h"
 #include "drivers/mock/mock_usb.h"
 #include "drivers/ports_factory.h"
 #include "sim/system_clock.h"
@@ -36,18 +39,33 @@ Bytes line_frame_of(const Bytes& slots) {
   return frame;
 }
 
+// NaN where the widget has none of that name, or none was asked for yet.
+template <class Port>
+double figure(const Port& port, std::string_view name) {
+  for (const WidgetFigure& one : port.link().figures())
+    if (one.name == name) return one.value;
+  return std::nan("");
+}
+
 struct Bench {
   testing::SharedFakeClock clock;
-  std::shared_ptr<MockUsb> usb = std::make_shared<MockUsb>();
-  EnttecProConfig config{.universe = kUniverse, .name = "mock:enttec-pro"};
+  std::shared_ptr<MockUsb> usb = std::make_shared<MockUsb>(std::make_unique<EnttecProModel>(), "mock:enttec-pro");
+  DevicePortConfig port{.name = "mock:enttec-pro", .lines = {{.line = 0, .universe = kUniverse}}};
+  EnttecProConfig config;
+  DurationNs retry_ns = 250 * kNsPerMs;
 
-  std::unique_ptr<EnttecProSink> open_sink() {
-    auto sink = EnttecProSink::open(config, mock::make_mock_connector(usb, clock), clock);
+  DevicePlan plan(Clock& by) const {
+    return {.widget = std::make_unique<EnttecPro>(config),
+            .connector = mock::make_mock_connector(usb, by),
+            .retry_ns = retry_ns};
+  }
+  std::unique_ptr<DeviceSink> open_sink() {
+    auto sink = DeviceSink::open(plan(clock), port, clock);
     REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
     return std::move(*sink);
   }
-  std::unique_ptr<EnttecProSource> open_source() {
-    auto source = EnttecProSource::open(config, mock::make_mock_connector(usb, clock), clock);
+  std::unique_ptr<DeviceSource> open_source() {
+    auto source = DeviceSource::open(plan(clock), port, clock);
     REQUIRE_MESSAGE(source, (source ? "" : source.error().message));
     return std::move(*source);
   }
@@ -56,7 +74,8 @@ struct Bench {
     REQUIRE(sink.send(clock.now_ns(), {&frame, 1}));
   }
   bool widget_shows(const Bytes& slots) {
-    return usb->wait_for([&](const EnttecProModel& model) { return model.frame == line_frame_of(slots); });
+    return usb->wait_for<EnttecProModel>(
+        [&](const EnttecProModel& model) { return model.line(0).frame == line_frame_of(slots); });
   }
   void advance_ns(DurationNs by_ns) {
     clock.advance_ns(by_ns);
@@ -68,7 +87,7 @@ struct Bench {
         [&] { return sink.trouble().find(words) != std::string::npos; });
   }
   // Polls until that many frames have been handed over in all.
-  bool frames_come(EnttecProSource& source, FrameKeeper& keeper, std::size_t count) {
+  bool frames_come(DeviceSource& source, FrameKeeper& keeper, std::size_t count) {
     return poll_until(
         source, [&] { (void)source.poll(clock.now_ns(), keeper); }, [&] { return keeper.kept.size() >= count; });
   }
@@ -78,12 +97,12 @@ TEST_SUITE_BEGIN("enttec_pro");
 
 TEST_CASE("a sink knows the widget's serial numbers, parameters and rate after opening") {
   Bench bench;
-  bench.usb->with_model([](EnttecProModel& model) { model.rate_hz = 30; });
+  bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { model.rate_hz = 30; });
   const auto sink = bench.open_sink();
   CHECK(sink->state() == PortState::kWorking);
-  CHECK(sink->identity().usb_serial == "EN172589");
-  CHECK(sink->identity().widget_serial == 2172589);
-  CHECK(sink->identity().params.break_units == 9);
+  CHECK(sink->link().identity() == "serial number 2172589, firmware 1.68");
+  CHECK(poll_until(
+      *sink, [] {}, [&] { return figure(*sink, "break_us") == 96.0; }));
   CHECK(sink->rate_hz_max() == 30.0);
   CHECK(sink->name() == "mock:enttec-pro");
   REQUIRE(sink->universes().size() == 1);
@@ -115,27 +134,28 @@ TEST_CASE("frames of other universes and terminated ones are not sent") {
   REQUIRE(sink->send(0, {&ended, 1}));
   bench.send(*sink, ramp(2));
   CHECK(bench.widget_shows(ramp(2)));
-  CHECK(bench.usb->with_model([](EnttecProModel& model) { return model.frame_count; }) == 1);
+  CHECK(bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.line(0).frame_count; }) == 1);
 }
 
 TEST_CASE("an unchanged look is sent again after a second, and not before") {
   Bench bench;
   std::vector<TimeNs> stamps_ns;
-  bench.usb->with_model([&](EnttecProModel& model) {
-    model.on_frame = [&](const Bytes&) { stamps_ns.push_back(bench.clock.now_ns()); };
+  bench.usb->with_model<EnttecProModel>([&](EnttecProModel& model) {
+    model.on_frame = [&](int, const Bytes&) { stamps_ns.push_back(bench.clock.now_ns()); };
   });
   const auto sink = bench.open_sink();
   bench.send(*sink, ramp(7));
   REQUIRE(bench.widget_shows(ramp(7)));
   for (std::uint64_t frames = 2; frames <= 4; ++frames) {
     for (int step = 0; step < 10; ++step) bench.advance_ns(100 * kNsPerMs);
-    REQUIRE(bench.usb->wait_for([&](const EnttecProModel& model) { return model.frame_count == frames; }));
+    REQUIRE(bench.usb->wait_for<EnttecProModel>(
+        [&](const EnttecProModel& model) { return model.line(0).frame_count == frames; }));
   }
-  bench.usb->with_model([&](EnttecProModel&) {
+  bench.usb->with_model<EnttecProModel>([&](EnttecProModel&) {
     for (std::size_t i = 1; i < stamps_ns.size(); ++i) CHECK(stamps_ns[i] - stamps_ns[i - 1] >= kNsPerS);
   });
   CHECK(poll_until(
-      *sink, [] {}, [&] { return sink->stats().keep_alives == 3; }, std::chrono::seconds(1)));
+      *sink, [] {}, [&] { return sink->link().stats().keep_alives == 3; }, std::chrono::seconds(1)));
 }
 
 TEST_CASE("while the widget takes nothing the newest frame replaces older ones, and those are counted") {
@@ -149,7 +169,8 @@ TEST_CASE("while the widget takes nothing the newest frame replaces older ones, 
   const PortCounters counters = sink->counters();
   CHECK(counters.frames + counters.dropped == 50);
   CHECK(counters.dropped >= 48);  // one may have been on its way, and one in the mailbox
-  CHECK(bench.usb->with_model([](EnttecProModel& model) { return model.frame_count; }) == counters.frames);
+  CHECK(bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.line(0).frame_count; }) ==
+        counters.frames);
 }
 
 TEST_CASE("an unplugged widget is reported gone, and shows the last look again when it is back") {
@@ -162,14 +183,14 @@ TEST_CASE("an unplugged widget is reported gone, and shows the last look again w
   CHECK(sink->trouble().find("mock:enttec-pro") != std::string::npos);
   CHECK(sink->counters().errors == 1);
 
-  bench.usb->with_model([](EnttecProModel& model) { model.frame.clear(); });
+  bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { model.power_on(); });
   const TimeNs plugged_ns = bench.clock.now_ns();
   bench.usb->plug();
   CHECK(bench.widget_shows(ramp(7)));
   CHECK(bench.clock.now_ns() == plugged_ns);  // no timer had to run out
   REQUIRE(wait_for_state(*sink, PortState::kWorking));
   CHECK(sink->trouble().empty());
-  CHECK(sink->stats().connects == 2);
+  CHECK(sink->link().stats().connects == 2);
 }
 
 TEST_CASE("a frame sent while the widget is gone is the one it shows when it is back") {
@@ -193,7 +214,7 @@ TEST_CASE("a widget that vanishes in the middle of a frame gets the whole frame 
     bench.usb->unplug_after(byte_count);
     bench.send(*sink, ramp(9));
     REQUIRE(wait_for_state(*sink, PortState::kGone));
-    CHECK(bench.usb->with_model([](EnttecProModel& model) { return model.frame_count; }) == 0);
+    CHECK(bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.line(0).frame_count; }) == 0);
     bench.usb->plug();
     CHECK(bench.widget_shows(ramp(9)));
   }
@@ -207,13 +228,15 @@ TEST_CASE("a frame that was cut short is sent again whole, and the widget is not
     bench.usb->cut_next_write(byte_count);
     bench.send(*sink, ramp(9));
     CHECK(bench.widget_shows(ramp(9)));
-    CHECK(bench.usb->with_model([](EnttecProModel& model) { return model.frame_count; }) == 1);
+    CHECK(bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.line(0).frame_count; }) == 1);
   }
 }
 
 TEST_CASE("a message that a killed program left unfinished does not keep the next one from opening") {
   Bench bench;
-  bench.usb->with_model([](EnttecProModel& model) { model.data_out(0x02, Bytes{0x7E, 6, 0x01, 0x02, 0, 1, 2, 3}); });
+  bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) {
+    model.data_out(0x02, Bytes{0x7E, 6, 0x01, 0x02, 0, 1, 2, 3});
+  });
   const auto sink = bench.open_sink();
   bench.send(*sink, ramp(9));
   CHECK(bench.widget_shows(ramp(9)));
@@ -239,9 +262,9 @@ TEST_CASE("another widget in the same socket is not taken for the one that left"
 
 TEST_CASE("a widget that takes nothing three times over is opened afresh") {
   Bench bench;
-  bench.config.write_timeout_ns = bench.config.retry_ns = 5 * kNsPerMs;
+  bench.config.write_timeout_ns = bench.retry_ns = 5 * kNsPerMs;
   SystemClock clock;
-  auto sink = EnttecProSink::open(bench.config, mock::make_mock_connector(bench.usb, clock), clock);
+  auto sink = DeviceSink::open(bench.plan(clock), bench.port, clock);
   REQUIRE(sink);
   bench.usb->stall(true);
   bench.send(**sink, ramp(9));
@@ -255,8 +278,8 @@ TEST_CASE("what does not answer like a widget is refused, and the message says w
   Bench bench;
   bench.config.reply_timeout_ns = 5 * kNsPerMs;
   SystemClock clock;
-  bench.usb->with_model([](EnttecProModel& model) { model.answers = false; });
-  const auto sink = EnttecProSink::open(bench.config, mock::make_mock_connector(bench.usb, clock), clock);
+  bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { model.answers = false; });
+  const auto sink = DeviceSink::open(bench.plan(clock), bench.port, clock);
   REQUIRE_FALSE(sink);
   CHECK(sink.error().code == ErrorCode::kTimeout);
   CHECK(sink.error().message.find("label 3") != std::string::npos);
@@ -265,14 +288,14 @@ TEST_CASE("what does not answer like a widget is refused, and the message says w
 
 TEST_CASE("a widget with a blank serial number opens") {
   Bench bench;
-  bench.usb->with_model([](EnttecProModel& model) { model.widget_serial_bcd = 0xFFFFFFFF; });
-  CHECK(bench.open_sink()->identity().widget_serial == 0);
+  bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { model.widget_serial_bcd = 0xFFFFFFFF; });
+  CHECK(bench.open_sink()->link().identity() == "firmware 1.68");
 }
 
 TEST_CASE("a widget that is busy talking can be opened") {
   Bench bench;
-  bench.usb->with_model([](EnttecProModel& model) {
-    for (int i = 0; i < 5; ++i) model.receive_line_frame(line_frame_of(ramp(1)));
+  bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) {
+    for (int i = 0; i < 5; ++i) model.receive_line_frame(0, line_frame_of(ramp(1)));
     model.say(Bytes{0x7E, 0x05});
   });
   CHECK(bench.open_sink()->state() == PortState::kWorking);
@@ -281,7 +304,7 @@ TEST_CASE("a widget that is busy talking can be opened") {
 TEST_CASE("two ports cannot have one widget") {
   Bench bench;
   const auto first = bench.open_sink();
-  const auto second = EnttecProSink::open(bench.config, mock::make_mock_connector(bench.usb, bench.clock), bench.clock);
+  const auto second = DeviceSink::open(bench.plan(bench.clock), bench.port, bench.clock);
   REQUIRE_FALSE(second);
   CHECK(second.error().code == ErrorCode::kPermission);
 }
@@ -289,12 +312,11 @@ TEST_CASE("two ports cannot have one widget") {
 TEST_CASE("a sink without its widget fails to open, or waits for it when told to") {
   Bench bench;
   bench.usb->unplug();
-  const auto refused =
-      EnttecProSink::open(bench.config, mock::make_mock_connector(bench.usb, bench.clock), bench.clock);
+  const auto refused = DeviceSink::open(bench.plan(bench.clock), bench.port, bench.clock);
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ErrorCode::kNotFound);
 
-  bench.config.wait_for_device = true;
+  bench.port.wait_for_device = true;
   const auto sink = bench.open_sink();
   CHECK(sink->state() == PortState::kGone);
   bench.send(*sink, ramp(4));
@@ -309,18 +331,20 @@ TEST_CASE("closing leaves the last look on the line and gives the widget back") 
   sink->close(bench.clock.now_ns());  // at once: the frame may still be in the mailbox
   CHECK(sink->state() == PortState::kEnded);
   CHECK_FALSE(bench.usb->claimed());
-  CHECK(bench.usb->with_model([](EnttecProModel& model) { return model.frame; }) == line_frame_of(ramp(7)));
+  CHECK(bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.line(0).frame; }) ==
+        line_frame_of(ramp(7)));
   sink->close(bench.clock.now_ns());  // a second time is harmless
 }
 
 TEST_CASE("closing with blackout on exit leaves all slots at 0") {
   Bench bench;
-  bench.config.blackout_on_exit = true;
+  bench.port.blackout_on_exit = true;
   const auto sink = bench.open_sink();
   bench.send(*sink, ramp(7));
   REQUIRE(bench.widget_shows(ramp(7)));
   sink->close(bench.clock.now_ns());
-  CHECK(bench.usb->with_model([](EnttecProModel& model) { return model.frame; }) == Bytes(513, 0));
+  CHECK(bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.line(0).frame; }) ==
+        Bytes(513, 0));
 }
 
 TEST_CASE("a sink that is destroyed while its widget takes nothing does not wait for a timeout") {
@@ -337,7 +361,8 @@ TEST_CASE("a source hands over what the line brings, address 1 in slot 0") {
   const auto source = bench.open_source();
   FrameKeeper keeper;
   bench.advance_ns(5 * kNsPerMs);
-  bench.usb->with_model([](EnttecProModel& model) { model.receive_line_frame(line_frame_of(ramp(1))); });
+  bench.usb->with_model<EnttecProModel>(
+      [](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(ramp(1))); });
   REQUIRE(bench.frames_come(*source, keeper, 1));
   CHECK(keeper.kept[0].slots == ramp(1));
   CHECK(keeper.kept[0].view.universe == kUniverse);
@@ -351,7 +376,9 @@ TEST_CASE("a short line frame is handed over with its own length") {
   Bench bench;
   const auto source = bench.open_source();
   FrameKeeper keeper;
-  bench.usb->with_model([](EnttecProModel& model) { model.receive_line_frame(Bytes{0, 10, 20, 30}); });
+  bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) {
+    model.receive_line_frame(0, Bytes{0, 10, 20, 30});
+  });
   REQUIRE(bench.frames_come(*source, keeper, 1));
   CHECK(keeper.kept[0].slots == Bytes{10, 20, 30});
 }
@@ -363,13 +390,14 @@ TEST_CASE("frames arrive the same when reads bring one byte at a time and noise 
   FrameKeeper keeper;
   for (std::uint8_t i = 0; i < 5; ++i) {
     REQUIRE(bench.usb->obey("garbage 00E7FF7E0AFFFF"));
-    bench.usb->with_model([&](EnttecProModel& model) { model.receive_line_frame(line_frame_of(ramp(i))); });
+    bench.usb->with_model<EnttecProModel>(
+        [&](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(ramp(i))); });
     REQUIRE(bench.frames_come(*source, keeper, i + 1u));
     CHECK(keeper.kept[i].slots == ramp(i));
   }
   bench.usb->limit_reads(0);
   CHECK(poll_until(
-      *source, [] {}, [&] { return source->stats().garbage_bytes == 5 * 7; }, std::chrono::seconds(1)));
+      *source, [] {}, [&] { return figure(*source, "garbage_bytes") == 5 * 7; }, std::chrono::seconds(1)));
   CHECK(source->counters().rejected == 5);
 }
 
@@ -377,17 +405,19 @@ TEST_CASE("changes of state build up the whole frame") {
   Bench bench;
   bench.config.receive_mode = ProReceiveMode::kOnChange;
   const auto source = bench.open_source();
-  REQUIRE(bench.usb->wait_for([](const EnttecProModel& model) { return model.receive_mode == 1; }));
+  REQUIRE(bench.usb->wait_for<EnttecProModel>([](const EnttecProModel& model) { return model.receive_modes[0] == 1; }));
   FrameKeeper keeper;
   Bytes slots(512, 0);
   slots[0] = 1;
   slots[511] = 9;
-  bench.usb->with_model([&](EnttecProModel& model) { model.receive_line_frame(line_frame_of(slots)); });
+  bench.usb->with_model<EnttecProModel>(
+      [&](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(slots)); });
   CHECK(poll_until(
       *source, [&] { (void)source->poll(0, keeper); },
       [&] { return !keeper.kept.empty() && keeper.kept.back().slots == slots; }));
   slots[200] = 77;
-  bench.usb->with_model([&](EnttecProModel& model) { model.receive_line_frame(line_frame_of(slots)); });
+  bench.usb->with_model<EnttecProModel>(
+      [&](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(slots)); });
   CHECK(poll_until(
       *source, [&] { (void)source->poll(0, keeper); }, [&] { return keeper.kept.back().slots == slots; }));
 }
@@ -396,17 +426,17 @@ TEST_CASE("damaged line frames and those with another start code are counted and
   Bench bench;
   const auto source = bench.open_source();
   FrameKeeper keeper;
-  bench.usb->with_model([](EnttecProModel& model) {
-    model.receive_line_frame(line_frame_of(ramp(1)), 0x01);
-    model.receive_line_frame(line_frame_of(ramp(2)), 0x02);
-    model.receive_line_frame(Bytes{0xCC, 1, 2, 3});
-    model.receive_line_frame(line_frame_of(ramp(4)));
+  bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) {
+    model.receive_line_frame(0, line_frame_of(ramp(1)), 0x01);
+    model.receive_line_frame(0, line_frame_of(ramp(2)), 0x02);
+    model.receive_line_frame(0, Bytes{0xCC, 1, 2, 3});
+    model.receive_line_frame(0, line_frame_of(ramp(4)));
   });
   REQUIRE(bench.frames_come(*source, keeper, 1));
   CHECK(keeper.kept[0].slots == ramp(4));
   CHECK(poll_until(
-      *source, [] {}, [&] { return source->stats().line_errors == 2; }, std::chrono::seconds(1)));
-  CHECK(source->stats().other_start_codes == 1);
+      *source, [] {}, [&] { return figure(*source, "line_errors") == 2; }, std::chrono::seconds(1)));
+  CHECK(source->link().stats().other_start_codes == 1);
   CHECK(source->counters().frames == 1);
   CHECK(source->counters().rejected == 2);
 }
@@ -415,7 +445,8 @@ TEST_CASE("frames that nobody polls for are replaced by the newest and counted")
   Bench bench;
   const auto source = bench.open_source();
   for (std::uint8_t i = 1; i <= 20; ++i)
-    bench.usb->with_model([&](EnttecProModel& model) { model.receive_line_frame(line_frame_of(ramp(i))); });
+    bench.usb->with_model<EnttecProModel>(
+        [&](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(ramp(i))); });
   CHECK(poll_until(
       *source, [] {}, [&] { return source->counters().frames == 20; }, std::chrono::seconds(10)));
   FrameKeeper keeper;
@@ -431,7 +462,8 @@ TEST_CASE("a line that falls quiet turns the source to waiting after 1.25 s") {
   CHECK(source->state() == PortState::kWaiting);
   CHECK(source->next_deadline_ns() == kTimeNever);
   FrameKeeper keeper;
-  bench.usb->with_model([](EnttecProModel& model) { model.receive_line_frame(line_frame_of(ramp(1))); });
+  bench.usb->with_model<EnttecProModel>(
+      [](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(ramp(1))); });
   REQUIRE(bench.frames_come(*source, keeper, 1));
   const TimeNs heard_ns = bench.clock.now_ns();
   CHECK(source->next_deadline_ns() == heard_ns + 1'250 * kNsPerMs);
@@ -454,7 +486,8 @@ TEST_CASE("a source listens again after its widget was replugged") {
   bench.usb->plug();
   REQUIRE(poll_until(
       *source, [&] { (void)source->poll(0, keeper); }, [&] { return source->state() != PortState::kGone; }));
-  bench.usb->with_model([](EnttecProModel& model) { model.receive_line_frame(line_frame_of(ramp(5))); });
+  bench.usb->with_model<EnttecProModel>(
+      [](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(ramp(5))); });
   REQUIRE(bench.frames_come(*source, keeper, 1));
   CHECK(keeper.kept[0].slots == ramp(5));
 }
@@ -465,7 +498,7 @@ TEST_CASE("the end of a message that never comes does not swallow the next frame
   FrameKeeper keeper;
   // The head of a full frame and nothing else: the parser would wait for 513 bytes.
   REQUIRE(bench.usb->obey("garbage 7E0502020000"));
-  bench.usb->with_model([](EnttecProModel& model) { model.receive_line_frame(Bytes{0, 11, 22}); });
+  bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { model.receive_line_frame(0, Bytes{0, 11, 22}); });
   for (int i = 0; i < 1000 && keeper.kept.empty();
        ++i) {  // the thread has to see both the bytes and then the time pass
     bench.advance_ns(50 * kNsPerMs);
@@ -496,7 +529,8 @@ TEST_CASE("mock endpoints play a sine as a source and take frames as a sink") {
   REQUIRE((*sink)->send(clock.now_ns(), {&frame, 1}));
   const auto usb = mock::mock_of_target("enttec-pro/sink-test", true);
   REQUIRE(usb);
-  CHECK((*usb)->wait_for([&](const EnttecProModel& model) { return model.frame == line_frame_of(slots); }));
+  CHECK(usb->usb->wait_for<EnttecProModel>(
+      [&](const EnttecProModel& model) { return model.line(0).frame == line_frame_of(slots); }));
   (*sink)->close(clock.now_ns());
 }
 
@@ -519,7 +553,7 @@ TEST_CASE("a port request that makes no sense is refused with what would") {
 }
 
 TEST_CASE("a mock command with a mistake is refused with the commands there are") {
-  MockUsb usb;
+  MockUsb usb(std::make_unique<EnttecProModel>());
   for (const char* command :
        {"", "explode", "unplug now", "stall maybe", "garbage 7", "garbage zz", "cut-write -1", "serial "}) {
     CAPTURE(command);

@@ -4,6 +4,7 @@
 
 #include <numeric>
 
+#include "drivers/device/device.h"
 #include "drivers/mock/enttec_pro_model.h"
 #include "drivers/ports_factory.h"
 #include "drivers/registry.h"
@@ -55,9 +56,11 @@ struct Bench {
   std::unique_ptr<Sink> open_impatient_sink() {
     auto connector = make_libusb_connector({.driver_id = "enttec-pro", .target = ""}, clock);
     REQUIRE(connector);
-    auto sink = EnttecProSink::open(
-        {.universe = 1, .name = "enttec-pro", .write_timeout_ns = 20 * kNsPerMs, .retry_ns = 20 * kNsPerMs},
-        std::move(*connector), clock);
+    auto sink =
+        DeviceSink::open({.widget = std::make_unique<EnttecPro>(EnttecProConfig{.write_timeout_ns = 20 * kNsPerMs}),
+                          .connector = std::move(*connector),
+                          .retry_ns = 20 * kNsPerMs},
+                         {.name = "enttec-pro", .lines = {{.line = 0, .universe = 1}}}, clock);
     REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
     return std::move(*sink);
   }
@@ -66,10 +69,10 @@ struct Bench {
     REQUIRE(sink.send(clock.now_ns(), {&frame, 1}));
   }
   bool widget_shows(const Bytes& slots) {
-    return socket.wait_for([&] { return model.frame == line_frame_of(slots); });
+    return socket.wait_for([&] { return model.line(0).frame == line_frame_of(slots); });
   }
   void receive(const Bytes& slots) {
-    socket.with_model([&] { model.receive_line_frame(line_frame_of(slots)); });
+    socket.with_model([&] { model.receive_line_frame(0, line_frame_of(slots)); });
   }
 };
 
@@ -105,10 +108,7 @@ TEST_CASE("serial number and parameters come over the bus, and the chip is set u
   bench.model.rate_hz = 33;
   bench.socket.plug();
   const auto sink = bench.open_sink();
-  const auto& enttec = dynamic_cast<EnttecProSink&>(*sink);
-  CHECK(enttec.identity().usb_serial == "EN172589");
-  CHECK(enttec.identity().widget_serial == 2172589);
-  CHECK(enttec.identity().params.firmware == 0x0144);
+  CHECK(dynamic_cast<DeviceSink&>(*sink).link().identity() == "serial number 2172589, firmware 1.68");
   CHECK(sink->rate_hz_max() == 33.0);
   bench.socket.with_model([&] {
     CHECK(bench.model.baud_value == 0x000C);
@@ -122,7 +122,7 @@ TEST_CASE("100 frames arrive with every byte, each as soon as it was sent") {
   Bench bench;
   bench.socket.plug();
   std::vector<Bytes> frames;
-  bench.model.on_frame = [&](const Bytes& frame) { frames.push_back(frame); };
+  bench.model.on_frame = [&](int, const Bytes& frame) { frames.push_back(frame); };
   const auto sink = bench.open_sink();
   const TimeNs begin_ns = bench.clock.now_ns();
   for (std::size_t i = 0; i < 100; ++i) {
@@ -166,7 +166,7 @@ TEST_CASE("an unplug is noticed without traffic, and the last look is back withi
   CHECK(bench.clock.now_ns() - unplugged_ns < 500 * kNsPerMs);
   CHECK(sink->trouble().find("enttec-pro:EN172589") != std::string::npos);
 
-  bench.socket.with_model([&] { bench.model.frame.clear(); });
+  bench.socket.with_model([&] { bench.model.power_on(); });
   const TimeNs plugged_ns = bench.clock.now_ns();
   bench.socket.plug();
   REQUIRE(bench.widget_shows(pattern(1)));

@@ -9,8 +9,8 @@
 #include <cstdlib>
 #include <vector>
 
+#include "drivers/device/device.h"
 #include "drivers/ports_factory.h"
-#include "drivers/usb/enttec_pro.h"
 #include "sim/system_clock.h"
 #include "tests/support/usb_port_test.h"
 
@@ -29,9 +29,7 @@ TEST_CASE("a real widget takes 40 frames a second for two seconds without an err
   SystemClock clock;
   auto sink = open_sink(request_of_environment(), clock);
   REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
-  const auto& enttec = dynamic_cast<EnttecProSink&>(**sink);
-  MESSAGE("widget ", enttec.identity().widget_serial, ", firmware ", enttec.identity().params.firmware >> 8, ".",
-          enttec.identity().params.firmware & 0xFF, ", ", (*sink)->rate_hz_max(), " Hz");
+  MESSAGE(dynamic_cast<DeviceSink&>(**sink).link().identity(), ", ", (*sink)->rate_hz_max(), " Hz");
   TimeNs due_ns = clock.now_ns();
   for (int i = 0; i < 80; ++i, due_ns += 25 * kNsPerMs) {
     const std::vector<std::uint8_t> slots(1, static_cast<std::uint8_t>(i * 3));
