@@ -9,6 +9,8 @@ namespace {
 
 constexpr int kArtnetWireMax = 32'768;  // 15 bits of port address, counted from 1
 constexpr const char* kFileScheme = "log";
+constexpr const char* kGpioScheme = "gpio";
+constexpr int kGpioLineMax = 65'535;
 
 struct NetworkScheme {
   std::string_view name;
@@ -158,6 +160,59 @@ Status parse_device(std::string_view text, std::string_view rest, Endpoint& endp
   return {};
 }
 
+// "16-18,BLACKOUT" to "16", "17", "18", "BLACKOUT". A part that is no range of numbers is a name.
+Result<std::vector<std::string>> parse_lines(std::string_view text) {
+  std::vector<std::string> lines;
+  for (const std::string& part : split_at_commas(text)) {
+    const std::size_t dash = part.find('-');
+    const auto first = dash == std::string::npos ? std::nullopt : number_of(part.substr(0, dash));
+    const auto last = dash == std::string::npos ? std::nullopt : number_of(part.substr(dash + 1));
+    if (!first || !last) {
+      if (part.empty()) return fail(ErrorCode::kBadInput, "a line has no name");
+      lines.push_back(part);
+      continue;
+    }
+    if (*last < *first) {
+      return fail(ErrorCode::kBadInput, "the range {} runs backwards; write {}-{}", part, *last, *first);
+    }
+    if (*last > kGpioLineMax) return fail(ErrorCode::kBadInput, "line {} does not exist", *last);
+    for (int number = *first; number <= *last; ++number) lines.push_back(std::to_string(number));
+  }
+  if (const auto twice = named_twice(lines)) {
+    return fail(ErrorCode::kBadInput, "line {} is named twice; name each line once", *twice);
+  }
+  return lines;
+}
+
+Status parse_gpio(std::string_view text, std::string_view rest, Endpoint& endpoint) {
+  constexpr std::string_view kForm = "gpio:CHIP/LINES=UNIVERSE.ADDRESS, as in gpio:gpiochip0/17=1.25";
+  const auto place = take_suffix(rest, '=');
+  const auto lines = take_suffix(rest, '/');
+  if (!place || !lines || rest.empty() || lines->empty()) {
+    return fail(ErrorCode::kBadInput, "{}: expected {}", text, kForm);
+  }
+  const std::size_t dot = place->find('.');
+  const auto universe = number_of(place->substr(0, dot));
+  const auto address = dot == std::string_view::npos ? std::nullopt : number_of(place->substr(dot + 1));
+  if (!universe || !address || !is_universe(*universe) || !is_address(*address)) {
+    return fail(
+        ErrorCode::kBadInput,
+        "{}: expected a universe from {} to {} and an address from 1 to {} after \"=\", as in =1.25, got \"{}\"", text,
+        kUniverseMin, kUniverseMax, kSlotCountMax, *place);
+  }
+  auto parsed = parse_lines(*lines);
+  if (!parsed) return fail(ErrorCode::kBadInput, "{}: {}; expected {}", text, parsed.error().message, kForm);
+  endpoint.lines = std::move(*parsed);
+  if (static_cast<int>(endpoint.lines.size()) > kSlotCountMax - slot_of_address(*address)) {
+    return fail(ErrorCode::kBadInput, "{}: {} lines from address {} on do not fit; a universe has {} addresses", text,
+                endpoint.lines.size(), *address, kSlotCountMax);
+  }
+  endpoint.target = rest;
+  endpoint.first_address = *address;
+  endpoint.universes = {{*universe, *universe}};
+  return {};
+}
+
 }  // namespace
 
 std::vector<Universe> Endpoint::show_universes() const {
@@ -206,6 +261,11 @@ Result<Endpoint> parse_endpoint(std::string_view text, std::span<const std::stri
     FL_TRY(parse_network(text, has_colon ? rest : std::string_view{}, scheme, endpoint));
     return endpoint;
   }
+  if (endpoint.scheme == kGpioScheme) {
+    endpoint.kind = EndpointKind::kGpio;
+    FL_TRY(parse_gpio(text, has_colon ? rest : std::string_view{}, endpoint));
+    return endpoint;
+  }
   for (const std::string_view scheme : device_schemes) {
     if (endpoint.scheme != scheme) continue;
     endpoint.kind = EndpointKind::kDevice;
@@ -216,7 +276,7 @@ Result<Endpoint> parse_endpoint(std::string_view text, std::span<const std::stri
   std::string known;
   for (const NetworkScheme& scheme : kNetworkSchemes) known += fmt::format("{}, ", scheme.name);
   for (const std::string_view scheme : device_schemes) known += fmt::format("{}, ", scheme);
-  known += kFileScheme;
+  known += fmt::format("{}, {}", kGpioScheme, kFileScheme);
   return fail(ErrorCode::kBadInput, "{}: unknown scheme \"{}\"; expected one of {}, as in sacn:1-9",
               text.empty() ? "\"\"" : text, endpoint.scheme, known);
 }

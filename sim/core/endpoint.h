@@ -8,6 +8,9 @@
 //   sacn:101-109=1-9          renumbered: wire on the left, show on the right
 //   enttec-pro:EN123456=3     a device by its serial, as universe 3 of the show; without "=" as universe 1
 //   enttec-pro                the one that is plugged in               mock:enttec-pro a model of one in this process
+//   gpio:gpiochip0/17=1.25    an input line of a GPIO chip, as universe 1 address 25
+//   gpio:gpiochip0/16-23=1.25 eight lines, as addresses 25 to 32       gpio:gpiochip0/BLACKOUT,4=1.25  names, lists
+//   gpio:mock/2=1.25          a line of a model in this process: a contact that closes twice a second
 //   log:FILE                  a file; everything after "log:" is its name
 //
 // Universe numbers count from 1 on both sides, in every protocol.
@@ -35,17 +38,20 @@ struct WireUniverse {
 enum class EndpointKind {
   kNetwork,  // sacn, artnet: universes are required
   kDevice,   // one of the device schemes: one universe
+  kGpio,     // gpio: input lines, one slot each; one universe
   kFile,     // log: the file says which universes there are
 };
 
 struct Endpoint {
   std::string text;  // as the user wrote it
   EndpointKind kind = EndpointKind::kNetwork;
-  std::string scheme;                        // "sacn"
-  std::string target;                        // device: serial or model, may be empty; file: its name; network: empty
-  std::vector<std::string> addresses;        // network: IPv4 addresses, or none
-  std::uint16_t udp_port = 0;                // network: 0 for the one of the protocol
+  std::string scheme;                  // "sacn"
+  std::string target;                  // device: serial or model, or empty; gpio: chip; file: its name; network: empty
+  std::vector<std::string> addresses;  // network: IPv4 addresses, or none
+  std::uint16_t udp_port = 0;          // network: 0 for the one of the protocol
   std::vector<std::string> interface_names;  // network: "eth0", or none
+  std::vector<std::string> lines;            // gpio: numbers or names, at least one, each once
+  Address first_address = 1;                 // gpio: of the first line; the others follow and fit in
   std::vector<WireUniverse> universes;       // in the order in which they were written; empty for a file
 
   [[nodiscard]] std::vector<Universe> show_universes() const;

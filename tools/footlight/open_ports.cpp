@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "drivers/driver.h"
+#include "drivers/gpio/gpio_source.h"
 #include "drivers/net/net.h"
 #include "drivers/ports_factory.h"
 #include "sim/dmx_log/log_ports.h"
@@ -54,6 +55,20 @@ Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint
       request.wait_for_device = options.wait_for_device;
       return drivers::open_source(request, clock_);
     }
+    case EndpointKind::kGpio: {
+      drivers::GpioConfig gpio;
+      gpio.name = endpoint.text;
+      gpio.chip = endpoint.target;
+      gpio.lines = endpoint.lines;
+      gpio.universe = endpoint.universes.front().show;
+      gpio.address = endpoint.first_address;
+      gpio.active_low = options.gpio_active_low;
+      gpio.bias = options.gpio_bias;
+      gpio.strobe = options.gpio_strobe;
+      gpio.priority = static_cast<std::uint8_t>(options.priority);
+      gpio.wait_for_device = options.wait_for_device;
+      return drivers::open_gpio_source(std::move(gpio), clock_);
+    }
     case EndpointKind::kNetwork: break;
   }
   if (endpoint.scheme == "sacn") {
@@ -84,6 +99,8 @@ Result<std::unique_ptr<Sink>> PortOpener::open_sink(const Endpoint& endpoint, st
       request.blackout_on_exit = options.blackout_on_exit;
       return drivers::open_sink(request, clock_);
     }
+    case EndpointKind::kGpio:
+      return fail(ErrorCode::kBadInput, "{}: GPIO lines are inputs; name them after --in or in [[in]]", endpoint.text);
     case EndpointKind::kNetwork: break;
   }
   if (endpoint.scheme == "sacn") {

@@ -13,6 +13,8 @@
 #include <string_view>
 #include <vector>
 
+#include "drivers/gpio/gpio_chip.h"
+#include "drivers/gpio/strobe_line.h"
 #include "sim/core/clock.h"
 #include "sim/core/dmx.h"
 #include "sim/core/endpoint.h"
@@ -30,13 +32,16 @@ namespace footlight::tools {
 
 // All optional; those that the kind of endpoint has no use for are not looked at.
 struct InOptions {
-  bool wait_for_device = false;     // device: begin although it is not plugged in
+  bool wait_for_device = false;     // device, gpio: begin although it is not plugged in
   bool hear_preview = false;        // sacn: frames that are meant for visualisers, too
-  int priority = kPriorityDefault;  // artnet: what its frames carry into the merge
+  int priority = kPriorityDefault;  // artnet, gpio: what its frames carry into the merge
   DurationNs log_start_ns = 0;      // log: where in it to begin
   DurationNs log_stop_ns = kTimeNever;
   bool log_loop = false;
   double log_speed = 1.0;
+  bool gpio_active_low = false;  // gpio: see drivers/gpio/gpio_chip.h
+  drivers::GpioBias gpio_bias = drivers::GpioBias::kAsIs;
+  drivers::StrobeConfig gpio_strobe;       // gpio: what an edge does
   std::vector<WireUniverse> log_renumber;  // log: where not empty, only these
 };
 

@@ -1,8 +1,10 @@
 #include "tools/footlight/show_file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <optional>
 
@@ -34,6 +36,47 @@ std::optional<Endpoint> read_endpoint(TomlReader& reader) {
   return std::nullopt;
 }
 
+// What an edge does. Keys that the mode has no use for are not asked for, and so refused.
+void read_gpio(TomlReader& reader, InOptions& options) {
+  using drivers::StrobeMode;
+  drivers::StrobeConfig& strobe = options.gpio_strobe;
+  constexpr StrobeMode kModes[] = {StrobeMode::kFollow, StrobeMode::kOneShot, StrobeMode::kToggle, StrobeMode::kRate};
+  strobe.mode = kModes[reader.word("mode", {"follow", "one-shot", "toggle", "rate"}, 0)];
+  if (strobe.mode == StrobeMode::kFollow) strobe.hold_ns = read_duration(reader, "hold", strobe.hold_ns);
+  if (strobe.mode == StrobeMode::kOneShot) {
+    strobe.hold_ns = read_duration(reader, "hold", drivers::kOneShotHoldDefaultNs);
+    strobe.retrigger = reader.word("retrigger", {"extend", "ignore"}, 0) == 0 ? drivers::Retrigger::kExtend
+                                                                              : drivers::Retrigger::kIgnore;
+  }
+  if (strobe.mode == StrobeMode::kRate && (reader.has("rate_hz") || reader.has("rate_values"))) {
+    const auto hz = reader.numbers("rate_hz", 1, 64, 0.01, 1'000.0);
+    const auto values = reader.integers("rate_values", 1, 64, 0, 255);
+    const bool rising = std::adjacent_find(hz.begin(), hz.end(), std::greater_equal<>()) == hz.end();
+    if (hz.size() != values.size() || !rising) {
+      reader.trouble(reader.line_of("rate_hz"),
+                     "rate_hz: expected rising numbers, as many as rate_values has, as in rate_hz = [1, 25] and "
+                     "rate_values = [1, 255]");
+    } else {
+      strobe.rate_points.clear();
+      for (std::size_t i = 0; i < hz.size(); ++i)
+        strobe.rate_points.push_back({.hz = hz[i], .value = static_cast<std::uint8_t>(values[i])});
+    }
+  }
+  if (strobe.mode != StrobeMode::kRate) {
+    strobe.on = static_cast<std::uint8_t>(reader.integer("on", 0, 255, strobe.on));
+  }
+  strobe.off = static_cast<std::uint8_t>(reader.integer("off", 0, 255, strobe.off));
+  strobe.debounce_ns = read_duration(reader, "debounce", strobe.debounce_ns);
+  strobe.flashes_hz_max = reader.number("flashes_hz_max", 0.0, drivers::kFlashesMaxLimitHz, strobe.flashes_hz_max);
+  options.gpio_active_low = reader.boolean("active_low", false);
+  constexpr drivers::GpioBias kBiases[] = {drivers::GpioBias::kAsIs, drivers::GpioBias::kNone,
+                                           drivers::GpioBias::kPullUp, drivers::GpioBias::kPullDown};
+  options.gpio_bias = kBiases[reader.word("bias", {"as-is", "none", "pull-up", "pull-down"}, 0)];
+  // As a per-address priority 0 would mean that the slot is not ours.
+  options.priority = static_cast<int>(reader.integer("priority", 1, kPriorityMax, kPriorityDefault));
+  options.wait_for_device = reader.boolean("wait_for_device", false);
+}
+
 Result<InPlan> read_in(const TomlNode& node, const std::string& file) {
   TomlReader reader(node, file, "[[in]]");
   InPlan plan;
@@ -48,6 +91,7 @@ Result<InPlan> read_in(const TomlNode& node, const std::string& file) {
         }
         break;
       case EndpointKind::kDevice: options.wait_for_device = reader.boolean("wait_for_device", false); break;
+      case EndpointKind::kGpio: read_gpio(reader, options); break;
       case EndpointKind::kFile:
         options.log_loop = reader.boolean("loop", false);
         options.log_start_ns = read_duration(reader, "start", 0);
@@ -79,6 +123,7 @@ Result<OutPlan> read_out(const TomlNode& node, const std::string& file) {
         options.wait_for_device = reader.boolean("wait_for_device", false);
         options.blackout_on_exit = reader.boolean("blackout_on_exit", false);
         break;
+      case EndpointKind::kGpio: break;  // refused when it is opened
       case EndpointKind::kFile: options.log_overwrite = reader.boolean("overwrite", false); break;
     }
   }

@@ -11,6 +11,7 @@
 //   preview = false                # sacn: hear frames for visualisers, too
 //   priority = 100                 # artnet
 //   wait_for_device = true         # devices
+//   mode = "one-shot"              # gpio: see docs/gpio.md for this and its other keys
 //   loop = true                    # log; also start = "10s", stop = "20s", speed = 2.0
 //   [[out]]
 //   endpoint = "enttec-pro:EN123456=3"

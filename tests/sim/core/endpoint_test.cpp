@@ -68,6 +68,28 @@ TEST_CASE("a device endpoint carries one universe, the first of the show unless 
   CHECK(parsed("mock:enttec-pro").target == "enttec-pro");
 }
 
+TEST_CASE("a gpio endpoint names a chip, lines and the first of their addresses") {
+  const auto one = parsed("gpio:gpiochip0/17=1.25");
+  CHECK(one.kind == EndpointKind::kGpio);
+  CHECK(one.target == "gpiochip0");
+  CHECK(one.lines == std::vector<std::string>{"17"});
+  CHECK(one.first_address == 25);
+  CHECK(one.show_universes() == std::vector<Universe>{1});
+  const auto many = parsed("gpio:/dev/gpiochip3/4,16-18,BLACK-OUT=63999.508");
+  CHECK(many.target == "/dev/gpiochip3");
+  CHECK(many.lines == std::vector<std::string>{"4", "16", "17", "18", "BLACK-OUT"});
+  CHECK(many.first_address == 508);
+  for (const char* const bad :
+       {"gpio", "gpio:", "gpio:gpiochip0", "gpio:gpiochip0/17", "gpio:17=1.25", "gpio:/17=1.1", "gpio:gpiochip0/=1.25",
+        "gpio:gpiochip0/17=1", "gpio:gpiochip0/17=0.1", "gpio:gpiochip0/17=1.0", "gpio:gpiochip0/17=1.513",
+        "gpio:gpiochip0/17=1.2.3", "gpio:gpiochip0/17,=1.1", "gpio:gpiochip0/9-7=1.1", "gpio:gpiochip0/7,7=1.1",
+        "gpio:gpiochip0/0-1=1.512", "gpio:gpiochip0/0-99999999=1.1"}) {
+    CAPTURE(bad);
+    CHECK(refusal(bad).find(bad) == 0);
+  }
+  CHECK(contains(refusal("gpio:gpiochip0/6,5-7=1.1"), "line 6 is named twice"));
+}
+
 TEST_CASE("the name of a log may hold every character that endpoints use elsewhere") {
   for (const std::string file : {"show.dmxlog", "/tmp/a b=1-9@10.0.0.7%eth0:x.dmxlog", "=", "C:\\x"}) {
     const auto log = parsed("log:" + file);
@@ -92,7 +114,7 @@ TEST_CASE("an unknown scheme is answered with the schemes that there are") {
   for (const char* text : {"scan:1-9", "", "1-9", "SACN:1", ":1-9", "=3"}) {
     const auto message = refusal(text);
     CHECK(contains(message, "unknown scheme"));
-    CHECK(contains(message, "sacn, artnet, enttec-pro, mock, log"));
+    CHECK(contains(message, "sacn, artnet, enttec-pro, mock, gpio, log"));
   }
 }
 

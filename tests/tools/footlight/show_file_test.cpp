@@ -87,6 +87,65 @@ overwrite = true
   CHECK(show->outs[2].options.log_overwrite);
 }
 
+// One [[in]] with an endpoint of the model and these lines.
+std::string with_gpio(const std::string& lines) {
+  return "[[in]]\nendpoint = \"gpio:mock/2=1.25\"\n" + lines + "[[out]]\nendpoint = \"mock:enttec-pro\"\n";
+}
+
+TEST_CASE("every option of a GPIO input arrives, and each mode has its own defaults") {
+  using drivers::StrobeMode;
+  const auto options_of = [](const std::string& lines) {
+    const auto show = parse_show(with_gpio(lines), "show.toml");
+    REQUIRE_MESSAGE(show, (show ? "" : show.error().message));
+    return show->ins.at(0).options;
+  };
+  const InOptions plain = options_of("");
+  CHECK(plain.gpio_strobe.mode == StrobeMode::kFollow);
+  CHECK(plain.gpio_strobe.hold_ns == 25 * kNsPerMs);
+  CHECK(plain.gpio_strobe.flashes_hz_max == 4.0);
+  CHECK_FALSE(plain.gpio_active_low);
+  CHECK(options_of("mode = \"one-shot\"\n").gpio_strobe.hold_ns == 80 * kNsPerMs);
+  const InOptions full = options_of(R"(mode = "one-shot"
+hold = "120ms"
+retrigger = "ignore"
+active_low = true
+bias = "pull-up"
+debounce = "5ms"
+on = 200
+off = 3
+flashes_hz_max = 10
+priority = 150
+wait_for_device = true
+)");
+  CHECK(full.gpio_strobe.mode == StrobeMode::kOneShot);
+  CHECK(full.gpio_strobe.hold_ns == 120 * kNsPerMs);
+  CHECK(full.gpio_strobe.retrigger == drivers::Retrigger::kIgnore);
+  CHECK(full.gpio_strobe.debounce_ns == 5 * kNsPerMs);
+  CHECK(full.gpio_strobe.on == 200);
+  CHECK(full.gpio_strobe.off == 3);
+  CHECK(full.gpio_strobe.flashes_hz_max == 10.0);
+  CHECK(full.gpio_active_low);
+  CHECK(full.gpio_bias == drivers::GpioBias::kPullUp);
+  CHECK(full.priority == 150);
+  CHECK(full.wait_for_device);
+  const InOptions rate = options_of("mode = \"rate\"\nrate_hz = [0.5, 2, 20]\nrate_values = [11, 40, 250]\n");
+  CHECK(rate.gpio_strobe.rate_points == std::vector<drivers::RatePoint>{{0.5, 11}, {2.0, 40}, {20.0, 250}});
+}
+
+TEST_CASE("what a GPIO input cannot do is refused with the line") {
+  CHECK(contains(refusal(with_gpio("mode = \"blink\"\n")), "show.toml:3: "));
+  CHECK(contains(refusal(with_gpio("mode = \"toggle\"\nhold = \"1s\"\n")), "unknown key 'hold'"));
+  CHECK(contains(refusal(with_gpio("retrigger = \"ignore\"\n")), "unknown key 'retrigger'"));
+  CHECK(contains(refusal(with_gpio("mode = \"rate\"\non = 1\n")), "unknown key 'on'"));
+  CHECK(contains(refusal(with_gpio("flashes_hz_max = 61\n")), "show.toml:3: "));
+  CHECK(contains(refusal(with_gpio("priority = 0\n")), "show.toml:3: "));
+  const std::string rate = "mode = \"rate\"\n";
+  CHECK(contains(refusal(with_gpio(rate + "rate_hz = [1, 2]\nrate_values = [1]\n")), "show.toml:4: rate_hz: expected"));
+  CHECK(contains(refusal(with_gpio(rate + "rate_hz = [2, 1]\nrate_values = [1, 2]\n")), "rising"));
+  CHECK(contains(refusal(with_gpio(rate + "rate_hz = [1, 2]\n")), "rate_values"));
+  CHECK(contains(refusal(with_gpio(rate + "rate_hz = [1, \"2\"]\nrate_values = [1, 2]\n")), "numbers"));
+}
+
 TEST_CASE("trouble in a show file is named by line") {
   CHECK(contains(refusal("[[in]]\nendpoint = \"scan:1\"\n"), "show.toml:2: scan:1: unknown scheme"));
   CHECK(contains(refusal("[[in]]\nendpoint = \"sacn:0\"\n"), "show.toml:2: sacn:0: universe 0 does not exist"));
