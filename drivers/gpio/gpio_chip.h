@@ -46,8 +46,8 @@ class GpioLine {
 class GpioChips {
  public:
   virtual ~GpioChips() = default;
-  // kNotFound: no such chip or line; kPermission; kIo: in use, by whom, and the rest; kUnsupported: the build, or a bias
-  // that the kernel cannot set. The message names the next step.
+  // kNotFound: no such chip or line; kPermission; kIo: in use, by whom, and the rest; kUnsupported: the build, or a
+  // bias that the kernel cannot set. The message names the next step.
   virtual Result<std::unique_ptr<GpioLine>> request(const GpioLineRequest& request) = 0;
 };
 

@@ -4,8 +4,8 @@
 // Line N of the chip "mock" is a contact that closes N times a second, half of the time, and bounces for a millisecond
 // when it does; line 0 stays open.
 //
-// The kernel's behaviour that matters is kept: a queue of 16 edges a line, the newest of which are lost when it is full;
-// one user a line; no word when something was lost. Faults happen on command.
+// The kernel's behaviour that matters is kept: a queue of 16 edges a line, the newest of which are lost when it is
+// full; one user a line; no word when something was lost. Faults happen on command.
 //
 // Threads: GpioModel is safe to use from any; its lines belong to one thread each.
 #pragma once

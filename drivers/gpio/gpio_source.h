@@ -1,8 +1,8 @@
 // Strobe inputs: lines of one GPIO chip as a source of DMX. Each line owns one slot, in the order of the lines from one
 // address on; what an edge does to it is said by StrobeConfig (strobe_line.h).
 //
-// - Edges come from the kernel's interrupts with the kernel's stamps; nothing is polled. A frame is handed over for each
-//   change and carries the stamp of the edge that made it.
+// - Edges come from the kernel's interrupts with the kernel's stamps; nothing is polled. A frame is handed over for
+//   each change and carries the stamp of the edge that made it.
 // - The whole frame is repeated every 800 ms, with a silence limit of its own, so that no merge timeout forgets it.
 // - Only the line's own slots carry a priority (frames with start code 0xDD): slots that no line owns are left to
 //   others, under LTP and at high priorities too.

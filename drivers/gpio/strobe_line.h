@@ -8,9 +8,9 @@
 //   slots[address - 1] = line.value();
 //
 // Debounce: the leading edge counts at once, at its own time. For debounce_ns after it the contact may bounce as it
-// likes; then the level decides, and if it is another than the accepted one, that is an edge at that moment, which opens
-// a window of its own. So a press costs no latency, and a release is late by debounce_ns at most, when it falls into the
-// window of its press.
+// likes; then the level decides, and if it is another than the accepted one, that is an edge at that moment, which
+// opens a window of its own. So a press costs no latency, and a release is late by debounce_ns at most, when it falls
+// into the window of its press.
 //
 // Lost edges: the kernel reports rising and falling in turn. Two of a kind in a row mean that the one between was lost
 // or too short to be seen; it is taken to have happened at the time of the second. read_level() repairs what a queue

@@ -1,7 +1,9 @@
-// An emulated /dev/gpiochip0: the real libgpiod on one side, the test on the other. Speaks uAPI v1, as libgpiod 1.6 does.
+// An emulated /dev/gpiochip0: the real libgpiod on one side, the test on the other. Speaks uAPI v1, as libgpiod 1.6
+// does.
 //
-// Asking for a line hands out a new descriptor. The handler of ioctls runs in this process, so it opens a second emulated
-// node, a FIFO, and answers with that number: poll() and read() see the FIFO, reading the level reaches the handler.
+// Asking for a line hands out a new descriptor. The handler of ioctls runs in this process, so it opens a second
+// emulated node, a FIFO, and answers with that number: poll() and read() see the FIFO, reading the level reaches the
+// handler.
 //
 // Threads: umockdev calls the handler on its own; all members are safe to call from the test's.
 #pragma once

@@ -1,11 +1,13 @@
-// gpio_latency [edges]: how long an edge takes to the universe and to an sACN packet. Run by hand from an optimised build.
+// gpio_latency [edges]: how long an edge takes to the universe and to an sACN packet. Run by hand from an optimised
+// build.
 //
 //   drive() -> descriptor readable -> pump wakes -> libgpiod reads -> merge -> universe -> sACN sink -> kernel of a
 //   listener on "lo"
 //
-// Twice: with the real libgpiod on an emulated chip, and with the model in this process, whose descriptor is an eventfd.
-// Emulated are the chip and its interrupt; the emulation adds a round trip to a helper thread to every system call on
-// the chip, which real hardware does not have. Not in the figures: from the voltage on the pin to the interrupt.
+// Twice: with the real libgpiod on an emulated chip, and with the model in this process, whose descriptor is an
+// eventfd. Emulated are the chip and its interrupt; the emulation adds a round trip to a helper thread to every system
+// call on the chip, which real hardware does not have. Not in the figures: from the voltage on the pin to the
+// interrupt.
 //
 // The time zero is taken just before drive(). "universe": the first sink of the pump is called, which is after the
 // universe was written. "packet": the stamp that the kernel gives the packet when it arrives on "lo".
