@@ -24,7 +24,7 @@ bool set_normal() {
 // the thread has rested, so it does not matter that one comes too late.
 void on_no_rest(int) {
   const int saved_errno = errno;
-  if ((sched_getscheduler(0) & ~SCHED_RESET_ON_FORK) == SCHED_FIFO && set_normal()) given_up.fetch_add(1);
+  if (is_real_time() && set_normal()) given_up.fetch_add(1);
   errno = saved_errno;
 }
 
@@ -77,6 +77,8 @@ Status enter_real_time() {
 void leave_real_time() {
   if (wanted_priority.load() != 0) set_normal();
 }
+
+bool is_real_time() { return (sched_getscheduler(0) & ~SCHED_RESET_ON_FORK) == SCHED_FIFO; }
 
 int real_time_given_up() { return given_up.load(); }
 

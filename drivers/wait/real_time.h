@@ -31,6 +31,8 @@ void want_real_time(int priority);
 [[nodiscard]] Status enter_real_time();
 // Back to normal.
 void leave_real_time();
+// Whether the calling thread has it.
+[[nodiscard]] bool is_real_time();
 
 // How many threads have lost it by running on and on.
 [[nodiscard]] int real_time_given_up();

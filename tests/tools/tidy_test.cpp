@@ -172,6 +172,7 @@ TEST_CASE("libraries of hardware, and those that are slow to compile, stay where
       {"imgui", R"(tools/footlight/(window|preview_).*)"},
       {"libav", R"(tools/footlight/video.*\.cpp|tests/tools/.*\.cpp)"},
       {"libsw", R"(tools/footlight/video.*\.cpp|tests/tools/.*\.cpp)"},
+      {"microhttpd", R"(tools/footlight/http_server\.cpp)"},
       {"systemd/", R"(tools/footlight/(service|event_log)\.cpp)"},
       {"zstd", R"((sim|tests/sim)/dmx_log/.*\.cpp)"},
       {"CLI/", R"(tools/(footlight/arguments|[a-z_]+)\.cpp)"},

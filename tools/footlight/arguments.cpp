@@ -67,6 +67,10 @@ void Arguments::word(const std::string& name, std::string& value, const std::str
   app_.add_option(name, value, help)->type_name("");
 }
 
+void Arguments::words(const std::string& name, std::vector<std::string>& values, const std::string& help) {
+  app_.add_option(name, values, help)->type_name("");
+}
+
 Arguments Arguments::subcommand(const std::string& name, const std::string& help, const std::string& examples) {
   CLI::App* const sub = app_.add_subcommand(name, help);
   sub->footer("Examples:\n" + examples);

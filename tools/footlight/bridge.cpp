@@ -15,7 +15,9 @@
 #include "tools/footlight/duration.h"
 #include "tools/footlight/json_lines.h"
 #include "tools/footlight/open_ports.h"
+#include "tools/footlight/paths.h"
 #include "tools/footlight/service.h"
+#include "tools/footlight/status_pages.h"
 #include "tools/footlight/status_text.h"
 
 namespace footlight::tools {
@@ -186,6 +188,31 @@ void say_unfed(const Bridge& bridge, Reporter& reporter) {
   }
 }
 
+using Servers = std::vector<std::unique_ptr<HttpServer>>;
+
+Result<Servers> serve(const Bridge& bridge, const StatusPages& pages) {
+  Servers servers;
+  if (!bridge.metrics.empty()) {
+    FL_ASSIGN(auto server, HttpServer::listen("--metrics", bridge.metrics, [&pages](const HttpRequest& request) {
+                return pages.answer_metrics(request);
+              }));
+    servers.push_back(std::move(server));
+  }
+  const auto handler = [&pages](const HttpRequest& request) { return pages.answer(request); };
+  if (bridge.socket == "auto") {
+    const std::string folder = make_socket_folder();
+    if (folder.empty()) return servers;
+    auto server = HttpServer::listen("--socket", fmt::format("unix:{}/{}", folder, kSocketName), handler);
+    // Several bridges on one machine: the first has the name, the others have their number in it.
+    if (!server) server = HttpServer::listen("--socket", fmt::format("unix:{}/run-{}.sock", folder, getpid()), handler);
+    if (server) servers.push_back(std::move(*server));
+  } else if (!bridge.socket.empty()) {
+    FL_ASSIGN(auto server, HttpServer::listen("--socket", "unix:" + bridge.socket, handler));
+    servers.push_back(std::move(server));
+  }
+  return servers;
+}
+
 }  // namespace
 
 std::vector<Universe> sorted_once(std::vector<Universe> universes) {
@@ -195,7 +222,7 @@ std::vector<Universe> sorted_once(std::vector<Universe> universes) {
 }
 
 Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal) {
-  FL_ASSIGN(const std::unique_ptr<Universes> universes, Universes::make(bridge.universes));
+  FL_ASSIGN(const std::shared_ptr<Universes> universes, Universes::make(bridge.universes));
   FL_ASSIGN(const std::unique_ptr<drivers::EpollWaiter> waiter, drivers::EpollWaiter::make());
   Reporter reporter(bridge, clock);
   PumpOptions options;
@@ -208,10 +235,15 @@ Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal
   if (bridge.tap != nullptr) pump.add_tap(*bridge.tap);
   for (const Universe universe : bridge.ltp) pump.set_mode(universe, MergeMode::kLtp);
 
+  StatusPages pages(pump, universes, clock);
+  FL_ASSIGN(const Servers servers, serve(bridge, pages));
+
   say_unfed(bridge, reporter);
   const TimeNs start_ns = clock.now_ns();
   reporter.start(pump);
-  if (const Status granted = drivers::enter_real_time(); !granted) {
+  const Status granted = drivers::enter_real_time();
+  pages.real_time.store(drivers::is_real_time());
+  if (!granted) {
     reporter.say({.level = NoticeLevel::kWarning, .id = "realtime-refused", .text = granted.error().message});
   }
   signal.stops(&pump);

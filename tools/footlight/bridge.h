@@ -36,6 +36,10 @@ struct Bridge {
   bool json = false;
   std::optional<EventFormat> event_format;       // not set: text; with json none, since they are on standard output
   NoticeLevel event_level = NoticeLevel::kInfo;  // of those that are written; json has all
+  // Where it shows its status (status_pages.h): a socket file; "": nowhere; "auto": in the folder of
+  // make_socket_folder(), or nowhere where there is none.
+  std::string socket;
+  std::string metrics;  // where /metrics alone is shown, as HttpServer::listen() takes it; "": nowhere
 };
 
 struct BridgeReport {

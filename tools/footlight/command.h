@@ -56,6 +56,8 @@ class Arguments {
   void duration(const std::string& names, DurationNs& value, const std::string& help);
   // A word without dashes; empty where it is not given.
   void word(const std::string& name, std::string& value, const std::string& help);
+  // As many as are there.
+  void words(const std::string& name, std::vector<std::string>& values, const std::string& help);
 
   [[nodiscard]] Arguments subcommand(const std::string& name, const std::string& help, const std::string& examples);
   void job(Job job);

@@ -60,9 +60,7 @@ std::string json_of_notice(const Event& event) {
   return line_of(json);
 }
 
-std::string json_of_event(const Event& event) {
-  return line_of(facts_of(event, "event"));
-}
+std::string json_of_event(const Event& event) { return line_of(facts_of(event, "event")); }
 
 std::string json_of_status(const PumpStatus& status) {
   Json universes = Json::array();
@@ -82,6 +80,26 @@ std::string json_of_status(const PumpStatus& status) {
 
 std::string json_of_summary(const PumpStatus& status, DurationNs elapsed_ns) {
   return line_of({{"event", "summary"}, {"elapsed_ns", elapsed_ns}, {"ports", ports_of(status)}});
+}
+
+std::string json_of_levels(const Universes& universes, std::span<const Universe> wanted, TimeNs now_ns) {
+  static constexpr char kDigits[] = "0123456789abcdef";
+  Json list = Json::array();
+  Slots levels;
+  FrameStamp stamp;
+  std::string digits(2 * levels.size(), '0');
+  for (const Universe universe : wanted) {
+    const int index = universes.index_of(universe);
+    if (index < 0) continue;
+    universes.snapshot(index, levels, stamp);
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+      digits[2 * i] = kDigits[levels[i] >> 4];
+      digits[2 * i + 1] = kDigits[levels[i] & 15];
+    }
+    list.push_back(
+        {{"universe", universe}, {"stamp_ns", stamp.stamp_ns}, {"revision", stamp.revision}, {"levels", digits}});
+  }
+  return line_of({{"event", "levels"}, {"now_ns", now_ns}, {"universes", std::move(list)}});
 }
 
 std::string json_of_device(const drivers::FoundDevice& device) {

@@ -2,12 +2,14 @@
 // Times end in _ns, rates in _hz; bytes of a text that are not UTF-8 are replaced.
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "drivers/registry.h"
 #include "sim/dmx_log/dmx_log.h"
 #include "sim/dmx_log/ola_show.h"
 #include "sim/pump.h"
+#include "sim/universes.h"
 #include "tools/footlight/event_log.h"
 
 namespace footlight::tools {
@@ -18,8 +20,11 @@ namespace footlight::tools {
 [[nodiscard]] std::string json_of_notice(const Event& event);
 // The same as a line of a log: "event" is the id.
 [[nodiscard]] std::string json_of_event(const Event& event);
-[[nodiscard]] std::string json_of_status(const PumpStatus& status);  // "event": "status"
+[[nodiscard]] std::string json_of_status(const PumpStatus& status);                          // "event": "status"
 [[nodiscard]] std::string json_of_summary(const PumpStatus& status, DurationNs elapsed_ns);  // "event": "summary"
+// "event": "levels": of the universes wanted that there are: 512 levels as 1,024 hexadecimal digits, the stamp of their
+// newest frame on the clock of "now_ns", and how often they were written ("revision", 0: never).
+[[nodiscard]] std::string json_of_levels(const Universes& universes, std::span<const Universe> wanted, TimeNs now_ns);
 [[nodiscard]] std::string json_of_device(const drivers::FoundDevice& device);
 [[nodiscard]] std::string json_of_log(const LogInfo& info);
 [[nodiscard]] std::string json_of_conversion(const std::string& in, const std::string& out,

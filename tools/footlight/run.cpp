@@ -21,6 +21,8 @@ struct Options {
   bool blackout_on_exit = false;
   bool json = false;
   bool no_realtime = false;
+  std::string socket = "auto";
+  std::string metrics;
   std::string log_format;
   std::string log_level = "info";
   DurationNs run_for_ns = kTimeNever;
@@ -64,6 +66,8 @@ Result<int> run(const Options& options) {
   bridge.run_for_ns = options.run_for_ns;
   FL_ASSIGN(const EventFormat event_format, event_format_of(options.log_format));
   if (!options.json || !options.log_format.empty()) bridge.event_format = event_format;
+  bridge.socket = options.socket == "none" ? "" : options.socket;
+  bridge.metrics = options.metrics;
   FL_ASSIGN(bridge.event_level, notice_level_of(options.log_level));
   for (Universe universe = kUniverseMin; universe <= show.universe_count; ++universe) {
     bridge.universes.push_back(universe);
@@ -111,6 +115,10 @@ void add(Arguments& arguments) {
   arguments.duration("--for", options->run_for_ns, "stop after this time, as in 90s or 1h30m");
   arguments.flag("--json", options->json, "status and events as JSON, one object a line");
   arguments.flag("--no-realtime", options->no_realtime, "carry frames at normal priority, and do not ask for more");
+  arguments.option("--metrics", options->metrics, "PLACE",
+                   "for Prometheus: 127.0.0.1:9477, or unix: and a file name; otherwise nowhere");
+  arguments.option("--socket", options->socket, "FILE",
+                   "where 'footlight monitor' finds this bridge: a socket file, auto or none");
   arguments.option("--log-format", options->log_format, "WORD",
                    "events as text, json or journal (systemd's fields); the journal by itself where it listens");
   arguments.option("--log-level", options->log_level, "WORD", "write events from info, warning or error on");

@@ -3,6 +3,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "sim/core/dmx.h"
 #include "sim/pump.h"
@@ -17,5 +18,9 @@ namespace footlight::tools {
 // "1-9", "1-3,7": ascending numbers.
 [[nodiscard]] std::string show_universes(std::span<const Universe> universes);
 [[nodiscard]] const char* name_of(PortState state);
+
+// What may be shown to people and programs: valid UTF-8 without control characters, which become U+FFFD. Names come
+// from the wire; one that holds an escape sequence must not drive a terminal.
+[[nodiscard]] std::string printable_utf8(std::string_view text);
 
 }  // namespace footlight::tools

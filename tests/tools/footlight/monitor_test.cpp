@@ -1,0 +1,378 @@
+// The picture as a function of a state, and the command in a terminal that a test holds the other end of.
+#include <csignal>
+#include <cstdio>
+
+#include <poll.h>
+#include <pty.h>
+#include <sys/wait.h>
+#include <termios.h>
+#include <unistd.h>
+#include <utmp.h>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/footlight/run_footlight.h"
+#include "tools/footlight/monitor_state.h"
+#include "tools/footlight/monitor_view.h"
+#include "tools/footlight/status_text.h"
+#include "tools/footlight/terminal.h"
+
+namespace footlight::tools {
+namespace {
+
+bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+std::string all(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+// Nine universes; the second has two senders, of which one loses and has a name that wants to drive the terminal.
+MonitorState nine() {
+  MonitorState state;
+  state.title = "sacn:1-9";
+  state.now_ns = 100 * kNsPerS;
+  state.ports.push_back({.name = "sacn:1-9", .state = "working", .rate_hz = 396.0});
+  state.ports.push_back({.name = "enttec-pro:EN1", .is_out = true, .state = "gone", .trouble = "unplugged"});
+  for (Universe number = 1; number <= 9; ++number) {
+    MonitorUniverse universe;
+    universe.universe = number;
+    universe.rate_hz = 44.0;
+    universe.priority = 100;
+    universe.stamp_ns = state.now_ns - 12 * kNsPerMs;
+    universe.revision = 5;
+    universe.sender_count = 1;
+    universe.senders.push_back({.name = "FOH desk", .priority = 100, .rate_hz = 44.0, .wins = true});
+    state.universes.push_back(universe);
+  }
+  state.universes[1].senders.push_back({.name = printable_utf8("\033[2Jbackup \xE7\x81\xAF"), .priority = 90});
+  state.universes[1].sender_count = 2;
+  state.universes[1].levels[0] = 255;
+  state.universes[1].levels[511] = 128;
+  state.universes[1].changed_ns[511] = state.now_ns - kNsPerMs;
+  state.universes[8].stamp_ns = state.now_ns - 10 * kNsPerS;
+  return state;
+}
+
+TEST_CASE("a picture has just as many lines as the screen, and none is wider") {
+  const MonitorState full = nine();
+  const MonitorState empty;
+  for (const MonitorState* state : {&full, &empty}) {
+    for (int rows = 1; rows <= 70; ++rows) {
+      for (int columns = 1; columns <= 220; columns += columns < 24 ? 1 : 13) {
+        MonitorView view;
+        view.rows = rows;
+        view.columns = columns;
+        view.selected = 2;
+        const auto lines = draw_monitor(*state, view);
+        CAPTURE(rows);
+        CAPTURE(columns);
+        CHECK(lines.size() == static_cast<std::size_t>(rows));
+        for (const std::string& line : lines) {
+          CAPTURE(line);
+          CHECK(columns_of(line) <= columns);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("at 80 x 24 all nine universes, both senders of the chosen one and all its levels are seen") {
+  MonitorView view;
+  view.selected = 2;
+  const std::string text = all(draw_monitor(nine(), view));
+  CAPTURE(text);
+  for (Universe universe = 1; universe <= 9; ++universe)
+    CHECK(contains(text, fmt::format("      {}    44.0", universe)));
+  CHECK(contains(text, " wins FOH desk"));
+  CHECK(contains(text, "backup 灯"));
+  CHECK(contains(text, "   1 █·"));
+  CHECK(contains(text, "·▅\n"));
+  CHECK(contains(text, "enttec-pro:EN1"));
+  CHECK(contains(text, "unplugged"));
+  CHECK(contains(text, "FOH desk +1"));
+  CHECK(contains(text, "12 ms"));
+  CHECK(contains(text, "10 s"));
+}
+
+TEST_CASE("at 200 x 60 the levels of the chosen universe are numbers") {
+  MonitorView view;
+  view.columns = 200;
+  view.rows = 60;
+  view.selected = 2;
+  const std::string text = all(draw_monitor(nine(), view));
+  CHECK(contains(text, "universe 2  2 senders"));
+  CHECK(contains(text, "   1 255   0   0"));
+  CHECK(contains(text, " 128 \n"));
+}
+
+TEST_CASE("a change is marked for a second, and then no more") {
+  MonitorView view;
+  view.selected = 2;
+  view.colour = true;
+  MonitorState state = nine();
+  CHECK(contains(all(draw_monitor(state, view)), "\033[1;33m▅"));
+  state.now_ns += kNsPerS;
+  CHECK_FALSE(contains(all(draw_monitor(state, view)), "\033[1;33m▅"));
+}
+
+TEST_CASE("the table scrolls so that the chosen universe is seen") {
+  MonitorState state = nine();
+  for (Universe number = 10; number <= 500; ++number) {
+    MonitorUniverse universe = state.universes[0];
+    universe.universe = number;
+    state.universes.push_back(universe);
+  }
+  for (const Universe chosen : {1, 2, 250, 499, 500}) {
+    MonitorView view;
+    view.selected = chosen;
+    CHECK(contains(all(draw_monitor(state, view)), fmt::format(">{:>7} ", chosen)));
+  }
+}
+
+TEST_CASE("a filter is a list of universes, or part of a sender's name") {
+  const MonitorState state = nine();
+  CHECK(shown_universes(state, "").size() == 9);
+  CHECK(shown_universes(state, "2-3,9") == std::vector<Universe>{2, 3, 9});
+  CHECK(shown_universes(state, "BACKUP") == std::vector<Universe>{2});
+  CHECK(shown_universes(state, "nobody").empty());
+  MonitorView view;
+  view.filter = "nobody";
+  CHECK(contains(all(draw_monitor(state, view)), "no universe passes the filter"));
+}
+
+TEST_CASE("names from the wire cannot drive the terminal") {
+  CHECK(printable_utf8("\033[2J") == "\xEF\xBF\xBD[2J");
+  CHECK(printable_utf8("a\xC2\x9B"
+                       "1m") ==
+        "a\xEF\xBF\xBD"
+        "1m");                                              // CSI as one character
+  CHECK(printable_utf8("\xE2\x80\xAE") == "\xEF\xBF\xBD");  // turns what follows around
+  CHECK(printable_utf8("\xC0\x80\xED\xA0\x80\xF5") ==
+        "\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD");
+  CHECK(printable_utf8("B\xC3\xBChne \xE7\x81\xAF \xF0\x9F\x92\xA1") == "B\xC3\xBChne \xE7\x81\xAF \xF0\x9F\x92\xA1");
+  CHECK(printable_utf8("\xE7\x81") == "\xEF\xBF\xBD\xEF\xBF\xBD");  // cut
+}
+
+TEST_CASE("wide characters take two columns, and a text is cut between them") {
+  CHECK(columns_of("灯灯") == 4);
+  CHECK(cut_to("灯灯", 4) == "灯灯");
+  CHECK(cut_to("灯灯", 3) == "灯…");
+  CHECK(cut_to("灯灯", 2) == "…");
+  CHECK(cut_to("abc", 3) == "abc");
+  CHECK(cut_to("abcd", 3) == "ab…");
+  CHECK(cut_to("abc", 0).empty());
+}
+
+TEST_CASE("pages that are none, or only half of one, are refused or read as far as they go") {
+  MonitorState state;
+  for (const char* text : {"", "[]", "null", "{", R"({"event":"ready"})", R"({"event":5})"}) {
+    CAPTURE(text);
+    CHECK_FALSE(take_status(state, text).has_value());
+    CHECK_FALSE(take_levels(state, text).has_value());
+  }
+  CHECK(take_status(state, R"({"event":"status","ports":{},"universes":[7,{"universe":"x"},{"universe":3}]})")
+            .has_value());
+  CHECK(state.find(3) != nullptr);
+  CHECK(take_levels(state, R"({"event":"levels","universes":[{"universe":3,"levels":"ff"},{"universe":4}]})")
+            .has_value());
+  CHECK_FALSE(take_levels(state, R"({"event":"levels","universes":[{"universe":3,"levels":")" + std::string(1024, 'g') +
+                                     "\"}]}")
+                  .has_value());
+}
+
+TEST_CASE("a slot counts as changed when its level is another one, but not when it is seen for the first time") {
+  MonitorState state;
+  const auto levels = [](int now_ns, const std::string& first) {
+    return fmt::format(
+        R"({{"event":"levels","now_ns":{},"universes":[{{"universe":3,"revision":1,"levels":"{}{}"}}]}})", now_ns,
+        first, std::string(1022, '0'));
+  };
+  REQUIRE(take_status(state, R"({"event":"status","universes":[{"universe":3}]})").has_value());
+  REQUIRE(take_levels(state, levels(10, "ff")).has_value());
+  CHECK(state.universes[0].changed_ns[0] == 0);
+  REQUIRE(take_levels(state, levels(20, "fe")).has_value());
+  REQUIRE(take_levels(state, levels(30, "fe")).has_value());
+  REQUIRE(take_status(state, R"({"event":"status","universes":[{"universe":2},{"universe":3}]})").has_value());
+  CHECK(state.universes[1].changed_ns[0] == 20);
+  CHECK(state.universes[1].changed_ns[1] == 0);
+  CHECK(state.universes[1].levels[0] == 0xFE);
+}
+
+TEST_CASE("keys are told apart, also where their bytes come one by one") {
+  std::string typed;
+  const auto keys = [&](std::string bytes) {
+    std::vector<Key> found;
+    std::string pressed;
+    for (const char byte : bytes) {
+      pressed += byte;
+      for (Key key = Key::kNone; (key = take_key(pressed, typed, true)) != Key::kNone;) found.push_back(key);
+    }
+    while (!pressed.empty()) found.push_back(take_key(pressed, typed, false));
+    return found;
+  };
+  CHECK(keys("\033[A\033OB\033[5~\033[6~") == std::vector{Key::kUp, Key::kDown, Key::kPageUp, Key::kPageDown});
+  CHECK(keys("\033") == std::vector{Key::kEscape});
+  CHECK(keys("\r\x7F") == std::vector{Key::kEnter, Key::kBackspace});
+  CHECK(keys("\xC3\xBC") == std::vector{Key::kText});
+  CHECK(typed == "\xC3\xBC");
+}
+
+// The command in a terminal of 80 x 24.
+class InTerminal {
+ public:
+  explicit InTerminal(std::vector<std::string> arguments) {
+    winsize size = {};
+    size.ws_col = 80;
+    size.ws_row = 24;
+    REQUIRE(openpty(&fd_, &other_, nullptr, nullptr, &size) == 0);
+    REQUIRE(tcgetattr(other_, &before_) == 0);
+    pid_ = fork();
+    REQUIRE(pid_ >= 0);
+    if (pid_ == 0) {
+      login_tty(other_);
+      std::vector<char*> words;
+      static std::string program = FOOTLIGHT_BINARY;
+      words.push_back(program.data());
+      for (std::string& argument : arguments) words.push_back(argument.data());
+      words.push_back(nullptr);
+      execv(words[0], words.data());
+      _exit(127);
+    }
+  }
+  ~InTerminal() {
+    if (pid_ > 0) {
+      kill(pid_, SIGKILL);
+      waitpid(pid_, nullptr, 0);
+    }
+    close(fd_);
+    close(other_);
+  }
+  InTerminal(const InTerminal&) = delete;
+  InTerminal& operator=(const InTerminal&) = delete;
+
+  void type(const std::string& keys) { REQUIRE(write(fd_, keys.data(), keys.size()) > 0); }
+  void signal(int number) { REQUIRE(kill(pid_, number) == 0); }
+  // Everything that came until `part` did.
+  void wait_for(const std::string& part) {
+    while (!contains(said_, part)) {
+      CAPTURE(said_);
+      REQUIRE(read_some(60'000));
+    }
+  }
+  int end() {
+    int status = 0;
+    while (waitpid(pid_, &status, WNOHANG) != pid_) (void)read_some(20);
+    while (read_some(0)) {
+    }
+    pid_ = -1;
+    return status;
+  }
+  [[nodiscard]] const std::string& said() const { return said_; }
+  [[nodiscard]] bool is_as_before() const {
+    termios now = {};
+    REQUIRE(tcgetattr(other_, &now) == 0);
+    return now.c_lflag == before_.c_lflag && now.c_iflag == before_.c_iflag;
+  }
+
+ private:
+  bool read_some(int patience_ms) {
+    pollfd ready = {fd_, POLLIN, 0};
+    if (poll(&ready, 1, patience_ms) != 1) return false;
+    char buffer[4096];
+    const ssize_t count = read(fd_, buffer, sizeof buffer);
+    if (count > 0) said_.append(buffer, static_cast<std::size_t>(count));
+    return count > 0;
+  }
+
+  int fd_ = -1;
+  int other_ = -1;  // kept open, so that its modes can be asked for at the end
+  pid_t pid_ = -1;
+  termios before_ = {};
+  std::string said_;
+};
+
+TEST_CASE("the terminal is given back as it was when q is pressed") {
+  InTerminal monitor({"monitor", "mock:enttec-pro=3"});
+  monitor.wait_for(">      3");
+  CHECK(contains(monitor.said(), "\033[?1049h"));
+  CHECK_FALSE(monitor.is_as_before());
+  monitor.type(" ");
+  monitor.wait_for("PAUSED");
+  monitor.type("/7");
+  monitor.wait_for("filter: 7");
+  monitor.type("\r");
+  monitor.wait_for("no universe passes");
+  monitor.type("q");
+  const int status = monitor.end();
+  CHECK(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 0);
+  CHECK(monitor.is_as_before());
+  CHECK(contains(monitor.said(), "\033[?1049l"));
+}
+
+TEST_CASE("the terminal is given back as it was whatever signal ends the monitor") {
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGBUS}) {
+    CAPTURE(number);
+    InTerminal monitor({"monitor", "mock:enttec-pro=3"});
+    monitor.wait_for(">      3");
+    monitor.signal(number);
+    const int status = monitor.end();
+    CHECK((number == SIGBUS ? WIFSIGNALED(status) : WIFEXITED(status)));
+    CHECK(monitor.is_as_before());
+    CHECK(contains(monitor.said(), "\033[?1049l"));
+  }
+}
+
+TEST_CASE("a running bridge is watched through its socket, and says that it is gone when it goes") {
+  const testing::TempFolder folder;
+  const std::string socket = folder.file("b.sock");
+  testing::Footlight bridge(
+      {"run", "--in", "mock:enttec-pro=5", "--out", "mock:enttec-pro=5", "--json", "--socket", socket});
+  bridge.wait_for(R"("frames":1)");  // 1 or more: it has brought levels
+  const auto once = testing::footlight({"monitor", "--socket", socket, "--once", "--json"});
+  REQUIRE(once.exit_code == 0);
+  const auto json = nlohmann::json::parse(once.out);
+  CHECK(json["event"] == "monitor");
+  CHECK(json["ports"].size() == 2);
+  CHECK(json["universes"][0]["universe"] == 5);
+  CHECK(json["universes"][0]["levels"].size() == 512);
+  InTerminal monitor({"monitor", "--socket", socket});
+  monitor.wait_for(">      5");
+  bridge.signal(SIGTERM);
+  CHECK(bridge.wait().exit_code == 0);
+  monitor.wait_for("No such file");
+  monitor.type("q");
+  CHECK(WEXITSTATUS(monitor.end()) == 0);
+}
+
+TEST_CASE("a monitor finds the one bridge that runs, and asks which where there are two") {
+  const testing::TempFolder folder;
+  const std::map<std::string, std::string> environment = {{"XDG_RUNTIME_DIR", folder.file("")}};
+  const auto monitor = [&] {
+    testing::Footlight program({"monitor", "--once", "--json"}, environment);
+    return program.wait();
+  };
+  CHECK(monitor().exit_code == 3);
+  const std::vector<std::string> run = {"run", "--in", "mock:enttec-pro", "--out", "mock:enttec-pro", "--json"};
+  testing::Footlight first(run, environment);
+  first.wait_for(R"("event":"ready")");
+  CHECK(monitor().exit_code == 0);
+  testing::Footlight second(run, environment);
+  second.wait_for(R"("event":"ready")");
+  const auto outcome = monitor();
+  CHECK(outcome.exit_code == 2);
+  CHECK(contains(outcome.err, "--socket " + folder.file("") + "/footlight/run.sock"));
+}
+
+TEST_CASE("a monitor without a terminal says what else it can do") {
+  const auto outcome = testing::footlight({"monitor", "mock:enttec-pro"});
+  CHECK(outcome.exit_code == 1);
+  CHECK(contains(outcome.err, "--once"));
+  CHECK(contains(outcome.err, "--json"));
+}
+
+}  // namespace
+}  // namespace footlight::tools

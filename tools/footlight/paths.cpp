@@ -1,0 +1,80 @@
+#include "tools/footlight/paths.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include <unistd.h>
+
+namespace footlight::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A variable that is a path; the specification has relative ones ignored.
+std::string folder_of(const char* variable) {
+  const char* const value = std::getenv(variable);
+  return value != nullptr && value[0] == '/' ? value : "";
+}
+
+}  // namespace
+
+std::vector<std::string> show_file_places() {
+  std::vector<std::string> places;
+  std::string config = folder_of("XDG_CONFIG_HOME");
+  const std::string home = folder_of("HOME");
+  if (config.empty() && !home.empty()) config = home + "/.config";
+  if (!config.empty()) places.push_back(config + "/footlight/show.toml");
+  places.emplace_back("/etc/footlight/show.toml");
+  return places;
+}
+
+Result<std::string> find_show_file() {
+  std::string list;
+  for (const std::string& place : show_file_places()) {
+    std::error_code error;
+    if (fs::exists(place, error)) return place;
+    list += (list.empty() ? "" : " or ") + place;
+  }
+  return fail(ErrorCode::kNotFound,
+              "no show file: there is no {}; write one, name one, or give ports as in 'footlight run --in sacn:1-9 "
+              "--out enttec-pro'",
+              list);
+}
+
+std::vector<std::string> socket_folders() {
+  std::vector<std::string> folders;
+  const std::string service = folder_of("RUNTIME_DIRECTORY");
+  const std::string user = folder_of("XDG_RUNTIME_DIR");
+  if (!service.empty()) folders.push_back(service.substr(0, service.find(':')));
+  if (!user.empty()) folders.push_back(user + "/footlight");
+  if (service != "/run/footlight") folders.emplace_back("/run/footlight");
+  return folders;
+}
+
+std::string make_socket_folder() {
+  for (const std::string& folder : socket_folders()) {
+    std::error_code error;
+    fs::create_directory(folder, error);
+    if (fs::is_directory(folder, error) && access(folder.c_str(), W_OK | X_OK) == 0) return folder;
+  }
+  return "";
+}
+
+std::vector<std::string> sockets() {
+  std::vector<std::string> found;
+  for (const std::string& folder : socket_folders()) {
+    std::vector<std::string> here;
+    std::error_code error;
+    for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+      std::error_code gone;
+      const std::string name = at->path().filename().string();
+      if (name.rfind("run", 0) == 0 && at->is_socket(gone)) here.push_back(at->path().string());
+    }
+    std::sort(here.begin(), here.end());
+    found.insert(found.end(), here.begin(), here.end());
+  }
+  return found;
+}
+
+}  // namespace footlight::tools

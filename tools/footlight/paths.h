@@ -1,0 +1,28 @@
+// Where files lie, by the XDG base directory specification 0.8 and, as a service, by systemd.exec(5).
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/core/result.h"
+
+namespace footlight::tools {
+
+// Where a show file is looked for when nobody names one, best first: $XDG_CONFIG_HOME/footlight/show.toml (or
+// ~/.config/...), /etc/footlight/show.toml.
+[[nodiscard]] std::vector<std::string> show_file_places();
+// The first of them that is there. kNotFound lists them.
+[[nodiscard]] Result<std::string> find_show_file();
+
+// Folders in which a bridge leaves its socket, best first: $RUNTIME_DIRECTORY (of a service),
+// $XDG_RUNTIME_DIR/footlight, /run/footlight.
+[[nodiscard]] std::vector<std::string> socket_folders();
+// The folder of our own socket: the first of them that is there or can be made; empty: none.
+[[nodiscard]] std::string make_socket_folder();
+
+inline constexpr std::string_view kSocketName = "run.sock";
+// Sockets of bridges that run, or ran until they were killed. In the order of socket_folders(), then of their names.
+[[nodiscard]] std::vector<std::string> sockets();
+
+}  // namespace footlight::tools

@@ -1,0 +1,43 @@
+// What a running bridge shows to whoever asks, as pages: /status and /levels (JSON, docs/monitor.md) and /metrics
+// (docs/metrics.md). POST /reload has it read its show file anew.
+//
+// Answers come from what the pump has published and from the buffer, so the pump is never waited for.
+// Threads: answer() any, one at a time for each object; the rest any.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "sim/core/clock.h"
+#include "sim/pump.h"
+#include "sim/universes.h"
+#include "tools/footlight/http_server.h"
+#include "tools/footlight/metrics.h"
+
+namespace footlight::tools {
+
+class StatusPages {
+ public:
+  // All outlive the pages.
+  StatusPages(const Pump& pump, std::shared_ptr<const Universes> universes, Clock& clock);
+
+  [[nodiscard]] HttpAnswer answer(const HttpRequest& request) const;
+  // Of these, a server for strangers gives /metrics only.
+  [[nodiscard]] HttpAnswer answer_metrics(const HttpRequest& request) const;
+
+  std::atomic<bool> real_time{false};
+  std::atomic<std::uint64_t> reloads{0};
+  std::atomic<std::uint64_t> reload_failures{0};
+  // What POST /reload does: asks for it and returns. Empty: cannot be reloaded.
+  std::function<void()> ask_reload;
+
+ private:
+  const Pump& pump_;
+  std::shared_ptr<const Universes> universes_;
+  Clock& clock_;
+  const std::int64_t start_unix_ns_;
+};
+
+}  // namespace footlight::tools
