@@ -112,6 +112,7 @@ class Device final : private WidgetContext {
       lose(opened.error());
     }
     thread_ = std::jthread([this](const std::stop_token& stop) {
+      (void)enter_real_time();  // a refusal is said once, by the main
       stop_ = stop;
       run();
     });
