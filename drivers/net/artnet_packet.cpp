@@ -9,8 +9,6 @@ namespace footlight::drivers {
 namespace {
 
 constexpr std::array<std::uint8_t, 8> kMagic = {'A', 'r', 't', '-', 'N', 'e', 't', 0};
-constexpr std::uint16_t kOpPoll = 0x2000;
-constexpr std::uint16_t kOpPollReply = 0x2100;
 constexpr std::uint16_t kOpDmx = 0x5000;
 constexpr std::uint16_t kOpSync = 0x5200;
 constexpr std::uint16_t kVersion = 14;
@@ -25,7 +23,6 @@ constexpr std::size_t kAtLength = 16;
 constexpr std::size_t kAtPollFlags = 12;
 constexpr std::size_t kAtPollLast = 14;  // the upper end of the range comes first
 constexpr std::size_t kAtPollFirst = 16;
-constexpr std::uint8_t kPollTargeted = 0x20;
 
 // ArtPollReply.
 constexpr std::size_t kAtReplyIp = 10;
@@ -39,21 +36,67 @@ constexpr std::size_t kAtReplyLongName = 44;
 constexpr std::size_t kAtReplyReport = 108;
 constexpr std::size_t kAtReplyPortCount = 172;
 constexpr std::size_t kAtReplyPortTypes = 174;
+constexpr std::size_t kAtReplyGoodInput = 178;
 constexpr std::size_t kAtReplyGoodOutput = 182;
+constexpr std::size_t kAtReplySwIn = 186;
 constexpr std::size_t kAtReplySwOut = 190;
+constexpr std::size_t kAtReplyStyle = 200;
 constexpr std::size_t kAtReplyMac = 201;
 constexpr std::size_t kAtReplyBindIp = 207;
 constexpr std::size_t kAtReplyBindIndex = 211;
 constexpr std::size_t kAtReplyStatus2 = 212;
+constexpr std::size_t kAtReplyGoodOutputB = 213;
 constexpr std::uint16_t kOemUnknown = 0x00FF;
 constexpr std::uint8_t kStatus1Normal = 0xD0;  // indicators normal, port addresses set here and not over the network
+constexpr std::uint8_t kStatus1Rdm = 0x02;
 constexpr std::uint8_t kStatus2FifteenBits = 0x08;
-constexpr std::uint8_t kPortTypeOutputDmx = 0x80;  // takes DMX512 from Art-Net
-constexpr std::uint8_t kGoodOutputActive = 0x80;
+constexpr std::uint8_t kPortTypeOutput = 0x80;  // takes DMX512 from Art-Net
+constexpr std::uint8_t kPortTypeInput = 0x40;   // gives DMX512 to Art-Net
+constexpr std::uint8_t kGoodActive = 0x80;
+constexpr std::uint8_t kGoodOutputMerging = 0x08;
+constexpr std::uint8_t kGoodOutputBNoRdm = 0xB0;  // RDM disabled, discovery not running, no discovery in the background
+constexpr std::uint8_t kGoodOutputBRdm = 0x30;    // discovery runs when asked for, not in the background
 
 void write_text(std::span<std::uint8_t> out, std::size_t at, std::size_t field_bytes, std::string_view text) {
   const std::string_view cut = cut_utf8(text, field_bytes - 1);
   std::copy(cut.begin(), cut.end(), out.begin() + static_cast<std::ptrdiff_t>(at));
+}
+
+// As far as the first zero.
+std::string_view read_text(std::span<const std::uint8_t> bytes, std::size_t at, std::size_t field_bytes) {
+  const auto field = bytes.subspan(at, field_bytes);
+  const auto end = std::find(field.begin(), field.end(), 0);
+  return {reinterpret_cast<const char*>(field.data()), static_cast<std::size_t>(end - field.begin())};
+}
+
+tl::expected<ArtnetPacket, ArtnetFault> parse_poll_reply(std::span<const std::uint8_t> datagram) {
+  if (datagram.size() < kAtReplySwOut + kArtnetReplyPortsMax) return tl::unexpected(ArtnetFault::kTooShort);
+  std::array<std::uint8_t, kArtnetPollReplyBytes> whole = {};
+  std::copy_n(datagram.begin(), std::min(datagram.size(), whole.size()), whole.begin());
+  ArtnetPollReply reply;
+  std::copy_n(whole.begin() + kAtReplyIp, reply.ip.size(), reply.ip.begin());
+  std::copy_n(whole.begin() + kAtReplyMac, reply.mac.size(), reply.mac.begin());
+  reply.short_name = read_text(datagram, kAtReplyShortName, 18);
+  reply.long_name = read_text(datagram, kAtReplyLongName, 64);
+  reply.report = read_text(datagram, kAtReplyReport, 64);
+  reply.bind_index = whole[kAtReplyBindIndex];
+  reply.style = static_cast<ArtnetPollReply::Style>(whole[kAtReplyStyle]);
+  reply.rdm = (whole[kAtReplyStatus1] & kStatus1Rdm) != 0;
+  const int upper = (whole[kAtReplyNet] & 0x7F) << 8 | (whole[kAtReplySub] & 0x0F) << 4;
+  // The types say which ports there are; the number of ports in the packet says nothing more.
+  for (std::size_t i = 0; i < kArtnetReplyPortsMax; ++i) {
+    const std::uint8_t type = whole[kAtReplyPortTypes + i];
+    const std::uint8_t good_output = whole[kAtReplyGoodOutput + i];
+    if ((type & kPortTypeOutput) != 0) {
+      reply.add({upper | (whole[kAtReplySwOut + i] & 0x0F), true, (good_output & kGoodActive) != 0,
+                 (good_output & kGoodOutputMerging) != 0});
+    }
+    if ((type & kPortTypeInput) != 0) {
+      reply.add(
+          {upper | (whole[kAtReplySwIn + i] & 0x0F), false, (whole[kAtReplyGoodInput + i] & kGoodActive) != 0, false});
+    }
+  }
+  return reply;
 }
 
 tl::expected<ArtnetPacket, ArtnetFault> parse_dmx(std::span<const std::uint8_t> datagram) {
@@ -89,17 +132,17 @@ tl::expected<ArtnetPacket, ArtnetFault> parse_artnet_packet(std::span<const std:
   if (!std::equal(kMagic.begin(), kMagic.end(), datagram.begin())) return tl::unexpected(ArtnetFault::kNotArtnet);
   const std::uint16_t op_code = read_u16_le(datagram, kAtOpCode);
   // ArtPollReply alone has its address where the others have the protocol version.
-  if (op_code == kOpPollReply) return ArtnetOther{op_code};
+  if (op_code == kArtnetOpPollReply) return parse_poll_reply(datagram);
   if (datagram.size() < kAtVersion + 2) return tl::unexpected(ArtnetFault::kTooShort);
   if (read_u16_be(datagram, kAtVersion) < kVersion) return tl::unexpected(ArtnetFault::kVersion);
   if (op_code == kOpDmx) return parse_dmx(datagram);
   if (op_code == kOpSync) return ArtnetSync{};
-  if (op_code != kOpPoll) return ArtnetOther{op_code};
+  if (op_code != kArtnetOpPoll) return ArtnetOther{op_code};
 
   if (datagram.size() < kArtnetPollBytesMin) return tl::unexpected(ArtnetFault::kTooShort);
   ArtnetPoll poll;
   poll.flags = datagram[kAtPollFlags];
-  if ((poll.flags & kPollTargeted) != 0 && datagram.size() >= kAtPollFirst + 2) {
+  if ((poll.flags & kArtnetPollTargeted) != 0 && datagram.size() >= kAtPollFirst + 2) {
     poll.port_address_last = read_u16_be(datagram, kAtPollLast);
     poll.port_address_first = read_u16_be(datagram, kAtPollFirst);
   }
@@ -131,30 +174,61 @@ std::size_t build_artnet_dmx(const ArtnetDmx& dmx, std::span<std::uint8_t> out) 
   return kArtnetDmxHeaderBytes + length;
 }
 
+std::size_t build_artnet_poll(std::uint8_t flags, std::span<std::uint8_t> out) {
+  FL_CHECK_GE(out.size(), kArtnetPollBytesMin);
+  std::copy(kMagic.begin(), kMagic.end(), out.begin());
+  write_u16_le(out, kAtOpCode, kArtnetOpPoll);
+  write_u16_be(out, kAtVersion, kVersion);
+  out[kAtPollFlags] = flags;
+  out[kAtPollFlags + 1] = 0;  // lowest priority of diagnostics
+  return kArtnetPollBytesMin;
+}
+
+std::size_t build_artnet_sync(std::span<std::uint8_t> out) {
+  FL_CHECK_GE(out.size(), kArtnetSyncBytes);
+  std::copy(kMagic.begin(), kMagic.end(), out.begin());
+  write_u16_le(out, kAtOpCode, kOpSync);
+  write_u16_be(out, kAtVersion, kVersion);
+  out[12] = out[13] = 0;
+  return kArtnetSyncBytes;
+}
+
+void ArtnetPollReply::add(const Port& port) {
+  FL_CHECK_LT(port_count, port_list.size());
+  port_list[port_count++] = port;
+}
+
 std::size_t build_artnet_poll_reply(const ArtnetPollReply& reply, std::span<std::uint8_t> out) {
   FL_CHECK_GE(out.size(), kArtnetPollReplyBytes);
-  FL_CHECK(!reply.ports.empty() && reply.ports.size() <= kArtnetReplyPortsMax);
   const auto packet = out.first(kArtnetPollReplyBytes);
   std::fill(packet.begin(), packet.end(), std::uint8_t{0});
   std::copy(kMagic.begin(), kMagic.end(), packet.begin());
-  write_u16_le(packet, kAtOpCode, kOpPollReply);
+  write_u16_le(packet, kAtOpCode, kArtnetOpPollReply);
   std::copy(reply.ip.begin(), reply.ip.end(), packet.begin() + kAtReplyIp);
   write_u16_le(packet, kAtReplyUdpPort, kArtnetPort);
-  const int upper = reply.ports.front().port_address >> 4;
+  const int upper = reply.port_count == 0 ? 0 : reply.port_list[0].port_address >> 4;
   packet[kAtReplyNet] = static_cast<std::uint8_t>(upper >> 4);
   packet[kAtReplySub] = static_cast<std::uint8_t>(upper & 0x0F);
   write_u16_be(packet, kAtReplyOem, kOemUnknown);
-  packet[kAtReplyStatus1] = kStatus1Normal;
+  packet[kAtReplyStatus1] = static_cast<std::uint8_t>(kStatus1Normal | (reply.rdm ? kStatus1Rdm : 0));
   write_text(packet, kAtReplyShortName, 18, reply.short_name);
   write_text(packet, kAtReplyLongName, 64, reply.long_name);
   write_text(packet, kAtReplyReport, 64, reply.report);
-  write_u16_be(packet, kAtReplyPortCount, static_cast<std::uint16_t>(reply.ports.size()));
-  for (std::size_t i = 0; i < reply.ports.size(); ++i) {
-    FL_CHECK_EQ(reply.ports[i].port_address >> 4, upper);
-    packet[kAtReplyPortTypes + i] = kPortTypeOutputDmx;
-    packet[kAtReplyGoodOutput + i] = reply.ports[i].active ? kGoodOutputActive : 0;
-    packet[kAtReplySwOut + i] = static_cast<std::uint8_t>(reply.ports[i].port_address & 0x0F);
+  std::size_t outputs = 0, inputs = 0;
+  for (const auto& port : reply.ports()) {
+    FL_CHECK_EQ(port.port_address >> 4, upper);
+    std::size_t& at = port.output ? outputs : inputs;
+    FL_CHECK_LT(at, std::size_t{kArtnetReplyPortsMax});
+    packet[kAtReplyPortTypes + at] |= port.output ? kPortTypeOutput : kPortTypeInput;
+    std::uint8_t& good = packet[(port.output ? kAtReplyGoodOutput : kAtReplyGoodInput) + at];
+    if (port.active) good |= kGoodActive;
+    if (port.output && port.merging) good |= kGoodOutputMerging;
+    if (port.output) packet[kAtReplyGoodOutputB + at] = reply.rdm ? kGoodOutputBRdm : kGoodOutputBNoRdm;
+    packet[(port.output ? kAtReplySwOut : kAtReplySwIn) + at] = static_cast<std::uint8_t>(port.port_address & 0x0F);
+    ++at;
   }
+  write_u16_be(packet, kAtReplyPortCount, static_cast<std::uint16_t>(std::max(outputs, inputs)));
+  packet[kAtReplyStyle] = static_cast<std::uint8_t>(reply.style);
   std::copy(reply.mac.begin(), reply.mac.end(), packet.begin() + kAtReplyMac);
   std::copy(reply.ip.begin(), reply.ip.end(), packet.begin() + kAtReplyBindIp);
   packet[kAtReplyBindIndex] = reply.bind_index;

@@ -1,5 +1,8 @@
-// The packets of Art-Net 4 that this program speaks, as bytes: ArtDmx in and out, ArtPoll in, ArtPollReply out. ArtSync
-// is recognised. No socket, no clock, no memory of its own.
+// The packets of Art-Net 4 that this program speaks, as bytes, in and out: ArtDmx, ArtSync, ArtPoll, ArtPollReply. No
+// socket, no clock, no memory of its own.
+//
+// Where the fields are written down: the packet definitions of art-net.org.uk ("How it works"), and the dissector of
+// Wireshark 4, which the tests have judge what is built here.
 //
 // All begin with "Art-Net", a zero and a 16-bit operation code, low octet first; the other numbers are high octet first
 // unless said otherwise.
@@ -18,12 +21,15 @@
 
 namespace footlight::drivers {
 
+inline constexpr std::uint16_t kArtnetOpPoll = 0x2000;
+inline constexpr std::uint16_t kArtnetOpPollReply = 0x2100;
 inline constexpr std::size_t kArtnetDmxHeaderBytes = 18;
 inline constexpr std::size_t kArtnetDmxBytesMax = kArtnetDmxHeaderBytes + kSlotCountMax;
 inline constexpr std::size_t kArtnetPollBytesMin = 14;
 inline constexpr std::size_t kArtnetPollReplyBytes = 239;
+inline constexpr std::size_t kArtnetSyncBytes = 14;
 inline constexpr int kArtnetPortAddressMax = 0x7FFF;
-inline constexpr int kArtnetReplyPortsMax = 4;
+inline constexpr int kArtnetReplyPortsMax = 4;  // each way: four outputs and four inputs
 
 // Wire universe 1 is port address 0.
 [[nodiscard]] constexpr int artnet_port_address(int wire_universe) { return wire_universe - 1; }
@@ -36,8 +42,11 @@ struct ArtnetDmx {
   std::span<const std::uint8_t> slots;  // 1 to 512 as read; an even number from 2 to 512 as written
 };
 
+inline constexpr std::uint8_t kArtnetPollOnChange = 0x02;  // reply again when something has changed
+inline constexpr std::uint8_t kArtnetPollTargeted = 0x20;
+
 struct ArtnetPoll {
-  std::uint8_t flags = 0;
+  std::uint8_t flags = 0;  // or-ed kArtnetPoll...; the other bits ask for diagnostics, which this program has none of
   // Ports outside need not answer. The whole range unless bit 5 of flags asks for targeted mode.
   int port_address_first = 0;
   int port_address_last = kArtnetPortAddressMax;
@@ -45,12 +54,37 @@ struct ArtnetPoll {
 
 struct ArtnetSync {};
 
+// What a device tells about itself and up to four of its output and four of its input ports. All of them share net and
+// sub-net (the upper 11 bits).
+struct ArtnetPollReply {
+  enum class Style : std::uint8_t { kNode = 0, kController = 1 };  // other numbers are devices of other kinds
+  struct Port {
+    int port_address = 0;
+    bool output = true;    // takes DMX from Art-Net; false: gives DMX to Art-Net
+    bool active = false;   // frames have come for it lately
+    bool merging = false;  // output: of several senders
+  };
+  std::array<std::uint8_t, 4> ip = {};  // its own, as the asker reaches it
+  std::array<std::uint8_t, 6> mac = {};
+  std::string_view short_name;  // at most 17 octets go out
+  std::string_view long_name;   // at most 63
+  std::string_view report;      // "#0001 [count] text", at most 63
+  std::uint8_t bind_index = 1;  // 1 for the first reply of a device, 2 for the next, up to 255; 0 as 1
+  Style style = Style::kNode;
+  bool rdm = false;                                                       // the ports can carry RDM
+  std::array<Port, std::size_t{2}* kArtnetReplyPortsMax> port_list = {};  // the first port_count count
+  std::size_t port_count = 0;
+  [[nodiscard]] std::span<const Port> ports() const { return std::span(port_list).first(port_count); }
+  // Checked (FL_CHECK): not more than there is room for.
+  void add(const Port& port);
+};
+
 // Any other operation code: well-formed as far as it can be told, and not for us.
 struct ArtnetOther {
   std::uint16_t op_code = 0;
 };
 
-using ArtnetPacket = std::variant<ArtnetDmx, ArtnetPoll, ArtnetSync, ArtnetOther>;
+using ArtnetPacket = std::variant<ArtnetDmx, ArtnetPoll, ArtnetPollReply, ArtnetSync, ArtnetOther>;
 
 enum class ArtnetFault {
   kTooShort,     // shorter than the header of its operation code
@@ -62,7 +96,9 @@ enum class ArtnetFault {
 [[nodiscard]] const char* text_of(ArtnetFault fault);
 
 // An odd length is accepted though the specification asks for an even one: senders exist that send it, and nothing is
-// lost. Octets past the length are ignored.
+// lost. Octets past the length are ignored. An ArtPollReply has grown over the versions: what is missing behind octet
+// 194 counts as zero, which is a little less than the 198 and 207 that two versions of the specification ask for. Text
+// points into the datagram.
 [[nodiscard]] tl::expected<ArtnetPacket, ArtnetFault> parse_artnet_packet(std::span<const std::uint8_t> datagram);
 [[nodiscard]] Result<ArtnetPacket> parse_artnet(std::span<const std::uint8_t> datagram);
 
@@ -70,22 +106,14 @@ enum class ArtnetFault {
 // least. Checked (FL_CHECK): port address, at most 512 slots, `out` large enough.
 std::size_t build_artnet_dmx(const ArtnetDmx& dmx, std::span<std::uint8_t> out);
 
-// What this program tells about up to four of its ports. They share net and sub-net (the upper 11 bits).
-struct ArtnetPollReply {
-  std::array<std::uint8_t, 4> ip = {};  // ours, as the asker reaches it
-  std::array<std::uint8_t, 6> mac = {};
-  std::string_view short_name;  // at most 17 octets go out
-  std::string_view long_name;   // at most 63
-  std::string_view report;      // "#0001 [count] text", at most 63
-  std::uint8_t bind_index = 1;  // 1 for the first four ports, 2 for the next, up to 255
-  struct Port {
-    int port_address = 0;
-    bool active = false;  // frames have come for it lately
-  };
-  std::span<const Port> ports;  // 1 to 4
-};
+// Writes an untargeted ArtPoll with these flags in its shortest form, which every version of the protocol accepts.
+// Returns kArtnetPollBytesMin.
+std::size_t build_artnet_poll(std::uint8_t flags, std::span<std::uint8_t> out);
 
-// Returns kArtnetPollReplyBytes.
+// Returns kArtnetSyncBytes.
+std::size_t build_artnet_sync(std::span<std::uint8_t> out);
+
+// Returns kArtnetPollReplyBytes. Checked (FL_CHECK): at most four ports each way, of one net and sub-net.
 std::size_t build_artnet_poll_reply(const ArtnetPollReply& reply, std::span<std::uint8_t> out);
 
 }  // namespace footlight::drivers

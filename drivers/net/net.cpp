@@ -7,6 +7,7 @@
 
 #include <unistd.h>
 
+#include "drivers/net/artnet_nodes.h"
 #include "drivers/net/hash.h"
 
 namespace footlight::drivers {
@@ -46,11 +47,11 @@ Result<std::unique_ptr<Sink>> make_net_sink(const Endpoint& endpoint, std::share
   return not_of_the_network(endpoint);
 }
 
+OwnSenders::OwnSenders() : artnet_(std::make_unique<ArtnetProgram>()) {}
+OwnSenders::~OwnSenders() = default;
+
 bool OwnSenders::has_cid(const Cid& cid) const { return std::find(cids_.begin(), cids_.end(), cid) != cids_.end(); }
 
-bool OwnSenders::has_udp_port(std::uint16_t port) const {
-  return std::find(udp_ports_.begin(), udp_ports_.end(), port) != udp_ports_.end();
-}
 
 Cid sacn_cid(std::string_view machine, std::string_view source_name, std::string_view endpoint) {
   const std::uint64_t machine_digest = mix64(fnv1a64(machine));

@@ -35,17 +35,19 @@ using Cid = std::array<std::uint8_t, 16>;
 // the same program sent (multicast and broadcast come back to the machine that sent them, which is how several programs
 // on one machine hear each other). Used on the pump's thread only. An entry stays after its sink has closed, since last
 // datagrams may still be on their way.
+class ArtnetProgram;
 class OwnSenders {
  public:
+  OwnSenders();
+  ~OwnSenders();
   void add_cid(const Cid& cid) { cids_.push_back(cid); }
   [[nodiscard]] bool has_cid(const Cid& cid) const;
-  // Local UDP port that an Art-Net sink of this program sends from.
-  void add_udp_port(std::uint16_t port) { udp_ports_.push_back(port); }
-  [[nodiscard]] bool has_udp_port(std::uint16_t port) const;
+  // What Art-Net ports have to know of each other (drivers/net/artnet_nodes.h).
+  [[nodiscard]] ArtnetProgram& artnet() { return *artnet_; }
 
  private:
   std::vector<Cid> cids_;
-  std::vector<std::uint16_t> udp_ports_;
+  std::unique_ptr<ArtnetProgram> artnet_;
 };
 
 struct SacnSourceOptions {
@@ -88,9 +90,16 @@ struct ArtnetSourceOptions {
   std::uint16_t port = kArtnetPort;
   std::uint8_t priority = kPriorityDefault;  // Art-Net has none; what its frames carry into the merge, 0 to 200
   bool answer_polls = true;                  // answer ArtPoll with ArtPollReply, so that consoles list this program
+  bool ask_names = true;                     // ask a new sender once for its name, for Source::sender_text()
   std::string node_name = "Footlight";       // in ArtPollReply; at most 17 and 63 bytes go out as short and long name
   bool kernel_stamps = true;
   std::shared_ptr<OwnSenders> own_senders;
+};
+
+// Where a universe goes that no device has asked for, when devices are searched for.
+enum class ArtnetUnsubscribed : std::uint8_t {
+  kBroadcast,  // to everybody: reaches devices that do not answer polls
+  kSilent,     // nowhere, as Art-Net 4 has it
 };
 
 struct ArtnetSinkOptions {
@@ -98,9 +107,16 @@ struct ArtnetSinkOptions {
   std::string name;
   std::vector<WireUniverse> universes;
   // Optional.
-  std::vector<std::string> addresses;        // unicast or directed broadcast. None: the broadcast address of each of
-  std::vector<std::string> interface_names;  // these; without them of the first that is up, not loopback, and has one
-  std::uint16_t port = kArtnetPort;          // of the receiver
+  // Unicast or directed broadcast: all universes go to each of these, and nobody is asked. None: devices are searched
+  // for by ArtPoll, and each universe goes by unicast to those that take it.
+  std::vector<std::string> addresses;
+  // Search, and send broadcasts, on these only. None: search on every interface that is up, is not loopback and has a
+  // broadcast address; broadcast levels on the first of them.
+  std::vector<std::string> interface_names;
+  std::uint16_t port = kArtnetPort;  // of the receivers, and ours where it can be had
+  ArtnetUnsubscribed unsubscribed = ArtnetUnsubscribed::kBroadcast;
+  bool sync = false;                    // an ArtSync after each batch of frames: devices show all its universes at once
+  std::string node_name = "Footlight";  // what other controllers list
   double rate_hz_max = 0.0;
   std::shared_ptr<OwnSenders> own_senders;
 };

@@ -6,8 +6,6 @@
 
 #include <sys/epoll.h>
 
-#include "drivers/net/sequence.h"
-
 namespace footlight::drivers {
 namespace {
 
@@ -202,7 +200,7 @@ void NetSource::forget(int interface_index) {
 }
 
 PortState NetSource::state() const {
-  if (polled_ns_ - kSenderTimeoutNs < heard_ns_) return PortState::kWorking;
+  if (polled_ns_ - settings_.silence_max_ns < heard_ns_) return PortState::kWorking;
   // One interface that works is enough to wait for frames.
   const bool deaf = !settings_.groups.empty() && joined_interfaces_.empty();
   return deaf && !join_trouble_.empty() ? PortState::kGone : PortState::kWaiting;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "drivers/net/net.h"
+#include "drivers/net/sequence.h"
 #include "drivers/net/udp.h"
 #include "drivers/net/universe_index.h"
 #include "sim/core/ports.h"
@@ -41,6 +42,7 @@ class NetSource : public Source {
     std::uint16_t udp_port = 0;
     bool kernel_stamps = true;
     bool packet_info = false;
+    DurationNs silence_max_ns = kSenderTimeoutNs;  // kWorking until nothing has come for so long
     std::vector<std::uint32_t> groups;  // to join; empty: none
   };
   explicit NetSource(Settings settings);
@@ -57,6 +59,7 @@ class NetSource : public Source {
   void deliver(const FrameView& frame, FrameReceiver& receiver);
   void count_rejected() { ++counters_.rejected; }
   void count_error() { ++counters_.errors; }
+  void count_dropped() { ++counters_.dropped; }
   // Socket to answer a datagram from.
   [[nodiscard]] const Fd& first_socket() const { return sockets_.front().fd; }
   [[nodiscard]] const Settings& settings() const { return settings_; }

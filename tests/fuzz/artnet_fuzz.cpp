@@ -1,9 +1,11 @@
 // Datagrams on port 6454, any whatever.
 //
 // What is accepted lies in the ranges that artnet_packet.h states, and an ArtDmx built anew from what was read reads
-// the same again, but for the slot that makes its length even.
+// the same again, but for the slot that makes its length even. An ArtPollReply names at most eight ports of one net and
+// sub-net, and one built anew from what was read names the same ones.
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include "drivers/net/artnet_packet.h"
 #include "tests/fuzz/fuzz.h"
@@ -27,8 +29,9 @@ void footlight::testing::add_seeds(Seeds& seeds) {
   ArtnetPollReply reply;
   reply.short_name = "Footlight";
   reply.long_name = "Footlight";
-  const ArtnetPollReply::Port ports[] = {{0, true}, {1, false}};
-  reply.ports = ports;
+  reply.add({0x120, true, true, true});
+  reply.add({0x121, true, false, false});
+  reply.add({0x12F, false, true, false});
   std::array<std::uint8_t, kArtnetPollReplyBytes> reply_packet;
   seeds.add("poll-reply", std::span(reply_packet).first(build_artnet_poll_reply(reply, reply_packet)));
   using namespace std::string_view_literals;
@@ -36,9 +39,38 @@ void footlight::testing::add_seeds(Seeds& seeds) {
   seeds.add("sync", "Art-Net\0\x00\x52\x00\x0E\x00\x00"sv);
 }
 
+namespace {
+
+std::vector<int> ports_of(const ArtnetPollReply& reply) {
+  std::vector<int> ports;
+  for (const auto& port : reply.ports()) {
+    require(port.port_address >= 0 && port.port_address <= kArtnetPortAddressMax);
+    require(port.port_address >> 4 == reply.port_list[0].port_address >> 4);
+    ports.push_back(port.port_address * 8 + port.output * 4 + port.active * 2 + port.merging);
+  }
+  std::sort(ports.begin(), ports.end());
+  return ports;
+}
+
+void check(const ArtnetPollReply& reply) {
+  require(reply.short_name.size() <= 18 && reply.long_name.size() <= 64 && reply.report.size() <= 64);
+  std::array<std::uint8_t, kArtnetPollReplyBytes> built;
+  build_artnet_poll_reply(reply, built);
+  const auto again = parse_artnet_packet(built);
+  require(again.has_value() && std::holds_alternative<ArtnetPollReply>(*again));
+  const auto& read = std::get<ArtnetPollReply>(*again);
+  require(ports_of(read) == ports_of(reply));
+  require(read.ip == reply.ip && read.mac == reply.mac && read.bind_index == reply.bind_index);
+  require(read.style == reply.style && read.rdm == reply.rdm);
+}
+
+}  // namespace
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto packet = parse_artnet_packet({data, size});
-  if (!packet || !std::holds_alternative<ArtnetDmx>(*packet)) return 0;
+  if (!packet) return 0;
+  if (const auto* reply = std::get_if<ArtnetPollReply>(&*packet)) check(*reply);
+  if (!std::holds_alternative<ArtnetDmx>(*packet)) return 0;
   const auto& dmx = std::get<ArtnetDmx>(*packet);
   require(dmx.port_address >= 0 && dmx.port_address <= kArtnetPortAddressMax);
   require(!dmx.slots.empty() && dmx.slots.size() <= kSlotCountMax);

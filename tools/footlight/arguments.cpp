@@ -89,7 +89,7 @@ int run_command_line(int argc, const char* const* argv, std::span<const CommandI
   app.footer(
       "Endpoints name where frames come from or go to:\n"
       "  sacn:1-9              sACN universes 1 to 9, multicast       sacn:1-9@10.0.0.7     to one address\n"
-      "  artnet:1-9            Art-Net, broadcast                     artnet:1-4%eth1       through one interface\n"
+      "  artnet:1-9            Art-Net, to the nodes that take them   artnet:1-4%eth1       through one interface\n"
       "  sacn:101-109=1-9      wire 101-109 as 1-9 of the show        enttec-pro:EN123=3    a dongle as universe 3\n"
       "  log:show.dmxlog       a recording                            mock:enttec-pro       a dongle that is not "
       "there\n"

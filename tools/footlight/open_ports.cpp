@@ -113,6 +113,8 @@ Result<std::unique_ptr<Sink>> PortOpener::open_sink(const Endpoint& endpoint, st
   }
   auto artnet = drivers::options_of<drivers::ArtnetSinkOptions>(endpoint, own_senders_);
   artnet.rate_hz_max = options.rate_hz_max;
+  artnet.sync = options.sync;
+  if (!options.broadcast) artnet.unsubscribed = drivers::ArtnetUnsubscribed::kSilent;
   return drivers::make_artnet_sink(artnet);
 }
 

@@ -52,6 +52,8 @@ struct OutOptions {
   int priority = kPriorityDefault;        // sacn
   std::string source_name = "Footlight";  // sacn
   double rate_hz_max = 0.0;               // network: 0 for as frames come
+  bool sync = false;                      // artnet: an ArtSync after each batch of frames
+  bool broadcast = true;                  // artnet, searching: universes that no device has asked for go to everybody
   bool log_overwrite = false;
 };
 

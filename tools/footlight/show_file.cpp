@@ -113,6 +113,10 @@ Result<OutPlan> read_out(const TomlNode& node, const std::string& file) {
     switch (plan.endpoint.kind) {
       case EndpointKind::kNetwork:
         options.rate_hz_max = reader.number("rate_hz_max", 0.0, 1'000.0, 0.0);
+        if (plan.endpoint.scheme == "artnet") {
+          options.sync = reader.boolean("sync", false);
+          if (plan.endpoint.addresses.empty()) options.broadcast = reader.boolean("broadcast", true);
+        }
         if (plan.endpoint.scheme == "sacn") {
           options.priority = static_cast<int>(reader.integer("priority", 0, kPriorityMax, kPriorityDefault));
           options.preview = reader.boolean("preview", false);

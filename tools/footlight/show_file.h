@@ -17,6 +17,7 @@
 //   endpoint = "enttec-pro:EN123456=3"
 //   blackout_on_exit = true        # devices; also wait_for_device
 //   rate_hz_max = 40               # sacn, artnet
+//   sync = true                    # artnet; without an address also broadcast = false
 //   priority = 120                 # sacn; also source_name = "FOH", preview = true
 //   overwrite = true               # log
 //

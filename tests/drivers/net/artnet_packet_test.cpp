@@ -128,24 +128,42 @@ TEST_CASE("Wireshark reads our ArtDmx as we meant it") {
 }
 
 TEST_CASE("Wireshark reads our ArtPollReply as we meant it") {
-  const std::vector<ArtnetPollReply::Port> ports = {{0x0120, true}, {0x0121, false}, {0x012F, true}};
   ArtnetPollReply reply;
+  reply.add({0x0120, true, true, false});
+  reply.add({0x0121, true, false, false});
+  reply.add({0x012F, true, true, true});
+  reply.add({0x0125, false, true, false});
   reply.ip = {10, 0, 0, 5};
   reply.mac = {2, 0, 0, 0, 0, 9};
   reply.short_name = "Footlight";
   reply.long_name = "Footlight at the back of the house";
   reply.report = "#0001 [0001] receiving";
   reply.bind_index = 3;
-  reply.ports = ports;
   Bytes packet(kArtnetPollReplyBytes);
   build_artnet_poll_reply(reply, packet);
-  const auto fields = testing::dissect(
-      packet, kArtnetPort,
-      {"artnet.header.opcode", "artnet.poll_reply.ip_address", "artnet.poll_reply.port_nr",
-       "artnet.poll_reply.netswitch", "artnet.poll_reply.subswitch", "artnet.poll_reply.short_name",
-       "artnet.poll_reply.long_name", "artnet.poll_reply.node_report", "artnet.poll_reply.num_ports",
-       "artnet.poll_reply.port_types_1", "artnet.poll_reply.port_types_4", "artnet.poll_reply.swout_3",
-       "artnet.poll_reply.mac", "artnet.poll_reply.bind_ip_address", "artnet.poll_reply.bind_index", "_ws.malformed"});
+  const auto fields = testing::dissect(packet, kArtnetPort,
+                                       {"artnet.header.opcode",
+                                        "artnet.poll_reply.ip_address",
+                                        "artnet.poll_reply.port_nr",
+                                        "artnet.poll_reply.netswitch",
+                                        "artnet.poll_reply.subswitch",
+                                        "artnet.poll_reply.short_name",
+                                        "artnet.poll_reply.long_name",
+                                        "artnet.poll_reply.node_report",
+                                        "artnet.poll_reply.num_ports",
+                                        "artnet.poll_reply.port_types_1",
+                                        "artnet.poll_reply.port_types_4",
+                                        "artnet.poll_reply.swout_3",
+                                        "artnet.poll_reply.good_output_1",
+                                        "artnet.poll_reply.good_output_2",
+                                        "artnet.poll_reply.good_output_3",
+                                        "artnet.poll_reply.good_input_1",
+                                        "artnet.poll_reply.swin_1",
+                                        "artnet.poll_reply.style",
+                                        "artnet.poll_reply.mac",
+                                        "artnet.poll_reply.bind_ip_address",
+                                        "artnet.poll_reply.bind_index",
+                                        "_ws.malformed"});
   if (!fields) return;
   CHECK(fields->at("artnet.header.opcode") == "0x2100");
   CHECK(fields->at("artnet.poll_reply.ip_address") == "10.0.0.5");
@@ -156,13 +174,113 @@ TEST_CASE("Wireshark reads our ArtPollReply as we meant it") {
   CHECK(fields->at("artnet.poll_reply.long_name") == "Footlight at the back of the house");
   CHECK(fields->at("artnet.poll_reply.node_report") == "#0001 [0001] receiving");
   CHECK(fields->at("artnet.poll_reply.num_ports") == "3");
-  CHECK(fields->at("artnet.poll_reply.port_types_1") == "0x80");
+  CHECK(fields->at("artnet.poll_reply.port_types_1") == "0xc0");
+  CHECK(fields->at("artnet.poll_reply.good_output_1") == "0x80");
+  CHECK(fields->at("artnet.poll_reply.good_output_2") == "0x00");
+  CHECK(fields->at("artnet.poll_reply.good_output_3") == "0x88");
+  CHECK(fields->at("artnet.poll_reply.good_input_1") == "0x80");
+  CHECK(fields->at("artnet.poll_reply.swin_1") == "0x05");
+  CHECK(fields->at("artnet.poll_reply.style") == "0x00");
   CHECK(fields->at("artnet.poll_reply.port_types_4") == "0x00");
   CHECK(fields->at("artnet.poll_reply.swout_3") == "0x0f");
   CHECK(fields->at("artnet.poll_reply.mac") == "02:00:00:00:00:09");
   CHECK(fields->at("artnet.poll_reply.bind_ip_address") == "10.0.0.5");
   CHECK(fields->at("artnet.poll_reply.bind_index") == "0x03");
   CHECK(fields->at("_ws.malformed") == "");
+}
+
+TEST_CASE("Wireshark reads our ArtPoll and our ArtSync as we meant them") {
+  Bytes poll(kArtnetPollBytesMin);
+  build_artnet_poll(kArtnetPollOnChange, poll);
+  const auto asked = testing::dissect(poll, kArtnetPort,
+                                      {"artnet.header.opcode", "artnet.poll.talktome_reply_change",
+                                       "artnet.poll.talktome_diag", "artnet.poll.talktome_targeted", "_ws.malformed"});
+  if (!asked) return;
+  CHECK(asked->at("artnet.header.opcode") == "0x2000");
+  CHECK(asked->at("artnet.poll.talktome_reply_change") == "1");
+  CHECK(asked->at("artnet.poll.talktome_diag") == "0");
+  CHECK(asked->at("artnet.poll.talktome_targeted") == "0");
+  CHECK(asked->at("_ws.malformed") == "");
+  Bytes sync(kArtnetSyncBytes);
+  build_artnet_sync(sync);
+  const auto latched =
+      testing::dissect(sync, kArtnetPort, {"artnet.header.opcode", "artnet.header.protver", "_ws.malformed"});
+  REQUIRE(latched.has_value());
+  CHECK(latched->at("artnet.header.opcode") == "0x5200");
+  CHECK(latched->at("artnet.header.protver") == "14");
+  CHECK(latched->at("_ws.malformed") == "");
+}
+
+TEST_CASE("a built ArtPollReply parses to the same ports, names and style") {
+  ArtnetPollReply reply;
+  reply.ip = {10, 0, 0, 5};
+  reply.mac = {1, 2, 3, 4, 5, 6};
+  reply.short_name = "short";
+  reply.long_name = "a longer name";
+  reply.report = "#0001 [0001] sending";
+  reply.bind_index = 200;
+  reply.style = ArtnetPollReply::Style::kController;
+  reply.rdm = true;
+  for (const int upper : {0, 0x7FF}) {
+    reply.port_count = 0;
+    for (int i = 0; i < 4; ++i) {
+      reply.add({upper << 4 | (15 - i), true, i % 2 == 0, i == 3});
+      reply.add({upper << 4 | i, false, i % 2 == 1, false});
+    }
+    Bytes packet(kArtnetPollReplyBytes);
+    build_artnet_poll_reply(reply, packet);
+    const auto parsed = parse_artnet(packet);
+    REQUIRE(parsed.has_value());
+    const auto& got = std::get<ArtnetPollReply>(*parsed);
+    CHECK(got.ip == reply.ip);
+    CHECK(got.mac == reply.mac);
+    CHECK(got.short_name == "short");
+    CHECK(got.long_name == "a longer name");
+    CHECK(got.report == reply.report);
+    CHECK(got.bind_index == 200);
+    CHECK(got.style == ArtnetPollReply::Style::kController);
+    CHECK(got.rdm);
+    REQUIRE(got.port_count == 8);
+    for (std::size_t i = 0; i < 8; ++i) {
+      CHECK(got.port_list[i].port_address == reply.port_list[i].port_address);
+      CHECK(got.port_list[i].output == reply.port_list[i].output);
+      CHECK(got.port_list[i].active == reply.port_list[i].active);
+      CHECK(got.port_list[i].merging == reply.port_list[i].merging);
+    }
+  }
+}
+
+TEST_CASE("an ArtPollReply of an older version is read as far as it goes, and refused before its ports end") {
+  ArtnetPollReply reply;
+  reply.short_name = "old";
+  reply.add({0x55, true, false, false});
+  reply.bind_index = 9;
+  Bytes packet(kArtnetPollReplyBytes);
+  build_artnet_poll_reply(reply, packet);
+  for (std::size_t size = 0; size < packet.size(); ++size) {
+    CAPTURE(size);
+    const Bytes exact(packet.begin(), packet.begin() + static_cast<std::ptrdiff_t>(size));
+    const auto parsed = parse_artnet_packet(exact);
+    CHECK(parsed.has_value() == (size >= 194));
+    if (!parsed) continue;
+    const auto& got = std::get<ArtnetPollReply>(*parsed);
+    REQUIRE(got.port_count == 1);
+    CHECK(got.port_list[0].port_address == 0x55);
+    CHECK(got.bind_index == (size > 211 ? 9 : 0));
+  }
+}
+
+TEST_CASE("names without a final zero end where their field ends") {
+  ArtnetPollReply reply;
+  Bytes packet(kArtnetPollReplyBytes);
+  build_artnet_poll_reply(reply, packet);
+  std::fill(packet.begin() + 26, packet.begin() + 172, 'x');
+  const auto parsed = parse_artnet(packet);
+  REQUIRE(parsed.has_value());
+  const auto& got = std::get<ArtnetPollReply>(*parsed);
+  CHECK(got.short_name.size() == 18);
+  CHECK(got.long_name.size() == 64);
+  CHECK(got.report.size() == 64);
 }
 
 TEST_CASE("20000 damaged Art-Net packets crash nothing and none passes with a value out of range") {

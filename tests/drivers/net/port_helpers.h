@@ -2,13 +2,17 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
+#include <netinet/in.h>
 #include <poll.h>
+#include <sys/socket.h>
 #include <time.h>
 
 #include "drivers/net/net.h"
+#include "drivers/net/udp.h"
 #include "sim/core/ports.h"
 
 namespace footlight::testing {
@@ -60,6 +64,46 @@ inline bool drain(Source& source, TimeNs now_ns, FrameReceiver& receiver) {
 inline bool hears_nothing(Source& source, TimeNs now_ns, KeepingReceiver& receiver) {
   const std::size_t before = receiver.frames.size();
   return drain(source, now_ns, receiver) && receiver.frames.size() == before;
+}
+
+// A UDP socket of somebody else: bound to this address and port, non-blocking, may broadcast, shares its port.
+inline drivers::Fd stranger(std::uint32_t ipv4, std::uint16_t udp_port) {
+  drivers::Fd fd(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  const int on = 1;
+  for (const int option : {SO_REUSEADDR, SO_REUSEPORT, SO_BROADCAST}) {
+    setsockopt(fd.get(), SOL_SOCKET, option, &on, sizeof on);
+  }
+  setsockopt(fd.get(), IPPROTO_IP, IP_PKTINFO, &on, sizeof on);
+  sockaddr_in address = {};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(ipv4);
+  address.sin_port = htons(udp_port);
+  if (::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) fd.reset();
+  return fd;
+}
+
+inline bool send_bytes(const drivers::Fd& from, std::uint32_t ipv4, std::uint16_t udp_port,
+                       std::span<const std::uint8_t> bytes) {
+  drivers::DatagramWriter writer;
+  writer.add(bytes, ipv4, udp_port);
+  return writer.flush(from.get()).error_number == 0;
+}
+
+// What has come, oldest first. `wait`: for the first for at most two seconds, as datagrams between namespaces may take
+// a moment.
+inline std::vector<std::vector<std::uint8_t>> received(const drivers::Fd& fd, bool wait = false) {
+  pollfd waiting = {fd.get(), POLLIN, 0};
+  std::vector<std::vector<std::uint8_t>> datagrams;
+  if (::poll(&waiting, 1, wait ? 2'000 : 0) <= 0) return datagrams;
+  drivers::DatagramReader reader;
+  while (true) {
+    const int count = reader.read(fd.get());
+    if (count <= 0) return datagrams;
+    for (int i = 0; i < count; ++i) {
+      const auto bytes = reader[static_cast<std::size_t>(i)].bytes;
+      datagrams.emplace_back(bytes.begin(), bytes.end());
+    }
+  }
 }
 
 inline std::vector<WireUniverse> universes_from(int first, int count, int show_first) {

@@ -11,6 +11,7 @@
 #include <net/if.h>
 #include <net/route.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sched.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
@@ -64,6 +65,26 @@ bool prepare_loopback(bool multicast) {
   return good;
 }
 
+// The namespaces of add_peer(): ours and the other machine's.
+int home_fd = -1;
+int peer_fd = -1;
+
+// Until the interface on this machine carries datagrams: the kernel sees to that in a thread of its own.
+bool wait_until_running(const std::string& name) {
+  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+  ifreq interface = {};
+  name.copy(interface.ifr_name, IFNAMSIZ - 1);
+  bool running = false;
+  for (int i = 0; i < 2'000 && !running; ++i) {
+    running = ioctl(fd, SIOCGIFFLAGS, &interface) == 0 && (interface.ifr_flags & IFF_RUNNING) != 0;
+    if (!running) poll(nullptr, 0, 1);
+  }
+  close(fd);
+  return running;
+}
+
+bool run(const std::string& command) { return std::system((command + " 2>/dev/null").c_str()) == 0; }
+
 }  // namespace
 
 bool enter_private_network(bool loopback_multicast) {
@@ -82,6 +103,41 @@ bool add_interface(const char* name, const char* ipv4) {
   if (std::system((command + " 2>/dev/null").c_str()) == 0) return true;
   std::fprintf(stderr, "SKIPPED: cannot add an interface: %s\n", command.c_str());
   return false;
+}
+
+bool add_peer(const char* name, const char* ipv4, const std::vector<std::string>& peer_ipv4s) {
+  for (int* const fd : {&home_fd, &peer_fd}) {
+    if (*fd >= 0) close(*fd);
+    *fd = -1;
+  }
+  home_fd = open("/proc/thread-self/ns/net", O_RDONLY | O_CLOEXEC);
+  bool good = home_fd >= 0 && unshare(CLONE_NEWNET) == 0;
+  peer_fd = good ? open("/proc/thread-self/ns/net", O_RDONLY | O_CLOEXEC) : -1;
+  good = good && peer_fd >= 0 && setns(home_fd, CLONE_NEWNET) == 0;
+  const std::string ours(name);
+  const std::string peer = ours + "p";
+  good = good && run("ip link add " + ours + " type veth peer name " + peer + " netns /proc/" +
+                     std::to_string(getpid()) + "/fd/" + std::to_string(peer_fd) + " && ip address add " + ipv4 +
+                     "/24 brd + dev " + ours + " && ip link set " + ours + " up");
+  if (good) {
+    const OnPeer on_peer;
+    for (const std::string& address : peer_ipv4s) {
+      good = good && run("ip address add " + address + "/24 brd + dev " + peer);
+    }
+    good = good && run("ip link set lo up && ip link set " + peer + " up") && wait_until_running(peer);
+  }
+  // The last command comes back when the kernel has done what it does after it says that an interface runs.
+  good = good && wait_until_running(ours) && run("ip link set " + ours + " up");
+  if (!good) std::fprintf(stderr, "SKIPPED: cannot add a second network namespace: %s\n", std::strerror(errno));
+  return good;
+}
+
+OnPeer::OnPeer() {
+  if (setns(peer_fd, CLONE_NEWNET) != 0) std::abort();
+}
+
+OnPeer::~OnPeer() {
+  if (setns(home_fd, CLONE_NEWNET) != 0) std::abort();
 }
 
 void remove_interface(const char* name) {

@@ -3,6 +3,9 @@
 // side do not hear each other.
 #pragma once
 
+#include <string>
+#include <vector>
+
 namespace footlight::testing {
 
 // Moves the calling thread there. False where the system forbids it (it says so on stderr); the test then returns at
@@ -13,5 +16,19 @@ namespace footlight::testing {
 // and a /24 around it; and takes it away. Only after enter_private_network(). False where the kernel lacks it.
 [[nodiscard]] bool add_interface(const char* name, const char* ipv4);
 void remove_interface(const char* name);
+
+// A second machine: a network namespace at the other end of a cable. Ours is interface `name` with `ipv4`/24, its is
+// `name`p with all of `peer_ipv4s` and the same broadcast address. Only after enter_private_network(); one at a time.
+// False where the kernel lacks it.
+[[nodiscard]] bool add_peer(const char* name, const char* ipv4, const std::vector<std::string>& peer_ipv4s);
+
+// While it lives the calling thread is on the second machine. A socket stays on the machine that it was made on.
+class OnPeer {
+ public:
+  OnPeer();
+  ~OnPeer();
+  OnPeer(const OnPeer&) = delete;
+  OnPeer& operator=(const OnPeer&) = delete;
+};
 
 }  // namespace footlight::testing

@@ -63,6 +63,10 @@ rate_hz_max = 30
 [[out]]
 endpoint = "log:out.dmxlog"
 overwrite = true
+[[out]]
+endpoint = "artnet:1-9"
+sync = true
+broadcast = false
 )",
                                "show.toml");
   REQUIRE_MESSAGE(show.has_value(), (show ? "" : show.error().message));
@@ -77,7 +81,7 @@ overwrite = true
   CHECK(show->ins[3].options.log_start_ns == 10 * kNsPerS);
   CHECK(show->ins[3].options.log_stop_ns == 60 * kNsPerS);
   CHECK(show->ins[3].options.log_speed == 2.0);
-  REQUIRE(show->outs.size() == 3);
+  REQUIRE(show->outs.size() == 4);
   CHECK(show->outs[0].options.blackout_on_exit);
   CHECK(show->outs[0].options.wait_for_device);
   CHECK(show->outs[1].options.priority == 120);
@@ -85,6 +89,8 @@ overwrite = true
   CHECK(show->outs[1].options.preview);
   CHECK(show->outs[1].options.rate_hz_max == 30.0);
   CHECK(show->outs[2].options.log_overwrite);
+  CHECK(show->outs[3].options.sync);
+  CHECK_FALSE(show->outs[3].options.broadcast);
 }
 
 // One [[in]] with an endpoint of the model and these lines.
@@ -159,6 +165,7 @@ TEST_CASE("trouble in a show file is named by line") {
 
 TEST_CASE("an option that the kind of port has no use for is refused, not ignored") {
   CHECK(contains(refusal("[[out]]\nendpoint = \"artnet:1\"\nblackout_on_exit = true\n"), "blackout_on_exit"));
+  CHECK(contains(refusal("[[out]]\nendpoint = \"artnet:1@10.0.0.7\"\nbroadcast = false\n"), "broadcast"));
   CHECK(contains(refusal("[[out]]\nendpoint = \"mock:enttec-pro\"\npriority = 100\n"), "priority"));
   CHECK(contains(refusal("[[in]]\nendpoint = \"sacn:1\"\nloop = true\n"), "loop"));
 }

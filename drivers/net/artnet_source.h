@@ -1,0 +1,119 @@
+// Art-Net in, as a port of the pump. Made with make_artnet_source() in net.h; the class is here for what only Art-Net
+// counts.
+#pragma once
+
+#include <array>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/net/artnet_nodes.h"
+#include "drivers/net/artnet_packet.h"
+#include "drivers/net/net_source.h"
+#include "drivers/net/sequence.h"
+#include "sim/core/dmx.h"
+
+namespace footlight::drivers {
+
+// A sender that has been silent for this long is no longer merged (Art-Net 4, "Data Merging"; senders may be silent for
+// 4 s, "Streaming Packets").
+inline constexpr DurationNs kArtnetSilenceMaxNs = 10 * kNsPerS;
+// Frames are held for ArtSync until this long after the last of it ("ArtSync").
+inline constexpr DurationNs kArtnetSyncTimeoutNs = 4 * kNsPerS;
+
+// Sound datagrams that gave no frame, by reason.
+struct ArtnetSourceDetails {
+  std::uint64_t late = 0;
+  std::uint64_t other_universe = 0;
+  std::uint64_t other_interface = 0;
+  std::uint64_t own = 0;
+  std::uint64_t polls = 0;  // ArtPoll
+  std::uint64_t polls_answered = 0;
+  std::uint64_t sync = 0;
+  std::uint64_t sync_ignored = 0;  // of a sender that we take nothing from
+  std::uint64_t held = 0;          // frames that waited for ArtSync
+  std::uint64_t replies = 0;       // ArtPollReply
+  std::uint64_t other_op_code = 0;
+};
+
+// A sender is an IPv4 address, as Art-Net's own rule for merging has it; two programs on one machine count as one.
+//
+// ArtSync: from the first one of a sender on, its frames are held, the newest of each universe, until its next one and
+// then delivered together, stamped with its arrival. A universe that a second sender sends to as well is merged and not
+// held. Four seconds without ArtSync end it, and what was held is delivered.
+class ArtnetSource final : public NetSource {
+ public:
+  [[nodiscard]] static Result<std::unique_ptr<ArtnetSource>> create(const ArtnetSourceOptions& options);
+  ~ArtnetSource() override;
+  [[nodiscard]] TimeNs next_deadline_ns() const override;
+  Status poll(TimeNs now_ns, FrameReceiver& receiver) override;
+  [[nodiscard]] std::string sender_text(SenderId sender) const override;
+  [[nodiscard]] const ArtnetSourceDetails& details() const { return details_; }
+
+ private:
+  // Senders of one universe that are told apart for merging and ArtSync.
+  static constexpr std::size_t kSendersMax = 4;
+  static constexpr std::size_t kSyncSendersMax = 16;
+  static constexpr std::size_t kNamesAskedMax = 64;
+
+  struct Held {
+    Slots slots = {};
+    std::size_t slot_count = 0;
+    std::uint32_t ipv4 = 0;
+    std::uint8_t sequence = 0;
+    bool full = false;
+  };
+  struct Sender {
+    std::uint32_t ipv4 = 0;
+    TimeNs heard_ns = -kTimeNever;
+  };
+  struct UniverseState {
+    SequenceFilter filter;
+    std::array<Sender, kSendersMax> senders;
+    std::unique_ptr<Held> held;  // made when the first frame is held
+    bool told_active = false;    // as the last replies had it
+    bool told_merging = false;
+  };
+  struct Sync {
+    std::uint32_t ipv4 = 0;
+    TimeNs until_ns = -kTimeNever;
+  };
+
+  explicit ArtnetSource(const ArtnetSourceOptions& options);
+  void take(const Datagram& datagram, TimeNs stamp_ns, FrameReceiver& receiver) override;
+  void take_dmx(const ArtnetDmx& dmx, const Datagram& datagram, TimeNs stamp_ns, FrameReceiver& receiver);
+  void take_sync(const Datagram& datagram, TimeNs stamp_ns, FrameReceiver& receiver);
+  void take_poll(const ArtnetPoll& poll, const Datagram& datagram, TimeNs now_ns);
+  void deliver_frame(std::size_t place, std::uint32_t ipv4, std::uint8_t sequence, TimeNs stamp_ns,
+                     std::span<const std::uint8_t> slots, FrameReceiver& receiver);
+  void release(std::size_t place, TimeNs stamp_ns, FrameReceiver& receiver);
+  [[nodiscard]] bool is_synchronous(std::uint32_t ipv4, TimeNs now_ns) const;
+  [[nodiscard]] std::size_t live_senders(std::size_t place, TimeNs now_ns) const;
+
+  // All replies, or those whose ports are in range; false: more are to follow.
+  bool answer(ArtnetAnswers::Asker& asker, TimeNs now_ns);
+  void build_reply(std::size_t group, const ArtnetAnswers::Asker& asker, TimeNs now_ns, std::span<std::uint8_t> out);
+  // Looks for ports whose state is not as told, and tells those that want to know.
+  void tell_changes(TimeNs now_ns);
+  void ask_name(const Datagram& datagram, TimeNs now_ns);
+
+  ArtnetSourceOptions options_;
+  std::shared_ptr<OwnSenders> program_;  // of the options, or one of our own
+  std::vector<int> port_addresses_;      // per universe
+  std::vector<UniverseState> states_;    // per universe
+  // What one ArtPollReply tells: one universe, or up to four of one sub-net where there are more than 255.
+  std::vector<std::vector<std::size_t>> groups_;
+  ArtnetAnswers answers_;
+  std::map<std::uint32_t, ArtnetAnswers::Asker> watchers_;  // who asked for replies on change; due_ns: until when
+  TimeNs next_watch_ns_ = kTimeNever;
+  std::vector<Sync> syncs_;
+  std::vector<std::size_t> held_places_;
+  std::map<std::uint32_t, TimeNs> asked_ns_;  // whose name was asked for, and when
+  std::map<SenderId, std::uint32_t> ipv4_of_sender_;
+  std::uint64_t seed_ = 0;
+  ArtnetSourceDetails details_;
+  DatagramWriter writer_;
+};
+
+}  // namespace footlight::drivers
