@@ -7,8 +7,8 @@
 // Whole from the damage of others: blocks decode alone and carry checksums. A log whose writer died is read up to its
 // last whole block, a damaged block is skipped and reported with its offset in the file.
 //
-// Related: ola_show.h (OLA Show text, conversion), log_ports.h (the log as a source and as a sink of the pump).
-// Threads: none of its own; one thread at a time may use a reader or a writer.
+// Related: log_input.h (other formats, conversion), log_diff.h (two logs compared), log_ports.h (the log as a source
+// and as a sink of the pump). Threads: none of its own; one thread at a time may use a reader or a writer.
 #pragma once
 
 #include <cstddef>
@@ -116,7 +116,12 @@ struct LogUniverseInfo {
   }
 };
 
-enum class LogFormat { kDmxLog, kOlaShow };
+enum class LogFormat {
+  kDmxLog,
+  kOlaShow,
+  kPacketCapture,  // pcap or pcapng holding sACN or Art-Net
+  kLineCapture,    // sigrok's samples of a DMX line
+};
 
 struct LogInfo {
   std::string path;
@@ -216,9 +221,8 @@ class LogReader {
 
 inline constexpr std::size_t kLogBlockBytesMax = 128u << 20;  // of a block when decompressed
 
-// All about a log (or an OLA Show file, told by its first line). `check` reads every block even if the index is sound;
-// an unfinished or damaged log and an OLA Show are always read whole. universe_offset is
-// added to the universes of an OLA Show.
-[[nodiscard]] Result<LogInfo> read_log_info(const std::string& path, bool check = false, int universe_offset = 0);
+// All about a log. `check` reads every block even if the index is sound; an unfinished or damaged log is always read
+// whole. Other formats: describe() in log_input.h.
+[[nodiscard]] Result<LogInfo> read_log_info(const std::string& path, bool check = false);
 
 }  // namespace footlight

@@ -21,21 +21,18 @@ struct LogSourceOptions {
   double speed = 1.0;                   // 0.001 to 1000
   std::vector<std::pair<Universe, Universe>> renumber;  // from (in the log) to (in the pump)
   bool only_renumbered = false;         // leave out universes that `renumber` does not name
-  int universe_offset = 0;              // added to the universes of an OLA Show
 };
 
 // Plays a log. Time 0 is the `now_ns` of the first poll() or start(). Each frame is due at
 // start + (time in the log - start_ns) / speed, reckoned anew from the start for each frame, so lateness never adds up;
 // it is handed over in the first poll() at or after that, stamped with the time it was due. With start_ns > 0 the whole
-// look at that time comes first. Reads an OLA Show, too (rewritten as a log in memory when it is opened).
+// look at that time comes first.
 //
 // Threads: all calls on the pump's thread. Reads and decompresses blocks there, between frames rather than when one is
 // due. Errors of poll(): the file cannot be read any more. Damage in the log is skipped and counted in
 // counters().rejected.
 class LogSource final : public Source {
  public:
-  [[nodiscard]] static Result<std::unique_ptr<LogSource>> open(const std::string& path,
-                                                               const LogSourceOptions& options = {});
   [[nodiscard]] static Result<std::unique_ptr<LogSource>> from_reader(LogReader reader, const std::string& name,
                                                                       const LogSourceOptions& options = {});
   ~LogSource() override;

@@ -6,9 +6,7 @@
 
 #include "sim/core/check.h"
 #include "sim/dmx_log/format.h"
-#include "sim/dmx_log/log_output.h"
 #include "sim/dmx_log/log_ports.h"
-#include "sim/dmx_log/ola_show.h"
 
 namespace footlight {
 namespace {
@@ -22,25 +20,6 @@ std::uint64_t spread(std::uint64_t value) {
   value = (value ^ value >> 30) * 0xBF58476D1CE4E5B9u;
   value = (value ^ value >> 27) * 0x94D049BB133111EBu;
   return value ^ value >> 31;
-}
-
-// An OLA Show as a log in memory.
-Result<LogReader> read_ola_show(const std::string& path, int universe_offset) {
-  dmx_log::Bytes bytes;
-  FL_ASSIGN(LogWriter writer, dmx_log::make_writer(dmx_log::memory_output(bytes, path), LogWriterOptions{}));
-  FL_ASSIGN(OlaShowReader show, OlaShowReader::open(path, universe_offset));
-  OlaShowFrame frame;
-  while (true) {
-    FL_ASSIGN(const bool any, show.next(frame));
-    if (!any) break;
-    FrameView view;
-    view.universe = frame.universe;
-    view.stamp_ns = frame.time_ns;
-    view.slots = frame.slots;
-    FL_TRY(writer.append(view));
-  }
-  FL_TRY(writer.close(show.time_ns()));
-  return LogReader::open_bytes(std::move(bytes), path);
 }
 
 }  // namespace
@@ -215,13 +194,6 @@ struct LogSource::Impl {
 
 LogSource::LogSource(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 LogSource::~LogSource() = default;
-
-Result<std::unique_ptr<LogSource>> LogSource::open(const std::string& path, const LogSourceOptions& options) {
-  FL_ASSIGN(const LogFormat format, detect_log_format(path));
-  auto reader = format == LogFormat::kOlaShow ? read_ola_show(path, options.universe_offset) : LogReader::open(path);
-  if (!reader) return tl::unexpected<Error>(reader.error());
-  return from_reader(std::move(*reader), "log:" + path, options);
-}
 
 Result<std::unique_ptr<LogSource>> LogSource::from_reader(LogReader reader, const std::string& name,
                                                           const LogSourceOptions& options) {

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -35,7 +36,7 @@ bool parse_whole(std::string_view text, T& value) {
 
 }  // namespace
 
-OlaShowReader::OlaShowReader(std::string path, std::ifstream stream, int universe_offset)
+OlaShowReader::OlaShowReader(std::string path, std::unique_ptr<std::istream> stream, int universe_offset)
     : path_(std::move(path)), stream_(std::move(stream)), universe_offset_(universe_offset) {}
 
 Result<OlaShowReader> OlaShowReader::open(const std::string& path, int universe_offset) {
@@ -44,8 +45,17 @@ Result<OlaShowReader> OlaShowReader::open(const std::string& path, int universe_
     return fail(ErrorCode::kBadInput, "{}: is a directory; name a file", path);
   }
   errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) return dmx_log::fail_errno(errno, path, "cannot open");
+  auto stream = std::make_unique<std::ifstream>(path, std::ios::binary);
+  if (!*stream) return dmx_log::fail_errno(errno, path, "cannot open");
+  return begin(path, std::move(stream), universe_offset);
+}
+
+Result<OlaShowReader> OlaShowReader::open_text(std::string text, const std::string& name, int universe_offset) {
+  return begin(name, std::make_unique<std::istringstream>(std::move(text)), universe_offset);
+}
+
+Result<OlaShowReader> OlaShowReader::begin(std::string path, std::unique_ptr<std::istream> stream,
+                                           int universe_offset) {
   OlaShowReader reader(path, std::move(stream), universe_offset);
   std::string line;
   FL_ASSIGN(const bool any, reader.read_line(line));
@@ -63,7 +73,7 @@ Result<bool> OlaShowReader::read_line(std::string& line) {
     ++line_;
     bool any = false;
     while (true) {
-      const int c = stream_.get();
+      const int c = stream_->get();
       if (c == std::ifstream::traits_type::eof()) break;
       any = true;
       if (c == '\n') break;
@@ -73,7 +83,7 @@ Result<bool> OlaShowReader::read_line(std::string& line) {
       }
       line.push_back(static_cast<char>(c));
     }
-    if (stream_.bad()) return fail(ErrorCode::kIo, "{}: cannot read after line {}", path_, line_ - 1);
+    if (stream_->bad()) return fail(ErrorCode::kIo, "{}: cannot read after line {}", path_, line_ - 1);
     if (!any) return false;
     while (!line.empty() && (line.back() == '\r' || line.back() == ' ' || line.back() == '\t')) line.pop_back();
     if (!line.empty()) return true;

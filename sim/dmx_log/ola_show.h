@@ -8,6 +8,8 @@
 
 #include <cstdint>
 #include <fstream>
+#include <iosfwd>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -27,18 +29,23 @@ class OlaShowReader {
  public:
   // `universe_offset` is added to each universe: 1 for shows that count from 0, as OLA may.
   [[nodiscard]] static Result<OlaShowReader> open(const std::string& path, int universe_offset = 0);
+  // A show in memory; `name` stands for the path in messages.
+  [[nodiscard]] static Result<OlaShowReader> open_text(std::string text, const std::string& name,
+                                                       int universe_offset = 0);
   // The next frame; false at the end. Errors name file:line and what was expected there.
   [[nodiscard]] Result<bool> next(OlaShowFrame& frame);
   // The sum of all delays read so far; after the end the length of the show.
   [[nodiscard]] DurationNs time_ns() const { return time_ns_; }
 
  private:
-  OlaShowReader(std::string path, std::ifstream stream, int universe_offset);
+  OlaShowReader(std::string path, std::unique_ptr<std::istream> stream, int universe_offset);
+  [[nodiscard]] static Result<OlaShowReader> begin(std::string path, std::unique_ptr<std::istream> stream,
+                                                   int universe_offset);
   // The next line that is not empty, without its line end; false at the end.
   [[nodiscard]] Result<bool> read_line(std::string& line);
 
   std::string path_;
-  std::ifstream stream_;
+  std::unique_ptr<std::istream> stream_;
   int universe_offset_ = 0;
   int line_ = 0;
   bool delay_next_ = false;
@@ -69,29 +76,5 @@ class OlaShowWriter {
   std::int64_t written_ms_ = 0;  // all delays so far
   std::string text_;
 };
-
-struct ConvertOptions {
-  bool overwrite = false;
-  bool changes_only = false;  // leave out frames that repeat the levels before them
-  int universe_offset = 0;    // added to the universes of an OLA Show on reading
-};
-
-struct ConvertReport {
-  std::uint64_t frames = 0;        // written
-  std::uint64_t left_out = 0;      // repeats (changes_only) and, in an OLA Show, frames that end a stream
-  DurationNs duration_ns = 0;      // of the result
-  DurationNs lead_dropped_ns = 0;  // silence before the first frame, which an OLA Show cannot hold
-  std::uint64_t bytes_in = 0;
-  std::uint64_t bytes_out = 0;
-  std::uint64_t damage_count = 0;  // of the input
-};
-
-// Reads `in` (a DMX log or an OLA Show, told by its first bytes), writes `out`: a DMX log where its name ends in
-// .dmxlog, an OLA Show otherwise. From one format to itself is allowed: that recovers a damaged log.
-[[nodiscard]] Result<ConvertReport> convert_log(const std::string& in, const std::string& out,
-                                                const ConvertOptions& options = {});
-
-// Which of the two a file is. Errors: kNotFound, kPermission, kBadInput (neither).
-[[nodiscard]] Result<LogFormat> detect_log_format(const std::string& path);
 
 }  // namespace footlight

@@ -22,7 +22,8 @@ void footlight::testing::add_seeds(Seeds& seeds) {
     frame.sender = i < 15 ? 5 : 6;
     frame.sequence = static_cast<std::uint32_t>(i / 2);
     frame.terminated = i == 19;
-    for (std::size_t slot = 0; slot < 40; ++slot) slots[slot] = static_cast<std::uint8_t>(slot * 3 + static_cast<std::size_t>(i) / 4);
+    for (std::size_t slot = 0; slot < 40; ++slot)
+      slots[slot] = static_cast<std::uint8_t>(slot * 3 + static_cast<std::size_t>(i) / 4);
     frame.slots = std::span(slots).first(frame.terminated ? 0 : i < 10 ? 24 : 512);
     block.add(frame.stamp_ns, frame, true);
     require(writer->append(frame).has_value());

@@ -59,7 +59,9 @@ void footlight::testing::add_seeds(Seeds& seeds) {
     seeds.add("data-" + std::to_string(count), std::span(packet).first(size));
   }
   using namespace std::string_literals;
-  const std::string root = "\x00\x10\x00\x00" "ASC-E1.17\0\0\0"s;
+  const std::string root =
+      "\x00\x10\x00\x00"
+      "ASC-E1.17\0\0\0"s;
   const std::string cid(16, 'c');
   seeds.add("sync", root + "\x70\x21\0\0\0\x08"s + cid + "\x70\x0B\0\0\0\x01\x05\x00\x07\0\0"s);
   seeds.add("discovery", root + "\x70\x6C\0\0\0\x08"s + cid + "\x70\x56\0\0\0\x02"s + std::string(64, 'n') +

@@ -174,6 +174,8 @@ TEST_CASE("libraries of hardware, and those that are slow to compile, stay where
       {"libsw", R"(tools/footlight/video.*\.cpp|tests/tools/.*\.cpp)"},
       {"microhttpd", R"(tools/footlight/http_server\.cpp)"},
       {"systemd/", R"(tools/footlight/(service|event_log)\.cpp)"},
+      {"pcap/", R"(drivers/capture/pcap_input\.cpp)"},
+      {"zip.h", R"(drivers/capture/sigrok_file\.cpp)"},
       {"zstd", R"((sim|tests/sim)/dmx_log/.*\.cpp)"},
       {"CLI/", R"(tools/(footlight/arguments|[a-z_]+)\.cpp)"},
       {"nlohmann/", R"(.*\.cpp)"},

@@ -122,7 +122,21 @@ std::string json_of_device(const drivers::FoundDevice& device) {
                   {"remedy", device.remedy}});
 }
 
-std::string json_of_log(const LogInfo& info) {
+namespace {
+
+const char* word_of(LogFormat format) {
+  switch (format) {
+    case LogFormat::kDmxLog: return "dmxlog";
+    case LogFormat::kOlaShow: return "ola-show";
+    case LogFormat::kPacketCapture: return "packet-capture";
+    case LogFormat::kLineCapture: return "line-capture";
+  }
+  return "?";
+}
+
+}  // namespace
+
+std::string json_of_log(const LogInfo& info, const std::vector<std::string>& notes) {
   Json universes = Json::array();
   for (const LogUniverseInfo& universe : info.universes) {
     universes.push_back({{"universe", universe.universe},
@@ -138,7 +152,7 @@ std::string json_of_log(const LogInfo& info) {
     damage.push_back({{"offset", part.offset}, {"size_bytes", part.size_bytes}, {"what", part.what}});
   }
   return line_of({{"path", info.path},
-                  {"format", info.format == LogFormat::kDmxLog ? "dmxlog" : "ola-show"},
+                  {"format", word_of(info.format)},
                   {"duration_ns", info.duration_ns},
                   {"wall_start_unix_ns", info.wall_start_unix_ns},
                   {"frames", info.frames},
@@ -148,7 +162,38 @@ std::string json_of_log(const LogInfo& info) {
                   {"checked", info.checked},
                   {"damage_count", info.damage_count},
                   {"damage", std::move(damage)},
+                  {"notes", notes},
                   {"universes", std::move(universes)}});
+}
+
+std::string json_of_line_timing(const std::string& path, const drivers::LineCaptureInfo& info) {
+  Json frames = Json::array();
+  for (const drivers::LineFrameTiming& frame : info.frames) {
+    Json one = {{"start_ns", frame.start_ns},
+                {"break_ns", frame.break_ns},
+                {"mab_ns", frame.mab_ns},
+                {"start_code", frame.start_code},
+                {"slots", frame.slot_count},
+                {"gap_min_ns", frame.gap_min_ns},
+                {"gap_mean_ns", frame.slot_count == 0 ? 0 : frame.gap_sum_ns / frame.slot_count},
+                {"gap_max_ns", frame.gap_max_ns},
+                {"end_ns", frame.end_ns},
+                {"period_ns", frame.period_ns},
+                {"unfinished", frame.unfinished},
+                {"sound", frame.fault == drivers::LineFault::kNone}};
+    if (frame.fault != drivers::LineFault::kNone) one["reason"] = text_of(frame.fault);
+    frames.push_back(std::move(one));
+  }
+  return line_of({{"path", path},
+                  {"channel", info.channel},
+                  {"inverted", info.inverted},
+                  {"sample_rate_hz", info.sample_rate_hz},
+                  {"duration_ns", info.duration_ns},
+                  {"sound", info.counters.sound},
+                  {"rejected", info.counters.rejected},
+                  {"glitches", info.counters.glitches},
+                  {"notes", info.notes},
+                  {"frames", std::move(frames)}});
 }
 
 std::string json_of_conversion(const std::string& in, const std::string& out, const ConvertReport& report) {
@@ -160,7 +205,11 @@ std::string json_of_conversion(const std::string& in, const std::string& out, co
                   {"lead_dropped_ns", report.lead_dropped_ns},
                   {"bytes_in", report.bytes_in},
                   {"bytes_out", report.bytes_out},
-                  {"damage_count", report.damage_count}});
+                  {"damage_count", report.damage_count},
+                  {"other_universes", report.other_universes},
+                  {"absent_universes", report.absent},
+                  {"late_stamps", report.late_stamps},
+                  {"notes", report.notes}});
 }
 
 }  // namespace footlight::tools

@@ -4,10 +4,12 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
+#include "drivers/capture/captures.h"
 #include "drivers/registry.h"
 #include "sim/dmx_log/dmx_log.h"
-#include "sim/dmx_log/ola_show.h"
+#include "sim/dmx_log/log_input.h"
 #include "sim/pump.h"
 #include "sim/universes.h"
 #include "tools/footlight/event_log.h"
@@ -26,7 +28,8 @@ namespace footlight::tools {
 // newest frame on the clock of "now_ns", and how often they were written ("revision", 0: never).
 [[nodiscard]] std::string json_of_levels(const Universes& universes, std::span<const Universe> wanted, TimeNs now_ns);
 [[nodiscard]] std::string json_of_device(const drivers::FoundDevice& device);
-[[nodiscard]] std::string json_of_log(const LogInfo& info);
+[[nodiscard]] std::string json_of_log(const LogInfo& info, const std::vector<std::string>& notes);
+[[nodiscard]] std::string json_of_line_timing(const std::string& path, const drivers::LineCaptureInfo& info);
 [[nodiscard]] std::string json_of_conversion(const std::string& in, const std::string& out,
                                              const ConvertReport& report);
 

@@ -1,11 +1,13 @@
 // footlight log: look into a log, or turn one into another format.
+#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <memory>
 
+#include "drivers/capture/captures.h"
+#include "sim/core/endpoint.h"
 #include "sim/dmx_log/dmx_log.h"
-#include "sim/dmx_log/log_ports.h"
-#include "sim/dmx_log/ola_show.h"
+#include "sim/dmx_log/log_input.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/duration.h"
 #include "tools/footlight/json_lines.h"
@@ -13,11 +15,48 @@
 namespace footlight::tools {
 namespace {
 
+constexpr const char* kFileHelp = "a DMX log, an OLA Show, a packet capture (pcap, pcapng) or a sigrok capture (.sr)";
+
+// How files that are no DMX logs are read.
+struct ReadArguments {
+  drivers::CaptureOptions options;
+  std::string protocol;
+
+  void add(Arguments& arguments) {
+    arguments.option("--universe-offset", options.universe_offset, 0, 1,
+                     "OLA Show: 1 where it counts universes from 0");
+    arguments.option("--protocol", protocol, "NAME", "packet capture: only 'sacn' or only 'artnet'");
+    arguments.flag("--preview", options.net.hear_preview, "packet capture: sACN frames for visualisers, too");
+    add_line(arguments);
+    arguments.option("--universe", options.universe, kUniverseMin, kUniverseMax,
+                     "sigrok capture: the universe of the line");
+  }
+
+  void add_line(Arguments& arguments) {
+    arguments.option("--channel", options.channel, "NAME",
+                     "sigrok capture: the channel, by its name or number from 1; else the one with the most levels");
+    arguments.flag("--inverted", options.inverted, "sigrok capture: --channel is DMX-");
+  }
+
+  [[nodiscard]] Result<drivers::CaptureOptions> read() const {
+    drivers::CaptureOptions read = options;
+    if (!protocol.empty() && protocol != "sacn" && protocol != "artnet") {
+      return fail(ErrorCode::kBadInput, "--protocol: expected 'sacn' or 'artnet', got '{}'", protocol);
+    }
+    if (options.inverted && options.channel.empty()) {
+      return fail(ErrorCode::kBadInput, "--inverted: expected --channel beside it, as in '--channel DMX- --inverted'");
+    }
+    read.net.sacn = protocol != "artnet";
+    read.net.artnet = protocol != "sacn";
+    return read;
+  }
+};
+
 struct InfoOptions {
   std::string file;
   bool check = false;
   bool json = false;
-  int universe_offset = 0;
+  ReadArguments read;
 };
 
 std::string show_wall_clock(std::int64_t unix_ns) {
@@ -28,11 +67,23 @@ std::string show_wall_clock(std::int64_t unix_ns) {
                      parts.tm_hour, parts.tm_min, parts.tm_sec);
 }
 
+std::string format_of(const LogInfo& info) {
+  switch (info.format) {
+    case LogFormat::kDmxLog: return fmt::format("DMX log {}.{}", info.version_major, info.version_minor);
+    case LogFormat::kOlaShow: return "OLA Show";
+    case LogFormat::kPacketCapture: return "packet capture";
+    case LogFormat::kLineCapture: return "sigrok capture of a line";
+  }
+  return "?";
+}
+
+void print_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) fmt::print("  note: {}\n", note);
+}
+
 void print(const LogInfo& info) {
-  const bool is_log = info.format == LogFormat::kDmxLog;
   fmt::print("{}\n", info.path);
-  fmt::print("  format:   {}\n",
-             is_log ? fmt::format("DMX log {}.{}", info.version_major, info.version_minor) : "OLA Show");
+  fmt::print("  format:   {}\n", format_of(info));
   fmt::print("  length:   {}\n", show_duration(info.duration_ns));
   if (info.wall_start_unix_ns != 0) fmt::print("  recorded: {}\n", show_wall_clock(info.wall_start_unix_ns));
   fmt::print("  frames:   {}, {} of them with changes; {} bytes\n", info.frames, info.changes, info.file_bytes);
@@ -49,11 +100,22 @@ void print(const LogInfo& info) {
 Result<int> print_info(const InfoOptions& options) {
   if (options.file.empty())
     return fail(ErrorCode::kBadInput, "log info: expected a file, as in 'footlight log info show.dmxlog'");
-  FL_ASSIGN(const LogInfo info, read_log_info(options.file, options.check, options.universe_offset));
+  FL_ASSIGN(const drivers::CaptureOptions read, options.read.read());
+  FL_ASSIGN(const LogFormat format, detect_log_format(options.file));
+  LogInfo info;
+  std::vector<std::string> notes;
+  if (format == LogFormat::kDmxLog) {
+    FL_ASSIGN(info, read_log_info(options.file, options.check));
+  } else {
+    FL_ASSIGN(const std::unique_ptr<LogInput> input, drivers::open_any_log(options.file, read));
+    FL_ASSIGN(info, describe(*input));
+    notes = input->notes();
+  }
   if (options.json) {
-    fmt::print("{}\n", json_of_log(info));
+    fmt::print("{}\n", json_of_log(info, notes));
   } else {
     print(info);
+    print_notes(notes);
   }
   if (!info.recovered()) return kExitOk;
   fmt::print(
@@ -67,6 +129,8 @@ struct ConvertArguments {
   std::string in;
   std::string out;
   ConvertOptions options;
+  std::string universes;
+  ReadArguments read;
   bool json = false;
 };
 
@@ -75,7 +139,15 @@ Result<int> convert(const ConvertArguments& arguments) {
     return fail(ErrorCode::kBadInput,
                 "log convert: expected two files, as in 'footlight log convert foh.show foh.dmxlog'");
   }
-  FL_ASSIGN(const ConvertReport report, convert_log(arguments.in, arguments.out, arguments.options));
+  FL_ASSIGN(const drivers::CaptureOptions read, arguments.read.read());
+  ConvertOptions options = arguments.options;
+  if (!arguments.universes.empty()) {
+    const auto renumber = parse_wire_universes(arguments.universes);
+    if (!renumber) return fail(ErrorCode::kBadInput, "--universes: {}", renumber.error().message);
+    for (const WireUniverse& universe : *renumber) options.renumber.emplace_back(universe.wire, universe.show);
+  }
+  FL_ASSIGN(const std::unique_ptr<LogInput> input, drivers::open_any_log(arguments.in, read));
+  FL_ASSIGN(const ConvertReport report, convert_log(*input, arguments.out, options));
   if (arguments.json) {
     fmt::print("{}\n", json_of_conversion(arguments.in, arguments.out, report));
   } else {
@@ -86,40 +158,138 @@ Result<int> convert(const ConvertArguments& arguments) {
       fmt::print("  left out: {} of silence before the first frame, which an OLA Show cannot hold\n",
                  show_duration(report.lead_dropped_ns));
     }
+    if (report.other_universes != 0) {
+      fmt::print("  left out: {} frames of universes that --universes does not name\n", report.other_universes);
+    }
+    for (const Universe universe : report.absent) fmt::print("  universe {}: no frame came\n", universe);
+    if (report.late_stamps != 0) {
+      fmt::print("  {} frames were stamped earlier than the one before them; they got its time\n", report.late_stamps);
+    }
+    print_notes(report.notes);
   }
   if (report.damage_count == 0) return kExitOk;
   fmt::print(stderr, "footlight: {}: {} damaged parts were left out\n", arguments.in, report.damage_count);
   return kExitFailed;
 }
 
+struct TimingArguments {
+  std::string file;
+  ReadArguments read;
+  bool summary = false;
+  bool json = false;
+};
+
+// Smallest, median and largest of what `value` appends for each sound frame.
+template <class Value>
+void print_spread(const char* name, const char* unit, double scale, const std::vector<drivers::LineFrameTiming>& frames,
+                  Value&& value) {
+  std::vector<DurationNs> values;
+  for (const drivers::LineFrameTiming& frame : frames) {
+    if (frame.fault == drivers::LineFault::kNone) value(frame, values);
+  }
+  if (values.empty()) return;
+  std::sort(values.begin(), values.end());
+  const auto show = [&](DurationNs one) { return static_cast<double>(one) * scale; };
+  fmt::print("  {:<7} {:9.2f} {:9.2f} {:9.2f} {}   (min, median, max)\n", name, show(values.front()),
+             show(values[values.size() / 2]), show(values.back()), unit);
+}
+
+double us(DurationNs duration_ns) { return static_cast<double>(duration_ns) * 1e-3; }
+
+Result<int> timing(const TimingArguments& arguments) {
+  if (arguments.file.empty()) {
+    return fail(ErrorCode::kBadInput, "log timing: expected a file, as in 'footlight log timing desk.sr'");
+  }
+  FL_ASSIGN(const LogFormat format, detect_log_format(arguments.file));
+  if (format != LogFormat::kLineCapture) {
+    return fail(ErrorCode::kBadInput,
+                "{}: expected a sigrok capture (.sr) of a line; other files hold whole frames and nothing of breaks",
+                arguments.file);
+  }
+  FL_ASSIGN(const drivers::CaptureOptions read, arguments.read.read());
+  FL_ASSIGN(const drivers::LineCaptureInfo info, drivers::read_line_timing(arguments.file, read));
+  if (arguments.json) {
+    fmt::print("{}\n", json_of_line_timing(arguments.file, info));
+    return info.counters.rejected == 0 ? kExitOk : kExitFailed;
+  }
+  using drivers::LineFrameTiming;
+  if (!arguments.summary) {
+    fmt::print("    time_ms  break_us   mab_us  code  slots  gap_us: min   mean    max  period_ms\n");
+    for (const LineFrameTiming& frame : info.frames) {
+      fmt::print("{:11.3f}  {:8.1f} {:8.1f}  0x{:02x}  {:5}  {:11.1f} {:6.1f} {:6.1f}", us(frame.start_ns) * 1e-3,
+                 us(frame.break_ns), us(frame.mab_ns), frame.start_code, frame.slot_count, us(frame.gap_min_ns),
+                 frame.slot_count == 0 ? 0.0 : us(frame.gap_sum_ns) / frame.slot_count, us(frame.gap_max_ns));
+      fmt::print("  {:>9}", frame.period_ns == 0 ? "-" : fmt::format("{:.3f}", us(frame.period_ns) * 1e-3));
+      if (frame.unfinished) fmt::print("  the capture ends here");
+      if (frame.fault != drivers::LineFault::kNone) fmt::print("  rejected: {}", text_of(frame.fault));
+      fmt::print("\n");
+    }
+  }
+  fmt::print("{}: {} frames, {} rejected, {} at {:.6g} MHz\n", arguments.file, info.counters.sound,
+             info.counters.rejected, show_duration(info.duration_ns), info.sample_rate_hz * 1e-6);
+  using Values = std::vector<DurationNs>;
+  print_spread("break", "us", 1e-3, info.frames,
+               [](const LineFrameTiming& frame, Values& values) { values.push_back(frame.break_ns); });
+  print_spread("mab", "us", 1e-3, info.frames,
+               [](const LineFrameTiming& frame, Values& values) { values.push_back(frame.mab_ns); });
+  print_spread("slots", "  ", 1.0, info.frames, [](const LineFrameTiming& frame, Values& values) {
+    if (!frame.unfinished) values.push_back(frame.slot_count);
+  });
+  print_spread("gap", "us", 1e-3, info.frames, [](const LineFrameTiming& frame, Values& values) {
+    if (frame.slot_count == 0) return;
+    values.insert(values.end(), {frame.gap_min_ns, frame.gap_sum_ns / frame.slot_count, frame.gap_max_ns});
+  });
+  print_spread("period", "ms", 1e-6, info.frames, [](const LineFrameTiming& frame, Values& values) {
+    if (frame.period_ns != 0) values.push_back(frame.period_ns);
+  });
+  print_notes(info.notes);
+  return info.counters.rejected == 0 ? kExitOk : kExitFailed;
+}
+
 void add(Arguments& arguments) {
   Arguments info = arguments.subcommand("info", "What a log holds: length, universes, rates, damage",
                                         "  footlight log info show.dmxlog\n"
                                         "  footlight log info --check --json show.dmxlog\n"
+                                        "  footlight log info capture.pcapng\n"
                                         "Exit code 1 where the log is damaged or was not finished.");
   auto info_options = std::make_shared<InfoOptions>();
-  info.word("FILE", info_options->file, "a DMX log, or an OLA Show");
-  info.flag("--check", info_options->check, "read every block, not only the index");
-  info.option("--universe-offset", info_options->universe_offset, 0, 1, "OLA Show: 1 where it counts universes from 0");
+  info.word("FILE", info_options->file, kFileHelp);
+  info.flag("--check", info_options->check, "DMX log: read every block, not only the index");
+  info_options->read.add(info);
   info.flag("--json", info_options->json, "one JSON object");
   info.job([info_options]() -> Result<int> { return print_info(*info_options); });
 
-  Arguments converter =
-      arguments.subcommand("convert", "Turn a log into another format, told by the name of the result",
-                           "  footlight log convert foh.show foh.dmxlog          an OLA Show into a DMX log\n"
-                           "  footlight log convert show.dmxlog show.txt         a DMX log into an OLA Show\n"
-                           "  footlight log convert broken.dmxlog whole.dmxlog   keep what can be read\n"
-                           "Exit code 1 where a part of the input was damaged; the rest was written.");
+  Arguments converter = arguments.subcommand(
+      "convert", "Turn a log into another format, told by the name of the result",
+      "  footlight log convert foh.show foh.dmxlog          an OLA Show into a DMX log\n"
+      "  footlight log convert show.dmxlog show.txt         a DMX log into an OLA Show\n"
+      "  footlight log convert show.pcapng show.dmxlog      sACN and Art-Net out of packets\n"
+      "  footlight log convert desk.sr desk.dmxlog          the line itself, from a sigrok capture\n"
+      "  footlight log convert broken.dmxlog whole.dmxlog   keep what can be read\n"
+      "Exit code 1 where a part of the input was damaged; the rest was written.");
   auto convert_arguments = std::make_shared<ConvertArguments>();
-  converter.word("FROM", convert_arguments->in, "a DMX log, or an OLA Show");
+  converter.word("FROM", convert_arguments->in, kFileHelp);
   converter.word("TO", convert_arguments->out, ".dmxlog for a DMX log, anything else for an OLA Show");
   converter.flag("--overwrite", convert_arguments->options.overwrite, "replace a file of that name");
   converter.flag("--changes-only", convert_arguments->options.changes_only,
                  "leave out frames that repeat the levels before them");
-  converter.option("--universe-offset", convert_arguments->options.universe_offset, 0, 1,
-                   "OLA Show: 1 where it counts universes from 0");
+  converter.option("--universes", convert_arguments->universes, "LIST",
+                   "only these, as in 1-3, or renumbered, as in 101-103=1-3");
+  convert_arguments->read.add(converter);
   converter.flag("--json", convert_arguments->json, "one JSON object");
   converter.job([convert_arguments]() -> Result<int> { return convert(*convert_arguments); });
+
+  Arguments line = arguments.subcommand("timing", "Break, mark after break, gaps and period of a captured DMX line",
+                                        "  footlight log timing desk.sr\n"
+                                        "  footlight log timing desk.sr --summary --channel DMX-  --inverted\n"
+                                        "  footlight log timing desk.sr --json\n"
+                                        "Exit code 1 where a frame was rejected.");
+  auto timing_arguments = std::make_shared<TimingArguments>();
+  line.word("FILE", timing_arguments->file, "a sigrok capture (.sr)");
+  line.flag("--summary", timing_arguments->summary, "no line for each frame");
+  timing_arguments->read.add_line(line);
+  line.flag("--json", timing_arguments->json, "one JSON object");
+  line.job([timing_arguments]() -> Result<int> { return timing(*timing_arguments); });
 }
 
 }  // namespace
@@ -129,7 +299,9 @@ extern const CommandInfo log_command{
     .help = "Look into a log, or turn it into another format",
     .examples =
         "  footlight log info show.dmxlog\n"
-        "  footlight log convert foh.show foh.dmxlog\n",
+        "  footlight log convert foh.show foh.dmxlog\n"
+        "  footlight log convert capture.pcapng show.dmxlog\n"
+        "  footlight log timing desk.sr\n",
     .add = add,
 };
 

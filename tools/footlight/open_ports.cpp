@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "drivers/capture/captures.h"
 #include "drivers/driver.h"
 #include "drivers/gpio/gpio_source.h"
 #include "drivers/net/net.h"
@@ -49,7 +50,11 @@ PortOpener::PortOpener(Clock& clock) : clock_(clock), own_senders_(std::make_sha
 
 Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint, const InOptions& options) {
   switch (endpoint.kind) {
-    case EndpointKind::kFile: return as_source(LogSource::open(endpoint.target, log_source_options(options)));
+    case EndpointKind::kFile: {
+      FL_ASSIGN(LogReader reader, drivers::read_any_log(endpoint.target));
+      return as_source(
+          LogSource::from_reader(std::move(reader), "log:" + endpoint.target, log_source_options(options)));
+    }
     case EndpointKind::kDevice: {
       drivers::PortRequest request = device_request(endpoint);
       request.wait_for_device = options.wait_for_device;

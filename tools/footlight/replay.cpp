@@ -89,7 +89,7 @@ Result<int> replay(const Options& options) {
 
 void add(Arguments& arguments) {
   auto options = std::make_shared<Options>();
-  arguments.word("FILE", options->file, "a DMX log, or an OLA Show");
+  arguments.word("FILE", options->file, "a DMX log, an OLA Show or a capture (pcap, pcapng, .sr)");
   arguments.flag("--demo", options->demo, "the demo show in place of a file");
   arguments.list("--out,-o", options->outs, "ENDPOINT", "where to play it; may be given many times");
   arguments.duration("--at", options->start_ns, "begin there in the log, with the whole look of that moment");

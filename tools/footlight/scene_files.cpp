@@ -2,13 +2,14 @@
 
 #include <charconv>
 
+#include "drivers/capture/captures.h"
 #include "tools/demo_show/demo_assets.h"
 
 namespace footlight::tools {
 
 void add_scene_arguments(Arguments& arguments, SceneFiles& files) {
   arguments.option("--rig", files.rig, "FILE", "the rig (docs/rig.md)");
-  arguments.option("--log", files.log, "FILE", "the DMX log that drives it");
+  arguments.option("--log", files.log, "FILE", "what drives it: a DMX log, an OLA Show or a capture");
   arguments.flag("--demo", files.demo, "the built-in rig, driven by the built-in show");
 }
 
@@ -26,7 +27,7 @@ Result<fixtures::Rig> load_scene_rig(const SceneFiles& files) {
 Result<std::optional<LogReader>> open_scene_log(const SceneFiles& files) {
   std::optional<LogReader> log;
   if (!files.log.empty()) {
-    FL_ASSIGN(log, LogReader::open(files.log));
+    FL_ASSIGN(log, drivers::read_any_log(files.log));
   } else if (files.demo) {
     const auto bytes = demo::demo_log_bytes();
     FL_ASSIGN(log, LogReader::open_bytes({bytes.begin(), bytes.end()}, "the built-in show"));

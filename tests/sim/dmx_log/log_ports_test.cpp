@@ -229,7 +229,11 @@ TEST_CASE("what cannot be played is refused with the reason") {
 TEST_CASE("an OLA Show plays as a log does") {
   const TempFolder folder;
   write_bytes(folder.file("a.show"), "OLA Show\n1 1\n20\n2 5\n30\n1 2\n50\n");
-  auto source = LogSource::open(folder.file("a.show"));
+  auto input = open_log_input(folder.file("a.show"));
+  REQUIRE(input);
+  auto reader = read_into_memory(**input);
+  REQUIRE(reader);
+  auto source = LogSource::from_reader(std::move(*reader), "log:a.show");
   REQUIRE_MESSAGE(source, source.error().message);
   FakeClock clock(0);
   Recorder recorder;
@@ -237,7 +241,7 @@ TEST_CASE("an OLA Show plays as a log does") {
   REQUIRE(recorder.frames.size() == 3);
   CHECK(recorder.frames[2].time_ns == 50 * kNsPerMs);
   CHECK(clock.now_ns() == 100 * kNsPerMs);
-  CHECK(!LogSource::open(folder.file("none.dmxlog")));
+  CHECK(!open_log_input(folder.file("none.dmxlog")));
 }
 
 TEST_CASE("the sink records every frame with the stamp that it carries, and the end that it was told") {

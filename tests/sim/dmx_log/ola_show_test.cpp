@@ -139,11 +139,11 @@ TEST_CASE("an OLA Show goes through a DMX log and back to the byte") {
   const std::string text =
       "OLA Show\n1 0,255,7\n23\n2 9,9,9,9\n0\n1 0,255,7\n40\n3 \n1\n1 1,2\n22\n2 9,9,9,8\n977\n";
   write_bytes(folder.file("a.show"), text);
-  auto there = convert_log(folder.file("a.show"), folder.file("b.dmxlog"));
+  auto there = convert_file(folder.file("a.show"), folder.file("b.dmxlog"));
   REQUIRE_MESSAGE(there, there.error().message);
   CHECK(there->frames == 6);
   CHECK(there->duration_ns == 1063 * kNsPerMs);
-  auto back = convert_log(folder.file("b.dmxlog"), folder.file("c.show"));
+  auto back = convert_file(folder.file("b.dmxlog"), folder.file("c.show"));
   REQUIRE_MESSAGE(back, back.error().message);
   CHECK(back->duration_ns == 1063 * kNsPerMs);
   CHECK(back->lead_dropped_ns == 0);
@@ -152,12 +152,14 @@ TEST_CASE("an OLA Show goes through a DMX log and back to the byte") {
 
   ConvertOptions changes_only;
   changes_only.changes_only = true;
-  auto changes = convert_log(folder.file("a.show"), folder.file("d.show"), changes_only);
+  auto changes = convert_file(folder.file("a.show"), folder.file("d.show"), changes_only);
   REQUIRE(changes);
   CHECK(changes->left_out == 1);
   CHECK(read_show(folder.file("d.show")).size() == 5);
 
-  const auto of_text = read_log_info(folder.file("a.show"));
+  auto text_input = open_log_input(folder.file("a.show"));
+  REQUIRE(text_input);
+  const auto of_text = describe(**text_input);
   const auto of_log = read_log_info(folder.file("b.dmxlog"));
   REQUIRE(of_text);
   REQUIRE(of_log);
@@ -174,18 +176,18 @@ TEST_CASE("a conversion that fails says where and leaves nothing behind") {
   const TempFolder folder;
   write_bytes(folder.file("a.show"), "OLA Show\n1 1\n20\n1 2\nx\n");
   for (const std::string out : {"b.dmxlog", "b.show"}) {
-    const auto failed = convert_log(folder.file("a.show"), folder.file(out));
+    const auto failed = convert_file(folder.file("a.show"), folder.file(out));
     REQUIRE(!failed);
     CHECK(failed.error().message.find("a.show:5: expected a delay") != std::string::npos);
     CHECK(!std::filesystem::exists(folder.file(out)));
     CHECK(!std::filesystem::exists(folder.file(out + ".part")));
   }
-  CHECK(!convert_log(folder.file("a.show"), folder.file("a.show")));
-  CHECK(!convert_log(folder.file("none.show"), folder.file("b.dmxlog")));
-  write_bytes(folder.file("c.bin"), "PK\3\4");
-  const auto neither = convert_log(folder.file("c.bin"), folder.file("b.dmxlog"));
+  CHECK(!convert_file(folder.file("a.show"), folder.file("a.show")));
+  CHECK(!convert_file(folder.file("none.show"), folder.file("b.dmxlog")));
+  write_bytes(folder.file("c.bin"), "PNG\3\4");
+  const auto neither = convert_file(folder.file("c.bin"), folder.file("b.dmxlog"));
   REQUIRE(!neither);
-  CHECK(neither.error().message.find("expected a DMX log or an OLA Show") != std::string::npos);
+  CHECK(neither.error().message.find("expected a DMX log, an OLA Show") != std::string::npos);
 }
 
 TEST_CASE("silence before the first frame, which an OLA Show cannot hold, is reported") {
@@ -198,7 +200,7 @@ TEST_CASE("silence before the first frame, which an OLA Show cannot hold, is rep
   frame.slots = {1};
   REQUIRE(writer->append(frame.view()));
   REQUIRE(writer->close(5 * kNsPerS));
-  const auto report = convert_log(folder.file("a.dmxlog"), folder.file("a.show"));
+  const auto report = convert_file(folder.file("a.dmxlog"), folder.file("a.show"));
   REQUIRE(report);
   CHECK(report->lead_dropped_ns == 2 * kNsPerS);
   CHECK(report->duration_ns == 3 * kNsPerS);
@@ -214,7 +216,7 @@ TEST_CASE("a damaged log converted to a log is a sound one with the frames that 
   auto bytes = log_bytes(frames, kNsPerS, options);
   bytes.resize(bytes.size() / 2);
   write_bytes(folder.file("torn.dmxlog"), std::string(bytes.begin(), bytes.end()));
-  const auto report = convert_log(folder.file("torn.dmxlog"), folder.file("whole.dmxlog"));
+  const auto report = convert_file(folder.file("torn.dmxlog"), folder.file("whole.dmxlog"));
   REQUIRE(report);
   CHECK(report->damage_count == 1);
   auto reader = LogReader::open(folder.file("whole.dmxlog"));
@@ -236,9 +238,9 @@ TEST_CASE("shows recorded by OLA go through a DMX log unchanged") {
   const std::string base = std::string(data) + "/dmx/ola-show-testdata/testdata/";
   for (const std::string name : {"dos_line_endings", "multiple_unis", "single_uni", "trailing_timeout"}) {
     CAPTURE(name);
-    const auto there = convert_log(base + name, folder.file(name + ".dmxlog"));
+    const auto there = convert_file(base + name, folder.file(name + ".dmxlog"));
     REQUIRE_MESSAGE(there, there.error().message);
-    const auto back = convert_log(folder.file(name + ".dmxlog"), folder.file(name));
+    const auto back = convert_file(folder.file(name + ".dmxlog"), folder.file(name));
     REQUIRE_MESSAGE(back, back.error().message);
     DurationNs end_ns = 0;
     DurationNs end_again_ns = 0;

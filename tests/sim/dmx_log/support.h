@@ -16,6 +16,7 @@
 
 #include "sim/core/check.h"
 #include "sim/dmx_log/dmx_log.h"
+#include "sim/dmx_log/log_input.h"
 
 namespace footlight::testing {
 
@@ -148,6 +149,12 @@ inline std::vector<std::uint8_t> log_bytes(const std::vector<OwnedFrame>& frames
   for (const OwnedFrame& frame : frames) REQUIRE(writer->append(frame.view(options.origin_ns)));
   REQUIRE(writer->close(options.origin_ns + end_ns));
   return read_bytes(path);
+}
+
+inline Result<ConvertReport> convert_file(const std::string& in, const std::string& out,
+                                          const ConvertOptions& options = {}) {
+  FL_ASSIGN(const auto input, open_log_input(in));
+  return convert_log(*input, out, options);
 }
 
 inline LogReader open_log(std::vector<std::uint8_t> bytes) {
