@@ -44,9 +44,10 @@ Result<std::string> find_show_file() {
 
 std::vector<std::string> socket_folders() {
   std::vector<std::string> folders;
-  const std::string service = folder_of("RUNTIME_DIRECTORY");
+  const std::string services = folder_of("RUNTIME_DIRECTORY");  // several are separated by colons
+  const std::string service = services.substr(0, services.find(':'));
   const std::string user = folder_of("XDG_RUNTIME_DIR");
-  if (!service.empty()) folders.push_back(service.substr(0, service.find(':')));
+  if (!service.empty()) folders.push_back(service);
   if (!user.empty()) folders.push_back(user + "/footlight");
   if (service != "/run/footlight") folders.emplace_back("/run/footlight");
   return folders;

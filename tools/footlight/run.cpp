@@ -7,6 +7,7 @@
 #include "tools/footlight/bridge.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/open_ports.h"
+#include "tools/footlight/paths.h"
 #include "tools/footlight/show_file.h"
 
 namespace footlight::tools {
@@ -45,6 +46,10 @@ Result<Show> show_of(const Options& options) {
     plan.options.wait_for_device = options.wait_for_device;
     plan.options.blackout_on_exit = options.blackout_on_exit;
     show.outs.push_back(std::move(plan));
+  }
+  if (options.show.empty() && options.ins.empty() && options.outs.empty() && !options.demo) {
+    FL_ASSIGN(const std::string found, find_show_file());
+    FL_ASSIGN(show, load_show(found));
   }
   if ((show.ins.empty() && !options.demo) || show.outs.empty()) {
     return fail(ErrorCode::kBadInput,
@@ -106,7 +111,9 @@ Result<int> run(const Options& options) {
 
 void add(Arguments& arguments) {
   auto options = std::make_shared<Options>();
-  arguments.word("SHOW", options->show, "a show file (TOML) that names the ports");
+  arguments.word("SHOW", options->show,
+                 "a show file (TOML) that names the ports; by default ~/.config/footlight/show.toml or "
+                 "/etc/footlight/show.toml");
   arguments.list("--in,-i", options->ins, "ENDPOINT", "where frames come from; may be given many times");
   arguments.list("--out,-o", options->outs, "ENDPOINT", "where they go; may be given many times");
   arguments.flag("--demo", options->demo, "the demo show as an input, over and over");

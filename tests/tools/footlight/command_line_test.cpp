@@ -96,7 +96,6 @@ TEST_CASE("wrong arguments end with an exit code and a message that names the th
   const std::vector<Wrong> wrongs = {
       {{}, 2, {"--help"}},
       {{"rum"}, 2, {"rum", "run", "--help"}},
-      {{"run"}, 2, {"--in", "--out", "footlight run --in sacn:1-9"}},
       {{"run", "--in", "sacn:1-9"}, 2, {"--out"}},
       {{"run", "--in", "sacn:0-9", "--out", "mock:enttec-pro"}, 2, {"sacn:0-9", "universe 0", "1 to 63999"}},
       {{"run", "--in", "sacn:64000", "--out", "mock:enttec-pro"}, 2, {"sacn:64000", "universe 64000"}},
