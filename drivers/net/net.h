@@ -75,8 +75,15 @@ struct SacnSinkOptions {
   std::string source_name = "Footlight";     // UTF-8; at most 63 bytes go out, cut at a whole character
   std::uint8_t priority = kPriorityDefault;  // 0 to 200
   bool preview = false;                      // flag every frame as preview
-  double rate_hz_max = 0.0;                  // what Sink::rate_hz_max() tells the pump; 0: as frames come
-  Cid cid = {};                              // all zero: sacn_cid_of(options)
+  // Start code 0xDD: who wins, address by address, instead of `priority`; the k-th is for address k + 1. 0: this sink
+  // has no say there, as for addresses past the end. Empty: not sent. At most 512, 0 to 200 each.
+  std::vector<std::uint8_t> address_priorities;
+  // Receivers that can hold what they get until the synchronisation packet that follows every batch; those that hear
+  // none for 2.5 s go on without (Force_Synchronization). 0: not synchronised.
+  int sync_universe = 0;
+  bool announce = true;      // tell every 10 s which universes it sends (multicast only)
+  double rate_hz_max = 0.0;  // what Sink::rate_hz_max() tells the pump; 0: as frames come
+  Cid cid = {};              // all zero: sacn_cid_of(options)
   std::shared_ptr<OwnSenders> own_senders;
 };
 

@@ -71,7 +71,7 @@ Status NetSink::send(TimeNs now_ns, std::span<const FrameView> frames) {
   if (!is_open()) return {};
   for (const FrameView& frame : frames) {
     const int place = show_index_.find(frame.universe);
-    if (place < 0 || frame.terminated) continue;
+    if (place < 0 || frame.terminated || frame.start_code != kStartCodeLevels) continue;
     Outlet& outlet = outlets_[static_cast<std::size_t>(place)];
     const auto slots = frame.slots.first(std::min<std::size_t>(frame.slots.size(), kSlotCountMax));
     const bool changed = !outlet.known || slots.size() > outlet.slot_count ||

@@ -36,7 +36,8 @@ class NetSink : public Sink {
   [[nodiscard]] PortCounters counters() const override { return counters_; }
   [[nodiscard]] std::span<const Universe> universes() const override { return show_universes_; }
   [[nodiscard]] double rate_hz_max() const override { return settings_.rate_hz_max; }
-  // Frames that say `terminated` are passed over: a sink goes on with the last look until close().
+  // Frames that say `terminated`, or that hold no levels, are passed over: a sink goes on with the last look until
+  // close().
   Status send(TimeNs now_ns, std::span<const FrameView> frames) override;
   Status poll(TimeNs now_ns) override;
   void close(TimeNs now_ns) override;

@@ -68,9 +68,10 @@ Status NetSource::open() {
   FL_ASSIGN(std::vector<std::uint32_t> bind_ipv4s, parse_ipv4_list(settings_.name, settings_.addresses));
   if (bind_ipv4s.empty()) {
     bind_ipv4s.push_back(0);
-  } else {
+  } else if (!is_multicast(bind_ipv4s.front())) {
     settings_.groups.clear();  // unicast only
   }
+  group_bind_ipv4_ = bind_ipv4s.front();
   FL_TRY(find_named_interfaces());
   epoll_ = Fd(epoll_create1(EPOLL_CLOEXEC));
   if (!epoll_) return tl::unexpected(net_error(settings_.name, "create an epoll descriptor", errno));
@@ -116,7 +117,7 @@ Status NetSource::find_named_interfaces() {
 Status NetSource::join(std::uint32_t group, int interface_index) {
   // A socket below our limit may still be full where the system's limit is lower; then the next one takes the group.
   for (std::size_t i = 0;; ++i) {
-    if (i == sockets_.size()) FL_TRY(add_socket(0));
+    if (i == sockets_.size()) FL_TRY(add_socket(group_bind_ipv4_));
     Socket& socket = sockets_[i];
     if (socket.groups >= kGroupsPerSocketMax) continue;
     const int error_number = join_group(socket.fd, group, interface_index);

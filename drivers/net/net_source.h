@@ -37,7 +37,8 @@ class NetSource : public Source {
   struct Settings {
     std::string name;
     std::vector<WireUniverse> universes;
-    std::vector<std::string> addresses;        // local ones to bind to; none: any
+    // Local ones to bind to, then no group is joined; or one multicast group, to hear nothing else. None: any.
+    std::vector<std::string> addresses;
     std::vector<std::string> interface_names;  // to join groups on; none: all that are up and can do multicast
     std::uint16_t udp_port = 0;
     bool kernel_stamps = true;
@@ -97,6 +98,7 @@ class NetSource : public Source {
   Settings settings_;
   std::vector<Universe> show_universes_;
   UniverseIndex wire_index_;
+  std::uint32_t group_bind_ipv4_ = 0;
   std::set<int> only_interfaces_;  // those of settings_.interface_names that are there
   Fd epoll_;
   std::vector<Socket> sockets_;

@@ -59,6 +59,22 @@ void write_length(std::span<std::uint8_t> packet, std::size_t at) {
   write_u16_be(packet, at, static_cast<std::uint16_t>(0x7000u | (packet.size() - at)));
 }
 
+void write_name(std::span<std::uint8_t> packet, std::string_view source_name) {
+  const std::string_view name = cut_utf8(source_name, kSacnSourceNameBytes - 1);
+  std::copy(name.begin(), name.end(), packet.begin() + kAtName);
+}
+
+// Clears a packet of the extended vector and writes its first two layers up to the framing vector.
+void write_extended(std::span<std::uint8_t> packet, const Cid& cid, std::uint32_t framing_vector) {
+  std::fill(packet.begin(), packet.end(), std::uint8_t{0});
+  std::copy(kRootStart.begin(), kRootStart.end(), packet.begin());
+  write_length(packet, kAtRootLength);
+  write_u32_be(packet, kAtRootVector, kRootVectorExtended);
+  std::copy(cid.begin(), cid.end(), packet.begin() + kAtCid);
+  write_length(packet, kAtFramingLength);
+  write_u32_be(packet, kAtFramingVector, framing_vector);
+}
+
 Cid cid_at(std::span<const std::uint8_t> datagram) {
   Cid cid;
   std::copy_n(datagram.begin() + kAtCid, cid.size(), cid.begin());
@@ -191,8 +207,7 @@ std::size_t build_sacn_data(const SacnData& data, std::span<std::uint8_t> out) {
   write_u32_be(packet, kAtRootVector, kRootVectorData);
   std::copy(data.cid.begin(), data.cid.end(), packet.begin() + kAtCid);
   write_u32_be(packet, kAtFramingVector, kFramingVectorData);
-  const std::string_view name = cut_utf8(data.source_name, kSacnSourceNameBytes - 1);
-  std::copy(name.begin(), name.end(), packet.begin() + kAtName);
+  write_name(packet, data.source_name);
   packet[kAtPriority] = data.priority;
   write_u16_be(packet, kAtSyncUniverse, static_cast<std::uint16_t>(data.sync_universe));
   packet[kAtOptions] =
@@ -218,6 +233,33 @@ std::size_t update_sacn_data(std::span<std::uint8_t> packet, std::uint8_t sequen
   used[kAtOptions] =
       static_cast<std::uint8_t>((used[kAtOptions] & ~kOptionTerminated) | (terminated ? kOptionTerminated : 0));
   std::copy(slots.begin(), slots.end(), used.begin() + kSacnDataHeaderBytes);
+  return size;
+}
+
+void build_sacn_sync(const SacnSync& sync, std::span<std::uint8_t, kSacnSyncBytes> out) {
+  FL_CHECK(is_universe(sync.sync_universe));
+  write_extended(out, sync.cid, kFramingVectorSync);
+  out[kAtSyncPacketSequence] = sync.sequence;
+  write_u16_be(out, kAtSyncPacketUniverse, static_cast<std::uint16_t>(sync.sync_universe));
+}
+
+std::size_t build_sacn_discovery(const Cid& cid, std::string_view source_name, int page, int last_page,
+                                 std::span<const int> universes, std::span<std::uint8_t> out) {
+  FL_CHECK(page >= 0 && page <= last_page && last_page <= 255);
+  FL_CHECK_LE(universes.size(), std::size_t{kSacnDiscoveryUniversesMax});
+  const std::size_t size = kSacnDiscoveryHeaderBytes + 2 * universes.size();
+  FL_CHECK_GE(out.size(), size);
+  const auto packet = out.first(size);
+  write_extended(packet, cid, kFramingVectorDiscovery);
+  write_name(packet, source_name);
+  write_length(packet, kAtListLength);
+  write_u32_be(packet, kAtListVector, kDiscoveryVectorList);
+  packet[kAtListPage] = static_cast<std::uint8_t>(page);
+  packet[kAtListLastPage] = static_cast<std::uint8_t>(last_page);
+  for (std::size_t i = 0; i < universes.size(); ++i) {
+    FL_CHECK(is_universe(universes[i]));
+    write_u16_be(packet, kSacnDiscoveryHeaderBytes + 2 * i, static_cast<std::uint16_t>(universes[i]));
+  }
   return size;
 }
 

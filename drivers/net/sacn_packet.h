@@ -24,10 +24,9 @@ inline constexpr std::size_t kSacnDataBytesMax = kSacnDataHeaderBytes + kSlotCou
 inline constexpr std::size_t kSacnSyncBytes = 49;
 inline constexpr std::size_t kSacnDiscoveryHeaderBytes = 120;
 inline constexpr int kSacnDiscoveryUniversesMax = 512;  // of one page
+inline constexpr std::size_t kSacnDiscoveryBytesMax = kSacnDiscoveryHeaderBytes + 2 * kSacnDiscoveryUniversesMax;
 inline constexpr int kSacnDiscoveryUniverse = 64'214;
 inline constexpr std::size_t kSacnSourceNameBytes = 64;  // with the closing zero
-inline constexpr std::uint8_t kStartCodeLevels = 0x00;
-inline constexpr std::uint8_t kStartCodePriority = 0xDD;  // per-address priority
 
 // One data packet. The views look into the datagram (parsed) or into the caller's memory (to be built).
 struct SacnData {
@@ -94,6 +93,13 @@ std::size_t build_sacn_data(const SacnData& data, std::span<std::uint8_t> out);
 // build_sacn_data(); returns its new size.
 std::size_t update_sacn_data(std::span<std::uint8_t> packet, std::uint8_t sequence, bool terminated,
                              std::span<const std::uint8_t> slots);
+
+void build_sacn_sync(const SacnSync& sync, std::span<std::uint8_t, kSacnSyncBytes> out);
+
+// One page of the list of a sender's universes: ascending, at most 512. Returns its size in octets. Checked: the pages,
+// the universes, and `out` large enough.
+std::size_t build_sacn_discovery(const Cid& cid, std::string_view source_name, int page, int last_page,
+                                 std::span<const int> universes, std::span<std::uint8_t> out);
 
 // 239.255.hi.lo in host byte order (E1.31-2018 section 9.3.1). Universe 1 to 63'999, or kSacnDiscoveryUniverse.
 [[nodiscard]] std::uint32_t sacn_group_ipv4(int universe);

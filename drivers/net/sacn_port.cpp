@@ -1,10 +1,16 @@
 #include "drivers/net/sacn_port.h"
 
-#include <variant>
+#include <algorithm>
 
-#include "drivers/net/hash.h"
+#include "drivers/net/sacn_discovery.h"
 
 namespace footlight::drivers {
+namespace {
+
+// From the first frame to the first announcement: by then the others have followed.
+constexpr DurationNs kFirstAnnounceNs = kNsPerS;
+
+}  // namespace
 
 Result<std::unique_ptr<SacnSource>> SacnSource::create(const SacnSourceOptions& options) {
   FL_TRY(check_universes(options.name, options.universes, kUniverseMax));
@@ -25,61 +31,28 @@ SacnSource::SacnSource(const SacnSourceOptions& options)
         for (const auto& universe : options.universes) settings.groups.push_back(sacn_group_ipv4(universe.wire));
         return settings;
       }()),
-      hear_preview_(options.hear_preview),
-      own_senders_(options.own_senders),
-      filters_(options.universes.size()) {}
+      rules_({options.universes, options.hear_preview, options.own_senders}) {}
 
 void SacnSource::take(const Datagram& datagram, TimeNs stamp_ns, FrameReceiver& receiver) {
-  const auto packet = parse_sacn_packet(datagram.bytes);
-  if (!packet) {
-    count_rejected();
-  } else if (const auto* data = std::get_if<SacnData>(&*packet)) {
-    take_data(*data, stamp_ns, receiver);
-  } else if (std::holds_alternative<SacnSync>(*packet)) {
-    ++details_.sync;
-  } else {
-    ++details_.discovery;
-  }
+  // Counts what the rules let through.
+  class Outlet final : public FrameReceiver {
+   public:
+    Outlet(SacnSource& source, FrameReceiver& to) : source_(source), to_(to) {}
+    void receive(const FrameView& frame) override { source_.deliver(frame, to_); }
+
+   private:
+    SacnSource& source_;
+    FrameReceiver& to_;
+  } outlet(*this, receiver);
+  if (!rules_.take(datagram.bytes, datagram.from_ipv4, {stamp_ns, datagram.kernel_ns}, outlet)) count_rejected();
+  if (const auto change = rules_.take_change()) follow(*change);
 }
 
-void SacnSource::take_data(const SacnData& data, TimeNs stamp_ns, FrameReceiver& receiver) {
-  const int place = place_of(data.universe);
-  if (place < 0) {
-    ++details_.other_universe;
-    return;
-  }
-  if (own_senders_ && own_senders_->has_cid(data.cid)) {
-    ++details_.own;
-    return;
-  }
-  if (data.start_code != kStartCodeLevels) {
-    ++details_.other_start_code;
-    return;
-  }
-  if (data.preview && !hear_preview_) {
-    ++details_.preview;
-    return;
-  }
-  const SenderId sender = sender_hash(data.cid);
-  const auto verdict =
-      filters_[static_cast<std::size_t>(place)].judge(sender, data.sequence, data.terminated, true, stamp_ns);
-  if (verdict == SequenceFilter::Verdict::kLate) {
-    ++details_.late;
-    return;
-  }
-  if (verdict == SequenceFilter::Verdict::kEndedAlready) {
-    ++details_.ended_already;
-    return;
-  }
-  FrameView frame;
-  frame.universe = show_universe(place);
-  frame.stamp_ns = stamp_ns;
-  frame.sender = sender;
-  frame.sequence = data.sequence;
-  frame.priority = data.priority;
-  frame.terminated = data.terminated;
-  if (!data.terminated) frame.slots = data.slots;
-  deliver(frame, receiver);
+void SacnSource::follow(const SacnSynchroniser::Change& change) {
+  if (!settings().addresses.empty()) return;  // unicast: synchronisation packets come the same way
+  if (change.left != 0 && place_of(change.left) < 0) drop_group(sacn_group_ipv4(change.left));
+  // Without the group the data would be used as it comes, which is what happens until it is joined anyway.
+  if (change.joined != 0 && !add_group(sacn_group_ipv4(change.joined))) count_error();
 }
 
 Result<std::unique_ptr<SacnSink>> SacnSink::create(const SacnSinkOptions& options) {
@@ -92,6 +65,19 @@ Result<std::unique_ptr<SacnSink>> SacnSink::create(const SacnSinkOptions& option
     return fail(ErrorCode::kBadInput, "{}: expected a multicast time to live from 1 to 255, got {}", options.name,
                 options.multicast_ttl);
   }
+  if (options.sync_universe != 0 && !is_universe(options.sync_universe)) {
+    return fail(ErrorCode::kBadInput, "{}: expected a synchronisation universe from 1 to {}, or 0 for none, got {}",
+                options.name, kUniverseMax, options.sync_universe);
+  }
+  if (options.address_priorities.size() > kSlotCountMax) {
+    return fail(ErrorCode::kBadInput, "{}: expected priorities for at most {} addresses, got {}", options.name,
+                kSlotCountMax, options.address_priorities.size());
+  }
+  for (const int priority : options.address_priorities) {
+    if (priority <= kPriorityMax) continue;
+    return fail(ErrorCode::kBadInput, "{}: expected priorities of addresses from 0 to {}, got {}", options.name,
+                kPriorityMax, priority);
+  }
   FL_ASSIGN(const auto unicast, parse_ipv4_list(options.name, options.addresses));
   FL_ASSIGN(auto links, open_links(options.name, options.interface_names, options.multicast_ttl));
   std::unique_ptr<SacnSink> sink(new SacnSink(options, std::move(links), unicast));
@@ -102,17 +88,37 @@ Result<std::unique_ptr<SacnSink>> SacnSink::create(const SacnSinkOptions& option
 
 SacnSink::SacnSink(const SacnSinkOptions& options, std::vector<Link> links, std::span<const std::uint32_t> unicast)
     : NetSink({options.name, options.universes, options.port, options.rate_hz_max}, std::move(links)),
+      source_name_(options.source_name),
       cid_(sacn_cid_of(options)),
-      sequences_(options.universes.size(), 0) {
+      sequences_(options.universes.size(), 0),
+      address_priorities_(options.address_priorities),
+      sync_universe_(options.sync_universe) {
+  if (!address_priorities_.empty()) {
+    address_priorities_.resize(kSlotCountMax);  // with 0, in words: the same as addresses past the end
+    priority_packets_.resize(options.universes.size());
+    priorities_due_ns_.assign(options.universes.size(), -kTimeNever);
+  }
   for (std::size_t place = 0; place < options.universes.size(); ++place) {
     SacnData data;
     data.cid = cid_;
-    data.source_name = options.source_name;
+    data.source_name = source_name_;
     data.priority = options.priority;
     data.preview = options.preview;
     data.universe = options.universes[place].wire;
+    data.sync_universe = sync_universe_;
+    data.force_sync = sync_universe_ != 0;
     build_sacn_data(data, packet_bytes(place));
     set_destinations(place, destinations_of(data.universe, unicast));
+    if (!address_priorities_.empty()) {
+      data.start_code = kStartCodePriorities;
+      data.sync_universe = 0;
+      data.force_sync = false;
+      build_sacn_data(data, priority_packets_[place]);
+    }
+  }
+  if (sync_universe_ != 0) sync_destinations_ = destinations_of(sync_universe_, unicast);
+  if (options.announce && unicast.empty()) {
+    announce_destinations_ = destinations_of(kSacnDiscoveryUniverse, {});
   }
 }
 
@@ -129,6 +135,59 @@ std::vector<NetSink::Destination> SacnSink::destinations_of(int universe,
 
 std::size_t SacnSink::write_packet(const Packet& packet) {
   return update_sacn_data(packet.bytes, sequences_[packet.place]++, packet.terminated, packet.slots);
+}
+
+void SacnSink::add_before(TimeNs now_ns, std::span<const std::size_t> places) {
+  if (announce_due_ns_ == kTimeNever && !announce_destinations_.empty()) announce_due_ns_ = now_ns + kFirstAnnounceNs;
+  if (address_priorities_.empty()) return;
+  for (const std::size_t place : places) {
+    if (priorities_due_ns_[place] > now_ns) continue;
+    priorities_due_ns_[place] = now_ns + kKeepAliveNs;
+    auto& packet = priority_packets_[place];
+    const std::size_t size = update_sacn_data(packet, sequences_[place]++, false, address_priorities_);
+    add(std::span(packet).first(size), destinations(place));
+  }
+}
+
+void SacnSink::add_after(TimeNs, std::span<const std::size_t>) {
+  if (sync_universe_ == 0) return;
+  build_sacn_sync({cid_, sync_sequence_++, sync_universe_}, sync_packet_);
+  add(sync_packet_, sync_destinations_);
+}
+
+void SacnSink::announce() {
+  std::vector<int> universes;
+  for (std::size_t place = 0; place < settings().universes.size(); ++place) {
+    if (is_known(place)) universes.push_back(settings().universes[place].wire);
+  }
+  std::sort(universes.begin(), universes.end());
+  const std::size_t page_count = (universes.size() + kSacnDiscoveryUniversesMax - 1) / kSacnDiscoveryUniversesMax;
+  std::vector<std::array<std::uint8_t, kSacnDiscoveryBytesMax>> packets(page_count);
+  for (std::size_t page = 0; page < page_count; ++page) {
+    const auto rest = std::span<const int>(universes).subspan(page * kSacnDiscoveryUniversesMax);
+    const std::size_t size =
+        build_sacn_discovery(cid_, source_name_, static_cast<int>(page), static_cast<int>(page_count) - 1,
+                             rest.first(std::min<std::size_t>(rest.size(), kSacnDiscoveryUniversesMax)), packets[page]);
+    add(std::span(packets[page]).first(size), announce_destinations_);
+  }
+  send_added();
+}
+
+TimeNs SacnSink::next_deadline_ns() const { return std::min(NetSink::next_deadline_ns(), announce_due_ns_); }
+
+Status SacnSink::poll(TimeNs now_ns) {
+  FL_TRY(NetSink::poll(now_ns));
+  if (is_open() && now_ns >= announce_due_ns_) {
+    announce();
+    // On a grid, so that the interval stays; from now where a stall left it behind.
+    announce_due_ns_ = std::max(announce_due_ns_ + kSacnAnnounceNs, now_ns + 1);
+  }
+  return {};
+}
+
+void SacnSink::close(TimeNs now_ns) {
+  NetSink::close(now_ns);
+  announce_due_ns_ = kTimeNever;
 }
 
 Result<std::unique_ptr<Source>> make_sacn_source(const SacnSourceOptions& options) {

@@ -2,50 +2,41 @@
 // here for what only sACN counts.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
 #include "drivers/net/net_sink.h"
 #include "drivers/net/net_source.h"
 #include "drivers/net/sacn_packet.h"
-#include "drivers/net/sequence.h"
+#include "drivers/net/sacn_receiver.h"
 
 namespace footlight::drivers {
 
-// Sound datagrams that gave no frame, by reason.
-struct SacnSourceDetails {
-  std::uint64_t late = 0;              // sequence number at or up to 19 behind the newest of its sender
-  std::uint64_t preview = 0;           // flagged as preview
-  std::uint64_t other_start_code = 0;  // per-address priority and other start codes than 0
-  std::uint64_t other_universe = 0;    // a universe that this source does not carry
-  std::uint64_t own = 0;               // sent by this program
-  std::uint64_t ended_already = 0;     // second and third packet of a sender that stops
-  std::uint64_t sync = 0;
-  std::uint64_t discovery = 0;
-};
-
-// Frames with a synchronisation address are passed on as they come, as E1.31-2018 section 6.2.4.1 has it for receivers
-// that do not synchronise.
+// The rules are in sacn_receiver.h and sacn_synchroniser.h; this joins groups, those of synchronisation addresses too.
 class SacnSource final : public NetSource {
  public:
   [[nodiscard]] static Result<std::unique_ptr<SacnSource>> create(const SacnSourceOptions& options);
-  [[nodiscard]] const SacnSourceDetails& details() const { return details_; }
+  [[nodiscard]] SacnSourceDetails details() const { return rules_.details(); }
+  [[nodiscard]] std::string sender_text(SenderId sender) const override { return rules_.sender_text(sender); }
 
  private:
   explicit SacnSource(const SacnSourceOptions& options);
   void take(const Datagram& datagram, TimeNs stamp_ns, FrameReceiver& receiver) override;
-  void take_data(const SacnData& data, TimeNs stamp_ns, FrameReceiver& receiver);
+  void follow(const SacnSynchroniser::Change& change);
 
-  bool hear_preview_;
-  std::shared_ptr<OwnSenders> own_senders_;
-  std::vector<SequenceFilter> filters_;  // per universe
-  SacnSourceDetails details_;
+  SacnReceiver rules_;
 };
 
+// Beside the frames a sink sends, where its options ask for it: priorities per address in front of the levels, at most
+// 925 ms apart; a synchronisation packet behind each batch; and the list of its universes every 10 s.
 class SacnSink final : public NetSink {
  public:
   [[nodiscard]] static Result<std::unique_ptr<SacnSink>> create(const SacnSinkOptions& options);
   [[nodiscard]] const Cid& cid() const { return cid_; }
+  [[nodiscard]] TimeNs next_deadline_ns() const override;
+  Status poll(TimeNs now_ns) override;
+  void close(TimeNs now_ns) override;
 
  private:
   // `unicast`: the receivers; none: multicast.
@@ -53,10 +44,27 @@ class SacnSink final : public NetSink {
   // Of one universe, or of the synchronisation of several.
   [[nodiscard]] std::vector<Destination> destinations_of(int universe, std::span<const std::uint32_t> unicast) const;
   std::size_t write_packet(const Packet& packet) override;
+  void add_before(TimeNs now_ns, std::span<const std::size_t> places) override;
+  void add_after(TimeNs now_ns, std::span<const std::size_t> places) override;
   [[nodiscard]] bool says_goodbye() const override { return true; }
+  void announce();
 
+  std::string source_name_;
   Cid cid_;
-  std::vector<std::uint8_t> sequences_;  // per universe
+  std::vector<std::uint8_t> sequences_;  // per universe, of levels and priorities together (E1.31-2018 section 6.7.2)
+
+  // Priorities per address, where the options have them.
+  std::vector<std::uint8_t> address_priorities_;
+  std::vector<std::array<std::uint8_t, kSacnDataBytesMax>> priority_packets_;  // per universe
+  std::vector<TimeNs> priorities_due_ns_;                                      // per universe
+
+  int sync_universe_ = 0;  // 0: not synchronised
+  std::uint8_t sync_sequence_ = 0;
+  std::vector<Destination> sync_destinations_;
+  std::array<std::uint8_t, kSacnSyncBytes> sync_packet_ = {};
+
+  std::vector<Destination> announce_destinations_;  // none: is silent about its universes
+  TimeNs announce_due_ns_ = kTimeNever;             // until the first frame
 };
 
 }  // namespace footlight::drivers

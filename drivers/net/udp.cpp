@@ -355,7 +355,8 @@ int DatagramReader::read(int fd) {
         timespec stamp = {};
         std::memcpy(&stamp, CMSG_DATA(control), sizeof stamp);
         if (wall_ns == 0) wall_ns = wall_clock_ns();
-        const DurationNs age_ns = wall_ns - (stamp.tv_sec * kNsPerS + stamp.tv_nsec);
+        datagram.kernel_ns = stamp.tv_sec * kNsPerS + stamp.tv_nsec;
+        const DurationNs age_ns = wall_ns - datagram.kernel_ns;
         datagram.age_ns = age_ns >= 0 && age_ns <= kAgeMaxNs ? age_ns : 0;
       } else if (control->cmsg_level == SOL_SOCKET && control->cmsg_type == SO_RXQ_OVFL) {
         std::memcpy(&kernel_drops_, CMSG_DATA(control), sizeof kernel_drops_);

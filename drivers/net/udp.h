@@ -104,6 +104,7 @@ struct Datagram {
   std::uint16_t from_udp_port = 0;
   std::uint32_t local_ipv4 = 0;  // ours, for an answer; 0 without packet_info
   int interface_index = 0;       // where it came in; 0 without packet_info
+  std::int64_t kernel_ns = 0;    // when it arrived, on the wall clock; 0 without stamps. Good for comparing two of them
   DurationNs age_ns = 0;         // how long it has waited in the kernel; 0 where that is not known
   bool truncated = false;        // it was longer than kDatagramBytesMax
 };

@@ -238,6 +238,37 @@ Result<std::vector<WireUniverse>> parse_wire_universes(std::string_view text, in
   return universes;
 }
 
+Result<std::vector<std::uint8_t>> parse_address_priorities(std::string_view text) {
+  std::vector<std::uint8_t> priorities(kSlotCountMax);
+  std::vector<bool> named(kSlotCountMax);
+  for (const std::string& part : split_at_commas(text)) {
+    std::string_view rest = part;
+    while (!rest.empty() && rest.front() == ' ') rest.remove_prefix(1);
+    while (!rest.empty() && rest.back() == ' ') rest.remove_suffix(1);
+    const std::size_t colon = rest.find(':');
+    const std::string_view range = rest.substr(0, colon);
+    const std::size_t dash = range.find('-');
+    const auto first = number_of(range.substr(0, dash));
+    const auto last = dash == std::string_view::npos ? first : number_of(range.substr(dash + 1));
+    const auto priority = colon == std::string_view::npos ? std::nullopt : number_of(rest.substr(colon + 1));
+    if (!first || !last || !priority || !is_address(*first) || !is_address(*last) || *last < *first ||
+        *priority > kPriorityMax) {
+      return fail(ErrorCode::kBadInput,
+                  "expected addresses from 1 to {} and a priority from 0 to {}, as in 1-100:150, got \"{}\"",
+                  kSlotCountMax, kPriorityMax, rest);
+    }
+    for (Address address = *first; address <= *last; ++address) {
+      const auto slot = static_cast<std::size_t>(slot_of_address(address));
+      if (named[slot]) {
+        return fail(ErrorCode::kBadInput, "address {} is named twice; name each address once", address);
+      }
+      named[slot] = true;
+      priorities[slot] = static_cast<std::uint8_t>(*priority);
+    }
+  }
+  return priorities;
+}
+
 Result<Endpoint> parse_endpoint(std::string_view text, std::span<const std::string_view> device_schemes) {
   Endpoint endpoint;
   endpoint.text = text;

@@ -67,4 +67,8 @@ struct Endpoint {
 [[nodiscard]] Result<std::vector<WireUniverse>> parse_wire_universes(std::string_view text,
                                                                      int wire_max = kUniverseMax);
 
+// Reads "1-100:150, 101-512:0": addresses and the priority (0 to 200) that each of them has. 512 priorities; addresses
+// that are not named have 0. Errors: kBadInput; the message names the offending part.
+[[nodiscard]] Result<std::vector<std::uint8_t>> parse_address_priorities(std::string_view text);
+
 }  // namespace footlight

@@ -122,6 +122,16 @@ std::string json_of_device(const drivers::FoundDevice& device) {
                   {"remedy", device.remedy}});
 }
 
+std::string json_of_finding(const NetworkFinding& found) {
+  return line_of({{"protocol", found.protocol},
+                  {"name", found.name},
+                  {"address", found.address},
+                  {"id", found.id},
+                  {"sends", found.sends},
+                  {"receives", found.receives},
+                  {"complete", found.complete}});
+}
+
 namespace {
 
 const char* word_of(LogFormat format) {

@@ -13,6 +13,7 @@
 #include "sim/pump.h"
 #include "sim/universes.h"
 #include "tools/footlight/event_log.h"
+#include "tools/footlight/network_finding.h"
 
 namespace footlight::tools {
 
@@ -30,6 +31,7 @@ namespace footlight::tools {
 [[nodiscard]] std::string json_of_device(const drivers::FoundDevice& device);
 [[nodiscard]] std::string json_of_log(const LogInfo& info, const std::vector<std::string>& notes);
 [[nodiscard]] std::string json_of_line_timing(const std::string& path, const drivers::LineCaptureInfo& info);
+[[nodiscard]] std::string json_of_finding(const NetworkFinding& found);
 [[nodiscard]] std::string json_of_conversion(const std::string& in, const std::string& out,
                                              const ConvertReport& report);
 

@@ -114,6 +114,10 @@ Result<std::unique_ptr<Sink>> PortOpener::open_sink(const Endpoint& endpoint, st
     sacn.priority = static_cast<std::uint8_t>(options.priority);
     sacn.preview = options.preview;
     sacn.rate_hz_max = options.rate_hz_max;
+    sacn.address_priorities = options.address_priorities;
+    sacn.sync_universe = options.sync_universe;
+    if (options.multicast_ttl != 0) sacn.multicast_ttl = options.multicast_ttl;
+    sacn.announce = options.announce;
     return drivers::make_sacn_sink(sacn);
   }
   auto artnet = drivers::options_of<drivers::ArtnetSinkOptions>(endpoint, own_senders_);

@@ -54,6 +54,11 @@ struct OutOptions {
   double rate_hz_max = 0.0;               // network: 0 for as frames come
   bool sync = false;                      // artnet: an ArtSync after each batch of frames
   bool broadcast = true;                  // artnet, searching: universes that no device has asked for go to everybody
+  // sacn, as in drivers::SacnSinkOptions:
+  std::vector<std::uint8_t> address_priorities;
+  int sync_universe = 0;
+  int multicast_ttl = 0;  // 0: the default
+  bool announce = true;
   bool log_overwrite = false;
 };
 

@@ -77,6 +77,14 @@ void read_gpio(TomlReader& reader, InOptions& options) {
   options.wait_for_device = reader.boolean("wait_for_device", false);
 }
 
+std::vector<std::uint8_t> read_address_priorities(TomlReader& reader) {
+  if (!reader.has("address_priorities")) return {};
+  auto priorities = parse_address_priorities(reader.text("address_priorities"));
+  if (priorities) return std::move(*priorities);
+  reader.trouble(reader.line_of("address_priorities"), "address_priorities: {}", priorities.error().message);
+  return {};
+}
+
 Result<InPlan> read_in(const TomlNode& node, const std::string& file) {
   TomlReader reader(node, file, "[[in]]");
   InPlan plan;
@@ -121,6 +129,10 @@ Result<OutPlan> read_out(const TomlNode& node, const std::string& file) {
           options.priority = static_cast<int>(reader.integer("priority", 0, kPriorityMax, kPriorityDefault));
           options.preview = reader.boolean("preview", false);
           options.source_name = reader.text("source_name", options.source_name);
+          options.address_priorities = read_address_priorities(reader);
+          options.sync_universe = static_cast<int>(reader.integer("sync_universe", 0, kUniverseMax, 0));
+          options.multicast_ttl = static_cast<int>(reader.integer("multicast_ttl", 0, 255, 0));
+          options.announce = reader.boolean("announce", true);
         }
         break;
       case EndpointKind::kDevice:

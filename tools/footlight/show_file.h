@@ -19,6 +19,8 @@
 //   rate_hz_max = 40               # sacn, artnet
 //   sync = true                    # artnet; without an address also broadcast = false
 //   priority = 120                 # sacn; also source_name = "FOH", preview = true
+//   address_priorities = "1-100:150, 101-512:0"  # sacn: who wins, address by address
+//   sync_universe = 7000           # sacn; also multicast_ttl = 20, announce = true
 //   overwrite = true               # log
 //
 // A key that the kind of endpoint has no use for is an error, with the line.

@@ -85,6 +85,22 @@ TEST_CASE("a built sACN data packet parses to the same fields at every slot coun
   }
 }
 
+TEST_CASE("synchronisation and discovery packets have the octets of another implementation's") {
+  const Bytes theirs_sync = peer_packet("sync-packet-raw");
+  if (theirs_sync.empty()) return;
+  Bytes ours(kSacnSyncBytes);
+  build_sacn_sync(std::get<SacnSync>(parse_sacn(theirs_sync).value()), std::span<std::uint8_t, kSacnSyncBytes>(ours));
+  CHECK(ours == theirs_sync);
+
+  const Bytes theirs_list = peer_packet("discovery-packet-raw");
+  const auto list = std::get<SacnDiscovery>(parse_sacn(theirs_list).value());
+  std::vector<int> universes;
+  for (std::size_t i = 0; i < list.universe_count(); ++i) universes.push_back(list.universe(i));
+  ours.resize(kSacnDiscoveryBytesMax);
+  ours.resize(build_sacn_discovery(list.cid, list.source_name, list.page, list.last_page, universes, ours));
+  CHECK(ours == theirs_list);
+}
+
 TEST_CASE("each sACN option bit is carried alone and together with the others") {
   for (int bits = 0; bits < 8; ++bits) {
     SacnData data = test_data({});

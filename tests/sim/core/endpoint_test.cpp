@@ -110,6 +110,23 @@ TEST_CASE("universe 0, universe 64000 and Art-Net universe 32769 are refused, an
   CHECK(parsed("artnet:32768=63999").universes == std::vector<WireUniverse>{{32'768, 63'999}});
 }
 
+TEST_CASE("priorities of addresses are read as ranges, and those that nobody names are 0") {
+  const auto read = parse_address_priorities("1-100:150, 512:200 ,101:0");
+  REQUIRE(read.has_value());
+  REQUIRE(read->size() == 512);
+  CHECK((*read)[0] == 150);
+  CHECK((*read)[99] == 150);
+  CHECK((*read)[100] == 0);
+  CHECK((*read)[511] == 200);
+  for (const char* const wrong : {"", "1-100", "1-100:201", "0:5", "513:5", "9-3:5", "1:2:3", "a:1", "1-:4", ","}) {
+    CAPTURE(wrong);
+    const auto refused = parse_address_priorities(wrong);
+    REQUIRE_FALSE(refused.has_value());
+    CHECK(contains(refused.error().message, "as in 1-100:150"));
+  }
+  CHECK(contains(parse_address_priorities("1-3:1,3-4:2").error().message, "address 3 is named twice"));
+}
+
 TEST_CASE("an unknown scheme is answered with the schemes that there are") {
   for (const char* text : {"scan:1-9", "", "1-9", "SACN:1", ":1-9", "=3"}) {
     const auto message = refusal(text);

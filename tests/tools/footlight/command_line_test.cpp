@@ -31,7 +31,7 @@ std::vector<std::string> commands_of(const std::string& help) {
 TEST_CASE("help names every command, the endpoints and the exit codes") {
   const Outcome outcome = footlight({"--help"});
   CHECK(outcome.exit_code == 0);
-  for (const char* command : {"devices", "run", "record", "replay", "log"}) {
+  for (const char* command : {"devices", "discover", "run", "record", "replay", "log"}) {
     const auto commands = commands_of(outcome.out);
     CHECK(std::find(commands.begin(), commands.end(), command) != commands.end());
   }
@@ -136,6 +136,16 @@ TEST_CASE("wrong arguments end with an exit code and a message that names the th
     CHECK(outcome.err.rfind("footlight: ", 0) == 0);
     for (const std::string& name : wrong.named) CHECK_MESSAGE(contains(outcome.err, name), name);
   }
+}
+
+TEST_CASE("discover names an interface that is not there, and finds nobody on a silent one") {
+  const Outcome wrong = footlight({"discover", "--interface", "eht7"});
+  CHECK(wrong.exit_code == 3);
+  CHECK(contains(wrong.err, "no network interface is called \"eht7\""));
+  const Outcome silent = footlight({"discover", "--for", "10ms", "--interface", "lo", "--json"});
+  CHECK(silent.exit_code == 3);
+  CHECK(silent.out.empty());
+  CHECK(contains(silent.err, "nobody has told what they send"));
 }
 
 TEST_CASE("devices prints JSON objects or says that there are none, and never fails otherwise") {

@@ -1,0 +1,123 @@
+// Universe synchronisation on the receiving side (E1.31-2018 sections 6.2.4.1, 6.2.6 and 11): data packets that name a
+// synchronisation address wait for the synchronisation packet of that address. No socket, no clock.
+//
+// - Until the first synchronisation packet of an address has come, its data is used as it comes (6.2.4.1).
+// - From then on a frame is held until the next one comes. A newer frame of the same universe and sender takes the
+//   place of a held one, which is counted.
+// - Synchronisation is lost 2.5 s after the last synchronisation packet (11.1.2). What a data packet then does is said
+//   by its own Force_Synchronization bit (6.2.6): set, it is used at once; clear, it goes on being held until
+//   synchronisation resumes. If the data falls silent for 2.5 s as well, all of that is forgotten: a desk that starts
+//   again is heard at once.
+// - A data packet without address is used at once, and what is held of its universe and sender is dropped (6.2.4.1).
+// - Any sender may synchronise any address: the document ties them together by the address alone.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "drivers/net/sacn_packet.h"
+#include "drivers/net/sequence.h"
+#include "sim/core/dmx.h"
+
+namespace footlight::drivers {
+
+// When a datagram came: on the pump's clock, and as the kernel stamped it (0: it did not). The kernel's stamps order
+// datagrams that were read from different sockets.
+struct Arrival {
+  TimeNs stamp_ns = 0;
+  std::int64_t kernel_ns = 0;
+};
+
+struct HeldFrame {
+  SenderId sender = 0;
+  int address = 0;  // the synchronisation address that it waits for
+  std::uint8_t sequence = 0;
+  std::uint8_t priority = kPriorityDefault;
+  std::uint16_t slot_count = 0;
+  std::int64_t kernel_ns = 0;
+  Slots slots = {};
+};
+
+class SacnSynchroniser {
+ public:
+  // Beyond these bounds data is used as it comes.
+  static constexpr std::size_t kAddressesMax = 32;       // followed at a time; one idle for 2.5 s gives way
+  static constexpr std::size_t kHeldPerUniverseMax = 4;  // senders whose frames can wait
+
+  struct Counters {
+    std::uint64_t held = 0;        // frames that had to wait
+    std::uint64_t replaced = 0;    // of those, never used: a newer one came before the synchronisation packet
+    std::uint64_t unfollowed = 0;  // frames used at once because of the bounds above
+    std::uint64_t late = 0;        // synchronisation packets out of sequence
+    std::uint64_t foreign = 0;     // synchronisation packets that no data asks for
+  };
+
+  explicit SacnSynchroniser(std::size_t place_count) : held_(place_count) {}
+
+  // A data packet with levels that has passed all other rules. True: it is held; false: use it now.
+  bool hold(const SacnData& data, std::size_t place, SenderId sender, Arrival arrival);
+  // Drops what is held of a sender that ends.
+  void drop(std::size_t place, SenderId sender);
+
+  // A synchronisation packet: calls use(place, held) for each frame that it sets free, in the order in which the
+  // universes were first held.
+  template <class Use>
+  void synchronise(const SacnSync& sync, SenderId sender, Arrival arrival, Use use) {
+    Address* const address = accept(sync, sender, arrival);
+    if (address == nullptr) return;
+    std::swap(address->places, places_spare_);
+    for (const std::size_t place : places_spare_) {
+      auto& frames = held_[place];
+      bool stays = false;
+      for (std::size_t i = 0; i < frames.size();) {
+        if (frames[i].address != sync.sync_universe) {
+          ++i;
+        } else if (arrival.kernel_ns != 0 && frames[i].kernel_ns > arrival.kernel_ns) {
+          stays = true;  // it came after the packet, through another socket
+          ++i;
+        } else {
+          use(place, frames[i]);
+          frames.erase(frames.begin() + static_cast<std::ptrdiff_t>(i));
+        }
+      }
+      if (stays) address->places.push_back(place);
+    }
+    places_spare_.clear();
+  }
+
+  // The addresses whose groups have to be joined or left since the last call.
+  struct Change {
+    int joined = 0;  // 0: none
+    int left = 0;
+  };
+  [[nodiscard]] std::optional<Change> take_change();
+
+  [[nodiscard]] const Counters& counters() const { return counters_; }
+
+ private:
+  struct Address {
+    int universe = 0;
+    TimeNs used_ns = 0;          // last data packet
+    TimeNs synchronised_ns = 0;  // last synchronisation packet
+    std::int64_t synchronised_kernel_ns = 0;
+    bool is_synchronised = false;  // one has come, and may be lost by now
+    SequenceFilter filter;
+    std::vector<std::size_t> places;  // with frames that wait for it, each once
+  };
+
+  [[nodiscard]] Address* find(int universe);
+  Address* find_or_follow(int universe, TimeNs now_ns);
+  Address* accept(const SacnSync& sync, SenderId sender, Arrival arrival);
+  [[nodiscard]] bool waits(std::size_t place, int universe) const;
+  void drop_held_of(const Address& address);
+
+  std::vector<Address> addresses_;
+  std::vector<std::vector<HeldFrame>> held_;  // per place
+  std::vector<std::size_t> places_spare_;
+  std::optional<Change> change_;
+  Counters counters_;
+};
+
+}  // namespace footlight::drivers
