@@ -28,7 +28,9 @@ Merge::Merge(int universe_count, const MergeOptions& options) : options_(options
 
 void Merge::set_mode(int index, MergeMode mode) {
   FL_CHECK(index >= 0 && index < count());
-  universes_[static_cast<std::size_t>(index)].mode = mode;
+  PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
+  if (universe.mode == mode) return;
+  universe.mode = mode;
   mark_changed(index);
 }
 
@@ -84,14 +86,15 @@ const MergeCounters& Merge::counters(int index) const {
   return universes_[static_cast<std::size_t>(index)].counters;
 }
 
+Merge::Sender* Merge::find(PerUniverse& universe, SourceId source, SenderId sender) {
+  for (int i = 0; i < universe.sender_count; ++i)
+    if (universe.senders[i].id == sender && universe.senders[i].source == source) return &universe.senders[i];
+  return nullptr;
+}
+
 // nullptr: there is no place for a new sender.
-Merge::Sender* Merge::find_or_add(int index, const FrameView& frame, TimeNs now_ns) {
+Merge::Sender* Merge::add(int index, const FrameView& frame, SourceId source) {
   PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
-  unsigned places_taken = 0;
-  for (int i = 0; i < universe.sender_count; ++i) {
-    if (universe.senders[i].id == frame.sender) return &universe.senders[i];
-    places_taken |= 1u << universe.senders[i].place;
-  }
   if (universe.sender_count == kSendersPerUniverseMax) {
     int lowest = 0;
     for (int i = 1; i < kSendersPerUniverseMax; ++i) {
@@ -100,17 +103,18 @@ Merge::Sender* Merge::find_or_add(int index, const FrameView& frame, TimeNs now_
       if (a.priority < b.priority || (a.priority == b.priority && a.heard_at < b.heard_at)) lowest = i;
     }
     if (universe.senders[lowest].priority >= frame.priority) return nullptr;
-    places_taken &= ~(1u << universe.senders[lowest].place);
     ++universe.counters.senders_displaced;
     remove(index, lowest);
   }
+  unsigned places_taken = 0;
+  for (int i = 0; i < universe.sender_count; ++i) places_taken |= 1u << universe.senders[i].place;
   Sender& sender = universe.senders[universe.sender_count++];
   sender = Sender{};
   sender.id = frame.sender;
+  sender.source = source;
   sender.priority = frame.priority;
   while ((places_taken >> sender.place & 1u) != 0) ++sender.place;
   std::memset(levels_of(index, sender.place), 0, kSlotCountMax);
-  next_expiry_ns_ = std::min(next_expiry_ns_, now_ns + options_.timeout_ns);
   return &sender;
 }
 
@@ -118,30 +122,46 @@ Merge::Sender* Merge::find_or_add(int index, const FrameView& frame, TimeNs now_
 void Merge::remove(int index, int sender) {
   PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
   const int priority = universe.senders[sender].priority;
+  if (universe.senders[sender].fresh) ++universe.counters.frames_outranked;
   universe.senders[sender] = universe.senders[universe.sender_count - 1];
   --universe.sender_count;
   if (universe.sender_count != 0 && priority >= highest_priority(universe)) mark_changed(index);
 }
 
-Merge::Received Merge::receive(int index, const FrameView& frame, TimeNs now_ns) {
+void Merge::forget_source(SourceId source) {
+  for (int index = 0; index < count(); ++index) {
+    PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
+    for (int i = universe.sender_count - 1; i >= 0; --i)
+      if (universe.senders[i].source == source) remove(index, i);
+  }
+}
+
+Merge::Received Merge::receive(int index, const FrameView& frame, TimeNs now_ns, SourceId source) {
   FL_CHECK(index >= 0 && index < count());
   FL_CHECK_LE(frame.slots.size(), static_cast<std::size_t>(kSlotCountMax));
   PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
-  ++universe.counters.frames;
   if (frame.priority > kPriorityMax) {
+    ++universe.counters.frames;
     ++universe.counters.refused_priority;
     return Received::kRefusedPriority;
   }
-  if (frame.terminated) {
-    for (int i = 0; i < universe.sender_count; ++i)
-      if (universe.senders[i].id == frame.sender) {
-        ++universe.counters.senders_ended;
-        remove(index, i);
-        break;
-      }
+  if (frame.start_code != kStartCodeLevels) {
+    ++universe.counters.frames;
+    ++universe.counters.frames_priorities;
     return Received::kStored;
   }
-  Sender* const sender = find_or_add(index, frame, now_ns);
+  Sender* sender = find(universe, source, frame.sender);
+  if (sender != nullptr && sender->fresh) return Received::kResolveFirst;
+  ++universe.counters.frames;
+  if (frame.terminated) {
+    ++universe.counters.frames_ended;
+    if (sender != nullptr) {
+      ++universe.counters.senders_ended;
+      remove(index, static_cast<int>(sender - universe.senders));
+    }
+    return Received::kStored;
+  }
+  if (sender == nullptr) sender = add(index, frame, source);
   if (sender == nullptr) {
     ++universe.counters.refused_full;
     return Received::kRefusedFull;
@@ -165,13 +185,17 @@ Merge::Received Merge::receive(int index, const FrameView& frame, TimeNs now_ns)
   sender->slot_count = std::max(sender->slot_count, static_cast<std::uint16_t>(frame.slots.size()));
   sender->priority = frame.priority;
   sender->heard_ns = now_ns;
+  sender->silence_ns = frame.silence_max_ns > 0 ? frame.silence_max_ns : options_.timeout_ns;
+  next_expiry_ns_ = std::min(next_expiry_ns_, now_ns + sender->silence_ns);
   sender->stamp_ns = frame.stamp_ns;
   sender->heard_at = frame_number_;
   sender->sequence = frame.sequence;
+  ++sender->frames;
   if (wins && (priority_moves || universe.mode == MergeMode::kHtp || changed_last(universe, *sender))) {
-    if (sender->fresh) ++universe.counters.frames_replaced;
     sender->fresh = true;
     mark_changed(index);
+  } else {
+    ++universe.counters.frames_outranked;
   }
   return Received::kStored;
 }
@@ -182,7 +206,7 @@ void Merge::expire(TimeNs now_ns) {
   for (int index = 0; index < count(); ++index) {
     PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
     for (int i = universe.sender_count - 1; i >= 0; --i) {
-      const TimeNs expiry_ns = universe.senders[i].heard_ns + options_.timeout_ns;
+      const TimeNs expiry_ns = universe.senders[i].heard_ns + universe.senders[i].silence_ns;
       if (expiry_ns <= now_ns) {
         ++universe.counters.senders_silent;
         remove(index, i);
@@ -201,8 +225,12 @@ bool Merge::resolve(int index) {
   const int top = highest_priority(universe);
   for (int i = 0; i < universe.sender_count; ++i) {
     Sender& sender = universe.senders[i];
-    sender.fresh = false;
-    if (sender.priority == top) winners[winner_count++] = &sender;
+    if (sender.priority == top) {
+      winners[winner_count++] = &sender;
+    } else if (sender.fresh) {
+      ++universe.counters.frames_outranked;
+      sender.fresh = false;
+    }
   }
   if (winner_count == 0) return false;
 
@@ -212,6 +240,12 @@ bool Merge::resolve(int index) {
     const bool later = universe.mode == MergeMode::kLtp ? winners[i]->changed_at > newest->changed_at
                                                         : winners[i]->heard_at > newest->heard_at;
     if (later) newest = winners[i];
+  }
+  for (int i = 0; i < winner_count; ++i) {
+    if (!winners[i]->fresh) continue;
+    winners[i]->fresh = false;
+    const bool shown = universe.mode == MergeMode::kHtp || winners[i] == newest;
+    ++(shown ? universe.counters.frames_shown : universe.counters.frames_outranked);
   }
   std::uint8_t* const look = looks_.get() + static_cast<std::size_t>(index) * kSlotCountMax;
   if (winner_count == 1 || universe.mode == MergeMode::kLtp) {
@@ -256,6 +290,56 @@ void Merge::set_look(int index, const FrameView& frame) {
   universe.look_sender = frame.sender;
   universe.look_sequence = frame.sequence;
   universe.look_priority = frame.priority;
+}
+
+MergeSender Merge::sender(int index, int number) const {
+  FL_CHECK(index >= 0 && index < count());
+  const PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
+  FL_CHECK(number >= 0 && number < universe.sender_count);
+  const Sender& sender = universe.senders[number];
+  MergeSender told;
+  told.source = sender.source;
+  told.id = sender.id;
+  told.heard_ns = sender.heard_ns;
+  told.rate_hz = static_cast<double>(sender.rate_hz);
+  told.priority = sender.priority;
+  told.wins = sender.priority == highest_priority(universe) &&
+              (universe.mode == MergeMode::kHtp || changed_last(universe, sender));
+  return told;
+}
+
+void Merge::count_rates(double period_s) {
+  FL_CHECK_GT(period_s, 0.0);
+  for (PerUniverse& universe : universes_)
+    for (int i = 0; i < universe.sender_count; ++i) {
+      Sender& sender = universe.senders[i];
+      sender.rate_hz = static_cast<float>(static_cast<double>(sender.frames) / period_s);
+      sender.frames = 0;
+    }
+}
+
+void Merge::adopt(const Merge& from, std::span<const int> from_index) {
+  FL_CHECK_EQ(from_index.size(), universes_.size());
+  FL_CHECK_EQ(frame_number_, 0u);
+  for (std::size_t i = 0; i < universes_.size(); ++i) {
+    if (from_index[i] < 0) continue;
+    const int index = static_cast<int>(i);
+    const PerUniverse& old = from.universes_[static_cast<std::size_t>(from_index[i])];
+    PerUniverse& universe = universes_[i];
+    const MergeMode mode = universe.mode;
+    const bool changed = universe.changed;
+    universe = old;
+    universe.mode = mode;
+    universe.changed = changed;
+    set_look(index, from.look(from_index[i]));
+    for (int k = 0; k < universe.sender_count; ++k) {
+      const int place = universe.senders[k].place;
+      std::memcpy(levels_of(index, place), from.levels_of(from_index[i], place), kSlotCountMax);
+    }
+    if (old.changed || old.mode != mode) mark_changed(index);
+  }
+  frame_number_ = from.frame_number_;
+  next_expiry_ns_ = from.next_expiry_ns_;
 }
 
 }  // namespace footlight

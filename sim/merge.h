@@ -4,18 +4,22 @@
 // - The senders of the highest priority win. Equal ones are merged: HTP, the highest level of each slot, or LTP, the
 //   levels of the one that changed last (a repeat of unchanged levels is not a change, or two consoles would flicker).
 // - Losing senders are kept up to date, so that a failover shows their newest levels at once.
-// - A sender that is silent holds its last look for timeout_ns, 2.5 s by default, and is then forgotten. A frame marked
-//   `terminated` has it forgotten at once.
+// - A sender that is silent holds its last look for the silence_max_ns of its last frame or, where that is 0, for
+//   timeout_ns, 2.5 s by default, and is then forgotten. A frame marked `terminated` has it forgotten at once.
 // - When the last sender is forgotten, the look stays as it is.
 // - Slots that no winner ever sent stay as they are. Within one sender, slots past the end of a short frame stay as
 //   well.
 // - A priority above 200 is against the protocol: the frame is ignored and counted.
+// - A sender is known by its source and its SenderId, so that two ports may give out the same numbers.
 // - Eight senders at most. A ninth is refused and counted, unless its priority is above that of the lowest, which
 //   cannot win beside it: then it takes that one's place (of several, the one silent for longest), which is counted
 //   too.
 //
-// A source that speaks only when something changes has to repeat itself within timeout_ns, or it loses its universe to
+// A source that speaks only when something changes has to repeat itself within that time, or it loses its universe to
 // other senders.
+//
+// No frame of a winner is skipped: receive() refuses a second one of the same sender before the first was made into a
+// look by resolve(). So each frame is counted in just one of the ways that MergeCounters names.
 //
 // Time is passed in: silence is counted from the `now_ns` of receive(), not from the frame's stamp, so that frames that
 // waited in a socket while the machine was stopped count as heard when they are read.
@@ -45,15 +49,34 @@ struct MergeOptions {
   MergeMode mode = MergeMode::kHtp;                 // of every universe; set_mode() changes single ones
 };
 
-// What happened to the frames of one universe.
+// Which source a frame came from; given out by whoever calls receive().
+using SourceId = std::uint32_t;
+
+// What happened to the frames of one universe. `frames` is the sum of the seven after it, and of the frames that wait
+// for resolve().
 struct MergeCounters {
-  std::uint64_t frames = 0;             // given to receive()
-  std::uint64_t refused_priority = 0;   // frames ignored: priority above 200
-  std::uint64_t refused_full = 0;       // frames ignored: eight other senders are there
+  std::uint64_t frames = 0;             // taken or refused by receive()
+  std::uint64_t frames_shown = 0;       // are in a look, alone or merged with others
+  std::uint64_t frames_outranked = 0;   // lost to a higher priority or, under LTP, to a later change
+  std::uint64_t frames_priorities = 0;  // carried no levels but per-address priorities
+  std::uint64_t frames_early = 0;       // of a new sender, while it is waited for whether it sends priorities
+  std::uint64_t frames_ended = 0;       // said that the sender stops
+  std::uint64_t refused_priority = 0;   // ignored: a priority above 200
+  std::uint64_t refused_full = 0;       // ignored: eight other senders are there
   std::uint64_t senders_displaced = 0;  // senders that gave their place to one of higher priority
-  std::uint64_t senders_silent = 0;     // senders forgotten after timeout_ns
+  std::uint64_t senders_silent = 0;     // senders forgotten for their silence
   std::uint64_t senders_ended = 0;      // senders that said they stop
-  std::uint64_t frames_replaced = 0;    // frames of a winner replaced by its next one before resolve()
+};
+
+// One sender of a universe, for people.
+struct MergeSender {
+  SourceId source = 0;
+  SenderId id = 0;
+  TimeNs heard_ns = 0;                       // when its last levels were received; 0: none yet
+  double rate_hz = 0.0;                      // of frames with levels, as of the last count_rates()
+  std::uint8_t priority = kPriorityDefault;  // of its last frame
+  bool wins = false;                         // some of its levels count
+  bool per_address = false;                  // its per-address priorities count, not `priority`
 };
 
 class Merge {
@@ -67,11 +90,15 @@ class Merge {
     kStored,           // taken; whether the look may change is said by changed()
     kRefusedPriority,  // see MergeCounters
     kRefusedFull,
+    kResolveFirst,  // not taken, not counted: the sender's last frame is not in a look yet; resolve, then give it again
   };
   // Takes one frame (oldest first within a sender). `now_ns` never goes back between calls.
-  Received receive(int index, const FrameView& frame, TimeNs now_ns);
+  Received receive(int index, const FrameView& frame, TimeNs now_ns, SourceId source = 0);
 
-  // Forgets the senders that have been silent for timeout_ns. Cheap before next_expiry_ns().
+  // Forgets every sender of a source that is no more.
+  void forget_source(SourceId source);
+
+  // Forgets the senders that have been silent for too long. Cheap before next_expiry_ns().
   void expire(TimeNs now_ns);
   // Nobody can be forgotten before; kTimeNever: nobody is there. May be too early, never too late.
   [[nodiscard]] TimeNs next_expiry_ns() const { return next_expiry_ns_; }
@@ -93,15 +120,27 @@ class Merge {
   // How many of them win, that is: share the highest priority.
   [[nodiscard]] int winner_count(int index) const;
   [[nodiscard]] const MergeCounters& counters(int index) const;
+  // The `number`-th of sender_count(), in no order.
+  [[nodiscard]] MergeSender sender(int index, int number) const;
+  // Reckons MergeSender::rate_hz over the time since the last call. > 0.
+  void count_rates(double period_s);
+
+  // Goes on where another merge was: its universe `from_index[i]` becomes index i, with senders, look and counters; -1:
+  // index i begins empty. Modes are not taken over. Before anything is received.
+  void adopt(const Merge& from, std::span<const int> from_index);
 
  private:
   struct Sender {
     SenderId id = 0;
     TimeNs heard_ns = 0;         // `now_ns` of its last frame
     TimeNs stamp_ns = 0;         // of its last frame
+    DurationNs silence_ns = 0;   // after which it is forgotten
     std::uint64_t heard_at = 0;  // running number of its last frame, and of the last that changed a level
     std::uint64_t changed_at = 0;
+    SourceId source = 0;
     std::uint32_t sequence = 0;
+    std::uint32_t frames = 0;  // since the last count_rates()
+    float rate_hz = 0.0F;
     std::uint16_t slot_count = 0;  // of its longest frame
     std::uint8_t priority = 0;
     std::uint8_t place = 0;  // which of the eight blocks of levels_ is its own
@@ -122,7 +161,8 @@ class Merge {
   [[nodiscard]] static int highest_priority(const PerUniverse& universe);  // -1: nobody is there
   [[nodiscard]] static bool changed_last(const PerUniverse& universe, const Sender& sender);
   [[nodiscard]] std::uint8_t* levels_of(int index, int place) const;
-  [[nodiscard]] Sender* find_or_add(int index, const FrameView& frame, TimeNs now_ns);
+  [[nodiscard]] static Sender* find(PerUniverse& universe, SourceId source, SenderId sender);
+  [[nodiscard]] Sender* add(int index, const FrameView& frame, SourceId source);
   void remove(int index, int sender);
   void mark_changed(int index);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -51,6 +52,7 @@ bool Pump::step() {
     for (std::vector<PortRun>* runs : {&sources_, &sinks_})
       for (PortRun& run : *runs)
         if (run.watched_fd == ready_fds_[static_cast<std::size_t>(i)]) run.ready = true;
+  if (has_jobs_.load(std::memory_order_acquire)) run_jobs();
   tick(clock_.now_ns());
   if (stop_requested_.load(std::memory_order_acquire)) return false;
   const bool ended = !sources_.empty() && std::all_of(sources_.begin(), sources_.end(), [](const PortRun& run) {
@@ -61,10 +63,14 @@ bool Pump::step() {
 
 void Pump::tick(TimeNs now_ns) {
   FL_CHECK(started_);
+  FL_CHECK(!in_tick_);
+  in_tick_ = true;
   ++ticks_;
   receive_ready(now_ns);
-  merge_changed(now_ns);
+  merge_.expire(now_ns);
+  merge_changed();
   send_due(now_ns);
+  in_tick_ = false;
   tick_ns_ = now_ns;
   if (now_ns - rates_since_ns_ >= options_.status_period_ns) count_rates(now_ns);
 }
@@ -76,16 +82,20 @@ void Pump::receive_ready(TimeNs now_ns) {
 
 void Pump::Inlet::receive(const FrameView& frame) {
   for (FrameReceiver* tap : pump_.taps_) tap->receive(frame);
-  const int index = pump_.universes_.index_of(frame.universe);
-  const int position = index < 0 ? -1 : run->position_of_index[static_cast<std::size_t>(index)];
-  if (position < 0) {
+  const int index = pump_.universes_->index_of(frame.universe);
+  const int lane = index < 0 ? -1 : run->lane_of_index[static_cast<std::size_t>(index)];
+  if (lane < 0) {
     ++run->unrouted;
     return;
   }
-  ++run->frames[static_cast<std::size_t>(position)];
+  ++run->lanes[static_cast<std::size_t>(lane)].frames;
   UniverseRun& universe = pump_.universe_runs_[static_cast<std::size_t>(index)];
-  universe.heard_tick = pump_.ticks_;
-  const Merge::Received received = pump_.merge_.receive(index, frame, now_ns);
+  Merge::Received received = pump_.merge_.receive(index, frame, now_ns, run->source_id);
+  if (received == Merge::Received::kResolveFirst) {
+    pump_.pass_on(now_ns);
+    received = pump_.merge_.receive(index, frame, now_ns, run->source_id);
+  }
+  universe.heard = true;
   if (received == Merge::Received::kRefusedFull && !universe.said_full) {
     universe.said_full = true;
     pump_.say(NoticeLevel::kWarning, "sender-refused", *run,
@@ -102,18 +112,26 @@ void Pump::Inlet::receive(const FrameView& frame) {
   }
 }
 
-void Pump::merge_changed(TimeNs now_ns) {
-  merge_.expire(now_ns);
+// In the middle of receiving: what has come so far leaves, so that nothing is overwritten that nobody has seen.
+void Pump::pass_on(TimeNs now_ns) {
+  merge_changed();
+  for (PortRun& run : sinks_)
+    if (run.period_ns <= 0.0) send_pending(run, now_ns);
+  feed_standbys(now_ns);
+}
+
+void Pump::merge_changed() {
   for (const int index : merge_.changed()) {
     if (!merge_.resolve(index)) continue;
-    universes_.write(index, merge_.look(index));
+    universes_->write(index, merge_.look(index));
     UniverseRun& universe = universe_runs_[static_cast<std::size_t>(index)];
     universe.has_look = true;
     ++universe.writes;
-    const std::uint8_t flags = universe.heard_tick == ticks_ ? kPending | kHeard : kPending;
+    const std::uint8_t flags = universe.heard ? kPending | kHeard : kPending;
+    universe.heard = false;
     for (PortRun& run : sinks_) {
-      const int position = run.position_of_index[static_cast<std::size_t>(index)];
-      if (position >= 0) mark_pending(run, position, flags);
+      const int lane = run.lane_of_index[static_cast<std::size_t>(index)];
+      if (lane >= 0 && !run.resting) mark_pending(run, lane, flags);
     }
   }
   merge_.clear_changed();
@@ -127,28 +145,38 @@ void Pump::send_due(TimeNs now_ns) {
     poll(run, now_ns);
     if (was_down && !run.down) send_pending(run, now_ns);
   }
+  feed_standbys(now_ns);
+}
+
+// A standby may be an earlier sink than the one that was found lost, and may be lost itself.
+void Pump::feed_standbys(TimeNs now_ns) {
+  while (standby_woke_) {
+    standby_woke_ = false;
+    for (PortRun& run : sinks_)
+      if (run.standby_for != nullptr) send_pending(run, now_ns);
+  }
 }
 
 void Pump::send_pending(PortRun& run, TimeNs now_ns, bool ignore_cap) {
   if (run.pending.empty() || run.down) return;
   run.batch.clear();
-  run.batch_positions.clear();
+  run.batch_lanes.clear();
   run.held_until_ns = kTimeNever;
   std::size_t held_count = 0;
-  for (const int position : run.pending) {
-    const auto p = static_cast<std::size_t>(position);
-    const TimeNs due_ns = run.paces[p].due_ns();
+  for (const int number : run.pending) {
+    Lane& lane = run.lanes[static_cast<std::size_t>(number)];
+    const TimeNs due_ns = lane.pace.due_ns();
     if (run.period_ns > 0.0 && due_ns > now_ns && !ignore_cap) {
-      run.pending_flags[p] |= kHeld;
+      lane.flags |= kHeld;
       run.held_until_ns = std::min(run.held_until_ns, due_ns);
-      run.pending[held_count++] = position;
+      run.pending[held_count++] = number;
       continue;
     }
-    if ((run.pending_flags[p] & kHeld) != 0) record_lateness(run, due_ns, now_ns);
-    if (run.period_ns > 0.0) run.paces[p].happened(now_ns, run.period_ns);
-    FrameView& frame = run.batch.emplace_back(merge_.look(run.index_of_position[p]));
-    frame.universe = run.universes[p];
-    run.batch_positions.push_back(position);
+    if ((lane.flags & kHeld) != 0) record_lateness(run, due_ns, now_ns);
+    if (run.period_ns > 0.0) lane.pace.happened(now_ns, run.period_ns);
+    FrameView& frame = run.batch.emplace_back(merge_.look(lane.index));
+    frame.universe = lane.universe;
+    run.batch_lanes.push_back(number);
   }
   run.pending.resize(held_count);
   if (run.batch.empty()) return;
@@ -156,31 +184,33 @@ void Pump::send_pending(PortRun& run, TimeNs now_ns, bool ignore_cap) {
   const Status sent = run.sink->send(now_ns, run.batch);
   const TimeNs sent_ns = clock_.now_ns();
   for (std::size_t i = 0; i < run.batch.size(); ++i) {
-    const auto p = static_cast<std::size_t>(run.batch_positions[i]);
-    if (sent) ++run.frames[p];
-    if (sent && (run.pending_flags[p] & kHeard) != 0) run.latency.record(sent_ns - run.batch[i].stamp_ns);
-    run.pending_flags[p] = 0;
+    Lane& lane = run.lanes[static_cast<std::size_t>(run.batch_lanes[i])];
+    ++(sent ? lane.frames : lane.refused);
+    if (sent && (lane.flags & kHeard) != 0) run.latency.record(sent_ns - run.batch[i].stamp_ns);
+    lane.flags = 0;
   }
   settle(run, sent, now_ns);
-  if (!run.down) say_back(run);
+  if (!run.down) say_back(run, now_ns);
 }
 
-void Pump::mark_pending(PortRun& run, int position, std::uint8_t flags) {
-  const auto p = static_cast<std::size_t>(position);
-  if ((run.pending_flags[p] & kPending) != 0) {
-    ++run.replaced;
+void Pump::mark_pending(PortRun& run, int lane_number, std::uint8_t flags) {
+  Lane& lane = run.lanes[static_cast<std::size_t>(lane_number)];
+  ++lane.looks;
+  if ((lane.flags & kPending) != 0) {
+    ++lane.replaced;
   } else {
-    run.pending.push_back(position);
+    run.pending.push_back(lane_number);
   }
-  run.pending_flags[p] |= flags;
+  lane.flags |= flags;
 }
 
 void Pump::mark_every_look(PortRun& run) {
-  for (std::size_t p = 0; p < run.universes.size(); ++p) {
-    const int index = run.index_of_position[p];
-    if (index < 0 || (run.pending_flags[p] & kPending) != 0) continue;
-    if (!universe_runs_[static_cast<std::size_t>(index)].has_look) continue;
-    mark_pending(run, static_cast<int>(p), kPending);
+  if (run.resting) return;
+  for (std::size_t number = 0; number < run.lanes.size(); ++number) {
+    const Lane& lane = run.lanes[number];
+    if (lane.index < 0 || (lane.flags & kPending) != 0) continue;
+    if (!universe_runs_[static_cast<std::size_t>(lane.index)].has_look) continue;
+    mark_pending(run, static_cast<int>(number), kPending);
   }
 }
 
@@ -198,7 +228,7 @@ void Pump::poll(PortRun& run, TimeNs now_ns) {
   const bool mute = run.down && woken_by_descriptor;
   if (mute != run.muted) {
     run.muted = mute;
-    watch(run, false);
+    watch(run, false, now_ns);
   }
 }
 
@@ -210,7 +240,7 @@ void Pump::settle(PortRun& run, const Status& result, TimeNs now_ns) {
   run.down = run.failed || state == PortState::kGone;
   if (!was_down && !run.down) {
     const int fd = state == PortState::kEnded ? -1 : run.port->poll_fd();
-    if (fd != run.watched_fd) watch(run, false);
+    if (fd != run.watched_fd) watch(run, false, now_ns);
     return;
   }
 
@@ -222,40 +252,73 @@ void Pump::settle(PortRun& run, const Status& result, TimeNs now_ns) {
   }
   if (run.down) {
     run.held_until_ns = kTimeNever;
-    if (!run.said_down) {
-      say(NoticeLevel::kWarning, "port-lost", run,
-          fmt::format("lost: {}", run.failed ? run.trouble : run.port->trouble()));
-    }
-    run.said_down = true;
+    say_lost(run, run.failed ? run.trouble : run.port->trouble(), now_ns);
   } else {
     if (run.sink != nullptr) mark_every_look(run);
-    if (run.pending.empty()) say_back(run);  // else when it has taken a look
+    if (run.pending.empty()) say_back(run, now_ns);  // else when it has taken a look
   }
-  watch(run, true);
+  watch(run, true, now_ns);
+}
+
+void Pump::say_lost(PortRun& run, const std::string& why, TimeNs now_ns) {
+  if (run.lost) return;
+  run.lost = true;
+  say(NoticeLevel::kWarning, "port-lost", run, fmt::format("lost: {}", why));
+  if (run.sink != nullptr) set_standbys(now_ns);
 }
 
 // A port has done its work: whatever was wrong is over.
-void Pump::say_back(PortRun& run) {
+void Pump::say_back(PortRun& run, TimeNs now_ns) {
   run.retry_ns = 0;
-  if (!run.said_down) return;
-  run.said_down = false;
+  if (!run.lost) return;
+  run.lost = false;
   run.trouble.clear();
   say(NoticeLevel::kInfo, "port-back", run, "back");
+  if (run.sink != nullptr) set_standbys(now_ns);
+}
+
+// Who of those that stand by is fed now? Asked when a sink is lost, is back, comes or goes.
+void Pump::set_standbys(TimeNs now_ns) {
+  for (PortRun& run : sinks_) {
+    const PortRun* working = nullptr;
+    for (const PortRun* main = run_of(run.standby_for); main != nullptr; main = run_of(main->standby_for))
+      if (!main->lost) working = main;
+    const bool rests = working != nullptr;
+    if (rests == run.resting) continue;
+    run.resting = rests;
+    if (rests) {
+      for (const int number : run.pending) {
+        Lane& lane = run.lanes[static_cast<std::size_t>(number)];
+        ++lane.replaced;
+        lane.flags = 0;
+      }
+      run.pending.clear();
+      run.held_until_ns = kTimeNever;
+      run.sink->rest(now_ns);
+      say(NoticeLevel::kInfo, "standby-rests", run, fmt::format("stands by; {} is back", working->name));
+    } else {
+      if (const PortRun* const main = run_of(run.standby_for); main != nullptr)
+        say(NoticeLevel::kWarning, "standby-takes-over", run, fmt::format("takes over for {}", main->name));
+      mark_every_look(run);
+      standby_woke_ = true;
+    }
+  }
+}
+
+const Pump::PortRun* Pump::run_of(const Sink* sink) const {
+  for (const PortRun& run : sinks_)
+    if (run.sink == sink) return &run;
+  return nullptr;
 }
 
 // Listens to the port's descriptor, or to none. `again`: even if the number is the one that is listened to.
-void Pump::watch(PortRun& run, bool again) {
+void Pump::watch(PortRun& run, bool again, TimeNs now_ns) {
   const bool deaf = run.failed || run.muted || run.port->state() == PortState::kEnded;
   const int fd = deaf ? -1 : run.port->poll_fd();
   if (fd == run.watched_fd && (fd < 0 || !again)) return;
   const int old_fd = run.watched_fd;
   run.watched_fd = fd;
-  if (old_fd >= 0 && old_fd != fd) {
-    bool shared = false;
-    for (const std::vector<PortRun>* runs : {&sources_, &sinks_})
-      for (const PortRun& other : *runs) shared = shared || other.watched_fd == old_fd;
-    if (!shared) waiter_.unwatch(old_fd);
-  }
+  if (old_fd >= 0 && old_fd != fd && !is_watched(old_fd)) waiter_.unwatch(old_fd);
   if (fd < 0) return;
   if (const Status watched = waiter_.watch(fd); !watched) {
     run.watched_fd = -1;
@@ -263,9 +326,15 @@ void Pump::watch(PortRun& run, bool again) {
     run.trouble = watched.error().message;
     ++run.failures;
     run.retry_ns = kRetryMaxNs;
-    run.said_down = true;
-    say(NoticeLevel::kWarning, "port-lost", run, fmt::format("lost: {}", run.trouble));
+    say_lost(run, run.trouble, now_ns);
   }
+}
+
+bool Pump::is_watched(int fd) const {
+  for (const std::vector<PortRun>* runs : {&sources_, &sinks_})
+    for (const PortRun& run : *runs)
+      if (run.watched_fd == fd) return true;
+  return false;
 }
 
 void Pump::say(NoticeLevel level, std::string_view id, const PortRun& run, const std::string& text,
@@ -305,67 +374,219 @@ void Pump::record_lateness(PortRun& run, TimeNs deadline_ns, TimeNs now_ns) {
 // --- Begin and end ---------------------------------------------------------------------------------------------------
 
 Pump::Pump(Universes& universes, Clock& clock, Waiter& waiter, PumpOptions options)
-    : universes_(universes),
+    : Pump(std::shared_ptr<Universes>(std::shared_ptr<void>(), &universes), clock, waiter, std::move(options)) {}
+
+Pump::Pump(std::shared_ptr<Universes> universes, Clock& clock, Waiter& waiter, PumpOptions options)
+    : universes_(std::move(universes)),
       clock_(clock),
       waiter_(waiter),
       options_(std::move(options)),
-      merge_(universes.count(), options_.merge),
+      merge_(universes_->count(), options_.merge),
       inlet_(*this),
-      universe_runs_(static_cast<std::size_t>(universes.count())) {
+      universe_runs_(static_cast<std::size_t>(universes_->count())) {
   FL_CHECK_GT(options_.status_period_ns, 0);
 }
 
-Pump::PortRun Pump::make_run(Port& port, std::span<const Universe> universes) const {
-  FL_CHECK(!started_);
-  PortRun run;
-  run.port = &port;
-  run.name = port.name();
-  run.universes.assign(universes.begin(), universes.end());
-  run.position_of_index.assign(universe_runs_.size(), -1);
-  for (const Universe universe : run.universes) {
-    const int index = universes_.index_of(universe);
-    // A universe named twice is carried once, at its first position.
-    const bool is_new = index >= 0 && run.position_of_index[static_cast<std::size_t>(index)] < 0;
-    if (is_new) run.position_of_index[static_cast<std::size_t>(index)] = static_cast<int>(run.index_of_position.size());
-    run.index_of_position.push_back(is_new ? index : -1);
-    if (index < 0)
-      say(NoticeLevel::kWarning, "universe-unused", run,
-          fmt::format("universe {} is not among those of this run; it stays unused", universe), universe);
-  }
-  run.frames.resize(run.universes.size());
-  run.frames_before.resize(run.universes.size());
-  run.rates_hz.resize(run.universes.size());
-  return run;
-}
-
 void Pump::add_source(Source& source) {
-  PortRun run = make_run(source, source.universes());
-  run.source = &source;
-  sources_.push_back(std::move(run));
+  FL_CHECK(!in_tick_);
+  PortRun& run = sources_.emplace_back();
+  run.port = run.source = &source;
+  run.source_id = ++last_source_id_;
+  add(run, source.universes());
 }
 
-void Pump::add_sink(Sink& sink) {
-  PortRun run = make_run(sink, sink.universes());
-  run.sink = &sink;
+void Pump::add_sink(Sink& sink, SinkRole role) {
+  FL_CHECK(!in_tick_);
+  FL_CHECK(role.standby_for == nullptr || run_of(role.standby_for) != nullptr);
+  PortRun& run = sinks_.emplace_back();
+  run.port = run.sink = &sink;
+  run.standby_for = role.standby_for;
   if (sink.rate_hz_max() > 0.0) run.period_ns = static_cast<double>(kNsPerS) / sink.rate_hz_max();
-  run.pending.reserve(run.universes.size());
-  run.batch.reserve(run.universes.size());
-  run.batch_positions.reserve(run.universes.size());
-  run.pending_flags.resize(run.universes.size());
-  run.paces.resize(run.universes.size());
-  sinks_.push_back(std::move(run));
+  add(run, sink.universes());
+}
+
+void Pump::add(PortRun& run, std::span<const Universe> universes) {
+  run.name = run.port->name();
+  run.lanes.resize(universes.size());
+  for (std::size_t i = 0; i < universes.size(); ++i) run.lanes[i].universe = universes[i];
+  find_lanes(run);
+  for (const Lane& lane : run.lanes)
+    if (universes_->index_of(lane.universe) < 0)
+      say(NoticeLevel::kWarning, "universe-unused", run,
+          fmt::format("universe {} is not among those of this run; it stays unused", lane.universe), lane.universe);
+  if (run.sink != nullptr) {
+    run.pending.reserve(run.lanes.size());
+    run.batch.reserve(run.lanes.size());
+    run.batch_lanes.reserve(run.lanes.size());
+    run.resting = run.standby_for != nullptr;  // until set_standbys() knows better
+  }
+  ready_fds_.resize(std::max<std::size_t>(1, sources_.size() + sinks_.size()));
+  if (!started_) return;
+  const TimeNs now_ns = clock_.now_ns();
+  attach(run, now_ns);
+  set_standbys(now_ns);
+}
+
+void Pump::find_lanes(PortRun& run) const {
+  run.lane_of_index.assign(universe_runs_.size(), -1);
+  for (std::size_t i = 0; i < run.lanes.size(); ++i) {
+    Lane& lane = run.lanes[i];
+    lane.index = universes_->index_of(lane.universe);
+    if (lane.index < 0) continue;
+    // A universe named twice is carried once, in its first lane.
+    int& number = run.lane_of_index[static_cast<std::size_t>(lane.index)];
+    if (number >= 0) {
+      lane.index = -1;
+    } else {
+      number = static_cast<int>(i);
+    }
+  }
+}
+
+// A port begins: it is asked how it is, and a sink gets every look there is.
+void Pump::attach(PortRun& run, TimeNs now_ns) {
+  run.ready = false;
+  run.muted = false;
+  run.polled_ns = now_ns;
+  settle(run, {}, now_ns);
+  if (run.sink != nullptr) mark_every_look(run);
+}
+
+void Pump::detach(PortRun& run) {
+  const int fd = std::exchange(run.watched_fd, -1);
+  if (fd >= 0 && !is_watched(fd)) waiter_.unwatch(fd);
+}
+
+void Pump::remove_source(Source& source) {
+  FL_CHECK(!in_tick_);
+  const auto run =
+      std::find_if(sources_.begin(), sources_.end(), [&](const PortRun& r) { return r.source == &source; });
+  FL_CHECK(run != sources_.end());
+  detach(*run);
+  merge_.forget_source(run->source_id);
+  sources_.erase(run);
+}
+
+void Pump::remove_sink(Sink& sink) {
+  FL_CHECK(!in_tick_);
+  const auto run = std::find_if(sinks_.begin(), sinks_.end(), [&](const PortRun& r) { return r.sink == &sink; });
+  FL_CHECK(run != sinks_.end());
+  const TimeNs now_ns = clock_.now_ns();
+  if (started_) {
+    send_pending(*run, now_ns, /*ignore_cap=*/true);
+    run->sink->close(now_ns);
+  }
+  detach(*run);
+  const Sink* const before_it = run->standby_for;
+  sinks_.erase(run);
+  for (PortRun& other : sinks_)
+    if (other.standby_for == &sink) other.standby_for = before_it;
+  set_standbys(now_ns);
 }
 
 void Pump::add_tap(FrameReceiver& tap) {
-  FL_CHECK(!started_);
+  FL_CHECK(!in_tick_);
   taps_.push_back(&tap);
 }
 
+void Pump::remove_tap(FrameReceiver& tap) {
+  FL_CHECK(!in_tick_);
+  taps_.erase(std::remove(taps_.begin(), taps_.end(), &tap), taps_.end());
+}
+
 void Pump::set_mode(Universe universe, MergeMode mode) {
-  FL_CHECK(!started_);
-  const int index = universes_.index_of(universe);
+  FL_CHECK(!in_tick_);
+  const int index = universes_->index_of(universe);
   FL_CHECK_GE(index, 0);
   merge_.set_mode(index, mode);
+}
+
+void Pump::move_to(std::shared_ptr<Universes> universes, const MergeOptions& merge) {
+  FL_CHECK(!in_tick_);
+  FL_CHECK(universes != nullptr);
+  FL_CHECK(universes != universes_);
+  options_.merge = merge;
+  const auto count = static_cast<std::size_t>(universes->count());
+  std::vector<UniverseRun> universe_runs(count);
+  std::vector<int> old_index(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    old_index[i] = universes_->index_of(universes->numbers()[i]);
+    if (old_index[i] >= 0) universe_runs[i] = universe_runs_[static_cast<std::size_t>(old_index[i])];
+  }
+  Merge next(universes->count(), merge);
+  next.adopt(merge_, old_index);
+  merge_ = std::move(next);
+  universe_runs_ = std::move(universe_runs);
+  {
+    const std::lock_guard lock(published_mutex_);
+    universes_ = std::move(universes);
+  }
+  for (int index = 0; index < universes_->count(); ++index) {
+    if (universe_runs_[static_cast<std::size_t>(index)].has_look) {
+      universes_->write(index, merge_.look(index));
+    } else if (started_) {
+      take_from_buffer(index);
+    }
+  }
+  for (std::vector<PortRun>* runs : {&sources_, &sinks_})
+    for (PortRun& run : *runs) {
+      std::vector<bool> had(run.lanes.size());
+      for (std::size_t i = 0; i < run.lanes.size(); ++i) had[i] = run.lanes[i].index >= 0;
+      find_lanes(run);
+      if (run.sink == nullptr) continue;
+      std::erase_if(run.pending, [&run](int number) {
+        Lane& lane = run.lanes[static_cast<std::size_t>(number)];
+        if (lane.index >= 0) return false;
+        ++lane.replaced;
+        lane.flags = 0;
+        return true;
+      });
+      if (!started_ || run.resting) continue;
+      for (std::size_t i = 0; i < run.lanes.size(); ++i) {
+        const int index = run.lanes[i].index;
+        if (had[i] || index < 0 || !universe_runs_[static_cast<std::size_t>(index)].has_look) continue;
+        mark_pending(run, static_cast<int>(i), kPending);
+      }
+    }
+}
+
+std::shared_ptr<const Universes> Pump::universes() const {
+  const std::lock_guard lock(published_mutex_);
+  return universes_;
+}
+
+// A look that is in the buffer already: from before, or filled by the main.
+void Pump::take_from_buffer(int index) {
+  std::array<std::uint8_t, kSlotCountMax> levels;
+  FrameStamp stamp;
+  universes_->snapshot(index, levels, stamp);
+  if (stamp.revision == 0) return;
+  universe_runs_[static_cast<std::size_t>(index)].has_look = true;
+  FrameView frame;
+  frame.stamp_ns = stamp.stamp_ns;
+  frame.sender = stamp.sender;
+  frame.sequence = stamp.sequence;
+  frame.slots = levels;
+  merge_.set_look(index, frame);
+}
+
+void Pump::call(std::function<void()> job) {
+  {
+    const std::lock_guard lock(jobs_mutex_);
+    jobs_.push_back(std::move(job));
+  }
+  has_jobs_.store(true, std::memory_order_release);
+  waiter_.interrupt();
+}
+
+void Pump::run_jobs() {
+  std::vector<std::function<void()>> jobs;
+  has_jobs_.store(false, std::memory_order_release);
+  {
+    const std::lock_guard lock(jobs_mutex_);
+    std::swap(jobs, jobs_);
+  }
+  for (const auto& job : jobs) job();
 }
 
 void Pump::request_stop() noexcept {
@@ -378,33 +599,13 @@ void Pump::start() {
   started_ = true;
   const TimeNs now_ns = clock_.now_ns();
   rates_since_ns_ = tick_ns_ = now_ns;
-  ready_fds_.resize(std::max<std::size_t>(1, sources_.size() + sinks_.size()));
-
-  // Looks that are in the buffer already: from before, or filled by the main.
-  std::array<std::uint8_t, kSlotCountMax> levels;
-  FrameStamp stamp;
-  for (int index = 0; index < universes_.count(); ++index) {
-    universes_.snapshot(index, levels, stamp);
-    if (stamp.revision == 0) continue;
-    universe_runs_[static_cast<std::size_t>(index)].has_look = true;
-    FrameView frame;
-    frame.stamp_ns = stamp.stamp_ns;
-    frame.sender = stamp.sender;
-    frame.sequence = stamp.sequence;
-    frame.slots = levels;
-    merge_.set_look(index, frame);
-  }
-
+  for (int index = 0; index < universes_->count(); ++index) take_from_buffer(index);
   for (std::vector<PortRun>* runs : {&sources_, &sinks_})
     for (PortRun& run : *runs) {
-      run.ready = false;
-      run.muted = false;
-      run.polled_ns = now_ns;
-      settle(run, {}, now_ns);
-      if (run.sink == nullptr) continue;
-      mark_every_look(run);
-      send_pending(run, now_ns);
+      attach(run, now_ns);
+      if (run.sink != nullptr) send_pending(run, now_ns);
     }
+  feed_standbys(now_ns);
   fill(spare_status_, now_ns);
   const std::lock_guard lock(published_mutex_);
   published_ = spare_status_;
@@ -412,16 +613,14 @@ void Pump::start() {
 
 void Pump::stop() {
   if (!started_) return;
+  run_jobs();
   const TimeNs now_ns = clock_.now_ns();
   for (PortRun& run : sinks_) {
     send_pending(run, now_ns, /*ignore_cap=*/true);
     run.sink->close(now_ns);
   }
   for (std::vector<PortRun>* runs : {&sources_, &sinks_})
-    for (PortRun& run : *runs) {
-      if (run.watched_fd >= 0) waiter_.unwatch(run.watched_fd);
-      run.watched_fd = -1;
-    }
+    for (PortRun& run : *runs) detach(run);
   started_ = false;
 }
 
@@ -436,10 +635,11 @@ void Pump::count_rates(TimeNs now_ns) {
   }
   for (std::vector<PortRun>* runs : {&sources_, &sinks_})
     for (PortRun& run : *runs)
-      for (std::size_t p = 0; p < run.frames.size(); ++p) {
-        run.rates_hz[p] = static_cast<double>(run.frames[p] - run.frames_before[p]) / period_s;
-        run.frames_before[p] = run.frames[p];
+      for (Lane& lane : run.lanes) {
+        lane.rate_hz = static_cast<double>(lane.frames - lane.frames_before) / period_s;
+        lane.frames_before = lane.frames;
       }
+  merge_.count_rates(period_s);
 
   if (!status_wanted_.exchange(false, std::memory_order_acq_rel)) return;
   fill(spare_status_, now_ns);
@@ -469,41 +669,88 @@ void Pump::fill(PumpStatus& status, TimeNs now_ns) const {
   status.ports.resize(sources_.size() + sinks_.size());
   std::size_t port_number = 0;
   for (const std::vector<PortRun>* runs : {&sources_, &sinks_})
-    for (const PortRun& run : *runs) {
-      PortStatus& port = status.ports[port_number++];
-      port.name = run.name;
-      port.is_sink = run.sink != nullptr;
-      port.state = run.down ? PortState::kGone : run.port->state();
-      port.trouble = run.failed ? run.trouble : run.port->trouble();
-      port.port = run.port->counters();
-      port.frames = 0;
-      port.rate_hz = 0.0;
-      port.replaced = run.replaced;
-      port.unrouted = run.unrouted;
-      port.failures = run.failures;
-      port.lateness = timing_of(run.lateness);
-      port.latency = timing_of(run.latency);
-      port.universes.resize(run.universes.size());
-      for (std::size_t p = 0; p < run.universes.size(); ++p) {
-        port.universes[p] = {.universe = run.universes[p], .frames = run.frames[p], .rate_hz = run.rates_hz[p]};
-        port.frames += run.frames[p];
-        port.rate_hz += run.rates_hz[p];
-      }
-    }
+    for (const PortRun& run : *runs) fill(status.ports[port_number++], run);
   status.universes.resize(universe_runs_.size());
-  std::array<std::uint8_t, kSlotCountMax> levels;
-  for (int index = 0; index < universes_.count(); ++index) {
-    const auto i = static_cast<std::size_t>(index);
-    UniverseStatus& universe = status.universes[i];
-    universe.universe = universes_.numbers()[i];
-    universes_.snapshot(index, levels, universe.newest);
-    universe.priority = merge_.look(index).priority;
-    universe.rate_hz = universe_runs_[i].rate_hz;
-    universe.writes = universe_runs_[i].writes;
-    universe.senders = merge_.sender_count(index);
-    universe.winners = merge_.winner_count(index);
-    universe.merge = merge_.counters(index);
+  for (int index = 0; index < universes_->count(); ++index)
+    fill(status.universes[static_cast<std::size_t>(index)], index, now_ns);
+}
+
+void Pump::fill(PortStatus& port, const PortRun& run) const {
+  port.name = run.name;
+  port.is_sink = run.sink != nullptr;
+  port.stands_by = run.resting;
+  const PortRun* const main = run_of(run.standby_for);
+  port.standby_for = main != nullptr ? main->name : std::string();
+  port.state = run.down ? PortState::kGone : run.port->state();
+  port.trouble = run.failed ? run.trouble : run.port->trouble();
+  port.port = run.port->counters();
+  port.frames = port.looks = port.replaced = port.refused = port.waiting = 0;
+  port.rate_hz = 0.0;
+  port.unrouted = run.unrouted;
+  port.failures = run.failures;
+  port.lateness = timing_of(run.lateness);
+  port.latency = timing_of(run.latency);
+  port.universes.resize(run.lanes.size());
+  for (std::size_t i = 0; i < run.lanes.size(); ++i) {
+    const Lane& lane = run.lanes[i];
+    PortUniverseStatus& universe = port.universes[i];
+    universe = {.universe = lane.universe,
+                .frames = lane.frames,
+                .rate_hz = lane.rate_hz,
+                .looks = lane.looks,
+                .replaced = lane.replaced,
+                .refused = lane.refused,
+                .waiting = (lane.flags & kPending) != 0 ? 1u : 0u};
+    port.frames += universe.frames;
+    port.rate_hz += universe.rate_hz;
+    port.looks += universe.looks;
+    port.replaced += universe.replaced;
+    port.refused += universe.refused;
+    port.waiting += universe.waiting;
   }
+}
+
+void Pump::fill(UniverseStatus& universe, int index, TimeNs now_ns) const {
+  const auto i = static_cast<std::size_t>(index);
+  universe.universe = universes_->numbers()[i];
+  std::array<std::uint8_t, kSlotCountMax> levels;
+  universes_->snapshot(index, levels, universe.newest);
+  universe.priority = merge_.look(index).priority;
+  universe.rate_hz = universe_runs_[i].rate_hz;
+  universe.writes = universe_runs_[i].writes;
+  universe.winners = merge_.winner_count(index);
+  universe.merge = merge_.counters(index);
+  universe.senders.resize(static_cast<std::size_t>(merge_.sender_count(index)));
+  for (int k = 0; k < merge_.sender_count(index); ++k) {
+    const MergeSender sender = merge_.sender(index, k);
+    SenderStatus& told = universe.senders[static_cast<std::size_t>(k)];
+    told.name.clear();
+    for (const PortRun& run : sources_) {
+      if (run.source_id != sender.source) continue;
+      told.name = run.source->sender_text(sender.id);
+      if (told.name.empty()) told.name = run.name;
+    }
+    told.id = sender.id;
+    told.priority = sender.priority;
+    told.age_ns = now_ns - sender.heard_ns;
+    told.rate_hz = sender.rate_hz;
+    told.wins = sender.wins;
+    told.per_address = sender.per_address;
+  }
+  std::sort(universe.senders.begin(), universe.senders.end(), [](const SenderStatus& a, const SenderStatus& b) {
+    return a.priority != b.priority ? a.priority > b.priority : a.id < b.id;
+  });
+}
+
+std::int64_t unaccounted(const UniverseStatus& universe) {
+  const MergeCounters& m = universe.merge;
+  return static_cast<std::int64_t>(m.frames - m.frames_shown - m.frames_outranked - m.frames_priorities -
+                                   m.frames_early - m.frames_ended - m.refused_priority - m.refused_full);
+}
+
+std::int64_t unaccounted(const PortStatus& port) {
+  if (!port.is_sink) return 0;  // its frames are counted where they went: `unrouted`, or its universes
+  return static_cast<std::int64_t>(port.looks - port.frames - port.replaced - port.refused - port.waiting);
 }
 
 }  // namespace footlight

@@ -7,15 +7,22 @@
 //   pump.run();                       // until request_stop(), which a signal handler may call
 //
 // What it promises:
-// - The newest frame wins. Frames that come faster than they are used replace each other and are counted, never queued.
-// - A sink is called as soon as a universe that it carries gets a frame, once per wake-up with all those universes, and
-//   at most rate_hz_max() times a second per universe (sim/pace.h). Repeats of an unchanged look are passed on as well.
+// - A sink without a rate cap gets every frame that wins, in the order in which they came: as soon as they are read,
+//   one call per wake-up with all universes of it. Where a wake-up finds a second frame of one sender and universe (a
+//   desk that is faster than the wake-ups, a machine that stood still), everything before it is merged and sent first,
+//   so that each round of a desk is a call. Nothing is queued. Repeats of an unchanged look are passed on as well.
+// - A sink with a cap gets the newest look at most rate_hz_max() times a second per universe (sim/pace.h); looks that a
+//   newer one replaces are counted.
+// - Every frame is accounted for: see UniverseStatus, PortStatus and unaccounted().
 // - A sink gets every look that there is when the pump starts and when the sink comes back after having been gone.
 //   Keep-alives in between are the sink's own business: next_deadline_ns() and poll().
 // - When a sender or a source vanishes, the last look stays (sim/merge.h).
 // - A port that fails is said once, stays listed as kGone and is polled again at its own deadline, though not within 10
 //   ms; one that keeps failing is left alone for longer, up to 1 s; one that names no deadline is tried every second.
 //   The others go on meanwhile. A port that comes back is said once.
+// - A sink that stands by for another one (SinkRole) gets nothing while that one works, and every look of its universes
+//   in the tick in which that one is found lost. It rests again (Sink::rest) when that one has taken its looks. Both is
+//   said.
 // - stop() sends what a rate cap has held back and closes every sink. run() ends with it; who calls start() calls
 //   stop().
 //
@@ -23,8 +30,19 @@
 // wakes the pump while its port stays kGone is not listened to again before the port's next deadline. Two ports may
 // share a descriptor; both are then polled. A source that is kEnded is not polled again.
 //
+// Ports and universes may change while it runs, on the pump's thread and between two ticks; call() leads there:
+//
+//   pump.call([&] {                                  // from any thread; everything was opened before, on that thread
+//     pump.move_to(new_universes, merge_options);    // where the set of universes or how they are merged changes
+//     pump.remove_source(old_source);
+//     pump.add_source(new_source);                   // the ports that are not named stay as they are
+//   });
+//
+// Frames that come meanwhile wait in their ports. A port that replaces one of the same wire is added before the other
+// is removed or closed, so that it hears what the other no longer does.
+//
 // Threads: everything runs on the thread that calls run(), or start(), step() and stop(). Other threads may read the
-// Universes, and call request_stop() and latest_status().
+// Universes, and call call(), request_stop(), latest_status() and universes().
 //
 // Cost: after start() a tick makes no system call, takes no lock and allocates nothing, unless a port fails or comes
 // back; once every status_period_ns it copies out what it has counted, if somebody has asked.
@@ -33,6 +51,8 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <string>
@@ -74,21 +94,33 @@ struct Timing {
   std::array<std::uint64_t, kTimingPowerCount> below{};
 };
 
+// A source gives frames, a sink gets looks: every look made of a universe that it carries, and every look there is when
+// it starts, comes back or takes over, but none while it stands by.
 struct PortUniverseStatus {
   Universe universe = 0;
   std::uint64_t frames = 0;  // source: received from it; sink: handed to it
   double rate_hz = 0.0;      // of those, over the last status period
+  // Sinks only; looks == frames + replaced + refused + waiting.
+  std::uint64_t looks = 0;  // meant for it
+  std::uint64_t replaced = 0;  // by a newer one before it was handed over (rate cap, or gone), or taken back (standby)
+  std::uint64_t refused = 0;  // handed over in a call that failed
+  std::uint64_t waiting = 0;  // 0 or 1: held back by the rate cap, or until it is back
 };
 
 struct PortStatus {
   std::string name;
   bool is_sink = false;
+  bool stands_by = false;                 // it is fed only when another sink is lost, and that one is not
+  std::string standby_for;                // the name of that other sink; empty: it stands by for none
   PortState state = PortState::kWaiting;  // kGone also for a port whose last call failed
   std::string trouble;                    // why it is kGone; empty otherwise
   PortCounters port;                      // what the port itself counts
-  std::uint64_t frames = 0;               // sum over its universes
-  double rate_hz = 0.0;                   // sum over its universes
-  std::uint64_t replaced = 0;  // sink: looks replaced by a newer one before they were handed over (rate cap, or gone)
+  std::uint64_t frames = 0;               // sum over its universes; of what follows as well
+  double rate_hz = 0.0;
+  std::uint64_t looks = 0;
+  std::uint64_t replaced = 0;
+  std::uint64_t refused = 0;
+  std::uint64_t waiting = 0;
   std::uint64_t unrouted = 0;  // source: frames of universes that it did not announce or that the buffer has not
   std::uint64_t failures = 0;  // calls that returned an error
   Timing lateness;             // of calls that were asked for at a deadline, or held back by the rate cap
@@ -96,16 +128,31 @@ struct PortStatus {
   std::vector<PortUniverseStatus> universes;
 };
 
+struct SenderStatus {
+  std::string name;  // what its source calls it (Source::sender_text), else the name of the source's port
+  SenderId id = 0;
+  std::uint8_t priority = kPriorityDefault;
+  DurationNs age_ns = 0;     // of its last levels
+  double rate_hz = 0.0;      // of its levels, over the last status period
+  bool wins = false;         // some of its levels are in the look
+  bool per_address = false;  // it sends a priority for each address
+};
+
 struct UniverseStatus {
   Universe universe = 0;
   FrameStamp newest;
   std::uint8_t priority = kPriorityDefault;  // of the winners
   double rate_hz = 0.0;                      // writes, over the last status period
-  std::uint64_t writes = 0;
-  int senders = 0;  // known at the moment
-  int winners = 0;  // that share the highest priority
+  std::uint64_t writes = 0;                  // looks made
+  int winners = 0;                           // senders that share the highest priority
   MergeCounters merge;
+  std::vector<SenderStatus> senders;  // known at the moment; the highest priority first
 };
+
+// How many frames or looks are in no counter, or in two: 0. Exact where the status was taken between two ticks, as
+// status() and latest_status() do.
+[[nodiscard]] std::int64_t unaccounted(const UniverseStatus& universe);
+[[nodiscard]] std::int64_t unaccounted(const PortStatus& port);
 
 struct PumpStatus {
   TimeNs stamp_ns = 0;  // when this was true; 0: the pump has not started
@@ -114,21 +161,46 @@ struct PumpStatus {
   std::vector<UniverseStatus> universes;
 };
 
+struct SinkRole {
+  // Optional: fed only while that one is lost. It was added before, to the same pump. Where it stands by itself, it has
+  // to be lost as well as the one before it.
+  const Sink* standby_for = nullptr;
+};
+
 class Pump {
  public:
   // All three outlive the pump. The pump is the one writer of every universe.
   Pump(Universes& universes, Clock& clock, Waiter& waiter, PumpOptions options = {});
+  Pump(std::shared_ptr<Universes> universes, Clock& clock, Waiter& waiter, PumpOptions options = {});
   Pump(const Pump&) = delete;
   Pump& operator=(const Pump&) = delete;
 
-  // Before start(). The ports outlive the pump.
+  // Before start() or between two ticks. The ports outlive the pump, or are removed.
   void add_source(Source& source);
-  void add_sink(Sink& sink);
+  void add_sink(Sink& sink, SinkRole role = {});
+  // Between two ticks, or while stopped. Its senders are forgotten: whoever is left has the universes, else the looks
+  // stay.
+  void remove_source(Source& source);
+  // As above. Sends it what a rate cap has held back and closes it. Who stood by for it stands by for the sink that it
+  // stood by for or, where there is none, is fed from now on.
+  void remove_sink(Sink& sink);
   // Sees every frame of every source as it came, before the merge, also those that lose or have no universe here (a
-  // recorder). Called on the pump's thread; outlives the pump.
+  // recorder). Called on the pump's thread; outlives the pump, or is removed. Both between two ticks.
   void add_tap(FrameReceiver& tap);
-  // Before start(): LTP for one universe.
+  void remove_tap(FrameReceiver& tap);
+  // Before start() or between two ticks: LTP for one universe, which the buffer has.
   void set_mode(Universe universe, MergeMode mode);
+
+  // Between two ticks: goes on with another buffer, which may have other universes. Looks, senders and counters of
+  // those that both have are taken over; frames of universes that are no more are unrouted from now on. Modes are those
+  // of `merge`. Readers go over on their own: the old buffer gets no more writes, and universes() gives the new one.
+  void move_to(std::shared_ptr<Universes> universes, const MergeOptions& merge);
+  // The buffer that is being written. Any thread. A reader that keeps the pointer may go on reading it.
+  [[nodiscard]] std::shared_ptr<const Universes> universes() const;
+
+  // Any thread: has the pump's thread call `job` between two ticks, as soon as it can; jobs keep their order. Those
+  // that wait when the pump stops are called by stop(), ahead of everything else.
+  void call(std::function<void()> job);
 
   // start(), step() until request_stop() (or the end of all sources, see PumpOptions), stop().
   void run();
@@ -148,44 +220,55 @@ class Pump {
   [[nodiscard]] PumpStatus latest_status() const;
 
  private:
+  // What the pump keeps beside each universe of a port.
+  struct Lane {
+    Universe universe = 0;
+    int index = -1;  // in the buffer; -1: the buffer has no such universe, or an earlier lane has it
+    std::uint64_t frames = 0;
+    std::uint64_t frames_before = 0;  // at the begin of this status period
+    double rate_hz = 0.0;
+    // Sinks only.
+    std::uint64_t looks = 0;
+    std::uint64_t replaced = 0;
+    std::uint64_t refused = 0;
+    std::uint8_t flags = 0;  // of the look that waits
+    Pace pace;
+  };
+
   // What the pump keeps beside each port.
   struct PortRun {
     Port* port = nullptr;
     Source* source = nullptr;  // one of the two
     Sink* sink = nullptr;
     std::string name;
+    SourceId source_id = 0;  // of its senders, in the merge
 
-    bool ready = false;      // its descriptor is readable
-    bool down = false;       // it failed or says kGone
-    bool failed = false;     // its last call returned an error
-    bool said_down = false;  // people know
-    bool muted = false;      // its descriptor is not listened to: see "Ports" above
+    bool ready = false;   // its descriptor is readable
+    bool down = false;    // it failed or says kGone
+    bool failed = false;  // its last call returned an error
+    bool lost = false;    // it was down, and has done no work since; people know
+    bool muted = false;   // its descriptor is not listened to: see "Ports" above
     int watched_fd = -1;
     TimeNs polled_ns = 0;
     TimeNs armed_ns = kTimeNever;  // the deadline that the last wait knew of
     DurationNs retry_ns = 0;       // while failed: how long it is left alone
     std::string trouble;
 
-    std::vector<Universe> universes;           // as it names them; the k-th has position k
-    std::vector<int> index_of_position;        // in the buffer; -1: the buffer has no such universe
-    std::vector<int> position_of_index;        // -1: it does not carry it
-    std::vector<std::uint64_t> frames;         // per position
-    std::vector<std::uint64_t> frames_before;  // at the begin of this status period
-    std::vector<double> rates_hz;
-    std::uint64_t replaced = 0;
+    std::vector<Lane> lanes;         // as it names its universes
+    std::vector<int> lane_of_index;  // -1: it does not carry it
     std::uint64_t unrouted = 0;
     std::uint64_t failures = 0;
     Histogram lateness;
     Histogram latency;
 
     // Sinks only.
-    double period_ns = 0.0;                   // 0: no cap
-    TimeNs held_until_ns = kTimeNever;        // when the first look that the cap holds back is due
-    std::vector<int> pending;                 // positions to be sent
-    std::vector<std::uint8_t> pending_flags;  // per position
-    std::vector<Pace> paces;                  // per position
-    std::vector<FrameView> batch;             // of the call under way
-    std::vector<int> batch_positions;         // beside it
+    const Sink* standby_for = nullptr;
+    bool resting = false;               // the one that it stands by for works
+    double period_ns = 0.0;             // 0: no cap
+    TimeNs held_until_ns = kTimeNever;  // when the first look that the cap holds back is due
+    std::vector<int> pending;           // lanes to be sent
+    std::vector<FrameView> batch;       // of the call under way
+    std::vector<int> batch_lanes;       // beside it
   };
 
   // Takes the frames of the source that is being polled.
@@ -200,29 +283,42 @@ class Pump {
     Pump& pump_;
   };
 
-  PortRun make_run(Port& port, std::span<const Universe> universes) const;
+  void run_jobs();
+  void attach(PortRun& run, TimeNs now_ns);
+  void detach(PortRun& run);
+  void add(PortRun& run, std::span<const Universe> universes);
+  void find_lanes(PortRun& run) const;
+  void take_from_buffer(int index);
 
   void receive_ready(TimeNs now_ns);
-  void merge_changed(TimeNs now_ns);
+  void pass_on(TimeNs now_ns);
+  void merge_changed();
   void send_due(TimeNs now_ns);
+  void feed_standbys(TimeNs now_ns);
   void count_rates(TimeNs now_ns);
 
   void poll(PortRun& run, TimeNs now_ns);
   void send_pending(PortRun& run, TimeNs now_ns, bool ignore_cap = false);
-  void mark_pending(PortRun& run, int position, std::uint8_t flags);
+  void mark_pending(PortRun& run, int lane, std::uint8_t flags);
   void mark_every_look(PortRun& run);
+  void set_standbys(TimeNs now_ns);
+  [[nodiscard]] const PortRun* run_of(const Sink* sink) const;
   void settle(PortRun& run, const Status& result, TimeNs now_ns);
-  void say_back(PortRun& run);
-  void watch(PortRun& run, bool again);
+  void say_lost(PortRun& run, const std::string& why, TimeNs now_ns);
+  void say_back(PortRun& run, TimeNs now_ns);
+  void watch(PortRun& run, bool again, TimeNs now_ns);
   void record_lateness(PortRun& run, TimeNs deadline_ns, TimeNs now_ns);
   void say(NoticeLevel level, std::string_view id, const PortRun& run, const std::string& text,
            Universe universe = 0) const;
+  [[nodiscard]] bool is_watched(int fd) const;
   [[nodiscard]] TimeNs deadline_of(const PortRun& run) const;
   [[nodiscard]] bool is_due(const PortRun& run, TimeNs now_ns) const;
   [[nodiscard]] TimeNs next_deadline_ns();
   void fill(PumpStatus& status, TimeNs now_ns) const;
+  void fill(PortStatus& port, const PortRun& run) const;
+  void fill(UniverseStatus& universe, int index, TimeNs now_ns) const;
 
-  Universes& universes_;
+  std::shared_ptr<Universes> universes_;  // replaced under published_mutex_
   Clock& clock_;
   Waiter& waiter_;
   PumpOptions options_;
@@ -231,12 +327,15 @@ class Pump {
   std::vector<PortRun> sources_;
   std::vector<PortRun> sinks_;
   std::vector<FrameReceiver*> taps_;
+  SourceId last_source_id_ = 0;
+  bool in_tick_ = false;
+  bool standby_woke_ = false;  // a standby has looks to be sent in this tick
 
   struct UniverseRun {
     bool has_look = false;   // a frame was written since the buffer was made
     bool said_full = false;  // people know that a sender was refused
     bool said_priority = false;
-    std::uint64_t heard_tick = 0;  // in which the last frame came
+    bool heard = false;  // a frame came since the last look
     std::uint64_t writes = 0;
     std::uint64_t writes_before = 0;
     double rate_hz = 0.0;
@@ -249,6 +348,10 @@ class Pump {
   TimeNs rates_since_ns_ = 0;
   bool started_ = false;
   std::atomic<bool> stop_requested_{false};
+
+  std::atomic<bool> has_jobs_{false};
+  std::mutex jobs_mutex_;
+  std::vector<std::function<void()>> jobs_;  // guarded by jobs_mutex_
 
   mutable std::atomic<bool> status_wanted_{false};
   PumpStatus spare_status_;  // filled here, then swapped with published_

@@ -23,6 +23,8 @@ namespace footlight {
 class FrameReceiver {
  public:
   virtual ~FrameReceiver() = default;
+  // May call send() of any sink before it returns, so that a frame that a second one of its sender would replace leaves
+  // first: hold no lock that your own sink needs.
   virtual void receive(const FrameView& frame) = 0;
 };
 
@@ -85,6 +87,9 @@ class Sink : public Port {
   [[nodiscard]] virtual std::span<const Universe> universes() const = 0;
   // The pump calls send() at most this often per universe; 0: as soon as a universe changes.
   [[nodiscard]] virtual double rate_hz_max() const { return 0.0; }
+  // A standby whose main sink is back (sim/pump.h, SinkRole): nothing comes until the next send(). A sink that repeats
+  // itself stops here, or two speak for one universe.
+  virtual void rest(TimeNs /*now_ns*/) {}
   // Says the last words of the protocol (sACN: three packets with the terminated bit) and gives the device back.
   virtual void close(TimeNs now_ns) = 0;
 };

@@ -30,13 +30,20 @@ class Stage {
     frame.stamp_ns = now_ns;
     frame.sequence = ++sequence_;
     frame.slots = slots;
-    return merge_.receive(0, frame, now_ns);
+    return receive(frame);
+  }
+  // As the pump does it: what is in the way is resolved first.
+  Merge::Received receive(const FrameView& frame, SourceId source = 0) {
+    const Merge::Received received = merge_.receive(0, frame, now_ns, source);
+    if (received != Merge::Received::kResolveFirst) return received;
+    settle();
+    return merge_.receive(0, frame, now_ns, source);
   }
   void terminate(SenderId sender) {
     FrameView frame;
     frame.sender = sender;
     frame.terminated = true;
-    merge_.receive(0, frame, now_ns);
+    receive(frame);
   }
   // What the pump does in a tick. True: there is a new look.
   bool settle() {
@@ -291,12 +298,177 @@ TEST_CASE("silence counts from when a frame was read, so a stopped machine loses
   CHECK(stage.merge().sender_count(0) == 1);
 }
 
-TEST_CASE("frames of a winner that were replaced before they were used are counted") {
+TEST_CASE("a second frame of a winner is not taken before the first is in a look, and nothing is counted for it") {
+  Merge merge(1);
+  FrameView frame;
+  frame.sender = 1;
+  const std::array<std::uint8_t, 1> first = {10}, second = {20};
+  frame.slots = first;
+  CHECK(merge.receive(0, frame, kStart) == Merge::Received::kStored);
+  frame.slots = second;
+  CHECK(merge.receive(0, frame, kStart) == Merge::Received::kResolveFirst);
+  frame.terminated = true;
+  CHECK(merge.receive(0, frame, kStart) == Merge::Received::kResolveFirst);
+  CHECK(merge.counters(0).frames == 1);
+  CHECK(merge.resolve(0));
+  CHECK(merge.look(0).slots[0] == 10);
+  frame.terminated = false;
+  CHECK(merge.receive(0, frame, kStart) == Merge::Received::kStored);
+  CHECK(merge.resolve(0));
+  CHECK(merge.look(0).slots[0] == 20);
+  CHECK(merge.counters(0).frames == 2);
+  CHECK(merge.counters(0).frames_shown == 2);
+}
+
+TEST_CASE("each frame is counted as shown, outranked, ended or refused, and just once") {
   Stage stage;
-  for (int i = 0; i < 4; ++i) stage.send(1, static_cast<std::uint8_t>(i));
-  CHECK(stage.level() == 3);
-  CHECK(stage.counters().frames_replaced == 3);
-  CHECK(stage.counters().frames == 4);
+  stage.send(1, 10, 100);
+  stage.send(2, 20, 150);  // outranks the one before it, which nobody has seen yet
+  stage.settle();
+  CHECK(stage.counters().frames_shown == 1);
+  CHECK(stage.counters().frames_outranked == 1);
+  stage.send(1, 11, 100);
+  CHECK(stage.counters().frames_outranked == 2);
+  stage.send(3, 30, 150);
+  stage.send(2, 21, 150);
+  stage.settle();  // two frames, one look
+  CHECK(stage.counters().frames_shown == 3);
+  stage.send(4, 0, 201);
+  stage.terminate(1);
+  stage.terminate(99);
+  const MergeCounters& told = stage.counters();
+  CHECK(told.frames_ended == 2);
+  CHECK(told.refused_priority == 1);
+  CHECK(told.frames == 8);
+  CHECK(told.frames == told.frames_shown + told.frames_outranked + told.frames_ended + told.refused_priority);
+}
+
+TEST_CASE("under LTP a frame that changes nothing, or is overtaken in the same wake-up, counts as outranked") {
+  Stage stage(MergeMode::kLtp);
+  stage.send(1, 10);
+  stage.send(2, 20);
+  stage.settle();
+  CHECK(stage.counters().frames_shown == 1);
+  CHECK(stage.counters().frames_outranked == 1);
+  stage.send(1, 10);
+  CHECK(stage.counters().frames_outranked == 2);
+}
+
+TEST_CASE("two sources that give out the same number for a sender are two senders") {
+  Stage stage;
+  FrameView frame;
+  frame.sender = 7;
+  const std::array<std::uint8_t, 2> low_high = {10, 200}, high_low = {100, 20};
+  frame.slots = low_high;
+  stage.receive(frame, 1);
+  frame.slots = high_low;
+  stage.receive(frame, 2);
+  CHECK(stage.merge().sender_count(0) == 2);
+  CHECK(stage.level(1) == 100);
+  CHECK(stage.level(2) == 200);
+  frame.terminated = true;
+  stage.receive(frame, 2);
+  CHECK(stage.level(1) == 10);
+  stage.receive(frame, 3);  // a stranger cannot end somebody else
+  CHECK(stage.merge().sender_count(0) == 1);
+}
+
+TEST_CASE("a source that is no more takes its senders along, and the others are left") {
+  Stage stage;
+  FrameView frame;
+  const std::array<std::uint8_t, 1> first = {200}, second = {100};
+  for (const SenderId sender : {1u, 2u}) {
+    frame.sender = sender;
+    frame.slots = first;
+    stage.receive(frame, 1);
+    frame.slots = second;
+    stage.receive(frame, 2);
+  }
+  CHECK(stage.level() == 200);
+  stage.merge().forget_source(1);
+  CHECK(stage.level() == 100);
+  CHECK(stage.merge().sender_count(0) == 2);
+  stage.merge().forget_source(2);
+  CHECK(stage.level() == 100);
+  CHECK(stage.merge().sender_count(0) == 0);
+}
+
+TEST_CASE("a sender that says how long it may be silent is forgotten after that time and no other") {
+  Stage stage;
+  FrameView frame;
+  const std::array<std::uint8_t, 1> slots = {10};
+  frame.slots = slots;
+  for (const SenderId sender : {1u, 2u, 3u}) {
+    frame.sender = sender;
+    frame.silence_max_ns = sender == 1 ? 10 * kNsPerS : sender == 2 ? kNsPerS : 0;
+    stage.receive(frame);
+  }
+  stage.settle();
+  const auto left_at = [&](DurationNs after_ns) {
+    stage.now_ns = kStart + after_ns;
+    stage.settle();
+    return stage.merge().sender_count(0);
+  };
+  CHECK(left_at(kNsPerS - 1) == 3);
+  CHECK(stage.merge().next_expiry_ns() <= kStart + kNsPerS);
+  CHECK(left_at(kNsPerS) == 2);
+  CHECK(left_at(kTimeout - 1) == 2);
+  CHECK(left_at(kTimeout) == 1);
+  CHECK(left_at(10 * kNsPerS - 1) == 1);
+  CHECK(left_at(10 * kNsPerS) == 0);
+}
+
+TEST_CASE("senders are told with priority, time, rate and whether they win") {
+  Stage stage;
+  stage.send(1, 10, 150);
+  for (int i = 0; i < 20; ++i) {
+    stage.now_ns += 100 * kNsPerMs;
+    stage.send(2, 20, 100);
+  }
+  stage.settle();
+  stage.merge().count_rates(2.0);
+  const MergeSender first = stage.merge().sender(0, 0), second = stage.merge().sender(0, 1);
+  CHECK(first.id == 1);
+  CHECK(first.wins);
+  CHECK(first.heard_ns == kStart);
+  CHECK(first.rate_hz == doctest::Approx(0.5));
+  CHECK(second.id == 2);
+  CHECK_FALSE(second.wins);
+  CHECK(second.priority == 100);
+  CHECK(second.rate_hz == doctest::Approx(10.0));
+  stage.merge().count_rates(1.0);
+  CHECK(stage.merge().sender(0, 1).rate_hz == 0.0);
+}
+
+TEST_CASE("a merge that adopts another one goes on with its senders, looks, counters and expiry") {
+  Merge old(2);
+  const std::array<std::uint8_t, 3> high = {200, 201, 202}, low = {100, 101, 102};
+  FrameView frame;
+  for (const SenderId sender : {1u, 2u}) {
+    frame.sender = sender;
+    frame.priority = sender == 1 ? 150 : 100;
+    frame.slots = sender == 1 ? high : low;
+    old.receive(1, frame, kStart);
+  }
+  CHECK(old.resolve(1));
+  old.clear_changed();
+  Merge next(3);
+  const std::array<int, 3> from_index = {-1, -1, 1};
+  next.adopt(old, from_index);
+  CHECK(next.look(2).slots[2] == 202);
+  CHECK(next.sender_count(2) == 2);
+  CHECK(next.sender_count(0) == 0);
+  CHECK(next.counters(2).frames == 2);
+  CHECK(next.changed().empty());
+  next.expire(kStart + kTimeout - 1);
+  CHECK(next.sender_count(2) == 2);
+  frame.terminated = true;
+  frame.sender = 1;
+  next.receive(2, frame, kStart + 1);
+  CHECK(next.resolve(2));
+  CHECK(next.look(2).slots[1] == 101);
+  next.expire(kStart + kTimeout);
+  CHECK(next.sender_count(2) == 0);
 }
 
 // The rules told a second time, slowly: a map of senders and a fold over all of them for every slot.

@@ -83,19 +83,82 @@ TEST_CASE("a frame reaches buffer and sink in the wake-up in which it arrives") 
   CHECK(sink.sent[0] == FakeSink::Sent{at_ns, {1}, {77}});
 }
 
-TEST_CASE("of several frames in one wake-up only the newest leaves, and the others are counted") {
+TEST_CASE("of several frames of one sender in one wake-up a sink without a cap gets each, in order") {
   World world;
   FakeSource source(world.waiter, "desk", {1});
-  FakeSink sink(world.waiter, "dongle", {1});
+  FakeSink sink(world.waiter, "artnet", {1}), capped(world.waiter, "dongle", {1}, 40.0);
+  world.pump().add_source(source);
+  world.pump().add_sink(sink);
+  world.pump().add_sink(capped);
+  world.pump().start();
+  const TimeNs at_ns = world.now_ns();
+  for (const int level : {10, 20, 30}) source.give(1, static_cast<std::uint8_t>(level));
+  world.run_for(kNsPerMs);
+  CHECK(levels_sent(sink) == std::vector<int>{10, 20, 30});
+  for (const FakeSink::Sent& sent : sink.sent) CHECK(sent.time_ns == at_ns);
+  CHECK(levels_sent(capped) == std::vector<int>{30});
+  const PumpStatus status = world.pump().status();
+  CHECK(status.universes[0].merge.frames_shown == 3);
+  CHECK(status.universes[0].writes == 3);
+  CHECK(status.ports[1].frames == 3);
+  CHECK(status.ports[1].replaced == 0);
+  CHECK(status.ports[1].latency.count == 3);
+  CHECK(status.ports[2].frames == 1);
+  CHECK(status.ports[2].replaced == 2);
+  CHECK(status.ports[2].looks == 3);
+}
+
+TEST_CASE("rounds that piled up leave as rounds: one call each with every universe of it") {
+  World world;
+  FakeSource source(world.waiter, "desk", universe_range(1, 9));
+  FakeSink sink(world.waiter, "artnet", universe_range(1, 9));
   world.pump().add_source(source);
   world.pump().add_sink(sink);
   world.pump().start();
-  for (const int level : {10, 20, 30}) source.give(1, static_cast<std::uint8_t>(level));
+  for (int round = 1; round <= 4; ++round)
+    for (Universe universe = 1; universe <= 9; ++universe)
+      source.give(universe, static_cast<std::uint8_t>(round * 10 + universe));
   world.run_for(kNsPerMs);
-  CHECK(levels_sent(sink) == std::vector<int>{30});
-  CHECK(world.pump().status().universes[0].merge.frames_replaced == 2);
-  CHECK(world.pump().status().ports[0].frames == 3);
-  CHECK(world.pump().status().ports[1].frames == 1);
+  REQUIRE(sink.sent.size() == 4);
+  for (int round = 1; round <= 4; ++round) {
+    const FakeSink::Sent& sent = sink.sent[static_cast<std::size_t>(round - 1)];
+    CHECK(sent.universes == universe_range(1, 9));
+    CHECK(sent.levels[8] == round * 10 + 9);
+  }
+}
+
+TEST_CASE("two desks that piled up merge round by round") {
+  World world;
+  FakeSource a(world.waiter, "a", {1}), b(world.waiter, "b", {1});
+  FakeSink sink(world.waiter, "artnet", {1});
+  world.pump().add_source(a);
+  world.pump().add_source(b);
+  world.pump().add_sink(sink);
+  world.pump().start();
+  a.give(1, 10);
+  b.give(1, 20);
+  world.run_for(kNsPerMs);
+  a.give(1, 30);
+  a.give(1, 5);
+  b.give(1, 2);
+  b.give(1, 40);
+  world.run_for(kNsPerMs);
+  CHECK(levels_sent(sink) == std::vector<int>{20, 30, 5, 40});
+}
+
+TEST_CASE("a desk that sends a look and stops in one wake-up has its look shown") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1});
+  FakeSink sink(world.waiter, "artnet", {1});
+  world.pump().add_source(source);
+  world.pump().add_sink(sink);
+  world.pump().start();
+  source.give(1, 10);
+  source.give(1, 0);
+  source.end(1);
+  world.run_for(kNsPerMs);
+  CHECK(levels_sent(sink) == std::vector<int>{10, 0});
+  CHECK(world.pump().status().universes[0].senders.empty());
 }
 
 TEST_CASE("all universes of one wake-up go to a sink in one call, and to each sink only its own") {
@@ -462,7 +525,7 @@ TEST_CASE("a refused ninth sender and a priority above 200 are said once and cou
   const UniverseStatus status = world.pump().status().universes[0];
   CHECK(status.merge.refused_full == 2);
   CHECK(status.merge.refused_priority == 2);
-  CHECK(status.senders == 8);
+  CHECK(status.senders.size() == 8);
   CHECK(status.winners == 8);
 }
 
@@ -677,4 +740,408 @@ TEST_CASE("another thread may read buffer and status while the pump runs") {
   const PumpStatus status = world.pump().latest_status();
   CHECK(status.stamp_ns > world.now_ns() - 2 * kNsPerS);
   CHECK(status.ports[1].rate_hz == doctest::Approx(20.0).epsilon(0.1));
+}
+
+// --- Standbys ---
+
+namespace {
+
+// A desk, a main sink and sinks that stand by for it, one after the other.
+struct Chain {
+  World world;
+  FakeSource source{world.waiter, "desk", {1, 2}};
+  FakeSink first{world.waiter, "first", {1, 2}}, second{world.waiter, "second", {1, 2}},
+      third{world.waiter, "third", {1}};
+
+  void start() {
+    world.pump().add_source(source);
+    world.pump().add_sink(first);
+    world.pump().add_sink(second, {.standby_for = &first});
+    world.pump().add_sink(third, {.standby_for = &second});
+    world.pump().start();
+  }
+  void give(int level) {
+    source.give(1, static_cast<std::uint8_t>(level));
+    source.give(2, static_cast<std::uint8_t>(level + 1));
+    world.run_for(kNsPerMs);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a standby gets nothing while its main works, and every look in the tick in which that one fails") {
+  Chain chain;
+  chain.start();
+  chain.give(10);
+  CHECK(chain.second.sent.empty());
+  chain.first.send_error = "first: unplugged";
+  const TimeNs at_ns = chain.world.now_ns();
+  chain.source.give(2, 99);
+  chain.world.run_for(kNsPerMs);
+  REQUIRE(chain.second.sent.size() == 1);
+  CHECK(chain.second.sent[0] == FakeSink::Sent{at_ns, {1, 2}, {10, 99}});
+  chain.give(20);
+  CHECK(levels_sent(chain.second) == std::vector<int>{10, 99, 20, 21});
+  CHECK(chain.third.sent.empty());
+  CHECK(chain.world.said == std::vector<std::string>{"first: lost: first: unplugged", "second: takes over for first"});
+
+  chain.first.send_error.clear();
+  chain.world.run_for(2 * kNsPerS);
+  CHECK(chain.first.sent.back().levels == std::vector<int>{20, 21});
+  CHECK(chain.second.rest_count == 1);
+  chain.give(30);
+  CHECK(chain.first.sent.back().levels == std::vector<int>{30, 31});
+  CHECK(chain.second.sent.size() == 2);
+  CHECK(chain.world.said.size() == 4);
+  CHECK(chain.world.said[2] == "first: back");
+  CHECK(chain.world.said[3] == "second: stands by; first is back");
+  const PumpStatus status = chain.world.pump().status();
+  CHECK(status.ports[2].stands_by);
+  CHECK(status.ports[2].standby_for == "first");
+  for (const PortStatus& port : status.ports) CHECK(unaccounted(port) == 0);
+}
+
+TEST_CASE("a main that is gone at the start has its standby fed from the start") {
+  Chain chain;
+  chain.first.port_state = PortState::kGone;
+  chain.first.port_trouble = "first: not plugged in";
+  chain.start();
+  chain.give(10);
+  CHECK(levels_sent(chain.second) == std::vector<int>{10, 11});
+  CHECK(chain.first.sent.empty());
+  CHECK(chain.third.sent.empty());
+}
+
+TEST_CASE("with main and standby gone the next one in the row is fed, and rests when either is back") {
+  for (const bool second_first : {true, false}) {
+    Chain chain;
+    chain.start();
+    chain.give(10);
+    chain.first.send_error = "first: no";
+    chain.second.send_error = "second: no";
+    chain.source.give(1, 20);
+    chain.world.run_for(kNsPerMs);
+    CHECK(levels_sent(chain.third) == std::vector<int>{20});
+    FakeSink& returns = second_first ? chain.second : chain.first;
+    returns.send_error.clear();
+    chain.world.run_for(2 * kNsPerS);
+    CHECK(chain.third.rest_count == 1);
+    CHECK(returns.sent.back().levels == std::vector<int>{20, 11});
+    chain.give(30);
+    CHECK(chain.third.sent.size() == 1);
+    CHECK(returns.sent.back().levels == std::vector<int>{30, 31});
+  }
+}
+
+TEST_CASE("while all are gone nobody is fed and nothing spins; the one that is back first gets every look") {
+  Chain chain;
+  for (FakeSink* sink : {&chain.first, &chain.second, &chain.third}) sink->send_error = "no";
+  chain.start();
+  chain.give(10);
+  const std::uint64_t waits = chain.world.waiter.wait_count;
+  chain.world.run_for(60 * kNsPerS);
+  CHECK(chain.world.waiter.wait_count - waits < 400);
+  chain.third.send_error.clear();
+  chain.world.run_for(2 * kNsPerS);
+  CHECK(levels_sent(chain.third) == std::vector<int>{10});
+  for (const PortStatus& port : chain.world.pump().status().ports) CHECK(unaccounted(port) == 0);
+}
+
+TEST_CASE("a main that takes polls but no looks is not back, so its standby is fed all along") {
+  Chain chain;
+  chain.start();
+  chain.give(10);
+  chain.first.send_error = "first: stalled";
+  chain.give(20);
+  const std::size_t said = chain.world.said.size();
+  for (int i = 0; i < 400; ++i) {  // ten seconds, in which it is tried about a dozen times
+    chain.source.give(1, static_cast<std::uint8_t>(i));
+    chain.world.run_for(kFrameNs);
+  }
+  CHECK(chain.first.send_count > 10);
+  CHECK(chain.second.rest_count == 0);
+  CHECK(chain.world.said.size() == said);
+  CHECK(chain.second.sent.size() == 1 + 400);
+}
+
+TEST_CASE("a main that flaps loses no look: each is at the main or at the standby when its tick ends") {
+  Chain chain;
+  chain.start();
+  std::uint64_t random = 7;
+  for (int i = 0; i < 2'000; ++i) {
+    random = random * 6364136223846793005u + 1442695040888963407u;
+    if (random >> 61 == 0) chain.first.send_error = chain.first.send_error.empty() ? "first: flaps" : "";
+    const int level = i % 250;
+    chain.source.give(1, static_cast<std::uint8_t>(level));
+    chain.world.run_for(kFrameNs);
+    const auto last = [](const FakeSink& sink) { return sink.sent.empty() ? -1 : sink.sent.back().levels[0]; };
+    const bool fed_second = last(chain.second) == level, fed_first = last(chain.first) == level;
+    REQUIRE((fed_first || fed_second));
+  }
+  CHECK(chain.second.rest_count > 10);
+  for (const PortStatus& port : chain.world.pump().status().ports) CHECK(unaccounted(port) == 0);
+}
+
+TEST_CASE("a standby whose main is removed is fed from then on, or stands by for the one before") {
+  Chain chain;
+  chain.start();
+  chain.give(10);
+  chain.world.pump().call([&] { chain.world.pump().remove_sink(chain.second); });
+  chain.give(20);
+  CHECK(chain.second.close_count == 1);
+  CHECK(chain.third.sent.empty());
+  CHECK(chain.world.pump().status().ports[2].standby_for == "first");
+  chain.world.pump().call([&] { chain.world.pump().remove_sink(chain.first); });
+  chain.world.run_for(kNsPerMs);
+  CHECK(levels_sent(chain.third) == std::vector<int>{20});
+}
+
+// --- Ports and universes that change while it runs ---
+
+TEST_CASE("call runs a job on the pump's thread in the next step, in order, and stop runs those that are left") {
+  World world;
+  world.pump().start();
+  std::vector<int> done;
+  world.waiter.at(world.now_ns() + 3 * kNsPerMs, [&] {
+    world.pump().call([&] { done.push_back(1); });
+    world.pump().call([&] { done.push_back(2); });
+  });
+  world.pump().step();
+  CHECK(world.now_ns() == FakeClock().now_ns() + 3 * kNsPerMs);  // it did not sleep on
+  CHECK(done == std::vector<int>{1, 2});
+  world.pump().call([&] { done.push_back(3); });
+  world.pump().stop();
+  CHECK(done == std::vector<int>{1, 2, 3});
+}
+
+TEST_CASE("another thread's jobs are all run, on the pump's thread") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1});
+  std::uint8_t level = 1;
+  bool alive = true;
+  make_desk(source, world.clock, 1, 100, level, alive);
+  world.pump().add_source(source);
+  world.pump().start();
+  int count = 0;  // of the pump's thread
+  std::jthread caller([&] {
+    for (int i = 0; i < 1'000; ++i) world.pump().call([&] { ++count; });
+  });
+  world.run_for(60 * kNsPerS);
+  caller.join();
+  world.pump().stop();
+  CHECK(count == 1'000);
+}
+
+TEST_CASE("a source that is added while the pump runs is heard at once, and one that is removed no more") {
+  World world;
+  FakeSource first(world.waiter, "first", {1}), second(world.waiter, "second", {1});
+  FakeSink sink(world.waiter, "artnet", {1});
+  world.pump().add_source(first);
+  world.pump().add_sink(sink);
+  world.pump().start();
+  first.give(1, 200);
+  world.run_for(kNsPerMs);
+  second.give(1, 50);  // was opened before it was added: its frame waits in it
+  world.pump().call([&] {
+    world.pump().add_source(second);
+    world.pump().remove_source(first);
+  });
+  const TimeNs at_ns = world.now_ns();
+  world.run_for(kNsPerMs);
+  CHECK(sink.sent.back() == FakeSink::Sent{at_ns, {1}, {50}});
+  CHECK(world.waiter.watched().count(first.fd) == 0);
+  first.give(1, 255);
+  world.run_for(kNsPerMs);
+  CHECK(world.level(1) == 50);
+  CHECK(world.pump().status().ports.size() == 2);
+  CHECK(world.pump().status().universes[0].senders.size() == 1);
+}
+
+TEST_CASE(
+    "a sink that is added while the pump runs gets every look in that step; a removed one gets its last and its end") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1, 2});
+  FakeSink capped(world.waiter, "dongle", {1, 2}, 1.0), added(world.waiter, "artnet", {1, 2});
+  world.pump().add_source(source);
+  world.pump().add_sink(capped);
+  world.pump().start();
+  source.give(1, 10);
+  source.give(2, 20);
+  world.run_for(kNsPerMs);
+  source.give(2, 30);
+  world.run_for(kNsPerMs);
+  const TimeNs at_ns = world.now_ns();
+  world.pump().call([&] {
+    world.pump().remove_sink(capped);
+    world.pump().add_sink(added);
+  });
+  world.run_for(kNsPerMs);
+  CHECK(levels_sent(capped) == std::vector<int>{10, 20, 30});
+  CHECK(capped.close_count == 1);
+  REQUIRE(added.sent.size() == 1);
+  CHECK(added.sent[0] == FakeSink::Sent{at_ns, {1, 2}, {10, 30}});
+  CHECK(world.waiter.watched().count(capped.fd) == 0);
+}
+
+TEST_CASE("a move to other universes keeps looks, senders, priorities, silence and counters, and feeds the new ones") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1, 2, 40}), backup(world.waiter, "backup", {2});
+  FakeSink sink(world.waiter, "artnet", {2, 40});
+  world.pump().add_source(source);
+  world.pump().add_source(backup);
+  world.pump().add_sink(sink);
+  world.pump().start();
+  source.give(1, 10);
+  source.give(2, 200, 150);
+  source.give(40, 1);  // nobody has it
+  backup.give(2, 50, 100);
+  world.run_for(kNsPerMs);
+  CHECK(levels_sent(sink) == std::vector<int>{200});
+  const TimeNs heard_ns = world.now_ns();
+
+  const std::shared_ptr<const Universes> old = world.pump().universes();
+  const auto next = std::make_shared<Universes>(std::array<Universe, 2>{2, 40});
+  // Frames that come between the two lie in the ports.
+  source.give(40, 77);
+  world.pump().call([&] { world.pump().move_to(next, {}); });
+  world.run_for(kNsPerMs);
+  CHECK(world.pump().universes() == next);
+  CHECK(levels_sent(sink) == std::vector<int>{200, 77});
+
+  std::array<std::uint8_t, kSlotCountMax> levels;
+  FrameStamp stamp;
+  next->snapshot(next->index_of(2), levels, stamp);
+  CHECK(levels[511] == 200);
+  CHECK(stamp.stamp_ns != 0);
+  old->snapshot(old->index_of(1), levels, stamp);  // the old one can still be read
+  CHECK(levels[0] == 10);
+  source.give(1, 11);
+  world.run_for(kNsPerMs);
+  PumpStatus status = world.pump().status();
+  CHECK(status.ports[0].unrouted == 2);
+  REQUIRE(status.universes.size() == 2);
+  CHECK(status.universes[0].universe == 2);
+  CHECK(status.universes[0].senders.size() == 2);
+  CHECK(status.universes[0].senders[0].priority == 150);
+  CHECK(status.universes[0].merge.frames == 2);
+  CHECK(status.universes[0].writes == 1);
+  for (int i = 0; i < 100; ++i) {
+    backup.give(2, 60, 100);
+    world.run_for(kFrameNs);
+  }
+  CHECK(heard_ns + 2'500 * kNsPerMs < world.now_ns());
+  next->snapshot(next->index_of(2), levels, stamp);
+  CHECK(levels[0] == 60);  // the main desk's silence went on through the move
+  const auto first = std::find_if(sink.sent.begin(), sink.sent.end(), [](const auto& s) { return s.levels[0] == 60; });
+  REQUIRE(first != sink.sent.end());
+  CHECK(first->time_ns <= heard_ns + 2'500 * kNsPerMs);
+}
+
+TEST_CASE("a look that a cap holds back for a universe that is no more is dropped and counted") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1, 2});
+  FakeSink sink(world.waiter, "dongle", {1, 2}, 1.0);
+  world.pump().add_source(source);
+  world.pump().add_sink(sink);
+  world.pump().start();
+  for (const int level : {10, 20}) {
+    source.give(1, static_cast<std::uint8_t>(level));
+    source.give(2, static_cast<std::uint8_t>(level));
+  }
+  world.run_for(kNsPerMs);
+  source.give(1, 30);
+  source.give(2, 40);
+  world.run_for(kNsPerMs);
+  world.pump().call([&] { world.pump().move_to(std::make_shared<Universes>(std::array<Universe, 1>{2}), {}); });
+  world.run_for(2 * kNsPerS);
+  CHECK(sink.sent.back().universes == std::vector<Universe>{2});
+  const PumpStatus status = world.pump().status();
+  CHECK(status.ports[1].universes[0].waiting == 0);
+  CHECK(unaccounted(status.ports[1]) == 0);
+}
+
+TEST_CASE("senders are told by name, the highest priority first") {
+  World world;
+  FakeSource desk(world.waiter, "sacn:1", {1}), other(world.waiter, "artnet:1", {1});
+  desk.sender_name = "FOH (10.0.0.7)";
+  world.pump().add_source(desk);
+  world.pump().add_source(other);
+  world.pump().start();
+  other.give(1, 1, 90);
+  desk.give(1, 2, 110);
+  world.run_for(kNsPerS);
+  const std::vector<SenderStatus> senders = world.pump().status().universes[0].senders;
+  REQUIRE(senders.size() == 2);  // though both are sender 1 of their source
+  CHECK(senders[0].name == "FOH (10.0.0.7)");
+  CHECK(senders[0].wins);
+  CHECK(senders[0].priority == 110);
+  CHECK(senders[0].age_ns == kNsPerS);
+  CHECK(senders[0].rate_hz == doctest::Approx(1.0));
+  CHECK(senders[1].name == "artnet:1");
+  CHECK_FALSE(senders[1].wins);
+}
+
+// --- Nothing is lost uncounted ---
+
+TEST_CASE("every frame and every look of a long random history is in just one counter") {
+  World world;
+  std::uint64_t random = 11;
+  const auto draw = [&](std::uint64_t below) {
+    random = random * 6364136223846793005u + 1442695040888963407u;
+    return (random >> 33) % below;
+  };
+  FakeSource desks[2] = {{world.waiter, "a", {1, 2, 3}}, {world.waiter, "b", {2, 3, 4}}};
+  FakeSink sinks[4] = {{world.waiter, "all", universe_range(1, 9)},
+                       {world.waiter, "capped", {2, 3}, 30.0},
+                       {world.waiter, "main", {1, 3}},
+                       {world.waiter, "standby", {1, 3}}};
+  for (FakeSource& desk : desks) world.pump().add_source(desk);
+  for (FakeSink& sink : sinks) world.pump().add_sink(sink, {.standby_for = &sink == &sinks[3] ? &sinks[2] : nullptr});
+  world.pump().set_mode(3, MergeMode::kLtp);
+  world.pump().start();
+  std::array<std::uint64_t, 10> given{};
+  std::uint64_t strange = 0;
+  for (int step = 0; step < 20'000; ++step) {
+    for (std::uint64_t burst = draw(12); burst > 0; --burst) {
+      FakeSource& desk = desks[draw(2)];
+      desk.sender = 1 + draw(10);
+      const auto universe = static_cast<Universe>(1 + draw(5));
+      const bool carried = std::count(desk.carried.begin(), desk.carried.end(), universe) != 0;
+      ++(carried ? given[static_cast<std::size_t>(universe)] : strange);
+      if (draw(20) == 0) {
+        desk.end(universe);
+      } else {
+        desk.give(universe, static_cast<std::uint8_t>(draw(3)),
+                  static_cast<std::uint8_t>(draw(50) == 0 ? 201 : 99 + draw(3)));
+      }
+    }
+    if (draw(10) == 0) {
+      FakeSink& sink = sinks[draw(4)];
+      sink.send_error = sink.send_error.empty() ? "no" : "";
+    }
+    world.run_for(static_cast<DurationNs>(1 + draw(draw(50) == 0 ? 3'000 : 30)) * kNsPerMs);
+    const PumpStatus status = world.pump().status();
+    for (const UniverseStatus& universe : status.universes) {
+      REQUIRE(unaccounted(universe) == 0);
+      REQUIRE(universe.merge.frames == given[static_cast<std::size_t>(universe.universe)]);
+    }
+    for (const PortStatus& port : status.ports) REQUIRE(unaccounted(port) == 0);
+    REQUIRE(status.ports[0].unrouted + status.ports[1].unrouted == strange);
+    // A sink without cap that never failed has had every look; so it holds for the frames.
+    for (std::size_t i = 0; i < 4; ++i) {
+      const PortStatus& port = status.ports[2 + i];
+      if (sinks[i].rate_hz_max() > 0.0 || port.failures != 0) continue;
+      REQUIRE(port.frames == port.looks);
+    }
+  }
+  const PumpStatus status = world.pump().status();
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(status.ports[2 + i].frames == sinks[i].frame_count);
+    CHECK(status.ports[2 + i].refused > 0);
+  }
+  CHECK(status.ports[3].replaced > 100);
+  const MergeCounters& merge = status.universes[2].merge;
+  for (const std::uint64_t count : {merge.frames_shown, merge.frames_outranked, merge.frames_ended,
+                                    merge.refused_priority, merge.refused_full, merge.senders_displaced})
+    CHECK(count > 100);
 }

@@ -154,7 +154,10 @@ class FakeSource final : public Source, public FakePort {
     return {};
   }
 
+  std::string sender_text(SenderId) const override { return sender_name; }
+
   SenderId sender = 1;
+  std::string sender_name;
   std::function<void(TimeNs)> before_poll;  // may give() what is due
 
  private:
@@ -206,6 +209,7 @@ class FakeSink final : public Sink, public FakePort {
     if (during_poll) during_poll(now_ns);
     return polled(now_ns);
   }
+  void rest(TimeNs) override { ++rest_count; }
   void close(TimeNs) override { ++close_count; }
 
   std::string send_error;  // not empty: send() fails with it
@@ -216,6 +220,7 @@ class FakeSink final : public Sink, public FakePort {
   std::uint64_t send_count = 0;
   std::uint64_t frame_count = 0;
   int close_count = 0;
+  int rest_count = 0;
 
  private:
   double rate_hz_max_;

@@ -20,24 +20,38 @@ Json ports_of(const PumpStatus& status) {
   for (const PortStatus& port : status.ports) {
     Json universes = Json::array();
     for (const PortUniverseStatus& universe : port.universes) {
-      universes.push_back(
-          {{"universe", universe.universe}, {"frames", universe.frames}, {"rate_hz", universe.rate_hz}});
+      Json told = {{"universe", universe.universe}, {"frames", universe.frames}, {"rate_hz", universe.rate_hz}};
+      if (port.is_sink) {
+        told["looks"] = universe.looks;
+        told["replaced"] = universe.replaced;
+        told["refused"] = universe.refused;
+        told["waiting"] = universe.waiting;
+      }
+      universes.push_back(std::move(told));
     }
-    ports.push_back({{"name", port.name},
-                     {"direction", port.is_sink ? "out" : "in"},
-                     {"state", name_of(port.state)},
-                     {"trouble", port.trouble},
-                     {"frames", port.frames},
-                     {"rate_hz", port.rate_hz},
-                     {"rejected", port.port.rejected},
-                     {"dropped", port.port.dropped},
-                     {"errors", port.port.errors},
-                     {"replaced", port.replaced},
-                     {"unrouted", port.unrouted},
-                     {"failures", port.failures},
-                     {"lateness", timing(port.lateness)},
-                     {"latency", timing(port.latency)},
-                     {"universes", std::move(universes)}});
+    Json told = {{"name", port.name},
+                 {"direction", port.is_sink ? "out" : "in"},
+                 {"state", name_of(port.state)},
+                 {"trouble", port.trouble},
+                 {"frames", port.frames},
+                 {"rate_hz", port.rate_hz},
+                 {"rejected", port.port.rejected},
+                 {"dropped", port.port.dropped},
+                 {"errors", port.port.errors},
+                 {"replaced", port.replaced},
+                 {"unrouted", port.unrouted},
+                 {"failures", port.failures},
+                 {"lateness", timing(port.lateness)},
+                 {"latency", timing(port.latency)},
+                 {"universes", std::move(universes)}};
+    if (port.is_sink) {
+      told["looks"] = port.looks;
+      told["refused"] = port.refused;
+      told["waiting"] = port.waiting;
+      if (!port.standby_for.empty()) told["standby_for"] = port.standby_for;
+      told["stands_by"] = port.stands_by;
+    }
+    ports.push_back(std::move(told));
   }
   return ports;
 }
@@ -48,6 +62,41 @@ Json facts_of(const Event& event, const char* id_key) {
   if (event.universe != 0) json["universe"] = event.universe;
   json["text"] = event.text;
   return json;
+}
+
+Json universes_of(const PumpStatus& status) {
+  Json universes = Json::array();
+  for (const UniverseStatus& universe : status.universes) {
+    Json senders = Json::array();
+    for (const SenderStatus& sender : universe.senders) {
+      senders.push_back({{"name", sender.name},
+                         {"id", sender.id},
+                         {"priority", sender.priority},
+                         {"age_ns", sender.age_ns},
+                         {"rate_hz", sender.rate_hz},
+                         {"wins", sender.wins},
+                         {"per_address", sender.per_address}});
+    }
+    const MergeCounters& merge = universe.merge;
+    universes.push_back({{"universe", universe.universe},
+                         {"rate_hz", universe.rate_hz},
+                         {"writes", universe.writes},
+                         {"winners", universe.winners},
+                         {"priority", universe.priority},
+                         {"frames", merge.frames},
+                         {"shown", merge.frames_shown},
+                         {"outranked", merge.frames_outranked},
+                         {"priorities", merge.frames_priorities},
+                         {"early", merge.frames_early},
+                         {"ended", merge.frames_ended},
+                         {"refused_priority", merge.refused_priority},
+                         {"refused_full", merge.refused_full},
+                         {"senders_displaced", merge.senders_displaced},
+                         {"senders_silent", merge.senders_silent},
+                         {"senders_ended", merge.senders_ended},
+                         {"senders", std::move(senders)}});
+  }
+  return universes;
 }
 
 }  // namespace
@@ -63,23 +112,17 @@ std::string json_of_notice(const Event& event) {
 std::string json_of_event(const Event& event) { return line_of(facts_of(event, "event")); }
 
 std::string json_of_status(const PumpStatus& status) {
-  Json universes = Json::array();
-  for (const UniverseStatus& universe : status.universes) {
-    universes.push_back({{"universe", universe.universe},
-                         {"rate_hz", universe.rate_hz},
-                         {"writes", universe.writes},
-                         {"senders", universe.senders},
-                         {"winners", universe.winners},
-                         {"priority", universe.priority}});
-  }
   return line_of({{"event", "status"},
                   {"stamp_ns", status.stamp_ns},
                   {"ports", ports_of(status)},
-                  {"universes", std::move(universes)}});
+                  {"universes", universes_of(status)}});
 }
 
 std::string json_of_summary(const PumpStatus& status, DurationNs elapsed_ns) {
-  return line_of({{"event", "summary"}, {"elapsed_ns", elapsed_ns}, {"ports", ports_of(status)}});
+  return line_of({{"event", "summary"},
+                  {"elapsed_ns", elapsed_ns},
+                  {"ports", ports_of(status)},
+                  {"universes", universes_of(status)}});
 }
 
 std::string json_of_levels(const Universes& universes, std::span<const Universe> wanted, TimeNs now_ns) {

@@ -57,6 +57,8 @@ std::string status_line(const PumpStatus& status) {
     line += fmt::format("{}{} {} ", line.empty() ? "" : "  ", port.is_sink ? "->" : "<-", port.name);
     if (port.state == PortState::kGone) {
       line += "gone";
+    } else if (port.stands_by) {
+      line += "stands by";
     } else if (port.frames == 0) {
       line += "nothing yet";
     } else {
@@ -88,9 +90,26 @@ std::string summary_text(const PumpStatus& status, DurationNs elapsed_ns) {
     count("rejected", port.port.rejected);
     count("dropped", port.port.dropped);
     count("replaced", port.replaced);
+    count("refused", port.refused);
     count("of universes that nobody asked for", port.unrouted);
     count("errors", port.port.errors + port.failures);
     if (!port.trouble.empty()) text += fmt::format("; {}", port.trouble);
+    text += '\n';
+  }
+  // What was received and is in no look.
+  for (const UniverseStatus& universe : status.universes) {
+    const MergeCounters& merge = universe.merge;
+    if (merge.frames == merge.frames_shown) continue;
+    text += fmt::format("  universe {}: {} frames, {} shown", universe.universe, merge.frames, merge.frames_shown);
+    const auto count = [&](const char* what, std::uint64_t number) {
+      if (number != 0) text += fmt::format(", {} {}", number, what);
+    };
+    count("outranked by another sender", merge.frames_outranked);
+    count("with per-address priorities", merge.frames_priorities);
+    count("of a new sender, too early", merge.frames_early);
+    count("that said their sender stops", merge.frames_ended);
+    count("refused: priority above 200", merge.refused_priority);
+    count("refused: eight senders already", merge.refused_full);
     text += '\n';
   }
   return text;
