@@ -112,6 +112,8 @@ std::string metrics_text(const PumpStatus& status, const ServiceFacts& facts) {
   page.family("footlight_port_replaced_total", "counter",
               "Outputs: looks that a newer one replaced before they were handed over.");
   per_direction(true, [&](const auto& labels, const PortStatus& port) { page.value(labels, port.replaced); });
+  page.family("footlight_port_refused_total", "counter", "Outputs: looks handed over in a call that failed.");
+  per_direction(true, [&](const auto& labels, const PortStatus& port) { page.value(labels, port.refused); });
   page.family("footlight_latency_seconds", "histogram",
               "Outputs: from the stamp of a frame to the return of the call that handed it over.");
   per_direction(true, [&](const auto& labels, const PortStatus& port) { page.histogram(labels, port.latency); });
@@ -126,7 +128,7 @@ std::string metrics_text(const PumpStatus& status, const ServiceFacts& facts) {
   per_universe("footlight_universe_looks_total", "counter", "Looks made of a universe.",
                [](const UniverseStatus& universe) { return universe.writes; });
   per_universe("footlight_universe_senders", "gauge", "Senders known at the moment.",
-               [](const UniverseStatus& universe) { return universe.senders; });
+               [](const UniverseStatus& universe) { return universe.senders.size(); });
   per_universe("footlight_universe_winners", "gauge", "Senders that share the highest priority.",
                [](const UniverseStatus& universe) { return universe.winners; });
   per_universe("footlight_universe_priority", "gauge", "Priority of the winners, 0 to 200.",
@@ -142,6 +144,19 @@ std::string metrics_text(const PumpStatus& status, const ServiceFacts& facts) {
   for (const UniverseStatus& universe : status.universes) {
     page.value(fmt::format("universe=\"{}\",reason=\"priority\"", universe.universe), universe.merge.refused_priority);
     page.value(fmt::format("universe=\"{}\",reason=\"full\"", universe.universe), universe.merge.refused_full);
+  }
+  page.family("footlight_merged_frames_total", "counter",
+              "Frames that reached the merge and were not refused, by what became of them.");
+  for (const UniverseStatus& universe : status.universes) {
+    const MergeCounters& merge = universe.merge;
+    const auto fate = [&](const char* name, std::uint64_t count) {
+      page.value(fmt::format("universe=\"{}\",fate=\"{}\"", universe.universe, name), count);
+    };
+    fate("shown", merge.frames_shown);
+    fate("outranked", merge.frames_outranked);
+    fate("priorities", merge.frames_priorities);
+    fate("early", merge.frames_early);
+    fate("ended", merge.frames_ended);
   }
   page.family("footlight_senders_lost_total", "counter", "Senders forgotten, by reason.");
   for (const UniverseStatus& universe : status.universes) {
