@@ -175,6 +175,14 @@ std::string json_of_finding(const NetworkFinding& found) {
                   {"complete", found.complete}});
 }
 
+std::string json_of_check(const Check& check, const Outcome& outcome) {
+  return line_of({{"check", check.id},
+                  {"title", check.title},
+                  {"verdict", name_of(outcome.verdict)},
+                  {"seen", outcome.seen},
+                  {"mend", outcome.mend}});
+}
+
 namespace {
 
 const char* word_of(LogFormat format) {

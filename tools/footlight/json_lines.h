@@ -12,6 +12,7 @@
 #include "sim/dmx_log/log_input.h"
 #include "sim/pump.h"
 #include "sim/universes.h"
+#include "tools/footlight/doctor_checks.h"
 #include "tools/footlight/event_log.h"
 #include "tools/footlight/network_finding.h"
 
@@ -29,6 +30,7 @@ namespace footlight::tools {
 // newest frame on the clock of "now_ns", and how often they were written ("revision", 0: never).
 [[nodiscard]] std::string json_of_levels(const Universes& universes, std::span<const Universe> wanted, TimeNs now_ns);
 [[nodiscard]] std::string json_of_device(const drivers::FoundDevice& device);
+[[nodiscard]] std::string json_of_check(const Check& check, const Outcome& outcome);  // of doctor
 [[nodiscard]] std::string json_of_log(const LogInfo& info, const std::vector<std::string>& notes);
 [[nodiscard]] std::string json_of_line_timing(const std::string& path, const drivers::LineCaptureInfo& info);
 [[nodiscard]] std::string json_of_finding(const NetworkFinding& found);

@@ -75,6 +75,7 @@ class Listener final : public FrameReceiver {
  public:
   explicit Listener(Edge& edge) : edge_(edge) {}
   void receive(const FrameView& frame) override {
+    if (frame.slots.empty()) return;  // the last words of the sender
     const int level = frame.slots[0];
     if (level == last_level_) return;
     last_level_ = level;
