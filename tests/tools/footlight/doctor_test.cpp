@@ -296,7 +296,8 @@ TEST_CASE("privilege stands in for limits") {
 
 TEST_CASE("what is no trouble is not called one") {
   Machine machine;
-  // Rules that were installed with the program, not copied; the rules keep ModemManager off; a file of /etc stands in for brltty's; one interface has one way back.
+  // Rules that were installed with the program, not copied; the rules keep ModemManager off; a file of /etc stands in
+  // for brltty's; one interface has one way back.
   machine.remove("etc/udev/rules.d/70-footlight.rules");
   machine.write("local/udev/rules.d/70-footlight.rules", drivers::udev_rules_text());
   machine.run(900, "ModemManager");
