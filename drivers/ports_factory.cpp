@@ -4,6 +4,7 @@
 
 #include "drivers/device/chooser.h"
 #include "drivers/device/device.h"
+#include "drivers/hid/hidraw_connector.h"
 #include "drivers/mock/mock_usb.h"
 #include "drivers/usb/libusb_connector.h"
 #include "drivers/usb_match.h"
@@ -60,6 +61,8 @@ UsbModelId model_of(const DriverInfo& driver, const std::string& target) {
 
 Result<std::unique_ptr<Connector>> connector_to(const DriverInfo& driver, const PortRequest& request, Clock& clock) {
   const TransportKind kind = driver.usb_ids.empty() ? TransportKind::kFtdi : driver.usb_ids[0].transport;
+  if (kind == TransportKind::kHid)
+    return make_hidraw_connector({.driver_id = std::string(driver.id), .target = request.target}, clock);
   return make_libusb_connector({.driver_id = std::string(driver.id), .target = request.target, .unknown_kind = kind},
                                clock);
 }

@@ -84,6 +84,34 @@ int access_of(const FindOptions& options, const std::string& node) {
   return ::access(node.c_str(), R_OK | W_OK) == 0 ? 0 : errno;
 }
 
+// "/dev/hidraw3" of a HID interface; empty where the kernel has made none.
+std::string hidraw_of(const std::string& interface, const std::string& dev_root) {
+  for (const std::string& child : names_in(interface))
+    for (const std::string& entry : names_in(fmt::format("{}/{}/hidraw", interface, child)))
+      if (entry.starts_with("hidraw")) return fmt::format("{}/{}", dev_root, entry);
+  return {};
+}
+
+void judge_hid(FoundDevice& device, const FindOptions& options) {
+  const auto verdict = [&](Readiness readiness, std::string reason, std::string remedy) {
+    device.readiness = readiness;
+    device.reason = std::move(reason);
+    device.remedy = std::move(remedy);
+  };
+  if (device.kernel_driver == "usbfs")
+    return verdict(Readiness::kBusy, "in use by another program", fmt::format("sudo fuser -v {}", device.node));
+  if (device.hidraw.empty())
+    return verdict(Readiness::kNoNode, "the kernel has made no hidraw node of it", "sudo modprobe usbhid");
+  const int access_error = access_of(options, device.hidraw);
+  if (access_error == ENOENT)
+    return verdict(Readiness::kNoNode,
+                   fmt::format("{} does not exist; a container has to be started with access to it", device.hidraw),
+                   {});
+  if (access_error != 0)
+    return verdict(Readiness::kNoPermission, fmt::format("{}: {}", device.hidraw, std::strerror(access_error)),
+                   udev_install_command());
+}
+
 void judge(FoundDevice& device, const std::vector<std::string>& ttys, const FindOptions& options) {
   const auto verdict = [&](Readiness readiness, std::string reason, std::string remedy = {}) {
     device.readiness = readiness;
@@ -93,8 +121,9 @@ void judge(FoundDevice& device, const std::vector<std::string>& ttys, const Find
   if (device.driver_id.empty())
     return verdict(
         Readiness::kNotDmx,
-        "its USB ids are those of a bare serial chip and its name is not that of a DMX interface; if it is one, name "
-        "it by its serial number or port");
+        "its USB ids are shared by many products and its name is not that of a DMX interface; if it is one, name it by "
+        "its serial number or port");
+  if (device.transport == TransportKind::kHid) return judge_hid(device, options);
   if (!built_with_usb())
     return verdict(Readiness::kUnsupported, "this build has no USB",
                    "sudo apt install libusb-1.0-0-dev && cmake -B build -DFOOTLIGHT_USB=ON && cmake --build build");
@@ -145,8 +174,12 @@ std::optional<FoundDevice> read_device(const std::string& name, const FindOption
     device.capabilities = match.driver->capabilities;
     device.quirks = match.model->quirks;
     device.transport = match.model->transport;
+    if (device.transport == TransportKind::kHid) device.hidraw = hidraw_of(interface, options.dev_root);
   } else {
-    device.model_name = "FTDI serial adapter, not known to be a DMX USB Pro";
+    constexpr int kFtdi = 0x0403;
+    device.model_name = device.usb_vendor == kFtdi
+                            ? "FTDI serial adapter, not known to be a DMX USB Pro"
+                            : "a device whose USB ids are shared by many, not known to be a DMX interface";
   }
   std::vector<std::string> ttys;
   for (const std::string& entry : names_in(interface))

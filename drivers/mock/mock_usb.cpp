@@ -351,7 +351,14 @@ class PipeTransport final : public Transport {
     return usb_->write_endpoint(out_, bytes, deadline_ns);
   }
   Result<std::size_t> read(std::span<std::uint8_t> into, TimeNs deadline_ns) override {
-    return usb_->read_endpoint(in_, into, deadline_ns);
+    if (!is_hid_) return usb_->read_endpoint(in_, into, deadline_ns);
+    FL_ASSIGN(const std::size_t size, usb_->read_endpoint(in_, into.subspan(1), deadline_ns));
+    into[0] = 0;  // the report, its number first
+    return size > 0 ? 1 + size : 0;
+  }
+  Result<std::size_t> control_in(const ControlRequest& request, std::span<std::uint8_t> into,
+                                 TimeNs deadline_ns) override {
+    return usb_->control_in(request, into, deadline_ns);
   }
   Status set_line(const LineSettings&, TimeNs deadline_ns) override {
     constexpr std::uint8_t kCoding[] = {0x90, 0xD0, 0x03, 0x00, 2, 0, 8};  // 250000 baud, 2 stop bits, no parity

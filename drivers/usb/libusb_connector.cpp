@@ -232,7 +232,10 @@ class LibusbTransport final : public Transport {
       const auto fill = is_interrupt(endpoint) ? &libusb_fill_interrupt_transfer : &libusb_fill_bulk_transfer;
       fill(out_.get(), handle_.get(), endpoint, buffer_.data() + written, static_cast<int>(bytes.size() - written),
            &LibusbTransport::on_out, this, 0);
-      FL_TRY(run(deadline_ns, "write"));
+      const Status ran = run(deadline_ns, "write");
+      // A halted endpoint refuses everything until that is cleared, also for the next one who opens the device.
+      if (out_->status == LIBUSB_TRANSFER_STALL) (void)libusb_clear_halt(handle_.get(), endpoint);
+      if (!ran) return ran;
       written += static_cast<std::size_t>(out_->actual_length);
       const bool late = out_->status == LIBUSB_TRANSFER_CANCELLED ||
                         (out_->actual_length == 0 && bus_->clock.now_ns() >= deadline_ns);

@@ -221,7 +221,7 @@ void UsbSocket::answer(UMockdevIoctlClient* client) {
       bind("");
       claimed_ = false;
       return reply(client, 0);
-    case USBDEVFS_CLEAR_HALT:
+    case USBDEVFS_CLEAR_HALT: out_halted = false; return reply(client, 0);
     case USBDEVFS_RESET:
     case USBDEVFS_RESETEP:
     case USBDEVFS_SETINTERFACE:
@@ -289,7 +289,7 @@ bool UsbSocket::run_bulk(Urb& urb, Time now) {
     return true;
   }
   if (out_frozen) return false;
-  urb.status = out_status;
+  urb.status = out_halted ? -EPIPE : out_status.load();
   if (urb.status != 0) return true;
   const int count = out_size_max < 0 ? content.buffer_length : std::min(content.buffer_length, out_size_max.load());
   if (urb.buffer != nullptr) model_.data_out(content.endpoint, {urb.buffer->data, static_cast<std::size_t>(count)});

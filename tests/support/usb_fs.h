@@ -61,6 +61,7 @@ class UsbSocket {
   std::atomic<int> out_status{0};       // a negative errno value: how OUT transfers end
   std::atomic<int> out_size_max{-1};    // bytes that an OUT transfer takes before it ends as complete; -1: all
   std::atomic<bool> out_frozen{false};  // OUT transfers stay in flight
+  std::atomic<bool> out_halted{false};  // OUT transfers end with EPIPE until the host clears the halt
   std::atomic<bool> in_frozen{false};   // IN transfers stay in flight
 
  private:

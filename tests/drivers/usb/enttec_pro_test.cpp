@@ -538,7 +538,7 @@ TEST_CASE("a port request that makes no sense is refused with what would") {
   SystemClock clock;
   CHECK(open_sink({.scheme = "nonesuch", .target = "x", .universes = {1}}, clock)
             .error()
-            .message.find("enttec-pro, mock") != std::string::npos);
+            .message.find("there are enttec-pro, ") != std::string::npos);
   CHECK(open_sink({.scheme = "mock", .target = "enttec-pro", .universes = {1, 2}}, clock).error().code ==
         ErrorCode::kBadInput);
   CHECK(open_sink({.scheme = "mock", .target = "enttec-pro", .universes = {0}}, clock).error().code ==

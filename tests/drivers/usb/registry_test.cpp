@@ -249,12 +249,20 @@ TEST_CASE("udev rules never open a bare serial chip and never to everybody") {
     CHECK(line.find("0666") == std::string::npos);
     if (line.find("0403") != std::string::npos)
       CHECK((line.find("ATTR{manufacturer}") != std::string::npos || line.find("ATTR{product}") != std::string::npos));
-    const std::size_t id = line.find("ATTR{idVendor}==\"") + 17;
+    const std::size_t id = line.find("{idVendor}==\"") + 13;
     CHECK(std::none_of(line.begin() + static_cast<std::ptrdiff_t>(id),
                        line.begin() + static_cast<std::ptrdiff_t>(id + 4),
                        [](unsigned char c) { return std::isupper(c); }));
   }
   CHECK(rule_count >= 3);
+}
+
+TEST_CASE("udev rules open a HID interface by its hidraw node, and no other hidraw node") {
+  const std::string rules = udev_rules_text();
+  CHECK(rules.find(R"(SUBSYSTEM=="hidraw", ATTRS{idVendor}=="10cf", ATTRS{idProduct}=="8062")") != std::string::npos);
+  std::istringstream lines(rules);
+  for (std::string line; std::getline(lines, line);)
+    if (line.find("hidraw\"") != std::string::npos) CHECK(line.find("ATTRS{idProduct}") != std::string::npos);
 }
 
 TEST_SUITE_END();

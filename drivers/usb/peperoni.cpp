@@ -1,0 +1,202 @@
+#include "drivers/usb/peperoni.h"
+
+#include <algorithm>
+
+#include "drivers/driver.h"
+#include "drivers/mock/peperoni_model.h"
+#include "sim/core/check.h"
+
+namespace footlight::drivers {
+namespace {
+
+constexpr std::uint8_t kMagic[] = {0x02, 0x4D, 0x6B, 0x32};
+constexpr std::uint8_t kEndpointOut = 0x02, kEndpointIn = 0x82;
+constexpr ControlRequest kSetStartCode{.request_type = 0x40, .request = 0x09};
+constexpr ControlRequest kSetMemory{.request_type = 0x40, .request = 0x08};
+constexpr ControlRequest kGetDeviceDescriptor{.request_type = 0x80, .request = 6, .value = 0x0100};
+constexpr std::uint8_t kDeviceWait_ms = 50;          // until the transmitter is free: it paces the looks
+constexpr DurationNs kPatience_ns = 100 * kNsPerMs;  // more than that
+// As QLC+ sends them: 200 us and 20 us.
+constexpr std::uint8_t kBreakCode = 181, kMarkCode = 250;
+constexpr std::uint8_t kWaitForTransmitter = 0x02, kForceTransmission = 0x80;
+
+class PeperoniWidget final : public Widget {
+ public:
+  explicit PeperoniWidget(int line_count) : line_count_(line_count) {}
+  int line_count() const override { return line_count_; }
+  Status can(int, LineUse use) const override {
+    if (use == LineUse::kInput)
+      return fail(ErrorCode::kUnsupported, "the input of Peperoni interfaces is not supported; use it as an output");
+    return {};
+  }
+
+  Result<WidgetTraits> begin(WidgetContext& context) override {
+    std::array<std::uint8_t, 18> descriptor{};
+    FL_ASSIGN(const std::size_t size,
+              context.transport().control_in(kGetDeviceDescriptor, descriptor, context.now_ns() + kPatience_ns));
+    if (size != descriptor.size())
+      return fail(ErrorCode::kProtocol, "{}: a device descriptor of {} bytes; plug it in again",
+                  context.transport().where(), size);
+    const auto release = static_cast<std::uint16_t>(descriptor[12] | descriptor[13] << 8);
+    frames_ = peperoni_frames(release);
+    if (line_count_ > 1 && context.lines()[1] != LineUse::kUnused && frames_ == PeperoniFrames::kControl)
+      return fail(ErrorCode::kUnsupported, "{}: its firmware {:x}.{:02x} has one output only; use connector 1",
+                  context.transport().where(), release >> 8, release & 0xFF);
+    FL_TRY(context.transport().control_out(kSetStartCode, {}, context.now_ns() + kPatience_ns));
+    stale_ = true;
+    answer_owed_ = false;
+    return WidgetTraits{.rate_hz_max = 44.0,
+                        .keep_alive_ns = kNsPerS,
+                        .identity = fmt::format("firmware {:x}.{:02x}", release >> 8, release & 0xFF),
+                        .remarks = {}};
+  }
+
+  Status send(WidgetContext& context, int line, std::span<const std::uint8_t, kSlotCountMax> look) override {
+    Transport& transport = context.transport();
+    const TimeNs deadline_ns = context.now_ns() + kPatience_ns;
+    switch (frames_) {
+      case PeperoniFrames::kControl: return transport.control_out(kSetMemory, look, deadline_ns);
+      case PeperoniFrames::kBulk:
+        return transport.write_endpoint(kEndpointOut, encode_peperoni_bulk(line, look), deadline_ns);
+      case PeperoniFrames::kBulkWithStatus: break;
+    }
+    if (stale_) FL_TRY(forget_answers(context));
+    stale_ = answer_owed_ = true;
+    FL_TRY(transport.write_endpoint(kEndpointOut, encode_peperoni_with_status(line, look), deadline_ns));
+    FL_TRY(take_answer(context, line, deadline_ns));
+    stale_ = false;
+    return {};
+  }
+
+  Status listen(WidgetContext& context, TimeNs deadline_ns) override { return context.transport().wait(deadline_ns); }
+
+  std::vector<WidgetFigure> figures() const override {
+    return {{"device_timeouts", static_cast<double>(timeout_count_)}};
+  }
+
+ private:
+  Status take_answer(WidgetContext& context, int line, TimeNs deadline_ns) {
+    Transport& transport = context.transport();
+    while (true) {
+      std::array<std::uint8_t, kUsbTransferSizeMax> answer{};
+      FL_ASSIGN(const std::size_t size, transport.read_endpoint(kEndpointIn, answer, deadline_ns));
+      if (size > 0) {
+        const auto status = decode_peperoni_status(std::span<const std::uint8_t>(answer).first(size));
+        if (status) answer_owed_ = false;
+        if (status == PeperoniStatus::kOk) return {};
+        if (status == PeperoniStatus::kTimeout) {
+          ++timeout_count_;
+          return fail(ErrorCode::kTimeout, "{}: its transmitter was not free within {} ms", transport.where(),
+                      kDeviceWait_ms);
+        }
+        if (status)
+          return fail(ErrorCode::kIo, "{}: refused universe {} with status {}", transport.where(), line + 1,
+                      static_cast<int>(*status));
+        context.count_rejected();
+      } else if (context.now_ns() >= deadline_ns) {
+        return fail(ErrorCode::kTimeout, "{}: no answer to a look within {} ms", transport.where(),
+                    kPatience_ns / kNsPerMs);
+      }
+      // Otherwise it was woken: a newer look waits, and this one's answer still has to come.
+    }
+  }
+
+  // Answers to what went before must not be taken for the next one; nothing in them says what they answer. One that is
+  // owed is waited for.
+  Status forget_answers(WidgetContext& context) {
+    const TimeNs give_up_ns = context.now_ns() + (answer_owed_ ? kPatience_ns : 0);
+    std::array<std::uint8_t, kUsbTransferSizeMax> answer{};
+    while (true) {
+      FL_ASSIGN(const std::size_t size,
+                context.transport().read_endpoint(kEndpointIn, answer, answer_owed_ ? give_up_ns : context.now_ns()));
+      if (size > 0) {
+        context.count_rejected();
+        answer_owed_ = false;
+      } else if (!answer_owed_ || context.now_ns() >= give_up_ns) {
+        return {};
+      }
+    }
+  }
+
+  const int line_count_;
+  PeperoniFrames frames_ = PeperoniFrames::kControl;
+  bool stale_ = true;         // answers may be under way
+  bool answer_owed_ = false;  // one is
+  std::uint64_t timeout_count_ = 0;
+};
+
+constexpr UsbModelId model(std::uint16_t product, std::string_view name, unsigned quirks = 0) {
+  return {.vendor = 0x0CE1,
+          .product = product,
+          .manufacturer_text = "",
+          .product_text = "",
+          .model_name = name,
+          .quirks = quirks,
+          .transport = TransportKind::kUsb};
+}
+constexpr UsbModelId kModels[] = {
+    model(0x0002, "Peperoni Rodin 1"),         model(0x0013, "Peperoni Rodin 1 Mk3"),
+    model(0x0003, "Peperoni Rodin 2"),         model(0x0008, "Peperoni Rodin T"),
+    model(0x0001, "Peperoni USBDMX X-Switch"), model(0x0004, "Peperoni USBDMX21", kQuirkTwoPorts),
+};
+
+}  // namespace
+
+PeperoniFrames peperoni_frames(std::uint16_t release) {
+  if (release < 0x0400) return PeperoniFrames::kControl;
+  return release < 0x0500 ? PeperoniFrames::kBulk : PeperoniFrames::kBulkWithStatus;
+}
+
+std::array<std::uint8_t, kPeperoniBulkSize> encode_peperoni_bulk(int universe,
+                                                                 std::span<const std::uint8_t, kSlotCountMax> look) {
+  FL_CHECK(universe == 0 || universe == 1);
+  constexpr std::uint8_t kSetFirst = 0, kSetSecond = 4;
+  std::array<std::uint8_t, kPeperoniBulkSize> message{0x01, universe == 0 ? kSetFirst : kSetSecond, 0x00, 0x02};
+  std::copy(look.begin(), look.end(), message.begin() + 4);
+  return message;
+}
+
+std::array<std::uint8_t, kPeperoniStatusFrameSize> encode_peperoni_with_status(
+    int universe, std::span<const std::uint8_t, kSlotCountMax> look) {
+  FL_CHECK(universe == 0 || universe == 1);
+  constexpr std::size_t kCommandSize = 13, kDataHeadSize = 7;
+  constexpr std::size_t kDataSize = kDataHeadSize + kSlotCountMax, kLineSize = 1 + kSlotCountMax;
+  const std::uint8_t settings[] = {0x00,  // set
+                                   static_cast<std::uint8_t>(universe),
+                                   kDataSize & 0xFF,
+                                   kDataSize >> 8,
+                                   kWaitForTransmitter | kForceTransmission,
+                                   kDeviceWait_ms,
+                                   0,
+                                   kBreakCode,
+                                   kMarkCode};
+  constexpr std::uint8_t kDataHead[] = {kLineSize & 0xFF, kLineSize >> 8, 0x00};
+  std::array<std::uint8_t, kPeperoniStatusFrameSize> message{};
+  auto at = std::copy(std::begin(kMagic), std::end(kMagic), message.begin());
+  at = std::copy(std::begin(settings), std::end(settings), at);
+  FL_CHECK_EQ(at - message.begin(), static_cast<std::ptrdiff_t>(kCommandSize));
+  at = std::copy(std::begin(kMagic), std::end(kMagic), at);
+  at = std::copy(std::begin(kDataHead), std::end(kDataHead), at);
+  std::copy(look.begin(), look.end(), at);
+  return message;
+}
+
+std::optional<PeperoniStatus> decode_peperoni_status(std::span<const std::uint8_t> answer) {
+  if (answer.size() != kPeperoniStatusSize || !std::equal(std::begin(kMagic), std::end(kMagic), answer.begin()))
+    return std::nullopt;
+  return static_cast<PeperoniStatus>(answer[6]);
+}
+
+extern constinit const DriverInfo peperoni_driver{
+    .id = "peperoni",
+    .full_name = "Peperoni Rodin, X-Switch, USBDMX21",
+    .usb_ids = kModels,
+    .capabilities = kCanOutput | kKeepsLookAlive,
+    .notes = "Outputs only. The firmware's release decides how looks travel; from 5.00 each is acknowledged.",
+    .make_widget = [](const PortRequest&, const UsbModelId& row) -> Result<std::unique_ptr<Widget>> {
+      return std::make_unique<PeperoniWidget>((row.quirks & kQuirkTwoPorts) != 0 ? 2 : 1);
+    },
+    .make_model = []() -> std::unique_ptr<mock::UsbModel> { return std::make_unique<mock::PeperoniModel>(); },
+};
+
+}  // namespace footlight::drivers

@@ -1,0 +1,172 @@
+// Interfaces with endpoints of their own through the real libusb on an emulated kernel: uDMX, Peperoni, DMXCreator.
+#include <doctest/doctest.h>
+
+#include "drivers/device/device.h"
+#include "drivers/mock/dmxcreator_model.h"
+#include "drivers/mock/peperoni_model.h"
+#include "drivers/mock/udmx_model.h"
+#include "drivers/ports_factory.h"
+#include "drivers/registry.h"
+#include "sim/system_clock.h"
+#include "tests/support/device_bench.h"
+#include "tests/support/usb_fs.h"
+
+namespace footlight::drivers {
+namespace {
+
+using mock::Bytes;
+using mock::DmxCreatorModel;
+using mock::PeperoniModel;
+using mock::UdmxModel;
+using testing::line_frame_of;
+using testing::some_look;
+using testing::UsbSocket;
+using testing::wait_for_state;
+
+template <class Model>
+struct Bench {
+  explicit Bench(std::string scheme) : request{.scheme = std::move(scheme), .target = "", .universes = {1}} {}
+  SystemClock clock;
+  testing::Testbed testbed;
+  Model model;
+  UsbSocket socket{testbed, model};
+  PortRequest request;
+
+  std::unique_ptr<Sink> open_sink() {
+    auto sink = drivers::open_sink(request, clock);
+    REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
+    return std::move(*sink);
+  }
+  void send(Sink& sink, const Bytes& slots) {
+    const FrameView frame{.universe = 1, .slots = slots};
+    REQUIRE(sink.send(clock.now_ns(), {&frame, 1}));
+  }
+  bool shows(const Bytes& slots) {
+    return socket.wait_for([&] { return model.line(0).frame == line_frame_of(slots); });
+  }
+  // Looks arrive, an unplug is noticed without traffic, and the look of meanwhile is there after the replug.
+  void check_looks_and_replug() {
+    socket.plug();
+    const DeviceList list = find_devices();
+    REQUIRE(list.devices.size() == 1);
+    CHECK(list.devices[0].driver_id == request.scheme);
+    CHECK(list.devices[0].readiness == Readiness::kReady);
+    const auto sink = open_sink();
+    for (int i = 0; i < 50; ++i) {
+      send(*sink, some_look(static_cast<std::uint8_t>(i)));
+      REQUIRE(shows(some_look(static_cast<std::uint8_t>(i))));
+    }
+    socket.unplug();
+    REQUIRE(wait_for_state(*sink, PortState::kGone));
+    send(*sink, some_look(99));
+    const TimeNs plugged_ns = clock.now_ns();
+    socket.plug();
+    REQUIRE(shows(some_look(99)));
+    CHECK(clock.now_ns() - plugged_ns < kNsPerS);
+    REQUIRE(wait_for_state(*sink, PortState::kWorking));
+    sink->close(clock.now_ns());
+    CHECK_FALSE(socket.claimed());
+  }
+};
+
+TEST_CASE("uDMX: looks arrive through libusb, and the look of meanwhile after a replug") {
+  Bench<UdmxModel> bench("udmx");
+  bench.check_looks_and_replug();
+  bench.socket.with_model([&] { CHECK(bench.model.broken_count == 0); });
+}
+
+TEST_CASE("uDMX: a refused transfer is sent again, through libusb too") {
+  Bench<UdmxModel> bench("udmx");
+  bench.socket.plug();
+  const auto sink = bench.open_sink();
+  bench.socket.with_model([&] { bench.model.stall_count = 2; });
+  bench.send(*sink, some_look(1));
+  CHECK(bench.shows(some_look(1)));
+  CHECK(sink->state() == PortState::kWorking);
+  CHECK(sink->counters().errors == 0);
+}
+
+TEST_CASE("uDMX: something else with the shared ids is listed as not DMX, and not taken") {
+  Bench<UdmxModel> bench("udmx");
+  bench.model.manufacturer = "obdev.at";
+  bench.model.product = "PowerSwitch";
+  bench.socket.plug();
+  const DeviceList list = find_devices();
+  REQUIRE(list.devices.size() == 1);
+  CHECK(list.devices[0].readiness == Readiness::kNotDmx);
+  CHECK(list.devices[0].model_name.find("FTDI") == std::string::npos);
+  const auto refused = drivers::open_sink(bench.request, bench.clock);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::kNotFound);
+}
+
+TEST_CASE("Peperoni: looks of all three generations arrive through libusb") {
+  for (const int release : {0x0150, 0x0402, 0x0504}) {
+    Bench<PeperoniModel> bench("peperoni");
+    bench.model.release = static_cast<std::uint16_t>(release);
+    bench.check_looks_and_replug();
+    bench.socket.with_model([&] { CHECK(bench.model.broken_count == 0); });
+  }
+}
+
+TEST_CASE("Peperoni: both universes of a USBDMX21 arrive, by its row in the table") {
+  Bench<PeperoniModel> bench("peperoni");
+  bench.model.usb_product = 0x0004;
+  bench.request.universes = {1, 2};
+  bench.socket.plug();
+  const auto sink = bench.open_sink();
+  const Bytes first = some_look(1), second = some_look(2);
+  const FrameView frames[] = {{.universe = 1, .slots = first}, {.universe = 2, .slots = second}};
+  REQUIRE(sink->send(0, frames));
+  CHECK(bench.socket.wait_for([&] {
+    return bench.model.line(0).frame == line_frame_of(first) && bench.model.line(1).frame == line_frame_of(second);
+  }));
+}
+
+TEST_CASE("Peperoni: a bus error leads to opening it afresh") {
+  Bench<PeperoniModel> bench("peperoni");
+  bench.socket.plug();
+  const auto sink = bench.open_sink();
+  bench.socket.out_status = -EPROTO;
+  bench.send(*sink, some_look(2));
+  REQUIRE(wait_for_state(*sink, PortState::kGone));
+  bench.socket.out_status = 0;
+  CHECK(bench.shows(some_look(2)));
+}
+
+TEST_CASE("Peperoni: one that vanishes with a look in flight gets it when it is back") {
+  Bench<PeperoniModel> bench("peperoni");
+  bench.socket.plug();
+  const auto sink = bench.open_sink();
+  bench.socket.out_frozen = true;
+  bench.send(*sink, some_look(5));
+  REQUIRE(bench.socket.transfer_in_flight(0x02));
+  bench.socket.unplug();
+  REQUIRE(wait_for_state(*sink, PortState::kGone));
+  bench.socket.out_frozen = false;
+  bench.socket.plug();
+  CHECK(bench.shows(some_look(5)));
+}
+
+TEST_CASE("DMXCreator: looks arrive through libusb, and the look of meanwhile after a replug") {
+  Bench<DmxCreatorModel> bench("dmxcreator");
+  bench.check_looks_and_replug();
+  bench.socket.with_model([&] {
+    CHECK(bench.model.broken_count == 0);
+    CHECK(bench.model.cut_count == 0);
+  });
+}
+
+TEST_CASE("DMXCreator: a halted endpoint is cleared, and the look arrives without reopening") {
+  Bench<DmxCreatorModel> bench("dmxcreator");
+  bench.socket.plug();
+  const auto sink = bench.open_sink();
+  bench.socket.out_halted = true;
+  bench.send(*sink, some_look(4));
+  CHECK(bench.shows(some_look(4)));
+  CHECK(sink->state() == PortState::kWorking);
+  CHECK_FALSE(bench.socket.out_halted);
+}
+
+}  // namespace
+}  // namespace footlight::drivers

@@ -1,0 +1,24 @@
+// What holds for any bytes that claim to be a configuration descriptor. Shared by a test and a fuzz target.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "drivers/hid/hid_descriptors.h"
+
+namespace footlight::testing {
+
+// Empty where all holds, else what does not.
+inline std::string check_hid_descriptor(std::span<const std::uint8_t> bytes) {
+  const auto found = drivers::find_hid_output(bytes);
+  if (!found) return {};
+  if (found->report_size < 1 || found->report_size > 2047)
+    return fmt::format("a report of {} bytes", found->report_size);
+  if (found->interval_ms < 1 || found->interval_ms > 255)
+    return fmt::format("an interval of {} ms", found->interval_ms);
+  return {};
+}
+
+}  // namespace footlight::testing
