@@ -47,6 +47,7 @@ enum class MergeMode : std::uint8_t { kHtp, kLtp };
 struct MergeOptions {
   DurationNs timeout_ns = kSenderTimeoutDefaultNs;  // > 0
   MergeMode mode = MergeMode::kHtp;                 // of every universe; set_mode() changes single ones
+  friend bool operator==(const MergeOptions&, const MergeOptions&) = default;
 };
 
 // Which source a frame came from; given out by whoever calls receive().

@@ -72,6 +72,7 @@ struct StrobeConfig {
   // Rate: straight lines between these, ends kept beyond them. Not empty, hz above 0 and rising. When no edge has come
   // for two periods the value is `off`; edges slower than half the first hz are none.
   std::vector<RatePoint> rate_points = {{1.0, 1}, {25.0, 255}};
+  friend bool operator==(const StrobeConfig&, const StrobeConfig&) = default;
 };
 
 struct StrobeCounters {

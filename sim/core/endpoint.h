@@ -55,6 +55,7 @@ struct Endpoint {
   std::vector<WireUniverse> universes;       // in the order in which they were written; empty for a file
 
   [[nodiscard]] std::vector<Universe> show_universes() const;
+  friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };
 
 // `device_schemes`: the ids of the drivers of this build. All errors are kBadInput; the message begins with the

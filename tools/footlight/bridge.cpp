@@ -1,6 +1,7 @@
 #include "tools/footlight/bridge.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>
@@ -56,6 +57,9 @@ class Reporter {
     }
     wake_.notify_one();
   }
+
+  // Any thread.
+  Service& service() { return service_; }
 
   void start(Pump& pump) {
     pump_ = &pump;
@@ -167,26 +171,101 @@ class Reporter {
   std::thread thread_;
 };
 
-bool carries(const auto& ports, Universe universe) {
-  return std::any_of(ports.begin(), ports.end(), [&](const auto& port) {
-    const auto universes = port->universes();
-    return std::find(universes.begin(), universes.end(), universe) != universes.end();
-  });
-}
-
 // Outputs that nothing feeds are most often a typing mistake.
-void say_unfed(const Bridge& bridge, Reporter& reporter) {
-  for (const auto& sink : bridge.sinks) {
+void say_unfed(const std::vector<const Source*>& sources, const std::vector<const Sink*>& sinks, Reporter& reporter) {
+  const auto fed = [&](Universe universe) {
+    return std::any_of(sources.begin(), sources.end(), [&](const Source* source) {
+      const auto universes = source->universes();
+      return std::find(universes.begin(), universes.end(), universe) != universes.end();
+    });
+  };
+  for (const Sink* sink : sinks) {
     std::vector<Universe> unfed;
     for (const Universe universe : sink->universes())
-      if (!carries(bridge.sources, universe)) unfed.push_back(universe);
-    if (!unfed.empty()) {
-      const std::string name = sink->name();
-      const std::string text = fmt::format("{}: no input brings universe {}", name, show_universes(unfed));
-      reporter.say({.level = NoticeLevel::kWarning, .id = "universe-unfed", .text = text, .port = name});
-    }
+      if (!fed(universe)) unfed.push_back(universe);
+    if (unfed.empty()) continue;
+    const std::string name = sink->name();
+    const std::string text = fmt::format("{}: no input brings universe {}", name, show_universes(unfed));
+    reporter.say({.level = NoticeLevel::kWarning, .id = "universe-unfed", .text = text, .port = name});
   }
 }
+
+// Reads the show file anew when that is wished, on a thread of its own: devices take their time to open.
+class Reloader {
+ public:
+  Reloader(const Bridge& bridge, Pump& pump, StatusPages& pages, Reporter& reporter)
+      : bridge_(bridge), pump_(pump), pages_(pages), reporter_(reporter) {
+    if (bridge_.reload == nullptr) return;
+    if (bridge_.load_show) pages_.ask_reload = [this] { bridge_.reload->wish(); };
+    thread_ = std::thread([this] { run(); });
+  }
+  // After the pump has stopped.
+  ~Reloader() {
+    if (!thread_.joinable()) return;
+    stopping_.store(true);
+    bridge_.reload->end();
+    thread_.join();
+  }
+  Reloader(const Reloader&) = delete;
+  Reloader& operator=(const Reloader&) = delete;
+
+ private:
+  void run() {
+    while (true) {
+      const ReloadSignal::Wish wish = bridge_.reload->wait();
+      if (wish == ReloadSignal::Wish::kNothing) return;
+      if (wish == ReloadSignal::Wish::kStop) {
+        pump_.request_stop();
+        continue;
+      }
+      reporter_.service().reloading();
+      pages_.reloading.store(true);
+      reload();
+      pages_.reloading.store(false);
+      reporter_.service().ready();
+    }
+  }
+
+  void reload() {
+    if (!bridge_.load_show) {
+      refuse("this bridge was started without a show file; there is nothing to read anew");
+      return;
+    }
+    const Result<Show> show = bridge_.load_show();
+    if (!show) {
+      refuse(show.error().message);
+      return;
+    }
+    const Result<ShowChange> change = bridge_.live->change_to(*show, pump_, [this] { return stopping_.load(); });
+    if (!change) {
+      refuse(change.error().message);
+      return;
+    }
+    for (const std::string& trouble : change->troubles) {
+      reporter_.say({.level = NoticeLevel::kError, .id = "port-not-opened", .text = trouble});
+    }
+    const std::string text = fmt::format("show file read anew: {} ports opened, {} closed, {} left as they were",
+                                         change->opened, change->closed, change->kept);
+    pages_.reloads.fetch_add(1);
+    pages_.set_reload_trouble("");
+    reporter_.say({.level = NoticeLevel::kInfo, .id = "reloaded", .text = text});
+    if (change->opened + change->closed != 0) say_unfed(bridge_.live->sources(), bridge_.live->sinks(), reporter_);
+  }
+
+  void refuse(const std::string& why) {
+    pages_.reload_failures.fetch_add(1);
+    pages_.set_reload_trouble(why);
+    const std::string text = fmt::format("show file not taken, everything stays as it was: {}", why);
+    reporter_.say({.level = NoticeLevel::kError, .id = "reload-refused", .text = text});
+  }
+
+  const Bridge& bridge_;
+  Pump& pump_;
+  StatusPages& pages_;
+  Reporter& reporter_;
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
 
 using Servers = std::vector<std::unique_ptr<HttpServer>>;
 
@@ -222,23 +301,36 @@ std::vector<Universe> sorted_once(std::vector<Universe> universes) {
 }
 
 Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal) {
-  FL_ASSIGN(const std::shared_ptr<Universes> universes, Universes::make(bridge.universes));
+  std::shared_ptr<Universes> universes;
+  if (bridge.live != nullptr) {
+    universes = bridge.live->buffer();
+  } else {
+    FL_ASSIGN(universes, Universes::make(bridge.universes));
+  }
   FL_ASSIGN(const std::unique_ptr<drivers::EpollWaiter> waiter, drivers::EpollWaiter::make());
   Reporter reporter(bridge, clock);
   PumpOptions options;
   options.merge = bridge.merge;
   options.stop_at_end = bridge.stop_at_end;
   options.say = [&reporter](const Notice& notice) { reporter.say(notice); };
-  Pump pump(*universes, clock, *waiter, options);
+  Pump pump(universes, clock, *waiter, options);
   for (const auto& source : bridge.sources) pump.add_source(*source);
   for (const auto& sink : bridge.sinks) pump.add_sink(*sink);
   if (bridge.tap != nullptr) pump.add_tap(*bridge.tap);
-  for (const Universe universe : bridge.ltp) pump.set_mode(universe, MergeMode::kLtp);
+  std::vector<const Source*> sources;
+  std::vector<const Sink*> sinks;
+  for (const auto& source : bridge.sources) sources.push_back(source.get());
+  for (const auto& sink : bridge.sinks) sinks.push_back(sink.get());
+  if (bridge.live != nullptr) {
+    bridge.live->add_to(pump);
+    sources = bridge.live->sources();
+    sinks = bridge.live->sinks();
+  }
 
-  StatusPages pages(pump, universes, clock);
+  StatusPages pages(pump, clock);
   FL_ASSIGN(const Servers servers, serve(bridge, pages));
 
-  say_unfed(bridge, reporter);
+  say_unfed(sources, sinks, reporter);
   const TimeNs start_ns = clock.now_ns();
   reporter.start(pump);
   const Status granted = drivers::enter_real_time();
@@ -246,9 +338,12 @@ Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal
   if (!granted) {
     reporter.say({.level = NoticeLevel::kWarning, .id = "realtime-refused", .text = granted.error().message});
   }
-  signal.stops(&pump);
-  pump.run();
-  signal.stops(nullptr);
+  {
+    const Reloader reloader(bridge, pump, pages, reporter);
+    signal.stops(&pump);
+    pump.run();
+    signal.stops(nullptr);
+  }
   drivers::leave_real_time();
   BridgeReport report;
   report.elapsed_ns = clock.now_ns() - start_ns;

@@ -6,6 +6,7 @@
 // lines that it cannot take in time are dropped and counted.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,6 +19,8 @@
 #include "sim/merge.h"
 #include "sim/pump.h"
 #include "tools/footlight/event_log.h"
+#include "tools/footlight/live_show.h"
+#include "tools/footlight/show_file.h"
 #include "tools/footlight/stop_signal.h"
 
 namespace footlight::tools {
@@ -27,9 +30,13 @@ struct Bridge {
   std::vector<std::unique_ptr<Source>> sources;
   std::vector<std::unique_ptr<Sink>> sinks;
   std::vector<Universe> universes;  // of the buffer; any order, repeats allowed, not empty
+  // Optional: in place of all three, ports that follow a show file. `load_show` reads it anew, on a thread of its own,
+  // when `reload` has a wish; without it there is nothing to read.
+  LiveShow* live = nullptr;
+  std::function<Result<Show>()> load_show;
+  ReloadSignal* reload = nullptr;
   // Optional.
   MergeOptions merge;
-  std::vector<Universe> ltp;
   FrameReceiver* tap = nullptr;
   bool stop_at_end = false;
   DurationNs run_for_ns = kTimeNever;

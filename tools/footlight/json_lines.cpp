@@ -145,6 +145,11 @@ std::string json_of_levels(const Universes& universes, std::span<const Universe>
   return line_of({{"event", "levels"}, {"now_ns", now_ns}, {"universes", std::move(list)}});
 }
 
+std::string json_of_reloads(std::uint64_t taken, std::uint64_t refused, bool running, const std::string& trouble) {
+  return line_of(
+      {{"event", "reload"}, {"taken", taken}, {"refused", refused}, {"running", running}, {"trouble", trouble}});
+}
+
 std::string json_of_device(const drivers::FoundDevice& device) {
   using namespace drivers;
   return line_of({{"driver", device.driver_id},

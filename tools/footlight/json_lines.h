@@ -29,6 +29,10 @@ namespace footlight::tools {
 // "event": "levels": of the universes wanted that there are: 512 levels as 1,024 hexadecimal digits, the stamp of their
 // newest frame on the clock of "now_ns", and how often they were written ("revision", 0: never).
 [[nodiscard]] std::string json_of_levels(const Universes& universes, std::span<const Universe> wanted, TimeNs now_ns);
+// "event": "reload": show files "taken" and "refused" so far, whether one is being "running", and the "trouble" of the
+// last, empty where it was taken.
+[[nodiscard]] std::string json_of_reloads(std::uint64_t taken, std::uint64_t refused, bool running,
+                                          const std::string& trouble);
 [[nodiscard]] std::string json_of_device(const drivers::FoundDevice& device);
 [[nodiscard]] std::string json_of_check(const Check& check, const Outcome& outcome);  // of doctor
 [[nodiscard]] std::string json_of_log(const LogInfo& info, const std::vector<std::string>& notes);

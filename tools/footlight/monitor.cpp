@@ -10,12 +10,12 @@
 #include "drivers/wait/epoll_waiter.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/bridge.h"
+#include "tools/footlight/bridge_sockets.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/event_log.h"
 #include "tools/footlight/monitor_state.h"
 #include "tools/footlight/monitor_view.h"
 #include "tools/footlight/open_ports.h"
-#include "tools/footlight/paths.h"
 #include "tools/footlight/status_pages.h"
 #include "tools/footlight/terminal.h"
 
@@ -85,9 +85,9 @@ class OwnFeed final : public Feed {
     FL_ASSIGN(feed->waiter_, drivers::EpollWaiter::make());
     PumpOptions pump_options;
     pump_options.status_period_ns = kStatusPeriodNs;
-    feed->pump_ = std::make_unique<Pump>(*buffer, clock, *feed->waiter_, pump_options);
+    feed->pump_ = std::make_unique<Pump>(std::move(buffer), clock, *feed->waiter_, pump_options);
     for (const auto& source : feed->sources_) feed->pump_->add_source(*source);
-    feed->pages_ = std::make_unique<StatusPages>(*feed->pump_, std::move(buffer), clock);
+    feed->pages_ = std::make_unique<StatusPages>(*feed->pump_, clock);
     (void)feed->pump_->latest_status();  // asks for one
     feed->thread_ = std::jthread([self = feed.get()](const std::stop_token& stop) {
       const std::stop_callback stop_pump(stop, [self] { self->pump_->request_stop(); });
@@ -121,20 +121,9 @@ Result<std::unique_ptr<Feed>> open_feed(const Options& options, Clock& clock) {
     return feed;
   }
   if (!options.socket.empty()) return std::make_unique<SocketFeed>(options.socket);
-  // The bridges that answer.
-  std::vector<std::string> found;
-  for (const std::string& socket : sockets()) {
-    if (http_request(socket, "GET", "/status")) found.push_back(socket);
-  }
-  if (found.size() == 1) return std::make_unique<SocketFeed>(found.front());
-  if (found.empty()) {
-    return fail(ErrorCode::kNotFound,
-                "no 'footlight run' answers on this machine; start one, or name what to listen to, as in 'footlight "
-                "monitor sacn:1-9'");
-  }
-  std::string list;
-  for (const std::string& socket : found) list += "\n  footlight monitor --socket " + socket;
-  return fail(ErrorCode::kBadInput, "{} bridges run on this machine; choose one:{}", found.size(), list);
+  FL_ASSIGN(std::string socket,
+            find_bridge("monitor", ", or name what to listen to, as in 'footlight monitor sacn:1-9'"));
+  return std::make_unique<SocketFeed>(std::move(socket));
 }
 
 // Universes as a list for a page; empty: all.

@@ -43,6 +43,7 @@ struct InOptions {
   drivers::GpioBias gpio_bias = drivers::GpioBias::kAsIs;
   drivers::StrobeConfig gpio_strobe;       // gpio: what an edge does
   std::vector<WireUniverse> log_renumber;  // log: where not empty, only these
+  friend bool operator==(const InOptions&, const InOptions&) = default;
 };
 
 struct OutOptions {
@@ -60,6 +61,7 @@ struct OutOptions {
   int multicast_ttl = 0;  // 0: the default
   bool announce = true;
   bool log_overwrite = false;
+  friend bool operator==(const OutOptions&, const OutOptions&) = default;
 };
 
 class PortOpener {

@@ -6,6 +6,7 @@
 #include "sim/system_clock.h"
 #include "tools/footlight/bridge.h"
 #include "tools/footlight/command.h"
+#include "tools/footlight/live_show.h"
 #include "tools/footlight/open_ports.h"
 #include "tools/footlight/paths.h"
 #include "tools/footlight/show_file.h"
@@ -17,6 +18,7 @@ struct Options {
   std::string show;
   std::vector<std::string> ins;
   std::vector<std::string> outs;
+  std::vector<std::string> backups;
   bool demo = false;
   bool wait_for_device = false;
   bool blackout_on_exit = false;
@@ -29,10 +31,11 @@ struct Options {
   DurationNs run_for_ns = kTimeNever;
 };
 
-Result<Show> show_of(const Options& options) {
+// The whole of it: the show file, if there is one, and what the command line adds. `file`: empty for none.
+Result<Show> show_of(const Options& options, const std::string& file) {
   Show show;
-  if (!options.show.empty()) {
-    FL_ASSIGN(show, load_show(options.show));
+  if (!file.empty()) {
+    FL_ASSIGN(show, load_show(file));
   }
   for (const std::string& text : options.ins) {
     InPlan plan;
@@ -40,18 +43,28 @@ Result<Show> show_of(const Options& options) {
     plan.options.wait_for_device = options.wait_for_device;
     show.ins.push_back(std::move(plan));
   }
-  for (const std::string& text : options.outs) {
+  if (options.demo) {
+    InPlan plan;
+    plan.demo = true;
+    plan.options.log_loop = true;
+    show.ins.push_back(std::move(plan));
+  }
+  const auto add_out = [&](const std::string& text, const std::string& standby_for) -> Status {
     OutPlan plan;
     FL_ASSIGN(plan.endpoint, parse_port(text));
     plan.options.wait_for_device = options.wait_for_device;
     plan.options.blackout_on_exit = options.blackout_on_exit;
+    plan.standby_for = standby_for;
     show.outs.push_back(std::move(plan));
+    return {};
+  };
+  for (const std::string& text : options.outs) FL_TRY(add_out(text, ""));
+  if (options.backups.size() > options.outs.size()) {
+    return fail(ErrorCode::kBadInput, "--backup {}: expected an --out that it stands by for", options.backups.back());
   }
-  if (options.show.empty() && options.ins.empty() && options.outs.empty() && !options.demo) {
-    FL_ASSIGN(const std::string found, find_show_file());
-    FL_ASSIGN(show, load_show(found));
-  }
-  if ((show.ins.empty() && !options.demo) || show.outs.empty()) {
+  for (std::size_t i = 0; i < options.backups.size(); ++i) FL_TRY(add_out(options.backups[i], options.outs[i]));
+  FL_TRY(order_standbys(show));
+  if (show.ins.empty() || show.outs.empty()) {
     return fail(ErrorCode::kBadInput,
                 "run: expected a show file, or at least one --in and one --out, as in "
                 "'footlight run --in sacn:1-9 --out enttec-pro'");
@@ -60,51 +73,33 @@ Result<Show> show_of(const Options& options) {
 }
 
 Result<int> run(const Options& options) {
-  FL_ASSIGN(const Show show, show_of(options));
-  StopSignal signal;
-  SystemClock clock;
-  PortOpener opener(clock);
-  drivers::want_real_time(options.no_realtime ? 0 : drivers::kRealTimePriority);
+  std::string file = options.show;
+  if (file.empty() && options.ins.empty() && options.outs.empty() && options.backups.empty() && !options.demo) {
+    FL_ASSIGN(file, find_show_file());
+  }
+  FL_ASSIGN(const Show show, show_of(options, file));
   Bridge bridge;
-  bridge.merge = show.merge;
-  bridge.json = options.json;
-  bridge.run_for_ns = options.run_for_ns;
   FL_ASSIGN(const EventFormat event_format, event_format_of(options.log_format));
   if (!options.json || !options.log_format.empty()) bridge.event_format = event_format;
+  FL_ASSIGN(bridge.event_level, notice_level_of(options.log_level));
+  bridge.json = options.json;
+  bridge.run_for_ns = options.run_for_ns;
   bridge.socket = options.socket == "none" ? "" : options.socket;
   bridge.metrics = options.metrics;
-  FL_ASSIGN(bridge.event_level, notice_level_of(options.log_level));
-  for (Universe universe = kUniverseMin; universe <= show.universe_count; ++universe) {
-    bridge.universes.push_back(universe);
+  bridge.merge = show.merge;
+
+  StopSignal signal;
+  ReloadSignal reload;
+  SystemClock clock;
+  drivers::want_real_time(options.no_realtime ? 0 : drivers::kRealTimePriority);
+  LiveShow live(clock);
+  if (const Status opened = live.open(show); !opened) {
+    const bool of_file = opened.error().code == ErrorCode::kBadInput && !file.empty();
+    return tl::unexpected(Error{opened.error().code, (of_file ? file + ": " : "") + opened.error().message});
   }
-  const auto add_universes = [&bridge](std::span<const Universe> universes) {
-    bridge.universes.insert(bridge.universes.end(), universes.begin(), universes.end());
-  };
-  for (const InPlan& plan : show.ins) {
-    FL_ASSIGN(std::unique_ptr<Source> source, opener.open_source(plan.endpoint, plan.options));
-    add_universes(source->universes());
-    bridge.sources.push_back(std::move(source));
-  }
-  if (options.demo) {
-    InOptions looped;
-    looped.log_loop = true;
-    FL_ASSIGN(std::unique_ptr<Source> source, open_demo_source(looped));
-    add_universes(source->universes());
-    bridge.sources.push_back(std::move(source));
-  }
-  for (const OutPlan& plan : show.outs) add_universes(plan.endpoint.show_universes());
-  bridge.universes = sorted_once(std::move(bridge.universes));
-  for (const Universe universe : show.ltp) {
-    if (!std::binary_search(bridge.universes.begin(), bridge.universes.end(), universe)) {
-      return fail(ErrorCode::kBadInput, "{}: [merge]: ltp names universe {}, which no port carries", options.show,
-                  universe);
-    }
-  }
-  bridge.ltp = show.ltp;
-  for (const OutPlan& plan : show.outs) {
-    FL_ASSIGN(std::unique_ptr<Sink> sink, opener.open_sink(plan.endpoint, bridge.universes, plan.options));
-    bridge.sinks.push_back(std::move(sink));
-  }
+  bridge.live = &live;
+  bridge.reload = &reload;
+  if (!file.empty()) bridge.load_show = [&] { return show_of(options, file); };
   FL_ASSIGN(const BridgeReport report, run_bridge(bridge, clock, signal));
   return kExitOk;
 }
@@ -116,6 +111,8 @@ void add(Arguments& arguments) {
                  "/etc/footlight/show.toml");
   arguments.list("--in,-i", options->ins, "ENDPOINT", "where frames come from; may be given many times");
   arguments.list("--out,-o", options->outs, "ENDPOINT", "where they go; may be given many times");
+  arguments.list("--backup", options->backups, "ENDPOINT",
+                 "an output that stands by: the first for the first --out, and so on");
   arguments.flag("--demo", options->demo, "the demo show as an input, over and over");
   arguments.flag("--wait-for-device", options->wait_for_device, "begin although a device is not plugged in yet");
   arguments.flag("--blackout-on-exit", options->blackout_on_exit, "devices: send zeros at the end, not the last look");
@@ -143,7 +140,9 @@ extern const CommandInfo run_command{
         "  footlight run --in sacn:1-9 --out artnet:1-9@10.9.0.255\n"
         "  footlight run --in sacn:101-109=1-9 --out sacn:1-9    renumbered\n"
         "  footlight run show.toml --json\n"
+        "  footlight run --in sacn:1 --out enttec-pro:EN1 --backup enttec-pro:EN2    the second takes over\n"
         "Several inputs are merged by priority, then highest level. When a sender vanishes its last look stays.\n"
+        "SIGHUP or 'footlight reload' reads the show file anew; ports whose lines did not change are not touched.\n"
         "Ctrl-C or SIGTERM stops cleanly (exit code 0); a second one at once.",
     .add = add,
 };

@@ -2,6 +2,7 @@
 
 #ifdef FOOTLIGHT_HAVE_SYSTEMD
 #include <cstdint>
+#include <ctime>
 
 #include <systemd/sd-daemon.h>
 #endif
@@ -12,6 +13,13 @@ namespace footlight::tools {
 
 void Service::ready() { sd_notify(0, "READY=1"); }
 void Service::stopping() { sd_notify(0, "STOPPING=1"); }
+
+// The time is that of CLOCK_MONOTONIC (sd_notify(3)).
+void Service::reloading() {
+  timespec now = {};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%lld", now.tv_sec * 1'000'000LL + now.tv_nsec / 1'000);
+}
 void Service::status(const std::string& line) { sd_notify(0, ("STATUS=" + line).c_str()); }
 void Service::alive() { sd_notify(0, "WATCHDOG=1"); }
 
@@ -25,6 +33,7 @@ DurationNs Service::alive_period_ns() const {
 
 void Service::ready() {}
 void Service::stopping() {}
+void Service::reloading() {}
 void Service::status(const std::string&) {}
 void Service::alive() {}
 DurationNs Service::alive_period_ns() const { return kTimeNever; }

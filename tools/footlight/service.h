@@ -12,6 +12,7 @@ class Service {
  public:
   void ready();
   void stopping();
+  void reloading();  // until ready()
   void status(const std::string& line);
   void alive();
   // How often alive() has to be called; kTimeNever: nobody watches.

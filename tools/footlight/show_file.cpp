@@ -143,11 +143,37 @@ Result<OutPlan> read_out(const TomlNode& node, const std::string& file) {
       case EndpointKind::kFile: options.log_overwrite = reader.boolean("overwrite", false); break;
     }
   }
+  plan.standby_for = reader.text("standby_for", "");
   FL_TRY(reader.finish());
   return plan;
 }
 
 }  // namespace
+
+Status order_standbys(Show& show) {
+  std::vector<OutPlan> ordered;
+  std::vector<OutPlan> waiting = std::move(show.outs);
+  const auto names = [](const std::vector<OutPlan>& plans, const std::string& text) {
+    return std::any_of(plans.begin(), plans.end(), [&](const OutPlan& plan) { return plan.endpoint.text == text; });
+  };
+  while (!waiting.empty()) {
+    const auto ready = std::find_if(waiting.begin(), waiting.end(), [&](const OutPlan& plan) {
+      return plan.standby_for.empty() || names(ordered, plan.standby_for);
+    });
+    if (ready == waiting.end()) {
+      const OutPlan& plan = waiting.front();
+      const char* const why = plan.standby_for == plan.endpoint.text ? "it cannot stand by for itself"
+                              : names(waiting, plan.standby_for)
+                                  ? "outputs stand by for each other in a circle"
+                                  : "expected the endpoint of another output, as written there";
+      return fail(ErrorCode::kBadInput, "{}: standby_for = \"{}\": {}", plan.endpoint.text, plan.standby_for, why);
+    }
+    ordered.push_back(std::move(*ready));
+    waiting.erase(ready);
+  }
+  show.outs = std::move(ordered);
+  return {};
+}
 
 Result<Show> parse_show(std::string_view text, const std::string& file) {
   FL_ASSIGN(const TomlNode root, fixtures::parse_toml(text, file));
@@ -183,6 +209,9 @@ Result<Show> parse_show(std::string_view text, const std::string& file) {
     return fail(ErrorCode::kBadInput, "{}: a show needs at least one {}, as in\n  [[{}]]\n  endpoint = \"{}\"", file,
                 show.ins.empty() ? "[[in]]" : "[[out]]", show.ins.empty() ? "in" : "out",
                 show.ins.empty() ? "sacn:1-9" : "enttec-pro");
+  }
+  if (const Status ordered = order_standbys(show); !ordered) {
+    return fail(ErrorCode::kBadInput, "{}: {}", file, ordered.error().message);
   }
   return show;
 }

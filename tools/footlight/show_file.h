@@ -22,6 +22,7 @@
 //   address_priorities = "1-100:150, 101-512:0"  # sacn: who wins, address by address
 //   sync_universe = 7000           # sacn; also multicast_ttl = 20, announce = true
 //   overwrite = true               # log
+//   standby_for = "sacn:1-9"       # any: fed only while the output of that endpoint is lost
 //
 // A key that the kind of endpoint has no use for is an error, with the line.
 #pragma once
@@ -37,23 +38,32 @@
 
 namespace footlight::tools {
 
+// Equal plans make equal ports.
 struct InPlan {
   Endpoint endpoint;
   InOptions options;
+  bool demo = false;  // the demo show in place of the endpoint
+  friend bool operator==(const InPlan&, const InPlan&) = default;
 };
 
 struct OutPlan {
   Endpoint endpoint;
   OutOptions options;
+  std::string standby_for;  // the text of another one's endpoint: fed only while that one is lost; empty: always
+  friend bool operator==(const OutPlan&, const OutPlan&) = default;
 };
 
 struct Show {
   std::vector<InPlan> ins;
-  std::vector<OutPlan> outs;
+  std::vector<OutPlan> outs;  // after order_standbys(): who stands by for another comes after it
   int universe_count = 0;  // universes 1 to this are there beside those that ports name
   MergeOptions merge;
   std::vector<Universe> ltp;
 };
+
+// Puts those that stand by behind those that they stand by for. kBadInput names one that stands by for nobody of the
+// show, for itself, or in a circle.
+[[nodiscard]] Status order_standbys(Show& show);
 
 // `file` stands for the text in messages: "show.toml:12: ...". Errors: kBadInput.
 [[nodiscard]] Result<Show> parse_show(std::string_view text, const std::string& file);

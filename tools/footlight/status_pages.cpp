@@ -13,8 +13,13 @@ HttpAnswer refusal(int status, const std::string& text) { return {.status = stat
 
 }  // namespace
 
-StatusPages::StatusPages(const Pump& pump, std::shared_ptr<const Universes> universes, Clock& clock)
-    : pump_(pump), universes_(std::move(universes)), clock_(clock), start_unix_ns_(wall_clock_unix_ns()) {}
+StatusPages::StatusPages(const Pump& pump, Clock& clock)
+    : pump_(pump), clock_(clock), start_unix_ns_(wall_clock_unix_ns()) {}
+
+void StatusPages::set_reload_trouble(const std::string& trouble) {
+  const std::lock_guard lock(mutex_);
+  reload_trouble_ = trouble;
+}
 
 HttpAnswer StatusPages::answer_metrics(const HttpRequest& request) const {
   if (request.path != "/metrics") return refusal(404, "not here; try /metrics");
@@ -30,7 +35,12 @@ HttpAnswer StatusPages::answer_metrics(const HttpRequest& request) const {
 HttpAnswer StatusPages::answer(const HttpRequest& request) const {
   if (request.path == "/metrics") return answer_metrics(request);
   if (request.path == "/reload") {
-    if (request.method != "POST") return refusal(405, "expected POST");
+    if (request.method == "GET") {
+      const std::lock_guard lock(mutex_);
+      return {.type = kJsonType,
+              .body = json_of_reloads(reloads.load(), reload_failures.load(), reloading.load(), reload_trouble_)};
+    }
+    if (request.method != "POST") return refusal(405, "expected GET or POST");
     if (!request.from_owner) return refusal(403, "only the user that runs this bridge, or root, may have it reloaded");
     if (!ask_reload) return refusal(409, "this bridge was started without a show file; there is nothing to read anew");
     ask_reload();
@@ -41,15 +51,16 @@ HttpAnswer StatusPages::answer(const HttpRequest& request) const {
   }
   if (request.method != "GET") return refusal(405, "expected GET");
   if (request.path == "/status") return {.type = kJsonType, .body = json_of_status(pump_.latest_status())};
+  const auto universes = pump_.universes();
   std::vector<Universe> wanted;
   if (!request.universes.empty()) {
     const auto list = parse_wire_universes(request.universes);
     if (!list) return refusal(400, "universes: " + list.error().message);
     for (const WireUniverse& universe : *list) wanted.push_back(universe.wire);
   } else {
-    wanted.assign(universes_->numbers().begin(), universes_->numbers().end());
+    wanted.assign(universes->numbers().begin(), universes->numbers().end());
   }
-  return {.type = kJsonType, .body = json_of_levels(*universes_, wanted, clock_.now_ns())};
+  return {.type = kJsonType, .body = json_of_levels(*universes, wanted, clock_.now_ns())};
 }
 
 }  // namespace footlight::tools

@@ -3,6 +3,11 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <cstdint>
+
+#include <fcntl.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
 
 namespace footlight::tools {
 namespace {
@@ -47,5 +52,64 @@ void StopSignal::stops(Pump* pump) {
 }
 
 bool StopSignal::came() const { return signal_came.load(); }
+
+namespace {
+
+std::atomic<int> reload_fd{-1};
+std::atomic<bool> reload_ended{false};
+std::atomic<bool> hangup_came{false};
+
+void wake_reloader() noexcept {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t written = ::write(reload_fd.load(), &one, sizeof one);
+}
+
+void on_hangup(int) {
+  const int saved_errno = errno;
+  hangup_came.store(true);
+  wake_reloader();
+  errno = saved_errno;
+}
+
+bool has_terminal() {
+  const int fd = ::open("/dev/tty", O_RDONLY | O_NOCTTY | O_CLOEXEC);
+  if (fd >= 0) ::close(fd);
+  return fd >= 0;
+}
+
+}  // namespace
+
+ReloadSignal::ReloadSignal() : had_terminal_(has_terminal()) {
+  reload_ended.store(false);
+  hangup_came.store(false);
+  reload_fd.store(eventfd(0, EFD_CLOEXEC));
+  struct sigaction action = {};
+  action.sa_handler = on_hangup;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGHUP, &action, nullptr);
+}
+
+ReloadSignal::~ReloadSignal() {
+  std::signal(SIGHUP, SIG_DFL);
+  ::close(reload_fd.exchange(-1));
+}
+
+ReloadSignal::Wish ReloadSignal::wait() {
+  std::uint64_t wishes = 0;
+  while (!reload_ended.load()) {
+    if (::read(reload_fd.load(), &wishes, sizeof wishes) != sizeof wishes) continue;  // another signal
+    if (reload_ended.load()) break;
+    return hangup_came.exchange(false) && had_terminal_ && !has_terminal() ? Wish::kStop : Wish::kReload;
+  }
+  return Wish::kNothing;
+}
+
+void ReloadSignal::wish() noexcept { wake_reloader(); }
+
+void ReloadSignal::end() noexcept {
+  reload_ended.store(true);
+  wake_reloader();
+}
 
 }  // namespace footlight::tools

@@ -19,4 +19,23 @@ class StopSignal {
   [[nodiscard]] bool came() const;
 };
 
+// SIGHUP as the wish to read the show file anew; but when the terminal that the program was started in has gone, it
+// means the end, as it does for every other program. One at a time in a program.
+class ReloadSignal {
+ public:
+  ReloadSignal();
+  ~ReloadSignal();
+  ReloadSignal(const ReloadSignal&) = delete;
+  ReloadSignal& operator=(const ReloadSignal&) = delete;
+
+  enum class Wish { kReload, kStop, kNothing };
+  // Waits for a signal, or for wish() or end() of another thread; kNothing: it is over.
+  [[nodiscard]] Wish wait();
+  void wish() noexcept;  // any thread, and signal handlers
+  void end() noexcept;   // any thread
+
+ private:
+  const bool had_terminal_;
+};
+
 }  // namespace footlight::tools

@@ -77,9 +77,9 @@ Footlight::~Footlight() {
   if (err_fd_ >= 0) close(err_fd_);
 }
 
-bool Footlight::read_some(bool& out_open, bool& err_open) {
+bool Footlight::read_some(bool& out_open, bool& err_open, int patience_ms) {
   pollfd fds[2] = {{out_fd_, POLLIN, 0}, {err_fd_, POLLIN, 0}};  // a descriptor of -1 is left alone
-  const int ready = poll(fds, 2, kPatienceMs);
+  const int ready = poll(fds, 2, patience_ms);
   if (ready < 0) return errno == EINTR;
   if (ready == 0) return false;
   if (fds[0].revents != 0) take(out_fd_, outcome_.out, out_open);
@@ -93,8 +93,21 @@ void Footlight::wait_for(const std::string& text) {
   while (outcome_.out.find(text) == std::string::npos) {
     INFO("standard error: ", outcome_.err);
     REQUIRE(out_open);
-    REQUIRE(read_some(out_open, err_open));
+    REQUIRE(read_some(out_open, err_open, kPatienceMs));
   }
+}
+
+bool Footlight::has_said(const std::string& text, int times) {
+  bool out_open = out_fd_ >= 0;
+  bool err_open = err_fd_ >= 0;
+  while ((out_open || err_open) && read_some(out_open, err_open, 0)) {
+  }
+  std::size_t at = 0;
+  while (times > 0 && (at = outcome_.out.find(text, at)) != std::string::npos) {
+    at += text.size();
+    --times;
+  }
+  return times == 0;
 }
 
 void Footlight::stop_reading() {
@@ -107,7 +120,7 @@ void Footlight::signal(int number) { REQUIRE(kill(pid_, number) == 0); }
 Outcome Footlight::wait() {
   bool out_open = out_fd_ >= 0;
   bool err_open = err_fd_ >= 0;
-  while (out_open || err_open) REQUIRE(read_some(out_open, err_open));
+  while (out_open || err_open) REQUIRE(read_some(out_open, err_open, kPatienceMs));
   int status = 0;
   REQUIRE(waitpid(pid_, &status, 0) == pid_);
   pid_ = -1;

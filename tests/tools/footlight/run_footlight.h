@@ -40,13 +40,15 @@ class Footlight {
 
   // Reads standard output up to a line that holds `text`; fails the test where the program ends before, or after 60 s.
   void wait_for(const std::string& text);
+  // Whether standard output holds `text` so many times by now. Does not wait.
+  bool has_said(const std::string& text, int times);
   // Closes our end of its standard output.
   void stop_reading();
   void signal(int number);
   Outcome wait();
 
  private:
-  bool read_some(bool& out_open, bool& err_open);
+  bool read_some(bool& out_open, bool& err_open, int patience_ms);
 
   pid_t pid_ = -1;
   int out_fd_ = -1;

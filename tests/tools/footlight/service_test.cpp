@@ -1,6 +1,7 @@
 // The command as a service: started, watched, told to stop.
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <string>
 
 #include <poll.h>
@@ -100,6 +101,23 @@ TEST_CASE("the service manager hears when a bridge is ready, that it is alive, a
   CHECK_FALSE(manager.wait_for("STATUS=").empty());
   bridge.signal(SIGTERM);
   CHECK_FALSE(manager.wait_for("STOPPING=1").empty());
+  CHECK(bridge.wait().exit_code == 0);
+}
+
+TEST_CASE("the service manager hears that a reload is under way, and then that the bridge is ready again") {
+  const TempFolder folder;
+  NotifySocket manager(folder.file("notify"));
+  std::ofstream(folder.file("show.toml"))
+      << "[[in]]\nendpoint = \"mock:enttec-pro\"\n[[out]]\nendpoint = \"mock:enttec-pro\"\n";
+  Footlight bridge({"run", folder.file("show.toml"), "--json"}, {{"NOTIFY_SOCKET", folder.file("notify")}});
+  if (manager.wait_for("READY=1").empty()) {
+    MESSAGE("built without libsystemd");
+    return;
+  }
+  bridge.signal(SIGHUP);
+  CHECK(contains(manager.wait_for("RELOADING=1"), "MONOTONIC_USEC="));
+  CHECK_FALSE(manager.wait_for("READY=1").empty());
+  bridge.signal(SIGTERM);
   CHECK(bridge.wait().exit_code == 0);
 }
 

@@ -175,5 +175,22 @@ TEST_CASE("a show without inputs or without outputs says which are missing and h
   CHECK(contains(refusal("[[in]]\nendpoint = \"sacn:1\"\n"), "[[out]]"));
 }
 
+TEST_CASE("who stands by for another comes behind it, whatever the order in the file") {
+  const std::string in = "[[in]]\nendpoint = \"sacn:1\"\n";
+  const auto out = [](const std::string& endpoint, const std::string& standby_for) {
+    return "[[out]]\nendpoint = \"" + endpoint + "\"\nstandby_for = \"" + standby_for + "\"\n";
+  };
+  const auto show = parse_show(
+      in + out("sacn:3", "sacn:2") + out("sacn:2", "artnet:1") + "[[out]]\nendpoint = \"artnet:1\"\n", "show.toml");
+  REQUIRE_MESSAGE(show.has_value(), (show ? "" : show.error().message));
+  CHECK(show->outs[0].endpoint.text == "artnet:1");
+  CHECK(show->outs[1].endpoint.text == "sacn:2");
+  CHECK(show->outs[1].standby_for == "artnet:1");
+  CHECK(show->outs[2].endpoint.text == "sacn:3");
+  CHECK(contains(refusal(in + out("sacn:2", "sacn:2")), "cannot stand by for itself"));
+  CHECK(contains(refusal(in + out("sacn:2", "sacn:3") + out("sacn:3", "sacn:2")), "in a circle"));
+  CHECK(contains(refusal(in + out("sacn:2", "sacn:9")), "expected the endpoint of another output"));
+}
+
 }  // namespace
 }  // namespace footlight::tools

@@ -1,0 +1,293 @@
+// A show that changes while it runs: in this process over models of devices, and as a user has it, with signals.
+#include <csignal>
+#include <fstream>
+#include <thread>
+
+#include <poll.h>
+
+#include <doctest/doctest.h>
+
+#include "drivers/mock/mock_usb.h"
+#include "drivers/net/net.h"
+#include "drivers/wait/epoll_waiter.h"
+#include "sim/system_clock.h"
+#include "tests/drivers/net/port_helpers.h"
+#include "tests/drivers/net/private_network.h"
+#include "tests/tools/footlight/run_footlight.h"
+#include "tools/footlight/live_show.h"
+
+namespace footlight::tools {
+namespace {
+
+using testing::Footlight;
+using testing::TempFolder;
+
+bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+Show show_of(const std::string& text) {
+  auto show = parse_show(text, "show.toml");
+  REQUIRE_MESSAGE(show.has_value(), (show ? "" : show.error().message));
+  return std::move(*show);
+}
+
+std::string in(const std::string& endpoint) { return "[[in]]\nendpoint = \"" + endpoint + "\"\n"; }
+std::string out(const std::string& endpoint, const std::string& more = "") {
+  return "[[out]]\nendpoint = \"" + endpoint + "\"\n" + more;
+}
+
+// A live show on a pump with a thread of its own.
+class Running {
+ public:
+  explicit Running(const std::string& text) : live(clock) {
+    const Status opened = live.open(show_of(text));
+    REQUIRE_MESSAGE(opened.has_value(), (opened ? "" : opened.error().message));
+    waiter = std::move(*drivers::EpollWaiter::make());
+    PumpOptions options;
+    options.say = [this](const Notice& notice) {
+      const std::lock_guard lock(mutex);
+      said.emplace_back(notice.id);
+    };
+    pump = std::make_unique<Pump>(live.buffer(), clock, *waiter, options);
+    live.add_to(*pump);
+    thread = std::thread([this] { pump->run(); });
+  }
+  ~Running() {
+    pump->request_stop();
+    thread.join();
+  }
+  Result<ShowChange> change(const std::string& text) {
+    return live.change_to(show_of(text), *pump, [] { return false; });
+  }
+  ShowChange must_change(const std::string& text) {
+    const auto change_made = change(text);
+    REQUIRE_MESSAGE(change_made.has_value(), (change_made ? "" : change_made.error().message));
+    return *change_made;
+  }
+
+  SystemClock clock;
+  LiveShow live;
+  std::unique_ptr<drivers::EpollWaiter> waiter;
+  std::unique_ptr<Pump> pump;
+  std::mutex mutex;
+  std::vector<std::string> said;  // guarded by mutex
+  std::thread thread;
+};
+
+std::shared_ptr<drivers::mock::MockUsb> dongle(const std::string& name) {
+  auto target = drivers::mock::mock_of_target("enttec-pro/" + name, true);
+  REQUIRE(target.has_value());
+  return target->usb;
+}
+
+// Waits until the model has been sent so many frames more than it has now.
+bool gets_frames(drivers::mock::MockUsb& usb, std::uint64_t count) {
+  using Model = drivers::mock::UsbModel;
+  const auto before = usb.with_model<Model>([](Model& model) { return model.line(0).frame_count; });
+  return usb.wait_for<Model>([&](const Model& model) { return model.line(0).frame_count >= before + count; });
+}
+
+TEST_CASE("ports whose lines did not change are the same objects after a change, and are never closed") {
+  Running run(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/a=1") + out("mock:enttec-pro/b=1"));
+  const auto before = run.live.sinks();
+  const auto sources_before = run.live.sources();
+  const auto a = dongle("a");
+  CHECK(gets_frames(*a, 3));
+  const ShowChange change =
+      run.must_change(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/c=1") + out("mock:enttec-pro/a=1"));
+  CHECK(change.kept == 2);
+  CHECK(change.opened == 1);
+  CHECK(change.closed == 1);
+  CHECK(run.live.sources() == sources_before);
+  CHECK(run.live.sinks()[1] == before[0]);
+  CHECK(a->claimed());
+  CHECK(gets_frames(*a, 3));
+  CHECK(gets_frames(*dongle("c"), 3));
+  CHECK(dongle("b")->wait_for_claim(false));
+}
+
+TEST_CASE("a change that cannot be made leaves everything as it was") {
+  Running run(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/d=1"));
+  const auto before = run.live.sinks();
+  const auto refused = run.change(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/e=1") + out("enttec-pro:NOSUCH=1"));
+  REQUIRE_FALSE(refused.has_value());
+  CHECK(contains(refused.error().message, "NOSUCH"));
+  CHECK(run.live.sinks() == before);
+  CHECK(gets_frames(*dongle("d"), 3));
+  CHECK(dongle("e")->wait_for_claim(false));
+  const auto ltp = run.change("[merge]\nltp = [9]\n" + in("mock:enttec-pro/in=1") + out("mock:enttec-pro/d=1"));
+  REQUIRE_FALSE(ltp.has_value());
+  CHECK(contains(ltp.error().message, "universe 9"));
+}
+
+TEST_CASE("universes may come and go; a look stays where its universe does") {
+  Running run(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/f=1"));
+  CHECK(gets_frames(*dongle("f"), 3));
+  run.must_change("universes = 40\n[merge]\nltp = [1, 30]\n" + in("mock:enttec-pro/in=1") + out("mock:enttec-pro/f=1") +
+                  out("mock:enttec-pro/g=1"));
+  CHECK(run.pump->universes()->count() == 40);
+  CHECK(gets_frames(*dongle("f"), 3));
+  CHECK(gets_frames(*dongle("g"), 3));
+  run.must_change(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/f=1"));
+  CHECK(run.pump->universes()->count() == 1);
+  CHECK(gets_frames(*dongle("f"), 3));
+}
+
+TEST_CASE("a device that gets another universe is given up and opened anew") {
+  Running run(in("mock:enttec-pro/in=2") + out("mock:enttec-pro/h=1"));
+  const ShowChange change = run.must_change(in("mock:enttec-pro/in=2") + out("mock:enttec-pro/h=2"));
+  CHECK(change.kept == 1);
+  CHECK(change.troubles.empty());
+  CHECK(gets_frames(*dongle("h"), 3));
+}
+
+TEST_CASE("an output that stands by takes over when the other one is unplugged, and rests when it is back") {
+  Running run(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/k=1") +
+              out("mock:enttec-pro/l=1", "standby_for = \"mock:enttec-pro/k=1\"\n"));
+  const auto first = dongle("k");
+  const auto second = dongle("l");
+  CHECK(gets_frames(*first, 3));
+  REQUIRE(first->obey("unplug").has_value());
+  CHECK(gets_frames(*second, 3));
+  REQUIRE(first->obey("plug").has_value());
+  CHECK(gets_frames(*first, 3));
+  // The role outlives a change, and so does a change of roles.
+  run.must_change(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/k=1") +
+                  out("mock:enttec-pro/l=1", "standby_for = \"mock:enttec-pro/k=1\"\n") + out("mock:enttec-pro/m=1"));
+  REQUIRE(first->obey("unplug").has_value());
+  CHECK(gets_frames(*second, 3));
+  REQUIRE(first->obey("plug").has_value());
+  CHECK(gets_frames(*first, 3));
+  run.must_change(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/k=1") + out("mock:enttec-pro/l=1"));
+  CHECK(gets_frames(*second, 3));
+}
+
+// Writes the file as an editor does: a new one in place of the old.
+void write_show(const TempFolder& folder, const std::string& text) {
+  std::ofstream(folder.file("new.toml")) << text;
+  std::filesystem::rename(folder.file("new.toml"), folder.file("show.toml"));
+}
+
+TEST_CASE("SIGHUP reads the show file anew; a wrong one is said and changes nothing") {
+  const TempFolder folder;
+  const std::string one = in("mock:enttec-pro=1") + out("mock:enttec-pro=1");
+  write_show(folder, one);
+  Footlight bridge({"run", folder.file("show.toml"), "--json", "--socket", folder.file("b.sock")});
+  bridge.wait_for(R"("event":"ready")");
+  write_show(folder, one + out("mock:enttec-pro/other=1"));
+  bridge.signal(SIGHUP);
+  bridge.wait_for("1 ports opened, 0 closed, 2 left as they were");
+  write_show(folder, one + "priorty = 5\n");
+  bridge.signal(SIGHUP);
+  bridge.wait_for("show.toml:5: ");
+  // The same through the socket.
+  const auto refused = testing::footlight({"reload", "--socket", folder.file("b.sock")});
+  CHECK(refused.exit_code == 2);
+  CHECK(contains(refused.err, "priorty"));
+  write_show(folder, one);
+  CHECK(testing::footlight({"reload", "--socket", folder.file("b.sock")}).exit_code == 0);
+  bridge.wait_for("0 ports opened, 1 closed, 2 left as they were");
+  bridge.signal(SIGTERM);
+  CHECK(bridge.wait().exit_code == 0);
+}
+
+TEST_CASE("a bridge without a show file says that there is nothing to read anew, and goes on") {
+  const TempFolder folder;
+  Footlight bridge(
+      {"run", "--in", "mock:enttec-pro", "--out", "mock:enttec-pro", "--json", "--socket", folder.file("b.sock")});
+  bridge.wait_for(R"("event":"ready")");
+  bridge.signal(SIGHUP);
+  bridge.wait_for(R"("id":"reload-refused")");
+  CHECK(testing::footlight({"reload", "--socket", folder.file("b.sock")}).exit_code == 1);
+  bridge.signal(SIGTERM);
+  CHECK(bridge.wait().exit_code == 0);
+}
+
+// Each round is nine universes whose first slots count; the next one is sent when all nine are through.
+class Rounds {
+ public:
+  Rounds() {
+    drivers::SacnSinkOptions sink;
+    sink.name = "sacn:1-9%lo";
+    drivers::SacnSourceOptions source;
+    source.name = "sacn:101-109%lo";
+    for (Universe universe = 1; universe <= 9; ++universe) {
+      sink.universes.push_back({universe, universe});
+      source.universes.push_back({universe + 100, universe});
+    }
+    sink.interface_names = {"lo"};
+    source.interface_names = {"lo"};
+    auto to = drivers::make_sacn_sink(sink);
+    auto from = drivers::make_sacn_source(source);
+    REQUIRE(to.has_value());
+    REQUIRE(from.has_value());
+    to_ = std::move(*to);
+    from_ = std::move(*from);
+  }
+
+  // False: not all came back. Until they do it sends again, `tries` times.
+  bool round(int tries = 1) {
+    ++count_;
+    Slots slots{};
+    for (std::size_t i = 0; i < 8; ++i) slots[i] = static_cast<std::uint8_t>(count_ >> (8 * i));
+    std::vector<FrameView> frames(9);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      frames[i].universe = static_cast<Universe>(i + 1);
+      frames[i].slots = slots;
+    }
+    for (int i = 0; i < tries; ++i) {
+      if (!to_->send(clock_.now_ns(), frames)) return false;
+      testing::KeepingReceiver receiver;
+      std::uint32_t heard = 0;
+      const auto all = [&] {
+        for (const testing::KeptFrame& frame : receiver.frames) {
+          const bool same =
+              frame.slots.size() >= 8 && std::equal(slots.begin(), slots.begin() + 8, frame.slots.begin());
+          if (same) heard |= 1u << frame.view.universe;
+        }
+        receiver.frames.clear();
+        return heard == 0x3FEu;
+      };
+      if (testing::poll_until(*from_, clock_.now_ns(), receiver, all)) return true;
+    }
+    return false;
+  }
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+
+ private:
+  SystemClock clock_;
+  std::unique_ptr<Sink> to_;
+  std::unique_ptr<Source> from_;
+  std::uint64_t count_ = 0;
+};
+
+TEST_CASE("fifty reloads drop no frame of ports that stay: nine universes sent without a pause all come through") {
+  if (!testing::enter_private_network()) return;
+  const TempFolder folder;
+  const std::string stays = in("sacn:1-9%lo") + out("sacn:101-109=1-9%lo");
+  const std::string shows[] = {
+      stays,
+      stays + out("mock:enttec-pro=3") + in("artnet:20%lo"),
+      "universes = 100\n[merge]\nltp = [1, 2]\n" + stays + out("sacn:201-220=1-20%lo"),
+      stays + out("sacn:201-209=1-9%lo", "priority = 50\n"),
+  };
+  write_show(folder, stays);
+  Footlight bridge({"run", folder.file("show.toml"), "--json", "--socket", "none"});
+  bridge.wait_for(R"("event":"ready")");
+  Rounds rounds;
+  REQUIRE(rounds.round(10));  // until the sender is known
+  for (int reload = 1; reload <= 50; ++reload) {
+    CAPTURE(reload);
+    write_show(folder, shows[reload % 4]);
+    bridge.signal(SIGHUP);
+    const std::string done = R"("id":"reloaded")";
+    do {
+      REQUIRE(rounds.round());
+    } while (!bridge.has_said(done, reload));
+  }
+  MESSAGE(rounds.count(), " rounds of 9 frames");
+  bridge.signal(SIGTERM);
+  CHECK(bridge.wait().exit_code == 0);
+}
+
+}  // namespace
+}  // namespace footlight::tools

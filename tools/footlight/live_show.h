@@ -1,0 +1,77 @@
+// The ports that a show file names, and how they follow when the file changes while the pump runs.
+//
+//   LiveShow live(clock);
+//   FL_TRY(live.open(show));
+//   Pump pump(live.buffer(), ...);
+//   live.add_to(pump);                        // before it starts
+//   ... live.change_to(new_show, pump) ...    // any time, on a thread that is not the pump's
+//
+// A port whose lines in the file are what they were stays open and is not touched. New ones are opened before the pump
+// hears of anything, so that a change which fails changes nothing. What cannot be open twice (a device or a file that a
+// removed port still has) is given up first and opened anew, waiting for it where it does not come at once.
+//
+// Threads: one at a time, while the pump runs not the pump's. It is destroyed on the pump's thread, after the pump.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/core/clock.h"
+#include "sim/core/notice.h"
+#include "sim/core/ports.h"
+#include "sim/core/result.h"
+#include "sim/pump.h"
+#include "sim/universes.h"
+#include "tools/footlight/open_ports.h"
+#include "tools/footlight/show_file.h"
+
+namespace footlight::tools {
+
+// What a change did.
+struct ShowChange {
+  int opened = 0;
+  int closed = 0;
+  int kept = 0;
+  std::vector<std::string> troubles;  // devices that were given up and did not come back
+};
+
+class LiveShow {
+ public:
+  explicit LiveShow(Clock& clock) : opener_(clock) {}
+
+  // Opens every port. Errors: those of the ports, and of check_show().
+  [[nodiscard]] Status open(const Show& show);
+  [[nodiscard]] std::shared_ptr<Universes> buffer() const { return buffer_; }
+  void add_to(Pump& pump);
+
+  // Errors: as open(); then nothing has changed. Also kTimeout where the pump stops meanwhile: `stopping` says so.
+  [[nodiscard]] Result<ShowChange> change_to(const Show& show, Pump& pump, const std::function<bool()>& stopping);
+
+  [[nodiscard]] std::vector<const Source*> sources() const;
+  [[nodiscard]] std::vector<const Sink*> sinks() const;
+
+ private:
+  struct In {
+    InPlan plan;
+    std::shared_ptr<Source> port;
+  };
+  struct Out {
+    OutPlan plan;
+    std::shared_ptr<Sink> port;
+  };
+
+  [[nodiscard]] Result<std::shared_ptr<Source>> open_in(const InPlan& plan);
+  [[nodiscard]] Result<std::shared_ptr<Sink>> open_out(const OutPlan& plan, const std::vector<Universe>& universes);
+  static void add_out(Pump& pump, const std::vector<Out>& outs, const Out& out);
+
+  PortOpener opener_;
+  std::vector<In> ins_;
+  std::vector<Out> outs_;  // who stands by for another comes after it
+  std::shared_ptr<Universes> buffer_;
+  MergeOptions merge_;
+  std::vector<Universe> ltp_;
+};
+
+}  // namespace footlight::tools
