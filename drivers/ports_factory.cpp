@@ -4,8 +4,10 @@
 
 #include "drivers/device/chooser.h"
 #include "drivers/device/device.h"
+#include "drivers/device/either_connector.h"
 #include "drivers/hid/hidraw_connector.h"
 #include "drivers/mock/mock_usb.h"
+#include "drivers/tty/tty_connector.h"
 #include "drivers/usb/libusb_connector.h"
 #include "drivers/usb_match.h"
 
@@ -60,11 +62,23 @@ UsbModelId model_of(const DriverInfo& driver, const std::string& target) {
 }
 
 Result<std::unique_ptr<Connector>> connector_to(const DriverInfo& driver, const PortRequest& request, Clock& clock) {
-  const TransportKind kind = driver.usb_ids.empty() ? TransportKind::kFtdi : driver.usb_ids[0].transport;
-  if (kind == TransportKind::kHid)
-    return make_hidraw_connector({.driver_id = std::string(driver.id), .target = request.target}, clock);
-  return make_libusb_connector({.driver_id = std::string(driver.id), .target = request.target, .unknown_kind = kind},
-                               clock);
+  auto chooser = std::make_shared<Chooser>(std::string(driver.id), request.target);
+  // Of the device that is there; else of the driver's first row, which also stands for what the user names.
+  const auto found = chooser->find();
+  const TransportKind kind = found && found->driver_id == driver.id ? found->transport : driver.usb_ids[0].transport;
+  switch (kind) {
+    case TransportKind::kUsb: return make_libusb_connector({.chooser = chooser, .unknown_kind = kind}, clock);
+    case TransportKind::kTty: return make_tty_connector(std::move(chooser), clock);
+    case TransportKind::kFtdi: {
+      FL_ASSIGN(auto tty, make_tty_connector(chooser, clock));
+      auto libusb = make_libusb_connector({.chooser = chooser, .unknown_kind = kind}, clock);
+      if (!libusb) return tty;
+      return make_either_connector(std::move(*libusb), std::move(tty));
+    }
+    case TransportKind::kHid:
+      return make_hidraw_connector({.driver_id = std::string(driver.id), .target = request.target}, clock);
+  }
+  return fail(ErrorCode::kUnsupported, "{}: no way to such a device", name_of(request));
 }
 
 // The connectors that are asked for, or the first ones that can do it.

@@ -84,65 +84,45 @@ int access_of(const FindOptions& options, const std::string& node) {
   return ::access(node.c_str(), R_OK | W_OK) == 0 ? 0 : errno;
 }
 
-// "/dev/hidraw3" of a HID interface; empty where the kernel has made none.
-std::string hidraw_of(const std::string& interface, const std::string& dev_root) {
-  for (const std::string& child : names_in(interface))
-    for (const std::string& entry : names_in(fmt::format("{}/{}/hidraw", interface, child)))
-      if (entry.starts_with("hidraw")) return fmt::format("{}/{}", dev_root, entry);
-  return {};
-}
-
-void judge_hid(FoundDevice& device, const FindOptions& options) {
-  const auto verdict = [&](Readiness readiness, std::string reason, std::string remedy) {
-    device.readiness = readiness;
-    device.reason = std::move(reason);
-    device.remedy = std::move(remedy);
-  };
-  if (device.kernel_driver == "usbfs")
-    return verdict(Readiness::kBusy, "in use by another program", fmt::format("sudo fuser -v {}", device.node));
-  if (device.hidraw.empty())
-    return verdict(Readiness::kNoNode, "the kernel has made no hidraw node of it", "sudo modprobe usbhid");
-  const int access_error = access_of(options, device.hidraw);
-  if (access_error == ENOENT)
-    return verdict(Readiness::kNoNode,
-                   fmt::format("{} does not exist; a container has to be started with access to it", device.hidraw),
-                   {});
-  if (access_error != 0)
-    return verdict(Readiness::kNoPermission, fmt::format("{}: {}", device.hidraw, std::strerror(access_error)),
-                   udev_install_command());
-}
-
-void judge(FoundDevice& device, const std::vector<std::string>& ttys, const FindOptions& options) {
+void judge(FoundDevice& device, const FindOptions& options) {
   const auto verdict = [&](Readiness readiness, std::string reason, std::string remedy = {}) {
     device.readiness = readiness;
     device.reason = std::move(reason);
     device.remedy = std::move(remedy);
   };
+  std::vector<std::string> nodes{device.node};
+  if (!device.tty.empty()) nodes.push_back(device.tty);
+  if (!device.hidraw.empty()) nodes.push_back(device.hidraw);
+  if (device.kernel_driver == "usbfs" || nodes.size() > 1) device.holder = holder_of(options.proc_root, nodes);
   if (device.driver_id.empty())
     return verdict(
         Readiness::kNotDmx,
         "its USB ids are shared by many products and its name is not that of a DMX interface; if it is one, name it by "
         "its serial number or port");
-  if (device.transport == TransportKind::kHid) return judge_hid(device, options);
-  if (!built_with_usb())
+  const bool over_tty = device.transport == TransportKind::kTty;
+  const bool tty_opens = !device.tty.empty() && access_of(options, device.tty) == 0;
+  const bool has_other_way = device.transport == TransportKind::kFtdi && tty_opens;
+  if (!built_with_usb() && device.transport != TransportKind::kHid && !over_tty && !has_other_way)
     return verdict(Readiness::kUnsupported, "this build has no USB",
                    "sudo apt install libusb-1.0-0-dev && cmake -B build -DFOOTLIGHT_USB=ON && cmake --build build");
-  const int access_error = access_of(options, device.node);
-  if (access_error == ENOENT)
+  const std::string& node = over_tty                                  ? device.tty
+                            : device.transport == TransportKind::kHid ? device.hidraw
+                                                                      : device.node;
+  if (node.empty() && device.kernel_driver != "usbfs")
     return verdict(
         Readiness::kNoNode,
-        fmt::format("{} does not exist; a container has to be started with access to /dev/bus/usb", device.node));
+        fmt::format("no driver of the kernel is bound to it, so it has no {}", over_tty ? "tty" : "hidraw node"),
+        fmt::format("sudo modprobe {}", over_tty ? "cdc_acm" : "usbhid"));
+  const int access_error = has_other_way || node.empty() ? 0 : access_of(options, node);
+  if (access_error == ENOENT)
+    return verdict(Readiness::kNoNode,
+                   fmt::format("{} does not exist; a container has to be started with access to it", node));
   if (access_error != 0)
-    return verdict(Readiness::kNoPermission, fmt::format("{}: {}", device.node, std::strerror(access_error)),
+    return verdict(Readiness::kNoPermission, fmt::format("{}: {}", node, std::strerror(access_error)),
                    udev_install_command());
-  std::vector<std::string> nodes{device.node};
-  nodes.insert(nodes.end(), ttys.begin(), ttys.end());
-  if (device.kernel_driver == "usbfs" || !ttys.empty()) {
-    const std::string holder = holder_of(options.proc_root, nodes);
-    const std::string see = fmt::format("sudo fuser -v {}", fmt::join(nodes, " "));
-    if (!holder.empty()) return verdict(Readiness::kBusy, fmt::format("in use by {}", holder), see);
-    if (device.kernel_driver == "usbfs") return verdict(Readiness::kBusy, "in use by another program", see);
-  }
+  const std::string see = fmt::format("sudo fuser -v {}", fmt::join(nodes, " "));
+  if (!device.holder.empty()) return verdict(Readiness::kBusy, fmt::format("in use by {}", device.holder), see);
+  if (device.kernel_driver == "usbfs") return verdict(Readiness::kBusy, "in use by another program", see);
 }
 
 std::optional<FoundDevice> read_device(const std::string& name, const FindOptions& options) {
@@ -174,17 +154,22 @@ std::optional<FoundDevice> read_device(const std::string& name, const FindOption
     device.capabilities = match.driver->capabilities;
     device.quirks = match.model->quirks;
     device.transport = match.model->transport;
-    if (device.transport == TransportKind::kHid) device.hidraw = hidraw_of(interface, options.dev_root);
   } else {
     constexpr int kFtdi = 0x0403;
     device.model_name = device.usb_vendor == kFtdi
                             ? "FTDI serial adapter, not known to be a DMX USB Pro"
                             : "a device whose USB ids are shared by many, not known to be a DMX interface";
   }
-  std::vector<std::string> ttys;
-  for (const std::string& entry : names_in(interface))
-    if (entry.starts_with("ttyUSB")) ttys.push_back(fmt::format("{}/{}", options.dev_root, entry));
-  judge(device, ttys, options);
+  // A serial converter's tty lies under its interface, that of the communication class in a folder of its own; a HID
+  // device has one more level, named after its ids.
+  for (const std::string& entry : names_in(interface)) {
+    if (entry.starts_with("ttyUSB")) device.tty = fmt::format("{}/{}", options.dev_root, entry);
+    for (const std::string& node : names_in(fmt::format("{}/{}/hidraw", interface, entry)))
+      device.hidraw = fmt::format("{}/{}", options.dev_root, node);
+  }
+  for (const std::string& node : names_in(interface + "/tty"))
+    device.tty = fmt::format("{}/{}", options.dev_root, node);
+  judge(device, options);
   return device;
 }
 

@@ -40,6 +40,7 @@ struct FoundDevice {
   TransportKind transport = TransportKind::kFtdi;  // of its row
   std::string tty;            // "/dev/ttyUSB0" of its first interface; empty where there is none at the moment
   std::string hidraw;         // "/dev/hidraw3", likewise
+  std::string holder;         // "olad (process 812)": another program that has one of its nodes open, where visible
   std::string endpoint;       // what to write in a show file: "enttec-pro:EN172589"; empty for kNotDmx
   unsigned capabilities = 0;  // Capability
   unsigned quirks = 0;        // Quirk

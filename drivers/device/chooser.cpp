@@ -45,8 +45,10 @@ Result<FoundDevice> Chooser::find() const {
 Result<FoundDevice> Chooser::choose() const {
   FL_ASSIGN(FoundDevice found, find());
   switch (found.readiness) {
-    case Readiness::kReady:
-    case Readiness::kNotDmx: break;  // named by the user; whether it answers will show
+    case Readiness::kReady: break;
+    case Readiness::kNotDmx:  // named by the user; whether it answers will show
+      if (!found.holder.empty()) return fail(ErrorCode::kPermission, "{}: in use by {}", found.node, found.holder);
+      break;
     case Readiness::kUnsupported: return fail(ErrorCode::kUnsupported, "{}", found.reason);
     case Readiness::kNoNode: return fail(ErrorCode::kNotFound, "{}", found.reason);
     case Readiness::kNoPermission:
@@ -67,7 +69,7 @@ void Chooser::pin(const FoundDevice& device) {
 }
 
 std::string Chooser::identity() const {
-  if (const auto found = find()) return fmt::format("usb-{}/{}", found->port_path, found->serial);
+  if (const auto found = find()) return fmt::format("{} at {}/{}", driver_id_, found->port_path, found->serial);
   return fmt::format("{}:{}", driver_id_, target_);  // so that two ports that wait for one device share it
 }
 

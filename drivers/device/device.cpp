@@ -200,6 +200,7 @@ class Device final : private WidgetContext {
   // --- WidgetContext
   Transport& transport() override { return *transport_; }
   TimeNs now_ns() const override { return clock_.now_ns(); }
+  void sleep_until_ns(TimeNs deadline_ns) override { clock_.sleep_until_ns(deadline_ns); }
   std::span<const LineUse> lines() const override { return uses_; }
   bool stopping() const override { return stop_.stop_requested(); }
   void deliver(int line, std::span<const std::uint8_t> line_frame, TimeNs stamp_ns) override {

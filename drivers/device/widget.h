@@ -46,6 +46,8 @@ class WidgetContext {
   virtual ~WidgetContext() = default;
   virtual Transport& transport() = 0;
   virtual TimeNs now_ns() const = 0;
+  // For waits below a millisecond, which have to be as exact as the clock; cannot be woken.
+  virtual void sleep_until_ns(TimeNs deadline_ns) = 0;
   // Per connector, first is line 0. The size is that of Widget::line_count().
   [[nodiscard]] virtual std::span<const LineUse> lines() const = 0;
   // True when the port is being closed: long waits should end.
@@ -66,8 +68,8 @@ class Widget {
   // thread.
   [[nodiscard]] virtual Status can(int line, LineUse use) const = 0;
 
-  // After every connect, and when lines() has changed: forgets what it knew of the device, finds out what it is, sets up
-  // what lines() asks for. kUnsupported: the device that is there cannot do it.
+  // After every connect, and when lines() has changed: forgets what it knew of the device, finds out what it is, sets
+  // up what lines() asks for. kUnsupported: the device that is there cannot do it.
   virtual Result<WidgetTraits> begin(WidgetContext& context) = 0;
   // Output: puts a look on a line. Returns when the device has it, or, where the host times the line, when the next
   // look may come. kTimeout: the look is due again.

@@ -8,7 +8,6 @@
 
 #include <libusb.h>
 
-#include "drivers/device/chooser.h"
 #include "drivers/usb/ftdi.h"
 
 namespace footlight::drivers {
@@ -359,9 +358,7 @@ class LibusbTransport final : public Transport {
 class LibusbConnector final : public Connector {
  public:
   LibusbConnector(LibusbConfig config, std::shared_ptr<Bus> bus)
-      : unknown_kind_(config.unknown_kind),
-        chooser_(std::move(config.driver_id), std::move(config.target), std::move(config.find)),
-        bus_(std::move(bus)) {
+      : unknown_kind_(config.unknown_kind), chooser_(std::move(config.chooser)), bus_(std::move(bus)) {
     // Without hotplug support wait() simply lasts until its deadline.
     (void)libusb_hotplug_register_callback(bus_->context.get(),
                                            LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED | LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT, 0,
@@ -370,8 +367,8 @@ class LibusbConnector final : public Connector {
   }
 
   Result<std::unique_ptr<Transport>> connect() override {
-    if (bus_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", chooser_.driver_id());
-    FL_ASSIGN(const FoundDevice found, chooser_.choose());
+    if (bus_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", chooser_->driver_id());
+    FL_ASSIGN(const FoundDevice found, chooser_->choose());
     FL_ASSIGN(OwnedDevice device, device_at(found.node));
 
     libusb_device_handle* opened = nullptr;
@@ -386,7 +383,7 @@ class LibusbConnector final : public Connector {
     if ((found.driver_id.empty() ? unknown_kind_ : found.transport) == TransportKind::kFtdi) {
       FL_ASSIGN(transport, open_ftdi(std::move(transport), found.usb_release, bus_->clock));
     }
-    chooser_.pin(found);
+    chooser_->pin(found);
     return transport;
   }
 
@@ -403,7 +400,7 @@ class LibusbConnector final : public Connector {
     bus_->aborted = true;
     bus_->interrupt();
   }
-  std::string identity() override { return chooser_.identity(); }
+  std::string identity() override { return chooser_->identity(); }
 
  private:
   static int LIBUSB_CALL on_hotplug(libusb_context*, libusb_device* device, libusb_hotplug_event event, void* user) {
@@ -432,7 +429,7 @@ class LibusbConnector final : public Connector {
   }
 
   const TransportKind unknown_kind_;
-  Chooser chooser_;
+  const std::shared_ptr<Chooser> chooser_;
   const std::shared_ptr<Bus> bus_;  // outlives the transport, which holds it too
 };
 

@@ -6,20 +6,15 @@
 #pragma once
 
 #include <memory>
-#include <string>
 
+#include "drivers/device/chooser.h"
 #include "drivers/device/transport.h"
-#include "drivers/registry.h"
 
 namespace footlight::drivers {
 
 struct LibusbConfig {
-  // Required
-  std::string driver_id;  // of the devices to take, as in the driver table
-  std::string target;     // a serial number, "port-1-2.3", or empty where only one such device is plugged in
-  // Optional
+  std::shared_ptr<Chooser> chooser;                   // may be shared with another connector to the same device
   TransportKind unknown_kind = TransportKind::kFtdi;  // of a device that the user named and no row fits
-  FindOptions find = {};
 };
 
 // Does not look for the device yet; connect() does. kUnsupported: built without USB, or libusb does not start.

@@ -8,7 +8,7 @@ bool built_with_usb() { return false; }
 Result<std::unique_ptr<Connector>> make_libusb_connector(LibusbConfig config, Clock&) {
   return fail(ErrorCode::kUnsupported,
               "{}: this build has no USB; install libusb-1.0-0-dev and configure with -DFOOTLIGHT_USB=ON",
-              config.driver_id);
+              config.chooser->driver_id());
 }
 
 }  // namespace footlight::drivers

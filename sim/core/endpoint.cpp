@@ -8,6 +8,7 @@ namespace footlight {
 namespace {
 
 constexpr int kArtnetWireMax = 32'768;  // 15 bits of port address, counted from 1
+constexpr int kConnectorMax = 64;
 constexpr const char* kFileScheme = "log";
 constexpr const char* kGpioScheme = "gpio";
 constexpr int kGpioLineMax = 65'535;
@@ -145,18 +146,35 @@ Status parse_network(std::string_view text, std::string_view rest, const Network
 }
 
 Status parse_device(std::string_view text, std::string_view rest, Endpoint& endpoint) {
-  WireUniverse universe{1, 1};
+  std::vector<int> shows;
   if (const auto show = take_suffix(rest, '=')) {
-    const auto number = show->empty() ? std::nullopt : number_of(*show);
-    if (!number || !is_universe(*number)) {
+    auto numbers = parse_list(*show, kUniverseMax);
+    if (!numbers) {
       return fail(ErrorCode::kBadInput,
-                  "{}: expected one universe from {} to {} after \"=\", as in {}:EN123456=3, got \"{}\"", text,
-                  kUniverseMin, kUniverseMax, endpoint.scheme, *show);
+                  "{}: expected universes from {} to {} after \"=\", one for each connector, as in {}:EN123456=3; {}",
+                  text, kUniverseMin, kUniverseMax, endpoint.scheme, numbers.error().message);
     }
-    universe.show = *number;
+    shows = std::move(*numbers);
+  }
+  std::vector<int> connectors;
+  const std::size_t slash = rest.rfind('/');
+  if (slash != std::string_view::npos && rest.find_first_not_of("0123456789,", slash + 1) == std::string_view::npos) {
+    auto numbers = parse_list(rest.substr(slash + 1), kConnectorMax);
+    if (!numbers || (!shows.empty() && shows.size() != numbers->size())) {
+      return fail(ErrorCode::kBadInput,
+                  "{}: expected connectors from 1 to {} after \"/\", as many as universes, as in {}:EN123456/2=4", text,
+                  kConnectorMax, endpoint.scheme);
+    }
+    connectors = std::move(*numbers);
+    endpoint.names_connectors = true;
+    rest = rest.substr(0, slash);
+  }
+  const std::size_t count = std::max<std::size_t>({shows.size(), connectors.size(), 1});
+  for (std::size_t i = 0; i < count; ++i) {
+    const int first = static_cast<int>(i) + 1;
+    endpoint.universes.push_back({connectors.empty() ? first : connectors[i], shows.empty() ? first : shows[i]});
   }
   endpoint.target = rest;
-  endpoint.universes = {universe};
   return {};
 }
 
@@ -272,8 +290,8 @@ Result<std::vector<std::uint8_t>> parse_address_priorities(std::string_view text
 Result<Endpoint> parse_endpoint(std::string_view text, std::span<const std::string_view> device_schemes) {
   Endpoint endpoint;
   endpoint.text = text;
-  // "enttec-pro=3" has no target, so the scheme may end at "=" too.
-  const std::size_t scheme_end = std::min(text.find_first_of(":="), text.size());
+  // "enttec-pro=3" and "enttec-pro/2" have no target, so the scheme may end there too.
+  const std::size_t scheme_end = std::min(text.find_first_of(":=/"), text.size());
   endpoint.scheme = text.substr(0, scheme_end);
   const bool has_colon = scheme_end < text.size() && text[scheme_end] == ':';
   const std::string_view rest = text.substr(scheme_end + (has_colon ? 1 : 0));

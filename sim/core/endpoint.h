@@ -7,6 +7,7 @@
 //   sacn:1-9%eth0,eth1        through several interfaces
 //   sacn:101-109=1-9          renumbered: wire on the left, show on the right
 //   enttec-pro:EN123456=3     a device by its serial, as universe 3 of the show; without "=" as universe 1
+//   enttec-pro:EN123456=3,4   its connectors 1 and 2                   enttec-pro:EN123456/2=4  connector 2 alone
 //   enttec-pro                the one that is plugged in               mock:enttec-pro a model of one in this process
 //   gpio:gpiochip0/17=1.25    an input line of a GPIO chip, as universe 1 address 25
 //   gpio:gpiochip0/16-23=1.25 eight lines, as addresses 25 to 32       gpio:gpiochip0/BLACKOUT,4=1.25  names, lists
@@ -37,7 +38,7 @@ struct WireUniverse {
 
 enum class EndpointKind {
   kNetwork,  // sacn, artnet: universes are required
-  kDevice,   // one of the device schemes: one universe
+  kDevice,   // one of the device schemes: a universe for each connector
   kGpio,     // gpio: input lines, one slot each; one universe
   kFile,     // log: the file says which universes there are
 };
@@ -52,7 +53,9 @@ struct Endpoint {
   std::vector<std::string> interface_names;  // network: "eth0", or none
   std::vector<std::string> lines;            // gpio: numbers or names, at least one, each once
   Address first_address = 1;                 // gpio: of the first line; the others follow and fit in
-  std::vector<WireUniverse> universes;       // in the order in which they were written; empty for a file
+  // In the order in which they were written; empty for a file. Device: `wire` is the connector, from 1.
+  std::vector<WireUniverse> universes;
+  bool names_connectors = false;  // device: else the first ones that can do what is wanted are meant
 
   [[nodiscard]] std::vector<Universe> show_universes() const;
   friend bool operator==(const Endpoint&, const Endpoint&) = default;

@@ -262,6 +262,7 @@ void UsbSocket::submit(UMockdevIoctlClient* client, UMockdevIoctlData* argument)
 }
 
 void UsbSocket::run_control(Urb& urb) {
+  pass_time();
   const std::uint8_t* bytes = urb.buffer->data;
   const auto word_at = [&](std::size_t i) { return static_cast<std::uint16_t>(bytes[i] | bytes[i + 1] << 8); };
   const SetupPacket setup{bytes[0], bytes[1], word_at(2), word_at(4), word_at(6)};
@@ -278,7 +279,14 @@ void UsbSocket::run_control(Urb& urb) {
   }
 }
 
+// On the clock that SystemClock reads.
+void UsbSocket::pass_time() {
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  (void)model_.pass_time(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
+}
+
 bool UsbSocket::run_bulk(Urb& urb, Time now) {
+  pass_time();
   const usbdevfs_urb& content = content_of(urb.urb);
   if ((content.endpoint & 0x80) != 0) {
     const bool timer_ran_out = model_.in_latency_ms(content.endpoint) >= 0 && urb.due <= now;

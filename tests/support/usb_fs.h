@@ -83,6 +83,7 @@ class UsbSocket {
   void submit(UMockdevIoctlClient* client, UMockdevIoctlData* argument);
   void reap(UMockdevIoctlClient* client, UMockdevIoctlData* argument);
   void discard(UMockdevIoctlClient* client, UMockdevIoctlData* argument);
+  void pass_time();
   void run_control(Urb& urb);
   bool run_bulk(Urb& urb, Time now);  // false: not yet
   void finish(const Urb& urb);

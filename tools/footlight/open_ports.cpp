@@ -19,6 +19,9 @@ drivers::PortRequest device_request(const Endpoint& endpoint) {
   request.scheme = endpoint.scheme;
   request.target = endpoint.target;
   request.universes = endpoint.show_universes();
+  request.name = endpoint.text;
+  if (endpoint.names_connectors)
+    for (const WireUniverse& universe : endpoint.universes) request.connectors.push_back(universe.wire);
   return request;
 }
 
@@ -58,6 +61,8 @@ Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint
     case EndpointKind::kDevice: {
       drivers::PortRequest request = device_request(endpoint);
       request.wait_for_device = options.wait_for_device;
+      request.receive_on_change = options.receive_on_change;
+      request.second_port = options.second_port;
       return drivers::open_source(request, clock_);
     }
     case EndpointKind::kGpio: {
@@ -102,6 +107,8 @@ Result<std::unique_ptr<Sink>> PortOpener::open_sink(const Endpoint& endpoint, st
       drivers::PortRequest request = device_request(endpoint);
       request.wait_for_device = options.wait_for_device;
       request.blackout_on_exit = options.blackout_on_exit;
+      request.rate_hz = options.rate_hz_max;
+      request.second_port = options.second_port;
       return drivers::open_sink(request, clock_);
     }
     case EndpointKind::kGpio:

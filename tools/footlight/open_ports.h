@@ -8,6 +8,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,6 +16,7 @@
 
 #include "drivers/gpio/gpio_chip.h"
 #include "drivers/gpio/strobe_line.h"
+#include "drivers/driver.h"
 #include "sim/core/clock.h"
 #include "sim/core/dmx.h"
 #include "sim/core/endpoint.h"
@@ -33,6 +35,8 @@ namespace footlight::tools {
 // All optional; those that the kind of endpoint has no use for are not looked at.
 struct InOptions {
   bool wait_for_device = false;     // device, gpio: begin although it is not plugged in
+  bool receive_on_change = false;  // device: report changes only, where it can
+  std::optional<drivers::SecondPort> second_port;  // device: key and labels of a DMX USB Pro Mk2's second connector
   bool hear_preview = false;        // sacn: frames that are meant for visualisers, too
   int priority = kPriorityDefault;  // artnet, gpio: what its frames carry into the merge
   DurationNs log_start_ns = 0;      // log: where in it to begin
@@ -49,10 +53,11 @@ struct InOptions {
 struct OutOptions {
   bool wait_for_device = false;
   bool blackout_on_exit = false;          // device: zeros at the end, not the last look
+  std::optional<drivers::SecondPort> second_port;  // device: see InOptions
   bool preview = false;                   // sacn: flag every frame as meant for visualisers
   int priority = kPriorityDefault;        // sacn
   std::string source_name = "Footlight";  // sacn
-  double rate_hz_max = 0.0;               // network: 0 for as frames come
+  double rate_hz_max = 0.0;               // network, and devices that the host times: 0 for as frames come
   bool sync = false;                      // artnet: an ArtSync after each batch of frames
   bool broadcast = true;                  // artnet, searching: universes that no device has asked for go to everybody
   // sacn, as in drivers::SacnSinkOptions:

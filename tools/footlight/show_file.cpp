@@ -1,7 +1,9 @@
 #include "tools/footlight/show_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <functional>
@@ -85,6 +87,33 @@ std::vector<std::uint8_t> read_address_priorities(TomlReader& reader) {
   return {};
 }
 
+// second_port = {key = "01020304", send = 0x10, ...}: see drivers::SecondPort.
+Result<std::optional<drivers::SecondPort>> read_second_port(TomlReader& reader, const std::string& file) {
+  const TomlNode* const table = reader.table("second_port");
+  if (table == nullptr) return std::nullopt;
+  TomlReader second(*table, file, "second_port");
+  drivers::SecondPort port;
+  const std::string key = second.text("key");
+  constexpr std::size_t kDigits = 2 * std::tuple_size_v<decltype(port.key)>;
+  bool is_hex = key.size() == kDigits;
+  for (std::size_t i = 0; is_hex && i < port.key.size(); ++i) {
+    const char* const begin = key.data() + 2 * i;
+    is_hex = std::from_chars(begin, begin + 2, port.key[i], 16).ptr == begin + 2;
+  }
+  if (!is_hex && second.has("key"))
+    second.trouble(second.line_of("key"), "key: expected {} hexadecimal digits, as in \"0A1B2C3D\"", kDigits);
+  const auto label = [&](std::string_view name) {
+    return static_cast<std::uint8_t>(second.integer(name, 0, 255, 0));
+  };
+  port.assign = label("assign");
+  port.send = label("send");
+  port.receive = label("receive");
+  port.receive_mode = label("receive_mode");
+  port.change_of_state = label("change_of_state");
+  FL_TRY(second.finish());
+  return port;
+}
+
 Result<InPlan> read_in(const TomlNode& node, const std::string& file) {
   TomlReader reader(node, file, "[[in]]");
   InPlan plan;
@@ -98,7 +127,12 @@ Result<InPlan> read_in(const TomlNode& node, const std::string& file) {
           options.priority = static_cast<int>(reader.integer("priority", 0, kPriorityMax, kPriorityDefault));
         }
         break;
-      case EndpointKind::kDevice: options.wait_for_device = reader.boolean("wait_for_device", false); break;
+      case EndpointKind::kDevice: {
+        options.wait_for_device = reader.boolean("wait_for_device", false);
+        options.receive_on_change = reader.boolean("receive_on_change", false);
+        FL_ASSIGN(options.second_port, read_second_port(reader, file));
+        break;
+      }
       case EndpointKind::kGpio: read_gpio(reader, options); break;
       case EndpointKind::kFile:
         options.log_loop = reader.boolean("loop", false);
@@ -135,10 +169,13 @@ Result<OutPlan> read_out(const TomlNode& node, const std::string& file) {
           options.announce = reader.boolean("announce", true);
         }
         break;
-      case EndpointKind::kDevice:
+      case EndpointKind::kDevice: {
         options.wait_for_device = reader.boolean("wait_for_device", false);
         options.blackout_on_exit = reader.boolean("blackout_on_exit", false);
+        options.rate_hz_max = reader.number("rate_hz_max", 0.0, 1'000.0, 0.0);
+        FL_ASSIGN(options.second_port, read_second_port(reader, file));
         break;
+      }
       case EndpointKind::kGpio: break;  // refused when it is opened
       case EndpointKind::kFile: options.log_overwrite = reader.boolean("overwrite", false); break;
     }

@@ -10,13 +10,15 @@
 //   endpoint = "sacn:1-9"          # see sim/core/endpoint.h
 //   preview = false                # sacn: hear frames for visualisers, too
 //   priority = 100                 # artnet
-//   wait_for_device = true         # devices
+//   wait_for_device = true         # devices; also receive_on_change = true
 //   mode = "one-shot"              # gpio: see docs/gpio.md for this and its other keys
 //   loop = true                    # log; also start = "10s", stop = "20s", speed = 2.0
 //   [[out]]
 //   endpoint = "enttec-pro:EN123456=3"
 //   blackout_on_exit = true        # devices; also wait_for_device
-//   rate_hz_max = 40               # sacn, artnet
+//   second_port = {key = "0A1B2C3D", assign = 1, send = 2, receive = 3, receive_mode = 4, change_of_state = 5}
+//                                  # devices, in and out: a DMX USB Pro Mk2, with the numbers that ENTTEC gave you
+//   rate_hz_max = 40               # sacn, artnet, devices that this machine times
 //   sync = true                    # artnet; without an address also broadcast = false
 //   priority = 120                 # sacn; also source_name = "FOH", preview = true
 //   address_priorities = "1-100:150, 101-512:0"  # sacn: who wins, address by address

@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 
@@ -510,6 +511,130 @@ TEST_CASE("the end of a message that never comes does not swallow the next frame
   CHECK(keeper.kept[0].slots == Bytes{11, 22});
 }
 
+// --- Second connectors
+
+constexpr SecondPort kSecond{.key = {0x0A, 0x1B, 0x2C, 0x3D},
+                             .assign = 200,
+                             .send = 201,
+                             .receive = 202,
+                             .receive_mode = 203,
+                             .change_of_state = 204};
+
+struct TwoPorts : Bench {
+  explicit TwoPorts(std::optional<SecondPort> key) {
+    config = {.line_count = 2, .second_needs_key = true, .second_port = key};
+    usb->with_model<EnttecProModel>([](EnttecProModel& model) {
+      model.product = "DMX USB PRO Mk2";
+      model.second_port = kSecond;
+    });
+  }
+  DevicePortConfig on(std::vector<DeviceLine> lines) const { return {.name = port.name, .lines = std::move(lines)}; }
+};
+
+TEST_CASE("an Mk2 sends on both connectors with the labels that the user gives, once its key was told") {
+  TwoPorts bench(kSecond);
+  auto sink = DeviceSink::open(bench.plan(bench.clock), bench.on({{0, 3}, {1, 4}}), bench.clock);
+  REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
+  CHECK(std::vector<Universe>((*sink)->universes().begin(), (*sink)->universes().end()) == std::vector<Universe>{3, 4});
+  bench.send(**sink, ramp(1), 3);
+  bench.send(**sink, ramp(2), 4);
+  CHECK(bench.usb->wait_for([](const mock::UsbModel& model) {
+    return model.line(0).frame == line_frame_of(ramp(1)) && model.line(1).frame == line_frame_of(ramp(2));
+  }));
+  CHECK(bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.second_port_open; }));
+}
+
+TEST_CASE("one connector of an Mk2 may listen while the other sends, each a port of its own on one device") {
+  TwoPorts bench(kSecond);
+  auto sink = DeviceSink::open(bench.plan(bench.clock), bench.on({{0, 3}}), bench.clock);
+  REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
+  auto source = DeviceSource::open(bench.plan(bench.clock), bench.on({{1, 9}}), bench.clock);
+  REQUIRE_MESSAGE(source, (source ? "" : source.error().message));
+  bench.send(**sink, ramp(1), 3);
+  CHECK(bench.widget_shows(ramp(1)));
+  FrameKeeper keeper;
+  REQUIRE(bench.usb->wait_for([](const mock::UsbModel& model) { return model.listens(1); }));
+  bench.usb->with_model([](mock::UsbModel& model) { model.receive_line_frame(1, line_frame_of(ramp(77))); });
+  REQUIRE(bench.frames_come(**source, keeper, 1));
+  CHECK(keeper.kept[0].view.universe == 9);
+  CHECK(keeper.kept[0].slots == ramp(77));
+  // Each may end without the other.
+  (*source).reset();
+  bench.send(**sink, ramp(5), 3);
+  CHECK(bench.widget_shows(ramp(5)));
+  CHECK(bench.usb->claimed());
+  (*sink)->close(bench.clock.now_ns());
+  CHECK_FALSE(bench.usb->claimed());
+}
+
+TEST_CASE("a connector that is in use is refused, and the one that has it goes on") {
+  TwoPorts bench(kSecond);
+  auto sink = DeviceSink::open(bench.plan(bench.clock), bench.on({{1, 3}}), bench.clock);
+  REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
+  const auto again = DeviceSink::open(bench.plan(bench.clock), bench.on({{1, 4}}), bench.clock);
+  REQUIRE_FALSE(again);
+  CHECK(again.error().message.find("connector 2 is in use") != std::string::npos);
+  bench.send(**sink, ramp(5), 3);
+  CHECK(bench.usb->wait_for([](const mock::UsbModel& model) { return model.line(1).frame == line_frame_of(ramp(5)); }));
+}
+
+TEST_CASE("the second connector of an Mk2 without a key is refused with what is needed, and nothing is sent to it") {
+  TwoPorts bench({});
+  const auto sink = DeviceSink::open(bench.plan(bench.clock), bench.on({{1, 3}}), bench.clock);
+  REQUIRE_FALSE(sink);
+  CHECK(sink.error().code == ErrorCode::kUnsupported);
+  CHECK(sink.error().message.find("second_port") != std::string::npos);
+}
+
+TEST_CASE("a DMXking with two outputs is found out by asking, whatever its USB strings say") {
+  Bench bench;
+  bench.config.line_count = 2;
+  bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) {
+    model.manufacturer = "FTDI";
+    model.esta_id = 0x6A6B;
+    model.device_id = 2;
+    model.port_count = 2;
+  });
+  bench.port.lines = {{.line = 0, .universe = 1}, {.line = 1, .universe = 2}};
+  const auto sink = bench.open_sink();
+  bench.send(*sink, ramp(1), 1);
+  bench.send(*sink, ramp(2), 2);
+  CHECK(bench.usb->wait_for([](const mock::UsbModel& model) {
+    return model.line(0).frame == line_frame_of(ramp(1)) && model.line(1).frame == line_frame_of(ramp(2));
+  }));
+}
+
+TEST_CASE("a widget with one connector is not asked for a second by guess") {
+  Bench bench;
+  bench.config.line_count = 2;
+  bench.port.lines = {{.line = 1, .universe = 2}};
+  const auto sink = DeviceSink::open(bench.plan(bench.clock), bench.port, bench.clock);
+  REQUIRE_FALSE(sink);
+  CHECK(sink.error().code == ErrorCode::kUnsupported);
+  CHECK(bench.usb->with_model([](mock::UsbModel& model) { return model.line(1).frame_count; }) == 0);
+}
+
+TEST_CASE("a function runs on the device's thread between frames, and is told when the device has gone") {
+  Bench bench;
+  const auto sink = bench.open_sink();
+  std::atomic<int> calls{0};
+  std::atomic<bool> had_device{false};
+  sink->link().run_on_device([&](Widget&, WidgetContext* context) {
+    had_device = context != nullptr && !context->lines().empty();
+    ++calls;
+  });
+  CHECK(poll_until(
+      *sink, [] {}, [&] { return calls == 1; }, std::chrono::seconds(10)));
+  CHECK(had_device);
+  sink->close(bench.clock.now_ns());
+  sink->link().run_on_device([&](Widget&, WidgetContext* context) {
+    had_device = context != nullptr;
+    ++calls;
+  });
+  CHECK(calls == 2);
+  CHECK_FALSE(had_device);
+}
+
 TEST_CASE("mock endpoints play a sine as a source and take frames as a sink") {
   SystemClock clock;
   auto source = open_source({.scheme = "mock", .target = "enttec-pro/sine-test", .universes = {1}}, clock);
@@ -536,9 +661,8 @@ TEST_CASE("mock endpoints play a sine as a source and take frames as a sink") {
 
 TEST_CASE("a port request that makes no sense is refused with what would") {
   SystemClock clock;
-  CHECK(open_sink({.scheme = "nonesuch", .target = "x", .universes = {1}}, clock)
-            .error()
-            .message.find("there are enttec-pro, ") != std::string::npos);
+  const std::string unknown = open_sink({.scheme = "nonesuch", .target = "x", .universes = {1}}, clock).error().message;
+  for (const DriverInfo* driver : drivers()) CHECK(unknown.find(driver->id) != std::string::npos);
   CHECK(open_sink({.scheme = "mock", .target = "enttec-pro", .universes = {1, 2}}, clock).error().code ==
         ErrorCode::kBadInput);
   CHECK(open_sink({.scheme = "mock", .target = "enttec-pro", .universes = {0}}, clock).error().code ==

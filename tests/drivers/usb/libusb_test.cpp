@@ -6,6 +6,7 @@
 
 #include "drivers/device/device.h"
 #include "drivers/mock/enttec_pro_model.h"
+#include "drivers/mock/open_dmx_model.h"
 #include "drivers/ports_factory.h"
 #include "drivers/registry.h"
 #include "drivers/usb/enttec_pro.h"
@@ -54,7 +55,7 @@ struct Bench {
   }
   // With timeouts that a test can wait for.
   std::unique_ptr<Sink> open_impatient_sink() {
-    auto connector = make_libusb_connector({.driver_id = "enttec-pro", .target = ""}, clock);
+    auto connector = make_libusb_connector({.chooser = std::make_shared<Chooser>("enttec-pro", "")}, clock);
     REQUIRE(connector);
     auto sink =
         DeviceSink::open({.widget = std::make_unique<EnttecPro>(EnttecProConfig{.write_timeout_ns = 20 * kNsPerMs}),
@@ -314,6 +315,119 @@ TEST_CASE("two widgets without a name in the request are refused with their port
   const auto second = drivers::open_sink(bench.request, bench.clock);
   REQUIRE(second);
   CHECK(other_socket.claimed());
+}
+
+// --- The other drivers over libusb
+
+struct Other {
+  explicit Other(const char* id) : driver(*find_driver(id)), model(driver.make_model()), socket(testbed, *model) {
+    socket.plug();
+  }
+  std::unique_ptr<Sink> open_sink() {
+    auto sink =
+        drivers::open_sink({.scheme = std::string(driver.id), .target = model->serial, .universes = {1}}, clock);
+    REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
+    return std::move(*sink);
+  }
+  void send(Sink& sink, const Bytes& slots) {
+    const FrameView frame{.universe = 1, .slots = slots};
+    REQUIRE(sink.send(clock.now_ns(), {&frame, 1}));
+  }
+  bool shows(const Bytes& slots) {
+    return socket.wait_for([&] { return model->line(0).frame == line_frame_of(slots); });
+  }
+  SystemClock clock;
+  testing::Testbed testbed;
+  const DriverInfo& driver;
+  std::unique_ptr<mock::UsbModel> model;
+  UsbSocket socket;
+};
+
+TEST_CASE("every look reaches the line, and the kernel's driver is bound again at the end") {
+  for (const char* id : {"eurolite-pro", "eurolite-mk2", "vince", "open-dmx"}) {
+    CAPTURE(id);
+    Other bench(id);
+    const auto sink = bench.open_sink();
+    CHECK(bench.socket.kernel_driver() == "usbfs");
+    for (std::size_t i = 1; i <= 5; ++i) {
+      bench.send(*sink, pattern(i));
+      REQUIRE(bench.shows(pattern(i)));
+    }
+    CHECK(sink->counters().errors == 0);
+    sink->close(bench.clock.now_ns());
+    CHECK_FALSE(bench.socket.claimed());
+    CHECK(bench.socket.kernel_driver() == "ftdi_sio");
+  }
+}
+
+TEST_CASE("forty replugs cost no descriptor, no thread and no universe") {
+  // An emulated kernel has 50 descriptors: a leak of one a replug ends the program.
+  for (const char* id : {"enttec-pro", "eurolite-pro", "vince", "open-dmx"}) {
+    CAPTURE(id);
+    Other bench(id);
+    const auto sink = bench.open_sink();
+    for (std::size_t i = 1; i <= 40; ++i) {
+      bench.send(*sink, pattern(i));
+      REQUIRE(bench.shows(pattern(i)));
+      bench.socket.unplug();
+      REQUIRE(wait_for_state(*sink, PortState::kGone));
+      bench.socket.plug();
+      REQUIRE(bench.shows(pattern(i)));
+    }
+  }
+}
+
+TEST_CASE("an output without anything to read notices its unplug without traffic") {
+  Other bench("eurolite-pro");
+  const auto sink = bench.open_sink();
+  bench.socket.unplug();
+  CHECK(wait_for_state(*sink, PortState::kGone));
+}
+
+TEST_CASE("a line that this machine times has no cut frame and no short break through the real libusb") {
+  Other bench("open-dmx");
+  const auto sink = bench.open_sink();
+  auto& model = dynamic_cast<mock::OpenDmxModel&>(*bench.model);
+  for (std::size_t i = 1; i <= 20; ++i) {
+    bench.send(*sink, pattern(i));
+    REQUIRE(bench.shows(pattern(i)));
+  }
+  bench.socket.with_model([&] {
+    CHECK(model.cut_count == 0);
+    CHECK(model.bad_break_count == 0);
+    for (const auto& frame : model.timings) CHECK(frame.break_ns >= 92 * kNsPerUs);
+  });
+}
+
+TEST_CASE("two devices without serial numbers keep their universes when both are replugged in the other order") {
+  SystemClock clock;
+  testing::Testbed testbed;
+  EnttecProModel left_model, right_model;
+  left_model.serial = right_model.serial = "";
+  UsbSocket left(testbed, left_model, 1), right(testbed, right_model, 2);
+  left.plug();
+  right.plug();
+  const auto open = [&](const char* target, Universe universe) {
+    auto sink = drivers::open_sink({.scheme = "enttec-pro", .target = target, .universes = {universe}}, clock);
+    REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
+    return std::move(*sink);
+  };
+  const auto to_left = open("port-1-1", 1), to_right = open("port-1-2", 2);
+  const auto send = [&](Sink& sink, Universe universe, const Bytes& slots) {
+    const FrameView frame{.universe = universe, .slots = slots};
+    REQUIRE(sink.send(clock.now_ns(), {&frame, 1}));
+  };
+  left.unplug();
+  right.unplug();
+  REQUIRE(wait_for_state(*to_left, PortState::kGone));
+  REQUIRE(wait_for_state(*to_right, PortState::kGone));
+  send(*to_left, 1, pattern(1));
+  send(*to_right, 2, pattern(2));
+  right.plug();
+  CHECK(right.wait_for([&] { return right_model.line(0).frame == line_frame_of(pattern(2)); }));
+  CHECK(to_left->state() == PortState::kGone);
+  left.plug();
+  CHECK(left.wait_for([&] { return left_model.line(0).frame == line_frame_of(pattern(1)); }));
 }
 
 TEST_CASE("no widget at all is an error that says so") {

@@ -14,6 +14,7 @@
 #include <iterator>
 #include <sstream>
 
+#include "drivers/device/chooser.h"
 #include "drivers/udev_rules.h"
 #include "drivers/usb_match.h"
 
@@ -59,6 +60,7 @@ class Machine {
     if (!device.tty.empty()) fs::create_directories(interface / device.tty);
     if (device.has_node) write(node(device), "");
   }
+  void unplug(const Device& device) { fs::remove_all(devices() / device.port_path); }
   // A process that has a file open.
   void run(int process, const std::string& name, const std::string& open_file) {
     const fs::path folder = root_ / "proc" / std::to_string(process);
@@ -141,6 +143,91 @@ TEST_CASE("a bare FTDI adapter is listed, is not called a widget, and says how t
   CHECK(list.devices[0].readiness == Readiness::kNotDmx);
   CHECK(list.devices[0].endpoint.empty());
   CHECK_FALSE(list.devices[0].reason.empty());
+}
+
+TEST_CASE("cables that say nothing of themselves are taken only when they are named") {
+  Machine machine;
+  machine.plug({.port_path = "1-1", .manufacturer = "FTDI", .product = "FT232R USB UART", .serial = "A50285BI"});
+  machine.plug({.port_path = "1-2", .manufacturer = "FTDI", .product = "FT232R USB UART", .serial = ""});
+  machine.plug({.port_path = "1-3", .manufacturer = "FTDI", .product = "FT232R USB UART", .serial = ""});
+  for (const char* driver : {"open-dmx", "eurolite-mk2", "enttec-pro"}) {
+    CAPTURE(driver);
+    CHECK(Chooser(driver, "", machine.options()).find().error().code == ErrorCode::kNotFound);
+    const auto by_serial = Chooser(driver, "A50285BI", machine.options()).find();
+    REQUIRE(by_serial);
+    CHECK(by_serial->port_path == "1-1");
+    const auto by_port = Chooser(driver, "port-1-3", machine.options()).find();
+    REQUIRE(by_port);
+    CHECK(by_port->port_path == "1-3");
+  }
+}
+
+TEST_CASE("identical devices do not swap: without serial numbers, and with the same one, the socket tells them apart") {
+  for (const char* serial : {"", "CLONE"}) {
+    CAPTURE(serial);
+    Machine machine;
+    const Machine::Device left{.port_path = "1-1", .serial = serial, .number = 2};
+    const Machine::Device right{.port_path = "1-2", .serial = serial, .number = 3};
+    machine.plug(left);
+    machine.plug(right);
+    Chooser to_left("enttec-pro", "port-1-1", machine.options()), to_right("enttec-pro", "port-1-2", machine.options());
+    to_left.pin(*to_left.find());
+    to_right.pin(*to_right.find());
+    machine.unplug(left);
+    CHECK_FALSE(to_left.find());  // the other is not taken in its place
+    CHECK(to_right.find()->port_path == "1-2");
+    machine.plug(left);
+    CHECK(to_left.find()->port_path == "1-1");
+    CHECK(to_left.identity() != to_right.identity());
+  }
+}
+
+TEST_CASE("a device with a serial number of its own is found again in another socket") {
+  Machine machine;
+  const Machine::Device here{.port_path = "1-1", .number = 2};
+  Machine::Device there = here;
+  there.port_path = "1-4.2";
+  machine.plug(here);
+  Chooser chooser("enttec-pro", "", machine.options());
+  chooser.pin(*chooser.find());
+  machine.unplug(here);
+  machine.plug(there);
+  machine.plug({.port_path = "1-1", .serial = "EN999999", .number = 4});
+  REQUIRE(chooser.find());
+  CHECK(chooser.find()->port_path == "1-4.2");
+}
+
+TEST_CASE("a serial device is judged by its tty, and one without a tty says what is missing") {
+  Machine machine;
+  machine.plug({.port_path = "1-1",
+                .vendor = "1fc9",
+                .product_id = "0094",
+                .manufacturer = "DMXking",
+                .product = "ultraDMX MAX",
+                .serial = "6",
+                .kernel_driver = "cdc_acm",
+                .tty = "tty/ttyACM3"});
+  machine.plug({.port_path = "1-2",
+                .vendor = "1fc9",
+                .product_id = "0094",
+                .manufacturer = "DMXking",
+                .product = "ultraDMX MAX",
+                .serial = "7",
+                .kernel_driver = ""});
+  FindOptions options = machine.options();
+  std::vector<std::string> asked;
+  options.node_access = [&](const std::string& node) {
+    asked.push_back(node);
+    return 0;
+  };
+  const DeviceList list = find_devices(options);
+  REQUIRE(list.devices.size() == 2);
+  CHECK(list.devices[0].tty == machine.dev("ttyACM3"));
+  CHECK(list.devices[0].transport == TransportKind::kTty);
+  CHECK(list.devices[0].readiness == Readiness::kReady);
+  CHECK(std::find(asked.begin(), asked.end(), machine.dev("ttyACM3")) != asked.end());
+  CHECK(list.devices[1].readiness == Readiness::kNoNode);
+  CHECK(list.devices[1].reason.find("tty") != std::string::npos);
 }
 
 TEST_CASE("devices that no driver knows are not listed") {
@@ -248,11 +335,16 @@ TEST_CASE("udev rules never open a bare serial chip and never to everybody") {
     CHECK(line.find("GROUP=\"plugdev\"") != std::string::npos);
     CHECK(line.find("0666") == std::string::npos);
     if (line.find("0403") != std::string::npos)
-      CHECK((line.find("ATTR{manufacturer}") != std::string::npos || line.find("ATTR{product}") != std::string::npos));
-    const std::size_t id = line.find("{idVendor}==\"") + 13;
+      CHECK((line.find("{manufacturer}") != std::string::npos || line.find("{product}") != std::string::npos ||
+             line.find("c850") != std::string::npos));  // an id that FTDI gave to one maker
+    const std::size_t id = line.find("{idVendor}==\"");
+    REQUIRE(id != std::string::npos);
     CHECK(std::none_of(line.begin() + static_cast<std::ptrdiff_t>(id),
-                       line.begin() + static_cast<std::ptrdiff_t>(id + 4),
-                       [](unsigned char c) { return std::isupper(c); }));
+                       line.begin() + static_cast<std::ptrdiff_t>(id + 17),
+                       [](unsigned char c) { return std::isupper(c) && c != 'V'; }));
+    const bool is_node =
+        line.find("SUBSYSTEM==\"tty\"") != std::string::npos || line.find("SUBSYSTEM==\"hidraw\"") != std::string::npos;
+    CHECK(is_node == (line.find("ATTRS{idVendor}") != std::string::npos));  // the ids are those of a parent
   }
   CHECK(rule_count >= 3);
 }

@@ -68,6 +68,20 @@ TEST_CASE("a device endpoint carries one universe, the first of the show unless 
   CHECK(parsed("mock:enttec-pro").target == "enttec-pro");
 }
 
+TEST_CASE("several connectors of a device are several universes, the first connectors unless they are named") {
+  const auto two = parsed("enttec-pro:EN123=3,4");
+  CHECK(two.universes == std::vector<WireUniverse>{{1, 3}, {2, 4}});
+  CHECK_FALSE(two.names_connectors);
+  const auto second = parsed("enttec-pro:EN123/2=4");
+  CHECK(second.target == "EN123");
+  CHECK(second.universes == std::vector<WireUniverse>{{2, 4}});
+  CHECK(second.names_connectors);
+  CHECK(parsed("enttec-pro:EN123/2").universes == std::vector<WireUniverse>{{2, 1}});
+  CHECK(parsed("enttec-pro/2,1=7-8").universes == std::vector<WireUniverse>{{2, 7}, {1, 8}});
+  CHECK(parsed("mock:enttec-pro/stage/2=5").target == "enttec-pro/stage");
+  CHECK(parsed("mock:enttec-pro/stage2=5").target == "enttec-pro/stage2");
+}
+
 TEST_CASE("a gpio endpoint names a chip, lines and the first of their addresses") {
   const auto one = parsed("gpio:gpiochip0/17=1.25");
   CHECK(one.kind == EndpointKind::kGpio);
@@ -161,7 +175,12 @@ TEST_CASE("every refusal begins with the endpoint and shows how it is written") 
                            "log",
                            "log=x",
                            "enttec-pro=",
-                           "enttec-pro:EN1=1-3",
+                           "enttec-pro:EN1=1-",
+                           "enttec-pro:EN1=3,3",
+                           "enttec-pro:EN1/0=3",
+                           "enttec-pro:EN1/65",
+                           "enttec-pro:EN1/1,2=3",
+                           "enttec-pro:EN1/=3",
                            "enttec-pro:EN1=x",
                            "sacn:99999999999",
                            "sacn:1-9=1-8"}) {

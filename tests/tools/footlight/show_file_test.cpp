@@ -44,6 +44,7 @@ priority = 150
 [[in]]
 endpoint = "mock:enttec-pro=11"
 wait_for_device = true
+receive_on_change = true
 [[in]]
 endpoint = "log:show.dmxlog"
 loop = true
@@ -51,9 +52,11 @@ start = "10s"
 stop = "1m"
 speed = 2.0
 [[out]]
-endpoint = "enttec-pro:EN1=3"
+endpoint = "enttec-pro:EN1=3,4"
 blackout_on_exit = true
 wait_for_device = true
+rate_hz_max = 25
+second_port = {key = "0a1B2c3D", assign = 0x10, send = 0x11, receive = 0x12, change_of_state = 0x14}
 [[out]]
 endpoint = "sacn:101-109=1-9"
 priority = 120
@@ -77,6 +80,7 @@ broadcast = false
   CHECK(show->ins[0].options.hear_preview);
   CHECK(show->ins[1].options.priority == 150);
   CHECK(show->ins[2].options.wait_for_device);
+  CHECK(show->ins[2].options.receive_on_change);
   CHECK(show->ins[3].options.log_loop);
   CHECK(show->ins[3].options.log_start_ns == 10 * kNsPerS);
   CHECK(show->ins[3].options.log_stop_ns == 60 * kNsPerS);
@@ -84,6 +88,12 @@ broadcast = false
   REQUIRE(show->outs.size() == 4);
   CHECK(show->outs[0].options.blackout_on_exit);
   CHECK(show->outs[0].options.wait_for_device);
+  CHECK(show->outs[0].options.rate_hz_max == 25.0);
+  REQUIRE(show->outs[0].options.second_port);
+  CHECK(show->outs[0].options.second_port->key == std::array<std::uint8_t, 4>{0x0A, 0x1B, 0x2C, 0x3D});
+  CHECK(show->outs[0].options.second_port->send == 0x11);
+  CHECK(show->outs[0].options.second_port->receive_mode == 0);
+  CHECK(show->outs[0].options.second_port->change_of_state == 0x14);
   CHECK(show->outs[1].options.priority == 120);
   CHECK(show->outs[1].options.source_name == "FOH");
   CHECK(show->outs[1].options.preview);
@@ -160,6 +170,11 @@ TEST_CASE("trouble in a show file is named by line") {
   CHECK(contains(refusal("[merge]\ntimeout = \"fast\"\n"), "show.toml:2: timeout: expected a time as in"));
   CHECK(contains(refusal("[merge]\ntimeout = \"0s\"\n"), "show.toml:2: timeout: expected a time above 0"));
   CHECK(contains(refusal("[[in]\n"), "show.toml:1"));
+  const std::string device = "[[out]]\nendpoint = \"enttec-pro=1,2\"\n";
+  CHECK(contains(refusal(device + "second_port = {send = 3}\n"), "key"));
+  CHECK(contains(refusal(device + "second_port = {key = \"12\"}\n"), "8 hexadecimal digits"));
+  CHECK(contains(refusal(device + "second_port = {key = \"0A1B2C3G\"}\n"), "8 hexadecimal digits"));
+  CHECK(contains(refusal(device + "second_port = {key = \"0A1B2C3D\", send = 256}\n"), "show.toml:3"));
   CHECK(contains(refusal("universes = 64000\n"), "show.toml:1"));
 }
 

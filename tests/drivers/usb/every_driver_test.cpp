@@ -1,0 +1,370 @@
+// What holds for every driver there is, against its model in this process. Time stands still unless a test moves it.
+#include <doctest/doctest.h>
+
+#include <dirent.h>
+
+#include <algorithm>
+#include <atomic>
+#include <numeric>
+#include <thread>
+
+#include "drivers/device/device.h"
+#include "drivers/driver.h"
+#include "drivers/mock/mock_usb.h"
+#include "drivers/mock/open_dmx_model.h"
+#include "drivers/ports_factory.h"
+#include "drivers/usb_match.h"
+#include "tests/support/usb_port_test.h"
+#include "tests/support/usb_shared_clock.h"
+
+namespace footlight::drivers {
+namespace {
+
+using mock::Bytes;
+using mock::MockUsb;
+using mock::UsbModel;
+using testing::FrameKeeper;
+
+Bytes ramp(std::uint8_t first) {
+  Bytes slots(512);
+  std::iota(slots.begin(), slots.end(), first);
+  return slots;
+}
+Bytes line_frame_of(const Bytes& slots) {
+  Bytes frame{0};
+  frame.insert(frame.end(), slots.begin(), slots.end());
+  return frame;
+}
+
+// Drivers with a widget of their own.
+std::vector<const DriverInfo*> real_drivers() {
+  std::vector<const DriverInfo*> found;
+  for (const DriverInfo* driver : drivers())
+    if (driver->make_widget != nullptr) found.push_back(driver);
+  return found;
+}
+
+std::size_t entry_count(const char* folder) {
+  std::size_t count = 0;
+  DIR* dir = ::opendir(folder);
+  REQUIRE(dir != nullptr);
+  while (::readdir(dir) != nullptr) ++count;
+  ::closedir(dir);
+  return count;
+}
+
+struct Bench {
+  explicit Bench(const DriverInfo& of) : driver(of) {
+    auto model = of.make_model();
+    // A line without time, so that a clock that stands still holds up nothing.
+    if (auto* timed = dynamic_cast<mock::OpenDmxModel*>(model.get())) {
+      timed->slot_ns = 0;
+      timed->break_min_ns = timed->mark_min_ns = 0;
+    }
+    usb = std::make_shared<MockUsb>(std::move(model), fmt::format("mock:{}", of.id));
+  }
+
+  DevicePlan plan() {
+    auto widget = driver.make_widget({.scheme = std::string(driver.id), .universes = {1}}, {});
+    REQUIRE_MESSAGE(widget, (widget ? "" : widget.error().message));
+    return {.widget = std::move(*widget), .connector = mock::make_mock_connector(usb, clock)};
+  }
+  int first_line(LineUse use) {
+    const DevicePlan asked = plan();
+    for (int i = 0; i < asked.widget->line_count(); ++i)
+      if (asked.widget->can(i, use)) return i;
+    return -1;
+  }
+  DevicePortConfig port(int on_line) const {
+    return {.name = fmt::format("mock:{}", driver.id), .lines = {{.line = on_line, .universe = 1}}};
+  }
+  std::unique_ptr<DeviceSink> open_sink() {
+    line = first_line(LineUse::kOutput);
+    Result<std::unique_ptr<DeviceSink>> sink = DeviceSink::open(plan(), port(line), clock);
+    REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
+    return std::move(*sink);
+  }
+  void send(Sink& sink, const Bytes& slots) {
+    const FrameView frame{.universe = 1, .slots = slots};
+    REQUIRE(sink.send(clock.now_ns(), {&frame, 1}));
+  }
+  // Waits for what needs no time, and moves the clock where it turns out to be needed.
+  template <class Done>
+  bool until(Done&& done, DurationNs time_max_ns = 60 * kNsPerS) {
+    const TimeNs give_up_ns = clock.now_ns() + time_max_ns;
+    while (clock.now_ns() < give_up_ns) {
+      if (usb->wait_for([&](const UsbModel& model) { return done(model); }, std::chrono::milliseconds(20))) return true;
+      clock.advance_ns(5 * kNsPerMs);
+      usb->clock_moved();
+    }
+    return false;
+  }
+  bool shows(const Bytes& slots) {
+    return until([&](const UsbModel& model) { return model.line(line).frame == line_frame_of(slots); });
+  }
+  static bool is_gone(Sink& sink) { return testing::wait_for_state(sink, PortState::kGone); }
+
+  const DriverInfo& driver;
+  testing::SharedFakeClock clock;
+  std::shared_ptr<MockUsb> usb;
+  int line = 0;  // of the sink
+};
+
+template <class Test>
+void for_every_output(Test&& test) {
+  for (const DriverInfo* driver : real_drivers()) {
+    if ((driver->capabilities & kCanOutput) == 0) continue;
+    CAPTURE(driver->id);
+    Bench bench(*driver);
+    test(bench);
+  }
+}
+
+TEST_SUITE_BEGIN("every_driver");
+
+TEST_CASE("every driver's model is found in the driver's own rows, or has to be named") {
+  for (const DriverInfo* driver : real_drivers()) {
+    CAPTURE(driver->id);
+    const auto model = driver->make_model();
+    const Bytes device = model->device_descriptor();
+    const auto word_at = [&](std::size_t i) { return static_cast<std::uint16_t>(device[i] | device[i + 1] << 8); };
+    const UsbMatch match = match_usb_device(word_at(8), word_at(10), model->manufacturer, model->product);
+    CHECK(match.ids_are_known);
+    const bool generic = (driver->usb_ids[0].quirks & kQuirkGenericUsbIds) != 0 &&
+                         driver->usb_ids[0].manufacturer_text.empty() && driver->usb_ids[0].product_text.empty();
+    CHECK(match.driver == (generic ? nullptr : driver));
+  }
+}
+
+TEST_CASE("every driver's look reaches the line with start code 0 and 512 slots, and so does the next") {
+  for_every_output([](Bench& bench) {
+    const auto sink = bench.open_sink();
+    CHECK(sink->state() == PortState::kWorking);
+    bench.send(*sink, ramp(7));
+    CHECK(bench.shows(ramp(7)));
+    bench.send(*sink, ramp(200));
+    CHECK(bench.shows(ramp(200)));
+    bench.send(*sink, Bytes{255, 0});
+    Bytes expected = ramp(200);
+    expected[0] = 255;
+    expected[1] = 0;
+    CHECK(bench.shows(expected));
+    CHECK(sink->counters().rejected == 0);
+    CHECK(sink->counters().errors == 0);
+  });
+}
+
+TEST_CASE("every driver reports an unplugged device gone, and shows the last look again when it is back") {
+  for_every_output([](Bench& bench) {
+    const auto sink = bench.open_sink();
+    bench.send(*sink, ramp(7));
+    REQUIRE(bench.shows(ramp(7)));
+    bench.usb->unplug();
+    REQUIRE(bench.is_gone(*sink));
+    CHECK(sink->trouble().find(std::string(bench.driver.id)) != std::string::npos);
+    bench.send(*sink, ramp(9));
+    const TimeNs plugged_ns = bench.clock.now_ns();
+    bench.usb->plug();
+    CHECK(bench.shows(ramp(9)));
+    CHECK(bench.clock.now_ns() - plugged_ns < kNsPerS);
+  });
+}
+
+TEST_CASE("every driver shows the whole look after its device vanished in the middle of one") {
+  for (const std::size_t byte_count : {0u, 1u, 2u, 5u, 100u, 190u, 512u}) {
+    CAPTURE(byte_count);
+    for_every_output([&](Bench& bench) {
+      const auto sink = bench.open_sink();
+      bench.usb->unplug_after(byte_count);
+      bench.send(*sink, ramp(9));
+      // A device whose writes are shorter is left plugged in.
+      (void)bench.until([&](const UsbModel& model) {
+        return sink->state() == PortState::kGone || model.line(bench.line).frame == line_frame_of(ramp(9));
+      });
+      bench.usb->plug();
+      CHECK(bench.shows(ramp(9)));
+    });
+  }
+}
+
+TEST_CASE("every driver shows the whole look after a write was cut short") {
+  for (const std::size_t byte_count : {0u, 1u, 2u, 3u, 5u, 100u, 190u, 512u, 517u}) {
+    CAPTURE(byte_count);
+    for_every_output([&](Bench& bench) {
+      const auto sink = bench.open_sink();
+      bench.send(*sink, ramp(1));
+      REQUIRE(bench.shows(ramp(1)));
+      bench.usb->cut_next_write(byte_count);
+      bench.send(*sink, ramp(9));
+      CHECK(bench.shows(ramp(9)));
+    });
+  }
+}
+
+TEST_CASE("every driver shows the newest look when a device that took nothing takes again") {
+  for_every_output([](Bench& bench) {
+    const auto sink = bench.open_sink();
+    bench.usb->stall(true);
+    for (std::uint8_t i = 1; i <= 20; ++i) bench.send(*sink, ramp(i));
+    for (int i = 0; i < 100; ++i) {  // long enough for every patience to run out
+      bench.clock.advance_ns(20 * kNsPerMs);
+      bench.usb->clock_moved();
+    }
+    bench.usb->stall(false);
+    CHECK(bench.shows(ramp(20)));
+  });
+}
+
+TEST_CASE("every driver works with a device that answers late, in pieces, and between noise") {
+  for_every_output([](Bench& bench) {
+    bench.usb->limit_reads(3);
+    bench.usb->slow_down(5 * kNsPerMs);
+    bench.line = bench.first_line(LineUse::kOutput);
+    DevicePortConfig config = bench.port(bench.line);
+    // Opening blocks for as long as the answers take, so time has to go on by itself.
+    std::unique_ptr<DeviceSink> sink;
+    std::string refusal;
+    std::atomic<bool> opened{false};
+    std::thread opener([&] {
+      auto result = DeviceSink::open(bench.plan(), config, bench.clock);
+      if (result)
+        sink = std::move(*result);
+      else
+        refusal = result.error().message;
+      opened = true;
+    });
+    const bool in_time = bench.until([&](const UsbModel&) { return opened.load(); });
+    if (!in_time) bench.usb->unplug();
+    opener.join();
+    REQUIRE_MESSAGE(sink != nullptr, refusal);
+    REQUIRE(bench.usb->obey("garbage 00E7FF7E0AFFFF0F0F47"));
+    bench.send(*sink, ramp(3));
+    CHECK(bench.shows(ramp(3)));
+  });
+}
+
+TEST_CASE("no driver takes another device in the same socket for the one that left") {
+  for_every_output([](Bench& bench) {
+    const std::string serial = bench.usb->with_model([](UsbModel& model) { return model.serial; });
+    if (serial.empty()) return;  // then the socket is all there is to tell it by
+    const auto sink = bench.open_sink();
+    bench.usb->unplug();
+    REQUIRE(bench.is_gone(*sink));
+    REQUIRE(bench.usb->obey("serial OTHER99"));
+    bench.usb->plug();
+    CHECK(bench.until([&](const UsbModel&) { return sink->trouble().find("OTHER99") != std::string::npos; }));
+    CHECK_FALSE(bench.usb->claimed());
+    bench.usb->unplug();
+    REQUIRE(bench.usb->obey("serial " + serial));
+    bench.usb->plug();
+    bench.send(*sink, ramp(5));
+    CHECK(bench.shows(ramp(5)));
+  });
+}
+
+TEST_CASE("every driver leaves the last look on the line when it is closed, or darkness when told to") {
+  for_every_output([](Bench& bench) {
+    for (const bool dark : {false, true}) {
+      CAPTURE(dark);
+      bench.line = bench.first_line(LineUse::kOutput);
+      DevicePortConfig config = bench.port(bench.line);
+      config.blackout_on_exit = dark;
+      auto sink = DeviceSink::open(bench.plan(), config, bench.clock);
+      REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
+      bench.send(**sink, ramp(7));
+      REQUIRE(bench.shows(ramp(7)));
+      std::atomic<bool> closed{false};
+      std::thread closer([&] {
+        (*sink)->close(bench.clock.now_ns());
+        closed = true;
+      });
+      CHECK(bench.until([&](const UsbModel&) { return closed.load(); }));
+      closer.join();
+      CHECK_FALSE(bench.usb->claimed());
+      CHECK((*sink)->state() == PortState::kEnded);
+      const Bytes frame = bench.usb->with_model([&](UsbModel& model) { return model.line(bench.line).frame; });
+      CHECK(frame == line_frame_of(dark ? Bytes(512, 0) : ramp(7)));
+    }
+  });
+}
+
+TEST_CASE("no driver keeps its thread when its sink is destroyed while the device takes nothing") {
+  for_every_output([](Bench& bench) {
+    auto sink = bench.open_sink();
+    bench.usb->stall(true);
+    bench.send(*sink, ramp(7));
+    sink.reset();  // the clock stands still: a timeout would never end
+    CHECK_FALSE(bench.usb->claimed());
+  });
+}
+
+TEST_CASE("a thousand replugs cost no driver a descriptor, a thread or its universe") {
+  for_every_output([](Bench& bench) {
+    const auto sink = bench.open_sink();
+    bench.send(*sink, ramp(1));
+    REQUIRE(bench.shows(ramp(1)));
+    const std::size_t fds = entry_count("/proc/self/fd"), threads = entry_count("/proc/self/task");
+    for (int i = 0; i < 1000; ++i) {
+      bench.usb->unplug();
+      REQUIRE(bench.is_gone(*sink));
+      const Bytes look = ramp(static_cast<std::uint8_t>(i));
+      bench.send(*sink, look);
+      bench.usb->plug();
+      REQUIRE(bench.shows(look));
+    }
+    CHECK(entry_count("/proc/self/fd") == fds);
+    CHECK(entry_count("/proc/self/task") == threads);
+    CHECK(bench.until([&](const UsbModel&) { return sink->link().stats().connects == 1001; }));
+  });
+}
+
+TEST_CASE("every driver with an input hands over what its line brings, address 1 in slot 0") {
+  for (const DriverInfo* driver : real_drivers()) {
+    if ((driver->capabilities & kCanInput) == 0) continue;
+    CAPTURE(driver->id);
+    Bench bench(*driver);
+    const int line = bench.first_line(LineUse::kInput);
+    auto source = DeviceSource::open(bench.plan(), bench.port(line), bench.clock);
+    REQUIRE_MESSAGE(source, (source ? "" : source.error().message));
+    FrameKeeper keeper;
+    for (std::uint8_t i = 1; i <= 20; ++i) {
+      REQUIRE(bench.until([&](const UsbModel& model) { return model.listens(line); }));
+      bench.usb->with_model([&](UsbModel& model) { model.receive_line_frame(line, line_frame_of(ramp(i))); });
+      REQUIRE(bench.until([&](const UsbModel&) {
+        REQUIRE((*source)->poll(bench.clock.now_ns(), keeper));
+        return !keeper.kept.empty() && keeper.kept.back().slots == ramp(i);
+      }));
+      CHECK(keeper.kept.back().view.universe == 1);
+    }
+    CHECK((*source)->counters().rejected == 0);
+    bench.usb->unplug();
+    REQUIRE(testing::poll_until(
+        **source, [&] { (void)(*source)->poll(0, keeper); }, [&] { return (*source)->state() == PortState::kGone; }));
+    bench.usb->plug();
+    REQUIRE(bench.until(
+        [&](const UsbModel& model) { return (*source)->state() != PortState::kGone && model.listens(line); }));
+    bench.usb->with_model([&](UsbModel& model) { model.receive_line_frame(line, line_frame_of(ramp(99))); });
+    CHECK(bench.until([&](const UsbModel&) {
+      REQUIRE((*source)->poll(bench.clock.now_ns(), keeper));
+      return keeper.kept.back().slots == ramp(99);
+    }));
+  }
+}
+
+TEST_CASE("mock endpoints work for every driver") {
+  testing::SharedFakeClock clock;
+  for (const DriverInfo* driver : real_drivers()) {
+    CAPTURE(driver->id);
+    const std::string target = fmt::format("{}/mock-endpoint-test", driver->id);
+    if ((driver->capabilities & kCanOutput) != 0) {
+      const auto sink = open_sink({.scheme = "mock", .target = target, .universes = {2}}, clock);
+      REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
+      CHECK((*sink)->state() == PortState::kWorking);
+    }
+  }
+}
+
+TEST_SUITE_END();
+
+}  // namespace
+}  // namespace footlight::drivers

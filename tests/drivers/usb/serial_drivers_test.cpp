@@ -1,0 +1,167 @@
+// What is particular to the drivers of serial devices with protocols of their own, and to their parsers.
+#include <doctest/doctest.h>
+
+#include <numeric>
+#include <random>
+
+#include "drivers/device/device.h"
+#include "drivers/mock/dmx4all_model.h"
+#include "drivers/mock/eurolite_model.h"
+#include "drivers/mock/mock_usb.h"
+#include "drivers/mock/vince_model.h"
+#include "drivers/tty/tty_connector.h"
+#include "drivers/usb/vince_frame.h"
+#include "tests/support/usb_port_test.h"
+#include "tests/support/usb_shared_clock.h"
+
+namespace footlight::drivers {
+namespace {
+
+using mock::Bytes;
+using mock::MockUsb;
+
+struct Bench {
+  explicit Bench(std::string_view id)
+      : driver(*find_driver(id)), usb(std::make_shared<MockUsb>(driver.make_model(), fmt::format("mock:{}", id))) {}
+  Result<std::unique_ptr<DeviceSink>> open() {
+    auto widget = driver.make_widget({.scheme = std::string(driver.id), .universes = {1}}, {});
+    REQUIRE(widget);
+    return DeviceSink::open({.widget = std::move(*widget), .connector = mock::make_mock_connector(usb, clock)},
+                            {.name = std::string(driver.id), .lines = {{.line = 0, .universe = 1}}}, clock);
+  }
+  void send(Sink& sink, const Bytes& slots) {
+    const FrameView frame{.universe = 1, .slots = slots};
+    REQUIRE(sink.send(clock.now_ns(), {&frame, 1}));
+  }
+  const DriverInfo& driver;
+  testing::SharedFakeClock clock;
+  std::shared_ptr<MockUsb> usb;
+};
+
+TEST_SUITE_BEGIN("serial_drivers");
+
+TEST_CASE("a DMX4ALL interface is set to 512 slots, and sent only what has changed") {
+  Bench bench("dmx4all");
+  auto sink = bench.open();
+  REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
+  CHECK(bench.usb->with_model<mock::Dmx4allModel>([](auto& model) { return model.slot_count; }) == 512);
+  Bytes slots(512);
+  std::iota(slots.begin(), slots.end(), std::uint8_t{0});
+  bench.send(**sink, slots);
+  const auto shows = [&] {
+    return bench.usb->wait_for([&](const mock::UsbModel& model) {
+      return std::equal(slots.begin(), slots.end(), model.line(0).frame.begin() + 1, model.line(0).frame.end());
+    });
+  };
+  REQUIRE(shows());
+  const auto commands = [&] {
+    return bench.usb->with_model<mock::Dmx4allModel>([](auto& model) { return model.command_count; });
+  };
+  CHECK(commands() == 2 + 512);
+  slots[0] = 200;
+  slots[255] = 201;
+  slots[256] = 202;
+  slots[511] = 203;
+  bench.send(**sink, slots);
+  REQUIRE(shows());
+  CHECK(commands() == 2 + 512 + 4);
+  CHECK((*sink)->counters().rejected == 0);
+}
+
+TEST_CASE("a device that does not say G is refused as no DMX4ALL interface") {
+  Bench bench("dmx4all");
+  bench.usb->with_model<mock::Dmx4allModel>([](auto& model) { model.answers = false; });
+  bench.usb->move_clock({});
+  const auto sink = bench.open();
+  REQUIRE_FALSE(sink);
+  CHECK(sink.error().code == ErrorCode::kTimeout);
+  CHECK(sink.error().message.find("\"C?\"") != std::string::npos);
+  CHECK_FALSE(bench.usb->claimed());
+}
+
+TEST_CASE("an update that a Vince converter refuses is counted and sent again") {
+  Bench bench("vince");
+  auto sink = bench.open();
+  REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
+  CHECK(bench.usb->with_model<mock::VinceModel>([](auto& model) { return model.started; }));
+  bench.usb->with_model<mock::VinceModel>([](auto& model) { model.status = 0x10; });
+  bench.send(**sink, Bytes(512, 7));
+  CHECK(testing::poll_until(
+      **sink, [] {}, [&] { return (*sink)->counters().rejected > 0; }, std::chrono::seconds(10)));
+  bench.usb->with_model<mock::VinceModel>([](auto& model) { model.status = 0; });
+  Bytes expected(513, 7);
+  expected[0] = 0;
+  bool shown = false;
+  for (int i = 0; i < 1'000 && !shown; ++i) {
+    bench.clock.advance_ns(50 * kNsPerMs);
+    bench.usb->clock_moved();
+    shown = bench.usb->wait_for([&](const mock::UsbModel& model) { return model.line(0).frame == expected; },
+                                std::chrono::milliseconds(20));
+  }
+  CHECK(shown);
+}
+
+TEST_CASE("an update for a Vince converter has its length, its gap and its end") {
+  Slots look{};
+  look[0] = 1;
+  look[511] = 2;
+  const auto message = encode_vince_update(look);
+  REQUIRE(message.size() == 520);
+  const Bytes head(message.begin(), message.begin() + 8);
+  CHECK(head == Bytes{0x0F, 0x0F, 0x11, 0x02, 0x02, 0, 0, 1});
+  CHECK(message[518] == 2);
+  CHECK(message[519] == 0x04);
+}
+
+TEST_CASE("replies of a Vince converter are found however the stream is cut and whatever stands between") {
+  const Bytes reply{0x0F, 0x0F, 0x11, 0x00, 0x00, 0x00, 0x04};
+  const Bytes with_data{0x0F, 0x0F, 0x02, 0x01, 0x00, 0x02, 0x0F, 0x0F, 0x04};
+  std::mt19937 random(3);
+  for (int run = 0; run < 300; ++run) {
+    Bytes stream;
+    std::size_t wanted = 0;
+    for (int i = 0; i < 20; ++i) {
+      for (unsigned long n = random() % 5; n > 0; --n)
+        stream.push_back(static_cast<std::uint8_t>(0x20 + random() % 200));
+      const Bytes& one = random() % 2 == 0 ? reply : with_data;
+      stream.insert(stream.end(), one.begin(), one.end());
+      ++wanted;
+    }
+    VinceReplyParser parser;
+    std::size_t found = 0;
+    for (std::span<const std::uint8_t> rest(stream); !rest.empty();) {
+      const std::size_t size = std::min<std::size_t>(1 + random() % 9, rest.size());
+      std::span<const std::uint8_t> piece = rest.first(size);
+      rest = rest.subspan(size);
+      VinceReply got;
+      while (parser.next(piece, got)) ++found;
+    }
+    CHECK(found == wanted);
+  }
+}
+
+TEST_CASE("what a tty says of its line is understood however it is cut") {
+  const Bytes said{1, 0xFF, 0, 0, 0, 2, 0xFF, 0xFF, 0xFF, 0, 9, 3, 0xFF, 0, 0};
+  for (std::size_t cut = 0; cut <= said.size(); ++cut) {
+    TtyMarkParser parser;
+    std::vector<LineByte> heard;
+    parser.take(std::span(said).first(cut), 1, heard);
+    parser.take(std::span(said).subspan(cut), 1, heard);
+    REQUIRE(heard.size() == 8);
+    CHECK(heard[0].value == 1);
+    CHECK(heard[1].is_break);
+    CHECK(heard[2].value == 0);
+    CHECK_FALSE(heard[2].is_break);
+    CHECK(heard[3].value == 2);
+    CHECK(heard[4].value == 0xFF);
+    CHECK_FALSE(heard[4].framing_error);
+    CHECK(heard[5].framing_error);
+    CHECK(heard[6].value == 3);
+    CHECK(heard[7].is_break);
+  }
+}
+
+TEST_SUITE_END();
+
+}  // namespace
+}  // namespace footlight::drivers
