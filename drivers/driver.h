@@ -72,6 +72,7 @@ struct SecondPort {
   std::uint8_t receive = 0;           // as label 5
   std::uint8_t receive_mode = 0;      // as label 8
   std::uint8_t change_of_state = 0;   // as label 9
+  friend bool operator==(const SecondPort&, const SecondPort&) = default;
 };
 
 // What a port is opened with. The part of an endpoint ("enttec-pro:EN172589") that drivers need.
