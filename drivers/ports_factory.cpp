@@ -4,6 +4,7 @@
 
 #include "drivers/device/chooser.h"
 #include "drivers/device/device.h"
+#include "drivers/device/device_rdm.h"
 #include "drivers/device/either_connector.h"
 #include "drivers/hid/hidraw_connector.h"
 #include "drivers/mock/mock_usb.h"
@@ -138,6 +139,12 @@ Result<Opening> opening_of(const PortRequest& request, LineUse use, Clock& clock
 Result<std::unique_ptr<Sink>> open_sink(const PortRequest& request, Clock& clock) {
   FL_ASSIGN(Opening opening, opening_of(request, LineUse::kOutput, clock));
   return DeviceSink::open(std::move(opening.plan), opening.port, clock);
+}
+
+Result<std::unique_ptr<RdmLine>> open_rdm_line(const PortRequest& request, const RdmUid& own, Clock& clock) {
+  FL_ASSIGN(Opening opening, opening_of(request, LineUse::kOutput, clock));
+  FL_ASSIGN(auto sink, DeviceSink::open(std::move(opening.plan), opening.port, clock));
+  return std::make_unique<DeviceRdmLine>(std::move(sink), 0, own);
 }
 
 Result<std::unique_ptr<Source>> open_source(const PortRequest& request, Clock& clock) {

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "drivers/driver.h"
+#include "drivers/rdm/rdm_line.h"
 #include "sim/core/ports.h"
 
 namespace footlight::drivers {
@@ -21,5 +22,10 @@ namespace footlight::drivers {
 // no USB, or the device cannot do that direction). Threads: call from any; the port then belongs to one thread.
 [[nodiscard]] Result<std::unique_ptr<Sink>> open_sink(const PortRequest& request, Clock& clock);
 [[nodiscard]] Result<std::unique_ptr<Source>> open_source(const PortRequest& request, Clock& clock);
+
+// The RDM line of a device's first connector, which is opened as an output and shows nothing. Errors as above;
+// kUnsupported of its calls: the device has no RDM.
+[[nodiscard]] Result<std::unique_ptr<RdmLine>> open_rdm_line(const PortRequest& request, const RdmUid& own,
+                                                             Clock& clock);
 
 }  // namespace footlight::drivers

@@ -101,6 +101,21 @@ void EnttecProModel::obey(std::uint8_t label, const Bytes& payload) {
       user_.assign(payload.begin() + 5, payload.end());
       break;
     case 6: output(0); break;
+    case 7:
+    case 11: {
+      if (!rdm_line) break;
+      ++rdm_request_count;
+      receive_modes[0] = 0;  // its port is an input until it is told to send again
+      const Bytes heard = rdm_line->answer(payload);
+      if (!heard.empty()) {
+        Bytes received = {0};
+        received.insert(received.end(), heard.begin(), heard.end());
+        send(5, received);
+      } else if (says_rdm_timeout) {
+        send(12, {});
+      }
+      break;
+    }
     case 8: set_mode(0); break;
     case 10: {
       Bytes answer;

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "drivers/driver.h"
+#include "drivers/mock/rdm_line_model.h"
 #include "drivers/mock/serial_model.h"
 
 namespace footlight::drivers::mock {
@@ -31,12 +32,15 @@ class EnttecProModel final : public SerialModel {
   std::optional<std::uint16_t> esta_id;   // label 77; none: ignores it
   std::uint16_t device_id = 0;            // label 78, where it has an ESTA id
   std::uint8_t port_count = 0;            // label 99; 0: ignores it
+  std::optional<RdmLineModel> rdm_line;   // on port 1; none: ignores labels 7 and 11, as firmware for DMX does
+  bool says_rdm_timeout = true;           // label 12
 
   // --- What it saw; only to be read.
   std::uint64_t false_start_count = 0;       // bytes that began no message
   std::array<int, 2> receive_modes{-1, -1};  // of label 8, per line; -1: it sends
   bool second_port_open = false;             // the key was given
   std::uint8_t newest_label = 0;
+  std::uint64_t rdm_request_count = 0;  // labels 7 and 11
 
   // --- UsbModel
   void receive_line_frame(int line, std::span<const std::uint8_t> line_frame, std::uint8_t status = 0) override;

@@ -62,7 +62,10 @@ Result<WidgetTraits> EnttecPro::begin(WidgetContext& context) {
   unread_ = {};
   cut_short_ = false;
   heard_ns_ = context.now_ns();
-  for (Line& line : lines_) line.frame.fill(0);
+  for (Line& line : lines_) {
+    line.frame.fill(0);
+    line.shows = false;
+  }
   const bool listens =
       std::any_of(context.lines().begin(), context.lines().end(), [](LineUse use) { return use == LineUse::kInput; });
   // A short latency timer for inputs: the end of a frame waits for it inside the chip.
@@ -161,10 +164,57 @@ Status EnttecPro::send(WidgetContext& context, int line, std::span<const std::ui
     FL_TRY(write(context, pro_flush_bytes()));
     cut_short_ = false;
   }
-  LineFrame frame;
-  frame[0] = kStartCodeLevels;
-  std::copy(look.begin(), look.end(), frame.begin() + 1);
-  return write(context, ProMessage(ProLabel{lines_[static_cast<std::size_t>(line)].send_label}, frame).bytes());
+  Line& out = lines_[static_cast<std::size_t>(line)];
+  out.frame[0] = kStartCodeLevels;
+  std::copy(look.begin(), look.end(), out.frame.begin() + 1);
+  out.shows = true;
+  return write(context, ProMessage(ProLabel{out.send_label}, out.frame).bytes());
+}
+
+Result<Octets> EnttecPro::exchange_rdm(WidgetContext& context, int line, std::span<const std::uint8_t> request) {
+  if (line != 0 || context.lines()[0] != LineUse::kOutput)
+    return fail(ErrorCode::kUnsupported, "{}: RDM works on connector 1, as an output", context.transport().where());
+  FL_ASSIGN(const RdmMessage asked, parse_rdm(request));
+  const bool searches = asked.command == RdmCommand::kDiscovery && asked.parameter == kRdmUniqueBranch;
+  if (cut_short_) {
+    FL_TRY(write(context, pro_flush_bytes()));
+    cut_short_ = false;
+  }
+  FL_TRY(write(context, ProMessage(searches ? ProLabel::kRdmDiscovery : ProLabel::kSendRdm, request).bytes()));
+  // Nobody answers a broadcast, but the widget may say so, and that must not be taken for the next answer.
+  const bool is_silent = asked.to.is_broadcast() && !searches;
+  const TimeNs deadline_ns = context.now_ns() + (is_silent ? config_.rdm_timeout_ns / 3 : config_.rdm_timeout_ns);
+  Octets answer;
+  bool done = false;
+  bool heard = false;
+  while (!done) {
+    ProMessageView message;
+    while (!done && parser_.next(unread_, message)) {
+      if (message.label == number_of(ProLabel::kRdmTimeout)) {
+        done = heard = true;
+      } else if (message.label == number_of(ProLabel::kReceived)) {
+        const auto received = decode_received(message.payload);
+        // Levels are of before: the widget listened to another console.
+        if (!received || received->frame[0] == kStartCodeLevels) continue;
+        if (!searches && received->frame[0] != kRdmStartCode) continue;
+        answer.assign(received->frame.begin(), received->frame.end());
+        done = heard = true;
+      } else {
+        (void)take_line_message(context, message);
+      }
+    }
+    if (done || context.stopping() || context.now_ns() >= deadline_ns) break;
+    FL_ASSIGN(const std::size_t count, context.transport().read(input_, deadline_ns));
+    unread_ = std::span<const std::uint8_t>(input_).first(count);
+  }
+  if (Line& out = lines_[0]; out.shows)
+    FL_TRY(write(context, ProMessage(ProLabel{out.send_label}, out.frame).bytes()));
+  if (heard) rdm_answers_ = true;
+  if (!heard && !searches && !is_silent && !rdm_answers_ && params_.firmware >> 8 == 1)
+    return fail(ErrorCode::kUnsupported,
+                "{}: firmware {}.{} is for DMX and does not answer to RDM; load ENTTEC's firmware for RDM (2.x)",
+                context.transport().where(), params_.firmware >> 8, params_.firmware & 0xFF);
+  return answer;
 }
 
 Status EnttecPro::listen(WidgetContext& context, TimeNs deadline_ns) {
@@ -293,7 +343,11 @@ extern constinit const DriverInfo enttec_pro_driver{
     .capabilities = kCanOutput | kCanInput | kKeepsLookAlive,
     .notes = "One universe per connector, in or out. The widget times the line itself.",
     .make_widget = make_enttec_pro,
-    .make_model = []() -> std::unique_ptr<mock::UsbModel> { return std::make_unique<mock::EnttecProModel>(); },
+    .make_model = []() -> std::unique_ptr<mock::UsbModel> {
+      auto model = std::make_unique<mock::EnttecProModel>();
+      model->rdm_line = mock::example_rdm_line();
+      return model;
+    },
 };
 
 }  // namespace footlight::drivers

@@ -16,6 +16,7 @@
 
 #include "drivers/device/widget.h"
 #include "drivers/driver.h"
+#include "drivers/rdm/rdm_widget.h"
 #include "drivers/usb/enttec_pro_frame.h"
 
 namespace footlight::drivers {
@@ -29,9 +30,12 @@ struct EnttecProConfig {
   DurationNs keep_alive_ns = kNsPerS;            // how long an unchanged look is left to the device alone
   DurationNs reply_timeout_ns = 250 * kNsPerMs;  // of the questions
   DurationNs write_timeout_ns = 250 * kNsPerMs;
+  // RDM: how long a widget that does not say that nobody answered is waited for. A responder answers within 2.8 ms
+  // (E1.20 section 3.1); the rest is the way through the widget and the bus.
+  DurationNs rdm_timeout_ns = 150 * kNsPerMs;
 };
 
-class EnttecPro final : public Widget {
+class EnttecPro final : public Widget, public RdmWidget {
  public:
   explicit EnttecPro(EnttecProConfig config) : config_(std::move(config)) {}
 
@@ -43,7 +47,10 @@ class EnttecPro final : public Widget {
   // garbage_bytes, bad_messages, line_errors, widget_serial, firmware, break_us, mab_us, rate_hz.
   std::vector<WidgetFigure> figures() const override;
 
-  // For what is not levels (RDM), from the device's thread: sends a message, and takes everything that the device says
+  // Labels 7, 11 and 12, with firmware for RDM; port 1.
+  Result<Octets> exchange_rdm(WidgetContext& context, int line, std::span<const std::uint8_t> request) override;
+
+  // For what is not levels, from the device's thread: sends a message, and takes everything that the device says
   // up to a message with that label or the deadline (kTimeout). Frames of input lines are delivered meanwhile. The
   // payload is valid until the next call.
   Result<ProMessageView> ask(WidgetContext& context, const ProMessage& question, std::uint8_t label,
@@ -52,7 +59,8 @@ class EnttecPro final : public Widget {
  private:
   struct Line {
     std::uint8_t send_label = 0;
-    LineFrame frame{};  // input
+    LineFrame frame{};  // input: the last one; output: what the line shows
+    bool shows = false;
   };
   Status write(WidgetContext& context, std::span<const std::uint8_t> bytes);
   Status find_out(WidgetContext& context);
@@ -71,6 +79,7 @@ class EnttecPro final : public Widget {
   bool is_dmxking_ = false;
   int port_count_ = 1;  // as a DMXking device says it
   std::uint32_t serial_ = 0;
+  bool rdm_answers_ = false;  // to RDM it has said something, if only that nobody answered
   ProParams params_;
   std::uint64_t bad_payload_count_ = 0;
   std::uint64_t line_error_count_ = 0;

@@ -28,9 +28,12 @@ enum class ProLabel : std::uint8_t {
   kSetParams = 4,      // to the widget, no answer
   kReceived = 5,       // from the widget: one frame of the line
   kSendDmx = 6,        // to the widget; it repeats the frame by itself
+  kSendRdm = 7,        // to the widget: an RDM request from its start code on; then its port is an input
   kReceiveMode = 8,    // to the widget; turns its port into an input
   kChangeOfState = 9,  // from the widget: what changed, in receive mode kOnChange
   kSerialNumber = 10,  // both ways
+  kRdmDiscovery = 11,  // as kSendRdm, for DISC_UNIQUE_BRANCH
+  kRdmTimeout = 12,    // from the widget: nobody answered; not of every firmware
   kApiKey = 13,        // to the widget: opens the labels of a second port
   // Not ENTTEC's: relatives answer, others ignore them.
   kManufacturer = 77,   // both ways: ESTA id, low byte first, then a name

@@ -1,4 +1,4 @@
-// footlight discover: who sends what on the network, as the senders themselves tell.
+// footlight discover: who sends and takes what on the network, as they themselves tell.
 //
 // Each protocol is a Finder; discover() turns all of them until the time is up and prints what they found.
 #include <algorithm>
@@ -9,6 +9,8 @@
 
 #include <poll.h>
 
+#include "drivers/net/artnet_nodes.h"
+#include "drivers/net/artnet_sink.h"
 #include "drivers/net/sacn_discovery.h"
 #include "drivers/net/sender_names.h"
 #include "sim/system_clock.h"
@@ -83,6 +85,43 @@ class SacnFinder final : public Finder {
   std::unique_ptr<drivers::SacnDiscoverySource> source_;
 };
 
+// Asks for nodes as an Art-Net output does, and sends nothing else.
+class ArtnetFinder final : public Finder {
+ public:
+  static Result<std::unique_ptr<Finder>> make(const Options& options) {
+    drivers::ArtnetSinkOptions wanted;
+    wanted.name = "artnet discovery";
+    wanted.universes = {{1, 1}};
+    wanted.interface_names = options.interface_names;
+    wanted.unsubscribed = drivers::ArtnetUnsubscribed::kSilent;
+    wanted.own_senders = std::make_shared<drivers::OwnSenders>();
+    FL_ASSIGN(auto sink, drivers::ArtnetSink::create(wanted));
+    return std::unique_ptr<Finder>(new ArtnetFinder(std::move(sink), wanted.own_senders));
+  }
+  [[nodiscard]] int poll_fd() const override { return sink_->poll_fd(); }
+  Status poll(TimeNs now_ns) override { return sink_->poll(now_ns); }
+  [[nodiscard]] std::vector<NetworkFinding> findings() override {
+    std::vector<NetworkFinding> found;
+    for (const auto& node : program_->artnet().nodes.list()) {
+      NetworkFinding one;
+      one.protocol = "artnet";
+      one.name = node.long_name.empty() ? node.short_name : node.long_name;
+      one.address = drivers::text_of_ipv4(node.ipv4);
+      for (const std::uint8_t octet : node.mac) one.id += fmt::format("{}{:02x}", one.id.empty() ? "" : ":", octet);
+      for (const int port_address : node.inputs) one.sends.push_back(drivers::artnet_wire_universe(port_address));
+      for (const int port_address : node.outputs) one.receives.push_back(drivers::artnet_wire_universe(port_address));
+      found.push_back(std::move(one));
+    }
+    return found;
+  }
+
+ private:
+  ArtnetFinder(std::unique_ptr<drivers::ArtnetSink> sink, std::shared_ptr<drivers::OwnSenders> program)
+      : sink_(std::move(sink)), program_(std::move(program)) {}
+  std::unique_ptr<drivers::ArtnetSink> sink_;
+  std::shared_ptr<drivers::OwnSenders> program_;
+};
+
 void print(const NetworkFinding& found) {
   fmt::print("{:<7} {:<15}  {}\n", found.protocol, found.address, found.name.empty() ? "(no name)" : found.name);
   if (!found.sends.empty()) {
@@ -99,6 +138,11 @@ Result<int> discover(const Options& options) {
   std::vector<std::unique_ptr<Finder>> finders;
   FL_ASSIGN(auto sacn, SacnFinder::make(options));
   finders.push_back(std::move(sacn));
+  if (auto artnet = ArtnetFinder::make(options)) {
+    finders.push_back(std::move(*artnet));
+  } else {
+    fmt::print(stderr, "footlight: Art-Net nodes are not asked: {}\n", artnet.error().message);
+  }
 
   StopSignal signal;
   SystemClock clock;
@@ -143,12 +187,13 @@ void add(Arguments& arguments) {
 
 extern const CommandInfo discover_command{
     .name = "discover",
-    .help = "List who sends what on the network, as the senders tell",
+    .help = "List who sends and takes what on the network, as they tell",
     .examples =
         "  footlight discover\n"
         "  footlight discover --for 25s --interface eth1\n"
         "  footlight discover --json | jq -r '[.name, .address] | @tsv'\n"
-        "Sends nothing and takes nothing away from other programs. Exit code 3 where nobody was heard.",
+        "Art-Net devices are asked (ArtPoll, every 3 s at most); nothing else is sent, and nothing is taken away from\n"
+        "other programs. Exit code 3 where nobody was heard.",
     .add = add,
 };
 

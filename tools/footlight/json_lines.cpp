@@ -188,6 +188,43 @@ std::string json_of_check(const Check& check, const Outcome& outcome) {
                   {"mend", outcome.mend}});
 }
 
+std::string json_of_rdm_device(const RdmDevice& device) {
+  return line_of({{"uid", device.uid},
+                  {"manufacturer", device.manufacturer},
+                  {"model", device.model},
+                  {"label", device.label},
+                  {"software", device.software},
+                  {"category", device.category},
+                  {"footprint", device.footprint},
+                  {"start_address", device.start_address},
+                  {"personality", device.personality},
+                  {"personalities", device.personalities},
+                  {"personality_name", device.personality_name},
+                  {"sub_devices", device.sub_devices},
+                  {"sensors", device.sensors},
+                  {"is_proxy", device.is_proxy},
+                  {"is_proxied", device.is_proxied},
+                  {"trouble", device.trouble}});
+}
+
+std::string json_of_rdm_fields(const std::string& uid, const std::string& parameter,
+                               const std::vector<drivers::RdmField>& fields) {
+  const auto value_of = [](const drivers::RdmField& field) -> Json {
+    if (field.is_number) return std::stoll(field.text);
+    return field.text;
+  };
+  Json values = Json::array();
+  if (!fields.empty() && !fields.front().name.empty()) {
+    values = Json::object();
+    for (const auto& field : fields) values[field.name] = value_of(field);
+  } else if (fields.size() == 1) {
+    values = value_of(fields.front());
+  } else {
+    for (const auto& field : fields) values.push_back(value_of(field));
+  }
+  return line_of({{"uid", uid}, {"parameter", parameter}, {"values", values}});
+}
+
 namespace {
 
 const char* word_of(LogFormat format) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "drivers/capture/captures.h"
+#include "drivers/rdm/rdm_parameters.h"
 #include "drivers/registry.h"
 #include "sim/dmx_log/dmx_log.h"
 #include "sim/dmx_log/log_input.h"
@@ -15,6 +16,7 @@
 #include "tools/footlight/doctor_checks.h"
 #include "tools/footlight/event_log.h"
 #include "tools/footlight/network_finding.h"
+#include "tools/footlight/rdm_device.h"
 
 namespace footlight::tools {
 
@@ -38,6 +40,10 @@ namespace footlight::tools {
 [[nodiscard]] std::string json_of_log(const LogInfo& info, const std::vector<std::string>& notes);
 [[nodiscard]] std::string json_of_line_timing(const std::string& path, const drivers::LineCaptureInfo& info);
 [[nodiscard]] std::string json_of_finding(const NetworkFinding& found);
+[[nodiscard]] std::string json_of_rdm_device(const RdmDevice& device);
+// "values": the one value, an array of them, or an object where they have names.
+[[nodiscard]] std::string json_of_rdm_fields(const std::string& uid, const std::string& parameter,
+                                             const std::vector<drivers::RdmField>& fields);
 [[nodiscard]] std::string json_of_conversion(const std::string& in, const std::string& out,
                                              const ConvertReport& report);
 

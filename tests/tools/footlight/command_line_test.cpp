@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <fstream>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/tools/footlight/run_footlight.h"
 
@@ -120,6 +122,19 @@ TEST_CASE("wrong arguments end with an exit code and a message that names the th
       {{"replay", folder.file("text.dmxlog"), "--out", "mock:enttec-pro"}, 2, {"text.dmxlog"}},
       {{"replay", "--demo", "--out", "mock:enttec-pro", "--speed", "0"}, 2, {"--speed"}},
       {{"replay", "--demo", "--out", "mock:enttec-pro", "--universes", "0-3"}, 2, {"--universes", "universe 0"}},
+      {{"rdm"}, 2, {"footlight rdm --help"}},
+      {{"rdm", "list"}, 2, {"--port", "mock:enttec-pro"}},
+      {{"rdm", "list", "--port", "sacn:1"}, 2, {"sacn:1", "carries no RDM", "artnet:1@10.0.0.7"}},
+      {{"rdm", "list", "--port", "artnet:1-4@127.0.0.1"}, 2, {"artnet:1-4@127.0.0.1", "one universe"}},
+      {{"rdm", "list", "--port", "enttec-pro:NOSUCH"}, 3, {"enttec-pro:NOSUCH"}},
+      {{"rdm", "get", "--port", "mock:enttec-pro"}, 2, {"UID", "DEVICE_INFO"}},
+      {{"rdm", "get", "7FF0", "DEVICE_INFO", "--port", "mock:enttec-pro"}, 2, {"7FF0", "02B0:00012345"}},
+      {{"rdm", "get", "7FF0:00000001", "LABEL", "--port", "mock:enttec-pro"}, 2, {"LABEL", "DEVICE_LABEL"}},
+      {{"rdm", "get", "7FF0:00000099", "DEVICE_LABEL", "--port", "mock:enttec-pro"}, 1, {"7FF0:00000099", "no answer"}},
+      {{"rdm", "set", "7FF0:00000001", "DMX_START_ADDRESS", "600", "--port", "mock:enttec-pro"},
+       2,
+       {"7FF0:00000001", "DMX_START_ADDRESS", "data out of range"}},
+      {{"rdm", "set", "7FF0:00000001", "DEVICE_INFO", "1", "--port", "mock:enttec-pro"}, 2, {"only be read"}},
       {{"log"}, 2, {"footlight log --help"}},
       {{"log", "inform"}, 2, {"inform", "info, convert"}},
       {{"log", "info"}, 2, {"footlight log info"}},
@@ -149,6 +164,25 @@ TEST_CASE("discover names an interface that is not there, and finds nobody on a 
   CHECK(silent.exit_code == 3);
   CHECK(silent.out.empty());
   CHECK(contains(silent.err, "nobody has told what they send"));
+}
+
+TEST_CASE("the devices behind a modelled widget are listed, one JSON object each, and get tells what list told") {
+  const Outcome listed = footlight({"rdm", "list", "--port", "mock:enttec-pro", "--json"});
+  CAPTURE(listed.err);
+  REQUIRE(listed.exit_code == 0);
+  std::vector<nlohmann::json> devices;
+  std::istringstream lines(listed.out);
+  for (std::string line; std::getline(lines, line);) devices.push_back(nlohmann::json::parse(line));
+  REQUIRE(devices.size() == 3);
+  CHECK(devices[1]["label"] == "Spot stage left");
+  CHECK(devices[2]["is_proxied"] == true);
+  const std::string uid = devices[1]["uid"];
+  const Outcome got = footlight({"rdm", "get", uid, "DEVICE_INFO", "--port", "mock:enttec-pro", "--json"});
+  REQUIRE(got.exit_code == 0);
+  const auto info = nlohmann::json::parse(got.out);
+  CHECK(info["values"]["start address"] == devices[1]["start_address"]);
+  CHECK(info["values"]["footprint"] == devices[1]["footprint"]);
+  CHECK(footlight({"rdm", "get", uid, "0x8001", "--port", "mock:enttec-pro"}).out == "50\n");
 }
 
 TEST_CASE("devices prints JSON objects or says that there are none, and never fails otherwise") {

@@ -1,0 +1,22 @@
+// What `footlight rdm list` tells of one device.
+#pragma once
+
+#include <string>
+
+namespace footlight::tools {
+
+struct RdmDevice {
+  std::string uid;
+  std::string manufacturer, model, label, software;  // as the device has them; may be empty
+  std::string category;
+  int footprint = 0;      // slots
+  int start_address = 0;  // 0: takes no slots
+  int personality = 0, personalities = 0;
+  std::string personality_name;
+  int sub_devices = 0;
+  int sensors = 0;
+  bool is_proxy = false, is_proxied = false;
+  std::string trouble;  // why the rest is empty
+};
+
+}  // namespace footlight::tools
