@@ -23,20 +23,63 @@ Merge::Merge(int universe_count, const MergeOptions& options) : options_(options
   for (PerUniverse& universe : universes_) universe.mode = options.mode;
   looks_ = std::make_unique<std::uint8_t[]>(count * kSlotCountMax);
   levels_ = std::make_unique_for_overwrite<std::uint8_t[]>(count * kSlotCountMax * kSendersPerUniverseMax);
+  priorities_ = std::make_unique_for_overwrite<std::uint8_t[]>(count * kSlotCountMax * kSendersPerUniverseMax);
+  ltp_slots_.resize(count);
   changed_.reserve(count);
 }
 
 void Merge::set_mode(int index, MergeMode mode) {
   FL_CHECK(index >= 0 && index < count());
   PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
-  if (universe.mode == mode) return;
+  const auto& ltp = ltp_slots_[static_cast<std::size_t>(index)];
+  const bool has_slots = ltp != nullptr && ltp->slots.any();
+  if (universe.mode == mode && !has_slots) return;
   universe.mode = mode;
+  if (has_slots) ltp->slots.reset();
+  set_by_slot(index);
   mark_changed(index);
+}
+
+void Merge::set_slot_modes(int index, const SlotSet& ltp) {
+  set_mode(index, MergeMode::kHtp);
+  if (ltp.none()) return;
+  auto& slots = ltp_slots_[static_cast<std::size_t>(index)];
+  if (slots == nullptr) slots = std::make_unique<LtpSlots>();
+  slots->slots = ltp;
+  set_by_slot(index);
+  mark_changed(index);
+}
+
+// Whether this universe has to be merged slot by slot, by what has just changed.
+void Merge::set_by_slot(int index) {
+  PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
+  const auto& ltp = ltp_slots_[static_cast<std::size_t>(index)];
+  const bool by_slot = universe.priorities_count != 0 || (ltp != nullptr && ltp->slots.any());
+  if (by_slot && !universe.by_slot)
+    for (int i = 0; i < universe.sender_count; ++i) universe.senders[i].wins = true;  // until resolve() knows
+  universe.by_slot = by_slot;
+  // With the last one that sends priorities goes the reason to wait for somebody's.
+  for (int i = 0; i < universe.sender_count && universe.priorities_count == 0; ++i) {
+    Sender& sender = universe.senders[i];
+    if (sender.waits_until_ns == 0) continue;
+    sender.waits_until_ns = 0;
+    sender.counts = true;
+    mark_changed(index);
+  }
 }
 
 std::uint8_t* Merge::levels_of(int index, int place) const {
   const std::size_t block = static_cast<std::size_t>(place) * universes_.size() + static_cast<std::size_t>(index);
   return levels_.get() + block * kSlotCountMax;
+}
+
+std::uint8_t* Merge::priorities_of(int index, int place) const {
+  const std::size_t block = static_cast<std::size_t>(place) * universes_.size() + static_cast<std::size_t>(index);
+  return priorities_.get() + block * kSlotCountMax;
+}
+
+DurationNs Merge::silence_of(const FrameView& frame) const {
+  return frame.silence_max_ns > 0 ? frame.silence_max_ns : options_.timeout_ns;
 }
 
 void Merge::mark_changed(int index) {
@@ -53,7 +96,8 @@ void Merge::clear_changed() {
 
 int Merge::highest_priority(const PerUniverse& universe) {
   int top = -1;
-  for (int i = 0; i < universe.sender_count; ++i) top = std::max(top, static_cast<int>(universe.senders[i].priority));
+  for (int i = 0; i < universe.sender_count; ++i)
+    if (universe.senders[i].counts) top = std::max(top, static_cast<int>(universe.senders[i].priority));
   return top;
 }
 
@@ -61,7 +105,7 @@ int Merge::highest_priority(const PerUniverse& universe) {
 bool Merge::changed_last(const PerUniverse& universe, const Sender& sender) {
   for (int i = 0; i < universe.sender_count; ++i) {
     const Sender& other = universe.senders[i];
-    if (other.priority == sender.priority && other.changed_at > sender.changed_at) return false;
+    if (other.counts && other.priority == sender.priority && other.changed_at > sender.changed_at) return false;
   }
   return true;
 }
@@ -71,8 +115,10 @@ int Merge::winner_count(int index) const {
   const PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
   const int top = highest_priority(universe);
   int winners = 0;
-  for (int i = 0; i < universe.sender_count; ++i)
-    if (universe.senders[i].priority == top) ++winners;
+  for (int i = 0; i < universe.sender_count; ++i) {
+    const Sender& sender = universe.senders[i];
+    if (sender.counts && (universe.by_slot ? sender.wins : sender.priority == top)) ++winners;
+  }
   return winners;
 }
 
@@ -115,17 +161,25 @@ Merge::Sender* Merge::add(int index, const FrameView& frame, SourceId source) {
   sender.priority = frame.priority;
   while ((places_taken >> sender.place & 1u) != 0) ++sender.place;
   std::memset(levels_of(index, sender.place), 0, kSlotCountMax);
+  if (const auto& ltp = ltp_slots_[static_cast<std::size_t>(index)]; ltp != nullptr)
+    std::memset(ltp->changed_at[sender.place], 0, sizeof ltp->changed_at[sender.place]);
   return &sender;
 }
 
 // Forgets a sender. The look changes where it was a winner and others are left; else it stays.
-void Merge::remove(int index, int sender) {
+void Merge::remove(int index, int number) {
   PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
-  const int priority = universe.senders[sender].priority;
-  if (universe.senders[sender].fresh) ++universe.counters.frames_outranked;
-  universe.senders[sender] = universe.senders[universe.sender_count - 1];
+  const Sender sender = universe.senders[number];
+  if (sender.fresh) ++universe.counters.frames_outranked;
+  const bool by_slot = universe.by_slot;
+  universe.senders[number] = universe.senders[universe.sender_count - 1];
   --universe.sender_count;
-  if (universe.sender_count != 0 && priority >= highest_priority(universe)) mark_changed(index);
+  if (sender.has_priorities) {
+    --universe.priorities_count;
+    set_by_slot(index);
+  }
+  if (universe.sender_count == 0 || !sender.counts) return;
+  if (by_slot ? sender.wins : sender.priority >= highest_priority(universe)) mark_changed(index);
 }
 
 void Merge::forget_source(SourceId source) {
@@ -145,11 +199,8 @@ Merge::Received Merge::receive(int index, const FrameView& frame, TimeNs now_ns,
     ++universe.counters.refused_priority;
     return Received::kRefusedPriority;
   }
-  if (frame.start_code != kStartCodeLevels) {
-    ++universe.counters.frames;
-    ++universe.counters.frames_priorities;
-    return Received::kStored;
-  }
+  if (frame.start_code == kStartCodePriorities && !frame.terminated)
+    return receive_priorities(index, frame, now_ns, source);
   Sender* sender = find(universe, source, frame.sender);
   if (sender != nullptr && sender->fresh) return Received::kResolveFirst;
   ++universe.counters.frames;
@@ -161,37 +212,61 @@ Merge::Received Merge::receive(int index, const FrameView& frame, TimeNs now_ns,
     }
     return Received::kStored;
   }
-  if (sender == nullptr) sender = add(index, frame, source);
   if (sender == nullptr) {
-    ++universe.counters.refused_full;
-    return Received::kRefusedFull;
+    sender = add(index, frame, source);
+    if (sender == nullptr) {
+      ++universe.counters.refused_full;
+      return Received::kRefusedFull;
+    }
+    for (int i = 0; i < universe.sender_count && universe.priorities_count != 0; ++i)
+      if (universe.senders[i].has_priorities && universe.senders[i].source == source)
+        sender->waits_until_ns = now_ns + kPrioritiesWaitNs;
+    if (sender->waits_until_ns != 0) next_expiry_ns_ = std::min(next_expiry_ns_, sender->waits_until_ns);
   }
 
   // Whether the look depends on this frame: the sender wins now, or won until its priority fell.
-  const int top = highest_priority(universe);
+  const bool is_new = sender->heard_at == 0;
   const bool priority_moves = sender->priority != frame.priority;
-  const bool wins = frame.priority >= top || sender->priority == top;
+  const bool grows = frame.slots.size() > sender->slot_count;
+  bool matters = false;
+  if (universe.by_slot) {
+    matters = sender->wins || is_new || priority_moves || grows;
+  } else {
+    const int top = highest_priority(universe);
+    matters = frame.priority >= top || sender->priority == top;
+  }
 
   std::uint8_t* const levels = levels_of(index, sender->place);
   ++frame_number_;
   if (!frame.slots.empty()) {
     // Only LTP asks what changed; a sender that has just come counts as changed.
-    const bool is_new = sender->heard_at == 0;
     if (universe.mode == MergeMode::kLtp &&
         (is_new || priority_moves || std::memcmp(levels, frame.slots.data(), frame.slots.size()) != 0))
       sender->changed_at = frame_number_;
+    if (const auto& ltp = ltp_slots_[static_cast<std::size_t>(index)]; ltp != nullptr) {
+      std::uint64_t* const changed_at = ltp->changed_at[sender->place];
+      for (std::size_t slot = 0; slot < frame.slots.size(); ++slot)
+        if (is_new || priority_moves || slot >= sender->slot_count || levels[slot] != frame.slots[slot])
+          changed_at[slot] = frame_number_;
+    }
     std::memcpy(levels, frame.slots.data(), frame.slots.size());
   }
   sender->slot_count = std::max(sender->slot_count, static_cast<std::uint16_t>(frame.slots.size()));
   sender->priority = frame.priority;
   sender->heard_ns = now_ns;
-  sender->silence_ns = frame.silence_max_ns > 0 ? frame.silence_max_ns : options_.timeout_ns;
+  sender->silence_ns = silence_of(frame);
   next_expiry_ns_ = std::min(next_expiry_ns_, now_ns + sender->silence_ns);
   sender->stamp_ns = frame.stamp_ns;
   sender->heard_at = frame_number_;
   sender->sequence = frame.sequence;
   ++sender->frames;
-  if (wins && (priority_moves || universe.mode == MergeMode::kHtp || changed_last(universe, *sender))) {
+  if (sender->waits_until_ns != 0) {
+    ++universe.counters.frames_early;
+    return Received::kStored;
+  }
+  sender->counts = true;
+  if (matters &&
+      (universe.by_slot || priority_moves || universe.mode == MergeMode::kHtp || changed_last(universe, *sender))) {
     sender->fresh = true;
     mark_changed(index);
   } else {
@@ -200,32 +275,178 @@ Merge::Received Merge::receive(int index, const FrameView& frame, TimeNs now_ns,
   return Received::kStored;
 }
 
+Merge::Received Merge::receive_priorities(int index, const FrameView& frame, TimeNs now_ns, SourceId source) {
+  PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
+  ++universe.counters.frames;
+  if (std::any_of(frame.slots.begin(), frame.slots.end(), [](std::uint8_t p) { return p > kPriorityMax; })) {
+    ++universe.counters.refused_priority;
+    return Received::kRefusedPriority;
+  }
+  Sender* sender = find(universe, source, frame.sender);
+  if (sender == nullptr) sender = add(index, frame, source);
+  if (sender == nullptr) {
+    ++universe.counters.refused_full;
+    return Received::kRefusedFull;
+  }
+  ++universe.counters.frames_priorities;
+  std::uint8_t* const priorities = priorities_of(index, sender->place);
+  bool changes = !sender->has_priorities;
+  if (!sender->has_priorities) {
+    std::memset(priorities, 0, kSlotCountMax);
+    sender->has_priorities = true;
+    ++universe.priorities_count;
+    set_by_slot(index);
+  }
+  std::uint8_t wanted[kSlotCountMax] = {};
+  std::copy(frame.slots.begin(), frame.slots.end(), wanted);
+  changes = changes || std::memcmp(priorities, wanted, kSlotCountMax) != 0;
+  std::memcpy(priorities, wanted, kSlotCountMax);
+  sender->priorities_ns = now_ns;
+  sender->priorities_silence_ns = silence_of(frame);
+  next_expiry_ns_ = std::min(next_expiry_ns_, now_ns + sender->priorities_silence_ns);
+  if (sender->waits_until_ns != 0) {
+    sender->waits_until_ns = 0;
+    sender->counts = true;
+  }
+  if (changes && sender->counts) {
+    sender->wins = true;  // until resolve() knows
+    mark_changed(index);
+  }
+  return Received::kStored;
+}
+
+// The sender's priorities are no more; its levels go on under the priority of its packets.
+void Merge::drop_priorities(int index, Sender& sender) {
+  sender.has_priorities = false;
+  --universes_[static_cast<std::size_t>(index)].priorities_count;
+  set_by_slot(index);
+  sender.wins = true;  // until resolve() knows
+  if (sender.counts) mark_changed(index);
+}
+
 void Merge::expire(TimeNs now_ns) {
   if (now_ns < next_expiry_ns_) return;
   next_expiry_ns_ = kTimeNever;
   for (int index = 0; index < count(); ++index) {
     PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
     for (int i = universe.sender_count - 1; i >= 0; --i) {
-      const TimeNs expiry_ns = universe.senders[i].heard_ns + universe.senders[i].silence_ns;
+      Sender& sender = universe.senders[i];
+      TimeNs expiry_ns = sender.heard_ns + sender.silence_ns;
+      if (sender.heard_at == 0) expiry_ns = sender.priorities_ns + sender.priorities_silence_ns;  // no levels yet
       if (expiry_ns <= now_ns) {
         ++universe.counters.senders_silent;
         remove(index, i);
-      } else {
-        next_expiry_ns_ = std::min(next_expiry_ns_, expiry_ns);
+        continue;
       }
+      if (sender.has_priorities) {
+        const TimeNs priorities_expiry_ns = sender.priorities_ns + sender.priorities_silence_ns;
+        if (priorities_expiry_ns <= now_ns) {
+          drop_priorities(index, sender);
+        } else {
+          expiry_ns = std::min(expiry_ns, priorities_expiry_ns);
+        }
+      }
+      if (sender.waits_until_ns != 0) {
+        if (sender.waits_until_ns <= now_ns) {
+          sender.waits_until_ns = 0;
+          sender.counts = sender.wins = true;
+          mark_changed(index);
+        } else {
+          expiry_ns = std::min(expiry_ns, sender.waits_until_ns);
+        }
+      }
+      next_expiry_ns_ = std::min(next_expiry_ns_, expiry_ns);
     }
   }
+}
+
+// As resolve(), where each slot has winners of its own.
+bool Merge::resolve_by_slot(int index) {
+  PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
+  const LtpSlots* const ltp = ltp_slots_[static_cast<std::size_t>(index)].get();
+  const bool any_ltp = universe.mode == MergeMode::kLtp || (ltp != nullptr && ltp->slots.any());
+  const int top = highest_priority(universe);
+  bool any_priorities = false;
+  for (int i = 0; i < universe.sender_count; ++i)
+    any_priorities = any_priorities || (universe.senders[i].counts && universe.senders[i].has_priorities);
+  // One more than the priority; 0: no say in this slot. Without per-address priorities the highest of the universe wins
+  // alone, as in resolve().
+  std::uint8_t ranks[kSendersPerUniverseMax][kSlotCountMax];
+  std::uint8_t best[kSlotCountMax] = {};
+  std::uint8_t merged[kSlotCountMax] = {};
+  std::uint64_t changed_at[kSlotCountMax];
+  for (int i = 0; i < universe.sender_count; ++i) {
+    const Sender& sender = universe.senders[i];
+    std::uint8_t* const rank = ranks[i];
+    std::memset(rank, 0, kSlotCountMax);
+    if (!sender.counts || (!any_priorities && sender.priority != top)) continue;
+    if (sender.has_priorities) {
+      const std::uint8_t* const priorities = priorities_of(index, sender.place);
+      for (int slot = 0; slot < sender.slot_count; ++slot)
+        rank[slot] = static_cast<std::uint8_t>(priorities[slot] + (priorities[slot] != 0 ? 1 : 0));
+    } else {
+      std::memset(rank, sender.priority + 1, sender.slot_count);
+    }
+    const std::uint8_t* const levels = levels_of(index, sender.place);
+    if (!any_ltp) {
+      for (int slot = 0; slot < kSlotCountMax; ++slot) {
+        const std::uint8_t tied = rank[slot] == best[slot] ? std::max(merged[slot], levels[slot]) : merged[slot];
+        merged[slot] = rank[slot] > best[slot] ? levels[slot] : tied;
+        best[slot] = std::max(best[slot], rank[slot]);
+      }
+      continue;
+    }
+    for (std::size_t slot = 0; slot < sender.slot_count; ++slot) {
+      if (rank[slot] == 0 || rank[slot] < best[slot]) continue;
+      const bool is_ltp = universe.mode == MergeMode::kLtp || (ltp != nullptr && ltp->slots[slot]);
+      const std::uint64_t at = universe.mode == MergeMode::kLtp ? sender.changed_at
+                               : ltp != nullptr                 ? ltp->changed_at[sender.place][slot]
+                                                                : 0;
+      if (rank[slot] > best[slot]) {
+        merged[slot] = levels[slot];
+        changed_at[slot] = at;
+      } else if (!is_ltp) {
+        merged[slot] = std::max(merged[slot], levels[slot]);
+      } else if (at > changed_at[slot]) {
+        merged[slot] = levels[slot];
+        changed_at[slot] = at;
+      }
+      best[slot] = rank[slot];
+    }
+  }
+
+  const Sender* newest = nullptr;
+  for (int i = 0; i < universe.sender_count; ++i) {
+    Sender& sender = universe.senders[i];
+    int shared = 0;
+    for (int slot = 0; slot < kSlotCountMax; ++slot) shared |= (ranks[i][slot] != 0) & (ranks[i][slot] == best[slot]);
+    // One that sends no slots may still keep those of lower priority away.
+    sender.wins = shared != 0 || (!any_priorities && sender.counts && sender.priority == top);
+    if (sender.fresh) ++(sender.wins ? universe.counters.frames_shown : universe.counters.frames_outranked);
+    sender.fresh = false;
+    if (sender.wins && (newest == nullptr || sender.heard_at > newest->heard_at)) newest = &sender;
+  }
+  if (newest == nullptr) return false;
+  std::uint8_t* const look = looks_.get() + static_cast<std::size_t>(index) * kSlotCountMax;
+  for (int slot = 0; slot < kSlotCountMax; ++slot) look[slot] = best[slot] != 0 ? merged[slot] : look[slot];
+  universe.look_stamp_ns = newest->stamp_ns;
+  universe.look_sender = newest->id;
+  universe.look_sequence = newest->sequence;
+  const std::uint8_t highest = *std::max_element(best, best + kSlotCountMax);
+  universe.look_priority = highest != 0 ? static_cast<std::uint8_t>(highest - 1) : newest->priority;
+  return true;
 }
 
 bool Merge::resolve(int index) {
   FL_CHECK(index >= 0 && index < count());
   PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
+  if (universe.by_slot) return resolve_by_slot(index);
   Sender* winners[kSendersPerUniverseMax];
   int winner_count = 0;
   const int top = highest_priority(universe);
   for (int i = 0; i < universe.sender_count; ++i) {
     Sender& sender = universe.senders[i];
-    if (sender.priority == top) {
+    if (sender.counts && sender.priority == top) {
       winners[winner_count++] = &sender;
     } else if (sender.fresh) {
       ++universe.counters.frames_outranked;
@@ -303,8 +524,11 @@ MergeSender Merge::sender(int index, int number) const {
   told.heard_ns = sender.heard_ns;
   told.rate_hz = static_cast<double>(sender.rate_hz);
   told.priority = sender.priority;
-  told.wins = sender.priority == highest_priority(universe) &&
-              (universe.mode == MergeMode::kHtp || changed_last(universe, sender));
+  told.per_address = sender.has_priorities;
+  told.wins =
+      sender.counts && (universe.by_slot ? sender.wins
+                                         : sender.priority == highest_priority(universe) &&
+                                               (universe.mode == MergeMode::kHtp || changed_last(universe, sender)));
   return told;
 }
 
@@ -335,7 +559,15 @@ void Merge::adopt(const Merge& from, std::span<const int> from_index) {
     for (int k = 0; k < universe.sender_count; ++k) {
       const int place = universe.senders[k].place;
       std::memcpy(levels_of(index, place), from.levels_of(from_index[i], place), kSlotCountMax);
+      if (universe.senders[k].has_priorities)
+        std::memcpy(priorities_of(index, place), from.priorities_of(from_index[i], place), kSlotCountMax);
     }
+    // Who changed which slot last is kept for a set_slot_modes() that follows.
+    if (const auto& ltp = from.ltp_slots_[static_cast<std::size_t>(from_index[i])]; ltp != nullptr) {
+      ltp_slots_[i] = std::make_unique<LtpSlots>(*ltp);
+      ltp_slots_[i]->slots.reset();
+    }
+    set_by_slot(index);
     if (old.changed || old.mode != mode) mark_changed(index);
   }
   frame_number_ = from.frame_number_;

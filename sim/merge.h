@@ -10,6 +10,19 @@
 // - Slots that no winner ever sent stay as they are. Within one sender, slots past the end of a short frame stay as
 //   well.
 // - A priority above 200 is against the protocol: the frame is ignored and counted.
+// - Single slots may be LTP where the rest of the universe is HTP: of the winners, the one that changed the slot last.
+//
+// Per-address priority (start code 0xDD, ETC's extension of sACN; ETCLabs/sACN, docs/pages/per_address_priority.md):
+// - A sender that sends it has that priority in each slot instead of the one of its packets. 0: it leaves the slot to
+//   others; slots past the end of a short frame are 0. Senders without it have their packets' priority in each slot that
+//   they send. The highest wins slot by slot, equal ones merge as above; a slot that nobody claims keeps its level.
+// - A sender whose 0xDD frames stop, while its levels go on, falls back to its packets' priority after the time of
+//   silence. One whose levels stop is forgotten, whether 0xDD goes on or not. Either may come first.
+// - A new sender waits for its 0xDD for 1.5 s where another sender of its source sends them in this universe, so that a
+//   desk that claims a few slots does not take all for its first frames. Elsewhere nobody waits.
+// - A packet priority of 0 still claims a slot, below all others; a 0xDD frame with a value above 200 is refused.
+// Universes in which nobody sends it pay nothing for it.
+//
 // - A sender is known by its source and its SenderId, so that two ports may give out the same numbers.
 // - Eight senders at most. A ninth is refused and counted, unless its priority is above that of the lowest, which
 //   cannot win beside it: then it takes that one's place (of several, the one silent for longest), which is counted
@@ -24,11 +37,12 @@
 // Time is passed in: silence is counted from the `now_ns` of receive(), not from the frame's stamp, so that frames that
 // waited in a socket while the machine was stopped count as heard when they are read.
 //
-// Threads: none of its own; not safe to share (the pump's thread owns it). Only the constructor allocates: 512 bytes
-// per universe for the look, and address space for 8 senders per universe, of which memory is used only as senders
-// come.
+// Threads: none of its own; not safe to share (the pump's thread owns it). Only the constructor and set_slot_modes()
+// allocate: 512 bytes per universe for the look, and address space for the levels and priorities of 8 senders per
+// universe, of which memory is used only as they come.
 #pragma once
 
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -41,6 +55,9 @@ namespace footlight {
 
 inline constexpr int kSendersPerUniverseMax = 8;
 inline constexpr DurationNs kSenderTimeoutDefaultNs = 2'500 * kNsPerMs;  // E1.31-2018 section 6.7.1
+inline constexpr DurationNs kPrioritiesWaitNs = 1'500 * kNsPerMs;        // ETC's rule 13
+
+using SlotSet = std::bitset<kSlotCountMax>;  // bit 0 = address 1
 
 enum class MergeMode : std::uint8_t { kHtp, kLtp };
 
@@ -86,6 +103,8 @@ class Merge {
 
   [[nodiscard]] int count() const { return static_cast<int>(universes_.size()); }
   void set_mode(int index, MergeMode mode);
+  // HTP but for these slots, which are LTP. May allocate.
+  void set_slot_modes(int index, const SlotSet& ltp);
 
   enum class Received {
     kStored,           // taken; whether the look may change is said by changed()
@@ -146,6 +165,12 @@ class Merge {
     std::uint8_t priority = 0;
     std::uint8_t place = 0;  // which of the eight blocks of levels_ is its own
     bool fresh = false;      // its last frame has not been resolved
+    bool counts = false;     // has sent levels, and is not waited for
+    bool wins = false;       // in a universe that is merged slot by slot: as of the last resolve(), or perhaps
+    bool has_priorities = false;
+    TimeNs priorities_ns = 0;  // `now_ns` of its last priorities
+    DurationNs priorities_silence_ns = 0;
+    TimeNs waits_until_ns = 0;  // until then it does not count; 0: it does
   };
   struct PerUniverse {
     Sender senders[kSendersPerUniverseMax];  // the first sender_count are there, in no order
@@ -155,8 +180,16 @@ class Merge {
     std::uint32_t look_sequence = 0;
     std::uint8_t look_priority = kPriorityDefault;
     std::uint8_t sender_count = 0;
+    std::uint8_t priorities_count = 0;  // of senders that have priorities
     MergeMode mode = MergeMode::kHtp;
+    bool by_slot = false;  // somebody has priorities, or some slots are LTP
     bool changed = false;
+  };
+  // Of a universe with LTP slots.
+  struct LtpSlots {
+    SlotSet slots;
+    // Running number of the frame that last changed the slot; [place of the sender][slot].
+    std::uint64_t changed_at[kSendersPerUniverseMax][kSlotCountMax] = {};
   };
 
   [[nodiscard]] static int highest_priority(const PerUniverse& universe);  // -1: nobody is there
@@ -164,6 +197,12 @@ class Merge {
   [[nodiscard]] std::uint8_t* levels_of(int index, int place) const;
   [[nodiscard]] static Sender* find(PerUniverse& universe, SourceId source, SenderId sender);
   [[nodiscard]] Sender* add(int index, const FrameView& frame, SourceId source);
+  Received receive_priorities(int index, const FrameView& frame, TimeNs now_ns, SourceId source);
+  void drop_priorities(int index, Sender& sender);
+  void set_by_slot(int index);
+  bool resolve_by_slot(int index);
+  [[nodiscard]] std::uint8_t* priorities_of(int index, int place) const;
+  [[nodiscard]] DurationNs silence_of(const FrameView& frame) const;
   void remove(int index, int sender);
   void mark_changed(int index);
 
@@ -173,6 +212,8 @@ class Merge {
   // 8 x count() x 512, not initialised: block [place][universe] is cleared when a sender takes it, so that memory which
   // no sender needs is never touched.
   std::unique_ptr<std::uint8_t[]> levels_;
+  std::unique_ptr<std::uint8_t[]> priorities_;        // likewise, and touched by senders that have priorities only
+  std::vector<std::unique_ptr<LtpSlots>> ltp_slots_;  // per universe; null: none
   std::vector<int> changed_;
   TimeNs next_expiry_ns_ = kTimeNever;
   std::uint64_t frame_number_ = 0;

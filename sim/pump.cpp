@@ -22,6 +22,11 @@ constexpr std::uint8_t kPending = 1;
 constexpr std::uint8_t kHeard = 2;  // because a frame came, so that its age is the latency of this program
 constexpr std::uint8_t kHeld = 4;   // the rate cap holds it back
 
+int highest_priority_of(const FrameView& frame) {
+  if (frame.start_code != kStartCodePriorities || frame.slots.empty()) return frame.priority;
+  return std::max(frame.priority, *std::max_element(frame.slots.begin(), frame.slots.end()));
+}
+
 Timing timing_of(const Histogram& histogram) {
   Timing timing = {.count = histogram.count(),
                    .sum_ns = histogram.sum_ns(),
@@ -95,7 +100,8 @@ void Pump::Inlet::receive(const FrameView& frame) {
     pump_.pass_on(now_ns);
     received = pump_.merge_.receive(index, frame, now_ns, run->source_id);
   }
-  universe.heard = true;
+  // Priorities, and a sender that goes, show levels that came before: their age says nothing about how fast we are.
+  if (frame.start_code == kStartCodeLevels && !frame.terminated) universe.heard = true;
   if (received == Merge::Received::kRefusedFull && !universe.said_full) {
     universe.said_full = true;
     pump_.say(NoticeLevel::kWarning, "sender-refused", *run,
@@ -107,7 +113,7 @@ void Pump::Inlet::receive(const FrameView& frame) {
     universe.said_priority = true;
     pump_.say(NoticeLevel::kWarning, "priority-refused", *run,
               fmt::format("universe {}: a sender has priority {}; expected 0 to {}; its frames are ignored and counted",
-                          frame.universe, frame.priority, kPriorityMax),
+                          frame.universe, highest_priority_of(frame), kPriorityMax),
               frame.universe);
   }
 }
@@ -499,6 +505,13 @@ void Pump::set_mode(Universe universe, MergeMode mode) {
   const int index = universes_->index_of(universe);
   FL_CHECK_GE(index, 0);
   merge_.set_mode(index, mode);
+}
+
+void Pump::set_slot_modes(Universe universe, const SlotSet& ltp) {
+  FL_CHECK(!in_tick_);
+  const int index = universes_->index_of(universe);
+  FL_CHECK_GE(index, 0);
+  merge_.set_slot_modes(index, ltp);
 }
 
 void Pump::move_to(std::shared_ptr<Universes> universes, const MergeOptions& merge) {

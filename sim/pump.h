@@ -190,6 +190,8 @@ class Pump {
   void remove_tap(FrameReceiver& tap);
   // Before start() or between two ticks: LTP for one universe, which the buffer has.
   void set_mode(Universe universe, MergeMode mode);
+  // Likewise: HTP, but LTP for these slots.
+  void set_slot_modes(Universe universe, const SlotSet& ltp);
 
   // Between two ticks: goes on with another buffer, which may have other universes. Looks, senders and counters of
   // those that both have are taken over; frames of universes that are no more are unrouted from now on. Modes are those

@@ -39,6 +39,17 @@ class Stage {
     settle();
     return merge_.receive(0, frame, now_ns, source);
   }
+  // Per-address priorities: the same in the first `slot_count` slots.
+  Merge::Received claim(SenderId sender, std::uint8_t priority, std::size_t slot_count = 512, SourceId source = 0) {
+    return claim_slots(sender, std::vector<std::uint8_t>(slot_count, priority), source);
+  }
+  Merge::Received claim_slots(SenderId sender, std::span<const std::uint8_t> priorities, SourceId source = 0) {
+    FrameView frame;
+    frame.sender = sender;
+    frame.start_code = kStartCodePriorities;
+    frame.slots = priorities;
+    return receive(frame, source);
+  }
   void terminate(SenderId sender) {
     FrameView frame;
     frame.sender = sender;
@@ -471,6 +482,399 @@ TEST_CASE("a merge that adopts another one goes on with its senders, looks, coun
   CHECK(next.sender_count(2) == 0);
 }
 
+// --- Per-address priority: ETC's rules (ETCLabs/sACN, docs/pages/per_address_priority.md) ---
+
+TEST_CASE("0xDD frames are priorities and never levels") {
+  Stage stage;
+  stage.send(1, 50);
+  CHECK(stage.level() == 50);
+  stage.claim(1, 200);
+  CHECK(stage.level() == 50);
+  CHECK(stage.counters().frames_priorities == 1);
+  CHECK(stage.counters().frames == 2);
+}
+
+TEST_CASE("the rules hold for one universe at a time") {
+  Merge merge(2);
+  const std::array<std::uint8_t, 1> low = {10}, high = {200}, leave = {0};
+  FrameView frame;
+  for (int index = 0; index < 2; ++index)
+    for (const SenderId sender : {1u, 2u}) {
+      frame.sender = sender;
+      frame.slots = sender == 1 ? low : high;
+      merge.receive(index, frame, kStart);
+    }
+  frame.sender = 2;
+  frame.start_code = kStartCodePriorities;
+  frame.slots = leave;
+  merge.receive(1, frame, kStart);
+  CHECK(merge.resolve(0));
+  CHECK(merge.resolve(1));
+  CHECK(merge.look(0).slots[0] == 200);
+  CHECK(merge.look(1).slots[0] == 10);
+}
+
+TEST_CASE("the highest per-address priority wins slot by slot, whatever the levels and the packets' priorities") {
+  Stage stage;
+  stage.send(1, 10, 50);
+  stage.send(2, 200, 150);
+  const std::array<std::uint8_t, 3> first = {200, 100, 1}, second = {199, 100, 2};
+  stage.claim_slots(1, first);
+  stage.claim_slots(2, second);
+  CHECK(stage.level(1) == 10);
+  CHECK(stage.level(2) == 200);  // equal: the highest level
+  CHECK(stage.level(3) == 200);
+}
+
+TEST_CASE("per-address priority 0 leaves the slot to others, even to a packet priority of 0") {
+  Stage stage;
+  stage.send(1, 200, 200);
+  stage.send(2, 10, 0);
+  const std::array<std::uint8_t, 2> only_first = {1, 0};
+  stage.claim_slots(1, only_first);
+  CHECK(stage.level(1) == 200);
+  CHECK(stage.level(2) == 10);
+}
+
+TEST_CASE("a slot that nobody claims keeps its level") {
+  Stage stage;
+  stage.send(1, 200);
+  CHECK(stage.level(2) == 200);
+  stage.claim(1, 100, 1);  // short: the rest is 0
+  stage.send(1, 50);
+  CHECK(stage.level(1) == 50);
+  CHECK(stage.level(2) == 200);
+  stage.claim(1, 100);
+  CHECK(stage.level(2) == 50);
+}
+
+TEST_CASE("of equal per-address priorities the highest level counts, and down again") {
+  Stage stage;
+  for (const SenderId sender : {1u, 2u}) stage.claim(sender, 120);
+  stage.send(1, 100);
+  stage.send(2, 60);
+  CHECK(stage.level() == 100);
+  stage.send(1, 20);
+  CHECK(stage.level() == 60);
+}
+
+TEST_CASE("of equal per-address priorities under LTP the latest change counts") {
+  Stage stage(MergeMode::kLtp);
+  for (const SenderId sender : {1u, 2u}) stage.claim(sender, 120);
+  stage.send(1, 100);
+  stage.send(2, 60);
+  CHECK(stage.level() == 60);
+  stage.send(1, 100);
+  CHECK(stage.level() == 60);
+  stage.send(1, 99);
+  CHECK(stage.level() == 99);
+}
+
+TEST_CASE("a 0xDD frame of fewer than 512 values leaves the other slots, also those it once claimed") {
+  Stage stage;
+  stage.send(1, 200, 50);
+  stage.send(2, 10, 60);
+  stage.claim(1, 100, 512);
+  CHECK(stage.level(512) == 200);
+  stage.claim(1, 100, 24);
+  CHECK(stage.level(24) == 200);
+  CHECK(stage.level(25) == 10);
+  stage.claim(1, 100, 0);
+  CHECK(stage.level(1) == 10);
+}
+
+TEST_CASE("a sender without 0xDD has its packets' priority in each slot, beside one that has it") {
+  Stage stage;
+  stage.send(1, 200, 100);
+  stage.send(2, 10, 100);
+  const std::array<std::uint8_t, 3> claims = {99, 100, 101};
+  stage.claim_slots(2, claims);
+  CHECK(stage.level(1) == 200);
+  CHECK(stage.level(2) == 200);  // equal: HTP
+  CHECK(stage.level(3) == 10);
+  stage.send(1, 200, 98);
+  CHECK(stage.level(1) == 10);
+}
+
+TEST_CASE("where per-address priorities are there a sender has a say in just the slots that it sends") {
+  Stage stage;
+  stage.send(1, 200, 150, 24);
+  stage.send(2, 10, 100);
+  CHECK(stage.level(25) == 0);  // without them the highest priority has the universe
+  stage.claim(2, 100);
+  CHECK(stage.level(24) == 200);
+  CHECK(stage.level(25) == 10);
+}
+
+TEST_CASE("taking control: levels first, then the priority; giving it up: priority 0") {
+  Stage stage;
+  stage.send(1, 100, 100);
+  stage.claim(1, 100);
+  stage.claim(2, 0);
+  stage.send(2, 30, 100);
+  CHECK(stage.level() == 100);
+  const std::array<std::uint8_t, 1> take = {150};
+  stage.claim_slots(2, take);
+  CHECK(stage.level(1) == 30);
+  CHECK(stage.level(2) == 100);
+  stage.claim(2, 0);
+  CHECK(stage.level(1) == 100);
+}
+
+TEST_CASE("0xDD may come before the first levels: they count from their first frame by what it says") {
+  Stage stage;
+  stage.send(1, 100, 100);
+  stage.claim(2, 90);
+  CHECK(stage.level() == 100);
+  CHECK(stage.merge().winner_count(0) == 1);
+  stage.send(2, 200, 200);
+  CHECK(stage.level() == 100);
+  CHECK(stage.merge().sender(0, 1).per_address);
+}
+
+TEST_CASE("0xDD without levels claims nothing, and is forgotten after the time of silence") {
+  Stage stage;
+  stage.send(1, 100, 100);
+  stage.claim(2, 200);
+  CHECK(stage.level() == 100);
+  stage.now_ns += kTimeout - 1;
+  stage.send(1, 100, 100);
+  stage.settle();
+  CHECK(stage.merge().sender_count(0) == 2);
+  stage.now_ns += 1;
+  stage.settle();
+  CHECK(stage.merge().sender_count(0) == 1);
+}
+
+TEST_CASE("when 0xDD stops and levels go on, the packets' priority counts again after 2.5 s to the nanosecond") {
+  Stage stage;
+  stage.send(2, 50, 100);
+  stage.send(1, 200, 150);
+  stage.claim(1, 10);
+  CHECK(stage.level() == 50);
+  for (int i = 1; i <= 10; ++i) {
+    stage.now_ns = kStart + kTimeout * i / 10 - 1;
+    stage.send(1, 200, 150);
+    stage.send(2, 50, 100);
+    CHECK(stage.level() == 50);
+  }
+  CHECK(stage.merge().next_expiry_ns() <= kStart + kTimeout);
+  stage.now_ns = kStart + kTimeout;
+  CHECK(stage.settle());
+  CHECK(stage.level() == 200);
+  CHECK_FALSE(stage.merge().sender(0, 1).per_address);
+  CHECK(stage.counters().senders_silent == 0);
+}
+
+TEST_CASE("when levels stop the sender is forgotten, though its 0xDD goes on") {
+  Stage stage;
+  stage.claim(1, 200);
+  stage.send(1, 200);
+  stage.send(2, 50);
+  CHECK(stage.level() == 200);
+  for (int i = 1; i <= 10; ++i) {
+    stage.now_ns = kStart + kTimeout * i / 10;
+    stage.claim(1, 200);
+    stage.send(2, 50);
+    stage.settle();
+  }
+  CHECK(stage.level() == 50);
+}
+
+TEST_CASE("a sender that ends takes its per-address priorities along, whichever of its frames says so") {
+  for (const std::uint8_t start_code : {kStartCodeLevels, kStartCodePriorities}) {
+    Stage stage;
+    stage.claim(1, 200);
+    stage.send(1, 200, 100);
+    stage.send(2, 50, 100);
+    CHECK(stage.level() == 200);
+    FrameView frame;
+    frame.sender = 1;
+    frame.terminated = true;
+    frame.start_code = start_code;
+    stage.receive(frame);
+    CHECK(stage.level() == 50);
+    stage.send(1, 200, 90);  // begins anew, by its packets
+    CHECK(stage.level() == 50);
+  }
+}
+
+TEST_CASE("a new sender waits up to 1.5 s for its 0xDD where others of its source send it, and nowhere else") {
+  Stage stage;
+  FrameView frame;
+  const std::array<std::uint8_t, 2> levels = {200, 200};
+  frame.sender = 2;
+  frame.priority = 150;
+  frame.slots = levels;
+  stage.claim(1, 100, 512, 7);
+  const std::array<std::uint8_t, 2> old_levels = {10, 10};
+  FrameView old = frame;
+  old.sender = 1;
+  old.slots = old_levels;
+  stage.receive(old, 7);
+  CHECK(stage.level() == 10);
+  stage.receive(frame, 7);
+  CHECK(stage.level() == 10);
+  CHECK(stage.counters().frames_early == 1);
+
+  const std::array<std::uint8_t, 2> claim = {0, 101};
+  SUBCASE("it comes") {
+    stage.now_ns += kNsPerS;
+    stage.claim_slots(2, claim, 7);
+    CHECK(stage.level(1) == 10);
+    CHECK(stage.level(2) == 200);
+  }
+  SUBCASE("it does not") {
+    stage.now_ns = kStart + kPrioritiesWaitNs - 1;
+    stage.receive(frame, 7);
+    CHECK(stage.level() == 10);
+    CHECK(stage.merge().next_expiry_ns() <= kStart + kPrioritiesWaitNs);
+    stage.now_ns += 1;
+    CHECK(stage.level() == 200);
+  }
+  SUBCASE("the other one leaves") {
+    FrameView end;
+    end.sender = 1;
+    end.terminated = true;
+    stage.receive(end, 7);
+    CHECK(stage.level() == 200);
+  }
+  SUBCASE("a sender of another source does not wait") {
+    frame.sender = 3;
+    stage.receive(frame, 8);
+    CHECK(stage.level() == 200);
+  }
+}
+
+TEST_CASE("a 0xDD frame with a value above 200 is refused and counted, and the one before it goes on") {
+  Stage stage;
+  stage.claim(1, 100);
+  stage.send(1, 50);
+  stage.send(2, 200, 99);
+  const std::array<std::uint8_t, 2> wrong = {100, 201};
+  CHECK(stage.claim_slots(1, wrong) == Merge::Received::kRefusedPriority);
+  CHECK(stage.counters().refused_priority == 1);
+  CHECK(stage.level(512) == 50);
+}
+
+TEST_CASE("a ninth sender is refused by its 0xDD frame, too") {
+  Stage stage;
+  for (SenderId sender = 1; sender <= 8; ++sender) stage.send(sender, 10);
+  CHECK(stage.claim(9, 200) == Merge::Received::kRefusedFull);
+  CHECK(stage.counters().refused_full == 1);
+}
+
+TEST_CASE("a sender that claims nothing any more is told as losing, and its frames make no look") {
+  Stage stage;
+  stage.send(1, 10, 100);
+  stage.claim(2, 0);
+  stage.send(2, 200, 200);
+  stage.settle();
+  stage.send(2, 201, 200);
+  CHECK_FALSE(stage.settle());
+  CHECK_FALSE(stage.merge().sender(0, 1).wins);
+  CHECK(stage.merge().winner_count(0) == 1);
+  CHECK(stage.counters().frames_outranked == 2);
+  stage.send(1, 11, 100);
+  CHECK(stage.settle());
+  const MergeCounters& told = stage.counters();
+  CHECK(told.frames == told.frames_shown + told.frames_outranked + told.frames_priorities);
+}
+
+TEST_CASE("a place given to a new sender has none of the old one's per-address priorities") {
+  Stage stage;
+  stage.claim(1, 200);
+  stage.send(1, 200);
+  stage.claim(2, 100);
+  stage.send(2, 10);
+  stage.settle();
+  stage.terminate(1);
+  stage.claim(3, 50, 1);
+  stage.send(3, 99);
+  CHECK(stage.level(1) == 10);
+  CHECK(stage.level(512) == 10);
+}
+
+TEST_CASE("a merge that adopts another one keeps per-address priorities and who changed which slot last") {
+  Merge old(1);
+  old.set_slot_modes(0, SlotSet(2));  // address 2
+  FrameView frame;
+  const std::array<std::uint8_t, 3> first = {10, 200, 5}, second = {20, 100, 6}, claim = {100, 100, 101};
+  frame.sender = 1;
+  frame.slots = first;
+  old.receive(0, frame, kStart);
+  frame.sender = 2;
+  frame.slots = second;
+  old.receive(0, frame, kStart);
+  frame.sender = 1;
+  frame.start_code = kStartCodePriorities;
+  frame.slots = claim;
+  old.receive(0, frame, kStart);
+  old.resolve(0);
+  old.clear_changed();
+  CHECK(old.look(0).slots[1] == 100);
+  Merge next(2);
+  const std::array<int, 2> from_index = {-1, 0};
+  next.adopt(old, from_index);
+  next.set_slot_modes(1, SlotSet(2));
+  CHECK(next.resolve(1));
+  CHECK(next.look(1).slots[0] == 20);
+  CHECK(next.look(1).slots[1] == 100);
+  CHECK(next.look(1).slots[2] == 5);
+  CHECK(next.sender(1, 0).per_address);
+}
+
+// --- HTP and LTP by slot ---
+
+TEST_CASE("slots that are LTP show the latest change beside slots that are HTP") {
+  Stage stage;
+  stage.merge().set_slot_modes(0, SlotSet(0b110));
+  std::array<std::uint8_t, 3> a = {200, 200, 200}, b = {100, 100, 100};
+  stage.send_slots(1, a);
+  stage.send_slots(2, b);
+  CHECK(stage.level(1) == 200);
+  CHECK(stage.level(2) == 100);
+  CHECK(stage.level(3) == 100);
+  a[1] = 201;
+  stage.send_slots(1, a);
+  CHECK(stage.level(2) == 201);
+  CHECK(stage.level(3) == 100);  // each slot by itself
+  stage.send_slots(2, b);        // a repeat is no change
+  CHECK(stage.level(2) == 201);
+  b[0] = 255;
+  stage.send_slots(2, b);
+  CHECK(stage.level(1) == 255);
+  CHECK(stage.level(2) == 201);
+}
+
+TEST_CASE("priority comes before slot modes, and a lower sender does not fill slots that the winner does not send") {
+  Stage stage;
+  stage.merge().set_slot_modes(0, SlotSet(0b10));
+  stage.send(1, 10, 150, 2);
+  stage.send(2, 200, 100);
+  CHECK(stage.level(1) == 10);
+  CHECK(stage.level(2) == 10);
+  CHECK(stage.level(3) == 0);
+  stage.terminate(1);
+  CHECK(stage.level(2) == 200);
+}
+
+TEST_CASE("set_mode takes slot modes back, and an empty set of slots is HTP") {
+  for (const bool by_set : {true, false}) {
+    Stage stage;
+    stage.merge().set_slot_modes(0, SlotSet(1));
+    stage.send(1, 200);
+    stage.send(2, 100);
+    CHECK(stage.level() == 100);
+    if (by_set) {
+      stage.merge().set_mode(0, MergeMode::kHtp);
+    } else {
+      stage.merge().set_slot_modes(0, {});
+    }
+    CHECK(stage.level() == 200);
+  }
+}
+
 // The rules told a second time, slowly: a map of senders and a fold over all of them for every slot.
 TEST_CASE("a long random history gives the look that the rules give when told slowly") {
   struct Told {
@@ -522,5 +926,119 @@ TEST_CASE("a long random history gives the look that the rules give when told sl
     const FrameView look = stage.merge().look(0);
     REQUIRE(std::equal(expected.begin(), expected.end(), look.slots.begin()));
     REQUIRE(stage.merge().sender_count(0) == static_cast<int>(told.size()));
+  }
+}
+
+// As above, with per-address priorities, their silence, and slots that are LTP.
+TEST_CASE(
+    "a long random history with priorities and modes by slot gives the look that the rules give when told slowly") {
+  struct Told {
+    int priority = 0;
+    TimeNs heard_ns = -1;  // no levels yet
+    TimeNs priorities_ns = -1;
+    std::map<int, std::pair<int, int>> levels;  // slot -> level, step of its last change
+    std::map<int, int> priorities;
+  };
+  constexpr int kSlots = 6;
+  const SlotSet ltp(0b101100);
+  Stage stage;
+  stage.merge().set_slot_modes(0, ltp);
+  std::map<SenderId, Told> told;
+  std::array<int, kSlots> expected{};
+  std::uint64_t random = 4242;
+  const auto draw = [&](std::uint64_t below) {
+    random = random * 6364136223846793005u + 1442695040888963407u;
+    return (random >> 33) % below;
+  };
+  const auto reckon = [&] {
+    int top = -1;
+    bool speakers = false;
+    for (const auto& [id, entry] : told) {
+      if (entry.heard_ns >= 0) top = std::max(top, entry.priority);
+      speakers = speakers || (entry.priorities_ns >= 0 && entry.heard_ns >= 0);
+    }
+    for (int slot = 0; slot < kSlots; ++slot) {
+      int best = -1, level = -1, changed = -1;
+      for (const auto& [id, entry] : told) {
+        const auto known = entry.levels.find(slot);
+        if (entry.heard_ns < 0 || known == entry.levels.end()) continue;
+        if (!speakers && entry.priority != top) continue;
+        int rank = entry.priority;
+        if (entry.priorities_ns >= 0) {
+          const auto claim = entry.priorities.find(slot);
+          if (claim == entry.priorities.end() || claim->second == 0) continue;
+          rank = claim->second;
+        }
+        if (rank < best) continue;
+        const auto [its_level, its_change] = known->second;
+        const bool takes =
+            rank > best || (ltp[static_cast<std::size_t>(slot)] ? its_change > changed : its_level > level);
+        best = rank;
+        if (!takes) continue;
+        level = its_level;
+        changed = its_change;
+      }
+      if (best >= 0) expected[static_cast<std::size_t>(slot)] = level;
+    }
+  };
+  for (int step = 1; step <= 50'000; ++step) {
+    stage.now_ns += static_cast<TimeNs>(draw(800)) * kNsPerMs;
+    const auto expire = [&] {
+      for (auto& [id, entry] : told)
+        if (entry.priorities_ns >= 0 && entry.priorities_ns + kTimeout <= stage.now_ns) {
+          entry.priorities_ns = -1;
+          entry.priorities.clear();
+        }
+      std::erase_if(told, [&](const auto& pair) {
+        const Told& entry = pair.second;
+        return entry.heard_ns >= 0 ? entry.heard_ns + kTimeout <= stage.now_ns : entry.priorities_ns < 0;
+      });
+    };
+    expire();
+    reckon();  // a look is made of what is left, before the next frame
+    stage.settle();
+    const SenderId sender = 1 + draw(8);
+    const SourceId source = static_cast<SourceId>(sender);  // so that nobody waits
+    const auto priority = static_cast<std::uint8_t>(99 + draw(3));
+    const std::uint64_t what = draw(20);
+    FrameView frame;
+    frame.sender = sender;
+    frame.priority = priority;
+    std::vector<std::uint8_t> slots(draw(kSlots + 1));
+    if (what == 0) {
+      frame.terminated = true;
+      stage.receive(frame, source);
+      told.erase(sender);
+    } else if (what < 7) {
+      for (std::uint8_t& slot : slots) slot = static_cast<std::uint8_t>(draw(3) == 0 ? 0 : 98 + draw(4));
+      stage.claim_slots(sender, slots, source);
+      Told& entry = told[sender];
+      entry.priorities_ns = stage.now_ns;
+      entry.priorities.clear();
+      for (int slot = 0; slot < static_cast<int>(slots.size()); ++slot)
+        entry.priorities[slot] = slots[static_cast<std::size_t>(slot)];
+    } else {
+      for (std::uint8_t& slot : slots) slot = static_cast<std::uint8_t>(draw(3));
+      frame.slots = slots;
+      stage.receive(frame, source);
+      Told& entry = told[sender];
+      const bool all = entry.heard_ns < 0 || entry.priority != priority;
+      entry.priority = priority;
+      entry.heard_ns = stage.now_ns;
+      for (int slot = 0; slot < static_cast<int>(slots.size()); ++slot) {
+        const int level = slots[static_cast<std::size_t>(slot)];
+        const auto known = entry.levels.find(slot);
+        if (all || known == entry.levels.end() || known->second.first != level) entry.levels[slot] = {level, step};
+      }
+    }
+
+    reckon();
+    stage.settle();
+    const FrameView look = stage.merge().look(0);
+    REQUIRE(std::equal(expected.begin(), expected.end(), look.slots.begin()));
+    REQUIRE(stage.merge().sender_count(0) == static_cast<int>(told.size()));
+    const MergeCounters& counted = stage.counters();
+    REQUIRE(counted.frames ==
+            counted.frames_shown + counted.frames_outranked + counted.frames_priorities + counted.frames_ended);
   }
 }
