@@ -52,6 +52,7 @@ struct LogWriterStats {
   std::uint64_t frames = 0;
   std::uint64_t changes = 0;      // frames that changed a level
   std::uint64_t repeats_dropped = 0;
+  std::uint64_t not_levels = 0;   // per-address priorities, which the format has no place for; left out
   std::uint64_t late_stamps = 0;  // frames stamped before the one before them (or before the origin); raised to it
   std::uint64_t blocks = 0;
   std::uint64_t bytes = 0;        // in the file so far

@@ -175,7 +175,7 @@ Status LogSink::send(TimeNs now_ns, std::span<const FrameView> frames) {
       waiting.frames.back().slots = {};
       waiting.slot_counts.push_back(static_cast<std::uint16_t>(frame.slots.size()));
       waiting.slots.insert(waiting.slots.end(), frame.slots.begin(), frame.slots.end());
-      ++impl_->counted.frames;
+      if (frame.start_code == kStartCodeLevels) ++impl_->counted.frames;  // the writer leaves out and counts the rest
     }
     if (waiting.size_bytes() >= kWakeBytes && !impl_->woken) wake = impl_->woken = true;
   }

@@ -159,6 +159,10 @@ Status LogWriter::append(const FrameView& frame) {
   FL_CHECK(!impl_->closed);
   FL_CHECK(is_universe(frame.universe));
   FL_CHECK_LE(frame.slots.size(), static_cast<std::size_t>(kSlotCountMax));
+  if (frame.start_code != kStartCodeLevels) {
+    ++impl_->stats.not_levels;
+    return {};
+  }
   DurationNs time_ns = impl_->last_ns;
   if (frame.stamp_ns > impl_->options.origin_ns + dmx_log::kTimeLimitNs) {
     return fail(ErrorCode::kBadInput, "{}: a frame is stamped {} ns, more than 73 years after the start",

@@ -27,13 +27,19 @@ std::vector<Universe> named_universes(const Show& show) {
   return universes;
 }
 
-Status check_ltp(const std::vector<Universe>& ltp, const std::vector<Universe>& universes) {
-  for (const Universe universe : ltp) {
-    if (!std::binary_search(universes.begin(), universes.end(), universe)) {
-      return fail(ErrorCode::kBadInput, "[merge]: ltp names universe {}, which no port carries", universe);
-    }
-  }
+Status check_ltp(const Show& show, const std::vector<Universe>& universes) {
+  const auto check = [&universes](const char* key, Universe universe) -> Status {
+    if (std::binary_search(universes.begin(), universes.end(), universe)) return {};
+    return fail(ErrorCode::kBadInput, "[merge]: {} names universe {}, which no port carries", key, universe);
+  };
+  for (const Universe universe : show.ltp) FL_TRY(check("ltp", universe));
+  for (const LtpSlots& ltp : show.ltp_slots) FL_TRY(check("ltp_slots", ltp.universe));
   return {};
+}
+
+void set_modes(Pump& pump, const std::vector<Universe>& universes, const std::vector<LtpSlots>& slots) {
+  for (const Universe universe : universes) pump.set_mode(universe, MergeMode::kLtp);
+  for (const LtpSlots& ltp : slots) pump.set_slot_modes(ltp.universe, ltp.slots);
 }
 
 // Has the pump's thread do it, and waits until it has.
@@ -79,7 +85,7 @@ Status LiveShow::open(const Show& show) {
     ins_.push_back({plan, std::move(source)});
   }
   universes = sorted_once(std::move(universes));
-  FL_TRY(check_ltp(show.ltp, universes));
+  FL_TRY(check_ltp(show, universes));
   for (const OutPlan& plan : show.outs) {
     FL_ASSIGN(std::shared_ptr<Sink> sink, open_out(plan, universes));
     outs_.push_back({plan, std::move(sink)});
@@ -87,6 +93,7 @@ Status LiveShow::open(const Show& show) {
   FL_ASSIGN(buffer_, Universes::make(universes));
   merge_ = show.merge;
   ltp_ = show.ltp;
+  ltp_slots_ = show.ltp_slots;
   return {};
 }
 
@@ -99,7 +106,7 @@ void LiveShow::add_out(Pump& pump, const std::vector<Out>& outs, const Out& out)
 }
 
 void LiveShow::add_to(Pump& pump) {
-  for (const Universe universe : ltp_) pump.set_mode(universe, MergeMode::kLtp);
+  set_modes(pump, ltp_, ltp_slots_);
   for (const In& in : ins_) pump.add_source(*in.port);
   for (const Out& out : outs_) add_out(pump, outs_, out);
 }
@@ -168,7 +175,7 @@ Result<ShowChange> LiveShow::change_to(const Show& show, Pump& pump, const std::
     if (in.port != nullptr) universes.insert(universes.end(), in.port->universes().begin(), in.port->universes().end());
   }
   universes = sorted_once(std::move(universes));
-  FL_TRY(check_ltp(show.ltp, universes));
+  FL_TRY(check_ltp(show, universes));
   for (Out& out : outs) {
     if (out.port != nullptr || is_late(late_outs, out)) continue;
     added_outs.push_back(&out);
@@ -179,7 +186,7 @@ Result<ShowChange> LiveShow::change_to(const Show& show, Pump& pump, const std::
   std::shared_ptr<Universes> buffer = buffer_;
   const auto numbers = buffer_->numbers();
   const bool moves = !std::equal(universes.begin(), universes.end(), numbers.begin(), numbers.end()) ||
-                     !(show.merge == merge_) || show.ltp != ltp_;
+                     !(show.merge == merge_) || show.ltp != ltp_ || show.ltp_slots != ltp_slots_;
   if (moves) {
     FL_ASSIGN(buffer, Universes::make(universes));
   }
@@ -213,7 +220,7 @@ Result<ShowChange> LiveShow::change_to(const Show& show, Pump& pump, const std::
         }
         if (moves) {
           pump.move_to(buffer, show.merge);
-          for (const Universe universe : show.ltp) pump.set_mode(universe, MergeMode::kLtp);
+          set_modes(pump, show.ltp, show.ltp_slots);
         }
         for (const In* in : added_ins) pump.add_source(*in->port);
         for (const In& old : old_ins) pump.remove_source(*old.port);
@@ -231,6 +238,7 @@ Result<ShowChange> LiveShow::change_to(const Show& show, Pump& pump, const std::
   buffer_ = buffer;
   merge_ = show.merge;
   ltp_ = show.ltp;
+  ltp_slots_ = show.ltp_slots;
   change.closed = static_cast<int>(old_ins.size() + old_outs.size());
   change.opened = static_cast<int>(added_ins.size() + added_outs.size());
   old_ins.clear();  // gives devices and files back

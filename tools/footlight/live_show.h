@@ -72,6 +72,7 @@ class LiveShow {
   std::shared_ptr<Universes> buffer_;
   MergeOptions merge_;
   std::vector<Universe> ltp_;
+  std::vector<LtpSlots> ltp_slots_;
 };
 
 }  // namespace footlight::tools

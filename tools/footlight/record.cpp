@@ -89,8 +89,10 @@ Result<int> record(const Options& options) {
   const LogWriterStats stats = kept.stats();
   const std::uint64_t lost = kept.counters().dropped;
   if (!options.json) {
-    fmt::print(stderr, "{}: {} frames, {} of them with changes, {} bytes{}\n", options.out, stats.frames, stats.changes,
-               stats.bytes, lost == 0 ? "" : fmt::format("; {} frames lost, the disk was too slow", lost));
+    fmt::print(stderr, "{}: {} frames, {} of them with changes, {} bytes{}{}\n", options.out, stats.frames,
+               stats.changes, stats.bytes,
+               lost == 0 ? "" : fmt::format("; {} frames lost, the disk was too slow", lost),
+               stats.not_levels == 0 ? "" : fmt::format("; {} of per-address priorities left out", stats.not_levels));
   }
   return lost == 0 ? kExitOk : kExitFailed;
 }

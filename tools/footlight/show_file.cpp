@@ -114,6 +114,52 @@ Result<std::optional<drivers::SecondPort>> read_second_port(TomlReader& reader, 
   return port;
 }
 
+// "1-24,30"
+std::optional<SlotSet> parse_addresses(std::string_view text) {
+  SlotSet slots;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (true) {
+    Address first = 0;
+    auto read = std::from_chars(at, end, first);
+    if (read.ec != std::errc() || !is_address(first)) return std::nullopt;
+    Address last = first;
+    if (read.ptr != end && *read.ptr == '-') {
+      read = std::from_chars(read.ptr + 1, end, last);
+      if (read.ec != std::errc() || !is_address(last) || last < first) return std::nullopt;
+    }
+    for (Address address = first; address <= last; ++address) {
+      slots.set(static_cast<std::size_t>(slot_of_address(address)));
+    }
+    if (read.ptr == end) return slots;
+    if (*read.ptr != ',') return std::nullopt;
+    at = read.ptr + 1;
+  }
+}
+
+void read_ltp_slots(const TomlNode& node, TomlReader& merge, Show& show) {
+  for (const fixtures::TomlEntry& entry : std::get<fixtures::TomlTable>(node.value)) {
+    LtpSlots ltp;
+    const char* const end = entry.key.data() + entry.key.size();
+    const auto read = std::from_chars(entry.key.data(), end, ltp.universe);
+    const auto* const text = std::get_if<std::string>(&entry.node.value);
+    const auto slots = text != nullptr ? parse_addresses(*text) : std::nullopt;
+    if (read.ec != std::errc() || read.ptr != end || !is_universe(ltp.universe)) {
+      merge.trouble(entry.node.line, "ltp_slots: \"{}\" is no universe; expected one from {} to {}", entry.key,
+                    kUniverseMin, kUniverseMax);
+    } else if (!slots) {
+      merge.trouble(entry.node.line, "ltp_slots: universe {}: expected addresses from 1 to 512, as in \"1-24,30\"",
+                    ltp.universe);
+    } else if (std::find(show.ltp.begin(), show.ltp.end(), ltp.universe) != show.ltp.end()) {
+      merge.trouble(entry.node.line, "ltp_slots: universe {} is in ltp, as a whole; leave it out of one of the two",
+                    ltp.universe);
+    } else {
+      ltp.slots = *slots;
+      show.ltp_slots.push_back(ltp);
+    }
+  }
+}
+
 Result<InPlan> read_in(const TomlNode& node, const std::string& file) {
   TomlReader reader(node, file, "[[in]]");
   InPlan plan;
@@ -231,6 +277,7 @@ Result<Show> parse_show(std::string_view text, const std::string& file) {
         show.ltp.push_back(static_cast<Universe>(universe));
       }
     }
+    if (const TomlNode* const slots = merge_reader.table("ltp_slots")) read_ltp_slots(*slots, merge_reader, show);
     FL_TRY(merge_reader.finish());
   }
   for (const TomlNode* node : ins) {

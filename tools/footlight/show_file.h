@@ -6,6 +6,7 @@
 //   [merge]                        # optional
 //   timeout = "2.5s"               # how long a silent sender is remembered
 //   ltp = [2, 3]                   # in these universes the latest change wins, not the highest level
+//   ltp_slots = {1 = "1-24,30"}    # in universe 1 it does so at these addresses
 //   [[in]]
 //   endpoint = "sacn:1-9"          # see sim/core/endpoint.h
 //   preview = false                # sacn: hear frames for visualisers, too
@@ -55,12 +56,20 @@ struct OutPlan {
   friend bool operator==(const OutPlan&, const OutPlan&) = default;
 };
 
+// Addresses of a universe in which the latest change wins.
+struct LtpSlots {
+  Universe universe = 0;
+  SlotSet slots;
+  friend bool operator==(const LtpSlots&, const LtpSlots&) = default;
+};
+
 struct Show {
   std::vector<InPlan> ins;
   std::vector<OutPlan> outs;  // after order_standbys(): who stands by for another comes after it
   int universe_count = 0;  // universes 1 to this are there beside those that ports name
   MergeOptions merge;
   std::vector<Universe> ltp;
+  std::vector<LtpSlots> ltp_slots;  // of other universes than those of `ltp`; each universe once
 };
 
 // Puts those that stand by behind those that they stand by for. kBadInput names one that stands by for nobody of the

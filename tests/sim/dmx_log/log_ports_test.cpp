@@ -257,6 +257,9 @@ TEST_CASE("the sink records every frame with the stamp that it carries, and the 
   for (const OwnedFrame& frame : frames) {
     FrameView batch[2] = {frame.view(kNsPerS), frame.view(kNsPerS)};
     batch[1].universe = 9;  // not asked for
+    FrameView priorities = frame.view(kNsPerS);
+    priorities.start_code = kStartCodePriorities;
+    REQUIRE((*sink)->send(priorities.stamp_ns, {&priorities, 1}));
     const TimeNs now_ns = batch[0].stamp_ns + 123'456;  // later than the stamp
     REQUIRE((*sink)->send(now_ns, batch));
     if ((*sink)->next_deadline_ns() <= now_ns) REQUIRE((*sink)->poll(now_ns));
@@ -268,6 +271,7 @@ TEST_CASE("the sink records every frame with the stamp that it carries, and the 
   CHECK((*sink)->counters().frames == 300);
   CHECK((*sink)->counters().dropped == 0);
   CHECK((*sink)->stats().frames == 300);
+  CHECK((*sink)->stats().not_levels == 300);
   auto reader = LogReader::open(path);
   REQUIRE(reader);
   CHECK(reader->info().duration_ns == 60 * kNsPerS);

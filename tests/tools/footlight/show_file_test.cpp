@@ -1,6 +1,7 @@
 #include "tools/footlight/show_file.h"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 namespace footlight::tools {
 namespace {
@@ -35,6 +36,7 @@ universes = 9
 [merge]
 timeout = "1.5s"
 ltp = [2, 3]
+ltp_slots = {1 = "1-24,30", 9 = "512"}
 [[in]]
 endpoint = "sacn:1-9%eth0"
 preview = true
@@ -76,6 +78,15 @@ broadcast = false
   CHECK(show->universe_count == 9);
   CHECK(show->merge.timeout_ns == 1'500 * kNsPerMs);
   CHECK(show->ltp == std::vector<Universe>{2, 3});
+  REQUIRE(show->ltp_slots.size() == 2);
+  CHECK(show->ltp_slots[0].universe == 1);
+  CHECK(show->ltp_slots[0].slots.count() == 25);
+  CHECK(show->ltp_slots[0].slots[0]);
+  CHECK(show->ltp_slots[0].slots[23]);
+  CHECK_FALSE(show->ltp_slots[0].slots[24]);
+  CHECK(show->ltp_slots[0].slots[29]);
+  CHECK(show->ltp_slots[1].universe == 9);
+  CHECK(show->ltp_slots[1].slots[511]);
   REQUIRE(show->ins.size() == 4);
   CHECK(show->ins[0].options.hear_preview);
   CHECK(show->ins[1].options.priority == 150);
@@ -160,6 +171,18 @@ TEST_CASE("what a GPIO input cannot do is refused with the line") {
   CHECK(contains(refusal(with_gpio(rate + "rate_hz = [2, 1]\nrate_values = [1, 2]\n")), "rising"));
   CHECK(contains(refusal(with_gpio(rate + "rate_hz = [1, 2]\n")), "rate_values"));
   CHECK(contains(refusal(with_gpio(rate + "rate_hz = [1, \"2\"]\nrate_values = [1, 2]\n")), "numbers"));
+}
+
+TEST_CASE("LTP slots that are none are refused with the line") {
+  for (const char* wrong : {"{1 = \"0\"}", "{1 = \"1-513\"}", "{1 = \"5-4\"}", "{1 = \"1,\"}", "{1 = \"\"}", "{1 = 3}",
+                            "{one = \"3\"}", "{0 = \"3\"}", "{64000 = \"3\"}", "{3 = \"1\"}", "\"1-24\""}) {
+    const auto show = parse_show(fmt::format("[merge]\nltp = [3]\nltp_slots = {}\n[[in]]\nendpoint = \"sacn:1\"\n"
+                                             "[[out]]\nendpoint = \"artnet:1\"\n",
+                                             wrong),
+                                 "show.toml");
+    REQUIRE_FALSE(show.has_value());
+    CHECK_MESSAGE(show.error().message.starts_with("show.toml:3: "), show.error().message);
+  }
 }
 
 TEST_CASE("trouble in a show file is named by line") {
