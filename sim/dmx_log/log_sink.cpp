@@ -164,7 +164,6 @@ Status LogSink::send(TimeNs now_ns, std::span<const FrameView> frames) {
     for (const FrameView& frame : frames) {
       FL_CHECK(is_universe(frame.universe));
       if (!impl_->wanted[static_cast<std::size_t>(frame.universe)]) continue;
-      if (frame.start_code != kStartCodeLevels) continue;  // the format holds levels
       const std::size_t size_bytes = sizeof(FrameView) + 2 + frame.slots.size();
       if (impl_->error || waiting.size_bytes() + size_bytes > impl_->options.waiting_bytes_max) {
         ++impl_->counted.dropped;
