@@ -5,10 +5,7 @@
 // with every plugging in. It is taken for this program alone (TIOCEXCL).
 #pragma once
 
-#include <cstdint>
 #include <memory>
-#include <span>
-#include <vector>
 
 #include "drivers/device/chooser.h"
 #include "drivers/device/transport.h"
@@ -18,21 +15,5 @@ namespace footlight::drivers {
 // Does not look for the device yet; connect() does. The chooser may be shared with another connector to the same
 // device. kUnsupported: the system gives no file descriptors.
 [[nodiscard]] Result<std::unique_ptr<Connector>> make_tty_connector(std::shared_ptr<Chooser> chooser, Clock& clock);
-
-// A tty by its path, without a device behind it to look for: for tests on a pseudo-terminal.
-[[nodiscard]] Result<std::unique_ptr<Transport>> open_tty(const std::string& path, Clock& clock);
-
-// What a tty in PARMRK mode says of a line: FF 00 00 is a break, FF 00 x a byte with a framing error, FF FF a byte FF
-// (termios(3)). Bytes may be cut anywhere.
-class TtyMarkParser {
- public:
-  // Appends to `into`.
-  void take(std::span<const std::uint8_t> bytes, TimeNs stamp_ns, std::vector<LineByte>& into);
-  void reset() { state_ = State::kPlain; }
-
- private:
-  enum class State { kPlain, kMark, kError };
-  State state_ = State::kPlain;
-};
 
 }  // namespace footlight::drivers

@@ -2,7 +2,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "drivers/tty/tty_connector.h"
+#include "drivers/tty/tty_marks.h"
 #include "drivers/usb/line_frame.h"
 #include "tests/fuzz/fuzz.h"
 

@@ -10,7 +10,6 @@
 #include "drivers/mock/open_dmx_model.h"
 #include "drivers/ports_factory.h"
 #include "drivers/registry.h"
-#include "drivers/tty/tty_connector.h"
 #include "sim/system_clock.h"
 #include "tests/support/tty_fs.h"
 #include "tests/support/usb_port_test.h"
