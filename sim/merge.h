@@ -15,7 +15,8 @@
 // Per-address priority (start code 0xDD, ETC's extension of sACN; ETCLabs/sACN, docs/pages/per_address_priority.md):
 // - A sender that sends it has that priority in each slot instead of the one of its packets. 0: it leaves the slot to
 //   others; slots past the end of a short frame are 0. Senders without it have their packets' priority in each slot
-//   that they send. The highest wins slot by slot, equal ones merge as above; a slot that nobody claims keeps its level.
+//   that they send. The highest wins slot by slot, equal ones merge as above; a slot that nobody claims keeps its
+//   level.
 // - A sender whose 0xDD frames stop, while its levels go on, falls back to its packets' priority after the time of
 //   silence. One whose levels stop is forgotten, whether 0xDD goes on or not. Either may come first.
 // - A new sender waits for its 0xDD for 1.5 s where another sender of its source sends them in this universe, so that a

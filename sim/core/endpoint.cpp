@@ -266,22 +266,22 @@ Result<std::vector<std::uint8_t>> parse_address_priorities(std::string_view text
     const std::size_t colon = rest.find(':');
     const std::string_view range = rest.substr(0, colon);
     const std::size_t dash = range.find('-');
-    const auto first = number_of(range.substr(0, dash));
-    const auto last = dash == std::string_view::npos ? first : number_of(range.substr(dash + 1));
-    const auto priority = colon == std::string_view::npos ? std::nullopt : number_of(rest.substr(colon + 1));
-    if (!first || !last || !priority || !is_address(*first) || !is_address(*last) || *last < *first ||
-        *priority > kPriorityMax) {
+    // What is no number becomes one that is out of range.
+    const auto first = number_of(range.substr(0, dash)).value_or(0);
+    const auto last = dash == std::string_view::npos ? first : number_of(range.substr(dash + 1)).value_or(0);
+    const auto priority = colon == std::string_view::npos ? -1 : number_of(rest.substr(colon + 1)).value_or(-1);
+    if (!is_address(first) || !is_address(last) || last < first || priority < 0 || priority > kPriorityMax) {
       return fail(ErrorCode::kBadInput,
                   "expected addresses from 1 to {} and a priority from 0 to {}, as in 1-100:150, got \"{}\"",
                   kSlotCountMax, kPriorityMax, rest);
     }
-    for (Address address = *first; address <= *last; ++address) {
+    for (Address address = first; address <= last; ++address) {
       const auto slot = static_cast<std::size_t>(slot_of_address(address));
       if (named[slot]) {
         return fail(ErrorCode::kBadInput, "address {} is named twice; name each address once", address);
       }
       named[slot] = true;
-      priorities[slot] = static_cast<std::uint8_t>(*priority);
+      priorities[slot] = static_cast<std::uint8_t>(priority);
     }
   }
   return priorities;
