@@ -24,12 +24,14 @@ void StatusPages::set_reload_trouble(const std::string& trouble) {
 HttpAnswer StatusPages::answer_metrics(const HttpRequest& request) const {
   if (request.path != "/metrics") return refusal(404, "not here; try /metrics");
   if (request.method != "GET") return refusal(405, "expected GET");
+  const PumpStatus status = pump_.latest_status();
+  if (status.stamp_ns == 0) return refusal(503, "the pump is about to start; ask again");
   ServiceFacts facts;
   facts.start_unix_ns = start_unix_ns_;
   facts.real_time = real_time.load();
   facts.reloads = reloads.load();
   facts.reload_failures = reload_failures.load();
-  return {.type = kMetricsType, .body = metrics_text(pump_.latest_status(), facts)};
+  return {.type = kMetricsType, .body = metrics_text(status, facts)};
 }
 
 HttpAnswer StatusPages::answer(const HttpRequest& request) const {

@@ -208,7 +208,8 @@ TEST_CASE("a running bridge gives its metrics where it was told to, and nothing 
   testing::Footlight bridge({"run", "--in", "mock:enttec-pro", "--out", "mock:enttec-pro", "--json", "--socket", "none",
                              "--metrics", "unix:" + place});
   bridge.wait_for(R"("event":"ready")");
-  const auto answer = http_request(place, "GET", "/metrics");
+  auto answer = http_request(place, "GET", "/metrics");
+  while (answer && answer->status == 503) answer = http_request(place, "GET", "/metrics");  // about to start
   REQUIRE_MESSAGE(answer.has_value(), (answer ? "" : answer.error().message));
   CHECK(answer->status == 200);
   const Page page = parse(answer->body);
