@@ -52,7 +52,7 @@ TEST_CASE("a bridge without JSON ends with a summary for people on standard erro
 TEST_CASE("a universe that no input brings is said once at the start") {
   const Outcome outcome = footlight({"run", "--in", "mock:enttec-pro", "--out", "mock:enttec-pro=2", "--for", "0s"});
   CHECK(outcome.exit_code == 0);
-  CHECK(contains(outcome.err, "mock:enttec-pro: no input brings universe 2"));
+  CHECK(contains(outcome.err, "mock:enttec-pro=2: no input brings universe 2"));
 }
 
 // The service manager's end of sd_notify().
