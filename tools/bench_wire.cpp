@@ -66,19 +66,26 @@ std::uint64_t read_u64(std::span<const std::uint8_t> in) {
 class Listener final : public FrameReceiver {
  public:
   Listener(std::span<const Universe> universes, std::size_t counts_max)
-      : universes_(universes.begin(), universes.end()), seen_(universes.size(), std::vector<bool>(counts_max)) {}
+      : places_(static_cast<std::size_t>(kUniverseMax) + 1, -1),
+        seen_(universes.size(), std::vector<bool>(counts_max)),
+        heard_(universes.size()) {
+    for (std::size_t i = 0; i < universes.size(); ++i) {
+      places_[static_cast<std::size_t>(universes[i])] = static_cast<int>(i);
+    }
+  }
 
   void receive(const FrameView& frame) override {
-    const auto at = std::find(universes_.begin(), universes_.end(), frame.universe);
-    if (at == universes_.end() || frame.slots.size() < kStampBytes) return;
+    const int place = places_[static_cast<std::size_t>(frame.universe)];
+    if (place < 0 || frame.slots.size() < kStampBytes) return;
     const std::uint64_t count = read_u64(frame.slots.subspan(8));
-    auto& seen = seen_[static_cast<std::size_t>(at - universes_.begin())];
+    auto& seen = seen_[static_cast<std::size_t>(place)];
     if (count >= seen.size()) return;
     if (seen[count]) {
       ++repeats;
       return;
     }
-    if (std::find(seen.begin(), seen.end(), true) == seen.end()) universes_heard.fetch_add(1);
+    if (!heard_[static_cast<std::size_t>(place)]) universes_heard.fetch_add(1);
+    heard_[static_cast<std::size_t>(place)] = true;
     seen[count] = true;
     if (count < measured_from.load()) return;
     ++frames;
@@ -93,8 +100,9 @@ class Listener final : public FrameReceiver {
   std::vector<DurationNs> latencies_ns;
 
  private:
-  std::vector<Universe> universes_;
+  std::vector<int> places_;  // per universe; -1: not one of ours
   std::vector<std::vector<bool>> seen_;
+  std::vector<bool> heard_;
 };
 
 // Nanoseconds of processor time that all threads of a process have had; 0 where it cannot be read.
@@ -111,16 +119,27 @@ std::uint64_t cpu_ns_of(pid_t pid) {
   return sum_ns;
 }
 
+// Resident memory of a process; 0 where it cannot be read.
+std::uint64_t rss_kib_of(pid_t pid) {
+  std::ifstream file(fmt::format("/proc/{}/status", pid));
+  for (std::string word; file >> word;) {
+    std::uint64_t kib = 0;
+    if (word == "VmRSS:" && file >> kib) return kib;
+  }
+  return 0;
+}
+
 // A bridge and nothing else: every frame that comes in goes out, in batches in which no universe appears twice. (A pump
 // would send the newest frame of each universe only; after a stall that is a loss by the count of this program.)
 Status relay(Source& source, Sink& sink, Clock& clock) {
   class Collector final : public FrameReceiver {
    public:
-    explicit Collector(Sink& to) : to_(to), slots_(to.universes().size()) {}
+    explicit Collector(Sink& to)
+        : to_(to), slots_(to.universes().size()), is_in_(static_cast<std::size_t>(kUniverseMax) + 1) {}
     void receive(const FrameView& frame) override {
-      if (frame.terminated) return;
-      const auto same = [&](const FrameView& kept) { return kept.universe == frame.universe; };
-      if (std::any_of(batch_.begin(), batch_.end(), same)) flush();
+      if (frame.terminated || frame.start_code != kStartCodeLevels) return;
+      if (is_in_[static_cast<std::size_t>(frame.universe)]) flush();
+      is_in_[static_cast<std::size_t>(frame.universe)] = true;
       Slots& slots = slots_[batch_.size()];
       std::copy(frame.slots.begin(), frame.slots.end(), slots.begin());
       batch_.push_back(frame);
@@ -128,6 +147,7 @@ Status relay(Source& source, Sink& sink, Clock& clock) {
     }
     void flush() {
       if (status) status = to_.send(now_ns, batch_);
+      for (const FrameView& frame : batch_) is_in_[static_cast<std::size_t>(frame.universe)] = false;
       batch_.clear();
     }
     TimeNs now_ns = 0;
@@ -136,6 +156,7 @@ Status relay(Source& source, Sink& sink, Clock& clock) {
    private:
     Sink& to_;
     std::vector<Slots> slots_;
+    std::vector<bool> is_in_;
     std::vector<FrameView> batch_;
   } collector(sink);
   while (collector.status) {
@@ -201,8 +222,13 @@ struct Report {
   std::uint64_t repeats = 0;
   double seconds = 0.0;
   double cpu_percent = -1.0;             // of one core; below 0: not known
+  std::uint64_t rss_kib = 0;             // of the device, at the end
   std::vector<DurationNs> latencies_ns;  // sorted
 
+  // Of processor time of the device for each datagram that it sent.
+  [[nodiscard]] double cpu_us_per_datagram() const {
+    return received == 0 ? 0.0 : cpu_percent * 1e4 * seconds / static_cast<double>(received + repeats);
+  }
   [[nodiscard]] double quantile_us(double q) const {
     if (latencies_ns.empty()) return 0.0;
     const auto at = static_cast<std::size_t>(std::ceil(q * static_cast<double>(latencies_ns.size())));
@@ -276,6 +302,7 @@ Result<Report> measure(const Wanted& wanted, Source& source, Sink& sink, pid_t d
   for (std::uint64_t round = 0; status && round < rounds; ++round) status = send_round();
   const TimeNs end_ns = clock.now_ns();
   const std::uint64_t cpu_after_ns = device > 0 ? cpu_ns_of(device) : 0;
+  const std::uint64_t rss_kib = device > 0 ? rss_kib_of(device) : 0;
   clock.sleep_until_ns(end_ns + kDrainNs);
   end_listening();
   sink.close(clock.now_ns());
@@ -286,6 +313,7 @@ Result<Report> measure(const Wanted& wanted, Source& source, Sink& sink, pid_t d
   report.sent = (count - measured_from) * report.universes;
   report.received = listener.frames;
   report.repeats = listener.repeats;
+  report.rss_kib = rss_kib;
   report.seconds = static_cast<double>(end_ns - begin_ns) * 1e-9;
   if (cpu_before_ns > 0 && cpu_after_ns >= cpu_before_ns) {
     report.cpu_percent = 1e-7 * static_cast<double>(cpu_after_ns - cpu_before_ns) / report.seconds;
@@ -305,7 +333,10 @@ void print(const Wanted& wanted, const Report& report) {
         wanted.to, wanted.floor ? wanted.to : wanted.from, report.universes, wanted.rate_hz, report.seconds,
         report.sent, report.received, lost, report.repeats, report.quantile_us(0.5), report.quantile_us(0.9),
         report.quantile_us(0.99), report.quantile_us(1.0));
-    if (report.cpu_percent >= 0) fmt::print(", \"cpu_percent\": {:.3f}", report.cpu_percent);
+    if (report.cpu_percent >= 0) {
+      fmt::print(", \"cpu_percent\": {:.3f}, \"cpu_us_per_datagram\": {:.3f}, \"rss_kib\": {}", report.cpu_percent,
+                 report.cpu_us_per_datagram(), report.rss_kib);
+    }
     fmt::print("}}\n");
     return;
   }
@@ -315,7 +346,10 @@ void print(const Wanted& wanted, const Report& report) {
              report.repeats);
   fmt::print("latency  p50 {:.0f} us, p90 {:.0f} us, p99 {:.0f} us, worst {:.0f} us\n", report.quantile_us(0.5),
              report.quantile_us(0.9), report.quantile_us(0.99), report.quantile_us(1.0));
-  if (report.cpu_percent >= 0) fmt::print("device   {:.2f} % of one core\n", report.cpu_percent);
+  if (report.cpu_percent >= 0) {
+    fmt::print("device   {:.2f} % of one core, {:.2f} us a datagram, {} KiB resident\n", report.cpu_percent,
+               report.cpu_us_per_datagram(), report.rss_kib);
+  }
 }
 
 // One latency a line, in ns, the shortest first.
@@ -330,7 +364,8 @@ Status write_latencies(const std::string& path, const Report& report) {
 Status run(const Wanted& wanted) {
   FL_ASSIGN(const Endpoint to, parse_endpoint(wanted.to, {}));
   FL_ASSIGN(const Endpoint from, parse_endpoint(wanted.floor ? wanted.to : wanted.from, {}));
-  if (from.universes.size() > to.universes.size() || (wanted.use_relay && from.universes.size() < to.universes.size())) {
+  if (from.universes.size() > to.universes.size() ||
+      (wanted.use_relay && from.universes.size() < to.universes.size())) {
     return fail(ErrorCode::kBadInput, "{} and {} name {} and {} universes; expected {} on both sides", wanted.to,
                 wanted.from, to.universes.size(), from.universes.size(),
                 wanted.use_relay ? "as many" : "no fewer on the first");

@@ -71,7 +71,6 @@ Status NetSource::open() {
   } else if (!is_multicast(bind_ipv4s.front())) {
     settings_.groups.clear();  // unicast only
   }
-  group_bind_ipv4_ = bind_ipv4s.front();
   FL_TRY(find_named_interfaces());
   epoll_ = Fd(epoll_create1(EPOLL_CLOEXEC));
   if (!epoll_) return tl::unexpected(net_error(settings_.name, "create an epoll descriptor", errno));
@@ -91,7 +90,10 @@ Status NetSource::add_socket(std::uint32_t bind_ipv4) {
   wanted.bind_ipv4 = bind_ipv4;
   wanted.udp_port = settings_.udp_port;
   wanted.kernel_stamps = settings_.kernel_stamps;
-  wanted.packet_info = settings_.packet_info;
+  wanted.packet_info = settings_.packet_info || !settings_.groups.empty();
+  // Room for four frames of every universe, by what the kernel counts for a datagram of a full one.
+  const std::size_t frames_bytes = settings_.universes.size() * 4 * 2'304;
+  wanted.buffer_bytes = static_cast<int>(std::clamp<std::size_t>(frames_bytes, 4 << 20, 64 << 20));
   FL_ASSIGN(Fd socket, open_receiver(wanted));
   if (!watch_readable(epoll_, socket.get(), sockets_.size())) {
     return tl::unexpected(net_error(settings_.name, "watch a socket", errno));
@@ -117,7 +119,13 @@ Status NetSource::find_named_interfaces() {
 Status NetSource::join(std::uint32_t group, int interface_index) {
   // A socket below our limit may still be full where the system's limit is lower; then the next one takes the group.
   for (std::size_t i = 0;; ++i) {
-    if (i == sockets_.size()) FL_TRY(add_socket(group_bind_ipv4_));
+    if (i == sockets_.size()) {
+      if (const int error_number = hear_all_groups(sockets_.front().fd); error_number != 0) {
+        return tl::unexpected(net_error(settings_.name, "hear groups of other sockets", error_number));
+      }
+      FL_ASSIGN(Fd member, open_member(settings_.name));
+      sockets_.push_back({std::move(member), 0, 0});
+    }
     Socket& socket = sockets_[i];
     if (socket.groups >= kGroupsPerSocketMax) continue;
     const int error_number = join_group(socket.fd, group, interface_index);
@@ -231,6 +239,8 @@ void NetSource::read_socket(std::size_t index, TimeNs now_ns, FrameReceiver& rec
         ++counters_.rejected;
         continue;
       }
+      // A group that others on this machine have joined elsewhere; see Socket.
+      if (is_multicast(datagram.to_ipv4) && joined_interfaces_.count(datagram.interface_index) == 0) continue;
       take(datagram, now_ns - datagram.age_ns, receiver);
     }
     counters_.dropped += static_cast<std::uint32_t>(drops - sockets_[index].kernel_drops);

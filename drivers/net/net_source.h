@@ -30,7 +30,7 @@ class NetSource : public Source {
   [[nodiscard]] std::span<const Universe> universes() const override { return show_universes_; }
   Status poll(TimeNs now_ns, FrameReceiver& receiver) override;
 
-  // Sockets open now: one for each kGroupsPerSocketMax groups, at least one. For tests.
+  // Sockets open now, one for each kGroupsPerSocketMax groups. For tests.
   [[nodiscard]] std::size_t socket_count() const { return sockets_.size(); }
 
  protected:
@@ -44,7 +44,7 @@ class NetSource : public Source {
     bool kernel_stamps = true;
     bool packet_info = false;
     DurationNs silence_max_ns = kSenderTimeoutNs;  // kWorking until nothing has come for so long
-    std::vector<std::uint32_t> groups;  // to join; empty: none
+    std::vector<std::uint32_t> groups;             // to join; empty: none
   };
   explicit NetSource(Settings settings);
 
@@ -73,6 +73,10 @@ class NetSource : public Source {
   void drop_group(std::uint32_t group);
 
  private:
+  // The first is read (with addresses: one for each). As long as it has room for all groups it hears those and no
+  // others. Then further ones, which are not read, hold the rest, and it hears every group that this machine takes:
+  // the kernel offers a datagram to every socket of its port and looks through the groups of each, so that hundreds of
+  // reading sockets would cost more than the reading.
   struct Socket {
     Fd fd;
     std::size_t groups = 0;
@@ -98,7 +102,6 @@ class NetSource : public Source {
   Settings settings_;
   std::vector<Universe> show_universes_;
   UniverseIndex wire_index_;
-  std::uint32_t group_bind_ipv4_ = 0;
   std::set<int> only_interfaces_;  // those of settings_.interface_names that are there
   Fd epoll_;
   std::vector<Socket> sockets_;

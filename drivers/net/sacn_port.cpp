@@ -44,7 +44,7 @@ void SacnSource::take(const Datagram& datagram, TimeNs stamp_ns, FrameReceiver& 
     SacnSource& source_;
     FrameReceiver& to_;
   } outlet(*this, receiver);
-  if (!rules_.take(datagram.bytes, datagram.from_ipv4, {stamp_ns, datagram.kernel_ns}, outlet)) count_rejected();
+  if (!rules_.take(datagram.bytes, datagram.from_ipv4, stamp_ns, outlet)) count_rejected();
   if (const auto change = rules_.take_change()) follow(*change);
 }
 

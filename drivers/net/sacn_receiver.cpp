@@ -16,18 +16,18 @@ SacnReceiver::SacnReceiver(const Settings& settings)
       priority_filters_(settings.universes.size()),
       synchroniser_(settings.universes.size()) {}
 
-bool SacnReceiver::take(std::span<const std::uint8_t> datagram, std::uint32_t from_ipv4, Arrival arrival,
+bool SacnReceiver::take(std::span<const std::uint8_t> datagram, std::uint32_t from_ipv4, TimeNs now_ns,
                         FrameReceiver& receiver) {
   const auto packet = parse_sacn_packet(datagram);
   if (!packet) return false;
   if (const auto* data = std::get_if<SacnData>(&*packet)) {
-    take_data(*data, from_ipv4, arrival, receiver);
+    take_data(*data, from_ipv4, now_ns, receiver);
   } else if (const auto* sync = std::get_if<SacnSync>(&*packet)) {
     ++details_.sync;
-    synchroniser_.synchronise(*sync, sender_hash(sync->cid), arrival, [&](std::size_t place, const HeldFrame& held) {
+    synchroniser_.synchronise(*sync, sender_hash(sync->cid), now_ns, [&](std::size_t place, const HeldFrame& held) {
       FrameView frame;
       frame.universe = show_universes_[place];
-      frame.stamp_ns = arrival.stamp_ns;  // its levels begin to count now
+      frame.stamp_ns = now_ns;  // its levels begin to count now
       frame.sender = held.sender;
       frame.sequence = held.sequence;
       frame.priority = held.priority;
@@ -40,7 +40,7 @@ bool SacnReceiver::take(std::span<const std::uint8_t> datagram, std::uint32_t fr
   return true;
 }
 
-void SacnReceiver::take_data(const SacnData& data, std::uint32_t from_ipv4, Arrival arrival, FrameReceiver& receiver) {
+void SacnReceiver::take_data(const SacnData& data, std::uint32_t from_ipv4, TimeNs now_ns, FrameReceiver& receiver) {
   const int found = wire_index_.find(data.universe);
   if (found < 0) {
     ++details_.other_universe;
@@ -62,7 +62,7 @@ void SacnReceiver::take_data(const SacnData& data, std::uint32_t from_ipv4, Arri
   const auto place = static_cast<std::size_t>(found);
   const SenderId sender = sender_hash(data.cid);
   SequenceFilter& filter = priorities ? priority_filters_[place] : level_filters_[place];
-  const auto verdict = filter.judge(sender, data.sequence, data.terminated, true, arrival.stamp_ns);
+  const auto verdict = filter.judge(sender, data.sequence, data.terminated, true, now_ns);
   if (verdict == SequenceFilter::Verdict::kLate) {
     ++details_.late;
     return;
@@ -71,15 +71,15 @@ void SacnReceiver::take_data(const SacnData& data, std::uint32_t from_ipv4, Arri
     ++details_.ended_already;
     return;
   }
-  names_.note(sender, data.source_name, from_ipv4, arrival.stamp_ns);
+  names_.note(sender, data.source_name, from_ipv4, now_ns);
   if (data.terminated) {
     synchroniser_.drop(place, sender);
-  } else if (!priorities && synchroniser_.hold(data, place, sender, arrival)) {
+  } else if (!priorities && synchroniser_.hold(data, place, sender, now_ns)) {
     return;
   }
   FrameView frame;
   frame.universe = show_universes_[place];
-  frame.stamp_ns = arrival.stamp_ns;
+  frame.stamp_ns = now_ns;
   frame.sender = sender;
   frame.sequence = data.sequence;
   frame.priority = data.priority;

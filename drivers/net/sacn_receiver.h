@@ -46,8 +46,8 @@ class SacnReceiver {
   };
   explicit SacnReceiver(const Settings& settings);
 
-  // One datagram; its frames go to `receiver` before this returns. False: it is no sACN packet.
-  bool take(std::span<const std::uint8_t> datagram, std::uint32_t from_ipv4, Arrival arrival, FrameReceiver& receiver);
+  // One datagram that came at `now_ns`; its frames go to `receiver` before this returns. False: it is no sACN packet.
+  bool take(std::span<const std::uint8_t> datagram, std::uint32_t from_ipv4, TimeNs now_ns, FrameReceiver& receiver);
   // After a datagram: the synchronisation address that has to be listened to from now on, or no more.
   [[nodiscard]] std::optional<SacnSynchroniser::Change> take_change() { return synchroniser_.take_change(); }
 
@@ -55,7 +55,7 @@ class SacnReceiver {
   [[nodiscard]] SacnSourceDetails details() const;
 
  private:
-  void take_data(const SacnData& data, std::uint32_t from_ipv4, Arrival arrival, FrameReceiver& receiver);
+  void take_data(const SacnData& data, std::uint32_t from_ipv4, TimeNs now_ns, FrameReceiver& receiver);
 
   bool hear_preview_;
   std::shared_ptr<OwnSenders> own_senders_;

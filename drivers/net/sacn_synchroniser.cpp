@@ -51,24 +51,22 @@ SacnSynchroniser::Address* SacnSynchroniser::find_or_follow(int universe, TimeNs
   return fresh;
 }
 
-bool SacnSynchroniser::hold(const SacnData& data, std::size_t place, SenderId sender, Arrival arrival) {
+bool SacnSynchroniser::hold(const SacnData& data, std::size_t place, SenderId sender, TimeNs now_ns) {
   auto& frames = held_[place];
   const auto of_sender = [&](const HeldFrame& frame) { return frame.sender == sender; };
   if (data.sync_universe == 0) {
     if (!frames.empty()) drop(place, sender);
     return false;
   }
-  Address* const address = find_or_follow(data.sync_universe, arrival.stamp_ns);
+  Address* const address = find_or_follow(data.sync_universe, now_ns);
   if (address == nullptr) {
     ++counters_.unfollowed;
     return false;
   }
-  address->used_ns = arrival.stamp_ns;
+  address->used_ns = now_ns;
   if (!address->is_synchronised) return false;
-  const bool lost = arrival.stamp_ns - address->synchronised_ns >= kSenderTimeoutNs;
-  // Its synchronisation packet was read first, from another socket.
-  const bool overtaken = arrival.kernel_ns != 0 && arrival.kernel_ns <= address->synchronised_kernel_ns;
-  if ((lost && data.force_sync) || overtaken) {
+  const bool lost = now_ns - address->synchronised_ns >= kSenderTimeoutNs;
+  if (lost && data.force_sync) {
     if (!frames.empty()) drop(place, sender);
     return false;
   }
@@ -95,7 +93,6 @@ bool SacnSynchroniser::hold(const SacnData& data, std::size_t place, SenderId se
   // A shorter frame leaves the slots of the one that it replaces as they were: both are in it.
   std::copy(data.slots.begin(), data.slots.end(), frame->slots.begin());
   frame->slot_count = std::max(frame->slot_count, static_cast<std::uint16_t>(data.slots.size()));
-  frame->kernel_ns = arrival.kernel_ns;
   return true;
 }
 
@@ -112,19 +109,18 @@ void SacnSynchroniser::drop(std::size_t place, SenderId sender) {
   }
 }
 
-SacnSynchroniser::Address* SacnSynchroniser::accept(const SacnSync& sync, SenderId sender, Arrival arrival) {
+SacnSynchroniser::Address* SacnSynchroniser::accept(const SacnSync& sync, SenderId sender, TimeNs now_ns) {
   Address* const address = find(sync.sync_universe);
   if (address == nullptr) {
     ++counters_.foreign;
     return nullptr;
   }
-  if (address->filter.judge(sender, sync.sequence, false, true, arrival.stamp_ns) == SequenceFilter::Verdict::kLate) {
+  if (address->filter.judge(sender, sync.sequence, false, true, now_ns) == SequenceFilter::Verdict::kLate) {
     ++counters_.late;
     return nullptr;
   }
   address->is_synchronised = true;
-  address->synchronised_ns = arrival.stamp_ns;
-  address->synchronised_kernel_ns = arrival.kernel_ns;
+  address->synchronised_ns = now_ns;
   return address;
 }
 

@@ -23,20 +23,12 @@
 
 namespace footlight::drivers {
 
-// When a datagram came: on the pump's clock, and as the kernel stamped it (0: it did not). The kernel's stamps order
-// datagrams that were read from different sockets.
-struct Arrival {
-  TimeNs stamp_ns = 0;
-  std::int64_t kernel_ns = 0;
-};
-
 struct HeldFrame {
   SenderId sender = 0;
   int address = 0;  // the synchronisation address that it waits for
   std::uint8_t sequence = 0;
   std::uint8_t priority = kPriorityDefault;
   std::uint16_t slot_count = 0;
-  std::int64_t kernel_ns = 0;
   Slots slots = {};
 };
 
@@ -57,32 +49,27 @@ class SacnSynchroniser {
   explicit SacnSynchroniser(std::size_t place_count) : held_(place_count) {}
 
   // A data packet with levels that has passed all other rules. True: it is held; false: use it now.
-  bool hold(const SacnData& data, std::size_t place, SenderId sender, Arrival arrival);
+  bool hold(const SacnData& data, std::size_t place, SenderId sender, TimeNs now_ns);
   // Drops what is held of a sender that ends.
   void drop(std::size_t place, SenderId sender);
 
   // A synchronisation packet: calls use(place, held) for each frame that it sets free, in the order in which the
   // universes were first held.
   template <class Use>
-  void synchronise(const SacnSync& sync, SenderId sender, Arrival arrival, Use use) {
-    Address* const address = accept(sync, sender, arrival);
+  void synchronise(const SacnSync& sync, SenderId sender, TimeNs now_ns, Use use) {
+    Address* const address = accept(sync, sender, now_ns);
     if (address == nullptr) return;
     std::swap(address->places, places_spare_);
     for (const std::size_t place : places_spare_) {
       auto& frames = held_[place];
-      bool stays = false;
       for (std::size_t i = 0; i < frames.size();) {
         if (frames[i].address != sync.sync_universe) {
-          ++i;
-        } else if (arrival.kernel_ns != 0 && frames[i].kernel_ns > arrival.kernel_ns) {
-          stays = true;  // it came after the packet, through another socket
           ++i;
         } else {
           use(place, frames[i]);
           frames.erase(frames.begin() + static_cast<std::ptrdiff_t>(i));
         }
       }
-      if (stays) address->places.push_back(place);
     }
     places_spare_.clear();
   }
@@ -99,9 +86,8 @@ class SacnSynchroniser {
  private:
   struct Address {
     int universe = 0;
-    TimeNs used_ns = 0;          // last data packet
-    TimeNs synchronised_ns = 0;  // last synchronisation packet
-    std::int64_t synchronised_kernel_ns = 0;
+    TimeNs used_ns = 0;            // last data packet
+    TimeNs synchronised_ns = 0;    // last synchronisation packet
     bool is_synchronised = false;  // one has come, and may be lost by now
     SequenceFilter filter;
     std::vector<std::size_t> places;  // with frames that wait for it, each once
@@ -109,7 +95,7 @@ class SacnSynchroniser {
 
   [[nodiscard]] Address* find(int universe);
   Address* find_or_follow(int universe, TimeNs now_ns);
-  Address* accept(const SacnSync& sync, SenderId sender, Arrival arrival);
+  Address* accept(const SacnSync& sync, SenderId sender, TimeNs now_ns);
   [[nodiscard]] bool waits(std::size_t place, int universe) const;
   void drop_held_of(const Address& address);
 

@@ -20,7 +20,6 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr int kReceiveBufferBytes = 4 << 20;
 // A larger age comes from a stepped wall clock, not from a full buffer.
 constexpr DurationNs kAgeMaxNs = 10 * kNsPerS;
 
@@ -182,8 +181,8 @@ Result<Fd> open_receiver(const ReceiverSocket& wanted) {
   set_option(socket, SOL_SOCKET, SO_REUSEPORT, 1);
   // The default of 208 KiB overflows in a stall of 130 ms at 9,000 packets a second; FORCE needs privilege and passes
   // net.core.rmem_max.
-  if (!set_option(socket, SOL_SOCKET, SO_RCVBUFFORCE, kReceiveBufferBytes)) {
-    set_option(socket, SOL_SOCKET, SO_RCVBUF, kReceiveBufferBytes);
+  if (!set_option(socket, SOL_SOCKET, SO_RCVBUFFORCE, wanted.buffer_bytes)) {
+    set_option(socket, SOL_SOCKET, SO_RCVBUF, wanted.buffer_bytes);
   }
   set_option(socket, SOL_SOCKET, SO_RXQ_OVFL, 1);
   set_option(socket, IPPROTO_IP, IP_MULTICAST_ALL, 0);
@@ -197,6 +196,14 @@ Result<Fd> open_receiver(const ReceiverSocket& wanted) {
                                     fmt::format("listen on UDP {}:{}", text_of_ipv4(wanted.bind_ipv4), wanted.udp_port),
                                     error_number));
   }
+  return socket;
+}
+
+int hear_all_groups(const Fd& receiver) { return set_option(receiver, IPPROTO_IP, IP_MULTICAST_ALL, 1) ? 0 : errno; }
+
+Result<Fd> open_member(std::string_view port_name) {
+  Fd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (!socket) return tl::unexpected(net_error(port_name, "open a UDP socket", errno));
   return socket;
 }
 
@@ -355,14 +362,14 @@ int DatagramReader::read(int fd) {
         timespec stamp = {};
         std::memcpy(&stamp, CMSG_DATA(control), sizeof stamp);
         if (wall_ns == 0) wall_ns = wall_clock_ns();
-        datagram.kernel_ns = stamp.tv_sec * kNsPerS + stamp.tv_nsec;
-        const DurationNs age_ns = wall_ns - datagram.kernel_ns;
+        const DurationNs age_ns = wall_ns - (stamp.tv_sec * kNsPerS + stamp.tv_nsec);
         datagram.age_ns = age_ns >= 0 && age_ns <= kAgeMaxNs ? age_ns : 0;
       } else if (control->cmsg_level == SOL_SOCKET && control->cmsg_type == SO_RXQ_OVFL) {
         std::memcpy(&kernel_drops_, CMSG_DATA(control), sizeof kernel_drops_);
       } else if (control->cmsg_level == IPPROTO_IP && control->cmsg_type == IP_PKTINFO) {
         in_pktinfo info = {};
         std::memcpy(&info, CMSG_DATA(control), sizeof info);
+        datagram.to_ipv4 = ntohl(info.ipi_addr.s_addr);
         datagram.local_ipv4 = ntohl(info.ipi_spec_dst.s_addr);
         datagram.interface_index = info.ipi_ifindex;
       }

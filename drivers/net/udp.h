@@ -67,11 +67,15 @@ struct ReceiverSocket {
   std::uint32_t bind_ipv4 = 0;  // 0: any
   std::uint16_t udp_port = 0;
   bool kernel_stamps = true;
-  bool packet_info = false;  // fill Datagram::local_ipv4 and interface_index
+  bool packet_info = false;    // fill Datagram::to_ipv4, local_ipv4 and interface_index
+  int buffer_bytes = 4 << 20;  // wanted; the system may allow less
 };
-// Non-blocking, shares its port with every other program that shares it, receive buffer of 4 MiB or what the system
-// allows. Hears only the groups that it joins itself.
+// Non-blocking, shares its port with every other program that shares it. Hears only the groups that it joins itself.
 [[nodiscard]] Result<Fd> open_receiver(const ReceiverSocket& wanted);
+// Has a receiver hear every group that anybody on this machine has joined, on any interface. errno, or 0.
+[[nodiscard]] int hear_all_groups(const Fd& receiver);
+// Receives nothing itself: its memberships have the machine take the groups, for such a receiver.
+[[nodiscard]] Result<Fd> open_member(std::string_view port_name);
 
 struct SenderSocket {
   std::string_view port_name;
@@ -102,9 +106,9 @@ struct Datagram {
   std::span<const std::uint8_t> bytes;  // valid until the next read()
   std::uint32_t from_ipv4 = 0;
   std::uint16_t from_udp_port = 0;
+  std::uint32_t to_ipv4 = 0;     // where it was sent: a group, a broadcast address or ours; 0 without packet_info
   std::uint32_t local_ipv4 = 0;  // ours, for an answer; 0 without packet_info
   int interface_index = 0;       // where it came in; 0 without packet_info
-  std::int64_t kernel_ns = 0;    // when it arrived, on the wall clock; 0 without stamps. Good for comparing two of them
   DurationNs age_ns = 0;         // how long it has waited in the kernel; 0 where that is not known
   bool truncated = false;        // it was longer than kDatagramBytesMax
 };

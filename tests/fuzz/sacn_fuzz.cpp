@@ -1,11 +1,15 @@
-// Datagrams on port 5568, any whatever.
+// Datagrams on port 5568, any whatever: each input as one datagram, and as a row of them to one receiver.
 //
 // What is accepted lies in the ranges that sacn_packet.h states, and a data packet built anew from what was read reads
 // the same again.
 #include <algorithm>
 #include <array>
+#include <numeric>
+#include <vector>
 
+#include "drivers/net/sacn_discovery.h"
 #include "drivers/net/sacn_packet.h"
+#include "drivers/net/sacn_receiver.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace {
@@ -39,6 +43,47 @@ void check(const SacnDiscovery& discovery) {
   for (std::size_t i = 0; i < discovery.universe_count(); ++i) require(is_universe(discovery.universe(i)));
 }
 
+// A receiver of nine universes, and a list of senders, that hear the packets one after the other.
+//
+// The input is cut into packets: two octets of length (low one first, modulo 2048), one of time passed in units of 16
+// ms, and the packet.
+void hear(std::span<const std::uint8_t> input) {
+  SacnReceiver rules({{{1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}, {6, 6}, {7, 7}, {8, 8}, {300, 9}}, false, nullptr});
+  SacnDirectory directory;
+  class Checker final : public FrameReceiver {
+   public:
+    void receive(const FrameView& frame) override {
+      require(frame.universe >= 1 && frame.universe <= 9);
+      require(frame.priority <= kPriorityMax);
+      require(frame.sender != 0);
+      require(frame.slots.size() <= kSlotCountMax);
+      require(frame.start_code == kStartCodeLevels || frame.start_code == kStartCodePriorities);
+      require(!frame.terminated || frame.slots.empty());
+      sum_ += std::accumulate(frame.slots.begin(), frame.slots.end(), 0u);  // every slot can be read
+    }
+
+   private:
+    unsigned sum_ = 0;
+  } checker;
+  TimeNs now_ns = 1'000 * kNsPerS;
+  while (input.size() >= 3) {
+    const std::size_t size = std::min<std::size_t>((input[0] | input[1] << 8) % 2048, input.size() - 3);
+    now_ns += input[2] * 16 * kNsPerMs;
+    const auto datagram = input.subspan(3, size);
+    rules.take(datagram, 0x0A000007, now_ns, checker);
+    if (const auto change = rules.take_change()) require(is_universe(change->joined));
+    const auto packet = parse_sacn_packet(datagram);
+    if (packet && std::holds_alternative<SacnDiscovery>(*packet)) {
+      directory.take(std::get<SacnDiscovery>(*packet), 0x0A000007, now_ns);
+    }
+    directory.expire(now_ns);
+    for (const auto& sender : directory.list()) require(sender.pages <= sender.pages_wanted);
+    input = input.subspan(3 + size);
+  }
+  const auto counters = rules.details().synchroniser;
+  require(counters.replaced <= counters.held);
+}
+
 }  // namespace
 
 void footlight::testing::add_seeds(Seeds& seeds) {
@@ -58,18 +103,44 @@ void footlight::testing::add_seeds(Seeds& seeds) {
     const std::size_t size = build_sacn_data(data, packet);
     seeds.add("data-" + std::to_string(count), std::span(packet).first(size));
   }
-  using namespace std::string_literals;
-  const std::string root =
-      "\x00\x10\x00\x00"
-      "ASC-E1.17\0\0\0"s;
-  const std::string cid(16, 'c');
-  seeds.add("sync", root + "\x70\x21\0\0\0\x08"s + cid + "\x70\x0B\0\0\0\x01\x05\x00\x07\0\0"s);
-  seeds.add("discovery", root + "\x70\x6C\0\0\0\x08"s + cid + "\x70\x56\0\0\0\x02"s + std::string(64, 'n') +
-                             std::string(4, '\0') + "\x70\x0C\0\0\0\x01\0\0\0\x01\0\x02"s);
+  std::array<std::uint8_t, kSacnSyncBytes> sync;
+  build_sacn_sync({data.cid, 5, 7}, sync);
+  seeds.add("sync", sync);
+  std::array<std::uint8_t, kSacnDiscoveryBytesMax> list;
+  const std::array<int, 3> universes = {1, 2, 300};
+  const std::size_t list_size = build_sacn_discovery(data.cid, "Footlight", 0, 1, universes, list);
+  seeds.add("discovery", std::span(list).first(list_size));
+
+  // A row for hear(): synchronised frames of two universes, priorities, an end, a list.
+  std::vector<std::uint8_t> row;
+  const auto append = [&row](std::span<const std::uint8_t> bytes) {
+    row.insert(row.end(), {static_cast<std::uint8_t>(bytes.size()), static_cast<std::uint8_t>(bytes.size() >> 8), 1});
+    row.insert(row.end(), bytes.begin(), bytes.end());
+  };
+  for (std::uint8_t round = 0; round < 3; ++round) {
+    for (const int universe : {1, 300}) {
+      data.universe = universe;
+      data.sequence = round;
+      data.start_code = kStartCodeLevels;
+      data.slots = std::span(slots).first(8);
+      append(std::span(packet).first(build_sacn_data(data, packet)));
+    }
+    data.start_code = kStartCodePriorities;
+    append(std::span(packet).first(build_sacn_data(data, packet)));
+    build_sacn_sync({data.cid, round, 7}, sync);
+    append(sync);
+  }
+  data.start_code = kStartCodeLevels;
+  data.terminated = true;
+  data.sequence = 3;
+  append(std::span(packet).first(build_sacn_data(data, packet)));
+  append(std::span(list).first(list_size));
+  seeds.add("row", row);
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto packet = parse_sacn_packet({data, size});
   if (packet) std::visit([](const auto& one) { check(one); }, *packet);
+  hear({data, size});
   return 0;
 }

@@ -86,7 +86,7 @@ class Eavesdropper {
 
 }  // namespace
 
-TEST_CASE("50 synchronised universes arrive together in one poll, over three sockets, once the group is joined") {
+TEST_CASE("50 synchronised universes arrive together in one poll once the group of their address is joined") {
   if (!enter_private_network()) return;
   auto source = open_source(50, true);
   auto options = sink_options(50);

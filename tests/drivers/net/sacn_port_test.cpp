@@ -323,7 +323,7 @@ TEST_CASE("wire universes 101 to 109 come in and go out as 1 to 9") {
   }
 }
 
-TEST_CASE("101 universes on one interface take six sockets, and each universe is heard once") {
+TEST_CASE("101 universes take the groups of six sockets, and each is heard once") {
   if (!enter_private_network()) return;
   auto options = source_options(universes_from(1, 101, 1));
   options.interface_names = {"lo"};
@@ -343,6 +343,19 @@ TEST_CASE("101 universes on one interface take six sockets, and each universe is
   for (const auto& frame : receiver.frames) heard.insert(frame.view.universe);
   CHECK(heard.size() == 101);
   CHECK(source->details().late == 0);  // no datagram came in by two sockets
+
+  // On an interface that it has not chosen it hears nothing, though another socket takes the same groups there.
+  if (!testing::add_interface("eth4", "10.99.4.1")) return;
+  auto elsewhere = options;
+  elsewhere.interface_names = {"eth4"};
+  auto other = must(SacnSource::create(elsewhere));
+  out_options.interface_names = {"eth4"};
+  out_options.source_name = "other";
+  auto other_sink = must(SacnSink::create(out_options));
+  REQUIRE(other_sink->send(kStartNs, frames).has_value());
+  KeepingReceiver other_receiver;
+  CHECK(poll_until(*other, kStartNs, other_receiver, [&] { return other_receiver.frames.size() == 101; }));
+  CHECK(hears_nothing(*source, kStartNs, receiver));
 }
 
 TEST_CASE("two sources on one machine both hear a multicast sender") {
