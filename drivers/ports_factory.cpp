@@ -144,7 +144,7 @@ Result<std::unique_ptr<Sink>> open_sink(const PortRequest& request, Clock& clock
 Result<std::unique_ptr<RdmLine>> open_rdm_line(const PortRequest& request, const RdmUid& own, Clock& clock) {
   FL_ASSIGN(Opening opening, opening_of(request, LineUse::kOutput, clock));
   FL_ASSIGN(auto sink, DeviceSink::open(std::move(opening.plan), opening.port, clock));
-  return std::make_unique<DeviceRdmLine>(std::move(sink), 0, own);
+  return std::make_unique<DeviceRdmLine>(std::move(sink), own);
 }
 
 Result<std::unique_ptr<Source>> open_source(const PortRequest& request, Clock& clock) {

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <thread>
 
+#include "drivers/rdm/rdm_widget.h"
 #include "drivers/wait/real_time.h"
 #include "sim/core/check.h"
 
@@ -145,6 +146,12 @@ class Device final : private WidgetContext {
     shared_.state = PortState::kEnded;
     shared_.trouble.clear();
   }
+
+  [[nodiscard]] bool has_ended() {
+    const std::lock_guard lock(mutex_);
+    return shared_.ended;
+  }
+  [[nodiscard]] bool has_rdm() const { return dynamic_cast<const RdmWidget*>(widget_.get()) != nullptr; }
 
   void post(DeviceJob job) {
     std::unique_lock lock(mutex_);
@@ -530,6 +537,20 @@ Result<DeviceLink> DeviceLink::open(DevicePlan plan, const DevicePortConfig& con
 
 void DeviceLink::close() { device_->leave(port_, true); }
 void DeviceLink::run_on_device(DeviceJob job) const { device_->post(std::move(job)); }
+std::span<const DeviceLine> DeviceLink::lines() const { return port_->config.lines; }
+bool DeviceLink::has_rdm() const { return device_->has_rdm(); }
+
+bool DeviceHandle::is_gone() const {
+  const auto device = device_.lock();
+  return !device || device->has_ended();
+}
+bool DeviceHandle::run_on_device(DeviceJob job) const {
+  const auto device = device_.lock();
+  if (!device || device->has_ended()) return false;
+  device->post(std::move(job));
+  return true;
+}
+
 std::string DeviceLink::identity() const {
   return device_->with_shared([](const auto& shared) { return shared.traits.identity; });
 }

@@ -18,6 +18,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -62,6 +63,19 @@ struct DevicePort;  // what a port and the thread share
 // Called once on the device's thread between two frames. context: nullptr where the device is gone or closed.
 using DeviceJob = std::function<void(Widget& widget, WidgetContext* context)>;
 
+// An open device, for those who must not keep it open. Any thread.
+class DeviceHandle {
+ public:
+  explicit DeviceHandle(std::weak_ptr<Device> device) : device_(std::move(device)) {}
+  // Whether it has been given back for good.
+  [[nodiscard]] bool is_gone() const;
+  // As DeviceLink::run_on_device(); false, and the job is not run: it is gone.
+  bool run_on_device(DeviceJob job) const;
+
+ private:
+  std::weak_ptr<Device> device_;
+};
+
 // What sinks and sources of a device have in common.
 class DeviceLink {
  public:
@@ -75,6 +89,11 @@ class DeviceLink {
   // Sends the last words, and gives the device back where this is the last port of it.
   void close();
   void run_on_device(DeviceJob job) const;
+  [[nodiscard]] DeviceHandle handle() const { return DeviceHandle(device_); }
+  // Those of the port.
+  [[nodiscard]] std::span<const DeviceLine> lines() const;
+  // Whether its widget carries RDM (drivers/rdm/rdm_widget.h).
+  [[nodiscard]] bool has_rdm() const;
   // What the widget said of the device ("firmware 1.44, serial number 2172589"), and what it cannot do as asked.
   [[nodiscard]] std::string identity() const;
   [[nodiscard]] std::vector<std::string> remarks() const;

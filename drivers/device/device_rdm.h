@@ -3,27 +3,34 @@
 
 #include <memory>
 #include <span>
+#include <string>
 
 #include "drivers/device/device.h"
+#include "drivers/rdm/rdm_directory.h"
 #include "drivers/rdm/rdm_line.h"
 
 namespace footlight::drivers {
 
-// Blocks the caller while the device's thread does the work, so it is not for the pump's thread.
+// Blocks the caller while the device's thread does the work, so it is not for the pump's thread. Does not keep the
+// device open: calls after it was closed fail with kDisconnected.
 class DeviceRdmLine final : public RdmWire {
  public:
-  // `line`: the connector, from 0. The sink outlives it.
-  DeviceRdmLine(const DeviceSink& sink, int line, const RdmUid& own) : RdmWire(own), sink_(sink), line_(line) {}
-  // Keeps the interface open by itself.
-  DeviceRdmLine(std::unique_ptr<DeviceSink> sink, int line, const RdmUid& own)
-      : RdmWire(own), owned_(std::move(sink)), sink_(*owned_), line_(line) {}
+  // `line`: the connector, from 0. `name` begins messages.
+  DeviceRdmLine(DeviceHandle device, std::string name, int line, const RdmUid& own)
+      : RdmWire(own), device_(std::move(device)), name_(std::move(name)), line_(line) {}
+  // The first connector of a sink that it keeps open itself.
+  DeviceRdmLine(std::unique_ptr<DeviceSink> sink, const RdmUid& own);
 
  private:
   Result<Octets> exchange(std::span<const std::uint8_t> request) override;
 
-  const std::unique_ptr<DeviceSink> owned_;
-  const DeviceSink& sink_;
+  const std::unique_ptr<DeviceSink> sink_;  // may be empty
+  const DeviceHandle device_;
+  const std::string name_;
   const int line_;
 };
+
+// Lets gateways find the lines of a sink, where its device has RDM.
+void put_rdm_lines(RdmDirectory& directory, const DeviceSink& sink, const RdmUid& own);
 
 }  // namespace footlight::drivers

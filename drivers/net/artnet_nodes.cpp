@@ -120,19 +120,26 @@ std::uint64_t artnet_digest(std::span<const std::uint8_t> slots) {
 }
 
 void ArtnetProgram::hear(const ArtnetPollReply& reply, const Datagram& datagram, TimeNs now_ns) {
-  const auto ports = reply.ports();
-  const bool heard_here = !ports.empty() && std::all_of(ports.begin(), ports.end(), [&](const auto& port) {
-    return heard_port_addresses_.count(port.port_address) != 0;
-  });
-  if (heard_here && is_from_here(datagram)) return;
+  if (is_from_here(datagram)) {
+    const std::lock_guard lock(mutex_);
+    const auto ports = reply.ports();
+    const bool is_own = !ports.empty() && std::all_of(ports.begin(), ports.end(), [&](const auto& port) {
+      return heard_port_addresses_.count(port.port_address) != 0;
+    });
+    if (is_own) return;
+  }
   nodes.hear(reply, datagram, now_ns);
 }
 
 void ArtnetProgram::add_source(const std::vector<int>& port_addresses) {
+  ++source_count_;
+  const std::lock_guard lock(mutex_);
   for (const int port_address : port_addresses) ++heard_port_addresses_[port_address];
 }
 
 void ArtnetProgram::remove_source(const std::vector<int>& port_addresses) {
+  --source_count_;
+  const std::lock_guard lock(mutex_);
   for (const int port_address : port_addresses) {
     const auto found = heard_port_addresses_.find(port_address);
     if (found != heard_port_addresses_.end() && --found->second == 0) heard_port_addresses_.erase(found);
@@ -140,10 +147,16 @@ void ArtnetProgram::remove_source(const std::vector<int>& port_addresses) {
 }
 
 std::shared_ptr<ArtnetOwnFrames> ArtnetProgram::add_sink() {
+  const std::lock_guard lock(mutex_);
+  const auto is_closed = [](const auto& own) { return own.use_count() == 1; };
+  if (static_cast<std::size_t>(std::count_if(own_frames_.begin(), own_frames_.end(), is_closed)) >= kClosedSinksMax) {
+    own_frames_.erase(std::find_if(own_frames_.begin(), own_frames_.end(), is_closed));
+  }
   return own_frames_.emplace_back(std::make_shared<ArtnetOwnFrames>());
 }
 
 bool ArtnetProgram::is_own_frame(const ArtnetDmx& dmx) const {
+  const std::lock_guard lock(mutex_);
   if (own_frames_.empty()) return false;
   const std::uint64_t digest = artnet_digest(dmx.slots);
   return std::any_of(own_frames_.begin(), own_frames_.end(),

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -106,6 +108,8 @@ class ArtnetOwnFrames {
 
 // The Art-Net ports of one program. What one of them hears serves all: an answer to a sink's poll arrives at the
 // source's socket where there is a source, since unicast to UDP port 6454 has one receiver.
+//
+// Ports come and go on any thread; the rest is the pump's.
 class ArtnetProgram {
  public:
   ArtnetNodes nodes;
@@ -116,9 +120,11 @@ class ArtnetProgram {
   // --- Sources
   void add_source(const std::vector<int>& port_addresses);
   void remove_source(const std::vector<int>& port_addresses);
-  [[nodiscard]] bool has_sources() const { return !heard_port_addresses_.empty(); }
+  [[nodiscard]] bool has_sources() const { return source_count_.load(std::memory_order_relaxed) > 0; }
 
-  // --- Sinks. What they have sent stays known after they have closed, since last datagrams may still be on their way.
+  // --- Sinks. What the last kClosedSinksMax that have closed sent stays known, since datagrams may still be on their
+  // way.
+  static constexpr std::size_t kClosedSinksMax = 8;
   [[nodiscard]] std::shared_ptr<ArtnetOwnFrames> add_sink();
   [[nodiscard]] bool is_own_frame(const ArtnetDmx& dmx) const;
 
@@ -132,8 +138,10 @@ class ArtnetProgram {
   [[nodiscard]] bool is_own_sync(TimeNs arrived_ns) const;
 
  private:
-  std::map<int, int> heard_port_addresses_;  // how many sources have it
-  std::vector<std::shared_ptr<ArtnetOwnFrames>> own_frames_;
+  mutable std::mutex mutex_;
+  std::map<int, int> heard_port_addresses_;                   // guarded by mutex_; how many sources have it
+  std::vector<std::shared_ptr<ArtnetOwnFrames>> own_frames_;  // guarded by mutex_: the list, not what is in it
+  std::atomic<int> source_count_ = 0;
   std::map<std::uint32_t, TimeNs> polled_ns_;
   TimeNs poll_ns_ = -kTimeNever;
   TimeNs sync_ns_ = -kTimeNever;

@@ -59,6 +59,19 @@ ArtnetSource::ArtnetSource(const ArtnetSourceOptions& options)
     }
   }
   groups_.resize(std::min(groups_.size(), kBindIndexMax));
+  if (options.rdm_directory) {
+    gateway_ = std::make_unique<ArtnetGateway>(options.rdm_directory);
+    gateway_->on_new_descriptor = [this](int fd) {
+      if (!watch(fd)) count_error();
+    };
+    for (std::size_t group = 0; group < groups_.size(); ++group) {
+      for (std::size_t i = 0; i < groups_[group].size(); ++i) {
+        const std::size_t place = groups_[group][i];
+        gateway_->add_universe(port_addresses_[place], show_universe(static_cast<int>(place)),
+                               static_cast<std::uint8_t>(group + 1), static_cast<std::uint8_t>(i + 1));
+      }
+    }
+  }
   program_->artnet().add_source(port_addresses_);
 }
 
@@ -82,7 +95,17 @@ Status ArtnetSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
   }
   answers_.answer_due(now_ns, [&](ArtnetAnswers::Asker& asker) { return answer(asker, now_ns); });
   if (next_watch_ns_ <= now_ns) tell_changes(now_ns);
+  if (gateway_) {
+    gateway_->take_news(rdm_replies_);
+    send_rdm();
+  }
   return {};
+}
+
+void ArtnetSource::send_rdm() {
+  for (const auto& reply : rdm_replies_) add_artnet_reply(writer_, reply.bytes, reply.to, options_.port);
+  if (!rdm_replies_.empty() && writer_.flush(first_socket().get()).error_number != 0) count_error();
+  rdm_replies_.clear();
 }
 
 std::string ArtnetSource::sender_text(SenderId sender) const {
@@ -115,6 +138,15 @@ void ArtnetSource::take(const Datagram& datagram, TimeNs stamp_ns, FrameReceiver
     take_poll(*poll, datagram, stamp_ns);
   } else if (std::holds_alternative<ArtnetSync>(*packet)) {
     take_sync(datagram, stamp_ns, receiver);
+  } else if (const auto* other = std::get_if<ArtnetOther>(&*packet);
+             gateway_ && other != nullptr && is_artnet_rdm(other->op_code)) {
+    ++details_.rdm;
+    if (const auto rdm = parse_artnet_rdm_packet(datagram.bytes)) {
+      gateway_->take(*rdm, datagram, rdm_replies_);
+      send_rdm();
+    } else {
+      count_rejected();
+    }
   } else {
     ++details_.other_op_code;
   }
@@ -281,6 +313,7 @@ void ArtnetSource::build_reply(std::size_t group, const ArtnetAnswers::Asker& as
   for (const std::size_t place : groups_[group]) {
     const std::size_t senders = live_senders(place, now_ns);
     reply.add({port_addresses_[place], true, senders > 0, senders > 1});
+    reply.rdm |= gateway_ && gateway_->has_line(port_addresses_[place]);
   }
   build_artnet_poll_reply(reply, out);
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/net/artnet_gateway.h"
 #include "drivers/net/artnet_nodes.h"
 #include "drivers/net/artnet_packet.h"
 #include "drivers/net/net_source.h"
@@ -34,6 +35,7 @@ struct ArtnetSourceDetails {
   std::uint64_t sync_ignored = 0;  // of a sender that we take nothing from
   std::uint64_t held = 0;          // frames that waited for ArtSync
   std::uint64_t replies = 0;       // ArtPollReply
+  std::uint64_t rdm = 0;           // ArtRdm, ArtTodRequest and ArtTodControl
   std::uint64_t other_op_code = 0;
 };
 
@@ -96,6 +98,7 @@ class ArtnetSource final : public NetSource {
   void build_reply(std::size_t group, const ArtnetAnswers::Asker& asker, TimeNs now_ns, std::span<std::uint8_t> out);
   // Looks for ports whose state is not as told, and tells those that want to know.
   void tell_changes(TimeNs now_ns);
+  void send_rdm();
   void ask_name(const Datagram& datagram, TimeNs now_ns);
 
   ArtnetSourceOptions options_;
@@ -111,6 +114,8 @@ class ArtnetSource final : public NetSource {
   std::vector<std::size_t> held_places_;
   std::map<std::uint32_t, TimeNs> asked_ns_;  // whose name was asked for, and when
   std::map<SenderId, std::uint32_t> ipv4_of_sender_;
+  std::unique_ptr<ArtnetGateway> gateway_;  // empty: not asked for
+  std::vector<ArtnetGateway::Reply> rdm_replies_;
   std::uint64_t seed_ = 0;
   ArtnetSourceDetails details_;
   DatagramWriter writer_;

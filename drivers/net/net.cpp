@@ -50,8 +50,15 @@ Result<std::unique_ptr<Sink>> make_net_sink(const Endpoint& endpoint, std::share
 OwnSenders::OwnSenders() : artnet_(std::make_unique<ArtnetProgram>()) {}
 OwnSenders::~OwnSenders() = default;
 
-bool OwnSenders::has_cid(const Cid& cid) const { return std::find(cids_.begin(), cids_.end(), cid) != cids_.end(); }
+void OwnSenders::add_cid(const Cid& cid) {
+  const std::lock_guard lock(mutex_);
+  if (std::find(cids_.begin(), cids_.end(), cid) == cids_.end()) cids_.push_back(cid);
+}
 
+bool OwnSenders::has_cid(const Cid& cid) const {
+  const std::lock_guard lock(mutex_);
+  return std::find(cids_.begin(), cids_.end(), cid) != cids_.end();
+}
 
 Cid sacn_cid(std::string_view machine, std::string_view source_name, std::string_view endpoint) {
   const std::uint64_t machine_digest = mix64(fnv1a64(machine));

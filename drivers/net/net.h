@@ -12,6 +12,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -31,23 +32,26 @@ inline constexpr int kArtnetUniverseMax = 32'768;  // 15 bits of port address, c
 // Component identifier: names one sender on the network for good (E1.31-2018 section 5.6).
 using Cid = std::array<std::uint8_t, 16>;
 
+class ArtnetProgram;
+class RdmDirectory;
+
 // The senders of this program. Give one to all network ports of a program and no source takes for input what a sink of
 // the same program sent (multicast and broadcast come back to the machine that sent them, which is how several programs
-// on one machine hear each other). Used on the pump's thread only. An entry stays after its sink has closed, since last
-// datagrams may still be on their way.
-class ArtnetProgram;
+// on one machine hear each other). Safe from any thread, since ports are opened while the pump runs. An entry stays after
+// its sink has closed, since last datagrams may still be on their way.
 class OwnSenders {
  public:
   OwnSenders();
   ~OwnSenders();
-  void add_cid(const Cid& cid) { cids_.push_back(cid); }
+  void add_cid(const Cid& cid);
   [[nodiscard]] bool has_cid(const Cid& cid) const;
   // What Art-Net ports have to know of each other (drivers/net/artnet_nodes.h).
   [[nodiscard]] ArtnetProgram& artnet() { return *artnet_; }
 
  private:
-  std::vector<Cid> cids_;
-  std::unique_ptr<ArtnetProgram> artnet_;
+  mutable std::mutex mutex_;
+  std::vector<Cid> cids_;  // guarded by mutex_
+  const std::unique_ptr<ArtnetProgram> artnet_;
 };
 
 struct SacnSourceOptions {
@@ -99,6 +103,8 @@ struct ArtnetSourceOptions {
   bool answer_polls = true;                  // answer ArtPoll with ArtPollReply, so that consoles list this program
   bool ask_names = true;                     // ask a new sender once for its name, for Source::sender_text()
   std::string node_name = "Footlight";       // in ArtPollReply; at most 17 and 63 bytes go out as short and long name
+  // Where not null: a gateway for RDM to the lines that are in it, under the universes of the show.
+  std::shared_ptr<RdmDirectory> rdm_directory;
   bool kernel_stamps = true;
   std::shared_ptr<OwnSenders> own_senders;
 };

@@ -10,6 +10,7 @@ namespace footlight::drivers {
 namespace {
 
 constexpr std::uint64_t kWatchTag = UINT64_MAX;
+constexpr std::uint64_t kOtherTag = UINT64_MAX - 1;  // of watch(): the protocol looks after it
 // Of one poll() and socket. What is left makes the descriptor readable again at once, so a flood on one port does not
 // keep the pump from the others.
 constexpr int kBatchesMax = 16;
@@ -249,6 +250,11 @@ void NetSource::read_socket(std::size_t index, TimeNs now_ns, FrameReceiver& rec
   }
 }
 
+Status NetSource::watch(int fd) {
+  if (watch_readable(epoll_, fd, kOtherTag)) return {};
+  return tl::unexpected(net_error(settings_.name, "watch a line", errno));
+}
+
 Status NetSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
   polled_ns_ = now_ns;
   std::array<epoll_event, 64> events;
@@ -261,7 +267,7 @@ Status NetSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
     const std::uint64_t tag = events[static_cast<std::size_t>(i)].data.u64;
     if (tag == kWatchTag) {
       interfaces_changed = true;
-    } else {
+    } else if (tag != kOtherTag) {
       read_socket(static_cast<std::size_t>(tag), now_ns, receiver);
     }
   }

@@ -71,6 +71,8 @@ class NetSource : public Source {
   // Joins one more group on every interface that the others are joined on; nothing where it is joined already.
   Status add_group(std::uint32_t group);
   void drop_group(std::uint32_t group);
+  // Has poll_fd() become readable with this descriptor too, until it is closed.
+  Status watch(int fd);
 
  private:
   // The first is read (with addresses: one for each). As long as it has room for all groups it hears those and no

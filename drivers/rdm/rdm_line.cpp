@@ -97,6 +97,7 @@ Result<std::vector<RdmFound>> RdmWire::discover() {
                   "breaks the rules: check cables and terminator, then take devices off one by one",
                   found.size(), discovery_requests_);
     }
+    if (stopped()) return fail(ErrorCode::kDisconnected, "RDM discovery was stopped");
     const Branch branch = branches.back();
     branches.pop_back();
     const std::uint64_t low = branch.low.number(), high = branch.high.number();

@@ -1,9 +1,10 @@
 // A DMX line that carries Remote Device Management (ANSI E1.20): who is on it, and one question and its answer at a
 // time. What is asked, and what to do about answers that come late or in parts, is in rdm_controller.h.
 //
-// Calls block until the answer is there or its time is over. One thread.
+// Calls block until the answer is there or its time is over. One thread, but for stop().
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -37,6 +38,14 @@ class RdmLine {
   [[nodiscard]] virtual Result<std::optional<RdmMessage>> transact(const RdmMessage& request) = 0;
   // Everybody on the line, by UID.
   [[nodiscard]] virtual Result<std::vector<RdmFound>> discover() = 0;
+  // From any thread: a search that runs, and every later one, ends with kDisconnected after the request under way.
+  void stop() { stopped_ = true; }
+
+ protected:
+  [[nodiscard]] bool stopped() const { return stopped_; }
+
+ private:
+  std::atomic<bool> stopped_ = false;
 };
 
 // A line whose bytes we see: discovery is our own.

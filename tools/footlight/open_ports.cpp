@@ -4,10 +4,13 @@
 #include <chrono>
 
 #include "drivers/capture/captures.h"
+#include "drivers/device/device_rdm.h"
 #include "drivers/driver.h"
 #include "drivers/gpio/gpio_source.h"
 #include "drivers/net/net.h"
 #include "drivers/ports_factory.h"
+#include "drivers/rdm/rdm_controller.h"
+#include "drivers/rdm/rdm_directory.h"
 #include "sim/dmx_log/log_ports.h"
 #include "tools/demo_show/demo_assets.h"
 
@@ -49,7 +52,10 @@ Result<Endpoint> parse_port(std::string_view text) {
   return parse_endpoint(text, schemes);
 }
 
-PortOpener::PortOpener(Clock& clock) : clock_(clock), own_senders_(std::make_shared<drivers::OwnSenders>()) {}
+PortOpener::PortOpener(Clock& clock)
+    : clock_(clock),
+      rdm_directory_(std::make_shared<drivers::RdmDirectory>()),
+      own_senders_(std::make_shared<drivers::OwnSenders>()) {}
 
 Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint, const InOptions& options) {
   switch (endpoint.kind) {
@@ -88,6 +94,7 @@ Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint
   }
   auto artnet = drivers::options_of<drivers::ArtnetSourceOptions>(endpoint, own_senders_);
   artnet.priority = static_cast<std::uint8_t>(options.priority);
+  if (options.rdm) artnet.rdm_directory = rdm_directory_;
   return drivers::make_artnet_source(artnet);
 }
 
@@ -109,7 +116,11 @@ Result<std::unique_ptr<Sink>> PortOpener::open_sink(const Endpoint& endpoint, st
       request.blackout_on_exit = options.blackout_on_exit;
       request.rate_hz = options.rate_hz_max;
       request.second_port = options.second_port;
-      return drivers::open_sink(request, clock_);
+      FL_ASSIGN(std::unique_ptr<Sink> sink, drivers::open_sink(request, clock_));
+      if (const auto* device = dynamic_cast<const drivers::DeviceSink*>(sink.get())) {
+        drivers::put_rdm_lines(*rdm_directory_, *device, drivers::rdm_own_uid());
+      }
+      return sink;
     }
     case EndpointKind::kGpio:
       return fail(ErrorCode::kBadInput, "{}: GPIO lines are inputs; name them after --in or in [[in]]", endpoint.text);

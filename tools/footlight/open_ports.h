@@ -14,9 +14,9 @@
 #include <string_view>
 #include <vector>
 
+#include "drivers/driver.h"
 #include "drivers/gpio/gpio_chip.h"
 #include "drivers/gpio/strobe_line.h"
-#include "drivers/driver.h"
 #include "sim/core/clock.h"
 #include "sim/core/dmx.h"
 #include "sim/core/endpoint.h"
@@ -25,7 +25,8 @@
 
 namespace footlight::drivers {
 class OwnSenders;
-}
+class RdmDirectory;
+}  // namespace footlight::drivers
 
 namespace footlight::tools {
 
@@ -34,12 +35,13 @@ namespace footlight::tools {
 
 // All optional; those that the kind of endpoint has no use for are not looked at.
 struct InOptions {
-  bool wait_for_device = false;     // device, gpio: begin although it is not plugged in
-  bool receive_on_change = false;  // device: report changes only, where it can
+  bool wait_for_device = false;                    // device, gpio: begin although it is not plugged in
+  bool receive_on_change = false;                  // device: report changes only, where it can
   std::optional<drivers::SecondPort> second_port;  // device: key and labels of a DMX USB Pro Mk2's second connector
-  bool hear_preview = false;        // sacn: frames that are meant for visualisers, too
-  int priority = kPriorityDefault;  // artnet, gpio: what its frames carry into the merge
-  DurationNs log_start_ns = 0;      // log: where in it to begin
+  bool hear_preview = false;                       // sacn: frames that are meant for visualisers, too
+  int priority = kPriorityDefault;                 // artnet, gpio: what its frames carry into the merge
+  bool rdm = false;             // artnet: a gateway for RDM to the devices that its universes are sent to
+  DurationNs log_start_ns = 0;  // log: where in it to begin
   DurationNs log_stop_ns = kTimeNever;
   bool log_loop = false;
   double log_speed = 1.0;
@@ -52,14 +54,14 @@ struct InOptions {
 
 struct OutOptions {
   bool wait_for_device = false;
-  bool blackout_on_exit = false;          // device: zeros at the end, not the last look
+  bool blackout_on_exit = false;                   // device: zeros at the end, not the last look
   std::optional<drivers::SecondPort> second_port;  // device: see InOptions
-  bool preview = false;                   // sacn: flag every frame as meant for visualisers
-  int priority = kPriorityDefault;        // sacn
-  std::string source_name = "Footlight";  // sacn
-  double rate_hz_max = 0.0;               // network, and devices that the host times: 0 for as frames come
-  bool sync = false;                      // artnet: an ArtSync after each batch of frames
-  bool broadcast = true;                  // artnet, searching: universes that no device has asked for go to everybody
+  bool preview = false;                            // sacn: flag every frame as meant for visualisers
+  int priority = kPriorityDefault;                 // sacn
+  std::string source_name = "Footlight";           // sacn
+  double rate_hz_max = 0.0;                        // network, and devices that the host times: 0 for as frames come
+  bool sync = false;                               // artnet: an ArtSync after each batch of frames
+  bool broadcast = true;  // artnet, searching: universes that no device has asked for go to everybody
   // sacn, as in drivers::SacnSinkOptions:
   std::vector<std::uint8_t> address_priorities;
   int sync_universe = 0;
@@ -83,7 +85,8 @@ class PortOpener {
 
  private:
   Clock& clock_;
-  std::shared_ptr<drivers::OwnSenders> own_senders_;  // so that no input hears what an output of this program sends
+  std::shared_ptr<drivers::RdmDirectory> rdm_directory_;  // lines of the devices that are open
+  std::shared_ptr<drivers::OwnSenders> own_senders_;      // so that no input hears what an output of this program sends
 };
 
 // The demo show as a source; `options` as for a log.

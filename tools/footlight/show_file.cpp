@@ -171,6 +171,7 @@ Result<InPlan> read_in(const TomlNode& node, const std::string& file) {
         if (plan.endpoint.scheme == "sacn") options.hear_preview = reader.boolean("preview", false);
         if (plan.endpoint.scheme == "artnet") {
           options.priority = static_cast<int>(reader.integer("priority", 0, kPriorityMax, kPriorityDefault));
+          options.rdm = reader.boolean("rdm", false);
         }
         break;
       case EndpointKind::kDevice: {

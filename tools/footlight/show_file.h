@@ -10,7 +10,7 @@
 //   [[in]]
 //   endpoint = "sacn:1-9"          # see sim/core/endpoint.h
 //   preview = false                # sacn: hear frames for visualisers, too
-//   priority = 100                 # artnet
+//   priority = 100                 # artnet; also rdm = true
 //   wait_for_device = true         # devices; also receive_on_change = true
 //   mode = "one-shot"              # gpio: see docs/gpio.md for this and its other keys
 //   loop = true                    # log; also start = "10s", stop = "20s", speed = 2.0

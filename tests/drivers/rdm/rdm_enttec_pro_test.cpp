@@ -83,7 +83,7 @@ TEST_CASE("the look is back on the line when an RDM request is over") {
   REQUIRE(sink->send(bench.clock.now_ns(), {&frame, 1}).has_value());
   REQUIRE(
       bench.usb->wait_for<EnttecProModel>([](const EnttecProModel& model) { return model.receive_modes[0] == -1; }));
-  DeviceRdmLine line(*sink, 0, kOwn);
+  DeviceRdmLine line(sink->link().handle(), "mock:enttec-pro", 0, kOwn);
   CHECK(uids_of(line) == kExample);
   bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) {
     CHECK(model.receive_modes[0] == -1);  // it sends
@@ -97,7 +97,7 @@ TEST_CASE("a widget that does not say that nobody answered is waited for, and al
   Bench bench;
   bench.config.rdm_timeout_ns = 3 * kNsPerMs;
   bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { model.says_rdm_timeout = false; });
-  DeviceRdmLine line(bench.open_sink(), 0, kOwn);
+  DeviceRdmLine line(bench.open_sink(), kOwn);
   CHECK(uids_of(line) == kExample);
 }
 
@@ -105,7 +105,7 @@ TEST_CASE("a widget whose firmware is for DMX is said to be so, with what mends 
   Bench bench;
   bench.config.rdm_timeout_ns = 3 * kNsPerMs;
   bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { model.rdm_line.reset(); });
-  DeviceRdmLine line(bench.open_sink(), 0, kOwn);
+  DeviceRdmLine line(bench.open_sink(), kOwn);
   RdmController controller(line, bench.clock, kOwn);
   const auto label = controller.get(RdmUid::of_number(kExample[0]), kRdmDeviceLabel, {}, "DEVICE_LABEL");
   REQUIRE_FALSE(label.has_value());
@@ -116,7 +116,7 @@ TEST_CASE("a widget whose firmware is for DMX is said to be so, with what mends 
 TEST_CASE("a request while the widget is unplugged ends with an error, and one after it is back is answered") {
   Bench bench;
   auto sink = bench.open_sink();
-  DeviceRdmLine line(*sink, 0, kOwn);
+  DeviceRdmLine line(sink->link().handle(), "mock:enttec-pro", 0, kOwn);
   RdmController controller(line, bench.clock, kOwn);
   bench.usb->unplug();
   REQUIRE(bench.usb->wait_for_claim(false));
@@ -151,7 +151,7 @@ TEST_CASE("an interface without RDM says so") {
   port.lines = {{.line = 0, .universe = 1}};
   auto sink = DeviceSink::open(std::move(plan), port, bench.clock);
   REQUIRE(sink.has_value());
-  DeviceRdmLine line(std::move(*sink), 0, kOwn);
+  DeviceRdmLine line(std::move(*sink), kOwn);
   const auto found = line.discover();
   REQUIRE_FALSE(found.has_value());
   CHECK(found.error().code == ErrorCode::kUnsupported);

@@ -43,6 +43,7 @@ preview = true
 [[in]]
 endpoint = "artnet:1=10"
 priority = 150
+rdm = true
 [[in]]
 endpoint = "mock:enttec-pro=11"
 wait_for_device = true
@@ -90,6 +91,7 @@ broadcast = false
   REQUIRE(show->ins.size() == 4);
   CHECK(show->ins[0].options.hear_preview);
   CHECK(show->ins[1].options.priority == 150);
+  CHECK(show->ins[1].options.rdm);
   CHECK(show->ins[2].options.wait_for_device);
   CHECK(show->ins[2].options.receive_on_change);
   CHECK(show->ins[3].options.log_loop);

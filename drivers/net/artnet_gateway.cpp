@@ -1,0 +1,126 @@
+#include "drivers/net/artnet_gateway.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace footlight::drivers {
+namespace {
+
+// Controllers told of one search at a time.
+constexpr std::size_t kWaitingMax = 16;
+
+ArtnetAnswers::Asker asker_of(const Datagram& datagram) {
+  ArtnetAnswers::Asker asker;
+  asker.ipv4 = datagram.from_ipv4;
+  asker.udp_port = datagram.from_udp_port;
+  asker.is_here = is_from_here(datagram);
+  return asker;
+}
+
+}  // namespace
+
+void ArtnetGateway::add_universe(int port_address, Universe universe, std::uint8_t bind_index, std::uint8_t port) {
+  Line& line = lines_[port_address];
+  line.universe = universe;
+  line.bind_index = bind_index;
+  line.port = port;
+}
+
+bool ArtnetGateway::has_line(int port_address) const {
+  const auto line = lines_.find(port_address);
+  return line != lines_.end() && directory_->find(line->second.universe).has_value();
+}
+
+ArtnetGateway::Line* ArtnetGateway::find(int port_address) {
+  const auto found = lines_.find(port_address);
+  if (found == lines_.end()) return nullptr;
+  Line& line = found->second;
+  const auto entry = directory_->find(line.universe);
+  if (!entry) return nullptr;
+  if (line.agent && line.generation == entry->generation) return &line;
+  auto agent = RdmAgent::create(entry->make_line());
+  if (!agent) return nullptr;
+  line.agent = std::move(*agent);
+  line.generation = entry->generation;
+  if (on_new_descriptor) on_new_descriptor(line.agent->fd());
+  return &line;
+}
+
+void ArtnetGateway::tell_table(int port_address, const Line& line, const ArtnetAnswers::Asker& to,
+                               std::vector<Reply>& replies) {
+  const auto table = line.agent->table().value_or(std::vector<RdmUid>{});
+  ArtnetTodData data;
+  data.port_address = port_address;
+  data.bind_index = line.bind_index;
+  data.port = line.port;
+  data.total = static_cast<std::uint16_t>(table.size());
+  for (std::size_t first = 0; first == 0 || first < table.size(); first += kArtnetTodUidsMax) {
+    const std::size_t last = std::min(first + kArtnetTodUidsMax, table.size());
+    data.block = static_cast<std::uint8_t>(first / kArtnetTodUidsMax);
+    data.uids.assign(table.begin() + static_cast<std::ptrdiff_t>(first),
+                     table.begin() + static_cast<std::ptrdiff_t>(last));
+    replies.push_back({build_artnet_rdm_packet(data), to});
+  }
+}
+
+void ArtnetGateway::wait_for_search(Line& line, const ArtnetAnswers::Asker& asker) {
+  const bool waits = std::any_of(line.waiting.begin(), line.waiting.end(), [&](const auto& one) {
+    return one.ipv4 == asker.ipv4 && one.udp_port == asker.udp_port;
+  });
+  if (waits) return;
+  if (line.waiting.size() < kWaitingMax) line.waiting.push_back(asker);
+  line.agent->search();
+}
+
+void ArtnetGateway::take(const ArtnetRdmPacket& packet, const Datagram& datagram, std::vector<Reply>& replies) {
+  const ArtnetAnswers::Asker asker = asker_of(datagram);
+  if (const auto* request = std::get_if<ArtnetTodRequest>(&packet)) {
+    for (const int port_address : request->port_addresses) {
+      Line* const line = find(port_address);
+      if (line == nullptr) continue;
+      // The line is searched when somebody first wants to know, not before: DMX pauses meanwhile.
+      if (line->agent->table()) {
+        tell_table(port_address, *line, asker, replies);
+      } else {
+        wait_for_search(*line, asker);
+      }
+    }
+  } else if (const auto* control = std::get_if<ArtnetTodControl>(&packet)) {
+    Line* const line = find(control->port_address);
+    if (line == nullptr) return;
+    if (control->flush || !line->agent->table()) {
+      wait_for_search(*line, asker);
+    } else {
+      tell_table(control->port_address, *line, asker, replies);
+    }
+  } else if (const auto* rdm = std::get_if<ArtnetRdm>(&packet)) {
+    const auto message = parse_rdm_message(rdm->message);
+    // Discovery is ours.
+    if (!message || is_response(message->command) || message->command == RdmCommand::kDiscovery) return;
+    Line* const line = find(rdm->port_address);
+    if (line == nullptr || tickets_.size() >= kTicketsMax) return;
+    if (line->agent->ask(next_ticket_, *message)) tickets_[next_ticket_++] = {rdm->port_address, asker};
+  }
+}
+
+void ArtnetGateway::take_news(std::vector<Reply>& replies) {
+  for (auto& [port_address, line] : lines_) {
+    if (!line.agent) continue;
+    RdmAgent::News news = line.agent->take();
+    for (const auto& answer : news.answers) {
+      const auto ticket = tickets_.find(answer.ticket);
+      if (ticket == tickets_.end()) continue;
+      if (answer.message) {
+        ArtnetRdm rdm;
+        rdm.port_address = ticket->second.port_address;
+        rdm.message = build_rdm(*answer.message);
+        replies.push_back({build_artnet_rdm_packet(rdm), ticket->second.asker});
+      }
+      tickets_.erase(ticket);
+    }
+    if (!news.table_changed) continue;
+    for (const auto& asker : std::exchange(line.waiting, {})) tell_table(port_address, line, asker, replies);
+  }
+}
+
+}  // namespace footlight::drivers
