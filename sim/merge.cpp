@@ -13,6 +13,43 @@ void take_highest(std::uint8_t* __restrict look, const std::uint8_t* __restrict 
   for (int slot = 0; slot < kSlotCountMax; ++slot) look[slot] = std::max(look[slot], levels[slot]);
 }
 
+// As above: one more than the priority, and 0 for 0.
+void rank_priorities(std::uint8_t* __restrict rank, const std::uint8_t* __restrict priorities) {
+  for (int slot = 0; slot < kSlotCountMax; ++slot) {
+    const std::uint8_t priority = priorities[slot];
+    rank[slot] = static_cast<std::uint8_t>(priority + (priority != 0 ? 1 : 0));
+  }
+}
+
+// The levels of the higher rank, of equal ones the higher level.
+void take_higher_rank(std::uint8_t* __restrict best, std::uint8_t* __restrict merged,
+                      const std::uint8_t* __restrict rank, const std::uint8_t* __restrict levels) {
+  for (int slot = 0; slot < kSlotCountMax; ++slot) {
+    const std::uint8_t mine = rank[slot], other = best[slot], level = levels[slot], so_far = merged[slot];
+    const std::uint8_t higher = level > so_far ? level : so_far;
+    const std::uint8_t tied = mine == other ? higher : so_far;
+    merged[slot] = mine > other ? level : tied;
+    best[slot] = mine > other ? mine : other;
+  }
+}
+
+bool has_best_rank(const std::uint8_t* __restrict best, const std::uint8_t* __restrict rank) {
+  std::uint8_t shared = 0;
+  for (int slot = 0; slot < kSlotCountMax; ++slot) {
+    const std::uint8_t mine = rank[slot], other = best[slot];
+    shared = static_cast<std::uint8_t>(shared | (mine == other ? mine : 0));
+  }
+  return shared != 0;
+}
+
+void take_ranked(std::uint8_t* __restrict look, const std::uint8_t* __restrict best,
+                 const std::uint8_t* __restrict merged) {
+  for (int slot = 0; slot < kSlotCountMax; ++slot) {
+    const std::uint8_t from_winners = merged[slot], from_before = look[slot];
+    look[slot] = best[slot] != 0 ? from_winners : from_before;
+  }
+}
+
 }  // namespace
 
 Merge::Merge(int universe_count, const MergeOptions& options) : options_(options) {
@@ -378,25 +415,22 @@ bool Merge::resolve_by_slot(int index) {
   for (int i = 0; i < universe.sender_count; ++i) {
     const Sender& sender = universe.senders[i];
     std::uint8_t* const rank = ranks[i];
-    std::memset(rank, 0, kSlotCountMax);
-    if (!sender.counts || (!any_priorities && sender.priority != top)) continue;
+    const bool has_say = sender.counts && (any_priorities || sender.priority == top);
+    const std::size_t slot_count = has_say ? sender.slot_count : 0;
+    std::memset(rank + slot_count, 0, kSlotCountMax - slot_count);
+    if (!has_say) continue;
     if (sender.has_priorities) {
-      const std::uint8_t* const priorities = priorities_of(index, sender.place);
-      for (int slot = 0; slot < sender.slot_count; ++slot)
-        rank[slot] = static_cast<std::uint8_t>(priorities[slot] + (priorities[slot] != 0 ? 1 : 0));
+      rank_priorities(rank, priorities_of(index, sender.place));
+      std::memset(rank + slot_count, 0, kSlotCountMax - slot_count);
     } else {
-      std::memset(rank, sender.priority + 1, sender.slot_count);
+      std::memset(rank, sender.priority + 1, slot_count);
     }
     const std::uint8_t* const levels = levels_of(index, sender.place);
     if (!any_ltp) {
-      for (int slot = 0; slot < kSlotCountMax; ++slot) {
-        const std::uint8_t tied = rank[slot] == best[slot] ? std::max(merged[slot], levels[slot]) : merged[slot];
-        merged[slot] = rank[slot] > best[slot] ? levels[slot] : tied;
-        best[slot] = std::max(best[slot], rank[slot]);
-      }
+      take_higher_rank(best, merged, rank, levels);
       continue;
     }
-    for (std::size_t slot = 0; slot < sender.slot_count; ++slot) {
+    for (std::size_t slot = 0; slot < slot_count; ++slot) {
       if (rank[slot] == 0 || rank[slot] < best[slot]) continue;
       const bool is_ltp = universe.mode == MergeMode::kLtp || (ltp != nullptr && ltp->slots[slot]);
       const std::uint64_t at = universe.mode == MergeMode::kLtp ? sender.changed_at
@@ -418,17 +452,15 @@ bool Merge::resolve_by_slot(int index) {
   const Sender* newest = nullptr;
   for (int i = 0; i < universe.sender_count; ++i) {
     Sender& sender = universe.senders[i];
-    int shared = 0;
-    for (int slot = 0; slot < kSlotCountMax; ++slot) shared |= (ranks[i][slot] != 0) & (ranks[i][slot] == best[slot]);
     // One that sends no slots may still keep those of lower priority away.
-    sender.wins = shared != 0 || (!any_priorities && sender.counts && sender.priority == top);
+    sender.wins = has_best_rank(best, ranks[i]) || (!any_priorities && sender.counts && sender.priority == top);
     if (sender.fresh) ++(sender.wins ? universe.counters.frames_shown : universe.counters.frames_outranked);
     sender.fresh = false;
     if (sender.wins && (newest == nullptr || sender.heard_at > newest->heard_at)) newest = &sender;
   }
   if (newest == nullptr) return false;
   std::uint8_t* const look = looks_.get() + static_cast<std::size_t>(index) * kSlotCountMax;
-  for (int slot = 0; slot < kSlotCountMax; ++slot) look[slot] = best[slot] != 0 ? merged[slot] : look[slot];
+  take_ranked(look, best, merged);
   universe.look_stamp_ns = newest->stamp_ns;
   universe.look_sender = newest->id;
   universe.look_sequence = newest->sequence;
@@ -562,8 +594,9 @@ void Merge::adopt(const Merge& from, std::span<const int> from_index) {
       if (universe.senders[k].has_priorities)
         std::memcpy(priorities_of(index, place), from.priorities_of(from_index[i], place), kSlotCountMax);
     }
-    // Who changed which slot last is kept for a set_slot_modes() that follows.
-    if (const auto& ltp = from.ltp_slots_[static_cast<std::size_t>(from_index[i])]; ltp != nullptr) {
+    // Who changed which slot last is kept for a set_slot_modes() that follows; where none does, until the next time.
+    if (const auto& ltp = from.ltp_slots_[static_cast<std::size_t>(from_index[i])];
+        ltp != nullptr && ltp->slots.any()) {
       ltp_slots_[i] = std::make_unique<LtpSlots>(*ltp);
       ltp_slots_[i]->slots.reset();
     }

@@ -173,18 +173,19 @@ class Merge {
     DurationNs priorities_silence_ns = 0;
     TimeNs waits_until_ns = 0;  // until then it does not count; 0: it does
   };
+  // What every frame touches comes first.
   struct PerUniverse {
-    Sender senders[kSendersPerUniverseMax];  // the first sender_count are there, in no order
-    MergeCounters counters;
-    TimeNs look_stamp_ns = 0;
-    SenderId look_sender = 0;
-    std::uint32_t look_sequence = 0;
-    std::uint8_t look_priority = kPriorityDefault;
     std::uint8_t sender_count = 0;
     std::uint8_t priorities_count = 0;  // of senders that have priorities
     MergeMode mode = MergeMode::kHtp;
     bool by_slot = false;  // somebody has priorities, or some slots are LTP
     bool changed = false;
+    std::uint8_t look_priority = kPriorityDefault;
+    std::uint32_t look_sequence = 0;
+    TimeNs look_stamp_ns = 0;
+    SenderId look_sender = 0;
+    MergeCounters counters;
+    Sender senders[kSendersPerUniverseMax];  // the first sender_count are there, in no order
   };
   // Of a universe with LTP slots.
   struct LtpSlots {

@@ -123,7 +123,6 @@ void Pump::pass_on(TimeNs now_ns) {
   merge_changed();
   for (PortRun& run : sinks_)
     if (run.period_ns <= 0.0) send_pending(run, now_ns);
-  feed_standbys(now_ns);
 }
 
 void Pump::merge_changed() {
@@ -150,16 +149,6 @@ void Pump::send_due(TimeNs now_ns) {
     const bool was_down = run.down;
     poll(run, now_ns);
     if (was_down && !run.down) send_pending(run, now_ns);
-  }
-  feed_standbys(now_ns);
-}
-
-// A standby may be an earlier sink than the one that was found lost, and may be lost itself.
-void Pump::feed_standbys(TimeNs now_ns) {
-  while (standby_woke_) {
-    standby_woke_ = false;
-    for (PortRun& run : sinks_)
-      if (run.standby_for != nullptr) send_pending(run, now_ns);
   }
 }
 
@@ -305,8 +294,7 @@ void Pump::set_standbys(TimeNs now_ns) {
     } else {
       if (const PortRun* const main = run_of(run.standby_for); main != nullptr)
         say(NoticeLevel::kWarning, "standby-takes-over", run, fmt::format("takes over for {}", main->name));
-      mark_every_look(run);
-      standby_woke_ = true;
+      mark_every_look(run);  // its turn comes after that of the sink that it stands by for
     }
   }
 }
@@ -618,7 +606,6 @@ void Pump::start() {
       attach(run, now_ns);
       if (run.sink != nullptr) send_pending(run, now_ns);
     }
-  feed_standbys(now_ns);
   fill(spare_status_, now_ns);
   const std::lock_guard lock(published_mutex_);
   published_ = spare_status_;

@@ -296,7 +296,6 @@ class Pump {
   void pass_on(TimeNs now_ns);
   void merge_changed();
   void send_due(TimeNs now_ns);
-  void feed_standbys(TimeNs now_ns);
   void count_rates(TimeNs now_ns);
 
   void poll(PortRun& run, TimeNs now_ns);
@@ -331,7 +330,6 @@ class Pump {
   std::vector<FrameReceiver*> taps_;
   SourceId last_source_id_ = 0;
   bool in_tick_ = false;
-  bool standby_woke_ = false;  // a standby has looks to be sent in this tick
 
   struct UniverseRun {
     bool has_look = false;   // a frame was written since the buffer was made

@@ -110,6 +110,43 @@ void merge_senders(benchmark::State& state, MergeMode mode) {
 void merge_htp(benchmark::State& state) { merge_senders(state, MergeMode::kHtp); }
 void merge_ltp(benchmark::State& state) { merge_senders(state, MergeMode::kLtp); }
 
+// As merge_htp() with two senders that each have a priority in every slot, said once a second; or with two senders and
+// half of the slots LTP.
+void merge_slots(benchmark::State& state, bool priorities) {
+  const std::int64_t count = state.range(0), senders = state.range(1);
+  Merge merge(static_cast<int>(count));
+  SlotSet odd;
+  for (std::size_t slot = 1; slot < odd.size(); slot += 2) odd.set(slot);
+  if (!priorities)
+    for (int i = 0; i < merge.count(); ++i) merge.set_slot_modes(i, odd);
+  const auto bytes = noise(static_cast<std::size_t>(count + senders) * kSlotCountMax);
+  std::vector<std::uint8_t> claims(kSlotCountMax, 100);
+  for (std::size_t slot = 0; slot < claims.size(); slot += 3) claims[slot] = 101;
+  TimeNs now_ns = 0;
+  std::int64_t rounds = 0;
+  for (auto _ : state) {
+    now_ns += 22 * kNsPerMs;
+    for (std::int64_t sender = 0; sender < senders; ++sender)
+      for (std::int64_t i = 0; i < count; ++i) {
+        FrameView frame = frame_of(bytes, i + sender);
+        frame.sender = static_cast<SenderId>(sender + 1);
+        const auto source = static_cast<SourceId>(sender);
+        merge.receive(static_cast<int>(i), frame, now_ns, source);
+        if (!priorities || rounds % 45 != 0) continue;
+        frame.start_code = kStartCodePriorities;
+        frame.slots = claims;
+        merge.receive(static_cast<int>(i), frame, now_ns, source);
+      }
+    ++rounds;
+    merge.expire(now_ns);
+    for (const int index : merge.changed()) benchmark::DoNotOptimize(merge.resolve(index));
+    merge.clear_changed();
+  }
+  count_universes(state, count);
+}
+void merge_priorities(benchmark::State& state) { merge_slots(state, true); }
+void merge_ltp_slots(benchmark::State& state) { merge_slots(state, false); }
+
 // The whole tick without I/O: one source gives every universe, one sink takes them.
 struct StillClock final : Clock {
   TimeNs now_ns() override { return now; }
@@ -130,7 +167,8 @@ struct Desk final : Source {
   PortCounters counters() const override { return {}; }
   std::span<const Universe> universes() const override { return carried; }
   Status poll(TimeNs now_ns, FrameReceiver& receiver) override {
-    for (std::size_t i = 0; i < carried.size(); ++i) {
+    for (std::size_t n = 0; n < carried.size() * static_cast<std::size_t>(rounds); ++n) {
+      const std::size_t i = n % carried.size();
       FrameView frame = frame_of(bytes, static_cast<std::int64_t>(i));
       frame.universe = carried[i];
       frame.sender = 1;
@@ -139,6 +177,7 @@ struct Desk final : Source {
     }
     return {};
   }
+  int rounds = 1;
   std::vector<Universe> carried;
   std::vector<std::uint8_t> bytes;
 };
@@ -157,12 +196,13 @@ struct Stage final : Sink {
   std::vector<Universe> carried;
 };
 
-void pump_tick(benchmark::State& state) {
+void pump_rounds(benchmark::State& state, int rounds) {
   const int count = static_cast<int>(state.range(0));
   Universes universes(universe_range(1, count));
   StillClock clock;
   NoWaiter waiter;
   Desk desk(count);
+  desk.rounds = rounds;
   Stage stage(count);
   Pump pump(universes, clock, waiter);
   pump.add_source(desk);
@@ -173,8 +213,11 @@ void pump_tick(benchmark::State& state) {
     pump.tick(clock.now);
   }
   pump.stop();
-  count_universes(state, count);
+  count_universes(state, count * rounds);
 }
+void pump_tick(benchmark::State& state) { pump_rounds(state, 1); }
+// Two rounds of the desk lie there: each leaves by itself.
+void pump_tick_piled_up(benchmark::State& state) { pump_rounds(state, 2); }
 
 #define SIZES Arg(9)->Arg(512)->Arg(4096)
 BENCHMARK(write_universes)->SIZES;
@@ -183,6 +226,9 @@ BENCHMARK(snapshot_all)->SIZES;
 BENCHMARK(snapshot_changed_nothing)->SIZES;
 BENCHMARK(merge_htp)->ArgsProduct({{9, 512, 4096}, {1, 2, 8}});
 BENCHMARK(merge_ltp)->ArgsProduct({{9, 512, 4096}, {2}});
+BENCHMARK(merge_priorities)->ArgsProduct({{9, 512, 4096}, {2}});
+BENCHMARK(merge_ltp_slots)->ArgsProduct({{9, 512, 4096}, {2}});
 BENCHMARK(pump_tick)->SIZES;
+BENCHMARK(pump_tick_piled_up)->SIZES;
 
 }  // namespace

@@ -1,10 +1,12 @@
-// How often this executable has asked for memory with operator new: the global operators are replaced to count it.
+// How often this executable has asked for memory with operator new, and how much of it is held: the global operators
+// are replaced to count it.
 #pragma once
 
 #include <cstdint>
 
 namespace footlight::testing {
 
-std::uint64_t allocation_count();
+[[nodiscard]] std::uint64_t allocation_count();
+[[nodiscard]] std::int64_t live_bytes();
 
 }  // namespace footlight::testing

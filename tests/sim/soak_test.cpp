@@ -1,0 +1,30 @@
+#include "tests/sim/soak.h"
+
+#include <doctest/doctest.h>
+
+using namespace footlight;
+
+// A day at the full pace of faults, about one a second, and 3 rounds a second instead of 44, so that it ends within a
+// minute under the sanitizers. `soak --hours 24 --rate 44` in this folder does the whole.
+TEST_CASE("a day of faults loses no frame that is not counted, leaves no working sink stale and holds no more memory") {
+  const testing::SoakReport report = testing::run_soak({.hours = 24.0, .rate_hz = 3.0, .seed = 1});
+  for (const std::string& offence : report.offences) CHECK_MESSAGE(false, offence);
+  CHECK(report.memory_growth_bytes < 1'024);  // texts of errors differ in length
+  // And it was a day worth the name.
+  CHECK(report.minutes_checked >= 1'400);
+  CHECK(report.frames > 4'000'000);
+  CHECK(report.looks > 4'000'000);
+  for (const std::uint64_t count :
+       {report.silences, report.endings, report.bursts, report.priority_changes, report.claim_changes,
+        report.source_failures, report.sink_failures, report.stalls, report.jumps, report.takeovers})
+    CHECK(count > 1'000);
+  CHECK(report.reloads > 500);
+}
+
+TEST_CASE("twelve minutes at the full rate, from each of three seeds, hold the same") {
+  for (const std::uint64_t seed : {2u, 3u, 4u}) {
+    const testing::SoakReport report = testing::run_soak({.hours = 0.2, .rate_hz = 44.0, .seed = seed});
+    for (const std::string& offence : report.offences) CHECK_MESSAGE(false, offence);
+    CHECK(report.frames > 500'000);
+  }
+}
