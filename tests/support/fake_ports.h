@@ -9,6 +9,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -77,7 +78,7 @@ class FakeWaiter final : public Waiter {
  private:
   FakeClock& clock_;
   int next_fd_ = 100;
-  bool interrupted_ = false;
+  std::atomic<bool> interrupted_{false};  // any thread
   std::map<int, std::function<bool()>> readable_;
   std::multimap<TimeNs, std::function<void()>> events_;
   std::set<int> watched_;
