@@ -37,8 +37,8 @@ class RdmDirectory;
 
 // The senders of this program. Give one to all network ports of a program and no source takes for input what a sink of
 // the same program sent (multicast and broadcast come back to the machine that sent them, which is how several programs
-// on one machine hear each other). Safe from any thread, since ports are opened while the pump runs. An entry stays after
-// its sink has closed, since last datagrams may still be on their way.
+// on one machine hear each other). Safe from any thread, since ports are opened while the pump runs. An entry stays
+// after its sink has closed, since last datagrams may still be on their way.
 class OwnSenders {
  public:
   OwnSenders();
