@@ -299,6 +299,42 @@ std::string json_of_line_timing(const std::string& path, const drivers::LineCapt
                   {"frames", std::move(frames)}});
 }
 
+std::string json_of_log_diff(const std::string& a, const std::string& b, const LogDiff& diff) {
+  constexpr const char* kFrom[] = {"given", "changes", "first-frames", "nothing"};
+  Json universes = Json::array();
+  for (const LogUniverseDiff& one : diff.universes) {
+    Json universe = {{"universe", one.universe},
+                     {"frames_a", one.frames_a},
+                     {"frames_b", one.frames_b},
+                     {"pairs", one.pairs},
+                     {"only_a", one.only_a},
+                     {"only_b", one.only_b},
+                     {"different", one.different},
+                     {"slots_different", one.slots_different},
+                     {"level_distance_max", one.level_distance_max},
+                     {"time_p50_ns", one.times.p50_ns},
+                     {"time_p99_ns", one.times.p99_ns},
+                     {"time_max_ns", one.times.max_ns},
+                     {"drift_ppm", one.drift_ppm}};
+    if (one.first_address != 0) {
+      universe["first_difference"] = {{"time_ns", one.first_ns},
+                                      {"address", one.first_address},
+                                      {"level_a", one.first_level_a},
+                                      {"level_b", one.first_level_b}};
+    }
+    universes.push_back(std::move(universe));
+  }
+  return line_of({{"a", a},
+                  {"b", b},
+                  {"equal", diff.equal},
+                  {"duration_a_ns", diff.duration_a_ns},
+                  {"duration_b_ns", diff.duration_b_ns},
+                  {"offset_ns", diff.offset_ns},
+                  {"offset_from", kFrom[static_cast<std::size_t>(diff.offset_from)]},
+                  {"offset_votes", diff.offset_votes},
+                  {"universes", std::move(universes)}});
+}
+
 std::string json_of_conversion(const std::string& in, const std::string& out, const ConvertReport& report) {
   return line_of({{"in", in},
                   {"out", out},

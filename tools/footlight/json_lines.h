@@ -10,6 +10,7 @@
 #include "drivers/rdm/rdm_parameters.h"
 #include "drivers/registry.h"
 #include "sim/dmx_log/dmx_log.h"
+#include "sim/dmx_log/log_diff.h"
 #include "sim/dmx_log/log_input.h"
 #include "sim/pump.h"
 #include "sim/universes.h"
@@ -44,6 +45,7 @@ namespace footlight::tools {
 // "values": the one value, an array of them, or an object where they have names.
 [[nodiscard]] std::string json_of_rdm_fields(const std::string& uid, const std::string& parameter,
                                              const std::vector<drivers::RdmField>& fields);
+[[nodiscard]] std::string json_of_log_diff(const std::string& a, const std::string& b, const LogDiff& diff);
 [[nodiscard]] std::string json_of_conversion(const std::string& in, const std::string& out,
                                              const ConvertReport& report);
 

@@ -1,12 +1,14 @@
 // footlight log: look into a log, or turn one into another format.
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <memory>
 
 #include "drivers/capture/captures.h"
 #include "sim/core/endpoint.h"
 #include "sim/dmx_log/dmx_log.h"
+#include "sim/dmx_log/log_diff.h"
 #include "sim/dmx_log/log_input.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/duration.h"
@@ -246,6 +248,63 @@ Result<int> timing(const TimingArguments& arguments) {
   return info.counters.rejected == 0 ? kExitOk : kExitFailed;
 }
 
+struct DiffArguments {
+  std::string a;
+  std::string b;
+  LogDiffOptions options;
+  bool same_start = false;
+  ReadArguments read;
+  bool json = false;
+};
+
+std::string offset_of(const LogDiff& diff) {
+  const std::string offset =
+      fmt::format("{}{}", diff.offset_ns < 0 ? "-" : "", show_duration(std::abs(diff.offset_ns)));
+  switch (diff.offset_from) {
+    case LogOffsetFrom::kGiven: return "times are compared as they are";
+    case LogOffsetFrom::kChanges:
+      return fmt::format("B is {} later, by {} changes of levels that occur once in each", offset, diff.offset_votes);
+    case LogOffsetFrom::kFirstFrames:
+      return fmt::format("B is {} later, by the first frame of each: no change of levels is like no other", offset);
+    case LogOffsetFrom::kNothing: break;
+  }
+  return "no universe is in both";
+}
+
+Result<int> diff(const DiffArguments& arguments) {
+  if (arguments.a.empty() || arguments.b.empty()) {
+    return fail(ErrorCode::kBadInput, "log diff: expected two files, as in 'footlight log diff a.dmxlog b.dmxlog'");
+  }
+  FL_ASSIGN(const drivers::CaptureOptions read, arguments.read.read());
+  LogDiffOptions options = arguments.options;
+  if (arguments.same_start) options.offset_ns = 0;
+  FL_ASSIGN(LogReader a, drivers::read_any_log(arguments.a, read));
+  FL_ASSIGN(LogReader b, drivers::read_any_log(arguments.b, read));
+  FL_ASSIGN(const LogDiff diff, diff_logs(a, b, options));
+  const int exit_code = diff.equal ? kExitOk : kExitFailed;
+  if (arguments.json) {
+    fmt::print("{}\n", json_of_log_diff(arguments.a, arguments.b, diff));
+    return exit_code;
+  }
+  fmt::print("A: {}, {}\nB: {}, {}\n{}\n", arguments.a, show_duration(diff.duration_a_ns), arguments.b,
+             show_duration(diff.duration_b_ns), offset_of(diff));
+  for (const LogUniverseDiff& one : diff.universes) {
+    fmt::print("universe {}: {} pairs, {} frames only in A, {} only in B\n", one.universe, one.pairs, one.only_a,
+               one.only_b);
+    if (one.different != 0) {
+      fmt::print("  levels: {} pairs differ, in {} slots, by {} at most; first at {}, address {}: {} in A, {} in B\n",
+                 one.different, one.slots_different, one.level_distance_max, show_duration(one.first_ns),
+                 one.first_address, one.first_level_a, one.first_level_b);
+    }
+    if (one.pairs == 0) continue;
+    fmt::print("  times: apart by {} (median), {} (99 %), {} (most); drift {:.2f} ppm\n",
+               show_duration(one.times.p50_ns), show_duration(one.times.p99_ns), show_duration(one.times.max_ns),
+               one.drift_ppm);
+  }
+  fmt::print("{}\n", diff.equal ? "equal" : "different");
+  return exit_code;
+}
+
 void add(Arguments& arguments) {
   Arguments info = arguments.subcommand("info", "What a log holds: length, universes, rates, damage",
                                         "  footlight log info show.dmxlog\n"
@@ -279,6 +338,26 @@ void add(Arguments& arguments) {
   converter.flag("--json", convert_arguments->json, "one JSON object");
   converter.job([convert_arguments]() -> Result<int> { return convert(*convert_arguments); });
 
+  Arguments differ =
+      arguments.subcommand("diff", "Compare two logs in levels and in time",
+                           "  footlight log diff sent.dmxlog received.dmxlog\n"
+                           "  footlight log diff show.dmxlog show.pcapng --changes-only --time-tolerance 5ms\n"
+                           "  footlight log diff a.dmxlog b.dmxlog --values 1 --same-start --json\n"
+                           "Exit code 0 where no frame lacks a partner and no level and no time is further apart than\n"
+                           "allowed, 1 otherwise.");
+  auto diff_arguments = std::make_shared<DiffArguments>();
+  differ.word("A", diff_arguments->a, kFileHelp);
+  differ.word("B", diff_arguments->b, "the same");
+  differ.option("--values", diff_arguments->options.level_tolerance, 0, 255, "levels may be so far apart");
+  differ.duration("--time-tolerance", diff_arguments->options.time_tolerance_ns,
+                  "times may be so far apart, beyond the offset; 1ms where it is not given");
+  differ.flag("--same-start", diff_arguments->same_start, "both began at one moment: do not look for an offset");
+  differ.flag("--changes-only", diff_arguments->options.changes_only,
+              "leave out frames that repeat the levels before them");
+  diff_arguments->read.add(differ);
+  differ.flag("--json", diff_arguments->json, "one JSON object");
+  differ.job([diff_arguments]() -> Result<int> { return diff(*diff_arguments); });
+
   Arguments line = arguments.subcommand("timing", "Break, mark after break, gaps and period of a captured DMX line",
                                         "  footlight log timing desk.sr\n"
                                         "  footlight log timing desk.sr --summary --channel DMX-  --inverted\n"
@@ -301,6 +380,7 @@ extern const CommandInfo log_command{
         "  footlight log info show.dmxlog\n"
         "  footlight log convert foh.show foh.dmxlog\n"
         "  footlight log convert capture.pcapng show.dmxlog\n"
+        "  footlight log diff sent.dmxlog received.pcapng\n"
         "  footlight log timing desk.sr\n",
     .add = add,
 };

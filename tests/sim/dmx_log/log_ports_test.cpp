@@ -279,6 +279,60 @@ TEST_CASE("the sink records every frame with the stamp that it carries, and the 
   CHECK(all_frames(*reader) == frames);
 }
 
+TEST_CASE("after a minute and after an hour a replay of a recording is where the recording was, to the nanosecond") {
+  for (const DurationNs length_ns : {60 * kNsPerS, 3'600 * kNsPerS}) {
+    CAPTURE(length_ns);
+    const TempFolder folder;
+    const std::string path = folder.file("a.dmxlog");
+    constexpr TimeNs kRecordedFromNs = 987'654'321'012'345;
+    LogSinkOptions options;
+    options.universes = {1};
+    options.start_ns = kRecordedFromNs;
+    options.waiting_bytes_max = 1u << 30;  // the simulated hour takes no time, so the disk cannot keep up
+    auto sink = LogSink::create(path, options);
+    REQUIRE(sink);
+    FakeClock clock(kRecordedFromNs);
+    Random random(77);
+    std::vector<DurationNs> times;
+    std::vector<std::uint8_t> slots(24);
+    for (DurationNs due_ns = 0; due_ns < length_ns; due_ns += kNsPerS / 44) {  // 22.727272 ms, nothing rounds to it
+      clock.sleep_until_ns(kRecordedFromNs + due_ns + static_cast<DurationNs>(random.below(300'000)));
+      slots[random.below(slots.size())] = random.byte();
+      FrameView frame;
+      frame.universe = 1;
+      frame.stamp_ns = clock.now_ns();
+      frame.slots = slots;
+      times.push_back(frame.stamp_ns - kRecordedFromNs);
+      REQUIRE((*sink)->send(clock.now_ns(), {&frame, 1}));
+      if ((*sink)->next_deadline_ns() <= clock.now_ns()) REQUIRE((*sink)->poll(clock.now_ns()));
+    }
+    clock.sleep_until_ns(kRecordedFromNs + length_ns);
+    (*sink)->close(clock.now_ns());
+    REQUIRE((*sink)->counters().dropped == 0);
+
+    auto reader = LogReader::open(path);
+    REQUIRE(reader);
+    auto source = LogSource::from_reader(std::move(*reader), "log:a.dmxlog");
+    REQUIRE(source);
+    FakeClock player(5'000);
+    struct Times final : FrameReceiver {
+      void receive(const FrameView& frame) override { stamps.push_back(frame.stamp_ns); }
+      std::vector<TimeNs> stamps;
+    } played;
+    while ((*source)->state() != PortState::kEnded) {
+      player.sleep_until_ns((*source)->next_deadline_ns() + static_cast<DurationNs>(random.below(80'000)));  // late
+      REQUIRE((*source)->poll(player.now_ns(), played));
+    }
+    const TimeNs started_ns = played.stamps.front() - times.front();
+    REQUIRE(played.stamps.size() == times.size());
+    bool exact = true;
+    for (std::size_t i = 0; i < times.size(); ++i) exact = exact && played.stamps[i] == started_ns + times[i];
+    CHECK(exact);
+    CHECK(player.now_ns() - started_ns >= length_ns);
+    CHECK(player.now_ns() - started_ns < length_ns + kNsPerMs);
+  }
+}
+
 TEST_CASE("a sink that goes away without close leaves all its frames in an unfinished log") {
   const TempFolder folder;
   const std::string path = folder.file("a.dmxlog");

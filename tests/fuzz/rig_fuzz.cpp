@@ -1,0 +1,32 @@
+// Rigs (first byte even) and fixture types (odd), any text whatever, compiled where they are sound.
+#include "fixtures/builtin/builtin.h"
+#include "fixtures/fixture_toml.h"
+#include "fixtures/rig.h"
+#include "tests/fuzz/fuzz.h"
+
+using namespace footlight;
+using footlight::testing::require;
+
+void footlight::testing::add_seeds(Seeds& seeds) {
+  for (const auto& [name, text] : fixtures::builtin_files()) {
+    seeds.add(name, (std::string_view(name) == "demo_rig.toml" ? "\x02" : "\x01") + std::string(text));
+  }
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return 0;
+  const std::string_view text(reinterpret_cast<const char*>(data + 1), size - 1);
+  if (data[0] % 2 == 1) {
+    const auto type = fixtures::parse_fixture_type(text, "fuzz.toml");
+    if (!type) require(type.error().message.starts_with("fuzz.toml"));
+    return 0;
+  }
+  const auto rig = fixtures::parse_rig(text, "fuzz.toml");
+  if (!rig) {
+    require(!rig.error().message.empty());
+    return 0;
+  }
+  require(!rig->cameras.empty());
+  (void)fixtures::compile(*rig);
+  return 0;
+}
