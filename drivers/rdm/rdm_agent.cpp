@@ -53,9 +53,10 @@ void RdmAgent::search() {
 }
 
 RdmAgent::News RdmAgent::take() {
+  // Under the lock, as the write is: what is taken here wakes nobody afterwards.
+  const std::lock_guard lock(mutex_);
   std::uint64_t count = 0;
   (void)!::read(event_fd_, &count, sizeof count);
-  const std::lock_guard lock(mutex_);
   return std::exchange(news_, {});
 }
 
