@@ -100,6 +100,8 @@ TEST_CASE("a refusal names both places where it can be allowed, and the way to d
   }));
 }
 
+// ThreadSanitizer holds a signal back until the thread calls something that waits, which this one never does.
+#if !defined(__SANITIZE_THREAD__)
 TEST_CASE("a thread that never rests loses real time and goes on at normal priority") {
   check_child(in_child([] {
     if (!may_have_real_time()) return kSkipped;
@@ -110,6 +112,7 @@ TEST_CASE("a thread that never rests loses real time and goes on at normal prior
     return real_time_given_up() == 1 ? 0 : 2;
   }));
 }
+#endif
 
 TEST_CASE("a limit on the time of real-time threads that kills is kept away from") {
   check_child(in_child([] {
