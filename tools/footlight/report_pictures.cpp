@@ -1,0 +1,143 @@
+// footlight report --pictures: error against run time of what makes a picture, and what the rig left out.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "render/frame.h"
+#include "render/reference/report.h"
+#include "tools/footlight/duration.h"
+#include "tools/footlight/picture_report.h"
+#include "tools/footlight/report_parts.h"
+#include "tools/footlight/scene_files.h"
+#include "tools/footlight/timeline.h"
+
+namespace footlight::tools {
+namespace {
+
+struct PictureArguments {
+  SceneFiles files;
+  DurationNs at_ns = 30 * kNsPerS;
+  int beams = 0;
+  std::string size = "640x360";
+  std::string judge_size = "64x36";
+  std::string camera;
+  std::string device;
+  int runs = 11;
+  bool no_judge = false;
+};
+
+// The scene as the log has it at a time. Motors stand where the levels send them, so that GPU and judge start from the
+// same state without a history.
+Result<Scene> scene_of_files(const SceneFiles& files, DurationNs at_ns, const std::string& camera) {
+  Scene scene;
+  FL_ASSIGN(scene.rig, load_scene_rig(files));
+  FL_ASSIGN(scene.compiled, fixtures::compile(scene.rig));
+  FL_ASSIGN(scene.camera, find_camera(scene.rig, camera));
+  scene.levels.assign(scene.compiled.universes.size() * kSlotCountMax, 0);
+  FL_ASSIGN(std::optional<LogReader> log, open_scene_log(files));
+  if (log) {
+    Timeline timeline(std::move(*log), scene.compiled);
+    FL_TRY(timeline.advance(at_ns, 0, [&](std::span<const std::uint8_t> levels, std::int64_t, bool) {
+      scene.levels.assign(levels.begin(), levels.end());
+    }));
+  }
+  scene.name = fmt::format("{}@{}", files.demo ? "demo" : files.rig, show_duration(at_ns));
+  return scene;
+}
+
+void print_left_out(const Scene& scene) {
+  fmt::print("Left out, since {} does not need it:\n", scene.name);
+  const render::FrameSettings settings;
+  bool any = false;
+  for (const auto& pass : render::left_out_passes(scene.compiled.needs, settings)) {
+    fmt::print("  pass {}: {}\n", pass.name, pass.gives);
+    any = true;
+  }
+  for (const std::string& line : fixtures::left_out(scene.compiled.needs)) {
+    fmt::print("  {}\n", line);
+    any = true;
+  }
+  if (!any) fmt::print("  nothing\n");
+}
+
+Status report_pictures(const PictureArguments& arguments, const ReportOptions& options) {
+  if (arguments.beams > 0 && (arguments.files.demo || !arguments.files.rig.empty())) {
+    return fail(ErrorCode::kBadInput, "--beams makes its own scene: expected it without --rig and --demo");
+  }
+  SceneFiles files = arguments.files;
+  if (files.rig.empty()) files.demo = true;
+  FL_ASSIGN(const Scene scene, arguments.beams > 0 ? make_beams_scene(arguments.beams)
+                                                   : scene_of_files(files, arguments.at_ns, arguments.camera));
+  FL_ASSIGN(const PictureSize size, parse_size(arguments.size));
+  FL_ASSIGN(const PictureSize judge_size, parse_size(arguments.judge_size));
+  FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = arguments.device}));
+  PictureReportOptions picture_options;
+  picture_options.width = size.width;
+  picture_options.height = size.height;
+  picture_options.judge_width = judge_size.width;
+  picture_options.judge_height = judge_size.height;
+  picture_options.runs = arguments.runs;
+  picture_options.judge = !arguments.no_judge;
+  if (options.quick) {
+    picture_options.gauss_nodes = {2, 3, 4};
+    picture_options.march_steps = {16, 64};
+    picture_options.gobo_taps = {16, 64};
+  }
+  FL_ASSIGN(const PictureReport report, make_picture_report(*device, scene, picture_options));
+  const auto curves = render::curves_of(report.rows);
+  if (options.json) {
+    fmt::print("{}", render::json_lines_of(report.rows));
+  } else {
+    fmt::print("Pictures of {}: beams in haze and on surfaces, on {}.\n", scene.name, report.device);
+    fmt::print("Times: GPU, {}x{}, {} runs after 3. ", size.width, size.height, arguments.runs);
+    if (arguments.no_judge) {
+      fmt::print("Not judged.\n\n");
+    } else {
+      fmt::print(
+          "Errors: {}x{} of the same view against adaptive quadrature in double, whose own error is {:.1e} "
+          "(it took {:.1f} s).\n\n",
+          judge_size.width, judge_size.height, report.judge_own_rel_l2, report.judge_seconds);
+    }
+    fmt::print("{}\n", render::table_of(report.rows));
+    for (const auto& row : report.rows) {
+      if (row.ms_p10 > 0 && row.ms_p90 / row.ms_p10 > 1.15) {
+        fmt::print("unstable: {} {} varies by {:.2f} between p10 and p90\n", row.method, row.knob,
+                   row.ms_p90 / row.ms_p10);
+      }
+    }
+    if (!arguments.no_judge) {
+      const double costs[] = {1, 4, 16};
+      fmt::print("{}\n", render::summary_of(curves, "ms", costs));
+    }
+    fmt::print("GPU time a pass with {} nodes:", render::FrameSettings{}.nodes);
+    for (const auto& pass : report.passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
+    fmt::print("\n\n");
+    print_left_out(scene);
+    fmt::print("\n");
+  }
+  if (!options.csv.empty()) FL_TRY(write_report_file(options.csv, render::csv_of(report.rows)));
+  if (!options.svg.empty()) {
+    FL_TRY(write_report_file(options.svg, render::svg_plot({scene.name + ": beams", report.device,
+                                                            "GPU time a frame, ms", "relative L2 error"},
+                                                           curves)));
+  }
+  return {};
+}
+
+}  // namespace
+
+ReportHalf add_report_pictures(Arguments& arguments) {
+  auto chosen = std::make_shared<PictureArguments>();
+  add_scene_arguments(arguments, chosen->files);
+  arguments.duration("--at", chosen->at_ns, "the moment of the log that is looked at");
+  arguments.option("--beams", chosen->beams, 1, 1'000'000, "a made scene of this many beams in place of a rig");
+  arguments.option("--camera", chosen->camera, "NAME", "a camera of the rig; its first one");
+  arguments.option("--size", chosen->size, "WxH", "size of the pictures that are timed");
+  arguments.option("--judge-size", chosen->judge_size, "WxH", "size of the pictures that are judged");
+  arguments.option("--runs", chosen->runs, 3, 1000, "timed frames a row");
+  arguments.option("--device", chosen->device, "TEXT", "the Vulkan device whose name contains this");
+  arguments.flag("--no-judge", chosen->no_judge, "times only");
+  return [chosen](const ReportOptions& options) { return report_pictures(*chosen, options); };
+}
+
+}  // namespace footlight::tools
