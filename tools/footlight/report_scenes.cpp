@@ -33,7 +33,13 @@ constexpr int kSlots = 6;
 Channel channel(int first, int bytes, uint param, double from, double to) {
   Channel c;
   for (int i = 0; i < bytes; ++i) c.slot_offsets.push_back(first + i);
-  c.functions.push_back({"all", 0, bytes == 2 ? 65535u : 255u, param, from, to});
+  ChannelFunction function;
+  function.name = "all";
+  function.dmx_to = bytes == 2 ? 65535u : 255u;
+  function.param = param;
+  function.physical_from = from;
+  function.physical_to = to;
+  c.functions.push_back(std::move(function));
   return c;
 }
 
@@ -42,11 +48,12 @@ FixtureType beam_type(double lens_radius_m) {
   type.manufacturer = "Footlight";
   type.name = "Report beam";
   type.id = fmt::format("report/beam-{:.0f}mm", lens_radius_m * 1000);
-  type.modes.push_back(
-      {"6 slots",
-       kSlots,
-       {channel(0, 2, kParamZoom, 0.5 * kDegree, 26 * kDegree), channel(2, 1, kParamDimmer, 0, 1),
-        channel(3, 1, kParamRed, 0, 1), channel(4, 1, kParamGreen, 0, 1), channel(5, 1, kParamBlue, 0, 1)}});
+  Mode mode;
+  mode.name = "6 slots";
+  mode.slot_count = kSlots;
+  mode.channels = {channel(0, 2, kParamZoom, 0.5 * kDegree, 26 * kDegree), channel(2, 1, kParamDimmer, 0, 1),
+                   channel(3, 1, kParamRed, 0, 1), channel(4, 1, kParamGreen, 0, 1), channel(5, 1, kParamBlue, 0, 1)};
+  type.modes.push_back(std::move(mode));
   type.dimmer_square = false;
   type.flux_lm = 10'000;
   type.lens_radius_m = lens_radius_m;
