@@ -168,6 +168,7 @@ class Device final : private WidgetContext {
     std::array<std::uint8_t, kLineFrameMax> frame{};  // output: the look to send; input: the newest frame
     std::size_t size = 0;                             // 0: none came yet
     bool fresh = false;                               // the other side has not taken `frame` yet
+    bool resting = false;                             // output: what was sent is not to be repeated
     TimeNs stamp_ns = 0;                              // input: when it came
   };
   struct Shared {
@@ -418,6 +419,7 @@ void Device::take_look(std::size_t line) {
   Out& out = outs_[line];
   with_shared([&](Shared& shared) {
     Box& box = shared.boxes[line];
+    if (std::exchange(box.resting, false)) out.have_look = out.owed = false;
     if (!box.fresh || uses_[line] != LineUse::kOutput) return;
     if (out.owed && box.port) ++box.port->counters.dropped;
     std::copy(box.frame.begin() + 1, box.frame.end(), out.look.begin());
@@ -634,6 +636,19 @@ Status DeviceSink::send(TimeNs, std::span<const FrameView> frames) {
 Status DeviceSink::poll(TimeNs) {
   link_.port().event.clear();
   return {};
+}
+
+void DeviceSink::rest(TimeNs) {
+  const DevicePort& port = link_.port();
+  link_.device().with_shared([&](auto& shared) {
+    for (const DeviceLine& at : port.config.lines) {
+      Device::Box& box = shared.boxes[static_cast<std::size_t>(at.line)];
+      if (box.port.get() != &port) continue;  // closed
+      box.fresh = false;
+      box.resting = true;
+    }
+  });
+  link_.device().connector().wake();
 }
 
 void DeviceSink::close(TimeNs) { link_.close(); }

@@ -124,6 +124,8 @@ class DeviceSink final : public Sink {
   Status poll(TimeNs now_ns) override;
   std::span<const Universe> universes() const override;
   double rate_hz_max() const override;
+  // The host repeats nothing until the next send(). A device that repeats by itself goes on; no protocol stops it.
+  void rest(TimeNs now_ns) override;
   void close(TimeNs now_ns) override;  // returns when the widget's write has ended or timed out
 
   [[nodiscard]] const DeviceLink& link() const { return link_; }

@@ -199,10 +199,9 @@ void NetSink::transmit(TimeNs now_ns) {
   pending_.clear();
 }
 
-void NetSink::close(TimeNs) {
-  if (!is_open()) return;
+void NetSink::say_goodbye() {
   // Three, since any datagram may be lost (E1.31-2018 section 6.2.6).
-  for (int round = 0; says_goodbye() && round < 3; ++round) {
+  for (int round = 0; round < 3; ++round) {
     for (std::size_t place = 0; place < outlets_.size(); ++place) {
       Outlet& outlet = outlets_[place];
       if (!outlet.known) continue;
@@ -212,6 +211,21 @@ void NetSink::close(TimeNs) {
     }
     flush_entries();
   }
+}
+
+void NetSink::rest(TimeNs) {
+  if (!is_open()) return;
+  if (says_goodbye_at_rest()) say_goodbye();
+  for (Outlet& outlet : outlets_) {
+    outlet.known = outlet.unsent = false;
+    outlet.repeats_left = 0;
+  }
+  std::fill(due_ns_.begin(), due_ns_.end(), kTimeNever);
+}
+
+void NetSink::close(TimeNs) {
+  if (!is_open()) return;
+  if (says_goodbye()) say_goodbye();
   std::fill(due_ns_.begin(), due_ns_.end(), kTimeNever);
   links_.clear();
 }

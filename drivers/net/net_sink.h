@@ -40,6 +40,8 @@ class NetSink : public Sink {
   // close().
   Status send(TimeNs now_ns, std::span<const FrameView> frames) override;
   Status poll(TimeNs now_ns) override;
+  // Says goodbye where the protocol has one and repeats nothing; the next send() begins anew.
+  void rest(TimeNs now_ns) override;
   void close(TimeNs now_ns) override;
 
  protected:
@@ -100,8 +102,9 @@ class NetSink : public Sink {
   void send_again(std::size_t place, TimeNs now_ns);
   void count_error() { ++counters_.errors; }
   void count_rejected() { ++counters_.rejected; }
-  // Whether close() sends three packets that end each universe.
+  // Whether close() sends three packets that end each universe, and whether rest() does.
   [[nodiscard]] virtual bool says_goodbye() const = 0;
+  [[nodiscard]] virtual bool says_goodbye_at_rest() const { return says_goodbye(); }
 
   [[nodiscard]] std::span<std::uint8_t> packet_bytes(std::size_t place) { return outlets_[place].packet; }
   [[nodiscard]] bool is_open() const { return !links_.empty(); }
@@ -136,6 +139,8 @@ class NetSink : public Sink {
   // An interface that has gone and come back has another number; finds it again by its name.
   void find_interface_again(Link& link);
   void add_pending(std::size_t place);
+  // Ends every universe that has had a frame, in three packets each.
+  void say_goodbye();
   // Sends one packet of each universe in pending_, and clears that.
   void transmit(TimeNs now_ns);
   void add_entry(std::span<const std::uint8_t> bytes, std::span<const Destination> destinations, std::size_t place);

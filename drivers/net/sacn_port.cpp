@@ -90,6 +90,7 @@ SacnSink::SacnSink(const SacnSinkOptions& options, std::vector<Link> links, std:
     : NetSink({options.name, options.universes, options.port, options.rate_hz_max}, std::move(links)),
       source_name_(options.source_name),
       cid_(sacn_cid_of(options)),
+      cid_is_chosen_(options.cid != Cid{}),
       sequences_(options.universes.size(), 0),
       address_priorities_(options.address_priorities),
       sync_universe_(options.sync_universe) {
@@ -183,6 +184,12 @@ Status SacnSink::poll(TimeNs now_ns) {
     announce_due_ns_ = std::max(announce_due_ns_ + kSacnAnnounceNs, now_ns + 1);
   }
   return {};
+}
+
+void SacnSink::rest(TimeNs now_ns) {
+  NetSink::rest(now_ns);
+  std::fill(priorities_due_ns_.begin(), priorities_due_ns_.end(), -kTimeNever);
+  announce_due_ns_ = kTimeNever;
 }
 
 void SacnSink::close(TimeNs now_ns) {

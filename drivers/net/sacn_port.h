@@ -36,6 +36,7 @@ class SacnSink final : public NetSink {
   [[nodiscard]] const Cid& cid() const { return cid_; }
   [[nodiscard]] TimeNs next_deadline_ns() const override;
   Status poll(TimeNs now_ns) override;
+  void rest(TimeNs now_ns) override;
   void close(TimeNs now_ns) override;
 
  private:
@@ -47,10 +48,14 @@ class SacnSink final : public NetSink {
   void add_before(TimeNs now_ns, std::span<const std::size_t> places) override;
   void add_after(TimeNs now_ns, std::span<const std::size_t> places) override;
   [[nodiscard]] bool says_goodbye() const override { return true; }
+  // With an identifier that somebody chose, the sink that it stands by for may have the same: ending the universe would
+  // end that one's.
+  [[nodiscard]] bool says_goodbye_at_rest() const override { return !cid_is_chosen_; }
   void announce();
 
   std::string source_name_;
   Cid cid_;
+  bool cid_is_chosen_ = false;
   std::vector<std::uint8_t> sequences_;  // per universe, of levels and priorities together (E1.31-2018 section 6.7.2)
 
   // Priorities per address, where the options have them.

@@ -7,7 +7,10 @@ Needs root for the network namespaces, Debian's packages ola and iproute2, and a
 hosts are namespaces of this machine and nothing leaves it. Prints Markdown: one row a bridge and rate, the median of the
 turns. "floor" has no bridge: the generator is heard directly, one crossing of the cable instead of two.
 
-OLA 0.10 sends at most four Art-Net universes, so of its nine only those four are listened to.
+OLA 0.10 sends at most four Art-Net universes, so of its nine only those four are listened to. OLA runs at normal priority;
+Footlight is measured there too, and with the real-time priority that it asks for by default. At real-time priority the
+kernel hands the packets that a process sends to their receiver (the other namespace) within that process, at normal
+priority often in a thread of its own that no process is charged for: compare CPU at equal priority.
 """
 import argparse
 import json
@@ -97,13 +100,15 @@ class Ola:
 
 
 class Footlight:
-    """All nine out, unless as few as OLA can are asked for."""
+    """All nine out, unless as few as OLA can are asked for; with OLA's own, normal priority unless real-time is."""
 
-    def __init__(self, build, out=9):
+    def __init__(self, build, out=9, realtime=False):
         self.universes = 9
-        self.name = "Footlight" if out == 9 else f"Footlight, {out} out"
+        self.name = f"Footlight, {out} out" + (", real-time" if realtime else "")
         self.heard = f"artnet:1-{out}"
         self.words = [str(build / "bin/footlight"), "run", "--in", "sacn:1-9%vb", "--out", f"artnet:1-{out}@{ADDRESS_A}"]
+        if not realtime:
+            self.words.append("--no-realtime")
 
     def start(self):
         self.process = subprocess.Popen(on(HOST_B, *self.words), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -161,7 +166,7 @@ def plot(path, title, curves):
     share_max = max(max(values) for values in shares.values())
     x = lambda i: left + (width - left - 20) * i / bins
     y = lambda share: height - bottom - (height - bottom - top) * share / share_max
-    colours = ["#888888", "#d9822b", "#2b6cb0", "#2f855a"]
+    colours = ["#888888", "#d9822b", "#2b6cb0", "#2f855a", "#805ad5"]
     lines = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" '
              f'font-size="12"><rect width="{width}" height="{height}" fill="#ffffff"/>',
              f'<text x="{left}" y="20" font-size="14">{title}</text>']
@@ -174,8 +179,8 @@ def plot(path, title, curves):
     for i, (name, values) in enumerate(shares.items()):
         path_words = f"M{x(0):.1f} {y(0):.1f}" + "".join(
             f"V{y(value):.1f}H{x(at + 1):.1f}" for at, value in enumerate(values)) + f"V{y(0):.1f}"
-        lines.append(f'<path d="{path_words}" fill="none" stroke="{colours[i % 4]}" stroke-width="2"/>'
-                     f'<text x="{width - 170}" y="{top + 16 * (i + 1)}" fill="{colours[i % 4]}">{name}</text>')
+        lines.append(f'<path d="{path_words}" fill="none" stroke="{colours[i % len(colours)]}" stroke-width="2"/>'
+                     f'<text x="{width - 170}" y="{top + 16 * (i + 1)}" fill="{colours[i % len(colours)]}">{name}</text>')
     pathlib.Path(path).write_text("\n".join(lines) + "\n</svg>\n")
 
 
@@ -195,7 +200,7 @@ def main():
     lay_cable()
     try:
         for number, rate_hz in enumerate(float(text) for text in wanted.rates.split(",")):
-            bridges = [None, Ola(), Footlight(build, out=4), Footlight(build)]
+            bridges = [None, Ola(), Footlight(build, out=4), Footlight(build), Footlight(build, realtime=True)]
             results = {("floor" if bridge is None else bridge.name): [] for bridge in bridges}
             latencies = {name: [] for name in results}
             for _ in range(wanted.turns):

@@ -283,6 +283,22 @@ TEST_CASE("with a fixed address nobody is asked, and levels go there from UDP po
   CHECK(received(devices.air).empty());
 }
 
+TEST_CASE("a resting sink repeats nothing, and says the very same look again when it is next sent one") {
+  Devices devices;
+  if (!devices.there()) return;
+  auto options = sink_options({{1, 1}});
+  options.addresses = {"10.9.0.2"};
+  auto sink = must(ArtnetSink::create(options));
+  REQUIRE(send_levels(*sink, kStartNs, {1}, 0).has_value());
+  CHECK(sink->next_deadline_ns() != kTimeNever);
+  sink->rest(kStartNs);
+  CHECK(sink->next_deadline_ns() == kTimeNever);
+  REQUIRE(sink->poll(kStartNs + 60 * kNsPerS).has_value());
+  CHECK(sink->counters().frames == 1);
+  REQUIRE(send_levels(*sink, kStartNs, {1}, 0).has_value());
+  CHECK(sink->counters().frames == 2);
+}
+
 TEST_CASE("an ArtSync follows each batch by broadcast when asked for, and none does otherwise") {
   Devices devices;
   if (!devices.there()) return;

@@ -144,6 +144,56 @@ TEST_CASE("a closing sink ends each universe that it has sent, once, and no othe
   }
 }
 
+TEST_CASE("a resting sink ends its universes and is silent until it is sent a frame, which is heard again") {
+  if (!enter_private_network()) return;
+  auto source = must(SacnSource::create(source_options({{1, 1}})));
+  auto options = sink_options({{1, 1}});
+  options.address_priorities = {120};
+  auto sink = must(SacnSink::create(options));
+  const auto levels = test_levels(1, 0);
+  const std::vector<FrameView> frames = {frame_of(1, levels)};
+  REQUIRE(sink->send(kStartNs, frames).has_value());
+  sink->rest(kStartNs);
+  CHECK(sink->next_deadline_ns() == kTimeNever);
+  REQUIRE(sink->poll(kStartNs + 60 * kNsPerS).has_value());
+  CHECK(sink->state() == PortState::kWorking);
+  KeepingReceiver receiver;
+  REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return source->details().ended_already >= 2; }));
+  REQUIRE_FALSE(receiver.frames.empty());
+  CHECK(receiver.frames.back().view.terminated);
+  const std::size_t before = receiver.frames.size();
+
+  REQUIRE(sink->send(kStartNs, frames).has_value());  // the very same levels
+  REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() >= before + 2; }));
+  CHECK_FALSE(receiver.frames.back().view.terminated);
+  CHECK(receiver.frames.back().slots == levels);
+  CHECK(receiver.frames[before].view.start_code != receiver.frames[before + 1].view.start_code);  // priorities again
+}
+
+TEST_CASE("a resting sink with a chosen identifier ends nothing, since its main may have the same") {
+  if (!enter_private_network()) return;
+  auto source = must(SacnSource::create(source_options({{1, 1}})));
+  auto options = sink_options({{1, 1}});
+  options.cid.fill(7);
+  auto sink = must(SacnSink::create(options));
+  auto main_options = options;
+  main_options.name = "main";
+  auto main = must(SacnSink::create(main_options));
+  const auto levels = test_levels(1, 0);
+  const std::vector<FrameView> frames = {frame_of(1, levels)};
+  REQUIRE(sink->send(kStartNs, frames).has_value());
+  sink->rest(kStartNs);
+  CHECK(sink->next_deadline_ns() == kTimeNever);
+  const auto other_levels = test_levels(2, 1);
+  const std::vector<FrameView> other_frames = {frame_of(1, other_levels)};
+  for (int i = 0; i < 2; ++i) REQUIRE(main->send(kStartNs, other_frames).has_value());
+  KeepingReceiver receiver;
+  REQUIRE(poll_until(*source, kStartNs, receiver, [&] {
+    return !receiver.frames.empty() && receiver.frames.back().slots == other_levels;
+  }));
+  for (const auto& frame : receiver.frames) CHECK_FALSE(frame.view.terminated);
+}
+
 TEST_CASE("a sender that starts again after its end is heard again") {
   if (!enter_private_network()) return;
   auto source = must(SacnSource::create(source_options({{1, 1}})));

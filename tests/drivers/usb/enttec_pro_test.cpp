@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <future>
 #include <numeric>
 
 #include "drivers/device/device.h"
@@ -157,6 +158,24 @@ TEST_CASE("an unchanged look is sent again after a second, and not before") {
   });
   CHECK(poll_until(
       *sink, [] {}, [&] { return sink->link().stats().keep_alives == 3; }, std::chrono::seconds(1)));
+}
+
+TEST_CASE("a resting output is sent nothing more, and the same look again when it is sent one") {
+  Bench bench;
+  const auto sink = bench.open_sink();
+  bench.send(*sink, ramp(7));
+  REQUIRE(bench.widget_shows(ramp(7)));
+  sink->rest(bench.clock.now_ns());
+  for (int second = 0; second < 3; ++second) {
+    bench.advance_ns(kNsPerS + kNsPerMs);
+    std::promise<void> turned;  // the device's thread has been round once more
+    sink->link().run_on_device([&](Widget&, WidgetContext*) { turned.set_value(); });
+    turned.get_future().wait();
+  }
+  const auto frames = [](const EnttecProModel& model) { return model.line(0).frame_count; };
+  CHECK(bench.usb->with_model<EnttecProModel>(frames) == 1);
+  bench.send(*sink, ramp(7));
+  CHECK(bench.usb->wait_for<EnttecProModel>([&](const EnttecProModel& model) { return frames(model) == 2; }));
 }
 
 TEST_CASE("while the widget takes nothing the newest frame replaces older ones, and those are counted") {
