@@ -3,8 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/project.glsl"
-#include "sim/shared/motion.h"
 #include "sim/shared/turns.h"
+#include "sim/shared/motion.h"
 #include "fixtures/shared/state.h"
 #include "fixtures/shared/pose.h"
 

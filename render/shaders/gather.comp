@@ -14,8 +14,8 @@ layout(set = 0, binding = FL_BINDING_TYPES, std430) readonly buffer TypesBuffer 
 layout(set = 0, binding = FL_BINDING_FIXTURES, std430) readonly buffer FixturesBuffer { FixtureRow fixtures[]; };
 layout(constant_id = FL_SPEC_GOBO) const bool kGobo = false;
 
-#include "sim/shared/motion.h"
 #include "sim/shared/turns.h"
+#include "sim/shared/motion.h"
 #include "fixtures/shared/state.h"
 #include "fixtures/shared/pose.h"
 #include "render/shaders/lib/lit.glsl"

@@ -23,9 +23,9 @@ ChannelRow fl_channel(uint index) { return channels[index]; }
 
 #define FL_NEED_MOTION kMotion
 #define FL_NEED_STROBE kStrobe
+#include "sim/shared/turns.h"
 #include "sim/shared/motion.h"
 #include "sim/shared/shutter.h"
-#include "sim/shared/turns.h"
 #include "fixtures/shared/state.h"
 #include "fixtures/shared/decode.h"
 #include "render/shaders/lib/lit.glsl"

@@ -61,8 +61,8 @@ bool tile_touches(BeamRow row) {
          length(p.xy) < row.x_axis.w + spread * max(p.z, 0.0) + radius * sqrt(1.0 + spread * spread);
 }
 #include "render/shaders/lib/tile_walk.glsl"
-#include "sim/shared/motion.h"
 #include "sim/shared/turns.h"
+#include "sim/shared/motion.h"
 #include "fixtures/shared/state.h"
 #include "fixtures/shared/pose.h"
 

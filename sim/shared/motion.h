@@ -1,11 +1,15 @@
-// One motor axis: pan, tilt or zoom.
+// Motors: pan, tilt, zoom, focus, iris, wheels, blades, prisms. Needs turns.h.
 //
-// The axis goes to its target in the shortest time that its speed and acceleration limits allow and stops there
-// (double integrator, |v| <= V, |a| <= A, time-optimal control: accelerate, cruise, brake). While the target is
-// constant the motion has a closed form, so a step of any length is exact: step(a) then step(b) equals step(a + b).
+// An axis goes to its target in the shortest time that its speed and acceleration limits allow and stops there (double
+// integrator, |v| <= V, |a| <= A, time-optimal control: accelerate, cruise, brake). While the target is constant the
+// motion has a closed form, so a step of any length is exact: step(a) then step(b) equals step(a + b). Positions are
+// absolute: an axis of 540 degrees goes the whole way back, never the shorter way round.
 //
-// Units: any unit of position u with u/s and u/s^2. Range: V > 0, A > 0, dt >= 0 and a finite target; anything else
-// leaves the axis alone.
+// A Motor keeps where it was when its target was last changed, and how long ago that is, and computes from there. So
+// rounding does not add up over steps, and its place at a time does not depend, to the bit, on how the time before was
+// cut into steps.
+//
+// Units: any unit of position u with u/s and u/s^2.
 // Source: L. S. Pontryagin et al., The Mathematical Theory of Optimal Processes, chapter 1 (the time-optimal double
 // integrator), with a speed limit added.
 
@@ -14,59 +18,256 @@ struct Axis {
   Real speed;     // u/s
 };
 
-// Moves time on by dt under constant acceleration.
-FL_FN void axis_coast(FL_INOUT(Axis) axis, Real acceleration, Real dt_s) {
-  axis.position += axis.speed * dt_s + Real(0.5) * acceleration * dt_s * dt_s;
-  axis.speed += acceleration * dt_s;
+// Up to four stretches of constant acceleration from `from` on, then rest at the target.
+struct AxisPlan {
+  Real slow_s;  // brakes down to a speed limit that was lowered
+  Real up_s;
+  Real cruise_s;
+  Real down_s;
+  Real side;    // 1: upwards
+  Real slowed;  // speed along `side` after slow_s
+  Real peak;    // and while cruising
+};
+
+FL_FN AxisPlan axis_plan(Axis from, Real target, Real speed_max, Real acceleration_max) {
+  AxisPlan plan;
+  // Towards which side? Where the axis would stop if it braked now decides. Mirror, so that the way is upwards.
+  Real brake_stop = from.position + from.speed * abs(from.speed) / (Real(2) * acceleration_max);
+  plan.side = brake_stop <= target ? Real(1) : Real(-1);
+  Real distance = (target - from.position) * plan.side;  // may be negative: running away from the target
+  Real v = from.speed * plan.side;
+  plan.slowed = min(v, speed_max);
+  plan.slow_s = (v - plan.slowed) / acceleration_max;
+  Real rest = distance - Real(0.5) * (v + plan.slowed) * plan.slow_s;
+  // Peak speed of the triangle from here: v_peak^2 = A * rest + v^2 / 2, cut at the limit.
+  Real peak_square = max(acceleration_max * rest + Real(0.5) * plan.slowed * plan.slowed, Real(0));
+  plan.peak = max(min(sqrt(peak_square), speed_max), max(plan.slowed, Real(0)));
+  plan.up_s = (plan.peak - plan.slowed) / acceleration_max;
+  plan.down_s = plan.peak / acceleration_max;
+  Real ramps = Real(0.5) * ((plan.peak + plan.slowed) * plan.up_s + plan.peak * plan.down_s);
+  plan.cruise_s = plan.peak > Real(0) ? max(rest - ramps, Real(0)) / plan.peak : Real(0);
+  return plan;
 }
 
-FL_FN Axis axis_step(Axis axis, Real target, Real speed_max, Real acceleration_max, Real dt_s) {
-  if (!(dt_s > Real(0)) || !(speed_max > Real(0)) || !(acceleration_max > Real(0))) return axis;
-  if (!(abs(target) < Real(1e30))) return axis;
-
-  // Towards which side? Where the axis would stop if it braked now decides. Mirror, so that the way is upwards.
-  Real brake_stop = axis.position + axis.speed * abs(axis.speed) / (Real(2) * acceleration_max);
-  Real side = brake_stop <= target ? Real(1) : Real(-1);
-  Real distance = (target - axis.position) * side;  // may be negative: running away from the target
-  Real v = axis.speed * side;
-
-  // Faster than the limit (a limit was lowered): brake down to it first.
-  Real left_s = dt_s;
-  Axis state;
-  state.position = Real(0);
-  state.speed = v;
-  if (state.speed > speed_max) {
-    Real slow_s = (state.speed - speed_max) / acceleration_max;
-    Real now_s = min(slow_s, left_s);
-    axis_coast(state, -acceleration_max, now_s);
-    left_s -= now_s;
-  }
-
-  // Peak speed of the triangle from here: v_peak^2 = A * rest + v^2 / 2, cut at the limit.
-  Real rest = distance - state.position;
-  Real peak_square = max(acceleration_max * rest + Real(0.5) * state.speed * state.speed, Real(0));
-  Real peak = min(sqrt(peak_square), speed_max);
-  peak = max(peak, state.speed);
-  Real up_s = (peak - state.speed) / acceleration_max;
-  Real down_s = max(peak, Real(0)) / acceleration_max;
-  Real ramps = (peak * peak - state.speed * state.speed) / (Real(2) * acceleration_max) +
-               peak * peak / (Real(2) * acceleration_max);
-  Real cruise_s = peak > Real(0) ? max(rest - ramps, Real(0)) / peak : Real(0);
-
-  if (left_s >= up_s + cruise_s + down_s) {  // arrives: exactly there, at rest
+// Where a plan is after t_s. Braking is computed from its end, so that it arrives.
+FL_FN Axis axis_follow(AxisPlan plan, Axis from, Real target, Real acceleration_max, Real t_s) {
+  Axis axis;
+  Real start_s = plan.slow_s + plan.up_s;
+  Real left_s = start_s + plan.cruise_s + plan.down_s - t_s;
+  if (!(left_s > Real(0))) {  // arrived: exactly there, at rest
     axis.position = target;
     axis.speed = Real(0);
-    return axis;
+  } else if (left_s < plan.down_s) {
+    axis.speed = plan.side * (acceleration_max * left_s);
+    axis.position = target - Real(0.5) * axis.speed * left_s;
+  } else if (t_s < plan.slow_s) {
+    axis.speed = from.speed - plan.side * (acceleration_max * t_s);
+    axis.position = from.position + Real(0.5) * (from.speed + axis.speed) * t_s;
+  } else {
+    Real up_s = min(t_s - plan.slow_s, plan.up_s);
+    Real speed = t_s < start_s ? plan.slowed + acceleration_max * up_s : plan.peak;
+    Real way = Real(0.5) * ((from.speed * plan.side + plan.slowed) * plan.slow_s + (plan.slowed + speed) * up_s) +
+               plan.peak * max(t_s - start_s, Real(0));
+    axis.position = from.position + plan.side * way;
+    axis.speed = plan.side * speed;
   }
-  Real now_s = min(left_s, up_s);
-  axis_coast(state, acceleration_max, now_s);
-  left_s -= now_s;
-  now_s = min(left_s, cruise_s);
-  axis_coast(state, Real(0), now_s);
-  left_s -= now_s;
-  axis_coast(state, -acceleration_max, left_s);
-
-  axis.position += side * state.position;
-  axis.speed = side * state.speed;
   return axis;
+}
+
+// Are these limits and a target of a motor? Speeds from 1e-9 to 1e9, accelerations from 1e-9 to 1e12.
+FL_FN bool axis_takes(Real target, Real speed_max, Real acceleration_max) {
+  return speed_max >= Real(1e-9) && speed_max <= Real(1e9) && acceleration_max >= Real(1e-9) &&
+         acceleration_max <= Real(1e12) && abs(target) <= Real(1e9);
+}
+
+// One step from any state. Refused, and the axis left alone: limits and targets that axis_takes() does not take, and a
+// step that is not above 0 or not finite.
+FL_FN Axis axis_step(Axis axis, Real target, Real speed_max, Real acceleration_max, Real dt_s) {
+  if (!(dt_s > Real(0)) || !(dt_s < Real(1e30)) || !axis_takes(target, speed_max, acceleration_max)) return axis;
+  return axis_follow(axis_plan(axis, target, speed_max, acceleration_max), axis, target, acceleration_max, dt_s);
+}
+
+struct MotorLimits {
+  Real speed_max;         // u/s; 0: no motor, it is at its target at once
+  Real acceleration_max;  // u/s^2
+};
+
+// Limits from GDTF's times: RealFade = seconds from one end of the range to the other, ramps included;
+// RealAcceleration = seconds from standstill to full speed. Shorter than 1 ms (also: not said) counts as 1 ms. An
+// acceleration that takes half the fade or more leaves no cruise: a triangle of speed that takes the fade as a whole.
+// fade_s <= 0 (and no number): no motor.
+FL_FN MotorLimits motor_limits(Real range, Real fade_s, Real acceleration_s) {
+  MotorLimits limits;
+  limits.speed_max = Real(0);
+  limits.acceleration_max = Real(0);
+  Real way = abs(range);
+  if (!(fade_s > Real(0)) || !(fade_s < Real(1e9)) || !(way > Real(0)) || !(way < Real(1e9))) return limits;
+  Real ramp_s = acceleration_s > Real(1e-3) && acceleration_s < Real(1e9) ? acceleration_s : Real(1e-3);
+  if (ramp_s < Real(0.5) * fade_s) {
+    limits.speed_max = way / (fade_s - ramp_s);
+    limits.acceleration_max = limits.speed_max / ramp_s;
+  } else {
+    limits.acceleration_max = Real(4) * way / (fade_s * fade_s);
+    limits.speed_max = limits.acceleration_max * ramp_s;
+  }
+  return limits;
+}
+
+// Position-speed channel, vector mode: the channel sets the speed (share 0 to 1 of the limit, at least 1/1000 of it so
+// that the move ends). The acceleration stays. Tracking mode: the limits stay, and a Flex with damping 1 smooths.
+FL_FN MotorLimits motor_vector(MotorLimits limits, Real share) {
+  limits.speed_max *= clamp(share, Real(1e-3), Real(1));
+  return limits;
+}
+
+struct Motor {
+  Axis now;
+  Axis from;         // when the target or the speed limit was last changed
+  Real target;
+  Real speed_max;
+  Turns since_ns;    // since then
+};
+
+FL_FN Motor motor_start(Real position) {
+  Motor motor;
+  motor.now.position = position;
+  motor.now.speed = Real(0);
+  motor.from = motor.now;
+  motor.target = position;
+  motor.speed_max = Real(0);
+  motor.since_ns = turns_zero();
+  return motor;
+}
+
+FL_FN Motor motor_step(Motor motor, MotorLimits limits, Real target, Turns dt_ns) {
+  if (!(abs(target) <= Real(1e9))) return motor;
+  if (!axis_takes(target, limits.speed_max, limits.acceleration_max)) {  // no motor
+    if (limits.speed_max == Real(0)) motor = motor_start(target);
+    return motor;
+  }
+  if (target != motor.target || limits.speed_max != motor.speed_max) {
+    motor.from = motor.now;
+    motor.target = target;
+    motor.speed_max = limits.speed_max;
+    motor.since_ns = turns_zero();
+  }
+  if (dt_ns == turns_zero()) return motor;
+  motor.since_ns = time_add(motor.since_ns, dt_ns);
+  if (motor.now.position == target && motor.now.speed == Real(0)) return motor;
+  AxisPlan plan = axis_plan(motor.from, target, limits.speed_max, limits.acceleration_max);
+  motor.now = axis_follow(plan, motor.from, target, limits.acceleration_max, time_s(motor.since_ns));
+  return motor;
+}
+
+// What hangs on a motor through a spring and a damper: x'' + 2 damping rate x' + rate^2 x = rate^2 u(t), u the motor's
+// position.
+//
+// With damping 1 it is jerk smoothing: its impulse response is positive and of area 1, so it keeps the motor's limits of
+// speed and acceleration, never overshoots, and bounds the jerk to 2 A rate / e; it lags the motor by 2 / rate and
+// settles to 1e-6 of a step in 17 / rate. With less it is the resonance of a belt or a yoke, with overshoot. The motor's
+// position is a parabola in each stretch of its plan, so each stretch has an exact solution: no error but rounding.
+struct Flex {
+  Axis now;
+  Axis from;  // when the motor's target or speed limit was last changed
+};
+
+struct FlexLimits {
+  Real rate;     // rad/s: 2 pi times the resonance in Hz, or 2 / lag for smoothing; [1e-3, 1e6], else rigid
+  Real damping;  // (0, 1]
+};
+
+// The free decay of a deviation from the steady motion.
+FL_FN Axis flex_decay(Axis deviation, FlexLimits limits, Real t_s) {
+  Axis after;
+  Real w = limits.rate;
+  Real swing = Real(1) - limits.damping * limits.damping;
+  Real e = exp(-limits.damping * w * t_s);
+  if (!(swing > Real(1e-6))) {  // critical
+    Real pull = deviation.speed + w * deviation.position;
+    after.position = e * (deviation.position + pull * t_s);
+    after.speed = e * (deviation.speed - w * pull * t_s);
+    return after;
+  }
+  Real w_d = w * sqrt(swing);
+  Real s = sin(w_d * t_s);
+  Real c = cos(w_d * t_s);
+  Real drag = limits.damping * w / w_d;
+  after.position = e * (deviation.position * (c + drag * s) + deviation.speed * (s / w_d));
+  after.speed = e * (deviation.speed * (c - drag * s) - deviation.position * (w * w / w_d * s));
+  return after;
+}
+
+// One stretch of t_s with the motor at u and constant acceleration a.
+FL_FN Axis flex_stretch(Axis flex, FlexLimits limits, Axis u, Real a, Real t_s) {
+  // Steady motion behind a parabola: x_p = u - (2 d / w) u' + ((4 d^2 - 1) / w^2) u''.
+  Real lag_s = Real(2) * limits.damping / limits.rate;
+  Real bend = (Real(4) * limits.damping * limits.damping - Real(1)) / (limits.rate * limits.rate) * a;
+  Axis deviation;
+  deviation.position = flex.position - (u.position - lag_s * u.speed + bend);
+  deviation.speed = flex.speed - (u.speed - lag_s * a);
+  Axis after = flex_decay(deviation, limits, t_s);
+  Real speed = u.speed + a * t_s;
+  after.position += u.position + Real(0.5) * (u.speed + speed) * t_s - lag_s * speed + bend;
+  after.speed += speed - lag_s * a;
+  return after;
+}
+
+// The flex at t_s after the plan began, from its own state then.
+FL_FN Axis flex_follow(Axis flex, FlexLimits limits, AxisPlan plan, Axis from, Real target, Real acceleration_max,
+                       Real t_s) {
+  Real left_s = t_s;
+  Axis u = from;
+  for (uint i = uint(0); i < uint(5); ++i) {
+    Real length_s = left_s;
+    Real a = Real(0);
+    if (i == uint(0)) {
+      length_s = plan.slow_s;
+      a = -acceleration_max;
+    } else if (i == uint(1)) {
+      length_s = plan.up_s;
+      a = acceleration_max;
+    } else if (i == uint(2)) {
+      length_s = plan.cruise_s;
+    } else if (i == uint(3)) {
+      length_s = plan.down_s;
+      a = -acceleration_max;
+    } else {
+      u.position = target;
+      u.speed = Real(0);
+    }
+    length_s = min(length_s, left_s);
+    if (!(length_s > Real(0))) continue;
+    a *= plan.side;
+    flex = flex_stretch(flex, limits, u, a, length_s);
+    left_s -= length_s;
+    Real speed = u.speed + a * length_s;
+    u.position += Real(0.5) * (u.speed + speed) * length_s;
+    u.speed = speed;
+  }
+  return flex;
+}
+
+FL_FN Flex flex_start(Real position) {
+  Flex flex;
+  flex.now.position = position;
+  flex.now.speed = Real(0);
+  flex.from = flex.now;
+  return flex;
+}
+
+// The step that belongs to `motor = motor_step(before, ...)`. A damping outside (0, 1] counts as 1.
+FL_FN Flex flex_step(Flex flex, FlexLimits limits, Motor before, Motor motor, MotorLimits drive) {
+  if (!axis_takes(motor.target, drive.speed_max, drive.acceleration_max) || !(limits.rate >= Real(1e-3)) ||
+      !(limits.rate <= Real(1e6))) {
+    flex.now = motor.now;
+    flex.from = motor.now;
+    return flex;
+  }
+  if (!(limits.damping > Real(0)) || !(limits.damping <= Real(1))) limits.damping = Real(1);
+  if (motor.target != before.target || motor.speed_max != before.speed_max) flex.from = flex.now;
+  if (motor.since_ns == turns_zero()) return flex;
+  AxisPlan plan = axis_plan(motor.from, motor.target, drive.speed_max, drive.acceleration_max);
+  flex.now = flex_follow(flex.from, limits, plan, motor.from, motor.target, drive.acceleration_max,
+                         time_s(motor.since_ns));
+  return flex;
 }

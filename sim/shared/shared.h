@@ -25,19 +25,29 @@
   using glm::sqrt;            \
   using std::cos;             \
   using std::exp;             \
+  using std::log;             \
   using std::log2;            \
   using std::pow;             \
   using std::sin;             \
   using std::tan;
+
+namespace footlight {
+// GLSL's built-in of this name.
+inline void umulExtended(std::uint32_t a, std::uint32_t b, std::uint32_t& high, std::uint32_t& low) {
+  const std::uint64_t product = std::uint64_t{a} * b;
+  high = static_cast<std::uint32_t>(product >> 32);
+  low = static_cast<std::uint32_t>(product);
+}
+}  // namespace footlight
 
 namespace footlight::f32 {
 using Real = float;
 using Vec2 = glm::vec2;
 using Vec3 = glm::vec3;
 FL_SHARED_USING
+#include "sim/shared/turns.h"
 #include "sim/shared/motion.h"
 #include "sim/shared/shutter.h"
-#include "sim/shared/turns.h"
 }  // namespace footlight::f32
 
 namespace footlight::f64 {
@@ -45,7 +55,7 @@ using Real = double;
 using Vec2 = glm::dvec2;
 using Vec3 = glm::dvec3;
 FL_SHARED_USING
+#include "sim/shared/turns.h"
 #include "sim/shared/motion.h"
 #include "sim/shared/shutter.h"
-#include "sim/shared/turns.h"
 }  // namespace footlight::f64

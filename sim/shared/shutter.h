@@ -1,8 +1,28 @@
-// Strobe: the share of an exposure during which the shutter is open.
+// Shutters: the mean light through them over an exposure.
 //
-// A camera integrates over its exposure; sampling the strobe at one instant would beat against the frame rate. With
-// F(p) = floor(p) d + min(frac(p), d), the open time up to phase p (turns) at duty d, the mean over p0..p1 is
-// (F(p1) - F(p0)) / (p1 - p0): exact at any rate and any frame time.
+// A camera integrates over its exposure; sampling a strobe at one instant would beat against the frame rate. Every
+// flash is a trapezoid in time (blades open, stay, close; a pulse has no stay), so the integral has a closed form. Times
+// within a flash are differences of 64-bit phases: no digits are lost after any uptime.
+//
+// Kinds and parameters are those of GDTF's Shutter1... attributes: rate in Hz, duty cycle or duration, time offset,
+// minimum opening. Random kinds have one flash in each period, at a place drawn from the period's number and a seed:
+// the same on replay however time is cut, and with the mean of the regular ones over whole periods.
+//
+// Error of a mean: 1e-7 of the open share in float, 1e-15 in double, for any rate and any exposure (30 days included).
+
+FL_CONST uint kShutterClosed = uint(0);
+FL_CONST uint kShutterOpen = uint(1);
+FL_CONST uint kShutterStrobe = uint(2);
+FL_CONST uint kShutterPulse = uint(3);       // up and down: a triangle
+FL_CONST uint kShutterPulseClose = uint(4);  // opens at once, closes slowly
+FL_CONST uint kShutterPulseOpen = uint(5);   // opens slowly, closes at once
+FL_CONST uint kShutterRandom = uint(6);
+FL_CONST uint kShutterRandomPulse = uint(7);
+FL_CONST uint kShutterRandomPulseClose = uint(8);
+FL_CONST uint kShutterRandomPulseOpen = uint(9);
+FL_CONST uint kShutterEffect = uint(10);  // GDTF leaves it to the maker; here four flashes, then a pause as long
+FL_CONST uint kShutterKindCount = uint(11);
+FL_CONST uint kShutterEffectFlashes = uint(4);
 
 // p0 in [0, 1): phase at the start of the exposure; turns >= 0: turns during it. Returns 0 to 1.
 FL_FN Real shutter_open_share(Real p0, Real turns, Real duty) {
@@ -12,4 +32,258 @@ FL_FN Real shutter_open_share(Real p0, Real turns, Real duty) {
   Real whole = floor(p1);
   Real at_end = whole * duty + min(p1 - whole, duty);
   return min(max((at_end - at_start) / turns, Real(0)), Real(1));
+}
+
+// One flash: from `low` up to `peak` in `rise`, there for `open`, back in `fall`. Lengths in turns, their sum at most 1.
+struct Flash {
+  Real low;
+  Real peak;
+  Real rise;
+  Real open;
+  Real fall;
+};
+
+struct ShutterWish {
+  uint kind;        // kShutter...; what is none of them is open
+  Real rate_hz;     // periods a second; 0: the kinds that flash are open
+  Real duty;        // open share of a period, 0 to 1
+  Real duration_s;  // open time of a flash; 0: by duty
+  Real offset;      // where in the period the flash begins, turns; each fixture's own
+  Real low;         // minimum opening, 0 to 1
+  Real travel_s;    // of the blades, from closed to open; 0: at once
+  uint seed;        // of random kinds
+};
+
+struct Shutter {
+  Turns phase;      // of the strobe's period
+  uint period;      // its number
+  uint kind;        // that runs
+  Real level;       // of the blades now, 0 to 1
+  Real from_level;  // when the kind was last changed
+  Turns since_ns;   // since then
+};
+
+// Well mixed bits of two numbers: Wellons' 32-bit finalizer ("lowbias32") on each in turn.
+FL_FN uint hash_mix(uint a) {
+  a ^= a >> uint(16);
+  a *= uint(0x7feb352du);
+  a ^= a >> uint(15);
+  a *= uint(0x846ca68bu);
+  a ^= a >> uint(16);
+  return a;
+}
+FL_FN uint hash_two(uint seed, uint index) { return hash_mix(hash_mix(index) ^ (seed * uint(0x9e3779b9u) + uint(1))); }
+
+// travel: of the blades, in turns of this period.
+FL_FN Flash shutter_flash(uint kind, Real duty, Real travel, Real low) {
+  Real share = duty > Real(0) ? min(duty, Real(1)) : Real(0);
+  Flash flash;
+  flash.low = low > Real(0) ? min(low, Real(1)) : Real(0);
+  flash.peak = Real(1);
+  flash.rise = Real(0);
+  flash.open = share;
+  flash.fall = Real(0);
+  if (kind == kShutterPulse || kind == kShutterRandomPulse) {
+    flash.rise = Real(0.5) * share;
+    flash.open = Real(0);
+    flash.fall = Real(0.5) * share;
+  } else if (kind == kShutterPulseClose || kind == kShutterRandomPulseClose) {
+    flash.open = Real(0);
+    flash.fall = share;
+  } else if (kind == kShutterPulseOpen || kind == kShutterRandomPulseOpen) {
+    flash.rise = share;
+    flash.open = Real(0);
+  } else if (travel > Real(0)) {
+    // Blades need `travel` each way. Too slow for the open time they do not reach the top; too slow for the closed time
+    // they do not reach the bottom. The mean stays the duty.
+    Real way = share > Real(0.5) ? Real(1) - share : share;
+    Real ramp = min(travel, way);
+    flash.rise = ramp;
+    flash.open = share - ramp;
+    flash.fall = ramp;
+    Real reach = ramp / travel;
+    Real span = Real(1) - flash.low;
+    if (share > Real(0.5)) {
+      flash.low = Real(1) - span * reach;
+    } else {
+      flash.peak = flash.low + span * reach;
+    }
+  }
+  return flash;
+}
+
+// The light of a whole flash above `low`, in turns.
+FL_FN Real flash_light(Flash flash) {
+  return (flash.peak - flash.low) * (flash.open + Real(0.5) * (flash.rise + flash.fall));
+}
+
+// The light above `low` in the turns 0 to `length`, of a flash that begins at `start` (may be negative).
+FL_FN Real flash_integral(Flash flash, Real start, Real length) {
+  Real light = Real(0);
+  Real a = max(start, Real(0));
+  Real b = min(start + flash.rise, length);
+  if (b > a) light += (b - a) * ((Real(0.5) * (a + b) - start) / flash.rise);
+  Real open = start + flash.rise;
+  Real fall = open + flash.open;
+  a = max(open, Real(0));
+  b = min(fall, length);
+  if (b > a) light += b - a;
+  Real shut = fall + flash.fall;
+  a = max(fall, Real(0));
+  b = min(shut, length);
+  if (b > a) light += (b - a) * ((shut - Real(0.5) * (a + b)) / flash.fall);
+  return light * (flash.peak - flash.low);
+}
+
+// The level at one instant, `at` turns after the flash began.
+FL_FN Real flash_level(Flash flash, Real at) {
+  if (!(at >= Real(0))) return flash.low;
+  Real share = Real(0);
+  if (at < flash.rise) {
+    share = at / flash.rise;
+  } else if (at < flash.rise + flash.open) {
+    share = Real(1);
+  } else if (at < flash.rise + flash.open + flash.fall) {
+    share = (flash.rise + flash.open + flash.fall - at) / flash.fall;
+  }
+  return flash.low + (flash.peak - flash.low) * share;
+}
+
+// Where the flash of a period begins.
+FL_FN Turns shutter_start(ShutterWish wish, Flash flash, uint period) {
+  if (wish.kind < kShutterRandom || wish.kind > kShutterRandomPulseOpen) return turns_zero();
+  Real room = max(Real(1) - (flash.rise + flash.open + flash.fall), Real(0));
+  return turns_from(room * (Real(hash_two(wish.seed, period) >> uint(8)) * Real(5.9604644775390625e-8)));
+}
+
+// How the flashes lie in a period: their number and their distance.
+FL_FN uint shutter_count(uint kind) { return kind == kShutterEffect ? kShutterEffectFlashes : uint(1); }
+
+// The light above `low` in a part of one period: from `phase` on, for `length` turns.
+FL_FN Real shutter_piece(ShutterWish wish, Flash flash, uint period, Turns phase, Real length) {
+  uint count = shutter_count(wish.kind);
+  Turns start = shutter_start(wish, flash, period);
+  Real light = Real(0);
+  for (uint i = uint(0); i < count; ++i) {
+    // Of an effect: each flash an eighth of a period after the one before.
+    Turns begin = turns_add(start, Turns(uint(0), i << uint(29)));
+    light += flash_integral(flash, turns_minus(begin, phase), length);
+  }
+  return light;
+}
+
+// The level at one instant of a period.
+FL_FN Real shutter_instant(ShutterWish wish, Flash flash, uint period, Turns phase) {
+  uint count = shutter_count(wish.kind);
+  Turns start = shutter_start(wish, flash, period);
+  Real level = flash.low;
+  for (uint i = uint(0); i < count; ++i) {
+    Turns begin = turns_add(start, Turns(uint(0), i << uint(29)));
+    level = max(level, flash_level(flash, turns_minus(phase, begin)));
+  }
+  return level;
+}
+
+// The blades' travel time: above 0 and at most 1000 s, else 0.
+FL_FN Real shutter_travel_s(ShutterWish wish) {
+  return wish.travel_s > Real(0) && wish.travel_s <= Real(1000) ? wish.travel_s : Real(0);
+}
+
+// The flash of this wish; an effect's are an eighth of its period each.
+FL_FN Flash shutter_shape(ShutterWish wish) {
+  Real scale = wish.kind == kShutterEffect ? Real(8) : Real(1);
+  Real rate_hz = min(wish.rate_hz, Real(1e6)) * scale;
+  Real duty = wish.duration_s > Real(0) ? min(wish.duration_s, Real(1e9)) * rate_hz : wish.duty;
+  Flash flash = shutter_flash(wish.kind, duty, shutter_travel_s(wish) * rate_hz, wish.low);
+  flash.rise /= scale;
+  flash.open /= scale;
+  flash.fall /= scale;
+  return flash;
+}
+
+FL_FN bool shutter_flashes(ShutterWish wish) {
+  return wish.kind >= kShutterStrobe && wish.kind < kShutterKindCount && wish.rate_hz > Real(0);
+}
+
+FL_FN Shutter shutter_begin() {
+  Shutter shutter;
+  shutter.phase = turns_zero();
+  shutter.period = uint(0);
+  shutter.kind = kShutterKindCount;  // none yet: the first wish is taken over at once
+  shutter.level = Real(1);
+  shutter.from_level = Real(1);
+  shutter.since_ns = turns_zero();
+  return shutter;
+}
+
+// One step with a constant wish. Returns the mean opening over the step; for dt_ns = 0 the opening now.
+FL_FN Real shutter_step(FL_INOUT(Shutter) shutter, ShutterWish wish, Turns dt_ns) {
+  bool flashes = shutter_flashes(wish);
+  uint kind = flashes ? wish.kind : (wish.kind == kShutterClosed ? kShutterClosed : kShutterOpen);
+  if (kind != shutter.kind) {
+    if (shutter.kind == kShutterKindCount) shutter.level = kind == kShutterClosed ? Real(0) : Real(1);
+    if (shutter.kind < kShutterStrobe || shutter.kind == kShutterKindCount) {  // the first flash comes at once
+      shutter.phase = turns_zero();
+      shutter.period = uint(0);
+    }
+    shutter.kind = kind;
+    shutter.from_level = shutter.level;
+    shutter.since_ns = turns_zero();
+  }
+
+  if (!flashes) {  // the blades run to one end
+    Real target = kind == kShutterClosed ? Real(0) : Real(1);
+    Real travel_s = shutter_travel_s(wish);
+    if (travel_s == Real(0)) {
+      shutter.level = target;
+      return target;
+    }
+    Real before_s = time_s(shutter.since_ns);
+    shutter.since_ns = time_add(shutter.since_ns, dt_ns);
+    Real after_s = time_s(shutter.since_ns);
+    Real arrive_s = abs(target - shutter.from_level) * travel_s;
+    Real side = target < shutter.from_level ? Real(-1) : Real(1);
+    Real before = before_s < arrive_s ? shutter.from_level + side * (before_s / travel_s) : target;
+    shutter.level = after_s < arrive_s ? shutter.from_level + side * (after_s / travel_s) : target;
+    if (dt_ns == turns_zero()) return shutter.level;
+    Real run_s = clamp(arrive_s - before_s, Real(0), after_s - before_s);
+    Real share = after_s > before_s ? run_s / (after_s - before_s) : Real(0);
+    return clamp(share * Real(0.5) * (before + shutter.level) + (Real(1) - share) * target, Real(0), Real(1));
+  }
+
+  Flash flash = shutter_shape(wish);
+  // Phases count from the flash's place in the period.
+  Turns shift = turns_negate(turns_from(wish.offset));
+  Turns phase = turns_add(shutter.phase, shift);
+  uint period = shutter.period + (turns_less(phase, shift) ? uint(1) : uint(0));
+  Advance advance = turns_advance(wish.rate_hz, dt_ns);
+  Real turns = advance_turns(advance);
+  Turns before = shutter.phase;
+  shutter.phase = turns_add(before, advance.part);
+  shutter.period += advance.whole + (turns_less(shutter.phase, before) ? uint(1) : uint(0));
+  Turns end = turns_add(phase, advance.part);
+  uint edges = advance.whole + (turns_less(end, phase) ? uint(1) : uint(0));
+  shutter.level = shutter_instant(wish, flash, period + edges, end);
+  if (!(turns > Real(0))) return shutter.level;
+
+  Real light = Real(0);
+  if (edges == uint(0)) {
+    light = shutter_piece(wish, flash, period, phase, turns);
+  } else {
+    Real to_edge = phase == turns_zero() ? Real(1) : turns_real(turns_negate(phase));
+    light = shutter_piece(wish, flash, period, phase, to_edge);
+    light += Real(edges - uint(1)) * (Real(shutter_count(wish.kind)) * flash_light(flash));
+    light += shutter_piece(wish, flash, period + edges, turns_zero(), turns_real(end));
+  }
+  return clamp(flash.low + light / turns, Real(0), Real(1));
+}
+
+// A flash that something outside asked for (a GPIO edge, a bang of a log), with its own time stamp: its mean over an
+// exposure. begin_s: from the exposure's beginning to the flash's, negative if it began before. Flashes of one exposure
+// are added up and cut at 1.
+FL_FN Real shutter_triggered(Real begin_s, Real length_s, Real exposure_s) {
+  if (!(exposure_s > Real(0)) || !(length_s > Real(0))) return Real(0);
+  Real a = max(begin_s, Real(0));
+  Real b = min(begin_s + length_s, exposure_s);
+  return b > a ? (b - a) / exposure_s : Real(0);
 }
