@@ -14,7 +14,7 @@ namespace footlight::render {
 namespace {
 
 // A row as names and values; every writer goes through this list, so they cannot disagree.
-using Value = std::variant<std::string, double, std::int64_t, bool>;
+using Value = std::variant<std::string, double, std::int64_t>;
 using Fields = std::vector<std::pair<const char*, Value>>;
 
 Fields fields_of(const PictureRow& row) {
@@ -27,15 +27,17 @@ Fields fields_of(const PictureRow& row) {
 
 Fields fields_of(const TimeRow& row) {
   return {{"model", row.model},         {"method", row.method}, {"knob", row.knob},
-          {"stiffness", row.stiffness}, {"fps", row.fps},       {"error_max", row.error_max},
-          {"ns_per_step", row.ns_per_step}, {"failed", row.failed}};
+          {"tau_ms", row.tau_ms},       {"fps", row.fps},       {"seconds", row.seconds},
+          {"error_max", row.error_max}, {"unit", row.unit},     {"rel_l2", row.rel_l2},
+          {"ns_p10", row.ns_p10},       {"ns_p50", row.ns_p50}, {"ns_p90", row.ns_p90},
+          {"clock", std::string(row.ns_p50 > 0 ? is_unstable(row) ? "unstable" : "steady" : "-")},
+          {"outcome", std::string(word_of(row.outcome))}};
 }
 
 struct ToText {
   std::string operator()(const std::string& v) const { return v; }
   std::string operator()(double v) const { return fmt::format("{:.4g}", v); }
   std::string operator()(std::int64_t v) const { return fmt::format("{}", v); }
-  std::string operator()(bool v) const { return v ? "FAILED" : "-"; }
 };
 
 template <class Row>
@@ -47,12 +49,15 @@ std::string table(std::span<const Row> rows) {
     auto& line = cells.emplace_back();
     for (const auto& [name, value] : fields_of(row)) line.push_back(std::visit(ToText{}, value));
   }
+  std::vector<std::size_t> widths(names.size(), 0);
+  for (const auto& line : cells) {
+    for (std::size_t c = 0; c < line.size(); ++c) widths[c] = std::max(widths[c], line[c].size());
+  }
   std::string text;
   for (const auto& line : cells) {
     std::string out;
     for (std::size_t c = 0; c < line.size(); ++c) {
-      std::size_t width = 0;
-      for (const auto& other : cells) width = std::max(width, other[c].size());
+      const std::size_t width = widths[c];
       const bool words = std::holds_alternative<std::string>(names[c].second);
       if (c > 0) out += "  ";
       out += words ? fmt::format("{:<{}}", line[c], width) : fmt::format("{:>{}}", line[c], width);
@@ -88,7 +93,6 @@ struct ToCsv {
   }
   std::string operator()(double v) const { return fmt::format("{}", v); }
   std::string operator()(std::int64_t v) const { return fmt::format("{}", v); }
-  std::string operator()(bool v) const { return v ? "true" : "false"; }
 };
 
 template <class Row>
@@ -202,6 +206,18 @@ LogScale scale_over(double low, double high, double start_px, double end_px) {
 
 }  // namespace
 
+const char* word_of(TimeOutcome outcome) {
+  switch (outcome) {
+    case TimeOutcome::kOk: return "ok";
+    case TimeOutcome::kUseless: return "useless";
+    case TimeOutcome::kDiverged: return "diverged";
+    case TimeOutcome::kNonFinite: break;
+  }
+  return "non-finite";
+}
+
+bool is_unstable(const TimeRow& row) { return row.ns_p50 > 0 && !(row.ns_p90 <= 1.15 * row.ns_p10); }
+
 std::string table_of(std::span<const PictureRow> rows) { return table(rows); }
 std::string table_of(std::span<const TimeRow> rows) { return table(rows); }
 std::string json_lines_of(std::span<const PictureRow> rows) { return json_lines(rows); }
@@ -275,8 +291,8 @@ std::vector<Curve> curves_of(std::span<const TimeRow> rows) {
   std::vector<Curve> curves;
   for (const TimeRow& row : rows) {
     Curve& curve = curve_named(curves, row.method);
-    if (row.failed) continue;
-    curve.points.push_back({row.ns_per_step, std::max(row.error_max, kLeastError), fmt::format("{:g}", row.knob)});
+    if (row.outcome != TimeOutcome::kOk) continue;
+    curve.points.push_back({row.ns_p50, std::max(row.rel_l2, kLeastError), fmt::format("{:g}", row.knob)});
   }
   return curves;
 }

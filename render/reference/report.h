@@ -29,17 +29,33 @@ struct PictureRow {
   std::int64_t bytes = 0;  // GPU memory that the method allocates
 };
 
-// One run of one time-dependent model.
-struct TimeRow {
-  std::string model;       // "axis", "strobe"
-  std::string method;
-  double knob = 0;         // substeps or samples a frame; for the smoothing: its time constant in ms
-  double stiffness = 0;    // axis: acceleration over speed limit, 1/s; strobe: flashes a second
-  double fps = 0;
-  double error_max = 0;    // axis: of position, over the range of the axis; strobe: of the open share
-  double ns_per_step = 0;  // time a fixture and frame
-  bool failed = false;     // not finite, or past the bound that time_report.h states
+// How a run of a time-dependent model ended.
+enum class TimeOutcome {
+  kOk,
+  kUseless,    // relative L2 error of 0.999 or more: as wrong as darkness
+  kDiverged,   // a value left the span of the judge's values by more than a tenth of it on either side
+  kNonFinite,  // a value was infinite or no number
 };
+[[nodiscard]] const char* word_of(TimeOutcome outcome);  // "ok", "useless", "diverged", "non-finite"
+
+// One method with its knob at one value, on one scene of one time-dependent model.
+struct TimeRow {
+  std::string model;      // "filament", "motion", "strobe", "spin", "smoothing", "belt"
+  std::string method;
+  double knob = 0;        // sub-steps or samples a frame; a tolerance; 1 where there is none
+  double tau_ms = 0;      // the scene's own time, as time_report.h says for each model: short is stiff
+  double fps = 0;
+  double seconds = 0;     // simulated, until the last value that is judged
+  double error_max = 0;   // largest absolute error, in `unit`
+  std::string unit;       // "K", "range", "share", "turn"
+  double rel_l2 = 0;      // of what is seen: light, position, direction
+  double ns_p10 = 0;      // time a frame
+  double ns_p50 = 0;
+  double ns_p90 = 0;      // all 0: not timed
+  TimeOutcome outcome = TimeOutcome::kOk;
+};
+// Timed, and p90 is more than 1.15 times p10: believe the median less.
+[[nodiscard]] bool is_unstable(const TimeRow& row);
 
 // Text: columns aligned, one row a line, a line of names on top, units in the names. Ends with a newline.
 [[nodiscard]] std::string table_of(std::span<const PictureRow> rows);
@@ -65,9 +81,8 @@ struct Curve {
   std::vector<CurvePoint> points;
 };
 
-// One curve a method, in order of first appearance: error rel_l2 against ms_p50, error_max against ns_per_step. Failed
-// rows are not points; an error of 0 stands as kLeastError, so that it has a logarithm. Give rows of one scene, or of
-// one model, stiffness and frame rate.
+// One curve a method, in order of first appearance: error rel_l2 against ms_p50 or ns_p50. Failed rows are not points;
+// an error of 0 stands as kLeastError, so that it has a logarithm. Give rows of one scene.
 inline constexpr double kLeastError = 1e-17;
 [[nodiscard]] std::vector<Curve> curves_of(std::span<const PictureRow> rows);
 [[nodiscard]] std::vector<Curve> curves_of(std::span<const TimeRow> rows);

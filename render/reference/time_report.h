@@ -1,17 +1,17 @@
-// Error against run time of what moves and flashes: sim/shared/motion.h and shutter.h against rivals.
+// Error against run time of what moves, glows and flashes: the models of sim/shared/ against what others do.
 //
-// Model "axis": a pan axis of 540 degrees is sent to random targets by levels that change at 44 Hz; the program sees
-// the newest levels once a frame and holds them for the frame. Every method gets the same held targets, and so does the
-// judge: an integrator in long double that follows the time-optimal control law event by event, finding each event by
-// bisection. It shares no formula with the closed form. Its own error is the difference to bisection a hundred times
-// coarser. The method "hold" is apart: the closed form against a judge that sees every change of level when it comes.
-// It says what looking at the levels once a frame costs, whatever integrates.
+// Inputs change at 44 Hz, as DMX does; every method sees the newest once a frame and holds it for the frame, and so
+// does the judge. What looking once a frame costs is a row of its own ("hold"). The judges are in time_judges.h.
 //
-// Model "strobe": the share of a frame during which the shutter is open, against the sum of the overlaps of the frame
-// with each flash in long double.
+// Model       value               tau_ms                         error_max in        rel_l2 of
+// filament    temperature         linear time constant at full   K                   light at 555 nm, Planck's law
+// motion      position            top speed over acceleration    the axis's range    position
+// strobe      open share          period of the flashes          share of the frame  open share
+// spin        phase               period of the rotation         turns               direction
+// smoothing   level               time constant of each pole     full level          level
+// belt        position            1 / angular frequency          full level          position
 //
-// A row has failed where a value is not finite, or a position leaves the span of all targets and all the judge's
-// positions by more than 1 % of the axis's range, or an open share leaves 0 to 1.
+// Times are of one CPU core.
 #pragma once
 
 #include <cstdint>
@@ -23,19 +23,67 @@
 namespace footlight::render {
 
 struct TimeReportOptions {
-  std::vector<double> stiffness_per_s{2, 20, 200, 2000};      // acceleration limit over speed limit
-  std::vector<double> fps{15, 30, 60, 120, 240};
-  std::vector<int> substeps{1, 4, 16, 64};                    // of the rivals
+  std::vector<double> tau_ms{3, 34, 350};  // filament, motion, smoothing, belt
+  std::vector<double> fps{15, 24, 44, 60, 120, 240};
+  std::vector<int> substeps{1, 4, 16, 64};                 // of rivals with a fixed step
+  std::vector<double> tolerances{1e-3, 1e-5, 1e-7, 1e-9};  // of rivals that choose their step
   std::vector<double> strobe_hz{1.3, 10, 25, 59.94};
-  double seconds = 20;       // of show, each row
-  std::uint64_t seed = 1;    // of the targets
-  bool measure_time = true;  // false: ns_per_step is 0 and the rows are the same on every run
+  std::vector<double> spin_hz{0.37, 10};
+  std::vector<double> spin_s{3600, 86'400, 2'592'000};  // 1 hour, 24 hours, 30 days; days at 60 fps only
+  double seconds = 6;      // of show, each scene
+  int runs = 11;           // timed, after 3 that are not; 0: no times, and the rows are the same on every run
+  std::uint64_t seed = 1;  // of the inputs
 };
 
-[[nodiscard]] std::vector<TimeRow> time_rows(const TimeReportOptions& options = {});
+// Few scenes, for a look and for tests.
+[[nodiscard]] TimeReportOptions quick_time_report();
 
-// The axis judge's own largest error over the axis's range, for the report's head: bisection to 1e-17 s against 1e-15
-// s.
-[[nodiscard]] double axis_judge_own_error(const TimeReportOptions& options = {});
+// How wrong a judge is, over all scenes of its model.
+struct JudgeError {
+  std::string model;
+  std::string judge;
+  double own = 0;         // against itself at another resolution
+  std::string second;     // an unrelated judge
+  double difference = 0;  // between both
+  std::string unit;
+};
+
+struct TimeReport {
+  std::vector<TimeRow> rows;
+  std::vector<JudgeError> judges;
+};
+[[nodiscard]] TimeReport time_report(const TimeReportOptions& options = {});
+
+// Whether this build has CVODE to compare with.
+[[nodiscard]] bool has_cvode();
+
+// ---- What the rows add up to ----
+
+// One method of one model over all scenes, for each knob.
+struct TimeSummary {
+  std::string model;
+  std::string method;
+  double knob = 0;
+  int scenes = 0;
+  int failed = 0;            // outcome other than ok
+  int unstable = 0;
+  double rel_l2_mean = 0;    // geometric; a failed scene, or one beyond 1, stands as 1
+  double rel_l2_worst = 0;   // of the scenes that did not fail
+  double error_worst = 0;    // of all scenes, in the unit of the model; infinite where a value was
+  double worst_tau_ms = 0;   // the scene of error_worst
+  double worst_fps = 0;
+  double ns_mean = 0;        // geometric, of the medians
+  std::string outcome;       // of the worst scene
+};
+[[nodiscard]] std::vector<TimeSummary> summaries_of(const std::vector<TimeRow>& rows);
+[[nodiscard]] std::string table_of(const std::vector<TimeSummary>& summaries, const std::string& unit);
+
+// "time at relL2 1e-2, 1e-3, 1e-4", geometric mean over the scenes where it is reached and in how many that is; and
+// how many times as long as `ours` a method takes for the error of `ours`, by relL2 and by the largest error: the
+// geometric mean and the least of the scenes where it gets there.
+[[nodiscard]] std::string time_at_error_of(const std::vector<TimeRow>& rows_of_one_model, const std::string& ours);
+
+// One curve a method: the summaries' points.
+[[nodiscard]] std::vector<Curve> curves_of(const std::vector<TimeSummary>& summaries);
 
 }  // namespace footlight::render

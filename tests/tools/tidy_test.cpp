@@ -181,6 +181,8 @@ TEST_CASE("libraries of hardware, and those that are slow to compile, stay where
       {"CLI/", R"(tools/(footlight/arguments|[a-z_]+)\.cpp)"},
       {"nlohmann/", R"(.*\.cpp)"},
       {"toml++/", R"(fixtures/.*\.cpp)"},
+      {"cvode/", R"(render/reference/time_cvode\.cpp)"},
+      {"boost/numeric/", R"(render/reference/time_rosenbrock4\.cpp)"},
       {"boost/", R"((render/reference|tests)/.*\.(cpp|h))"},
       {"doctest/", R"(tests/.*)"},
       {"benchmark/", R"(tests/.*)"},

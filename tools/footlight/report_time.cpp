@@ -1,5 +1,7 @@
 // footlight report --time: error against run time of what moves, glows and flashes.
+#include <algorithm>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <fmt/format.h>
@@ -11,39 +13,80 @@
 namespace footlight::tools {
 namespace {
 
-Status report_time(const ReportOptions& options) {
-  render::TimeReportOptions time_options;
-  if (options.quick) {
-    time_options.stiffness_per_s = {20, 200};
-    time_options.fps = {30, 60};
-    time_options.substeps = {1, 16};
-    time_options.seconds = 5;
+struct TimeArguments {
+  bool rows = false;
+  bool worst = false;
+};
+
+struct ModelText {
+  const char* model;
+  const char* ours;  // what rivals are compared with
+  const char* title;
+};
+constexpr ModelText kModels[] = {
+    {"filament", "universal curve f32", "Filament: temperature under snaps, fades and chases; relL2 of the light"},
+    {"motion", "motor f32", "Motion: position of 540 degrees of pan; tau = top speed over acceleration"},
+    {"strobe", "exposure integral f32", "Strobe: the open share of each frame; tau = its period"},
+    {"spin", "64-bit turns f32", "Spin: phase after an hour, a day, a month; tau = one turn; relL2 of the direction"},
+    {"smoothing", "exact f32", "Smoothing of levels: two equal poles of tau"},
+    {"belt", "propagator f32", "Belt resonance: damping 0.05; tau = 1 / angular frequency"},
+};
+
+Status report_time(const TimeArguments& arguments, const ReportOptions& options) {
+  const render::TimeReportOptions time_options =
+      options.quick ? render::quick_time_report() : render::TimeReportOptions{};
+  const render::TimeReport report = render::time_report(time_options);
+  const auto summaries = render::summaries_of(report.rows);
+  if (options.json) fmt::print("{}", render::json_lines_of(report.rows));
+  if (!options.json) {
+    fmt::print(
+        "Time behaviour: error against run time on one CPU core. Inputs change at 44 Hz and are held for a frame;\n"
+        "{:g} s of show a scene; scenes: tau {} ms (unless said otherwise) x {} frames a second.\n"
+        "Times: median of {} runs after 3, geometric mean over the scenes; unstable: p90 > 1.15 p10.\n"
+        "relL2 mean: geometric, a failed scene stands as 1. Failed: diverged, non-finite, or as wrong as darkness.\n"
+        "{}\n",
+        time_options.seconds, fmt::join(time_options.tau_ms, ", "), fmt::join(time_options.fps, ", "),
+        time_options.runs, render::has_cvode() ? "" : "Built without CVODE.\n");
   }
-  const auto rows = render::time_rows(time_options);
-  if (options.json) {
-    fmt::print("{}", render::json_lines_of(rows));
-  } else {
-    fmt::print("Motors and shutters: error against run time on one CPU core; the judge's own error is {:.1e}.\n\n",
-               render::axis_judge_own_error(time_options));
-    fmt::print("{}\n", render::table_of(rows));
-  }
-  const std::string csv = options.csv.empty() ? "" : with_report_suffix(options.csv, "time");
-  if (!csv.empty()) FL_TRY(write_report_file(csv, render::csv_of(rows)));
-  if (!options.svg.empty()) {
-    std::vector<render::TimeRow> axis;
-    for (const auto& row : rows) {
-      if (row.model == "axis" && row.stiffness == 20 && row.fps == 60) axis.push_back(row);
+  for (const ModelText& text : kModels) {
+    std::vector<render::TimeSummary> summary;
+    std::copy_if(summaries.begin(), summaries.end(), std::back_inserter(summary),
+                 [&](const auto& s) { return s.model == text.model; });
+    std::vector<render::TimeRow> rows;
+    std::copy_if(report.rows.begin(), report.rows.end(), std::back_inserter(rows),
+                 [&](const auto& r) { return r.model == text.model; });
+    if (rows.empty()) continue;
+    if (!options.json) {
+      fmt::print("{}\n", text.title);
+      for (const render::JudgeError& judge : report.judges) {
+        if (judge.model != text.model) continue;
+        fmt::print("Judge: {}: {:.1e} {}. Second judge: {}: {:.1e} {}.\n", judge.judge, judge.own, judge.unit,
+                   judge.second, judge.difference, judge.unit);
+      }
+      fmt::print("\n{}\n", render::table_of(summary, rows.front().unit));
+      fmt::print("{}\n", render::time_at_error_of(rows, text.ours));
+      if (arguments.rows) fmt::print("{}\n", render::table_of(rows));
     }
-    FL_TRY(write_report_file(with_report_suffix(options.svg, "time"),
-                             render::svg_plot({"axis: 540 degrees of pan, stiffness 20 /s, 60 fps", "one CPU core",
-                                               "time a step, ns", "largest error over the range"},
-                                              render::curves_of(axis))));
+    if (!options.svg.empty()) {
+      FL_TRY(write_report_file(
+          with_report_suffix(options.svg, fmt::format("time-{}", text.model)),
+          render::svg_plot({text.title, fmt::format("geometric means over {} scenes; one CPU core", summary[0].scenes),
+                            "time a frame, ns", "relative L2 error"},
+                           render::curves_of(summary))));
+    }
+  }
+  if (!options.csv.empty()) {
+    FL_TRY(write_report_file(with_report_suffix(options.csv, "time"), render::csv_of(report.rows)));
   }
   return {};
 }
 
 }  // namespace
 
-ReportHalf add_report_time(Arguments&) { return report_time; }
+ReportHalf add_report_time(Arguments& arguments) {
+  auto chosen = std::make_shared<TimeArguments>();
+  arguments.flag("--rows", chosen->rows, "of --time: every scene, not only what they add up to");
+  return [chosen](const ReportOptions& options) { return report_time(*chosen, options); };
+}
 
 }  // namespace footlight::tools

@@ -67,13 +67,24 @@ TEST_CASE("a table's columns stand under their names") {
   CHECK(lines[2].find("nan") != std::string::npos);
 }
 
-TEST_CASE("a failed row says so") {
+TEST_CASE("a row says how it ended, and whether its times can be believed") {
   TimeRow row;
-  row.model = "axis";
-  row.failed = true;
-  CHECK(table_of(std::vector<TimeRow>{row}).find("FAILED") != std::string::npos);
-  row.failed = false;
-  CHECK(table_of(std::vector<TimeRow>{row}).find("FAILED") == std::string::npos);
+  row.model = "motion";
+  row.outcome = TimeOutcome::kDiverged;
+  CHECK(table_of(std::vector<TimeRow>{row}).find("diverged") != std::string::npos);
+  row.outcome = TimeOutcome::kNonFinite;
+  CHECK(table_of(std::vector<TimeRow>{row}).find("non-finite") != std::string::npos);
+  row.outcome = TimeOutcome::kOk;
+  CHECK(table_of(std::vector<TimeRow>{row}).find("diverged") == std::string::npos);
+  CHECK_FALSE(is_unstable(row));
+  row.ns_p10 = 100;
+  row.ns_p50 = 105;
+  row.ns_p90 = 114;
+  CHECK_FALSE(is_unstable(row));
+  CHECK(table_of(std::vector<TimeRow>{row}).find("unstable") == std::string::npos);
+  row.ns_p90 = 116;
+  CHECK(is_unstable(row));
+  CHECK(csv_of(std::vector<TimeRow>{row}).find("unstable") != std::string::npos);
 }
 
 TEST_CASE("JSON lines hold exactly the names of the row, and come back as they went") {
@@ -97,9 +108,10 @@ TEST_CASE("JSON lines hold exactly the names of the row, and come back as they w
   CHECK(std::isnan((*rows)[1].rel_l2));
 
   const auto time = nlohmann::json::parse(json_lines_of(std::vector<TimeRow>{TimeRow{}}));
-  CHECK(time.size() == 8);
-  CHECK(time["failed"] == false);
-  CHECK(time.contains("ns_per_step"));
+  CHECK(time.size() == 14);
+  CHECK(time["outcome"] == "ok");
+  CHECK(time["clock"] == "-");
+  CHECK(time.contains("ns_p50"));
 }
 
 TEST_CASE("a bad line of JSON is named by its number and by what is missing") {
@@ -181,13 +193,13 @@ TEST_CASE("a summary says not reached where a curve does not") {
 TEST_CASE("rows become one curve a method, without failed points, and an exact one keeps its place") {
   std::vector<TimeRow> rows(4);
   rows[0].method = "a";
-  rows[0].ns_per_step = 5;
-  rows[0].error_max = 0;
+  rows[0].ns_p50 = 5;
+  rows[0].rel_l2 = 0;
   rows[1].method = "b";
-  rows[1].ns_per_step = 6;
-  rows[1].error_max = 1e-3;
+  rows[1].ns_p50 = 6;
+  rows[1].rel_l2 = 1e-3;
   rows[2] = rows[1];
-  rows[2].failed = true;
+  rows[2].outcome = TimeOutcome::kDiverged;
   rows[3] = rows[1];
   rows[3].knob = 4;
   const std::vector<Curve> curves = curves_of(rows);

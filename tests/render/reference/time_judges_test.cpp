@@ -1,0 +1,109 @@
+#include <cmath>
+#include <cstdint>
+#include <initializer_list>
+
+#include <doctest/doctest.h>
+
+#include "render/reference/time_judges.h"
+
+namespace {
+
+using namespace footlight::render;
+
+constexpr FilamentLaw kLaw{.rate_per_s = 5, .p = 4.86, .r = 1.215, .q = 0.15, .ambient = 293.0 / 3200};
+constexpr std::int64_t kMonthNs = 2'592'000'000'000'000;
+
+double judged(double y, double v, double dt_s) {
+  return static_cast<double>(filament_judged(kLaw, y, v, dt_s, 20, 1e-17L));
+}
+
+}  // namespace
+
+TEST_CASE("a dark filament cools as the closed form of its power law does, down to the room") {
+  const double e = kLaw.p - kLaw.q - 1;
+  for (const double t_s : {0.01, 0.1, 1.0}) {
+    const double closed = std::pow(1 + e * kLaw.rate_per_s * t_s, -1 / e);
+    CHECK(judged(1, 0, t_s) == doctest::Approx(closed).epsilon(1e-15));
+  }
+  CHECK(judged(1, 0, 1e6) == kLaw.ambient);
+}
+
+TEST_CASE("a filament settles where its voltage holds it") {
+  for (const double v : {0.1, 0.5, 1.0}) {
+    const double rest = std::pow(v, 2 / (kLaw.p + kLaw.r));
+    CHECK(judged(kLaw.ambient, v, 1000) == doctest::Approx(rest).epsilon(1e-15));
+    CHECK(judged(1, v, 1000) == doctest::Approx(rest).epsilon(1e-15));
+  }
+}
+
+TEST_CASE("the time of a filament's way tells a temperature that is wrong by 1e-6 from one that is right") {
+  for (const double v : {0.0, 0.2, 1.0}) {
+    for (const double y0 : {0.1, 0.5, 0.95}) {
+      for (const double dt_s : {0.001, 0.02}) {
+        CAPTURE(v);
+        CAPTURE(y0);
+        CAPTURE(dt_s);
+        const double y1 = judged(y0, v, dt_s);
+        CHECK(filament_flight_error(kLaw, y0, v, dt_s, y1) < 1e-11);
+        if (y1 > kLaw.ambient) {
+          const double wrong = filament_flight_error(kLaw, y0, v, dt_s, y1 + 1e-6);
+          CHECK(wrong == doctest::Approx(1e-6).epsilon(0.01));
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("the filament's judge does not care how time is cut") {
+  const Wide whole = filament_judged(kLaw, 0.3L, 0.8L, 0.25L, 20, 1e-17L);
+  const Wide half = filament_judged(kLaw, filament_judged(kLaw, 0.3L, 0.8L, 0.1L, 20, 1e-17L), 0.8L, 0.15L, 20, 1e-17L);
+  CHECK(static_cast<double>(std::fabs(whole - half)) < 1e-15);
+}
+
+TEST_CASE("an axis from rest to rest takes twice the root of way over acceleration, and not a microsecond less") {
+  constexpr double kWay = 2;
+  constexpr double kAcceleration = 8;
+  const Wide time_s = 2 * std::sqrt(Wide(kWay) / kAcceleration);
+  AxisJudge axis(0, 100, kAcceleration, 1e-17);
+  axis.advance(kWay, time_s / 2);
+  CHECK(axis.position() == doctest::Approx(kWay / 2).epsilon(1e-14));
+  axis.advance(kWay, time_s / 2 - 1e-6L);
+  CHECK(axis.position() < kWay);
+  CHECK(axis.position() > kWay - 1e-11);
+  axis.advance(kWay, 1);
+  CHECK(axis.position() == doctest::Approx(kWay).epsilon(1e-15));
+}
+
+TEST_CASE("turns are exact after a month") {
+  CHECK(static_cast<double>(turns_judged(0.5f, 1'000'000'000)) == 0.5);
+  CHECK(static_cast<double>(turns_judged(10.0f, kMonthNs)) == 0);
+  CHECK(static_cast<double>(turns_judged(10.0f, kMonthNs + 25'000'000)) == 0.25);
+  CHECK(static_cast<double>(turns_judged(1e6f, kMonthNs + 125)) == 0.125);
+  for (const float hz : {0.37f, 10.0f, 59.94f}) {
+    const Wide exact = turns_judged(hz, kMonthNs + 12'345);
+    CHECK(static_cast<double>(std::fabs(exact - turns_judged_wide(hz, kMonthNs + 12'345))) < 1e-9);
+  }
+}
+
+TEST_CASE("the share of a frame that flashes fill is the same by overlaps and by integers") {
+  CHECK(open_share_judged_exactly(25.0f, 32'768, 0, 40'000'000) == 0.5);
+  CHECK(open_share_judged_exactly(25.0f, 32'768, 0, 20'000'000) == 1);
+  CHECK(open_share_judged_exactly(25.0f, 32'768, 20'000'000, 40'000'000) == 0);
+  CHECK(open_share_judged_exactly(25.0f, 16'384, 0, 30'000'000) == doctest::Approx(1.0 / 3).epsilon(1e-15));
+  for (const float hz : {0.1f, 1.3f, 25.0f, 59.94f, 1000.0f}) {
+    for (std::int64_t from_ns = 0; from_ns < 1'000'000'000; from_ns += 16'666'667) {
+      const double one = open_share_judged(hz, 0.25, from_ns, from_ns + 16'666'667);
+      CHECK(std::abs(one - open_share_judged_exactly(hz, 16'384, from_ns, from_ns + 16'666'667)) < 1e-12);
+    }
+  }
+}
+
+TEST_CASE("the matrix exponential gives a critical step's closed form and an undamped swing's sine") {
+  SpringJudge critical{.stiffness = 400, .damping = 40};
+  critical.advance(1, 0.07L);
+  CHECK(static_cast<double>(critical.x) == doctest::Approx(1 - (1 + 1.4) * std::exp(-1.4)).epsilon(1e-15));
+  SpringJudge swing{.stiffness = 10'000, .damping = 0, .x = 1};
+  swing.advance(0, 1.23L);
+  CHECK(static_cast<double>(swing.x) == doctest::Approx(std::cos(123.0)).epsilon(1e-13));
+  CHECK(static_cast<double>(swing.v) == doctest::Approx(-100 * std::sin(123.0)).epsilon(1e-13));
+}
