@@ -79,11 +79,6 @@ std::string holder_of(const std::string& proc_root, const std::vector<std::strin
   return {};
 }
 
-int access_of(const FindOptions& options, const std::string& node) {
-  if (options.node_access) return options.node_access(node);
-  return ::access(node.c_str(), R_OK | W_OK) == 0 ? 0 : errno;
-}
-
 void judge(FoundDevice& device, const FindOptions& options) {
   const auto verdict = [&](Readiness readiness, std::string reason, std::string remedy = {}) {
     device.readiness = readiness;
@@ -100,8 +95,12 @@ void judge(FoundDevice& device, const FindOptions& options) {
         "its USB ids are shared by many products and its name is not that of a DMX interface; if it is one, name it by "
         "its serial number or port");
   const bool over_tty = device.transport == TransportKind::kTty;
-  const bool tty_opens = !device.tty.empty() && access_of(options, device.tty) == 0;
+  const bool tty_opens = !device.tty.empty() && node_access(options, device.tty) == 0;
   const bool has_other_way = device.transport == TransportKind::kFtdi && tty_opens;
+  const bool libusb_opens = built_with_usb() && node_access(options, device.node) == 0;
+  device.way = device.transport == TransportKind::kHid        ? "hidraw"
+               : over_tty || (has_other_way && !libusb_opens) ? "tty"
+                                                              : "libusb";
   if (!built_with_usb() && device.transport != TransportKind::kHid && !over_tty && !has_other_way)
     return verdict(Readiness::kUnsupported, "this build has no USB",
                    "sudo apt install libusb-1.0-0-dev && cmake -B build -DFOOTLIGHT_USB=ON && cmake --build build");
@@ -113,7 +112,7 @@ void judge(FoundDevice& device, const FindOptions& options) {
         Readiness::kNoNode,
         fmt::format("no driver of the kernel is bound to it, so it has no {}", over_tty ? "tty" : "hidraw node"),
         fmt::format("sudo modprobe {}", over_tty ? "cdc_acm" : "usbhid"));
-  const int access_error = has_other_way || node.empty() ? 0 : access_of(options, node);
+  const int access_error = has_other_way || node.empty() ? 0 : node_access(options, node);
   if (access_error == ENOENT)
     return verdict(Readiness::kNoNode,
                    fmt::format("{} does not exist; a container has to be started with access to it", node));
@@ -183,6 +182,16 @@ std::string_view name_of(Readiness readiness) {
     case Readiness::kNoNode: return "no-node";
     case Readiness::kUnsupported: return "unsupported";
     case Readiness::kNotDmx: return "not-dmx";
+  }
+  return "";
+}
+
+std::string_view kind_of(TransportKind transport) {
+  switch (transport) {
+    case TransportKind::kFtdi:
+    case TransportKind::kTty: return "serial";
+    case TransportKind::kUsb: return "usb";
+    case TransportKind::kHid: return "hid";
   }
   return "";
 }

@@ -4,6 +4,9 @@
 // libusb too. Takes well under the time of one video frame, so a window may call it on a timer.
 #pragma once
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -37,7 +40,8 @@ struct FoundDevice {
   std::string port_path;          // where it is plugged in: "1-2.3"; stays the same when it is replugged there
   std::string node;               // "/dev/bus/usb/001/004"; changes when it is replugged
   std::string kernel_driver;      // bound to its first interface: "ftdi_sio", "usbfs" (a program holds it), or empty
-  TransportKind transport = TransportKind::kFtdi;  // of its row
+  TransportKind transport = TransportKind::kFtdi;  // of its row; means nothing for kNotDmx
+  std::string_view way;       // how it would be opened at the moment: "libusb", "tty", "hidraw"; empty for kNotDmx
   std::string tty;            // "/dev/ttyUSB0" of its first interface; empty where there is none at the moment
   std::string hidraw;         // "/dev/hidraw3", likewise
   std::string holder;         // "olad (process 812)": another program that has one of its nodes open, where visible
@@ -48,6 +52,9 @@ struct FoundDevice {
   std::string reason;  // for people, one sentence; empty where ready
   std::string remedy;  // a command to copy; empty where there is none
 };
+
+// "usb", "serial", "hid": stable words for JSON.
+[[nodiscard]] std::string_view kind_of(TransportKind transport);
 
 struct DeviceList {
   std::vector<FoundDevice> devices;  // in the order of their port paths
@@ -62,6 +69,12 @@ struct FindOptions {
   // 0 where the node may be read and written, else an errno value. Empty: ask the system.
   std::function<int(const std::string& node)> node_access;
 };
+
+// As options.node_access, or as the system says: 0, or an errno value.
+[[nodiscard]] inline int node_access(const FindOptions& options, const std::string& node) {
+  if (options.node_access) return options.node_access(node);
+  return ::access(node.c_str(), R_OK | W_OK) == 0 ? 0 : errno;
+}
 
 [[nodiscard]] DeviceList find_devices(const FindOptions& options = {});
 

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "drivers/gpio/gpio_chip.h"
+#include "drivers/gpio/gpio_list.h"
 
 namespace footlight::drivers {
 namespace {
@@ -92,10 +93,8 @@ Result<ChipHandle> open_chip(const std::string& name) {
   if (chip) return chip;
   const std::string path = name.starts_with('/') ? name : "/dev/" + name;
   if (number == EACCES || number == EPERM)
-    return fail(ErrorCode::kPermission,
-                "{}: {}; let the group plugdev use GPIO: 'sudo cp udev/71-footlight-gpio.rules /etc/udev/rules.d/ && "
-                "sudo udevadm control --reload && sudo udevadm trigger'",
-                path, std::strerror(number));
+    return fail(ErrorCode::kPermission, "{}: {}; let the group plugdev use GPIO: '{}', or see 'footlight devices'",
+                path, std::strerror(number), gpio_install_command());
   if (number == EBUSY || number == EMFILE) return fail(ErrorCode::kIo, "{}: {}", path, std::strerror(number));
   ChipHandle labelled(gpiod_chip_open_by_label(name.c_str()));
   if (labelled) return labelled;

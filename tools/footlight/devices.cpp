@@ -1,7 +1,8 @@
-// footlight devices: what is plugged in, what it can do, and the command that mends what cannot be opened.
+// footlight devices: what is plugged in, what it can do, GPIO chips, and the command that mends what cannot be opened.
 #include <cstdio>
 #include <memory>
 
+#include "drivers/gpio/gpio_list.h"
 #include "drivers/registry.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/json_lines.h"
@@ -33,6 +34,22 @@ void print(const drivers::FoundDevice& device) {
   }
 }
 
+void print(const drivers::FoundGpioChip& chip) {
+  std::string what = "GPIO chip";
+  if (chip.line_count > 0) what = fmt::format("GPIO chip {}, {} lines", chip.label, chip.line_count);
+  fmt::print("gpio:{}  {}\n", chip.name, what);
+  fmt::print("  where: {}{}\n", chip.node,
+             chip.open_to.empty() ? "" : fmt::format(", open to {} (mode {:04o})", chip.open_to, chip.mode));
+  if (chip.readiness == drivers::Readiness::kReady) {
+    fmt::print(
+        "  ready: footlight run --in gpio:{}/17=1.25 --out sacn:1, with the line that you want; see docs/gpio.md\n",
+        chip.name);
+  } else {
+    fmt::print("  state: {}: {}\n", drivers::name_of(chip.readiness), chip.reason);
+    if (!chip.remedy.empty()) fmt::print("  mend:  {}\n", chip.remedy);
+  }
+}
+
 int list_devices(bool json) {
   const drivers::DeviceList list = drivers::find_devices();
   for (const drivers::FoundDevice& device : list.devices) {
@@ -40,6 +57,13 @@ int list_devices(bool json) {
       fmt::print("{}\n", json_of_device(device));
     } else {
       print(device);
+    }
+  }
+  for (const drivers::FoundGpioChip& chip : drivers::find_gpio_chips()) {
+    if (json) {
+      fmt::print("{}\n", json_of_gpio_chip(chip));
+    } else {
+      print(chip);
     }
   }
   for (const std::string& note : list.notes) fmt::print(stderr, "footlight: {}\n", note);
@@ -60,11 +84,12 @@ void add(Arguments& arguments) {
 
 extern const CommandInfo devices_command{
     .name = "devices",
-    .help = "List the DMX devices that are plugged in, and how to mend what cannot be opened",
+    .help = "List DMX devices and GPIO chips, and how to mend what cannot be opened",
     .examples =
         "  footlight devices\n"
-        "  footlight devices --json | jq -r .endpoint\n"
-        "Needs no permission and opens nothing. Exit code 3 where no device is there.",
+        "  footlight devices --json | jq -r 'select(.endpoint) | .endpoint'\n"
+        "Needs no permission and opens no device; a GPIO chip that may be opened is asked for its label. Exit code 3\n"
+        "where no DMX device is there.",
     .add = add,
 };
 

@@ -19,6 +19,7 @@
 #include <fmt/ranges.h>
 
 #include "drivers/gpio/gpio_chip.h"
+#include "drivers/gpio/gpio_list.h"
 #include "drivers/net/net.h"
 #include "drivers/udev_rules.h"
 #include "drivers/wait/real_time.h"
@@ -118,11 +119,6 @@ std::string first_interface_up(const DoctorView& view) {
   return "eth0";
 }
 
-int access_of(const DoctorView& view, const std::string& node) {
-  if (view.find.node_access) return view.find.node_access(node);
-  return ::access(node.c_str(), R_OK | W_OK) == 0 ? 0 : errno;
-}
-
 bool has_capability(const DoctorView& view, unsigned bit) {
   std::istringstream status(text_of(fs::path(view.find.proc_root) / "self/status"));
   for (std::string line; std::getline(status, line);) {
@@ -176,7 +172,7 @@ Outcome look_at_hidraw(const DoctorView& view) {
         });
     if (!known) continue;
     const std::string node = fmt::format("{}/{}", view.find.dev_root, name);
-    if (const int error = access_of(view, node); error != 0)
+    if (const int error = drivers::node_access(view.find, node); error != 0)
       return failed(fmt::format("{}: {}", node, std::strerror(error)), drivers::udev_install_command());
     ready.push_back(node);
   }
@@ -185,19 +181,20 @@ Outcome look_at_hidraw(const DoctorView& view) {
 }
 
 Outcome look_at_gpio(const DoctorView& view) {
-  std::vector<std::string> usable, forbidden;
-  for (const std::string& name : names_in(fs::path(view.find.sys_root) / "bus/gpio/devices")) {
-    if (!name.starts_with("gpiochip")) continue;
-    const std::string node = fmt::format("{}/{}", view.find.dev_root, name);
-    (access_of(view, node) == 0 ? usable : forbidden).push_back(node);
-  }
-  if (usable.empty() && forbidden.empty()) return skipped("this machine has no GPIO chip");
+  const std::vector<drivers::FoundGpioChip> chips = drivers::find_gpio_chips(view.find);
+  if (chips.empty()) return skipped("this machine has no GPIO chip");
   if (!drivers::built_with_gpio())
     return warn("this build has no GPIO", "sudo apt install libgpiod-dev, then build again with -DFOOTLIGHT_GPIO=ON");
-  if (!forbidden.empty())
-    return warn(fmt::format("this user may not use {}; strobe inputs need it", fmt::join(forbidden, ", ")),
-                "read udev/71-footlight-gpio.rules, then: sudo cp udev/71-footlight-gpio.rules /etc/udev/rules.d/ && "
-                "sudo udevadm control --reload && sudo udevadm trigger");
+  std::vector<std::string> usable;
+  for (const drivers::FoundGpioChip& chip : chips) {
+    if (chip.readiness == drivers::Readiness::kReady)
+      usable.push_back(chip.node);
+    else
+      return warn(fmt::format("{}; strobe inputs need it", chip.reason),
+                  chip.remedy == drivers::gpio_install_command()
+                      ? fmt::format("read udev/71-footlight-gpio.rules, then: {}", chip.remedy)
+                      : chip.remedy);
+  }
   return ok(fmt::format("may be used: {}", fmt::join(usable, ", ")));
 }
 

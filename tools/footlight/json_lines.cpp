@@ -152,7 +152,10 @@ std::string json_of_reloads(std::uint64_t taken, std::uint64_t refused, bool run
 
 std::string json_of_device(const drivers::FoundDevice& device) {
   using namespace drivers;
-  return line_of({{"driver", device.driver_id},
+  const bool is_dmx = !device.driver_id.empty();
+  return line_of({{"kind", is_dmx ? kind_of(device.transport) : "unknown"},
+                  {"transport", device.way},
+                  {"driver", device.driver_id},
                   {"model", device.model_name},
                   {"manufacturer", device.manufacturer},
                   {"product", device.product},
@@ -168,6 +171,21 @@ std::string json_of_device(const drivers::FoundDevice& device) {
                   {"readiness", drivers::name_of(device.readiness)},
                   {"reason", device.reason},
                   {"remedy", device.remedy}});
+}
+
+std::string json_of_gpio_chip(const drivers::FoundGpioChip& chip) {
+  return line_of({{"kind", "gpio"},
+                  {"name", chip.name},
+                  {"label", chip.label},
+                  {"lines", chip.line_count},
+                  {"node", chip.node},
+                  {"owner", chip.owner},
+                  {"group", chip.group},
+                  {"mode", fmt::format("{:04o}", chip.mode)},
+                  {"open_to", chip.open_to},
+                  {"readiness", drivers::name_of(chip.readiness)},
+                  {"reason", chip.reason},
+                  {"remedy", chip.remedy}});
 }
 
 std::string json_of_finding(const NetworkFinding& found) {

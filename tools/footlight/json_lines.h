@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "drivers/capture/captures.h"
+#include "drivers/gpio/gpio_list.h"
 #include "drivers/rdm/rdm_parameters.h"
 #include "drivers/registry.h"
 #include "sim/dmx_log/dmx_log.h"
@@ -36,7 +37,11 @@ namespace footlight::tools {
 // last, empty where it was taken.
 [[nodiscard]] std::string json_of_reloads(std::uint64_t taken, std::uint64_t refused, bool running,
                                           const std::string& trouble);
+// "kind": "usb", "serial", "hid", or "unknown" where nothing says that it speaks DMX; "transport": "libusb", "tty",
+// "hidraw", how it would be opened at the moment; "driver": the scheme of its endpoint.
 [[nodiscard]] std::string json_of_device(const drivers::FoundDevice& device);
+// "kind": "gpio".
+[[nodiscard]] std::string json_of_gpio_chip(const drivers::FoundGpioChip& chip);
 [[nodiscard]] std::string json_of_check(const Check& check, const Outcome& outcome);  // of doctor
 [[nodiscard]] std::string json_of_log(const LogInfo& info, const std::vector<std::string>& notes);
 [[nodiscard]] std::string json_of_line_timing(const std::string& path, const drivers::LineCaptureInfo& info);

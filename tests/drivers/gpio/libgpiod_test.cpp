@@ -10,6 +10,7 @@
 #include <ctime>
 #include <thread>
 
+#include "drivers/gpio/gpio_list.h"
 #include "drivers/gpio/gpio_source.h"
 #include "drivers/wait/epoll_waiter.h"
 #include "sim/pump.h"
@@ -103,6 +104,18 @@ TEST_CASE("stamps of a kernel that has the wall clock become those of the pump's
   REQUIRE((*line)->read_edges(edges).value() == 1);
   CHECK(edges[0].stamp_ns > now_ns - 6 * kNsPerMs);
   CHECK(edges[0].stamp_ns < now_ns - 4 * kNsPerMs);
+}
+
+TEST_CASE("a listed chip is called what it calls itself, and asking it takes no line") {
+  Machine machine;
+  const auto chips = find_gpio_chips();
+  REQUIRE(chips.size() == 1);
+  CHECK(chips[0].name == "gpiochip0");
+  CHECK(chips[0].label == "footlight-gpio");
+  CHECK(chips[0].line_count == 4);
+  CHECK(chips[0].node == "/dev/gpiochip0");
+  CHECK(chips[0].readiness == Readiness::kReady);
+  for (unsigned line = 0; line < 4; ++line) CHECK_FALSE(machine.chip.is_requested(line));
 }
 
 TEST_CASE("a line is found by name, a chip by path") {

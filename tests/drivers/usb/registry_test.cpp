@@ -230,6 +230,30 @@ TEST_CASE("a serial device is judged by its tty, and one without a tty says what
   CHECK(list.devices[1].reason.find("tty") != std::string::npos);
 }
 
+TEST_CASE("each device says by which way it would be opened at the moment") {
+  Machine machine;
+  machine.plug({.port_path = "1-1", .serial = "A", .number = 2, .tty = "ttyUSB0"});
+  machine.plug({.port_path = "1-2", .vendor = "10cf", .product_id = "8062", .serial = "", .number = 3});
+  machine.plug({.port_path = "1-3", .vendor = "1fc9", .product_id = "0094", .serial = "6", .number = 5});
+  machine.plug({.port_path = "1-4", .vendor = "0ce1", .product_id = "0002", .serial = "7", .number = 6});
+  machine.plug({.port_path = "1-5", .manufacturer = "FTDI", .product = "FT232R", .serial = "8", .number = 7});
+  const auto ways = [&](const FindOptions& options) {
+    std::vector<std::string> all;
+    for (const FoundDevice& device : find_devices(options).devices)
+      all.push_back(fmt::format("{} {}", device.driver_id.empty() ? "-" : kind_of(device.transport), device.way));
+    return all;
+  };
+  if (!built_with_usb()) return;
+  FindOptions options = machine.options();
+  options.node_access = [](const std::string&) { return 0; };
+  CHECK(ways(options) == std::vector<std::string>{"serial libusb", "hid hidraw", "serial tty", "usb libusb", "- "});
+  // Where the node of the bus is not for this user, a serial chip is opened by its tty; no other has a second way.
+  options.node_access = [&](const std::string& node) {
+    return node.find("/bus/usb/") == std::string::npos ? 0 : EACCES;
+  };
+  CHECK(ways(options) == std::vector<std::string>{"serial tty", "hid hidraw", "serial tty", "usb libusb", "- "});
+}
+
 TEST_CASE("devices that no driver knows are not listed") {
   Machine machine;
   machine.plug({.vendor = "046d", .product_id = "c077"});

@@ -1,0 +1,33 @@
+// The GPIO chips of this machine, who may open them, and the command that mends it where this user may not.
+//
+// Finds them in /sys. A chip that may be opened is asked for its label and how many lines it has; no line is touched.
+// Works in builds without libgpiod too.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "drivers/registry.h"
+
+namespace footlight::drivers {
+
+struct FoundGpioChip {
+  std::string name;          // "gpiochip0", as in gpio:gpiochip0/17=1.25; the kernel may number anew at the next start
+  std::string label;         // "pinctrl-bcm2711", stays; empty where the chip could not be asked
+  int line_count = 0;        // 0: likewise
+  std::string node;          // "/dev/gpiochip0"
+  std::string owner, group;  // of the node; a number where it has no name, empty where there is no node
+  unsigned mode = 0;         // permission bits of the node
+  std::string open_to;       // who may use it: "root", "root and the group gpio", "everybody"; empty: no node
+  Readiness readiness = Readiness::kReady;  // kReady, kNoPermission, kNoNode, kUnsupported
+  std::string reason;                       // for people, one sentence; empty where ready
+  std::string remedy;                       // a command to copy; empty where there is none
+};
+
+// In the order of their numbers.
+[[nodiscard]] std::vector<FoundGpioChip> find_gpio_chips(const FindOptions& options = {});
+
+// Installs the rule that lets the group plugdev use every chip.
+[[nodiscard]] std::string gpio_install_command();
+
+}  // namespace footlight::drivers

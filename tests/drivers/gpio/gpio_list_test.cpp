@@ -1,0 +1,123 @@
+// Chips found in folders laid out like /sys and /dev. What a chip says of itself: libgpiod_test.cpp.
+#include "drivers/gpio/gpio_list.h"
+
+#include <doctest/doctest.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "drivers/gpio/gpio_chip.h"
+
+namespace footlight::drivers {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Machine {
+ public:
+  Machine() {
+    std::string pattern = (fs::temp_directory_path() / "footlight-gpio-XXXXXX").string();
+    REQUIRE(::mkdtemp(pattern.data()) != nullptr);
+    root_ = pattern;
+    fs::create_directories(root_ / "dev");
+  }
+  ~Machine() { fs::remove_all(root_); }
+  Machine(const Machine&) = delete;
+  Machine& operator=(const Machine&) = delete;
+
+  void add(const std::string& name, unsigned mode, bool has_node = true) {
+    fs::create_directories(root_ / "sys/bus/gpio/devices" / name);
+    if (!has_node) return;
+    std::ofstream(root_ / "dev" / name) << "";
+    fs::permissions(root_ / "dev" / name, static_cast<fs::perms>(mode));
+  }
+  // False where this user may not give files away.
+  bool give_to_group(const std::string& name, gid_t group) {
+    return ::chown((root_ / "dev" / name).c_str(), static_cast<uid_t>(-1), group) == 0;
+  }
+  std::vector<FoundGpioChip> find(int access_error = 0) const {
+    return find_gpio_chips({.sys_root = (root_ / "sys").string(),
+                            .dev_root = (root_ / "dev").string(),
+                            .proc_root = (root_ / "proc").string(),
+                            .node_access = [access_error](const std::string&) { return access_error; }});
+  }
+  std::string node(const std::string& name) const { return (root_ / "dev" / name).string(); }
+
+ private:
+  fs::path root_;
+};
+
+TEST_SUITE_BEGIN("gpio list");
+
+TEST_CASE("chips are listed in the order of their numbers, and nothing else of that folder is") {
+  Machine machine;
+  for (const char* name : {"gpiochip10", "gpiochip2", "gpiochip0", "gpiochip", "gpiochip1x", "gpio17"})
+    machine.add(name, 0600);
+  const auto chips = machine.find();
+  REQUIRE(chips.size() == 3);
+  CHECK(chips[0].name == "gpiochip0");
+  CHECK(chips[1].name == "gpiochip2");
+  CHECK(chips[2].name == "gpiochip10");
+  CHECK(chips[2].node == machine.node("gpiochip10"));
+  CHECK(chips[0].readiness == (built_with_gpio() ? Readiness::kReady : Readiness::kUnsupported));
+  CHECK(chips[0].reason.empty() == built_with_gpio());
+}
+
+TEST_CASE("who may open a chip is what the bits of its node say") {
+  Machine machine;
+  machine.add("gpiochip0", 0600);
+  machine.add("gpiochip1", 0660);
+  machine.add("gpiochip2", 0666);
+  machine.add("gpiochip3", 0640);  // reading alone does not do
+  const auto chips = machine.find();
+  REQUIRE(chips.size() == 4);
+  for (const auto& chip : chips) CHECK_FALSE(chip.group.empty());
+  CHECK(chips[0].mode == 0600);
+  CHECK(chips[0].open_to.find("group") == std::string::npos);
+  CHECK(chips[1].open_to.find(fmt::format("the group {}", chips[1].group)) != std::string::npos);
+  CHECK(chips[2].open_to == "everybody");
+  CHECK(chips[3].open_to == chips[0].open_to);
+}
+
+TEST_CASE("without permission the rule is named, and where a group has it, joining that group") {
+  Machine machine;
+  machine.add("gpiochip0", 0600);
+  auto chips = machine.find(EACCES);
+  REQUIRE(chips.size() == 1);
+  CHECK(chips[0].readiness == Readiness::kNoPermission);
+  CHECK(chips[0].reason.find("Permission denied") != std::string::npos);
+  CHECK(chips[0].remedy == gpio_install_command());
+  CHECK(chips[0].remedy.find("udev/71-footlight-gpio.rules") != std::string::npos);
+  CHECK(chips[0].label.empty());
+  CHECK(chips[0].line_count == 0);
+  if (!machine.give_to_group("gpiochip0", 46)) {
+    MESSAGE("this user cannot give a file to another group: half of this is not tested");
+    return;
+  }
+  CHECK(machine.find(EACCES)[0].remedy == gpio_install_command());  // the group has no bits
+  machine.add("gpiochip0", 0660);
+  chips = machine.find(EACCES);
+  CHECK(chips[0].remedy == fmt::format("sudo usermod -aG {} $USER", chips[0].group));
+  CHECK(chips[0].reason.find("login") != std::string::npos);
+}
+
+TEST_CASE("a chip without a node says so, and a machine without chips has none") {
+  Machine machine;
+  CHECK(machine.find().empty());
+  machine.add("gpiochip0", 0, false);
+  const auto chips = machine.find();
+  REQUIRE(chips.size() == 1);
+  CHECK(chips[0].readiness == Readiness::kNoNode);
+  CHECK(chips[0].reason.find("container") != std::string::npos);
+  CHECK(chips[0].open_to.empty());
+}
+
+TEST_SUITE_END();
+
+}  // namespace
+}  // namespace footlight::drivers
