@@ -25,6 +25,7 @@ ChannelRow fl_channel(uint index) { return channels[index]; }
 #define FL_NEED_STROBE kStrobe
 #include "sim/shared/turns.h"
 #include "sim/shared/motion.h"
+#include "sim/shared/filter.h"
 #include "sim/shared/shutter.h"
 #include "fixtures/shared/state.h"
 #include "fixtures/shared/decode.h"

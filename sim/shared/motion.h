@@ -122,10 +122,10 @@ FL_FN MotorLimits motor_vector(MotorLimits limits, Real share) {
 
 struct Motor {
   Axis now;
-  Axis from;         // when the target or the speed limit was last changed
+  Axis from;  // when the target or the speed limit was last changed
   Real target;
   Real speed_max;
-  Turns since_ns;    // since then
+  Turns since_ns;  // since then
 };
 
 FL_FN Motor motor_start(Real position) {
@@ -162,10 +162,11 @@ FL_FN Motor motor_step(Motor motor, MotorLimits limits, Real target, Turns dt_ns
 // What hangs on a motor through a spring and a damper: x'' + 2 damping rate x' + rate^2 x = rate^2 u(t), u the motor's
 // position.
 //
-// With damping 1 it is jerk smoothing: its impulse response is positive and of area 1, so it keeps the motor's limits of
-// speed and acceleration, never overshoots, and bounds the jerk to 2 A rate / e; it lags the motor by 2 / rate and
-// settles to 1e-6 of a step in 17 / rate. With less it is the resonance of a belt or a yoke, with overshoot. The motor's
-// position is a parabola in each stretch of its plan, so each stretch has an exact solution: no error but rounding.
+// With damping 1 it is jerk smoothing: its impulse response is positive and of area 1, so it keeps the motor's limits
+// of speed and acceleration, never overshoots, and bounds the jerk to 2 A rate / e; it lags the motor by 2 / rate and
+// settles to 1e-6 of a step in 17 / rate. With less it is the resonance of a belt or a yoke, with overshoot. The
+// motor's position is a parabola in each stretch of its plan, so each stretch has an exact solution: no error but
+// rounding.
 struct Flex {
   Axis now;
   Axis from;  // when the motor's target or speed limit was last changed
@@ -267,7 +268,7 @@ FL_FN Flex flex_step(Flex flex, FlexLimits limits, Motor before, Motor motor, Mo
   if (motor.target != before.target || motor.speed_max != before.speed_max) flex.from = flex.now;
   if (motor.since_ns == turns_zero()) return flex;
   AxisPlan plan = axis_plan(motor.from, motor.target, drive.speed_max, drive.acceleration_max);
-  flex.now = flex_follow(flex.from, limits, plan, motor.from, motor.target, drive.acceleration_max,
-                         time_s(motor.since_ns));
+  flex.now =
+      flex_follow(flex.from, limits, plan, motor.from, motor.target, drive.acceleration_max, time_s(motor.since_ns));
   return flex;
 }

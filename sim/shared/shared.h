@@ -47,6 +47,9 @@ using Vec3 = glm::vec3;
 FL_SHARED_USING
 #include "sim/shared/turns.h"
 #include "sim/shared/motion.h"
+#include "sim/shared/filter.h"
+#include "sim/shared/dimmer.h"
+#include "sim/shared/lamp.h"
 #include "sim/shared/shutter.h"
 }  // namespace footlight::f32
 
@@ -57,5 +60,8 @@ using Vec3 = glm::dvec3;
 FL_SHARED_USING
 #include "sim/shared/turns.h"
 #include "sim/shared/motion.h"
+#include "sim/shared/filter.h"
+#include "sim/shared/dimmer.h"
+#include "sim/shared/lamp.h"
 #include "sim/shared/shutter.h"
 }  // namespace footlight::f64

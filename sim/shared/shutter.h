@@ -1,8 +1,8 @@
-// Shutters: the mean light through them over an exposure.
+// Shutters: the mean light through them over an exposure. Needs turns.h, motion.h and filter.h.
 //
 // A camera integrates over its exposure; sampling a strobe at one instant would beat against the frame rate. Every
-// flash is a trapezoid in time (blades open, stay, close; a pulse has no stay), so the integral has a closed form. Times
-// within a flash are differences of 64-bit phases: no digits are lost after any uptime.
+// flash is a trapezoid in time (blades open, stay, close; a pulse has no stay), so the integral has a closed form.
+// Times within a flash are differences of 64-bit phases: no digits are lost after any uptime.
 //
 // Kinds and parameters are those of GDTF's Shutter1... attributes: rate in Hz, duty cycle or duration, time offset,
 // minimum opening. Random kinds have one flash in each period, at a place drawn from the period's number and a seed:
@@ -34,7 +34,8 @@ FL_FN Real shutter_open_share(Real p0, Real turns, Real duty) {
   return min(max((at_end - at_start) / turns, Real(0)), Real(1));
 }
 
-// One flash: from `low` up to `peak` in `rise`, there for `open`, back in `fall`. Lengths in turns, their sum at most 1.
+// One flash: from `low` up to `peak` in `rise`, there for `open`, back in `fall`. Lengths in turns, their sum at most
+// 1.
 struct Flash {
   Real low;
   Real peak;
@@ -76,9 +77,9 @@ FL_FN uint hash_two(uint seed, uint index) { return hash_mix(hash_mix(index) ^ (
 
 // travel: of the blades, in turns of this period.
 FL_FN Flash shutter_flash(uint kind, Real duty, Real travel, Real low) {
-  Real share = duty > Real(0) ? min(duty, Real(1)) : Real(0);
+  Real share = unit_share(duty);
   Flash flash;
-  flash.low = low > Real(0) ? min(low, Real(1)) : Real(0);
+  flash.low = unit_share(low);
   flash.peak = Real(1);
   flash.rise = Real(0);
   flash.open = share;
@@ -234,21 +235,11 @@ FL_FN Real shutter_step(FL_INOUT(Shutter) shutter, ShutterWish wish, Turns dt_ns
   if (!flashes) {  // the blades run to one end
     Real target = kind == kShutterClosed ? Real(0) : Real(1);
     Real travel_s = shutter_travel_s(wish);
-    if (travel_s == Real(0)) {
-      shutter.level = target;
-      return target;
-    }
     Real before_s = time_s(shutter.since_ns);
     shutter.since_ns = time_add(shutter.since_ns, dt_ns);
     Real after_s = time_s(shutter.since_ns);
-    Real arrive_s = abs(target - shutter.from_level) * travel_s;
-    Real side = target < shutter.from_level ? Real(-1) : Real(1);
-    Real before = before_s < arrive_s ? shutter.from_level + side * (before_s / travel_s) : target;
-    shutter.level = after_s < arrive_s ? shutter.from_level + side * (after_s / travel_s) : target;
-    if (dt_ns == turns_zero()) return shutter.level;
-    Real run_s = clamp(arrive_s - before_s, Real(0), after_s - before_s);
-    Real share = after_s > before_s ? run_s / (after_s - before_s) : Real(0);
-    return clamp(share * Real(0.5) * (before + shutter.level) + (Real(1) - share) * target, Real(0), Real(1));
+    shutter.level = slew_at(shutter.from_level, target, travel_s, after_s);
+    return slew_mean(shutter.from_level, target, travel_s, before_s, after_s);
   }
 
   Flash flash = shutter_shape(wish);

@@ -1,5 +1,5 @@
-// Phase as an unsigned 64-bit count of 2^-64 turn: wraps exactly, never drifts. Turns is (low word, high word); the same
-// type counts nanoseconds.
+// Phase as an unsigned 64-bit count of 2^-64 turn: wraps exactly, never drifts. Turns is (low word, high word); the
+// same type counts nanoseconds.
 //
 // A step multiplies the rate as it stands (every bit of a float or double from 2^-64 Hz up) by whole nanoseconds. What
 // is left is the rounding to 2^-64 turn: at most 0.7 rate_hz + 4 of these units a step. After 30 days of 1000 steps a
@@ -39,6 +39,9 @@ FL_FN Turns turns_mul_high(Turns a, Turns b) {
   Turns ba = turns_mul_32(a.y, b.x);
   return turns_add(turns_mul_32(a.y, b.y), turns_add(Turns(ab.y, uint(0)), Turns(ba.y, uint(0))));
 }
+
+// Cut to [0, 1]; what is no number gives 0.
+FL_FN Real unit_share(Real x) { return x > Real(0) ? min(x, Real(1)) : Real(0); }
 
 // In [0, 1): the top bits as a fraction of a turn.
 FL_FN Real turns_fraction(Turns phase) { return Real(phase.y >> uint(8)) * Real(5.9604644775390625e-8); }
@@ -159,7 +162,7 @@ struct Spin {
   Turns from_phase;  // when the target was last changed
   Real from_hz;
   Real target_hz;
-  Turns since_ns;    // since then
+  Turns since_ns;  // since then
 };
 
 // start: each fixture's own phase.

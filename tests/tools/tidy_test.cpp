@@ -180,6 +180,8 @@ TEST_CASE("libraries of hardware, and those that are slow to compile, stay where
       {"zstd", R"((sim|tests/sim)/dmx_log/.*\.cpp)"},
       {"CLI/", R"(tools/(footlight/arguments|[a-z_]+)\.cpp)"},
       {"nlohmann/", R"(.*\.cpp)"},
+      {"tiny_gltf", R"(fixtures/model/read_gltf\.cpp)"},
+      {"meshoptimizer", R"(fixtures/model/mesh\.cpp)"},
       {"toml++/", R"(fixtures/.*\.cpp)"},
       {"cvode/", R"(render/reference/time_cvode\.cpp)"},
       {"boost/numeric/", R"(render/reference/time_rosenbrock4\.cpp)"},

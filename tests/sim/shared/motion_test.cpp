@@ -42,7 +42,7 @@ template <class T>
 typename T::Axis step(const typename T::Axis& axis, const Case& c, double dt_s) {
   using Real = typename T::Real;
   return axis_step(axis, static_cast<Real>(c.target), static_cast<Real>(c.speed_max),
-                 static_cast<Real>(c.acceleration_max), static_cast<Real>(dt_s));
+                   static_cast<Real>(c.acceleration_max), static_cast<Real>(dt_s));
 }
 
 constexpr double kRange = 9.4;  // rad, of the positions and targets of random_case()
@@ -238,7 +238,6 @@ TEST_CASE("float stays near double over random moves") {
   CHECK(worst < 1e-5);
 }
 
-
 // Motors: the same axis with a memory of its last change.
 
 template <class T>
@@ -251,20 +250,25 @@ typename T::MotorLimits limits_of(double speed_max, double acceleration_max) {
 
 template <class T>
 typename T::Motor motor_at(double position) {
-  if constexpr (std::is_same_v<T, Float>) return f32::motor_start(static_cast<float>(position));
-  else return f64::motor_start(position);
+  if constexpr (std::is_same_v<T, Float>)
+    return f32::motor_start(static_cast<float>(position));
+  else
+    return f64::motor_start(position);
 }
 template <class T>
 typename T::Flex flex_at(double position) {
-  if constexpr (std::is_same_v<T, Float>) return f32::flex_start(static_cast<float>(position));
-  else return f64::flex_start(position);
+  if constexpr (std::is_same_v<T, Float>)
+    return f32::flex_start(static_cast<float>(position));
+  else
+    return f64::flex_start(position);
 }
 template <class T>
 typename T::MotorLimits limits_from_fade(double range, double fade_s, double acceleration_s) {
   using Real = typename T::Real;
   if constexpr (std::is_same_v<T, Float>)
     return f32::motor_limits(static_cast<Real>(range), static_cast<Real>(fade_s), static_cast<Real>(acceleration_s));
-  else return f64::motor_limits(range, fade_s, acceleration_s);
+  else
+    return f64::motor_limits(range, fade_s, acceleration_s);
 }
 
 // A motor with its flex, sent to random targets.
@@ -364,7 +368,8 @@ TEST_CASE_TEMPLATE("1e9 s bring a motor to its target and no time leaves it wher
 }
 
 TEST_CASE("what is no step becomes no time: negative, not a number, infinite") {
-  for (const double dt : {-1.0, -1e-9, 0.0, std::nan(""), HUGE_VAL, -HUGE_VAL, 1e300}) CHECK(number(f64::time_ns(dt)) == 0);
+  for (const double dt : {-1.0, -1e-9, 0.0, std::nan(""), HUGE_VAL, -HUGE_VAL, 1e300})
+    CHECK(number(f64::time_ns(dt)) == 0);
   for (const float dt : {-1.0f, std::nanf(""), HUGE_VALF}) CHECK(number(f32::time_ns(dt)) == 0);
   CHECK(number(f64::time_ns(1e9)) == 1'000'000'000'000'000'000u);
   CHECK(number(f64::time_ns(0.25)) == 250'000'000u);
@@ -387,13 +392,13 @@ TEST_CASE_TEMPLATE("a target that is no number leaves the motor alone, and a mot
   CHECK(motor.flex.now.position == -3);
 }
 
-TEST_CASE_TEMPLATE("a move over the whole range takes RealFade: 0.01 s, 1866 s, and with half of it or more for ramps", T,
-                   Float, Double) {
+TEST_CASE_TEMPLATE("a move over the whole range takes RealFade: 0.01 s, 1866 s, and with half of it or more for ramps",
+                   T, Float, Double) {
   struct Row {
     double range, fade_s, acceleration_s;
   };
-  const Row rows[] = {{540, 2.45, 0.4}, {540, 0.01, 0}, {540, 0.01, 0.002}, {9.4, 1866, 1},   {9.4, 1866, 0},
-                      {250, 1.3, 0.65}, {250, 1.3, 0.9}, {250, 1.3, 5},     {1, 0.001, 0.01}, {90, 0.5, -1}};
+  const Row rows[] = {{540, 2.45, 0.4}, {540, 0.01, 0},  {540, 0.01, 0.002}, {9.4, 1866, 1},   {9.4, 1866, 0},
+                      {250, 1.3, 0.65}, {250, 1.3, 0.9}, {250, 1.3, 5},      {1, 0.001, 0.01}, {90, 0.5, -1}};
   for (const Row& row : rows) {
     CAPTURE(row.fade_s);
     CAPTURE(row.acceleration_s);
@@ -419,7 +424,8 @@ TEST_CASE_TEMPLATE("RealFade 0, and what is no time, is no motor", T, Float, Dou
   CHECK(limits_from_fade<T>(std::nan(""), 1, 0.1).speed_max == 0);
 }
 
-TEST_CASE_TEMPLATE("from 65535 to 0 pan goes 540 degrees back through the middle, never the short way", T, Float, Double) {
+TEST_CASE_TEMPLATE("from 65535 to 0 pan goes 540 degrees back through the middle, never the short way", T, Float,
+                   Double) {
   const auto limits = limits_from_fade<T>(540, 2.45, 0.4);
   typename T::Motor pan = motor_at<T>(270);
   double way = 0;
@@ -553,8 +559,7 @@ TEST_CASE("a belt of 25 Hz and damping 0.05 rings at 25 Hz and dies away") {
 
 TEST_CASE_TEMPLATE("nothing is ever not finite over random motors, limits and times", T, Float, Double) {
   std::mt19937_64 random(77);
-  const double odd[] = {0,   -0.0, 1,    -1,   1e-30,        1e-7,     1e6,
-                        1e9, 1e20, 1e29, 1e38, std::nan(""), HUGE_VAL, -HUGE_VAL};
+  const double odd[] = {0, -0.0, 1, -1, 1e-30, 1e-7, 1e6, 1e9, 1e20, 1e29, 1e38, std::nan(""), HUGE_VAL, -HUGE_VAL};
   const auto any = [&] {
     return static_cast<typename T::Real>(random() % 3 == 0 ? odd[random() % std::size(odd)]
                                                            : chance(1, static_cast<std::uint32_t>(random())) * 10 - 5);

@@ -4,6 +4,9 @@
 #include "sim/shared/real.h"
 #include "sim/shared/turns.h"
 #include "sim/shared/motion.h"
+#include "sim/shared/filter.h"
+#include "sim/shared/dimmer.h"
+#include "sim/shared/lamp.h"
 #include "sim/shared/shutter.h"
 
 layout(local_size_x = 64) in;
@@ -12,6 +15,15 @@ layout(set = 0, binding = 0, std430) buffer Models {
   Flex flex;
   Spin spin;
   Shutter shutter;
+  Smooth smoothed;
+  Slew slew;
+  LawTable table;
+  Filament filament;
+  FilamentType filament_type;
+  Led led;
+  LedType led_type;
+  Discharge discharge;
+  DischargeType discharge_type;
   ShutterWish wish;
   MotorLimits limits;
   FlexLimits soft;
@@ -28,4 +40,18 @@ void main() {
   value = shutter_step(moved, wish, dt_ns) + shutter_triggered(value, 0.01, time_s(dt_ns));
   shutter = moved;
   value += shake_offset(spin.phase, turns_way(spin.phase, time_ns(value)));
+  smoothed = smooth_step(smoothed, 0.02, value, dt_ns);
+  Slew slewed = slew;
+  value = slew_step(slewed, 0.5, smoothed.now.position, dt_ns);
+  slew = slewed;
+  value = law_light(kLawS, value) + law_table(table, value);
+  filament = filament_step(filament, filament_type, phase_cut_rms(value), dt_ns);
+  value += filament_light(filament.kelvin, filament_type) + filament_current(filament.kelvin, filament_type, 1.0);
+  value += mains_mean(spin.phase, turns_advance(100.0, dt_ns), value) + filament_volt(2000.0, filament_type);
+  Led glowing = led;
+  value += led_step(glowing, led_type, value, dt_ns);
+  led = glowing;
+  Discharge burning = discharge;
+  value += discharge_step(burning, discharge_type, 1u, dt_ns) + discharge_kelvin(burning, 4000.0, 6000.0);
+  discharge = burning;
 }

@@ -30,8 +30,8 @@ TEST_CASE("exposures that follow each other add up to one exposure") {
     const double a = 3 * unit(random) + 1e-3;
     const double b = 3 * unit(random) + 1e-3;
     const double middle = phase + a;
-    const double parts = f64::shutter_open_share(phase, a, duty) * a +
-                         f64::shutter_open_share(middle - std::floor(middle), b, duty) * b;
+    const double parts =
+        f64::shutter_open_share(phase, a, duty) * a + f64::shutter_open_share(middle - std::floor(middle), b, duty) * b;
     REQUIRE(parts == doctest::Approx(f64::shutter_open_share(phase, a + b, duty) * (a + b)).epsilon(1e-10));
   }
 }
@@ -62,7 +62,6 @@ TEST_CASE("the share agrees with counting over a fine grid of instants") {
   }
 }
 
-
 template <class T>
 typename T::ShutterWish wish_of(std::uint32_t kind, double rate_hz, double duty = 0.5) {
   typename T::ShutterWish wish{};
@@ -75,8 +74,10 @@ typename T::ShutterWish wish_of(std::uint32_t kind, double rate_hz, double duty 
 
 template <class T>
 typename T::Shutter shutter_start() {
-  if constexpr (std::is_same_v<T, Float>) return f32::shutter_begin();
-  else return f64::shutter_begin();
+  if constexpr (std::is_same_v<T, Float>)
+    return f32::shutter_begin();
+  else
+    return f64::shutter_begin();
 }
 
 // What the mean of a kind is over whole periods.
@@ -85,11 +86,11 @@ double true_mean(std::uint32_t kind, double duty) {
   if (kind == f64::kShutterOpen) return 1;
   if (kind == f64::kShutterStrobe || kind == f64::kShutterRandom) return duty;
   if (kind == f64::kShutterEffect) return duty / 2;  // four flashes, then a pause as long
-  return duty / 2;                                    // ramps
+  return duty / 2;                                   // ramps
 }
 
-TEST_CASE_TEMPLATE("over 10 s the mean of every kind is its duty to 1e-6, from 0.1 Hz to 1 kHz at any frame rate", T, Float,
-                   Double) {
+TEST_CASE_TEMPLATE("over 10 s the mean of every kind is its duty to 1e-6, from 0.1 Hz to 1 kHz at any frame rate", T,
+                   Float, Double) {
   double worst = 0;
   for (std::uint32_t kind = 0; kind < f64::kShutterKindCount; ++kind) {
     for (const double rate : {0.1, 0.7, 3.0, 24.0, 25.0, 30.0, 59.9, 60.0, 120.0, 1000.0}) {
@@ -100,7 +101,8 @@ TEST_CASE_TEMPLATE("over 10 s the mean of every kind is its duty to 1e-6, from 0
         std::int64_t now = 0;
         for (std::int64_t frame = 1; now < 10 * kSecond_ns; ++frame) {
           const std::int64_t next = std::min(frame * 1000 * kSecond_ns / frames_mHz, 10 * kSecond_ns);
-          const double mean = static_cast<double>(shutter_step(shutter, wish, words(static_cast<std::uint64_t>(next - now))));
+          const double mean =
+              static_cast<double>(shutter_step(shutter, wish, words(static_cast<std::uint64_t>(next - now))));
           REQUIRE(mean >= 0);
           REQUIRE(mean <= 1);
           light += mean * static_cast<double>(next - now);
@@ -122,8 +124,8 @@ struct Flasher {
   double light = 0;  // s
   double low = 0;
   void step(std::uint32_t change, glm::uvec2 dt_ns) {
-    auto wish = wish_of<T>(f64::hash_two(3, change / 40) % f64::kShutterKindCount, 25 * chance(4, change / 15) * chance(5, change / 15),
-                           chance(6, change / 11));
+    auto wish = wish_of<T>(f64::hash_two(3, change / 40) % f64::kShutterKindCount,
+                           25 * chance(4, change / 15) * chance(5, change / 15), chance(6, change / 11));
     wish.travel_s = static_cast<typename T::Real>(travel_s);
     wish.offset = static_cast<typename T::Real>(0.25);
     wish.low = static_cast<typename T::Real>(low);
@@ -132,7 +134,8 @@ struct Flasher {
   [[nodiscard]] double value() const { return light; }
 };
 
-TEST_CASE_TEMPLATE("15 to 1000 frames a second see the same light over 60 s of hard shutter changes", T, Float, Double) {
+TEST_CASE_TEMPLATE("15 to 1000 frames a second see the same light over 60 s of hard shutter changes", T, Float,
+                   Double) {
   CHECK(rate_spread(Flasher<T>{}) <= (std::is_same_v<T, Float> ? 60e-6 / 10 : 1e-9));
   Flasher<T> blades;
   blades.travel_s = 0.012;
@@ -145,7 +148,8 @@ TEST_CASE_TEMPLATE("an exposure of a + b holds the light of its parts, for rando
   std::mt19937_64 random(21);
   double worst = 0;
   for (std::uint32_t i = 0; i < 10'000; ++i) {
-    auto wish = wish_of<T>(static_cast<std::uint32_t>(random() % f64::kShutterKindCount), 60 * chance(1, i), chance(2, i));
+    auto wish =
+        wish_of<T>(static_cast<std::uint32_t>(random() % f64::kShutterKindCount), 60 * chance(1, i), chance(2, i));
     wish.travel_s = static_cast<typename T::Real>(i % 2 == 0 ? 0 : 0.03 * chance(3, i));
     auto whole = shutter_start<T>();
     shutter_step(whole, wish_of<T>(f64::kShutterStrobe, 3), words(random() % kSecond_ns));
@@ -214,7 +218,8 @@ TEST_CASE("a pulse is a triangle, a pulse that opens rises, one that closes fall
   CHECK(level(f64::kShutterPulseOpen, 0.499) == doctest::Approx(0.998));
   CHECK(level(f64::kShutterPulseClose, 0.125) == doctest::Approx(0.75));
   CHECK(level(f64::kShutterPulseClose, 0.001) == doctest::Approx(0.998));
-  for (const std::uint32_t kind : {f64::kShutterPulse, f64::kShutterPulseOpen, f64::kShutterPulseClose, f64::kShutterStrobe})
+  for (const std::uint32_t kind :
+       {f64::kShutterPulse, f64::kShutterPulseOpen, f64::kShutterPulseClose, f64::kShutterStrobe})
     CHECK(level(kind, 0.75) == 0);
 }
 
@@ -250,7 +255,8 @@ TEST_CASE("random flashes are one a period, at places of their own, and equal on
   other.seed = 18;
   int differ = 0;
   f64::Shutter a = f64::shutter_begin(), b = f64::shutter_begin();
-  for (int i = 0; i < 1000; ++i) differ += shutter_step(a, wish, words(10'000'000)) != shutter_step(b, other, words(10'000'000));
+  for (int i = 0; i < 1000; ++i)
+    differ += shutter_step(a, wish, words(10'000'000)) != shutter_step(b, other, words(10'000'000));
   CHECK(differ > 100);
 }
 

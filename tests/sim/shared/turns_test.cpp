@@ -20,14 +20,16 @@ std::uint64_t exact_phase(double rate_hz, std::uint64_t dt_ns) {
   const auto whole = static_cast<std::uint64_t>(rate_hz);
   const auto part = static_cast<std::uint64_t>(std::ldexp(rate_hz - static_cast<double>(whole), 64));
   using Wide = unsigned __int128;
-  const Wide whole_turns_ns = Wide{whole} * dt_ns;            // in 1e-9 turn
+  const Wide whole_turns_ns = Wide{whole} * dt_ns;  // in 1e-9 turn
   const auto rest = static_cast<std::uint64_t>(whole_turns_ns % 1'000'000'000);
-  const Wide part_ns = Wide{part} * dt_ns;                    // in 2^-64 x 1e-9 turn
+  const Wide part_ns = Wide{part} * dt_ns;  // in 2^-64 x 1e-9 turn
   return static_cast<std::uint64_t>((Wide{rest} << 64) / 1'000'000'000 + part_ns / 1'000'000'000);
 }
 
 // a - b in turns, the shorter way.
-double turns_apart(std::uint64_t a, std::uint64_t b) { return static_cast<double>(static_cast<std::int64_t>(a - b)) * 0x1p-64; }
+double turns_apart(std::uint64_t a, std::uint64_t b) {
+  return static_cast<double>(static_cast<std::int64_t>(a - b)) * 0x1p-64;
+}
 
 TEST_CASE("sums and products agree with 64-bit integers to the bit") {
   std::mt19937_64 random(2);
@@ -55,7 +57,8 @@ TEST_CASE("a step is rounded by at most 0.7 rate + 4 units of 2^-64 turn, for an
     const auto off = static_cast<std::int64_t>(exact - number(f64::turns_step(words(0), rate, words(dt))));
     REQUIRE(std::abs(off) <= static_cast<std::int64_t>(0.7 * rate) + 4);
     if (i % 2 == 0)  // a rate that is a float is the same in both
-      REQUIRE(f32::turns_step(words(0), static_cast<float>(rate), words(dt)) == f64::turns_step(words(0), rate, words(dt)));
+      REQUIRE(f32::turns_step(words(0), static_cast<float>(rate), words(dt)) ==
+              f64::turns_step(words(0), rate, words(dt)));
   }
 }
 
@@ -73,7 +76,8 @@ TEST_CASE("after 30 days of frames of any length the phase is less than a micros
     }
     const double off_s = std::abs(turns_apart(phase, exact_phase(rate, now))) / rate;
     CHECK(off_s < 1e-9);
-    // The rounding is the same for a short step, so 1000 frames a second are as many times worse as there are more of them.
+    // The rounding is the same for a short step, so 1000 frames a second are as many times worse as there are more of
+    // them.
     CHECK(off_s / static_cast<double>(steps) * 30 * 86'400 * 1000 < 1e-6);
   }
 }
@@ -139,7 +143,8 @@ struct Spinner {
   [[nodiscard]] double value() const { return f64::turns_real(spin.phase); }
 };
 
-TEST_CASE_TEMPLATE("a spin is at the same angle at 15 to 1000 frames a second, with ramps and without", T, Float, Double) {
+TEST_CASE_TEMPLATE("a spin is at the same angle at 15 to 1000 frames a second, with ramps and without", T, Float,
+                   Double) {
   CHECK(rate_spread(Spinner<T>{}) <= 1e-12);
   Spinner<T> at_once;
   at_once.ramp = 0;
@@ -192,8 +197,8 @@ TEST_CASE("fixtures start at phases of their own and keep their distance") {
   CHECK(number(b.phase) - number(a.phase) == std::uint64_t{1} << 62);
 }
 
-TEST_CASE_TEMPLATE("no time and targets that are no number leave a spin alone; a long time reaches the target", T, Float,
-                   Double) {
+TEST_CASE_TEMPLATE("no time and targets that are no number leave a spin alone; a long time reaches the target", T,
+                   Float, Double) {
   using Real = typename T::Real;
   Spinner<T> spinner;
   spinner.step(3, words(kSecond_ns / 3));

@@ -1,0 +1,39 @@
+// 3DS and glTF; what is read is scaled, mirrored and simplified.
+#include <cmath>
+
+#include "fixtures/model/mesh.h"
+#include "tests/fuzz/fuzz.h"
+#include "tests/support/model_bytes.h"
+
+using namespace footlight;
+using footlight::testing::require;
+
+void footlight::testing::add_seeds(Seeds& seeds) {
+  seeds.add("box.3ds", box_3ds(100, 200, 300));
+  seeds.add("box.glb", box_glb(1, 2, 3));
+  seeds.add("mirrored.glb", box_glb(1, 2, 3, R"("scale":[-1,1,1])"));
+  seeds.add("strip.gltf",
+            R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,)"
+            R"(AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
+            R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],)"
+            R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"mode":5}]}]})");
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  fixtures::Diagnostics diagnostics;
+  const auto mesh = fixtures::read_mesh(std::as_bytes(std::span<const std::uint8_t>(data, size)), "fuzz", diagnostics);
+  if (!mesh) {
+    require(mesh.error().message.starts_with("fuzz"));
+    return 0;
+  }
+  require(!mesh->indices.empty() && mesh->indices.size() % 3 == 0);
+  for (const std::uint32_t index : mesh->indices) require(index < mesh->vertices.size());
+  for (const fixtures::MeshVertex& vertex : mesh->vertices) {
+    require(vertex.material < mesh->materials.size());
+    require(std::abs(glm::length(vertex.normal) - 1) < 1e-3F);
+  }
+  const fixtures::Mesh scaled = scaled_to(*mesh, {1, 2, 0});
+  require(scaled.indices.size() == mesh->indices.size());
+  require(simplified(scaled, 4).indices.size() <= scaled.indices.size());
+  return 0;
+}

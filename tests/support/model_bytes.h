@@ -1,0 +1,33 @@
+// 3DS and glTF files made in memory, sound or broken on purpose.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fixtures/files.h"
+
+namespace footlight::testing {
+
+using fixtures::Bytes;
+
+// A chunk of 3DS: id, length, content.
+[[nodiscard]] std::string chunk(std::uint16_t id, std::string_view content);
+[[nodiscard]] std::string u16_text(std::uint16_t value);
+[[nodiscard]] std::string f32_text(float value);
+// A 3DS file with one object of these points and faces; all faces in material "paint" of this byte colour.
+[[nodiscard]] std::string file_3ds(const std::vector<float>& points_xyz, const std::vector<std::uint16_t>& corners,
+                                   const std::uint8_t (&color)[3]);
+// A box of this size in units, from the origin, faces outwards.
+[[nodiscard]] std::string box_3ds(float x, float y, float z);
+
+// A .glb of this JSON and binary.
+[[nodiscard]] std::string file_glb(std::string_view json, std::string_view binary);
+// Of a box of this size, from the origin, y up; `node` stands in its node: "\"scale\":[-1,1,1]".
+[[nodiscard]] std::string box_glb(float x, float y, float z, std::string_view node = "");
+
+[[nodiscard]] Bytes bytes_of(std::string_view text);
+
+}  // namespace footlight::testing
