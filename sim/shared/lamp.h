@@ -128,8 +128,9 @@ struct FilamentType {
 // The temperature after t_s at `volt` (rms over the rated voltage, 0 to 1.2), from any temperature. Exact but for the
 // table. Refused, and the temperature left alone: a step or a voltage that is no number or negative, an infinite step.
 FL_FN Real filament_after(Real kelvin, FilamentType type, Real volt, Real t_s) {
-  if (!(t_s > Real(0)) || !(t_s < Real(1e30)) || !(volt >= Real(0)) || !(volt < Real(1e3)) || !(type.tau_s >= Real(1e-6)) ||
-      !(type.tau_s <= Real(1e6)) || !(type.full_k >= Real(500)) || !(type.full_k <= Real(1e4)))
+  if (!(t_s > Real(0)) || !(t_s < Real(1e30)) || !(volt >= Real(0)) || !(volt < Real(1e3))) return kelvin;
+  if (!(type.tau_s >= Real(1e-6)) || !(type.tau_s <= Real(1e6)) || !(type.full_k >= Real(500)) ||
+      !(type.full_k <= Real(1e4)))
     return kelvin;
   Real full = max(kelvin, kFilamentAmbientK) / type.full_k;
   Real t = t_s / (type.tau_s * kFilamentPR);
