@@ -96,4 +96,15 @@ Bytes bytes_of(std::string_view text) {
   return bytes;
 }
 
+MemoryFiles::MemoryFiles(std::map<std::string, std::string> files) : files_(std::move(files)) {
+  for (const auto& [name, text] : files_) names_.push_back(name);
+}
+
+Result<Bytes> MemoryFiles::read(std::string_view name, std::uint64_t size_max_bytes) const {
+  const auto at = files_.find(std::string(name));
+  if (at == files_.end()) return fail(ErrorCode::kNotFound, "{}: not there", shown_name(name));
+  if (at->second.size() > size_max_bytes) return fail(ErrorCode::kBadInput, "{}: too large", shown_name(name));
+  return bytes_of(at->second);
+}
+
 }  // namespace footlight::testing

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,5 +30,18 @@ using fixtures::Bytes;
 [[nodiscard]] std::string box_glb(float x, float y, float z, std::string_view node = "");
 
 [[nodiscard]] Bytes bytes_of(std::string_view text);
+
+// Files that are not in any file system.
+class MemoryFiles final : public fixtures::Files {
+ public:
+  explicit MemoryFiles(std::map<std::string, std::string> files);
+  [[nodiscard]] const std::vector<std::string>& names() const override { return names_; }
+  [[nodiscard]] Result<Bytes> read(std::string_view name, std::uint64_t size_max_bytes) const override;
+  [[nodiscard]] std::string shown_name(std::string_view name) const override { return "z:" + std::string(name); }
+
+ private:
+  std::map<std::string, std::string> files_;
+  std::vector<std::string> names_;
+};
 
 }  // namespace footlight::testing
