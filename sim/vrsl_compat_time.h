@@ -1,0 +1,101 @@
+// How VRSL's shaders behave in time, faults included, to replay shows that were built on them. Not part of the models:
+// those are in sim/shared, are exact, and share nothing with this file.
+//
+// VRSL keeps one grid of values 0 to 1, one a channel, and passes it each picture through smoothing, strobe and spin.
+// The classes here do the same for one universe of a 3-universe grid; `dt_s` is the time of one picture, and results
+// depend on how long pictures are, as they did. Values are float, as they were.
+//
+// Figures: VR Stage Lighting, commit 12dedbe, materials of its horizontal grid (DMXRTShader-...).
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace footlight {
+
+inline constexpr int kVrslChannels = 512;
+inline constexpr int kVrslRow = 13;  // channels of a row of the grid; the last one is the row's speed
+
+using VrslValues = std::array<float, kVrslChannels>;  // 0 to 1, channel 1 first
+
+struct VrslSettings {
+  float slowest = 0.32258067f;     // of a movement's gap, left after a second at speed 0
+  float fastest = 0.16129033f;     // and at speed 1
+  float color_smoothing = 0.7f;    // share of a colour's gap closed each picture
+  float strobe_threshold = 0.2f;   // a strobe channel at or below is open
+  bool static_strobe = true;       // three tiers, as shipped; else a rate that grows with the channel
+  float strobe_low_rad_s = 25;     // of channel <= 0.2: never seen, the threshold opens it
+  float strobe_medium_rad_s = 45;  // <= 0.5
+  float strobe_high_rad_s = 65;
+  float strobe_dynamic_rad_s = 185;  // at channel 1, not static; 100 on the vertical grid
+};
+
+// The pass that smooths pan and tilt. The speed is that of column 13 of the same row, whatever is patched there; it
+// closes a tenth of it of the gap each picture, on top of the exponential, so fast moves are faster at higher rates.
+class VrslMovement {
+ public:
+  explicit VrslMovement(const VrslSettings& settings) : settings_(settings) {}
+  // The first 3 s pass values through. dt_s < 0 and no number: nothing happens.
+  const VrslValues& step(const VrslValues& raw, float dt_s);
+
+ private:
+  VrslSettings settings_;
+  VrslValues out_{};
+  double clock_s_ = 0;
+};
+
+// The pass that smooths colour and intensity: by pictures, not by time.
+class VrslColor {
+ public:
+  explicit VrslColor(const VrslSettings& settings) : settings_(settings) {}
+  const VrslValues& step(const VrslValues& raw, float dt_s);
+
+ private:
+  VrslSettings settings_;
+  VrslValues out_{};
+  double clock_s_ = 0;
+};
+
+// Strobe phases and gates. Dynamic: the phase leaks above 2 pi when a picture is longer than a turn at the channel's
+// rate, up to a clamp at 1e6 where the sine is negative: dark for ever. Static: the phase is float seconds since the
+// start times the tier's rate, so it loses digits by the hour and jumps when the tier changes.
+class VrslStrobe {
+ public:
+  explicit VrslStrobe(const VrslSettings& settings) : settings_(settings) {}
+  // Gates, 0 or 1. colour_smoothed: the colour pass's values, which the threshold looks at.
+  const VrslValues& step(const VrslValues& raw, const VrslValues& color_smoothed, float dt_s);
+  // Since the program started; shaders see it rounded to float.
+  void set_uptime(double uptime_s) { clock_s_ = uptime_s; }
+
+ private:
+  VrslSettings settings_;
+  VrslValues phase_{};
+  VrslValues gate_{};
+  double clock_s_ = 0;
+};
+
+// Spin phases: they grow without wrapping, so float stops them after days, and a change of direction jumps.
+class VrslSpin {
+ public:
+  // The angle of each channel in radians: 4 phases, negative where the channel is above one half.
+  const VrslValues& step(const VrslValues& raw, float dt_s);
+
+ private:
+  VrslValues phase_{};
+  VrslValues angle_{};
+  double clock_s_ = 0;
+};
+
+// In 9-universe mode the gate of universes 4 to 9 is that of the universe in the same place among 1 to 3: the shader
+// looks at red only. universe from 1 to 9; 0 for others.
+[[nodiscard]] constexpr int vrsl_strobe_universe(int universe) {
+  return universe >= 1 && universe <= 9 ? (universe - 1) % 3 + 1 : 0;
+}
+
+// Which of eight gobos a channel names, 1 to 8.
+[[nodiscard]] int vrsl_gobo(std::uint8_t level);
+
+// The angle of pan or tilt within its range, degrees from the middle: both are 8 bits, the fine channels are not read.
+[[nodiscard]] float vrsl_angle_deg(std::uint8_t level, float range_deg);
+
+}  // namespace footlight

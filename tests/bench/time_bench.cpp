@@ -1,0 +1,184 @@
+// Steps a second on one core of each model in sim/shared, in float as on the GPU. Figures are in docs/numerics.md.
+//
+// Each benchmark walks over a rig of 4096 fixtures, so that states come from the cache as they do in a rig. "Changing"
+// inputs change at each step, "holding" ones stay.
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "sim/shared/shared.h"
+
+namespace footlight {
+namespace {
+
+constexpr std::size_t kFixtures = 4096;
+constexpr glm::uvec2 kFrame_ns{16'666'667, 0};
+
+// Shares from 0 to 1 that differ from step to step.
+struct Inputs {
+  std::vector<float> values = std::vector<float>(65536);
+  std::size_t at = 0;
+  Inputs() {
+    std::mt19937 random(1);
+    for (float& value : values) value = static_cast<float>(random() % 65536) / 65535.0f;
+  }
+  float next() { return values[at++ & 65535]; }
+};
+
+template <class State, class Step>
+void run(benchmark::State& bench, const State& start, Step step) {
+  std::vector<State> states(kFixtures, start);
+  Inputs inputs;
+  for (auto _ : bench) {
+    for (State& state : states) step(state, inputs);
+    benchmark::DoNotOptimize(states.data());
+    benchmark::ClobberMemory();
+  }
+  bench.SetItemsProcessed(bench.iterations() * static_cast<std::int64_t>(kFixtures));
+}
+
+f32::MotorLimits pan_limits() { return f32::motor_limits(540, 2.45f, 0.4f); }
+
+void motor_rest(benchmark::State& bench) {
+  const auto limits = pan_limits();
+  run(bench, f32::motor_start(3), [&](f32::Motor& m, Inputs&) { m = f32::motor_step(m, limits, 3, kFrame_ns); });
+}
+void motor_holding(benchmark::State& bench) {  // on its way: a target so far that it never arrives
+  const auto limits = f32::motor_limits(540, 1866, 0.4f);
+  run(bench, f32::motor_start(0), [&](f32::Motor& m, Inputs&) { m = f32::motor_step(m, limits, 1e6f, kFrame_ns); });
+}
+void motor_changing(benchmark::State& bench) {
+  const auto limits = pan_limits();
+  run(bench, f32::motor_start(0),
+      [&](f32::Motor& m, Inputs& in) { m = f32::motor_step(m, limits, 540 * in.next(), kFrame_ns); });
+}
+struct SoftMotor {
+  f32::Motor motor = f32::motor_start(0);
+  f32::Flex flex = f32::flex_start(0);
+};
+void soft_motor_changing(benchmark::State& bench, float rate, float damping) {
+  const auto limits = pan_limits();
+  const f32::FlexLimits soft{rate, damping};
+  run(bench, SoftMotor(), [&](SoftMotor& m, Inputs& in) {
+    const f32::Motor before = m.motor;
+    m.motor = f32::motor_step(m.motor, limits, 540 * in.next(), kFrame_ns);
+    m.flex = f32::flex_step(m.flex, soft, before, m.motor, limits);
+  });
+}
+void motor_jerk(benchmark::State& bench) { soft_motor_changing(bench, 40, 1); }
+void motor_belt(benchmark::State& bench) { soft_motor_changing(bench, 157, 0.05f); }
+
+void spin(benchmark::State& bench) {
+  run(bench, f32::spin_start({0, 0}), [](f32::Spin& s, Inputs&) { s = f32::spin_step(s, 2, 0.31f, kFrame_ns); });
+}
+
+f32::ShutterWish strobe_wish(std::uint32_t kind, float rate_hz) {
+  f32::ShutterWish wish{};
+  wish.kind = kind;
+  wish.rate_hz = rate_hz;
+  wish.duty = 0.3f;
+  wish.seed = 5;
+  return wish;
+}
+struct Shuttered {
+  f32::Shutter shutter = f32::shutter_begin();
+  float light = 0;
+};
+void shutter(benchmark::State& bench, std::uint32_t kind) {
+  const auto wish = strobe_wish(kind, 12.3f);
+  run(bench, Shuttered(), [&](Shuttered& s, Inputs&) { s.light = shutter_step(s.shutter, wish, kFrame_ns); });
+}
+void shutter_open(benchmark::State& bench) { shutter(bench, f32::kShutterOpen); }
+void shutter_strobe(benchmark::State& bench) { shutter(bench, f32::kShutterStrobe); }
+void shutter_random_pulse(benchmark::State& bench) { shutter(bench, f32::kShutterRandomPulse); }
+
+void smooth(benchmark::State& bench) {
+  run(bench, f32::smooth_start(0),
+      [](f32::Smooth& s, Inputs& in) { s = f32::smooth_step(s, 0.02f, in.next(), kFrame_ns); });
+}
+void filament(benchmark::State& bench) {
+  const f32::FilamentType type{3200, 0.034f};
+  run(bench, f32::filament_start(300),
+      [&](f32::Filament& f, Inputs& in) { f = f32::filament_step(f, type, in.next(), kFrame_ns); });
+}
+struct Bulb {
+  f32::Filament filament = f32::filament_start(300);
+  float light = 0;
+};
+void filament_with_light(benchmark::State& bench) {
+  const f32::FilamentType type{3200, 0.034f};
+  run(bench, Bulb(), [&](Bulb& b, Inputs& in) {
+    b.filament = f32::filament_step(b.filament, type, in.next(), kFrame_ns);
+    b.light = f32::filament_light(b.filament.kelvin, type);
+  });
+}
+struct Diode {
+  f32::Led led = f32::led_start(0);
+  float light = 0;
+};
+void led(benchmark::State& bench) {
+  const f32::LedType type{0.003f, 180, 0.15f};
+  run(bench, Diode(), [&](Diode& d, Inputs& in) { d.light = led_step(d.led, type, in.next(), kFrame_ns); });
+}
+struct Arc {
+  f32::Discharge lamp = f32::discharge_start();
+  float light = 0;
+};
+void discharge(benchmark::State& bench) {
+  const f32::DischargeType type{1.5f, 40, 100, 0.2f, 0.1f};
+  run(bench, Arc(), [&](Arc& a, Inputs&) { a.light = discharge_step(a.lamp, type, 1, kFrame_ns); });
+}
+
+// A profile: pan, tilt, zoom and focus, a strobe, a gobo that turns, a dimmer with its law and an LED driver. Pan and
+// tilt get a new target at each step where `moving`; the dimmer always does; half of the heads strobe.
+struct Head {
+  f32::Motor pan = f32::motor_start(0), tilt = f32::motor_start(0), zoom = f32::motor_start(0),
+             focus = f32::motor_start(0);
+  f32::Shutter shutter = f32::shutter_begin();
+  f32::Spin gobo = f32::spin_start({0, 0});
+  f32::Led led = f32::led_start(0);
+  float light = 0;
+  bool strobes = false;
+};
+void head(benchmark::State& bench, bool moving) {
+  const auto limits = pan_limits();
+  const f32::LedType type{0.003f, 0, 0};
+  const auto strobe = strobe_wish(f32::kShutterStrobe, 12.3f);
+  const auto open = strobe_wish(f32::kShutterOpen, 0);
+  std::uint32_t made = 0;
+  run(bench, Head(), [&](Head& h, Inputs& in) {
+    const float target = in.next();
+    h.strobes = (made++ & 1u) != 0;
+    h.pan = f32::motor_step(h.pan, limits, moving ? 540 * target : 3, kFrame_ns);
+    h.tilt = f32::motor_step(h.tilt, limits, moving ? 270 * target : 3, kFrame_ns);
+    h.zoom = f32::motor_step(h.zoom, limits, 30, kFrame_ns);
+    h.focus = f32::motor_step(h.focus, limits, 0.5f, kFrame_ns);
+    h.gobo = f32::spin_step(h.gobo, 2, 0.31f, kFrame_ns);
+    h.light = led_step(h.led, type, f32::law_light(f32::kLawSquare, target), kFrame_ns) *
+              shutter_step(h.shutter, h.strobes ? strobe : open, kFrame_ns);
+  });
+}
+void head_at_rest(benchmark::State& bench) { head(bench, false); }
+void head_moving(benchmark::State& bench) { head(bench, true); }
+
+BENCHMARK(motor_rest);
+BENCHMARK(motor_holding);
+BENCHMARK(motor_changing);
+BENCHMARK(motor_jerk);
+BENCHMARK(motor_belt);
+BENCHMARK(spin);
+BENCHMARK(shutter_open);
+BENCHMARK(shutter_strobe);
+BENCHMARK(shutter_random_pulse);
+BENCHMARK(smooth);
+BENCHMARK(filament);
+BENCHMARK(filament_with_light);
+BENCHMARK(led);
+BENCHMARK(discharge);
+BENCHMARK(head_at_rest);
+BENCHMARK(head_moving);
+
+}  // namespace
+}  // namespace footlight
