@@ -1,5 +1,7 @@
 #include "render/reference/time_bench.h"
 
+#include <time.h>
+
 #include <algorithm>
 #include <limits>
 
@@ -68,6 +70,12 @@ std::vector<double> flashes_of(double seconds, std::uint64_t seed) {
     levels.push_back(as_float(level));
   }
   return levels;
+}
+
+double thread_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e9 * static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec);
 }
 
 NsPerFrame percentiles_of(std::vector<double> ns) {

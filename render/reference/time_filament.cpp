@@ -7,6 +7,7 @@
 #include "render/reference/time_bench.h"
 #include "render/reference/time_judges.h"
 #include "render/reference/time_solvers.h"
+#include "sim/shared/shared.h"
 
 namespace footlight::render {
 namespace {
@@ -19,7 +20,8 @@ constexpr Wide kFineTolerance = 1e-19L;
 
 // The law of sim/shared/lamp.h.
 FilamentLaw filament_law(double tau_s) {
-  FilamentLaw law{.p = 4.86, .r = 1.215, .q = 0.15, .ambient = 293 / kRatedK};
+  FilamentLaw law{.p = f64::kFilamentP, .r = f64::kFilamentR, .q = f64::kFilamentQ,
+                  .ambient = f64::kFilamentAmbientK / kRatedK};
   law.rate_per_s = 1 / (tau_s * (law.p + law.r));
   return law;
 }
@@ -110,6 +112,24 @@ void add_scene(const TimeReportOptions& options, std::span<const double> levels,
     before = scene.judge[i];
   }
   TimeBench bench(options.runs, report.rows);
+  const auto dt_of = [&](std::size_t i) {
+    return glm::uvec2(static_cast<std::uint32_t>(show.start_ns[i + 1] - show.start_ns[i]), 0u);
+  };
+  bench.add(scene, "universal curve f32", 1, [&] {
+    const f32::FilamentType type{static_cast<float>(kRatedK), static_cast<float>(tau_ms * 1e-3)};
+    return [&, type, filament = f32::filament_start(0)](std::size_t i) mutable {
+      filament = f32::filament_step(filament, type, static_cast<float>(show.input[i]), dt_of(i));
+      return static_cast<double>(filament.kelvin) / kRatedK;
+    };
+  });
+  bench.add(scene, "universal curve f64", 1, [&] {
+    const f64::FilamentType type{kRatedK, tau_ms * 1e-3};
+    return [&, type, filament = f64::filament_start(0)](std::size_t i) mutable {
+      filament = f64::filament_step(filament, type, show.input[i], dt_of(i));
+      return filament.kelvin / kRatedK;
+    };
+  });
+
   using Method = double (*)(const FilamentLaw&, double, double, double);
   const std::pair<const char*, Method> rivals[] = {{"explicit Euler", explicit_euler},
                                                    {"RK4", rk4},

@@ -49,6 +49,33 @@ std::string columns_of(const std::vector<std::vector<std::string>>& lines, std::
   return text;
 }
 
+std::vector<SceneKey> scenes_of(const std::vector<TimeRow>& rows) {
+  std::vector<SceneKey> scenes;
+  for (const TimeRow& row : rows) {
+    if (std::find(scenes.begin(), scenes.end(), scene_of(row)) == scenes.end()) scenes.push_back(scene_of(row));
+  }
+  return scenes;
+}
+
+std::vector<std::string> methods_of(const std::vector<TimeRow>& rows) {
+  std::vector<std::string> methods;
+  for (const TimeRow& row : rows) {
+    if (std::find(methods.begin(), methods.end(), row.method) == methods.end()) methods.push_back(row.method);
+  }
+  return methods;
+}
+
+// The knobs of a method in one scene, by one of the errors of a row.
+Curve curve_in(const std::vector<TimeRow>& rows, const std::string& method, const SceneKey& scene,
+               double TimeRow::* error) {
+  Curve curve;
+  for (const TimeRow& row : rows) {
+    if (row.method != method || scene_of(row) != scene || row.outcome != TimeOutcome::kOk) continue;
+    curve.points.push_back({row.ns_p50, std::max(row.*error, kLeastError), ""});
+  }
+  return curve;
+}
+
 }  // namespace
 
 TimeReportOptions quick_time_report() {
@@ -71,6 +98,8 @@ TimeReport time_report(const TimeReportOptions& options) {
   report_spin(options, report);
   report_smoothing(options, report);
   report_belt(options, report);
+  report_led(options, report);
+  report_mains(options, report);
   return report;
 }
 
@@ -131,20 +160,8 @@ std::string table_of(const std::vector<TimeSummary>& summaries, const std::strin
 }
 
 std::string time_at_error_of(const std::vector<TimeRow>& rows, const std::string& ours) {
-  std::vector<SceneKey> scenes;
-  std::vector<std::string> methods;
-  for (const TimeRow& row : rows) {
-    if (std::find(scenes.begin(), scenes.end(), scene_of(row)) == scenes.end()) scenes.push_back(scene_of(row));
-    if (std::find(methods.begin(), methods.end(), row.method) == methods.end()) methods.push_back(row.method);
-  }
-  const auto curve_in = [&](const std::string& method, const SceneKey& scene, double TimeRow::* error) {
-    Curve curve;
-    for (const TimeRow& row : rows) {
-      if (row.method != method || scene_of(row) != scene || row.outcome != TimeOutcome::kOk) continue;
-      curve.points.push_back({row.ns_p50, std::max(row.*error, kLeastError), ""});
-    }
-    return curve;
-  };
+  const std::vector<SceneKey> scenes = scenes_of(rows);
+  const std::vector<std::string> methods = methods_of(rows);
   const auto reached_text = [&](const LogMean& mean, int of) {
     if (mean.count == 0) return std::string("not reached");
     const std::string value = fmt::format("{:.3g}", mean.value());
@@ -161,7 +178,7 @@ std::string time_at_error_of(const std::vector<TimeRow>& rows, const std::string
     for (const double error : {1e-2, 1e-3, 1e-4}) {
       LogMean mean;
       for (const SceneKey& scene : scenes) {
-        if (const auto ns = cost_at_error(curve_in(method, scene, &TimeRow::rel_l2), error)) mean.add(*ns);
+        if (const auto ns = cost_at_error(curve_in(rows, method, scene, &TimeRow::rel_l2), error)) mean.add(*ns);
       }
       line.push_back(reached_text(mean, count));
     }
@@ -169,9 +186,9 @@ std::string time_at_error_of(const std::vector<TimeRow>& rows, const std::string
       LogMean ratio;
       double least = std::numeric_limits<double>::infinity();
       for (const SceneKey& scene : scenes) {
-        const Curve mine = curve_in(ours, scene, error);
+        const Curve mine = curve_in(rows, ours, scene, error);
         if (mine.points.empty()) continue;
-        if (const auto ns = cost_at_error(curve_in(method, scene, error), mine.points[0].error)) {
+        if (const auto ns = cost_at_error(curve_in(rows, method, scene, error), mine.points[0].error)) {
           ratio.add(*ns / mine.points[0].cost);
           least = std::min(least, *ns / mine.points[0].cost);
         }
@@ -182,6 +199,30 @@ std::string time_at_error_of(const std::vector<TimeRow>& rows, const std::string
     lines.push_back(std::move(line));
   }
   return columns_of(lines, 1);
+}
+
+std::string cheapest_rivals_of(const std::vector<TimeRow>& rows, const std::string& ours, double fps) {
+  std::string text;
+  for (const SceneKey& scene : scenes_of(rows)) {
+    const auto& [tau_ms, scene_fps, seconds] = scene;
+    const Curve mine = curve_in(rows, ours, scene, &TimeRow::error_max);
+    if (scene_fps != fps || mine.points.empty()) continue;
+    const CurvePoint& point = mine.points[0];
+    text += fmt::format("tau {:.3g} ms, {:g} fps, {:g} s: {} has {:.2g} {} in {:.3g} ns; ", tau_ms, fps, seconds, ours,
+                        point.error, rows[0].unit, point.cost);
+    std::string best;
+    double least_ns = std::numeric_limits<double>::infinity();
+    for (const std::string& method : methods_of(rows)) {
+      if (method == ours || method.ends_with(" f32") || method.ends_with(" f64")) continue;
+      const auto ns = cost_at_error(curve_in(rows, method, scene, &TimeRow::error_max), point.error);
+      if (!ns || !(*ns < least_ns)) continue;
+      least_ns = *ns;
+      best = method;
+    }
+    text += best.empty() ? "no rival is as near\n" : fmt::format("as near: {}, {:.3g} times as long\n", best,
+                                                                 least_ns / point.cost);
+  }
+  return text;
 }
 
 std::vector<Curve> curves_of(const std::vector<TimeSummary>& summaries) {

@@ -10,8 +10,10 @@
 // spin        phase               period of the rotation         turns               direction
 // smoothing   level               time constant of each pole     full level          level
 // belt        position            1 / angular frequency          full level          position
+// led         mean light          rise of the driver             full light          light
+// mains       mean power          half wave                      full power          power
 //
-// Times are of one CPU core.
+// Times are of one CPU core, and of this thread only.
 #pragma once
 
 #include <cstdint>
@@ -23,11 +25,11 @@
 namespace footlight::render {
 
 struct TimeReportOptions {
-  std::vector<double> tau_ms{3, 34, 350};  // filament, motion, smoothing, belt
+  std::vector<double> tau_ms{3, 34, 350};  // filament, motion, smoothing, belt, led
   std::vector<double> fps{15, 24, 44, 60, 120, 240};
   std::vector<int> substeps{1, 4, 16, 64};                 // of rivals with a fixed step
   std::vector<double> tolerances{1e-3, 1e-5, 1e-7, 1e-9};  // of rivals that choose their step
-  std::vector<double> strobe_hz{1.3, 10, 25, 59.94};
+  std::vector<double> strobe_hz{1.3, 9.7, 25, 59.94};
   std::vector<double> spin_hz{0.37, 10};
   std::vector<double> spin_s{3600, 86'400, 2'592'000};  // 1 hour, 24 hours, 30 days; days at 60 fps only
   double seconds = 6;      // of show, each scene
@@ -57,6 +59,22 @@ struct TimeReport {
 // Whether this build has CVODE to compare with.
 [[nodiscard]] bool has_cvode();
 
+// ---- Where float and double disagree ----
+
+// One step of one model from one state: what float and double make of it. Inputs are exact floats.
+struct Disagreement {
+  std::string model;
+  double f32 = 0;
+  double f64 = 0;
+  double error = 0;   // in `unit`
+  std::string unit;
+  std::string input;  // "level=0.25 dt_s=0.0166667 ..."
+};
+inline constexpr int kWorstCount = 3;
+// The kWorstCount largest of each model over `states` random states, largest first.
+[[nodiscard]] std::vector<Disagreement> worst_disagreements(int states = 200'000, std::uint64_t seed = 1);
+[[nodiscard]] std::string json_lines_of(const std::vector<Disagreement>& worst);
+
 // ---- What the rows add up to ----
 
 // One method of one model over all scenes, for each knob.
@@ -82,6 +100,11 @@ struct TimeSummary {
 // how many times as long as `ours` a method takes for the error of `ours`, by relL2 and by the largest error: the
 // geometric mean and the least of the scenes where it gets there.
 [[nodiscard]] std::string time_at_error_of(const std::vector<TimeRow>& rows_of_one_model, const std::string& ours);
+
+// The scenes at a frame rate: the largest error of `ours` and its time, and the rival that reaches that error in the
+// least time.
+[[nodiscard]] std::string cheapest_rivals_of(const std::vector<TimeRow>& rows_of_one_model, const std::string& ours,
+                                             double fps);
 
 // One curve a method: the summaries' points.
 [[nodiscard]] std::vector<Curve> curves_of(const std::vector<TimeSummary>& summaries);

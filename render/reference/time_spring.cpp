@@ -98,7 +98,7 @@ Case case_of(const char* model, const TimeReportOptions& options, std::span<cons
              double fps, double damping, JudgeError& own) {
   Case made{.scene = {.model = model, .unit = "full", .tau_ms = tau_ms, .fps = fps, .seconds = options.seconds},
             .show = frames_of(options.seconds, fps, levels),
-            .spring = {static_cast<double>(static_cast<float>(1000 / tau_ms)), damping}};
+            .spring = {1 / (tau_ms * 1e-3), damping}};
   constexpr int kHalveUntil = 1;
   constexpr int kHalveFurther = 6;
   made.scene.judge = judged(made.spring, made.show, kHalveUntil);
@@ -137,6 +137,22 @@ void report_smoothing(const TimeReportOptions& options, TimeReport& report) {
   for (const double tau_ms : options.tau_ms) {
     for (const double fps : options.fps) {
       const Case c = case_of("smoothing", options, levels, tau_ms, fps, 1, own);
+      const auto dt_of = [&](std::size_t i) {
+        return glm::uvec2(static_cast<std::uint32_t>(c.show.start_ns[i + 1] - c.show.start_ns[i]), 0u);
+      };
+      bench.add(c.scene, "exact f32", 1, [&] {
+        return [&, smooth = f32::smooth_start(0)](std::size_t i) mutable {
+          const auto level = static_cast<float>(c.show.input[i]);
+          smooth = f32::smooth_step(smooth, static_cast<float>(tau_ms * 1e-3), level, dt_of(i));
+          return static_cast<double>(smooth.now.position);
+        };
+      });
+      bench.add(c.scene, "exact f64", 1, [&] {
+        return [&, smooth = f64::smooth_start(0)](std::size_t i) mutable {
+          smooth = f64::smooth_step(smooth, tau_ms * 1e-3, c.show.input[i], dt_of(i));
+          return smooth.now.position;
+        };
+      });
       // Two in a row are two poles. The fixed factor is right at 60 frames a second.
       const double fixed = -std::expm1(-1 / (60 * tau_ms * 1e-3));
       bench.add(c.scene, "lerp, fixed factor", 1, [&] {

@@ -30,9 +30,30 @@ constexpr ModelText kModels[] = {
     {"spin", "64-bit turns f32", "Spin: phase after an hour, a day, a month; tau = one turn; relL2 of the direction"},
     {"smoothing", "exact f32", "Smoothing of levels: two equal poles of tau"},
     {"belt", "propagator f32", "Belt resonance: damping 0.05; tau = 1 / angular frequency"},
+    {"led", "exact f32", "LED: mean light of a driver that rises in tau and a heat sink of 60 s, droop 1/8"},
+    {"mains", "exposure integral f32", "Phase-cut dimmer without a lamp's inertia: mean power; tau = a half wave"},
 };
 
+// Inputs stand below their numbers: they are long.
+void print_worst(const ReportOptions& options) {
+  const auto worst = options.quick ? render::worst_disagreements(20'000) : render::worst_disagreements();
+  if (options.json) {
+    fmt::print("{}", render::json_lines_of(worst));
+    return;
+  }
+  fmt::print("Where float and double disagree most: one step from random states, the {} largest of each model.\n\n",
+             render::kWorstCount);
+  for (const render::Disagreement& d : worst) {
+    fmt::print("{:<15} {:.1e} {:<6} float {:.9g}, double {:.17g}\n                {}\n", d.model, d.error, d.unit,
+               d.f32, d.f64, d.input);
+  }
+}
+
 Status report_time(const TimeArguments& arguments, const ReportOptions& options) {
+  if (arguments.worst) {
+    print_worst(options);
+    return {};
+  }
   const render::TimeReportOptions time_options =
       options.quick ? render::quick_time_report() : render::TimeReportOptions{};
   const render::TimeReport report = render::time_report(time_options);
@@ -65,6 +86,7 @@ Status report_time(const TimeArguments& arguments, const ReportOptions& options)
       }
       fmt::print("\n{}\n", render::table_of(summary, rows.front().unit));
       fmt::print("{}\n", render::time_at_error_of(rows, text.ours));
+      fmt::print("{}\n", render::cheapest_rivals_of(rows, text.ours, time_options.fps[time_options.fps.size() / 3]));
       if (arguments.rows) fmt::print("{}\n", render::table_of(rows));
     }
     if (!options.svg.empty()) {
@@ -86,6 +108,7 @@ Status report_time(const TimeArguments& arguments, const ReportOptions& options)
 ReportHalf add_report_time(Arguments& arguments) {
   auto chosen = std::make_shared<TimeArguments>();
   arguments.flag("--rows", chosen->rows, "of --time: every scene, not only what they add up to");
+  arguments.flag("--worst", chosen->worst, "of --time: where float and double disagree most, in place of the rows");
   return [chosen](const ReportOptions& options) { return report_time(*chosen, options); };
 }
 

@@ -72,7 +72,9 @@ TEST_CASE("every model has a row for each of its rivals, at every knob, stiffnes
   const std::size_t spins = options.spin_hz.size() * fps;
   const std::map<std::string, std::map<std::string, std::size_t>> wanted = {
       {"filament",
-       {{"explicit Euler", steps * scenes},
+       {{"universal curve f32", scenes},
+        {"universal curve f64", scenes},
+        {"explicit Euler", steps * scenes},
         {"RK4", steps * scenes},
         {"implicit Euler", steps * scenes},
         {"exp. Rosenbrock-Euler", steps * scenes},
@@ -103,12 +105,26 @@ TEST_CASE("every model has a row for each of its rivals, at every knob, stiffnes
         {"float seconds", spins},
         {"double sum", spins}}},
       {"smoothing",
-       {{"lerp, fixed factor", scenes},
+       {{"exact f32", scenes},
+        {"exact f64", scenes},
+        {"lerp, fixed factor", scenes},
         {"lerp with dt", scenes},
         {"rational exp", steps * scenes},
         {"explicit Euler", steps * scenes},
         {"semi-implicit Euler", steps * scenes},
         {"implicit Euler", steps * scenes}}},
+      {"led",
+       {{"exact f32", scenes},
+        {"exact f64", scenes},
+        {"at the frame's end", scenes},
+        {"lerp with dt", scenes},
+        {"explicit Euler", steps * scenes},
+        {"RK4", steps * scenes}}},
+      {"mains",
+       {{"exposure integral f32", 2 * fps},
+        {"exposure integral f64", 2 * fps},
+        {"rms", 2 * fps},
+        {"point samples", 2 * steps * fps}}},
       {"belt",
        {{"propagator f32", scenes},
         {"propagator f64", scenes},
@@ -144,6 +160,8 @@ TEST_CASE("each judge's error is as small as a report at 1e-12 needs, and an unr
       {"spin", {1e-12, 1e-11}},
       {"smoothing", {1e-12, 1e-11}},
       {"belt", {1e-12, 1e-11}},
+      {"led", {1e-12, 1e-6}},  // the second judge takes means of two points
+      {"mains", {1e-12, 1e-12}},
   };
   REQUIRE(report().judges.size() == bounds.size());
   for (const JudgeError& judge : report().judges) {
@@ -156,12 +174,20 @@ TEST_CASE("each judge's error is as small as a report at 1e-12 needs, and an unr
 
 // Measured over the default sweep, times three or more for other compilers' rounding.
 TEST_CASE("the exact models are as near to their judges as rounding lets them, at every stiffness and frame rate") {
+  CHECK(worst("filament", "universal curve f64") < 0.05);  // K
+  CHECK(worst("filament", "universal curve f32") < 0.05);
+  CHECK(worst("smoothing", "exact f64") < 1e-14);
+  CHECK(worst("smoothing", "exact f32") < 1e-6);
   CHECK(worst("motion", "motor f64") < 1e-14);
   CHECK(worst("motion", "motor f32") < 1e-6);
   CHECK(worst("strobe", "exposure integral f64") < 1e-12);
   CHECK(worst("strobe", "exposure integral f32") < 1e-5);
   CHECK(worst("spin", "64-bit turns f64") < 1e-10);
   CHECK(worst("spin", "64-bit turns f32") < 1e-10);
+  CHECK(worst("mains", "exposure integral f64") < 1e-12);
+  CHECK(worst("mains", "exposure integral f32") < 1e-5);
+  CHECK(worst("led", "exact f64") < 1e-3);  // the droop of the frame's end stands for the frame
+  CHECK(worst("led", "exact f32") < 1e-3);
   CHECK(worst("belt", "propagator f64") < 1e-13);
   CHECK(worst("belt", "propagator f32") < 1.5e-5);
 }
@@ -255,6 +281,39 @@ TEST_CASE("values are ok, useless, diverged or non-finite by what they are again
   CHECK(std::isinf(row({0, 1, std::numeric_limits<double>::quiet_NaN()}).error_max));
 }
 
+TEST_CASE("disagreements of float and double are three a model, largest first, and a longer search finds more") {
+  const std::vector<Disagreement> some = worst_disagreements(500);
+  const std::vector<Disagreement> more = worst_disagreements(5000);
+  REQUIRE(some.size() % kWorstCount == 0);
+  REQUIRE(some.size() == more.size());
+  bool grew = false;
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    CAPTURE(more[i].model);
+    CAPTURE(more[i].input);
+    CHECK(more[i].model == some[i - i % kWorstCount].model);
+    CHECK(more[i].error == std::abs(more[i].f32 - more[i].f64));
+    CHECK(more[i].error >= some[i].error);
+    if (i % kWorstCount > 0) CHECK(more[i].error <= more[i - 1].error);
+    CHECK(more[i].input.find('=') != std::string::npos);
+    grew = grew || more[i].error > some[i].error;
+  }
+  CHECK(grew);
+}
+
+TEST_CASE("float and double agree on every model's step within what float can hold") {
+  const std::map<std::string, double> bounds = {
+      {"motor", 1e-4},      {"belt", 1e-4},  {"smoothing", 1e-6}, {"filament", 0.1}, {"filament light", 1e-5},
+      {"led", 1e-4},        {"mains", 1e-3}, {"shutter", 1e-3},   {"turns", 1e-15},  {"dimmer law", 1e-6},
+  };
+  const std::vector<Disagreement> worst_of_all = worst_disagreements(20'000);
+  CHECK(worst_of_all.size() == kWorstCount * bounds.size());
+  for (const Disagreement& d : worst_of_all) {
+    CAPTURE(d.model);
+    CAPTURE(d.input);
+    CHECK(d.error <= bounds.at(d.model));
+  }
+}
+
 TEST_CASE("p10 and p90 of eleven runs are the second and the tenth") {
   const NsPerFrame ns = percentiles_of({11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1});
   CHECK(ns.p10 == 2);
@@ -282,6 +341,9 @@ TEST_CASE("time at an error is a mean over the scenes that reach it, and says in
   const std::string text = time_at_error_of(rows, "ours");
   CHECK(text.find("300 (1/2)") != std::string::npos);
   CHECK(text.find("30 (1/2)") != std::string::npos);  // times ours
+  const std::string cheapest = cheapest_rivals_of(rows, "ours", 60);
+  CHECK(cheapest.find("no rival is as near") != std::string::npos);
+  CHECK(cheapest.find("rival, 30 times as long") != std::string::npos);
   const std::string never = time_at_error_of({made_row("ours", 3, 1e-5, 10), made_row("rival", 3, 1e-1, 20)}, "ours");
   CHECK(never.find("not reached") != std::string::npos);
 }
