@@ -2,10 +2,12 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "render/frame.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/duration.h"
+#include "tools/footlight/flash_watch.h"
 #include "tools/footlight/picture_file.h"
 #include "tools/footlight/scene_files.h"
 #include "tools/footlight/timeline.h"
@@ -28,6 +30,7 @@ struct Options {
   double exposure_ev = 1000;  // over 100: the camera's own
   int nodes = 3;
   int gobo_taps = 64;
+  std::string flashes = "warn";
   bool json = false;
 };
 
@@ -54,6 +57,14 @@ Status check_options(const Options& options) {
         "in .mp4",
         options.out);
   }
+  if (options.flashes != "warn" && options.flashes != "limit" && options.flashes != "ignore") {
+    return fail(ErrorCode::kBadInput, "--flashes {}: expected warn, limit or ignore", options.flashes);
+  }
+  if (options.flashes == "limit" && (!many || options.every_ns > kFlashPauseMaxNs)) {
+    return fail(ErrorCode::kBadInput,
+                "--flashes limit: expected --every {} or less; pictures further apart hide flashes",
+                show_duration(kFlashPauseMaxNs));
+  }
   if (!many && is_video(options.out)) {
     return fail(ErrorCode::kBadInput, "{}: a video needs --every, as in --every 40ms", options.out);
   }
@@ -64,7 +75,10 @@ Status check_options(const Options& options) {
 class Job {
  public:
   Job(const Options& options, Timeline* timeline, render::Frame& frame, const render::View& view, double exposure_ev)
-      : options_(options), timeline_(timeline), frame_(frame), view_(view), exposure_ev_(exposure_ev) {}
+      : options_(options), timeline_(timeline), frame_(frame), view_(view), exposure_ev_(exposure_ev) {
+    const bool watches = options.flashes != "ignore" && options.every_ns > 0 && options.every_ns <= kFlashPauseMaxNs;
+    if (watches) flashes_.emplace(options.flashes == "limit");
+  }
 
   Status take(DurationNs at_ns, DurationNs exposure_ns) {
     const auto start = std::chrono::steady_clock::now();
@@ -80,6 +94,7 @@ class Job {
     FL_TRY(frame_.draw(view_, exposure_ev_));
     FL_ASSIGN(picture_, frame_.read_screen());
     const double wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    watch_flashes(at_ns);
     FL_TRY(store());
     if (options_.json) {
       FL_ASSIGN(const auto times, frame_.read_times());
@@ -95,10 +110,44 @@ class Job {
     return {};
   }
 
-  Status finish() { return video_ ? video_->close() : Status{}; }
+  Status finish() {
+    if (video_) FL_TRY(video_->close());
+    if (!flashes_) return {};
+    for (const FlashStretch& stretch : flashes_->stretches()) say_flashes(stretch);
+    if (flashes_->least_gain() < 1) {
+      say(fmt::format(R"({{"event":"flashes-limited","least_gain":{:.3f}}})", flashes_->least_gain()),
+          fmt::format("flashes were held back, down to {:.0f} % of their light", 100 * flashes_->least_gain()));
+    }
+    return {};
+  }
   [[nodiscard]] int count() const { return number_; }
 
  private:
+  void say(const std::string& json, const std::string& text) const {
+    if (options_.json) {
+      fmt::print("{}\n", json);
+    } else {
+      fmt::print(stderr, "footlight: {}\n", text);
+    }
+  }
+
+  // Told as soon as it begins, since a video takes its time; measured at the end.
+  void watch_flashes(DurationNs at_ns) {
+    if (!flashes_ || !flashes_->look(at_ns, picture_) || flashes_->stretches().size() > 1) return;
+    say(fmt::format(R"({{"event":"flashes-begin","time_ns":{}}})", at_ns),
+        fmt::format("flashes that may harm people with photosensitive epilepsy from {} on{}", show_duration(at_ns),
+                    options_.flashes == "limit" ? ", held back" : "; --flashes limit holds them back"));
+  }
+
+  void say_flashes(const FlashStretch& stretch) const {
+    say(fmt::format(
+            R"({{"event":"flashes","from_ns":{},"until_ns":{},"flashes_a_second":{:.1f},"area":{:.3f},"red":{}}})",
+            stretch.from_ns, stretch.until_ns, stretch.flashes, stretch.area, stretch.red),
+        fmt::format("{} to {}: up to {:.1f}{} flashes within a second over {:.0f} % of the picture{}",
+                    show_duration(stretch.from_ns), show_duration(stretch.until_ns), stretch.flashes,
+                    stretch.flashes >= 16 ? " or more" : "", 100 * stretch.area, stretch.red ? ", saturated red" : ""));
+  }
+
   Status store() {
     if (is_video(options_.out)) {
       if (!video_) {
@@ -118,6 +167,7 @@ class Job {
   double exposure_ev_;
   render::ScreenImage picture_;
   std::unique_ptr<VideoFile> video_;
+  std::optional<FlashWatch> flashes_;
   int number_ = 0;
 };
 
@@ -182,6 +232,8 @@ void add(Arguments& arguments) {
   arguments.option("--nodes", options->nodes, 1, 8,
                    "Gauss nodes a beam and pixel: error and time, see footlight report");
   arguments.option("--gobo-taps", options->gobo_taps, 1, 1024, "looks at the gobo a beam and pixel: error and time");
+  arguments.option("--flashes", options->flashes, "WORD",
+                   "harmful flashes (more than three a second): warn, limit or ignore; warn");
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this");
   arguments.flag("--json", options->json, "one JSON object a picture");
   arguments.job([options]() -> Result<int> { return render_pictures(*options); });
