@@ -154,7 +154,10 @@ double henyey_greenstein(double cosine, double g) {
   return (1 - g * g) / (4 * std::numbers::pi * std::pow(1 + g * g - 2 * g * cosine, 1.5));
 }
 
-double profile(double rho_square, double m) { return rho_square < 1 ? 1 - std::pow(rho_square, m) : 0.0; }
+double profile(double rho_square, double m) {
+  if (!(rho_square < 1)) return 0.0;
+  return m < 1 ? std::pow(1 - rho_square, 1 / m) : 1 - std::pow(rho_square, m);
+}
 
 double gobo_share(const JudgeBeam& beam, const GoboTransmission& gobo, double x, double y) {
   if (beam.gobo <= 0 || !gobo) return 1;

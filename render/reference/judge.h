@@ -32,7 +32,7 @@ struct JudgeBeam {
   glm::dvec3 axis{0, 0, 1};
   double lens_radius_m = 0.05;   // R0 > 0
   double spread = 0.1;           // k = tan(half angle) >= 0
-  double profile_m = 1;          // f = 1 - rho^(2m)
+  double profile_m = 1;          // f = 1 - rho^(2m); below 1: (1 - rho^2)^(1/m)
   double range_m = 100;          // the light ends there, along the axis
   glm::dvec3 strength_lm{1};     // J0 per channel
   int gobo = 0;                  // 0: open

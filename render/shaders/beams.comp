@@ -54,9 +54,13 @@ void main() {
       BeamRow row = beams[index];
       BeamShape beam = beam_shape(row);
       if (!kProfile) beam.profile_m = 1.0;
-      // A flat profile 1 - rho^(2m) is a polynomial of degree 2m in s: m = 3 and 4 need one and two nodes more.
+      // A flat profile 1 - rho^(2m) is a polynomial of degree 2m in s: m = 3 and 4 need one and two nodes more. So do
+      // the soft ones, of degree 2/m.
       uint nodes = kNodes;
-      if (kProfile) nodes = min(nodes + (beam.profile_m > 2.5 ? 1u : 0u) + (beam.profile_m > 3.5 ? 1u : 0u), 8u);
+      if (kProfile) {
+        float degree = max(beam.profile_m, 1.0 / beam.profile_m);
+        nodes = min(nodes + (degree > 2.5 ? 1u : 0u) + (degree > 3.5 ? 1u : 0u), 8u);
+      }
       for (int i = 0; i < FL_ROWS; ++i) {
         vec3 ray = to_light(row, d[i]);
         Chord chord;

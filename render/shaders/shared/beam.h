@@ -2,7 +2,7 @@
 //
 // Light space of a beam: the lens centre at 0, the axis along +z, metres. The beam's radius is w(z) = R0 + k z, with R0
 // the lens radius and k the tangent of the half angle; rho = (x, y) / w in the unit disc is the gobo plane. Illuminance
-// across the light is E(p) = J0 f(rho) / (w^2 (1 + k^2 rho^2)), with the profile f = 1 - |rho|^(2m). J0 is in
+// across the light is E(p) = J0 f(rho) / (w^2 (1 + k^2 rho^2)), with the profile f = 1 - |rho|^(2m), or (1 - |rho|^2)^(1/m) for the soft ones, m < 1. J0 is in
 // candela-like units (lm): the flux is J0 times the integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc.
 //
 // A camera ray o + t d maps to a straight line in the gobo plane, and dt / w^2 = ds / |V| with constant V, so the
@@ -17,7 +17,7 @@ struct BeamShape {
   Real lens_radius_m;  // R0 > 0
   Real spread;         // k = tan(half angle) >= 0
   Real range_m;        // the light ends at this z
-  Real profile_m;      // m: 1, 2, 3 or 4
+  Real profile_m;      // m: 1/4, 1/3, 1/2, 1, 2, 3 or 4
 };
 
 struct Medium {
@@ -32,7 +32,12 @@ FL_FN Real beam_profile(Real q, Real profile_m) {
   if (profile_m > Real(1.5)) power = q2;
   if (profile_m > Real(2.5)) power = q2 * q;
   if (profile_m > Real(3.5)) power = q2 * q2;
-  return max(Real(1) - power, Real(0));
+  Real flat = max(Real(1) - power, Real(0));
+  Real soft = flat;
+  if (profile_m < Real(0.75)) soft *= flat;
+  if (profile_m < Real(0.42)) soft *= flat;
+  if (profile_m < Real(0.29)) soft *= flat;
+  return soft;
 }
 
 // Integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc, by 8 Gauss nodes in q = rho^2. Times J0: the flux in lumens.
