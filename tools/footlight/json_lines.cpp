@@ -369,4 +369,24 @@ std::string json_of_conversion(const std::string& in, const std::string& out, co
                   {"notes", report.notes}});
 }
 
+std::string json_of_fixture_check(const FixtureCheck& check) {
+  Json diagnostics = Json::array();
+  for (const fixtures::Diagnostic& one : check.diagnostics) {
+    diagnostics.push_back({{"severity", severity_name(one.severity)},
+                           {"code", one.code},
+                           {"file", one.place.file},
+                           {"line", one.place.line},
+                           {"column", one.place.column},
+                           {"message", one.message},
+                           {"assumed", one.assumed}});
+  }
+  return line_of({{"file", check.file},
+                  {"format", check.format},
+                  {"status", status_name(check.status)},
+                  {"manufacturer", check.manufacturer},
+                  {"name", check.name},
+                  {"modes", check.modes},
+                  {"diagnostics", std::move(diagnostics)}});
+}
+
 }  // namespace footlight::tools

@@ -10,6 +10,8 @@
 #include "drivers/gpio/gpio_list.h"
 #include "drivers/rdm/rdm_parameters.h"
 #include "drivers/registry.h"
+#include "fixtures/diagnostic.h"
+#include "fixtures/import/import.h"
 #include "sim/dmx_log/dmx_log.h"
 #include "sim/dmx_log/log_diff.h"
 #include "sim/dmx_log/log_input.h"
@@ -53,5 +55,18 @@ namespace footlight::tools {
 [[nodiscard]] std::string json_of_log_diff(const std::string& a, const std::string& b, const LogDiff& diff);
 [[nodiscard]] std::string json_of_conversion(const std::string& in, const std::string& out,
                                              const ConvertReport& report);
+
+// What `footlight fixtures check` found of one file.
+struct FixtureCheck {
+  std::string file;
+  std::string format;  // empty: none that is read
+  fixtures::ImportStatus status = fixtures::ImportStatus::kRefused;
+  std::string manufacturer, name;  // empty where refused
+  std::size_t modes = 0;
+  std::vector<fixtures::Diagnostic> diagnostics;
+};
+// "file", "format", "status" (loaded, warnings, refused), "manufacturer", "name", "modes" (how many), "diagnostics":
+// "severity" (note, warning, error), "code", "file", "line" and "column" (0: not known), "message", "assumed".
+[[nodiscard]] std::string json_of_fixture_check(const FixtureCheck& check);
 
 }  // namespace footlight::tools

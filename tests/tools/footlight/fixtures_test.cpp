@@ -1,0 +1,135 @@
+// Definitions of fixtures through the command: judged as text and as JSON, and shown.
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/zip_bytes.h"
+#include "tests/tools/footlight/run_footlight.h"
+
+namespace footlight::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+constexpr const char* kHead =
+    "<GDTF DataVersion='1.2'><FixtureType Name='Head' Manufacturer='Us'>\n"
+    "<Wheels><Wheel Name='Gobos'><Slot Name='Open'/><Slot Name='Red' Color='0.64,0.33,21.3'/></Wheel></Wheels>\n"
+    "<Geometries><Geometry Name='Base'><Axis Name='Yoke'><Beam Name='Lens' LuminousFlux='9000'/></Axis></Geometry>\n"
+    "</Geometries><DMXModes>\n"
+    "<DMXMode Name='Small' Geometry='Base'><DMXChannels><DMXChannel Geometry='Lens' Offset='1'>\n"
+    "<LogicalChannel Attribute='Dimmer'><ChannelFunction DMXFrom='0/1'>\n"
+    "<ChannelSet Name='off' DMXFrom='WRONG'/></ChannelFunction></LogicalChannel></DMXChannel></DMXChannels></DMXMode>\n"
+    "<DMXMode Name='Large' Geometry='Base'><DMXChannels><DMXChannel Geometry='Yoke' Offset='1,2'>\n"
+    "<LogicalChannel Attribute='Pan'><ChannelFunction Name='P' PhysicalFrom='-270' PhysicalTo='270' RealFade='3.5'/>\n"
+    "</LogicalChannel></DMXChannel><DMXChannel Geometry='Lens' Offset='3'><LogicalChannel Attribute='Gobo1'>\n"
+    "<ChannelFunction Wheel='Gobos' ModeMaster='Yoke_Pan' ModeFrom='0/2' ModeTo='99/2'>\n"
+    "<ChannelSet Name='red' DMXFrom='10/1' WheelSlotIndex='2'/></ChannelFunction></LogicalChannel></DMXChannel>\n"
+    "</DMXChannels></DMXMode></DMXModes></FixtureType></GDTF>\n";
+
+class Folder {
+ public:
+  Folder() {
+    char pattern[] = "/tmp/footlight-fixtures-XXXXXX";
+    path_ = mkdtemp(pattern);
+  }
+  ~Folder() { fs::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  std::string write(const std::string& name, const std::string& content) {
+    fs::create_directories((path_ / name).parent_path());
+    std::ofstream(path_ / name, std::ios::binary) << content;
+    return (path_ / name).string();
+  }
+  [[nodiscard]] std::string path() const { return path_.string(); }
+
+ private:
+  fs::path path_;
+};
+
+std::vector<Json> lines_of(const std::string& text) {
+  std::vector<Json> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(Json::parse(line));
+  return lines;
+}
+
+TEST_CASE("check finds the definitions in folders, and its exit code says whether one is refused") {
+  Folder folder;
+  const std::string head = folder.write("a/head.gdtf", make_zip({{"description.xml", kHead, 8}}));
+  folder.write("unpacked/description.xml", kHead);
+  folder.write("unpacked/wheels/x.png", "png");
+  folder.write("notes.txt", "no definition");
+  const Outcome good = footlight({"fixtures", "check", folder.path(), "--json"});
+  CHECK(good.exit_code == 0);
+  CHECK(contains(good.err, "2 files: 0 loaded, 2 with warnings, 0 refused; 1 more are no definitions"));
+  const auto lines = lines_of(good.out);
+  REQUIRE(lines.size() == 2);
+  CHECK(lines[0]["file"] == head);
+  CHECK(lines[0]["format"] == "gdtf");
+  CHECK(lines[0]["status"] == "warnings");
+  CHECK(lines[0]["name"] == "Head");
+  CHECK(lines[0]["modes"] == 2);
+  REQUIRE(lines[0]["diagnostics"].size() == 1);
+  const Json& said = lines[0]["diagnostics"][0];
+  CHECK(said["severity"] == "error");
+  CHECK(said["code"] == "dmx-value");
+  CHECK(said["file"] == head + ":description.xml");
+  CHECK(said["line"] == 7);
+  CHECK(said["column"] == 41);
+  CHECK(said["assumed"] == "the set is not there");
+  CHECK(lines[1]["file"] == folder.path() + "/unpacked");
+
+  folder.write("b/broken.gdtf", make_zip({{"description.xml", "<GDTF>\n<oops"}}));
+  const Outcome bad = footlight({"fixtures", "check", folder.path()});
+  CHECK(bad.exit_code == 1);
+  CHECK(contains(bad.out, "refused   " + folder.path() + "/b/broken.gdtf\n"));
+  CHECK(contains(bad.out, "broken.gdtf:description.xml:2:"));
+  CHECK(contains(bad.out, "warnings  " + head + ": Us Head, 2 modes"));
+}
+
+TEST_CASE("check refuses what it was told to read and cannot, and finds nothing in an empty folder") {
+  Folder folder;
+  const Outcome text = footlight({"fixtures", "check", folder.write("a.txt", "hello"), "--json"});
+  CHECK(text.exit_code == 1);
+  CHECK(lines_of(text.out).at(0)["status"] == "refused");
+  CHECK(lines_of(text.out).at(0)["format"] == "");
+  CHECK(footlight({"fixtures", "check", folder.path() + "/gone"}).exit_code == 3);
+  fs::remove(folder.path() + "/a.txt");
+  CHECK(footlight({"fixtures", "check", folder.path()}).exit_code == 3);
+}
+
+TEST_CASE("show prints modes, geometries, channels, functions, sets, wheels and beams, of one mode where asked") {
+  Folder folder;
+  const std::string head = folder.write("head.gdtf", make_zip({{"description.xml", kHead}}));
+  const Outcome all = footlight({"fixtures", "show", head});
+  CHECK(all.exit_code == 0);
+  for (const char* part :
+       {"Us Head", "gdtf 1.2", "Small: 1 slot, 1 channels", "Large: 3 slots, 2 channels", "Wheel Gobos",
+        "1  Open: open", "Yoke (axis)", "Lens (beam), wash, 9000 lm, 6000 K, beam 25 deg", "1,2  Yoke_Pan: 16 bits",
+        "0-65535  Pan \"P\": -270 to 270 deg, 3.5 s from end to end", "while Yoke_Pan is 0 to 99",
+        "10-255  red (slot 2)"}) {
+    CAPTURE(part);
+    CHECK(contains(all.out, part));
+  }
+  CHECK(contains(all.err, "1 things are wrong with it"));
+  const Outcome small = footlight({"fixtures", "show", head, "--mode", "small"});
+  CHECK(contains(small.out, "Lens_Dimmer"));
+  CHECK_FALSE(contains(small.out, "Yoke_Pan:"));
+  CHECK(footlight({"fixtures", "show", head, "--mode", "1"}).out == small.out);
+  const Outcome none = footlight({"fixtures", "show", head, "--mode", "huge"});
+  CHECK(none.exit_code == 3);
+  CHECK(contains(none.err, "\"Small\", \"Large\""));
+}
+
+}  // namespace
+}  // namespace footlight::testing

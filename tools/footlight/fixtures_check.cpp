@@ -1,0 +1,222 @@
+// footlight fixtures check: every definition is read, and what is wrong with it is said.
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <unistd.h>
+
+#include "fixtures/import/import.h"
+#include "sim/system_clock.h"
+#include "tools/footlight/fixtures_command.h"
+#include "tools/footlight/json_lines.h"
+#include "tools/footlight/terminal.h"
+
+namespace footlight::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using fixtures::Diagnostic;
+using fixtures::ImportStatus;
+using fixtures::Severity;
+
+constexpr DurationNs kProgressAfterNs = 500 * kNsPerMs;
+constexpr DurationNs kProgressEveryNs = 200 * kNsPerMs;
+constexpr DurationNs kProgressLineEveryNs = 2'000 * kNsPerMs;  // where no terminal rewrites it
+constexpr int kDepthMax = 16;                                  // of folders
+
+struct Options {
+  std::vector<std::string> paths;
+  bool json = false;
+  bool notes = false;
+};
+
+// What is to be read, and how many files of folders were seen to be something else.
+struct Wanted {
+  std::vector<std::string> paths;
+  std::size_t passed_over = 0;
+};
+
+// By its first bytes alone.
+bool is_definition(const std::string& path) {
+  fixtures::ImportSource source{path, path, {}, nullptr};
+  std::array<char, 4096> head{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), head.size());
+  const auto* first = reinterpret_cast<const std::byte*>(head.data());
+  source.bytes.assign(first, first + file.gcount());
+  return fixtures::find_import_format(source) != nullptr;
+}
+
+// An unpacked archive is one definition.
+bool is_unpacked(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::is_regular_file(folder / "description.xml", ignored);
+}
+
+Status add_folder(const std::string& path, Wanted& wanted) {
+  if (is_unpacked(path)) {
+    wanted.paths.push_back(path);
+    return {};
+  }
+  std::vector<std::string> found;
+  std::error_code error;
+  auto at = fs::recursive_directory_iterator(path, fs::directory_options::skip_permission_denied, error);
+  for (; !error && at != fs::recursive_directory_iterator() && !end_signal_came(); at.increment(error)) {
+    std::error_code ignored;
+    const std::string name = at->path().string();
+    if (at->is_directory(ignored)) {
+      if (is_unpacked(at->path())) {
+        found.push_back(name);
+        at.disable_recursion_pending();
+      } else if (at.depth() >= kDepthMax) {
+        at.disable_recursion_pending();
+      }
+    } else if (at->is_regular_file(ignored)) {
+      if (is_definition(name)) {
+        found.push_back(name);
+      } else {
+        ++wanted.passed_over;
+      }
+    }
+  }
+  if (error) return fail(ErrorCode::kIo, "{}: {}", path, error.message());
+  std::sort(found.begin(), found.end());
+  wanted.paths.insert(wanted.paths.end(), found.begin(), found.end());
+  return {};
+}
+
+Result<Wanted> find_wanted(const std::vector<std::string>& paths) {
+  Wanted wanted;
+  for (const std::string& path : paths) {
+    std::error_code error;
+    if (!fs::exists(path, error)) return fail(ErrorCode::kNotFound, "{}: no such file or folder", path);
+    if (fs::is_directory(path, error)) {
+      FL_TRY(add_folder(path, wanted));
+    } else {
+      wanted.paths.push_back(path);
+    }
+  }
+  return wanted;
+}
+
+// How far it has come, on standard error, once it takes longer than half a second.
+class Progress {
+ public:
+  Progress() : rewrites_(isatty(STDERR_FILENO) != 0), begin_ns_(clock_.now_ns()) {}
+  ~Progress() { clear(); }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void show(std::size_t done, std::size_t all) {
+    const TimeNs now_ns = clock_.now_ns();
+    const DurationNs pause_ns = rewrites_ ? kProgressEveryNs : kProgressLineEveryNs;
+    if (now_ns - begin_ns_ < kProgressAfterNs || (shown_ && now_ns - shown_ns_ < pause_ns)) return;
+    fmt::print(stderr, "{}footlight: {} of {} files{}", rewrites_ ? "\r" : "", done, all, rewrites_ ? "\033[K" : "\n");
+    shown_ = true;
+    shown_ns_ = now_ns;
+  }
+  void clear() {
+    if (rewrites_ && shown_) fmt::print(stderr, "\r\033[K");
+    shown_ = shown_ && !rewrites_;
+  }
+
+ private:
+  SystemClock clock_;
+  const bool rewrites_;
+  const TimeNs begin_ns_;
+  bool shown_ = false;
+  TimeNs shown_ns_ = 0;
+};
+
+FixtureCheck check_file(const std::string& path) {
+  FixtureCheck check{path, "", ImportStatus::kRefused, "", "", 0, {}};
+  fixtures::Diagnostics diagnostics;
+  auto source = fixtures::open_import_source(path);
+  if (!source) {
+    diagnostics.add({Severity::kError, "read", {path}, source.error().message, ""});
+    check.diagnostics = diagnostics.take();
+    return check;
+  }
+  if (const auto* format = fixtures::find_import_format(*source); format != nullptr) check.format = format->name;
+  auto type = fixtures::import_fixture(std::move(*source), diagnostics);
+  diagnostics.finish();
+  if (!type) {
+    check.diagnostics = diagnostics.take();
+    return check;
+  }
+  const fixtures::Imported imported{std::move(*type), diagnostics.take()};
+  check.status = imported.status();
+  check.manufacturer = imported.type.manufacturer;
+  check.name = imported.type.name;
+  check.modes = imported.type.modes.size();
+  check.diagnostics = imported.diagnostics;
+  return check;
+}
+
+void print(const FixtureCheck& check, bool notes) {
+  fmt::print("{:<8}  {}", status_name(check.status), check.file);
+  if (check.status != ImportStatus::kRefused) {
+    fmt::print(": {} {}, {} {}", check.manufacturer, check.name, check.modes, check.modes == 1 ? "mode" : "modes");
+  }
+  fmt::print("\n");
+  for (const Diagnostic& one : check.diagnostics) {
+    if (notes || one.severity != Severity::kNote) fmt::print("  {}\n", text(one));
+  }
+}
+
+Result<int> run_check(const Options& options) {
+  if (options.paths.empty())
+    return fail(ErrorCode::kBadInput, "nothing to check; name files or folders: 'footlight fixtures check head.gdtf'");
+  catch_end_signals();
+  Progress progress;
+  FL_ASSIGN(const Wanted wanted, find_wanted(options.paths));
+  std::array<std::size_t, 3> counts{};
+  std::size_t done = 0;
+  for (const std::string& path : wanted.paths) {
+    if (end_signal_came()) break;
+    progress.show(done, wanted.paths.size());
+    const FixtureCheck check = check_file(path);
+    progress.clear();
+    ++counts.at(static_cast<std::size_t>(check.status));
+    ++done;
+    if (options.json) {
+      fmt::print("{}\n", json_of_fixture_check(check));
+    } else {
+      print(check, options.notes);
+    }
+    if (std::fflush(stdout) != 0) break;  // nobody reads on
+  }
+  progress.clear();
+  const std::size_t refused = counts[static_cast<std::size_t>(ImportStatus::kRefused)];
+  fmt::print(stderr, "footlight: {}{} files: {} loaded, {} with warnings, {} refused",
+             done < wanted.paths.size() ? fmt::format("stopped after {} of ", done) : "", wanted.paths.size(),
+             counts[static_cast<std::size_t>(ImportStatus::kLoaded)],
+             counts[static_cast<std::size_t>(ImportStatus::kWarnings)], refused);
+  if (wanted.passed_over > 0) fmt::print(stderr, "; {} more are no definitions of fixtures", wanted.passed_over);
+  fmt::print(stderr, "\n");
+  if (wanted.paths.empty()) return kExitNotFound;
+  return refused > 0 ? kExitFailed : kExitOk;
+}
+
+}  // namespace
+
+void add_fixtures_check(Arguments& arguments) {
+  Arguments check =
+      arguments.subcommand("check", "Judge definitions of fixtures: what loads, what is wrong, what was assumed",
+                           "  footlight fixtures check head.gdtf\n"
+                           "  footlight fixtures check ~/gdtf /usr/share/qlcplus/fixtures --json\n"
+                           "Folders are searched to the bottom. Exit code 0 where no file is refused, 1 where one is, "
+                           "3 where none is found.");
+  auto options = std::make_shared<Options>();
+  check.words("PATH", options->paths, "files and folders");
+  check.flag("--json", options->json, "one JSON object a file");
+  check.flag("--notes", options->notes, "also what was assumed where the file leaves something open");
+  check.job([options]() -> Result<int> { return run_check(*options); });
+}
+
+}  // namespace footlight::tools
