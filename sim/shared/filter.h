@@ -5,7 +5,7 @@ FL_FN Real relax_share(Real x) {
   if (!(x > Real(0))) return Real(0);
   if (x < Real(2e-3))
     return x * (Real(1) - x * (Real(0.5) - x * (Real(1) / Real(6) - x * (Real(1) / Real(24) - x / Real(120)))));
-  return Real(1) - exp(-x);
+  return Real(1) - decay_share(x);
 }
 
 // Jitter smoothing of a DMX level: a critically damped filter of two poles, tau^2 x'' + 2 tau x' + x = target. Exact

@@ -139,7 +139,7 @@ FL_FN Motor motor_start(Real position) {
   return motor;
 }
 
-FL_FN Motor motor_step(Motor motor, MotorLimits limits, Real target, Turns dt_ns) {
+FL_INLINE Motor motor_step(Motor motor, MotorLimits limits, Real target, Turns dt_ns) {
   if (!(abs(target) <= Real(1e9))) return motor;
   if (!axis_takes(target, limits.speed_max, limits.acceleration_max)) {  // no motor
     if (limits.speed_max == Real(0)) motor = motor_start(target);
@@ -182,7 +182,12 @@ FL_FN Axis flex_decay(Axis deviation, FlexLimits limits, Real t_s) {
   Axis after;
   Real w = limits.rate;
   Real swing = Real(1) - limits.damping * limits.damping;
-  Real e = exp(-limits.damping * w * t_s);
+  Real e = decay_share(limits.damping * w * t_s);
+  if (e == Real(0)) {
+    after.position = Real(0);
+    after.speed = Real(0);
+    return after;
+  }
   if (!(swing > Real(1e-6))) {  // critical
     Real pull = deviation.speed + w * deviation.position;
     after.position = e * (deviation.position + pull * t_s);

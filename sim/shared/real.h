@@ -4,11 +4,13 @@
 // In C++ it is included twice, through sim/shared/shared.h or its neighbours in fixtures/ and render/: inside namespace
 // f32 with Real = float (what the GPU computes) and inside namespace f64 with Real = double (the judge).
 //
-// The rules of the subset: literals as Real(0.5) or uint(3); Vec2, Vec3 for vectors; FL_FN before a function;
+// The rules of the subset: literals as Real(0.5) or uint(3); Vec2, Vec3 for vectors; FL_FN before a function
+// (FL_INLINE where a call's copies of structs cost more than its work);
 // FL_INOUT(T) and FL_OUT(T) for parameters that change; no templates, references, pointers, member functions or
 // overloads on Real; arrays of fixed size; comparisons written so that NaN takes the safe branch.
 #ifdef __cplusplus
 #define FL_FN inline
+#define FL_INLINE [[gnu::always_inline]] inline
 #define FL_INOUT(T) T&
 #define FL_OUT(T) T&
 #define FL_CONST constexpr
@@ -16,6 +18,7 @@
 #define FL_LIST_END }
 #else
 #define FL_FN
+#define FL_INLINE
 #define FL_INOUT(T) inout T
 #define FL_OUT(T) out T
 #define FL_CONST const

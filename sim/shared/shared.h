@@ -25,6 +25,7 @@
   using glm::sqrt;            \
   using std::cos;             \
   using std::exp;             \
+  using std::exp2;            \
   using std::log;             \
   using std::log2;            \
   using std::pow;             \

@@ -59,7 +59,7 @@ struct Shutter {
   Turns phase;      // of the strobe's period
   uint period;      // its number
   uint kind;        // that runs
-  Real level;       // of the blades now, 0 to 1
+  Real level;       // of the blades now, 0 to 1; while they flash, only where they need time to travel
   Real from_level;  // when the kind was last changed
   Turns since_ns;   // since then
 };
@@ -196,9 +196,11 @@ FL_FN Flash shutter_shape(ShutterWish wish) {
   Real rate_hz = min(wish.rate_hz, Real(1e6)) * scale;
   Real duty = wish.duration_s > Real(0) ? min(wish.duration_s, Real(1e9)) * rate_hz : wish.duty;
   Flash flash = shutter_flash(wish.kind, duty, shutter_travel_s(wish) * rate_hz, wish.low);
-  flash.rise /= scale;
-  flash.open /= scale;
-  flash.fall /= scale;
+  if (scale > Real(1)) {
+    flash.rise /= scale;
+    flash.open /= scale;
+    flash.fall /= scale;
+  }
   return flash;
 }
 
@@ -244,7 +246,7 @@ FL_FN Real shutter_step(FL_INOUT(Shutter) shutter, ShutterWish wish, Turns dt_ns
 
   Flash flash = shutter_shape(wish);
   // Phases count from the flash's place in the period.
-  Turns shift = turns_negate(turns_from(wish.offset));
+  Turns shift = wish.offset == Real(0) ? turns_zero() : turns_negate(turns_from(wish.offset));
   Turns phase = turns_add(shutter.phase, shift);
   uint period = shutter.period + (turns_less(phase, shift) ? uint(1) : uint(0));
   Advance advance = turns_advance(wish.rate_hz, dt_ns);
@@ -254,8 +256,9 @@ FL_FN Real shutter_step(FL_INOUT(Shutter) shutter, ShutterWish wish, Turns dt_ns
   shutter.period += advance.whole + (turns_less(shutter.phase, before) ? uint(1) : uint(0));
   Turns end = turns_add(phase, advance.part);
   uint edges = advance.whole + (turns_less(end, phase) ? uint(1) : uint(0));
-  shutter.level = shutter_instant(wish, flash, period + edges, end);
-  if (!(turns > Real(0))) return shutter.level;
+  if (!(turns > Real(0))) return shutter_instant(wish, flash, period + edges, end);
+  // Blades without inertia are where they are asked to be; others go on from where they are.
+  if (shutter_travel_s(wish) > Real(0)) shutter.level = shutter_instant(wish, flash, period + edges, end);
 
   Real light = Real(0);
   if (edges == uint(0)) {

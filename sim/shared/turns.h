@@ -43,6 +43,10 @@ FL_FN Turns turns_mul_high(Turns a, Turns b) {
 // Cut to [0, 1]; what is no number gives 0.
 FL_FN Real unit_share(Real x) { return x > Real(0) ? min(x, Real(1)) : Real(0); }
 
+// exp(-x) for x >= 0, and 0 beyond x = 40 (4e-18), where library functions get slow on their way to the smallest
+// numbers.
+FL_FN Real decay_share(Real x) { return x < Real(40) ? exp(-x) : Real(0); }
+
 // In [0, 1): the top bits as a fraction of a turn.
 FL_FN Real turns_fraction(Turns phase) { return Real(phase.y >> uint(8)) * Real(5.9604644775390625e-8); }
 
@@ -65,18 +69,18 @@ FL_FN Real turns_minus(Turns a, Turns b) {
 FL_FN Turns turns_from(Real turns) {
   Real size = abs(turns);
   if (!(size < Real(1e9))) return turns_zero();
-  Real part = (size - floor(size)) * Real(4294967296.0);
-  Real high = floor(part);
-  Turns phase = Turns(uint((part - high) * Real(4294967296.0)), uint(high));
+  Real part = (size - Real(uint(size))) * Real(4294967296.0);
+  uint high = uint(part);
+  Turns phase = Turns(uint((part - Real(high)) * Real(4294967296.0)), high);
   return turns < Real(0) ? turns_negate(phase) : phase;
 }
 
 // A time step in nanoseconds. What is no step is refused: negative, NaN, infinite or above 4e9 s gives 0.
 FL_FN Turns time_ns(Real dt_s) {
   if (!(dt_s > Real(0)) || !(dt_s <= Real(4.0e9))) return turns_zero();
-  Real whole_s = floor(dt_s);
-  Turns ns = turns_mul_32(uint(whole_s), uint(1000000000));
-  return turns_add(ns, Turns(uint((dt_s - whole_s) * Real(1.0e9) + Real(0.5)), uint(0)));
+  uint whole_s = uint(dt_s);
+  Turns ns = turns_mul_32(whole_s, uint(1000000000));
+  return turns_add(ns, Turns(uint((dt_s - Real(whole_s)) * Real(1.0e9) + Real(0.5)), uint(0)));
 }
 
 // Two times together; what would not fit stays at the most, 584 years.
@@ -109,15 +113,14 @@ FL_FN void turns_gather(FL_INOUT(Advance) sum, Turns part, uint whole) {
 }
 
 // dt_ns nanoseconds at a rate in [0, 1e6] Hz; negative and NaN give nothing, more is cut. dt_ns < 2^32 s.
-FL_FN Advance turns_advance(Real rate_hz, Turns dt_ns) {
+FL_INLINE Advance turns_advance(Real rate_hz, Turns dt_ns) {
   Advance sum;
   sum.part = turns_zero();
   sum.whole = uint(0);
   if (!(rate_hz > Real(0))) return sum;
   Real rate = min(rate_hz, Real(1.0e6));
-  Real floor_hz = floor(rate);
-  uint whole_hz = uint(floor_hz);
-  Turns part_hz = turns_from(rate - floor_hz);
+  uint whole_hz = uint(rate);
+  Turns part_hz = turns_from(rate - Real(whole_hz));
 
   // Whole seconds and nanoseconds; 2^32 ns are 4 s and 294967296 ns.
   uint seconds = uint(0);
@@ -126,8 +129,11 @@ FL_FN Advance turns_advance(Real rate_hz, Turns dt_ns) {
     seconds += uint(4) * ns.y;
     ns = turns_add(Turns(ns.x, uint(0)), turns_mul_32(ns.y, uint(294967296)));
   }
-  seconds += ns.x / uint(1000000000);
-  uint rest = ns.x - (ns.x / uint(1000000000)) * uint(1000000000);
+  uint rest = ns.x;
+  if (rest >= uint(1000000000)) {
+    seconds += rest / uint(1000000000);
+    rest %= uint(1000000000);
+  }
   // The rest as a fraction of a second, rounded: 2^64 / 1e9 = 4 x 2^32 + 1266874889 + 3047500985 x 2^-32.
   Turns rest_s = turns_mul_32(rest, uint(1266874889));
   rest_s.y += uint(4) * rest;
@@ -150,7 +156,7 @@ FL_FN Advance turns_advance(Real rate_hz, Turns dt_ns) {
 FL_FN Real advance_turns(Advance advance) { return Real(advance.whole) + turns_real(advance.part); }
 
 // The phase after dt_ns nanoseconds at a constant rate of either sign: through 0 Hz the phase goes on from where it is.
-FL_FN Turns turns_step(Turns phase, Real rate_hz, Turns dt_ns) {
+FL_INLINE Turns turns_step(Turns phase, Real rate_hz, Turns dt_ns) {
   Turns way = turns_advance(abs(rate_hz), dt_ns).part;
   return turns_add(phase, rate_hz < Real(0) ? turns_negate(way) : way);
 }
@@ -179,8 +185,12 @@ FL_FN Spin spin_start(Turns start) {
 
 // ramp_hz_s: how fast the rate changes, turns a second each second; 0: at once. A target that is no number or beyond
 // 1e6 Hz is refused.
-FL_FN Spin spin_step(Spin spin, Real ramp_hz_s, Real target_hz, Turns dt_ns) {
+FL_INLINE Spin spin_step(Spin spin, Real ramp_hz_s, Real target_hz, Turns dt_ns) {
   if (!(abs(target_hz) <= Real(1.0e6))) return spin;
+  if (target_hz == spin.target_hz && spin.rate_hz == target_hz) {  // up to speed
+    spin.phase = turns_step(spin.phase, target_hz, dt_ns);
+    return spin;
+  }
   if (target_hz != spin.target_hz) {
     spin.from_phase = spin.phase;
     spin.from_hz = spin.rate_hz;

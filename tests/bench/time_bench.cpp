@@ -70,8 +70,15 @@ void soft_motor_changing(benchmark::State& bench, float rate, float damping) {
 void motor_jerk(benchmark::State& bench) { soft_motor_changing(bench, 40, 1); }
 void motor_belt(benchmark::State& bench) { soft_motor_changing(bench, 157, 0.05f); }
 
+struct Spinner {
+  f32::Spin spin = f32::spin_start({0, 0});
+  float rate_hz = 0;
+};
 void spin(benchmark::State& bench) {
-  run(bench, f32::spin_start({0, 0}), [](f32::Spin& s, Inputs&) { s = f32::spin_step(s, 2, 0.31f, kFrame_ns); });
+  run(bench, Spinner(), [](Spinner& s, Inputs& in) {
+    if (s.rate_hz == 0) s.rate_hz = 10 * in.next() + 0.1f;  // each its own
+    s.spin = f32::spin_step(s.spin, 2, s.rate_hz, kFrame_ns);
+  });
 }
 
 f32::ShutterWish strobe_wish(std::uint32_t kind, float rate_hz) {
@@ -84,11 +91,14 @@ f32::ShutterWish strobe_wish(std::uint32_t kind, float rate_hz) {
 }
 struct Shuttered {
   f32::Shutter shutter = f32::shutter_begin();
+  float rate_hz = 0;
   float light = 0;
 };
 void shutter(benchmark::State& bench, std::uint32_t kind) {
-  const auto wish = strobe_wish(kind, 12.3f);
-  run(bench, Shuttered(), [&](Shuttered& s, Inputs&) { s.light = shutter_step(s.shutter, wish, kFrame_ns); });
+  run(bench, Shuttered(), [&](Shuttered& s, Inputs& in) {
+    if (s.rate_hz == 0) s.rate_hz = 25 * in.next() + 0.1f;
+    s.light = shutter_step(s.shutter, strobe_wish(kind, s.rate_hz), kFrame_ns);
+  });
 }
 void shutter_open(benchmark::State& bench) { shutter(bench, f32::kShutterOpen); }
 void shutter_strobe(benchmark::State& bench) { shutter(bench, f32::kShutterStrobe); }
@@ -131,36 +141,39 @@ void discharge(benchmark::State& bench) {
   run(bench, Arc(), [&](Arc& a, Inputs&) { a.light = discharge_step(a.lamp, type, 1, kFrame_ns); });
 }
 
-// A profile: pan, tilt, zoom and focus, a strobe, a gobo that turns, a dimmer with its law and an LED driver. Pan and
-// tilt get a new target at each step where `moving`; the dimmer always does; half of the heads strobe.
+// A profile: pan, tilt, zoom and focus, a strobe, a gobo that turns, a dimmer with its law and an LED driver. Half of the
+// heads strobe. In a look that holds nothing changes; `moving`, pan, tilt and dimmer get new values at each step.
 struct Head {
   f32::Motor pan = f32::motor_start(0), tilt = f32::motor_start(0), zoom = f32::motor_start(0),
              focus = f32::motor_start(0);
   f32::Shutter shutter = f32::shutter_begin();
   f32::Spin gobo = f32::spin_start({0, 0});
   f32::Led led = f32::led_start(0);
+  float rate_hz = 0;  // each its own
   float light = 0;
   bool strobes = false;
 };
 void head(benchmark::State& bench, bool moving) {
   const auto limits = pan_limits();
   const f32::LedType type{0.003f, 0, 0};
-  const auto strobe = strobe_wish(f32::kShutterStrobe, 12.3f);
-  const auto open = strobe_wish(f32::kShutterOpen, 0);
   std::uint32_t made = 0;
   run(bench, Head(), [&](Head& h, Inputs& in) {
-    const float target = in.next();
-    h.strobes = (made++ & 1u) != 0;
+    const float target = moving ? in.next() : 0;
+    if (h.rate_hz == 0) {
+      h.rate_hz = 10 * in.next() + 0.1f;
+      h.strobes = (made++ & 1u) != 0;
+    }
     h.pan = f32::motor_step(h.pan, limits, moving ? 540 * target : 3, kFrame_ns);
     h.tilt = f32::motor_step(h.tilt, limits, moving ? 270 * target : 3, kFrame_ns);
     h.zoom = f32::motor_step(h.zoom, limits, 30, kFrame_ns);
     h.focus = f32::motor_step(h.focus, limits, 0.5f, kFrame_ns);
-    h.gobo = f32::spin_step(h.gobo, 2, 0.31f, kFrame_ns);
-    h.light = led_step(h.led, type, f32::law_light(f32::kLawSquare, target), kFrame_ns) *
-              shutter_step(h.shutter, h.strobes ? strobe : open, kFrame_ns);
+    h.gobo = f32::spin_step(h.gobo, 2, h.rate_hz, kFrame_ns);
+    h.light =
+        led_step(h.led, type, f32::law_light(f32::kLawSquare, moving ? target : 0.7f), kFrame_ns) *
+        shutter_step(h.shutter, strobe_wish(h.strobes ? f32::kShutterStrobe : f32::kShutterOpen, h.rate_hz), kFrame_ns);
   });
 }
-void head_at_rest(benchmark::State& bench) { head(bench, false); }
+void head_holding(benchmark::State& bench) { head(bench, false); }
 void head_moving(benchmark::State& bench) { head(bench, true); }
 
 BENCHMARK(motor_rest);
@@ -177,7 +190,7 @@ BENCHMARK(filament);
 BENCHMARK(filament_with_light);
 BENCHMARK(led);
 BENCHMARK(discharge);
-BENCHMARK(head_at_rest);
+BENCHMARK(head_holding);
 BENCHMARK(head_moving);
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <random>
 #include <vector>
 
@@ -46,6 +47,12 @@ inline std::uint64_t number(glm::uvec2 value) { return static_cast<std::uint64_t
 
 // A number in [0, 1) from two numbers.
 inline double chance(std::uint32_t seed, std::uint32_t index) { return f64::hash_two(seed, index) / 4294967296.0; }
+
+// Trials of the tests that hunt for values that are not finite: 1e5, or what FOOTLIGHT_HUNT_TRIALS says.
+inline int hunt_trials() {
+  const char* said = std::getenv("FOOTLIGHT_HUNT_TRIALS");
+  return said != nullptr ? std::max(std::atoi(said), 1) : 100'000;
+}
 
 // A random time from 0 to 60 s: often short, often nothing.
 inline std::int64_t random_ns(std::mt19937_64& random) {

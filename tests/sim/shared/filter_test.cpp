@@ -187,5 +187,25 @@ TEST_CASE("a table law goes through its values, exact at the ends, and never fal
   CHECK(f32::law_table(table, 1e30f) == 1);
 }
 
+TEST_CASE_TEMPLATE("filters, slews and spins are never not finite over random inputs and times", T, Float, Double) {
+  using Real = typename T::Real;
+  std::mt19937_64 random(9);
+  const double odd[] = {0, 1, -1, 0.5, 1e-30, 1e30, 1e-7, 1e6, -1e9, 1e9, std::nan(""), HUGE_VAL, -HUGE_VAL};
+  const auto any = [&] { return static_cast<Real>(odd[random() % std::size(odd)]); };
+  Filtered<T> filter;
+  typename T::Spin spin{};
+  int bad = 0;
+  for (int i = 0, trials = hunt_trials(); i < trials; ++i) {
+    const glm::uvec2 dt = words(random() >> (random() % 64));
+    filter.tau_s = any();
+    filter.travel_s = any();
+    filter.go(static_cast<double>(any()), dt);
+    spin = spin_step(spin, any(), any(), dt);
+    bad += !std::isfinite(filter.smoothed.now.position) || !std::isfinite(filter.slew.level) ||
+           !std::isfinite(filter.mean) || !std::isfinite(spin.rate_hz);
+  }
+  CHECK(bad == 0);
+}
+
 }  // namespace
 }  // namespace footlight

@@ -566,7 +566,7 @@ TEST_CASE_TEMPLATE("nothing is ever not finite over random motors, limits and ti
   };
   int bad = 0;
   Follower<T> motor;
-  for (int i = 0; i < 100'000; ++i) {
+  for (int i = 0, trials = hunt_trials(); i < trials; ++i) {
     if (i % 20 == 0) motor = Follower<T>();
     typename T::MotorLimits limits;
     limits.speed_max = any();
