@@ -32,11 +32,11 @@ FL_FN Real beam_profile(Real q, Real profile_m) {
   if (profile_m > Real(1.5)) power = q2;
   if (profile_m > Real(2.5)) power = q2 * q;
   if (profile_m > Real(3.5)) power = q2 * q2;
-  Real flat = max(Real(1) - power, Real(0));
-  Real soft = flat;
-  if (profile_m < Real(0.75)) soft *= flat;
-  if (profile_m < Real(0.42)) soft *= flat;
-  if (profile_m < Real(0.29)) soft *= flat;
+  Real once = max(Real(1) - power, Real(0));
+  Real soft = once;
+  if (profile_m < Real(0.75)) soft *= once;
+  if (profile_m < Real(0.42)) soft *= once;
+  if (profile_m < Real(0.29)) soft *= once;
   return soft;
 }
 
