@@ -135,7 +135,7 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   params.position = vec4(view.position_m, haze_.scattering_per_m + haze_.absorption_per_m);
   params.width = static_cast<std::uint32_t>(settings_.width);
   params.height = static_cast<std::uint32_t>(settings_.height);
-  params.fixture_count = resources_.fixture_count;
+  params.head_count = resources_.head_count;
   params.box_count = resources_.box_count;
   params.supertiles_x = resources_.supertiles_x;
   params.mask_words = resources_.mask_words;
@@ -218,12 +218,31 @@ Result<CountsRow> Frame::read_counts() {
   return counts;
 }
 
-Result<std::vector<fixtures::f32::Walker::FixtureState>> Frame::read_states() {
-  using State = fixtures::f32::Walker::FixtureState;
-  static_assert(sizeof(State) == kStateBytes);
-  std::vector<State> states(resources_.fixture_count);
-  FL_TRY(read_buffer(resources_.states, states.data(), states.size() * sizeof(State)));
-  return states;
+template <class Row>
+Result<std::vector<Row>> Frame::read_rows(const vk::Buffer& buffer, std::uint32_t count) {
+  std::vector<Row> rows(count);
+  FL_TRY(read_buffer(buffer, rows.data(), rows.size() * sizeof(Row)));
+  return rows;
+}
+
+Result<std::vector<fixtures::f32::Walker::HeadState>> Frame::read_states() {
+  static_assert(sizeof(fixtures::f32::Walker::HeadState) == kStateBytes);
+  return read_rows<fixtures::f32::Walker::HeadState>(resources_.states, resources_.head_count);
+}
+
+Result<std::vector<fixtures::f32::Motor>> Frame::read_motors() {
+  static_assert(sizeof(fixtures::f32::Motor) == kMotorStateBytes);
+  return read_rows<fixtures::f32::Motor>(resources_.motor_states, resources_.motor_count);
+}
+
+Result<std::vector<fixtures::f32::Turns>> Frame::read_spins() {
+  static_assert(sizeof(fixtures::f32::Turns) == kSpinStateBytes);
+  return read_rows<fixtures::f32::Turns>(resources_.spin_states, resources_.spin_count);
+}
+
+Result<std::vector<fixtures::f32::Shutter>> Frame::read_shutters() {
+  static_assert(sizeof(fixtures::f32::Shutter) == kShutterStateBytes);
+  return read_rows<fixtures::f32::Shutter>(resources_.shutter_states, resources_.shutter_count);
 }
 
 Result<std::vector<BeamRow>> Frame::read_beams() {

@@ -69,7 +69,10 @@ class Frame {
   [[nodiscard]] Result<RadianceImage> read_radiance();
   [[nodiscard]] Result<ScreenImage> read_screen();
   [[nodiscard]] Result<CountsRow> read_counts();
-  [[nodiscard]] Result<std::vector<fixtures::f32::Walker::FixtureState>> read_states();
+  [[nodiscard]] Result<std::vector<fixtures::f32::Walker::HeadState>> read_states();
+  [[nodiscard]] Result<std::vector<fixtures::f32::Motor>> read_motors();
+  [[nodiscard]] Result<std::vector<fixtures::f32::Turns>> read_spins();
+  [[nodiscard]] Result<std::vector<fixtures::f32::Shutter>> read_shutters();
   [[nodiscard]] Result<std::vector<BeamRow>> read_beams();  // the live ones
   // GPU time of each pass of the last recorded picture, which must be finished. Steps count into "step".
   [[nodiscard]] Result<std::vector<PassTime>> read_times();
@@ -88,6 +91,8 @@ class Frame {
   void record_steps(VkCommandBuffer commands);
   void upload_params(VkCommandBuffer commands, const View& view, double exposure_ev);
   void mark(VkCommandBuffer commands);
+  template <class Row>
+  [[nodiscard]] Result<std::vector<Row>> read_rows(const vk::Buffer& buffer, std::uint32_t count);
   [[nodiscard]] Status read_buffer(const vk::Buffer& buffer, void* out, std::size_t bytes);
   [[nodiscard]] Status read_image(const vk::Image& image, void* out, std::size_t bytes);
 

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <map>
+#include <string>
+#include <utility>
 
 #include "fixtures/gobo.h"
 #include "fixtures/model/primitives.h"
@@ -27,40 +30,46 @@ Result<vk::Buffer> table(vk::Device& device, const std::vector<Row>& rows, VkBuf
   return vk::Buffer::filled(device, std::as_bytes(std::span(rows)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | usage);
 }
 
-// All gobo images, one after the other; computed once a process.
-const std::vector<float>& gobo_texels() {
-  static const std::vector<float> texels = [] {
-    std::vector<float> all;
-    all.reserve(std::size_t{fixtures::kGoboCount} * kGoboSizePx * kGoboSizePx);
-    for (int gobo = 1; gobo <= fixtures::kGoboCount; ++gobo) {
-      for (int row = 0; row < kGoboSizePx; ++row) {
-        for (int column = 0; column < kGoboSizePx; ++column) {
-          const double x = 2 * (column + 0.5) / kGoboSizePx - 1;
-          const double y = 2 * (row + 0.5) / kGoboSizePx - 1;
-          all.push_back(static_cast<float>(fixtures::gobo_transmission(gobo, x, y, kGoboEdge)));
-        }
-      }
+// The image of a gobo, kGoboSizePx a side; computed once a process where it is one of ours.
+const std::vector<float>& builtin_gobo(int gobo) {
+  static std::map<int, std::vector<float>> known;
+  std::vector<float>& texels = known[gobo];
+  if (!texels.empty()) return texels;
+  texels.reserve(std::size_t{kGoboSizePx} * kGoboSizePx);
+  for (int row = 0; row < kGoboSizePx; ++row) {
+    for (int column = 0; column < kGoboSizePx; ++column) {
+      const double x = 2 * (column + 0.5) / kGoboSizePx - 1;
+      const double y = 2 * (row + 0.5) / kGoboSizePx - 1;
+      texels.push_back(static_cast<float>(fixtures::gobo_transmission(gobo, x, y, kGoboEdge)));
     }
-    return all;
-  }();
+  }
   return texels;
 }
 
 // Gobo images as one array. A rig without gobos gets a single texel, since the shaders name the binding even where
 // their specialisation never reads it.
-Result<vk::Image> make_gobos(vk::Device& device, bool needed) {
-  const int count = needed ? fixtures::kGoboCount : 1;
-  const int size = needed ? kGoboSizePx : 1;
-  const std::vector<float> texels = needed ? gobo_texels() : std::vector<float>{1.0f};
+Result<vk::Image> make_gobos(vk::Device& device, const std::vector<fixtures::ImageSource>& images) {
+  const std::size_t count = std::max<std::size_t>(images.size(), 1);
+  const int size = images.empty() ? 1 : kGoboSizePx;
+  std::vector<float> texels;
+  for (const fixtures::ImageSource& image : images) {
+    for (int gobo = 1; gobo <= fixtures::kGoboCount; ++gobo) {
+      if (image.name != std::string(fixtures::kBuiltinImage) + fixtures::gobo_name(gobo)) continue;
+      const std::vector<float>& ours = builtin_gobo(gobo);
+      texels.insert(texels.end(), ours.begin(), ours.end());
+    }
+  }
+  texels.resize(count * static_cast<std::size_t>(size) * static_cast<std::size_t>(size), 1.0f);
+  const auto layers = static_cast<uint>(count);
   FL_ASSIGN(vk::Image image,
             vk::Image::create(device, static_cast<uint>(size), static_cast<uint>(size), VK_FORMAT_R32_SFLOAT,
-                              VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, static_cast<uint>(count)));
+                              VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, layers));
   FL_ASSIGN(vk::Buffer staging, vk::Buffer::host_visible(device, texels.size() * sizeof(float), 0));
   std::memcpy(staging.mapped, texels.data(), texels.size() * sizeof(float));
   FL_TRY(device.run_once([&](VkCommandBuffer commands) {
     vk::change_layout(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     VkBufferImageCopy region{};
-    region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, static_cast<uint>(count)};
+    region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, layers};
     region.imageExtent = {static_cast<uint>(size), static_cast<uint>(size), 1};
     vkCmdCopyBufferToImage(commands, staging.handle, image.handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
     vk::change_layout(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
@@ -68,22 +77,54 @@ Result<vk::Image> make_gobos(vk::Device& device, bool needed) {
   return image;
 }
 
-// One mesh buffer for the bodies of all types, fixtures sorted by type, one indirect command a type.
-Status make_bodies(vk::Device& device, const fixtures::CompiledRig& compiled, Resources& r) {
+// The body of a type, its vertices' parts as FL_PART_...: every part of the mesh is brought into the space behind the
+// last joint that moves it.
+fixtures::BodyMesh body_of(const fixtures::Rig& rig, const fixtures::TypeSource& source) {
+  using namespace fixtures;
+  const FixtureType& type = rig.types[static_cast<std::size_t>(source.type)];
+  const Mode& mode = type.modes[static_cast<std::size_t>(source.mode)];
+  if (type.body == BodyModel::kNone || source.head != 0 || mode.geometries.size() != 4) return {};
+  BodyMesh mesh = make_body(type.body, body_size(type, mode));
+  constexpr std::array<int, 4> kGeometryOfPart = {kSimpleBase, kSimpleYoke, kSimpleHead, kSimpleHead};
+  for (BodyVertex& vertex : mesh.vertices) {
+    int geometry = kGeometryOfPart[vertex.part];
+    glm::dmat4 pose(1);  // from the part to the space behind the joint
+    std::uint32_t depth = 0;
+    for (; geometry != kNoIndex; geometry = mode.geometries[static_cast<std::size_t>(geometry)].parent) {
+      const auto joint = std::find(source.joint_geometries.rbegin(), source.joint_geometries.rend(), geometry);
+      if (joint != source.joint_geometries.rend()) {
+        depth = static_cast<std::uint32_t>(source.joint_geometries.rend() - joint);
+        break;
+      }
+      pose = mode.geometries[static_cast<std::size_t>(geometry)].pose * pose;
+    }
+    const glm::dvec3 position =
+        pose * glm::dvec4(vertex.position[0], vertex.position[1], vertex.position[2], 1);
+    const glm::dvec3 normal =
+        glm::dmat3(pose) * glm::dvec3(vertex.normal[0], vertex.normal[1], vertex.normal[2]);
+    for (int i = 0; i < 3; ++i) {
+      vertex.position[i] = static_cast<float>(position[i]);
+      vertex.normal[i] = static_cast<float>(normal[i]);
+    }
+    vertex.part = depth | (vertex.part == kPartLens ? FL_PART_LENS : 0);
+  }
+  return mesh;
+}
+
+// One mesh buffer for the bodies of all types, heads sorted by type, one indirect command a type.
+Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled, Resources& r) {
   std::vector<fixtures::BodyVertex> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<std::uint32_t> instances;
   std::vector<VkDrawIndexedIndirectCommand> draws;
   for (std::uint32_t t = 0; t < compiled.types.size(); ++t) {
-    const fixtures::TypeRow& type = compiled.types[t];
+    const fixtures::BodyMesh mesh = body_of(rig, compiled.sources[t]);
+    if (mesh.indices.empty()) continue;
     const auto first_instance = static_cast<std::uint32_t>(instances.size());
-    for (std::uint32_t i = 0; i < compiled.fixtures.size(); ++i) {
-      if (compiled.fixtures[i].type == t) instances.push_back(i);
+    for (std::uint32_t i = 0; i < compiled.heads.size(); ++i) {
+      if (compiled.heads[i].type == t) instances.push_back(i);
     }
     const auto count = static_cast<std::uint32_t>(instances.size()) - first_instance;
-    if (count == 0) continue;
-    const fixtures::BodyMesh mesh = fixtures::make_body(static_cast<fixtures::BodyModel>(type.body_model),
-                                                        {type.pivot_drop_m, type.lens_offset_m, type.lens_radius_m});
     draws.push_back({static_cast<std::uint32_t>(mesh.indices.size()), count, static_cast<std::uint32_t>(indices.size()),
                      static_cast<std::int32_t>(vertices.size()), first_instance});
     vertices.insert(vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
@@ -119,32 +160,45 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   }
   Resources r;
   FL_ASSIGN(r.bindings, vk::BindingSet::create(device, binding_types(), 16));
-  r.fixture_count = static_cast<std::uint32_t>(compiled.fixtures.size());
-  r.fixture_groups = (r.fixture_count + FL_GROUP_FIXTURES - 1) / FL_GROUP_FIXTURES;
+  r.head_count = static_cast<std::uint32_t>(compiled.heads.size());
+  r.head_groups = (r.head_count + FL_GROUP_HEADS - 1) / FL_GROUP_HEADS;
+  r.motor_count = compiled.motor_count;
+  r.spin_count = compiled.spin_count;
+  r.shutter_count = compiled.strobe_count;
   r.box_count = static_cast<std::uint32_t>(rig.boxes.size());
   r.supertiles_x = (width + FL_SUPERTILE_PX - 1) / FL_SUPERTILE_PX;
   r.supertiles_y = (height + FL_SUPERTILE_PX - 1) / FL_SUPERTILE_PX;
   // Words come in pairs, as one group of the tile pass writes them.
-  r.mask_words = (r.fixture_count + FL_GROUP_MASK - 1) / FL_GROUP_MASK * (FL_GROUP_MASK / 32);
+  r.mask_words = (r.head_count + FL_GROUP_MASK - 1) / FL_GROUP_MASK * (FL_GROUP_MASK / 32);
   r.levels_bytes = compiled.universes.size() * kSlotCountMax;
 
   FL_ASSIGN(r.types, table(device, compiled.types));
   FL_ASSIGN(r.channels, table(device, compiled.channels));
   FL_ASSIGN(r.functions, table(device, compiled.functions));
-  FL_ASSIGN(r.fixtures, table(device, compiled.fixtures));
+  FL_ASSIGN(r.masters, table(device, compiled.masters));
+  FL_ASSIGN(r.motors, table(device, compiled.motors));
+  FL_ASSIGN(r.spins, table(device, compiled.spins));
+  FL_ASSIGN(r.joints, table(device, compiled.joints));
+  FL_ASSIGN(r.wheel_slots, table(device, compiled.wheel_slots));
+  FL_ASSIGN(r.defaults, table(device, compiled.defaults));
+  FL_ASSIGN(r.colors, table(device, compiled.colors));
+  FL_ASSIGN(r.heads, table(device, compiled.heads));
   std::vector<BoxRow> boxes;
   for (const auto& box : rig.boxes) {
     boxes.push_back({vec4(box.min_m, 0), vec4(box.max_m, 0), vec4(box.albedo, 0)});
   }
   FL_ASSIGN(r.boxes, table(device, boxes));
-  if (settings.bodies && r.fixture_count > 0) FL_TRY(make_bodies(device, compiled, r));
-  FL_ASSIGN(r.gobos, make_gobos(device, compiled.needs.gobo));
+  if (settings.bodies && r.head_count > 0) FL_TRY(make_bodies(device, rig, compiled, r));
+  FL_ASSIGN(r.gobos, make_gobos(device, compiled.images));
 
   FL_ASSIGN(r.params, zeroed(device, sizeof(FrameParams)));
   FL_ASSIGN(r.levels, zeroed(device, r.levels_bytes));
-  FL_ASSIGN(r.states, zeroed(device, r.fixture_count * kStateBytes));
-  FL_ASSIGN(r.beams, zeroed(device, r.fixture_count * sizeof(BeamRow)));
-  FL_ASSIGN(r.counts, zeroed(device, sizeof(CountsRow) + r.fixture_groups * 4, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
+  FL_ASSIGN(r.states, zeroed(device, r.head_count * kStateBytes));
+  FL_ASSIGN(r.motor_states, zeroed(device, compiled.motor_count * kMotorStateBytes));
+  FL_ASSIGN(r.spin_states, zeroed(device, compiled.spin_count * kSpinStateBytes));
+  FL_ASSIGN(r.shutter_states, zeroed(device, compiled.strobe_count * kShutterStateBytes));
+  FL_ASSIGN(r.beams, zeroed(device, r.head_count * sizeof(BeamRow)));
+  FL_ASSIGN(r.counts, zeroed(device, sizeof(CountsRow) + r.head_groups * 4, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
   FL_ASSIGN(r.masks, zeroed(device, VkDeviceSize{r.supertiles_x} * r.supertiles_y * r.mask_words * 4));
 
   // Without bodies there is no visibility buffer, only a texel for the bindings' sake.
@@ -169,32 +223,49 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
     vkCmdClearColorImage(commands, r.screen.handle, VK_IMAGE_LAYOUT_GENERAL, &black, 1, &range);
   }));
 
-  r.bindings.set_buffer(FL_BINDING_PARAMS, r.params);
-  r.bindings.set_buffer(FL_BINDING_LEVELS, r.levels);
-  r.bindings.set_buffer(FL_BINDING_TYPES, r.types);
-  r.bindings.set_buffer(FL_BINDING_CHANNELS, r.channels);
-  r.bindings.set_buffer(FL_BINDING_FUNCTIONS, r.functions);
-  r.bindings.set_buffer(FL_BINDING_FIXTURES, r.fixtures);
-  r.bindings.set_buffer(FL_BINDING_STATES, r.states);
-  r.bindings.set_buffer(FL_BINDING_BEAMS, r.beams);
-  r.bindings.set_buffer(FL_BINDING_COUNTS, r.counts);
-  r.bindings.set_buffer(FL_BINDING_MASKS, r.masks);
-  r.bindings.set_buffer(FL_BINDING_BOXES, r.boxes);
+  const std::pair<std::uint32_t, const vk::Buffer*> buffers[] = {
+      {FL_BINDING_PARAMS, &r.params},          {FL_BINDING_LEVELS, &r.levels},
+      {FL_BINDING_TYPES, &r.types},            {FL_BINDING_CHANNELS, &r.channels},
+      {FL_BINDING_FUNCTIONS, &r.functions},    {FL_BINDING_MASTERS, &r.masters},
+      {FL_BINDING_MOTORS, &r.motors},          {FL_BINDING_SPINS, &r.spins},
+      {FL_BINDING_JOINTS, &r.joints},          {FL_BINDING_WHEEL_SLOTS, &r.wheel_slots},
+      {FL_BINDING_DEFAULTS, &r.defaults},      {FL_BINDING_COLORS, &r.colors},
+      {FL_BINDING_HEADS, &r.heads},            {FL_BINDING_STATES, &r.states},
+      {FL_BINDING_MOTOR_STATES, &r.motor_states}, {FL_BINDING_SPIN_STATES, &r.spin_states},
+      {FL_BINDING_SHUTTER_STATES, &r.shutter_states}, {FL_BINDING_BEAMS, &r.beams},
+      {FL_BINDING_COUNTS, &r.counts},          {FL_BINDING_MASKS, &r.masks},
+      {FL_BINDING_BOXES, &r.boxes},
+  };
+  for (const auto& [binding, buffer] : buffers) {
+    r.bindings.set_buffer(binding, *buffer);
+    r.total_bytes += buffer->size_bytes;
+  }
   r.bindings.set_image(FL_BINDING_SURFACE_ID, r.surface_id);
   r.bindings.set_image(FL_BINDING_DEPTH, r.depth);
   r.bindings.set_image(FL_BINDING_RADIANCE, r.radiance);
   r.bindings.set_image(FL_BINDING_SCREEN, r.screen);
   r.bindings.set_image(FL_BINDING_GOBOS, r.gobos, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
 
-  for (const vk::Buffer* buffer :
-       {&r.types, &r.channels, &r.functions, &r.fixtures, &r.boxes, &r.instances, &r.vertices, &r.indices, &r.draws,
-        &r.params, &r.levels, &r.states, &r.beams, &r.counts, &r.masks}) {
-    r.total_bytes += buffer->size_bytes;
-  }
+  for (const vk::Buffer* buffer : {&r.instances, &r.vertices, &r.indices, &r.draws}) r.total_bytes += buffer->size_bytes;
   for (const vk::Image* image : {&r.gobos, &r.surface_id, &r.depth, &r.radiance, &r.screen}) {
     r.total_bytes += image->size_bytes;
   }
   return r;
+}
+
+void forget_states(VkCommandBuffer commands, const Resources& resources) {
+  vk::full_barrier(commands);
+  for (const vk::Buffer* buffer : resources.all_states()) vkCmdFillBuffer(commands, buffer->handle, 0, VK_WHOLE_SIZE, 0);
+  vk::full_barrier(commands);
+}
+
+void take_states(VkCommandBuffer commands, const Resources& from, const Resources& to) {
+  vk::full_barrier(commands);
+  for (std::size_t i = 0; i < from.all_states().size(); ++i) {
+    const VkBufferCopy all{0, 0, std::min(from.all_states()[i]->size_bytes, to.all_states()[i]->size_bytes)};
+    vkCmdCopyBuffer(commands, from.all_states()[i]->handle, to.all_states()[i]->handle, 1, &all);
+  }
+  vk::full_barrier(commands);
 }
 
 }  // namespace footlight::render

@@ -2,6 +2,7 @@
 // is not allocated.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "fixtures/rig.h"
@@ -17,23 +18,31 @@ struct Resources {
                                                 const fixtures::CompiledRig& compiled, const FrameSettings& settings);
 
   // Rig tables, written once. Rows of fixtures/shared/tables.h.
-  vk::Buffer types, channels, functions, fixtures;
+  vk::Buffer types, channels, functions, masters, motors, spins, joints, wheel_slots, defaults, colors, heads;
   vk::Buffer boxes;                                // BoxRow
-  vk::Buffer instances, vertices, indices, draws;  // bodies: fixture indices by type; one draw command a type
+  vk::Buffer instances, vertices, indices, draws;  // bodies: head indices by type; one draw command a type
   vk::Image gobos;                                 // one layer a gobo
 
   // Per frame.
   vk::Buffer params;  // FrameParams
   vk::Buffer levels;  // universes x 512 bytes
-  vk::Buffer states;  // FixtureState, carried from frame to frame
   vk::Buffer beams;   // BeamRow, live ones first
-  vk::Buffer counts;  // CountsRow, then live beams of each group of FL_GROUP_FIXTURES
+  vk::Buffer counts;  // CountsRow, then lit heads of each group of FL_GROUP_HEADS
   vk::Buffer masks;   // supertiles x mask_words
   vk::Image surface_id, depth, radiance, screen;
 
+  // Carried from frame to frame: HeadState, and Motor, Turns, Shutter for what has a motor, spins or strobes.
+  vk::Buffer states, motor_states, spin_states, shutter_states;
+  [[nodiscard]] std::array<const vk::Buffer*, 4> all_states() const {
+    return {&states, &motor_states, &spin_states, &shutter_states};
+  }
+
   vk::BindingSet bindings;
-  std::uint32_t fixture_count = 0;
-  std::uint32_t fixture_groups = 0;
+  std::uint32_t head_count = 0;
+  std::uint32_t head_groups = 0;
+  std::uint32_t motor_count = 0;    // states of all heads; 0: the rig has none of these
+  std::uint32_t spin_count = 0;
+  std::uint32_t shutter_count = 0;
   std::uint32_t box_count = 0;
   std::uint32_t draw_count = 0;
   std::uint32_t supertiles_x = 0;
@@ -48,7 +57,15 @@ struct Resources {
 inline constexpr int kGoboSizePx = 512;
 inline constexpr double kGoboEdge = 3.0 * 2.0 / kGoboSizePx;
 
-// Bytes of a FixtureState on the GPU.
-inline constexpr std::uint64_t kStateBytes = 64;
+// Bytes on the GPU of a HeadState, a Motor, a spin's Turns and a Shutter.
+inline constexpr std::uint64_t kStateBytes = 48;
+inline constexpr std::uint64_t kMotorStateBytes = 32;
+inline constexpr std::uint64_t kSpinStateBytes = 8;
+inline constexpr std::uint64_t kShutterStateBytes = 32;
+
+// Records that the heads begin anew, as if no step had been; and that they go on where those of another frame of the
+// same rig are. Both with the barriers that they need.
+void forget_states(VkCommandBuffer commands, const Resources& resources);
+void take_states(VkCommandBuffer commands, const Resources& from, const Resources& to);
 
 }  // namespace footlight::render

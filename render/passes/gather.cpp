@@ -12,7 +12,7 @@ const PassEntry kGatherPass{"gather", [](const fixtures::Needs& needs, const Fra
                             [](const PassContext& context) {
                               return make_compute_pass(
                                   context, kGatherComp,
-                                  [groups = context.resources.fixture_groups](VkCommandBuffer commands) {
+                                  [groups = context.resources.head_groups](VkCommandBuffer commands) {
                                     vkCmdDispatch(commands, groups, 1, 1);
                                   });
                             },

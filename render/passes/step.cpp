@@ -8,11 +8,14 @@ namespace footlight::render {
 const PassEntry kStepPass{
     "step", [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures; },
     [](const fixtures::Needs& needs, const FrameSettings&) {
-      return std::vector<vk::SpecConstant>{{FL_SPEC_MOTION, needs.motion}, {FL_SPEC_STROBE, needs.strobe}};
+      return std::vector<vk::SpecConstant>{{FL_SPEC_MOTION, needs.motion},
+                                           {FL_SPEC_SPIN, needs.spin},
+                                           {FL_SPEC_STROBE, needs.strobe},
+                                           {FL_SPEC_GOBO, needs.gobo}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kStepComp,
-                               [groups = context.resources.fixture_groups](VkCommandBuffer commands) {
+                               [groups = context.resources.head_groups](VkCommandBuffer commands) {
                                  vkCmdDispatch(commands, groups, 1, 1);
                                });
     },

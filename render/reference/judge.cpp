@@ -285,26 +285,25 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
   scene.gobo = std::move(gobo);
   for (std::size_t i = 0; i < walker.states.size(); ++i) {
     const auto& state = walker.states[i];
-    const fixtures::FixtureRow& row = walker.rig.fixtures[i];
+    const fixtures::HeadRow& row = walker.rig.heads[i];
     const fixtures::TypeRow& type = walker.rig.types[row.type];
     const double flux_lm = static_cast<double>(type.flux_lm);
     const glm::dvec3 colour(state.red, state.green, state.blue);
     if (!(flux_lm > 0) || !(std::max({colour.x, colour.y, colour.z}) > 0)) continue;
-    const auto pose = walker.beam_pose(row, type, state.pan.position, state.tilt.position);
+    const auto pose = walker.beam_pose(row, type, state);
     JudgeBeam beam;
     beam.lens_m = pose.lens_m;
     beam.x_axis = pose.x_axis;
     beam.y_axis = pose.y_axis;
     beam.axis = pose.axis;
     beam.lens_radius_m = type.lens_radius_m;
-    beam.spread = std::tan(state.zoom.position);
+    beam.spread = std::tan(state.zoom);
     beam.profile_m = type.profile_m;
     beam.range_m = range_m;
     beam.strength_lm = flux_lm * colour / judge_flux_factor(beam.spread, beam.profile_m);
-    beam.gobo = static_cast<int>(state.gobo);
-    const double turn = 2 * std::numbers::pi * f64::turns_fraction(state.gobo_phase);
-    beam.gobo_cos = std::cos(turn);
-    beam.gobo_sin = std::sin(turn);
+    beam.gobo = static_cast<int>(state.gobo_image);
+    beam.gobo_cos = std::cos(state.gobo_angle);
+    beam.gobo_sin = std::sin(state.gobo_angle);
     scene.beams.push_back(beam);
   }
   return scene;

@@ -21,7 +21,8 @@
 
 namespace footlight::render {
 
-// Share of the light that a gobo lets through at (x, y) in the unit disc, 0 to 1. gobo > 0.
+// Share of the light that a gobo lets through at (x, y) in the unit disc, 0 to 1. gobo > 0: the layer of the compiled
+// rig's images.
 using GoboTransmission = std::function<double(int gobo, double x, double y)>;
 
 // One beam in stage space; metres. The axes are unit, right-handed: x cross y = axis.

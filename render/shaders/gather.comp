@@ -1,28 +1,22 @@
 #version 460
-// Compacts the lit fixtures into beam rows, in patch order: each group finds its place from the counts of those before
+// Compacts the lit heads into beam rows, in patch order: each group finds its place from the counts of those before
 // it. The last group writes the totals and the indirect arguments of the passes that follow.
 #extension GL_GOOGLE_include_directive : require
 #define FL_USE_BEAMS
 #define FL_BEAMS_ACCESS writeonly
 #define FL_USE_COUNTS
 #define FL_COUNTS_ACCESS
+#define FL_USE_HEADS
+#define FL_STATES_ACCESS readonly
+#define FL_USE_POSE
 #include "render/shaders/lib/frame.glsl"
 
-layout(local_size_x = FL_GROUP_FIXTURES) in;
-
-layout(set = 0, binding = FL_BINDING_TYPES, std430) readonly buffer TypesBuffer { TypeRow types[]; };
-layout(set = 0, binding = FL_BINDING_FIXTURES, std430) readonly buffer FixturesBuffer { FixtureRow fixtures[]; };
+layout(local_size_x = FL_GROUP_HEADS) in;
 layout(constant_id = FL_SPEC_GOBO) const bool kGobo = false;
 
-#include "sim/shared/turns.h"
-#include "sim/shared/motion.h"
-#include "fixtures/shared/state.h"
-#include "fixtures/shared/pose.h"
 #include "render/shaders/lib/lit.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
-
-layout(set = 0, binding = FL_BINDING_STATES, std430) readonly buffer StatesBuffer { FixtureState states[]; };
 
 shared uint live_before;
 shared uint live_bits[2];
@@ -35,22 +29,22 @@ void main() {
   if (lane < 2u) live_bits[lane] = 0u;
   barrier();
   uint sum = 0u;
-  for (uint g = lane; g < group; g += uint(FL_GROUP_FIXTURES)) sum += group_live[g];
+  for (uint g = lane; g < group; g += uint(FL_GROUP_HEADS)) sum += group_live[g];
   if (sum > 0u) atomicAdd(live_before, sum);
 
   bool lit = false;
-  if (index < params.fixture_count) lit = is_lit(states[index], types[fixtures[index].type]);
+  if (index < params.head_count) lit = is_lit(states[index], types[heads[index].type]);
   if (lit) atomicOr(live_bits[lane >> 5], 1u << (lane & 31u));
   barrier();
 
   uint before_in_word = live_bits[lane >> 5] & ((1u << (lane & 31u)) - 1u);
   uint rank = uint(bitCount(before_in_word)) + (lane >= 32u ? uint(bitCount(live_bits[0])) : 0u);
   if (lit) {
-    FixtureRow row = fixtures[index];
+    HeadRow row = heads[index];
     TypeRow type = types[row.type];
-    FixtureState state = states[index];
-    BeamPose pose = beam_pose(row, type, state.pan.position, state.tilt.position);
-    float spread = tan(state.zoom.position);
+    HeadState state = states[index];
+    BeamPose pose = beam_pose(row, type, state);
+    float spread = tan(state.zoom);
     vec3 eye = params.position.xyz - pose.lens_m;
     float j0 = type.flux_lm / beam_flux_factor(spread, type.profile_m);
 
@@ -60,11 +54,10 @@ void main() {
     beam.axis = vec4(pose.axis, params.up.w);
     beam.eye = vec4(dot(pose.x_axis, eye), dot(pose.y_axis, eye), dot(pose.axis, eye), type.profile_m);
     beam.j0 = vec4(vec3(state.red, state.green, state.blue) * j0, 0.0);
-    beam.gobo = kGobo ? state.gobo : 0u;
-    float angle = 6.283185307179586 * turns_fraction(state.gobo_phase);
-    beam.gobo_cos = cos(angle);
-    beam.gobo_sin = sin(angle);
-    beam.fixture = index;
+    beam.gobo = kGobo ? state.gobo_image : 0u;
+    beam.gobo_cos = kGobo ? cos(state.gobo_angle) : 1.0;
+    beam.gobo_sin = kGobo ? sin(state.gobo_angle) : 0.0;
+    beam.head = index;
     beams[live_before + rank] = beam;
   }
 
@@ -72,7 +65,7 @@ void main() {
     uint live = live_before + bitCount(live_bits[0]) + bitCount(live_bits[1]);
     uint supertiles_y = (params.height + uint(FL_SUPERTILE_PX) - 1u) / uint(FL_SUPERTILE_PX);
     counts.live_count = live;
-    counts.dark_count = params.fixture_count - live;
+    counts.dark_count = params.head_count - live;
     counts.tiles_groups[0] = (live + uint(FL_GROUP_MASK) - 1u) / uint(FL_GROUP_MASK);
     counts.tiles_groups[1] = params.supertiles_x * supertiles_y;
     counts.tiles_groups[2] = 1u;

@@ -1,37 +1,55 @@
 #version 460
-// One thread a fixture: raw levels -> what is asked -> motors, shutter, phases after dt. Counts the lit ones of its
-// group.
+// One thread a head: raw levels -> what is asked -> motors, shutter, phases after dt. Counts the lit ones of its group.
 #extension GL_GOOGLE_include_directive : require
 #define FL_USE_COUNTS
 #define FL_COUNTS_ACCESS
+#define FL_USE_HEADS
+#define FL_STATES_ACCESS
 #include "render/shaders/lib/frame.glsl"
 
-layout(local_size_x = FL_GROUP_FIXTURES) in;
+layout(local_size_x = FL_GROUP_HEADS) in;
 layout(constant_id = FL_SPEC_MOTION) const bool kMotion = true;
+layout(constant_id = FL_SPEC_SPIN) const bool kSpin = true;
 layout(constant_id = FL_SPEC_STROBE) const bool kStrobe = true;
+layout(constant_id = FL_SPEC_GOBO) const bool kGobo = true;
 layout(push_constant) uniform Push { uint dt_ns_low; uint dt_ns_high; uint new_exposure; } push;
 
 layout(set = 0, binding = FL_BINDING_LEVELS, std430) readonly buffer LevelsBuffer { uint levels[]; };
-layout(set = 0, binding = FL_BINDING_TYPES, std430) readonly buffer TypesBuffer { TypeRow types[]; };
 layout(set = 0, binding = FL_BINDING_CHANNELS, std430) readonly buffer ChannelsBuffer { ChannelRow channels[]; };
 layout(set = 0, binding = FL_BINDING_FUNCTIONS, std430) readonly buffer FunctionsBuffer { FunctionRow functions[]; };
-layout(set = 0, binding = FL_BINDING_FIXTURES, std430) readonly buffer FixturesBuffer { FixtureRow fixtures[]; };
+layout(set = 0, binding = FL_BINDING_MASTERS, std430) readonly buffer MastersBuffer { MasterRow masters[]; };
+layout(set = 0, binding = FL_BINDING_MOTORS, std430) readonly buffer MotorsBuffer { MotorRow motors[]; };
+layout(set = 0, binding = FL_BINDING_SPINS, std430) readonly buffer SpinsBuffer { SpinRow spins[]; };
+layout(set = 0, binding = FL_BINDING_WHEEL_SLOTS, std430) readonly buffer SlotsBuffer { WheelSlotRow wheel_slots[]; };
+layout(set = 0, binding = FL_BINDING_DEFAULTS, std430) readonly buffer DefaultsBuffer { float defaults[]; };
+layout(set = 0, binding = FL_BINDING_COLORS, std430) readonly buffer ColorsBuffer { vec4 colors[]; };
+layout(set = 0, binding = FL_BINDING_MOTOR_STATES, std430) buffer MotorStatesBuffer { Motor motor_states[]; };
+layout(set = 0, binding = FL_BINDING_SPIN_STATES, std430) buffer SpinStatesBuffer { Turns spin_states[]; };
+layout(set = 0, binding = FL_BINDING_SHUTTER_STATES, std430) buffer ShutterStatesBuffer { Shutter shutter_states[]; };
 
 uint fl_level(uint slot) { return (levels[slot >> 2] >> ((slot & 3u) * 8u)) & 255u; }
 FunctionRow fl_function(uint index) { return functions[index]; }
+MasterRow fl_master(uint index) { return masters[index]; }
 ChannelRow fl_channel(uint index) { return channels[index]; }
+MotorRow fl_motor(uint index) { return motors[index]; }
+SpinRow fl_spin(uint index) { return spins[index]; }
+WheelSlotRow fl_wheel_slot(uint index) { return wheel_slots[index]; }
+float fl_default(uint index) { return defaults[index]; }
+vec4 fl_color(uint index) { return colors[index]; }
+Motor fl_motor_state(uint index) { return motor_states[index]; }
+void fl_set_motor_state(uint index, Motor motor) { motor_states[index] = motor; }
+Turns fl_spin_state(uint index) { return spin_states[index]; }
+void fl_set_spin_state(uint index, Turns turns) { spin_states[index] = turns; }
+Shutter fl_shutter_state(uint index) { return shutter_states[index]; }
+void fl_set_shutter_state(uint index, Shutter shutter) { shutter_states[index] = shutter; }
 
 #define FL_NEED_MOTION kMotion
+#define FL_NEED_SPIN kSpin
 #define FL_NEED_STROBE kStrobe
-#include "sim/shared/turns.h"
-#include "sim/shared/motion.h"
-#include "sim/shared/filter.h"
-#include "sim/shared/shutter.h"
-#include "fixtures/shared/state.h"
+#define FL_NEED_GOBO kGobo
+#include "fixtures/shared/color.h"
 #include "fixtures/shared/decode.h"
 #include "render/shaders/lib/lit.glsl"
-
-layout(set = 0, binding = FL_BINDING_STATES, std430) buffer StatesBuffer { FixtureState states[]; };
 
 shared uint live_here;
 
@@ -39,12 +57,11 @@ void main() {
   uint index = gl_GlobalInvocationID.x;
   if (gl_LocalInvocationIndex == 0u) live_here = 0u;
   barrier();
-  if (index < params.fixture_count) {
-    FixtureRow row = fixtures[index];
+  if (index < params.head_count) {
+    HeadRow row = heads[index];
     TypeRow type = types[row.type];
-    FixtureState state =
-        fixture_step(states[index], type, decode_fixture(type, row.slot_first), Turns(push.dt_ns_low, push.dt_ns_high),
-                     push.new_exposure != 0u);
+    HeadState state = head_step(states[index], type, row, decode_head(type, row),
+                                Turns(push.dt_ns_low, push.dt_ns_high), push.new_exposure != 0u);
     states[index] = state;
     if (is_lit(state, type)) atomicAdd(live_here, 1u);
   }

@@ -12,6 +12,8 @@
 #define FL_COUNTS_ACCESS readonly
 #define FL_USE_MASKS
 #define FL_MASKS_ACCESS readonly
+#define FL_USE_HEADS
+#define FL_STATES_ACCESS readonly
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/surface.glsl"
 #include "render/shaders/lib/gobo.glsl"
@@ -61,40 +63,31 @@ bool tile_touches(BeamRow row) {
          length(p.xy) < row.x_axis.w + spread * max(p.z, 0.0) + radius * sqrt(1.0 + spread * spread);
 }
 #include "render/shaders/lib/tile_walk.glsl"
-#include "sim/shared/turns.h"
-#include "sim/shared/motion.h"
-#include "fixtures/shared/state.h"
-#include "fixtures/shared/pose.h"
 
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX / FL_ROWS) in;
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(constant_id = FL_SPEC_PROFILE) const bool kProfile = false;
 
-layout(set = 0, binding = FL_BINDING_TYPES, std430) readonly buffer TypesBuffer { TypeRow types[]; };
-layout(set = 0, binding = FL_BINDING_FIXTURES, std430) readonly buffer FixturesBuffer { FixtureRow fixtures[]; };
-layout(set = 0, binding = FL_BINDING_STATES, std430) readonly buffer StatesBuffer { FixtureState states[]; };
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform writeonly image2D radiance;
 
 const float kPi = 3.141592653589793;
-const uint kPartLens = 3u;
-// Reflectance of painted housings, and the share of a lamp's flux that its lens scatters to all sides. Chosen by eye.
+// Reflectance of painted housings. Chosen by eye.
 const float kBodyAlbedo = 0.04;
-const float kLensScatter = 2e-4;
 
-// What the lens of a fixture sends towards the eye, cd/m^2: the beam's own intensity over the lens area where the eye
+// What the lens of a head sends towards the eye, cd/m^2: the beam's own intensity over the lens area where the eye
 // is inside the beam, and a little scattered light everywhere.
 vec3 lens_radiance(uint index, vec3 unit_ray, vec3 normal) {
-  TypeRow type = types[fixtures[index].type];
-  FixtureState state = states[index];
-  vec3 flux_lm = type.flux_lm * vec3(state.red, state.green, state.blue);
+  TypeRow type = types[heads[index].type];
+  HeadState state = states[index];
+  vec3 color = vec3(state.red, state.green, state.blue);
   float area_m2 = kPi * type.lens_radius_m * type.lens_radius_m;
   float facing = dot(normal, -unit_ray);
   if (!(facing > 0.0)) return vec3(0.0);
-  float spread = max(tan(state.zoom.position), 1e-3);
+  float spread = max(tan(state.zoom), 1e-3);
   float rho = sqrt(max(1.0 - facing * facing, 0.0)) / (facing * spread);
   float flux_factor = beam_flux_factor(spread, type.profile_m);
   float intensity = beam_profile(rho * rho, type.profile_m) / (flux_factor * spread * spread);
-  return flux_lm * (intensity / (area_m2 * facing) + kLensScatter / (kPi * area_m2));
+  return color * (type.flux_lm * intensity / (area_m2 * facing) + type.glow_lm / (kPi * area_m2));
 }
 
 void main() {
@@ -157,7 +150,7 @@ void main() {
       vec3 ray = normalize(offset_m[i]);
       float form = 0.15 + 0.45 * (0.5 + 0.5 * surface[i].normal.z) + 0.4 * max(-dot(surface[i].normal, ray), 0.0);
       color = vec3(kBodyAlbedo / kPi) * (illuminance_lx[i] + params.ambient_lx * (form - 1.0));
-      if ((which & 7u) == kPartLens) color += lens_radiance(which >> 3, ray, surface[i].normal);
+      if ((which & uint(FL_PART_LENS)) != 0u) color += lens_radiance(which >> 3, ray, surface[i].normal);
     }
     if (kExtinction) color *= exp(-medium.extinction_per_m * surface[i].t_m);
     imageStore(radiance, pixel, vec4(color, surface[i].t_m));

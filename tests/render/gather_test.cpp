@@ -76,7 +76,7 @@ TEST_CASE("one lit fixture among many is the only beam, where the walker says it
     const auto beams = must(frame->read_beams());
     REQUIRE(beams.size() == 1);
     const BeamRow& beam = beams.front();
-    CHECK(beam.fixture == lit);
+    CHECK(beam.head == lit);
 
     fixtures::f64::Walker walker(scene.compiled);
     walker.step(scene.levels, 0);
@@ -116,7 +116,7 @@ TEST_CASE("rows stand in patch order over many workgroups, whatever is dark") {
       dim_lamps(scene, lit);
       (void)draw(*frame, scene);
       std::vector<std::uint32_t> rows;
-      for (const BeamRow& beam : must(frame->read_beams())) rows.push_back(beam.fixture);
+      for (const BeamRow& beam : must(frame->read_beams())) rows.push_back(beam.head);
       CHECK(rows == expected);
       const CountsRow counts = must(frame->read_counts());
       CHECK(counts.live_count + counts.dark_count == kCount);
@@ -132,8 +132,8 @@ TEST_CASE("a beam is dark up to the threshold of the settings, and lit above it"
   for (std::size_t i = 0; i < 256; ++i) {
     scene.slots(i)[static_cast<std::size_t>(slot_of_address(scene.rig.fixtures[i].address)) + kLampDimmerSlot] =
         static_cast<std::uint8_t>(i);
-    for (const auto color : {fixtures::kParamRed, fixtures::kParamBlue}) scene.set(i, color, 0.2);
-    scene.set(i, fixtures::kParamGreen, 1);  // the brightest channel decides
+    for (const auto color : {"ColorAdd_R", "ColorAdd_B"}) scene.set(i, color, 0.2);
+    scene.set(i, "ColorAdd_G", 1);  // the brightest channel decides
   }
   for (const double dark_lm : {0.0, 1.0, 5000.0, 9990.0, 10'000.0, std::numeric_limits<double>::infinity()}) {
     CAPTURE(dark_lm);
@@ -146,7 +146,7 @@ TEST_CASE("a beam is dark up to the threshold of the settings, and lit above it"
       if (10'000.0 * i / 255 > dark_lm) expected.push_back(i);
     }
     std::vector<std::uint32_t> rows;
-    for (const BeamRow& beam : must(frame->read_beams())) rows.push_back(beam.fixture);
+    for (const BeamRow& beam : must(frame->read_beams())) rows.push_back(beam.head);
     CHECK(rows == expected);
   }
 }

@@ -44,7 +44,7 @@ Scene one_lamp_scene() {
   lamp.position_m = {0, 0, 5};
   lamp.rotation_deg = {90, 0, 0};
   scene.compile();
-  scene.set(0, fixtures::kParamZoom, 8 * kDegree);
+  scene.set(0, "Zoom", 16);
   return scene;
 }
 

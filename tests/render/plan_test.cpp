@@ -51,7 +51,7 @@ TEST_CASE("the demo rig needs every pass, with every branch") {
   const FrameSettings settings;
   const auto plan = plan_frame(demo_needs(), settings);
   CHECK(plan == std::vector<PassPlan>{
-                    {"step", {{FL_SPEC_MOTION, 1}, {FL_SPEC_STROBE, 1}}},
+                    {"step", {{FL_SPEC_MOTION, 1}, {FL_SPEC_SPIN, 1}, {FL_SPEC_STROBE, 1}, {FL_SPEC_GOBO, 1}}},
                     {"gather", {{FL_SPEC_GOBO, 1}}},
                     {"bodies", {}},
                     {"tiles", {}},
@@ -98,6 +98,7 @@ TEST_CASE("each need that goes takes its branches or its passes with it") {
     std::uint32_t constant;         // that turns 0 where it is; FL_SPEC_COUNT: none
   };
   for (const Case& c : {Case{"motion", &Needs::motion, {}, FL_SPEC_MOTION},
+                        Case{"spin", &Needs::spin, {}, FL_SPEC_SPIN},
                         Case{"strobe", &Needs::strobe, {}, FL_SPEC_STROBE},
                         Case{"gobo", &Needs::gobo, {}, FL_SPEC_GOBO},
                         Case{"extinction", &Needs::extinction, {}, FL_SPEC_EXTINCTION},
@@ -147,11 +148,11 @@ TEST_CASE("an empty rig needs no pass at all") {
 }
 
 TEST_CASE("every combination of needs gives each pass once or says what its absence costs") {
-  for (unsigned bits = 0; bits < 512; ++bits) {
+  for (unsigned bits = 0; bits < 1024; ++bits) {
     const auto bit = [&](unsigned i) { return (bits >> i & 1u) != 0; };
-    const Needs needs{bit(0), bit(1), bit(2), bit(3), bit(4), bit(5), bit(6), bit(7)};
+    const Needs needs{bit(0), bit(1), bit(2), bit(3), bit(4), bit(5), bit(6), bit(7), bit(8)};
     FrameSettings settings;
-    settings.bodies = bit(8);
+    settings.bodies = bit(9);
     check_left_out(needs, settings);
   }
 }
@@ -170,7 +171,7 @@ TEST_CASE("the needs of a rig follow from its fixtures and its haze") {
   CHECK(!pars->needs.gobo);
   CHECK(pars->needs.profile);
   CHECK(constants_of(plan_frame(pars->needs, {}), "step") ==
-        std::vector<SpecConstant>{{FL_SPEC_MOTION, 0}, {FL_SPEC_STROBE, 1}});
+        std::vector<SpecConstant>{{FL_SPEC_MOTION, 0}, {FL_SPEC_SPIN, 0}, {FL_SPEC_STROBE, 1}, {FL_SPEC_GOBO, 0}});
   rig.haze.scattering_per_m = 0;
   rig.haze.absorption_per_m = 0;
   rig.boxes.clear();

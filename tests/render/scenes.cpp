@@ -12,9 +12,13 @@ using namespace fixtures;
 
 constexpr int kLampSlots = 6;
 
-Channel channel(std::vector<int> slots, fixtures::uint param, double from, double to, std::uint32_t default_value) {
+Channel channel(std::vector<int> slots, const char* attribute, double from, double to, std::uint32_t default_value) {
   Channel c;
-  c.functions.push_back({"all", 0, slots.size() == 2 ? 65535u : 255u, param, from, to});
+  ChannelFunction function{"all", attribute, 0, slots.size() == 2 ? 65535u : 255u, from, to};
+  function.instant = true;
+  c.functions.push_back(function);
+  c.byte_count = static_cast<int>(slots.size());
+  c.geometry = kSimpleHead;
   c.slot_offsets = std::move(slots);
   c.default_value = default_value;
   return c;
@@ -24,18 +28,20 @@ FixtureType lamp_type(double lens_radius_m, int profile_m) {
   FixtureType type;
   type.name = "Lamp";
   type.id = "test/lamp";
-  type.modes.push_back({"6 slots",
-                        kLampSlots,
-                        {channel({0}, kParamDimmer, 0, 1, 255), channel({1}, kParamRed, 0, 1, 255),
-                         channel({2}, kParamGreen, 0, 1, 255), channel({3}, kParamBlue, 0, 1, 255),
-                         channel({4, 5}, kParamZoom, 0, 30 * kDegree, 20000)}});
-  type.dimmer_square = false;
-  type.flux_lm = 10'000;
-  type.lens_radius_m = lens_radius_m;
-  type.profile_m = profile_m;
+  Mode mode;
+  mode.name = "6 slots";
+  mode.slot_count = kLampSlots;
+  mode.geometries = simple_geometries(0, 0);
+  mode.channels = {channel({0}, "Dimmer", 0, 1, 255), channel({1}, "ColorAdd_R", 0, 1, 255),
+                   channel({2}, "ColorAdd_G", 0, 1, 255), channel({3}, "ColorAdd_B", 0, 1, 255),
+                   channel({4, 5}, "Zoom", 0, 60, 20000)};
+  type.modes.push_back(std::move(mode));
+  Beam beam;
+  beam.radius_m = lens_radius_m;
+  beam.profile_m = profile_m;
+  beam.color_temperature_k = 0;
+  type.beams.push_back(beam);
   type.body = BodyModel::kPar;
-  type.pivot_drop_m = 0;
-  type.lens_offset_m = 0;
   return type;
 }
 
@@ -47,8 +53,8 @@ std::span<std::uint8_t> Scene::slots(std::size_t fixture) {
   return {&levels[static_cast<std::size_t>(at - compiled.universes.begin()) * kSlotCountMax], kSlotCountMax};
 }
 
-void Scene::set(std::size_t fixture, fixtures::uint param, double value) {
-  REQUIRE(encode_param(rig, rig.fixtures[fixture], param, value, slots(fixture)));
+void Scene::set(std::size_t fixture, std::string_view attribute, double value) {
+  REQUIRE(encode_attribute(rig, rig.fixtures[fixture], attribute, value, slots(fixture)));
 }
 
 void Scene::compile() {
@@ -66,17 +72,17 @@ Scene demo_scene(std::uint64_t seed, bool with_gobos) {
   for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) {
     const PatchedFixture& fixture = scene.rig.fixtures[i];
     const std::string& type = scene.rig.types[static_cast<std::size_t>(fixture.type)].id;
-    scene.set(i, kParamDimmer, random.between(0.4, 1));
+    scene.set(i, "Dimmer", random.between(0.4, 1));
     if (type != "generic/profile") {
-      for (const auto color : {kParamRed, kParamGreen, kParamBlue}) scene.set(i, color, random.between(0.1, 1));
+      for (const auto color : {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"}) scene.set(i, color, random.between(0.1, 1));
     }
     if (type == "generic/par") continue;
-    scene.set(i, kParamPan, random.between(-180, 180) * kDegree);
-    scene.set(i, kParamTilt, random.between(-60, 60) * kDegree);
-    scene.set(i, kParamZoom, random.between(3, 15) * kDegree);
+    scene.set(i, "Pan", random.between(-180, 180));
+    scene.set(i, "Tilt", random.between(-60, 60));
+    scene.set(i, "Zoom", random.between(6, 30));
     if (type == "generic/profile") {
-      scene.set(i, kParamGobo, with_gobos ? static_cast<double>(1 + i % 8) : 0.0);
-      scene.set(i, kParamGoboSpinHz, 0);
+      scene.set(i, "Gobo1", with_gobos ? static_cast<double>(2 + i % 8) : 1.0);
+      scene.set(i, "Gobo1PosRotate", 0);
     }
   }
   return scene;
@@ -124,13 +130,12 @@ Scene lamps_scene(std::uint64_t seed, int count) {
   }
   scene.compile();
   for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) {
-    for (const auto color : {kParamRed, kParamGreen, kParamBlue}) scene.set(i, color, random.between(0.2, 1));
+    for (const auto color : {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"}) scene.set(i, color, random.between(0.2, 1));
     const std::size_t kind = i % 4;
-    scene.set(i, kParamZoom,
-              (kind == 0   ? 0.05
-               : kind == 1 ? 0.0
-               : kind == 2 ? random.between(0.5, 10)
-                           : 30.0) * kDegree);
+    scene.set(i, "Zoom", kind == 0   ? 0.1
+                         : kind == 1 ? 0.0
+                         : kind == 2 ? random.between(1, 20)
+                                     : 60.0);
   }
   return scene;
 }

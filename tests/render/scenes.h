@@ -42,7 +42,8 @@ struct Scene {
 
   // The 512 slots of a fixture's universe.
   std::span<std::uint8_t> slots(std::size_t fixture);
-  void set(std::size_t fixture, fixtures::uint param, double value);
+  // In the units of fixtures/fixture_type.h.
+  void set(std::size_t fixture, std::string_view attribute, double value);
   // Compiles the rig and puts every channel at its default.
   void compile();
 };

@@ -368,6 +368,7 @@ Group group_of(const Rig& rig, const PatchedFixture& fixture) {
   switch (rig.types[static_cast<std::size_t>(fixture.type)].body) {
     case fixtures::BodyModel::kMovingHead: return Group::kProfile;
     case fixtures::BodyModel::kWash: return fixture.position_m.z < 1 ? Group::kFloorWash : Group::kTrussWash;
+    case fixtures::BodyModel::kNone: break;
     case fixtures::BodyModel::kPar: return std::abs(fixture.position_m.x) > 5.5 ? Group::kSidePar : Group::kFrontPar;
   }
   return Group::kProfile;
@@ -445,23 +446,23 @@ void DemoShow::look(double t_s, std::span<Slots> levels) const {
     const std::span<std::uint8_t> slots = levels[static_cast<std::size_t>(universe)];
     const Cue c = cue(player, t_s);
     encode_defaults(rig_, fixture, slots);
-    encode_param(rig_, fixture, kParamDimmer, c.dimmer, slots);
+    encode_attribute(rig_, fixture, "Dimmer", c.dimmer, slots);
     if (c.strobe_hz > 0) {
-      encode_param(rig_, fixture, kParamStrobeHz, c.strobe_hz, slots);
+      encode_attribute(rig_, fixture, "Shutter1Strobe", c.strobe_hz, slots);
     } else {
-      encode_param(rig_, fixture, kParamShutter, 1, slots);
+      encode_attribute(rig_, fixture, "Shutter1", 1, slots);
     }
-    encode_param(rig_, fixture, kParamRed, c.color.r, slots);
-    encode_param(rig_, fixture, kParamGreen, c.color.g, slots);
-    encode_param(rig_, fixture, kParamBlue, c.color.b, slots);
-    encode_param(rig_, fixture, kParamZoom, c.zoom_deg / 2 * kPi / 180, slots);
-    encode_param(rig_, fixture, kParamGobo, c.gobo, slots);
-    encode_param(rig_, fixture, kParamGoboSpinHz, c.gobo_spin_hz, slots);
+    encode_attribute(rig_, fixture, "ColorAdd_R", c.color.r, slots);
+    encode_attribute(rig_, fixture, "ColorAdd_G", c.color.g, slots);
+    encode_attribute(rig_, fixture, "ColorAdd_B", c.color.b, slots);
+    encode_attribute(rig_, fixture, "Zoom", c.zoom_deg, slots);
+    encode_attribute(rig_, fixture, "Gobo1", 1 + c.gobo, slots);  // slot 1 is open
+    encode_attribute(rig_, fixture, "Gobo1PosRotate", 360 * c.gobo_spin_hz, slots);
     const dvec3 direction = c.target_m - fixture.position_m;
     if (glm::dot(direction, direction) > 1e-6) {
       const PanTilt angles = aim(fixture, direction);
-      encode_param(rig_, fixture, kParamPan, angles.pan, slots);
-      encode_param(rig_, fixture, kParamTilt, angles.tilt, slots);
+      encode_attribute(rig_, fixture, "Pan", angles.pan * 180 / kPi, slots);
+      encode_attribute(rig_, fixture, "Tilt", angles.tilt * 180 / kPi, slots);
     }
   }
 }

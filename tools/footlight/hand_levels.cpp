@@ -3,32 +3,43 @@
 #include <algorithm>
 
 #include "fixtures/encode.h"
+#include "fixtures/params.h"
 #include "sim/core/check.h"
 
 namespace footlight::tools {
 namespace {
 
 struct Kind {
-  fixtures::uint param;
+  const char* attribute;
   const char* name;
-  bool starts_at_top;  // otherwise in the middle, or at 0 where that is in reach
+  const char* unit;
+  bool starts_at_top;  // otherwise in the middle, or at 0 where that is in reach, or at the first slot of a wheel
 };
 
 constexpr Kind kKinds[] = {
-    {fixtures::kParamDimmer, "dimmer", true}, {fixtures::kParamRed, "red", true},
-    {fixtures::kParamGreen, "green", true},   {fixtures::kParamBlue, "blue", true},
-    {fixtures::kParamPan, "pan", false},      {fixtures::kParamTilt, "tilt", false},
-    {fixtures::kParamZoom, "zoom", false},    {fixtures::kParamGobo, "gobo", false},
+    {"Dimmer", "dimmer", "%", true},    {"ColorAdd_R", "red", "%", true}, {"ColorAdd_G", "green", "%", true},
+    {"ColorAdd_B", "blue", "%", true},  {"Pan", "pan", "deg", false},     {"Tilt", "tilt", "deg", false},
+    {"Zoom", "zoom", "deg", false},     {"Gobo1", "gobo", "", false},
 };
 
-// Where the functions of the mode that set the parameter begin and end together; from > to where there is none.
+// Where the functions of the mode that have the attribute begin and end together; from > to where there is none.
 Fader reach(const fixtures::Mode& mode, const Kind& kind) {
-  Fader fader{kind.param, kind.name, 1e30, -1e30, 0};
+  Fader fader{kind.attribute, kind.name, kind.unit, 1e30, -1e30, 0};
+  const auto take = [&](double value) {
+    fader.from = std::min(fader.from, value);
+    fader.to = std::max(fader.to, value);
+  };
   for (const fixtures::Channel& channel : mode.channels) {
     for (const fixtures::ChannelFunction& function : channel.functions) {
-      if (function.param != kind.param) continue;
-      fader.from = std::min({fader.from, function.physical_from, function.physical_to});
-      fader.to = std::max({fader.to, function.physical_from, function.physical_to});
+      if (!fixtures::same_attribute(function.attribute, kind.attribute)) continue;
+      bool selects = false;
+      for (const fixtures::ChannelSet& set : function.sets) {
+        if (set.wheel_slot > 0) take(set.wheel_slot);
+        selects = selects || set.wheel_slot > 0;
+      }
+      if (selects) continue;
+      take(function.physical_from);
+      take(function.physical_to);
     }
   }
   return fader;
@@ -44,13 +55,18 @@ HandLevels::HandLevels(const fixtures::Rig& rig, const fixtures::CompiledRig& co
         rig.types[static_cast<std::size_t>(fixture.type)].modes[static_cast<std::size_t>(fixture.mode)];
     const auto slots = slots_of(fixture);
     fixtures::encode_defaults(rig, fixture, slots);
-    fixtures::encode_param(rig, fixture, fixtures::kParamShutter, 1, slots);
+    fixtures::encode_attribute(rig, fixture, "Shutter1", 1, slots);
     for (const Kind& kind : kKinds) {
       const Fader fader = reach(mode, kind);
       if (!(fader.from < fader.to)) continue;
       faders_[i].push_back(fader);
       const bool has_zero = fader.from <= 0 && fader.to >= 0;
-      set(i, kind.param, kind.starts_at_top ? fader.to : has_zero ? 0 : (fader.from + fader.to) / 2);
+      const bool is_wheel = fader.unit[0] == '\0';
+      set(i, kind.attribute,
+          kind.starts_at_top ? fader.to
+          : is_wheel         ? fader.from
+          : has_zero         ? 0
+                             : (fader.from + fader.to) / 2);
     }
   }
 }
@@ -62,11 +78,11 @@ std::span<std::uint8_t> HandLevels::slots_of(const fixtures::PatchedFixture& fix
   return std::span(levels_).subspan(index * kSlotCountMax, kSlotCountMax);
 }
 
-void HandLevels::set(std::size_t index, fixtures::uint param, double value) {
+void HandLevels::set(std::size_t index, std::string_view attribute, double value) {
   for (Fader& fader : faders_[index]) {
-    if (fader.param != param) continue;
+    if (fader.attribute != attribute) continue;
     fader.value = std::clamp(value, fader.from, fader.to);
-    fixtures::encode_param(rig_, rig_.fixtures[index], param, fader.value, slots_of(rig_.fixtures[index]));
+    fixtures::encode_attribute(rig_, rig_.fixtures[index], attribute, fader.value, slots_of(rig_.fixtures[index]));
   }
 }
 

@@ -4,16 +4,18 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "fixtures/rig.h"
 
 namespace footlight::tools {
 
-// One parameter of one fixture, in SI (fixtures/shared/tables.h).
+// One attribute of one fixture, in the units of fixtures/fixture_type.h.
 struct Fader {
-  fixtures::uint param = 0;
+  std::string_view attribute;
   const char* name = "";
+  const char* unit = "";  // "%": of 0 to 1; "deg"; "": a wheel's slot, from 1
   double from = 0;
   double to = 1;
   double value = 0;
@@ -29,8 +31,8 @@ class HandLevels {
   // The faders of fixture `index`, in a fixed order; those that its mode has no channel for are left out.
   [[nodiscard]] std::span<const Fader> faders(std::size_t index) const { return faders_[index]; }
   [[nodiscard]] std::size_t fixture_count() const { return faders_.size(); }
-  // Fixtures without the parameter are left alone.
-  void set(std::size_t index, fixtures::uint param, double value);
+  // Fixtures without the attribute are left alone.
+  void set(std::size_t index, std::string_view attribute, double value);
 
  private:
   [[nodiscard]] std::span<std::uint8_t> slots_of(const fixtures::PatchedFixture& fixture);

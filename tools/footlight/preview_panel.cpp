@@ -21,7 +21,6 @@ constexpr double kRelL2Gobos = 2.0e-2;
 // Going back in a log replays it from its start, so in a long one the picture follows the slider when it is let go.
 constexpr double kFollowSliderMaxS = 120;
 
-constexpr double kDegree = std::numbers::pi / 180;
 const ImVec4 kAmber{0.95f, 0.66f, 0.25f, 1};
 const ImVec4 kGreen{0.42f, 0.78f, 0.48f, 1};
 const ImVec4 kRed{0.93f, 0.36f, 0.33f, 1};
@@ -222,20 +221,17 @@ void draw_hand(const PreviewFacts& facts, PreviewControls& controls, HandLevels&
   }
   if (index >= hand.fixture_count()) return;
   for (const Fader& fader : hand.faders(index)) {
-    const bool angle = fader.param == fixtures::kParamPan || fader.param == fixtures::kParamTilt ||
-                       fader.param == fixtures::kParamZoom;
-    const double unit = angle ? kDegree : fader.param == fixtures::kParamGobo ? 1 : 0.01;
-    const std::string format = fmt::format("{} %.0f{}", fader.name,
-                                           angle                                 ? " deg"
-                                           : fader.param == fixtures::kParamGobo ? ""
-                                                                                 : " %%");
+    const std::string_view kind = fader.unit;
+    const double unit = kind == "%" ? 0.01 : 1;
+    const std::string format =
+        fmt::format("{} %.0f{}", fader.name, kind == "%" ? " %%" : kind.empty() ? "" : " " + std::string(kind));
     auto value = static_cast<float>(fader.value / unit);
-    ImGui::PushID(static_cast<int>(fader.param));
+    ImGui::PushID(fader.name);
     ImGui::SetNextItemWidth(-1);
     if (ImGui::SliderFloat("##fader", &value, static_cast<float>(fader.from / unit),
                            static_cast<float>(fader.to / unit), format.c_str(), ImGuiSliderFlags_AlwaysClamp)) {
       for (std::size_t i = 0; i < hand.fixture_count(); ++i) {
-        if (controls.hand_fixture < 0 || i == index) hand.set(i, fader.param, value * unit);
+        if (controls.hand_fixture < 0 || i == index) hand.set(i, fader.attribute, value * unit);
       }
     }
     ImGui::PopID();

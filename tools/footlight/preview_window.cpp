@@ -213,12 +213,9 @@ Status Preview::rebuild() {
   if (frame_) FL_TRY(frame_->run_steps());
   FL_ASSIGN(auto fresh, render::Frame::create(*device_, controls_.haze ? rig_ : clear_rig_,
                                               controls_.haze ? compiled_ : clear_compiled_, settings));
-  if (frame_ && fresh->resources().fixture_count > 0) {
-    const VkBufferCopy states{0, 0, fresh->resources().fixture_count * render::kStateBytes};
+  if (frame_) {
     FL_TRY(device_->run_once([&](VkCommandBuffer commands) {
-      render::vk::full_barrier(commands);
-      vkCmdCopyBuffer(commands, frame_->resources().states.handle, fresh->resources().states.handle, 1, &states);
-      render::vk::full_barrier(commands);
+      render::take_states(commands, frame_->resources(), fresh->resources());
     }));
   }
   frame_ = std::move(fresh);
@@ -238,11 +235,8 @@ Status Preview::replay_to(DurationNs until_ns, DurationNs exposure_ns) {
     if (!log) return fail(ErrorCode::kIo, "{}: the log is gone", options_.files.log);
     timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_);
     FL_TRY(frame_->run_steps());
-    FL_TRY(device_->run_once([&](VkCommandBuffer commands) {
-      render::vk::full_barrier(commands);
-      vkCmdFillBuffer(commands, frame_->resources().states.handle, 0, VK_WHOLE_SIZE, 0);
-      render::vk::full_barrier(commands);
-    }));
+    FL_TRY(device_->run_once(
+        [&](VkCommandBuffer commands) { render::forget_states(commands, frame_->resources()); }));
   }
   Status flushed;
   FL_TRY(timeline_->advance(until_ns, exposure_ns,

@@ -30,16 +30,19 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kSlots = 6;
 
 // One channel of `bytes` bytes from slot `first`, linear over the whole range.
-Channel channel(int first, int bytes, uint param, double from, double to) {
+Channel channel(int first, int bytes, const char* attribute, double from, double to) {
   Channel c;
   for (int i = 0; i < bytes; ++i) c.slot_offsets.push_back(first + i);
   ChannelFunction function;
   function.name = "all";
   function.dmx_to = bytes == 2 ? 65535u : 255u;
-  function.param = param;
+  function.attribute = attribute;
+  function.instant = true;
   function.physical_from = from;
   function.physical_to = to;
   c.functions.push_back(std::move(function));
+  c.byte_count = bytes;
+  c.geometry = kSimpleHead;
   return c;
 }
 
@@ -51,16 +54,16 @@ FixtureType beam_type(double lens_radius_m) {
   Mode mode;
   mode.name = "6 slots";
   mode.slot_count = kSlots;
-  mode.channels = {channel(0, 2, kParamZoom, 0.5 * kDegree, 26 * kDegree), channel(2, 1, kParamDimmer, 0, 1),
-                   channel(3, 1, kParamRed, 0, 1), channel(4, 1, kParamGreen, 0, 1), channel(5, 1, kParamBlue, 0, 1)};
+  mode.channels = {channel(0, 2, "Zoom", 1, 52), channel(2, 1, "Dimmer", 0, 1), channel(3, 1, "ColorAdd_R", 0, 1),
+                   channel(4, 1, "ColorAdd_G", 0, 1), channel(5, 1, "ColorAdd_B", 0, 1)};
+  mode.geometries = simple_geometries(0.01, 0.01);
   type.modes.push_back(std::move(mode));
-  type.dimmer_square = false;
-  type.flux_lm = 10'000;
-  type.lens_radius_m = lens_radius_m;
-  type.profile_m = 1;
+  Beam beam;
+  beam.radius_m = lens_radius_m;
+  beam.profile_m = 1;
+  beam.color_temperature_k = 0;
+  type.beams.push_back(beam);
   type.body = BodyModel::kPar;
-  type.pivot_drop_m = 0.01;
-  type.lens_offset_m = 0.01;
   return type;
 }
 
@@ -111,11 +114,11 @@ Result<Scene> make_beams_scene(int count) {
     const PatchedFixture& fixture = rig.fixtures[index];
     const std::span<std::uint8_t> slots(&scene.levels[std::size_t(fixture.universe - 1) * kSlotCountMax],
                                         kSlotCountMax);
-    encode_param(rig, fixture, kParamZoom, half_angles_rad[index], slots);
-    encode_param(rig, fixture, kParamDimmer, 1, slots);
-    encode_param(rig, fixture, kParamRed, colors[index].x, slots);
-    encode_param(rig, fixture, kParamGreen, colors[index].y, slots);
-    encode_param(rig, fixture, kParamBlue, colors[index].z, slots);
+    encode_attribute(rig, fixture, "Zoom", 2 * half_angles_rad[index] / kDegree, slots);
+    encode_attribute(rig, fixture, "Dimmer", 1, slots);
+    encode_attribute(rig, fixture, "ColorAdd_R", colors[index].x, slots);
+    encode_attribute(rig, fixture, "ColorAdd_G", colors[index].y, slots);
+    encode_attribute(rig, fixture, "ColorAdd_B", colors[index].z, slots);
   }
   scene.camera = rig.cameras.front();
   return scene;

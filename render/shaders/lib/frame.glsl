@@ -6,13 +6,28 @@
 
 layout(set = 0, binding = FL_BINDING_PARAMS, std430) readonly buffer ParamsBuffer { FrameParams params; };
 
+#ifdef FL_USE_HEADS
+#include "sim/shared/turns.h"
+#include "sim/shared/motion.h"
+#include "sim/shared/filter.h"
+#include "sim/shared/shutter.h"
+#include "fixtures/shared/state.h"
+layout(set = 0, binding = FL_BINDING_TYPES, std430) readonly buffer TypesBuffer { TypeRow types[]; };
+layout(set = 0, binding = FL_BINDING_HEADS, std430) readonly buffer HeadsBuffer { HeadRow heads[]; };
+layout(set = 0, binding = FL_BINDING_STATES, std430) FL_STATES_ACCESS buffer StatesBuffer { HeadState states[]; };
+#endif
+#ifdef FL_USE_POSE
+layout(set = 0, binding = FL_BINDING_JOINTS, std430) readonly buffer JointsBuffer { JointRow joints[]; };
+JointRow fl_joint(uint index) { return joints[index]; }
+#include "fixtures/shared/pose.h"
+#endif
 #ifdef FL_USE_BEAMS
 layout(set = 0, binding = FL_BINDING_BEAMS, std430) FL_BEAMS_ACCESS buffer BeamsBuffer { BeamRow beams[]; };
 #endif
 #ifdef FL_USE_COUNTS
 layout(set = 0, binding = FL_BINDING_COUNTS, std430) FL_COUNTS_ACCESS buffer CountsBuffer {
   CountsRow counts;
-  uint group_live[];  // live beams of each workgroup of the step pass
+  uint group_live[];  // lit heads of each workgroup of the step pass
 };
 #endif
 #ifdef FL_USE_MASKS

@@ -18,7 +18,7 @@ const uint kBody = 2u;
 
 struct Surface {
   uint kind;
-  uint which;   // box; or fixture << 3 | part
+  uint which;   // box; or head << 3 | part
   vec3 normal;  // unit, outwards
   float t_m;    // along the unit ray
 };

@@ -4,24 +4,37 @@
 // Bindings of the one descriptor set.
 #define FL_BINDING_PARAMS 0
 #define FL_BINDING_LEVELS 1
+// Tables of the rig (fixtures/shared/tables.h).
 #define FL_BINDING_TYPES 2
 #define FL_BINDING_CHANNELS 3
 #define FL_BINDING_FUNCTIONS 4
-#define FL_BINDING_FIXTURES 5
-#define FL_BINDING_STATES 6
-#define FL_BINDING_BEAMS 7
-#define FL_BINDING_COUNTS 8
-#define FL_BINDING_MASKS 9
-#define FL_BINDING_BOXES 10
-#define FL_BINDING_SURFACE_ID 11
-#define FL_BINDING_DEPTH 12
-#define FL_BINDING_RADIANCE 13
-#define FL_BINDING_SCREEN 14
-#define FL_BINDING_GOBOS 15
-#define FL_BINDING_INSTANCES 16
-#define FL_BINDING_COUNT 17
+#define FL_BINDING_MASTERS 5
+#define FL_BINDING_MOTORS 6
+#define FL_BINDING_SPINS 7
+#define FL_BINDING_JOINTS 8
+#define FL_BINDING_WHEEL_SLOTS 9
+#define FL_BINDING_DEFAULTS 10
+#define FL_BINDING_COLORS 11
+#define FL_BINDING_HEADS 12
+// States of the heads (fixtures/shared/state.h).
+#define FL_BINDING_STATES 13
+#define FL_BINDING_MOTOR_STATES 14
+#define FL_BINDING_SPIN_STATES 15
+#define FL_BINDING_SHUTTER_STATES 16
+// What passes hand on.
+#define FL_BINDING_BEAMS 17
+#define FL_BINDING_COUNTS 18
+#define FL_BINDING_MASKS 19
+#define FL_BINDING_BOXES 20
+#define FL_BINDING_SURFACE_ID 21
+#define FL_BINDING_DEPTH 22
+#define FL_BINDING_RADIANCE 23
+#define FL_BINDING_SCREEN 24
+#define FL_BINDING_GOBOS 25
+#define FL_BINDING_INSTANCES 26
+#define FL_BINDING_COUNT 27
 
-// Specialisation constants.
+// Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
 #define FL_SPEC_STROBE 1
 #define FL_SPEC_GOBO 2
@@ -32,12 +45,13 @@
 #define FL_SPEC_GOBO_TAPS 7
 #define FL_SPEC_BOXES 8
 #define FL_SPEC_BODIES 9
-#define FL_SPEC_COUNT 10
+#define FL_SPEC_SPIN 10
+#define FL_SPEC_COUNT 11
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
 
-#define FL_GROUP_FIXTURES 64  // fixtures a workgroup
+#define FL_GROUP_HEADS 64     // heads a workgroup
 #define FL_TILE_PX 16         // a workgroup shades one tile
 #define FL_SUPERTILE_PX 64    // beams are listed per supertile, one bit a live beam
 #define FL_GROUP_MASK 64      // beams a workgroup of the tile pass tests
@@ -50,7 +64,7 @@ struct FrameParams {
   vec4 position;  // xyz: camera, m; w: sigma_t, 1/m
   uint width;
   uint height;
-  uint fixture_count;
+  uint head_count;
   uint box_count;
   uint supertiles_x;
   uint mask_words;    // 32-bit words a supertile
@@ -72,7 +86,7 @@ struct BeamRow {
   uint gobo;    // 0: open
   float gobo_cos;
   float gobo_sin;
-  uint fixture;
+  uint head;
 };
 
 // Counts of a frame. live_count and the indirect arguments are written by the last workgroup of the gather pass.
@@ -92,5 +106,7 @@ struct BoxRow {
   vec4 albedo;  // linear
 };
 
-// The visibility buffer of fixture bodies, two words a pixel: packed normal; 0 for nothing, else 1 + (fixture << 3 |
-// part).
+// The visibility buffer of fixture bodies, two words a pixel: packed normal; 0 for nothing, else 1 + (head << 3 |
+// part). `part`: how many joints of the head's chain move it, with FL_PART_LENS for a lens.
+#define FL_PART_DEPTH 3
+#define FL_PART_LENS 4

@@ -327,18 +327,21 @@ TEST_CASE("the scene of a rig has the pose, the shape and the lumens that the wa
   type.flux_lm = 8000;
   type.lens_radius_m = 0.06f;
   type.profile_m = 2;
-  type.pivot_drop_m = 0.25f;
-  type.lens_offset_m = 0.5f;
-  fixtures::FixtureRow row{};
+  fixtures::JointRow lens{};  // no joint: the lens 0.75 m below
+  lens.pose_0 = {1, 0, 0, 0};
+  lens.pose_1 = {0, 1, 0, 0};
+  lens.pose_2 = {0, 0, 1, -0.75f};
+  fixtures::HeadRow row{};
   row.pose_0 = {1, 0, 0, 1};
   row.pose_1 = {0, 1, 0, 2};
   row.pose_2 = {0, 0, 1, 6};
   compiled.types = {type};
-  compiled.fixtures = {row, row, row};
+  compiled.joints = {lens};
+  compiled.heads = {row, row, row};
   fixtures::f64::Walker walker(compiled);
   for (auto& state : walker.states) {
     state = {};
-    state.zoom.position = 0.3;
+    state.zoom = 0.3;
     state.red = 0.25;
     state.green = 0.125;
   }

@@ -36,7 +36,9 @@ TEST_CASE("aim sends the beam where it was asked to, for any hanging") {
     const auto compiled = fixtures::compile(rig);
     REQUIRE(compiled);
     fixtures::f64::Walker walker(*compiled);
-    const auto pose = walker.beam_pose(compiled->fixtures[0], compiled->types[0], angles.pan, angles.tilt);
+    walker.states[0].pan = angles.pan;
+    walker.states[0].tilt = angles.tilt;
+    const auto pose = walker.pose(0);
     REQUIRE(glm::length(pose.axis - direction) < 1e-6);
     REQUIRE(std::abs(angles.pan) <= 1.5708);
   }
@@ -128,9 +130,8 @@ TEST_CASE("few beams at a time point into the main camera") {
     int at_eye = 0;
     for (std::size_t i = 0; i < walker.states.size(); ++i) {
       const auto& state = walker.states[i];
-      const auto pose = walker.beam_pose(compiled->fixtures[i], compiled->types[compiled->fixtures[i].type],
-                                         state.pan.position, state.tilt.position);
-      const bool inside = glm::dot(glm::normalize(eye - pose.lens_m), pose.axis) > std::cos(state.zoom.position);
+      const auto pose = walker.pose(i);
+      const bool inside = glm::dot(glm::normalize(eye - pose.lens_m), pose.axis) > std::cos(state.zoom);
       at_eye += inside && state.red + state.green + state.blue > 0.05f;
     }
     blinded += at_eye > 2;

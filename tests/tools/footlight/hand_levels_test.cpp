@@ -21,9 +21,9 @@ struct Demo {
   }
 };
 
-const Fader* find(const HandLevels& hand, std::size_t index, fixtures::uint param) {
+const Fader* find(const HandLevels& hand, std::size_t index, std::string_view attribute) {
   for (const Fader& fader : hand.faders(index)) {
-    if (fader.param == param) return &fader;
+    if (fader.attribute == attribute) return &fader;
   }
   return nullptr;
 }
@@ -41,34 +41,34 @@ TEST_CASE("every fixture of a rig that nothing drives begins lit white") {
 
 TEST_CASE("what a fader says is what the fixture does, to the resolution of its channel") {
   Demo demo;
-  const Fader* pan = find(demo.hand, 0, fixtures::kParamPan);
+  const Fader* pan = find(demo.hand, 0, "Pan");
   REQUIRE(pan != nullptr);
-  demo.hand.set(0, fixtures::kParamPan, 0.5);
-  demo.hand.set(0, fixtures::kParamBlue, 0);
-  CHECK(pan->value == 0.5);
+  demo.hand.set(0, "Pan", 30);
+  demo.hand.set(0, "ColorAdd_B", 0);
+  CHECK(pan->value == 30);
   const auto walker = demo.walk();
-  CHECK(walker.states[0].pan.position == doctest::Approx(0.5).epsilon(1e-3));
+  CHECK(walker.states[0].pan == doctest::Approx(30 * 3.14159265 / 180).epsilon(1e-3));
   CHECK(walker.states[0].blue == 0);
   CHECK(walker.states[1].blue > 0.9);
-  CHECK(std::abs(walker.states[1].pan.position) < 1e-3);
+  CHECK(std::abs(walker.states[1].pan) < 1e-3);
 }
 
 TEST_CASE("a fader stops at the ends of its way") {
   Demo demo;
-  const Fader* tilt = find(demo.hand, 0, fixtures::kParamTilt);
+  const Fader* tilt = find(demo.hand, 0, "Tilt");
   REQUIRE(tilt != nullptr);
-  demo.hand.set(0, fixtures::kParamTilt, 100);
+  demo.hand.set(0, "Tilt", 1000);
   CHECK(tilt->value == tilt->to);
-  demo.hand.set(0, fixtures::kParamTilt, -100);
+  demo.hand.set(0, "Tilt", -1000);
   CHECK(tilt->value == tilt->from);
 }
 
 TEST_CASE("a fixture has no fader for what its mode has no channel for, and setting it changes nothing") {
   Demo demo;
   const std::size_t par = demo.rig.fixtures.size() - 1;
-  CHECK(find(demo.hand, par, fixtures::kParamPan) == nullptr);
+  CHECK(find(demo.hand, par, "Pan") == nullptr);
   const std::vector<std::uint8_t> before(demo.hand.levels().begin(), demo.hand.levels().end());
-  demo.hand.set(par, fixtures::kParamPan, 1);
+  demo.hand.set(par, "Pan", 90);
   CHECK(std::equal(before.begin(), before.end(), demo.hand.levels().begin()));
 }
 
