@@ -236,6 +236,7 @@ FL_FN Real shutter_step(FL_INOUT(Shutter) shutter, ShutterWish wish, Turns dt_ns
 
   if (!flashes) {  // the blades run to one end
     Real target = kind == kShutterClosed ? Real(0) : Real(1);
+    if (shutter.level == target) return target;
     Real travel_s = shutter_travel_s(wish);
     Real before_s = time_s(shutter.since_ns);
     shutter.since_ns = time_add(shutter.since_ns, dt_ns);

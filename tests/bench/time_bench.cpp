@@ -141,8 +141,8 @@ void discharge(benchmark::State& bench) {
   run(bench, Arc(), [&](Arc& a, Inputs&) { a.light = discharge_step(a.lamp, type, 1, kFrame_ns); });
 }
 
-// A profile: pan, tilt, zoom and focus, a strobe, a gobo that turns, a dimmer with its law and an LED driver. Half of the
-// heads strobe. In a look that holds nothing changes; `moving`, pan, tilt and dimmer get new values at each step.
+// A profile: pan, tilt, zoom and focus, a strobe, a gobo that turns, a dimmer with its law and an LED driver. Half of
+// the heads strobe. In a look that holds nothing changes; `moving`, pan, tilt and dimmer get new values at each step.
 struct Head {
   f32::Motor pan = f32::motor_start(0), tilt = f32::motor_start(0), zoom = f32::motor_start(0),
              focus = f32::motor_start(0);

@@ -537,7 +537,7 @@ TEST_CASE("smoothing keeps speed, acceleration and jerk within bounds and does n
 
 TEST_CASE("a belt of 25 Hz and damping 0.05 rings at 25 Hz and dies away") {
   Follower<Double> head;
-  head.soft = soft_of<Double>(2 * 3.14159265358979 * 25, 0.05);
+  head.soft = f64::flex_belt(25, 0.05);
   head.go(1, words(600'000'000), head.limits);  // arrives at 0.45 s
   REQUIRE(head.motor.now.position == 1);
   double before = 0, last_up_s = 0, first_up_s = 0, largest = 0;
@@ -579,6 +579,37 @@ TEST_CASE_TEMPLATE("nothing is ever not finite over random motors, limits and ti
     bad += !std::isfinite(motor.motor.now.position) || !std::isfinite(motor.flex.now.position);
   }
   CHECK(bad == 0);
+}
+
+TEST_CASE("tracking mode smooths the console's steps and lags by its time, vector mode does neither") {
+  // A fader that moves 1 u/s in steps of 44 Hz. Both follow; the ripple of the speed tells them apart.
+  for (const bool tracking : {true, false}) {
+    Follower<Double> head;
+    head.limits = limits_of<Double>(10, 200);
+    if (tracking) head.soft = f64::flex_smoothing(0.3);
+    double least = 1e9, most = -1e9, lag = 0;
+    for (int frame = 0; frame < 440; ++frame) {
+      const double target = frame / 44.0;
+      for (int part = 0; part < 10; ++part) {
+        head.go(target, words(kSecond_ns / 440), head.limits);
+        if (frame < 220) continue;
+        least = std::min(least, head.flex.now.speed);
+        most = std::max(most, head.flex.now.speed);
+      }
+      lag = target + 1 / 44.0 - head.value();
+    }
+    CHECK((most - least < 0.1) == tracking);
+    CHECK(lag == doctest::Approx(tracking ? 0.3 : 0.02).epsilon(0.2));
+  }
+}
+
+TEST_CASE("every kind of motor has times of its own that make sound limits") {
+  for (std::uint32_t kind = 0; kind <= f64::kMotorCount; ++kind) {
+    const f64::MotorTimes times = f64::motor_default(kind);
+    const f64::MotorLimits limits = f64::motor_limits(1, times.fade_s, times.acceleration_s);
+    CHECK(motor_step(f64::motor_start(0), limits, 1, f64::time_ns(times.fade_s * 1.0001)).now.position == 1);
+    CHECK(motor_step(f64::motor_start(0), limits, 1, f64::time_ns(times.fade_s * 0.99)).now.position < 1);
+  }
 }
 
 }  // namespace
