@@ -147,7 +147,7 @@ FL_FN Real flash_level(Flash flash, Real at) {
   } else if (at < flash.rise + flash.open + flash.fall) {
     share = (flash.rise + flash.open + flash.fall - at) / flash.fall;
   }
-  return flash.low + (flash.peak - flash.low) * share;
+  return flash.low + (flash.peak - flash.low) * unit_share(share);  // a short ramp's rounding reaches beyond
 }
 
 // Where the flash of a period begins.

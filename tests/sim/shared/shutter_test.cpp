@@ -376,6 +376,17 @@ TEST_CASE_TEMPLATE("no time is the state now, and odd wishes give light between 
   CHECK(bad == 0);
 }
 
+TEST_CASE("blades that are faster than the last digit of their phase stay between closed and open") {
+  f32::ShutterWish wish = wish_of<Float>(f32::kShutterStrobe, 1, 0.5);
+  wish.travel_s = 1e-7f;
+  wish.offset = 0.5f;
+  wish.low = 0.5f;
+  f32::Shutter shutter = f32::shutter_begin();
+  shutter_step(shutter, wish, words(1));
+  CHECK(shutter.level <= 1);
+  CHECK(shutter.level >= 0.5f);
+}
+
 TEST_CASE("flashes with time stamps of their own give their share of the exposures they meet") {
   CHECK(f64::shutter_triggered(0.005, 0.002, 0.02) == doctest::Approx(0.1));
   CHECK(f64::shutter_triggered(-0.001, 0.002, 0.02) == doctest::Approx(0.05));
