@@ -7,12 +7,16 @@
 #include <poll.h>
 
 #include "drivers/gpio/gpio_model.h"
+#include "sim/pump.h"
 #include "tests/support/fake_clock.h"
+#include "tests/support/fake_ports.h"
 
 namespace footlight::drivers {
 namespace {
 
 using footlight::testing::FakeClock;
+using footlight::testing::FakeSource;
+using footlight::testing::FakeWaiter;
 using mock::GpioModel;
 
 // Keeps what a source hands over.
@@ -103,6 +107,75 @@ TEST_CASE("the first poll says which slots are its own, then the levels") {
     CHECK(bench.frames.priority(address) == (address == 25 || address == 26 ? 150 : 0));
   CHECK(bench.source->universes().size() == 1);
   CHECK(bench.source->state() == PortState::kWorking);
+}
+
+TEST_CASE("a strobe input of priority 150 takes its own slots from a desk of priority 100 and leaves it all others") {
+  FakeClock clock;
+  FakeWaiter waiter(clock);
+  Universes universes(std::array<Universe, 1>{3});
+  Pump pump(universes, clock, waiter);
+  GpioConfig config = config_of({"17", "4"});  // addresses 25 and 26
+  config.priority = 150;
+  const auto model = std::make_shared<GpioModel>(32);
+  auto strobe = GpioSource::open(std::move(config), mock::make_model_chips(model), clock);
+  REQUIRE(strobe);
+  FakeSource desk(waiter, "sacn:3", {3});
+  // The descriptors of a model chip are real ones; this waiter does not know them.
+  class Polled final : public Source {
+   public:
+    Polled(Source& source, int fd) : source_(source), fd_(fd) {}
+    std::string name() const override { return source_.name(); }
+    int poll_fd() const override { return fd_; }
+    TimeNs next_deadline_ns() const override { return source_.next_deadline_ns(); }
+    PortState state() const override { return source_.state(); }
+    PortCounters counters() const override { return source_.counters(); }
+    Status poll(TimeNs now_ns, FrameReceiver& receiver) override { return source_.poll(now_ns, receiver); }
+    std::span<const Universe> universes() const override { return source_.universes(); }
+
+   private:
+    Source& source_;
+    const int fd_;
+  } polled(**strobe, waiter.make_fd([&] {
+    pollfd fd{.fd = (*strobe)->poll_fd(), .events = POLLIN, .revents = 0};
+    return ::poll(&fd, 1, 0) == 1;
+  }));
+  pump.add_source(polled);
+  pump.add_source(desk);
+  pump.start();
+  const auto run_for = [&](DurationNs duration_ns) {
+    const TimeNs end_ns = clock.now_ns() + duration_ns;
+    waiter.at(end_ns, [&] { waiter.interrupt(); });
+    while (clock.now_ns() < end_ns) pump.step();
+  };
+  const auto check_look = [&](int desk_level, int first, int second) {
+    Slots levels;
+    FrameStamp stamp;
+    universes.snapshot(0, levels, stamp);
+    for (Address address = 1; address <= kSlotCountMax; ++address) {
+      CAPTURE(address);
+      const int expected = address == 25 ? first : address == 26 ? second : desk_level;
+      CHECK(levels[static_cast<std::size_t>(slot_of_address(address))] == expected);
+    }
+  };
+  run_for(kNsPerMs);
+  desk.give(3, 200);
+  run_for(kNsPerMs);
+  check_look(200, 0, 0);  // off is a level too: the desk cannot light what the switch has dark
+  model->drive(17, true, clock.now_ns());
+  run_for(kNsPerMs);
+  check_look(200, 255, 0);
+  desk.give(3, 77);  // the desk is followed everywhere else
+  model->drive(4, true, clock.now_ns());
+  run_for(kNsPerMs);
+  check_look(77, 255, 255);
+  model->drive(17, false, clock.now_ns());
+  desk.give(3, 78, 149);  // still below 150
+  run_for(100 * kNsPerMs);
+  check_look(78, 0, 255);
+  desk.give(3, 79, 151);  // and above: the desk has it all
+  run_for(kNsPerMs);
+  check_look(79, 79, 79);
+  pump.stop();
 }
 
 TEST_CASE("an edge makes the descriptor readable and a frame with the stamp of the kernel") {
