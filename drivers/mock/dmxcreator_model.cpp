@@ -15,6 +15,7 @@ Bytes DmxCreatorModel::config_descriptor() const {
 }
 
 void DmxCreatorModel::power_on() {
+  UsbModel::power_on();
   ++power_on_count;
   memory.fill(0);
   announcement_.clear();

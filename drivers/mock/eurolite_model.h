@@ -17,7 +17,10 @@ class EuroliteModel final : public UsbModel {
 
   Bytes device_descriptor() const override;
   Bytes config_descriptor() const override;
-  void power_on() override { held_.clear(); }
+  void power_on() override {
+    UsbModel::power_on();
+    held_.clear();
+  }
   std::optional<Bytes> control(const SetupPacket& setup, std::span<const std::uint8_t> data) override;
   void data_out(std::uint8_t endpoint, std::span<const std::uint8_t> bytes) override;
   bool has_data(std::uint8_t) const override { return false; }

@@ -88,6 +88,7 @@ Bytes HidModel::config_descriptor() const {
 }
 
 void HidModel::power_on() {
+  UsbModel::power_on();
   ++power_on_count;
   to_host_.clear();
 }

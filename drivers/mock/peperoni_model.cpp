@@ -35,6 +35,7 @@ Bytes PeperoniModel::config_descriptor() const {
 }
 
 void PeperoniModel::power_on() {
+  UsbModel::power_on();
   ++power_on_count;
   coming_.clear();
   to_host_.clear();

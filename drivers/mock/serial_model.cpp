@@ -46,6 +46,7 @@ Bytes SerialModel::config_descriptor() const {
 }
 
 void SerialModel::power_on() {
+  UsbModel::power_on();
   ++power_on_count;
   to_host_.clear();
   latency_ms = 16;

@@ -33,6 +33,7 @@ Bytes UdmxModel::config_descriptor() const {
 }
 
 void UdmxModel::power_on() {
+  UsbModel::power_on();
   ++power_on_count;
   memory.fill(0);
   line_slot_count = 0;

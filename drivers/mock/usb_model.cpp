@@ -45,6 +45,10 @@ const UsbModel::Line& UsbModel::line(int number) const {
   return index < lines_.size() ? lines_[index] : kNone;
 }
 
+void UsbModel::power_on() {
+  for (Line& line : lines_) line.frame.clear();
+}
+
 void UsbModel::show(int line, Bytes frame) {
   const auto index = static_cast<std::size_t>(line);
   if (index >= lines_.size()) lines_.resize(index + 1);

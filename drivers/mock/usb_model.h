@@ -37,8 +37,8 @@ class UsbModel {
 
   // --- What left on its DMX connectors; only to be read. A frame has its start code first.
   struct Line {
-    Bytes frame;
-    std::uint64_t frame_count = 0;
+    Bytes frame;                    // the newest since power came; empty: none
+    std::uint64_t frame_count = 0;  // ever
   };
   [[nodiscard]] const Line& line(int number) const;            // from 0; one without frames where nothing left there
   std::function<void(int line, const Bytes& frame)> on_frame;  // called for each; empty: none
@@ -56,7 +56,8 @@ class UsbModel {
   // Manufacturer, product, serial number; empty ones are not reported.
   [[nodiscard]] std::vector<std::string> strings() const { return {manufacturer, product, serial}; }
   // Power comes: volatile state is as new, what the device stores stays.
-  virtual void power_on() = 0;
+  // Every model calls this one, which has its lines show nothing.
+  virtual void power_on();
   // nullopt: the device refuses (STALL). Data of the answer for requests to the host, else empty.
   virtual std::optional<Bytes> control(const SetupPacket& setup, std::span<const std::uint8_t> data) = 0;
   virtual void data_out(std::uint8_t endpoint, std::span<const std::uint8_t> bytes) = 0;

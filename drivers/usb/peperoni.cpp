@@ -1,24 +1,16 @@
-#include "drivers/usb/peperoni.h"
-
-#include <algorithm>
-
+// Peperoni Rodin, X-Switch and USBDMX21: how a look is sent by each generation of firmware.
 #include "drivers/driver.h"
 #include "drivers/mock/peperoni_model.h"
-#include "sim/core/check.h"
+#include "drivers/usb/peperoni_frame.h"
 
 namespace footlight::drivers {
 namespace {
 
-constexpr std::uint8_t kMagic[] = {0x02, 0x4D, 0x6B, 0x32};
 constexpr std::uint8_t kEndpointOut = 0x02, kEndpointIn = 0x82;
 constexpr ControlRequest kSetStartCode{.request_type = 0x40, .request = 0x09};
 constexpr ControlRequest kSetMemory{.request_type = 0x40, .request = 0x08};
 constexpr ControlRequest kGetDeviceDescriptor{.request_type = 0x80, .request = 6, .value = 0x0100};
-constexpr std::uint8_t kDeviceWait_ms = 50;          // until the transmitter is free: it paces the looks
-constexpr DurationNs kPatience_ns = 100 * kNsPerMs;  // more than that
-// As QLC+ sends them: 200 us and 20 us.
-constexpr std::uint8_t kBreakCode = 181, kMarkCode = 250;
-constexpr std::uint8_t kWaitForTransmitter = 0x02, kForceTransmission = 0x80;
+constexpr DurationNs kPatience_ns = 100 * kNsPerMs;  // more than kPeperoniWait_ms
 
 class PeperoniWidget final : public Widget {
  public:
@@ -87,7 +79,7 @@ class PeperoniWidget final : public Widget {
         if (status == PeperoniStatus::kTimeout) {
           ++timeout_count_;
           return fail(ErrorCode::kTimeout, "{}: its transmitter was not free within {} ms", transport.where(),
-                      kDeviceWait_ms);
+                      kPeperoniWait_ms);
         }
         if (status)
           return fail(ErrorCode::kIo, "{}: refused universe {} with status {}", transport.where(), line + 1,
@@ -141,51 +133,6 @@ constexpr UsbModelId kModels[] = {
 };
 
 }  // namespace
-
-PeperoniFrames peperoni_frames(std::uint16_t release) {
-  if (release < 0x0400) return PeperoniFrames::kControl;
-  return release < 0x0500 ? PeperoniFrames::kBulk : PeperoniFrames::kBulkWithStatus;
-}
-
-std::array<std::uint8_t, kPeperoniBulkSize> encode_peperoni_bulk(int universe,
-                                                                 std::span<const std::uint8_t, kSlotCountMax> look) {
-  FL_CHECK(universe == 0 || universe == 1);
-  constexpr std::uint8_t kSetFirst = 0, kSetSecond = 4;
-  std::array<std::uint8_t, kPeperoniBulkSize> message{0x01, universe == 0 ? kSetFirst : kSetSecond, 0x00, 0x02};
-  std::copy(look.begin(), look.end(), message.begin() + 4);
-  return message;
-}
-
-std::array<std::uint8_t, kPeperoniStatusFrameSize> encode_peperoni_with_status(
-    int universe, std::span<const std::uint8_t, kSlotCountMax> look) {
-  FL_CHECK(universe == 0 || universe == 1);
-  constexpr std::size_t kCommandSize = 13, kDataHeadSize = 7;
-  constexpr std::size_t kDataSize = kDataHeadSize + kSlotCountMax, kLineSize = 1 + kSlotCountMax;
-  const std::uint8_t settings[] = {0x00,  // set
-                                   static_cast<std::uint8_t>(universe),
-                                   kDataSize & 0xFF,
-                                   kDataSize >> 8,
-                                   kWaitForTransmitter | kForceTransmission,
-                                   kDeviceWait_ms,
-                                   0,
-                                   kBreakCode,
-                                   kMarkCode};
-  constexpr std::uint8_t kDataHead[] = {kLineSize & 0xFF, kLineSize >> 8, 0x00};
-  std::array<std::uint8_t, kPeperoniStatusFrameSize> message{};
-  auto at = std::copy(std::begin(kMagic), std::end(kMagic), message.begin());
-  at = std::copy(std::begin(settings), std::end(settings), at);
-  FL_CHECK_EQ(at - message.begin(), static_cast<std::ptrdiff_t>(kCommandSize));
-  at = std::copy(std::begin(kMagic), std::end(kMagic), at);
-  at = std::copy(std::begin(kDataHead), std::end(kDataHead), at);
-  std::copy(look.begin(), look.end(), at);
-  return message;
-}
-
-std::optional<PeperoniStatus> decode_peperoni_status(std::span<const std::uint8_t> answer) {
-  if (answer.size() != kPeperoniStatusSize || !std::equal(std::begin(kMagic), std::end(kMagic), answer.begin()))
-    return std::nullopt;
-  return static_cast<PeperoniStatus>(answer[6]);
-}
 
 extern constinit const DriverInfo peperoni_driver{
     .id = "peperoni",

@@ -154,6 +154,19 @@ TEST_CASE("every driver's look reaches the line with start code 0 and 512 slots,
   });
 }
 
+TEST_CASE("every model's lines show nothing after power was gone, until something is sent") {
+  for_every_output([](Bench& bench) {
+    {
+      const auto sink = bench.open_sink();
+      bench.send(*sink, ramp(7));
+      REQUIRE(bench.shows(ramp(7)));
+    }
+    bench.usb->unplug();
+    bench.usb->plug();
+    bench.usb->with_model([&](UsbModel& model) { CHECK(model.line(bench.line).frame.empty()); });
+  });
+}
+
 TEST_CASE("every driver reports an unplugged device gone, and shows the last look again when it is back") {
   for_every_output([](Bench& bench) {
     const auto sink = bench.open_sink();

@@ -28,6 +28,8 @@ enum class PeperoniFrames : std::uint8_t { kControl, kBulk, kBulkWithStatus };
 inline constexpr std::size_t kPeperoniBulkSize = 4 + kSlotCountMax;
 inline constexpr std::size_t kPeperoniStatusFrameSize = 13 + 7 + kSlotCountMax;
 inline constexpr std::size_t kPeperoniStatusSize = 8;
+// How long a device that answers waits until its transmitter is free: it paces the looks.
+inline constexpr std::uint8_t kPeperoniWait_ms = 50;
 
 // universe: 0 or 1.
 [[nodiscard]] std::array<std::uint8_t, kPeperoniBulkSize> encode_peperoni_bulk(
