@@ -78,8 +78,8 @@ glm::uvec2 words(std::int64_t ns) {
 Pair motor(Draw& draw) {  // ranges of 1: the error is a share of it
   const float position = draw.between("position", 0, 1);
   const float speed_max = draw.decades("speed_max", 0.01, 10);
-  const float speed = draw.between("speed", -1, 1) * speed_max;
-  const float acceleration = draw.decades("ramp_1_s", 0.1, 1000) * speed_max;
+  const float speed = draw.between("speed_over_max", -1, 1) * speed_max;
+  const float acceleration = draw.decades("acceleration_over_max", 0.1, 1000) * speed_max;
   const float target = draw.level("target");
   const float dt_s = draw.decades("dt_s", 1e-4, 60);
   return {wide(f32::axis_step({position, speed}, target, speed_max, acceleration, dt_s).position),
