@@ -176,6 +176,15 @@ FL_FN Motor motor_start(Real position) {
   return motor;
 }
 
+// The target of a wheel, which is the same place each `period`: of all that name the place, the nearest. It is chosen
+// when the place changes and kept while the wheel is on its way, or its turning would depend on when it was looked at.
+FL_FN Real motor_nearest(Motor motor, Real target, Real period) {
+  if (!(period > Real(0)) || !(abs(target) <= Real(1e9))) return target;
+  Real same = target + period * floor((motor.target - target) / period + Real(0.5));
+  if (abs(same - motor.target) <= Real(1e-6) * period) return motor.target;
+  return target + period * floor((motor.now.position - target) / period + Real(0.5));
+}
+
 FL_INLINE Motor motor_step(Motor motor, MotorLimits limits, Real target, Turns dt_ns) {
   if (!(abs(target) <= Real(1e9))) return motor;
   if (!axis_takes(target, limits.speed_max, limits.acceleration_max)) {  // no motor

@@ -24,16 +24,6 @@ FL_CONST uint kShutterEffect = uint(10);  // GDTF leaves it to the maker; here f
 FL_CONST uint kShutterKindCount = uint(11);
 FL_CONST uint kShutterEffectFlashes = uint(4);
 
-// p0 in [0, 1): phase at the start of the exposure; turns >= 0: turns during it. Returns 0 to 1.
-FL_FN Real shutter_open_share(Real p0, Real turns, Real duty) {
-  Real at_start = min(p0, duty);
-  if (!(turns > Real(1e-6))) return p0 < duty ? Real(1) : Real(0);  // too short to integrate: the state at the start
-  Real p1 = p0 + turns;
-  Real whole = floor(p1);
-  Real at_end = whole * duty + min(p1 - whole, duty);
-  return min(max((at_end - at_start) / turns, Real(0)), Real(1));
-}
-
 // One flash: from `low` up to `peak` in `rise`, there for `open`, back in `fall`. Lengths in turns, their sum at most
 // 1.
 struct Flash {

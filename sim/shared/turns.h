@@ -47,9 +47,6 @@ FL_FN Real unit_share(Real x) { return x > Real(0) ? min(x, Real(1)) : Real(0); 
 // numbers.
 FL_FN Real decay_share(Real x) { return x < Real(40) ? exp(-x) : Real(0); }
 
-// In [0, 1): the top bits as a fraction of a turn.
-FL_FN Real turns_fraction(Turns phase) { return Real(phase.y >> uint(8)) * Real(5.9604644775390625e-8); }
-
 // In [0, 1]: the fraction of a turn to all digits of Real; in float the last 2^-25 turn rounds up to 1.
 FL_FN Real turns_real(Turns phase) {
   return (Real(phase.y) + Real(phase.x) * Real(2.3283064365386963e-10)) * Real(2.3283064365386963e-10);

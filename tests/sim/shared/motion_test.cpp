@@ -612,5 +612,32 @@ TEST_CASE("every kind of motor has times of its own that make sound limits") {
   }
 }
 
+// A wheel of eight slots, a slot at a time, now and then back and forth before it arrives.
+template <class T>
+struct WheelTurner {
+  typename T::Motor motor = motor_at<T>(0);
+  typename T::MotorLimits limits = limits_of<T>(16, 60);
+  void step(std::uint32_t change, glm::uvec2 dt_ns) {
+    const auto slot = static_cast<typename T::Real>(f64::hash_two(7, change / 6) % 8);
+    motor = motor_step(motor, limits, motor_nearest(motor, slot, typename T::Real(8)), dt_ns);
+  }
+  [[nodiscard]] double value() const { return static_cast<double>(motor.now.position); }
+};
+
+TEST_CASE_TEMPLATE("a wheel turns the same way round at 15 to 1000 frames a second", T, Float, Double) {
+  CHECK(rate_spread(WheelTurner<T>{}) <= 1e-6 * 8);
+}
+
+TEST_CASE("a wheel goes the shorter way to a slot, and stays with it while it is on its way") {
+  f64::Motor wheel = f64::motor_start(1);
+  CHECK(f64::motor_nearest(wheel, 7, 8) == -1);
+  CHECK(f64::motor_nearest(wheel, 3, 8) == 3);
+  CHECK(f64::motor_nearest(wheel, 7, 0) == 7);
+  wheel.target = -1;
+  wheel.now.position = 5;  // thrown far beyond: 7 would be nearer now
+  CHECK(f64::motor_nearest(wheel, 7, 8) == -1);
+  CHECK(f64::motor_nearest(wheel, 6, 8) == 6);
+}
+
 }  // namespace
 }  // namespace footlight

@@ -109,11 +109,6 @@ TEST_CASE("a negative rate turns back by exactly what the positive one turns on"
   }
 }
 
-TEST_CASE("a fraction of a turn is below one") {
-  CHECK(f32::turns_fraction(words(~std::uint64_t{0})) < 1.0f);
-  CHECK(f32::turns_fraction(words(std::uint64_t{1} << 63)) == 0.5f);
-}
-
 TEST_CASE("phases become reals and come back") {
   std::mt19937_64 random(12);
   for (int i = 0; i < 10'000; ++i) {
