@@ -5,12 +5,15 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <set>
 #include <utility>
 #include <vector>
 
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include "fixtures/import/import.h"
+#include "fixtures/params.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/fixtures_command.h"
 #include "tools/footlight/json_lines.h"
@@ -133,6 +136,15 @@ class Progress {
   TimeNs shown_ns_ = 0;
 };
 
+// The attributes that are read and that the simulator makes nothing of, of all modes.
+std::string unsimulated_of(const fixtures::FixtureType& type) {
+  std::set<std::string> names;
+  for (const fixtures::Mode& mode : type.modes) {
+    for (std::string& name : fixtures::unsimulated(mode)) names.insert(std::move(name));
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 FixtureCheck check_file(const std::string& path) {
   FixtureCheck check{path, "", ImportStatus::kRefused, "", "", 0, {}};
   fixtures::Diagnostics diagnostics;
@@ -144,6 +156,11 @@ FixtureCheck check_file(const std::string& path) {
   }
   if (const auto* format = fixtures::find_import_format(*source); format != nullptr) check.format = format->name;
   auto type = fixtures::import_fixture(std::move(*source), diagnostics);
+  if (type) {
+    if (const std::string names = unsimulated_of(*type); !names.empty()) {
+      diagnostics.add({Severity::kNote, "not-simulated", {path}, names, "they change nothing"});
+    }
+  }
   diagnostics.finish();
   if (!type) {
     check.diagnostics = diagnostics.take();

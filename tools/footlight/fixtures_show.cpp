@@ -4,9 +4,12 @@
 #include <memory>
 #include <vector>
 
+#include <fmt/ranges.h>
+
 #include "fixtures/attributes.h"
 #include "fixtures/import/import.h"
 #include "fixtures/import/text.h"
+#include "fixtures/params.h"
 #include "tools/footlight/fixtures_command.h"
 
 namespace footlight::tools {
@@ -56,6 +59,9 @@ class Writer {
     if (!mode.description.empty()) line(1, "{}", mode.description);
     line(1, "Geometries");
     write_tree(mode);
+    if (const auto names = unsimulated(mode); !names.empty()) {
+      line(1, "Read and not simulated: {}", fmt::join(names, ", "));
+    }
     line(1, "Channels");
     for (const Channel& channel : mode.channels) write_channel(mode, channel);
     for (const Relation& relation : mode.relations) {

@@ -34,6 +34,8 @@ constexpr const char* kHead =
     "</LogicalChannel></DMXChannel><DMXChannel Geometry='Lens' Offset='3'><LogicalChannel Attribute='Gobo1'>\n"
     "<ChannelFunction Wheel='Gobos' ModeMaster='Yoke_Pan' ModeFrom='0/2' ModeTo='99/2'>\n"
     "<ChannelSet Name='red' DMXFrom='10/1' WheelSlotIndex='2'/></ChannelFunction></LogicalChannel></DMXChannel>\n"
+    "<DMXChannel Geometry='Base' Offset='4'><LogicalChannel Attribute='RoboSpot'><ChannelFunction/>"
+    "</LogicalChannel></DMXChannel>\n"
     "</DMXChannels></DMXMode></DMXModes></FixtureType></GDTF>\n";
 
 class Folder {
@@ -79,7 +81,9 @@ TEST_CASE("check finds the definitions in folders, and its exit code says whethe
   CHECK(lines[0]["status"] == "warnings");
   CHECK(lines[0]["name"] == "Head");
   CHECK(lines[0]["modes"] == 2);
-  REQUIRE(lines[0]["diagnostics"].size() == 1);
+  REQUIRE(lines[0]["diagnostics"].size() == 2);
+  CHECK(lines[0]["diagnostics"][1]["code"] == "not-simulated");
+  CHECK(lines[0]["diagnostics"][1]["message"] == "RoboSpot");
   const Json& said = lines[0]["diagnostics"][0];
   CHECK(said["severity"] == "error");
   CHECK(said["code"] == "dmx-value");
@@ -113,11 +117,11 @@ TEST_CASE("show prints modes, geometries, channels, functions, sets, wheels and 
   const std::string head = folder.write("head.gdtf", make_zip({{"description.xml", kHead}}));
   const Outcome all = footlight({"fixtures", "show", head});
   CHECK(all.exit_code == 0);
-  for (const char* part :
-       {"Us Head", "gdtf 1.2", "Small: 1 slot, 1 channels", "Large: 3 slots, 2 channels", "Wheel Gobos",
-        "1  Open: open", "Yoke (axis)", "Lens (beam), wash, 9000 lm, 6000 K, beam 25 deg", "1,2  Yoke_Pan: 16 bits",
-        "0-65535  Pan \"P\": -270 to 270 deg, 3.5 s from end to end", "while Yoke_Pan is 0 to 99",
-        "10-255  red (slot 2)"}) {
+  for (const char* part : {"Us Head", "gdtf 1.2", "Small: 1 slot, 1 channels", "Large: 4 slots, 3 channels",
+                           "Read and not simulated: RoboSpot", "Wheel Gobos", "1  Open: open", "Yoke (axis)",
+                           "Lens (beam), wash, 9000 lm, 6000 K, beam 25 deg", "1,2  Yoke_Pan: 16 bits",
+                           "0-65535  Pan \"P\": -270 to 270 deg, 3.5 s from end to end", "while Yoke_Pan is 0 to 99",
+                           "10-255  red (slot 2)"}) {
     CAPTURE(part);
     CHECK(contains(all.out, part));
   }
