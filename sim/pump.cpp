@@ -729,6 +729,8 @@ void Pump::fill(UniverseStatus& universe, int index, TimeNs now_ns) const {
       if (run.source_id != sender.source) continue;
       told.name = run.source->sender_text(sender.id);
       if (told.name.empty()) told.name = run.name;
+      if (const int lane = run.lane_of_index[i]; lane >= 0)
+        told.losses = run.source->sender_losses(static_cast<std::size_t>(lane), sender.id);
     }
     told.id = sender.id;
     told.priority = sender.priority;

@@ -101,10 +101,10 @@ struct PortUniverseStatus {
   std::uint64_t frames = 0;  // source: received from it; sink: handed to it
   double rate_hz = 0.0;      // of those, over the last status period
   // Sinks only; looks == frames + replaced + refused + waiting.
-  std::uint64_t looks = 0;  // meant for it
+  std::uint64_t looks = 0;     // meant for it
   std::uint64_t replaced = 0;  // by a newer one before it was handed over (rate cap, or gone), or taken back (standby)
-  std::uint64_t refused = 0;  // handed over in a call that failed
-  std::uint64_t waiting = 0;  // 0 or 1: held back by the rate cap, or until it is back
+  std::uint64_t refused = 0;   // handed over in a call that failed
+  std::uint64_t waiting = 0;   // 0 or 1: held back by the rate cap, or until it is back
 };
 
 struct PortStatus {
@@ -136,6 +136,7 @@ struct SenderStatus {
   double rate_hz = 0.0;      // of its levels, over the last status period
   bool wins = false;         // some of its levels are in the look
   bool per_address = false;  // it sends a priority for each address
+  SenderLosses losses;       // as its source counts (Source::sender_losses)
 };
 
 struct UniverseStatus {

@@ -78,7 +78,8 @@ bool NetCapture::take_sacn(TimeNs stamp_ns, const UdpDatagram& datagram, FrameVi
   }
   frame.universe = data->universe;
   frame.sender = sender_hash(data->cid);
-  switch (filters_[{true, data->universe}].judge(frame.sender, data->sequence, data->terminated, true, stamp_ns)) {
+  switch (filters_[{true, data->universe}].judge(frame.sender, data->sequence, data->terminated, SequenceRule::kSacn,
+                                                 stamp_ns)) {
     case SequenceFilter::Verdict::kLate: ++counters_.late; return false;
     case SequenceFilter::Verdict::kEndedAlready: ++counters_.ended_already; return false;
     case SequenceFilter::Verdict::kNew: break;
@@ -107,8 +108,9 @@ bool NetCapture::take_artnet(TimeNs stamp_ns, const UdpDatagram& datagram, Frame
   }
   frame.universe = artnet_wire_universe(dmx->port_address);
   frame.sender = sender_hash(datagram.from_address);
-  if (dmx->sequence != 0 && filters_[{false, frame.universe}].judge(frame.sender, dmx->sequence, false, false,
-                                                                    stamp_ns) == SequenceFilter::Verdict::kLate) {
+  if (dmx->sequence != 0 &&
+      filters_[{false, frame.universe}].judge(frame.sender, dmx->sequence, false, SequenceRule::kArtnet, stamp_ns) ==
+          SequenceFilter::Verdict::kLate) {
     ++counters_.late;
     return false;
   }

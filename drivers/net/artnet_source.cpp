@@ -29,13 +29,7 @@ Result<std::unique_ptr<ArtnetSource>> ArtnetSource::create(const ArtnetSourceOpt
 
 ArtnetSource::ArtnetSource(const ArtnetSourceOptions& options)
     : NetSource([&] {
-        Settings settings;
-        settings.name = options.name;
-        settings.universes = options.universes;
-        settings.addresses = options.addresses;
-        settings.interface_names = options.interface_names;
-        settings.udp_port = options.port;
-        settings.kernel_stamps = options.kernel_stamps;
+        Settings settings = settings_of(options);
         settings.packet_info = true;
         settings.silence_max_ns = kArtnetSilenceMaxNs;
         return settings;
@@ -178,8 +172,8 @@ void ArtnetSource::take_dmx(const ArtnetDmx& dmx, const Datagram& datagram, Time
   const auto place = static_cast<std::size_t>(found);
   UniverseState& state = states_[place];
   const SenderId sender = sender_hash(octets_of(datagram.from_ipv4));
-  if (dmx.sequence != 0 &&
-      state.filter.judge(sender, dmx.sequence, false, false, stamp_ns) == SequenceFilter::Verdict::kLate) {
+  if (dmx.sequence != 0 && state.filter.judge(sender, dmx.sequence, false, SequenceRule::kArtnet, stamp_ns) ==
+                               SequenceFilter::Verdict::kLate) {
     ++details_.late;
     return;
   }

@@ -51,6 +51,9 @@ class ArtnetSource final : public NetSource {
   [[nodiscard]] TimeNs next_deadline_ns() const override;
   Status poll(TimeNs now_ns, FrameReceiver& receiver) override;
   [[nodiscard]] std::string sender_text(SenderId sender) const override;
+  [[nodiscard]] SenderLosses sender_losses(std::size_t place, SenderId sender) const override {
+    return states_[place].filter.losses(sender);
+  }
   [[nodiscard]] const ArtnetSourceDetails& details() const { return details_; }
 
  private:

@@ -46,6 +46,18 @@ class NetSource : public Source {
     DurationNs silence_max_ns = kSenderTimeoutNs;  // kWorking until nothing has come for so long
     std::vector<std::uint32_t> groups;             // to join; empty: none
   };
+  // What the options of every protocol have.
+  template <class Options>
+  [[nodiscard]] static Settings settings_of(const Options& options) {
+    Settings settings;
+    settings.name = options.name;
+    settings.universes = options.universes;
+    settings.addresses = options.addresses;
+    settings.interface_names = options.interface_names;
+    settings.udp_port = options.port;
+    settings.kernel_stamps = options.kernel_stamps;
+    return settings;
+  }
   explicit NetSource(Settings settings);
 
   // Opens the sockets and joins the groups. Called once, before anything else.

@@ -21,13 +21,7 @@ Result<std::unique_ptr<SacnSource>> SacnSource::create(const SacnSourceOptions& 
 
 SacnSource::SacnSource(const SacnSourceOptions& options)
     : NetSource([&] {
-        Settings settings;
-        settings.name = options.name;
-        settings.universes = options.universes;
-        settings.addresses = options.addresses;
-        settings.interface_names = options.interface_names;
-        settings.udp_port = options.port;
-        settings.kernel_stamps = options.kernel_stamps;
+        Settings settings = settings_of(options);
         for (const auto& universe : options.universes) settings.groups.push_back(sacn_group_ipv4(universe.wire));
         return settings;
       }()),

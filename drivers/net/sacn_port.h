@@ -19,6 +19,9 @@ class SacnSource final : public NetSource {
   [[nodiscard]] static Result<std::unique_ptr<SacnSource>> create(const SacnSourceOptions& options);
   [[nodiscard]] SacnSourceDetails details() const { return rules_.details(); }
   [[nodiscard]] std::string sender_text(SenderId sender) const override { return rules_.sender_text(sender); }
+  [[nodiscard]] SenderLosses sender_losses(std::size_t place, SenderId sender) const override {
+    return rules_.losses(place, sender);
+  }
 
  private:
   explicit SacnSource(const SacnSourceOptions& options);

@@ -50,19 +50,21 @@ void SacnReceiver::take_data(const SacnData& data, std::uint32_t from_ipv4, Time
     ++details_.own;
     return;
   }
+  const auto place = static_cast<std::size_t>(found);
+  const SenderId sender = sender_hash(data.cid);
   const bool priorities = data.start_code == kStartCodePriorities;
   if (!priorities && data.start_code != kStartCodeLevels) {
     ++details_.other_start_code;
+    level_filters_[place].skip(sender);
     return;
   }
   if (data.preview && !hear_preview_) {
     ++details_.preview;
+    level_filters_[place].skip(sender);
     return;
   }
-  const auto place = static_cast<std::size_t>(found);
-  const SenderId sender = sender_hash(data.cid);
   SequenceFilter& filter = priorities ? priority_filters_[place] : level_filters_[place];
-  const auto verdict = filter.judge(sender, data.sequence, data.terminated, true, now_ns);
+  const auto verdict = filter.judge(sender, data.sequence, data.terminated, SequenceRule::kSacn, now_ns);
   if (verdict == SequenceFilter::Verdict::kLate) {
     ++details_.late;
     return;
@@ -71,6 +73,7 @@ void SacnReceiver::take_data(const SacnData& data, std::uint32_t from_ipv4, Time
     ++details_.ended_already;
     return;
   }
+  if (priorities) level_filters_[place].skip(sender);
   names_.note(sender, data.source_name, from_ipv4, now_ns);
   if (data.terminated) {
     synchroniser_.drop(place, sender);

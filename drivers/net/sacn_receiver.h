@@ -52,6 +52,10 @@ class SacnReceiver {
   [[nodiscard]] std::optional<SacnSynchroniser::Change> take_change() { return synchroniser_.take_change(); }
 
   [[nodiscard]] std::string sender_text(SenderId sender) const { return names_.text_of(sender); }
+  // Of Settings::universes[place].
+  [[nodiscard]] SenderLosses losses(std::size_t place, SenderId sender) const {
+    return level_filters_[place].losses(sender);
+  }
   [[nodiscard]] SacnSourceDetails details() const;
 
  private:

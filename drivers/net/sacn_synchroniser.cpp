@@ -115,7 +115,8 @@ SacnSynchroniser::Address* SacnSynchroniser::accept(const SacnSync& sync, Sender
     ++counters_.foreign;
     return nullptr;
   }
-  if (address->filter.judge(sender, sync.sequence, false, true, now_ns) == SequenceFilter::Verdict::kLate) {
+  if (address->filter.judge(sender, sync.sequence, false, SequenceRule::kSacn, now_ns) ==
+      SequenceFilter::Verdict::kLate) {
     ++counters_.late;
     return nullptr;
   }

@@ -65,6 +65,12 @@ class Port {
   [[nodiscard]] virtual std::optional<PortNotice> take_notice() { return std::nullopt; }
 };
 
+// Frames of one sender and universe, by the numbers that the sender gave them.
+struct SenderLosses {
+  std::uint64_t lost = 0;  // numbers that never came
+  std::uint64_t late = 0;  // came after a later one, and were not used
+};
+
 class Source : public Port {
  public:
   // Hands over everything that has arrived, oldest first, without blocking. Failure means that the port is lost for
@@ -75,6 +81,9 @@ class Source : public Port {
   // What people call a sender whose frames this source has delivered: "FOH desk (10.0.0.7)"; empty: nothing better than
   // the port's own name. On the pump's thread; may allocate.
   [[nodiscard]] virtual std::string sender_text(SenderId /*sender*/) const { return {}; }
+  // Of a sender and universes()[place], since the sender was first heard; zeros where the wire numbers nothing. On the
+  // pump's thread.
+  [[nodiscard]] virtual SenderLosses sender_losses(std::size_t /*place*/, SenderId /*sender*/) const { return {}; }
 };
 
 class Sink : public Port {

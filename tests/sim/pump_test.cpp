@@ -1081,6 +1081,27 @@ TEST_CASE("senders are told by name, the highest priority first") {
   CHECK_FALSE(senders[1].wins);
 }
 
+TEST_CASE("what a sender lost is told for the universe in which it was lost, also after the buffer has changed") {
+  World world;
+  FakeSource desk(world.waiter, "sacn:2-3", {3, 2});
+  desk.losses = {{.lost = 30, .late = 3}, {.lost = 20, .late = 2}};
+  world.pump().add_source(desk);
+  world.pump().start();
+  desk.give(2, 1);
+  desk.give(3, 1);
+  world.run_for(kNsPerMs);
+  const auto lost_in = [&](Universe number) {
+    for (const UniverseStatus& universe : world.pump().status().universes)
+      if (universe.universe == number && universe.senders.size() == 1) return universe.senders[0].losses.lost;
+    return std::uint64_t{999};
+  };
+  CHECK(lost_in(2) == 20);
+  CHECK(lost_in(3) == 30);
+  world.pump().call([&] { world.pump().move_to(std::make_shared<Universes>(std::array<Universe, 2>{3, 7}), {}); });
+  world.run_for(kNsPerMs);
+  CHECK(lost_in(3) == 30);
+}
+
 // --- Nothing is lost uncounted ---
 
 TEST_CASE("every frame and every look of a long random history is in just one counter") {

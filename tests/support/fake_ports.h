@@ -156,9 +156,13 @@ class FakeSource final : public Source, public FakePort {
   }
 
   std::string sender_text(SenderId) const override { return sender_name; }
+  SenderLosses sender_losses(std::size_t place, SenderId) const override {
+    return place < losses.size() ? losses[place] : SenderLosses{};
+  }
 
   SenderId sender = 1;
   std::string sender_name;
+  std::vector<SenderLosses> losses;         // per universe
   std::function<void(TimeNs)> before_poll;  // may give() what is due
 
  private:

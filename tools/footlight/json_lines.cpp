@@ -75,7 +75,9 @@ Json universes_of(const PumpStatus& status) {
                          {"age_ns", sender.age_ns},
                          {"rate_hz", sender.rate_hz},
                          {"wins", sender.wins},
-                         {"per_address", sender.per_address}});
+                         {"per_address", sender.per_address},
+                         {"lost", sender.losses.lost},
+                         {"late", sender.losses.late}});
     }
     const MergeCounters& merge = universe.merge;
     universes.push_back({{"universe", universe.universe},

@@ -139,6 +139,23 @@ std::string metrics_text(const PumpStatus& status, const ServiceFacts& facts) {
     const DurationNs age_ns = std::max<DurationNs>(status.stamp_ns - universe.newest.stamp_ns, 0);
     page.value(fmt::format("universe=\"{}\"", universe.universe), seconds_of(static_cast<std::uint64_t>(age_ns)));
   }
+  // Gauges: a frame that comes late is lost no more, and a sender that is forgotten takes its count with it.
+  const auto per_sender = [&](const char* name, const char* help, auto&& number_of) {
+    page.family(name, "gauge", help);
+    for (const UniverseStatus& universe : status.universes) {
+      std::map<std::string, int> same;
+      for (const SenderStatus& sender : universe.senders) {
+        const int number = ++same[sender.name];
+        page.value(fmt::format("universe=\"{}\",sender=\"{}{}\"", universe.universe, label_text(sender.name),
+                               number > 1 ? fmt::format(" #{}", number) : ""),
+                   number_of(sender));
+      }
+    }
+  };
+  per_sender("footlight_sender_lost_frames", "Frames of a known sender that never came, by the numbers that it gives.",
+             [](const SenderStatus& sender) { return sender.losses.lost; });
+  per_sender("footlight_sender_late_frames", "Frames of a known sender that came after a later one and were not used.",
+             [](const SenderStatus& sender) { return sender.losses.late; });
   page.family("footlight_frames_refused_total", "counter",
               "Frames ignored: priority above 200, or as many senders as fit.");
   for (const UniverseStatus& universe : status.universes) {

@@ -72,6 +72,8 @@ MonitorSender sender_of(const Json& json) {
   sender.rate_hz = get(json, "rate_hz", 0.0);
   sender.wins = get(json, "wins", false);
   sender.per_address = get(json, "per_address", false);
+  sender.lost = get<std::uint64_t>(json, "lost", 0);
+  sender.late = get<std::uint64_t>(json, "late", 0);
   return sender;
 }
 

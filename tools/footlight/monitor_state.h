@@ -20,6 +20,8 @@ struct MonitorSender {
   double rate_hz = 0.0;
   bool wins = false;
   bool per_address = false;
+  std::uint64_t lost = 0;  // frames, by the sender's own numbers
+  std::uint64_t late = 0;
 };
 
 struct MonitorPort {

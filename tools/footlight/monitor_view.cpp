@@ -201,6 +201,8 @@ std::string sender_line(const MonitorSender& sender, const MonitorView& view) {
   line.add(fmt::format(" prio {:>3}{} {:6.1f}/s  age {}", sender.priority, sender.per_address ? "+" : " ",
                        sender.rate_hz, age_text(sender.age_ns)),
            sender.age_ns >= kSilentNs ? kBad : "");
+  if (sender.lost != 0) line.add(fmt::format("  {} lost", sender.lost), kWarn);
+  if (sender.late != 0) line.add(fmt::format("  {} late", sender.late), kWarn);
   return line.take();
 }
 

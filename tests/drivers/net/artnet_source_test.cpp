@@ -241,6 +241,30 @@ TEST_CASE("four seconds without ArtSync let the held frames go, and later ones a
   CHECK(receiver.frames.size() == 3);
 }
 
+TEST_CASE(
+    "numbers that an Art-Net sender skips are lost and swapped ones late, and the wrap from 255 to 1 skips none") {
+  if (!enter_private_network()) return;
+  auto source = must(ArtnetSource::create(source_options(universes_from(5, 2, 1))));
+  const Fd desk = stranger(0x7F00'0002, 0), unnumbered = stranger(0x7F00'0003, 0);
+  KeepingReceiver receiver;
+  for (int i = 0; i < 600; ++i) send_dmx(desk, 6, 1, static_cast<std::uint8_t>(i % 255 + 1));
+  REQUIRE(drain(*source, kStartNs, receiver));
+  REQUIRE(receiver.frames.size() == 600);
+  const SenderId sender = receiver.frames[0].view.sender;
+  CHECK(source->sender_losses(1, sender).lost == 0);
+  for (const int number : {91, 92, 254, 255, 2, 1, 2, 4}) {  // from 90
+    if (number == 254)
+      for (int i = 93; i < 254; ++i) send_dmx(desk, 6, 1, static_cast<std::uint8_t>(i));
+    send_dmx(desk, 6, 1, static_cast<std::uint8_t>(number));
+  }
+  for (int i = 0; i < 10; ++i) send_dmx(unnumbered, 6, 2, i % 2 == 0 ? 0 : 9);
+  REQUIRE(drain(*source, kStartNs, receiver));
+  CHECK(source->sender_losses(1, sender).lost == 1);  // 3
+  CHECK(source->sender_losses(1, sender).late == 1);  // 1
+  CHECK(source->sender_losses(0, sender).lost == 0);  // the other universe
+  CHECK(source->sender_losses(1, receiver.frames.back().view.sender).lost == 0);
+}
+
 TEST_CASE("an ArtSync of somebody who sends us nothing changes nothing") {
   if (!enter_private_network()) return;
   auto source = must(ArtnetSource::create(source_options({{1, 1}})));

@@ -188,9 +188,8 @@ TEST_CASE("a resting sink with a chosen identifier ends nothing, since its main 
   const std::vector<FrameView> other_frames = {frame_of(1, other_levels)};
   for (int i = 0; i < 2; ++i) REQUIRE(main->send(kStartNs, other_frames).has_value());
   KeepingReceiver receiver;
-  REQUIRE(poll_until(*source, kStartNs, receiver, [&] {
-    return !receiver.frames.empty() && receiver.frames.back().slots == other_levels;
-  }));
+  REQUIRE(poll_until(*source, kStartNs, receiver,
+                     [&] { return !receiver.frames.empty() && receiver.frames.back().slots == other_levels; }));
   for (const auto& frame : receiver.frames) CHECK_FALSE(frame.view.terminated);
 }
 
@@ -221,8 +220,8 @@ TEST_CASE("sequence numbers from 0 to 19 behind are discarded, 20 behind and any
     CAPTURE(step);
     SequenceFilter filter;
     const std::uint8_t base = 5;  // so that steps cross the wrap in both directions
-    REQUIRE(filter.judge(1, base, false, true, kStartNs) == SequenceFilter::Verdict::kNew);
-    const auto verdict = filter.judge(1, static_cast<std::uint8_t>(base + step), false, true, kStartNs);
+    REQUIRE(filter.judge(1, base, false, SequenceRule::kSacn, kStartNs) == SequenceFilter::Verdict::kNew);
+    const auto verdict = filter.judge(1, static_cast<std::uint8_t>(base + step), false, SequenceRule::kSacn, kStartNs);
     CHECK((verdict == SequenceFilter::Verdict::kLate) == (step > -20 && step <= 0));
   }
   auto source = must(SacnSource::create(source_options({{1, 1}, {2, 2}})));
@@ -247,9 +246,11 @@ TEST_CASE("a thousand invented senders do not grow the memory of the sequence ru
   SequenceFilter filter;
   for (int i = 0; i < 1'000; ++i) {
     const TimeNs now_ns = kStartNs + i * kNsPerMs;
-    REQUIRE(filter.judge(1, static_cast<std::uint8_t>(i), false, true, now_ns) == SequenceFilter::Verdict::kNew);
-    REQUIRE(filter.judge(1, static_cast<std::uint8_t>(i), false, true, now_ns) == SequenceFilter::Verdict::kLate);
-    filter.judge(static_cast<SenderId>(i + 2), 0, false, true, now_ns);
+    REQUIRE(filter.judge(1, static_cast<std::uint8_t>(i), false, SequenceRule::kSacn, now_ns) ==
+            SequenceFilter::Verdict::kNew);
+    REQUIRE(filter.judge(1, static_cast<std::uint8_t>(i), false, SequenceRule::kSacn, now_ns) ==
+            SequenceFilter::Verdict::kLate);
+    filter.judge(static_cast<SenderId>(i + 2), 0, false, SequenceRule::kSacn, now_ns);
   }
 }
 

@@ -91,6 +91,78 @@ TEST_CASE("priorities per address pass with their start code, and are numbered a
   CHECK(bench.count() == 4);
 }
 
+TEST_CASE("numbers that a desk skips are lost, swapped ones are late, across the wrap too") {
+  for (const int first : {0, 100, 250, 253, 255}) {
+    CAPTURE(first);
+    Bench bench;
+    Desk desk;
+    SenderId sender = 0;
+    const auto number = [&](int offset) {
+      desk.sequence = static_cast<std::uint8_t>(first + offset);
+      bench.take(desk.levels(2, static_cast<std::uint8_t>(offset)));
+      sender = bench.last().view.sender;
+      return bench.rules.losses(1, sender);
+    };
+    (void)number(0);
+    CHECK(number(1).lost == 0);
+    CHECK(number(4).lost == 2);  // 2 and 3 are missing
+    CHECK(number(6).lost == 3);  // and 5
+    SenderLosses losses = number(5);
+    CHECK(losses.lost == 2);  // it came after all
+    CHECK(losses.late == 1);
+    CHECK(number(5).late == 1);  // doubled
+    CHECK(number(6).late == 1);  // doubled
+    CHECK(number(2).lost == 1);
+    CHECK(number(7).lost == 1);
+    losses = number(7 + 127);
+    CHECK(losses.lost == 127);
+    CHECK(losses.late == 2);
+    CHECK(bench.rules.losses(0, sender).lost == 0);  // another universe
+    CHECK(bench.rules.losses(1, sender + 1).lost == 0);
+    CHECK(bench.count() == 6);  // 0, 1, 4, 6, 7 and the last: none that was late
+  }
+}
+
+TEST_CASE("a thousand numbers in a row, a silence and a new start lose nothing") {
+  Bench bench;
+  Desk desk;
+  for (int i = 0; i < 1'000; ++i) bench.take(desk.levels(1, 1));
+  const SenderId sender = bench.last().view.sender;
+  CHECK(bench.rules.losses(0, sender).lost == 0);
+  desk.sequence = static_cast<std::uint8_t>(desk.sequence - 60);  // started anew
+  bench.take(desk.levels(1, 1));
+  bench.at_ns += kSenderTimeoutNs;
+  desk.sequence = static_cast<std::uint8_t>(desk.sequence + 50);
+  bench.take(desk.levels(1, 1));
+  CHECK(bench.rules.losses(0, sender).lost == 0);
+  CHECK(bench.rules.losses(0, sender).late == 0);
+  desk.sequence += 2;
+  bench.take(desk.levels(1, 1));
+  CHECK(bench.rules.losses(0, sender).lost == 2);
+}
+
+TEST_CASE("priorities that share the numbers of the levels are no loss, and those with their own neither") {
+  for (const bool shared : {true, false}) {
+    CAPTURE(shared);
+    Bench bench;
+    Desk desk;
+    std::uint8_t own = 77;
+    for (int i = 0; i < 600; ++i) {
+      if (i % 40 == 0) {
+        SacnData priorities = desk.levels(1, 120);
+        if (!shared) --desk.sequence;
+        priorities.start_code = kStartCodePriorities;
+        if (!shared) priorities.sequence = own++;
+        bench.take(priorities);
+      }
+      if (i == 300) ++desk.sequence;  // one of the levels is lost
+      bench.take(desk.levels(1, 1));
+    }
+    CHECK(bench.rules.losses(0, bench.last().view.sender).lost == 1);
+    CHECK(bench.rules.losses(0, bench.last().view.sender).late == 0);
+  }
+}
+
 TEST_CASE("a sender is called by its newest name and address, without what would move a terminal") {
   Bench bench;
   Desk desk;

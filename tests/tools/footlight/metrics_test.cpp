@@ -125,6 +125,8 @@ PumpStatus full_status() {
   universe.newest.revision = 1;
   universe.newest.stamp_ns = 8 * kNsPerS;
   universe.merge.senders_silent = 5;
+  universe.senders = {{.name = "FOH \"1\"", .id = 7, .losses = {.lost = 12, .late = 2}},
+                      {.name = "FOH \"1\"", .id = 8, .losses = {.lost = 0, .late = 1}}};
   UniverseStatus silent;
   silent.universe = 2;
   status.universes = {universe, silent};
@@ -152,6 +154,9 @@ TEST_CASE("a metrics page has every series once, with its type, and says what th
   CHECK(page.find("footlight_universe_age_seconds", {{"universe", "1"}}) == 2);
   CHECK_FALSE(page.find("footlight_universe_age_seconds", {{"universe", "2"}}).has_value());
   CHECK(page.find("footlight_senders_lost_total", {{"universe", "1"}, {"reason", "silent"}}) == 5);
+  CHECK(page.find("footlight_sender_lost_frames", {{"universe", "1"}, {"sender", "FOH \"1\""}}) == 12);
+  CHECK(page.find("footlight_sender_late_frames", {{"universe", "1"}, {"sender", "FOH \"1\""}}) == 2);
+  CHECK(page.find("footlight_sender_lost_frames", {{"universe", "1"}, {"sender", "FOH \"1\" #2"}}) == 0);
   CHECK(page.find("footlight_reloads_total", {{"result", "taken"}}) == 2);
   CHECK(page.find("footlight_start_time_seconds", {}) == 5);
 }

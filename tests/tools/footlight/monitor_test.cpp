@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/footlight/run_footlight.h"
+#include "tools/footlight/json_lines.h"
 #include "tools/footlight/monitor_state.h"
 #include "tools/footlight/monitor_view.h"
 #include "tools/footlight/status_text.h"
@@ -164,6 +165,22 @@ TEST_CASE("wide characters take two columns, and a text is cut between them") {
   CHECK(cut_to("abc", 3) == "abc");
   CHECK(cut_to("abcd", 3) == "ab…");
   CHECK(cut_to("abc", 0).empty());
+}
+
+TEST_CASE("what a sender lost goes from the status of a bridge into its line, and a sender without loss says nothing") {
+  PumpStatus status;
+  UniverseStatus universe;
+  universe.universe = 3;
+  universe.senders = {{.name = "FOH", .id = 1, .losses = {.lost = 41, .late = 7}}, {.name = "backup", .id = 2}};
+  status.universes = {universe};
+  MonitorState state;
+  REQUIRE(take_status(state, json_of_status(status)));
+  REQUIRE(state.universes.size() == 1);
+  CHECK(state.universes[0].senders[0].lost == 41);
+  CHECK(state.universes[0].senders[0].late == 7);
+  const std::string picture = all(draw_monitor(state, {.columns = 100, .rows = 40}));
+  CHECK(contains(picture, "  41 lost  7 late"));
+  CHECK(picture.find("lost") == picture.rfind("lost"));
 }
 
 TEST_CASE("pages that are none, or only half of one, are refused or read as far as they go") {
