@@ -33,13 +33,18 @@ Status check_ltp(const Show& show, const std::vector<Universe>& universes) {
     return fail(ErrorCode::kBadInput, "[merge]: {} names universe {}, which no port carries", key, universe);
   };
   for (const Universe universe : show.ltp) FL_TRY(check("ltp", universe));
-  for (const LtpSlots& ltp : show.ltp_slots) FL_TRY(check("ltp_slots", ltp.universe));
+  for (const LtpSlots& ltp : show.ltp_slots) {
+    if (!ltp.from_rig) FL_TRY(check("ltp_slots", ltp.universe));
+  }
   return {};
 }
 
 void set_modes(Pump& pump, const std::vector<Universe>& universes, const std::vector<LtpSlots>& slots) {
   for (const Universe universe : universes) pump.set_mode(universe, MergeMode::kLtp);
-  for (const LtpSlots& ltp : slots) pump.set_slot_modes(ltp.universe, ltp.slots);
+  const auto buffer = pump.universes();
+  for (const LtpSlots& ltp : slots) {
+    if (buffer->index_of(ltp.universe) >= 0) pump.set_slot_modes(ltp.universe, ltp.slots);
+  }
 }
 
 // Has the pump's thread do it, and waits until it has.

@@ -57,6 +57,40 @@ PortOpener::PortOpener(Clock& clock)
       rdm_directory_(std::make_shared<drivers::RdmDirectory>()),
       own_senders_(std::make_shared<drivers::OwnSenders>()) {}
 
+drivers::SacnSourceOptions sacn_source_options(const Endpoint& endpoint, const InOptions& options) {
+  auto sacn = drivers::options_of<drivers::SacnSourceOptions>(endpoint, nullptr);
+  sacn.hear_preview = options.hear_preview;
+  return sacn;
+}
+
+drivers::ArtnetSourceOptions artnet_source_options(const Endpoint& endpoint, const InOptions& options) {
+  auto artnet = drivers::options_of<drivers::ArtnetSourceOptions>(endpoint, nullptr);
+  artnet.priority = static_cast<std::uint8_t>(options.priority);
+  return artnet;
+}
+
+drivers::SacnSinkOptions sacn_sink_options(const Endpoint& endpoint, const OutOptions& options) {
+  auto sacn = drivers::options_of<drivers::SacnSinkOptions>(endpoint, nullptr);
+  sacn.source_name = options.source_name;
+  sacn.priority = static_cast<std::uint8_t>(options.priority);
+  sacn.preview = options.preview;
+  sacn.rate_hz_max = options.rate_hz_max;
+  sacn.address_priorities = options.address_priorities;
+  sacn.sync_universe = options.sync_universe;
+  if (options.multicast_ttl != 0) sacn.multicast_ttl = options.multicast_ttl;
+  sacn.announce = options.announce;
+  sacn.cid = options.cid;
+  return sacn;
+}
+
+drivers::ArtnetSinkOptions artnet_sink_options(const Endpoint& endpoint, const OutOptions& options) {
+  auto artnet = drivers::options_of<drivers::ArtnetSinkOptions>(endpoint, nullptr);
+  artnet.rate_hz_max = options.rate_hz_max;
+  artnet.sync = options.sync;
+  if (!options.broadcast) artnet.unsubscribed = drivers::ArtnetUnsubscribed::kSilent;
+  return artnet;
+}
+
 Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint, const InOptions& options) {
   switch (endpoint.kind) {
     case EndpointKind::kFile: {
@@ -88,12 +122,12 @@ Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint
     case EndpointKind::kNetwork: break;
   }
   if (endpoint.scheme == "sacn") {
-    auto sacn = drivers::options_of<drivers::SacnSourceOptions>(endpoint, own_senders_);
-    sacn.hear_preview = options.hear_preview;
+    auto sacn = sacn_source_options(endpoint, options);
+    sacn.own_senders = own_senders_;
     return drivers::make_sacn_source(sacn);
   }
-  auto artnet = drivers::options_of<drivers::ArtnetSourceOptions>(endpoint, own_senders_);
-  artnet.priority = static_cast<std::uint8_t>(options.priority);
+  auto artnet = artnet_source_options(endpoint, options);
+  artnet.own_senders = own_senders_;
   if (options.rdm) artnet.rdm_directory = rdm_directory_;
   return drivers::make_artnet_source(artnet);
 }
@@ -127,21 +161,12 @@ Result<std::unique_ptr<Sink>> PortOpener::open_sink(const Endpoint& endpoint, st
     case EndpointKind::kNetwork: break;
   }
   if (endpoint.scheme == "sacn") {
-    auto sacn = drivers::options_of<drivers::SacnSinkOptions>(endpoint, own_senders_);
-    sacn.source_name = options.source_name;
-    sacn.priority = static_cast<std::uint8_t>(options.priority);
-    sacn.preview = options.preview;
-    sacn.rate_hz_max = options.rate_hz_max;
-    sacn.address_priorities = options.address_priorities;
-    sacn.sync_universe = options.sync_universe;
-    if (options.multicast_ttl != 0) sacn.multicast_ttl = options.multicast_ttl;
-    sacn.announce = options.announce;
+    auto sacn = sacn_sink_options(endpoint, options);
+    sacn.own_senders = own_senders_;
     return drivers::make_sacn_sink(sacn);
   }
-  auto artnet = drivers::options_of<drivers::ArtnetSinkOptions>(endpoint, own_senders_);
-  artnet.rate_hz_max = options.rate_hz_max;
-  artnet.sync = options.sync;
-  if (!options.broadcast) artnet.unsubscribed = drivers::ArtnetUnsubscribed::kSilent;
+  auto artnet = artnet_sink_options(endpoint, options);
+  artnet.own_senders = own_senders_;
   return drivers::make_artnet_sink(artnet);
 }
 

@@ -17,6 +17,7 @@
 #include "drivers/driver.h"
 #include "drivers/gpio/gpio_chip.h"
 #include "drivers/gpio/strobe_line.h"
+#include "drivers/net/net.h"
 #include "sim/core/clock.h"
 #include "sim/core/dmx.h"
 #include "sim/core/endpoint.h"
@@ -67,9 +68,16 @@ struct OutOptions {
   int sync_universe = 0;
   int multicast_ttl = 0;  // 0: the default
   bool announce = true;
+  drivers::Cid cid = {};  // all zero: made from the machine, the name and the endpoint
   bool log_overwrite = false;
   friend bool operator==(const OutOptions&, const OutOptions&) = default;
 };
+
+// What the ports of the network are made with; the scheme of the endpoint has to be theirs.
+[[nodiscard]] drivers::SacnSourceOptions sacn_source_options(const Endpoint& endpoint, const InOptions& options);
+[[nodiscard]] drivers::ArtnetSourceOptions artnet_source_options(const Endpoint& endpoint, const InOptions& options);
+[[nodiscard]] drivers::SacnSinkOptions sacn_sink_options(const Endpoint& endpoint, const OutOptions& options);
+[[nodiscard]] drivers::ArtnetSinkOptions artnet_sink_options(const Endpoint& endpoint, const OutOptions& options);
 
 class PortOpener {
  public:

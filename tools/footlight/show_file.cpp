@@ -5,11 +5,14 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <map>
 #include <optional>
 
+#include "fixtures/rig.h"
 #include "fixtures/toml_reader.h"
 #include "tools/footlight/duration.h"
 
@@ -87,6 +90,23 @@ std::vector<std::uint8_t> read_address_priorities(TomlReader& reader) {
   return {};
 }
 
+// cid = "8fd2a1c0-1b7e-4d0a-9a52-0d6f2f3f7c11": a UUID, with its dashes or without.
+drivers::Cid read_cid(TomlReader& reader) {
+  if (!reader.has("cid")) return {};
+  std::string digits = reader.text("cid");
+  std::erase(digits, '-');
+  drivers::Cid cid = {};
+  bool is_hex = digits.size() == 2 * cid.size();
+  for (std::size_t i = 0; is_hex && i < cid.size(); ++i) {
+    const char* const begin = digits.data() + 2 * i;
+    is_hex = std::from_chars(begin, begin + 2, cid[i], 16).ptr == begin + 2;
+  }
+  if (is_hex && cid != drivers::Cid{}) return cid;
+  reader.trouble(reader.line_of("cid"),
+                 "cid: expected a UUID of 32 hexadecimal digits that are not all 0, as uuidgen prints one");
+  return {};
+}
+
 // second_port = {key = "01020304", send = 0x10, ...}: see drivers::SecondPort.
 Result<std::optional<drivers::SecondPort>> read_second_port(TomlReader& reader, const std::string& file) {
   const TomlNode* const table = reader.table("second_port");
@@ -102,9 +122,7 @@ Result<std::optional<drivers::SecondPort>> read_second_port(TomlReader& reader, 
   }
   if (!is_hex && second.has("key"))
     second.trouble(second.line_of("key"), "key: expected {} hexadecimal digits, as in \"0A1B2C3D\"", kDigits);
-  const auto label = [&](std::string_view name) {
-    return static_cast<std::uint8_t>(second.integer(name, 0, 255, 0));
-  };
+  const auto label = [&](std::string_view name) { return static_cast<std::uint8_t>(second.integer(name, 0, 255, 0)); };
   port.assign = label("assign");
   port.send = label("send");
   port.receive = label("receive");
@@ -214,6 +232,7 @@ Result<OutPlan> read_out(const TomlNode& node, const std::string& file) {
           options.sync_universe = static_cast<int>(reader.integer("sync_universe", 0, kUniverseMax, 0));
           options.multicast_ttl = static_cast<int>(reader.integer("multicast_ttl", 0, 255, 0));
           options.announce = reader.boolean("announce", true);
+          options.cid = read_cid(reader);
         }
         break;
       case EndpointKind::kDevice: {
@@ -259,6 +278,47 @@ Status order_standbys(Show& show) {
   return {};
 }
 
+void add_ltp_slots(Show& show, const fixtures::Rig& rig) {
+  const auto is_htp = [](const fixtures::ChannelFunction& function) {
+    constexpr std::string_view kHtp[] = {"Dimmer", "ColorAdd_", "ColorSub_", "ColorRGB_"};
+    return std::any_of(std::begin(kHtp), std::end(kHtp),
+                       [&](std::string_view begin) { return function.attribute.starts_with(begin); });
+  };
+  const auto does_something = [](const fixtures::ChannelFunction& function) {
+    return function.attribute != "NoFeature";
+  };
+  std::map<Universe, SlotSet> ltp, htp;
+  for (const fixtures::PatchedFixture& fixture : rig.fixtures) {
+    if (!fixture.patched) continue;
+    const auto& type = rig.types[static_cast<std::size_t>(fixture.type)];
+    for (const fixtures::Channel& channel : type.modes[static_cast<std::size_t>(fixture.mode)].channels) {
+      Universe universe = fixture.universe;
+      Address address = fixture.address;
+      for (const fixtures::BreakAddress& further : fixture.further_addresses) {
+        if (further.dmx_break != channel.dmx_break) continue;
+        universe = further.universe;
+        address = further.address;
+      }
+      const bool intensity = std::any_of(channel.functions.begin(), channel.functions.end(), is_htp);
+      if (!intensity && std::none_of(channel.functions.begin(), channel.functions.end(), does_something)) continue;
+      for (const int offset : channel.slot_offsets) {
+        if (is_address(address + offset))
+          (intensity ? htp : ltp)[universe].set(static_cast<std::size_t>(slot_of_address(address + offset)));
+      }
+    }
+  }
+  for (auto& [universe, slots] : ltp) {
+    slots &= ~htp[universe];
+    if (slots.none() || std::find(show.ltp.begin(), show.ltp.end(), universe) != show.ltp.end()) continue;
+    const auto known = std::find_if(show.ltp_slots.begin(), show.ltp_slots.end(),
+                                    [&, number = universe](const LtpSlots& each) { return each.universe == number; });
+    if (known != show.ltp_slots.end())
+      known->slots |= slots;
+    else
+      show.ltp_slots.push_back({.universe = universe, .slots = slots, .from_rig = true});
+  }
+}
+
 Result<Show> parse_show(std::string_view text, const std::string& file) {
   FL_ASSIGN(const TomlNode root, fixtures::parse_toml(text, file));
   TomlReader reader(root, file, "");
@@ -279,6 +339,7 @@ Result<Show> parse_show(std::string_view text, const std::string& file) {
       }
     }
     if (const TomlNode* const slots = merge_reader.table("ltp_slots")) read_ltp_slots(*slots, merge_reader, show);
+    show.ltp_rig = merge_reader.text("ltp_rig", "");
     FL_TRY(merge_reader.finish());
   }
   for (const TomlNode* node : ins) {
@@ -315,7 +376,13 @@ Result<Show> load_show(const std::string& path) {
   }
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   if (file.bad()) return fail(ErrorCode::kIo, "{}: cannot be read; is it a directory?", path);
-  return parse_show(text, path);
+  FL_ASSIGN(Show show, parse_show(text, path));
+  if (!show.ltp_rig.empty()) {
+    FL_ASSIGN(const fixtures::Rig rig,
+              fixtures::load_rig((std::filesystem::path(path).parent_path() / show.ltp_rig).string()));
+    add_ltp_slots(show, rig);
+  }
+  return show;
 }
 
 }  // namespace footlight::tools

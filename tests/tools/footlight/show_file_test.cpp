@@ -1,7 +1,12 @@
 #include "tools/footlight/show_file.h"
 
+#include <fstream>
+
 #include <doctest/doctest.h>
 #include <fmt/format.h>
+
+#include "fixtures/rig.h"
+#include "tests/tools/footlight/run_footlight.h"
 
 namespace footlight::tools {
 namespace {
@@ -116,6 +121,155 @@ broadcast = false
   CHECK_FALSE(show->outs[3].options.broadcast);
 }
 
+// One port of that endpoint with these lines, and one of the other direction.
+std::string with_in(const std::string& endpoint, const std::string& lines) {
+  return "[[in]]\nendpoint = \"" + endpoint + "\"\n" + lines + "[[out]]\nendpoint = \"mock:enttec-pro\"\n";
+}
+std::string with_out(const std::string& endpoint, const std::string& lines) {
+  return "[[out]]\nendpoint = \"" + endpoint + "\"\n" + lines + "[[in]]\nendpoint = \"mock:enttec-pro\"\n";
+}
+
+InPlan in_of(const std::string& endpoint, const std::string& lines) {
+  const auto show = parse_show(with_in(endpoint, lines), "show.toml");
+  REQUIRE_MESSAGE(show, (show ? "" : show.error().message));
+  return show->ins.at(0);
+}
+OutPlan out_of(const std::string& endpoint, const std::string& lines) {
+  const auto show = parse_show(with_out(endpoint, lines), "show.toml");
+  REQUIRE_MESSAGE(show, (show ? "" : show.error().message));
+  return show->outs.at(0);
+}
+
+TEST_CASE("what a show file says of a network input is what the port is made with") {
+  InPlan in = in_of("sacn:101-102=1-2%eth0,eth1", "preview = true\n");
+  auto sacn = sacn_source_options(in.endpoint, in.options);
+  CHECK(sacn.name == "sacn:101-102=1-2%eth0,eth1");
+  CHECK(sacn.universes == std::vector<WireUniverse>{{101, 1}, {102, 2}});
+  CHECK(sacn.interface_names == std::vector<std::string>{"eth0", "eth1"});
+  CHECK(sacn.addresses.empty());
+  CHECK(sacn.port == drivers::kSacnPort);
+  CHECK(sacn.hear_preview);
+  in = in_of("sacn:1@10.0.0.7:5569", "");
+  sacn = sacn_source_options(in.endpoint, in.options);
+  CHECK(sacn.addresses == std::vector<std::string>{"10.0.0.7"});
+  CHECK(sacn.port == 5569);
+  CHECK_FALSE(sacn.hear_preview);
+
+  in = in_of("artnet:1-2=11-12@10.0.0.7,10.0.0.8", "priority = 0\n");
+  auto artnet = artnet_source_options(in.endpoint, in.options);
+  CHECK(artnet.universes == std::vector<WireUniverse>{{1, 11}, {2, 12}});
+  CHECK(artnet.addresses == std::vector<std::string>{"10.0.0.7", "10.0.0.8"});
+  CHECK(artnet.port == drivers::kArtnetPort);
+  CHECK(artnet.priority == 0);
+  in = in_of("artnet:1%eth0", "priority = 200\n");
+  artnet = artnet_source_options(in.endpoint, in.options);
+  CHECK(artnet.interface_names == std::vector<std::string>{"eth0"});
+  CHECK(artnet.priority == 200);
+}
+
+TEST_CASE("what a show file says of a network output is what the port is made with") {
+  OutPlan out = out_of("sacn:101-102=1-2@10.0.0.7,10.0.0.8", R"(priority = 200
+preview = true
+source_name = "FOH"
+address_priorities = "1-2:150, 3-512:0"
+sync_universe = 63999
+multicast_ttl = 1
+announce = false
+rate_hz_max = 25.5
+cid = "8fd2a1c0-1b7e-4d0a-9a52-0d6f2f3f7c1F"
+)");
+  auto sacn = sacn_sink_options(out.endpoint, out.options);
+  CHECK(sacn.universes == std::vector<WireUniverse>{{101, 1}, {102, 2}});
+  CHECK(sacn.addresses == std::vector<std::string>{"10.0.0.7", "10.0.0.8"});
+  CHECK(sacn.priority == 200);
+  CHECK(sacn.preview);
+  CHECK(sacn.source_name == "FOH");
+  REQUIRE(sacn.address_priorities.size() >= 2);
+  CHECK(sacn.address_priorities[1] == 150);
+  CHECK((sacn.address_priorities.size() == 2 || sacn.address_priorities[2] == 0));
+  CHECK(sacn.sync_universe == 63'999);
+  CHECK(sacn.multicast_ttl == 1);
+  CHECK_FALSE(sacn.announce);
+  CHECK(sacn.rate_hz_max == 25.5);
+  CHECK(sacn.cid ==
+        drivers::Cid{0x8F, 0xD2, 0xA1, 0xC0, 0x1B, 0x7E, 0x4D, 0x0A, 0x9A, 0x52, 0x0D, 0x6F, 0x2F, 0x3F, 0x7C, 0x1F});
+  CHECK(drivers::sacn_cid_of(sacn) == sacn.cid);
+
+  out = out_of("sacn:1%eth0,eth1", "");
+  sacn = sacn_sink_options(out.endpoint, out.options);
+  CHECK(sacn.interface_names == std::vector<std::string>{"eth0", "eth1"});
+  CHECK(sacn.priority == kPriorityDefault);
+  CHECK_FALSE(sacn.preview);
+  CHECK(sacn.address_priorities.empty());
+  CHECK(sacn.sync_universe == 0);
+  CHECK(sacn.multicast_ttl == drivers::kMulticastTtlDefault);
+  CHECK(sacn.announce);
+  CHECK(sacn.cid == drivers::Cid{});
+
+  out = out_of("artnet:1-9=11-19%eth0", "sync = true\nbroadcast = false\nrate_hz_max = 40\n");
+  auto artnet = artnet_sink_options(out.endpoint, out.options);
+  CHECK(artnet.universes.front() == WireUniverse{1, 11});
+  CHECK(artnet.interface_names == std::vector<std::string>{"eth0"});
+  CHECK(artnet.sync);
+  CHECK(artnet.unsubscribed == drivers::ArtnetUnsubscribed::kSilent);
+  CHECK(artnet.rate_hz_max == 40.0);
+  out = out_of("artnet:1@10.0.0.255:6455", "");
+  artnet = artnet_sink_options(out.endpoint, out.options);
+  CHECK(artnet.addresses == std::vector<std::string>{"10.0.0.255"});
+  CHECK(artnet.port == 6455);
+  CHECK_FALSE(artnet.sync);
+  CHECK(artnet.unsubscribed == drivers::ArtnetUnsubscribed::kBroadcast);
+}
+
+TEST_CASE("a wrong value of a network key names its line, the key and what was expected") {
+  struct Wrong {
+    const char* endpoint;
+    const char* line;
+    const char* expected;
+  };
+  constexpr Wrong kIns[] = {
+      {"sacn:1", "preview = 1", "preview"},      {"sacn:1", "priority = 100", "priority"},  // sACN has its own
+      {"sacn:1", "rdm = true", "rdm"},           {"artnet:1", "priority = 201", "0 to 200"},
+      {"artnet:1", "priority = -1", "0 to 200"}, {"artnet:1", "priority = \"high\"", "priority"},
+      {"artnet:1", "rdm = \"yes\"", "rdm"},      {"artnet:1", "preview = true", "preview"},
+  };
+  constexpr Wrong kOuts[] = {
+      {"sacn:1", "priority = 201", "0 to 200"},
+      {"sacn:1", "priority = 1.5", "priority"},
+      {"sacn:1", "preview = \"no\"", "preview"},
+      {"sacn:1", "source_name = 7", "source_name"},
+      {"sacn:1", "address_priorities = \"1-513:100\"", "address_priorities"},
+      {"sacn:1", "address_priorities = \"1-2:201\"", "address_priorities"},
+      {"sacn:1", "address_priorities = \"\"", "address_priorities"},
+      {"sacn:1", "address_priorities = 100", "address_priorities"},
+      {"sacn:1", "sync_universe = 64000", "0 to 63999"},
+      {"sacn:1", "multicast_ttl = 256", "0 to 255"},
+      {"sacn:1", "announce = 0", "announce"},
+      {"sacn:1", "rate_hz_max = 1001", "rate_hz_max"},
+      {"sacn:1", "cid = \"8fd2a1c0\"", "32 hexadecimal digits"},
+      {"sacn:1", "cid = \"8fd2a1c0-1b7e-4d0a-9a52-0d6f2f3f7c1g\"", "32 hexadecimal digits"},
+      {"sacn:1", "cid = \"00000000-0000-0000-0000-000000000000\"", "32 hexadecimal digits"},
+      {"sacn:1", "cid = 7", "cid"},
+      {"sacn:1", "sync = true", "sync"},
+      {"artnet:1", "sync = 1", "sync"},
+      {"artnet:1", "broadcast = \"no\"", "broadcast"},
+      {"artnet:1", "rate_hz_max = -1", "rate_hz_max"},
+      {"artnet:1", "priority = 100", "priority"},
+      {"artnet:1", "cid = \"8fd2a1c0-1b7e-4d0a-9a52-0d6f2f3f7c11\"", "cid"},
+  };
+  const auto check = [](const std::string& text, const Wrong& wrong) {
+    CAPTURE(wrong.line);
+    const std::string message = refusal(text);
+    CAPTURE(message);
+    CHECK(message.starts_with("show.toml:3: "));
+    CHECK(contains(message, wrong.expected));
+    const std::string key(wrong.line, std::string_view(wrong.line).find(' '));
+    CHECK(contains(message, key));
+  };
+  for (const Wrong& wrong : kIns) check(with_in(wrong.endpoint, std::string(wrong.line) + "\n"), wrong);
+  for (const Wrong& wrong : kOuts) check(with_out(wrong.endpoint, std::string(wrong.line) + "\n"), wrong);
+}
+
 // One [[in]] with an endpoint of the model and these lines.
 std::string with_gpio(const std::string& lines) {
   return "[[in]]\nendpoint = \"gpio:mock/2=1.25\"\n" + lines + "[[out]]\nendpoint = \"mock:enttec-pro\"\n";
@@ -173,6 +327,81 @@ TEST_CASE("what a GPIO input cannot do is refused with the line") {
   CHECK(contains(refusal(with_gpio(rate + "rate_hz = [2, 1]\nrate_values = [1, 2]\n")), "rising"));
   CHECK(contains(refusal(with_gpio(rate + "rate_hz = [1, 2]\n")), "rate_values"));
   CHECK(contains(refusal(with_gpio(rate + "rate_hz = [1, \"2\"]\nrate_values = [1, 2]\n")), "numbers"));
+}
+
+TEST_CASE("of a rig's channels those that are neither intensity nor mixed colour become LTP, and no others") {
+  const testing::TempFolder folder;
+  std::ofstream(folder.file("rig.toml")) << "[rig]\nname = \"two\"\n[[fixture]]\nname = \"head\"\n"
+                                            "type = \"generic/profile\"\nuniverse = 2\naddress = 101\n"
+                                            "position = [0, 0, 5]\n";
+  std::ofstream(folder.file("show.toml")) << "[merge]\nltp = [3]\nltp_slots = {1 = \"7\"}\nltp_rig = \"rig.toml\"\n"
+                                          << kPorts;
+  const auto show = load_show(folder.file("show.toml"));
+  REQUIRE_MESSAGE(show, (show ? "" : show.error().message));
+  REQUIRE(show->ltp_slots.size() == 2);
+  CHECK(show->ltp_slots[0].slots.count() == 1);  // what the file says of universe 1
+  CHECK_FALSE(show->ltp_slots[0].from_rig);
+  const LtpSlots& ltp = show->ltp_slots[1];
+  CHECK(ltp.universe == 2);
+  CHECK(ltp.from_rig);
+  const auto rig = fixtures::load_rig(folder.file("rig.toml"));
+  REQUIRE(rig);
+  // Pan and tilt of two slots, shutter, zoom, gobo and its spin; not the dimmer's two, not red, green, blue.
+  SlotSet expected;
+  for (const Address address : {101, 102, 103, 104, 107, 111, 112, 113, 114})
+    expected.set(static_cast<std::size_t>(slot_of_address(address)));
+  CHECK(ltp.slots == expected);
+
+  fixtures::Rig moved = *rig;  // to a universe that is LTP as a whole, and to one that has slots of its own
+  Show other;
+  other.ltp = {3};
+  moved.fixtures[0].universe = 3;
+  add_ltp_slots(other, moved);
+  CHECK(other.ltp_slots.empty());
+  other.ltp_slots = {{.universe = 5, .slots = SlotSet(1)}};
+  moved.fixtures[0].universe = 5;
+  add_ltp_slots(other, moved);
+  REQUIRE(other.ltp_slots.size() == 1);
+  CHECK(other.ltp_slots[0].slots[0]);
+  CHECK((other.ltp_slots[0].slots & ~SlotSet(1)) == ltp.slots);
+  // Another head on the same slots, one further on: what is intensity for one of the two stays HTP.
+  moved.fixtures.push_back(moved.fixtures[0]);
+  ++moved.fixtures[1].address;
+  Show shared;
+  add_ltp_slots(shared, moved);
+  REQUIRE(shared.ltp_slots.size() == 1);
+  for (const Address address : {105, 106, 107, 108, 109, 110, 111}) {
+    CAPTURE(address);
+    CHECK_FALSE(shared.ltp_slots[0].slots[static_cast<std::size_t>(slot_of_address(address))]);
+  }
+  CHECK(shared.ltp_slots[0].slots[114]);  // the other's spin
+
+  // By attribute, and in a break with an address of its own.
+  fixtures::FixtureType imported;
+  fixtures::Mode& mode = imported.modes.emplace_back();
+  for (const char* attribute : {"Pan", "Dimmer", "ColorAdd_R", "ColorSub_C", "Color1", "NoFeature", "Gobo1"}) {
+    fixtures::Channel& channel = mode.channels.emplace_back();
+    channel.slot_offsets = {static_cast<int>(mode.channels.size()) - 1};
+    channel.functions.emplace_back().attribute = attribute;
+  }
+  mode.channels.back().dmx_break = 2;
+  fixtures::Rig two_breaks;
+  two_breaks.types.push_back(imported);
+  fixtures::PatchedFixture& fixture = two_breaks.fixtures.emplace_back();
+  fixture.universe = 8;
+  fixture.further_addresses.push_back({.dmx_break = 2, .universe = 9, .address = 506});
+  Show by_attribute;
+  add_ltp_slots(by_attribute, two_breaks);
+  REQUIRE(by_attribute.ltp_slots.size() == 2);
+  CHECK(by_attribute.ltp_slots[0].slots == SlotSet(0b10001));  // pan and the wheel
+  CHECK(by_attribute.ltp_slots[1].universe == 9);
+  CHECK(by_attribute.ltp_slots[1].slots[511]);
+  CHECK(by_attribute.ltp_slots[1].slots.count() == 1);
+
+  std::ofstream(folder.file("show.toml")) << "[merge]\nltp_rig = \"none.toml\"\n" << kPorts;
+  const auto missing = load_show(folder.file("show.toml"));
+  REQUIRE_FALSE(missing);
+  CHECK(contains(missing.error().message, "none.toml"));
 }
 
 TEST_CASE("LTP slots that are none are refused with the line") {
