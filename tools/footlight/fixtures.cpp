@@ -1,4 +1,4 @@
-// footlight fixtures: definitions of fixtures as files: judged and shown.
+// footlight fixtures: definitions of fixtures as files: judged, shown, found and converted.
 #include "tools/footlight/fixtures_command.h"
 
 namespace footlight::tools {
@@ -7,16 +7,20 @@ namespace {
 void add(Arguments& arguments) {
   add_fixtures_check(arguments);
   add_fixtures_show(arguments);
+  add_fixtures_find(arguments);
+  add_fixtures_convert(arguments);
 }
 
 }  // namespace
 
 extern const CommandInfo fixtures_command{
     .name = "fixtures",
-    .help = "Judge definitions of fixtures, and show what is in them",
+    .help = "Judge, show, find and convert definitions of fixtures",
     .examples =
         "  footlight fixtures check ~/gdtf /usr/share/qlcplus/fixtures\n"
-        "  footlight fixtures show head.gdtf --mode Standard\n",
+        "  footlight fixtures show head.gdtf --mode Standard\n"
+        "  footlight fixtures find robe esprite\n"
+        "  footlight fixtures convert head.gdtf -o head.toml\n",
     .add = add,
 };
 
