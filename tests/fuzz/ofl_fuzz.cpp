@@ -10,8 +10,10 @@ using footlight::testing::require;
 
 void footlight::testing::add_seeds(Seeds& seeds) {
   seeds.add("matrix.json", R"({"name":"X","matrix":{"pixelCount":[2,2,1],"pixelGroups":{"A":"all","B":{"x":["=1"]}}},
-"wheels":{"W":{"slots":[{"type":"Open"},{"type":"Gobo"},{"type":"Color","colors":["#ff0000"]},{"type":"Prism","facets":5}]}},
-"availableChannels":{"W":{"fineChannelAliases":["W fine"],"dmxValueResolution":"8bit","defaultValue":"50%","capabilities":[
+"wheels":{"W":{"slots":[{"type":"Open"},{"type":"Gobo"},{"type":"Color","colors":["#ff0000"]},{"type":"Prism",
+"facets":5}]}},
+"availableChannels":{"W":{"fineChannelAliases":["W fine"],"dmxValueResolution":"8bit","defaultValue":"50%",
+"capabilities":[
 {"dmxRange":[0,9],"type":"WheelSlot","slotNumber":1.5,"switchChannels":{"S":"P"}},
 {"dmxRange":[10,255],"type":"WheelShake","slotNumber":2,"shakeSpeedStart":"24bpm","shakeSpeedEnd":"fast"}]},
 "P":{"capability":{"type":"Pan","angleStart":"0deg","angleEnd":"540deg"}}},
