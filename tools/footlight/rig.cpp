@@ -1,0 +1,372 @@
+// footlight rig: reads rigs of any program, says what it assumed, brings them into other forms and onto paper.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include <fmt/chrono.h>
+#include <nlohmann/json.hpp>
+
+#include "fixtures/export/mvr.h"
+#include "fixtures/export/rig_toml.h"
+#include "fixtures/import/import_rig.h"
+#include "fixtures/import/text.h"
+#include "fixtures/paperwork/patch_sheet.h"
+#include "fixtures/paperwork/plan.h"
+#include "tools/footlight/command.h"
+
+namespace footlight::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using fixtures::Diagnostic;
+using fixtures::Diagnostics;
+using fixtures::ImportedRig;
+using fixtures::ImportStatus;
+
+struct Options {
+  std::vector<std::string> paths;
+  std::string path;
+  std::string out;
+  std::vector<std::string> library;
+  std::string paper = "a3";
+  bool json = false;
+};
+
+struct Opened {
+  Result<ImportedRig> rig;
+  std::vector<Diagnostic> diagnostics;
+};
+
+Opened open(const std::string& path, const std::vector<std::string>& folders) {
+  Diagnostics diagnostics;
+  std::optional<fixtures::Library> library;
+  if (!folders.empty()) library = fixtures::Library::open(folders);
+  auto rig = fixtures::import_rig(path, library ? &*library : nullptr, diagnostics);
+  diagnostics.finish();
+  if (rig) rig->diagnostics = diagnostics.all();
+  return {std::move(rig), diagnostics.take()};
+}
+
+// For commands that want the rig: what is wrong goes to standard error in one line, and how to see the rest.
+Result<ImportedRig> open_or_fail(const Options& options) {
+  if (options.path.empty()) {
+    return fail(ErrorCode::kBadInput, "expected a rig: .mvr, .qxw or .toml; 'footlight rig --help' has examples");
+  }
+  Opened opened = open(options.path, options.library);
+  if (!opened.rig) return tl::unexpected<Error>(std::move(opened.rig).error());
+  const auto wrong = std::count_if(opened.diagnostics.begin(), opened.diagnostics.end(),
+                                   [](const Diagnostic& each) { return each.severity != fixtures::Severity::kNote; });
+  if (wrong > 0) {
+    fmt::print(stderr, "footlight: {}: {} warnings; 'footlight rig check {}' lists them\n", options.path, wrong,
+               options.path);
+  }
+  return std::move(*opened.rig);
+}
+
+// Text of a file of somebody, as JSON may hold it.
+std::string clean(const nlohmann::json& json) {
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+nlohmann::json json_of(const Diagnostic& diagnostic) {
+  nlohmann::json json = {{"severity", fixtures::severity_name(diagnostic.severity)},
+                         {"code", diagnostic.code},
+                         {"file", diagnostic.place.file},
+                         {"line", diagnostic.place.line},
+                         {"column", diagnostic.place.column},
+                         {"message", diagnostic.message}};
+  if (!diagnostic.assumed.empty()) json["assumed"] = diagnostic.assumed;
+  return json;
+}
+
+nlohmann::json json_of(const fixtures::Assumption& each) {
+  return {{"code", each.code}, {"wanted", each.wanted}, {"used", each.used}, {"why", each.why}, {"count", each.count}};
+}
+
+void print_assumptions(const ImportedRig& rig) {
+  if (rig.assumptions.empty()) return;
+  fmt::print("\nAssumed ({})\n", rig.assumptions.size());
+  for (const fixtures::Assumption& each : rig.assumptions) {
+    fmt::print("  {:>5} x  {}\n           because {}\n           instead {}\n", each.count, each.wanted, each.why,
+               each.used);
+  }
+}
+
+// Files that could be rigs below a folder; the path itself where it is a file or an unpacked MVR.
+std::vector<std::string> rig_files(const std::string& path) {
+  std::error_code trouble;
+  if (!fs::is_directory(path, trouble) || fs::exists(fs::path(path) / "GeneralSceneDescription.xml", trouble)) {
+    return {path};
+  }
+  std::vector<std::string> found;
+  fs::recursive_directory_iterator at(path, fs::directory_options::skip_permission_denied, trouble), end;
+  for (; !trouble && at != end; at.increment(trouble)) {
+    const std::string ending = fixtures::lower(at->path().extension().string());
+    if ((ending == ".mvr" || ending == ".qxw") && at->is_regular_file(trouble)) found.push_back(at->path().string());
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+Result<int> check(const Options& options) {
+  if (options.paths.empty()) {
+    return fail(ErrorCode::kBadInput, "expected rigs or folders of them, as in: footlight rig check show.mvr");
+  }
+  int loaded = 0, warned = 0, refused = 0;
+  for (const std::string& path : options.paths) {
+    for (const std::string& file : rig_files(path)) {
+      const Opened opened = open(file, options.library);
+      const ImportStatus status = opened.rig ? opened.rig->status() : ImportStatus::kRefused;
+      ++(status == ImportStatus::kLoaded ? loaded : status == ImportStatus::kWarnings ? warned : refused);
+      if (options.json) {
+        nlohmann::json json = {{"file", file}, {"status", fixtures::status_name(status)}};
+        json["format"] = opened.rig ? opened.rig->format : "";
+        json["fixtures"] = opened.rig ? opened.rig->rig.fixtures.size() : 0;
+        json["diagnostics"] = nlohmann::json::array();
+        for (const Diagnostic& each : opened.diagnostics) json["diagnostics"].push_back(json_of(each));
+        json["assumptions"] = nlohmann::json::array();
+        if (opened.rig) {
+          for (const auto& each : opened.rig->assumptions) json["assumptions"].push_back(json_of(each));
+        }
+        fmt::print("{}\n", clean(json));
+        continue;
+      }
+      for (const Diagnostic& each : opened.diagnostics) fmt::print("{}\n", fixtures::text(each));
+      if (opened.rig) {
+        fmt::print("{}: {}, {} {}: {} fixtures of {} types, {} objects\n", file, fixtures::status_name(status),
+                   opened.rig->format, opened.rig->version, opened.rig->rig.fixtures.size(),
+                   opened.rig->rig.types.size(), opened.rig->rig.objects.size());
+        print_assumptions(*opened.rig);
+      } else {
+        fmt::print("{}: refused: {}\n", file, opened.rig.error().message);
+      }
+    }
+  }
+  if (!options.json && loaded + warned + refused != 1) {
+    fmt::print("{} loaded, {} with warnings, {} refused\n", loaded, warned, refused);
+  }
+  if (loaded + warned + refused == 0) {
+    return fail(ErrorCode::kNotFound, "no .mvr or .qxw file in {}", options.paths.front());
+  }
+  return refused == 0 ? kExitOk : kExitFailed;
+}
+
+std::string cut(const std::string& text, std::size_t letters_max) { return fixtures::shortened(text, letters_max); }
+
+Result<int> show(const Options& options) {
+  FL_ASSIGN(const ImportedRig imported, open_or_fail(options));
+  const std::vector<fixtures::PatchRow> rows = fixtures::patch_rows(imported.rig);
+  const std::vector<fixtures::UniverseUse> uses = fixtures::universe_use(imported.rig);
+  double power_w = 0, weight_kg = 0;
+  int unknown_power = 0, unknown_weight = 0;
+  for (const fixtures::PatchRow& row : rows) {
+    power_w += row.power_w;
+    weight_kg += row.weight_kg;
+    unknown_power += row.power_w > 0 ? 0 : 1;
+    unknown_weight += row.weight_kg > 0 ? 0 : 1;
+  }
+  if (options.json) {
+    nlohmann::json json = {{"file", options.path},      {"format", imported.format}, {"version", imported.version},
+                           {"name", imported.rig.name}, {"power_w", power_w},        {"weight_kg", weight_kg}};
+    json["fixtures"] = nlohmann::json::array();
+    for (const fixtures::PatchRow& row : rows) {
+      const auto& fixture = imported.rig.fixtures[static_cast<std::size_t>(row.fixture)];
+      nlohmann::json its = {{"name", row.name},
+                            {"fixture_id", fixture.labels.fixture_id},
+                            {"type", row.type},
+                            {"mode", row.mode},
+                            {"slots", row.slot_count},
+                            {"addresses", row.addresses},
+                            {"position_m", {row.position_m.x, row.position_m.y, row.position_m.z}},
+                            {"layer", row.layer},
+                            {"power_w", row.power_w},
+                            {"weight_kg", row.weight_kg}};
+      if (!row.wanted.empty()) its["wanted"] = row.wanted;
+      json["fixtures"].push_back(std::move(its));
+    }
+    json["universes"] = nlohmann::json::array();
+    for (const auto& use : uses) {
+      json["universes"].push_back(
+          {{"universe", use.universe}, {"fixtures", use.fixture_count}, {"slots", use.slot_count}});
+    }
+    json["assumptions"] = nlohmann::json::array();
+    for (const auto& each : imported.assumptions) json["assumptions"].push_back(json_of(each));
+    fmt::print("{}\n", clean(json));
+    return kExitOk;
+  }
+
+  fmt::print("{}: {} {} {}, {} fixtures, {} objects, {} focus points\n\n", options.path, imported.rig.name,
+             imported.format, imported.version, rows.size(), imported.rig.objects.size(),
+             imported.rig.focus_points.size());
+  fmt::print("{:<10} {:<24} {:<32} {:<18} {:>5}  {:<14} {:>7} {:>7} {:>7}\n", "id", "name", "type", "mode", "slots",
+             "address", "x m", "y m", "z m");
+  for (const fixtures::PatchRow& row : rows) {
+    const auto& labels = imported.rig.fixtures[static_cast<std::size_t>(row.fixture)].labels;
+    fmt::print("{:<10} {:<24} {:<32} {:<18} {:>5}  {:<14} {:>7.2f} {:>7.2f} {:>7.2f}\n",
+               cut(labels.fixture_id.empty() ? "-" : labels.fixture_id, 10), cut(row.name, 24), cut(row.type, 32),
+               cut(row.mode, 18), row.slot_count, cut(row.addresses, 14), row.position_m.x, row.position_m.y,
+               row.position_m.z);
+  }
+  fmt::print("\nUniverses ({})\n", uses.size());
+  for (const auto& use : uses) {
+    fmt::print("  {:>5}  {} fixtures, {} of 512 slots\n", use.universe, use.fixture_count, use.slot_count);
+  }
+  fmt::print("\nPower {:.1f} kW{}, weight {:.0f} kg{}\n", power_w / 1000,
+             unknown_power > 0 ? fmt::format(" without {} fixtures that say none", unknown_power) : "", weight_kg,
+             unknown_weight > 0 ? fmt::format(" without {} that say none", unknown_weight) : "");
+  print_assumptions(imported);
+  return kExitOk;
+}
+
+Status expect_ending(const std::string& out, const std::vector<std::string>& endings, const char* example) {
+  for (const std::string& ending : endings) {
+    if (fixtures::lower(out).ends_with(ending)) return {};
+  }
+  return fail(ErrorCode::kBadInput, "-o '{}': expected a file that ends in {}, as in: {}", out,
+              fmt::join(endings, " or "), example);
+}
+
+void print_report(const std::string& out, const fixtures::ExportReport& report) {
+  fmt::print("{}: {} fixtures, {} definitions, {} meshes\n", out, report.fixture_count, report.definition_count,
+             report.mesh_count);
+  for (const std::string& note : report.notes) fmt::print(stderr, "footlight: {}\n", note);
+}
+
+Result<int> import_it(const Options& options) {
+  FL_TRY(expect_ending(options.out, {".toml"}, "footlight rig import show.mvr -o show.toml"));
+  FL_ASSIGN(const ImportedRig imported, open_or_fail(options));
+  FL_ASSIGN(const auto report, fixtures::export_rig_toml(imported, options.out));
+  print_report(options.out, report);
+  print_assumptions(imported);
+  return kExitOk;
+}
+
+Result<int> export_it(const Options& options) {
+  FL_TRY(expect_ending(options.out, {".mvr"}, "footlight rig export show.toml -o show.mvr"));
+  FL_ASSIGN(const ImportedRig imported, open_or_fail(options));
+  FL_ASSIGN(const auto report, fixtures::export_mvr(imported, options.out));
+  print_report(options.out, report);
+  return kExitOk;
+}
+
+// Whole or not at all.
+Status write_text(const std::string& path, const std::string& text) {
+  const std::string part = path + ".part";
+  std::error_code trouble;
+  {
+    std::ofstream stream(part, std::ios::binary);
+    stream << text;
+    stream.close();
+    if (!stream) {
+      fs::remove(part, trouble);
+      return fail(ErrorCode::kIo, "{}: cannot be written; check the folder and the space on its disk", path);
+    }
+  }
+  fs::rename(part, path, trouble);
+  if (trouble) return fail(ErrorCode::kIo, "{}: cannot be written: {}", path, trouble.message());
+  return {};
+}
+
+fixtures::SheetHead head_of(const Options& options) {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  return {fs::path(options.path).filename().string(), fmt::format("{:%Y-%m-%d}", fmt::localtime(now))};
+}
+
+Result<int> patch(const Options& options) {
+  FL_TRY(expect_ending(options.out, {".html", ".csv"}, "footlight rig patch show.mvr -o patch.html"));
+  FL_ASSIGN(const ImportedRig imported, open_or_fail(options));
+  const bool csv = fixtures::lower(options.out).ends_with(".csv");
+  FL_TRY(write_text(options.out,
+                    csv ? fixtures::patch_csv(imported.rig) : fixtures::patch_html(imported.rig, head_of(options))));
+  fmt::print("{}: {} fixtures\n", options.out, imported.rig.fixtures.size());
+  return kExitOk;
+}
+
+Result<int> plan(const Options& options) {
+  FL_TRY(expect_ending(options.out, {".svg"}, "footlight rig plan show.mvr -o plan.svg"));
+  const std::string paper = fixtures::lower(options.paper);
+  if (paper.size() != 2 || paper[0] != 'a' || paper[1] < '0' || paper[1] > '4') {
+    return fail(ErrorCode::kBadInput, "--paper '{}': expected a0, a1, a2, a3 or a4", options.paper);
+  }
+  constexpr fixtures::PlanPaper kSizes[] = {{1189, 841}, {841, 594}, {594, 420}, {420, 297}, {297, 210}};
+  FL_ASSIGN(const ImportedRig imported, open_or_fail(options));
+  FL_TRY(write_text(options.out, fixtures::plan_svg(imported.rig, head_of(options), kSizes[paper[1] - '0'])));
+  fmt::print("{}: {} fixtures\n", options.out, imported.rig.fixtures.size());
+  return kExitOk;
+}
+
+void add(Arguments& arguments) {
+  struct Part {
+    const char* name;
+    const char* help;
+    const char* examples;
+    Result<int> (*run)(const Options&);
+    const char* out;  // what -o names; nullptr: there is none
+  };
+  static constexpr Part kParts[] = {
+      {"check", "Judge rigs: what is wrong, where, and what was assumed",
+       "  footlight rig check show.mvr\n"
+       "  footlight rig check rigs/ --json | jq -r 'select(.status == \"refused\").file'\n"
+       "Exit code 1 where a file is refused.",
+       check, nullptr},
+      {"show", "Fixtures, universes, power and weight of a rig, and what was assumed",
+       "  footlight rig show show.mvr\n"
+       "  footlight rig show show.qxw --json | jq '.fixtures[].addresses'",
+       show, nullptr},
+      {"import", "Bring a rig into a rig file of our own, with a folder of its files",
+       "  footlight rig import show.mvr -o show.toml\n"
+       "The definitions and meshes go to show_files/ beside it.",
+       import_it, "the rig file, .toml"},
+      {"export", "Write a rig as MVR 1.6",
+       "  footlight rig export show.toml -o show.mvr\n"
+       "Definitions that are GDTF files go along; of others only the name does.",
+       export_it, "the file, .mvr"},
+      {"patch", "Write the patch sheet, for print or for a spreadsheet",
+       "  footlight rig patch show.mvr -o patch.html\n"
+       "  footlight rig patch show.mvr -o patch.csv\n"
+       "For PDF print the HTML from a browser: its pages, heads and sums are made for A4.",
+       patch, "the sheet, .html or .csv"},
+      {"plan", "Draw the top view to scale, for print",
+       "  footlight rig plan show.mvr -o plan.svg --paper a3\n"
+       "  rsvg-convert -f pdf plan.svg -o plan.pdf",
+       plan, "the drawing, .svg"},
+  };
+  for (const Part& part : kParts) {
+    auto options = std::make_shared<Options>();
+    Arguments its = arguments.subcommand(part.name, part.help, part.examples);
+    const bool many = part.run == check;
+    if (many) {
+      its.words("PATH", options->paths, "rigs, or folders that are searched for .mvr and .qxw");
+    } else {
+      its.word("FILE", options->path, "the rig: .mvr, .qxw or .toml, told by what is in it");
+    }
+    if (part.run == check || part.run == show) its.flag("--json", options->json, "one JSON object a file and line");
+    if (part.out != nullptr) its.option("--out,-o", options->out, "FILE", part.out);
+    if (part.run == plan) its.option("--paper", options->paper, "SIZE", "a0 to a4, landscape");
+    its.list("--library", options->library, "FOLDER",
+             "look for fixture definitions here instead of where they are "
+             "installed");
+    its.job([options, run = part.run]() -> Result<int> { return run(*options); });
+  }
+}
+
+}  // namespace
+
+extern const CommandInfo rig_command{
+    .name = "rig",
+    .help = "Read rigs from MVR, QLC+ and our own files; check, convert and print them",
+    .examples =
+        "  footlight rig check show.mvr\n"
+        "  footlight rig show show.mvr\n"
+        "  footlight rig import show.mvr -o show.toml\n"
+        "  footlight rig export show.toml -o show.mvr\n"
+        "  footlight rig patch show.mvr -o patch.html\n"
+        "  footlight rig plan show.mvr -o plan.svg\n",
+    .add = add,
+};
+
+}  // namespace footlight::tools
