@@ -38,8 +38,9 @@ struct PassEntry {
   const char* gives;  // what the picture loses without it, for the report
 };
 
+// Whether triangles are drawn: bodies of fixtures, objects of the scene.
 [[nodiscard]] inline bool has_bodies(const fixtures::Needs& needs, const FrameSettings& settings) {
-  return needs.fixtures && settings.bodies;
+  return (needs.fixtures || needs.objects) && settings.bodies;
 }
 // Whether anything solid is in the picture.
 [[nodiscard]] inline bool has_solids(const fixtures::Needs& needs, const FrameSettings& settings) {

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <iterator>
 #include <map>
 #include <string>
 #include <utility>
 
 #include "fixtures/gobo.h"
-#include "fixtures/model/primitives.h"
+#include "fixtures/model/body.h"
 #include "render/pass.h"
 
 namespace footlight::render {
@@ -77,9 +78,9 @@ Result<vk::Image> make_gobos(vk::Device& device, const std::vector<fixtures::Ima
   return image;
 }
 
-// The body of a type, its vertices' parts as FL_PART_...: every part of the mesh is brought into the space behind the
-// last joint that moves it.
-fixtures::BodyMesh body_of(const fixtures::Rig& rig, const fixtures::TypeSource& source) {
+// The body of a type that brings no models, its vertices' parts as FL_PART_...: every part of the mesh is brought into
+// the space behind the last joint that moves it.
+fixtures::BodyMesh plain_body(const fixtures::Rig& rig, const fixtures::TypeSource& source) {
   using namespace fixtures;
   const FixtureType& type = rig.types[static_cast<std::size_t>(source.type)];
   const Mode& mode = type.modes[static_cast<std::size_t>(source.mode)];
@@ -98,10 +99,8 @@ fixtures::BodyMesh body_of(const fixtures::Rig& rig, const fixtures::TypeSource&
       }
       pose = mode.geometries[static_cast<std::size_t>(geometry)].pose * pose;
     }
-    const glm::dvec3 position =
-        pose * glm::dvec4(vertex.position[0], vertex.position[1], vertex.position[2], 1);
-    const glm::dvec3 normal =
-        glm::dmat3(pose) * glm::dvec3(vertex.normal[0], vertex.normal[1], vertex.normal[2]);
+    const glm::dvec3 position = pose * glm::dvec4(vertex.position[0], vertex.position[1], vertex.position[2], 1);
+    const glm::dvec3 normal = glm::dmat3(pose) * glm::dvec3(vertex.normal[0], vertex.normal[1], vertex.normal[2]);
     for (int i = 0; i < 3; ++i) {
       vertex.position[i] = static_cast<float>(position[i]);
       vertex.normal[i] = static_cast<float>(normal[i]);
@@ -111,26 +110,80 @@ fixtures::BodyMesh body_of(const fixtures::Rig& rig, const fixtures::TypeSource&
   return mesh;
 }
 
-// One mesh buffer for the bodies of all types, heads sorted by type, one indirect command a type.
+// One mesh for each row of compiled.types; empty: no body.
+std::vector<fixtures::BodyMesh> bodies_of(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
+                                          fixtures::Diagnostics& diagnostics) {
+  using namespace fixtures;
+  static_assert(kBodyDepth == FL_PART_DEPTH && kBodyLens == FL_PART_LENS);
+  std::vector<BodyMesh> bodies;
+  while (bodies.size() < compiled.sources.size()) {
+    // The heads of one mode are neighbours.
+    const TypeSource& first = compiled.sources[bodies.size()];
+    std::vector<BodyHead> heads;
+    for (std::size_t t = bodies.size(); t < compiled.sources.size(); ++t) {
+      const TypeSource& source = compiled.sources[t];
+      if (source.type != first.type || source.mode != first.mode || (t > bodies.size() && source.head == 0)) break;
+      heads.push_back({source.geometry, source.joint_geometries});
+    }
+    const FixtureType& type = rig.types[static_cast<std::size_t>(first.type)];
+    const Mode& mode = type.modes[static_cast<std::size_t>(first.mode)];
+    if (has_models(mode)) {
+      auto made = fixture_bodies(type, mode, heads, MeshDetail::kNormal, diagnostics);
+      std::move(made.begin(), made.end(), std::back_inserter(bodies));
+    } else {
+      for (std::size_t i = 0; i < heads.size(); ++i) bodies.push_back(plain_body(rig, compiled.sources[bodies.size()]));
+    }
+  }
+  return bodies;
+}
+
+// The objects of the scene in stage space; their albedo is in the parts of their vertices.
+fixtures::BodyMesh objects_of(const fixtures::Rig& rig, fixtures::Diagnostics& diagnostics) {
+  const fixtures::Mesh scene = fixtures::scene_mesh(rig, diagnostics);
+  fixtures::BodyMesh mesh;
+  mesh.indices = scene.indices;
+  for (const fixtures::MeshVertex& vertex : scene.vertices) {
+    const glm::vec3 albedo = glm::clamp(scene.materials[vertex.material].albedo, 0.0f, 1.0f) * 1023.0f + 0.5f;
+    const std::uint32_t part = FL_OBJECT | static_cast<std::uint32_t>(albedo.x) << 20 |
+                               static_cast<std::uint32_t>(albedo.y) << 10 | static_cast<std::uint32_t>(albedo.z);
+    const glm::vec3& p = vertex.position_m;
+    const glm::vec3& n = vertex.normal;
+    mesh.vertices.push_back({{p.x, p.y, p.z}, {n.x, n.y, n.z}, part});
+  }
+  return mesh;
+}
+
+// One mesh buffer for the bodies of all types and the objects, heads sorted by type, one indirect command a type.
 Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled, Resources& r) {
   std::vector<fixtures::BodyVertex> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<std::uint32_t> instances;
   std::vector<VkDrawIndexedIndirectCommand> draws;
+  fixtures::Diagnostics diagnostics;
+  const auto add = [&](const fixtures::BodyMesh& mesh, std::uint32_t count, std::uint32_t first_instance) {
+    draws.push_back({static_cast<std::uint32_t>(mesh.indices.size()), count, static_cast<std::uint32_t>(indices.size()),
+                     static_cast<std::int32_t>(vertices.size()), first_instance});
+    vertices.insert(vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+    indices.insert(indices.end(), mesh.indices.begin(), mesh.indices.end());
+  };
+  const std::vector<fixtures::BodyMesh> bodies = bodies_of(rig, compiled, diagnostics);
   for (std::uint32_t t = 0; t < compiled.types.size(); ++t) {
-    const fixtures::BodyMesh mesh = body_of(rig, compiled.sources[t]);
+    const fixtures::BodyMesh& mesh = bodies[t];
     if (mesh.indices.empty()) continue;
     const auto first_instance = static_cast<std::uint32_t>(instances.size());
     for (std::uint32_t i = 0; i < compiled.heads.size(); ++i) {
       if (compiled.heads[i].type == t) instances.push_back(i);
     }
     const auto count = static_cast<std::uint32_t>(instances.size()) - first_instance;
-    draws.push_back({static_cast<std::uint32_t>(mesh.indices.size()), count, static_cast<std::uint32_t>(indices.size()),
-                     static_cast<std::int32_t>(vertices.size()), first_instance});
-    vertices.insert(vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
-    indices.insert(indices.end(), mesh.indices.begin(), mesh.indices.end());
+    add(mesh, count, first_instance);
   }
   r.draw_count = static_cast<std::uint32_t>(draws.size());
+  if (const fixtures::BodyMesh objects = objects_of(rig, diagnostics); !objects.indices.empty()) {
+    add(objects, 1, 0);
+    r.object_draw_count = 1;
+  }
+  diagnostics.finish();
+  r.diagnostics = diagnostics.take();
   FL_ASSIGN(r.vertices, table(device, vertices, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT));
   FL_ASSIGN(r.indices, table(device, indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT));
   FL_ASSIGN(r.instances, table(device, instances));
@@ -188,7 +241,7 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
     boxes.push_back({vec4(box.min_m, 0), vec4(box.max_m, 0), vec4(box.albedo, 0)});
   }
   FL_ASSIGN(r.boxes, table(device, boxes));
-  if (settings.bodies && r.head_count > 0) FL_TRY(make_bodies(device, rig, compiled, r));
+  if (has_bodies(compiled.needs, settings)) FL_TRY(make_bodies(device, rig, compiled, r));
   FL_ASSIGN(r.gobos, make_gobos(device, compiled.images));
 
   FL_ASSIGN(r.params, zeroed(device, sizeof(FrameParams)));
@@ -224,16 +277,26 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   }));
 
   const std::pair<std::uint32_t, const vk::Buffer*> buffers[] = {
-      {FL_BINDING_PARAMS, &r.params},          {FL_BINDING_LEVELS, &r.levels},
-      {FL_BINDING_TYPES, &r.types},            {FL_BINDING_CHANNELS, &r.channels},
-      {FL_BINDING_FUNCTIONS, &r.functions},    {FL_BINDING_MASTERS, &r.masters},
-      {FL_BINDING_MOTORS, &r.motors},          {FL_BINDING_SPINS, &r.spins},
-      {FL_BINDING_JOINTS, &r.joints},          {FL_BINDING_WHEEL_SLOTS, &r.wheel_slots},
-      {FL_BINDING_DEFAULTS, &r.defaults},      {FL_BINDING_COLORS, &r.colors},
-      {FL_BINDING_HEADS, &r.heads},            {FL_BINDING_STATES, &r.states},
-      {FL_BINDING_MOTOR_STATES, &r.motor_states}, {FL_BINDING_SPIN_STATES, &r.spin_states},
-      {FL_BINDING_SHUTTER_STATES, &r.shutter_states}, {FL_BINDING_BEAMS, &r.beams},
-      {FL_BINDING_COUNTS, &r.counts},          {FL_BINDING_MASKS, &r.masks},
+      {FL_BINDING_PARAMS, &r.params},
+      {FL_BINDING_LEVELS, &r.levels},
+      {FL_BINDING_TYPES, &r.types},
+      {FL_BINDING_CHANNELS, &r.channels},
+      {FL_BINDING_FUNCTIONS, &r.functions},
+      {FL_BINDING_MASTERS, &r.masters},
+      {FL_BINDING_MOTORS, &r.motors},
+      {FL_BINDING_SPINS, &r.spins},
+      {FL_BINDING_JOINTS, &r.joints},
+      {FL_BINDING_WHEEL_SLOTS, &r.wheel_slots},
+      {FL_BINDING_DEFAULTS, &r.defaults},
+      {FL_BINDING_COLORS, &r.colors},
+      {FL_BINDING_HEADS, &r.heads},
+      {FL_BINDING_STATES, &r.states},
+      {FL_BINDING_MOTOR_STATES, &r.motor_states},
+      {FL_BINDING_SPIN_STATES, &r.spin_states},
+      {FL_BINDING_SHUTTER_STATES, &r.shutter_states},
+      {FL_BINDING_BEAMS, &r.beams},
+      {FL_BINDING_COUNTS, &r.counts},
+      {FL_BINDING_MASKS, &r.masks},
       {FL_BINDING_BOXES, &r.boxes},
   };
   for (const auto& [binding, buffer] : buffers) {
@@ -246,7 +309,8 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   r.bindings.set_image(FL_BINDING_SCREEN, r.screen);
   r.bindings.set_image(FL_BINDING_GOBOS, r.gobos, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
 
-  for (const vk::Buffer* buffer : {&r.instances, &r.vertices, &r.indices, &r.draws}) r.total_bytes += buffer->size_bytes;
+  for (const vk::Buffer* buffer : {&r.instances, &r.vertices, &r.indices, &r.draws})
+    r.total_bytes += buffer->size_bytes;
   for (const vk::Image* image : {&r.gobos, &r.surface_id, &r.depth, &r.radiance, &r.screen}) {
     r.total_bytes += image->size_bytes;
   }
@@ -255,7 +319,8 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
 
 void forget_states(VkCommandBuffer commands, const Resources& resources) {
   vk::full_barrier(commands);
-  for (const vk::Buffer* buffer : resources.all_states()) vkCmdFillBuffer(commands, buffer->handle, 0, VK_WHOLE_SIZE, 0);
+  for (const vk::Buffer* buffer : resources.all_states())
+    vkCmdFillBuffer(commands, buffer->handle, 0, VK_WHOLE_SIZE, 0);
   vk::full_barrier(commands);
 }
 

@@ -4,7 +4,9 @@
 
 #include <array>
 #include <cstdint>
+#include <vector>
 
+#include "fixtures/diagnostic.h"
 #include "fixtures/rig.h"
 #include "render/frame_io.h"
 #include "render/settings.h"
@@ -20,7 +22,8 @@ struct Resources {
   // Rig tables, written once. Rows of fixtures/shared/tables.h.
   vk::Buffer types, channels, functions, masters, motors, spins, joints, wheel_slots, defaults, colors, heads;
   vk::Buffer boxes;                                // BoxRow
-  vk::Buffer instances, vertices, indices, draws;  // bodies: head indices by type; one draw command a type
+  vk::Buffer instances, vertices, indices, draws;  // bodies: head indices by type; one draw command a type, and one
+                                                   // for all objects of the scene
   vk::Image gobos;                                 // one layer a gobo
 
   // Per frame.
@@ -40,16 +43,19 @@ struct Resources {
   vk::BindingSet bindings;
   std::uint32_t head_count = 0;
   std::uint32_t head_groups = 0;
-  std::uint32_t motor_count = 0;    // states of all heads; 0: the rig has none of these
+  std::uint32_t motor_count = 0;  // states of all heads; 0: the rig has none of these
   std::uint32_t spin_count = 0;
   std::uint32_t shutter_count = 0;
   std::uint32_t box_count = 0;
-  std::uint32_t draw_count = 0;
+  std::uint32_t draw_count = 0;         // of bodies
+  std::uint32_t object_draw_count = 0;  // of the scene's objects, behind them: 0 or 1
   std::uint32_t supertiles_x = 0;
   std::uint32_t supertiles_y = 0;
   std::uint32_t mask_words = 0;
   std::uint64_t levels_bytes = 0;
   std::uint64_t total_bytes = 0;  // GPU memory, for the report
+  // Models that were not there or not readable, and what stands in for them.
+  std::vector<fixtures::Diagnostic> diagnostics;
 };
 
 // Gobo images: texels a side, and the width of their edges in units of the gate's radius. Edges are three texels wide,

@@ -5,6 +5,7 @@
 
 #include "fixtures/model/primitives.h"
 #include "shaders/body.vert.h"
+#include "shaders/object.vert.h"
 #include "shaders/surface.frag.h"
 
 namespace footlight::render {
@@ -12,11 +13,12 @@ namespace {
 
 class BodiesPass final : public Pass {
  public:
-  BodiesPass(const PassContext& context, vk::Pipeline bodies)
+  BodiesPass(const PassContext& context, vk::Pipeline bodies, vk::Pipeline objects)
       : resources_(context.resources),
         width_(static_cast<std::uint32_t>(context.settings.width)),
         height_(static_cast<std::uint32_t>(context.settings.height)),
-        bodies_(std::move(bodies)) {}
+        bodies_(std::move(bodies)),
+        objects_(std::move(objects)) {}
 
   void record(VkCommandBuffer commands) override {
     VkRenderingAttachmentInfo color{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
@@ -39,12 +41,21 @@ class BodiesPass final : public Pass {
     const VkViewport viewport{0, 0, static_cast<float>(width_), static_cast<float>(height_), 0, 1};
     vkCmdSetViewport(commands, 0, 1, &viewport);
     vkCmdSetScissor(commands, 0, 1, &info.renderArea);
-    bodies_.bind(commands);
     const VkDeviceSize zero = 0;
-    vkCmdBindVertexBuffers(commands, 0, 1, &resources_.vertices.handle, &zero);
-    vkCmdBindIndexBuffer(commands, resources_.indices.handle, 0, VK_INDEX_TYPE_UINT32);
-    vkCmdDrawIndexedIndirect(commands, resources_.draws.handle, 0, resources_.draw_count,
-                             sizeof(VkDrawIndexedIndirectCommand));
+    if (resources_.draw_count + resources_.object_draw_count > 0) {
+      vkCmdBindVertexBuffers(commands, 0, 1, &resources_.vertices.handle, &zero);
+      vkCmdBindIndexBuffer(commands, resources_.indices.handle, 0, VK_INDEX_TYPE_UINT32);
+    }
+    constexpr std::uint32_t kDrawBytes = sizeof(VkDrawIndexedIndirectCommand);
+    if (resources_.draw_count > 0) {
+      bodies_.bind(commands);
+      vkCmdDrawIndexedIndirect(commands, resources_.draws.handle, 0, resources_.draw_count, kDrawBytes);
+    }
+    if (resources_.object_draw_count > 0) {
+      objects_.bind(commands);
+      vkCmdDrawIndexedIndirect(commands, resources_.draws.handle, VkDeviceSize{resources_.draw_count} * kDrawBytes,
+                               resources_.object_draw_count, kDrawBytes);
+    }
     vkCmdEndRendering(commands);
   }
 
@@ -53,6 +64,7 @@ class BodiesPass final : public Pass {
   std::uint32_t width_;
   std::uint32_t height_;
   vk::Pipeline bodies_;
+  vk::Pipeline objects_;
 };
 
 }  // namespace
@@ -63,18 +75,19 @@ const PassEntry kBodiesPass{
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       using fixtures::BodyVertex;
       const Resources& r = context.resources;
-      FL_ASSIGN(vk::Pipeline bodies,
-                vk::Pipeline::raster(context.device, r.bindings,
-                                     {kBodyVert,
-                                      kSurfaceFrag,
-                                      r.surface_id.format,
-                                      r.depth.format,
-                                      sizeof(BodyVertex),
-                                      {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, position)},
-                                       {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, normal)},
-                                       {2, 0, VK_FORMAT_R32_UINT, offsetof(BodyVertex, part)}}}));
-      return std::unique_ptr<Pass>(new BodiesPass(context, std::move(bodies)));
+      vk::Pipeline::Raster raster{kBodyVert,
+                                  kSurfaceFrag,
+                                  r.surface_id.format,
+                                  r.depth.format,
+                                  sizeof(BodyVertex),
+                                  {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, position)},
+                                   {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, normal)},
+                                   {2, 0, VK_FORMAT_R32_UINT, offsetof(BodyVertex, part)}}};
+      FL_ASSIGN(vk::Pipeline bodies, vk::Pipeline::raster(context.device, r.bindings, raster));
+      raster.vertex_spirv = kObjectVert;
+      FL_ASSIGN(vk::Pipeline objects, vk::Pipeline::raster(context.device, r.bindings, raster));
+      return std::unique_ptr<Pass>(new BodiesPass(context, std::move(bodies), std::move(objects)));
     },
-    "fixture bodies"};
+    "bodies of fixtures and objects of the scene"};
 
 }  // namespace footlight::render

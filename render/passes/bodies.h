@@ -1,4 +1,4 @@
-// Raster of fixture bodies into the visibility buffer, instanced, by one indirect draw.
+// Raster of fixture bodies, instanced, and of the scene's objects into the visibility buffer, by one indirect draw each.
 #pragma once
 
 #include "render/pass.h"

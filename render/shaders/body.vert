@@ -14,6 +14,7 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in uint part;  // FL_PART_...
 layout(location = 0) out vec3 out_normal;
 layout(location = 1) flat out uint out_id;
+layout(location = 2) out vec3 out_offset_m;  // from the camera
 
 void main() {
   uint index = instances[gl_InstanceIndex];
@@ -23,6 +24,7 @@ void main() {
   uint depth = part & uint(FL_PART_DEPTH);
   out_normal = fixture_to_stage_direction(row, chain_to_fixture(type, state, depth, normal, 0.0));
   vec3 p = chain_to_fixture(type, state, depth, position_m, 1.0);
-  gl_Position = project(fixture_to_stage_point(row, p) - params.position.xyz);
+  out_offset_m = fixture_to_stage_point(row, p) - params.position.xyz;
+  gl_Position = project(out_offset_m);
   out_id = 1u + ((index << 3) | part);
 }

@@ -1,9 +1,15 @@
 #version 460
-// Visibility buffer: the packed normal and the identity of what the pixel shows.
+// Visibility buffer: the packed normal and the identity of what the pixel shows. Files wind their triangles as they like
+// and poses mirror, so nothing is culled, and a normal that lies on the far side of its triangle is turned over.
 #extension GL_GOOGLE_include_directive : require
 #include "render/shaders/lib/normal.glsl"
 layout(location = 0) in vec3 in_normal;
 layout(location = 1) flat in uint in_id;
+layout(location = 2) in vec3 in_offset_m;
 layout(location = 0) out uvec2 out_surface;
 
-void main() { out_surface = uvec2(pack_normal(in_normal), in_id); }
+void main() {
+  vec3 face = cross(dFdx(in_offset_m), dFdy(in_offset_m));
+  if (dot(face, in_offset_m) > 0.0) face = -face;
+  out_surface = uvec2(pack_normal(dot(in_normal, face) < 0.0 ? -in_normal : in_normal), in_id);
+}

@@ -90,6 +90,12 @@ vec3 lens_radiance(uint index, vec3 unit_ray, vec3 normal) {
   return color * (type.flux_lm * intensity / (area_m2 * facing) + type.glow_lm / (kPi * area_m2));
 }
 
+// Its share that reaches a face. The work light falls on what has triangles from above and from the eye, so that its
+// form shows.
+float work_light(vec3 normal, vec3 offset_m) {
+  return 0.15 + 0.45 * (0.5 + 0.5 * normal.z) + 0.4 * max(-dot(normal, normalize(offset_m)), 0.0);
+}
+
 void main() {
   Medium medium = Medium(params.anisotropy, params.position.w);
   Surface surface[FL_ROWS];
@@ -145,10 +151,13 @@ void main() {
     uint which = surface[i].which;
     if (surface[i].kind == kBox) {
       color = boxes[which].albedo.rgb / kPi * illuminance_lx[i];
+    } else if (surface[i].kind == kObject) {
+      vec3 albedo = vec3((uvec3(which) >> uvec3(20, 10, 0)) & 1023u) / 1023.0;
+      float form = work_light(surface[i].normal, offset_m[i]);
+      color = albedo / kPi * (illuminance_lx[i] + params.ambient_lx * (form - 1.0));
     } else if (surface[i].kind == kBody) {
-      // The work light falls on bodies from above and from the eye, so that their form shows.
       vec3 ray = normalize(offset_m[i]);
-      float form = 0.15 + 0.45 * (0.5 + 0.5 * surface[i].normal.z) + 0.4 * max(-dot(surface[i].normal, ray), 0.0);
+      float form = work_light(surface[i].normal, offset_m[i]);
       color = vec3(kBodyAlbedo / kPi) * (illuminance_lx[i] + params.ambient_lx * (form - 1.0));
       if ((which & uint(FL_PART_LENS)) != 0u) color += lens_radiance(which >> 3, ray, surface[i].normal);
     }

@@ -74,7 +74,7 @@ class Pipeline {
     std::uint32_t vertex_stride_bytes = 0;  // 0: no vertex buffer
     std::vector<VkVertexInputAttributeDescription> attributes;
   };
-  // Reversed depth (greater wins), back faces culled, counter-clockwise in front, viewport and scissor dynamic.
+  // Reversed depth (greater wins), no face culled, viewport and scissor dynamic.
   [[nodiscard]] static Result<Pipeline> raster(Device& device, const BindingSet& bindings, const Raster& raster);
   ~Pipeline();
   Pipeline(Pipeline&& other) noexcept { swap(other); }

@@ -19,4 +19,7 @@ void add_fixtures_convert(Arguments& arguments);
 // its number from 1; empty: all. Fails where there is none such, with the names that there are.
 [[nodiscard]] Result<std::string> text_of_type(const fixtures::FixtureType& type, std::string_view mode);
 
+// What is drawn of its beams (angles) and colours (CIEDE2000), each with its distance from what the definition says.
+[[nodiscard]] std::string optics_of_type(const fixtures::FixtureType& type);
+
 }  // namespace footlight::tools

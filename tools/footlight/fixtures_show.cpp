@@ -223,14 +223,19 @@ class Writer {
 struct Options {
   std::string file;
   std::string mode;
+  bool optics = false;
 };
 
 Result<int> show(const Options& options) {
   if (options.file.empty())
     return fail(ErrorCode::kBadInput, "nothing to show; name a file: 'footlight fixtures show head.gdtf'");
   FL_ASSIGN(const Imported imported, import_fixture(options.file));
-  FL_ASSIGN(const std::string text, text_of_type(imported.type, options.mode));
-  fmt::print("{}", text);
+  if (options.optics) {
+    fmt::print("{}", optics_of_type(imported.type));
+  } else {
+    FL_ASSIGN(const std::string text, text_of_type(imported.type, options.mode));
+    fmt::print("{}", text);
+  }
   std::size_t wrong = 0;
   for (const Diagnostic& one : imported.diagnostics) wrong += one.severity != Severity::kNote ? 1u : 0u;
   if (wrong > 0) {
@@ -273,6 +278,8 @@ void add_fixtures_show(Arguments& arguments) {
   auto options = std::make_shared<Options>();
   show_arguments.word("FILE", options->file, "a definition, or the folder of an unpacked one");
   show_arguments.option("--mode", options->mode, "NAME", "only this mode, by name or by number");
+  show_arguments.flag("--optics", options->optics,
+                      "instead: how beams and colours are drawn, and how far that is from the definition");
   show_arguments.job([options]() -> Result<int> { return show(*options); });
 }
 

@@ -188,6 +188,9 @@ Result<int> render_pictures(const Options& options) {
   settings.nodes = static_cast<std::uint32_t>(options.nodes);
   settings.gobo_taps = static_cast<std::uint32_t>(options.gobo_taps);
   FL_ASSIGN(const auto frame, render::Frame::create(*device, rig, compiled, settings));
+  for (const fixtures::Diagnostic& one : frame->resources().diagnostics) {
+    if (one.severity != fixtures::Severity::kNote) fmt::print(stderr, "footlight: {}\n", fixtures::text(one));
+  }
   if (!timeline && frame->resources().levels_bytes > 0) {
     // No log: every level is 0.
     frame->step(std::vector<std::uint8_t>(frame->resources().levels_bytes), 0);

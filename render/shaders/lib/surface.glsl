@@ -15,10 +15,11 @@ const float kNothingM = 1000.0;
 const uint kNothing = 0u;
 const uint kBox = 1u;
 const uint kBody = 2u;
+const uint kObject = 3u;
 
 struct Surface {
   uint kind;
-  uint which;   // box; or head << 3 | part
+  uint which;   // box; head << 3 | part; of an object its albedo, 10 bits each
   vec3 normal;  // unit, outwards
   float t_m;    // along the unit ray
 };
@@ -29,7 +30,9 @@ Surface surface_at(ivec2 pixel, vec3 ray) {
     uvec2 id = imageLoad(surface_id, pixel).xy;
     if (id.y != 0u) {
       float depth = texelFetch(depth_image, pixel, 0).x;
-      hit = Surface(kBody, id.y - 1u, unpack_normal(id.x), params.right.w / (depth * dot(ray, params.forward.xyz)));
+      bool object = (id.y & FL_OBJECT) != 0u;
+      hit = Surface(object ? kObject : kBody, object ? id.y & ~FL_OBJECT : id.y - 1u, unpack_normal(id.x),
+                    params.right.w / (depth * dot(ray, params.forward.xyz)));
     }
   }
   if (kBoxes) {

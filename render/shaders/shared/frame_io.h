@@ -110,3 +110,5 @@ struct BoxRow {
 // part). `part`: how many joints of the head's chain move it, with FL_PART_LENS for a lens.
 #define FL_PART_DEPTH 3
 #define FL_PART_LENS 4
+// Of an object of the scene: this bit, and its albedo with 10 bits each from blue (lowest) to red.
+#define FL_OBJECT 0x80000000u
