@@ -70,6 +70,7 @@ extern const CommandInfo report_command{
         "  footlight report --rig rig.toml --log show.dmxlog --at 12.5s --svg beams.svg --csv beams.csv\n"
         "  footlight report --pictures --beams 10000 --size 3840x2160 --judge-size 96x54\n"
         "  footlight report --time --csv time.csv --svg time.svg\n"
+        "  footlight report --pictures --fleet 100000        what a step of so many fixtures costs\n"
         "  footlight report --time --worst\n"
         "Without a rig: the demo. Errors are against adaptive quadrature in double, or an event-exact integrator.",
     .add = add,

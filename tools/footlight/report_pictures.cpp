@@ -7,6 +7,7 @@
 #include "render/reference/report.h"
 #include "tools/footlight/duration.h"
 #include "tools/footlight/picture_report.h"
+#include "tools/footlight/report_fleet.h"
 #include "tools/footlight/report_parts.h"
 #include "tools/footlight/scene_files.h"
 #include "tools/footlight/timeline.h"
@@ -18,6 +19,7 @@ struct PictureArguments {
   SceneFiles files;
   DurationNs at_ns = 30 * kNsPerS;
   int beams = 0;
+  int fleet = 0;
   std::string size = "640x360";
   std::string judge_size = "64x36";
   std::string camera;
@@ -60,7 +62,16 @@ void print_left_out(const Scene& scene) {
   if (!any) fmt::print("  nothing\n");
 }
 
+Status report_fleet(const PictureArguments& arguments, const ReportOptions& options) {
+  FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = arguments.device}));
+  const FleetOptions fleet{.fixtures = arguments.fleet, .runs = options.quick ? 5 : 21};
+  FL_ASSIGN(const FleetReport report, make_fleet_report(*device, fleet));
+  fmt::print("{}", options.json ? json_of(report, fleet) : text_of(report, fleet));
+  return {};
+}
+
 Status report_pictures(const PictureArguments& arguments, const ReportOptions& options) {
+  if (arguments.fleet > 0) return report_fleet(arguments, options);
   if (arguments.beams > 0 && (arguments.files.demo || !arguments.files.rig.empty())) {
     return fail(ErrorCode::kBadInput, "--beams makes its own scene: expected it without --rig and --demo");
   }
@@ -131,6 +142,8 @@ ReportHalf add_report_pictures(Arguments& arguments) {
   add_scene_arguments(arguments, chosen->files);
   arguments.duration("--at", chosen->at_ns, "the moment of the log that is looked at");
   arguments.option("--beams", chosen->beams, 1, 1'000'000, "a made scene of this many beams in place of a rig");
+  arguments.option("--fleet", chosen->fleet, 1, 1'000'000,
+                   "no pictures: so many moving heads, stepped on the GPU and on the CPU");
   arguments.option("--camera", chosen->camera, "NAME", "a camera of the rig; its first one");
   arguments.option("--size", chosen->size, "WxH", "size of the pictures that are timed");
   arguments.option("--judge-size", chosen->judge_size, "WxH", "size of the pictures that are judged");

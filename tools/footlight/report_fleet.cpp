@@ -1,0 +1,206 @@
+#include "tools/footlight/report_fleet.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "fixtures/builtin/builtin.h"
+#include "fixtures/walker.h"
+#include "render/frame.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr std::int64_t kStepNs = 16'666'667;
+constexpr int kJudgedMax = 1'000;
+constexpr int kJudgedSteps = 240;
+constexpr int kStepsPerChange = 2;  // of the levels
+
+Result<fixtures::Rig> fleet_rig(int count) {
+  const fixtures::FixtureType* type = fixtures::find_builtin_type("generic/profile");
+  FL_CHECK(type != nullptr);
+  fixtures::Rig rig;
+  rig.name = "fleet";
+  rig.haze.scattering_per_m = 0;  // nothing to see: only the steps count
+  rig.types.push_back(*type);
+  rig.cameras.emplace_back();
+  const int slots = type->modes.front().slot_count;
+  const int per_universe = kSlotCountMax / slots;
+  for (int i = 0; i < count; ++i) {
+    fixtures::PatchedFixture fixture;
+    fixture.name = fmt::format("Head {}", i + 1);
+    fixture.universe = 1 + i / per_universe;
+    fixture.address = 1 + i % per_universe * slots;
+    fixture.position_m = {i % 1000, i / 1000, 6};
+    rig.fixtures.push_back(std::move(fixture));
+  }
+  return rig;
+}
+
+class Levels {
+ public:
+  explicit Levels(std::size_t bytes) : bytes_(bytes) {}
+  std::span<const std::uint8_t> next() {
+    if (step_++ % kStepsPerChange == 0) {
+      for (std::uint8_t& byte : bytes_) byte = static_cast<std::uint8_t>(random_() >> 24);
+    }
+    return bytes_;
+  }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+  std::minstd_rand random_{7};
+  int step_ = 0;
+};
+
+double percentile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+}
+
+render::FrameSettings small_picture() {
+  render::FrameSettings settings;
+  settings.width = settings.height = 64;
+  settings.bodies = false;
+  return settings;
+}
+
+Status time_steps(render::vk::Device& device, const FleetOptions& options, FleetReport& report) {
+  FL_ASSIGN(const fixtures::Rig rig, fleet_rig(options.fixtures));
+  FL_ASSIGN(const fixtures::CompiledRig compiled, fixtures::compile(rig));
+  FL_ASSIGN(const auto frame, render::Frame::create(device, rig, compiled, small_picture()));
+  const render::View view = render::view_of(rig.cameras.front());
+  report.state_bytes = sizeof(fixtures::f32::Walker::HeadState) * compiled.heads.size() +
+                       sizeof(fixtures::f32::Motor) * compiled.motor_count +
+                       sizeof(fixtures::f32::Turns) * compiled.spin_count +
+                       sizeof(fixtures::f32::Shutter) * compiled.strobe_count;
+  report.table_bytes = sizeof(fixtures::HeadRow) * compiled.heads.size();
+  Levels levels(compiled.universes.size() * kSlotCountMax);
+  std::vector<double> times_ms;
+  for (int run = 0; run < options.runs + 3; ++run) {
+    frame->step(levels.next(), kStepNs);
+    FL_TRY(frame->draw(view, 0));
+    FL_ASSIGN(const auto times, frame->read_times());
+    for (const auto& pass : times) {
+      if (pass.name == "step" && run >= 3) times_ms.push_back(pass.gpu_ms);
+    }
+  }
+  if (times_ms.empty()) return fail(ErrorCode::kUnsupported, "{}: has no GPU timestamps", device.name());
+  report.gpu_ms_p10 = percentile(times_ms, 0.1);
+  report.gpu_ms_p50 = percentile(times_ms, 0.5);
+  report.gpu_ms_p90 = percentile(times_ms, 0.9);
+
+  fixtures::f32::Walker walker(compiled);
+  std::vector<double> ns;
+  for (int run = 0; run < options.runs + 3; ++run) {
+    const auto now = levels.next();
+    const auto start = std::chrono::steady_clock::now();
+    walker.step(now, kStepNs);
+    const double taken = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count();
+    if (run >= 3) ns.push_back(taken / options.fixtures);
+  }
+  report.cpu_ns = percentile(ns, 0.5);
+  return {};
+}
+
+Status judge(render::vk::Device& device, const FleetOptions& options, FleetReport& report) {
+  report.judged_fixtures = std::min(options.fixtures, kJudgedMax);
+  report.judged_steps = kJudgedSteps;
+  FL_ASSIGN(const fixtures::Rig rig, fleet_rig(report.judged_fixtures));
+  FL_ASSIGN(const fixtures::CompiledRig compiled, fixtures::compile(rig));
+  FL_ASSIGN(const auto frame, render::Frame::create(device, rig, compiled, small_picture()));
+  fixtures::f32::Walker in_float(compiled);
+  fixtures::f64::Walker in_double(compiled);
+  Levels levels(compiled.universes.size() * kSlotCountMax);
+  const char* const names[] = {"pan_rad", "tilt_rad", "zoom_rad", "red", "green", "blue", "gobo_angle_rad"};
+  const auto values_of = [](const auto& state) {
+    return std::array<double, 7>{state.pan,   state.tilt, state.zoom,      state.red,
+                                 state.green, state.blue, state.gobo_angle};
+  };
+  std::array<FleetWorst, 7> worst;
+  for (int step = 0; step < kJudgedSteps; ++step) {
+    const auto now = levels.next();
+    frame->step(now, kStepNs);
+    FL_TRY(frame->run_steps());
+    in_float.step(now, kStepNs);
+    in_double.step(now, kStepNs);
+    FL_ASSIGN(const auto states, frame->read_states());
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      const auto gpu = values_of(states[i]);
+      const auto judge = values_of(in_double.states[i]);
+      const auto cpu = values_of(in_float.states[i]);
+      for (std::size_t v = 0; v < worst.size(); ++v) {
+        // An angle of a spin wraps where its phase does, which rounding may put into the step before.
+        const double turn = v == 6 ? 2 * std::numbers::pi : 0;
+        const double apart = turn > 0 ? std::abs(std::remainder(gpu[v] - judge[v], turn)) : std::abs(gpu[v] - judge[v]);
+        const double before = turn > 0 ? std::abs(std::remainder(worst[v].gpu - worst[v].cpu, turn))
+                                       : std::abs(worst[v].gpu - worst[v].cpu);
+        if (!(apart <= before)) worst[v] = {names[v], static_cast<int>(i), step, gpu[v], judge[v], cpu[v]};
+      }
+    }
+  }
+  for (const FleetWorst& one : worst) {
+    if (!one.value.empty()) report.worst.push_back(one);
+  }
+  std::stable_sort(report.worst.begin(), report.worst.end(), [](const FleetWorst& a, const FleetWorst& b) {
+    return std::abs(a.gpu - a.cpu) > std::abs(b.gpu - b.cpu);
+  });
+  return {};
+}
+
+}  // namespace
+
+Result<FleetReport> make_fleet_report(render::vk::Device& device, const FleetOptions& options) {
+  if (options.fixtures < 1 || options.fixtures > 1'000'000 || options.runs < 3) {
+    return fail(ErrorCode::kBadInput, "{} fixtures in {} runs: expected 1 to 1000000 in 3 or more", options.fixtures,
+                options.runs);
+  }
+  FleetReport report;
+  report.device = device.name();
+  FL_TRY(time_steps(device, options, report));
+  FL_TRY(judge(device, options, report));
+  return report;
+}
+
+std::string text_of(const FleetReport& report, const FleetOptions& options) {
+  const double per_fixture_ns = report.gpu_ms_p50 * 1e6 / options.fixtures;
+  std::string text = fmt::format(
+      "{} moving heads (generic/profile, 16 bit), one step of 1/60 s, on {}\n"
+      "  GPU     {:.4f} ms, p10 {:.4f}, p90 {:.4f}, {} runs after 3: {:.2f} ns a fixture{}\n"
+      "  CPU     {:.1f} ns a fixture in float on one core: {:.1f} million a second\n"
+      "  memory  {} bytes of state a fixture, {} of rows\n"
+      "GPU in float against the CPU in double, {} fixtures, {} steps, levels at random:\n",
+      options.fixtures, report.device, report.gpu_ms_p50, report.gpu_ms_p10, report.gpu_ms_p90, options.runs,
+      per_fixture_ns, report.gpu_ms_p90 > 1.15 * report.gpu_ms_p10 ? " (unstable)" : "", report.cpu_ns,
+      1e3 / report.cpu_ns, report.state_bytes / static_cast<std::uint64_t>(options.fixtures),
+      report.table_bytes / static_cast<std::uint64_t>(options.fixtures), report.judged_fixtures, report.judged_steps);
+  for (const FleetWorst& one : report.worst) {
+    text +=
+        fmt::format("  {:<15} {:.2e} at fixture {}, step {}: {:.9g}, in double {:.9g}, in float on the CPU {:.9g}\n",
+                    one.value, std::abs(one.gpu - one.cpu), one.fixture + 1, one.step, one.gpu, one.cpu, one.float_cpu);
+  }
+  return text;
+}
+
+std::string json_of(const FleetReport& report, const FleetOptions& options) {
+  std::string text = fmt::format(
+      R"({{"event":"fleet","fixtures":{},"device":"{}","gpu_ms_p10":{:.5f},"gpu_ms_p50":{:.5f},"gpu_ms_p90":{:.5f},)"
+      R"("cpu_ns_a_fixture":{:.2f},"state_bytes":{},"row_bytes":{}}})"
+      "\n",
+      options.fixtures, report.device, report.gpu_ms_p10, report.gpu_ms_p50, report.gpu_ms_p90, report.cpu_ns,
+      report.state_bytes, report.table_bytes);
+  for (const FleetWorst& one : report.worst) {
+    text += fmt::format(
+        R"({{"event":"fleet-worst","value":"{}","fixture":{},"step":{},"gpu":{:.9g},"double":{:.17g},"float":{:.9g}}})"
+        "\n",
+        one.value, one.fixture + 1, one.step, one.gpu, one.cpu, one.float_cpu);
+  }
+  return text;
+}
+
+}  // namespace footlight::tools
