@@ -245,6 +245,11 @@ Result<std::vector<fixtures::f32::Shutter>> Frame::read_shutters() {
   return read_rows<fixtures::f32::Shutter>(resources_.shutter_states, resources_.shutter_count);
 }
 
+Result<std::vector<fixtures::f32::Walker::OpticsState>> Frame::read_optics() {
+  static_assert(sizeof(fixtures::f32::Walker::OpticsState) == kOpticsStateBytes);
+  return read_rows<fixtures::f32::Walker::OpticsState>(resources_.optics_states, resources_.optics_count);
+}
+
 Result<std::vector<BeamRow>> Frame::read_beams() {
   FL_ASSIGN(const CountsRow counts, read_counts());
   std::vector<BeamRow> beams(counts.live_count);

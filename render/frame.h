@@ -73,6 +73,7 @@ class Frame {
   [[nodiscard]] Result<std::vector<fixtures::f32::Motor>> read_motors();
   [[nodiscard]] Result<std::vector<fixtures::f32::Turns>> read_spins();
   [[nodiscard]] Result<std::vector<fixtures::f32::Shutter>> read_shutters();
+  [[nodiscard]] Result<std::vector<fixtures::f32::Walker::OpticsState>> read_optics();
   [[nodiscard]] Result<std::vector<BeamRow>> read_beams();  // the live ones
   // GPU time of each pass of the last recorded picture, which must be finished. Steps count into "step".
   [[nodiscard]] Result<std::vector<PassTime>> read_times();

@@ -4,11 +4,9 @@
 #include <array>
 #include <cstring>
 #include <iterator>
-#include <map>
-#include <string>
 #include <utility>
 
-#include "fixtures/gobo.h"
+#include "fixtures/gobo_images.h"
 #include "fixtures/model/body.h"
 #include "render/pass.h"
 
@@ -31,48 +29,59 @@ Result<vk::Buffer> table(vk::Device& device, const std::vector<Row>& rows, VkBuf
   return vk::Buffer::filled(device, std::as_bytes(std::span(rows)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | usage);
 }
 
-// The image of a gobo, kGoboSizePx a side; computed once a process where it is one of ours.
-const std::vector<float>& builtin_gobo(int gobo) {
-  static std::map<int, std::vector<float>> known;
-  std::vector<float>& texels = known[gobo];
-  if (!texels.empty()) return texels;
-  texels.reserve(std::size_t{kGoboSizePx} * kGoboSizePx);
-  for (int row = 0; row < kGoboSizePx; ++row) {
-    for (int column = 0; column < kGoboSizePx; ++column) {
-      const double x = 2 * (column + 0.5) / kGoboSizePx - 1;
-      const double y = 2 * (row + 0.5) / kGoboSizePx - 1;
-      texels.push_back(static_cast<float>(fixtures::gobo_transmission(gobo, x, y, kGoboEdge)));
+// Halves an image a side: the mean of four texels.
+std::vector<float> halved(const std::vector<float>& image, int size) {
+  const auto at = [&](int row, int column) {
+    return image[static_cast<std::size_t>(row) * static_cast<std::size_t>(size) + static_cast<std::size_t>(column)];
+  };
+  std::vector<float> half;
+  half.reserve(image.size() / 4);
+  for (int row = 0; row < size / 2; ++row) {
+    for (int column = 0; column < size / 2; ++column) {
+      half.push_back((at(2 * row, 2 * column) + at(2 * row, 2 * column + 1) + at(2 * row + 1, 2 * column) +
+                      at(2 * row + 1, 2 * column + 1)) / 4);
     }
   }
-  return texels;
+  return half;
 }
 
-// Gobo images as one array. A rig without gobos gets a single texel, since the shaders name the binding even where
-// their specialisation never reads it.
+// Gobo images as one array with all levels of detail. A rig without gobos gets a single texel, since the shaders name
+// the binding even where their specialisation never reads it.
 Result<vk::Image> make_gobos(vk::Device& device, const std::vector<fixtures::ImageSource>& images) {
-  const std::size_t count = std::max<std::size_t>(images.size(), 1);
   const int size = images.empty() ? 1 : kGoboSizePx;
+  const auto layers = static_cast<uint>(std::max<std::size_t>(images.size(), 1));
+  const std::uint32_t layers_max = device.limits().maxImageArrayLayers;
+  if (layers > layers_max) {
+    return fail(ErrorCode::kBadInput, "{} gobo images: expected at most {} on {}", layers, layers_max, device.name());
+  }
+  uint levels = 1;
+  while (size >> levels > 0) ++levels;
   std::vector<float> texels;
-  for (const fixtures::ImageSource& image : images) {
-    for (int gobo = 1; gobo <= fixtures::kGoboCount; ++gobo) {
-      if (image.name != std::string(fixtures::kBuiltinImage) + fixtures::gobo_name(gobo)) continue;
-      const std::vector<float>& ours = builtin_gobo(gobo);
-      texels.insert(texels.end(), ours.begin(), ours.end());
+  std::vector<VkBufferImageCopy> regions;
+  for (uint layer = 0; layer < layers; ++layer) {
+    std::vector<float> image =
+        images.empty() ? std::vector<float>{1.0f} : fixtures::gobo_texels(images[layer], kGoboSizePx, kGoboEdge);
+    int level_size = size;
+    for (uint level = 0; level < levels; ++level) {
+      VkBufferImageCopy region{};
+      region.bufferOffset = texels.size() * sizeof(float);
+      region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, layer, 1};
+      region.imageExtent = {static_cast<uint>(level_size), static_cast<uint>(level_size), 1};
+      regions.push_back(region);
+      texels.insert(texels.end(), image.begin(), image.end());
+      if (level_size > 1) image = halved(image, level_size);
+      level_size /= 2;
     }
   }
-  texels.resize(count * static_cast<std::size_t>(size) * static_cast<std::size_t>(size), 1.0f);
-  const auto layers = static_cast<uint>(count);
   FL_ASSIGN(vk::Image image,
             vk::Image::create(device, static_cast<uint>(size), static_cast<uint>(size), VK_FORMAT_R32_SFLOAT,
-                              VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, layers));
+                              VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, layers, levels));
   FL_ASSIGN(vk::Buffer staging, vk::Buffer::host_visible(device, texels.size() * sizeof(float), 0));
   std::memcpy(staging.mapped, texels.data(), texels.size() * sizeof(float));
   FL_TRY(device.run_once([&](VkCommandBuffer commands) {
     vk::change_layout(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    VkBufferImageCopy region{};
-    region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, layers};
-    region.imageExtent = {static_cast<uint>(size), static_cast<uint>(size), 1};
-    vkCmdCopyBufferToImage(commands, staging.handle, image.handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+    vkCmdCopyBufferToImage(commands, staging.handle, image.handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                           static_cast<uint>(regions.size()), regions.data());
     vk::change_layout(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   }));
   return image;
@@ -84,7 +93,7 @@ fixtures::BodyMesh plain_body(const fixtures::Rig& rig, const fixtures::TypeSour
   using namespace fixtures;
   const FixtureType& type = rig.types[static_cast<std::size_t>(source.type)];
   const Mode& mode = type.modes[static_cast<std::size_t>(source.mode)];
-  if (type.body == BodyModel::kNone || source.head != 0 || mode.geometries.size() != 4) return {};
+  if (source.head != 0 || mode.geometries.size() != 4) return {};
   BodyMesh mesh = make_body(type.body, body_size(type, mode));
   constexpr std::array<int, 4> kGeometryOfPart = {kSimpleBase, kSimpleYoke, kSimpleHead, kSimpleHead};
   for (BodyVertex& vertex : mesh.vertices) {
@@ -218,11 +227,12 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   r.motor_count = compiled.motor_count;
   r.spin_count = compiled.spin_count;
   r.shutter_count = compiled.strobe_count;
+  r.optics_count = compiled.optics_count;
   r.box_count = static_cast<std::uint32_t>(rig.boxes.size());
   r.supertiles_x = (width + FL_SUPERTILE_PX - 1) / FL_SUPERTILE_PX;
   r.supertiles_y = (height + FL_SUPERTILE_PX - 1) / FL_SUPERTILE_PX;
   // Words come in pairs, as one group of the tile pass writes them.
-  r.mask_words = (r.head_count + FL_GROUP_MASK - 1) / FL_GROUP_MASK * (FL_GROUP_MASK / 32);
+  r.mask_words = (compiled.beams_max + FL_GROUP_MASK - 1) / FL_GROUP_MASK * (FL_GROUP_MASK / 32);
   r.levels_bytes = compiled.universes.size() * kSlotCountMax;
 
   FL_ASSIGN(r.types, table(device, compiled.types));
@@ -232,6 +242,8 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   FL_ASSIGN(r.motors, table(device, compiled.motors));
   FL_ASSIGN(r.spins, table(device, compiled.spins));
   FL_ASSIGN(r.joints, table(device, compiled.joints));
+  FL_ASSIGN(r.wheels, table(device, compiled.wheels));
+  FL_ASSIGN(r.facets, table(device, compiled.facets));
   FL_ASSIGN(r.wheel_slots, table(device, compiled.wheel_slots));
   FL_ASSIGN(r.defaults, table(device, compiled.defaults));
   FL_ASSIGN(r.colors, table(device, compiled.colors));
@@ -250,8 +262,10 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   FL_ASSIGN(r.motor_states, zeroed(device, compiled.motor_count * kMotorStateBytes));
   FL_ASSIGN(r.spin_states, zeroed(device, compiled.spin_count * kSpinStateBytes));
   FL_ASSIGN(r.shutter_states, zeroed(device, compiled.strobe_count * kShutterStateBytes));
-  FL_ASSIGN(r.beams, zeroed(device, r.head_count * sizeof(BeamRow)));
-  FL_ASSIGN(r.counts, zeroed(device, sizeof(CountsRow) + r.head_groups * 4, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
+  FL_ASSIGN(r.beams, zeroed(device, compiled.beams_max * sizeof(BeamRow)));
+  FL_ASSIGN(r.blades, zeroed(device, compiled.needs.blades ? compiled.beams_max * sizeof(BladesRow) : 0));
+  FL_ASSIGN(r.optics_states, zeroed(device, compiled.optics_count * kOpticsStateBytes));
+  FL_ASSIGN(r.counts, zeroed(device, sizeof(CountsRow) + r.head_groups * 8, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
   FL_ASSIGN(r.masks, zeroed(device, VkDeviceSize{r.supertiles_x} * r.supertiles_y * r.mask_words * 4));
 
   // Without bodies there is no visibility buffer, only a texel for the bindings' sake.
@@ -298,6 +312,10 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
       {FL_BINDING_COUNTS, &r.counts},
       {FL_BINDING_MASKS, &r.masks},
       {FL_BINDING_BOXES, &r.boxes},
+      {FL_BINDING_WHEELS, &r.wheels},
+      {FL_BINDING_FACETS, &r.facets},
+      {FL_BINDING_OPTICS_STATES, &r.optics_states},
+      {FL_BINDING_BLADES, &r.blades},
   };
   for (const auto& [binding, buffer] : buffers) {
     r.bindings.set_buffer(binding, *buffer);

@@ -20,7 +20,8 @@ struct Resources {
                                                 const fixtures::CompiledRig& compiled, const FrameSettings& settings);
 
   // Rig tables, written once. Rows of fixtures/shared/tables.h.
-  vk::Buffer types, channels, functions, masters, motors, spins, joints, wheel_slots, defaults, colors, heads;
+  vk::Buffer types, channels, functions, masters, motors, spins, joints, wheels, wheel_slots, facets, defaults, colors,
+      heads;
   vk::Buffer boxes;                                // BoxRow
   vk::Buffer instances, vertices, indices, draws;  // bodies: head indices by type; one draw command a type, and one
                                                    // for all objects of the scene
@@ -30,14 +31,16 @@ struct Resources {
   vk::Buffer params;  // FrameParams
   vk::Buffer levels;  // universes x 512 bytes
   vk::Buffer beams;   // BeamRow, live ones first
-  vk::Buffer counts;  // CountsRow, then lit heads of each group of FL_GROUP_HEADS
+  vk::Buffer blades;  // BladesRow, one a beam
+  vk::Buffer counts;  // CountsRow, then beams and lit heads of each group of FL_GROUP_HEADS
   vk::Buffer masks;   // supertiles x mask_words
   vk::Image surface_id, depth, radiance, screen;
 
-  // Carried from frame to frame: HeadState, and Motor, Turns, Shutter for what has a motor, spins or strobes.
-  vk::Buffer states, motor_states, spin_states, shutter_states;
-  [[nodiscard]] std::array<const vk::Buffer*, 4> all_states() const {
-    return {&states, &motor_states, &spin_states, &shutter_states};
+  // Carried from frame to frame: HeadState, and Motor, Turns, Shutter, OpticsState for what has a motor, spins,
+  // strobes or shapes its beam.
+  vk::Buffer states, motor_states, spin_states, shutter_states, optics_states;
+  [[nodiscard]] std::array<const vk::Buffer*, 5> all_states() const {
+    return {&states, &motor_states, &spin_states, &shutter_states, &optics_states};
   }
 
   vk::BindingSet bindings;
@@ -46,6 +49,7 @@ struct Resources {
   std::uint32_t motor_count = 0;  // states of all heads; 0: the rig has none of these
   std::uint32_t spin_count = 0;
   std::uint32_t shutter_count = 0;
+  std::uint32_t optics_count = 0;
   std::uint32_t box_count = 0;
   std::uint32_t draw_count = 0;         // of bodies
   std::uint32_t object_draw_count = 0;  // of the scene's objects, behind them: 0 or 1
@@ -63,11 +67,12 @@ struct Resources {
 inline constexpr int kGoboSizePx = 512;
 inline constexpr double kGoboEdge = 3.0 * 2.0 / kGoboSizePx;
 
-// Bytes on the GPU of a HeadState, a Motor, a spin's Turns and a Shutter.
+// Bytes on the GPU of a HeadState, a Motor, a spin's Turns, a Shutter and an OpticsState.
 inline constexpr std::uint64_t kStateBytes = 48;
 inline constexpr std::uint64_t kMotorStateBytes = 32;
 inline constexpr std::uint64_t kSpinStateBytes = 8;
 inline constexpr std::uint64_t kShutterStateBytes = 32;
+inline constexpr std::uint64_t kOpticsStateBytes = 80;
 
 // Records that the heads begin anew, as if no step had been; and that they go on where those of another frame of the
 // same rig are. Both with the barriers that they need.

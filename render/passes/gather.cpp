@@ -7,7 +7,8 @@ namespace footlight::render {
 
 const PassEntry kGatherPass{"gather", [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures; },
                             [](const fixtures::Needs& needs, const FrameSettings&) {
-                              return std::vector<vk::SpecConstant>{{FL_SPEC_GOBO, needs.gobo}};
+                              return std::vector<vk::SpecConstant>{{FL_SPEC_OPTICS, needs.optics},
+                                                                 {FL_SPEC_BLADES, needs.blades}};
                             },
                             [](const PassContext& context) {
                               return make_compute_pass(

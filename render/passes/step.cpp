@@ -11,7 +11,8 @@ const PassEntry kStepPass{
       return std::vector<vk::SpecConstant>{{FL_SPEC_MOTION, needs.motion},
                                            {FL_SPEC_SPIN, needs.spin},
                                            {FL_SPEC_STROBE, needs.strobe},
-                                           {FL_SPEC_GOBO, needs.gobo}};
+                                           {FL_SPEC_COLOR, needs.color},
+                                           {FL_SPEC_OPTICS, needs.optics}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kStepComp,

@@ -12,7 +12,8 @@ const PassEntry kSurfacesPass{
                                            {FL_SPEC_EXTINCTION, needs.extinction},
                                            {FL_SPEC_PROFILE, needs.profile},
                                            {FL_SPEC_BOXES, needs.surfaces},
-                                           {FL_SPEC_BODIES, has_bodies(needs, settings)}};
+                                           {FL_SPEC_BODIES, has_bodies(needs, settings)},
+                                           {FL_SPEC_BLADES, needs.blades}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kSurfacesComp,

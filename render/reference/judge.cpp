@@ -301,9 +301,12 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
     beam.profile_m = type.profile_m;
     beam.range_m = range_m;
     beam.strength_lm = flux_lm * colour / judge_flux_factor(beam.spread, beam.profile_m);
-    beam.gobo = static_cast<int>(state.gobo_image);
-    beam.gobo_cos = std::cos(state.gobo_angle);
-    beam.gobo_sin = std::sin(state.gobo_angle);
+    if (row.optics != fixtures::kNoAddress) {
+      const auto& optics = walker.optics_states[row.optics];
+      beam.gobo = static_cast<int>(optics.image_1);
+      beam.gobo_cos = std::cos(optics.angle_1);
+      beam.gobo_sin = std::sin(optics.angle_1);
+    }
     scene.beams.push_back(beam);
   }
   return scene;

@@ -50,7 +50,7 @@ struct JudgeScene {
   GoboTransmission gobo;         // empty: every gobo is open
 };
 
-// The scene of a rig as the walker's states have it. The walker is not stepped; it is taken by reference since the
+// The scene of a rig as the walker's states have it: of what shapes a beam only the first gobo wheel. The walker is not stepped; it is taken by reference since the
 // shared functions are its members.
 [[nodiscard]] JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker,
                                      GoboTransmission gobo = {});

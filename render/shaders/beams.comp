@@ -61,12 +61,19 @@ void main() {
         float degree = max(beam.profile_m, 1.0 / beam.profile_m);
         nodes = min(nodes + (degree > 2.5 ? 1u : 0u) + (degree > 3.5 ? 1u : 0u), 8u);
       }
+      gobo_begin(row);
+      bool gobo = has_gobo(row);
       for (int i = 0; i < FL_ROWS; ++i) {
         vec3 ray = to_light(row, d[i]);
         Chord chord;
-        if (beam_chord(beam, row.eye.xyz, ray, 0.0, t_max_m[i], chord)) {
+        bool seen = beam_chord(beam, row.eye.xyz, ray, 0.0, t_max_m[i], chord);
+        if (kBlades && row.blades != 0u && seen) {
+          for (int e = 0; e < 4; ++e) seen = chord_cut(chord, blades[index].edge[e].xy, blades[index].edge[e].z) && seen;
+          chord_close(chord);
+        }
+        if (seen) {
           float value;
-          if (kGobo && row.gobo > 0u) {
+          if (gobo) {
             vec2 turn = vec2(row.gobo_cos, row.gobo_sin);
             value = kMethod == uint(FL_METHOD_MARCH)
                         ? chord_inscatter_march_gobo(beam, medium, chord, ray, kNodes, kExtinction, row.gobo, turn)

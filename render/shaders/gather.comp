@@ -1,6 +1,7 @@
 #version 460
-// Compacts the lit heads into beam rows, in patch order: each group finds its place from the counts of those before
-// it. The last group writes the totals and the indirect arguments of the passes that follow.
+// Compacts the lit heads into beam rows, in patch order: each group finds its place from the counts of those before it.
+// A prism makes several beams of one. The last group writes the totals and the indirect arguments of the passes that
+// follow.
 #extension GL_GOOGLE_include_directive : require
 #define FL_USE_BEAMS
 #define FL_BEAMS_ACCESS writeonly
@@ -12,60 +13,174 @@
 #include "render/shaders/lib/frame.glsl"
 
 layout(local_size_x = FL_GROUP_HEADS) in;
-layout(constant_id = FL_SPEC_GOBO) const bool kGobo = false;
+layout(constant_id = FL_SPEC_OPTICS) const bool kOptics = false;
+layout(constant_id = FL_SPEC_BLADES) const bool kBlades = false;
+
+layout(set = 0, binding = FL_BINDING_WHEEL_SLOTS, std430) readonly buffer SlotsBuffer { WheelSlotRow wheel_slots[]; };
+layout(set = 0, binding = FL_BINDING_FACETS, std430) readonly buffer FacetsBuffer { FacetRow facets[]; };
+layout(set = 0, binding = FL_BINDING_OPTICS_STATES, std430) readonly buffer OpticsStatesBuffer {
+  OpticsState optics_states[];
+};
+layout(set = 0, binding = FL_BINDING_BLADES, std430) writeonly buffer BladesBuffer { BladesRow blades[]; };
 
 #include "render/shaders/lib/lit.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
 
-shared uint live_before;
-shared uint live_bits[2];
+shared uint beams_before;
+shared uint lit_before;
+shared uint beams_of[FL_GROUP_HEADS];
+shared uint lit_here;
+
+// Frost: the profile falls off ever more softly, the beam widens by up to half and up to 3 degrees, images blur. Amounts
+// are chosen by eye; the flux stays.
+const float kFrostWidens = 0.5;
+const float kFrostAdds = 0.05;
+const float kFrostBlur = 7.0;
+float frosted_profile(float profile_m, float frost) {
+  const float soft[7] = float[7](4.0, 3.0, 2.0, 1.0, 0.5, 1.0 / 3.0, 0.25);
+  int first = 0;
+  for (int i = 0; i < 7; ++i) first = profile_m < soft[i] - 0.01 ? i + 1 : first;
+  return soft[min(first + int(frost * 6.0 + 0.5), 6)];
+}
+
+// The edge of blade i: 0 bottom, 1 left, 2 top, 3 right, looking along the beam; y of the gobo plane points down.
+vec4 blade_edge(OpticsState optics, uint i, float scale) {
+  vec2 n = i == 0u ? vec2(0, 1) : i == 1u ? vec2(-1, 0) : i == 2u ? vec2(0, -1) : vec2(1, 0);
+  vec2 along = vec2(-n.y, n.x);
+  // In by a at one end and by b at the other: a straight line through both.
+  vec2 m = n + along * (0.5 * (optics.blade_b[i] - optics.blade_a[i]));
+  float d = 1.0 - 0.5 * (optics.blade_a[i] + optics.blade_b[i]);
+  float size = length(m);
+  float c = cos(optics.blade_angle[i]);
+  float s = sin(optics.blade_angle[i]);
+  m = vec2(c * m.x - s * m.y, s * m.x + c * m.y) / size;
+  return vec4(m, d / (size * scale), 0.0);
+}
+
+void write_beams(uint index, uint first) {
+  HeadRow row = heads[index];
+  TypeRow type = types[row.type];
+  HeadState state = states[index];
+  BeamPose pose = beam_pose(row, type, state);
+  float spread = tan(state.zoom);
+  float profile_m = type.profile_m;
+  bool shaped = kOptics && row.optics != kNoAddress;
+
+  BeamRow beam;
+  beam.gobo = 0u;
+  beam.gobo_cos = 1.0;
+  beam.gobo_sin = 0.0;
+  beam.gobo_2 = 0u;
+  beam.gobo_2_cos = 1.0;
+  beam.gobo_2_sin = 0.0;
+  beam.gobo_scale = 1.0;
+  beam.gobo_blur = 0.0;
+  beam.blades = 0u;
+  beam.pad = 0u;
+  beam.pad_1 = 0u;
+  beam.head = index;
+  float lens_radius_m = type.lens_radius_m;
+  float frost = 0.0;
+  OpticsState optics;
+  uint facet_count = 0u;
+  uint facet_first = 0u;
+  if (shaped) {
+    optics = optics_states[row.optics];
+    frost = optics.frost;
+    if (frost > 0.0) {
+      profile_m = frosted_profile(profile_m, frost);
+      spread = spread * (1.0 + kFrostWidens * frost) + kFrostAdds * frost;
+      beam.gobo_blur = kFrostBlur * frost;
+    }
+  }
+  float j0 = type.flux_lm / beam_flux_factor(spread, profile_m);
+  if (shaped) {
+    beam.gobo = optics.image_1;
+    beam.gobo_cos = cos(optics.angle_1);
+    beam.gobo_sin = sin(optics.angle_1);
+    beam.gobo_2 = optics.image_2;
+    beam.gobo_2_cos = cos(optics.angle_2 - optics.angle_1);
+    beam.gobo_2_sin = sin(optics.angle_2 - optics.angle_1);
+    // The iris leaves the middle of the beam as it is, but for the rim, which falls off as that of the whole beam.
+    beam.gobo_scale = optics.iris;
+    spread *= optics.iris;
+    lens_radius_m *= optics.iris;
+    j0 *= optics.iris * optics.iris;
+    if (optics.prism > 0u) {
+      facet_first = wheel_slots[optics.prism - 1u].facet_first;
+      facet_count = state.beams;
+    }
+    if (kBlades) {
+      for (uint i = 0u; i < 4u; ++i) beam.blades |= optics.blade_a[i] + optics.blade_b[i] > 0.0 ? 1u : 0u;
+    }
+  }
+
+  for (uint b = 0u; b < max(state.beams, 1u); ++b) {
+    vec3 axis = pose.axis;
+    vec3 x_axis = pose.x_axis;
+    vec3 y_axis = pose.y_axis;
+    float facet_spread = spread;
+    float share = 1.0;
+    if (facet_count > 0u) {
+      FacetRow facet = facets[facet_first + b];
+      float c = cos(optics.prism_angle);
+      float s = sin(optics.prism_angle);
+      vec2 at = vec2(c * facet.x - s * facet.y, s * facet.x + c * facet.y);
+      axis = normalize(pose.axis + spread * (at.x * pose.x_axis + at.y * pose.y_axis));
+      x_axis = normalize(pose.x_axis - axis * dot(axis, pose.x_axis));
+      y_axis = cross(axis, x_axis);
+      if (dot(y_axis, pose.y_axis) < 0.0) y_axis = -y_axis;
+      facet_spread = spread * facet.scale;
+      share = facet.share;
+    }
+    vec3 eye = params.position.xyz - pose.lens_m;
+    beam.x_axis = vec4(x_axis, lens_radius_m);
+    beam.y_axis = vec4(y_axis, facet_spread);
+    beam.axis = vec4(axis, params.up.w);
+    beam.eye = vec4(dot(x_axis, eye), dot(y_axis, eye), dot(axis, eye), profile_m);
+    beam.j0 = vec4(vec3(state.red, state.green, state.blue) * (j0 * share), 0.0);
+    beams[first + b] = beam;
+    if (kBlades && beam.blades != 0u) {
+      for (uint i = 0u; i < 4u; ++i) blades[first + b].edge[i] = blade_edge(optics, i, optics.iris);
+    }
+  }
+}
 
 void main() {
   uint lane = gl_LocalInvocationIndex;
   uint group = gl_WorkGroupID.x;
   uint index = gl_GlobalInvocationID.x;
-  if (lane == 0u) live_before = 0u;
-  if (lane < 2u) live_bits[lane] = 0u;
+  if (lane == 0u) {
+    beams_before = 0u;
+    lit_before = 0u;
+    lit_here = 0u;
+  }
   barrier();
-  uint sum = 0u;
-  for (uint g = lane; g < group; g += uint(FL_GROUP_HEADS)) sum += group_live[g];
-  if (sum > 0u) atomicAdd(live_before, sum);
+  uint beam_sum = 0u;
+  uint lit_sum = 0u;
+  for (uint g = lane; g < group; g += uint(FL_GROUP_HEADS)) {
+    beam_sum += group_live[2u * g];
+    lit_sum += group_live[2u * g + 1u];
+  }
+  if (beam_sum > 0u) atomicAdd(beams_before, beam_sum);
+  if (lit_sum > 0u) atomicAdd(lit_before, lit_sum);
 
   bool lit = false;
   if (index < params.head_count) lit = is_lit(states[index], types[heads[index].type]);
-  if (lit) atomicOr(live_bits[lane >> 5], 1u << (lane & 31u));
+  beams_of[lane] = lit ? states[index].beams : 0u;
+  if (lit) atomicAdd(lit_here, 1u);
   barrier();
 
-  uint before_in_word = live_bits[lane >> 5] & ((1u << (lane & 31u)) - 1u);
-  uint rank = uint(bitCount(before_in_word)) + (lane >= 32u ? uint(bitCount(live_bits[0])) : 0u);
-  if (lit) {
-    HeadRow row = heads[index];
-    TypeRow type = types[row.type];
-    HeadState state = states[index];
-    BeamPose pose = beam_pose(row, type, state);
-    float spread = tan(state.zoom);
-    vec3 eye = params.position.xyz - pose.lens_m;
-    float j0 = type.flux_lm / beam_flux_factor(spread, type.profile_m);
+  uint rank = 0u;
+  for (uint l = 0u; l < lane; ++l) rank += beams_of[l];
+  if (lit) write_beams(index, beams_before + rank);
 
-    BeamRow beam;
-    beam.x_axis = vec4(pose.x_axis, type.lens_radius_m);
-    beam.y_axis = vec4(pose.y_axis, spread);
-    beam.axis = vec4(pose.axis, params.up.w);
-    beam.eye = vec4(dot(pose.x_axis, eye), dot(pose.y_axis, eye), dot(pose.axis, eye), type.profile_m);
-    beam.j0 = vec4(vec3(state.red, state.green, state.blue) * j0, 0.0);
-    beam.gobo = kGobo ? state.gobo_image : 0u;
-    beam.gobo_cos = kGobo ? cos(state.gobo_angle) : 1.0;
-    beam.gobo_sin = kGobo ? sin(state.gobo_angle) : 0.0;
-    beam.head = index;
-    beams[live_before + rank] = beam;
-  }
-
-  if (lane == 0u && group == gl_NumWorkGroups.x - 1u) {
-    uint live = live_before + bitCount(live_bits[0]) + bitCount(live_bits[1]);
+  if (lane == uint(FL_GROUP_HEADS) - 1u && group == gl_NumWorkGroups.x - 1u) {
+    uint live = beams_before + rank + beams_of[lane];
     uint supertiles_y = (params.height + uint(FL_SUPERTILE_PX) - 1u) / uint(FL_SUPERTILE_PX);
     counts.live_count = live;
-    counts.dark_count = params.head_count - live;
+    counts.dark_count = params.head_count - lit_before - lit_here;
     counts.tiles_groups[0] = (live + uint(FL_GROUP_MASK) - 1u) / uint(FL_GROUP_MASK);
     counts.tiles_groups[1] = params.supertiles_x * supertiles_y;
     counts.tiles_groups[2] = 1u;

@@ -11,7 +11,8 @@ layout(local_size_x = FL_GROUP_HEADS) in;
 layout(constant_id = FL_SPEC_MOTION) const bool kMotion = true;
 layout(constant_id = FL_SPEC_SPIN) const bool kSpin = true;
 layout(constant_id = FL_SPEC_STROBE) const bool kStrobe = true;
-layout(constant_id = FL_SPEC_GOBO) const bool kGobo = true;
+layout(constant_id = FL_SPEC_COLOR) const bool kColor = true;
+layout(constant_id = FL_SPEC_OPTICS) const bool kOptics = true;
 layout(push_constant) uniform Push { uint dt_ns_low; uint dt_ns_high; uint new_exposure; } push;
 
 layout(set = 0, binding = FL_BINDING_LEVELS, std430) readonly buffer LevelsBuffer { uint levels[]; };
@@ -20,12 +21,16 @@ layout(set = 0, binding = FL_BINDING_FUNCTIONS, std430) readonly buffer Function
 layout(set = 0, binding = FL_BINDING_MASTERS, std430) readonly buffer MastersBuffer { MasterRow masters[]; };
 layout(set = 0, binding = FL_BINDING_MOTORS, std430) readonly buffer MotorsBuffer { MotorRow motors[]; };
 layout(set = 0, binding = FL_BINDING_SPINS, std430) readonly buffer SpinsBuffer { SpinRow spins[]; };
+layout(set = 0, binding = FL_BINDING_WHEELS, std430) readonly buffer WheelsBuffer { WheelRow wheels[]; };
 layout(set = 0, binding = FL_BINDING_WHEEL_SLOTS, std430) readonly buffer SlotsBuffer { WheelSlotRow wheel_slots[]; };
 layout(set = 0, binding = FL_BINDING_DEFAULTS, std430) readonly buffer DefaultsBuffer { float defaults[]; };
 layout(set = 0, binding = FL_BINDING_COLORS, std430) readonly buffer ColorsBuffer { vec4 colors[]; };
 layout(set = 0, binding = FL_BINDING_MOTOR_STATES, std430) buffer MotorStatesBuffer { Motor motor_states[]; };
 layout(set = 0, binding = FL_BINDING_SPIN_STATES, std430) buffer SpinStatesBuffer { Turns spin_states[]; };
 layout(set = 0, binding = FL_BINDING_SHUTTER_STATES, std430) buffer ShutterStatesBuffer { Shutter shutter_states[]; };
+layout(set = 0, binding = FL_BINDING_OPTICS_STATES, std430) writeonly buffer OpticsStatesBuffer {
+  OpticsState optics_states[];
+};
 
 uint fl_level(uint slot) { return (levels[slot >> 2] >> ((slot & 3u) * 8u)) & 255u; }
 FunctionRow fl_function(uint index) { return functions[index]; }
@@ -33,6 +38,7 @@ MasterRow fl_master(uint index) { return masters[index]; }
 ChannelRow fl_channel(uint index) { return channels[index]; }
 MotorRow fl_motor(uint index) { return motors[index]; }
 SpinRow fl_spin(uint index) { return spins[index]; }
+WheelRow fl_wheel(uint index) { return wheels[index]; }
 WheelSlotRow fl_wheel_slot(uint index) { return wheel_slots[index]; }
 float fl_default(uint index) { return defaults[index]; }
 vec4 fl_color(uint index) { return colors[index]; }
@@ -42,20 +48,26 @@ Turns fl_spin_state(uint index) { return spin_states[index]; }
 void fl_set_spin_state(uint index, Turns turns) { spin_states[index] = turns; }
 Shutter fl_shutter_state(uint index) { return shutter_states[index]; }
 void fl_set_shutter_state(uint index, Shutter shutter) { shutter_states[index] = shutter; }
+void fl_set_optics_state(uint index, OpticsState optics) { optics_states[index] = optics; }
 
 #define FL_NEED_MOTION kMotion
 #define FL_NEED_SPIN kSpin
 #define FL_NEED_STROBE kStrobe
-#define FL_NEED_GOBO kGobo
+#define FL_NEED_COLOR kColor
+#define FL_NEED_OPTICS kOptics
 #include "fixtures/shared/color.h"
 #include "fixtures/shared/decode.h"
 #include "render/shaders/lib/lit.glsl"
 
-shared uint live_here;
+shared uint beams_here;
+shared uint lit_here;
 
 void main() {
   uint index = gl_GlobalInvocationID.x;
-  if (gl_LocalInvocationIndex == 0u) live_here = 0u;
+  if (gl_LocalInvocationIndex == 0u) {
+    beams_here = 0u;
+    lit_here = 0u;
+  }
   barrier();
   if (index < params.head_count) {
     HeadRow row = heads[index];
@@ -63,8 +75,14 @@ void main() {
     HeadState state = head_step(states[index], type, row, decode_head(type, row),
                                 Turns(push.dt_ns_low, push.dt_ns_high), push.new_exposure != 0u);
     states[index] = state;
-    if (is_lit(state, type)) atomicAdd(live_here, 1u);
+    if (is_lit(state, type)) {
+      atomicAdd(beams_here, state.beams);
+      atomicAdd(lit_here, 1u);
+    }
   }
   barrier();
-  if (gl_LocalInvocationIndex == 0u) group_live[gl_WorkGroupID.x] = live_here;
+  if (gl_LocalInvocationIndex == 0u) {
+    group_live[2u * gl_WorkGroupID.x] = beams_here;
+    group_live[2u * gl_WorkGroupID.x + 1u] = lit_here;
+  }
 }

@@ -126,6 +126,8 @@ void main() {
       BeamRow row = beams[index];
       BeamShape beam = beam_shape(row);
       if (!kProfile) beam.profile_m = 1.0;
+      gobo_begin(row);
+      bool gobo = has_gobo(row);
       for (int i = 0; i < FL_ROWS; ++i) {
         vec3 p = row.eye.xyz + to_light(row, offset_m[i]);
         vec2 rho;
@@ -134,7 +136,8 @@ void main() {
         if (surface[i].kind != kNothing && share > 0.0) {
           share *= max(-dot(to_light(row, surface[i].normal), beam_direction(beam, rho)), 0.0);
           if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);
-          if (kGobo && row.gobo > 0u) {
+          if (kBlades && row.blades != 0u) share *= blades_at(index, rho);
+          if (gobo) {
             share *= gobo_at(row.gobo, vec2(row.gobo_cos * rho.x + row.gobo_sin * rho.y,
                                             row.gobo_cos * rho.y - row.gobo_sin * rho.x));
           }

@@ -58,7 +58,7 @@ Buffer::~Buffer() {
 }
 
 Result<Image> Image::create(Device& device, std::uint32_t width, std::uint32_t height, VkFormat format,
-                            VkImageUsageFlags usage, std::uint32_t layers) {
+                            VkImageUsageFlags usage, std::uint32_t layers, std::uint32_t levels) {
   Image image;
   image.device_ = &device;
   image.format = format;
@@ -67,7 +67,7 @@ Result<Image> Image::create(Device& device, std::uint32_t width, std::uint32_t h
   info.imageType = VK_IMAGE_TYPE_2D;
   info.format = format;
   info.extent = {width, height, 1};
-  info.mipLevels = 1;
+  info.mipLevels = levels;
   info.arrayLayers = std::max(layers, 1u);
   info.samples = VK_SAMPLE_COUNT_1_BIT;
   info.tiling = VK_IMAGE_TILING_OPTIMAL;
@@ -87,7 +87,7 @@ Result<Image> Image::create(Device& device, std::uint32_t width, std::uint32_t h
   view.image = image.handle;
   view.viewType = layers > 0 ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D;
   view.format = format;
-  view.subresourceRange = {image.aspect, 0, 1, 0, std::max(layers, 1u)};
+  view.subresourceRange = {image.aspect, 0, levels, 0, std::max(layers, 1u)};
   FL_TRY(check(vkCreateImageView(device.handle, &view, nullptr, &image.view), "vkCreateImageView"));
   return image;
 }

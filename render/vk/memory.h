@@ -51,7 +51,8 @@ class Image {
   Image() = default;
   // 2D, one level; `layers` > 0 makes an array view of that many layers.
   [[nodiscard]] static Result<Image> create(Device& device, std::uint32_t width, std::uint32_t height, VkFormat format,
-                                            VkImageUsageFlags usage, std::uint32_t layers = 0);
+                                            VkImageUsageFlags usage, std::uint32_t layers = 0,
+                                            std::uint32_t levels = 1);
   ~Image();
   Image(Image&& other) noexcept { swap(other); }
   Image& operator=(Image&& other) noexcept {

@@ -23,6 +23,7 @@
   using glm::mix;             \
   using glm::normalize;       \
   using glm::sqrt;            \
+  using std::acos;            \
   using std::cos;             \
   using std::exp;             \
   using std::exp2;            \

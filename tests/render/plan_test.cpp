@@ -30,8 +30,15 @@ std::vector<SpecConstant> constants_of(const std::vector<PassPlan>& plan, const 
   return {};
 }
 
-// Needs of the demo rig, as the rig itself tells them.
-Needs demo_needs() { return fixtures::compile(fixtures::demo_rig())->needs; }
+// Needs of the demo rig, as the rig itself tells them, and the two that it lacks.
+Needs demo_needs() {
+  Needs needs = fixtures::compile(fixtures::demo_rig())->needs;
+  CHECK_FALSE(needs.color);
+  CHECK_FALSE(needs.blades);
+  needs.color = true;
+  needs.blades = true;
+  return needs;
+}
 
 // Every plan and what it leaves out make up the whole list, in order and without a pass in both.
 void check_left_out(const Needs& needs, const FrameSettings& settings) {
@@ -47,12 +54,17 @@ void check_left_out(const Needs& needs, const FrameSettings& settings) {
   CHECK(planned.size() + left_out.size() == kAll.size());
 }
 
-TEST_CASE("the demo rig needs every pass, with every branch") {
+TEST_CASE("the demo rig with filters and blades needs every pass, with every branch") {
   const FrameSettings settings;
   const auto plan = plan_frame(demo_needs(), settings);
   CHECK(plan == std::vector<PassPlan>{
-                    {"step", {{FL_SPEC_MOTION, 1}, {FL_SPEC_SPIN, 1}, {FL_SPEC_STROBE, 1}, {FL_SPEC_GOBO, 1}}},
-                    {"gather", {{FL_SPEC_GOBO, 1}}},
+                    {"step",
+                     {{FL_SPEC_MOTION, 1},
+                      {FL_SPEC_SPIN, 1},
+                      {FL_SPEC_STROBE, 1},
+                      {FL_SPEC_COLOR, 1},
+                      {FL_SPEC_OPTICS, 1}}},
+                    {"gather", {{FL_SPEC_OPTICS, 1}, {FL_SPEC_BLADES, 1}}},
                     {"bodies", {}},
                     {"tiles", {}},
                     {"surfaces",
@@ -60,7 +72,8 @@ TEST_CASE("the demo rig needs every pass, with every branch") {
                       {FL_SPEC_EXTINCTION, 1},
                       {FL_SPEC_PROFILE, 1},
                       {FL_SPEC_BOXES, 1},
-                      {FL_SPEC_BODIES, 1}}},
+                      {FL_SPEC_BODIES, 1},
+                      {FL_SPEC_BLADES, 1}}},
                     {"beams",
                      {{FL_SPEC_GOBO, 1},
                       {FL_SPEC_EXTINCTION, 1},
@@ -69,7 +82,8 @@ TEST_CASE("the demo rig needs every pass, with every branch") {
                       {FL_SPEC_NODES, settings.nodes},
                       {FL_SPEC_GOBO_TAPS, settings.gobo_taps},
                       {FL_SPEC_BOXES, 1},
-                      {FL_SPEC_BODIES, 1}}},
+                      {FL_SPEC_BODIES, 1},
+                      {FL_SPEC_BLADES, 1}}},
                     {"tonemap", {}}});
   CHECK(left_out_passes(demo_needs(), settings).empty());
 }
@@ -101,6 +115,9 @@ TEST_CASE("each need that goes takes its branches or its passes with it") {
                         Case{"spin", &Needs::spin, {}, FL_SPEC_SPIN},
                         Case{"strobe", &Needs::strobe, {}, FL_SPEC_STROBE},
                         Case{"gobo", &Needs::gobo, {}, FL_SPEC_GOBO},
+                        Case{"colour", &Needs::color, {}, FL_SPEC_COLOR},
+                        Case{"optics", &Needs::optics, {}, FL_SPEC_OPTICS},
+                        Case{"blades", &Needs::blades, {}, FL_SPEC_BLADES},
                         Case{"extinction", &Needs::extinction, {}, FL_SPEC_EXTINCTION},
                         Case{"profile", &Needs::profile, {}, FL_SPEC_PROFILE},
                         Case{"surfaces", &Needs::surfaces, {}, FL_SPEC_BOXES},
@@ -148,11 +165,12 @@ TEST_CASE("an empty rig needs no pass at all") {
 }
 
 TEST_CASE("every combination of needs gives each pass once or says what its absence costs") {
-  for (unsigned bits = 0; bits < 1024; ++bits) {
+  for (unsigned bits = 0; bits < 16384; ++bits) {
     const auto bit = [&](unsigned i) { return (bits >> i & 1u) != 0; };
-    const Needs needs{bit(0), bit(1), bit(2), bit(3), bit(4), bit(5), bit(6), bit(7), bit(8)};
+    const Needs needs{bit(0), bit(1), bit(2), bit(3), bit(4), bit(5), bit(6), bit(7), bit(8), bit(9),
+                      bit(10), bit(11), bit(12)};
     FrameSettings settings;
-    settings.bodies = bit(9);
+    settings.bodies = bit(13);
     check_left_out(needs, settings);
   }
 }
@@ -171,7 +189,8 @@ TEST_CASE("the needs of a rig follow from its fixtures and its haze") {
   CHECK(!pars->needs.gobo);
   CHECK(pars->needs.profile);
   CHECK(constants_of(plan_frame(pars->needs, {}), "step") ==
-        std::vector<SpecConstant>{{FL_SPEC_MOTION, 0}, {FL_SPEC_SPIN, 0}, {FL_SPEC_STROBE, 1}, {FL_SPEC_GOBO, 0}});
+        std::vector<SpecConstant>{{FL_SPEC_MOTION, 0}, {FL_SPEC_SPIN, 0}, {FL_SPEC_STROBE, 1}, {FL_SPEC_COLOR, 0},
+                                  {FL_SPEC_OPTICS, 0}});
   rig.haze.scattering_per_m = 0;
   rig.haze.absorption_per_m = 0;
   rig.boxes.clear();

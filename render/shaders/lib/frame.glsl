@@ -27,7 +27,7 @@ layout(set = 0, binding = FL_BINDING_BEAMS, std430) FL_BEAMS_ACCESS buffer Beams
 #ifdef FL_USE_COUNTS
 layout(set = 0, binding = FL_BINDING_COUNTS, std430) FL_COUNTS_ACCESS buffer CountsBuffer {
   CountsRow counts;
-  uint group_live[];  // lit heads of each workgroup of the step pass
+  uint group_live[];  // of each workgroup of the step pass: its beams, then its lit heads
 };
 #endif
 #ifdef FL_USE_MASKS

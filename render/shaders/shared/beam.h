@@ -146,6 +146,33 @@ FL_FN bool beam_chord(BeamShape beam, Vec3 o, Vec3 d, Real t_min_m, Real t_max_m
   return hit && chord.t_to_m > chord.t_from_m;
 }
 
+// Cuts the chord by an edge in the gobo plane: what has n . rho <= d stays. False: nothing stays. chord_close() after the
+// last edge.
+FL_FN bool chord_cut(FL_INOUT(Chord) chord, Vec2 n, Real d) {
+  Real slope = n.x * chord.along.x + n.y * chord.along.y;
+  Real aside = chord.offset * (n.x * chord.along.y - n.y * chord.along.x);
+  if (abs(slope) < Real(1e-6)) {
+    return aside + slope * Real(0.5) * (chord.s_from + chord.s_to) <= d;
+  }
+  Real s_edge = (d - aside) / slope;
+  if (slope > Real(0)) {
+    chord.s_to = min(chord.s_to, s_edge);
+  } else {
+    chord.s_from = max(chord.s_from, s_edge);
+  }
+  return chord.s_to >= chord.s_from;
+}
+
+// The ray's part for a chord whose ends were cut.
+FL_FN void chord_close(FL_INOUT(Chord) chord) {
+  Real a = chord.t_from_m;
+  Real b = chord.t_to_m;
+  chord.t_from_m = min(max(chord_t(chord, chord.s_from), a), b);
+  chord.t_to_m = min(max(chord_t(chord, chord.s_to), a), b);
+  chord.w_from = max(chord.w_base + chord.t_from_m * chord.w_slope, Real(1e-9));
+  chord.w_to = max(chord.w_base + chord.t_to_m * chord.w_slope, Real(1e-9));
+}
+
 // The smooth part of the integrand at (s, t): profile over (1 + k^2 rho^2), phase function, extinction to the lens and
 // back to the eye.
 FL_FN Real chord_integrand(BeamShape beam, Medium medium, Chord chord, Vec3 d, Real s, Real t_m, bool with_extinction) {

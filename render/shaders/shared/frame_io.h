@@ -32,7 +32,11 @@
 #define FL_BINDING_SCREEN 24
 #define FL_BINDING_GOBOS 25
 #define FL_BINDING_INSTANCES 26
-#define FL_BINDING_COUNT 27
+#define FL_BINDING_WHEELS 27
+#define FL_BINDING_FACETS 28
+#define FL_BINDING_OPTICS_STATES 29
+#define FL_BINDING_BLADES 30  // BladesRow, one a beam
+#define FL_BINDING_COUNT 31
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -46,7 +50,10 @@
 #define FL_SPEC_BOXES 8
 #define FL_SPEC_BODIES 9
 #define FL_SPEC_SPIN 10
-#define FL_SPEC_COUNT 11
+#define FL_SPEC_COLOR 11
+#define FL_SPEC_OPTICS 12
+#define FL_SPEC_BLADES 13
+#define FL_SPEC_COUNT 14
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -76,7 +83,7 @@ struct FrameParams {
   uint pad_1;
 };
 
-// One lit beam, 96 bytes. Light space is camera-relative: eye = camera in it.
+// One lit beam, 128 bytes: a head's, or one facet's of its prism. Light space is camera-relative: eye = camera in it.
 struct BeamRow {
   vec4 x_axis;  // xyz in stage space; w: lens radius R0, m
   vec4 y_axis;  // w: spread k
@@ -87,12 +94,25 @@ struct BeamRow {
   float gobo_cos;
   float gobo_sin;
   uint head;
+  uint gobo_2;        // 0: open
+  float gobo_2_cos;   // of its angle relative to the first one's
+  float gobo_2_sin;
+  float gobo_scale;   // share of the image's radius that the beam shows: the iris
+  float gobo_blur;    // level of detail of the images
+  uint blades;        // 1: cut by the blades of the same number
+  uint pad;
+  uint pad_1;
+};
+
+// Four edges in the gobo plane: what has n . rho <= d passes. xy: n, unit; z: d.
+struct BladesRow {
+  vec4 edge[4];
 };
 
 // Counts of a frame. live_count and the indirect arguments are written by the last workgroup of the gather pass.
 struct CountsRow {
-  uint live_count;
-  uint dark_count;
+  uint live_count;  // beams
+  uint dark_count;  // heads
   uint pad;
   uint pad_1;
   uint tiles_groups[4];    // indirect arguments of the tile pass: x = live / FL_GROUP_MASK, y = supertiles, z = 1
