@@ -118,9 +118,11 @@ Status judge(render::vk::Device& device, const FleetOptions& options, FleetRepor
   fixtures::f64::Walker in_double(compiled);
   Levels levels(compiled.universes.size() * kSlotCountMax);
   const char* const names[] = {"pan_rad", "tilt_rad", "zoom_rad", "red", "green", "blue", "gobo_angle_rad"};
-  const auto values_of = [](const auto& state) {
-    return std::array<double, 7>{state.pan,   state.tilt, state.zoom,      state.red,
-                                 state.green, state.blue, state.gobo_angle};
+  const auto values_of = [&](std::size_t head, const auto& states, const auto& optics) {
+    const auto& state = states[head];
+    const std::uint32_t own = compiled.heads[head].optics;
+    const double gobo_rad = own == fixtures::kNoAddress ? 0.0 : static_cast<double>(optics[own].angle_1);
+    return std::array<double, 7>{state.pan, state.tilt, state.zoom, state.red, state.green, state.blue, gobo_rad};
   };
   std::array<FleetWorst, 7> worst;
   for (int step = 0; step < kJudgedSteps; ++step) {
@@ -130,10 +132,11 @@ Status judge(render::vk::Device& device, const FleetOptions& options, FleetRepor
     in_float.step(now, kStepNs);
     in_double.step(now, kStepNs);
     FL_ASSIGN(const auto states, frame->read_states());
+    FL_ASSIGN(const auto optics, frame->read_optics());
     for (std::size_t i = 0; i < states.size(); ++i) {
-      const auto gpu = values_of(states[i]);
-      const auto judge = values_of(in_double.states[i]);
-      const auto cpu = values_of(in_float.states[i]);
+      const auto gpu = values_of(i, states, optics);
+      const auto judge = values_of(i, in_double.states, in_double.optics_states);
+      const auto cpu = values_of(i, in_float.states, in_float.optics_states);
       for (std::size_t v = 0; v < worst.size(); ++v) {
         // An angle of a spin wraps where its phase does, which rounding may put into the step before.
         const double turn = v == 6 ? 2 * std::numbers::pi : 0;
