@@ -1,4 +1,5 @@
-// Raster of fixture bodies, instanced, and of the scene's objects into the visibility buffer, by one indirect draw each.
+// Raster of fixture bodies, instanced, and of the scene's objects into the visibility buffer, by one indirect draw
+// each.
 #pragma once
 
 #include "render/pass.h"

@@ -31,13 +31,13 @@ struct JudgeBeam {
   glm::dvec3 x_axis{1, 0, 0};
   glm::dvec3 y_axis{0, 1, 0};
   glm::dvec3 axis{0, 0, 1};
-  double lens_radius_m = 0.05;   // R0 > 0
-  double spread = 0.1;           // k = tan(half angle) >= 0
-  double profile_m = 1;          // f = 1 - rho^(2m); below 1: (1 - rho^2)^(1/m)
-  double range_m = 100;          // the light ends there, along the axis
-  glm::dvec3 strength_lm{1};     // J0 per channel
-  int gobo = 0;                  // 0: open
-  double gobo_cos = 1;           // of the gobo's rotation
+  double lens_radius_m = 0.05;  // R0 > 0
+  double spread = 0.1;          // k = tan(half angle) >= 0
+  double profile_m = 1;         // f = 1 - rho^(2m); below 1: (1 - rho^2)^(1/m)
+  double range_m = 100;         // the light ends there, along the axis
+  glm::dvec3 strength_lm{1};    // J0 per channel
+  int gobo = 0;                 // 0: open
+  double gobo_cos = 1;          // of the gobo's rotation
   double gobo_sin = 0;
 };
 
@@ -46,12 +46,12 @@ struct JudgeScene {
   std::vector<fixtures::StageBox> boxes;
   fixtures::Haze haze;
   double ambient_lx = 0;
-  double range_m = 100;          // air is seen no further than this from the camera
-  GoboTransmission gobo;         // empty: every gobo is open
+  double range_m = 100;   // air is seen no further than this from the camera
+  GoboTransmission gobo;  // empty: every gobo is open
 };
 
-// The scene of a rig as the walker's states have it: of what shapes a beam only the first gobo wheel. The walker is not stepped; it is taken by reference since the
-// shared functions are its members.
+// The scene of a rig as the walker's states have it: of what shapes a beam only the first gobo wheel. The walker is
+// not stepped; it is taken by reference since the shared functions are its members.
 [[nodiscard]] JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker,
                                      GoboTransmission gobo = {});
 
@@ -88,9 +88,9 @@ struct SurfaceHit {
 [[nodiscard]] Ray pixel_ray(const View& view, int width, int height, int x, int y);
 
 struct JudgeOptions {
-  double tolerance = 1e-7;  // relative, of each integral; the picture is taken at a hundredth of it
-  int threads = 0;          // 0: one per core. The picture does not depend on it.
-  bool stated_error = true; // false: only the finer pass, own_* are 0
+  double tolerance = 1e-7;   // relative, of each integral; the picture is taken at a hundredth of it
+  int threads = 0;           // 0: one per core. The picture does not depend on it.
+  bool stated_error = true;  // false: only the finer pass, own_* are 0
 };
 
 struct JudgedImage {

@@ -68,7 +68,9 @@ void main() {
         Chord chord;
         bool seen = beam_chord(beam, row.eye.xyz, ray, 0.0, t_max_m[i], chord);
         if (kBlades && row.blades != 0u && seen) {
-          for (int e = 0; e < 4; ++e) seen = chord_cut(chord, blades[index].edge[e].xy, blades[index].edge[e].z) && seen;
+          for (int e = 0; e < 4; ++e) {
+            seen = chord_cut(chord, blades[index].edge[e].xy, blades[index].edge[e].z) && seen;
+          }
           chord_close(chord);
         }
         if (seen) {

@@ -32,8 +32,8 @@ shared uint lit_before;
 shared uint beams_of[FL_GROUP_HEADS];
 shared uint lit_here;
 
-// Frost: the profile falls off ever more softly, the beam widens by up to half and up to 3 degrees, images blur. Amounts
-// are chosen by eye; the flux stays.
+// Frost: the profile falls off ever more softly, the beam widens by up to half and up to 3 degrees, images blur.
+// Amounts are chosen by eye; the flux stays.
 const float kFrostWidens = 0.5;
 const float kFrostAdds = 0.05;
 const float kFrostBlur = 7.0;

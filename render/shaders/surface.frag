@@ -1,6 +1,6 @@
 #version 460
-// Visibility buffer: the packed normal and the identity of what the pixel shows. Files wind their triangles as they like
-// and poses mirror, so nothing is culled, and a normal that lies on the far side of its triangle is turned over.
+// Visibility buffer: the packed normal and the identity of what the pixel shows. Files wind their triangles as they
+// like and poses mirror, so nothing is culled, and a normal that lies on the far side of its triangle is turned over.
 #extension GL_GOOGLE_include_directive : require
 #include "render/shaders/lib/normal.glsl"
 layout(location = 0) in vec3 in_normal;

@@ -36,7 +36,8 @@ void add(Arguments& arguments) {
   arguments.flag("--quick", options->shared.quick, "fewer knobs and scenes");
   arguments.option("--csv", options->shared.csv, "FILE",
                    "rows of pictures as CSV; those of time go beside it, FILE-time");
-  arguments.option("--svg,--plot", options->shared.svg, "FILE", "the plot; those of time go beside it, FILE-time-MODEL");
+  arguments.option("--svg,--plot", options->shared.svg, "FILE",
+                   "the plot; those of time go beside it, FILE-time-MODEL");
   arguments.flag("--json", options->shared.json, "one JSON object a row");
   arguments.job([=]() -> Result<int> { return report(*options, pictures, time); });
 }

@@ -36,7 +36,10 @@ struct FleetReport {
   std::vector<FleetWorst> worst;  // one for each value, the largest difference first
 };
 
-// Levels change at random every 25 ms and steps are 1/60 s. Judged are the first 1,000 fixtures over 240 steps.
+// Steps are 1/60 s, and at each second one a sixteenth of all slots changes at random. Judged are the first 1,000
+// fixtures over 240 steps. (Where every slot changes each second step no motor ever arrives, and a time-optimal motor
+// that never arrives is chaotic: 1e-7 of difference grows tenfold in 60 steps, in any precision. It is gone as soon as
+// a target is held: docs/numerics.md.)
 [[nodiscard]] Result<FleetReport> make_fleet_report(render::vk::Device& device, const FleetOptions& options);
 [[nodiscard]] std::string text_of(const FleetReport& report, const FleetOptions& options);
 [[nodiscard]] std::string json_of(const FleetReport& report, const FleetOptions& options);

@@ -2,8 +2,9 @@
 //
 // Light space of a beam: the lens centre at 0, the axis along +z, metres. The beam's radius is w(z) = R0 + k z, with R0
 // the lens radius and k the tangent of the half angle; rho = (x, y) / w in the unit disc is the gobo plane. Illuminance
-// across the light is E(p) = J0 f(rho) / (w^2 (1 + k^2 rho^2)), with the profile f = 1 - |rho|^(2m), or (1 - |rho|^2)^(1/m) for the soft ones, m < 1. J0 is in
-// candela-like units (lm): the flux is J0 times the integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc.
+// across the light is E(p) = J0 f(rho) / (w^2 (1 + k^2 rho^2)), with the profile f = 1 - |rho|^(2m), or (1 -
+// |rho|^2)^(1/m) for the soft ones, m < 1. J0 is in candela-like units (lm): the flux is J0 times the integral of f (1
+// + k^2 rho^2)^(-3/2) over the unit disc.
 //
 // A camera ray o + t d maps to a straight line in the gobo plane, and dt / w^2 = ds / |V| with constant V, so the
 // integral along the ray becomes one over s of a smooth function, which a few Gauss nodes give (the projective beam
@@ -79,20 +80,20 @@ FL_FN Vec3 beam_direction(BeamShape beam, Vec2 rho) {
 
 // The part of a ray inside the beam, and the straight line that it draws in the gobo plane.
 struct Chord {
-  Vec3 base;       // the ray's point nearest the lens within the clip: all t below are relative to it, so nothing large
-                   // is subtracted from anything large
-  Real t_base_m;   // of that point along the ray
-  Real w_base;     // beam radius there
-  Real w_slope;    // k d_z
-  Real v_length;   // |V|
-  Vec2 along;      // V / |V|
-  Real offset;     // of the line from the centre of the disc, signed: rho = s along + offset (along.y, -along.x)
-  Real s_base;     // s at the base
-  Real s_from;     // the lit part of the line
+  Vec3 base;      // the ray's point nearest the lens within the clip: all t below are relative to it, so nothing large
+                  // is subtracted from anything large
+  Real t_base_m;  // of that point along the ray
+  Real w_base;    // beam radius there
+  Real w_slope;   // k d_z
+  Real v_length;  // |V|
+  Vec2 along;     // V / |V|
+  Real offset;    // of the line from the centre of the disc, signed: rho = s along + offset (along.y, -along.x)
+  Real s_base;    // s at the base
+  Real s_from;    // the lit part of the line
   Real s_to;
-  Real t_from_m;   // the lit part of the ray, relative to the base
+  Real t_from_m;  // the lit part of the ray, relative to the base
   Real t_to_m;
-  Real w_from;     // beam radius at its ends
+  Real w_from;  // beam radius at its ends
   Real w_to;
 };
 
@@ -146,8 +147,8 @@ FL_FN bool beam_chord(BeamShape beam, Vec3 o, Vec3 d, Real t_min_m, Real t_max_m
   return hit && chord.t_to_m > chord.t_from_m;
 }
 
-// Cuts the chord by an edge in the gobo plane: what has n . rho <= d stays. False: nothing stays. chord_close() after the
-// last edge.
+// Cuts the chord by an edge in the gobo plane: what has n . rho <= d stays. False: nothing stays. chord_close() after
+// the last edge.
 FL_FN bool chord_cut(FL_INOUT(Chord) chord, Vec2 n, Real d) {
   Real slope = n.x * chord.along.x + n.y * chord.along.y;
   Real aside = chord.offset * (n.x * chord.along.y - n.y * chord.along.x);
