@@ -62,8 +62,6 @@ class Levels {
   std::minstd_rand random_{7};
   int step_ = 0;
 };
-  int step_ = 0;
-};
 
 double percentile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
