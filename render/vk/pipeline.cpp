@@ -34,6 +34,7 @@ Result<BindingSet> BindingSet::create(Device& device, std::span<const VkDescript
   FL_TRY(check(vkCreateSampler(device.handle, &sampler, nullptr, &set.linear_), "vkCreateSampler"));
   sampler.magFilter = VK_FILTER_NEAREST;
   sampler.minFilter = VK_FILTER_NEAREST;
+  sampler.mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST;  // depth formats need not be filtered
   FL_TRY(check(vkCreateSampler(device.handle, &sampler, nullptr, &set.nearest_), "vkCreateSampler"));
 
   std::vector<VkDescriptorSetLayoutBinding> bindings;

@@ -335,6 +335,7 @@ TEST_CASE("the scene of a rig has the pose, the shape and the lumens that the wa
   row.pose_0 = {1, 0, 0, 1};
   row.pose_1 = {0, 1, 0, 2};
   row.pose_2 = {0, 0, 1, 6};
+  row.strobe = row.optics = fixtures::kNoAddress;
   compiled.types = {type};
   compiled.joints = {lens};
   compiled.heads = {row, row, row};
