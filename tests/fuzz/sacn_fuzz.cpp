@@ -67,7 +67,8 @@ void hear(std::span<const std::uint8_t> input) {
   } checker;
   TimeNs now_ns = 1'000 * kNsPerS;
   while (input.size() >= 3) {
-    const std::size_t size = std::min<std::size_t>((input[0] | input[1] << 8) % 2048, input.size() - 3);
+    const std::size_t asked = static_cast<std::size_t>(input[0] | input[1] << 8) % 2048;
+    const std::size_t size = std::min(asked, input.size() - 3);
     now_ns += input[2] * 16 * kNsPerMs;
     const auto datagram = input.subspan(3, size);
     rules.take(datagram, 0x0A000007, now_ns, checker);

@@ -51,6 +51,7 @@ HandLevels::HandLevels(const fixtures::Rig& rig, const fixtures::CompiledRig& co
     : rig_(rig), compiled_(compiled), levels_(compiled.universes.size() * kSlotCountMax), faders_(rig.fixtures.size()) {
   for (std::size_t i = 0; i < rig.fixtures.size(); ++i) {
     const fixtures::PatchedFixture& fixture = rig.fixtures[i];
+    if (!fixture.patched) continue;  // it stands at its channels' defaults: no level reaches it
     const fixtures::Mode& mode =
         rig.types[static_cast<std::size_t>(fixture.type)].modes[static_cast<std::size_t>(fixture.mode)];
     const auto slots = slots_of(fixture);

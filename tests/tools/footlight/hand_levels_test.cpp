@@ -72,5 +72,19 @@ TEST_CASE("a fixture has no fader for what its mode has no channel for, and sett
   CHECK(std::equal(before.begin(), before.end(), demo.hand.levels().begin()));
 }
 
+TEST_CASE("a fixture without an address has no fader and takes none of the others' levels") {
+  fixtures::Rig rig = fixtures::demo_rig();
+  for (fixtures::PatchedFixture& fixture : rig.fixtures) {
+    if (fixture.universe != 1) fixture.patched = false;  // so that its universe is not there either
+  }
+  const fixtures::CompiledRig compiled = fixtures::compile(rig).value();
+  HandLevels hand(rig, compiled);
+  CHECK(hand.levels().size() == compiled.universes.size() * kSlotCountMax);
+  for (std::size_t i = 0; i < rig.fixtures.size(); ++i) {
+    CHECK(hand.faders(i).empty() != rig.fixtures[i].patched);
+    if (!rig.fixtures[i].patched) hand.set(i, "Dimmer", 1);
+  }
+}
+
 }  // namespace
 }  // namespace footlight::tools
