@@ -9,14 +9,15 @@
 #include "render/reference/norms.h"
 
 namespace footlight::tools {
-namespace {
-
-using namespace render;
 
 double percentile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
 }
+
+namespace {
+
+using namespace render;
 
 Result<std::unique_ptr<Frame>> make_frame(vk::Device& device, const Scene& scene, const FrameSettings& settings) {
   FL_ASSIGN(auto frame, Frame::create(device, scene.rig, scene.compiled, settings));

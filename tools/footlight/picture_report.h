@@ -33,6 +33,9 @@ struct PictureReport {
   std::vector<std::string> validation_messages;
 };
 
+// The value of which `share` (0 to 1) are not above it, to the nearest of `values`; there is at least one.
+[[nodiscard]] double percentile(std::vector<double> values, double share);
+
 [[nodiscard]] Result<PictureReport> make_picture_report(render::vk::Device& device, const Scene& scene,
                                                         const PictureReportOptions& options);
 

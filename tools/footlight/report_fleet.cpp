@@ -12,6 +12,7 @@
 #include "fixtures/builtin/builtin.h"
 #include "fixtures/walker.h"
 #include "render/frame.h"
+#include "tools/footlight/picture_report.h"
 
 namespace footlight::tools {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 constexpr std::int64_t kStepNs = 16'666'667;
 constexpr int kJudgedMax = 1'000;
 constexpr int kJudgedSteps = 240;
-constexpr int kStepsPerChange = 2;  // of the levels
+constexpr int kStepsPerChange = 2;        // of the levels
 constexpr std::uint32_t kOneSlotIn = 16;  // a slot is held for half a second, as a lively show does
 
 Result<fixtures::Rig> fleet_rig(int count) {
@@ -62,11 +63,6 @@ class Levels {
   std::minstd_rand random_{7};
   int step_ = 0;
 };
-
-double percentile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
-}
 
 render::FrameSettings small_picture() {
   render::FrameSettings settings;
@@ -144,11 +140,11 @@ Status judge(render::vk::Device& device, const FleetOptions& options, FleetRepor
       const auto cpu = values_of(i, in_float.states, in_float.optics_states);
       for (std::size_t v = 0; v < worst.size(); ++v) {
         // An angle of a spin wraps where its phase does, which rounding may put into the step before.
-        const double turn = v == 6 ? 2 * std::numbers::pi : 0;
-        const double apart = turn > 0 ? std::abs(std::remainder(gpu[v] - judge[v], turn)) : std::abs(gpu[v] - judge[v]);
-        const double before = turn > 0 ? std::abs(std::remainder(worst[v].gpu - worst[v].cpu, turn))
-                                       : std::abs(worst[v].gpu - worst[v].cpu);
-        if (!(apart <= before)) worst[v] = {names[v], static_cast<int>(i), step, gpu[v], judge[v], cpu[v]};
+        const auto apart = [&](double a, double b) {
+          return v == 6 ? std::abs(std::remainder(a - b, 2 * std::numbers::pi)) : std::abs(a - b);
+        };
+        if (!(apart(gpu[v], judge[v]) <= apart(worst[v].gpu, worst[v].cpu)))
+          worst[v] = {names[v], static_cast<int>(i), step, gpu[v], judge[v], cpu[v]};
       }
     }
   }
