@@ -95,6 +95,7 @@ constexpr UsbModelId kModels[] = {
      .manufacturer_text = "",
      .product_text = "uDMX",
      .model_name = "Anyma uDMX",
+     .maker = "Anyma",
      .quirks = kQuirkGenericUsbIds,
      .transport = TransportKind::kUsb},
     {.vendor = 0x03EB,
@@ -102,6 +103,7 @@ constexpr UsbModelId kModels[] = {
      .manufacturer_text = "",
      .product_text = "",
      .model_name = "AVLdiy D512",
+     .maker = "AVLdiy",
      .quirks = 0,
      .transport = TransportKind::kUsb},
 };

@@ -9,10 +9,13 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
+
+#include <fmt/format.h>
 
 #include "drivers/device/chooser.h"
 #include "drivers/udev_rules.h"
@@ -341,6 +344,81 @@ TEST_CASE("the committed udev rules are those of the driver table") {
                 "run: ninja -C build/dev list_udev_rules && build/dev/tools/list_udev_rules > udev/70-footlight.rules");
 }
 
+TEST_CASE("the committed hwdb is that of the driver table") {
+  CHECK_MESSAGE(text_of(fs::path(FOOTLIGHT_SOURCE_DIR) / "udev/70-footlight.hwdb") == hwdb_text(),
+                "run: ninja -C build/dev list_udev_rules && build/dev/tools/list_udev_rules --hwdb > "
+                "udev/70-footlight.hwdb");
+}
+
+// udev's database with our file in it and nothing else, asked by udev's own tool.
+class HardwareDatabase {
+ public:
+  HardwareDatabase() {
+    std::string pattern = (fs::temp_directory_path() / "footlight-hwdb-XXXXXX").string();
+    REQUIRE(::mkdtemp(pattern.data()) != nullptr);
+    root_ = pattern;
+    fs::create_directories(root_ / "etc/udev/hwdb.d");
+    std::ofstream(root_ / "etc/udev/hwdb.d/70-footlight.hwdb") << hwdb_text();
+  }
+  ~HardwareDatabase() { fs::remove_all(root_); }
+  HardwareDatabase(const HardwareDatabase&) = delete;
+  HardwareDatabase& operator=(const HardwareDatabase&) = delete;
+
+  // True where the file has no fault.
+  bool compile() const { return std::system(("systemd-hwdb update --strict -r " + root_.string()).c_str()) == 0; }
+
+  // The properties of a device, a line each, as udev's builtin and our rule would ask for them.
+  std::string properties(const UsbModelId& model, const std::string& manufacturer, const std::string& product) const {
+    return ask(fmt::format("usb:v{:04X}p{:04X}:{}", model.vendor, model.product, product)) +
+           ask(fmt::format("footlight:v{:04x}p{:04x}:{}:{}", model.vendor, model.product, manufacturer, product));
+  }
+
+ private:
+  std::string ask(const std::string& key) const {
+    const fs::path answer = root_ / "answer";
+    const std::string command = "systemd-hwdb query -r " + root_.string() + " '" + key + "' > " + answer.string();
+    CHECK(std::system(command.c_str()) == 0);
+    return text_of(answer);
+  }
+
+  fs::path root_;
+};
+
+TEST_CASE("udev's hardware database names every device that can be told, and no other") {
+  if (std::system("command -v systemd-hwdb > /dev/null 2>&1") != 0) {
+    MESSAGE("SKIPPED: systemd-hwdb (package udev) is not installed");
+    return;
+  }
+  const HardwareDatabase database;
+  REQUIRE(database.compile());
+  for (const DriverInfo* driver : drivers()) {
+    for (const UsbModelId& model : driver->usb_ids) {
+      CAPTURE(model.model_name);
+      const bool nameless =
+          (model.quirks & kQuirkGenericUsbIds) != 0 && model.manufacturer_text.empty() && model.product_text.empty();
+      const std::string manufacturer = model.manufacturer_text.empty() ? "FTDI" : std::string(model.manufacturer_text);
+      const std::string product = model.product_text.empty() ? "USB <-> Serial" : std::string(model.product_text);
+      const std::string properties = database.properties(model, manufacturer, product);
+      if (nameless) {
+        CHECK(properties.empty());
+        continue;
+      }
+      CHECK(properties.find(fmt::format("FOOTLIGHT_DRIVER={}\n", driver->id)) != std::string::npos);
+      CHECK(properties.find(fmt::format("ID_VENDOR_FROM_DATABASE={}\n", model.maker)) != std::string::npos);
+      CHECK(properties.find(fmt::format("ID_MODEL_FROM_DATABASE={}\n",
+                                        model.model_name.substr(model.maker.size() + 1))) != std::string::npos);
+      if ((model.quirks & kQuirkGenericUsbIds) != 0) CHECK(database.properties(model, "somebody", "something").empty());
+    }
+  }
+}
+
+TEST_CASE("udev's rules ask the hardware database for manufacturers where its own keys cannot tell") {
+  const std::string rules = udev_rules_text();
+  CHECK(rules.find(R"(IMPORT{builtin}="hwdb 'footlight:v0403p6001:$attr{manufacturer}:$attr{product}'")") !=
+        std::string::npos);
+  CHECK(hwdb_text().find("\nfootlight:v0403p6001:DMXking*:*\n") != std::string::npos);
+}
+
 TEST_CASE("the committed hardware table is that of the driver table") {
   CHECK_MESSAGE(
       text_of(fs::path(FOOTLIGHT_SOURCE_DIR) / "docs/hardware.md").find(hardware_table_text()) != std::string::npos,
@@ -352,7 +430,7 @@ TEST_CASE("udev rules never open a bare serial chip and never to everybody") {
   std::string line;
   int rule_count = 0;
   while (std::getline(rules, line)) {
-    if (line.empty() || line[0] == '#') continue;
+    if (line.empty() || line[0] == '#' || line.find("IMPORT{builtin}") != std::string::npos) continue;  // opens nothing
     ++rule_count;
     CAPTURE(line);
     CHECK(line.find("TAG+=\"uaccess\"") != std::string::npos);
