@@ -14,6 +14,7 @@
 
 #include "fixtures/import/import.h"
 #include "fixtures/params.h"
+#include "fixtures/sweep.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/fixtures_command.h"
 #include "tools/footlight/json_lines.h"
@@ -36,6 +37,7 @@ struct Options {
   std::vector<std::string> paths;
   bool json = false;
   bool notes = false;
+  bool sweep = false;
 };
 
 // What is to be read, and how many files of folders were seen to be something else.
@@ -145,7 +147,20 @@ std::string unsimulated_of(const fixtures::FixtureType& type) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-FixtureCheck check_file(const std::string& path) {
+// Every value of every channel decoded: what leaves its declared range.
+void add_sweep(const fixtures::FixtureType& type, const std::string& path, fixtures::Diagnostics& diagnostics,
+               fixtures::SweepReport& sum) {
+  const fixtures::SweepReport report = fixtures::sweep(type, fixtures::SweepValues::kAll);
+  for (const std::string& fault : report.faults) {
+    diagnostics.add({Severity::kError, "decode", {path}, fault, ""});
+  }
+  sum.modes += report.modes;
+  sum.values += report.values;
+  sum.decodes += report.decodes;
+  sum.float_error = std::max(sum.float_error, report.float_error);
+}
+
+FixtureCheck check_file(const std::string& path, bool sweeps, fixtures::SweepReport& sum) {
   FixtureCheck check{path, "", ImportStatus::kRefused, "", "", 0, {}};
   fixtures::Diagnostics diagnostics;
   auto source = fixtures::open_import_source(path);
@@ -160,6 +175,7 @@ FixtureCheck check_file(const std::string& path) {
     if (const std::string names = unsimulated_of(*type); !names.empty()) {
       diagnostics.add({Severity::kNote, "not-simulated", {path}, names, "they change nothing"});
     }
+    if (sweeps) add_sweep(*type, path, diagnostics, sum);
   }
   diagnostics.finish();
   if (!type) {
@@ -194,10 +210,11 @@ Result<int> run_check(const Options& options) {
   FL_ASSIGN(const Wanted wanted, find_wanted(options.paths));
   std::array<std::size_t, 3> counts{};
   std::size_t done = 0;
+  fixtures::SweepReport swept;
   for (const std::string& path : wanted.paths) {
     if (end_signal_came()) break;
     progress.show(done, wanted.paths.size());
-    const FixtureCheck check = check_file(path);
+    const FixtureCheck check = check_file(path, options.sweep, swept);
     progress.clear();
     ++counts.at(static_cast<std::size_t>(check.status));
     ++done;
@@ -216,6 +233,10 @@ Result<int> run_check(const Options& options) {
              counts[static_cast<std::size_t>(ImportStatus::kWarnings)], refused);
   if (wanted.passed_over > 0) fmt::print(stderr, "; {} more are no definitions of fixtures", wanted.passed_over);
   fmt::print(stderr, "\n");
+  if (options.sweep) {
+    fmt::print(stderr, "footlight: {} values of channels of {} modes decoded; float is within {:.1e} of double\n",
+               swept.values, swept.modes, swept.float_error);
+  }
   if (wanted.paths.empty()) return kExitNotFound;
   return refused > 0 ? kExitFailed : kExitOk;
 }
@@ -227,12 +248,15 @@ void add_fixtures_check(Arguments& arguments) {
       arguments.subcommand("check", "Judge definitions of fixtures: what loads, what is wrong, what was assumed",
                            "  footlight fixtures check head.gdtf\n"
                            "  footlight fixtures check ~/gdtf /usr/share/qlcplus/fixtures --json\n"
+                           "  footlight fixtures check head.gdtf --sweep\n"
                            "Folders are searched to the bottom. Exit code 0 where no file is refused, 1 where one is, "
                            "3 where none is found.");
   auto options = std::make_shared<Options>();
   check.words("PATH", options->paths, "files and folders");
   check.flag("--json", options->json, "one JSON object a file");
   check.flag("--notes", options->notes, "also what was assumed where the file leaves something open");
+  check.flag("--sweep", options->sweep,
+             "also decode every value of every channel of every mode and judge it by the definition");
   check.job([options]() -> Result<int> { return run_check(*options); });
 }
 
