@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -23,17 +22,6 @@ namespace footlight::testing {
 using drivers::mock::Bytes;
 
 constexpr Universe kBenchUniverse = 3;
-
-inline Bytes some_look(std::uint8_t first) {
-  Bytes slots(512);
-  for (std::size_t i = 0; i < slots.size(); ++i) slots[i] = static_cast<std::uint8_t>(first + i * 3 + i / 85);
-  return slots;
-}
-inline Bytes line_frame_of(const Bytes& slots) {
-  Bytes frame{0};
-  frame.insert(frame.end(), slots.begin(), slots.end());
-  return frame;
-}
 
 // Calls before_send() before each transfer to the device.
 class WatchedConnector final : public drivers::Connector {
@@ -164,12 +152,8 @@ double figure_of(const Port& port, std::string_view name) {
   return value;
 }
 
-inline std::size_t entries_of(const char* folder) {
-  return static_cast<std::size_t>(
-      std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()));
-}
-
-// --- Faults that every output has to survive. Each ends with a look on the line.
+// --- Faults that an output has to survive, at every byte and transfer; what holds for every driver alike is in
+// every_driver_test.cpp. Each ends with a look on the line.
 
 inline void check_unplug_at_every_transfer(DeviceBench& bench) {
   // How many transfers a look of this kind takes.
@@ -201,19 +185,6 @@ inline void check_unplug_at_every_transfer(DeviceBench& bench) {
   }
 }
 
-inline void check_stall(DeviceBench& bench) {
-  const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(1));
-  REQUIRE(bench.shows(some_look(1)));
-  bench.usb->stall(true);
-  bench.send(*sink, some_look(2));
-  REQUIRE(bench.advance_until([&] { return sink->state() == PortState::kGone; }));
-  bench.usb->stall(false);
-  CHECK(bench.advance_until([&] { return bench.shows(some_look(2), std::chrono::milliseconds(1)); }));
-  CHECK(bench.advance_until([&] { return sink->state() == PortState::kWorking; }));
-  CHECK(sink->counters().errors > 0);
-}
-
 inline void check_cut_write(DeviceBench& bench, std::size_t size) {
   const auto sink = bench.open_sink();
   bench.send(*sink, some_look(1));
@@ -235,47 +206,6 @@ inline void check_garbage(DeviceBench& bench) {
   bench.send(*sink, some_look(5));
   CHECK(bench.advance_until([&] { return bench.shows(some_look(5), std::chrono::milliseconds(1)); }));
   CHECK(sink->state() == PortState::kWorking);
-}
-
-inline void check_other_serial(DeviceBench& bench) {
-  const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(1));
-  REQUIRE(bench.shows(some_look(1)));
-  std::string serial;
-  bench.usb->unplug();
-  REQUIRE(wait_for_state(*sink, PortState::kGone));
-  bench.usb->with_model([&](auto& model) {
-    serial = model.serial;
-    model.serial = "OTHER";
-  });
-  bench.usb->plug();
-  REQUIRE(poll_until(
-      *sink, [&] { (void)sink->poll(0); }, [&] { return sink->trouble().find("OTHER") != std::string::npos; }));
-  CHECK_FALSE(bench.usb->claimed());
-  bench.usb->unplug();
-  bench.usb->with_model([&](auto& model) { model.serial = serial; });
-  bench.usb->plug();
-  CHECK(wait_for_state(*sink, PortState::kWorking));
-  CHECK(bench.shows(some_look(1)));
-}
-
-inline void check_replug_1000_times(DeviceBench& bench) {
-  const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(0));
-  REQUIRE(bench.shows(some_look(0)));
-  const std::size_t fds = entries_of("/proc/self/fd"), threads = entries_of("/proc/self/task");
-  for (int i = 1; i <= 1000; ++i) {
-    bench.usb->unplug();
-    REQUIRE(wait_for_state(*sink, PortState::kGone));
-    const Bytes look = some_look(static_cast<std::uint8_t>(i));
-    bench.send(*sink, look);  // while it is gone: it is due when it is back
-    bench.usb->plug();
-    REQUIRE(wait_for_state(*sink, PortState::kWorking));
-    REQUIRE(bench.shows(look));
-  }
-  CHECK(entries_of("/proc/self/fd") == fds);
-  CHECK(entries_of("/proc/self/task") == threads);
-  CHECK(sink->link().stats().connects == 1001);
 }
 
 }  // namespace footlight::testing

@@ -1,14 +1,38 @@
-// What tests of USB ports share: a receiver that keeps frames, and waits that are bounded and sleep on descriptors.
+// What tests of USB ports share: looks, a receiver that keeps frames, and waits that sleep on descriptors; they are
+// bounded for the case that a test fails.
 #pragma once
 
 #include <poll.h>
 
 #include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <iterator>
 #include <vector>
 
 #include "sim/core/ports.h"
 
 namespace footlight::testing {
+
+using Look = std::vector<std::uint8_t>;  // levels of 512 slots
+
+// One of 256 looks that differ in every slot and have no period.
+inline Look some_look(std::size_t which) {
+  Look slots(512);
+  for (std::size_t i = 0; i < slots.size(); ++i) slots[i] = static_cast<std::uint8_t>(which + i * 3 + i / 85);
+  return slots;
+}
+// With the start code in front.
+inline Look line_frame_of(const Look& slots) {
+  Look frame{0};
+  frame.insert(frame.end(), slots.begin(), slots.end());
+  return frame;
+}
+
+inline std::size_t entries_of(const char* folder) {
+  return static_cast<std::size_t>(
+      std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()));
+}
 
 // Keeps copies of the frames that a source hands over.
 class FrameKeeper final : public FrameReceiver {

@@ -81,13 +81,13 @@ class Gateway {
   std::jthread thread_;
 };
 
-std::unique_ptr<ArtnetRdmLine> open_line(Clock& clock) {
+std::unique_ptr<ArtnetRdmLine> open_line(Clock& clock, DurationNs answer_timeout_ns = 30 * kNsPerS) {
   ArtnetRdmLine::Options options;
   options.name = "artnet:292@127.0.0.2";
   options.gateway = kGatewayIpv4;
   options.udp_port = kArtnetPort;
   options.port_address = kPortAddress;
-  options.answer_timeout_ns = 500 * kNsPerMs;
+  options.answer_timeout_ns = answer_timeout_ns;
   auto line = ArtnetRdmLine::open(options, clock);
   REQUIRE_MESSAGE(line, (line ? "" : line.error().message));
   return std::move(*line);
@@ -236,7 +236,7 @@ TEST_CASE("a device that does not answer through a gateway is an error, and so a
   Gateway gateway;
   gateway.is_mute = true;
   gateway.start();
-  const auto line = open_line(clock);
+  const auto line = open_line(clock, 100 * kNsPerMs);
   RdmMessage request;
   request.to = {1, 2};
   request.from = kOwn;

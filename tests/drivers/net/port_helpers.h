@@ -37,10 +37,10 @@ inline TimeNs real_now_ns() {
   return now.tv_sec * kNsPerS + now.tv_nsec;
 }
 
-// Polls the source until `done` says so or two seconds have passed without; waits in poll(2). True: done.
+// Polls the source until `done` says so or twenty seconds have passed without; waits in poll(2). True: done.
 template <class Done>
 bool poll_until(Source& source, TimeNs now_ns, FrameReceiver& receiver, Done done) {
-  const TimeNs deadline_ns = real_now_ns() + 2 * kNsPerS;
+  const TimeNs deadline_ns = real_now_ns() + 20 * kNsPerS;
   while (!done()) {
     const DurationNs left_ns = deadline_ns - real_now_ns();
     if (left_ns <= 0) return false;

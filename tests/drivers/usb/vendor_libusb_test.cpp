@@ -1,14 +1,11 @@
 // Interfaces with endpoints of their own through the real libusb on an emulated kernel: uDMX, Peperoni, DMXCreator.
 #include <doctest/doctest.h>
 
-#include "drivers/device/device.h"
 #include "drivers/mock/dmxcreator_model.h"
 #include "drivers/mock/peperoni_model.h"
 #include "drivers/mock/udmx_model.h"
-#include "drivers/ports_factory.h"
 #include "drivers/registry.h"
-#include "sim/system_clock.h"
-#include "tests/support/device_bench.h"
+#include "tests/support/emulated_bench.h"
 #include "tests/support/usb_fs.h"
 
 namespace footlight::drivers {
@@ -24,48 +21,28 @@ using testing::UsbSocket;
 using testing::wait_for_state;
 
 template <class Model>
-struct Bench {
-  explicit Bench(std::string scheme) : request{.scheme = std::move(scheme), .target = "", .universes = {1}} {}
-  SystemClock clock;
-  testing::Testbed testbed;
-  Model model;
-  UsbSocket socket{testbed, model};
-  PortRequest request;
-
-  std::unique_ptr<Sink> open_sink() {
-    auto sink = drivers::open_sink(request, clock);
-    REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
-    return std::move(*sink);
-  }
-  void send(Sink& sink, const Bytes& slots) {
-    const FrameView frame{.universe = 1, .slots = slots};
-    REQUIRE(sink.send(clock.now_ns(), {&frame, 1}));
-  }
-  bool shows(const Bytes& slots) {
-    return socket.wait_for([&] { return model.line(0).frame == line_frame_of(slots); });
-  }
+struct Bench : testing::EmulatedBench<UsbSocket, Model> {
+  using testing::EmulatedBench<UsbSocket, Model>::EmulatedBench;
   // Looks arrive, an unplug is noticed without traffic, and the look of meanwhile is there after the replug.
   void check_looks_and_replug() {
-    socket.plug();
+    this->socket.plug();
     const DeviceList list = find_devices();
     REQUIRE(list.devices.size() == 1);
-    CHECK(list.devices[0].driver_id == request.scheme);
+    CHECK(list.devices[0].driver_id == this->request.scheme);
     CHECK(list.devices[0].readiness == Readiness::kReady);
-    const auto sink = open_sink();
-    for (int i = 0; i < 50; ++i) {
-      send(*sink, some_look(static_cast<std::uint8_t>(i)));
-      REQUIRE(shows(some_look(static_cast<std::uint8_t>(i))));
+    const auto sink = this->open_sink();
+    for (std::size_t i = 0; i < 50; ++i) {
+      this->send(*sink, some_look(i));
+      REQUIRE(this->shows(some_look(i)));
     }
-    socket.unplug();
+    this->socket.unplug();
     REQUIRE(wait_for_state(*sink, PortState::kGone));
-    send(*sink, some_look(99));
-    const TimeNs plugged_ns = clock.now_ns();
-    socket.plug();
-    REQUIRE(shows(some_look(99)));
-    CHECK(clock.now_ns() - plugged_ns < kNsPerS);
+    this->send(*sink, some_look(99));
+    this->socket.plug();
+    REQUIRE(this->shows(some_look(99)));
     REQUIRE(wait_for_state(*sink, PortState::kWorking));
-    sink->close(clock.now_ns());
-    CHECK_FALSE(socket.claimed());
+    sink->close(this->clock.now_ns());
+    CHECK_FALSE(this->socket.claimed());
   }
 };
 
