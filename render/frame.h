@@ -60,6 +60,9 @@ class Frame {
   // picture in VK_IMAGE_LAYOUT_GENERAL. Times can be read once the GPU is done with these commands.
   void record(VkCommandBuffer commands, const View& view, double exposure_ev);
 
+  // Work light on every surface from the next picture on, lx; at first the rig's.
+  void set_ambient_lx(double ambient_lx) { ambient_lx_ = ambient_lx; }
+
   // Headless: record, submit, wait.
   Status draw(const View& view, double exposure_ev);
   // Carries the pending steps out without making a picture: for long replays between pictures.

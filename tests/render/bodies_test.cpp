@@ -60,7 +60,7 @@ TEST_CASE("an object of the scene is drawn in its paint under work light, mirror
     REQUIRE(scene.compiled.needs.objects);
     const RadianceImage image = draw_new(vulkan.device(), scene, small());
     // The front face, -y: normal across z, towards the eye. Paint 255 0 128 of the file.
-    const double form = 0.15 + 0.45 * 0.5 + 0.4;
+    const double form = 0.3 + 0.3 * 0.5 + 0.4;
     const glm::vec3 seen = pixel(image, 32, 18);
     CHECK(seen.x == doctest::Approx(kWorkLightLx * form / std::numbers::pi).epsilon(2e-3));
     CHECK(seen.y == 0);

@@ -17,9 +17,16 @@ struct Kind {
 };
 
 constexpr Kind kKinds[] = {
-    {"Dimmer", "dimmer", "%", true},    {"ColorAdd_R", "red", "%", true}, {"ColorAdd_G", "green", "%", true},
-    {"ColorAdd_B", "blue", "%", true},  {"Pan", "pan", "deg", false},     {"Tilt", "tilt", "deg", false},
-    {"Zoom", "zoom", "deg", false},     {"Gobo1", "gobo", "", false},
+    {"Dimmer", "dimmer", "%", true},      {"ColorAdd_R", "red", "%", true},   {"ColorAdd_G", "green", "%", true},
+    {"ColorAdd_B", "blue", "%", true},    {"ColorRGB_Red", "red", "%", true}, {"ColorRGB_Green", "green", "%", true},
+    {"ColorRGB_Blue", "blue", "%", true}, {"ColorAdd_W", "white", "%", true}, {"ColorSub_C", "cyan", "%", false},
+    {"ColorSub_M", "magenta", "%", false}, {"ColorSub_Y", "yellow", "%", false}, {"Color1", "colour", "", false},
+    {"Pan", "pan", "deg", false},         {"Tilt", "tilt", "deg", false},     {"Zoom", "zoom", "deg", false},
+    {"Focus1", "focus", "%", false},      {"Iris", "iris", "%", true},        {"Gobo1", "gobo", "", false},
+    {"Gobo1Pos", "gobo turn", "deg", false}, {"Gobo2", "gobo 2", "", false},  {"AnimationWheel1", "animation", "", false},
+    {"Prism1", "prism", "", false},       {"Frost1", "frost", "%", false},    {"Blade1A", "blade below", "%", false},
+    {"Blade2A", "blade left", "%", false}, {"Blade3A", "blade above", "%", false},
+    {"Blade4A", "blade right", "%", false},
 };
 
 // Where the functions of the mode that have the attribute begin and end together; from > to where there is none.
@@ -30,6 +37,7 @@ Fader reach(const fixtures::Mode& mode, const Kind& kind) {
     fader.to = std::max(fader.to, value);
   };
   for (const fixtures::Channel& channel : mode.channels) {
+    if (channel.slot_offsets.empty()) continue;  // no hand reaches it
     for (const fixtures::ChannelFunction& function : channel.functions) {
       if (!fixtures::same_attribute(function.attribute, kind.attribute)) continue;
       bool selects = false;
@@ -46,6 +54,43 @@ Fader reach(const fixtures::Mode& mode, const Kind& kind) {
 }
 
 }  // namespace
+
+void give_hand_addresses(fixtures::Rig& rig) {
+  Universe universe = kUniverseMin;
+  for (const fixtures::PatchedFixture& fixture : rig.fixtures) {
+    if (!fixture.patched) continue;
+    universe = std::max(universe, fixture.universe + 1);
+    for (const auto& further : fixture.further_addresses) universe = std::max(universe, further.universe + 1);
+  }
+  Address next = 1;
+  for (fixtures::PatchedFixture& fixture : rig.fixtures) {
+    if (fixture.patched) continue;
+    const fixtures::Mode& mode =
+        rig.types[static_cast<std::size_t>(fixture.type)].modes[static_cast<std::size_t>(fixture.mode)];
+    const int first = fixtures::slot_count_of(mode, 1);
+    int all = first;
+    for (const auto& [dmx_break, count] : mode.break_slot_counts) all += dmx_break > 1 ? count : 0;
+    const int wanted = std::min(std::max(all <= kSlotCountMax ? all : first, 1), kSlotCountMax);
+    if (next + wanted - 1 > kSlotCountMax) {
+      ++universe;
+      next = 1;
+    }
+    if (universe > kUniverseMax) return;  // more than 32 million slots: the rest stays as it is
+    fixture.patched = true;
+    fixture.universe = universe;
+    fixture.address = next;
+    fixture.further_addresses.clear();
+    if (all <= kSlotCountMax) {
+      Address at = next + first;
+      for (const auto& [dmx_break, count] : mode.break_slot_counts) {
+        if (dmx_break < 2 || count < 1) continue;
+        fixture.further_addresses.push_back({dmx_break, universe, at});
+        at += count;
+      }
+    }
+    next += wanted;
+  }
+}
 
 HandLevels::HandLevels(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled)
     : rig_(rig), compiled_(compiled), levels_(compiled.universes.size() * kSlotCountMax), faders_(rig.fixtures.size()) {
@@ -85,6 +130,11 @@ void HandLevels::set(std::size_t index, std::string_view attribute, double value
     fader.value = std::clamp(value, fader.from, fader.to);
     fixtures::encode_attribute(rig_, rig_.fixtures[index], attribute, fader.value, slots_of(rig_.fixtures[index]));
   }
+}
+
+bool HandLevels::encode(std::size_t index, std::string_view attribute, double value) {
+  const fixtures::PatchedFixture& fixture = rig_.fixtures[index];
+  return fixture.patched && fixtures::encode_attribute(rig_, fixture, attribute, value, slots_of(fixture));
 }
 
 }  // namespace footlight::tools

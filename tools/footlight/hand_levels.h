@@ -21,6 +21,10 @@ struct Fader {
   double value = 0;
 };
 
+// Gives every fixture without an address one of its own, in universes behind all that are in use, so that hands reach
+// it. For what nobody else drives: on a wire these addresses mean nothing.
+void give_hand_addresses(fixtures::Rig& rig);
+
 class HandLevels {
  public:
   // Every fixture at its defaults, lit white, its axes in the middle of their ways. Both outlive this.
@@ -33,6 +37,8 @@ class HandLevels {
   [[nodiscard]] std::size_t fixture_count() const { return faders_.size(); }
   // Fixtures without the attribute are left alone.
   void set(std::size_t index, std::string_view attribute, double value);
+  // Any attribute, with a fader or without; false where the fixture has no channel for it.
+  bool encode(std::size_t index, std::string_view attribute, double value);
 
  private:
   [[nodiscard]] std::span<std::uint8_t> slots_of(const fixtures::PatchedFixture& fixture);

@@ -16,6 +16,8 @@ void add(Arguments& arguments) {
   arguments.option("--size", options->size, "WxH", "of the window in pixels");
   arguments.option("--camera", options->camera, "NAME", "a camera of the rig; its first one");
   arguments.option("--nodes", options->nodes, 1, 8, "Gauss nodes a beam and pixel, see footlight report");
+  arguments.option("--work-light", options->work_light_lx, -1, 1e6,
+                   "lx on every surface, W turns it off and on; 150 where nothing drives the rig, else 0");
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this");
   arguments.option("--seconds", options->seconds, 0, 1e6, "close after this time; 0 stays open");
   arguments.option("--screenshot", options->screenshot, "FILE", "write the last frame as PNG when closing");
@@ -34,8 +36,8 @@ extern const CommandInfo preview_command{
         "  footlight preview --rig rig.toml --in sacn:1-9            live\n"
         "  footlight preview --rig rig.toml --in enttec-pro --in artnet:2-9\n"
         "  footlight preview --rig rig.toml                          by hand, with faders\n"
-        "Mouse: left orbits, right or middle pans, wheel approaches. Keys: 1-9 cameras, F frames the rig, space\n"
-        "pauses, left and right seek 5 s, Q and E expose, H hides the panel, Esc closes. Without a display: footlight\n"
+        "Mouse: left orbits, right or middle pans, wheel approaches. Keys: 1-9 cameras, F frames the rig, W work\n"
+        "light, space pauses, left and right seek 5 s, Q and E expose, H hides the panel, Esc closes. Without a display: footlight\n"
         "render.",
     .add = add,
 };

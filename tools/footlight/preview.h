@@ -19,6 +19,7 @@ struct PreviewOptions {
   std::string screenshot;  // PNG of the last frame; empty: none
   DurationNs at_ns = 0;    // where in the log to begin
   double seconds = 0;      // closes by itself after this time; 0: stays open
+  double work_light_lx = -1;  // -1: kWorkLightLx where the rig is driven by hand, else 0
   int nodes = 3;
   bool json = false;
 };

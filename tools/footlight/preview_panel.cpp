@@ -114,6 +114,11 @@ void draw_look(const PreviewFacts& facts, PreviewControls& controls) {
   ImGui::SetNextItemWidth(-1);
   ImGui::SliderFloat("##ev", &controls.exposure_ev, -4, 16, "exposure %.1f EV");
   if (facts.can_haze) ImGui::Checkbox("haze", &controls.haze);
+  ImGui::Checkbox("work light", &controls.work_light);
+  if (controls.work_light) {
+    ImGui::SetNextItemWidth(-1);
+    ImGui::SliderFloat("##work", &controls.work_light_lx, 1, 1000, "%.0f lx", ImGuiSliderFlags_Logarithmic);
+  }
 }
 
 void draw_log(const PreviewFacts& facts, PreviewControls& controls) {
@@ -286,7 +291,7 @@ void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const Live
     draw_cost(facts);
     heading("Keys");
     ImGui::PushTextWrapPos(0);
-    text(kDim, std::string("Drag orbits, right drag pans, wheel approaches. F frames the rig, Q and E expose, ") +
+    text(kDim, std::string("Drag orbits, right drag pans, wheel approaches. F frames the rig, W work light, Q and E expose, ") +
                    (facts.has_log ? "space pauses, arrows seek 5 s, " : "") + "H hides this.");
     ImGui::PopTextWrapPos();
   }

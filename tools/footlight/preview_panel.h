@@ -45,6 +45,8 @@ enum class PanelState { kFull, kStrip, kHidden };
 struct PreviewControls {
   PanelState panel = PanelState::kFull;
   float exposure_ev = 4;
+  bool work_light = false;
+  float work_light_lx = 0;  // while it is on
   int nodes = 3;
   int divisor = 1;  // the picture is computed with 1/divisor of the window's pixels a side
   bool haze = true;

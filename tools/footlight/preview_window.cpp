@@ -22,6 +22,7 @@
 #include "tools/footlight/picture_file.h"
 #include "tools/footlight/preview.h"
 #include "tools/footlight/preview_panel.h"
+#include "tools/footlight/start_view.h"
 #include "tools/footlight/stop_signal.h"
 #include "tools/footlight/timeline.h"
 #include "tools/footlight/window.h"
@@ -129,6 +130,9 @@ class Preview {
 Status Preview::open() {
   FL_ASSIGN(const PictureSize size, parse_size(options_.size));
   FL_ASSIGN(rig_, load_scene_rig(options_.files));
+  const bool by_hand = options_.ins.empty() && options_.files.log.empty() && !options_.files.demo;
+  add_start_view(rig_, static_cast<double>(size.width) / size.height, true);
+  if (by_hand) give_hand_addresses(rig_);
   FL_ASSIGN(compiled_, fixtures::compile(rig_));
   FL_ASSIGN(const fixtures::Camera camera, find_camera(rig_, options_.camera));
   clear_rig_ = rig_;
@@ -148,6 +152,8 @@ Status Preview::open() {
   camera_ = OrbitCamera(camera);
   controls_.exposure_ev = static_cast<float>(camera.exposure_ev);
   controls_.nodes = options_.nodes;
+  controls_.work_light = options_.work_light_lx > 0 || (options_.work_light_lx < 0 && by_hand);
+  controls_.work_light_lx = static_cast<float>(options_.work_light_lx > 0 ? options_.work_light_lx : kWorkLightLx);
   controls_.loop = options_.files.demo && options_.files.log.empty();
   controls_.panel = window_->width() < kStripWidth ? PanelState::kStrip : PanelState::kFull;
   if (device_->is_software()) {
@@ -320,6 +326,7 @@ void Preview::take_key(int code, bool repeat) {
                         : controls_.panel == PanelState::kStrip ? PanelState::kHidden
                                                                 : PanelState::kFull;
       break;
+    case GLFW_KEY_W: controls_.work_light = !controls_.work_light; break;
     case GLFW_KEY_SPACE: controls_.playing = !controls_.playing; break;
     case GLFW_KEY_ESCAPE: closing_ = true; break;
     default:
@@ -415,6 +422,8 @@ Status Preview::turn() {
   picture.height = frame_->settings().height;
   picture.place = where;
   FL_ASSIGN(shown_, window_->show(picture, [&](VkCommandBuffer commands) {
+    frame_->set_ambient_lx(rig_.ambient_lx +
+                           (controls_.work_light ? static_cast<double>(controls_.work_light_lx) : 0));
     frame_->record(commands, render::view_of(camera_.camera()), controls_.exposure_ev);
     render::vk::full_barrier(commands);
     const VkBufferCopy region{0, 0, sizeof(render::CountsRow)};

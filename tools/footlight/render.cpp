@@ -1,6 +1,7 @@
 // footlight render: pictures and videos of a rig driven by a log, without a display.
 #include <chrono>
 #include <cstdio>
+#include <charconv>
 #include <memory>
 #include <optional>
 
@@ -8,8 +9,10 @@
 #include "tools/footlight/command.h"
 #include "tools/footlight/duration.h"
 #include "tools/footlight/flash_watch.h"
+#include "tools/footlight/hand_levels.h"
 #include "tools/footlight/picture_file.h"
 #include "tools/footlight/scene_files.h"
+#include "tools/footlight/start_view.h"
 #include "tools/footlight/timeline.h"
 #include "tools/footlight/video_file.h"
 
@@ -30,7 +33,11 @@ struct Options {
   double exposure_ev = 1000;  // over 100: the camera's own
   int nodes = 3;
   int gobo_taps = 64;
+  int supersample = 1;
   std::string flashes = "warn";
+  std::vector<std::string> sets;  // "Prism1=2", "Spot 3:Pan=30"
+  bool lit = false;
+  double work_light_lx = -1;      // -1: not given
   bool json = false;
 };
 
@@ -65,10 +72,33 @@ Status check_options(const Options& options) {
                 "--flashes limit: expected --every {} or less; pictures further apart hide flashes",
                 show_duration(kFlashPauseMaxNs));
   }
+  if ((options.lit || !options.sets.empty()) && (!options.files.log.empty() || options.files.demo)) {
+    return fail(ErrorCode::kBadInput, "--lit and --set are for a rig without a log: expected one of them");
+  }
   if (!many && is_video(options.out)) {
     return fail(ErrorCode::kBadInput, "{}: a video needs --every, as in --every 40ms", options.out);
   }
   return {};
+}
+
+// The mean of `side` x `side` pixels, as a screen shows them.
+render::ScreenImage reduced(const render::ScreenImage& image, int side) {
+  if (side == 1) return image;
+  render::ScreenImage small{image.width / side, image.height / side, {}};
+  const auto at = [&](int x, int y, int c) {
+    return image.rgba[(static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                       static_cast<std::size_t>(x)) * 4 + static_cast<std::size_t>(c)];
+  };
+  for (int y = 0; y < small.height; ++y) {
+    for (int x = 0; x < small.width; ++x) {
+      for (int c = 0; c < 4; ++c) {
+        int sum = side * side / 2;
+        for (int i = 0; i < side * side; ++i) sum += at(x * side + i % side, y * side + i / side, c);
+        small.rgba.push_back(static_cast<std::uint8_t>(sum / (side * side)));
+      }
+    }
+  }
+  return small;
 }
 
 // One render job: the log walks on, a picture is taken, it goes to its file.
@@ -93,6 +123,7 @@ class Job {
     }
     FL_TRY(frame_.draw(view_, exposure_ev_));
     FL_ASSIGN(picture_, frame_.read_screen());
+    picture_ = reduced(picture_, options_.supersample);
     const double wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     watch_flashes(at_ns);
     FL_TRY(store());
@@ -171,27 +202,69 @@ class Job {
   int number_ = 0;
 };
 
+// "Prism1=2" for all fixtures, "Spot 3:Pan=30" for one, in the units of the attribute; a wheel's slots count from 1.
+Status set_by_hand(const std::string& text, const fixtures::Rig& rig, HandLevels& hand) {
+  const std::size_t equals = text.rfind('=');
+  const std::size_t colon = equals == std::string::npos ? std::string::npos : text.rfind(':', equals);
+  double value = 0;
+  const char* end = text.data() + text.size();
+  bool sound = equals != std::string::npos;
+  if (sound) {
+    const auto [at, fault] = std::from_chars(text.data() + equals + 1, end, value);
+    sound = fault == std::errc() && at == end;
+  }
+  if (!sound) {
+    return fail(ErrorCode::kBadInput, "--set {}: expected ATTRIBUTE=NUMBER or FIXTURE:ATTRIBUTE=NUMBER, as in Iris=0.5",
+                text);
+  }
+  const std::string name = colon == std::string::npos ? "" : text.substr(0, colon);
+  const std::size_t begin = colon == std::string::npos ? 0 : colon + 1;
+  const std::string attribute = text.substr(begin, equals - begin);
+  bool known = name.empty();
+  bool any = false;
+  for (std::size_t i = 0; i < rig.fixtures.size(); ++i) {
+    if (!name.empty() && rig.fixtures[i].name != name) continue;
+    known = true;
+    any = hand.encode(i, attribute, value) || any;
+  }
+  if (!known) return fail(ErrorCode::kNotFound, "--set {}: no fixture is called '{}'", text, name);
+  if (!any) {
+    return fail(ErrorCode::kNotFound, "--set {}: no {} has a channel for {}; 'footlight fixtures show' lists them",
+                text, name.empty() ? "fixture" : "such fixture", attribute);
+  }
+  return {};
+}
+
 Result<int> render_pictures(const Options& options) {
   FL_TRY(check_options(options));
   FL_ASSIGN(const PictureSize size, parse_size(options.size));
-  FL_ASSIGN(const fixtures::Rig rig, load_scene_rig(options.files));
-  FL_ASSIGN(const fixtures::CompiledRig compiled, fixtures::compile(rig));
-  FL_ASSIGN(const fixtures::Camera camera, find_camera(rig, options.camera));
+  FL_ASSIGN(fixtures::Rig rig, load_scene_rig(options.files));
   FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options.files));
+  const bool by_hand = options.lit || !options.sets.empty();
+  add_start_view(rig, static_cast<double>(size.width) / size.height, log || by_hand);
+  FL_ASSIGN(const fixtures::Camera camera, find_camera(rig, options.camera));
+  if (by_hand) give_hand_addresses(rig);
+  rig.ambient_lx += options.work_light_lx >= 0 ? options.work_light_lx : log || by_hand ? 0 : kWorkLightLx;
+  FL_ASSIGN(const fixtures::CompiledRig compiled, fixtures::compile(rig));
   std::optional<Timeline> timeline;
   if (log) timeline.emplace(std::move(*log), compiled);
 
   FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = options.device}));
   render::FrameSettings settings;
-  settings.width = size.width;
-  settings.height = size.height;
+  settings.width = size.width * options.supersample;
+  settings.height = size.height * options.supersample;
   settings.nodes = static_cast<std::uint32_t>(options.nodes);
   settings.gobo_taps = static_cast<std::uint32_t>(options.gobo_taps);
   FL_ASSIGN(const auto frame, render::Frame::create(*device, rig, compiled, settings));
   for (const fixtures::Diagnostic& one : frame->resources().diagnostics) {
     if (one.severity != fixtures::Severity::kNote) fmt::print(stderr, "footlight: {}\n", fixtures::text(one));
   }
-  if (!timeline && frame->resources().levels_bytes > 0) {
+  if (by_hand) {
+    HandLevels hand(rig, compiled);
+    for (const std::string& text : options.sets) FL_TRY(set_by_hand(text, rig, hand));
+    frame->step(hand.levels(), 0);
+    if (options.at_ns > 0) frame->step(hand.levels(), options.at_ns);  // what spins has spun
+  } else if (!timeline && frame->resources().levels_bytes > 0) {
     // No log: every level is 0.
     frame->step(std::vector<std::uint8_t>(frame->resources().levels_bytes), 0);
   }
@@ -234,9 +307,16 @@ void add(Arguments& arguments) {
   arguments.option("--camera", options->camera, "NAME", "a camera of the rig; its first one");
   arguments.option("--nodes", options->nodes, 1, 8,
                    "Gauss nodes a beam and pixel: error and time, see footlight report");
+  arguments.option("--supersample", options->supersample, 1, 4,
+                   "so many times the pixels a side, averaged: smooth edges for as many times the work squared");
   arguments.option("--gobo-taps", options->gobo_taps, 1, 1024, "looks at the gobo a beam and pixel: error and time");
   arguments.option("--flashes", options->flashes, "WORD",
                    "harmful flashes (more than three a second): warn, limit or ignore; warn");
+  arguments.flag("--lit", options->lit, "without a log: every fixture at full, open and white, its axes in the middle");
+  arguments.list("--set", options->sets, "WORDS",
+                 "as --lit, and ATTRIBUTE=VALUE of all fixtures or FIXTURE:ATTRIBUTE=VALUE of one; many times");
+  arguments.option("--work-light", options->work_light_lx, -1, 1e6,
+                   "lx on every surface on top of the rig's; 150 where nothing drives the rig, else 0");
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this");
   arguments.flag("--json", options->json, "one JSON object a picture");
   arguments.job([options]() -> Result<int> { return render_pictures(*options); });
@@ -251,6 +331,8 @@ extern const CommandInfo render_command{
         "  footlight render --demo --at 12.5s -o frame.png\n"
         "  footlight render --rig rig.toml --log show.dmxlog --at 12.5s --size 1920x1080 -o frame.png\n"
         "  footlight render --rig rig.toml --log show.dmxlog --every 40ms -o frame_%04d.png\n"
+        "  footlight render --rig hall.mvr --at 0s -o hall.png              in work light\n"
+        "  footlight render --rig hall.mvr --lit --set Tilt=30 --set Iris=0.4 --at 0s -o look.png\n"
         "  footlight render --demo --every 40ms --from 10s --until 20s --camera side -o side.mp4\n"
         "The same rig, log and time give the same picture, bit for bit on one device.",
     .add = add,

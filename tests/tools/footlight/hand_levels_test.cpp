@@ -86,5 +86,24 @@ TEST_CASE("a fixture without an address has no fader and takes none of the other
   }
 }
 
+TEST_CASE("by hand every fixture without an address gets slots that no other fixture hears, and lights up") {
+  fixtures::Rig rig = fixtures::demo_rig();
+  for (std::size_t i = 0; i < rig.fixtures.size(); i += 2) rig.fixtures[i].patched = false;
+  const fixtures::Rig before = rig;
+  give_hand_addresses(rig);
+  const auto compiled = fixtures::compile(rig);  // refuses slots that two fixtures hear
+  REQUIRE(compiled.has_value());
+  const HandLevels hand(rig, *compiled);
+  fixtures::f64::Walker walker(*compiled);
+  walker.step(hand.levels(), 0);
+  for (std::size_t i = 0; i < rig.fixtures.size(); ++i) {
+    CHECK(rig.fixtures[i].patched);
+    CHECK(walker.states[i].red > 0.9);
+    if (!before.fixtures[i].patched) continue;
+    CHECK(rig.fixtures[i].universe == before.fixtures[i].universe);
+    CHECK(rig.fixtures[i].address == before.fixtures[i].address);
+  }
+}
+
 }  // namespace
 }  // namespace footlight::tools
