@@ -37,8 +37,8 @@ extern const CommandInfo preview_command{
         "  footlight preview --rig rig.toml --in enttec-pro --in artnet:2-9\n"
         "  footlight preview --rig rig.toml                          by hand, with faders\n"
         "Mouse: left orbits, right or middle pans, wheel approaches. Keys: 1-9 cameras, F frames the rig, W work\n"
-        "light, space pauses, left and right seek 5 s, Q and E expose, H hides the panel, Esc closes. Without a display: footlight\n"
-        "render.",
+        "light, space pauses, left and right seek 5 s, Q and E expose, H hides the panel, Esc closes. Without a\n"
+        "display: footlight render.",
     .add = add,
 };
 

@@ -291,7 +291,8 @@ void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const Live
     draw_cost(facts);
     heading("Keys");
     ImGui::PushTextWrapPos(0);
-    text(kDim, std::string("Drag orbits, right drag pans, wheel approaches. F frames the rig, W work light, Q and E expose, ") +
+    text(kDim, std::string("Drag orbits, right drag pans, wheel approaches. F frames the rig, W work light, Q and E ") +
+                   "expose, " +
                    (facts.has_log ? "space pauses, arrows seek 5 s, " : "") + "H hides this.");
     ImGui::PopTextWrapPos();
   }
