@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include "fixtures/builtin/builtin.h"
 #include "fixtures/import/import.h"
 #include "fixtures/params.h"
 #include "fixtures/sweep.h"
@@ -99,7 +100,9 @@ Result<Wanted> find_wanted(const std::vector<std::string>& paths) {
   Wanted wanted;
   for (const std::string& path : paths) {
     std::error_code error;
-    if (!fs::exists(path, error)) return fail(ErrorCode::kNotFound, "{}: no such file or folder", path);
+    if (!fs::exists(path, error) && fixtures::find_builtin_type(path) == nullptr) {
+      return fail(ErrorCode::kNotFound, "{}: no such file or folder", path);
+    }
     if (fs::is_directory(path, error)) {
       FL_TRY(add_folder(path, wanted));
     } else {

@@ -26,7 +26,8 @@ Result<int> find(const Options& options) {
   }
   std::vector<std::string> folders = options.folders;
   for (std::string& folder : fixtures::library_folders()) folders.push_back(std::move(folder));
-  const fixtures::Library library = fixtures::Library::open(folders);
+  fixtures::Library library = fixtures::Library::open(folders);
+  library.add_builtin_types();
   for (const std::string& line : library.notes()) fmt::print(stderr, "footlight: {}\n", line);
   const auto hits = library.search(words, static_cast<std::size_t>(options.count));
   for (const fixtures::LibraryHit& hit : hits) {
@@ -38,7 +39,7 @@ Result<int> find(const Options& options) {
                                    {"score", hit.score}};
       fmt::print("{}\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
     } else {
-      fmt::print("{:<4}  {:<24} {:<32} {}\n", hit.entry.format, hit.entry.manufacturer, hit.entry.model,
+      fmt::print("{:<5}  {:<24} {:<32} {}\n", hit.entry.format, hit.entry.manufacturer, hit.entry.model,
                  hit.entry.path);
     }
   }
@@ -58,7 +59,8 @@ void add_fixtures_find(Arguments& arguments) {
       "find", "Find definitions by name on this machine: GDTF, Open Fixture Library, QLC+ and our own",
       "  footlight fixtures find robe esprite\n"
       "  footlight fixtures find mac aura --library ~/gdtf --json\n"
-      "Looks in $FOOTLIGHT_FIXTURES, footlight/fixtures below the XDG data folders, and QLC+'s definitions.\n"
+      "Looks in $FOOTLIGHT_FIXTURES, footlight/fixtures below the XDG data folders, QLC+'s definitions, and among the\n"
+      "types that are built in.\n"
       "Exit code 3 where nothing is called so.\n");
   auto options = std::make_shared<Options>();
   find_arguments.words("WORD", options->words, "words of the name; spelling may be off");
