@@ -6,13 +6,14 @@
 //
 // The filament's heat balance with power laws, C dT/dt = v^2 P (T/Tn)^-r - P (T/Tn)^p with C ~ T^q, has one solution
 // curve for all lamps and all voltages. With theta = v^(2/(p+r)) its equilibrium over the full temperature Tn, y = T /
-// (theta Tn), and s = theta^(p-q-1) P / (C Tn) t:  dy/ds = y^-q (y^-r - y^p). Heating, y < 1: y = x^(1/m), m = 1 + r +
-// q; cooling, y > 1: y = x^(-1/c), c = p - q - 1; in both x = 1 - exp(-z), and s = z R(z^(1/2)) with R a smooth
-// function: the two tables. A step is z of y, s of z, s + ds, z of s (Newton on the same table, so that steps add up),
-// y of z.
+// (theta Tn), and s = theta^(p-q-1) P / (C Tn) t:  dy/ds = y^-q (y^-r - y^p). Near y = 1 a deviation decays as
+// exp(-(p+r) s); phi(y) is the coordinate in which it does so everywhere, phi(1) = 0, phi'(1) = -1 (Koenigs'
+// linearisation). So a step is phi of y, times exp(-(p+r) ds), y of phi. phi is tabulated over y, and inverted by
+// Halley's method on the same table, so that steps add up. Above y = 2.5, which only a lamp sees that is almost off,
+// phi would lose digits; there s itself is used, by its series in y^-(p+r).
 //
-// Error of the table: 0.007 K of the lamp's temperature (compared with an adaptive solver at 1e-13, see lamp_test.cpp).
-// Cost: four logarithms, four exponentials, and Newton's two to four look-ups.
+// Error of the table: 0.002 K of the lamp's temperature; of both with float's rounding, compared with an adaptive
+// solver at 1e-13, see lamp_test.cpp. Cost: a logarithm, three exponentials and three look-ups.
 // Source: r = 1.215 (resistivity of tungsten), p = 4.6 and q = 0.15 for radiation and heat capacity; these give P ~
 // v^1.58 (makers: 1.6), T ~ v^0.34 (makers, of colour temperature: 0.42) and light ~ v^2.8 (makers: 3.4), and an
 // inrush of 18 times the current.
@@ -21,103 +22,150 @@ FL_CONST Real kFilamentR = Real(1.215);
 FL_CONST Real kFilamentP = Real(4.6);
 FL_CONST Real kFilamentQ = Real(0.15);
 FL_CONST Real kFilamentPR = Real(5.815);  // p + r: the decay at full, 1 / tau, over the rate P / (C Tn)
-FL_CONST Real kFilamentM = Real(2.365);   // m = 1 + r + q, heating
-FL_CONST Real kFilamentC = Real(3.45);    // c = p - q - 1, cooling
-FL_CONST Real kFilamentHeatTail = Real(0.178233038454797);  // s - z / (p + r) beyond the table, z > 16
-FL_CONST Real kFilamentCoolTail = Real(0.080129103997942);
+FL_CONST Real kFilamentC = Real(3.45);    // c = p - q - 1: s = y^-c / c for a lamp that only cools
 FL_CONST Real kFilamentAmbientK = Real(293.15);
 
-// R at z^(1/2) = i / 8, and its slope over one interval. By Gauss-Legendre quadrature of the curve's ds/dz.
+FL_CONST Real kFilamentCold = Real(1.192017415444);          // phi at y = 0
+FL_CONST Real kFilamentHot = Real(-0.4618923366243158);      // phi at y without end
+FL_CONST Real kFilamentFar = Real(2.5);                      // end of the table
+FL_CONST Real kFilamentFarS = Real(0.01230479182093496);     // s from y without end to there
+
+// phi at y = i / 48, and its slope over one interval. By Gauss-Legendre quadrature of the curve's d ln(phi) / dy.
 // clang-format off
-FL_CONST Real kFilamentHeat[33] = FL_LIST_BEGIN(Real, 33)
-    Real(0.422832980972516), Real(0.419551047127365), Real(0.410010751738112), Real(0.395224517926522),
-    Real(0.376808755078863), Real(0.356572851030299), Real(0.336096569453507), Real(0.316510774534587),
-    Real(0.298486559026917), Real(0.282333408474126), Real(0.268118582236713), Real(0.255765665645682),
-    Real(0.245122995038386), Real(0.236006653292911), Real(0.22822575880296), Real(0.221596575647252),
-    Real(0.215949916410208), Real(0.211134585685799), Real(0.207018458383581), Real(0.203488111529022),
-    Real(0.200447569907974), Real(0.197816543584255), Real(0.195528433544501), Real(0.193528309156522),
-    Real(0.19177099807121), Real(0.190219373001809), Real(0.188842873535724), Real(0.187616267306914),
-    Real(0.186518633520556), Real(0.185532540934839), Real(0.184643389009915), Real(0.183838882145652),
-    Real(0.183108610475222)
+FL_CONST Real kFilamentPhi[121] = FL_LIST_BEGIN(Real, 121)
+    Real(1.192017415444), Real(1.1917078095343), Real(1.1904233320547), Real(1.1878630992939), Real(1.183828215077),
+    Real(1.1781691637372), Real(1.1707705674942), Real(1.1615445697928), Real(1.1504274691257), Real(1.1373778125036),
+    Real(1.1223751842465), Real(1.105419309695), Real(1.0865292638461), Real(1.0657426611519), Real(1.0431147516165),
+    Real(1.0187173791553), Real(0.99263777957513), Real(0.96497721158983), Real(0.93584942698944),
+    Real(0.90537899637945), Real(0.87369951519987), Real(0.84095172117541), Real(0.8072815589551),
+    Real(0.77283823046926), Real(0.73777227047752), Real(0.70223368597273), Real(0.66637019567696),
+    Real(0.63032560202267), Real(0.59423832301778), Real(0.55824010555974), Real(0.52245493542338),
+    Real(0.48699815263929), Real(0.45197577462139), Real(0.41748402347597), Real(0.38360904865843),
+    Real(0.35042683170786), Real(0.31800325628619), Real(0.28639432422058), Real(0.25564649667898),
+    Real(0.22579713893722), Real(0.19687504732237), Real(0.16890103771819), Real(0.14188857635827),
+    Real(0.1158444353708), Real(0.090769357543743), Real(0.066658716927586), Real(0.043503164080101),
+    Real(0.021289246897444), Real(0), Real(-0.02038450249831), Real(-0.039886634344288), Real(-0.058530746679052),
+    Real(-0.07634274057341), Real(-0.093349682367186), Real(-0.10957946079569), Real(-0.12506048425186),
+    Real(-0.13982141606251), Real(-0.15389094533044), Real(-0.16729759068953), Real(-0.18006953421632),
+    Real(-0.19223448272076), Real(-0.20381955368212), Real(-0.21485118318912), Real(-0.2253550533724),
+    Real(-0.23535603697145), Real(-0.24487815684731), Real(-0.25394455843036), Real(-0.26257749327158),
+    Real(-0.27079831204285), Real(-0.27862746550306), Real(-0.28608451210903), Real(-0.29318813110304),
+    Real(-0.29995614005024), Real(-0.30640551592889), Real(-0.31255241899507), Real(-0.31841221875003),
+    Real(-0.3239995214346), Real(-0.32932819856042), Real(-0.33441141606375), Real(-0.3392616637343),
+    Real(-0.3438907846304), Real(-0.34831000424267), Real(-0.35252995921318), Real(-0.35656072545499),
+    Real(-0.36041184555047), Real(-0.36409235533446), Real(-0.36761080959284), Real(-0.37097530682701),
+    Real(-0.37419351305198), Real(-0.37727268461007), Real(-0.38021968999386), Real(-0.38304103068182),
+    Real(-0.38574286099786), Real(-0.38833100701243), Real(-0.39081098450766), Real(-0.39318801603283),
+    Real(-0.39546704707973), Real(-0.39765276140889), Real(-0.39974959555976), Real(-0.40176175257838),
+    Real(-0.4036932149964), Real(-0.40554775709579), Real(-0.40732895649267), Real(-0.40904020507371),
+    Real(-0.41068471931739), Real(-0.41226555003182), Real(-0.41378559153968), Real(-0.4152475903398),
+    Real(-0.41665415327371), Real(-0.41800775522447), Real(-0.41931074637369), Real(-0.42056535904166),
+    Real(-0.42177371413417), Real(-0.42293782721858), Real(-0.42405961425032), Real(-0.42514089697026),
+    Real(-0.42618340799197), Real(-0.42718879559693), Real(-0.42815862825497), Real(-0.42909439888595),
+    Real(-0.42999752887803)
 FL_LIST_END;
-FL_CONST Real kFilamentHeatSlope[33] = FL_LIST_BEGIN(Real, 33)
-    Real(0), Real(-0.00651738028097715), Real(-0.0123926414977033), Real(-0.0169026809683819),
-    Real(-0.0196196807067156), Real(-0.0205852312489778), Real(-0.0201789609904137), Real(-0.0188826341675285),
-    Real(-0.0171162973575121), Real(-0.0151804504333548), Real(-0.0132630629366278), Real(-0.0114687443274558),
-    Real(-0.00984765548845189), Real(-0.00841706631866881), Real(-0.00717546239695646), Real(-0.00611115560624078),
-    Real(-0.00520737801020232), Real(-0.00444529688243445), Real(-0.003805839773732), Real(-0.00327081978124338),
-    Real(-0.00282361139526401), Real(-0.00244950704626331), Real(-0.00213583610664366), Real(-0.00187191275479594),
-    Real(-0.00164887265529266), Real(-0.00145945028317781), Real(-0.00129773717144528), Real(-0.00115894846131405),
-    Real(-0.00103921340996322), Real(-0.000935396484917099), Real(-0.000844949696011118), Real(-0.000765793474281276),
-    Real(-0.000696221925692549)
-FL_LIST_END;
-FL_CONST Real kFilamentCool[33] = FL_LIST_BEGIN(Real, 33)
-    Real(0.289855072463768), Real(0.287697819172379), Real(0.281915547227024), Real(0.273746814595028),
-    Real(0.264357393173024), Real(0.254642194686159), Real(0.245199458687812), Real(0.236382821224609),
-    Real(0.228370839114967), Real(0.221227232528613), Real(0.21494512261743), Real(0.209476877663012),
-    Real(0.204753332386712), Real(0.200695865082952), Real(0.197223901244387), Real(0.194259536040773),
-    Real(0.191730315419122), Real(0.189570790848746), Real(0.187723216143695), Real(0.186137627638099),
-    Real(0.184771489518467), Real(0.183589056175146), Real(0.182560580352835), Real(0.181661470421262),
-    Real(0.180871471826693), Real(0.180173920099061), Real(0.17955508920617), Real(0.179003641524848),
-    Real(0.178510174436374), Real(0.178066852554905), Real(0.177667112387592), Real(0.177305426367727),
-    Real(0.176977114571668)
-FL_LIST_END;
-FL_CONST Real kFilamentCoolSlope[33] = FL_LIST_BEGIN(Real, 33)
-    Real(0), Real(-0.00416400325033905), Real(-0.00718636297990399), Real(-0.00895376867828734),
-    Real(-0.00967572875127656), Real(-0.00965597143289396), Real(-0.0091717769959058), Real(-0.00843275378590561),
-    Real(-0.00758132158795837), Real(-0.00670752571484134), Real(-0.00586494457521624), Real(-0.00508326809628835),
-    Real(-0.0043770472042374), Real(-0.00375139114684718), Real(-0.00320556562701847), Real(-0.00273526553770351),
-    Real(-0.0023340948591073), Real(-0.00199457955990068), Real(-0.00170889085685543), Real(-0.00146936452090869),
-    Real(-0.00126885587510706), Real(-0.00110095446346082), Real(-0.000960082032697684), Real(-0.000841501085420227),
-    Real(-0.000741262642274192), Real(-0.00065611933187347), Real(-0.000583424528684544), Real(-0.000521031839922809),
-    Real(-0.000467203343843308), Real(-0.00042053042917909), Real(-0.000379868050376549), Real(-0.000344281490144226),
-    Real(-0.000313003899367127)
+FL_CONST Real kFilamentPhiSlope[121] = FL_LIST_BEGIN(Real, 121)
+    Real(0), Real(-0.00073212287776332), Real(-0.0018837426518197), Real(-0.0032692726394678),
+    Real(-0.0048251964295536), Real(-0.0065120352602522), Real(-0.0082997474848016), Real(-0.010162834686119),
+    Real(-0.012078256128729), Real(-0.014024445261832), Real(-0.015980844120909), Real(-0.017927712484311),
+    Real(-0.019846095174498), Real(-0.021717884571092), Real(-0.0235259404946), Real(-0.02525424229485),
+    Real(-0.026888054876099), Real(-0.028414094498916), Real(-0.029820682959701), Real(-0.031097880891915),
+    Real(-0.032237592831327), Real(-0.033233638520685), Real(-0.034081786764645), Real(-0.034779749983654),
+    Real(-0.035327139415023), Real(-0.035725382608332), Real(-0.035977606390665), Real(-0.036088489768851),
+    Real(-0.036064092237126), Real(-0.035911663634009), Real(-0.03563944202783), Real(-0.035256446114553),
+    Real(-0.034772268313111), Real(-0.034196874187738), Real(-0.033540413071158), Real(-0.032813043870416),
+    Real(-0.032024779072925), Real(-0.031185348994342), Real(-0.03030408737457), Real(-0.029389838575577),
+    Real(-0.028450885895245), Real(-0.027494899903623), Real(-0.026528905239483), Real(-0.025559263974156),
+    Real(-0.024591673447135), Real(-0.02363117638941), Real(-0.022682181158199), Real(-0.02174848999147),
+    Real(-0.020833333333333), Real(-0.019939408464067), Real(-0.019068920875268), Real(-0.018223627047913),
+    Real(-0.017404877508002), Real(-0.016613659242625), Real(-0.015850636752729), Real(-0.015116191193688),
+    Real(-0.014410457208889), Real(-0.013733357194124), Real(-0.013084632842106), Real(-0.012463873907899),
+    Real(-0.011870544209201), Real(-0.01130400493214), Real(-0.010763535355632), Real(-0.010248351137521),
+    Real(-0.0097576203255906), Real(-0.0092904772680662), Real(-0.0088460346030033), Real(-0.008423393505501),
+    Real(-0.0080216523672316), Real(-0.0076399140754315), Real(-0.0072772920491294), Real(-0.0069329151797306),
+    Real(-0.0066059318117011), Real(-0.0062955128874604), Real(-0.0060008543690405), Real(-0.0057211790378484),
+    Real(-0.0054557377631729), Real(-0.0052038103200121), Real(-0.0049647058274488), Real(-0.0047377628701956),
+    Real(-0.0045223493580865), Real(-0.0043178621711868), Real(-0.0041237266318069), Real(-0.0039393958389947),
+    Real(-0.0037643498960108), Real(-0.0035980950567996), Real(-0.0034401628135201), Real(-0.0032901089437405),
+    Real(-0.0031475125328777), Real(-0.0030119749848375), Real(-0.0028831190315405), Real(-0.0027605877500589),
+    Real(-0.0026440435944049), Real(-0.0025331674475768), Real(-0.0024276576982397), Real(-0.0023272293453824),
+    Real(-0.0022316131334136), Real(-0.0021405547194282), Real(-0.0020538138737586), Real(-0.001971163714419),
+    Real(-0.0018923899756343), Real(-0.001817290310302), Real(-0.0017456736259634), Real(-0.0016773594536394),
+    Real(-0.0016121773487193), Real(-0.0015499663229562), Real(-0.0014905743065272), Real(-0.0014338576390493),
+    Real(-0.0013796805883932), Real(-0.0013279148961148), Real(-0.0012784393483108), Real(-0.0012311393707092),
+    Real(-0.0011859066468199), Real(-0.0011426387579878), Real(-0.0011012388442239), Real(-0.0010616152847187),
+    Real(-0.0010236813969809), Real(-0.00098735515358212), Real(-0.00095255891553079), Real(-0.00091921918133806),
+    Real(-0.0008872663508833)
 FL_LIST_END;
 // clang-format on
 
-// R and its slope in u = z^(1/2), 0 <= u < 4.
-FL_FN Real filament_table(bool heating, Real u, FL_OUT(Real) slope) {
-  Real place = u * Real(8);
-  uint i = min(uint(place), uint(31));
+// phi, its slope and its second derivative; 0 <= y <= 2.5.
+FL_FN Real filament_phi(Real y, FL_OUT(Real) slope, FL_OUT(Real) bend) {
+  Real place = y * Real(48);
+  uint i = min(uint(place), uint(119));
   Real t = place - Real(i);
-  Real a = heating ? kFilamentHeat[i] : kFilamentCool[i];
-  Real b = heating ? kFilamentHeat[i + uint(1)] : kFilamentCool[i + uint(1)];
-  Real da = heating ? kFilamentHeatSlope[i] : kFilamentCoolSlope[i];
-  Real db = heating ? kFilamentHeatSlope[i + uint(1)] : kFilamentCoolSlope[i + uint(1)];
+  Real a = kFilamentPhi[i];
+  Real b = kFilamentPhi[i + uint(1)];
+  Real da = kFilamentPhiSlope[i];
+  Real db = kFilamentPhiSlope[i + uint(1)];
   // Cubic Hermite: a + t (da + t (c2 + t c3)).
   Real c3 = Real(2) * (a - b) + da + db;
   Real c2 = b - a - da - c3;
-  slope = Real(8) * (da + t * (Real(2) * c2 + t * Real(3) * c3));
+  slope = Real(48) * (da + t * (Real(2) * c2 + t * Real(3) * c3));
+  bend = Real(48 * 48) * (Real(2) * c2 + t * Real(6) * c3);
   return a + t * (da + t * (c2 + t * c3));
 }
 
-FL_FN Real filament_s_of_z(bool heating, Real z) {
-  if (!(z < Real(16))) return z / kFilamentPR + (heating ? kFilamentHeatTail : kFilamentCoolTail);
-  Real slope;
-  return z * filament_table(heating, sqrt(z), slope);
-}
+// When Halley's steps are so small, what is left is their cube.
+FL_CONST Real kFilamentStop = kSingle ? Real(4e-3) : Real(1e-5);
 
-FL_FN Real filament_z_of_s(bool heating, Real s) {
-  Real tail = heating ? kFilamentHeatTail : kFilamentCoolTail;
-  Real z = kFilamentPR * (s - tail);
-  if (!(z < Real(16))) return z;
-  z = max(z, (heating ? kFilamentM : kFilamentC) * s);  // both are below: Newton comes from one side
-  for (uint i = uint(0); i < uint(8); ++i) {
-    Real u = min(sqrt(z), Real(4));
-    Real slope;
-    Real value = filament_table(heating, u, slope);
-    Real step = (s - z * value) / (value + Real(0.5) * u * slope);
-    z = max(z + step, Real(0));
-    if (!(abs(step) > Real(1e-7) * z)) break;
+// y of phi, from the table's end at y = 2.5 to cold.
+FL_FN Real filament_y(Real phi) {
+  // Beginnings within 2e-3: (1 - y) / phi and (1 / y - 1) / phi as polynomials of a root that is 0 at cold and at hot.
+  Real y;
+  if (phi >= Real(0)) {
+    Real g = sqrt(max(Real(1) - phi * (Real(1) / kFilamentCold), Real(0)));
+    y = Real(1) - phi * (Real(0.83188) +
+                         g * (Real(-0.8091) + g * (Real(1.5184) + g * (Real(-1.65072) + g * Real(1.06333)))));
+  } else {
+    Real g = sqrt(max(Real(1) - phi * (Real(1) / kFilamentHot), Real(0)));
+    y = Real(1) /
+        (Real(1) + phi * (Real(1.84622) + g * (Real(-2.21234) + g * (Real(2.0591) + g * Real(-0.70906)))));
   }
-  return z;
+  for (uint i = uint(0); i < uint(8); ++i) {
+    y = clamp(y, Real(1e-3), kFilamentFar);
+    Real slope;
+    Real bend;
+    Real miss = filament_phi(y, slope, bend) - phi;
+    Real step = miss * slope / (slope * slope - Real(0.5) * miss * bend);
+    y -= step;
+    if (!(abs(step) > kFilamentStop)) break;
+  }
+  return y;
 }
 
-// -ln(1 - x) for 0 <= x < 1.
-FL_FN Real filament_z_of_x(Real x) {
-  if (x < Real(2e-3))
-    return x * (Real(1) + x * (Real(0.5) + x * (Real(1) / Real(3) + x * (Real(0.25) + x * Real(0.2)))));
-  return -log(Real(1) - x);
+// s from y without end to y >= 2.5, by the logarithm of y to the base of 2; the first term that is left out is 1e-17 of
+// it.
+FL_FN Real filament_far_s(Real log_y) {
+  Real w = exp2(-kFilamentPR * log_y);
+  Real sum = Real(1) / Real(38.34);
+  sum = sum * w + Real(1) / Real(32.525);
+  sum = sum * w + Real(1) / Real(26.71);
+  sum = sum * w + Real(1) / Real(20.895);
+  sum = sum * w + Real(1) / Real(15.08);
+  sum = sum * w + Real(1) / Real(9.265);
+  return exp2(-kFilamentC * log_y) * (Real(1) / kFilamentC + w * sum);
+}
+
+// And back.
+FL_FN Real filament_far_log_y(Real s) {
+  Real log_y = -log2(kFilamentC * s) * (Real(1) / kFilamentC);
+  for (uint i = uint(0); i < uint(3); ++i) {  // Newton, from 1e-3; ds / d log2(y) is known
+    Real w = exp2(-kFilamentPR * log_y);
+    Real slope = Real(-0.6931471805599453) * exp2(-kFilamentC * log_y) / (Real(1) - w);
+    log_y -= (filament_far_s(log_y) - s) / slope;
+  }
+  return log_y;
 }
 
 struct FilamentType {
@@ -133,23 +181,30 @@ FL_FN Real filament_after(Real kelvin, FilamentType type, Real volt, Real t_s) {
       !(type.full_k <= Real(1e4)))
     return kelvin;
   Real full = max(kelvin, kFilamentAmbientK) / type.full_k;
-  Real t = t_s / (type.tau_s * kFilamentPR);
+  Real t = t_s / type.tau_s;
   if (volt < Real(1e-4)) {  // off: dT/dt = -T^(p-q)
-    full = pow(pow(full, -kFilamentC) + kFilamentC * t, -Real(1) / kFilamentC);
+    full = pow(pow(full, -kFilamentC) + (kFilamentC / kFilamentPR) * t, -Real(1) / kFilamentC);
     return max(full * type.full_k, kFilamentAmbientK);
   }
   // Powers by their logarithms to the base of 2.
   Real log_theta = log2(volt) * (Real(2) / kFilamentPR);
-  Real log_y = log2(full) - log_theta;
-  bool heating = log_y < Real(0);
-  Real x = exp2(heating ? kFilamentM * log_y : -kFilamentC * log_y);
-  log_y = Real(0);
-  if (x < Real(1)) {
-    Real s = filament_s_of_z(heating, filament_z_of_x(x)) + exp2(kFilamentC * log_theta) * t;
-    x = relax_share(filament_z_of_s(heating, s));
-    log_y = log2(x) * (heating ? Real(1) / kFilamentM : -Real(1) / kFilamentC);
+  Real theta = exp2(log_theta);
+  Real decays = exp2(kFilamentC * log_theta) * t;  // (p + r) ds
+  Real y = full / theta;
+  Real phi;
+  if (y < kFilamentFar) {
+    Real keep = decay_share(decays);
+    Real slope;
+    Real bend;
+    phi = keep > Real(0) ? keep * filament_phi(y, slope, bend) : Real(0);
+  } else {
+    Real s = filament_far_s(log2(full) - log_theta) + decays * (Real(1) / kFilamentPR);
+    if (s < kFilamentFarS)
+      return max(exp2(filament_far_log_y(s) + log_theta) * type.full_k, kFilamentAmbientK);
+    phi = kFilamentHot * decay_share(kFilamentPR * s);
   }
-  return max(exp2(log_y + log_theta) * type.full_k, kFilamentAmbientK);
+  y = phi == Real(0) ? Real(1) : filament_y(phi);
+  return max(y * (theta * type.full_k), kFilamentAmbientK);
 }
 
 struct Filament {

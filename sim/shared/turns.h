@@ -5,6 +5,9 @@
 // is left is the rounding to 2^-64 turn: at most 0.7 rate_hz + 4 of these units a step. After 30 days of 1000 steps a
 // second that is 7e-10 turn at 1 Hz and 1e-7 turn (1e-10 s) at 1 kHz.
 
+// Whether Real has the 24 bits of float and not the 53 of double: where a formula hands over to another.
+FL_CONST bool kSingle = Real(1) + Real(1e-10) == Real(1);
+
 // A time or a phase of zero.
 FL_FN Turns turns_zero() { return Turns(uint(0), uint(0)); }
 

@@ -95,8 +95,26 @@ TEST_CASE(
       worst_f = std::max(worst_f, std::abs(static_cast<double>(single.kelvin) - judge));
     }
     MESSAGE("time constant ", tau_s, " s: largest difference ", worst, " K in double, ", worst_f, " K in float");
-    CHECK(worst < 0.05);
-    CHECK(worst_f < 0.05);
+    // Asked for: 0.05 K. The table leaves 3e-4 K and float's rounding 1.2e-3 K.
+    CHECK(worst < 1e-3);
+    CHECK(worst_f < 3e-3);
+  }
+}
+
+TEST_CASE("a filament's table and the series beyond it meet, and both solve the heat balance where they do") {
+  // From full to a voltage at which the lamp is 2.5 times as hot as its end after some time.
+  for (const double volt : {0.002, 0.01, 0.03, 0.06}) {
+    const double end = 3200 * std::pow(volt, 2 / 5.815);
+    double worst = 0;
+    for (double t = 1e-5; t < 10; t *= 1.05) {
+      const double now = after(3200, 0.034, volt, t);
+      worst = std::max(worst, std::abs(now - by_solver(3200, 0.034, volt, t)));
+      // The same way from a place just before the seam, and just after.
+      const double cut = after(now, 0.034, volt, t) - after(3200, 0.034, volt, 2 * t);
+      CHECK(std::abs(cut) / 3200 < 1e-12);
+    }
+    CAPTURE(end);
+    CHECK(worst < 1e-3);
   }
 }
 
@@ -112,12 +130,13 @@ TEST_CASE("tungsten is within 0.05 K of the solved heat balance from any tempera
   CHECK(worst < 0.05);
 }
 
-TEST_CASE("a cut of tungsten's time changes nothing: the curve's two tables invert each other") {
+TEST_CASE("a cut of tungsten's time changes nothing: the curve's table is inverted to its last digits") {
   std::mt19937_64 random(3);
   double worst = 0;
   for (std::uint32_t i = 0; i < 10'000; ++i) {
     const double start = 293.15 + 3000 * chance(1, i);
-    const double volt = i % 10 == 0 ? 0 : 1.1 * chance(2, i);
+    // Every tenth off, every tenth so low that the lamp comes from beyond the table.
+    const double volt = i % 10 == 0 ? 0 : (i % 10 == 1 ? 0.05 : 1.1) * chance(2, i);
     const double tau_s = 0.003 + 0.35 * chance(3, i);
     const double a = static_cast<double>(random_ns(random)) * 1e-9, b = static_cast<double>(random_ns(random)) * 1e-9;
     const double once = after(start, tau_s, volt, a + b);
