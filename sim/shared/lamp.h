@@ -344,14 +344,13 @@ FL_INLINE Real led_step(FL_INOUT(Led) led, LedType type, Real target, Turns dt_n
   Real mean = level;
   bool slow = type.rise_s >= Real(1e-6) && type.rise_s <= Real(1e6);
   if (slow) {
-    if (off != Real(0)) {
-      Real begin = before_s > Real(0) ? decay_share(before_s / type.rise_s) : Real(1);
+    Real begin = off != Real(0) ? (before_s > Real(0) ? decay_share(before_s / type.rise_s) : Real(1)) : Real(0);
+    led.level = level;
+    if (begin > Real(0)) {
       Real length = (after_s - before_s) / type.rise_s;
       Real share = relax_share(length);
       if (length > Real(0)) mean = level + off * begin * (share / length);
       led.level = level + off * (begin * (Real(1) - share));
-    } else {
-      led.level = level;
     }
   } else {
     led.level = level;

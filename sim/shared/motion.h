@@ -29,31 +29,32 @@ struct AxisPlan {
   Real peak;    // and while cruising
 };
 
-FL_FN AxisPlan axis_plan(Axis from, Real target, Real speed_max, Real acceleration_max) {
-  AxisPlan plan;
+FL_INLINE AxisPlan axis_plan(Axis from, Real target, Real speed_max, Real acceleration_max) {
+  FL_EXACT AxisPlan plan;
+  FL_EXACT Real per_acceleration = exact_quotient(Real(1), acceleration_max);
   // Towards which side? Where the axis would stop if it braked now decides. Mirror, so that the way is upwards.
-  Real brake_stop = from.position + from.speed * abs(from.speed) / (Real(2) * acceleration_max);
+  FL_EXACT Real brake_stop = from.position + from.speed * abs(from.speed) * (Real(0.5) * per_acceleration);
   plan.side = brake_stop <= target ? Real(1) : Real(-1);
-  Real distance = (target - from.position) * plan.side;  // may be negative: running away from the target
-  Real v = from.speed * plan.side;
+  FL_EXACT Real distance = (target - from.position) * plan.side;  // may be negative: running away from the target
+  FL_EXACT Real v = from.speed * plan.side;
   plan.slowed = min(v, speed_max);
-  plan.slow_s = (v - plan.slowed) / acceleration_max;
-  Real rest = distance - Real(0.5) * (v + plan.slowed) * plan.slow_s;
+  plan.slow_s = (v - plan.slowed) * per_acceleration;
+  FL_EXACT Real rest = distance - Real(0.5) * (v + plan.slowed) * plan.slow_s;
   // Peak speed of the triangle from here: v_peak^2 = A * rest + v^2 / 2, cut at the limit.
-  Real peak_square = max(acceleration_max * rest + Real(0.5) * plan.slowed * plan.slowed, Real(0));
-  plan.peak = max(min(sqrt(peak_square), speed_max), max(plan.slowed, Real(0)));
-  plan.up_s = (plan.peak - plan.slowed) / acceleration_max;
-  plan.down_s = plan.peak / acceleration_max;
-  Real ramps = Real(0.5) * ((plan.peak + plan.slowed) * plan.up_s + plan.peak * plan.down_s);
-  plan.cruise_s = plan.peak > Real(0) ? max(rest - ramps, Real(0)) / plan.peak : Real(0);
+  FL_EXACT Real peak_square = max(acceleration_max * rest + Real(0.5) * plan.slowed * plan.slowed, Real(0));
+  plan.peak = max(min(exact_root(peak_square), speed_max), max(plan.slowed, Real(0)));
+  plan.up_s = (plan.peak - plan.slowed) * per_acceleration;
+  plan.down_s = plan.peak * per_acceleration;
+  FL_EXACT Real ramps = Real(0.5) * ((plan.peak + plan.slowed) * plan.up_s + plan.peak * plan.down_s);
+  plan.cruise_s = plan.peak > Real(0) ? exact_quotient(max(rest - ramps, Real(0)), plan.peak) : Real(0);
   return plan;
 }
 
 // Where a plan is after t_s. Braking is computed from its end, so that it arrives.
-FL_FN Axis axis_follow(AxisPlan plan, Axis from, Real target, Real acceleration_max, Real t_s) {
-  Axis axis;
-  Real start_s = plan.slow_s + plan.up_s;
-  Real left_s = start_s + plan.cruise_s + plan.down_s - t_s;
+FL_INLINE Axis axis_follow(AxisPlan plan, Axis from, Real target, Real acceleration_max, Real t_s) {
+  FL_EXACT Axis axis;
+  FL_EXACT Real start_s = plan.slow_s + plan.up_s;
+  FL_EXACT Real left_s = start_s + plan.cruise_s + plan.down_s - t_s;
   if (!(left_s > Real(0))) {  // arrived: exactly there, at rest
     axis.position = target;
     axis.speed = Real(0);
@@ -64,10 +65,11 @@ FL_FN Axis axis_follow(AxisPlan plan, Axis from, Real target, Real acceleration_
     axis.speed = from.speed - plan.side * (acceleration_max * t_s);
     axis.position = from.position + Real(0.5) * (from.speed + axis.speed) * t_s;
   } else {
-    Real up_s = min(t_s - plan.slow_s, plan.up_s);
-    Real speed = t_s < start_s ? plan.slowed + acceleration_max * up_s : plan.peak;
-    Real way = Real(0.5) * ((from.speed * plan.side + plan.slowed) * plan.slow_s + (plan.slowed + speed) * up_s) +
-               plan.peak * max(t_s - start_s, Real(0));
+    FL_EXACT Real up_s = min(t_s - plan.slow_s, plan.up_s);
+    FL_EXACT Real speed = t_s < start_s ? plan.slowed + acceleration_max * up_s : plan.peak;
+    FL_EXACT Real way =
+        Real(0.5) * ((from.speed * plan.side + plan.slowed) * plan.slow_s + (plan.slowed + speed) * up_s) +
+        plan.peak * max(t_s - start_s, Real(0));
     axis.position = from.position + plan.side * way;
     axis.speed = plan.side * speed;
   }

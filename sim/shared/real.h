@@ -4,6 +4,9 @@
 // In C++ it is included twice, through sim/shared/shared.h or its neighbours in fixtures/ and render/: inside namespace
 // f32 with Real = float (what the GPU computes) and inside namespace f64 with Real = double (the judge).
 //
+// FL_EXACT before a variable: its value must be the same wherever it is computed, so nothing in it may be contracted to
+// a fused multiply-add (C++ is compiled for processors without one).
+//
 // The rules of the subset: literals as Real(0.5) or uint(3); Vec2, Vec3 for vectors; FL_FN before a function
 // (FL_INLINE where a call's copies of structs cost more than its work);
 // FL_INOUT(T) and FL_OUT(T) for parameters that change; no templates, references, pointers, member functions or
@@ -14,6 +17,7 @@
 #define FL_INOUT(T) T&
 #define FL_OUT(T) T&
 #define FL_CONST constexpr
+#define FL_EXACT
 #define FL_LIST_BEGIN(T, n) {
 #define FL_LIST_END }
 #else
@@ -22,6 +26,7 @@
 #define FL_INOUT(T) inout T
 #define FL_OUT(T) out T
 #define FL_CONST const
+#define FL_EXACT precise
 #define FL_LIST_BEGIN(T, n) T[n](
 #define FL_LIST_END )
 #define Real float

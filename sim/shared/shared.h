@@ -2,6 +2,7 @@
 // See sim/shared/real.h for the rules of the subset.
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <cstdint>
 

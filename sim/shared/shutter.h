@@ -180,12 +180,16 @@ FL_FN Real shutter_travel_s(ShutterWish wish) {
   return wish.travel_s > Real(0) && wish.travel_s <= Real(1000) ? wish.travel_s : Real(0);
 }
 
+// The open share of a period.
+FL_FN Real shutter_duty(ShutterWish wish, Real rate_hz) {
+  return wish.duration_s > Real(0) ? min(wish.duration_s, Real(1e9)) * rate_hz : wish.duty;
+}
+
 // The flash of this wish; an effect's are an eighth of its period each.
 FL_FN Flash shutter_shape(ShutterWish wish) {
   Real scale = wish.kind == kShutterEffect ? Real(8) : Real(1);
   Real rate_hz = min(wish.rate_hz, Real(1e6)) * scale;
-  Real duty = wish.duration_s > Real(0) ? min(wish.duration_s, Real(1e9)) * rate_hz : wish.duty;
-  Flash flash = shutter_flash(wish.kind, duty, shutter_travel_s(wish) * rate_hz, wish.low);
+  Flash flash = shutter_flash(wish.kind, shutter_duty(wish, rate_hz), shutter_travel_s(wish) * rate_hz, wish.low);
   if (scale > Real(1)) {
     flash.rise /= scale;
     flash.open /= scale;
@@ -210,7 +214,7 @@ FL_FN Shutter shutter_begin() {
 }
 
 // One step with a constant wish. Returns the mean opening over the step; for dt_ns = 0 the opening now.
-FL_FN Real shutter_step(FL_INOUT(Shutter) shutter, ShutterWish wish, Turns dt_ns) {
+FL_INLINE Real shutter_step(FL_INOUT(Shutter) shutter, ShutterWish wish, Turns dt_ns) {
   bool flashes = shutter_flashes(wish);
   uint kind = flashes ? wish.kind : (wish.kind == kShutterClosed ? kShutterClosed : kShutterOpen);
   if (kind != shutter.kind) {
@@ -235,7 +239,6 @@ FL_FN Real shutter_step(FL_INOUT(Shutter) shutter, ShutterWish wish, Turns dt_ns
     return slew_mean(shutter.from_level, target, travel_s, before_s, after_s);
   }
 
-  Flash flash = shutter_shape(wish);
   // Phases count from the flash's place in the period.
   Turns shift = wish.offset == Real(0) ? turns_zero() : turns_negate(turns_from(wish.offset));
   Turns phase = turns_add(shutter.phase, shift);
@@ -247,15 +250,31 @@ FL_FN Real shutter_step(FL_INOUT(Shutter) shutter, ShutterWish wish, Turns dt_ns
   shutter.period += advance.whole + (turns_less(shutter.phase, before) ? uint(1) : uint(0));
   Turns end = turns_add(phase, advance.part);
   uint edges = advance.whole + (turns_less(end, phase) ? uint(1) : uint(0));
+  Real to_edge = phase == turns_zero() ? Real(1) : turns_real(turns_negate(phase));
+  Real travel_s = shutter_travel_s(wish);
+
+  if (kind == kShutterStrobe && !(travel_s > Real(0))) {  // as most are: what follows, without slopes
+    Real low = unit_share(wish.low);
+    Real open = unit_share(shutter_duty(wish, min(wish.rate_hz, Real(1e6))));
+    Real at = turns_real(phase);
+    Real at_end = turns_real(end);
+    if (!(turns > Real(0))) return at_end < open ? Real(1) : low;
+    // The open turns from `phase` on, those of whole periods, and those up to the end.
+    Real share = edges == uint(0) ? max(min(open - at, turns), Real(0))
+                                  : max(min(open - at, to_edge), Real(0)) + Real(edges - uint(1)) * open +
+                                        min(open, at_end);
+    return clamp(low + share * (Real(1) - low) / turns, Real(0), Real(1));
+  }
+
+  Flash flash = shutter_shape(wish);
   if (!(turns > Real(0))) return shutter_instant(wish, flash, period + edges, end);
   // Blades without inertia are where they are asked to be; others go on from where they are.
-  if (shutter_travel_s(wish) > Real(0)) shutter.level = shutter_instant(wish, flash, period + edges, end);
+  if (travel_s > Real(0)) shutter.level = shutter_instant(wish, flash, period + edges, end);
 
   Real light = Real(0);
   if (edges == uint(0)) {
     light = shutter_piece(wish, flash, period, phase, turns);
   } else {
-    Real to_edge = phase == turns_zero() ? Real(1) : turns_real(turns_negate(phase));
     light = shutter_piece(wish, flash, period, phase, to_edge);
     light += Real(edges - uint(1)) * (Real(shutter_count(wish.kind)) * flash_light(flash));
     light += shutter_piece(wish, flash, period + edges, turns_zero(), turns_real(end));

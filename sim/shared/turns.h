@@ -8,6 +8,26 @@
 // Whether Real has the 24 bits of float and not the 53 of double: where a formula hands over to another.
 FL_CONST bool kSingle = Real(1) + Real(1e-10) == Real(1);
 
+// Quotients and roots that are rounded as IEEE 754 says, for numbers and results between 1e-30 and 1e30 and for 0.
+// Vulkan lets a / b be off by 2.5 units in the last place and sqrt by some; one step with the exact remainder mends it.
+#if defined(__cplusplus) && !defined(FL_LOOSE_QUOTIENTS)
+FL_FN Real exact_quotient(Real a, Real b) { return a / b; }
+FL_FN Real exact_root(Real a) { return sqrt(a); }
+#else
+FL_FN Real exact_quotient(Real a, Real b) {
+  FL_EXACT Real near = a / b;
+  FL_EXACT Real rest = fma(-near, b, a);
+  FL_EXACT Real quotient = near + rest / b;
+  return quotient;
+}
+FL_FN Real exact_root(Real a) {
+  FL_EXACT Real near = sqrt(a);
+  FL_EXACT Real rest = fma(-near, near, a);
+  FL_EXACT Real root = near > Real(0) ? near + rest / (near + near) : near;
+  return root;
+}
+#endif
+
 // A time or a phase of zero.
 FL_FN Turns turns_zero() { return Turns(uint(0), uint(0)); }
 
@@ -36,11 +56,14 @@ FL_FN Turns turns_mul(Turns a, Turns b) {
   return product;
 }
 
-// High 64 bits of a 64-bit number times a 64-bit number; up to 2 too low.
+// High 64 bits of a 64-bit number times a 64-bit number.
 FL_FN Turns turns_mul_high(Turns a, Turns b) {
   Turns ab = turns_mul_32(a.x, b.y);
   Turns ba = turns_mul_32(a.y, b.x);
-  return turns_add(turns_mul_32(a.y, b.y), turns_add(Turns(ab.y, uint(0)), Turns(ba.y, uint(0))));
+  Turns low = turns_add(turns_add(Turns(ab.x, uint(0)), Turns(ba.x, uint(0))),
+                        Turns(turns_mul_32(a.x, b.x).y, uint(0)));
+  Turns high = turns_add(Turns(ab.y, uint(0)), turns_add(Turns(ba.y, uint(0)), Turns(low.y, uint(0))));
+  return turns_add(turns_mul_32(a.y, b.y), high);
 }
 
 // Cut to [0, 1]; what is no number gives 0.
@@ -144,12 +167,20 @@ FL_INLINE Advance turns_advance(Real rate_hz, Turns dt_ns) {
     sum = turns_times(seconds, part_hz);
     sum.whole += whole_hz * seconds;
   }
+#ifdef __cplusplus  // the same sum, which C++ has in two products
+  __extension__ using Wide = unsigned __int128;
+  const Wide rest_bits = std::bit_cast<std::uint64_t>(rest_s);
+  const Wide way = whole_hz * rest_bits + ((rest_bits * std::bit_cast<std::uint64_t>(part_hz)) >> 64);
+  turns_gather(sum, std::bit_cast<Turns>(static_cast<std::uint64_t>(way)), static_cast<uint>(way >> 64));
+  return sum;
+#else
   if (whole_hz != uint(0)) {
     Advance more = turns_times(whole_hz, rest_s);
     turns_gather(sum, more.part, more.whole);
   }
   turns_gather(sum, turns_mul_high(part_hz, rest_s), uint(0));
   return sum;
+#endif
 }
 
 // The number of turns in an advance.

@@ -2,6 +2,7 @@
 //
 // Each benchmark walks over a rig of 4096 fixtures, so that states come from the cache as they do in a rig. "Changing"
 // inputs change at each step, "holding" ones stay.
+#include <cmath>
 #include <cstdint>
 #include <random>
 #include <vector>
@@ -142,7 +143,9 @@ void discharge(benchmark::State& bench) {
 }
 
 // A profile: pan, tilt, zoom and focus, a strobe, a gobo that turns, a dimmer with its law and an LED driver. Half of
-// the heads strobe. In a look that holds nothing changes; `moving`, pan, tilt and dimmer get new values at each step.
+// the heads strobe. Holding, nothing changes; fading, pan, tilt and dimmer go a little further at each step, as a desk
+// fades; jumping, they get unrelated values at each step, which no show does and no branch foretells.
+enum class Show { kHolds, kFades, kJumps };
 struct Head {
   f32::Motor pan = f32::motor_start(0), tilt = f32::motor_start(0), zoom = f32::motor_start(0),
              focus = f32::motor_start(0);
@@ -151,15 +154,21 @@ struct Head {
   f32::Led led = f32::led_start(0);
   float rate_hz = 0;  // each its own
   float light = 0;
+  float fade = 0;       // -1 to 1, of which the sign is dropped: up and down again
+  float fade_step = 0;  // each its own
   bool strobes = false;
 };
-void head(benchmark::State& bench, bool moving) {
+void head(benchmark::State& bench, Show show) {
   const auto limits = pan_limits();
   const f32::LedType type{0.003f, 0, 0};
   std::uint32_t made = 0;
+  const bool moving = show != Show::kHolds;
   run(bench, Head(), [&](Head& h, Inputs& in) {
-    const float target = moving ? in.next() : 0;
+    h.fade = h.fade > 1 ? h.fade - 2 : h.fade + h.fade_step;
+    const float target = show == Show::kFades ? std::abs(h.fade) : show == Show::kJumps ? in.next() : 0;
     if (h.rate_hz == 0) {
+      h.fade = 2 * in.next() - 1;
+      h.fade_step = 0.01f * in.next();  // there and back in 3 s and more
       h.rate_hz = 10 * in.next() + 0.1f;
       h.strobes = (made++ & 1u) != 0;
     }
@@ -173,8 +182,9 @@ void head(benchmark::State& bench, bool moving) {
         shutter_step(h.shutter, strobe_wish(h.strobes ? f32::kShutterStrobe : f32::kShutterOpen, h.rate_hz), kFrame_ns);
   });
 }
-void head_holding(benchmark::State& bench) { head(bench, false); }
-void head_moving(benchmark::State& bench) { head(bench, true); }
+void head_holding(benchmark::State& bench) { head(bench, Show::kHolds); }
+void head_fading(benchmark::State& bench) { head(bench, Show::kFades); }
+void head_jumping(benchmark::State& bench) { head(bench, Show::kJumps); }
 
 BENCHMARK(motor_rest);
 BENCHMARK(motor_holding);
@@ -191,7 +201,8 @@ BENCHMARK(filament_with_light);
 BENCHMARK(led);
 BENCHMARK(discharge);
 BENCHMARK(head_holding);
-BENCHMARK(head_moving);
+BENCHMARK(head_fading);
+BENCHMARK(head_jumping);
 
 }  // namespace
 }  // namespace footlight
