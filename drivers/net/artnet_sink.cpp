@@ -59,7 +59,7 @@ Result<std::unique_ptr<ArtnetSink>> ArtnetSink::create(const ArtnetSinkOptions& 
 
 ArtnetSink::ArtnetSink(const ArtnetSinkOptions& options, const std::vector<std::uint32_t>& broadcasts,
                        std::vector<Link> links)
-    : NetSink({options.name, options.universes, options.port, options.rate_hz_max}, std::move(links)),
+    : NetSink(options, std::move(links)),
       options_(options),
       program_(options.own_senders ? options.own_senders : std::make_shared<OwnSenders>()),
       own_frames_(program_->artnet().add_sink()),

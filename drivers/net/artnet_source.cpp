@@ -29,7 +29,7 @@ Result<std::unique_ptr<ArtnetSource>> ArtnetSource::create(const ArtnetSourceOpt
 
 ArtnetSource::ArtnetSource(const ArtnetSourceOptions& options)
     : NetSource([&] {
-        Settings settings = settings_of(options);
+        Settings settings(options);
         settings.packet_info = true;
         settings.silence_max_ns = kArtnetSilenceMaxNs;
         return settings;

@@ -54,28 +54,39 @@ class OwnSenders {
   const std::unique_ptr<ArtnetProgram> artnet_;
 };
 
-struct SacnSourceOptions {
-  // Required.
-  std::string name;                     // the endpoint as the user wrote it; starts every error message
-  std::vector<WireUniverse> universes;  // 1 to 63'999 on both sides, no number twice
-  // Optional.
-  std::vector<std::string> addresses;        // local IPv4: take only unicast to these, join no group. None: any
-  std::vector<std::string> interface_names;  // join groups on these only ("eth0"). None: on all that can do multicast
-  std::uint16_t port = kSacnPort;
-  bool hear_preview = false;  // pass on frames flagged as preview, meant for visualisers and not for the stage
+// What every port of a network is made from. `name` and `universes` are required.
+struct NetOptions {
+  explicit NetOptions(std::uint16_t udp_port) : port(udp_port) {}
+
+  std::string name;                          // the endpoint as the user wrote it; starts every error message
+  std::vector<WireUniverse> universes;       // no number twice on either side
+  std::vector<std::string> addresses;        // IPv4; each kind of port says what they are
+  std::vector<std::string> interface_names;  // "eth0"; each kind of port says what they are
+  std::uint16_t port;                        // UDP, of the receivers
+  std::shared_ptr<OwnSenders> own_senders;   // null: echoes of this program's sinks are input like any other
+};
+struct NetSourceOptions : NetOptions {
+  using NetOptions::NetOptions;
   bool kernel_stamps = true;  // stamp frames with their time of arrival in the kernel, else with the time of poll()
-  std::shared_ptr<OwnSenders> own_senders;  // null: echoes of this program's sinks are input like any other
+};
+struct NetSinkOptions : NetOptions {
+  using NetOptions::NetOptions;
+  double rate_hz_max = 0.0;  // what Sink::rate_hz_max() tells the pump; 0: as frames come
 };
 
-struct SacnSinkOptions {
-  // Required.
-  std::string name;
-  std::vector<WireUniverse> universes;
-  // Optional.
-  std::vector<std::string> addresses;        // unicast to each of these IPv4 addresses. None: multicast
-  std::vector<std::string> interface_names;  // multicast leaves through each of these. None: the routing table decides
+// universes: 1 to 63'999 on both sides.
+// addresses: local; take only unicast to these, join no group. None: any.
+// interface_names: join groups on these only. None: on all that can do multicast.
+struct SacnSourceOptions : NetSourceOptions {
+  SacnSourceOptions() : NetSourceOptions(kSacnPort) {}
+  bool hear_preview = false;  // pass on frames flagged as preview, meant for visualisers and not for the stage
+};
+
+// addresses: unicast to each of these. None: multicast.
+// interface_names: multicast leaves through each of these. None: the routing table decides.
+struct SacnSinkOptions : NetSinkOptions {
+  SacnSinkOptions() : NetSinkOptions(kSacnPort) {}
   int multicast_ttl = kMulticastTtlDefault;  // 1 to 255: networks that multicast crosses, plus one
-  std::uint16_t port = kSacnPort;
   std::string source_name = "Footlight";     // UTF-8; at most 63 bytes go out, cut at a whole character
   std::uint8_t priority = kPriorityDefault;  // 0 to 200
   bool preview = false;                      // flag every frame as preview
@@ -85,28 +96,21 @@ struct SacnSinkOptions {
   // Receivers that can hold what they get until the synchronisation packet that follows every batch; those that hear
   // none for 2.5 s go on without (Force_Synchronization). 0: not synchronised.
   int sync_universe = 0;
-  bool announce = true;      // tell every 10 s which universes it sends (multicast only)
-  double rate_hz_max = 0.0;  // what Sink::rate_hz_max() tells the pump; 0: as frames come
-  Cid cid = {};              // all zero: sacn_cid_of(options)
-  std::shared_ptr<OwnSenders> own_senders;
+  bool announce = true;  // tell every 10 s which universes it sends (multicast only)
+  Cid cid = {};          // all zero: sacn_cid_of(options)
 };
 
-struct ArtnetSourceOptions {
-  // Required.
-  std::string name;
-  std::vector<WireUniverse> universes;  // wire: 1 to 32'768, where 1 is port address 0
-  // Optional.
-  std::vector<std::string> addresses;        // local IPv4: take only datagrams sent to these. None: any, broadcast too
-  std::vector<std::string> interface_names;  // take only what arrives there. None: anywhere
-  std::uint16_t port = kArtnetPort;
+// universes: 1 to 32'768 on the wire, where 1 is port address 0.
+// addresses: local; take only datagrams sent to these. None: any, broadcast too.
+// interface_names: take only what arrives there. None: anywhere.
+struct ArtnetSourceOptions : NetSourceOptions {
+  ArtnetSourceOptions() : NetSourceOptions(kArtnetPort) {}
   std::uint8_t priority = kPriorityDefault;  // Art-Net has none; what its frames carry into the merge, 0 to 200
   bool answer_polls = true;                  // answer ArtPoll with ArtPollReply, so that consoles list this program
   bool ask_names = true;                     // ask a new sender once for its name, for Source::sender_text()
   std::string node_name = "Footlight";       // in ArtPollReply; at most 17 and 63 bytes go out as short and long name
   // Where not null: a gateway for RDM to the lines that are in it, under the universes of the show.
   std::shared_ptr<RdmDirectory> rdm_directory;
-  bool kernel_stamps = true;
-  std::shared_ptr<OwnSenders> own_senders;
 };
 
 // Where a universe goes that no device has asked for, when devices are searched for.
@@ -115,23 +119,17 @@ enum class ArtnetUnsubscribed : std::uint8_t {
   kSilent,     // nowhere, as Art-Net 4 has it
 };
 
-struct ArtnetSinkOptions {
-  // Required.
-  std::string name;
-  std::vector<WireUniverse> universes;
-  // Optional.
-  // Unicast or directed broadcast: all universes go to each of these, and nobody is asked. None: devices are searched
-  // for by ArtPoll, and each universe goes by unicast to those that take it.
-  std::vector<std::string> addresses;
-  // Search, and send broadcasts, on these only. None: search on every interface that is up, is not loopback and has a
-  // broadcast address; broadcast levels on the first of them.
-  std::vector<std::string> interface_names;
-  std::uint16_t port = kArtnetPort;  // of the receivers, and ours where it can be had
+// universes: as of a source.
+// addresses: unicast or directed broadcast; all universes go to each of these, and nobody is asked. None: devices are
+// searched for by ArtPoll, and each universe goes by unicast to those that take it.
+// interface_names: search, and send broadcasts, on these only. None: search on every interface that is up, is not
+// loopback and has a broadcast address; broadcast levels on the first of them.
+// port: also ours where it can be had.
+struct ArtnetSinkOptions : NetSinkOptions {
+  ArtnetSinkOptions() : NetSinkOptions(kArtnetPort) {}
   ArtnetUnsubscribed unsubscribed = ArtnetUnsubscribed::kBroadcast;
   bool sync = false;                    // an ArtSync after each batch of frames: devices show all its universes at once
   std::string node_name = "Footlight";  // what other controllers list
-  double rate_hz_max = 0.0;
-  std::shared_ptr<OwnSenders> own_senders;
 };
 
 // Errors: kBadInput (universes, address, priority), kNotFound (interface), kPermission, kIo (port taken, no route).

@@ -7,8 +7,8 @@
 
 namespace footlight::drivers {
 
-NetSink::NetSink(Settings settings, std::vector<Link> links)
-    : settings_(std::move(settings)),
+NetSink::NetSink(const NetSinkOptions& options, std::vector<Link> links)
+    : settings_(options),
       show_universes_(show_numbers(settings_.universes)),
       show_index_(show_universes_),
       outlets_(show_universes_.size()),
@@ -144,7 +144,7 @@ bool NetSink::flush_entries() {
 }
 
 bool NetSink::flush_link(Link& link, const std::vector<Entry>& entries) {
-  for (const Entry& entry : entries) writer_.add(entry.bytes, entry.ipv4, settings_.udp_port);
+  for (const Entry& entry : entries) writer_.add(entry.bytes, entry.ipv4, settings_.port);
   writer_.flush_each(link.socket.get(), error_numbers_);
   bool any = false;
   link.failed = false;
@@ -160,8 +160,8 @@ bool NetSink::flush_link(Link& link, const std::vector<Entry>& entries) {
     ++counters_.errors;
     link.failed = true;
     if (!refusal_.empty()) continue;
-    refusal_ = net_error(settings_.name,
-                         fmt::format("send to {}:{}", text_of_ipv4(entries[i].ipv4), settings_.udp_port), error_number)
+    refusal_ = net_error(settings_.name, fmt::format("send to {}:{}", text_of_ipv4(entries[i].ipv4), settings_.port),
+                         error_number)
                    .message;
   }
   return any;

@@ -47,12 +47,6 @@ class NetSink : public Sink {
  protected:
   static constexpr std::size_t kPacketBytesMax = 640;
 
-  struct Settings {
-    std::string name;
-    std::vector<WireUniverse> universes;
-    std::uint16_t udp_port = 0;
-    double rate_hz_max = 0.0;
-  };
   // One way out: a socket, whose multicast leaves through one interface.
   struct Link {
     Fd socket;
@@ -71,7 +65,7 @@ class NetSink : public Sink {
   };
 
   // At least one link.
-  NetSink(Settings settings, std::vector<Link> links);
+  NetSink(const NetSinkOptions& options, std::vector<Link> links);
 
   // One link for each interface; without any, one where the routing table decides. Errors: as find_interface() and
   // open_sender().
@@ -110,7 +104,7 @@ class NetSink : public Sink {
   [[nodiscard]] bool is_open() const { return !links_.empty(); }
   // Whether the universe has had a frame.
   [[nodiscard]] bool is_known(std::size_t place) const { return outlets_[place].known; }
-  [[nodiscard]] const Settings& settings() const { return settings_; }
+  [[nodiscard]] const NetSinkOptions& settings() const { return settings_; }
   [[nodiscard]] std::span<const Link> links() const { return links_; }
 
  private:
@@ -148,7 +142,7 @@ class NetSink : public Sink {
   bool flush_entries();
   bool flush_link(Link& link, const std::vector<Entry>& entries);
 
-  Settings settings_;
+  const NetSinkOptions settings_;
   std::vector<Universe> show_universes_;
   UniverseIndex show_index_;
   std::vector<Outlet> outlets_;

@@ -89,7 +89,7 @@ Status NetSource::add_socket(std::uint32_t bind_ipv4) {
   ReceiverSocket wanted;
   wanted.port_name = settings_.name;
   wanted.bind_ipv4 = bind_ipv4;
-  wanted.udp_port = settings_.udp_port;
+  wanted.udp_port = settings_.port;
   wanted.kernel_stamps = settings_.kernel_stamps;
   wanted.packet_info = settings_.packet_info || !settings_.groups.empty();
   // Room for four frames of every universe, by what the kernel counts for a datagram of a full one.

@@ -34,30 +34,14 @@ class NetSource : public Source {
   [[nodiscard]] std::size_t socket_count() const { return sockets_.size(); }
 
  protected:
-  struct Settings {
-    std::string name;
-    std::vector<WireUniverse> universes;
-    // Local ones to bind to, then no group is joined; or one multicast group, to hear nothing else. None: any.
-    std::vector<std::string> addresses;
-    std::vector<std::string> interface_names;  // to join groups on; none: all that are up and can do multicast
-    std::uint16_t udp_port = 0;
-    bool kernel_stamps = true;
+  // addresses: local ones to bind to, then no group is joined; or one multicast group, to hear nothing else. None: any.
+  // interface_names: to join groups on; none: all that are up and can do multicast.
+  struct Settings : NetSourceOptions {
+    explicit Settings(const NetSourceOptions& options) : NetSourceOptions(options) {}
     bool packet_info = false;
     DurationNs silence_max_ns = kSenderTimeoutNs;  // kWorking until nothing has come for so long
     std::vector<std::uint32_t> groups;             // to join; empty: none
   };
-  // What the options of every protocol have.
-  template <class Options>
-  [[nodiscard]] static Settings settings_of(const Options& options) {
-    Settings settings;
-    settings.name = options.name;
-    settings.universes = options.universes;
-    settings.addresses = options.addresses;
-    settings.interface_names = options.interface_names;
-    settings.udp_port = options.port;
-    settings.kernel_stamps = options.kernel_stamps;
-    return settings;
-  }
   explicit NetSource(Settings settings);
 
   // Opens the sockets and joins the groups. Called once, before anything else.

@@ -61,13 +61,12 @@ Result<std::unique_ptr<SacnDiscoverySource>> SacnDiscoverySource::create(const S
 SacnDiscoverySource::SacnDiscoverySource(const SacnDiscoveryOptions& options)
     : NetSource([&] {
         const std::uint32_t group = sacn_group_ipv4(kSacnDiscoveryUniverse);
-        Settings settings;
+        Settings settings{NetSourceOptions(options.port)};
         settings.name = options.name;
         // Bound to the group: a socket bound to every address would be given some of the unicast that a bridge on this
         // machine waits for.
         settings.addresses = {text_of_ipv4(group)};
         settings.interface_names = options.interface_names;
-        settings.udp_port = options.port;
         settings.kernel_stamps = false;
         settings.groups = {group};
         return settings;

@@ -21,7 +21,7 @@ Result<std::unique_ptr<SacnSource>> SacnSource::create(const SacnSourceOptions& 
 
 SacnSource::SacnSource(const SacnSourceOptions& options)
     : NetSource([&] {
-        Settings settings = settings_of(options);
+        Settings settings(options);
         for (const auto& universe : options.universes) settings.groups.push_back(sacn_group_ipv4(universe.wire));
         return settings;
       }()),
@@ -81,7 +81,7 @@ Result<std::unique_ptr<SacnSink>> SacnSink::create(const SacnSinkOptions& option
 }
 
 SacnSink::SacnSink(const SacnSinkOptions& options, std::vector<Link> links, std::span<const std::uint32_t> unicast)
-    : NetSink({options.name, options.universes, options.port, options.rate_hz_max}, std::move(links)),
+    : NetSink(options, std::move(links)),
       source_name_(options.source_name),
       cid_(sacn_cid_of(options)),
       cid_is_chosen_(options.cid != Cid{}),
