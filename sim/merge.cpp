@@ -439,7 +439,7 @@ bool Merge::resolve_by_slot(int index) {
       if (rank[slot] > best[slot]) {
         merged[slot] = levels[slot];
         changed_at[slot] = at;
-      } else if (!is_ltp) {
+      } else if (!is_ltp || at == changed_at[slot]) {  // equal: 0, nobody is known to have changed it
         merged[slot] = std::max(merged[slot], levels[slot]);
       } else if (at > changed_at[slot]) {
         merged[slot] = levels[slot];
@@ -595,13 +595,14 @@ void Merge::adopt(const Merge& from, std::span<const int> from_index) {
         std::memcpy(priorities_of(index, place), from.priorities_of(from_index[i], place), kSlotCountMax);
     }
     // Who changed which slot last is kept for a set_slot_modes() that follows; where none does, until the next time.
-    if (const auto& ltp = from.ltp_slots_[static_cast<std::size_t>(from_index[i])];
-        ltp != nullptr && ltp->slots.any()) {
+    const auto& ltp = from.ltp_slots_[static_cast<std::size_t>(from_index[i])];
+    const bool had_ltp_slots = ltp != nullptr && ltp->slots.any();
+    if (had_ltp_slots) {
       ltp_slots_[i] = std::make_unique<LtpSlots>(*ltp);
       ltp_slots_[i]->slots.reset();
     }
     set_by_slot(index);
-    if (old.changed || old.mode != mode) mark_changed(index);
+    if (old.changed || old.mode != mode || had_ltp_slots) mark_changed(index);
   }
   frame_number_ = from.frame_number_;
   next_expiry_ns_ = from.next_expiry_ns_;

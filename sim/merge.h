@@ -104,7 +104,8 @@ class Merge {
 
   [[nodiscard]] int count() const { return static_cast<int>(universes_.size()); }
   void set_mode(int index, MergeMode mode);
-  // HTP but for these slots, which are LTP. May allocate.
+  // HTP but for these slots, which are LTP; where nobody is known to have changed such a slot yet, its highest level
+  // stays until somebody does. May allocate.
   void set_slot_modes(int index, const SlotSet& ltp);
 
   enum class Received {

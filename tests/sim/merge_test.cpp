@@ -824,6 +824,50 @@ TEST_CASE("a merge that adopts another one keeps per-address priorities and who 
   CHECK(next.sender(1, 0).per_address);
 }
 
+TEST_CASE("a merge that adopts another one shows by its own LTP slots at once, others or none") {
+  Merge old(1);
+  old.set_slot_modes(0, SlotSet(0b10));  // address 2
+  FrameView frame;
+  const std::array<std::uint8_t, 3> first = {200, 200, 200}, second = {100, 100, 100};
+  for (const SenderId sender : {1u, 2u}) {
+    frame.sender = sender;
+    frame.slots = sender == 1 ? first : second;
+    old.receive(0, frame, kStart);
+    old.resolve(0);
+    old.clear_changed();
+  }
+  CHECK(old.look(0).slots[1] == 100);
+  const std::array<int, 1> from_index = {0};
+  Merge moved(1);
+  moved.adopt(old, from_index);
+  moved.set_slot_modes(0, SlotSet(0b100));
+  REQUIRE(moved.changed().size() == 1);
+  moved.resolve(0);
+  moved.clear_changed();
+  CHECK(moved.look(0).slots[1] == 200);
+  CHECK(moved.look(0).slots[2] == 100);  // who changed it last was known although nobody had asked
+  Merge without(1);
+  without.adopt(moved, from_index);
+  REQUIRE(without.changed().size() == 1);
+  without.resolve(0);
+  CHECK(without.look(0).slots[2] == 200);
+}
+
+TEST_CASE(
+    "slots that become LTP while nobody is known to have changed them keep the highest level until somebody does") {
+  Stage stage;
+  stage.send(1, 100);
+  stage.send(2, 200);
+  stage.settle();
+  stage.merge().set_slot_modes(0, SlotSet(1));
+  stage.settle();
+  CHECK(stage.level(1) == 200);
+  CHECK(stage.level(2) == 200);
+  stage.send(1, 90);
+  CHECK(stage.level(1) == 90);
+  CHECK(stage.level(2) == 200);
+}
+
 // --- HTP and LTP by slot ---
 
 TEST_CASE("slots that are LTP show the latest change beside slots that are HTP") {

@@ -1,4 +1,6 @@
 // A show that changes while it runs: in this process over models of devices, and as a user has it, with signals.
+#include <algorithm>
+#include <array>
 #include <csignal>
 #include <fstream>
 #include <thread>
@@ -202,6 +204,13 @@ TEST_CASE("a bridge without a show file says that there is nothing to read anew,
   CHECK(bridge.wait().exit_code == 0);
 }
 
+// A head of 14 slots in universe 1; the first four are pan and tilt, the next two its dimmer.
+void write_rig(const TempFolder& folder, Address address) {
+  std::ofstream(folder.file("rig.toml")) << "[rig]\nname = \"one\"\n[[fixture]]\nname = \"head\"\n"
+                                            "type = \"generic/profile\"\nuniverse = 1\nposition = [0, 0, 5]\naddress = "
+                                         << address << "\n";
+}
+
 // Each round is nine universes whose first slots count; the next one is sent when all nine are through.
 class Rounds {
  public:
@@ -269,6 +278,7 @@ TEST_CASE("fifty reloads drop no frame of ports that stay: nine universes sent w
       stays + out("mock:enttec-pro=3") + in("artnet:20%lo"),
       "universes = 100\n[merge]\nltp = [1, 2]\n" + stays + out("sacn:201-220=1-20%lo"),
       stays + out("sacn:201-209=1-9%lo", "priority = 50\n"),
+      "[merge]\nltp_rig = \"rig.toml\"\n" + stays,
   };
   write_show(folder, stays);
   Footlight bridge({"run", folder.file("show.toml"), "--json", "--socket", "none"});
@@ -277,7 +287,8 @@ TEST_CASE("fifty reloads drop no frame of ports that stay: nine universes sent w
   REQUIRE(rounds.round(10));  // until the sender is known
   for (int reload = 1; reload <= 50; ++reload) {
     CAPTURE(reload);
-    write_show(folder, shows[reload % 4]);
+    write_rig(folder, 1 + reload);
+    write_show(folder, shows[reload % 5]);
     bridge.signal(SIGHUP);
     const std::string done = R"("id":"reloaded")";
     do {
@@ -285,6 +296,85 @@ TEST_CASE("fifty reloads drop no frame of ports that stay: nine universes sent w
     } while (!bridge.has_said(done, reload));
   }
   MESSAGE(rounds.count(), " rounds of 9 frames");
+  bridge.signal(SIGTERM);
+  CHECK(bridge.wait().exit_code == 0);
+}
+
+// Two desks that differ in every slot of universe 1 and repeat their looks as desks do, and what a bridge makes of it
+// on universe 101.
+class TwoDesks {
+ public:
+  TwoDesks() {
+    drivers::SacnSourceOptions source;
+    source.name = "sacn:101%lo";
+    source.universes = {{101, 1}};
+    source.interface_names = {"lo"};
+    auto from = drivers::make_sacn_source(source);
+    REQUIRE(from.has_value());
+    from_ = std::move(*from);
+    for (std::size_t desk = 0; desk < desks_.size(); ++desk) {
+      drivers::SacnSinkOptions sink;
+      sink.name = "sacn:1%lo";
+      sink.universes = {{1, 1}};
+      sink.interface_names = {"lo"};
+      sink.cid[0] = static_cast<std::uint8_t>(1 + desk);
+      auto to = drivers::make_sacn_sink(sink);
+      REQUIRE(to.has_value());
+      desks_[desk] = std::move(*to);
+    }
+  }
+
+  void set(std::size_t desk, std::uint8_t level) {
+    const std::vector<std::uint8_t> slots(kSlotCountMax, level);
+    FrameView frame;
+    frame.universe = 1;
+    frame.slots = slots;
+    REQUIRE(desks_[desk]->send(clock_.now_ns(), {&frame, 1}).has_value());
+  }
+  // Waits until these addresses show these levels.
+  bool shows(const std::vector<std::pair<Address, std::uint8_t>>& wanted) {
+    testing::KeepingReceiver receiver;
+    return testing::poll_until(*from_, clock_.now_ns(), receiver, [&] {
+      for (const auto& desk : desks_) REQUIRE(desk->poll(clock_.now_ns()).has_value());
+      if (receiver.frames.empty()) return false;
+      const auto& slots = receiver.frames.back().slots;
+      return std::all_of(wanted.begin(), wanted.end(), [&](const auto& one) {
+        return slots[static_cast<std::size_t>(slot_of_address(one.first))] == one.second;
+      });
+    });
+  }
+
+ private:
+  SystemClock clock_;
+  std::unique_ptr<Source> from_;
+  std::array<std::unique_ptr<Sink>, 2> desks_;
+};
+
+TEST_CASE("a reload that moves a rig moves its LTP slots at once, and one without a rig has none") {
+  if (!testing::enter_private_network()) return;
+  const TempFolder folder;
+  const std::string ports = in("sacn:1%lo") + out("sacn:101=1%lo");
+  write_rig(folder, 1);
+  write_show(folder, "[merge]\nltp_rig = \"rig.toml\"\n" + ports);
+  Footlight bridge({"run", folder.file("show.toml"), "--json", "--socket", "none"});
+  bridge.wait_for(R"("event":"ready")");
+  TwoDesks desks;
+  desks.set(0, 200);
+  REQUIRE(desks.shows({{1, 200}}));
+  desks.set(1, 100);
+  CHECK(desks.shows({{1, 100}, {5, 200}, {101, 200}}));  // pan: the latest; dimmer and elsewhere: the highest
+  write_rig(folder, 101);
+  bridge.signal(SIGHUP);
+  bridge.wait_for(R"("id":"reloaded")");
+  // Nobody changes anything.
+  CHECK(desks.shows({{1, 200}, {5, 200}, {101, 100}, {105, 200}}));
+  desks.set(0, 150);
+  CHECK(desks.shows({{1, 150}, {101, 150}, {105, 150}}));
+  desks.set(1, 120);
+  CHECK(desks.shows({{1, 150}, {101, 120}, {105, 150}}));
+  write_show(folder, ports);
+  bridge.signal(SIGHUP);
+  CHECK(desks.shows({{1, 150}, {101, 150}}));
   bridge.signal(SIGTERM);
   CHECK(bridge.wait().exit_code == 0);
 }
