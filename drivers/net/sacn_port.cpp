@@ -92,6 +92,7 @@ SacnSink::SacnSink(const SacnSinkOptions& options, std::vector<Link> links, std:
     address_priorities_.resize(kSlotCountMax);  // with 0, in words: the same as addresses past the end
     priority_packets_.resize(options.universes.size());
     priorities_due_ns_.assign(options.universes.size(), -kTimeNever);
+    priorities_left_.assign(options.universes.size(), 1 + kRepeats);
   }
   for (std::size_t place = 0; place < options.universes.size(); ++place) {
     SacnData data;
@@ -136,7 +137,10 @@ void SacnSink::add_before(TimeNs now_ns, std::span<const std::size_t> places) {
   if (announce_due_ns_ == kTimeNever && !announce_destinations_.empty()) announce_due_ns_ = now_ns + kFirstAnnounceNs;
   if (address_priorities_.empty()) return;
   for (const std::size_t place : places) {
-    if (priorities_due_ns_[place] > now_ns) continue;
+    if (priorities_left_[place] > 0)
+      --priorities_left_[place];  // they follow the rule for data that does not change (ETC's rule 8)
+    else if (priorities_due_ns_[place] > now_ns)
+      continue;
     priorities_due_ns_[place] = now_ns + kKeepAliveNs;
     auto& packet = priority_packets_[place];
     const std::size_t size = update_sacn_data(packet, sequences_[place]++, false, address_priorities_);
@@ -183,6 +187,7 @@ Status SacnSink::poll(TimeNs now_ns) {
 void SacnSink::rest(TimeNs now_ns) {
   NetSink::rest(now_ns);
   std::fill(priorities_due_ns_.begin(), priorities_due_ns_.end(), -kTimeNever);
+  std::fill(priorities_left_.begin(), priorities_left_.end(), 1 + kRepeats);
   announce_due_ns_ = kTimeNever;
 }
 

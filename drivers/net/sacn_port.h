@@ -65,6 +65,7 @@ class SacnSink final : public NetSink {
   std::vector<std::uint8_t> address_priorities_;
   std::vector<std::array<std::uint8_t, kSacnDataBytesMax>> priority_packets_;  // per universe
   std::vector<TimeNs> priorities_due_ns_;                                      // per universe
+  std::vector<int> priorities_left_;  // per universe: how many of the next frames they go in front of, due or not
 
   int sync_universe_ = 0;  // 0: not synchronised
   std::uint8_t sync_sequence_ = 0;

@@ -7,20 +7,19 @@
 #include <memory>
 #include <vector>
 
-#include <poll.h>
-
 #include "drivers/net/sacn_port.h"
 #include "sim/pump.h"
 #include "sim/universes.h"
+#include "tests/drivers/net/jumping_waiter.h"
 #include "tests/drivers/net/port_helpers.h"
 #include "tests/drivers/net/private_network.h"
-#include "tests/support/fake_clock.h"
 
 namespace footlight::drivers {
 namespace {
 
 using testing::enter_private_network;
 using testing::FakeClock;
+using testing::JumpingWaiter;
 using testing::KeepingReceiver;
 
 constexpr DurationNs kFrameNs = kNsPerS / 44;
@@ -30,36 +29,6 @@ T must(Result<T> result) {
   REQUIRE_MESSAGE(result.has_value(), (result ? std::string() : result.error().message));
   return std::move(*result);
 }
-
-// Real descriptors, invented time: where nothing is readable the clock jumps to the deadline, though not past `limit`.
-class JumpingWaiter final : public Waiter {
- public:
-  explicit JumpingWaiter(FakeClock& clock) : clock_(clock) {}
-  Status watch(int fd) override {
-    unwatch(fd);
-    waiting_.push_back({fd, POLLIN, 0});
-    return {};
-  }
-  void unwatch(int fd) override {
-    std::erase_if(waiting_, [fd](const pollfd& one) { return one.fd == fd; });
-  }
-  int wait_until(TimeNs deadline_ns, std::span<int> ready) override {
-    std::size_t count = 0;
-    if (::poll(waiting_.data(), waiting_.size(), 0) > 0) {
-      for (const pollfd& one : waiting_) {
-        if (one.revents != 0 && count < ready.size()) ready[count++] = one.fd;
-      }
-    }
-    if (count == 0) clock_.sleep_until_ns(std::min(deadline_ns, limit_ns));
-    return static_cast<int>(count);
-  }
-  void interrupt() noexcept override {}
-  TimeNs limit_ns = 0;
-
- private:
-  FakeClock& clock_;
-  std::vector<pollfd> waiting_;
-};
 
 struct Heard {
   TimeNs at_ns = 0;
