@@ -83,7 +83,7 @@ const VrslValues& VrslSpin::step(const VrslValues& raw, float dt_s) {
   for (std::size_t i = 0; i < angle_.size(); ++i) {
     const float value = value_of(raw[i]);
     if (value < 0.01f) {
-      phase_[i] = 0;
+      if (!holds_) phase_[i] = 0;
     } else if (clock_s_ < kPhaseStart_s) {
       phase_[i] = value;
     } else {
@@ -94,8 +94,11 @@ const VrslValues& VrslSpin::step(const VrslValues& raw, float dt_s) {
   return angle_;
 }
 
-int vrsl_gobo(std::uint8_t level) {
-  return std::clamp(static_cast<int>(std::nearbyint(static_cast<float>(level) / 30.0f)), 1, 8);
+int vrsl_gobo(std::uint8_t level) { return vrsl_gobo_of(static_cast<float>(level) / 255.0f, false); }
+
+int vrsl_gobo_of(float value, bool legacy) {
+  const float place = value_of(value) * 255.0f / (legacy ? 42.5f : 30.0f);
+  return std::clamp(static_cast<int>(std::nearbyint(place)), 1, 8);
 }
 
 float vrsl_angle_deg(std::uint8_t level, float range_deg) {

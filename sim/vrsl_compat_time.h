@@ -77,6 +77,8 @@ class VrslStrobe {
 // Spin phases: they grow without wrapping, so float stops them after days, and a change of direction jumps.
 class VrslSpin {
  public:
+  // On a 9-universe grid a channel below code 3 holds its phase, on the others it begins anew.
+  explicit VrslSpin(bool nine_universes = false) : holds_(nine_universes) {}
   // The angle of each channel in radians: 4 phases, negative where the channel is above one half.
   const VrslValues& step(const VrslValues& raw, float dt_s);
 
@@ -84,6 +86,7 @@ class VrslSpin {
   VrslValues phase_{};
   VrslValues angle_{};
   double clock_s_ = 0;
+  bool holds_ = false;
 };
 
 // In 9-universe mode the gate of universes 4 to 9 is that of the universe in the same place among 1 to 3: the shader
@@ -92,8 +95,9 @@ class VrslSpin {
   return universe >= 1 && universe <= 9 ? (universe - 1) % 3 + 1 : 0;
 }
 
-// Which of eight gobos a channel names, 1 to 8.
+// Which of eight gobos a channel names, 1 to 8. legacy: older fixtures know six.
 [[nodiscard]] int vrsl_gobo(std::uint8_t level);
+[[nodiscard]] int vrsl_gobo_of(float value, bool legacy);
 
 // The angle of pan or tilt within its range, degrees from the middle: both are 8 bits, the fine channels are not read.
 [[nodiscard]] float vrsl_angle_deg(std::uint8_t level, float range_deg);

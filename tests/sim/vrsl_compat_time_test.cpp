@@ -173,6 +173,20 @@ TEST_CASE("a spin is 6 percent slow after 6 hours, 88 percent fast after 96, and
   CHECK(pace(168) == 0);
 }
 
+TEST_CASE("below code 3 a spin of a nine-universe grid keeps its phase, of three universes begins anew") {
+  VrslSpin three;
+  VrslSpin nine(true);
+  VrslValues raw{};
+  for (VrslSpin* spin : {&three, &nine}) {
+    raw[10] = 0.5f;
+    for (int i = 0; i < 300; ++i) spin->step(raw, 0.01f);
+    raw[10] = 2.0f / 255;
+    spin->step(raw, 0.01f);
+  }
+  CHECK(three.step(raw, 0.01f)[10] == 0);
+  CHECK(nine.step(raw, 0.01f)[10] > 4);
+}
+
 TEST_CASE("in nine-universe mode universes 4 to 9 strobe with 1 to 3") {
   CHECK(vrsl_strobe_universe(1) == 1);
   CHECK(vrsl_strobe_universe(4) == 1);

@@ -90,6 +90,7 @@ class Preview {
   [[nodiscard]] nlohmann::json figures() const;
   void print_second();
   void print_summary();
+  [[nodiscard]] std::optional<fixtures::VrslReplay> vrsl_replay() const;
   [[nodiscard]] PixelRect place() const;
 
   const PreviewOptions& options_;
@@ -97,12 +98,14 @@ class Preview {
   PortOpener opener_;
   fixtures::Rig rig_;
   fixtures::CompiledRig compiled_;
-  fixtures::Rig clear_rig_;  // the same without haze
+  std::optional<fixtures::Rig> vrsl_rig_;  // as written, where rig_ is what VRSL shows of it
+  fixtures::Rig clear_rig_;                // the same without haze
   fixtures::CompiledRig clear_compiled_;
 
   // What drives the rig: one of the three.
   std::unique_ptr<Timeline> timeline_;
   std::unique_ptr<LiveLevels> live_;
+  std::optional<fixtures::VrslReplay> live_vrsl_;
   std::unique_ptr<HandLevels> hand_;
 
   std::unique_ptr<render::vk::Device> device_;  // outlives the window's swapchain
@@ -133,6 +136,7 @@ Status Preview::open() {
   const bool by_hand = options_.ins.empty() && options_.files.log.empty() && !options_.files.demo;
   add_start_view(rig_, static_cast<double>(size.width) / size.height, true);
   if (by_hand) give_hand_addresses(rig_);
+  if (rig_.vrsl && !by_hand) vrsl_rig_ = std::exchange(rig_, fixtures::vrsl_shown(rig_));
   FL_ASSIGN(compiled_, fixtures::compile(rig_));
   FL_ASSIGN(const fixtures::Camera camera, find_camera(rig_, options_.camera));
   clear_rig_ = rig_;
@@ -174,6 +178,12 @@ Status Preview::open() {
   return {};
 }
 
+// What VRSL makes of the levels, from its start; nothing where the rig does not ask for it.
+std::optional<fixtures::VrslReplay> Preview::vrsl_replay() const {
+  if (!vrsl_rig_) return std::nullopt;
+  return fixtures::VrslReplay(*vrsl_rig_, compiled_);
+}
+
 Status Preview::open_levels() {
   if (!options_.ins.empty()) {
     if (!options_.files.log.empty()) {
@@ -188,11 +198,12 @@ Status Preview::open_levels() {
       sources.push_back(std::move(source));
     }
     FL_ASSIGN(live_, LiveLevels::start(compiled_.universes, std::move(sources), clock_));
+    live_vrsl_ = vrsl_replay();
     return {};
   }
   FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
   if (log) {
-    timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_);
+    timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_, vrsl_replay());
     facts_.has_log = true;
     facts_.duration_s = static_cast<double>(timeline_->duration_ns()) * 1e-9;
   } else {
@@ -239,7 +250,7 @@ Status Preview::replay_to(DurationNs until_ns, DurationNs exposure_ns) {
   if (until_ns < timeline_->now_ns()) {
     FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
     if (!log) return fail(ErrorCode::kIo, "{}: the log is gone", options_.files.log);
-    timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_);
+    timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_, vrsl_replay());
     FL_TRY(frame_->run_steps());
     FL_TRY(device_->run_once(
         [&](VkCommandBuffer commands) { render::forget_states(commands, frame_->resources()); }));
@@ -256,7 +267,14 @@ Status Preview::replay_to(DurationNs until_ns, DurationNs exposure_ns) {
 Status Preview::step_levels(DurationNs dt_ns) {
   if (live_) {
     live_->take();
-    frame_->step(live_->levels(), dt_ns);
+    if (live_vrsl_) {
+      live_vrsl_->step(live_->levels(), dt_ns, true,
+                       [&](std::span<const std::uint8_t> levels, std::int64_t step_ns, bool new_exposure) {
+                         frame_->step(levels, step_ns, new_exposure);
+                       });
+    } else {
+      frame_->step(live_->levels(), dt_ns);
+    }
   } else if (hand_) {
     frame_->step(hand_->levels(), dt_ns);
   } else {

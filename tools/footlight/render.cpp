@@ -4,6 +4,7 @@
 #include <charconv>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "render/frame.h"
 #include "tools/footlight/command.h"
@@ -245,9 +246,15 @@ Result<int> render_pictures(const Options& options) {
   FL_ASSIGN(const fixtures::Camera camera, find_camera(rig, options.camera));
   if (by_hand) give_hand_addresses(rig);
   rig.ambient_lx += options.work_light_lx >= 0 ? options.work_light_lx : log || by_hand ? 0 : kWorkLightLx;
+  std::optional<fixtures::Rig> vrsl_rig;  // as written
+  if (rig.vrsl && log && !by_hand) vrsl_rig = std::exchange(rig, fixtures::vrsl_shown(rig));
   FL_ASSIGN(const fixtures::CompiledRig compiled, fixtures::compile(rig));
   std::optional<Timeline> timeline;
-  if (log) timeline.emplace(std::move(*log), compiled);
+  if (log) {
+    std::optional<fixtures::VrslReplay> vrsl;
+    if (vrsl_rig) vrsl.emplace(*vrsl_rig, compiled);
+    timeline.emplace(std::move(*log), compiled, std::move(vrsl));
+  }
 
   FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = options.device}));
   render::FrameSettings settings;

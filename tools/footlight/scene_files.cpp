@@ -10,6 +10,7 @@ namespace footlight::tools {
 void add_scene_arguments(Arguments& arguments, SceneFiles& files) {
   arguments.option("--rig", files.rig, "FILE", "the rig (docs/rig.md)");
   arguments.option("--log", files.log, "FILE", "what drives it: a DMX log, an OLA Show or a capture");
+  arguments.flag("--vrsl-compat", files.vrsl, "VRSL fixtures as VRSL shows them, faults included (docs/vrsl.md)");
   arguments.flag("--demo", files.demo, "the built-in rig, driven by the built-in show");
 }
 
@@ -21,7 +22,9 @@ Result<fixtures::Rig> load_scene_rig(const SceneFiles& files) {
   if (files.rig.empty()) {
     return fail(ErrorCode::kBadInput, "no rig: expected --rig FILE, or --demo for the built-in one");
   }
-  return fixtures::load_rig(files.rig);
+  FL_ASSIGN(fixtures::Rig rig, fixtures::load_rig(files.rig));
+  if (files.vrsl && !rig.vrsl) rig.vrsl.emplace();
+  return rig;
 }
 
 Result<std::optional<LogReader>> open_scene_log(const SceneFiles& files) {

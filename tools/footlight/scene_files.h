@@ -14,6 +14,7 @@ namespace footlight::tools {
 struct SceneFiles {
   std::string rig;   // path; empty with demo
   std::string log;   // path; may be empty
+  bool vrsl = false; // VRSL fixtures as VRSL shows them, whether the rig says so or not
   bool demo = false; // the embedded rig, and the embedded log where no other is named
 };
 

@@ -4,8 +4,9 @@
 
 namespace footlight::tools {
 
-Timeline::Timeline(LogReader reader, const fixtures::CompiledRig& compiled)
+Timeline::Timeline(LogReader reader, const fixtures::CompiledRig& compiled, std::optional<fixtures::VrslReplay> vrsl)
     : reader_(std::move(reader)),
+      vrsl_(std::move(vrsl)),
       universes_(compiled.universes),
       levels_(compiled.universes.size() * kSlotCountMax),
       next_levels_(kSlotCountMax) {}
@@ -34,11 +35,19 @@ void Timeline::apply() {
   std::copy(next_levels_.begin(), next_levels_.end(), levels_.begin() + std::ptrdiff_t{next_universe_} * kSlotCountMax);
 }
 
+void Timeline::give(DurationNs dt_ns, bool new_exposure, const Step& step) {
+  if (vrsl_) {
+    vrsl_->step(levels_, dt_ns, new_exposure, step);
+  } else {
+    step(levels_, dt_ns, new_exposure);
+  }
+}
+
 Status Timeline::advance_to(DurationNs until_ns, bool new_exposure, const Step& step) {
   if (!fetched_) FL_TRY(fetch());
   while (next_universe_ >= 0 && next_ns_ <= until_ns) {
     if (next_ns_ > now_ns_) {
-      step(levels_, next_ns_ - now_ns_, new_exposure);
+      give(next_ns_ - now_ns_, new_exposure, step);
       new_exposure = false;
       stepped_ = true;
       now_ns_ = next_ns_;
@@ -47,7 +56,7 @@ Status Timeline::advance_to(DurationNs until_ns, bool new_exposure, const Step& 
     FL_TRY(fetch());
   }
   if (until_ns > now_ns_ || !stepped_) {
-    step(levels_, until_ns - now_ns_, new_exposure);
+    give(until_ns - now_ns_, new_exposure, step);
     stepped_ = true;
     now_ns_ = until_ns;
   }

@@ -5,10 +5,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "fixtures/rig.h"
+#include "fixtures/vrsl_compat.h"
 #include "sim/dmx_log/dmx_log.h"
 
 namespace footlight::tools {
@@ -16,7 +18,9 @@ namespace footlight::tools {
 class Timeline {
  public:
   // Takes over the reader. Universes that the rig does not use are skipped; `compiled` is only read here.
-  Timeline(LogReader reader, const fixtures::CompiledRig& compiled);
+  // vrsl: what comes between the log and the rig's VRSL fixtures; usually nothing.
+  Timeline(LogReader reader, const fixtures::CompiledRig& compiled,
+           std::optional<fixtures::VrslReplay> vrsl = std::nullopt);
 
   // levels: universes x 512 bytes in the rig's order, held for dt_ns. new_exposure: a picture's exposure begins.
   using Step = std::function<void(std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure)>;
@@ -33,8 +37,10 @@ class Timeline {
   Status fetch();
   void apply();
   Status advance_to(DurationNs until_ns, bool new_exposure, const Step& step);
+  void give(DurationNs dt_ns, bool new_exposure, const Step& step);
 
   LogReader reader_;
+  std::optional<fixtures::VrslReplay> vrsl_;
   std::vector<Universe> universes_;
   std::vector<std::uint8_t> levels_;
   std::vector<std::uint8_t> next_levels_;  // of the frame that comes next
