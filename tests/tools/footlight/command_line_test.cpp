@@ -194,6 +194,9 @@ TEST_CASE("the devices behind a modelled widget are listed, one JSON object each
   CHECK(info["values"]["start address"] == devices[1]["start_address"]);
   CHECK(info["values"]["footprint"] == devices[1]["footprint"]);
   CHECK(footlight({"rdm", "get", uid, "0x8001", "--port", "mock:enttec-pro"}).out == "50\n");
+  const Outcome set = footlight({"rdm", "set", uid, "DEVICE_LABEL", "Followspot", "--port", "mock:enttec-pro"});
+  CHECK(set.exit_code == 0);  // the model is gone with its program; what a set does is in rdm_enttec_pro_test.cpp
+  CHECK(set.err.empty());
 }
 
 TEST_CASE("devices prints JSON objects or says that there are none, and never fails otherwise") {

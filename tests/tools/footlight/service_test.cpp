@@ -2,9 +2,14 @@
 #include <csignal>
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <string>
+#include <thread>
 
+#include <linux/capability.h>
 #include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -53,6 +58,30 @@ TEST_CASE("a universe that no input brings is said once at the start") {
   const Outcome outcome = footlight({"run", "--in", "mock:enttec-pro", "--out", "mock:enttec-pro=2", "--for", "0s"});
   CHECK(outcome.exit_code == 0);
   CHECK(contains(outcome.err, "mock:enttec-pro=2: no input brings universe 2"));
+}
+
+TEST_CASE("a bridge that may not have real-time priority says so once, and carries frames all the same") {
+  rlimit allowed = {};
+  REQUIRE(::getrlimit(RLIMIT_RTPRIO, &allowed) == 0);
+  const TempFolder folder;
+  std::ofstream(folder.file("show.toml")) << "[[in]]\nendpoint = \"mock:enttec-pro\"\n[[out]]\nendpoint = "
+                                             "\"mock:enttec-pro\"\n";
+  std::unique_ptr<Footlight> bridge;
+  // Privileges belong to a thread, and a program has those of the thread that starts it.
+  std::thread([&] {
+    const rlimit none = {0, allowed.rlim_max};
+    REQUIRE(::setrlimit(RLIMIT_RTPRIO, &none) == 0);
+    (void)::prctl(PR_CAPBSET_DROP, CAP_SYS_NICE);  // refused where there is none to drop
+    bridge = std::make_unique<Footlight>(
+        std::vector<std::string>{"run", folder.file("show.toml"), "--json", "--socket", "none"});
+    REQUIRE(::setrlimit(RLIMIT_RTPRIO, &allowed) == 0);
+  }).join();
+  bridge->wait_for(R"("id":"realtime-refused")");
+  bridge->signal(SIGHUP);
+  bridge->wait_for(R"("id":"reloaded")");
+  CHECK_FALSE(bridge->has_said(R"("id":"realtime-refused")", 2));
+  bridge->signal(SIGTERM);
+  CHECK(bridge->wait().exit_code == 0);
 }
 
 // The service manager's end of sd_notify().

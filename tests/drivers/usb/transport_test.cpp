@@ -1,0 +1,165 @@
+// What stands between drivers and devices: two ways to one device, and the faults that a model plays on command.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "drivers/device/either_connector.h"
+#include "drivers/mock/enttec_pro_model.h"
+#include "drivers/mock/mock_usb.h"
+#include "tests/support/usb_shared_clock.h"
+
+namespace footlight::drivers {
+namespace {
+
+using mock::MockUsb;
+using testing::SharedFakeClock;
+using Bytes = std::vector<std::uint8_t>;
+
+class NamedTransport final : public Transport {
+ public:
+  explicit NamedTransport(std::string where) : where_(std::move(where)) {}
+  std::string where() const override { return where_; }
+  std::string serial() const override { return {}; }
+  Status wait(TimeNs) override { return {}; }
+  Status write(std::span<const std::uint8_t>, TimeNs) override { return {}; }
+  Result<std::size_t> read(std::span<std::uint8_t>, TimeNs) override { return 0; }
+
+ private:
+  const std::string where_;
+};
+
+// kOk: connects; otherwise fails with this.
+enum class Way { kOk, kPermission, kUnsupported, kNotFound, kIo, kDisconnected };
+
+std::unique_ptr<Connector> way(std::string name, Way outcome, int& tries) {
+  class Fixed final : public Connector {
+   public:
+    Fixed(std::string name, Way outcome, int& tries) : name_(std::move(name)), outcome_(outcome), tries_(tries) {}
+    Result<std::unique_ptr<Transport>> connect() override {
+      ++tries_;
+      switch (outcome_) {
+        case Way::kOk: return std::make_unique<NamedTransport>(name_);
+        case Way::kPermission: return fail(ErrorCode::kPermission, "{}", name_);
+        case Way::kUnsupported: return fail(ErrorCode::kUnsupported, "{}", name_);
+        case Way::kNotFound: return fail(ErrorCode::kNotFound, "{}", name_);
+        case Way::kIo: return fail(ErrorCode::kIo, "{}", name_);
+        case Way::kDisconnected: break;
+      }
+      return fail(ErrorCode::kDisconnected, "{}", name_);
+    }
+    void wait(TimeNs) override {}
+    void wake() override {}
+    std::string identity() override { return name_; }
+    void abort() override {}
+
+   private:
+    const std::string name_;
+    const Way outcome_;
+    int& tries_;
+  };
+  return std::make_unique<Fixed>(std::move(name), outcome, tries);
+}
+
+TEST_SUITE_BEGIN("transport");
+
+TEST_CASE("a device whose first way is barred is taken by the second, and one in trouble is not") {
+  for (const Way first :
+       {Way::kOk, Way::kPermission, Way::kUnsupported, Way::kNotFound, Way::kIo, Way::kDisconnected}) {
+    CAPTURE(static_cast<int>(first));
+    const bool barred = first == Way::kPermission || first == Way::kUnsupported || first == Way::kNotFound;
+    int first_tries = 0, second_tries = 0;
+    const auto works = make_either_connector(way("libusb", first, first_tries), way("tty", Way::kOk, second_tries));
+    const auto transport = works->connect();
+    CHECK(first_tries == 1);
+    CHECK(second_tries == (barred ? 1 : 0));
+    CHECK(transport.has_value() == (first == Way::kOk || barred));
+    if (transport) CHECK((*transport)->where() == (barred ? "tty" : "libusb"));
+    // With both barred the message is that of the better way.
+    const auto fails = make_either_connector(way("libusb", first, first_tries), way("tty", Way::kIo, second_tries));
+    const auto none = fails->connect();
+    if (first != Way::kOk) CHECK(none.error().message == "libusb");
+  }
+}
+
+// A widget with its thread left out.
+struct Bench {
+  SharedFakeClock clock;
+  std::shared_ptr<MockUsb> usb = std::make_shared<MockUsb>(std::make_unique<mock::EnttecProModel>(), "mock:enttec-pro");
+  std::unique_ptr<Connector> connector = mock::make_mock_connector(usb, clock);
+  std::unique_ptr<Transport> transport;
+
+  Bench() { REQUIRE(connect() == "connected"); }
+  std::string connect() {
+    transport.reset();
+    auto opened = connector->connect();
+    if (!opened) return opened.error().message;
+    transport = std::move(*opened);
+    return "connected";
+  }
+  // A deadline that has passed: what needs time runs out of it at once.
+  Status write(std::size_t byte_count) { return transport->write(Bytes(byte_count), clock.now_ns()); }
+  Bytes read() {
+    Bytes bytes(64);
+    const auto count = transport->read(bytes, clock.now_ns());
+    REQUIRE(count.has_value());
+    bytes.resize(*count);
+    return bytes;
+  }
+};
+
+TEST_CASE("every fault that a model knows happens on its command") {
+  Bench bench;
+  MockUsb& usb = *bench.usb;
+  REQUIRE(bench.write(10).has_value());
+
+  REQUIRE(usb.obey("garbage 7E00FF"));
+  CHECK(bench.read() == Bytes{0x7E, 0x00, 0xFF});
+  REQUIRE(usb.obey("limit-reads 2"));
+  REQUIRE(usb.obey("garbage 010203"));
+  CHECK(bench.read() == Bytes{1, 2});
+  CHECK(bench.read() == Bytes{3});
+  REQUIRE(usb.obey("limit-reads 0"));
+
+  REQUIRE(usb.obey("slow 300"));
+  REQUIRE(usb.obey("garbage 0A"));
+  CHECK(bench.read().empty());
+  bench.clock.advance_ns(299 * kNsPerMs);
+  CHECK(bench.read().empty());
+  bench.clock.advance_ns(kNsPerMs);
+  CHECK(bench.read() == Bytes{0x0A});
+  REQUIRE(usb.obey("slow 0"));
+
+  REQUIRE(usb.obey("cut-write 4"));
+  CHECK(bench.write(10).error().code == ErrorCode::kTimeout);
+  CHECK(bench.write(10).has_value());  // that one write and no other
+
+  REQUIRE(usb.obey("stall on"));
+  CHECK(bench.write(10).error().code == ErrorCode::kTimeout);
+  CHECK(bench.write(10).error().code == ErrorCode::kTimeout);
+  REQUIRE(usb.obey("stall off"));
+  CHECK(bench.write(10).has_value());
+
+  REQUIRE(usb.obey("unplug-after 3"));
+  CHECK(bench.write(3).has_value());
+  CHECK(bench.write(4).error().code == ErrorCode::kDisconnected);
+  CHECK(bench.connect().find("not plugged in") != std::string::npos);
+  REQUIRE(usb.obey("plug"));
+  CHECK(bench.connect() == "connected");
+
+  REQUIRE(usb.obey("unplug"));
+  CHECK(bench.write(1).error().code == ErrorCode::kDisconnected);
+  REQUIRE(usb.obey("serial EN999999"));
+  REQUIRE(usb.obey("plug"));
+  CHECK(bench.connect().find("EN999999") != std::string::npos);  // another device, and not taken
+  REQUIRE(usb.obey("unplug"));
+  REQUIRE(usb.obey("serial EN172589"));
+  REQUIRE(usb.obey("plug"));
+  CHECK(bench.connect() == "connected");
+}
+
+TEST_SUITE_END();
+
+}  // namespace
+}  // namespace footlight::drivers
