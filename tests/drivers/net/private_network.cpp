@@ -140,6 +140,17 @@ OnPeer::~OnPeer() {
   if (setns(home_fd, CLONE_NEWNET) != 0) std::abort();
 }
 
+bool choke_interface(const char* name) {
+  if (run(std::string("tc qdisc add dev ") + name + " root tbf rate 8kbit burst 1600 limit 100000000")) return true;
+  std::fprintf(stderr, "SKIPPED: cannot slow an interface down (tc of iproute2, sch_tbf of the kernel)\n");
+  return false;
+}
+
+void free_interface(const char* name) {
+  const std::string command = std::string("tc qdisc delete dev ") + name + " root";
+  if (std::system(command.c_str()) != 0) std::fprintf(stderr, "could not run: %s\n", command.c_str());
+}
+
 void remove_interface(const char* name) {
   const std::string command = std::string("ip link delete ") + name;
   if (std::system(command.c_str()) != 0) std::fprintf(stderr, "could not run: %s\n", command.c_str());

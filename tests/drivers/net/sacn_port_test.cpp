@@ -627,6 +627,43 @@ TEST_CASE("of three interfaces the two that are chosen are heard and sent to, an
   CHECK(poll_until(*source, kStartNs + 10 * kNsPerS, heard, [&] { return source->details().late > late_before; }));
 }
 
+TEST_CASE("what a network is too slow for is replaced by the newest look, and nothing waits in a queue of ours") {
+  if (!enter_private_network()) return;
+  if (!testing::add_interface("eth6", "10.99.6.1") || !testing::choke_interface("eth6")) return;
+  auto in = source_options({{7, 7}});
+  in.interface_names = {"eth6"};
+  auto source = must(SacnSource::create(in));
+  auto out = sink_options({{7, 7}});
+  out.interface_names = {"eth6"};
+  auto sink = must(SacnSink::create(out));
+  // Datagrams that the kernel takes come back to this machine at once, whenever the network gets them.
+  KeepingReceiver heard;
+  TimeNs now_ns = kStartNs;
+  int round = 0;
+  const auto send_next = [&] {
+    const auto levels = test_levels(7, ++round);
+    const std::vector<FrameView> frames = {frame_of(7, levels)};
+    REQUIRE(sink->send(++now_ns, frames).has_value());
+    REQUIRE(drain(*source, now_ns, heard));
+  };
+  while (round < 100'000 && sink->counters().dropped < 20) send_next();
+  REQUIRE(sink->counters().dropped == 20);
+  CHECK(sink->counters().errors == 0);
+  CHECK(sink->state() == PortState::kWorking);
+  CHECK(sink->next_deadline_ns() - now_ns <= 2 * kNsPerMs);  // it tries again soon
+  CHECK(static_cast<int>(heard.frames.size()) == round - 21);
+  CHECK(heard.frames.back().slots != test_levels(7, round));
+  testing::free_interface("eth6");
+  const std::size_t before = heard.frames.size();
+  now_ns = sink->next_deadline_ns();
+  REQUIRE(sink->poll(now_ns).has_value());
+  REQUIRE(poll_until(*source, now_ns, heard, [&] { return heard.frames.size() > before; }));
+  REQUIRE(hears_nothing(*source, now_ns, heard));
+  CHECK(heard.frames.size() == before + 1);
+  CHECK(heard.frames.back().slots == test_levels(7, round));
+  CHECK(sink->counters().frames + sink->counters().dropped == static_cast<std::uint64_t>(round));
+}
+
 TEST_CASE("a sink sends to every address of its list, and one without a route does not hold up the others") {
   if (!enter_private_network()) return;
   std::vector<std::unique_ptr<SacnSource>> listeners;
