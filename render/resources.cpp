@@ -228,6 +228,10 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   r.spin_count = compiled.spin_count;
   r.shutter_count = compiled.strobe_count;
   r.optics_count = compiled.optics_count;
+  r.filament_count = compiled.filament_count;
+  r.led_count = compiled.led_count;
+  r.discharge_count = compiled.discharge_count;
+  r.dowser_count = compiled.dowser_count;
   r.box_count = static_cast<std::uint32_t>(rig.boxes.size());
   r.supertiles_x = (width + FL_SUPERTILE_PX - 1) / FL_SUPERTILE_PX;
   r.supertiles_y = (height + FL_SUPERTILE_PX - 1) / FL_SUPERTILE_PX;
@@ -244,6 +248,7 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   FL_ASSIGN(r.joints, table(device, compiled.joints));
   FL_ASSIGN(r.wheels, table(device, compiled.wheels));
   FL_ASSIGN(r.facets, table(device, compiled.facets));
+  FL_ASSIGN(r.lights, table(device, compiled.lights));
   FL_ASSIGN(r.wheel_slots, table(device, compiled.wheel_slots));
   FL_ASSIGN(r.defaults, table(device, compiled.defaults));
   FL_ASSIGN(r.colors, table(device, compiled.colors));
@@ -265,6 +270,10 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   FL_ASSIGN(r.beams, zeroed(device, compiled.beams_max * sizeof(BeamRow)));
   FL_ASSIGN(r.blades, zeroed(device, compiled.needs.blades ? compiled.beams_max * sizeof(BladesRow) : 0));
   FL_ASSIGN(r.optics_states, zeroed(device, compiled.optics_count * kOpticsStateBytes));
+  FL_ASSIGN(r.filament_states, zeroed(device, compiled.filament_count * kFilamentStateBytes));
+  FL_ASSIGN(r.led_states, zeroed(device, compiled.led_count * kLedStateBytes));
+  FL_ASSIGN(r.discharge_states, zeroed(device, compiled.discharge_count * kDischargeStateBytes));
+  FL_ASSIGN(r.dowser_states, zeroed(device, compiled.dowser_count * kDowserStateBytes));
   FL_ASSIGN(r.counts, zeroed(device, sizeof(CountsRow) + r.head_groups * 8, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
   FL_ASSIGN(r.masks, zeroed(device, VkDeviceSize{r.supertiles_x} * r.supertiles_y * r.mask_words * 4));
 
@@ -316,6 +325,11 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
       {FL_BINDING_FACETS, &r.facets},
       {FL_BINDING_OPTICS_STATES, &r.optics_states},
       {FL_BINDING_BLADES, &r.blades},
+      {FL_BINDING_LIGHTS, &r.lights},
+      {FL_BINDING_FILAMENT_STATES, &r.filament_states},
+      {FL_BINDING_LED_STATES, &r.led_states},
+      {FL_BINDING_DISCHARGE_STATES, &r.discharge_states},
+      {FL_BINDING_DOWSER_STATES, &r.dowser_states},
   };
   for (const auto& [binding, buffer] : buffers) {
     r.bindings.set_buffer(binding, *buffer);

@@ -20,8 +20,8 @@ struct Resources {
                                                 const fixtures::CompiledRig& compiled, const FrameSettings& settings);
 
   // Rig tables, written once. Rows of fixtures/shared/tables.h.
-  vk::Buffer types, channels, functions, masters, motors, spins, joints, wheels, wheel_slots, facets, defaults, colors,
-      heads;
+  vk::Buffer types, channels, functions, masters, motors, spins, joints, wheels, wheel_slots, facets, lights, defaults,
+      colors, heads;
   vk::Buffer boxes;                                // BoxRow
   vk::Buffer instances, vertices, indices, draws;  // bodies: head indices by type; one draw command a type, and one
                                                    // for all objects of the scene
@@ -36,11 +36,13 @@ struct Resources {
   vk::Buffer masks;   // supertiles x mask_words
   vk::Image surface_id, depth, radiance, screen;
 
-  // Carried from frame to frame: HeadState, and Motor, Turns, Shutter, OpticsState for what has a motor, spins,
-  // strobes or shapes its beam.
-  vk::Buffer states, motor_states, spin_states, shutter_states, optics_states;
-  [[nodiscard]] std::array<const vk::Buffer*, 5> all_states() const {
-    return {&states, &motor_states, &spin_states, &shutter_states, &optics_states};
+  // Carried from frame to frame: HeadState, and Motor, Turns, Shutter, OpticsState, Filament, Led, Discharge and Slew
+  // for what has a motor, spins, strobes, shapes its beam, glows, has a driver, an arc or a dowser.
+  vk::Buffer states, motor_states, spin_states, shutter_states, optics_states, filament_states, led_states,
+      discharge_states, dowser_states;
+  [[nodiscard]] std::array<const vk::Buffer*, 9> all_states() const {
+    return {&states,          &motor_states, &spin_states,      &shutter_states, &optics_states,
+            &filament_states, &led_states,   &discharge_states, &dowser_states};
   }
 
   vk::BindingSet bindings;
@@ -50,6 +52,10 @@ struct Resources {
   std::uint32_t spin_count = 0;
   std::uint32_t shutter_count = 0;
   std::uint32_t optics_count = 0;
+  std::uint32_t filament_count = 0;
+  std::uint32_t led_count = 0;
+  std::uint32_t discharge_count = 0;
+  std::uint32_t dowser_count = 0;
   std::uint32_t box_count = 0;
   std::uint32_t draw_count = 0;         // of bodies
   std::uint32_t object_draw_count = 0;  // of the scene's objects, behind them: 0 or 1
@@ -67,12 +73,16 @@ struct Resources {
 inline constexpr int kGoboSizePx = 512;
 inline constexpr double kGoboEdge = 3.0 * 2.0 / kGoboSizePx;
 
-// Bytes on the GPU of a HeadState, a Motor, a spin's Turns, a Shutter and an OpticsState.
+// Bytes on the GPU of a HeadState, a Motor, a spin's Turns, a Shutter, an OpticsState and so on.
 inline constexpr std::uint64_t kStateBytes = 48;
 inline constexpr std::uint64_t kMotorStateBytes = 32;
 inline constexpr std::uint64_t kSpinStateBytes = 8;
 inline constexpr std::uint64_t kShutterStateBytes = 32;
 inline constexpr std::uint64_t kOpticsStateBytes = 80;
+inline constexpr std::uint64_t kFilamentStateBytes = 24;
+inline constexpr std::uint64_t kLedStateBytes = 32;
+inline constexpr std::uint64_t kDischargeStateBytes = 32;
+inline constexpr std::uint64_t kDowserStateBytes = 24;
 
 // Records that the heads begin anew, as if no step had been; and that they go on where those of another frame of the
 // same rig are. Both with the barriers that they need.

@@ -12,7 +12,11 @@ const PassEntry kStepPass{
                                            {FL_SPEC_SPIN, needs.spin},
                                            {FL_SPEC_STROBE, needs.strobe},
                                            {FL_SPEC_COLOR, needs.color},
-                                           {FL_SPEC_OPTICS, needs.optics}};
+                                           {FL_SPEC_OPTICS, needs.optics},
+                                           {FL_SPEC_TUNGSTEN, needs.tungsten},
+                                           {FL_SPEC_LED, needs.led},
+                                           {FL_SPEC_DISCHARGE, needs.discharge},
+                                           {FL_SPEC_DOWSER, needs.dowser}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kStepComp,

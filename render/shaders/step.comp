@@ -6,6 +6,8 @@
 #define FL_USE_HEADS
 #define FL_STATES_ACCESS
 #include "render/shaders/lib/frame.glsl"
+#include "sim/shared/dimmer.h"
+#include "sim/shared/lamp.h"
 
 layout(local_size_x = FL_GROUP_HEADS) in;
 layout(constant_id = FL_SPEC_MOTION) const bool kMotion = true;
@@ -13,6 +15,10 @@ layout(constant_id = FL_SPEC_SPIN) const bool kSpin = true;
 layout(constant_id = FL_SPEC_STROBE) const bool kStrobe = true;
 layout(constant_id = FL_SPEC_COLOR) const bool kColor = true;
 layout(constant_id = FL_SPEC_OPTICS) const bool kOptics = true;
+layout(constant_id = FL_SPEC_TUNGSTEN) const bool kTungsten = true;
+layout(constant_id = FL_SPEC_LED) const bool kLed = true;
+layout(constant_id = FL_SPEC_DISCHARGE) const bool kDischarge = true;
+layout(constant_id = FL_SPEC_DOWSER) const bool kDowser = true;
 layout(push_constant) uniform Push { uint dt_ns_low; uint dt_ns_high; uint new_exposure; } push;
 
 layout(set = 0, binding = FL_BINDING_LEVELS, std430) readonly buffer LevelsBuffer { uint levels[]; };
@@ -32,6 +38,12 @@ layout(set = 0, binding = FL_BINDING_OPTICS_STATES, std430) writeonly buffer Opt
   OpticsState optics_states[];
 };
 
+layout(set = 0, binding = FL_BINDING_LIGHTS, std430) readonly buffer LightsBuffer { LightRow lights[]; };
+layout(set = 0, binding = FL_BINDING_FILAMENT_STATES, std430) buffer FilamentStatesBuffer { Filament filaments[]; };
+layout(set = 0, binding = FL_BINDING_LED_STATES, std430) buffer LedStatesBuffer { Led leds[]; };
+layout(set = 0, binding = FL_BINDING_DISCHARGE_STATES, std430) buffer DischargeStatesBuffer { Discharge discharges[]; };
+layout(set = 0, binding = FL_BINDING_DOWSER_STATES, std430) buffer DowserStatesBuffer { Slew dowsers[]; };
+
 uint fl_level(uint slot) { return (levels[slot >> 2] >> ((slot & 3u) * 8u)) & 255u; }
 FunctionRow fl_function(uint index) { return functions[index]; }
 MasterRow fl_master(uint index) { return masters[index]; }
@@ -48,6 +60,15 @@ Turns fl_spin_state(uint index) { return spin_states[index]; }
 void fl_set_spin_state(uint index, Turns turns) { spin_states[index] = turns; }
 Shutter fl_shutter_state(uint index) { return shutter_states[index]; }
 void fl_set_shutter_state(uint index, Shutter shutter) { shutter_states[index] = shutter; }
+LightRow fl_light(uint index) { return lights[index]; }
+Filament fl_filament_state(uint index) { return filaments[index]; }
+void fl_set_filament_state(uint index, Filament filament) { filaments[index] = filament; }
+Led fl_led_state(uint index) { return leds[index]; }
+void fl_set_led_state(uint index, Led led) { leds[index] = led; }
+Discharge fl_discharge_state(uint index) { return discharges[index]; }
+void fl_set_discharge_state(uint index, Discharge discharge) { discharges[index] = discharge; }
+Slew fl_dowser_state(uint index) { return dowsers[index]; }
+void fl_set_dowser_state(uint index, Slew slew) { dowsers[index] = slew; }
 void fl_set_optics_state(uint index, OpticsState optics) { optics_states[index] = optics; }
 
 #define FL_NEED_MOTION kMotion
@@ -55,7 +76,12 @@ void fl_set_optics_state(uint index, OpticsState optics) { optics_states[index] 
 #define FL_NEED_STROBE kStrobe
 #define FL_NEED_COLOR kColor
 #define FL_NEED_OPTICS kOptics
+#define FL_NEED_TUNGSTEN kTungsten
+#define FL_NEED_LED kLed
+#define FL_NEED_DISCHARGE kDischarge
+#define FL_NEED_DOWSER kDowser
 #include "fixtures/shared/color.h"
+#include "fixtures/shared/light.h"
 #include "fixtures/shared/decode.h"
 #include "render/shaders/lib/lit.glsl"
 

@@ -23,6 +23,7 @@ struct Smooth {
   Axis now;
   Axis from;  // when the target was last changed
   Real target;
+  uint pad;
   Turns since_ns;  // since then
 };
 
@@ -32,6 +33,7 @@ FL_FN Smooth smooth_start(Real value) {
   smoothed.now.speed = Real(0);
   smoothed.from = smoothed.now;
   smoothed.target = value;
+  smoothed.pad = uint(0);
   smoothed.since_ns = turns_zero();
   return smoothed;
 }
@@ -76,6 +78,7 @@ struct Slew {
   Real level;  // now, 0 to 1
   Real from;   // when the target was last changed
   Real target;
+  uint pad;
   Turns since_ns;  // since then
 };
 
@@ -84,6 +87,7 @@ FL_FN Slew slew_start(Real level) {
   slew.level = level;
   slew.from = level;
   slew.target = level;
+  slew.pad = uint(0);
   slew.since_ns = turns_zero();
   return slew;
 }

@@ -211,6 +211,7 @@ struct Filament {
   Real kelvin;  // now; also the colour temperature of its light (a grey body)
   Real from_k;  // when the voltage was last changed
   Real volt;
+  uint pad;
   Turns since_ns;  // since then
 };
 
@@ -219,6 +220,7 @@ FL_FN Filament filament_start(Real kelvin) {
   filament.kelvin = max(kelvin, kFilamentAmbientK);
   filament.from_k = filament.kelvin;
   filament.volt = Real(-1);  // none yet
+  filament.pad = uint(0);
   filament.since_ns = turns_zero();
   return filament;
 }
@@ -258,6 +260,33 @@ FL_FN Real filament_light(Real kelvin, FilamentType type) {
 // to do for a level that is meant as light.
 FL_FN Real filament_volt(Real kelvin, FilamentType type) {
   return pow(max(kelvin, Real(0)) / type.full_k, Real(0.5) * kFilamentPR);
+}
+
+// Where a voltage leads in the end.
+FL_FN Real filament_rest(Real volt, FilamentType type) {
+  if (!(volt > Real(1e-4))) return kFilamentAmbientK;
+  return max(type.full_k * exp2(log2(volt) * (Real(2) / kFilamentPR)), kFilamentAmbientK);
+}
+
+// The temperature of a share of light, 1e-9 to 1: the inverse of filament_light(), within 1e-6 of the temperature.
+FL_FN Real filament_kelvin(Real light, FilamentType type) {
+  if (!(light > Real(1e-9))) return kFilamentAmbientK;
+  if (light >= Real(1)) return type.full_k;
+  Real wanted = log(light) + filament_log_light(type.full_k);
+  // In x = 1000 / T the logarithm of light is nearly a line; Newton by secants of two points on it.
+  Real x = Real(1000) / type.full_k;
+  Real slope = Real(-24);
+  Real value = filament_log_light(type.full_k);
+  for (uint i = uint(0); i < uint(6); ++i) {
+    Real step = (wanted - value) / slope;
+    if (!(abs(step) > Real(1e-7))) break;
+    Real next = filament_log_light(Real(1000) / (x + step));
+    slope = (next - value) / step;
+    x += step;
+    value = next;
+    if (!(slope < Real(-1))) break;
+  }
+  return Real(1000) / x;
 }
 
 // Supplies that chop.
@@ -309,6 +338,7 @@ struct Led {
   Real from_level;  // when the target was last changed
   Real from_heat;
   Real target;
+  uint pad;
   Turns since_ns;  // since then
 };
 
@@ -319,6 +349,7 @@ FL_FN Led led_start(Real level) {
   led.from_level = level;
   led.from_heat = Real(0);
   led.target = level;
+  led.pad = uint(0);
   led.since_ns = turns_zero();
   return led;
 }
@@ -388,6 +419,7 @@ struct Discharge {
   Real from_warm;  // when the power was last switched
   uint from_lit;
   uint power;      // 1: on
+  uint pad;
   Turns since_ns;  // since then
 };
 
@@ -398,6 +430,7 @@ FL_FN Discharge discharge_start() {
   lamp.from_warm = Real(0);
   lamp.from_lit = uint(0);
   lamp.power = uint(0);
+  lamp.pad = uint(0);
   lamp.since_ns = turns_zero();
   return lamp;
 }

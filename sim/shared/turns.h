@@ -196,6 +196,7 @@ FL_INLINE Turns turns_step(Turns phase, Real rate_hz, Turns dt_ns) {
 struct Spin {
   Turns phase;       // now
   Real rate_hz;      // now; turns a second, signed
+  uint pad;
   Turns from_phase;  // when the target was last changed
   Real from_hz;
   Real target_hz;
@@ -207,6 +208,7 @@ FL_FN Spin spin_start(Turns start) {
   Spin spin;
   spin.phase = start;
   spin.rate_hz = Real(0);
+  spin.pad = uint(0);
   spin.from_phase = start;
   spin.from_hz = Real(0);
   spin.target_hz = Real(0);

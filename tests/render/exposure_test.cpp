@@ -68,7 +68,7 @@ TEST_CASE("pictures over 20 ms of a strobe at 12 Hz have the share of light that
   scene.set(par, "Shutter1Strobe", 12);
   fixtures::f64::Walker walker(scene.compiled);
   const fixtures::HeadRow& row = scene.compiled.heads[par];
-  const fixtures::TypeRow& type = scene.compiled.types[row.type];
+  const fixtures::LightRow& light = scene.compiled.lights[scene.compiled.types[row.type].light];
   const double rate_hz = walker.wish(scene.levels, par).value[fixtures::kParamStrobeHz];
   REQUIRE(std::abs(rate_hz - 12) < 0.1);  // as near as 8 bits come
 
@@ -90,7 +90,7 @@ TEST_CASE("pictures over 20 ms of a strobe at 12 Hz have the share of light that
     const auto a = must(whole->read_states())[par];
     const auto b = must(pieces->read_states())[par];
     const double expected =
-        open_share(rate_hz, static_cast<double>(type.strobe_duty), picture * kExposureNs, kExposureNs);
+        open_share(rate_hz, static_cast<double>(light.strobe_duty), picture * kExposureNs, kExposureNs);
     worst = std::max(worst, std::abs(static_cast<double>(a.red) - expected));
     worst_cut = std::max(worst_cut, std::abs(static_cast<double>(a.red) - static_cast<double>(b.red)));
     darkest = std::min(darkest, expected);

@@ -30,13 +30,17 @@ std::vector<SpecConstant> constants_of(const std::vector<PassPlan>& plan, const 
   return {};
 }
 
-// Needs of the demo rig, as the rig itself tells them, and the two that it lacks.
+// Needs of the demo rig, as the rig itself tells them, and those that it lacks.
 Needs demo_needs() {
   Needs needs = fixtures::compile(fixtures::demo_rig())->needs;
   CHECK_FALSE(needs.color);
   CHECK_FALSE(needs.blades);
   needs.color = true;
   needs.blades = true;
+  for (bool Needs::* lamp : {&Needs::tungsten, &Needs::led, &Needs::discharge, &Needs::dowser}) {
+    CHECK_FALSE(needs.*lamp);
+    needs.*lamp = true;
+  }
   return needs;
 }
 
@@ -54,7 +58,7 @@ void check_left_out(const Needs& needs, const FrameSettings& settings) {
   CHECK(planned.size() + left_out.size() == kAll.size());
 }
 
-TEST_CASE("the demo rig with filters and blades needs every pass, with every branch") {
+TEST_CASE("the demo rig with filters, blades and lamps of every kind needs every pass, with every branch") {
   const FrameSettings settings;
   const auto plan = plan_frame(demo_needs(), settings);
   CHECK(plan == std::vector<PassPlan>{
@@ -63,7 +67,11 @@ TEST_CASE("the demo rig with filters and blades needs every pass, with every bra
                       {FL_SPEC_SPIN, 1},
                       {FL_SPEC_STROBE, 1},
                       {FL_SPEC_COLOR, 1},
-                      {FL_SPEC_OPTICS, 1}}},
+                      {FL_SPEC_OPTICS, 1},
+                      {FL_SPEC_TUNGSTEN, 1},
+                      {FL_SPEC_LED, 1},
+                      {FL_SPEC_DISCHARGE, 1},
+                      {FL_SPEC_DOWSER, 1}}},
                     {"gather", {{FL_SPEC_OPTICS, 1}, {FL_SPEC_BLADES, 1}}},
                     {"bodies", {}},
                     {"tiles", {}},
@@ -118,6 +126,10 @@ TEST_CASE("each need that goes takes its branches or its passes with it") {
                         Case{"colour", &Needs::color, {}, FL_SPEC_COLOR},
                         Case{"optics", &Needs::optics, {}, FL_SPEC_OPTICS},
                         Case{"blades", &Needs::blades, {}, FL_SPEC_BLADES},
+                        Case{"tungsten", &Needs::tungsten, {}, FL_SPEC_TUNGSTEN},
+                        Case{"led", &Needs::led, {}, FL_SPEC_LED},
+                        Case{"discharge", &Needs::discharge, {}, FL_SPEC_DISCHARGE},
+                        Case{"dowser", &Needs::dowser, {}, FL_SPEC_DOWSER},
                         Case{"extinction", &Needs::extinction, {}, FL_SPEC_EXTINCTION},
                         Case{"profile", &Needs::profile, {}, FL_SPEC_PROFILE},
                         Case{"surfaces", &Needs::surfaces, {}, FL_SPEC_BOXES},
@@ -190,7 +202,8 @@ TEST_CASE("the needs of a rig follow from its fixtures and its haze") {
   CHECK(pars->needs.profile);
   CHECK(constants_of(plan_frame(pars->needs, {}), "step") ==
         std::vector<SpecConstant>{{FL_SPEC_MOTION, 0}, {FL_SPEC_SPIN, 0}, {FL_SPEC_STROBE, 1}, {FL_SPEC_COLOR, 0},
-                                  {FL_SPEC_OPTICS, 0}});
+                                  {FL_SPEC_OPTICS, 0}, {FL_SPEC_TUNGSTEN, 0}, {FL_SPEC_LED, 0},
+                                  {FL_SPEC_DISCHARGE, 0}, {FL_SPEC_DOWSER, 0}});
   rig.haze.scattering_per_m = 0;
   rig.haze.absorption_per_m = 0;
   rig.boxes.clear();

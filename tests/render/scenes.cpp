@@ -109,6 +109,56 @@ Scene all_modes_scene() {
   return scene;
 }
 
+Scene time_scene() {
+  Scene scene;
+  scene.rig.name = "time";
+  scene.rig.haze = {0.02, 0.001, 0.4, 30};
+  scene.rig.cameras.push_back({"foh", {0, -14, 3}, {0, 0, 3}, 55, 4});
+  const auto add = [&](DimmerLaw law, LampType lamp, const LampModel& model) {
+    FixtureType type = lamp_type(0.1, 1);
+    Mode& mode = type.modes[0];
+    mode.channels = {channel({0, 1}, "Dimmer", 0, 1, 65535), channel({2}, "LampControl", 0, 1, 0)};
+    ChannelFunction& control = mode.channels[1].functions[0];
+    control.sets = {{"Lamp on", 100, 149, 1, 1, 0}, {"Lamp off", 200, 209, 0, 0, 0}};
+    if (lamp == LampType::kLed) {
+      for (const auto& [slot, name] : {std::pair(3, "ColorAdd_R"), std::pair(4, "ColorAdd_G"), std::pair(5, "ColorAdd_B")})
+        mode.channels.push_back(channel({slot}, name, 0, 1, 255));
+    }
+    type.id = "test/time " + std::to_string(scene.rig.types.size());
+    type.dimmer_law = law;
+    for (int i = 0; i <= 16; ++i) type.dimmer_table.push_back(std::sqrt(i / 16.0) * i / 16.0);
+    type.beams[0].lamp = lamp;
+    type.beams[0].model = model;
+    type.beams[0].color_temperature_k = lamp == LampType::kHalogen ? 3200 : 6000;
+    PatchedFixture fixture;
+    fixture.name = type.id;
+    fixture.type = static_cast<int>(scene.rig.types.size());
+    fixture.address = 1 + kLampSlots * fixture.type;
+    fixture.position_m = {2.0 * fixture.type - 7, 0, 5};
+    scene.rig.types.push_back(std::move(type));
+    scene.rig.fixtures.push_back(fixture);
+  };
+  LampModel small, phase_cut, pwm, led, arc;
+  small.time_constant_s = 0.003;
+  phase_cut.supply = LampSupply::kPhaseCut;
+  pwm.supply = LampSupply::kPwm;
+  led.droop = 0.1;
+  led.heat_s = 20;
+  arc.ignite_s = 0.5;
+  arc.run_up_s = 2;
+  arc.cool_s = 1;
+  arc.dowser_s = 0.15;
+  add(DimmerLaw::kSquare, LampType::kIdeal, {});
+  add(DimmerLaw::kLinear, LampType::kHalogen, {});
+  add(DimmerLaw::kS, LampType::kHalogen, small);
+  add(DimmerLaw::kInverseSquare, LampType::kHalogen, phase_cut);
+  add(DimmerLaw::kTable, LampType::kHalogen, pwm);
+  add(DimmerLaw::kSquare, LampType::kLed, led);
+  add(DimmerLaw::kLinear, LampType::kDischarge, arc);
+  scene.compile();
+  return scene;
+}
+
 Scene lamps_scene(std::uint64_t seed, int count) {
   Scene scene;
   scene.rig.name = "lamps";

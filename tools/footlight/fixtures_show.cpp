@@ -1,4 +1,5 @@
 // footlight fixtures show: what is in a definition, for people.
+#include <algorithm>
 #include <cstdio>
 #include <iterator>
 #include <memory>
@@ -9,6 +10,7 @@
 #include "fixtures/attributes.h"
 #include "fixtures/import/import.h"
 #include "fixtures/import/text.h"
+#include "fixtures/lamp.h"
 #include "fixtures/params.h"
 #include "tools/footlight/fixtures_command.h"
 
@@ -62,6 +64,14 @@ class Writer {
     if (const auto names = unsimulated(mode); !names.empty()) {
       line(1, "Read and not simulated: {}", fmt::join(names, ", "));
     }
+    std::vector<std::string> lamps;
+    for (const Geometry& geometry : mode.geometries) {
+      if (geometry.beam == kNoIndex) continue;
+      const std::string lamp = lamp_text(type_, type_.beams[index(geometry.beam)], lamp_use(mode));
+      if (!lamp.empty() && std::find(lamps.begin(), lamps.end(), lamp) == lamps.end()) lamps.push_back(lamp);
+    }
+    for (const std::string& lamp : lamps) line(1, "Lamp {}", lamp);
+    line(1, "Dimmer law: {}", dimmer_law_words()[static_cast<std::size_t>(type_.dimmer_law)]);
     line(1, "Channels");
     for (const Channel& channel : mode.channels) write_channel(mode, channel);
     for (const Relation& relation : mode.relations) {

@@ -36,7 +36,13 @@
 #define FL_BINDING_FACETS 28
 #define FL_BINDING_OPTICS_STATES 29
 #define FL_BINDING_BLADES 30  // BladesRow, one a beam
-#define FL_BINDING_COUNT 31
+// Lamps: a table of the rig and states of heads.
+#define FL_BINDING_LIGHTS 31
+#define FL_BINDING_FILAMENT_STATES 32
+#define FL_BINDING_LED_STATES 33
+#define FL_BINDING_DISCHARGE_STATES 34
+#define FL_BINDING_DOWSER_STATES 35
+#define FL_BINDING_COUNT 36
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -53,7 +59,11 @@
 #define FL_SPEC_COLOR 11
 #define FL_SPEC_OPTICS 12
 #define FL_SPEC_BLADES 13
-#define FL_SPEC_COUNT 14
+#define FL_SPEC_TUNGSTEN 14
+#define FL_SPEC_LED 15
+#define FL_SPEC_DISCHARGE 16
+#define FL_SPEC_DOWSER 17
+#define FL_SPEC_COUNT 18
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
