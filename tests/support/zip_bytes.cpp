@@ -33,35 +33,85 @@ std::string deflated(std::string_view content) {
   return out;
 }
 
+// RFC 1951, one block of codes of its own: a zero, then copies of 258 bytes from one byte back at two bits each, which
+// is all that deflate can do: 1032 to 1. Holds 1 + 258 n bytes, at least as many as are wanted.
+std::string deflated_zeros(std::uint64_t count) {
+  std::string out;
+  unsigned bits = 0, filled = 0;
+  const auto put_bits = [&](unsigned value, unsigned width) {  // least significant first
+    bits |= value << filled;
+    for (filled += width; filled >= 8; filled -= 8, bits >>= 8) out += static_cast<char>(bits & 0xFF);
+  };
+  put_bits(1, 1);       // the last block
+  put_bits(2, 2);       // with codes of its own
+  put_bits(286 - 257, 5);
+  put_bits(0, 5);       // one distance
+  put_bits(18 - 4, 4);  // lengths of the codes for lengths, in the order of the standard: 18 is '0', 1 '10', 2 '11'
+  for (const char length : std::string_view("001000000000000202")) put_bits(static_cast<unsigned>(length - '0'), 3);
+  const auto one = [&] { put_bits(0b01, 2); };
+  const auto two = [&] { put_bits(0b11, 2); };
+  const auto none = [&](unsigned run) {
+    put_bits(0, 1);
+    put_bits(run - 11, 7);
+  };
+  two();      // the zero byte: '10'
+  none(138);  // 1 to 255 do not occur
+  none(117);
+  two();      // the end: '11'
+  none(28);
+  one();  // a copy of 258 bytes: '0'
+  one();  // from one byte back: '0'
+  put_bits(0b01, 2);
+  const std::uint64_t copies = (count + 256) / 258;
+  std::uint64_t left = copies;
+  for (; left > 0 && filled != 0; --left) put_bits(0, 2);
+  out.append(left / 4, '\0');
+  for (left %= 4; left > 0; --left) put_bits(0, 2);
+  put_bits(0b11, 2);
+  put_bits(0, 7);
+  return out;
+}
+
 }  // namespace
 
 std::string make_zip(const std::vector<ZipEntry>& entries) {
   std::string body, directory;
   for (const ZipEntry& entry : entries) {
-    const std::string packed = entry.method == 8 ? deflated(entry.content) : entry.content;
-    const std::uint64_t size =
-        entry.claimed_size >= 0 ? static_cast<std::uint64_t>(entry.claimed_size) : entry.content.size();
+    const std::string packed = entry.zeros > 0       ? deflated_zeros(entry.zeros)
+                               : entry.method == 8 ? deflated(entry.content)
+                                                   : entry.content;
+    const std::uint64_t truth = entry.zeros > 0 ? 1 + (entry.zeros + 256) / 258 * 258 : entry.content.size();
+    const std::uint64_t size = entry.claimed_size >= 0 ? static_cast<std::uint64_t>(entry.claimed_size) : truth;
+    const bool is_long = size >= 0xFFFFFFFF;
+    std::string extra;
+    if (is_long) {
+      put(extra, 1, 2);  // zip64
+      put(extra, 16, 2);
+      put(extra, size, 8);
+      put(extra, packed.size(), 8);
+    }
     std::string common;
     put(common, 20, 2);
     put(common, entry.flags, 2);
-    put(common, entry.method, 2);
+    put(common, entry.zeros > 0 ? 8 : entry.method, 2);
     put(common, 0, 4);  // when
     put(common, sum_of(entry.content) ^ (entry.wrong_sum ? 1u : 0u), 4);
-    put(common, packed.size(), 4);
-    put(common, size, 4);
+    put(common, is_long ? 0xFFFFFFFF : packed.size(), 4);
+    put(common, is_long ? 0xFFFFFFFF : size, 4);
     put(common, entry.name.size(), 2);
     const std::size_t at = body.size();
     put(body, 0x04034b50, 4);
     body += common;
-    put(body, 0, 2);
-    body += entry.name + packed;
+    put(body, extra.size(), 2);
+    body += entry.name + extra + packed;
     put(directory, 0x02014b50, 4);
     put(directory, 20, 2);
     directory += common;
-    put(directory, 0, 8);  // lengths of extra and comment, disk, inner attributes
+    put(directory, extra.size(), 2);
+    put(directory, 0, 6);  // length of the comment, disk, inner attributes
     put(directory, 0, 4);  // outer attributes
     put(directory, at, 4);
-    directory += entry.name;
+    directory += entry.name + extra;
   }
   const std::size_t at = body.size();
   body += directory;
