@@ -42,8 +42,8 @@ std::string deflated_zeros(std::uint64_t count) {
     bits |= value << filled;
     for (filled += width; filled >= 8; filled -= 8, bits >>= 8) out += static_cast<char>(bits & 0xFF);
   };
-  put_bits(1, 1);       // the last block
-  put_bits(2, 2);       // with codes of its own
+  put_bits(1, 1);  // the last block
+  put_bits(2, 2);  // with codes of its own
   put_bits(286 - 257, 5);
   put_bits(0, 5);       // one distance
   put_bits(18 - 4, 4);  // lengths of the codes for lengths, in the order of the standard: 18 is '0', 1 '10', 2 '11'
@@ -57,7 +57,7 @@ std::string deflated_zeros(std::uint64_t count) {
   two();      // the zero byte: '10'
   none(138);  // 1 to 255 do not occur
   none(117);
-  two();      // the end: '11'
+  two();  // the end: '11'
   none(28);
   one();  // a copy of 258 bytes: '0'
   one();  // from one byte back: '0'
@@ -77,7 +77,7 @@ std::string deflated_zeros(std::uint64_t count) {
 std::string make_zip(const std::vector<ZipEntry>& entries) {
   std::string body, directory;
   for (const ZipEntry& entry : entries) {
-    const std::string packed = entry.zeros > 0       ? deflated_zeros(entry.zeros)
+    const std::string packed = entry.zeros > 0     ? deflated_zeros(entry.zeros)
                                : entry.method == 8 ? deflated(entry.content)
                                                    : entry.content;
     const std::uint64_t truth = entry.zeros > 0 ? 1 + (entry.zeros + 256) / 258 * 258 : entry.content.size();

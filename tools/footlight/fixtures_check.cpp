@@ -10,15 +10,14 @@
 #include <vector>
 
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include "fixtures/builtin/builtin.h"
 #include "fixtures/import/import.h"
 #include "fixtures/params.h"
 #include "fixtures/sweep.h"
-#include "sim/system_clock.h"
 #include "tools/footlight/fixtures_command.h"
 #include "tools/footlight/json_lines.h"
+#include "tools/footlight/progress.h"
 #include "tools/footlight/terminal.h"
 
 namespace footlight::tools {
@@ -29,10 +28,7 @@ using fixtures::Diagnostic;
 using fixtures::ImportStatus;
 using fixtures::Severity;
 
-constexpr DurationNs kProgressAfterNs = 500 * kNsPerMs;
-constexpr DurationNs kProgressEveryNs = 200 * kNsPerMs;
-constexpr DurationNs kProgressLineEveryNs = 2'000 * kNsPerMs;  // where no terminal rewrites it
-constexpr int kDepthMax = 16;                                  // of folders
+constexpr int kDepthMax = 16;  // of folders
 
 struct Options {
   std::vector<std::string> paths;
@@ -112,35 +108,6 @@ Result<Wanted> find_wanted(const std::vector<std::string>& paths) {
   return wanted;
 }
 
-// How far it has come, on standard error, once it takes longer than half a second.
-class Progress {
- public:
-  Progress() : rewrites_(isatty(STDERR_FILENO) != 0), begin_ns_(clock_.now_ns()) {}
-  ~Progress() { clear(); }
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-
-  void show(std::size_t done, std::size_t all) {
-    const TimeNs now_ns = clock_.now_ns();
-    const DurationNs pause_ns = rewrites_ ? kProgressEveryNs : kProgressLineEveryNs;
-    if (now_ns - begin_ns_ < kProgressAfterNs || (shown_ && now_ns - shown_ns_ < pause_ns)) return;
-    fmt::print(stderr, "{}footlight: {} of {} files{}", rewrites_ ? "\r" : "", done, all, rewrites_ ? "\033[K" : "\n");
-    shown_ = true;
-    shown_ns_ = now_ns;
-  }
-  void clear() {
-    if (rewrites_ && shown_) fmt::print(stderr, "\r\033[K");
-    shown_ = shown_ && !rewrites_;
-  }
-
- private:
-  SystemClock clock_;
-  const bool rewrites_;
-  const TimeNs begin_ns_;
-  bool shown_ = false;
-  TimeNs shown_ns_ = 0;
-};
-
 // The attributes that are read and that the simulator makes nothing of, of all modes.
 std::string unsimulated_of(const fixtures::FixtureType& type) {
   std::set<std::string> names;
@@ -209,7 +176,7 @@ Result<int> run_check(const Options& options) {
   if (options.paths.empty())
     return fail(ErrorCode::kBadInput, "nothing to check; name files or folders: 'footlight fixtures check head.gdtf'");
   catch_end_signals();
-  Progress progress;
+  Progress progress("files");
   FL_ASSIGN(const Wanted wanted, find_wanted(options.paths));
   std::array<std::size_t, 3> counts{};
   std::size_t done = 0;

@@ -1,11 +1,12 @@
 // footlight fixtures convert: any definition as our own fixture file, with the pictures and models that it uses.
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <set>
 #include <system_error>
 
+#include "fixtures/export/write_file.h"
 #include "fixtures/fixture_toml_full.h"
+#include "fixtures/import/archive.h"
 #include "fixtures/import/import.h"
 #include "tools/footlight/fixtures_command.h"
 
@@ -21,23 +22,10 @@ struct Options {
   std::string out;
 };
 
-// All of it or nothing: written beside, then renamed.
-Status write_whole(const fs::path& path, const char* bytes, std::size_t size) {
+Status write_whole(const fs::path& path, std::string_view bytes) {
   std::error_code error;
   if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
-  const fs::path part = path.string() + ".part";
-  {
-    std::ofstream file(part, std::ios::binary | std::ios::trunc);
-    file.write(bytes, static_cast<std::streamsize>(size));
-    file.close();
-    if (!file) {
-      fs::remove(part, error);
-      return fail(ErrorCode::kIo, "{}: cannot be written", path.string());
-    }
-  }
-  fs::rename(part, path, error);
-  if (error) return fail(ErrorCode::kIo, "{}: {}", path.string(), error.message());
-  return {};
+  return fixtures::write_file(path.string(), bytes);
 }
 
 std::set<std::string> names_used(const fixtures::FixtureType& type) {
@@ -71,13 +59,12 @@ Result<int> convert(const Options& options) {
         fmt::print(stderr, "footlight: {}\n", bytes.error().message);
         continue;
       }
-      FL_TRY(
-          write_whole(out.parent_path() / folder / name, reinterpret_cast<const char*>(bytes->data()), bytes->size()));
+      FL_TRY(write_whole(out.parent_path() / folder / name, fixtures::text_of(*bytes)));
       ++copied;
     }
   }
   const std::string text = fixtures::write_full_form(type, copied > 0 ? folder : "");
-  FL_TRY(write_whole(out, text.data(), text.size()));
+  FL_TRY(write_whole(out, text));
   std::size_t warnings = 0;
   for (const fixtures::Diagnostic& diagnostic : imported.diagnostics) {
     if (diagnostic.severity == fixtures::Severity::kNote) continue;

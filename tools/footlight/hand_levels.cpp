@@ -82,8 +82,7 @@ void give_hand_addresses(fixtures::Rig& rig) {
   Address next = 1;
   for (fixtures::PatchedFixture& fixture : rig.fixtures) {
     if (fixture.patched) continue;
-    const fixtures::Mode& mode =
-        rig.types[static_cast<std::size_t>(fixture.type)].modes[static_cast<std::size_t>(fixture.mode)];
+    const fixtures::Mode& mode = fixtures::mode_of(rig, fixture);
     const int first = fixtures::slot_count_of(mode, 1);
     int all = first;
     for (const auto& [dmx_break, count] : mode.break_slot_counts) all += dmx_break > 1 ? count : 0;
@@ -114,8 +113,7 @@ HandLevels::HandLevels(const fixtures::Rig& rig, const fixtures::CompiledRig& co
   for (std::size_t i = 0; i < rig.fixtures.size(); ++i) {
     const fixtures::PatchedFixture& fixture = rig.fixtures[i];
     if (!fixture.patched) continue;  // it stands at its channels' defaults: no level reaches it
-    const fixtures::Mode& mode =
-        rig.types[static_cast<std::size_t>(fixture.type)].modes[static_cast<std::size_t>(fixture.mode)];
+    const fixtures::Mode& mode = fixtures::mode_of(rig, fixture);
     const auto slots = slots_of(fixture);
     fixtures::encode_defaults(rig, fixture, slots);
     fixtures::encode_attribute(rig, fixture, "Shutter1", 1, slots);

@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
 #include <fmt/chrono.h>
@@ -12,11 +11,15 @@
 
 #include "fixtures/export/mvr.h"
 #include "fixtures/export/rig_toml.h"
+#include "fixtures/export/write_file.h"
 #include "fixtures/import/import_rig.h"
 #include "fixtures/import/text.h"
+#include "fixtures/paperwork/patch_pdf.h"
 #include "fixtures/paperwork/patch_sheet.h"
 #include "fixtures/paperwork/plan.h"
 #include "tools/footlight/command.h"
+#include "tools/footlight/progress.h"
+#include "tools/footlight/terminal.h"
 
 namespace footlight::tools {
 namespace {
@@ -45,7 +48,9 @@ Opened open(const std::string& path, const std::vector<std::string>& folders) {
   Diagnostics diagnostics;
   std::optional<fixtures::Library> library;
   if (!folders.empty()) library = fixtures::Library::open(folders);
-  auto rig = fixtures::import_rig(path, library ? &*library : nullptr, diagnostics);
+  catch_end_signals();
+  Progress progress("fixtures read");
+  auto rig = fixtures::import_rig(path, library ? &*library : nullptr, diagnostics, progress.go_on());
   diagnostics.finish();
   if (rig) rig->diagnostics = diagnostics.all();
   return {std::move(rig), diagnostics.take()};
@@ -119,6 +124,7 @@ Result<int> check(const Options& options) {
   int loaded = 0, warned = 0, refused = 0;
   for (const std::string& path : options.paths) {
     for (const std::string& file : rig_files(path)) {
+      if (end_signal_came()) break;
       const Opened opened = open(file, options.library);
       const ImportStatus status = opened.rig ? opened.rig->status() : ImportStatus::kRefused;
       ++(status == ImportStatus::kLoaded ? loaded : status == ImportStatus::kWarnings ? warned : refused);
@@ -231,15 +237,17 @@ Status expect_ending(const std::string& out, const std::vector<std::string>& end
 }
 
 void print_report(const std::string& out, const fixtures::ExportReport& report) {
-  fmt::print("{}: {} fixtures, {} definitions, {} meshes\n", out, report.fixture_count, report.definition_count,
-             report.mesh_count);
+  fmt::print("{}: {} fixtures, {} definitions{}, {} meshes\n", out, report.fixture_count, report.definition_count,
+             report.made_count > 0 ? fmt::format(" ({} written as GDTF)", report.made_count) : "", report.mesh_count);
   for (const std::string& note : report.notes) fmt::print(stderr, "footlight: {}\n", note);
 }
 
 Result<int> import_it(const Options& options) {
   FL_TRY(expect_ending(options.out, {".toml"}, "footlight rig import show.mvr -o show.toml"));
   FL_ASSIGN(const ImportedRig imported, open_or_fail(options));
-  FL_ASSIGN(const auto report, fixtures::export_rig_toml(imported, options.out));
+  Progress progress("files written");
+  FL_ASSIGN(const auto report, fixtures::export_rig_toml(imported, options.out, progress.go_on()));
+  progress.clear();
   print_report(options.out, report);
   print_assumptions(imported);
   return kExitOk;
@@ -248,27 +256,11 @@ Result<int> import_it(const Options& options) {
 Result<int> export_it(const Options& options) {
   FL_TRY(expect_ending(options.out, {".mvr"}, "footlight rig export show.toml -o show.mvr"));
   FL_ASSIGN(const ImportedRig imported, open_or_fail(options));
-  FL_ASSIGN(const auto report, fixtures::export_mvr(imported, options.out));
+  Progress progress("files written");
+  FL_ASSIGN(const auto report, fixtures::export_mvr(imported, options.out, progress.go_on()));
+  progress.clear();
   print_report(options.out, report);
   return kExitOk;
-}
-
-// Whole or not at all.
-Status write_text(const std::string& path, const std::string& text) {
-  const std::string part = path + ".part";
-  std::error_code trouble;
-  {
-    std::ofstream stream(part, std::ios::binary);
-    stream << text;
-    stream.close();
-    if (!stream) {
-      fs::remove(part, trouble);
-      return fail(ErrorCode::kIo, "{}: cannot be written; check the folder and the space on its disk", path);
-    }
-  }
-  fs::rename(part, path, trouble);
-  if (trouble) return fail(ErrorCode::kIo, "{}: cannot be written: {}", path, trouble.message());
-  return {};
 }
 
 fixtures::SheetHead head_of(const Options& options) {
@@ -277,11 +269,16 @@ fixtures::SheetHead head_of(const Options& options) {
 }
 
 Result<int> patch(const Options& options) {
-  FL_TRY(expect_ending(options.out, {".html", ".csv"}, "footlight rig patch show.mvr -o patch.html"));
+  FL_TRY(expect_ending(options.out, {".pdf", ".html", ".csv"}, "footlight rig patch show.mvr -o patch.pdf"));
   FL_ASSIGN(const ImportedRig imported, open_or_fail(options));
-  const bool csv = fixtures::lower(options.out).ends_with(".csv");
-  FL_TRY(write_text(options.out,
-                    csv ? fixtures::patch_csv(imported.rig) : fixtures::patch_html(imported.rig, head_of(options))));
+  const std::string ending = fixtures::lower(fs::path(options.out).extension().string());
+  std::string bytes;
+  if (ending == ".pdf") {
+    FL_ASSIGN(bytes, fixtures::patch_pdf(imported.rig, head_of(options)));
+  } else {
+    bytes = ending == ".csv" ? fixtures::patch_csv(imported.rig) : fixtures::patch_html(imported.rig, head_of(options));
+  }
+  FL_TRY(fixtures::write_file(options.out, bytes));
   fmt::print("{}: {} fixtures\n", options.out, imported.rig.fixtures.size());
   return kExitOk;
 }
@@ -294,7 +291,7 @@ Result<int> plan(const Options& options) {
   }
   constexpr fixtures::PlanPaper kSizes[] = {{1189, 841}, {841, 594}, {594, 420}, {420, 297}, {297, 210}};
   FL_ASSIGN(const ImportedRig imported, open_or_fail(options));
-  FL_TRY(write_text(options.out, fixtures::plan_svg(imported.rig, head_of(options), kSizes[paper[1] - '0'])));
+  FL_TRY(fixtures::write_file(options.out, fixtures::plan_svg(imported.rig, head_of(options), kSizes[paper[1] - '0'])));
   fmt::print("{}: {} fixtures\n", options.out, imported.rig.fixtures.size());
   return kExitOk;
 }
@@ -323,13 +320,13 @@ void add(Arguments& arguments) {
        import_it, "the rig file, .toml"},
       {"export", "Write a rig as MVR 1.6",
        "  footlight rig export show.toml -o show.mvr\n"
-       "Definitions that are GDTF files go along; of others only the name does.",
+       "Definitions that are GDTF files go along as they are; others are written as GDTF.",
        export_it, "the file, .mvr"},
       {"patch", "Write the patch sheet, for print or for a spreadsheet",
+       "  footlight rig patch show.mvr -o patch.pdf\n"
        "  footlight rig patch show.mvr -o patch.html\n"
-       "  footlight rig patch show.mvr -o patch.csv\n"
-       "For PDF print the HTML from a browser: its pages, heads and sums are made for A4.",
-       patch, "the sheet, .html or .csv"},
+       "  footlight rig patch show.mvr -o patch.csv\n",
+       patch, "the sheet, .pdf, .html or .csv"},
       {"plan", "Draw the top view to scale, for print",
        "  footlight rig plan show.mvr -o plan.svg --paper a3\n"
        "  rsvg-convert -f pdf plan.svg -o plan.pdf",
@@ -364,7 +361,7 @@ extern const CommandInfo rig_command{
         "  footlight rig show show.mvr\n"
         "  footlight rig import show.mvr -o show.toml\n"
         "  footlight rig export show.toml -o show.mvr\n"
-        "  footlight rig patch show.mvr -o patch.html\n"
+        "  footlight rig patch show.mvr -o patch.pdf\n"
         "  footlight rig plan show.mvr -o plan.svg\n",
     .add = add,
 };
