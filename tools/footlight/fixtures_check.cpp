@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -108,15 +107,6 @@ Result<Wanted> find_wanted(const std::vector<std::string>& paths) {
   return wanted;
 }
 
-// The attributes that are read and that the simulator makes nothing of, of all modes.
-std::string unsimulated_of(const fixtures::FixtureType& type) {
-  std::set<std::string> names;
-  for (const fixtures::Mode& mode : type.modes) {
-    for (std::string& name : fixtures::unsimulated(mode)) names.insert(std::move(name));
-  }
-  return fmt::format("{}", fmt::join(names, ", "));
-}
-
 // Every value of every channel decoded: what leaves its declared range.
 void add_sweep(const fixtures::FixtureType& type, const std::string& path, fixtures::Diagnostics& diagnostics,
                fixtures::SweepReport& sum) {
@@ -142,8 +132,9 @@ FixtureCheck check_file(const std::string& path, bool sweeps, fixtures::SweepRep
   if (const auto* format = fixtures::find_import_format(*source); format != nullptr) check.format = format->name;
   auto type = fixtures::import_fixture(std::move(*source), diagnostics);
   if (type) {
-    if (const std::string names = unsimulated_of(*type); !names.empty()) {
-      diagnostics.add({Severity::kNote, "not-simulated", {path}, names, "they change nothing"});
+    if (const auto names = fixtures::unsimulated(*type); !names.empty()) {
+      diagnostics.add({Severity::kNote, "not-simulated", {path}, fmt::format("{}", fmt::join(names, ", ")),
+                       "they change nothing"});
     }
     if (sweeps) add_sweep(*type, path, diagnostics, sum);
   }
