@@ -5,6 +5,8 @@
 #include <cstring>
 #include <type_traits>
 
+#include "fixtures/builtin/builtin.h"
+#include "fixtures/vrsl_compat.h"
 #include "fixtures/walker.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
@@ -252,6 +254,65 @@ TEST_CASE("lamps of every kind and dimmers of every law follow the walker over s
   CHECK(to_double.kelvin <= kLampKelvinMax);
   CHECK(to_double.light <= kLampLightMax);
   CHECK(to_float.phases == 0);
+}
+
+// One of each VRSL type, in its first mode, one row of the grid each or more.
+fixtures::Rig vrsl_rig() {
+  fixtures::Rig rig;
+  rig.name = "VRSL";
+  rig.types = fixtures::vrsl_types();
+  rig.vrsl.emplace();
+  Address address = 1;
+  for (std::size_t t = 0; t < rig.types.size(); ++t) {
+    fixtures::PatchedFixture fixture;
+    fixture.name = rig.types[t].id;
+    fixture.type = static_cast<int>(t);
+    fixture.address = address;
+    fixture.position_m = {static_cast<double>(t) - 5, 3, 5};
+    rig.fixtures.push_back(fixture);
+    address += (rig.types[t].modes[0].slot_count + 12) / 13 * 13;
+  }
+  rig.boxes.push_back({"Floor", {-9, -6, -0.1}, {9, 9, 0}, glm::dvec3(0.2)});
+  rig.cameras.emplace_back();
+  return rig;
+}
+
+TEST_CASE("a VRSL show replays to the walker's states and, a second time, to the same picture") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const fixtures::Rig written = vrsl_rig();
+  Scene scene;
+  scene.rig = vrsl_shown(written);
+  scene.compiled = must(fixtures::compile(scene.rig));
+  scene.camera = scene.rig.cameras.front();
+  scene.levels.assign(scene.compiled.universes.size() * kSlotCountMax, 0);
+  std::vector<ScreenImage> pictures;
+  for (int time = 0; time < 2; ++time) {
+    const auto frame = make_frame(vulkan.device(), scene, judged_settings(96, 64));
+    fixtures::f32::Walker walker(scene.compiled);
+    fixtures::VrslReplay replay(written, scene.compiled);
+    Random random(9);
+    Differences to_float;
+    for (int look = 0; look < 20; ++look) {
+      randomise(scene.levels, random);
+      replay.step(scene.levels, 300 * kMs, true,
+                  [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+                    frame->step(levels, dt_ns, new_exposure);
+                    walker.step(levels, dt_ns, new_exposure);
+                  });
+      must(frame->run_steps());
+      compare(*frame, walker, to_float);
+    }
+    to_float.print("VRSL's replay, to the walker in float");
+    CHECK(to_float.position <= 2e-6);  // over 1,440 degrees
+    CHECK(to_float.light <= kDecodeMax);
+    CHECK(to_float.phases == 0);
+    must(frame->draw(view_of(scene.camera), scene.camera.exposure_ev));
+    pictures.push_back(must(frame->read_screen()));
+  }
+  CHECK(pictures[0].rgba == pictures[1].rgba);
+  const auto bright = [](std::uint8_t byte) { return byte > 128 && byte < 255; };
+  CHECK(std::any_of(pictures[0].rgba.begin(), pictures[0].rgba.end(), bright));
 }
 
 TEST_CASE("a time step that is negative is none") {

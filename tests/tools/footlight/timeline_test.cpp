@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include "fixtures/walker.h"
 #include "tests/sim/dmx_log/support.h"
 #include "tools/footlight/picture_file.h"
 #include "tools/footlight/timeline.h"
@@ -167,6 +168,50 @@ TEST_CASE("a log without a frame for the rig holds darkness for as long as it is
   REQUIRE(story.held.size() == 1);
   CHECK(story.held[0].held_ns == 20 * kMs);
   CHECK(std::all_of(story.held[0].levels.begin(), story.held[0].levels.end(), [](auto level) { return level == 0; }));
+}
+
+TEST_CASE("a recorded VRSL show replays to the same states, whatever pictures are asked for") {
+  const auto rig = fixtures::parse_rig(
+      "[rig]\nname = \"r\"\n[vrsl]\n[[fixture]]\nname = \"A{}\"\ntype = \"vrsl/spot\"\nuniverse = 2\naddress = 1\n"
+      "position = [0, 0, 5]\ncount = 3\n",
+      "r.toml");
+  REQUIRE_MESSAGE(rig, rig.error().message);
+  const auto compiled = fixtures::compile(fixtures::vrsl_shown(*rig));
+  REQUIRE(compiled);
+  std::vector<OwnedFrame> frames;
+  for (int i = 0; i < 200; ++i) {
+    OwnedFrame frame = frame_of(i * 41 * kMs + 7, 2, static_cast<std::uint8_t>(i));
+    for (std::size_t slot = 0; slot < frame.slots.size(); ++slot) {
+      frame.slots[slot] = static_cast<std::uint8_t>(slot % 13 * 19 + static_cast<std::size_t>(i) * (slot % 5));
+    }
+    frames.push_back(frame);
+  }
+  const auto states_after = [&](DurationNs every_ns, DurationNs exposure_ns) {
+    Timeline timeline(testing::open_log(testing::log_bytes(frames, 9'000 * kMs)), *compiled,
+                      fixtures::VrslReplay(*rig, *compiled));
+    fixtures::f32::Walker walker(*compiled);
+    DurationNs total_ns = 0;
+    for (DurationNs at_ns = every_ns; at_ns <= 8'000 * kMs; at_ns += every_ns) {
+      REQUIRE(timeline.advance(at_ns, exposure_ns, [&](auto levels, std::int64_t dt_ns, bool new_exposure) {
+        walker.step(levels, dt_ns, new_exposure);
+        total_ns += dt_ns;
+      }));
+    }
+    CHECK(total_ns == 8'000 * kMs);
+    return std::pair(walker.states, walker.optics_states);
+  };
+  const auto [once, optics_once] = states_after(8'000 * kMs, 20 * kMs);
+  for (const DurationNs every_ns : {16 * kMs, 40 * kMs, 1'000 * kMs}) {
+    const auto [often, optics_often] = states_after(every_ns, 20 * kMs);
+    for (std::size_t i = 0; i < once.size(); ++i) {
+      CHECK(once[i].pan == often[i].pan);
+      CHECK(once[i].tilt == often[i].tilt);
+      CHECK(once[i].zoom == often[i].zoom);
+      CHECK(optics_once[i].image_1 == optics_often[i].image_1);
+      CHECK(optics_once[i].angle_1 == optics_often[i].angle_1);
+    }
+  }
+  CHECK(once[0].pan != once[1].pan);
 }
 
 TEST_CASE("a picture's number goes into its one place, padded as asked") {
