@@ -13,7 +13,8 @@
 // phi would lose digits; there s itself is used, by its series in y^-(p+r).
 //
 // Error of the table: 0.002 K of the lamp's temperature; of both with float's rounding, compared with an adaptive
-// solver at 1e-13, see lamp_test.cpp. Cost: a logarithm, three exponentials and three look-ups.
+// solver at 1e-13, see lamp_test.cpp. Cost: an exponential, a square root and a look-up while the voltage holds; a
+// logarithm, two exponentials and a look-up more when it changes.
 // Source: r = 1.215 (resistivity of tungsten), p = 4.6 and q = 0.15 for radiation and heat capacity; these give P ~
 // v^1.58 (makers: 1.6), T ~ v^0.34 (makers, of colour temperature: 0.42) and light ~ v^2.8 (makers: 3.4), and an
 // inrush of 18 times the current.
@@ -97,10 +98,22 @@ FL_CONST Real kFilamentPhiSlope[121] = FL_LIST_BEGIN(Real, 121)
     Real(-0.0010236813969809), Real(-0.00098735515358212), Real(-0.00095255891553079), Real(-0.00091921918133806),
     Real(-0.0008872663508833)
 FL_LIST_END;
+// y at phi = 1.2 - i / 40, to four digits: where its search begins.
+FL_CONST Real kFilamentY[67] = FL_LIST_BEGIN(Real, 67)
+    Real(0.05), Real(0.1137), Real(0.1674), Real(0.2049), Real(0.2354), Real(0.2618), Real(0.2855), Real(0.3073),
+    Real(0.3276), Real(0.3467), Real(0.365), Real(0.3825), Real(0.3994), Real(0.4158), Real(0.4318), Real(0.4474),
+    Real(0.4628), Real(0.4779), Real(0.4928), Real(0.5075), Real(0.5221), Real(0.5367), Real(0.5511), Real(0.5656),
+    Real(0.58), Real(0.5945), Real(0.609), Real(0.6235), Real(0.6382), Real(0.6529), Real(0.6679), Real(0.6829),
+    Real(0.6982), Real(0.7137), Real(0.7294), Real(0.7455), Real(0.7618), Real(0.7785), Real(0.7956), Real(0.8131),
+    Real(0.831), Real(0.8496), Real(0.8687), Real(0.8884), Real(0.9089), Real(0.9302), Real(0.9524), Real(0.9756),
+    Real(1), Real(1.026), Real(1.053), Real(1.082), Real(1.113), Real(1.146), Real(1.182), Real(1.221), Real(1.264),
+    Real(1.312), Real(1.366), Real(1.428), Real(1.5), Real(1.587), Real(1.696), Real(1.839), Real(2.044), Real(2.393),
+    Real(2.5)
+FL_LIST_END;
 // clang-format on
 
 // phi, its slope and its second derivative; 0 <= y <= 2.5.
-FL_FN Real filament_phi(Real y, FL_OUT(Real) slope, FL_OUT(Real) bend) {
+FL_INLINE Real filament_phi(Real y, FL_OUT(Real) slope, FL_OUT(Real) bend) {
   Real place = y * Real(48);
   uint i = min(uint(place), uint(119));
   Real t = place - Real(i);
@@ -108,40 +121,34 @@ FL_FN Real filament_phi(Real y, FL_OUT(Real) slope, FL_OUT(Real) bend) {
   Real b = kFilamentPhi[i + uint(1)];
   Real da = kFilamentPhiSlope[i];
   Real db = kFilamentPhiSlope[i + uint(1)];
-  // Cubic Hermite: a + t (da + t (c2 + t c3)).
-  Real c3 = Real(2) * (a - b) + da + db;
-  Real c2 = b - a - da - c3;
-  slope = Real(48) * (da + t * (Real(2) * c2 + t * Real(3) * c3));
-  bend = Real(48 * 48) * (Real(2) * c2 + t * Real(6) * c3);
-  return a + t * (da + t * (c2 + t * c3));
+  // Cubic Hermite: a + t (da + t (c2 + t c3)), written so that few operations wait for another.
+  Real way = b - a;
+  Real both = da + db;
+  Real c3 = both - Real(2) * way;
+  Real c2 = (Real(3) * way - da) - both;
+  Real t_2 = t * t;
+  slope = Real(48) * ((da + t * (Real(2) * c2)) + t_2 * (Real(3) * c3));
+  bend = Real(2 * 48 * 48) * (c2 + t * (Real(3) * c3));
+  return (a + t * da) + t_2 * (c2 + t * c3);
 }
 
-// When Halley's steps are so small, what is left is their cube.
+// When Halley's steps are such a share of y, what is left is their cube.
 FL_CONST Real kFilamentStop = kSingle ? Real(4e-3) : Real(1e-5);
 
 // y of phi, from the table's end at y = 2.5 to cold.
-FL_FN Real filament_y(Real phi) {
-  // Beginnings within 2e-3: (1 - y) / phi and (1 / y - 1) / phi as polynomials of a root that is 0 at cold and at hot.
-  Real y;
-  if (phi >= Real(0)) {
-    Real g = sqrt(max(Real(1) - phi * (Real(1) / kFilamentCold), Real(0)));
-    y = Real(1) - phi * (Real(0.83188) +
-                         g * (Real(-0.8091) + g * (Real(1.5184) + g * (Real(-1.65072) + g * Real(1.06333)))));
-  } else {
-    Real g = sqrt(max(Real(1) - phi * (Real(1) / kFilamentHot), Real(0)));
-    y = Real(1) /
-        (Real(1) + phi * (Real(1.84622) + g * (Real(-2.21234) + g * (Real(2.0591) + g * Real(-0.70906)))));
-  }
+FL_INLINE Real filament_y(Real phi) {
+  Real place = clamp((Real(1.2) - phi) * Real(40), Real(0), Real(65.9));
+  uint first = uint(place);
+  Real y = kFilamentY[first] + (place - Real(first)) * (kFilamentY[first + uint(1)] - kFilamentY[first]);
   for (uint i = uint(0); i < uint(8); ++i) {
-    y = clamp(y, Real(1e-3), kFilamentFar);
     Real slope;
     Real bend;
     Real miss = filament_phi(y, slope, bend) - phi;
     Real step = miss * slope / (slope * slope - Real(0.5) * miss * bend);
-    y -= step;
-    if (!(abs(step) > kFilamentStop)) break;
+    y = clamp(y - step, Real(1e-3), kFilamentFar);
+    if (!(abs(step) > kFilamentStop * y)) break;
   }
-  return y;
+  return phi == Real(0) ? Real(1) : y;
 }
 
 // s from y without end to y >= 2.5, by the logarithm of y to the base of 2; the first term that is left out is 1e-17 of
@@ -173,45 +180,14 @@ struct FilamentType {
   Real tau_s;   // time constant at full: 0.003 (small) to 0.35 (2 kW)
 };
 
-// The temperature after t_s at `volt` (rms over the rated voltage, 0 to 1.2), from any temperature. Exact but for the
-// table. Refused, and the temperature left alone: a step or a voltage that is no number or negative, an infinite step.
-FL_FN Real filament_after(Real kelvin, FilamentType type, Real volt, Real t_s) {
-  if (!(t_s > Real(0)) || !(t_s < Real(1e30)) || !(volt >= Real(0)) || !(volt < Real(1e3))) return kelvin;
-  if (!(type.tau_s >= Real(1e-6)) || !(type.tau_s <= Real(1e6)) || !(type.full_k >= Real(500)) ||
-      !(type.full_k <= Real(1e4)))
-    return kelvin;
-  Real full = max(kelvin, kFilamentAmbientK) / type.full_k;
-  Real t = t_s / type.tau_s;
-  if (volt < Real(1e-4)) {  // off: dT/dt = -T^(p-q)
-    full = pow(pow(full, -kFilamentC) + (kFilamentC / kFilamentPR) * t, -Real(1) / kFilamentC);
-    return max(full * type.full_k, kFilamentAmbientK);
-  }
-  // Powers by their logarithms to the base of 2.
-  Real log_theta = log2(volt) * (Real(2) / kFilamentPR);
-  Real theta = exp2(log_theta);
-  Real decays = exp2(kFilamentC * log_theta) * t;  // (p + r) ds
-  Real y = full / theta;
-  Real phi;
-  if (y < kFilamentFar) {
-    Real keep = decay_share(decays);
-    Real slope;
-    Real bend;
-    phi = keep > Real(0) ? keep * filament_phi(y, slope, bend) : Real(0);
-  } else {
-    Real s = filament_far_s(log2(full) - log_theta) + decays * (Real(1) / kFilamentPR);
-    if (s < kFilamentFarS)
-      return max(exp2(filament_far_log_y(s) + log_theta) * type.full_k, kFilamentAmbientK);
-    phi = kFilamentHot * decay_share(kFilamentPR * s);
-  }
-  y = phi == Real(0) ? Real(1) : filament_y(phi);
-  return max(y * (theta * type.full_k), kFilamentAmbientK);
-}
-
 struct Filament {
   Real kelvin;  // now; also the colour temperature of its light (a grey body)
   Real from_k;  // when the voltage was last changed
   Real volt;
-  uint pad;
+  // What a step needs of that, computed once:
+  Real from;      // phi of from_k; where the lamp is off, (from_k / full)^-c
+  Real end_k;     // equilibrium at this voltage
+  Real decay_hz;  // (p + r) ds / dt; where the lamp is off, how fast (T / full)^-c grows; 0: beyond the table
   Turns since_ns;  // since then
 };
 
@@ -220,20 +196,79 @@ FL_FN Filament filament_start(Real kelvin) {
   filament.kelvin = max(kelvin, kFilamentAmbientK);
   filament.from_k = filament.kelvin;
   filament.volt = Real(-1);  // none yet
-  filament.pad = uint(0);
+  filament.from = Real(0);
+  filament.end_k = Real(0);
+  filament.decay_hz = Real(0);
   filament.since_ns = turns_zero();
   return filament;
 }
 
-FL_FN Filament filament_step(Filament filament, FilamentType type, Real volt, Turns dt_ns) {
-  if (!(volt >= Real(0)) || !(volt < Real(1e3)) || dt_ns == turns_zero()) return filament;
-  if (volt != filament.volt) {
-    filament.from_k = filament.kelvin;
-    filament.volt = volt;
-    filament.since_ns = turns_zero();
+FL_CONST Real kFilamentOff = Real(1e-4);  // volts below this heat nothing
+
+FL_FN bool filament_takes(FilamentType type, Real volt) {
+  return volt >= Real(0) && volt < Real(1e3) && type.tau_s >= Real(1e-6) && type.tau_s <= Real(1e6) &&
+         type.full_k >= Real(500) && type.full_k <= Real(1e4);
+}
+
+// Begins a stretch at this voltage.
+FL_INLINE Filament filament_aim(Filament filament, FilamentType type, Real volt) {
+  filament.from_k = filament.kelvin;
+  filament.volt = volt;
+  filament.since_ns = turns_zero();
+  Real full = filament.from_k / type.full_k;
+  if (volt < kFilamentOff) {  // off: dT/dt = -T^(p-q)
+    filament.from = exp2(log2(full) * -kFilamentC);
+    filament.end_k = type.full_k;
+    filament.decay_hz = (kFilamentC / kFilamentPR) / type.tau_s;
+    return filament;
   }
+  // Powers by their logarithms to the base of 2.
+  Real log_theta = log2(volt) * (Real(2) / kFilamentPR);
+  filament.end_k = exp2(log_theta) * type.full_k;
+  Real y = filament.from_k / filament.end_k;
+  filament.decay_hz = y < kFilamentFar ? exp2(kFilamentC * log_theta) / type.tau_s : Real(0);
+  Real slope;
+  Real bend;
+  filament.from = filament_phi(min(y, kFilamentFar), slope, bend);
+  return filament;
+}
+
+// The temperature t_s after a stretch began far above its end.
+FL_FN Real filament_from_far(Filament filament, FilamentType type, Real t_s) {
+  Real log_theta = log2(filament.volt) * (Real(2) / kFilamentPR);
+  Real s = filament_far_s(log2(filament.from_k / type.full_k) - log_theta) +
+           exp2(kFilamentC * log_theta) * t_s / (type.tau_s * kFilamentPR);
+  if (s < kFilamentFarS) return exp2(filament_far_log_y(s) + log_theta) * type.full_k;
+  Real phi = kFilamentHot * decay_share(kFilamentPR * s);
+  return filament_y(phi) * filament.end_k;
+}
+
+FL_INLINE Real filament_at(Filament filament, FilamentType type, Real t_s) {
+  Real kelvin;
+  if (filament.volt < kFilamentOff) {
+    kelvin = exp2(log2(filament.from + filament.decay_hz * t_s) * (-Real(1) / kFilamentC)) * filament.end_k;
+  } else if (filament.decay_hz > Real(0)) {
+    Real phi = filament.from * decay_share(filament.decay_hz * t_s);
+    kelvin = phi == Real(0) ? filament.end_k : filament_y(phi) * filament.end_k;
+  } else {
+    kelvin = filament_from_far(filament, type, t_s);
+  }
+  return max(kelvin, kFilamentAmbientK);
+}
+
+// The temperature after t_s at `volt` (rms over the rated voltage, 0 to 1.2), from any temperature. Exact but for the
+// table. Refused, and the temperature left alone: a step or a voltage that is no number or negative, an infinite step.
+FL_FN Real filament_after(Real kelvin, FilamentType type, Real volt, Real t_s) {
+  if (!(t_s > Real(0)) || !(t_s < Real(1e30)) || !filament_takes(type, volt)) return kelvin;
+  return filament_at(filament_aim(filament_start(kelvin), type, volt), type, t_s);
+}
+
+// `type` is the same at every step.
+FL_INLINE Filament filament_step(Filament filament, FilamentType type, Real volt, Turns dt_ns) {
+  if (dt_ns == turns_zero() || !filament_takes(type, volt)) return filament;
+  if (volt != filament.volt) filament = filament_aim(filament, type, volt);
   filament.since_ns = time_add(filament.since_ns, dt_ns);
-  filament.kelvin = filament_after(filament.from_k, type, volt, time_s(filament.since_ns));
+  filament.kelvin = filament_at(filament, type, time_s(filament.since_ns));
   return filament;
 }
 
