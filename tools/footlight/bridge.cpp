@@ -328,6 +328,7 @@ Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal
   }
 
   StatusPages pages(pump, clock);
+  pages.guard = bridge.guard;
   FL_ASSIGN(const Servers servers, serve(bridge, pages));
 
   say_unfed(sources, sinks, reporter);

@@ -20,6 +20,7 @@
 #include "sim/pump.h"
 #include "tools/footlight/event_log.h"
 #include "tools/footlight/live_show.h"
+#include "tools/footlight/output_guard.h"
 #include "tools/footlight/show_file.h"
 #include "tools/footlight/stop_signal.h"
 
@@ -46,6 +47,7 @@ struct Bridge {
   // Where it shows its status (status_pages.h): a socket file; "": nowhere; "auto": in the folder of
   // make_socket_folder(), or nowhere where there is none.
   std::string socket;
+  std::shared_ptr<const OutputGuard> guard;  // whose counts /metrics shows; null: none
   std::string metrics;  // where /metrics alone is shown, as HttpServer::listen() takes it; "": nowhere
 };
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace footlight::tools {
 namespace {
@@ -65,7 +66,7 @@ std::vector<double> equal_areas() {
 
 FlashWatch::FlashWatch(bool limit) : limit_(limit), guard_({}, equal_areas()), asked_({}, equal_areas()) {}
 
-bool FlashWatch::look(DurationNs at_ns, render::ScreenImage& picture) {
+bool FlashWatch::note(DurationNs at_ns, const render::ScreenImage& picture) {
   tiles_ = tiles_of(picture);
   const FlashVerdict asked = asked_.measure(at_ns, tiles_);
   const bool begins = asked.harmful && !harmful_;
@@ -78,6 +79,24 @@ bool FlashWatch::look(DurationNs at_ns, render::ScreenImage& picture) {
     stretch.area = std::max({stretch.area, asked.area, asked.red_area});
     stretch.red = stretch.red || asked.red_area > asked.area;
   }
+  return begins;
+}
+
+bool FlashWatch::must_wait(DurationNs at_ns, const render::ScreenImage& picture) {
+  note(at_ns, picture);
+  PhotosensitiveGuard trial = guard_;
+  if (trial.limit(at_ns, tiles_, gains_).least_gain < 1) {
+    guard_.measure(at_ns, shown_);
+    least_gain_ = 0;
+    return true;
+  }
+  guard_ = std::move(trial);
+  shown_ = tiles_;
+  return false;
+}
+
+bool FlashWatch::look(DurationNs at_ns, render::ScreenImage& picture) {
+  const bool begins = note(at_ns, picture);
   if (limit_) {
     const FlashVerdict shown = guard_.limit(at_ns, tiles_, gains_);
     least_gain_ = std::min(least_gain_, shown.least_gain);

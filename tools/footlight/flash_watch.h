@@ -33,17 +33,23 @@ class FlashWatch {
   // centres, in linear light. True: a stretch has begun with this picture.
   bool look(DurationNs at_ns, render::ScreenImage& picture);
 
+  // The same, for who cannot darken a picture but show the last one longer. True: this one must not follow now.
+  bool must_wait(DurationNs at_ns, const render::ScreenImage& picture);
+
+  [[nodiscard]] bool harmful() const { return harmful_; }  // the pictures as they come, now
   // So far; the last one may still be going on.
   [[nodiscard]] const std::vector<FlashStretch>& stretches() const { return stretches_; }
   [[nodiscard]] double least_gain() const { return least_gain_; }  // the strongest darkening; 1: none
 
  private:
+  bool note(DurationNs at_ns, const render::ScreenImage& picture);
   void darken(render::ScreenImage& picture) const;
 
   bool limit_;
   PhotosensitiveGuard guard_;
   PhotosensitiveGuard asked_;  // of the pictures as they came: what would have been
   std::vector<TileLight> tiles_;
+  std::vector<TileLight> shown_;  // of must_wait(): the picture that stands
   std::vector<double> gains_;
   std::vector<FlashStretch> stretches_;
   bool harmful_ = false;

@@ -78,8 +78,9 @@ Result<std::shared_ptr<Source>> LiveShow::open_in(const InPlan& plan) {
 }
 
 Result<std::shared_ptr<Sink>> LiveShow::open_out(const OutPlan& plan, const std::vector<Universe>& universes) {
-  FL_ASSIGN(std::shared_ptr<Sink> sink, opener_.open_sink(plan.endpoint, universes, plan.options));
-  return sink;
+  FL_ASSIGN(std::unique_ptr<Sink> sink, opener_.open_sink(plan.endpoint, universes, plan.options));
+  if (guard_ != nullptr) sink = guard_sink(std::move(sink), guard_);
+  return std::shared_ptr<Sink>(std::move(sink));
 }
 
 Status LiveShow::open(const Show& show) {

@@ -16,6 +16,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/core/clock.h"
@@ -25,6 +26,7 @@
 #include "sim/pump.h"
 #include "sim/universes.h"
 #include "tools/footlight/open_ports.h"
+#include "tools/footlight/output_guard.h"
 #include "tools/footlight/show_file.h"
 
 namespace footlight::tools {
@@ -41,6 +43,8 @@ class LiveShow {
  public:
   explicit LiveShow(Clock& clock) : opener_(clock) {}
 
+  // Every output goes through this guard from open() on; null: none, and nothing of it runs.
+  void guard_with(std::shared_ptr<OutputGuard> guard) { guard_ = std::move(guard); }
   // Opens every port. Errors: those of the ports, and of check_show().
   [[nodiscard]] Status open(const Show& show);
   [[nodiscard]] std::shared_ptr<Universes> buffer() const { return buffer_; }
@@ -67,6 +71,7 @@ class LiveShow {
   static void add_out(Pump& pump, const std::vector<Out>& outs, const Out& out);
 
   PortOpener opener_;
+  std::shared_ptr<OutputGuard> guard_;
   std::vector<In> ins_;
   std::vector<Out> outs_;  // who stands by for another comes after it
   std::shared_ptr<Universes> buffer_;

@@ -64,6 +64,12 @@ std::string metrics_text(const PumpStatus& status, const ServiceFacts& facts) {
   page.family("footlight_reloads_total", "counter", "Show files read while running, by result.");
   page.value("result=\"taken\"", facts.reloads);
   page.value("result=\"refused\"", facts.reload_failures);
+  if (facts.flashes) {
+    page.family("footlight_flashes_harmful_total", "counter", "Stretches of time in which looks flashed harmfully.");
+    page.value("", facts.flashes->harmful);
+    page.family("footlight_flashes_held_total", "counter", "Looks that the guard against flashes held back.");
+    page.value("", facts.flashes->held);
+  }
   page.family("footlight_ticks_total", "counter", "Turns of the pump.");
   page.value("", status.ticks);
 

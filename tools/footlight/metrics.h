@@ -2,11 +2,18 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "sim/pump.h"
 
 namespace footlight::tools {
+
+// Of the guard against harmful flashes.
+struct FlashFacts {
+  std::uint64_t harmful = 0;  // stretches of time in which the looks were harmful, or would have been
+  std::uint64_t held = 0;     // looks that were held back
+};
 
 // Of the program, beside what the pump counts.
 struct ServiceFacts {
@@ -14,6 +21,7 @@ struct ServiceFacts {
   bool real_time = false;     // the pump's thread has real-time priority
   std::uint64_t reloads = 0;  // show files taken over while it ran
   std::uint64_t reload_failures = 0;
+  std::optional<FlashFacts> flashes;  // where a guard watches
 };
 
 // Every series once; a port whose name another one of its direction has already is told apart as "name #2".

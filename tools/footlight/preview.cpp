@@ -2,6 +2,7 @@
 #include "tools/footlight/preview.h"
 
 #include <memory>
+#include <string>
 
 #include "tools/footlight/command.h"
 
@@ -10,6 +11,7 @@ namespace {
 
 void add(Arguments& arguments) {
   auto options = std::make_shared<PreviewOptions>();
+  auto flashes = std::make_shared<std::string>("warn");
   add_scene_arguments(arguments, options->files);
   arguments.list("--in,-i", options->ins, "ENDPOINT", "drive the rig live from here; may be given many times");
   arguments.duration("--at", options->at_ns, "where in the log to begin");
@@ -21,8 +23,13 @@ void add(Arguments& arguments) {
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this");
   arguments.option("--seconds", options->seconds, 0, 1e6, "close after this time; 0 stays open");
   arguments.option("--screenshot", options->screenshot, "FILE", "write the last frame as PNG when closing");
+  arguments.option("--flashes", *flashes, "WORD",
+                   "harmful flashes (more than three a second): warn, limit (the last picture stands) or off; warn");
   arguments.flag("--json", options->json, "frame times as JSON, one object a second and a summary");
-  arguments.job([options]() -> Result<int> { return run_preview(*options); });
+  arguments.job([options, flashes]() -> Result<int> {
+    FL_ASSIGN(options->flashes, flash_mode_of(*flashes));
+    return run_preview(*options);
+  });
 }
 
 }  // namespace

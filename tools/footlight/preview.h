@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/core/clock.h"
+#include "tools/footlight/flash_mode.h"
 #include "tools/footlight/scene_files.h"
 
 namespace footlight::tools {
@@ -21,6 +22,7 @@ struct PreviewOptions {
   double seconds = 0;      // closes by itself after this time; 0: stays open
   double work_light_lx = -1;  // -1: kWorkLightLx where the rig is driven by hand, else 0
   int nodes = 3;
+  FlashMode flashes = FlashMode::kWarn;
   bool json = false;
 };
 

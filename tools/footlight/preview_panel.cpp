@@ -33,6 +33,10 @@ void text(const ImVec4& colour, const std::string& words) {
   ImGui::PopStyleColor();
 }
 
+std::string flash_words(const PreviewFacts& facts) {
+  return facts.flashes_held ? "Harmful flashes are held back" : "Flashes that may harm: more than 3 a second";
+}
+
 // "12:34.5"
 std::string clock_text(double time_s) {
   const int minutes = static_cast<int>(time_s / 60);
@@ -257,6 +261,10 @@ void draw_strip(const PreviewFacts& facts) {
     std::string words =
         fmt::format("{}    {:.1f} fps    GPU {:.1f} ms    {} beams", facts.rig, facts.fps, total_ms, facts.live_beams);
     if (facts.has_log) words += fmt::format("    {} / {}", clock_text(facts.time_s), clock_text(facts.duration_s));
+    if (facts.flashes_harmful || facts.flashes_held) {
+      text(kRed, flash_words(facts));
+      ImGui::SameLine();
+    }
     text(words + "    H: panel");
   }
   ImGui::End();
@@ -282,6 +290,7 @@ void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const Live
     text(facts.rig);
     ImGui::PushTextWrapPos(0);
     text(kDim, facts.device);
+    if (facts.flashes_harmful || facts.flashes_held) text(kRed, flash_words(facts));
     ImGui::PopTextWrapPos();
     if (facts.has_log) draw_log(facts, controls);
     if (live != nullptr) draw_live(facts, *live);

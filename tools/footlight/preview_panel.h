@@ -30,6 +30,8 @@ struct PreviewFacts {
   std::uint32_t live_beams = 0;
   std::uint32_t dark_beams = 0;
   double gpu_mib = 0;
+  bool flashes_harmful = false;  // now
+  bool flashes_held = false;     // the last harmless picture stands
 
   bool has_log = false;
   double time_s = 0;

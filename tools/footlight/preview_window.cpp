@@ -21,6 +21,7 @@
 #include "tools/footlight/orbit_camera.h"
 #include "tools/footlight/picture_file.h"
 #include "tools/footlight/preview.h"
+#include "tools/footlight/preview_flashes.h"
 #include "tools/footlight/preview_panel.h"
 #include "tools/footlight/start_view.h"
 #include "tools/footlight/stop_signal.h"
@@ -81,6 +82,8 @@ class Preview {
   Status replay_to(DurationNs until_ns, DurationNs exposure_ns);
   Status step_levels(DurationNs dt_ns);
   Status read_figures(DurationNs dt_ns);
+  Status draw(const PixelRect& where, TimeNs now_ns);
+  void tell_flashes(bool begins);
   void take_input();
   void take_key(int code, bool repeat);
   void take_camera(std::size_t index);
@@ -111,6 +114,8 @@ class Preview {
   std::unique_ptr<render::vk::Device> device_;  // outlives the window's swapchain
   std::unique_ptr<Window> window_;
   std::unique_ptr<render::Frame> frame_;
+  std::unique_ptr<PreviewFlashes> flashes_;  // null: nobody watches
+  TimeNs drawn_ns_ = 0;                      // when the picture under way was begun
   render::vk::Buffer counts_;  // of the picture under way, for the panel
   bool shown_ = false;         // a picture is under way, its figures can be read when it is done
 
@@ -152,6 +157,10 @@ Status Preview::open() {
   FL_ASSIGN(device_, render::vk::Device::create(device));
   FL_TRY(window_->attach(*device_));
   FL_ASSIGN(counts_, render::vk::Buffer::host_visible(*device_, sizeof(render::CountsRow), 0));
+
+  if (options_.flashes != FlashMode::kOff) {
+    FL_ASSIGN(flashes_, PreviewFlashes::make(*device_, options_.flashes == FlashMode::kLimit));
+  }
 
   camera_ = OrbitCamera(camera);
   controls_.exposure_ev = static_cast<float>(camera.exposure_ev);
@@ -373,6 +382,7 @@ Status Preview::read_figures(DurationNs dt_ns) {
     std::memcpy(&counts, counts_.mapped, sizeof(counts));
     facts_.live_beams = counts.live_count;
     facts_.dark_beams = counts.dark_count;
+    if (flashes_ && !flashes_->limits()) tell_flashes(flashes_->take(drawn_ns_ - start_ns_));
   }
   facts_.now_ns = clock_.now_ns();
   facts_.width = frame_->settings().width;
@@ -434,20 +444,55 @@ Status Preview::turn() {
     return frame_->run_steps();
   }
 
+  return draw(where, now_ns);
+}
+
+Status Preview::draw(const PixelRect& where, TimeNs now_ns) {
+  const VkImage screen = frame_->resources().screen.handle;
+  const render::FrameSettings& settings = frame_->settings();
   WindowPicture picture;
-  picture.image = frame_->resources().screen.handle;
-  picture.width = frame_->settings().width;
-  picture.height = frame_->settings().height;
+  picture.image = screen;
+  picture.width = settings.width;
+  picture.height = settings.height;
   picture.place = where;
-  FL_ASSIGN(shown_, window_->show(picture, [&](VkCommandBuffer commands) {
+  drawn_ns_ = now_ns;
+  const auto compute = [&](VkCommandBuffer commands) {
     frame_->set_ambient_lx(rig_.ambient_lx +
                            (controls_.work_light ? static_cast<double>(controls_.work_light_lx) : 0));
     frame_->record(commands, render::view_of(camera_.camera()), controls_.exposure_ev);
     render::vk::full_barrier(commands);
     const VkBufferCopy region{0, 0, sizeof(render::CountsRow)};
     vkCmdCopyBuffer(commands, frame_->resources().counts.handle, counts_.handle, 1, &region);
+    if (flashes_) flashes_->record_read(commands, screen, settings.width, settings.height);
+  };
+  if (!flashes_ || !flashes_->limits()) {
+    FL_ASSIGN(shown_, window_->show(picture, compute));
+    return {};
+  }
+  // Whether the picture may follow is known when it is done.
+  FL_TRY(flashes_->resize(settings.width, settings.height));
+  FL_TRY(device_->run_once(compute));
+  const std::size_t stretches = flashes_->watch().stretches().size();
+  const bool waits = flashes_->must_wait(now_ns - start_ns_);
+  tell_flashes(flashes_->watch().stretches().size() > stretches);
+  facts_.flashes_held = waits;
+  if (waits) picture.image = flashes_->standing();
+  FL_ASSIGN(shown_, window_->show(picture, [&](VkCommandBuffer commands) {
+    if (!waits) flashes_->record_keep(commands, screen);
   }));
   return {};
+}
+
+void Preview::tell_flashes(bool begins) {
+  facts_.flashes_harmful = flashes_->watch().harmful();
+  if (!begins) return;
+  if (options_.json) {
+    const nlohmann::json line = {{"event", "flashes-begin"}, {"time_ns", drawn_ns_ - start_ns_}};
+    fmt::print("{}\n", line.dump());
+  } else {
+    fmt::print(stderr, "footlight: flashes that may harm people with photosensitive epilepsy{}\n",
+               flashes_->limits() ? "; held back" : "; --flashes limit holds them back");
+  }
 }
 
 // The window as it was; the picture alone where the window system does not let it be read.

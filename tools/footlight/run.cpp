@@ -1,13 +1,18 @@
 // footlight run: the bridge.
 #include <algorithm>
+#include <cstdio>
 #include <memory>
 
+#include <fmt/format.h>
+
 #include "drivers/wait/real_time.h"
+#include "fixtures/rig.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/bridge.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/live_show.h"
 #include "tools/footlight/open_ports.h"
+#include "tools/footlight/output_guard.h"
 #include "tools/footlight/paths.h"
 #include "tools/footlight/show_file.h"
 
@@ -28,6 +33,8 @@ struct Options {
   std::string metrics;
   std::string log_format;
   std::string log_level = "info";
+  std::string flashes = "off";
+  std::string rig;
   DurationNs run_for_ns = kTimeNever;
 };
 
@@ -72,6 +79,26 @@ Result<Show> show_of(const Options& options, const std::string& file) {
   return show;
 }
 
+// The guard against harmful flashes; null where none is asked for. What it cannot see or hold is said at the start.
+Result<std::shared_ptr<OutputGuard>> guard_of(const Options& options) {
+  FL_ASSIGN(const FlashMode mode, flash_mode_of(options.flashes));
+  if (mode == FlashMode::kOff) return std::shared_ptr<OutputGuard>();
+  if (options.rig.empty()) {
+    return fail(ErrorCode::kBadInput,
+                "--flashes {}: expected --rig FILE as well; without a rig no channel is known to be light",
+                options.flashes);
+  }
+  FL_ASSIGN(const fixtures::Rig rig, fixtures::load_rig(options.rig));
+  FL_ASSIGN(auto guard, OutputGuard::make(rig, mode));
+  const int only = guard->watched_only_count();
+  if (mode == FlashMode::kLimit && only != 0) {
+    fmt::print(stderr,
+               "footlight: {} of {} fixtures have no channel that only dims; they are watched, and not held back\n",
+               only, guard->fixture_count());
+  }
+  return guard;
+}
+
 Result<int> run(const Options& options) {
   std::string file = options.show;
   if (file.empty() && options.ins.empty() && options.outs.empty() && options.backups.empty() && !options.demo) {
@@ -93,6 +120,9 @@ Result<int> run(const Options& options) {
   SystemClock clock;
   drivers::want_real_time(options.no_realtime ? 0 : drivers::kRealTimePriority);
   LiveShow live(clock);
+  FL_ASSIGN(const std::shared_ptr<OutputGuard> guard, guard_of(options));
+  live.guard_with(guard);
+  bridge.guard = guard;
   if (const Status opened = live.open(show); !opened) {
     const bool of_file = opened.error().code == ErrorCode::kBadInput && !file.empty();
     return tl::unexpected(Error{opened.error().code, (of_file ? file + ": " : "") + opened.error().message});
@@ -125,6 +155,9 @@ void add(Arguments& arguments) {
                    "where 'footlight monitor' finds this bridge: a socket file, auto or none");
   arguments.option("--log-format", options->log_format, "WORD",
                    "events as text, json or journal (systemd's fields); the journal by itself where it listens");
+  arguments.option("--flashes", options->flashes, "WORD",
+                   "flashes that can harm: off, warn, or limit, which holds them back; needs --rig; off");
+  arguments.option("--rig", options->rig, "FILE", "of --flashes: the rig that the outputs drive");
   arguments.option("--log-level", options->log_level, "WORD", "write events from info, warning or error on");
   arguments.job([options]() -> Result<int> { return run(*options); });
 }
@@ -140,6 +173,7 @@ extern const CommandInfo run_command{
         "  footlight run --in sacn:1-9 --out artnet:1-9@10.9.0.255\n"
         "  footlight run --in sacn:101-109=1-9 --out sacn:1-9    renumbered\n"
         "  footlight run show.toml --json\n"
+        "  footlight run show.toml --flashes limit --rig rig.toml    no more than three flashes a second\n"
         "  footlight run --in sacn:1 --out enttec-pro:EN1 --backup enttec-pro:EN2    the second takes over\n"
         "Several inputs are merged by priority, then highest level. When a sender vanishes its last look stays.\n"
         "SIGHUP or 'footlight reload' reads the show file anew; ports whose lines did not change are not touched.\n"

@@ -31,6 +31,7 @@ HttpAnswer StatusPages::answer_metrics(const HttpRequest& request) const {
   facts.real_time = real_time.load();
   facts.reloads = reloads.load();
   facts.reload_failures = reload_failures.load();
+  if (guard != nullptr) facts.flashes = FlashFacts{guard->count_harmful(), guard->count_held()};
   return {.type = kMetricsType, .body = metrics_text(status, facts)};
 }
 

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 
@@ -16,6 +17,7 @@
 #include "sim/pump.h"
 #include "tools/footlight/http_server.h"
 #include "tools/footlight/metrics.h"
+#include "tools/footlight/output_guard.h"
 
 namespace footlight::tools {
 
@@ -35,6 +37,8 @@ class StatusPages {
   void set_reload_trouble(const std::string& trouble);  // of the last one; empty: it was taken
   // What POST /reload does: asks for it and returns. Empty: cannot be reloaded. Set before anybody is served.
   std::function<void()> ask_reload;
+  // Of the outputs; null: none. Set before anybody is served.
+  std::shared_ptr<const OutputGuard> guard;
 
  private:
   const Pump& pump_;

@@ -90,5 +90,29 @@ TEST_CASE("red flashes that hardly change luminance are found by their colour") 
   CHECK(watch.stretches()[0].red);
 }
 
+TEST_CASE("pictures that must wait leave no more than three flashes a second to be seen, and others never wait") {
+  FlashWatch guard(false);
+  FlashWatch seen(false);
+  render::ScreenImage standing = picture(0, 0, 0, 0);
+  int waited = 0;
+  for (int i = 0; i < 200; ++i) {
+    const std::uint8_t now = i % 10 < 5 ? std::uint8_t{255} : std::uint8_t{0};
+    const render::ScreenImage next = picture(kWidth / 2, now, now, now);
+    const bool waits = guard.must_wait(i * 20 * kNsPerMs, next);
+    waited += waits ? 1 : 0;
+    if (!waits) standing = next;
+    render::ScreenImage shown = standing;
+    seen.look(i * 20 * kNsPerMs, shown);
+  }
+  CHECK(waited > 20);
+  CHECK(guard.harmful());
+  CHECK(seen.stretches().empty());
+  FlashWatch slow(false);
+  for (int i = 0; i < 200; ++i) {
+    const std::uint8_t now = i % 40 < 20 ? std::uint8_t{255} : std::uint8_t{0};
+    REQUIRE_FALSE(slow.must_wait(i * 20 * kNsPerMs, picture(kWidth / 2, now, now, now)));
+  }
+}
+
 }  // namespace
 }  // namespace footlight::tools
