@@ -86,7 +86,8 @@ using glm::min;
 
 namespace {
 
-// 500 motors over 400 steps of lengths as in a show, with a new target at every eighth: the largest difference to float.
+// 500 motors over 400 steps of lengths as in a show, with a new target at every eighth: the largest difference to
+// float.
 template <class Start, class Step, class Limits>
 double apart(Start start, Step step, Limits limits_of) {
   using Real = decltype(start(0.0).now.position);
