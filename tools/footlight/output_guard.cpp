@@ -183,8 +183,9 @@ TileLight OutputGuard::look(Fixture& fixture, std::span<const std::uint8_t> leve
     const auto wish = walker_.wish(levels, h);
     const double level = std::clamp(static_cast<double>(wish.value[fixtures::kParamDimmer]), 0.0, 1.0);
     const double open = std::clamp(static_cast<double>(wish.value[fixtures::kParamShutter]), 0.0, 1.0);
-    // Laws other than the straight line are taken for the square.
-    const double light = share * open * (type.dimmer_law == fixtures::kDimmerLinear ? level : level * level);
+    const auto law = static_cast<std::uint32_t>(wish.value[fixtures::kParamDimmerLaw]);
+    const double light =
+        share * open * static_cast<double>(walker_.dimmer_light(law, type.law_first, static_cast<float>(level)));
     const bool mixes = type.emitter_count > 0;
     const double red = mixes ? static_cast<double>(wish.emitted.x) : static_cast<double>(type.white_red);
     const double green = mixes ? static_cast<double>(wish.emitted.y) : static_cast<double>(type.white_green);
