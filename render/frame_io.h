@@ -13,7 +13,7 @@ using vec4 = glm::vec4;
 
 static_assert(sizeof(FrameParams) == 112);
 static_assert(offsetof(FrameParams, width) == 64);
-static_assert(sizeof(BeamRow) == 128);
+static_assert(sizeof(BeamRow) == 160);
 static_assert(sizeof(BladesRow) == 64);
 static_assert(sizeof(CountsRow) == 48);
 static_assert(sizeof(BoxRow) == 48);

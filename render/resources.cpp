@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <iterator>
 #include <utility>
@@ -29,24 +30,33 @@ Result<vk::Buffer> table(vk::Device& device, const std::vector<Row>& rows, VkBuf
   return vk::Buffer::filled(device, std::as_bytes(std::span(rows)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | usage);
 }
 
-// Halves an image a side: the mean of four texels.
+// Halves an image of three values a texel a side: the mean of four texels.
 std::vector<float> halved(const std::vector<float>& image, int size) {
-  const auto at = [&](int row, int column) {
-    return image[static_cast<std::size_t>(row) * static_cast<std::size_t>(size) + static_cast<std::size_t>(column)];
+  const auto at = [&](int row, int column, std::size_t c) {
+    return image[3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(size) +
+                      static_cast<std::size_t>(column)) + c];
   };
   std::vector<float> half;
   half.reserve(image.size() / 4);
   for (int row = 0; row < size / 2; ++row) {
     for (int column = 0; column < size / 2; ++column) {
-      half.push_back((at(2 * row, 2 * column) + at(2 * row, 2 * column + 1) + at(2 * row + 1, 2 * column) +
-                      at(2 * row + 1, 2 * column + 1)) / 4);
+      for (std::size_t c = 0; c < 3; ++c) {
+        half.push_back((at(2 * row, 2 * column, c) + at(2 * row, 2 * column + 1, c) + at(2 * row + 1, 2 * column, c) +
+                        at(2 * row + 1, 2 * column + 1, c)) / 4);
+      }
     }
   }
   return half;
 }
 
-// Gobo images as one array with all levels of detail. A rig without gobos gets a single texel, since the shaders name
-// the binding even where their specialisation never reads it.
+std::uint8_t srgb_of(float linear) {
+  const float v = std::clamp(linear, 0.0f, 1.0f);
+  const float encoded = v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f;
+  return static_cast<std::uint8_t>(std::lround(255.0f * encoded));
+}
+
+// Gobo images as one array with all levels of detail, in colour, 8 bits sRGB a channel. A rig without gobos gets a
+// single texel, since the shaders name the binding even where their specialisation never reads it.
 Result<vk::Image> make_gobos(vk::Device& device, const std::vector<fixtures::ImageSource>& images) {
   const int size = images.empty() ? 1 : kGoboSizePx;
   const auto layers = static_cast<uint>(std::max<std::size_t>(images.size(), 1));
@@ -56,28 +66,31 @@ Result<vk::Image> make_gobos(vk::Device& device, const std::vector<fixtures::Ima
   }
   uint levels = 1;
   while (size >> levels > 0) ++levels;
-  std::vector<float> texels;
+  std::vector<std::uint8_t> texels;
   std::vector<VkBufferImageCopy> regions;
   for (uint layer = 0; layer < layers; ++layer) {
     std::vector<float> image =
-        images.empty() ? std::vector<float>{1.0f} : fixtures::gobo_texels(images[layer], kGoboSizePx, kGoboEdge);
+        images.empty() ? std::vector<float>(3, 1.0f) : fixtures::gobo_texels(images[layer], kGoboSizePx, kGoboEdge);
     int level_size = size;
     for (uint level = 0; level < levels; ++level) {
       VkBufferImageCopy region{};
-      region.bufferOffset = texels.size() * sizeof(float);
+      region.bufferOffset = texels.size();
       region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, layer, 1};
       region.imageExtent = {static_cast<uint>(level_size), static_cast<uint>(level_size), 1};
       regions.push_back(region);
-      texels.insert(texels.end(), image.begin(), image.end());
+      for (std::size_t i = 0; i < image.size(); ++i) {
+        texels.push_back(srgb_of(image[i]));
+        if (i % 3 == 2) texels.push_back(255);
+      }
       if (level_size > 1) image = halved(image, level_size);
       level_size /= 2;
     }
   }
   FL_ASSIGN(vk::Image image,
-            vk::Image::create(device, static_cast<uint>(size), static_cast<uint>(size), VK_FORMAT_R32_SFLOAT,
+            vk::Image::create(device, static_cast<uint>(size), static_cast<uint>(size), VK_FORMAT_R8G8B8A8_SRGB,
                               VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, layers, levels));
-  FL_ASSIGN(vk::Buffer staging, vk::Buffer::host_visible(device, texels.size() * sizeof(float), 0));
-  std::memcpy(staging.mapped, texels.data(), texels.size() * sizeof(float));
+  FL_ASSIGN(vk::Buffer staging, vk::Buffer::host_visible(device, texels.size(), 0));
+  std::memcpy(staging.mapped, texels.data(), texels.size());
   FL_TRY(device.run_once([&](VkCommandBuffer commands) {
     vk::change_layout(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     vkCmdCopyBufferToImage(commands, staging.handle, image.handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,

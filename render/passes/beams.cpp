@@ -16,7 +16,9 @@ const PassEntry kBeamsPass{
           {FL_SPEC_PROFILE, needs.profile}, {FL_SPEC_METHOD, static_cast<uint>(settings.method)},
           {FL_SPEC_NODES, settings.nodes},  {FL_SPEC_GOBO_TAPS, settings.gobo_taps},
           {FL_SPEC_BOXES, needs.surfaces},  {FL_SPEC_BODIES, has_bodies(needs, settings)},
-          {FL_SPEC_BLADES, needs.blades}};
+          {FL_SPEC_BLADES, needs.blades},
+          {FL_SPEC_FOCUS, needs.focus},
+          {FL_SPEC_ANIMATION, needs.animation}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kBeamsComp,

@@ -13,7 +13,9 @@ const PassEntry kSurfacesPass{
                                            {FL_SPEC_PROFILE, needs.profile},
                                            {FL_SPEC_BOXES, needs.surfaces},
                                            {FL_SPEC_BODIES, has_bodies(needs, settings)},
-                                           {FL_SPEC_BLADES, needs.blades}};
+                                           {FL_SPEC_BLADES, needs.blades},
+          {FL_SPEC_FOCUS, needs.focus},
+          {FL_SPEC_ANIMATION, needs.animation}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kSurfacesComp,

@@ -11,6 +11,15 @@
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 
 #include "sim/core/check.h"
+#include "sim/shared/shared.h"
+
+namespace footlight::render::f64 {
+using namespace ::footlight::f64;
+namespace {
+using fixtures::kWheelOpening;
+#include "render/shaders/shared/optics.h"
+}  // namespace
+}  // namespace footlight::render::f64
 
 namespace footlight::render {
 namespace {
@@ -159,9 +168,51 @@ double profile(double rho_square, double m) {
   return m < 1 ? std::pow(1 - rho_square, 1 / m) : 1 - std::pow(rho_square, m);
 }
 
-double gobo_share(const JudgeBeam& beam, const GoboTransmission& gobo, double x, double y) {
-  if (beam.gobo <= 0 || !gobo) return 1;
-  return gobo(beam.gobo, beam.gobo_cos * x + beam.gobo_sin * y, beam.gobo_cos * y - beam.gobo_sin * x);
+bool has_gobo(const JudgeBeam& beam) {
+  return beam.wheels[0].image > 0 || beam.wheels[1].image > 0 || beam.animation > 0 || beam.wheels[0].offset != 0 ||
+         beam.wheels[1].offset != 0;
+}
+
+// Through one wheel at a point of the gate.
+double wheel_share(const JudgeWheel& wheel, const GoboTransmission& gobo, glm::dvec2 p) {
+  int image = wheel.image;
+  if (wheel.offset != 0) {
+    glm::dvec2 at;
+    if (f64::wheel_slot_at(p, wheel.offset, at)) image = wheel.next;
+    p = at;
+    if (glm::dot(p, p) > 1) return 0;
+  }
+  return image > 0 ? gobo(image, wheel.cos * p.x + wheel.sin * p.y, wheel.cos * p.y - wheel.sin * p.x) : 1;
+}
+
+// Through all images at a place in the beam, z from the lens.
+double gobo_share(const JudgeBeam& beam, const GoboTransmission& gobo, double x, double y, double z_m) {
+  if (!gobo || !has_gobo(beam)) return 1;
+  const auto sharp = [&](glm::dvec2 p) {
+    double share = 1;
+    for (const JudgeWheel& wheel : beam.wheels) {
+      if (share > 0 && (wheel.image > 0 || wheel.offset != 0)) share *= wheel_share(wheel, gobo, p);
+    }
+    if (share > 0 && beam.animation > 0) {
+      const glm::dvec2 at = (p - glm::dvec2(f64::kAnimationAwayX, 0)) / static_cast<double>(f64::kAnimationRadius);
+      share *= gobo(beam.animation, beam.animation_cos * at.x + beam.animation_sin * at.y,
+                    beam.animation_cos * at.y - beam.animation_sin * at.x);
+    }
+    return share;
+  };
+  const glm::dvec2 p = glm::dvec2(x, y) * beam.gobo_scale;
+  const double blur =
+      std::max(beam.blur, f64::focus_blur(beam.lens_radius_m, beam.spread, z_m, beam.focus_per_m));
+  if (!(blur > 1e-4)) return sharp(p);
+  // A sunflower of points, each of the same area.
+  constexpr int kPoints = 64;
+  double sum = 0;
+  for (int i = 0; i < kPoints; ++i) {
+    const double radius = blur * std::sqrt((i + 0.5) / kPoints);
+    const double angle = 2.399963229728653 * i;
+    sum += sharp(p + radius * glm::dvec2(std::cos(angle), std::sin(angle)));
+  }
+  return sum / kPoints;
 }
 
 double extinction_per_m(const fixtures::Haze& haze) { return haze.scattering_per_m + haze.absorption_per_m; }
@@ -171,7 +222,15 @@ struct LightAt {
   double illuminance = 0;   // 1/m^2, gobo included
   double distance_m = 0;    // along the light from the lens
   glm::dvec3 direction{0};  // of travel, unit, stage space
+  glm::dvec2 rho{0};        // place in the beam
+  double z_m = 0;           // along the axis
 };
+
+// Blades cut the air sharply.
+bool passes_blades(const JudgeBeam& beam, const glm::dvec2& rho) {
+  return std::all_of(beam.edges.begin(), beam.edges.end(),
+                     [&](const glm::dvec3& edge) { return edge.x * rho.x + edge.y * rho.y <= edge.z; });
+}
 
 LightAt light_at(const JudgeBeam& beam, const GoboTransmission& gobo, const glm::dvec3& from_lens) {
   LightAt light;
@@ -182,8 +241,10 @@ LightAt light_at(const JudgeBeam& beam, const GoboTransmission& gobo, const glm:
   const double stretch = 1 + beam.spread * beam.spread * (x * x + y * y);
   light.direction = (beam.axis + beam.spread * (x * beam.x_axis + y * beam.y_axis)) / std::sqrt(stretch);
   light.distance_m = z * std::sqrt(stretch);
+  light.rho = {x, y};
+  light.z_m = z;
   light.illuminance = profile(x * x + y * y, beam.profile_m) / (w * w * stretch);
-  if (light.illuminance > 0) light.illuminance *= gobo_share(beam, gobo, x, y);
+  if (light.illuminance > 0) light.illuminance *= gobo_share(beam, gobo, x, y, z);
   return light;
 }
 
@@ -199,11 +260,22 @@ double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& r
 glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, int refinement, double* hits) {
   glm::dvec3 total(0);
   const std::optional<SurfaceHit> hit = judge_hit(scene, ray);
+  // Three times where images are coloured, once where they are not.
+  const auto in_colors = [&](const JudgeBeam& beam, const auto& share_through) {
+    if (!scene.colors || !has_gobo(beam)) return glm::dvec3(share_through(scene.gobo));
+    glm::dvec3 share(0);
+    for (int c = 0; c < 3; ++c) {
+      share[c] = share_through([&](int gobo, double x, double y) { return scene.colors(gobo, x, y)[c]; });
+    }
+    return share;
+  };
   if (scene.haze.scattering_per_m > 0) {
     const double t_max_m = visible_air_m(scene, hit);
     for (const JudgeBeam& beam : scene.beams) {
-      const double share = inscatter(beam, scene.haze, ray, 0, t_max_m, scene.gobo, tolerance, refinement);
-      if (share > 0) *hits += 1;
+      const glm::dvec3 share = in_colors(beam, [&](const GoboTransmission& gobo) {
+        return inscatter(beam, scene.haze, ray, 0, t_max_m, gobo, tolerance, refinement);
+      });
+      if (share.x + share.y + share.z > 0) *hits += 1;
       total += scene.haze.scattering_per_m * share * beam.strength_lm;
     }
   }
@@ -211,7 +283,9 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
     const glm::dvec3 point_m = ray.origin_m + hit->t_m * ray.direction;
     glm::dvec3 lux(scene.ambient_lx);
     for (const JudgeBeam& beam : scene.beams) {
-      lux += judge_illuminance(beam, scene.haze, point_m, hit->normal, scene.gobo) * beam.strength_lm;
+      lux += in_colors(beam, [&](const GoboTransmission& gobo) {
+               return judge_illuminance(beam, scene.haze, point_m, hit->normal, gobo);
+             }) * beam.strength_lm;
     }
     total += std::exp(-extinction_per_m(scene.haze) * hit->t_m) / std::numbers::pi * hit->albedo * lux;
   }
@@ -238,7 +312,7 @@ double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& r
   const double sigma_t = extinction_per_m(haze);
   const auto integrand = [&](double t_m) {
     const LightAt at = light_at(beam, gobo, base_from_lens + t_m * ray.direction);
-    if (!(at.illuminance > 0)) return 0.0;
+    if (!(at.illuminance > 0) || !passes_blades(beam, at.rho)) return 0.0;
     const double scattering_cosine = -glm::dot(at.direction, ray.direction);
     return at.illuminance * henyey_greenstein(scattering_cosine, haze.anisotropy) *
            std::exp(-sigma_t * (base_m + t_m + at.distance_m));
@@ -258,7 +332,7 @@ double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& r
   const double w_slope = beam.spread * static_cast<double>(light.dz);
   const double w_from = w_base + from_m * w_slope;
   const double w_to = w_base + to_m * w_slope;
-  const int parts = refinement * (beam.gobo > 0 && gobo ? 48 : 4);
+  const int parts = refinement * (has_gobo(beam) && gobo ? 48 : beam.edges.empty() ? 4 : 16);
   for (int i = 1; i < parts; ++i) {
     const double x = static_cast<double>(i) / parts;
     cut(from_m + (to_m - from_m) * x * w_from / (w_to + x * (w_from - w_to)));
@@ -300,14 +374,64 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
     beam.spread = std::tan(state.zoom);
     beam.profile_m = type.profile_m;
     beam.range_m = range_m;
-    beam.strength_lm = flux_lm * colour / judge_flux_factor(beam.spread, beam.profile_m);
-    if (row.optics != fixtures::kNoAddress) {
-      const auto& optics = walker.optics_states[row.optics];
-      beam.gobo = static_cast<int>(optics.image_1);
-      beam.gobo_cos = std::cos(optics.angle_1);
-      beam.gobo_sin = std::sin(optics.angle_1);
+    const bool shaped = row.optics != fixtures::kNoAddress;
+    fixtures::f64::Walker::OpticsState optics{};
+    if (shaped) {
+      optics = walker.optics_states[row.optics];
+      const double rim = f64::focus_rim(beam.lens_radius_m, beam.spread, optics.focus);
+      beam.profile_m = f64::softened_profile(beam.profile_m, std::max(optics.frost, rim));
+      if (optics.frost > 0) {
+        beam.spread = beam.spread * (1 + static_cast<double>(f64::kFrostWidens) * optics.frost) +
+                      static_cast<double>(f64::kFrostAdds) * optics.frost;
+      }
     }
-    scene.beams.push_back(beam);
+    beam.strength_lm = flux_lm * colour / judge_flux_factor(beam.spread, beam.profile_m);
+    if (!shaped) {
+      scene.beams.push_back(beam);
+      continue;
+    }
+    const auto wheel = [](uint image, uint next, double offset, double angle) {
+      return JudgeWheel{static_cast<int>(image), static_cast<int>(next), offset, std::cos(angle), std::sin(angle)};
+    };
+    beam.wheels[0] = wheel(optics.image_1, optics.next_1, optics.offset_1, optics.angle_1);
+    beam.wheels[1] = wheel(optics.image_2, optics.next_2, optics.offset_2, optics.angle_2);
+    beam.animation = static_cast<int>(optics.animation);
+    beam.animation_cos = std::cos(optics.animation_angle);
+    beam.animation_sin = std::sin(optics.animation_angle);
+    beam.blur = static_cast<double>(f64::kFrostBlur) * optics.frost;
+    beam.focus_per_m = optics.focus;
+    double cut = 0;
+    for (int b = 0; b < 4; ++b) cut += optics.blade_a[b] + optics.blade_b[b];
+    for (uint b = 0; cut > 0 && b < 4; ++b) {
+      beam.edges.push_back(f64::blade_edge(b, optics.blade_a[b], optics.blade_b[b], optics.blade_angle[b]));
+      beam.edges.back().z /= optics.iris;
+    }
+    // The iris: the middle of the beam, with the whole beam's illuminance.
+    const double spread = beam.spread * optics.iris;
+    beam.gobo_scale = optics.iris;
+    beam.lens_radius_m *= optics.iris;
+    beam.strength_lm *= optics.iris * optics.iris;
+    beam.spread = spread;
+    if (optics.prism == 0) {
+      scene.beams.push_back(beam);
+      continue;
+    }
+    const fixtures::WheelSlotRow& slot = walker.rig.wheel_slots[optics.prism - 1];
+    for (uint f = 0; f < slot.facet_count; ++f) {
+      const fixtures::FacetRow& row_of_facet = walker.rig.facets[slot.facet_first + f];
+      const double c = std::cos(optics.prism_angle);
+      const double s = std::sin(optics.prism_angle);
+      const glm::dvec2 at(c * static_cast<double>(row_of_facet.x) - s * static_cast<double>(row_of_facet.y),
+                          s * static_cast<double>(row_of_facet.x) + c * static_cast<double>(row_of_facet.y));
+      JudgeBeam facet = beam;
+      facet.axis = glm::normalize(pose.axis + spread * (at.x * pose.x_axis + at.y * pose.y_axis));
+      facet.x_axis = glm::normalize(pose.x_axis - facet.axis * glm::dot(facet.axis, pose.x_axis));
+      facet.y_axis = glm::cross(facet.axis, facet.x_axis);
+      if (glm::dot(facet.y_axis, pose.y_axis) < 0) facet.y_axis = -facet.y_axis;
+      facet.spread = spread * static_cast<double>(row_of_facet.scale);
+      facet.strength_lm = beam.strength_lm * static_cast<double>(row_of_facet.share);
+      scene.beams.push_back(facet);
+    }
   }
   return scene;
 }
@@ -324,7 +448,13 @@ double judge_illuminance(const JudgeBeam& beam, const fixtures::Haze& haze, cons
   if (!(z > 0) || !(z <= beam.range_m)) return 0;
   const LightAt at = light_at(beam, gobo, from_lens);
   const double cosine = std::max(0.0, -glm::dot(normal, at.direction));
-  return at.illuminance * cosine * std::exp(-extinction_per_m(haze) * at.distance_m);
+  double through = 1;
+  const double soft = static_cast<double>(f64::kBladeSoft) +
+                      2 * f64::focus_blur(beam.lens_radius_m, beam.spread, at.z_m, beam.focus_per_m);
+  for (const glm::dvec3& edge : beam.edges) {
+    through *= std::clamp((edge.z - edge.x * at.rho.x - edge.y * at.rho.y) / soft + 0.5, 0.0, 1.0);
+  }
+  return through * at.illuminance * cosine * std::exp(-extinction_per_m(haze) * at.distance_m);
 }
 
 std::optional<SurfaceHit> judge_hit(const JudgeScene& scene, const Ray& ray) {

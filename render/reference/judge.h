@@ -24,6 +24,17 @@ namespace footlight::render {
 // Share of the light that a gobo lets through at (x, y) in the unit disc, 0 to 1. gobo > 0: the layer of the compiled
 // rig's images.
 using GoboTransmission = std::function<double(int gobo, double x, double y)>;
+// The same for red, green and blue.
+using GoboColors = std::function<glm::dvec3(int gobo, double x, double y)>;
+
+// A gobo wheel in a beam.
+struct JudgeWheel {
+  int image = 0;      // 0: open
+  int next = 0;       // of the slot beside, on the side of the gate
+  double offset = 0;  // of the image's middle from the beam's, in beam radii
+  double cos = 1;     // of the image's rotation
+  double sin = 0;
+};
 
 // One beam in stage space; metres. The axes are unit, right-handed: x cross y = axis.
 struct JudgeBeam {
@@ -36,9 +47,14 @@ struct JudgeBeam {
   double profile_m = 1;         // f = 1 - rho^(2m); below 1: (1 - rho^2)^(1/m)
   double range_m = 100;         // the light ends there, along the axis
   glm::dvec3 strength_lm{1};    // J0 per channel
-  int gobo = 0;                 // 0: open
-  double gobo_cos = 1;          // of the gobo's rotation
-  double gobo_sin = 0;
+  JudgeWheel wheels[2];
+  int animation = 0;            // image of the animation wheel; 0: none
+  double animation_cos = 1;
+  double animation_sin = 0;
+  double gobo_scale = 1;        // share of the images' radius that the beam shows
+  double blur = 0;              // of images, by frost: radius in beam radii
+  double focus_per_m = -1;      // below 0: images are sharp everywhere
+  std::vector<glm::dvec3> edges;  // of blades: what has x X + y Y <= z passes
 };
 
 struct JudgeScene {
@@ -48,10 +64,13 @@ struct JudgeScene {
   double ambient_lx = 0;
   double range_m = 100;   // air is seen no further than this from the camera
   GoboTransmission gobo;  // empty: every gobo is open
+  GoboColors colors;      // instead, where images are coloured
 };
 
-// The scene of a rig as the walker's states have it: of what shapes a beam only the first gobo wheel. The walker is
-// not stepped; it is taken by reference since the shared functions are its members.
+// The scene of a rig as the walker's states have it, with all that shapes its beams; the facets of a prism are beams of
+// their own. The walker is not stepped; it is taken by reference since the shared functions are its members. What
+// frost, blades, focus and wheels between two slots mean is written in render/shaders/shared/optics.h for both; a blur
+// is the mean over a disc, of 64 points here.
 [[nodiscard]] JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker,
                                      GoboTransmission gobo = {});
 

@@ -74,16 +74,16 @@ void main() {
           chord_close(chord);
         }
         if (seen) {
-          float value;
+          vec3 value;
           if (gobo) {
-            vec2 turn = vec2(row.gobo_cos, row.gobo_sin);
+            const vec2 as_it_is = vec2(1.0, 0.0);  // each wheel turns by itself
             value = kMethod == uint(FL_METHOD_MARCH)
-                        ? chord_inscatter_march_gobo(beam, medium, chord, ray, kNodes, kExtinction, row.gobo, turn)
-                        : chord_inscatter_gobo(beam, medium, chord, ray, kGoboTaps, kExtinction, row.gobo, turn);
+                        ? chord_inscatter_march_gobo(beam, medium, chord, ray, kNodes, kExtinction, row.gobo, as_it_is)
+                        : chord_inscatter_gobo(beam, medium, chord, ray, kGoboTaps, kExtinction, row.gobo, as_it_is);
           } else if (kMethod == uint(FL_METHOD_MARCH)) {
-            value = chord_inscatter_march(beam, medium, chord, ray, kNodes, kExtinction);
+            value = vec3(chord_inscatter_march(beam, medium, chord, ray, kNodes, kExtinction));
           } else {
-            value = chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction);
+            value = vec3(chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction));
           }
           total[i] += row.j0.rgb * value;
         }

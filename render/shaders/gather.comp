@@ -26,37 +26,12 @@ layout(set = 0, binding = FL_BINDING_BLADES, std430) writeonly buffer BladesBuff
 #include "render/shaders/lib/lit.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/optics.h"
 
 shared uint beams_before;
 shared uint lit_before;
 shared uint beams_of[FL_GROUP_HEADS];
 shared uint lit_here;
-
-// Frost: the profile falls off ever more softly, the beam widens by up to half and up to 3 degrees, images blur.
-// Amounts are chosen by eye; the flux stays.
-const float kFrostWidens = 0.5;
-const float kFrostAdds = 0.05;
-const float kFrostBlur = 7.0;
-float frosted_profile(float profile_m, float frost) {
-  const float soft[7] = float[7](4.0, 3.0, 2.0, 1.0, 0.5, 1.0 / 3.0, 0.25);
-  int first = 0;
-  for (int i = 0; i < 7; ++i) first = profile_m < soft[i] - 0.01 ? i + 1 : first;
-  return soft[min(first + int(frost * 6.0 + 0.5), 6)];
-}
-
-// The edge of blade i: 0 bottom, 1 left, 2 top, 3 right, looking along the beam; y of the gobo plane points down.
-vec4 blade_edge(OpticsState optics, uint i, float scale) {
-  vec2 n = i == 0u ? vec2(0, 1) : i == 1u ? vec2(-1, 0) : i == 2u ? vec2(0, -1) : vec2(1, 0);
-  vec2 along = vec2(-n.y, n.x);
-  // In by a at one end and by b at the other: a straight line through both.
-  vec2 m = n + along * (0.5 * (optics.blade_b[i] - optics.blade_a[i]));
-  float d = 1.0 - 0.5 * (optics.blade_a[i] + optics.blade_b[i]);
-  float size = length(m);
-  float c = cos(optics.blade_angle[i]);
-  float s = sin(optics.blade_angle[i]);
-  m = vec2(c * m.x - s * m.y, s * m.x + c * m.y) / size;
-  return vec4(m, d / (size * scale), 0.0);
-}
 
 void write_beams(uint index, uint first) {
   HeadRow row = heads[index];
@@ -77,21 +52,28 @@ void write_beams(uint index, uint first) {
   beam.gobo_scale = 1.0;
   beam.gobo_blur = 0.0;
   beam.blades = 0u;
+  beam.next_1 = 0u;
+  beam.next_2 = 0u;
+  beam.offset_1 = 0.0;
+  beam.offset_2 = 0.0;
+  beam.focus = -1.0;
+  beam.animation = 0u;
+  beam.animation_cos = 1.0;
+  beam.animation_sin = 0.0;
   beam.pad = 0u;
   beam.pad_1 = 0u;
   beam.head = index;
   float lens_radius_m = type.lens_radius_m;
-  float frost = 0.0;
   OpticsState optics;
   uint facet_count = 0u;
   uint facet_first = 0u;
   if (shaped) {
     optics = optics_states[row.optics];
-    frost = optics.frost;
-    if (frost > 0.0) {
-      profile_m = frosted_profile(profile_m, frost);
-      spread = spread * (1.0 + kFrostWidens * frost) + kFrostAdds * frost;
-      beam.gobo_blur = kFrostBlur * frost;
+    beam.focus = optics.focus;
+    profile_m = softened_profile(profile_m, max(optics.frost, focus_rim(lens_radius_m, spread, optics.focus)));
+    if (optics.frost > 0.0) {
+      spread = spread * (1.0 + kFrostWidens * optics.frost) + kFrostAdds * optics.frost;
+      beam.gobo_blur = kFrostBlur * optics.frost;
     }
   }
   float j0 = type.flux_lm / beam_flux_factor(spread, profile_m);
@@ -100,8 +82,15 @@ void write_beams(uint index, uint first) {
     beam.gobo_cos = cos(optics.angle_1);
     beam.gobo_sin = sin(optics.angle_1);
     beam.gobo_2 = optics.image_2;
-    beam.gobo_2_cos = cos(optics.angle_2 - optics.angle_1);
-    beam.gobo_2_sin = sin(optics.angle_2 - optics.angle_1);
+    beam.gobo_2_cos = cos(optics.angle_2);
+    beam.gobo_2_sin = sin(optics.angle_2);
+    beam.next_1 = optics.next_1;
+    beam.next_2 = optics.next_2;
+    beam.offset_1 = optics.offset_1;
+    beam.offset_2 = optics.offset_2;
+    beam.animation = optics.animation;
+    beam.animation_cos = cos(optics.animation_angle);
+    beam.animation_sin = sin(optics.animation_angle);
     // The iris leaves the middle of the beam as it is, but for the rim, which falls off as that of the whole beam.
     beam.gobo_scale = optics.iris;
     spread *= optics.iris;
@@ -142,7 +131,10 @@ void write_beams(uint index, uint first) {
     beam.j0 = vec4(vec3(state.red, state.green, state.blue) * (j0 * share), 0.0);
     beams[first + b] = beam;
     if (kBlades && beam.blades != 0u) {
-      for (uint i = 0u; i < 4u; ++i) blades[first + b].edge[i] = blade_edge(optics, i, optics.iris);
+      for (uint i = 0u; i < 4u; ++i) {
+        vec3 edge = blade_edge(i, optics.blade_a[i], optics.blade_b[i], optics.blade_angle[i]);
+        blades[first + b].edge[i] = vec4(edge.xy, edge.z / optics.iris, 0.0);
+      }
     }
   }
 }

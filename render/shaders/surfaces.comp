@@ -136,12 +136,10 @@ void main() {
         if (surface[i].kind != kNothing && share > 0.0) {
           share *= max(-dot(to_light(row, surface[i].normal), beam_direction(beam, rho)), 0.0);
           if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);
-          if (kBlades && row.blades != 0u) share *= blades_at(index, rho);
-          if (gobo) {
-            share *= gobo_at(row.gobo, vec2(row.gobo_cos * rho.x + row.gobo_sin * rho.y,
-                                            row.gobo_cos * rho.y - row.gobo_sin * rho.x));
-          }
-          illuminance_lx[i] += row.j0.rgb * share;
+          if (kBlades && row.blades != 0u) share *= blades_at(index, rho, p.z);
+          vec3 through = vec3(share);
+          if (gobo) through *= gobo_on_surface(row.gobo, rho, p.z);
+          illuminance_lx[i] += row.j0.rgb * through;
         }
       }
     FL_WALK_END

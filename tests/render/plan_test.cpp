@@ -41,6 +41,10 @@ Needs demo_needs() {
     CHECK_FALSE(needs.*lamp);
     needs.*lamp = true;
   }
+  CHECK_FALSE(needs.focus);
+  CHECK_FALSE(needs.animation);
+  needs.focus = true;
+  needs.animation = true;
   return needs;
 }
 
@@ -58,7 +62,7 @@ void check_left_out(const Needs& needs, const FrameSettings& settings) {
   CHECK(planned.size() + left_out.size() == kAll.size());
 }
 
-TEST_CASE("the demo rig with filters, blades and lamps of every kind needs every pass, with every branch") {
+TEST_CASE("the demo rig with all that it lacks needs every pass, with every branch") {
   const FrameSettings settings;
   const auto plan = plan_frame(demo_needs(), settings);
   CHECK(plan == std::vector<PassPlan>{
@@ -81,7 +85,7 @@ TEST_CASE("the demo rig with filters, blades and lamps of every kind needs every
                       {FL_SPEC_PROFILE, 1},
                       {FL_SPEC_BOXES, 1},
                       {FL_SPEC_BODIES, 1},
-                      {FL_SPEC_BLADES, 1}}},
+                      {FL_SPEC_BLADES, 1}, {FL_SPEC_FOCUS, 1}, {FL_SPEC_ANIMATION, 1}}},
                     {"beams",
                      {{FL_SPEC_GOBO, 1},
                       {FL_SPEC_EXTINCTION, 1},
@@ -91,7 +95,7 @@ TEST_CASE("the demo rig with filters, blades and lamps of every kind needs every
                       {FL_SPEC_GOBO_TAPS, settings.gobo_taps},
                       {FL_SPEC_BOXES, 1},
                       {FL_SPEC_BODIES, 1},
-                      {FL_SPEC_BLADES, 1}}},
+                      {FL_SPEC_BLADES, 1}, {FL_SPEC_FOCUS, 1}, {FL_SPEC_ANIMATION, 1}}},
                     {"tonemap", {}}});
   CHECK(left_out_passes(demo_needs(), settings).empty());
 }
@@ -130,6 +134,8 @@ TEST_CASE("each need that goes takes its branches or its passes with it") {
                         Case{"led", &Needs::led, {}, FL_SPEC_LED},
                         Case{"discharge", &Needs::discharge, {}, FL_SPEC_DISCHARGE},
                         Case{"dowser", &Needs::dowser, {}, FL_SPEC_DOWSER},
+                        Case{"focus", &Needs::focus, {}, FL_SPEC_FOCUS},
+                        Case{"animation", &Needs::animation, {}, FL_SPEC_ANIMATION},
                         Case{"extinction", &Needs::extinction, {}, FL_SPEC_EXTINCTION},
                         Case{"profile", &Needs::profile, {}, FL_SPEC_PROFILE},
                         Case{"surfaces", &Needs::surfaces, {}, FL_SPEC_BOXES},

@@ -190,6 +190,75 @@ Scene lamps_scene(std::uint64_t seed, int count) {
   return scene;
 }
 
+Scene optics_scene(bool with_focus) {
+  FixtureType type = lamp_type(0.06, 4);
+  type.id = "test/optics";
+  Mode& mode = type.modes.front();
+  Wheel gobos;
+  gobos.name = "Gobos";
+  for (const char* image : {"", "builtin:dots", "builtin:bars", "builtin:star"}) {
+    WheelSlot slot;
+    slot.name = image;
+    slot.open = slot.name.empty();
+    slot.image = image;
+    gobos.slots.push_back(slot);
+  }
+  Wheel prism;
+  prism.name = "Prism";
+  prism.slots.resize(2);
+  prism.slots[0].open = true;
+  for (int i = 0; i < 3; ++i) {
+    PrismFacet facet;
+    const double angle = 2 * std::numbers::pi * i / 3;
+    facet.transform[0][0] = facet.transform[1][1] = 0.7;
+    facet.transform[2][0] = std::cos(angle);
+    facet.transform[2][1] = std::sin(angle);
+    prism.slots[1].facets.push_back(facet);
+  }
+  type.wheels = {gobos, prism};
+  const auto add = [&](const char* attribute, double from, double to, double at) {
+    const int slot = mode.slot_count;
+    const auto raw = static_cast<std::uint32_t>(std::lround(65535 * (at - from) / (to - from)));
+    mode.channels.push_back(channel({slot, slot + 1}, attribute, from, to, raw));
+    mode.slot_count += 2;
+  };
+  add("Gobo1WheelIndex", 0, 360, 0);
+  mode.channels.back().functions.front().wheel = 0;
+  add("Gobo1Pos", 0, 360, 0);
+  add("Iris", 0, 1, 1);
+  add("Frost1", 0, 1, 0);
+  if (with_focus) add("Focus1", 0, 1, 1);
+  add("AnimationWheel1", 0, 1, 0);
+  add("AnimationWheel1Pos", 0, 360, 0);
+  for (int blade = 1; blade <= 4; ++blade) {
+    for (const char* part : {"A", "Rot"}) {
+      const std::string name = "Blade" + std::to_string(blade) + part;
+      add(name.c_str(), part[0] == 'A' ? 0 : -45, part[0] == 'A' ? 1 : 45, 0);
+    }
+  }
+  add("Prism1", 0, 1, 0);
+  ChannelFunction& prisms = mode.channels.back().functions.front();
+  prisms.wheel = 1;
+  prisms.sets = {{"open", 0, 32767, 0, 1, 1}, {"in", 32768, 65535, 0, 1, 2}};
+  REQUIRE(problems(type).empty());
+
+  Scene scene;
+  scene.rig.name = "optics";
+  scene.rig.haze = {0.02, 0.001, 0.4, 30};
+  scene.rig.ambient_lx = 0;
+  scene.rig.types = {type};
+  scene.rig.boxes = {{"wall", {-6, 8, 0}, {6, 8.2, 6}, glm::dvec3(0.5)}};
+  scene.rig.cameras.push_back({"side", {5, -3, 3.5}, {0, 5, 3}, 50, 6});
+  PatchedFixture lamp;
+  lamp.name = "Lamp";
+  lamp.position_m = {0, 0, 3};
+  lamp.rotation_deg = {90, 0, 0};
+  scene.rig.fixtures.push_back(lamp);
+  scene.compile();
+  scene.set(0, "Zoom", 24);
+  return scene;
+}
+
 void dim_lamps(Scene& scene, const std::vector<bool>& lit) {
   REQUIRE(lit.size() == scene.rig.fixtures.size());
   for (std::size_t i = 0; i < lit.size(); ++i) {

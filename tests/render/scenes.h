@@ -58,6 +58,10 @@ struct Scene {
 // of which some are pencils of 0.1 degrees, some cylinders, some washes of 60 degrees.
 [[nodiscard]] Scene lamps_scene(std::uint64_t seed, int count);
 inline constexpr int kLampDimmerSlot = 0;  // from a lamp's address: set to 0 it is dark
+// One lamp 3 m up that shines along +Y at a wall, 8 m away, and can do all that shapes a beam: Gobo1WheelIndex (open,
+// dots, bars, star), Gobo1Pos, Iris, Frost1, Prism1 (open, three facets), Blade1A to Blade4Rot, Focus1 where asked for,
+// AnimationWheel1 (0 or 1) and its Pos. Every channel has 16 bits.
+[[nodiscard]] Scene optics_scene(bool with_focus);
 // Sets the dimmer of every lamp.
 void dim_lamps(Scene& scene, const std::vector<bool>& lit);
 

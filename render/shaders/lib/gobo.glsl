@@ -1,44 +1,94 @@
 // Gobo images and blades: what stands in a beam. Layer i holds image i + 1; transmission over the square -1..1 of the
-// gobo plane. Two wheels lie behind each other, and an iris shows the middle of them.
+// gobo plane. Two wheels and an animation wheel lie behind each other, and an iris shows the middle of them.
 layout(constant_id = FL_SPEC_GOBO) const bool kGobo = false;
 layout(constant_id = FL_SPEC_GOBO_TAPS) const uint kGoboTaps = 16;
 layout(constant_id = FL_SPEC_BLADES) const bool kBlades = false;
+layout(constant_id = FL_SPEC_FOCUS) const bool kFocus = false;
+layout(constant_id = FL_SPEC_ANIMATION) const bool kAnimation = false;
 layout(set = 0, binding = FL_BINDING_GOBOS) uniform sampler2DArray gobo_images;
 layout(set = 0, binding = FL_BINDING_BLADES, std430) readonly buffer BladesBuffer { BladesRow blades[]; };
+#include "render/shaders/shared/optics.h"
 
-// Of the beam that is being drawn, set by its row.
-uint gobo_second;
-vec2 gobo_second_turn;
-float gobo_scale;
-float gobo_blur;
+// Of the beam that is being drawn.
+BeamRow gobo_row;
+uint gobo_look;  // how many looks at its images there were
 void gobo_begin(BeamRow row) {
-  gobo_second = row.gobo_2;
-  gobo_second_turn = vec2(row.gobo_2_cos, row.gobo_2_sin);
-  gobo_scale = row.gobo_scale;
-  gobo_blur = row.gobo_blur;
+  gobo_row = row;
+  gobo_look = 0u;
 }
-bool has_gobo(BeamRow row) { return kGobo && (row.gobo | row.gobo_2) != 0u; }
+bool has_gobo(BeamRow row) {
+  return kGobo && ((row.gobo | row.gobo_2 | row.animation) != 0u || row.offset_1 != 0.0 || row.offset_2 != 0.0);
+}
 
-// rho: turned with the first wheel.
-float gobo_at(uint gobo, vec2 rho) {
-  vec2 p = rho * (0.5 * gobo_scale);
-  float through = gobo > 0u ? textureLod(gobo_images, vec3(p + 0.5, float(gobo) - 1.0), gobo_blur).x : 1.0;
-  if (gobo_second > 0u) {
-    vec2 turned = vec2(gobo_second_turn.x * p.x + gobo_second_turn.y * p.y,
-                       gobo_second_turn.x * p.y - gobo_second_turn.y * p.x);
-    through *= textureLod(gobo_images, vec3(turned + 0.5, float(gobo_second) - 1.0), gobo_blur).x;
+// A blur is spread over the looks along a ray: each is moved within the disc of the blur, by a sequence that fills it
+// evenly (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018), and sees what is around it
+// through a quarter of the disc, by levels of detail. A square of that many texels has the variance of the disc.
+const float kTexelsOfBlur = 443.0 * 0.25;  // sqrt(3) * 512 / 2
+vec2 gobo_spread(uint look) {
+  vec2 u = fract(vec2(0.5) + float(look) * vec2(0.7548776662466927, 0.5698402909980532));
+  float angle = 6.283185307179586 * u.y;
+  return sqrt(u.x) * vec2(cos(angle), sin(angle));
+}
+
+vec3 gobo_image(uint image, vec2 p, float lod) {
+  return textureLod(gobo_images, vec3(0.5 * p + 0.5, float(image) - 1.0), lod).rgb;
+}
+
+vec3 gobo_wheel(uint image, uint next, float offset, vec2 turn, vec2 p, float lod) {
+  float open = 1.0;
+  if (offset != 0.0) {
+    vec2 at;
+    image = wheel_slot_at(p, offset, at) ? next : image;
+    p = at;
+    // The rim of the opening, a texel and a half wide.
+    open = clamp((1.0 - length(p)) / 0.006 + 0.5, 0.0, 1.0);
+  }
+  if (image == 0u) return vec3(open);
+  return open * gobo_image(image, vec2(turn.x * p.x + turn.y * p.y, turn.x * p.y - turn.y * p.x), lod);
+}
+
+// rho in the beam, z_m from its lens.
+vec3 gobo_at(uint gobo, vec2 rho, float z_m) {
+  vec2 p = rho * gobo_row.gobo_scale;
+  float blur = gobo_row.gobo_blur;
+  if (kFocus) blur = max(blur, focus_blur(gobo_row.x_axis.w, gobo_row.y_axis.w, z_m, gobo_row.focus));
+  float lod = 0.0;
+  if (blur > 1e-4) {
+    p += blur * gobo_spread(gobo_look++);
+    lod = log2(max(kTexelsOfBlur * blur, 1.0));
+  }
+  vec3 through = gobo_wheel(gobo, gobo_row.next_1, gobo_row.offset_1, vec2(gobo_row.gobo_cos, gobo_row.gobo_sin), p,
+                            lod);
+  if (gobo_row.gobo_2 != 0u || gobo_row.offset_2 != 0.0) {
+    through *= gobo_wheel(gobo_row.gobo_2, gobo_row.next_2, gobo_row.offset_2,
+                          vec2(gobo_row.gobo_2_cos, gobo_row.gobo_2_sin), p, lod);
+  }
+  if (kAnimation && gobo_row.animation != 0u) {
+    vec2 at = (p - vec2(kAnimationAwayX, 0.0)) / kAnimationRadius;
+    vec2 turn = vec2(gobo_row.animation_cos, gobo_row.animation_sin);
+    through *= gobo_image(gobo_row.animation, vec2(turn.x * at.x + turn.y * at.y, turn.x * at.y - turn.y * at.x), lod);
   }
   return through;
 }
+// On a surface: as many looks as a blur needs.
+const uint kSurfaceLooks = 24u;
+vec3 gobo_on_surface(uint gobo, vec2 rho, float z_m) {
+  float blur = gobo_row.gobo_blur;
+  if (kFocus) blur = max(blur, focus_blur(gobo_row.x_axis.w, gobo_row.y_axis.w, z_m, gobo_row.focus));
+  uint looks = blur > 1e-4 ? kSurfaceLooks : 1u;
+  vec3 sum = vec3(0.0);
+  for (uint i = 0u; i < looks; ++i) sum += gobo_at(gobo, rho, z_m);
+  return sum / float(looks);
+}
 #define FL_GOBO
 
-// On a surface the edge of a blade is as soft as this, in beam radii. Chosen by eye.
-const float kBladeSoft = 0.02;
-float blades_at(uint index, vec2 rho) {
+float blades_at(uint index, vec2 rho, float z_m) {
+  float soft = kBladeSoft;
+  if (kFocus) soft += 2.0 * focus_blur(gobo_row.x_axis.w, gobo_row.y_axis.w, z_m, gobo_row.focus);
   float through = 1.0;
   for (int i = 0; i < 4; ++i) {
     vec4 edge = blades[index].edge[i];
-    through *= clamp((edge.z - dot(edge.xy, rho)) / kBladeSoft + 0.5, 0.0, 1.0);
+    through *= clamp((edge.z - dot(edge.xy, rho)) / soft + 0.5, 0.0, 1.0);
   }
   return through;
 }

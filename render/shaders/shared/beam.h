@@ -12,7 +12,8 @@
 // for a cylinder.
 //
 // Error and cost of each method: docs/numerics.md, printed by `footlight report`. Range: half angles up to 75 degrees.
-// The including file provides Real gobo_at(uint gobo, Vec2 rho) where gobos are used, and defines FL_GOBO.
+// Where gobos are used the including file provides Vec3 gobo_at(uint gobo, Vec2 rho, Real z_m), what they let through
+// of red, green and blue at a place in the gate, z_m from the lens, and defines FL_GOBO.
 
 struct BeamShape {
   Real lens_radius_m;  // R0 > 0
@@ -238,32 +239,32 @@ FL_FN Vec2 gobo_position(Chord chord, Real s, Vec2 turn) {
 }
 
 // The rival march, with a gobo.
-FL_FN Real chord_inscatter_march_gobo(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction,
+FL_FN Vec3 chord_inscatter_march_gobo(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction,
                                       uint gobo, Vec2 turn) {
-  Real total = Real(0);
+  Vec3 total = Vec3(0, 0, 0);
   Real h = (chord.t_to_m - chord.t_from_m) / Real(n);
   for (uint i = uint(0); i < n; ++i) {
     Real t_m = chord.t_from_m + (Real(i) + Real(0.5)) * h;
     Real w = chord.w_base + t_m * chord.w_slope;
     Real s = chord.s_base + chord.v_length * t_m / (chord.w_base * w);
-    Real through = gobo_at(gobo, gobo_position(chord, s, turn));
-    total += chord_integrand(beam, medium, chord, d, s, t_m, with_extinction) * through / (w * w);
+    Vec3 through = gobo_at(gobo, gobo_position(chord, s, turn), chord.base.z + t_m * d.z);
+    total += through * (chord_integrand(beam, medium, chord, d, s, t_m, with_extinction) / (w * w));
   }
   return total * h;
 }
 
 // With a gobo: n midpoints in s, each with a look at the gobo.
-FL_FN Real chord_inscatter_gobo(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction,
+FL_FN Vec3 chord_inscatter_gobo(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction,
                                 uint gobo, Vec2 turn) {
-  Real total = Real(0);
+  Vec3 total = Vec3(0, 0, 0);
   for (uint i = uint(0); i < n; ++i) {
     Real s;
     Real t_m;
     chord_point(chord, (Real(i) + Real(0.5)) / Real(n), s, t_m);
-    Real through = gobo_at(gobo, gobo_position(chord, s, turn));
-    total += chord_integrand(beam, medium, chord, d, s, t_m, with_extinction) * through;
+    Vec3 through = gobo_at(gobo, gobo_position(chord, s, turn), chord.base.z + t_m * d.z);
+    total += through * chord_integrand(beam, medium, chord, d, s, t_m, with_extinction);
   }
-  return total / Real(n) * chord_measure(chord);
+  return total * (chord_measure(chord) / Real(n));
 }
 #endif
 

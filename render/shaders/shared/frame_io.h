@@ -63,7 +63,9 @@
 #define FL_SPEC_LED 15
 #define FL_SPEC_DISCHARGE 16
 #define FL_SPEC_DOWSER 17
-#define FL_SPEC_COUNT 18
+#define FL_SPEC_FOCUS 18
+#define FL_SPEC_ANIMATION 19
+#define FL_SPEC_COUNT 20
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -93,7 +95,7 @@ struct FrameParams {
   uint pad_1;
 };
 
-// One lit beam, 128 bytes: a head's, or one facet's of its prism. Light space is camera-relative: eye = camera in it.
+// One lit beam, 160 bytes: a head's, or one facet's of its prism. Light space is camera-relative: eye = camera in it.
 struct BeamRow {
   vec4 x_axis;  // xyz in stage space; w: lens radius R0, m
   vec4 y_axis;  // w: spread k
@@ -105,11 +107,19 @@ struct BeamRow {
   float gobo_sin;
   uint head;
   uint gobo_2;        // 0: open
-  float gobo_2_cos;   // of its angle relative to the first one's
+  float gobo_2_cos;
   float gobo_2_sin;
   float gobo_scale;   // share of the image's radius that the beam shows: the iris
-  float gobo_blur;    // level of detail of the images
+  float gobo_blur;    // of the images, by frost: radius in beam radii
   uint blades;        // 1: cut by the blades of the same number
+  uint next_1;        // images of the slots beside, where a wheel stands between two
+  uint next_2;
+  float offset_1;     // of the gobo's middle from the beam's, in beam radii; 0: it stands right
+  float offset_2;
+  float focus;        // 1/m; below 0: sharp everywhere
+  uint animation;     // image; 0: none
+  float animation_cos;
+  float animation_sin;
   uint pad;
   uint pad_1;
 };

@@ -159,7 +159,7 @@ TEST_CASE("two parts of a ray add up to the whole") {
 TEST_CASE("a gobo turns with its phase and dims by what it stops") {
   JudgeBeam beam;
   beam.spread = 0.2;
-  beam.gobo = 3;
+  beam.wheels[0].image = 3;
   const GoboTransmission right_half = [](int gobo, double x, double) { return gobo == 3 && x > 0 ? 1.0 : 0.0; };
   const Ray across{{-10, 0, 5}, {1, 0, 0}};  // along x of the beam, through both halves
   const double open = judge_inscatter(beam, kClear, across, 0, 100, {}, 1e-9);
@@ -169,11 +169,11 @@ TEST_CASE("a gobo turns with its phase and dims by what it stops") {
   };
   CHECK(lit(0.5, 0.0));
   CHECK_FALSE(lit(-0.5, 0.0));
-  beam.gobo_cos = 0;  // a quarter turn: the open half has moved from +x to +y
-  beam.gobo_sin = 1;
+  beam.wheels[0].cos = 0;  // a quarter turn: the open half has moved from +x to +y
+  beam.wheels[0].sin = 1;
   CHECK(lit(0.0, 0.5));
   CHECK_FALSE(lit(0.0, -0.5));
-  beam.gobo = 0;
+  beam.wheels[0].image = 0;
   CHECK(lit(0.0, -0.5));
 }
 

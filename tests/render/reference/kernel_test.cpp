@@ -18,10 +18,11 @@
 #include "tests/render/reference/kernel_cases.h"
 
 // A gobo of soft bars across x, for both precisions.
-#define FL_TEST_BARS                                                  \
-  inline Real gobo_at(uint gobo, Vec2 rho) {                          \
-    (void)gobo;                                                       \
-    return Real(0.5) + Real(0.5) * sin(Real(20) * rho.x + Real(0.3)); \
+#define FL_TEST_BARS                                                         \
+  inline Vec3 gobo_at(uint gobo, Vec2 rho, Real z_m) {                       \
+    (void)gobo;                                                              \
+    (void)z_m;                                                               \
+    return Vec3(Real(0.5) + Real(0.5) * sin(Real(20) * rho.x + Real(0.3)));  \
   }
 namespace footlight::render::f32 {
 using namespace ::footlight::f32;
@@ -68,7 +69,7 @@ enum class Rule { kGauss, kMarch, kGobo };
       case Rule::kGobo: break;                                                                                  \
     }                                                                                                           \
     return static_cast<double>(                                                                                 \
-        k::chord_inscatter_gobo(beam, medium, chord, d, n, true, 1u, k::Vec2(kGoboCos, kGoboSin)));             \
+        k::chord_inscatter_gobo(beam, medium, chord, d, n, true, 1u, k::Vec2(kGoboCos, kGoboSin)).x);           \
   }
 FL_TEST_KERNEL(in_float, f32)
 FL_TEST_KERNEL(in_double, f64)
@@ -79,9 +80,7 @@ JudgeBeam judge_beam_of(const BeamRay& ray) {
   beam.spread = static_cast<double>(ray.spread);
   beam.profile_m = static_cast<double>(ray.profile_m);
   beam.range_m = static_cast<double>(ray.range_m);
-  beam.gobo = 1;
-  beam.gobo_cos = kGoboCos;
-  beam.gobo_sin = kGoboSin;
+  beam.wheels[0] = {1, 0, 0, kGoboCos, kGoboSin};
   return beam;
 }
 
@@ -107,7 +106,9 @@ const Judged& judged_case(const std::string& name, double profile_m, bool with_g
   if (!c.rays.empty()) return c;
   GoboTransmission gobo;
   if (with_gobo)
-    gobo = [](int index, double x, double y) { return render::f64::gobo_at(static_cast<unsigned>(index), {x, y}); };
+    gobo = [](int index, double x, double y) {
+      return render::f64::gobo_at(static_cast<unsigned>(index), {x, y}, 0).x;
+    };
   c.rays = cases::rays_of(name, kRays, profile_m);
   double square = 0;
   double own_square = 0;
