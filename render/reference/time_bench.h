@@ -138,5 +138,9 @@ void report_smoothing(const TimeReportOptions& options, TimeReport& report);
 void report_belt(const TimeReportOptions& options, TimeReport& report);
 void report_led(const TimeReportOptions& options, TimeReport& report);
 void report_mains(const TimeReportOptions& options, TimeReport& report);
+void report_dimmer(const TimeReportOptions& options, TimeReport& report);
+void report_pulse(const TimeReportOptions& options, TimeReport& report);  // and random ones
+void report_discharge(const TimeReportOptions& options, TimeReport& report);
+void report_jerk(const TimeReportOptions& options, TimeReport& report);
 
 }  // namespace footlight::render

@@ -100,6 +100,10 @@ TimeReport time_report(const TimeReportOptions& options) {
   report_belt(options, report);
   report_led(options, report);
   report_mains(options, report);
+  report_dimmer(options, report);
+  report_pulse(options, report);
+  report_discharge(options, report);
+  report_jerk(options, report);
   return report;
 }
 

@@ -12,6 +12,10 @@
 // belt        position            1 / angular frequency          full level          position
 // led         mean light          rise of the driver             full light          light
 // mains       mean power          half wave                      full power          power
+// dimmer      mean light          rise of the driver             full light          light
+// pulse       open share          period of the pulses           share of the frame  open share; also: random-pulse
+// discharge   mean light          run-up of the arc              full light          light
+// jerk        position            lag of the smoothing           the axis's range    position
 //
 // Times are of one CPU core, and of this thread only.
 #pragma once

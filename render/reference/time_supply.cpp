@@ -193,6 +193,62 @@ void report_led(const TimeReportOptions& options, TimeReport& report) {
   report.judges.push_back(own);
 }
 
+void report_dimmer(const TimeReportOptions& options, TimeReport& report) {
+  const std::vector<double> levels = moves_of(options.seconds, options.seed);
+  JudgeError own{.model = "dimmer", .judge = "Taylor series in pieces of half the rise, against a fifth",
+                 .second = "RK4 in 4000 steps, 50 frames", .unit = "full"};
+  TimeBench bench(options.runs, report.rows);
+  for (const double tau_ms : options.tau_ms) {
+    for (const double fps : options.fps) {
+      const Frames show = frames_of(options.seconds, fps, levels);
+      Frames lit = show;
+      for (double& level : lit.input) level *= level;
+      const double rise_s = tau_ms * 1e-3;
+      TimeScene scene{.model = "dimmer", .unit = "full", .tau_ms = tau_ms, .fps = fps, .seconds = options.seconds,
+                      .judge = led_judged_show(lit, rise_s, 0.5L), .span = {0, 1}};
+      const std::vector<double> fine = led_judged_show(lit, rise_s, 0.2L);
+      LedRival steps;
+      for (std::size_t i = 0; i < show.size(); ++i) {
+        own.own = std::max(own.own, std::abs(fine[i] - scene.judge[i]));
+        if (i >= 50) continue;
+        double light = 0;
+        for (int s = 0; s < 4000; ++s) light += steps.rk4(rise_s, lit.input[i], show.dt_s[i] / 4000) / 4000;
+        own.difference = std::max(own.difference, std::abs(light - scene.judge[i]));
+      }
+      bench.add(scene, "law, then exact f32", 1, [&] {
+        const f32::LedType type{static_cast<float>(rise_s), static_cast<float>(kHeatS), static_cast<float>(kDroop)};
+        return [&, type, led = f32::led_start(0)](std::size_t i) mutable {
+          const float light = f32::law_light(f32::kLawSquare, static_cast<float>(show.input[i]));
+          return static_cast<double>(f32::led_step(led, type, light, dt_of(show, i)));
+        };
+      });
+      const auto with_level = [&](auto light_of_level) {
+        return [&, light_of_level] {
+          const f64::LedType type{rise_s, kHeatS, kDroop};
+          return [&, type, light_of_level, led = f64::led_start(0)](std::size_t i) mutable {
+            return f64::led_step(led, type, light_of_level(show.input[i]), dt_of(show, i));
+          };
+        };
+      };
+      bench.add(scene, "law, then exact f64", 1,
+                with_level([](double level) { return f64::law_light(f64::kLawSquare, level); }));
+      bench.add(scene, "law of the coarse byte", 1, with_level([](double level) {
+                  const double coarse = std::floor(level * 65535 / 256) / 255;
+                  return coarse * coarse;
+                }));
+      bench.add(scene, "power 2.2", 1, with_level([](double level) { return std::pow(level, 2.2); }));
+      bench.add(scene, "law of the lagging level", 1, [&] {
+        const f64::LedType type{rise_s, 0, 0};
+        return [&, type, led = f64::led_start(0)](std::size_t i) mutable {
+          const double level = f64::led_step(led, type, show.input[i], dt_of(show, i));
+          return level * level;
+        };
+      });
+    }
+  }
+  report.judges.push_back(own);
+}
+
 void report_mains(const TimeReportOptions& options, TimeReport& report) {
   const std::vector<double> levels = flashes_of(options.seconds, options.seed);
   JudgeError own{.model = "mains", .judge = "Gauss-Kronrod 31 of each half wave", .own = 1e-14,

@@ -32,6 +32,11 @@ constexpr ModelText kModels[] = {
     {"belt", "propagator f32", "Belt resonance: damping 0.05; tau = 1 / angular frequency"},
     {"led", "exact f32", "LED: mean light of a driver that rises in tau and a heat sink of 60 s, droop 1/8"},
     {"mains", "exposure integral f32", "Phase-cut dimmer without a lamp's inertia: mean power; tau = a half wave"},
+    {"dimmer", "law, then exact f32", "Dimmer law (square) before an LED's driver that rises in tau: mean light"},
+    {"pulse", "exposure integral f32", "Pulses: the open share of each frame; tau = their period, duty 3/8"},
+    {"random-pulse", "exposure integral f32", "Random pulses, one a period: the open share of each frame"},
+    {"discharge", "exact f32", "Discharge: mean light of an arc that locks out, strikes and runs up in tau"},
+    {"jerk", "exact f32", "Jerk smoothing of 540 degrees of pan in 2.45 s: position; tau = the lag"},
 };
 
 // Inputs stand below their numbers: they are long.

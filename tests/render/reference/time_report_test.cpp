@@ -131,6 +131,32 @@ TEST_CASE("every model has a row for each of its rivals, at every knob, stiffnes
         {"semi-implicit Euler", steps * scenes},
         {"implicit Euler", steps * scenes},
         {"RK4", steps * scenes}}},
+      {"dimmer",
+       {{"law, then exact f32", scenes},
+        {"law, then exact f64", scenes},
+        {"law of the coarse byte", scenes},
+        {"power 2.2", scenes},
+        {"law of the lagging level", scenes}}},
+      {"pulse",
+       {{"exposure integral f32", flashes},
+        {"exposure integral f64", flashes},
+        {"point samples", steps * flashes}}},
+      {"random-pulse",
+       {{"exposure integral f32", flashes},
+        {"exposure integral f64", flashes},
+        {"point samples", steps * flashes}}},
+      {"discharge",
+       {{"exact f32", scenes},
+        {"exact f64", scenes},
+        {"on and off", scenes},
+        {"explicit Euler, events polled", steps * scenes},
+        {"RK4, events polled", steps * scenes}}},
+      {"jerk",
+       {{"exact f32", scenes},
+        {"exact f64", scenes},
+        {"none", scenes},
+        {"two lerps with dt", steps * scenes},
+        {"semi-implicit Euler", steps * scenes}}},
   };
   std::size_t all = 0;
   for (const auto& [model, methods] : wanted) {
@@ -162,6 +188,12 @@ TEST_CASE("each judge's error is as small as a report at 1e-12 needs, and an unr
       {"belt", {1e-12, 1e-11}},
       {"led", {1e-12, 1e-6}},  // the second judge takes means of two points
       {"mains", {1e-12, 1e-12}},
+      {"dimmer", {1e-12, 1e-6}},  // as of the LED
+      {"pulse", {1e-12, 1e-6}},   // the second judge samples
+      {"random-pulse", {1e-12, 1e-6}},
+      // Two judges that step: as near as their steps make them.
+      {"discharge", {1e-8, 1e-6}},
+      {"jerk", {1e-7, 1e-6}},
   };
   REQUIRE(report().judges.size() == bounds.size());
   for (const JudgeError& judge : report().judges) {
@@ -190,6 +222,16 @@ TEST_CASE("the exact models are as near to their judges as rounding lets them, a
   CHECK(worst("led", "exact f32") < 1e-3);
   CHECK(worst("belt", "propagator f64") < 1e-13);
   CHECK(worst("belt", "propagator f32") < 1.5e-5);
+  CHECK(worst("dimmer", "law, then exact f64") < 1e-3);  // as of the LED
+  CHECK(worst("dimmer", "law, then exact f32") < 1e-3);
+  CHECK(worst("pulse", "exposure integral f64") < 1e-12);
+  CHECK(worst("pulse", "exposure integral f32") < 1e-5);
+  CHECK(worst("random-pulse", "exposure integral f64") < 1e-12);
+  CHECK(worst("random-pulse", "exposure integral f32") < 1e-5);
+  CHECK(worst("discharge", "exact f64") < 1e-8);  // the judge's steps
+  CHECK(worst("discharge", "exact f32") < 1e-5);
+  CHECK(worst("jerk", "exact f64") < 1e-7);
+  CHECK(worst("jerk", "exact f32") < 1e-5);
 }
 
 TEST_CASE("rivals that blow up are rows that say so") {

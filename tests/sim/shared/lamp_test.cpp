@@ -338,6 +338,57 @@ TEST_CASE_TEMPLATE("lamps glow the same at 15 to 1000 frames a second over 60 s 
   CHECK(rate_spread(Glow<T>{}) <= 1e-6);
 }
 
+TEST_CASE_TEMPLATE("an LED's and an arc's step of a + b holds the light of its parts, from any state, up to 60 s each", T,
+                   Float, Double) {
+  using Real = typename T::Real;
+  std::mt19937_64 random(12);
+  double worst = 0;
+  for (std::uint32_t i = 0; i < 10'000; ++i) {
+    Glow<T> whole;
+    whole.led_type = {static_cast<Real>(i % 5 == 0 ? 0 : 0.001 + 0.2 * chance(1, i)),
+                      static_cast<Real>(1 + 60 * chance(2, i)), 0};
+    const auto go = [&](Glow<T>& glow, double level, std::uint64_t ns) {
+      const auto light = led_step(glow.led, glow.led_type, static_cast<Real>(level), words(ns));
+      return static_cast<double>(light + discharge_step(glow.arc, glow.arc_type, level > 0.3 ? 1u : 0u, words(ns)));
+    };
+    for (std::uint32_t k = 0; k < 3; ++k) go(whole, chance(3 + k, i), random() % (10 * kSecond_ns));
+    Glow<T> pieces = whole;
+    const auto a = static_cast<std::uint64_t>(random_ns(random));
+    const auto b = static_cast<std::uint64_t>(random_ns(random));
+    const double level = chance(6, i);
+    const double both = go(whole, level, a + b);
+    const double first = go(pieces, level, a), second = go(pieces, level, b);
+    worst = std::max(worst, static_cast<double>(std::abs(whole.led.level - pieces.led.level)));
+    worst = std::max(worst, static_cast<double>(std::abs(whole.led.heat - pieces.led.heat)));
+    worst = std::max(worst, static_cast<double>(std::abs(whole.arc.warm - pieces.arc.warm)));
+    CHECK(whole.arc.lit == pieces.arc.lit);
+    if (a == 0 || b == 0) continue;
+    const double share = static_cast<double>(a) / static_cast<double>(a + b);
+    worst = std::max(worst, std::abs(both - (share * first + (1 - share) * second)));
+  }
+  MESSAGE("largest difference: ", worst);
+  CHECK(worst <= (std::is_same_v<T, Float> ? 1e-6 : 1e-12));
+}
+
+TEST_CASE_TEMPLATE("filaments are never not finite over random lamps, voltages, temperatures and times", T, Float,
+                   Double) {
+  using Real = typename T::Real;
+  std::mt19937_64 random(13);
+  const double odd[] = {0,    1,    -1,   0.5,  1e-30, 1e30,         1e-4,     9.9e-5,   999,
+                        0.06, 3200, 0.03, 1e-6, 500,   std::nan(""), HUGE_VAL, -HUGE_VAL};
+  const auto any = [&] { return static_cast<Real>(odd[random() % std::size(odd)]); };
+  auto lamp = Lamps<T>::cold();
+  int bad = 0;
+  for (int i = 0, trials = hunt_trials(); i < trials; ++i) {
+    auto type = Lamps<T>::bulb(0.034);
+    if (i % 3 == 0) type = {any(), any()};
+    lamp = filament_step(lamp, type, any(), words(random() >> (random() % 64)));
+    bad += !std::isfinite(lamp.kelvin) || lamp.kelvin < Real(293);
+    bad += !std::isfinite(filament_light(lamp.kelvin, Lamps<T>::bulb(0.034)));
+  }
+  CHECK(bad == 0);
+}
+
 TEST_CASE("an LED follows its driver and warms by the coupled equations") {
   // RK4 in small steps of level' = (u - level) / rise, heat' = (level - heat) / tau.
   for (const double heat_s : {0.5, 0.004, 60.0, 0.0040001}) {

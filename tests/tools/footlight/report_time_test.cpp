@@ -36,8 +36,8 @@ TEST_CASE("the report of time prints a row of JSON for every method, and writes 
     outcomes.insert(row["outcome"]);
     CHECK(row["ns_p50"] > 0);
   }
-  CHECK(models == std::set<std::string>{"filament", "motion", "strobe", "spin", "smoothing", "belt", "led",
-                                        "mains"});
+  CHECK(models == std::set<std::string>{"filament", "motion", "strobe", "spin", "smoothing", "belt", "led", "mains",
+                                        "dimmer", "pulse", "random-pulse", "discharge", "jerk"});
   CHECK(outcomes.contains("diverged"));
   CHECK(outcomes.contains("ok"));
   const std::string csv = text_of(folder.file("r-time.csv"));
