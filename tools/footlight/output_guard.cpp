@@ -287,13 +287,16 @@ void OutputGuard::say(TimeNs now_ns, const FlashVerdict& asked, double strobe_ar
   said_once_ = true;
   said_ns_ = now_ns;
   const double area = std::max({asked.area, asked.red_area, strobe_area});
-  notice_ = PortNotice{
-      .level = NoticeLevel::kWarning,
-      .id = mode_ == FlashMode::kLimit ? "flashes-limited" : "flashes-harmful",
-      .text = fmt::format("more than {} flashes a second from {:.0f} % of the rig{}, which can harm people with "
-                          "photosensitive epilepsy{}",
-                          limits_.flashes, 100 * area, asked.red_area > asked.area ? " in saturated red" : "",
-                          mode_ == FlashMode::kLimit ? "; held back" : "; --flashes limit holds them back")};
+  const std::string what =
+      fmt::format("more than {} flashes a second from {:.0f} % of the rig{}, which can harm people with photosensitive "
+                  "epilepsy",
+                  limits_.flashes, 100 * area, asked.red_area > asked.area ? " in saturated red" : "");
+  if (mode_ == FlashMode::kLimit) {
+    notice_ = PortNotice{.level = NoticeLevel::kWarning, .id = "flashes-limited", .text = what + "; held back"};
+  } else {
+    notice_ = PortNotice{
+        .level = NoticeLevel::kWarning, .id = "flashes-harmful", .text = what + "; --flashes limit holds them back"};
+  }
 }
 
 std::optional<PortNotice> OutputGuard::take_notice() { return std::exchange(notice_, std::nullopt); }

@@ -338,8 +338,8 @@ TEST_CASE_TEMPLATE("lamps glow the same at 15 to 1000 frames a second over 60 s 
   CHECK(rate_spread(Glow<T>{}) <= 1e-6);
 }
 
-TEST_CASE_TEMPLATE("an LED's and an arc's step of a + b holds the light of its parts, from any state, up to 60 s each", T,
-                   Float, Double) {
+TEST_CASE_TEMPLATE("an LED's and an arc's step of a + b holds the light of its parts, from any state, up to 60 s each",
+                   T, Float, Double) {
   using Real = typename T::Real;
   std::mt19937_64 random(12);
   double worst = 0;

@@ -189,7 +189,12 @@ TEST_CASE("every family of a metrics page is in docs/metrics.md, and no other") 
     std::smatch match;
     if (std::regex_search(line, match, row)) written[match[1]] = match[2];
   }
-  CHECK(written == parse(metrics_text(full_status(), {})).types);
+  ServiceFacts facts;
+  facts.flashes = FlashFacts{2, 3};
+  const Page page = parse(metrics_text(full_status(), facts));
+  CHECK(written == page.types);
+  CHECK(page.find("footlight_flashes_held_total", {}) == 3);
+  CHECK_FALSE(parse(metrics_text(full_status(), {})).find("footlight_flashes_held_total", {}).has_value());
 }
 
 TEST_CASE("promtool accepts a metrics page") {
