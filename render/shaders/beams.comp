@@ -76,6 +76,7 @@ void main() {
         if (seen) {
           vec3 value;
           if (gobo) {
+            gobo_look = 0u;
             const vec2 as_it_is = vec2(1.0, 0.0);  // each wheel turns by itself
             value = kMethod == uint(FL_METHOD_MARCH)
                         ? chord_inscatter_march_gobo(beam, medium, chord, ray, kNodes, kExtinction, row.gobo, as_it_is)

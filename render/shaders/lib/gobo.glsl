@@ -77,6 +77,7 @@ vec3 gobo_on_surface(uint gobo, vec2 rho, float z_m) {
   if (kFocus) blur = max(blur, focus_blur(gobo_row.x_axis.w, gobo_row.y_axis.w, z_m, gobo_row.focus));
   uint looks = blur > 1e-4 ? kSurfaceLooks : 1u;
   vec3 sum = vec3(0.0);
+  gobo_look = 0u;  // the same looks for every pixel, or neighbours would differ by a grain
   for (uint i = 0u; i < looks; ++i) sum += gobo_at(gobo, rho, z_m);
   return sum / float(looks);
 }
