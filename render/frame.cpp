@@ -235,9 +235,9 @@ Result<std::vector<fixtures::f32::Motor>> Frame::read_motors() {
   return read_rows<fixtures::f32::Motor>(resources_.motor_states, resources_.motor_count);
 }
 
-Result<std::vector<fixtures::f32::Turns>> Frame::read_spins() {
-  static_assert(sizeof(fixtures::f32::Turns) == kSpinStateBytes);
-  return read_rows<fixtures::f32::Turns>(resources_.spin_states, resources_.spin_count);
+Result<std::vector<fixtures::f32::Spin>> Frame::read_spins() {
+  static_assert(sizeof(fixtures::f32::Spin) == kSpinStateBytes);
+  return read_rows<fixtures::f32::Spin>(resources_.spin_states, resources_.spin_count);
 }
 
 Result<std::vector<fixtures::f32::Shutter>> Frame::read_shutters() {
@@ -268,6 +268,16 @@ Result<std::vector<fixtures::f32::Discharge>> Frame::read_discharges() {
 Result<std::vector<fixtures::f32::Slew>> Frame::read_dowsers() {
   static_assert(sizeof(fixtures::f32::Slew) == kDowserStateBytes);
   return read_rows<fixtures::f32::Slew>(resources_.dowser_states, resources_.dowser_count);
+}
+
+Result<std::vector<fixtures::f32::Flex>> Frame::read_flexes() {
+  static_assert(sizeof(fixtures::f32::Flex) == kFlexStateBytes);
+  return read_rows<fixtures::f32::Flex>(resources_.flex_states, resources_.flex_count);
+}
+
+Result<std::vector<fixtures::f32::Smooth>> Frame::read_smooths() {
+  static_assert(sizeof(fixtures::f32::Smooth) == kSmoothStateBytes);
+  return read_rows<fixtures::f32::Smooth>(resources_.smooth_states, resources_.smooth_count);
 }
 
 Result<std::vector<BeamRow>> Frame::read_beams() {

@@ -74,13 +74,15 @@ class Frame {
   [[nodiscard]] Result<CountsRow> read_counts();
   [[nodiscard]] Result<std::vector<fixtures::f32::Walker::HeadState>> read_states();
   [[nodiscard]] Result<std::vector<fixtures::f32::Motor>> read_motors();
-  [[nodiscard]] Result<std::vector<fixtures::f32::Turns>> read_spins();
+  [[nodiscard]] Result<std::vector<fixtures::f32::Spin>> read_spins();
   [[nodiscard]] Result<std::vector<fixtures::f32::Shutter>> read_shutters();
   [[nodiscard]] Result<std::vector<fixtures::f32::Walker::OpticsState>> read_optics();
   [[nodiscard]] Result<std::vector<fixtures::f32::Filament>> read_filaments();
   [[nodiscard]] Result<std::vector<fixtures::f32::Led>> read_leds();
   [[nodiscard]] Result<std::vector<fixtures::f32::Discharge>> read_discharges();
   [[nodiscard]] Result<std::vector<fixtures::f32::Slew>> read_dowsers();
+  [[nodiscard]] Result<std::vector<fixtures::f32::Flex>> read_flexes();
+  [[nodiscard]] Result<std::vector<fixtures::f32::Smooth>> read_smooths();
   [[nodiscard]] Result<std::vector<BeamRow>> read_beams();  // the live ones
   // GPU time of each pass of the last recorded picture, which must be finished. Steps count into "step".
   [[nodiscard]] Result<std::vector<PassTime>> read_times();

@@ -20,8 +20,8 @@ struct Resources {
                                                 const fixtures::CompiledRig& compiled, const FrameSettings& settings);
 
   // Rig tables, written once. Rows of fixtures/shared/tables.h.
-  vk::Buffer types, channels, functions, masters, motors, spins, joints, wheels, wheel_slots, facets, lights, defaults,
-      colors, heads;
+  vk::Buffer types, channels, functions, masters, motors, spins, joints, wheels, wheel_slots, facets, lights, smooths,
+      defaults, colors, heads;
   vk::Buffer boxes;                                // BoxRow
   vk::Buffer instances, vertices, indices, draws;  // bodies: head indices by type; one draw command a type, and one
                                                    // for all objects of the scene
@@ -36,13 +36,15 @@ struct Resources {
   vk::Buffer masks;   // supertiles x mask_words
   vk::Image surface_id, depth, radiance, screen;
 
-  // Carried from frame to frame: HeadState, and Motor, Turns, Shutter, OpticsState, Filament, Led, Discharge and Slew
-  // for what has a motor, spins, strobes, shapes its beam, glows, has a driver, an arc or a dowser.
+  // Carried from frame to frame: HeadState, and Motor, Spin, Shutter, OpticsState, Filament, Led, Discharge, Slew,
+  // Flex and Smooth for what has a motor, spins, strobes, shapes its beam, glows, has a driver, an arc or a dowser,
+  // hangs on a motor, is smoothed.
   vk::Buffer states, motor_states, spin_states, shutter_states, optics_states, filament_states, led_states,
-      discharge_states, dowser_states;
-  [[nodiscard]] std::array<const vk::Buffer*, 9> all_states() const {
+      discharge_states, dowser_states, flex_states, smooth_states;
+  [[nodiscard]] std::array<const vk::Buffer*, 11> all_states() const {
     return {&states,          &motor_states, &spin_states,      &shutter_states, &optics_states,
-            &filament_states, &led_states,   &discharge_states, &dowser_states};
+            &filament_states, &led_states,   &discharge_states, &dowser_states,
+            &flex_states,     &smooth_states};
   }
 
   vk::BindingSet bindings;
@@ -56,6 +58,8 @@ struct Resources {
   std::uint32_t led_count = 0;
   std::uint32_t discharge_count = 0;
   std::uint32_t dowser_count = 0;
+  std::uint32_t flex_count = 0;
+  std::uint32_t smooth_count = 0;
   std::uint32_t box_count = 0;
   std::uint32_t draw_count = 0;         // of bodies
   std::uint32_t object_draw_count = 0;  // of the scene's objects, behind them: 0 or 1
@@ -73,16 +77,18 @@ struct Resources {
 inline constexpr int kGoboSizePx = 512;
 inline constexpr double kGoboEdge = 3.0 * 2.0 / kGoboSizePx;
 
-// Bytes on the GPU of a HeadState, a Motor, a spin's Turns, a Shutter, an OpticsState and so on.
+// Bytes on the GPU of a HeadState, a Motor, a Spin, a Shutter, an OpticsState and so on.
 inline constexpr std::uint64_t kStateBytes = 48;
 inline constexpr std::uint64_t kMotorStateBytes = 32;
-inline constexpr std::uint64_t kSpinStateBytes = 8;
+inline constexpr std::uint64_t kSpinStateBytes = 40;
 inline constexpr std::uint64_t kShutterStateBytes = 32;
 inline constexpr std::uint64_t kOpticsStateBytes = 112;
 inline constexpr std::uint64_t kFilamentStateBytes = 32;
 inline constexpr std::uint64_t kLedStateBytes = 32;
 inline constexpr std::uint64_t kDischargeStateBytes = 32;
 inline constexpr std::uint64_t kDowserStateBytes = 24;
+inline constexpr std::uint64_t kFlexStateBytes = 16;
+inline constexpr std::uint64_t kSmoothStateBytes = 32;
 
 // Records that the heads begin anew, as if no step had been; and that they go on where those of another frame of the
 // same rig are. Both with the barriers that they need.

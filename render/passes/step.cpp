@@ -13,6 +13,8 @@ const PassEntry kStepPass{
                                            {FL_SPEC_STROBE, needs.strobe},
                                            {FL_SPEC_COLOR, needs.color},
                                            {FL_SPEC_OPTICS, needs.optics},
+                                           {FL_SPEC_FLEX, needs.flex},
+                                           {FL_SPEC_SMOOTH, needs.smooth},
                                            {FL_SPEC_TUNGSTEN, needs.tungsten},
                                            {FL_SPEC_LED, needs.led},
                                            {FL_SPEC_DISCHARGE, needs.discharge},

@@ -15,6 +15,8 @@ layout(constant_id = FL_SPEC_SPIN) const bool kSpin = true;
 layout(constant_id = FL_SPEC_STROBE) const bool kStrobe = true;
 layout(constant_id = FL_SPEC_COLOR) const bool kColor = true;
 layout(constant_id = FL_SPEC_OPTICS) const bool kOptics = true;
+layout(constant_id = FL_SPEC_FLEX) const bool kFlex = true;
+layout(constant_id = FL_SPEC_SMOOTH) const bool kSmooth = true;
 layout(constant_id = FL_SPEC_TUNGSTEN) const bool kTungsten = true;
 layout(constant_id = FL_SPEC_LED) const bool kLed = true;
 layout(constant_id = FL_SPEC_DISCHARGE) const bool kDischarge = true;
@@ -32,12 +34,15 @@ layout(set = 0, binding = FL_BINDING_WHEEL_SLOTS, std430) readonly buffer SlotsB
 layout(set = 0, binding = FL_BINDING_DEFAULTS, std430) readonly buffer DefaultsBuffer { float defaults[]; };
 layout(set = 0, binding = FL_BINDING_COLORS, std430) readonly buffer ColorsBuffer { vec4 colors[]; };
 layout(set = 0, binding = FL_BINDING_MOTOR_STATES, std430) buffer MotorStatesBuffer { Motor motor_states[]; };
-layout(set = 0, binding = FL_BINDING_SPIN_STATES, std430) buffer SpinStatesBuffer { Turns spin_states[]; };
+layout(set = 0, binding = FL_BINDING_SPIN_STATES, std430) buffer SpinStatesBuffer { Spin spin_states[]; };
 layout(set = 0, binding = FL_BINDING_SHUTTER_STATES, std430) buffer ShutterStatesBuffer { Shutter shutter_states[]; };
 layout(set = 0, binding = FL_BINDING_OPTICS_STATES, std430) writeonly buffer OpticsStatesBuffer {
   OpticsState optics_states[];
 };
 
+layout(set = 0, binding = FL_BINDING_FLEX_STATES, std430) buffer FlexStatesBuffer { Flex flex_states[]; };
+layout(set = 0, binding = FL_BINDING_SMOOTHS, std430) readonly buffer SmoothsBuffer { SmoothRow smooths[]; };
+layout(set = 0, binding = FL_BINDING_SMOOTH_STATES, std430) buffer SmoothStatesBuffer { Smooth smooth_states[]; };
 layout(set = 0, binding = FL_BINDING_LIGHTS, std430) readonly buffer LightsBuffer { LightRow lights[]; };
 layout(set = 0, binding = FL_BINDING_FILAMENT_STATES, std430) buffer FilamentStatesBuffer { Filament filaments[]; };
 layout(set = 0, binding = FL_BINDING_LED_STATES, std430) buffer LedStatesBuffer { Led leds[]; };
@@ -56,8 +61,13 @@ float fl_default(uint index) { return defaults[index]; }
 vec4 fl_color(uint index) { return colors[index]; }
 Motor fl_motor_state(uint index) { return motor_states[index]; }
 void fl_set_motor_state(uint index, Motor motor) { motor_states[index] = motor; }
-Turns fl_spin_state(uint index) { return spin_states[index]; }
-void fl_set_spin_state(uint index, Turns turns) { spin_states[index] = turns; }
+Spin fl_spin_state(uint index) { return spin_states[index]; }
+void fl_set_spin_state(uint index, Spin spin) { spin_states[index] = spin; }
+SmoothRow fl_smooth(uint index) { return smooths[index]; }
+Smooth fl_smooth_state(uint index) { return smooth_states[index]; }
+void fl_set_smooth_state(uint index, Smooth state) { smooth_states[index] = state; }
+Flex fl_flex_state(uint index) { return flex_states[index]; }
+void fl_set_flex_state(uint index, Flex flex) { flex_states[index] = flex; }
 Shutter fl_shutter_state(uint index) { return shutter_states[index]; }
 void fl_set_shutter_state(uint index, Shutter shutter) { shutter_states[index] = shutter; }
 LightRow fl_light(uint index) { return lights[index]; }
@@ -76,6 +86,8 @@ void fl_set_optics_state(uint index, OpticsState optics) { optics_states[index] 
 #define FL_NEED_STROBE kStrobe
 #define FL_NEED_COLOR kColor
 #define FL_NEED_OPTICS kOptics
+#define FL_NEED_FLEX kFlex
+#define FL_NEED_SMOOTH kSmooth
 #define FL_NEED_TUNGSTEN kTungsten
 #define FL_NEED_LED kLed
 #define FL_NEED_DISCHARGE kDischarge

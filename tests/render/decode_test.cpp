@@ -28,8 +28,8 @@ struct Differences {
   std::int64_t bits = 0;        // how many floats are not equal to the bit
   std::int64_t compared = 0;
   void print(const char* what) const {
-    std::fprintf(stderr, "%s: position %.3g rad, speed %.3g rad/s, light %.3g, %.3g K, phases %lld, bits %lld of %lld\n", what,
-                 position, speed, light, kelvin, static_cast<long long>(phases), static_cast<long long>(bits),
+    std::fprintf(stderr, "%s: position %.3g rad, speed %.3g rad/s, light %.3g, %.3g K, phases %lld, bits %lld of %lld\n",
+                 what, position, speed, light, kelvin, static_cast<long long>(phases), static_cast<long long>(bits),
                  static_cast<long long>(compared));
   }
   template <class Other>
@@ -104,10 +104,21 @@ void compare(Frame& frame, const Walker& walker, Differences& d) {
     d.add(d.light, discharges[i].warm, walker.discharges[i].warm);
     d.phases += discharges[i].lit != walker.discharges[i].lit || discharges[i].power != walker.discharges[i].power;
   }
+  const auto flexes = must(frame.read_flexes());
+  REQUIRE(flexes.size() == walker.flexes.size());
+  for (std::size_t i = 0; i < flexes.size(); ++i) {
+    d.add(d.position, flexes[i].now.position, walker.flexes[i].now.position);
+    d.add(d.speed, flexes[i].now.speed, walker.flexes[i].now.speed);
+  }
+  const auto smooths = must(frame.read_smooths());
+  REQUIRE(smooths.size() == walker.smooths.size());
+  for (std::size_t i = 0; i < smooths.size(); ++i) {
+    d.add(d.light, smooths[i].now.position, walker.smooths[i].now.position);
+  }
   const auto dowsers = must(frame.read_dowsers());
   REQUIRE(dowsers.size() == walker.dowsers.size());
   for (std::size_t i = 0; i < dowsers.size(); ++i) d.add(d.light, dowsers[i].level, walker.dowsers[i].level);
-  for (std::size_t i = 0; i < spins.size(); ++i) d.phases += spins[i] != walker.spins[i];
+  for (std::size_t i = 0; i < spins.size(); ++i) d.phases += spins[i].phase != walker.spins[i].phase;
   for (std::size_t i = 0; i < shutters.size(); ++i) {
     d.phases += shutters[i].phase != walker.shutters[i].phase;
     d.phases += shutters[i].period != walker.shutters[i].period;
@@ -218,7 +229,7 @@ TEST_CASE("motors, strobes and gobos follow the walker over steps of every lengt
   }
 }
 
-TEST_CASE("lamps of every kind and dimmers of every law follow the walker over steps of every length") {
+TEST_CASE("lamps of every kind, dimmers of every law and smoothed heads follow the walker over steps of every length") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = time_scene();
@@ -226,6 +237,8 @@ TEST_CASE("lamps of every kind and dimmers of every law follow the walker over s
   REQUIRE(scene.compiled.needs.led);
   REQUIRE(scene.compiled.needs.discharge);
   REQUIRE(scene.compiled.needs.dowser);
+  REQUIRE(scene.compiled.needs.flex);
+  REQUIRE(scene.compiled.needs.smooth);
   const auto frame = make_frame(vulkan.device(), scene, judged_settings(8, 8));
   fixtures::f32::Walker walker(scene.compiled);
   fixtures::f64::Walker judge(scene.compiled);
@@ -251,6 +264,8 @@ TEST_CASE("lamps of every kind and dimmers of every law follow the walker over s
   CHECK(warm > 20);
   CHECK(to_float.kelvin <= kLampKelvinMax);
   CHECK(to_float.light <= kLampLightMax);
+  CHECK(to_float.position <= kMotionMax);
+  CHECK(to_double.position <= kMotionMax);
   CHECK(to_double.kelvin <= kLampKelvinMax);
   CHECK(to_double.light <= kLampLightMax);
   CHECK(to_float.phases == 0);

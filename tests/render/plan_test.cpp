@@ -37,9 +37,10 @@ Needs demo_needs() {
   CHECK_FALSE(needs.blades);
   needs.color = true;
   needs.blades = true;
-  for (bool Needs::* lamp : {&Needs::tungsten, &Needs::led, &Needs::discharge, &Needs::dowser}) {
-    CHECK_FALSE(needs.*lamp);
-    needs.*lamp = true;
+  for (bool Needs::* need : {&Needs::flex, &Needs::smooth, &Needs::tungsten, &Needs::led, &Needs::discharge,
+                             &Needs::dowser}) {
+    CHECK_FALSE(needs.*need);
+    needs.*need = true;
   }
   CHECK_FALSE(needs.focus);
   CHECK_FALSE(needs.animation);
@@ -72,6 +73,8 @@ TEST_CASE("the demo rig with all that it lacks needs every pass, with every bran
                       {FL_SPEC_STROBE, 1},
                       {FL_SPEC_COLOR, 1},
                       {FL_SPEC_OPTICS, 1},
+                      {FL_SPEC_FLEX, 1},
+                      {FL_SPEC_SMOOTH, 1},
                       {FL_SPEC_TUNGSTEN, 1},
                       {FL_SPEC_LED, 1},
                       {FL_SPEC_DISCHARGE, 1},
@@ -130,6 +133,8 @@ TEST_CASE("each need that goes takes its branches or its passes with it") {
                         Case{"colour", &Needs::color, {}, FL_SPEC_COLOR},
                         Case{"optics", &Needs::optics, {}, FL_SPEC_OPTICS},
                         Case{"blades", &Needs::blades, {}, FL_SPEC_BLADES},
+                        Case{"flex", &Needs::flex, {}, FL_SPEC_FLEX},
+                        Case{"smooth", &Needs::smooth, {}, FL_SPEC_SMOOTH},
                         Case{"tungsten", &Needs::tungsten, {}, FL_SPEC_TUNGSTEN},
                         Case{"led", &Needs::led, {}, FL_SPEC_LED},
                         Case{"discharge", &Needs::discharge, {}, FL_SPEC_DISCHARGE},
@@ -208,7 +213,8 @@ TEST_CASE("the needs of a rig follow from its fixtures and its haze") {
   CHECK(pars->needs.profile);
   CHECK(constants_of(plan_frame(pars->needs, {}), "step") ==
         std::vector<SpecConstant>{{FL_SPEC_MOTION, 0}, {FL_SPEC_SPIN, 0}, {FL_SPEC_STROBE, 1}, {FL_SPEC_COLOR, 0},
-                                  {FL_SPEC_OPTICS, 0}, {FL_SPEC_TUNGSTEN, 0}, {FL_SPEC_LED, 0},
+                                  {FL_SPEC_OPTICS, 0}, {FL_SPEC_FLEX, 0}, {FL_SPEC_SMOOTH, 0}, {FL_SPEC_TUNGSTEN, 0},
+                                  {FL_SPEC_LED, 0},
                                   {FL_SPEC_DISCHARGE, 0}, {FL_SPEC_DOWSER, 0}});
   rig.haze.scattering_per_m = 0;
   rig.haze.absorption_per_m = 0;

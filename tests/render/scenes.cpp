@@ -121,7 +121,8 @@ Scene time_scene() {
     ChannelFunction& control = mode.channels[1].functions[0];
     control.sets = {{"Lamp on", 100, 149, 1, 1, 0}, {"Lamp off", 200, 209, 0, 0, 0}};
     if (lamp == LampType::kLed) {
-      for (const auto& [slot, name] : {std::pair(3, "ColorAdd_R"), std::pair(4, "ColorAdd_G"), std::pair(5, "ColorAdd_B")})
+      for (const auto& [slot, name] :
+           {std::pair(3, "ColorAdd_R"), std::pair(4, "ColorAdd_G"), std::pair(5, "ColorAdd_B")})
         mode.channels.push_back(channel({slot}, name, 0, 1, 255));
     }
     type.id = "test/time " + std::to_string(scene.rig.types.size());
@@ -155,6 +156,24 @@ Scene time_scene() {
   add(DimmerLaw::kTable, LampType::kHalogen, pwm);
   add(DimmerLaw::kSquare, LampType::kLed, led);
   add(DimmerLaw::kLinear, LampType::kDischarge, arc);
+  // Heads that are smoothed, ring, and follow a speed channel.
+  for (const AxisFlex& flex : {AxisFlex{"Pan", 0.1, 0, 0}, AxisFlex{"Pan", 0, 9, 0.05}, AxisFlex{}}) {
+    add(DimmerLaw::kLinear, LampType::kIdeal, {});
+    FixtureType& type = scene.rig.types.back();
+    if (!flex.attribute.empty()) type.flexes = {flex};
+    type.smoothing = {{"Dimmer", 0.05}, {"Color", 0.2}};
+    type.shutter_travel_s = 0.03;
+    Mode& mode = type.modes[0];
+    mode.channels = {channel({0}, "Pan", -270, 270, 128), channel({1}, "Dimmer", 0, 1, 255),
+                     channel({2}, "PositionMSpeed", 1, 0.1, 0), channel({3}, "PanTiltMode", 0, 1, 0),
+                     channel({4}, "Shutter1Strobe", 1, 20, 0), channel({5}, "ColorAdd_W", 0, 1, 255)};
+    mode.channels[0].geometry = kSimpleYoke;
+    mode.channels[0].functions[0].instant = false;
+    mode.channels[3].functions[0].sets = {{"Vector", 0, 127, 0, 0, 0}, {"Tracking", 128, 255, 1, 1, 0}};
+    ChannelFunction shut{"shut", "Shutter1", 128, 255, 1, 0};
+    mode.channels[4].functions[0].dmx_to = 127;
+    mode.channels[4].functions.push_back(shut);
+  }
   scene.compile();
   return scene;
 }

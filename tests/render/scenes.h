@@ -52,7 +52,8 @@ struct Scene {
 [[nodiscard]] Scene demo_scene(std::uint64_t seed, bool with_gobos);
 // One fixture of each mode of each built-in type.
 [[nodiscard]] Scene all_modes_scene();
-// One fixture of each kind of lamp and supply and each dimmer law, 16-bit dimmers, one of them with lamp control.
+// One fixture of each kind of lamp and supply and each dimmer law, with 16-bit dimmers and lamp control, and heads that
+// are smoothed, ring and track.
 [[nodiscard]] Scene time_scene();
 // `count` fixed lamps over a stage without boxes, all lit in colour. Their channels: dimmer, red, green, blue and zoom,
 // of which some are pencils of 0.1 degrees, some cylinders, some washes of 60 degrees.

@@ -78,7 +78,7 @@ Status time_steps(render::vk::Device& device, const FleetOptions& options, Fleet
   const render::View view = render::view_of(rig.cameras.front());
   report.state_bytes = sizeof(fixtures::f32::Walker::HeadState) * compiled.heads.size() +
                        sizeof(fixtures::f32::Motor) * compiled.motor_count +
-                       sizeof(fixtures::f32::Turns) * compiled.spin_count +
+                       sizeof(fixtures::f32::Spin) * compiled.spin_count +
                        sizeof(fixtures::f32::Shutter) * compiled.strobe_count;
   report.table_bytes = sizeof(fixtures::HeadRow) * compiled.heads.size();
   Levels levels(compiled.universes.size() * kSlotCountMax, kOneSlotIn);

@@ -1,29 +1,63 @@
 #include "tools/footlight/scene_files.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include "drivers/capture/captures.h"
+#include "fixtures/lamp.h"
+#include "fixtures/smoothing.h"
 #include "tools/demo_show/demo_assets.h"
 
 namespace footlight::tools {
+namespace {
+
+// What --smooth and --dimmer-law change.
+Status adjust(fixtures::Rig& rig, const SceneFiles& files) {
+  if (!files.smooth.empty()) {
+    FL_ASSIGN(const auto smoothing, fixtures::parse_smoothing(files.smooth));
+    for (auto& type : rig.types) type.smoothing = smoothing;
+  }
+  if (!files.dimmer_law.empty()) {
+    const auto& words = fixtures::dimmer_law_words();
+    const auto table = words.end() - 1;
+    const auto word = std::find(words.begin(), table, files.dimmer_law);
+    if (word == table) {
+      return fail(ErrorCode::kBadInput, "--dimmer-law '{}': expected {}, {}, {} or {}", files.dimmer_law, words[0],
+                  words[1], words[2], words[3]);
+    }
+    for (auto& type : rig.types) type.dimmer_law = static_cast<fixtures::DimmerLaw>(word - words.begin());
+  }
+  return {};
+}
+
+}  // namespace
+
 
 void add_scene_arguments(Arguments& arguments, SceneFiles& files) {
   arguments.option("--rig", files.rig, "FILE", "the rig (docs/rig.md)");
   arguments.option("--log", files.log, "FILE", "what drives it: a DMX log, an OLA Show or a capture");
   arguments.flag("--vrsl-compat", files.vrsl, "VRSL fixtures as VRSL shows them, faults included (docs/vrsl.md)");
   arguments.flag("--demo", files.demo, "the built-in rig, driven by the built-in show");
+  arguments.option("--smooth", files.smooth, "SECONDS", "smooth the levels: 0.1, or Pan=0.1,Tilt=0.1,Dimmer=0.05");
+  arguments.option("--dimmer-law", files.dimmer_law, "LAW",
+                   "of every fixture: linear, square, s, 'inverse square'; as definitions say");
 }
 
 Result<fixtures::Rig> load_scene_rig(const SceneFiles& files) {
   if (!files.rig.empty() && files.demo) {
     return fail(ErrorCode::kBadInput, "--rig and --demo: expected one of them");
   }
-  if (files.demo) return fixtures::demo_rig();
+  if (files.demo) {
+    fixtures::Rig rig = fixtures::demo_rig();
+    FL_TRY(adjust(rig, files));
+    return rig;
+  }
   if (files.rig.empty()) {
     return fail(ErrorCode::kBadInput, "no rig: expected --rig FILE, or --demo for the built-in one");
   }
   FL_ASSIGN(fixtures::Rig rig, fixtures::load_rig(files.rig));
   if (files.vrsl && !rig.vrsl) rig.vrsl.emplace();
+  FL_TRY(adjust(rig, files));
   return rig;
 }
 

@@ -16,6 +16,8 @@ struct SceneFiles {
   std::string log;   // path; may be empty
   bool vrsl = false; // VRSL fixtures as VRSL shows them, whether the rig says so or not
   bool demo = false; // the embedded rig, and the embedded log where no other is named
+  std::string smooth;      // of levels, as fixtures/smoothing.h reads it; empty: as the rig says
+  std::string dimmer_law;  // of all fixtures; empty: as the rig says
 };
 
 // --rig, --log, --demo.

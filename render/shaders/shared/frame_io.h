@@ -42,7 +42,10 @@
 #define FL_BINDING_LED_STATES 33
 #define FL_BINDING_DISCHARGE_STATES 34
 #define FL_BINDING_DOWSER_STATES 35
-#define FL_BINDING_COUNT 36
+#define FL_BINDING_FLEX_STATES 36
+#define FL_BINDING_SMOOTHS 37
+#define FL_BINDING_SMOOTH_STATES 38
+#define FL_BINDING_COUNT 39
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -65,7 +68,9 @@
 #define FL_SPEC_DOWSER 17
 #define FL_SPEC_FOCUS 18
 #define FL_SPEC_ANIMATION 19
-#define FL_SPEC_COUNT 20
+#define FL_SPEC_FLEX 20
+#define FL_SPEC_SMOOTH 21
+#define FL_SPEC_COUNT 22
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
