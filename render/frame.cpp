@@ -270,11 +270,6 @@ Result<std::vector<fixtures::f32::Slew>> Frame::read_dowsers() {
   return read_rows<fixtures::f32::Slew>(resources_.dowser_states, resources_.dowser_count);
 }
 
-Result<std::vector<fixtures::f32::Flex>> Frame::read_flexes() {
-  static_assert(sizeof(fixtures::f32::Flex) == kFlexStateBytes);
-  return read_rows<fixtures::f32::Flex>(resources_.flex_states, resources_.flex_count);
-}
-
 Result<std::vector<fixtures::f32::Smooth>> Frame::read_smooths() {
   static_assert(sizeof(fixtures::f32::Smooth) == kSmoothStateBytes);
   return read_rows<fixtures::f32::Smooth>(resources_.smooth_states, resources_.smooth_count);

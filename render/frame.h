@@ -81,7 +81,6 @@ class Frame {
   [[nodiscard]] Result<std::vector<fixtures::f32::Led>> read_leds();
   [[nodiscard]] Result<std::vector<fixtures::f32::Discharge>> read_discharges();
   [[nodiscard]] Result<std::vector<fixtures::f32::Slew>> read_dowsers();
-  [[nodiscard]] Result<std::vector<fixtures::f32::Flex>> read_flexes();
   [[nodiscard]] Result<std::vector<fixtures::f32::Smooth>> read_smooths();
   [[nodiscard]] Result<std::vector<BeamRow>> read_beams();  // the live ones
   // GPU time of each pass of the last recorded picture, which must be finished. Steps count into "step".

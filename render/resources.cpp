@@ -245,8 +245,7 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   r.led_count = compiled.led_count;
   r.discharge_count = compiled.discharge_count;
   r.dowser_count = compiled.dowser_count;
-  r.flex_count = compiled.flex_count;
-  r.smooth_count = compiled.smooth_count;
+  r.smooth_count = compiled.flex_count + compiled.smooth_count;
   r.box_count = static_cast<std::uint32_t>(rig.boxes.size());
   r.supertiles_x = (width + FL_SUPERTILE_PX - 1) / FL_SUPERTILE_PX;
   r.supertiles_y = (height + FL_SUPERTILE_PX - 1) / FL_SUPERTILE_PX;
@@ -264,7 +263,6 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   FL_ASSIGN(r.wheels, table(device, compiled.wheels));
   FL_ASSIGN(r.facets, table(device, compiled.facets));
   FL_ASSIGN(r.lights, table(device, compiled.lights));
-  FL_ASSIGN(r.smooths, table(device, compiled.smooths));
   FL_ASSIGN(r.wheel_slots, table(device, compiled.wheel_slots));
   FL_ASSIGN(r.defaults, table(device, compiled.defaults));
   FL_ASSIGN(r.colors, table(device, compiled.colors));
@@ -290,8 +288,7 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   FL_ASSIGN(r.led_states, zeroed(device, compiled.led_count * kLedStateBytes));
   FL_ASSIGN(r.discharge_states, zeroed(device, compiled.discharge_count * kDischargeStateBytes));
   FL_ASSIGN(r.dowser_states, zeroed(device, compiled.dowser_count * kDowserStateBytes));
-  FL_ASSIGN(r.flex_states, zeroed(device, compiled.flex_count * kFlexStateBytes));
-  FL_ASSIGN(r.smooth_states, zeroed(device, compiled.smooth_count * kSmoothStateBytes));
+  FL_ASSIGN(r.smooth_states, zeroed(device, r.smooth_count * kSmoothStateBytes));
   FL_ASSIGN(r.counts, zeroed(device, sizeof(CountsRow) + r.head_groups * 8, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
   FL_ASSIGN(r.masks, zeroed(device, VkDeviceSize{r.supertiles_x} * r.supertiles_y * r.mask_words * 4));
 
@@ -348,8 +345,6 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
       {FL_BINDING_LED_STATES, &r.led_states},
       {FL_BINDING_DISCHARGE_STATES, &r.discharge_states},
       {FL_BINDING_DOWSER_STATES, &r.dowser_states},
-      {FL_BINDING_FLEX_STATES, &r.flex_states},
-      {FL_BINDING_SMOOTHS, &r.smooths},
       {FL_BINDING_SMOOTH_STATES, &r.smooth_states},
   };
   for (const auto& [binding, buffer] : buffers) {

@@ -20,8 +20,8 @@ struct Resources {
                                                 const fixtures::CompiledRig& compiled, const FrameSettings& settings);
 
   // Rig tables, written once. Rows of fixtures/shared/tables.h.
-  vk::Buffer types, channels, functions, masters, motors, spins, joints, wheels, wheel_slots, facets, lights, smooths,
-      defaults, colors, heads;
+  vk::Buffer types, channels, functions, masters, motors, spins, joints, wheels, wheel_slots, facets, lights, defaults,
+      colors, heads;
   vk::Buffer boxes;                                // BoxRow
   vk::Buffer instances, vertices, indices, draws;  // bodies: head indices by type; one draw command a type, and one
                                                    // for all objects of the scene
@@ -40,11 +40,11 @@ struct Resources {
   // Flex and Smooth for what has a motor, spins, strobes, shapes its beam, glows, has a driver, an arc or a dowser,
   // hangs on a motor, is smoothed.
   vk::Buffer states, motor_states, spin_states, shutter_states, optics_states, filament_states, led_states,
-      discharge_states, dowser_states, flex_states, smooth_states;
-  [[nodiscard]] std::array<const vk::Buffer*, 11> all_states() const {
+      discharge_states, dowser_states, smooth_states;
+  [[nodiscard]] std::array<const vk::Buffer*, 10> all_states() const {
     return {&states,          &motor_states, &spin_states,      &shutter_states, &optics_states,
             &filament_states, &led_states,   &discharge_states, &dowser_states,
-            &flex_states,     &smooth_states};
+            &smooth_states};
   }
 
   vk::BindingSet bindings;
@@ -58,8 +58,7 @@ struct Resources {
   std::uint32_t led_count = 0;
   std::uint32_t discharge_count = 0;
   std::uint32_t dowser_count = 0;
-  std::uint32_t flex_count = 0;
-  std::uint32_t smooth_count = 0;
+  std::uint32_t smooth_count = 0;  // Flexes, then Smooths
   std::uint32_t box_count = 0;
   std::uint32_t draw_count = 0;         // of bodies
   std::uint32_t object_draw_count = 0;  // of the scene's objects, behind them: 0 or 1
@@ -87,7 +86,6 @@ inline constexpr std::uint64_t kFilamentStateBytes = 32;
 inline constexpr std::uint64_t kLedStateBytes = 32;
 inline constexpr std::uint64_t kDischargeStateBytes = 32;
 inline constexpr std::uint64_t kDowserStateBytes = 24;
-inline constexpr std::uint64_t kFlexStateBytes = 16;
 inline constexpr std::uint64_t kSmoothStateBytes = 32;
 
 // Records that the heads begin anew, as if no step had been; and that they go on where those of another frame of the

@@ -40,8 +40,6 @@ layout(set = 0, binding = FL_BINDING_OPTICS_STATES, std430) writeonly buffer Opt
   OpticsState optics_states[];
 };
 
-layout(set = 0, binding = FL_BINDING_FLEX_STATES, std430) buffer FlexStatesBuffer { Flex flex_states[]; };
-layout(set = 0, binding = FL_BINDING_SMOOTHS, std430) readonly buffer SmoothsBuffer { SmoothRow smooths[]; };
 layout(set = 0, binding = FL_BINDING_SMOOTH_STATES, std430) buffer SmoothStatesBuffer { Smooth smooth_states[]; };
 layout(set = 0, binding = FL_BINDING_LIGHTS, std430) readonly buffer LightsBuffer { LightRow lights[]; };
 layout(set = 0, binding = FL_BINDING_FILAMENT_STATES, std430) buffer FilamentStatesBuffer { Filament filaments[]; };
@@ -63,11 +61,13 @@ Motor fl_motor_state(uint index) { return motor_states[index]; }
 void fl_set_motor_state(uint index, Motor motor) { motor_states[index] = motor; }
 Spin fl_spin_state(uint index) { return spin_states[index]; }
 void fl_set_spin_state(uint index, Spin spin) { spin_states[index] = spin; }
-SmoothRow fl_smooth(uint index) { return smooths[index]; }
 Smooth fl_smooth_state(uint index) { return smooth_states[index]; }
 void fl_set_smooth_state(uint index, Smooth state) { smooth_states[index] = state; }
-Flex fl_flex_state(uint index) { return flex_states[index]; }
-void fl_set_flex_state(uint index, Flex flex) { flex_states[index] = flex; }
+Flex fl_flex_state(uint index) { return Flex(smooth_states[index].now, smooth_states[index].from); }
+void fl_set_flex_state(uint index, Flex flex) {
+  smooth_states[index].now = flex.now;
+  smooth_states[index].from = flex.from;
+}
 Shutter fl_shutter_state(uint index) { return shutter_states[index]; }
 void fl_set_shutter_state(uint index, Shutter shutter) { shutter_states[index] = shutter; }
 LightRow fl_light(uint index) { return lights[index]; }

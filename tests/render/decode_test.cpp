@@ -104,16 +104,11 @@ void compare(Frame& frame, const Walker& walker, Differences& d) {
     d.add(d.light, discharges[i].warm, walker.discharges[i].warm);
     d.phases += discharges[i].lit != walker.discharges[i].lit || discharges[i].power != walker.discharges[i].power;
   }
-  const auto flexes = must(frame.read_flexes());
-  REQUIRE(flexes.size() == walker.flexes.size());
-  for (std::size_t i = 0; i < flexes.size(); ++i) {
-    d.add(d.position, flexes[i].now.position, walker.flexes[i].now.position);
-    d.add(d.speed, flexes[i].now.speed, walker.flexes[i].now.speed);
-  }
   const auto smooths = must(frame.read_smooths());
   REQUIRE(smooths.size() == walker.smooths.size());
   for (std::size_t i = 0; i < smooths.size(); ++i) {
-    d.add(d.light, smooths[i].now.position, walker.smooths[i].now.position);
+    d.add(d.position, smooths[i].now.position, walker.smooths[i].now.position);
+    d.add(d.speed, smooths[i].now.speed, walker.smooths[i].now.speed);
   }
   const auto dowsers = must(frame.read_dowsers());
   REQUIRE(dowsers.size() == walker.dowsers.size());

@@ -42,10 +42,8 @@
 #define FL_BINDING_LED_STATES 33
 #define FL_BINDING_DISCHARGE_STATES 34
 #define FL_BINDING_DOWSER_STATES 35
-#define FL_BINDING_FLEX_STATES 36
-#define FL_BINDING_SMOOTHS 37
-#define FL_BINDING_SMOOTH_STATES 38
-#define FL_BINDING_COUNT 39
+#define FL_BINDING_SMOOTH_STATES 36
+#define FL_BINDING_COUNT 37
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
