@@ -6,7 +6,11 @@
 // second that is 7e-10 turn at 1 Hz and 1e-7 turn (1e-10 s) at 1 kHz.
 
 // Whether Real has the 24 bits of float and not the 53 of double: where a formula hands over to another.
+#ifdef __cplusplus
 FL_CONST bool kSingle = Real(1) + Real(1e-10) == Real(1);
+#else
+FL_CONST bool kSingle = true;  // a compiler of GLSL may work out constants in double
+#endif
 
 // Quotients and roots that are rounded as IEEE 754 says, for numbers and results between 1e-30 and 1e30 and for 0.
 // Vulkan lets a / b be off by 2.5 units in the last place and sqrt by some; one step with the exact remainder mends it.
@@ -14,15 +18,31 @@ FL_CONST bool kSingle = Real(1) + Real(1e-10) == Real(1);
 FL_FN Real exact_quotient(Real a, Real b) { return a / b; }
 FL_FN Real exact_root(Real a) { return sqrt(a); }
 #else
+// a - x * y where x * y is near a, exact: T. J. Dekker's product of halves, since Vulkan's fma() may round twice.
+FL_FN Real exact_rest(Real a, Real x, Real y) {
+  Real halver = kSingle ? Real(4097) : Real(134217729);
+  FL_EXACT Real x_wide = x * halver;
+  FL_EXACT Real x_over = x_wide - x;
+  FL_EXACT Real x_high = x_wide - x_over;
+  FL_EXACT Real x_low = x - x_high;
+  FL_EXACT Real y_wide = y * halver;
+  FL_EXACT Real y_over = y_wide - y;
+  FL_EXACT Real y_high = y_wide - y_over;
+  FL_EXACT Real y_low = y - y_high;
+  FL_EXACT Real product = x * y;
+  FL_EXACT Real beside = ((x_high * y_high - product) + x_high * y_low + x_low * y_high) + x_low * y_low;
+  FL_EXACT Real rest = (a - product) - beside;
+  return rest;
+}
 FL_FN Real exact_quotient(Real a, Real b) {
   FL_EXACT Real near = a / b;
-  FL_EXACT Real rest = fma(-near, b, a);
+  FL_EXACT Real rest = exact_rest(a, near, b);
   FL_EXACT Real quotient = near + rest / b;
   return quotient;
 }
 FL_FN Real exact_root(Real a) {
   FL_EXACT Real near = sqrt(a);
-  FL_EXACT Real rest = fma(-near, near, a);
+  FL_EXACT Real rest = exact_rest(a, near, near);
   FL_EXACT Real root = near > Real(0) ? near + rest / (near + near) : near;
   return root;
 }
