@@ -26,8 +26,10 @@ const PassEntry* const kPasses[] = {
     &kTonemapPass,   // radiance -> screen
 };
 
+// Time stamps of a frame: its beginning, the levels, and the end of each pass.
+constexpr std::uint32_t kMarksMax = static_cast<std::uint32_t>(std::size(kPasses)) + 2;
+
 constexpr double kNearM = 0.05;
-constexpr VkDeviceSize kUpdateBytesMax = 65536;  // of vkCmdUpdateBuffer
 
 // Where the step pass finds its time step: the push constants of step.comp.
 struct StepPush {
@@ -73,7 +75,7 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   frame->range_m_ = light_range_m(rig);
   VkQueryPoolCreateInfo query{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
   query.queryType = VK_QUERY_TYPE_TIMESTAMP;
-  query.queryCount = static_cast<std::uint32_t>(std::size(kPasses)) + 1;
+  query.queryCount = kMarksMax;
   FL_TRY(vk::check(vkCreateQueryPool(device.handle, &query, nullptr, &frame->times_), "vkCreateQueryPool"));
   return frame;
 }
@@ -89,30 +91,45 @@ void Frame::step(std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool 
 }
 
 void Frame::record(VkCommandBuffer commands, const View& view, double exposure_ev) {
-  vkCmdResetQueryPool(commands, times_, 0, static_cast<std::uint32_t>(std::size(kPasses)) + 1);
-  marks_ = 0;
+  vkCmdResetQueryPool(commands, times_, 0, kMarksMax);
+  timed_.clear();
   resources_.bindings.bind(commands);
   upload_params(commands, view, exposure_ev);
-  mark(commands);
+  mark(commands, "");
   for (std::size_t i = 0; i < passes_.size(); ++i) {
     if (plan_[i].name == kStepPass.name) {
-      record_steps(commands);
+      record_steps(commands, true);
     } else {
       passes_[i]->record(commands);
     }
     vk::full_barrier(commands);
-    mark(commands);
+    mark(commands, plan_[i].name);
   }
 }
 
-// Each pending step: its levels, its dt, one dispatch. vkCmdUpdateBuffer keeps the bytes in the command buffer, so
-// there is no staging memory that a frame in flight could still be reading.
-void Frame::record_steps(VkCommandBuffer commands) {
+// vkCmdUpdateBuffer keeps the bytes in the command buffer: quick for a few universes, slow for hundreds. Of those the
+// levels of the last step are copied from memory that only one step of a recording can use.
+void Frame::upload_levels(VkCommandBuffer commands, const PendingStep& pending) {
+  const VkDeviceSize size = pending.levels.size();
+  if (size > kUpdateBytesMax && &pending == &pending_.back()) {
+    std::memcpy(resources_.staged_levels.mapped, pending.levels.data(), size);
+    const VkBufferCopy region{0, 0, size};
+    vkCmdCopyBuffer(commands, resources_.staged_levels.handle, resources_.levels.handle, 1, &region);
+    return;
+  }
+  for (VkDeviceSize at = 0; at < size; at += kUpdateBytesMax) {
+    vkCmdUpdateBuffer(commands, resources_.levels.handle, at, std::min(kUpdateBytesMax, size - at),
+                      pending.levels.data() + at);
+  }
+}
+
+// Each pending step: its levels, its dt, one dispatch. Timed are the levels of the first.
+void Frame::record_steps(VkCommandBuffer commands, bool timed) {
   for (const PendingStep& pending : pending_) {
-    for (VkDeviceSize at = 0; at < pending.levels.size(); at += kUpdateBytesMax) {
-      vkCmdUpdateBuffer(commands, resources_.levels.handle, at,
-                        std::min<VkDeviceSize>(kUpdateBytesMax, pending.levels.size() - at),
-                        pending.levels.data() + at);
+    upload_levels(commands, pending);
+    if (timed && &pending == &pending_.front()) {
+      vk::full_barrier(commands);
+      mark(commands, "levels");
     }
     const auto dt = static_cast<std::uint64_t>(pending.dt_ns);
     const StepPush push{static_cast<std::uint32_t>(dt), static_cast<std::uint32_t>(dt >> 32), pending.new_exposure};
@@ -148,8 +165,10 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   vk::full_barrier(commands);
 }
 
-void Frame::mark(VkCommandBuffer commands) {
-  vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, times_, marks_++);
+void Frame::mark(VkCommandBuffer commands, std::string_view ended) {
+  vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, times_,
+                       static_cast<std::uint32_t>(timed_.size()));
+  timed_.push_back(ended);
 }
 
 Status Frame::draw(const View& view, double exposure_ev) {
@@ -165,7 +184,7 @@ Status Frame::run_steps() {
   return device_.run_once([&](VkCommandBuffer commands) {
     resources_.bindings.bind(commands);
     upload_params(commands, View{}, 0);
-    record_steps(commands);
+    record_steps(commands, false);
   });
 }
 
@@ -283,15 +302,16 @@ Result<std::vector<BeamRow>> Frame::read_beams() {
 }
 
 Result<std::vector<PassTime>> Frame::read_times() {
-  std::vector<std::uint64_t> ticks(marks_);
-  if (marks_ == 0) return std::vector<PassTime>{};
-  FL_TRY(vk::check(vkGetQueryPoolResults(device_.handle, times_, 0, marks_, ticks.size() * 8, ticks.data(), 8,
+  std::vector<std::uint64_t> ticks(timed_.size());
+  if (ticks.empty()) return std::vector<PassTime>{};
+  FL_TRY(vk::check(vkGetQueryPoolResults(device_.handle, times_, 0, static_cast<std::uint32_t>(ticks.size()),
+                                         ticks.size() * 8, ticks.data(), 8,
                                          VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
                    "vkGetQueryPoolResults"));
   std::vector<PassTime> times;
-  for (std::size_t i = 0; i + 1 < ticks.size(); ++i) {
-    times.push_back(
-        {plan_[i].name, static_cast<double>(ticks[i + 1] - ticks[i]) * device_.timestamp_period_ns() * 1e-6});
+  for (std::size_t i = 1; i < ticks.size(); ++i) {
+    const double ns = static_cast<double>(ticks[i] - ticks[i - 1]) * device_.timestamp_period_ns();
+    times.push_back({std::string(timed_[i]), ns * 1e-6});
   }
   return times;
 }

@@ -10,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "fixtures/rig.h"
@@ -58,6 +59,7 @@ class Frame {
 
   // Records the pending steps and the whole picture; the caller submits. Afterwards resources().screen holds the
   // picture in VK_IMAGE_LAYOUT_GENERAL. Times can be read once the GPU is done with these commands.
+  // The commands of the record() before must be finished: both use the same memory.
   void record(VkCommandBuffer commands, const View& view, double exposure_ev);
 
   // Work light on every surface from the next picture on, lx; at first the rig's.
@@ -83,7 +85,8 @@ class Frame {
   [[nodiscard]] Result<std::vector<fixtures::f32::Slew>> read_dowsers();
   [[nodiscard]] Result<std::vector<fixtures::f32::Smooth>> read_smooths();
   [[nodiscard]] Result<std::vector<BeamRow>> read_beams();  // the live ones
-  // GPU time of each pass of the last recorded picture, which must be finished. Steps count into "step".
+  // GPU time of each pass of the last recorded picture, which must be finished. Before
+  // them "levels", the way of the first step's levels to the GPU, where there was one; all steps count into "step".
   [[nodiscard]] Result<std::vector<PassTime>> read_times();
 
   [[nodiscard]] const std::vector<PassPlan>& plan() const { return plan_; }
@@ -97,9 +100,10 @@ class Frame {
     bool new_exposure;
   };
   Frame(vk::Device& device, const FrameSettings& settings) : device_(device), settings_(settings) {}
-  void record_steps(VkCommandBuffer commands);
+  void upload_levels(VkCommandBuffer commands, const PendingStep& pending);
+  void record_steps(VkCommandBuffer commands, bool timed);
   void upload_params(VkCommandBuffer commands, const View& view, double exposure_ev);
-  void mark(VkCommandBuffer commands);
+  void mark(VkCommandBuffer commands, std::string_view ended);
   template <class Row>
   [[nodiscard]] Result<std::vector<Row>> read_rows(const vk::Buffer& buffer, std::uint32_t count);
   [[nodiscard]] Status read_buffer(const vk::Buffer& buffer, void* out, std::size_t bytes);
@@ -115,7 +119,7 @@ class Frame {
   double ambient_lx_ = 0;
   double range_m_ = 0;
   VkQueryPool times_ = VK_NULL_HANDLE;
-  std::uint32_t marks_ = 0;
+  std::vector<std::string_view> timed_;  // what each time stamp of the last record() is the end of
 };
 
 }  // namespace footlight::render

@@ -277,6 +277,9 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
 
   FL_ASSIGN(r.params, zeroed(device, sizeof(FrameParams)));
   FL_ASSIGN(r.levels, zeroed(device, r.levels_bytes));
+  if (r.levels_bytes > kUpdateBytesMax) {
+    FL_ASSIGN(r.staged_levels, vk::Buffer::host_visible(device, r.levels_bytes, 0));
+  }
   FL_ASSIGN(r.states, zeroed(device, r.head_count * kStateBytes));
   FL_ASSIGN(r.motor_states, zeroed(device, compiled.motor_count * kMotorStateBytes));
   FL_ASSIGN(r.spin_states, zeroed(device, compiled.spin_count * kSpinStateBytes));

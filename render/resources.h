@@ -15,6 +15,8 @@
 
 namespace footlight::render {
 
+constexpr VkDeviceSize kUpdateBytesMax = 65536;  // of one vkCmdUpdateBuffer
+
 struct Resources {
   [[nodiscard]] static Result<Resources> create(vk::Device& device, const fixtures::Rig& rig,
                                                 const fixtures::CompiledRig& compiled, const FrameSettings& settings);
@@ -30,6 +32,7 @@ struct Resources {
   // Per frame.
   vk::Buffer params;  // FrameParams
   vk::Buffer levels;  // universes x 512 bytes
+  vk::Buffer staged_levels;  // the same, where the host writes them; only for more than kUpdateBytesMax
   vk::Buffer beams;   // BeamRow, live ones first
   vk::Buffer blades;  // BladesRow, one a beam
   vk::Buffer counts;  // CountsRow, then beams and lit heads of each group of FL_GROUP_HEADS

@@ -83,18 +83,22 @@ Status time_steps(render::vk::Device& device, const FleetOptions& options, Fleet
   report.table_bytes = sizeof(fixtures::HeadRow) * compiled.heads.size();
   Levels levels(compiled.universes.size() * kSlotCountMax, kOneSlotIn);
   std::vector<double> times_ms;
+  std::vector<double> levels_ms;
   for (int run = 0; run < options.runs + 3; ++run) {
     frame->step(levels.next(), kStepNs);
     FL_TRY(frame->draw(view, 0));
     FL_ASSIGN(const auto times, frame->read_times());
     for (const auto& pass : times) {
-      if (pass.name == "step" && run >= 3) times_ms.push_back(pass.gpu_ms);
+      if (run < 3) continue;
+      if (pass.name == "step") times_ms.push_back(pass.gpu_ms);
+      if (pass.name == "levels") levels_ms.push_back(pass.gpu_ms);
     }
   }
   if (times_ms.empty()) return fail(ErrorCode::kUnsupported, "{}: has no GPU timestamps", device.name());
   report.gpu_ms_p10 = percentile(times_ms, 0.1);
   report.gpu_ms_p50 = percentile(times_ms, 0.5);
   report.gpu_ms_p90 = percentile(times_ms, 0.9);
+  report.levels_ms = percentile(levels_ms, 0.5);
 
   fixtures::f32::Walker walker(compiled);
   std::vector<double> ns;
@@ -176,11 +180,13 @@ std::string text_of(const FleetReport& report, const FleetOptions& options) {
   std::string text = fmt::format(
       "{} moving heads (generic/profile, 16 bit), one step of 1/60 s, on {}\n"
       "  GPU     {:.4f} ms, p10 {:.4f}, p90 {:.4f}, {} runs after 3: {:.2f} ns a fixture{}\n"
+      "  levels  {:.4f} ms for their way to the GPU\n"
       "  CPU     {:.1f} ns a fixture in float on one core: {:.1f} million a second\n"
       "  memory  {} bytes of state a fixture, {} of rows\n"
       "GPU in float against the CPU in double, {} fixtures, {} steps, one slot in 16 at random each second step:\n",
       options.fixtures, report.device, report.gpu_ms_p50, report.gpu_ms_p10, report.gpu_ms_p90, options.runs,
-      per_fixture_ns, report.gpu_ms_p90 > 1.15 * report.gpu_ms_p10 ? " (unstable)" : "", report.cpu_ns,
+      per_fixture_ns, report.gpu_ms_p90 > 1.15 * report.gpu_ms_p10 ? " (unstable)" : "", report.levels_ms,
+      report.cpu_ns,
       1e3 / report.cpu_ns, report.state_bytes / static_cast<std::uint64_t>(options.fixtures),
       report.table_bytes / static_cast<std::uint64_t>(options.fixtures), report.judged_fixtures, report.judged_steps);
   for (const FleetWorst& one : report.worst) {
@@ -194,10 +200,11 @@ std::string text_of(const FleetReport& report, const FleetOptions& options) {
 std::string json_of(const FleetReport& report, const FleetOptions& options) {
   std::string text = fmt::format(
       R"({{"event":"fleet","fixtures":{},"device":"{}","gpu_ms_p10":{:.5f},"gpu_ms_p50":{:.5f},"gpu_ms_p90":{:.5f},)"
+      R"("levels_ms":{:.5f},)"
       R"("cpu_ns_a_fixture":{:.2f},"state_bytes":{},"row_bytes":{}}})"
       "\n",
-      options.fixtures, report.device, report.gpu_ms_p10, report.gpu_ms_p50, report.gpu_ms_p90, report.cpu_ns,
-      report.state_bytes, report.table_bytes);
+      options.fixtures, report.device, report.gpu_ms_p10, report.gpu_ms_p50, report.gpu_ms_p90, report.levels_ms,
+      report.cpu_ns, report.state_bytes, report.table_bytes);
   for (const FleetWorst& one : report.worst) {
     text += fmt::format(
         R"({{"event":"fleet-worst","value":"{}","fixture":{},"step":{},"gpu":{:.9g},"double":{:.17g},"float":{:.9g}}})"
