@@ -304,10 +304,10 @@ Result<std::vector<BeamRow>> Frame::read_beams() {
 Result<std::vector<PassTime>> Frame::read_times() {
   std::vector<std::uint64_t> ticks(timed_.size());
   if (ticks.empty()) return std::vector<PassTime>{};
-  FL_TRY(vk::check(vkGetQueryPoolResults(device_.handle, times_, 0, static_cast<std::uint32_t>(ticks.size()),
-                                         ticks.size() * 8, ticks.data(), 8,
-                                         VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
-                   "vkGetQueryPoolResults"));
+  FL_TRY(vk::check(
+      vkGetQueryPoolResults(device_.handle, times_, 0, static_cast<std::uint32_t>(ticks.size()), ticks.size() * 8,
+                            ticks.data(), 8, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+      "vkGetQueryPoolResults"));
   std::vector<PassTime> times;
   for (std::size_t i = 1; i < ticks.size(); ++i) {
     const double ns = static_cast<double>(ticks[i] - ticks[i - 1]) * device_.timestamp_period_ns();
