@@ -13,7 +13,8 @@ FL_CONST bool kSingle = true;  // a compiler of GLSL may work out constants in d
 #endif
 
 // Quotients and roots that are rounded as IEEE 754 says, for numbers and results between 1e-30 and 1e30 and for 0.
-// Vulkan lets a / b be off by 2.5 units in the last place and sqrt by some; one step with the exact remainder mends it.
+// Vulkan lets a / b be off by 2.5 units in the last place and sqrt by some; one step with the exact remainder mends it,
+// but for results within 1e-6 of a unit of the middle between two floats.
 #if defined(__cplusplus) && !defined(FL_LOOSE_QUOTIENTS)
 FL_FN Real exact_quotient(Real a, Real b) { return a / b; }
 FL_FN Real exact_root(Real a) { return sqrt(a); }
