@@ -28,7 +28,8 @@ struct Differences {
   std::int64_t bits = 0;        // how many floats are not equal to the bit
   std::int64_t compared = 0;
   void print(const char* what) const {
-    std::fprintf(stderr, "%s: position %.3g rad, speed %.3g rad/s, light %.3g, %.3g K, phases %lld, bits %lld of %lld\n",
+    std::fprintf(stderr, "%s: position %.3g rad, speed %.3g rad/s, light %.3g, %.3g K, phases %lld, "
+                 "bits %lld of %lld\n",
                  what, position, speed, light, kelvin, static_cast<long long>(phases), static_cast<long long>(bits),
                  static_cast<long long>(compared));
   }

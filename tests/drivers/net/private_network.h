@@ -16,8 +16,8 @@ namespace footlight::testing {
 // and a /24 around it; and takes it away. Only after enter_private_network(). False where the kernel lacks it.
 [[nodiscard]] bool add_interface(const char* name, const char* ipv4);
 void remove_interface(const char* name);
-// Has an interface take a datagram a second and keep the others, so that the buffers of sockets fill; and lets go of what
-// it keeps. False where the kernel lacks the means.
+// Has an interface take a datagram a second and keep the others, so that the buffers of sockets fill; and lets go of
+// what it keeps. False where the kernel lacks the means.
 [[nodiscard]] bool choke_interface(const char* name);
 void free_interface(const char* name);
 
