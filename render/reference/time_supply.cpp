@@ -130,6 +130,19 @@ double mains_judged_wide(Wide from, Wide to, Wide cut) {
 
 double mains_cut(double share) { return share > 0 ? 1 - std::min(share, 1.0) : 1; }
 
+// How far the judge of a show is from itself in pieces of a fifth, and from RK4 in many steps.
+void judge_led_judge(const Frames& show, double rise_s, const std::vector<double>& judge, JudgeError& own) {
+  const std::vector<double> fine = led_judged_show(show, rise_s, 0.2L);
+  LedRival steps;
+  for (std::size_t i = 0; i < show.size(); ++i) {
+    own.own = std::max(own.own, std::abs(fine[i] - judge[i]));
+    if (i >= 50) continue;
+    double light = 0;
+    for (int s = 0; s < 4000; ++s) light += steps.rk4(rise_s, show.input[i], show.dt_s[i] / 4000) / 4000;
+    own.difference = std::max(own.difference, std::abs(light - judge[i]));
+  }
+}
+
 }  // namespace
 
 void report_led(const TimeReportOptions& options, TimeReport& report) {
@@ -143,15 +156,7 @@ void report_led(const TimeReportOptions& options, TimeReport& report) {
       const double rise_s = tau_ms * 1e-3;
       TimeScene scene{.model = "led", .unit = "full", .tau_ms = tau_ms, .fps = fps, .seconds = options.seconds,
                       .judge = led_judged_show(show, rise_s, 0.5L), .span = {0, 1}};
-      const std::vector<double> fine = led_judged_show(show, rise_s, 0.2L);
-      LedRival steps;
-      for (std::size_t i = 0; i < show.size(); ++i) {
-        own.own = std::max(own.own, std::abs(fine[i] - scene.judge[i]));
-        if (i >= 50) continue;
-        double light = 0;
-        for (int s = 0; s < 4000; ++s) light += steps.rk4(rise_s, show.input[i], show.dt_s[i] / 4000) / 4000;
-        own.difference = std::max(own.difference, std::abs(light - scene.judge[i]));
-      }
+      judge_led_judge(show, rise_s, scene.judge, own);
       bench.add(scene, "exact f32", 1, [&] {
         const f32::LedType type{static_cast<float>(rise_s), static_cast<float>(kHeatS), static_cast<float>(kDroop)};
         return [&, type, led = f32::led_start(0)](std::size_t i) mutable {
@@ -206,15 +211,7 @@ void report_dimmer(const TimeReportOptions& options, TimeReport& report) {
       const double rise_s = tau_ms * 1e-3;
       TimeScene scene{.model = "dimmer", .unit = "full", .tau_ms = tau_ms, .fps = fps, .seconds = options.seconds,
                       .judge = led_judged_show(lit, rise_s, 0.5L), .span = {0, 1}};
-      const std::vector<double> fine = led_judged_show(lit, rise_s, 0.2L);
-      LedRival steps;
-      for (std::size_t i = 0; i < show.size(); ++i) {
-        own.own = std::max(own.own, std::abs(fine[i] - scene.judge[i]));
-        if (i >= 50) continue;
-        double light = 0;
-        for (int s = 0; s < 4000; ++s) light += steps.rk4(rise_s, lit.input[i], show.dt_s[i] / 4000) / 4000;
-        own.difference = std::max(own.difference, std::abs(light - scene.judge[i]));
-      }
+      judge_led_judge(lit, rise_s, scene.judge, own);
       bench.add(scene, "law, then exact f32", 1, [&] {
         const f32::LedType type{static_cast<float>(rise_s), static_cast<float>(kHeatS), static_cast<float>(kDroop)};
         return [&, type, led = f32::led_start(0)](std::size_t i) mutable {
