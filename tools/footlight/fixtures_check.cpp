@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include "fixtures/builtin/builtin.h"
 #include "fixtures/import/import.h"
@@ -108,11 +108,10 @@ Result<Wanted> find_wanted(const std::vector<std::string>& paths) {
 }
 
 // Every value of every channel decoded: what leaves its declared range.
-void add_sweep(const fixtures::FixtureType& type, const std::string& path, fixtures::Diagnostics& diagnostics,
-               fixtures::SweepReport& sum) {
+void add_sweep(const fixtures::FixtureType& type, fixtures::Diagnostics& diagnostics, fixtures::SweepReport& sum) {
   const fixtures::SweepReport report = fixtures::sweep(type, fixtures::SweepValues::kAll);
-  for (const std::string& fault : report.faults) {
-    diagnostics.add({Severity::kError, "decode", {path}, fault, ""});
+  for (const fixtures::Remark& fault : report.faults) {
+    diagnostics.add({Severity::kError, "decode", fixtures::place_in(type, fault.at), fault.what, ""});
   }
   sum.modes += report.modes;
   sum.values += report.values;
@@ -132,11 +131,11 @@ FixtureCheck check_file(const std::string& path, bool sweeps, fixtures::SweepRep
   if (const auto* format = fixtures::find_import_format(*source); format != nullptr) check.format = format->name;
   auto type = fixtures::import_fixture(std::move(*source), diagnostics);
   if (type) {
-    if (const auto names = fixtures::unsimulated(*type); !names.empty()) {
-      diagnostics.add({Severity::kNote, "not-simulated", {path}, fmt::format("{}", fmt::join(names, ", ")),
-                       "they change nothing"});
+    for (fixtures::Remark& one : fixtures::unsimulated(*type)) {
+      diagnostics.add({Severity::kNote, "not-simulated", fixtures::place_in(*type, one.at), std::move(one.what),
+                       "it changes nothing"});
     }
-    if (sweeps) add_sweep(*type, path, diagnostics, sum);
+    if (sweeps) add_sweep(*type, diagnostics, sum);
   }
   diagnostics.finish();
   if (!type) {

@@ -61,7 +61,9 @@ class Writer {
     if (!mode.description.empty()) line(1, "{}", mode.description);
     line(1, "Geometries");
     write_tree(mode);
-    if (const auto names = unsimulated(mode); !names.empty()) {
+    std::vector<std::string> names;
+    for (const Remark& one : unsimulated(mode)) names.push_back(one.what);
+    if (!names.empty()) {
       line(1, "Read and not simulated: {}", fmt::join(names, ", "));
     }
     std::vector<std::string> lamps;

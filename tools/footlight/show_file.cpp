@@ -27,17 +27,17 @@ DurationNs read_duration(TomlReader& reader, std::string_view key, DurationNs fa
   if (!reader.has(key)) return fallback;
   const auto duration_ns = parse_duration(reader.text(key));
   if (duration_ns) return *duration_ns;
-  reader.trouble(reader.line_of(key), "{}: {}", key, duration_ns.error().message);
+  reader.trouble(reader.place_of(key), "{}: {}", key, duration_ns.error().message);
   return fallback;
 }
 
 std::optional<Endpoint> read_endpoint(TomlReader& reader) {
-  const int line = reader.line_of("endpoint");
+  const fixtures::SourceAt at = reader.place_of("endpoint");
   const std::string text = reader.text("endpoint");
   if (!reader.has("endpoint")) return std::nullopt;
   auto endpoint = parse_port(text);
   if (endpoint) return std::move(*endpoint);
-  reader.trouble(line, "{}", endpoint.error().message);
+  reader.trouble(at, "{}", endpoint.error().message);
   return std::nullopt;
 }
 
@@ -58,7 +58,7 @@ void read_gpio(TomlReader& reader, InOptions& options) {
     const auto values = reader.integers("rate_values", 1, 64, 0, 255);
     const bool rising = std::adjacent_find(hz.begin(), hz.end(), std::greater_equal<>()) == hz.end();
     if (hz.size() != values.size() || !rising) {
-      reader.trouble(reader.line_of("rate_hz"),
+      reader.trouble(reader.place_of("rate_hz"),
                      "rate_hz: expected rising numbers, as many as rate_values has, as in rate_hz = [1, 25] and "
                      "rate_values = [1, 255]");
     } else {
@@ -86,7 +86,7 @@ std::vector<std::uint8_t> read_address_priorities(TomlReader& reader) {
   if (!reader.has("address_priorities")) return {};
   auto priorities = parse_address_priorities(reader.text("address_priorities"));
   if (priorities) return std::move(*priorities);
-  reader.trouble(reader.line_of("address_priorities"), "address_priorities: {}", priorities.error().message);
+  reader.trouble(reader.place_of("address_priorities"), "address_priorities: {}", priorities.error().message);
   return {};
 }
 
@@ -102,7 +102,7 @@ drivers::Cid read_cid(TomlReader& reader) {
     is_hex = std::from_chars(begin, begin + 2, cid[i], 16).ptr == begin + 2;
   }
   if (is_hex && cid != drivers::Cid{}) return cid;
-  reader.trouble(reader.line_of("cid"),
+  reader.trouble(reader.place_of("cid"),
                  "cid: expected a UUID of 32 hexadecimal digits that are not all 0, as uuidgen prints one");
   return {};
 }
@@ -121,7 +121,7 @@ Result<std::optional<drivers::SecondPort>> read_second_port(TomlReader& reader, 
     is_hex = std::from_chars(begin, begin + 2, port.key[i], 16).ptr == begin + 2;
   }
   if (!is_hex && second.has("key"))
-    second.trouble(second.line_of("key"), "key: expected {} hexadecimal digits, as in \"0A1B2C3D\"", kDigits);
+    second.trouble(second.place_of("key"), "key: expected {} hexadecimal digits, as in \"0A1B2C3D\"", kDigits);
   const auto label = [&](std::string_view name) { return static_cast<std::uint8_t>(second.integer(name, 0, 255, 0)); };
   port.assign = label("assign");
   port.send = label("send");
@@ -163,13 +163,13 @@ void read_ltp_slots(const TomlNode& node, TomlReader& merge, Show& show) {
     const auto* const text = std::get_if<std::string>(&entry.node.value);
     const auto slots = text != nullptr ? parse_addresses(*text) : std::nullopt;
     if (read.ec != std::errc() || read.ptr != end || !is_universe(ltp.universe)) {
-      merge.trouble(entry.node.line, "ltp_slots: \"{}\" is no universe; expected one from {} to {}", entry.key,
+      merge.trouble(entry.node.at, "ltp_slots: \"{}\" is no universe; expected one from {} to {}", entry.key,
                     kUniverseMin, kUniverseMax);
     } else if (!slots) {
-      merge.trouble(entry.node.line, "ltp_slots: universe {}: expected addresses from 1 to 512, as in \"1-24,30\"",
+      merge.trouble(entry.node.at, "ltp_slots: universe {}: expected addresses from 1 to 512, as in \"1-24,30\"",
                     ltp.universe);
     } else if (std::find(show.ltp.begin(), show.ltp.end(), ltp.universe) != show.ltp.end()) {
-      merge.trouble(entry.node.line, "ltp_slots: universe {} is in ltp, as a whole; leave it out of one of the two",
+      merge.trouble(entry.node.at, "ltp_slots: universe {} is in ltp, as a whole; leave it out of one of the two",
                     ltp.universe);
     } else {
       ltp.slots = *slots;
@@ -331,7 +331,7 @@ Result<Show> parse_show(std::string_view text, const std::string& file) {
     TomlReader merge_reader(*merge, file, "[merge]");
     show.merge.timeout_ns = read_duration(merge_reader, "timeout", kSenderTimeoutDefaultNs);
     if (show.merge.timeout_ns == 0) {
-      merge_reader.trouble(merge_reader.line_of("timeout"), "timeout: expected a time above 0, as in \"2.5s\"");
+      merge_reader.trouble(merge_reader.place_of("timeout"), "timeout: expected a time above 0, as in \"2.5s\"");
     }
     if (merge_reader.has("ltp")) {
       for (const std::int64_t universe : merge_reader.integers("ltp", 1, kUniverseMax, kUniverseMin, kUniverseMax)) {

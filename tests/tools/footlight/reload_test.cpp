@@ -180,7 +180,7 @@ TEST_CASE("SIGHUP reads the show file anew; a wrong one is said and changes noth
   bridge.wait_for("1 ports opened, 0 closed, 2 left as they were");
   write_show(folder, one + "priorty = 5\n");
   bridge.signal(SIGHUP);
-  bridge.wait_for("show.toml:5: ");
+  bridge.wait_for("show.toml:5:");
   // The same through the socket.
   const auto refused = testing::footlight({"reload", "--socket", folder.file("b.sock")});
   CHECK(refused.exit_code == 2);

@@ -261,7 +261,7 @@ TEST_CASE("a wrong value of a network key names its line, the key and what was e
     CAPTURE(wrong.line);
     const std::string message = refusal(text);
     CAPTURE(message);
-    CHECK(message.starts_with("show.toml:3: "));
+    CHECK(message.starts_with("show.toml:3:1: "));
     CHECK(contains(message, wrong.expected));
     const std::string key(wrong.line, std::string_view(wrong.line).find(' '));
     CHECK(contains(message, key));
@@ -316,14 +316,14 @@ wait_for_device = true
 }
 
 TEST_CASE("what a GPIO input cannot do is refused with the line") {
-  CHECK(contains(refusal(with_gpio("mode = \"blink\"\n")), "show.toml:3: "));
+  CHECK(contains(refusal(with_gpio("mode = \"blink\"\n")), "show.toml:3:1: "));
   CHECK(contains(refusal(with_gpio("mode = \"toggle\"\nhold = \"1s\"\n")), "unknown key 'hold'"));
   CHECK(contains(refusal(with_gpio("retrigger = \"ignore\"\n")), "unknown key 'retrigger'"));
   CHECK(contains(refusal(with_gpio("mode = \"rate\"\non = 1\n")), "unknown key 'on'"));
-  CHECK(contains(refusal(with_gpio("flashes_hz_max = 61\n")), "show.toml:3: "));
-  CHECK(contains(refusal(with_gpio("priority = 0\n")), "show.toml:3: "));
+  CHECK(contains(refusal(with_gpio("flashes_hz_max = 61\n")), "show.toml:3:1: "));
+  CHECK(contains(refusal(with_gpio("priority = 0\n")), "show.toml:3:1: "));
   const std::string rate = "mode = \"rate\"\n";
-  CHECK(contains(refusal(with_gpio(rate + "rate_hz = [1, 2]\nrate_values = [1]\n")), "show.toml:4: rate_hz: expected"));
+  CHECK(contains(refusal(with_gpio(rate + "rate_hz = [1, 2]\nrate_values = [1]\n")), "show.toml:4:1: rate_hz: expected"));
   CHECK(contains(refusal(with_gpio(rate + "rate_hz = [2, 1]\nrate_values = [1, 2]\n")), "rising"));
   CHECK(contains(refusal(with_gpio(rate + "rate_hz = [1, 2]\n")), "rate_values"));
   CHECK(contains(refusal(with_gpio(rate + "rate_hz = [1, \"2\"]\nrate_values = [1, 2]\n")), "numbers"));
@@ -412,17 +412,17 @@ TEST_CASE("LTP slots that are none are refused with the line") {
                                              wrong),
                                  "show.toml");
     REQUIRE_FALSE(show.has_value());
-    CHECK_MESSAGE(show.error().message.starts_with("show.toml:3: "), show.error().message);
+    CHECK_MESSAGE(show.error().message.starts_with("show.toml:3:"), show.error().message);
   }
 }
 
 TEST_CASE("trouble in a show file is named by line") {
-  CHECK(contains(refusal("[[in]]\nendpoint = \"scan:1\"\n"), "show.toml:2: scan:1: unknown scheme"));
-  CHECK(contains(refusal("[[in]]\nendpoint = \"sacn:0\"\n"), "show.toml:2: sacn:0: universe 0 does not exist"));
+  CHECK(contains(refusal("[[in]]\nendpoint = \"scan:1\"\n"), "show.toml:2:1: scan:1: unknown scheme"));
+  CHECK(contains(refusal("[[in]]\nendpoint = \"sacn:0\"\n"), "show.toml:2:1: sacn:0: universe 0 does not exist"));
   CHECK(contains(refusal("[[out]]\nendpoint = \"sacn:1\"\npriority = 201\n"), "show.toml:3"));
   CHECK(contains(refusal("[[in]]\nendpont = \"sacn:1\"\n"), "did you mean 'endpoint'"));
-  CHECK(contains(refusal("[merge]\ntimeout = \"fast\"\n"), "show.toml:2: timeout: expected a time as in"));
-  CHECK(contains(refusal("[merge]\ntimeout = \"0s\"\n"), "show.toml:2: timeout: expected a time above 0"));
+  CHECK(contains(refusal("[merge]\ntimeout = \"fast\"\n"), "show.toml:2:1: timeout: expected a time as in"));
+  CHECK(contains(refusal("[merge]\ntimeout = \"0s\"\n"), "show.toml:2:1: timeout: expected a time above 0"));
   CHECK(contains(refusal("[[in]\n"), "show.toml:1"));
   const std::string device = "[[out]]\nendpoint = \"enttec-pro=1,2\"\n";
   CHECK(contains(refusal(device + "second_port = {send = 3}\n"), "key"));
