@@ -281,13 +281,3 @@ FL_INLINE Real shutter_step(FL_INOUT(Shutter) shutter, ShutterWish wish, Turns d
   }
   return clamp(flash.low + light / turns, Real(0), Real(1));
 }
-
-// A flash that something outside asked for (a GPIO edge, a bang of a log), with its own time stamp: its mean over an
-// exposure. begin_s: from the exposure's beginning to the flash's, negative if it began before. Flashes of one exposure
-// are added up and cut at 1.
-FL_FN Real shutter_triggered(Real begin_s, Real length_s, Real exposure_s) {
-  if (!(exposure_s > Real(0)) || !(length_s > Real(0))) return Real(0);
-  Real a = max(begin_s, Real(0));
-  Real b = min(begin_s + length_s, exposure_s);
-  return b > a ? (b - a) / exposure_s : Real(0);
-}

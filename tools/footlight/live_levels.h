@@ -12,6 +12,7 @@
 
 #include "sim/core/clock.h"
 #include "sim/core/ports.h"
+#include "sim/look_trail.h"
 #include "sim/pump.h"
 #include "sim/universes.h"
 
@@ -38,6 +39,10 @@ class LiveLevels {
   // Whether a source brings this universe at all.
   [[nodiscard]] bool fed(Universe universe) const;
 
+  // What a timeline of pictures reads: every change with its time, on the clock of start(). Its reader is the thread
+  // of take(); it ends with this.
+  [[nodiscard]] LevelChanges& changes() { return *trail_; }
+
   // One or two seconds old.
   [[nodiscard]] PumpStatus status() const { return pump_->latest_status(); }
   // What has happened since the last call: a port lost or back. At most the last 64.
@@ -50,6 +55,7 @@ class LiveLevels {
   std::unique_ptr<Waiter> waiter_;
   std::vector<std::unique_ptr<Source>> sources_;
   std::vector<Universe> fed_;  // ascending
+  std::unique_ptr<LookTrail> trail_;
   std::unique_ptr<Pump> pump_;
   std::vector<std::uint8_t> levels_;
   std::vector<FrameStamp> stamps_;

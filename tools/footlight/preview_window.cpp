@@ -33,6 +33,7 @@ namespace {
 
 constexpr DurationNs kExposureMaxNs = 20 * kNsPerMs;  // as `footlight render --at`; the frame where that is shorter
 constexpr std::size_t kStepsHeldMax = 512;            // steps that wait for the GPU while a log is replayed
+constexpr DurationNs kWireDelayNs = 2 * kNsPerMs;     // live pictures are that late: looks may be on their way
 constexpr DurationNs kSettleNs = 200 * kNsPerMs;      // a new size is taken when the window has kept it for this long
 constexpr int kStripWidth = 800;                      // in a window narrower than this the panel begins as a strip
 constexpr int kSoftwarePixels = 640 * 360;            // about as many as a software renderer begins with
@@ -108,7 +109,7 @@ class Preview {
   // What drives the rig: one of the three.
   std::unique_ptr<Timeline> timeline_;
   std::unique_ptr<LiveLevels> live_;
-  std::optional<fixtures::VrslReplay> live_vrsl_;
+  std::unique_ptr<Timeline> live_timeline_;
   std::unique_ptr<HandLevels> hand_;
 
   std::unique_ptr<render::vk::Device> device_;  // outlives the window's swapchain
@@ -207,7 +208,7 @@ Status Preview::open_levels() {
       sources.push_back(std::move(source));
     }
     FL_ASSIGN(live_, LiveLevels::start(compiled_.universes, std::move(sources), clock_));
-    live_vrsl_ = vrsl_replay();
+    live_timeline_ = std::make_unique<Timeline>(live_->changes(), compiled_, vrsl_replay(), clock_.now_ns());
     return {};
   }
   FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
@@ -276,14 +277,11 @@ Status Preview::replay_to(DurationNs until_ns, DurationNs exposure_ns) {
 Status Preview::step_levels(DurationNs dt_ns) {
   if (live_) {
     live_->take();
-    if (live_vrsl_) {
-      live_vrsl_->step(live_->levels(), dt_ns, true,
-                       [&](std::span<const std::uint8_t> levels, std::int64_t step_ns, bool new_exposure) {
-                         frame_->step(levels, step_ns, new_exposure);
-                       });
-    } else {
-      frame_->step(live_->levels(), dt_ns);
-    }
+    const TimeNs until_ns = std::max(last_ns_ - kWireDelayNs, live_timeline_->now_ns());
+    FL_TRY(live_timeline_->advance(until_ns, std::min(dt_ns, kExposureMaxNs),
+                                   [&](std::span<const std::uint8_t> levels, std::int64_t step_ns, bool new_exposure) {
+                                     frame_->step(levels, step_ns, new_exposure);
+                                   }));
   } else if (hand_) {
     frame_->step(hand_->levels(), dt_ns);
   } else {

@@ -1,38 +1,26 @@
 #include "tools/footlight/timeline.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "tools/footlight/log_changes.h"
 
 namespace footlight::tools {
 
-Timeline::Timeline(LogReader reader, const fixtures::CompiledRig& compiled, std::optional<fixtures::VrslReplay> vrsl)
-    : reader_(std::move(reader)),
-      vrsl_(std::move(vrsl)),
-      universes_(compiled.universes),
-      levels_(compiled.universes.size() * kSlotCountMax),
-      next_levels_(kSlotCountMax) {}
+Timeline::Timeline(const fixtures::CompiledRig& compiled, std::optional<fixtures::VrslReplay> vrsl, TimeNs start_ns)
+    : vrsl_(std::move(vrsl)), levels_(compiled.universes.size() * kSlotCountMax), now_ns_(start_ns) {}
 
-// The next frame that changes something the rig listens to.
-Status Timeline::fetch() {
-  fetched_ = true;
-  LogFrame frame;
-  while (true) {
-    FL_ASSIGN(const bool more, reader_.next(frame));
-    if (!more) {
-      next_universe_ = -1;
-      return {};
-    }
-    if (frame.terminated || frame.changes.empty()) continue;
-    const auto at = std::lower_bound(universes_.begin(), universes_.end(), frame.universe);
-    if (at == universes_.end() || *at != frame.universe) continue;
-    next_universe_ = static_cast<int>(at - universes_.begin());
-    next_ns_ = frame.time_ns;
-    std::copy(frame.levels.begin(), frame.levels.end(), next_levels_.begin());
-    return {};
-  }
+Timeline::Timeline(LevelChanges& changes, const fixtures::CompiledRig& compiled,
+                   std::optional<fixtures::VrslReplay> vrsl, TimeNs start_ns)
+    : Timeline(compiled, std::move(vrsl), start_ns) {
+  changes_ = &changes;
 }
 
-void Timeline::apply() {
-  std::copy(next_levels_.begin(), next_levels_.end(), levels_.begin() + std::ptrdiff_t{next_universe_} * kSlotCountMax);
+Timeline::Timeline(LogReader reader, const fixtures::CompiledRig& compiled, std::optional<fixtures::VrslReplay> vrsl)
+    : Timeline(compiled, std::move(vrsl), 0) {
+  duration_ns_ = reader.info().duration_ns;
+  log_ = std::make_unique<LogChanges>(std::move(reader), compiled.universes);
+  changes_ = log_.get();
 }
 
 void Timeline::give(DurationNs dt_ns, bool new_exposure, const Step& step) {
@@ -43,17 +31,22 @@ void Timeline::give(DurationNs dt_ns, bool new_exposure, const Step& step) {
   }
 }
 
-Status Timeline::advance_to(DurationNs until_ns, bool new_exposure, const Step& step) {
-  if (!fetched_) FL_TRY(fetch());
-  while (next_universe_ >= 0 && next_ns_ <= until_ns) {
-    if (next_ns_ > now_ns_) {
-      give(next_ns_ - now_ns_, new_exposure, step);
+Status Timeline::advance_to(TimeNs until_ns, bool new_exposure, const Step& step) {
+  while (true) {
+    if (next_.universe < 0) {
+      FL_ASSIGN(const bool more, changes_->next(next_));
+      if (!more) next_.universe = -1;
+    }
+    if (next_.universe < 0 || next_.at_ns > until_ns) break;
+    if (next_.at_ns > now_ns_) {
+      give(next_.at_ns - now_ns_, new_exposure, step);
       new_exposure = false;
       stepped_ = true;
-      now_ns_ = next_ns_;
+      now_ns_ = next_.at_ns;
     }
-    apply();
-    FL_TRY(fetch());
+    std::copy(next_.levels.begin(), next_.levels.end(),
+              levels_.begin() + std::ptrdiff_t{next_.universe} * kSlotCountMax);
+    next_.universe = -1;
   }
   if (until_ns > now_ns_ || !stepped_) {
     give(until_ns - now_ns_, new_exposure, step);
@@ -63,8 +56,8 @@ Status Timeline::advance_to(DurationNs until_ns, bool new_exposure, const Step& 
   return {};
 }
 
-Status Timeline::advance(DurationNs until_ns, DurationNs exposure_ns, const Step& step) {
-  const DurationNs open_ns = std::max(until_ns - exposure_ns, now_ns_);
+Status Timeline::advance(TimeNs until_ns, DurationNs exposure_ns, const Step& step) {
+  const TimeNs open_ns = std::max(until_ns - exposure_ns, now_ns_);
   if (open_ns > now_ns_) FL_TRY(advance_to(open_ns, true, step));
   return advance_to(until_ns, true, step);
 }

@@ -37,7 +37,7 @@ void main() {
   flex = flex_step(flex, soft, before, motor, limits);
   spin = spin_step(spin, limits.acceleration_max, value, dt_ns);
   Shutter moved = shutter;
-  value = shutter_step(moved, wish, dt_ns) + shutter_triggered(value, 0.01, time_s(dt_ns));
+  value = shutter_step(moved, wish, dt_ns);
   shutter = moved;
   value += shake_offset(spin.phase, turns_way(spin.phase, time_ns(value)));
   smoothed = smooth_step(smoothed, 0.02, value, dt_ns);

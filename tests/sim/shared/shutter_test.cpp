@@ -336,15 +336,5 @@ TEST_CASE("blades that are faster than the last digit of their phase stay betwee
   CHECK(shutter.level >= 0.5f);
 }
 
-TEST_CASE("flashes with time stamps of their own give their share of the exposures they meet") {
-  CHECK(f64::shutter_triggered(0.005, 0.002, 0.02) == doctest::Approx(0.1));
-  CHECK(f64::shutter_triggered(-0.001, 0.002, 0.02) == doctest::Approx(0.05));
-  CHECK(f64::shutter_triggered(0.019, 0.002, 0.02) == doctest::Approx(0.05));
-  CHECK(f64::shutter_triggered(-0.001, 0.0005, 0.02) == 0);
-  CHECK(f64::shutter_triggered(0.021, 0.002, 0.02) == 0);
-  for (const double bad : {std::nan(""), -HUGE_VAL, HUGE_VAL}) CHECK(f64::shutter_triggered(bad, 0.002, 0.02) == 0);
-  CHECK(f64::shutter_triggered(0, 1, 0) == 0);
-}
-
 }  // namespace
 }  // namespace footlight

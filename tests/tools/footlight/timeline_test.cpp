@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "fixtures/walker.h"
+#include "sim/look_trail.h"
 #include "tests/sim/dmx_log/support.h"
 #include "tools/footlight/picture_file.h"
 #include "tools/footlight/timeline.h"
@@ -168,6 +169,65 @@ TEST_CASE("a log without a frame for the rig holds darkness for as long as it is
   REQUIRE(story.held.size() == 1);
   CHECK(story.held[0].held_ns == 20 * kMs);
   CHECK(std::all_of(story.held[0].levels.begin(), story.held[0].levels.end(), [](auto level) { return level == 0; }));
+}
+
+TEST_CASE("a flash from the wire shines as long as its stamps say, wherever it lies between live pictures") {
+  const auto rig = fixtures::parse_rig(
+      "[rig]\nname = \"r\"\n[[fixture]]\nname = \"A\"\ntype = \"generic/par\"\nuniverse = 2\naddress = 1\n"
+      "position = [0, 0, 5]\n",
+      "r.toml");
+  REQUIRE_MESSAGE(rig, rig.error().message);
+  const auto compiled = fixtures::compile(*rig);
+  REQUIRE(compiled);
+  Random random(12);
+  for (const DurationNs flash_ns : {kMs / 5, kMs, 7 * kMs, 40 * kMs}) {
+    for (int trial = 0; trial < 20; ++trial) {
+      const Universes universes(compiled->universes);
+      LookTrail trail(universes);
+      const TimeNs start_ns = 1'000'000 * kMs;
+      Timeline timeline(trail, *compiled, std::nullopt, start_ns);
+      fixtures::f64::Walker walker(*compiled);
+      const TimeNs on_ns = start_ns + 30 * kMs + static_cast<DurationNs>(random.below(20'000'000));
+      const auto send = [&](std::uint8_t level, TimeNs stamp_ns) {
+        Slots slots;
+        slots.fill(255);
+        slots[0] = level;
+        slots[1] = 0;
+        FrameView frame;
+        frame.universe = 2;
+        frame.stamp_ns = stamp_ns;
+        frame.slots = slots;
+        REQUIRE(trail.send(kTimeNever, {&frame, 1}));
+      };
+      double light_s = 0;
+      const auto picture = [&](TimeNs until_ns) {
+        const DurationNs dt_ns = until_ns - timeline.now_ns();
+        REQUIRE(timeline.advance(until_ns, dt_ns, [&](auto levels, std::int64_t step_ns, bool new_exposure) {
+          walker.step(levels, step_ns, new_exposure);
+        }));
+        light_s += walker.states[0].red * static_cast<double>(dt_ns) * 1e-9;
+      };
+      send(0, start_ns);
+      bool is_on = false;
+      bool is_over = false;
+      TimeNs now_ns = start_ns;
+      while (now_ns < start_ns + 200 * kMs) {
+        now_ns += kMs + static_cast<DurationNs>(random.below(25'000'000));
+        // What has happened by now has come by now; pictures are 2 ms behind.
+        if (!is_on && on_ns <= now_ns) send(255, on_ns), is_on = true;
+        if (!is_over && on_ns + flash_ns <= now_ns) send(0, on_ns + flash_ns), is_over = true;
+        picture(std::max(now_ns - 2 * kMs, timeline.now_ns()));
+      }
+      CHECK(is_over);
+      fixtures::f64::Walker full(*compiled);
+      std::vector<std::uint8_t> levels(kSlotCountMax, 255);
+      levels[1] = 0;
+      full.step(levels, 0);
+      full.step(levels, 10'000 * kMs);
+      REQUIRE(full.states[0].red > 0);
+      CHECK(light_s / full.states[0].red == doctest::Approx(static_cast<double>(flash_ns) * 1e-9).epsilon(1e-9));
+    }
+  }
 }
 
 TEST_CASE("a recorded VRSL show replays to the same states, whatever pictures are asked for") {

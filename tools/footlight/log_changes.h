@@ -1,0 +1,22 @@
+// The changes in a log, from time 0 on.
+#pragma once
+
+#include <vector>
+
+#include "sim/dmx_log/dmx_log.h"
+#include "sim/level_changes.h"
+
+namespace footlight::tools {
+
+class LogChanges final : public LevelChanges {
+ public:
+  // universes: those of the rig, ascending; others are skipped. Takes over the reader.
+  LogChanges(LogReader reader, std::vector<Universe> universes);
+  Result<bool> next(LevelChange& change) override;
+
+ private:
+  LogReader reader_;
+  std::vector<Universe> universes_;
+};
+
+}  // namespace footlight::tools
