@@ -10,13 +10,29 @@
 namespace footlight::tools {
 namespace {
 
+Status unwritable(const std::string& path) {
+  return fail(ErrorCode::kIo, "{}: cannot be written; choose a folder that exists and is yours", path);
+}
+
 struct Options {
   ReportOptions shared;
   bool pictures = false;
   bool time = false;
 };
 
+// Whether a file can be made there: told before the minutes that the report takes, not after them.
+Status try_report_file(const std::string& path) {
+  if (path.empty()) return {};
+  const std::string part = path + ".part";
+  const bool good = std::ofstream(part, std::ios::app).good();
+  std::error_code ignored;
+  std::filesystem::remove(part, ignored);
+  return good ? Status{} : unwritable(path);
+}
+
 Result<int> report(const Options& options, const ReportHalf& pictures, const ReportHalf& time) {
+  FL_TRY(try_report_file(options.shared.csv));
+  FL_TRY(try_report_file(options.shared.svg));
   const bool both = options.pictures == options.time;
   if (options.pictures && !pictures) {
     return fail(ErrorCode::kUnsupported,
@@ -54,7 +70,7 @@ Status write_report_file(const std::string& path, const std::string& text) {
   if (stream && !trouble) return {};
   std::error_code ignored;
   std::filesystem::remove(part, ignored);
-  return fail(ErrorCode::kIo, "{}: cannot be written; choose a folder that exists and is yours", path);
+  return unwritable(path);
 }
 
 std::string with_report_suffix(const std::string& path, const std::string& suffix) {

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "drivers/gpio/gpio_chip.h"
+#include "tests/support/temp_folder.h"
 
 namespace footlight::drivers {
 namespace {
@@ -21,14 +22,8 @@ namespace fs = std::filesystem;
 class Machine {
  public:
   Machine() {
-    std::string pattern = (fs::temp_directory_path() / "footlight-gpio-XXXXXX").string();
-    REQUIRE(::mkdtemp(pattern.data()) != nullptr);
-    root_ = pattern;
     fs::create_directories(root_ / "dev");
   }
-  ~Machine() { fs::remove_all(root_); }
-  Machine(const Machine&) = delete;
-  Machine& operator=(const Machine&) = delete;
 
   void add(const std::string& name, unsigned mode, bool has_node = true) {
     fs::create_directories(root_ / "sys/bus/gpio/devices" / name);
@@ -49,7 +44,8 @@ class Machine {
   std::string node(const std::string& name) const { return (root_ / "dev" / name).string(); }
 
  private:
-  fs::path root_;
+  testing::TempFolder folder_;
+  const fs::path root_ = folder_.path();
 };
 
 TEST_SUITE_BEGIN("gpio list");

@@ -1,4 +1,5 @@
 #include "tests/drivers/net/tshark.h"
+#include "tests/support/temp_folder.h"
 
 #include <array>
 #include <cstdio>
@@ -57,9 +58,8 @@ std::optional<std::map<std::string, std::string>> dissect(std::span<const std::u
     std::fprintf(stderr, "SKIPPED: tshark is not installed\n");
     return std::nullopt;
   }
-  auto folder_name = (std::filesystem::temp_directory_path() / "footlight_tshark_XXXXXX").string();
-  if (mkdtemp(folder_name.data()) == nullptr) return std::nullopt;
-  const std::filesystem::path folder(folder_name);
+  const TempFolder temp;
+  const std::filesystem::path& folder = temp.path();
   write_capture(folder / "one.pcap", datagram, port);
   std::string command = "tshark -r " + (folder / "one.pcap").string() +
                         " --enable-heuristic acn -o acn.dmx_enable:TRUE -T fields -E separator='|'";
@@ -72,7 +72,6 @@ std::optional<std::map<std::string, std::string>> dissect(std::span<const std::u
       output.append(buffer.data(), size);
     pclose(pipe);
   }
-  std::filesystem::remove_all(folder);
 
   std::map<std::string, std::string> values;
   std::istringstream line(output.substr(0, output.find('\n')));

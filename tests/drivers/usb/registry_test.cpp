@@ -20,6 +20,7 @@
 #include "drivers/device/chooser.h"
 #include "drivers/udev_rules.h"
 #include "drivers/usb_match.h"
+#include "tests/support/temp_folder.h"
 
 namespace footlight::drivers {
 namespace {
@@ -29,15 +30,9 @@ namespace fs = std::filesystem;
 class Machine {
  public:
   Machine() {
-    std::string pattern = (fs::temp_directory_path() / "footlight-machine-XXXXXX").string();
-    REQUIRE(::mkdtemp(pattern.data()) != nullptr);
-    root_ = pattern;
     fs::create_directories(devices());
     fs::create_directories(root_ / "proc");
   }
-  ~Machine() { fs::remove_all(root_); }
-  Machine(const Machine&) = delete;
-  Machine& operator=(const Machine&) = delete;
 
   struct Device {
     std::string port_path = "1-2.3";
@@ -88,7 +83,8 @@ class Machine {
     fs::create_directories(path.parent_path());
     std::ofstream(path) << text << '\n';
   }
-  fs::path root_;
+  testing::TempFolder folder_;
+  const fs::path root_ = folder_.path();
 };
 
 std::string text_of(const fs::path& path) {
@@ -354,15 +350,9 @@ TEST_CASE("the committed hwdb is that of the driver table") {
 class HardwareDatabase {
  public:
   HardwareDatabase() {
-    std::string pattern = (fs::temp_directory_path() / "footlight-hwdb-XXXXXX").string();
-    REQUIRE(::mkdtemp(pattern.data()) != nullptr);
-    root_ = pattern;
     fs::create_directories(root_ / "etc/udev/hwdb.d");
     std::ofstream(root_ / "etc/udev/hwdb.d/70-footlight.hwdb") << hwdb_text();
   }
-  ~HardwareDatabase() { fs::remove_all(root_); }
-  HardwareDatabase(const HardwareDatabase&) = delete;
-  HardwareDatabase& operator=(const HardwareDatabase&) = delete;
 
   // True where the file has no fault.
   bool compile() const { return std::system(("systemd-hwdb update --strict -r " + root_.string()).c_str()) == 0; }
@@ -381,7 +371,8 @@ class HardwareDatabase {
     return text_of(answer);
   }
 
-  fs::path root_;
+  testing::TempFolder folder_;
+  const fs::path root_ = folder_.path();
 };
 
 TEST_CASE("udev's hardware database names every device that can be told, and no other") {

@@ -17,6 +17,7 @@
 #include "sim/core/check.h"
 #include "sim/dmx_log/dmx_log.h"
 #include "sim/dmx_log/log_input.h"
+#include "tests/support/temp_folder.h"
 
 namespace footlight::testing {
 
@@ -66,25 +67,6 @@ inline OwnedFrame own(const LogFrame& frame) {
   if (!frame.terminated) owned.slots.assign(frame.slots().begin(), frame.slots().end());
   return owned;
 }
-
-class TempFolder {
- public:
-  TempFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "footlight_log_XXXXXX").string();
-    FL_CHECK(::mkdtemp(name.data()) != nullptr);
-    path_ = name;
-  }
-  TempFolder(const TempFolder&) = delete;
-  TempFolder& operator=(const TempFolder&) = delete;
-  ~TempFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 inline std::vector<std::uint8_t> read_bytes(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);

@@ -16,6 +16,7 @@
 
 #include "drivers/gpio/gpio_chip.h"
 #include "drivers/udev_rules.h"
+#include "tests/support/temp_folder.h"
 #include "tests/tools/footlight/run_footlight.h"
 
 namespace footlight::tools {
@@ -32,9 +33,6 @@ constexpr const char* kUdpTitle =
 class Machine {
  public:
   Machine() {
-    std::string pattern = (fs::temp_directory_path() / "footlight-doctor-XXXXXX").string();
-    REQUIRE(::mkdtemp(pattern.data()) != nullptr);
-    root_ = pattern;
     view.find.sys_root = path("sys");
     view.find.dev_root = path("dev");
     view.find.proc_root = path("proc");
@@ -85,9 +83,6 @@ class Machine {
     write("etc/systemd/system/multi-user.target.wants/footlight.service", "[Service]\n");
     fs::create_directories(root_ / "sys/fs/cgroup/system.slice/footlight.service");
   }
-  ~Machine() { fs::remove_all(root_); }
-  Machine(const Machine&) = delete;
-  Machine& operator=(const Machine&) = delete;
 
   void write(const std::string& file, const std::string& text) const {
     fs::create_directories((root_ / file).parent_path());
@@ -112,7 +107,8 @@ class Machine {
   std::set<std::string> forbidden;  // names of nodes that this user may not use
 
  private:
-  fs::path root_;
+  testing::TempFolder folder_;
+  const fs::path root_ = folder_.path();
 };
 
 TEST_CASE("on a healthy machine no check has anything to say") {

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/zip_bytes.h"
+#include "tests/support/temp_folder.h"
 #include "tests/tools/footlight/run_footlight.h"
 
 namespace footlight::testing {
@@ -38,26 +39,6 @@ constexpr const char* kHead =
     "</LogicalChannel></DMXChannel>\n"
     "</DMXChannels></DMXMode></DMXModes></FixtureType></GDTF>\n";
 
-class Folder {
- public:
-  Folder() {
-    char pattern[] = "/tmp/footlight-fixtures-XXXXXX";
-    path_ = mkdtemp(pattern);
-  }
-  ~Folder() { fs::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  std::string write(const std::string& name, const std::string& content) {
-    fs::create_directories((path_ / name).parent_path());
-    std::ofstream(path_ / name, std::ios::binary) << content;
-    return (path_ / name).string();
-  }
-  [[nodiscard]] std::string path() const { return path_.string(); }
-
- private:
-  fs::path path_;
-};
-
 std::vector<Json> lines_of(const std::string& text) {
   std::vector<Json> lines;
   std::istringstream stream(text);
@@ -66,12 +47,12 @@ std::vector<Json> lines_of(const std::string& text) {
 }
 
 TEST_CASE("check finds the definitions in folders, and its exit code says whether one is refused") {
-  Folder folder;
+  TempFolder folder;
   const std::string head = folder.write("a/head.gdtf", make_zip({{"description.xml", kHead, 8}}));
   folder.write("unpacked/description.xml", kHead);
   folder.write("unpacked/wheels/x.png", "png");
   folder.write("notes.txt", "no definition");
-  const Outcome good = footlight({"fixtures", "check", folder.path(), "--json"});
+  const Outcome good = footlight({"fixtures", "check", folder.path().string(), "--json"});
   CHECK(good.exit_code == 0);
   CHECK(contains(good.err, "2 files: 0 loaded, 2 with warnings, 0 refused; 1 more are no definitions"));
   const auto lines = lines_of(good.out);
@@ -91,29 +72,29 @@ TEST_CASE("check finds the definitions in folders, and its exit code says whethe
   CHECK(said["line"] == 7);
   CHECK(said["column"] == 41);
   CHECK(said["assumed"] == "the set is not there");
-  CHECK(lines[1]["file"] == folder.path() + "/unpacked");
+  CHECK(lines[1]["file"] == folder.path().string() + "/unpacked");
 
   folder.write("b/broken.gdtf", make_zip({{"description.xml", "<GDTF>\n<oops"}}));
-  const Outcome bad = footlight({"fixtures", "check", folder.path()});
+  const Outcome bad = footlight({"fixtures", "check", folder.path().string()});
   CHECK(bad.exit_code == 1);
-  CHECK(contains(bad.out, "refused   " + folder.path() + "/b/broken.gdtf\n"));
+  CHECK(contains(bad.out, "refused   " + folder.path().string() + "/b/broken.gdtf\n"));
   CHECK(contains(bad.out, "broken.gdtf:description.xml:2:"));
   CHECK(contains(bad.out, "warnings  " + head + ": Us Head, 2 modes"));
 }
 
 TEST_CASE("check refuses what it was told to read and cannot, and finds nothing in an empty folder") {
-  Folder folder;
+  TempFolder folder;
   const Outcome text = footlight({"fixtures", "check", folder.write("a.txt", "hello"), "--json"});
   CHECK(text.exit_code == 1);
   CHECK(lines_of(text.out).at(0)["status"] == "refused");
   CHECK(lines_of(text.out).at(0)["format"] == "");
-  CHECK(footlight({"fixtures", "check", folder.path() + "/gone"}).exit_code == 3);
-  fs::remove(folder.path() + "/a.txt");
-  CHECK(footlight({"fixtures", "check", folder.path()}).exit_code == 3);
+  CHECK(footlight({"fixtures", "check", folder.path().string() + "/gone"}).exit_code == 3);
+  fs::remove(folder.path().string() + "/a.txt");
+  CHECK(footlight({"fixtures", "check", folder.path().string()}).exit_code == 3);
 }
 
 TEST_CASE("show prints modes, geometries, channels, functions, sets, wheels and beams, of one mode where asked") {
-  Folder folder;
+  TempFolder folder;
   const std::string head = folder.write("head.gdtf", make_zip({{"description.xml", kHead}}));
   const Outcome all = footlight({"fixtures", "show", head});
   CHECK(all.exit_code == 0);

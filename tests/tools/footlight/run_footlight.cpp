@@ -30,17 +30,6 @@ void take(int& fd, std::string& text, bool& open) {
 
 }  // namespace
 
-TempFolder::TempFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "footlight_cli_XXXXXX").string();
-  REQUIRE(mkdtemp(name.data()) != nullptr);
-  path_ = name;
-}
-
-TempFolder::~TempFolder() {
-  std::error_code error;
-  std::filesystem::remove_all(path_, error);
-}
-
 Footlight::Footlight(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment) {
   int out[2];
   int err[2];
