@@ -8,6 +8,15 @@
 #include "tools/footlight/duration.h"
 
 namespace footlight::tools {
+namespace {
+
+// A value below the range stands for "not given".
+template <typename Number>
+std::string with_default(const std::string& help, Number value, Number from) {
+  return value < from ? help : fmt::format("{} [{}]", help, value);
+}
+
+}  // namespace
 
 ExitCode exit_code_of(ErrorCode code) {
   switch (code) {
@@ -32,17 +41,22 @@ void Arguments::option(const std::string& names, std::string& value, const std::
 }
 
 void Arguments::option(const std::string& names, int& value, int from, int to, const std::string& help) {
-  app_.add_option(names, value, help)
-      ->check(CLI::Range(from, to).description(fmt::format("from {} to {}", from, to)))
-      ->type_name("NUMBER")
-      ->capture_default_str();
+  app_.add_option(names, value, with_default(help, value, from))
+      ->check(CLI::Range(from, to).description(""))
+      ->type_name(fmt::format("{}..{}", from, to));
 }
 
 void Arguments::option(const std::string& names, double& value, double from, double to, const std::string& help) {
+  app_.add_option(names, value, with_default(help, value, from))
+      ->check(CLI::Range(from, to).description(""))
+      ->type_name(fmt::format("{}..{}", from, to));
+}
+
+void Arguments::option(const std::string& names, std::optional<double>& value, double from, double to,
+                       const std::string& help) {
   app_.add_option(names, value, help)
-      ->check(CLI::Range(from, to).description(fmt::format("from {} to {}", from, to)))
-      ->type_name("NUMBER")
-      ->capture_default_str();
+      ->check(CLI::Range(from, to).description(""))
+      ->type_name(fmt::format("{}..{}", from, to));
 }
 
 void Arguments::list(const std::string& names, std::vector<std::string>& values, const std::string& unit,

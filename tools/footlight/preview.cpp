@@ -18,7 +18,7 @@ void add(Arguments& arguments) {
   arguments.option("--size", options->size, "WxH", "of the window in pixels");
   arguments.option("--camera", options->camera, "NAME", "a camera of the rig; its first one");
   arguments.option("--nodes", options->nodes, 1, 8, "Gauss nodes a beam and pixel, see footlight report");
-  arguments.option("--work-light", options->work_light_lx, -1, 1e6,
+  arguments.option("--work-light", options->work_light_lx, 0, 1e6,
                    "lx on every surface, W turns it off and on; 150 where nothing drives the rig, else 0");
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this");
   arguments.option("--seconds", options->seconds, 0, 1e6, "close after this time; 0 stays open");

@@ -166,8 +166,9 @@ Status Preview::open() {
   camera_ = OrbitCamera(camera);
   controls_.exposure_ev = static_cast<float>(camera.exposure_ev);
   controls_.nodes = options_.nodes;
-  controls_.work_light = options_.work_light_lx > 0 || (options_.work_light_lx < 0 && by_hand);
-  controls_.work_light_lx = static_cast<float>(options_.work_light_lx > 0 ? options_.work_light_lx : kWorkLightLx);
+  controls_.work_light = options_.work_light_lx.value_or(by_hand ? kWorkLightLx : 0) > 0;
+  const double asked_lx = options_.work_light_lx.value_or(0);
+  controls_.work_light_lx = static_cast<float>(asked_lx > 0 ? asked_lx : kWorkLightLx);
   controls_.loop = options_.files.demo && options_.files.log.empty();
   controls_.panel = window_->width() < kStripWidth ? PanelState::kStrip : PanelState::kFull;
   if (device_->is_software()) {

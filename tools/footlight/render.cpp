@@ -1,7 +1,7 @@
 // footlight render: pictures and videos of a rig driven by a log, without a display.
+#include <charconv>
 #include <chrono>
 #include <cstdio>
-#include <charconv>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -31,14 +31,14 @@ struct Options {
   DurationNs from_ns = 0;
   DurationNs until_ns = -1;
   DurationNs exposure_ns = -1;
-  double exposure_ev = 1000;  // over 100: the camera's own
+  std::optional<double> exposure_ev;  // else the camera's own
   int nodes = 3;
   int gobo_taps = 64;
   int supersample = 1;
   std::string flashes = "warn";
   std::vector<std::string> sets;  // "Prism1=2", "Spot 3:Pan=30"
   bool lit = false;
-  double work_light_lx = -1;      // -1: not given
+  std::optional<double> work_light_lx;
   bool json = false;
 };
 
@@ -87,8 +87,9 @@ render::ScreenImage reduced(const render::ScreenImage& image, int side) {
   if (side == 1) return image;
   render::ScreenImage small{image.width / side, image.height / side, {}};
   const auto at = [&](int x, int y, int c) {
-    return image.rgba[(static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                       static_cast<std::size_t>(x)) * 4 + static_cast<std::size_t>(c)];
+    return image
+        .rgba[(static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)) * 4 +
+              static_cast<std::size_t>(c)];
   };
   for (int y = 0; y < small.height; ++y) {
     for (int x = 0; x < small.width; ++x) {
@@ -245,7 +246,7 @@ Result<int> render_pictures(const Options& options) {
   add_start_view(rig, static_cast<double>(size.width) / size.height, log || by_hand);
   FL_ASSIGN(const fixtures::Camera camera, find_camera(rig, options.camera));
   if (by_hand) give_hand_addresses(rig);
-  rig.ambient_lx += options.work_light_lx >= 0 ? options.work_light_lx : log || by_hand ? 0 : kWorkLightLx;
+  rig.ambient_lx += options.work_light_lx.value_or(log || by_hand ? 0 : kWorkLightLx);
   std::optional<fixtures::Rig> vrsl_rig;  // as written
   if (rig.vrsl && log && !by_hand) vrsl_rig = std::exchange(rig, fixtures::vrsl_shown(rig));
   FL_ASSIGN(const fixtures::CompiledRig compiled, fixtures::compile(rig));
@@ -276,8 +277,7 @@ Result<int> render_pictures(const Options& options) {
     frame->step(std::vector<std::uint8_t>(frame->resources().levels_bytes), 0);
   }
   const render::View view = render::view_of(camera);
-  Job job(options, timeline ? &*timeline : nullptr, *frame, view,
-          options.exposure_ev <= 100 ? options.exposure_ev : camera.exposure_ev);
+  Job job(options, timeline ? &*timeline : nullptr, *frame, view, options.exposure_ev.value_or(camera.exposure_ev));
 
   if (options.at_ns >= 0) {
     FL_TRY(job.take(options.at_ns, options.exposure_ns >= 0 ? options.exposure_ns : kStillExposureNs));
@@ -309,7 +309,7 @@ void add(Arguments& arguments) {
   arguments.duration("--until", options->until_ns, "with --every: no picture after this time; the end of the log");
   arguments.duration("--exposure", options->exposure_ns,
                      "how long the shutter is open before the picture's time; 20ms, or all of --every");
-  arguments.option("--ev", options->exposure_ev, -20, 1000, "exposure value at ISO 100, up to 30; the camera's own");
+  arguments.option("--ev", options->exposure_ev, -20, 30, "exposure value at ISO 100; the camera's own");
   arguments.option("--size", options->size, "WxH", "of the picture in pixels");
   arguments.option("--camera", options->camera, "NAME", "a camera of the rig; its first one");
   arguments.option("--nodes", options->nodes, 1, 8,
@@ -322,7 +322,7 @@ void add(Arguments& arguments) {
   arguments.flag("--lit", options->lit, "without a log: every fixture at full, open and white, its axes in the middle");
   arguments.list("--set", options->sets, "WORDS",
                  "as --lit, and ATTRIBUTE=VALUE of all fixtures or FIXTURE:ATTRIBUTE=VALUE of one; many times");
-  arguments.option("--work-light", options->work_light_lx, -1, 1e6,
+  arguments.option("--work-light", options->work_light_lx, 0, 1e6,
                    "lx on every surface on top of the rig's; 150 where nothing drives the rig, else 0");
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this");
   arguments.flag("--json", options->json, "one JSON object a picture");
