@@ -15,7 +15,9 @@ const PassEntry kSurfacesPass{
                                            {FL_SPEC_BODIES, has_bodies(needs, settings)},
                                            {FL_SPEC_BLADES, needs.blades},
           {FL_SPEC_FOCUS, needs.focus},
-          {FL_SPEC_ANIMATION, needs.animation}};
+          {FL_SPEC_ANIMATION, needs.animation},
+          {FL_SPEC_MEASURED, needs.measured},
+          {FL_SPEC_RECTANGLE, needs.rectangle}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kSurfacesComp,

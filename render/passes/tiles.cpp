@@ -11,7 +11,9 @@ const PassEntry kTilesPass{"tiles",
                            [](const fixtures::Needs& needs, const FrameSettings& settings) {
                              return needs.fixtures && (needs.haze || has_solids(needs, settings));
                            },
-                           [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
+                           [](const fixtures::Needs& needs, const FrameSettings&) {
+                             return std::vector<vk::SpecConstant>{{FL_SPEC_RECTANGLE, needs.rectangle}};
+                           },
                            [](const PassContext& context) {
                              return make_compute_pass(
                                  context, kTilesComp,

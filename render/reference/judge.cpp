@@ -4,12 +4,15 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <memory>
 #include <numbers>
 #include <thread>
 #include <utility>
 
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 
+#include "fixtures/photometry/table.h"
 #include "sim/core/check.h"
 #include "sim/shared/shared.h"
 
@@ -168,6 +171,36 @@ double profile(double rho_square, double m) {
   return m < 1 ? std::pow(1 - rho_square, 1 / m) : 1 - std::pow(rho_square, m);
 }
 
+// The same where the beam is a rectangle: between four planes, which all pass through one point.
+bool lit_in_rectangle(const JudgeBeam& beam, const LightRay& r, double t_min_m, double t_max_m, Wide& base, Wide& from,
+                      Wide& to) {
+  Wide low = t_min_m;
+  Wide high = t_max_m;
+  // What has a + b t >= 0 stays.
+  const auto keep = [&](Wide a, Wide b) {
+    if (b == 0) {
+      if (a < 0) high = low;
+    } else if (b > 0) {
+      low = std::max(low, -a / b);
+    } else {
+      high = std::min(high, -a / b);
+    }
+  };
+  keep(r.oz, r.dz);
+  keep(beam.range_m - r.oz, -r.dz);
+  const Wide w = beam.lens_radius_m + beam.spread * r.oz;
+  const Wide slope = beam.spread * r.dz;
+  for (const int sign : {1, -1}) {
+    keep(w - sign * r.ox, slope - sign * r.dx);
+    keep(w / beam.aspect - sign * r.oy, slope / beam.aspect - sign * r.dy);
+  }
+  if (!(high > low) || !std::isfinite(high)) return false;
+  base = std::clamp(-(r.ox * r.dx + r.oy * r.dy + r.oz * r.dz), low, high);
+  from = low - base;
+  to = high - base;
+  return true;
+}
+
 bool has_gobo(const JudgeBeam& beam) {
   return beam.wheels[0].image > 0 || beam.wheels[1].image > 0 || beam.animation > 0 || beam.wheels[0].offset != 0 ||
          beam.wheels[1].offset != 0;
@@ -243,7 +276,15 @@ LightAt light_at(const JudgeBeam& beam, const GoboTransmission& gobo, const glm:
   light.distance_m = z * std::sqrt(stretch);
   light.rho = {x, y};
   light.z_m = z;
-  light.illuminance = profile(x * x + y * y, beam.profile_m) / (w * w * stretch);
+  double share = 0;
+  if (beam.measured) {
+    share = x * x + y * y < 1 ? beam.measured(x * beam.measured_spread, y * beam.measured_spread) : 0;
+  } else if (beam.aspect > 0) {
+    share = profile(x * x, beam.profile_m) * profile(y * y * beam.aspect * beam.aspect, beam.profile_m);
+  } else {
+    share = profile(x * x + y * y, beam.profile_m);
+  }
+  light.illuminance = share / (w * w * stretch);
   if (light.illuminance > 0) light.illuminance *= gobo_share(beam, gobo, x, y, z);
   return light;
 }
@@ -301,7 +342,8 @@ double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& r
   Wide base = 0;
   Wide from = 0;
   Wide to = 0;
-  if (!lit_interval(beam, light, t_min_m, t_max_m, base, from, to)) return 0;
+  const auto interval = beam.aspect > 0 ? lit_in_rectangle : lit_interval;
+  if (!interval(beam, light, t_min_m, t_max_m, base, from, to)) return 0;
 
   // Relative to the base, which is far away where the camera is.
   const auto base_m = static_cast<double>(base);
@@ -332,7 +374,7 @@ double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& r
   const double w_slope = beam.spread * static_cast<double>(light.dz);
   const double w_from = w_base + from_m * w_slope;
   const double w_to = w_base + to_m * w_slope;
-  const int parts = refinement * (has_gobo(beam) && gobo ? 48 : beam.edges.empty() ? 4 : 16);
+  const int parts = refinement * (has_gobo(beam) && gobo ? 48 : beam.measured ? 32 : beam.edges.empty() ? 4 : 16);
   for (int i = 1; i < parts; ++i) {
     const double x = static_cast<double>(i) / parts;
     cut(from_m + (to_m - from_m) * x * w_from / (w_to + x * (w_from - w_to)));
@@ -349,8 +391,60 @@ double judge_flux_factor(double spread, double profile_m) {
   return std::numbers::pi * integrate(f, {0.0, 1.0}, 1e-14);
 }
 
+double judge_rectangle_factor(double spread, double profile_m, double aspect) {
+  const auto over_x = [&](double x) {
+    const auto over_y = [&](double y) {
+      return profile(x * x, profile_m) * profile(y * y, profile_m) *
+             std::pow(1 + spread * spread * (x * x + y * y / (aspect * aspect)), -1.5);
+    };
+    return integrate(over_y, {0.0, 1.0}, 1e-12);
+  };
+  return 4 / aspect * integrate(over_x, {0.0, 1.0}, 1e-12);
+}
+
+namespace {
+
+// Where a measured beam's peak and edge are, in the file's own candela.
+struct MeasuredBeam {
+  fixtures::Photometry photometry;
+  fixtures::Side side = fixtures::Side::kFront;
+  fixtures::MeasuredTable table;
+};
+
+// Flux over J0 at a spread, by midpoints.
+double measured_factor(const JudgeBeam& beam, double spread) {
+  constexpr int kRings = 600;
+  constexpr int kTurns = 360;
+  double sum = 0;
+  for (int i = 0; i < kRings; ++i) {
+    const double rho = (i + 0.5) / kRings;
+    const double weight = rho * std::pow(1 + spread * spread * rho * rho, -1.5);
+    for (int a = 0; a < kTurns; ++a) {
+      const double turn = (a + 0.5) * 2 * std::numbers::pi / kTurns;
+      sum += weight *
+             beam.measured(rho * beam.measured_spread * std::cos(turn), rho * beam.measured_spread * std::sin(turn));
+    }
+  }
+  return sum * 2 * std::numbers::pi / kRings / kTurns;
+}
+
+std::shared_ptr<const MeasuredBeam> measured_beam(const fixtures::Rig& rig, const fixtures::TypeSource& source) {
+  const fixtures::FixtureType& type = rig.types[static_cast<std::size_t>(source.type)];
+  const fixtures::Mode& mode = type.modes[static_cast<std::size_t>(source.mode)];
+  const int index = mode.geometries[static_cast<std::size_t>(source.geometry)].beam;
+  const fixtures::Beam& beam = type.beams[static_cast<std::size_t>(index)];
+  auto photometry = fixtures::read_photometry_file(type.files, beam.photometry);
+  FL_CHECK(photometry.has_value());  // the rig was compiled
+  const auto side = beam.photometry_back ? fixtures::Side::kBack : fixtures::Side::kFront;
+  fixtures::MeasuredTable table = fixtures::measured_table(*photometry, side);
+  return std::make_shared<const MeasuredBeam>(MeasuredBeam{std::move(*photometry), side, std::move(table)});
+}
+
+}  // namespace
+
 JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, GoboTransmission gobo) {
   JudgeScene scene;
+  std::map<uint, std::shared_ptr<const MeasuredBeam>> measured;
   scene.boxes = rig.boxes;
   scene.haze = rig.haze;
   scene.ambient_lx = rig.ambient_lx;
@@ -385,7 +479,25 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
                       static_cast<double>(f64::kFrostAdds) * optics.frost;
       }
     }
-    beam.strength_lm = flux_lm * colour / judge_flux_factor(beam.spread, beam.profile_m);
+    if (type.measured != 0) {
+      auto& known = measured[row.type];
+      if (known == nullptr) known = measured_beam(rig, walker.rig.sources[row.type]);
+      beam.measured = [shape = known](double x, double y) {
+        return fixtures::beam_candela(shape->photometry, shape->side, x, y) / shape->table.peak_cd;
+      };
+      beam.measured_spread = std::tan(known->table.half_angle_rad);
+      // Candela as the file has them; where a zoom has them otherwise, the same lumens.
+      const double as_measured = beam.measured_spread * beam.measured_spread * known->table.peak_cd;
+      const bool zoomed = std::abs(beam.spread / beam.measured_spread - 1) > 1e-6;
+      const double same_lumens =
+          zoomed ? measured_factor(beam, beam.measured_spread) / measured_factor(beam, beam.spread) : 1;
+      beam.strength_lm = colour * as_measured * same_lumens;
+    } else if (type.aspect > 0) {
+      beam.aspect = static_cast<double>(type.aspect);
+      beam.strength_lm = flux_lm * colour / judge_rectangle_factor(beam.spread, beam.profile_m, beam.aspect);
+    } else {
+      beam.strength_lm = flux_lm * colour / judge_flux_factor(beam.spread, beam.profile_m);
+    }
     if (!shaped) {
       scene.beams.push_back(beam);
       continue;

@@ -36,6 +36,9 @@ struct JudgeWheel {
   double sin = 0;
 };
 
+// Intensity over the peak towards (x, y, 1) of a beam's light space.
+using MeasuredShare = std::function<double(double x, double y)>;
+
 // One beam in stage space; metres. The axes are unit, right-handed: x cross y = axis.
 struct JudgeBeam {
   glm::dvec3 lens_m{0};
@@ -54,6 +57,10 @@ struct JudgeBeam {
   double gobo_scale = 1;        // share of the images' radius that the beam shows
   double blur = 0;              // of images, by frost: radius in beam radii
   double focus_per_m = -1;      // below 0: images are sharp everywhere
+  double aspect = 0;              // width over height of a rectangle; then lens radius and k are those of its half
+                                  // width, and f is the product of two, of x and of y. 0: round
+  MeasuredShare measured;         // instead of f, where rho = 1 is at measured_spread
+  double measured_spread = 0;
   std::vector<glm::dvec3> edges;  // of blades: what has x X + y Y <= z passes
 };
 
@@ -69,6 +76,7 @@ struct JudgeScene {
 
 // The scene of a rig as the walker's states have it, with all that shapes its beams; the facets of a prism are beams of
 // their own. The walker is not stepped; it is taken by reference since the shared functions are its members. What
+// A measured beam has its file's own candela, read again and not from the compiled table. What
 // frost, blades, focus and wheels between two slots mean is written in render/shaders/shared/optics.h for both; a blur
 // is the mean over a disc, of 64 points here.
 [[nodiscard]] JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker,
@@ -76,6 +84,8 @@ struct JudgeScene {
 
 // Integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc by adaptive quadrature: flux in lumens over J0.
 [[nodiscard]] double judge_flux_factor(double spread, double profile_m);
+// The same over a rectangle: twice as wide as the lens, that over `aspect` high.
+[[nodiscard]] double judge_rectangle_factor(double spread, double profile_m, double aspect);
 
 struct Ray {
   glm::dvec3 origin_m{0};

@@ -11,6 +11,7 @@
 #define FL_MASKS_ACCESS readonly
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/gobo.glsl"
+#include "render/shaders/lib/forms.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
 #include "render/shaders/lib/tile_test.glsl"
@@ -61,12 +62,16 @@ void main() {
         float degree = max(beam.profile_m, 1.0 / beam.profile_m);
         nodes = min(nodes + (degree > 2.5 ? 1u : 0u) + (degree > 3.5 ? 1u : 0u), 8u);
       }
+      bool measured = kMeasured && row.measured != 0u;
+      // A rectangle's profile is the product of two.
+      if (kRectangle && row.squeeze > 0.0) nodes = min(kNodes + 5u, 8u);
       gobo_begin(row);
       bool gobo = has_gobo(row);
       for (int i = 0; i < FL_ROWS; ++i) {
         vec3 ray = to_light(row, d[i]);
         Chord chord;
         bool seen = beam_chord(beam, row.eye.xyz, ray, 0.0, t_max_m[i], chord);
+        if (kRectangle && row.squeeze > 0.0 && seen) seen = chord_in_rectangle(chord);
         if (kBlades && row.blades != 0u && seen) {
           for (int e = 0; e < 4; ++e) {
             seen = chord_cut(chord, blades[index].edge[e].xy, blades[index].edge[e].z) && seen;
@@ -83,6 +88,8 @@ void main() {
                         : chord_inscatter_gobo(beam, medium, chord, ray, kGoboTaps, kExtinction, row.gobo, as_it_is);
           } else if (kMethod == uint(FL_METHOD_MARCH)) {
             value = vec3(chord_inscatter_march(beam, medium, chord, ray, kNodes, kExtinction));
+          } else if (measured) {
+            value = vec3(chord_inscatter_measured(beam, medium, chord, ray, kNodes, kExtinction));
           } else {
             value = vec3(chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction));
           }

@@ -24,9 +24,12 @@ layout(set = 0, binding = FL_BINDING_OPTICS_STATES, std430) readonly buffer Opti
 layout(set = 0, binding = FL_BINDING_BLADES, std430) writeonly buffer BladesBuffer { BladesRow blades[]; };
 
 #include "render/shaders/lib/lit.glsl"
+#include "render/shaders/lib/forms.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
 #include "render/shaders/shared/optics.h"
+
+const float kSquareRadius = 1.4142135623730951;  // of the circle round a square, over half its side
 
 shared uint beams_before;
 shared uint lit_before;
@@ -60,8 +63,8 @@ void write_beams(uint index, uint first) {
   beam.animation = 0u;
   beam.animation_cos = 1.0;
   beam.animation_sin = 0.0;
-  beam.pad = 0u;
-  beam.pad_1 = 0u;
+  beam.measured = kMeasured ? type.measured : 0u;
+  beam.squeeze = kRectangle && type.aspect > 0.0 ? 1.0 / (type.aspect * type.aspect) : 0.0;
   beam.head = index;
   float lens_radius_m = type.lens_radius_m;
   OpticsState optics;
@@ -76,7 +79,19 @@ void write_beams(uint index, uint first) {
       beam.gobo_blur = kFrostBlur * optics.frost;
     }
   }
-  float j0 = type.flux_lm / beam_flux_factor(spread, profile_m);
+  if (beam.squeeze > 0.0) {  // the round beam through the corners of the square
+    lens_radius_m *= kSquareRadius;
+    spread *= kSquareRadius;
+  }
+  float flux_factor;
+  if (beam.measured != 0u) {
+    flux_factor = measured_flux_factor(beam.measured, spread);
+  } else if (beam.squeeze > 0.0) {
+    flux_factor = rectangle_flux_factor(spread, profile_m, beam.squeeze);
+  } else {
+    flux_factor = beam_flux_factor(spread, profile_m);
+  }
+  float j0 = type.flux_lm / flux_factor;
   if (shaped) {
     beam.gobo = optics.image_1;
     beam.gobo_cos = cos(optics.angle_1);
@@ -116,7 +131,8 @@ void write_beams(uint index, uint first) {
       float c = cos(optics.prism_angle);
       float s = sin(optics.prism_angle);
       vec2 at = vec2(c * facet.x - s * facet.y, s * facet.x + c * facet.y);
-      axis = normalize(pose.axis + spread * (at.x * pose.x_axis + at.y * pose.y_axis));
+      float step = beam.squeeze > 0.0 ? spread / kSquareRadius : spread;
+      axis = normalize(pose.axis + step * (at.x * pose.x_axis + at.y * pose.y_axis));
       x_axis = normalize(pose.x_axis - axis * dot(axis, pose.x_axis));
       y_axis = cross(axis, x_axis);
       if (dot(y_axis, pose.y_axis) < 0.0) y_axis = -y_axis;
@@ -125,6 +141,7 @@ void write_beams(uint index, uint first) {
     }
     vec3 eye = params.position.xyz - pose.lens_m;
     beam.x_axis = vec4(x_axis, lens_radius_m);
+    if (beam.squeeze > 0.0) y_axis *= type.aspect;
     beam.y_axis = vec4(y_axis, facet_spread);
     beam.axis = vec4(axis, params.up.w);
     beam.eye = vec4(dot(x_axis, eye), dot(y_axis, eye), dot(axis, eye), profile_m);

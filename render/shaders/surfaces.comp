@@ -14,9 +14,11 @@
 #define FL_MASKS_ACCESS readonly
 #define FL_USE_HEADS
 #define FL_STATES_ACCESS readonly
+#define FL_USE_POSE
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/surface.glsl"
 #include "render/shaders/lib/gobo.glsl"
+#include "render/shaders/lib/forms.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
 #include "render/shaders/lib/tile_test.glsl"
@@ -59,6 +61,11 @@ bool tile_touches(BeamRow row) {
   vec3 p = row.eye.xyz + to_light(row, 0.5 * (low + high));
   float radius = 0.5001 * length(high - low) + 1e-4;
   float spread = row.y_axis.w;
+  if (kRectangle && row.squeeze > 0.0) {
+    float stretched = radius * max(1.0, inversesqrt(row.squeeze));
+    return p.z > -radius && p.z < row.axis.w + radius &&
+           length(p.xy) < row.x_axis.w + spread * max(p.z, 0.0) + stretched + radius * spread;
+  }
   return p.z > -radius && p.z < row.axis.w + radius &&
          length(p.xy) < row.x_axis.w + spread * max(p.z, 0.0) + radius * sqrt(1.0 + spread * spread);
 }
@@ -84,6 +91,26 @@ vec3 lens_radiance(uint index, vec3 unit_ray, vec3 normal) {
   float facing = dot(normal, -unit_ray);
   if (!(facing > 0.0)) return vec3(0.0);
   float spread = max(tan(state.zoom), 1e-3);
+  if ((kRectangle && type.aspect > 0.0) || (kMeasured && type.measured != 0u)) {
+    BeamPose pose = beam_pose(heads[index], type, state);
+    bool rectangle = type.aspect > 0.0;
+    float square = rectangle ? sqrt(2.0) : 1.0;
+    BeamShape beam;
+    beam.spread = spread * square;
+    beam.profile_m = type.profile_m;
+    beam.squeeze = rectangle ? 1.0 / (type.aspect * type.aspect) : 0.0;
+    beam.measured = kMeasured ? type.measured : 0u;
+    float factor = rectangle ? rectangle_flux_factor(beam.spread, beam.profile_m, beam.squeeze)
+                             : measured_flux_factor(beam.measured, beam.spread);
+    if (rectangle) area_m2 = 4.0 * type.lens_radius_m * type.lens_radius_m / type.aspect;
+    float z = -dot(pose.axis, unit_ray);
+    vec2 at = -vec2(dot(pose.x_axis, unit_ray), (rectangle ? type.aspect : 1.0) * dot(pose.y_axis, unit_ray)) /
+              (max(z, 1e-6) * beam.spread);
+    bool inside = z > 0.0 && (rectangle ? max(abs(at.x), abs(at.y)) < sqrt(0.5) : dot(at, at) < 1.0);
+    float share = inside ? beam_value(beam, at, dot(at, at)) : 0.0;
+    return color * (type.flux_lm * share / (factor * beam.spread * beam.spread * area_m2 * facing) +
+                    type.glow_lm / (kPi * area_m2));
+  }
   float rho = sqrt(max(1.0 - facing * facing, 0.0)) / (facing * spread);
   float flux_factor = beam_flux_factor(spread, type.profile_m);
   float intensity = beam_profile(rho * rho, type.profile_m) / (flux_factor * spread * spread);

@@ -9,6 +9,8 @@
 #define FL_USE_MASKS
 #define FL_MASKS_ACCESS writeonly
 #include "render/shaders/lib/frame.glsl"
+layout(constant_id = FL_SPEC_RECTANGLE) const bool kRectangle = false;
+#define FL_NEED_RECTANGLE kRectangle
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
 #include "render/shaders/lib/tile_test.glsl"

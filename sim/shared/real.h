@@ -20,6 +20,7 @@
 #define FL_EXACT
 #define FL_LIST_BEGIN(T, n) {
 #define FL_LIST_END }
+#define FL_ATAN2(y, x) std::atan2(y, x)
 #else
 #define FL_FN
 #define FL_INLINE
@@ -29,6 +30,7 @@
 #define FL_EXACT precise
 #define FL_LIST_BEGIN(T, n) T[n](
 #define FL_LIST_END )
+#define FL_ATAN2(y, x) atan(y, x)
 #define Real float
 #define Vec2 vec2
 #define Vec3 vec3

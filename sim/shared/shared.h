@@ -14,6 +14,7 @@
   using uint = std::uint32_t; \
   using Turns = glm::uvec2;   \
   using glm::abs;             \
+  using glm::ceil;            \
   using glm::clamp;           \
   using glm::cross;           \
   using glm::dot;             \
@@ -25,6 +26,7 @@
   using glm::normalize;       \
   using glm::sqrt;            \
   using std::acos;            \
+  using std::atan;            \
   using std::cos;             \
   using std::exp;             \
   using std::exp2;            \

@@ -117,6 +117,58 @@ TEST_CASE("whatever shapes a beam is drawn as the judge has it") {
   }
 }
 
+TEST_CASE("measured beams are drawn as the judge finds them in the file's own candela") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  struct Case {
+    const char* what;
+    double away_deg;
+    double width_deg;
+    bool zoomed;        // the lamp with a zoom alone
+    double rel_l2_max;  // twice what lavapipe gave
+  };
+  for (const Case& each :
+       {Case{"flood, brightest at 40 degrees", 40, 50, false, 1e-4}, Case{"spot with spill", 0, 12, false, 3e-4},
+        Case{"spot beside the axis", 20, 10, false, 2e-4}, Case{"flood with a zoom", 40, 50, true, 2e-3}}) {
+    CAPTURE(each.what);
+    Scene scene = measured_scene(each.away_deg, each.width_deg);
+    CHECK(scene.compiled.needs.measured);
+    dim_lamps(scene, {!each.zoomed, each.zoomed});
+    CHECK(against_judge(vulkan.device(), scene, judged_settings(48, 27), each.what, 1e-3).rel_l2 < each.rel_l2_max);
+    scene.rig.haze.scattering_per_m = scene.rig.haze.absorption_per_m = 0;
+    const auto levels = scene.levels;
+    scene.compile();
+    scene.levels = levels;
+    CHECK(against_judge(vulkan.device(), scene, judged_settings(48, 27), "on surfaces alone", 1e-3).rel_l2 <
+          each.rel_l2_max);
+  }
+}
+
+TEST_CASE("rectangular beams are drawn as the judge has them") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  struct Case {
+    const char* what;
+    double aspect;
+    double beam_deg;
+    int profile_m;
+    std::vector<std::pair<const char*, double>> values;
+    double rel_l2_max;  // twice what lavapipe gave
+  };
+  for (const Case& each : {Case{"16 by 9", 16.0 / 9, 25, 0, {}, 3e-6},
+                           Case{"a sheet of light", 14, 25, 0, {}, 3e-6},
+                           Case{"upright", 0.5, 40, 2, {}, 3e-6},
+                           Case{"square, frost", 1, 20, 4, {{"Frost1", 0.5}}, 3e-6},
+                           Case{"iris", 2, 25, 1, {{"Iris", 0.5}}, 3e-6},
+                           Case{"prism", 3, 20, 4, {{"Prism1", 2}}, 3e-6}}) {
+    CAPTURE(each.what);
+    Scene scene = rectangle_scene(each.aspect, each.beam_deg, each.profile_m);
+    CHECK(scene.compiled.needs.rectangle);
+    for (const auto& [attribute, value] : each.values) scene.set(0, attribute, value);
+    CHECK(against_judge(vulkan.device(), scene, judged_settings(48, 27), each.what, 1e-3).rel_l2 < each.rel_l2_max);
+  }
+}
+
 TEST_CASE("light on boxes agrees with the judge where the air is clear") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

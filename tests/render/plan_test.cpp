@@ -38,7 +38,7 @@ Needs demo_needs() {
   needs.color = true;
   needs.blades = true;
   for (bool Needs::* need : {&Needs::flex, &Needs::smooth, &Needs::tungsten, &Needs::led, &Needs::discharge,
-                             &Needs::dowser}) {
+                             &Needs::dowser, &Needs::measured, &Needs::rectangle}) {
     CHECK_FALSE(needs.*need);
     needs.*need = true;
   }
@@ -79,16 +79,21 @@ TEST_CASE("the demo rig with all that it lacks needs every pass, with every bran
                       {FL_SPEC_LED, 1},
                       {FL_SPEC_DISCHARGE, 1},
                       {FL_SPEC_DOWSER, 1}}},
-                    {"gather", {{FL_SPEC_OPTICS, 1}, {FL_SPEC_BLADES, 1}}},
+                    {"gather",
+                     {{FL_SPEC_OPTICS, 1}, {FL_SPEC_BLADES, 1}, {FL_SPEC_MEASURED, 1}, {FL_SPEC_RECTANGLE, 1}}},
                     {"bodies", {}},
-                    {"tiles", {}},
+                    {"tiles", {{FL_SPEC_RECTANGLE, 1}}},
                     {"surfaces",
                      {{FL_SPEC_GOBO, 1},
                       {FL_SPEC_EXTINCTION, 1},
                       {FL_SPEC_PROFILE, 1},
                       {FL_SPEC_BOXES, 1},
                       {FL_SPEC_BODIES, 1},
-                      {FL_SPEC_BLADES, 1}, {FL_SPEC_FOCUS, 1}, {FL_SPEC_ANIMATION, 1}}},
+                      {FL_SPEC_BLADES, 1},
+                      {FL_SPEC_FOCUS, 1},
+                      {FL_SPEC_ANIMATION, 1},
+                      {FL_SPEC_MEASURED, 1},
+                      {FL_SPEC_RECTANGLE, 1}}},
                     {"beams",
                      {{FL_SPEC_GOBO, 1},
                       {FL_SPEC_EXTINCTION, 1},
@@ -98,7 +103,11 @@ TEST_CASE("the demo rig with all that it lacks needs every pass, with every bran
                       {FL_SPEC_GOBO_TAPS, settings.gobo_taps},
                       {FL_SPEC_BOXES, 1},
                       {FL_SPEC_BODIES, 1},
-                      {FL_SPEC_BLADES, 1}, {FL_SPEC_FOCUS, 1}, {FL_SPEC_ANIMATION, 1}}},
+                      {FL_SPEC_BLADES, 1},
+                      {FL_SPEC_FOCUS, 1},
+                      {FL_SPEC_ANIMATION, 1},
+                      {FL_SPEC_MEASURED, 1},
+                      {FL_SPEC_RECTANGLE, 1}}},
                     {"tonemap", {}}});
   CHECK(left_out_passes(demo_needs(), settings).empty());
 }
@@ -141,6 +150,8 @@ TEST_CASE("each need that goes takes its branches or its passes with it") {
                         Case{"dowser", &Needs::dowser, {}, FL_SPEC_DOWSER},
                         Case{"focus", &Needs::focus, {}, FL_SPEC_FOCUS},
                         Case{"animation", &Needs::animation, {}, FL_SPEC_ANIMATION},
+                        Case{"measured", &Needs::measured, {}, FL_SPEC_MEASURED},
+                        Case{"rectangle", &Needs::rectangle, {}, FL_SPEC_RECTANGLE},
                         Case{"extinction", &Needs::extinction, {}, FL_SPEC_EXTINCTION},
                         Case{"profile", &Needs::profile, {}, FL_SPEC_PROFILE},
                         Case{"surfaces", &Needs::surfaces, {}, FL_SPEC_BOXES},

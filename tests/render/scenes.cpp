@@ -1,9 +1,13 @@
 #include "tests/render/scenes.h"
 
 #include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
 
 #include "fixtures/builtin/builtin.h"
 #include "fixtures/encode.h"
+#include "fixtures/photometry/attach.h"
 
 namespace footlight::render::testing {
 namespace {
@@ -275,6 +279,76 @@ Scene optics_scene(bool with_focus) {
   scene.rig.fixtures.push_back(lamp);
   scene.compile();
   scene.set(0, "Zoom", 24);
+  return scene;
+}
+
+std::string flood_ies(double away_deg, double width_deg) {
+  constexpr double kRad = std::numbers::pi / 180;
+  std::string text = "IESNA:LM-63-2002\n[LUMINAIRE] Flood\nTILT=NONE\n1 -1 1 19 13 1 2 0 0 0\n1 1 100\n";
+  for (int polar = 0; polar <= 90; polar += 5) text += fmt::format("{} ", polar);
+  text += "\n";
+  for (int around = 0; around <= 360; around += 30) text += fmt::format("{} ", around);
+  text += "\n";
+  for (int around = 0; around <= 360; around += 30) {
+    for (int polar = 0; polar <= 90; polar += 5) {
+      const double up = std::sin(polar * kRad) * std::sin(around * kRad);
+      const double along = std::cos(polar * kRad);
+      const double cosine = up * std::sin(away_deg * kRad) + along * std::cos(away_deg * kRad);
+      const double off = std::acos(std::clamp(cosine, -1.0, 1.0)) / (width_deg * kRad / 2);
+      text += fmt::format("{:.2f} ", 20'000 * (std::exp(-off * off) + 0.05 * along));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+Scene measured_scene(double away_deg, double width_deg) {
+  Scene scene;
+  scene.rig.name = "measured";
+  scene.rig.haze = {0.02, 0.001, 0.4, 30};
+  scene.rig.ambient_lx = 0;
+  FixtureType type = lamp_type(0.1, 1);
+  type.id = "test/flood";
+  const std::string text = flood_ies(away_deg, width_deg);
+  const auto* first = reinterpret_cast<const std::byte*>(text.data());
+  Diagnostics diagnostics;
+  must(attach_photometry(type, "flood.ies", {first, first + text.size()}, diagnostics));
+  FixtureType fixed = type;
+  fixed.id = "test/flood-fixed";
+  fixed.modes[0].channels.pop_back();  // the zoom
+  REQUIRE(problems(type).empty());
+  scene.rig.types = {fixed, type};
+  scene.rig.boxes = {{"wall", {-6, 4, 0}, {6, 4.2, 6}, glm::dvec3(0.5)},
+                     {"floor", {-6, -6, -0.2}, {6, 4, 0}, glm::dvec3(0.2)}};
+  scene.rig.cameras.push_back({"side", {4, -5, 2.5}, {0, 3, 2}, 60, 6});
+  for (int i = 0; i < 2; ++i) {
+    PatchedFixture lamp;
+    lamp.name = fmt::format("Flood {}", i + 1);
+    lamp.type = i;
+    lamp.address = 1 + kLampSlots * i;
+    lamp.position_m = {4.0 * i - 2, 0, 3};
+    lamp.rotation_deg = {90, 35.0 * i, 0};
+    scene.rig.fixtures.push_back(lamp);
+  }
+  scene.compile();
+  scene.set(1, "ColorAdd_G", 0.5);
+  scene.set(1, "Zoom", 50);
+  return scene;
+}
+
+Scene rectangle_scene(double aspect, double beam_deg, int profile_m) {
+  Scene scene = optics_scene(false);
+  Beam& beam = scene.rig.types[0].beams[0];
+  beam.type = BeamType::kRectangle;
+  beam.rectangle_ratio = aspect;
+  beam.beam_angle_deg = beam_deg;
+  beam.field_angle_deg = beam_deg;
+  beam.profile_m = profile_m;
+  Mode& mode = scene.rig.types[0].modes[0];
+  std::erase_if(mode.channels, [](const Channel& each) {
+    return each.functions[0].attribute == "Zoom" || each.functions[0].attribute.starts_with("Blade");
+  });
+  scene.compile();
   return scene;
 }
 

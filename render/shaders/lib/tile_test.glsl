@@ -9,6 +9,8 @@ BeamShape beam_shape(BeamRow row) {
   beam.spread = row.y_axis.w;
   beam.range_m = row.axis.w;
   beam.profile_m = row.eye.w;
+  beam.squeeze = row.squeeze;
+  beam.measured = row.measured;
   return beam;
 }
 
@@ -52,5 +54,7 @@ bool beam_touches(BeamRow row, vec2 low, vec2 high) {
   if (beam_extent(beam, eye, side_1 * inwards) < 0.0) return false;
   if (beam_extent(beam, eye, side_2 * inwards) < 0.0) return false;
   if (beam_extent(beam, eye, side_3 * inwards) < 0.0) return false;
-  return beam_extent(beam, eye, to_light(row, params.forward.xyz)) >= 0.0;
+  vec3 forward = to_light(row, params.forward.xyz);
+  if (FL_NEED_RECTANGLE && beam.squeeze > 0.0) forward.y *= beam.squeeze;  // as a plane's normal in stretched space
+  return beam_extent(beam, eye, forward) >= 0.0;
 }

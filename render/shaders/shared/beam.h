@@ -11,15 +11,29 @@
 // integral). The form (tb - ta) / (wa wb) x mean over s has no singularity: not at the lens, not along the axis, not
 // for a cylinder.
 //
+// A rectangular beam is a square in a light space whose y is stretched by width over height, inscribed in the round
+// beam of R0 and k: |x|, |y| <= sqrt(1/2) of rho. Straight lines stay straight, so all of this holds for it; only
+// lengths and angles need what `squeeze` says. Its profile is the product of two, f(2 x^2) f(2 y^2).
+//
+// A measured beam has f from a table (fixtures/shared/measured.h), by the tangent of the angle: I = J0 / k^2 f.
+//
 // Error and cost of each method: docs/numerics.md, printed by `footlight report`. Range: half angles up to 75 degrees.
+// What a picture does not need the including file leaves out: FL_NEED_RECTANGLE, a constant, true where it is not
+// defined; FL_MEASURED where measured.h is there, with FL_NEED_MEASURED.
 // Where gobos are used the including file provides Vec3 gobo_at(uint gobo, Vec2 rho, Real z_m), what they let through
 // of red, green and blue at a place in the gate, z_m from the lens, and defines FL_GOBO.
+
+#ifndef FL_NEED_RECTANGLE
+#define FL_NEED_RECTANGLE true
+#endif
 
 struct BeamShape {
   Real lens_radius_m;  // R0 > 0
   Real spread;         // k = tan(half angle) >= 0
   Real range_m;        // the light ends at this z
   Real profile_m;      // m: 1/4, 1/3, 1/2, 1, 2, 3 or 4
+  Real squeeze;           // 0: round; of a rectangle: height over width, squared
+  uint measured;       // 0: it has a profile; else its table
 };
 
 struct Medium {
@@ -53,6 +67,42 @@ FL_FN Real beam_flux_factor(Real spread, Real profile_m) {
   return total * Real(3.141592653589793);
 }
 
+// The same of a rectangle, 8 x 8 nodes over a quarter of it.
+FL_FN Real rectangle_flux_factor(Real spread, Real profile_m, Real squeeze) {
+  Real total = Real(0);
+  for (uint i = uint(0); i < uint(8); ++i) {
+    Real x = kGaussNode[uint(28) + i] * kGaussNode[uint(28) + i];
+    for (uint j = uint(0); j < uint(8); ++j) {
+      Real y = kGaussNode[uint(28) + j] * kGaussNode[uint(28) + j];
+      Real u = Real(1) + spread * spread * Real(0.5) * (x + squeeze * y);
+      total += kGaussWeight[uint(28) + i] * kGaussWeight[uint(28) + j] * beam_profile(x, profile_m) *
+               beam_profile(y, profile_m) / (u * sqrt(u));
+    }
+  }
+  // Four quarters of the square, each of a half by a half of rho squared; y is stretched by 1 / sqrt(squeeze).
+  return Real(2) * total * sqrt(squeeze);
+}
+
+// f at a place in the beam; q = |rho|^2.
+FL_FN Real beam_value(BeamShape beam, Vec2 rho, Real q) {
+#ifdef FL_MEASURED
+  if (FL_NEED_MEASURED && beam.measured != uint(0)) return q < Real(1) ? measured_value(beam.measured, rho) : Real(0);
+#endif
+  if (FL_NEED_RECTANGLE && beam.squeeze > Real(0)) {
+    return beam_profile(Real(2) * rho.x * rho.x, beam.profile_m) *
+           beam_profile(Real(2) * rho.y * rho.y, beam.profile_m);
+  }
+  return beam_profile(q, beam.profile_m);
+}
+
+// 1 + k^2 |rho|^2, with true lengths: the square of the slant distance over z.
+FL_FN Real beam_slant_square(BeamShape beam, Vec2 rho, Real q) {
+  if (FL_NEED_RECTANGLE && beam.squeeze > Real(0)) {
+    return Real(1) + beam.spread * beam.spread * (rho.x * rho.x + beam.squeeze * rho.y * rho.y);
+  }
+  return Real(1) + beam.spread * beam.spread * q;
+}
+
 // Henyey-Greenstein for light that travels along a unit direction with cosine mu to the camera ray, 1/sr. The eye sees
 // the scattering angle from the other side: cos(gamma) = -mu.
 FL_FN Real phase_function(Real mu, Real g) {
@@ -67,14 +117,19 @@ FL_FN Real beam_illuminance(BeamShape beam, Vec3 p, FL_OUT(Vec2) rho, FL_OUT(Rea
   Real w = beam.lens_radius_m + beam.spread * p.z;
   rho = Vec2(p.x, p.y) / max(w, Real(1e-9));
   Real q = rho.x * rho.x + rho.y * rho.y;
-  Real u = Real(1) + beam.spread * beam.spread * q;
+  Real u = beam_slant_square(beam, rho, q);
   r_m = p.z * sqrt(u);
   if (!(p.z > Real(0)) || p.z > beam.range_m || !(q < Real(1))) return Real(0);
-  return beam_profile(q, beam.profile_m) / (w * w * u);
+  return beam_value(beam, rho, q) / (w * w * u);
 }
 
-// Unit direction in which the light travels at gobo-plane position rho.
+// Unit direction in which the light travels at gobo-plane position rho. Of a rectangle: what gives the cosine to a
+// direction of its stretched light space as their dot product.
 FL_FN Vec3 beam_direction(BeamShape beam, Vec2 rho) {
+  if (FL_NEED_RECTANGLE && beam.squeeze > Real(0)) {
+    Real root = inversesqrt(beam_slant_square(beam, rho, Real(0)));
+    return Vec3(rho.x * beam.spread * root, beam.squeeze * rho.y * beam.spread * root, root);
+  }
   Real s = inversesqrt(Real(1) + beam.spread * beam.spread * (rho.x * rho.x + rho.y * rho.y));
   return Vec3(rho.x * beam.spread * s, rho.y * beam.spread * s, s);
 }
@@ -116,7 +171,9 @@ FL_FN bool beam_chord(BeamShape beam, Vec3 o, Vec3 d, Real t_min_m, Real t_max_m
   Real t_to = min(t_max_m, max(t_lens, t_end));
   bool hit = t_to > t_from;
 
-  chord.t_base_m = min(max(-dot(o, d), t_from), t_to);
+  Real to_lens = -dot(o, d);
+  if (FL_NEED_RECTANGLE && beam.squeeze > Real(0)) to_lens = -(o.x * d.x + beam.squeeze * o.y * d.y + o.z * d.z);
+  chord.t_base_m = min(max(to_lens, t_from), t_to);
   chord.base = o + d * chord.t_base_m;
   chord.w_base = max(beam.lens_radius_m + beam.spread * chord.base.z, Real(1e-9));
   chord.w_slope = beam.spread * d.z;
@@ -175,16 +232,29 @@ FL_FN void chord_close(FL_INOUT(Chord) chord) {
   chord.w_to = max(chord.w_base + chord.t_to_m * chord.w_slope, Real(1e-9));
 }
 
+// The part of the chord in a rectangle. False: nothing.
+FL_FN bool chord_in_rectangle(FL_INOUT(Chord) chord) {
+  Real half_side = Real(0.7071067811865476);
+  bool seen = chord_cut(chord, Vec2(1, 0), half_side);
+  seen = chord_cut(chord, Vec2(-1, 0), half_side) && seen;
+  seen = chord_cut(chord, Vec2(0, 1), half_side) && seen;
+  seen = chord_cut(chord, Vec2(0, -1), half_side) && seen;
+  chord_close(chord);
+  return seen;
+}
+
 // The smooth part of the integrand at (s, t): profile over (1 + k^2 rho^2), phase function, extinction to the lens and
 // back to the eye.
 FL_FN Real chord_integrand(BeamShape beam, Medium medium, Chord chord, Vec3 d, Real s, Real t_m, bool with_extinction) {
   Real q = chord.offset * chord.offset + s * s;
-  Real u = Real(1) + beam.spread * beam.spread * q;
+  Vec2 rho = Vec2(s * chord.along.x + chord.offset * chord.along.y, s * chord.along.y - chord.offset * chord.along.x);
+  Real u = beam_slant_square(beam, rho, q);
   Real root = inversesqrt(u);
   Real across =
       s * (chord.along.x * d.x + chord.along.y * d.y) + chord.offset * (chord.along.y * d.x - chord.along.x * d.y);
+  if (FL_NEED_RECTANGLE && beam.squeeze > Real(0)) across = rho.x * d.x + beam.squeeze * rho.y * d.y;
   Real mu = (beam.spread * across + d.z) * root;
-  Real value = beam_profile(q, beam.profile_m) * root * root * phase_function(mu, medium.anisotropy);
+  Real value = beam_value(beam, rho, q) * root * root * phase_function(mu, medium.anisotropy);
   if (with_extinction) {
     Real z = max(chord.base.z + t_m * d.z, Real(0));
     value *= exp(-medium.extinction_per_m * (chord.t_base_m + t_m + z * u * root));
@@ -217,6 +287,39 @@ FL_FN Real chord_inscatter_gauss(BeamShape beam, Medium medium, Chord chord, Vec
   }
   return total * chord_measure(chord);
 }
+
+#ifdef FL_MEASURED
+// A measured beam: its table may have a peak anywhere, so the line is cut into pieces that are even in the angle that
+// they have from the lens, as many as the table says, with n nodes each.
+FL_CONST uint kPiecesMax = uint(48);
+FL_FN Real chord_inscatter_measured(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction) {
+  // s = c tan(angle): the line seen from the virtual apex.
+  Real spread = max(beam.spread, Real(1e-4));
+  Real c = sqrt(Real(1) + spread * spread * chord.offset * chord.offset) / spread;
+  Real from_rad = atan(chord.s_from / c);
+  Real to_rad = atan(chord.s_to / c);
+  Real wish = ceil((to_rad - from_rad) * Real(fl_default(beam.measured + kMeasuredPiecesPerRad)));
+  uint pieces = uint(clamp(wish, Real(1), Real(kPiecesMax)));
+  Real total = Real(0);
+  Real from = Real(0);
+  for (uint i = uint(1); i <= pieces; ++i) {
+    Real to = Real(1);
+    if (i < pieces) {
+      Real s = c * tan(from_rad + (to_rad - from_rad) * Real(i) / Real(pieces));
+      to = clamp((s - chord.s_from) / max(chord.s_to - chord.s_from, Real(1e-9)), from, Real(1));
+    }
+    for (uint j = uint(0); j < n; ++j) {
+      Real s;
+      Real t_m;
+      chord_point(chord, from + (to - from) * kGaussNode[gauss_index(n, j)], s, t_m);
+      total += (to - from) * kGaussWeight[gauss_index(n, j)] *
+               chord_integrand(beam, medium, chord, d, s, t_m, with_extinction);
+    }
+    from = to;
+  }
+  return total * chord_measure(chord);
+}
+#endif
 
 // A rival: midpoint march in t with n equal steps over the same lit interval.
 FL_FN Real chord_inscatter_march(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction) {

@@ -68,7 +68,9 @@
 #define FL_SPEC_ANIMATION 19
 #define FL_SPEC_FLEX 20
 #define FL_SPEC_SMOOTH 21
-#define FL_SPEC_COUNT 22
+#define FL_SPEC_MEASURED 22
+#define FL_SPEC_RECTANGLE 23
+#define FL_SPEC_COUNT 24
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -99,6 +101,7 @@ struct FrameParams {
 };
 
 // One lit beam, 160 bytes: a head's, or one facet's of its prism. Light space is camera-relative: eye = camera in it.
+// That of a rectangle is stretched along y until it is a square, which lies in the round beam of R0 and k (beam.h).
 struct BeamRow {
   vec4 x_axis;  // xyz in stage space; w: lens radius R0, m
   vec4 y_axis;  // w: spread k
@@ -123,8 +126,8 @@ struct BeamRow {
   uint animation;     // image; 0: none
   float animation_cos;
   float animation_sin;
-  uint pad;
-  uint pad_1;
+  uint measured;      // as TypeRow::measured
+  float squeeze;         // 0: round; a rectangle's height over its width, squared
 };
 
 // Four edges in the gobo plane: what has n . rho <= d passes. xy: n, unit; z: d.
