@@ -85,5 +85,8 @@ class Image {
 void full_barrier(VkCommandBuffer commands);
 // Moves an image from one layout to another, with a full barrier around it.
 void change_layout(VkCommandBuffer commands, const Image& image, VkImageLayout from, VkImageLayout to);
+// Of an image that is not ours, a window's.
+void change_layout(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
+                   VkImageLayout to);
 
 }  // namespace footlight::render::vk

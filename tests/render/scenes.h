@@ -11,6 +11,7 @@
 
 #include "fixtures/rig.h"
 #include "render/frame.h"
+#include "tests/support/must.h"
 
 namespace footlight::render::testing {
 
@@ -77,14 +78,7 @@ void dim_lamps(Scene& scene, const std::vector<bool>& lit);
 // 64 x 36, no bodies, nothing left out for being dark: what the judge computes.
 [[nodiscard]] FrameSettings judged_settings(int width = 64, int height = 36);
 
-template <class T>
-T must(Result<T> result) {
-  REQUIRE_MESSAGE(result.has_value(), (result ? std::string() : result.error().message));
-  return std::move(*result);
-}
-inline void must(const Status& status) {
-  REQUIRE_MESSAGE(status.has_value(), (status ? std::string() : status.error().message));
-}
+using footlight::testing::must;
 
 [[nodiscard]] std::unique_ptr<Frame> make_frame(vk::Device& device, const Scene& scene, const FrameSettings& settings);
 // The picture of the scene's levels after a step of 0 s.

@@ -52,6 +52,15 @@ Result<Endpoint> parse_port(std::string_view text) {
   return parse_endpoint(text, schemes);
 }
 
+Result<std::vector<Endpoint>> parse_ports(std::span<const std::string> texts) {
+  std::vector<Endpoint> endpoints;
+  for (const std::string& text : texts) {
+    FL_ASSIGN(Endpoint endpoint, parse_port(text));
+    endpoints.push_back(std::move(endpoint));
+  }
+  return endpoints;
+}
+
 PortOpener::PortOpener(Clock& clock)
     : clock_(clock),
       rdm_directory_(std::make_shared<drivers::RdmDirectory>()),

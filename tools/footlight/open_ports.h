@@ -33,6 +33,7 @@ namespace footlight::tools {
 
 // parse_endpoint() with the device schemes of this build.
 [[nodiscard]] Result<Endpoint> parse_port(std::string_view text);
+[[nodiscard]] Result<std::vector<Endpoint>> parse_ports(std::span<const std::string> texts);  // or the first error
 
 // All optional; those that the kind of endpoint has no use for are not looked at.
 struct InOptions {

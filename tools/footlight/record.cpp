@@ -51,11 +51,7 @@ Result<int> record(const Options& options) {
                 "record: expected at least one --in and a file after -o, as in 'footlight record --in sacn:1-9 -o "
                 "show.dmxlog'");
   }
-  std::vector<Endpoint> endpoints;
-  for (const std::string& text : options.ins) {
-    FL_ASSIGN(Endpoint endpoint, parse_port(text));
-    endpoints.push_back(std::move(endpoint));
-  }
+  FL_ASSIGN(const std::vector<Endpoint> endpoints, parse_ports(options.ins));
   StopSignal signal;
   SystemClock clock;
   PortOpener opener(clock);

@@ -30,11 +30,7 @@ Result<int> replay(const Options& options) {
                 "replay: expected one log, or --demo, and at least one --out, as in "
                 "'footlight replay show.dmxlog --out sacn:1-9'");
   }
-  std::vector<Endpoint> endpoints;
-  for (const std::string& text : options.outs) {
-    FL_ASSIGN(Endpoint endpoint, parse_port(text));
-    endpoints.push_back(std::move(endpoint));
-  }
+  FL_ASSIGN(const std::vector<Endpoint> endpoints, parse_ports(options.outs));
   InOptions in;
   in.log_start_ns = options.start_ns;
   in.log_stop_ns = options.stop_ns;

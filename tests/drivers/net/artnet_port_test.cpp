@@ -7,12 +7,15 @@
 #include "drivers/net/artnet_source.h"
 #include "tests/drivers/net/port_helpers.h"
 #include "tests/drivers/net/private_network.h"
+#include "tests/support/must.h"
 
 namespace footlight::drivers {
 namespace {
 
 using testing::enter_private_network;
+using testing::frame_of;
 using testing::KeepingReceiver;
+using testing::must;
 using testing::poll_until;
 using testing::test_levels;
 using testing::universes_from;
@@ -33,19 +36,6 @@ ArtnetSinkOptions sink_options(std::vector<WireUniverse> universes, std::string 
   options.universes = std::move(universes);
   if (!address.empty()) options.addresses = {std::move(address)};
   return options;
-}
-
-template <class T>
-T must(Result<T> result) {
-  REQUIRE_MESSAGE(result.has_value(), (result ? std::string() : result.error().message));
-  return std::move(*result);
-}
-
-FrameView frame_of(int universe, std::span<const std::uint8_t> slots) {
-  FrameView frame;
-  frame.universe = universe;
-  frame.slots = slots;
-  return frame;
 }
 
 void send_to_loopback(const Fd& socket, std::span<const std::uint8_t> bytes) {

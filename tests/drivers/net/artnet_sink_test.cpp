@@ -11,6 +11,7 @@
 #include "drivers/net/bytes.h"
 #include "tests/drivers/net/port_helpers.h"
 #include "tests/drivers/net/private_network.h"
+#include "tests/support/must.h"
 
 namespace footlight::drivers {
 namespace {
@@ -18,6 +19,7 @@ namespace {
 using testing::add_peer;
 using testing::enter_private_network;
 using testing::KeepingReceiver;
+using testing::must;
 using testing::OnPeer;
 using testing::received;
 using testing::send_bytes;
@@ -35,12 +37,6 @@ ArtnetSinkOptions sink_options(std::vector<WireUniverse> universes, std::string 
   options.universes = std::move(universes);
   if (!interface_name.empty()) options.interface_names = {std::move(interface_name)};
   return options;
-}
-
-template <class T>
-T must(Result<T> result) {
-  REQUIRE_MESSAGE(result.has_value(), (result ? std::string() : result.error().message));
-  return std::move(*result);
 }
 
 Bytes reply_of(const char* name, std::vector<int> outputs, std::uint8_t bind_index = 1, std::vector<int> inputs = {}) {

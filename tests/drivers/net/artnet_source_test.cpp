@@ -11,6 +11,7 @@
 #include "drivers/net/bytes.h"
 #include "tests/drivers/net/port_helpers.h"
 #include "tests/drivers/net/private_network.h"
+#include "tests/support/must.h"
 
 namespace footlight::drivers {
 namespace {
@@ -18,6 +19,7 @@ namespace {
 using testing::drain;
 using testing::enter_private_network;
 using testing::KeepingReceiver;
+using testing::must;
 using testing::received;
 using testing::send_bytes;
 using testing::stranger;
@@ -34,12 +36,6 @@ ArtnetSourceOptions source_options(std::vector<WireUniverse> universes) {
   options.kernel_stamps = false;
   options.ask_names = false;
   return options;
-}
-
-template <class T>
-T must(Result<T> result) {
-  REQUIRE_MESSAGE(result.has_value(), (result ? std::string() : result.error().message));
-  return std::move(*result);
 }
 
 void send_dmx(const Fd& from, int universe, std::uint8_t level, std::uint8_t sequence = 0) {

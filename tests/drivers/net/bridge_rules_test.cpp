@@ -20,6 +20,7 @@
 #include "tests/drivers/net/jumping_waiter.h"
 #include "tests/drivers/net/port_helpers.h"
 #include "tests/drivers/net/private_network.h"
+#include "tests/support/must.h"
 
 namespace footlight::drivers {
 namespace {
@@ -28,6 +29,7 @@ using testing::enter_private_network;
 using testing::FakeClock;
 using testing::JumpingWaiter;
 using testing::KeepingReceiver;
+using testing::must;
 using testing::send_bytes;
 using testing::stranger;
 using Bytes = std::vector<std::uint8_t>;
@@ -35,12 +37,6 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr DurationNs kFrameNs = kNsPerS / 44;
 constexpr DurationNs kClaimAgainNs = 900 * kNsPerMs;
 constexpr std::uint32_t kThisMachine = 0x7F00'0001;
-
-template <class T>
-T must(Result<T> result) {
-  REQUIRE_MESSAGE(result.has_value(), (result ? std::string() : result.error().message));
-  return std::move(*result);
-}
 
 // A desk in one universe: repeats its levels at 44 Hz while it talks, and its priorities per address, where it has any,
 // every 0.9 s.

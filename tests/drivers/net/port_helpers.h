@@ -31,6 +31,14 @@ class KeepingReceiver final : public FrameReceiver {
   std::vector<KeptFrame> frames;
 };
 
+// Of sender 0, at the usual priority.
+inline FrameView frame_of(int universe, std::span<const std::uint8_t> slots) {
+  FrameView frame;
+  frame.universe = universe;
+  frame.slots = slots;
+  return frame;
+}
+
 inline TimeNs real_now_ns() {
   timespec now = {};
   clock_gettime(CLOCK_MONOTONIC, &now);

@@ -9,23 +9,19 @@
 #include "tests/drivers/net/port_helpers.h"
 #include "tests/drivers/net/private_network.h"
 #include "tests/drivers/net/tshark.h"
+#include "tests/support/must.h"
 
 namespace footlight::drivers {
 namespace {
 
 using testing::enter_private_network;
 using testing::KeepingReceiver;
+using testing::must;
 using testing::poll_until;
 using testing::test_levels;
 using testing::universes_from;
 
 constexpr TimeNs kStartNs = 1'000 * kNsPerS;
-
-template <class T>
-T must(Result<T> result) {
-  REQUIRE_MESSAGE(result.has_value(), (result ? std::string() : result.error().message));
-  return std::move(*result);
-}
 
 std::unique_ptr<SacnSource> open_source(int universe_count, bool kernel_stamps = false) {
   SacnSourceOptions options;

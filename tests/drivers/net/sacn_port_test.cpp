@@ -12,13 +12,16 @@
 
 #include "tests/drivers/net/port_helpers.h"
 #include "tests/drivers/net/private_network.h"
+#include "tests/support/must.h"
 
 namespace footlight::drivers {
 namespace {
 
 using testing::enter_private_network;
+using testing::frame_of;
 using testing::hears_nothing;
 using testing::KeepingReceiver;
+using testing::must;
 using testing::poll_until;
 using testing::test_levels;
 using testing::universes_from;
@@ -39,19 +42,6 @@ SacnSinkOptions sink_options(std::vector<WireUniverse> universes) {
   options.universes = std::move(universes);
   options.announce = false;  // deadlines are then those of frames alone; sacn_rules_test.cpp has the announcements
   return options;
-}
-
-template <class T>
-T must(Result<T> result) {
-  REQUIRE_MESSAGE(result.has_value(), (result ? std::string() : result.error().message));
-  return std::move(*result);
-}
-
-FrameView frame_of(int universe, std::span<const std::uint8_t> slots) {
-  FrameView frame;
-  frame.universe = universe;
-  frame.slots = slots;
-  return frame;
 }
 
 // Datagrams with levels of its universes that a source has read, those that it heard twice included.

@@ -13,6 +13,7 @@
 #include "tests/drivers/net/jumping_waiter.h"
 #include "tests/drivers/net/port_helpers.h"
 #include "tests/drivers/net/private_network.h"
+#include "tests/support/must.h"
 
 namespace footlight::drivers {
 namespace {
@@ -21,14 +22,9 @@ using testing::enter_private_network;
 using testing::FakeClock;
 using testing::JumpingWaiter;
 using testing::KeepingReceiver;
+using testing::must;
 
 constexpr DurationNs kFrameNs = kNsPerS / 44;
-
-template <class T>
-T must(Result<T> result) {
-  REQUIRE_MESSAGE(result.has_value(), (result ? std::string() : result.error().message));
-  return std::move(*result);
-}
 
 struct Heard {
   TimeNs at_ns = 0;

@@ -7,18 +7,14 @@
 #include <vector>
 
 #include "tools/footlight/output_guard.h"
+#include "tests/support/must.h"
 
 namespace footlight::tools {
 namespace {
 
 constexpr DurationNs kFrameNs = 25 * kNsPerMs;
 
-template <class T>
-T must(Result<T> result) {
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-  return std::move(*result);
-}
-void must(const Status& status) { REQUIRE(status.has_value()); }
+using footlight::testing::must;
 
 // Four lamps of one channel, on slots 0 to 3.
 fixtures::Rig rig_of_four() {
