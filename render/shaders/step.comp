@@ -110,8 +110,10 @@ void main() {
   if (index < params.head_count) {
     HeadRow row = heads[index];
     TypeRow type = types[row.type];
-    HeadState state = head_step(states[index], type, row, decode_head(type, row),
-                                Turns(push.dt_ns_low, push.dt_ns_high), push.new_exposure != 0u);
+    HeadState state = states[index];
+    Wish wish;
+    decode_head(wish, type, row);
+    head_step(state, wish, type, row, Turns(push.dt_ns_low, push.dt_ns_high), push.new_exposure != 0u);
     states[index] = state;
     if (is_lit(state, type)) {
       atomicAdd(beams_here, state.beams);

@@ -50,29 +50,28 @@ FL_INLINE AxisPlan axis_plan(Axis from, Real target, Real speed_max, Real accele
   return plan;
 }
 
-// Where a plan is after t_s. Braking is computed from its end, so that it arrives.
+// Where a plan is after t_s. Braking is computed from its end, so that it arrives. All stretches are computed and one
+// is chosen: nothing foretells which, and a loop over many axes compiles to vectors.
 FL_INLINE Axis axis_follow(AxisPlan plan, Axis from, Real target, Real acceleration_max, Real t_s) {
-  FL_EXACT Axis axis;
   FL_EXACT Real start_s = plan.slow_s + plan.up_s;
   FL_EXACT Real left_s = start_s + plan.cruise_s + plan.down_s - t_s;
-  if (!(left_s > Real(0))) {  // arrived: exactly there, at rest
-    axis.position = target;
-    axis.speed = Real(0);
-  } else if (left_s < plan.down_s) {
-    axis.speed = plan.side * (acceleration_max * left_s);
-    axis.position = target - Real(0.5) * axis.speed * left_s;
-  } else if (t_s < plan.slow_s) {
-    axis.speed = from.speed - plan.side * (acceleration_max * t_s);
-    axis.position = from.position + Real(0.5) * (from.speed + axis.speed) * t_s;
-  } else {
-    FL_EXACT Real up_s = min(t_s - plan.slow_s, plan.up_s);
-    FL_EXACT Real speed = t_s < start_s ? plan.slowed + acceleration_max * up_s : plan.peak;
-    FL_EXACT Real way =
-        Real(0.5) * ((from.speed * plan.side + plan.slowed) * plan.slow_s + (plan.slowed + speed) * up_s) +
-        plan.peak * max(t_s - start_s, Real(0));
-    axis.position = from.position + plan.side * way;
-    axis.speed = plan.side * speed;
-  }
+  FL_EXACT Real brake_speed = plan.side * (acceleration_max * left_s);
+  FL_EXACT Real brake_position = target - Real(0.5) * brake_speed * left_s;
+  FL_EXACT Real slow_speed = from.speed - plan.side * (acceleration_max * t_s);
+  FL_EXACT Real slow_position = from.position + Real(0.5) * (from.speed + slow_speed) * t_s;
+  FL_EXACT Real up_s = min(t_s - plan.slow_s, plan.up_s);
+  FL_EXACT Real up_speed = plan.slowed + acceleration_max * up_s;
+  FL_EXACT Real speed = t_s < start_s ? up_speed : plan.peak;
+  FL_EXACT Real way =
+      Real(0.5) * ((from.speed * plan.side + plan.slowed) * plan.slow_s + (plan.slowed + speed) * up_s) +
+      plan.peak * max(t_s - start_s, Real(0));
+  FL_EXACT Axis axis;
+  axis.position = t_s < plan.slow_s ? slow_position : from.position + plan.side * way;
+  axis.speed = t_s < plan.slow_s ? slow_speed : plan.side * speed;
+  axis.position = left_s < plan.down_s ? brake_position : axis.position;
+  axis.speed = left_s < plan.down_s ? brake_speed : axis.speed;
+  axis.position = left_s > Real(0) ? axis.position : target;  // arrived: exactly there, at rest
+  axis.speed = left_s > Real(0) ? axis.speed : Real(0);
   return axis;
 }
 
@@ -187,7 +186,9 @@ FL_FN Real motor_nearest(Motor motor, Real target, Real period) {
   return target + period * floor((motor.now.position - target) / period + Real(0.5));
 }
 
-FL_INLINE Motor motor_step(Motor motor, MotorLimits limits, Real target, Turns dt_ns) {
+// The first part of a step: what a new target or speed limit changes. Refused: a target that is no number or beyond
+// 1e9.
+FL_INLINE Motor motor_aim(Motor motor, MotorLimits limits, Real target) {
   if (!(abs(target) <= Real(1e9))) return motor;
   if (!axis_takes(target, limits.speed_max, limits.acceleration_max)) {  // no motor
     if (limits.speed_max == Real(0)) motor = motor_start(target);
@@ -199,11 +200,21 @@ FL_INLINE Motor motor_step(Motor motor, MotorLimits limits, Real target, Turns d
     motor.speed_max = limits.speed_max;
     motor.since_ns = turns_zero();
   }
-  if (dt_ns == turns_zero()) return motor;
+  return motor;
+}
+
+// Where it is so long after motor_aim().
+FL_INLINE Axis motor_at(Axis from, Real target, Real speed_max, Real acceleration_max, Turns since_ns) {
+  return axis_follow(axis_plan(from, target, speed_max, acceleration_max), from, target, acceleration_max,
+                     time_s(since_ns));
+}
+
+FL_INLINE Motor motor_step(Motor motor, MotorLimits limits, Real target, Turns dt_ns) {
+  motor = motor_aim(motor, limits, target);
+  if (dt_ns == turns_zero() || !axis_takes(target, limits.speed_max, limits.acceleration_max)) return motor;
   motor.since_ns = time_add(motor.since_ns, dt_ns);
   if (motor.now.position == target && motor.now.speed == Real(0)) return motor;
-  AxisPlan plan = axis_plan(motor.from, target, limits.speed_max, limits.acceleration_max);
-  motor.now = axis_follow(plan, motor.from, target, limits.acceleration_max, time_s(motor.since_ns));
+  motor.now = motor_at(motor.from, target, limits.speed_max, limits.acceleration_max, motor.since_ns);
   return motor;
 }
 

@@ -8,12 +8,13 @@
 // a fused multiply-add (C++ is compiled for processors without one).
 //
 // The rules of the subset: literals as Real(0.5) or uint(3); Vec2, Vec3 for vectors; FL_FN before a function
-// (FL_INLINE where a call's copies of structs cost more than its work);
+// (FL_INLINE where a call's copies of structs cost more than its work); FL_IN(T) for a large struct that is only read,
 // FL_INOUT(T) and FL_OUT(T) for parameters that change; no templates, references, pointers, member functions or
 // overloads on Real; arrays of fixed size; comparisons written so that NaN takes the safe branch.
 #ifdef __cplusplus
 #define FL_FN inline
 #define FL_INLINE [[gnu::always_inline]] inline
+#define FL_IN(T) const T&
 #define FL_INOUT(T) T&
 #define FL_OUT(T) T&
 #define FL_CONST constexpr
@@ -24,6 +25,7 @@
 #else
 #define FL_FN
 #define FL_INLINE
+#define FL_IN(T) in T
 #define FL_INOUT(T) inout T
 #define FL_OUT(T) out T
 #define FL_CONST const

@@ -110,7 +110,7 @@ FL_FN Real turns_minus(Turns a, Turns b) {
 }
 
 // A number of turns, whole turns dropped; 0 for what is no number or beyond 1e9.
-FL_FN Turns turns_from(Real turns) {
+FL_INLINE Turns turns_from(Real turns) {
   Real size = abs(turns);
   if (!(size < Real(1e9))) return turns_zero();
   Real part = (size - Real(uint(size))) * Real(4294967296.0);
@@ -239,11 +239,11 @@ FL_FN Spin spin_start(Turns start) {
 
 // ramp_hz_s: how fast the rate changes, turns a second each second; 0: at once. A target that is no number or beyond
 // 1e6 Hz is refused.
-FL_INLINE Spin spin_step(Spin spin, Real ramp_hz_s, Real target_hz, Turns dt_ns) {
-  if (!(abs(target_hz) <= Real(1.0e6))) return spin;
+FL_INLINE void spin_move(FL_INOUT(Spin) spin, Real ramp_hz_s, Real target_hz, Turns dt_ns) {
+  if (!(abs(target_hz) <= Real(1.0e6))) return;
   if (target_hz == spin.target_hz && spin.rate_hz == target_hz) {  // up to speed
     spin.phase = turns_step(spin.phase, target_hz, dt_ns);
-    return spin;
+    return;
   }
   if (target_hz != spin.target_hz) {
     spin.from_phase = spin.phase;
@@ -266,6 +266,10 @@ FL_INLINE Spin spin_step(Spin spin, Real ramp_hz_s, Real target_hz, Turns dt_ns)
     spin.phase = turns_add(turns_step(spin.from_phase, target_hz, spin.since_ns),
                            turns_from(Real(0.5) * (spin.from_hz - target_hz) * ramp_s));
   }
+}
+
+FL_INLINE Spin spin_step(Spin spin, Real ramp_hz_s, Real target_hz, Turns dt_ns) {
+  spin_move(spin, ramp_hz_s, target_hz, dt_ns);
   return spin;
 }
 
