@@ -156,8 +156,36 @@ FL_FN void turns_gather(FL_INOUT(Advance) sum, Turns part, uint whole) {
   sum.whole += whole + (turns_less(sum.part, part) ? uint(1) : uint(0));
 }
 
-// dt_ns nanoseconds at a rate in [0, 1e6] Hz; negative and NaN give nothing, more is cut. dt_ns < 2^32 s.
-FL_INLINE Advance turns_advance(Real rate_hz, Turns dt_ns) {
+// A time as whole seconds and 2^-64 s. dt_ns < 2^32 s.
+struct Stretch {
+  uint seconds;
+  Turns rest;
+};
+
+FL_INLINE Stretch turns_stretch(Turns dt_ns) {
+  // Whole seconds and nanoseconds; 2^32 ns are 4 s and 294967296 ns.
+  Stretch time;
+  time.seconds = uint(0);
+  Turns ns = dt_ns;
+  while (ns.y != uint(0)) {
+    time.seconds += uint(4) * ns.y;
+    ns = turns_add(Turns(ns.x, uint(0)), turns_mul_32(ns.y, uint(294967296)));
+  }
+  uint rest = ns.x;
+  if (rest >= uint(1000000000)) {
+    time.seconds += rest / uint(1000000000);
+    rest %= uint(1000000000);
+  }
+  // The rest as a fraction of a second, rounded: 2^64 / 1e9 = 4 x 2^32 + 1266874889 + 3047500985 x 2^-32.
+  time.rest = turns_mul_32(rest, uint(1266874889));
+  time.rest.y += uint(4) * rest;
+  Turns small = turns_mul_32(rest, uint(3047500985u));
+  time.rest = turns_add(time.rest, Turns(small.y + (small.x >> uint(31)), uint(0)));
+  return time;
+}
+
+// At a rate in [0, 1e6] Hz; negative and NaN give nothing, more is cut.
+FL_INLINE Advance turns_over(Real rate_hz, Stretch time) {
   Advance sum;
   sum.part = turns_zero();
   sum.whole = uint(0);
@@ -165,52 +193,39 @@ FL_INLINE Advance turns_advance(Real rate_hz, Turns dt_ns) {
   Real rate = min(rate_hz, Real(1.0e6));
   uint whole_hz = uint(rate);
   Turns part_hz = turns_from(rate - Real(whole_hz));
-
-  // Whole seconds and nanoseconds; 2^32 ns are 4 s and 294967296 ns.
-  uint seconds = uint(0);
-  Turns ns = dt_ns;
-  while (ns.y != uint(0)) {
-    seconds += uint(4) * ns.y;
-    ns = turns_add(Turns(ns.x, uint(0)), turns_mul_32(ns.y, uint(294967296)));
-  }
-  uint rest = ns.x;
-  if (rest >= uint(1000000000)) {
-    seconds += rest / uint(1000000000);
-    rest %= uint(1000000000);
-  }
-  // The rest as a fraction of a second, rounded: 2^64 / 1e9 = 4 x 2^32 + 1266874889 + 3047500985 x 2^-32.
-  Turns rest_s = turns_mul_32(rest, uint(1266874889));
-  rest_s.y += uint(4) * rest;
-  Turns small = turns_mul_32(rest, uint(3047500985u));
-  rest_s = turns_add(rest_s, Turns(small.y + (small.x >> uint(31)), uint(0)));
-
-  if (seconds != uint(0)) {
-    sum = turns_times(seconds, part_hz);
-    sum.whole += whole_hz * seconds;
+  if (time.seconds != uint(0)) {
+    sum = turns_times(time.seconds, part_hz);
+    sum.whole += whole_hz * time.seconds;
   }
 #ifdef __cplusplus  // the same sum, which C++ has in two products
   __extension__ using Wide = unsigned __int128;
-  const Wide rest_bits = std::bit_cast<std::uint64_t>(rest_s);
+  const Wide rest_bits = std::bit_cast<std::uint64_t>(time.rest);
   const Wide way = whole_hz * rest_bits + ((rest_bits * std::bit_cast<std::uint64_t>(part_hz)) >> 64);
   turns_gather(sum, std::bit_cast<Turns>(static_cast<std::uint64_t>(way)), static_cast<uint>(way >> 64));
   return sum;
 #else
   if (whole_hz != uint(0)) {
-    Advance more = turns_times(whole_hz, rest_s);
+    Advance more = turns_times(whole_hz, time.rest);
     turns_gather(sum, more.part, more.whole);
   }
-  turns_gather(sum, turns_mul_high(part_hz, rest_s), uint(0));
+  turns_gather(sum, turns_mul_high(part_hz, time.rest), uint(0));
   return sum;
 #endif
 }
 
+// dt_ns nanoseconds at such a rate. dt_ns < 2^32 s.
+FL_INLINE Advance turns_advance(Real rate_hz, Turns dt_ns) { return turns_over(rate_hz, turns_stretch(dt_ns)); }
+
 // The number of turns in an advance.
 FL_FN Real advance_turns(Advance advance) { return Real(advance.whole) + turns_real(advance.part); }
 
-// The phase after dt_ns nanoseconds at a constant rate of either sign: through 0 Hz the phase goes on from where it is.
-FL_INLINE Turns turns_step(Turns phase, Real rate_hz, Turns dt_ns) {
-  Turns way = turns_advance(abs(rate_hz), dt_ns).part;
+// The phase after a time at a constant rate of either sign: through 0 Hz the phase goes on from where it is.
+FL_INLINE Turns turns_go(Turns phase, Real rate_hz, Stretch time) {
+  Turns way = turns_over(abs(rate_hz), time).part;
   return turns_add(phase, rate_hz < Real(0) ? turns_negate(way) : way);
+}
+FL_INLINE Turns turns_step(Turns phase, Real rate_hz, Turns dt_ns) {
+  return turns_go(phase, rate_hz, turns_stretch(dt_ns));
 }
 
 // A motor that turns without end (gobo, prism, animation wheel, pan without stops), with a ramp between rates.
@@ -237,11 +252,16 @@ FL_FN Spin spin_start(Turns start) {
   return spin;
 }
 
+// Up to speed, and asked for no other.
+FL_INLINE bool spin_steady(FL_IN(Spin) spin, Real target_hz) {
+  return target_hz == spin.target_hz && spin.rate_hz == target_hz;
+}
+
 // ramp_hz_s: how fast the rate changes, turns a second each second; 0: at once. A target that is no number or beyond
 // 1e6 Hz is refused.
 FL_INLINE void spin_move(FL_INOUT(Spin) spin, Real ramp_hz_s, Real target_hz, Turns dt_ns) {
   if (!(abs(target_hz) <= Real(1.0e6))) return;
-  if (target_hz == spin.target_hz && spin.rate_hz == target_hz) {  // up to speed
+  if (spin_steady(spin, target_hz)) {
     spin.phase = turns_step(spin.phase, target_hz, dt_ns);
     return;
   }
