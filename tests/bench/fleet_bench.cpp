@@ -109,8 +109,8 @@ void fleet(benchmark::State& bench) {
   bench.SetItemsProcessed(bench.iterations() * bench.range(0));
 }
 
-#define FL_SHOW(show)                                                                  \
-  BENCHMARK(fleet<fixtures::f32::Walker, show>)->Arg(4096);                            \
+#define FL_SHOW(show)                                       \
+  BENCHMARK(fleet<fixtures::f32::Walker, show>)->Arg(4096); \
   BENCHMARK(fleet<fixtures::Fleet, show>)->Arg(100)->Arg(4096)->Arg(100'000)->Arg(1'000'000)
 FL_SHOW(Show::kHolds);
 FL_SHOW(Show::kShow);

@@ -29,7 +29,8 @@ struct FleetReport {
   std::string device;
   double gpu_ms_p10 = 0, gpu_ms_p50 = 0, gpu_ms_p90 = 0;  // of one step of all fixtures
   double levels_ms = 0;  // median of their way to the GPU, not part of the above
-  double cpu_ns = 0;                                      // a fixture's step in float, on one core
+  double cpu_ns = 0;     // a fixture's step in float, on one core, in batches (fixtures/fleet.h)
+  double walker_ns = 0;  // the same head by head
   std::uint64_t table_bytes = 0;
   std::uint64_t state_bytes = 0;  // of all fixtures
   int judged_fixtures = 0;
