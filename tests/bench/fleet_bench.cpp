@@ -1,9 +1,9 @@
 // Fixture-steps a second on one core, of fleets of generic/profile (16 bit), in float as on the GPU: head by head
 // (Walker) and in batches (Fleet). Figures are in docs/numerics.md.
 //
-// A fixture-step is one fixture, one step of 1/60 s: its slots looked at, decoded where they have changed, three motors,
-// spin, strobe, law, colour and gobo where something moves, and its light of the exposure. Levels come in three of four
-// steps, as from a desk of 45 Hz.
+// A fixture-step is one fixture, one step of 1/60 s: its slots looked at, decoded where they have changed, three
+// motors, spin, strobe, law, colour and gobo where something moves, and its light of the exposure. Levels come in
+// three of four steps, as from a desk of 45 Hz.
 //   holds   nothing changes, and all moves are over
 //   show    each frame one fixture in ten fades (pan, tilt, dimmer go a little further), one in 50 gets a new look; one
 //           in ten strobes, one gobo in three turns. So most motors of some fixtures are on their way at any time

@@ -167,7 +167,7 @@ TEST_CASE_TEMPLATE("a spin's step of a + b is its steps of a and b, from any sta
     worst_units = std::max(worst_units, apart / (0.7 * std::abs(static_cast<double>(target)) + 4));
   }
   MESSAGE("worst: ", worst_units, " of the bound of one step");
-  CHECK(worst_units <= 3);  // three steps are rounded: of a, of b, and of both
+  CHECK(worst_units <= 2);  // the steps of a and of b are rounded, and that of both
 }
 
 TEST_CASE("a ramp between rates turns as far as its mean rate says, through zero too") {
