@@ -1,8 +1,9 @@
-// Photometric files, either format, integrated and fitted where they are sound.
+// Photometric files, either format, integrated, fitted and made tables where they are sound.
 #include <cmath>
 
 #include "fixtures/photometry/fit.h"
 #include "fixtures/photometry/photometry.h"
+#include "fixtures/photometry/table.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace footlight;
@@ -37,5 +38,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   require(std::isfinite(candela(*photometry, {0, 0, 1})));
   const fixtures::BeamFit fit = fixtures::fit_beam(*photometry);
   require(std::isfinite(fit.spread) && fit.spread > 0 && std::isfinite(fit.peak_cd) && std::isfinite(fit.shape_error));
+  for (const fixtures::Side side : {fixtures::Side::kFront, fixtures::Side::kBack}) {
+    const fixtures::MeasuredTable table = measured_table(*photometry, side);
+    for (const float number : table.numbers) require(std::isfinite(number) && number >= 0);
+    require(table.rings <= fixtures::kMeasuredRingsMax && table.columns <= fixtures::kMeasuredColumnsMax);
+    require(std::isfinite(table.flux_lm) && std::isfinite(table.left_out_lm));
+  }
   return 0;
 }

@@ -124,16 +124,17 @@ TEST_CASE("measured beams are drawn as the judge finds them in the file's own ca
     const char* what;
     double away_deg;
     double width_deg;
-    bool zoomed;        // the lamp with a zoom alone
+    double zoom_deg;    // of the lamp with a zoom, alone; 0: the other one
     double rel_l2_max;  // twice what lavapipe gave
   };
   for (const Case& each :
-       {Case{"flood, brightest at 40 degrees", 40, 50, false, 1e-4}, Case{"spot with spill", 0, 12, false, 3e-4},
-        Case{"spot beside the axis", 20, 10, false, 2e-4}, Case{"flood with a zoom", 40, 50, true, 2e-3}}) {
+       {Case{"flood, brightest at 40 degrees", 40, 50, 0, 1e-4}, Case{"spot with spill", 0, 12, 0, 1.2e-4},
+        Case{"spot beside the axis", 20, 10, 0, 1e-4}, Case{"flood with a zoom", 40, 50, 50, 2e-3},
+        Case{"flood, zoomed to a pencil", 40, 50, 4, 4e-3}}) {
     CAPTURE(each.what);
-    Scene scene = measured_scene(each.away_deg, each.width_deg);
+    Scene scene = measured_scene(each.away_deg, each.width_deg, each.zoom_deg);
     CHECK(scene.compiled.needs.measured);
-    dim_lamps(scene, {!each.zoomed, each.zoomed});
+    dim_lamps(scene, {each.zoom_deg == 0, each.zoom_deg > 0});
     CHECK(against_judge(vulkan.device(), scene, judged_settings(48, 27), each.what, 1e-3).rel_l2 < each.rel_l2_max);
     scene.rig.haze.scattering_per_m = scene.rig.haze.absorption_per_m = 0;
     const auto levels = scene.levels;

@@ -302,7 +302,7 @@ std::string flood_ies(double away_deg, double width_deg) {
   return text;
 }
 
-Scene measured_scene(double away_deg, double width_deg) {
+Scene measured_scene(double away_deg, double width_deg, double zoom_deg) {
   Scene scene;
   scene.rig.name = "measured";
   scene.rig.haze = {0.02, 0.001, 0.4, 30};
@@ -332,7 +332,7 @@ Scene measured_scene(double away_deg, double width_deg) {
   }
   scene.compile();
   scene.set(1, "ColorAdd_G", 0.5);
-  scene.set(1, "Zoom", 50);
+  scene.set(1, "Zoom", zoom_deg);
   return scene;
 }
 

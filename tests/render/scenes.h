@@ -67,8 +67,9 @@ inline constexpr int kLampDimmerSlot = 0;  // from a lamp's address: set to 0 it
 // An IES file of our own: a lamp of 0 to 90 degrees by 5 and of 12 planes, brightest `away_deg` from its axis towards
 // its top, in a blob of about `width_deg`, with a twentieth of that everywhere.
 [[nodiscard]] std::string flood_ies(double away_deg, double width_deg);
-// Two lamps with that file before a wall, 4 m away, and a floor; the second is turned about its axis and has a zoom.
-[[nodiscard]] Scene measured_scene(double away_deg, double width_deg);
+// Two lamps with that file before a wall, 4 m away, and a floor; the second is turned about its axis and has a zoom,
+// 0 to 60 degrees.
+[[nodiscard]] Scene measured_scene(double away_deg, double width_deg, double zoom_deg);
 // A lamp with rectangular beams 3 m up before a wall, 8 m away: 53 degrees wide (or as `beam_deg` says), `aspect` times
 // as wide as high. It has a zoom, an iris and frost.
 [[nodiscard]] Scene rectangle_scene(double aspect, double beam_deg, int profile_m);

@@ -1,8 +1,11 @@
 // What is drawn of a definition's beams and colours, and how far that is from what the definition says.
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <numbers>
 
 #include "fixtures/color.h"
+#include "fixtures/photometry/attach.h"
 #include "fixtures/photometry/fit.h"
 #include "tools/footlight/fixtures_command.h"
 
@@ -19,11 +22,24 @@ std::string optics_of_type(const FixtureType& type) {
   std::vector<std::string> seen;
   for (const Beam& beam : type.beams) {
     const BeamFit fit = fit_beam(beam);
-    const std::string line = fmt::format(
-        "  {:.5g} lm, {:.4g} and {:.4g} deg: drawn {:.4g} and {:.4g} deg, {:.1f} % off, {:.4g} cd in the "
-        "middle{}{}\n",
-        beam.flux_lm, beam.beam_angle_deg, beam.field_angle_deg, fit.beam_angle_deg, fit.field_angle_deg,
-        100 * fit.angle_error, fit.peak_cd, fit.assumed.empty() ? "" : "; ", fit.assumed);
+    std::string line;
+    if (!beam.photometry.empty()) {
+      const auto photometry = read_photometry_file(type.files, beam.photometry);
+      const Side side = beam.photometry_back ? Side::kBack : Side::kFront;
+      line = fmt::format("  {}\n", photometry ? measured_text(measured_table(*photometry, side))
+                                              : photometry.error().message);
+    } else if (const auto rectangle = rectangle_of(beam)) {
+      const double half_width = std::tan(rectangle->half_angle_rad);
+      const auto full_deg = [](double tangent) { return 2 * std::atan(tangent) * 180 / std::numbers::pi; };
+      line = fmt::format("  {:.5g} lm, a rectangle of {:.4g} by {:.4g} degrees\n", beam.flux_lm, full_deg(half_width),
+                         full_deg(half_width / rectangle->aspect));
+    } else {
+      line = fmt::format(
+          "  {:.5g} lm, {:.4g} and {:.4g} deg: drawn {:.4g} and {:.4g} deg, {:.1f} % off, {:.4g} cd in the "
+          "middle{}{}\n",
+          beam.flux_lm, beam.beam_angle_deg, beam.field_angle_deg, fit.beam_angle_deg, fit.field_angle_deg,
+          100 * fit.angle_error, fit.peak_cd, fit.assumed.empty() ? "" : "; ", fit.assumed);
+    }
     if (std::find(seen.begin(), seen.end(), line) != seen.end()) continue;  // pixels are all alike
     seen.push_back(line);
     text += line;

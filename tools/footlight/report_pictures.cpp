@@ -19,6 +19,7 @@ struct PictureArguments {
   SceneFiles files;
   DurationNs at_ns = 30 * kNsPerS;
   int beams = 0;
+  std::string photometry;
   int fleet = 0;
   std::string size = "640x360";
   std::string judge_size = "64x36";
@@ -77,7 +78,7 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
   }
   SceneFiles files = arguments.files;
   if (files.rig.empty()) files.demo = true;
-  FL_ASSIGN(const Scene scene, arguments.beams > 0 ? make_beams_scene(arguments.beams)
+  FL_ASSIGN(const Scene scene, arguments.beams > 0 ? make_beams_scene(arguments.beams, arguments.photometry)
                                                    : scene_of_files(files, arguments.at_ns, arguments.camera));
   FL_ASSIGN(const PictureSize size, parse_size(arguments.size));
   FL_ASSIGN(const PictureSize judge_size, parse_size(arguments.judge_size));
@@ -142,6 +143,7 @@ ReportHalf add_report_pictures(Arguments& arguments) {
   add_scene_arguments(arguments, chosen->files);
   arguments.duration("--at", chosen->at_ns, "the moment of the log that is looked at");
   arguments.option("--beams", chosen->beams, 1, 1'000'000, "a made scene of this many beams in place of a rig");
+  arguments.option("--photometry", chosen->photometry, "FILE", "with --beams: all of them throw the light of this file");
   arguments.option("--fleet", chosen->fleet, 1, 1'000'000,
                    "no pictures: so many moving heads, stepped on the GPU and on the CPU");
   arguments.option("--camera", chosen->camera, "NAME", "a camera of the rig; its first one");

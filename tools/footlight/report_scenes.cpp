@@ -4,6 +4,8 @@
 #include <numbers>
 
 #include "fixtures/encode.h"
+#include "fixtures/import/archive.h"
+#include "fixtures/photometry/attach.h"
 
 namespace footlight::tools {
 namespace {
@@ -69,7 +71,7 @@ FixtureType beam_type(double lens_radius_m) {
 
 }  // namespace
 
-Result<Scene> make_beams_scene(int count) {
+Result<Scene> make_beams_scene(int count, const std::string& photometry) {
   if (count < 1 || count > 1'000'000) return fail(ErrorCode::kBadInput, "{} beams: expected 1 to 1000000", count);
   Scene scene;
   scene.name = fmt::format("beams:{}", count);
@@ -82,6 +84,18 @@ Result<Scene> make_beams_scene(int count) {
   rig.cameras = {Camera{"foh", {0, -40, 8}, {0, 0, 6}, 50, 10}};
   constexpr int kLenses = 8;
   for (int i = 0; i < kLenses; ++i) rig.types.push_back(beam_type(0.05 + 0.07 * i / (kLenses - 1)));
+
+  if (!photometry.empty()) {
+    scene.name += ", " + photometry;
+    FL_ASSIGN(const Bytes bytes, read_whole_file(photometry, kPhotometryBytesMax));
+    for (FixtureType& type : rig.types) {
+      Diagnostics ignored;
+      FL_TRY(attach_photometry(type, photometry, bytes, ignored));
+      FL_ASSIGN(const Photometry measured, read_photometry_file(type.files, type.beams[0].photometry));
+      // Then a zoom is the edge's angle, as it is of the others.
+      type.beams[0].beam_angle_deg = 2 / kDegree * measured_table(measured, Side::kFront).half_angle_rad;
+    }
+  }
 
   constexpr int kPerUniverse = kSlotCountMax / kSlots;
   Random random;

@@ -290,11 +290,11 @@ FL_FN Real chord_inscatter_gauss(BeamShape beam, Medium medium, Chord chord, Vec
 
 #ifdef FL_MEASURED
 // A measured beam: its table may have a peak anywhere, so the line is cut into pieces that are even in the angle that
-// they have from the lens, as many as the table says, with n nodes each.
+// they had from the lens where it was measured, as many as the table says, with n nodes each.
 FL_CONST uint kPiecesMax = uint(48);
 FL_FN Real chord_inscatter_measured(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction) {
-  // s = c tan(angle): the line seen from the virtual apex.
-  Real spread = max(beam.spread, Real(1e-4));
+  // s = c tan(angle): the line seen from the virtual apex, with the table's spread, whatever a zoom makes of it.
+  Real spread = Real(fl_default(beam.measured + kMeasuredSpread));
   Real c = sqrt(Real(1) + spread * spread * chord.offset * chord.offset) / spread;
   Real from_rad = atan(chord.s_from / c);
   Real to_rad = atan(chord.s_to / c);
