@@ -9,6 +9,7 @@ void add(Arguments& arguments) {
   add_fixtures_show(arguments);
   add_fixtures_find(arguments);
   add_fixtures_convert(arguments);
+  add_fixtures_attributes(arguments);
 }
 
 }  // namespace
@@ -20,7 +21,8 @@ extern const CommandInfo fixtures_command{
         "  footlight fixtures check ~/gdtf /usr/share/qlcplus/fixtures\n"
         "  footlight fixtures show head.gdtf --mode Standard\n"
         "  footlight fixtures find robe esprite\n"
-        "  footlight fixtures convert head.gdtf -o head.toml\n",
+        "  footlight fixtures convert head.gdtf -o head.toml\n"
+        "  footlight fixtures attributes\n",
     .add = add,
 };
 

@@ -14,6 +14,7 @@ void add_fixtures_check(Arguments& arguments);
 void add_fixtures_show(Arguments& arguments);
 void add_fixtures_find(Arguments& arguments);
 void add_fixtures_convert(Arguments& arguments);
+void add_fixtures_attributes(Arguments& arguments);
 
 // All of a fixture type that a person may want to know, in lines. `mode`: only this one, by its name in any case or by
 // its number from 1; empty: all. Fails where there is none such, with the names that there are.
