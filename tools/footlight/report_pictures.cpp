@@ -143,7 +143,8 @@ ReportHalf add_report_pictures(Arguments& arguments) {
   add_scene_arguments(arguments, chosen->files);
   arguments.duration("--at", chosen->at_ns, "the moment of the log that is looked at");
   arguments.option("--beams", chosen->beams, 1, 1'000'000, "a made scene of this many beams in place of a rig");
-  arguments.option("--photometry", chosen->photometry, "FILE", "with --beams: all of them throw the light of this file");
+  arguments.option("--photometry", chosen->photometry, "FILE",
+                   "with --beams: all of them throw the light of this IES or EULUMDAT file");
   arguments.option("--fleet", chosen->fleet, 1, 1'000'000,
                    "no pictures: so many moving heads, stepped on the GPU and on the CPU");
   arguments.option("--camera", chosen->camera, "NAME", "a camera of the rig; its first one");
