@@ -1,5 +1,8 @@
 #include "render/passes/step.h"
 
+#include <algorithm>
+#include <cstdint>
+
 #include "render/passes/compute_pass.h"
 #include "shaders/step.comp.h"
 
@@ -22,7 +25,8 @@ const PassEntry kStepPass{
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kStepComp,
-                               [groups = context.resources.head_groups](VkCommandBuffer commands) {
+                               [groups = std::min(context.resources.head_groups, std::uint32_t{FL_STEP_GROUPS})](
+                                   VkCommandBuffer commands) {
                                  vkCmdDispatch(commands, groups, 1, 1);
                                });
     },
