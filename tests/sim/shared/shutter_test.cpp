@@ -285,6 +285,19 @@ TEST_CASE("a change of rate goes on from the phase it meets") {
   CHECK(shutter.phase == before);
 }
 
+TEST_CASE("blades take their travel time in an effect, too, whose flashes are eight times as fast as its period") {
+  f64::ShutterWish wish{};
+  wish.kind = f64::kShutterEffect;
+  wish.rate_hz = 2;
+  wish.duty = 0.5;
+  wish.travel_s = 0.01;
+  f64::Shutter shutter = f64::shutter_begin();
+  shutter_step(shutter, wish, words(5'000'000));
+  CHECK(shutter_step(shutter, wish, words(0)) == doctest::Approx(0.5));  // half way up
+  shutter_step(shutter, wish, words(5'000'001));
+  CHECK(shutter_step(shutter, wish, words(0)) == 1);
+}
+
 TEST_CASE("blades open and close in their travel time, from where they are") {
   auto open = wish_of<Double>(f64::kShutterOpen, 0), closed = wish_of<Double>(f64::kShutterClosed, 0);
   open.travel_s = closed.travel_s = 0.02;
