@@ -323,7 +323,8 @@ TEST_CASE("what a GPIO input cannot do is refused with the line") {
   CHECK(contains(refusal(with_gpio("flashes_hz_max = 61\n")), "show.toml:3:1: "));
   CHECK(contains(refusal(with_gpio("priority = 0\n")), "show.toml:3:1: "));
   const std::string rate = "mode = \"rate\"\n";
-  CHECK(contains(refusal(with_gpio(rate + "rate_hz = [1, 2]\nrate_values = [1]\n")), "show.toml:4:1: rate_hz: expected"));
+  CHECK(
+      contains(refusal(with_gpio(rate + "rate_hz = [1, 2]\nrate_values = [1]\n")), "show.toml:4:1: rate_hz: expected"));
   CHECK(contains(refusal(with_gpio(rate + "rate_hz = [2, 1]\nrate_values = [1, 2]\n")), "rising"));
   CHECK(contains(refusal(with_gpio(rate + "rate_hz = [1, 2]\n")), "rate_values"));
   CHECK(contains(refusal(with_gpio(rate + "rate_hz = [1, \"2\"]\nrate_values = [1, 2]\n")), "numbers"));
