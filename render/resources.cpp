@@ -57,7 +57,8 @@ std::uint8_t srgb_of(float linear) {
 
 // Gobo images as one array with all levels of detail, in colour, 8 bits sRGB a channel. A rig without gobos gets a
 // single texel, since the shaders name the binding even where their specialisation never reads it.
-Result<vk::Image> make_gobos(vk::Device& device, const std::vector<fixtures::ImageSource>& images) {
+Result<vk::Image> make_gobos(vk::Device& device, const std::vector<fixtures::ImageSource>& images,
+                             fixtures::Diagnostics& diagnostics) {
   const int size = images.empty() ? 1 : kGoboSizePx;
   const auto layers = static_cast<uint>(std::max<std::size_t>(images.size(), 1));
   const std::uint32_t layers_max = device.limits().maxImageArrayLayers;
@@ -69,8 +70,15 @@ Result<vk::Image> make_gobos(vk::Device& device, const std::vector<fixtures::Ima
   std::vector<std::uint8_t> texels;
   std::vector<VkBufferImageCopy> regions;
   for (uint layer = 0; layer < layers; ++layer) {
-    std::vector<float> image =
-        images.empty() ? std::vector<float>(3, 1.0f) : fixtures::gobo_texels(images[layer], kGoboSizePx, kGoboEdge);
+    std::vector<float> image = fixtures::open_texels(size);
+    if (!images.empty()) {
+      auto read = fixtures::gobo_texels(images[layer], size, kGoboEdge);
+      if (read) {
+        image = std::move(*read);
+      } else {
+        diagnostics.add(fixtures::image_trouble(read.error()));
+      }
+    }
     int level_size = size;
     for (uint level = 0; level < levels; ++level) {
       VkBufferImageCopy region{};
@@ -176,12 +184,12 @@ fixtures::BodyMesh objects_of(const fixtures::Rig& rig, fixtures::Diagnostics& d
 }
 
 // One mesh buffer for the bodies of all types and the objects, heads sorted by type, one indirect command a type.
-Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled, Resources& r) {
+Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
+                   fixtures::Diagnostics& diagnostics, Resources& r) {
   std::vector<fixtures::BodyVertex> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<std::uint32_t> instances;
   std::vector<VkDrawIndexedIndirectCommand> draws;
-  fixtures::Diagnostics diagnostics;
   const auto add = [&](const fixtures::BodyMesh& mesh, std::uint32_t count, std::uint32_t first_instance) {
     draws.push_back({static_cast<std::uint32_t>(mesh.indices.size()), count, static_cast<std::uint32_t>(indices.size()),
                      static_cast<std::int32_t>(vertices.size()), first_instance});
@@ -204,8 +212,6 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
     add(objects, 1, 0);
     r.object_draw_count = 1;
   }
-  diagnostics.finish();
-  r.diagnostics = diagnostics.take();
   FL_ASSIGN(r.vertices, table(device, vertices, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT));
   FL_ASSIGN(r.indices, table(device, indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT));
   FL_ASSIGN(r.instances, table(device, instances));
@@ -272,8 +278,11 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
     boxes.push_back({vec4(box.min_m, 0), vec4(box.max_m, 0), vec4(box.albedo, 0)});
   }
   FL_ASSIGN(r.boxes, table(device, boxes));
-  if (has_bodies(compiled.needs, settings)) FL_TRY(make_bodies(device, rig, compiled, r));
-  FL_ASSIGN(r.gobos, make_gobos(device, compiled.images));
+  fixtures::Diagnostics diagnostics;
+  if (has_bodies(compiled.needs, settings)) FL_TRY(make_bodies(device, rig, compiled, diagnostics, r));
+  FL_ASSIGN(r.gobos, make_gobos(device, compiled.images, diagnostics));
+  diagnostics.finish();
+  r.diagnostics = diagnostics.take();
 
   FL_ASSIGN(r.params, zeroed(device, sizeof(FrameParams)));
   FL_ASSIGN(r.levels, zeroed(device, r.levels_bytes));

@@ -178,6 +178,7 @@ TEST_CASE("libraries of hardware, and those that are slow to compile, stay where
       {"zip.h",
        R"((drivers/capture/sigrok_file|fixtures/(import/archive|export/zip_writer)|tests/(fixtures|fuzz)/.*)\.cpp)"},
       {"cairo", R"(fixtures/paperwork/patch_pdf\.cpp)"},
+      {"librsvg/", R"(fixtures/gobo_svg\.cpp)"},
       {"pugixml", R"(fixtures/import/xml\.cpp)"},
       {"zstd", R"((sim|tests/sim)/dmx_log/.*\.cpp)"},
       {"CLI/", R"(tools/(footlight/arguments|[a-z_]+)\.cpp)"},

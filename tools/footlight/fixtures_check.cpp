@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "fixtures/builtin/builtin.h"
+#include "fixtures/gobo_images.h"
 #include "fixtures/import/import.h"
 #include "fixtures/params.h"
 #include "fixtures/sweep.h"
@@ -34,6 +35,7 @@ struct Options {
   bool json = false;
   bool notes = false;
   bool sweep = false;
+  bool images = false;
 };
 
 // What is to be read, and how many files of folders were seen to be something else.
@@ -119,7 +121,7 @@ void add_sweep(const fixtures::FixtureType& type, fixtures::Diagnostics& diagnos
   sum.float_error = std::max(sum.float_error, report.float_error);
 }
 
-FixtureCheck check_file(const std::string& path, bool sweeps, fixtures::SweepReport& sum) {
+FixtureCheck check_file(const std::string& path, bool sweeps, bool images, fixtures::SweepReport& sum) {
   FixtureCheck check{path, "", ImportStatus::kRefused, "", "", 0, {}};
   fixtures::Diagnostics diagnostics;
   auto source = fixtures::open_import_source(path);
@@ -135,6 +137,7 @@ FixtureCheck check_file(const std::string& path, bool sweeps, fixtures::SweepRep
       diagnostics.add({Severity::kNote, "not-simulated", fixtures::place_in(*type, one.at), std::move(one.what),
                        "it changes nothing"});
     }
+    if (images) fixtures::check_images(*type, diagnostics);
     if (sweeps) add_sweep(*type, diagnostics, sum);
   }
   diagnostics.finish();
@@ -174,7 +177,7 @@ Result<int> run_check(const Options& options) {
   for (const std::string& path : wanted.paths) {
     if (end_signal_came()) break;
     progress.show(done, wanted.paths.size());
-    const FixtureCheck check = check_file(path, options.sweep, swept);
+    const FixtureCheck check = check_file(path, options.sweep, options.images, swept);
     progress.clear();
     ++counts.at(static_cast<std::size_t>(check.status));
     ++done;
@@ -215,6 +218,7 @@ void add_fixtures_check(Arguments& arguments) {
   check.words("PATH", options->paths, "files and folders");
   check.flag("--json", options->json, "one JSON object a file");
   check.flag("--notes", options->notes, "also what was assumed where the file leaves something open");
+  check.flag("--images", options->images, "also read and draw every gobo's picture");
   check.flag("--sweep", options->sweep,
              "also decode every value of every channel of every mode and judge it by the definition");
   check.job([options]() -> Result<int> { return run_check(*options); });

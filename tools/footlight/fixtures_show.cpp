@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "fixtures/attributes.h"
+#include "fixtures/gobo_images.h"
 #include "fixtures/import/import.h"
 #include "fixtures/import/text.h"
 #include "fixtures/lamp.h"
@@ -242,6 +243,9 @@ Result<int> show(const Options& options) {
   if (options.file.empty())
     return fail(ErrorCode::kBadInput, "nothing to show; name a file: 'footlight fixtures show head.gdtf'");
   FL_ASSIGN(const Imported imported, import_fixture(options.file));
+  Diagnostics images;
+  check_images(imported.type, images);
+  for (const Diagnostic& one : images.all()) fmt::print(stderr, "footlight: {}\n", text(one));
   if (options.optics) {
     fmt::print("{}", optics_of_type(imported.type));
   } else {

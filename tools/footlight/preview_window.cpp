@@ -246,6 +246,7 @@ Status Preview::rebuild() {
       render::take_states(commands, frame_->resources(), fresh->resources());
     }));
   }
+  if (!frame_) print_warnings(fresh->resources().diagnostics);
   frame_ = std::move(fresh);
   frame_haze_ = controls_.haze;
   shown_ = false;

@@ -264,9 +264,7 @@ Result<int> render_pictures(const Options& options) {
   settings.nodes = static_cast<std::uint32_t>(options.nodes);
   settings.gobo_taps = static_cast<std::uint32_t>(options.gobo_taps);
   FL_ASSIGN(const auto frame, render::Frame::create(*device, rig, compiled, settings));
-  for (const fixtures::Diagnostic& one : frame->resources().diagnostics) {
-    if (one.severity != fixtures::Severity::kNote) fmt::print(stderr, "footlight: {}\n", fixtures::text(one));
-  }
+  print_warnings(frame->resources().diagnostics);
   if (by_hand) {
     HandLevels hand(rig, compiled);
     for (const std::string& text : options.sets) FL_TRY(set_by_hand(text, rig, hand));

@@ -12,6 +12,7 @@
 #include "fixtures/export/mvr.h"
 #include "fixtures/export/rig_toml.h"
 #include "fixtures/export/write_file.h"
+#include "fixtures/gobo_images.h"
 #include "fixtures/import/import_rig.h"
 #include "fixtures/import/text.h"
 #include "fixtures/paperwork/patch_pdf.h"
@@ -44,13 +45,17 @@ struct Opened {
   std::vector<Diagnostic> diagnostics;
 };
 
-Opened open(const std::string& path, const std::vector<std::string>& folders) {
+// `images`: gobos are read and drawn, too.
+Opened open(const std::string& path, const std::vector<std::string>& folders, bool images) {
   Diagnostics diagnostics;
   std::optional<fixtures::Library> library;
   if (!folders.empty()) library = fixtures::Library::open(folders);
   catch_end_signals();
   Progress progress("fixtures read");
   auto rig = fixtures::import_rig(path, library ? &*library : nullptr, diagnostics, progress.go_on());
+  if (rig && images) {
+    for (const fixtures::FixtureType& type : rig->rig.types) fixtures::check_images(type, diagnostics);
+  }
   diagnostics.finish();
   if (rig) rig->diagnostics = diagnostics.all();
   return {std::move(rig), diagnostics.take()};
@@ -61,7 +66,7 @@ Result<ImportedRig> open_or_fail(const Options& options) {
   if (options.path.empty()) {
     return fail(ErrorCode::kBadInput, "expected a rig: .mvr, .qxw or .toml; 'footlight rig --help' has examples");
   }
-  Opened opened = open(options.path, options.library);
+  Opened opened = open(options.path, options.library, false);
   if (!opened.rig) return tl::unexpected<Error>(std::move(opened.rig).error());
   const auto wrong = std::count_if(opened.diagnostics.begin(), opened.diagnostics.end(),
                                    [](const Diagnostic& each) { return each.severity != fixtures::Severity::kNote; });
@@ -125,7 +130,7 @@ Result<int> check(const Options& options) {
   for (const std::string& path : options.paths) {
     for (const std::string& file : rig_files(path)) {
       if (end_signal_came()) break;
-      const Opened opened = open(file, options.library);
+      const Opened opened = open(file, options.library, true);
       const ImportStatus status = opened.rig ? opened.rig->status() : ImportStatus::kRefused;
       ++(status == ImportStatus::kLoaded ? loaded : status == ImportStatus::kWarnings ? warned : refused);
       if (options.json) {

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdio>
+#include <utility>
 
 #include "drivers/capture/captures.h"
+#include "fixtures/import/import_rig.h"
 #include "fixtures/lamp.h"
 #include "fixtures/smoothing.h"
 #include "tools/demo_show/demo_assets.h"
@@ -55,10 +58,24 @@ Result<fixtures::Rig> load_scene_rig(const SceneFiles& files) {
   if (files.rig.empty()) {
     return fail(ErrorCode::kBadInput, "no rig: expected --rig FILE, or --demo for the built-in one");
   }
-  FL_ASSIGN(fixtures::Rig rig, fixtures::load_rig(files.rig));
+  FL_ASSIGN(fixtures::ImportedRig imported, fixtures::import_rig(files.rig));
+  const auto wrong =
+      std::count_if(imported.diagnostics.begin(), imported.diagnostics.end(),
+                    [](const fixtures::Diagnostic& one) { return one.severity != fixtures::Severity::kNote; });
+  if (wrong > 0) {
+    fmt::print(stderr, "footlight: {}: {} {}; 'footlight rig check {}' lists them\n", files.rig, wrong,
+               wrong == 1 ? "warning" : "warnings", files.rig);
+  }
+  fixtures::Rig rig = std::move(imported.rig);
   if (files.vrsl && !rig.vrsl) rig.vrsl.emplace();
   FL_TRY(adjust(rig, files));
   return rig;
+}
+
+void print_warnings(const std::vector<fixtures::Diagnostic>& diagnostics) {
+  for (const fixtures::Diagnostic& one : diagnostics) {
+    if (one.severity != fixtures::Severity::kNote) fmt::print(stderr, "footlight: {}\n", fixtures::text(one));
+  }
 }
 
 Result<std::optional<LogReader>> open_scene_log(const SceneFiles& files) {

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "fixtures/rig.h"
 #include "render/settings.h"
@@ -25,6 +26,8 @@ void add_scene_arguments(Arguments& arguments, SceneFiles& files);
 
 // The rig that is named; kBadInput where neither --rig nor --demo is given.
 [[nodiscard]] Result<fixtures::Rig> load_scene_rig(const SceneFiles& files);
+// What is wrong, on standard error; notes are left out.
+void print_warnings(const std::vector<fixtures::Diagnostic>& diagnostics);
 // The log that is named; nothing where none is.
 [[nodiscard]] Result<std::optional<LogReader>> open_scene_log(const SceneFiles& files);
 
