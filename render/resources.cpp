@@ -70,12 +70,13 @@ Result<vk::Image> make_gobos(vk::Device& device, const std::vector<fixtures::Ima
   std::vector<std::uint8_t> texels;
   std::vector<VkBufferImageCopy> regions;
   for (uint layer = 0; layer < layers; ++layer) {
-    std::vector<float> image = fixtures::open_texels(size);
+    std::vector<float> image(3, 1.0f);
     if (!images.empty()) {
       auto read = fixtures::gobo_texels(images[layer], size, kGoboEdge);
       if (read) {
         image = std::move(*read);
       } else {
+        image = fixtures::stand_in_texels(layer, size, kGoboEdge);
         diagnostics.add(fixtures::image_trouble(read.error()));
       }
     }
