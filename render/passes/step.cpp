@@ -1,8 +1,5 @@
 #include "render/passes/step.h"
 
-#include <algorithm>
-#include <cstdint>
-
 #include "render/passes/compute_pass.h"
 #include "shaders/step.comp.h"
 
@@ -25,8 +22,7 @@ const PassEntry kStepPass{
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kStepComp,
-                               [groups = std::min(context.resources.head_groups, std::uint32_t{FL_STEP_GROUPS})](
-                                   VkCommandBuffer commands) {
+                               [groups = context.resources.head_groups](VkCommandBuffer commands) {
                                  vkCmdDispatch(commands, groups, 1, 1);
                                });
     },

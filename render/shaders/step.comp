@@ -1,6 +1,5 @@
 #version 460
-// One thread a head at a time: raw levels -> what is asked -> motors, shutter, phases after dt. Counts the lit ones of
-// each group of heads.
+// One thread a head: raw levels -> what is asked -> motors, shutter, phases after dt. Counts the lit ones of its group.
 #extension GL_GOOGLE_include_directive : require
 #define FL_USE_COUNTS
 #define FL_COUNTS_ACCESS
@@ -101,34 +100,29 @@ void fl_set_optics_state(uint index, OpticsState optics) { optics_states[index] 
 shared uint beams_here;
 shared uint lit_here;
 
-// A workgroup takes every FL_STEP_GROUPS-th group of heads, so that there are never more threads than a cache has room
-// for what they hold beside their states.
 void main() {
-  uint group_count = (params.head_count + uint(FL_GROUP_HEADS) - 1u) / uint(FL_GROUP_HEADS);
-  for (uint group = gl_WorkGroupID.x; group < group_count; group += gl_NumWorkGroups.x) {
-    uint index = group * uint(FL_GROUP_HEADS) + gl_LocalInvocationIndex;
-    if (gl_LocalInvocationIndex == 0u) {
-      beams_here = 0u;
-      lit_here = 0u;
+  uint index = gl_GlobalInvocationID.x;
+  if (gl_LocalInvocationIndex == 0u) {
+    beams_here = 0u;
+    lit_here = 0u;
+  }
+  barrier();
+  if (index < params.head_count) {
+    HeadRow row = heads[index];
+    TypeRow type = types[row.type];
+    HeadState state = states[index];
+    Wish wish;
+    decode_head(wish, type, row);
+    head_step(state, wish, type, row, Turns(push.dt_ns_low, push.dt_ns_high), push.new_exposure != 0u);
+    states[index] = state;
+    if (is_lit(state, type)) {
+      atomicAdd(beams_here, state.beams);
+      atomicAdd(lit_here, 1u);
     }
-    barrier();
-    if (index < params.head_count) {
-      HeadRow row = heads[index];
-      TypeRow type = types[row.type];
-      HeadState state = states[index];
-      Wish wish;
-      decode_head(wish, type, row);
-      head_step(state, wish, type, row, Turns(push.dt_ns_low, push.dt_ns_high), push.new_exposure != 0u);
-      states[index] = state;
-      if (is_lit(state, type)) {
-        atomicAdd(beams_here, state.beams);
-        atomicAdd(lit_here, 1u);
-      }
-    }
-    barrier();
-    if (gl_LocalInvocationIndex == 0u) {
-      group_live[2u * group] = beams_here;
-      group_live[2u * group + 1u] = lit_here;
-    }
+  }
+  barrier();
+  if (gl_LocalInvocationIndex == 0u) {
+    group_live[2u * gl_WorkGroupID.x] = beams_here;
+    group_live[2u * gl_WorkGroupID.x + 1u] = lit_here;
   }
 }

@@ -179,39 +179,6 @@ TEST_CASE("random levels give the states of the walker, over the demo rig and ev
   }
 }
 
-TEST_CASE("a rig of more heads than the step pass has threads is stepped to its last head") {
-  const HeadlessVulkan vulkan;
-  if (!vulkan) return;
-  const auto* par = fixtures::find_builtin_type("generic/par");
-  const int slots = par->modes.front().slot_count;
-  const int per_universe = kSlotCountMax / slots;
-  constexpr int kHeads = FL_STEP_GROUPS * FL_GROUP_HEADS + 100;
-  Scene scene;
-  scene.rig.types = {*par};
-  for (int i = 0; i < kHeads; ++i) {
-    fixtures::PatchedFixture fixture;
-    fixture.name = std::to_string(i);
-    fixture.universe = 1 + i / per_universe;
-    fixture.address = 1 + i % per_universe * slots;
-    scene.rig.fixtures.push_back(std::move(fixture));
-  }
-  scene.rig.cameras.emplace_back();
-  scene.compile();
-  Random random(9);
-  randomise(scene.levels, random);
-  const auto frame = make_frame(vulkan.device(), scene, judged_settings(8, 8));
-  fixtures::f32::Walker walker(scene.compiled);
-  walker.step(scene.levels, kMs);
-  frame->step(scene.levels, kMs);
-  must(frame->run_steps());
-  const auto states = must(frame->read_states());
-  REQUIRE(states.size() == kHeads);
-  int wrong = 0;
-  for (std::size_t i = 0; i < states.size(); ++i)
-    wrong += states[i].started != 1 || std::abs(states[i].red - walker.states[i].red) > 1e-5f;
-  CHECK(wrong == 0);
-}
-
 TEST_CASE("motors, strobes and gobos follow the walker over steps of every length, phases to the bit") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

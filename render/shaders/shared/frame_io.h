@@ -76,7 +76,6 @@
 #define FL_METHOD_MARCH 1
 
 #define FL_GROUP_HEADS 64     // heads a workgroup
-#define FL_STEP_GROUPS 1536   // workgroups that step heads at most: see step.comp
 #define FL_TILE_PX 16         // a workgroup shades one tile
 #define FL_SUPERTILE_PX 64    // beams are listed per supertile, one bit a live beam
 #define FL_GROUP_MASK 64      // beams a workgroup of the tile pass tests
