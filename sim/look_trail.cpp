@@ -60,8 +60,7 @@ Result<bool> LookTrail::next(LevelChange& change) {
       continue;
     }
     std::uint64_t& changed_in = rounds_[static_cast<std::size_t>(change.universe)];
-    const bool together =
-        changed_in != round_ && change.at_ns >= round_ns_ && change.at_ns - round_ns_ < kTogetherNs;
+    const bool together = changed_in != round_ && change.at_ns >= round_ns_ && change.at_ns - round_ns_ < kTogetherNs;
     if (together) {
       change.at_ns = round_ns_;
     } else {

@@ -58,10 +58,10 @@ class LookTrail final : public Sink, public LevelChanges {
 
   // The reader's.
   std::uint64_t lost_seen_ = 0;
-  int repair_;                        // the universe that is read from the buffer next; universes_.count(): none
-  std::vector<TimeNs> repaired_ns_;   // of each universe: older looks are in what was read from the buffer
-  TimeNs round_ns_ = 0;               // when the first change of this round came
-  std::uint64_t round_ = 0;           // counts rounds
+  int repair_;                         // the universe that is read from the buffer next; universes_.count(): none
+  std::vector<TimeNs> repaired_ns_;    // of each universe: older looks are in what was read from the buffer
+  TimeNs round_ns_ = 0;                // when the first change of this round came
+  std::uint64_t round_ = 0;            // counts rounds
   std::vector<std::uint64_t> rounds_;  // of each universe: the one in which it changed last
 };
 
