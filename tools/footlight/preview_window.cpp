@@ -32,7 +32,7 @@ namespace footlight::tools {
 namespace {
 
 constexpr DurationNs kExposureMaxNs = 20 * kNsPerMs;  // as `footlight render --at`; the frame where that is shorter
-constexpr std::size_t kStepsHeldMax = 512;            // steps that wait for the GPU while a log is replayed
+constexpr std::size_t kStepsHeldMax = 512;            // steps that wait for the GPU
 constexpr DurationNs kWireDelayNs = 2 * kNsPerMs;     // live pictures are that late: looks may be on their way
 constexpr DurationNs kSettleNs = 200 * kNsPerMs;      // a new size is taken when the window has kept it for this long
 constexpr int kStripWidth = 800;                      // in a window narrower than this the panel begins as a strip
@@ -81,6 +81,7 @@ class Preview {
   Status turn();
   Status rebuild();
   Status replay_to(DurationNs until_ns, DurationNs exposure_ns);
+  Status advance(Timeline& timeline, TimeNs until_ns, DurationNs exposure_ns);
   Status step_levels(DurationNs dt_ns);
   Status read_figures(DurationNs dt_ns);
   Status draw(const PixelRect& where, TimeNs now_ns);
@@ -267,12 +268,16 @@ Status Preview::replay_to(DurationNs until_ns, DurationNs exposure_ns) {
     FL_TRY(device_->run_once(
         [&](VkCommandBuffer commands) { render::forget_states(commands, frame_->resources()); }));
   }
+  return advance(*timeline_, until_ns, exposure_ns);
+}
+
+Status Preview::advance(Timeline& timeline, TimeNs until_ns, DurationNs exposure_ns) {
   Status flushed;
-  FL_TRY(timeline_->advance(until_ns, exposure_ns,
-                            [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
-                              frame_->step(levels, dt_ns, new_exposure);
-                              if (frame_->pending_steps() >= kStepsHeldMax && flushed) flushed = frame_->run_steps();
-                            }));
+  FL_TRY(timeline.advance(until_ns, exposure_ns,
+                          [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+                            frame_->step(levels, dt_ns, new_exposure);
+                            if (frame_->pending_steps() >= kStepsHeldMax && flushed) flushed = frame_->run_steps();
+                          }));
   return flushed;
 }
 
@@ -280,10 +285,7 @@ Status Preview::step_levels(DurationNs dt_ns) {
   if (live_) {
     live_->take();
     const TimeNs until_ns = std::max(last_ns_ - kWireDelayNs, live_timeline_->now_ns());
-    FL_TRY(live_timeline_->advance(until_ns, std::min(dt_ns, kExposureMaxNs),
-                                   [&](std::span<const std::uint8_t> levels, std::int64_t step_ns, bool new_exposure) {
-                                     frame_->step(levels, step_ns, new_exposure);
-                                   }));
+    FL_TRY(advance(*live_timeline_, until_ns, std::min(dt_ns, kExposureMaxNs)));
   } else if (hand_) {
     frame_->step(hand_->levels(), dt_ns);
   } else {
