@@ -1,6 +1,7 @@
 #include "tools/footlight/live_show.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <future>
 
@@ -47,16 +48,27 @@ void set_modes(Pump& pump, const std::vector<Universe>& universes, const std::ve
   }
 }
 
-// Has the pump's thread do it, and waits until it has.
+// Has the pump's thread do it, and waits until it has. After an error it never will: a job that has not begun when the
+// pump stops is taken back, since what it refers to goes.
 Status on_pump(Pump& pump, std::function<void()> job, const std::function<bool()>& stopping) {
-  const auto done = std::make_shared<std::promise<void>>();
-  const auto finished = done->get_future();
-  pump.call([job = std::move(job), done] {
+  enum class State { kWaiting, kBegun, kTakenBack };
+  struct Call {
+    std::atomic<State> state = State::kWaiting;
+    std::promise<void> done;
+  };
+  const auto call = std::make_shared<Call>();
+  const auto finished = call->done.get_future();
+  pump.call([job = std::move(job), call] {
+    State expected = State::kWaiting;
+    if (!call->state.compare_exchange_strong(expected, State::kBegun)) return;
     job();
-    done->set_value();
+    call->done.set_value();
   });
   while (finished.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) {
-    if (stopping()) return fail(ErrorCode::kTimeout, "the bridge stopped meanwhile");
+    State expected = State::kWaiting;
+    if (stopping() && call->state.compare_exchange_strong(expected, State::kTakenBack)) {
+      return fail(ErrorCode::kTimeout, "the bridge stopped meanwhile");
+    }
   }
   return {};
 }
@@ -117,16 +129,26 @@ void LiveShow::add_to(Pump& pump) {
   for (const Out& out : outs_) add_out(pump, outs_, out);
 }
 
-Result<ShowChange> LiveShow::change_to(const Show& show, Pump& pump, const std::function<bool()>& stopping) {
-  std::vector<In> ins;
+// A change of the show while it is made. Ports move from the old show to the new one; pointers are into ins and outs.
+struct LiveShow::Exchange {
+  const Show& show;
+  std::vector<In> ins;  // of the new show
   std::vector<Out> outs;
-  for (const InPlan& plan : show.ins) ins.push_back({plan, nullptr});
-  for (const OutPlan& plan : show.outs) outs.push_back({plan, nullptr});
-
-  // What stays: each port of old for one line of the file. Who stands by stays only with the one that it stands by for.
-  std::vector<In> old_ins = ins_;
-  std::vector<Out> old_outs = outs_;
+  std::vector<In> old_ins;  // of the old one; those that go, once keep_same() is through
+  std::vector<Out> old_outs;
+  std::vector<In*> added_ins, late_ins;  // opened before the old ones go, and after
+  std::vector<Out*> added_outs, late_outs;
+  std::vector<Universe> universes;
+  std::shared_ptr<Universes> buffer;
+  bool moves = false;  // to another buffer or other rules
   ShowChange change;
+
+  void keep_same();
+  void find_late();
+};
+
+// What stays: each port of old for one line of the file. Who stands by stays only with the one that it stands by for.
+void LiveShow::Exchange::keep_same() {
   for (In& in : ins) {
     const auto same = std::find_if(old_ins.begin(), old_ins.end(), [&](const In& old) { return old.plan == in.plan; });
     if (same == old_ins.end()) continue;
@@ -145,156 +167,167 @@ Result<ShowChange> LiveShow::change_to(const Show& show, Pump& pump, const std::
     old_outs.erase(same);
     ++change.kept;
   }
-  // From here on old_... are those that go. Those of the new that cannot be opened before:
+}
+
+// What wants a device or a file that an old port still has, and who stands by for it.
+void LiveShow::Exchange::find_late() {
   const auto must_wait = [&](const Endpoint& endpoint) {
     return std::any_of(old_ins.begin(), old_ins.end(),
                        [&](const In& old) { return !old.plan.demo && collide(old.plan.endpoint, endpoint); }) ||
            std::any_of(old_outs.begin(), old_outs.end(),
                        [&](const Out& old) { return collide(old.plan.endpoint, endpoint); });
   };
-  std::vector<In*> late_ins;
-  std::vector<Out*> late_outs;
-  for (In& in : ins)
-    if (in.port == nullptr && !in.plan.demo && must_wait(in.plan.endpoint)) late_ins.push_back(&in);
+  for (In& in : ins) {
+    if (in.port != nullptr) continue;
+    const bool waits = !in.plan.demo && must_wait(in.plan.endpoint);
+    (waits ? late_ins : added_ins).push_back(&in);
+  }
   for (Out& out : outs) {
     if (out.port != nullptr) continue;
     const bool primary_late = std::any_of(late_outs.begin(), late_outs.end(), [&](const Out* late) {
       return late->plan.endpoint.text == out.plan.standby_for;
     });
-    if (primary_late || must_wait(out.plan.endpoint)) late_outs.push_back(&out);
+    const bool waits = primary_late || must_wait(out.plan.endpoint);
+    (waits ? late_outs : added_outs).push_back(&out);
   }
+}
 
-  // Devices and files open here, however long that takes.
-  const auto is_late = [](const auto& late, const auto& port) {
-    return std::find(late.begin(), late.end(), &port) != late.end();
-  };
-  std::vector<Universe> universes = named_universes(show);
-  std::vector<In*> added_ins;
-  std::vector<Out*> added_outs;
-  for (In& in : ins) {
-    if (in.port == nullptr && !is_late(late_ins, in)) {
-      added_ins.push_back(&in);
-      if (!network(in)) {
-        FL_ASSIGN(in.port, open_in(in.plan));
-      }
-    }
-    if (in.port != nullptr) universes.insert(universes.end(), in.port->universes().begin(), in.port->universes().end());
+// Devices and files open here, however long that takes.
+Status LiveShow::open_devices(Exchange& exchange) {
+  exchange.universes = named_universes(exchange.show);
+  for (In* in : exchange.added_ins) {
+    if (network(*in)) continue;
+    FL_ASSIGN(in->port, open_in(in->plan));
   }
-  universes = sorted_once(std::move(universes));
-  FL_TRY(check_ltp(show, universes));
-  for (Out& out : outs) {
-    if (out.port != nullptr || is_late(late_outs, out)) continue;
-    added_outs.push_back(&out);
-    if (!network(out)) {
-      FL_ASSIGN(out.port, open_out(out.plan, universes));
-    }
+  for (const In& in : exchange.ins) {
+    if (in.port == nullptr) continue;
+    exchange.universes.insert(exchange.universes.end(), in.port->universes().begin(), in.port->universes().end());
   }
-  std::shared_ptr<Universes> buffer = buffer_;
+  exchange.universes = sorted_once(std::move(exchange.universes));
+  FL_TRY(check_ltp(exchange.show, exchange.universes));
+  for (Out* out : exchange.added_outs) {
+    if (network(*out)) continue;
+    FL_ASSIGN(out->port, open_out(out->plan, exchange.universes));
+  }
+  const Show& show = exchange.show;
   const auto numbers = buffer_->numbers();
-  const bool moves = !std::equal(universes.begin(), universes.end(), numbers.begin(), numbers.end()) ||
-                     !(show.merge == merge_) || show.ltp != ltp_ || show.ltp_slots != ltp_slots_;
-  if (moves) {
-    FL_ASSIGN(buffer, Universes::make(universes));
+  exchange.moves = !std::equal(exchange.universes.begin(), exchange.universes.end(), numbers.begin(), numbers.end()) ||
+                   !(show.merge == merge_) || show.ltp != ltp_ || show.ltp_slots != ltp_slots_;
+  exchange.buffer = buffer_;
+  if (exchange.moves) {
+    FL_ASSIGN(exchange.buffer, Universes::make(exchange.universes));
   }
+  return {};
+}
 
-  // Network ports know of each other and so belong to the pump's thread from their begin to their end. They open last:
-  // what they hear from then on waits in their sockets. Once they are open nothing can be refused. Sources come before
-  // the others go, so that nothing is missed; sinks go before the others come, so that the last words of one are not
-  // taken for those of the next.
-  const auto open_networks = [&]() -> Status {
-    for (In* in : added_ins) {
-      if (in->port != nullptr) continue;
-      FL_ASSIGN(in->port, open_in(in->plan));
-    }
-    for (Out* out : added_outs) {
-      if (out->port != nullptr) continue;
-      FL_ASSIGN(out->port, open_out(out->plan, universes));
-    }
-    return {};
+Status LiveShow::open_networks(Exchange& exchange) {
+  for (In* in : exchange.added_ins) {
+    if (in->port != nullptr) continue;
+    FL_ASSIGN(in->port, open_in(in->plan));
+  }
+  for (Out* out : exchange.added_outs) {
+    if (out->port != nullptr) continue;
+    FL_ASSIGN(out->port, open_out(out->plan, exchange.universes));
+  }
+  return {};
+}
+
+// On the pump's thread. Network ports know of each other and so belong to it from their begin to their end. They open
+// last: what they hear from then on waits in their sockets. Once they are open nothing can be refused. Sources come
+// before the others go, so that nothing is missed; sinks go before the others come, so that the last words of one are
+// not taken for those of the next.
+Status LiveShow::exchange_ports(Exchange& exchange, Pump& pump) {
+  const auto close_networks = [](const auto& entries) {
+    for (auto* entry : entries)
+      if (network(*entry)) entry->port.reset();
   };
-  Status opened;
-  FL_TRY(on_pump(
-      pump,
-      [&] {
-        opened = open_networks();
-        if (!opened) {
-          for (In* in : added_ins)
-            if (network(*in)) in->port.reset();
-          for (Out* out : added_outs)
-            if (network(*out)) out->port.reset();
-          return;
-        }
-        if (moves) {
-          pump.move_to(buffer, show.merge);
-          set_modes(pump, show.ltp, show.ltp_slots);
-        }
-        for (const In* in : added_ins) pump.add_source(*in->port);
-        for (const In& old : old_ins) pump.remove_source(*old.port);
-        for (auto old = old_outs.rbegin(); old != old_outs.rend(); ++old) pump.remove_sink(*old->port);
-        for (const Out* out : added_outs) add_out(pump, outs, *out);
-        ins_ = ins;
-        outs_ = outs;
-        for (In& old : old_ins)
-          if (network(old)) old.port.reset();
-        for (Out& old : old_outs)
-          if (network(old)) old.port.reset();
-      },
-      stopping));
-  FL_TRY(opened);
-  buffer_ = buffer;
-  merge_ = show.merge;
-  ltp_ = show.ltp;
-  ltp_slots_ = show.ltp_slots;
-  change.closed = static_cast<int>(old_ins.size() + old_outs.size());
-  change.opened = static_cast<int>(added_ins.size() + added_outs.size());
-  old_ins.clear();  // gives devices and files back
-  old_outs.clear();
+  if (Status opened = open_networks(exchange); !opened) {
+    close_networks(exchange.added_ins);
+    close_networks(exchange.added_outs);
+    return opened;
+  }
+  if (exchange.moves) {
+    pump.move_to(exchange.buffer, exchange.show.merge);
+    set_modes(pump, exchange.show.ltp, exchange.show.ltp_slots);
+  }
+  for (const In* in : exchange.added_ins) pump.add_source(*in->port);
+  for (const In& old : exchange.old_ins) pump.remove_source(*old.port);
+  for (auto old = exchange.old_outs.rbegin(); old != exchange.old_outs.rend(); ++old) pump.remove_sink(*old->port);
+  for (const Out* out : exchange.added_outs) add_out(pump, exchange.outs, *out);
+  ins_ = exchange.ins;
+  outs_ = exchange.outs;
+  for (In& old : exchange.old_ins)
+    if (network(old)) old.port.reset();
+  for (Out& old : exchange.old_outs)
+    if (network(old)) old.port.reset();
+  return {};
+}
 
-  // Those that had to wait. One that does not come back is kept waiting for.
-  for (In* in : late_ins) {
+// Those that had to wait. One that does not come back is kept waiting for.
+Status LiveShow::open_late(Exchange& exchange, Pump& pump, const std::function<bool()>& stopping) {
+  std::vector<Source*> sources;
+  std::vector<const Sink*> sinks;
+  for (In* in : exchange.late_ins) {
     InPlan plan = in->plan;
     plan.options.wait_for_device = true;
     auto source = open_in(plan);
     if (source) {
       in->port = std::move(*source);
+      sources.push_back(in->port.get());
     } else {
-      change.troubles.push_back(source.error().message);
+      exchange.change.troubles.push_back(source.error().message);
     }
   }
-  for (Out* out : late_outs) {
+  for (Out* out : exchange.late_outs) {
     OutPlan plan = out->plan;
     plan.options.wait_for_device = true;
-    auto sink = open_out(plan, universes);
+    auto sink = open_out(plan, exchange.universes);
     if (sink) {
       out->port = std::move(*sink);
+      sinks.push_back(out->port.get());
     } else {
-      change.troubles.push_back(sink.error().message);
+      exchange.change.troubles.push_back(sink.error().message);
     }
   }
   const auto without_port = [](const auto& entry) { return entry.port == nullptr; };
-  std::vector<Source*> late_sources;
-  std::vector<const Sink*> late_sinks;
-  for (const In* in : late_ins)
-    if (in->port != nullptr) late_sources.push_back(in->port.get());
-  for (const Out* out : late_outs)
-    if (out->port != nullptr) late_sinks.push_back(out->port.get());
-  ins_ = std::move(ins);
-  outs_ = std::move(outs);
+  ins_ = std::move(exchange.ins);
+  outs_ = std::move(exchange.outs);
   std::erase_if(ins_, without_port);
   std::erase_if(outs_, without_port);
-  change.opened += static_cast<int>(late_sources.size() + late_sinks.size());
-  if (late_sources.empty() && late_sinks.empty()) return change;
-  FL_TRY(on_pump(
+  exchange.change.opened += static_cast<int>(sources.size() + sinks.size());
+  if (sources.empty() && sinks.empty()) return {};
+  return on_pump(
       pump,
       [&] {
-        for (Source* source : late_sources) pump.add_source(*source);
+        for (Source* source : sources) pump.add_source(*source);
         for (const Out& out : outs_) {
-          const bool late = std::find(late_sinks.begin(), late_sinks.end(), out.port.get()) != late_sinks.end();
-          if (late) add_out(pump, outs_, out);
+          if (std::find(sinks.begin(), sinks.end(), out.port.get()) != sinks.end()) add_out(pump, outs_, out);
         }
       },
-      stopping));
-  return change;
+      stopping);
+}
+
+Result<ShowChange> LiveShow::change_to(const Show& show, Pump& pump, const std::function<bool()>& stopping) {
+  Exchange exchange{.show = show, .old_ins = ins_, .old_outs = outs_};
+  for (const InPlan& plan : show.ins) exchange.ins.push_back({plan, nullptr});
+  for (const OutPlan& plan : show.outs) exchange.outs.push_back({plan, nullptr});
+  exchange.keep_same();
+  exchange.find_late();
+  FL_TRY(open_devices(exchange));
+  Status exchanged;
+  FL_TRY(on_pump(
+      pump, [&] { exchanged = exchange_ports(exchange, pump); }, stopping));
+  FL_TRY(exchanged);
+  buffer_ = exchange.buffer;
+  merge_ = show.merge;
+  ltp_ = show.ltp;
+  ltp_slots_ = show.ltp_slots;
+  exchange.change.closed = static_cast<int>(exchange.old_ins.size() + exchange.old_outs.size());
+  exchange.change.opened = static_cast<int>(exchange.added_ins.size() + exchange.added_outs.size());
+  exchange.old_ins.clear();  // gives devices and files back
+  exchange.old_outs.clear();
+  FL_TRY(open_late(exchange, pump, stopping));
+  return std::move(exchange.change);
 }
 
 std::vector<const Source*> LiveShow::sources() const {

@@ -66,6 +66,14 @@ class LiveShow {
     std::shared_ptr<Sink> port;
   };
 
+  struct Exchange;
+
+  // The steps of change_to, in its order.
+  [[nodiscard]] Status open_devices(Exchange& exchange);
+  [[nodiscard]] Status exchange_ports(Exchange& exchange, Pump& pump);
+  [[nodiscard]] Status open_late(Exchange& exchange, Pump& pump, const std::function<bool()>& stopping);
+
+  [[nodiscard]] Status open_networks(Exchange& exchange);
   [[nodiscard]] Result<std::shared_ptr<Source>> open_in(const InPlan& plan);
   [[nodiscard]] Result<std::shared_ptr<Sink>> open_out(const OutPlan& plan, const std::vector<Universe>& universes);
   static void add_out(Pump& pump, const std::vector<Out>& outs, const Out& out);

@@ -121,6 +121,27 @@ TEST_CASE("a change that cannot be made leaves everything as it was") {
   CHECK(contains(ltp.error().message, "universe 9"));
 }
 
+TEST_CASE("a change that the pump did not hear of before it was stopped is taken back, and is not made later") {
+  SystemClock clock;
+  LiveShow live(clock);
+  REQUIRE(live.open(show_of(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/stays=1"))).has_value());
+  const auto waiter = std::move(*drivers::EpollWaiter::make());
+  Pump pump(live.buffer(), clock, *waiter, {});
+  live.add_to(pump);
+  const auto before = live.sinks();
+  // Nobody runs the pump yet.
+  const auto stopped =
+      live.change_to(show_of(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/never=1")), pump, [] { return true; });
+  REQUIRE_FALSE(stopped.has_value());
+  CHECK(stopped.error().code == ErrorCode::kTimeout);
+  std::thread thread([&] { pump.run(); });
+  CHECK(gets_frames(*dongle("stays"), 3));
+  pump.request_stop();
+  thread.join();
+  CHECK(live.sinks() == before);
+  CHECK(dongle("never")->wait_for_claim(false));
+}
+
 TEST_CASE("universes may come and go; a look stays where its universe does") {
   Running run(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/f=1"));
   CHECK(gets_frames(*dongle("f"), 3));
