@@ -8,6 +8,7 @@ namespace footlight::render {
 const PassEntry kGatherPass{"gather", [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures; },
                             [](const fixtures::Needs& needs, const FrameSettings&) {
                               return std::vector<vk::SpecConstant>{{FL_SPEC_OPTICS, needs.optics},
+                                                                 {FL_SPEC_STACKED, needs.stacked},
                                                                  {FL_SPEC_BLADES, needs.blades},
                                                                  {FL_SPEC_MEASURED, needs.measured},
                                                                  {FL_SPEC_RECTANGLE, needs.rectangle}};

@@ -13,6 +13,7 @@ const PassEntry kStepPass{
                                            {FL_SPEC_STROBE, needs.strobe},
                                            {FL_SPEC_COLOR, needs.color},
                                            {FL_SPEC_OPTICS, needs.optics},
+                                           {FL_SPEC_STACKED, needs.stacked},
                                            {FL_SPEC_FLEX, needs.flex},
                                            {FL_SPEC_SMOOTH, needs.smooth},
                                            {FL_SPEC_TUNGSTEN, needs.tungsten},

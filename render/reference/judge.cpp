@@ -519,30 +519,46 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
       beam.edges.back().z /= optics.iris;
     }
     // The iris: the middle of the beam, with the whole beam's illuminance.
-    const double spread = beam.spread * optics.iris;
     beam.gobo_scale = optics.iris;
     beam.lens_radius_m *= optics.iris;
     beam.strength_lm *= optics.iris * optics.iris;
-    beam.spread = spread;
-    if (optics.prism == 0) {
-      scene.beams.push_back(beam);
-      continue;
+    beam.spread *= optics.iris;
+    // Each facet of a prism maps the beam before it: p -> m p + at, in radii of the beam as the zoom has it.
+    struct Copy {
+      glm::dmat2 m{1};
+      glm::dvec2 at{0};
+      glm::dvec3 light{1};
+    };
+    std::vector<Copy> copies{{}};
+    for (const auto& [prism, angle] : {std::pair(optics.prism, optics.prism_angle),
+                                       std::pair(optics.prism_2, optics.prism_2_angle)}) {
+      if (prism == 0) continue;
+      const glm::dmat2 turn(std::cos(angle), std::sin(angle), -std::sin(angle), std::cos(angle));
+      const fixtures::WheelSlotRow& slot = walker.rig.wheel_slots[prism - 1];
+      std::vector<Copy> next;
+      for (uint f = 0; f < slot.facet_count; ++f) {
+        const fixtures::FacetRow& facet = walker.rig.facets[slot.facet_first + f];
+        const glm::dvec2 first(facet.turn_cos, facet.turn_sin);
+        const glm::dmat2 image(first, static_cast<double>(facet.mirror) * glm::dvec2(-first.y, first.x));
+        const glm::dmat2 m = turn * (static_cast<double>(facet.scale) * image) * glm::transpose(turn);
+        const glm::dvec2 at = turn * glm::dvec2(facet.x, facet.y);
+        const glm::dvec3 light = static_cast<double>(facet.share) * glm::dvec3(facet.red, facet.green, facet.blue);
+        for (const Copy& copy : copies) next.push_back({m * copy.m, m * copy.at + at, light * copy.light});
+      }
+      copies = std::move(next);
     }
-    const fixtures::WheelSlotRow& slot = walker.rig.wheel_slots[optics.prism - 1];
-    for (uint f = 0; f < slot.facet_count; ++f) {
-      const fixtures::FacetRow& row_of_facet = walker.rig.facets[slot.facet_first + f];
-      const double c = std::cos(optics.prism_angle);
-      const double s = std::sin(optics.prism_angle);
-      const glm::dvec2 at(c * static_cast<double>(row_of_facet.x) - s * static_cast<double>(row_of_facet.y),
-                          s * static_cast<double>(row_of_facet.x) + c * static_cast<double>(row_of_facet.y));
-      JudgeBeam facet = beam;
-      facet.axis = glm::normalize(pose.axis + spread * (at.x * pose.x_axis + at.y * pose.y_axis));
-      facet.x_axis = glm::normalize(pose.x_axis - facet.axis * glm::dot(facet.axis, pose.x_axis));
-      facet.y_axis = glm::cross(facet.axis, facet.x_axis);
-      if (glm::dot(facet.y_axis, pose.y_axis) < 0) facet.y_axis = -facet.y_axis;
-      facet.spread = spread * static_cast<double>(row_of_facet.scale);
-      facet.strength_lm = beam.strength_lm * static_cast<double>(row_of_facet.share);
-      scene.beams.push_back(facet);
+    const JudgeBeam whole = beam;
+    for (const Copy& copy : copies) {
+      JudgeBeam one = whole;
+      const auto on_stage = [&](const glm::dvec2& v) { return v.x * pose.x_axis + v.y * pose.y_axis; };
+      one.axis = glm::normalize(pose.axis + std::tan(state.zoom) * on_stage(copy.at));
+      const glm::dvec3 right = on_stage(copy.m[0]);
+      one.x_axis = glm::normalize(right - one.axis * glm::dot(one.axis, right));
+      one.y_axis = glm::cross(one.axis, one.x_axis);
+      if (glm::dot(one.y_axis, on_stage(copy.m[1])) < 0) one.y_axis = -one.y_axis;
+      one.spread = whole.spread * std::sqrt(std::abs(glm::determinant(copy.m)));
+      one.strength_lm = whole.strength_lm * copy.light;
+      scene.beams.push_back(one);
     }
   }
   return scene;

@@ -39,7 +39,8 @@ struct JudgeWheel {
 // Intensity over the peak towards (x, y, 1) of a beam's light space.
 using MeasuredShare = std::function<double(double x, double y)>;
 
-// One beam in stage space; metres. The axes are unit, right-handed: x cross y = axis.
+// One beam in stage space; metres. The axes are unit and at right angles; x cross y = axis, or -axis where a prism
+// mirrors it.
 struct JudgeBeam {
   glm::dvec3 lens_m{0};
   glm::dvec3 x_axis{1, 0, 0};

@@ -14,6 +14,7 @@
 
 layout(local_size_x = FL_GROUP_HEADS) in;
 layout(constant_id = FL_SPEC_OPTICS) const bool kOptics = false;
+layout(constant_id = FL_SPEC_STACKED) const bool kStacked = false;
 layout(constant_id = FL_SPEC_BLADES) const bool kBlades = false;
 
 layout(set = 0, binding = FL_BINDING_WHEEL_SLOTS, std430) readonly buffer SlotsBuffer { WheelSlotRow wheel_slots[]; };
@@ -31,6 +32,39 @@ layout(set = 0, binding = FL_BINDING_BLADES, std430) writeonly buffer BladesBuff
 
 const float kSquareRadius = 1.4142135623730951;  // of the circle round a square, over half its side
 
+// What prisms make of a beam: a copy whose image is turned over, turned, scaled and moved.
+struct Copy {
+  vec2 at;    // of its middle, in beam radii
+  vec2 turn;  // cos, sin, from x to y
+  float mirror;
+  float scale;
+  vec3 light;  // share of the beam's
+};
+vec2 turned(vec2 turn, vec2 v) { return vec2(turn.x * v.x - turn.y * v.y, turn.y * v.x + turn.x * v.y); }
+
+// Of one facet of a prism that is turned about its middle; an image that it mirrors turns twice as far.
+Copy copy_of(FacetRow facet, float angle) {
+  Copy copy;
+  vec2 turn = vec2(cos(angle), sin(angle));
+  copy.at = turned(turn, vec2(facet.x, facet.y));
+  copy.turn = vec2(facet.turn_cos, facet.turn_sin);
+  if (facet.mirror < 0.0) copy.turn = turned(turn, turned(turn, copy.turn));
+  copy.mirror = facet.mirror;
+  copy.scale = facet.scale;
+  copy.light = vec3(facet.red, facet.green, facet.blue) * facet.share;
+  return copy;
+}
+// A copy of a copy.
+Copy copied(Copy first, Copy then) {
+  Copy both;
+  both.at = then.at + then.scale * turned(then.turn, vec2(first.at.x, then.mirror * first.at.y));
+  both.turn = turned(then.turn, vec2(first.turn.x, then.mirror * first.turn.y));
+  both.mirror = then.mirror * first.mirror;
+  both.scale = then.scale * first.scale;
+  both.light = then.light * first.light;
+  return both;
+}
+
 shared uint beams_before;
 shared uint lit_before;
 shared uint beams_of[FL_GROUP_HEADS];
@@ -41,7 +75,8 @@ void write_beams(uint index, uint first) {
   TypeRow type = types[row.type];
   HeadState state = states[index];
   BeamPose pose = beam_pose(row, type, state);
-  float spread = tan(state.zoom);
+  float zoom_spread = tan(state.zoom);
+  float spread = zoom_spread;
   float profile_m = type.profile_m;
   bool shaped = kOptics && row.optics != kNoAddress;
 
@@ -68,8 +103,7 @@ void write_beams(uint index, uint first) {
   beam.head = index;
   float lens_radius_m = type.lens_radius_m;
   OpticsState optics;
-  uint facet_count = 0u;
-  uint facet_first = 0u;
+  bool copies = false;
   if (shaped) {
     optics = optics_states[row.optics];
     beam.focus = optics.focus;
@@ -111,10 +145,7 @@ void write_beams(uint index, uint first) {
     spread *= optics.iris;
     lens_radius_m *= optics.iris;
     j0 *= optics.iris * optics.iris;
-    if (optics.prism > 0u) {
-      facet_first = wheel_slots[optics.prism - 1u].facet_first;
-      facet_count = state.beams;
-    }
+    copies = optics.prism > 0u || (kStacked && optics.prism_2 > 0u);
     if (kBlades) {
       for (uint i = 0u; i < 4u; ++i) beam.blades |= optics.blade_a[i] + optics.blade_b[i] > 0.0 ? 1u : 0u;
     }
@@ -124,28 +155,37 @@ void write_beams(uint index, uint first) {
     vec3 axis = pose.axis;
     vec3 x_axis = pose.x_axis;
     vec3 y_axis = pose.y_axis;
-    float facet_spread = spread;
-    float share = 1.0;
-    if (facet_count > 0u) {
-      FacetRow facet = facets[facet_first + b];
-      float c = cos(optics.prism_angle);
-      float s = sin(optics.prism_angle);
-      vec2 at = vec2(c * facet.x - s * facet.y, s * facet.x + c * facet.y);
-      float step = beam.squeeze > 0.0 ? spread / kSquareRadius : spread;
-      axis = normalize(pose.axis + step * (at.x * pose.x_axis + at.y * pose.y_axis));
-      x_axis = normalize(pose.x_axis - axis * dot(axis, pose.x_axis));
+    float copy_spread = spread;
+    vec3 light = vec3(1.0);
+    if (copies) {
+      Copy copy = Copy(vec2(0.0), vec2(1.0, 0.0), 1.0, 1.0, vec3(1.0));
+      uint rest = b;
+      if (optics.prism > 0u) {
+        WheelSlotRow slot = wheel_slots[optics.prism - 1u];
+        copy = copy_of(facets[slot.facet_first + rest % slot.facet_count], optics.prism_angle);
+        rest /= slot.facet_count;
+      }
+      if (kStacked && optics.prism_2 > 0u) {
+        uint facet_first = wheel_slots[optics.prism_2 - 1u].facet_first;
+        copy = copied(copy, copy_of(facets[facet_first + rest], optics.prism_2_angle));
+      }
+      // In radii of the beam as the zoom has it: iris and frost change the copies, and not where they are.
+      axis = normalize(pose.axis + zoom_spread * (copy.at.x * pose.x_axis + copy.at.y * pose.y_axis));
+      vec3 right = copy.turn.x * pose.x_axis + copy.turn.y * pose.y_axis;
+      vec3 down = copy.mirror * (copy.turn.x * pose.y_axis - copy.turn.y * pose.x_axis);
+      x_axis = normalize(right - axis * dot(axis, right));
       y_axis = cross(axis, x_axis);
-      if (dot(y_axis, pose.y_axis) < 0.0) y_axis = -y_axis;
-      facet_spread = spread * facet.scale;
-      share = facet.share;
+      if (dot(y_axis, down) < 0.0) y_axis = -y_axis;
+      copy_spread = spread * copy.scale;
+      light = copy.light;
     }
     vec3 eye = params.position.xyz - pose.lens_m;
     beam.x_axis = vec4(x_axis, lens_radius_m);
     if (beam.squeeze > 0.0) y_axis *= type.aspect;
-    beam.y_axis = vec4(y_axis, facet_spread);
+    beam.y_axis = vec4(y_axis, copy_spread);
     beam.axis = vec4(axis, params.up.w);
     beam.eye = vec4(dot(x_axis, eye), dot(y_axis, eye), dot(axis, eye), profile_m);
-    beam.j0 = vec4(vec3(state.red, state.green, state.blue) * (j0 * share), 0.0);
+    beam.j0 = vec4(vec3(state.red, state.green, state.blue) * (j0 * light), 0.0);
     beams[first + b] = beam;
     if (kBlades && beam.blades != 0u) {
       for (uint i = 0u; i < 4u; ++i) {

@@ -15,6 +15,7 @@ layout(constant_id = FL_SPEC_SPIN) const bool kSpin = true;
 layout(constant_id = FL_SPEC_STROBE) const bool kStrobe = true;
 layout(constant_id = FL_SPEC_COLOR) const bool kColor = true;
 layout(constant_id = FL_SPEC_OPTICS) const bool kOptics = true;
+layout(constant_id = FL_SPEC_STACKED) const bool kStacked = true;
 layout(constant_id = FL_SPEC_FLEX) const bool kFlex = true;
 layout(constant_id = FL_SPEC_SMOOTH) const bool kSmooth = true;
 layout(constant_id = FL_SPEC_TUNGSTEN) const bool kTungsten = true;
@@ -86,6 +87,7 @@ void fl_set_optics_state(uint index, OpticsState optics) { optics_states[index] 
 #define FL_NEED_STROBE kStrobe
 #define FL_NEED_COLOR kColor
 #define FL_NEED_OPTICS kOptics
+#define FL_NEED_STACKED kStacked
 #define FL_NEED_FLEX kFlex
 #define FL_NEED_SMOOTH kSmooth
 #define FL_NEED_TUNGSTEN kTungsten

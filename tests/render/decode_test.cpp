@@ -71,7 +71,7 @@ void compare(Frame& frame, const Walker& walker, Differences& d) {
   for (std::size_t i = 0; i < optics.size(); ++i) {
     const auto& a = optics[i];
     const auto& b = walker.optics_states[i];
-    d.phases += a.image_1 != b.image_1 || a.image_2 != b.image_2 || a.prism != b.prism;
+    d.phases += a.image_1 != b.image_1 || a.image_2 != b.image_2 || a.prism != b.prism || a.prism_2 != b.prism_2;
     d.add(d.light, a.iris, b.iris);
     d.add(d.light, a.frost, b.frost);
     for (int blade = 0; blade < 4; ++blade) {
@@ -84,6 +84,7 @@ void compare(Frame& frame, const Walker& walker, Differences& d) {
       d.add(d.position, a.angle_1, b.angle_1);
       d.add(d.position, a.angle_2, b.angle_2);
       d.add(d.position, a.prism_angle, b.prism_angle);
+      d.add(d.position, a.prism_2_angle, b.prism_2_angle);
     }
   }
   for (std::size_t i = 0; i < motors.size(); ++i) {

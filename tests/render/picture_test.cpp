@@ -117,6 +117,36 @@ TEST_CASE("whatever shapes a beam is drawn as the judge has it") {
   }
 }
 
+TEST_CASE("facets of a prism have colours and turns, and a second prism and frost act as the judge has it") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  struct Case {
+    const char* what;
+    std::vector<std::pair<const char*, double>> values;
+    double rel_l2_max;  // twice what lavapipe gave (48 x 27 pixels)
+  };
+  for (const Case& each : {
+           Case{"three colours", {{"Prism1", 2}}, 1e-5},
+           Case{"second prism, turned", {{"Prism2", 2}, {"Prism2Pos", 50}}, 1e-5},
+           Case{"blades through turned facets", {{"Prism1", 2}, {"Blade1A", 0.8}, {"Prism1Pos", 30}}, 1e-5},
+           Case{"blades through a mirror",
+                {{"Prism2", 2}, {"Blade1A", 0.8}, {"Blade1Rot", 20}, {"Prism2Pos", 70}},
+                1e-5},
+           Case{"both prisms, blades, iris",
+                {{"Prism1", 2}, {"Prism2", 2}, {"Prism1Pos", 40}, {"Prism2Pos", 110}, {"Blade2A", 0.7}, {"Iris", 0.6}},
+                1e-5},
+           Case{"second frost", {{"Frost2", 0.6}}, 5e-4},
+           Case{"two frosts", {{"Frost1", 1}, {"Frost2", 1}}, 1e-4},
+           Case{"frost behind a prism", {{"Prism1", 2}, {"Frost2", 0.5}}, 1e-5},
+       }) {
+    CAPTURE(each.what);
+    Scene scene = optics_scene(false, true);
+    CHECK(scene.compiled.needs.stacked);
+    for (const auto& [attribute, value] : each.values) scene.set(0, attribute, value);
+    CHECK(against_judge(vulkan.device(), scene, judged_settings(48, 27), each.what, 1e-3).rel_l2 < each.rel_l2_max);
+  }
+}
+
 TEST_CASE("measured beams are drawn as the judge finds them in the file's own candela") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

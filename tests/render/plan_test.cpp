@@ -38,7 +38,7 @@ Needs demo_needs() {
   needs.color = true;
   needs.blades = true;
   for (bool Needs::* need : {&Needs::flex, &Needs::smooth, &Needs::tungsten, &Needs::led, &Needs::discharge,
-                             &Needs::dowser, &Needs::measured, &Needs::rectangle}) {
+                             &Needs::dowser, &Needs::measured, &Needs::rectangle, &Needs::stacked}) {
     CHECK_FALSE(needs.*need);
     needs.*need = true;
   }
@@ -73,6 +73,7 @@ TEST_CASE("the demo rig with all that it lacks needs every pass, with every bran
                       {FL_SPEC_STROBE, 1},
                       {FL_SPEC_COLOR, 1},
                       {FL_SPEC_OPTICS, 1},
+                      {FL_SPEC_STACKED, 1},
                       {FL_SPEC_FLEX, 1},
                       {FL_SPEC_SMOOTH, 1},
                       {FL_SPEC_TUNGSTEN, 1},
@@ -80,7 +81,11 @@ TEST_CASE("the demo rig with all that it lacks needs every pass, with every bran
                       {FL_SPEC_DISCHARGE, 1},
                       {FL_SPEC_DOWSER, 1}}},
                     {"gather",
-                     {{FL_SPEC_OPTICS, 1}, {FL_SPEC_BLADES, 1}, {FL_SPEC_MEASURED, 1}, {FL_SPEC_RECTANGLE, 1}}},
+                     {{FL_SPEC_OPTICS, 1},
+                      {FL_SPEC_STACKED, 1},
+                      {FL_SPEC_BLADES, 1},
+                      {FL_SPEC_MEASURED, 1},
+                      {FL_SPEC_RECTANGLE, 1}}},
                     {"bodies", {}},
                     {"tiles", {{FL_SPEC_RECTANGLE, 1}}},
                     {"surfaces",
@@ -142,6 +147,7 @@ TEST_CASE("each need that goes takes its branches or its passes with it") {
                         Case{"colour", &Needs::color, {}, FL_SPEC_COLOR},
                         Case{"optics", &Needs::optics, {}, FL_SPEC_OPTICS},
                         Case{"blades", &Needs::blades, {}, FL_SPEC_BLADES},
+                        Case{"stacked", &Needs::stacked, {}, FL_SPEC_STACKED},
                         Case{"flex", &Needs::flex, {}, FL_SPEC_FLEX},
                         Case{"smooth", &Needs::smooth, {}, FL_SPEC_SMOOTH},
                         Case{"tungsten", &Needs::tungsten, {}, FL_SPEC_TUNGSTEN},
@@ -224,7 +230,8 @@ TEST_CASE("the needs of a rig follow from its fixtures and its haze") {
   CHECK(pars->needs.profile);
   CHECK(constants_of(plan_frame(pars->needs, {}), "step") ==
         std::vector<SpecConstant>{{FL_SPEC_MOTION, 0}, {FL_SPEC_SPIN, 0}, {FL_SPEC_STROBE, 1}, {FL_SPEC_COLOR, 0},
-                                  {FL_SPEC_OPTICS, 0}, {FL_SPEC_FLEX, 0}, {FL_SPEC_SMOOTH, 0}, {FL_SPEC_TUNGSTEN, 0},
+                                  {FL_SPEC_OPTICS, 0}, {FL_SPEC_STACKED, 0}, {FL_SPEC_FLEX, 0}, {FL_SPEC_SMOOTH, 0},
+                                  {FL_SPEC_TUNGSTEN, 0},
                                   {FL_SPEC_LED, 0},
                                   {FL_SPEC_DISCHARGE, 0}, {FL_SPEC_DOWSER, 0}});
   rig.haze.scattering_per_m = 0;

@@ -213,7 +213,7 @@ Scene lamps_scene(std::uint64_t seed, int count) {
   return scene;
 }
 
-Scene optics_scene(bool with_focus) {
+Scene optics_scene(bool with_focus, bool stacked) {
   FixtureType type = lamp_type(0.06, 4);
   type.id = "test/optics";
   Mode& mode = type.modes.front();
@@ -236,9 +236,22 @@ Scene optics_scene(bool with_focus) {
     facet.transform[0][0] = facet.transform[1][1] = 0.7;
     facet.transform[2][0] = std::cos(angle);
     facet.transform[2][1] = std::sin(angle);
+    if (stacked) {
+      constexpr fixtures::ColorXyY kTints[] = {{0.55, 0.35, 30}, {0.3, 0.5, 60}, {0.2, 0.15, 10}};
+      facet.color = kTints[i];
+      const double turn = 72 * kDegree * i;
+      facet.transform[0] = {0.7 * std::cos(turn), 0.7 * std::sin(turn), 0};
+      facet.transform[1] = {-0.7 * std::sin(turn), 0.7 * std::cos(turn), 0};
+    }
     prism.slots[1].facets.push_back(facet);
   }
-  type.wheels = {gobos, prism};
+  Wheel second = prism;
+  PrismFacet mirrored, turned;
+  mirrored.transform = glm::dmat3(-0.8, 0, 0, 0, 0.8, 0, -0.6, 0.1, 1);
+  turned.transform = glm::dmat3(1.1 * std::cos(0.5), 1.1 * std::sin(0.5), 0, -1.1 * std::sin(0.5), 1.1 * std::cos(0.5),
+                                0, 0.7, 0, 1);
+  second.slots[1].facets = {mirrored, turned};
+  type.wheels = {gobos, prism, second};
   const auto add = [&](const char* attribute, double from, double to, double at) {
     const int slot = mode.slot_count;
     const auto raw = static_cast<std::uint32_t>(std::lround(65535 * (at - from) / (to - from)));
@@ -263,6 +276,15 @@ Scene optics_scene(bool with_focus) {
   ChannelFunction& prisms = mode.channels.back().functions.front();
   prisms.wheel = 1;
   prisms.sets = {{"open", 0, 32767, 0, 1, 1}, {"in", 32768, 65535, 0, 1, 2}};
+  if (stacked) {
+    const std::vector<fixtures::ChannelSet> sets = prisms.sets;
+    add("Prism2", 0, 1, 0);
+    mode.channels.back().functions.front().wheel = 2;
+    mode.channels.back().functions.front().sets = sets;
+    add("Prism1Pos", 0, 360, 0);
+    add("Prism2Pos", 0, 360, 0);
+    add("Frost2", 0, 1, 0);
+  }
   REQUIRE(problems(type).empty());
 
   Scene scene;
