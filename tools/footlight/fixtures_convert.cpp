@@ -8,6 +8,7 @@
 #include "fixtures/fixture_toml_full.h"
 #include "fixtures/import/archive.h"
 #include "fixtures/import/import.h"
+#include "sim/core/counted.h"
 #include "tools/footlight/fixtures_command.h"
 
 namespace footlight::tools {
@@ -71,9 +72,10 @@ Result<int> convert(const Options& options) {
     fmt::print(stderr, "{}\n", fixtures::text(diagnostic));
     ++warnings;
   }
-  fmt::print("{}: {} {}, {} modes, {} bytes{}{}\n", options.out, type.manufacturer, type.name, type.modes.size(),
-             text.size(), copied > 0 ? fmt::format(", {} files in {}", copied, folder) : "",
-             warnings > 0 ? fmt::format("; {} warnings", warnings) : "");
+  fmt::print("{}: {} {}, {}, {} bytes{}{}\n", options.out, type.manufacturer, type.name,
+             counted(type.modes.size(), "mode"), text.size(),
+             copied > 0 ? fmt::format(", {} in {}", counted(copied, "file"), folder) : "",
+             warnings > 0 ? fmt::format("; {}", counted(warnings, "warning")) : "");
   return kExitOk;
 }
 

@@ -39,10 +39,11 @@ extern const CommandInfo preview_command{
     .help = "Show a rig in a window: from a log, live from the network or a device, or by hand",
     .examples =
         "  footlight preview --demo\n"
-        "  footlight preview --rig rig.toml --log show.dmxlog --at 12.5s\n"
-        "  footlight preview --rig rig.toml --in sacn:1-9            live\n"
-        "  footlight preview --rig rig.toml --in enttec-pro --in artnet:2-9\n"
-        "  footlight preview --rig rig.toml                          by hand, with faders\n"
+        "  footlight preview rig.toml --log show.dmxlog --at 12.5s\n"
+        "  footlight preview rig.toml --in sacn:1-9            live\n"
+        "  footlight preview rig.toml --in enttec-pro --in artnet:2-9\n"
+        "  footlight preview show.mvr                          by hand, with faders\n"
+        "  footlight preview head.gdtf                         one fixture alone\n"
         "Mouse: left orbits, right or middle pans, wheel approaches. Keys: 1-9 cameras, F frames the rig, W work\n"
         "light, space pauses, left and right seek 5 s, Q and E expose, H hides the panel, Esc closes. Without a\n"
         "display: footlight render.",

@@ -334,10 +334,10 @@ extern const CommandInfo render_command{
     .help = "Make pictures or a video of a rig, without a display",
     .examples =
         "  footlight render --demo --at 12.5s -o frame.png\n"
-        "  footlight render --rig rig.toml --log show.dmxlog --at 12.5s --size 1920x1080 -o frame.png\n"
-        "  footlight render --rig rig.toml --log show.dmxlog --every 40ms -o frame_%04d.png\n"
-        "  footlight render --rig hall.mvr --at 0s -o hall.png              in work light\n"
-        "  footlight render --rig hall.mvr --lit --set Tilt=30 --set Iris=0.4 --at 0s -o look.png\n"
+        "  footlight render rig.toml --log show.dmxlog --at 12.5s --size 1920x1080 -o frame.png\n"
+        "  footlight render rig.toml --log show.dmxlog --every 40ms -o frame_%04d.png\n"
+        "  footlight render hall.mvr --at 0s -o hall.png              in work light\n"
+        "  footlight render hall.mvr --lit --set Tilt=30 --set Iris=0.4 --at 0s -o look.png\n"
         "  footlight render --demo --every 40ms --from 10s --until 20s --camera side -o side.mp4\n"
         "The same rig, log and time give the same picture, bit for bit on one device.",
     .add = add,

@@ -84,7 +84,7 @@ extern const CommandInfo report_command{
     .help = "How wrong each approximation is, what it costs, and what the rig left out",
     .examples =
         "  footlight report --quick\n"
-        "  footlight report --rig rig.toml --log show.dmxlog --at 12.5s --svg beams.svg --csv beams.csv\n"
+        "  footlight report rig.toml --log show.dmxlog --at 12.5s --svg beams.svg --csv beams.csv\n"
         "  footlight report --pictures --beams 10000 --size 3840x2160 --judge-size 96x54\n"
         "  footlight report --time --csv time.csv --svg time.svg\n"
         "  footlight report --pictures --fleet 100000        what a step of so many fixtures costs\n"

@@ -18,6 +18,7 @@
 #include "fixtures/paperwork/patch_pdf.h"
 #include "fixtures/paperwork/patch_sheet.h"
 #include "fixtures/paperwork/plan.h"
+#include "sim/core/counted.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/progress.h"
 #include "tools/footlight/terminal.h"
@@ -64,15 +65,17 @@ Opened open(const std::string& path, const std::vector<std::string>& folders, bo
 // For commands that want the rig: what is wrong goes to standard error in one line, and how to see the rest.
 Result<ImportedRig> open_or_fail(const Options& options) {
   if (options.path.empty()) {
-    return fail(ErrorCode::kBadInput, "expected a rig: .mvr, .qxw or .toml; 'footlight rig --help' has examples");
+    return fail(
+        ErrorCode::kBadInput,
+        "expected a rig (.mvr, .qxw, .toml) or the definition of a fixture; 'footlight rig --help' has examples");
   }
   Opened opened = open(options.path, options.library, false);
   if (!opened.rig) return tl::unexpected<Error>(std::move(opened.rig).error());
   const auto wrong = std::count_if(opened.diagnostics.begin(), opened.diagnostics.end(),
                                    [](const Diagnostic& each) { return each.severity != fixtures::Severity::kNote; });
   if (wrong > 0) {
-    fmt::print(stderr, "footlight: {}: {} warnings; 'footlight rig check {}' lists them\n", options.path, wrong,
-               options.path);
+    fmt::print(stderr, "footlight: {}: {}; 'footlight rig check {}' lists them\n", options.path,
+               counted(wrong, "warning"), options.path);
   }
   return std::move(*opened.rig);
 }
@@ -210,9 +213,9 @@ Result<int> show(const Options& options) {
     return kExitOk;
   }
 
-  fmt::print("{}: {} {} {}, {} fixtures, {} objects, {} focus points\n\n", options.path, imported.rig.name,
-             imported.format, imported.version, rows.size(), imported.rig.objects.size(),
-             imported.rig.focus_points.size());
+  fmt::print("{}: {} {}{}{}, {}, {}, {}\n\n", options.path, imported.rig.name, imported.format,
+             imported.version.empty() ? "" : " ", imported.version, counted(rows.size(), "fixture"),
+             counted(imported.rig.objects.size(), "object"), counted(imported.rig.focus_points.size(), "focus point"));
   fmt::print("{:<10} {:<24} {:<32} {:<18} {:>5}  {:<14} {:>7} {:>7} {:>7}\n", "id", "name", "type", "mode", "slots",
              "address", "x m", "y m", "z m");
   for (const fixtures::PatchRow& row : rows) {
@@ -224,11 +227,13 @@ Result<int> show(const Options& options) {
   }
   fmt::print("\nUniverses ({})\n", uses.size());
   for (const auto& use : uses) {
-    fmt::print("  {:>5}  {} fixtures, {} of 512 slots\n", use.universe, use.fixture_count, use.slot_count);
+    fmt::print("  {:>5}  {}, {} of 512 slots\n", use.universe, counted(use.fixture_count, "fixture"), use.slot_count);
   }
-  fmt::print("\nPower {:.1f} kW{}, weight {:.0f} kg{}\n", power_w / 1000,
-             unknown_power > 0 ? fmt::format(" without {} fixtures that say none", unknown_power) : "", weight_kg,
-             unknown_weight > 0 ? fmt::format(" without {} that say none", unknown_weight) : "");
+  fmt::print(
+      "\nPower {:.1f} kW{}, weight {:.0f} kg{}\n", power_w / 1000,
+      unknown_power > 0 ? fmt::format(" without {} of unknown power", counted(unknown_power, "fixture")) : "",
+      weight_kg,
+      unknown_weight > 0 ? fmt::format(" without {} of unknown weight", counted(unknown_weight, "fixture")) : "");
   print_assumptions(imported);
   return kExitOk;
 }
@@ -242,8 +247,10 @@ Status expect_ending(const std::string& out, const std::vector<std::string>& end
 }
 
 void print_report(const std::string& out, const fixtures::ExportReport& report) {
-  fmt::print("{}: {} fixtures, {} definitions{}, {} meshes\n", out, report.fixture_count, report.definition_count,
-             report.made_count > 0 ? fmt::format(" ({} written as GDTF)", report.made_count) : "", report.mesh_count);
+  fmt::print("{}: {}, {}{}, {}\n", out, counted(report.fixture_count, "fixture"),
+             counted(report.definition_count, "definition"),
+             report.made_count > 0 ? fmt::format(" ({} written as GDTF)", report.made_count) : "",
+             report.mesh_count == 1 ? "1 mesh" : fmt::format("{} meshes", report.mesh_count));
   for (const std::string& note : report.notes) fmt::print(stderr, "footlight: {}\n", note);
 }
 

@@ -9,6 +9,7 @@
 #include "fixtures/import/import_rig.h"
 #include "fixtures/lamp.h"
 #include "fixtures/smoothing.h"
+#include "sim/core/counted.h"
 #include "tools/demo_show/demo_assets.h"
 
 namespace footlight::tools {
@@ -35,9 +36,8 @@ Status adjust(fixtures::Rig& rig, const SceneFiles& files) {
 
 }  // namespace
 
-
 void add_scene_arguments(Arguments& arguments, SceneFiles& files) {
-  arguments.option("--rig", files.rig, "FILE", "the rig (docs/rig.md)");
+  arguments.option("RIG,--rig", files.rig, "FILE", "the rig: TOML, MVR, QLC+; or the definition of one fixture");
   arguments.option("--log", files.log, "FILE", "what drives it: a DMX log, an OLA Show or a capture");
   arguments.flag("--vrsl-compat", files.vrsl, "VRSL fixtures as VRSL shows them, faults included (docs/vrsl.md)");
   arguments.flag("--demo", files.demo, "the built-in rig, driven by the built-in show");
@@ -48,7 +48,7 @@ void add_scene_arguments(Arguments& arguments, SceneFiles& files) {
 
 Result<fixtures::Rig> load_scene_rig(const SceneFiles& files) {
   if (!files.rig.empty() && files.demo) {
-    return fail(ErrorCode::kBadInput, "--rig and --demo: expected one of them");
+    return fail(ErrorCode::kBadInput, "a rig and --demo: expected one of them");
   }
   if (files.demo) {
     fixtures::Rig rig = fixtures::demo_rig();
@@ -56,15 +56,15 @@ Result<fixtures::Rig> load_scene_rig(const SceneFiles& files) {
     return rig;
   }
   if (files.rig.empty()) {
-    return fail(ErrorCode::kBadInput, "no rig: expected --rig FILE, or --demo for the built-in one");
+    return fail(ErrorCode::kBadInput, "no rig: expected its file, or --demo for the built-in one");
   }
   FL_ASSIGN(fixtures::ImportedRig imported, fixtures::import_rig(files.rig));
   const auto wrong =
       std::count_if(imported.diagnostics.begin(), imported.diagnostics.end(),
                     [](const fixtures::Diagnostic& one) { return one.severity != fixtures::Severity::kNote; });
   if (wrong > 0) {
-    fmt::print(stderr, "footlight: {}: {} {}; 'footlight rig check {}' lists them\n", files.rig, wrong,
-               wrong == 1 ? "warning" : "warnings", files.rig);
+    fmt::print(stderr, "footlight: {}: {}; 'footlight rig check {}' lists them\n", files.rig, counted(wrong, "warning"),
+               files.rig);
   }
   fixtures::Rig rig = std::move(imported.rig);
   if (files.vrsl && !rig.vrsl) rig.vrsl.emplace();

@@ -21,10 +21,10 @@ struct SceneFiles {
   std::string dimmer_law;  // of all fixtures; empty: as the rig says
 };
 
-// --rig, --log, --demo.
+// The rig, as the first word or behind --rig; --log, --demo and what changes the rig.
 void add_scene_arguments(Arguments& arguments, SceneFiles& files);
 
-// The rig that is named; kBadInput where neither --rig nor --demo is given.
+// The rig that is named; kBadInput where neither a file nor --demo is given.
 [[nodiscard]] Result<fixtures::Rig> load_scene_rig(const SceneFiles& files);
 // What is wrong, on standard error; notes are left out.
 void print_warnings(const std::vector<fixtures::Diagnostic>& diagnostics);

@@ -102,7 +102,7 @@ name = "Floor"
 min = [-4, -4, -0.1]
 max = [4, 4, 0]
 )";
-  const int code = preview(folder, "--rig " + folder.file("rig.toml") + " --seconds 1 --size 320x180 --json");
+  const int code = preview(folder, folder.file("rig.toml") + " --seconds 1 --size 320x180 --json");
   const std::string err = read(folder.file("err"));
   if (contains(err, "libglfw3-dev")) return;
   INFO(err);
