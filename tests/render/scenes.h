@@ -61,10 +61,10 @@ struct Scene {
 [[nodiscard]] Scene lamps_scene(std::uint64_t seed, int count);
 inline constexpr int kLampDimmerSlot = 0;  // from a lamp's address: set to 0 it is dark
 // One lamp 3 m up that shines along +Y at a wall, 8 m away, and can do all that shapes a beam: Gobo1WheelIndex (open,
-// dots, bars, star), Gobo1Pos, Iris, Frost1, Prism1 (open, three facets), Blade1A to Blade4Rot, Focus1 where asked for,
-// AnimationWheel1 (0 or 1) and its Pos. Every channel has 16 bits. stacked: the facets of its prism are of three colours
-// and turned by 0, 72 and 144 degrees, and there are Prism1Pos, Prism2 (open, two facets: one mirrored, one turned and
-// larger), Prism2Pos and Frost2.
+// dots, bars, star), Gobo1Pos, Iris, Frost1, Prism1 (open, three facets), Blade1A to Blade4Rot, Focus1 where asked
+// for, AnimationWheel1 (0 or 1) and its Pos. Every channel has 16 bits. stacked: the facets of its prism are of three
+// colours and turned by 0, 72 and 144 degrees, and there are Prism1Pos, Prism2 (open, two facets: one mirrored, one
+// turned and larger), Prism2Pos and Frost2.
 [[nodiscard]] Scene optics_scene(bool with_focus, bool stacked = false);
 // An IES file of our own: a lamp of 0 to 90 degrees by 5 and of 12 planes, brightest `away_deg` from its axis towards
 // its top, in a blob of about `width_deg`, with a twentieth of that everywhere.
