@@ -118,15 +118,15 @@ void add_scene(const TimeReportOptions& options, std::span<const double> levels,
   bench.add(scene, "universal curve f32", 1, [&] {
     const f32::FilamentType type{static_cast<float>(kRatedK), static_cast<float>(tau_ms * 1e-3)};
     return [&, type, filament = f32::filament_start(0)](std::size_t i) mutable {
-      filament = f32::filament_step(filament, type, static_cast<float>(show.input[i]), dt_of(i));
-      return static_cast<double>(filament.kelvin) / kRatedK;
+      f32::filament_move(filament, type, static_cast<float>(show.input[i]), dt_of(i));
+      return static_cast<double>(filament.kelvin) * (1 / kRatedK);
     };
   });
   bench.add(scene, "universal curve f64", 1, [&] {
     const f64::FilamentType type{kRatedK, tau_ms * 1e-3};
     return [&, type, filament = f64::filament_start(0)](std::size_t i) mutable {
-      filament = f64::filament_step(filament, type, show.input[i], dt_of(i));
-      return filament.kelvin / kRatedK;
+      f64::filament_move(filament, type, show.input[i], dt_of(i));
+      return filament.kelvin * (1 / kRatedK);
     };
   });
 

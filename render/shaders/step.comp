@@ -72,6 +72,7 @@ void fl_set_flex_state(uint index, Flex flex) {
 Shutter fl_shutter_state(uint index) { return shutter_states[index]; }
 void fl_set_shutter_state(uint index, Shutter shutter) { shutter_states[index] = shutter; }
 LightRow fl_light(uint index) { return lights[index]; }
+float fl_filament(uint index) { return fl_default(index); }  // a rig with filaments has them first
 Filament fl_filament_state(uint index) { return filaments[index]; }
 void fl_set_filament_state(uint index, Filament filament) { filaments[index] = filament; }
 Led fl_led_state(uint index) { return leds[index]; }

@@ -12,6 +12,15 @@ FL_CONST bool kSingle = Real(1) + Real(1e-10) == Real(1);
 FL_CONST bool kSingle = true;  // a compiler of GLSL may work out constants in double
 #endif
 
+// The bits of a number as a float, and back.
+#ifdef __cplusplus
+FL_FN uint float_bits(Real x) { return std::bit_cast<uint>(static_cast<float>(x)); }
+FL_FN Real bits_float(uint bits) { return Real(std::bit_cast<float>(bits)); }
+#else
+FL_FN uint float_bits(Real x) { return floatBitsToUint(x); }
+FL_FN Real bits_float(uint bits) { return uintBitsToFloat(bits); }
+#endif
+
 // Quotients and roots that are rounded as IEEE 754 says, for numbers and results between 1e-30 and 1e30 and for 0.
 // Vulkan lets a / b be off by 2.5 units in the last place and sqrt by some; one step with the exact remainder mends it,
 // but for results within 1e-6 of a unit of the middle between two floats.

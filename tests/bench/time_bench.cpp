@@ -112,7 +112,7 @@ void smooth(benchmark::State& bench) {
 void filament(benchmark::State& bench) {
   const f32::FilamentType type{3200, 0.034f};
   run(bench, f32::filament_start(300),
-      [&](f32::Filament& f, Inputs& in) { f = f32::filament_step(f, type, in.next(), kFrame_ns); });
+      [&](f32::Filament& f, Inputs& in) { f32::filament_move(f, type, in.next(), kFrame_ns); });
 }
 struct Bulb {
   f32::Filament filament = f32::filament_start(300);
@@ -121,7 +121,7 @@ struct Bulb {
 void filament_with_light(benchmark::State& bench) {
   const f32::FilamentType type{3200, 0.034f};
   run(bench, Bulb(), [&](Bulb& b, Inputs& in) {
-    b.filament = f32::filament_step(b.filament, type, in.next(), kFrame_ns);
+    f32::filament_move(b.filament, type, in.next(), kFrame_ns);
     b.light = f32::filament_light(b.filament.kelvin, type);
   });
 }

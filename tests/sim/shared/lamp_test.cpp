@@ -95,9 +95,9 @@ TEST_CASE(
       worst_f = std::max(worst_f, std::abs(static_cast<double>(single.kelvin) - judge));
     }
     MESSAGE("time constant ", tau_s, " s: largest difference ", worst, " K in double, ", worst_f, " K in float");
-    // Asked for: 0.05 K. The table leaves 3e-4 K and float's rounding 1.2e-3 K.
+    // Asked for: 0.05 K. The tables leave 5e-4 K, float's rounding as much.
     CHECK(worst < 1e-3);
-    CHECK(worst_f < 3e-3);
+    CHECK(worst_f < 2e-3);
   }
 }
 
@@ -144,6 +144,18 @@ TEST_CASE("a cut of tungsten's time changes nothing: the curve's table is invert
   }
   MESSAGE("largest difference: ", worst, " of the full temperature");
   CHECK(worst < 1e-12);
+}
+
+TEST_CASE("a new voltage does not make a filament's temperature jump: from K to its curve and back, in float") {
+  double worst = 0;
+  for (std::uint32_t i = 0; i < 20'000; ++i) {
+    const auto start = static_cast<float>(293.15 + 3200 * chance(1, i));
+    const auto volt = static_cast<float>((i % 5 == 0 ? 0.1 : 1.2) * chance(2, i));
+    const float after_1_ns = f32::filament_after(start, Lamps<Float>::bulb(0.35), volt, 1e-9f);
+    worst = std::max(worst, std::abs(static_cast<double>(after_1_ns) - static_cast<double>(start)));
+  }
+  MESSAGE("largest jump: ", worst, " K");
+  CHECK(worst < 5e-3);
 }
 
 TEST_CASE_TEMPLATE("a filament of any state steps a + b as a and b, up to 60 s each", T, Float, Double) {

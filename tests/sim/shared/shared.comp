@@ -31,6 +31,9 @@ layout(set = 0, binding = 0, std430) buffer Models {
   Real value;
 };
 
+layout(set = 0, binding = 1, std430) readonly buffer Curves { float curves[]; };
+float fl_filament(uint index) { return curves[index]; }
+
 void main() {
   Motor before = motor;
   motor = motor_step(motor, motor_vector(motor_limits(limits.speed_max, 2.0, 0.5), value), value, dt_ns);
