@@ -62,7 +62,8 @@ void check(const ImportedRig& imported) {
   }
   testing::require(compile(rig).has_value());
   testing::require(!patch_html(rig, {}).empty() && !patch_csv(rig).empty());
-  testing::require(plan_svg(rig, {}).ends_with("</svg>\n"));
+  const auto drawing = plan_svg(rig, {});
+  testing::require(drawing && drawing->ends_with("</svg>\n"));
 }
 
 }  // namespace

@@ -1,11 +1,14 @@
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 
 #include <CLI/CLI.hpp>
 
 #include "tools/footlight/command.h"
 #include "tools/footlight/duration.h"
+#include "tools/footlight/status_text.h"
 
 namespace footlight::tools {
 namespace {
@@ -30,6 +33,15 @@ ExitCode exit_code_of(ErrorCode code) {
     case ErrorCode::kIo: break;
   }
   return kExitFailed;
+}
+
+Result<bool> flush_output() {
+  static int trouble = 0;  // of the first write that failed: the stream itself forgets why
+  errno = 0;
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return true;
+  if (trouble == 0) trouble = errno != 0 ? errno : EPIPE;
+  if (trouble == EPIPE) return false;
+  return fail(ErrorCode::kIo, "standard output: {}", std::strerror(trouble));
 }
 
 void Arguments::flag(const std::string& names, bool& value, const std::string& help) {
@@ -143,9 +155,10 @@ int run_command_line(int argc, const char* const* argv, std::span<const CommandI
   }
 
   try {
-    const Result<int> code = chosen ? chosen() : Result<int>(kExitOk);
+    Result<int> code = chosen ? chosen() : Result<int>(kExitOk);
+    if (const auto written = flush_output(); code && !written) code = tl::unexpected<Error>(written.error());
     if (code) return *code;
-    std::fputs(fmt::format("footlight: {}\n", code.error().message).c_str(), stderr);
+    std::fputs(fmt::format("footlight: {}\n", printable_lines(code.error().message)).c_str(), stderr);
     return exit_code_of(code.error().code);
   } catch (const std::exception& error) {  // out of memory; nothing of ours throws
     std::fputs(fmt::format("footlight: {}\n", error.what()).c_str(), stderr);

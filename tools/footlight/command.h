@@ -36,6 +36,10 @@ enum ExitCode : int {
 };
 [[nodiscard]] ExitCode exit_code_of(ErrorCode code);
 
+// Writes out what was printed so far. False: nobody reads on, as behind `| head`. Fails where it cannot be written, as
+// on a full disk.
+[[nodiscard]] Result<bool> flush_output();
+
 // Runs after the whole command line was read; returns an ExitCode. An error is printed and turned into one.
 using Job = std::function<Result<int>()>;
 

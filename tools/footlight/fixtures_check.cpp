@@ -18,6 +18,7 @@
 #include "tools/footlight/fixtures_command.h"
 #include "tools/footlight/json_lines.h"
 #include "tools/footlight/progress.h"
+#include "tools/footlight/status_text.h"
 #include "tools/footlight/terminal.h"
 
 namespace footlight::tools {
@@ -79,7 +80,7 @@ Status add_folder(const std::string& path, Wanted& wanted) {
       } else if (at.depth() >= kDepthMax) {
         at.disable_recursion_pending();
       }
-    } else if (at->is_regular_file(ignored)) {
+    } else if (at->is_regular_file(ignored) || !fs::exists(at->path(), ignored)) {  // a link that leads nowhere
       if (is_definition(name)) {
         found.push_back(name);
       } else {
@@ -97,9 +98,6 @@ Result<Wanted> find_wanted(const std::vector<std::string>& paths) {
   Wanted wanted;
   for (const std::string& path : paths) {
     std::error_code error;
-    if (!fs::exists(path, error) && fixtures::find_builtin_type(path) == nullptr) {
-      return fail(ErrorCode::kNotFound, "{}: no such file or folder", path);
-    }
     if (fs::is_directory(path, error)) {
       FL_TRY(add_folder(path, wanted));
     } else {
@@ -126,7 +124,7 @@ FixtureCheck check_file(const std::string& path, bool sweeps, bool images, fixtu
   fixtures::Diagnostics diagnostics;
   auto source = fixtures::open_import_source(path);
   if (!source) {
-    diagnostics.add({Severity::kError, "read", {path}, source.error().message, ""});
+    diagnostics.add(fixtures::error_of(source.error().message, path, "read"));
     check.diagnostics = diagnostics.take();
     return check;
   }
@@ -155,13 +153,14 @@ FixtureCheck check_file(const std::string& path, bool sweeps, bool images, fixtu
 }
 
 void print(const FixtureCheck& check, bool notes) {
-  fmt::print("{:<8}  {}", status_name(check.status), check.file);
+  std::string line = fmt::format("{:<8}  {}", status_name(check.status), check.file);
   if (check.status != ImportStatus::kRefused) {
-    fmt::print(": {} {}, {} {}", check.manufacturer, check.name, check.modes, check.modes == 1 ? "mode" : "modes");
+    line += fmt::format(": {}{}{}, {} {}", check.manufacturer, check.manufacturer.empty() ? "" : " ", check.name,
+                        check.modes, check.modes == 1 ? "mode" : "modes");
   }
-  fmt::print("\n");
+  fmt::print("{}\n", printable_utf8(line));
   for (const Diagnostic& one : check.diagnostics) {
-    if (notes || one.severity != Severity::kNote) fmt::print("  {}\n", text(one));
+    if (notes || one.severity != Severity::kNote) fmt::print("  {}\n", printable_utf8(text(one)));
   }
 }
 
@@ -186,7 +185,8 @@ Result<int> run_check(const Options& options) {
     } else {
       print(check, options.notes);
     }
-    if (std::fflush(stdout) != 0) break;  // nobody reads on
+    FL_ASSIGN(const bool read_on, flush_output());
+    if (!read_on) break;
   }
   progress.clear();
   const std::size_t refused = counts[static_cast<std::size_t>(ImportStatus::kRefused)];

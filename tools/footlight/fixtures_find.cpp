@@ -6,6 +6,7 @@
 
 #include "fixtures/library.h"
 #include "tools/footlight/fixtures_command.h"
+#include "tools/footlight/status_text.h"
 
 namespace footlight::tools {
 namespace {
@@ -39,8 +40,8 @@ Result<int> find(const Options& options) {
                                    {"score", hit.score}};
       fmt::print("{}\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
     } else {
-      fmt::print("{:<5}  {:<24} {:<32} {}\n", hit.entry.format, hit.entry.manufacturer, hit.entry.model,
-                 hit.entry.path);
+      fmt::print("{}\n", printable_utf8(fmt::format("{:<5}  {:<24} {:<32} {}", hit.entry.format, hit.entry.manufacturer,
+                                                    hit.entry.model, hit.entry.path)));
     }
   }
   if (!hits.empty()) return kExitOk;

@@ -14,6 +14,7 @@
 #include "fixtures/lamp.h"
 #include "fixtures/params.h"
 #include "tools/footlight/fixtures_command.h"
+#include "tools/footlight/status_text.h"
 
 namespace footlight::tools {
 namespace {
@@ -177,8 +178,9 @@ class Writer {
       case BeamType::kFresnel: type = "fresnel"; break;
       case BeamType::kGlow: type = "glow"; break;
     }
-    return fmt::format("{}, {:.5g} lm, {:.5g} K, beam {:.4g} deg, field {:.4g} deg, lens {:.3g} m", type, beam.flux_lm,
-                       beam.color_temperature_k, beam.beam_angle_deg, beam.field_angle_deg, beam.radius_m);
+    return fmt::format("{}, {:.5g} lm, {:.5g} K, beam {:.4g} deg, field {:.4g} deg, lens {:.3g} m{}", type,
+                       beam.flux_lm, beam.color_temperature_k, beam.beam_angle_deg, beam.field_angle_deg, beam.radius_m,
+                       beam.face_m.x > 0 ? fmt::format(", {:.3g} x {:.3g} m", beam.face_m.x, beam.face_m.y) : "");
   }
 
   static std::string laser(const Laser& laser) {
@@ -245,12 +247,12 @@ Result<int> show(const Options& options) {
   FL_ASSIGN(const Imported imported, import_fixture(options.file));
   Diagnostics images;
   check_images(imported.type, images);
-  for (const Diagnostic& one : images.all()) fmt::print(stderr, "footlight: {}\n", text(one));
+  for (const Diagnostic& one : images.all()) fmt::print(stderr, "footlight: {}\n", printable_utf8(text(one)));
   if (options.optics) {
-    fmt::print("{}", optics_of_type(imported.type));
+    fmt::print("{}", printable_lines(optics_of_type(imported.type)));
   } else {
     FL_ASSIGN(const std::string text, text_of_type(imported.type, options.mode));
-    fmt::print("{}", text);
+    fmt::print("{}", printable_lines(text));
   }
   std::size_t wrong = 0;
   for (const Diagnostic& one : imported.diagnostics) wrong += one.severity != Severity::kNote ? 1u : 0u;

@@ -371,24 +371,46 @@ std::string json_of_conversion(const std::string& in, const std::string& out, co
                   {"notes", report.notes}});
 }
 
-std::string json_of_fixture_check(const FixtureCheck& check) {
-  Json diagnostics = Json::array();
-  for (const fixtures::Diagnostic& one : check.diagnostics) {
-    diagnostics.push_back({{"severity", severity_name(one.severity)},
-                           {"code", one.code},
-                           {"file", one.place.file},
-                           {"line", one.place.line},
-                           {"column", one.place.column},
-                           {"message", one.message},
-                           {"assumed", one.assumed}});
+namespace {
+
+Json json_of(const std::vector<fixtures::Diagnostic>& diagnostics) {
+  Json json = Json::array();
+  for (const fixtures::Diagnostic& one : diagnostics) {
+    json.push_back({{"severity", severity_name(one.severity)},
+                    {"code", one.code},
+                    {"file", one.place.file},
+                    {"line", one.place.line},
+                    {"column", one.place.column},
+                    {"message", one.message},
+                    {"assumed", one.assumed}});
   }
+  return json;
+}
+
+}  // namespace
+
+std::string json_of_fixture_check(const FixtureCheck& check) {
   return line_of({{"file", check.file},
                   {"format", check.format},
                   {"status", status_name(check.status)},
                   {"manufacturer", check.manufacturer},
                   {"name", check.name},
                   {"modes", check.modes},
-                  {"diagnostics", std::move(diagnostics)}});
+                  {"diagnostics", json_of(check.diagnostics)}});
+}
+
+std::string json_of_rig_check(const RigCheck& check) {
+  Json assumptions = Json::array();
+  for (const fixtures::Assumption& each : check.assumptions) {
+    assumptions.push_back(
+        {{"code", each.code}, {"wanted", each.wanted}, {"used", each.used}, {"why", each.why}, {"count", each.count}});
+  }
+  return line_of({{"file", check.file},
+                  {"format", check.format},
+                  {"status", status_name(check.status)},
+                  {"fixtures", check.fixtures},
+                  {"diagnostics", json_of(check.diagnostics)},
+                  {"assumptions", std::move(assumptions)}});
 }
 
 }  // namespace footlight::tools

@@ -12,6 +12,7 @@
 #include "drivers/registry.h"
 #include "fixtures/diagnostic.h"
 #include "fixtures/import/import.h"
+#include "fixtures/import/import_rig.h"
 #include "sim/dmx_log/dmx_log.h"
 #include "sim/dmx_log/log_diff.h"
 #include "sim/dmx_log/log_input.h"
@@ -68,5 +69,18 @@ struct FixtureCheck {
 // "file", "format", "status" (loaded, warnings, refused), "manufacturer", "name", "modes" (how many), "diagnostics":
 // "severity" (note, warning, error), "code", "file", "line" and "column" (0: not known), "message", "assumed".
 [[nodiscard]] std::string json_of_fixture_check(const FixtureCheck& check);
+
+// What `footlight rig check` found in one file.
+struct RigCheck {
+  std::string file;
+  std::string format;  // empty: none that is read
+  fixtures::ImportStatus status = fixtures::ImportStatus::kRefused;
+  std::size_t fixtures = 0;
+  std::vector<fixtures::Diagnostic> diagnostics;
+  std::vector<fixtures::Assumption> assumptions;
+};
+// "file", "format", "status", "fixtures" (how many), "diagnostics" as above, "assumptions": "code", "wanted", "used",
+// "why", "count".
+[[nodiscard]] std::string json_of_rig_check(const RigCheck& check);
 
 }  // namespace footlight::tools

@@ -1,5 +1,6 @@
 // footlight rig: reads rigs of any program, says what it assumed, brings them into other forms and onto paper.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
@@ -20,7 +21,9 @@
 #include "fixtures/paperwork/plan.h"
 #include "sim/core/counted.h"
 #include "tools/footlight/command.h"
+#include "tools/footlight/json_lines.h"
 #include "tools/footlight/progress.h"
+#include "tools/footlight/status_text.h"
 #include "tools/footlight/terminal.h"
 
 namespace footlight::tools {
@@ -85,17 +88,6 @@ std::string clean(const nlohmann::json& json) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-nlohmann::json json_of(const Diagnostic& diagnostic) {
-  nlohmann::json json = {{"severity", fixtures::severity_name(diagnostic.severity)},
-                         {"code", diagnostic.code},
-                         {"file", diagnostic.place.file},
-                         {"line", diagnostic.place.line},
-                         {"column", diagnostic.place.column},
-                         {"message", diagnostic.message}};
-  if (!diagnostic.assumed.empty()) json["assumed"] = diagnostic.assumed;
-  return json;
-}
-
 nlohmann::json json_of(const fixtures::Assumption& each) {
   return {{"code", each.code}, {"wanted", each.wanted}, {"used", each.used}, {"why", each.why}, {"count", each.count}};
 }
@@ -104,8 +96,8 @@ void print_assumptions(const ImportedRig& rig) {
   if (rig.assumptions.empty()) return;
   fmt::print("\nAssumed ({})\n", rig.assumptions.size());
   for (const fixtures::Assumption& each : rig.assumptions) {
-    fmt::print("  {:>5} x  {}\n           because {}\n           instead {}\n", each.count, each.wanted, each.why,
-               each.used);
+    fmt::print("{}", printable_lines(fmt::format("  {:>5} x  {}\n           because {}\n           instead {}\n",
+                                                 each.count, each.wanted, each.why, each.used)));
   }
 }
 
@@ -125,51 +117,68 @@ std::vector<std::string> rig_files(const std::string& path) {
   return found;
 }
 
+void print(const RigCheck& check, const Opened& opened) {
+  for (const Diagnostic& each : check.diagnostics) fmt::print("{}\n", printable_utf8(fixtures::text(each)));
+  std::string line = fmt::format("{}: {}", check.file, fixtures::status_name(check.status));
+  if (opened.rig) {
+    line += fmt::format(", {} {}: {} fixtures of {} types, {} objects", opened.rig->format, opened.rig->version,
+                        opened.rig->rig.fixtures.size(), opened.rig->rig.types.size(), opened.rig->rig.objects.size());
+  } else {
+    line += ": " + opened.rig.error().message;
+  }
+  fmt::print("{}\n", printable_utf8(line));
+  if (opened.rig) print_assumptions(*opened.rig);
+}
+
 Result<int> check(const Options& options) {
   if (options.paths.empty()) {
     return fail(ErrorCode::kBadInput, "expected rigs or folders of them, as in: footlight rig check show.mvr");
   }
-  int loaded = 0, warned = 0, refused = 0;
+  catch_end_signals();
+  std::vector<std::string> files;
   for (const std::string& path : options.paths) {
-    for (const std::string& file : rig_files(path)) {
-      if (end_signal_came()) break;
-      const Opened opened = open(file, options.library, true);
-      const ImportStatus status = opened.rig ? opened.rig->status() : ImportStatus::kRefused;
-      ++(status == ImportStatus::kLoaded ? loaded : status == ImportStatus::kWarnings ? warned : refused);
-      if (options.json) {
-        nlohmann::json json = {{"file", file}, {"status", fixtures::status_name(status)}};
-        json["format"] = opened.rig ? opened.rig->format : "";
-        json["fixtures"] = opened.rig ? opened.rig->rig.fixtures.size() : 0;
-        json["diagnostics"] = nlohmann::json::array();
-        for (const Diagnostic& each : opened.diagnostics) json["diagnostics"].push_back(json_of(each));
-        json["assumptions"] = nlohmann::json::array();
-        if (opened.rig) {
-          for (const auto& each : opened.rig->assumptions) json["assumptions"].push_back(json_of(each));
-        }
-        fmt::print("{}\n", clean(json));
-        continue;
-      }
-      for (const Diagnostic& each : opened.diagnostics) fmt::print("{}\n", fixtures::text(each));
-      if (opened.rig) {
-        fmt::print("{}: {}, {} {}: {} fixtures of {} types, {} objects\n", file, fixtures::status_name(status),
-                   opened.rig->format, opened.rig->version, opened.rig->rig.fixtures.size(),
-                   opened.rig->rig.types.size(), opened.rig->rig.objects.size());
-        print_assumptions(*opened.rig);
-      } else {
-        fmt::print("{}: refused: {}\n", file, opened.rig.error().message);
-      }
+    for (std::string& file : rig_files(path)) files.push_back(std::move(file));
+  }
+  if (files.empty()) return fail(ErrorCode::kNotFound, "no .mvr or .qxw file in {}", options.paths.front());
+  std::array<int, 3> counts{};
+  std::size_t done = 0;
+  for (const std::string& file : files) {
+    const Opened opened = open(file, options.library, true);
+    if (end_signal_came()) break;
+    RigCheck check{file,
+                   opened.rig ? opened.rig->format : fixtures::rig_format(file),
+                   ImportStatus::kRefused,
+                   0,
+                   opened.diagnostics,
+                   {}};
+    if (opened.rig) {
+      check.status = opened.rig->status();
+      check.fixtures = opened.rig->rig.fixtures.size();
+      check.assumptions = opened.rig->assumptions;
     }
+    ++counts.at(static_cast<std::size_t>(check.status));
+    ++done;
+    if (options.json) {
+      fmt::print("{}\n", json_of_rig_check(check));
+    } else {
+      print(check, opened);
+    }
+    FL_ASSIGN(const bool read_on, flush_output());
+    if (!read_on) break;
   }
-  if (!options.json && loaded + warned + refused != 1) {
-    fmt::print("{} loaded, {} with warnings, {} refused\n", loaded, warned, refused);
-  }
-  if (loaded + warned + refused == 0) {
-    return fail(ErrorCode::kNotFound, "no .mvr or .qxw file in {}", options.paths.front());
+  const int refused = counts[static_cast<std::size_t>(ImportStatus::kRefused)];
+  if (done != 1 || files.size() != 1) {
+    fmt::print(stderr, "footlight: {}{} files: {} loaded, {} with warnings, {} refused\n",
+               done < files.size() ? fmt::format("stopped after {} of ", done) : "", files.size(),
+               counts[static_cast<std::size_t>(ImportStatus::kLoaded)],
+               counts[static_cast<std::size_t>(ImportStatus::kWarnings)], refused);
   }
   return refused == 0 ? kExitOk : kExitFailed;
 }
 
-std::string cut(const std::string& text, std::size_t letters_max) { return fixtures::shortened(text, letters_max); }
+std::string cut(const std::string& text, std::size_t letters_max) {
+  return printable_utf8(fixtures::shortened(text, letters_max));
+}
 
 Result<int> show(const Options& options) {
   FL_ASSIGN(const ImportedRig imported, open_or_fail(options));
@@ -213,7 +222,7 @@ Result<int> show(const Options& options) {
     return kExitOk;
   }
 
-  fmt::print("{}: {} {}{}{}, {}, {}, {}\n\n", options.path, imported.rig.name, imported.format,
+  fmt::print("{}: {} {}{}{}, {}, {}, {}\n\n", options.path, printable_utf8(imported.rig.name), imported.format,
              imported.version.empty() ? "" : " ", imported.version, counted(rows.size(), "fixture"),
              counted(imported.rig.objects.size(), "object"), counted(imported.rig.focus_points.size(), "focus point"));
   fmt::print("{:<10} {:<24} {:<32} {:<18} {:>5}  {:<14} {:>7} {:>7} {:>7}\n", "id", "name", "type", "mode", "slots",
@@ -286,7 +295,8 @@ Result<int> patch(const Options& options) {
   const std::string ending = fixtures::lower(fs::path(options.out).extension().string());
   std::string bytes;
   if (ending == ".pdf") {
-    FL_ASSIGN(bytes, fixtures::patch_pdf(imported.rig, head_of(options)));
+    Progress progress("rows drawn");
+    FL_ASSIGN(bytes, fixtures::patch_pdf(imported.rig, head_of(options), progress.go_on()));
   } else {
     bytes = ending == ".csv" ? fixtures::patch_csv(imported.rig) : fixtures::patch_html(imported.rig, head_of(options));
   }
@@ -303,7 +313,11 @@ Result<int> plan(const Options& options) {
   }
   constexpr fixtures::PlanPaper kSizes[] = {{1189, 841}, {841, 594}, {594, 420}, {420, 297}, {297, 210}};
   FL_ASSIGN(const ImportedRig imported, open_or_fail(options));
-  FL_TRY(fixtures::write_file(options.out, fixtures::plan_svg(imported.rig, head_of(options), kSizes[paper[1] - '0'])));
+  Progress progress("parts drawn");
+  FL_ASSIGN(const std::string drawing,
+            fixtures::plan_svg(imported.rig, head_of(options), kSizes[paper[1] - '0'], progress.go_on()));
+  progress.clear();
+  FL_TRY(fixtures::write_file(options.out, drawing));
   fmt::print("{}: {} fixtures\n", options.out, imported.rig.fixtures.size());
   return kExitOk;
 }

@@ -51,6 +51,17 @@ std::string printable_utf8(std::string_view text) {
   return clean;
 }
 
+std::string printable_lines(std::string_view text) {
+  std::string lines;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    lines += printable_utf8(text.substr(at, end - at));
+    if (end < text.size()) lines += '\n';
+    at = end + 1;
+  }
+  return lines;
+}
+
 std::string status_line(const PumpStatus& status) {
   std::string line;
   for (const PortStatus& port : status.ports) {

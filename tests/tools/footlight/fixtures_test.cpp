@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <sys/wait.h>
+
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
@@ -88,9 +90,64 @@ TEST_CASE("check refuses what it was told to read and cannot, and finds nothing 
   CHECK(text.exit_code == 1);
   CHECK(lines_of(text.out).at(0)["status"] == "refused");
   CHECK(lines_of(text.out).at(0)["format"] == "");
-  CHECK(footlight({"fixtures", "check", folder.path().string() + "/gone"}).exit_code == 3);
-  fs::remove(folder.path().string() + "/a.txt");
+  // What is not there is refused, and the rest is judged.
+  const std::string head = folder.write("head.gdtf", make_zip({{"description.xml", kHead, 8}}));
+  fs::create_symlink("nowhere.gdtf", folder.path() / "lost.gdtf");
+  const std::string gone = folder.path().string() + "/gone";
+  const auto mixed = lines_of(footlight({"fixtures", "check", gone, folder.path().string(), "--json"}).out);
+  REQUIRE(mixed.size() == 3);
+  CHECK(mixed[0]["file"] == gone);
+  CHECK(mixed[0]["status"] == "refused");
+  CHECK(mixed[0]["diagnostics"][0]["message"] == "No such file or directory");
+  CHECK(mixed[1]["file"] == head);
+  CHECK(mixed[2]["status"] == "refused");
+  CHECK(footlight({"fixtures", "check", gone}).exit_code == 1);
+  for (const char* name : {"/a.txt", "/head.gdtf", "/lost.gdtf"}) fs::remove(folder.path().string() + name);
   CHECK(footlight({"fixtures", "check", folder.path().string()}).exit_code == 3);
+}
+
+TEST_CASE("a full disk behind standard output is a failure, of whatever command") {
+  TempFolder folder;
+  const std::string head = folder.write("head.gdtf", make_zip({{"description.xml", kHead}}));
+  for (const char* command : {"check", "show"}) {
+    CAPTURE(command);
+    const std::string line =
+        std::string("'") + FOOTLIGHT_BINARY + "' fixtures " + command + " '" + head + "' > /dev/full 2> /dev/null";
+    CHECK(WEXITSTATUS(std::system(line.c_str())) == 1);
+  }
+}
+
+TEST_CASE("a name that holds a terminal's commands is shown without them") {
+  TempFolder folder;
+  std::string head = kHead;
+  head.replace(head.find("'Head'"), 6, "'\x1b[2JHead'");
+  const std::string path = folder.write("head.gdtf", make_zip({{"description.xml", head}}));
+  for (const char* command : {"check", "show"}) {
+    const Outcome outcome = footlight({"fixtures", command, path});
+    CHECK(contains(outcome.out, "\xEF\xBF\xBD[2JHead"));
+    CHECK_FALSE(contains(outcome.out, "\x1b"));
+  }
+}
+
+TEST_CASE("rig check says of every file in one form what fixtures check says of definitions") {
+  TempFolder folder;
+  const std::string cut = folder.write("cut.mvr", "");
+  const std::string good = folder.write("rig.toml",
+                                        "[rig]\nname = \"r\"\n[[fixture]]\nname = \"a\"\ntype = \"generic/par\"\n"
+                                        "universe = 1\naddress = 1\nposition = [0, 0, 3]\n");
+  const Outcome outcome = footlight({"rig", "check", cut, good, "--json"});
+  CHECK(outcome.exit_code == 1);
+  const auto lines = lines_of(outcome.out);
+  REQUIRE(lines.size() == 2);
+  CHECK(lines[0]["file"] == cut);
+  CHECK(lines[0]["format"] == "mvr");
+  CHECK(lines[0]["status"] == "refused");
+  CHECK(lines[0]["diagnostics"][0]["message"] == "not an MVR file: expected a zip archive");
+  CHECK(lines[0]["diagnostics"][0]["assumed"] == "");
+  CHECK(lines[1]["format"] == "toml");
+  CHECK(lines[1]["status"] == "loaded");
+  CHECK(lines[1]["fixtures"] == 1);
+  CHECK(contains(outcome.err, "2 files: 1 loaded, 0 with warnings, 1 refused"));
 }
 
 TEST_CASE("show prints modes, geometries, channels, functions, sets, wheels and beams, of one mode where asked") {
