@@ -8,10 +8,10 @@
 // curves for all lamps and all voltages: one that heats from 0 K, one that cools from a temperature without end. With
 // theta = v^(2/(p+r)) its equilibrium over the full temperature Tn, y = T / (theta Tn), and x = theta^(p-q-1) t / tau:
 // (p+r) dy/dx = y^-q (y^-r - y^p), and near y = 1 a deviation decays as exp(-x). So a step is x of y, plus dx, y of x.
-// Both curves are tabulated over x in octaves of 16 pieces, as the bits of a float have them, so that a look-up needs no
-// logarithm, and near 0 K, where y ~ x^(1/(1+q+r)), its error stays relative. x of y, which only a new voltage asks for,
-// is the logarithm of |1 - y| and a table of what is left; double goes on by Newton's method on the curve, so that steps
-// add up. Above y = 2.5, which only a lamp sees that is almost off, x is taken from its series in y^-(p+r).
+// Both curves are tabulated over x in octaves of 16 pieces, as the bits of a float have them, so that a look-up needs
+// no logarithm, and near 0 K, where y ~ x^(1/(1+q+r)), its error stays relative. x of y, which only a new voltage asks
+// for, is the logarithm of |1 - y| and a table of what is left; double goes on by Newton's method on the curve, so that
+// steps add up. Above y = 2.5, which only a lamp sees that is almost off, x is taken from its series in y^-(p+r).
 //
 // Error of the table: 4e-4 K of the lamp's temperature; of both with float's rounding, compared with an adaptive solver
 // at 1e-13, see lamp_test.cpp. Cost: a look-up while the voltage holds; two logarithms, two exponentials and a look-up
@@ -281,7 +281,8 @@ FL_CONST Real kFilament[kFilamentCount] = {
     Real(0.27165669230588), Real(0.2855144026055), Real(0.29922588111331), Real(0.31279331375021),
     Real(0.32621886859459), Real(0.33950469405874), Real(0.35265291728391), Real(0.36566564273537),
     Real(0.37854495097985), Real(0.39129289762946), Real(0.40391151243736), Real(0.4164027985316),
-    Real(0.42876873177465), Real(0.44101126023715), Real(0.45313230377541), Real(0.4651337537029), Real(0.4770174725469),
+    Real(0.42876873177465), Real(0.44101126023715), Real(0.45313230377541), Real(0.4651337537029),
+    Real(0.4770174725469),
     Real(-0.020833333333333), Real(-0.020662248106857), Real(-0.020156716346369), Real(-0.01946999206926),
     Real(-0.018651346534519), Real(-0.017728564165694), Real(-0.016720391476307), Real(-0.015640829587729),
     Real(-0.014501071164523), Real(-0.01331051848003), Real(-0.012077374062142), Real(-0.010809007016813),
