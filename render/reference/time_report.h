@@ -32,7 +32,7 @@ struct TimeReportOptions {
   std::vector<double> tau_ms{3, 34, 350};  // filament, motion, smoothing, belt, led
   std::vector<double> fps{15, 24, 44, 60, 120, 240};
   std::vector<int> substeps{1, 4, 16, 64};                 // of rivals with a fixed step
-  std::vector<double> tolerances{1e-3, 1e-5, 1e-7, 1e-9};  // of rivals that choose their step
+  std::vector<double> tolerances{1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9};  // of rivals that choose their step
   std::vector<double> strobe_hz{1.3, 9.7, 25, 59.94};
   std::vector<double> spin_hz{0.37, 10};
   std::vector<double> spin_s{3600, 86'400, 2'592'000};  // 1 hour, 24 hours, 30 days; days at 60 fps only
