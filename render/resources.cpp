@@ -146,6 +146,8 @@ std::vector<fixtures::BodyMesh> bodies_of(const fixtures::Rig& rig, const fixtur
                                           fixtures::Diagnostics& diagnostics) {
   using namespace fixtures;
   static_assert(kBodyDepth == FL_PART_DEPTH && kBodyLens == FL_PART_LENS);
+  std::size_t models = 0;
+  for (const PatchedFixture& fixture : rig.fixtures) models += model_count(mode_of(rig, fixture));
   std::vector<BodyMesh> bodies;
   while (bodies.size() < compiled.sources.size()) {
     // The heads of one mode are neighbours.
@@ -158,8 +160,8 @@ std::vector<fixtures::BodyMesh> bodies_of(const fixtures::Rig& rig, const fixtur
     }
     const FixtureType& type = rig.types[static_cast<std::size_t>(first.type)];
     const Mode& mode = type.modes[static_cast<std::size_t>(first.mode)];
-    if (has_models(mode)) {
-      auto made = fixture_bodies(type, mode, heads, MeshDetail::kNormal, diagnostics);
+    if (model_count(mode) > 0) {
+      auto made = fixture_bodies(type, mode, heads, model_triangles(models), diagnostics);
       std::move(made.begin(), made.end(), std::back_inserter(bodies));
     } else {
       for (std::size_t i = 0; i < heads.size(); ++i) bodies.push_back(plain_body(rig, compiled.sources[bodies.size()]));
