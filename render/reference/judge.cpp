@@ -233,7 +233,9 @@ double gobo_share(const JudgeBeam& beam, const GoboTransmission& gobo, double x,
     }
     return share;
   };
-  const glm::dvec2 p = glm::dvec2(x, y) * beam.gobo_scale;
+  // The image's disc goes through the corners of a rectangle, whose half width x counts.
+  const double reach = beam.aspect > 0 ? std::hypot(1.0, 1 / beam.aspect) : 1;
+  const glm::dvec2 p = glm::dvec2(x, y) * (beam.gobo_scale / reach);
   const double blur =
       std::max(beam.blur, f64::focus_blur(beam.lens_radius_m, beam.spread, z_m, beam.focus_per_m));
   if (!(blur > 1e-4)) return sharp(p);
@@ -436,11 +438,29 @@ std::shared_ptr<const MeasuredBeam> measured_beam(const fixtures::Rig& rig, cons
   auto photometry = fixtures::read_photometry_file(type.files, beam.photometry);
   FL_CHECK(photometry.has_value());  // the rig was compiled
   const auto side = beam.photometry_back ? fixtures::Side::kBack : fixtures::Side::kFront;
-  fixtures::MeasuredTable table = fixtures::measured_table(*photometry, side);
+  fixtures::MeasuredTable table = fixtures::measured_table(*photometry, side, fixtures::zooms(mode));
   return std::make_shared<const MeasuredBeam>(MeasuredBeam{std::move(*photometry), side, std::move(table)});
 }
 
 }  // namespace
+
+// The edge of a blade. In a rectangle both ends of its way are those of the side that it comes from, and it turns with
+// true angles: through two points, in half widths.
+glm::dvec3 blade_of(double aspect, uint blade, double a, double b, double angle_rad) {
+  if (!(aspect > 0)) return f64::blade_edge(blade, a, b, angle_rad);
+  const glm::dvec3 edge = f64::blade_edge(blade, a, b, 0.0);
+  // Two points of the edge in the square, then in the rectangle.
+  const glm::dvec2 n(edge.x, edge.y);
+  const glm::dvec2 middle = n * edge.z;
+  const auto in_rectangle = [&](const glm::dvec2& p) { return glm::dvec2(p.x, p.y / aspect); };
+  const glm::dvec2 from = in_rectangle(middle);
+  const glm::dvec2 along = in_rectangle(middle + glm::dvec2(-n.y, n.x)) - from;
+  glm::dvec2 normal = glm::normalize(glm::dvec2(along.y, -along.x));
+  const double distance = glm::dot(normal, from);
+  normal = glm::dvec2(std::cos(angle_rad) * normal.x - std::sin(angle_rad) * normal.y,
+                      std::sin(angle_rad) * normal.x + std::cos(angle_rad) * normal.y);
+  return {normal.x, normal.y, distance};
+}
 
 JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, GoboTransmission gobo) {
   JudgeScene scene;
@@ -515,7 +535,7 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
     double cut = 0;
     for (int b = 0; b < 4; ++b) cut += optics.blade_a[b] + optics.blade_b[b];
     for (uint b = 0; cut > 0 && b < 4; ++b) {
-      beam.edges.push_back(f64::blade_edge(b, optics.blade_a[b], optics.blade_b[b], optics.blade_angle[b]));
+      beam.edges.push_back(blade_of(beam.aspect, b, optics.blade_a[b], optics.blade_b[b], optics.blade_angle[b]));
       beam.edges.back().z /= optics.iris;
     }
     // The iris: the middle of the beam, with the whole beam's illuminance.

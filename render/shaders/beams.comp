@@ -10,8 +10,8 @@
 #define FL_USE_MASKS
 #define FL_MASKS_ACCESS readonly
 #include "render/shaders/lib/frame.glsl"
-#include "render/shaders/lib/gobo.glsl"
 #include "render/shaders/lib/forms.glsl"
+#include "render/shaders/lib/gobo.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
 #include "render/shaders/lib/tile_test.glsl"

@@ -30,6 +30,17 @@ layout(set = 0, binding = FL_BINDING_BLADES, std430) writeonly buffer BladesBuff
 #include "render/shaders/shared/beam.h"
 #include "render/shaders/shared/optics.h"
 
+// tan(x) for 0 <= x < pi/2 to 3e-7 of itself. GPUs may have it to 5e-7 of 1 alone, much of the spread of a pencil
+// beam. Lambert's continued fraction, cut after x^2/9: off by 2e-8 at pi/4, beyond which it is turned round.
+float tangent(float x) {
+  bool steep = x > 0.78539816;
+  float y = steep ? (1.57079637 - x) - 4.37113883e-8 : x;
+  float z = y * y;
+  float numerator = y * (945.0 - 105.0 * z + z * z);
+  float denominator = 945.0 - 420.0 * z + 15.0 * z * z;
+  return steep ? denominator / max(numerator, 1e-9) : numerator / denominator;
+}
+
 const float kSquareRadius = 1.4142135623730951;  // of the circle round a square, over half its side
 
 // What prisms make of a beam: a copy whose image is turned over, turned, scaled and moved.
@@ -75,7 +86,7 @@ void write_beams(uint index, uint first) {
   TypeRow type = types[row.type];
   HeadState state = states[index];
   BeamPose pose = beam_pose(row, type, state);
-  float zoom_spread = tan(state.zoom);
+  float zoom_spread = tangent(state.zoom);
   float spread = zoom_spread;
   float profile_m = type.profile_m;
   bool shaped = kOptics && row.optics != kNoAddress;
@@ -189,7 +200,14 @@ void write_beams(uint index, uint first) {
     beams[first + b] = beam;
     if (kBlades && beam.blades != 0u) {
       for (uint i = 0u; i < 4u; ++i) {
-        vec3 edge = blade_edge(i, optics.blade_a[i], optics.blade_b[i], optics.blade_angle[i]);
+        bool round = beam.squeeze == 0.0;
+        vec3 edge = blade_edge(i, optics.blade_a[i], optics.blade_b[i], round ? optics.blade_angle[i] : 0.0);
+        if (!round) {
+          // An edge of the square, in half sides, to the rectangle, where it turns, in half widths; and back.
+          edge = vec3(edge.x, type.aspect * edge.y, edge.z) / length(vec2(edge.x, type.aspect * edge.y));
+          edge.xy = turned(vec2(cos(optics.blade_angle[i]), sin(optics.blade_angle[i])), edge.xy);
+          edge.xy *= kSquareRadius * vec2(1.0, 1.0 / type.aspect);
+        }
         blades[first + b].edge[i] = vec4(edge.xy, edge.z / optics.iris, 0.0);
       }
     }

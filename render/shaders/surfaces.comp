@@ -17,8 +17,8 @@
 #define FL_USE_POSE
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/surface.glsl"
-#include "render/shaders/lib/gobo.glsl"
 #include "render/shaders/lib/forms.glsl"
+#include "render/shaders/lib/gobo.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
 #include "render/shaders/lib/tile_test.glsl"

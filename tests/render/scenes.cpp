@@ -367,9 +367,7 @@ Scene rectangle_scene(double aspect, double beam_deg, int profile_m) {
   beam.field_angle_deg = beam_deg;
   beam.profile_m = profile_m;
   Mode& mode = scene.rig.types[0].modes[0];
-  std::erase_if(mode.channels, [](const Channel& each) {
-    return each.functions[0].attribute == "Zoom" || each.functions[0].attribute.starts_with("Blade");
-  });
+  std::erase_if(mode.channels, [](const Channel& each) { return each.functions[0].attribute == "Zoom"; });
   scene.compile();
   return scene;
 }

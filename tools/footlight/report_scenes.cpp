@@ -93,7 +93,7 @@ Result<Scene> make_beams_scene(int count, const std::string& photometry) {
       FL_TRY(attach_photometry(type, photometry, bytes, ignored));
       FL_ASSIGN(const Photometry measured, read_photometry_file(type.files, type.beams[0].photometry));
       // Then a zoom is the edge's angle, as it is of the others.
-      type.beams[0].beam_angle_deg = 2 / kDegree * measured_table(measured, Side::kFront).half_angle_rad;
+      type.beams[0].beam_angle_deg = 2 / kDegree * measured_table(measured, Side::kFront, true).half_angle_rad;
     }
   }
 

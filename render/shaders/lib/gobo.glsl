@@ -1,5 +1,6 @@
 // Gobo images and blades: what stands in a beam. Layer i holds image i + 1; transmission over the square -1..1 of the
-// gobo plane. Two wheels and an animation wheel lie behind each other, and an iris shows the middle of them.
+// gobo plane. Two wheels and an animation wheel lie behind each other, and an iris shows the middle of them. After
+// forms.glsl.
 layout(constant_id = FL_SPEC_GOBO) const bool kGobo = false;
 layout(constant_id = FL_SPEC_GOBO_TAPS) const uint kGoboTaps = 16;
 layout(constant_id = FL_SPEC_BLADES) const bool kBlades = false;
@@ -50,6 +51,10 @@ vec3 gobo_wheel(uint image, uint next, float offset, vec2 turn, vec2 p, float lo
 // rho in the beam, z_m from its lens.
 vec3 gobo_at(uint gobo, vec2 rho, float z_m) {
   vec2 p = rho * gobo_row.gobo_scale;
+  // The image is as it is, and its disc goes through the corners of a rectangle.
+  if (kRectangle && gobo_row.squeeze > 0.0) {
+    p *= sqrt(2.0 / (1.0 + gobo_row.squeeze)) * vec2(1.0, sqrt(gobo_row.squeeze));
+  }
   float blur = gobo_row.gobo_blur;
   if (kFocus) blur = max(blur, focus_blur(gobo_row.x_axis.w, gobo_row.y_axis.w, z_m, gobo_row.focus));
   float lod = 0.0;

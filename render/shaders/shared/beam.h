@@ -243,9 +243,10 @@ FL_FN bool chord_in_rectangle(FL_INOUT(Chord) chord) {
   return seen;
 }
 
-// The smooth part of the integrand at (s, t): profile over (1 + k^2 rho^2), phase function, extinction to the lens and
-// back to the eye.
-FL_FN Real chord_integrand(BeamShape beam, Medium medium, Chord chord, Vec3 d, Real s, Real t_m, bool with_extinction) {
+// The smooth part of the integrand at (s, t): profile (where it is asked for) over (1 + k^2 rho^2), phase function,
+// extinction to the lens and back to the eye.
+FL_FN Real chord_integrand(BeamShape beam, Medium medium, Chord chord, Vec3 d, Real s, Real t_m, bool with_extinction,
+                           bool with_profile) {
   Real q = chord.offset * chord.offset + s * s;
   Vec2 rho = Vec2(s * chord.along.x + chord.offset * chord.along.y, s * chord.along.y - chord.offset * chord.along.x);
   Real u = beam_slant_square(beam, rho, q);
@@ -254,7 +255,8 @@ FL_FN Real chord_integrand(BeamShape beam, Medium medium, Chord chord, Vec3 d, R
       s * (chord.along.x * d.x + chord.along.y * d.y) + chord.offset * (chord.along.y * d.x - chord.along.x * d.y);
   if (FL_NEED_RECTANGLE && beam.squeeze > Real(0)) across = rho.x * d.x + beam.squeeze * rho.y * d.y;
   Real mu = (beam.spread * across + d.z) * root;
-  Real value = beam_value(beam, rho, q) * root * root * phase_function(mu, medium.anisotropy);
+  Real value = with_profile ? beam_value(beam, rho, q) : Real(1);
+  value = value * root * root * phase_function(mu, medium.anisotropy);
   if (with_extinction) {
     Real z = max(chord.base.z + t_m * d.z, Real(0));
     value *= exp(-medium.extinction_per_m * (chord.t_base_m + t_m + z * u * root));
@@ -283,41 +285,74 @@ FL_FN Real chord_inscatter_gauss(BeamShape beam, Medium medium, Chord chord, Vec
     Real s;
     Real t_m;
     chord_point(chord, kGaussNode[gauss_index(n, i)], s, t_m);
-    total += kGaussWeight[gauss_index(n, i)] * chord_integrand(beam, medium, chord, d, s, t_m, with_extinction);
+    total += kGaussWeight[gauss_index(n, i)] * chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true);
   }
   return total * chord_measure(chord);
 }
 
 #ifdef FL_MEASURED
-// A measured beam: its table may have a peak anywhere, so the line is cut into pieces that are even in the angle that
-// they had from the lens where it was measured, as many as the table says, with n nodes each.
-FL_CONST uint kPiecesMax = uint(48);
+// A measured beam: its table may have a peak anywhere, so its intensity f is not looked up at nodes. The table's lines
+// give the sums of f, f v and f v^2 over any piece of the chord, v being the place on it; the rest of the integrand,
+// which is smooth, is taken at three Gauss nodes, with weights that are exact for f times a polynomial of degree 2. A
+// piece is at most 1 / kPiecesPerRad as the lens sees it; n nodes above 3 are more pieces. On a chord of a few steps of
+// the lines f is smooth and differences of sums are rough: there it is looked up after all.
+FL_CONST float kPiecesPerRad = 1.6f;
+FL_CONST float kShortSteps = 4.0f;
 FL_FN Real chord_inscatter_measured(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction) {
-  // s = c tan(angle): the line seen from the virtual apex, with the table's spread, whatever a zoom makes of it.
-  Real spread = Real(fl_default(beam.measured + kMeasuredSpread));
-  Real c = sqrt(Real(1) + spread * spread * chord.offset * chord.offset) / spread;
-  Real from_rad = atan(chord.s_from / c);
-  Real to_rad = atan(chord.s_to / c);
-  Real wish = ceil((to_rad - from_rad) * Real(fl_default(beam.measured + kMeasuredPiecesPerRad)));
-  uint pieces = uint(clamp(wish, Real(1), Real(kPiecesMax)));
+  Real flip = chord.offset < Real(0) ? Real(-1) : Real(1);
+  Real offset = abs(chord.offset);
+  MeasuredLine line = measured_line(beam.measured, offset, chord.along * flip);
+  // s = c tan(angle): the line seen from the virtual apex, with the table's spread, and with that of the zoom.
+  Real c = sqrt(Real(1) + line.spread * line.spread * offset * offset) / line.spread;
+  Real zoomed = max(beam.spread, Real(1e-3));
+  Real c_zoomed = sqrt(Real(1) + zoomed * zoomed * offset * offset) / zoomed;
+  Real s_from = flip > Real(0) ? chord.s_from : -chord.s_to;
+  Real s_to = flip > Real(0) ? chord.s_to : -chord.s_from;
+  Real scale = Real(1) / max(s_to - s_from, Real(1e-9));
+  Real from_rad = atan(s_from / c);
+  Real to_rad = atan(s_to / c);
+  bool is_short = !((to_rad - from_rad) * line.steps_per_rad > Real(kShortSteps));
+  Real begin = atan(s_from / c_zoomed);
+  Real whole = atan(s_to / c_zoomed) - begin;
+  uint pieces = uint(clamp(ceil(whole * Real(kPiecesPerRad)), Real(1), Real(8))) + max(n, uint(3)) - uint(3);
+  Real v_from = line.by_angle ? from_rad : s_from;
+  Vec3 before = measured_sums(line, from_rad);
   Real total = Real(0);
-  Real from = Real(0);
   for (uint i = uint(1); i <= pieces; ++i) {
-    Real to = Real(1);
-    if (i < pieces) {
-      Real s = c * tan(from_rad + (to_rad - from_rad) * Real(i) / Real(pieces));
-      to = clamp((s - chord.s_from) / max(chord.s_to - chord.s_from, Real(1e-9)), from, Real(1));
-    }
-    for (uint j = uint(0); j < n; ++j) {
+    bool last = i == pieces;
+    Real s_piece = last ? s_to : c_zoomed * tan(begin + whole * Real(i) / Real(pieces));
+    Real piece_rad = last ? to_rad : atan(s_piece / c);
+    Vec3 after = measured_sums(line, piece_rad);
+    Vec3 sums = (after - before) * scale;
+    Real v_to = line.by_angle ? piece_rad : s_piece;
+    Real middle = Real(0.5) * (v_from + v_to);
+    Real half_piece = max(Real(0.5) * (v_to - v_from), Real(1e-9));
+    Real first = (sums.y - middle * sums.x) / half_piece;
+    Real second = (sums.z - middle * (Real(2) * sums.y - middle * sums.x)) / (half_piece * half_piece);
+    for (uint j = uint(0); j < uint(3); ++j) {
+      Real x = Real(0.7745966692414834) * (Real(j) - Real(1));
+      Real v = middle + half_piece * x;
+      Real weight = j == uint(1) ? sums.x - second * Real(1.6666666666666667)
+                                 : (second + x * first) * Real(0.8333333333333334);
+      if (line.by_angle) {
+        Real tangent = tan(v);
+        v = c * tangent;
+        weight *= c * (Real(1) + tangent * tangent);  // ds over dv
+      }
+      Real share = clamp((flip * v - chord.s_from) * scale, Real(0), Real(1));
+      if (is_short) {
+        share = (Real(i) - Real(0.5) + Real(0.5) * x) / Real(pieces);
+        weight = (j == uint(1) ? Real(0.4444444444444444) : Real(0.2777777777777778)) / Real(pieces);
+      }
       Real s;
       Real t_m;
-      chord_point(chord, from + (to - from) * kGaussNode[gauss_index(n, j)], s, t_m);
-      total += (to - from) * kGaussWeight[gauss_index(n, j)] *
-               chord_integrand(beam, medium, chord, d, s, t_m, with_extinction);
+      chord_point(chord, share, s, t_m);
+      total += weight * chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, is_short);
     }
-    from = to;
+    before = after;
+    v_from = v_to;
   }
-  return total * chord_measure(chord);
+  return max(total, Real(0)) * chord_measure(chord);
 }
 #endif
 
@@ -329,7 +364,7 @@ FL_FN Real chord_inscatter_march(BeamShape beam, Medium medium, Chord chord, Vec
     Real t_m = chord.t_from_m + (Real(i) + Real(0.5)) * h;
     Real w = chord.w_base + t_m * chord.w_slope;
     Real s = chord.s_base + chord.v_length * t_m / (chord.w_base * w);
-    total += chord_integrand(beam, medium, chord, d, s, t_m, with_extinction) / (w * w);
+    total += chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true) / (w * w);
   }
   return total * h;
 }
@@ -351,7 +386,7 @@ FL_FN Vec3 chord_inscatter_march_gobo(BeamShape beam, Medium medium, Chord chord
     Real w = chord.w_base + t_m * chord.w_slope;
     Real s = chord.s_base + chord.v_length * t_m / (chord.w_base * w);
     Vec3 through = gobo_at(gobo, gobo_position(chord, s, turn), chord.base.z + t_m * d.z);
-    total += through * (chord_integrand(beam, medium, chord, d, s, t_m, with_extinction) / (w * w));
+    total += through * (chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true) / (w * w));
   }
   return total * h;
 }
@@ -365,7 +400,7 @@ FL_FN Vec3 chord_inscatter_gobo(BeamShape beam, Medium medium, Chord chord, Vec3
     Real t_m;
     chord_point(chord, (Real(i) + Real(0.5)) / Real(n), s, t_m);
     Vec3 through = gobo_at(gobo, gobo_position(chord, s, turn), chord.base.z + t_m * d.z);
-    total += through * chord_integrand(beam, medium, chord, d, s, t_m, with_extinction);
+    total += through * chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true);
   }
   return total * (chord_measure(chord) / Real(n));
 }
