@@ -20,7 +20,8 @@ void add_fixtures_attributes(Arguments& arguments);
 // its number from 1; empty: all. Fails where there is none such, with the names that there are.
 [[nodiscard]] Result<std::string> text_of_type(const fixtures::FixtureType& type, std::string_view mode);
 
-// What is drawn of its beams (angles) and colours (CIEDE2000), each with its distance from what the definition says.
+// What is drawn of its beams (angles; of measured lamps their energy check) and colours (CIEDE2000), each with its
+// distance from what the definition says.
 [[nodiscard]] std::string optics_of_type(const fixtures::FixtureType& type);
 
 }  // namespace footlight::tools

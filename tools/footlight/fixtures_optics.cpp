@@ -28,6 +28,11 @@ std::string optics_of_type(const FixtureType& type) {
       const Side side = beam.photometry_back ? Side::kBack : Side::kFront;
       line = fmt::format("  {}\n", photometry ? measured_text(measured_table(*photometry, side))
                                               : photometry.error().message);
+      if (photometry && side == Side::kFront) {
+        Diagnostics energy;
+        energy_check(*photometry, beam.photometry, energy);
+        for (const Diagnostic& one : energy.all()) line += fmt::format("  {}: {}\n", beam.photometry, one.message);
+      }
     } else if (const auto rectangle = rectangle_of(beam)) {
       const double half_width = std::tan(rectangle->half_angle_rad);
       const auto full_deg = [](double tangent) { return 2 * std::atan(tangent) * 180 / std::numbers::pi; };

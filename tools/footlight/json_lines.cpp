@@ -399,6 +399,17 @@ std::string json_of_fixture_check(const FixtureCheck& check) {
                   {"diagnostics", json_of(check.diagnostics)}});
 }
 
+std::string json_of_color(const std::string& type, const fixtures::ColorError& color) {
+  const auto numbers = [](const fixtures::ColorXyY& c) { return Json::array({c.x, c.y, c.Y}); };
+  return line_of({{"type", type},
+                  {"what", color.what},
+                  {"reference", numbers(color.reference)},
+                  {"drawn", numbers(color.drawn)},
+                  {"delta_e", color.delta_e},
+                  {"delta_e_mixing", color.delta_e_mixing},
+                  {"by_spectrum", color.by_spectrum}});
+}
+
 std::string json_of_rig_check(const RigCheck& check) {
   Json assumptions = Json::array();
   for (const fixtures::Assumption& each : check.assumptions) {

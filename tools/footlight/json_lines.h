@@ -11,6 +11,7 @@
 #include "drivers/rdm/rdm_parameters.h"
 #include "drivers/registry.h"
 #include "fixtures/diagnostic.h"
+#include "fixtures/color.h"
 #include "fixtures/import/import.h"
 #include "fixtures/import/import_rig.h"
 #include "sim/dmx_log/dmx_log.h"
@@ -69,6 +70,10 @@ struct FixtureCheck {
 // "file", "format", "status" (loaded, warnings, refused), "manufacturer", "name", "modes" (how many), "diagnostics":
 // "severity" (note, warning, error), "code", "file", "line" and "column" (0: not known), "message", "assumed".
 [[nodiscard]] std::string json_of_fixture_check(const FixtureCheck& check);
+
+// A colour of a type, as it is drawn and as its definition says: "type", "what", "reference" and "drawn" (x, y, Y),
+// "delta_e", "delta_e_mixing", "by_spectrum".
+[[nodiscard]] std::string json_of_color(const std::string& type, const fixtures::ColorError& color);
 
 // What `footlight rig check` found in one file.
 struct RigCheck {

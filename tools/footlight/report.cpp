@@ -4,8 +4,13 @@
 #include <memory>
 #include <system_error>
 
+#include "fixtures/color.h"
+#include "fixtures/import/import_rig.h"
 #include "tools/footlight/command.h"
+#include "tools/footlight/fixtures_command.h"
+#include "tools/footlight/json_lines.h"
 #include "tools/footlight/report_parts.h"
+#include "tools/footlight/status_text.h"
 
 namespace footlight::tools {
 namespace {
@@ -16,6 +21,7 @@ Status unwritable(const std::string& path) {
 
 struct Options {
   ReportOptions shared;
+  std::string optics;
   bool pictures = false;
   bool time = false;
 };
@@ -30,7 +36,25 @@ Status try_report_file(const std::string& path) {
   return good ? Status{} : unwritable(path);
 }
 
+// Beams and colours of every type of a rig, or of one definition.
+Status report_optics(const std::string& path, bool json) {
+  FL_ASSIGN(const fixtures::ImportedRig imported, fixtures::import_rig(path));
+  for (const fixtures::FixtureType& type : imported.rig.types) {
+    const std::string name = printable_utf8(type.manufacturer + (type.manufacturer.empty() ? "" : " ") + type.name);
+    if (json) {
+      for (const auto& color : fixtures::color_report(type)) fmt::print("{}\n", json_of_color(name, color));
+    } else {
+      fmt::print("{}\n{}\n", name, printable_lines(optics_of_type(type)));
+    }
+  }
+  return {};
+}
+
 Result<int> report(const Options& options, const ReportHalf& pictures, const ReportHalf& time) {
+  if (!options.optics.empty()) {
+    FL_TRY(report_optics(options.optics, options.shared.json));
+    return kExitOk;
+  }
   FL_TRY(try_report_file(options.shared.csv));
   FL_TRY(try_report_file(options.shared.svg));
   const bool both = options.pictures == options.time;
@@ -49,6 +73,9 @@ void add(Arguments& arguments) {
   const ReportHalf time = add_report_time(arguments);
   arguments.flag("--pictures", options->pictures, "pictures only");
   arguments.flag("--time", options->time, "time behaviour only: lamps, motors, shutters, filters");
+  arguments.option(
+      "--optics", options->optics, "FILE",
+      "instead: beams, energy and colours of the types of a rig, or of a definition, against what it says");
   arguments.flag("--quick", options->shared.quick, "fewer knobs and scenes");
   arguments.option("--csv", options->shared.csv, "FILE",
                    "rows of pictures as CSV; those of time go beside it, FILE-time");
@@ -89,6 +116,7 @@ extern const CommandInfo report_command{
         "  footlight report --time --csv time.csv --svg time.svg\n"
         "  footlight report --pictures --fleet 100000        what a step of so many fixtures costs\n"
         "  footlight report --time --worst\n"
+        "  footlight report --optics rig.mvr                 colours: CIEDE2000 against spectra in double\n"
         "Without a rig: the demo. Errors are against adaptive quadrature in double, or an event-exact integrator.",
     .add = add,
 };

@@ -150,6 +150,33 @@ TEST_CASE("rig check says of every file in one form what fixtures check says of 
   CHECK(contains(outcome.err, "2 files: 1 loaded, 0 with warnings, 1 refused"));
 }
 
+TEST_CASE("the report has the colours of a definition against what it says, and the energy of a measured lamp") {
+  TempFolder folder;
+  const std::string head = folder.write(
+      "rgb.gdtf",
+      make_zip({{"description.xml",
+                 "<GDTF DataVersion='1.2'><FixtureType Name='Rgb' Manufacturer='Us'><PhysicalDescriptions>"
+                 "<Emitters><Emitter Name='R' Color='0.64,0.33,50'/><Emitter Name='B' Color='0.15,0.02,50'/>"
+                 "</Emitters></PhysicalDescriptions><Geometries><Beam Name='L'/></Geometries><DMXModes>"
+                 "<DMXMode Name='M' Geometry='L'><DMXChannels/></DMXMode></DMXModes></FixtureType></GDTF>"}}));
+  const Outcome json = footlight({"report", "--optics", head, "--json"});
+  if (contains(json.err, "there is no command")) {
+    MESSAGE("SKIPPED: built without the judge");
+    return;
+  }
+  const auto lines = lines_of(json.out);
+  REQUIRE(lines.size() == 3);
+  CHECK(lines[0]["type"] == "Us Rgb");
+  CHECK(lines[0]["what"] == "emitter R");
+  CHECK(lines[0]["delta_e"].get<double>() < 0.5);  // within the screen's colours
+  CHECK(lines[1]["delta_e"].get<double>() > 5);    // beyond them
+  CHECK(lines[1]["delta_e_mixing"].get<double>() < 0.01);
+  const std::string lamp = folder.write("a.ies", "TILT=NONE\n1 1000 1 2 1 1 2 0 0 0\n1 1 5\n0 180\n0\n100 100\n");
+  const Outcome text = footlight({"report", "--optics", lamp});
+  CHECK(text.exit_code == 0);
+  CHECK(contains(text.out, "a.ies: the candela integrate to 1256.64 lm, +25.66 % from the 1000.00 lm"));
+}
+
 TEST_CASE("show prints modes, geometries, channels, functions, sets, wheels and beams, of one mode where asked") {
   TempFolder folder;
   const std::string head = folder.write("head.gdtf", make_zip({{"description.xml", kHead}}));
