@@ -1,9 +1,12 @@
 #include "tools/footlight/hand_levels.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "fixtures/encode.h"
 #include "fixtures/params.h"
+#include "fixtures/walker.h"
 #include "sim/core/check.h"
 
 namespace footlight::tools {
@@ -129,6 +132,54 @@ HandLevels::HandLevels(const fixtures::Rig& rig, const fixtures::CompiledRig& co
           : has_zero         ? 0
                              : (fader.from + fader.to) / 2);
     }
+  }
+  balance();
+}
+
+// Red, green and blue of makers' files at full add up to what they add up to, often violet. What each of them adds is
+// asked of the model itself, at half and at full beside the others: there light is linear in them, while alone each lies
+// outside of what a screen shows and is brought inside.
+void HandLevels::balance() {
+  static constexpr std::array<std::string_view, 3> kEmitters = {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"};
+  const auto light = [&] {
+    fixtures::f64::Walker walker(compiled_);
+    walker.step(levels_, 0);
+    std::vector<glm::dvec3> of_fixtures(rig_.fixtures.size(), glm::dvec3(0));
+    for (std::size_t i = 0; i < walker.states.size(); ++i) {
+      const auto fixture = static_cast<std::size_t>(compiled_.heads[i].fixture);
+      const auto& state = walker.states[i];
+      // All heads of a fixture hear one fader: the first that is lit stands for them.
+      if (of_fixtures[fixture] == glm::dvec3(0)) of_fixtures[fixture] = {state.red, state.green, state.blue};
+    }
+    return of_fixtures;
+  };
+  const auto set_all = [&](std::string_view attribute, double share) {
+    for (std::size_t i = 0; i < faders_.size(); ++i) set_share(i, attribute, share);
+  };
+  const auto full = light();
+  std::array<std::vector<glm::dvec3>, 3> half;
+  for (std::size_t e = 0; e < kEmitters.size(); ++e) {
+    set_all(kEmitters[e], 0.5);
+    half[e] = light();
+    set_all(kEmitters[e], 1);
+  }
+  for (std::size_t i = 0; i < faders_.size(); ++i) {
+    const glm::dmat3 emitted(2.0 * (full[i] - half[0][i]), 2.0 * (full[i] - half[1][i]), 2.0 * (full[i] - half[2][i]));
+    if (!(std::abs(glm::determinant(emitted)) > 1e-9)) continue;  // not three colours
+    const glm::dvec3 others = full[i] - emitted * glm::dvec3(1);
+    const glm::dmat3 wanted = glm::inverse(emitted);
+    const glm::dvec3 rising = wanted * glm::dvec3(1);
+    const glm::dvec3 offset = wanted * others;
+    if (!glm::all(glm::greaterThan(rising, glm::dvec3(0)))) continue;  // white is outside their triangle
+    const glm::dvec3 reach_t = (glm::dvec3(1) + offset) / rising;
+    const glm::dvec3 shares = glm::clamp(std::min({reach_t.x, reach_t.y, reach_t.z}) * rising - offset, 0.0, 1.0);
+    for (int e = 0; e < 3; ++e) set_share(i, kEmitters[static_cast<std::size_t>(e)], shares[e]);
+  }
+}
+
+void HandLevels::set_share(std::size_t index, std::string_view attribute, double share) {
+  for (const Fader& fader : faders_[index]) {
+    if (fader.attribute == attribute) set(index, attribute, fader.from + share * (fader.to - fader.from));
   }
 }
 

@@ -27,7 +27,8 @@ void give_hand_addresses(fixtures::Rig& rig);
 
 class HandLevels {
  public:
-  // Every fixture at its defaults, lit white, its axes in the middle of their ways. Both outlive this.
+  // Every fixture at its defaults, lit, its axes in the middle of their ways; white where red, green and blue can make
+  // it with whatever else is lit. Both outlive this.
   HandLevels(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled);
 
   // universes x 512 bytes in the rig's order.
@@ -41,6 +42,8 @@ class HandLevels {
   bool encode(std::size_t index, std::string_view attribute, double value);
 
  private:
+  void balance();
+  void set_share(std::size_t index, std::string_view attribute, double share);
   [[nodiscard]] std::span<std::uint8_t> slots_of(const fixtures::PatchedFixture& fixture);
 
   const fixtures::Rig& rig_;

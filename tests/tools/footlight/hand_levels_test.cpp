@@ -39,6 +39,37 @@ TEST_CASE("every fixture of a rig that nothing drives begins lit white") {
   }
 }
 
+TEST_CASE("emitters that add up to violet at full begin at a white, the one that is wanted most at full") {
+  fixtures::Rig rig = fixtures::demo_rig();
+  for (fixtures::FixtureType& type : rig.types) {
+    const int first = static_cast<int>(type.emitters.size());
+    type.emitters.push_back({.name = "Red", .color = {0.69, 0.30, 16}});
+    type.emitters.push_back({.name = "Green", .color = {0.17, 0.70, 33}});
+    type.emitters.push_back({.name = "Blue", .color = {0.15, 0.04, 12}});
+    for (fixtures::Mode& mode : type.modes) {
+      for (fixtures::Channel& channel : mode.channels) {
+        for (fixtures::ChannelFunction& function : channel.functions) {
+          if (function.attribute == "ColorAdd_R") function.emitter = first;
+          if (function.attribute == "ColorAdd_G") function.emitter = first + 1;
+          if (function.attribute == "ColorAdd_B") function.emitter = first + 2;
+        }
+      }
+    }
+  }
+  const fixtures::CompiledRig compiled = fixtures::compile(rig).value();
+  HandLevels hand(rig, compiled);
+  fixtures::f64::Walker walker(compiled);
+  walker.step(hand.levels(), 0);
+  for (std::size_t i = 0; i < rig.fixtures.size(); ++i) {
+    if (find(hand, i, "ColorAdd_B") == nullptr) continue;
+    CAPTURE(rig.fixtures[i].name);
+    CHECK(walker.states[i].red == doctest::Approx(walker.states[i].green).epsilon(0.02));
+    CHECK(walker.states[i].blue == doctest::Approx(walker.states[i].green).epsilon(0.02));
+    CHECK(find(hand, i, "ColorAdd_G")->value == doctest::Approx(1));
+    CHECK(find(hand, i, "ColorAdd_B")->value < 0.4);
+  }
+}
+
 TEST_CASE("what a fader says is what the fixture does, to the resolution of its channel") {
   Demo demo;
   const Fader* pan = find(demo.hand, 0, "Pan");
