@@ -15,6 +15,9 @@ layout(constant_id = FL_SPEC_SPIN) const bool kSpin = true;
 layout(constant_id = FL_SPEC_STROBE) const bool kStrobe = true;
 layout(constant_id = FL_SPEC_COLOR) const bool kColor = true;
 layout(constant_id = FL_SPEC_OPTICS) const bool kOptics = true;
+layout(constant_id = FL_SPEC_BLADES) const bool kBlades = true;
+layout(constant_id = FL_SPEC_SHAKE) const bool kShake = true;
+layout(constant_id = FL_SPEC_ANIMATION) const bool kAnimation = true;
 layout(constant_id = FL_SPEC_STACKED) const bool kStacked = true;
 layout(constant_id = FL_SPEC_FLEX) const bool kFlex = true;
 layout(constant_id = FL_SPEC_SMOOTH) const bool kSmooth = true;
@@ -88,6 +91,9 @@ void fl_set_optics_state(uint index, OpticsState optics) { optics_states[index] 
 #define FL_NEED_STROBE kStrobe
 #define FL_NEED_COLOR kColor
 #define FL_NEED_OPTICS kOptics
+#define FL_NEED_BLADES kBlades
+#define FL_NEED_SHAKE kShake
+#define FL_NEED_ANIMATION kAnimation
 #define FL_NEED_STACKED kStacked
 #define FL_NEED_FLEX kFlex
 #define FL_NEED_SMOOTH kSmooth
