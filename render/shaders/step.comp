@@ -84,7 +84,35 @@ Discharge fl_discharge_state(uint index) { return discharges[index]; }
 void fl_set_discharge_state(uint index, Discharge discharge) { discharges[index] = discharge; }
 Slew fl_dowser_state(uint index) { return dowsers[index]; }
 void fl_set_dowser_state(uint index, Slew slew) { dowsers[index] = slew; }
-void fl_set_optics_state(uint index, OpticsState optics) { optics_states[index] = optics; }
+// What no beam of the rig has stays 0, as it was made.
+void fl_set_optics_state(uint index, OpticsState optics) {
+  optics_states[index].image_1 = optics.image_1;
+  optics_states[index].image_2 = optics.image_2;
+  optics_states[index].angle_1 = optics.angle_1;
+  optics_states[index].angle_2 = optics.angle_2;
+  optics_states[index].iris = optics.iris;
+  optics_states[index].frost = optics.frost;
+  optics_states[index].prism = optics.prism;
+  optics_states[index].prism_angle = optics.prism_angle;
+  optics_states[index].next_1 = optics.next_1;
+  optics_states[index].next_2 = optics.next_2;
+  optics_states[index].offset_1 = optics.offset_1;
+  optics_states[index].offset_2 = optics.offset_2;
+  optics_states[index].focus = optics.focus;
+  if (kBlades) {
+    optics_states[index].blade_a = optics.blade_a;
+    optics_states[index].blade_b = optics.blade_b;
+    optics_states[index].blade_angle = optics.blade_angle;
+  }
+  if (kAnimation) {
+    optics_states[index].animation = optics.animation;
+    optics_states[index].animation_angle = optics.animation_angle;
+  }
+  if (kStacked) {
+    optics_states[index].prism_2 = optics.prism_2;
+    optics_states[index].prism_2_angle = optics.prism_2_angle;
+  }
+}
 
 #define FL_NEED_MOTION kMotion
 #define FL_NEED_SPIN kSpin

@@ -38,7 +38,7 @@ Needs demo_needs() {
   needs.color = true;
   needs.blades = true;
   for (bool Needs::* need : {&Needs::flex, &Needs::smooth, &Needs::tungsten, &Needs::led, &Needs::discharge,
-                             &Needs::dowser, &Needs::measured, &Needs::rectangle, &Needs::stacked}) {
+                             &Needs::dowser, &Needs::measured, &Needs::rectangle, &Needs::stacked, &Needs::shake}) {
     CHECK_FALSE(needs.*need);
     needs.*need = true;
   }
@@ -73,6 +73,9 @@ TEST_CASE("the demo rig with all that it lacks needs every pass, with every bran
                       {FL_SPEC_STROBE, 1},
                       {FL_SPEC_COLOR, 1},
                       {FL_SPEC_OPTICS, 1},
+                      {FL_SPEC_BLADES, 1},
+                      {FL_SPEC_SHAKE, 1},
+                      {FL_SPEC_ANIMATION, 1},
                       {FL_SPEC_STACKED, 1},
                       {FL_SPEC_FLEX, 1},
                       {FL_SPEC_SMOOTH, 1},
@@ -230,7 +233,8 @@ TEST_CASE("the needs of a rig follow from its fixtures and its haze") {
   CHECK(pars->needs.profile);
   CHECK(constants_of(plan_frame(pars->needs, {}), "step") ==
         std::vector<SpecConstant>{{FL_SPEC_MOTION, 0}, {FL_SPEC_SPIN, 0}, {FL_SPEC_STROBE, 1}, {FL_SPEC_COLOR, 0},
-                                  {FL_SPEC_OPTICS, 0}, {FL_SPEC_STACKED, 0}, {FL_SPEC_FLEX, 0}, {FL_SPEC_SMOOTH, 0},
+                                  {FL_SPEC_OPTICS, 0}, {FL_SPEC_BLADES, 0}, {FL_SPEC_SHAKE, 0}, {FL_SPEC_ANIMATION, 0},
+                                  {FL_SPEC_STACKED, 0}, {FL_SPEC_FLEX, 0}, {FL_SPEC_SMOOTH, 0},
                                   {FL_SPEC_TUNGSTEN, 0},
                                   {FL_SPEC_LED, 0},
                                   {FL_SPEC_DISCHARGE, 0}, {FL_SPEC_DOWSER, 0}});
