@@ -79,6 +79,7 @@ Status time_steps(render::vk::Device& device, const FleetOptions& options, Fleet
   FL_ASSIGN(const auto frame, render::Frame::create(device, rig, compiled, small_picture()));
   const render::View view = render::view_of(rig.cameras.front());
   report.state_bytes = sizeof(fixtures::f32::Walker::HeadState) * compiled.heads.size() +
+                       sizeof(fixtures::f32::Walker::OpticsState) * compiled.optics_count +
                        sizeof(fixtures::f32::Motor) * compiled.motor_count +
                        sizeof(fixtures::f32::Spin) * compiled.spin_count +
                        sizeof(fixtures::f32::Shutter) * compiled.strobe_count;
