@@ -137,8 +137,8 @@ HandLevels::HandLevels(const fixtures::Rig& rig, const fixtures::CompiledRig& co
 }
 
 // Red, green and blue of makers' files at full add up to what they add up to, often violet. What each of them adds is
-// asked of the model itself, at half and at full beside the others: there light is linear in them, while alone each lies
-// outside of what a screen shows and is brought inside.
+// asked of the model itself, at half and at full beside the others: there light is linear in them, while alone each
+// lies outside of what a screen shows and is brought inside.
 void HandLevels::balance() {
   static constexpr std::array<std::string_view, 3> kEmitters = {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"};
   const auto light = [&] {
