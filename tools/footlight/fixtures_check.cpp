@@ -120,10 +120,11 @@ void add_sweep(const fixtures::FixtureType& type, fixtures::Diagnostics& diagnos
 }
 
 FixtureCheck check_file(const std::string& path, bool sweeps, bool images, fixtures::SweepReport& sum) {
-  FixtureCheck check{path, "", ImportStatus::kRefused, "", "", 0, {}};
+  FixtureCheck check{path, "", ImportStatus::kRefused, "", "", 0, {}, ""};
   fixtures::Diagnostics diagnostics;
   auto source = fixtures::open_import_source(path);
   if (!source) {
+    if (source.error().code == ErrorCode::kNotFound) check.missing = source.error().message;
     diagnostics.add(fixtures::error_of(source.error().message, path, "read"));
     check.diagnostics = diagnostics.take();
     return check;
@@ -172,6 +173,8 @@ Result<int> run_check(const Options& options) {
   FL_ASSIGN(const Wanted wanted, find_wanted(options.paths));
   std::array<std::size_t, 3> counts{};
   std::size_t done = 0;
+  std::size_t missing = 0;
+  std::string missing_first;
   fixtures::SweepReport swept;
   for (const std::string& path : wanted.paths) {
     if (end_signal_came()) break;
@@ -180,6 +183,7 @@ Result<int> run_check(const Options& options) {
     progress.clear();
     ++counts.at(static_cast<std::size_t>(check.status));
     ++done;
+    if (!check.missing.empty() && ++missing == 1) missing_first = check.missing;
     if (options.json) {
       fmt::print("{}\n", json_of_fixture_check(check));
     } else {
@@ -201,6 +205,7 @@ Result<int> run_check(const Options& options) {
                swept.values, swept.modes, swept.float_error);
   }
   if (wanted.paths.empty()) return kExitNotFound;
+  if (missing == wanted.paths.size()) return fail(ErrorCode::kNotFound, "{}", missing_first);
   return refused > 0 ? kExitFailed : kExitOk;
 }
 
@@ -213,7 +218,7 @@ void add_fixtures_check(Arguments& arguments) {
                            "  footlight fixtures check ~/gdtf /usr/share/qlcplus/fixtures --json\n"
                            "  footlight fixtures check head.gdtf --sweep\n"
                            "Folders are searched to the bottom. Exit code 0 where no file is refused, 1 where one is, "
-                           "3 where none is found.");
+                           "3 where none is there.");
   auto options = std::make_shared<Options>();
   check.words("PATH", options->paths, "files and folders");
   check.flag("--json", options->json, "one JSON object a file");

@@ -66,6 +66,7 @@ struct FixtureCheck {
   std::string manufacturer, name;  // empty where refused
   std::size_t modes = 0;
   std::vector<fixtures::Diagnostic> diagnostics;
+  std::string missing;  // why nothing is there; empty: something is
 };
 // "file", "format", "status" (loaded, warnings, refused), "manufacturer", "name", "modes" (how many), "diagnostics":
 // "severity" (note, warning, error), "code", "file", "line" and "column" (0: not known), "message", "assumed".
