@@ -141,6 +141,11 @@ HandLevels::HandLevels(const fixtures::Rig& rig, const fixtures::CompiledRig& co
 // lies outside of what a screen shows and is brought inside.
 void HandLevels::balance() {
   static constexpr std::array<std::string_view, 3> kEmitters = {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"};
+  const auto mixes = [&](const std::vector<Fader>& faders) {
+    return std::any_of(faders.begin(), faders.end(),
+                       [](const Fader& fader) { return fader.attribute == kEmitters[0]; });
+  };
+  if (std::none_of(faders_.begin(), faders_.end(), mixes)) return;  // no rig is walked for nothing
   const auto light = [&] {
     fixtures::f64::Walker walker(compiled_);
     walker.step(levels_, 0);
