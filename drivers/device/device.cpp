@@ -11,6 +11,7 @@
 #include "drivers/rdm/rdm_widget.h"
 #include "drivers/wait/real_time.h"
 #include "sim/core/check.h"
+#include "sim/core/no_signals.h"
 
 namespace footlight::drivers {
 namespace {
@@ -112,6 +113,7 @@ class Device final : private WidgetContext {
       if (!waits || opened.error().code != ErrorCode::kNotFound) return opened;
       lose(opened.error());
     }
+    const NoSignals for_the_thread;
     thread_ = std::jthread([this](const std::stop_token& stop) {
       (void)enter_real_time();  // a refusal is said once, by the main
       stop_ = stop;

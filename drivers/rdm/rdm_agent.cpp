@@ -7,6 +7,8 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include "sim/core/no_signals.h"
+
 namespace footlight::drivers {
 
 Result<std::unique_ptr<RdmAgent>> RdmAgent::create(std::unique_ptr<RdmLine> line) {
@@ -19,6 +21,7 @@ Result<std::unique_ptr<RdmAgent>> RdmAgent::create(std::unique_ptr<RdmLine> line
 }
 
 RdmAgent::RdmAgent(std::unique_ptr<RdmLine> line, int event_fd) : line_(std::move(line)), event_fd_(event_fd) {
+  const NoSignals for_the_thread;
   thread_ = std::thread([this] { run(); });
 }
 

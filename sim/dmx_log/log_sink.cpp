@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sim/core/check.h"
+#include "sim/core/no_signals.h"
 #include "sim/dmx_log/log_ports.h"
 
 namespace footlight {
@@ -38,6 +39,7 @@ struct LogSink::Impl {
         writer(std::move(writer_in)),
         next_wake_ns(options_in.start_ns + kWakePeriodNs) {
     for (const Universe universe : options.universes) wanted[static_cast<std::size_t>(universe)] = true;
+    const NoSignals for_the_thread;
     thread = std::thread([this] { run(); });
   }
   Impl(const Impl&) = delete;

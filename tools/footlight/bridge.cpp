@@ -12,6 +12,7 @@
 
 #include "drivers/wait/epoll_waiter.h"
 #include "drivers/wait/real_time.h"
+#include "sim/core/no_signals.h"
 #include "sim/universes.h"
 #include "tools/footlight/duration.h"
 #include "tools/footlight/json_lines.h"
@@ -64,6 +65,7 @@ class Reporter {
   void start(Pump& pump) {
     pump_ = &pump;
     start_ns_ = clock_.now_ns();
+    const NoSignals for_the_thread;
     thread_ = std::thread([this] { run(); });
   }
 
@@ -197,6 +199,7 @@ class Reloader {
       : bridge_(bridge), pump_(pump), pages_(pages), reporter_(reporter) {
     if (bridge_.reload == nullptr) return;
     if (bridge_.load_show) pages_.ask_reload = [this] { bridge_.reload->wish(); };
+    const NoSignals for_the_thread;
     thread_ = std::thread([this] { run(); });
   }
   // After the pump has stopped.

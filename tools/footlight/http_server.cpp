@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "sim/core/clock.h"
+#include "sim/core/no_signals.h"
 
 namespace footlight::tools {
 namespace {
@@ -178,6 +179,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::listen(std::string_view option, 
     close(fd);
     return tl::unexpected(system_error(option, where, number));
   }
+  const NoSignals for_the_thread;
   daemon->mhd = MHD_start_daemon(MHD_USE_AUTO_INTERNAL_THREAD, 0, nullptr, nullptr, &Daemon::on_request, daemon.get(),
                                  MHD_OPTION_LISTEN_SOCKET, fd, MHD_OPTION_CONNECTION_LIMIT,
                                  static_cast<unsigned>(2 * kConnectionsMax), MHD_OPTION_CONNECTION_TIMEOUT,

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "drivers/wait/epoll_waiter.h"
+#include "sim/core/no_signals.h"
 
 namespace footlight::tools {
 namespace {
@@ -39,6 +40,7 @@ Result<std::unique_ptr<LiveLevels>> LiveLevels::start(std::span<const Universe> 
   live->levels_.resize(count * kSlotCountMax);
   live->stamps_.resize(count);
   (void)live->pump_->latest_status();  // asks for one
+  const NoSignals for_the_thread;
   live->thread_ = std::jthread([self = live.get()](const std::stop_token& stop) {
     const std::stop_callback stop_pump(stop, [self] { self->pump_->request_stop(); });
     self->pump_->run();

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "drivers/wait/epoll_waiter.h"
+#include "sim/core/no_signals.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/bridge.h"
 #include "tools/footlight/bridge_sockets.h"
@@ -89,6 +90,7 @@ class OwnFeed final : public Feed {
     for (const auto& source : feed->sources_) feed->pump_->add_source(*source);
     feed->pages_ = std::make_unique<StatusPages>(*feed->pump_, clock);
     (void)feed->pump_->latest_status();  // asks for one
+    const NoSignals for_the_thread;
     feed->thread_ = std::jthread([self = feed.get()](const std::stop_token& stop) {
       const std::stop_callback stop_pump(stop, [self] { self->pump_->request_stop(); });
       self->pump_->run();

@@ -33,6 +33,7 @@ class Footlight {
   // Closes our end of its standard output.
   void stop_reading();
   void signal(int number);
+  [[nodiscard]] pid_t pid() const { return pid_; }
   Outcome wait();
 
  private:

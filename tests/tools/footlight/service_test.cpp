@@ -1,6 +1,8 @@
 // The command as a service: started, watched, told to stop.
 #include <csignal>
+#include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -33,6 +35,30 @@ TEST_CASE("SIGTERM and SIGINT stop a bridge cleanly, with a summary and exit cod
     CHECK(outcome.exit_code == 0);
     CHECK(contains(outcome.out, R"("event":"summary")"));
   }
+}
+
+TEST_CASE("signals to a bridge reach no thread but its main one") {
+  const TempFolder folder;
+  Footlight bridge({"run", "--in", "mock:enttec-pro", "--out", "log:" + folder.file("a.dmxlog"), "--json"});
+  bridge.wait_for(R"("event":"ready")");
+  int others = 0;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(bridge.pid()) + "/task")) {
+    const bool is_main = task.path().filename() == std::to_string(bridge.pid());
+    std::ifstream status(task.path() / "status");
+    std::string line;
+    while (std::getline(status, line) && !line.starts_with("SigBlk:")) {
+    }
+    REQUIRE(line.starts_with("SigBlk:"));
+    const std::uint64_t blocked = std::stoull(line.substr(7), nullptr, 16);
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+      CAPTURE(number);
+      CHECK(((blocked >> (number - 1)) & 1) == (is_main ? 0 : 1));
+    }
+    others += is_main ? 0 : 1;
+  }
+  CHECK(others >= 2);  // the device's and the log's
+  bridge.signal(SIGTERM);
+  CHECK(bridge.wait().exit_code == 0);
 }
 
 TEST_CASE("a bridge goes on when the reader of its JSON has gone, and still stops cleanly") {
