@@ -177,6 +177,7 @@ TEST_CASE("libraries of hardware, and those that are slow to compile, stay where
       {"pcap/", R"(drivers/capture/pcap_input\.cpp)"},
       {"zip.h",
        R"((drivers/capture/sigrok_file|fixtures/(import/archive|export/zip_writer)|tests/(fixtures|fuzz)/.*)\.cpp)"},
+      {"png.h", R"((fixtures/png|tests/fixtures/png_test)\.cpp)"},
       {"cairo", R"(fixtures/paperwork/patch_pdf\.cpp)"},
       {"librsvg/", R"(fixtures/gobo_svg\.cpp)"},
       {"pugixml", R"(fixtures/import/xml\.cpp)"},

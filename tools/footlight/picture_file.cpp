@@ -5,15 +5,7 @@
 #include <cstring>
 #include <filesystem>
 
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#define STB_IMAGE_WRITE_STATIC
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#pragma GCC diagnostic ignored "-Wconversion"
-#pragma GCC diagnostic ignored "-Wsign-conversion"
-#pragma GCC diagnostic ignored "-Wshadow"
-#include <stb/stb_image_write.h>
-#pragma GCC diagnostic pop
+#include "fixtures/png.h"
 
 namespace footlight::tools {
 
@@ -24,14 +16,10 @@ Status write_png(const std::string& path, const render::ScreenImage& image) {
     return fail(ErrorCode::kIo, "{}: cannot be written ({}); choose a folder that exists and is yours", path,
                 std::strerror(errno));
   }
-  const auto write = [](void* to, void* data, int size) {
-    std::fwrite(data, 1, static_cast<std::size_t>(size), static_cast<std::FILE*>(to));
-  };
-  const int encoded =
-      stbi_write_png_to_func(write, file, image.width, image.height, 4, image.rgba.data(), image.width * 4);
-  const bool failed = std::ferror(file) != 0;
+  const fixtures::Bytes png = fixtures::png_of(image.width, image.height, 4, image.rgba);
+  const bool written = !png.empty() && std::fwrite(png.data(), 1, png.size(), file) == png.size();
   const bool closed = std::fclose(file) == 0;
-  if (encoded == 0 || failed || !closed) {
+  if (!written || !closed) {
     std::remove(part.c_str());
     return fail(ErrorCode::kIo, "{}: writing failed ({}); is the disk full?", path, std::strerror(errno));
   }
