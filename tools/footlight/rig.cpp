@@ -55,7 +55,7 @@ Opened open(const std::string& path, const std::vector<std::string>& folders, bo
   std::optional<fixtures::Library> library;
   if (!folders.empty()) library = fixtures::Library::open(folders);
   catch_end_signals();
-  Progress progress("fixtures read");
+  Progress progress("fixtures and definitions read");
   auto rig = fixtures::import_rig(path, library ? &*library : nullptr, diagnostics, progress.go_on());
   if (rig && images) {
     for (const fixtures::FixtureType& type : rig->rig.types) fixtures::check_images(type, diagnostics);
