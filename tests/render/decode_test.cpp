@@ -268,6 +268,117 @@ TEST_CASE("lamps of every kind, dimmers of every law and smoothed heads follow t
   CHECK(to_float.phases == 0);
 }
 
+// Irises with a motor and without, frosts, wheels that draw slots and one that shakes: each beside what else its
+// channel does.
+Scene dials_scene() {
+  using fixtures::ChannelFunction;
+  fixtures::FixtureType type;
+  type.name = type.id = "test/dials";
+  type.beams.push_back({});
+  fixtures::Wheel wheel;
+  wheel.name = "W";
+  for (const char* image : {"", "builtin:dots", "builtin:bars", "builtin:star", "builtin:dots"}) {
+    fixtures::WheelSlot slot;
+    slot.name = image;
+    slot.image = image;
+    wheel.slots.push_back(slot);
+  }
+  type.wheels = {wheel};
+  fixtures::Mode mode;
+  mode.name = "m";
+  mode.geometries = fixtures::simple_geometries(0, 0);
+  const auto function = [](const char* attribute, std::uint32_t from, std::uint32_t to, double a, double b) {
+    ChannelFunction one;
+    one.name = one.attribute = attribute;
+    one.dmx_from = from;
+    one.dmx_to = to;
+    one.physical_from = a;
+    one.physical_to = b;
+    const std::string_view name(attribute);
+    if (name.starts_with("Gobo") || name.starts_with("Anim") || name.starts_with("Color")) one.wheel = 0;
+    if (name == "Gobo1" || name == "Color1" || name == "AnimationWheel1SelectShake") {
+      one.sets = {{"a", from, (from + to) / 2, a, b, 2}, {"b", (from + to) / 2 + 1, to, a, b, 4}};
+    }
+    return one;
+  };
+  const std::vector<std::vector<ChannelFunction>> channels = {
+      {function("Iris", 0, 60, 1, 0.2), function("IrisPulse", 61, 100, 0.3, 7),
+       function("IrisPulseOpen", 101, 140, 1, 9),
+       function("IrisPulseClose", 141, 180, 0, 5), function("IrisRandomPulse", 181, 220, 0.2, 5),
+       function("IrisStrobe", 221, 230, 0.2, 5), function("IrisStrobeRandom", 231, 255, 0.3, 12)},
+      {function("Frost1", 0, 99, 0, 1), function("Frost1PulseOpen", 100, 255, 0.2, 6)},
+      {function("Frost2Ramp", 0, 255, 0, 2)},
+      {function("Gobo1", 0, 99, 0, 0), function("Gobo1WheelRandom", 100, 255, 0.2, 3)},
+      {function("Color1", 0, 99, 0, 0), function("Color1WheelRandom", 100, 255, 0.2, 3)},
+      {function("AnimationWheel1SelectShake", 0, 149, 1, 4), function("AnimationWheel1Random", 150, 255, 0.4, 3)},
+      {function("Focus1", 0, 255, 0, 1)},
+      {function("Focus1Adjust", 0, 255, 0, 1)}};
+  for (const auto& functions : channels) {
+    fixtures::Channel channel;
+    channel.name = functions.front().attribute;
+    channel.geometry = fixtures::kSimpleHead;
+    channel.slot_offsets = {mode.slot_count++};
+    channel.functions = functions;
+    mode.channels.push_back(channel);
+  }
+  type.modes.push_back(mode);
+  fixtures::FixtureType at_once = type;
+  at_once.id = "test/dials-at-once";
+  for (fixtures::Channel& channel : at_once.modes[0].channels) {
+    for (ChannelFunction& each : channel.functions) each.instant = true;
+  }
+  Scene scene;
+  scene.rig.name = "dials";
+  scene.rig.types = {type, at_once};
+  for (int i = 0; i < 40; ++i) {
+    fixtures::PatchedFixture fixture;
+    fixture.name = std::to_string(i);
+    fixture.type = i % 2;
+    fixture.address = static_cast<Address>(1 + 8 * i);
+    scene.rig.fixtures.push_back(fixture);
+  }
+  scene.rig.cameras.emplace_back();
+  scene.compiled = must(fixtures::compile(scene.rig));
+  scene.camera = scene.rig.cameras.front();
+  scene.levels.assign(scene.compiled.universes.size() * kSlotCountMax, 0);
+  return scene;
+}
+
+TEST_CASE("pulses, slots at random, shakes and trims follow the walker over steps of every length, phases to the bit") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = dials_scene();
+  REQUIRE(scene.compiled.needs.pulses);
+  const auto frame = make_frame(vulkan.device(), scene, judged_settings(8, 8));
+  fixtures::f32::Walker walker(scene.compiled);
+  Random random(11);
+  Differences to_float;
+  int between = 0;
+  const std::int64_t lengths_ns[] = {0, kMs, 22'727'272, 40 * kMs, 200 * kMs, 60'000 * kMs};
+  for (int round = 0; round < 300; ++round) {
+    if (random.below(6) == 0) randomise(scene.levels, random);
+    const std::int64_t dt_ns = lengths_ns[random.below(round % 20 == 0 ? std::size(lengths_ns) : 5)];
+    frame->step(scene.levels, dt_ns);
+    walker.step(scene.levels, dt_ns);
+    if (random.below(2) != 0) continue;
+    must(frame->run_steps());
+    compare(*frame, walker, to_float);
+    const auto optics = must(frame->read_optics());
+    for (std::size_t i = 0; i < optics.size(); ++i) {
+      to_float.phases += optics[i].animation != walker.optics_states[i].animation;
+      to_float.add(to_float.position, optics[i].animation_angle, walker.optics_states[i].animation_angle);
+      to_float.add(to_float.light, optics[i].focus, walker.optics_states[i].focus);
+      between += optics[i].iris > 0.3f && optics[i].iris < 0.9f;
+    }
+  }
+  to_float.print("dials, to the walker in float");
+  CHECK(between > 500);
+  CHECK(to_float.position <= kMotionMax);
+  CHECK(to_float.speed <= kMotionSpeedMax);
+  CHECK(to_float.light <= kMotionMax);  // irises with a motor
+  CHECK(to_float.phases == 0);
+}
+
 // One of each VRSL type, in its first mode, one row of the grid each or more.
 fixtures::Rig vrsl_rig() {
   fixtures::Rig rig;

@@ -38,7 +38,8 @@ Needs demo_needs() {
   needs.color = true;
   needs.blades = true;
   for (bool Needs::* need : {&Needs::flex, &Needs::smooth, &Needs::tungsten, &Needs::led, &Needs::discharge,
-                             &Needs::dowser, &Needs::measured, &Needs::rectangle, &Needs::stacked, &Needs::shake}) {
+                             &Needs::dowser, &Needs::measured, &Needs::rectangle, &Needs::stacked, &Needs::shake,
+                             &Needs::pulses}) {
     CHECK_FALSE(needs.*need);
     needs.*need = true;
   }
@@ -151,6 +152,7 @@ TEST_CASE("each need that goes takes its branches or its passes with it") {
                         Case{"optics", &Needs::optics, {}, FL_SPEC_OPTICS},
                         Case{"blades", &Needs::blades, {}, FL_SPEC_BLADES},
                         Case{"stacked", &Needs::stacked, {}, FL_SPEC_STACKED},
+                        Case{"pulses", &Needs::pulses, {}, FL_SPEC_PULSES},
                         Case{"flex", &Needs::flex, {}, FL_SPEC_FLEX},
                         Case{"smooth", &Needs::smooth, {}, FL_SPEC_SMOOTH},
                         Case{"tungsten", &Needs::tungsten, {}, FL_SPEC_TUNGSTEN},
