@@ -12,46 +12,79 @@
 namespace footlight::tools {
 namespace {
 
+enum class Start {
+  kTop,
+  kMakesWhite,  // at the top
+  kTint,        // at the top where the mode has nothing that makes white, else at 0
+  kRest,        // in the middle, or at 0 where that is in reach, or at the slot of a wheel that leaves most light
+};
+
 struct Kind {
   const char* attribute;
   const char* name;
   const char* unit;
-  bool starts_at_top;  // otherwise in the middle, or at 0 where that is in reach, or at the first slot of a wheel
+  Start start;
 };
 
 constexpr Kind kKinds[] = {
-    {"Dimmer", "dimmer", "%", true},
-    {"ColorAdd_R", "red", "%", true},
-    {"ColorAdd_G", "green", "%", true},
-    {"ColorAdd_B", "blue", "%", true},
-    {"ColorRGB_Red", "red", "%", true},
-    {"ColorRGB_Green", "green", "%", true},
-    {"ColorRGB_Blue", "blue", "%", true},
-    {"ColorAdd_W", "white", "%", true},
-    {"ColorSub_C", "cyan", "%", false},
-    {"ColorSub_M", "magenta", "%", false},
-    {"ColorSub_Y", "yellow", "%", false},
-    {"Color1", "colour", "", false},
-    {"Pan", "pan", "deg", false},
-    {"Tilt", "tilt", "deg", false},
-    {"Zoom", "zoom", "deg", false},
-    {"Focus1", "focus", "%", false},
-    {"Iris", "iris", "%", true},
-    {"Gobo1", "gobo", "", false},
-    {"Gobo1Pos", "gobo turn", "deg", false},
-    {"Gobo2", "gobo 2", "", false},
-    {"AnimationWheel1", "animation", "", false},
-    {"Prism1", "prism", "", false},
-    {"Frost1", "frost", "%", false},
-    {"Blade1A", "blade below", "%", false},
-    {"Blade2A", "blade left", "%", false},
-    {"Blade3A", "blade above", "%", false},
-    {"Blade4A", "blade right", "%", false},
+    {"Dimmer", "dimmer", "%", Start::kTop},
+    {"HSB_Brightness", "brightness", "%", Start::kTop},
+    {"HSB_Hue", "hue", "deg", Start::kRest},
+    {"HSB_Saturation", "saturation", "%", Start::kRest},
+    {"ColorAdd_R", "red", "%", Start::kMakesWhite},
+    {"ColorAdd_G", "green", "%", Start::kMakesWhite},
+    {"ColorAdd_B", "blue", "%", Start::kMakesWhite},
+    {"ColorRGB_Red", "red", "%", Start::kMakesWhite},
+    {"ColorRGB_Green", "green", "%", Start::kMakesWhite},
+    {"ColorRGB_Blue", "blue", "%", Start::kMakesWhite},
+    {"ColorAdd_W", "white", "%", Start::kMakesWhite},
+    {"ColorAdd_WW", "warm white", "%", Start::kMakesWhite},
+    {"ColorAdd_CW", "cold white", "%", Start::kMakesWhite},
+    {"ColorAdd_RY", "amber", "%", Start::kTint},
+    {"ColorAdd_Y", "yellow", "%", Start::kTint},
+    {"ColorAdd_GY", "lime", "%", Start::kTint},
+    {"ColorAdd_GC", "blue green", "%", Start::kTint},
+    {"ColorAdd_C", "cyan", "%", Start::kTint},
+    {"ColorAdd_BC", "light blue", "%", Start::kTint},
+    {"ColorAdd_BM", "purple", "%", Start::kTint},
+    {"ColorAdd_M", "magenta", "%", Start::kTint},
+    {"ColorAdd_RM", "pink", "%", Start::kTint},
+    {"ColorAdd_UV", "ultraviolet", "%", Start::kTint},
+    {"ColorSub_C", "cyan", "%", Start::kRest},
+    {"ColorSub_M", "magenta", "%", Start::kRest},
+    {"ColorSub_Y", "yellow", "%", Start::kRest},
+    {"Color1", "colour", "", Start::kRest},
+    {"Color2", "colour 2", "", Start::kRest},
+    {"Pan", "pan", "deg", Start::kRest},
+    {"Tilt", "tilt", "deg", Start::kRest},
+    {"Zoom", "zoom", "deg", Start::kRest},
+    {"Focus1", "focus", "%", Start::kRest},
+    {"Iris", "iris", "%", Start::kTop},
+    {"Gobo1", "gobo", "", Start::kRest},
+    {"Gobo1Pos", "gobo turn", "deg", Start::kRest},
+    {"Gobo2", "gobo 2", "", Start::kRest},
+    {"AnimationWheel1", "animation", "", Start::kRest},
+    {"Prism1", "prism", "", Start::kRest},
+    {"Frost1", "frost", "%", Start::kRest},
+    {"Blade1A", "blade below", "%", Start::kRest},
+    {"Blade2A", "blade left", "%", Start::kRest},
+    {"Blade3A", "blade above", "%", Start::kRest},
+    {"Blade4A", "blade right", "%", Start::kRest},
 };
 
-// Where the functions of the mode that have the attribute begin and end together; from > to where there is none.
-Fader reach(const fixtures::Mode& mode, const Kind& kind) {
+// How much of the light a slot leaves, more or less: for choosing one.
+double clearness(const fixtures::FixtureType& type, const fixtures::WheelSlot& slot) {
+  if (slot.open) return 200;
+  const bool filters = slot.filter != fixtures::kNoIndex;
+  const double luminance = filters ? type.filters[static_cast<std::size_t>(slot.filter)].color.Y : slot.color.Y;
+  return slot.image.empty() && slot.facets.empty() ? luminance : -1;
+}
+
+// Where the functions of the mode that have the attribute begin and end together, from > to where there is none; its
+// value is where it starts.
+Fader reach(const fixtures::FixtureType& type, const fixtures::Mode& mode, const Kind& kind) {
   Fader fader{kind.attribute, kind.name, kind.unit, 1e30, -1e30, 0};
+  double clearest = -1e30;
   const auto take = [&](double value) {
     fader.from = std::min(fader.from, value);
     fader.to = std::max(fader.to, value);
@@ -62,13 +95,29 @@ Fader reach(const fixtures::Mode& mode, const Kind& kind) {
       if (!fixtures::same_attribute(function.attribute, kind.attribute)) continue;
       bool selects = false;
       for (const fixtures::ChannelSet& set : function.sets) {
-        if (set.wheel_slot > 0) take(set.wheel_slot);
-        selects = selects || set.wheel_slot > 0;
+        if (set.wheel_slot < 1) continue;
+        take(set.wheel_slot);
+        selects = true;
+        const fixtures::Wheel* wheel =
+            function.wheel == fixtures::kNoIndex ? nullptr : &type.wheels[static_cast<std::size_t>(function.wheel)];
+        const auto index = static_cast<std::size_t>(set.wheel_slot - 1);
+        const double its = wheel != nullptr && index < wheel->slots.size() ? clearness(type, wheel->slots[index]) : 0;
+        if (its <= clearest) continue;
+        clearest = its;
+        fader.value = set.wheel_slot;
       }
       if (selects) continue;
       take(function.physical_from);
       take(function.physical_to);
     }
+  }
+  const bool has_zero = fader.from <= 0 && fader.to >= 0;
+  if (kind.start == Start::kTop || kind.start == Start::kMakesWhite) {
+    fader.value = fader.to;
+  } else if (fader.unit[0] == '\0') {
+    fader.value = std::max(fader.value, fader.from);
+  } else {
+    fader.value = has_zero ? 0 : (fader.from + fader.to) / 2;
   }
   return fader;
 }
@@ -120,17 +169,14 @@ HandLevels::HandLevels(const fixtures::Rig& rig, const fixtures::CompiledRig& co
     const auto slots = slots_of(fixture);
     fixtures::encode_defaults(rig, fixture, slots);
     fixtures::encode_attribute(rig, fixture, "Shutter1", 1, slots);
+    bool makes_white = false;
     for (const Kind& kind : kKinds) {
-      const Fader fader = reach(mode, kind);
+      Fader fader = reach(rig.types[static_cast<std::size_t>(fixture.type)], mode, kind);
       if (!(fader.from < fader.to)) continue;
+      makes_white = makes_white || kind.start == Start::kMakesWhite;
+      if (kind.start == Start::kTint && !makes_white) fader.value = fader.to;
       faders_[i].push_back(fader);
-      const bool has_zero = fader.from <= 0 && fader.to >= 0;
-      const bool is_wheel = fader.unit[0] == '\0';
-      set(i, kind.attribute,
-          kind.starts_at_top ? fader.to
-          : is_wheel         ? fader.from
-          : has_zero         ? 0
-                             : (fader.from + fader.to) / 2);
+      set(i, kind.attribute, fader.value);
     }
   }
   balance();

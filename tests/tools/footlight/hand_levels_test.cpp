@@ -70,6 +70,69 @@ TEST_CASE("emitters that add up to violet at full begin at a white, the one that
   }
 }
 
+TEST_CASE("fixtures of any one emitter begin lit, and tints stay out of a white") {
+  for (const char* emitter : {"ColorAdd_W", "ColorAdd_WW", "ColorAdd_CW", "ColorAdd_RY", "ColorAdd_UV"}) {
+    for (const bool alone : {true, false}) {
+      CAPTURE(emitter);
+      CAPTURE(alone);
+      fixtures::Rig rig = fixtures::demo_rig();
+      for (fixtures::FixtureType& type : rig.types) {
+        for (fixtures::Mode& mode : type.modes) {
+          for (fixtures::Channel& channel : mode.channels) {
+            for (fixtures::ChannelFunction& function : channel.functions) {
+              if (function.attribute == "ColorAdd_R") function.attribute = emitter;
+              if (alone && function.attribute.starts_with("ColorAdd_") && function.attribute != emitter)
+                function.attribute = "NoFeature";
+            }
+          }
+        }
+      }
+      const fixtures::CompiledRig compiled = fixtures::compile(rig).value();
+      const HandLevels hand(rig, compiled);
+      fixtures::f64::Walker walker(compiled);
+      walker.step(hand.levels(), 0);
+      int seen = 0;
+      for (std::size_t i = 0; i < rig.fixtures.size(); ++i) {
+        const Fader* fader = find(hand, i, emitter);
+        if (fader == nullptr) continue;
+        ++seen;
+        CHECK(walker.states[i].red + walker.states[i].green + walker.states[i].blue > 0.05);
+        const std::string_view name = emitter;
+        const bool tint = name == "ColorAdd_RY" || name == "ColorAdd_UV";
+        CHECK(fader->value == (tint && !alone ? 0 : 1));
+      }
+      CHECK(seen > 0);
+    }
+  }
+}
+
+TEST_CASE("a colour wheel without an open slot begins where it leaves most of the light") {
+  fixtures::Rig rig = fixtures::demo_rig();
+  for (fixtures::FixtureType& type : rig.types) {
+    for (fixtures::Wheel& wheel : type.wheels) {  // its gobos become colours
+      for (std::size_t s = 0; s < wheel.slots.size(); ++s)
+        wheel.slots[s] = {.name = "Colour", .color = {0.3, 0.3, s == 2 ? 40.0 : 5.0}};
+    }
+    for (fixtures::Mode& mode : type.modes) {
+      for (fixtures::Channel& channel : mode.channels) {
+        for (fixtures::ChannelFunction& function : channel.functions) {
+          if (function.attribute == "Gobo1") function.attribute = "Color1";
+        }
+      }
+    }
+  }
+  const fixtures::CompiledRig compiled = fixtures::compile(rig).value();
+  const HandLevels hand(rig, compiled);
+  int seen = 0;
+  for (std::size_t i = 0; i < rig.fixtures.size(); ++i) {
+    const Fader* fader = find(hand, i, "Color1");
+    if (fader == nullptr) continue;
+    ++seen;
+    CHECK(fader->value == 3);
+  }
+  CHECK(seen > 0);
+}
+
 TEST_CASE("what a fader says is what the fixture does, to the resolution of its channel") {
   Demo demo;
   const Fader* pan = find(demo.hand, 0, "Pan");
