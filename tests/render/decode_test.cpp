@@ -296,6 +296,10 @@ Scene dials_scene() {
     one.physical_to = b;
     const std::string_view name(attribute);
     if (name.starts_with("Gobo") || name.starts_with("Anim") || name.starts_with("Color")) one.wheel = 0;
+    if (name == "IrisPulseOpen" || name == "IrisStrobe") {
+      one.details = {{fixtures::DetailKind::kDutyCycle, 0.3, 0.6, fixtures::kNoIndex},
+                     {fixtures::DetailKind::kTimeOffset, 0.8, 0.8, fixtures::kNoIndex}};
+    }
     if (name == "Gobo1" || name == "Color1" || name == "AnimationWheel1SelectShake") {
       one.sets = {{"a", from, (from + to) / 2, a, b, 2}, {"b", (from + to) / 2 + 1, to, a, b, 4}};
     }
