@@ -14,7 +14,7 @@ const PassEntry kStepPass{
           {FL_SPEC_SHAKE, needs.shake},   {FL_SPEC_ANIMATION, needs.animation}, {FL_SPEC_STACKED, needs.stacked},
           {FL_SPEC_FLEX, needs.flex},     {FL_SPEC_SMOOTH, needs.smooth},       {FL_SPEC_TUNGSTEN, needs.tungsten},
           {FL_SPEC_LED, needs.led},       {FL_SPEC_DISCHARGE, needs.discharge}, {FL_SPEC_DOWSER, needs.dowser},
-          {FL_SPEC_PULSES, needs.pulses}};
+          {FL_SPEC_PULSES, needs.pulses},       {FL_SPEC_MACRO, needs.macro}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kStepComp, [groups = context.resources.head_groups](VkCommandBuffer commands) {

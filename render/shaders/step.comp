@@ -20,6 +20,7 @@ layout(constant_id = FL_SPEC_SHAKE) const bool kShake = true;
 layout(constant_id = FL_SPEC_ANIMATION) const bool kAnimation = true;
 layout(constant_id = FL_SPEC_STACKED) const bool kStacked = true;
 layout(constant_id = FL_SPEC_PULSES) const bool kPulses = true;
+layout(constant_id = FL_SPEC_MACRO) const bool kMacro = true;
 layout(constant_id = FL_SPEC_FLEX) const bool kFlex = true;
 layout(constant_id = FL_SPEC_SMOOTH) const bool kSmooth = true;
 layout(constant_id = FL_SPEC_TUNGSTEN) const bool kTungsten = true;
@@ -125,6 +126,7 @@ void fl_set_optics_state(uint index, OpticsState optics) {
 #define FL_NEED_ANIMATION kAnimation
 #define FL_NEED_STACKED kStacked
 #define FL_NEED_PULSES kPulses
+#define FL_NEED_MACRO kMacro
 #define FL_NEED_FLEX kFlex
 #define FL_NEED_SMOOTH kSmooth
 #define FL_NEED_TUNGSTEN kTungsten

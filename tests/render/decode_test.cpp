@@ -8,6 +8,7 @@
 #include "fixtures/builtin/builtin.h"
 #include "fixtures/vrsl_compat.h"
 #include "fixtures/walker.h"
+#include "tests/fixtures/macro_wash.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
 
@@ -380,6 +381,40 @@ TEST_CASE("pulses, slots at random, shakes and trims follow the walker over step
   CHECK(to_float.position <= kMotionMax);
   CHECK(to_float.speed <= kMotionSpeedMax);
   CHECK(to_float.light <= kMotionMax);  // irises with a motor
+  CHECK(to_float.phases == 0);
+}
+
+TEST_CASE("macros and programs of colours follow the walker over steps of every length, phases to the bit") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene;
+  scene.rig.types = {fixtures::macro_wash()};
+  for (int i = 0; i < 40; ++i) {
+    fixtures::PatchedFixture fixture;
+    fixture.name = std::to_string(i);
+    fixture.address = static_cast<Address>(1 + 5 * i);
+    scene.rig.fixtures.push_back(fixture);
+  }
+  scene.rig.cameras.emplace_back();
+  scene.compile();
+  REQUIRE(scene.compiled.needs.macro);
+  const auto frame = make_frame(vulkan.device(), scene, judged_settings(8, 8));
+  fixtures::f32::Walker walker(scene.compiled);
+  Random random(11);
+  Differences to_float;
+  int colored = 0;
+  for (int round = 0; round < 200; ++round) {
+    if (random.below(4) == 0) randomise(scene.levels, random);
+    const std::int64_t dt_ns = random.below(2) == 0 ? 22'727'272 : static_cast<std::int64_t>(random.below(700)) * kMs;
+    frame->step(scene.levels, dt_ns);
+    walker.step(scene.levels, dt_ns);
+    must(frame->run_steps());
+    compare(*frame, walker, to_float);
+    for (const auto& state : walker.states) colored += state.red > 0.2f && state.green > 0.2f && state.blue < 0.01f;
+  }
+  to_float.print("macros, to the walker in float");
+  CHECK(colored > 20);
+  CHECK(to_float.light <= kDecodeMax);
   CHECK(to_float.phases == 0);
 }
 

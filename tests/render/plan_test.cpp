@@ -39,7 +39,7 @@ Needs demo_needs() {
   needs.blades = true;
   for (bool Needs::* need : {&Needs::flex, &Needs::smooth, &Needs::tungsten, &Needs::led, &Needs::discharge,
                              &Needs::dowser, &Needs::measured, &Needs::rectangle, &Needs::stacked, &Needs::shake,
-                             &Needs::pulses}) {
+                             &Needs::pulses, &Needs::macro}) {
     CHECK_FALSE(needs.*need);
     needs.*need = true;
   }
@@ -83,7 +83,8 @@ TEST_CASE("the demo rig with all that it lacks needs every pass, with every bran
                       {FL_SPEC_TUNGSTEN, 1},
                       {FL_SPEC_LED, 1},
                       {FL_SPEC_DISCHARGE, 1},
-                      {FL_SPEC_DOWSER, 1}}},
+                      {FL_SPEC_DOWSER, 1},
+                      {FL_SPEC_MACRO, 1}}},
                     {"gather",
                      {{FL_SPEC_OPTICS, 1},
                       {FL_SPEC_STACKED, 1},
@@ -153,6 +154,7 @@ TEST_CASE("each need that goes takes its branches or its passes with it") {
                         Case{"blades", &Needs::blades, {}, FL_SPEC_BLADES},
                         Case{"stacked", &Needs::stacked, {}, FL_SPEC_STACKED},
                         Case{"pulses", &Needs::pulses, {}, FL_SPEC_PULSES},
+                        Case{"macro", &Needs::macro, {}, FL_SPEC_MACRO},
                         Case{"flex", &Needs::flex, {}, FL_SPEC_FLEX},
                         Case{"smooth", &Needs::smooth, {}, FL_SPEC_SMOOTH},
                         Case{"tungsten", &Needs::tungsten, {}, FL_SPEC_TUNGSTEN},
@@ -239,7 +241,7 @@ TEST_CASE("the needs of a rig follow from its fixtures and its haze") {
                                   {FL_SPEC_STACKED, 0}, {FL_SPEC_FLEX, 0}, {FL_SPEC_SMOOTH, 0},
                                   {FL_SPEC_TUNGSTEN, 0},
                                   {FL_SPEC_LED, 0},
-                                  {FL_SPEC_DISCHARGE, 0}, {FL_SPEC_DOWSER, 0}});
+                                  {FL_SPEC_DISCHARGE, 0}, {FL_SPEC_DOWSER, 0}, {FL_SPEC_MACRO, 0}});
   rig.haze.scattering_per_m = 0;
   rig.haze.absorption_per_m = 0;
   rig.boxes.clear();

@@ -64,7 +64,7 @@ class Writer {
     line(1, "Geometries");
     write_tree(mode);
     std::vector<std::string> names;
-    for (const Remark& one : unsimulated(mode)) names.push_back(one.what);
+    for (const Remark& one : unsimulated(type_, mode)) names.push_back(one.what);
     if (!names.empty()) {
       line(1, "Read and not simulated: {}", fmt::join(names, ", "));
     }

@@ -187,12 +187,12 @@ TileLight OutputGuard::look(Fixture& fixture, std::span<const std::uint8_t> leve
     const double light =
         share * open * static_cast<double>(walker_.dimmer_light(law, type.law_first, static_cast<float>(level)));
     const bool mixes = type.emitter_count > 0;
-    const double red = mixes ? static_cast<double>(wish.emitted.x) : static_cast<double>(type.white_red);
-    const double green = mixes ? static_cast<double>(wish.emitted.y) : static_cast<double>(type.white_green);
-    const double blue = mixes ? static_cast<double>(wish.emitted.z) : static_cast<double>(type.white_blue);
-    tile.red += light * std::clamp(red, 0.0, 1.0);
-    tile.green += light * std::clamp(green, 0.0, 1.0);
-    tile.blue += light * std::clamp(blue, 0.0, 1.0);
+    using fixtures::f32::Vec3;
+    Vec3 color = mixes ? wish.emitted : Vec3(type.white_red, type.white_green, type.white_blue);
+    if (Vec3 macro = color; walker_.macro_color(macro, wish, type)) color = mixes ? macro : color * macro;
+    tile.red += light * std::clamp(static_cast<double>(color.x), 0.0, 1.0);
+    tile.green += light * std::clamp(static_cast<double>(color.y), 0.0, 1.0);
+    tile.blue += light * std::clamp(static_cast<double>(color.z), 0.0, 1.0);
     const auto strobe_hz = static_cast<double>(wish.value[fixtures::kParamStrobeHz]);
     if (light > 0) fixture.strobe_hz = std::max(fixture.strobe_hz, strobe_hz);
   }

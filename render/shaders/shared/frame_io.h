@@ -73,7 +73,8 @@
 #define FL_SPEC_STACKED 24
 #define FL_SPEC_SHAKE 25
 #define FL_SPEC_PULSES 26
-#define FL_SPEC_COUNT 27
+#define FL_SPEC_MACRO 27
+#define FL_SPEC_COUNT 28
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
