@@ -84,6 +84,7 @@ TEST_CASE("the demo rig with all that it lacks needs every pass, with every bran
                       {FL_SPEC_LED, 1},
                       {FL_SPEC_DISCHARGE, 1},
                       {FL_SPEC_DOWSER, 1},
+                      {FL_SPEC_PULSES, 1},
                       {FL_SPEC_MACRO, 1}}},
                     {"gather",
                      {{FL_SPEC_OPTICS, 1},
@@ -241,7 +242,8 @@ TEST_CASE("the needs of a rig follow from its fixtures and its haze") {
                                   {FL_SPEC_STACKED, 0}, {FL_SPEC_FLEX, 0}, {FL_SPEC_SMOOTH, 0},
                                   {FL_SPEC_TUNGSTEN, 0},
                                   {FL_SPEC_LED, 0},
-                                  {FL_SPEC_DISCHARGE, 0}, {FL_SPEC_DOWSER, 0}, {FL_SPEC_MACRO, 0}});
+                                  {FL_SPEC_DISCHARGE, 0}, {FL_SPEC_DOWSER, 0}, {FL_SPEC_PULSES, 0},
+                                  {FL_SPEC_MACRO, 0}});
   rig.haze.scattering_per_m = 0;
   rig.haze.absorption_per_m = 0;
   rig.boxes.clear();
