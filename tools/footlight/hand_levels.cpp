@@ -122,6 +122,35 @@ Fader reach(const fixtures::FixtureType& type, const fixtures::Mode& mode, const
   return fader;
 }
 
+// Where a channel says so; some only douse.
+void strike(const fixtures::Rig& rig, const fixtures::PatchedFixture& fixture, std::span<std::uint8_t> slots) {
+  for (const fixtures::Channel& channel : fixtures::mode_of(rig, fixture).channels) {
+    for (const fixtures::ChannelFunction& function : channel.functions) {
+      if (!fixtures::same_attribute(function.attribute, "LampControl") || function.physical_from != 1) continue;
+      fixtures::encode_raw(fixture, channel, function.dmx_from + (function.dmx_to - function.dmx_from) / 2, slots);
+    }
+  }
+}
+
+// Where nothing but a strobe lets light out, that flashes as slowly as it can.
+void open_shutter(const fixtures::Rig& rig, const fixtures::PatchedFixture& fixture, std::span<std::uint8_t> slots) {
+  bool opens = false;
+  double slowest_hz = 1e30;
+  const auto look = [&](const std::string& attribute, double from, double to) {
+    if (fixtures::same_attribute(attribute, "Shutter1")) opens = opens || std::max(from, to) >= 1;
+    if (fixtures::same_attribute(attribute, "Shutter1Strobe")) slowest_hz = std::min({slowest_hz, from, to});
+  };
+  for (const fixtures::Channel& channel : fixtures::mode_of(rig, fixture).channels) {
+    for (const fixtures::ChannelFunction& function : channel.functions)
+      look(function.attribute, function.physical_from, function.physical_to);
+  }
+  if (opens || slowest_hz > 1e3) {
+    fixtures::encode_attribute(rig, fixture, "Shutter1", 1, slots);
+  } else {
+    fixtures::encode_attribute(rig, fixture, "Shutter1Strobe", slowest_hz, slots);
+  }
+}
+
 }  // namespace
 
 void give_hand_addresses(fixtures::Rig& rig) {
@@ -168,7 +197,8 @@ HandLevels::HandLevels(const fixtures::Rig& rig, const fixtures::CompiledRig& co
     const fixtures::Mode& mode = fixtures::mode_of(rig, fixture);
     const auto slots = slots_of(fixture);
     fixtures::encode_defaults(rig, fixture, slots);
-    fixtures::encode_attribute(rig, fixture, "Shutter1", 1, slots);
+    strike(rig, fixture, slots);  // first: some share a channel with the shutter
+    open_shutter(rig, fixture, slots);
     bool makes_white = false;
     for (const Kind& kind : kKinds) {
       Fader fader = reach(rig.types[static_cast<std::size_t>(fixture.type)], mode, kind);
