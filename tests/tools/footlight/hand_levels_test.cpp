@@ -106,6 +106,60 @@ TEST_CASE("fixtures of any one emitter begin lit, and tints stay out of a white"
   }
 }
 
+// The demo rig with a change to every channel of this name, and the level that the first fixture's begins with.
+template <class Change>
+int first_level(const char* name, const Change& change) {
+  fixtures::Rig rig = fixtures::demo_rig();
+  for (fixtures::FixtureType& type : rig.types) {
+    for (fixtures::Mode& mode : type.modes) {
+      for (fixtures::Channel& channel : mode.channels) {
+        if (channel.name == name) change(channel);
+      }
+    }
+  }
+  const fixtures::CompiledRig compiled = fixtures::compile(rig).value();
+  const HandLevels hand(rig, compiled);
+  const fixtures::PatchedFixture& fixture = rig.fixtures[0];
+  for (const fixtures::Channel& channel : fixtures::mode_of(rig, fixture).channels) {
+    if (channel.name != name) continue;
+    return hand.levels()[static_cast<std::size_t>(fixture.address - 1 + channel.slot_offsets[0])];
+  }
+  return -1;
+}
+
+TEST_CASE("where only a strobe lets light out, it begins with its slowest flash") {
+  const auto level = [](bool opens) {
+    return first_level("Shutter", [&](fixtures::Channel& channel) {
+      for (fixtures::ChannelFunction& function : channel.functions) {
+        if (!opens && function.attribute == "Shutter1" && function.physical_from == 1) function.attribute = "NoFeature";
+      }
+    });
+  };
+  CHECK(level(true) > 31);
+  CHECK(level(true) < 64);
+  CHECK(level(false) == 64);  // 0.5 Hz of 0.5 to 25
+}
+
+TEST_CASE("lamps begin struck where a channel strikes them, and are not doused where one only douses") {
+  const auto level = [](bool strikes) {
+    return first_level("Red", [&](fixtures::Channel& channel) {
+      fixtures::ChannelFunction douse = channel.functions[0];
+      douse.attribute = "LampControl";
+      douse.physical_from = douse.physical_to = 0;
+      douse.dmx_to = 99;
+      fixtures::ChannelFunction strike = douse;
+      strike.dmx_from = 100;
+      strike.dmx_to = 255;
+      strike.physical_from = strike.physical_to = 1;
+      if (!strikes) strike.attribute = "NoFeature";
+      channel.functions = {douse, strike};
+      channel.default_value = 200;
+    });
+  };
+  CHECK(level(true) == 177);
+  CHECK(level(false) == 200);
+}
+
 TEST_CASE("a colour wheel without an open slot begins where it leaves most of the light") {
   fixtures::Rig rig = fixtures::demo_rig();
   for (fixtures::FixtureType& type : rig.types) {
