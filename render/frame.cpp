@@ -71,6 +71,8 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
     frame->passes_.push_back(std::move(pass));
   }
   frame->haze_ = rig.haze;
+  frame->machines_ = fixtures::MachineAir::make(rig, compiled);
+  frame->shows_haze_ = compiled.needs.haze;
   frame->ambient_lx_ = rig.ambient_lx;
   frame->range_m_ = light_range_m(rig);
   VkQueryPoolCreateInfo query{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
@@ -88,6 +90,15 @@ Frame::~Frame() {
 void Frame::step(std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
   FL_CHECK_EQ(levels.size(), resources_.levels_bytes);
   pending_.push_back({{levels.begin(), levels.end()}, std::max<std::int64_t>(dt_ns, 0), new_exposure});
+  if (machines_) machines_->step(levels, dt_ns);
+}
+
+void Frame::take_machine_air(const Frame& from) {
+  if (machines_ && from.machines_) *machines_ = *from.machines_;
+}
+
+void Frame::forget_machine_air() {
+  if (machines_) machines_->forget();
 }
 
 void Frame::record(VkCommandBuffer commands, const View& view, double exposure_ev) {
@@ -148,8 +159,10 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   FrameParams params{};
   params.right = vec4(view.right * (view.tan_half_fov * aspect), kNearM);
   params.up = vec4(view.up * view.tan_half_fov, range_m_);
-  params.forward = vec4(view.forward, haze_.scattering_per_m);
-  params.position = vec4(view.position_m, haze_.scattering_per_m + haze_.absorption_per_m);
+  const double scattering_per_m =
+      haze_.scattering_per_m + (machines_ && shows_haze_ ? machines_->scattering_per_m() : 0);
+  params.forward = vec4(view.forward, scattering_per_m);
+  params.position = vec4(view.position_m, scattering_per_m + haze_.absorption_per_m);
   params.width = static_cast<std::uint32_t>(settings_.width);
   params.height = static_cast<std::uint32_t>(settings_.height);
   params.head_count = resources_.head_count;

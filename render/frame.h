@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "fixtures/machines.h"
 #include "fixtures/rig.h"
 #include "fixtures/walker.h"
 #include "render/image.h"
@@ -61,6 +62,13 @@ class Frame {
   // picture in VK_IMAGE_LAYOUT_GENERAL. Times can be read once the GPU is done with these commands.
   // The commands of the record() before must be finished: both use the same memory.
   void record(VkCommandBuffer commands, const View& view, double exposure_ev);
+
+  // What haze and fog machines have brought into the air by the last step(); null in a rig without any. A picture has
+  // the air of its end: its haze differs from the mean over an exposure by what comes in half of that.
+  [[nodiscard]] const fixtures::MachineAir* machine_air() const { return machines_.get(); }
+  // Goes on with the air of another frame of the same rig, or with clear air.
+  void take_machine_air(const Frame& from);
+  void forget_machine_air();
 
   // Work light on every surface from the next picture on, lx; at first the rig's.
   void set_ambient_lx(double ambient_lx) { ambient_lx_ = ambient_lx; }
@@ -115,7 +123,9 @@ class Frame {
   std::vector<PassPlan> plan_;
   std::vector<std::unique_ptr<Pass>> passes_;  // one a plan entry
   std::vector<PendingStep> pending_;
-  fixtures::Haze haze_;
+  fixtures::Haze haze_;                             // the room's own
+  std::unique_ptr<fixtures::MachineAir> machines_;  // may be null
+  bool shows_haze_ = false;
   double ambient_lx_ = 0;
   double range_m_ = 0;
   VkQueryPool times_ = VK_NULL_HANDLE;

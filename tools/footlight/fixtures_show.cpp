@@ -12,6 +12,7 @@
 #include "fixtures/import/import.h"
 #include "fixtures/import/text.h"
 #include "fixtures/lamp.h"
+#include "fixtures/machines.h"
 #include "fixtures/params.h"
 #include "tools/footlight/fixtures_command.h"
 #include "tools/footlight/status_text.h"
@@ -68,6 +69,10 @@ class Writer {
     if (!names.empty()) {
       line(1, "Read and not simulated: {}", fmt::join(names, ", "));
     }
+    names.clear();
+    for (const Remark& one : shows_nothing(mode)) names.push_back(one.what);
+    if (!names.empty()) line(1, "Read, with nothing to see: {}", fmt::join(names, ", "));
+    if (makes_haze(mode)) line(1, "Machine: it brings haze or fog into the room ([room] of the rig)");
     std::vector<std::string> lamps;
     for (const Geometry& geometry : mode.geometries) {
       if (geometry.beam == kNoIndex) continue;

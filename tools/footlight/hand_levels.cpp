@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fixtures/encode.h"
+#include "fixtures/machines.h"
 #include "fixtures/params.h"
 #include "fixtures/walker.h"
 #include "sim/core/check.h"
@@ -70,6 +71,10 @@ constexpr Kind kKinds[] = {
     {"Blade2A", "blade left", "%", Start::kRest},
     {"Blade3A", "blade above", "%", Start::kRest},
     {"Blade4A", "blade right", "%", Start::kRest},
+    {"Haze1", "haze", "%", Start::kRest},
+    {"Fog1", "fog", "%", Start::kRest},
+    {"Fan1", "fan", "%", Start::kTop},
+    {"Blower1", "blower", "%", Start::kTop},
 };
 
 // How much of the light a slot leaves, more or less: for choosing one.
@@ -203,6 +208,7 @@ HandLevels::HandLevels(const fixtures::Rig& rig, const fixtures::CompiledRig& co
     for (const Kind& kind : kKinds) {
       Fader fader = reach(rig.types[static_cast<std::size_t>(fixture.type)], mode, kind);
       if (!(fader.from < fader.to)) continue;
+      if (fixtures::concerns_device_only(kind.attribute) && !fixtures::is_of_machine(mode, kind.attribute)) continue;
       makes_white = makes_white || kind.start == Start::kMakesWhite;
       if (kind.start == Start::kTint && !makes_white) fader.value = fader.to;
       faders_[i].push_back(fader);

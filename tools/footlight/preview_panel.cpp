@@ -118,6 +118,11 @@ void draw_look(const PreviewFacts& facts, PreviewControls& controls) {
   ImGui::SetNextItemWidth(-1);
   ImGui::SliderFloat("##ev", &controls.exposure_ev, -4, 16, "exposure %.1f EV");
   if (facts.can_haze) ImGui::Checkbox("haze", &controls.haze);
+  if (facts.machines > 0) {
+    row("room's haze", fmt::format("{:.4f} /m", facts.room_haze_per_m));
+    row("+ of machines", fmt::format("{:.4f} /m", facts.machine_haze_per_m));
+    row("+ their fog", fmt::format("{:.4f} /m", facts.machine_fog_per_m));
+  }
   ImGui::Checkbox("work light", &controls.work_light);
   if (controls.work_light) {
     ImGui::SetNextItemWidth(-1);

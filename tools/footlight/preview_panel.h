@@ -20,6 +20,10 @@ struct PreviewFacts {
   std::vector<std::string> fixtures;
   bool can_haze = false;  // the rig has haze to turn off
   bool gobos = false;     // the rig has gobos
+  std::size_t machines = 0;        // that haze, fog or blow; then what is in the air now, 1/m:
+  double room_haze_per_m = 0;      // the room's own
+  double machine_haze_per_m = 0;
+  double machine_fog_per_m = 0;
 
   int width = 0;  // of the computed picture
   int height = 0;

@@ -149,6 +149,8 @@ Status Preview::open() {
   clear_rig_ = rig_;
   clear_rig_.haze.scattering_per_m = 0;
   FL_ASSIGN(clear_compiled_, fixtures::compile(clear_rig_));
+  clear_compiled_.needs.haze = false;  // machines go on, unseen
+  clear_compiled_.needs.extinction = clear_rig_.haze.absorption_per_m > 0;
   FL_TRY(open_levels());
 
   FL_ASSIGN(window_, Window::open(fmt::format("{} - Footlight", rig_.name), size.width, size.height));
@@ -246,6 +248,7 @@ Status Preview::rebuild() {
     FL_TRY(device_->run_once([&](VkCommandBuffer commands) {
       render::take_states(commands, frame_->resources(), fresh->resources());
     }));
+    fresh->take_machine_air(*frame_);
   }
   if (!frame_) print_warnings(fresh->resources().diagnostics);
   frame_ = std::move(fresh);
@@ -267,6 +270,7 @@ Status Preview::replay_to(DurationNs until_ns, DurationNs exposure_ns) {
     FL_TRY(frame_->run_steps());
     FL_TRY(device_->run_once(
         [&](VkCommandBuffer commands) { render::forget_states(commands, frame_->resources()); }));
+    frame_->forget_machine_air();
   }
   return advance(*timeline_, until_ns, exposure_ns);
 }
@@ -387,6 +391,12 @@ Status Preview::read_figures(DurationNs dt_ns) {
     if (flashes_ && !flashes_->limits()) tell_flashes(flashes_->take(drawn_ns_ - start_ns_));
   }
   facts_.now_ns = clock_.now_ns();
+  facts_.room_haze_per_m = rig_.haze.scattering_per_m;
+  if (const fixtures::MachineAir* air = frame_->machine_air(); air != nullptr) {
+    facts_.machines = air->count();
+    facts_.machine_haze_per_m = air->haze_per_m();
+    facts_.machine_fog_per_m = air->fog_per_m();
+  }
   facts_.width = frame_->settings().width;
   facts_.height = frame_->settings().height;
   facts_.gpu_mib = static_cast<double>(frame_->resources().total_bytes) / (1024.0 * 1024.0);
@@ -513,7 +523,7 @@ nlohmann::json Preview::figures() const {
     passes[pass.name] = pass.gpu_ms;
     gpu_ms += pass.gpu_ms;
   }
-  return {{"frames", times_.count()},
+  nlohmann::json line = {{"frames", times_.count()},
           {"frame_ms_p50", times_.quantile_ms(0.5)},
           {"frame_ms_p90", times_.quantile_ms(0.9)},
           {"gpu_ms", gpu_ms},
@@ -523,6 +533,10 @@ nlohmann::json Preview::figures() const {
           {"nodes", frame_->settings().nodes},
           {"live", facts_.live_beams},
           {"dark", facts_.dark_beams}};
+  if (facts_.machines > 0) {
+    line["haze_per_m"] = facts_.room_haze_per_m + facts_.machine_haze_per_m + facts_.machine_fog_per_m;
+  }
+  return line;
 }
 
 void Preview::print_second() {

@@ -19,6 +19,8 @@ struct SceneFiles {
   bool demo = false; // the embedded rig, and the embedded log where no other is named
   std::string smooth;      // of levels, as fixtures/smoothing.h reads it; empty: as the rig says
   std::string dimmer_law;  // of all fixtures; empty: as the rig says
+  std::optional<double> haze_per_m;  // scattering of the room's own haze; as the rig says
+  std::optional<double> volume_m3;   // of the room that machines fill; as the rig says
 };
 
 // The rig, as the first word or behind --rig; --log, --demo and what changes the rig.
