@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "fixtures/machines.h"
 #include "render/passes/beams.h"
 #include "render/passes/bodies.h"
 #include "render/passes/gather.h"
@@ -81,6 +82,8 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   FL_TRY(vk::check(vkCreateQueryPool(device.handle, &query, nullptr, &frame->times_), "vkCreateQueryPool"));
   return frame;
 }
+
+Frame::Frame(vk::Device& device, const FrameSettings& settings) : device_(device), settings_(settings) {}
 
 Frame::~Frame() {
   vkDeviceWaitIdle(device_.handle);

@@ -13,7 +13,6 @@
 #include <string_view>
 #include <vector>
 
-#include "fixtures/machines.h"
 #include "fixtures/rig.h"
 #include "fixtures/walker.h"
 #include "render/image.h"
@@ -21,6 +20,10 @@
 #include "render/resources.h"
 #include "render/settings.h"
 #include "render/vk/device.h"
+
+namespace footlight::fixtures {
+class MachineAir;  // fixtures/machines.h
+}
 
 namespace footlight::render {
 
@@ -107,7 +110,7 @@ class Frame {
     std::int64_t dt_ns;
     bool new_exposure;
   };
-  Frame(vk::Device& device, const FrameSettings& settings) : device_(device), settings_(settings) {}
+  Frame(vk::Device& device, const FrameSettings& settings);
   void upload_levels(VkCommandBuffer commands, const PendingStep& pending);
   void record_steps(VkCommandBuffer commands, bool timed);
   void upload_params(VkCommandBuffer commands, const View& view, double exposure_ev);

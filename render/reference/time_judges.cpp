@@ -241,4 +241,35 @@ void SpringJudge::advance(Wide u, Wide dt_s) {
   v += e[2] * away + e[3] * v;
 }
 
+AirJudged air_judged(std::span<const AirStretch> stretches, double tau_s) {
+  static constexpr Wide kNodes[] = {0.1834346424956498049L, 0.5255324099163289858L, 0.7966664774136267396L,
+                                    0.9602898564975362317L};
+  static constexpr Wide kWeights[] = {0.3626837833783619830L, 0.3137066458778872873L, 0.2223810344533744706L,
+                                      0.1012285362903762592L};
+  Wide end_s = 0;  // of the stretch, before the end of all
+  Wide mixed = 0;  // the integral of the mixing from there on
+  AirJudged sum;
+  for (std::size_t i = stretches.size(); i-- > 0;) {
+    const AirStretch& stretch = stretches[i];
+    const Wide length_s = static_cast<Wide>(stretch.dt_ns) * 1e-9L;
+    const auto add = [&](Wide from, Wide to) {  // s before its end
+      for (int n = 0; n < 8; ++n) {
+        const Wide s = (from + to) / 2 + (n % 2 == 0 ? 1 : -1) * kNodes[n / 2] * (to - from) / 2;
+        const Wide weight = kWeights[n / 2] * (to - from) / 2 * static_cast<Wide>(stretch.inflow_per_m_s);
+        const Wide there = weight * std::exp(-(end_s + s) / static_cast<Wide>(tau_s));
+        sum.total_per_m += there;
+        sum.scattering_per_m -= there * std::expm1(-(mixed + static_cast<Wide>(stretch.mixing_hz) * s));
+      }
+    };
+    Wide from = 0;
+    for (Wide to = 1e-7L; from < length_s && stretch.inflow_per_m_s > 0; to *= 1.5L) {
+      add(from, std::min(to, length_s));
+      from = to;
+    }
+    end_s += length_s;
+    mixed += static_cast<Wide>(stretch.mixing_hz) * length_s;
+  }
+  return sum;
+}
+
 }  // namespace footlight::render

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 namespace footlight::render {
 
@@ -72,6 +73,23 @@ class AxisJudge {
 [[nodiscard]] double open_share_judged(float hz, double duty, std::int64_t from_ns, std::int64_t to_ns);
 // The same from the open time up to either end, in 128-bit integers; duty in 1/65536.
 [[nodiscard]] double open_share_judged_exactly(float hz, int duty_65536, std::int64_t from_ns, std::int64_t to_ns);
+
+// ---- The air of a room ----
+
+// What came out of machines for a time, and how quickly it mixed with the room.
+struct AirStretch {
+  double inflow_per_m_s = 0;
+  double mixing_hz = 0;
+  std::uint64_t dt_ns = 0;
+};
+struct AirJudged {
+  Wide scattering_per_m = 0;  // of what has mixed and not been lost
+  Wide total_per_m = 0;       // of what has not been lost
+};
+// After these stretches, from clear air: of every droplet the chance that it is still there and mixed, integrated over
+// when it came out, by Gauss's 8 nodes on panels that grow by half from the end of each stretch backwards. Shares
+// nothing with the two relaxations of sim/shared/haze.h.
+[[nodiscard]] AirJudged air_judged(std::span<const AirStretch> stretches, double tau_s);
 
 // ---- Linear systems of two states ----
 

@@ -12,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "fixtures/machines.h"
 #include "render/frame.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/command.h"

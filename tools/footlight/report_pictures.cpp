@@ -1,10 +1,17 @@
 // footlight report --pictures: error against run time of what makes a picture, and what the rig left out.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "fixtures/machines.h"
 #include "render/frame.h"
 #include "render/reference/report.h"
+#include "render/reference/time_judges.h"
 #include "tools/footlight/duration.h"
 #include "tools/footlight/picture_report.h"
 #include "tools/footlight/report_fleet.h"
@@ -29,20 +36,78 @@ struct PictureArguments {
   bool no_judge = false;
 };
 
+// What machines have done to the air until the moment that is looked at; without any there is nothing of it.
+struct AirReport {
+  double haze_per_m = 0;
+  double fog_per_m = 0;
+  double error_per_m = 0;  // of both together, against the judge
+  int steps = 0;
+  double ns_a_step = 0;  // wall clock, levels decoded
+};
+
+// Steps as a replay does, a picture every 40 ms.
+class AirWatch {
+ public:
+  explicit AirWatch(std::unique_ptr<fixtures::MachineAir> air) : air_(std::move(air)) {}
+
+  void step(std::span<const std::uint8_t> levels, std::int64_t dt_ns) {
+    for (std::int64_t left = dt_ns; left > 0; left -= kStepNs) {
+      const auto start = std::chrono::steady_clock::now();
+      air_->step(levels, std::min(left, kStepNs));
+      ns_ += std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count();
+      ++steps_;
+    }
+    const fixtures::MachineInflow now = air_->inflow(levels);
+    add(haze_, now.haze_per_m_s, now.mixing_hz, dt_ns);
+    add(fog_, now.fog_per_m_s, now.mixing_hz, dt_ns);
+  }
+
+  [[nodiscard]] AirReport report(const fixtures::Room& room) const {
+    const render::Wide judged = render::air_judged(haze_, room.haze_s).scattering_per_m +
+                                render::air_judged(fog_, room.fog_s).scattering_per_m;
+    return {air_->haze_per_m(), air_->fog_per_m(),
+            std::abs(air_->scattering_per_m() - static_cast<double>(judged)), steps_,
+            steps_ > 0 ? ns_ / steps_ : 0};
+  }
+
+ private:
+  static constexpr std::int64_t kStepNs = 40 * kNsPerMs;
+
+  static void add(std::vector<render::AirStretch>& list, double inflow, double mixing_hz, std::int64_t dt_ns) {
+    if (list.empty() || list.back().inflow_per_m_s != inflow || list.back().mixing_hz != mixing_hz) {
+      list.push_back({inflow, mixing_hz, 0});
+    }
+    list.back().dt_ns += static_cast<std::uint64_t>(dt_ns);
+  }
+
+  std::unique_ptr<fixtures::MachineAir> air_;
+  std::vector<render::AirStretch> haze_, fog_;
+  int steps_ = 0;
+  double ns_ = 0;
+};
+
 // The scene as the log has it at a time. Motors stand where the levels send them, so that GPU and judge start from the
-// same state without a history.
-Result<Scene> scene_of_files(const SceneFiles& files, DurationNs at_ns, const std::string& camera) {
+// same state without a history; what machines have brought into the air by then is haze of the room.
+Result<Scene> scene_of_files(const SceneFiles& files, DurationNs at_ns, const std::string& camera,
+                             std::optional<AirReport>& air) {
   Scene scene;
   FL_ASSIGN(scene.rig, load_scene_rig(files));
   FL_ASSIGN(scene.compiled, fixtures::compile(scene.rig));
   FL_ASSIGN(scene.camera, find_camera(scene.rig, camera));
   scene.levels.assign(scene.compiled.universes.size() * kSlotCountMax, 0);
   FL_ASSIGN(std::optional<LogReader> log, open_scene_log(files));
+  std::optional<AirWatch> watch;
+  if (auto machines = fixtures::MachineAir::make(scene.rig, scene.compiled)) watch.emplace(std::move(machines));
   if (log) {
     Timeline timeline(std::move(*log), scene.compiled);
-    FL_TRY(timeline.advance(at_ns, 0, [&](std::span<const std::uint8_t> levels, std::int64_t, bool) {
+    FL_TRY(timeline.advance(at_ns, 0, [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool) {
       scene.levels.assign(levels.begin(), levels.end());
+      if (watch) watch->step(levels, dt_ns);
     }));
+  }
+  if (watch) {
+    air = watch->report(scene.rig.room);
+    scene.rig.haze.scattering_per_m += air->haze_per_m + air->fog_per_m;
   }
   scene.name = fmt::format("{}@{}", files.demo ? "demo" : files.rig, show_duration(at_ns));
   return scene;
@@ -78,8 +143,9 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
   }
   SceneFiles files = arguments.files;
   if (files.rig.empty()) files.demo = true;
+  std::optional<AirReport> air;
   FL_ASSIGN(const Scene scene, arguments.beams > 0 ? make_beams_scene(arguments.beams, arguments.photometry)
-                                                   : scene_of_files(files, arguments.at_ns, arguments.camera));
+                                                   : scene_of_files(files, arguments.at_ns, arguments.camera, air));
   FL_ASSIGN(const PictureSize size, parse_size(arguments.size));
   FL_ASSIGN(const PictureSize judge_size, parse_size(arguments.judge_size));
   FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = arguments.device}));
@@ -99,6 +165,12 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
   const auto curves = render::curves_of(report.rows);
   if (options.json) {
     fmt::print("{}", render::json_lines_of(report.rows));
+    if (air) {
+      fmt::print(R"({{"event":"air","haze_per_m":{:.9g},"fog_per_m":{:.9g},"error_per_m":{:.3g},"steps":{},)"
+                 R"("ns_a_step":{:.1f}}})"
+                 "\n",
+                 air->haze_per_m, air->fog_per_m, air->error_per_m, air->steps, air->ns_a_step);
+    }
   } else {
     fmt::print("Pictures of {}: beams in haze and on surfaces, on {}.\n", scene.name, report.device);
     fmt::print("Times: GPU, {}x{}, {} runs after 3. ", size.width, size.height, arguments.runs);
@@ -124,6 +196,11 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
     fmt::print("GPU time a pass with {} nodes:", render::FrameSettings{}.nodes);
     for (const auto& pass : report.passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
     fmt::print("\n\n");
+    if (air) {
+      fmt::print("Air: machines have added {:.4g} /m of haze and {:.4g} /m of fog. Error against integrals over droplets "
+                 "in long double: {:.1e} /m after {} steps of at most 40 ms, {:.0f} ns each.\n\n",
+                 air->haze_per_m, air->fog_per_m, air->error_per_m, air->steps, air->ns_a_step);
+    }
     print_left_out(scene);
     fmt::print("\n");
   }

@@ -5,6 +5,7 @@
 #include "sim/shared/turns.h"
 #include "sim/shared/motion.h"
 #include "sim/shared/filter.h"
+#include "sim/shared/haze.h"
 #include "sim/shared/dimmer.h"
 #include "sim/shared/lamp.h"
 #include "sim/shared/shutter.h"
@@ -17,6 +18,7 @@ layout(set = 0, binding = 0, std430) buffer Models {
   Shutter shutter;
   Smooth smoothed;
   Slew slew;
+  RoomAir air;
   LawTable table;
   Filament filament;
   FilamentType filament_type;
@@ -47,6 +49,8 @@ void main() {
   Slew slewed = slew;
   value = slew_step(slewed, 0.5, smoothed.now.position, dt_ns);
   slew = slewed;
+  air = room_step(air, 120.0, value, 0.1, dt_ns);
+  value += room_scattering(air);
   value = law_light(kLawS, value) + law_table(table, value);
   filament = filament_step(filament, filament_type, phase_cut_rms(value), dt_ns);
   value += filament_light(filament.kelvin, filament_type) + filament_current(filament.kelvin, filament_type, 1.0);
