@@ -150,8 +150,10 @@ Status Preview::open() {
   clear_rig_ = rig_;
   clear_rig_.haze.scattering_per_m = 0;
   FL_ASSIGN(clear_compiled_, fixtures::compile(clear_rig_));
-  clear_compiled_.needs.haze = false;  // machines go on, unseen
-  clear_compiled_.needs.extinction = clear_rig_.haze.absorption_per_m > 0;
+  if (clear_compiled_.needs.machines) {  // they go on, unseen
+    clear_compiled_.needs.haze = false;
+    clear_compiled_.needs.extinction = clear_rig_.haze.absorption_per_m > 0;
+  }
   FL_TRY(open_levels());
 
   FL_ASSIGN(window_, Window::open(fmt::format("{} - Footlight", rig_.name), size.width, size.height));

@@ -197,9 +197,10 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
     for (const auto& pass : report.passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
     fmt::print("\n\n");
     if (air) {
-      fmt::print("Air: machines have added {:.4g} /m of haze and {:.4g} /m of fog. Error against integrals over droplets "
-                 "in long double: {:.1e} /m after {} steps of at most 40 ms, {:.0f} ns each.\n\n",
-                 air->haze_per_m, air->fog_per_m, air->error_per_m, air->steps, air->ns_a_step);
+      fmt::print(
+          "Air: machines have added {:.4g} /m of haze and {:.4g} /m of fog. Error against integrals over droplets in "
+          "long double: {:.1e} /m after {} steps of at most 40 ms, {:.0f} ns each.\n\n",
+          air->haze_per_m, air->fog_per_m, air->error_per_m, air->steps, air->ns_a_step);
     }
     print_left_out(scene);
     fmt::print("\n");

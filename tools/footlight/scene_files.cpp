@@ -46,7 +46,8 @@ void add_scene_arguments(Arguments& arguments, SceneFiles& files) {
   arguments.option("--smooth", files.smooth, "SECONDS", "smooth the levels: 0.1, or Pan=0.1,Tilt=0.1,Dimmer=0.05");
   arguments.option("--dimmer-law", files.dimmer_law, "LAW",
                    "of every fixture: linear, square, s, 'inverse square'; as definitions say");
-  arguments.option("--haze", files.haze_per_m, 0, 10, "scattering of the room's own haze, 1/m; as the rig says, or 0.02");
+  arguments.option("--haze", files.haze_per_m, 0, 10,
+                   "scattering of the room's own haze, 1/m; as the rig says, or 0.02");
   arguments.option("--room", files.volume_m3, 1, 1e7,
                    "m^3 that haze and fog machines fill; as the rig says, or 1000");
 }
