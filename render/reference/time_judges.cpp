@@ -241,7 +241,7 @@ void SpringJudge::advance(Wide u, Wide dt_s) {
   v += e[2] * away + e[3] * v;
 }
 
-AirJudged air_judged(std::span<const AirStretch> stretches, double tau_s) {
+AirJudged air_judged(const std::vector<AirStretch>& stretches, double tau_s) {
   static constexpr Wide kNodes[] = {0.1834346424956498049L, 0.5255324099163289858L, 0.7966664774136267396L,
                                     0.9602898564975362317L};
   static constexpr Wide kWeights[] = {0.3626837833783619830L, 0.3137066458778872873L, 0.2223810344533744706L,

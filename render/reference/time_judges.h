@@ -4,7 +4,7 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
+#include <vector>
 
 namespace footlight::render {
 
@@ -89,7 +89,7 @@ struct AirJudged {
 // After these stretches, from clear air: of every droplet the chance that it is still there and mixed, integrated over
 // when it came out, by Gauss's 8 nodes on panels that grow by half from the end of each stretch backwards. Shares
 // nothing with the two relaxations of sim/shared/haze.h.
-[[nodiscard]] AirJudged air_judged(std::span<const AirStretch> stretches, double tau_s);
+[[nodiscard]] AirJudged air_judged(const std::vector<AirStretch>& stretches, double tau_s);
 
 // ---- Linear systems of two states ----
 

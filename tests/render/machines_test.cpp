@@ -1,13 +1,17 @@
 // Haze and fog machines in pictures: beams come up when one is opened, and nothing else changes.
-#include <cmath>
+#include <algorithm>
+#include <cstdint>
 #include <numeric>
 
 #include "fixtures/machines.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
 
-namespace footlight::render::testing {
+namespace footlight::render {
 namespace {
+
+using namespace render::testing;
+using footlight::testing::HeadlessVulkan;
 
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 
@@ -125,4 +129,4 @@ TEST_CASE("a frame goes on with the air of another, and clear air is as at the s
 }
 
 }  // namespace
-}  // namespace footlight::render::testing
+}  // namespace footlight::render
