@@ -12,6 +12,7 @@
 
 #include "fixtures/builtin/builtin.h"
 #include "fixtures/gobo_images.h"
+#include "fixtures/import/archive.h"
 #include "fixtures/import/import.h"
 #include "fixtures/params.h"
 #include "fixtures/sweep.h"
@@ -48,6 +49,7 @@ struct Wanted {
 // By its first bytes alone.
 bool is_definition(const std::string& path) {
   fixtures::ImportSource source{path, path, {}, nullptr};
+  if (!fixtures::check_is_file(path)) return fixtures::find_import_format(source) != nullptr;
   std::array<char, 4096> head{};
   std::ifstream file(path, std::ios::binary);
   file.read(head.data(), head.size());

@@ -8,8 +8,10 @@
 #include "fixtures/fixture_toml_full.h"
 #include "fixtures/import/archive.h"
 #include "fixtures/import/import.h"
+#include "fixtures/import/text.h"
 #include "sim/core/counted.h"
 #include "tools/footlight/fixtures_command.h"
+#include "tools/footlight/status_text.h"
 
 namespace footlight::tools {
 namespace {
@@ -57,7 +59,7 @@ Result<int> convert(const Options& options) {
     for (const std::string& name : names_used(type)) {
       const auto bytes = type.files->read(name, kFileBytesMax);
       if (!bytes) {
-        fmt::print(stderr, "footlight: {}\n", bytes.error().message);
+        fmt::print(stderr, "footlight: {}\n", printable_utf8(bytes.error().message));
         continue;
       }
       FL_TRY(write_whole(out.parent_path() / folder / name, fixtures::text_of(*bytes)));
@@ -69,13 +71,15 @@ Result<int> convert(const Options& options) {
   std::size_t warnings = 0;
   for (const fixtures::Diagnostic& diagnostic : imported.diagnostics) {
     if (diagnostic.severity == fixtures::Severity::kNote) continue;
-    fmt::print(stderr, "{}\n", fixtures::text(diagnostic));
+    fmt::print(stderr, "{}\n", printable_utf8(fixtures::text(diagnostic)));
     ++warnings;
   }
-  fmt::print("{}: {} {}, {}, {} bytes{}{}\n", options.out, type.manufacturer, type.name,
-             counted(type.modes.size(), "mode"), text.size(),
-             copied > 0 ? fmt::format(", {} in {}", counted(copied, "file"), folder) : "",
-             warnings > 0 ? fmt::format("; {}", counted(warnings, "warning")) : "");
+  const std::string line = fmt::format("{}: {} {}, {}, {} bytes{}{}", options.out,
+                                       fixtures::shortened(type.manufacturer), fixtures::shortened(type.name),
+                                       counted(type.modes.size(), "mode"), text.size(),
+                                       copied > 0 ? fmt::format(", {} in {}", counted(copied, "file"), folder) : "",
+                                       warnings > 0 ? fmt::format("; {}", counted(warnings, "warning")) : "");
+  fmt::print("{}\n", printable_utf8(line));
   return kExitOk;
 }
 

@@ -29,7 +29,7 @@ Result<int> find(const Options& options) {
   for (std::string& folder : fixtures::library_folders()) folders.push_back(std::move(folder));
   fixtures::Library library = fixtures::Library::open(folders);
   library.add_builtin_types();
-  for (const std::string& line : library.notes()) fmt::print(stderr, "footlight: {}\n", line);
+  for (const std::string& line : library.notes()) fmt::print(stderr, "footlight: {}\n", printable_utf8(line));
   const auto hits = library.search(words, static_cast<std::size_t>(options.count));
   for (const fixtures::LibraryHit& hit : hits) {
     if (options.json) {

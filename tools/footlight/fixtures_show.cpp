@@ -263,7 +263,7 @@ Result<int> show(const Options& options) {
   for (const Diagnostic& one : imported.diagnostics) wrong += one.severity != Severity::kNote ? 1u : 0u;
   if (wrong > 0) {
     fmt::print(stderr, "footlight: {} things are wrong with it; 'footlight fixtures check {}' names them\n", wrong,
-               options.file);
+               printable_utf8(options.file));
   }
   return kExitOk;
 }

@@ -77,8 +77,9 @@ Result<ImportedRig> open_or_fail(const Options& options) {
   const auto wrong = std::count_if(opened.diagnostics.begin(), opened.diagnostics.end(),
                                    [](const Diagnostic& each) { return each.severity != fixtures::Severity::kNote; });
   if (wrong > 0) {
-    fmt::print(stderr, "footlight: {}: {}; 'footlight rig check {}' lists them\n", options.path,
-               counted(wrong, "warning"), options.path);
+    const std::string path = printable_utf8(options.path);
+    fmt::print(stderr, "footlight: {}: {}; 'footlight rig check {}' lists them\n", path, counted(wrong, "warning"),
+               path);
   }
   return std::move(*opened.rig);
 }
@@ -222,9 +223,9 @@ Result<int> show(const Options& options) {
     return kExitOk;
   }
 
-  fmt::print("{}: {} {}{}{}, {}, {}, {}\n\n", options.path, printable_utf8(imported.rig.name), imported.format,
-             imported.version.empty() ? "" : " ", imported.version, counted(rows.size(), "fixture"),
-             counted(imported.rig.objects.size(), "object"), counted(imported.rig.focus_points.size(), "focus point"));
+  fmt::print("{}: {} {}{}{}, {}, {}, {}\n\n", printable_utf8(options.path), cut(imported.rig.name, 60),
+             imported.format, imported.version.empty() ? "" : " ", cut(imported.version, 20),
+             counted(rows.size(), "fixture"), counted(imported.rig.objects.size(), "object"), counted(imported.rig.focus_points.size(), "focus point"));
   fmt::print("{:<10} {:<24} {:<32} {:<18} {:>5}  {:<14} {:>7} {:>7} {:>7}\n", "id", "name", "type", "mode", "slots",
              "address", "x m", "y m", "z m");
   for (const fixtures::PatchRow& row : rows) {
@@ -256,11 +257,11 @@ Status expect_ending(const std::string& out, const std::vector<std::string>& end
 }
 
 void print_report(const std::string& out, const fixtures::ExportReport& report) {
-  fmt::print("{}: {}, {}{}, {}\n", out, counted(report.fixture_count, "fixture"),
+  fmt::print("{}: {}, {}{}, {}\n", printable_utf8(out), counted(report.fixture_count, "fixture"),
              counted(report.definition_count, "definition"),
              report.made_count > 0 ? fmt::format(" ({} written as GDTF)", report.made_count) : "",
              report.mesh_count == 1 ? "1 mesh" : fmt::format("{} meshes", report.mesh_count));
-  for (const std::string& note : report.notes) fmt::print(stderr, "footlight: {}\n", note);
+  for (const std::string& note : report.notes) fmt::print(stderr, "footlight: {}\n", printable_utf8(note));
 }
 
 Result<int> import_it(const Options& options) {
@@ -301,7 +302,7 @@ Result<int> patch(const Options& options) {
     bytes = ending == ".csv" ? fixtures::patch_csv(imported.rig) : fixtures::patch_html(imported.rig, head_of(options));
   }
   FL_TRY(fixtures::write_file(options.out, bytes));
-  fmt::print("{}: {} fixtures\n", options.out, imported.rig.fixtures.size());
+  fmt::print("{}: {} fixtures\n", printable_utf8(options.out), imported.rig.fixtures.size());
   return kExitOk;
 }
 
@@ -318,7 +319,7 @@ Result<int> plan(const Options& options) {
             fixtures::plan_svg(imported.rig, head_of(options), kSizes[paper[1] - '0'], progress.go_on()));
   progress.clear();
   FL_TRY(fixtures::write_file(options.out, drawing));
-  fmt::print("{}: {} fixtures\n", options.out, imported.rig.fixtures.size());
+  fmt::print("{}: {} fixtures\n", printable_utf8(options.out), imported.rig.fixtures.size());
   return kExitOk;
 }
 

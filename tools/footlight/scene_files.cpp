@@ -11,6 +11,7 @@
 #include "fixtures/smoothing.h"
 #include "sim/core/counted.h"
 #include "tools/demo_show/demo_assets.h"
+#include "tools/footlight/status_text.h"
 
 namespace footlight::tools {
 namespace {
@@ -69,8 +70,9 @@ Result<fixtures::Rig> load_scene_rig(const SceneFiles& files) {
       std::count_if(imported.diagnostics.begin(), imported.diagnostics.end(),
                     [](const fixtures::Diagnostic& one) { return one.severity != fixtures::Severity::kNote; });
   if (wrong > 0) {
-    fmt::print(stderr, "footlight: {}: {}; 'footlight rig check {}' lists them\n", files.rig, counted(wrong, "warning"),
-               files.rig);
+    const std::string path = printable_utf8(files.rig);
+    fmt::print(stderr, "footlight: {}: {}; 'footlight rig check {}' lists them\n", path, counted(wrong, "warning"),
+               path);
   }
   fixtures::Rig rig = std::move(imported.rig);
   if (files.vrsl && !rig.vrsl) rig.vrsl.emplace();
@@ -80,7 +82,8 @@ Result<fixtures::Rig> load_scene_rig(const SceneFiles& files) {
 
 void print_warnings(const std::vector<fixtures::Diagnostic>& diagnostics) {
   for (const fixtures::Diagnostic& one : diagnostics) {
-    if (one.severity != fixtures::Severity::kNote) fmt::print(stderr, "footlight: {}\n", fixtures::text(one));
+    if (one.severity == fixtures::Severity::kNote) continue;
+    fmt::print(stderr, "footlight: {}\n", printable_utf8(fixtures::text(one)));
   }
 }
 
