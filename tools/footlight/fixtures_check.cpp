@@ -161,9 +161,9 @@ void print(const FixtureCheck& check, bool notes) {
     line += fmt::format(": {}{}{}, {} {}", check.manufacturer, check.manufacturer.empty() ? "" : " ", check.name,
                         check.modes, check.modes == 1 ? "mode" : "modes");
   }
-  fmt::print("{}\n", printable_utf8(line));
+  fmt::print("{}\n", printable_line(line));
   for (const Diagnostic& one : check.diagnostics) {
-    if (notes || one.severity != Severity::kNote) fmt::print("  {}\n", printable_utf8(text(one)));
+    if (notes || one.severity != Severity::kNote) fmt::print("  {}\n", printable_line(text(one)));
   }
 }
 

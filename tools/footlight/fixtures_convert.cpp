@@ -71,7 +71,7 @@ Result<int> convert(const Options& options) {
   std::size_t warnings = 0;
   for (const fixtures::Diagnostic& diagnostic : imported.diagnostics) {
     if (diagnostic.severity == fixtures::Severity::kNote) continue;
-    fmt::print(stderr, "{}\n", printable_utf8(fixtures::text(diagnostic)));
+    fmt::print(stderr, "{}\n", printable_line(fixtures::text(diagnostic)));
     ++warnings;
   }
   const std::string line = fmt::format("{}: {} {}, {}, {} bytes{}{}", options.out,

@@ -40,7 +40,7 @@ Result<int> find(const Options& options) {
                                    {"score", hit.score}};
       fmt::print("{}\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
     } else {
-      fmt::print("{}\n", printable_utf8(fmt::format("{:<5}  {:<24} {:<32} {}", hit.entry.format, hit.entry.manufacturer,
+      fmt::print("{}\n", printable_line(fmt::format("{:<5}  {:<24} {:<32} {}", hit.entry.format, hit.entry.manufacturer,
                                                     hit.entry.model, hit.entry.path)));
     }
   }

@@ -252,7 +252,7 @@ Result<int> show(const Options& options) {
   FL_ASSIGN(const Imported imported, import_fixture(options.file));
   Diagnostics images;
   check_images(imported.type, images);
-  for (const Diagnostic& one : images.all()) fmt::print(stderr, "footlight: {}\n", printable_utf8(text(one)));
+  for (const Diagnostic& one : images.all()) fmt::print(stderr, "footlight: {}\n", printable_line(text(one)));
   if (options.optics) {
     fmt::print("{}", printable_lines(optics_of_type(imported.type)));
   } else {

@@ -119,7 +119,7 @@ std::vector<std::string> rig_files(const std::string& path) {
 }
 
 void print(const RigCheck& check, const Opened& opened) {
-  for (const Diagnostic& each : check.diagnostics) fmt::print("{}\n", printable_utf8(fixtures::text(each)));
+  for (const Diagnostic& each : check.diagnostics) fmt::print("{}\n", printable_line(fixtures::text(each)));
   std::string line = fmt::format("{}: {}", check.file, fixtures::status_name(check.status));
   if (opened.rig) {
     line += fmt::format(", {} {}: {} fixtures of {} types, {} objects", opened.rig->format, opened.rig->version,
@@ -127,7 +127,7 @@ void print(const RigCheck& check, const Opened& opened) {
   } else {
     line += ": " + opened.rig.error().message;
   }
-  fmt::print("{}\n", printable_utf8(line));
+  fmt::print("{}\n", printable_line(line));
   if (opened.rig) print_assumptions(*opened.rig);
 }
 
@@ -225,7 +225,8 @@ Result<int> show(const Options& options) {
 
   fmt::print("{}: {} {}{}{}, {}, {}, {}\n\n", printable_utf8(options.path), cut(imported.rig.name, 60),
              imported.format, imported.version.empty() ? "" : " ", cut(imported.version, 20),
-             counted(rows.size(), "fixture"), counted(imported.rig.objects.size(), "object"), counted(imported.rig.focus_points.size(), "focus point"));
+             counted(rows.size(), "fixture"), counted(imported.rig.objects.size(), "object"),
+             counted(imported.rig.focus_points.size(), "focus point"));
   fmt::print("{:<10} {:<24} {:<32} {:<18} {:>5}  {:<14} {:>7} {:>7} {:>7}\n", "id", "name", "type", "mode", "slots",
              "address", "x m", "y m", "z m");
   for (const fixtures::PatchRow& row : rows) {

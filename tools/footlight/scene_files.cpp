@@ -83,7 +83,7 @@ Result<fixtures::Rig> load_scene_rig(const SceneFiles& files) {
 void print_warnings(const std::vector<fixtures::Diagnostic>& diagnostics) {
   for (const fixtures::Diagnostic& one : diagnostics) {
     if (one.severity == fixtures::Severity::kNote) continue;
-    fmt::print(stderr, "footlight: {}\n", printable_utf8(fixtures::text(one)));
+    fmt::print(stderr, "footlight: {}\n", printable_line(fixtures::text(one)));
   }
 }
 

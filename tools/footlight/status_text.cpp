@@ -51,11 +51,22 @@ std::string printable_utf8(std::string_view text) {
   return clean;
 }
 
+std::string printable_line(std::string_view text) {
+  constexpr std::size_t kBeginBytes = 1500, kEndBytes = 400;
+  if (text.size() <= kBeginBytes + kEndBytes) return printable_utf8(text);
+  // Between characters: a byte of 10xxxxxx goes on with one.
+  const auto goes_on = [&](std::size_t at) { return (static_cast<unsigned char>(text[at]) & 0xC0) == 0x80; };
+  std::size_t end_of_begin = kBeginBytes, end = text.size() - kEndBytes;
+  while (end_of_begin > 0 && goes_on(end_of_begin)) --end_of_begin;
+  while (end < text.size() && goes_on(end)) ++end;
+  return printable_utf8(text.substr(0, end_of_begin)) + " [...] " + printable_utf8(text.substr(end));
+}
+
 std::string printable_lines(std::string_view text) {
   std::string lines;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
-    lines += printable_utf8(text.substr(at, end - at));
+    lines += printable_line(text.substr(at, end - at));
     if (end < text.size()) lines += '\n';
     at = end + 1;
   }

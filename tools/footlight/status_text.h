@@ -22,6 +22,9 @@ namespace footlight::tools {
 // What may be shown to people and programs: valid UTF-8 without control characters, which become U+FFFD. Names come
 // from the wire; one that holds an escape sequence must not drive a terminal.
 [[nodiscard]] std::string printable_utf8(std::string_view text);
+// The same of a line for people: of one beyond 1,900 bytes the begin and the end, with "[...]" between them. A file may
+// hold names of 100 kB.
+[[nodiscard]] std::string printable_line(std::string_view text);
 // The same of many lines: their ends stay.
 [[nodiscard]] std::string printable_lines(std::string_view text);
 

@@ -157,6 +157,22 @@ TEST_CASE("names from the wire cannot drive the terminal") {
   CHECK(printable_utf8("\xE7\x81") == "\xEF\xBF\xBD\xEF\xBF\xBD");  // cut
 }
 
+TEST_CASE("a line for people keeps its begin and its end, cut between characters; lines keep their ends") {
+  CHECK(printable_line("short\n") == "short\xEF\xBF\xBD");
+  const std::string as_long = std::string(1900, 'a');
+  CHECK(printable_line(as_long) == as_long);
+  std::string lights;
+  for (int i = 0; i < 1000; ++i) lights += "\xF0\x9F\x92\xA1";
+  const std::string cut = printable_line("x" + lights + "y");
+  CHECK(cut.size() < 1920);
+  CHECK(cut.starts_with("x\xF0\x9F\x92\xA1"));
+  CHECK(cut.ends_with("\xF0\x9F\x92\xA1y"));
+  CHECK(contains(cut, " [...] "));
+  CHECK_FALSE(contains(cut, "\xEF\xBF\xBD"));
+  CHECK(printable_lines("a\n" + std::string(5000, 'b') + "\nc").ends_with("b\nc"));
+  CHECK(printable_lines("a\n" + std::string(5000, 'b') + "\nc").size() < 2000);
+}
+
 TEST_CASE("wide characters take two columns, and a text is cut between them") {
   CHECK(columns_of("灯灯") == 4);
   CHECK(cut_to("灯灯", 4) == "灯灯");
