@@ -44,7 +44,7 @@ Status report_optics(const std::string& path, bool json) {
     if (json) {
       for (const auto& color : fixtures::color_report(type)) fmt::print("{}\n", json_of_color(name, color));
     } else {
-      fmt::print("{}\n{}\n", name, printable_lines(optics_of_type(type)));
+      fmt::print("{}\n{}\n", printable_line(name), printable_lines(optics_of_type(type)));
     }
   }
   return {};
