@@ -1,9 +1,31 @@
 #include "render/passes/step.h"
 
+#include <algorithm>
+
+#include "fixtures/tables.h"
 #include "render/passes/compute_pass.h"
 #include "shaders/step.comp.h"
 
 namespace footlight::render {
+namespace {
+
+// As many values of a wish as the rig's tables name and its branches look at. They are picked by number, so on a GPU
+// they lie in memory: fewer are faster.
+std::uint32_t wish_count(const fixtures::Needs& needs) {
+  std::uint32_t count = std::max(needs.params_end, fixtures::kParamBasicCount);
+  const auto hold = [&](bool needed, std::uint32_t end) { count = needed ? std::max(count, end) : count; };
+  hold(needs.color, fixtures::kParamColorCount);
+  hold(needs.optics, fixtures::kParamShapeCount);
+  hold(needs.blades, fixtures::kParamBladesCount);
+  hold(needs.shake, fixtures::kParamShakeCount);
+  hold(needs.animation, fixtures::kParamOpticsCount);
+  hold(needs.stacked, fixtures::kParamStackedCount);
+  hold(needs.pulses, fixtures::kParamPulsesCount);
+  hold(needs.macro, fixtures::kParamCount);
+  return count;
+}
+
+}  // namespace
 
 const PassEntry kStepPass{
     "step", [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures; },
@@ -14,7 +36,8 @@ const PassEntry kStepPass{
           {FL_SPEC_SHAKE, needs.shake},   {FL_SPEC_ANIMATION, needs.animation}, {FL_SPEC_STACKED, needs.stacked},
           {FL_SPEC_FLEX, needs.flex},     {FL_SPEC_SMOOTH, needs.smooth},       {FL_SPEC_TUNGSTEN, needs.tungsten},
           {FL_SPEC_LED, needs.led},       {FL_SPEC_DISCHARGE, needs.discharge}, {FL_SPEC_DOWSER, needs.dowser},
-          {FL_SPEC_PULSES, needs.pulses},       {FL_SPEC_MACRO, needs.macro}};
+          {FL_SPEC_PULSES, needs.pulses}, {FL_SPEC_MACRO, needs.macro},
+          {FL_SPEC_WISH_COUNT, wish_count(needs)}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kStepComp, [groups = context.resources.head_groups](VkCommandBuffer commands) {

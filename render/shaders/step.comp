@@ -27,6 +27,7 @@ layout(constant_id = FL_SPEC_TUNGSTEN) const bool kTungsten = true;
 layout(constant_id = FL_SPEC_LED) const bool kLed = true;
 layout(constant_id = FL_SPEC_DISCHARGE) const bool kDischarge = true;
 layout(constant_id = FL_SPEC_DOWSER) const bool kDowser = true;
+layout(constant_id = FL_SPEC_WISH_COUNT) const uint kWishCount = kParamCount;
 layout(push_constant) uniform Push { uint dt_ns_low; uint dt_ns_high; uint new_exposure; } push;
 
 layout(set = 0, binding = FL_BINDING_LEVELS, std430) readonly buffer LevelsBuffer { uint levels[]; };
@@ -116,6 +117,7 @@ void fl_set_optics_state(uint index, OpticsState optics) {
   }
 }
 
+#define FL_WISH_COUNT kWishCount
 #define FL_NEED_MOTION kMotion
 #define FL_NEED_SPIN kSpin
 #define FL_NEED_STROBE kStrobe

@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include "fixtures/tables.h"
 #include "render/frame.h"
 #include "tests/render/scenes.h"
 
@@ -47,6 +48,7 @@ Needs demo_needs() {
   CHECK_FALSE(needs.animation);
   needs.focus = true;
   needs.animation = true;
+  needs.params_end = fixtures::kParamCount;
   return needs;
 }
 
@@ -85,7 +87,8 @@ TEST_CASE("the demo rig with all that it lacks needs every pass, with every bran
                       {FL_SPEC_DISCHARGE, 1},
                       {FL_SPEC_DOWSER, 1},
                       {FL_SPEC_PULSES, 1},
-                      {FL_SPEC_MACRO, 1}}},
+                      {FL_SPEC_MACRO, 1},
+                      {FL_SPEC_WISH_COUNT, fixtures::kParamCount}}},
                     {"gather",
                      {{FL_SPEC_OPTICS, 1},
                       {FL_SPEC_STACKED, 1},
@@ -243,7 +246,8 @@ TEST_CASE("the needs of a rig follow from its fixtures and its haze") {
                                   {FL_SPEC_TUNGSTEN, 0},
                                   {FL_SPEC_LED, 0},
                                   {FL_SPEC_DISCHARGE, 0}, {FL_SPEC_DOWSER, 0}, {FL_SPEC_PULSES, 0},
-                                  {FL_SPEC_MACRO, 0}});
+                                  {FL_SPEC_MACRO, 0},
+                                  {FL_SPEC_WISH_COUNT, fixtures::kParamBasicCount}});
   rig.haze.scattering_per_m = 0;
   rig.haze.absorption_per_m = 0;
   rig.boxes.clear();

@@ -74,7 +74,8 @@
 #define FL_SPEC_SHAKE 25
 #define FL_SPEC_PULSES 26
 #define FL_SPEC_MACRO 27
-#define FL_SPEC_COUNT 28
+#define FL_SPEC_WISH_COUNT 28
+#define FL_SPEC_COUNT 29
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
