@@ -41,6 +41,7 @@ TEST_CASE("signals to a bridge reach no thread but its main one") {
   const TempFolder folder;
   Footlight bridge({"run", "--in", "mock:enttec-pro", "--out", "log:" + folder.file("a.dmxlog"), "--json"});
   bridge.wait_for(R"("event":"ready")");
+  bridge.wait_for(R"("event":"status")");  // by then no thread is being begun, for which the main one lets none in
   int others = 0;
   for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(bridge.pid()) + "/task")) {
     const bool is_main = task.path().filename() == std::to_string(bridge.pid());
