@@ -224,31 +224,52 @@ Result<Fd> open_sender(const SenderSocket& wanted) {
   return socket;
 }
 
+namespace {
+
+// An IPv6 socket that carries IPv4 as well. The lookup for IPv4 datagrams prefers an IPv4 socket of the same port to it.
+// No descriptor where the kernel or the sandbox has no IPv6.
+Result<Fd> bind_dual_stack(std::string_view port_name, std::uint16_t udp_port) {
+  Fd socket(::socket(AF_INET6, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (!socket) return Fd();
+  set_option(socket, IPPROTO_IPV6, IPV6_V6ONLY, 0);
+  set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
+  set_option(socket, SOL_SOCKET, SO_REUSEPORT, 1);
+  sockaddr_in6 any = {};
+  any.sin6_family = AF_INET6;
+  any.sin6_port = htons(udp_port);
+  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&any), sizeof any) == 0) return socket;
+  const int error_number = errno;
+  if (error_number == EADDRNOTAVAIL || error_number == EPERM || error_number == EACCES) return Fd();
+  return tl::unexpected(net_error(port_name, fmt::format("open UDP port {}", udp_port), error_number));
+}
+
+// Without IPv6: takes the port only while nobody has it, then lets others in. With SO_REUSEADDR and without
+// SO_REUSEPORT the kernel gives a unicast datagram to the socket that was bound last, which is not this one.
+Result<Fd> bind_ipv4_last(std::string_view port_name, std::uint16_t udp_port) {
+  Fd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (!socket) return tl::unexpected(net_error(port_name, "open a UDP socket", errno));
+  const sockaddr_in any = address_of(0, udp_port);
+  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&any), sizeof any) != 0) {
+    return tl::unexpected(net_error(port_name, fmt::format("open UDP port {} beside others", udp_port), errno));
+  }
+  set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
+  return socket;
+}
+
+Result<Fd> bind_yielding(std::string_view port_name, std::uint16_t udp_port) {
+  FL_ASSIGN(Fd socket, bind_dual_stack(port_name, udp_port));
+  if (socket) return socket;
+  return bind_ipv4_last(port_name, udp_port);
+}
+
+}  // namespace
+
 Result<Fd> open_yielding_sender(const SenderSocket& wanted, std::uint16_t udp_port,
                                 std::span<const std::uint16_t> op_code_filter) {
-  bool ipv6 = true;
-  Fd socket(::socket(AF_INET6, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (socket) set_option(socket, IPPROTO_IPV6, IPV6_V6ONLY, 0);
-  sockaddr_in6 any6 = {};
-  any6.sin6_family = AF_INET6;
-  any6.sin6_port = htons(udp_port);
-  for (;; ipv6 = false) {
-    if (!ipv6) socket = Fd(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-    if (!socket && ipv6) continue;
-    if (!socket) return tl::unexpected(net_error(wanted.port_name, "open a UDP socket", errno));
-    set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
-    set_option(socket, SOL_SOCKET, SO_REUSEPORT, 1);
-    set_option(socket, SOL_SOCKET, SO_BROADCAST, 1);
-    set_option(socket, IPPROTO_IP, IP_PKTINFO, 1);
-    set_option(socket, SOL_SOCKET, SO_TIMESTAMPNS, 1);
-    const sockaddr_in any4 = address_of(0, udp_port);
-    const int bound = ipv6 ? ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&any6), sizeof any6)
-                           : ::bind(socket.get(), reinterpret_cast<const sockaddr*>(&any4), sizeof any4);
-    if (bound == 0) break;
-    if (ipv6 && errno == EADDRNOTAVAIL) continue;  // IPv6 is switched off
-    const int error_number = errno;
-    return tl::unexpected(net_error(wanted.port_name, fmt::format("send from UDP port {}", udp_port), error_number));
-  }
+  FL_ASSIGN(Fd socket, bind_yielding(wanted.port_name, udp_port));
+  set_option(socket, SOL_SOCKET, SO_BROADCAST, 1);
+  set_option(socket, IPPROTO_IP, IP_PKTINFO, 1);
+  set_option(socket, SOL_SOCKET, SO_TIMESTAMPNS, 1);
   if (!op_code_filter.empty()) {
     // A filter of a UDP socket sees the datagram from its UDP header on, which has 8 octets.
     std::vector<sock_filter> program = {BPF_STMT(BPF_LD | BPF_H | BPF_ABS, 8 + 8)};

@@ -86,9 +86,10 @@ struct SenderSocket {
 [[nodiscard]] Result<Fd> open_sender(const SenderSocket& wanted);
 // The same, bound to `udp_port` beside whatever listens there, for protocols whose answers come to a fixed port. It
 // hears broadcasts, and unicast only where no other socket of this machine wants it, so that it takes nothing away: it
-// is an IPv6 socket that speaks IPv4, and Linux prefers IPv4 sockets (compute_score() in net/ipv4/udp.c). Without IPv6
-// in the kernel it shares the port like open_receiver(). Packet information as there; `op_code_filter` has the kernel
-// drop all datagrams but those with one of these 16-bit numbers, low octet first, at octet 8; empty: all.
+// is an IPv6 socket that speaks IPv4, and Linux prefers IPv4 sockets (compute_score() in net/ipv4/udp.c). Without IPv6,
+// in the kernel or in the sandbox, it gets the port only where nobody has it yet, and an IPv4 socket that is bound later
+// gets the unicast; otherwise it fails with kIo. Packet information as there; `op_code_filter` has the kernel drop all
+// datagrams but those with one of these 16-bit numbers, low octet first, at octet 8; empty: all.
 [[nodiscard]] Result<Fd> open_yielding_sender(const SenderSocket& wanted, std::uint16_t udp_port,
                                               std::span<const std::uint16_t> op_code_filter);
 // Has the multicast of an open sender leave through this interface. errno, or 0.

@@ -5,7 +5,17 @@
 
 #include <array>
 #include <cerrno>
+#include <cstddef>
+#include <functional>
 #include <vector>
+
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "tests/drivers/net/private_network.h"
 
@@ -26,7 +36,83 @@ void send(const Fd& from, std::uint32_t ipv4, std::vector<std::uint8_t> bytes) {
   REQUIRE(writer.flush(from.get()).error_number == 0);
 }
 
+// What systemd's RestrictAddressFamilies= does to a family that it does not name. For the calling process, for good.
+bool forbid_ipv6() {
+  sock_filter program[] = {
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_socket, 0, 3),
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, args)),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, AF_INET6, 0, 1),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | EAFNOSUPPORT),
+      BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+  };
+  const sock_fprog filter = {static_cast<unsigned short>(std::size(program)), program};
+  return prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter) == 0 &&
+         ::socket(AF_INET6, SOCK_DGRAM, 0) < 0 && errno == EAFNOSUPPORT;
+}
+
+constexpr int kSkipped = 77;
+
+// What `body` returns, in a child process without IPv6: 0 where all was right, else the step that was not.
+void check_without_ipv6(const std::function<int()>& body) {
+  const pid_t pid = fork();
+  REQUIRE(pid >= 0);
+  if (pid == 0) _exit(forbid_ipv6() ? body() : kSkipped);
+  int status = 0;
+  REQUIRE(waitpid(pid, &status, 0) == pid);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kSkipped) {
+    MESSAGE("skipped: this system does not let a process filter its own system calls");
+    return;
+  }
+  CHECK(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 0);
+}
+
+int read_all(const Fd& fd) {
+  DatagramReader reader;
+  int all = 0;
+  for (int count = 0; (count = reader.read(fd.get())) > 0;) all += count;
+  return all;
+}
+
+// One unicast datagram from each of 64 UDP ports: as many hashes.
+bool send_from_64_ports() {
+  for (int i = 0; i < 64; ++i) {
+    const auto stranger = open_sender({"test", 0});
+    if (!stranger) return false;
+    DatagramWriter writer;
+    const std::array<std::uint8_t, 1> bytes = {2};
+    writer.add(bytes, kThisMachine, kPort);
+    if (writer.flush(stranger->get()).error_number != 0) return false;
+  }
+  return true;
+}
+
 }  // namespace
+
+TEST_CASE("a listener gets the datagrams of all 64 senders beside a yielding sender in a sandbox without IPv6") {
+  if (!testing::enter_private_network()) return;
+  ReceiverSocket wanted;
+  wanted.port_name = "test";
+  wanted.udp_port = kPort;
+  check_without_ipv6([&] {  // the yielding sender is there first
+    const auto yielding = open_yielding_sender({"test", 0}, kPort, {});
+    if (!yielding) return 1;
+    const auto listener = open_receiver(wanted);
+    if (!listener) return 2;
+    if (!send_from_64_ports()) return 3;
+    if (read_all(*listener) != 64) return 4;
+    return read_all(*yielding) == 0 ? 0 : 5;
+  });
+  check_without_ipv6([&] {  // the listener is there first
+    const auto listener = open_receiver(wanted);
+    if (!listener) return 1;
+    const auto yielding = open_yielding_sender({"test", 0}, kPort, {});
+    if (yielding || yielding.error().code != ErrorCode::kIo) return 2;
+    if (!send_from_64_ports()) return 3;
+    return read_all(*listener) == 64 ? 0 : 4;
+  });
+}
 
 TEST_CASE("a yielding sender takes unicast only where no other socket listens, and hears every broadcast") {
   if (!testing::enter_private_network()) return;

@@ -56,5 +56,17 @@ TEST_CASE("the unit lets the service have the real-time priority that it asks fo
   CHECK(text.find("@FOOTLIGHT") == std::string::npos);
 }
 
+TEST_CASE("the unit lets the service open every address family that its ports use") {
+  std::ifstream file(FOOTLIGHT_UNIT);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  std::smatch match;
+  REQUIRE(std::regex_search(text, match, std::regex(R"(\nRestrictAddressFamilies=([^\n]*)\n)")));
+  const std::string families = " " + match[1].str() + " ";
+  for (const char* const family : {"AF_INET", "AF_INET6", "AF_UNIX", "AF_NETLINK"}) {
+    CAPTURE(family);
+    CHECK(families.find(" " + std::string(family) + " ") != std::string::npos);
+  }
+}
+
 }  // namespace
 }  // namespace footlight::testing
