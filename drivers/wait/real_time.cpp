@@ -14,17 +14,24 @@ namespace {
 
 std::atomic<int> wanted_priority{0};
 std::atomic<int> given_up{0};
+std::atomic<rlim_t> run_max_us{0};  // soft limit of RLIMIT_RTTIME that want_real_time() set
+static_assert(std::atomic<rlim_t>::is_always_lock_free, "read in a signal handler");
 
 bool set_normal() {
   const sched_param none = {};
   return sched_setscheduler(0, SCHED_OTHER, &none) == 0;
 }
 
-// The kernel sends it to the thread that ran on, unless that one has blocked it; nobody here does. Once a second until
-// the thread has rested, so it does not matter that one comes too late.
+// Runs on the thread that ran on: the kernel sends SIGXCPU to that one unless it blocks it (NoSignals leaves it open).
+// The kernel has raised the soft limit of the process by 1 s when it sent it; the next thread gets the first limit again.
 void on_no_rest(int) {
   const int saved_errno = errno;
   if (is_real_time() && set_normal()) given_up.fetch_add(1);
+  rlimit limit = {};
+  if (getrlimit(RLIMIT_RTTIME, &limit) == 0) {
+    limit.rlim_cur = run_max_us.load();
+    setrlimit(RLIMIT_RTTIME, &limit);
+  }
   errno = saved_errno;
 }
 
@@ -49,9 +56,10 @@ void want_real_time(int priority) {
   // At the hard limit the kernel kills: keep well below one that somebody has set.
   rlimit run_time = {};
   if (getrlimit(RLIMIT_RTTIME, &run_time) != 0) return;
-  const auto run_max_us = static_cast<rlim_t>(kRealTimeRunMaxNs / kNsPerUs);
+  const auto wanted_us = static_cast<rlim_t>(kRealTimeRunMaxNs / kNsPerUs);
   const bool bounded = run_time.rlim_max != RLIM_INFINITY;
-  run_time.rlim_cur = bounded ? std::min(run_max_us, run_time.rlim_max / 2) : run_max_us;
+  run_time.rlim_cur = bounded ? std::min(wanted_us, run_time.rlim_max / 2) : wanted_us;
+  run_max_us.store(run_time.rlim_cur);
   setrlimit(RLIMIT_RTTIME, &run_time);
 }
 

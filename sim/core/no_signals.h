@@ -9,14 +9,15 @@
 
 namespace footlight {
 
-// Threads that are begun while one of these lives let no signal in, but those of their own faults. The caller's own
-// signals wait until it goes.
+// Threads that are begun while one of these lives let no signal in, but those of their own faults and SIGXCPU, which
+// the kernel gives to the thread that used up its time only if that thread does not block it. The caller's own signals
+// wait until it goes.
 class NoSignals {
  public:
   NoSignals() {
     sigset_t signals;
     sigfillset(&signals);
-    for (const int fault : std::array{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS})
+    for (const int fault : std::array{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGSYS, SIGXCPU})
       sigdelset(&signals, fault);
     pthread_sigmask(SIG_BLOCK, &signals, &before_);
   }

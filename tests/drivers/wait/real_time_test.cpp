@@ -1,6 +1,7 @@
 // Each case runs in a process of its own, since priorities and limits belong to processes.
 #include "drivers/wait/real_time.h"
 
+#include <chrono>
 #include <functional>
 #include <string>
 #include <thread>
@@ -11,6 +12,8 @@
 #include <unistd.h>
 
 #include <doctest/doctest.h>
+
+#include "sim/core/no_signals.h"
 
 namespace footlight::drivers {
 namespace {
@@ -110,6 +113,34 @@ TEST_CASE("a thread that never rests loses real time and goes on at normal prior
     while (policy() != SCHED_OTHER) {
     }
     return real_time_given_up() == 1 ? 0 : 2;
+  }));
+}
+
+TEST_CASE("of several real-time threads the one that never rests is demoted, also where it takes no signals") {
+  check_child(in_child([] {
+    if (!may_have_real_time()) return kSkipped;
+    want_real_time(kRealTimePriority);
+    if (!enter_real_time()) return 1;
+    for (int turn = 1; turn <= 2; ++turn) {  // the first thread that spins does not lengthen the time of the second
+      const auto begin = std::chrono::steady_clock::now();
+      int lost = 0;
+      {
+        const NoSignals for_the_thread;
+        std::thread([&] {
+          if (!enter_real_time()) return;
+          while (policy() != SCHED_OTHER && std::chrono::steady_clock::now() - begin < std::chrono::seconds(20)) {
+          }
+          lost = policy() == SCHED_OTHER ? 1 : 0;
+        }).join();
+      }
+      if (!is_real_time()) return 10 * turn + 2;  // the wrong thread was demoted
+      if (lost == 0) return 10 * turn + 3;
+      if (real_time_given_up() != turn) return 10 * turn + 4;
+      rlimit limit = {};
+      getrlimit(RLIMIT_RTTIME, &limit);
+      if (limit.rlim_cur != kRealTimeRunMaxNs / kNsPerUs) return 10 * turn + 5;
+    }
+    return 0;
   }));
 }
 #endif
