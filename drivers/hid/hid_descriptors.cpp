@@ -12,7 +12,8 @@ std::optional<HidEndpoint> find_hid_output(std::span<const std::uint8_t> config_
     if (size < kHeadSize || size > rest.size()) break;
     if (rest[1] == kEndpoint && size >= kEndpointSize && (rest[2] & kDirectionIn) == 0 &&
         (rest[3] & kTypeMask) == kInterrupt) {
-      const HidEndpoint found{.report_size = static_cast<std::size_t>(rest[4] | (rest[5] & 0x07) << 8),
+      const HidEndpoint found{.address = rest[2],
+                              .report_size = static_cast<std::size_t>(rest[4] | (rest[5] & 0x07) << 8),
                               .interval_ms = rest[6]};
       if (found.report_size > 0 && found.interval_ms > 0) return found;
     }

@@ -11,6 +11,7 @@
 namespace footlight::drivers {
 
 struct HidEndpoint {
+  std::uint8_t address = 0;     // bEndpointAddress
   std::size_t report_size = 0;  // bytes; wMaxPacketSize
   int interval_ms = 0;          // bInterval at low and full speed: one report each time; 1 to 255
 };

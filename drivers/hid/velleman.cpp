@@ -1,4 +1,7 @@
 // Velleman K8062 and VM116: output only.
+//
+// Reports go out through libusb, to the interrupt endpoint of the HID interface. A stock kernel makes no hidraw node
+// for these devices: hid-quirks ignores their ids, and vmk80xx binds to them (decisions/0089-velleman-by-libusb.md).
 #include <algorithm>
 
 #include "drivers/driver.h"
@@ -13,7 +16,7 @@ constexpr DurationNs kReportPatience_ns = 250 * kNsPerMs;
 // Nothing says that it repeats a look; of OLA's driver is the remark that a look goes out when the next one begins. So
 // looks are repeated, and not all the time, for a new one would have to wait behind the old.
 constexpr DurationNs kRepeat_ns = 100 * kNsPerMs;
-constexpr HidEndpoint kOriginal{.report_size = kVellemanReportSize, .interval_ms = 10};
+constexpr HidEndpoint kOriginal{.address = 0x01, .report_size = kVellemanReportSize, .interval_ms = 10};
 constexpr double kLineRateHzMax = 44.0;
 
 class VellemanWidget final : public Widget {
@@ -29,6 +32,7 @@ class VellemanWidget final : public Widget {
     FL_ASSIGN(const auto endpoint, ask_hid_output(context.transport(), context.now_ns() + kReportPatience_ns));
     const HidEndpoint output = endpoint.value_or(kOriginal);
     const bool upgraded = output.report_size == kVellemanUpgradedReportSize;
+    endpoint_ = output.address;
     report_size_ = upgraded ? kVellemanUpgradedReportSize : kVellemanReportSize;
     sent_ns_ = INT64_MIN;
 
@@ -59,7 +63,7 @@ class VellemanWidget final : public Widget {
     sent_ns_ = INT64_MIN;
     const VellemanReports reports(look, report_size_);
     for (std::size_t i = 0; i < reports.count(); ++i)
-      FL_TRY(context.transport().write(reports[i], context.now_ns() + kReportPatience_ns));
+      FL_TRY(context.transport().write_endpoint(endpoint_, reports[i], context.now_ns() + kReportPatience_ns));
     sent_ns_ = begin_ns;
     std::copy(look.begin(), look.end(), sent_.begin());
     report_count_ += reports.count();
@@ -75,6 +79,7 @@ class VellemanWidget final : public Widget {
   }
 
  private:
+  std::uint8_t endpoint_ = kOriginal.address;
   std::size_t report_size_ = kVellemanReportSize;
   Slots sent_{};
   TimeNs sent_ns_ = INT64_MIN;  // when the look in sent_ was begun; INT64_MIN: the device may show another
@@ -90,7 +95,7 @@ constexpr UsbModelId kModels[] = {
      .model_name = "Velleman K8062, VM116",
      .maker = "Velleman",
      .quirks = 0,
-     .transport = TransportKind::kHid},
+     .transport = TransportKind::kUsb},
 };
 
 }  // namespace

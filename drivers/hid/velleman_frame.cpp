@@ -11,13 +11,12 @@ constexpr std::uint8_t kSlots = 2, kOneSlot = 3, kStart = 4, kZerosAndSlots = 5,
 // Peers keep to 100 with the original firmware, though a byte could say more: above it the device misbehaves.
 constexpr std::size_t kZerosMax = 100, kUpgradedZerosMax = 254;
 constexpr std::size_t kUpgradedReportCountMax = 9;  // 62 + 7 x 63 + 9 slots
-static_assert(kUpgradedReportCountMax * (1 + kVellemanUpgradedReportSize) <=
-              kVellemanReportCountMax * (1 + kVellemanReportSize));
+static_assert(kUpgradedReportCountMax * kVellemanUpgradedReportSize <= kVellemanReportCountMax * kVellemanReportSize);
 
 }  // namespace
 
 VellemanReports::VellemanReports(std::span<const std::uint8_t, kSlotCountMax> look, std::size_t report_size)
-    : stride_(1 + report_size) {
+    : stride_(report_size) {
   FL_CHECK(report_size == kVellemanReportSize || report_size == kVellemanUpgradedReportSize);
   const bool upgraded = report_size == kVellemanUpgradedReportSize;
   const std::size_t zeros_max = upgraded ? kUpgradedZerosMax : kZerosMax;
@@ -59,8 +58,8 @@ VellemanReports::VellemanReports(std::span<const std::uint8_t, kSlotCountMax> lo
 std::span<std::uint8_t> VellemanReports::add(std::uint8_t type) {
   FL_CHECK_LE((count_ + 1) * stride_, bytes_.size());
   const auto report = std::span(bytes_).subspan(count_++ * stride_, stride_);
-  report[1] = type;
-  return report.subspan(2);
+  report[0] = type;
+  return report.subspan(1);
 }
 
 }  // namespace footlight::drivers

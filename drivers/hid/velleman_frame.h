@@ -28,10 +28,10 @@ inline constexpr std::size_t kVellemanUpgradedReportSize = 64;  // of the replac
 // The most reports that a look may need: 8-byte reports, no two zeros side by side but at the end of a report.
 inline constexpr std::size_t kVellemanReportCountMax = 78;
 
-// A look as reports, each with the HID report number 0 in front.
+// A look as reports, as they go to the output endpoint: the device numbers none of them.
 class VellemanReports {
  public:
-  // report_size: kVellemanReportSize or kVellemanUpgradedReportSize, without the report number.
+  // report_size: kVellemanReportSize or kVellemanUpgradedReportSize.
   VellemanReports(std::span<const std::uint8_t, kSlotCountMax> look, std::size_t report_size);
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] std::span<const std::uint8_t> operator[](std::size_t i) const {
@@ -43,7 +43,7 @@ class VellemanReports {
 
   const std::size_t stride_;
   std::size_t count_ = 0;
-  std::array<std::uint8_t, kVellemanReportCountMax*(1 + kVellemanReportSize)> bytes_{};
+  std::array<std::uint8_t, kVellemanReportCountMax * kVellemanReportSize> bytes_{};
 };
 
 }  // namespace footlight::drivers

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/check.h"
+#include "tests/support/stock_kernel.h"
 
 namespace footlight::testing {
 namespace {
@@ -52,6 +53,7 @@ std::string HidSocket::port_path() const { return fmt::format("1-{}", socket_); 
 std::string HidSocket::folder() const { return fmt::format("{}/{}", kHub, port_path()); }
 
 void HidSocket::plug() {
+  FL_CHECK(stock_driver_of(model_) == "usbhid");  // others have no hidraw node; use a UsbSocket
   const Bytes device = model_.device_descriptor();
   const auto id = [&](std::size_t at) { return fmt::format("{:02x}{:02x}", device[at + 1], device[at]); };
   const std::string name = fmt::format("0003:{}:{}.{:04}", id(8), id(10), socket_);

@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include "sim/core/check.h"
+#include "tests/support/stock_kernel.h"
 
 namespace footlight::testing {
 namespace {
@@ -24,7 +25,6 @@ using drivers::mock::Bytes;
 using drivers::mock::SetupPacket;
 
 constexpr const char* kHub = "/sys/devices/pci0000:00/0000:00:14.0/usb1";
-constexpr const char* kOwnDriver = "ftdi_sio";  // what the kernel binds to the models here
 constexpr std::size_t kSetupSize = 8;
 
 std::string hex_of(const Bytes& bytes) {
@@ -118,7 +118,7 @@ void UsbSocket::plug() {
           std::string(kHub).substr(4), port_path(), socket_ + 1, socket_ + 1, socket_, node(), socket_ + 1, ids,
           attributes, hex_of(device), hex_of(model_.config_descriptor())));
   const std::lock_guard lock(mutex_);
-  bind(kOwnDriver);
+  bind(stock_driver_of(model_));
   make_gate();
 }
 
@@ -202,8 +202,8 @@ void UsbSocket::answer(UMockdevIoctlClient* client) {
       const Argument<usbdevfs_ioctl> inner(argument);
       if (static_cast<unsigned>(inner->ioctl_code) == USBDEVFS_CONNECT) {
         if (claimed_) return reply(client, -1, EBUSY);
-        bind(kOwnDriver);
-        return reply(client, 1);
+        bind(stock_driver_of(model_));
+        return reply(client, driver_.empty() ? 0 : 1);
       }
       if (static_cast<unsigned>(inner->ioctl_code) != USBDEVFS_DISCONNECT) return reply(client, -1, ENOTTY);
       if (driver_.empty()) return reply(client, -1, ENODATA);

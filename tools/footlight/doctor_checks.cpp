@@ -167,8 +167,10 @@ Outcome look_at_hidraw(const DoctorView& view) {
     const auto product = number_of(std::string_view(uevent).substr(at + 21, 8), 16);
     const bool known =
         vendor && product && std::any_of(drivers::drivers().begin(), drivers::drivers().end(), [&](const auto* driver) {
-          return std::any_of(driver->usb_ids.begin(), driver->usb_ids.end(),
-                             [&](const auto& model) { return model.vendor == *vendor && model.product == *product; });
+          return std::any_of(driver->usb_ids.begin(), driver->usb_ids.end(), [&](const auto& model) {
+            return model.transport == drivers::TransportKind::kHid && model.vendor == *vendor &&
+                   model.product == *product;
+          });
         });
     if (!known) continue;
     const std::string node = fmt::format("{}/{}", view.find.dev_root, name);

@@ -15,6 +15,7 @@ TEST_CASE("the size and the interval of the output reports are found in a config
   mock::VellemanModel model;
   const auto original = find_hid_output(model.config_descriptor());
   REQUIRE(original);
+  CHECK(original->address == 0x01);
   CHECK(original->report_size == 8);
   CHECK(original->interval_ms == 10);
   model.upgraded = true;
@@ -23,6 +24,12 @@ TEST_CASE("the size and the interval of the output reports are found in a config
   REQUIRE(upgraded);
   CHECK(upgraded->report_size == 64);
   CHECK(upgraded->interval_ms == 1);
+}
+
+TEST_CASE("the address of the output endpoint is the one in the descriptor") {
+  const auto found = find_hid_output(mock::NodleModel().config_descriptor());
+  REQUIRE(found);
+  CHECK(found->address == 0x02);
 }
 
 TEST_CASE("endpoints towards the host, bulk ones and ones of size 0 are none") {

@@ -30,16 +30,16 @@ Shown show(const VellemanReports& reports, bool upgraded) {
   mock::VellemanModel model;
   model.upgraded = upgraded;
   model.power_on();
-  for (std::size_t i = 0; i < reports.count(); ++i) model.data_out(0x01, reports[i].subspan(1));
+  for (std::size_t i = 0; i < reports.count(); ++i) model.data_out(0x01, reports[i]);
   return {model.line(0).frame, model.line(0).frame_count, model.broken_count, model.cut_count};
 }
 
 TEST_CASE("a dark look is five reports of the original firmware, as its protocol page lays them out") {
   const VellemanReports reports(Slots{}, kVellemanReportSize);
   REQUIRE(reports.count() == 5);
-  CHECK(report_of(reports, 0) == Bytes{0, 4, 101, 0, 0, 0, 0, 0, 0});
-  for (std::size_t i = 1; i < 4; ++i) CHECK(report_of(reports, i) == Bytes{0, 5, 100, 0, 0, 0, 0, 0, 0});
-  CHECK(report_of(reports, 4) == Bytes{0, 5, 82, 0, 0, 0, 0, 0, 0});
+  CHECK(report_of(reports, 0) == Bytes{4, 101, 0, 0, 0, 0, 0, 0});
+  for (std::size_t i = 1; i < 4; ++i) CHECK(report_of(reports, i) == Bytes{5, 100, 0, 0, 0, 0, 0, 0});
+  CHECK(report_of(reports, 4) == Bytes{5, 82, 0, 0, 0, 0, 0, 0});
 }
 
 TEST_CASE("a look without zeros is 75 reports of the original firmware, the last two of one slot") {
@@ -47,10 +47,10 @@ TEST_CASE("a look without zeros is 75 reports of the original firmware, the last
   for (std::size_t i = 0; i < look.size(); ++i) look[i] = static_cast<std::uint8_t>(1 + i % 255);
   const VellemanReports reports(look, kVellemanReportSize);
   REQUIRE(reports.count() == 75);
-  CHECK(report_of(reports, 0) == Bytes{0, 4, 1, 1, 2, 3, 4, 5, 6});
-  CHECK(report_of(reports, 1) == Bytes{0, 2, 7, 8, 9, 10, 11, 12, 13});
-  CHECK(report_of(reports, 73) == Bytes{0, 3, look[510], 0, 0, 0, 0, 0, 0});
-  CHECK(report_of(reports, 74) == Bytes{0, 3, look[511], 0, 0, 0, 0, 0, 0});
+  CHECK(report_of(reports, 0) == Bytes{4, 1, 1, 2, 3, 4, 5, 6});
+  CHECK(report_of(reports, 1) == Bytes{2, 7, 8, 9, 10, 11, 12, 13});
+  CHECK(report_of(reports, 73) == Bytes{3, look[510], 0, 0, 0, 0, 0, 0});
+  CHECK(report_of(reports, 74) == Bytes{3, look[511], 0, 0, 0, 0, 0, 0});
 }
 
 TEST_CASE("a look without zeros is nine reports of the replacement firmware, the last one counted") {
@@ -58,12 +58,12 @@ TEST_CASE("a look without zeros is nine reports of the replacement firmware, the
   look.fill(9);
   const VellemanReports reports(look, kVellemanUpgradedReportSize);
   REQUIRE(reports.count() == 9);
-  CHECK(reports[0].size() == 65);
-  CHECK(reports[0][1] == 4);
-  CHECK(reports[0][2] == 1);
-  CHECK(reports[1][1] == 2);
-  CHECK(reports[8][1] == 6);
-  CHECK(reports[8][2] == 9);
+  CHECK(reports[0].size() == 64);
+  CHECK(reports[0][0] == 4);
+  CHECK(reports[0][1] == 1);
+  CHECK(reports[1][0] == 2);
+  CHECK(reports[8][0] == 6);
+  CHECK(reports[8][1] == 9);
 }
 
 TEST_CASE("a run of zeros is counted, and what follows it is in the same report") {
@@ -71,8 +71,8 @@ TEST_CASE("a run of zeros is counted, and what follows it is in the same report"
   std::fill(look.begin(), look.begin() + 6, std::uint8_t{1});
   look[40] = 0xAB;
   const VellemanReports reports(look, kVellemanReportSize);
-  CHECK(report_of(reports, 0) == Bytes{0, 4, 1, 1, 1, 1, 1, 1, 1});
-  CHECK(report_of(reports, 1) == Bytes{0, 5, 34, 0xAB, 0, 0, 0, 0, 0});
+  CHECK(report_of(reports, 0) == Bytes{4, 1, 1, 1, 1, 1, 1, 1});
+  CHECK(report_of(reports, 1) == Bytes{5, 34, 0xAB, 0, 0, 0, 0, 0});
 }
 
 TEST_CASE("any look is shown as it is, in no more reports than promised, by both firmwares") {
@@ -117,11 +117,11 @@ TEST_CASE("the model counts a look that was cut short, and shows nothing of it")
   const VellemanReports reports(look, kVellemanReportSize);
   mock::VellemanModel model;
   model.power_on();
-  for (std::size_t i = 0; i < 10; ++i) model.data_out(0x01, reports[i].subspan(1));
-  for (std::size_t i = 0; i < reports.count(); ++i) model.data_out(0x01, reports[i].subspan(1));
+  for (std::size_t i = 0; i < 10; ++i) model.data_out(0x01, reports[i]);
+  for (std::size_t i = 0; i < reports.count(); ++i) model.data_out(0x01, reports[i]);
   CHECK(model.cut_count == 1);
   CHECK(model.line(0).frame_count == 1);
-  model.data_out(0x01, reports[1].subspan(1));  // goes on where nothing was begun
+  model.data_out(0x01, reports[1]);  // goes on where nothing was begun
   CHECK(model.broken_count == 1);
 }
 

@@ -234,7 +234,7 @@ TEST_CASE("each device says by which way it would be opened at the moment") {
   machine.plug({.port_path = "1-1", .serial = "A", .number = 2, .tty = "ttyUSB0"});
   machine.plug({.port_path = "1-2", .vendor = "10cf", .product_id = "8062", .serial = "", .number = 3});
   machine.plug({.port_path = "1-3", .vendor = "1fc9", .product_id = "0094", .serial = "6", .number = 5});
-  machine.plug({.port_path = "1-4", .vendor = "0ce1", .product_id = "0002", .serial = "7", .number = 6});
+  machine.plug({.port_path = "1-4", .vendor = "16d0", .product_id = "0830", .serial = "7", .number = 6});
   machine.plug({.port_path = "1-5", .manufacturer = "FTDI", .product = "FT232R", .serial = "8", .number = 7});
   const auto ways = [&](const FindOptions& options) {
     std::vector<std::string> all;
@@ -245,12 +245,12 @@ TEST_CASE("each device says by which way it would be opened at the moment") {
   if (!built_with_usb()) return;
   FindOptions options = machine.options();
   options.node_access = [](const std::string&) { return 0; };
-  CHECK(ways(options) == std::vector<std::string>{"serial libusb", "hid hidraw", "serial tty", "usb libusb", "- "});
+  CHECK(ways(options) == std::vector<std::string>{"serial libusb", "usb libusb", "serial tty", "hid hidraw", "- "});
   // Where the node of the bus is not for this user, a serial chip is opened by its tty; no other has a second way.
   options.node_access = [&](const std::string& node) {
     return node.find("/bus/usb/") == std::string::npos ? 0 : EACCES;
   };
-  CHECK(ways(options) == std::vector<std::string>{"serial tty", "hid hidraw", "serial tty", "usb libusb", "- "});
+  CHECK(ways(options) == std::vector<std::string>{"serial tty", "usb libusb", "serial tty", "hid hidraw", "- "});
 }
 
 TEST_CASE("devices that no driver knows are not listed") {
@@ -444,10 +444,31 @@ TEST_CASE("udev rules never open a bare serial chip and never to everybody") {
 
 TEST_CASE("udev rules open a HID interface by its hidraw node, and no other hidraw node") {
   const std::string rules = udev_rules_text();
-  CHECK(rules.find(R"(SUBSYSTEM=="hidraw", ATTRS{idVendor}=="10cf", ATTRS{idProduct}=="8062")") != std::string::npos);
+  CHECK(rules.find(R"(SUBSYSTEM=="hidraw", ATTRS{idVendor}=="16d0", ATTRS{idProduct}=="0830")") != std::string::npos);
   std::istringstream lines(rules);
   for (std::string line; std::getline(lines, line);)
     if (line.find("hidraw\"") != std::string::npos) CHECK(line.find("ATTRS{idProduct}") != std::string::npos);
+}
+
+TEST_CASE("udev rules open a Velleman by its USB node, since no stock kernel gives it a hidraw node") {
+  const std::string rules = udev_rules_text();
+  CHECK(
+      rules.find(R"(SUBSYSTEM=="usb", ENV{DEVTYPE}=="usb_device", ATTR{idVendor}=="10cf", ATTR{idProduct}=="8062")") !=
+      std::string::npos);
+  CHECK(rules.find(R"(ATTRS{idVendor}=="10cf")") == std::string::npos);
+}
+
+TEST_CASE("a Velleman that vmk80xx holds is ready, and no module is advised") {
+  if (!built_with_usb()) return;
+  for (const char* kernel_driver : {"vmk80xx", "usbhid", ""}) {
+    CAPTURE(kernel_driver);
+    Machine machine;
+    machine.plug({.vendor = "10cf", .product_id = "8062", .serial = "", .kernel_driver = kernel_driver});
+    const DeviceList list = machine.find();
+    REQUIRE(list.devices.size() == 1);
+    CHECK(list.devices[0].readiness == Readiness::kReady);
+    CHECK(list.devices[0].remedy.empty());
+  }
 }
 
 TEST_SUITE_END();

@@ -1,9 +1,12 @@
-// Interfaces with endpoints of their own through the real libusb on an emulated kernel: uDMX, Peperoni, DMXCreator.
+// Interfaces with endpoints of their own through the real libusb on an emulated kernel: uDMX, Peperoni, DMXCreator,
+// Velleman.
 #include <doctest/doctest.h>
 
+#include "drivers/device/device.h"
 #include "drivers/mock/dmxcreator_model.h"
 #include "drivers/mock/peperoni_model.h"
 #include "drivers/mock/udmx_model.h"
+#include "drivers/mock/velleman_model.h"
 #include "drivers/registry.h"
 #include "tests/support/emulated_bench.h"
 #include "tests/support/usb_fs.h"
@@ -15,6 +18,7 @@ using mock::Bytes;
 using mock::DmxCreatorModel;
 using mock::PeperoniModel;
 using mock::UdmxModel;
+using mock::VellemanModel;
 using testing::line_frame_of;
 using testing::some_look;
 using testing::UsbSocket;
@@ -30,7 +34,9 @@ struct Bench : testing::EmulatedBench<UsbSocket, Model> {
     REQUIRE(list.devices.size() == 1);
     CHECK(list.devices[0].driver_id == this->request.scheme);
     CHECK(list.devices[0].readiness == Readiness::kReady);
+    const std::string kernel_driver = this->socket.kernel_driver();
     const auto sink = this->open_sink();
+    CHECK(this->socket.kernel_driver() == "usbfs");
     for (std::size_t i = 0; i < 50; ++i) {
       this->send(*sink, some_look(i));
       REQUIRE(this->shows(some_look(i)));
@@ -43,6 +49,7 @@ struct Bench : testing::EmulatedBench<UsbSocket, Model> {
     REQUIRE(wait_for_state(*sink, PortState::kWorking));
     sink->close(this->clock.now_ns());
     CHECK_FALSE(this->socket.claimed());
+    CHECK(this->socket.kernel_driver() == kernel_driver);
   }
 };
 
@@ -143,6 +150,41 @@ TEST_CASE("DMXCreator: a halted endpoint is cleared, and the look arrives withou
   CHECK(bench.shows(some_look(4)));
   CHECK(sink->state() == PortState::kWorking);
   CHECK_FALSE(bench.socket.out_halted);
+}
+
+TEST_CASE("Velleman: frames arrive through libusb while vmk80xx has the device, and again after a replug") {
+  Bench<VellemanModel> bench("velleman");
+  bench.check_looks_and_replug();
+  CHECK(bench.socket.kernel_driver() == "vmk80xx");
+  bench.socket.with_model([&] {
+    CHECK(bench.model.broken_count == 0);
+    CHECK(bench.model.cut_count == 0);
+  });
+}
+
+TEST_CASE("Velleman: a user who may open its USB node needs no hidraw node and no kernel module") {
+  Bench<VellemanModel> bench("velleman");
+  bench.socket.plug();
+  const DeviceList list = find_devices();
+  REQUIRE(list.devices.size() == 1);
+  CHECK(list.devices[0].hidraw.empty());
+  CHECK(list.devices[0].readiness == Readiness::kReady);
+  CHECK(list.devices[0].way == "libusb");
+  CHECK(list.devices[0].remedy.empty());
+}
+
+TEST_CASE("Velleman: the reports of both firmwares arrive through libusb, told apart by the descriptor") {
+  for (const bool upgraded : {false, true}) {
+    Bench<VellemanModel> bench("velleman");
+    bench.model.upgraded = upgraded;
+    bench.socket.plug();
+    const auto sink = bench.open_sink();
+    bench.send(*sink, some_look(3));
+    CHECK(bench.shows(some_look(3)));
+    CHECK(dynamic_cast<DeviceSink&>(*sink).link().identity() ==
+          (upgraded ? "reports of 64 bytes every 10 ms" : "reports of 8 bytes every 10 ms"));
+    bench.socket.with_model([&] { CHECK(bench.model.broken_count == 0); });
+  }
 }
 
 }  // namespace

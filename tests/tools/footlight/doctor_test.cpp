@@ -59,7 +59,7 @@ class Machine {
     fs::create_directories(root_ / usb / "1-2:1.0/ttyUSB0");
     fs::create_symlink("../../../../bus/usb/drivers/ftdi_sio", root_ / usb / "1-2:1.0/driver");
     write("dev/bus/usb/001/004", "");
-    write("sys/class/hidraw/hidraw0/device/uevent", "DRIVER=hid-generic\nHID_ID=0003:00000403:00006001\n");
+    write("sys/class/hidraw/hidraw0/device/uevent", "DRIVER=hid-generic\nHID_ID=0003:000016D0:00000830\n");
     write("dev/hidraw0", "");
     write("sys/bus/gpio/devices/gpiochip0/label", "pinctrl");
     write("dev/gpiochip0", "");
