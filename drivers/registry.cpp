@@ -10,6 +10,7 @@
 #include <fstream>
 #include <optional>
 
+#include "drivers/permission.h"
 #include "drivers/usb_match.h"
 
 namespace footlight::drivers {
@@ -79,6 +80,14 @@ std::string holder_of(const std::string& proc_root, const std::vector<std::strin
   return {};
 }
 
+// Of a device that the user has to name: what keeps this user from opening it; empty where nothing does.
+Advice advice_for_nameless(const FoundDevice& device, const FindOptions& options) {
+  const int error = node_access(options, device.node);
+  if (error != EACCES && error != EPERM) return {};
+  if (!device.tty.empty() && node_access(options, device.tty) == 0) return {};
+  return advise_on_permission(device, device.node, error, options);
+}
+
 void judge(FoundDevice& device, const FindOptions& options) {
   const auto verdict = [&](Readiness readiness, std::string reason, std::string remedy = {}) {
     device.readiness = readiness;
@@ -89,11 +98,15 @@ void judge(FoundDevice& device, const FindOptions& options) {
   if (!device.tty.empty()) nodes.push_back(device.tty);
   if (!device.hidraw.empty()) nodes.push_back(device.hidraw);
   if (device.kernel_driver == "usbfs" || nodes.size() > 1) device.holder = holder_of(options.proc_root, nodes);
-  if (device.driver_id.empty())
+  if (device.driver_id.empty()) {
+    const Advice advice = advice_for_nameless(device, options);
     return verdict(
         Readiness::kNotDmx,
         "its USB ids are shared by many products and its name is not that of a DMX interface; if it is one, name it by "
-        "its serial number or port");
+        "its serial number or port" +
+            (advice.reason.empty() ? "" : ". " + advice.reason),
+        advice.remedy);
+  }
   const bool over_tty = device.transport == TransportKind::kTty;
   const bool tty_opens = !device.tty.empty() && node_access(options, device.tty) == 0;
   const bool has_other_way = device.transport == TransportKind::kFtdi && tty_opens;
@@ -107,22 +120,28 @@ void judge(FoundDevice& device, const FindOptions& options) {
   const std::string& node = over_tty                                  ? device.tty
                             : device.transport == TransportKind::kHid ? device.hidraw
                                                                       : device.node;
+  const std::string_view kind_of_node = over_tty ? "tty" : "hidraw node";
+  if (node.empty() && device.kernel_driver.empty())
+    return verdict(Readiness::kNoNode,
+                   fmt::format("no driver of the kernel is bound to it, so it has no {}", kind_of_node),
+                   fmt::format("sudo modprobe {}", over_tty ? "cdc_acm" : "usbhid"));
   if (node.empty() && device.kernel_driver != "usbfs")
-    return verdict(
-        Readiness::kNoNode,
-        fmt::format("no driver of the kernel is bound to it, so it has no {}", over_tty ? "tty" : "hidraw node"),
-        fmt::format("sudo modprobe {}", over_tty ? "cdc_acm" : "usbhid"));
+    return verdict(Readiness::kNoNode, fmt::format("the kernel's driver {} makes no {} for it; see: sudo dmesg",
+                                                   device.kernel_driver, kind_of_node));
   const int access_error = has_other_way || node.empty() ? 0 : node_access(options, node);
   if (access_error == ENOENT)
     return verdict(Readiness::kNoNode,
                    fmt::format("{} does not exist; a container has to be started with access to it", node));
-  if (access_error != 0)
-    return verdict(Readiness::kNoPermission, fmt::format("{}: {}", node, std::strerror(access_error)),
-                   udev_install_command());
+  if (access_error != 0) {
+    Advice advice = advise_on_permission(device, node, access_error, options);
+    return verdict(Readiness::kNoPermission, std::move(advice.reason), std::move(advice.remedy));
+  }
   const std::string see = fmt::format("sudo fuser -v {}", fmt::join(nodes, " "));
   if (!device.holder.empty()) return verdict(Readiness::kBusy, fmt::format("in use by {}", device.holder), see);
   if (device.kernel_driver == "usbfs") return verdict(Readiness::kBusy, "in use by another program", see);
 }
+
+constexpr std::uint16_t kFtdiVendor = 0x0403;
 
 std::optional<FoundDevice> read_device(const std::string& name, const FindOptions& options) {
   if (name.find(':') != std::string::npos || name.starts_with("usb")) return std::nullopt;  // interfaces and root hubs
@@ -154,8 +173,7 @@ std::optional<FoundDevice> read_device(const std::string& name, const FindOption
     device.quirks = match.model->quirks;
     device.transport = match.model->transport;
   } else {
-    constexpr int kFtdi = 0x0403;
-    device.model_name = device.usb_vendor == kFtdi
+    device.model_name = device.usb_vendor == kFtdiVendor
                             ? "FTDI serial adapter, not known to be a DMX USB Pro"
                             : "a device whose USB ids are shared by many, not known to be a DMX interface";
   }
@@ -168,6 +186,9 @@ std::optional<FoundDevice> read_device(const std::string& name, const FindOption
   }
   for (const std::string& node : names_in(interface + "/tty"))
     device.tty = fmt::format("{}/{}", options.dev_root, node);
+  if (device.usb_vendor == kFtdiVendor && device.kernel_driver.empty() &&
+      folder_exists(options.sys_root + "/bus/usb/drivers/ftdi_sio"))
+    device.rebind = fmt::format("echo {}:1.0 | sudo tee /sys/bus/usb/drivers/ftdi_sio/bind", name);
   judge(device, options);
   return device;
 }

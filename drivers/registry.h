@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,6 +52,9 @@ struct FoundDevice {
   Readiness readiness = Readiness::kReady;
   std::string reason;  // for people, one sentence; empty where ready
   std::string remedy;  // a command to copy; empty where there is none
+  // An FTDI chip that no driver of the kernel is bound to although ftdi_sio is loaded: a program that had taken it over
+  // was killed. It opens all the same; its tty is missing. The command that binds it again; empty otherwise.
+  std::string rebind;
 };
 
 // "usb", "serial", "hid": stable words for JSON.
@@ -61,6 +65,12 @@ struct DeviceList {
   std::vector<std::string> notes;    // about the whole: "built without USB: ..."
 };
 
+// Who owns a node. An empty group: the node could not be examined.
+struct NodeOwner {
+  std::string group;
+  unsigned mode = 0;  // permission bits
+};
+
 // Where to look. The defaults are the system's; tests lay out folders of their own.
 struct FindOptions {
   std::string sys_root = "/sys";
@@ -68,6 +78,12 @@ struct FindOptions {
   std::string proc_root = "/proc";
   // 0 where the node may be read and written, else an errno value. Empty: ask the system.
   std::function<int(const std::string& node)> node_access;
+  // For the advice where a node may not be opened (drivers/permission.h).
+  std::string etc_root = "/etc";
+  std::vector<std::string> lib_roots = {"/usr/local/lib", "/usr/lib"};  // of packages; the first with a file counts
+  std::optional<std::vector<std::string>> groups = {};                  // by name; nullopt: those of this process
+  std::string user_name = {};                                           // empty: the one that runs this process
+  std::function<NodeOwner(const std::string& node)> node_owner = {};    // empty: ask the system
 };
 
 // As options.node_access, or as the system says: 0, or an errno value.
@@ -80,7 +96,7 @@ struct FindOptions {
 
 // True where libusb was there at build time.
 [[nodiscard]] bool built_with_usb();
-// Installs the udev rules; the remedy for kNoPermission.
+// Installs the udev rules. What else may mend kNoPermission: drivers/permission.h.
 [[nodiscard]] std::string udev_install_command();
 
 }  // namespace footlight::drivers

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "drivers/permission.h"
+
 namespace footlight::drivers {
 
 Chooser::Chooser(std::string driver_id, std::string target, FindOptions find)
@@ -53,7 +55,7 @@ Result<FoundDevice> Chooser::choose() const {
     case Readiness::kNoNode: return fail(ErrorCode::kNotFound, "{}", found.reason);
     case Readiness::kNoPermission:
     case Readiness::kBusy:
-      return fail(ErrorCode::kPermission, "{}: {}; run: {}", found.node, found.reason, found.remedy);
+      return fail(ErrorCode::kPermission, "{}: {}", found.node, message_of({found.reason, found.remedy}));
   }
   return found;
 }

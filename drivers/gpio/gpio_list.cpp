@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -41,6 +42,15 @@ std::vector<unsigned> chip_numbers(const std::string& sys_root) {
   ::closedir(dir);
   std::sort(numbers.begin(), numbers.end());
   return numbers;
+}
+
+// device: its link in /sys/bus/gpio/devices. The chip lies in the folder of the device that it is part of.
+std::string driver_of(const std::string& device) {
+  std::array<char, 4096> target;
+  const ssize_t size = ::readlink((device + "/../driver").c_str(), target.data(), target.size());
+  if (size <= 0) return {};
+  const std::string_view path(target.data(), static_cast<std::size_t>(size));
+  return std::string(path.substr(path.find_last_of('/') + 1));
 }
 
 std::string user_name(uid_t id) {
@@ -110,6 +120,7 @@ std::vector<FoundGpioChip> find_gpio_chips(const FindOptions& options) {
     FoundGpioChip chip;
     chip.name = fmt::format("{}{}", kChip, number);
     chip.node = fmt::format("{}/{}", options.dev_root, chip.name);
+    chip.kernel_driver = driver_of(fmt::format("{}/bus/gpio/devices/{}", options.sys_root, chip.name));
     judge(chip, options);
     chips.push_back(std::move(chip));
   }

@@ -16,6 +16,9 @@ struct FoundGpioChip {
   std::string label;         // "pinctrl-bcm2711", stays; empty where the chip could not be asked
   int line_count = 0;        // 0: likewise
   std::string node;          // "/dev/gpiochip0"
+  // The driver of the device that it is part of: "pinctrl-bcm2835"; "ftdi_sio" for the spare pins of an FTDI serial
+  // chip, whose GPIO chip goes away while the chip is used for DMX; empty where it is not known.
+  std::string kernel_driver;
   std::string owner, group;  // of the node; a number where it has no name, empty where there is no node
   unsigned mode = 0;         // permission bits of the node
   std::string open_to;       // who may use it: "root", "root and the group gpio", "everybody"; empty: no node
@@ -23,6 +26,12 @@ struct FoundGpioChip {
   std::string reason;                       // for people, one sentence; empty where ready
   std::string remedy;                       // a command to copy; empty where there is none
 };
+
+// Whether the chip is a part of a serial adapter, so that nobody misses it where it may not be opened.
+[[nodiscard]] inline bool is_part_of_serial_chip(const FoundGpioChip& chip) { return chip.kernel_driver == "ftdi_sio"; }
+
+// A line that the chip has, for an example: 17, or 0 where it has fewer.
+[[nodiscard]] inline int example_line(const FoundGpioChip& chip) { return chip.line_count > 17 ? 17 : 0; }
 
 // In the order of their numbers.
 [[nodiscard]] std::vector<FoundGpioChip> find_gpio_chips(const FindOptions& options = {});

@@ -12,7 +12,6 @@
 #include <optional>
 
 #include "drivers/gpio/gpio_chip.h"
-#include "drivers/gpio/gpio_list.h"
 
 namespace footlight::drivers {
 namespace {
@@ -93,8 +92,8 @@ Result<ChipHandle> open_chip(const std::string& name) {
   if (chip) return chip;
   const std::string path = name.starts_with('/') ? name : "/dev/" + name;
   if (number == EACCES || number == EPERM)
-    return fail(ErrorCode::kPermission, "{}: {}; let the group plugdev use GPIO: '{}', or see 'footlight devices'",
-                path, std::strerror(number), gpio_install_command());
+    return fail(ErrorCode::kPermission, "{}: {}; 'footlight devices' names the step that lets this user use it", path,
+                std::strerror(number));
   if (number == EBUSY || number == EMFILE) return fail(ErrorCode::kIo, "{}: {}", path, std::strerror(number));
   ChipHandle labelled(gpiod_chip_open_by_label(name.c_str()));
   if (labelled) return labelled;

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "drivers/device/chooser.h"
+#include "drivers/permission.h"
 
 namespace footlight::drivers {
 namespace {
@@ -154,8 +155,8 @@ class HidrawConnector final : public Connector {
     (void)drain_plugging();  // before looking: what comes after is news
     FL_ASSIGN(const FoundDevice found, chooser_.choose());
     if (found.hidraw.empty())
-      return fail(ErrorCode::kNotFound, "{}: has no hidraw node; run: sudo modprobe usbhid", found.node);
-    FL_ASSIGN(Descriptor node, open(found));
+      return fail(ErrorCode::kNotFound, "{}: has no hidraw node; see: footlight devices", found.node);
+    FL_ASSIGN(Descriptor node, open(found, chooser_.options()));
     chooser_.pin(found);
     const std::string path =
         fmt::format("{}/bus/usb/devices/{}/descriptors", chooser_.options().sys_root, found.port_path);
@@ -184,13 +185,13 @@ class HidrawConnector final : public Connector {
     return any;
   }
 
-  static Result<Descriptor> open(const FoundDevice& found) {
+  static Result<Descriptor> open(const FoundDevice& found, const FindOptions& options) {
     const std::string& name = found.hidraw;
     Descriptor node(::open(name.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
     if (node.get() < 0) {
       const int error = errno;
       if (error == EACCES || error == EPERM)
-        return fail(ErrorCode::kPermission, "{}: {}; run: {}", name, std::strerror(error), udev_install_command());
+        return fail(ErrorCode::kPermission, "{}", message_of(advise_on_permission(found, name, error, options)));
       return fail(error == ENOENT || error == ENODEV || error == ENXIO ? ErrorCode::kNotFound : ErrorCode::kIo,
                   "{}: cannot open: {}", name, std::strerror(error));
     }

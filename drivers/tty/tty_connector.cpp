@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "drivers/permission.h"
 #include "drivers/tty/tty_marks.h"
 
 namespace footlight::drivers {
@@ -48,7 +49,7 @@ tl::unexpected<Error> tty_error(int number, const std::string& where, std::strin
     case ENODEV:
     case EIO: return fail(ErrorCode::kDisconnected, "{}: unplugged", where);
     case EACCES:
-    case EPERM: return fail(ErrorCode::kPermission, "{}: permission denied; run: {}", where, udev_install_command());
+    case EPERM: return fail(ErrorCode::kPermission, "{}: permission denied; see: footlight devices", where);
     case EBUSY:
       return fail(ErrorCode::kPermission, "{}: in use by another program; see: sudo fuser -v {}", where, where);
     default: return fail(ErrorCode::kIo, "{}: {}: {}", where, action, std::strerror(number));
@@ -227,12 +228,15 @@ class TtyTransport final : public Transport {
   std::size_t unread_ = 0;
 };
 
-Result<std::unique_ptr<Transport>> open_path(const std::string& path, const std::string& serial,
-                                             std::shared_ptr<Wakeup> wakeup, Clock& clock) {
+Result<std::unique_ptr<Transport>> open_tty(const FoundDevice& found, const FindOptions& options,
+                                            std::shared_ptr<Wakeup> wakeup, Clock& clock) {
+  const std::string& path = found.tty;
   Fd fd(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (fd.get() < 0 && (errno == EACCES || errno == EPERM))
+    return fail(ErrorCode::kPermission, "{}", message_of(advise_on_permission(found, path, errno, options)));
   if (fd.get() < 0) return tty_error(errno, path, "open");
   if (::ioctl(fd.get(), TIOCEXCL) != 0) return tty_error(errno, path, "open");
-  auto transport = std::make_unique<TtyTransport>(std::move(fd), path, serial, std::move(wakeup), clock);
+  auto transport = std::make_unique<TtyTransport>(std::move(fd), path, found.serial, std::move(wakeup), clock);
   FL_TRY(transport->set_line({}, kTimeNever));
   return transport;
 }
@@ -252,7 +256,7 @@ class TtyConnector final : public Connector {
     FL_ASSIGN(const FoundDevice found, chooser_->choose());
     if (found.tty.empty())
       return fail(ErrorCode::kNotFound, "{}: has no tty; no driver of the kernel is bound to it", found.port_path);
-    auto transport = open_path(found.tty, found.serial, wakeup_, clock_);
+    auto transport = open_tty(found, chooser_->options(), wakeup_, clock_);
     if (transport) chooser_->pin(found);
     return transport;
   }

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <cstring>
 #include <vector>
 
 #include <libusb.h>
 
+#include "drivers/permission.h"
 #include "drivers/usb/ftdi.h"
 
 namespace footlight::drivers {
@@ -41,7 +43,7 @@ tl::unexpected<Error> usb_error(int code, std::string_view where, std::string_vi
     case LIBUSB_ERROR_NO_DEVICE: return fail(ErrorCode::kDisconnected, "{}: unplugged", where);
     case LIBUSB_ERROR_NOT_FOUND: return fail(ErrorCode::kNotFound, "{}: {}: not found", where, action);
     case LIBUSB_ERROR_ACCESS:
-      return fail(ErrorCode::kPermission, "{}: permission denied; run: {}", where, udev_install_command());
+      return fail(ErrorCode::kPermission, "{}: permission denied; see: footlight devices", where);
     case LIBUSB_ERROR_BUSY:
       return fail(ErrorCode::kPermission, "{}: in use by another program; see: sudo fuser -v {}", where, where);
     case LIBUSB_ERROR_TIMEOUT: return fail(ErrorCode::kTimeout, "{}: {}: no answer in time", where, action);
@@ -372,12 +374,15 @@ class LibusbConnector final : public Connector {
     FL_ASSIGN(OwnedDevice device, device_at(found.node));
 
     libusb_device_handle* opened = nullptr;
-    if (const int code = libusb_open(device.get(), &opened); code != LIBUSB_SUCCESS)
-      return usb_error(code, found.node, "open");
+    const int code = libusb_open(device.get(), &opened);
+    if (code == LIBUSB_ERROR_ACCESS)
+      return fail(ErrorCode::kPermission, "{}",
+                  message_of(advise_on_permission(found, found.node, EACCES, chooser_->options())));
+    if (code != LIBUSB_SUCCESS) return usb_error(code, found.node, "open");
     OwnedHandle handle(opened);
     libusb_set_auto_detach_kernel_driver(handle.get(), 1);
-    if (const int code = libusb_claim_interface(handle.get(), kInterface); code != LIBUSB_SUCCESS)
-      return usb_error(code, found.node, "claim");
+    if (const int claimed = libusb_claim_interface(handle.get(), kInterface); claimed != LIBUSB_SUCCESS)
+      return usb_error(claimed, found.node, "claim");
     std::unique_ptr<Transport> transport =
         std::make_unique<LibusbTransport>(bus_, std::move(device), std::move(handle), found.node, found.serial);
     if ((found.driver_id.empty() ? unknown_kind_ : found.transport) == TransportKind::kFtdi) {

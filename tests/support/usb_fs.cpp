@@ -74,6 +74,11 @@ std::string UsbSocket::kernel_driver() {
   return driver_;
 }
 
+void UsbSocket::lose_kernel_driver() {
+  const std::lock_guard lock(mutex_);
+  bind("");
+}
+
 bool UsbSocket::transfer_in_flight(std::uint8_t endpoint) {
   return wait_for([&] {
     return std::any_of(in_flight_.begin(), in_flight_.end(),

@@ -56,6 +56,9 @@ class UsbSocket {
   [[nodiscard]] std::string port_path() const;  // "1-1"
   [[nodiscard]] bool transfer_in_flight(std::uint8_t endpoint);
 
+  // As after SIGKILL of a program that had taken the device over: released, with no driver bound.
+  void lose_kernel_driver();
+
   // --- Faults
   std::atomic<int> claim_error{0};      // an errno value for every claim
   std::atomic<int> out_status{0};       // a negative errno value: how OUT transfers end

@@ -32,6 +32,8 @@ void print(const drivers::FoundDevice& device) {
     fmt::print("  state: {}: {}\n", drivers::name_of(device.readiness), device.reason);
     if (!device.remedy.empty()) fmt::print("  mend:  {}\n", device.remedy);
   }
+  if (!device.rebind.empty())
+    fmt::print("  note:  ftdi_sio is not bound to it, so it has no tty; to bind it: {}\n", device.rebind);
 }
 
 void print(const drivers::FoundGpioChip& chip) {
@@ -42,8 +44,10 @@ void print(const drivers::FoundGpioChip& chip) {
              chip.open_to.empty() ? "" : fmt::format(", open to {} (mode {:04o})", chip.open_to, chip.mode));
   if (chip.readiness == drivers::Readiness::kReady) {
     fmt::print(
-        "  ready: footlight run --in gpio:{}/17=1.25 --out sacn:1, with the line that you want; see docs/gpio.md\n",
-        chip.name);
+        "  ready: footlight run --in gpio:{}/{}=1.25 --out sacn:1, with the line that you want; see docs/gpio.md\n",
+        chip.name, drivers::example_line(chip));
+  } else if (drivers::is_part_of_serial_chip(chip)) {
+    fmt::print("  state: spare pins of a serial adapter, which DMX does not need\n");
   } else {
     fmt::print("  state: {}: {}\n", drivers::name_of(chip.readiness), chip.reason);
     if (!chip.remedy.empty()) fmt::print("  mend:  {}\n", chip.remedy);

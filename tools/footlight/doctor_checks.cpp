@@ -21,7 +21,7 @@
 #include "drivers/gpio/gpio_chip.h"
 #include "drivers/gpio/gpio_list.h"
 #include "drivers/net/net.h"
-#include "drivers/udev_rules.h"
+#include "drivers/permission.h"
 #include "drivers/wait/real_time.h"
 
 namespace footlight::tools {
@@ -139,8 +139,18 @@ Outcome skipped(std::string seen) { return {Verdict::kSkipped, std::move(seen), 
 // --- Devices
 // -----------------------------------------------------------------------------------------------------------
 
+// What the drivers need of the view, for their own advice.
+drivers::FindOptions options_of(const DoctorView& view) {
+  drivers::FindOptions options = view.find;
+  options.etc_root = view.etc_root;
+  options.lib_roots = view.lib_roots;
+  options.groups = view.groups;
+  options.user_name = view.user_name;
+  return options;
+}
+
 Outcome look_at_devices(const DoctorView& view) {
-  const drivers::DeviceList list = drivers::find_devices(view.find);
+  const drivers::DeviceList list = drivers::find_devices(options_of(view));
   std::vector<std::string> ready;
   for (const drivers::FoundDevice& device : list.devices) {
     switch (device.readiness) {
@@ -155,27 +165,36 @@ Outcome look_at_devices(const DoctorView& view) {
   return ok(fmt::format("ready: {}", fmt::join(ready, ", ")));
 }
 
+// The driver that opens devices of these ids by hidraw; nullptr: none.
+const drivers::DriverInfo* hid_driver_of(std::uint64_t vendor, std::uint64_t product) {
+  for (const drivers::DriverInfo* driver : drivers::drivers())
+    for (const drivers::UsbModelId& model : driver->usb_ids)
+      if (model.transport == drivers::TransportKind::kHid && model.vendor == vendor && model.product == product)
+        return driver;
+  return nullptr;
+}
+
 Outcome look_at_hidraw(const DoctorView& view) {
   std::vector<std::string> ready;
   const fs::path folder = fs::path(view.find.sys_root) / "class/hidraw";
   for (const std::string& name : names_in(folder)) {
-    // HID_ID=0003:000010CF:00008062: bus, vendor, product.
+    // HID_ID=0003:000016D0:00000830: bus, vendor, product.
     const std::string uevent = text_of(folder / name / "device/uevent");
     const std::size_t at = uevent.find("HID_ID=");
     if (at == std::string::npos || uevent.size() < at + 29) continue;
     const auto vendor = number_of(std::string_view(uevent).substr(at + 12, 8), 16);
     const auto product = number_of(std::string_view(uevent).substr(at + 21, 8), 16);
-    const bool known =
-        vendor && product && std::any_of(drivers::drivers().begin(), drivers::drivers().end(), [&](const auto* driver) {
-          return std::any_of(driver->usb_ids.begin(), driver->usb_ids.end(), [&](const auto& model) {
-            return model.transport == drivers::TransportKind::kHid && model.vendor == *vendor &&
-                   model.product == *product;
-          });
-        });
-    if (!known) continue;
+    const drivers::DriverInfo* const driver = vendor && product ? hid_driver_of(*vendor, *product) : nullptr;
+    if (driver == nullptr) continue;
     const std::string node = fmt::format("{}/{}", view.find.dev_root, name);
-    if (const int error = drivers::node_access(view.find, node); error != 0)
-      return failed(fmt::format("{}: {}", node, std::strerror(error)), drivers::udev_install_command());
+    const int error = drivers::node_access(view.find, node);
+    if (error == EACCES || error == EPERM) {
+      drivers::FoundDevice device;
+      device.driver_id = driver->id;
+      const drivers::Advice advice = drivers::advise_on_permission(device, node, error, options_of(view));
+      return failed(advice.reason, advice.remedy);
+    }
+    if (error != 0) return failed(fmt::format("{}: {}", node, std::strerror(error)));
     ready.push_back(node);
   }
   if (ready.empty()) return skipped("no DMX device of the HID class is plugged in");
@@ -183,7 +202,11 @@ Outcome look_at_hidraw(const DoctorView& view) {
 }
 
 Outcome look_at_gpio(const DoctorView& view) {
-  const std::vector<drivers::FoundGpioChip> chips = drivers::find_gpio_chips(view.find);
+  std::vector<drivers::FoundGpioChip> chips = drivers::find_gpio_chips(view.find);
+  // The spare pins of a serial chip are no reason to warn, and may be used where they may be opened.
+  std::erase_if(chips, [](const drivers::FoundGpioChip& chip) {
+    return drivers::is_part_of_serial_chip(chip) && chip.readiness == drivers::Readiness::kNoPermission;
+  });
   if (chips.empty()) return skipped("this machine has no GPIO chip");
   if (!drivers::built_with_gpio())
     return warn("this build has no GPIO", "sudo apt install libgpiod-dev, then build again with -DFOOTLIGHT_GPIO=ON");
@@ -200,26 +223,27 @@ Outcome look_at_gpio(const DoctorView& view) {
   return ok(fmt::format("may be used: {}", fmt::join(usable, ", ")));
 }
 
-// The installed rules; empty where there are none.
-std::string installed_rules(const DoctorView& view) {
-  for (const fs::path& folder : folders_of(view, "udev/rules.d")) {
-    const fs::path file = folder / "70-footlight.rules";
-    if (is_there(file)) return text_of(file);
-  }
-  return {};
-}
-
 Outcome look_at_udev_rules(const DoctorView& view) {
-  const std::string rules = installed_rules(view);
-  if (rules == drivers::udev_rules_text()) return ok("installed and current");
-  return warn(rules.empty() ? "not installed; without them only root opens USB devices"
-                            : "installed, but of another version; devices that are new since then cannot be opened",
+  switch (drivers::rules_state(options_of(view))) {
+    case drivers::RulesState::kCurrent: return ok("installed and current");
+    case drivers::RulesState::kMissing:
+      return warn("not installed; without them only root opens USB devices", drivers::udev_install_command());
+    case drivers::RulesState::kOutdated: break;
+  }
+  return warn("installed, but of another version; devices that are new since then cannot be opened",
               drivers::udev_install_command());
 }
 
 Outcome look_at_ftdi_sio(const DoctorView& view) {
   std::vector<std::string> held;
-  for (const drivers::FoundDevice& device : drivers::find_devices(view.find).devices) {
+  for (const drivers::FoundDevice& device : drivers::find_devices(options_of(view)).devices) {
+    if (!device.rebind.empty())
+      return warn(
+          fmt::format(
+              "not bound to {}, as after the kill of a program that used it. footlight opens it all the "
+              "same, and binds it again when it closes it; others need its tty",
+              device.endpoint.empty() ? fmt::format("the FTDI chip in socket {}", device.port_path) : device.endpoint),
+          fmt::format("{}, or plug it in again", device.rebind));
     if (device.kernel_driver != "ftdi_sio" || device.driver_id.empty()) continue;
     if (device.readiness == drivers::Readiness::kBusy)
       return failed(fmt::format("{}: its tty is {}", device.endpoint, device.reason), device.remedy);
@@ -232,7 +256,7 @@ Outcome look_at_ftdi_sio(const DoctorView& view) {
 Outcome look_at_modem_manager(const DoctorView& view) {
   const std::string process = process_of(view, "ModemManager");
   if (process.empty()) return ok("does not run");
-  if (installed_rules(view).find("ID_MM_DEVICE_IGNORE") != std::string::npos)
+  if (drivers::installed_udev_rules(options_of(view)).find("ID_MM_DEVICE_IGNORE") != std::string::npos)
     return ok("runs, and our udev rules keep it off DMX devices");
   return warn(
       fmt::format("runs (process {}) and sends modem commands to every new serial adapter, DMX ones too", process),
@@ -263,16 +287,40 @@ Outcome look_at_brltty(const DoctorView& view) {
   return ok(seen.empty() ? "not installed" : "claims no adapter by the ids of a bare serial chip");
 }
 
+// The udev rules give the ttys of DMX devices to plugdev. The group of all other ttys matters only to one that is open
+// to that group alone.
+bool needs_tty_group(const DoctorView& view) {
+  const drivers::DeviceList list = drivers::find_devices(options_of(view));
+  return std::any_of(list.devices.begin(), list.devices.end(), [&](const drivers::FoundDevice& device) {
+    return !device.tty.empty() && drivers::node_access(view.find, device.node) != 0 &&
+           drivers::node_access(view.find, device.tty) != 0 &&
+           drivers::owner_of(options_of(view), device.tty).group == "dialout";
+  });
+}
+
+bool has_gpio_chip(const DoctorView& view) {
+  const auto chips = drivers::find_gpio_chips(view.find);
+  return !std::all_of(chips.begin(), chips.end(), drivers::is_part_of_serial_chip);
+}
+
 Outcome look_at_groups(const DoctorView& view) {
   if (view.user_id == 0) return ok("root needs none; as a service, a user of its own is safer");
   std::set<std::string> there;
   std::istringstream groups(text_of(fs::path(view.etc_root) / "group"));
   for (std::string line; std::getline(groups, line);) there.insert(line.substr(0, line.find(':')));
   std::vector<std::string> missing;
-  for (const char* const group : {"plugdev", "dialout", "gpio"})
+  std::vector<std::string> needed = {drivers::kRulesGroup};
+  if (needs_tty_group(view)) needed.emplace_back("dialout");
+  if (has_gpio_chip(view)) needed.emplace_back("gpio");
+  for (const std::string& group : needed)
     if (there.contains(group) && std::find(view.groups.begin(), view.groups.end(), group) == view.groups.end())
-      missing.emplace_back(group);
+      missing.push_back(group);
   if (missing.empty()) return ok(fmt::format("{} is in all that matter", view.user_name));
+  if (std::all_of(missing.begin(), missing.end(),
+                  [&](const std::string& group) { return drivers::is_listed_in(options_of(view), group); }))
+    return warn(fmt::format("this session began before {} joined {}: log out and in again", view.user_name,
+                            fmt::join(missing, ", ")),
+                fmt::format("newgrp {}", missing.front()));
   return warn(fmt::format("{} is not in {}; at the machine itself the udev rules do without, over ssh and in services "
                           "they do not",
                           view.user_name, fmt::join(missing, ", ")),

@@ -172,7 +172,8 @@ std::string json_of_device(const drivers::FoundDevice& device) {
                   {"can_input", (device.capabilities & kCanInput) != 0},
                   {"readiness", drivers::name_of(device.readiness)},
                   {"reason", device.reason},
-                  {"remedy", device.remedy}});
+                  {"remedy", device.remedy},
+                  {"rebind", device.rebind}});
 }
 
 std::string json_of_gpio_chip(const drivers::FoundGpioChip& chip) {
@@ -181,6 +182,7 @@ std::string json_of_gpio_chip(const drivers::FoundGpioChip& chip) {
                   {"label", chip.label},
                   {"lines", chip.line_count},
                   {"node", chip.node},
+                  {"kernel_driver", chip.kernel_driver},
                   {"owner", chip.owner},
                   {"group", chip.group},
                   {"mode", fmt::format("{:04o}", chip.mode)},

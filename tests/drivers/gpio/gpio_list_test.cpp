@@ -31,6 +31,15 @@ class Machine {
     std::ofstream(root_ / "dev" / name) << "";
     fs::permissions(root_ / "dev" / name, static_cast<fs::perms>(mode));
   }
+  // A chip in the folder of the device that it is part of, as the kernel lays it out.
+  void add_part_of(const std::string& device, const std::string& driver, const std::string& name) {
+    const fs::path parent = root_ / "sys/devices" / device;
+    fs::create_directories(parent / name);
+    fs::create_symlink("../../bus/x/drivers/" + driver, parent / "driver");
+    fs::create_directories(root_ / "sys/bus/gpio/devices");
+    fs::create_symlink("../../../devices/" + device + "/" + name, root_ / "sys/bus/gpio/devices" / name);
+    std::ofstream(root_ / "dev" / name) << "";
+  }
   // False where this user may not give files away.
   bool give_to_group(const std::string& name, gid_t group) {
     return ::chown((root_ / "dev" / name).c_str(), static_cast<uid_t>(-1), group) == 0;
@@ -100,6 +109,31 @@ TEST_CASE("without permission the rule is named, and where a group has it, joini
   chips = machine.find(EACCES);
   CHECK(chips[0].remedy == fmt::format("sudo usermod -aG {} $USER", chips[0].group));
   CHECK(chips[0].reason.find("login") != std::string::npos);
+}
+
+TEST_CASE("the spare pins of a serial adapter are told from a chip of their own by the kernel's driver") {
+  Machine machine;
+  machine.add("gpiochip0", 0600);
+  machine.add_part_of("1-2:1.0", "ftdi_sio", "gpiochip1");
+  machine.add_part_of("fe200000.gpio", "pinctrl-bcm2835", "gpiochip2");
+  const auto chips = machine.find(EACCES);
+  REQUIRE(chips.size() == 3);
+  CHECK(chips[0].kernel_driver.empty());
+  CHECK_FALSE(is_part_of_serial_chip(chips[0]));
+  CHECK(chips[1].kernel_driver == "ftdi_sio");
+  CHECK(is_part_of_serial_chip(chips[1]));
+  CHECK(chips[2].kernel_driver == "pinctrl-bcm2835");
+  CHECK_FALSE(is_part_of_serial_chip(chips[2]));
+}
+
+TEST_CASE("the line of an example is one that the chip has") {
+  for (const int count : {1, 4, 8, 17, 18, 58}) {
+    FoundGpioChip chip;
+    chip.line_count = count;
+    CHECK(example_line(chip) < count);
+    CHECK(example_line(chip) == (count > 17 ? 17 : 0));
+  }
+  CHECK(example_line({}) == 0);  // its size is not known
 }
 
 TEST_CASE("a chip without a node says so, and a machine without chips has none") {

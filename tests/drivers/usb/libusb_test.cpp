@@ -318,6 +318,20 @@ TEST_CASE("every look reaches the line, and the kernel's driver is bound again a
   }
 }
 
+TEST_CASE("a chip that a killed program left without a driver is opened, and has ftdi_sio again after the close") {
+  for (const char* id : {"enttec-pro", "open-dmx"}) {
+    CAPTURE(id);
+    Other bench(id);
+    bench.socket.lose_kernel_driver();
+    CHECK(bench.socket.kernel_driver().empty());
+    const auto sink = bench.open_sink();
+    bench.send(*sink, some_look(1));
+    REQUIRE(bench.shows(some_look(1)));
+    sink->close(bench.clock.now_ns());
+    CHECK(bench.socket.kernel_driver() == "ftdi_sio");
+  }
+}
+
 TEST_CASE("forty replugs cost no descriptor, no thread and no universe") {
   // An emulated kernel has 50 descriptors: a leak of one a replug ends the program.
   for (const char* id : {"enttec-pro", "eurolite-pro", "vince", "open-dmx"}) {

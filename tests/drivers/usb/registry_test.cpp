@@ -74,14 +74,20 @@ class Machine {
   FindOptions options() const {
     return {.sys_root = (root_ / "sys").string(),
             .dev_root = (root_ / "dev").string(),
-            .proc_root = (root_ / "proc").string()};
+            .proc_root = (root_ / "proc").string(),
+            .etc_root = (root_ / "etc").string(),
+            .lib_roots = {(root_ / "lib").string()},
+            .groups = std::vector<std::string>{"anna"},
+            .user_name = "anna"};
   }
+  void install_rules() const { write(root_ / "etc/udev/rules.d/70-footlight.rules", udev_rules_text(), ""); }
+  void load_ftdi_sio() const { fs::create_directories(root_ / "sys/bus/usb/drivers/ftdi_sio"); }
 
  private:
   fs::path devices() const { return root_ / "sys/bus/usb/devices"; }
-  static void write(const fs::path& path, const std::string& text) {
+  static void write(const fs::path& path, const std::string& text, const char* end = "\n") {
     fs::create_directories(path.parent_path());
-    std::ofstream(path) << text << '\n';
+    std::ofstream(path) << text << end;
   }
   testing::TempFolder folder_;
   const fs::path root_ = folder_.path();
@@ -281,6 +287,67 @@ TEST_CASE("a node that may not be written names the command that mends it") {
   CHECK(list.devices[0].remedy ==
         "sudo cp udev/70-footlight.rules /etc/udev/rules.d/ && sudo udevadm control --reload && sudo udevadm trigger");
   CHECK(name_of(list.devices[0].readiness) == "no-permission");
+}
+
+TEST_CASE("a user outside plugdev with current rules is told to join it, by the list and by the port") {
+  if (!built_with_usb()) return;
+  Machine machine;
+  machine.plug({});
+  machine.install_rules();
+  FindOptions options = machine.options();
+  options.node_access = [](const std::string&) { return EACCES; };
+  options.node_owner = [](const std::string&) { return NodeOwner{"plugdev", 0660}; };
+  const DeviceList list = find_devices(options);
+  REQUIRE(list.devices.size() == 1);
+  CHECK(list.devices[0].readiness == Readiness::kNoPermission);
+  CHECK(list.devices[0].remedy == "sudo usermod -aG plugdev $USER");
+  const auto chosen = Chooser("enttec-pro", "", options).choose();
+  REQUIRE_FALSE(chosen);
+  CHECK(chosen.error().message.find("run: sudo usermod -aG plugdev $USER") != std::string::npos);
+}
+
+TEST_CASE("a bare cable that this user may not open is listed with a rule of its own, rules installed or not") {
+  for (const bool installed : {false, true}) {
+    Machine machine;
+    machine.plug({.manufacturer = "FTDI", .product = "FT232R USB UART", .serial = "A50285BI"});
+    if (installed) machine.install_rules();
+    FindOptions options = machine.options();
+    options.node_access = [](const std::string&) { return EACCES; };
+    options.node_owner = [](const std::string&) { return NodeOwner{"root", 0664}; };
+    const DeviceList list = find_devices(options);
+    REQUIRE(list.devices.size() == 1);
+    CHECK(list.devices[0].readiness == Readiness::kNotDmx);
+    CHECK(list.devices[0].reason.find("leave it out") != std::string::npos);
+    CHECK(list.devices[0].remedy.find(R"(ATTR{serial}=="A50285BI")") != std::string::npos);
+    CHECK(list.devices[0].remedy.find("udev/70-footlight.rules") == std::string::npos);
+    options.node_access = [](const std::string&) { return 0; };
+    CHECK(find_devices(options).devices[0].remedy.empty());
+  }
+}
+
+TEST_CASE("an FTDI chip that lost its kernel driver is ready, and names the command that binds it again") {
+  if (!built_with_usb()) return;
+  Machine machine;
+  machine.plug({.kernel_driver = ""});
+  CHECK(machine.find().devices[0].rebind.empty());  // nothing to bind it to
+  machine.load_ftdi_sio();
+  const FoundDevice device = machine.find().devices[0];
+  CHECK(device.readiness == Readiness::kReady);
+  CHECK(device.rebind == "echo 1-2.3:1.0 | sudo tee /sys/bus/usb/drivers/ftdi_sio/bind");
+  Machine bound;
+  bound.load_ftdi_sio();
+  bound.plug({});
+  CHECK(bound.find().devices[0].rebind.empty());
+}
+
+TEST_CASE("a module is advised only where no driver of the kernel is bound") {
+  for (const char* kernel_driver : {"", "usbhid"}) {
+    Machine machine;
+    machine.plug({.vendor = "16d0", .product_id = "0830", .kernel_driver = kernel_driver});
+    const FoundDevice device = machine.find().devices[0];
+    CHECK(device.readiness == Readiness::kNoNode);
+    CHECK(device.remedy == (*kernel_driver == 0 ? "sudo modprobe usbhid" : ""));
+  }
 }
 
 TEST_CASE("a device without its node is told from one without permission") {

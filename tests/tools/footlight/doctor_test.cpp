@@ -64,7 +64,7 @@ class Machine {
     write("sys/bus/gpio/devices/gpiochip0/label", "pinctrl");
     write("dev/gpiochip0", "");
     write("etc/udev/rules.d/70-footlight.rules", drivers::udev_rules_text());
-    write("etc/group", "root:x:0:\nplugdev:x:46:anna\ndialout:x:20:anna\ngpio:x:997:anna\n");
+    write("etc/group", "root:x:0:\nplugdev:x:46:\ndialout:x:20:\ngpio:x:997:\n");
     write("lib/udev/rules.d/85-brltty.rules", "# ENV{PRODUCT}==\"0403/6001/*\", GOTO=\"brltty_start\"\n");
     write("sys/class/net/lo/flags", "0x9\n");
     write("sys/class/net/eth0/flags", "0x1003\n");
@@ -95,6 +95,28 @@ class Machine {
     write(folder + "/comm", name + "\n");
     fs::create_directories(root_ / folder / "fd");
     fs::create_symlink(open, root_ / folder / "fd/7");
+  }
+  void plug_bare_cable() const {
+    const std::string usb = "sys/bus/usb/devices/1-3/";
+    for (const auto& [name, text] : std::map<std::string, std::string>{
+             {"idVendor", "0403"}, {"idProduct", "6001"}, {"busnum", "1"}, {"devnum", "7"}, {"serial", "A50285BI"}})
+      write(usb + name, text);
+    fs::create_directories(root_ / usb / "1-3:1.0/ttyUSB7");
+    fs::create_symlink("../../../../bus/usb/drivers/ftdi_sio", root_ / usb / "1-3:1.0/driver");
+    write("dev/bus/usb/001/007", "");
+    write("dev/ttyUSB7", "");
+  }
+  // The program that had the widget open: SIGKILL gives no driver back.
+  void kill_program() const {
+    write("sys/bus/usb/drivers/ftdi_sio/bind", "");
+    remove("sys/bus/usb/devices/1-2/1-2:1.0/driver");
+    remove("sys/bus/usb/devices/1-2/1-2:1.0/ttyUSB0");
+  }
+  // The GPIO chip that ftdi_sio makes of the spare pins of a serial chip.
+  void add_spare_pins() const {
+    fs::create_directories(root_ / "sys/bus/usb/devices/1-2/1-2:1.0/gpiochip1");
+    fs::create_symlink("../../usb/devices/1-2/1-2:1.0/gpiochip1", root_ / "sys/bus/gpio/devices/gpiochip1");
+    write("dev/gpiochip1", "");
   }
   [[nodiscard]] std::string path(const std::string& file) const { return (root_ / file).string(); }
   [[nodiscard]] std::map<std::string, Outcome> look() const {
@@ -161,6 +183,46 @@ TEST_CASE("each trouble is found by its own check and by no other, with a word o
       {"groups", Verdict::kWarn, "anna is not in plugdev, gpio", "usermod -aG plugdev,gpio anna",
        [](Machine& m) {
          m.view.groups = {"anna", "dialout"};
+       }},
+      {"groups", Verdict::kWarn, "began before anna joined plugdev", "newgrp plugdev",
+       [](Machine& m) {
+         m.view.groups = {"anna", "gpio"};
+         m.write("etc/group", "plugdev:x:46:anna\n");
+       }},
+      {"groups", Verdict::kWarn, "anna is not in dialout", "usermod -aG dialout anna",
+       [](Machine& m) {
+         m.view.groups = {"anna", "plugdev", "gpio"};
+         m.plug_bare_cable();
+         m.forbidden = {"007", "ttyUSB7"};
+         m.view.find.node_owner = [](const std::string&) { return drivers::NodeOwner{"dialout", 0660}; };
+       }},
+      {"devices",
+       Verdict::kFail,
+       "members of the group plugdev",
+       "usermod -aG plugdev",
+       [](Machine& m) {
+         m.view.groups = {"anna", "dialout", "gpio"};
+         m.forbidden.insert("004");
+         m.view.find.node_owner = [](const std::string&) { return drivers::NodeOwner{"plugdev", 0660}; };
+       },
+       {"groups"}},
+      {"hidraw",
+       Verdict::kFail,
+       "members of the group plugdev",
+       "usermod -aG plugdev",
+       [](Machine& m) {
+         m.view.groups = {"anna", "dialout", "gpio"};
+         m.forbidden.insert("hidraw0");
+         m.view.find.node_owner = [](const std::string&) { return drivers::NodeOwner{"plugdev", 0660}; };
+       },
+       {"groups"}},
+      {"ftdi-sio", Verdict::kWarn, "not bound to enttec-pro:EN172589",
+       "echo 1-2:1.0 | sudo tee /sys/bus/usb/drivers/ftdi_sio/bind", [](Machine& m) { m.kill_program(); }},
+      {"ftdi-sio", Verdict::kWarn, "not bound to the FTDI chip in socket 1-3", "echo 1-3:1.0",
+       [](Machine& m) {
+         m.write("sys/bus/usb/drivers/ftdi_sio/bind", "");
+         m.plug_bare_cable();
+         m.remove("sys/bus/usb/devices/1-3/1-3:1.0");
        }},
       {"modem-manager",
        Verdict::kWarn,
@@ -315,6 +377,22 @@ TEST_CASE("what is no trouble is not called one") {
     CHECK(outcomes.at(id).verdict == Verdict::kOk);
   }
   CHECK(outcomes.at("multicast-route").seen.find("eth7") != std::string::npos);  // 239.0.0.0/8 is nearer than all
+}
+
+TEST_CASE("a member of plugdev needs no dialout while libusb serves") {
+  Machine machine;
+  machine.view.groups = {"anna", "plugdev", "gpio"};
+  CHECK(machine.look().at("groups").verdict == Verdict::kOk);
+}
+
+TEST_CASE("the spare pins of a serial chip bring no warning and no group") {
+  Machine machine;
+  machine.remove("sys/bus/gpio/devices/gpiochip0");
+  machine.add_spare_pins();
+  machine.forbidden.insert("gpiochip1");
+  machine.view.groups = {"anna", "plugdev"};
+  CHECK(machine.look().at("gpio").verdict == Verdict::kSkipped);
+  CHECK(machine.look().at("groups").verdict == Verdict::kOk);
 }
 
 TEST_CASE("an empty machine is examined without harm") {
