@@ -197,8 +197,9 @@ class TtyTransport final : public Transport {
     short got = 0;
     if (const int number = poll_until(fd_.get(), events, *wakeup_, clock_, deadline_ns, got); number != 0)
       return tty_error(number, where_, "wait");
-    if ((got & (POLLHUP | POLLERR | POLLNVAL)) != 0 && (got & POLLIN) == 0)
-      return fail(ErrorCode::kDisconnected, "{}: unplugged", where_);
+    // A tty that was hung up polls as readable too, and every read of it gives 0 bytes. What was there to read has been
+    // read before this call.
+    if ((got & (POLLHUP | POLLERR | POLLNVAL)) != 0) return fail(ErrorCode::kDisconnected, "{}: unplugged", where_);
     return {};
   }
   // Raw bytes at any rate whatever; marks where read_line() wants them.
