@@ -180,7 +180,7 @@ TEST_CASE("libraries of hardware, and those that are slow to compile, stay where
       {"png.h", R"((fixtures/png|tests/fixtures/png_test)\.cpp)"},
       {"cairo", R"(fixtures/paperwork/patch_pdf\.cpp)"},
       {"librsvg/", R"(fixtures/gobo_svg\.cpp)"},
-      {"pugixml", R"(fixtures/import/xml\.cpp)"},
+      {"pugixml", R"(fixtures/import/xml\.cpp|tests/fixtures/import/every_channel_test\.cpp)"},
       {"zstd", R"((sim|tests/sim)/dmx_log/.*\.cpp)"},
       {"CLI/", R"(tools/(footlight/arguments|[a-z_]+)\.cpp)"},
       {"nlohmann/", R"(.*\.cpp|fixtures/import/ofl_json\.h)"},
