@@ -136,7 +136,10 @@ void DmxLineDecoder::receive(bool mark, TimeNs begin_ns, TimeNs end_ns) {
     }
     LineFrameTiming& timing = frame_.timing;
     if (byte_count_ > 0) {
-      const DurationNs gap_ns = slot_begin_ns_ - timing.end_ns;
+      // Edges are known to a sample and bits to 4 %, so slots without a gap measure up to 44 us plus or minus both.
+      const DurationNs pitch_ns = slot_begin_ns_ - (timing.end_ns - kLineSlotNs);
+      const DurationNs gap_ns = std::max<DurationNs>(pitch_ns - kLineSlotNs, 0);
+      timing.pitch_min_ns = byte_count_ == 1 ? pitch_ns : std::min(timing.pitch_min_ns, pitch_ns);
       timing.gap_min_ns = byte_count_ == 1 ? gap_ns : std::min(timing.gap_min_ns, gap_ns);
       timing.gap_max_ns = byte_count_ == 1 ? gap_ns : std::max(timing.gap_max_ns, gap_ns);
       timing.gap_sum_ns += gap_ns;

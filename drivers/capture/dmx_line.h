@@ -50,11 +50,15 @@ struct LineFrameTiming {
   DurationNs mab_ns = 0;  // mark after break; 0 where the frame ends before
   int slot_count = 0;     // sound slots after the start code, 0 to 512
   std::uint8_t start_code = 0;
-  // Between the end of a slot's eleven bits and the next start bit, over all slots, the start code among them. May be
-  // -4 us where a sender has one stop bit. 0 where there are no two slots.
+  // Mark time between the end of a slot's eleven nominal bits (44 us) and the next start bit, over all slots, the start
+  // code among them. Never negative: a sender whose slots are shorter than 44 us has a gap of 0 (see pitch_min_ns).
+  // 0 where there are no two slots.
   DurationNs gap_min_ns = 0;
   DurationNs gap_max_ns = 0;
   DurationNs gap_sum_ns = 0;
+  // Shortest time from one start bit to the next, to within one sample. Below 44 us where the sender is fast or sends
+  // one stop bit. 0 where there are no two slots.
+  DurationNs pitch_min_ns = 0;
   TimeNs end_ns = 0;         // of the last sound slot
   DurationNs period_ns = 0;  // to the next break; 0: none came
   bool unfinished = false;   // the samples end inside: what there is of it is sound

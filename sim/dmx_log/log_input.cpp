@@ -85,10 +85,7 @@ Result<LogFormat> detect_log_format(const std::string& path) {
   }
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
-  if (!stream) {
-    return fail(errno == EACCES ? ErrorCode::kPermission : ErrorCode::kNotFound, "{}: cannot open{}", path,
-                errno == EACCES ? ": permission denied" : ": no such file");
-  }
+  if (!stream) return dmx_log::fail_open(errno, path);
   std::array<char, 8> head = {};
   stream.read(head.data(), head.size());
   const std::string_view read(head.data(), static_cast<std::size_t>(stream.gcount()));
@@ -101,6 +98,8 @@ Result<LogFormat> detect_log_format(const std::string& path) {
     if (read.starts_with(start)) return LogFormat::kPacketCapture;
   }
   if (read.starts_with("PK\x03\x04")) return LogFormat::kLineCapture;
+  // A DMX log whose first bytes are damaged is recognised by its blocks.
+  if (LogReader::open(path)) return LogFormat::kDmxLog;
   return fail(ErrorCode::kBadInput,
               "{}: expected a DMX log, an OLA Show, a packet capture (pcap, pcapng) or a sigrok capture (.sr); {}",
               path, read.empty() ? "it is empty" : "it begins like none of them");

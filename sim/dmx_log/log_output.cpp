@@ -104,6 +104,22 @@ tl::unexpected<Error> fail_errno(int error_number, const std::string& path, cons
   return fail(code, "{}: {}: {}", path, doing, std::generic_category().message(error_number));
 }
 
+tl::unexpected<Error> fail_open(int error_number, const std::string& path) {
+  const auto part_name = [&](int number) {
+    return number == 1 ? path + ".part" : fmt::format("{}.part{}", path, number);
+  };
+  int newest = 0;
+  while (error_number == ENOENT && newest < kPartNamesMax && ::access(part_name(newest + 1).c_str(), F_OK) == 0) {
+    ++newest;
+  }
+  if (newest == 0) return fail_errno(error_number, path, "cannot open");
+  const std::string part = part_name(newest);
+  return fail(ErrorCode::kNotFound,
+              "{0}: no such file, but {1} is there: its recorder was killed or still runs. Name {1} to read what it "
+              "holds, or save that with 'footlight log convert {1} {0}' when no recorder runs",
+              path, part);
+}
+
 Result<std::unique_ptr<LogOutput>> open_file_output(const std::string& path, bool overwrite) {
   struct stat info {};
   if (::stat(path.c_str(), &info) == 0) {

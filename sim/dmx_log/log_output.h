@@ -34,4 +34,8 @@ class LogOutput {
 // kNotFound, kPermission or kIo with the system's words, for an errno.
 [[nodiscard]] tl::unexpected<Error> fail_errno(int error_number, const std::string& path, const std::string& doing);
 
+// The same for a file that is to be read. Where only the .part file of a recording exists, the message names it and how
+// to use it.
+[[nodiscard]] tl::unexpected<Error> fail_open(int error_number, const std::string& path);
+
 }  // namespace footlight::dmx_log

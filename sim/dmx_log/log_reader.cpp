@@ -104,66 +104,79 @@ struct LogReader::Impl {
   }
 
   Status open() {
-    FL_TRY(read_header());
+    std::array<std::uint8_t, dmx_log::kFileHeaderFixedBytes> fixed{};
+    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(fixed.size(), input->size()));
+    if (count == 0) return fail(ErrorCode::kBadInput, "{}: is empty; expected a DMX log", info.path);
+    const auto head = std::span(fixed).first(count);
+    FL_TRY(input->read(0, head));
+    FL_ASSIGN(const auto header, read_header(head));
+    if (header && header->version_major != dmx_log::kVersionMajor && options.check_checksums) return unsupported(head);
+    if (header) take_header(*header);
     FL_TRY(read_tail());
+    if (!header || !has_magic(head)) FL_TRY(do_without_header(head));
     if (!info.finished) FL_TRY(scan());
-    if (header_damaged && !info.finished && info.blocks == 0) {
-      return fail(ErrorCode::kBadInput,
-                  "{}: the header is damaged or cut short and no block follows; it holds no frame", info.path);
-    }
     at = first_block;
     return {};
   }
 
-  Status read_header() {
-    const std::string& name = info.path;
-    std::array<std::uint8_t, dmx_log::kFileHeaderFixedBytes> fixed{};
-    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(fixed.size(), input->size()));
-    if (count == 0) return fail(ErrorCode::kBadInput, "{}: is empty; expected a DMX log", name);
-    const auto head = std::span(fixed).first(count);
-    FL_TRY(input->read(0, head));
-    const std::size_t magic_count = std::min(count, sizeof dmx_log::kFileMagic);
-    if (!std::equal(head.begin(), head.begin() + static_cast<std::ptrdiff_t>(magic_count), dmx_log::kFileMagic)) {
-      return fail(ErrorCode::kBadInput, "{}: is not a DMX log: it does not begin with the bytes of one{}", name,
-                  fixed[0] == 'O' ? "; an OLA Show must be converted first" : "");
-    }
-    if (count < fixed.size()) {
-      return fail(ErrorCode::kBadInput, "{}: ends inside its header, at byte {}; it holds no frame", name, count);
-    }
-    const int major = fixed[8] | fixed[9] << 8;
-    const int minor = fixed[10] | fixed[11] << 8;
-    if (major != dmx_log::kVersionMajor) {
-      return fail(ErrorCode::kUnsupported, "{}: is a DMX log of version {}.{}, this program reads version {}.x", name,
-                  major, minor, dmx_log::kVersionMajor);
-    }
-    info.version_major = major;
-    info.version_minor = minor;
+  static bool has_magic(std::span<const std::uint8_t> head) {
+    const std::size_t count = std::min(head.size(), sizeof dmx_log::kFileMagic);
+    return std::equal(head.begin(), head.begin() + static_cast<std::ptrdiff_t>(count), dmx_log::kFileMagic);
+  }
 
-    std::optional<dmx_log::FileHeader> header;
-    const auto size = dmx_log::file_header_size(fixed);
-    if (size && *size <= input->size()) {
-      Bytes bytes(*size);
-      FL_TRY(input->read(0, bytes));
-      header = dmx_log::decode_file_header(bytes, options.check_checksums);
-    }
-    if (!header) {
-      // The blocks need nothing of the header but the place where they begin, and that can be searched.
-      header_damaged = true;
-      first_block = dmx_log::kFileHeaderFixedBytes;
+  [[nodiscard]] tl::unexpected<Error> unsupported(std::span<const std::uint8_t> head) const {
+    return fail(ErrorCode::kUnsupported, "{}: is a DMX log of version {}.{}, this program reads version {}.x",
+                info.path, head[8] | head[9] << 8, head[10] | head[11] << 8, dmx_log::kVersionMajor);
+  }
+
+  // Nothing where the header is damaged or cut short.
+  Result<std::optional<dmx_log::FileHeader>> read_header(std::span<const std::uint8_t> head) {
+    const auto size = dmx_log::file_header_size(head);
+    if (!size || *size > input->size()) return std::nullopt;
+    Bytes bytes(*size);
+    FL_TRY(input->read(0, bytes));
+    auto header = dmx_log::decode_file_header(bytes, options.check_checksums);
+    if (header) first_block = *size;
+    return header;
+  }
+
+  // Blocks need nothing of the header but the place where they begin. The first one is searched for, as far into the
+  // file as a header may reach: a file that is no log is not read to its end.
+  Status do_without_header(std::span<const std::uint8_t> head) {
+    info.version_major = dmx_log::kVersionMajor;  // the only one whose blocks find_block() recognises
+    first_block = dmx_log::kFileHeaderFixedBytes;
+    FL_ASSIGN(const auto block,
+              find_block(first_block, dmx_log::kFileHeaderBytesMax + dmx_log::kBlockHeaderBytes, false));
+    if (block) first_block = block->offset;
+    if (block || info.finished) {
       note_damage(0, first_block, "the header is damaged: the start of the recording is unknown");
       return {};
     }
-    first_block = *size;
-    info.origin_ns = header->origin_ns;
-    info.wall_start_unix_ns = header->wall_start_unix_ns;
-    std::sort(header->universes.begin(), header->universes.end());
-    for (const Universe universe : header->universes) {
+    if (!has_magic(head)) {
+      return fail(ErrorCode::kBadInput, "{}: is not a DMX log: it does not begin with the bytes of one{}", info.path,
+                  head[0] == 'O' ? "; an OLA Show must be converted first" : "");
+    }
+    if (head.size() < dmx_log::kFileHeaderFixedBytes) {
+      return fail(ErrorCode::kBadInput, "{}: ends inside its header, at byte {}; it holds no frame", info.path,
+                  head.size());
+    }
+    if ((head[8] | head[9] << 8) != dmx_log::kVersionMajor) return unsupported(head);
+    return fail(ErrorCode::kBadInput, "{}: the header is damaged or cut short and no block follows; it holds no frame",
+                info.path);
+  }
+
+  void take_header(dmx_log::FileHeader header) {
+    info.version_major = header.version_major;
+    info.version_minor = header.version_minor;
+    info.origin_ns = header.origin_ns;
+    info.wall_start_unix_ns = header.wall_start_unix_ns;
+    std::sort(header.universes.begin(), header.universes.end());
+    for (const Universe universe : header.universes) {
       if (info.universes.empty() || info.universes.back().universe != universe) {
         info.universes.push_back({});
         info.universes.back().universe = universe;
       }
     }
-    return {};
   }
 
   // Where the index is sound the file is finished; otherwise blocks reach up to the end of the file.
@@ -243,7 +256,8 @@ struct LogReader::Impl {
 
   // The first block at or after `offset` that lies whole before data_end. What is skipped on the way is damage. A
   // search goes no further than `search_end`.
-  Result<std::optional<FoundBlock>> find_block(std::uint64_t offset, std::uint64_t search_end = UINT64_MAX) {
+  Result<std::optional<FoundBlock>> find_block(std::uint64_t offset, std::uint64_t search_end = UINT64_MAX,
+                                               bool note = true) {
     if (offset >= data_end) return std::nullopt;
     FL_ASSIGN(std::optional<FoundBlock> block, block_at(offset));
     if (block && block->end() <= data_end) return block;
@@ -265,7 +279,7 @@ struct LogReader::Impl {
         const std::uint64_t candidate = from + static_cast<std::uint64_t>(place - window.begin());
         FL_ASSIGN(std::optional<FoundBlock> found, block_at(candidate));
         if (found && found->end() <= data_end) {
-          note_damage(offset, candidate - offset, torn ? "the block is cut short" : "no block begins here");
+          if (note) note_damage(offset, candidate - offset, torn ? "the block is cut short" : "no block begins here");
           return found;
         }
         ++place;
@@ -273,8 +287,10 @@ struct LogReader::Impl {
       from += window.size() - (kMagic.size() - 1);
       if (window.size() < kScanBytes) break;
     }
-    note_damage(offset, data_end - offset,
-                torn ? "the file ends inside this block" : "the file ends with bytes that are no block");
+    if (note) {
+      note_damage(offset, data_end - offset,
+                  torn ? "the file ends inside this block" : "the file ends with bytes that are no block");
+    }
     return std::nullopt;
   }
 
@@ -487,8 +503,7 @@ struct LogReader::Impl {
   std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> zstd;
   std::set<std::uint64_t> damage_offsets;
 
-  bool header_damaged = false;
-  std::uint64_t first_block = 0;
+  std::uint64_t first_block = dmx_log::kFileHeaderFixedBytes;  // at the earliest, until the header was read
   std::uint64_t data_end = 0;
   std::vector<dmx_log::IndexEntry> entries;
 
@@ -511,7 +526,7 @@ LogReader::~LogReader() = default;
 
 Result<LogReader> LogReader::open(const std::string& path, const LogReaderOptions& options) {
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) return dmx_log::fail_errno(errno, path, "cannot open");
+  if (fd < 0) return dmx_log::fail_open(errno, path);
   struct stat status {};
   const bool known = ::fstat(fd, &status) == 0;
   auto input = std::make_unique<FileInput>(fd, known ? static_cast<std::uint64_t>(status.st_size) : 0, path);

@@ -46,7 +46,7 @@ Result<OlaShowReader> OlaShowReader::open(const std::string& path, int universe_
   }
   errno = 0;
   auto stream = std::make_unique<std::ifstream>(path, std::ios::binary);
-  if (!*stream) return dmx_log::fail_errno(errno, path, "cannot open");
+  if (!*stream) return dmx_log::fail_open(errno, path);
   return begin(path, std::move(stream), universe_offset);
 }
 
@@ -120,24 +120,32 @@ Result<bool> OlaShowReader::next(OlaShowFrame& frame) {
     frame.universe = static_cast<Universe>(number);
     frame.time_ns = time_ns_;
     frame.slots.clear();
-    std::string_view rest = space == std::string_view::npos ? std::string_view{} : line.substr(space + 1);
-    while (!rest.empty() || (!frame.slots.empty() && line.back() == ',')) {
-      const std::size_t comma = rest.find(',');
-      const std::string_view word = rest.substr(0, comma);
-      int level = 0;
-      if (!parse_whole(word, level) || level < 0 || level > 255) {
-        return fail(ErrorCode::kBadInput, "{}:{}: expected a level from 0 to 255 for address {}, got {}", path_, line_,
-                    frame.slots.size() + 1, quote(word));
-      }
-      if (frame.slots.size() == kSlotCountMax) {
-        return fail(ErrorCode::kBadInput, "{}:{}: expected at most 512 levels", path_, line_);
-      }
-      frame.slots.push_back(static_cast<std::uint8_t>(level));
-      if (comma == std::string_view::npos) break;
-      rest.remove_prefix(comma + 1);
-    }
+    const std::string_view levels = space == std::string_view::npos ? std::string_view{} : line.substr(space + 1);
+    FL_TRY(read_levels(levels, frame.slots));
     delay_next_ = true;
     return true;
+  }
+}
+
+Status OlaShowReader::read_levels(std::string_view levels, std::vector<std::uint8_t>& slots) const {
+  if (levels.empty()) return {};
+  while (true) {
+    const std::size_t comma = levels.find(',');
+    const std::string_view word = levels.substr(0, comma);
+    const bool last = comma == std::string_view::npos;
+    // A comma after address 512 names no further level.
+    if (last && word.empty() && slots.size() == kSlotCountMax) return {};
+    int level = 0;
+    if (!word.empty() && (!parse_whole(word, level) || level < 0 || level > 255)) {
+      return fail(ErrorCode::kBadInput, "{}:{}: expected a level from 0 to 255 for address {}, got {}", path_, line_,
+                  slots.size() + 1, quote(word));
+    }
+    if (slots.size() == kSlotCountMax) {
+      return fail(ErrorCode::kBadInput, "{}:{}: expected at most 512 levels", path_, line_);
+    }
+    slots.push_back(static_cast<std::uint8_t>(level));
+    if (last) return {};
+    levels.remove_prefix(comma + 1);
   }
 }
 

@@ -1,6 +1,9 @@
 // OLA Show text, as the Open Lighting Architecture's recorder writes and plays it: the line "OLA Show", then in turns
 // "<universe> <level>,<level>,..." and a delay in whole milliseconds. Unix or DOS line ends; a last delay may follow.
 //
+// An empty level is 0, as in OLA's DmxBuffer::SetFromString: "1,,3" is 1, 0, 3, and "1," is 1, 0. OLA also takes text as
+// 0, levels past 255 modulo 256, and drops levels past 512; those are errors here, because they lose levels.
+//
 // It holds no stamps, senders, priorities or repeats told from changes, so a DMX log that goes through it keeps levels
 // and times rounded to 1 ms. Rounding is carried forward: no frame and no total is off by more than 0.5 ms.
 // Threads: none; one thread at a time.
@@ -11,6 +14,7 @@
 #include <iosfwd>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/core/dmx.h"
@@ -43,6 +47,8 @@ class OlaShowReader {
                                                    int universe_offset);
   // The next line that is not empty, without its line end; false at the end.
   [[nodiscard]] Result<bool> read_line(std::string& line);
+  // Reads "<level>,<level>,..." of the current line into `slots`.
+  [[nodiscard]] Status read_levels(std::string_view levels, std::vector<std::uint8_t>& slots) const;
 
   std::string path_;
   std::unique_ptr<std::istream> stream_;

@@ -74,10 +74,12 @@ std::string show_duration(DurationNs duration_ns) {
   const auto ns = static_cast<double>(duration_ns);
   if (duration_ns == 0) return "0 s";
   if (duration_ns < kNsPerUs) return fmt::format("{} ns", duration_ns);
-  if (duration_ns < kNsPerMs) return fmt::format("{:.3g} us", ns / 1e3);
-  if (duration_ns < kNsPerS) return fmt::format("{:.3g} ms", ns / 1e6);
-  if (duration_ns < 60 * kNsPerS) return fmt::format("{:.2f} s", ns / 1e9);
-  const std::int64_t tenths = duration_ns / (kNsPerS / 10);
+  // 999.5 of a unit rounds to 1000, which is 1 of the next one.
+  if (2 * duration_ns < 1'999 * kNsPerUs) return fmt::format("{:.3g} us", ns / 1e3);
+  if (2 * duration_ns < 1'999 * kNsPerMs) return fmt::format("{:.3g} ms", ns / 1e6);
+  // Likewise 59.995 s is a minute.
+  if (duration_ns < 60 * kNsPerS - 5 * kNsPerMs) return fmt::format("{:.2f} s", ns / 1e9);
+  const std::int64_t tenths = (duration_ns + kNsPerS / 20) / (kNsPerS / 10);
   const std::int64_t minutes = tenths / 600;
   const std::int64_t rest = tenths % 600;
   if (minutes < 60) return fmt::format("{}:{:02}.{}", minutes, rest / 10, rest % 10);

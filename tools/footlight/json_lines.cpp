@@ -302,6 +302,7 @@ std::string json_of_line_timing(const std::string& path, const drivers::LineCapt
                 {"gap_min_ns", frame.gap_min_ns},
                 {"gap_mean_ns", frame.slot_count == 0 ? 0 : frame.gap_sum_ns / frame.slot_count},
                 {"gap_max_ns", frame.gap_max_ns},
+                {"pitch_min_ns", frame.pitch_min_ns},
                 {"end_ns", frame.end_ns},
                 {"period_ns", frame.period_ns},
                 {"unfinished", frame.unfinished},

@@ -241,6 +241,9 @@ Result<int> timing(const TimingArguments& arguments) {
     if (frame.slot_count == 0) return;
     values.insert(values.end(), {frame.gap_min_ns, frame.gap_sum_ns / frame.slot_count, frame.gap_max_ns});
   });
+  print_spread("pitch", "us", 1e-3, info.frames, [](const LineFrameTiming& frame, Values& values) {
+    if (frame.slot_count != 0) values.push_back(frame.pitch_min_ns);
+  });
   print_spread("period", "ms", 1e-6, info.frames, [](const LineFrameTiming& frame, Values& values) {
     if (frame.period_ns != 0) values.push_back(frame.period_ns);
   });

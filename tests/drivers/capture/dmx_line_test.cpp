@@ -110,9 +110,11 @@ TEST_CASE("what five devices send arrives byte by byte at every sample rate from
         CHECK(near(timing.start_ns, starts[i]));
         CHECK(near(timing.break_ns, static_cast<double>(device.profile.break_ns)));
         CHECK(near(timing.mab_ns, static_cast<double>(device.profile.mab_ns)));
-        const double gap_ns = static_cast<double>(device.profile.gap_ns) + 11 * (device.profile.bit_ns - 4'000.0);
+        const double pitch_ns = static_cast<double>(device.profile.gap_ns) + 11 * device.profile.bit_ns;
+        const double gap_ns = std::max(pitch_ns - 44'000.0, 0.0);
         CHECK(near(timing.gap_min_ns, gap_ns));
         CHECK(near(timing.gap_max_ns, gap_ns));
+        CHECK(near(timing.pitch_min_ns, pitch_ns));
         if (i < 2) CHECK(near(timing.period_ns, starts[i + 1] - starts[i]));
       }
       CHECK(frames[2].timing.period_ns == 0);
@@ -155,6 +157,35 @@ TEST_CASE("senders that are four percent fast or slow are read to the last slot,
       const auto frames = decode(signal, 8'000'000);
       REQUIRE(frames.size() == 1);
       CHECK(has_bytes(frames[0], look(512, 5)));
+    }
+  }
+}
+
+TEST_CASE("a gap is never negative, at any sample rate, with fast senders or one stop bit; the pitch has the difference") {
+  for (const std::uint64_t rate_hz : std::initializer_list<std::uint64_t>{1'000'000, 3'000'000, 24'000'000}) {
+    for (const double bit_ns : {3'840.0, 3'990.0, 4'000.0}) {
+      for (const int stop_bits : {1, 2}) {
+        CAPTURE(rate_hz);
+        CAPTURE(bit_ns);
+        CAPTURE(stop_bits);
+        LineSignal signal(rate_hz);
+        LineProfile profile;
+        profile.bit_ns = bit_ns;
+        profile.stop_bits = stop_bits;
+        signal.mark(1e5);
+        signal.frame(look(512, 5), profile);
+        signal.mark(3e6);
+        const auto frames = decode(signal, rate_hz);
+        REQUIRE(frames.size() == 1);
+        const LineFrameTiming& timing = frames[0].timing;
+        CHECK(timing.gap_min_ns == 0);
+        CHECK(timing.gap_max_ns >= 0);
+        CHECK(timing.gap_sum_ns >= 0);
+        const double sample_ns = 1e9 / static_cast<double>(rate_hz);
+        const double pitch_ns = (9 + stop_bits) * bit_ns;
+        CHECK(static_cast<double>(timing.pitch_min_ns) <= pitch_ns + 1);
+        CHECK(static_cast<double>(timing.pitch_min_ns) >= pitch_ns - sample_ns - 1);
+      }
     }
   }
 }

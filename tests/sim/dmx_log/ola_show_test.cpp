@@ -75,6 +75,27 @@ TEST_CASE("an OLA Show is read with either line end, with frames of any length a
   CHECK(read_show(path).empty());
 }
 
+TEST_CASE("an empty level in an OLA Show is 0, also after the last comma, and goes through a DMX log as 0") {
+  const TempFolder folder;
+  const std::string path = folder.file("a.show");
+  write_bytes(path, "OLA Show\n1 1,,3\n20\n1 ,\n20\n1 ,,,9\r\n20\n1 7,\n20\n2 \n");
+  const auto frames = read_show(path);
+  REQUIRE(frames.size() == 5);
+  CHECK(frames[0].slots == std::vector<std::uint8_t>{1, 0, 3});
+  CHECK(frames[1].slots == std::vector<std::uint8_t>{0, 0});
+  CHECK(frames[2].slots == std::vector<std::uint8_t>{0, 0, 0, 9});
+  CHECK(frames[3].slots == std::vector<std::uint8_t>{7, 0});
+  CHECK(frames[4].slots.empty());
+  REQUIRE(convert_file(path, folder.file("a.dmxlog")));
+  REQUIRE(convert_file(folder.file("a.dmxlog"), folder.file("b.show")));
+  CHECK(slurp(folder.file("b.show")) == "OLA Show\n1 1,0,3\n20\n1 0,0\n20\n1 0,0,0,9\n20\n1 7,0\n20\n2 \n0\n");
+
+  // 512 levels and a last comma: OLA reads 512.
+  write_bytes(path, "OLA Show\n1 " + std::string(511, ',') + "5,\n");
+  CHECK(read_show(path).front().slots.size() == 512);
+  CHECK(read_show(path).front().slots.back() == 5);
+}
+
 TEST_CASE("what is wrong in an OLA Show is named with its line and what was expected there") {
   CHECK(error_of("") == "bad.show: is empty; expected the line 'OLA Show'");
   CHECK(error_of("OLA show\n") == "bad.show:1: expected the line 'OLA Show', got 'OLA show'");
@@ -83,8 +104,9 @@ TEST_CASE("what is wrong in an OLA Show is named with its line and what was expe
   CHECK(error_of("OLA Show\n1 0\n1.5\n") == "bad.show:3: expected a delay in whole milliseconds, got '1.5'");
   CHECK(error_of("OLA Show\n1 0\n99999999999999999999\n").find("bad.show:3: expected a delay") == 0);
   CHECK(error_of("OLA Show\n1 0,256\n") == "bad.show:2: expected a level from 0 to 255 for address 2, got '256'");
-  CHECK(error_of("OLA Show\n1 0,,1\n") == "bad.show:2: expected a level from 0 to 255 for address 2, got ''");
-  CHECK(error_of("OLA Show\n1 0,\n") == "bad.show:2: expected a level from 0 to 255 for address 2, got ''");
+  CHECK(error_of("OLA Show\n1 0,,256\n") == "bad.show:2: expected a level from 0 to 255 for address 3, got '256'");
+  CHECK(error_of("OLA Show\n1 0,\n5\n1 ,x\n") ==
+        "bad.show:4: expected a level from 0 to 255 for address 2, got 'x'");
   CHECK(error_of("OLA Show\nx 0\n") == "bad.show:2: expected '<universe> <level>,<level>,...', got 'x 0'");
   CHECK(error_of("OLA Show\n64000 0\n") == "bad.show:2: expected a universe from 1 to 63999, got 64000");
   CHECK(error_of("OLA Show\n0 0\n").find("expected a universe from 1 to 63999, got 0; for a show") !=
@@ -93,6 +115,7 @@ TEST_CASE("what is wrong in an OLA Show is named with its line and what was expe
   std::string long_line = "OLA Show\n1 0";
   for (int i = 0; i < 512; ++i) long_line += ",0";
   CHECK(error_of(long_line) == "bad.show:2: expected at most 512 levels");
+  CHECK(error_of("OLA Show\n1 " + std::string(513, ',')) == "bad.show:2: expected at most 512 levels");
   CHECK(error_of("OLA Show\n" + std::string(100'000, '7')).find("bad.show:2: the line is longer than") == 0);
   CHECK(error_of(std::string("OLA Show\n\0\n", 11)).find("bad.show:2: expected '<universe>") == 0);
   CHECK(!OlaShowReader::open("/nonexistent.show"));

@@ -45,5 +45,21 @@ TEST_CASE("durations are shown in the unit that suits them") {
   CHECK(show_duration(7'384'500 * kNsPerMs) == "2:03:04.5");
 }
 
+TEST_CASE("a duration that rounds up to the next unit is shown in it, and never with an exponent") {
+  CHECK(show_duration(999'400) == "999 us");
+  CHECK(show_duration(999'499) == "999 us");
+  CHECK(show_duration(999'500) == "1 ms");
+  CHECK(show_duration(999'499'999) == "999 ms");
+  CHECK(show_duration(999'500'000) == "1.00 s");
+  CHECK(show_duration(999'999'999) == "1.00 s");
+  CHECK(show_duration(59'994'999'999) == "59.99 s");
+  CHECK(show_duration(59'995'000'000) == "1:00.0");
+  CHECK(show_duration(3'599'960 * kNsPerMs) == "1:00:00.0");
+  for (DurationNs duration_ns = 1; duration_ns < 20'000 * kNsPerS; duration_ns += duration_ns / 97 + 1) {
+    CAPTURE(duration_ns);
+    CHECK(show_duration(duration_ns).find('e') == std::string::npos);
+  }
+}
+
 }  // namespace
 }  // namespace footlight::tools
