@@ -1,6 +1,7 @@
 #include "drivers/ports_factory.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "drivers/device/chooser.h"
 #include "drivers/device/device.h"
@@ -62,24 +63,28 @@ UsbModelId model_of(const DriverInfo& driver, const std::string& target) {
   return match.model != nullptr ? *match.model : UsbModelId{};
 }
 
+bool has_rows_of(const DriverInfo& driver, TransportKind kind) {
+  return std::any_of(driver.usb_ids.begin(), driver.usb_ids.end(),
+                     [&](const UsbModelId& model) { return model.transport == kind; });
+}
+
+// The connector has every way that a device of this driver may need, since the device may be plugged in later. Which
+// one is used depends on the device that is there; the driver's first row stands for a device that the user names.
 Result<std::unique_ptr<Connector>> connector_to(const DriverInfo& driver, const PortRequest& request, Clock& clock) {
   auto chooser = std::make_shared<Chooser>(std::string(driver.id), request.target);
-  // Of the device that is there; else of the driver's first row, which also stands for what the user names.
-  const auto found = chooser->find();
-  const TransportKind kind = found && found->driver_id == driver.id ? found->transport : driver.usb_ids[0].transport;
-  switch (kind) {
-    case TransportKind::kUsb: return make_libusb_connector({.chooser = chooser, .unknown_kind = kind}, clock);
-    case TransportKind::kTty: return make_tty_connector(std::move(chooser), clock);
-    case TransportKind::kFtdi: {
-      FL_ASSIGN(auto tty, make_tty_connector(chooser, clock));
-      auto libusb = make_libusb_connector({.chooser = chooser, .unknown_kind = kind}, clock);
-      if (!libusb) return tty;
-      return make_either_connector(std::move(*libusb), std::move(tty));
-    }
-    case TransportKind::kHid:
-      return make_hidraw_connector({.driver_id = std::string(driver.id), .target = request.target}, clock);
-  }
-  return fail(ErrorCode::kUnsupported, "{}: no way to such a device", name_of(request));
+  const TransportKind unknown_kind = driver.usb_ids[0].transport;
+  if (has_rows_of(driver, TransportKind::kHid))
+    return make_hidraw_connector({.driver_id = std::string(driver.id), .target = request.target}, clock);
+  auto libusb = make_libusb_connector({.chooser = chooser, .unknown_kind = unknown_kind}, clock);
+  if (has_rows_of(driver, TransportKind::kUsb)) return libusb;
+  FL_ASSIGN(auto tty, make_tty_connector(chooser, clock));
+  if (!libusb) return tty;
+  const auto look = [chooser, unknown_kind]() -> std::optional<SeenDevice> {
+    const auto found = chooser->find();
+    if (!found) return std::nullopt;
+    return SeenDevice{found->driver_id == chooser->driver_id() ? found->transport : unknown_kind, found->node};
+  };
+  return make_either_connector(std::move(*libusb), std::move(tty), look, clock);
 }
 
 // The connectors that are asked for, or the first ones that can do it.

@@ -12,6 +12,8 @@ constexpr ControlRequest kSetMemory{.request_type = 0x40, .request = 0x08};
 constexpr ControlRequest kGetDeviceDescriptor{.request_type = 0x80, .request = 6, .value = 0x0100};
 constexpr DurationNs kPatience_ns = 100 * kNsPerMs;  // more than kPeperoniWait_ms
 
+constexpr std::uint16_t kTwoPortProduct = 0x0004;
+
 class PeperoniWidget final : public Widget {
  public:
   explicit PeperoniWidget(int line_count) : line_count_(line_count) {}
@@ -31,7 +33,12 @@ class PeperoniWidget final : public Widget {
                   context.transport().where(), size);
     const auto release = static_cast<std::uint16_t>(descriptor[12] | descriptor[13] << 8);
     frames_ = peperoni_frames(release);
-    if (line_count_ > 1 && context.lines()[1] != LineUse::kUnused && frames_ == PeperoniFrames::kControl)
+    const bool second_is_used = line_count_ > 1 && context.lines()[1] != LineUse::kUnused;
+    const auto product = static_cast<std::uint16_t>(descriptor[10] | descriptor[11] << 8);
+    if (second_is_used && product != kTwoPortProduct)
+      return fail(ErrorCode::kUnsupported, "{}: this model has one output only; use connector 1",
+                  context.transport().where());
+    if (second_is_used && frames_ == PeperoniFrames::kControl)
       return fail(ErrorCode::kUnsupported, "{}: its firmware {:x}.{:02x} has one output only; use connector 1",
                   context.transport().where(), release >> 8, release & 0xFF);
     FL_TRY(context.transport().control_out(kSetStartCode, {}, context.now_ns() + kPatience_ns));
@@ -130,7 +137,7 @@ constexpr UsbModelId model(std::uint16_t product, std::string_view name, unsigne
 constexpr UsbModelId kModels[] = {
     model(0x0002, "Peperoni Rodin 1"),         model(0x0013, "Peperoni Rodin 1 Mk3"),
     model(0x0003, "Peperoni Rodin 2"),         model(0x0008, "Peperoni Rodin T"),
-    model(0x0001, "Peperoni USBDMX X-Switch"), model(0x0004, "Peperoni USBDMX21", kQuirkTwoPorts),
+    model(0x0001, "Peperoni USBDMX X-Switch"), model(kTwoPortProduct, "Peperoni USBDMX21", kQuirkTwoPorts),
 };
 
 }  // namespace
@@ -142,7 +149,9 @@ extern constinit const DriverInfo peperoni_driver{
     .capabilities = kCanOutput | kKeepsLookAlive,
     .notes = "Outputs only. The firmware's release decides how looks travel; from 5.00 each is acknowledged.",
     .make_widget = [](const PortRequest&, const UsbModelId& row) -> Result<std::unique_ptr<Widget>> {
-      return std::make_unique<PeperoniWidget>((row.quirks & kQuirkTwoPorts) != 0 ? 2 : 1);
+      // Of a device that is not plugged in yet begin() finds out whether it has a second output.
+      const bool unknown = row.vendor == 0;
+      return std::make_unique<PeperoniWidget>(unknown || (row.quirks & kQuirkTwoPorts) != 0 ? 2 : 1);
     },
     .make_model = []() -> std::unique_ptr<mock::UsbModel> { return std::make_unique<mock::PeperoniModel>(); },
 };

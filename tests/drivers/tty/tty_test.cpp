@@ -41,8 +41,10 @@ void check_unplugged_input(SomeBench& bench, Source& source, testing::FrameKeepe
   REQUIRE(poll_source(source, keeper, [&] { return source.state() == PortState::kGone; }));
   CHECK(source.trouble().find("plugged") != std::string::npos);
   bench.socket.plug();
-  bench.clock.advance_ns(kNsPerS);  // a look for the device is due
-  REQUIRE(poll_source(source, keeper, [&] { return source.state() != PortState::kGone; }));
+  REQUIRE(poll_source(source, keeper, [&] {
+    bench.clock.advance_ns(kNsPerS);  // it is looked for again, and libusb has had its time
+    return source.state() != PortState::kGone;
+  }));
 }
 
 TEST_CASE("a NanoDMX on a ttyACM is listed, opened by its tty, set to 250000 baud and shows the look") {
@@ -87,6 +89,20 @@ TEST_CASE("a DMXking MAX speaks the protocol of a DMX USB Pro on a ttyACM, both 
         [&] { return !keeper.kept.empty() && keeper.kept.back().slots == some_look(i); }));
   }
   CHECK(source->counters().rejected == 0);
+}
+
+TEST_CASE("a DMXking MAX that is plugged in after the start is opened by its tty") {
+  Bench<mock::EnttecProModel> bench("enttec-pro", "ttyACM0");
+  bench.model.chip = mock::SerialChip::kCdcAcm;
+  bench.model.vendor = 0x1FC9;
+  bench.model.product_id = 0x0094;
+  bench.request.wait_for_device = true;
+  const auto sink = bench.open_sink();
+  CHECK(sink->state() == PortState::kGone);
+  bench.send(*sink, some_look(1));
+  bench.socket.plug();
+  CHECK(bench.shows(some_look(1)));
+  CHECK(wait_for_state(*sink, PortState::kWorking));
 }
 
 TEST_CASE("an unplug is noticed without traffic, and the last look is back after the replug") {

@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,13 +32,21 @@ class NamedTransport final : public Transport {
   const std::string where_;
 };
 
+// How often the wait() of a way was called.
+int& waits_of(const std::string& name) {
+  static std::map<std::string, int> waits;
+  return waits[name];
+}
+
 // kOk: connects; otherwise fails with this.
 enum class Way { kOk, kPermission, kUnsupported, kNotFound, kIo, kDisconnected };
 
-std::unique_ptr<Connector> way(std::string name, Way outcome, int& tries) {
+// outcome: read at each connect().
+std::unique_ptr<Connector> way(std::string name, const Way& outcome, int& tries) {
   class Fixed final : public Connector {
    public:
-    Fixed(std::string name, Way outcome, int& tries) : name_(std::move(name)), outcome_(outcome), tries_(tries) {}
+    Fixed(std::string name, const Way& outcome, int& tries)
+        : name_(std::move(name)), outcome_(outcome), tries_(tries) {}
     Result<std::unique_ptr<Transport>> connect() override {
       ++tries_;
       switch (outcome_) {
@@ -49,14 +59,14 @@ std::unique_ptr<Connector> way(std::string name, Way outcome, int& tries) {
       }
       return fail(ErrorCode::kDisconnected, "{}", name_);
     }
-    void wait(TimeNs) override {}
+    void wait(TimeNs) override { ++waits_of(name_); }
     void wake() override {}
     std::string identity() override { return name_; }
     void abort() override {}
 
    private:
     const std::string name_;
-    const Way outcome_;
+    const Way& outcome_;
     int& tries_;
   };
   return std::make_unique<Fixed>(std::move(name), outcome, tries);
@@ -69,18 +79,97 @@ TEST_CASE("a device whose first way is barred is taken by the second, and one in
        {Way::kOk, Way::kPermission, Way::kUnsupported, Way::kNotFound, Way::kIo, Way::kDisconnected}) {
     CAPTURE(static_cast<int>(first));
     const bool barred = first == Way::kPermission || first == Way::kUnsupported || first == Way::kNotFound;
+    constexpr Way kOk = Way::kOk, kIo = Way::kIo;
     int first_tries = 0, second_tries = 0;
-    const auto works = make_either_connector(way("libusb", first, first_tries), way("tty", Way::kOk, second_tries));
+    SharedFakeClock clock;
+    const auto look = [] { return SeenDevice{TransportKind::kFtdi, "/dev/bus/usb/001/004"}; };
+    const auto works =
+        make_either_connector(way("libusb", first, first_tries), way("tty", kOk, second_tries), look, clock);
     const auto transport = works->connect();
     CHECK(first_tries == 1);
     CHECK(second_tries == (barred ? 1 : 0));
     CHECK(transport.has_value() == (first == Way::kOk || barred));
     if (transport) CHECK((*transport)->where() == (barred ? "tty" : "libusb"));
     // With both barred the message is that of the better way.
-    const auto fails = make_either_connector(way("libusb", first, first_tries), way("tty", Way::kIo, second_tries));
+    const auto fails =
+        make_either_connector(way("libusb", first, first_tries), way("tty", kIo, second_tries), look, clock);
     const auto none = fails->connect();
     if (first != Way::kOk) CHECK(none.error().message == "libusb");
   }
+}
+
+// A connector over both ways, and what the test decides of them.
+struct BothWays {
+  SharedFakeClock clock;
+  Way over_libusb = Way::kOk, over_tty = Way::kOk;
+  std::optional<SeenDevice> seen;
+  int libusb_tries = 0, tty_tries = 0;
+  std::unique_ptr<Connector> connector = make_either_connector(
+      way("libusb", over_libusb, libusb_tries), way("tty", over_tty, tty_tries), [this] { return seen; }, clock);
+  // Which way was taken; empty: none.
+  std::string taken() {
+    const auto transport = connector->connect();
+    return transport ? (*transport)->where() : std::string{};
+  }
+  void plug(std::string node, TransportKind kind = TransportKind::kFtdi) { seen = SeenDevice{kind, std::move(node)}; }
+};
+
+TEST_CASE("a replugged chip is left to libusb for one second, and taken by its tty after that") {
+  for (const Way late : {Way::kNotFound, Way::kPermission}) {  // not announced yet; its node has no permissions yet
+    BothWays ways;
+    ways.plug("/dev/bus/usb/001/004");
+    CHECK(ways.taken() == "libusb");
+    ways.plug("/dev/bus/usb/001/005");
+    ways.over_libusb = late;
+    CHECK(ways.taken().empty());
+    ways.clock.advance_ns(kAnnouncement_ns - 1);
+    CHECK(ways.taken().empty());
+    CHECK(ways.tty_tries == 0);
+    SUBCASE("libusb announces it in time") {
+      ways.over_libusb = Way::kOk;
+      CHECK(ways.taken() == "libusb");
+    }
+    SUBCASE("libusb never announces it") {
+      ways.clock.advance_ns(1);
+      CHECK(ways.taken() == "tty");
+      // After the next replug libusb comes first again.
+      ways.plug("/dev/bus/usb/001/006");
+      CHECK(ways.taken().empty());
+      ways.over_libusb = Way::kOk;
+      CHECK(ways.taken() == "libusb");
+    }
+  }
+}
+
+TEST_CASE("a chip that is plugged in after the start is left to libusb for one second too") {
+  BothWays ways;
+  ways.over_libusb = Way::kNotFound;
+  CHECK(ways.taken().empty());
+  CHECK(ways.tty_tries == 0);  // nothing is there
+  ways.clock.advance_ns(3600 * kNsPerS);
+  ways.plug("/dev/bus/usb/001/004");
+  CHECK(ways.taken().empty());
+  CHECK(ways.tty_tries == 0);
+  ways.clock.advance_ns(kAnnouncement_ns);
+  CHECK(ways.taken() == "tty");
+}
+
+TEST_CASE("a serial device that is plugged in after the start is opened and waited for by its tty") {
+  BothWays ways;
+  ways.over_libusb = Way::kNotFound;
+  ways.over_tty = Way::kNotFound;
+  CHECK(ways.taken().empty());
+  const int libusb_waits = waits_of("libusb"), tty_waits = waits_of("tty");
+  ways.connector->wait(0);
+  CHECK(waits_of("libusb") == libusb_waits + 1);  // which hears of every USB device
+  ways.plug("/dev/bus/usb/001/004", TransportKind::kTty);
+  ways.over_libusb = Way::kOk;  // libusb opens it, but not as a serial line
+  CHECK(ways.taken().empty());  // its tty comes later
+  ways.connector->wait(0);
+  CHECK(waits_of("tty") == tty_waits + 1);
+  ways.over_tty = Way::kOk;
+  CHECK(ways.taken() == "tty");
+  CHECK(ways.libusb_tries == 1);
 }
 
 // A widget with its thread left out.

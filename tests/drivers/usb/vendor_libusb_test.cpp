@@ -107,6 +107,30 @@ TEST_CASE("Peperoni: both universes of a USBDMX21 arrive, by its row in the tabl
   }));
 }
 
+TEST_CASE("Peperoni: a USBDMX21 that is plugged in after the start carries both universes, and a Rodin is refused") {
+  for (const bool has_two : {true, false}) {
+    Bench<PeperoniModel> bench("peperoni");
+    bench.model.usb_product = has_two ? 0x0004 : 0x0002;
+    bench.request.universes = {1, 2};
+    bench.request.wait_for_device = true;
+    const auto sink = bench.open_sink();
+    CHECK(sink->state() == PortState::kGone);
+    const Bytes first = some_look(1), second = some_look(2);
+    const FrameView frames[] = {{.universe = 1, .slots = first}, {.universe = 2, .slots = second}};
+    REQUIRE(sink->send(0, frames));
+    bench.socket.plug();
+    if (has_two) {
+      CHECK(bench.socket.wait_for([&] {
+        return bench.model.line(0).frame == line_frame_of(first) && bench.model.line(1).frame == line_frame_of(second);
+      }));
+    } else {
+      CHECK(testing::poll_until(
+          *sink, [&] { (void)sink->poll(0); },
+          [&] { return sink->trouble().find("one output only; use connector 1") != std::string::npos; }));
+    }
+  }
+}
+
 TEST_CASE("Peperoni: a bus error leads to opening it afresh") {
   Bench<PeperoniModel> bench("peperoni");
   bench.socket.plug();
