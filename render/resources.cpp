@@ -69,10 +69,11 @@ Result<vk::Image> make_gobos(vk::Device& device, const std::vector<fixtures::Ima
   while (size >> levels > 0) ++levels;
   std::vector<std::uint8_t> texels;
   std::vector<VkBufferImageCopy> regions;
+  fixtures::ImageBudget budget;
   for (uint layer = 0; layer < layers; ++layer) {
     std::vector<float> image(3, 1.0f);
     if (!images.empty()) {
-      auto read = fixtures::gobo_texels(images[layer], size, kGoboEdge);
+      auto read = fixtures::gobo_texels(images[layer], size, kGoboEdge, &budget);
       if (read) {
         image = std::move(*read);
       } else {
@@ -149,6 +150,7 @@ std::vector<fixtures::BodyMesh> bodies_of(const fixtures::Rig& rig, const fixtur
   std::size_t models = 0;
   for (const PatchedFixture& fixture : rig.fixtures) models += model_count(mode_of(rig, fixture));
   std::vector<BodyMesh> bodies;
+  BodyBudget budget;
   while (bodies.size() < compiled.sources.size()) {
     // The heads of one mode are neighbours.
     const TypeSource& first = compiled.sources[bodies.size()];
@@ -161,7 +163,7 @@ std::vector<fixtures::BodyMesh> bodies_of(const fixtures::Rig& rig, const fixtur
     const FixtureType& type = rig.types[static_cast<std::size_t>(first.type)];
     const Mode& mode = type.modes[static_cast<std::size_t>(first.mode)];
     if (model_count(mode) > 0) {
-      auto made = fixture_bodies(type, mode, heads, model_triangles(models), diagnostics);
+      auto made = fixture_bodies(type, mode, heads, model_triangles(models), diagnostics, &budget);
       std::move(made.begin(), made.end(), std::back_inserter(bodies));
     } else {
       for (std::size_t i = 0; i < heads.size(); ++i) bodies.push_back(plain_body(rig, compiled.sources[bodies.size()]));

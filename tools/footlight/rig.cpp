@@ -58,7 +58,8 @@ Opened open(const std::string& path, const std::vector<std::string>& folders, bo
   Progress progress("fixtures and definitions read");
   auto rig = fixtures::import_rig(path, library ? &*library : nullptr, diagnostics, progress.go_on());
   if (rig && images) {
-    for (const fixtures::FixtureType& type : rig->rig.types) fixtures::check_images(type, diagnostics);
+    fixtures::ImageBudget budget;
+    for (const fixtures::FixtureType& type : rig->rig.types) fixtures::check_images(type, diagnostics, budget);
   }
   diagnostics.finish();
   if (rig) rig->diagnostics = diagnostics.all();
