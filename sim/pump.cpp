@@ -639,6 +639,12 @@ void Pump::count_rates(TimeNs now_ns) {
         lane.rate_hz = static_cast<double>(lane.frames - lane.frames_before) / period_s;
         lane.frames_before = lane.frames;
       }
+  for (PortRun& run : sinks_) {
+    if (!run.lanes.empty()) continue;
+    const std::uint64_t frames = run.port->counters().frames;
+    run.own_rate_hz = static_cast<double>(frames - run.own_frames_before) / period_s;
+    run.own_frames_before = frames;
+  }
   merge_.count_rates(period_s);
 
   if (!status_wanted_.exchange(false, std::memory_order_acq_rel)) return;
@@ -707,6 +713,10 @@ void Pump::fill(PortStatus& port, const PortRun& run) const {
     port.replaced += universe.replaced;
     port.refused += universe.refused;
     port.waiting += universe.waiting;
+  }
+  if (run.sink != nullptr && run.lanes.empty()) {
+    port.frames = port.looks = port.port.frames;
+    port.rate_hz = run.own_rate_hz;
   }
 }
 

@@ -115,7 +115,9 @@ struct PortStatus {
   PortState state = PortState::kWaiting;  // kGone also for a port whose last call failed
   std::string trouble;                    // why it is kGone; empty otherwise
   PortCounters port;                      // what the port itself counts
-  std::uint64_t frames = 0;               // sum over its universes; of what follows as well
+  // Sum over its universes, as of what follows. A sink without universes takes its frames by itself, as a recorder with
+  // a tap does: then its own count.
+  std::uint64_t frames = 0;
   double rate_hz = 0.0;
   std::uint64_t looks = 0;
   std::uint64_t replaced = 0;
@@ -261,6 +263,8 @@ class Pump {
     std::vector<int> lane_of_index;  // -1: it does not carry it
     std::uint64_t unrouted = 0;
     std::uint64_t failures = 0;
+    std::uint64_t own_frames_before = 0;  // sink without universes: what it counted itself
+    double own_rate_hz = 0.0;
     Histogram lateness;
     Histogram latency;
 

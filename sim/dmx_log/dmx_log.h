@@ -37,8 +37,8 @@ struct LogWriterOptions {
   bool overwrite = false;
   // Also keep frames that change nothing. Without them a log holds no word on rates.
   bool keep_repeats = true;
-  // A block is written when it spans this much time, > 0 (a crash loses no more than the open block; up to a quarter
-  // longer where no pause of 2 ms comes between frames) ...
+  // A block is written when it spans this much time, > 0 (up to a quarter longer where no pause of 2 ms comes between
+  // frames) ... A recorder writes sooner, see LogSinkOptions::flush_after_ns.
   DurationNs block_span_ns = 4 * kNsPerS;
   // ... or holds this many bytes of levels; raised to four times the size of one look where there are many universes.
   std::size_t block_bytes = 1u << 20;

@@ -62,16 +62,18 @@ struct LogSink::Impl {
     Waiting taken;
     while (true) {
       bool last = false;
+      bool flush = false;
       TimeNs now_ns = 0;
       {
         std::unique_lock lock(mutex);
         wake.wait(lock, [this] { return stopping || woken; });
         woken = false;
+        flush = std::exchange(flush_wanted, false);
         last = stopping;
         now_ns = newest_ns;
         std::swap(taken, waiting);
       }
-      const Status status = write(taken, now_ns, last);
+      const Status status = write(taken, now_ns, flush, last);
       taken.clear();
       const std::lock_guard lock(mutex);
       writer_stats = writer.stats();
@@ -80,7 +82,7 @@ struct LogSink::Impl {
     }
   }
 
-  Status write(const Waiting& taken, TimeNs now_ns, bool last) {
+  Status write(const Waiting& taken, TimeNs now_ns, bool flush, bool last) {
     std::size_t at = 0;
     for (std::size_t i = 0; i < taken.frames.size(); ++i) {
       FrameView view = taken.frames[i];
@@ -88,7 +90,7 @@ struct LogSink::Impl {
       at += taken.slot_counts[i];
       FL_TRY(writer.append(view));
     }
-    if (!last) return writer.tick(now_ns);
+    if (!last) return flush ? writer.flush() : writer.tick(now_ns);
     return end_stamp_ns ? writer.close(*end_stamp_ns) : writer.flush();
   }
 
@@ -101,6 +103,7 @@ struct LogSink::Impl {
 
   // Of the pump's thread.
   TimeNs next_wake_ns;
+  TimeNs flush_due_ns = kTimeNever;  // of the block that is open; kTimeNever: no frame came since the last flush
   PortCounters counted;
   bool closed = false;
 
@@ -109,6 +112,7 @@ struct LogSink::Impl {
   Waiting waiting;
   TimeNs newest_ns = 0;
   bool woken = false;
+  bool flush_wanted = false;
   bool stopping = false;
   std::optional<TimeNs> end_stamp_ns;
   std::optional<Error> error;
@@ -124,6 +128,7 @@ Result<std::unique_ptr<LogSink>> LogSink::create(const std::string& path, const 
   if (options.universes.empty()) {
     return fail(ErrorCode::kBadInput, "log:{}: expected at least one universe to record", path);
   }
+  FL_CHECK(options.flush_after_ns > 0);
   LogWriterOptions writer_options = options.writer;
   writer_options.origin_ns = options.start_ns;
   writer_options.universes = options.universes;
@@ -136,7 +141,9 @@ Result<std::unique_ptr<LogSink>> LogSink::create(const std::string& path, const 
 }
 
 std::string LogSink::name() const { return impl_->name; }
-TimeNs LogSink::next_deadline_ns() const { return impl_->closed ? kTimeNever : impl_->next_wake_ns; }
+TimeNs LogSink::next_deadline_ns() const {
+  return impl_->closed ? kTimeNever : std::min(impl_->next_wake_ns, impl_->flush_due_ns);
+}
 
 PortState LogSink::state() const {
   const std::lock_guard lock(impl_->mutex);
@@ -177,6 +184,7 @@ Status LogSink::send(TimeNs now_ns, std::span<const FrameView> frames) {
       waiting.slot_counts.push_back(static_cast<std::uint16_t>(frame.slots.size()));
       waiting.slots.insert(waiting.slots.end(), frame.slots.begin(), frame.slots.end());
       if (frame.start_code == kStartCodeLevels) ++impl_->counted.frames;  // the writer leaves out and counts the rest
+      if (impl_->flush_due_ns == kTimeNever) impl_->flush_due_ns = now_ns + impl_->options.flush_after_ns;
     }
     if (waiting.size_bytes() >= kWakeBytes && !impl_->woken) wake = impl_->woken = true;
   }
@@ -185,12 +193,15 @@ Status LogSink::send(TimeNs now_ns, std::span<const FrameView> frames) {
 }
 
 Status LogSink::poll(TimeNs now_ns) {
-  if (impl_->closed || now_ns < impl_->next_wake_ns) return {};
+  if (now_ns < next_deadline_ns()) return {};
+  const bool flush = now_ns >= impl_->flush_due_ns;
+  if (flush) impl_->flush_due_ns = kTimeNever;
   impl_->next_wake_ns = now_ns + kWakePeriodNs;
   {
     const std::lock_guard lock(impl_->mutex);
     impl_->newest_ns = std::max(impl_->newest_ns, now_ns);
     impl_->woken = true;
+    impl_->flush_wanted = impl_->flush_wanted || flush;
   }
   impl_->wake.notify_one();
   return {};

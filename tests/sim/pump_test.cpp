@@ -548,6 +548,37 @@ TEST_CASE("a tap sees every frame as it came, losers and strangers too") {
   CHECK(tap.levels == std::vector<int>{1, 2, 3});
 }
 
+TEST_CASE("a sink that takes its frames by a tap is shown with the frames and the rate that it counts itself") {
+  struct Recorder final : Sink, FrameReceiver {
+    void receive(const FrameView&) override { ++count; }
+    std::string name() const override { return "log"; }
+    PortState state() const override { return PortState::kWorking; }
+    PortCounters counters() const override { return {.frames = count}; }
+    Status send(TimeNs, std::span<const FrameView>) override { return {}; }
+    Status poll(TimeNs) override { return {}; }
+    std::span<const Universe> universes() const override { return {}; }
+    void close(TimeNs) override {}
+    std::uint64_t count = 0;
+  };
+  World world;
+  Recorder recorder;
+  FakeSource source(world.waiter, "desk", {1});
+  std::uint8_t level = 5;
+  bool alive = true;
+  make_desk(source, world.clock, 1, 100, level, alive);
+  world.pump().add_source(source);
+  world.pump().add_sink(recorder);
+  world.pump().add_tap(recorder);
+  world.pump().start();
+  world.run_for(10 * kNsPerS);
+  const PumpStatus status = world.pump().status();
+  REQUIRE(status.ports.size() == 2);
+  CHECK(status.ports[1].frames == recorder.count);
+  CHECK(recorder.count >= 399);
+  CHECK(status.ports[1].rate_hz == doctest::Approx(40).epsilon(0.03));
+  CHECK(unaccounted(status.ports[1]) == 0);
+}
+
 TEST_CASE("stop closes every sink once, also a failed one, after sending what the cap held back") {
   World world;
   FakeSource source(world.waiter, "desk", {1});

@@ -115,7 +115,8 @@ extern const CommandInfo record_command{
         "  footlight record --in enttec-pro --in artnet:2-4 -o both.dmxlog --for 60s\n"
         "Frames are kept as they came, before any merge, with sender and priority.\n"
         "'footlight run ... --out log:FILE' writes the merged look instead.\n"
-        "Ctrl-C ends the recording; a crash loses at most four seconds.",
+        "Ctrl-C ends the recording. A recorder that is killed leaves FILE.part, which every command reads, and loses "
+        "less than a second.",
     .add = add,
 };
 

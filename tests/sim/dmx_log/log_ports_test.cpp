@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <chrono>
+#include <thread>
 
 #include "sim/dmx_log/log_ports.h"
 #include "tests/sim/dmx_log/support.h"
@@ -351,6 +353,58 @@ TEST_CASE("a sink that goes away without close leaves all its frames in an unfin
   REQUIRE(reader);
   CHECK(!reader->info().finished);
   CHECK(all_frames(*reader) == frames);
+}
+
+TEST_CASE("a recorder that is killed at any moment leaves a log that holds every frame older than a second") {
+  const TempFolder folder;
+  const std::string path = folder.file("a.dmxlog");
+  // 44 Hz, then one frame after a second and a half, then silence; at last frames without a pause of 2 ms.
+  std::vector<DurationNs> times;
+  for (int i = 0; i < 120; ++i) times.push_back(DurationNs{i} * kNsPerS / 44);
+  times.push_back(times.back() + 1'500 * kNsPerMs);
+  for (int i = 0; i < 700; ++i) times.push_back(6 * kNsPerS + DurationNs{i} * 1'900 * kNsPerUs);
+  LogSinkOptions options;
+  options.universes = {1};
+  auto sink = LogSink::create(path, options);
+  REQUIRE(sink);
+  FakeClock clock(0);
+  std::vector<OwnedFrame> frames;
+  // What the kernel has of the file now: a kill takes no more than what was not written.
+  const auto holds = [&](std::size_t count) {
+    auto reader = LogReader::open(path + ".part");
+    if (!reader) return count == 0;
+    const auto got = all_frames(*reader);
+    return got.size() >= count && got.size() <= frames.size() && std::equal(got.begin(), got.end(), frames.begin());
+  };
+  std::size_t next = 0;
+  std::size_t held = 0;
+  while (clock.now_ns() < 9 * kNsPerS) {
+    const TimeNs frame_ns = next < times.size() ? times[next] : kTimeNever;
+    clock.sleep_until_ns(std::min(frame_ns, (*sink)->next_deadline_ns()));
+    if (clock.now_ns() == frame_ns) {
+      OwnedFrame frame;
+      frame.universe = 1;
+      frame.time_ns = frame_ns;
+      frame.sequence = static_cast<std::uint32_t>(next);
+      frame.slots.assign(512, static_cast<std::uint8_t>(next));
+      frames.push_back(frame);
+      const FrameView view = frames.back().view();
+      REQUIRE((*sink)->send(frame_ns, {&view, 1}));
+      ++next;
+    }
+    if ((*sink)->next_deadline_ns() <= clock.now_ns()) REQUIRE((*sink)->poll(clock.now_ns()));
+    std::size_t old = held;
+    while (old < frames.size() && frames[old].time_ns <= clock.now_ns() - kNsPerS) ++old;
+    const bool burst = frames.size() > 200 && old < times.size();
+    if (old == held || (burst && old % 8 != 0)) continue;
+    // The clock stands still meanwhile; the thread that writes needs no further call.
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (!holds(old) && std::chrono::steady_clock::now() < give_up) std::this_thread::yield();
+    CAPTURE(clock.now_ns());
+    REQUIRE(holds(old));
+    held = old;
+  }
+  CHECK(held == times.size());
 }
 
 TEST_CASE("frames that find no room are counted as dropped, not lost in silence") {

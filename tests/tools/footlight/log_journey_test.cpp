@@ -1,6 +1,7 @@
 // Logs through the commands: recorded, looked into, converted, replayed. Every level has to come out as it went in.
 #include <algorithm>
 #include <csignal>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -51,7 +52,8 @@ std::vector<Frame> pattern() {
   return frames;
 }
 
-void write_log(const std::string& path, const std::vector<Frame>& frames) {
+// Without `finish` it leaves the .part file of a recorder that was killed.
+void write_log(const std::string& path, const std::vector<Frame>& frames, bool finish = true) {
   LogWriterOptions options;
   options.origin_ns = 1'000'000'000;
   options.universes = {1, 7};
@@ -66,7 +68,7 @@ void write_log(const std::string& path, const std::vector<Frame>& frames) {
     view.slots = frame.slots;
     REQUIRE(writer->append(view).has_value());
   }
-  REQUIRE(writer->close(options.origin_ns + 500 * kNsPerMs).has_value());
+  if (finish) REQUIRE(writer->close(options.origin_ns + 500 * kNsPerMs).has_value());
 }
 
 std::vector<Frame> read_log(const std::string& path) {
@@ -101,7 +103,12 @@ void check_done(const Outcome& outcome) {
 TEST_CASE("a log that is recorded again keeps every frame, level, priority and interval") {
   const TempFolder folder;
   write_log(folder.file("a.dmxlog"), pattern());
-  check_done(footlight({"record", "--in", "log:" + folder.file("a.dmxlog"), "-o", folder.file("b.dmxlog")}));
+  const Outcome recorded =
+      footlight({"record", "--in", "log:" + folder.file("a.dmxlog"), "-o", folder.file("b.dmxlog")});
+  check_done(recorded);
+  CAPTURE(recorded.err);
+  CHECK(contains(recorded.err, "b.dmxlog: 50 frames, "));  // of the bridge's summary and of the log itself
+  CHECK_FALSE(contains(recorded.err, " 0 frames"));
   auto copy = read_log(folder.file("b.dmxlog"));
   const auto original = pattern();
   REQUIRE(copy.size() == original.size());
@@ -206,6 +213,38 @@ TEST_CASE("a log that was cut off is shown as far as it goes, with exit code 1 a
   }();
   CHECK(headless.exit_code == 2);
   CHECK(contains(headless.err, "head.dmxlog"));
+}
+
+TEST_CASE("a log whose recorder was killed is missing under its name: every command names the .part file, and reads it") {
+  const TempFolder folder;
+  const std::string log = folder.file("a.dmxlog");
+  const std::string part = log + ".part";
+  write_log(log, pattern(), false);
+  write_log(log, pattern(), false);  // a later recording of that name: .part2
+
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"log", "info", log},
+           {"log", "convert", log, folder.file("b.dmxlog")},
+           {"log", "diff", log, log},
+           {"log", "timing", log},
+           {"replay", log, "--out", "mock:enttec-pro"},
+           {"run", "--in", "log:" + log, "--out", "mock:enttec-pro"},
+           {"record", "--in", "log:" + log, "-o", folder.file("c.dmxlog")}}) {
+    CAPTURE(words[1]);
+    const Outcome missing = footlight(words);
+    CAPTURE(missing.err);
+    CHECK(missing.exit_code == 3);
+    CHECK(contains(missing.err, "no such file, but " + part + "2 is there"));
+    CHECK(contains(missing.err, "footlight log convert " + part + "2 " + log));
+  }
+
+  const Outcome shown = footlight({"log", "info", part});
+  CHECK(shown.exit_code == 1);
+  CHECK(contains(shown.out, "frames:   50,"));
+  check_done(footlight({"replay", part, "--out", "mock:enttec-pro"}));
+  (void)footlight({"log", "convert", part, log});
+  check_done(footlight({"log", "info", "--check", log}));
+  CHECK(read_log(log).size() == pattern().size());
 }
 
 TEST_CASE("the demo show can be replayed anywhere in it, faster and for a while") {

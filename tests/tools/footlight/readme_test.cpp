@@ -1,0 +1,233 @@
+// Every `footlight ...` line of the README, run in a folder of `footlight samples`. A line that is not named below runs as
+// it stands and has to end with 0, so a new line that does not work fails here.
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "tests/drivers/net/private_network.h"
+#include "tests/tools/footlight/run_footlight.h"
+
+namespace footlight::testing {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+// What a line needs in a test. Every entry has to match a line of the README.
+struct Special {
+  const char* line;    // as in the README, without its comment
+  const char* instead; // what runs; nullptr: the line itself with `more`
+  const char* more;    // words behind it
+  int exit_code;       // besides 0
+  const char* reason;
+};
+
+constexpr const char* kSmall = "--size 48x27";
+constexpr const char* kReport = "--pictures --size 32x18 --judge-size 4x3 --runs 3";
+constexpr const char* kUntilStopped = "it runs until it is stopped";
+constexpr const char* kNoDongle = "no dongle is plugged in; the model of one is";
+constexpr const char* kWindow = "a window needs a display and its own time (preview_test.cpp); the rig is drawn";
+
+constexpr Special kSpecials[] = {
+    {"footlight devices", nullptr, "", 3, "nothing is plugged in"},
+    {"footlight discover", nullptr, "--for 50ms", 3, "nobody sends in the private network"},
+    {"footlight rdm list --port enttec-pro", "footlight rdm list --port mock:enttec-pro", "", 0, kNoDongle},
+    {"footlight run --in sacn:1 --out enttec-pro", "footlight run --in sacn:1 --out mock:enttec-pro", "--for 100ms", 0,
+     kNoDongle},
+    {"footlight run --in enttec-pro --out artnet:1@10.0.0.7", "footlight run --in mock:enttec-pro --out artnet:1@10.0.0.7",
+     "--for 100ms", 0, kNoDongle},
+    {"footlight run --in sacn:1 --out mock:enttec-pro", nullptr, "--for 100ms", 0, kUntilStopped},
+    {"footlight run --in sacn:1 --out enttec-pro:EN1 --backup enttec-pro:EN2",
+     "footlight run --in sacn:1 --out mock:enttec-pro/EN1 --backup mock:enttec-pro/EN2", "--for 100ms", 0, kNoDongle},
+    {"footlight run show.toml --json", nullptr, "--for 100ms", 0, kUntilStopped},
+    {"footlight monitor sacn:1-9", nullptr, "--once", 0, kUntilStopped},
+    {"footlight monitor", nullptr, "--once", 0, kUntilStopped},
+    {"footlight monitor sacn:1-9 --json --period 200ms", nullptr, "--once", 0, kUntilStopped},
+    {"footlight run show.toml --metrics 127.0.0.1:9477", nullptr, "--for 100ms", 0, kUntilStopped},
+    {"footlight run show.toml --flashes limit --rig rig.toml", nullptr, "--for 100ms", 0, kUntilStopped},
+    {"footlight run show.toml --log-format json", nullptr, "--for 100ms", 0, kUntilStopped},
+    {"footlight preview --demo", "footlight render --demo --at 1s -o preview1.png", kSmall, 0, kWindow},
+    {"footlight preview rig.toml --in sacn:1-9", "footlight render rig.toml --at 1s -o preview2.png", kSmall, 0, kWindow},
+    {"footlight preview show.mvr", "footlight render show.mvr --at 1s -o preview3.png", kSmall, 0, kWindow},
+    {"footlight preview head.gdtf", "footlight render head.gdtf --at 1s -o preview4.png", kSmall, 0, kWindow},
+    {"footlight render rig.toml --log show.dmxlog --at 12.5s --size 1920x1080 -o frame.png",
+     "footlight render rig.toml --log show.dmxlog --at 12.5s --size 48x27 -o frame.png", "", 0,
+     "a large picture takes long without a GPU"},
+    {"footlight fixtures find robe esprite", nullptr, "", 3, "no library of fixtures is installed"},
+    {"footlight record --in sacn:1-9 -o new.dmxlog", nullptr, "--for 100ms", 0, kUntilStopped},
+    {"footlight replay show.dmxlog --at 12.5s --loop --out sacn:1-9", nullptr, "--for 100ms", 0, kUntilStopped},
+    {"footlight render rig.toml --log show.dmxlog --every 40ms -o show.mp4", nullptr, "--until 80ms --size 48x26", 0,
+     "the whole show takes minutes without a GPU"},
+    {"footlight render rig.toml --log show.dmxlog --every 20ms -o calm.mp4 --flashes limit", nullptr,
+     "--until 80ms --size 48x26", 0, "the whole show takes minutes without a GPU"},
+    {"footlight report --quick", nullptr, kReport, 0, "it takes minutes"},
+    {"footlight report rig.toml --log show.dmxlog --at 12.5s --svg beams.svg --csv beams.csv", nullptr, kReport, 0,
+     "it takes minutes"},
+    {"footlight report --time", "footlight report --time --worst --quick", "", 0,
+     "it takes minutes; report_time_test.cpp runs it with --quick"},
+    {"footlight report --time --worst", nullptr, "--quick", 0, "it takes minutes"},
+};
+
+std::string trimmed(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(' ');
+  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(' ') - begin + 1);
+}
+
+// Lines of the code blocks that begin with the program's name, without their comments.
+Words readme_lines() {
+  std::ifstream file(FOOTLIGHT_SOURCE_DIR "/README.md");
+  REQUIRE(file.good());
+  Words lines;
+  bool in_block = false;
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with("```")) {
+      in_block = !in_block;
+    } else if (in_block && line.starts_with("footlight ")) {
+      lines.push_back(trimmed(line.substr(0, line.find(" #"))));
+    }
+  }
+  return lines;
+}
+
+// Words as a shell parts them, with single quotes.
+Words words_of(const std::string& line) {
+  Words words;
+  std::string word;
+  bool any = false, quoted = false;
+  for (const char c : line + " ") {
+    if (c == '\'') {
+      quoted = !quoted;
+      any = true;
+    } else if (c == ' ' && !quoted) {
+      if (any) words.push_back(std::exchange(word, {}));
+      any = false;
+    } else {
+      word += c;
+      any = true;
+    }
+  }
+  return words;
+}
+
+bool draws(const Words& words) { return words[0] == "render" || (words[0] == "report" && words[1] != "--time"); }
+
+// The folder in which programs are started.
+class In {
+ public:
+  explicit In(const fs::path& folder) : before_(fs::current_path()) { fs::current_path(folder); }
+  ~In() { fs::current_path(before_); }
+  In(const In&) = delete;
+  In& operator=(const In&) = delete;
+
+ private:
+  fs::path before_;
+};
+
+TEST_CASE("samples writes every file once, the same each time, and replaces none") {
+  const TempFolder folder;
+  const In in(folder.file(""));
+  const Outcome first = footlight({"samples", "a"});
+  CHECK(first.exit_code == 0);
+  REQUIRE(footlight({"samples", "deep/b"}).exit_code == 0);
+  std::size_t files = 0;
+  const auto text_of = [](const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  for (const auto& entry : fs::directory_iterator("a")) {
+    ++files;
+    CAPTURE(entry.path());
+    CHECK(first.out.find(entry.path().string()) != std::string::npos);
+    const std::string text = text_of(entry.path());
+    CHECK(!text.empty());
+    const std::string ending = entry.path().extension().string();
+    if (ending == ".mvr" || ending == ".gdtf" || ending == ".sr") continue;  // zips hold the time at which they were made
+    CHECK(text == text_of(fs::path("deep/b") / entry.path().filename()));
+  }
+  CHECK(files == 11);
+
+  std::ofstream("a/foh.show") << "mine";
+  const Outcome again = footlight({"samples", "a"});
+  CHECK(again.exit_code == 2);
+  CHECK(again.err.find("a/rig.toml: exists, and nothing was written") != std::string::npos);
+  CHECK(text_of("a/foh.show") == "mine");
+  fs::create_directory("c");
+  std::ofstream("c/desk.sr") << "mine";
+  CHECK(footlight({"samples", "c"}).exit_code == 2);
+  CHECK(std::distance(fs::directory_iterator("c"), fs::directory_iterator()) == 1);
+  CHECK(footlight({"samples"}).exit_code == 2);
+}
+
+TEST_CASE("the samples load without a warning, and the log, the OLA Show and the capture of them are equal") {
+  const TempFolder folder;
+  const In in(folder.file(""));
+  REQUIRE(footlight({"samples", "."}).exit_code == 0);
+  for (const Words& words : std::vector<Words>{{"fixtures", "check", "head.gdtf", "head.qxf"},
+                                               {"rig", "check", "show.mvr", "show.qxw"},
+                                               {"log", "diff", "--same-start", "sent.dmxlog", "capture.pcapng"},
+                                               {"log", "diff", "--time-tolerance", "1ms", "sent.dmxlog", "foh.show"},
+                                               {"log", "timing", "desk.sr"}}) {
+    const Outcome outcome = footlight(words);
+    CAPTURE(words[0] + " " + words[1]);
+    CAPTURE(outcome.out);
+    CAPTURE(outcome.err);
+    CHECK(outcome.exit_code == 0);
+    CHECK(outcome.out.find("warning") == std::string::npos);
+    CHECK(outcome.out.find("error") == std::string::npos);
+  }
+}
+
+TEST_CASE("every line of the README runs in a folder of samples") {
+  if (!enter_private_network()) return;
+  const TempFolder folder;
+  const Words lines = readme_lines();
+  REQUIRE(lines.size() > 40);
+  REQUIRE(std::find(lines.begin(), lines.end(), "footlight samples samples") != lines.end());
+  std::set<std::string> unused;
+  for (const Special& special : kSpecials) unused.insert(special.line);
+  for (const std::string& line : lines) unused.erase(line);
+  for (const std::string& line : unused) CHECK_MESSAGE(false, "not in the README: " << line);
+
+  const In root(folder.file(""));
+  REQUIRE(footlight({"samples", "samples"}).exit_code == 0);
+  const In samples("samples");
+  const std::string run_folder = folder.file("run");
+  fs::create_directory(run_folder);
+  fs::permissions(run_folder, fs::perms::owner_all);
+  std::map<std::string, std::string> environment = {{"HOME", folder.file("")}, {"XDG_RUNTIME_DIR", run_folder}};
+  // `monitor` and `reload` speak to a bridge that runs.
+  Footlight bridge({"run", "show.toml", "--json"}, environment);
+  bridge.wait_for(R"("event":"ready")");
+  for (const std::string& line : lines) {
+    if (line == "footlight samples samples") continue;
+    Special special{line.c_str(), nullptr, "", 0, ""};
+    for (const Special& one : kSpecials)
+      if (line == one.line) special = one;
+    Words words = words_of((special.instead != nullptr ? special.instead : line) + (" " + std::string(special.more)));
+    words.erase(words.begin());
+    if (draws(words)) {
+      if (FOOTLIGHT_HAS_PICTURES == 0) continue;
+      environment["ASAN_OPTIONS"] = "detect_leaks=0";  // drivers of GPUs leak (tests/support/headless_vulkan.cpp)
+    }
+    const Outcome outcome = Footlight(words, environment).wait();
+    CAPTURE(line);
+    CAPTURE(special.reason);
+    CAPTURE(outcome.err);
+    CHECK((outcome.exit_code == 0 || outcome.exit_code == special.exit_code));
+  }
+  bridge.signal(SIGTERM);
+  CHECK(bridge.wait().exit_code == 0);
+}
+
+}  // namespace
+}  // namespace footlight::testing
