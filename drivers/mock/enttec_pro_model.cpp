@@ -20,6 +20,7 @@ void EnttecProModel::power_on() {
 }
 
 void EnttecProModel::take(std::span<const std::uint8_t> bytes) {
+  byte_count += bytes.size();
   for (const std::uint8_t byte : bytes) take_byte(byte);
 }
 

@@ -36,6 +36,7 @@ class EnttecProModel final : public SerialModel {
   bool says_rdm_timeout = true;           // label 12
 
   // --- What it saw; only to be read.
+  std::uint64_t byte_count = 0;              // of everything that came
   std::uint64_t false_start_count = 0;       // bytes that began no message
   std::array<int, 2> receive_modes{-1, -1};  // of label 8, per line; -1: it sends
   bool second_port_open = false;             // the key was given

@@ -595,6 +595,28 @@ TEST_CASE("the second connector of an Mk2 without a key is refused with what is 
   REQUIRE_FALSE(sink);
   CHECK(sink.error().code == ErrorCode::kUnsupported);
   CHECK(sink.error().message.find("second_port") != std::string::npos);
+  CHECK_FALSE(bench.usb->claimed());
+  bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) {
+    CHECK(model.newest_label == 0);       // no message
+    CHECK(model.false_start_count == 0);  // and no byte that is none
+  });
+  // Nor is anything sent to it where connector 1 is in use.
+  auto first = DeviceSink::open(bench.plan(bench.clock), bench.on({{0, 3}}), bench.clock);
+  REQUIRE_MESSAGE(first, (first ? "" : first.error().message));
+  bench.send(**first, some_look(1), 3);
+  REQUIRE(bench.widget_shows(some_look(1)));
+  const auto sent_so_far = [&] {
+    return bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.byte_count; });
+  };
+  const std::uint64_t before = sent_so_far();
+  CHECK_FALSE(DeviceSink::open(bench.plan(bench.clock), bench.on({{1, 4}}), bench.clock));
+  CHECK(sent_so_far() == before);
+  bench.send(**first, some_look(2), 3);
+  CHECK(bench.widget_shows(some_look(2)));
+  bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) {
+    CHECK_FALSE(model.second_port_open);
+    CHECK(model.line(1).frame_count == 0);
+  });
 }
 
 TEST_CASE("a DMXking with two outputs is found out by asking, whatever its USB strings say") {
