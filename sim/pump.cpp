@@ -27,6 +27,12 @@ int highest_priority_of(const FrameView& frame) {
   return std::max(frame.priority, *std::max_element(frame.slots.begin(), frame.slots.end()));
 }
 
+// Of the sink's cap; 0: it has none.
+double period_ns_of(const Sink& sink) {
+  const double rate_hz_max = sink.rate_hz_max();
+  return rate_hz_max > 0.0 ? static_cast<double>(kNsPerS) / rate_hz_max : 0.0;
+}
+
 Timing timing_of(const Histogram& histogram) {
   Timing timing = {.count = histogram.count(),
                    .sum_ns = histogram.sum_ns(),
@@ -249,7 +255,10 @@ void Pump::settle(PortRun& run, const Status& result, TimeNs now_ns) {
     run.held_until_ns = kTimeNever;
     say_lost(run, run.failed ? run.trouble : run.port->trouble(), now_ns);
   } else {
-    if (run.sink != nullptr) mark_every_look(run);
+    if (run.sink != nullptr) {
+      run.period_ns = period_ns_of(*run.sink);  // it may be another model, or one that was not there at the start
+      mark_every_look(run);
+    }
     if (run.pending.empty()) say_back(run, now_ns);  // else when it has taken a look
   }
   watch(run, true, now_ns);
@@ -395,7 +404,8 @@ void Pump::add_sink(Sink& sink, SinkRole role) {
   PortRun& run = sinks_.emplace_back();
   run.port = run.sink = &sink;
   run.standby_for = role.standby_for;
-  if (sink.rate_hz_max() > 0.0) run.period_ns = static_cast<double>(kNsPerS) / sink.rate_hz_max();
+  run.period_ns = period_ns_of(sink);
+  run.line_frames_before = sink.frames_on_line().value_or(0);
   add(run, sink.universes());
 }
 
@@ -640,10 +650,16 @@ void Pump::count_rates(TimeNs now_ns) {
         lane.frames_before = lane.frames;
       }
   for (PortRun& run : sinks_) {
-    if (!run.lanes.empty()) continue;
-    const std::uint64_t frames = run.port->counters().frames;
-    run.own_rate_hz = static_cast<double>(frames - run.own_frames_before) / period_s;
-    run.own_frames_before = frames;
+    if (run.lanes.empty()) {
+      const std::uint64_t frames = run.port->counters().frames;
+      run.own_rate_hz = static_cast<double>(frames - run.own_frames_before) / period_s;
+      run.own_frames_before = frames;
+    }
+    // Frames that are handed over faster than the line takes them never leave.
+    const auto line_frames = run.sink->frames_on_line();
+    if (!line_frames || run.lanes.size() != 1) continue;
+    run.lanes[0].rate_hz = static_cast<double>(*line_frames - run.line_frames_before) / period_s;
+    run.line_frames_before = *line_frames;
   }
   merge_.count_rates(period_s);
 
@@ -690,6 +706,7 @@ void Pump::fill(PortStatus& port, const PortRun& run) const {
   port.state = run.down ? PortState::kGone : run.port->state();
   port.trouble = run.failed ? run.trouble : run.port->trouble();
   port.port = run.port->counters();
+  run.port->take_figures(port.figures);
   port.frames = port.looks = port.replaced = port.refused = port.waiting = 0;
   port.rate_hz = 0.0;
   port.unrouted = run.unrouted;

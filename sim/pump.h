@@ -99,7 +99,8 @@ struct Timing {
 struct PortUniverseStatus {
   Universe universe = 0;
   std::uint64_t frames = 0;  // source: received from it; sink: handed to it
-  double rate_hz = 0.0;      // of those, over the last status period
+  // Of those, over the last status period. A sink that times its line itself, with one universe: frames that left.
+  double rate_hz = 0.0;
   // Sinks only; looks == frames + replaced + refused + waiting.
   std::uint64_t looks = 0;     // meant for it
   std::uint64_t replaced = 0;  // by a newer one before it was handed over (rate cap, or gone), or taken back (standby)
@@ -127,6 +128,7 @@ struct PortStatus {
   std::uint64_t failures = 0;  // calls that returned an error
   Timing lateness;             // of calls that were asked for at a deadline, or held back by the rate cap
   Timing latency;              // sink: from the stamp of the frame to the return of the call that handed it over
+  std::vector<PortFigure> figures;
   std::vector<PortUniverseStatus> universes;
 };
 
@@ -272,6 +274,7 @@ class Pump {
     const Sink* standby_for = nullptr;
     bool resting = false;               // the one that it stands by for works
     double period_ns = 0.0;             // 0: no cap
+    std::uint64_t line_frames_before = 0;  // Sink::frames_on_line() at the begin of this status period
     TimeNs held_until_ns = kTimeNever;  // when the first look that the cap holds back is due
     std::vector<int> pending;           // lanes to be sent
     std::vector<FrameView> batch;       // of the call under way

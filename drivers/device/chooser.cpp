@@ -53,7 +53,8 @@ Result<FoundDevice> Chooser::choose() const {
       break;
     case Readiness::kUnsupported: return fail(ErrorCode::kUnsupported, "{}", found.reason);
     case Readiness::kNoNode: return fail(ErrorCode::kNotFound, "{}", found.reason);
-    case Readiness::kNoPermission:
+    case Readiness::kNoPermission:  // the reason begins with the node
+      return fail(ErrorCode::kPermission, "{}", message_of({found.reason, found.remedy}));
     case Readiness::kBusy:
       return fail(ErrorCode::kPermission, "{}: {}", found.node, message_of({found.reason, found.remedy}));
   }

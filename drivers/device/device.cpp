@@ -311,6 +311,7 @@ void Device::run() {
     if (transport_ && said) said = say_last_words(*port);
   if (transport_ && said) said = widget_->end(*this);
   if (!said) lose(said.error());
+  with_shared([](Shared& shared) { shared.figures_wanted = true; });  // the last ones stay
   take_figures();
   transport_.reset();
   run_jobs();
@@ -565,12 +566,18 @@ DeviceStats DeviceLink::stats() const {
   return device_->with_shared([](const auto& shared) { return shared.stats; });
 }
 std::vector<WidgetFigure> DeviceLink::figures() const {
-  auto figures = device_->with_shared([](auto& shared) {
-    shared.figures_wanted = true;
-    return shared.figures;
-  });
-  device_->connector().wake();
+  std::vector<WidgetFigure> figures;
+  take_figures(figures);
   return figures;
+}
+void DeviceLink::take_figures(std::vector<PortFigure>& into) const {
+  const bool ended = device_->with_shared([&](auto& shared) {
+    shared.figures_wanted = true;
+    into.resize(shared.figures.size());
+    std::copy(shared.figures.begin(), shared.figures.end(), into.begin());
+    return shared.ended;
+  });
+  if (!ended) device_->connector().wake();
 }
 
 namespace {
@@ -610,6 +617,13 @@ PortCounters DeviceSink::counters() const { return counters_of(link_); }
 std::span<const Universe> DeviceSink::universes() const { return link_.port().universes; }
 double DeviceSink::rate_hz_max() const {
   return link_.device().with_shared([](const auto& shared) { return shared.traits.rate_hz_max; });
+}
+
+std::optional<std::uint64_t> DeviceSink::frames_on_line() const {
+  return link_.device().with_shared([&](const auto& shared) -> std::optional<std::uint64_t> {
+    if (!shared.traits.host_timed) return std::nullopt;
+    return link_.port().counters.frames;
+  });
 }
 
 Status DeviceSink::send(TimeNs, std::span<const FrameView> frames) {

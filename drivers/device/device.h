@@ -99,6 +99,7 @@ class DeviceLink {
   [[nodiscard]] std::vector<std::string> remarks() const;
   // Widget::figures() as they were when somebody last asked; asks for newer ones, after which poll_fd() is readable.
   [[nodiscard]] std::vector<WidgetFigure> figures() const;
+  void take_figures(std::vector<PortFigure>& into) const;  // likewise
   [[nodiscard]] DeviceStats stats() const;
 
   [[nodiscard]] Device& device() const { return *device_; }
@@ -119,11 +120,13 @@ class DeviceSink final : public Sink {
   PortState state() const override;
   std::string trouble() const override;
   PortCounters counters() const override;
+  void take_figures(std::vector<PortFigure>& into) const override { link_.take_figures(into); }
   // Slots past the end of a short frame keep the levels sent before.
   Status send(TimeNs now_ns, std::span<const FrameView> frames) override;
   Status poll(TimeNs now_ns) override;
   std::span<const Universe> universes() const override;
   double rate_hz_max() const override;
+  std::optional<std::uint64_t> frames_on_line() const override;
   // The host repeats nothing until the next send(). A device that repeats by itself goes on; no protocol stops it.
   void rest(TimeNs now_ns) override;
   void close(TimeNs now_ns) override;  // returns when the widget's write has ended or timed out
@@ -146,6 +149,7 @@ class DeviceSource final : public Source {
   PortState state() const override;  // kWaiting: open, and every line has been quiet for 1.25 s
   std::string trouble() const override;
   PortCounters counters() const override;
+  void take_figures(std::vector<PortFigure>& into) const override { link_.take_figures(into); }
   Status poll(TimeNs now_ns, FrameReceiver& receiver) override;  // at most one frame of each line: the newest
   std::span<const Universe> universes() const override;
 

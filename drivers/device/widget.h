@@ -17,6 +17,7 @@
 #include "drivers/device/transport.h"
 #include "sim/core/clock.h"
 #include "sim/core/dmx.h"
+#include "sim/core/ports.h"
 #include "sim/core/result.h"
 
 namespace footlight::drivers {
@@ -34,11 +35,8 @@ struct WidgetTraits {
   std::vector<std::string> remarks;    // what the device cannot do as asked, one sentence each
 };
 
-// Figures of one driver beyond PortCounters, for `footlight devices`, status and metrics: {"break_us_p50", 176.0}.
-struct WidgetFigure {
-  std::string name;  // lower case, with the unit last
-  double value = 0.0;
-};
+// What one driver measures.
+using WidgetFigure = PortFigure;
 
 // What a widget has while it is being called. All of it belongs to the device's thread.
 class WidgetContext {

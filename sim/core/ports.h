@@ -36,6 +36,12 @@ struct PortCounters {
   std::uint64_t errors = 0;    // reads or writes that the system refused
 };
 
+// What a port measures of itself beyond PortCounters: {"break_us_p50", 176.0}. For status lines and metrics.
+struct PortFigure {
+  std::string name;  // lower case, with the unit last
+  double value = 0.0;
+};
+
 enum class PortState { kWorking, kWaiting, kGone, kEnded };
 // kWorking: in use. kWaiting: open, nothing heard or not ready yet. kGone: unplugged; poll() tries again.
 // kEnded: a log has reached its end; it will give no more frames.
@@ -60,6 +66,8 @@ class Port {
   // Why the state is kGone, for people; empty otherwise.
   [[nodiscard]] virtual std::string trouble() const { return {}; }
   [[nodiscard]] virtual PortCounters counters() const = 0;
+  // Replaces the contents of `into`, whose memory is used again. May be as old as the last call.
+  virtual void take_figures(std::vector<PortFigure>& into) const { into.clear(); }
   // Something that a working port did or saw (flashes held back by a safety cap), each once; nothing where there is no
   // more. Asked for after every poll(), on the pump's thread.
   [[nodiscard]] virtual std::optional<PortNotice> take_notice() { return std::nullopt; }
@@ -96,6 +104,9 @@ class Sink : public Port {
   [[nodiscard]] virtual std::span<const Universe> universes() const = 0;
   // The pump calls send() at most this often per universe; 0: as soon as a universe changes.
   [[nodiscard]] virtual double rate_hz_max() const { return 0.0; }
+  // Frames that have left on its line, repeated ones too, where this machine times the line. nullopt: the device times
+  // it, or frames leave as they are handed over.
+  [[nodiscard]] virtual std::optional<std::uint64_t> frames_on_line() const { return std::nullopt; }
   // A standby whose main sink is back (sim/pump.h, SinkRole): nothing comes until the next send(). A sink that repeats
   // itself stops here, or two speak for one universe.
   virtual void rest(TimeNs /*now_ns*/) {}

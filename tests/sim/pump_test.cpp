@@ -773,6 +773,56 @@ TEST_CASE("another thread may read buffer and status while the pump runs") {
   CHECK(status.ports[1].rate_hz == doctest::Approx(20.0).epsilon(0.1));
 }
 
+TEST_CASE("the rate of a line that this machine times is that of the frames that left, not of those handed over") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1});
+  FakeSink timed(world.waiter, "open-dmx", {1}, 40.0), other(world.waiter, "artnet", {1});
+  timed.line_frames = 1000;  // of before
+  timed.figures = {{.name = "asked_hz", .value = 40.0}};
+  timed.keep_history = other.keep_history = false;
+  source.deadline_ns = world.now_ns();
+  source.repeat_ns = 25 * kNsPerMs;
+  int turn = 0;
+  source.before_poll = [&](TimeNs) {
+    source.give(1, static_cast<std::uint8_t>(++turn));
+    if (turn % 4 != 0) ++*timed.line_frames;  // 30 of 40 leave
+  };
+  world.pump().add_source(source);
+  world.pump().add_sink(timed);
+  world.pump().add_sink(other);
+  world.pump().start();
+  world.run_for(10 * kNsPerS);
+  const PumpStatus status = world.pump().status();
+  CHECK(status.ports[1].rate_hz == doctest::Approx(30.0).epsilon(0.05));
+  CHECK(status.ports[1].universes[0].rate_hz == doctest::Approx(30.0).epsilon(0.05));
+  CHECK(status.ports[2].rate_hz == doctest::Approx(40.0).epsilon(0.05));
+  REQUIRE(status.ports[1].figures.size() == 1);
+  CHECK(status.ports[1].figures[0].name == "asked_hz");
+  CHECK(status.ports[2].figures.empty());
+}
+
+TEST_CASE("a sink that comes after the start is called at the highest rate that it has then") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1});
+  FakeSink sink(world.waiter, "velleman", {1}, 44.0);
+  sink.port_state = PortState::kGone;
+  source.deadline_ns = world.now_ns();
+  source.repeat_ns = 10 * kNsPerMs;
+  int turn = 0;
+  source.before_poll = [&](TimeNs) { source.give(1, static_cast<std::uint8_t>(++turn)); };
+  world.pump().add_source(source);
+  world.pump().add_sink(sink);
+  world.pump().start();
+  world.run_for(2 * kNsPerS);
+  CHECK(sink.frame_count == 0);
+  sink.set_rate_hz_max(20.0);
+  sink.port_state = PortState::kWorking;
+  world.run_for(2 * kNsPerS);
+  const std::uint64_t before = sink.frame_count;
+  world.run_for(10 * kNsPerS);
+  CHECK(sink.frame_count - before == 200);
+}
+
 // --- Standbys ---
 
 namespace {

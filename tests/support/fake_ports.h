@@ -14,6 +14,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -194,6 +195,11 @@ class FakeSink final : public Sink, public FakePort {
   PortCounters counters() const override { return {}; }
   std::span<const Universe> universes() const override { return carried; }
   double rate_hz_max() const override { return rate_hz_max_; }
+  std::optional<std::uint64_t> frames_on_line() const override { return line_frames; }
+  void take_figures(std::vector<PortFigure>& into) const override { into = figures; }
+  void set_rate_hz_max(double rate_hz) { rate_hz_max_ = rate_hz; }  // as a device that comes and is another model
+  std::optional<std::uint64_t> line_frames;
+  std::vector<PortFigure> figures;
   Status send(TimeNs now_ns, std::span<const FrameView> frames) override {
     ++send_count;
     if (!send_error.empty()) return tl::unexpected<Error>(Error{ErrorCode::kIo, send_error});

@@ -44,6 +44,7 @@ Json ports_of(const PumpStatus& status) {
                  {"lateness", timing(port.lateness)},
                  {"latency", timing(port.latency)},
                  {"universes", std::move(universes)}};
+    for (const PortFigure& figure : port.figures) told["figures"][figure.name] = figure.value;
     if (port.is_sink) {
       told["looks"] = port.looks;
       told["refused"] = port.refused;

@@ -113,6 +113,10 @@ std::string metrics_text(const PumpStatus& status, const ServiceFacts& facts) {
            [](const PortStatus& port) { return port.port.errors; });
   per_port("footlight_port_failures_total", "counter", "Calls of the port that failed.",
            [](const PortStatus& port) { return port.failures; });
+  page.family("footlight_port_figure", "gauge", "What the driver of a port measures; the unit is the end of its name.");
+  for (std::size_t i = 0; i < names.size(); ++i)
+    for (const PortFigure& figure : status.ports[i].figures)
+      page.value(fmt::format("{},figure=\"{}\"", names[i], label_text(figure.name)), figure.value);
   page.family("footlight_port_unrouted_total", "counter", "Inputs: frames of universes that the run does not have.");
   per_direction(false, [&](const auto& labels, const PortStatus& port) { page.value(labels, port.unrouted); });
   page.family("footlight_port_replaced_total", "counter",

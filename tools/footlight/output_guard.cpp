@@ -41,6 +41,8 @@ class GuardedSink : public Sink {
   [[nodiscard]] PortState state() const override { return sink_->state(); }
   [[nodiscard]] std::string trouble() const override { return sink_->trouble(); }
   [[nodiscard]] PortCounters counters() const override { return sink_->counters(); }
+  void take_figures(std::vector<PortFigure>& into) const override { sink_->take_figures(into); }
+  [[nodiscard]] std::optional<std::uint64_t> frames_on_line() const override { return sink_->frames_on_line(); }
   [[nodiscard]] std::optional<PortNotice> take_notice() override {
     auto notice = sink_->take_notice();
     return notice ? std::move(notice) : guard_->take_notice();

@@ -10,6 +10,7 @@
 #include "drivers/mock/mock_usb.h"
 #include "drivers/mock/open_dmx_model.h"
 #include "drivers/usb/ftdi.h"
+#include "tests/support/device_bench.h"
 #include "tests/support/fake_clock.h"
 
 namespace footlight::drivers {
@@ -151,6 +152,39 @@ TEST_CASE("the rate asked for is kept where the bus lets it, and the one reached
   slow.play(50);
   CHECK(slow.figure("rate_hz") < 35.0);
   CHECK(slow.figure("rate_hz") > 20.0);
+}
+
+TEST_CASE("an output counts the frames that left its line, and not those that were handed over") {
+  testing::DeviceBench bench("open-dmx");
+  bench.usb->with_model<OpenDmxModel>([](OpenDmxModel& model) { model.slot_ns = 0; });
+  auto opened = DeviceSink::open({.widget = std::make_unique<OpenDmx>(OpenDmxConfig{}),
+                                  .connector = mock::make_mock_connector(bench.usb, bench.clock)},
+                                 bench.port(0), bench.clock);
+  REQUIRE_MESSAGE(opened, (opened ? "" : opened.error().message));
+  DeviceSink& sink = **opened;
+  std::uint64_t handed_over = 0;
+  REQUIRE(bench.advance_until([&] {
+    bench.send(sink, testing::some_look(++handed_over));  // every 10 ms: more than the line takes
+    return sink.frames_on_line().value_or(0) >= 20;
+  }));
+  const std::uint64_t left = sink.frames_on_line().value_or(0);
+  CHECK(handed_over > left + left / 2);
+  // The model knows the end of a frame by the next break, and the last break may have begun.
+  const auto ended = bench.usb->with_model<OpenDmxModel>([](OpenDmxModel& model) { return model.timings.size(); });
+  CHECK(left - ended <= 1);
+  testing::DeviceBench other("peperoni");
+  CHECK_FALSE(other.open_sink()->frames_on_line().has_value());  // the device times its line
+}
+
+TEST_CASE("an output has every figure that docs/hardware.md names") {
+  Bench bench;
+  bench.play(3);
+  for (const char* name :
+       {"asked_hz", "rate_hz", "break_us_min", "break_us_p50", "break_us_max", "mab_us_min", "mab_us_p50", "mab_us_max",
+        "period_us_min", "period_us_p50", "period_us_max", "waits_for_transmitter"}) {
+    CAPTURE(name);
+    CHECK(bench.figure(name) >= 0.0);
+  }
 }
 
 TEST_CASE("breaks and marks are told as what they were at least") {

@@ -112,6 +112,7 @@ PumpStatus full_status() {
   out.is_sink = true;
   out.name = "log:a \"b\"\\c\n\xFF.dmxlog";
   out.state = PortState::kGone;
+  out.figures = {{.name = "break_us_p50", .value = 176.5}, {.name = "rate_hz", .value = 33.0}};
   out.universes = {{.universe = 1, .frames = 9}, {.universe = 1, .frames = 1}};
   Histogram histogram;
   for (const DurationNs latency_ns : {10'000, 20'000, 20'000'000, 2'000'000'000}) histogram.record(latency_ns);
@@ -150,6 +151,8 @@ TEST_CASE("a metrics page has every series once, with its type, and says what th
                                                   {"direction", "out"}};
   CHECK(page.find("footlight_port_up", out) == 0);
   CHECK(page.find("footlight_port_state", of(out, "state", "gone")) == 1);
+  CHECK(page.find("footlight_port_figure", of(out, "figure", "break_us_p50")) == 176.5);
+  CHECK(page.find("footlight_port_figure", of(out, "figure", "rate_hz")) == 33.0);
   CHECK(page.find("footlight_frames_total", of(out, "universe", "1")) == 10);
   CHECK(page.find("footlight_universe_age_seconds", {{"universe", "1"}}) == 2);
   CHECK_FALSE(page.find("footlight_universe_age_seconds", {{"universe", "2"}}).has_value());

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <thread>
 
@@ -17,6 +18,7 @@
 #include <unistd.h>
 
 #include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/tools/footlight/run_footlight.h"
 
@@ -79,6 +81,29 @@ TEST_CASE("a bridge without JSON ends with a summary for people on standard erro
   CHECK(contains(outcome.err, "ran "));
   CHECK(contains(outcome.err, "  in  mock:enttec-pro"));
   CHECK(contains(outcome.err, "  out mock:enttec-pro"));
+}
+
+TEST_CASE("the JSON of a bridge has the figures that docs/hardware.md promises of a line timed by this machine") {
+  const Outcome outcome =
+      footlight({"run", "--in", "mock:enttec-pro", "--out", "mock:open-dmx", "--for", "2500ms", "--json"});
+  CHECK(outcome.exit_code == 0);
+  std::istringstream lines(outcome.out);
+  bool summed_up = false;
+  for (std::string line; std::getline(lines, line);) {
+    const auto object = nlohmann::json::parse(line);
+    if (object["event"] != "summary") continue;
+    summed_up = true;
+    for (const auto& port : object["ports"]) {
+      if (port["direction"] != "out") continue;
+      for (const char* name : {"asked_hz", "rate_hz", "break_us_min", "break_us_p50", "break_us_max", "mab_us_p50",
+                               "period_us_p50", "waits_for_transmitter"}) {
+        CAPTURE(name);
+        CHECK(port["figures"].contains(name));
+      }
+      CHECK(port["figures"]["asked_hz"] == 40.0);
+    }
+  }
+  CHECK(summed_up);
 }
 
 TEST_CASE("a universe that no input brings is said once at the start") {
