@@ -31,6 +31,19 @@ bool ArtnetGateway::has_line(int port_address) const {
   return line != lines_.end() && directory_->find(line->second.universe).has_value();
 }
 
+ArtnetGateway::~ArtnetGateway() {
+  for (auto& [port_address, line] : lines_) {
+    if (line.agent) retire(port_address, line);
+  }
+}
+
+// Nobody answers what the agent was asked, so whoever waits for it asks again.
+void ArtnetGateway::retire(int port_address, Line& line) {
+  std::erase_if(tickets_, [&](const auto& ticket) { return ticket.second.port_address == port_address; });
+  line.waiting.clear();
+  directory_->retire(std::move(line.agent));
+}
+
 ArtnetGateway::Line* ArtnetGateway::find(int port_address) {
   const auto found = lines_.find(port_address);
   if (found == lines_.end()) return nullptr;
@@ -38,6 +51,7 @@ ArtnetGateway::Line* ArtnetGateway::find(int port_address) {
   const auto entry = directory_->find(line.universe);
   if (!entry) return nullptr;
   if (line.agent && line.generation == entry->generation) return &line;
+  if (line.agent) retire(port_address, line);
   auto agent = RdmAgent::create(entry->make_line());
   if (!agent) return nullptr;
   line.agent = std::move(*agent);

@@ -27,6 +27,9 @@ class ArtnetGateway {
   };
 
   explicit ArtnetGateway(std::shared_ptr<RdmDirectory> directory) : directory_(std::move(directory)) {}
+  ~ArtnetGateway();
+  ArtnetGateway(const ArtnetGateway&) = delete;
+  ArtnetGateway& operator=(const ArtnetGateway&) = delete;
 
   // A universe whose line, where there is one, is to be reached. `bind_index` and `port` (1 to 4): as its ArtPollReply
   // has them.
@@ -57,6 +60,8 @@ class ArtnetGateway {
   static void tell_table(int port_address, const Line& line, const ArtnetAnswers::Asker& to,
                          std::vector<Reply>& replies);
   static void wait_for_search(Line& line, const ArtnetAnswers::Asker& asker);
+  // Gives up the line's agent and its tickets, without waiting.
+  void retire(int port_address, Line& line);
   // With its agent; nullptr: there is no line now.
   Line* find(int port_address);
 

@@ -22,17 +22,26 @@ Result<std::unique_ptr<RdmAgent>> RdmAgent::create(std::unique_ptr<RdmLine> line
 
 RdmAgent::RdmAgent(std::unique_ptr<RdmLine> line, int event_fd) : line_(std::move(line)), event_fd_(event_fd) {
   const NoSignals for_the_thread;
-  thread_ = std::thread([this] { run(); });
+  thread_ = std::thread([this] {
+    run();
+    ended_.store(true);
+  });
 }
 
-RdmAgent::~RdmAgent() {
+void RdmAgent::request_stop() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
     requests_.clear();
+    std::uint64_t count = 0;
+    (void)!::read(event_fd_, &count, sizeof count);
   }
   line_->stop();
   wake_.notify_one();
+}
+
+RdmAgent::~RdmAgent() {
+  request_stop();
   thread_.join();
   ::close(event_fd_);
 }
@@ -95,6 +104,7 @@ void RdmAgent::run() {
       }
       news_.table_changed = true;
     }
+    if (stopping_) return;
     const std::uint64_t one = 1;
     (void)!::write(event_fd_, &one, sizeof one);
   }

@@ -4,6 +4,7 @@
 // more are refused, since a controller asks again.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -23,8 +24,11 @@ class RdmAgent {
 
   // The line is called on the agent's thread alone. kIo: no descriptor is to be had.
   [[nodiscard]] static Result<std::unique_ptr<RdmAgent>> create(std::unique_ptr<RdmLine> line);
-  // Waits for the call of the line that runs.
+  // Waits for the call of the line that runs. request_stop() does not wait: no answer comes from then on, the descriptor
+  // stays quiet, and the destructor waits for nothing once has_ended() is true.
   ~RdmAgent();
+  void request_stop();
+  [[nodiscard]] bool has_ended() const { return ended_.load(); }
   RdmAgent(const RdmAgent&) = delete;
   RdmAgent& operator=(const RdmAgent&) = delete;
 
@@ -65,6 +69,7 @@ class RdmAgent {
   bool stopping_ = false;
   News news_;
   std::optional<std::vector<RdmUid>> table_;
+  std::atomic<bool> ended_{false};
   std::thread thread_;  // last: it uses what is above
 };
 

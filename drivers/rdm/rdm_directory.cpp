@@ -4,6 +4,15 @@
 
 namespace footlight::drivers {
 
+RdmDirectory::~RdmDirectory() = default;
+
+void RdmDirectory::retire(std::unique_ptr<RdmAgent> agent) {
+  agent->request_stop();
+  const std::lock_guard lock(mutex_);
+  std::erase_if(retired_, [](const auto& one) { return one->has_ended(); });
+  retired_.push_back(std::move(agent));
+}
+
 void RdmDirectory::put(Universe universe, std::function<std::unique_ptr<RdmLine>()> make_line,
                        std::function<bool()> is_gone) {
   const std::lock_guard lock(mutex_);

@@ -8,7 +8,9 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <vector>
 
+#include "drivers/rdm/rdm_agent.h"
 #include "drivers/rdm/rdm_line.h"
 #include "sim/core/dmx.h"
 
@@ -16,6 +18,8 @@ namespace footlight::drivers {
 
 class RdmDirectory {
  public:
+  // Waits for the agents that were retired.
+  ~RdmDirectory();
   struct Entry {
     // Another number where another device has taken over.
     std::uint64_t generation = 0;
@@ -27,6 +31,8 @@ class RdmDirectory {
   void put(Universe universe, std::function<std::unique_ptr<RdmLine>()> make_line, std::function<bool()> is_gone);
   // nullopt: the universe has no such line.
   [[nodiscard]] std::optional<Entry> find(Universe universe);
+  // Stops an agent and returns at once: for the pump's thread, which must not wait for a line that is busy.
+  void retire(std::unique_ptr<RdmAgent> agent);
 
  private:
   struct Held {
@@ -36,6 +42,7 @@ class RdmDirectory {
   std::mutex mutex_;
   std::map<Universe, Held> held_;  // guarded by mutex_
   std::uint64_t next_generation_ = 1;
+  std::vector<std::unique_ptr<RdmAgent>> retired_;  // guarded by mutex_; those that have ended go with the next one
 };
 
 }  // namespace footlight::drivers

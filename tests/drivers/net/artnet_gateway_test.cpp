@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 
@@ -32,12 +33,21 @@ struct Stage {
   std::condition_variable changed;
   mock::RdmLineModel line = mock::example_rdm_line();
   bool busy = false;
+  bool in_call = false;
   bool gone = false;
 
   Octets answer(std::span<const std::uint8_t> request) {
     std::unique_lock lock(mutex);
+    in_call = true;
+    changed.notify_all();
     changed.wait(lock, [this] { return !busy; });
+    in_call = false;
     return line.answer(request);
+  }
+  // After a moment, where a thread is about to call; false: nobody does.
+  bool is_in_call() {
+    std::unique_lock lock(mutex);
+    return changed.wait_for(lock, std::chrono::seconds(10), [this] { return in_call; });
   }
   void set_busy(bool now_busy) {
     const std::lock_guard lock(mutex);
@@ -57,8 +67,7 @@ class StageWire final : public RdmWire {
 
 struct Bench {
   Bench() {
-    directory->put(
-        1, [this] { return std::make_unique<StageWire>(stage); }, [this] { return stage->gone; });
+    put_line();
     ArtnetSourceOptions options;
     options.name = "artnet:test-in";
     options.universes = {{5, 1}, {6, 2}};
@@ -70,6 +79,11 @@ struct Bench {
     source = std::move(*made);
     console = stranger(0x7F00'0009, 0);
     REQUIRE(console);
+  }
+  // A device with `stage`, in place of the one before.
+  void put_line() {
+    directory->put(
+        1, [on = stage] { return std::make_unique<StageWire>(on); }, [on = stage] { return on->gone; });
   }
   void say(const ArtnetRdmPacket& packet) {
     REQUIRE(send_bytes(console, kThisMachine, kArtnetPort, build_artnet_rdm_packet(packet)));
@@ -182,6 +196,42 @@ TEST_CASE("frames go on while the line is busy") {
   CHECK(received(bench.console).empty());
   bench.stage->set_busy(false);
   CHECK(std::holds_alternative<ArtnetRdm>(bench.hear()[0]));
+}
+
+TEST_CASE("a device that is replaced 70 times while requests wait leaves the gateway answering") {
+  if (!enter_private_network()) return;
+  Bench bench;
+  for (int i = 0; i < 70; ++i) {
+    bench.stage->set_busy(true);
+    bench.say(bench.request_of(0x7FF0'0000'0001, RdmCommand::kGet, kRdmDeviceLabel));
+    REQUIRE(testing::drain(*bench.source, kStartNs, bench.receiver));
+    REQUIRE(bench.stage->is_in_call());
+    const auto old = std::exchange(bench.stage, std::make_shared<Stage>());
+    bench.put_line();
+    // The next request makes the gateway take the new line, while the call of the old one still runs.
+    bench.say(ArtnetTodRequest{{kWithLine}});
+    const auto table = bench.hear();
+    CHECK(std::holds_alternative<ArtnetTodData>(table.at(0)));
+    CHECK(old->is_in_call());  // nobody has waited for it
+    old->set_busy(false);
+  }
+  bench.say(bench.request_of(0x7FF0'0000'0001, RdmCommand::kGet, kRdmDeviceLabel));
+  const auto heard = bench.hear();
+  REQUIRE(heard.size() == 1);
+  CHECK(std::holds_alternative<ArtnetRdm>(heard[0]));
+}
+
+TEST_CASE("who waits for the table of a device that is replaced gets that of the next one") {
+  if (!enter_private_network()) return;
+  Bench bench;
+  bench.stage->set_busy(true);
+  bench.say(ArtnetTodRequest{{kWithLine}});
+  REQUIRE(testing::drain(*bench.source, kStartNs, bench.receiver));
+  const auto old = std::exchange(bench.stage, std::make_shared<Stage>());
+  bench.put_line();
+  bench.say(ArtnetTodRequest{{kWithLine}});  // a controller asks again
+  CHECK(std::get<ArtnetTodData>(bench.hear().at(0)).total == 3);
+  old->set_busy(false);
 }
 
 TEST_CASE("only universes with a line say that they have RDM, and only those answer") {
