@@ -18,6 +18,7 @@
 
 #include "sim/core/clock.h"
 #include "sim/core/no_signals.h"
+#include "sim/system_clock.h"
 
 namespace footlight::tools {
 namespace {
@@ -27,7 +28,6 @@ constexpr unsigned kSilenceMaxS = 10;
 constexpr std::size_t kConnectionBytesMax = 16 * 1024;
 constexpr std::size_t kUploadBytesMax = 4 * 1024;
 constexpr std::size_t kAnswerBytesMax = 64 * 1024 * 1024;
-constexpr DurationNs kPatienceNs = 2 * kNsPerS;
 constexpr std::string_view kUnix = "unix:";
 
 std::optional<sockaddr_un> unix_address(const std::string& path) {
@@ -79,13 +79,18 @@ Error system_error(std::string_view option, const std::string& where, int number
 
 struct HttpServer::Daemon {
   HttpHandler handler;
-  std::string socket_path;  // of a Unix socket; taken away at the end
+  std::string socket_path;  // of a Unix socket; taken away at the end, where it is still this one
+  dev_t device = 0;
+  ino_t inode = 0;
   MHD_Daemon* mhd = nullptr;
   std::vector<int> connections;  // of the server's thread, oldest first
 
   ~Daemon() {
     if (mhd != nullptr) MHD_stop_daemon(mhd);
-    if (!socket_path.empty()) unlink(socket_path.c_str());
+    struct stat now = {};
+    const bool ours =
+        !socket_path.empty() && lstat(socket_path.c_str(), &now) == 0 && now.st_dev == device && now.st_ino == inode;
+    if (ours) unlink(socket_path.c_str());
   }
 
   // When every place is taken, the oldest gives its own: whoever dawdles over a request cannot keep others out.
@@ -166,12 +171,22 @@ Result<std::unique_ptr<HttpServer>> HttpServer::listen(std::string_view option, 
     return is_unix ? bind(fd, plain(*local), sizeof *local) : bind(fd, plain(*inet), sizeof *inet);
   };
   int bound = bind_it();
-  if (bound != 0 && is_unix && errno == EADDRINUSE && !somebody_listens(*local)) {
+  struct stat there = {};
+  const bool taken = bound != 0 && is_unix && errno == EADDRINUSE;
+  if (taken && lstat(path.c_str(), &there) == 0 && !S_ISSOCK(there.st_mode)) {
+    close(fd);
+    return fail(ErrorCode::kBadInput, "{} {}: this file exists and is not a socket; choose another name", option, path);
+  }
+  if (taken && !somebody_listens(*local)) {
     unlink(path.c_str());  // left over from a program that was killed
     bound = bind_it();
   }
   if (bound == 0 && is_unix) {
     daemon->socket_path = path;
+    if (lstat(path.c_str(), &there) == 0) {
+      daemon->device = there.st_dev;
+      daemon->inode = there.st_ino;
+    }
     chmod(path.c_str(), 0666);
   }
   if (bound != 0 || ::listen(fd, static_cast<int>(kConnectionsMax)) != 0) {
@@ -203,7 +218,8 @@ int HttpServer::port() const {
   return address.sin_family == AF_INET ? ntohs(address.sin_port) : 0;
 }
 
-Result<HttpAnswer> http_request(const std::string& socket_path, std::string_view method, std::string_view target) {
+Result<HttpAnswer> http_request(const std::string& socket_path, std::string_view method, std::string_view target,
+                                DurationNs patience_ns) {
   const auto address = unix_address(socket_path);
   if (!address) return fail(ErrorCode::kBadInput, "{}: expected a file name of at most 107 bytes", socket_path);
   struct Closer {
@@ -212,10 +228,19 @@ Result<HttpAnswer> http_request(const std::string& socket_path, std::string_view
       if (fd >= 0) close(fd);
     }
   } const connection{socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)};
-  timeval patience = {};
-  patience.tv_sec = kPatienceNs / kNsPerS;
-  setsockopt(connection.fd, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
-  setsockopt(connection.fd, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+  SystemClock clock;
+  const TimeNs end_ns = clock.now_ns() + patience_ns;
+  // False: the time is up. The limits of the system are for one call each.
+  const auto limit_next_call = [&] {
+    const DurationNs left_ns = end_ns - clock.now_ns();
+    if (left_ns < kNsPerUs) return false;  // 0 would mean no limit
+    timeval left = {};
+    left.tv_sec = left_ns / kNsPerS;
+    left.tv_usec = left_ns % kNsPerS / kNsPerUs;
+    setsockopt(connection.fd, SOL_SOCKET, SO_RCVTIMEO, &left, sizeof left);
+    setsockopt(connection.fd, SOL_SOCKET, SO_SNDTIMEO, &left, sizeof left);
+    return true;
+  };
   const auto refused = [&](int number) {
     const ErrorCode code = number == ENOENT                            ? ErrorCode::kNotFound
                            : number == EACCES || number == EPERM       ? ErrorCode::kPermission
@@ -224,16 +249,21 @@ Result<HttpAnswer> http_request(const std::string& socket_path, std::string_view
                                                                        : ErrorCode::kIo;
     return fail(code, "{}: {}; is 'footlight run' running, and by this user?", socket_path, std::strerror(number));
   };
+  if (!limit_next_call()) return refused(EAGAIN);
   if (connect(connection.fd, plain(*address), sizeof *address) != 0) return refused(errno);
   const std::string request = fmt::format(
       "{} {} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Length: 0\r\n\r\n", method, target);
+  if (!limit_next_call()) return refused(EAGAIN);
   if (send(connection.fd, request.data(), request.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(request.size())) {
     return refused(errno);
   }
   std::string text;
   char buffer[16 * 1024];
   ssize_t count = 0;
-  while ((count = recv(connection.fd, buffer, sizeof buffer, 0)) > 0) {
+  while (true) {
+    if (!limit_next_call()) return refused(EAGAIN);
+    count = recv(connection.fd, buffer, sizeof buffer, 0);
+    if (count <= 0) break;
     text.append(buffer, static_cast<std::size_t>(count));
     if (text.size() > kAnswerBytesMax) break;
   }

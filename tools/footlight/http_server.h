@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "sim/core/clock.h"
 #include "sim/core/result.h"
 
 namespace footlight::tools {
@@ -32,11 +33,11 @@ using HttpHandler = std::function<HttpAnswer(const HttpRequest&)>;
 class HttpServer {
  public:
   // `where`: "unix:/run/footlight/run.sock" or "127.0.0.1:9477", as `option` took it, which begins the messages. A
-  // socket file that nobody listens to any more is replaced. All who can reach a Unix socket's folder may connect.
-  // Errors: kBadInput (not of these forms), kPermission, kIo (port taken, or another program listens to that socket).
+  // socket file that nobody listens to any more is replaced; a file of another kind is refused. All who can reach a Unix socket's folder may connect.
+  // Errors: kBadInput (not of these forms, or a file is there), kPermission, kIo (port taken, or another program listens to that socket).
   [[nodiscard]] static Result<std::unique_ptr<HttpServer>> listen(std::string_view option, const std::string& where,
                                                                   HttpHandler handler);
-  // Ends the thread and takes the socket file away.
+  // Ends the thread and takes the socket file away, unless another file has its name by now.
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
@@ -50,9 +51,10 @@ class HttpServer {
   std::unique_ptr<Daemon> daemon_;
 };
 
-// The other end of a Unix socket: one request on a connection of its own. Blocks, for 2 s at most. Errors: kNotFound
+// The other end of a Unix socket: one request on a connection of its own. Blocks for at most `patience_ns` over all,
+// however slowly the answer comes. Errors: kNotFound
 // (no such socket), kDisconnected (nobody listens), kPermission, kTimeout, kProtocol.
 [[nodiscard]] Result<HttpAnswer> http_request(const std::string& socket_path, std::string_view method,
-                                              std::string_view target);
+                                              std::string_view target, DurationNs patience_ns = 2 * kNsPerS);
 
 }  // namespace footlight::tools

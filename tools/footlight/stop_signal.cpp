@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
+#include <cstring>
 
 #include <fcntl.h>
 #include <sys/eventfd.h>
@@ -79,10 +80,17 @@ bool has_terminal() {
 
 }  // namespace
 
+Status ReloadSignal::opened() const {
+  if (reload_fd.load() >= 0) return {};
+  return fail(ErrorCode::kIo, "cannot open an eventfd for SIGHUP: {}; raise the limit of open files with 'ulimit -n'",
+              std::strerror(open_error_));
+}
+
 ReloadSignal::ReloadSignal() : had_terminal_(has_terminal()) {
   reload_ended.store(false);
   hangup_came.store(false);
   reload_fd.store(eventfd(0, EFD_CLOEXEC));
+  open_error_ = errno;
   struct sigaction action = {};
   action.sa_handler = on_hangup;
   action.sa_flags = SA_RESTART;
@@ -92,13 +100,16 @@ ReloadSignal::ReloadSignal() : had_terminal_(has_terminal()) {
 
 ReloadSignal::~ReloadSignal() {
   std::signal(SIGHUP, SIG_DFL);
-  ::close(reload_fd.exchange(-1));
+  if (const int fd = reload_fd.exchange(-1); fd >= 0) ::close(fd);
 }
 
 ReloadSignal::Wish ReloadSignal::wait() {
   std::uint64_t wishes = 0;
   while (!reload_ended.load()) {
-    if (::read(reload_fd.load(), &wishes, sizeof wishes) != sizeof wishes) continue;  // another signal
+    if (::read(reload_fd.load(), &wishes, sizeof wishes) != sizeof wishes) {
+      if (errno != EINTR) return Wish::kNothing;  // nothing will come: see opened()
+      continue;
+    }
     if (reload_ended.load()) break;
     return hangup_came.exchange(false) && had_terminal_ && !has_terminal() ? Wish::kStop : Wish::kReload;
   }

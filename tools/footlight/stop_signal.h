@@ -2,6 +2,7 @@
 // SIGPIPE is ignored.
 #pragma once
 
+#include "sim/core/result.h"
 #include "sim/pump.h"
 
 namespace footlight::tools {
@@ -28,6 +29,8 @@ class ReloadSignal {
   ReloadSignal(const ReloadSignal&) = delete;
   ReloadSignal& operator=(const ReloadSignal&) = delete;
 
+  // kIo where the system had no descriptor to spare: then wait() returns kNothing at once.
+  [[nodiscard]] Status opened() const;
   enum class Wish { kReload, kStop, kNothing };
   // Waits for a signal, or for wish() or end() of another thread; kNothing: it is over.
   [[nodiscard]] Wish wait();
@@ -36,6 +39,7 @@ class ReloadSignal {
 
  private:
   const bool had_terminal_;
+  int open_error_ = 0;
 };
 
 }  // namespace footlight::tools

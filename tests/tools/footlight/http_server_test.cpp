@@ -3,10 +3,14 @@
 #include <atomic>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <thread>
 #include <vector>
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <poll.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -14,6 +18,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/tools/footlight/run_footlight.h"
+#include "tools/footlight/stop_signal.h"
 
 namespace footlight::tools {
 namespace {
@@ -104,6 +109,73 @@ TEST_CASE("a socket file that a killed program left is replaced, that of a livin
   REQUIRE_FALSE(second.has_value());
   CHECK(second.error().message.find("another program has it") != std::string::npos);
   CHECK(http_request(path, "GET", "/echo").has_value());
+}
+
+TEST_CASE("a file that is no socket is refused as the place of a socket and stays as it was") {
+  const testing::TempFolder folder;
+  const std::string path = folder.file("show.toml");
+  std::ofstream(path) << "[[in]]\n";
+  const std::string link = folder.file("link.sock");
+  std::filesystem::create_symlink(path, link);
+  for (const std::string& place : {path, link}) {
+    const auto refused = HttpServer::listen("--socket", "unix:" + place, echo);
+    REQUIRE_FALSE(refused.has_value());
+    CHECK(refused.error().code == ErrorCode::kBadInput);
+    CHECK(refused.error().message.find(place) != std::string::npos);
+    CHECK(refused.error().message.find("not a socket") != std::string::npos);
+  }
+  std::string text;
+  std::getline(std::ifstream(path), text);
+  CHECK(text == "[[in]]");
+  CHECK(std::filesystem::is_symlink(link));
+}
+
+TEST_CASE("a server that ends leaves a file that has come under its name meanwhile") {
+  const testing::TempFolder folder;
+  const std::string path = folder.file("s.sock");
+  auto first = listen_at("unix:" + path);
+  std::filesystem::remove(path);
+  const auto second = listen_at("unix:" + path);
+  first.reset();
+  CHECK(http_request(path, "GET", "/echo").has_value());
+}
+
+TEST_CASE("a request ends when its time is over, also where the answer comes byte by byte") {
+  const testing::TempFolder folder;
+  const std::string path = folder.file("s.sock");
+  sockaddr_un address = {};
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path, path.c_str(), path.size());
+  const int listener = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  REQUIRE(bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  REQUIRE(listen(listener, 1) == 0);
+  std::thread server([&] {
+    const int fd = accept(listener, nullptr, nullptr);
+    // Each byte comes long before the time of one call is over.
+    for (int i = 0; i < 500 && send(fd, "x", 1, MSG_NOSIGNAL) == 1; ++i) poll(nullptr, 0, 10);
+    close(fd);
+  });
+  const auto answer = http_request(path, "GET", "/echo", 200 * kNsPerMs);
+  server.join();
+  close(listener);
+  REQUIRE_FALSE(answer.has_value());
+  CHECK(answer.error().code == ErrorCode::kTimeout);
+}
+
+TEST_CASE("a reload signal without a descriptor is an error, and waiting for it ends at once") {
+  rlimit before = {};
+  REQUIRE(getrlimit(RLIMIT_NOFILE, &before) == 0);
+  const rlimit none = {.rlim_cur = 0, .rlim_max = before.rlim_max};
+  REQUIRE(setrlimit(RLIMIT_NOFILE, &none) == 0);
+  {
+    ReloadSignal reload;
+    REQUIRE(setrlimit(RLIMIT_NOFILE, &before) == 0);
+    const Status opened = reload.opened();
+    REQUIRE_FALSE(opened.has_value());
+    CHECK(opened.error().code == ErrorCode::kIo);
+    CHECK(opened.error().message.find("ulimit -n") != std::string::npos);
+    CHECK(reload.wait() == ReloadSignal::Wish::kNothing);
+  }
 }
 
 TEST_CASE("those who dawdle over a request cannot keep others out") {
