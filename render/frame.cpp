@@ -104,6 +104,10 @@ void Frame::forget_machine_air() {
   if (machines_) machines_->forget();
 }
 
+void Frame::settle_machine_air(std::span<const std::uint8_t> levels) {
+  if (machines_) machines_->settle(levels);
+}
+
 void Frame::record(VkCommandBuffer commands, const View& view, double exposure_ev) {
   vkCmdResetQueryPool(commands, times_, 0, kMarksMax);
   timed_.clear();

@@ -72,6 +72,8 @@ class Frame {
   // Goes on with the air of another frame of the same rig, or with clear air.
   void take_machine_air(const Frame& from);
   void forget_machine_air();
+  // The air after an hour of these levels.
+  void settle_machine_air(std::span<const std::uint8_t> levels);
 
   // Work light on every surface from the next picture on, lx; at first the rig's.
   void set_ambient_lx(double ambient_lx) { ambient_lx_ = ambient_lx; }

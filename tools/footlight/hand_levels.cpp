@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
+#include "fixtures/color.h"
+#include "fixtures/compile_type.h"
 #include "fixtures/encode.h"
 #include "fixtures/machines.h"
 #include "fixtures/params.h"
@@ -156,6 +159,110 @@ void open_shutter(const fixtures::Rig& rig, const fixtures::PatchedFixture& fixt
   }
 }
 
+constexpr std::array<std::string_view, 3> kEmitters = {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"};
+constexpr double kTooDense = 5;  // times what is wanted
+
+// Red, green and blue of a mode at full, and what its other emitters add.
+struct Mix {
+  std::array<glm::dvec3, 3> emitters{};
+  glm::dvec3 others{0};
+  bool stated = false;  // the file states the colours of the three
+};
+
+// Nothing where the mode does not mix all three.
+std::optional<Mix> mix_of(const fixtures::FixtureType& type, const fixtures::Mode& mode,
+                          const std::vector<Fader>& faders) {
+  Mix mix;
+  mix.stated = true;
+  // The first function of an attribute stands for those of all heads.
+  const auto function_of = [&](std::string_view attribute) -> const fixtures::ChannelFunction* {
+    for (const fixtures::Channel& channel : mode.channels) {
+      for (const fixtures::ChannelFunction& function : channel.functions) {
+        if (fixtures::same_attribute(function.attribute, attribute)) return &function;
+      }
+    }
+    return nullptr;
+  };
+  std::size_t found = 0;
+  for (const Fader& fader : faders) {
+    if (!fader.attribute.starts_with("ColorAdd_")) continue;
+    const fixtures::ChannelFunction* function = function_of(fader.attribute);
+    if (function == nullptr) continue;
+    const glm::dvec3 light = fixtures::emitter_color(type, *function);
+    const auto at = std::find(kEmitters.begin(), kEmitters.end(), fader.attribute);
+    if (at == kEmitters.end()) {
+      mix.others += light * std::clamp((fader.value - fader.from) / (fader.to - fader.from), 0.0, 1.0);
+      continue;
+    }
+    mix.emitters[static_cast<std::size_t>(at - kEmitters.begin())] = light;
+    mix.stated = mix.stated && function->emitter != fixtures::kNoIndex;
+    ++found;
+  }
+  return found == kEmitters.size() ? std::optional(mix) : std::nullopt;
+}
+
+// The white of a fixture: its beam's colour temperature where the file states it and the emitters' colours; the screen's
+// where the beam has none; else what red, green and blue give at full.
+glm::dvec3 own_white(const fixtures::FixtureType& type, const fixtures::Mode& mode, const Mix& mix) {
+  double temperature_k = 0;
+  for (const fixtures::Geometry& geometry : mode.geometries) {
+    if (geometry.beam == fixtures::kNoIndex || geometry.kind != fixtures::GeometryKind::kBeam) continue;
+    temperature_k = type.beams[static_cast<std::size_t>(geometry.beam)].color_temperature_k;
+    break;
+  }
+  if (!(temperature_k > 0)) return glm::dvec3(1);
+  return mix.stated ? fixtures::black_body_rgb(temperature_k) : mix.emitters[0] + mix.emitters[1] + mix.emitters[2];
+}
+
+// CIE 1976 u'v', and what a light weighs in it when it is mixed.
+struct Chromaticity {
+  glm::dvec2 at{0};
+  double weight = 0;
+};
+Chromaticity chromaticity(const glm::dvec3& rgb) {
+  const glm::dvec3 xyz = fixtures::rgb_to_xyz(rgb);
+  const double weight = xyz.x + 15 * xyz.y + 3 * xyz.z;
+  return {glm::dvec2(4 * xyz.x, 9 * xyz.y) / std::max(weight, 1e-12), weight};
+}
+
+// Of a white outside of the triangle of the three: the point on its edges that is nearest in u'v'.
+glm::dvec3 nearest_on_edges(const Mix& mix, const glm::dvec3& white) {
+  const glm::dvec2 wanted = chromaticity(white).at;
+  glm::dvec3 best(1);
+  double best_distance = 1e300;
+  for (int edge = 0; edge < 3; ++edge) {
+    const int to = (edge + 1) % 3;
+    const Chromaticity a = chromaticity(mix.emitters[static_cast<std::size_t>(edge)]);
+    const Chromaticity b = chromaticity(mix.emitters[static_cast<std::size_t>(to)]);
+    if (!(a.weight > 0 && b.weight > 0)) continue;
+    const glm::dvec2 along = b.at - a.at;
+    const double t = std::clamp(glm::dot(wanted - a.at, along) / std::max(glm::dot(along, along), 1e-12), 0.0, 1.0);
+    const double distance = glm::length(a.at + t * along - wanted);
+    if (distance >= best_distance) continue;
+    best_distance = distance;
+    glm::dvec3 amounts(0);
+    amounts[edge] = (1 - t) / a.weight;
+    amounts[to] = t / b.weight;
+    best = amounts / std::max(amounts[edge], amounts[to]);
+  }
+  return best;
+}
+
+// Shares of red, green and blue that make this white with the others, one of them at full.
+glm::dvec3 shares_of(const Mix& mix, const glm::dvec3& white) {
+  const glm::dmat3 emitted(mix.emitters[0], mix.emitters[1], mix.emitters[2]);
+  const double volume = glm::length(emitted[0]) * glm::length(emitted[1]) * glm::length(emitted[2]);
+  if (!(std::abs(glm::determinant(emitted)) > 1e-6 * volume)) return glm::dvec3(1);  // not three colours
+  const glm::dmat3 wanted = glm::inverse(emitted);
+  const glm::dvec3 rising = wanted * white;
+  const glm::dvec3 offset = wanted * mix.others;
+  if (!glm::all(glm::greaterThan(rising, glm::dvec3(0)))) {
+    return mix.others == glm::dvec3(0) ? nearest_on_edges(mix, white) : glm::dvec3(1);
+  }
+  const glm::dvec3 reach_t = (glm::dvec3(1) + offset) / rising;
+  return glm::clamp(std::min({reach_t.x, reach_t.y, reach_t.z}) * rising - offset, 0.0, 1.0);
+}
+
 }  // namespace
 
 void give_hand_addresses(fixtures::Rig& rig) {
@@ -216,52 +323,44 @@ HandLevels::HandLevels(const fixtures::Rig& rig, const fixtures::CompiledRig& co
     }
   }
   balance();
+  fill_room();
 }
 
-// Red, green and blue of makers' files at full add up to what they add up to, often violet. What each of them adds is
-// asked of the model itself, at half and at full beside the others: there light is linear in them, while alone each
-// lies outside of what a screen shows and is brought inside.
+// Red, green and blue of makers' files at full add up to what they add up to, often violet. The mix is solved with the
+// emitters' own light, as what leaves a screen's gamut on its way there is no longer linear in the levels.
 void HandLevels::balance() {
-  static constexpr std::array<std::string_view, 3> kEmitters = {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"};
-  const auto mixes = [&](const std::vector<Fader>& faders) {
-    return std::any_of(faders.begin(), faders.end(),
-                       [](const Fader& fader) { return fader.attribute == kEmitters[0]; });
-  };
-  if (std::none_of(faders_.begin(), faders_.end(), mixes)) return;  // no rig is walked for nothing
-  const auto light = [&] {
-    fixtures::f64::Walker walker(compiled_);
-    walker.step(levels_, 0);
-    std::vector<glm::dvec3> of_fixtures(rig_.fixtures.size(), glm::dvec3(0));
-    for (std::size_t i = 0; i < walker.states.size(); ++i) {
-      const auto fixture = static_cast<std::size_t>(compiled_.heads[i].fixture);
-      const auto& state = walker.states[i];
-      // All heads of a fixture hear one fader: the first that is lit stands for them.
-      if (of_fixtures[fixture] == glm::dvec3(0)) of_fixtures[fixture] = {state.red, state.green, state.blue};
+  for (std::size_t i = 0; i < faders_.size(); ++i) {
+    const fixtures::PatchedFixture& fixture = rig_.fixtures[i];
+    const fixtures::FixtureType& type = rig_.types[static_cast<std::size_t>(fixture.type)];
+    const fixtures::Mode& mode = fixtures::mode_of(rig_, fixture);
+    const std::optional<Mix> mix = mix_of(type, mode, faders_[i]);
+    if (!mix) continue;
+    const glm::dvec3 shares = shares_of(*mix, own_white(type, mode, *mix));
+    for (std::size_t e = 0; e < kEmitters.size(); ++e) {
+      set_share(i, kEmitters[e], shares[static_cast<glm::length_t>(e)]);
     }
-    return of_fixtures;
-  };
+  }
+}
+
+// Haze and fog are linear in what their machines are set to: one look at full says which share is wanted.
+void HandLevels::fill_room() {
+  const auto air = fixtures::MachineAir::make(rig_, compiled_);
+  if (!air) return;
   const auto set_all = [&](std::string_view attribute, double share) {
     for (std::size_t i = 0; i < faders_.size(); ++i) set_share(i, attribute, share);
   };
-  const auto full = light();
-  std::array<std::vector<glm::dvec3>, 3> half;
-  for (std::size_t e = 0; e < kEmitters.size(); ++e) {
-    set_all(kEmitters[e], 0.5);
-    half[e] = light();
-    set_all(kEmitters[e], 1);
-  }
-  for (std::size_t i = 0; i < faders_.size(); ++i) {
-    const glm::dmat3 emitted(2.0 * (full[i] - half[0][i]), 2.0 * (full[i] - half[1][i]), 2.0 * (full[i] - half[2][i]));
-    if (!(std::abs(glm::determinant(emitted)) > 1e-9)) continue;  // not three colours
-    const glm::dvec3 others = full[i] - emitted * glm::dvec3(1);
-    const glm::dmat3 wanted = glm::inverse(emitted);
-    const glm::dvec3 rising = wanted * glm::dvec3(1);
-    const glm::dvec3 offset = wanted * others;
-    if (!glm::all(glm::greaterThan(rising, glm::dvec3(0)))) continue;  // white is outside their triangle
-    const glm::dvec3 reach_t = (glm::dvec3(1) + offset) / rising;
-    const glm::dvec3 shares = glm::clamp(std::min({reach_t.x, reach_t.y, reach_t.z}) * rising - offset, 0.0, 1.0);
-    for (int e = 0; e < 3; ++e) set_share(i, kEmitters[static_cast<std::size_t>(e)], shares[e]);
-  }
+  set_all("Haze1", 1);
+  set_all("Fog1", 1);
+  air->settle(levels_);
+  const double haze = air->haze_per_m();
+  const double fog = air->fog_per_m();
+  const double wanted = kHandHazePerM / (haze > 0 && fog > 0 ? 2 : 1);
+  set_all("Haze1", haze > 0 ? std::min(wanted / haze, 1.0) : 0);
+  set_all("Fog1", fog > 0 ? std::min(wanted / fog, 1.0) : 0);
+  // Machines that can only be on or off would fill the room until nothing is seen.
+  air->settle(levels_);
+  if (air->haze_per_m() > kTooDense * wanted) set_all("Haze1", 0);
+  if (air->fog_per_m() > kTooDense * wanted) set_all("Fog1", 0);
 }
 
 void HandLevels::set_share(std::size_t index, std::string_view attribute, double share) {

@@ -25,10 +25,15 @@ struct Fader {
 // it. For what nobody else drives: on a wire these addresses mean nothing.
 void give_hand_addresses(fixtures::Rig& rig);
 
+// Scattering that machines bring into the room when they begin, 1/m: what a rig has that states no haze.
+inline constexpr double kHandHazePerM = 0.02;
+
 class HandLevels {
  public:
-  // Every fixture at its defaults, lit, its axes in the middle of their ways; white where red, green and blue can make
-  // it with whatever else is lit. Both outlive this.
+  // Every fixture at its defaults, lit, its axes in the middle of their ways. Red, green and blue make the fixture's own
+  // white: the mix nearest to its beam's colour temperature where the file states the colours of the emitters, else what
+  // they give at full. Haze and fog machines run at the level that gives the room kHandHazePerM in the end. Both outlive
+  // this.
   HandLevels(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled);
 
   // universes x 512 bytes in the rig's order.
@@ -43,6 +48,7 @@ class HandLevels {
 
  private:
   void balance();
+  void fill_room();
   void set_share(std::size_t index, std::string_view attribute, double share);
   [[nodiscard]] std::span<std::uint8_t> slots_of(const fixtures::PatchedFixture& fixture);
 

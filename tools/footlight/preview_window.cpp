@@ -253,7 +253,10 @@ Status Preview::rebuild() {
     }));
     fresh->take_machine_air(*frame_);
   }
-  if (!frame_) print_warnings(fresh->resources().diagnostics);
+  if (!frame_) {
+    print_warnings(fresh->resources().diagnostics);
+    if (hand_) fresh->settle_machine_air(hand_->levels());
+  }
   frame_ = std::move(fresh);
   frame_haze_ = controls_.haze;
   shown_ = false;

@@ -267,6 +267,11 @@ Result<int> render_pictures(const Options& options) {
   print_warnings(frame->resources().diagnostics);
   if (by_hand) {
     HandLevels hand(rig, compiled);
+    // Machines that are set begin in clear air.
+    const bool sets_air = std::any_of(options.sets.begin(), options.sets.end(), [](const std::string& text) {
+      return text.find("Haze") != std::string::npos || text.find("Fog") != std::string::npos;
+    });
+    if (!sets_air) frame->settle_machine_air(hand.levels());
     for (const std::string& text : options.sets) FL_TRY(set_by_hand(text, rig, hand));
     frame->step(hand.levels(), 0);
     if (options.at_ns > 0) frame->step(hand.levels(), options.at_ns);  // what spins has spun
@@ -317,7 +322,7 @@ void add(Arguments& arguments) {
   arguments.option("--gobo-taps", options->gobo_taps, 1, 1024, "looks at the gobo a beam and pixel: error and time");
   arguments.option("--flashes", options->flashes, "WORD",
                    "harmful flashes (more than three a second): warn, limit or ignore; warn");
-  arguments.flag("--lit", options->lit, "without a log: every fixture at full, open and white, its axes in the middle");
+  arguments.flag("--lit", options->lit, "without a log: every fixture at full, open and at its own white, its axes in the middle, hazers on");
   arguments.list("--set", options->sets, "WORDS",
                  "as --lit, and ATTRIBUTE=VALUE of all fixtures or FIXTURE:ATTRIBUTE=VALUE of one; many times");
   arguments.option("--work-light", options->work_light_lx, 0, 1e6,

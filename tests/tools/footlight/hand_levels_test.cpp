@@ -1,7 +1,15 @@
+#include <array>
 #include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
+#include "fixtures/color.h"
+#include "fixtures/import/import.h"
+#include "fixtures/machines.h"
 #include "fixtures/walker.h"
 #include "tools/footlight/hand_levels.h"
 
@@ -68,6 +76,173 @@ TEST_CASE("emitters that add up to violet at full begin at a white, the one that
     CHECK(find(hand, i, "ColorAdd_G")->value == doctest::Approx(1));
     CHECK(find(hand, i, "ColorAdd_B")->value < 0.4);
   }
+}
+
+// The demo rig with emitters of these colours, in beams of this colour temperature (0: white as the screen's).
+fixtures::Rig demo_with(const std::array<fixtures::ColorXyY, 3>& colors, double temperature_k) {
+  fixtures::Rig rig = fixtures::demo_rig();
+  constexpr std::array<const char*, 3> kNames = {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"};
+  for (fixtures::FixtureType& type : rig.types) {
+    const int first = static_cast<int>(type.emitters.size());
+    for (std::size_t e = 0; e < 3; ++e) type.emitters.push_back({.name = kNames[e], .color = colors[e]});
+    for (fixtures::Beam& beam : type.beams) beam.color_temperature_k = temperature_k;
+    for (fixtures::Mode& mode : type.modes) {
+      for (fixtures::Channel& channel : mode.channels) {
+        for (fixtures::ChannelFunction& function : channel.functions) {
+          for (std::size_t e = 0; e < 3; ++e) {
+            if (function.attribute == kNames[e]) function.emitter = first + static_cast<int>(e);
+          }
+        }
+      }
+    }
+  }
+  return rig;
+}
+
+// How far each fixture that mixes is from a chromaticity, at most.
+double worst_from(const fixtures::Rig& rig, const fixtures::ColorXyY& wanted) {
+  const fixtures::CompiledRig compiled = fixtures::compile(rig).value();
+  const HandLevels hand(rig, compiled);
+  fixtures::f64::Walker walker(compiled);
+  walker.step(hand.levels(), 0);
+  double worst = 0;
+  int seen = 0;
+  for (std::size_t i = 0; i < rig.fixtures.size(); ++i) {
+    if (find(hand, i, "ColorAdd_B") == nullptr) continue;
+    ++seen;
+    const auto& state = walker.states[compiled.head_first[i]];
+    const auto color = fixtures::to_xyy(fixtures::rgb_to_xyz({state.red, state.green, state.blue}));
+    CHECK(state.red + state.green + state.blue > 0.05);
+    worst = std::max(worst, std::hypot(color.x - wanted.x, color.y - wanted.y));
+  }
+  CHECK(seen > 0);
+  return worst;
+}
+
+// Narrow LEDs whose Y is stated with the blue of a mode that CMY is made of: at full x 0.21 y 0.11, violet.
+constexpr std::array<fixtures::ColorXyY, 3> kNarrow = {
+    {{0.702, 0.297, 10.8}, {0.168, 0.689, 20.6}, {0.152, 0.0257, 7.69}}};
+
+TEST_CASE("Emitters whose file states their colours begin at the white of the beam's colour temperature") {
+  for (const double temperature_k : {3200.0, 5600.0, 8000.0}) {
+    CAPTURE(temperature_k);
+    CHECK(worst_from(demo_with(kNarrow, temperature_k), fixtures::black_body(temperature_k)) < 0.006);
+  }
+  // A beam without a colour temperature is as white as the screen.
+  CHECK(worst_from(demo_with(kNarrow, 0), {0.3127, 0.3290, 100}) < 0.006);
+}
+
+TEST_CASE("A white that the emitters cannot reach gives the nearest one that they can") {
+  // Amber, cyan and blue: the white of 5600 K lies beyond the edge from amber to cyan.
+  const std::array<fixtures::ColorXyY, 3> colors = {{{0.57, 0.42, 40}, {0.17, 0.20, 30}, {0.15, 0.05, 5}}};
+  const fixtures::Rig rig = demo_with(colors, 5600);
+  const fixtures::CompiledRig compiled = fixtures::compile(rig).value();
+  const HandLevels hand(rig, compiled);
+  REQUIRE(find(hand, 0, "ColorAdd_B") != nullptr);
+  CHECK(find(hand, 0, "ColorAdd_B")->value == 0);
+  CHECK(find(hand, 0, "ColorAdd_R")->value > 0);
+  CHECK(find(hand, 0, "ColorAdd_G")->value > 0);
+  CHECK(worst_from(rig, fixtures::black_body(5600)) < 0.05);
+}
+
+TEST_CASE("Red, green and blue of a file that does not state their colours begin at full") {
+  fixtures::Rig rig = fixtures::demo_rig();
+  for (fixtures::FixtureType& type : rig.types) {
+    for (fixtures::Beam& beam : type.beams) beam.color_temperature_k = 3200;
+  }
+  const fixtures::CompiledRig compiled = fixtures::compile(rig).value();
+  const HandLevels hand(rig, compiled);
+  for (const char* emitter : {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"}) {
+    REQUIRE(find(hand, 0, emitter) != nullptr);
+    CHECK(find(hand, 0, emitter)->value == doctest::Approx(1));
+  }
+}
+
+TEST_CASE("Modes of a real profile that add colours begin at the white of its modes that filter them") {
+  const char* data = std::getenv("FOOTLIGHT_TEST_DATA");
+  const std::string path = fmt::format("{}/fixtures/gdtf/Robe@Robin_T1_Profile.gdtf", data == nullptr ? "" : data);
+  const auto imported = fixtures::import_fixture(path);
+  if (!imported) {
+    MESSAGE("SKIPPED: no Robe@Robin_T1_Profile.gdtf below $FOOTLIGHT_TEST_DATA");
+    return;
+  }
+  std::vector<fixtures::ColorXyY> whites;
+  for (std::size_t m = 0; m < imported->type.modes.size(); ++m) {
+    fixtures::Rig rig;
+    rig.types = {imported->type};
+    fixtures::PatchedFixture fixture;
+    fixture.mode = static_cast<int>(m);
+    rig.fixtures = {fixture};
+    give_hand_addresses(rig);
+    const fixtures::CompiledRig compiled = fixtures::compile(rig).value();
+    const HandLevels hand(rig, compiled);
+    fixtures::f64::Walker walker(compiled);
+    walker.step(hand.levels(), 0);
+    const auto& state = walker.states[0];
+    whites.push_back(fixtures::to_xyy(fixtures::rgb_to_xyz({state.red, state.green, state.blue})));
+  }
+  REQUIRE(whites.size() == 5);  // CMY, reduced CMY, RGBAL, RGB, reduced RGB; its CTC stands at some 5700 K by default
+  for (const fixtures::ColorXyY& white : whites) {
+    CHECK(std::hypot(white.x - whites[0].x, white.y - whites[0].y) < 0.006);
+  }
+}
+
+// A room with a hazer and a fog machine, or one of them.
+fixtures::Rig room_with(const std::vector<std::string>& attributes) {
+  fixtures::Rig rig;
+  for (const std::string& attribute : attributes) {
+    fixtures::FixtureType type;
+    type.name = type.id = attribute;
+    fixtures::Mode mode;
+    mode.name = "M";
+    mode.slot_count = 1;
+    fixtures::ChannelFunction function;
+    function.name = function.attribute = attribute;
+    fixtures::Channel channel;
+    channel.name = attribute;
+    channel.slot_offsets = {0};
+    channel.functions = {function};
+    mode.channels = {channel};
+    type.modes = {mode};
+    fixtures::PatchedFixture fixture;
+    fixture.patched = false;
+    fixture.type = static_cast<int>(rig.types.size());
+    rig.types.push_back(type);
+    rig.fixtures.push_back(fixture);
+  }
+  give_hand_addresses(rig);
+  return rig;
+}
+
+TEST_CASE("Haze and fog machines begin at the level that gives the room 0.02 a metre in the end") {
+  for (const std::vector<std::string>& machines :
+       {std::vector<std::string>{"Haze1"}, {"Fog1"}, {"Haze1", "Fog1"}, {"Haze1", "Haze1", "Haze1"}}) {
+    CAPTURE(machines.size());
+    CAPTURE(machines.front());
+    const fixtures::Rig rig = room_with(machines);
+    const auto made = fixtures::compile(rig);
+    REQUIRE_MESSAGE(made, (made ? "" : made.error().message));
+    const fixtures::CompiledRig& compiled = *made;
+    const HandLevels hand(rig, compiled);
+    const auto air = fixtures::MachineAir::make(rig, compiled);
+    REQUIRE(air != nullptr);
+    air->settle(hand.levels());
+    CHECK(air->scattering_per_m() > 0.9 * kHandHazePerM);  // 8 bits
+    CHECK(air->scattering_per_m() < 1.1 * kHandHazePerM);
+  }
+}
+
+TEST_CASE("A fog machine that can only be off or at full begins off") {
+  fixtures::Rig rig = room_with({"Fog1"});
+  auto& functions = rig.types[0].modes[0].channels[0].functions;
+  functions.push_back(functions[0]);
+  functions[0].dmx_to = 127;
+  functions[0].physical_from = functions[0].physical_to = 0;
+  functions[1].dmx_from = 128;
+  functions[1].physical_from = functions[1].physical_to = 1;
+  const fixtures::CompiledRig compiled = fixtures::compile(rig).value();
+  const HandLevels hand(rig, compiled);
+  CHECK(hand.levels()[0] < 128);
 }
 
 TEST_CASE("fixtures of any one emitter begin lit, and tints stay out of a white") {
