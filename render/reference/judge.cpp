@@ -659,8 +659,15 @@ JudgedImage judge_image(const JudgeScene& scene, const View& view, int width, in
   // Rows are taken one by one, so that no thread waits for a bright one; each is computed alone, so the picture is the
   // same for every number of threads.
   std::atomic<int> next_row{0};
+  std::atomic<int> done_rows{0};
+  std::atomic<bool> ended{false};
+  const auto caller = std::this_thread::get_id();
   const auto work = [&] {
-    for (int y = next_row++; y < height; y = next_row++) {
+    for (int y = next_row++; y < height && !ended; y = next_row++) {
+      if (options.go_on && std::this_thread::get_id() == caller && !options.go_on(done_rows, height)) {
+        ended = true;
+        return;
+      }
       double hits = 0;
       for (int x = 0; x < width; ++x) {
         const Ray ray = pixel_ray(view, width, height, x, y);
@@ -675,6 +682,7 @@ JudgedImage judge_image(const JudgeScene& scene, const View& view, int width, in
         for (int c = 0; c < 3; ++c) coarse[at + static_cast<std::size_t>(c)] = rough[c];
       }
       row_hits[static_cast<std::size_t>(y)] = hits;
+      ++done_rows;
     }
   };
   const auto cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
@@ -685,6 +693,7 @@ JudgedImage judge_image(const JudgeScene& scene, const View& view, int width, in
     work();
   }
 
+  judged.whole = !ended;
   judged.image = {width, height, std::vector<float>(values)};
   Wide sum = 0;
   Wide square = 0;

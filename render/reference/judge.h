@@ -121,6 +121,8 @@ struct JudgeOptions {
   double tolerance = 1e-7;   // relative, of each integral; the picture is taken at a hundredth of it
   int threads = 0;           // 0: one per core. The picture does not depend on it.
   bool stated_error = true;  // false: only the finer pass, own_* are 0
+  // Called between rows of pixels on the caller's thread, with how many of them are done; false ends the picture.
+  std::function<bool(int done, int all)> go_on;
 };
 
 struct JudgedImage {
@@ -129,6 +131,7 @@ struct JudgedImage {
   double own_rel_l2 = 0;    // between the tolerance and a hundredth of it
   double own_max = 0;       // largest difference over (value + 1e-2 mean)
   double hits_per_px = 0;   // mean number of beams that the visible part of a pixel's ray crosses
+  bool whole = true;        // false: go_on ended it, and rows are missing
 };
 
 [[nodiscard]] JudgedImage judge_image(const JudgeScene& scene, const View& view, int width, int height,

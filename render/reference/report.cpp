@@ -68,6 +68,21 @@ std::string table(std::span<const Row> rows) {
   return text;
 }
 
+// A line of a table whose other rows are not known: numbers take ten characters, words what they need.
+std::string fixed_line(const PictureRow& row, bool names) {
+  constexpr std::size_t kNumberWidth = 10, kWordWidth = 9;
+  std::string text;
+  for (const auto& [name, value] : fields_of(row)) {
+    const std::string cell = std::visit(ToText{}, value);
+    const std::string shown = names ? name : cell;
+    if (!text.empty()) text += "  ";
+    text += std::holds_alternative<std::string>(value)
+                ? fmt::format("{:<{}}", shown, std::max({kWordWidth, cell.size(), std::string_view(name).size()}))
+                : fmt::format("{:>{}}", shown, std::max(kNumberWidth, std::string_view(name).size()));
+  }
+  return text + "\n";
+}
+
 template <class Row>
 std::string json_lines(std::span<const Row> rows) {
   std::string text;
@@ -220,6 +235,8 @@ bool is_unstable(const TimeRow& row) { return row.ns_p50 > 0 && !(row.ns_p90 <= 
 
 std::string table_of(std::span<const PictureRow> rows) { return table(rows); }
 std::string table_of(std::span<const TimeRow> rows) { return table(rows); }
+std::string table_line_of(const PictureRow& row) { return fixed_line(row, false); }
+std::string table_names_of(const PictureRow& first_row) { return fixed_line(first_row, true); }
 std::string json_lines_of(std::span<const PictureRow> rows) { return json_lines(rows); }
 std::string json_lines_of(std::span<const TimeRow> rows) { return json_lines(rows); }
 std::string csv_of(std::span<const PictureRow> rows) { return csv(rows); }

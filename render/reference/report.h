@@ -59,6 +59,10 @@ struct TimeRow {
 
 // Text: columns aligned, one row a line, a line of names on top, units in the names. Ends with a newline.
 [[nodiscard]] std::string table_of(std::span<const PictureRow> rows);
+// Single lines of such a table, to print each row when it is there: columns of fixed width, the names with those of a
+// first row.
+[[nodiscard]] std::string table_line_of(const PictureRow& row);
+[[nodiscard]] std::string table_names_of(const PictureRow& first_row);
 [[nodiscard]] std::string table_of(std::span<const TimeRow> rows);
 // One JSON object a line with the names of the struct. A number that is not finite is written as null.
 [[nodiscard]] std::string json_lines_of(std::span<const PictureRow> rows);

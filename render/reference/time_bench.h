@@ -38,6 +38,9 @@ struct Frames {
 // Levels for lamps: a second of full, a second of dark, a second of fade, a second of chase, and again.
 [[nodiscard]] std::vector<double> flashes_of(double seconds, std::uint64_t seed);
 
+// Whether the caller wants no more rows.
+[[nodiscard]] inline bool has_ended(const TimeReportOptions& options) { return options.ended && options.ended(); }
+
 struct TimeScene {
   std::string model;
   std::string unit;
@@ -69,12 +72,13 @@ struct NsPerFrame {
 
 class TimeBench {
  public:
-  TimeBench(int runs, std::vector<TimeRow>& rows) : runs_(runs), rows_(rows) {}
+  TimeBench(const TimeReportOptions& options, std::vector<TimeRow>& rows) : options_(options), rows_(rows) {}
 
   // `begin()` gives a fresh method; calling that with the number of a frame steps it and gives the value at the frame's
   // end. Where times are taken: 3 runs to warm up, then `runs` that count, each long enough for the clock.
   template <class Begin>
   void add(const TimeScene& scene, const std::string& method, double knob, Begin begin) {
+    if (has_ended(options_)) return;
     std::vector<double> values(scene.judge.size());
     run(values, begin);
     TimeRow row = time_row_of(scene, method, knob, values);
@@ -85,6 +89,7 @@ class TimeBench {
   // Values that were made elsewhere.
   void add_values(const TimeScene& scene, const std::string& method, double knob, std::span<const double> values,
                   const NsPerFrame& time) {
+    if (has_ended(options_)) return;
     TimeRow row = time_row_of(scene, method, knob, values);
     set_time(row, time);
     rows_.push_back(std::move(row));
@@ -94,10 +99,10 @@ class TimeBench {
   NsPerFrame time_of(std::vector<double>& values, Begin begin) const {
     constexpr int kWarmUps = 3;
     constexpr double kLeastRunNs = 50'000;
-    if (runs_ <= 0 || values.empty()) return {};
+    if (options_.runs <= 0 || values.empty()) return {};
     double passes = 1;
     std::vector<double> ns;
-    for (int i = 0; i < kWarmUps + runs_; ++i) {
+    for (int i = 0; i < kWarmUps + options_.runs; ++i) {
       const double from_ns = thread_ns();
       for (double pass = 0; pass < passes; ++pass) {
         auto step = begin();
@@ -125,7 +130,7 @@ class TimeBench {
     row.ns_p90 = time.p90;
   }
 
-  int runs_;
+  const TimeReportOptions& options_;
   std::vector<TimeRow>& rows_;
 };
 

@@ -111,7 +111,7 @@ void add_scene(const TimeReportOptions& options, std::span<const double> levels,
                                                                               scene.judge[i]));
     before = scene.judge[i];
   }
-  TimeBench bench(options.runs, report.rows);
+  TimeBench bench(options, report.rows);
   const auto dt_of = [&](std::size_t i) {
     return glm::uvec2(static_cast<std::uint32_t>(show.start_ns[i + 1] - show.start_ns[i]), 0u);
   };
@@ -170,7 +170,10 @@ void report_filament(const TimeReportOptions& options, TimeReport& report) {
   JudgeError own{.model = "filament", .judge = "Taylor series of degree 20 to 1e-17, against degree 28 to 1e-19",
                  .second = "the time of each way by Gauss-Kronrod quadrature", .unit = "K"};
   for (const double tau_ms : options.tau_ms) {
-    for (const double fps : options.fps) add_scene(options, levels, tau_ms, fps, report, own);
+    for (const double fps : options.fps) {
+      if (has_ended(options)) break;
+      add_scene(options, levels, tau_ms, fps, report, own);
+    }
   }
   report.judges.push_back(own);
 }

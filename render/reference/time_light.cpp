@@ -65,10 +65,11 @@ void report_pulses(const char* model, bool random, const TimeReportOptions& opti
   const std::vector<double> no_levels(inputs_needed(options.seconds), 0);
   JudgeError own{.model = model, .judge = "straight pieces of each pulse in long double", .own = 0x1p-53,
                  .second = "20,000 midpoints a frame, 60 frames", .unit = "share"};
-  TimeBench bench(options.runs, report.rows);
+  TimeBench bench(options, report.rows);
   for (const double pulse_hz : options.strobe_hz) {
     const auto hz = static_cast<float>(pulse_hz);
     for (const double fps : options.fps) {
+      if (has_ended(options)) break;
       const Frames show = frames_of(options.seconds, fps, no_levels);
       TimeScene scene{.model = model, .unit = "share", .tau_ms = 1000 / pulse_hz, .fps = fps,
                       .seconds = options.seconds, .span = {0, 1}};
@@ -293,7 +294,7 @@ void report_discharge(const TimeReportOptions& options, TimeReport& report) {
   const std::vector<double> levels = flashes_of(options.seconds, options.seed);
   JudgeError own{.model = "discharge", .judge = "RK4 and Simpson with events, long double, steps of tau / 50",
                  .second = "the same in steps of tau / 20, ends of events found anew", .unit = "full"};
-  TimeBench bench(options.runs, report.rows);
+  TimeBench bench(options, report.rows);
   for (const double tau_ms : options.tau_ms) {
     ArcLaw law;
     // Exact floats, so that both types have the same lamp.
@@ -301,6 +302,7 @@ void report_discharge(const TimeReportOptions& options, TimeReport& report) {
     law.run_up_s = static_cast<double>(static_cast<float>(tau_ms * 1e-3));
     law.cool_s = 2 * law.run_up_s;
     for (const double fps : options.fps) {
+      if (has_ended(options)) break;
       const Frames show = frames_of(options.seconds, fps, levels);
       TimeScene scene{.model = "discharge", .unit = "full", .tau_ms = tau_ms, .fps = fps, .seconds = options.seconds,
                       .judge = arc_judged_show(law, show, law.run_up_s / 50), .span = {0, 1}};
@@ -359,13 +361,14 @@ void report_jerk(const TimeReportOptions& options, TimeReport& report) {
   const std::vector<double> levels = moves_of(options.seconds, options.seed);
   JudgeError own{.model = "jerk", .judge = "RK4 behind the motor's events, steps of lag / 120, against lag / 40",
                  .second = "matrix exponential, the motor at the middle of steps, 100 frames", .unit = "range"};
-  TimeBench bench(options.runs, report.rows);
+  TimeBench bench(options, report.rows);
   const f64::MotorLimits limits = f64::motor_limits(1, kFadeS, kAccelerationS);
   const f32::MotorLimits limits_f = f32::motor_limits(1, static_cast<float>(kFadeS),
                                                       static_cast<float>(kAccelerationS));
   for (const double tau_ms : options.tau_ms) {
     const double w = 2 / (tau_ms * 1e-3);
     for (const double fps : options.fps) {
+      if (has_ended(options)) break;
       const Frames show = frames_of(options.seconds, fps, levels);
       TimeScene scene{.model = "jerk", .unit = "range", .tau_ms = tau_ms, .fps = fps, .seconds = options.seconds,
                       .judge = jerk_judged(show, w, kSteps)};

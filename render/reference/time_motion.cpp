@@ -111,7 +111,7 @@ void add_scene(const TimeReportOptions& options, std::span<const double> levels,
   for (std::size_t i = 0; i < show.size(); ++i) {
     own.own = std::max(own.own, std::abs(scene.judge[i] - coarse[i]) / kRangeRad);
   }
-  TimeBench bench(options.runs, report.rows);
+  TimeBench bench(options, report.rows);
   const auto dt_of = [&](std::size_t i) {
     return glm::uvec2(static_cast<std::uint32_t>(show.start_ns[i + 1] - show.start_ns[i]), 0u);
   };
@@ -170,7 +170,10 @@ void report_motion(const TimeReportOptions& options, TimeReport& report) {
   const std::vector<double> levels = moves_of(options.seconds, options.seed);
   JudgeError own{.model = "motion", .judge = "events by bisection to 1e-17 s, against 1e-15 s", .unit = "range"};
   for (const double tau_ms : options.tau_ms) {
-    for (const double fps : options.fps) add_scene(options, levels, tau_ms, fps, report, own);
+    for (const double fps : options.fps) {
+      if (has_ended(options)) break;
+      add_scene(options, levels, tau_ms, fps, report, own);
+    }
   }
   // The second judge knows no law: steps of a microsecond that push as long as braking would stop short, on one move.
   const auto a_max = static_cast<double>(static_cast<float>(kSpeedMax / (options.tau_ms.back() * 1e-3)));

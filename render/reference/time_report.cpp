@@ -1,6 +1,7 @@
 #include "render/reference/time_report.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -90,20 +91,17 @@ TimeReportOptions quick_time_report() {
   return options;
 }
 
+void add_time_part(int part, const TimeReportOptions& options, TimeReport& report) {
+  using Part = void (*)(const TimeReportOptions&, TimeReport&);
+  constexpr std::array<Part, kTimePartCount> kParts{report_filament,  report_motion, report_strobe,    report_spin,
+                                                    report_smoothing, report_belt,   report_led,       report_mains,
+                                                    report_dimmer,    report_pulse,  report_discharge, report_jerk};
+  kParts.at(static_cast<std::size_t>(part))(options, report);
+}
+
 TimeReport time_report(const TimeReportOptions& options) {
   TimeReport report;
-  report_filament(options, report);
-  report_motion(options, report);
-  report_strobe(options, report);
-  report_spin(options, report);
-  report_smoothing(options, report);
-  report_belt(options, report);
-  report_led(options, report);
-  report_mains(options, report);
-  report_dimmer(options, report);
-  report_pulse(options, report);
-  report_discharge(options, report);
-  report_jerk(options, report);
+  for (int part = 0; part < kTimePartCount; ++part) add_time_part(part, options, report);
   return report;
 }
 

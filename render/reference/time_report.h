@@ -21,6 +21,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,8 @@ struct TimeReportOptions {
   double seconds = 6;      // of show, each scene
   int runs = 11;           // timed, after 3 that are not; 0: no times, and the rows are the same on every run
   std::uint64_t seed = 1;  // of the inputs
+  // Called before each row and each scene; true ends the report there, with the rows so far. Empty: never.
+  std::function<bool()> ended;
 };
 
 // Few scenes, for a look and for tests.
@@ -59,6 +62,11 @@ struct TimeReport {
   std::vector<JudgeError> judges;
 };
 [[nodiscard]] TimeReport time_report(const TimeReportOptions& options = {});
+
+// The same in parts, to show each when it is done: part 0 to kTimePartCount - 1 adds its rows and judges. A part is one
+// model, or a few that are alike.
+inline constexpr int kTimePartCount = 12;
+void add_time_part(int part, const TimeReportOptions& options, TimeReport& report);
 
 // Whether this build has CVODE to compare with.
 [[nodiscard]] bool has_cvode();

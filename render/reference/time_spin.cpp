@@ -108,11 +108,12 @@ void add_method(const TimeScene& scene, const char* name, float rate_hz, TimeBen
 void report_spin(const TimeReportOptions& options, TimeReport& report) {
   JudgeError own{.model = "spin", .judge = "128-bit integers, rounded once", .own = 0,
                  .second = "rate times time in long double", .unit = "turn"};
-  TimeBench bench(options.runs, report.rows);
+  TimeBench bench(options, report.rows);
   for (const double rate : options.spin_hz) {
     const auto rate_hz = static_cast<float>(rate);
     for (const double seconds : options.spin_s) {
       for (const double fps : options.fps) {
+        if (has_ended(options)) break;
         if (seconds > kHourS && fps != 60) continue;
         if (seconds > kDayS && rate != options.spin_hz.back()) continue;
         TimeScene scene{.model = "spin", .unit = "turn", .tau_ms = 1000 / rate, .fps = fps, .seconds = seconds,

@@ -133,9 +133,10 @@ JudgeError judge_of(const char* model) {
 void report_smoothing(const TimeReportOptions& options, TimeReport& report) {
   const std::vector<double> levels = moves_of(options.seconds, options.seed);
   JudgeError own = judge_of("smoothing");
-  TimeBench bench(options.runs, report.rows);
+  TimeBench bench(options, report.rows);
   for (const double tau_ms : options.tau_ms) {
     for (const double fps : options.fps) {
+      if (has_ended(options)) break;
       const Case c = case_of("smoothing", options, levels, tau_ms, fps, 1, own);
       const auto dt_of = [&](std::size_t i) {
         return glm::uvec2(static_cast<std::uint32_t>(c.show.start_ns[i + 1] - c.show.start_ns[i]), 0u);
@@ -182,9 +183,10 @@ void report_smoothing(const TimeReportOptions& options, TimeReport& report) {
 void report_belt(const TimeReportOptions& options, TimeReport& report) {
   const std::vector<double> levels = moves_of(options.seconds, options.seed);
   JudgeError own = judge_of("belt");
-  TimeBench bench(options.runs, report.rows);
+  TimeBench bench(options, report.rows);
   for (const double tau_ms : options.tau_ms) {
     for (const double fps : options.fps) {
+      if (has_ended(options)) break;
       const auto damping = static_cast<double>(static_cast<float>(kBeltDamping));
       const Case c = case_of("belt", options, levels, tau_ms, fps, damping, own);
       bench.add(c.scene, "propagator f32", 1, [&] {

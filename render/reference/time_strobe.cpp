@@ -20,10 +20,11 @@ void report_strobe(const TimeReportOptions& options, TimeReport& report) {
   const std::vector<double> no_levels(inputs_needed(options.seconds), 0);
   JudgeError own{.model = "strobe", .judge = "overlaps of flashes and frame in long double", .own = 0,
                  .second = "open time to either end in 128-bit integers", .unit = "share"};
-  TimeBench bench(options.runs, report.rows);
+  TimeBench bench(options, report.rows);
   for (const double strobe_hz : options.strobe_hz) {
     const auto hz = static_cast<float>(strobe_hz);
     for (const double fps : options.fps) {
+      if (has_ended(options)) break;
       const Frames show = frames_of(options.seconds, fps, no_levels);
       TimeScene scene{.model = "strobe", .unit = "share", .tau_ms = 1000 / strobe_hz, .fps = fps,
                       .seconds = options.seconds, .span = {0, 1}};

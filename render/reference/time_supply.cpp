@@ -149,9 +149,10 @@ void report_led(const TimeReportOptions& options, TimeReport& report) {
   const std::vector<double> levels = moves_of(options.seconds, options.seed);
   JudgeError own{.model = "led", .judge = "Taylor series in pieces of half the rise, against a fifth",
                  .second = "RK4 in 4000 steps, 50 frames", .unit = "full"};
-  TimeBench bench(options.runs, report.rows);
+  TimeBench bench(options, report.rows);
   for (const double tau_ms : options.tau_ms) {
     for (const double fps : options.fps) {
+      if (has_ended(options)) break;
       const Frames show = frames_of(options.seconds, fps, levels);
       const double rise_s = tau_ms * 1e-3;
       TimeScene scene{.model = "led", .unit = "full", .tau_ms = tau_ms, .fps = fps, .seconds = options.seconds,
@@ -202,9 +203,10 @@ void report_dimmer(const TimeReportOptions& options, TimeReport& report) {
   const std::vector<double> levels = moves_of(options.seconds, options.seed);
   JudgeError own{.model = "dimmer", .judge = "Taylor series in pieces of half the rise, against a fifth",
                  .second = "RK4 in 4000 steps, 50 frames", .unit = "full"};
-  TimeBench bench(options.runs, report.rows);
+  TimeBench bench(options, report.rows);
   for (const double tau_ms : options.tau_ms) {
     for (const double fps : options.fps) {
+      if (has_ended(options)) break;
       const Frames show = frames_of(options.seconds, fps, levels);
       Frames lit = show;
       for (double& level : lit.input) level *= level;
@@ -250,9 +252,10 @@ void report_mains(const TimeReportOptions& options, TimeReport& report) {
   const std::vector<double> levels = flashes_of(options.seconds, options.seed);
   JudgeError own{.model = "mains", .judge = "Gauss-Kronrod 31 of each half wave", .own = 1e-14,
                  .second = "the integral of the sine squared in long double", .unit = "full"};
-  TimeBench bench(options.runs, report.rows);
+  TimeBench bench(options, report.rows);
   for (const float hz : kHalfWavesHz) {
     for (const double fps : options.fps) {
+      if (has_ended(options)) break;
       const Frames show = frames_of(options.seconds, fps, levels);
       TimeScene scene{.model = "mains", .unit = "full", .tau_ms = 1000 / static_cast<double>(hz), .fps = fps,
                       .seconds = options.seconds, .span = {0, 2}};

@@ -37,8 +37,8 @@ class LogInput {
   [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
 };
 
-// Which format a file has, by its first bytes; a DMX log whose first bytes are damaged, by its blocks. Errors: kNotFound,
-// kPermission, kBadInput (none of them).
+// Which format a file has, by its first bytes; a DMX log whose first bytes are damaged, by its blocks.
+// Errors: kNotFound, kPermission, kBadInput (none of them).
 [[nodiscard]] Result<LogFormat> detect_log_format(const std::string& path);
 
 // A DMX log or an OLA Show; of a DMX log what can be read. universe_offset is added to the universes of an OLA Show.

@@ -1,8 +1,8 @@
 // OLA Show text, as the Open Lighting Architecture's recorder writes and plays it: the line "OLA Show", then in turns
 // "<universe> <level>,<level>,..." and a delay in whole milliseconds. Unix or DOS line ends; a last delay may follow.
 //
-// An empty level is 0, as in OLA's DmxBuffer::SetFromString: "1,,3" is 1, 0, 3, and "1," is 1, 0. OLA also takes text as
-// 0, levels past 255 modulo 256, and drops levels past 512; those are errors here, because they lose levels.
+// An empty level is 0, as in OLA's DmxBuffer::SetFromString: "1,,3" is 1, 0, 3, and "1," is 1, 0. OLA also takes text
+// as 0, levels past 255 modulo 256, and drops levels past 512; those are errors here, because they lose levels.
 //
 // It holds no stamps, senders, priorities or repeats told from changes, so a DMX log that goes through it keeps levels
 // and times rounded to 1 ms. Rounding is carried forward: no frame and no total is off by more than 0.5 ms.

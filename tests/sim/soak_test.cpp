@@ -4,8 +4,8 @@
 
 using namespace footlight;
 
-// A day at the full pace of faults, about one a second, and 3 rounds a second instead of 44, so that it ends within a
-// minute under the sanitizers. `soak --hours 24 --rate 44` in this folder does the whole.
+// A day at the full pace of faults, about one a second, and 3 rounds a second instead of 44: a fixed amount of work,
+// however busy the machine is. `soak --hours 24 --rate 44` in this folder runs the day at the full rate.
 TEST_CASE("a day of faults loses no frame that is not counted, leaves no working sink stale and holds no more memory") {
   const testing::SoakReport report = testing::run_soak({.hours = 24.0, .rate_hz = 3.0, .seed = 1});
   for (const std::string& offence : report.offences) CHECK_MESSAGE(false, offence);

@@ -41,15 +41,32 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
       return fixtures::gobo_transmission(gobo, x, y, kGoboEdge);
     });
     const auto start = std::chrono::steady_clock::now();
-    judged = judge_image(judge, view, options.judge_width, options.judge_height);
+    JudgeOptions judge_options;
+    if (options.go_on) {
+      judge_options.go_on = [&](int done, int all) { return options.go_on("lines of the judge's picture", done, all); };
+    }
+    judged = judge_image(judge, view, options.judge_width, options.judge_height, judge_options);
+    report.ended = !judged.whole;
+    if (report.ended) return report;
     report.judge_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     report.judge_own_rel_l2 = judged.own_rel_l2;
     judged_screen = screen_of(judged.image, scene.camera.exposure_ev);
   }
 
+  if (options.on_judged) options.on_judged(report);
   const FrameSettings defaults;
+  const auto all_rows = static_cast<double>(options.gauss_nodes.size() + options.march_steps.size() +
+                                            (scene.compiled.needs.gobo ? options.gobo_taps.size() : 0));
+  // `share` of the row that is being measured is done. True: there shall be no more of it.
+  const auto ends_at = [&](double share) {
+    report.ended = report.ended ||
+                   (options.go_on &&
+                    !options.go_on("methods and knobs", static_cast<double>(report.rows.size()) + share, all_rows));
+    return report.ended;
+  };
   const auto run = [&](const std::string& name, BeamMethod method, std::uint32_t nodes,
                        std::uint32_t gobo_taps = FrameSettings{}.gobo_taps) -> Status {
+    if (ends_at(0)) return {};
     PictureRow row;
     row.scene = scene.name;
     row.method = name;
@@ -68,6 +85,7 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
       std::vector<double> times_ms;
       std::vector<std::vector<double>> pass_ms(frame->plan().size());
       for (int i = -3; i < options.runs; ++i) {
+        if (ends_at((i + 3.0) / (options.runs + 4.0))) return {};
         FL_TRY(frame->draw(view, scene.camera.exposure_ev));
         FL_ASSIGN(const auto passes, frame->read_times());
         if (i < 0) continue;
@@ -105,6 +123,7 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
       row.flip = flip(screen, judged_screen).mean;
     }
     report.rows.push_back(row);
+    if (options.on_row) options.on_row(report);
     return {};
   };
   for (const std::uint32_t nodes : options.gauss_nodes) FL_TRY(run("gauss", BeamMethod::kGauss, nodes));

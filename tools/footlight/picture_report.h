@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "render/frame.h"
@@ -11,6 +13,8 @@
 #include "tools/footlight/report_scenes.h"
 
 namespace footlight::tools {
+
+struct PictureReport;
 
 struct PictureReportOptions {
   int width = 640;        // the size that is timed
@@ -22,6 +26,10 @@ struct PictureReportOptions {
   std::vector<std::uint32_t> march_steps{8, 16, 32, 64, 128, 256};
   std::vector<std::uint32_t> gobo_taps{8, 16, 32, 64, 128};  // with the default nodes; for rigs with gobos only
   bool judge = true;      // false: only times
+  // Optional. When the judge is done, and after each row: the last of report.rows.
+  std::function<void(const PictureReport& report)> on_judged, on_row;
+  // Optional. Called between parts; false ends the report with the rows so far.
+  std::function<bool(std::string_view what, double done, double all)> go_on;
 };
 
 struct PictureReport {
@@ -31,6 +39,7 @@ struct PictureReport {
   std::vector<render::PassTime> passes;  // median GPU time of each pass with the default method
   std::string device;
   std::vector<std::string> validation_messages;
+  bool ended = false;  // by go_on
 };
 
 // The value of which `share` (0 to 1) are not above it, to the nearest of `values`; there is at least one.

@@ -1,16 +1,23 @@
 // footlight report: error against run time of every approximation, and what the rig left out.
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <string_view>
 #include <system_error>
+
+#include <unistd.h>
 
 #include "fixtures/color.h"
 #include "fixtures/import/import_rig.h"
+#include "sim/system_clock.h"
 #include "tools/footlight/command.h"
+#include "tools/footlight/duration.h"
 #include "tools/footlight/fixtures_command.h"
 #include "tools/footlight/json_lines.h"
 #include "tools/footlight/report_parts.h"
 #include "tools/footlight/status_text.h"
+#include "tools/footlight/terminal.h"
 
 namespace footlight::tools {
 namespace {
@@ -18,6 +25,56 @@ namespace {
 Status unwritable(const std::string& path) {
   return fail(ErrorCode::kIo, "{}: cannot be written; choose a folder that exists and is yours", path);
 }
+
+// One line on standard error that a terminal rewrites: how far the report is and how long it takes from here, as far as
+// the parts that are done tell. Without a terminal there is none.
+class ReportProgress {
+ public:
+  ReportProgress() { catch_end_signals(); }
+  ~ReportProgress() { clear(); }
+  ReportProgress(const ReportProgress&) = delete;
+  ReportProgress& operator=(const ReportProgress&) = delete;
+
+  bool go_on(std::string_view what, double done, double all) {
+    if (end_signal_came() || unread_) return false;
+    const TimeNs now_ns = clock_.now_ns();
+    if (what != what_) {
+      what_ = what;
+      begin_ns_ = now_ns;
+    }
+    if (!terminal_ || now_ns - shown_ns_ < kEveryNs) return true;
+    shown_ns_ = now_ns;
+    shown_ = true;
+    const double share = done / all;
+    const auto left_ns = static_cast<DurationNs>(static_cast<double>(now_ns - begin_ns_) * (1 - share) / share);
+    fmt::print(stderr, "\rfootlight: {}: {:.0f} of {:.0f}{}\033[K", what_, done, all,
+               share > 0 ? fmt::format(", about {} left", show_duration(left_ns)) : "");
+    return true;
+  }
+
+  void print(const std::string& text) {
+    clear();
+    fmt::print("{}", text);
+    const Result<bool> read_on = flush_output();
+    unread_ = !read_on || !*read_on;  // as behind `| head`: the rest would take minutes for nobody
+  }
+
+  void clear() {
+    if (shown_) fmt::print(stderr, "\r\033[K");
+    shown_ = false;
+  }
+
+ private:
+  static constexpr DurationNs kEveryNs = 200 * kNsPerMs;
+
+  SystemClock clock_;
+  const bool terminal_ = isatty(STDERR_FILENO) != 0;
+  std::string what_;
+  TimeNs begin_ns_ = 0;
+  TimeNs shown_ns_ = 0;
+  bool shown_ = false;
+  bool unread_ = false;
+};
 
 struct Options {
   ReportOptions shared;
@@ -62,8 +119,17 @@ Result<int> report(const Options& options, const ReportHalf& pictures, const Rep
     return fail(ErrorCode::kUnsupported,
                 "--pictures: this program was built without the renderer; footlight report --time needs none");
   }
-  if ((both || options.pictures) && pictures) FL_TRY(pictures(options.shared));
-  if (both || options.time) FL_TRY(time(options.shared));
+  ReportProgress progress;
+  ReportOptions shared = options.shared;
+  shared.go_on = [&](std::string_view what, double done, double all) { return progress.go_on(what, done, all); };
+  shared.print = [&](const std::string& text) { progress.print(text); };
+  if ((both || options.pictures) && pictures) FL_TRY(pictures(shared));
+  if ((both || options.time) && !end_signal_came()) FL_TRY(time(shared));
+  progress.clear();
+  if (end_signal_came()) {
+    fmt::print(stderr, "footlight: ended by a signal; rows that were measured are printed{}\n",
+               shared.csv.empty() && shared.svg.empty() ? "" : " and in the files");
+  }
   return kExitOk;
 }
 
@@ -117,7 +183,8 @@ extern const CommandInfo report_command{
         "  footlight report --pictures --fleet 100000        what a step of so many fixtures costs\n"
         "  footlight report --time --worst\n"
         "  footlight report --optics rig.mvr                 colours: CIEDE2000 against spectra in double\n"
-        "Without a rig: the demo. Errors are against adaptive quadrature in double, or an event-exact integrator.",
+        "Without a rig: the demo. Errors are against adaptive quadrature in double, or an event-exact integrator.\n"
+        "Ctrl-C ends the report: what was measured is printed and in the files, and the exit code is 0.",
     .add = add,
 };
 

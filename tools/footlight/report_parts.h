@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "tools/footlight/command.h"
 
@@ -15,9 +16,14 @@ struct ReportOptions {
   std::string svg;
   bool quick = false;
   bool json = false;
+  // Shows on a terminal how far the half is: `done` of `all` parts of `what`. False once a signal to end has come.
+  std::function<bool(std::string_view what, double done, double all)> go_on;
+  // Prints rows to standard output at once, with the line of go_on() out of the way.
+  std::function<void(const std::string& text)> print;
 };
 
-// Prints its half of the report, and writes the files that are asked for.
+// Prints its half of the report row by row, and writes the files that are asked for. Ended by a signal, it prints and
+// writes what it has.
 using ReportHalf = std::function<Status(const ReportOptions&)>;
 
 // Declares the options of pictures. Empty in a build without the renderer: then there are neither.

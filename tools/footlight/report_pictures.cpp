@@ -136,6 +136,18 @@ Status report_fleet(const PictureArguments& arguments, const ReportOptions& opti
   return {};
 }
 
+std::string intro_of(const Scene& scene, const PictureArguments& arguments, const PictureReportOptions& options,
+                     const PictureReport& report) {
+  std::string text =
+      fmt::format("Pictures of {}: beams in haze and on surfaces, on {}.\nTimes: GPU, {}x{}, {} runs after 3. ",
+                  scene.name, report.device, options.width, options.height, arguments.runs);
+  if (arguments.no_judge) return text + "Not judged.\n\n";
+  return text + fmt::format(
+                    "Errors: {}x{} of the same view against adaptive quadrature in double, whose own error is {:.1e} "
+                    "(it took {:.1f} s).\n\n",
+                    options.judge_width, options.judge_height, report.judge_own_rel_l2, report.judge_seconds);
+}
+
 Status report_pictures(const PictureArguments& arguments, const ReportOptions& options) {
   if (arguments.fleet > 0) return report_fleet(arguments, options);
   if (arguments.beams > 0 && (arguments.files.demo || !arguments.files.rig.empty())) {
@@ -161,10 +173,24 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
     picture_options.march_steps = {16, 64};
     picture_options.gobo_taps = {16, 64};
   }
+  picture_options.go_on = options.go_on;
+  picture_options.on_row = [&](const PictureReport& so_far) {
+    const render::PictureRow& row = so_far.rows.back();
+    if (options.json) {
+      options.print(render::json_lines_of({&row, 1}));
+    } else {
+      options.print((so_far.rows.size() == 1 ? render::table_names_of(row) : "") + render::table_line_of(row));
+    }
+  };
+  if (!options.json) {
+    picture_options.on_judged = [&](const PictureReport& so_far) {
+      options.print(intro_of(scene, arguments, picture_options, so_far));
+    };
+  }
   FL_ASSIGN(const PictureReport report, make_picture_report(*device, scene, picture_options));
+  if (report.rows.empty()) return {};
   const auto curves = render::curves_of(report.rows);
   if (options.json) {
-    fmt::print("{}", render::json_lines_of(report.rows));
     if (air) {
       fmt::print(R"({{"event":"air","haze_per_m":{:.9g},"fog_per_m":{:.9g},"error_per_m":{:.3g},"steps":{},)"
                  R"("ns_a_step":{:.1f}}})"
@@ -172,17 +198,7 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
                  air->haze_per_m, air->fog_per_m, air->error_per_m, air->steps, air->ns_a_step);
     }
   } else {
-    fmt::print("Pictures of {}: beams in haze and on surfaces, on {}.\n", scene.name, report.device);
-    fmt::print("Times: GPU, {}x{}, {} runs after 3. ", size.width, size.height, arguments.runs);
-    if (arguments.no_judge) {
-      fmt::print("Not judged.\n\n");
-    } else {
-      fmt::print(
-          "Errors: {}x{} of the same view against adaptive quadrature in double, whose own error is {:.1e} "
-          "(it took {:.1f} s).\n\n",
-          judge_size.width, judge_size.height, report.judge_own_rel_l2, report.judge_seconds);
-    }
-    fmt::print("{}\n", render::table_of(report.rows));
+    options.print("\n");
     for (const auto& row : report.rows) {
       if (row.ms_p10 > 0 && row.ms_p90 / row.ms_p10 > 1.15) {
         fmt::print("unstable: {} {} varies by {:.2f} between p10 and p90\n", row.method, row.knob,

@@ -1,6 +1,7 @@
 // footlight report --time: error against run time of what moves, glows and flashes.
 #include <algorithm>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -54,45 +55,33 @@ void print_worst(const ReportOptions& options) {
   }
 }
 
-Status report_time(const TimeArguments& arguments, const ReportOptions& options) {
-  if (arguments.worst) {
-    print_worst(options);
-    return {};
-  }
-  const render::TimeReportOptions time_options =
-      options.quick ? render::quick_time_report() : render::TimeReportOptions{};
-  const render::TimeReport report = render::time_report(time_options);
-  const auto summaries = render::summaries_of(report.rows);
-  if (options.json) fmt::print("{}", render::json_lines_of(report.rows));
-  if (!options.json) {
-    fmt::print(
-        "Time behaviour: error against run time on one CPU core. Inputs change at 44 Hz and are held for a frame;\n"
-        "{:g} s of show a scene; scenes: tau {} ms (unless said otherwise) x {} frames a second.\n"
-        "Times: median of {} runs after 3, geometric mean over the scenes; unstable: p90 > 1.15 p10.\n"
-        "relL2 mean: geometric, a failed scene stands as 1. Failed: diverged, non-finite, or as wrong as darkness.\n"
-        "{}\n",
-        time_options.seconds, fmt::join(time_options.tau_ms, ", "), fmt::join(time_options.fps, ", "),
-        time_options.runs, render::has_cvode() ? "" : "Built without CVODE.\n");
-  }
+// Tables and plots of the models whose rows begin at `first`.
+Status show_models(const TimeArguments& arguments, const ReportOptions& options,
+                   const render::TimeReportOptions& time_options, const render::TimeReport& report, std::size_t first) {
+  const std::vector<render::TimeRow> new_rows(report.rows.begin() + static_cast<std::ptrdiff_t>(first),
+                                              report.rows.end());
+  const auto summaries = render::summaries_of(new_rows);
   for (const ModelText& text : kModels) {
     std::vector<render::TimeSummary> summary;
     std::copy_if(summaries.begin(), summaries.end(), std::back_inserter(summary),
                  [&](const auto& s) { return s.model == text.model; });
     std::vector<render::TimeRow> rows;
-    std::copy_if(report.rows.begin(), report.rows.end(), std::back_inserter(rows),
+    std::copy_if(new_rows.begin(), new_rows.end(), std::back_inserter(rows),
                  [&](const auto& r) { return r.model == text.model; });
     if (rows.empty()) continue;
     if (!options.json) {
-      fmt::print("{}\n", text.title);
+      std::string shown = fmt::format("{}\n", text.title);
       for (const render::JudgeError& judge : report.judges) {
         if (judge.model != text.model) continue;
-        fmt::print("Judge: {}: {:.1e} {}. Second judge: {}: {:.1e} {}.\n", judge.judge, judge.own, judge.unit,
-                   judge.second, judge.difference, judge.unit);
+        shown += fmt::format("Judge: {}: {:.1e} {}. Second judge: {}: {:.1e} {}.\n", judge.judge, judge.own, judge.unit,
+                             judge.second, judge.difference, judge.unit);
       }
-      fmt::print("\n{}\n", render::table_of(summary, rows.front().unit));
-      fmt::print("{}\n", render::time_at_error_of(rows, text.ours));
-      fmt::print("{}\n", render::cheapest_rivals_of(rows, text.ours, time_options.fps[time_options.fps.size() / 3]));
-      if (arguments.rows) fmt::print("{}\n", render::table_of(rows));
+      shown += fmt::format("\n{}\n", render::table_of(summary, rows.front().unit));
+      shown += fmt::format("{}\n", render::time_at_error_of(rows, text.ours));
+      shown += fmt::format("{}\n",
+                           render::cheapest_rivals_of(rows, text.ours, time_options.fps[time_options.fps.size() / 3]));
+      if (arguments.rows) shown += fmt::format("{}\n", render::table_of(rows));
+      options.print(shown);
     }
     if (!options.svg.empty()) {
       FL_TRY(write_report_file(
@@ -101,6 +90,44 @@ Status report_time(const TimeArguments& arguments, const ReportOptions& options)
                             "time a frame, ns", "relative L2 error"},
                            render::curves_of(summary))));
     }
+  }
+  return {};
+}
+
+Status report_time(const TimeArguments& arguments, const ReportOptions& options) {
+  if (arguments.worst) {
+    print_worst(options);
+    return {};
+  }
+  render::TimeReportOptions time_options = options.quick ? render::quick_time_report() : render::TimeReportOptions{};
+  render::TimeReport report;
+  int part = 0;
+  std::size_t printed = 0;
+  bool ended = false;
+  const auto print_rows = [&] {
+    if (options.json) options.print(render::json_lines_of(std::span(report.rows).subspan(printed)));
+    printed = report.rows.size();
+  };
+  time_options.ended = [&] {
+    if (printed != report.rows.size()) print_rows();
+    ended = ended || !options.go_on("models of time behaviour", part, render::kTimePartCount);
+    return ended;
+  };
+  if (!options.json) {
+    options.print(fmt::format(
+        "Time behaviour: error against run time on one CPU core. Inputs change at 44 Hz and are held for a frame;\n"
+        "{:g} s of show a scene; scenes: tau {} ms (unless said otherwise) x {} frames a second.\n"
+        "Times: median of {} runs after 3, geometric mean over the scenes; unstable: p90 > 1.15 p10.\n"
+        "relL2 mean: geometric, a failed scene stands as 1. Failed: diverged, non-finite, or as wrong as darkness.\n"
+        "{}\n",
+        time_options.seconds, fmt::join(time_options.tau_ms, ", "), fmt::join(time_options.fps, ", "),
+        time_options.runs, render::has_cvode() ? "" : "Built without CVODE.\n"));
+  }
+  for (; part < render::kTimePartCount && !ended; ++part) {
+    const std::size_t first = report.rows.size();
+    render::add_time_part(part, time_options, report);
+    print_rows();
+    FL_TRY(show_models(arguments, options, time_options, report, first));
   }
   if (!options.csv.empty()) {
     FL_TRY(write_report_file(with_report_suffix(options.csv, "time"), render::csv_of(report.rows)));

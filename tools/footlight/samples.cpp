@@ -45,7 +45,8 @@ Status write_rig(const std::string& path) {
 }
 
 Status write_mvr(const std::string& path) {
-  FL_ASSIGN(const fixtures::ImportedRig rig, fixtures::import_rig((fs::path(path).parent_path() / "rig.toml").string()));
+  FL_ASSIGN(const fixtures::ImportedRig rig,
+            fixtures::import_rig((fs::path(path).parent_path() / "rig.toml").string()));
   FL_ASSIGN(const fixtures::ExportReport report, fixtures::export_mvr(rig, path));
   return {};
 }
@@ -128,7 +129,8 @@ Status write_qxw(const std::string& path) {
 // ---- Shows and logs ------------------------------------------------------------------------------------------------
 
 Status write_show_file(const std::string& path) {
-  return fixtures::write_file(path, R"(# What 'footlight run show.toml' connects: docs/formats/show_file.md has every key.
+  return fixtures::write_file(path,
+                              R"(# What 'footlight run show.toml' connects: docs/formats/show_file.md has every key.
 universes = 2
 
 [merge]
@@ -141,7 +143,7 @@ endpoint = "sacn:1-2"
 endpoint = "mock:enttec-pro"   # a model of a dongle; "enttec-pro" is the one that is plugged in
 
 [[out]]
-endpoint = "mock:enttec-pro/2=2"
+endpoint = "mock:enttec-pro/SECOND=2"
 )");
 }
 
@@ -216,8 +218,8 @@ Octets sacn_on_ethernet(const LogFrame& frame) {
   data.slots = frame.slots();
   std::array<std::uint8_t, drivers::kSacnDataBytesMax> payload;
   const std::size_t size = drivers::build_sacn_data(data, payload);
-  Octets packet = {0x01, 0x00, 0x5E, 0x7F, 0x00, static_cast<std::uint8_t>(frame.universe),
-                   0x02, 0x00, 0x00, 0x00, 0x00, 0x07, 0x08, 0x00};
+  Octets packet = {0x01, 0x00, 0x5E, 0x7F, 0x00, static_cast<std::uint8_t>(frame.universe), 0x02, 0x00, 0x00,
+                   0x00, 0x00, 0x07, 0x08, 0x00};
   put_be(packet, 0x4500, 2);
   put_be(packet, 20 + 8 + size, 2);
   put_be(packet, 0x00004000, 4);

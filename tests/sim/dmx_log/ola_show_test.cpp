@@ -105,8 +105,7 @@ TEST_CASE("what is wrong in an OLA Show is named with its line and what was expe
   CHECK(error_of("OLA Show\n1 0\n99999999999999999999\n").find("bad.show:3: expected a delay") == 0);
   CHECK(error_of("OLA Show\n1 0,256\n") == "bad.show:2: expected a level from 0 to 255 for address 2, got '256'");
   CHECK(error_of("OLA Show\n1 0,,256\n") == "bad.show:2: expected a level from 0 to 255 for address 3, got '256'");
-  CHECK(error_of("OLA Show\n1 0,\n5\n1 ,x\n") ==
-        "bad.show:4: expected a level from 0 to 255 for address 2, got 'x'");
+  CHECK(error_of("OLA Show\n1 0,\n5\n1 ,x\n") == "bad.show:4: expected a level from 0 to 255 for address 2, got 'x'");
   CHECK(error_of("OLA Show\nx 0\n") == "bad.show:2: expected '<universe> <level>,<level>,...', got 'x 0'");
   CHECK(error_of("OLA Show\n64000 0\n") == "bad.show:2: expected a universe from 1 to 63999, got 64000");
   CHECK(error_of("OLA Show\n0 0\n").find("expected a universe from 1 to 63999, got 0; for a show") !=

@@ -215,21 +215,21 @@ TEST_CASE("a log that was cut off is shown as far as it goes, with exit code 1 a
   CHECK(contains(headless.err, "head.dmxlog"));
 }
 
-TEST_CASE("a log whose recorder was killed is missing under its name: every command names the .part file, and reads it") {
+TEST_CASE("where only the .part file of a killed recorder is there, every command names it and reads it") {
   const TempFolder folder;
   const std::string log = folder.file("a.dmxlog");
   const std::string part = log + ".part";
   write_log(log, pattern(), false);
   write_log(log, pattern(), false);  // a later recording of that name: .part2
 
-  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
-           {"log", "info", log},
-           {"log", "convert", log, folder.file("b.dmxlog")},
-           {"log", "diff", log, log},
-           {"log", "timing", log},
-           {"replay", log, "--out", "mock:enttec-pro"},
-           {"run", "--in", "log:" + log, "--out", "mock:enttec-pro"},
-           {"record", "--in", "log:" + log, "-o", folder.file("c.dmxlog")}}) {
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"log", "info", log},
+                                             {"log", "convert", log, folder.file("b.dmxlog")},
+                                             {"log", "diff", log, log},
+                                             {"log", "timing", log},
+                                             {"replay", log, "--out", "mock:enttec-pro"},
+                                             {"run", "--in", "log:" + log, "--out", "mock:enttec-pro"},
+                                             {"record", "--in", "log:" + log, "-o", folder.file("c.dmxlog")}}) {
     CAPTURE(words[1]);
     const Outcome missing = footlight(words);
     CAPTURE(missing.err);

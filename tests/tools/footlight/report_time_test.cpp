@@ -1,11 +1,19 @@
 // footlight report --time, as a user runs it.
 #include <algorithm>
+#include <csignal>
 #include <cstddef>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <set>
 #include <sstream>
 #include <string>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <pty.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
@@ -46,6 +54,69 @@ TEST_CASE("the report of time prints a row of JSON for every method, and writes 
     CAPTURE(model);
     CHECK(text_of(folder.file("r-time-" + model + ".svg")).find("</svg>") != std::string::npos);
   }
+}
+
+TEST_CASE("rows of a report are printed as they are measured; Ctrl-C keeps them, in whole files, with exit code 0") {
+  const TempFolder folder;
+  Footlight report(
+      {"report", "--time", "--quick", "--json", "--csv", folder.file("r.csv"), "--svg", folder.file("r.svg")});
+  report.wait_for(R"("model":"motion")");  // filament is done
+  report.signal(SIGINT);
+  const Outcome outcome = report.wait();
+  CAPTURE(outcome.err);
+  CHECK(outcome.exit_code == 0);
+  CHECK(outcome.err.find("ended by a signal") != std::string::npos);
+  std::size_t rows = 0;
+  std::set<std::string> models;
+  std::istringstream lines(outcome.out);
+  for (std::string line; std::getline(lines, line); ++rows) {
+    const auto row = nlohmann::json::parse(line, nullptr, false);
+    REQUIRE(row.is_object());
+    models.insert(row["model"]);
+  }
+  CHECK(models.contains("filament"));
+  CHECK_FALSE(models.contains("jerk"));
+  const std::string csv = text_of(folder.file("r-time.csv"));
+  CHECK(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')) == rows + 1);
+  CHECK(csv.ends_with("\n"));
+  CHECK(text_of(folder.file("r-time-filament.svg")).find("</svg>") != std::string::npos);
+  for (const auto& entry : std::filesystem::directory_iterator(folder.file(""))) {
+    CHECK(entry.path().extension() != ".part");
+  }
+}
+
+TEST_CASE("on a terminal a report shows how far it is and about how long it takes") {
+  int terminal = -1, other = -1;
+  REQUIRE(openpty(&terminal, &other, nullptr, nullptr, nullptr) == 0);
+  const pid_t pid = fork();
+  REQUIRE(pid >= 0);
+  if (pid == 0) {
+    const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
+    dup2(nothing, STDIN_FILENO);
+    dup2(nothing, STDOUT_FILENO);
+    dup2(other, STDERR_FILENO);
+    close(terminal);
+    close(other);
+    execl(FOOTLIGHT_BINARY, FOOTLIGHT_BINARY, "report", "--time", "--quick", nullptr);
+    _exit(127);
+  }
+  close(other);
+  std::string shown;
+  char buffer[1024];
+  for (ssize_t count = 0; shown.find(" left") == std::string::npos; shown.append(buffer, std::size_t(count))) {
+    pollfd ready{terminal, POLLIN, 0};
+    REQUIRE(poll(&ready, 1, 60'000) == 1);
+    count = read(terminal, buffer, sizeof buffer);
+    REQUIRE_MESSAGE(count > 0, shown);
+  }
+  CHECK(shown.find("footlight: models of time behaviour: 0 of 12") != std::string::npos);
+  CHECK(shown.find(" of 12, about ") != std::string::npos);
+  CHECK(kill(pid, SIGTERM) == 0);
+  int status = 0;
+  REQUIRE(waitpid(pid, &status, 0) == pid);
+  close(terminal);
+  CHECK(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == 0);
 }
 
 TEST_CASE("the worst disagreements of float and double are printed with the input that causes them") {
