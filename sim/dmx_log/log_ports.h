@@ -68,8 +68,8 @@ struct LogSinkOptions {
 };
 
 // Records every frame with the stamp that it carries. send() copies the frame; a thread of the sink's own compresses
-// and writes, so that a slow disk never holds up the pump. When the process is killed, frames that are older than 1 s are
-// in the .part file: 0.8 s until their block is due, and 0.2 s for compressing and writing it. Lost frames are in
+// and writes, so that a slow disk never holds up the pump. When the process is killed, frames that are older than 1 s
+// are in the .part file: 0.8 s until their block is due, and 0.2 s for compressing and writing it. Lost frames are in
 // counters().dropped, trouble of the disk makes the state kGone with trouble() saying why; what was written stays
 // readable.
 class LogSink final : public Sink {
