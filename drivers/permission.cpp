@@ -65,9 +65,10 @@ void add_own_rule(PermissionFacts& facts, const FoundDevice& device) {
   const std::string_view attribute = is_tty ? "ATTRS" : "ATTR";
   const std::string which = by_serial ? fmt::format(R"({}{{serial}}=="{}")", attribute, device.serial)
                                       : fmt::format(R"({}=="{}")", is_tty ? "KERNELS" : "KERNEL", device.port_path);
-  facts.own_rule = fmt::format(
-      R"(SUBSYSTEM=="{}", {}{{idVendor}}=="{:04x}", {}{{idProduct}}=="{:04x}", {}, GROUP="{}", MODE="0660", TAG+="uaccess")",
-      is_tty ? "tty" : "usb", attribute, device.usb_vendor, attribute, device.usb_product, which, kRulesGroup);
+  facts.own_rule = fmt::format(R"(SUBSYSTEM=="{}", {}{{idVendor}}=="{:04x}", {}{{idProduct}}=="{:04x}", {}, )"
+                               R"(GROUP="{}", MODE="0660", TAG+="uaccess")",
+                               is_tty ? "tty" : "usb", attribute, device.usb_vendor, attribute, device.usb_product,
+                               which, kRulesGroup);
   facts.own_rule_name = fmt::format("70-footlight-{}.rules", by_serial ? device.serial : "port-" + device.port_path);
 }
 

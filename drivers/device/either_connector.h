@@ -2,9 +2,9 @@
 // there at that moment.
 //
 // A device of the USB communication class is reached over its tty alone. An FTDI chip is reached over libusb, or over
-// its tty where this build has no libusb or this user may not use it. A chip that was plugged in while the connector was
-// in use is left to libusb for kAnnouncement_ns: /sys shows it before udev has given its node permissions and before
-// libusb has announced it, and a port that took its tty then would keep it.
+// its tty where this build has no libusb or this user may not use it. A chip that was plugged in while the connector
+// was in use is left to libusb for kAnnouncement_ns: /sys shows it before udev has given its node permissions and
+// before libusb has announced it, and a port that took its tty then would keep it.
 #pragma once
 
 #include <functional>

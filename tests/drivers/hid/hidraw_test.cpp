@@ -40,10 +40,12 @@ TEST_CASE("a node that this user may not open is named together with the command
   Bench<NodleModel> bench("nodle");
   bench.socket.plug();
   const DeviceList list =
-      find_devices({.node_access = [](const std::string& node) { return node == "/dev/hidraw1" ? EACCES : 0; }});
+      find_devices({.node_access = [](const std::string& node) { return node == "/dev/hidraw1" ? EACCES : 0; },
+                    .etc_root = "/nonexistent",
+                    .lib_roots = {}});
   REQUIRE(list.devices.size() == 1);
   CHECK(list.devices[0].readiness == Readiness::kNoPermission);
-  CHECK(list.devices[0].reason == "/dev/hidraw1: Permission denied");
+  CHECK(list.devices[0].reason == "/dev/hidraw1: Permission denied; the udev rules are not installed");
   CHECK(list.devices[0].remedy.find("70-footlight.rules") != std::string::npos);
 }
 
