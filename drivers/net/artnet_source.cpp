@@ -30,7 +30,6 @@ Result<std::unique_ptr<ArtnetSource>> ArtnetSource::create(const ArtnetSourceOpt
 ArtnetSource::ArtnetSource(const ArtnetSourceOptions& options)
     : NetSource([&] {
         Settings settings(options);
-        settings.packet_info = true;
         settings.silence_max_ns = kArtnetSilenceMaxNs;
         return settings;
       }()),

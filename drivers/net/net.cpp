@@ -9,6 +9,7 @@
 
 #include "drivers/net/artnet_nodes.h"
 #include "drivers/net/hash.h"
+#include "drivers/net/unicast_exchange.h"
 
 namespace footlight::drivers {
 namespace {
@@ -47,7 +48,7 @@ Result<std::unique_ptr<Sink>> make_net_sink(const Endpoint& endpoint, std::share
   return not_of_the_network(endpoint);
 }
 
-OwnSenders::OwnSenders() : artnet_(std::make_unique<ArtnetProgram>()) {}
+OwnSenders::OwnSenders() : artnet_(std::make_unique<ArtnetProgram>()), unicast_(std::make_unique<UnicastExchange>()) {}
 OwnSenders::~OwnSenders() = default;
 
 void OwnSenders::add_cid(const Cid& cid) {

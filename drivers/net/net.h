@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -34,6 +35,7 @@ using Cid = std::array<std::uint8_t, 16>;
 
 class ArtnetProgram;
 class RdmDirectory;
+class UnicastExchange;
 
 // The senders of this program. Give one to all network ports of a program and no source takes for input what a sink of
 // the same program sent (multicast and broadcast come back to the machine that sent them, which is how several programs
@@ -47,11 +49,14 @@ class OwnSenders {
   [[nodiscard]] bool has_cid(const Cid& cid) const;
   // What Art-Net ports have to know of each other (drivers/net/artnet_nodes.h).
   [[nodiscard]] ArtnetProgram& artnet() { return *artnet_; }
+  // Inputs of this program that share a UDP port (drivers/net/unicast_exchange.h).
+  [[nodiscard]] UnicastExchange& unicast() { return *unicast_; }
 
  private:
   mutable std::mutex mutex_;
   std::vector<Cid> cids_;  // guarded by mutex_
   const std::unique_ptr<ArtnetProgram> artnet_;
+  const std::unique_ptr<UnicastExchange> unicast_;
 };
 
 // What every port of a network is made from. `name` and `universes` are required.
@@ -65,8 +70,16 @@ struct NetOptions {
   std::uint16_t port;                        // UDP, of the receivers
   std::shared_ptr<OwnSenders> own_senders;   // null: echoes of this program's sinks are input like any other
 };
+// Unicast on a UDP port that several programs of this machine have open goes to one of them (docs/decisions/0092). A
+// source that finds the port in another program leaves it unicast, and takes multicast and broadcast as usual. Its
+// first notice names that program.
 struct NetSourceOptions : NetOptions {
   using NetOptions::NetOptions;
+  // Leaves unicast to every other program, also to those that open the port later: for listeners beside a show, such as
+  // a monitor.
+  bool yields = false;
+  // Asked while the source opens, which takes seconds with ten thousands of groups; true ends it with kTimeout.
+  std::function<bool()> stopping;
   bool kernel_stamps = true;  // stamp frames with their time of arrival in the kernel, else with the time of poll()
 };
 struct NetSinkOptions : NetOptions {

@@ -5,12 +5,17 @@
 #include <cerrno>
 
 #include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include "drivers/net/port_holders.h"
 
 namespace footlight::drivers {
 namespace {
 
 constexpr std::uint64_t kWatchTag = UINT64_MAX;
 constexpr std::uint64_t kOtherTag = UINT64_MAX - 1;  // of watch(): the protocol looks after it
+constexpr std::uint64_t kInboxTag = UINT64_MAX - 2;
 // Of one poll() and socket. What is left makes the descriptor readable again at once, so a flood on one port does not
 // keep the pump from the others.
 constexpr int kBatchesMax = 16;
@@ -78,11 +83,92 @@ Status NetSource::open() {
   if (watch_.fd() >= 0 && !watch_readable(epoll_, watch_.fd(), kWatchTag)) {
     return tl::unexpected(net_error(settings_.name, "watch the network interfaces", errno));
   }
+  if (!is_multicast(bind_ipv4s.front())) {
+    find_sharing(bind_ipv4s);
+    FL_TRY(open_inbox());
+  }
+  if (settings_.yields) bind_ipv4s.assign(1, 0);
   for (const std::uint32_t bind_ipv4 : bind_ipv4s) FL_TRY(add_socket(bind_ipv4));
   join_missing();
+  settings_.stopping = nullptr;  // of the start alone
   // From the start, a group that cannot be joined is a mistake in the options or in the system.
   if (joined_interfaces_.empty() && join_refused_) return fail(join_refused_->code, "{}", join_refused_->message);
   return {};
+}
+
+NetSource::~NetSource() {
+  if (inbox_.event && settings_.own_senders) {
+    // What this socket was given and the other inputs have not got yet.
+    for (std::size_t i = 0; inbox_.shared && i < sockets_.size(); ++i) {
+      for (int count = 0; (count = reader_.read(sockets_[i].fd.get())) > 0;) {
+        for (int k = 0; k < count; ++k) {
+          const Datagram& datagram = reader_[static_cast<std::size_t>(k)];
+          if (!is_unicast(datagram) || datagram.truncated) continue;
+          settings_.own_senders->unicast().pass_on(inbox_, datagram, polled_ns_ - datagram.age_ns);
+        }
+      }
+    }
+    settings_.own_senders->unicast().remove(inbox_);
+  }
+  // The kernel finds the group that was joined last first: closing in the other order searches a list of all groups for
+  // each one.
+  while (!sockets_.empty()) sockets_.pop_back();
+}
+
+void NetSource::find_sharing(std::span<const std::uint32_t> bind_ipv4s) {
+  const bool any = bind_ipv4s.front() == 0;
+  if (!any) inbox_.ipv4s.assign(bind_ipv4s.begin(), bind_ipv4s.end());
+  const auto holders = other_holders(settings_.port);
+  const auto other = std::find_if(holders.begin(), holders.end(), [&](const PortHolder& holder) {
+    if (!holder.is_ipv4) return settings_.yields;  // it leaves unicast to an IPv4 socket, as ours is unless it yields
+    if (holder.ipv4 == 0) return true;
+    return std::find(bind_ipv4s.begin(), bind_ipv4s.end(), holder.ipv4) != bind_ipv4s.end();
+  });
+  if (other == holders.end()) return;
+  sharing_ =
+      PortNotice{.level = settings_.yields ? NoticeLevel::kInfo : NoticeLevel::kWarning,
+                 .id = "port-shared",
+                 .text = fmt::format("{} has UDP port {} open and gets the unicast frames; multicast and "
+                                     "broadcast frames come here too. {}",
+                                     other->description, settings_.port,
+                                     other->is_bridge ? "'footlight monitor' without an endpoint shows its levels"
+                                                      : "Stop that program to get unicast frames here")};
+  settings_.yields = true;
+}
+
+Status NetSource::open_inbox() {
+  inbox_.udp_port = settings_.port;
+  inbox_.event = Fd(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  if (!inbox_.event || !watch_readable(epoll_, inbox_.event.get(), kInboxTag)) {
+    return tl::unexpected(net_error(settings_.name, "create an eventfd", errno));
+  }
+  if (settings_.own_senders) settings_.own_senders->unicast().add(inbox_);
+  if (sharing_) {  // so that the first poll() comes soon, and the notice with it
+    const std::uint64_t one = 1;
+    (void)!::write(inbox_.event.get(), &one, sizeof one);
+  }
+  return {};
+}
+
+void NetSource::read_inbox(FrameReceiver& receiver) {
+  std::uint64_t wakes = 0;
+  (void)!::read(inbox_.event.get(), &wakes, sizeof wakes);
+  while (inbox_.count > 0) {
+    const UnicastExchange::Parcel& parcel = inbox_.parcels[inbox_.first];
+    Datagram datagram = parcel.datagram;
+    datagram.bytes = std::span(parcel.bytes).first(parcel.size);
+    take(datagram, parcel.stamp_ns, receiver);
+    inbox_.first = (inbox_.first + 1) % inbox_.parcels.size();
+    --inbox_.count;
+  }
+  counters_.dropped += std::exchange(inbox_.dropped, 0);
+}
+
+bool NetSource::is_for_us(const Datagram& datagram) const {
+  if (!settings_.yields) return true;  // the socket is bound to what is ours
+  if (datagram.to_ipv4 == 0) return false;
+  const auto& ipv4s = inbox_.ipv4s;
+  return ipv4s.empty() || std::find(ipv4s.begin(), ipv4s.end(), datagram.to_ipv4) != ipv4s.end();
 }
 
 Status NetSource::add_socket(std::uint32_t bind_ipv4) {
@@ -91,11 +177,17 @@ Status NetSource::add_socket(std::uint32_t bind_ipv4) {
   wanted.bind_ipv4 = bind_ipv4;
   wanted.udp_port = settings_.port;
   wanted.kernel_stamps = settings_.kernel_stamps;
-  wanted.packet_info = settings_.packet_info || !settings_.groups.empty();
+  wanted.packet_info = true;
   // Room for four frames of every universe, by what the kernel counts for a datagram of a full one.
   const std::size_t frames_bytes = settings_.universes.size() * 4 * 2'304;
   wanted.buffer_bytes = static_cast<int>(std::clamp<std::size_t>(frames_bytes, 4 << 20, 64 << 20));
-  FL_ASSIGN(Fd socket, open_receiver(wanted));
+  auto opened = settings_.yields ? open_yielding_receiver(wanted) : open_receiver(wanted);
+  if (!opened) {
+    // Without IPv6 there is no socket that leaves unicast to others.
+    const std::string other = sharing_ ? fmt::format(" ({})", sharing_->text) : "";
+    return fail(opened.error().code, "{}{}", opened.error().message, other);
+  }
+  Fd socket = std::move(*opened);
   if (!watch_readable(epoll_, socket.get(), sockets_.size())) {
     return tl::unexpected(net_error(settings_.name, "watch a socket", errno));
   }
@@ -119,7 +211,7 @@ Status NetSource::find_named_interfaces() {
 
 Status NetSource::join(std::uint32_t group, int interface_index) {
   // A socket below our limit may still be full where the system's limit is lower; then the next one takes the group.
-  for (std::size_t i = 0;; ++i) {
+  for (std::size_t i = first_with_room_;; ++i) {
     if (i == sockets_.size()) {
       if (const int error_number = hear_all_groups(sockets_.front().fd); error_number != 0) {
         return tl::unexpected(net_error(settings_.name, "hear groups of other sockets", error_number));
@@ -128,7 +220,10 @@ Status NetSource::join(std::uint32_t group, int interface_index) {
       sockets_.push_back({std::move(member), 0, 0});
     }
     Socket& socket = sockets_[i];
-    if (socket.groups >= kGroupsPerSocketMax) continue;
+    if (socket.groups >= kGroupsPerSocketMax) {
+      if (i == first_with_room_) ++first_with_room_;
+      continue;
+    }
     const int error_number = join_group(socket.fd, group, interface_index);
     if (error_number == 0 || error_number == EADDRINUSE) {  // EADDRINUSE: this socket is a member already
       if (error_number == 0) {
@@ -137,7 +232,10 @@ Status NetSource::join(std::uint32_t group, int interface_index) {
       }
       return {};
     }
-    if (error_number == ENOBUFS && socket.groups > 0) continue;
+    if (error_number == ENOBUFS && socket.groups > 0) {
+      if (i == first_with_room_) ++first_with_room_;
+      continue;
+    }
     return tl::unexpected(
         net_error(settings_.name, fmt::format("join multicast group {}", text_of_ipv4(group)), error_number));
   }
@@ -167,7 +265,11 @@ void NetSource::join_missing() {
     if (joined_interfaces_.count(interface_index) != 0) continue;
     Status status;
     for (const std::uint32_t group : settings_.groups) {
-      if (status) status = join(group, interface_index);
+      if (status && settings_.stopping && settings_.stopping()) {
+        status = fail(ErrorCode::kTimeout, "{}: stopped while it joined its groups", settings_.name);
+      }
+      if (!status) break;
+      status = join(group, interface_index);
     }
     if (status) {
       joined_interfaces_.insert(interface_index);
@@ -196,10 +298,11 @@ void NetSource::drop_group(std::uint32_t group) {
 
 template <class Condition>
 void NetSource::leave(Condition condition) {
-  for (const auto& membership : memberships_) {
-    if (!condition(membership)) continue;
-    leave_group(sockets_[membership.socket].fd, membership.group, membership.interface_index);
-    --sockets_[membership.socket].groups;
+  for (auto membership = memberships_.rbegin(); membership != memberships_.rend(); ++membership) {  // newest first
+    if (!condition(*membership)) continue;
+    leave_group(sockets_[membership->socket].fd, membership->group, membership->interface_index);
+    --sockets_[membership->socket].groups;
+    first_with_room_ = std::min(first_with_room_, membership->socket);
   }
   memberships_.erase(std::remove_if(memberships_.begin(), memberships_.end(), condition), memberships_.end());
 }
@@ -242,7 +345,11 @@ void NetSource::read_socket(std::size_t index, TimeNs now_ns, FrameReceiver& rec
       }
       // A group that others on this machine have joined elsewhere; see Socket.
       if (is_multicast(datagram.to_ipv4) && joined_interfaces_.count(datagram.interface_index) == 0) continue;
-      take(datagram, now_ns - datagram.age_ns, receiver);
+      const TimeNs stamp_ns = now_ns - datagram.age_ns;
+      if (inbox_.shared && is_unicast(datagram)) {
+        settings_.own_senders->unicast().pass_on(inbox_, datagram, stamp_ns);
+      }
+      if (is_for_us(datagram)) take(datagram, stamp_ns, receiver);
     }
     counters_.dropped += static_cast<std::uint32_t>(drops - sockets_[index].kernel_drops);
     sockets_[index].kernel_drops = drops;
@@ -267,6 +374,8 @@ Status NetSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
     const std::uint64_t tag = events[static_cast<std::size_t>(i)].data.u64;
     if (tag == kWatchTag) {
       interfaces_changed = true;
+    } else if (tag == kInboxTag) {
+      read_inbox(receiver);
     } else if (tag != kOtherTag) {
       read_socket(static_cast<std::size_t>(tag), now_ns, receiver);
     }

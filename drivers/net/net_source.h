@@ -7,11 +7,13 @@
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "drivers/net/net.h"
 #include "drivers/net/sequence.h"
 #include "drivers/net/udp.h"
+#include "drivers/net/unicast_exchange.h"
 #include "drivers/net/universe_index.h"
 #include "sim/core/ports.h"
 
@@ -22,6 +24,9 @@ inline constexpr std::size_t kGroupsPerSocketMax = 20;
 
 class NetSource : public Source {
  public:
+  ~NetSource() override;
+  NetSource(const NetSource&) = delete;
+  NetSource& operator=(const NetSource&) = delete;
   [[nodiscard]] std::string name() const override { return settings_.name; }
   [[nodiscard]] int poll_fd() const override { return epoll_.get(); }
   [[nodiscard]] PortState state() const override;
@@ -29,6 +34,7 @@ class NetSource : public Source {
   [[nodiscard]] PortCounters counters() const override { return counters_; }
   [[nodiscard]] std::span<const Universe> universes() const override { return show_universes_; }
   Status poll(TimeNs now_ns, FrameReceiver& receiver) override;
+  [[nodiscard]] std::optional<PortNotice> take_notice() override { return std::exchange(sharing_, std::nullopt); }
 
   // Sockets open now, one for each kGroupsPerSocketMax groups. For tests.
   [[nodiscard]] std::size_t socket_count() const { return sockets_.size(); }
@@ -38,7 +44,6 @@ class NetSource : public Source {
   // interface_names: to join groups on; none: all that are up and can do multicast.
   struct Settings : NetSourceOptions {
     explicit Settings(const NetSourceOptions& options) : NetSourceOptions(options) {}
-    bool packet_info = false;
     DurationNs silence_max_ns = kSenderTimeoutNs;  // kWorking until nothing has come for so long
     std::vector<std::uint32_t> groups;             // to join; empty: none
   };
@@ -87,6 +92,12 @@ class NetSource : public Source {
   };
 
   Status add_socket(std::uint32_t bind_ipv4);
+  // Decides whether to leave unicast to other programs, and notes what there is to say about it.
+  void find_sharing(std::span<const std::uint32_t> bind_ipv4s);
+  Status open_inbox();
+  void read_inbox(FrameReceiver& receiver);
+  // False: it is meant for another address than ours, or came over IPv6.
+  [[nodiscard]] bool is_for_us(const Datagram& datagram) const;
   // Joins the groups on interfaces that have not been joined. What keeps one from it is noted in join_trouble_ and
   // leaves the others alone.
   void join_missing();
@@ -103,10 +114,13 @@ class NetSource : public Source {
   std::set<int> only_interfaces_;  // those of settings_.interface_names that are there
   Fd epoll_;
   std::vector<Socket> sockets_;
+  std::size_t first_with_room_ = 0;  // those before it are full
   std::vector<Membership> memberships_;
   std::set<int> joined_interfaces_;
   InterfaceWatch watch_;
   DatagramReader reader_;
+  UnicastExchange::Inbox inbox_;  // in the exchange of settings_.own_senders, where there is one
+  std::optional<PortNotice> sharing_;
   PortCounters counters_;
   std::string join_trouble_;           // why groups could not be joined on an interface; empty: all were
   std::optional<Error> join_refused_;  // what the system said to it; nothing where it was not asked

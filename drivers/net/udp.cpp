@@ -173,12 +173,56 @@ Error net_error(std::string_view port_name, std::string_view action, int error_n
   return {code, fmt::format("{}: cannot {}: {}; {}", port_name, action, std::strerror(error_number), next)};
 }
 
-Result<Fd> open_receiver(const ReceiverSocket& wanted) {
-  Fd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (!socket) return tl::unexpected(net_error(wanted.port_name, "open a UDP socket", errno));
-  // SO_REUSEADDR lets in the programs that set it, SO_REUSEPORT those that set only that.
+namespace {
+
+// Of the sockets that share a port by SO_REUSEPORT, the kernel picks one by the hash of the sender. This program has it
+// pick the first, so that a socket that comes later takes nothing away.
+void prefer_oldest(const Fd& socket) {
+  sock_filter first[] = {BPF_STMT(BPF_RET | BPF_K, 0)};
+  const sock_fprog program = {1, first};
+  setsockopt(socket.get(), SOL_SOCKET, SO_ATTACH_REUSEPORT_CBPF, &program, sizeof program);
+}
+
+// An IPv6 socket that carries IPv4 as well. For IPv4 datagrams the kernel prefers an IPv4 socket of the same port.
+// No descriptor where the kernel or the sandbox has no IPv6.
+Result<Fd> bind_dual_stack(std::string_view port_name, std::uint16_t udp_port) {
+  Fd socket(::socket(AF_INET6, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (!socket) return Fd();
+  set_option(socket, IPPROTO_IPV6, IPV6_V6ONLY, 0);
   set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
   set_option(socket, SOL_SOCKET, SO_REUSEPORT, 1);
+  sockaddr_in6 any = {};
+  any.sin6_family = AF_INET6;
+  any.sin6_port = htons(udp_port);
+  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&any), sizeof any) == 0) {
+    prefer_oldest(socket);
+    return socket;
+  }
+  const int error_number = errno;
+  if (error_number == EADDRNOTAVAIL || error_number == EPERM || error_number == EACCES) return Fd();
+  return tl::unexpected(net_error(port_name, fmt::format("open UDP port {}", udp_port), error_number));
+}
+
+// Without IPv6: takes the port only while nobody has it, then lets others in. With SO_REUSEADDR and without
+// SO_REUSEPORT the kernel gives a unicast datagram to the socket that was bound last, which is not this one.
+Result<Fd> bind_ipv4_last(std::string_view port_name, std::uint16_t udp_port) {
+  Fd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (!socket) return tl::unexpected(net_error(port_name, "open a UDP socket", errno));
+  const sockaddr_in any = address_of(0, udp_port);
+  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&any), sizeof any) != 0) {
+    return tl::unexpected(net_error(port_name, fmt::format("open UDP port {} beside others", udp_port), errno));
+  }
+  set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
+  return socket;
+}
+
+Result<Fd> bind_yielding(std::string_view port_name, std::uint16_t udp_port) {
+  FL_ASSIGN(Fd socket, bind_dual_stack(port_name, udp_port));
+  if (socket) return socket;
+  return bind_ipv4_last(port_name, udp_port);
+}
+
+void set_receiver_options(const Fd& socket, const ReceiverSocket& wanted) {
   // The default of 208 KiB overflows in a stall of 130 ms at 9,000 packets a second; FORCE needs privilege and passes
   // net.core.rmem_max.
   if (!set_option(socket, SOL_SOCKET, SO_RCVBUFFORCE, wanted.buffer_bytes)) {
@@ -189,6 +233,17 @@ Result<Fd> open_receiver(const ReceiverSocket& wanted) {
   if (wanted.kernel_stamps) set_option(socket, SOL_SOCKET, SO_TIMESTAMPNS, 1);
   if (wanted.packet_info) set_option(socket, IPPROTO_IP, IP_PKTINFO, 1);
   set_option(socket, SOL_SOCKET, SO_BROADCAST, 1);  // answers may go to a broadcast address
+}
+
+}  // namespace
+
+Result<Fd> open_receiver(const ReceiverSocket& wanted) {
+  Fd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (!socket) return tl::unexpected(net_error(wanted.port_name, "open a UDP socket", errno));
+  // SO_REUSEADDR lets in the programs that set it, SO_REUSEPORT those that set only that.
+  set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
+  set_option(socket, SOL_SOCKET, SO_REUSEPORT, 1);
+  set_receiver_options(socket, wanted);
   const sockaddr_in address = address_of(wanted.bind_ipv4, wanted.udp_port);
   if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     const int error_number = errno;
@@ -196,6 +251,13 @@ Result<Fd> open_receiver(const ReceiverSocket& wanted) {
                                     fmt::format("listen on UDP {}:{}", text_of_ipv4(wanted.bind_ipv4), wanted.udp_port),
                                     error_number));
   }
+  prefer_oldest(socket);
+  return socket;
+}
+
+Result<Fd> open_yielding_receiver(const ReceiverSocket& wanted) {
+  FL_ASSIGN(Fd socket, bind_yielding(wanted.port_name, wanted.udp_port));
+  set_receiver_options(socket, wanted);
   return socket;
 }
 
@@ -223,46 +285,6 @@ Result<Fd> open_sender(const SenderSocket& wanted) {
   }
   return socket;
 }
-
-namespace {
-
-// An IPv6 socket that carries IPv4 as well. The lookup for IPv4 datagrams prefers an IPv4 socket of the same port to it.
-// No descriptor where the kernel or the sandbox has no IPv6.
-Result<Fd> bind_dual_stack(std::string_view port_name, std::uint16_t udp_port) {
-  Fd socket(::socket(AF_INET6, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (!socket) return Fd();
-  set_option(socket, IPPROTO_IPV6, IPV6_V6ONLY, 0);
-  set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
-  set_option(socket, SOL_SOCKET, SO_REUSEPORT, 1);
-  sockaddr_in6 any = {};
-  any.sin6_family = AF_INET6;
-  any.sin6_port = htons(udp_port);
-  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&any), sizeof any) == 0) return socket;
-  const int error_number = errno;
-  if (error_number == EADDRNOTAVAIL || error_number == EPERM || error_number == EACCES) return Fd();
-  return tl::unexpected(net_error(port_name, fmt::format("open UDP port {}", udp_port), error_number));
-}
-
-// Without IPv6: takes the port only while nobody has it, then lets others in. With SO_REUSEADDR and without
-// SO_REUSEPORT the kernel gives a unicast datagram to the socket that was bound last, which is not this one.
-Result<Fd> bind_ipv4_last(std::string_view port_name, std::uint16_t udp_port) {
-  Fd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-  if (!socket) return tl::unexpected(net_error(port_name, "open a UDP socket", errno));
-  const sockaddr_in any = address_of(0, udp_port);
-  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&any), sizeof any) != 0) {
-    return tl::unexpected(net_error(port_name, fmt::format("open UDP port {} beside others", udp_port), errno));
-  }
-  set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
-  return socket;
-}
-
-Result<Fd> bind_yielding(std::string_view port_name, std::uint16_t udp_port) {
-  FL_ASSIGN(Fd socket, bind_dual_stack(port_name, udp_port));
-  if (socket) return socket;
-  return bind_ipv4_last(port_name, udp_port);
-}
-
-}  // namespace
 
 Result<Fd> open_yielding_sender(const SenderSocket& wanted, std::uint16_t udp_port,
                                 std::span<const std::uint16_t> op_code_filter) {

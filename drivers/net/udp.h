@@ -1,5 +1,5 @@
 // Sockets: opening them with errors that people can act on, and moving datagrams in batches. The one place of
-// drivers/net that calls the operating system. IPv4 addresses are numbers in host byte order here.
+// drivers/net that opens sockets. IPv4 addresses are numbers in host byte order here.
 #pragma once
 
 #include <array>
@@ -71,7 +71,11 @@ struct ReceiverSocket {
   int buffer_bytes = 4 << 20;  // wanted; the system may allow less
 };
 // Non-blocking, shares its port with every other program that shares it. Hears only the groups that it joins itself.
+// Linux gives a unicast datagram to one socket of a port only. Of several of ours it is the oldest.
 [[nodiscard]] Result<Fd> open_receiver(const ReceiverSocket& wanted);
+// The same on any address (bind_ipv4 is not used), but takes no unicast datagram that an IPv4 socket of this machine
+// wants; see open_yielding_sender(). Of several yielding sockets the oldest gets it.
+[[nodiscard]] Result<Fd> open_yielding_receiver(const ReceiverSocket& wanted);
 // Has a receiver hear every group that anybody on this machine has joined, on any interface. errno, or 0.
 [[nodiscard]] int hear_all_groups(const Fd& receiver);
 // Receives nothing itself: its memberships have the machine take the groups, for such a receiver.
@@ -87,8 +91,8 @@ struct SenderSocket {
 // The same, bound to `udp_port` beside whatever listens there, for protocols whose answers come to a fixed port. It
 // hears broadcasts, and unicast only where no other socket of this machine wants it, so that it takes nothing away: it
 // is an IPv6 socket that speaks IPv4, and Linux prefers IPv4 sockets (compute_score() in net/ipv4/udp.c). Without IPv6,
-// in the kernel or in the sandbox, it gets the port only where nobody has it yet, and an IPv4 socket that is bound later
-// gets the unicast; otherwise it fails with kIo. Packet information as there; `op_code_filter` has the kernel drop all
+// in the kernel or in the sandbox, it gets the port only where nobody has it yet, and an IPv4 socket bound later gets
+// the unicast; otherwise it fails with kIo. Packet information as there; `op_code_filter` has the kernel drop all
 // datagrams but those with one of these 16-bit numbers, low octet first, at octet 8; empty: all.
 [[nodiscard]] Result<Fd> open_yielding_sender(const SenderSocket& wanted, std::uint16_t udp_port,
                                               std::span<const std::uint16_t> op_code_filter);

@@ -24,8 +24,8 @@ class RdmAgent {
 
   // The line is called on the agent's thread alone. kIo: no descriptor is to be had.
   [[nodiscard]] static Result<std::unique_ptr<RdmAgent>> create(std::unique_ptr<RdmLine> line);
-  // Waits for the call of the line that runs. request_stop() does not wait: no answer comes from then on, the descriptor
-  // stays quiet, and the destructor waits for nothing once has_ended() is true.
+  // Waits for the call of the line that runs. request_stop() does not wait: from then on no answer comes and the
+  // descriptor stays quiet. The destructor waits for nothing once has_ended() is true.
   ~RdmAgent();
   void request_stop();
   [[nodiscard]] bool has_ended() const { return ended_.load(); }

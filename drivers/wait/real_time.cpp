@@ -23,7 +23,8 @@ bool set_normal() {
 }
 
 // Runs on the thread that ran on: the kernel sends SIGXCPU to that one unless it blocks it (NoSignals leaves it open).
-// The kernel has raised the soft limit of the process by 1 s when it sent it; the next thread gets the first limit again.
+// The kernel has raised the soft limit of the process by 1 s when it sent it; the next thread gets the first limit
+// again.
 void on_no_rest(int) {
   const int saved_errno = errno;
   if (is_real_time() && set_normal()) given_up.fetch_add(1);

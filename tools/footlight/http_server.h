@@ -33,8 +33,9 @@ using HttpHandler = std::function<HttpAnswer(const HttpRequest&)>;
 class HttpServer {
  public:
   // `where`: "unix:/run/footlight/run.sock" or "127.0.0.1:9477", as `option` took it, which begins the messages. A
-  // socket file that nobody listens to any more is replaced; a file of another kind is refused. All who can reach a Unix socket's folder may connect.
-  // Errors: kBadInput (not of these forms, or a file is there), kPermission, kIo (port taken, or another program listens to that socket).
+  // socket file that nobody listens to any more is replaced; a file of another kind is refused. All who can reach a
+  // Unix socket's folder may connect. Errors: kBadInput (not of these forms, or a file of another kind is there),
+  // kPermission, kIo (port taken, or another program listens to that socket).
   [[nodiscard]] static Result<std::unique_ptr<HttpServer>> listen(std::string_view option, const std::string& where,
                                                                   HttpHandler handler);
   // Ends the thread and takes the socket file away, unless another file has its name by now.

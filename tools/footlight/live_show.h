@@ -41,7 +41,8 @@ struct ShowChange {
 
 class LiveShow {
  public:
-  explicit LiveShow(Clock& clock) : opener_(clock) {}
+  // `stopping`: true ends an open() that takes long.
+  explicit LiveShow(Clock& clock, std::function<bool()> stopping = {}) : opener_(clock, std::move(stopping)) {}
 
   // Every output goes through this guard from open() on; null: none, and nothing of it runs.
   void guard_with(std::shared_ptr<OutputGuard> guard) { guard_ = std::move(guard); }

@@ -18,6 +18,7 @@
 #include "tools/footlight/monitor_view.h"
 #include "tools/footlight/open_ports.h"
 #include "tools/footlight/status_pages.h"
+#include "tools/footlight/status_text.h"
 #include "tools/footlight/terminal.h"
 
 namespace footlight::tools {
@@ -47,6 +48,8 @@ class Feed {
   virtual ~Feed() = default;
   [[nodiscard]] virtual Result<std::string> page(const std::string& path, const std::string& universes) = 0;
   [[nodiscard]] virtual std::string title() const = 0;
+  // Why not everything that is on the wire comes here; empty: it does.
+  [[nodiscard]] virtual std::string note() const { return {}; }
 };
 
 // A bridge that runs elsewhere on this machine.
@@ -74,12 +77,16 @@ class OwnFeed final : public Feed {
     InOptions in;
     in.wait_for_device = options.wait_for_device;
     in.hear_preview = true;
+    in.yields = true;  // a bridge keeps its unicast frames
     std::vector<Universe> universes;
     for (const std::string& word : options.words) {
       FL_ASSIGN(const Endpoint endpoint, parse_port(word));
       FL_ASSIGN(std::unique_ptr<Source> source, opener.open_source(endpoint, in));
       universes.insert(universes.end(), source->universes().begin(), source->universes().end());
       feed->title_ += (feed->title_.empty() ? "" : "  ") + source->name();
+      while (const auto notice = source->take_notice()) {
+        feed->note_ += fmt::format("{}{}: {}", feed->note_.empty() ? "" : "  ", source->name(), notice->text);
+      }
       feed->sources_.push_back(std::move(source));
     }
     FL_ASSIGN(std::shared_ptr<Universes> buffer, Universes::make(sorted_once(std::move(universes))));
@@ -101,11 +108,13 @@ class OwnFeed final : public Feed {
     return pages_->answer({.method = "GET", .path = path, .universes = universes}).body;
   }
   [[nodiscard]] std::string title() const override { return title_; }
+  [[nodiscard]] std::string note() const override { return note_; }
 
  private:
   OwnFeed() = default;
 
   std::string title_;
+  std::string note_;
   std::vector<std::unique_ptr<Source>> sources_;
   std::unique_ptr<drivers::EpollWaiter> waiter_;
   std::unique_ptr<Pump> pump_;
@@ -140,6 +149,7 @@ class Watcher {
  public:
   Watcher(Feed& feed, Clock& clock, MonitorState& state) : feed_(feed), clock_(clock), state_(state) {
     state_.title = feed.title();
+    state_.note = feed.note();
   }
 
   void look(const std::string& filter) {
@@ -268,6 +278,7 @@ Result<int> monitor(const Options& options) {
   view.columns = options.columns;
   view.rows = options.rows;
   Watcher watcher(*feed, clock, state);
+  if (options.json && !state.note.empty()) fmt::print(stderr, "footlight: {}\n", printable_line(state.note));
   if (options.json || options.once) return print(options, clock, watcher, state, view);
   return draw(options, clock, watcher, state, view);
 }

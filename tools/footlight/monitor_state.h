@@ -52,6 +52,7 @@ struct MonitorUniverse {
 
 struct MonitorState {
   std::string title;    // what is watched
+  std::string note;     // what a person should know about it; empty: nothing
   std::string trouble;  // why nothing is heard any more; empty: all is well
   std::string json;     // the status that was taken last
   TimeNs now_ns = 0;    // on the clock of the bridge

@@ -317,6 +317,11 @@ std::vector<std::string> draw_monitor(const MonitorState& state, const MonitorVi
       for (int row = 0; row < grid_rows; ++row) below.push_back(grid_line(universe, state, view, row));
     }
   }
+  if (!state.note.empty() && rows >= 10) {
+    Line note(view);
+    note.add(cut_to(" " + state.note, view.columns), kWarn);
+    lines.push_back(note.take());
+  }
   const std::size_t ports_max = rows < 10 ? 0 : std::max<std::size_t>(2, rows / 8);
   for (std::size_t i = 0; i < state.ports.size() && i < ports_max; ++i) {
     const bool last = i + 1 == ports_max && state.ports.size() > ports_max;

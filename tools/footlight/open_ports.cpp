@@ -61,20 +61,23 @@ Result<std::vector<Endpoint>> parse_ports(std::span<const std::string> texts) {
   return endpoints;
 }
 
-PortOpener::PortOpener(Clock& clock)
+PortOpener::PortOpener(Clock& clock, std::function<bool()> stopping)
     : clock_(clock),
+      stopping_(std::move(stopping)),
       rdm_directory_(std::make_shared<drivers::RdmDirectory>()),
       own_senders_(std::make_shared<drivers::OwnSenders>()) {}
 
 drivers::SacnSourceOptions sacn_source_options(const Endpoint& endpoint, const InOptions& options) {
   auto sacn = drivers::options_of<drivers::SacnSourceOptions>(endpoint, nullptr);
   sacn.hear_preview = options.hear_preview;
+  sacn.yields = options.yields;
   return sacn;
 }
 
 drivers::ArtnetSourceOptions artnet_source_options(const Endpoint& endpoint, const InOptions& options) {
   auto artnet = drivers::options_of<drivers::ArtnetSourceOptions>(endpoint, nullptr);
   artnet.priority = static_cast<std::uint8_t>(options.priority);
+  artnet.yields = options.yields;
   return artnet;
 }
 
@@ -133,6 +136,7 @@ Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint
   if (endpoint.scheme == "sacn") {
     auto sacn = sacn_source_options(endpoint, options);
     sacn.own_senders = own_senders_;
+    sacn.stopping = stopping_;
     return drivers::make_sacn_source(sacn);
   }
   auto artnet = artnet_source_options(endpoint, options);

@@ -7,6 +7,7 @@
 // Threads: one; the ports belong to the thread that runs the pump.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -40,6 +41,7 @@ struct InOptions {
   bool wait_for_device = false;                    // device, gpio: begin although it is not plugged in
   bool receive_on_change = false;                  // device: report changes only, where it can
   std::optional<drivers::SecondPort> second_port;  // device: key and labels of a DMX USB Pro Mk2's second connector
+  bool yields = false;                             // network: leaves unicast to every other program of this machine
   bool hear_preview = false;                       // sacn: frames that are meant for visualisers, too
   int priority = kPriorityDefault;                 // artnet, gpio: what its frames carry into the merge
   bool rdm = false;             // artnet: a gateway for RDM to the devices that its universes are sent to
@@ -82,8 +84,8 @@ struct OutOptions {
 
 class PortOpener {
  public:
-  // The clock outlives the ports.
-  explicit PortOpener(Clock& clock);
+  // The clock outlives the ports. `stopping`: asked while a port opens that takes long; true ends it with kTimeout.
+  explicit PortOpener(Clock& clock, std::function<bool()> stopping = {});
 
   // Errors: those of the factories in drivers/ and sim/dmx_log/; the message begins with the endpoint.
   [[nodiscard]] Result<std::unique_ptr<Source>> open_source(const Endpoint& endpoint, const InOptions& options = {});
@@ -94,6 +96,7 @@ class PortOpener {
 
  private:
   Clock& clock_;
+  const std::function<bool()> stopping_;
   std::shared_ptr<drivers::RdmDirectory> rdm_directory_;  // lines of the devices that are open
   std::shared_ptr<drivers::OwnSenders> own_senders_;      // so that no input hears what an output of this program sends
 };

@@ -211,6 +211,7 @@ Status Preview::open_levels() {
       FL_ASSIGN(const Endpoint endpoint, parse_port(text));
       InOptions in;
       in.hear_preview = true;  // this is the visualiser that such frames are meant for
+      in.yields = true;        // a bridge keeps its unicast frames
       FL_ASSIGN(std::unique_ptr<Source> source, opener_.open_source(endpoint, in));
       sources.push_back(std::move(source));
     }

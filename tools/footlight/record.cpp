@@ -54,15 +54,18 @@ Result<int> record(const Options& options) {
   FL_ASSIGN(const std::vector<Endpoint> endpoints, parse_ports(options.ins));
   StopSignal signal;
   SystemClock clock;
-  PortOpener opener(clock);
+  PortOpener opener(clock, [&signal] { return signal.came(); });
   Bridge bridge;
   bridge.json = options.json;
   bridge.run_for_ns = options.run_for_ns;
   bridge.stop_at_end = true;  // where every input is a log
   InOptions in_options;
   in_options.wait_for_device = options.wait_for_device;
+  in_options.yields = true;  // a bridge keeps its unicast frames
   for (const Endpoint& endpoint : endpoints) {
-    FL_ASSIGN(std::unique_ptr<Source> source, opener.open_source(endpoint, in_options));
+    auto opened = opener.open_source(endpoint, in_options);
+    if (!opened && signal.came()) return kExitOk;
+    FL_ASSIGN(std::unique_ptr<Source> source, std::move(opened));
     bridge.universes.insert(bridge.universes.end(), source->universes().begin(), source->universes().end());
     bridge.sources.push_back(std::move(source));
   }
@@ -90,7 +93,12 @@ Result<int> record(const Options& options) {
                lost == 0 ? "" : fmt::format("; {} frames lost, the disk was too slow", lost),
                stats.not_levels == 0 ? "" : fmt::format("; {} of per-address priorities left out", stats.not_levels));
   }
-  return lost == 0 ? kExitOk : kExitFailed;
+  if (lost != 0) return kExitFailed;
+  if (stats.frames != 0) return kExitOk;
+  return fail(ErrorCode::kNotFound,
+              "{}: nothing was recorded: no frame came; see who sends with 'footlight discover', or what a running "
+              "bridge gets with 'footlight monitor'",
+              options.out);
 }
 
 void add(Arguments& arguments) {

@@ -1,0 +1,118 @@
+#include "drivers/net/port_holders.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include <arpa/inet.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+namespace footlight::drivers {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct OpenSocket {
+  PortHolder holder;
+  std::uint64_t inode = 0;
+  unsigned uid = 0;
+};
+
+// Lines of /proc/net/udp: "sl local_address rem_address st queues tr uid-related..." (proc(5)). Addresses are
+// hexadecimal, in the byte order of the machine.
+void read_table(const char* path, bool is_ipv4, std::uint16_t udp_port, std::vector<OpenSocket>& sockets) {
+  std::ifstream table(path);
+  std::string line;
+  std::getline(table, line);
+  while (std::getline(table, line)) {
+    std::istringstream words(line);
+    std::string slot, local, remote, state, queues, timer, retries, timeout;
+    OpenSocket found;
+    words >> slot >> local >> remote >> state >> queues >> timer >> retries >> found.uid >> timeout >> found.inode;
+    const std::size_t colon = local.find(':');
+    if (!words || colon == std::string::npos) continue;
+    if (std::strtoul(local.c_str() + colon + 1, nullptr, 16) != udp_port) continue;
+    if (remote.find_first_not_of("0:") != std::string::npos) continue;  // connected: hears one sender only
+    found.holder.is_ipv4 = is_ipv4;
+    if (is_ipv4) found.holder.ipv4 = ntohl(static_cast<std::uint32_t>(std::strtoul(local.c_str(), nullptr, 16)));
+    sockets.push_back(std::move(found));
+  }
+}
+
+std::set<std::uint64_t> inodes_of(const fs::path& process) {
+  std::set<std::uint64_t> inodes;
+  std::error_code error;
+  for (fs::directory_iterator at(process / "fd", error), end; !error && at != end; at.increment(error)) {
+    char target[64] = {};
+    const ssize_t length = ::readlink(at->path().c_str(), target, sizeof target - 1);
+    unsigned long long inode = 0;
+    if (length > 0 && std::sscanf(target, "socket:[%llu]", &inode) == 1) inodes.insert(inode);
+  }
+  return inodes;
+}
+
+bool is_pid(const std::string& text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+// What its user calls it: its name and, where it is ours, its command.
+void describe(PortHolder& holder) {
+  const fs::path process = fs::path("/proc") / std::to_string(holder.pid);
+  std::string name;
+  std::getline(std::ifstream(process / "comm"), name);
+  std::string printable;
+  for (const char c : name) printable += std::isprint(static_cast<unsigned char>(c)) != 0 ? c : '?';
+  if (name == "footlight") {
+    std::ifstream arguments(process / "cmdline");
+    std::string program, command;
+    std::getline(arguments, program, '\0');
+    std::getline(arguments, command, '\0');
+    holder.is_bridge = command == "run";
+    const bool is_word = !command.empty() && std::all_of(command.begin(), command.end(),
+                                                         [](unsigned char c) { return std::islower(c) != 0; });
+    if (is_word) printable += " " + command;
+  }
+  holder.description = fmt::format("{} (process {})", printable.empty() ? "a program" : printable, holder.pid);
+}
+
+}  // namespace
+
+std::vector<PortHolder> other_holders(std::uint16_t udp_port) {
+  std::vector<OpenSocket> sockets;
+  read_table("/proc/thread-self/net/udp", true, udp_port, sockets);
+  read_table("/proc/thread-self/net/udp6", false, udp_port, sockets);
+  if (!sockets.empty()) {
+    const auto own = inodes_of("/proc/self");
+    std::erase_if(sockets, [&](const OpenSocket& one) { return own.count(one.inode) != 0; });
+  }
+  std::vector<PortHolder> holders;
+  if (sockets.empty()) return holders;
+  std::error_code error;
+  for (fs::directory_iterator at("/proc", error), end; !error && at != end; at.increment(error)) {
+    const std::string name = at->path().filename().string();
+    if (!is_pid(name)) continue;
+    const auto inodes = inodes_of(at->path());
+    for (OpenSocket& one : sockets) {
+      if (inodes.count(one.inode) == 0) continue;
+      one.holder.pid = std::atoi(name.c_str());
+      describe(one.holder);
+    }
+  }
+  for (OpenSocket& one : sockets) {
+    if (one.holder.pid == 0) {
+      one.holder.description =
+          fmt::format("a program of user {} (find it with 'sudo ss -ulpn sport = :{}')", one.uid, udp_port);
+    }
+    holders.push_back(std::move(one.holder));
+  }
+  return holders;
+}
+
+}  // namespace footlight::drivers

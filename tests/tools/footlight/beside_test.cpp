@@ -1,0 +1,149 @@
+// Programs beside a running bridge, on the same UDP port of the same machine; and what a bridge says while it waits.
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "drivers/net/artnet_packet.h"
+#include "sim/system_clock.h"
+#include "tests/drivers/net/port_helpers.h"
+#include "tests/drivers/net/private_network.h"
+#include "tests/tools/footlight/run_footlight.h"
+
+namespace footlight::testing {
+namespace {
+
+constexpr std::uint32_t kThisMachine = 0x7F00'0001;
+constexpr int kSenders = 60;
+constexpr int kFramesEach = 20;
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// 1,200 unicast frames of universe 1, from as many addresses and UDP ports as there are senders.
+void send_artnet() {
+  const std::vector<std::uint8_t> slots(4, 9);
+  drivers::ArtnetDmx dmx;
+  dmx.slots = slots;
+  std::vector<std::uint8_t> packet(drivers::kArtnetDmxBytesMax);
+  packet.resize(drivers::build_artnet_dmx(dmx, packet));
+  for (std::uint32_t i = 0; i < kSenders; ++i) {
+    const drivers::Fd sender = stranger(kThisMachine + 1 + i, 0);
+    for (int k = 0; k < kFramesEach; ++k) REQUIRE(send_bytes(sender, kThisMachine, drivers::kArtnetPort, packet));
+  }
+}
+
+const std::vector<std::string> kBridge = {"run",    "--in",     "artnet:1-3", "--out",        "mock:enttec-pro",
+                                          "--json", "--socket", "none",       "--no-realtime"};
+
+// What the bridge has received when it has ended.
+int frames_of(Footlight& bridge) {
+  bridge.signal(SIGTERM);
+  const Outcome outcome = bridge.wait();
+  const std::size_t end = outcome.out.find_last_not_of('\n');
+  const std::size_t begin = outcome.out.rfind('\n', end) + 1;
+  const auto json = nlohmann::json::parse(outcome.out.substr(begin, end + 1 - begin));
+  for (const auto& port : json["ports"])
+    if (port["direction"] == "in") return port["frames"];
+  return -1;
+}
+
+TEST_CASE("a bridge gets all 1,200 unicast frames while monitor, record or a second bridge listens beside it") {
+  if (!enter_private_network()) return;
+  const TempFolder folder;
+  const std::vector<std::vector<std::string>> others = {
+      {"monitor", "artnet:1-3", "--json", "--period", "100ms"},
+      {"record", "--in", "artnet:1-3", "-o", folder.file("a.dmxlog"), "--json"},
+      kBridge,
+  };
+  for (const auto& words : others) {
+    CAPTURE(words[0]);
+    Footlight bridge(kBridge);
+    bridge.wait_for(R"("event":"ready")");
+    const std::string named = "footlight run (process " + std::to_string(bridge.pid()) + ")";
+    Footlight other(words);
+    other.wait_for(R"("event":)");
+    send_artnet();
+    bridge.wait_for(R"("frames":1200)");
+    CHECK(frames_of(bridge) == kSenders * kFramesEach);
+    other.signal(SIGTERM);
+    const Outcome outcome = other.wait();
+    // It says who gets the frames: monitor on standard error, the others as an event.
+    CHECK(contains(outcome.out + outcome.err, named));
+    CHECK(contains(outcome.out + outcome.err, "UDP port 6454"));
+  }
+}
+
+TEST_CASE("a recording without a frame ends with exit code 3 and says where frames may be") {
+  if (!enter_private_network()) return;
+  const TempFolder folder;
+  const Outcome outcome = footlight({"record", "--in", "sacn:1-3%lo", "-o", folder.file("a.dmxlog"), "--for", "100ms"});
+  CHECK(outcome.exit_code == 3);
+  CHECK(contains(outcome.err, "no frame came"));
+  CHECK(contains(outcome.err, "footlight discover"));
+}
+
+TEST_CASE("a bridge whose output is a file says what it carries at once, and what it waits for within three seconds") {
+  if (!enter_private_network()) return;
+  SystemClock clock;
+  const TimeNs begin_ns = clock.now_ns();
+  Footlight bridge(
+      {"run", "--in", "sacn:1-3%lo", "--out", "mock:enttec-pro", "--socket", "none", "--no-realtime", "--for", "3s"});
+  const Outcome outcome = bridge.wait();
+  CHECK(clock.now_ns() - begin_ns >= 3 * kNsPerS);
+  const std::size_t started = outcome.err.find("started: from sacn:1-3%lo to mock:enttec-pro");
+  const std::size_t waits = outcome.err.find("sacn:1-3%lo: no frame yet; waits for a sender of universe 1-3");
+  CHECK(started != std::string::npos);
+  CHECK(waits != std::string::npos);
+  CHECK(started < waits);
+  CHECK_FALSE(contains(outcome.err.substr(waits + 30), "no frame yet"));  // once
+}
+
+TEST_CASE("discover names the interfaces that it listens on, and why it does not on the others") {
+  if (!enter_private_network(/*loopback_multicast=*/false) || !add_interface("fl0", "10.7.0.1")) return;
+  const Outcome all = footlight({"discover", "--for", "10ms"});
+  CHECK(all.exit_code == 3);
+  CHECK(contains(all.err, "on fl0\n"));
+  CHECK(contains(all.err, "not listened on lo (no multicast); name an interface to listen there: --interface NAME"));
+  const Outcome one = footlight({"discover", "--for", "10ms", "--interface", "lo"});
+  CHECK(contains(one.err, "on lo\n"));
+  CHECK(contains(one.err, "not listened on fl0 (not named)"));
+}
+
+TEST_CASE("discover names the program that keeps the answers of Art-Net devices from it") {
+  if (!enter_private_network()) return;
+  Footlight bridge(kBridge);
+  bridge.wait_for(R"("event":"ready")");
+  const Outcome outcome = footlight({"discover", "--for", "10ms", "--interface", "lo"});
+  CHECK(contains(outcome.err, "footlight run (process " + std::to_string(bridge.pid()) + ") has UDP port 6454 open"));
+}
+
+TEST_CASE("a show file beyond 4 MiB is refused by its length, also where it comes from a pipe without end") {
+  const TempFolder folder;
+  const std::string path = folder.file("long.toml");
+  std::ofstream(path) << std::string((4 << 20) + 1, '#');
+  for (const std::string& place : {path, std::string("/dev/zero")}) {
+    const Outcome outcome = footlight({"run", place});
+    CHECK(outcome.exit_code == 2);
+    CHECK(contains(outcome.err, place + ": longer than 4194304 bytes"));
+  }
+}
+
+TEST_CASE("SIGTERM ends a bridge while it joins 63,999 groups, with exit code 0") {
+  if (!enter_private_network()) return;
+  Footlight bridge(
+      {"run", "--in", "sacn:1-63999%lo", "--out", "mock:enttec-pro", "--socket", "none", "--no-realtime", "--json"});
+  // Its first sockets with groups: it is in the middle of opening.
+  const std::string folder = fmt::format("/proc/{}/fd", bridge.pid());
+  std::error_code error;
+  while (std::distance(std::filesystem::directory_iterator(folder, error), {}) < 20) {
+  }
+  bridge.signal(SIGTERM);
+  const Outcome outcome = bridge.wait();
+  CHECK(outcome.exit_code == 0);
+  CHECK_FALSE(contains(outcome.out, "ready"));
+}
+
+}  // namespace
+}  // namespace footlight::testing
