@@ -117,13 +117,15 @@ Result<int> run(const Options& options) {
 
   StopSignal signal;
   ReloadSignal reload;
+  FL_TRY(reload.opened());
   SystemClock clock;
   drivers::want_real_time(options.no_realtime ? 0 : drivers::kRealTimePriority);
-  LiveShow live(clock);
+  LiveShow live(clock, [&signal] { return signal.came(); });
   FL_ASSIGN(const std::shared_ptr<OutputGuard> guard, guard_of(options));
   live.guard_with(guard);
   bridge.guard = guard;
   if (const Status opened = live.open(show); !opened) {
+    if (signal.came()) return kExitOk;
     const bool of_file = opened.error().code == ErrorCode::kBadInput && !file.empty();
     return tl::unexpected(Error{opened.error().code, (of_file ? file + ": " : "") + opened.error().message});
   }

@@ -19,6 +19,8 @@
 namespace footlight::tools {
 namespace {
 
+constexpr std::size_t kShowFileBytesMax = 4 << 20;  // 4 MiB; one with 63,999 ports would have less
+
 using fixtures::TomlNode;
 using fixtures::TomlReader;
 
@@ -374,7 +376,13 @@ Result<Show> load_show(const std::string& path) {
                 "{}: {}; give the name of a show file, or ports as in 'footlight run --in sacn:1-9 --out enttec-pro'",
                 path, std::strerror(number));
   }
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  std::string text(kShowFileBytesMax + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+  if (text.size() > kShowFileBytesMax) {
+    return fail(ErrorCode::kBadInput, "{}: longer than {} bytes, the most that a show file may have; name a show file",
+                path, kShowFileBytesMax);
+  }
   if (file.bad()) return fail(ErrorCode::kIo, "{}: cannot be read; is it a directory?", path);
   FL_ASSIGN(Show show, parse_show(text, path));
   if (!show.ltp_rig.empty()) {
