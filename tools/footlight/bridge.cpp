@@ -114,7 +114,9 @@ class Reporter {
         end_ns = kTimeNever;
       }
       if (now_ns >= status_ns && !last) {
-        print_status(pump_->latest_status());
+        const PumpStatus status = pump_->latest_status();
+        print_status(status);
+        report_silent_inputs(status);
         status_ns = now_ns + kStatusPeriodNs;
         if (!said_given_up && drivers::real_time_given_up() != 0) {
           said_given_up = true;
@@ -132,6 +134,34 @@ class Reporter {
       if (last) break;
     }
     service_.stopping();
+  }
+
+  // An input without a frame is often a sender that is not there yet, or another network than the one that was meant.
+  void report_silent_inputs(const PumpStatus& status) {
+    if (status.stamp_ns == 0) return;
+    for (const PortStatus& port : status.ports) {
+      if (port.is_sink) continue;
+      const auto known = std::find(silent_.begin(), silent_.end(), port.name);
+      const bool waits = (port.state == PortState::kWaiting || port.state == PortState::kWorking) &&
+                         port.name.rfind("log:", 0) != 0;  // a log has no sender
+      if (port.frames > 0 && known != silent_.end()) {
+        silent_.erase(known);
+        const std::string text = fmt::format("{}: the first frames have come", port.name);
+        say({.level = NoticeLevel::kInfo, .id = "first-frames", .text = text, .port = port.name});
+      } else if (port.frames == 0 && waits && !checked_silence_) {
+        silent_.push_back(port.name);
+        const std::string text = fmt::format("{}: no frame yet; waits for a sender of universe {}", port.name,
+                                             show_universes(universes_of(port)));
+        say({.level = NoticeLevel::kInfo, .id = "no-frames-yet", .text = text, .port = port.name});
+      }
+    }
+    checked_silence_ = true;
+  }
+
+  static std::vector<Universe> universes_of(const PortStatus& port) {
+    std::vector<Universe> universes;
+    for (const PortUniverseStatus& universe : port.universes) universes.push_back(universe.universe);
+    return sorted_once(std::move(universes));
   }
 
   void print_event(const Event& event) {
@@ -163,6 +193,8 @@ class Reporter {
   Pump* pump_ = nullptr;
   TimeNs start_ns_ = 0;
   bool line_shown_ = false;  // of the thread, then of stop()
+  bool checked_silence_ = false;
+  std::vector<std::string> silent_;  // inputs that have been reported as silent
 
   std::mutex mutex_;  // guards what follows
   std::condition_variable wake_;
@@ -172,6 +204,15 @@ class Reporter {
 
   std::thread thread_;
 };
+
+// The first line of a log file, so that a bridge that waits does not look dead.
+void say_started(const std::vector<const Source*>& sources, const std::vector<const Sink*>& sinks, Reporter& reporter) {
+  std::string from, to;
+  for (const Source* source : sources) from += fmt::format("{}{}", from.empty() ? "" : ", ", source->name());
+  for (const Sink* sink : sinks) to += fmt::format("{}{}", to.empty() ? "" : ", ", sink->name());
+  const std::string text = fmt::format("from {} to {}; Ctrl-C or SIGTERM stops", from, to);
+  reporter.say({.level = NoticeLevel::kInfo, .id = "started", .text = text});
+}
 
 // Outputs that nothing feeds are most often a typing mistake.
 void say_unfed(const std::vector<const Source*>& sources, const std::vector<const Sink*>& sinks, Reporter& reporter) {
@@ -334,6 +375,7 @@ Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal
   pages.guard = bridge.guard;
   FL_ASSIGN(const Servers servers, serve(bridge, pages));
 
+  if (!bridge.json) say_started(sources, sinks, reporter);  // with json the line "ready" does
   say_unfed(sources, sinks, reporter);
   const TimeNs start_ns = clock.now_ns();
   reporter.start(pump);

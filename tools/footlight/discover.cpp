@@ -4,17 +4,21 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <poll.h>
+#include <unistd.h>
 
 #include "drivers/net/artnet_nodes.h"
 #include "drivers/net/artnet_sink.h"
+#include "drivers/net/port_holders.h"
 #include "drivers/net/sacn_discovery.h"
 #include "drivers/net/sender_names.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/command.h"
+#include "tools/footlight/duration.h"
 #include "tools/footlight/json_lines.h"
 #include "tools/footlight/status_text.h"
 #include "tools/footlight/stop_signal.h"
@@ -134,6 +138,82 @@ void print(const NetworkFinding& found) {
   if (!found.receives.empty()) fmt::print("  takes: {}\n", show_universes(found.receives));
 }
 
+// Which interfaces are listened on, and which are not, and why.
+struct Reach {
+  std::string on;
+  std::string not_on;
+};
+
+Reach reach_of(const Options& options) {
+  Reach reach;
+  std::vector<std::string> known;
+  for (const drivers::Interface& one : drivers::list_interfaces()) {
+    if (std::find(known.begin(), known.end(), one.name) != known.end()) continue;  // its second address
+    known.push_back(one.name);
+    const auto& names = options.interface_names;
+    const bool named = std::find(names.begin(), names.end(), one.name) != names.end();
+    const char* const why = named                            ? ""
+                            : !names.empty()                 ? "not named"
+                            : !one.up                        ? "down"
+                            : one.loopback || !one.multicast ? "no multicast"
+                                                             : "";
+    if (*why == '\0') {
+      reach.on += (reach.on.empty() ? "" : ", ") + one.name;
+    } else {
+      reach.not_on += fmt::format("{}{} ({})", reach.not_on.empty() ? "" : ", ", one.name, why);
+    }
+  }
+  return reach;
+}
+
+std::size_t count_findings(const std::vector<std::unique_ptr<Finder>>& finders) {
+  std::size_t count = 0;
+  for (const auto& finder : finders) count += finder->findings().size();
+  return count;
+}
+
+// One line that a terminal rewrites: how long it still takes, and how many have been found.
+class Countdown {
+ public:
+  explicit Countdown(bool wanted) : rewrites_(wanted && isatty(STDERR_FILENO) != 0) {}
+  ~Countdown() {
+    if (shown_s_ >= 0) fmt::print(stderr, "\r\033[K");
+  }
+  Countdown(const Countdown&) = delete;
+  Countdown& operator=(const Countdown&) = delete;
+
+  void show(DurationNs left_ns, const std::vector<std::unique_ptr<Finder>>& finders) {
+    const DurationNs left_s = (left_ns + kNsPerS - 1) / kNsPerS;
+    if (!rewrites_ || left_s == shown_s_) return;
+    shown_s_ = left_s;
+    fmt::print(stderr, "\rfootlight: {} s left, {} found\033[K", left_s, count_findings(finders));
+  }
+
+ private:
+  const bool rewrites_;
+  DurationNs shown_s_ = -1;
+};
+
+// Why a sender may be there and not in the list.
+void print_hints(const Reach& reach) {
+  fmt::print(stderr,
+             "footlight: nobody has told what they send; a sender that does not announce itself is heard all the same: "
+             "'footlight run --in sacn:1 --out mock:enttec-pro'\n");
+  if (!reach.not_on.empty()) {
+    fmt::print(stderr, "footlight: not listened on {}; name an interface to listen there: --interface NAME\n",
+               reach.not_on);
+  }
+}
+
+void print_other_program() {
+  const auto holders = drivers::other_holders(drivers::kArtnetPort);
+  if (holders.empty()) return;
+  fmt::print(stderr,
+             "footlight: {} has UDP port {} open, and answers of Art-Net devices to this machine go there; stop it to "
+             "see all devices\n",
+             printable_line(holders.front().description), drivers::kArtnetPort);
+}
+
 Result<int> discover(const Options& options) {
   std::vector<std::unique_ptr<Finder>> finders;
   FL_ASSIGN(auto sacn, SacnFinder::make(options));
@@ -147,16 +227,22 @@ Result<int> discover(const Options& options) {
   StopSignal signal;
   SystemClock clock;
   const TimeNs end_ns = clock.now_ns() + options.listen_ns;
+  const Reach reach = reach_of(options);
   if (!options.json) {
-    fmt::print(stderr, "footlight: listening for {:.0f} s\n", static_cast<double>(options.listen_ns) / kNsPerS);
+    fmt::print(stderr, "footlight: listening for {} on {}\n", show_duration(options.listen_ns),
+               reach.on.empty() ? "no interface" : reach.on);
+    print_other_program();
   }
   std::vector<pollfd> waiting;
   for (const auto& finder : finders) waiting.push_back({finder->poll_fd(), POLLIN, 0});
+  std::optional<Countdown> countdown(std::in_place, !options.json);
   for (TimeNs now_ns = clock.now_ns(); now_ns < end_ns && !signal.came(); now_ns = clock.now_ns()) {
+    countdown->show(end_ns - now_ns, finders);
     const DurationNs left_ms = (end_ns - now_ns) / kNsPerMs + 1;
     (void)::poll(waiting.data(), waiting.size(), static_cast<int>(std::min<DurationNs>(left_ms, 100)));
     for (const auto& finder : finders) FL_TRY(finder->poll(clock.now_ns()));
   }
+  countdown.reset();
   bool any = false;
   for (const auto& finder : finders) {
     for (const NetworkFinding& found : finder->findings()) {
@@ -169,9 +255,7 @@ Result<int> discover(const Options& options) {
     }
   }
   if (any) return kExitOk;
-  fmt::print(stderr,
-             "footlight: nobody has told what they send; a sender that does not announce itself is heard all the same: "
-             "'footlight run --in sacn:1 --out mock:enttec-pro'\n");
+  print_hints(reach);
   return kExitNotFound;
 }
 
