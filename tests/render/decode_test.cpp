@@ -384,6 +384,91 @@ TEST_CASE("pulses, slots at random, shakes and trims follow the walker over step
   CHECK(to_float.phases == 0);
 }
 
+// One fixture for each level: a law, the kind of a pulse, kelvins and metres, over the whole range of a channel.
+Scene constants_scene() {
+  fixtures::FixtureType type;
+  type.name = type.id = "test/constants";
+  type.beams.push_back({});
+  type.beams[0].lamp = fixtures::LampType::kIdeal;
+  fixtures::Mode mode;
+  mode.name = "m";
+  mode.geometries = fixtures::simple_geometries(0, 0);
+  const struct {
+    const char* attribute;
+    double from, to;
+  } rows[] = {{"DimmerCurve", 1, 1}, {"IrisPulse", 1, 1}, {"CTC", 2800, 8000}, {"Focus1Distance", 2, 20}};
+  for (const auto& row : rows) {
+    fixtures::ChannelFunction function;
+    function.name = function.attribute = row.attribute;
+    if (function.attribute == "DimmerCurve") function.name = "Inverse square law";
+    function.physical_from = row.from;
+    function.physical_to = row.to;
+    function.instant = true;
+    fixtures::Channel channel;
+    channel.name = row.attribute;
+    channel.geometry = fixtures::kSimpleHead;
+    channel.slot_offsets = {mode.slot_count++};
+    channel.functions = {function};
+    mode.channels.push_back(channel);
+  }
+  fixtures::ChannelFunction dimmer;
+  dimmer.name = dimmer.attribute = "Dimmer";
+  dimmer.physical_from = dimmer.physical_to = 0.25;
+  mode.channels.push_back(mode.channels[0]);
+  mode.channels.back().slot_offsets = {mode.slot_count++};
+  mode.channels.back().functions = {dimmer};
+  type.modes.push_back(mode);
+  Scene scene;
+  scene.rig.name = "constants";
+  scene.rig.types = {type};
+  for (int level = 0; level < 256; ++level) {
+    fixtures::PatchedFixture fixture;
+    fixture.name = std::to_string(level);
+    fixture.universe = 1 + level / 100;
+    fixture.address = static_cast<Address>(1 + 5 * (level % 100));
+    scene.rig.fixtures.push_back(fixture);
+  }
+  scene.rig.cameras.emplace_back();
+  scene.compiled = must(fixtures::compile(scene.rig));
+  scene.camera = scene.rig.cameras.front();
+  scene.levels.assign(scene.compiled.universes.size() * kSlotCountMax, 0);
+  for (int level = 0; level < 256; ++level) {
+    for (int slot = 0; slot < 5; ++slot)
+      scene.levels[static_cast<std::size_t>(512 * (level / 100) + 5 * (level % 100) + slot)] =
+          static_cast<std::uint8_t>(level);
+  }
+  return scene;
+}
+
+TEST_CASE("laws, kinds of pulses, kelvins and metres are the walker's on the GPU at every level of their range") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = constants_scene();
+  const auto frame = make_frame(vulkan.device(), scene, judged_settings(8, 8));
+  fixtures::f32::Walker walker(scene.compiled);
+  Differences to_float;
+  for (const std::int64_t dt_ns : {std::int64_t{0}, 250 * kMs}) {
+    frame->step(scene.levels, dt_ns);
+    walker.step(scene.levels, dt_ns);
+  }
+  must(frame->run_steps());
+  compare(*frame, walker, to_float);
+  const auto optics = must(frame->read_optics());
+  const auto states = must(frame->read_states());
+  for (std::size_t i = 0; i < optics.size(); ++i) {
+    CAPTURE(i);
+    to_float.phases += !equal_bits(optics[i].focus, walker.optics_states[i].focus);
+    const double metres = 2 + 18 * static_cast<double>(i) / 255;
+    CHECK(1 / static_cast<double>(optics[i].focus) == doctest::Approx(metres).epsilon(1e-6));
+    // A quarter of a second into a triangle of 1 Hz, of an iris that closes wholly.
+    CHECK(static_cast<double>(optics[i].iris) == doctest::Approx(0.5).epsilon(1e-5));
+    CHECK(states[i].green > 0.1f);
+  }
+  to_float.print("constants, to the walker in float");
+  CHECK(to_float.light <= kDecodeMax);
+  CHECK(to_float.phases == 0);
+}
+
 TEST_CASE("macros and programs of colours follow the walker over steps of every length, phases to the bit") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
