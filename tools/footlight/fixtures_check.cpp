@@ -1,6 +1,7 @@
 // footlight fixtures check: every definition is read, and what is wrong with it is said.
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -155,16 +156,57 @@ FixtureCheck check_file(const std::string& path, bool sweeps, bool images, fixtu
   return check;
 }
 
-void print(const FixtureCheck& check, bool notes) {
+// Diagnostics::finish() ends a code of which there are too many with "93 more of these".
+int count_of(const Diagnostic& one) {
+  constexpr std::string_view kMore = " more of these";
+  int count = 0;
+  if (one.message.ends_with(kMore)) {
+    std::from_chars(one.message.data(), one.message.data() + one.message.size() - kMore.size(), count);
+  }
+  return std::max(count, 1);
+}
+
+// "9 warnings (image-file 8, range), 3 notes": how many of each code, in order of their first.
+std::string counts_of(const std::vector<Diagnostic>& diagnostics, Severity severity) {
+  std::vector<std::pair<std::string, int>> codes;
+  int all = 0;
+  for (const Diagnostic& one : diagnostics) {
+    if (one.severity != severity) continue;
+    const int count = count_of(one);
+    all += count;
+    const auto at = std::find_if(codes.begin(), codes.end(), [&](const auto& code) { return code.first == one.code; });
+    if (at == codes.end()) {
+      codes.emplace_back(one.code, count);
+    } else {
+      at->second += count;
+    }
+  }
+  if (all == 0) return "";
+  std::string list;
+  for (const auto& [code, count] : codes) {
+    list += fmt::format("{}{}{}", list.empty() ? "" : ", ", code, count > 1 ? fmt::format(" {}", count) : "");
+  }
+  return fmt::format("{} {}{} ({})", all, severity_name(severity), all == 1 ? "" : "s", list);
+}
+
+// One line a file, and what is lost of it; with `notes` all that there is to say.
+std::string text_of(const FixtureCheck& check, bool notes) {
   std::string line = fmt::format("{:<8}  {}", status_name(check.status), check.file);
   if (check.status != ImportStatus::kRefused) {
     line += fmt::format(": {}{}{}, {} {}", check.manufacturer, check.manufacturer.empty() ? "" : " ", check.name,
                         check.modes, check.modes == 1 ? "mode" : "modes");
   }
-  fmt::print("{}\n", printable_line(line));
-  for (const Diagnostic& one : check.diagnostics) {
-    if (notes || one.severity != Severity::kNote) fmt::print("  {}\n", printable_line(text(one)));
+  if (!notes && check.status != ImportStatus::kRefused) {
+    for (const Severity severity : {Severity::kError, Severity::kWarning}) {
+      const std::string counts = counts_of(check.diagnostics, severity);
+      if (!counts.empty()) line += "; " + counts;
+    }
   }
+  std::string lines = printable_line(line) + "\n";
+  for (const Diagnostic& one : check.diagnostics) {
+    if (notes || one.severity == Severity::kError) lines += "  " + printable_line(fixtures::text(one)) + "\n";
+  }
+  return lines;
 }
 
 Result<int> run_check(const Options& options) {
@@ -178,6 +220,7 @@ Result<int> run_check(const Options& options) {
   std::size_t missing = 0;
   std::string missing_first;
   fixtures::SweepReport swept;
+  std::string files;  // in text: the summary goes before them
   for (const std::string& path : wanted.paths) {
     if (end_signal_came()) break;
     progress.show(done, wanted.paths.size());
@@ -189,19 +232,27 @@ Result<int> run_check(const Options& options) {
     if (options.json) {
       fmt::print("{}\n", json_of_fixture_check(check));
     } else {
-      print(check, options.notes);
+      files += text_of(check, options.notes);
     }
     FL_ASSIGN(const bool read_on, flush_output());
     if (!read_on) break;
   }
   progress.clear();
   const std::size_t refused = counts[static_cast<std::size_t>(ImportStatus::kRefused)];
-  fmt::print(stderr, "footlight: {}{} files: {} loaded, {} with warnings, {} refused",
-             done < wanted.paths.size() ? fmt::format("stopped after {} of ", done) : "", wanted.paths.size(),
-             counts[static_cast<std::size_t>(ImportStatus::kLoaded)],
-             counts[static_cast<std::size_t>(ImportStatus::kWarnings)], refused);
-  if (wanted.passed_over > 0) fmt::print(stderr, "; {} more are no definitions of fixtures", wanted.passed_over);
-  fmt::print(stderr, "\n");
+  const std::size_t warned = counts[static_cast<std::size_t>(ImportStatus::kWarnings)];
+  std::string summary =
+      fmt::format("{}{} files: {} loaded, {} with warnings, {} refused",
+                  done < wanted.paths.size() ? fmt::format("stopped after {} of ", done) : "", wanted.paths.size(),
+                  counts[static_cast<std::size_t>(ImportStatus::kLoaded)], warned, refused);
+  if (wanted.passed_over > 0) {
+    summary += fmt::format("; {} more are no definitions of fixtures", wanted.passed_over);
+  }
+  if (options.json) {
+    fmt::print(stderr, "footlight: {}\n", summary);
+  } else {
+    fmt::print("{}{}\n{}", summary, !options.notes && warned > 0 ? "; --notes lists what is wrong" : "", files);
+    FL_TRY(flush_output());
+  }
   if (options.sweep) {
     fmt::print(stderr, "footlight: {} values of channels of {} modes decoded; float is within {:.1e} of double\n",
                swept.values, swept.modes, swept.float_error);
@@ -219,12 +270,15 @@ void add_fixtures_check(Arguments& arguments) {
                            "  footlight fixtures check head.gdtf\n"
                            "  footlight fixtures check ~/gdtf /usr/share/qlcplus/fixtures --json\n"
                            "  footlight fixtures check head.gdtf --sweep\n"
-                           "Folders are searched to the bottom. Exit code 0 where no file is refused, 1 where one is, "
+                           "A summary first, then a line a file with the number of each code of warning; what is lost "
+                           "of a file is always listed. Folders are searched to the bottom. Exit code 0 where no file "
+                           "is refused, 1 where one is, "
                            "3 where none is there.");
   auto options = std::make_shared<Options>();
   check.words("PATH", options->paths, "files and folders");
   check.flag("--json", options->json, "one JSON object a file");
-  check.flag("--notes", options->notes, "also what was assumed where the file leaves something open");
+  check.flag("--notes", options->notes,
+             "every diagnostic: what is wrong, and what was assumed where the file leaves something open");
   check.flag("--images", options->images, "also read and draw every gobo's picture");
   check.flag("--sweep", options->sweep,
              "also decode every value of every channel of every mode and judge it by the definition");

@@ -262,8 +262,8 @@ Result<int> show(const Options& options) {
   std::size_t wrong = 0;
   for (const Diagnostic& one : imported.diagnostics) wrong += one.severity != Severity::kNote ? 1u : 0u;
   if (wrong > 0) {
-    fmt::print(stderr, "footlight: {} things are wrong with it; 'footlight fixtures check {}' names them\n", wrong,
-               printable_utf8(options.file));
+    fmt::print(stderr, "footlight: {} things are wrong with it; 'footlight fixtures check --notes {}' lists them\n",
+               wrong, printable_utf8(options.file));
   }
   return kExitOk;
 }

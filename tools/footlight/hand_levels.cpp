@@ -201,8 +201,8 @@ std::optional<Mix> mix_of(const fixtures::FixtureType& type, const fixtures::Mod
   return found == kEmitters.size() ? std::optional(mix) : std::nullopt;
 }
 
-// The white of a fixture: its beam's colour temperature where the file states it and the emitters' colours; the screen's
-// where the beam has none; else what red, green and blue give at full.
+// The white of a fixture: its beam's colour temperature where the file states it and the emitters' colours; that of the
+// screen where the beam has none; else what red, green and blue give at full.
 glm::dvec3 own_white(const fixtures::FixtureType& type, const fixtures::Mode& mode, const Mix& mix) {
   double temperature_k = 0;
   for (const fixtures::Geometry& geometry : mode.geometries) {

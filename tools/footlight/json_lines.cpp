@@ -1,7 +1,12 @@
 #include "tools/footlight/json_lines.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
+#include "fixtures/photometry/fit.h"
+#include "fixtures/photometry/photometry.h"
+#include "fixtures/photometry/table.h"
 #include "tools/footlight/status_text.h"
 
 namespace footlight::tools {
@@ -401,6 +406,44 @@ std::string json_of_fixture_check(const FixtureCheck& check) {
                   {"name", check.name},
                   {"modes", check.modes},
                   {"diagnostics", json_of(check.diagnostics)}});
+}
+
+std::string json_of_beam(const std::string& name, const fixtures::FixtureType& type, std::size_t index) {
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  const fixtures::Beam& beam = type.beams[index];
+  Json row = {{"type", name}, {"beam", index + 1}, {"flux_lm", beam.flux_lm}};
+  if (!beam.photometry.empty()) {
+    row["photometry"] = beam.photometry;
+    const auto photometry = fixtures::read_photometry_file(type.files, beam.photometry);
+    if (!photometry) {
+      row["trouble"] = photometry.error().message;
+      return line_of(row);
+    }
+    const auto side = beam.photometry_back ? fixtures::Side::kBack : fixtures::Side::kFront;
+    const fixtures::MeasuredTable table = fixtures::measured_table(*photometry, side);
+    row["to_deg"] = table.half_angle_rad * kDegrees;
+    row["angles"] = table.rings;
+    row["planes"] = table.columns;
+    row["error"] = table.error;
+    row["left_out_lm"] = table.left_out_lm;
+    row["integrated_lm"] = fixtures::integrated_lm(*photometry);
+    row["stated_lm"] = photometry->stated_lm;
+    row["stated_of_lamps"] = photometry->stated_of_lamps;
+  } else if (const auto rectangle = fixtures::rectangle_of(beam)) {
+    const double half_width = std::tan(rectangle->half_angle_rad);
+    row["width_deg"] = 2 * rectangle->half_angle_rad * kDegrees;
+    row["height_deg"] = 2 * std::atan(half_width / rectangle->aspect) * kDegrees;
+  } else {
+    const fixtures::BeamFit fit = fixtures::fit_beam(beam);
+    row["beam_angle_deg"] = beam.beam_angle_deg;
+    row["field_angle_deg"] = beam.field_angle_deg;
+    row["drawn_beam_angle_deg"] = fit.beam_angle_deg;
+    row["drawn_field_angle_deg"] = fit.field_angle_deg;
+    row["angle_error"] = fit.angle_error;
+    row["peak_cd"] = fit.peak_cd;
+    row["assumed"] = fit.assumed;
+  }
+  return line_of(row);
 }
 
 std::string json_of_color(const std::string& type, const fixtures::ColorError& color) {

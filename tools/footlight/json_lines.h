@@ -74,6 +74,8 @@ struct FixtureCheck {
 
 // A colour of a type, as it is drawn and as its definition says: "type", "what", "reference" and "drawn" (x, y, Y),
 // "delta_e", "delta_e_mixing", "by_spectrum".
+// Beam `index` of a type as it is drawn: by its angles, as a rectangle, or as measured with its energy check.
+[[nodiscard]] std::string json_of_beam(const std::string& name, const fixtures::FixtureType& type, std::size_t index);
 [[nodiscard]] std::string json_of_color(const std::string& type, const fixtures::ColorError& color);
 
 // What `footlight rig check` found in one file.

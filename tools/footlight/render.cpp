@@ -322,7 +322,8 @@ void add(Arguments& arguments) {
   arguments.option("--gobo-taps", options->gobo_taps, 1, 1024, "looks at the gobo a beam and pixel: error and time");
   arguments.option("--flashes", options->flashes, "WORD",
                    "harmful flashes (more than three a second): warn, limit or ignore; warn");
-  arguments.flag("--lit", options->lit, "without a log: every fixture at full, open and at its own white, its axes in the middle, hazers on");
+  arguments.flag("--lit", options->lit,
+                 "without a log: every fixture at full, open and at its own white, its axes in the middle, hazers on");
   arguments.list("--set", options->sets, "WORDS",
                  "as --lit, and ATTRIBUTE=VALUE of all fixtures or FIXTURE:ATTRIBUTE=VALUE of one; many times");
   arguments.option("--work-light", options->work_light_lx, 0, 1e6,

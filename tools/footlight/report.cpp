@@ -100,6 +100,7 @@ Status report_optics(const std::string& path, bool json) {
     const std::string name = printable_utf8(type.manufacturer + (type.manufacturer.empty() ? "" : " ") + type.name);
     if (json) {
       for (const auto& color : fixtures::color_report(type)) fmt::print("{}\n", json_of_color(name, color));
+      for (std::size_t i = 0; i < type.beams.size(); ++i) fmt::print("{}\n", json_of_beam(name, type, i));
     } else {
       fmt::print("{}\n{}\n", printable_line(name), printable_lines(optics_of_type(type)));
     }

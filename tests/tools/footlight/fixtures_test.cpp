@@ -84,6 +84,33 @@ TEST_CASE("check finds the definitions in folders, and its exit code says whethe
   CHECK(contains(bad.out, "warnings  " + head + ": Us Head, 2 modes"));
 }
 
+TEST_CASE("check prints a summary first, one line a file and what is lost of it, and the rest with --notes") {
+  TempFolder folder;
+  std::string head = kHead;
+  // Two fades beyond what any motor takes, beside the set that is lost.
+  head.replace(head.find("RealFade='3.5'"), 14, "RealFade='999'");
+  head.replace(head.find("<ChannelFunction DMXFrom='0/1'>"), 31, "<ChannelFunction DMXFrom='0/1' RealFade='1e3'>");
+  const std::string wrong = folder.write("a.gdtf", make_zip({{"description.xml", head, 8}}));
+  const std::string lamp = folder.write("b.ies", "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 5\n0 180\n0\n100 100\n");
+  const Outcome brief = footlight({"fixtures", "check", folder.path().string()});
+  CHECK(brief.exit_code == 0);
+  std::istringstream stream(brief.out);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  REQUIRE(lines.size() == 4);
+  CHECK(lines[0] == "2 files: 1 loaded, 1 with warnings, 0 refused; --notes lists what is wrong");
+  CHECK(lines[1] == "warnings  " + wrong + ": Us Head, 2 modes; 1 error (dmx-value); 2 warnings (range 2)");
+  CHECK(contains(lines[2], "a.gdtf:description.xml:7:"));
+  CHECK(contains(lines[2], ": error: "));
+  CHECK(lines[3] == "loaded    " + lamp + ": b.ies, 1 mode");
+  CHECK(brief.err.empty());
+  const Outcome all = footlight({"fixtures", "check", folder.path().string(), "--notes"});
+  CHECK(all.out.starts_with("2 files: 1 loaded, 1 with warnings, 0 refused\n"));
+  CHECK(contains(all.out, "RealFade of 999 s"));
+  CHECK(contains(all.out, "[not-simulated]"));
+  CHECK(contains(all.out, "[measured]"));
+}
+
 TEST_CASE("check refuses what it was told to read and cannot, and finds nothing in an empty folder") {
   TempFolder folder;
   const Outcome text = footlight({"fixtures", "check", folder.write("a.txt", "hello"), "--json"});
@@ -150,6 +177,31 @@ TEST_CASE("rig check says of every file in one form what fixtures check says of 
   CHECK(contains(outcome.err, "2 files: 1 loaded, 0 with warnings, 1 refused"));
 }
 
+TEST_CASE("A file that is no rig is told what it is taken for, by its name and its first bytes") {
+  TempFolder folder;
+  const std::string archive = make_zip({{"a.txt", "x"}});
+  const auto said = [&](const char* name, const std::string& bytes) {
+    const Outcome outcome = footlight({"rig", "check", folder.write(name, bytes)});
+    CHECK(outcome.exit_code == 1);
+    return outcome.out;
+  };
+  const std::string gdtf = said("head.gdtf", archive);
+  CHECK(contains(gdtf, "description.xml"));
+  CHECK_FALSE(contains(gdtf, "GeneralSceneDescription"));
+  CHECK(contains(said("show.mvr", archive), "expected GeneralSceneDescription.xml in the archive"));
+  const std::string pcapng("\x0a\x0d\x0d\x0a\x1c\x00\x00\x00\x4d\x3c\x2b\x1a\x01\x00\x00\x00", 16);
+  for (const auto& [name, bytes] : {std::pair<const char*, std::string>("a.pcapng", pcapng),
+                                    {"a.show", "OLA Show\n1 0,0\n0\n"},
+                                    {"a.bin", std::string(100, '\xfe')}}) {
+    CAPTURE(name);
+    const std::string out = said(name, bytes);
+    CHECK_FALSE(contains(out, "TOML"));
+    CHECK(contains(out, "neither a rig (.mvr, .qxw, .toml) nor a definition of a fixture"));
+    CHECK(contains(out, "--log"));
+  }
+  CHECK(contains(said("rig.toml", "\xfe\xff\xfe = 1"), "not TOML"));
+}
+
 TEST_CASE("the report has the colours of a definition against what it says, and the energy of a measured lamp") {
   TempFolder folder;
   const std::string head = folder.write(
@@ -165,13 +217,21 @@ TEST_CASE("the report has the colours of a definition against what it says, and 
     return;
   }
   const auto lines = lines_of(json.out);
-  REQUIRE(lines.size() == 3);
+  REQUIRE(lines.size() == 4);  // three colours and a beam
   CHECK(lines[0]["type"] == "Us Rgb");
   CHECK(lines[0]["what"] == "emitter R");
   CHECK(lines[0]["delta_e"].get<double>() < 0.5);  // within the screen's colours
   CHECK(lines[1]["delta_e"].get<double>() > 5);    // beyond them
   CHECK(lines[1]["delta_e_mixing"].get<double>() < 0.01);
+  CHECK(lines[3]["beam"] == 1);
+  CHECK(lines[3]["drawn_beam_angle_deg"].get<double>() == doctest::Approx(25));
   const std::string lamp = folder.write("a.ies", "TILT=NONE\n1 1000 1 2 1 1 2 0 0 0\n1 1 5\n0 180\n0\n100 100\n");
+  // A lamp without emitters has a row of its beam, with its energy.
+  const auto measured = lines_of(footlight({"report", "--optics", lamp, "--json"}).out);
+  REQUIRE(measured.size() == 2);  // forwards and upwards
+  CHECK(measured[0]["photometry"] == "a.ies");
+  CHECK(measured[0]["integrated_lm"].get<double>() == doctest::Approx(1256.64));
+  CHECK(measured[0]["stated_lm"] == 1000);
   const Outcome text = footlight({"report", "--optics", lamp});
   CHECK(text.exit_code == 0);
   CHECK(contains(text.out, "a.ies: the candela integrate to 1256.64 lm, +25.66 % from the 1000.00 lm"));
