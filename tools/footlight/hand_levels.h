@@ -30,10 +30,10 @@ inline constexpr double kHandHazePerM = 0.02;
 
 class HandLevels {
  public:
-  // Every fixture at its defaults, lit, its axes in the middle of their ways. Red, green and blue make the fixture's own
-  // white: the mix nearest to its beam's colour temperature where the file states the colours of the emitters, else what
-  // they give at full. Haze and fog machines run at the level that gives the room kHandHazePerM in the end. Both outlive
-  // this.
+  // Every fixture at its defaults, lit, its axes in the middle of their ways. Red, green and blue make the fixture's
+  // own white: the mix nearest to its beam's colour temperature where the file states the colours of the emitters, else
+  // what they give at full. Haze and fog machines run at the level that gives the room kHandHazePerM in the end. Both
+  // outlive this.
   HandLevels(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled);
 
   // universes x 512 bytes in the rig's order.
