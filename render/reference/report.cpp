@@ -68,9 +68,9 @@ std::string table(std::span<const Row> rows) {
   return text;
 }
 
-// A line of a table whose other rows are not known: numbers take ten characters, words what they need.
+// A line of a table whose other rows are not known: numbers take ten characters, counts twelve, words what they need.
 std::string fixed_line(const PictureRow& row, bool names) {
-  constexpr std::size_t kNumberWidth = 10, kWordWidth = 9;
+  constexpr std::size_t kNumberWidth = 10, kCountWidth = 12, kWordWidth = 9;
   std::string text;
   for (const auto& [name, value] : fields_of(row)) {
     const std::string cell = std::visit(ToText{}, value);
@@ -78,7 +78,9 @@ std::string fixed_line(const PictureRow& row, bool names) {
     if (!text.empty()) text += "  ";
     text += std::holds_alternative<std::string>(value)
                 ? fmt::format("{:<{}}", shown, std::max({kWordWidth, cell.size(), std::string_view(name).size()}))
-                : fmt::format("{:>{}}", shown, std::max(kNumberWidth, std::string_view(name).size()));
+                : fmt::format("{:>{}}", shown,
+                              std::max(std::holds_alternative<double>(value) ? kNumberWidth : kCountWidth,
+                                       std::string_view(name).size()));
   }
   return text + "\n";
 }

@@ -311,6 +311,18 @@ TEST_CASE("a picture is the same for every number of threads and states its own 
   CHECK(one.own_max < 1e-7);
   CHECK(one.hits_per_px > 0.1);
   CHECK(one.image.rgb.size() == 33 * 17 * 3);
+  CHECK(one.whole);
+
+  // It may be ended between two rows.
+  int most = 0;
+  options.threads = 1;
+  options.go_on = [&](int done, int all) {
+    CHECK(all == 17);
+    most = std::max(most, done);
+    return done < 5;
+  };
+  CHECK(!judge_image(scene, view, 33, 17, options).whole);
+  CHECK(most == 5);
   // The middle pixel looks along the camera's axis.
   const Ray middle = pixel_ray(view, 33, 17, 16, 8);
   CHECK(glm::length(middle.direction - view.forward) < 1e-12);

@@ -54,6 +54,20 @@ Curve power_law(double order) {
 
 }  // namespace
 
+TEST_CASE("rows that are printed one by one stand under the names of their columns") {
+  const auto rows = picture_rows();
+  const std::string names = table_names_of(rows[0]);
+  const auto place_of = [](const std::string& text, std::string_view word) { return text.find(word) + word.size(); };
+  for (const PictureRow& row : rows) {
+    const std::string line = table_line_of(row);
+    CHECK(line.size() == names.size());
+    CHECK(line.ends_with("\n"));
+    CHECK(place_of(line, row.method) <= names.find("knob"));
+    CHECK(place_of(line, "  2.5") == place_of(names, "hits_per_px"));
+    CHECK(place_of(line, "123456789012") == place_of(names, "bytes"));
+  }
+}
+
 TEST_CASE("a table's columns stand under their names") {
   const std::vector<std::string> lines = lines_of(table_of(picture_rows()));
   REQUIRE(lines.size() == 3);

@@ -63,6 +63,19 @@ TimeRow made_row(const std::string& method, double tau_ms, double rel_l2, double
 
 }  // namespace
 
+TEST_CASE("a report that is ended keeps the rows that it has, as they would be, and measures no more") {
+  TimeReportOptions options = small_options();
+  int calls = 0;
+  options.ended = [&] { return ++calls > 40; };
+  const TimeReport part = time_report(options);
+  REQUIRE(!part.rows.empty());
+  REQUIRE(part.rows.size() <= 40);
+  for (std::size_t i = 0; i < part.rows.size(); ++i) {
+    CHECK(part.rows[i].method == report().rows[i].method);
+    CHECK(part.rows[i].error_max == report().rows[i].error_max);
+  }
+}
+
 TEST_CASE("every model has a row for each of its rivals, at every knob, stiffness and frame rate") {
   const TimeReportOptions options = small_options();
   const std::size_t fps = options.fps.size();
