@@ -20,7 +20,9 @@ const PassEntry kBeamsPass{
           {FL_SPEC_FOCUS, needs.focus},
           {FL_SPEC_ANIMATION, needs.animation},
           {FL_SPEC_MEASURED, needs.measured},
-          {FL_SPEC_RECTANGLE, needs.rectangle}};
+          {FL_SPEC_RECTANGLE, needs.rectangle},
+          {FL_SPEC_WIDE, needs.wide},
+          {FL_SPEC_IRIS, needs.iris}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kBeamsComp,

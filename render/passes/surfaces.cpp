@@ -14,10 +14,12 @@ const PassEntry kSurfacesPass{
                                            {FL_SPEC_BOXES, needs.surfaces},
                                            {FL_SPEC_BODIES, has_bodies(needs, settings)},
                                            {FL_SPEC_BLADES, needs.blades},
-          {FL_SPEC_FOCUS, needs.focus},
-          {FL_SPEC_ANIMATION, needs.animation},
-          {FL_SPEC_MEASURED, needs.measured},
-          {FL_SPEC_RECTANGLE, needs.rectangle}};
+                                           {FL_SPEC_FOCUS, needs.focus},
+                                           {FL_SPEC_ANIMATION, needs.animation},
+                                           {FL_SPEC_MEASURED, needs.measured},
+                                           {FL_SPEC_RECTANGLE, needs.rectangle},
+                                           {FL_SPEC_WIDE, needs.wide},
+                                           {FL_SPEC_IRIS, needs.iris}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kSurfacesComp,

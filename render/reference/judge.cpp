@@ -27,6 +27,10 @@ using fixtures::kWheelOpening;
 namespace footlight::render {
 namespace {
 
+// fixtures/ does not see what frost does, and leaves forms of beams out by it.
+static_assert(fixtures::kFrostWidensMost > 1 + std::numbers::sqrt3 * static_cast<double>(f64::kFrostWidens));
+static_assert(fixtures::kFrostAddsMost > std::numbers::sqrt3 * static_cast<double>(f64::kFrostAdds));
+
 using Wide = long double;
 
 // One piece of an integral with its estimated error.
@@ -279,12 +283,18 @@ LightAt light_at(const JudgeBeam& beam, const GoboTransmission& gobo, const glm:
   light.rho = {x, y};
   light.z_m = z;
   double share = 0;
-  if (beam.measured) {
-    share = x * x + y * y < 1 ? beam.measured(x * beam.measured_spread, y * beam.measured_spread) : 0;
+  const double high = y * beam.aspect;
+  const bool inside = beam.aspect > 0 ? std::max(std::abs(x), std::abs(high)) < 1 : x * x + y * y < 1;
+  const double square = beam.shown * beam.shown;
+  if (!inside) {
+    share = 0;
+  } else if (beam.measured) {
+    const double spread = beam.measured_spread * beam.shown;
+    share = beam.measured(x * spread, y * spread);
   } else if (beam.aspect > 0) {
-    share = profile(x * x, beam.profile_m) * profile(y * y * beam.aspect * beam.aspect, beam.profile_m);
+    share = profile(x * x * square, beam.profile_m) * profile(high * high * square, beam.profile_m);
   } else {
-    share = profile(x * x + y * y, beam.profile_m);
+    share = profile((x * x + y * y) * square, beam.profile_m);
   }
   light.illuminance = share / (w * w * stretch);
   if (light.illuminance > 0) light.illuminance *= gobo_share(beam, gobo, x, y, z);
@@ -387,16 +397,19 @@ double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& r
 
 }  // namespace
 
-double judge_flux_factor(double spread, double profile_m) {
+double judge_flux_factor(double spread, double profile_m, double shown) {
   // In q = rho^2: area of the disc is pi dq.
-  const auto f = [&](double q) { return profile(q, profile_m) * std::pow(1 + spread * spread * q, -1.5); };
+  const auto f = [&](double q) {
+    return profile(q * shown * shown, profile_m) * std::pow(1 + spread * spread * q, -1.5);
+  };
   return std::numbers::pi * integrate(f, {0.0, 1.0}, 1e-14);
 }
 
-double judge_rectangle_factor(double spread, double profile_m, double aspect) {
+double judge_rectangle_factor(double spread, double profile_m, double aspect, double shown) {
+  const double square = shown * shown;
   const auto over_x = [&](double x) {
     const auto over_y = [&](double y) {
-      return profile(x * x, profile_m) * profile(y * y, profile_m) *
+      return profile(x * x * square, profile_m) * profile(y * y * square, profile_m) *
              std::pow(1 + spread * spread * (x * x + y * y / (aspect * aspect)), -1.5);
     };
     return integrate(over_y, {0.0, 1.0}, 1e-12);
@@ -405,6 +418,12 @@ double judge_rectangle_factor(double spread, double profile_m, double aspect) {
 }
 
 namespace {
+
+// Flux over J0 of a beam with a profile, as it is drawn.
+double drawn_factor(const JudgeBeam& beam) {
+  return beam.aspect > 0 ? judge_rectangle_factor(beam.spread, beam.profile_m, beam.aspect, beam.shown)
+                         : judge_flux_factor(beam.spread, beam.profile_m, beam.shown);
+}
 
 // Where a measured beam's peak and edge are, in the file's own candela.
 struct MeasuredBeam {
@@ -485,20 +504,33 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
     beam.y_axis = pose.y_axis;
     beam.axis = pose.axis;
     beam.lens_radius_m = type.lens_radius_m;
-    beam.spread = std::tan(state.zoom);
+    beam.spread = std::tan(f64::drawn_half_angle(state.zoom, static_cast<double>(type.aspect), type.measured != 0));
+    const double zoom_spread = beam.spread;
     beam.profile_m = type.profile_m;
     beam.range_m = range_m;
     const bool shaped = row.optics != fixtures::kNoAddress;
     fixtures::f64::Walker::OpticsState optics{};
+    beam.aspect = type.measured != 0 ? 0 : static_cast<double>(type.aspect);
+    double passes = 1;  // share of the flux, of what is in the beam's way before its frost
     if (shaped) {
       optics = walker.optics_states[row.optics];
       const double rim = f64::focus_rim(beam.lens_radius_m, beam.spread, optics.focus);
-      beam.profile_m = f64::softened_profile(beam.profile_m, std::max(optics.frost, rim));
+      const double soft = std::max(optics.frost, rim);
+      if (optics.iris < 1) {
+        // Lumens of the same light over a smaller gate.
+        JudgeBeam within = beam;
+        within.shown = optics.iris;
+        within.spread *= optics.iris;
+        passes = optics.iris * optics.iris * drawn_factor(within) / drawn_factor(beam);
+        beam.shown = type.measured != 0 ? optics.iris : 1 - f64::iris_hidden(optics.iris, soft);
+      }
+      beam.profile_m = f64::softened_profile(beam.profile_m, soft);
       if (optics.frost > 0) {
         beam.spread = beam.spread * (1 + static_cast<double>(f64::kFrostWidens) * optics.frost) +
                       static_cast<double>(f64::kFrostAdds) * optics.frost;
       }
     }
+    double measured_peak_cd = 0;
     if (type.measured != 0) {
       auto& known = measured[row.type];
       if (known == nullptr) known = measured_beam(rig, walker.rig.sources[row.type]);
@@ -506,19 +538,21 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
         return fixtures::beam_candela(shape->photometry, shape->side, x, y) / shape->table.peak_cd;
       };
       beam.measured_spread = std::tan(known->table.half_angle_rad);
-      // Candela as the file has them; where a zoom has them otherwise, the same lumens.
-      const double as_measured = beam.measured_spread * beam.measured_spread * known->table.peak_cd;
-      const bool zoomed = std::abs(beam.spread / beam.measured_spread - 1) > 1e-6;
-      const double same_lumens =
-          zoomed ? measured_factor(beam, beam.measured_spread) / measured_factor(beam, beam.spread) : 1;
-      beam.strength_lm = colour * as_measured * same_lumens;
-    } else if (type.aspect > 0) {
-      beam.aspect = static_cast<double>(type.aspect);
-      beam.strength_lm = flux_lm * colour / judge_rectangle_factor(beam.spread, beam.profile_m, beam.aspect);
-    } else {
-      beam.strength_lm = flux_lm * colour / judge_flux_factor(beam.spread, beam.profile_m);
+      measured_peak_cd = known->table.peak_cd;
     }
+    // Its strength, where its spread is `scale` times as large as this: the same lumens.
+    const auto strength_lm = [&](const JudgeBeam& drawn, double scale) {
+      if (!drawn.measured) return flux_lm * passes * colour / drawn_factor(drawn);
+      // Candela as the file has them; where a zoom has them otherwise, the same lumens.
+      const double as_measured = drawn.measured_spread * drawn.measured_spread * measured_peak_cd;
+      const double whole = beam.spread * scale;
+      const bool zoomed = std::abs(whole / drawn.measured_spread - 1) > 1e-6;
+      const double same_lumens =
+          zoomed ? measured_factor(drawn, drawn.measured_spread) / measured_factor(drawn, whole) : 1;
+      return colour * as_measured * same_lumens * drawn.shown * drawn.shown;
+    };
     if (!shaped) {
+      beam.strength_lm = strength_lm(beam, 1);
       scene.beams.push_back(beam);
       continue;
     }
@@ -538,11 +572,8 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
       beam.edges.push_back(blade_of(beam.aspect, b, optics.blade_a[b], optics.blade_b[b], optics.blade_angle[b]));
       beam.edges.back().z /= optics.iris;
     }
-    // The iris: the middle of the beam, with the whole beam's illuminance.
+    // The iris: the middle of the beam.
     beam.gobo_scale = optics.iris;
-    beam.lens_radius_m *= optics.iris;
-    beam.strength_lm *= optics.iris * optics.iris;
-    beam.spread *= optics.iris;
     // Each facet of a prism maps the beam before it: p -> m p + at, in radii of the beam as the zoom has it.
     struct Copy {
       glm::dmat2 m{1};
@@ -567,17 +598,20 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
       }
       copies = std::move(next);
     }
-    const JudgeBeam whole = beam;
+    JudgeBeam whole = beam;
+    whole.lens_radius_m *= optics.iris;
+    whole.spread *= optics.iris;
     for (const Copy& copy : copies) {
       JudgeBeam one = whole;
       const auto on_stage = [&](const glm::dvec2& v) { return v.x * pose.x_axis + v.y * pose.y_axis; };
-      one.axis = glm::normalize(pose.axis + std::tan(state.zoom) * on_stage(copy.at));
+      one.axis = glm::normalize(pose.axis + zoom_spread * on_stage(copy.at));
       const glm::dvec3 right = on_stage(copy.m[0]);
       one.x_axis = glm::normalize(right - one.axis * glm::dot(one.axis, right));
       one.y_axis = glm::cross(one.axis, one.x_axis);
       if (glm::dot(one.y_axis, on_stage(copy.m[1])) < 0) one.y_axis = -one.y_axis;
-      one.spread = whole.spread * std::sqrt(std::abs(glm::determinant(copy.m)));
-      one.strength_lm = whole.strength_lm * copy.light;
+      const double scale = std::sqrt(std::abs(glm::determinant(copy.m)));
+      one.spread = whole.spread * scale;
+      one.strength_lm = strength_lm(one, scale) * copy.light;
       scene.beams.push_back(one);
     }
   }

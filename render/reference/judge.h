@@ -62,6 +62,7 @@ struct JudgeBeam {
                                   // width, and f is the product of two, of x and of y. 0: round
   MeasuredShare measured;         // instead of f, where rho = 1 is at measured_spread
   double measured_spread = 0;
+  double shown = 1;               // share of the radius of f that an iris lets through; f ends there
   std::vector<glm::dvec3> edges;  // of blades: what has x X + y Y <= z passes
 };
 
@@ -83,10 +84,11 @@ struct JudgeScene {
 [[nodiscard]] JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker,
                                      GoboTransmission gobo = {});
 
-// Integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc by adaptive quadrature: flux in lumens over J0.
-[[nodiscard]] double judge_flux_factor(double spread, double profile_m);
+// Integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc by adaptive quadrature: flux in lumens over J0. f is read at
+// shown rho.
+[[nodiscard]] double judge_flux_factor(double spread, double profile_m, double shown = 1);
 // The same over a rectangle: twice as wide as the lens, that over `aspect` high.
-[[nodiscard]] double judge_rectangle_factor(double spread, double profile_m, double aspect);
+[[nodiscard]] double judge_rectangle_factor(double spread, double profile_m, double aspect, double shown = 1);
 
 struct Ray {
   glm::dvec3 origin_m{0};

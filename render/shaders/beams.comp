@@ -25,7 +25,6 @@ bool tile_touches(BeamRow row) {
 
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX / FL_ROWS) in;
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
-layout(constant_id = FL_SPEC_PROFILE) const bool kProfile = false;
 layout(constant_id = FL_SPEC_METHOD) const uint kMethod = FL_METHOD_GAUSS;
 layout(constant_id = FL_SPEC_NODES) const uint kNodes = 3;
 layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
@@ -54,7 +53,7 @@ void main() {
     FL_WALK_BEGIN(base, index)
       BeamRow row = beams[index];
       BeamShape beam = beam_shape(row);
-      if (!kProfile) beam.profile_m = 1.0;
+      beam.profile_m = drawn_profile(beam.profile_m);
       // A flat profile 1 - rho^(2m) is a polynomial of degree 2m in s: m = 3 and 4 need one and two nodes more. So do
       // the soft ones, of degree 2/m.
       uint nodes = kNodes;
@@ -90,6 +89,8 @@ void main() {
             value = vec3(chord_inscatter_march(beam, medium, chord, ray, kNodes, kExtinction));
           } else if (measured) {
             value = vec3(chord_inscatter_measured(beam, medium, chord, ray, kNodes, kExtinction));
+          } else if (kWide && beam.spread > kWideSpread) {
+            value = vec3(chord_inscatter_wide(beam, medium, chord, ray, kNodes > 3u ? 2u : 1u, kExtinction));
           } else {
             value = vec3(chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction));
           }

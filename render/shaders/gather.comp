@@ -1,14 +1,14 @@
 #version 460
 // Compacts the lit heads into beam rows, in patch order: each group finds its place from the counts of those before it.
-// A prism makes several beams of one. The last group writes the totals and the indirect arguments of the passes that
-// follow.
+// A prism makes several beams of one. Each head's state gets the place of its first beam, for its lens. The last group
+// writes the totals and the indirect arguments of the passes that follow.
 #extension GL_GOOGLE_include_directive : require
 #define FL_USE_BEAMS
 #define FL_BEAMS_ACCESS writeonly
 #define FL_USE_COUNTS
 #define FL_COUNTS_ACCESS
 #define FL_USE_HEADS
-#define FL_STATES_ACCESS readonly
+#define FL_STATES_ACCESS
 #define FL_USE_POSE
 #include "render/shaders/lib/frame.glsl"
 
@@ -28,6 +28,7 @@ layout(set = 0, binding = FL_BINDING_BLADES, std430) writeonly buffer BladesBuff
 #include "render/shaders/lib/forms.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/shared/optics.h"
 
 // tan(x) for 0 <= x < pi/2 to 3e-7 of itself. GPUs may have it to 5e-7 of 1 alone, much of the spread of a pencil
@@ -76,6 +77,24 @@ Copy copied(Copy first, Copy then) {
   return both;
 }
 
+// The beam without frost, focus and iris.
+BeamShape open_shape(BeamRow beam, float profile_m, float spread) {
+  BeamShape shape;
+  shape.lens_radius_m = 0.0;
+  shape.spread = beam.squeeze > 0.0 ? spread * kSquareRadius : spread;
+  shape.range_m = 0.0;
+  shape.profile_m = profile_m;
+  shape.squeeze = beam.squeeze;
+  shape.measured = 0u;
+  shape.hidden = 0.0;
+  return shape;
+}
+// Flux over J0 of a beam as it is drawn.
+float flux_factor(BeamShape beam, float iris) {
+  if (beam.measured != 0u) return measured_flux_factor(beam.measured, beam.spread / iris) / (iris * iris);
+  return beam_flux_factor(beam);
+}
+
 shared uint beams_before;
 shared uint lit_before;
 shared uint beams_of[FL_GROUP_HEADS];
@@ -86,9 +105,10 @@ void write_beams(uint index, uint first) {
   TypeRow type = types[row.type];
   HeadState state = states[index];
   BeamPose pose = beam_pose(row, type, state);
-  float zoom_spread = tangent(state.zoom);
+  bool is_measured = kMeasured && type.measured != 0u;
+  float zoom_spread = tangent(drawn_half_angle(state.zoom, kRectangle ? type.aspect : 0.0, is_measured));
   float spread = zoom_spread;
-  float profile_m = type.profile_m;
+  float profile_m = drawn_profile(type.profile_m);
   bool shaped = kOptics && row.optics != kNoAddress;
 
   BeamRow beam;
@@ -109,16 +129,25 @@ void write_beams(uint index, uint first) {
   beam.animation = 0u;
   beam.animation_cos = 1.0;
   beam.animation_sin = 0.0;
-  beam.measured = kMeasured ? type.measured : 0u;
+  beam.measured = is_measured ? type.measured : 0u;
   beam.squeeze = kRectangle && type.aspect > 0.0 ? 1.0 / (type.aspect * type.aspect) : 0.0;
   beam.head = index;
   float lens_radius_m = type.lens_radius_m;
   OpticsState optics;
   bool copies = false;
+  float iris = 1.0;
+  float hidden = 0.0;
+  float flux_lm = type.flux_lm;  // in the beam
   if (shaped) {
     optics = optics_states[row.optics];
     beam.focus = optics.focus;
-    profile_m = softened_profile(profile_m, max(optics.frost, focus_rim(lens_radius_m, spread, optics.focus)));
+    float soft = max(optics.frost, focus_rim(lens_radius_m, spread, optics.focus));
+    if (kIris && optics.iris < 1.0) {
+      iris = optics.iris;
+      hidden = beam.measured != 0u ? 1.0 - iris : iris_hidden(iris, soft);
+      if (beam.measured == 0u) flux_lm *= iris_flux_share(open_shape(beam, profile_m, zoom_spread), iris);
+    }
+    profile_m = drawn_profile(softened_profile(profile_m, soft));
     if (optics.frost > 0.0) {
       spread = spread * (1.0 + kFrostWidens * optics.frost) + kFrostAdds * optics.frost;
       beam.gobo_blur = kFrostBlur * optics.frost;
@@ -128,15 +157,6 @@ void write_beams(uint index, uint first) {
     lens_radius_m *= kSquareRadius;
     spread *= kSquareRadius;
   }
-  float flux_factor;
-  if (beam.measured != 0u) {
-    flux_factor = measured_flux_factor(beam.measured, spread);
-  } else if (beam.squeeze > 0.0) {
-    flux_factor = rectangle_flux_factor(spread, profile_m, beam.squeeze);
-  } else {
-    flux_factor = beam_flux_factor(spread, profile_m);
-  }
-  float j0 = type.flux_lm / flux_factor;
   if (shaped) {
     beam.gobo = optics.image_1;
     beam.gobo_cos = cos(optics.angle_1);
@@ -151,17 +171,17 @@ void write_beams(uint index, uint first) {
     beam.animation = optics.animation;
     beam.animation_cos = cos(optics.animation_angle);
     beam.animation_sin = sin(optics.animation_angle);
-    // The iris leaves the middle of the beam as it is, but for the rim, which falls off as that of the whole beam.
-    beam.gobo_scale = optics.iris;
-    spread *= optics.iris;
-    lens_radius_m *= optics.iris;
-    j0 *= optics.iris * optics.iris;
+    beam.gobo_scale = iris;
+    spread *= iris;
+    lens_radius_m *= iris;
     copies = optics.prism > 0u || (kStacked && optics.prism_2 > 0u);
     if (kBlades) {
       for (uint i = 0u; i < 4u; ++i) beam.blades |= optics.blade_a[i] + optics.blade_b[i] > 0.0 ? 1u : 0u;
     }
   }
 
+  float j0 = 0.0;
+  float j0_spread = -1.0;  // of the beam that it was computed for
   for (uint b = 0u; b < max(state.beams, 1u); ++b) {
     vec3 axis = pose.axis;
     vec3 x_axis = pose.x_axis;
@@ -196,7 +216,12 @@ void write_beams(uint index, uint first) {
     beam.y_axis = vec4(y_axis, copy_spread);
     beam.axis = vec4(axis, params.up.w);
     beam.eye = vec4(dot(x_axis, eye), dot(y_axis, eye), dot(axis, eye), profile_m);
-    beam.j0 = vec4(vec3(state.red, state.green, state.blue) * (j0 * light), 0.0);
+    beam.j0.w = hidden;
+    if (copy_spread != j0_spread) {
+      j0 = flux_lm / flux_factor(beam_shape(beam), iris);
+      j0_spread = copy_spread;
+    }
+    beam.j0.rgb = vec3(state.red, state.green, state.blue) * (j0 * light);
     beams[first + b] = beam;
     if (kBlades && beam.blades != 0u) {
       for (uint i = 0u; i < 4u; ++i) {
@@ -208,7 +233,7 @@ void write_beams(uint index, uint first) {
           edge.xy = turned(vec2(cos(optics.blade_angle[i]), sin(optics.blade_angle[i])), edge.xy);
           edge.xy *= kSquareRadius * vec2(1.0, 1.0 / type.aspect);
         }
-        blades[first + b].edge[i] = vec4(edge.xy, edge.z / optics.iris, 0.0);
+        blades[first + b].edge[i] = vec4(edge.xy, edge.z / iris, 0.0);
       }
     }
   }
@@ -242,6 +267,7 @@ void main() {
   uint rank = 0u;
   for (uint l = 0u; l < lane; ++l) rank += beams_of[l];
   if (lit) write_beams(index, beams_before + rank);
+  if (index < params.head_count) states[index].beam_first = lit ? beams_before + rank : kNoAddress;
 
   if (lane == uint(FL_GROUP_HEADS) - 1u && group == gl_NumWorkGroups.x - 1u) {
     uint live = beams_before + rank + beams_of[lane];

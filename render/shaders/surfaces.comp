@@ -14,7 +14,6 @@
 #define FL_MASKS_ACCESS readonly
 #define FL_USE_HEADS
 #define FL_STATES_ACCESS readonly
-#define FL_USE_POSE
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/surface.glsl"
 #include "render/shaders/lib/forms.glsl"
@@ -73,7 +72,6 @@ bool tile_touches(BeamRow row) {
 
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX / FL_ROWS) in;
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
-layout(constant_id = FL_SPEC_PROFILE) const bool kProfile = false;
 
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform writeonly image2D radiance;
 
@@ -81,40 +79,35 @@ const float kPi = 3.141592653589793;
 // Reflectance of painted housings. Chosen by eye.
 const float kBodyAlbedo = 0.04;
 
-// What the lens of a head sends towards the eye, cd/m^2: the beam's own intensity over the lens area where the eye
-// is inside the beam, and a little scattered light everywhere.
-vec3 lens_radiance(uint index, vec3 unit_ray, vec3 normal) {
+// The lens of a head, cd/m^2: it lights the eye as all beams of the head do there, and a little of its light goes to
+// all sides. The disc's projected area over the square of its distance is the solid angle that it has for the eye.
+vec3 lens_radiance(uint index, float t_m, vec3 unit_ray, vec3 normal) {
   TypeRow type = types[heads[index].type];
   HeadState state = states[index];
-  vec3 color = vec3(state.red, state.green, state.blue);
-  float area_m2 = kPi * type.lens_radius_m * type.lens_radius_m;
   float facing = dot(normal, -unit_ray);
   if (!(facing > 0.0)) return vec3(0.0);
-  float spread = max(tan(state.zoom), 1e-3);
-  if ((kRectangle && type.aspect > 0.0) || (kMeasured && type.measured != 0u)) {
-    BeamPose pose = beam_pose(heads[index], type, state);
-    bool rectangle = type.aspect > 0.0;
-    float square = rectangle ? sqrt(2.0) : 1.0;
-    BeamShape beam;
-    beam.spread = spread * square;
-    beam.profile_m = type.profile_m;
-    beam.squeeze = rectangle ? 1.0 / (type.aspect * type.aspect) : 0.0;
-    beam.measured = kMeasured ? type.measured : 0u;
-    float factor = rectangle ? rectangle_flux_factor(beam.spread, beam.profile_m, beam.squeeze)
-                             : measured_flux_factor(beam.measured, beam.spread);
-    if (rectangle) area_m2 = 4.0 * type.lens_radius_m * type.lens_radius_m / type.aspect;
-    float z = -dot(pose.axis, unit_ray);
-    vec2 at = -vec2(dot(pose.x_axis, unit_ray), (rectangle ? type.aspect : 1.0) * dot(pose.y_axis, unit_ray)) /
-              (max(z, 1e-6) * beam.spread);
-    bool inside = z > 0.0 && (rectangle ? max(abs(at.x), abs(at.y)) < sqrt(0.5) : dot(at, at) < 1.0);
-    float share = inside ? beam_value(beam, at, dot(at, at)) : 0.0;
-    return color * (type.flux_lm * share / (factor * beam.spread * beam.spread * area_m2 * facing) +
-                    type.glow_lm / (kPi * area_m2));
+  float area_m2 = kPi * type.lens_radius_m * type.lens_radius_m;
+  if (kRectangle && type.aspect > 0.0) area_m2 = 4.0 * type.lens_radius_m * type.lens_radius_m / type.aspect;
+  vec3 eye_lx = vec3(0.0);
+  uint beam_count = state.beam_first == kNoAddress ? 0u : max(state.beams, 1u);
+  for (uint b = 0u; b < beam_count; ++b) {
+    BeamRow row = beams[state.beam_first + b];
+    if (!(dot(normal, row.axis.xyz) > 0.5)) continue;  // the side of the glass
+    BeamShape beam = beam_shape(row);
+    beam.profile_m = drawn_profile(beam.profile_m);
+    beam.range_m = 1e30;  // a lens is seen from any distance
+    vec2 rho;
+    float r_m;
+    float share = beam_illuminance(beam, row.eye.xyz, rho, r_m);
+    if (!(share > 0.0)) continue;
+    gobo_begin(row);
+    if (kBlades && row.blades != 0u) share *= blades_at(state.beam_first + b, rho, row.eye.z);
+    vec3 through = vec3(share);
+    if (has_gobo(row)) through *= gobo_on_surface(row.gobo, rho, row.eye.z);
+    eye_lx += row.j0.rgb * through;
   }
-  float rho = sqrt(max(1.0 - facing * facing, 0.0)) / (facing * spread);
-  float flux_factor = beam_flux_factor(spread, type.profile_m);
-  float intensity = beam_profile(rho * rho, type.profile_m) / (flux_factor * spread * spread);
-  return color * (type.flux_lm * intensity / (area_m2 * facing) + type.glow_lm / (kPi * area_m2));
+  vec3 glow_lm = vec3(state.red, state.green, state.blue) * type.glow_lm;
+  return eye_lx * (t_m * t_m / (area_m2 * facing)) + glow_lm / (kPi * area_m2);
 }
 
 // Its share that reaches a face. The work light falls on what has triangles from above and from the eye, so that its
@@ -152,7 +145,7 @@ void main() {
     FL_WALK_BEGIN(base, index)
       BeamRow row = beams[index];
       BeamShape beam = beam_shape(row);
-      if (!kProfile) beam.profile_m = 1.0;
+      beam.profile_m = drawn_profile(beam.profile_m);
       gobo_begin(row);
       bool gobo = has_gobo(row);
       for (int i = 0; i < FL_ROWS; ++i) {
@@ -187,7 +180,9 @@ void main() {
       vec3 ray = normalize(offset_m[i]);
       float form = work_light(surface[i].normal, offset_m[i]);
       color = vec3(kBodyAlbedo / kPi) * (illuminance_lx[i] + params.ambient_lx * (form - 1.0));
-      if ((which & uint(FL_PART_LENS)) != 0u) color += lens_radiance(which >> 3, ray, surface[i].normal);
+      if ((which & uint(FL_PART_LENS)) != 0u) {
+        color += lens_radiance(which >> 3, surface[i].t_m, ray, surface[i].normal);
+      }
     }
     if (kExtinction) color *= exp(-medium.extinction_per_m * surface[i].t_m);
     imageStore(radiance, pixel, vec4(color, surface[i].t_m));

@@ -38,9 +38,9 @@ Needs demo_needs() {
   CHECK_FALSE(needs.blades);
   needs.color = true;
   needs.blades = true;
-  for (bool Needs::* need : {&Needs::flex, &Needs::smooth, &Needs::tungsten, &Needs::led, &Needs::discharge,
-                             &Needs::dowser, &Needs::measured, &Needs::rectangle, &Needs::stacked, &Needs::shake,
-                             &Needs::pulses, &Needs::macro}) {
+  for (bool Needs::*need : {&Needs::flex, &Needs::smooth, &Needs::tungsten, &Needs::led, &Needs::discharge,
+                            &Needs::dowser, &Needs::measured, &Needs::rectangle, &Needs::stacked, &Needs::shake,
+                            &Needs::pulses, &Needs::macro, &Needs::wide, &Needs::iris}) {
     CHECK_FALSE(needs.*need);
     needs.*need = true;
   }
@@ -69,60 +69,66 @@ void check_left_out(const Needs& needs, const FrameSettings& settings) {
 TEST_CASE("the demo rig with all that it lacks needs every pass, with every branch") {
   const FrameSettings settings;
   const auto plan = plan_frame(demo_needs(), settings);
-  CHECK(plan == std::vector<PassPlan>{
-                    {"step",
-                     {{FL_SPEC_MOTION, 1},
-                      {FL_SPEC_SPIN, 1},
-                      {FL_SPEC_STROBE, 1},
-                      {FL_SPEC_COLOR, 1},
-                      {FL_SPEC_OPTICS, 1},
-                      {FL_SPEC_BLADES, 1},
-                      {FL_SPEC_SHAKE, 1},
-                      {FL_SPEC_ANIMATION, 1},
-                      {FL_SPEC_STACKED, 1},
-                      {FL_SPEC_FLEX, 1},
-                      {FL_SPEC_SMOOTH, 1},
-                      {FL_SPEC_TUNGSTEN, 1},
-                      {FL_SPEC_LED, 1},
-                      {FL_SPEC_DISCHARGE, 1},
-                      {FL_SPEC_DOWSER, 1},
-                      {FL_SPEC_PULSES, 1},
-                      {FL_SPEC_MACRO, 1},
-                      {FL_SPEC_WISH_COUNT, fixtures::kParamCount}}},
-                    {"gather",
-                     {{FL_SPEC_OPTICS, 1},
-                      {FL_SPEC_STACKED, 1},
-                      {FL_SPEC_BLADES, 1},
-                      {FL_SPEC_MEASURED, 1},
-                      {FL_SPEC_RECTANGLE, 1}}},
-                    {"bodies", {}},
-                    {"tiles", {{FL_SPEC_RECTANGLE, 1}}},
-                    {"surfaces",
-                     {{FL_SPEC_GOBO, 1},
-                      {FL_SPEC_EXTINCTION, 1},
-                      {FL_SPEC_PROFILE, 1},
-                      {FL_SPEC_BOXES, 1},
-                      {FL_SPEC_BODIES, 1},
-                      {FL_SPEC_BLADES, 1},
-                      {FL_SPEC_FOCUS, 1},
-                      {FL_SPEC_ANIMATION, 1},
-                      {FL_SPEC_MEASURED, 1},
-                      {FL_SPEC_RECTANGLE, 1}}},
-                    {"beams",
-                     {{FL_SPEC_GOBO, 1},
-                      {FL_SPEC_EXTINCTION, 1},
-                      {FL_SPEC_PROFILE, 1},
-                      {FL_SPEC_METHOD, FL_METHOD_GAUSS},
-                      {FL_SPEC_NODES, settings.nodes},
-                      {FL_SPEC_GOBO_TAPS, settings.gobo_taps},
-                      {FL_SPEC_BOXES, 1},
-                      {FL_SPEC_BODIES, 1},
-                      {FL_SPEC_BLADES, 1},
-                      {FL_SPEC_FOCUS, 1},
-                      {FL_SPEC_ANIMATION, 1},
-                      {FL_SPEC_MEASURED, 1},
-                      {FL_SPEC_RECTANGLE, 1}}},
-                    {"tonemap", {}}});
+  CHECK(plan == std::vector<PassPlan>{{"step",
+                                       {{FL_SPEC_MOTION, 1},
+                                        {FL_SPEC_SPIN, 1},
+                                        {FL_SPEC_STROBE, 1},
+                                        {FL_SPEC_COLOR, 1},
+                                        {FL_SPEC_OPTICS, 1},
+                                        {FL_SPEC_BLADES, 1},
+                                        {FL_SPEC_SHAKE, 1},
+                                        {FL_SPEC_ANIMATION, 1},
+                                        {FL_SPEC_STACKED, 1},
+                                        {FL_SPEC_FLEX, 1},
+                                        {FL_SPEC_SMOOTH, 1},
+                                        {FL_SPEC_TUNGSTEN, 1},
+                                        {FL_SPEC_LED, 1},
+                                        {FL_SPEC_DISCHARGE, 1},
+                                        {FL_SPEC_DOWSER, 1},
+                                        {FL_SPEC_PULSES, 1},
+                                        {FL_SPEC_MACRO, 1},
+                                        {FL_SPEC_WISH_COUNT, fixtures::kParamCount}}},
+                                      {"gather",
+                                       {{FL_SPEC_OPTICS, 1},
+                                        {FL_SPEC_PROFILE, 1},
+                                        {FL_SPEC_WIDE, 1},
+                                        {FL_SPEC_IRIS, 1},
+                                        {FL_SPEC_STACKED, 1},
+                                        {FL_SPEC_BLADES, 1},
+                                        {FL_SPEC_MEASURED, 1},
+                                        {FL_SPEC_RECTANGLE, 1}}},
+                                      {"bodies", {}},
+                                      {"tiles", {{FL_SPEC_RECTANGLE, 1}}},
+                                      {"surfaces",
+                                       {{FL_SPEC_GOBO, 1},
+                                        {FL_SPEC_EXTINCTION, 1},
+                                        {FL_SPEC_PROFILE, 1},
+                                        {FL_SPEC_BOXES, 1},
+                                        {FL_SPEC_BODIES, 1},
+                                        {FL_SPEC_BLADES, 1},
+                                        {FL_SPEC_FOCUS, 1},
+                                        {FL_SPEC_ANIMATION, 1},
+                                        {FL_SPEC_MEASURED, 1},
+                                        {FL_SPEC_RECTANGLE, 1},
+                                        {FL_SPEC_WIDE, 1},
+                                        {FL_SPEC_IRIS, 1}}},
+                                      {"beams",
+                                       {{FL_SPEC_GOBO, 1},
+                                        {FL_SPEC_EXTINCTION, 1},
+                                        {FL_SPEC_PROFILE, 1},
+                                        {FL_SPEC_METHOD, FL_METHOD_GAUSS},
+                                        {FL_SPEC_NODES, settings.nodes},
+                                        {FL_SPEC_GOBO_TAPS, settings.gobo_taps},
+                                        {FL_SPEC_BOXES, 1},
+                                        {FL_SPEC_BODIES, 1},
+                                        {FL_SPEC_BLADES, 1},
+                                        {FL_SPEC_FOCUS, 1},
+                                        {FL_SPEC_ANIMATION, 1},
+                                        {FL_SPEC_MEASURED, 1},
+                                        {FL_SPEC_RECTANGLE, 1},
+                                        {FL_SPEC_WIDE, 1},
+                                        {FL_SPEC_IRIS, 1}}},
+                                      {"tonemap", {}}});
   CHECK(left_out_passes(demo_needs(), settings).empty());
 }
 
@@ -149,32 +155,34 @@ TEST_CASE("each need that goes takes its branches or its passes with it") {
     std::vector<std::string> lost;  // passes
     std::uint32_t constant;         // that turns 0 where it is; FL_SPEC_COUNT: none
   };
-  for (const Case& c : {Case{"motion", &Needs::motion, {}, FL_SPEC_MOTION},
-                        Case{"spin", &Needs::spin, {}, FL_SPEC_SPIN},
-                        Case{"strobe", &Needs::strobe, {}, FL_SPEC_STROBE},
-                        Case{"gobo", &Needs::gobo, {}, FL_SPEC_GOBO},
-                        Case{"colour", &Needs::color, {}, FL_SPEC_COLOR},
-                        Case{"optics", &Needs::optics, {}, FL_SPEC_OPTICS},
-                        Case{"blades", &Needs::blades, {}, FL_SPEC_BLADES},
-                        Case{"stacked", &Needs::stacked, {}, FL_SPEC_STACKED},
-                        Case{"pulses", &Needs::pulses, {}, FL_SPEC_PULSES},
-                        Case{"macro", &Needs::macro, {}, FL_SPEC_MACRO},
-                        Case{"flex", &Needs::flex, {}, FL_SPEC_FLEX},
-                        Case{"smooth", &Needs::smooth, {}, FL_SPEC_SMOOTH},
-                        Case{"tungsten", &Needs::tungsten, {}, FL_SPEC_TUNGSTEN},
-                        Case{"led", &Needs::led, {}, FL_SPEC_LED},
-                        Case{"discharge", &Needs::discharge, {}, FL_SPEC_DISCHARGE},
-                        Case{"dowser", &Needs::dowser, {}, FL_SPEC_DOWSER},
-                        Case{"focus", &Needs::focus, {}, FL_SPEC_FOCUS},
-                        Case{"animation", &Needs::animation, {}, FL_SPEC_ANIMATION},
-                        Case{"measured", &Needs::measured, {}, FL_SPEC_MEASURED},
-                        Case{"rectangle", &Needs::rectangle, {}, FL_SPEC_RECTANGLE},
-                        Case{"extinction", &Needs::extinction, {}, FL_SPEC_EXTINCTION},
-                        Case{"profile", &Needs::profile, {}, FL_SPEC_PROFILE},
-                        Case{"surfaces", &Needs::surfaces, {}, FL_SPEC_BOXES},
-                        Case{"haze", &Needs::haze, {"beams"}, FL_SPEC_COUNT},
-                        Case{"fixtures", &Needs::fixtures, {"step", "gather", "bodies", "tiles", "beams"},
-                             FL_SPEC_BODIES}}) {
+  for (const Case& c :
+       {Case{"motion", &Needs::motion, {}, FL_SPEC_MOTION},
+        Case{"spin", &Needs::spin, {}, FL_SPEC_SPIN},
+        Case{"strobe", &Needs::strobe, {}, FL_SPEC_STROBE},
+        Case{"gobo", &Needs::gobo, {}, FL_SPEC_GOBO},
+        Case{"colour", &Needs::color, {}, FL_SPEC_COLOR},
+        Case{"optics", &Needs::optics, {}, FL_SPEC_OPTICS},
+        Case{"blades", &Needs::blades, {}, FL_SPEC_BLADES},
+        Case{"stacked", &Needs::stacked, {}, FL_SPEC_STACKED},
+        Case{"pulses", &Needs::pulses, {}, FL_SPEC_PULSES},
+        Case{"macro", &Needs::macro, {}, FL_SPEC_MACRO},
+        Case{"flex", &Needs::flex, {}, FL_SPEC_FLEX},
+        Case{"smooth", &Needs::smooth, {}, FL_SPEC_SMOOTH},
+        Case{"tungsten", &Needs::tungsten, {}, FL_SPEC_TUNGSTEN},
+        Case{"led", &Needs::led, {}, FL_SPEC_LED},
+        Case{"discharge", &Needs::discharge, {}, FL_SPEC_DISCHARGE},
+        Case{"dowser", &Needs::dowser, {}, FL_SPEC_DOWSER},
+        Case{"focus", &Needs::focus, {}, FL_SPEC_FOCUS},
+        Case{"animation", &Needs::animation, {}, FL_SPEC_ANIMATION},
+        Case{"measured", &Needs::measured, {}, FL_SPEC_MEASURED},
+        Case{"rectangle", &Needs::rectangle, {}, FL_SPEC_RECTANGLE},
+        Case{"extinction", &Needs::extinction, {}, FL_SPEC_EXTINCTION},
+        Case{"profile", &Needs::profile, {}, FL_SPEC_PROFILE},
+        Case{"wide", &Needs::wide, {}, FL_SPEC_WIDE},
+        Case{"iris", &Needs::iris, {}, FL_SPEC_IRIS},
+        Case{"surfaces", &Needs::surfaces, {}, FL_SPEC_BOXES},
+        Case{"haze", &Needs::haze, {"beams"}, FL_SPEC_COUNT},
+        Case{"fixtures", &Needs::fixtures, {"step", "gather", "bodies", "tiles", "beams"}, FL_SPEC_BODIES}}) {
     CAPTURE(c.what);
     Needs needs = demo_needs();
     needs.*c.need = false;
@@ -224,6 +232,56 @@ TEST_CASE("every combination of needs gives each pass once or says what its abse
     settings.bodies = bit(13);
     check_left_out(needs, settings);
   }
+}
+
+TEST_CASE("a frost, a focus, an iris and a wide zoom make a rig of m = 1 need what they need") {
+  const auto needs_with = [](const char* attribute, double from, double to) {
+    fixtures::FixtureType type;
+    type.id = "test/one";
+    fixtures::Beam beam;
+    beam.profile_m = 1;
+    beam.beam_angle_deg = beam.field_angle_deg = 40;
+    type.beams.push_back(beam);
+    fixtures::Mode mode;
+    mode.name = "one";
+    mode.slot_count = 1;
+    mode.geometries = fixtures::simple_geometries(0, 0);
+    fixtures::Channel channel;
+    channel.name = attribute;
+    channel.geometry = fixtures::kSimpleHead;
+    channel.slot_offsets = {0};
+    fixtures::ChannelFunction function;
+    function.name = function.attribute = attribute;
+    function.dmx_to = 255;
+    function.physical_from = from;
+    function.physical_to = to;
+    channel.functions.push_back(function);
+    mode.channels.push_back(channel);
+    type.modes.push_back(mode);
+    fixtures::Rig rig;
+    rig.types.push_back(type);
+    rig.fixtures.emplace_back();
+    rig.fixtures.back().name = "one";
+    const auto compiled = fixtures::compile(rig);
+    REQUIRE(compiled);
+    return compiled->needs;
+  };
+  const auto plain = needs_with("Dimmer", 0, 1);
+  CHECK_FALSE(plain.profile);
+  CHECK_FALSE(plain.wide);
+  CHECK_FALSE(plain.iris);
+  for (const char* soft : {"Frost1", "Frost2", "Frost3", "Frost1PulseOpen", "Focus1", "Focus1Distance"}) {
+    CAPTURE(soft);
+    CHECK(needs_with(soft, 0, 1).profile);
+  }
+  for (const char* iris : {"Iris", "IrisPulse", "IrisStrobe"}) {
+    CAPTURE(iris);
+    CHECK(needs_with(iris, 0, 1).iris);
+    CHECK_FALSE(needs_with(iris, 0, 1).profile);
+  }
+  CHECK_FALSE(needs_with("Zoom", 10, 89).wide);
+  CHECK(needs_with("Zoom", 10, 91).wide);
+  CHECK(needs_with("Zoom", 91, 10).wide);
 }
 
 TEST_CASE("the needs of a rig follow from its fixtures and its haze") {

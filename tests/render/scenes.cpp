@@ -7,6 +7,7 @@
 
 #include "fixtures/builtin/builtin.h"
 #include "fixtures/encode.h"
+#include "fixtures/gobo.h"
 #include "fixtures/photometry/attach.h"
 
 namespace footlight::render::testing {
@@ -378,6 +379,18 @@ void dim_lamps(Scene& scene, const std::vector<bool>& lit) {
     const auto slot = static_cast<std::size_t>(slot_of_address(scene.rig.fixtures[i].address) + kLampDimmerSlot);
     scene.slots(i)[slot] = lit[i] ? 255 : 0;
   }
+}
+
+GoboTransmission gobos_of_judge(const Scene& scene) {
+  std::vector<int> gobos;
+  for (const fixtures::ImageSource& image : scene.compiled.images) {
+    for (int gobo = 1; gobo <= fixtures::kGoboCount; ++gobo) {
+      if (image.name == std::string(fixtures::kBuiltinImage) + fixtures::gobo_name(gobo)) gobos.push_back(gobo);
+    }
+  }
+  return [gobos](int layer, double x, double y) {
+    return fixtures::gobo_transmission(gobos.at(static_cast<std::size_t>(layer - 1)), x, y, kGoboEdge);
+  };
 }
 
 FrameSettings judged_settings(int width, int height) {

@@ -11,6 +11,7 @@
 
 #include "fixtures/rig.h"
 #include "render/frame.h"
+#include "render/reference/judge.h"
 #include "tests/support/must.h"
 
 namespace footlight::render::testing {
@@ -77,6 +78,9 @@ inline constexpr int kLampDimmerSlot = 0;  // from a lamp's address: set to 0 it
 [[nodiscard]] Scene rectangle_scene(double aspect, double beam_deg, int profile_m);
 // Sets the dimmer of every lamp.
 void dim_lamps(Scene& scene, const std::vector<bool>& lit);
+
+// The built-in images of a scene, in the order of its layers.
+[[nodiscard]] GoboTransmission gobos_of_judge(const Scene& scene);
 
 // 64 x 36, no bodies, nothing left out for being dark: what the judge computes.
 [[nodiscard]] FrameSettings judged_settings(int width = 64, int height = 36);

@@ -11,6 +11,7 @@ BeamShape beam_shape(BeamRow row) {
   beam.profile_m = row.eye.w;
   beam.squeeze = row.squeeze;
   beam.measured = row.measured;
+  beam.hidden = row.j0.w;
   return beam;
 }
 

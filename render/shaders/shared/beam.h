@@ -17,14 +17,22 @@
 //
 // A measured beam has f from a table (fixtures/shared/measured.h), by the tangent of the angle: I = J0 / k^2 f.
 //
-// Error and cost of each method: docs/numerics.md, printed by `footlight report`. Range: half angles up to 75 degrees.
-// What a picture does not need the including file leaves out: FL_NEED_RECTANGLE, a constant, true where it is not
-// defined; FL_MEASURED where measured.h is there, with FL_NEED_MEASURED.
+// An iris keeps the middle of the beam: R0 and k shrink to its share of the radius, and f is read at (1 - hidden) rho.
+//
+// Error and cost of each method: docs/numerics.md, printed by `footlight report`. Half angles go up to 87.5 degrees.
+// What a picture does not need the including file leaves out: FL_NEED_RECTANGLE, FL_NEED_IRIS, FL_NEED_WIDE, constants,
+// true where they are not defined; FL_MEASURED where measured.h is there, with FL_NEED_MEASURED.
 // Where gobos are used the including file provides Vec3 gobo_at(uint gobo, Vec2 rho, Real z_m), what they let through
 // of red, green and blue at a place in the gate, z_m from the lens, and defines FL_GOBO.
 
 #ifndef FL_NEED_RECTANGLE
 #define FL_NEED_RECTANGLE true
+#endif
+#ifndef FL_NEED_IRIS
+#define FL_NEED_IRIS true
+#endif
+#ifndef FL_NEED_WIDE
+#define FL_NEED_WIDE true
 #endif
 
 struct BeamShape {
@@ -34,6 +42,7 @@ struct BeamShape {
   Real profile_m;      // m: 1/4, 1/3, 1/2, 1, 2, 3 or 4
   Real squeeze;           // 0: round; of a rectangle: height over width, squared
   uint measured;       // 0: it has a profile; else its table
+  Real hidden;         // share of the profile's radius that an iris cuts off; 0: it is open
 };
 
 struct Medium {
@@ -56,35 +65,80 @@ FL_FN Real beam_profile(Real q, Real profile_m) {
   return soft;
 }
 
-// Integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc, by 8 Gauss nodes in q = rho^2. Times J0: the flux in lumens.
-FL_FN Real beam_flux_factor(Real spread, Real profile_m) {
+// Round beams with a larger k have quadratures of their own. Below it those in rho^2 and s are closer.
+FL_CONST float kWideSpread = 1.0f;
+
+// Integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc, by 8 Gauss nodes in q = rho^2. f is read at sqrt(shown) rho.
+FL_FN Real round_flux_factor(Real spread, Real profile_m, Real shown) {
   Real total = Real(0);
   for (uint i = uint(0); i < uint(8); ++i) {
     Real q = kGaussNode[uint(28) + i];
     Real u = Real(1) + spread * spread * q;
-    total += kGaussWeight[uint(28) + i] * beam_profile(q, profile_m) / (u * sqrt(u));
+    total += kGaussWeight[uint(28) + i] * beam_profile(q * shown, profile_m) / (u * sqrt(u));
   }
   return total * Real(3.141592653589793);
 }
 
+// The same for wide beams, where (1 + k^2 q)^(-3/2) is a peak. The nodes lie in y with 1 + k^2 q = (1 + k^2)^y, that is
+// in the logarithm of the cosine of the angle from the axis.
+FL_FN Real wide_flux_factor(Real spread, Real profile_m, Real shown) {
+  Real square = spread * spread;
+  Real whole = log(Real(1) + square);
+  Real total = Real(0);
+  for (uint i = uint(0); i < uint(8); ++i) {
+    Real u = exp(whole * kGaussNode[uint(28) + i]);
+    Real q = min((u - Real(1)) / square, Real(1));
+    total += kGaussWeight[uint(28) + i] * beam_profile(q * shown, profile_m) / sqrt(u);
+  }
+  return total * whole / square * Real(3.141592653589793);
+}
+
 // The same of a rectangle, 8 x 8 nodes over a quarter of it.
-FL_FN Real rectangle_flux_factor(Real spread, Real profile_m, Real squeeze) {
+FL_FN Real rectangle_flux_factor(Real spread, Real profile_m, Real squeeze, Real shown) {
   Real total = Real(0);
   for (uint i = uint(0); i < uint(8); ++i) {
     Real x = kGaussNode[uint(28) + i] * kGaussNode[uint(28) + i];
     for (uint j = uint(0); j < uint(8); ++j) {
       Real y = kGaussNode[uint(28) + j] * kGaussNode[uint(28) + j];
       Real u = Real(1) + spread * spread * Real(0.5) * (x + squeeze * y);
-      total += kGaussWeight[uint(28) + i] * kGaussWeight[uint(28) + j] * beam_profile(x, profile_m) *
-               beam_profile(y, profile_m) / (u * sqrt(u));
+      total += kGaussWeight[uint(28) + i] * kGaussWeight[uint(28) + j] * beam_profile(x * shown, profile_m) *
+               beam_profile(y * shown, profile_m) / (u * sqrt(u));
     }
   }
   // Four quarters of the square, each of a half by a half of rho squared; y is stretched by 1 / sqrt(squeeze).
   return Real(2) * total * sqrt(squeeze);
 }
 
+// Flux in lumens over J0 of a beam with a profile, as it is drawn. Measured beams: measured_flux_factor().
+FL_FN Real beam_flux_factor(BeamShape beam) {
+  Real shown = Real(1);
+  if (FL_NEED_IRIS) shown = (Real(1) - beam.hidden) * (Real(1) - beam.hidden);
+  if (FL_NEED_RECTANGLE && beam.squeeze > Real(0)) {
+    return rectangle_flux_factor(beam.spread, beam.profile_m, beam.squeeze, shown);
+  }
+  if (FL_NEED_WIDE && beam.spread > Real(kWideSpread)) return wide_flux_factor(beam.spread, beam.profile_m, shown);
+  return round_flux_factor(beam.spread, beam.profile_m, shown);
+}
+
+// Share of a beam's flux that passes an iris, open to `iris` of its radius. The intensity within stays.
+FL_FN Real iris_flux_share(BeamShape open, Real iris) {
+  BeamShape within = open;
+  within.spread = open.spread * iris;
+  within.hidden = Real(1) - iris;
+  return iris * iris * beam_flux_factor(within) / beam_flux_factor(open);
+}
+
 // f at a place in the beam; q = |rho|^2.
 FL_FN Real beam_value(BeamShape beam, Vec2 rho, Real q) {
+  if (FL_NEED_IRIS) {
+    // The profile does not end at the iris.
+    bool in_square = max(abs(rho.x), abs(rho.y)) < Real(0.7071067811865476);
+    bool inside = FL_NEED_RECTANGLE && beam.squeeze > Real(0) ? in_square : q < Real(1);
+    if (!inside) return Real(0);
+    Real shown = Real(1) - beam.hidden;
+    rho = rho * shown;
+    q = q * shown * shown;
+  }
 #ifdef FL_MEASURED
   if (FL_NEED_MEASURED && beam.measured != uint(0)) return q < Real(1) ? measured_value(beam.measured, rho) : Real(0);
 #endif
@@ -275,6 +329,55 @@ FL_FN void chord_point(Chord chord, Real x, FL_OUT(Real) s, FL_OUT(Real) t_m) {
         (chord.t_to_m - chord.t_from_m) * x * chord.w_from / (chord.w_to + x * (chord.w_from - chord.w_to));
 }
 
+// In a wide beam 1 / (1 + k^2 rho^2) is a narrow peak along the chord, of half width c about s = middle. With
+// s = middle + c sinh(v) places are even in v, and what is integrated is smooth there.
+struct WideChord {
+  bool used;  // false: the chord is short against the peak, and s does as well
+  Real middle;
+  Real c;
+  Real v_from;
+  Real v_length;
+};
+
+FL_FN Real wide_asinh(Real x) {
+  Real size = log(abs(x) + sqrt(x * x + Real(1)));
+  return x < Real(0) ? -size : size;
+}
+
+FL_FN WideChord wide_chord(BeamShape beam, Chord chord) {
+  WideChord wide;
+  wide.used = FL_NEED_WIDE && beam.spread > Real(kWideSpread);
+  wide.middle = Real(0);
+  wide.c = Real(1);
+  wide.v_from = Real(0);
+  wide.v_length = Real(1);
+  if (!wide.used) return wide;
+  Real inverse = Real(1) / (beam.spread * beam.spread);
+  Real square = inverse + chord.offset * chord.offset;
+  if (FL_NEED_RECTANGLE && beam.squeeze > Real(0)) {
+    Vec2 a = chord.along;
+    Real rise = a.x * a.x + beam.squeeze * a.y * a.y;
+    wide.middle = -chord.offset * a.x * a.y * (Real(1) - beam.squeeze) / rise;
+    square = (inverse + chord.offset * chord.offset * (a.y * a.y + beam.squeeze * a.x * a.x)) / rise -
+             wide.middle * wide.middle;
+  }
+  wide.c = sqrt(max(square, Real(1e-12)));
+  wide.used = chord.s_to - chord.s_from > wide.c;
+  wide.v_from = wide_asinh((chord.s_from - wide.middle) / wide.c);
+  wide.v_length = wide_asinh((chord.s_to - wide.middle) / wide.c) - wide.v_from;
+  return wide;
+}
+
+// The share of the chord's length at a share x of its v; weight: d share / dx.
+FL_FN Real wide_share(WideChord wide, Chord chord, Real x, FL_OUT(Real) weight) {
+  Real grown = exp(wide.v_from + x * wide.v_length);
+  Real shrunk = Real(1) / grown;
+  Real scale = wide.c / (chord.s_to - chord.s_from);
+  weight = Real(0.5) * (grown + shrunk) * wide.v_length * scale;
+  Real s = wide.middle + Real(0.5) * (grown - shrunk) * wide.c;
+  return clamp((s - chord.s_from) / (chord.s_to - chord.s_from), Real(0), Real(1));
+}
+
 // Gauss-Legendre nodes on [0, 1] and weights that sum to 1, for n = 1 to 8 nodes.
 FL_FN uint gauss_index(uint n, uint i) { return n * (n - uint(1)) / uint(2) + i; }
 
@@ -290,6 +393,28 @@ FL_FN Real chord_inscatter_gauss(BeamShape beam, Medium medium, Chord chord, Vec
   return total * chord_measure(chord);
 }
 
+// The same for beams wider than kWideSpread, in 1 or more pieces of 8 nodes.
+FL_FN Real chord_inscatter_wide(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint pieces, bool with_extinction) {
+  WideChord wide = wide_chord(beam, chord);
+  Real total = Real(0);
+  for (uint i = uint(0); i < uint(8) * pieces; ++i) {
+    uint piece = i / uint(8);
+    uint node = uint(28) + i - uint(8) * piece;
+    Real share = (Real(piece) + kGaussNode[node]) / Real(pieces);
+    Real weight = kGaussWeight[node] / Real(pieces);
+    if (wide.used) {
+      Real stretch;
+      share = wide_share(wide, chord, share, stretch);
+      weight *= stretch;
+    }
+    Real s;
+    Real t_m;
+    chord_point(chord, share, s, t_m);
+    total += weight * chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true);
+  }
+  return total * chord_measure(chord);
+}
+
 #ifdef FL_MEASURED
 // A measured beam: its table may have a peak anywhere, so its intensity f is not looked up at nodes. The table's lines
 // give the sums of f, f v and f v^2 over any piece of the chord, v being the place on it; the rest of the integrand,
@@ -299,15 +424,24 @@ FL_FN Real chord_inscatter_gauss(BeamShape beam, Medium medium, Chord chord, Vec
 FL_CONST float kPiecesPerRad = 1.6f;
 FL_CONST float kShortSteps = 4.0f;
 FL_FN Real chord_inscatter_measured(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction) {
+  // Lengths in the table's gate plane, of which an iris shows the middle.
+  Real shown = FL_NEED_IRIS ? Real(1) - beam.hidden : Real(1);
   Real flip = chord.offset < Real(0) ? Real(-1) : Real(1);
   Real offset = abs(chord.offset);
+  if (FL_NEED_IRIS) offset *= shown;
   MeasuredLine line = measured_line(beam.measured, offset, chord.along * flip);
   // s = c tan(angle): the line seen from the virtual apex, with the table's spread, and with that of the zoom.
   Real c = sqrt(Real(1) + line.spread * line.spread * offset * offset) / line.spread;
-  Real zoomed = max(beam.spread, Real(1e-3));
+  Real zoomed = max(FL_NEED_IRIS ? beam.spread / shown : beam.spread, Real(1e-3));
   Real c_zoomed = sqrt(Real(1) + zoomed * zoomed * offset * offset) / zoomed;
   Real s_from = flip > Real(0) ? chord.s_from : -chord.s_to;
   Real s_to = flip > Real(0) ? chord.s_to : -chord.s_from;
+  Real s_start = chord.s_from;
+  if (FL_NEED_IRIS) {
+    s_from *= shown;
+    s_to *= shown;
+    s_start *= shown;
+  }
   Real scale = Real(1) / max(s_to - s_from, Real(1e-9));
   Real from_rad = atan(s_from / c);
   Real to_rad = atan(s_to / c);
@@ -339,7 +473,7 @@ FL_FN Real chord_inscatter_measured(BeamShape beam, Medium medium, Chord chord, 
         v = c * tangent;
         weight *= c * (Real(1) + tangent * tangent);  // ds over dv
       }
-      Real share = clamp((flip * v - chord.s_from) * scale, Real(0), Real(1));
+      Real share = clamp((flip * v - s_start) * scale, Real(0), Real(1));
       if (is_short) {
         share = (Real(i) - Real(0.5) + Real(0.5) * x) / Real(pieces);
         weight = (j == uint(1) ? Real(0.4444444444444444) : Real(0.2777777777777778)) / Real(pieces);
@@ -395,12 +529,18 @@ FL_FN Vec3 chord_inscatter_march_gobo(BeamShape beam, Medium medium, Chord chord
 FL_FN Vec3 chord_inscatter_gobo(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction,
                                 uint gobo, Vec2 turn) {
   Vec3 total = Vec3(0, 0, 0);
+  WideChord wide = wide_chord(beam, chord);
   for (uint i = uint(0); i < n; ++i) {
     Real s;
     Real t_m;
-    chord_point(chord, (Real(i) + Real(0.5)) / Real(n), s, t_m);
+    Real x = (Real(i) + Real(0.5)) / Real(n);
+    Real weight = Real(1);
+    if (FL_NEED_WIDE && wide.used) x = wide_share(wide, chord, x, weight);
+    chord_point(chord, x, s, t_m);
     Vec3 through = gobo_at(gobo, gobo_position(chord, s, turn), chord.base.z + t_m * d.z);
-    total += through * chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true);
+    Real light = chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true);
+    if (FL_NEED_WIDE) light *= weight;
+    total += through * light;
   }
   return total * (chord_measure(chord) / Real(n));
 }

@@ -75,7 +75,9 @@
 #define FL_SPEC_PULSES 26
 #define FL_SPEC_MACRO 27
 #define FL_SPEC_WISH_COUNT 28
-#define FL_SPEC_COUNT 29
+#define FL_SPEC_IRIS 29
+#define FL_SPEC_WIDE 30
+#define FL_SPEC_COUNT 31
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -112,7 +114,7 @@ struct BeamRow {
   vec4 y_axis;  // w: spread k
   vec4 axis;    // w: range, m
   vec4 eye;     // xyz: camera in light space, m; w: profile m
-  vec4 j0;      // rgb: J0 per channel, lm; w: unused
+  vec4 j0;      // rgb: J0 per channel, lm; w: share of the profile's radius that an iris hides
   uint gobo;    // 0: open
   float gobo_cos;
   float gobo_sin;

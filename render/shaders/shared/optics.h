@@ -1,6 +1,14 @@
 // What is meant by frost, blades, wheels between two slots, animation wheels and focus: the numbers that the renderer
 // and its judge share. How light is integrated through them is each one's own. After sim/shared/real.h.
 
+// The half angle that is drawn where a zoom asks for `zoom`, rad: up to 87.5 degrees, of a measured beam 89. The longer
+// side of a rectangle has 1.2 rad at most. aspect: its width over its height, zoom is that of its width; 0: round.
+FL_FN Real drawn_half_angle(Real zoom, Real aspect, bool is_measured) {
+  Real widest = is_measured ? Real(1.5533430342749532) : Real(1.5271630954950384);
+  if (aspect > Real(0)) widest = atan(Real(2.5721516221263188) * min(aspect, Real(1)));
+  return clamp(zoom, Real(0), widest);
+}
+
 // Frost: the profile falls off ever more softly, the beam widens by up to half and up to 3 degrees, images blur.
 // Amounts are chosen by eye; the flux stays.
 FL_CONST float kFrostWidens = 0.5f;
@@ -19,6 +27,13 @@ FL_FN Real softened_profile(Real profile_m, Real amount) {
                                      : Real(6);
   Real step = min(at + floor(clamp(amount, Real(0), Real(1)) * Real(6) + Real(0.5)), Real(6));
   return step < Real(3.5) ? Real(4) - step : Real(1) / (step - Real(2));
+}
+
+// An iris cuts the profile: the light within stays as it is and the edge is sharp. Frost and focus soften that edge as
+// they soften the rim of an open beam: at 1/6 of their range, one step of the profile, all of the profile fits into the
+// iris. What it lets through stays. Returns the share of the profile's radius that is cut off, 0 to 1 - iris.
+FL_FN Real iris_hidden(Real iris, Real soft) {
+  return (Real(1) - iris) * (Real(1) - clamp(Real(6) * soft, Real(0), Real(1)));
 }
 
 // The edge of blade i: 0 bottom, 1 left, 2 top, 3 right, looking along the beam; y of the gobo plane points down. Its

@@ -69,7 +69,7 @@ inline constexpr Bound kBounds[] = {
 };
 
 // Relative error of beam_flux_factor: measured, plus a tenth.
-inline constexpr double kFluxBound = 1.6e-3;
+inline constexpr double kFluxBound = 6.7e-7;
 inline constexpr double kFluxStageBound = 1e-12;
 
 }  // namespace footlight::render::cases
