@@ -113,15 +113,15 @@ TEST_CASE("frost, focus and iris in a rig of m = 1, and floods, are drawn in haz
     double rel_l2_max;  // three times what lavapipe gave (32 x 18 pixels), or 1e-5
   };
   for (const Case& each : {
-           Case{"m = 1", {}, 1e-3},
-           Case{"m = 1, frost", {{"Frost1", 0.3}}, 1e-3},
-           Case{"m = 1, full frost", {{"Frost1", 1}}, 1e-3},
-           Case{"m = 1, focus near", {{"Focus1", 0}}, 1e-3},
-           Case{"m = 1, iris", {{"Iris", 0.5}}, 1e-3},
-           Case{"m = 1, iris and frost", {{"Iris", 0.5}, {"Frost1", 0.1}}, 1e-3},
-           Case{"m = 1, 120 degrees", {{"Zoom", 120}}, 1e-3},
-           Case{"m = 1, 160 degrees", {{"Zoom", 160}}, 1e-3},
-           Case{"m = 1, 175 degrees and frost", {{"Zoom", 175}, {"Frost1", 1}}, 1e-3},
+           Case{"m = 1", {}, 1e-5},
+           Case{"m = 1, frost", {{"Frost1", 0.3}}, 1.3e-4},
+           Case{"m = 1, full frost", {{"Frost1", 1}}, 9e-5},
+           Case{"m = 1, focus near", {{"Focus1", 0}}, 2.7e-4},
+           Case{"m = 1, iris", {{"Iris", 0.5}}, 1e-5},
+           Case{"m = 1, iris and frost", {{"Iris", 0.5}, {"Frost1", 0.1}}, 2.1e-5},
+           Case{"m = 1, 120 degrees", {{"Zoom", 120}}, 2.2e-4},
+           Case{"m = 1, 160 degrees", {{"Zoom", 160}}, 2.3e-3},
+           Case{"m = 1, 175 degrees and frost", {{"Zoom", 175}, {"Frost1", 1}}, 3.8e-3},
        }) {
     CAPTURE(each.what);
     Scene scene = optics_scene(true);
