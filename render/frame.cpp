@@ -62,6 +62,11 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   if (settings.nodes < 1 || (settings.method == BeamMethod::kGauss && settings.nodes > 8)) {
     return fail(ErrorCode::kBadInput, "{} quadrature nodes: expected 1 to 8", settings.nodes);
   }
+  if (settings.supersample < 1 || settings.width % settings.supersample != 0 ||
+      settings.height % settings.supersample != 0) {
+    return fail(ErrorCode::kBadInput, "{}x{} pixels, {} a side of one of the screen: expected whole ones",
+                settings.width, settings.height, settings.supersample);
+  }
   std::unique_ptr<Frame> frame(new Frame(device, settings));
   FL_ASSIGN(frame->resources_, Resources::create(device, rig, compiled, settings));
   frame->plan_ = plan_frame(compiled.needs, settings);
@@ -75,7 +80,8 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   frame->machines_ = fixtures::MachineAir::make(rig, compiled);
   frame->shows_haze_ = compiled.needs.haze;
   frame->ambient_lx_ = rig.ambient_lx;
-  frame->range_m_ = light_range_m(rig);
+  frame->range_m_ = light_range_m(rig, frame->resources_.objects);
+  frame->has_solids_ = has_solids(compiled.needs, settings);
   VkQueryPoolCreateInfo query{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
   query.queryType = VK_QUERY_TYPE_TIMESTAMP;
   query.queryCount = kMarksMax;
@@ -118,11 +124,21 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
     if (plan_[i].name == kStepPass.name) {
       record_steps(commands, true);
     } else {
+      if (plan_[i].name == kBeamsPass.name && !has_solids_) clear_radiance(commands);
       passes_[i]->record(commands);
     }
     vk::full_barrier(commands);
     mark(commands, plan_[i].name);
   }
+  pending_.clear();  // a rig without fixtures has no step pass
+}
+
+// Without solid things nothing else writes a pixel when no beam is lit.
+void Frame::clear_radiance(VkCommandBuffer commands) {
+  const VkClearColorValue black{{0, 0, 0, 1}};
+  const VkImageSubresourceRange range{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+  vkCmdClearColorImage(commands, resources_.radiance.handle, VK_IMAGE_LAYOUT_GENERAL, &black, 1, &range);
+  vk::full_barrier(commands);
 }
 
 // vkCmdUpdateBuffer keeps the bytes in the command buffer: quick for a few universes, slow for hundreds. Of those the
@@ -180,6 +196,10 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   params.ambient_lx = static_cast<float>(ambient_lx_);
   params.exposure = static_cast<float>(exposure_factor(exposure_ev));
   params.dark_lm = static_cast<float>(settings_.dark_lm);
+  const double pixel = 2 * view.tan_half_fov / settings_.height;  // at a depth of 1
+  params.thin = settings_.widen_thin ? static_cast<float>(FL_THIN_RADIUS_PX * pixel) : 0.0f;
+  params.supersample = static_cast<std::uint32_t>(settings_.supersample);
+  params.work_lx = static_cast<float>(work_light_lx_);
   vk::full_barrier(commands);  // the frame before may still be reading
   vkCmdUpdateBuffer(commands, resources_.params.handle, 0, sizeof(params), &params);
   vk::full_barrier(commands);
@@ -221,13 +241,13 @@ Status Frame::read_buffer(const vk::Buffer& buffer, void* out, std::size_t bytes
   return {};
 }
 
-Status Frame::read_image(const vk::Image& image, void* out, std::size_t bytes) {
+Status Frame::read_image(const vk::Image& image, int width, int height, void* out, std::size_t bytes) {
   FL_ASSIGN(vk::Buffer staging, vk::Buffer::host_visible(device_, bytes, 0));
   FL_TRY(device_.run_once([&](VkCommandBuffer commands) {
     vk::full_barrier(commands);
     VkBufferImageCopy region{};
     region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-    region.imageExtent = {static_cast<std::uint32_t>(settings_.width), static_cast<std::uint32_t>(settings_.height), 1};
+    region.imageExtent = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), 1};
     vkCmdCopyImageToBuffer(commands, image.handle, VK_IMAGE_LAYOUT_GENERAL, staging.handle, 1, &region);
     vk::full_barrier(commands);
   }));
@@ -238,16 +258,16 @@ Status Frame::read_image(const vk::Image& image, void* out, std::size_t bytes) {
 Result<RadianceImage> Frame::read_radiance() {
   const std::size_t pixels = static_cast<std::size_t>(settings_.width) * static_cast<std::size_t>(settings_.height);
   std::vector<float> rgba(pixels * 4);
-  FL_TRY(read_image(resources_.radiance, rgba.data(), rgba.size() * sizeof(float)));
+  FL_TRY(read_image(resources_.radiance, settings_.width, settings_.height, rgba.data(), rgba.size() * sizeof(float)));
   RadianceImage image{settings_.width, settings_.height, std::vector<float>(pixels * 3)};
   for (std::size_t i = 0; i < pixels; ++i) std::copy_n(&rgba[i * 4], 3, &image.rgb[i * 3]);
   return image;
 }
 
 Result<ScreenImage> Frame::read_screen() {
-  ScreenImage image{settings_.width, settings_.height, {}};
-  image.rgba.resize(static_cast<std::size_t>(settings_.width) * static_cast<std::size_t>(settings_.height) * 4);
-  FL_TRY(read_image(resources_.screen, image.rgba.data(), image.rgba.size()));
+  ScreenImage image{settings_.width / settings_.supersample, settings_.height / settings_.supersample, {}};
+  image.rgba.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 4);
+  FL_TRY(read_image(resources_.screen, image.width, image.height, image.rgba.data(), image.rgba.size()));
   return image;
 }
 

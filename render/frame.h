@@ -75,8 +75,9 @@ class Frame {
   // The air after an hour of these levels.
   void settle_machine_air(std::span<const std::uint8_t> levels);
 
-  // Work light on every surface from the next picture on, lx; at first the rig's.
-  void set_ambient_lx(double ambient_lx) { ambient_lx_ = ambient_lx; }
+  // Work light from the next picture on, lx on a face that looks up and at the camera, on top of the rig's ambient
+  // light. At first there is none.
+  void set_work_light_lx(double work_light_lx) { work_light_lx_ = work_light_lx; }
 
   // Headless: record, submit, wait.
   Status draw(const View& view, double exposure_ev);
@@ -120,7 +121,8 @@ class Frame {
   template <class Row>
   [[nodiscard]] Result<std::vector<Row>> read_rows(const vk::Buffer& buffer, std::uint32_t count);
   [[nodiscard]] Status read_buffer(const vk::Buffer& buffer, void* out, std::size_t bytes);
-  [[nodiscard]] Status read_image(const vk::Image& image, void* out, std::size_t bytes);
+  void clear_radiance(VkCommandBuffer commands);
+  [[nodiscard]] Status read_image(const vk::Image& image, int width, int height, void* out, std::size_t bytes);
 
   vk::Device& device_;
   FrameSettings settings_;
@@ -132,6 +134,8 @@ class Frame {
   std::unique_ptr<fixtures::MachineAir> machines_;  // may be null
   bool shows_haze_ = false;
   double ambient_lx_ = 0;
+  double work_light_lx_ = 0;
+  bool has_solids_ = false;
   double range_m_ = 0;
   VkQueryPool times_ = VK_NULL_HANDLE;
   std::vector<std::string_view> timed_;  // what each time stamp of the last record() is the end of

@@ -11,7 +11,7 @@ using uint = std::uint32_t;
 using vec4 = glm::vec4;
 #include "render/shaders/shared/frame_io.h"
 
-static_assert(sizeof(FrameParams) == 112);
+static_assert(sizeof(FrameParams) == 128);
 static_assert(offsetof(FrameParams, width) == 64);
 static_assert(sizeof(BeamRow) == 160);
 static_assert(sizeof(BladesRow) == 64);

@@ -7,6 +7,7 @@
 #include <glm/glm.hpp>
 
 #include "fixtures/rig.h"
+#include "render/frame_io.h"
 
 namespace footlight::render {
 
@@ -44,11 +45,17 @@ struct View {
 // Z up; a camera that looks straight up or down has +y as the top of its picture.
 [[nodiscard]] View view_of(const fixtures::Camera& camera);
 
-// Air is seen no further than this from the camera.
-inline constexpr double kAirRangeM = 1000.0;
+// Air is seen as far as this from the camera: there is no end before the light's.
+inline constexpr double kAirRangeM = FL_FAR_M;
 
-// Light ends this far from its lens: Haze::reach_m, or the diagonal of everything in the rig plus 20 m, 10 m to 200 m.
-// What it cuts off is light in the haze beyond the rig.
-[[nodiscard]] double light_range_m(const fixtures::Rig& rig);
+// A box in stage space; nothing where low > high.
+struct Extent {
+  glm::dvec3 low_m{1e30};
+  glm::dvec3 high_m{-1e30};
+};
+
+// Light ends this far from its lens: Haze::reach_m, or the diagonal of everything in the rig plus 20 m. `objects`: what
+// the scene's objects fill, where they are drawn. What it cuts off is light in the haze beyond the rig.
+[[nodiscard]] double light_range_m(const fixtures::Rig& rig, const Extent& objects = {});
 
 }  // namespace footlight::render

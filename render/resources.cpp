@@ -215,6 +215,11 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
   r.draw_count = static_cast<std::uint32_t>(draws.size());
   if (const fixtures::BodyMesh objects = objects_of(rig, diagnostics); !objects.indices.empty()) {
     add(objects, 1, 0);
+    for (const fixtures::BodyVertex& vertex : objects.vertices) {
+      const glm::dvec3 at(vertex.position[0], vertex.position[1], vertex.position[2]);
+      r.objects.low_m = glm::min(r.objects.low_m, at);
+      r.objects.high_m = glm::max(r.objects.high_m, at);
+    }
     r.object_draw_count = 1;
   }
   FL_ASSIGN(r.vertices, table(device, vertices, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT));
@@ -320,7 +325,8 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   constexpr VkImageUsageFlags kPicture =
       VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
   FL_ASSIGN(r.radiance, vk::Image::create(device, width, height, VK_FORMAT_R32G32B32A32_SFLOAT, kPicture));
-  FL_ASSIGN(r.screen, vk::Image::create(device, width, height, VK_FORMAT_R8G8B8A8_UNORM, kPicture));
+  const auto side = static_cast<std::uint32_t>(settings.supersample);
+  FL_ASSIGN(r.screen, vk::Image::create(device, width / side, height / side, VK_FORMAT_R8G8B8A8_UNORM, kPicture));
   FL_TRY(device.run_once([&](VkCommandBuffer commands) {
     for (const vk::Image* image : {&r.surface_id, &r.depth, &r.radiance, &r.screen}) {
       vk::change_layout(commands, *image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);

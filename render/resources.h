@@ -9,6 +9,7 @@
 #include "fixtures/diagnostic.h"
 #include "fixtures/rig.h"
 #include "render/frame_io.h"
+#include "render/image.h"
 #include "render/settings.h"
 #include "render/vk/memory.h"
 #include "render/vk/pipeline.h"
@@ -41,13 +42,12 @@ struct Resources {
 
   // Carried from frame to frame: HeadState, and Motor, Spin, Shutter, OpticsState, Filament, Led, Discharge, Slew,
   // Flex and Smooth for what has a motor, spins, strobes, shapes its beam, glows, has a driver, an arc or a dowser,
-  // hangs on a motor, is smoothed.
+  // hangs on a motor, is smoothed. `counts` goes with them: the step pass leaves the lit heads of each group in it.
   vk::Buffer states, motor_states, spin_states, shutter_states, optics_states, filament_states, led_states,
       discharge_states, dowser_states, smooth_states;
-  [[nodiscard]] std::array<const vk::Buffer*, 10> all_states() const {
-    return {&states,          &motor_states, &spin_states,      &shutter_states, &optics_states,
-            &filament_states, &led_states,   &discharge_states, &dowser_states,
-            &smooth_states};
+  [[nodiscard]] std::array<const vk::Buffer*, 11> all_states() const {
+    return {&states,     &motor_states,     &spin_states,   &shutter_states, &optics_states, &filament_states,
+            &led_states, &discharge_states, &dowser_states, &smooth_states,  &counts};
   }
 
   vk::BindingSet bindings;
@@ -69,6 +69,7 @@ struct Resources {
   std::uint32_t supertiles_y = 0;
   std::uint32_t mask_words = 0;
   std::uint64_t levels_bytes = 0;
+  Extent objects;                 // what the scene's objects fill
   std::uint64_t total_bytes = 0;  // GPU memory, for the report
   // Models that were not there or not readable, and what stands in for them.
   std::vector<fixtures::Diagnostic> diagnostics;

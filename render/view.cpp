@@ -25,17 +25,20 @@ ScreenImage screen_of(const RadianceImage& image, double exposure_ev) {
   screen.rgba.reserve(image.rgb.size() / 3 * 4);
   const auto factor = static_cast<float>(exposure_factor(exposure_ev));
   for (std::size_t i = 0; i + 2 < image.rgb.size(); i += 3) {
-    const glm::vec3 shown = f32::agx(glm::vec3(image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]) * factor);
+    const auto pixel = static_cast<std::uint32_t>(i / 3);
+    const auto width = static_cast<std::uint32_t>(image.width);
+    const glm::vec3 shown = f32::dithered(
+        f32::agx(glm::vec3(image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]) * factor), pixel % width, pixel / width);
     for (int c = 0; c < 3; ++c) screen.rgba.push_back(static_cast<std::uint8_t>(std::lround(shown[c] * 255.0f)));
     screen.rgba.push_back(255);
   }
   return screen;
 }
 
-double light_range_m(const fixtures::Rig& rig) {
+double light_range_m(const fixtures::Rig& rig, const Extent& objects) {
   if (rig.haze.reach_m > 0) return rig.haze.reach_m;
-  glm::dvec3 low(1e30);
-  glm::dvec3 high(-1e30);
+  glm::dvec3 low = objects.low_m;
+  glm::dvec3 high = objects.high_m;
   for (const auto& fixture : rig.fixtures) {
     low = glm::min(low, fixture.position_m);
     high = glm::max(high, fixture.position_m);
@@ -45,7 +48,7 @@ double light_range_m(const fixtures::Rig& rig) {
     high = glm::max(high, box.max_m);
   }
   const double diagonal_m = low.x <= high.x ? glm::length(high - low) : 0.0;
-  return std::clamp(diagonal_m + 20.0, 10.0, 200.0);
+  return diagonal_m + 20.0;
 }
 
 }  // namespace footlight::render

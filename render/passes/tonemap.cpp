@@ -13,7 +13,8 @@ const PassEntry kTonemapPass{
     [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
     [](const PassContext& context) {
       return make_compute_pass(context, kTonemapComp,
-                               [x = tile_groups(context.settings.width), y = tile_groups(context.settings.height)](
+                               [x = tile_groups(context.settings.width / context.settings.supersample),
+                                y = tile_groups(context.settings.height / context.settings.supersample)](
                                    VkCommandBuffer commands) { vkCmdDispatch(commands, x, y, 1); });
     },
     "anything to see"};

@@ -15,11 +15,13 @@
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
 #include "render/shaders/lib/tile_test.glsl"
+#include "render/shaders/lib/thin.glsl"
 
 // The tile itself, 16 x 16 pixels.
 bool tile_touches(BeamRow row) {
   vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
-  return beam_touches(row, low, min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height))));
+  vec2 high = min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height)));
+  return beam_touches(row, beam_bound(row, 1.0), low, high);
 }
 #include "render/shaders/lib/tile_walk.glsl"
 
@@ -32,9 +34,6 @@ layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
 
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
 
-// As kAirRangeM of render/image.h.
-const float kAirRangeM = 1000.0;
-
 void main() {
   Medium medium = Medium(params.anisotropy, params.position.w);
   vec3 d[FL_ROWS];
@@ -44,7 +43,7 @@ void main() {
     ivec2 pixel = tile_pixel(i);
     bool inside = in_picture(pixel);
     d[i] = normalize(ray_through(vec2(pixel) + 0.5));
-    t_max_m[i] = inside ? kAirRangeM : 0.0;
+    t_max_m[i] = inside ? FL_FAR_M : 0.0;
     if ((kBoxes || kBodies) && inside) t_max_m[i] = imageLoad(radiance, pixel).a;  // the surface pass left it there
     total[i] = vec3(0.0);
   }
@@ -52,13 +51,13 @@ void main() {
     if (!tile_walk(base)) continue;
     FL_WALK_BEGIN(base, index)
       BeamRow row = beams[index];
-      BeamShape beam = beam_shape(row);
-      beam.profile_m = drawn_profile(beam.profile_m);
+      BeamShape shape = beam_shape(row);
+      shape.profile_m = drawn_profile(shape.profile_m);
       // A flat profile 1 - rho^(2m) is a polynomial of degree 2m in s: m = 3 and 4 need one and two nodes more. So do
       // the soft ones, of degree 2/m.
       uint nodes = kNodes;
       if (kProfile) {
-        float degree = max(beam.profile_m, 1.0 / beam.profile_m);
+        float degree = max(shape.profile_m, 1.0 / shape.profile_m);
         nodes = min(nodes + (degree > 2.5 ? 1u : 0u) + (degree > 3.5 ? 1u : 0u), 8u);
       }
       bool measured = kMeasured && row.measured != 0u;
@@ -66,12 +65,20 @@ void main() {
       if (kRectangle && row.squeeze > 0.0) nodes = min(kNodes + 5u, 8u);
       gobo_begin(row);
       bool gobo = has_gobo(row);
+      bool plain = thin_is_plain(row, gobo);
+      bool thin = beam_thin(row) > 0.0;
+      if (thin && plain) nodes = min(max(nodes, kNodes + 1u), 8u);  // (1 - rho^2)^3
       for (int i = 0; i < FL_ROWS; ++i) {
         vec3 ray = to_light(row, d[i]);
+        BeamShape beam = shape;
+        float gain = 1.0;
+        if (thin) {
+          gain = thin_in_haze(beam, row, ray, dot(d[i], params.forward.xyz), t_max_m[i], plain);
+        }
         Chord chord;
         bool seen = beam_chord(beam, row.eye.xyz, ray, 0.0, t_max_m[i], chord);
         if (kRectangle && row.squeeze > 0.0 && seen) seen = chord_in_rectangle(chord);
-        if (kBlades && row.blades != 0u && seen) {
+        if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u && seen) {
           for (int e = 0; e < 4; ++e) {
             seen = chord_cut(chord, blades[index].edge[e].xy, blades[index].edge[e].z) && seen;
           }
@@ -94,7 +101,7 @@ void main() {
           } else {
             value = vec3(chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction));
           }
-          total[i] += row.j0.rgb * value;
+          total[i] += row.j0.rgb * (gain * value);
         }
       }
     FL_WALK_END

@@ -95,6 +95,15 @@ float flux_factor(BeamShape beam, float iris) {
   return beam_flux_factor(beam);
 }
 
+// Whether the beam is drawn wider than it is at some place (lib/thin.glsl). The distance of a place is convex along the
+// axis and the radius is linear, so an end decides. A tenth is for the softest profile.
+bool thin_somewhere(BeamRow beam) {
+  float reach = 1.1 * params.thin * (beam.squeeze > 0.0 ? 1.5 * max(1.0, sqrt(beam.squeeze)) : 1.0);
+  float range_m = beam.axis.w;
+  return reach * length(beam.eye.xyz) > beam.x_axis.w ||
+         reach * length(beam.eye.xyz - vec3(0.0, 0.0, range_m)) > beam.x_axis.w + beam.y_axis.w * range_m;
+}
+
 shared uint beams_before;
 shared uint lit_before;
 shared uint beams_of[FL_GROUP_HEADS];
@@ -120,7 +129,7 @@ void write_beams(uint index, uint first) {
   beam.gobo_2_sin = 0.0;
   beam.gobo_scale = 1.0;
   beam.gobo_blur = 0.0;
-  beam.blades = 0u;
+  beam.flags = 0u;
   beam.next_1 = 0u;
   beam.next_2 = 0u;
   beam.offset_1 = 0.0;
@@ -176,7 +185,7 @@ void write_beams(uint index, uint first) {
     lens_radius_m *= iris;
     copies = optics.prism > 0u || (kStacked && optics.prism_2 > 0u);
     if (kBlades) {
-      for (uint i = 0u; i < 4u; ++i) beam.blades |= optics.blade_a[i] + optics.blade_b[i] > 0.0 ? 1u : 0u;
+      for (uint i = 0u; i < 4u; ++i) beam.flags |= optics.blade_a[i] + optics.blade_b[i] > 0.0 ? FL_BEAM_BLADES : 0u;
     }
   }
 
@@ -222,8 +231,9 @@ void write_beams(uint index, uint first) {
       j0_spread = copy_spread;
     }
     beam.j0.rgb = vec3(state.red, state.green, state.blue) * (j0 * light);
+    beam.flags = thin_somewhere(beam) ? beam.flags | FL_BEAM_THIN : beam.flags & ~FL_BEAM_THIN;
     beams[first + b] = beam;
-    if (kBlades && beam.blades != 0u) {
+    if (kBlades && (beam.flags & FL_BEAM_BLADES) != 0u) {
       for (uint i = 0u; i < 4u; ++i) {
         bool round = beam.squeeze == 0.0;
         vec3 edge = blade_edge(i, optics.blade_a[i], optics.blade_b[i], round ? optics.blade_angle[i] : 0.0);

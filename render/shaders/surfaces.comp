@@ -21,6 +21,7 @@
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
 #include "render/shaders/lib/tile_test.glsl"
+#include "render/shaders/lib/thin.glsl"
 
 // Smallest box of the tile's surface points as ordered integers, camera-relative; then a sphere round it.
 shared int bound_low[3];
@@ -58,15 +59,17 @@ bool tile_touches(BeamRow row) {
   vec3 low = vec3(from_ordered(bound_low[0]), from_ordered(bound_low[1]), from_ordered(bound_low[2]));
   vec3 high = vec3(from_ordered(bound_high[0]), from_ordered(bound_high[1]), from_ordered(bound_high[2]));
   vec3 p = row.eye.xyz + to_light(row, 0.5 * (low + high));
-  float radius = 0.5001 * length(high - low) + 1e-4;
+  // What float loses of a place grows with its distance from the lens and from the camera.
+  float radius = 0.5001 * length(high - low) + 1e-4 + 1e-6 * (length(row.eye.xyz) + length(p));
   float spread = row.y_axis.w;
+  float lens_radius_m = beam_bound(row, FL_THIN_ON_SURFACE).lens_radius_m;
   if (kRectangle && row.squeeze > 0.0) {
     float stretched = radius * max(1.0, inversesqrt(row.squeeze));
     return p.z > -radius && p.z < row.axis.w + radius &&
-           length(p.xy) < row.x_axis.w + spread * max(p.z, 0.0) + stretched + radius * spread;
+           length(p.xy) < lens_radius_m + spread * max(p.z, 0.0) + stretched + radius * spread;
   }
   return p.z > -radius && p.z < row.axis.w + radius &&
-         length(p.xy) < row.x_axis.w + spread * max(p.z, 0.0) + radius * sqrt(1.0 + spread * spread);
+         length(p.xy) < lens_radius_m + spread * max(p.z, 0.0) + radius * sqrt(1.0 + spread * spread);
 }
 #include "render/shaders/lib/tile_walk.glsl"
 
@@ -101,7 +104,7 @@ vec3 lens_radiance(uint index, float t_m, vec3 unit_ray, vec3 normal) {
     float share = beam_illuminance(beam, row.eye.xyz, rho, r_m);
     if (!(share > 0.0)) continue;
     gobo_begin(row);
-    if (kBlades && row.blades != 0u) share *= blades_at(state.beam_first + b, rho, row.eye.z);
+    if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u) share *= blades_at(state.beam_first + b, rho, row.eye.z);
     vec3 through = vec3(share);
     if (has_gobo(row)) through *= gobo_on_surface(row.gobo, rho, row.eye.z);
     eye_lx += row.j0.rgb * through;
@@ -110,8 +113,26 @@ vec3 lens_radiance(uint index, float t_m, vec3 unit_ray, vec3 normal) {
   return eye_lx * (t_m * t_m / (area_m2 * facing)) + glow_lm / (kPi * area_m2);
 }
 
-// Its share that reaches a face. The work light falls on what has triangles from above and from the eye, so that its
-// form shows, and comes back from the floor, so that thin undersides are no black lines.
+// How a place on a surface moves in light space for a step by FrameParams::thin along `way`, a unit vector of the
+// picture's plane. A face that is nearly edge on counts as one at kEdgeOn: FL_THIN_ON_SURFACE is sqrt(2) (1 + 1 /
+// kEdgeOn).
+const float kEdgeOn = 0.2;
+vec3 step_on_surface(BeamRow row, Surface surface, vec3 ray, float depth_m, vec3 way) {
+  float facing = min(dot(surface.normal, ray), -kEdgeOn * length(ray));
+  return to_light(row, (way - ray * (dot(surface.normal, way) / facing)) * (beam_thin(row) * depth_m));
+}
+// ray: one of depth 1.
+float thin_illuminance(BeamShape beam, BeamRow row, vec3 p, Surface surface, vec3 offset_m, bool plain, out vec2 rho,
+                       out float r_m) {
+  float depth_m = dot(offset_m, params.forward.xyz);
+  vec3 ray = offset_m / depth_m;
+  return thin_on_surface(beam, p, step_on_surface(row, surface, ray, depth_m, normalize(params.right.xyz)),
+                         step_on_surface(row, surface, ray, depth_m, normalize(params.up.xyz)), plain, rho, r_m);
+}
+
+// Its share that reaches a face. The work light falls on everything from above and from the eye, so that its form
+// shows, and comes back from the floor, so that thin undersides are no black lines. So does a rig's own ambient light
+// on what has triangles; on boxes that is the same everywhere.
 float work_light(vec3 normal, vec3 offset_m) {
   return 0.3 + 0.3 * (0.5 + 0.5 * normal.z) + 0.4 * max(-dot(normal, normalize(offset_m)), 0.0);
 }
@@ -148,15 +169,22 @@ void main() {
       beam.profile_m = drawn_profile(beam.profile_m);
       gobo_begin(row);
       bool gobo = has_gobo(row);
+      bool plain = thin_is_plain(row, gobo);
+      bool thin = beam_thin(row) > 0.0;
       for (int i = 0; i < FL_ROWS; ++i) {
         vec3 p = row.eye.xyz + to_light(row, offset_m[i]);
         vec2 rho;
         float r_m;
-        float share = beam_illuminance(beam, p, rho, r_m);
+        float share = 0.0;
+        if (thin && surface[i].kind != kNothing) {
+          share = thin_illuminance(beam, row, p, surface[i], offset_m[i], plain, rho, r_m);
+        } else {
+          share = beam_illuminance(beam, p, rho, r_m);
+        }
         if (surface[i].kind != kNothing && share > 0.0) {
           share *= max(-dot(to_light(row, surface[i].normal), beam_direction(beam, rho)), 0.0);
           if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);
-          if (kBlades && row.blades != 0u) share *= blades_at(index, rho, p.z);
+          if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u) share *= blades_at(index, rho, p.z);
           vec3 through = vec3(share);
           if (gobo) through *= gobo_on_surface(row.gobo, rho, p.z);
           illuminance_lx[i] += row.j0.rgb * through;
@@ -171,15 +199,17 @@ void main() {
     vec3 color = vec3(0.0);
     uint which = surface[i].which;
     if (surface[i].kind == kBox) {
-      color = boxes[which].albedo.rgb / kPi * illuminance_lx[i];
+      float form = work_light(surface[i].normal, offset_m[i]);
+      color = boxes[which].albedo.rgb / kPi * (illuminance_lx[i] + params.work_lx * form);
     } else if (surface[i].kind == kObject) {
       vec3 albedo = vec3((uvec3(which) >> uvec3(20, 10, 0)) & 1023u) / 1023.0;
       float form = work_light(surface[i].normal, offset_m[i]);
-      color = albedo / kPi * (illuminance_lx[i] + params.ambient_lx * (form - 1.0));
+      color = albedo / kPi * (illuminance_lx[i] + params.ambient_lx * (form - 1.0) + params.work_lx * form);
     } else if (surface[i].kind == kBody) {
       vec3 ray = normalize(offset_m[i]);
       float form = work_light(surface[i].normal, offset_m[i]);
-      color = vec3(kBodyAlbedo / kPi) * (illuminance_lx[i] + params.ambient_lx * (form - 1.0));
+      color = vec3(kBodyAlbedo / kPi) *
+              (illuminance_lx[i] + params.ambient_lx * (form - 1.0) + params.work_lx * form);
       if ((which & uint(FL_PART_LENS)) != 0u) {
         color += lens_radiance(which >> 3, surface[i].t_m, ray, surface[i].normal);
       }

@@ -17,6 +17,11 @@ layout(constant_id = FL_SPEC_RECTANGLE) const bool kRectangle = false;
 
 layout(local_size_x = FL_GROUP_MASK) in;
 
+// On a surface a thin beam is drawn up to so much wider than in the haze (surfaces.comp).
+bool touches(BeamRow row, vec2 low, vec2 high) {
+  return beam_touches(row, beam_bound(row, FL_THIN_ON_SURFACE), low, high);
+}
+
 shared uint bits[FL_GROUP_MASK / 32];
 
 void main() {
@@ -28,7 +33,7 @@ void main() {
   uvec2 cell = uvec2(supertile % params.supertiles_x, supertile / params.supertiles_x);
   vec2 low = vec2(cell * uint(FL_SUPERTILE_PX));
   vec2 high = min(low + float(FL_SUPERTILE_PX), vec2(float(params.width), float(params.height)));
-  if (beam < counts.live_count && beam_touches(beams[beam], low, high)) atomicOr(bits[lane >> 5], 1u << (lane & 31u));
+  if (beam < counts.live_count && touches(beams[beam], low, high)) atomicOr(bits[lane >> 5], 1u << (lane & 31u));
   barrier();
   uint word = gl_WorkGroupID.x * (uint(FL_GROUP_MASK) / 32u) + lane;
   if (lane < uint(FL_GROUP_MASK) / 32u && word < params.mask_words) {

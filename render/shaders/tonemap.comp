@@ -1,5 +1,5 @@
 #version 460
-// From radiance to the screen: exposure, then the tone map.
+// From radiance to the screen: the mean of the pixels that one of the screen stands for, exposure, tone map, dither.
 #extension GL_GOOGLE_include_directive : require
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/shared/agx.h"
@@ -10,6 +10,12 @@ layout(set = 0, binding = FL_BINDING_SCREEN, rgba8) uniform writeonly image2D sc
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (pixel.x >= int(params.width) || pixel.y >= int(params.height)) return;
-  imageStore(screen, pixel, vec4(agx(imageLoad(radiance, pixel).rgb * params.exposure), 1.0));
+  int side = int(params.supersample);
+  if (pixel.x * side >= int(params.width) || pixel.y * side >= int(params.height)) return;
+  vec3 sum = vec3(0.0);
+  for (int y = 0; y < side; ++y) {
+    for (int x = 0; x < side; ++x) sum += imageLoad(radiance, pixel * side + ivec2(x, y)).rgb;
+  }
+  vec3 shown = agx(sum * (params.exposure / float(side * side)));
+  imageStore(screen, pixel, vec4(dithered(shown, uint(pixel.x), uint(pixel.y)), 1.0));
 }

@@ -399,6 +399,7 @@ FrameSettings judged_settings(int width, int height) {
   settings.height = height;
   settings.bodies = false;
   settings.dark_lm = 0;
+  settings.widen_thin = false;
   return settings;
 }
 

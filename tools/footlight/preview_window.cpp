@@ -476,8 +476,7 @@ Status Preview::draw(const PixelRect& where, TimeNs now_ns) {
   picture.place = where;
   drawn_ns_ = now_ns;
   const auto compute = [&](VkCommandBuffer commands) {
-    frame_->set_ambient_lx(rig_.ambient_lx +
-                           (controls_.work_light ? static_cast<double>(controls_.work_light_lx) : 0));
+    frame_->set_work_light_lx(controls_.work_light ? static_cast<double>(controls_.work_light_lx) : 0);
     frame_->record(commands, render::view_of(camera_.camera()), controls_.exposure_ev);
     render::vk::full_barrier(commands);
     const VkBufferCopy region{0, 0, sizeof(render::CountsRow)};

@@ -9,8 +9,8 @@ layout(set = 0, binding = FL_BINDING_DEPTH) uniform sampler2D depth_image;
 layout(set = 0, binding = FL_BINDING_BOXES, std430) readonly buffer BoxesBuffer { BoxRow boxes[]; };
 #include "render/shaders/lib/normal.glsl"
 
-// Where a pixel shows nothing, air is seen as far as kAirRangeM of render/image.h; beams end long before.
-const float kNothingM = 1000.0;
+// Where a pixel shows nothing.
+const float kNothingM = FL_FAR_M;
 
 const uint kNothing = 0u;
 const uint kBox = 1u;

@@ -15,6 +15,9 @@ BeamShape beam_shape(BeamRow row) {
   return beam;
 }
 
+// Radius of the thinnest beam as it is drawn, over its depth; 0: this one is nowhere so thin.
+float beam_thin(BeamRow row) { return (row.flags & FL_BEAM_THIN) != 0u ? params.thin : 0.0; }
+
 vec3 to_light(BeamRow row, vec3 v) {
   return vec3(dot(row.x_axis.xyz, v), dot(row.y_axis.xyz, v), dot(row.axis.xyz, v));
 }
@@ -27,9 +30,23 @@ float beam_extent(BeamShape beam, vec3 eye, vec3 n) {
   return max(at_lens, at_end) - dot(n, eye);
 }
 
-// low, high: corners of the rectangle in pixels.
-bool beam_touches(BeamRow row, vec2 low, vec2 high) {
+// What holds the beam as it is drawn, where thin beams are drawn wider (thin.glsl) and at most `wider` times as wide as
+// that. What is added is convex along the axis, so it is largest at an end.
+BeamShape beam_bound(BeamRow row, float wider) {
   BeamShape beam = beam_shape(row);
+  float thin = beam_thin(row);
+  if (thin > 0.0) {
+    float reach = wider * thin * (row.squeeze > 0.0 ? 1.5 * max(1.0, sqrt(row.squeeze)) : 1.0);
+    float at_lens = reach * length(row.eye.xyz) - beam.lens_radius_m;
+    float at_end = reach * length(row.eye.xyz - vec3(0.0, 0.0, beam.range_m)) - beam.lens_radius_m -
+                   beam.spread * beam.range_m;
+    beam.lens_radius_m += max(max(at_lens, at_end), 0.0);
+  }
+  return beam;
+}
+
+// low, high: corners of the rectangle in pixels. beam: what bounds the row's light.
+bool beam_touches(BeamRow row, BeamShape beam, vec2 low, vec2 high) {
   vec3 eye = row.eye.xyz;
   vec3 corner_0 = to_light(row, ray_through(vec2(low.x, low.y)));
   vec3 corner_1 = to_light(row, ray_through(vec2(high.x, low.y)));

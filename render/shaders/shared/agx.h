@@ -1,5 +1,6 @@
 // From exposed linear light to the screen: AgX (Troy Sobotka), with the 6th-order fit of its curve that Benjamin
-// Wrensch published for GLSL (2023), then a little more contrast and saturation, as stage colours want.
+// Wrensch published for GLSL (2023), then a little more contrast and saturation, as stage colours want. Last comes the
+// dither for 8 bits.
 
 FL_CONST Real kAgxEvMin = Real(-12.47393);
 FL_CONST Real kAgxEvMax = Real(4.026069);
@@ -33,4 +34,15 @@ FL_FN Vec3 agx(Vec3 color) {
                     Real(0), Real(1)),
               clamp(Real(-0.0529716355144438) * v.x - Real(0.0980434501171241) * v.y + Real(1.15107367264116) * v.z,
                     Real(0), Real(1)));
+}
+
+// Adds less than half a step of 255 either way, by the place of the pixel alone. Rounding to 8 bits then has no mean
+// error over neighbours, and smooth light has no rings. Whole steps stay what they are. The offsets fill the unit
+// interval evenly over any few neighbours (M. Roberts, "The unreasonable effectiveness of quasirandom sequences",
+// 2018). They are counted in integers, so they are the same on every device.
+FL_FN Vec3 dithered(Vec3 shown, uint x, uint y) {
+  uint place = x * uint(3242174889u) + y * uint(2447445414u);
+  Real offset = ((Real(place >> uint(8)) + Real(0.5)) / Real(16777216) - Real(0.5)) * Real(0.999 / 255.0);
+  return Vec3(clamp(shown.x + offset, Real(0), Real(1)), clamp(shown.y + offset, Real(0), Real(1)),
+              clamp(shown.z + offset, Real(0), Real(1)));
 }

@@ -87,7 +87,14 @@
 #define FL_SUPERTILE_PX 64    // beams are listed per supertile, one bit a live beam
 #define FL_GROUP_MASK 64      // beams a workgroup of the tile pass tests
 
-// Camera, medium and sizes of one frame; 112 bytes, uploaded each frame.
+// Where nothing ends a ray: farther than anything in a rig, m.
+#define FL_FAR_M 1e30
+// Thinner beams are drawn with this radius, in pixels (lib/thin.glsl).
+#define FL_THIN_RADIUS_PX 1.74
+// On a surface that is seen edge on, at most so many times as wide.
+#define FL_THIN_ON_SURFACE 8.6
+
+// Camera, medium and sizes of one frame; 128 bytes, uploaded each frame.
 struct FrameParams {
   vec4 right;     // xyz: unit right x tan(fov / 2) x width / height; w: near plane, m
   vec4 up;        // xyz: unit up x tan(fov / 2); w: range of light, m
@@ -102,9 +109,13 @@ struct FrameParams {
   float anisotropy;   // g of Henyey-Greenstein
   float ambient_lx;
   float exposure;     // from cd/m^2 to the tone map's 1.0
-  float dark_lm;      // a beam with less flux is not drawn
+  float dark_lm;      // a beam with no more flux than this is not drawn
+  float thin;         // radius of the thinnest beam as it is drawn, over its depth (lib/thin.glsl); 0: as thin as it is
+  uint supersample;   // pixels of the radiance a side of a pixel of the screen
+  float work_lx;      // work light: on faces by their direction
   uint pad;
   uint pad_1;
+  uint pad_2;
 };
 
 // One lit beam, 160 bytes: a head's, or one facet's of its prism. Light space is camera-relative: eye = camera in it.
@@ -124,7 +135,7 @@ struct BeamRow {
   float gobo_2_sin;
   float gobo_scale;   // share of the image's radius that the beam shows: the iris
   float gobo_blur;    // of the images, by frost: radius in beam radii
-  uint blades;        // 1: cut by the blades of the same number
+  uint flags;         // FL_BEAM_...
   uint next_1;        // images of the slots beside, where a wheel stands between two
   uint next_2;
   float offset_1;     // of the gobo's middle from the beam's, in beam radii; 0: it stands right
@@ -136,6 +147,10 @@ struct BeamRow {
   uint measured;      // as TypeRow::measured
   float squeeze;         // 0: round; a rectangle's height over its width, squared
 };
+
+// Flags of a BeamRow.
+#define FL_BEAM_BLADES 1u  // cut by the blades of the same number
+#define FL_BEAM_THIN 2u    // somewhere thinner than FrameParams::thin, and drawn wider there (lib/thin.glsl)
 
 // Four edges in the gobo plane: what has n . rho <= d passes. xy: n, unit; z: d.
 struct BladesRow {

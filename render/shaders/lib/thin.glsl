@@ -1,0 +1,88 @@
+// Beams thinner than a pixel. A pixel is one ray, and rays pass between thin beams: a laser of 4 mm breaks into dots.
+// Where a beam's radius is below FL_THIN_RADIUS_PX pixels it is drawn that wide, and as much weaker: the light of each
+// of its cross sections stays the same. Wider beams are not touched. beam_thin() is that radius over the depth;
+// 0: the beam is nowhere so thin, or the frame does not widen. After beam.h and tile_test.glsl.
+//
+// The wide cross section is (1 - rho^2)^3, whose mean square radius is compared with the beam's own. Sums of pixels
+// across it are within 0.8 % of its light wherever it lies between them, sums over a spot on a surface within 1.4 %
+// (tests/render/thin_test.cpp). Beams with gobos, blades, an iris, measured light or rectangles keep their own cross
+// section.
+
+// Mean of rho^2 over the light of the profile m, and over that of (1 - rho^2)^3.
+float mean_square_radius(float profile_m) {
+  return profile_m < 1.0 ? profile_m / (1.0 + 2.0 * profile_m) : (profile_m + 1.0) / (2.0 * profile_m + 4.0);
+}
+const float kThinMeanSquare = 0.2;
+const float kThinProfileM = 1.0 / 3.0;
+
+// What J0 is multiplied by when the cross section becomes (1 - rho^2)^3. The flux factor is pi m / (m + 1), times the
+// slant of the mean radius: within 1e-3 of the integral for half angles up to 10 degrees.
+float thin_gain(float profile_m, float spread) {
+  float k2 = spread * spread;
+  float own = profile_m / (profile_m + 1.0) * pow(1.0 + k2 * mean_square_radius(profile_m), -1.5);
+  return own / (0.25 * pow(1.0 + k2 * kThinMeanSquare, -1.5));
+}
+
+// Whether the cross section may be replaced.
+bool thin_is_plain(BeamRow row, bool gobo) {
+  return !gobo && (row.flags & FL_BEAM_BLADES) == 0u && row.j0.w == 0.0 && row.measured == 0u &&
+         row.squeeze == 0.0;
+}
+
+// The radius that a thin beam gets, over its depth in the picture. Half the side of a square is less than its radius.
+float thin_reach(BeamRow row) {
+  return beam_thin(row) * (row.squeeze > 0.0 ? 1.4142135623730951 : 1.0);
+}
+
+// The beam as the pixel's ray d, unit and in light space, meets it in the haze. `depth`: what a metre along the ray
+// adds to the depth. Returns what the beam's light is multiplied by.
+float thin_in_haze(inout BeamShape beam, BeamRow row, vec3 d, float depth, float t_max_m, bool plain) {
+  vec3 eye = row.eye.xyz;
+  float across = dot(d.xy, d.xy);
+  // Where the ray is nearest the axis.
+  float t_m = -dot(eye.xy, d.xy) / max(across, 1e-12);
+  float z = clamp(eye.z + t_m * d.z, 0.0, beam.range_m);
+  t_m = clamp((z - eye.z) * d.z - dot(eye.xy, d.xy), 0.0, t_max_m);
+  float own = beam.lens_radius_m + beam.spread * z;
+  float scale = plain ? sqrt(mean_square_radius(beam.profile_m) / kThinMeanSquare) : 1.0;
+  float wide = thin_reach(row) * t_m * depth;
+  if (!(wide > own * scale)) return 1.0;
+  beam.lens_radius_m += wide - own;
+  if (!plain) return 1.0;
+  float gain = thin_gain(beam.profile_m, beam.spread);
+  beam.profile_m = kThinProfileM;
+  return gain;
+}
+
+// The same on a surface, where the footprint of a pixel is an ellipse. p: the place in light space; step_x, step_y: how
+// it moves for FL_THIN_RADIUS_PX pixels across the picture and up. Returns the illuminance as beam_illuminance() does.
+float thin_on_surface(BeamShape beam, vec3 p, vec3 step_x, vec3 step_y, bool plain, out vec2 rho, out float r_m) {
+  float w = max(beam.lens_radius_m + beam.spread * p.z, 1e-9);
+  rho = p.xy / w;
+  float scale = plain ? sqrt(mean_square_radius(beam.profile_m) / kThinMeanSquare) : 1.0;
+  vec2 a = (step_x.xy - rho * beam.spread * step_x.z) / w;
+  vec2 b = (step_y.xy - rho * beam.spread * step_y.z) / w;
+  // The ellipse that the footprint's unit circle becomes in the gobo plane: its axes, squared.
+  float xx = a.x * a.x + b.x * b.x;
+  float xy = a.x * a.y + b.x * b.y;
+  float yy = a.y * a.y + b.y * b.y;
+  float mean = 0.5 * (xx + yy);
+  float root = sqrt(max(mean * mean - (xx * yy - xy * xy), 0.0));
+  float longest = mean + root;
+  if (!(longest > scale * scale)) return beam_illuminance(beam, p, rho, r_m);
+  float gain = 1.0;
+  if (plain) {
+    gain = thin_gain(beam.profile_m, beam.spread);
+    beam.profile_m = kThinProfileM;
+  }
+  vec2 radius = sqrt(max(vec2(longest, max(mean - root, 0.0)), vec2(scale * scale)));
+  float angle = 0.5 * atan(2.0 * xy, xx - yy + 1e-30);
+  vec2 axis = vec2(cos(angle), sin(angle));
+  vec2 side = vec2(-axis.y, axis.x);
+  rho = axis * (dot(axis, rho) / radius.x) + side * (dot(side, rho) / radius.y);
+  float q = dot(rho, rho);
+  float u = beam_slant_square(beam, rho, q);
+  r_m = p.z * sqrt(u);
+  if (!(p.z > 0.0) || p.z > beam.range_m || !(q < 1.0)) return 0.0;
+  return gain * beam_value(beam, rho, q) / (w * w * u * radius.x * radius.y);
+}

@@ -1,0 +1,225 @@
+// Beams thinner than a pixel, pixels of the screen that stand for several, and the last step to 8 bits.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "fixtures/walker.h"
+#include "render/beam.h"
+#include "render/reference/judge.h"
+#include "tests/render/scenes.h"
+#include "tests/support/headless_vulkan.h"
+
+namespace footlight::render {
+namespace {
+
+using namespace render::testing;
+using footlight::testing::HeadlessVulkan;
+
+FrameSettings small_settings(int width = 160, int height = 90) {
+  FrameSettings settings = judged_settings(width, height);
+  settings.widen_thin = true;
+  return settings;
+}
+
+// A laser from the left that crosses the picture, 16 m away, rising by so many degrees. zoom_deg: of the whole beam.
+Scene laser_scene(double radius_m, double profile_m, double rise_deg, double zoom_deg) {
+  Scene scene = lamps_scene(1, 1);
+  scene.rig.haze = {0.02, 0, 0.3, 40};
+  scene.rig.types[0].beams[0].radius_m = radius_m;
+  fixtures::PatchedFixture& lamp = scene.rig.fixtures.front();
+  lamp.type = 0;
+  lamp.position_m = {-12, 2, 3.013};
+  lamp.rotation_deg = {0, -90 - rise_deg, 0};
+  scene.compile();
+  // Frost has profiles that no type has.
+  for (fixtures::TypeRow& type : scene.compiled.types) type.profile_m = static_cast<float>(profile_m);
+  scene.compiled.needs.profile = true;
+  scene.set(0, "Zoom", zoom_deg);
+  for (const auto color : {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"}) scene.set(0, color, 1);
+  return scene;
+}
+
+// Green radiance summed over each column of a picture, times the height of a pixel at a depth of 1.
+std::vector<double> column_sums(const RadianceImage& picture, const View& view) {
+  std::vector<double> sums(static_cast<std::size_t>(picture.width), 0.0);
+  for (std::size_t i = 0; i < picture.rgb.size() / 3; ++i) {
+    sums[i % sums.size()] += static_cast<double>(picture.rgb[3 * i + 1]) * 2 * view.tan_half_fov / picture.height;
+  }
+  return sums;
+}
+
+// The same of one column by the judge, over 40 rays through the laser's cross section.
+double judged_sum(const JudgeScene& judge, const View& view, int width, int height, int x) {
+  const JudgeBeam& beam = judge.beams.at(0);
+  const Ray middle = pixel_ray(view, width, height, x, 0);
+  const double across = (2 * (x + 0.5) / width - 1) * view.tan_half_fov * width / height;
+  // Where the beam's axis crosses the plane through the camera and the column.
+  const glm::dvec3 n = glm::cross(view.forward + view.right * across, view.up);
+  const double along = glm::dot(n, view.position_m - beam.lens_m) / glm::dot(n, beam.axis);
+  const glm::dvec3 at = beam.lens_m + beam.axis * along - view.position_m;
+  const double depth = glm::dot(at, view.forward);
+  const double up = glm::dot(at, view.up) / depth;
+  const double reach = 2 * (beam.lens_radius_m + beam.spread * along) / depth;
+  constexpr int kRays = 40;
+  double sum = 0;
+  for (int i = 0; i < kRays; ++i) {
+    const double high = up + reach * ((i + 0.5) * 2 / kRays - 1);
+    const Ray ray{middle.origin_m, glm::normalize(view.forward + view.right * across + view.up * high)};
+    sum += judge_radiance(judge, ray, 1e-6).y * 2 * reach / kRays;
+  }
+  return sum;
+}
+
+TEST_CASE("a laser of 4 mm has the light of the judge in every column of 160 x 90 pixels, at every slant") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  double worst = 0;
+  for (const double m : {0.25, 1.0 / 3, 0.5, 1.0, 2.0, 3.0, 4.0}) {
+    for (const double rise_deg : {0.0, 1.3, 20.0, -45.0}) {
+      CAPTURE(m);
+      CAPTURE(rise_deg);
+      const Scene scene = laser_scene(0.002, m, rise_deg, 0);
+      const View view = view_of(scene.camera);
+      fixtures::f64::Walker walker(scene.compiled);
+      walker.step(scene.levels, 0);
+      const JudgeScene judge = judge_scene(scene.rig, walker);
+      const auto sums = column_sums(draw_new(vulkan.device(), scene, small_settings()), view);
+      for (const int x : {25, 40, 41, 42, 43, 51}) {
+        const double expected = judged_sum(judge, view, 160, 90, x);
+        REQUIRE(expected > 0);
+        worst = std::max(worst, std::abs(sums[static_cast<std::size_t>(x)] / expected - 1));
+      }
+    }
+  }
+  std::fprintf(stderr, "laser in the haze: sums over columns differ by %.3g at most\n", worst);
+  CHECK(worst < 0.012);
+}
+
+TEST_CASE("the light of a beam that widens stays within a tenth where it becomes as wide as a pixel") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  // 2 cm to 34 cm of radius; a pixel is 19 cm.
+  const Scene scene = laser_scene(0.02, 2, 1.3, 1.5);
+  const View view = view_of(scene.camera);
+  const auto sums = column_sums(draw_new(vulkan.device(), scene, small_settings()), view);
+  const auto fine = column_sums(draw_new(vulkan.device(), scene, judged_settings(800, 450)), view);
+  double worst = 0;
+  for (std::size_t x = 25; x < 140; ++x) {
+    double expected = 0;
+    for (std::size_t i = 0; i < 5; ++i) expected += fine[5 * x + i] / 5;
+    worst = std::max(worst, std::abs(sums[x] / expected - 1));
+  }
+  std::fprintf(stderr, "widening beam: sums over columns differ by %.3g at most\n", worst);
+  // Just above the width at which it is widened it is 1.3 pixels wide, and has the error of any picture of pixels.
+  CHECK(worst < 0.1);
+}
+
+TEST_CASE("the spot of a thin beam on a floor has all of its light, wherever between the pixels and however oblique") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  double worst = 0;
+  for (const double height_m : {10.0, 4.0, 2.0}) {  // 45 to 11 degrees above the floor
+    Scene scene = laser_scene(0.002, 1, 0, 0);
+    scene.rig.haze.scattering_per_m = 0;
+    scene.rig.boxes.push_back({"floor", {-20, -20, -1}, {20, 20, 0}, glm::dvec3(0.5)});
+    scene.rig.cameras = {{"c", {0, -10, height_m}, {0, 0, 0}, 40, 4}};
+    const View view = view_of(scene.rig.cameras.front());
+    for (int i = 0; i < 8; ++i) {
+      fixtures::PatchedFixture& lamp = scene.rig.fixtures.front();
+      lamp.position_m = {0.013 * i, 0.11 * i, 6};
+      lamp.rotation_deg = {0, 0, 0};  // down
+      const auto levels = scene.levels;
+      scene.compile();
+      scene.levels = levels;
+      const RadianceImage picture = draw_new(vulkan.device(), scene, small_settings());
+      double light = 0;
+      for (int y = 0; y < 90; ++y) {
+        for (int x = 0; x < 160; ++x) {
+          const Ray ray = pixel_ray(view, 160, 90, x, y);
+          if (!(ray.direction.z < -1e-3)) continue;
+          const double t_m = -view.position_m.z / ray.direction.z;
+          const double depth = glm::dot(ray.direction, view.forward);
+          const double pixel = 2 * view.tan_half_fov / 90;
+          // Area of the floor behind the pixel: solid angle times distance squared, over the cosine.
+          const double area = pixel * pixel * depth * depth * depth * t_m * t_m / -ray.direction.z;
+          light += static_cast<double>(picture.rgb[static_cast<std::size_t>(y * 160 + x) * 3 + 1]) * area;
+        }
+      }
+      const double expected = scene.rig.types[0].beams[0].flux_lm * 0.5 / std::numbers::pi;
+      worst = std::max(worst, std::abs(light / expected - 1));
+    }
+  }
+  std::fprintf(stderr, "thin beam on a floor: light differs by %.3g at most\n", worst);
+  CHECK(worst < 0.015);
+}
+
+TEST_CASE("beams of more than two pixels are drawn as they are, to the bit") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = laser_scene(0.5, 2, 10, 6);
+  scene.rig.boxes.push_back({"floor", {-20, -20, -1}, {20, 20, 0}, glm::dvec3(0.5)});
+  const auto levels = scene.levels;
+  scene.compile();
+  scene.levels = levels;
+  CHECK(draw_new(vulkan.device(), scene, small_settings()).rgb ==
+        draw_new(vulkan.device(), scene, judged_settings(160, 90)).rgb);
+}
+
+TEST_CASE("with four pixels for one of the screen it shows the tone map of their mean radiance") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = demo_scene(19, false);
+  FrameSettings settings;
+  settings.width = 96;
+  settings.height = 54;
+  settings.supersample = 2;
+  const auto frame = make_frame(vulkan.device(), scene, settings);
+  frame->step(scene.levels, 0);
+  must(frame->draw(view_of(scene.camera), 4.6));
+  const ScreenImage screen = must(frame->read_screen());
+  const RadianceImage fine = must(frame->read_radiance());
+  REQUIRE(screen.width == 48);
+  REQUIRE(screen.height == 27);
+  RadianceImage mean{48, 27, {}};
+  for (std::size_t y = 0; y < 27; ++y) {
+    for (std::size_t x = 0; x < 48; ++x) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto at = [&](std::size_t i, std::size_t j) { return fine.rgb[((2 * y + j) * 96 + 2 * x + i) * 3 + c]; };
+        mean.rgb.push_back((at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1)) / 4);
+      }
+    }
+  }
+  const ScreenImage expected = screen_of(mean, 4.6);
+  int worst = 0;
+  for (std::size_t i = 0; i < expected.rgba.size(); ++i) {
+    worst = std::max(worst, std::abs(int{screen.rgba[i]} - int{expected.rgba[i]}));
+  }
+  CHECK(worst <= 1);
+
+  settings.width = 97;
+  const auto odd = Frame::create(vulkan.device(), scene.rig, scene.compiled, settings);
+  REQUIRE(!odd);
+  CHECK(odd.error().code == ErrorCode::kBadInput);
+}
+
+TEST_CASE("rounding to 8 bits has no mean error over 16 x 16 pixels, and leaves whole steps as they are") {
+  const auto shown = [](float value, std::uint32_t x, std::uint32_t y) {
+    return std::lround(static_cast<double>(f32::dithered(glm::vec3(value), x, y).g) * 255);
+  };
+  double worst = 0;
+  for (int i = 0; i <= 1000; ++i) {
+    const double value = 40 + i / 1000.0;  // steps
+    double sum = 0;
+    for (std::uint32_t at = 0; at < 256; ++at)
+      sum += static_cast<double>(shown(float(value / 255), 700 + at % 16, 300 + at / 16));
+    worst = std::max(worst, std::abs(sum / 256 - value));
+  }
+  std::fprintf(stderr, "dither: the mean of 256 pixels is off by %.3g steps at most\n", worst);
+  CHECK(worst < 0.03);
+  for (std::uint32_t x = 0; x < 300; ++x) {
+    for (const int step : {0, 1, 100, 255}) CHECK(shown(static_cast<float>(step) / 255.0f, x, x * x) == step);
+  }
+}
+
+}  // namespace
+}  // namespace footlight::render
