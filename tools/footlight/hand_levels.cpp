@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <optional>
 
@@ -387,6 +388,38 @@ void HandLevels::set(std::size_t index, std::string_view attribute, double value
 bool HandLevels::encode(std::size_t index, std::string_view attribute, double value) {
   const fixtures::PatchedFixture& fixture = rig_.fixtures[index];
   return fixture.patched && fixtures::encode_attribute(rig_, fixture, attribute, value, slots_of(fixture));
+}
+
+Status set_by_hand(const std::string& text, const fixtures::Rig& rig, HandLevels& hand) {
+  const std::size_t equals = text.rfind('=');
+  const std::size_t colon = equals == std::string::npos ? std::string::npos : text.rfind(':', equals);
+  double value = 0;
+  const char* end = text.data() + text.size();
+  bool sound = equals != std::string::npos;
+  if (sound) {
+    const auto [at, fault] = std::from_chars(text.data() + equals + 1, end, value);
+    sound = fault == std::errc() && at == end;
+  }
+  if (!sound) {
+    return fail(ErrorCode::kBadInput, "--set {}: expected ATTRIBUTE=NUMBER or FIXTURE:ATTRIBUTE=NUMBER, as in Iris=0.5",
+                text);
+  }
+  const std::string name = colon == std::string::npos ? "" : text.substr(0, colon);
+  const std::size_t begin = colon == std::string::npos ? 0 : colon + 1;
+  const std::string attribute = text.substr(begin, equals - begin);
+  bool known = name.empty();
+  bool any = false;
+  for (std::size_t i = 0; i < rig.fixtures.size(); ++i) {
+    if (!name.empty() && rig.fixtures[i].name != name) continue;
+    known = true;
+    any = hand.encode(i, attribute, value) || any;
+  }
+  if (!known) return fail(ErrorCode::kNotFound, "--set {}: no fixture is called '{}'", text, name);
+  if (!any) {
+    return fail(ErrorCode::kNotFound, "--set {}: no {} has a channel for {}; 'footlight fixtures show' lists them",
+                text, name.empty() ? "fixture" : "such fixture", attribute);
+  }
+  return {};
 }
 
 }  // namespace footlight::tools

@@ -4,10 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "fixtures/rig.h"
+#include "sim/core/result.h"
 
 namespace footlight::tools {
 
@@ -57,5 +59,9 @@ class HandLevels {
   std::vector<std::uint8_t> levels_;
   std::vector<std::vector<Fader>> faders_;  // a row a fixture
 };
+
+// Carries out a word of --set: "Prism1=2" for all fixtures, "Spot 3:Pan=30" for one, in the units of the attribute; a
+// wheel's slots count from 1.
+Status set_by_hand(const std::string& text, const fixtures::Rig& rig, HandLevels& hand);
 
 }  // namespace footlight::tools

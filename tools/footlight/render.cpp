@@ -1,5 +1,5 @@
 // footlight render: pictures and videos of a rig driven by a log, without a display.
-#include <charconv>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -14,6 +14,7 @@
 #include "tools/footlight/picture_file.h"
 #include "tools/footlight/scene_files.h"
 #include "tools/footlight/start_view.h"
+#include "tools/footlight/stop_signal.h"
 #include "tools/footlight/timeline.h"
 #include "tools/footlight/video_file.h"
 
@@ -82,40 +83,22 @@ Status check_options(const Options& options) {
   return {};
 }
 
-// The mean of `side` x `side` pixels, as a screen shows them.
-render::ScreenImage reduced(const render::ScreenImage& image, int side) {
-  if (side == 1) return image;
-  render::ScreenImage small{image.width / side, image.height / side, {}};
-  const auto at = [&](int x, int y, int c) {
-    return image
-        .rgba[(static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)) * 4 +
-              static_cast<std::size_t>(c)];
-  };
-  for (int y = 0; y < small.height; ++y) {
-    for (int x = 0; x < small.width; ++x) {
-      for (int c = 0; c < 4; ++c) {
-        int sum = side * side / 2;
-        for (int i = 0; i < side * side; ++i) sum += at(x * side + i % side, y * side + i / side, c);
-        small.rgba.push_back(static_cast<std::uint8_t>(sum / (side * side)));
-      }
-    }
-  }
-  return small;
-}
-
 // One render job: the log walks on, a picture is taken, it goes to its file.
 class Job {
  public:
-  Job(const Options& options, Timeline* timeline, render::Frame& frame, const render::View& view, double exposure_ev)
-      : options_(options), timeline_(timeline), frame_(frame), view_(view), exposure_ev_(exposure_ev) {
+  Job(const Options& options, const StopSignal& stop, Timeline* timeline, render::Frame& frame,
+      const render::View& view, double exposure_ev)
+      : options_(options), stop_(stop), timeline_(timeline), frame_(frame), view_(view), exposure_ev_(exposure_ev) {
     const bool watches = options.flashes != "ignore" && options.every_ns > 0 && options.every_ns <= kFlashPauseMaxNs;
     if (watches) flashes_.emplace(options.flashes == "limit");
   }
 
+  // Takes the picture, or none where the program is stopped on the way to it.
   Status take(DurationNs at_ns, DurationNs exposure_ns) {
     const auto start = std::chrono::steady_clock::now();
     Status flushed;
     const auto step = [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+      if (stop_.came()) return;
       frame_.step(levels, dt_ns, new_exposure);
       if (frame_.pending_steps() >= kStepsHeldMax && flushed) flushed = frame_.run_steps();
     };
@@ -123,9 +106,9 @@ class Job {
       FL_TRY(timeline_->advance(at_ns, exposure_ns, step));
       FL_TRY(flushed);
     }
+    if (stop_.came()) return {};
     FL_TRY(frame_.draw(view_, exposure_ev_));
     FL_ASSIGN(picture_, frame_.read_screen());
-    picture_ = reduced(picture_, options_.supersample);
     const double wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     watch_flashes(at_ns);
     FL_TRY(store());
@@ -138,8 +121,10 @@ class Job {
           R"({{"event":"picture","number":{},"time_ns":{},"gpu_ms":{:.3f},"wall_ms":{:.3f},"live":{},"dark":{}}})"
           "\n",
           number_, at_ns, gpu_ms, wall_ms, counts.live_count, counts.dark_count);
+      std::fflush(stdout);
     }
     ++number_;
+    last_ns_ = at_ns;
     return {};
   }
 
@@ -154,6 +139,12 @@ class Job {
     return {};
   }
   [[nodiscard]] int count() const { return number_; }
+  void tell_stop() const {
+    say(fmt::format(R"({{"event":"stopped","pictures":{},"time_ns":{}}})", number_, last_ns_),
+        number_ == 0 ? "stopped before the first picture; nothing was written"
+                     : fmt::format("stopped after {} picture{}, at {}; they are in {}", number_,
+                                   number_ == 1 ? "" : "s", show_duration(last_ns_), options_.out));
+  }
 
  private:
   void say(const std::string& json, const std::string& text) const {
@@ -194,6 +185,7 @@ class Job {
   }
 
   const Options& options_;
+  const StopSignal& stop_;
   Timeline* timeline_;
   render::Frame& frame_;
   const render::View& view_;
@@ -202,43 +194,12 @@ class Job {
   std::unique_ptr<VideoFile> video_;
   std::optional<FlashWatch> flashes_;
   int number_ = 0;
+  DurationNs last_ns_ = 0;  // time of the last picture
 };
-
-// "Prism1=2" for all fixtures, "Spot 3:Pan=30" for one, in the units of the attribute; a wheel's slots count from 1.
-Status set_by_hand(const std::string& text, const fixtures::Rig& rig, HandLevels& hand) {
-  const std::size_t equals = text.rfind('=');
-  const std::size_t colon = equals == std::string::npos ? std::string::npos : text.rfind(':', equals);
-  double value = 0;
-  const char* end = text.data() + text.size();
-  bool sound = equals != std::string::npos;
-  if (sound) {
-    const auto [at, fault] = std::from_chars(text.data() + equals + 1, end, value);
-    sound = fault == std::errc() && at == end;
-  }
-  if (!sound) {
-    return fail(ErrorCode::kBadInput, "--set {}: expected ATTRIBUTE=NUMBER or FIXTURE:ATTRIBUTE=NUMBER, as in Iris=0.5",
-                text);
-  }
-  const std::string name = colon == std::string::npos ? "" : text.substr(0, colon);
-  const std::size_t begin = colon == std::string::npos ? 0 : colon + 1;
-  const std::string attribute = text.substr(begin, equals - begin);
-  bool known = name.empty();
-  bool any = false;
-  for (std::size_t i = 0; i < rig.fixtures.size(); ++i) {
-    if (!name.empty() && rig.fixtures[i].name != name) continue;
-    known = true;
-    any = hand.encode(i, attribute, value) || any;
-  }
-  if (!known) return fail(ErrorCode::kNotFound, "--set {}: no fixture is called '{}'", text, name);
-  if (!any) {
-    return fail(ErrorCode::kNotFound, "--set {}: no {} has a channel for {}; 'footlight fixtures show' lists them",
-                text, name.empty() ? "fixture" : "such fixture", attribute);
-  }
-  return {};
-}
 
 Result<int> render_pictures(const Options& options) {
   FL_TRY(check_options(options));
+  const StopSignal stop;
   FL_ASSIGN(const PictureSize size, parse_size(options.size));
   FL_ASSIGN(fixtures::Rig rig, load_scene_rig(options.files));
   FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options.files));
@@ -246,7 +207,7 @@ Result<int> render_pictures(const Options& options) {
   add_start_view(rig, static_cast<double>(size.width) / size.height, log || by_hand);
   FL_ASSIGN(const fixtures::Camera camera, find_camera(rig, options.camera));
   if (by_hand) give_hand_addresses(rig);
-  rig.ambient_lx += options.work_light_lx.value_or(log || by_hand ? 0 : kWorkLightLx);
+  const double work_light_lx = options.work_light_lx.value_or(log || by_hand ? 0 : kWorkLightLx);
   std::optional<fixtures::Rig> vrsl_rig;  // as written
   if (rig.vrsl && log && !by_hand) vrsl_rig = std::exchange(rig, fixtures::vrsl_shown(rig));
   FL_ASSIGN(const fixtures::CompiledRig compiled, fixtures::compile(rig));
@@ -263,7 +224,9 @@ Result<int> render_pictures(const Options& options) {
   settings.height = size.height * options.supersample;
   settings.nodes = static_cast<std::uint32_t>(options.nodes);
   settings.gobo_taps = static_cast<std::uint32_t>(options.gobo_taps);
+  settings.supersample = options.supersample;
   FL_ASSIGN(const auto frame, render::Frame::create(*device, rig, compiled, settings));
+  frame->set_work_light_lx(work_light_lx);
   print_warnings(frame->resources().diagnostics);
   if (by_hand) {
     HandLevels hand(rig, compiled);
@@ -280,14 +243,17 @@ Result<int> render_pictures(const Options& options) {
     frame->step(std::vector<std::uint8_t>(frame->resources().levels_bytes), 0);
   }
   const render::View view = render::view_of(camera);
-  Job job(options, timeline ? &*timeline : nullptr, *frame, view, options.exposure_ev.value_or(camera.exposure_ev));
+  const double exposure_ev = options.exposure_ev.value_or(camera.exposure_ev);
+  Job job(options, stop, timeline ? &*timeline : nullptr, *frame, view, exposure_ev);
 
   if (options.at_ns >= 0) {
     FL_TRY(job.take(options.at_ns, options.exposure_ns >= 0 ? options.exposure_ns : kStillExposureNs));
   } else {
     const DurationNs end_ns = options.until_ns >= 0 ? options.until_ns : timeline ? timeline->duration_ns() : 0;
     const DurationNs exposure_ns = options.exposure_ns >= 0 ? options.exposure_ns : options.every_ns;
-    for (DurationNs at_ns = options.from_ns; at_ns <= end_ns; at_ns += options.every_ns) {
+    // A picture of a video stays until the next one, so none begins at the end; but there is at least one.
+    const DurationNs last_ns = is_video(options.out) ? std::max(end_ns - 1, options.from_ns) : end_ns;
+    for (DurationNs at_ns = options.from_ns; at_ns <= last_ns && !stop.came(); at_ns += options.every_ns) {
       FL_TRY(job.take(at_ns, exposure_ns));
       if (!options.json && job.count() % 50 == 0) {
         fmt::print(stderr, "{} pictures, at {}\n", job.count(), show_duration(at_ns));
@@ -295,6 +261,10 @@ Result<int> render_pictures(const Options& options) {
     }
   }
   FL_TRY(job.finish());
+  if (stop.came() && (options.every_ns >= 0 || job.count() == 0)) {
+    job.tell_stop();
+    if (job.count() == 0) return kExitFailed;
+  }
   if (!options.json) {
     fmt::print("{}: {} picture{} of {}x{} on {}\n", options.out, job.count(), job.count() == 1 ? "" : "s", size.width,
                size.height, device->name());
@@ -309,7 +279,8 @@ void add(Arguments& arguments) {
   arguments.duration("--at", options->at_ns, "one picture, at this time of the log");
   arguments.duration("--every", options->every_ns, "pictures this far apart");
   arguments.duration("--from", options->from_ns, "with --every: the first picture's time");
-  arguments.duration("--until", options->until_ns, "with --every: no picture after this time; the end of the log");
+  arguments.duration("--until", options->until_ns,
+                     "with --every: no picture after this time, where a video ends; the end of the log");
   arguments.duration("--exposure", options->exposure_ns,
                      "how long the shutter is open before the picture's time; 20ms, or all of --every");
   arguments.option("--ev", options->exposure_ev, -20, 30, "exposure value at ISO 100; the camera's own");
@@ -318,7 +289,7 @@ void add(Arguments& arguments) {
   arguments.option("--nodes", options->nodes, 1, 8,
                    "Gauss nodes a beam and pixel: error and time, see footlight report");
   arguments.option("--supersample", options->supersample, 1, 4,
-                   "so many times the pixels a side, averaged: smooth edges for as many times the work squared");
+                   "so many times the pixels a side, their light averaged: smooth edges for that squared of work");
   arguments.option("--gobo-taps", options->gobo_taps, 1, 1024, "looks at the gobo a beam and pixel: error and time");
   arguments.option("--flashes", options->flashes, "WORD",
                    "harmful flashes (more than three a second): warn, limit or ignore; warn");
@@ -345,7 +316,8 @@ extern const CommandInfo render_command{
         "  footlight render hall.mvr --at 0s -o hall.png              in work light\n"
         "  footlight render hall.mvr --lit --set Tilt=30 --set Iris=0.4 --at 0s -o look.png\n"
         "  footlight render --demo --every 40ms --from 10s --until 20s --camera side -o side.mp4\n"
-        "The same rig, log and time give the same picture, bit for bit on one device.",
+        "The same rig, log and time give the same picture, bit for bit on one device. Ctrl-C stops after the picture\n"
+        "under way; the video or the pictures up to there are whole.",
     .add = add,
 };
 

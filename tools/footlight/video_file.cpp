@@ -114,6 +114,7 @@ class AvVideoFile final : public VideoFile {
       const int got = avcodec_receive_packet(codec_, packet_);
       if (got == AVERROR(EAGAIN) || got == AVERROR_EOF) return {};
       FL_TRY(av_check(got, path_, "encoding"));
+      if (packet_->duration == 0) packet_->duration = 1;  // or the last picture would last no time
       av_packet_rescale_ts(packet_, codec_->time_base, stream_->time_base);
       packet_->stream_index = stream_->index;
       FL_TRY(av_check(av_interleaved_write_frame(format_, packet_), path_, "writing"));

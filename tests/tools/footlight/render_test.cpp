@@ -1,0 +1,112 @@
+// footlight render and report as a user meets them; on lavapipe where it is installed.
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/headless_vulkan.h"
+#include "tests/tools/footlight/run_footlight.h"
+
+namespace footlight::testing {
+namespace {
+
+bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+std::string read(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// Drivers that the Vulkan loader has closed leave some memory (tests/support/headless_vulkan.cpp).
+const std::map<std::string, std::string> kNoLeaks = {{"ASAN_OPTIONS", "detect_leaks=0"}};
+
+std::uint32_t big_endian(const std::string& bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<std::uint8_t>(bytes.at(at + i));
+  return value;
+}
+
+// Duration of the only track of an MP4, from its media header (ISO/IEC 14496-12, version 0).
+double seconds_of(const std::string& path) {
+  const std::string bytes = read(path);
+  const std::size_t header = bytes.find("mdhd");
+  REQUIRE(header != std::string::npos);
+  REQUIRE(bytes.at(header + 4) == 0);
+  return static_cast<double>(big_endian(bytes, header + 20)) / big_endian(bytes, header + 16);
+}
+
+bool no_encoder(const Outcome& outcome) {
+  return contains(outcome.err, "libav") && contains(outcome.err, "frame_%04d.png");
+}
+
+TEST_CASE("a video of 0.4 s lasts 0.4 s, and pictures with numbers have one of its end") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const TempFolder folder;
+  const std::string video = folder.file("a.mp4");
+  const Outcome outcome = Footlight({"render", "--demo", "--every", "40ms", "--from", "1s", "--until", "1.4s", "--size",
+                                     "32x18", "--json", "-o", video},
+                                    kNoLeaks)
+                              .wait();
+  if (no_encoder(outcome)) return;
+  INFO(outcome.err);
+  REQUIRE(outcome.exit_code == 0);
+  CHECK(seconds_of(video) == doctest::Approx(0.4).epsilon(1e-6));
+  const Outcome pictures = Footlight({"render", "--demo", "--every", "200ms", "--from", "1s", "--until", "1.4s",
+                                      "--size", "32x18", "-o", folder.file("p_%d.png")},
+                                     kNoLeaks)
+                               .wait();
+  CHECK(pictures.exit_code == 0);
+  CHECK(std::filesystem::exists(folder.file("p_2.png")));
+  CHECK(!std::filesystem::exists(folder.file("p_3.png")));
+}
+
+TEST_CASE("Ctrl-C in render ends with 0, and the video holds the pictures so far") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  for (const int number : {SIGINT, SIGTERM}) {
+    const TempFolder folder;
+    const std::string video = folder.file("a.mp4");
+    Footlight render({"render", "--demo", "--every", "40ms", "--size", "32x18", "--json", "-o", video}, kNoLeaks);
+    render.wait_for("\"number\":2,");
+    render.signal(number);
+    const Outcome outcome = render.wait();
+    INFO(outcome.err);
+    REQUIRE(outcome.exit_code == 0);
+    CHECK(!std::filesystem::exists(video + ".part"));
+    std::size_t pictures = 0;
+    for (std::size_t at = 0; (at = outcome.out.find("\"event\":\"picture\"", at)) != std::string::npos; ++at)
+      ++pictures;
+    CHECK(pictures >= 3);
+    CHECK(contains(outcome.out, "\"event\":\"stopped\",\"pictures\":" + std::to_string(pictures)));
+    CHECK(seconds_of(video) == doctest::Approx(0.04 * static_cast<double>(pictures)).epsilon(1e-6));
+  }
+}
+
+TEST_CASE("Ctrl-C in render leaves whole PNGs") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const TempFolder folder;
+  Footlight render({"render", "--demo", "--every", "40ms", "--size", "32x18", "--json", "-o", folder.file("p_%d.png")},
+                   kNoLeaks);
+  render.wait_for("\"number\":1,");
+  render.signal(SIGINT);
+  const Outcome outcome = render.wait();
+  CHECK(outcome.exit_code == 0);
+  CHECK(contains(outcome.out, "\"event\":\"stopped\""));
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.file(""))) {
+    CHECK(entry.path().extension() == ".png");
+    const std::string png = read(entry.path());
+    CHECK(contains(png.substr(png.size() < 12 ? 0 : png.size() - 12), "IEND"));
+    ++files;
+  }
+  CHECK(files >= 2);
+}
+
+}  // namespace
+}  // namespace footlight::testing
