@@ -690,6 +690,9 @@ JudgedImage judge_image(const JudgeScene& scene, const View& view, int width, in
   std::vector<double> coarse(options.stated_error ? values : 0);
   std::vector<double> row_hits(static_cast<std::size_t>(height));
 
+  const int of_width = options.of_width > 0 ? options.of_width : width;
+  const int of_height = options.of_height > 0 ? options.of_height : height;
+
   // Rows are taken one by one, so that no thread waits for a bright one; each is computed alone, so the picture is the
   // same for every number of threads.
   std::atomic<int> next_row{0};
@@ -704,7 +707,8 @@ JudgedImage judge_image(const JudgeScene& scene, const View& view, int width, in
       }
       double hits = 0;
       for (int x = 0; x < width; ++x) {
-        const Ray ray = pixel_ray(view, width, height, x, y);
+        const Ray ray = pixel_ray(view, of_width, of_height, sampled_pixel(x, width, of_width),
+                                  sampled_pixel(y, height, of_height));
         const auto at =
             (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) * 3;
         // Three times the pieces, or both passes would take the same nodes wherever the light is smooth, and their

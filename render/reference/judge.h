@@ -9,6 +9,7 @@
 // shade each other, and fixture bodies are left out of judged pictures.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -123,6 +124,8 @@ struct JudgeOptions {
   double tolerance = 1e-7;   // relative, of each integral; the picture is taken at a hundredth of it
   int threads = 0;           // 0: one per core. The picture does not depend on it.
   bool stated_error = true;  // false: only the finer pass, own_* are 0
+  int of_width = 0;          // with of_height: the pixels are an even sample of a picture of that size; 0: all of one
+  int of_height = 0;
   // Called between rows of pixels on the caller's thread, with how many of them are done; false ends the picture.
   std::function<bool(int done, int all)> go_on;
 };
@@ -135,6 +138,11 @@ struct JudgedImage {
   double hits_per_px = 0;   // mean number of beams that the visible part of a pixel's ray crosses
   bool whole = true;        // false: go_on ended it, and rows are missing
 };
+
+// Pixel number i of an even sample of `count` of `of` pixels.
+[[nodiscard]] inline int sampled_pixel(int i, int count, int of) {
+  return static_cast<int>((2 * std::int64_t{i} + 1) * of / (2 * std::int64_t{count}));
+}
 
 [[nodiscard]] JudgedImage judge_image(const JudgeScene& scene, const View& view, int width, int height,
                                       const JudgeOptions& options = {});

@@ -17,9 +17,9 @@ namespace footlight::tools {
 struct PictureReport;
 
 struct PictureReportOptions {
-  int width = 640;        // the size that is timed
+  int width = 640;  // of the frames that are timed and judged
   int height = 360;
-  int judge_width = 64;   // the size that is judged: the same view, fewer pixels, since the judge is slow
+  int judge_width = 64;  // so many of their pixels, evenly spread, are judged, since the judge is slow
   int judge_height = 36;
   int runs = 11;          // timed frames, after 3 that are not
   std::vector<std::uint32_t> gauss_nodes{1, 2, 3, 4, 6, 8};
@@ -37,6 +37,7 @@ struct PictureReport {
   double judge_own_rel_l2 = 0;     // the judge's stated error
   double judge_seconds = 0;
   std::vector<render::PassTime> passes;  // median GPU time of each pass with the default method
+  double whole_ms = 0;                   // median of a frame as `footlight render` draws it, bodies and all
   std::string device;
   std::vector<std::string> validation_messages;
   bool ended = false;  // by go_on
@@ -45,6 +46,8 @@ struct PictureReport {
 // The value of which `share` (0 to 1) are not above it, to the nearest of `values`; there is at least one.
 [[nodiscard]] double percentile(std::vector<double> values, double share);
 
+// Times and judges the same frames: without bodies and lenses, and with thin beams as thin as they are, since the judge
+// knows neither. kBadInput where no beam of the scene is lit, since errors of a black picture say nothing.
 [[nodiscard]] Result<PictureReport> make_picture_report(render::vk::Device& device, const Scene& scene,
                                                         const PictureReportOptions& options);
 

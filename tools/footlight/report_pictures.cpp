@@ -13,10 +13,13 @@
 #include "render/reference/report.h"
 #include "render/reference/time_judges.h"
 #include "tools/footlight/duration.h"
+#include "tools/footlight/hand_levels.h"
 #include "tools/footlight/picture_report.h"
 #include "tools/footlight/report_fleet.h"
 #include "tools/footlight/report_parts.h"
 #include "tools/footlight/scene_files.h"
+#include "tools/footlight/start_view.h"
+#include "tools/footlight/status_text.h"
 #include "tools/footlight/timeline.h"
 
 namespace footlight::tools {
@@ -34,6 +37,8 @@ struct PictureArguments {
   std::string device;
   int runs = 11;
   bool no_judge = false;
+  bool lit = false;
+  std::vector<std::string> sets;
 };
 
 // What machines have done to the air until the moment that is looked at; without any there is nothing of it.
@@ -88,12 +93,24 @@ class AirWatch {
 
 // The scene as the log has it at a time. Motors stand where the levels send them, so that GPU and judge start from the
 // same state without a history; what machines have brought into the air by then is haze of the room.
-Result<Scene> scene_of_files(const SceneFiles& files, DurationNs at_ns, const std::string& camera,
+Result<Scene> scene_of_files(const SceneFiles& files, const PictureArguments& arguments, double aspect,
                              std::optional<AirReport>& air) {
+  const DurationNs at_ns = arguments.at_ns;
+  const bool by_hand = arguments.lit || !arguments.sets.empty();
+  if (by_hand && (!files.log.empty() || arguments.files.demo)) {
+    return fail(ErrorCode::kBadInput, "--lit and --set are for a rig without a log: expected one of them");
+  }
+  if (!by_hand && files.log.empty() && !files.demo) {
+    return fail(ErrorCode::kBadInput,
+                "{}: nothing drives the rig, so its picture is black; expected --log, --lit or --set",
+                printable_utf8(files.rig));
+  }
   Scene scene;
   FL_ASSIGN(scene.rig, load_scene_rig(files));
+  add_start_view(scene.rig, aspect, true);
+  if (by_hand) give_hand_addresses(scene.rig);
   FL_ASSIGN(scene.compiled, fixtures::compile(scene.rig));
-  FL_ASSIGN(scene.camera, find_camera(scene.rig, camera));
+  FL_ASSIGN(scene.camera, find_camera(scene.rig, arguments.camera));
   scene.levels.assign(scene.compiled.universes.size() * kSlotCountMax, 0);
   FL_ASSIGN(std::optional<LogReader> log, open_scene_log(files));
   std::optional<AirWatch> watch;
@@ -105,11 +122,17 @@ Result<Scene> scene_of_files(const SceneFiles& files, DurationNs at_ns, const st
       if (watch) watch->step(levels, dt_ns);
     }));
   }
+  if (by_hand) {
+    HandLevels hand(scene.rig, scene.compiled);
+    for (const std::string& text : arguments.sets) FL_TRY(set_by_hand(text, scene.rig, hand));
+    scene.levels.assign(hand.levels().begin(), hand.levels().end());
+  }
   if (watch) {
     air = watch->report(scene.rig.room);
     scene.rig.haze.scattering_per_m += air->haze_per_m + air->fog_per_m;
   }
-  scene.name = fmt::format("{}@{}", files.demo ? "demo" : files.rig, show_duration(at_ns));
+  scene.name = by_hand ? fmt::format("{}, lit by hand", files.demo ? "demo" : files.rig)
+                       : fmt::format("{}@{}", files.demo ? "demo" : files.rig, show_duration(at_ns));
   return scene;
 }
 
@@ -143,8 +166,10 @@ std::string intro_of(const Scene& scene, const PictureArguments& arguments, cons
                   scene.name, report.device, options.width, options.height, arguments.runs);
   if (arguments.no_judge) return text + "Not judged.\n\n";
   return text + fmt::format(
-                    "Errors: {}x{} of the same view against adaptive quadrature in double, whose own error is {:.1e} "
-                    "(it took {:.1f} s).\n\n",
+                    "Errors: {}x{} pixels of these very frames, evenly spread, against adaptive quadrature in double, "
+                    "whose own error is {:.1e} (it took {:.1f} s).\n"
+                    "Neither timed nor judged in the rows: bodies and lenses of fixtures, and the widening of thin "
+                    "beams.\n\n",
                     options.judge_width, options.judge_height, report.judge_own_rel_l2, report.judge_seconds);
 }
 
@@ -156,9 +181,10 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
   SceneFiles files = arguments.files;
   if (files.rig.empty()) files.demo = true;
   std::optional<AirReport> air;
-  FL_ASSIGN(const Scene scene, arguments.beams > 0 ? make_beams_scene(arguments.beams, arguments.photometry)
-                                                   : scene_of_files(files, arguments.at_ns, arguments.camera, air));
   FL_ASSIGN(const PictureSize size, parse_size(arguments.size));
+  const double aspect = static_cast<double>(size.width) / size.height;
+  FL_ASSIGN(const Scene scene, arguments.beams > 0 ? make_beams_scene(arguments.beams, arguments.photometry)
+                                                   : scene_of_files(files, arguments, aspect, air));
   FL_ASSIGN(const PictureSize judge_size, parse_size(arguments.judge_size));
   FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = arguments.device}));
   PictureReportOptions picture_options;
@@ -191,6 +217,9 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
   if (report.rows.empty()) return {};
   const auto curves = render::curves_of(report.rows);
   if (options.json) {
+    options.print(fmt::format(R"({{"event":"whole-frame","ms_p50":{:.4f}}})"
+                              "\n",
+                              report.whole_ms));
     if (air) {
       fmt::print(R"({{"event":"air","haze_per_m":{:.9g},"fog_per_m":{:.9g},"error_per_m":{:.3g},"steps":{},)"
                  R"("ns_a_step":{:.1f}}})"
@@ -211,7 +240,8 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
     }
     fmt::print("GPU time a pass with {} nodes:", render::FrameSettings{}.nodes);
     for (const auto& pass : report.passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
-    fmt::print("\n\n");
+    fmt::print("\nThe whole frame as 'footlight render' draws it, bodies and lenses included: {:.3f} ms\n\n",
+               report.whole_ms);
     if (air) {
       fmt::print(
           "Air: machines have added {:.4g} /m of haze and {:.4g} /m of fog. Error against integrals over droplets in "
@@ -242,11 +272,14 @@ ReportHalf add_report_pictures(Arguments& arguments) {
   arguments.option("--fleet", chosen->fleet, 1, 1'000'000,
                    "no pictures: so many moving heads, stepped on the GPU and on the CPU");
   arguments.option("--camera", chosen->camera, "NAME", "a camera of the rig; its first one");
-  arguments.option("--size", chosen->size, "WxH", "size of the pictures that are timed");
-  arguments.option("--judge-size", chosen->judge_size, "WxH", "size of the pictures that are judged");
+  arguments.option("--size", chosen->size, "WxH", "size of the pictures that are timed and judged");
+  arguments.option("--judge-size", chosen->judge_size, "WxH", "how many of their pixels are judged, evenly spread");
   arguments.option("--runs", chosen->runs, 3, 1000, "timed frames a row");
   arguments.option("--device", chosen->device, "TEXT", "the Vulkan device whose name contains this");
   arguments.flag("--no-judge", chosen->no_judge, "times only");
+  arguments.flag("--lit", chosen->lit, "without a log: every fixture at full, open and white, its axes in the middle");
+  arguments.list("--set", chosen->sets, "WORDS",
+                 "as --lit, and ATTRIBUTE=VALUE of all fixtures or FIXTURE:ATTRIBUTE=VALUE of one; many times");
   return [chosen](const ReportOptions& options) { return report_pictures(*chosen, options); };
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/support/headless_vulkan.h"
 #include "tests/tools/footlight/run_footlight.h"
@@ -106,6 +107,57 @@ TEST_CASE("Ctrl-C in render leaves whole PNGs") {
     ++files;
   }
   CHECK(files >= 2);
+}
+
+constexpr const char* kOnePar = R"([rig]
+name = "One par"
+[haze]
+scattering_per_m = 0.02
+[[fixture]]
+name = "Par"
+type = "generic/par"
+universe = 3
+address = 1
+position = [0, 0, 5]
+[[box]]
+name = "Floor"
+min = [-4, -4, -0.1]
+max = [4, 4, 0]
+[[camera]]
+name = "front"
+position = [0, -9, 2]
+target = [0, 0, 2]
+)";
+
+TEST_CASE("report refuses a rig that nothing drives, and judges it lit by hand") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const TempFolder folder;
+  std::ofstream(folder.file("rig.toml")) << kOnePar;
+  const std::vector<std::string> small = {"--pictures", "--quick", "--runs",       "3",   "--size",
+                                          "64x36",      "--json",  "--judge-size", "16x9"};
+  const auto report = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"report", folder.file("rig.toml")});
+    words.insert(words.end(), small.begin(), small.end());
+    return Footlight(words, kNoLeaks).wait();
+  };
+  const Outcome black = report({});
+  CHECK(black.exit_code == 2);
+  CHECK(contains(black.err, "--lit"));
+  CHECK(black.out.empty());
+  const Outcome dark = report({"--set", "Dimmer=0"});
+  CHECK(dark.exit_code == 2);
+  CHECK(contains(dark.err, "no beam is lit"));
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"--lit"}, std::vector<std::string>{"--set", "Dimmer=0.5"}}) {
+    const Outcome lit = report(words);
+    INFO(lit.err);
+    REQUIRE(lit.exit_code == 0);
+    const auto row = nlohmann::json::parse(lit.out.substr(0, lit.out.find('\n')));
+    CHECK(row["rel_l2"].get<double>() > 1e-9);
+    CHECK(row["rel_l2"].get<double>() < 1e-2);
+    CHECK(contains(lit.out, "\"whole-frame\""));
+  }
 }
 
 }  // namespace
