@@ -9,7 +9,20 @@ namespace {
 
 constexpr double kElevationMaxRad = 89.5 * std::numbers::pi / 180;
 constexpr double kDistanceMinM = 0.05;
-constexpr double kDistanceMaxM = 2000;
+constexpr double kDistanceMaxM = 50'000;  // rigs reach 10 km
+constexpr double kFilled = 0.92;          // of the picture by what is framed
+
+// Where the lines through the corners of a box, at the slopes of the picture's edges, meet the plane of the target.
+struct Span {
+  double low = 1e30;    // of place + depth half
+  double high = -1e30;  // of place - depth half
+  void add(double place, double depth_half) {
+    low = std::min(low, place + depth_half);
+    high = std::max(high, place - depth_half);
+  }
+  [[nodiscard]] double reach() const { return (high - low) / 2; }
+  [[nodiscard]] double middle() const { return (high + low) / 2; }
+};
 
 }  // namespace
 
@@ -53,12 +66,31 @@ void OrbitCamera::approach(double steps) {
 }
 
 void OrbitCamera::frame(const glm::dvec3& low_m, const glm::dvec3& high_m, double aspect) {
-  camera_.target_m = (low_m + high_m) * 0.5;
-  const double radius_m = std::max(glm::length(high_m - low_m) * 0.5, 0.5);
-  const double half_height_rad = glm::radians(camera_.fov_deg) / 2;
-  const double half_width_rad = std::atan(std::tan(half_height_rad) * aspect);
-  distance_m_ =
-      std::clamp(radius_m / std::sin(std::min(half_height_rad, half_width_rad)), kDistanceMinM, kDistanceMaxM);
+  const glm::dvec3 middle = (low_m + high_m) * 0.5;
+  const glm::dvec3 right_way(std::cos(azimuth_rad_), -std::sin(azimuth_rad_), 0);
+  const glm::dvec3 forward_way = forward();
+  const glm::dvec3 up_way = glm::cross(right_way, forward_way);
+  const glm::dvec3 half = glm::max((high_m - low_m) * 0.5, glm::dvec3(0.3));
+  // Half the picture at a depth of 1.
+  const double half_height = std::tan(glm::radians(camera_.fov_deg) / 2) * kFilled;
+  const double half_width = half_height * aspect;
+  // Moved aside by s, at the distance d, the camera has a corner in the picture where |place - s| <= (d + depth) half.
+  // So s lies from max(place - depth half) - d half to min(place + depth half) + d half. The smallest d has room for
+  // one s.
+  Span across;
+  Span upward;
+  double nearest = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 at((corner & 1) != 0 ? half.x : -half.x, (corner & 2) != 0 ? half.y : -half.y,
+                        (corner & 4) != 0 ? half.z : -half.z);
+    const double depth = glm::dot(at, forward_way);
+    across.add(glm::dot(at, right_way), depth * half_width);
+    upward.add(glm::dot(at, up_way), depth * half_height);
+    nearest = std::min(nearest, depth);
+  }
+  const double needed = std::max(across.reach() / half_width, upward.reach() / half_height);
+  distance_m_ = std::clamp(std::max(needed, 0.1 - nearest), kDistanceMinM, kDistanceMaxM);
+  camera_.target_m = middle + right_way * across.middle() + up_way * upward.middle();
 }
 
 Bounds bounds_of(const fixtures::Rig& rig) {

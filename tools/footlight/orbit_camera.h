@@ -17,9 +17,9 @@ class OrbitCamera {
   void orbit(double right_rad, double up_rad);
   // Moves across the line of sight, in heights of the picture at the target; positive: to the right, and up.
   void pan(double right, double up);
-  // One step is a tenth of the way to the target; negative: away. 5 cm to 2 km from the target.
+  // One step is a tenth of the way to the target; negative: away. 5 cm to 50 km from the target.
   void approach(double steps);
-  // Looks at the middle of the box from so far that all of it is in a picture of this width over height.
+  // Looks at the box from as near as has all of it in a picture of this width over height, with a little room round it.
   void frame(const glm::dvec3& low_m, const glm::dvec3& high_m, double aspect);
 
   [[nodiscard]] double distance_m() const { return distance_m_; }

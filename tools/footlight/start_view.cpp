@@ -20,6 +20,7 @@ constexpr double kFilled = 0.92;       // of the picture
 constexpr double kFovMaxDeg = 95;
 constexpr double kEyeM = 1.7;
 constexpr double kFromWallM = 0.4;
+constexpr double kColumn = 0.03;         // half the width of a column, over half that of the picture
 constexpr std::size_t kSamplesMax = 32;  // fixtures that are looked for
 constexpr std::size_t kChunk = 256;      // triangles that share a bounding box
 
@@ -94,6 +95,24 @@ double needed(const glm::dvec3& position, const glm::dvec3& target, const glm::d
   const double depth = glm::dot(way, forward);
   if (!(depth > 0.3)) return std::numeric_limits<double>::infinity();
   return std::max(std::abs(glm::dot(way, above)), std::abs(glm::dot(way, right)) / aspect) / depth;
+}
+
+// Where a point is across the picture, 0 in its middle, times the depth of half its width.
+double across_of(const glm::dvec3& position, const glm::dvec3& target, const glm::dvec3& point) {
+  const glm::dvec3 forward = glm::normalize(target - position);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0, 0, 1)));
+  const glm::dvec3 way = point - position;
+  return glm::dot(way, right) / std::max(glm::dot(way, forward), 0.3);
+}
+
+// Share of the fixtures that stand in one column of the picture, one behind or above the other: the fullest column.
+double in_one_column(const std::vector<double>& across, double half_width) {
+  std::size_t most = 0;
+  for (const double one : across) {
+    const auto near = [&](double other) { return std::abs(other - one) < kColumn * half_width; };
+    most = std::max(most, static_cast<std::size_t>(std::count_if(across.begin(), across.end(), near)));
+  }
+  return static_cast<double>(most) / static_cast<double>(across.size());
 }
 
 // Of all lamps at full.
@@ -182,14 +201,17 @@ fixtures::Camera start_view(const fixtures::Rig& rig, double aspect, bool lit) {
       const glm::dvec3 position = centre + way * std::max(std::min(whole_m, free_m), 1.0);
       const double fits = std::clamp(needs(position), half_height, half_height_max);
       std::size_t seen = 0;
+      std::vector<double> across;
       for (const glm::dvec3& sample : samples) {
+        across.push_back(across_of(position, centre, sample));
         if (needed(position, centre, sample, aspect) > fits) continue;
         const double distance = glm::length(sample - position);
         const glm::dvec3 to_eye = (position - sample) / std::max(distance, 1e-9);
         if (obstacles.first_m(sample, to_eye, distance) >= distance) ++seen;
       }
-      // The front, and a usual field of view, where they cost few fixtures.
+      // The front, and a usual field of view, where they cost few fixtures; but not with most of them in one column.
       const double score = static_cast<double>(seen) / static_cast<double>(samples.size()) -
+                           0.3 * std::max(in_one_column(across, fits * aspect) - 0.5, 0.0) -
                            0.15 * std::abs(azimuth_deg) / 180 - 0.1 * std::abs(elevation_deg - 8) / 30 -
                            0.3 * (fits - half_height) / (half_height_max - half_height);
       if (score <= best) continue;
@@ -205,5 +227,12 @@ fixtures::Camera start_view(const fixtures::Rig& rig, double aspect, bool lit) {
 void add_start_view(fixtures::Rig& rig, double aspect, bool lit) {
   if (rig.made_up_cameras) rig.cameras.insert(rig.cameras.begin(), start_view(rig, aspect, lit));
 }
+
+double work_light_lx(double exposure_ev) {
+  constexpr double kWorkLightLx = 150;
+  return std::max(kWorkLightLx, faint_light_lx(exposure_ev));
+}
+
+double faint_light_lx(double exposure_ev) { return 2.5 * std::exp2(exposure_ev); }
 
 }  // namespace footlight::tools

@@ -15,4 +15,10 @@ namespace footlight::tools {
 // Puts start_view() before the rig's cameras, as "start", where those were made up by the importer.
 void add_start_view(fixtures::Rig& rig, double aspect, bool lit);
 
+// Work light where nothing drives a rig, so that it can be seen, lx: 150, or as much as shows the black housings of
+// fixtures where the exposure is for bright lamps.
+[[nodiscard]] double work_light_lx(double exposure_ev);
+// The little that shows them beside lit lamps: a housing then has 2 % of white, a grey floor 18 %. Chosen by eye.
+[[nodiscard]] double faint_light_lx(double exposure_ev);
+
 }  // namespace footlight::tools

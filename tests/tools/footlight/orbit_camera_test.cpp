@@ -67,7 +67,7 @@ TEST_CASE("approaching never reaches the target, and leaving has an end") {
   camera.approach(1e6);
   CHECK(camera.distance_m() == doctest::Approx(0.05));
   camera.approach(-1e6);
-  CHECK(camera.distance_m() == doctest::Approx(2000));
+  CHECK(camera.distance_m() == doctest::Approx(50000));
 }
 
 TEST_CASE("every corner of a framed box is in the picture, wide or tall") {
@@ -87,6 +87,35 @@ TEST_CASE("every corner of a framed box is in the picture, wide or tall") {
       CHECK(depth > 0);
       CHECK(std::abs(glm::dot(way, view.up)) < depth * view.tan_half_fov);
       CHECK(std::abs(glm::dot(way, view.right)) < depth * view.tan_half_fov * aspect);
+    }
+  }
+}
+
+TEST_CASE("a framed rig fills at least four fifths of the picture, across or upward") {
+  const Bounds bounds = bounds_of(fixtures::demo_rig());
+  for (const double aspect : {0.5, 16.0 / 9, 3.0}) {
+    for (const double right : {0.0, 0.7, 1.57}) {
+      CAPTURE(aspect);
+      CAPTURE(right);
+      OrbitCamera camera(foh());
+      camera.orbit(right, 0.2);
+      camera.frame(bounds.low_m, bounds.high_m, aspect);
+      const render::View view = render::view_of(camera.camera());
+      glm::dvec2 low(1e9);
+      glm::dvec2 high(-1e9);
+      for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 at((corner & 1) != 0 ? bounds.high_m.x : bounds.low_m.x,
+                            (corner & 2) != 0 ? bounds.high_m.y : bounds.low_m.y,
+                            (corner & 4) != 0 ? bounds.high_m.z : bounds.low_m.z);
+        const glm::dvec3 way = at - view.position_m;
+        const double half = glm::dot(way, view.forward) * view.tan_half_fov;
+        const glm::dvec2 place(glm::dot(way, view.right) / (half * aspect), glm::dot(way, view.up) / half);
+        low = glm::min(low, place);
+        high = glm::max(high, place);
+      }
+      CHECK(std::max(high.x - low.x, high.y - low.y) > 2 * 0.8);
+      CHECK(std::abs(high.x + low.x) < 0.2);
+      CHECK(std::abs(high.y + low.y) < 0.2);
     }
   }
 }

@@ -1,7 +1,10 @@
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
+#include <numbers>
 #include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -48,6 +51,29 @@ TEST_CASE("the start view has every fixture and the floor below it in the pictur
   CHECK(camera.fov_deg == doctest::Approx(fixtures::Camera{}.fov_deg));
 }
 
+TEST_CASE("the start view does not have most fixtures behind each other, where there is another side") {
+  fixtures::Rig rig;
+  rig.types = {fixtures::demo_rig().types.front()};
+  for (const glm::dvec3& at : {glm::dvec3(0, 0, 0), glm::dvec3(5, 0, 0), glm::dvec3(-5, 0, 0), glm::dvec3(0, 5, 0),
+                               glm::dvec3(0, -5, 0), glm::dvec3(0, 0, 5), glm::dvec3(0, 0, -5)}) {
+    fixtures::PatchedFixture lamp;
+    lamp.position_m = at;
+    rig.fixtures.push_back(lamp);
+  }
+  rig.made_up_cameras = true;
+  const render::View view = render::view_of(start_view(rig, kAspect, false));
+  std::size_t columns = 0;
+  std::vector<double> seen;
+  for (const auto& fixture : rig.fixtures) {
+    const glm::dvec3 way = fixture.position_m - view.position_m;
+    const double across = glm::dot(way, view.right) / glm::dot(way, view.forward);
+    const bool other = std::all_of(seen.begin(), seen.end(), [&](double x) { return std::abs(x - across) > 0.04; });
+    columns += other ? 1 : 0;
+    seen.push_back(across);
+  }
+  CHECK(columns == 5);  // three stand above each other on every side
+}
+
 TEST_CASE("in a hall the start view is inside its walls, and still has the fixtures in the picture") {
   using footlight::testing::MemoryFiles;
   fixtures::Rig rig = row_of_lamps();
@@ -74,6 +100,21 @@ TEST_CASE("a lit rig is exposed by its lumens: four times the light, two stops")
   rig.types.front().beams.front().flux_lm = 200'000;
   CHECK(start_view(rig, kAspect, true).exposure_ev == doctest::Approx(dim_ev + 2));
   CHECK(start_view(rig, kAspect, false).exposure_ev == fixtures::Camera{}.exposure_ev);
+}
+
+TEST_CASE("the light for a rig that is lit by hand shows a black housing at every exposure, and no more than that") {
+  for (const double exposure_ev : {-2.0, 4.0, 10.0, 14.0}) {
+    CAPTURE(exposure_ev);
+    // A side face with a reflectance of 0.04 gets 0.6 of the work light.
+    const auto shown = [&](double lux) {
+      const auto radiance = static_cast<float>(0.04 / std::numbers::pi * 0.6 * lux);
+      return int{render::screen_of({1, 1, {radiance, radiance, radiance}}, exposure_ev).rgba[0]};
+    };
+    CHECK(shown(faint_light_lx(exposure_ev)) >= 20);
+    CHECK(shown(faint_light_lx(exposure_ev)) <= 60);
+    CHECK(shown(work_light_lx(exposure_ev)) >= 20);
+  }
+  CHECK(work_light_lx(4) == 150);
 }
 
 TEST_CASE("a rig with cameras of its own keeps them, and one of another program begins at the start view") {
