@@ -92,7 +92,7 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
 Frame::Frame(vk::Device& device, const FrameSettings& settings) : device_(device), settings_(settings) {}
 
 Frame::~Frame() {
-  vkDeviceWaitIdle(device_.handle);
+  (void)device_.wait_idle();
   if (times_ != VK_NULL_HANDLE) vkDestroyQueryPool(device_.handle, times_, nullptr);
 }
 

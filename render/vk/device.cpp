@@ -230,10 +230,24 @@ Status Device::end_once(VkCommandBuffer commands) {
   VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   submit.commandBufferCount = 1;
   submit.pCommandBuffers = &commands;
-  FL_TRY(check(vkQueueSubmit(queue, 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit"));
-  FL_TRY(check(vkQueueWaitIdle(queue), "vkQueueWaitIdle"));
+  const VkFenceCreateInfo info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  VkFence done = VK_NULL_HANDLE;
+  FL_TRY(check(vkCreateFence(handle, &info, nullptr, &done), "vkCreateFence"));
+  VkResult result = VK_SUCCESS;
+  {
+    const std::lock_guard lock(queue_mutex);
+    result = vkQueueSubmit(queue, 1, &submit, done);
+  }
+  Status status = check(result, "vkQueueSubmit");
+  if (status) status = check(vkWaitForFences(handle, 1, &done, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+  vkDestroyFence(handle, done, nullptr);
   vkFreeCommandBuffers(handle, command_pool, 1, &commands);
-  return {};
+  return status;
+}
+
+Status Device::wait_idle() {
+  const std::lock_guard lock(queue_mutex);
+  return check(vkDeviceWaitIdle(handle), "vkDeviceWaitIdle");
 }
 
 }  // namespace footlight::render::vk

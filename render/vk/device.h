@@ -1,11 +1,13 @@
 // A Vulkan 1.3 device: instance, physical device, one queue that can draw and compute, and what every call needs.
 //
 // Knows no word of DMX. Owns everything it makes; buffers and images made from it must die before it. Not safe to share
-// between threads. Validation: with Options::validation, or FOOTLIGHT_VALIDATION=1 in the environment, the Khronos
-// layer is on and every warning or error is kept in validation_messages(); tests require that none is.
+// between threads, but for the queue: under queue_mutex a second thread may use it, with a command pool of its own.
+// Validation: with Options::validation, or FOOTLIGHT_VALIDATION=1 in the environment, the Khronos layer is on and every
+// warning or error is kept in validation_messages(); tests require that none is.
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -40,6 +42,8 @@ class Device {
   // Index of a memory type that is allowed by `type_bits` and has `flags`; kUnsupported where there is none.
   [[nodiscard]] Result<std::uint32_t> memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags flags) const;
 
+  // Returns when the device is done with all work.
+  Status wait_idle();
   // Records with `record` into a command buffer of its own, submits it and waits. For set-up and read-back.
   template <class Record>
   Status run_once(Record&& record) {
@@ -52,6 +56,7 @@ class Device {
   VkPhysicalDevice physical = VK_NULL_HANDLE;
   VkDevice handle = VK_NULL_HANDLE;
   VkQueue queue = VK_NULL_HANDLE;
+  std::mutex queue_mutex;  // held around every call that is given the queue
   std::uint32_t queue_family = 0;
   VkCommandPool command_pool = VK_NULL_HANDLE;
 

@@ -19,7 +19,7 @@ void add(Arguments& arguments) {
   arguments.option("--camera", options->camera, "NAME", "a camera of the rig; its first one");
   arguments.option("--nodes", options->nodes, 1, 8, "Gauss nodes a beam and pixel, see footlight report");
   arguments.option("--work-light", options->work_light_lx, 0, 1e6,
-                   "lx on every surface, W turns it off and on; 150 where nothing drives the rig, else 0");
+                   "lx on every surface, W turns it off and on; 150 or more where nothing drives the rig");
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this");
   arguments.option("--seconds", options->seconds, 0, 1e6, "close after this time; 0 stays open");
   arguments.option("--screenshot", options->screenshot, "FILE", "write the last frame as PNG when closing");

@@ -21,7 +21,7 @@ struct PreviewOptions {
   std::string screenshot;  // PNG of the last frame; empty: none
   DurationNs at_ns = 0;    // where in the log to begin
   double seconds = 0;      // closes by itself after this time; 0: stays open
-  std::optional<double> work_light_lx;  // else kWorkLightLx where the rig is driven by hand, else 0
+  std::optional<double> work_light_lx;  // else work_light_lx() where the rig is driven by hand, else 0
   int nodes = 3;
   FlashMode flashes = FlashMode::kWarn;
   bool json = false;

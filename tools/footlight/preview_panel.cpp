@@ -313,4 +313,11 @@ void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const Live
   ImGui::End();
 }
 
+void draw_progress(const std::string& text) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const ImVec2 needed = ImGui::CalcTextSize(text.c_str());
+  const ImVec2 at((size.x - needed.x) / 2, (size.y - needed.y) / 2);
+  ImGui::GetForegroundDrawList()->AddText(at, ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
+}
+
 }  // namespace footlight::tools

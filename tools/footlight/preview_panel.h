@@ -74,4 +74,7 @@ inline constexpr float kPanelWidth = 264;  // units of ImGui at scale 1
 void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const LiveLevels* live, HandLevels* hand,
                 float scale);
 
+// A line of text in the middle of the window, while there is no picture yet. Between the calls that begin and end a UI.
+void draw_progress(const std::string& text);
+
 }  // namespace footlight::tools

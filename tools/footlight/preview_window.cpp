@@ -1,10 +1,13 @@
 // The loop of `footlight preview`: levels from a log, the wire or hands -> Frame -> window.
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <future>
 #include <memory>
+#include <optional>
 
 #include <GLFW/glfw3.h>
 
@@ -14,6 +17,7 @@
 
 #include "fixtures/machines.h"
 #include "render/frame.h"
+#include "sim/core/no_signals.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/hand_levels.h"
@@ -38,6 +42,8 @@ constexpr DurationNs kWireDelayNs = 2 * kNsPerMs;     // live pictures are that 
 constexpr DurationNs kSettleNs = 200 * kNsPerMs;      // a new size is taken when the window has kept it for this long
 constexpr int kStripWidth = 800;                      // in a window narrower than this the panel begins as a strip
 constexpr int kSoftwarePixels = 640 * 360;            // about as many as a software renderer begins with
+constexpr std::chrono::milliseconds kQuickRead(200);  // a rig that is read sooner is read before the window opens
+constexpr double kProgressS = 0.1;                    // from text to text while it loads
 constexpr double kSeekStepS = 5;
 constexpr double kExposureStepEv = 0.25;
 constexpr double kOrbitRad = 3;  // for a drag over the height of the window
@@ -66,8 +72,9 @@ class Preview {
   explicit Preview(const PreviewOptions& options) : options_(options), opener_(clock_) {}
 
   Result<int> run() {
-    FL_TRY(open());
-    StopSignal signal;
+    const StopSignal signal;
+    FL_ASSIGN(const bool opened, open(signal));
+    if (!opened) return kExitOk;
     start_ns_ = last_ns_ = second_ns_ = clock_.now_ns();
     while (!window_->wants_close() && !signal.came() && !closing_) FL_TRY(turn());
     FL_TRY(window_->wait_gpu());
@@ -77,10 +84,16 @@ class Preview {
   }
 
  private:
-  Status open();
+  // False: closed while it was loading.
+  Result<bool> open(const StopSignal& signal);
+  Status load_rig(double aspect);
   Status open_levels();
+  Status open_window(const PictureSize& size);
+  void set_controls(const fixtures::Camera& camera);
+  Result<bool> wait_for(std::future<Status>& work, const StopSignal& signal, const char* what);
+  Status show_progress(const char* what);
   Status turn();
-  Status rebuild();
+  Status rebuild(const PixelRect& where);
   Status replay_to(DurationNs until_ns, DurationNs exposure_ns);
   Status advance(Timeline& timeline, TimeNs until_ns, DurationNs exposure_ns);
   Status step_levels(DurationNs dt_ns);
@@ -98,6 +111,10 @@ class Preview {
   void print_summary();
   [[nodiscard]] std::optional<fixtures::VrslReplay> vrsl_replay() const;
   [[nodiscard]] PixelRect place() const;
+  // Whether neither a log nor the wire drives the rig.
+  [[nodiscard]] bool by_hand() const {
+    return options_.ins.empty() && options_.files.log.empty() && !options_.files.demo;
+  }
 
   const PreviewOptions& options_;
   SystemClock clock_;
@@ -131,6 +148,9 @@ class Preview {
   int wanted_height_ = 0;
   TimeNs wanted_since_ns_ = 0;
 
+  TimeNs begun_ns_ = 0;
+  DurationNs progress_ns_ = -1;  // from there to the first text in the window; -1: not yet
+  DurationNs picture_ns_ = -1;   // to the first picture
   TimeNs start_ns_ = 0;
   TimeNs last_ns_ = 0;
   TimeNs second_ns_ = 0;  // when the figures were last counted
@@ -138,15 +158,19 @@ class Preview {
   bool closing_ = false;
 };
 
-Status Preview::open() {
-  FL_ASSIGN(const PictureSize size, parse_size(options_.size));
+// Runs `work` on a thread of its own.
+template <class Work>
+std::future<Status> begin(Work work) {
+  const NoSignals no_signals;
+  return std::async(std::launch::async, std::move(work));
+}
+
+Status Preview::load_rig(double aspect) {
   FL_ASSIGN(rig_, load_scene_rig(options_.files));
-  const bool by_hand = options_.ins.empty() && options_.files.log.empty() && !options_.files.demo;
-  add_start_view(rig_, static_cast<double>(size.width) / size.height, true);
-  if (by_hand) give_hand_addresses(rig_);
-  if (rig_.vrsl && !by_hand) vrsl_rig_ = std::exchange(rig_, fixtures::vrsl_shown(rig_));
+  add_start_view(rig_, aspect, true);
+  if (by_hand()) give_hand_addresses(rig_);
+  if (rig_.vrsl && !by_hand()) vrsl_rig_ = std::exchange(rig_, fixtures::vrsl_shown(rig_));
   FL_ASSIGN(compiled_, fixtures::compile(rig_));
-  FL_ASSIGN(const fixtures::Camera camera, find_camera(rig_, options_.camera));
   clear_rig_ = rig_;
   clear_rig_.haze.scattering_per_m = 0;
   FL_ASSIGN(clear_compiled_, fixtures::compile(clear_rig_));
@@ -154,9 +178,11 @@ Status Preview::open() {
     clear_compiled_.needs.haze = false;
     clear_compiled_.needs.extinction = clear_rig_.haze.absorption_per_m > 0;
   }
-  FL_TRY(open_levels());
+  return {};
+}
 
-  FL_ASSIGN(window_, Window::open(fmt::format("{} - Footlight", rig_.name), size.width, size.height));
+Status Preview::open_window(const PictureSize& size) {
+  FL_ASSIGN(window_, Window::open("Footlight", size.width, size.height));
   render::vk::DeviceOptions device;
   device.instance_extensions = window_->instance_extensions();
   device.swapchain = true;
@@ -164,17 +190,20 @@ Status Preview::open() {
   FL_ASSIGN(device_, render::vk::Device::create(device));
   FL_TRY(window_->attach(*device_));
   FL_ASSIGN(counts_, render::vk::Buffer::host_visible(*device_, sizeof(render::CountsRow), 0));
-
   if (options_.flashes != FlashMode::kOff) {
     FL_ASSIGN(flashes_, PreviewFlashes::make(*device_, options_.flashes == FlashMode::kLimit));
   }
+  return {};
+}
 
+void Preview::set_controls(const fixtures::Camera& camera) {
   camera_ = OrbitCamera(camera);
   controls_.exposure_ev = static_cast<float>(camera.exposure_ev);
   controls_.nodes = options_.nodes;
-  controls_.work_light = options_.work_light_lx.value_or(by_hand ? kWorkLightLx : 0) > 0;
+  const double usual_lx = work_light_lx(camera.exposure_ev);
+  controls_.work_light = options_.work_light_lx.value_or(by_hand() ? usual_lx : 0) > 0;
   const double asked_lx = options_.work_light_lx.value_or(0);
-  controls_.work_light_lx = static_cast<float>(asked_lx > 0 ? asked_lx : kWorkLightLx);
+  controls_.work_light_lx = static_cast<float>(asked_lx > 0 ? asked_lx : usual_lx);
   controls_.loop = options_.files.demo && options_.files.log.empty();
   controls_.panel = window_->width() < kStripWidth ? PanelState::kStrip : PanelState::kFull;
   if (device_->is_software()) {
@@ -190,8 +219,76 @@ Status Preview::open() {
   for (const auto& fixture : rig_.fixtures) facts_.fixtures.push_back(fixture.name);
   facts_.can_haze = compiled_.needs.haze;
   facts_.gobos = compiled_.needs.gobo;
-  FL_TRY(rebuild());
-  if (timeline_) FL_TRY(replay_to(options_.at_ns, 0));
+}
+
+// The window comes first and says what is waited for, while another thread reads the rig and then makes the frame.
+// What is wrong with a rig that is read quickly is known before.
+Result<bool> Preview::open(const StopSignal& signal) {
+  FL_ASSIGN(const PictureSize size, parse_size(options_.size));
+  if (!options_.ins.empty() && !options_.files.log.empty()) {
+    return fail(ErrorCode::kBadInput, "--log and --in: expected one of them");
+  }
+  begun_ns_ = clock_.now_ns();
+  const double aspect = static_cast<double>(size.width) / size.height;
+  std::future<Status> reading = begin([this, aspect] { return load_rig(aspect); });
+  fixtures::Camera camera;
+  const auto take_rig = [&]() -> Status {
+    FL_ASSIGN(camera, find_camera(rig_, options_.camera));
+    return open_levels();
+  };
+  const bool quick = reading.wait_for(kQuickRead) == std::future_status::ready;
+  if (quick) {
+    FL_TRY(reading.get());
+    FL_TRY(take_rig());
+  }
+  FL_TRY(open_window(size));
+  if (!quick) {
+    FL_TRY(show_progress("Reading the rig"));
+    FL_ASSIGN(const bool goes_on, wait_for(reading, signal, "Reading the rig"));
+    if (!goes_on) return false;
+    FL_TRY(take_rig());
+  }
+  window_->set_title(fmt::format("{} - Footlight", rig_.name));
+  FL_TRY(show_progress("Preparing the picture"));
+  set_controls(camera);
+  const PixelRect where = place();
+  std::future<Status> making = begin([this, where]() -> Status {
+    FL_TRY(rebuild(where));
+    return timeline_ ? replay_to(options_.at_ns, 0) : Status{};
+  });
+  return wait_for(making, signal, "Preparing the picture");
+}
+
+// Keeps the window alive until the work is done. False: it was closed, and the work is done.
+Result<bool> Preview::wait_for(std::future<Status>& work, const StopSignal& signal, const char* what) {
+  while (work.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+    window_->poll(kProgressS);
+    if (signal.came() || window_->wants_close()) {
+      window_->hide();
+      FL_TRY(work.get());
+      return false;
+    }
+    FL_TRY(show_progress(what));
+  }
+  FL_TRY(work.get());
+  return true;
+}
+
+Status Preview::show_progress(const char* what) {
+  window_->begin_ui();
+  const double seconds = static_cast<double>(clock_.now_ns() - begun_ns_) * 1e-9;
+  draw_progress(fmt::format("{} ... {:.0f} s", what, seconds));
+  window_->end_ui();
+  FL_ASSIGN(const bool shown, window_->show({}, [](VkCommandBuffer) {}));
+  if (shown && progress_ns_ < 0) {
+    progress_ns_ = clock_.now_ns() - begun_ns_;
+    if (options_.json) {
+      fmt::print(R"({{"event":"loading","ms":{:.1f}}})"
+                 "\n",
+                 static_cast<double>(progress_ns_) * 1e-6);
+      std::fflush(stdout);
+    }
+  }
   return {};
 }
 
@@ -203,9 +300,6 @@ std::optional<fixtures::VrslReplay> Preview::vrsl_replay() const {
 
 Status Preview::open_levels() {
   if (!options_.ins.empty()) {
-    if (!options_.files.log.empty()) {
-      return fail(ErrorCode::kBadInput, "--log and --in: expected one of them");
-    }
     std::vector<std::unique_ptr<Source>> sources;
     for (const std::string& text : options_.ins) {
       FL_ASSIGN(const Endpoint endpoint, parse_port(text));
@@ -239,8 +333,7 @@ PixelRect Preview::place() const {
 }
 
 // A frame of the present size, nodes and haze. The fixtures keep their states: they move from the old frame to the new.
-Status Preview::rebuild() {
-  const PixelRect where = place();
+Status Preview::rebuild(const PixelRect& where) {
   render::FrameSettings settings;
   settings.width = std::max(where.width / controls_.divisor, 1);
   settings.height = std::max(where.height / controls_.divisor, 1);
@@ -455,7 +548,7 @@ Status Preview::turn() {
                           settings.height != std::max(where.height / controls_.divisor, 1);
   if (static_cast<std::uint32_t>(controls_.nodes) != settings.nodes || controls_.haze != frame_haze_ ||
       (other_size && now_ns - wanted_since_ns_ >= kSettleNs && !window_->minimised())) {
-    FL_TRY(rebuild());
+    FL_TRY(rebuild(where));
   }
   FL_TRY(step_levels(dt_ns));
   if (window_->minimised()) {  // the fixtures go on, nobody looks
@@ -463,7 +556,9 @@ Status Preview::turn() {
     return frame_->run_steps();
   }
 
-  return draw(where, now_ns);
+  FL_TRY(draw(where, now_ns));
+  if (shown_ && picture_ns_ < 0) picture_ns_ = clock_.now_ns() - begun_ns_;
+  return {};
 }
 
 Status Preview::draw(const PixelRect& where, TimeNs now_ns) {
@@ -560,6 +655,8 @@ void Preview::print_summary() {
   line["event"] = "summary";
   line["device"] = device_->name();
   line["seconds"] = elapsed_s;
+  line["first_text_ms"] = static_cast<double>(progress_ns_) * 1e-6;
+  line["first_picture_ms"] = static_cast<double>(picture_ns_) * 1e-6;
   line["fps"] = elapsed_s > 0 ? static_cast<double>(times_.count()) / elapsed_s : 0;
   line["validation_messages"] = device_->validation_messages().size();
   fmt::print("{}\n", line.dump());

@@ -207,7 +207,8 @@ Result<int> render_pictures(const Options& options) {
   add_start_view(rig, static_cast<double>(size.width) / size.height, log || by_hand);
   FL_ASSIGN(const fixtures::Camera camera, find_camera(rig, options.camera));
   if (by_hand) give_hand_addresses(rig);
-  const double work_light_lx = options.work_light_lx.value_or(log || by_hand ? 0 : kWorkLightLx);
+  const double exposure_ev = options.exposure_ev.value_or(camera.exposure_ev);
+  const double usual_lx = by_hand ? faint_light_lx(exposure_ev) : log ? 0 : work_light_lx(exposure_ev);
   std::optional<fixtures::Rig> vrsl_rig;  // as written
   if (rig.vrsl && log && !by_hand) vrsl_rig = std::exchange(rig, fixtures::vrsl_shown(rig));
   FL_ASSIGN(const fixtures::CompiledRig compiled, fixtures::compile(rig));
@@ -226,7 +227,7 @@ Result<int> render_pictures(const Options& options) {
   settings.gobo_taps = static_cast<std::uint32_t>(options.gobo_taps);
   settings.supersample = options.supersample;
   FL_ASSIGN(const auto frame, render::Frame::create(*device, rig, compiled, settings));
-  frame->set_work_light_lx(work_light_lx);
+  frame->set_work_light_lx(options.work_light_lx.value_or(usual_lx));
   print_warnings(frame->resources().diagnostics);
   if (by_hand) {
     HandLevels hand(rig, compiled);
@@ -243,7 +244,6 @@ Result<int> render_pictures(const Options& options) {
     frame->step(std::vector<std::uint8_t>(frame->resources().levels_bytes), 0);
   }
   const render::View view = render::view_of(camera);
-  const double exposure_ev = options.exposure_ev.value_or(camera.exposure_ev);
   Job job(options, stop, timeline ? &*timeline : nullptr, *frame, view, exposure_ev);
 
   if (options.at_ns >= 0) {
@@ -297,8 +297,9 @@ void add(Arguments& arguments) {
                  "without a log: every fixture at full, open and at its own white, its axes in the middle, hazers on");
   arguments.list("--set", options->sets, "WORDS",
                  "as --lit, and ATTRIBUTE=VALUE of all fixtures or FIXTURE:ATTRIBUTE=VALUE of one; many times");
-  arguments.option("--work-light", options->work_light_lx, 0, 1e6,
-                   "lx on every surface on top of the rig's; 150 where nothing drives the rig, else 0");
+  arguments.option(
+      "--work-light", options->work_light_lx, 0, 1e6,
+      "lx on every surface on top of the rig's; 150 or more where nothing drives the rig, a little with --lit");
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this");
   arguments.flag("--json", options->json, "one JSON object a picture");
   arguments.job([options]() -> Result<int> { return render_pictures(*options); });

@@ -33,9 +33,6 @@ void print_warnings(const std::vector<fixtures::Diagnostic>& diagnostics);
 // The log that is named; nothing where none is.
 [[nodiscard]] Result<std::optional<LogReader>> open_scene_log(const SceneFiles& files);
 
-// Work light where nothing drives a rig, so that it can be seen, lx on every surface.
-inline constexpr double kWorkLightLx = 150;
-
 // "1280x720" as --size takes it: 1x1 to 16384x16384.
 struct PictureSize {
   int width = 0;

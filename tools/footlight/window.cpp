@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <mutex>
 
 #include <unistd.h>
 
@@ -109,7 +110,7 @@ Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width
 
 Window::~Window() {
   if (device_ != nullptr) {
-    vkDeviceWaitIdle(device_->handle);
+    (void)device_->wait_idle();
     if (ui_started_) {
       ImGui_ImplVulkan_Shutdown();
       ImGui_ImplGlfw_Shutdown();
@@ -120,7 +121,7 @@ Window::~Window() {
     vkDestroyDescriptorPool(device_->handle, descriptors_, nullptr);
     vkDestroySemaphore(device_->handle, acquired_, nullptr);
     vkDestroyFence(device_->handle, done_, nullptr);
-    if (commands_ != VK_NULL_HANDLE) vkFreeCommandBuffers(device_->handle, device_->command_pool, 1, &commands_);
+    vkDestroyCommandPool(device_->handle, pool_, nullptr);
     if (surface_ != VK_NULL_HANDLE) vkDestroySurfaceKHR(device_->instance, surface_, nullptr);
   }
   if (ImGui::GetCurrentContext() != nullptr) ImGui::DestroyContext();
@@ -164,8 +165,12 @@ Status Window::attach(vk::Device& device) {
   VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
   fence.flags = VK_FENCE_CREATE_SIGNALED_BIT;
   FL_TRY(vk::check(vkCreateFence(device.handle, &fence, nullptr, &done_), "vkCreateFence"));
+  VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+  pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
+  pool.queueFamilyIndex = device.queue_family;
+  FL_TRY(vk::check(vkCreateCommandPool(device.handle, &pool, nullptr, &pool_), "vkCreateCommandPool"));
   VkCommandBufferAllocateInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-  commands.commandPool = device.command_pool;
+  commands.commandPool = pool_;
   commands.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
   commands.commandBufferCount = 1;
   FL_TRY(vk::check(vkAllocateCommandBuffers(device.handle, &commands, &commands_), "vkAllocateCommandBuffers"));
@@ -225,7 +230,7 @@ void Window::destroy_swapchain() {
 
 // Where the window has no area the old swapchain stays and stays stale.
 Status Window::create_swapchain() {
-  FL_TRY(vk::check(vkDeviceWaitIdle(device_->handle), "vkDeviceWaitIdle"));
+  FL_TRY(device_->wait_idle());
   VkSurfaceCapabilitiesKHR can{};
   FL_TRY(vk::check(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_->physical, surface_, &can),
                    "vkGetPhysicalDeviceSurfaceCapabilitiesKHR"));
@@ -342,10 +347,15 @@ void Window::on_key(GLFWwindow* window, int key, int, int action, int) {
   if (action != GLFW_RELEASE) self->keys_.push_back({key, action == GLFW_REPEAT});
 }
 
-void Window::poll() {
+void Window::set_title(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
+
+void Window::hide() { glfwHideWindow(window_); }
+
+void Window::poll(double wait_s) {
   keys_.clear();
-  if (minimised() && device_ != nullptr) {
-    glfwWaitEventsTimeout(kMinimisedWaitS);
+  if (minimised() && device_ != nullptr) wait_s = kMinimisedWaitS;
+  if (wait_s > 0) {
+    glfwWaitEventsTimeout(wait_s);
   } else {
     glfwPollEvents();
   }
@@ -463,6 +473,7 @@ Result<bool> Window::show(const WindowPicture& picture, const std::function<void
   submit.signalSemaphoreCount = 1;
   submit.pSignalSemaphores = &targets_[index].drawn;
   FL_TRY(vk::check(vkResetFences(device_->handle, 1, &done_), "vkResetFences"));
+  std::unique_lock lock(device_->queue_mutex);
   FL_TRY(vk::check(vkQueueSubmit(device_->queue, 1, &submit, done_), "vkQueueSubmit"));
 
   VkPresentInfoKHR present{VK_STRUCTURE_TYPE_PRESENT_INFO_KHR};
@@ -472,6 +483,7 @@ Result<bool> Window::show(const WindowPicture& picture, const std::function<void
   present.pSwapchains = &swapchain_;
   present.pImageIndices = &index;
   const VkResult presented = vkQueuePresentKHR(device_->queue, &present);
+  lock.unlock();
   if (presented == VK_ERROR_OUT_OF_DATE_KHR || presented == VK_SUBOPTIMAL_KHR) {
     stale_ = true;
   } else {

@@ -43,7 +43,7 @@ struct WindowPicture {
   VkImage image = VK_NULL_HANDLE;
   int width = 0;
   int height = 0;
-  PixelRect place;  // cut to the window
+  PixelRect place;  // cut to the window; the rest, or all of it without an image, is black
 };
 
 class Window {
@@ -58,8 +58,11 @@ class Window {
   // kUnsupported where the device cannot show pictures in this window.
   Status attach(render::vk::Device& device);
 
-  // Handles events. While the window is minimised it waits up to 100 ms for one.
-  void poll();
+  void set_title(const std::string& title);
+  void hide();
+
+  // Handles events. Waits up to wait_s for one; while the window is minimised, up to 100 ms.
+  void poll(double wait_s = 0);
   [[nodiscard]] bool wants_close() const;
   // The keys that the last poll() saw going down, or repeating while held, in order: GLFW_KEY_... ImGui's own list
   // would miss a key that goes down and up within one slow frame.
@@ -128,6 +131,7 @@ class Window {
   bool readable_ = false;  // its images can be copied from
   VkRenderPass render_pass_ = VK_NULL_HANDLE;
   VkDescriptorPool descriptors_ = VK_NULL_HANDLE;
+  VkCommandPool pool_ = VK_NULL_HANDLE;  // its own, since a frame may be made on another thread
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   VkSemaphore acquired_ = VK_NULL_HANDLE;
   VkFence done_ = VK_NULL_HANDLE;

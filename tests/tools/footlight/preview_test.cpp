@@ -79,6 +79,10 @@ TEST_CASE("the demo opens, draws, takes its picture and closes by itself without
   CHECK(line["frames"].get<int>() >= 1);
   CHECK(line["live"].get<int>() > 0);
   CHECK(line["width"] == 320);
+  // A text stands in the window before the picture.
+  CHECK(read(folder.file("out")).starts_with("{\"event\":\"loading\""));
+  CHECK(line["first_text_ms"].get<double>() > 0);
+  CHECK(line["first_text_ms"].get<double>() < line["first_picture_ms"].get<double>());
   const std::string png = read(folder.file("a.png"));
   REQUIRE(png.size() > 1000);
   CHECK(png.substr(1, 3) == "PNG");
