@@ -1,0 +1,43 @@
+#include "tests/kernel/device_run.h"
+
+#include "drivers/net/net.h"
+#include "sim/system_clock.h"
+#include "tests/support/must.h"
+
+namespace footlight::testing {
+namespace {
+
+std::vector<std::string> arguments_of(const std::string& endpoint, const std::vector<std::string>& options) {
+  std::vector<std::string> words{"run", "--in", "sacn:1%lo", "--out", endpoint, "--json", "--socket", "none"};
+  words.insert(words.end(), options.begin(), options.end());
+  return as_user(std::move(words));
+}
+
+}  // namespace
+
+DeviceRun::DeviceRun(const std::string& endpoint, const std::vector<std::string>& options)
+    : program_(arguments_of(endpoint, options)) {
+  program_.wait_for(R"("event":"ready")");
+  drivers::SacnSinkOptions sender;
+  sender.name = "sacn:1%lo";
+  sender.universes = {{1, 1}};
+  sender.interface_names = {"lo"};
+  sender_ = must(drivers::make_sacn_sink(sender));
+}
+
+void DeviceRun::send(const Look& look) {
+  const FrameView frame{.universe = 1, .slots = look};
+  must(sender_->send(SystemClock().now_ns(), {&frame, 1}));
+}
+
+bool DeviceRun::shows(VhciSocket& socket, const drivers::mock::UsbModel& model, const Look& look) {
+  const auto shown = [&] { return model.line(0).frame == line_frame_of(look); };
+  const auto give_up = std::chrono::steady_clock::now() + kPatience;
+  do {
+    send(look);
+    if (socket.wait_for(shown, std::chrono::milliseconds(100))) return true;
+  } while (std::chrono::steady_clock::now() < give_up);
+  return false;
+}
+
+}  // namespace footlight::testing

@@ -1,0 +1,85 @@
+// A USB socket of the running kernel into which a device model can be plugged: vhci_hcd, the kernel's side of USB/IP,
+// gets one end of a socket pair, and a thread here answers at the other end from the model.
+//
+// Needs root and the module vhci-hcd. The protocol: Documentation/usb/usbip_protocol.rst of the kernel.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <list>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include "drivers/mock/usb_model.h"
+
+namespace footlight::testing {
+
+inline constexpr int kVhciSocketCount = 8;  // of the full-speed root hub
+
+class VhciSocket {
+ public:
+  // socket: from 0. The model outlives this object.
+  explicit VhciSocket(drivers::mock::UsbModel& model, int socket = 0);
+  ~VhciSocket();  // unplugs
+  VhciSocket(const VhciSocket&) = delete;
+  VhciSocket& operator=(const VhciSocket&) = delete;
+
+  void plug();    // powers the model on; the kernel finds it some 100 ms later
+  void unplug();  // ends every transfer in flight
+
+  // Runs f() while nobody else touches the model, then completes the transfers that have become possible.
+  template <class F>
+  decltype(auto) with_model(F&& f) {
+    const Notifier notifier{*this};
+    const std::lock_guard lock(mutex_);
+    return f();
+  }
+  // Waits until f() is true. False if it is not within `patience` of real time.
+  template <class F>
+  bool wait_for(F&& f, std::chrono::milliseconds patience) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, patience, f);
+  }
+
+ private:
+  using Bytes = drivers::mock::Bytes;
+  // A transfer that the kernel has asked for.
+  struct Transfer {
+    std::uint32_t sequence = 0;
+    bool to_host = false;
+    std::uint8_t endpoint = 0;  // with bit 7 for those to the host
+    std::uint32_t size = 0;
+    Bytes bytes;            // to the device
+    std::size_t given = 0;  // of them, to the model
+    TimeNs due_ns = 0;      // to the host: when it ends without data
+  };
+  struct Notifier {
+    VhciSocket& socket;
+    ~Notifier() { socket.wake(); }
+  };
+
+  void serve();         // the thread
+  bool take_request();  // false: the kernel has closed the connection
+  void take_submit(Transfer transfer, const std::uint8_t* setup);
+  void take_unlink(std::uint32_t sequence, std::uint32_t victim);
+  TimeNs complete_in_time();  // returns when to call it again
+  bool run(Transfer& transfer, TimeNs now_ns);
+  void answer_submit(const Transfer& transfer, int status, const Bytes& bytes);
+  void send_answer(std::uint32_t command, std::uint32_t sequence, int status, std::uint32_t actual_size,
+                   const Bytes& bytes);
+  bool receive(void* into, std::size_t size);
+  void wake();
+
+  drivers::mock::UsbModel& model_;
+  const int socket_;
+  const int wake_fd_;
+  int fd_ = -1;  // our end of the pair; -1: unplugged
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::list<Transfer> in_flight_;  // guarded by mutex_, as is the model
+  std::thread thread_;
+};
+
+}  // namespace footlight::testing
