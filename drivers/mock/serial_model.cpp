@@ -7,6 +7,7 @@ namespace {
 
 constexpr std::uint8_t kModemStatus = 0x01;
 constexpr std::size_t kPacketSize = 64;
+constexpr std::uint8_t kNotifyEndpoint = 0x83;  // of CDC-ACM, which has nothing to report
 
 }  // namespace
 
@@ -35,11 +36,18 @@ Bytes SerialModel::device_descriptor() const {
 }
 
 Bytes SerialModel::config_descriptor() const {
+  // clang-format off
   if (chip == SerialChip::kCdcAcm)
-    return {9, 2, 48,   0, 2,           1,  0, 0x80, 50,                                     // two interfaces
-            9, 4, 0,    0, 1,           2,  2, 1,    0,  7,    5, 0x83,        3, 8, 0, 10,  // control, one endpoint
-            9, 4, 1,    0, 2,           10, 0, 0,    0,                                      // data, two endpoints
-            7, 5, 0x81, 2, kPacketSize, 0,  0, 7,    5,  0x02, 2, kPacketSize, 0, 0};
+    return {9, 2, 67, 0, 2, 1, 0, 0x80, 50,         // two interfaces
+            9, 4, 0, 0, 1, 2, 2, 1, 0,              // control, one endpoint
+            5, 0x24, 0x00, 0x10, 0x01,              // without these four (CDC 1.2, section 5.2.3) Linux refuses it:
+            5, 0x24, 0x01, 0x00, 0x01,              // its version, call management,
+            4, 0x24, 0x02, 0x06,                    // what it can do: line coding and break,
+            5, 0x24, 0x06, 0x00, 0x01,              // and that interface 0 controls interface 1
+            7, 5, kNotifyEndpoint, 3, 8, 0, 10,
+            9, 4, 1, 0, 2, 10, 0, 0, 0,             // data, two endpoints
+            7, 5, 0x81, 2, kPacketSize, 0, 0, 7, 5, 0x02, 2, kPacketSize, 0, 0};
+  // clang-format on
   return {9, 2, 32,   0, 1,           1,    0,    0xA0, 45,  // one interface, bus powered, 90 mA
           9, 4, 0,    0, 2,           0xFF, 0xFF, 0xFF, 2,   // vendor class, two endpoints
           7, 5, 0x81, 2, kPacketSize, 0,    0,    7,    5,  0x02, 2, kPacketSize, 0, 0};
@@ -89,6 +97,10 @@ std::optional<Bytes> SerialModel::control(const SetupPacket& setup, std::span<co
     case 0x0B: return Bytes{};  // modem lines, flow control, event and error characters, bit mode
     default: return std::nullopt;
   }
+}
+
+bool SerialModel::has_data(std::uint8_t endpoint) const {
+  return !to_host_.empty() && (chip == SerialChip::kFtdi || endpoint != kNotifyEndpoint);
 }
 
 void SerialModel::data_out(std::uint8_t, std::span<const std::uint8_t> bytes) { take(bytes); }

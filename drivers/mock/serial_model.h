@@ -40,7 +40,7 @@ class SerialModel : public UsbModel {
   void power_on() override;
   std::optional<Bytes> control(const SetupPacket& setup, std::span<const std::uint8_t> data) override;
   void data_out(std::uint8_t endpoint, std::span<const std::uint8_t> bytes) override;
-  bool has_data(std::uint8_t) const override { return !to_host_.empty(); }
+  bool has_data(std::uint8_t endpoint) const override;
   Bytes data_in(std::uint8_t endpoint, std::size_t size_max) override;
   std::size_t in_overhead() const override { return chip == SerialChip::kFtdi ? 2 : 0; }
   int in_latency_ms(std::uint8_t) const override { return chip == SerialChip::kFtdi ? latency_ms : -1; }

@@ -30,14 +30,4 @@ void DeviceRun::send(const Look& look) {
   must(sender_->send(SystemClock().now_ns(), {&frame, 1}));
 }
 
-bool DeviceRun::shows(VhciSocket& socket, const drivers::mock::UsbModel& model, const Look& look) {
-  const auto shown = [&] { return model.line(0).frame == line_frame_of(look); };
-  const auto give_up = std::chrono::steady_clock::now() + kPatience;
-  do {
-    send(look);
-    if (socket.wait_for(shown, std::chrono::milliseconds(100))) return true;
-  } while (std::chrono::steady_clock::now() < give_up);
-  return false;
-}
-
 }  // namespace footlight::testing

@@ -1,13 +1,14 @@
 // The program driving one device, as the user `lighting`, from looks that a test sends.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "drivers/mock/usb_model.h"
 #include "sim/core/ports.h"
 #include "tests/kernel/guest.h"
-#include "tests/kernel/vhci_socket.h"
 #include "tests/support/usb_port_test.h"
 
 namespace footlight::testing {
@@ -18,8 +19,18 @@ class DeviceRun {
   explicit DeviceRun(const std::string& endpoint, const std::vector<std::string>& options = {});
 
   void send(const Look& look);
-  // Sends the look again every 100 ms until it is what leaves on line 0 of the model.
-  bool shows(VhciSocket& socket, const drivers::mock::UsbModel& model, const Look& look);
+  // Sends the look again every 100 ms until it is what leaves on line 0 of the model, which is in a socket that has
+  // wait_for().
+  template <class Socket>
+  bool shows(Socket& socket, const drivers::mock::UsbModel& model, const Look& look) {
+    const auto give_up = std::chrono::steady_clock::now() + kPatience;
+    const auto shown = [&] { return model.line(0).frame == line_frame_of(look); };
+    do {
+      send(look);
+      if (socket.wait_for(shown, std::chrono::milliseconds(100))) return true;
+    } while (std::chrono::steady_clock::now() < give_up);
+    return false;
+  }
   Footlight& program() { return program_; }
 
  private:

@@ -1,6 +1,8 @@
 #include "tests/kernel/guest.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <thread>
@@ -40,28 +42,29 @@ std::string must_shell(const std::string& command) {
 }
 
 void set_groups(const std::vector<std::string>& groups) {
-  must_shell(R"(sed -i -E 's/(:|,)lighting(,|$)/\1\2/g; s/:,/:/; s/,$//' /etc/group)");
-  for (const std::string& group : groups) must_shell(fmt::format("usermod -aG {} lighting", group));
+  std::ifstream old("/etc/group");
+  std::string all;
+  for (std::string line; std::getline(old, line);) {
+    const std::size_t members = line.rfind(':') + 1;
+    std::vector<std::string> kept;
+    std::istringstream names(line.substr(members));
+    for (std::string name; std::getline(names, name, ',');)
+      if (name != "lighting") kept.push_back(name);
+    if (std::find(groups.begin(), groups.end(), line.substr(0, line.find(':'))) != groups.end())
+      kept.emplace_back("lighting");
+    all += fmt::format("{}{}\n", line.substr(0, members), fmt::join(kept, ","));
+  }
+  old.close();
+  std::ofstream("/etc/group") << all;
 }
 
-namespace {
+void install_rules() { must_shell("cp udev/70-footlight.rules /etc/udev/rules.d/ && udevadm control --reload"); }
 
-void reload_udev() { must_shell("udevadm control --reload && udevadm trigger && udevadm settle"); }
-
-}  // namespace
-
-void install_rules() {
-  must_shell("cp udev/70-footlight.rules /etc/udev/rules.d/");
-  reload_udev();
-}
-
-void remove_rules() {
-  must_shell("rm -f /etc/udev/rules.d/7*-footlight*");
-  reload_udev();
-}
+void remove_rules() { must_shell("rm -f /etc/udev/rules.d/7*-footlight* && udevadm control --reload"); }
 
 void take_module_away(const std::string& module) {
-  must_shell(fmt::format("echo 'blacklist {0}' > /etc/modprobe.d/no-{0}.conf; modprobe -r {0}", module));
+  must_shell(
+      fmt::format("echo 'blacklist {0}' > /etc/modprobe.d/no-{0}.conf; [ ! -d /sys/module/{0} ] || rmmod {0}", module));
 }
 
 void give_module_back(const std::string& module) {
@@ -69,8 +72,9 @@ void give_module_back(const std::string& module) {
 }
 
 void set_up_well() {
-  must_shell("rm -f /etc/modprobe.d/no-*.conf /etc/udev/rules.d/7*-footlight*");
-  must_shell("grep -q ^plugdev: /etc/group || groupadd --system plugdev");
+  must_shell(
+      "rm -f /etc/modprobe.d/no-*.conf /etc/udev/rules.d/7*-footlight*\n"
+      "grep -q ^plugdev: /etc/group || { echo plugdev:x:46: >> /etc/group && systemctl restart systemd-udevd; }");
   set_groups({"plugdev", "dialout"});
   install_rules();
 }
@@ -88,22 +92,42 @@ std::vector<Json> json_lines(const std::string& text) {
   return objects;
 }
 
-std::vector<Json> devices_with(const std::string& key, const std::string& value) {
+namespace {
+
+std::vector<Json> listed_with(const std::string& key, const std::string& value) {
+  must_shell("udevadm settle");
   std::vector<Json> found;
-  for (Json& device : json_lines(footlight(as_user({"devices", "--json"})).out))
-    if (device.value(key, "") == value) found.push_back(std::move(device));
+  for (Json& entry : json_lines(footlight(as_user({"devices", "--json"})).out))
+    if (entry.value(key, "") == value) found.push_back(std::move(entry));
   return found;
 }
 
-Json wait_for_device(const std::string& key, const std::string& value) {
-  std::vector<Json> found;
-  const bool there = eventually([&] {
-    found = devices_with(key, value);
-    return found.size() == 1;
-  });
-  REQUIRE_MESSAGE(there, "devices whose " << key << " is " << value << ": " << found.size());
-  must_shell("udevadm settle");
-  return devices_with(key, value).at(0);
+}  // namespace
+
+Json device_at(const std::string& port) {
+  const std::vector<Json> found = listed_with("port", port);
+  REQUIRE_MESSAGE(found.size() == 1, "devices at " << port << ": " << found.size());
+  return found[0];
+}
+
+Json gpio_chip() {
+  const std::vector<Json> found = listed_with("kind", "gpio");
+  REQUIRE(found.size() <= 1);
+  return found.empty() ? Json() : found[0];
+}
+
+void follow_advice(const std::string& port) {
+  Json device = device_at(port);
+  for (int step = 0; step < 3 && device.at("readiness") != "ready"; ++step) {
+    must_shell(device.at("remedy"));
+    device = device_at(port);
+  }
+  REQUIRE_MESSAGE(device.at("readiness") == "ready", device.dump());
+}
+
+std::string kernel_driver(const std::string& port) {
+  std::error_code none;
+  return std::filesystem::read_symlink(fmt::format("/sys/bus/usb/devices/{0}/{0}:1.0/driver", port), none).filename();
 }
 
 Json doctor_check(const std::string& id) {

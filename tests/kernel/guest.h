@@ -35,6 +35,7 @@ std::string must_shell(const std::string& command);
 
 // What the next start of the program as the user `lighting` will be a member of, beside its own group.
 void set_groups(const std::vector<std::string>& groups);
+// For devices that are plugged in afterwards.
 void install_rules();
 void remove_rules();
 // Unloads a module and keeps it from being loaded by itself. `modprobe` by hand still loads it.
@@ -47,10 +48,15 @@ void set_up_well();
 std::vector<std::string> as_user(std::vector<std::string> arguments);
 
 std::vector<Json> json_lines(const std::string& text);
-// The entries of `footlight devices --json` whose field `key` is `value`.
-std::vector<Json> devices_with(const std::string& key, const std::string& value);
-// Waits until there is just one, then returns it.
-Json wait_for_device(const std::string& key, const std::string& value);
+// What `footlight devices --json` says of the device at a port ("1-1"), after udev has done its part.
+Json device_at(const std::string& port);
+// The same of the only GPIO chip; null where there is none, and fails the test where there are several.
+Json gpio_chip();
+// Runs the command that the program advises for the device until it is ready, three times at most. Fails the test where
+// a command fails or the device is not ready by then.
+void follow_advice(const std::string& port);
+// The driver of the kernel that is bound to the device's first interface; empty: none.
+std::string kernel_driver(const std::string& port);
 // The outcome of one check of `footlight doctor --json`.
 Json doctor_check(const std::string& id);
 

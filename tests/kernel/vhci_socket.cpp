@@ -11,10 +11,13 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <string>
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
+
+#include "tests/kernel/guest.h"
 
 namespace footlight::testing {
 namespace {
@@ -84,6 +87,21 @@ void VhciSocket::unplug() {
   fd_ = -1;
   const std::lock_guard lock(mutex_);
   in_flight_.clear();
+}
+
+std::string VhciSocket::port_path() const {
+  std::string path;
+  const bool configured = eventually([&] {
+    for (const auto& hub : std::filesystem::directory_iterator(kFolder)) {
+      const std::string name = hub.path().filename();
+      if (!name.starts_with("usb")) continue;
+      path = fmt::format("{}-{}", name.substr(3), socket_ + 1);
+      if (std::filesystem::exists(hub.path() / path / (path + ":1.0"))) return true;
+    }
+    return false;
+  });
+  REQUIRE_MESSAGE(configured, "the kernel configures no device in vhci socket " << socket_);
+  return path;
 }
 
 void VhciSocket::wake() {

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <list>
 #include <mutex>
-#include <optional>
+#include <string>
 #include <thread>
 
 #include "drivers/mock/usb_model.h"
@@ -28,6 +28,8 @@ class VhciSocket {
 
   void plug();    // powers the model on; the kernel finds it some 100 ms later
   void unplug();  // ends every transfer in flight
+  // "1-1", as in /sys/bus/usb/devices, once the kernel has configured the device; fails the test where it does not.
+  [[nodiscard]] std::string port_path() const;
 
   // Runs f() while nobody else touches the model, then completes the transfers that have become possible.
   template <class F>

@@ -40,6 +40,23 @@ struct Bench {
 
 TEST_SUITE_BEGIN("serial_drivers");
 
+TEST_CASE("a CDC-ACM model describes its interfaces as Linux demands, and answers only at its data endpoint") {
+  mock::Dmx4allModel model;
+  const Bytes config = model.config_descriptor();
+  CHECK(config.size() == (config[2] | config[3] << 8));
+  int unions = 0;
+  for (std::size_t at = 0; at < config.size(); at += config[at]) {
+    REQUIRE(config[at] >= 2);
+    constexpr std::uint8_t kClassInterface = 0x24, kUnion = 0x06;
+    if (config[at + 1] == kClassInterface && config[at + 2] == kUnion) ++unions;
+  }
+  CHECK(unions == 1);
+  model.power_on();
+  model.say(Bytes{'G'});
+  CHECK_FALSE(model.has_data(0x83));
+  CHECK(model.has_data(0x81));
+}
+
 TEST_CASE("a DMX4ALL interface is set to 512 slots, and sent only what has changed") {
   Bench bench("dmx4all");
   auto sink = bench.open();
