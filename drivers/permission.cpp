@@ -138,7 +138,11 @@ Advice advise(const PermissionFacts& facts) {
   if (!facts.rules_group_is_there)
     return {fmt::format("{}; the udev rules give it to the group {}, which this machine does not have", refused,
                         kRulesGroup),
-            fmt::format("sudo groupadd --system {0} && sudo usermod -aG {0} $USER && {1}", kRulesGroup, kApplyRules)};
+            // `udevadm control --reload` would not do: udevd reads only rules that have changed, and looks up the groups
+            // that they name while it reads.
+            fmt::format("sudo groupadd --system {0} && sudo usermod -aG {0} $USER && sudo systemctl restart "
+                        "systemd-udevd && sudo udevadm trigger",
+                        kRulesGroup)};
   return {fmt::format("{}; the udev rules are installed, but were not applied to it. Plugging it in again does it too",
                       refused),
           kApplyRules};

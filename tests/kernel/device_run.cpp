@@ -1,5 +1,10 @@
 #include "tests/kernel/device_run.h"
 
+#include <algorithm>
+#include <csignal>
+
+#include <doctest/doctest.h>
+
 #include "drivers/net/net.h"
 #include "sim/system_clock.h"
 #include "tests/support/must.h"
@@ -28,6 +33,12 @@ DeviceRun::DeviceRun(const std::string& endpoint, const std::vector<std::string>
 void DeviceRun::send(const Look& look) {
   const FrameView frame{.universe = 1, .slots = look};
   must(sender_->send(SystemClock().now_ns(), {&frame, 1}));
+}
+
+void DeviceRun::fail() {
+  program_.signal(SIGTERM);
+  const Outcome outcome = program_.wait();
+  FAIL(outcome.err << outcome.out.substr(outcome.out.size() - std::min<std::size_t>(outcome.out.size(), 3000)));
 }
 
 }  // namespace footlight::testing

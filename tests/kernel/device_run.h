@@ -19,8 +19,8 @@ class DeviceRun {
   explicit DeviceRun(const std::string& endpoint, const std::vector<std::string>& options = {});
 
   void send(const Look& look);
-  // Sends the look again every 100 ms until it is what leaves on line 0 of the model, which is in a socket that has
-  // wait_for().
+  // Sends the look every 100 ms until it is what leaves on line 0 of the model. True, or the test fails with what the
+  // program has printed. socket: has wait_for().
   template <class Socket>
   bool shows(Socket& socket, const drivers::mock::UsbModel& model, const Look& look) {
     const auto give_up = std::chrono::steady_clock::now() + kPatience;
@@ -29,11 +29,14 @@ class DeviceRun {
       send(look);
       if (socket.wait_for(shown, std::chrono::milliseconds(100))) return true;
     } while (std::chrono::steady_clock::now() < give_up);
+    fail();
     return false;
   }
   Footlight& program() { return program_; }
 
  private:
+  void fail();
+
   Footlight program_;
   std::unique_ptr<Sink> sender_;
 };

@@ -178,7 +178,8 @@ void VhciSocket::take_unlink(std::uint32_t sequence, std::uint32_t victim) {
 TimeNs VhciSocket::complete_in_time() {
   const std::lock_guard lock(mutex_);
   const TimeNs now_ns = steady_now_ns();
-  TimeNs next_ns = model_.pass_time(now_ns);
+  (void)model_.pass_time(now_ns);
+  TimeNs next_ns = kTimeNever;
   std::uint64_t waiting = 0;  // endpoints: a transfer waits for those before it
   bool ended_one = false;
   for (auto transfer = in_flight_.begin(); transfer != in_flight_.end();) {
@@ -192,11 +193,8 @@ TimeNs VhciSocket::complete_in_time() {
     waiting |= endpoint;
     ++transfer;
   }
-  if (ended_one) {
-    changed_.notify_all();
-    next_ns = std::min(next_ns, model_.pass_time(now_ns));
-  }
-  return next_ns;
+  if (ended_one) changed_.notify_all();
+  return std::min(next_ns, model_.pass_time(now_ns));  // which the bytes above may have changed
 }
 
 // False: not yet.

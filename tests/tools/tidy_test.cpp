@@ -323,17 +323,22 @@ TEST_CASE("every test file holds a test, and no two tests of one program share a
 
 TEST_CASE("every package is named once, with the reason for it") {
   std::vector<std::string> offences;
-  std::set<std::string> packages;
   const std::regex line_form(R"(([a-z0-9][a-z0-9+.-]+)\s+# \S.*)");
-  for (const std::string& line : lines_of(kRoot / "tools/packages.txt")) {
-    if (line.empty() || line.front() == '#') continue;
-    std::smatch match;
-    if (!std::regex_match(line, match, line_form)) {
-      offences.push_back("tools/packages.txt: expected \"package  # reason\", got \"" + line + "\"");
-    } else if (!packages.insert(match[1]).second) {
-      offences.push_back("tools/packages.txt: twice: " + line);
+  std::set<std::string> packages;
+  for (const char* const list : {"tools/packages.txt", "tools/packages_kernel.txt"}) {
+    std::set<std::string> in_list;
+    for (const std::string& line : lines_of(kRoot / list)) {
+      if (line.empty() || line.front() == '#') continue;
+      std::smatch match;
+      if (!std::regex_match(line, match, line_form)) {
+        offences.push_back(fmt::format("{}: expected \"package  # reason\", got \"{}\"", list, line));
+      } else if (!in_list.insert(match[1]).second) {
+        offences.push_back(fmt::format("{}: twice: {}", list, line));
+      }
     }
+    packages.merge(in_list);
   }
+  CHECK(packages.contains("qemu-system-x86"));
   CHECK(packages.contains("g++"));
   check_none(offences);
 }
