@@ -138,8 +138,7 @@ Advice advise(const PermissionFacts& facts) {
   if (!facts.rules_group_is_there)
     return {fmt::format("{}; the udev rules give it to the group {}, which this machine does not have", refused,
                         kRulesGroup),
-            // `udevadm control --reload` would not do: udevd reads only rules that have changed, and looks up the groups
-            // that they name while it reads.
+            // udevd looks up groups while it reads rules, and `udevadm control --reload` reads none that are unchanged.
             fmt::format("sudo groupadd --system {0} && sudo usermod -aG {0} $USER && sudo systemctl restart "
                         "systemd-udevd && sudo udevadm trigger",
                         kRulesGroup)};

@@ -25,7 +25,7 @@ bool eventually(const std::function<bool()>& f) {
 }
 
 ShellOutcome shell(const std::string& command) {
-  std::ofstream("/run/footlight-command") << "cd /root\nexport USER=lighting\n" << command << "\n";
+  std::ofstream("/run/footlight-command") << "cd /srv\nexport USER=lighting\n" << command << "\n";
   FILE* const pipe = ::popen("sh /run/footlight-command 2>&1", "r");
   REQUIRE(pipe != nullptr);
   ShellOutcome outcome;

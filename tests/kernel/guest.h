@@ -28,7 +28,7 @@ struct ShellOutcome {
   int exit_code = -1;
   std::string text;  // both of its outputs
 };
-// Runs a command line as root in /root, where the project's udev/ lies, with USER=lighting.
+// Runs a command line as root in /srv, where the project's udev/ lies, with USER=lighting.
 ShellOutcome shell(const std::string& command);
 // The same, for one that has to succeed.
 std::string must_shell(const std::string& command);

@@ -179,7 +179,16 @@ TimeNs VhciSocket::complete_in_time() {
   const std::lock_guard lock(mutex_);
   const TimeNs now_ns = steady_now_ns();
   (void)model_.pass_time(now_ns);
-  TimeNs next_ns = kTimeNever;
+  // What one transfer brings to the model may end another one that is before it in the list.
+  while (end_some(now_ns)) changed_.notify_all();
+  TimeNs next_ns = model_.pass_time(now_ns);
+  for (const Transfer& transfer : in_flight_)
+    if (transfer.to_host) next_ns = std::min(next_ns, transfer.due_ns);
+  return next_ns;
+}
+
+// True: at least one has ended.
+bool VhciSocket::end_some(TimeNs now_ns) {
   std::uint64_t waiting = 0;  // endpoints: a transfer waits for those before it
   bool ended_one = false;
   for (auto transfer = in_flight_.begin(); transfer != in_flight_.end();) {
@@ -189,12 +198,10 @@ TimeNs VhciSocket::complete_in_time() {
       ended_one = true;
       continue;
     }
-    if ((waiting & endpoint) == 0 && transfer->to_host) next_ns = std::min(next_ns, transfer->due_ns);
     waiting |= endpoint;
     ++transfer;
   }
-  if (ended_one) changed_.notify_all();
-  return std::min(next_ns, model_.pass_time(now_ns));  // which the bytes above may have changed
+  return ended_one;
 }
 
 // False: not yet.

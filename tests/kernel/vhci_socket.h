@@ -67,6 +67,7 @@ class VhciSocket {
   void take_submit(Transfer transfer, const std::uint8_t* setup);
   void take_unlink(std::uint32_t sequence, std::uint32_t victim);
   TimeNs complete_in_time();  // returns when to call it again
+  bool end_some(TimeNs now_ns);
   bool run(Transfer& transfer, TimeNs now_ns);
   void answer_submit(const Transfer& transfer, int status, const Bytes& bytes);
   void send_answer(std::uint32_t command, std::uint32_t sequence, int status, std::uint32_t actual_size,
