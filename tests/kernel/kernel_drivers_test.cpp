@@ -90,6 +90,7 @@ TEST_CASE("a stock kernel gives a Velleman K8062 to vmk80xx, which the program d
   const std::string port = socket.port_path();
   REQUIRE(becomes_driven_by(port, "vmk80xx"));
   const Json device = device_at(port);
+  MESSAGE(must_shell("sleep 6; dmesg | grep -iE 'vmk|comedi|usb 1-1' | tail -20; ls -l /sys/bus/usb/drivers/vmk80xx"));
   CAPTURE(device.dump());
   CHECK(device.at("readiness") == "ready");
   CHECK(device.at("transport") == "libusb");
