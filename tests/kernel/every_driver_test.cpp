@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <cstdlib>
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -58,13 +57,12 @@ TEST_CASE("every driver's look reaches its model with start code 0 and 512 slots
 }
 
 TEST_CASE("every driver shows the newest look after each of 50 replugs") {
-  const char* const wanted = std::getenv("FOOTLIGHT_REPLUGS");
-  const std::size_t replugs = wanted != nullptr ? static_cast<std::size_t>(std::atoi(wanted)) : 50;
+  constexpr std::size_t kReplugs = 50;
   for_every_driver([&](const DriverInfo& driver, const auto& model, VhciSocket& socket, const Json& device) {
     DeviceRun run(endpoint_of(driver, device));
     REQUIRE(run.shows(socket, model, some_look(0)));
     std::vector<double> times_ms;
-    for (std::size_t i = 1; i <= replugs; ++i) {
+    for (std::size_t i = 1; i <= kReplugs; ++i) {
       socket.unplug();
       run.send(some_look(i));
       const auto plugged = std::chrono::steady_clock::now();
@@ -75,7 +73,7 @@ TEST_CASE("every driver shows the newest look after each of 50 replugs") {
     }
     std::sort(times_ms.begin(), times_ms.end());
     MESSAGE(fmt::format("{}: {} replugs, plugged to shown: {:.0f} ms in the middle, {:.0f} ms at most", driver.id,
-                        replugs, times_ms[replugs / 2], times_ms.back()));
+                        kReplugs, times_ms[kReplugs / 2], times_ms.back()));
     run.program().signal(SIGTERM);
     CHECK(run.program().wait().exit_code == 0);
   });
