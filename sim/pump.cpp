@@ -405,7 +405,7 @@ void Pump::add_sink(Sink& sink, SinkRole role) {
   run.port = run.sink = &sink;
   run.standby_for = role.standby_for;
   run.period_ns = period_ns_of(sink);
-  run.line_frames_before = sink.frames_on_line().value_or(0);
+  run.line_frames_before = sink.frames_on_line();
   add(run, sink.universes());
 }
 
@@ -657,9 +657,10 @@ void Pump::count_rates(TimeNs now_ns) {
     }
     // Frames that are handed over faster than the line takes them never leave.
     const auto line_frames = run.sink->frames_on_line();
-    if (!line_frames || run.lanes.size() != 1) continue;
-    run.lanes[0].rate_hz = static_cast<double>(*line_frames - run.line_frames_before) / period_s;
-    run.line_frames_before = *line_frames;
+    const auto before = std::exchange(run.line_frames_before, line_frames);
+    // Both ends of the period are counted, unless the device was replaced meanwhile.
+    if (!line_frames || !before || *line_frames < *before || run.lanes.size() != 1) continue;
+    run.lanes[0].rate_hz = static_cast<double>(*line_frames - *before) / period_s;
   }
   merge_.count_rates(period_s);
 

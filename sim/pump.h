@@ -54,6 +54,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -274,11 +275,12 @@ class Pump {
     const Sink* standby_for = nullptr;
     bool resting = false;               // the one that it stands by for works
     double period_ns = 0.0;             // 0: no cap
-    std::uint64_t line_frames_before = 0;  // Sink::frames_on_line() at the begin of this status period
     TimeNs held_until_ns = kTimeNever;  // when the first look that the cap holds back is due
     std::vector<int> pending;           // lanes to be sent
     std::vector<FrameView> batch;       // of the call under way
     std::vector<int> batch_lanes;       // beside it
+    // Sink::frames_on_line() at the begin of this status period.
+    std::optional<std::uint64_t> line_frames_before;
   };
 
   // Takes the frames of the source that is being polled.

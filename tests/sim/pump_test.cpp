@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <memory>
@@ -771,6 +772,40 @@ TEST_CASE("another thread may read buffer and status while the pump runs") {
   const PumpStatus status = world.pump().latest_status();
   CHECK(status.stamp_ns > world.now_ns() - 2 * kNsPerS);
   CHECK(status.ports[1].rate_hz == doctest::Approx(20.0).epsilon(0.1));
+}
+
+TEST_CASE("No rate is above 100 Hz after a device that times its line itself replaces one that does not") {
+  World world;
+  FakeSource source(world.waiter, "desk", {1});
+  FakeSink sink(world.waiter, "open-dmx", {1}, 40.0);
+  sink.line_frames = 1000;
+  sink.keep_history = false;
+  source.deadline_ns = world.now_ns();
+  source.repeat_ns = 25 * kNsPerMs;
+  int level = 0;
+  source.before_poll = [&](TimeNs) {
+    source.give(1, static_cast<std::uint8_t>(++level));
+    if (sink.line_frames) ++*sink.line_frames;
+  };
+  world.pump().add_source(source);
+  world.pump().add_sink(sink);
+  world.pump().start();
+  double highest_hz = 0;
+  const auto run_for = [&](int seconds) {
+    for (int i = 0; i < 10 * seconds; ++i) {
+      world.run_for(kNsPerS / 10);
+      highest_hz = std::max(highest_hz, world.pump().status().ports[1].rate_hz);
+    }
+  };
+  run_for(3);
+  sink.line_frames = std::nullopt;  // the device times its line
+  run_for(3);
+  sink.line_frames = 900'000;  // this machine does again, and the port counted on
+  run_for(3);
+  sink.line_frames = 0;  // another device, within one period
+  run_for(3);
+  CHECK(highest_hz < 100);
+  CHECK(world.pump().status().ports[1].rate_hz == doctest::Approx(40.0).epsilon(0.05));
 }
 
 TEST_CASE("the rate of a line that this machine times is that of the frames that left, not of those handed over") {
