@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <system_error>
+#include <tuple>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -12,6 +13,28 @@ namespace footlight::dmx_log {
 namespace {
 
 constexpr int kPartNamesMax = 1000;
+
+std::string part_name(const std::string& path, int number) {
+  return number == 1 ? path + ".part" : fmt::format("{}.part{}", path, number);
+}
+
+// The unfinished recording of this name that was written last; empty: none. A recording takes the lowest free number,
+// so numbers may be missing and the highest one need not be the newest.
+std::string newest_part(const std::string& path) {
+  std::string newest;
+  timespec newest_time{};
+  for (int number = 1; number <= kPartNamesMax; ++number) {
+    const std::string part = part_name(path, number);
+    struct stat info {};
+    if (::stat(part.c_str(), &info) != 0 || !S_ISREG(info.st_mode)) continue;
+    const timespec& time = info.st_mtim;
+    const bool older = std::tie(time.tv_sec, time.tv_nsec) < std::tie(newest_time.tv_sec, newest_time.tv_nsec);
+    if (!newest.empty() && older) continue;
+    newest = part;
+    newest_time = time;
+  }
+  return newest;
+}
 
 class FileOutput final : public LogOutput {
  public:
@@ -105,15 +128,8 @@ tl::unexpected<Error> fail_errno(int error_number, const std::string& path, cons
 }
 
 tl::unexpected<Error> fail_open(int error_number, const std::string& path) {
-  const auto part_name = [&](int number) {
-    return number == 1 ? path + ".part" : fmt::format("{}.part{}", path, number);
-  };
-  int newest = 0;
-  while (error_number == ENOENT && newest < kPartNamesMax && ::access(part_name(newest + 1).c_str(), F_OK) == 0) {
-    ++newest;
-  }
-  if (newest == 0) return fail_errno(error_number, path, "cannot open");
-  const std::string part = part_name(newest);
+  const std::string part = error_number == ENOENT ? newest_part(path) : "";
+  if (part.empty()) return fail_errno(error_number, path, "cannot open");
   return fail(ErrorCode::kNotFound,
               "{0}: no such file, but {1} is there: its recorder was killed or still runs. Name {1} to read what it "
               "holds, or save that with 'footlight log convert {1} {0}' when no recorder runs",
@@ -127,7 +143,7 @@ Result<std::unique_ptr<LogOutput>> open_file_output(const std::string& path, boo
     if (!overwrite) return fail(ErrorCode::kBadInput, "{}: exists; choose another name or allow overwriting", path);
   }
   for (int attempt = 1; attempt <= kPartNamesMax; ++attempt) {
-    const std::string part_path = attempt == 1 ? path + ".part" : fmt::format("{}.part{}", path, attempt);
+    const std::string part_path = part_name(path, attempt);
     const int fd = ::open(part_path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (fd >= 0) return std::unique_ptr<LogOutput>(new FileOutput(fd, part_path, path, overwrite));
     if (errno != EEXIST) return fail_errno(errno, part_path, "cannot create");

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <chrono>
+#include <filesystem>
 #include <map>
 
 #include <sys/resource.h>
@@ -248,6 +250,35 @@ TEST_CASE("a writer that goes away without an end leaves its frames in the .part
   CHECK(info->recovered());
   CHECK(info->duration_ns == frames.back().time_ns);
   CHECK(info->universes.size() == 2);
+}
+
+TEST_CASE("The error for a missing log names the .part file that was written last, whatever numbers are gone") {
+  const TempFolder folder;
+  const std::string path = folder.file("show.dmxlog");
+  const auto write = [&](const std::string& part, int age_s) {
+    write_bytes(part, "x");
+    const auto now = std::filesystem::file_time_type::clock::now();
+    std::filesystem::last_write_time(part, now - std::chrono::seconds(age_s));
+  };
+  const auto named = [&] {
+    const auto missing = LogReader::open(path);
+    REQUIRE(!missing);
+    CHECK(missing.error().code == ErrorCode::kNotFound);
+    const std::string& message = missing.error().message;
+    const std::size_t at = message.find("no such file, but ");
+    if (at == std::string::npos) return std::string("none");
+    const std::size_t begin = at + std::string_view("no such file, but ").size();
+    return message.substr(begin, message.find(" is there") - begin);
+  };
+  CHECK(named() == "none");
+  write(path + ".part2", 60);  // .part was converted and removed
+  CHECK(named() == path + ".part2");
+  write(path + ".part", 10);  // the next recording took the lowest free name
+  CHECK(named() == path + ".part");
+  write(path + ".part1000", 5);
+  CHECK(named() == path + ".part1000");
+  std::filesystem::create_directory(path + ".part7");  // newest, but no recording
+  CHECK(named() == path + ".part1000");
 }
 
 TEST_CASE("a finished log is replaced only when that was asked for") {
