@@ -140,13 +140,14 @@ struct LogReader::Impl {
     return header;
   }
 
-  // Blocks need nothing of the header but the place where they begin. The first one is searched for, as far into the
-  // file as a header may reach: a file that is no log is not read to its end.
+  // Blocks need nothing of the header but the place where they begin. The search for the first one ends where the
+  // longest header ends, unless the file begins with the bytes of a log: any other file is not read to its end.
   Status do_without_header(std::span<const std::uint8_t> head) {
     info.version_major = dmx_log::kVersionMajor;  // the only one whose blocks find_block() recognises
     first_block = dmx_log::kFileHeaderFixedBytes;
-    FL_ASSIGN(const auto block,
-              find_block(first_block, dmx_log::kFileHeaderBytesMax + dmx_log::kBlockHeaderBytes, false));
+    const std::uint64_t search_end =
+        has_magic(head) ? UINT64_MAX : dmx_log::kFileHeaderBytesMax + dmx_log::kBlockHeaderBytes;
+    FL_ASSIGN(const auto block, find_block(first_block, search_end, false));
     if (block) first_block = block->offset;
     if (block || info.finished) {
       note_damage(0, first_block, "the header is damaged: the start of the recording is unknown");

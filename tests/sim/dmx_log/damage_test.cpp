@@ -158,6 +158,25 @@ TEST_CASE("one flipped bit anywhere in the header costs the origin and the clock
   }
 }
 
+TEST_CASE("Blocks beyond 1 MiB of damage are found where the file begins with the bytes of a log, and only there") {
+  const auto frames = few_frames();
+  const auto log = small_log(frames);
+  const auto header_bytes = static_cast<std::ptrdiff_t>(block_offsets(log).front());
+  // An unfinished log whose header and first 2 MiB are damaged.
+  std::vector<std::uint8_t> bytes(log.begin(), log.begin() + header_bytes);
+  bytes[20] ^= 1;
+  bytes.insert(bytes.end(), 2u << 20, std::uint8_t{0xEE});
+  const std::uint64_t first = bytes.size();
+  bytes.insert(bytes.end(), log.begin() + header_bytes, log.end() - 1);  // without its trailer's last byte
+  auto reader = LogReader::open_bytes(bytes, "a.dmxlog");
+  REQUIRE_MESSAGE(reader, reader.error().message);
+  CHECK(all_frames(*reader) == frames);
+  CHECK(reader->info().damage[0].offset == 0);
+  CHECK(reader->info().damage[0].size_bytes == first);
+  bytes[0] = 0xEE;
+  CHECK(error_of(bytes).find("not a DMX log") != std::string::npos);
+}
+
 TEST_CASE("a log file is recognised by its blocks when its first bytes are damaged, whatever its name") {
   const TempFolder folder;
   auto bytes = small_log(few_frames());
