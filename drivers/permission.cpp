@@ -21,6 +21,9 @@ namespace footlight::drivers {
 namespace {
 
 constexpr const char* kApplyRules = "sudo udevadm control --reload && sudo udevadm trigger";
+constexpr const char* kMakeGroup = "sudo groupadd --system plugdev && sudo usermod -aG plugdev $USER";
+// udevd looks up groups while it reads rules, and `udevadm control --reload` reads none that are unchanged.
+constexpr const char* kRestartUdev = "sudo systemctl restart systemd-udevd && sudo udevadm trigger";
 
 std::optional<std::string> text_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -72,6 +75,10 @@ void add_own_rule(PermissionFacts& facts, const FoundDevice& device) {
   facts.own_rule_name = fmt::format("70-footlight-{}.rules", by_serial ? device.serial : "port-" + device.port_path);
 }
 
+std::string write_own_rule(const PermissionFacts& facts) {
+  return fmt::format("echo '{}' | sudo tee /etc/udev/rules.d/{}", facts.own_rule, facts.own_rule_name);
+}
+
 }  // namespace
 
 NodeOwner owner_of(const FindOptions& options, const std::string& node) {
@@ -105,6 +112,11 @@ RulesState rules_state(const FindOptions& options) {
 Advice advise(const PermissionFacts& facts) {
   const std::string refused = fmt::format("{}: {}", facts.node, std::strerror(facts.error));
   if (facts.error != EACCES && facts.error != EPERM) return {refused, {}};
+  if (facts.is_root)
+    return {fmt::format("{}, although this is root, whom the mode of a node does not bind; a sandbox or an ACL refuses "
+                        "it",
+                        refused),
+            {}};
   const bool is_excluded = !facts.own_rule.empty();
   const bool joining_helps = facts.group_opens && facts.group != "root" && (facts.group == kRulesGroup || is_excluded);
   if (joining_helps && facts.in_group)
@@ -121,12 +133,16 @@ Advice advise(const PermissionFacts& facts) {
                         "with the next login",
                         refused, facts.group),
             fmt::format("sudo usermod -aG {} $USER", facts.group)};
+  if (is_excluded && !facts.rules_group_is_there)
+    return {fmt::format("{}; the udev rules leave it out, for many products share its ids. It needs a rule of its own, "
+                        "and this machine does not have the group {} that the rule names",
+                        refused, kRulesGroup),
+            fmt::format("{} && {} && {}", kMakeGroup, write_own_rule(facts), kRestartUdev)};
   if (is_excluded)
     return {fmt::format("{}; the udev rules leave it out, for many products share its ids. It needs a rule of its "
                         "own",
                         refused),
-            fmt::format("echo '{}' | sudo tee /etc/udev/rules.d/{} && {}", facts.own_rule, facts.own_rule_name,
-                        kApplyRules)};
+            fmt::format("{} && {}", write_own_rule(facts), kApplyRules)};
   switch (facts.rules) {
     case RulesState::kMissing:
       return {fmt::format("{}; the udev rules are not installed", refused), udev_install_command()};
@@ -138,10 +154,7 @@ Advice advise(const PermissionFacts& facts) {
   if (!facts.rules_group_is_there)
     return {fmt::format("{}; the udev rules give it to the group {}, which this machine does not have", refused,
                         kRulesGroup),
-            // udevd looks up groups while it reads rules, and `udevadm control --reload` reads none that are unchanged.
-            fmt::format("sudo groupadd --system {0} && sudo usermod -aG {0} $USER && sudo systemctl restart "
-                        "systemd-udevd && sudo udevadm trigger",
-                        kRulesGroup)};
+            fmt::format("{} && {}", kMakeGroup, kRestartUdev)};
   return {fmt::format("{}; the udev rules are installed, but were not applied to it. Plugging it in again does it too",
                       refused),
           kApplyRules};
@@ -158,6 +171,7 @@ PermissionFacts permission_facts(const FoundDevice& device, const std::string& n
   facts.group_opens = (owner.mode & kGroupReadsAndWrites) == kGroupReadsAndWrites;
   facts.rules = rules_state(options);
   if (device.driver_id.empty()) add_own_rule(facts, device);
+  facts.is_root = options.user_name.empty() ? ::geteuid() == 0 : options.user_name == "root";
   const std::vector<std::string> groups = options.groups ? *options.groups : groups_of_process();
   facts.in_group = std::find(groups.begin(), groups.end(), facts.group) != groups.end();
   facts.listed_in_group = is_listed_in(options, facts.group);

@@ -40,6 +40,7 @@ struct PermissionFacts {
   std::string own_rule;       // where 70-footlight.rules excludes the device by design: the rule that opens it alone
   std::string own_rule_name;  // of the file for own_rule: "70-footlight-A50285BI.rules"
   // The user.
+  bool is_root = false;              // the mode of a node does not bind it
   bool in_group = false;             // this process has the node's group
   bool listed_in_group = false;      // the group database has the user in it
   bool rules_group_is_there = true;  // the group database has kRulesGroup

@@ -84,6 +84,23 @@ TEST_CASE("a member of plugdev who is refused all the same is given no command t
   CHECK(message_of(advice) == advice.reason);
 }
 
+TEST_CASE("root is given no command, in every state of the rules and groups") {
+  for (const RulesState rules : {RulesState::kMissing, RulesState::kOutdated, RulesState::kCurrent}) {
+    for (const char* own_rule : {"", "SUBSYSTEM"}) {
+      PermissionFacts facts = known_device();
+      facts.is_root = true;
+      facts.rules = rules;
+      facts.own_rule = own_rule;
+      for (const PermissionFacts& state : {facts, untouched(facts)}) {
+        const Advice advice = advise(state);
+        CHECK(contains(advice.reason, "root"));
+        CHECK(contains(advice.reason, "a sandbox or an ACL refuses it"));
+        CHECK(advice.remedy.empty());
+      }
+    }
+  }
+}
+
 TEST_CASE("what is no matter of permission brings no advice on permission") {
   PermissionFacts facts = known_device();
   facts.error = EIO;
@@ -103,6 +120,20 @@ TEST_CASE("a bare cable gets a rule of its own in every state of the rules that 
           R"(echo 'SUBSYSTEM=="usb", ATTR{serial}=="A50285BI"' | sudo tee )"
           R"(/etc/udev/rules.d/70-footlight-A50285BI.rules && sudo udevadm control --reload && sudo udevadm trigger)");
   }
+}
+
+TEST_CASE("a bare cable on a machine without the group plugdev gets the group before its rule") {
+  PermissionFacts facts = untouched(known_device());
+  facts.rules_group_is_there = false;
+  facts.own_rule = R"(SUBSYSTEM=="usb", ATTR{serial}=="A50285BI")";
+  facts.own_rule_name = "70-footlight-A50285BI.rules";
+  const Advice advice = advise(facts);
+  CHECK(contains(advice.reason, "does not have the group plugdev"));
+  CHECK(
+      advice.remedy ==
+      "sudo groupadd --system plugdev && sudo usermod -aG plugdev $USER && "
+      R"(echo 'SUBSYSTEM=="usb", ATTR{serial}=="A50285BI"' | sudo tee )"
+      "/etc/udev/rules.d/70-footlight-A50285BI.rules && sudo systemctl restart systemd-udevd && sudo udevadm trigger");
 }
 
 TEST_CASE("a bare cable whose own rule is in force asks for the group of that rule, and for no second rule") {
@@ -164,6 +195,13 @@ TEST_CASE("membership is that of the session, and the group database tells who h
   CHECK_FALSE(system.facts().listed_in_group);
   system.write("etc/group", "plugdevice:x:46:anna\n");
   CHECK_FALSE(system.facts().rules_group_is_there);
+}
+
+TEST_CASE("root is told by its name, and nobody else is") {
+  System system;
+  CHECK_FALSE(system.facts().is_root);
+  system.options.user_name = "root";
+  CHECK(system.facts().is_root);
 }
 
 TEST_CASE("a node opens to its group only where the group may read and write") {
