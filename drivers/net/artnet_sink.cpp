@@ -12,8 +12,6 @@ namespace {
 
 // What a sink has use for; all else that is broadcast stays in the kernel.
 constexpr std::array<std::uint16_t, 2> kHeard = {kArtnetOpPoll, kArtnetOpPollReply};
-// Nothing: no packet has this number.
-constexpr std::array<std::uint16_t, 1> kDeaf = {0};
 // Of one poll(). What is left makes the descriptor readable again at once.
 constexpr int kBatchesMax = 4;
 
@@ -45,7 +43,7 @@ Result<std::unique_ptr<ArtnetSink>> ArtnetSink::create(const ArtnetSinkOptions& 
   wanted.port_name = options.name;
   // Where another program keeps the port to itself, a port of our own has to do: devices that answer to it are found.
   auto socket =
-      open_yielding_sender(wanted, options.port, is_searching ? std::span<const std::uint16_t>(kHeard) : kDeaf);
+      is_searching ? open_yielding_sender(wanted, options.port, kHeard) : open_deaf_sender(wanted, options.port);
   if (!socket) socket = open_sender(wanted);
   if (!socket) return tl::unexpected(std::move(socket).error());
   // Addresses find their interface by themselves, so one socket is enough.

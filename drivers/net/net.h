@@ -72,11 +72,11 @@ struct NetOptions {
 };
 // Unicast on a UDP port that several programs of this machine have open goes to one of them (docs/decisions/0092). A
 // source that finds the port in another program leaves it unicast, and takes multicast and broadcast as usual. Its
-// first notice names that program.
+// first notice names that program. An Art-Net sink with addresses takes no unicast; one that searches for devices does.
 struct NetSourceOptions : NetOptions {
   using NetOptions::NetOptions;
-  // Leaves unicast to every other program, also to those that open the port later: for listeners beside a show, such as
-  // a monitor.
+  // Leaves unicast to every other program with a source, also to those that open the port later: for listeners beside a
+  // show, such as a monitor. From a sink that searches for devices it takes unicast where it was there first.
   bool yields = false;
   // Asked while the source opens, which takes seconds with ten thousands of groups; true ends it with kTimeout.
   std::function<bool()> stopping;

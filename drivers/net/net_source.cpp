@@ -125,14 +125,18 @@ void NetSource::find_sharing(std::span<const std::uint32_t> bind_ipv4s) {
     return std::find(bind_ipv4s.begin(), bind_ipv4s.end(), holder.ipv4) != bind_ipv4s.end();
   });
   if (other == holders.end()) return;
-  sharing_ =
-      PortNotice{.level = settings_.yields ? NoticeLevel::kInfo : NoticeLevel::kWarning,
-                 .id = "port-shared",
-                 .text = fmt::format("{} has UDP port {} open and gets the unicast frames; multicast and "
-                                     "broadcast frames come here too. {}",
-                                     other->description, settings_.port,
-                                     other->is_bridge ? "'footlight monitor' without an endpoint shows its levels"
-                                                      : "Stop that program to get unicast frames here")};
+  std::string_view next = "Stop that program to get unicast frames here";
+  if (other->is_bridge) next = "'footlight monitor' without an endpoint shows its levels";
+  if (other->is_bridge && !other->is_ipv4) {  // an Art-Net output that searches, or inputs that yield
+    next =
+        "If it has no input on this port, an output that searches for devices drops them: name the addresses of its "
+        "devices after @ to get unicast frames here. Else 'footlight monitor' without an endpoint shows its levels";
+  }
+  sharing_ = PortNotice{.level = settings_.yields ? NoticeLevel::kInfo : NoticeLevel::kWarning,
+                        .id = "port-shared",
+                        .text = fmt::format("{} has UDP port {} open and gets the unicast frames; multicast and "
+                                            "broadcast frames come here too. {}",
+                                            other->description, settings_.port, next)};
   settings_.yields = true;
 }
 

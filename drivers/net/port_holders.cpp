@@ -14,6 +14,8 @@
 
 #include <fmt/format.h>
 
+#include "drivers/net/udp.h"
+
 namespace footlight::drivers {
 namespace {
 
@@ -42,6 +44,7 @@ void read_table(const char* path, bool is_ipv4, std::uint16_t udp_port, std::vec
     if (remote.find_first_not_of("0:") != std::string::npos) continue;  // connected: hears one sender only
     found.holder.is_ipv4 = is_ipv4;
     if (is_ipv4) found.holder.ipv4 = ntohl(static_cast<std::uint32_t>(std::strtoul(local.c_str(), nullptr, 16)));
+    if (is_multicast(found.holder.ipv4)) continue;  // bound to a group: gets no unicast
     sockets.push_back(std::move(found));
   }
 }

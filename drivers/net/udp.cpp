@@ -176,8 +176,9 @@ Error net_error(std::string_view port_name, std::string_view action, int error_n
 namespace {
 
 // Of the sockets that share a port by SO_REUSEPORT, the kernel picks one by the hash of the sender. This program has it
-// pick the first, so that a socket that comes later takes nothing away.
-void prefer_oldest(const Fd& socket) {
+// pick the one in the first place, so that a socket that comes later takes nothing away. Where that one closes, the
+// kernel moves the last into its place (reuseport_detach_sock() in net/core/sock_reuseport.c).
+void prefer_first(const Fd& socket) {
   sock_filter first[] = {BPF_STMT(BPF_RET | BPF_K, 0)};
   const sock_fprog program = {1, first};
   setsockopt(socket.get(), SOL_SOCKET, SO_ATTACH_REUSEPORT_CBPF, &program, sizeof program);
@@ -195,7 +196,7 @@ Result<Fd> bind_dual_stack(std::string_view port_name, std::uint16_t udp_port) {
   any.sin6_family = AF_INET6;
   any.sin6_port = htons(udp_port);
   if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&any), sizeof any) == 0) {
-    prefer_oldest(socket);
+    prefer_first(socket);
     return socket;
   }
   const int error_number = errno;
@@ -251,7 +252,7 @@ Result<Fd> open_receiver(const ReceiverSocket& wanted) {
                                     fmt::format("listen on UDP {}:{}", text_of_ipv4(wanted.bind_ipv4), wanted.udp_port),
                                     error_number));
   }
-  prefer_oldest(socket);
+  prefer_first(socket);
   return socket;
 }
 
@@ -304,6 +305,22 @@ Result<Fd> open_yielding_sender(const SenderSocket& wanted, std::uint16_t udp_po
     const sock_fprog filter = {static_cast<unsigned short>(program.size()), program.data()};
     // Without the filter there is more to read and throw away, no more.
     setsockopt(socket.get(), SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter);
+  }
+  return socket;
+}
+
+Result<Fd> open_deaf_sender(const SenderSocket& wanted, std::uint16_t udp_port) {
+  Fd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (!socket) return tl::unexpected(net_error(wanted.port_name, "open a UDP socket", errno));
+  set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
+  set_option(socket, SOL_SOCKET, SO_REUSEPORT, 1);
+  set_option(socket, SOL_SOCKET, SO_BROADCAST, 1);
+  set_option(socket, IPPROTO_IP, IP_MULTICAST_ALL, 0);
+  // A socket that is bound to a group gets what is sent to that group alone, which nobody may send to, and the source
+  // address of what it sends is that of the route (inet_bind() in net/ipv4/af_inet.c).
+  const sockaddr_in nobody = address_of(0xE000'0000, udp_port);
+  if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&nobody), sizeof nobody) != 0) {
+    return tl::unexpected(net_error(wanted.port_name, fmt::format("open UDP port {} beside others", udp_port), errno));
   }
   return socket;
 }

@@ -71,10 +71,12 @@ struct ReceiverSocket {
   int buffer_bytes = 4 << 20;  // wanted; the system may allow less
 };
 // Non-blocking, shares its port with every other program that shares it. Hears only the groups that it joins itself.
-// Linux gives a unicast datagram to one socket of a port only. Of several of ours it is the oldest.
+// Linux gives a unicast datagram to one socket of a port only. Of several of ours it is the one in the first place of
+// their group: the oldest at first; where the first one closes, the kernel moves the newest into its place.
 [[nodiscard]] Result<Fd> open_receiver(const ReceiverSocket& wanted);
 // The same on any address (bind_ipv4 is not used), but takes no unicast datagram that an IPv4 socket of this machine
-// wants; see open_yielding_sender(). Of several yielding sockets the oldest gets it.
+// wants; see open_yielding_sender(). Of several yielding sockets, receivers and senders alike, the one in the first place
+// of their group gets it; see open_receiver().
 [[nodiscard]] Result<Fd> open_yielding_receiver(const ReceiverSocket& wanted);
 // Has a receiver hear every group that anybody on this machine has joined, on any interface. errno, or 0.
 [[nodiscard]] int hear_all_groups(const Fd& receiver);
@@ -96,6 +98,9 @@ struct SenderSocket {
 // datagrams but those with one of these 16-bit numbers, low octet first, at octet 8; empty: all.
 [[nodiscard]] Result<Fd> open_yielding_sender(const SenderSocket& wanted, std::uint16_t udp_port,
                                               std::span<const std::uint16_t> op_code_filter);
+// The same for a sender that takes no answers: receives nothing, so it takes nothing away from anybody. Fails with kIo
+// where another program holds the port without sharing it.
+[[nodiscard]] Result<Fd> open_deaf_sender(const SenderSocket& wanted, std::uint16_t udp_port);
 // Has the multicast of an open sender leave through this interface. errno, or 0.
 [[nodiscard]] int leave_through(const Fd& socket, int interface_index);
 [[nodiscard]] std::uint16_t local_udp_port(const Fd& socket);

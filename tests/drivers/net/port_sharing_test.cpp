@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "drivers/net/artnet_packet.h"
+#include "drivers/net/artnet_sink.h"
 #include "drivers/net/artnet_source.h"
 #include "drivers/net/sacn_packet.h"
 #include "drivers/net/sacn_port.h"
@@ -220,6 +221,28 @@ TEST_CASE("a listener that yields takes no unicast frame from another one, which
     bridge.reset();
     send_artnet(1);
     CHECK(count_frames(*monitor) == kSenders);
+  }
+}
+
+TEST_CASE("an Art-Net output with addresses takes no unicast frame from a listener, whichever of them came first") {
+  if (!enter_private_network()) return;
+  ArtnetSinkOptions sending;
+  sending.name = "artnet:test";
+  sending.universes = universes_from(1, 1, 1);
+  sending.addresses = {"127.0.0.9"};
+  for (const bool yields : {false, true}) {
+    for (const bool output_first : {false, true}) {
+      CAPTURE(yields);
+      CAPTURE(output_first);
+      auto listening = artnet_options(1);
+      listening.yields = yields;
+      std::unique_ptr<ArtnetSink> output;
+      if (output_first) output = must(ArtnetSink::create(sending));
+      const auto listener = must(ArtnetSource::create(listening));
+      if (!output_first) output = must(ArtnetSink::create(sending));
+      send_artnet(1);
+      CHECK(count_frames(*listener) == kSenders);
+    }
   }
 }
 

@@ -114,6 +114,37 @@ TEST_CASE("a listener gets the datagrams of all 64 senders beside a yielding sen
   });
 }
 
+TEST_CASE("a deaf sender sends from its port with the machine's address, and receives nothing at all") {
+  if (!testing::enter_private_network()) return;
+  ReceiverSocket wanted;
+  wanted.port_name = "test";
+  wanted.udp_port = kPort;
+  const auto body = [&] {
+    const auto deaf = open_deaf_sender({"test", 0}, kPort);
+    if (!deaf) return 1;
+    const auto second = open_deaf_sender({"test", 0}, kPort);
+    if (!second) return 2;
+    if (!send_from_64_ports()) return 3;
+    const auto stranger = open_sender({"test", 0});
+    DatagramWriter writer;
+    const std::array<std::uint8_t, 1> bytes = {2};
+    writer.add(bytes, kEverybodyHere, kPort);
+    if (!stranger || writer.flush(stranger->get()).error_number != 0) return 4;
+    if (read_all(*deaf) != 0 || read_all(*second) != 0) return 5;
+    wanted.bind_ipv4 = kThisMachine;
+    wanted.udp_port = 9;
+    const auto listener = open_receiver(wanted);
+    if (!listener) return 6;
+    writer.add(bytes, kThisMachine, 9);
+    if (writer.flush(deaf->get()).error_number != 0) return 7;
+    DatagramReader reader;
+    if (reader.read(listener->get()) != 1) return 8;
+    return reader[0].from_ipv4 == kThisMachine && reader[0].from_udp_port == kPort ? 0 : 9;
+  };
+  CHECK(body() == 0);
+  check_without_ipv6(body);
+}
+
 TEST_CASE("a yielding sender takes unicast only where no other socket listens, and hears every broadcast") {
   if (!testing::enter_private_network()) return;
   const Fd yielding = must_open(open_yielding_sender({"test", 0}, kPort, {}));

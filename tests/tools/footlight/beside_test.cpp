@@ -75,6 +75,33 @@ TEST_CASE("a bridge gets all 1,200 unicast frames while monitor, record or a sec
   }
 }
 
+TEST_CASE("a recording gets all 1,200 unicast frames beside an older bridge that only sends Art-Net to an address") {
+  if (!enter_private_network()) return;
+  const TempFolder folder;
+  Footlight bridge(
+      {"run", "--in", "sacn:1%lo", "--out", "artnet:1@127.0.0.9", "--json", "--socket", "none", "--no-realtime"});
+  bridge.wait_for(R"("event":"ready")");
+  Footlight recorder({"record", "--in", "artnet:1", "-o", folder.file("a.dmxlog"), "--json"});
+  recorder.wait_for(R"("event":"ready")");
+  send_artnet();
+  recorder.wait_for(R"("frames":1200)");
+  CHECK(frames_of(recorder) == kSenders * kFramesEach);
+  CHECK_FALSE(recorder.has_said("port-shared", 1));
+}
+
+TEST_CASE("a recording beside an older bridge whose output searches says that the output may drop unicast frames") {
+  if (!enter_private_network()) return;
+  const TempFolder folder;
+  Footlight bridge({"run", "--in", "sacn:1%lo", "--out", "artnet:1%lo", "--json", "--socket", "none", "--no-realtime"});
+  bridge.wait_for(R"("event":"ready")");
+  Footlight recorder({"record", "--in", "artnet:1", "-o", folder.file("a.dmxlog"), "--json"});
+  recorder.wait_for("port-shared");
+  recorder.signal(SIGTERM);
+  const Outcome outcome = recorder.wait();
+  CHECK(contains(outcome.out, "an output that searches for devices drops them"));
+  CHECK(contains(outcome.out, "name the addresses of its devices after @"));
+}
+
 TEST_CASE("a recording without a frame ends with exit code 3 and says where frames may be") {
   if (!enter_private_network()) return;
   const TempFolder folder;
@@ -117,6 +144,14 @@ TEST_CASE("discover names the program that keeps the answers of Art-Net devices 
   bridge.wait_for(R"("event":"ready")");
   const Outcome outcome = footlight({"discover", "--for", "10ms", "--interface", "lo"});
   CHECK(contains(outcome.err, "footlight run (process " + std::to_string(bridge.pid()) + ") has UDP port 6454 open"));
+}
+
+TEST_CASE("discover names no bridge that only sends Art-Net to an address, for answers do not go there") {
+  if (!enter_private_network()) return;
+  Footlight bridge({"run", "--in", "sacn:1%lo", "--out", "artnet:1@127.0.0.9", "--json", "--socket", "none",
+                    "--no-realtime"});
+  bridge.wait_for(R"("event":"ready")");
+  CHECK_FALSE(contains(footlight({"discover", "--for", "10ms", "--interface", "lo"}).err, "has UDP port 6454 open"));
 }
 
 TEST_CASE("a show file beyond 4 MiB is refused by its length, also where it comes from a pipe without end") {
