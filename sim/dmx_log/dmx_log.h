@@ -81,6 +81,8 @@ class LogWriter {
   // Ends the recording at this time (on the clock of the frames; not before the last frame) and gives the file its
   // name.
   Status close(TimeNs end_stamp_ns);
+  // Instead of close(): removes the .part file. A file called `path` stays as it is.
+  void discard();
 
   [[nodiscard]] LogWriterStats stats() const;
   // Where the bytes are now: `path` after close(), the .part file before.

@@ -92,6 +92,8 @@ class FileOutput final : public LogOutput {
     return {};
   }
 
+  void discard() override { ::unlink(part_path_.c_str()); }
+
   const std::string& path() const override { return part_path_; }
 
  private:
@@ -111,6 +113,7 @@ class MemoryOutput final : public LogOutput {
   }
   Status sync() override { return {}; }
   Status finish() override { return {}; }
+  void discard() override { bytes_.clear(); }
   const std::string& path() const override { return name_; }
 
  private:

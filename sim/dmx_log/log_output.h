@@ -20,6 +20,8 @@ class LogOutput {
   virtual Status sync() = 0;
   // Gives the result its final name.
   virtual Status finish() = 0;
+  // Removes what was written. Nothing may be written after it.
+  virtual void discard() = 0;
   [[nodiscard]] virtual const std::string& path() const = 0;
 };
 

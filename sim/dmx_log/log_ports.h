@@ -60,6 +60,7 @@ class LogSource final : public Source {
 
 struct LogSinkOptions {
   std::vector<Universe> universes;      // to record; must not be empty
+  bool keep_empty = true;               // false: without a frame no file is left, and none is replaced
   LogWriterOptions writer;              // origin_ns and universes are set by the sink
   TimeNs start_ns = 0;                  // time 0 of the log, on the pump's clock
   // The open block goes to the file this long after its first frame came, > 0: what the death of the process loses.

@@ -90,6 +90,10 @@ struct LogSink::Impl {
       at += taken.slot_counts[i];
       FL_TRY(writer.append(view));
     }
+    if (last && end_stamp_ns && !options.keep_empty && writer.stats().frames == 0) {
+      writer.discard();
+      return {};
+    }
     if (!last) return flush ? writer.flush() : writer.tick(now_ns);
     return end_stamp_ns ? writer.close(*end_stamp_ns) : writer.flush();
   }

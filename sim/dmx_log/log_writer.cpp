@@ -236,6 +236,12 @@ Status LogWriter::close(TimeNs end_stamp_ns) {
   return {};
 }
 
+void LogWriter::discard() {
+  FL_CHECK(!impl_->closed);
+  impl_->output->discard();
+  impl_->closed = true;
+}
+
 LogWriterStats LogWriter::stats() const { return impl_->stats; }
 const std::string& LogWriter::written_path() const { return impl_->output->path(); }
 

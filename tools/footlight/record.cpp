@@ -75,6 +75,7 @@ Result<int> record(const Options& options) {
   log.universes = bridge.universes;
   log.start_ns = clock.now_ns();
   log.writer.wall_start_unix_ns = wall_clock_unix_ns();
+  log.keep_empty = false;
   log.writer.overwrite = options.overwrite;
   log.writer.keep_repeats = !options.changes_only;
   FL_ASSIGN(std::unique_ptr<LogSink> sink, LogSink::create(options.out, log));
@@ -87,7 +88,7 @@ Result<int> record(const Options& options) {
   if (!kept.trouble().empty()) return fail(ErrorCode::kIo, "{}", kept.trouble());
   const LogWriterStats stats = kept.stats();
   const std::uint64_t lost = kept.counters().dropped;
-  if (!options.json) {
+  if (!options.json && (stats.frames != 0 || lost != 0 || stats.not_levels != 0)) {
     fmt::print(stderr, "{}: {} frames, {} of them with changes, {} bytes{}{}\n", options.out, stats.frames,
                stats.changes, stats.bytes,
                lost == 0 ? "" : fmt::format("; {} frames lost, the disk was too slow", lost),
@@ -96,8 +97,8 @@ Result<int> record(const Options& options) {
   if (lost != 0) return kExitFailed;
   if (stats.frames != 0) return kExitOk;
   return fail(ErrorCode::kNotFound,
-              "{}: nothing was recorded: no frame came; see who sends with 'footlight discover', or what a running "
-              "bridge gets with 'footlight monitor'",
+              "{}: nothing was recorded, and no file was written: no frame came; see who sends with 'footlight "
+              "discover', or what a running bridge gets with 'footlight monitor'",
               options.out);
 }
 

@@ -85,8 +85,8 @@ TEST_CASE("a recording gets all 1,200 unicast frames beside an older bridge that
   recorder.wait_for(R"("event":"ready")");
   send_artnet();
   recorder.wait_for(R"("frames":1200)");
-  CHECK(frames_of(recorder) == kSenders * kFramesEach);
   CHECK_FALSE(recorder.has_said("port-shared", 1));
+  CHECK(frames_of(recorder) == kSenders * kFramesEach);
 }
 
 TEST_CASE("a recording beside an older bridge whose output searches says that the output may drop unicast frames") {
@@ -100,6 +100,25 @@ TEST_CASE("a recording beside an older bridge whose output searches says that th
   const Outcome outcome = recorder.wait();
   CHECK(contains(outcome.out, "an output that searches for devices drops them"));
   CHECK(contains(outcome.out, "name the addresses of its devices after @"));
+}
+
+TEST_CASE("a recording without a frame leaves no file, and the log that it would have replaced as it was") {
+  if (!enter_private_network()) return;
+  const TempFolder folder;
+  const std::string path = folder.file("a.dmxlog");
+  const std::vector<std::string> words = {"record", "--in", "sacn:1%lo", "-o", path, "--for", "10ms"};
+  for (int time = 1; time <= 2; ++time) {  // the same command again is not refused
+    CHECK(footlight(words).exit_code == 3);
+    CHECK(std::filesystem::is_empty(folder.path()));
+  }
+  std::ofstream(path) << "a good log";
+  auto replacing = words;
+  replacing.push_back("--overwrite");
+  CHECK(footlight(replacing).exit_code == 3);
+  std::string text;
+  std::getline(std::ifstream(path), text);
+  CHECK(text == "a good log");
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
 TEST_CASE("a recording without a frame ends with exit code 3 and says where frames may be") {
@@ -148,8 +167,8 @@ TEST_CASE("discover names the program that keeps the answers of Art-Net devices 
 
 TEST_CASE("discover names no bridge that only sends Art-Net to an address, for answers do not go there") {
   if (!enter_private_network()) return;
-  Footlight bridge({"run", "--in", "sacn:1%lo", "--out", "artnet:1@127.0.0.9", "--json", "--socket", "none",
-                    "--no-realtime"});
+  Footlight bridge(
+      {"run", "--in", "sacn:1%lo", "--out", "artnet:1@127.0.0.9", "--json", "--socket", "none", "--no-realtime"});
   bridge.wait_for(R"("event":"ready")");
   CHECK_FALSE(contains(footlight({"discover", "--for", "10ms", "--interface", "lo"}).err, "has UDP port 6454 open"));
 }
