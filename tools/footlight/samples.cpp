@@ -349,7 +349,7 @@ extern const CommandInfo samples_command{
     .examples =
         "  footlight samples samples\n"
         "  cd samples && footlight render rig.toml --log show.dmxlog --at 12.5s -o frame.png\n"
-        "Every file is of our own and the same on every machine. No file is replaced.",
+        "Every file is of our own and the same each time. No file is replaced.",
     .add = add,
 };
 
