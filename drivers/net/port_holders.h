@@ -16,7 +16,8 @@ struct PortHolder {
   std::string description;  // for people: "footlight run (process 812)", or "a program of user 104"
 };
 
-// Sockets of this process, and those that get no unicast, are left out. IPv4 sockets first. Reads /proc, of all processes only where there is one.
+// Sockets of this process, and those that get no unicast, are left out. IPv4 sockets first. Reads /proc, of all
+// processes only where there is one.
 [[nodiscard]] std::vector<PortHolder> other_holders(std::uint16_t udp_port);
 
 }  // namespace footlight::drivers

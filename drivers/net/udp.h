@@ -75,8 +75,8 @@ struct ReceiverSocket {
 // their group: the oldest at first; where the first one closes, the kernel moves the newest into its place.
 [[nodiscard]] Result<Fd> open_receiver(const ReceiverSocket& wanted);
 // The same on any address (bind_ipv4 is not used), but takes no unicast datagram that an IPv4 socket of this machine
-// wants; see open_yielding_sender(). Of several yielding sockets, receivers and senders alike, the one in the first place
-// of their group gets it; see open_receiver().
+// wants; see open_yielding_sender(). Of several yielding sockets, receivers and senders alike, the one in the first
+// place of their group gets it; see open_receiver().
 [[nodiscard]] Result<Fd> open_yielding_receiver(const ReceiverSocket& wanted);
 // Has a receiver hear every group that anybody on this machine has joined, on any interface. errno, or 0.
 [[nodiscard]] int hear_all_groups(const Fd& receiver);
