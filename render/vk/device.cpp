@@ -50,7 +50,9 @@ VKAPI_ATTR VkBool32 VKAPI_CALL Device::on_message(VkDebugUtilsMessageSeverityFla
   // Loader chatter about other drivers is GENERAL; what the program does wrong is VALIDATION or PERFORMANCE.
   if ((types & VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT) == 0) return VK_FALSE;
   if (severity < VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT) return VK_FALSE;
-  static_cast<Device*>(self)->validation_messages_.emplace_back(data->pMessage);
+  auto& device = *static_cast<Device*>(self);
+  const std::lock_guard lock(device.messages_mutex_);
+  device.validation_messages_.emplace_back(data->pMessage);
   fmt::print(stderr, "validation: {}\n", data->pMessage);
   return VK_FALSE;
 }

@@ -37,7 +37,11 @@ class Device {
   [[nodiscard]] bool is_software() const { return software_; }
   [[nodiscard]] double timestamp_period_ns() const { return properties_.limits.timestampPeriod; }
   [[nodiscard]] const VkPhysicalDeviceLimits& limits() const { return properties_.limits; }
-  [[nodiscard]] const std::vector<std::string>& validation_messages() const { return validation_messages_; }
+  // A copy: other threads may add to them.
+  [[nodiscard]] std::vector<std::string> validation_messages() const {
+    const std::lock_guard lock(messages_mutex_);
+    return validation_messages_;
+  }
 
   // Index of a memory type that is allowed by `type_bits` and has `flags`; kUnsupported where there is none.
   [[nodiscard]] Result<std::uint32_t> memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags flags) const;
@@ -76,7 +80,8 @@ class Device {
   std::string name_;
   std::string driver_;
   bool software_ = false;
-  std::vector<std::string> validation_messages_;
+  mutable std::mutex messages_mutex_;
+  std::vector<std::string> validation_messages_;  // under messages_mutex_
 };
 
 // Success, or the name of the failed call and of the VkResult.

@@ -3,6 +3,8 @@
 #include <numeric>
 #include <optional>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
@@ -64,6 +66,32 @@ TEST_CASE("a device can be chosen by a part of its name") {
   REQUIRE(device);
   CHECK(contains((*device)->name(), part));
   CHECK((*device)->validation_messages().empty());
+}
+
+TEST_CASE("validation messages of four threads at the same time are all kept") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const auto device = vk::Device::create({.validation = true});
+  REQUIRE(device);
+  const auto submit = reinterpret_cast<PFN_vkSubmitDebugUtilsMessageEXT>(
+      vkGetInstanceProcAddr((*device)->instance, "vkSubmitDebugUtilsMessageEXT"));
+  REQUIRE((submit != nullptr));
+  constexpr std::size_t kThreads = 4;
+  constexpr std::size_t kMessages = 10;
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t i = 0; i < kThreads; ++i) {
+      threads.emplace_back([&] {
+        VkDebugUtilsMessengerCallbackDataEXT data{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CALLBACK_DATA_EXT};
+        data.pMessage = "made by a test";
+        for (std::size_t m = 0; m < kMessages; ++m) {
+          submit((*device)->instance, VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT,
+                 VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT, &data);
+        }
+      });
+    }
+  }
+  CHECK((*device)->validation_messages().size() == kThreads * kMessages);
 }
 
 TEST_CASE("sizes that no picture has are refused with what is allowed") {

@@ -63,7 +63,7 @@ HeadlessVulkan::HeadlessVulkan() : device_(shared_device()) {
 
 HeadlessVulkan::~HeadlessVulkan() {
   if (device_ == nullptr) return;
-  const auto& messages = device_->validation_messages();
+  const auto messages = device_->validation_messages();
   for (std::size_t i = messages_before_; i < messages.size(); ++i) CHECK_MESSAGE(false, messages[i]);
 }
 
