@@ -69,14 +69,15 @@ void main() {
       bool thin = beam_thin(row) > 0.0;
       if (thin && plain) nodes = min(max(nodes, kNodes + 1u), 8u);  // (1 - rho^2)^3
       for (int i = 0; i < FL_ROWS; ++i) {
+        vec3 eye = row.eye.xyz;
         vec3 ray = to_light(row, d[i]);
         BeamShape beam = shape;
         float gain = 1.0;
         if (thin) {
-          gain = thin_in_haze(beam, row, ray, dot(d[i], params.forward.xyz), t_max_m[i], plain);
+          gain = thin_in_haze(beam, row, eye, ray, dot(d[i], params.forward.xyz), t_max_m[i], plain);
         }
         Chord chord;
-        bool seen = beam_chord(beam, row.eye.xyz, ray, 0.0, t_max_m[i], chord);
+        bool seen = beam_chord(beam, eye, ray, 0.0, t_max_m[i], chord);
         if (kRectangle && row.squeeze > 0.0 && seen) seen = chord_in_rectangle(chord);
         if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u && seen) {
           for (int e = 0; e < 4; ++e) {

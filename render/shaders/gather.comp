@@ -98,7 +98,7 @@ float flux_factor(BeamShape beam, float iris) {
 // Whether the beam is drawn wider than it is at some place (lib/thin.glsl). The distance of a place is convex along the
 // axis and the radius is linear, so an end decides. A tenth is for the softest profile.
 bool thin_somewhere(BeamRow beam) {
-  float reach = 1.1 * params.thin * (beam.squeeze > 0.0 ? 1.5 * max(1.0, sqrt(beam.squeeze)) : 1.0);
+  float reach = 1.1 * params.thin * beam_stretch(beam.squeeze);
   float range_m = beam.axis.w;
   return reach * length(beam.eye.xyz) > beam.x_axis.w ||
          reach * length(beam.eye.xyz - vec3(0.0, 0.0, range_m)) > beam.x_axis.w + beam.y_axis.w * range_m;

@@ -30,6 +30,10 @@ Scene laser_scene(double radius_m, double profile_m, double rise_deg, double zoo
   lamp.type = 0;
   lamp.position_m = {-12, 2, 3.013};
   lamp.rotation_deg = {0, -90 - rise_deg, 0};
+  for (fixtures::Channel& channel : scene.rig.types[0].modes[0].channels) {
+    fixtures::ChannelFunction& function = channel.functions.front();
+    if (function.attribute == "Zoom") function.physical_to = 170;
+  }
   scene.compile();
   // Frost has profiles that no type has.
   for (fixtures::TypeRow& type : scene.compiled.types) type.profile_m = static_cast<float>(profile_m);
@@ -70,6 +74,34 @@ double judged_sum(const JudgeScene& judge, const View& view, int width, int heig
   return sum;
 }
 
+// Makes the lamp's beams rectangular: radius_m is half their width. Keeps the profile and the levels.
+void make_rectangular(Scene& scene, double aspect) {
+  const float profile_m = scene.compiled.types.front().profile_m;
+  const auto levels = scene.levels;
+  scene.rig.types[0].beams[0].type = fixtures::BeamType::kRectangle;
+  scene.rig.types[0].beams[0].rectangle_ratio = aspect;
+  scene.compile();
+  scene.levels = levels;
+  for (fixtures::TypeRow& type : scene.compiled.types) type.profile_m = profile_m;
+  scene.compiled.needs.profile = true;
+}
+
+// Largest relative difference between the sums of some columns and the judge's.
+double worst_column(vk::Device& device, const Scene& scene, std::initializer_list<int> columns) {
+  const View view = view_of(scene.camera);
+  fixtures::f64::Walker walker(scene.compiled);
+  walker.step(scene.levels, 0);
+  const JudgeScene judge = judge_scene(scene.rig, walker);
+  const auto sums = column_sums(draw_new(device, scene, small_settings()), view);
+  double worst = 0;
+  for (const int x : columns) {
+    const double expected = judged_sum(judge, view, 160, 90, x);
+    REQUIRE(expected > 0);
+    worst = std::max(worst, std::abs(sums[static_cast<std::size_t>(x)] / expected - 1));
+  }
+  return worst;
+}
+
 TEST_CASE("a laser of 4 mm has the light of the judge in every column of 160 x 90 pixels, at every slant") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
@@ -79,20 +111,59 @@ TEST_CASE("a laser of 4 mm has the light of the judge in every column of 160 x 9
       CAPTURE(m);
       CAPTURE(rise_deg);
       const Scene scene = laser_scene(0.002, m, rise_deg, 0);
-      const View view = view_of(scene.camera);
-      fixtures::f64::Walker walker(scene.compiled);
-      walker.step(scene.levels, 0);
-      const JudgeScene judge = judge_scene(scene.rig, walker);
-      const auto sums = column_sums(draw_new(vulkan.device(), scene, small_settings()), view);
-      for (const int x : {25, 40, 41, 42, 43, 51}) {
-        const double expected = judged_sum(judge, view, 160, 90, x);
-        REQUIRE(expected > 0);
-        worst = std::max(worst, std::abs(sums[static_cast<std::size_t>(x)] / expected - 1));
-      }
+      worst = std::max(worst, worst_column(vulkan.device(), scene, {25, 40, 41, 42, 43, 51}));
     }
   }
   std::fprintf(stderr, "laser in the haze: sums over columns differ by %.3g at most\n", worst);
   CHECK(worst < 0.012);
+}
+
+TEST_CASE("a rectangular laser has the light of the judge in every column, at every aspect") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  double worst = 0;
+  for (const double aspect : {0.5, 2.0, 14.0}) {
+    for (const double rise_deg : {0.0, 20.0}) {
+      CAPTURE(aspect);
+      CAPTURE(rise_deg);
+      Scene scene = laser_scene(0.002, 1.0 / 3, rise_deg, 0);
+      make_rectangular(scene, aspect);
+      const double off = worst_column(vulkan.device(), scene, {25, 40, 43});
+      CHECK(off < 0.012);
+      worst = std::max(worst, off);
+    }
+  }
+  std::fprintf(stderr, "rectangular laser in the haze: sums over columns differ by %.3g at most\n", worst);
+}
+
+TEST_CASE("a rectangular laser lights no pixel more than four from its axis") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = laser_scene(0.002, 1, 0, 0);
+  make_rectangular(scene, 14);
+  const RadianceImage picture = draw_new(vulkan.device(), scene, small_settings());
+  std::size_t fewest = 90;
+  std::size_t most = 0;
+  for (std::size_t x = 25; x < 140; ++x) {
+    std::size_t lit = 0;
+    for (std::size_t y = 0; y < 90; ++y) lit += picture.rgb[(y * 160 + x) * 3 + 1] > 0 ? 1 : 0;
+    fewest = std::min(fewest, lit);
+    most = std::max(most, lit);
+  }
+  CHECK(fewest >= 2);
+  CHECK(most <= 5);
+}
+
+TEST_CASE("a bar of light of many pixels' width and a fiftieth of a pixel's height has all of its light") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = laser_scene(0.6, 1.0 / 3, 0, 0);
+  make_rectangular(scene, 300);
+  scene.rig.cameras = {{"c", {0, -1, 18}, {0, 2, 3}, 55, 4}};  // sees it from its narrow side
+  scene.camera = scene.rig.cameras.front();
+  const double worst = worst_column(vulkan.device(), scene, {40, 41, 42, 43, 51, 100});
+  std::fprintf(stderr, "thin bar in the haze: sums over columns differ by %.3g at most\n", worst);
+  CHECK(worst < 0.02);
 }
 
 TEST_CASE("the light of a beam that widens stays within a tenth where it becomes as wide as a pixel") {
@@ -114,43 +185,129 @@ TEST_CASE("the light of a beam that widens stays within a tenth where it becomes
   CHECK(worst < 0.1);
 }
 
+// Light that the floor at z = 0 sends back: green radiance times the floor's area, summed over the picture.
+double floor_light(const RadianceImage& picture, const View& view) {
+  double light = 0;
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x) {
+      const Ray ray = pixel_ray(view, picture.width, picture.height, x, y);
+      if (!(ray.direction.z < -1e-3)) continue;
+      const double t_m = -view.position_m.z / ray.direction.z;
+      const double depth = glm::dot(ray.direction, view.forward);
+      const double pixel = 2 * view.tan_half_fov / picture.height;
+      // Area of the floor behind the pixel: solid angle times distance squared, over the cosine.
+      const double area = pixel * pixel * depth * depth * depth * t_m * t_m / -ray.direction.z;
+      light += static_cast<double>(picture.rgb[static_cast<std::size_t>(y * picture.width + x) * 3 + 1]) * area;
+    }
+  }
+  return light;
+}
+
+// A floor without haze, and a camera 10 m away that looks at its middle.
+Scene floor_scene(double radius_m, double profile_m, double zoom_deg, double camera_m) {
+  Scene scene = laser_scene(radius_m, profile_m, 0, zoom_deg);
+  scene.rig.haze.scattering_per_m = 0;
+  scene.rig.boxes.push_back({"floor", {-20, -20, -1}, {20, 20, 0}, glm::dvec3(0.5)});
+  scene.rig.cameras = {{"c", {0, -10, camera_m}, {0, 0, 0}, 40, 4}};
+  scene.camera = scene.rig.cameras.front();
+  scene.rig.fixtures.front().rotation_deg = {0, 0, 0};  // down
+  return scene;
+}
+
+// Largest relative difference between the light on the floor and the lamp's, for some places of the lamp.
+double worst_floor(vk::Device& device, Scene& scene, double lamp_m, int places) {
+  const View view = view_of(scene.camera);
+  double worst = 0;
+  for (int i = 0; i < places; ++i) {
+    scene.rig.fixtures.front().position_m = {0.013 * i, 0.11 * i, lamp_m};
+    const float profile_m = scene.compiled.types.front().profile_m;
+    const auto levels = scene.levels;
+    scene.compile();
+    scene.levels = levels;
+    for (fixtures::TypeRow& type : scene.compiled.types) type.profile_m = profile_m;
+    scene.compiled.needs.profile = true;
+    const double light = floor_light(draw_new(device, scene, small_settings()), view);
+    const double expected = scene.rig.types[0].beams[0].flux_lm * 0.5 / std::numbers::pi;
+    worst = std::max(worst, std::abs(light / expected - 1));
+  }
+  return worst;
+}
+
 TEST_CASE("the spot of a thin beam on a floor has all of its light, wherever between the pixels and however oblique") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   double worst = 0;
   for (const double height_m : {10.0, 4.0, 2.0}) {  // 45 to 11 degrees above the floor
-    Scene scene = laser_scene(0.002, 1, 0, 0);
-    scene.rig.haze.scattering_per_m = 0;
-    scene.rig.boxes.push_back({"floor", {-20, -20, -1}, {20, 20, 0}, glm::dvec3(0.5)});
-    scene.rig.cameras = {{"c", {0, -10, height_m}, {0, 0, 0}, 40, 4}};
-    const View view = view_of(scene.rig.cameras.front());
-    for (int i = 0; i < 8; ++i) {
-      fixtures::PatchedFixture& lamp = scene.rig.fixtures.front();
-      lamp.position_m = {0.013 * i, 0.11 * i, 6};
-      lamp.rotation_deg = {0, 0, 0};  // down
-      const auto levels = scene.levels;
-      scene.compile();
-      scene.levels = levels;
-      const RadianceImage picture = draw_new(vulkan.device(), scene, small_settings());
-      double light = 0;
-      for (int y = 0; y < 90; ++y) {
-        for (int x = 0; x < 160; ++x) {
-          const Ray ray = pixel_ray(view, 160, 90, x, y);
-          if (!(ray.direction.z < -1e-3)) continue;
-          const double t_m = -view.position_m.z / ray.direction.z;
-          const double depth = glm::dot(ray.direction, view.forward);
-          const double pixel = 2 * view.tan_half_fov / 90;
-          // Area of the floor behind the pixel: solid angle times distance squared, over the cosine.
-          const double area = pixel * pixel * depth * depth * depth * t_m * t_m / -ray.direction.z;
-          light += static_cast<double>(picture.rgb[static_cast<std::size_t>(y * 160 + x) * 3 + 1]) * area;
-        }
-      }
-      const double expected = scene.rig.types[0].beams[0].flux_lm * 0.5 / std::numbers::pi;
-      worst = std::max(worst, std::abs(light / expected - 1));
-    }
+    Scene scene = floor_scene(0.002, 1, 0, height_m);
+    worst = std::max(worst, worst_floor(vulkan.device(), scene, 6, 8));
   }
   std::fprintf(stderr, "thin beam on a floor: light differs by %.3g at most\n", worst);
   CHECK(worst < 0.015);
+}
+
+TEST_CASE("the spot of a thin bar of light on a floor has all of its light, however oblique and however wide") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  double worst = 0;
+  for (const double height_m : {10.0, 2.0}) {
+    for (const auto& [aspect, radius_m] : {std::pair(14.0, 0.002), std::pair(1.0 / 14, 0.002), std::pair(200.0, 0.7)}) {
+      CAPTURE(height_m);
+      CAPTURE(aspect);
+      Scene scene = floor_scene(radius_m, 1.0 / 3, 0, height_m);
+      make_rectangular(scene, aspect);
+      const double off = worst_floor(vulkan.device(), scene, 6, 2);
+      CHECK(off < 0.03);
+      worst = std::max(worst, off);
+    }
+  }
+  std::fprintf(stderr, "thin bar on a floor: light differs by %.3g at most\n", worst);
+}
+
+TEST_CASE("the spot of a wide beam that is thin because it ends near its lens has all of its light") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  double worst = 0;
+  for (const double m : {0.25, 1.0, 4.0}) {
+    for (const double zoom_deg : {40.0, 90.0}) {
+      CAPTURE(m);
+      CAPTURE(zoom_deg);
+      Scene scene = floor_scene(0.002, m, zoom_deg, 10);
+      const double off = worst_floor(vulkan.device(), scene, 0.02, 1);
+      CHECK(off < 0.015);
+      worst = std::max(worst, off);
+    }
+  }
+  std::fprintf(stderr, "thin spot of a wide beam on a floor: light differs by %.3g at most\n", worst);
+}
+
+TEST_CASE("a beam along a floor puts no light beside the plane of its lens, and all of its light within its cone") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  for (const double zoom_deg : {22.6, 90.0, 119.0}) {
+    CAPTURE(zoom_deg);
+    Scene scene = floor_scene(0.05, 1, zoom_deg, 10);
+    // A pixel is 4 cm across the line of sight.
+    scene.rig.cameras = {{"c", {2, -42, 42}, {2, 0, 0}, 3.44, 4}};
+    scene.camera = scene.rig.cameras.front();
+    const View view = view_of(scene.camera);
+    fixtures::PatchedFixture& lamp = scene.rig.fixtures.front();
+    lamp.position_m = {0, 0, 1};
+    lamp.rotation_deg = {0, -90, 0};
+    const auto levels = scene.levels;
+    scene.compile();
+    scene.levels = levels;
+    const RadianceImage picture = draw_new(vulkan.device(), scene, small_settings());
+    const RadianceImage fine = draw_new(vulkan.device(), scene, judged_settings(640, 360));
+    const auto largest = [](const RadianceImage& image) {
+      return *std::max_element(image.rgb.begin(), image.rgb.end());
+    };
+    const double light = floor_light(picture, view);
+    const double expected = floor_light(fine, view);
+    std::fprintf(stderr, "beam along a floor: %.3g of the light, %.3g of the peak\n", light / expected,
+                 static_cast<double>(largest(picture) / largest(fine)));
+    CHECK(std::abs(light / expected - 1) < 0.01);
+    CHECK(largest(picture) < 1.05f * largest(fine));
+  }
 }
 
 TEST_CASE("beams of more than two pixels are drawn as they are, to the bit") {

@@ -30,13 +30,19 @@ float beam_extent(BeamShape beam, vec3 eye, vec3 n) {
   return max(at_lens, at_end) - dot(n, eye);
 }
 
+// How much longer a thin rectangle's radius may become in its stretched light space than a round beam's. sqrt(2) is for
+// the corners. A wide one's height is stretched; a high one's distances are shortened.
+float beam_stretch(float squeeze) { return squeeze > 0.0 ? 1.5 * max(sqrt(squeeze), inversesqrt(squeeze)) : 1.0; }
+
 // What holds the beam as it is drawn, where thin beams are drawn wider (thin.glsl) and at most `wider` times as wide as
-// that. What is added is convex along the axis, so it is largest at an end.
+// that. On a surface, where wider > 1, a step along the axis of a wide beam moves its edge as well: sqrt(1 + k^2). What
+// is added is convex along the axis, so it is largest at an end.
 BeamShape beam_bound(BeamRow row, float wider) {
   BeamShape beam = beam_shape(row);
   float thin = beam_thin(row);
   if (thin > 0.0) {
-    float reach = wider * thin * (row.squeeze > 0.0 ? 1.5 * max(1.0, sqrt(row.squeeze)) : 1.0);
+    float reach = wider * thin * beam_stretch(row.squeeze);
+    if (wider > 1.0) reach *= sqrt(1.0 + beam.spread * beam.spread);
     float at_lens = reach * length(row.eye.xyz) - beam.lens_radius_m;
     float at_end = reach * length(row.eye.xyz - vec3(0.0, 0.0, beam.range_m)) - beam.lens_radius_m -
                    beam.spread * beam.range_m;
