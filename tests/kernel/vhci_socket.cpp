@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -26,7 +27,8 @@ using drivers::mock::SetupPacket;
 
 constexpr std::uint32_t kSubmit = 1, kUnlink = 2, kSubmitAnswer = 3, kUnlinkAnswer = 4;
 constexpr int kFullSpeed = 2;
-constexpr const char* kFolder = "/sys/devices/platform/vhci_hcd.0/";
+constexpr const char* kPlatform = "/sys/devices/platform";
+constexpr const char* kFolder = "/sys/devices/platform/vhci_hcd.0/";  // the only one that has the attributes
 
 // Both ways and for every command: 12 words, the high octet first; the last two of a request are a setup packet.
 constexpr std::size_t kHeaderWords = 12;
@@ -37,8 +39,23 @@ TimeNs steady_now_ns() {
       .count();
 }
 
-bool write_attribute(const char* name, const std::string& text) {
-  const int fd = ::open((std::string(kFolder) + name).c_str(), O_WRONLY | O_CLOEXEC);
+// How many controllers the kernel was built with. Each has a root hub.
+int controller_count() {
+  int count = 0;
+  while (std::filesystem::exists(fmt::format("{}/vhci_hcd.{}", kPlatform, count))) ++count;
+  REQUIRE(count > 0);
+  return count;
+}
+
+// The sockets of all root hubs.
+int kernel_socket_count() {
+  int count = 0;
+  std::ifstream(std::string(kFolder) + "nports") >> count;
+  return count;
+}
+
+bool write_file(const std::string& path, const std::string& text) {
+  const int fd = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
   if (fd < 0) return false;
   const bool written = ::write(fd, text.data(), text.size()) == static_cast<ssize_t>(text.size());
   ::close(fd);
@@ -48,7 +65,11 @@ bool write_attribute(const char* name, const std::string& text) {
 }  // namespace
 
 VhciSocket::VhciSocket(drivers::mock::UsbModel& model, int socket)
-    : model_(model), socket_(socket), wake_fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+    : model_(model),
+      controller_(socket % controller_count()),
+      hub_port_(socket / controller_count() + 1),
+      kernel_socket_(controller_ * (kernel_socket_count() / controller_count()) + hub_port_ - 1),
+      wake_fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   REQUIRE(wake_fd_ >= 0);
 }
 
@@ -63,13 +84,14 @@ void VhciSocket::plug() {
   REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) == 0);
   {
     const std::lock_guard lock(mutex_);
+    is_unplugged_ = false;
     in_flight_.clear();
     model_.power_on();
   }
   // The kernel frees the socket of an unplugged device in its own time.
-  const std::string words = fmt::format("{} {} {} {}", socket_, ends[1], socket_ + 1, kFullSpeed);
+  const std::string words = fmt::format("{} {} {} {}", kernel_socket_, ends[1], kernel_socket_ + 1, kFullSpeed);
   const TimeNs give_up_ns = steady_now_ns() + 60 * kNsPerS;
-  while (!write_attribute("attach", words)) {
+  while (!write_file(std::string(kFolder) + "attach", words)) {
     REQUIRE(steady_now_ns() < give_up_ns);
     ::poll(nullptr, 0, 5);
   }
@@ -80,28 +102,40 @@ void VhciSocket::plug() {
 
 void VhciSocket::unplug() {
   if (fd_ < 0) return;
-  write_attribute("detach", std::to_string(socket_));
-  ::shutdown(fd_, SHUT_RDWR);
-  thread_.join();
+  {
+    const std::lock_guard lock(mutex_);
+    is_unplugged_ = true;
+    for (const Transfer& transfer : in_flight_) answer_submit(transfer, -EPROTO, {});
+    in_flight_.clear();
+  }
+  // First from the USB core, which then refuses transfers by itself: those that come while vhci_hcd shuts down the
+  // connection would be left to their timeout of 5 s.
+  if (const std::string device = device_folder(); !device.empty()) write_file(device + "/remove", "1");
+  write_file(std::string(kFolder) + "detach", std::to_string(kernel_socket_));
+  thread_.join();  // the kernel closes its end
   ::close(fd_);
   fd_ = -1;
-  const std::lock_guard lock(mutex_);
-  in_flight_.clear();
+}
+
+std::string VhciSocket::device_folder() const {
+  for (const auto& hub : std::filesystem::directory_iterator(fmt::format("{}/vhci_hcd.{}", kPlatform, controller_))) {
+    const std::string name = hub.path().filename();
+    if (!name.starts_with("usb")) continue;
+    const auto folder = hub.path() / fmt::format("{}-{}", name.substr(3), hub_port_);
+    if (std::filesystem::exists(folder)) return folder;
+  }
+  return {};
 }
 
 std::string VhciSocket::port_path() const {
-  std::string path;
+  std::string name;
   const bool configured = eventually([&] {
-    for (const auto& hub : std::filesystem::directory_iterator(kFolder)) {
-      const std::string name = hub.path().filename();
-      if (!name.starts_with("usb")) continue;
-      path = fmt::format("{}-{}", name.substr(3), socket_ + 1);
-      if (std::filesystem::exists(hub.path() / path / (path + ":1.0"))) return true;
-    }
-    return false;
+    const std::filesystem::path folder = device_folder();
+    name = folder.filename();
+    return !name.empty() && std::filesystem::exists(folder / (name + ":1.0"));
   });
-  REQUIRE_MESSAGE(configured, "the kernel configures no device in vhci socket " << socket_);
-  return path;
+  REQUIRE_MESSAGE(configured, "the kernel configures no device in vhci socket " << kernel_socket_);
+  return name;
 }
 
 void VhciSocket::wake() {
@@ -152,6 +186,7 @@ bool VhciSocket::take_request() {
 
 void VhciSocket::take_submit(Transfer transfer, const std::uint8_t* setup) {
   const std::lock_guard lock(mutex_);
+  if (is_unplugged_) return answer_submit(transfer, -EPROTO, {});
   const TimeNs now_ns = steady_now_ns();
   if ((transfer.endpoint & 0x7F) != 0) {
     const int latency_ms = transfer.to_host ? model_.in_latency_ms(transfer.endpoint) : 0;
@@ -221,7 +256,8 @@ bool VhciSocket::run(Transfer& transfer, TimeNs now_ns) {
 
 void VhciSocket::answer_submit(const Transfer& transfer, int status, const Bytes& bytes) {
   const std::size_t count = transfer.to_host ? std::min<std::size_t>(bytes.size(), transfer.size) : 0;
-  const auto actual_size = static_cast<std::uint32_t>(transfer.to_host ? count : transfer.bytes.size());
+  const std::size_t sent = status == 0 ? transfer.bytes.size() : 0;
+  const auto actual_size = static_cast<std::uint32_t>(transfer.to_host ? count : sent);
   send_answer(kSubmitAnswer, transfer.sequence, status, actual_size,
               Bytes(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count)));
 }

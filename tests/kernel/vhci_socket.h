@@ -16,18 +16,19 @@
 
 namespace footlight::testing {
 
-inline constexpr int kVhciSocketCount = 8;  // of the full-speed root hub
-
 class VhciSocket {
  public:
-  // socket: from 0. The model outlives this object.
+  // socket: from 0. They are spread over the root hubs, since the kernel handles the ports of one hub one by one. The
+  // model outlives this object.
   explicit VhciSocket(drivers::mock::UsbModel& model, int socket = 0);
   ~VhciSocket();  // unplugs
   VhciSocket(const VhciSocket&) = delete;
   VhciSocket& operator=(const VhciSocket&) = delete;
 
-  void plug();    // powers the model on; the kernel finds it some 100 ms later
-  void unplug();  // ends every transfer in flight
+  void plug();  // powers the model on; the kernel finds it some 100 ms later
+  // Ends every transfer in flight, and those that come until the kernel has noticed, as a host controller ends those to
+  // a device that no longer answers.
+  void unplug();
   // "1-1", as in /sys/bus/usb/devices, once the kernel has configured the device; fails the test where it does not.
   [[nodiscard]] std::string port_path() const;
 
@@ -62,8 +63,9 @@ class VhciSocket {
     ~Notifier() { socket.wake(); }
   };
 
-  void serve();         // the thread
-  bool take_request();  // false: the kernel has closed the connection
+  [[nodiscard]] std::string device_folder() const;  // of the kernel's device, in /sys; empty: none yet
+  void serve();                                     // the thread
+  bool take_request();                              // false: the kernel has closed the connection
   void take_submit(Transfer transfer, const std::uint8_t* setup);
   void take_unlink(std::uint32_t sequence, std::uint32_t victim);
   TimeNs complete_in_time();  // returns when to call it again
@@ -76,12 +78,16 @@ class VhciSocket {
   void wake();
 
   drivers::mock::UsbModel& model_;
-  const int socket_;
+  const int controller_;
+  const int hub_port_;       // from 1
+  const int kernel_socket_;  // as vhci_hcd counts them
   const int wake_fd_;
   int fd_ = -1;  // our end of the pair; -1: unplugged
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::list<Transfer> in_flight_;  // guarded by mutex_, as is the model
+  // Guarded by mutex_, as is the model.
+  std::list<Transfer> in_flight_;
+  bool is_unplugged_ = false;
   std::thread thread_;
 };
 
