@@ -13,7 +13,7 @@
 
 namespace footlight::testing {
 
-// `footlight run` from sACN universe 1 on loopback to an endpoint.
+// `footlight run` from sACN universe 1 on loopback to an endpoint; to several with "--out" among the options.
 class DeviceRun {
  public:
   explicit DeviceRun(const std::string& endpoint, const std::vector<std::string>& options = {});
@@ -33,10 +33,10 @@ class DeviceRun {
     return false;
   }
   Footlight& program() { return program_; }
-
- private:
+  // Fails the test with what the program has printed.
   void fail();
 
+ private:
   Footlight program_;
   std::unique_ptr<Sink> sender_;
 };
