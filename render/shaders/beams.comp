@@ -66,7 +66,7 @@ void main() {
       gobo_begin(row);
       bool gobo = has_gobo(row);
       bool plain = thin_is_plain(row, gobo);
-      bool thin = beam_thin(row) > 0.0;
+      bool thin = thin_in_haze_applies(row);
       if (thin && plain) nodes = min(max(nodes, kNodes + 1u), 8u);  // (1 - rho^2)^3
       for (int i = 0; i < FL_ROWS; ++i) {
         vec3 eye = row.eye.xyz;

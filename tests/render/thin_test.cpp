@@ -322,6 +322,26 @@ TEST_CASE("beams of more than two pixels are drawn as they are, to the bit") {
         draw_new(vulkan.device(), scene, judged_settings(160, 90)).rgb);
 }
 
+TEST_CASE("in haze a wide beam from a small lens, and a beam that the eye is in, are drawn as they are, to the bit") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const auto unchanged = [&](const Scene& scene) {
+    return draw_new(vulkan.device(), scene, small_settings()).rgb ==
+           draw_new(vulkan.device(), scene, judged_settings(160, 90)).rgb;
+  };
+  for (const double zoom_deg : {15.0, 40.0, 150.0}) {
+    CAPTURE(zoom_deg);
+    CHECK(unchanged(laser_scene(0.05, 1, 10, zoom_deg)));
+  }
+  Scene scene = laser_scene(0.02, 1, 0, 8);
+  scene.rig.cameras = {{"c", {8, 2, 3.3}, {-12, 2, 3.013}, 40, 4}};
+  scene.camera = scene.rig.cameras.front();
+  CHECK(unchanged(scene));
+  scene.rig.cameras = {{"c", {8, -10, 3.3}, {-12, 2, 3.013}, 40, 4}};  // beside it
+  scene.camera = scene.rig.cameras.front();
+  CHECK_FALSE(unchanged(scene));
+}
+
 TEST_CASE("with four pixels for one of the screen it shows the tone map of their mean radiance") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

@@ -1,5 +1,6 @@
 // Which forms of beams a rig can have: profiles other than m = 1, wide beams, irises, rectangles, and measured beams
-// with their table. Every pass that computes light includes this, so that all of them leave out the same. Before beam.h.
+// with their table. Every pass that computes light includes this, so that all of them leave out the same. Include it
+// before beam.h.
 layout(constant_id = FL_SPEC_PROFILE) const bool kProfile = false;
 layout(constant_id = FL_SPEC_WIDE) const bool kWide = false;
 layout(constant_id = FL_SPEC_IRIS) const bool kIris = false;

@@ -43,6 +43,18 @@ float thin_reach(BeamRow row) {
   return beam_thin(row) * (row.squeeze > 0.0 ? 1.4142135623730951 : 1.0);
 }
 
+// Widest beam that is widened in the haze: k = tan(5.7 degrees).
+const float kThinInHazeSpread = 0.1;
+
+// Whether a marked beam is widened in the haze. The widening of the whole beam follows from the place where a ray is
+// nearest its axis. That holds for narrow beams that the eye stands outside of: a ray in a wide cone, or from inside the
+// light, meets the beam at places of very different width, most of them wider than a pixel.
+bool thin_in_haze_applies(BeamRow row) {
+  float at_eye = row.x_axis.w + row.y_axis.w * row.eye.z;
+  bool holds_eye = row.eye.z > 0.0 && dot(row.eye.xy, row.eye.xy) < at_eye * at_eye;
+  return beam_thin(row) > 0.0 && row.y_axis.w <= kThinInHazeSpread && !holds_eye;
+}
+
 // Widens a rectangle: half its width and half its height become `wide` where they are less. Both are times sqrt(2), as
 // `own` is, half its width. Its light space gets the new ratio of the sides, with the eye and the ray in it. Returns
 // the factor of the beam's light.

@@ -181,7 +181,10 @@ TEST_CASE("the samples load without a warning, and the log, the OLA Show and the
     CAPTURE(outcome.out);
     CAPTURE(outcome.err);
     CHECK(outcome.exit_code == 0);
-    CHECK(outcome.out.find("warning") == std::string::npos);
+    std::string text = outcome.out;
+    const std::string none = ", 0 with warnings";  // of the summary
+    if (const auto at = text.find(none); at != std::string::npos) text.erase(at, none.size());
+    CHECK(text.find("warning") == std::string::npos);
     CHECK(outcome.out.find("error") == std::string::npos);
   }
 }
