@@ -105,7 +105,7 @@ void VhciSocket::unplug() {
   {
     const std::lock_guard lock(mutex_);
     is_unplugged_ = true;
-    for (const Transfer& transfer : in_flight_) answer_submit(transfer, -EPROTO, {});
+    for (const Transfer& transfer : in_flight_) answer_submit(transfer, -ESHUTDOWN, {});
     in_flight_.clear();
   }
   // First from the USB core, which then refuses transfers by itself: those that come while vhci_hcd shuts down the
@@ -186,7 +186,7 @@ bool VhciSocket::take_request() {
 
 void VhciSocket::take_submit(Transfer transfer, const std::uint8_t* setup) {
   const std::lock_guard lock(mutex_);
-  if (is_unplugged_) return answer_submit(transfer, -EPROTO, {});
+  if (is_unplugged_) return answer_submit(transfer, -ESHUTDOWN, {});
   const TimeNs now_ns = steady_now_ns();
   if ((transfer.endpoint & 0x7F) != 0) {
     const int latency_ms = transfer.to_host ? model_.in_latency_ms(transfer.endpoint) : 0;
