@@ -20,7 +20,7 @@ extern const CommandInfo fixtures_command{
     .examples =
         "  footlight fixtures check ~/gdtf /usr/share/qlcplus/fixtures\n"
         "  footlight fixtures show head.gdtf --mode Standard\n"
-        "  footlight fixtures find robe esprite\n"
+        "  footlight fixtures find robe pointe\n"
         "  footlight fixtures convert head.gdtf -o head.toml\n"
         "  footlight fixtures attributes\n",
     .add = add,

@@ -23,7 +23,7 @@ Result<int> find(const Options& options) {
   for (const std::string& word : options.words) words += word + " ";
   if (words.find_first_not_of(' ') == std::string::npos) {
     return fail(ErrorCode::kBadInput,
-                "fixtures find: expected words of a manufacturer's or model's name, as in 'robe esprite'");
+                "fixtures find: expected words of a manufacturer's or model's name, as in 'robe pointe'");
   }
   std::vector<std::string> folders = options.folders;
   for (std::string& folder : fixtures::library_folders()) folders.push_back(std::move(folder));
@@ -58,7 +58,7 @@ Result<int> find(const Options& options) {
 void add_fixtures_find(Arguments& arguments) {
   Arguments find_arguments = arguments.subcommand(
       "find", "Find definitions by name on this machine: GDTF, Open Fixture Library, QLC+ and our own",
-      "  footlight fixtures find robe esprite\n"
+      "  footlight fixtures find robe pointe\n"
       "  footlight fixtures find mac aura --library ~/gdtf --json\n"
       "Looks in $FOOTLIGHT_FIXTURES, footlight/fixtures below the XDG data folders, QLC+'s definitions, and among the\n"
       "types that are built in.\n"

@@ -64,7 +64,7 @@ constexpr Special kSpecials[] = {
     {"footlight render rig.toml --log show.dmxlog --at 12.5s --size 1920x1080 -o frame.png",
      "footlight render rig.toml --log show.dmxlog --at 12.5s --size 48x27 -o frame.png", "", 0,
      "a large picture takes long without a GPU"},
-    {"footlight fixtures find robe esprite", nullptr, "", 3, "no library of fixtures is installed"},
+    {"footlight fixtures find robe pointe", nullptr, "", 3, "no library of fixtures is installed"},
     {"footlight record --in sacn:1-9 -o new.dmxlog", nullptr, "--for 100ms", 0, kUntilStopped},
     {"footlight replay show.dmxlog --at 12.5s --loop --out sacn:1-9", nullptr, "--for 100ms", 0, kUntilStopped},
     {"footlight render rig.toml --log show.dmxlog --every 40ms -o show.mp4", nullptr, "--until 80ms --size 48x26", 0,
@@ -187,6 +187,23 @@ TEST_CASE("the samples load without a warning, and the log, the OLA Show and the
     CHECK(text.find("warning") == std::string::npos);
     CHECK(outcome.out.find("error") == std::string::npos);
   }
+}
+
+TEST_CASE("the README's search for a definition finds one among those of QLC+") {
+  if (!fs::exists("/usr/share/qlcplus/fixtures")) {
+    MESSAGE("SKIPPED: the package qlcplus-data is not installed");
+    return;
+  }
+  int searches = 0;
+  for (const std::string& line : readme_lines()) {
+    if (!line.starts_with("footlight fixtures find ")) continue;
+    Words words = words_of(line);
+    words.erase(words.begin());
+    CAPTURE(line);
+    CHECK(footlight(words).exit_code == 0);
+    ++searches;
+  }
+  CHECK(searches > 0);
 }
 
 TEST_CASE("every line of the README runs in a folder of samples") {
