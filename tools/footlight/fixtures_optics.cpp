@@ -21,13 +21,13 @@ std::string optics_of_type(const FixtureType& type) {
   }
   std::vector<std::string> seen;
   for (const Beam& beam : type.beams) {
-    const BeamFit fit = fit_beam(beam);
+    const BeamFit fit = drawn_beam(beam);
     std::string line;
     if (!beam.photometry.empty()) {
       const auto photometry = read_photometry_file(type.files, beam.photometry);
       const Side side = beam.photometry_back ? Side::kBack : Side::kFront;
-      line = fmt::format("  {}\n", photometry ? measured_text(measured_table(*photometry, side))
-                                              : photometry.error().message);
+      line = fmt::format("  {}\n",
+                         photometry ? measured_text(measured_table(*photometry, side)) : photometry.error().message);
       if (photometry && side == Side::kFront) {
         Diagnostics energy;
         energy_check(*photometry, beam.photometry, energy);
@@ -38,6 +38,11 @@ std::string optics_of_type(const FixtureType& type) {
       const auto full_deg = [](double tangent) { return 2 * std::atan(tangent) * 180 / std::numbers::pi; };
       line = fmt::format("  {:.5g} lm, a rectangle of {:.4g} by {:.4g} degrees\n", beam.flux_lm, full_deg(half_width),
                          full_deg(half_width / rectangle->aspect));
+    } else if (beam.profile_m > 0) {
+      line = fmt::format(
+          "  {:.5g} lm, m = {} and {:.4g} deg at the edge: drawn {:.4g} and {:.4g} deg, {:.6g} cd in the middle\n",
+          fit.flux_lm, fit.profile_m, 2 * std::atan(fit.spread) * 180 / std::numbers::pi, fit.beam_angle_deg,
+          fit.field_angle_deg, fit.peak_cd);
     } else {
       line = fmt::format(
           "  {:.5g} lm, {:.4g} and {:.4g} deg: drawn {:.4g} and {:.4g} deg, {:.1f} % off, {:.4g} cd in the "

@@ -434,9 +434,10 @@ std::string json_of_beam(const std::string& name, const fixtures::FixtureType& t
     row["width_deg"] = 2 * rectangle->half_angle_rad * kDegrees;
     row["height_deg"] = 2 * std::atan(half_width / rectangle->aspect) * kDegrees;
   } else {
-    const fixtures::BeamFit fit = fixtures::fit_beam(beam);
+    const fixtures::BeamFit fit = fixtures::drawn_beam(beam);
     row["beam_angle_deg"] = beam.beam_angle_deg;
     row["field_angle_deg"] = beam.field_angle_deg;
+    if (beam.profile_m > 0) row["profile_m"] = fit.profile_m;
     row["drawn_beam_angle_deg"] = fit.beam_angle_deg;
     row["drawn_field_angle_deg"] = fit.field_angle_deg;
     row["angle_error"] = fit.angle_error;

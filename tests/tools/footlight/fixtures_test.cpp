@@ -237,6 +237,24 @@ TEST_CASE("the report has the colours of a definition against what it says, and 
   CHECK(contains(text.out, "a.ies: the candela integrate to 1256.64 lm, +25.66 % from the 1000.00 lm"));
 }
 
+TEST_CASE("the optics of a type that states its profile are those of that profile, as text and as JSON") {
+  const std::string wash = FOOTLIGHT_SOURCE_DIR "/fixtures/builtin/wash.toml";
+  const Outcome shown = footlight({"fixtures", "show", wash, "--optics"});
+  CAPTURE(shown.out);
+  CHECK(contains(shown.out, "12000 lm, m = 1 and 25 deg at the edge: drawn 17.82 and 23.75 deg, 159233 cd"));
+  const Outcome json = footlight({"report", "--optics", wash, "--json"});
+  if (contains(json.err, "there is no command")) {
+    MESSAGE("SKIPPED: built without the judge");
+    return;
+  }
+  const auto lines = lines_of(json.out);
+  REQUIRE(!lines.empty());
+  CHECK(lines.back()["profile_m"] == 1);
+  CHECK(lines.back()["drawn_beam_angle_deg"].get<double>() == doctest::Approx(17.82).epsilon(5e-4));
+  CHECK(lines.back()["drawn_field_angle_deg"].get<double>() == doctest::Approx(23.75).epsilon(5e-4));
+  CHECK(lines.back()["peak_cd"].get<double>() == doctest::Approx(159'233).epsilon(1e-5));
+}
+
 TEST_CASE("show prints modes, geometries, channels, functions, sets, wheels and beams, of one mode where asked") {
   TempFolder folder;
   const std::string head = folder.write("head.gdtf", make_zip({{"description.xml", kHead}}));
