@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -126,12 +127,15 @@ class ArtnetFinder final : public Finder {
   std::shared_ptr<drivers::OwnSenders> program_;
 };
 
-void print(const NetworkFinding& found) {
+// The interfaces are those that were named on the command line; without them `run` listens where this command does.
+void print(const NetworkFinding& found, std::span<const std::string> interface_names) {
   fmt::print("{:<7} {:<15}  {}\n", found.protocol, found.address, found.name.empty() ? "(no name)" : found.name);
   if (!found.sends.empty()) {
     fmt::print("  sends: {}{}\n", show_universes(found.sends), found.complete ? "" : ", and more that did not come");
-    fmt::print("  hear:  footlight run --in {}:{} --out mock:enttec-pro\n", found.protocol,
-               show_universes(std::span(found.sends).first(1)));
+    std::string interfaces;
+    for (const std::string& name : interface_names) interfaces += (interfaces.empty() ? "%" : ",") + name;
+    fmt::print("  hear:  footlight run --in {}:{}{} --out mock:enttec-pro\n", found.protocol,
+               show_universes(found.sends), printable_line(interfaces));
   } else if (found.receives.empty()) {
     fmt::print("  sends: nothing at the moment\n");
   }
@@ -250,7 +254,7 @@ Result<int> discover(const Options& options) {
       if (options.json) {
         fmt::print("{}\n", json_of_finding(found));
       } else {
-        print(found);
+        print(found, options.interface_names);
       }
     }
   }
