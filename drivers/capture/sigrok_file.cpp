@@ -6,6 +6,8 @@
 
 #include <zip.h>
 
+#include "sim/core/file_kind.h"
+
 namespace footlight::drivers {
 namespace {
 
@@ -133,6 +135,7 @@ SigrokFile::SigrokFile(SigrokFile&&) noexcept = default;
 SigrokFile::~SigrokFile() = default;
 
 Result<SigrokFile> SigrokFile::open(const std::string& path) {
+  FL_TRY(refuse_pipe_input(path));
   int code = 0;
   Archive archive(zip_open(path.c_str(), ZIP_RDONLY, &code));
   if (!archive) {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "sim/core/file_kind.h"
 #include "sim/dmx_log/format.h"
 #include "sim/dmx_log/log_output.h"
 #include "sim/dmx_log/ola_show.h"
@@ -79,6 +80,7 @@ class OlaShowInput final : public LogInput {
 }  // namespace
 
 Result<LogFormat> detect_log_format(const std::string& path) {
+  FL_TRY(refuse_pipe_input(path));
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {
     return fail(ErrorCode::kBadInput, "{}: is a directory; name a file", path);

@@ -9,6 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "sim/core/file_kind.h"
+
 namespace footlight::dmx_log {
 namespace {
 
@@ -140,6 +142,7 @@ tl::unexpected<Error> fail_open(int error_number, const std::string& path) {
 }
 
 Result<std::unique_ptr<LogOutput>> open_file_output(const std::string& path, bool overwrite) {
+  FL_TRY(refuse_pipe_output(path));
   struct stat info {};
   if (::stat(path.c_str(), &info) == 0) {
     if (S_ISDIR(info.st_mode)) return fail(ErrorCode::kBadInput, "{}: is a directory; name a file", path);

@@ -12,6 +12,7 @@
 #include <zstd.h>
 
 #include "sim/core/check.h"
+#include "sim/core/file_kind.h"
 #include "sim/dmx_log/block.h"
 #include "sim/dmx_log/crc32c.h"
 #include "sim/dmx_log/dmx_log.h"
@@ -526,6 +527,7 @@ LogReader& LogReader::operator=(LogReader&&) noexcept = default;
 LogReader::~LogReader() = default;
 
 Result<LogReader> LogReader::open(const std::string& path, const LogReaderOptions& options) {
+  FL_TRY(refuse_pipe_input(path));
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd < 0) return dmx_log::fail_open(errno, path);
   struct stat status {};

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "sim/core/check.h"
+#include "sim/core/file_kind.h"
 #include "sim/dmx_log/log_output.h"
 
 namespace footlight {
@@ -40,6 +41,7 @@ OlaShowReader::OlaShowReader(std::string path, std::unique_ptr<std::istream> str
     : path_(std::move(path)), stream_(std::move(stream)), universe_offset_(universe_offset) {}
 
 Result<OlaShowReader> OlaShowReader::open(const std::string& path, int universe_offset) {
+  FL_TRY(refuse_pipe_input(path));
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {
     return fail(ErrorCode::kBadInput, "{}: is a directory; name a file", path);
@@ -155,6 +157,7 @@ OlaShowWriter::OlaShowWriter(std::string path, std::ofstream stream)
     : path_(std::move(path)), stream_(std::move(stream)) {}
 
 Result<OlaShowWriter> OlaShowWriter::create(const std::string& path, bool overwrite) {
+  FL_TRY(refuse_pipe_output(path));
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {
     return fail(ErrorCode::kBadInput, "{}: is a directory; name a file", path);

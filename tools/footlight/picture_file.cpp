@@ -6,10 +6,12 @@
 #include <filesystem>
 
 #include "fixtures/png.h"
+#include "sim/core/file_kind.h"
 
 namespace footlight::tools {
 
 Status write_png(const std::string& path, const render::ScreenImage& image) {
+  FL_TRY(refuse_pipe_output(path));
   const std::string part = path + ".part";
   std::FILE* file = std::fopen(part.c_str(), "wb");
   if (file == nullptr) {

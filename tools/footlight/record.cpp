@@ -1,5 +1,6 @@
 // footlight record: what comes over the wire, as it comes.
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "sim/dmx_log/log_ports.h"
@@ -52,6 +53,12 @@ Result<int> record(const Options& options) {
                 "show.dmxlog'");
   }
   FL_ASSIGN(const std::vector<Endpoint> endpoints, parse_ports(options.ins));
+  for (const Endpoint& endpoint : endpoints) {
+    std::error_code ignored;
+    if (endpoint.kind == EndpointKind::kFile && std::filesystem::equivalent(endpoint.target, options.out, ignored)) {
+      return fail(ErrorCode::kBadInput, "{}: is both input and output; name another output", options.out);
+    }
+  }
   StopSignal signal;
   SystemClock clock;
   PortOpener opener(clock, [&signal] { return signal.came(); });

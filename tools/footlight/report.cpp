@@ -10,6 +10,7 @@
 
 #include "fixtures/color.h"
 #include "fixtures/import/import_rig.h"
+#include "sim/core/file_kind.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/duration.h"
@@ -86,6 +87,7 @@ struct Options {
 // Whether a file can be made there: told before the minutes that the report takes, not after them.
 Status try_report_file(const std::string& path) {
   if (path.empty()) return {};
+  FL_TRY(refuse_pipe_output(path));
   const std::string part = path + ".part";
   const bool good = std::ofstream(part, std::ios::app).good();
   std::error_code ignored;
@@ -155,6 +157,7 @@ void add(Arguments& arguments) {
 }  // namespace
 
 Status write_report_file(const std::string& path, const std::string& text) {
+  FL_TRY(refuse_pipe_output(path));
   const std::string part = path + ".part";
   std::ofstream stream(part, std::ios::binary | std::ios::trunc);
   stream << text;

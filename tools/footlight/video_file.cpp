@@ -10,6 +10,8 @@ extern "C" {
 #include <libavutil/imgutils.h>
 #include <libavutil/opt.h>
 #include <libswscale/swscale.h>
+
+#include "sim/core/file_kind.h"
 }
 
 namespace footlight::tools {
@@ -139,6 +141,7 @@ Result<std::unique_ptr<VideoFile>> VideoFile::create(const std::string& path, in
   if (width % 2 != 0 || height % 2 != 0) {
     return fail(ErrorCode::kBadInput, "{}: a video needs an even width and height, got {}x{}", path, width, height);
   }
+  FL_TRY(refuse_pipe_output(path));
   auto file = std::make_unique<AvVideoFile>(path);
   FL_TRY(file->open(width, height, frame_ns));
   return file;

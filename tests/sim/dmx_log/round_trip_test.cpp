@@ -4,9 +4,12 @@
 #include <map>
 
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <csignal>
 
+#include "sim/dmx_log/log_input.h"
+#include "sim/dmx_log/ola_show.h"
 #include "tests/sim/dmx_log/support.h"
 
 using namespace footlight;
@@ -347,4 +350,24 @@ TEST_CASE("options that make no sense are refused with the reason") {
   const auto nowhere = LogWriter::create(folder.file("no/such/folder.dmxlog"), {});
   REQUIRE(!nowhere);
   CHECK(nowhere.error().code == ErrorCode::kNotFound);
+}
+
+TEST_CASE("a pipe in the place of a log is refused at once, to read and to write, and stays a pipe") {
+  const TempFolder folder;
+  const std::string pipe = folder.file("pipe");
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  const auto check_refused = [&](const auto& result) {
+    REQUIRE(!result);
+    CHECK(result.error().code == ErrorCode::kBadInput);
+    CHECK(result.error().message.find("is a pipe or a device") != std::string::npos);
+    CHECK(std::filesystem::is_fifo(pipe));
+  };
+  LogWriterOptions overwrite;
+  overwrite.overwrite = true;
+  check_refused(LogWriter::create(pipe, overwrite));
+  check_refused(LogWriter::create(pipe, {}));
+  check_refused(OlaShowWriter::create(pipe, true));
+  check_refused(LogReader::open(pipe));
+  check_refused(OlaShowReader::open(pipe, 0));
+  check_refused(detect_log_format(pipe));
 }

@@ -1,0 +1,31 @@
+// What a name of a file stands for, before the file is opened: opening a pipe waits, renaming onto a device destroys it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <system_error>
+
+#include "sim/core/result.h"
+
+namespace footlight {
+
+// Follows links.
+[[nodiscard]] inline bool is_pipe_or_device(const std::string& path) {
+  std::error_code ignored;
+  const auto status = std::filesystem::status(path, ignored);
+  return std::filesystem::is_other(status);
+}
+
+// For a file that is to be read. What is not there passes: opening it gives the reason.
+[[nodiscard]] inline Status refuse_pipe_input(const std::string& path) {
+  if (!is_pipe_or_device(path)) return {};
+  return fail(ErrorCode::kBadInput, "{}: is a pipe or a device; expected a file", path);
+}
+
+// For a file that is to be written and renamed to `path`.
+[[nodiscard]] inline Status refuse_pipe_output(const std::string& path) {
+  if (!is_pipe_or_device(path)) return {};
+  return fail(ErrorCode::kBadInput, "{}: is a pipe or a device; expected a name for a file", path);
+}
+
+}  // namespace footlight
