@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "sim/core/file_kind.h"
+#include "sim/file_kind.h"
 #include "sim/dmx_log/format.h"
 #include "sim/dmx_log/log_output.h"
 #include "sim/dmx_log/ola_show.h"

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "sim/core/file_kind.h"
+#include "sim/file_kind.h"
 
 namespace footlight::dmx_log {
 namespace {

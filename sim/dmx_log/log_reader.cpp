@@ -12,7 +12,7 @@
 #include <zstd.h>
 
 #include "sim/core/check.h"
-#include "sim/core/file_kind.h"
+#include "sim/file_kind.h"
 #include "sim/dmx_log/block.h"
 #include "sim/dmx_log/crc32c.h"
 #include "sim/dmx_log/dmx_log.h"

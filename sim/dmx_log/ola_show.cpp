@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "sim/core/check.h"
-#include "sim/core/file_kind.h"
+#include "sim/file_kind.h"
 #include "sim/dmx_log/log_output.h"
 
 namespace footlight {

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "fixtures/png.h"
-#include "sim/core/file_kind.h"
+#include "sim/file_kind.h"
 
 namespace footlight::tools {
 

@@ -10,7 +10,7 @@
 
 #include "fixtures/color.h"
 #include "fixtures/import/import_rig.h"
-#include "sim/core/file_kind.h"
+#include "sim/file_kind.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/duration.h"

@@ -14,7 +14,7 @@
 
 #include "fixtures/rig.h"
 #include "fixtures/toml_reader.h"
-#include "sim/core/file_kind.h"
+#include "sim/file_kind.h"
 #include "tools/footlight/duration.h"
 
 namespace footlight::tools {
@@ -367,7 +367,9 @@ Result<Show> parse_show(std::string_view text, const std::string& file) {
 
 Result<Show> load_show(const std::string& path) {
   // What the shell gives (/dev/stdin, /dev/fd/63) has a writer; a named pipe would be waited for.
-  if (!path.starts_with("/dev/")) FL_TRY(refuse_pipe_input(path));
+  if (!path.starts_with("/dev/")) {
+    FL_TRY(refuse_pipe_input(path));
+  }
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   if (!file) {

@@ -10,9 +10,9 @@ extern "C" {
 #include <libavutil/imgutils.h>
 #include <libavutil/opt.h>
 #include <libswscale/swscale.h>
-
-#include "sim/core/file_kind.h"
 }
+
+#include "sim/file_kind.h"
 
 namespace footlight::tools {
 namespace {

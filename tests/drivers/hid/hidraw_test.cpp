@@ -42,7 +42,8 @@ TEST_CASE("a node that this user may not open is named together with the command
   const DeviceList list =
       find_devices({.node_access = [](const std::string& node) { return node == "/dev/hidraw1" ? EACCES : 0; },
                     .etc_root = "/nonexistent",
-                    .lib_roots = {}});
+                    .lib_roots = {},
+                    .user_name = "anna"});
   REQUIRE(list.devices.size() == 1);
   CHECK(list.devices[0].readiness == Readiness::kNoPermission);
   CHECK(list.devices[0].reason == "/dev/hidraw1: Permission denied; the udev rules are not installed");
