@@ -1,4 +1,4 @@
-// What a name of a file stands for, before the file is opened: opening a pipe waits, renaming onto a device destroys it.
+// The kind of a file, before it is opened: opening a pipe waits, and renaming onto a device destroys it.
 #pragma once
 
 #include <filesystem>

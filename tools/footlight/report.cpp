@@ -46,10 +46,10 @@ class ReportProgress {
     if (!terminal_ || now_ns - shown_ns_ < kEveryNs) return true;
     shown_ns_ = now_ns;
     shown_ = true;
-    const double share = done / all;
-    const auto left_ns = static_cast<DurationNs>(static_cast<double>(now_ns - begin_ns_) * (1 - share) / share);
+    // Nothing is known of the time while nothing is done.
+    const double left_ns = done > 0 ? static_cast<double>(now_ns - begin_ns_) * (all - done) / done : 0;
     fmt::print(stderr, "\rfootlight: {}: {:.0f} of {:.0f}{}\033[K", what_, done, all,
-               share > 0 ? fmt::format(", about {} left", show_duration(left_ns)) : "");
+               done > 0 ? fmt::format(", about {} left", show_duration(static_cast<DurationNs>(left_ns))) : "");
     return true;
   }
 

@@ -47,8 +47,8 @@ float thin_reach(BeamRow row) {
 const float kThinInHazeSpread = 0.1;
 
 // Whether a marked beam is widened in the haze. The widening of the whole beam follows from the place where a ray is
-// nearest its axis. That holds for narrow beams that the eye stands outside of: a ray in a wide cone, or from inside the
-// light, meets the beam at places of very different width, most of them wider than a pixel.
+// nearest its axis. That holds for narrow beams that the eye stands outside of: a ray in a wide cone, or from inside
+// the light, meets the beam at places of very different width, most of them wider than a pixel.
 bool thin_in_haze_applies(BeamRow row) {
   float at_eye = row.x_axis.w + row.y_axis.w * row.eye.z;
   bool holds_eye = row.eye.z > 0.0 && dot(row.eye.xy, row.eye.xy) < at_eye * at_eye;
