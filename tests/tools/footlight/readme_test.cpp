@@ -65,7 +65,7 @@ constexpr Special kSpecials[] = {
      "footlight render rig.toml --log show.dmxlog --at 12.5s --size 48x27 -o frame.png", "", 0,
      "a large picture takes long without a GPU"},
     {"footlight fixtures find robe pointe", nullptr, "", 3, "no library of fixtures is installed"},
-    {"footlight record --in sacn:1-9 -o new.dmxlog", nullptr, "--for 100ms", 0, kUntilStopped},
+    {"footlight record --in sacn:1-9 -o new.dmxlog", nullptr, "--for 100ms", 3, kUntilStopped},
     {"footlight replay show.dmxlog --at 12.5s --loop --out sacn:1-9", nullptr, "--for 100ms", 0, kUntilStopped},
     {"footlight render rig.toml --log show.dmxlog --every 40ms -o show.mp4", nullptr, "--until 80ms --size 48x26", 0,
      "the whole show takes minutes without a GPU"},
