@@ -6,11 +6,11 @@
 #include "drivers/device/chooser.h"
 #include "drivers/device/device.h"
 #include "drivers/device/device_rdm.h"
-#include "drivers/device/either_connector.h"
-#include "drivers/hid/hidraw_connector.h"
 #include "drivers/mock/mock_usb.h"
-#include "drivers/tty/tty_connector.h"
-#include "drivers/usb/libusb_connector.h"
+#include "drivers/transport/either_connector.h"
+#include "drivers/transport/hidraw_connector.h"
+#include "drivers/transport/libusb_connector.h"
+#include "drivers/transport/tty_connector.h"
 #include "drivers/usb_match.h"
 
 namespace footlight::drivers {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "fixtures/machines.h"
+#include "fixtures/simulate/machines.h"
 #include "render/passes/beams.h"
 #include "render/passes/bodies.h"
 #include "render/passes/gather.h"

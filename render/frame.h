@@ -13,8 +13,8 @@
 #include <string_view>
 #include <vector>
 
-#include "fixtures/rig.h"
-#include "fixtures/walker.h"
+#include "fixtures/model/rig.h"
+#include "fixtures/simulate/walker.h"
 #include "render/image.h"
 #include "render/pass.h"
 #include "render/resources.h"
@@ -22,7 +22,7 @@
 #include "render/vk/device.h"
 
 namespace footlight::fixtures {
-class MachineAir;  // fixtures/machines.h
+class MachineAir;  // fixtures/simulate/machines.h
 }
 
 namespace footlight::render {

@@ -6,7 +6,7 @@
 
 #include <glm/glm.hpp>
 
-#include "fixtures/rig.h"
+#include "fixtures/model/rig.h"
 #include "render/frame_io.h"
 
 namespace footlight::render {

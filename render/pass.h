@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "fixtures/rig.h"
+#include "fixtures/model/rig.h"
 #include "render/resources.h"
 #include "render/settings.h"
 #include "render/vk/pipeline.h"

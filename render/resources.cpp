@@ -7,8 +7,8 @@
 #include <iterator>
 #include <utility>
 
-#include "fixtures/gobo_images.h"
-#include "fixtures/model/body.h"
+#include "fixtures/bodies/body.h"
+#include "fixtures/gobos/gobo_images.h"
 #include "render/pass.h"
 
 namespace footlight::render {
@@ -34,7 +34,8 @@ Result<vk::Buffer> table(vk::Device& device, const std::vector<Row>& rows, VkBuf
 std::vector<float> halved(const std::vector<float>& image, int size) {
   const auto at = [&](int row, int column, std::size_t c) {
     return image[3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(size) +
-                      static_cast<std::size_t>(column)) + c];
+                      static_cast<std::size_t>(column)) +
+                 c];
   };
   std::vector<float> half;
   half.reserve(image.size() / 4);
@@ -42,7 +43,8 @@ std::vector<float> halved(const std::vector<float>& image, int size) {
     for (int column = 0; column < size / 2; ++column) {
       for (std::size_t c = 0; c < 3; ++c) {
         half.push_back((at(2 * row, 2 * column, c) + at(2 * row, 2 * column + 1, c) + at(2 * row + 1, 2 * column, c) +
-                        at(2 * row + 1, 2 * column + 1, c)) / 4);
+                        at(2 * row + 1, 2 * column + 1, c)) /
+                       4);
       }
     }
   }

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "fixtures/diagnostic.h"
-#include "fixtures/rig.h"
+#include "fixtures/model/diagnostic.h"
+#include "fixtures/model/rig.h"
 #include "render/frame_io.h"
 #include "render/image.h"
 #include "render/settings.h"
@@ -31,13 +31,13 @@ struct Resources {
   vk::Image gobos;                                 // one layer a gobo
 
   // Per frame.
-  vk::Buffer params;  // FrameParams
-  vk::Buffer levels;  // universes x 512 bytes
+  vk::Buffer params;         // FrameParams
+  vk::Buffer levels;         // universes x 512 bytes
   vk::Buffer staged_levels;  // the same, where the host writes them; only for more than kUpdateBytesMax
-  vk::Buffer beams;   // BeamRow, live ones first
-  vk::Buffer blades;  // BladesRow, one a beam
-  vk::Buffer counts;  // CountsRow, then beams and lit heads of each group of FL_GROUP_HEADS
-  vk::Buffer masks;   // supertiles x mask_words
+  vk::Buffer beams;          // BeamRow, live ones first
+  vk::Buffer blades;         // BladesRow, one a beam
+  vk::Buffer counts;         // CountsRow, then beams and lit heads of each group of FL_GROUP_HEADS
+  vk::Buffer masks;          // supertiles x mask_words
   vk::Image surface_id, depth, radiance, screen;
 
   // Carried from frame to frame: HeadState, and Motor, Spin, Shutter, OpticsState, Filament, Led, Discharge, Slew,

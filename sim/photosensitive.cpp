@@ -96,8 +96,7 @@ FlashVerdict PhotosensitiveGuard::verdict(std::int64_t now_ns) {
   } else if (flashing_since_ns_ == kNever_ns) {
     flashing_since_ns_ = now_ns;
   }
-  verdict.long_sequence =
-      flashing_since_ns_ != kNever_ns && flashing_since_ns_ < window_begin(now_ns, limits_.long_ns);
+  verdict.long_sequence = flashing_since_ns_ != kNever_ns && flashing_since_ns_ < window_begin(now_ns, limits_.long_ns);
   return verdict;
 }
 

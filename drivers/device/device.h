@@ -22,8 +22,8 @@
 #include <string>
 #include <vector>
 
-#include "drivers/device/transport.h"
 #include "drivers/device/widget.h"
+#include "drivers/transport/transport.h"
 #include "sim/core/ports.h"
 
 namespace footlight::drivers {

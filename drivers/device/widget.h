@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "drivers/device/transport.h"
+#include "drivers/transport/transport.h"
 #include "sim/core/clock.h"
 #include "sim/core/dmx.h"
 #include "sim/core/ports.h"

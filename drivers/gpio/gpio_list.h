@@ -12,10 +12,10 @@
 namespace footlight::drivers {
 
 struct FoundGpioChip {
-  std::string name;          // "gpiochip0", as in gpio:gpiochip0/17=1.25; the kernel may number anew at the next start
-  std::string label;         // "pinctrl-bcm2711", stays; empty where the chip could not be asked
-  int line_count = 0;        // 0: likewise
-  std::string node;          // "/dev/gpiochip0"
+  std::string name;    // "gpiochip0", as in gpio:gpiochip0/17=1.25; the kernel may number anew at the next start
+  std::string label;   // "pinctrl-bcm2711", stays; empty where the chip could not be asked
+  int line_count = 0;  // 0: likewise
+  std::string node;    // "/dev/gpiochip0"
   // The driver of the device that it is part of: "pinctrl-bcm2835"; "ftdi_sio" for the spare pins of an FTDI serial
   // chip, whose GPIO chip goes away while the chip is used for DMX; empty where it is not known.
   std::string kernel_driver;

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <optional>
 
-#include "drivers/usb/ftdi.h"
+#include "drivers/transport/ftdi.h"
 #include "drivers/usb_match.h"
 
 namespace footlight::drivers::mock {

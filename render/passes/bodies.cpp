@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "fixtures/model/primitives.h"
+#include "fixtures/bodies/primitives.h"
 #include "shaders/body.vert.h"
 #include "shaders/object.vert.h"
 #include "shaders/surface.frag.h"

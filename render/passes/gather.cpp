@@ -5,21 +5,20 @@
 
 namespace footlight::render {
 
-const PassEntry kGatherPass{"gather", [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures; },
-                            [](const fixtures::Needs& needs, const FrameSettings&) {
-                              return std::vector<vk::SpecConstant>{
-                                  {FL_SPEC_OPTICS, needs.optics},     {FL_SPEC_PROFILE, needs.profile},
-                                  {FL_SPEC_WIDE, needs.wide},         {FL_SPEC_IRIS, needs.iris},
-                                  {FL_SPEC_STACKED, needs.stacked},   {FL_SPEC_BLADES, needs.blades},
-                                  {FL_SPEC_MEASURED, needs.measured}, {FL_SPEC_RECTANGLE, needs.rectangle}};
-                            },
-                            [](const PassContext& context) {
-                              return make_compute_pass(
-                                  context, kGatherComp,
-                                  [groups = context.resources.head_groups](VkCommandBuffer commands) {
-                                    vkCmdDispatch(commands, groups, 1, 1);
-                                  });
-                            },
-                            "beams of any kind"};
+const PassEntry kGatherPass{
+    "gather", [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures; },
+    [](const fixtures::Needs& needs, const FrameSettings&) {
+      return std::vector<vk::SpecConstant>{{FL_SPEC_OPTICS, needs.optics},     {FL_SPEC_PROFILE, needs.profile},
+                                           {FL_SPEC_WIDE, needs.wide},         {FL_SPEC_IRIS, needs.iris},
+                                           {FL_SPEC_STACKED, needs.stacked},   {FL_SPEC_BLADES, needs.blades},
+                                           {FL_SPEC_MEASURED, needs.measured}, {FL_SPEC_RECTANGLE, needs.rectangle}};
+    },
+    [](const PassContext& context) {
+      return make_compute_pass(context, kGatherComp,
+                               [groups = context.resources.head_groups](VkCommandBuffer commands) {
+                                 vkCmdDispatch(commands, groups, 1, 1);
+                               });
+    },
+    "beams of any kind"};
 
 }  // namespace footlight::render

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "fixtures/tables.h"
+#include "fixtures/compile/tables.h"
 #include "render/passes/compute_pass.h"
 #include "shaders/step.comp.h"
 
@@ -30,14 +30,15 @@ std::uint32_t wish_count(const fixtures::Needs& needs) {
 const PassEntry kStepPass{
     "step", [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures; },
     [](const fixtures::Needs& needs, const FrameSettings&) {
-      return std::vector<vk::SpecConstant>{
-          {FL_SPEC_MOTION, needs.motion}, {FL_SPEC_SPIN, needs.spin},           {FL_SPEC_STROBE, needs.strobe},
-          {FL_SPEC_COLOR, needs.color},   {FL_SPEC_OPTICS, needs.optics},       {FL_SPEC_BLADES, needs.blades},
-          {FL_SPEC_SHAKE, needs.shake},   {FL_SPEC_ANIMATION, needs.animation}, {FL_SPEC_STACKED, needs.stacked},
-          {FL_SPEC_FLEX, needs.flex},     {FL_SPEC_SMOOTH, needs.smooth},       {FL_SPEC_TUNGSTEN, needs.tungsten},
-          {FL_SPEC_LED, needs.led},       {FL_SPEC_DISCHARGE, needs.discharge}, {FL_SPEC_DOWSER, needs.dowser},
-          {FL_SPEC_PULSES, needs.pulses}, {FL_SPEC_MACRO, needs.macro},
-          {FL_SPEC_WISH_COUNT, wish_count(needs)}};
+      return std::vector<vk::SpecConstant>{{FL_SPEC_MOTION, needs.motion},   {FL_SPEC_SPIN, needs.spin},
+                                           {FL_SPEC_STROBE, needs.strobe},   {FL_SPEC_COLOR, needs.color},
+                                           {FL_SPEC_OPTICS, needs.optics},   {FL_SPEC_BLADES, needs.blades},
+                                           {FL_SPEC_SHAKE, needs.shake},     {FL_SPEC_ANIMATION, needs.animation},
+                                           {FL_SPEC_STACKED, needs.stacked}, {FL_SPEC_FLEX, needs.flex},
+                                           {FL_SPEC_SMOOTH, needs.smooth},   {FL_SPEC_TUNGSTEN, needs.tungsten},
+                                           {FL_SPEC_LED, needs.led},         {FL_SPEC_DISCHARGE, needs.discharge},
+                                           {FL_SPEC_DOWSER, needs.dowser},   {FL_SPEC_PULSES, needs.pulses},
+                                           {FL_SPEC_MACRO, needs.macro},     {FL_SPEC_WISH_COUNT, wish_count(needs)}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kStepComp, [groups = context.resources.head_groups](VkCommandBuffer commands) {

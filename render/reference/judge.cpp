@@ -99,15 +99,13 @@ struct LightRay {
   Wide dx, dy, dz;
 };
 
-Wide wide_dot(const glm::dvec3& a, const glm::dvec3& b) {
-  return Wide(a.x) * b.x + Wide(a.y) * b.y + Wide(a.z) * b.z;
-}
+Wide wide_dot(const glm::dvec3& a, const glm::dvec3& b) { return Wide(a.x) * b.x + Wide(a.y) * b.y + Wide(a.z) * b.z; }
 
 LightRay light_ray(const JudgeBeam& beam, const Ray& ray) {
   const glm::dvec3 from_lens = ray.origin_m - beam.lens_m;
-  return {wide_dot(from_lens, beam.x_axis), wide_dot(from_lens, beam.y_axis), wide_dot(from_lens, beam.axis),
-          wide_dot(ray.direction, beam.x_axis), wide_dot(ray.direction, beam.y_axis),
-          wide_dot(ray.direction, beam.axis)};
+  return {wide_dot(from_lens, beam.x_axis),     wide_dot(from_lens, beam.y_axis),
+          wide_dot(from_lens, beam.axis),       wide_dot(ray.direction, beam.x_axis),
+          wide_dot(ray.direction, beam.y_axis), wide_dot(ray.direction, beam.axis)};
 }
 
 bool is_finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -240,8 +238,7 @@ double gobo_share(const JudgeBeam& beam, const GoboTransmission& gobo, double x,
   // The image's disc goes through the corners of a rectangle, whose half width x counts.
   const double reach = beam.aspect > 0 ? std::hypot(1.0, 1 / beam.aspect) : 1;
   const glm::dvec2 p = glm::dvec2(x, y) * (beam.gobo_scale / reach);
-  const double blur =
-      std::max(beam.blur, f64::focus_blur(beam.lens_radius_m, beam.spread, z_m, beam.focus_per_m));
+  const double blur = std::max(beam.blur, f64::focus_blur(beam.lens_radius_m, beam.spread, z_m, beam.focus_per_m));
   if (!(blur > 1e-4)) return sharp(p);
   // A sunflower of points, each of the same area.
   constexpr int kPoints = 64;
@@ -336,9 +333,11 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
     const glm::dvec3 point_m = ray.origin_m + hit->t_m * ray.direction;
     glm::dvec3 lux(scene.ambient_lx);
     for (const JudgeBeam& beam : scene.beams) {
-      lux += in_colors(beam, [&](const GoboTransmission& gobo) {
-               return judge_illuminance(beam, scene.haze, point_m, hit->normal, gobo);
-             }) * beam.strength_lm;
+      lux += in_colors(beam,
+                       [&](const GoboTransmission& gobo) {
+                         return judge_illuminance(beam, scene.haze, point_m, hit->normal, gobo);
+                       }) *
+             beam.strength_lm;
     }
     total += std::exp(-extinction_per_m(scene.haze) * hit->t_m) / std::numbers::pi * hit->albedo * lux;
   }
@@ -359,10 +358,9 @@ double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& r
 
   // Relative to the base, which is far away where the camera is.
   const auto base_m = static_cast<double>(base);
-  const glm::dvec3 base_from_lens =
-      static_cast<double>(light.ox + base * light.dx) * beam.x_axis +
-      static_cast<double>(light.oy + base * light.dy) * beam.y_axis +
-      static_cast<double>(light.oz + base * light.dz) * beam.axis;
+  const glm::dvec3 base_from_lens = static_cast<double>(light.ox + base * light.dx) * beam.x_axis +
+                                    static_cast<double>(light.oy + base * light.dy) * beam.y_axis +
+                                    static_cast<double>(light.oz + base * light.dz) * beam.axis;
   const double sigma_t = extinction_per_m(haze);
   const auto integrand = [&](double t_m) {
     const LightAt at = light_at(beam, gobo, base_from_lens + t_m * ray.direction);
@@ -581,8 +579,8 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
       glm::dvec3 light{1};
     };
     std::vector<Copy> copies{{}};
-    for (const auto& [prism, angle] : {std::pair(optics.prism, optics.prism_angle),
-                                       std::pair(optics.prism_2, optics.prism_2_angle)}) {
+    for (const auto& [prism, angle] :
+         {std::pair(optics.prism, optics.prism_angle), std::pair(optics.prism_2, optics.prism_2_angle)}) {
       if (prism == 0) continue;
       const glm::dmat2 turn(std::cos(angle), std::sin(angle), -std::sin(angle), std::cos(angle));
       const fixtures::WheelSlotRow& slot = walker.rig.wheel_slots[prism - 1];

@@ -16,8 +16,8 @@
 
 #include <glm/glm.hpp>
 
-#include "fixtures/rig.h"
-#include "fixtures/walker.h"
+#include "fixtures/model/rig.h"
+#include "fixtures/simulate/walker.h"
 #include "render/image.h"
 
 namespace footlight::render {
@@ -53,15 +53,15 @@ struct JudgeBeam {
   double range_m = 100;         // the light ends there, along the axis
   glm::dvec3 strength_lm{1};    // J0 per channel
   JudgeWheel wheels[2];
-  int animation = 0;            // image of the animation wheel; 0: none
+  int animation = 0;  // image of the animation wheel; 0: none
   double animation_cos = 1;
   double animation_sin = 0;
-  double gobo_scale = 1;        // share of the images' radius that the beam shows
-  double blur = 0;              // of images, by frost: radius in beam radii
-  double focus_per_m = -1;      // below 0: images are sharp everywhere
-  double aspect = 0;              // width over height of a rectangle; then lens radius and k are those of its half
-                                  // width, and f is the product of two, of x and of y. 0: round
-  MeasuredShare measured;         // instead of f, where rho = 1 is at measured_spread
+  double gobo_scale = 1;    // share of the images' radius that the beam shows
+  double blur = 0;          // of images, by frost: radius in beam radii
+  double focus_per_m = -1;  // below 0: images are sharp everywhere
+  double aspect = 0;        // width over height of a rectangle; then lens radius and k are those of its half
+                            // width, and f is the product of two, of x and of y. 0: round
+  MeasuredShare measured;   // instead of f, where rho = 1 is at measured_spread
   double measured_spread = 0;
   double shown = 1;               // share of the radius of f that an iris lets through; f ends there
   std::vector<glm::dvec3> edges;  // of blades: what has x X + y Y <= z passes

@@ -267,21 +267,18 @@ FlipMap flip_linear(int width, int height, std::span<const float> a, std::span<c
   constexpr double kFeaturePower = 0.5;
   constexpr double kKneeAt = 0.4;
   constexpr double kKneeValue = 0.95;
-  const double largest =
-      std::pow(hyab(hunt_lab_of_linear({0, 1, 0}), hunt_lab_of_linear({0, 0, 1})), kColourPower);
+  const double largest = std::pow(hyab(hunt_lab_of_linear({0, 1, 0}), hunt_lab_of_linear({0, 0, 1})), kColourPower);
   const double knee = kKneeAt * largest;
 
   FlipMap map{width, height, std::vector<float>(pixels), 0};
   for (std::size_t i = 0; i < pixels; ++i) {
     const double distance = std::pow(hyab(first.lab[i], second.lab[i]), kColourPower);
-    const double colour = distance < knee
-                              ? kKneeValue / knee * distance
-                              : kKneeValue + (distance - knee) / (largest - knee) * (1 - kKneeValue);
+    const double colour = distance < knee ? kKneeValue / knee * distance
+                                          : kKneeValue + (distance - knee) / (largest - knee) * (1 - kKneeValue);
     const double edge = std::abs(first.features.edges.value[i] - second.features.edges.value[i]);
     const double point = std::abs(first.features.points.value[i] - second.features.points.value[i]);
     const double feature = std::pow(std::max(edge, point) / std::numbers::sqrt2, kFeaturePower);
-    const double value =
-        std::pow(std::clamp(colour, 0.0, 1.0), 1 - std::clamp(feature, 0.0, 1.0));
+    const double value = std::pow(std::clamp(colour, 0.0, 1.0), 1 - std::clamp(feature, 0.0, 1.0));
     map.value[i] = static_cast<float>(value);
     map.mean += value / static_cast<double>(pixels);
   }

@@ -18,18 +18,26 @@ using Value = std::variant<std::string, double, std::int64_t>;
 using Fields = std::vector<std::pair<const char*, Value>>;
 
 Fields fields_of(const PictureRow& row) {
-  return {{"scene", row.scene},     {"method", row.method}, {"knob", row.knob},
-          {"hits_per_px", row.hits_per_px}, {"ms_p10", row.ms_p10}, {"ms_p50", row.ms_p50},
-          {"ms_p90", row.ms_p90},   {"rel_l2", row.rel_l2}, {"rel_mse", row.rel_mse},
-          {"p999", row.p999},       {"max", row.max},       {"flip", row.flip},
-          {"nonfinite", row.nonfinite}, {"bytes", row.bytes}};
+  return {
+      {"scene", row.scene},         {"method", row.method}, {"knob", row.knob},     {"hits_per_px", row.hits_per_px},
+      {"ms_p10", row.ms_p10},       {"ms_p50", row.ms_p50}, {"ms_p90", row.ms_p90}, {"rel_l2", row.rel_l2},
+      {"rel_mse", row.rel_mse},     {"p999", row.p999},     {"max", row.max},       {"flip", row.flip},
+      {"nonfinite", row.nonfinite}, {"bytes", row.bytes}};
 }
 
 Fields fields_of(const TimeRow& row) {
-  return {{"model", row.model},         {"method", row.method}, {"knob", row.knob},
-          {"tau_ms", row.tau_ms},       {"fps", row.fps},       {"seconds", row.seconds},
-          {"error_max", row.error_max}, {"unit", row.unit},     {"rel_l2", row.rel_l2},
-          {"ns_p10", row.ns_p10},       {"ns_p50", row.ns_p50}, {"ns_p90", row.ns_p90},
+  return {{"model", row.model},
+          {"method", row.method},
+          {"knob", row.knob},
+          {"tau_ms", row.tau_ms},
+          {"fps", row.fps},
+          {"seconds", row.seconds},
+          {"error_max", row.error_max},
+          {"unit", row.unit},
+          {"rel_l2", row.rel_l2},
+          {"ns_p10", row.ns_p10},
+          {"ns_p50", row.ns_p50},
+          {"ns_p90", row.ns_p90},
           {"clock", std::string(row.ns_p50 > 0 ? is_unstable(row) ? "unstable" : "steady" : "-")},
           {"outcome", std::string(word_of(row.outcome))}};
 }
@@ -182,8 +190,7 @@ std::string marker(std::size_t index, double x, double y, const char* colour) {
     case 0: return fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='4' fill='{}'/>\n", x, y, colour);
     case 1:
       return fmt::format("<rect x='{:.1f}' y='{:.1f}' width='7' height='7' fill='{}'/>\n", x - 3.5, y - 3.5, colour);
-    case 2:
-      return fmt::format("<path d='M{:.1f} {:.1f}l4.6 8h-9.2z' fill='{}'/>\n", x, y - 5, colour);
+    case 2: return fmt::format("<path d='M{:.1f} {:.1f}l4.6 8h-9.2z' fill='{}'/>\n", x, y - 5, colour);
     default:
       return fmt::format("<path d='M{:.1f} {:.1f}l4.8 4.8l-4.8 4.8l-4.8-4.8z' fill='{}'/>\n", x, y - 4.8, colour);
   }
@@ -261,8 +268,10 @@ Result<std::vector<PictureRow>> picture_rows_from_json_lines(const std::string& 
     std::string wrong;
     const auto text_at = [&](const char* key, std::string& out) {
       const auto found = object.find(key);
-      if (found == object.end() || !found->is_string()) wrong = fmt::format("a text \"{}\"", key);
-      else out = found->get<std::string>();
+      if (found == object.end() || !found->is_string())
+        wrong = fmt::format("a text \"{}\"", key);
+      else
+        out = found->get<std::string>();
     };
     const auto number_at = [&](const char* key, auto& out) {
       const auto found = object.find(key);
@@ -416,10 +425,10 @@ std::string svg_plot(const PlotText& text, std::span<const Curve> curves) {
     const double decade_px = std::abs(scale.end_px - scale.start_px) / (scale.to - scale.from);
     const int label_every = std::max(1, static_cast<int>(std::ceil((across ? 40.0 : 22.0) / decade_px)));
     const auto line = [&](double at, const char* colour) {
-      svg += across ? fmt::format("<path d='M{:.1f} {:.1f}V{:.1f}' stroke='{}'/>\n", at, kTop, kTop + kPlotHeight,
-                                  colour)
-                    : fmt::format("<path d='M{:.1f} {:.1f}H{:.1f}' stroke='{}'/>\n", kLeft, at, kLeft + kPlotWidth,
-                                  colour);
+      svg +=
+          across
+              ? fmt::format("<path d='M{:.1f} {:.1f}V{:.1f}' stroke='{}'/>\n", at, kTop, kTop + kPlotHeight, colour)
+              : fmt::format("<path d='M{:.1f} {:.1f}H{:.1f}' stroke='{}'/>\n", kLeft, at, kLeft + kPlotWidth, colour);
     };
     for (int e = scale.from; e < scale.to && decade_px > 50; ++e) {
       for (int i = 2; i < 10; ++i) line(scale.at_log(e + std::log10(i)), "#f1f1f1");
@@ -466,12 +475,12 @@ std::string svg_plot(const PlotText& text, std::span<const Curve> curves) {
           x(p.cost) + 7, y(p.error) - 6, colour, escaped(p.label));
     }
     const double legend_x = kLeft + kPlotWidth + 22;
-    svg += fmt::format("<path d='M{:.1f} {:.1f}h26' stroke='{}' stroke-width='2'{}/>\n", legend_x, legend_y, colour,
-                       dash);
+    svg +=
+        fmt::format("<path d='M{:.1f} {:.1f}h26' stroke='{}' stroke-width='2'{}/>\n", legend_x, legend_y, colour, dash);
     svg += marker(i, legend_x + 13, legend_y, colour);
-    svg += fmt::format("<text x='{:.1f}' y='{:.1f}'{}>{}{}</text>\n", legend_x + 34, legend_y + 4,
-                       points.empty() ? " fill='#999'" : "", escaped(curves[i].name),
-                       points.empty() ? " (failed)" : "");
+    svg +=
+        fmt::format("<text x='{:.1f}' y='{:.1f}'{}>{}{}</text>\n", legend_x + 34, legend_y + 4,
+                    points.empty() ? " fill='#999'" : "", escaped(curves[i].name), points.empty() ? " (failed)" : "");
     legend_y += 24;
   }
   if (cost_low > cost_high) {

@@ -20,7 +20,7 @@ struct PictureRow {
   double ms_p10 = 0;       // time a frame
   double ms_p50 = 0;
   double ms_p90 = 0;
-  double rel_l2 = 0;       // norms.h
+  double rel_l2 = 0;  // norms.h
   double rel_mse = 0;
   double p999 = 0;
   double max = 0;
@@ -40,18 +40,18 @@ enum class TimeOutcome {
 
 // One method with its knob at one value, on one scene of one time-dependent model.
 struct TimeRow {
-  std::string model;      // "filament", "motion", "strobe", "spin", "smoothing", "belt"
+  std::string model;  // "filament", "motion", "strobe", "spin", "smoothing", "belt"
   std::string method;
-  double knob = 0;        // sub-steps or samples a frame; a tolerance; 1 where there is none
-  double tau_ms = 0;      // the scene's own time, as time_report.h says for each model: short is stiff
+  double knob = 0;    // sub-steps or samples a frame; a tolerance; 1 where there is none
+  double tau_ms = 0;  // the scene's own time, as time_report.h says for each model: short is stiff
   double fps = 0;
-  double seconds = 0;     // simulated, until the last value that is judged
-  double error_max = 0;   // largest absolute error, in `unit`
-  std::string unit;       // "K", "range", "share", "turn"
-  double rel_l2 = 0;      // of what is seen: light, position, direction
-  double ns_p10 = 0;      // time a frame
+  double seconds = 0;    // simulated, until the last value that is judged
+  double error_max = 0;  // largest absolute error, in `unit`
+  std::string unit;      // "K", "range", "share", "turn"
+  double rel_l2 = 0;     // of what is seen: light, position, direction
+  double ns_p10 = 0;     // time a frame
   double ns_p50 = 0;
-  double ns_p90 = 0;      // all 0: not timed
+  double ns_p90 = 0;  // all 0: not timed
   TimeOutcome outcome = TimeOutcome::kOk;
 };
 // Timed, and p90 is more than 1.15 times p10: believe the median less.

@@ -8,7 +8,7 @@
 namespace footlight::render {
 namespace {
 
-constexpr double kEscapeShare = 0.1;   // of the judge's span, past which a method has diverged
+constexpr double kEscapeShare = 0.1;  // of the judge's span, past which a method has diverged
 constexpr double kUselessRelL2 = 0.999;
 
 double as_float(double value) { return static_cast<double>(static_cast<float>(value)); }
@@ -62,9 +62,7 @@ std::vector<double> flashes_of(double seconds, std::uint64_t seed) {
     switch (i / 44 % 4) {
       case 1: level = 0; break;
       case 2: level = static_cast<double>(i % 44) / 44; break;
-      case 3:
-        level = (i / 4) % 2 == 1 ? static_cast<double>(time_hash(seed, i / 4) & 0xffff) / 65535 : 0.1;
-        break;
+      case 3: level = (i / 4) % 2 == 1 ? static_cast<double>(time_hash(seed, i / 4) & 0xffff) / 65535 : 0.1; break;
       default: break;
     }
     levels.push_back(as_float(level));

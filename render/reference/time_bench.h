@@ -47,9 +47,9 @@ struct TimeScene {
   double tau_ms = 0;
   double fps = 0;
   double seconds = 0;
-  std::vector<double> judge;                // one value a frame
-  double unit_scale = 1;                    // error_max = largest |value - judge| times this
-  std::vector<double> span = {};            // values that are right to reach, beside the judge's
+  std::vector<double> judge;      // one value a frame
+  double unit_scale = 1;          // error_max = largest |value - judge| times this
+  std::vector<double> span = {};  // values that are right to reach, beside the judge's
   // What rel_l2 compares: how much is seen, and how far from it a value is.
   double (*seen)(double right) = [](double right) { return right; };
   double (*miss)(double value, double right) = [](double value, double right) { return value - right; };

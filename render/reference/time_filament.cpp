@@ -20,8 +20,8 @@ constexpr Wide kFineTolerance = 1e-19L;
 
 // The law of sim/shared/lamp.h.
 FilamentLaw filament_law(double tau_s) {
-  FilamentLaw law{.p = f64::kFilamentP, .r = f64::kFilamentR, .q = f64::kFilamentQ,
-                  .ambient = f64::kFilamentAmbientK / kRatedK};
+  FilamentLaw law{
+      .p = f64::kFilamentP, .r = f64::kFilamentR, .q = f64::kFilamentQ, .ambient = f64::kFilamentAmbientK / kRatedK};
   law.rate_per_s = 1 / (tau_s * (law.p + law.r));
   return law;
 }
@@ -99,16 +99,21 @@ void add_scene(const TimeReportOptions& options, std::span<const double> levels,
                TimeReport& report, JudgeError& own) {
   const Frames show = frames_of(options.seconds, fps, levels);
   const FilamentLaw law = filament_law(tau_ms * 1e-3);
-  TimeScene scene{.model = "filament", .unit = "K", .tau_ms = tau_ms, .fps = fps, .seconds = options.seconds,
-                  .judge = judged(law, show, kDegree, kTolerance), .unit_scale = kRatedK};
+  TimeScene scene{.model = "filament",
+                  .unit = "K",
+                  .tau_ms = tau_ms,
+                  .fps = fps,
+                  .seconds = options.seconds,
+                  .judge = judged(law, show, kDegree, kTolerance),
+                  .unit_scale = kRatedK};
   scene.seen = light_of;
   scene.miss = [](double value, double judge) { return light_of(value) - light_of(judge); };
   const std::vector<double> fine = judged(law, show, kFineDegree, kFineTolerance);
   double before = law.ambient;
   for (std::size_t i = 0; i < show.size(); ++i) {
     own.own = std::max(own.own, kRatedK * std::abs(fine[i] - scene.judge[i]));
-    own.difference = std::max(own.difference, kRatedK * filament_flight_error(law, before, show.input[i], show.dt_s[i],
-                                                                              scene.judge[i]));
+    own.difference = std::max(
+        own.difference, kRatedK * filament_flight_error(law, before, show.input[i], show.dt_s[i], scene.judge[i]));
     before = scene.judge[i];
   }
   TimeBench bench(options, report.rows);
@@ -167,8 +172,10 @@ void add_scene(const TimeReportOptions& options, std::span<const double> levels,
 
 void report_filament(const TimeReportOptions& options, TimeReport& report) {
   const std::vector<double> levels = flashes_of(options.seconds, options.seed);
-  JudgeError own{.model = "filament", .judge = "Taylor series of degree 20 to 1e-17, against degree 28 to 1e-19",
-                 .second = "the time of each way by Gauss-Kronrod quadrature", .unit = "K"};
+  JudgeError own{.model = "filament",
+                 .judge = "Taylor series of degree 20 to 1e-17, against degree 28 to 1e-19",
+                 .second = "the time of each way by Gauss-Kronrod quadrature",
+                 .unit = "K"};
   for (const double tau_ms : options.tau_ms) {
     for (const double fps : options.fps) {
       if (has_ended(options)) break;

@@ -42,8 +42,10 @@ struct ExactTurns {
 ExactTurns exact_turns(float rate_hz, std::int64_t ns) {
   const Rational rate = rational_of(rate_hz);
   ExactTurns turns{rate.mantissa * ns, kNsPerSecond};
-  if (rate.shift >= 0) turns.per_turn <<= rate.shift;
-  else turns.count <<= -rate.shift;
+  if (rate.shift >= 0)
+    turns.per_turn <<= rate.shift;
+  else
+    turns.count <<= -rate.shift;
   return turns;
 }
 
@@ -96,8 +98,8 @@ double filament_flight_error(const FilamentLaw& law, double y0, double v, double
   if (rest < 1e-3) {
     // Cooling: the time is an integral over y itself.
     const auto seconds_by_y = [&](double y) { return -1 / law.slope(y, v); };
-    flight_s = y0 > y1 ? boost::math::quadrature::gauss_kronrod<double, 15>::integrate(seconds_by_y, y1, y0, 8, 1e-13)
-                       : 0;
+    flight_s =
+        y0 > y1 ? boost::math::quadrature::gauss_kronrod<double, 15>::integrate(seconds_by_y, y1, y0, 8, 1e-13) : 0;
   } else {
     // Over u = log |y - rest|, in which the integrand is smooth up to the rest.
     const double side = y0 > rest ? 1 : -1;

@@ -63,16 +63,23 @@ void report_pulses(const char* model, bool random, const TimeReportOptions& opti
   constexpr std::size_t kSecondFrames = 60;
   constexpr int kSecondSamples = 20'000;
   const std::vector<double> no_levels(inputs_needed(options.seconds), 0);
-  JudgeError own{.model = model, .judge = "straight pieces of each pulse in long double", .own = 0x1p-53,
-                 .second = "20,000 midpoints a frame, 60 frames", .unit = "share"};
+  JudgeError own{.model = model,
+                 .judge = "straight pieces of each pulse in long double",
+                 .own = 0x1p-53,
+                 .second = "20,000 midpoints a frame, 60 frames",
+                 .unit = "share"};
   TimeBench bench(options, report.rows);
   for (const double pulse_hz : options.strobe_hz) {
     const auto hz = static_cast<float>(pulse_hz);
     for (const double fps : options.fps) {
       if (has_ended(options)) break;
       const Frames show = frames_of(options.seconds, fps, no_levels);
-      TimeScene scene{.model = model, .unit = "share", .tau_ms = 1000 / pulse_hz, .fps = fps,
-                      .seconds = options.seconds, .span = {0, 1}};
+      TimeScene scene{.model = model,
+                      .unit = "share",
+                      .tau_ms = 1000 / pulse_hz,
+                      .fps = fps,
+                      .seconds = options.seconds,
+                      .span = {0, 1}};
       const auto periods = [&](std::size_t i) { return Wide(hz) * Wide(show.start_ns[i]) * 1e-9L; };
       for (std::size_t i = 0; i < show.size(); ++i) {
         scene.judge.push_back(static_cast<double>(pulses_judged(random, periods(i), periods(i + 1))));
@@ -292,8 +299,10 @@ void report_pulse(const TimeReportOptions& options, TimeReport& report) {
 
 void report_discharge(const TimeReportOptions& options, TimeReport& report) {
   const std::vector<double> levels = flashes_of(options.seconds, options.seed);
-  JudgeError own{.model = "discharge", .judge = "RK4 and Simpson with events, long double, steps of tau / 50",
-                 .second = "the same in steps of tau / 20, ends of events found anew", .unit = "full"};
+  JudgeError own{.model = "discharge",
+                 .judge = "RK4 and Simpson with events, long double, steps of tau / 50",
+                 .second = "the same in steps of tau / 20, ends of events found anew",
+                 .unit = "full"};
   TimeBench bench(options, report.rows);
   for (const double tau_ms : options.tau_ms) {
     ArcLaw law;
@@ -304,8 +313,13 @@ void report_discharge(const TimeReportOptions& options, TimeReport& report) {
     for (const double fps : options.fps) {
       if (has_ended(options)) break;
       const Frames show = frames_of(options.seconds, fps, levels);
-      TimeScene scene{.model = "discharge", .unit = "full", .tau_ms = tau_ms, .fps = fps, .seconds = options.seconds,
-                      .judge = arc_judged_show(law, show, law.run_up_s / 50), .span = {0, 1}};
+      TimeScene scene{.model = "discharge",
+                      .unit = "full",
+                      .tau_ms = tau_ms,
+                      .fps = fps,
+                      .seconds = options.seconds,
+                      .judge = arc_judged_show(law, show, law.run_up_s / 50),
+                      .span = {0, 1}};
       const std::vector<double> finer = arc_judged_show(law, show, law.run_up_s / 80);
       const std::vector<double> coarse = arc_judged_show(law, show, law.run_up_s / 20);
       for (std::size_t i = 0; i < show.size(); ++i) {
@@ -317,8 +331,7 @@ void report_discharge(const TimeReportOptions& options, TimeReport& report) {
                                       static_cast<float>(law.cool_s), static_cast<float>(law.restrike_warm),
                                       static_cast<float>(law.first_light)};
         return [&, type, lamp = f32::discharge_start()](std::size_t i) mutable {
-          return static_cast<double>(
-              f32::discharge_step(lamp, type, show.input[i] > 0.5 ? 1u : 0u, dt_of(show, i)));
+          return static_cast<double>(f32::discharge_step(lamp, type, show.input[i] > 0.5 ? 1u : 0u, dt_of(show, i)));
         };
       });
       bench.add(scene, "exact f64", 1, [&] {
@@ -327,9 +340,7 @@ void report_discharge(const TimeReportOptions& options, TimeReport& report) {
           return f64::discharge_step(lamp, type, show.input[i] > 0.5 ? 1u : 0u, dt_of(show, i));
         };
       });
-      bench.add(scene, "on and off", 1, [&] {
-        return [&](std::size_t i) { return show.input[i] > 0.5 ? 1.0 : 0.0; };
-      });
+      bench.add(scene, "on and off", 1, [&] { return [&](std::size_t i) { return show.input[i] > 0.5 ? 1.0 : 0.0; }; });
       for (const bool fourth : {false, true}) {
         for (const int count : options.substeps) {
           bench.add(scene, fourth ? "RK4, events polled" : "explicit Euler, events polled", count, [&, fourth, count] {
@@ -359,22 +370,27 @@ void report_discharge(const TimeReportOptions& options, TimeReport& report) {
 void report_jerk(const TimeReportOptions& options, TimeReport& report) {
   constexpr int kSteps = 60;
   const std::vector<double> levels = moves_of(options.seconds, options.seed);
-  JudgeError own{.model = "jerk", .judge = "RK4 behind the motor's events, steps of lag / 120, against lag / 40",
-                 .second = "matrix exponential, the motor at the middle of steps, 100 frames", .unit = "range"};
+  JudgeError own{.model = "jerk",
+                 .judge = "RK4 behind the motor's events, steps of lag / 120, against lag / 40",
+                 .second = "matrix exponential, the motor at the middle of steps, 100 frames",
+                 .unit = "range"};
   TimeBench bench(options, report.rows);
   const f64::MotorLimits limits = f64::motor_limits(1, kFadeS, kAccelerationS);
-  const f32::MotorLimits limits_f = f32::motor_limits(1, static_cast<float>(kFadeS),
-                                                      static_cast<float>(kAccelerationS));
+  const f32::MotorLimits limits_f =
+      f32::motor_limits(1, static_cast<float>(kFadeS), static_cast<float>(kAccelerationS));
   for (const double tau_ms : options.tau_ms) {
     const double w = 2 / (tau_ms * 1e-3);
     for (const double fps : options.fps) {
       if (has_ended(options)) break;
       const Frames show = frames_of(options.seconds, fps, levels);
-      TimeScene scene{.model = "jerk", .unit = "range", .tau_ms = tau_ms, .fps = fps, .seconds = options.seconds,
+      TimeScene scene{.model = "jerk",
+                      .unit = "range",
+                      .tau_ms = tau_ms,
+                      .fps = fps,
+                      .seconds = options.seconds,
                       .judge = jerk_judged(show, w, kSteps)};
       const std::vector<double> coarse = jerk_judged(show, w, kSteps / 3);
-      for (std::size_t i = 0; i < show.size(); ++i)
-        own.own = std::max(own.own, std::abs(coarse[i] - scene.judge[i]));
+      for (std::size_t i = 0; i < show.size(); ++i) own.own = std::max(own.own, std::abs(coarse[i] - scene.judge[i]));
       own.difference = std::max(own.difference, jerk_difference(show, w, scene.judge));
       bench.add(scene, "exact f32", 1, [&] {
         const f32::FlexLimits soft = f32::flex_smoothing(static_cast<float>(tau_ms * 1e-3));

@@ -104,8 +104,13 @@ void add_scene(const TimeReportOptions& options, std::span<const double> levels,
                TimeReport& report, JudgeError& own) {
   const Frames show = frames_of(options.seconds, fps, levels);
   const auto a_max = static_cast<double>(static_cast<float>(kSpeedMax / (tau_ms * 1e-3)));
-  TimeScene scene{.model = "motion", .unit = "range", .tau_ms = tau_ms, .fps = fps, .seconds = options.seconds,
-                  .judge = judged(show, a_max, kFineS), .unit_scale = 1 / kRangeRad};
+  TimeScene scene{.model = "motion",
+                  .unit = "range",
+                  .tau_ms = tau_ms,
+                  .fps = fps,
+                  .seconds = options.seconds,
+                  .judge = judged(show, a_max, kFineS),
+                  .unit_scale = 1 / kRangeRad};
   for (const double level : levels) scene.span.push_back(place_of(level));
   const std::vector<double> coarse = judged(show, a_max, kCoarseS);
   for (std::size_t i = 0; i < show.size(); ++i) {

@@ -68,7 +68,7 @@ std::vector<std::string> methods_of(const std::vector<TimeRow>& rows) {
 
 // The knobs of a method in one scene, by one of the errors of a row.
 Curve curve_in(const std::vector<TimeRow>& rows, const std::string& method, const SceneKey& scene,
-               double TimeRow::* error) {
+               double TimeRow::*error) {
   Curve curve;
   for (const TimeRow& row : rows) {
     if (row.method != method || scene_of(row) != scene || row.outcome != TimeOutcome::kOk) continue;
@@ -184,7 +184,7 @@ std::string time_at_error_of(const std::vector<TimeRow>& rows, const std::string
       }
       line.push_back(reached_text(mean, count));
     }
-    for (double TimeRow::* const error : {&TimeRow::rel_l2, &TimeRow::error_max}) {
+    for (double TimeRow::*const error : {&TimeRow::rel_l2, &TimeRow::error_max}) {
       LogMean ratio;
       double least = std::numeric_limits<double>::infinity();
       for (const SceneKey& scene : scenes) {
@@ -221,8 +221,8 @@ std::string cheapest_rivals_of(const std::vector<TimeRow>& rows, const std::stri
       least_ns = *ns;
       best = method;
     }
-    text += best.empty() ? "no rival is as near\n" : fmt::format("as near: {}, {:.3g} times as long\n", best,
-                                                                 least_ns / point.cost);
+    text += best.empty() ? "no rival is as near\n"
+                         : fmt::format("as near: {}, {:.3g} times as long\n", best, least_ns / point.cost);
   }
   return text;
 }

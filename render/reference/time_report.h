@@ -32,12 +32,12 @@ namespace footlight::render {
 struct TimeReportOptions {
   std::vector<double> tau_ms{3, 34, 350};  // filament, motion, smoothing, belt, led
   std::vector<double> fps{15, 24, 44, 60, 120, 240};
-  std::vector<int> substeps{1, 4, 16, 64};                 // of rivals with a fixed step
+  std::vector<int> substeps{1, 4, 16, 64};                                   // of rivals with a fixed step
   std::vector<double> tolerances{1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9};  // of rivals that choose their step
   std::vector<double> strobe_hz{1.3, 9.7, 25, 59.94};
   std::vector<double> spin_hz{0.37, 10};
   std::vector<double> spin_s{3600, 86'400, 2'592'000};  // 1 hour, 24 hours, 30 days; days at 60 fps only
-  double seconds = 6;      // of show, each scene
+  double seconds = 6;                                   // of show, each scene
   int runs = 11;           // timed, after 3 that are not; 0: no times, and the rows are the same on every run
   std::uint64_t seed = 1;  // of the inputs
   // Called before each row and each scene; true ends the report there, with the rows so far. Empty: never.
@@ -78,7 +78,7 @@ struct Disagreement {
   std::string model;
   double f32 = 0;
   double f64 = 0;
-  double error = 0;   // in `unit`
+  double error = 0;  // in `unit`
   std::string unit;
   std::string input;  // "level=0.25 dt_s=0.0166667 ..."
 };
@@ -95,15 +95,15 @@ struct TimeSummary {
   std::string method;
   double knob = 0;
   int scenes = 0;
-  int failed = 0;            // outcome other than ok
+  int failed = 0;  // outcome other than ok
   int unstable = 0;
-  double rel_l2_mean = 0;    // geometric; a failed scene, or one beyond 1, stands as 1
-  double rel_l2_worst = 0;   // of the scenes that did not fail
-  double error_worst = 0;    // of all scenes, in the unit of the model; infinite where a value was
-  double worst_tau_ms = 0;   // the scene of error_worst
+  double rel_l2_mean = 0;   // geometric; a failed scene, or one beyond 1, stands as 1
+  double rel_l2_worst = 0;  // of the scenes that did not fail
+  double error_worst = 0;   // of all scenes, in the unit of the model; infinite where a value was
+  double worst_tau_ms = 0;  // the scene of error_worst
   double worst_fps = 0;
-  double ns_mean = 0;        // geometric, of the medians
-  std::string outcome;       // of the worst scene
+  double ns_mean = 0;   // geometric, of the medians
+  std::string outcome;  // of the worst scene
 };
 [[nodiscard]] std::vector<TimeSummary> summaries_of(const std::vector<TimeRow>& rows);
 [[nodiscard]] std::string table_of(const std::vector<TimeSummary>& summaries, const std::string& unit);

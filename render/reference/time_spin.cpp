@@ -13,7 +13,7 @@ namespace {
 // Every frame is stepped through: more than an hour at 60 fps only, more than a day at the last rate only.
 constexpr double kHourS = 3600;
 constexpr double kDayS = 86'400;
-constexpr std::size_t kJudgedFrames = 64;     // the last ones of the time
+constexpr std::size_t kJudgedFrames = 64;  // the last ones of the time
 constexpr std::size_t kTimedFrames = 20'000;
 
 double fraction(double turns) { return turns - std::floor(turns); }
@@ -106,8 +106,11 @@ void add_method(const TimeScene& scene, const char* name, float rate_hz, TimeBen
 }  // namespace
 
 void report_spin(const TimeReportOptions& options, TimeReport& report) {
-  JudgeError own{.model = "spin", .judge = "128-bit integers, rounded once", .own = 0,
-                 .second = "rate times time in long double", .unit = "turn"};
+  JudgeError own{.model = "spin",
+                 .judge = "128-bit integers, rounded once",
+                 .own = 0,
+                 .second = "rate times time in long double",
+                 .unit = "turn"};
   TimeBench bench(options, report.rows);
   for (const double rate : options.spin_hz) {
     const auto rate_hz = static_cast<float>(rate);
@@ -116,8 +119,8 @@ void report_spin(const TimeReportOptions& options, TimeReport& report) {
         if (has_ended(options)) break;
         if (seconds > kHourS && fps != 60) continue;
         if (seconds > kDayS && rate != options.spin_hz.back()) continue;
-        TimeScene scene{.model = "spin", .unit = "turn", .tau_ms = 1000 / rate, .fps = fps, .seconds = seconds,
-                        .span = {0, 1}};
+        TimeScene scene{
+            .model = "spin", .unit = "turn", .tau_ms = 1000 / rate, .fps = fps, .seconds = seconds, .span = {0, 1}};
         scene.seen = [](double) { return 1.0; };
         scene.miss = [](double value, double judge) { return 2 * std::sin(std::numbers::pi * (value - judge)); };
         const auto frames = static_cast<std::int64_t>(seconds * fps);

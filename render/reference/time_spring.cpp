@@ -64,7 +64,8 @@ struct Rival {
 
 std::vector<double> judged(const Spring& spring, const Frames& show, int halve_until) {
   SpringJudge judge{.stiffness = Wide(spring.rate) * Wide(spring.rate),
-                    .damping = 2 * Wide(spring.damping) * Wide(spring.rate), .halve_until = halve_until};
+                    .damping = 2 * Wide(spring.damping) * Wide(spring.rate),
+                    .halve_until = halve_until};
   std::vector<double> values;
   for (std::size_t i = 0; i < show.size(); ++i) {
     judge.advance(show.input[i], show.dt_s[i]);
@@ -124,8 +125,10 @@ void add_rivals(const Case& c, std::span<const std::pair<const char*, Method>> r
 }
 
 JudgeError judge_of(const char* model) {
-  return {.model = model, .judge = "matrix exponential by Taylor series, steps halved 5 times more",
-          .second = "RK4 in steps of tau / 1000, 100 frames", .unit = "full"};
+  return {.model = model,
+          .judge = "matrix exponential by Taylor series, steps halved 5 times more",
+          .second = "RK4 in steps of tau / 1000, 100 frames",
+          .unit = "full"};
 }
 
 }  // namespace

@@ -18,16 +18,23 @@ constexpr std::int64_t kDayNs = 86'400'000'000'000;
 
 void report_strobe(const TimeReportOptions& options, TimeReport& report) {
   const std::vector<double> no_levels(inputs_needed(options.seconds), 0);
-  JudgeError own{.model = "strobe", .judge = "overlaps of flashes and frame in long double", .own = 0,
-                 .second = "open time to either end in 128-bit integers", .unit = "share"};
+  JudgeError own{.model = "strobe",
+                 .judge = "overlaps of flashes and frame in long double",
+                 .own = 0,
+                 .second = "open time to either end in 128-bit integers",
+                 .unit = "share"};
   TimeBench bench(options, report.rows);
   for (const double strobe_hz : options.strobe_hz) {
     const auto hz = static_cast<float>(strobe_hz);
     for (const double fps : options.fps) {
       if (has_ended(options)) break;
       const Frames show = frames_of(options.seconds, fps, no_levels);
-      TimeScene scene{.model = "strobe", .unit = "share", .tau_ms = 1000 / strobe_hz, .fps = fps,
-                      .seconds = options.seconds, .span = {0, 1}};
+      TimeScene scene{.model = "strobe",
+                      .unit = "share",
+                      .tau_ms = 1000 / strobe_hz,
+                      .fps = fps,
+                      .seconds = options.seconds,
+                      .span = {0, 1}};
       TimeScene next_day = scene;
       next_day.seconds += static_cast<double>(kDayNs) * 1e-9;
       for (std::size_t i = 0; i < show.size(); ++i) {
@@ -35,8 +42,8 @@ void report_strobe(const TimeReportOptions& options, TimeReport& report) {
         const std::int64_t to_ns = show.start_ns[i + 1];
         scene.judge.push_back(open_share_judged(hz, kDuty, from_ns, to_ns));
         next_day.judge.push_back(open_share_judged_exactly(hz, kDuty65536, kDayNs + from_ns, kDayNs + to_ns));
-        own.difference = std::max(
-            own.difference, std::abs(scene.judge[i] - open_share_judged_exactly(hz, kDuty65536, from_ns, to_ns)));
+        own.difference = std::max(own.difference,
+                                  std::abs(scene.judge[i] - open_share_judged_exactly(hz, kDuty65536, from_ns, to_ns)));
       }
       const auto dt_of = [&](std::size_t i) {
         return glm::uvec2(static_cast<std::uint32_t>(show.start_ns[i + 1] - show.start_ns[i]), 0u);

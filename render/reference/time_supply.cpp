@@ -147,16 +147,23 @@ void judge_led_judge(const Frames& show, double rise_s, const std::vector<double
 
 void report_led(const TimeReportOptions& options, TimeReport& report) {
   const std::vector<double> levels = moves_of(options.seconds, options.seed);
-  JudgeError own{.model = "led", .judge = "Taylor series in pieces of half the rise, against a fifth",
-                 .second = "RK4 in 4000 steps, 50 frames", .unit = "full"};
+  JudgeError own{.model = "led",
+                 .judge = "Taylor series in pieces of half the rise, against a fifth",
+                 .second = "RK4 in 4000 steps, 50 frames",
+                 .unit = "full"};
   TimeBench bench(options, report.rows);
   for (const double tau_ms : options.tau_ms) {
     for (const double fps : options.fps) {
       if (has_ended(options)) break;
       const Frames show = frames_of(options.seconds, fps, levels);
       const double rise_s = tau_ms * 1e-3;
-      TimeScene scene{.model = "led", .unit = "full", .tau_ms = tau_ms, .fps = fps, .seconds = options.seconds,
-                      .judge = led_judged_show(show, rise_s, 0.5L), .span = {0, 1}};
+      TimeScene scene{.model = "led",
+                      .unit = "full",
+                      .tau_ms = tau_ms,
+                      .fps = fps,
+                      .seconds = options.seconds,
+                      .judge = led_judged_show(show, rise_s, 0.5L),
+                      .span = {0, 1}};
       judge_led_judge(show, rise_s, scene.judge, own);
       bench.add(scene, "exact f32", 1, [&] {
         const f32::LedType type{static_cast<float>(rise_s), static_cast<float>(kHeatS), static_cast<float>(kDroop)};
@@ -201,8 +208,10 @@ void report_led(const TimeReportOptions& options, TimeReport& report) {
 
 void report_dimmer(const TimeReportOptions& options, TimeReport& report) {
   const std::vector<double> levels = moves_of(options.seconds, options.seed);
-  JudgeError own{.model = "dimmer", .judge = "Taylor series in pieces of half the rise, against a fifth",
-                 .second = "RK4 in 4000 steps, 50 frames", .unit = "full"};
+  JudgeError own{.model = "dimmer",
+                 .judge = "Taylor series in pieces of half the rise, against a fifth",
+                 .second = "RK4 in 4000 steps, 50 frames",
+                 .unit = "full"};
   TimeBench bench(options, report.rows);
   for (const double tau_ms : options.tau_ms) {
     for (const double fps : options.fps) {
@@ -211,8 +220,13 @@ void report_dimmer(const TimeReportOptions& options, TimeReport& report) {
       Frames lit = show;
       for (double& level : lit.input) level *= level;
       const double rise_s = tau_ms * 1e-3;
-      TimeScene scene{.model = "dimmer", .unit = "full", .tau_ms = tau_ms, .fps = fps, .seconds = options.seconds,
-                      .judge = led_judged_show(lit, rise_s, 0.5L), .span = {0, 1}};
+      TimeScene scene{.model = "dimmer",
+                      .unit = "full",
+                      .tau_ms = tau_ms,
+                      .fps = fps,
+                      .seconds = options.seconds,
+                      .judge = led_judged_show(lit, rise_s, 0.5L),
+                      .span = {0, 1}};
       judge_led_judge(lit, rise_s, scene.judge, own);
       bench.add(scene, "law, then exact f32", 1, [&] {
         const f32::LedType type{static_cast<float>(rise_s), static_cast<float>(kHeatS), static_cast<float>(kDroop)};
@@ -250,15 +264,22 @@ void report_dimmer(const TimeReportOptions& options, TimeReport& report) {
 
 void report_mains(const TimeReportOptions& options, TimeReport& report) {
   const std::vector<double> levels = flashes_of(options.seconds, options.seed);
-  JudgeError own{.model = "mains", .judge = "Gauss-Kronrod 31 of each half wave", .own = 1e-14,
-                 .second = "the integral of the sine squared in long double", .unit = "full"};
+  JudgeError own{.model = "mains",
+                 .judge = "Gauss-Kronrod 31 of each half wave",
+                 .own = 1e-14,
+                 .second = "the integral of the sine squared in long double",
+                 .unit = "full"};
   TimeBench bench(options, report.rows);
   for (const float hz : kHalfWavesHz) {
     for (const double fps : options.fps) {
       if (has_ended(options)) break;
       const Frames show = frames_of(options.seconds, fps, levels);
-      TimeScene scene{.model = "mains", .unit = "full", .tau_ms = 1000 / static_cast<double>(hz), .fps = fps,
-                      .seconds = options.seconds, .span = {0, 2}};
+      TimeScene scene{.model = "mains",
+                      .unit = "full",
+                      .tau_ms = 1000 / static_cast<double>(hz),
+                      .fps = fps,
+                      .seconds = options.seconds,
+                      .span = {0, 2}};
       for (std::size_t i = 0; i < show.size(); ++i) {
         const Wide from = Wide(hz) * Wide(show.start_ns[i]) * 1e-9L;
         const Wide to = Wide(hz) * Wide(show.start_ns[i + 1]) * 1e-9L;

@@ -94,10 +94,10 @@ Pair belt(Draw& draw) {
   const float damping = draw.between("damping", 0.01, 1);
   const float target = draw.level("target");
   const float dt_s = draw.decades("dt_s", 1e-4, 60);
-  return {wide(f32::flex_stretch({position, speed}, {rate, damping}, {target, 0}, 0, dt_s).position),
-          f64::flex_stretch({wide(position), wide(speed)}, {wide(rate), wide(damping)}, {wide(target), 0}, 0,
-                            wide(dt_s))
-              .position};
+  return {
+      wide(f32::flex_stretch({position, speed}, {rate, damping}, {target, 0}, 0, dt_s).position),
+      f64::flex_stretch({wide(position), wide(speed)}, {wide(rate), wide(damping)}, {wide(target), 0}, 0, wide(dt_s))
+          .position};
 }
 
 Pair smoothing(Draw& draw) {

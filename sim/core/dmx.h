@@ -16,7 +16,7 @@ namespace footlight {
 inline constexpr int kSlotCountMax = 512;
 inline constexpr int kUniverseCountDefault = 9;
 inline constexpr int kUniverseMin = 1;
-inline constexpr int kUniverseMax = 63'999;  // E1.31-2018 section 6.2.7
+inline constexpr int kUniverseMax = 63'999;            // E1.31-2018 section 6.2.7
 inline constexpr std::uint8_t kPriorityDefault = 100;  // E1.31-2018 section 6.2.3
 inline constexpr std::uint8_t kPriorityMax = 200;
 
@@ -38,11 +38,11 @@ using SenderId = std::uint64_t;
 // One frame as it travels. Does not own its slots: valid during the call that hands it over.
 struct FrameView {
   Universe universe = 0;
-  TimeNs stamp_ns = 0;          // when it was received, on the clock of the pump
+  TimeNs stamp_ns = 0;  // when it was received, on the clock of the pump
   SenderId sender = 0;
-  std::uint32_t sequence = 0;   // of the sender, as it came over the wire; 0 where the wire has none
-  std::uint8_t priority = kPriorityDefault;  // 0 to 200
-  bool terminated = false;      // the sender says that it stops sending this universe; slots are ignored
+  std::uint32_t sequence = 0;                  // of the sender, as it came over the wire; 0 where the wire has none
+  std::uint8_t priority = kPriorityDefault;    // 0 to 200
+  bool terminated = false;                     // the sender says that it stops sending this universe; slots are ignored
   std::uint8_t start_code = kStartCodeLevels;  // what the slots mean
   // How long the sender may be silent before it is forgotten; 0: as the merge is told. For protocols whose senders
   // repeat themselves less often than E1.31's (Art-Net: 4 s between repeats, 10 s to be forgotten).

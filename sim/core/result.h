@@ -45,10 +45,10 @@ template <class... Args>
 }  // namespace footlight
 
 // FL_TRY(expression): returns the error of a Status or Result from the calling function.
-#define FL_TRY(expression)                                                              \
-  do {                                                                                  \
-    if (auto fl_try_result = (expression); !fl_try_result)                              \
-      return ::tl::unexpected<::footlight::Error>(std::move(fl_try_result).error());    \
+#define FL_TRY(expression)                                                           \
+  do {                                                                               \
+    if (auto fl_try_result = (expression); !fl_try_result)                           \
+      return ::tl::unexpected<::footlight::Error>(std::move(fl_try_result).error()); \
   } while (false)
 
 // FL_ASSIGN(auto rig, load_rig(path)): binds the value or returns the error.

@@ -151,8 +151,8 @@ void BlockEncoder::encode(Bytes& out) {
       const bool second = cost_of(second_) < cost_of(column_);
       const Bytes& residuals = second ? second_ : column_;
       out.insert(out.end(), residuals.begin(), residuals.end());
-      out[modes_at + slot / 4] = static_cast<std::uint8_t>(
-          out[modes_at + slot / 4] | (second ? kColumnSecond : kColumnFirst) << (2 * (slot % 4)));
+      out[modes_at + slot / 4] = static_cast<std::uint8_t>(out[modes_at + slot / 4] |
+                                                           (second ? kColumnSecond : kColumnFirst) << (2 * (slot % 4)));
     }
     rows.clear();
   }

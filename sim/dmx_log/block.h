@@ -56,7 +56,7 @@ class BlockEncoder {
   std::vector<UniverseState> states_;  // in order of first appearance
   std::vector<UniverseState> base_;    // as it was when the block began; shorter where universes were new
   std::unordered_map<Universe, std::size_t> indices_;
-  std::vector<Bytes> rows_;            // per universe: 512 levels for each frame that changed one
+  std::vector<Bytes> rows_;  // per universe: 512 levels for each frame that changed one
   std::size_t row_bytes_ = 0;
   Bytes tags_, times_, metas_, column_, second_;
   std::uint32_t frame_count_ = 0;

@@ -50,12 +50,12 @@ struct LogWriterOptions {
 
 struct LogWriterStats {
   std::uint64_t frames = 0;
-  std::uint64_t changes = 0;      // frames that changed a level
+  std::uint64_t changes = 0;  // frames that changed a level
   std::uint64_t repeats_dropped = 0;
   std::uint64_t not_levels = 0;   // per-address priorities, which the format has no place for; left out
   std::uint64_t late_stamps = 0;  // frames stamped before the one before them (or before the origin); raised to it
   std::uint64_t blocks = 0;
-  std::uint64_t bytes = 0;        // in the file so far
+  std::uint64_t bytes = 0;  // in the file so far
 };
 
 // Writes `path`.part and gives it the name `path` in close(). A process that dies leaves the .part file, which
@@ -99,17 +99,17 @@ class LogWriter {
 
 // A part of the file that could not be used.
 struct LogDamage {
-  std::uint64_t offset = 0;      // of its first byte in the file
+  std::uint64_t offset = 0;  // of its first byte in the file
   std::uint64_t size_bytes = 0;
-  std::string what;              // "checksum of the block is wrong", ...
+  std::string what;  // "checksum of the block is wrong", ...
 };
 
 struct LogUniverseInfo {
   Universe universe = 0;
   std::uint64_t frames = 0;
-  std::uint64_t changes = 0;     // frames that changed a level
-  int slot_count = 0;            // of the longest frame
-  DurationNs first_ns = 0;       // time of the first and of the last frame
+  std::uint64_t changes = 0;  // frames that changed a level
+  int slot_count = 0;         // of the longest frame
+  DurationNs first_ns = 0;    // time of the first and of the last frame
   DurationNs last_ns = 0;
   // Mean over the time in which it was heard; 0 with fewer than two frames.
   [[nodiscard]] double rate_hz() const {
@@ -131,18 +131,18 @@ struct LogInfo {
   LogFormat format = LogFormat::kDmxLog;
   int version_major = 0;
   int version_minor = 0;
-  TimeNs origin_ns = 0;                  // what time 0 was on the recorder's clock
-  std::int64_t wall_start_unix_ns = 0;   // 0: unknown
-  DurationNs duration_ns = 0;            // of the recording; of an unfinished one the time of the last frame
+  TimeNs origin_ns = 0;                    // what time 0 was on the recorder's clock
+  std::int64_t wall_start_unix_ns = 0;     // 0: unknown
+  DurationNs duration_ns = 0;              // of the recording; of an unfinished one the time of the last frame
   std::vector<LogUniverseInfo> universes;  // ascending; those of the header that were never heard have 0 frames
   std::uint64_t frames = 0;
   std::uint64_t changes = 0;
   std::uint64_t late_stamps = 0;
   std::uint64_t blocks = 0;
   std::uint64_t file_bytes = 0;
-  bool finished = false;                 // its writer closed it; if not, it was read up to its last whole block
-  bool checked = false;                  // every block was read, not only the index
-  std::vector<LogDamage> damage;         // the first 64
+  bool finished = false;          // its writer closed it; if not, it was read up to its last whole block
+  bool checked = false;           // every block was read, not only the index
+  std::vector<LogDamage> damage;  // the first 64
   std::uint64_t damage_count = 0;
   [[nodiscard]] bool recovered() const { return !finished || damage_count > 0; }
 };
@@ -155,16 +155,16 @@ struct SlotRun {
 
 // One frame. The spans belong to the reader and are valid until its next call.
 struct LogFrame {
-  DurationNs time_ns = 0;        // since the start of the recording
-  TimeNs stamp_ns = 0;           // time_ns + origin: as the recorder stamped it
+  DurationNs time_ns = 0;  // since the start of the recording
+  TimeNs stamp_ns = 0;     // time_ns + origin: as the recorder stamped it
   Universe universe = 0;
-  SenderId sender = 0;           // as recorded: tells senders apart within this log only
+  SenderId sender = 0;  // as recorded: tells senders apart within this log only
   std::uint32_t sequence = 0;
   std::uint8_t priority = kPriorityDefault;
   bool terminated = false;
   // Nobody sent it: it carries what changed inside damage, at the first time after the damage at which it is known.
   bool restored = false;
-  int slot_count = 0;            // of this frame, 0 to 512
+  int slot_count = 0;                    // of this frame, 0 to 512
   std::span<const std::uint8_t> levels;  // all 512, after this frame; slots that were never heard are 0
   std::span<const SlotRun> changes;      // against this universe's frame before; empty for a repeat
   [[nodiscard]] std::span<const std::uint8_t> slots() const {
@@ -175,7 +175,7 @@ struct LogFrame {
 // How one universe stood at a moment. The span belongs to the reader and is valid until its next call.
 struct LogLook {
   Universe universe = 0;
-  DurationNs time_ns = 0;        // of the newest frame that it had
+  DurationNs time_ns = 0;  // of the newest frame that it had
   SenderId sender = 0;
   std::uint32_t sequence = 0;
   std::uint8_t priority = kPriorityDefault;

@@ -111,8 +111,8 @@ std::optional<BlockHeader> decode_block_header(std::span<const std::uint8_t> byt
 
 Bytes encode(const Index& index) {
   Bytes out;
-  const std::size_t size = kIndexFixedBytes + kIndexUniverseBytes * index.universes.size() +
-                           kIndexEntryBytes * index.entries.size() + 4;
+  const std::size_t size =
+      kIndexFixedBytes + kIndexUniverseBytes * index.universes.size() + kIndexEntryBytes * index.entries.size() + 4;
   out.reserve(size);
   put_u32(out, kIndexMagic);
   put_u32(out, static_cast<std::uint32_t>(size));

@@ -8,10 +8,10 @@
 #include <string_view>
 #include <utility>
 
-#include "sim/file_kind.h"
 #include "sim/dmx_log/format.h"
 #include "sim/dmx_log/log_output.h"
 #include "sim/dmx_log/ola_show.h"
+#include "sim/file_kind.h"
 
 namespace footlight {
 namespace {

@@ -15,12 +15,12 @@
 namespace footlight {
 
 struct LogSourceOptions {
-  DurationNs start_ns = 0;              // where in the log to begin, >= 0
-  DurationNs stop_ns = kTimeNever;      // where to end; kTimeNever: at the end of the recording
-  bool loop = false;                    // from stop_ns back to start_ns, without a gap
-  double speed = 1.0;                   // 0.001 to 1000
+  DurationNs start_ns = 0;                              // where in the log to begin, >= 0
+  DurationNs stop_ns = kTimeNever;                      // where to end; kTimeNever: at the end of the recording
+  bool loop = false;                                    // from stop_ns back to start_ns, without a gap
+  double speed = 1.0;                                   // 0.001 to 1000
   std::vector<std::pair<Universe, Universe>> renumber;  // from (in the log) to (in the pump)
-  bool only_renumbered = false;         // leave out universes that `renumber` does not name
+  bool only_renumbered = false;                         // leave out universes that `renumber` does not name
 };
 
 // Plays a log. Time 0 is the `now_ns` of the first poll() or start(). Each frame is due at
@@ -59,10 +59,10 @@ class LogSource final : public Source {
 };
 
 struct LogSinkOptions {
-  std::vector<Universe> universes;      // to record; must not be empty
-  bool keep_empty = true;               // false: without a frame no file is left, and none is replaced
-  LogWriterOptions writer;              // origin_ns and universes are set by the sink
-  TimeNs start_ns = 0;                  // time 0 of the log, on the pump's clock
+  std::vector<Universe> universes;  // to record; must not be empty
+  bool keep_empty = true;           // false: without a frame no file is left, and none is replaced
+  LogWriterOptions writer;          // origin_ns and universes are set by the sink
+  TimeNs start_ns = 0;              // time 0 of the log, on the pump's clock
   // The open block goes to the file this long after its first frame came, > 0: what the death of the process loses.
   DurationNs flush_after_ns = 800 * kNsPerMs;
   std::size_t waiting_bytes_max = 16u << 20;  // frames that wait for a slow disk; what comes on top is lost and counted

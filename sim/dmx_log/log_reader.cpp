@@ -12,12 +12,12 @@
 #include <zstd.h>
 
 #include "sim/core/check.h"
-#include "sim/file_kind.h"
 #include "sim/dmx_log/block.h"
 #include "sim/dmx_log/crc32c.h"
 #include "sim/dmx_log/dmx_log.h"
 #include "sim/dmx_log/format.h"
 #include "sim/dmx_log/log_output.h"
+#include "sim/file_kind.h"
 
 namespace footlight {
 
@@ -266,9 +266,8 @@ struct LogReader::Impl {
     const bool torn = block.has_value();
     // Search for the next header. Its checksum tells it from the same four bytes inside compressed levels.
     Bytes window;
-    constexpr std::array<std::uint8_t, 4> kMagic = {
-        dmx_log::kBlockMagic & 0xFF, dmx_log::kBlockMagic >> 8 & 0xFF, dmx_log::kBlockMagic >> 16 & 0xFF,
-        dmx_log::kBlockMagic >> 24};
+    constexpr std::array<std::uint8_t, 4> kMagic = {dmx_log::kBlockMagic & 0xFF, dmx_log::kBlockMagic >> 8 & 0xFF,
+                                                    dmx_log::kBlockMagic >> 16 & 0xFF, dmx_log::kBlockMagic >> 24};
     std::uint64_t from = offset + 1;
     while (from < data_end && data_end - from >= dmx_log::kBlockHeaderBytes) {
       if (from >= search_end) return std::nullopt;
@@ -317,8 +316,7 @@ struct LogReader::Impl {
       note_damage(block.offset, size_bytes, "the block does not decompress");
       return false;
     }
-    const Status status =
-        loading.load(raw, block.header.frame_count, block.header.first_ns, block.header.last_ns);
+    const Status status = loading.load(raw, block.header.frame_count, block.header.first_ns, block.header.last_ns);
     if (!status) {
       note_damage(block.offset, size_bytes, status.error().message);
       return false;
@@ -509,9 +507,9 @@ struct LogReader::Impl {
   std::uint64_t data_end = 0;
   std::vector<dmx_log::IndexEntry> entries;
 
-  std::uint64_t at = 0;        // where the next block is looked for
-  DurationNs time_ns = 0;      // of the newest frame given
-  DurationNs floor_ns = -1;    // frames up to here are part of the look that seek() went to
+  std::uint64_t at = 0;      // where the next block is looked for
+  DurationNs time_ns = 0;    // of the newest frame given
+  DurationNs floor_ns = -1;  // frames up to here are part of the look that seek() went to
   FoundBlock current;
   Bytes packed, raw;
   dmx_log::BlockDecoder decoder, loading;

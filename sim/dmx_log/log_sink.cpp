@@ -140,8 +140,7 @@ Result<std::unique_ptr<LogSink>> LogSink::create(const std::string& path, const 
   LogSinkOptions checked = options;
   std::sort(checked.universes.begin(), checked.universes.end());
   checked.universes.erase(std::unique(checked.universes.begin(), checked.universes.end()), checked.universes.end());
-  return std::unique_ptr<LogSink>(
-      new LogSink(std::make_unique<Impl>("log:" + path, std::move(writer), checked)));
+  return std::unique_ptr<LogSink>(new LogSink(std::make_unique<Impl>("log:" + path, std::move(writer), checked)));
 }
 
 std::string LogSink::name() const { return impl_->name; }

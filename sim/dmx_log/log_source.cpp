@@ -186,7 +186,7 @@ struct LogSource::Impl {
   bool ended = false;
   TimeNs pass_start_ns = 0;  // when options.start_ns of this pass is due
   std::vector<Owned> first_looks;
-  LogFrame frame;            // the next one; its spans belong to the reader
+  LogFrame frame;  // the next one; its spans belong to the reader
   bool has_frame = false;
   std::uint64_t passes = 0;
   std::uint64_t frames = 0;

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "sim/core/check.h"
-#include "sim/file_kind.h"
 #include "sim/dmx_log/log_output.h"
+#include "sim/file_kind.h"
 
 namespace footlight {
 namespace {

@@ -24,7 +24,7 @@
 namespace footlight {
 
 struct OlaShowFrame {
-  DurationNs time_ns = 0;           // since the start; a whole number of milliseconds
+  DurationNs time_ns = 0;  // since the start; a whole number of milliseconds
   Universe universe = 0;
   std::vector<std::uint8_t> slots;  // 0 to 512
 };

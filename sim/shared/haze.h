@@ -8,13 +8,13 @@
 // mixing hold, counted from when they last changed: no error but rounding at any step, and the same bits however the
 // time between two changes is cut.
 struct RoomAir {
-  Real total;         // 1/m, now
-  Real unmixed;       // 1/m, now
-  Real from_total;    // when inflow or mixing last changed
+  Real total;       // 1/m, now
+  Real unmixed;     // 1/m, now
+  Real from_total;  // when inflow or mixing last changed
   Real from_unmixed;
-  Real inflow;        // 1/m a second
+  Real inflow;  // 1/m a second
   Real mixing_hz;
-  Turns since_ns;     // since then
+  Turns since_ns;  // since then
 };
 
 FL_FN RoomAir room_start() {
@@ -54,8 +54,7 @@ FL_FN RoomAir room_step(RoomAir air, Real tau_s, Real inflow, Real mixing_hz, Tu
   Real t_s = time_s(air.since_ns);
   Real loss_hz = tau_s >= Real(1e-6) && tau_s <= Real(1e9) ? Real(1) / tau_s : Real(0);
   air.total = room_relaxed(air.from_total, inflow, loss_hz, t_s);
-  air.unmixed =
-      mixing_hz < kRoomMixedHz ? room_relaxed(air.from_unmixed, inflow, loss_hz + mixing_hz, t_s) : Real(0);
+  air.unmixed = mixing_hz < kRoomMixedHz ? room_relaxed(air.from_unmixed, inflow, loss_hz + mixing_hz, t_s) : Real(0);
   return air;
 }
 

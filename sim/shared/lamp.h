@@ -27,7 +27,7 @@ FL_CONST Real kFilamentPR = Real(5.815);  // p + r: the decay at full, 1 / tau, 
 FL_CONST Real kFilamentC = Real(3.45);    // c = p - q - 1: s = y^-c / c for a lamp that only cools
 FL_CONST Real kFilamentAmbientK = Real(293.15);
 
-FL_CONST Real kFilamentFar = Real(2.5);                    // end of the tables
+FL_CONST Real kFilamentFar = Real(2.5);                   // end of the tables
 FL_CONST Real kFilamentFarS = Real(0.01230479182093496);  // s from y without end to there
 
 // The curves as one list of numbers: C++ has it here; a shader gets them from its own fl_filament(), since compilers
@@ -407,9 +407,9 @@ struct Filament {
   Real from_k;  // when the voltage was last changed
   Real volt;
   // What a step needs of that, computed once:
-  Real from;      // x of from_k; where the lamp is off, (from_k / full)^-c
-  Real end_k;     // equilibrium at this voltage
-  Real decay_hz;  // dx / dt; where the lamp is off, how fast (T / full)^-c grows; 0: beyond the table
+  Real from;       // x of from_k; where the lamp is off, (from_k / full)^-c
+  Real end_k;      // equilibrium at this voltage
+  Real decay_hz;   // dx / dt; where the lamp is off, how fast (T / full)^-c grows; 0: beyond the table
   Turns since_ns;  // since then
 };
 
@@ -683,7 +683,7 @@ struct Discharge {
   uint lit;        // 1: the arc burns
   Real from_warm;  // when the power was last switched
   uint from_lit;
-  uint power;      // 1: on
+  uint power;  // 1: on
   uint pad;
   Turns since_ns;  // since then
 };

@@ -10,7 +10,7 @@
 
 #include "sim/shared/real.h"
 
-#define FL_SHARED_USING   \
+#define FL_SHARED_USING       \
   using uint = std::uint32_t; \
   using Turns = glm::uvec2;   \
   using glm::abs;             \
@@ -50,13 +50,13 @@ using Real = float;
 using Vec2 = glm::vec2;
 using Vec3 = glm::vec3;
 FL_SHARED_USING
-#include "sim/shared/turns.h"
-#include "sim/shared/motion.h"
+#include "sim/shared/dimmer.h"
 #include "sim/shared/filter.h"
 #include "sim/shared/haze.h"
-#include "sim/shared/dimmer.h"
 #include "sim/shared/lamp.h"
+#include "sim/shared/motion.h"
 #include "sim/shared/shutter.h"
+#include "sim/shared/turns.h"
 }  // namespace footlight::f32
 
 namespace footlight::f64 {
@@ -64,11 +64,11 @@ using Real = double;
 using Vec2 = glm::dvec2;
 using Vec3 = glm::dvec3;
 FL_SHARED_USING
-#include "sim/shared/turns.h"
-#include "sim/shared/motion.h"
+#include "sim/shared/dimmer.h"
 #include "sim/shared/filter.h"
 #include "sim/shared/haze.h"
-#include "sim/shared/dimmer.h"
 #include "sim/shared/lamp.h"
+#include "sim/shared/motion.h"
 #include "sim/shared/shutter.h"
+#include "sim/shared/turns.h"
 }  // namespace footlight::f64

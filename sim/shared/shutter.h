@@ -260,9 +260,9 @@ FL_INLINE Real shutter_step(FL_INOUT(Shutter) shutter, ShutterWish wish, Turns d
     Real at_end = turns_real(end);
     if (!(turns > Real(0))) return at_end < open ? Real(1) : low;
     // The open turns from `phase` on, those of whole periods, and those up to the end.
-    Real share = edges == uint(0) ? max(min(open - at, turns), Real(0))
-                                  : max(min(open - at, to_edge), Real(0)) + Real(edges - uint(1)) * open +
-                                        min(open, at_end);
+    Real share = edges == uint(0)
+                     ? max(min(open - at, turns), Real(0))
+                     : max(min(open - at, to_edge), Real(0)) + Real(edges - uint(1)) * open + min(open, at_end);
     return clamp(low + share * (Real(1) - low) / turns, Real(0), Real(1));
   }
 

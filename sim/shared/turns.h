@@ -90,8 +90,8 @@ FL_FN Turns turns_mul(Turns a, Turns b) {
 FL_FN Turns turns_mul_high(Turns a, Turns b) {
   Turns ab = turns_mul_32(a.x, b.y);
   Turns ba = turns_mul_32(a.y, b.x);
-  Turns low = turns_add(turns_add(Turns(ab.x, uint(0)), Turns(ba.x, uint(0))),
-                        Turns(turns_mul_32(a.x, b.x).y, uint(0)));
+  Turns low =
+      turns_add(turns_add(Turns(ab.x, uint(0)), Turns(ba.x, uint(0))), Turns(turns_mul_32(a.x, b.x).y, uint(0)));
   Turns high = turns_add(Turns(ab.y, uint(0)), turns_add(Turns(ba.y, uint(0)), Turns(low.y, uint(0))));
   return turns_add(turns_mul_32(a.y, b.y), high);
 }
@@ -239,8 +239,8 @@ FL_INLINE Turns turns_step(Turns phase, Real rate_hz, Turns dt_ns) {
 
 // A motor that turns without end (gobo, prism, animation wheel, pan without stops), with a ramp between rates.
 struct Spin {
-  Turns phase;       // now
-  Real rate_hz;      // now; turns a second, signed
+  Turns phase;   // now
+  Real rate_hz;  // now; turns a second, signed
   uint pad;
   Turns from_phase;  // when the target was last changed
   Real from_hz;

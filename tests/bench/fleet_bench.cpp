@@ -23,9 +23,9 @@
 #include <benchmark/benchmark.h>
 
 #include "fixtures/builtin/builtin.h"
-#include "fixtures/fleet.h"
-#include "fixtures/rig.h"
-#include "fixtures/walker.h"
+#include "fixtures/model/rig.h"
+#include "fixtures/simulate/fleet.h"
+#include "fixtures/simulate/walker.h"
 
 namespace footlight {
 namespace {

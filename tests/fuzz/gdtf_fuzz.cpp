@@ -1,7 +1,7 @@
 // GDTF: archives (first byte even) and bare descriptions (odd), any bytes whatever. What comes out keeps the promises
 // of the model.
-#include "fixtures/import/gdtf.h"
-#include "fixtures/import/import.h"
+#include "fixtures/files/import/gdtf.h"
+#include "fixtures/files/import/import.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/support/zip_bytes.h"
 

@@ -2,8 +2,8 @@
 #include <cstdlib>
 #include <vector>
 
-#include "drivers/tty/tty_marks.h"
-#include "drivers/usb/line_frame.h"
+#include "drivers/transport/tty_marks.h"
+#include "drivers/widgets/line_frame.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace footlight::drivers;

@@ -1,7 +1,7 @@
 // 3DS and glTF; what is read is scaled, mirrored and simplified.
 #include <cmath>
 
-#include "fixtures/model/mesh.h"
+#include "fixtures/bodies/mesh.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/support/model_bytes.h"
 

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include "fixtures/export/mvr.h"
-#include "fixtures/import/mvr.h"
-#include "fixtures/import/qxw.h"
+#include "fixtures/files/export/mvr.h"
+#include "fixtures/files/import/mvr.h"
+#include "fixtures/files/import/qxw.h"
 #include "fixtures/paperwork/patch_sheet.h"
 #include "fixtures/paperwork/plan.h"
 #include "tests/fuzz/fuzz.h"

@@ -1,8 +1,8 @@
 // Open Fixture Library definitions, any text whatever: what loads keeps the model's promises, what does not says where.
 #include <cstring>
 
-#include "fixtures/import/import.h"
-#include "fixtures/import/ofl.h"
+#include "fixtures/files/import/import.h"
+#include "fixtures/files/import/ofl.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace footlight;

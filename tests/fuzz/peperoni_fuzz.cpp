@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include "drivers/usb/peperoni_frame.h"
+#include "drivers/widgets/peperoni_frame.h"
 #include "tests/fuzz/fuzz.h"
 
 using footlight::drivers::decode_peperoni_status;

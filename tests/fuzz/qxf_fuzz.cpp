@@ -1,8 +1,8 @@
 // QLC+ definitions, any text whatever: what loads keeps the model's promises, what does not says where.
 #include <cstring>
 
-#include "fixtures/import/import.h"
-#include "fixtures/import/qxf.h"
+#include "fixtures/files/import/import.h"
+#include "fixtures/files/import/qxf.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace footlight;

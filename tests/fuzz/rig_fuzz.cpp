@@ -1,7 +1,7 @@
 // Rigs (first byte even) and fixture types (odd), any text whatever, compiled where they are sound.
 #include "fixtures/builtin/builtin.h"
-#include "fixtures/fixture_toml.h"
-#include "fixtures/rig.h"
+#include "fixtures/files/toml/fixture_toml.h"
+#include "fixtures/model/rig.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace footlight;

@@ -2,7 +2,7 @@
 #include <array>
 
 #include "tests/fuzz/fuzz.h"
-#include "tools/footlight/show_file.h"
+#include "tools/footlight/bridge/show_file.h"
 
 using namespace footlight;
 using footlight::testing::require;

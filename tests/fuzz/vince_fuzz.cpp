@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "drivers/usb/vince_frame.h"
+#include "drivers/widgets/vince_frame.h"
 #include "tests/fuzz/fuzz.h"
 
 using namespace footlight::drivers;

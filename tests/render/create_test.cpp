@@ -99,8 +99,8 @@ TEST_CASE("sizes that no picture has are refused with what is allowed") {
   if (!vulkan) return;
   const Scene scene = lamps_scene(40, 1);
   const int too_large = static_cast<int>(vulkan.device().limits().maxImageDimension2D) + 1;
-  for (const auto& [width, height] : {std::pair(0, 10), std::pair(10, 0), std::pair(-5, 10), std::pair(too_large, 10),
-                                      std::pair(10, too_large)}) {
+  for (const auto& [width, height] :
+       {std::pair(0, 10), std::pair(10, 0), std::pair(-5, 10), std::pair(too_large, 10), std::pair(10, too_large)}) {
     const auto frame = Frame::create(vulkan.device(), scene.rig, scene.compiled, judged_settings(width, height));
     REQUIRE(!frame);
     CHECK(frame.error().code == ErrorCode::kBadInput);

@@ -6,9 +6,9 @@
 #include <type_traits>
 
 #include "fixtures/builtin/builtin.h"
-#include "fixtures/vrsl_compat.h"
-#include "fixtures/walker.h"
-#include "tests/fixtures/macro_wash.h"
+#include "fixtures/simulate/vrsl_compat.h"
+#include "fixtures/simulate/walker.h"
+#include "tests/fixtures/compile/macro_wash.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
 
@@ -21,15 +21,16 @@ using footlight::testing::HeadlessVulkan;
 bool equal_bits(float a, float b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
 
 struct Differences {
-  double position = 0;          // rad, of joints, zoom, gobos and motors
-  double speed = 0;             // of motors, rad/s
-  double light = 0;             // red, green, blue, and what lamps keep
-  double kelvin = 0;            // of filaments
-  std::int64_t phases = 0;      // how many spins, strobes and gobos differ at all
-  std::int64_t bits = 0;        // how many floats are not equal to the bit
+  double position = 0;      // rad, of joints, zoom, gobos and motors
+  double speed = 0;         // of motors, rad/s
+  double light = 0;         // red, green, blue, and what lamps keep
+  double kelvin = 0;        // of filaments
+  std::int64_t phases = 0;  // how many spins, strobes and gobos differ at all
+  std::int64_t bits = 0;    // how many floats are not equal to the bit
   std::int64_t compared = 0;
   void print(const char* what) const {
-    std::fprintf(stderr, "%s: position %.3g rad, speed %.3g rad/s, light %.3g, %.3g K, phases %lld, "
+    std::fprintf(stderr,
+                 "%s: position %.3g rad, speed %.3g rad/s, light %.3g, %.3g K, phases %lld, "
                  "bits %lld of %lld\n",
                  what, position, speed, light, kelvin, static_cast<long long>(phases), static_cast<long long>(bits),
                  static_cast<long long>(compared));
@@ -308,9 +309,9 @@ Scene dials_scene() {
   };
   const std::vector<std::vector<ChannelFunction>> channels = {
       {function("Iris", 0, 60, 1, 0.2), function("IrisPulse", 61, 100, 0.3, 7),
-       function("IrisPulseOpen", 101, 140, 1, 9),
-       function("IrisPulseClose", 141, 180, 0, 5), function("IrisRandomPulse", 181, 220, 0.2, 5),
-       function("IrisStrobe", 221, 230, 0.2, 5), function("IrisStrobeRandom", 231, 255, 0.3, 12)},
+       function("IrisPulseOpen", 101, 140, 1, 9), function("IrisPulseClose", 141, 180, 0, 5),
+       function("IrisRandomPulse", 181, 220, 0.2, 5), function("IrisStrobe", 221, 230, 0.2, 5),
+       function("IrisStrobeRandom", 231, 255, 0.3, 12)},
       {function("Frost1", 0, 99, 0, 1), function("Frost1PulseOpen", 100, 255, 0.2, 6)},
       {function("Frost2Ramp", 0, 255, 0, 2)},
       {function("Gobo1", 0, 99, 0, 0), function("Gobo1WheelRandom", 100, 255, 0.2, 3)},

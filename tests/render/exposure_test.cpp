@@ -2,8 +2,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "fixtures/encode.h"
-#include "fixtures/walker.h"
+#include "fixtures/simulate/encode.h"
+#include "fixtures/simulate/walker.h"
 #include "render/reference/norms.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
@@ -102,7 +102,7 @@ TEST_CASE("pictures over 20 ms of a strobe at 12 Hz have the share of light that
   std::fprintf(stderr, "strobe: %.3g from looking, %.3g between cuts\n", worst, worst_cut);
   CHECK(darkest < 0.1);  // the case has open, closed and half open pictures
   CHECK(brightest > 0.9);
-  CHECK(worst < 2e-4);   // 20,000 looks see an edge to 5e-5, and there are up to two
+  CHECK(worst < 2e-4);  // 20,000 looks see an edge to 5e-5, and there are up to two
   CHECK(worst_cut < 5e-6);
 }
 

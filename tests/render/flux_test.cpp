@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "fixtures/walker.h"
+#include "fixtures/simulate/walker.h"
 #include "render/reference/judge.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"

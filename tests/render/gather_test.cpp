@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "fixtures/walker.h"
+#include "fixtures/simulate/walker.h"
 #include "render/beam.h"
 #include "render/reference/judge.h"
 #include "render/reference/norms.h"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <numeric>
 
-#include "fixtures/machines.h"
+#include "fixtures/simulate/machines.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
 

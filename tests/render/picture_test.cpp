@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "fixtures/gobo.h"
-#include "fixtures/walker.h"
+#include "fixtures/gobos/gobo.h"
+#include "fixtures/simulate/walker.h"
 #include "render/reference/judge.h"
 #include "render/reference/norms.h"
 #include "tests/render/scenes.h"
@@ -205,24 +205,21 @@ TEST_CASE("rectangular beams are drawn as the judge has them") {
     std::vector<std::pair<const char*, double>> values;
     double rel_l2_max;  // twice what lavapipe gave
   };
-  for (const Case& each : {Case{"16 by 9", 16.0 / 9, 25, 0, {}, 3e-6},
-                           Case{"a sheet of light", 14, 25, 0, {}, 3e-6},
-                           Case{"upright", 0.5, 40, 2, {}, 3e-6},
-                           Case{"square, frost", 1, 20, 4, {{"Frost1", 0.5}}, 3e-6},
-                           Case{"iris", 2, 25, 1, {{"Iris", 0.5}}, 3e-6},
-                           Case{"prism", 3, 20, 4, {{"Prism1", 2}}, 3e-6},
-                           Case{"prism and iris", 3, 20, 4, {{"Prism1", 2}, {"Iris", 0.6}}, 8e-6},
-                           Case{"blades", 2, 25, 1, {{"Blade1A", 0.3}, {"Blade2A", 0.5}, {"Blade4A", 0.1}}, 3e-6},
-                           Case{"turned blades, iris",
-                                0.6,
-                                25,
-                                2,
-                                {{"Blade1A", 0.3}, {"Blade1Rot", 25}, {"Blade3A", 0.4}, {"Iris", 0.8}},
-                                3e-6},
-                           Case{"blades and prism", 1.5, 20, 4, {{"Blade2A", 0.6}, {"Blade2Rot", -20}, {"Prism1", 2}},
-                                3e-6},
-                           Case{"gobo", 2, 25, 0, {{"Gobo1WheelIndex", 90}, {"Gobo1Pos", 30}}, 3e-2},
-                           Case{"wheel between two slots", 1.5, 25, 1, {{"Gobo1WheelIndex", 125}}, 2.5e-2}}) {
+  for (const Case& each :
+       {Case{"16 by 9", 16.0 / 9, 25, 0, {}, 3e-6}, Case{"a sheet of light", 14, 25, 0, {}, 3e-6},
+        Case{"upright", 0.5, 40, 2, {}, 3e-6}, Case{"square, frost", 1, 20, 4, {{"Frost1", 0.5}}, 3e-6},
+        Case{"iris", 2, 25, 1, {{"Iris", 0.5}}, 3e-6}, Case{"prism", 3, 20, 4, {{"Prism1", 2}}, 3e-6},
+        Case{"prism and iris", 3, 20, 4, {{"Prism1", 2}, {"Iris", 0.6}}, 8e-6},
+        Case{"blades", 2, 25, 1, {{"Blade1A", 0.3}, {"Blade2A", 0.5}, {"Blade4A", 0.1}}, 3e-6},
+        Case{"turned blades, iris",
+             0.6,
+             25,
+             2,
+             {{"Blade1A", 0.3}, {"Blade1Rot", 25}, {"Blade3A", 0.4}, {"Iris", 0.8}},
+             3e-6},
+        Case{"blades and prism", 1.5, 20, 4, {{"Blade2A", 0.6}, {"Blade2Rot", -20}, {"Prism1", 2}}, 3e-6},
+        Case{"gobo", 2, 25, 0, {{"Gobo1WheelIndex", 90}, {"Gobo1Pos", 30}}, 3e-2},
+        Case{"wheel between two slots", 1.5, 25, 1, {{"Gobo1WheelIndex", 125}}, 2.5e-2}}) {
     CAPTURE(each.what);
     Scene scene = rectangle_scene(each.aspect, each.beam_deg, each.profile_m);
     CHECK(scene.compiled.needs.rectangle);
@@ -346,8 +343,7 @@ TEST_CASE("pictures of every size are whole: each pixel is that of a picture in 
         const auto at = static_cast<std::size_t>(y * size.width * 3 + x);
         const int pixel = x / 3;
         const int channel = x % 3;
-        const auto in_fine =
-            static_cast<std::size_t>(((3 * y + 1) * size.width * 3 + 3 * pixel + 1) * 3 + channel);
+        const auto in_fine = static_cast<std::size_t>(((3 * y + 1) * size.width * 3 + 3 * pixel + 1) * 3 + channel);
         const double difference = std::abs(static_cast<double>(plain.rgb[at]) - static_cast<double>(fine.rgb[in_fine]));
         worst = std::max(worst, difference / (static_cast<double>(plain.rgb[at]) + 1e-2 * mean));
       }

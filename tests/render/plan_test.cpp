@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include "fixtures/tables.h"
+#include "fixtures/compile/tables.h"
 #include "render/frame.h"
 #include "tests/render/scenes.h"
 
@@ -151,7 +151,7 @@ TEST_CASE("each need that goes takes its branches or its passes with it") {
   const FrameSettings settings;
   struct Case {
     const char* what;
-    bool Needs::* need;
+    bool Needs::*need;
     std::vector<std::string> lost;  // passes
     std::uint32_t constant;         // that turns 0 where it is; FL_SPEC_COUNT: none
   };
@@ -226,8 +226,8 @@ TEST_CASE("an empty rig needs no pass at all") {
 TEST_CASE("every combination of needs gives each pass once or says what its absence costs") {
   for (unsigned bits = 0; bits < 16384; ++bits) {
     const auto bit = [&](unsigned i) { return (bits >> i & 1u) != 0; };
-    const Needs needs{bit(0), bit(1), bit(2), bit(3), bit(4), bit(5), bit(6), bit(7), bit(8), bit(9),
-                      bit(10), bit(11), bit(12)};
+    const Needs needs{bit(0), bit(1), bit(2), bit(3),  bit(4),  bit(5), bit(6),
+                      bit(7), bit(8), bit(9), bit(10), bit(11), bit(12)};
     FrameSettings settings;
     settings.bodies = bit(13);
     check_left_out(needs, settings);
@@ -298,12 +298,22 @@ TEST_CASE("the needs of a rig follow from its fixtures and its haze") {
   CHECK(!pars->needs.gobo);
   CHECK(pars->needs.profile);
   CHECK(constants_of(plan_frame(pars->needs, {}), "step") ==
-        std::vector<SpecConstant>{{FL_SPEC_MOTION, 0}, {FL_SPEC_SPIN, 0}, {FL_SPEC_STROBE, 1}, {FL_SPEC_COLOR, 0},
-                                  {FL_SPEC_OPTICS, 0}, {FL_SPEC_BLADES, 0}, {FL_SPEC_SHAKE, 0}, {FL_SPEC_ANIMATION, 0},
-                                  {FL_SPEC_STACKED, 0}, {FL_SPEC_FLEX, 0}, {FL_SPEC_SMOOTH, 0},
+        std::vector<SpecConstant>{{FL_SPEC_MOTION, 0},
+                                  {FL_SPEC_SPIN, 0},
+                                  {FL_SPEC_STROBE, 1},
+                                  {FL_SPEC_COLOR, 0},
+                                  {FL_SPEC_OPTICS, 0},
+                                  {FL_SPEC_BLADES, 0},
+                                  {FL_SPEC_SHAKE, 0},
+                                  {FL_SPEC_ANIMATION, 0},
+                                  {FL_SPEC_STACKED, 0},
+                                  {FL_SPEC_FLEX, 0},
+                                  {FL_SPEC_SMOOTH, 0},
                                   {FL_SPEC_TUNGSTEN, 0},
                                   {FL_SPEC_LED, 0},
-                                  {FL_SPEC_DISCHARGE, 0}, {FL_SPEC_DOWSER, 0}, {FL_SPEC_PULSES, 0},
+                                  {FL_SPEC_DISCHARGE, 0},
+                                  {FL_SPEC_DOWSER, 0},
+                                  {FL_SPEC_PULSES, 0},
                                   {FL_SPEC_MACRO, 0},
                                   {FL_SPEC_WISH_COUNT, fixtures::kParamBasicCount}});
   rig.haze.scattering_per_m = 0;

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <numeric>
 
-#include "fixtures/walker.h"
+#include "fixtures/simulate/walker.h"
 #include "render/reference/judge.h"
 #include "render/reference/norms.h"
 #include "tests/render/scenes.h"

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "fixtures/builtin/builtin.h"
-#include "fixtures/encode.h"
-#include "fixtures/gobo.h"
+#include "fixtures/gobos/gobo.h"
 #include "fixtures/photometry/attach.h"
+#include "fixtures/simulate/encode.h"
 
 namespace footlight::render::testing {
 namespace {
@@ -169,9 +169,9 @@ Scene time_scene() {
     type.smoothing = {{"Dimmer", 0.05}, {"Color", 0.2}};
     type.shutter_travel_s = 0.03;
     Mode& mode = type.modes[0];
-    mode.channels = {channel({0}, "Pan", -270, 270, 128), channel({1}, "Dimmer", 0, 1, 255),
+    mode.channels = {channel({0}, "Pan", -270, 270, 128),       channel({1}, "Dimmer", 0, 1, 255),
                      channel({2}, "PositionMSpeed", 1, 0.1, 0), channel({3}, "PanTiltMode", 0, 1, 0),
-                     channel({4}, "Shutter1Strobe", 1, 20, 0), channel({5}, "ColorAdd_W", 0, 1, 255)};
+                     channel({4}, "Shutter1Strobe", 1, 20, 0),  channel({5}, "ColorAdd_W", 0, 1, 255)};
     mode.channels[0].geometry = kSimpleYoke;
     mode.channels[0].functions[0].instant = false;
     mode.channels[3].functions[0].sets = {{"Vector", 0, 127, 0, 0, 0}, {"Tracking", 128, 255, 1, 1, 0}};
@@ -206,10 +206,7 @@ Scene lamps_scene(std::uint64_t seed, int count) {
   for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) {
     for (const auto color : {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"}) scene.set(i, color, random.between(0.2, 1));
     const std::size_t kind = i % 4;
-    scene.set(i, "Zoom", kind == 0   ? 0.1
-                         : kind == 1 ? 0.0
-                         : kind == 2 ? random.between(1, 20)
-                                     : 60.0);
+    scene.set(i, "Zoom", kind == 0 ? 0.1 : kind == 1 ? 0.0 : kind == 2 ? random.between(1, 20) : 60.0);
   }
   return scene;
 }
@@ -249,8 +246,8 @@ Scene optics_scene(bool with_focus, bool stacked) {
   Wheel second = prism;
   PrismFacet mirrored, turned;
   mirrored.transform = glm::dmat3(-0.8, 0, 0, 0, 0.8, 0, -0.6, 0.1, 1);
-  turned.transform = glm::dmat3(1.1 * std::cos(0.5), 1.1 * std::sin(0.5), 0, -1.1 * std::sin(0.5), 1.1 * std::cos(0.5),
-                                0, 0.7, 0, 1);
+  turned.transform =
+      glm::dmat3(1.1 * std::cos(0.5), 1.1 * std::sin(0.5), 0, -1.1 * std::sin(0.5), 1.1 * std::cos(0.5), 0, 0.7, 0, 1);
   second.slots[1].facets = {mirrored, turned};
   type.wheels = {gobos, prism, second};
   const auto add = [&](const char* attribute, double from, double to, double at) {

@@ -9,7 +9,7 @@
 
 #include <doctest/doctest.h>
 
-#include "fixtures/rig.h"
+#include "fixtures/model/rig.h"
 #include "render/frame.h"
 #include "render/reference/judge.h"
 #include "tests/support/must.h"
@@ -44,7 +44,7 @@ struct Scene {
 
   // The 512 slots of a fixture's universe.
   std::span<std::uint8_t> slots(std::size_t fixture);
-  // In the units of fixtures/fixture_type.h.
+  // In the units of fixtures/model/fixture_type.h.
   void set(std::size_t fixture, std::string_view attribute, double value);
   // Compiles the rig and puts every channel at its default.
   void compile();

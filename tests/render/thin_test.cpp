@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "fixtures/walker.h"
+#include "fixtures/simulate/walker.h"
 #include "render/beam.h"
 #include "render/reference/judge.h"
 #include "tests/render/scenes.h"

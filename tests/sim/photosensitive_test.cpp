@@ -82,7 +82,7 @@ TEST_CASE("flashes are forgotten after a second, and when time goes back") {
   PhotosensitiveGuard guard(FlashLimits(), {1});
   CHECK(flash(guard, 10, grey(0), grey(200)).harmful);
   CHECK(guard.measure(10 * kSecond_ns, std::vector{grey(200)}).flashes <= 0.5);  // its own change
-  CHECK(flash(guard, 10, grey(0), grey(200)).harmful);  // from 0 s again
+  CHECK(flash(guard, 10, grey(0), grey(200)).harmful);                           // from 0 s again
   CHECK_FALSE(guard.measure(0, std::vector{grey(200)}).harmful);
 }
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "drivers/hid/hid_descriptors.h"
+#include "drivers/transport/hid_descriptors.h"
 
 namespace footlight::testing {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "fixtures/files.h"
+#include "fixtures/files/files.h"
 
 namespace footlight::testing {
 

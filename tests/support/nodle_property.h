@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "drivers/hid/nodle_frame.h"
+#include "drivers/widgets/nodle_frame.h"
 
 namespace footlight::testing {
 

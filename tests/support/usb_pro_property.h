@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "drivers/usb/enttec_pro_frame.h"
+#include "drivers/widgets/enttec_pro_frame.h"
 
 namespace footlight::testing {
 

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "fixtures/rig.h"
+#include "fixtures/model/rig.h"
 #include "sim/dmx_log/dmx_log.h"
 #include "tools/demo_show/demo_show.h"
 

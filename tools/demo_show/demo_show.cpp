@@ -7,7 +7,7 @@
 #include <numbers>
 #include <set>
 
-#include "fixtures/encode.h"
+#include "fixtures/simulate/encode.h"
 #include "sim/core/check.h"
 
 namespace footlight::demo {
@@ -165,15 +165,25 @@ Cue gobos(const Player& p, double t) {
       c.gobo_spin_hz = p.side < 0 ? 0.12 : -0.12;
       c.target_m = {p.position_m.x * 0.85, -0.9 - 0.8 * wave((t - 24) / 6), 0};
       break;
-    case Group::kTrussWash: c.dimmer = 0; c.target_m = {0, -0.6, 0}; c.color = kTeal; break;
+    case Group::kTrussWash:
+      c.dimmer = 0;
+      c.target_m = {0, -0.6, 0};
+      c.color = kTeal;
+      break;
     case Group::kFloorWash:
       c.dimmer = 0.45;
       c.color = kTeal;
       c.zoom_deg = 20;
       c.target_m = {p.position_m.x * 1.1, 4.2, 5};  // along the back wall
       break;
-    case Group::kFrontPar: c.dimmer = 0.12; c.color = kAmber; break;
-    case Group::kSidePar: c.dimmer = 0.5; c.color = kAmber; break;
+    case Group::kFrontPar:
+      c.dimmer = 0.12;
+      c.color = kAmber;
+      break;
+    case Group::kSidePar:
+      c.dimmer = 0.5;
+      c.color = kAmber;
+      break;
   }
   return c;
 }
@@ -246,7 +256,10 @@ Cue drop(const Player& p, double t, bool lit) {
       c.target_m = {p.position_m.x * (cross ? 1.6 : 0.2), 0.0, 7};
       c.strobe_hz = hits ? 12 : 0;
       break;
-    case Group::kFrontPar: c.dimmer = 0.35 * hit(beats / 2, 1.5); c.color = kLavender; break;
+    case Group::kFrontPar:
+      c.dimmer = 0.35 * hit(beats / 2, 1.5);
+      c.color = kLavender;
+      break;
     case Group::kSidePar:
       c.dimmer = left == first ? 0.75 * hit(beats, 1.0) : 0.1;
       c.color = left ? kRed : kDeepBlue;

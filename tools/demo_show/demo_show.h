@@ -8,7 +8,7 @@
 
 #include <glm/glm.hpp>
 
-#include "fixtures/rig.h"
+#include "fixtures/model/rig.h"
 #include "sim/core/dmx.h"
 
 namespace footlight::demo {
@@ -18,13 +18,13 @@ inline constexpr int kShowRate_hz = 44;
 
 // What one fixture is asked for at one moment, in people's words. Parameters that its type lacks are ignored.
 struct Cue {
-  double dimmer = 0;            // 0 to 1, before the dimmer law
-  glm::dvec3 color{1};          // linear RGB of the emitters, 0 to 1
-  glm::dvec3 target_m{0};       // where the beam goes
-  double zoom_deg = 12;         // full angle
+  double dimmer = 0;       // 0 to 1, before the dimmer law
+  glm::dvec3 color{1};     // linear RGB of the emitters, 0 to 1
+  glm::dvec3 target_m{0};  // where the beam goes
+  double zoom_deg = 12;    // full angle
   int gobo = 0;
   double gobo_spin_hz = 0;
-  double strobe_hz = 0;         // 0: open
+  double strobe_hz = 0;  // 0: open
 };
 
 // Which part a fixture plays. Groups are ordered from the left of the stage to the right.
@@ -32,10 +32,10 @@ enum class Group { kProfile, kTrussWash, kFloorWash, kFrontPar, kSidePar };
 
 struct Player {
   Group group = Group::kProfile;
-  int index = 0;      // within the group, from the left
-  int pair = 0;       // 0: the innermost pair of the group
-  double side = 0;    // -1 at the left end of the group, 1 at the right
-  int fixture = 0;    // index into Rig::fixtures
+  int index = 0;    // within the group, from the left
+  int pair = 0;     // 0: the innermost pair of the group
+  double side = 0;  // -1 at the left end of the group, 1 at the right
+  int fixture = 0;  // index into Rig::fixtures
   glm::dvec3 position_m{0};
 };
 

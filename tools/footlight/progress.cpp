@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "tools/footlight/terminal.h"
+#include "tools/footlight/monitor/terminal.h"
 
 namespace footlight::tools {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "fixtures/progress.h"
+#include "fixtures/files/progress.h"
 #include "sim/system_clock.h"
 
 namespace footlight::tools {

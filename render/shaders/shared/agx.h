@@ -20,10 +20,10 @@ FL_FN Real agx_curve(Real linear_value) {
 // color: linear Rec. 709, 1.0 = the exposure's brightest. Returns display values 0 to 1, encoded (gamma 2.2, near
 // sRGB).
 FL_FN Vec3 agx(Vec3 color) {
-  Vec3 inset = Vec3(
-      Real(0.842479062253094) * color.x + Real(0.0784335999999992) * color.y + Real(0.0792237451477643) * color.z,
-      Real(0.0423282422610123) * color.x + Real(0.878468636469772) * color.y + Real(0.0791661274605434) * color.z,
-      Real(0.0423756549057051) * color.x + Real(0.0784336) * color.y + Real(0.879142973793104) * color.z);
+  Vec3 inset =
+      Vec3(Real(0.842479062253094) * color.x + Real(0.0784335999999992) * color.y + Real(0.0792237451477643) * color.z,
+           Real(0.0423282422610123) * color.x + Real(0.878468636469772) * color.y + Real(0.0791661274605434) * color.z,
+           Real(0.0423756549057051) * color.x + Real(0.0784336) * color.y + Real(0.879142973793104) * color.z);
   Vec3 v = Vec3(agx_curve(inset.x), agx_curve(inset.y), agx_curve(inset.z));
   Real luma = Real(0.2126) * v.x + Real(0.7152) * v.y + Real(0.0722) * v.z;
   v = Vec3(luma + kAgxSaturation * (v.x - luma), luma + kAgxSaturation * (v.y - luma),

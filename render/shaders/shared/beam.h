@@ -40,7 +40,7 @@ struct BeamShape {
   Real spread;         // k = tan(half angle) >= 0
   Real range_m;        // the light ends at this z
   Real profile_m;      // m: 1/4, 1/3, 1/2, 1, 2, 3 or 4
-  Real squeeze;           // 0: round; of a rectangle: height over width, squared
+  Real squeeze;        // 0: round; of a rectangle: height over width, squared
   uint measured;       // 0: it has a profile; else its table
   Real hidden;         // share of the profile's radius that an iris cuts off; 0: it is open
 };
@@ -466,8 +466,8 @@ FL_FN Real chord_inscatter_measured(BeamShape beam, Medium medium, Chord chord, 
     for (uint j = uint(0); j < uint(3); ++j) {
       Real x = Real(0.7745966692414834) * (Real(j) - Real(1));
       Real v = middle + half_piece * x;
-      Real weight = j == uint(1) ? sums.x - second * Real(1.6666666666666667)
-                                 : (second + x * first) * Real(0.8333333333333334);
+      Real weight =
+          j == uint(1) ? sums.x - second * Real(1.6666666666666667) : (second + x * first) * Real(0.8333333333333334);
       if (line.by_angle) {
         Real tangent = tan(v);
         v = c * tangent;

@@ -82,10 +82,10 @@
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
 
-#define FL_GROUP_HEADS 64     // heads a workgroup
-#define FL_TILE_PX 16         // a workgroup shades one tile
-#define FL_SUPERTILE_PX 64    // beams are listed per supertile, one bit a live beam
-#define FL_GROUP_MASK 64      // beams a workgroup of the tile pass tests
+#define FL_GROUP_HEADS 64   // heads a workgroup
+#define FL_TILE_PX 16       // a workgroup shades one tile
+#define FL_SUPERTILE_PX 64  // beams are listed per supertile, one bit a live beam
+#define FL_GROUP_MASK 64    // beams a workgroup of the tile pass tests
 
 // Where nothing ends a ray: farther than anything in a rig, m.
 #define FL_FAR_M 1e30
@@ -105,14 +105,14 @@ struct FrameParams {
   uint head_count;
   uint box_count;
   uint supertiles_x;
-  uint mask_words;    // 32-bit words a supertile
-  float anisotropy;   // g of Henyey-Greenstein
+  uint mask_words;   // 32-bit words a supertile
+  float anisotropy;  // g of Henyey-Greenstein
   float ambient_lx;
-  float exposure;     // from cd/m^2 to the tone map's 1.0
-  float dark_lm;      // a beam with no more flux than this is not drawn
-  float thin;         // radius of the thinnest beam as it is drawn, over its depth (lib/thin.glsl); 0: as thin as it is
-  uint supersample;   // pixels of the radiance a side of a pixel of the screen
-  float work_lx;      // work light: on faces by their direction
+  float exposure;    // from cd/m^2 to the tone map's 1.0
+  float dark_lm;     // a beam with no more flux than this is not drawn
+  float thin;        // radius of the thinnest beam as it is drawn, over its depth (lib/thin.glsl); 0: as thin as it is
+  uint supersample;  // pixels of the radiance a side of a pixel of the screen
+  float work_lx;     // work light: on faces by their direction
   uint pad;
   uint pad_1;
   uint pad_2;
@@ -130,22 +130,22 @@ struct BeamRow {
   float gobo_cos;
   float gobo_sin;
   uint head;
-  uint gobo_2;        // 0: open
+  uint gobo_2;  // 0: open
   float gobo_2_cos;
   float gobo_2_sin;
-  float gobo_scale;   // share of the image's radius that the beam shows: the iris
-  float gobo_blur;    // of the images, by frost: radius in beam radii
-  uint flags;         // FL_BEAM_...
-  uint next_1;        // images of the slots beside, where a wheel stands between two
+  float gobo_scale;  // share of the image's radius that the beam shows: the iris
+  float gobo_blur;   // of the images, by frost: radius in beam radii
+  uint flags;        // FL_BEAM_...
+  uint next_1;       // images of the slots beside, where a wheel stands between two
   uint next_2;
-  float offset_1;     // of the gobo's middle from the beam's, in beam radii; 0: it stands right
+  float offset_1;  // of the gobo's middle from the beam's, in beam radii; 0: it stands right
   float offset_2;
-  float focus;        // 1/m; below 0: sharp everywhere
-  uint animation;     // image; 0: none
+  float focus;     // 1/m; below 0: sharp everywhere
+  uint animation;  // image; 0: none
   float animation_cos;
   float animation_sin;
-  uint measured;      // as TypeRow::measured
-  float squeeze;         // 0: round; a rectangle's height over its width, squared
+  uint measured;  // as TypeRow::measured
+  float squeeze;  // 0: round; a rectangle's height over its width, squared
 };
 
 // Flags of a BeamRow.
@@ -163,8 +163,8 @@ struct CountsRow {
   uint dark_count;  // heads
   uint pad;
   uint pad_1;
-  uint tiles_groups[4];    // indirect arguments of the tile pass: x = live / FL_GROUP_MASK, y = supertiles, z = 1
-  uint beams_groups[4];    // of the beam pass: 0 x 0 x 0 when nothing is lit
+  uint tiles_groups[4];  // indirect arguments of the tile pass: x = live / FL_GROUP_MASK, y = supertiles, z = 1
+  uint beams_groups[4];  // of the beam pass: 0 x 0 x 0 when nothing is lit
 };
 
 // A solid box, 48 bytes.

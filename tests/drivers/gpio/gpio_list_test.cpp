@@ -21,9 +21,7 @@ namespace fs = std::filesystem;
 
 class Machine {
  public:
-  Machine() {
-    fs::create_directories(root_ / "dev");
-  }
+  Machine() { fs::create_directories(root_ / "dev"); }
 
   void add(const std::string& name, unsigned mode, bool has_node = true) {
     fs::create_directories(root_ / "sys/bus/gpio/devices" / name);

@@ -1,4 +1,4 @@
-#include "drivers/hid/hid_descriptors.h"
+#include "drivers/transport/hid_descriptors.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "drivers/hid/nodle_frame.h"
+#include "drivers/widgets/nodle_frame.h"
 
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "drivers/hid/velleman_frame.h"
+#include "drivers/widgets/velleman_frame.h"
 
 #include <algorithm>
 #include <random>

@@ -9,7 +9,7 @@
 #include "drivers/ports_factory.h"
 #include "drivers/rdm/rdm_controller.h"
 #include "drivers/rdm/rdm_parameters.h"
-#include "drivers/usb/enttec_pro.h"
+#include "drivers/widgets/enttec_pro.h"
 #include "sim/system_clock.h"
 
 namespace footlight::drivers {

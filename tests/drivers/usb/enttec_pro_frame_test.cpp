@@ -1,8 +1,8 @@
-#include "drivers/usb/enttec_pro_frame.h"
+#include "drivers/widgets/enttec_pro_frame.h"
 
 #include <doctest/doctest.h>
 
-#include "drivers/usb/ftdi.h"
+#include "drivers/transport/ftdi.h"
 #include "tests/support/usb_pro_property.h"
 
 namespace footlight::drivers {

@@ -1,6 +1,6 @@
 // The driver's threads against the model in this process. Time stands still unless a test moves it; waits end by being
 // told.
-#include "drivers/usb/enttec_pro.h"
+#include "drivers/widgets/enttec_pro.h"
 
 #include <doctest/doctest.h>
 

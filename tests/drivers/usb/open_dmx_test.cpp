@@ -1,5 +1,5 @@
 // A line that this machine times: against a chip and a receiver that know the time, on a clock that waits move.
-#include "drivers/usb/open_dmx.h"
+#include "drivers/widgets/open_dmx.h"
 
 #include <doctest/doctest.h>
 
@@ -9,7 +9,7 @@
 
 #include "drivers/mock/mock_usb.h"
 #include "drivers/mock/open_dmx_model.h"
-#include "drivers/usb/ftdi.h"
+#include "drivers/transport/ftdi.h"
 #include "tests/support/device_bench.h"
 #include "tests/support/fake_clock.h"
 

@@ -1,4 +1,4 @@
-#include "drivers/usb/peperoni_frame.h"
+#include "drivers/widgets/peperoni_frame.h"
 
 #include <vector>
 

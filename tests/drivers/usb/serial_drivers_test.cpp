@@ -9,8 +9,8 @@
 #include "drivers/mock/eurolite_model.h"
 #include "drivers/mock/mock_usb.h"
 #include "drivers/mock/vince_model.h"
-#include "drivers/tty/tty_marks.h"
-#include "drivers/usb/vince_frame.h"
+#include "drivers/transport/tty_marks.h"
+#include "drivers/widgets/vince_frame.h"
 #include "tests/support/usb_port_test.h"
 #include "tests/support/usb_shared_clock.h"
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "drivers/device/either_connector.h"
 #include "drivers/mock/enttec_pro_model.h"
 #include "drivers/mock/mock_usb.h"
+#include "drivers/transport/either_connector.h"
 #include "tests/support/usb_shared_clock.h"
 
 namespace footlight::drivers {

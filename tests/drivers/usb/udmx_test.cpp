@@ -1,4 +1,4 @@
-#include "drivers/usb/udmx.h"
+#include "drivers/widgets/udmx.h"
 
 #include <algorithm>
 #include <random>

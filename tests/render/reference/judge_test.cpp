@@ -75,8 +75,7 @@ TEST_CASE("a chord across a cylinder of light has the polynomial's integral") {
   beam.spread = 0;
   beam.lens_radius_m = 0.2;
   for (const double offset : {0.0, 0.05, 0.1, 0.19, 0.1999}) {
-    const double judge =
-        judge_inscatter(beam, kClear, {{offset, -3, 4}, {0, 1, 0}}, 0, 100, {}, 1e-10);
+    const double judge = judge_inscatter(beam, kClear, {{offset, -3, 4}, {0, 1, 0}}, 0, 100, {}, 1e-10);
     const double half = std::sqrt(0.04 - offset * offset);
     const double exact = 4.0 / 3 * half * half * half / std::pow(0.2, 4) / (4 * kPi);
     CHECK(judge == doctest::Approx(exact).epsilon(1e-12));
@@ -90,8 +89,7 @@ TEST_CASE("a ray down the axis has the closed form T / (R0 (R0 + k T)), with the
   beam.spread = 0.3;
   const double g = 0.6;
   for (const double end_m : {0.5, 10.0, 100.0}) {
-    const double judge =
-        judge_inscatter(beam, {0, 0, g}, {{0, 0, 0}, {0, 0, 1}}, 0, end_m, {}, 1e-12);
+    const double judge = judge_inscatter(beam, {0, 0, g}, {{0, 0, 0}, {0, 0, 1}}, 0, end_m, {}, 1e-12);
     const double phase = (1 - g * g) / (4 * kPi * std::pow(1 + g, 3));  // light runs away from the eye
     CHECK(judge == doctest::Approx(phase * end_m / (0.05 * (0.05 + 0.3 * end_m))).epsilon(1e-11));
   }
@@ -220,8 +218,7 @@ TEST_CASE("a floor that catches the whole beam receives its flux, straight or sl
         double flux = 0;
         for (int i = 0; i < kCells; ++i) {
           for (int j = 0; j < kCells; ++j) {
-            const glm::dvec3 p(from_x + (i + 0.5) / kCells * (to_x - from_x),
-                               half_y * (2 * (j + 0.5) / kCells - 1), 0);
+            const glm::dvec3 p(from_x + (i + 0.5) / kCells * (to_x - from_x), half_y * (2 * (j + 0.5) / kCells - 1), 0);
             flux += judge_illuminance(beam, kClear, p, {0, 0, 1}, {});
           }
         }
@@ -360,7 +357,7 @@ TEST_CASE("the scene of a rig has the pose, the shape and the lumens that the wa
   }
   walker.states[1].red = walker.states[1].green = 0;  // dark
   walker.states[2].red = walker.states[2].green = 0;
-  walker.states[2].blue = -1;                         // no light either
+  walker.states[2].blue = -1;  // no light either
 
   const JudgeScene scene = judge_scene(rig, walker);
   REQUIRE(scene.beams.size() == 1);

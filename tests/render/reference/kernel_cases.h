@@ -50,9 +50,9 @@ struct BeamRay {
 
 inline const std::vector<std::string>& names() {
   static const std::vector<std::string> kNames{
-      "generic",        "laser",           "cylinder",           "camera at the lens", "camera at the virtual apex",
-      "inside the beam", "into the lens",  "along a generator",  "1 km away",          "no end",
-      "cut by depth",   "wide, 60-75 deg"};
+      "generic",         "laser",          "cylinder",          "camera at the lens", "camera at the virtual apex",
+      "inside the beam", "into the lens",  "along a generator", "1 km away",          "no end",
+      "cut by depth",    "wide, 60-75 deg"};
   return kNames;
 }
 

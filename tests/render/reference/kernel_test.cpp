@@ -18,11 +18,11 @@
 #include "tests/render/reference/kernel_cases.h"
 
 // A gobo of soft bars across x, for both precisions.
-#define FL_TEST_BARS                                                         \
-  inline Vec3 gobo_at(uint gobo, Vec2 rho, Real z_m) {                       \
-    (void)gobo;                                                              \
-    (void)z_m;                                                               \
-    return Vec3(Real(0.5) + Real(0.5) * sin(Real(20) * rho.x + Real(0.3)));  \
+#define FL_TEST_BARS                                                        \
+  inline Vec3 gobo_at(uint gobo, Vec2 rho, Real z_m) {                      \
+    (void)gobo;                                                             \
+    (void)z_m;                                                              \
+    return Vec3(Real(0.5) + Real(0.5) * sin(Real(20) * rho.x + Real(0.3))); \
   }
 namespace footlight::render::f32 {
 using namespace ::footlight::f32;

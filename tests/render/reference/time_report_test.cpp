@@ -151,13 +151,9 @@ TEST_CASE("every model has a row for each of its rivals, at every knob, stiffnes
         {"power 2.2", scenes},
         {"law of the lagging level", scenes}}},
       {"pulse",
-       {{"exposure integral f32", flashes},
-        {"exposure integral f64", flashes},
-        {"point samples", steps * flashes}}},
+       {{"exposure integral f32", flashes}, {"exposure integral f64", flashes}, {"point samples", steps * flashes}}},
       {"random-pulse",
-       {{"exposure integral f32", flashes},
-        {"exposure integral f64", flashes},
-        {"point samples", steps * flashes}}},
+       {{"exposure integral f32", flashes}, {"exposure integral f64", flashes}, {"point samples", steps * flashes}}},
       {"discharge",
        {{"exact f32", scenes},
         {"exact f64", scenes},
@@ -176,9 +172,8 @@ TEST_CASE("every model has a row for each of its rivals, at every knob, stiffnes
     for (const auto& [method, count] : methods) {
       CAPTURE(model);
       CAPTURE(method);
-      const auto found = std::count_if(report().rows.begin(), report().rows.end(), [&](const TimeRow& row) {
-        return row.model == model && row.method == method;
-      });
+      const auto found = std::count_if(report().rows.begin(), report().rows.end(),
+                                       [&](const TimeRow& row) { return row.model == model && row.method == method; });
       CHECK(static_cast<std::size_t>(found) == count);
       all += count;
     }
@@ -357,8 +352,8 @@ TEST_CASE("disagreements of float and double are three a model, largest first, a
 
 TEST_CASE("float and double agree on every model's step within what float can hold") {
   const std::map<std::string, double> bounds = {
-      {"motor", 1e-4},      {"belt", 1e-4},  {"smoothing", 1e-6}, {"filament", 0.1}, {"filament light", 1e-5},
-      {"led", 1e-4},        {"mains", 1e-3}, {"shutter", 1e-3},   {"turns", 1e-15},  {"dimmer law", 1e-6},
+      {"motor", 1e-4}, {"belt", 1e-4},  {"smoothing", 1e-6}, {"filament", 0.1}, {"filament light", 1e-5},
+      {"led", 1e-4},   {"mains", 1e-3}, {"shutter", 1e-3},   {"turns", 1e-15},  {"dimmer law", 1e-6},
   };
   const std::vector<Disagreement> worst_of_all = worst_disagreements(20'000);
   CHECK(worst_of_all.size() == kWorstCount * bounds.size());

@@ -158,8 +158,7 @@ TEST_CASE("rounding to milliseconds moves no frame by more than half a milliseco
 
 TEST_CASE("an OLA Show goes through a DMX log and back to the byte") {
   const TempFolder folder;
-  const std::string text =
-      "OLA Show\n1 0,255,7\n23\n2 9,9,9,9\n0\n1 0,255,7\n40\n3 \n1\n1 1,2\n22\n2 9,9,9,8\n977\n";
+  const std::string text = "OLA Show\n1 0,255,7\n23\n2 9,9,9,9\n0\n1 0,255,7\n40\n3 \n1\n1 1,2\n22\n2 9,9,9,8\n977\n";
   write_bytes(folder.file("a.show"), text);
   auto there = convert_file(folder.file("a.show"), folder.file("b.dmxlog"));
   REQUIRE_MESSAGE(there, there.error().message);

@@ -67,8 +67,8 @@ using Real = Loose;
 using uint = std::uint32_t;
 using Turns = glm::uvec2;
 using glm::min;
-#include "sim/shared/turns.h"
 #include "sim/shared/motion.h"
+#include "sim/shared/turns.h"
 }  // namespace loose
 
 // As the shaders have them: with the step that mends them.
@@ -78,8 +78,8 @@ using Real = Loose;
 using uint = std::uint32_t;
 using Turns = glm::uvec2;
 using glm::min;
-#include "sim/shared/turns.h"
 #include "sim/shared/motion.h"
+#include "sim/shared/turns.h"
 }  // namespace mended
 #undef FL_LOOSE_QUOTIENTS
 
@@ -113,8 +113,8 @@ double apart(Start start, Step step, Limits limits_of) {
 
 TEST_CASE("motors whose quotients are mended go where float goes to the bit; without, an H100 was 7e-5 rad off") {
   const auto limits = [](double range, double fade_s, double acceleration_s) {
-    const f32::MotorLimits exact = f32::motor_limits(static_cast<float>(range), static_cast<float>(fade_s),
-                                                     static_cast<float>(acceleration_s));
+    const f32::MotorLimits exact =
+        f32::motor_limits(static_cast<float>(range), static_cast<float>(fade_s), static_cast<float>(acceleration_s));
     return exact;
   };
   const double plain = apart([](double at) { return loose::motor_start(Loose(at)); },
@@ -154,8 +154,8 @@ TEST_CASE("a mended quotient and a mended root are those of IEEE 754, but within
   int ties = 0;
   for (int i = 0; i < 1'000'000; ++i) {
     const auto any = [&] {
-      return static_cast<float>(std::ldexp(1 + static_cast<double>(random()) / 4294967296.0,
-                                           static_cast<int>(random() % 40u) - 20));
+      return static_cast<float>(
+          std::ldexp(1 + static_cast<double>(random()) / 4294967296.0, static_cast<int>(random() % 40u) - 20));
     };
     const float a = any(), b = any();
     const Loose loose_a(static_cast<double>(a)), loose_b(static_cast<double>(b));

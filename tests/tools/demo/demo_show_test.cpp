@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "fixtures/walker.h"
+#include "fixtures/simulate/walker.h"
 #include "sim/dmx_log/dmx_log.h"
 #include "tools/demo_show/demo_assets.h"
 #include "tools/demo_show/demo_show.h"

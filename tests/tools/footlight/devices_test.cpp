@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/footlight/run_footlight.h"
-#include "tools/footlight/json_lines.h"
+#include "tools/footlight/status/json_lines.h"
 
 namespace footlight::tools {
 namespace {

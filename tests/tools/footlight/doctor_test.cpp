@@ -1,6 +1,6 @@
 // A healthy machine laid out in a folder, then one thing broken at a time: just the check that is about it has to say
 // so.
-#include "tools/footlight/doctor_checks.h"
+#include "tools/footlight/doctor/doctor_checks.h"
 
 #include <stdlib.h>
 

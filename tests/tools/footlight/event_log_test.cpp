@@ -1,4 +1,4 @@
-#include "tools/footlight/event_log.h"
+#include "tools/footlight/bridge/event_log.h"
 
 #include <filesystem>
 #include <fstream>
@@ -11,7 +11,7 @@
 
 #include "sim/core/clock.h"
 #include "tests/tools/footlight/run_footlight.h"
-#include "tools/footlight/json_lines.h"
+#include "tools/footlight/status/json_lines.h"
 
 namespace footlight::tools {
 namespace {

@@ -12,8 +12,8 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/zip_bytes.h"
 #include "tests/support/temp_folder.h"
+#include "tests/support/zip_bytes.h"
 #include "tests/tools/footlight/run_footlight.h"
 
 namespace footlight::testing {

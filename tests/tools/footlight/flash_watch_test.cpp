@@ -1,4 +1,4 @@
-#include "tools/footlight/flash_watch.h"
+#include "tools/footlight/pictures/flash_watch.h"
 
 #include <cmath>
 #include <cstddef>

@@ -7,11 +7,11 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "fixtures/color.h"
-#include "fixtures/import/import.h"
-#include "fixtures/machines.h"
-#include "fixtures/walker.h"
-#include "tools/footlight/hand_levels.h"
+#include "fixtures/files/import/import.h"
+#include "fixtures/model/color.h"
+#include "fixtures/simulate/machines.h"
+#include "fixtures/simulate/walker.h"
+#include "tools/footlight/preview/hand_levels.h"
 
 namespace footlight::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/footlight/http_server.h"
+#include "tools/footlight/status/http_server.h"
 
 #include <atomic>
 #include <cstring>

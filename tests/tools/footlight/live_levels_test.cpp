@@ -9,7 +9,7 @@
 #include <doctest/doctest.h>
 
 #include "sim/system_clock.h"
-#include "tools/footlight/live_levels.h"
+#include "tools/footlight/preview/live_levels.h"
 
 namespace footlight::tools {
 namespace {

@@ -1,5 +1,5 @@
 // The page is judged by a parser of the exposition format of its own, and by promtool where that is installed.
-#include "tools/footlight/metrics.h"
+#include "tools/footlight/status/metrics.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -14,7 +14,7 @@
 
 #include "sim/core/histogram.h"
 #include "tests/tools/footlight/run_footlight.h"
-#include "tools/footlight/http_server.h"
+#include "tools/footlight/status/http_server.h"
 
 namespace footlight::tools {
 namespace {

@@ -15,11 +15,11 @@
 
 #include "tests/drivers/net/private_network.h"
 #include "tests/tools/footlight/run_footlight.h"
-#include "tools/footlight/json_lines.h"
-#include "tools/footlight/monitor_state.h"
-#include "tools/footlight/monitor_view.h"
-#include "tools/footlight/status_text.h"
-#include "tools/footlight/terminal.h"
+#include "tools/footlight/monitor/monitor_state.h"
+#include "tools/footlight/monitor/monitor_view.h"
+#include "tools/footlight/monitor/terminal.h"
+#include "tools/footlight/status/json_lines.h"
+#include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
 namespace {

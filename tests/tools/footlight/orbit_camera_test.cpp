@@ -3,7 +3,7 @@
 #include <doctest/doctest.h>
 
 #include "render/image.h"
-#include "tools/footlight/orbit_camera.h"
+#include "tools/footlight/preview/orbit_camera.h"
 
 namespace footlight::tools {
 namespace {

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "tools/footlight/output_guard.h"
 #include "tests/support/must.h"
+#include "tools/footlight/bridge/output_guard.h"
 
 namespace footlight::tools {
 namespace {

@@ -16,7 +16,7 @@
 #include "tests/drivers/net/port_helpers.h"
 #include "tests/drivers/net/private_network.h"
 #include "tests/tools/footlight/run_footlight.h"
-#include "tools/footlight/live_show.h"
+#include "tools/footlight/bridge/live_show.h"
 
 namespace footlight::tools {
 namespace {

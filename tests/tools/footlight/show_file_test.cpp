@@ -1,11 +1,11 @@
-#include "tools/footlight/show_file.h"
+#include "tools/footlight/bridge/show_file.h"
 
 #include <fstream>
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
-#include "fixtures/rig.h"
+#include "fixtures/model/rig.h"
 #include "tests/tools/footlight/run_footlight.h"
 
 namespace footlight::tools {

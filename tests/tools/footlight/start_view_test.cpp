@@ -10,7 +10,7 @@
 
 #include "render/image.h"
 #include "tests/support/model_bytes.h"
-#include "tools/footlight/start_view.h"
+#include "tools/footlight/pictures/start_view.h"
 
 namespace footlight::tools {
 namespace {

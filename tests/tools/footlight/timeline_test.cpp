@@ -6,11 +6,11 @@
 
 #include <doctest/doctest.h>
 
-#include "fixtures/walker.h"
+#include "fixtures/simulate/walker.h"
 #include "sim/look_trail.h"
 #include "tests/sim/dmx_log/support.h"
-#include "tools/footlight/picture_file.h"
-#include "tools/footlight/timeline.h"
+#include "tools/footlight/pictures/picture_file.h"
+#include "tools/footlight/pictures/timeline.h"
 
 namespace footlight::tools {
 namespace {

@@ -1,0 +1,92 @@
+// The ports that a show file names, and how they follow when the file changes while the pump runs.
+//
+//   LiveShow live(clock);
+//   FL_TRY(live.open(show));
+//   Pump pump(live.buffer(), ...);
+//   live.add_to(pump);                        // before it starts
+//   ... live.change_to(new_show, pump) ...    // any time, on a thread that is not the pump's
+//
+// A port whose lines in the file are what they were stays open and is not touched. New ones are opened before the pump
+// hears of anything, so that a change which fails changes nothing. What cannot be open twice (a device or a file that a
+// removed port still has) is given up first and opened anew, waiting for it where it does not come at once.
+//
+// Threads: one at a time, while the pump runs not the pump's. It is destroyed on the pump's thread, after the pump.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/core/clock.h"
+#include "sim/core/notice.h"
+#include "sim/core/ports.h"
+#include "sim/core/result.h"
+#include "sim/pump.h"
+#include "sim/universes.h"
+#include "tools/footlight/bridge/open_ports.h"
+#include "tools/footlight/bridge/output_guard.h"
+#include "tools/footlight/bridge/show_file.h"
+
+namespace footlight::tools {
+
+// What a change did.
+struct ShowChange {
+  int opened = 0;
+  int closed = 0;
+  int kept = 0;
+  std::vector<std::string> troubles;  // devices that were given up and did not come back
+};
+
+class LiveShow {
+ public:
+  // `stopping`: true ends an open() that takes long.
+  explicit LiveShow(Clock& clock, std::function<bool()> stopping = {}) : opener_(clock, std::move(stopping)) {}
+
+  // Every output goes through this guard from open() on; null: none, and nothing of it runs.
+  void guard_with(std::shared_ptr<OutputGuard> guard) { guard_ = std::move(guard); }
+  // Opens every port. Errors: those of the ports, and of check_show().
+  [[nodiscard]] Status open(const Show& show);
+  [[nodiscard]] std::shared_ptr<Universes> buffer() const { return buffer_; }
+  void add_to(Pump& pump);
+
+  // Errors: as open(); then nothing has changed. Also kTimeout where the pump stops meanwhile: `stopping` says so.
+  [[nodiscard]] Result<ShowChange> change_to(const Show& show, Pump& pump, const std::function<bool()>& stopping);
+
+  [[nodiscard]] std::vector<const Source*> sources() const;
+  [[nodiscard]] std::vector<const Sink*> sinks() const;
+
+ private:
+  struct In {
+    InPlan plan;
+    std::shared_ptr<Source> port;
+  };
+  struct Out {
+    OutPlan plan;
+    std::shared_ptr<Sink> port;
+  };
+
+  struct Exchange;
+
+  // The steps of change_to, in its order.
+  [[nodiscard]] Status open_devices(Exchange& exchange);
+  [[nodiscard]] Status exchange_ports(Exchange& exchange, Pump& pump);
+  [[nodiscard]] Status open_late(Exchange& exchange, Pump& pump, const std::function<bool()>& stopping);
+
+  [[nodiscard]] Status open_networks(Exchange& exchange);
+  [[nodiscard]] Result<std::shared_ptr<Source>> open_in(const InPlan& plan);
+  [[nodiscard]] Result<std::shared_ptr<Sink>> open_out(const OutPlan& plan, const std::vector<Universe>& universes);
+  static void add_out(Pump& pump, const std::vector<Out>& outs, const Out& out);
+
+  PortOpener opener_;
+  std::shared_ptr<OutputGuard> guard_;
+  std::vector<In> ins_;
+  std::vector<Out> outs_;  // who stands by for another comes after it
+  std::shared_ptr<Universes> buffer_;
+  MergeOptions merge_;
+  std::vector<Universe> ltp_;
+  std::vector<LtpSlots> ltp_slots_;
+};
+
+}  // namespace footlight::tools

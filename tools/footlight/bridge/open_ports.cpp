@@ -1,0 +1,197 @@
+#include "tools/footlight/bridge/open_ports.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "drivers/capture/captures.h"
+#include "drivers/device/device_rdm.h"
+#include "drivers/driver.h"
+#include "drivers/gpio/gpio_source.h"
+#include "drivers/net/net.h"
+#include "drivers/ports_factory.h"
+#include "drivers/rdm/rdm_controller.h"
+#include "drivers/rdm/rdm_directory.h"
+#include "sim/dmx_log/log_ports.h"
+#include "tools/demo_show/demo_assets.h"
+
+namespace footlight::tools {
+namespace {
+
+drivers::PortRequest device_request(const Endpoint& endpoint) {
+  drivers::PortRequest request;
+  request.scheme = endpoint.scheme;
+  request.target = endpoint.target;
+  request.universes = endpoint.show_universes();
+  request.name = endpoint.text;
+  if (endpoint.names_connectors)
+    for (const WireUniverse& universe : endpoint.universes) request.connectors.push_back(universe.wire);
+  return request;
+}
+
+LogSourceOptions log_source_options(const InOptions& options) {
+  LogSourceOptions log;
+  log.start_ns = options.log_start_ns;
+  log.stop_ns = options.log_stop_ns;
+  log.loop = options.log_loop;
+  log.speed = options.log_speed;
+  for (const WireUniverse& universe : options.log_renumber) log.renumber.emplace_back(universe.wire, universe.show);
+  log.only_renumbered = !options.log_renumber.empty();
+  return log;
+}
+
+Result<std::unique_ptr<Source>> as_source(Result<std::unique_ptr<LogSource>> log) {
+  if (!log) return tl::unexpected<Error>(std::move(log).error());
+  return std::unique_ptr<Source>(std::move(*log));
+}
+
+}  // namespace
+
+Result<Endpoint> parse_port(std::string_view text) {
+  std::vector<std::string_view> schemes;
+  for (const drivers::DriverInfo* driver : drivers::drivers()) schemes.push_back(driver->id);
+  return parse_endpoint(text, schemes);
+}
+
+Result<std::vector<Endpoint>> parse_ports(std::span<const std::string> texts) {
+  std::vector<Endpoint> endpoints;
+  for (const std::string& text : texts) {
+    FL_ASSIGN(Endpoint endpoint, parse_port(text));
+    endpoints.push_back(std::move(endpoint));
+  }
+  return endpoints;
+}
+
+PortOpener::PortOpener(Clock& clock, std::function<bool()> stopping)
+    : clock_(clock),
+      stopping_(std::move(stopping)),
+      rdm_directory_(std::make_shared<drivers::RdmDirectory>()),
+      own_senders_(std::make_shared<drivers::OwnSenders>()) {}
+
+drivers::SacnSourceOptions sacn_source_options(const Endpoint& endpoint, const InOptions& options) {
+  auto sacn = drivers::options_of<drivers::SacnSourceOptions>(endpoint, nullptr);
+  sacn.hear_preview = options.hear_preview;
+  sacn.yields = options.yields;
+  return sacn;
+}
+
+drivers::ArtnetSourceOptions artnet_source_options(const Endpoint& endpoint, const InOptions& options) {
+  auto artnet = drivers::options_of<drivers::ArtnetSourceOptions>(endpoint, nullptr);
+  artnet.priority = static_cast<std::uint8_t>(options.priority);
+  artnet.yields = options.yields;
+  return artnet;
+}
+
+drivers::SacnSinkOptions sacn_sink_options(const Endpoint& endpoint, const OutOptions& options) {
+  auto sacn = drivers::options_of<drivers::SacnSinkOptions>(endpoint, nullptr);
+  sacn.source_name = options.source_name;
+  sacn.priority = static_cast<std::uint8_t>(options.priority);
+  sacn.preview = options.preview;
+  sacn.rate_hz_max = options.rate_hz_max;
+  sacn.address_priorities = options.address_priorities;
+  sacn.sync_universe = options.sync_universe;
+  if (options.multicast_ttl != 0) sacn.multicast_ttl = options.multicast_ttl;
+  sacn.announce = options.announce;
+  sacn.cid = options.cid;
+  return sacn;
+}
+
+drivers::ArtnetSinkOptions artnet_sink_options(const Endpoint& endpoint, const OutOptions& options) {
+  auto artnet = drivers::options_of<drivers::ArtnetSinkOptions>(endpoint, nullptr);
+  artnet.rate_hz_max = options.rate_hz_max;
+  artnet.sync = options.sync;
+  if (!options.broadcast) artnet.unsubscribed = drivers::ArtnetUnsubscribed::kSilent;
+  return artnet;
+}
+
+Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint, const InOptions& options) {
+  switch (endpoint.kind) {
+    case EndpointKind::kFile: {
+      FL_ASSIGN(LogReader reader, drivers::read_any_log(endpoint.target));
+      return as_source(
+          LogSource::from_reader(std::move(reader), "log:" + endpoint.target, log_source_options(options)));
+    }
+    case EndpointKind::kDevice: {
+      drivers::PortRequest request = device_request(endpoint);
+      request.wait_for_device = options.wait_for_device;
+      request.receive_on_change = options.receive_on_change;
+      request.second_port = options.second_port;
+      return drivers::open_source(request, clock_);
+    }
+    case EndpointKind::kGpio: {
+      drivers::GpioConfig gpio;
+      gpio.name = endpoint.text;
+      gpio.chip = endpoint.target;
+      gpio.lines = endpoint.lines;
+      gpio.universe = endpoint.universes.front().show;
+      gpio.address = endpoint.first_address;
+      gpio.active_low = options.gpio_active_low;
+      gpio.bias = options.gpio_bias;
+      gpio.strobe = options.gpio_strobe;
+      gpio.priority = static_cast<std::uint8_t>(options.priority);
+      gpio.wait_for_device = options.wait_for_device;
+      return drivers::open_gpio_source(std::move(gpio), clock_);
+    }
+    case EndpointKind::kNetwork: break;
+  }
+  if (endpoint.scheme == "sacn") {
+    auto sacn = sacn_source_options(endpoint, options);
+    sacn.own_senders = own_senders_;
+    sacn.stopping = stopping_;
+    return drivers::make_sacn_source(sacn);
+  }
+  auto artnet = artnet_source_options(endpoint, options);
+  artnet.own_senders = own_senders_;
+  if (options.rdm) artnet.rdm_directory = rdm_directory_;
+  return drivers::make_artnet_source(artnet);
+}
+
+Result<std::unique_ptr<Sink>> PortOpener::open_sink(const Endpoint& endpoint, std::span<const Universe> show_universes,
+                                                    const OutOptions& options) {
+  switch (endpoint.kind) {
+    case EndpointKind::kFile: {
+      LogSinkOptions log;
+      log.universes.assign(show_universes.begin(), show_universes.end());
+      log.start_ns = clock_.now_ns();
+      log.writer.wall_start_unix_ns = wall_clock_unix_ns();
+      log.writer.overwrite = options.log_overwrite;
+      FL_ASSIGN(std::unique_ptr<LogSink> sink, LogSink::create(endpoint.target, log));
+      return std::unique_ptr<Sink>(std::move(sink));
+    }
+    case EndpointKind::kDevice: {
+      drivers::PortRequest request = device_request(endpoint);
+      request.wait_for_device = options.wait_for_device;
+      request.blackout_on_exit = options.blackout_on_exit;
+      request.rate_hz = options.rate_hz_max;
+      request.second_port = options.second_port;
+      FL_ASSIGN(std::unique_ptr<Sink> sink, drivers::open_sink(request, clock_));
+      if (const auto* device = dynamic_cast<const drivers::DeviceSink*>(sink.get())) {
+        drivers::put_rdm_lines(*rdm_directory_, *device, drivers::rdm_own_uid());
+      }
+      return sink;
+    }
+    case EndpointKind::kGpio:
+      return fail(ErrorCode::kBadInput, "{}: GPIO lines are inputs; name them after --in or in [[in]]", endpoint.text);
+    case EndpointKind::kNetwork: break;
+  }
+  if (endpoint.scheme == "sacn") {
+    auto sacn = sacn_sink_options(endpoint, options);
+    sacn.own_senders = own_senders_;
+    return drivers::make_sacn_sink(sacn);
+  }
+  auto artnet = artnet_sink_options(endpoint, options);
+  artnet.own_senders = own_senders_;
+  return drivers::make_artnet_sink(artnet);
+}
+
+Result<std::unique_ptr<Source>> open_demo_source(const InOptions& options) {
+  const auto bytes = demo::demo_log_bytes();
+  FL_ASSIGN(LogReader reader, LogReader::open_bytes({bytes.begin(), bytes.end()}, "demo"));
+  return as_source(LogSource::from_reader(std::move(reader), "demo", log_source_options(options)));
+}
+
+std::int64_t wall_clock_unix_ns() {
+  const auto since_epoch = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(since_epoch).count();
+}
+
+}  // namespace footlight::tools

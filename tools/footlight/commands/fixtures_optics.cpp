@@ -1,0 +1,74 @@
+// What is drawn of a definition's beams and colours, and how far that is from what the definition says.
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+
+#include "fixtures/model/color.h"
+#include "fixtures/photometry/attach.h"
+#include "fixtures/photometry/fit.h"
+#include "tools/footlight/commands/fixtures_command.h"
+
+namespace footlight::tools {
+
+using namespace fixtures;
+
+std::string optics_of_type(const FixtureType& type) {
+  std::string text;
+  const auto out = std::back_inserter(text);
+  if (!type.beams.empty()) {
+    text += "Beams as drawn: angles at 50 % and 10 % of the peak, and how far the worse of them is off\n";
+  }
+  std::vector<std::string> seen;
+  for (const Beam& beam : type.beams) {
+    const BeamFit fit = drawn_beam(beam);
+    std::string line;
+    if (!beam.photometry.empty()) {
+      const auto photometry = read_photometry_file(type.files, beam.photometry);
+      const Side side = beam.photometry_back ? Side::kBack : Side::kFront;
+      line = fmt::format("  {}\n",
+                         photometry ? measured_text(measured_table(*photometry, side)) : photometry.error().message);
+      if (photometry && side == Side::kFront) {
+        Diagnostics energy;
+        energy_check(*photometry, beam.photometry, energy);
+        for (const Diagnostic& one : energy.all()) line += fmt::format("  {}: {}\n", beam.photometry, one.message);
+      }
+    } else if (const auto rectangle = rectangle_of(beam)) {
+      const double half_width = std::tan(rectangle->half_angle_rad);
+      const auto full_deg = [](double tangent) { return 2 * std::atan(tangent) * 180 / std::numbers::pi; };
+      line = fmt::format("  {:.5g} lm, a rectangle of {:.4g} by {:.4g} degrees\n", beam.flux_lm, full_deg(half_width),
+                         full_deg(half_width / rectangle->aspect));
+    } else if (beam.profile_m > 0) {
+      line = fmt::format(
+          "  {:.5g} lm, m = {} and {:.4g} deg at the edge: drawn {:.4g} and {:.4g} deg, {:.6g} cd in the middle\n",
+          fit.flux_lm, fit.profile_m, 2 * std::atan(fit.spread) * 180 / std::numbers::pi, fit.beam_angle_deg,
+          fit.field_angle_deg, fit.peak_cd);
+    } else {
+      line = fmt::format(
+          "  {:.5g} lm, {:.4g} and {:.4g} deg: drawn {:.4g} and {:.4g} deg, {:.1f} % off, {:.4g} cd in the "
+          "middle{}{}\n",
+          beam.flux_lm, beam.beam_angle_deg, beam.field_angle_deg, fit.beam_angle_deg, fit.field_angle_deg,
+          100 * fit.angle_error, fit.peak_cd, fit.assumed.empty() ? "" : "; ", fit.assumed);
+    }
+    if (std::find(seen.begin(), seen.end(), line) != seen.end()) continue;  // pixels are all alike
+    seen.push_back(line);
+    text += line;
+  }
+  const std::vector<ColorError> rows = color_report(type);
+  if (rows.empty()) return text;
+  text += "Colours as drawn: CIEDE2000 from the definition, and the part of it that mixing in RGB makes\n";
+  double worst = 0;
+  double sum = 0;
+  for (const ColorError& row : rows) {
+    fmt::format_to(
+        out, "  {:<40} x {:.4f} y {:.4f} Y {:6.2f}  drawn x {:.4f} y {:.4f} Y {:6.2f}  {:5.2f}  mixing {:5.2f}{}\n",
+        row.what, row.reference.x, row.reference.y, row.reference.Y, row.drawn.x, row.drawn.y, row.drawn.Y, row.delta_e,
+        row.delta_e_mixing, row.by_spectrum ? "" : "  (no spectrum)");
+    worst = std::max(worst, row.delta_e);
+    sum += row.delta_e;
+  }
+  fmt::format_to(out, "  mean {:.2f}, worst {:.2f}\n", sum / static_cast<double>(rows.size()), worst);
+  return text;
+}
+
+}  // namespace footlight::tools

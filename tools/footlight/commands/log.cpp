@@ -1,0 +1,391 @@
+// footlight log: look into a log, or turn one into another format.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <memory>
+
+#include "drivers/capture/captures.h"
+#include "sim/core/endpoint.h"
+#include "sim/dmx_log/dmx_log.h"
+#include "sim/dmx_log/log_diff.h"
+#include "sim/dmx_log/log_input.h"
+#include "tools/footlight/command.h"
+#include "tools/footlight/duration.h"
+#include "tools/footlight/status/json_lines.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr const char* kFileHelp = "a DMX log, an OLA Show, a packet capture (pcap, pcapng) or a sigrok capture (.sr)";
+
+// How files that are no DMX logs are read.
+struct ReadArguments {
+  drivers::CaptureOptions options;
+  std::string protocol;
+
+  void add(Arguments& arguments) {
+    arguments.option("--universe-offset", options.universe_offset, 0, 1,
+                     "OLA Show: 1 where it counts universes from 0");
+    arguments.option("--protocol", protocol, "NAME", "packet capture: only 'sacn' or only 'artnet'");
+    arguments.flag("--preview", options.net.hear_preview, "packet capture: sACN frames for visualisers, too");
+    add_line(arguments);
+    arguments.option("--universe", options.universe, kUniverseMin, kUniverseMax,
+                     "sigrok capture: the universe of the line");
+  }
+
+  void add_line(Arguments& arguments) {
+    arguments.option("--channel", options.channel, "NAME",
+                     "sigrok capture: the channel, by its name or number from 1; else the one with the most levels");
+    arguments.flag("--inverted", options.inverted, "sigrok capture: --channel is DMX-");
+  }
+
+  [[nodiscard]] Result<drivers::CaptureOptions> read() const {
+    drivers::CaptureOptions read = options;
+    if (!protocol.empty() && protocol != "sacn" && protocol != "artnet") {
+      return fail(ErrorCode::kBadInput, "--protocol: expected 'sacn' or 'artnet', got '{}'", protocol);
+    }
+    if (options.inverted && options.channel.empty()) {
+      return fail(ErrorCode::kBadInput, "--inverted: expected --channel beside it, as in '--channel DMX- --inverted'");
+    }
+    read.net.sacn = protocol != "artnet";
+    read.net.artnet = protocol != "sacn";
+    return read;
+  }
+};
+
+struct InfoOptions {
+  std::string file;
+  bool check = false;
+  bool json = false;
+  ReadArguments read;
+};
+
+std::string show_wall_clock(std::int64_t unix_ns) {
+  const std::time_t seconds = unix_ns / kNsPerS;
+  std::tm parts = {};
+  if (gmtime_r(&seconds, &parts) == nullptr) return "?";
+  return fmt::format("{:04}-{:02}-{:02} {:02}:{:02}:{:02} UTC", parts.tm_year + 1900, parts.tm_mon + 1, parts.tm_mday,
+                     parts.tm_hour, parts.tm_min, parts.tm_sec);
+}
+
+std::string format_of(const LogInfo& info) {
+  switch (info.format) {
+    case LogFormat::kDmxLog: return fmt::format("DMX log {}.{}", info.version_major, info.version_minor);
+    case LogFormat::kOlaShow: return "OLA Show";
+    case LogFormat::kPacketCapture: return "packet capture";
+    case LogFormat::kLineCapture: return "sigrok capture of a line";
+  }
+  return "?";
+}
+
+void print_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) fmt::print("  note: {}\n", note);
+}
+
+void print(const LogInfo& info) {
+  fmt::print("{}\n", info.path);
+  fmt::print("  format:   {}\n", format_of(info));
+  fmt::print("  length:   {}\n", show_duration(info.duration_ns));
+  if (info.wall_start_unix_ns != 0) fmt::print("  recorded: {}\n", show_wall_clock(info.wall_start_unix_ns));
+  fmt::print("  frames:   {}, {} of them with changes; {} bytes\n", info.frames, info.changes, info.file_bytes);
+  for (const LogUniverseInfo& universe : info.universes) {
+    fmt::print("  universe {}: {} frames, {:.2f}/s, {} slots, {} to {}\n", universe.universe, universe.frames,
+               universe.rate_hz(), universe.slot_count, show_duration(universe.first_ns),
+               show_duration(universe.last_ns));
+  }
+  for (const LogDamage& part : info.damage) {
+    fmt::print("  damage at byte {}, {} bytes: {}\n", part.offset, part.size_bytes, part.what);
+  }
+}
+
+Result<int> print_info(const InfoOptions& options) {
+  if (options.file.empty())
+    return fail(ErrorCode::kBadInput, "log info: expected a file, as in 'footlight log info show.dmxlog'");
+  FL_ASSIGN(const drivers::CaptureOptions read, options.read.read());
+  FL_ASSIGN(const LogFormat format, detect_log_format(options.file));
+  LogInfo info;
+  std::vector<std::string> notes;
+  if (format == LogFormat::kDmxLog) {
+    FL_ASSIGN(info, read_log_info(options.file, options.check));
+  } else {
+    FL_ASSIGN(const std::unique_ptr<LogInput> input, drivers::open_any_log(options.file, read));
+    FL_ASSIGN(info, describe(*input));
+    notes = input->notes();
+  }
+  if (options.json) {
+    fmt::print("{}\n", json_of_log(info, notes));
+  } else {
+    print(info);
+    print_notes(notes);
+  }
+  if (!info.recovered()) return kExitOk;
+  fmt::print(
+      stderr, "footlight: {}: {}; 'footlight log convert {} whole.dmxlog' writes what can be read\n", options.file,
+      info.damage_count == 0 ? "its writer did not finish it" : fmt::format("{} damaged parts", info.damage_count),
+      options.file);
+  return kExitFailed;
+}
+
+struct ConvertArguments {
+  std::string in;
+  std::string out;
+  ConvertOptions options;
+  std::string universes;
+  ReadArguments read;
+  bool json = false;
+};
+
+Result<int> convert(const ConvertArguments& arguments) {
+  if (arguments.in.empty() || arguments.out.empty()) {
+    return fail(ErrorCode::kBadInput,
+                "log convert: expected two files, as in 'footlight log convert foh.show foh.dmxlog'");
+  }
+  FL_ASSIGN(const drivers::CaptureOptions read, arguments.read.read());
+  ConvertOptions options = arguments.options;
+  if (!arguments.universes.empty()) {
+    const auto renumber = parse_wire_universes(arguments.universes);
+    if (!renumber) return fail(ErrorCode::kBadInput, "--universes: {}", renumber.error().message);
+    for (const WireUniverse& universe : *renumber) options.renumber.emplace_back(universe.wire, universe.show);
+  }
+  FL_ASSIGN(const std::unique_ptr<LogInput> input, drivers::open_any_log(arguments.in, read));
+  FL_ASSIGN(const ConvertReport report, convert_log(*input, arguments.out, options));
+  if (arguments.json) {
+    fmt::print("{}\n", json_of_conversion(arguments.in, arguments.out, report));
+  } else {
+    fmt::print("{}: {} frames, {}, {} bytes (from {})\n", arguments.out, report.frames,
+               show_duration(report.duration_ns), report.bytes_out, report.bytes_in);
+    if (report.left_out != 0) fmt::print("  left out: {} frames\n", report.left_out);
+    if (report.lead_dropped_ns != 0) {
+      fmt::print("  left out: {} of silence before the first frame, which an OLA Show cannot hold\n",
+                 show_duration(report.lead_dropped_ns));
+    }
+    if (report.other_universes != 0) {
+      fmt::print("  left out: {} frames of universes that --universes does not name\n", report.other_universes);
+    }
+    for (const Universe universe : report.absent) fmt::print("  universe {}: no frame came\n", universe);
+    if (report.late_stamps != 0) {
+      fmt::print("  {} frames were stamped earlier than the one before them; they got its time\n", report.late_stamps);
+    }
+    print_notes(report.notes);
+  }
+  if (report.damage_count == 0) return kExitOk;
+  fmt::print(stderr, "footlight: {}: {} damaged parts were left out\n", arguments.in, report.damage_count);
+  return kExitFailed;
+}
+
+struct TimingArguments {
+  std::string file;
+  ReadArguments read;
+  bool summary = false;
+  bool json = false;
+};
+
+// Smallest, median and largest of what `value` appends for each sound frame.
+template <class Value>
+void print_spread(const char* name, const char* unit, double scale, const std::vector<drivers::LineFrameTiming>& frames,
+                  Value&& value) {
+  std::vector<DurationNs> values;
+  for (const drivers::LineFrameTiming& frame : frames) {
+    if (frame.fault == drivers::LineFault::kNone) value(frame, values);
+  }
+  if (values.empty()) return;
+  std::sort(values.begin(), values.end());
+  const auto show = [&](DurationNs one) { return static_cast<double>(one) * scale; };
+  fmt::print("  {:<7} {:9.2f} {:9.2f} {:9.2f} {}   (min, median, max)\n", name, show(values.front()),
+             show(values[values.size() / 2]), show(values.back()), unit);
+}
+
+double us(DurationNs duration_ns) { return static_cast<double>(duration_ns) * 1e-3; }
+
+Result<int> timing(const TimingArguments& arguments) {
+  if (arguments.file.empty()) {
+    return fail(ErrorCode::kBadInput, "log timing: expected a file, as in 'footlight log timing desk.sr'");
+  }
+  FL_ASSIGN(const LogFormat format, detect_log_format(arguments.file));
+  if (format != LogFormat::kLineCapture) {
+    return fail(ErrorCode::kBadInput,
+                "{}: expected a sigrok capture (.sr) of a line; other files hold whole frames and nothing of breaks",
+                arguments.file);
+  }
+  FL_ASSIGN(const drivers::CaptureOptions read, arguments.read.read());
+  FL_ASSIGN(const drivers::LineCaptureInfo info, drivers::read_line_timing(arguments.file, read));
+  if (arguments.json) {
+    fmt::print("{}\n", json_of_line_timing(arguments.file, info));
+    return info.counters.rejected == 0 ? kExitOk : kExitFailed;
+  }
+  using drivers::LineFrameTiming;
+  if (!arguments.summary) {
+    fmt::print("    time_ms  break_us   mab_us  code  slots  gap_us: min   mean    max  period_ms\n");
+    for (const LineFrameTiming& frame : info.frames) {
+      fmt::print("{:11.3f}  {:8.1f} {:8.1f}  0x{:02x}  {:5}  {:11.1f} {:6.1f} {:6.1f}", us(frame.start_ns) * 1e-3,
+                 us(frame.break_ns), us(frame.mab_ns), frame.start_code, frame.slot_count, us(frame.gap_min_ns),
+                 frame.slot_count == 0 ? 0.0 : us(frame.gap_sum_ns) / frame.slot_count, us(frame.gap_max_ns));
+      fmt::print("  {:>9}", frame.period_ns == 0 ? "-" : fmt::format("{:.3f}", us(frame.period_ns) * 1e-3));
+      if (frame.unfinished) fmt::print("  the capture ends here");
+      if (frame.fault != drivers::LineFault::kNone) fmt::print("  rejected: {}", text_of(frame.fault));
+      fmt::print("\n");
+    }
+  }
+  fmt::print("{}: {} frames, {} rejected, {} at {:.6g} MHz\n", arguments.file, info.counters.sound,
+             info.counters.rejected, show_duration(info.duration_ns), info.sample_rate_hz * 1e-6);
+  using Values = std::vector<DurationNs>;
+  print_spread("break", "us", 1e-3, info.frames,
+               [](const LineFrameTiming& frame, Values& values) { values.push_back(frame.break_ns); });
+  print_spread("mab", "us", 1e-3, info.frames,
+               [](const LineFrameTiming& frame, Values& values) { values.push_back(frame.mab_ns); });
+  print_spread("slots", "  ", 1.0, info.frames, [](const LineFrameTiming& frame, Values& values) {
+    if (!frame.unfinished) values.push_back(frame.slot_count);
+  });
+  print_spread("gap", "us", 1e-3, info.frames, [](const LineFrameTiming& frame, Values& values) {
+    if (frame.slot_count == 0) return;
+    values.insert(values.end(), {frame.gap_min_ns, frame.gap_sum_ns / frame.slot_count, frame.gap_max_ns});
+  });
+  print_spread("pitch", "us", 1e-3, info.frames, [](const LineFrameTiming& frame, Values& values) {
+    if (frame.slot_count != 0) values.push_back(frame.pitch_min_ns);
+  });
+  print_spread("period", "ms", 1e-6, info.frames, [](const LineFrameTiming& frame, Values& values) {
+    if (frame.period_ns != 0) values.push_back(frame.period_ns);
+  });
+  print_notes(info.notes);
+  return info.counters.rejected == 0 ? kExitOk : kExitFailed;
+}
+
+struct DiffArguments {
+  std::string a;
+  std::string b;
+  LogDiffOptions options;
+  bool same_start = false;
+  ReadArguments read;
+  bool json = false;
+};
+
+std::string offset_of(const LogDiff& diff) {
+  const std::string offset =
+      fmt::format("{}{}", diff.offset_ns < 0 ? "-" : "", show_duration(std::abs(diff.offset_ns)));
+  switch (diff.offset_from) {
+    case LogOffsetFrom::kGiven: return "times are compared as they are";
+    case LogOffsetFrom::kChanges:
+      return fmt::format("B is {} later, by {} changes of levels that occur once in each", offset, diff.offset_votes);
+    case LogOffsetFrom::kFirstFrames:
+      return fmt::format("B is {} later, by the first frame of each: no change of levels is like no other", offset);
+    case LogOffsetFrom::kNothing: break;
+  }
+  return "no universe is in both";
+}
+
+Result<int> diff(const DiffArguments& arguments) {
+  if (arguments.a.empty() || arguments.b.empty()) {
+    return fail(ErrorCode::kBadInput, "log diff: expected two files, as in 'footlight log diff a.dmxlog b.dmxlog'");
+  }
+  FL_ASSIGN(const drivers::CaptureOptions read, arguments.read.read());
+  LogDiffOptions options = arguments.options;
+  if (arguments.same_start) options.offset_ns = 0;
+  FL_ASSIGN(LogReader a, drivers::read_any_log(arguments.a, read));
+  FL_ASSIGN(LogReader b, drivers::read_any_log(arguments.b, read));
+  FL_ASSIGN(const LogDiff diff, diff_logs(a, b, options));
+  const int exit_code = diff.equal ? kExitOk : kExitFailed;
+  if (arguments.json) {
+    fmt::print("{}\n", json_of_log_diff(arguments.a, arguments.b, diff));
+    return exit_code;
+  }
+  fmt::print("A: {}, {}\nB: {}, {}\n{}\n", arguments.a, show_duration(diff.duration_a_ns), arguments.b,
+             show_duration(diff.duration_b_ns), offset_of(diff));
+  for (const LogUniverseDiff& one : diff.universes) {
+    fmt::print("universe {}: {} pairs, {} frames only in A, {} only in B\n", one.universe, one.pairs, one.only_a,
+               one.only_b);
+    if (one.different != 0) {
+      fmt::print("  levels: {} pairs differ, in {} slots, by {} at most; first at {}, address {}: {} in A, {} in B\n",
+                 one.different, one.slots_different, one.level_distance_max, show_duration(one.first_ns),
+                 one.first_address, one.first_level_a, one.first_level_b);
+    }
+    if (one.pairs == 0) continue;
+    fmt::print("  times: apart by {} (median), {} (99 %), {} (most); drift {:.2f} ppm\n",
+               show_duration(one.times.p50_ns), show_duration(one.times.p99_ns), show_duration(one.times.max_ns),
+               one.drift_ppm);
+  }
+  fmt::print("{}\n", diff.equal ? "equal" : "different");
+  return exit_code;
+}
+
+void add(Arguments& arguments) {
+  Arguments info = arguments.subcommand("info", "What a log holds: length, universes, rates, damage",
+                                        "  footlight log info show.dmxlog\n"
+                                        "  footlight log info --check --json show.dmxlog\n"
+                                        "  footlight log info capture.pcapng\n"
+                                        "Exit code 1 where the log is damaged or was not finished.");
+  auto info_options = std::make_shared<InfoOptions>();
+  info.word("FILE", info_options->file, kFileHelp);
+  info.flag("--check", info_options->check, "DMX log: read every block, not only the index");
+  info_options->read.add(info);
+  info.flag("--json", info_options->json, "one JSON object");
+  info.job([info_options]() -> Result<int> { return print_info(*info_options); });
+
+  Arguments converter = arguments.subcommand(
+      "convert", "Turn a log into another format, told by the name of the result",
+      "  footlight log convert foh.show foh.dmxlog          an OLA Show into a DMX log\n"
+      "  footlight log convert show.dmxlog show.txt         a DMX log into an OLA Show\n"
+      "  footlight log convert show.pcapng show.dmxlog      sACN and Art-Net out of packets\n"
+      "  footlight log convert desk.sr desk.dmxlog          the line itself, from a sigrok capture\n"
+      "  footlight log convert broken.dmxlog whole.dmxlog   keep what can be read\n"
+      "Exit code 1 where a part of the input was damaged; the rest was written.");
+  auto convert_arguments = std::make_shared<ConvertArguments>();
+  converter.word("FROM", convert_arguments->in, kFileHelp);
+  converter.word("TO", convert_arguments->out, ".dmxlog for a DMX log, anything else for an OLA Show");
+  converter.flag("--overwrite", convert_arguments->options.overwrite, "replace a file of that name");
+  converter.flag("--changes-only", convert_arguments->options.changes_only,
+                 "leave out frames that repeat the levels before them");
+  converter.option("--universes", convert_arguments->universes, "LIST",
+                   "only these, as in 1-3, or renumbered, as in 101-103=1-3");
+  convert_arguments->read.add(converter);
+  converter.flag("--json", convert_arguments->json, "one JSON object");
+  converter.job([convert_arguments]() -> Result<int> { return convert(*convert_arguments); });
+
+  Arguments differ =
+      arguments.subcommand("diff", "Compare two logs in levels and in time",
+                           "  footlight log diff sent.dmxlog received.dmxlog\n"
+                           "  footlight log diff show.dmxlog show.pcapng --changes-only --time-tolerance 5ms\n"
+                           "  footlight log diff a.dmxlog b.dmxlog --values 1 --same-start --json\n"
+                           "Exit code 0 where no frame lacks a partner and no level and no time is further apart than\n"
+                           "allowed, 1 otherwise.");
+  auto diff_arguments = std::make_shared<DiffArguments>();
+  differ.word("A", diff_arguments->a, kFileHelp);
+  differ.word("B", diff_arguments->b, "the same");
+  differ.option("--values", diff_arguments->options.level_tolerance, 0, 255, "levels may be so far apart");
+  differ.duration("--time-tolerance", diff_arguments->options.time_tolerance_ns,
+                  "times may be so far apart, beyond the offset; 1ms where it is not given");
+  differ.flag("--same-start", diff_arguments->same_start, "both began at one moment: do not look for an offset");
+  differ.flag("--changes-only", diff_arguments->options.changes_only,
+              "leave out frames that repeat the levels before them");
+  diff_arguments->read.add(differ);
+  differ.flag("--json", diff_arguments->json, "one JSON object");
+  differ.job([diff_arguments]() -> Result<int> { return diff(*diff_arguments); });
+
+  Arguments line = arguments.subcommand("timing", "Break, mark after break, gaps and period of a captured DMX line",
+                                        "  footlight log timing desk.sr\n"
+                                        "  footlight log timing desk.sr --summary --channel DMX-  --inverted\n"
+                                        "  footlight log timing desk.sr --json\n"
+                                        "Exit code 1 where a frame was rejected.");
+  auto timing_arguments = std::make_shared<TimingArguments>();
+  line.word("FILE", timing_arguments->file, "a sigrok capture (.sr)");
+  line.flag("--summary", timing_arguments->summary, "no line for each frame");
+  timing_arguments->read.add_line(line);
+  line.flag("--json", timing_arguments->json, "one JSON object");
+  line.job([timing_arguments]() -> Result<int> { return timing(*timing_arguments); });
+}
+
+}  // namespace
+
+extern const CommandInfo log_command{
+    .name = "log",
+    .help = "Look into a log, or turn it into another format",
+    .examples =
+        "  footlight log info show.dmxlog\n"
+        "  footlight log convert foh.show foh.dmxlog\n"
+        "  footlight log convert capture.pcapng show.dmxlog\n"
+        "  footlight log diff sent.dmxlog received.pcapng\n"
+        "  footlight log timing desk.sr\n",
+    .add = add,
+};
+
+}  // namespace footlight::tools

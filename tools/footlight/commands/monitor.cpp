@@ -1,0 +1,323 @@
+// footlight monitor: what is on the wire, or what a running bridge does, at a glance.
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <thread>
+
+#include <unistd.h>
+
+#include "drivers/wait/epoll_waiter.h"
+#include "sim/core/no_signals.h"
+#include "sim/system_clock.h"
+#include "tools/footlight/bridge/bridge.h"
+#include "tools/footlight/bridge/bridge_sockets.h"
+#include "tools/footlight/bridge/event_log.h"
+#include "tools/footlight/bridge/open_ports.h"
+#include "tools/footlight/command.h"
+#include "tools/footlight/monitor/monitor_state.h"
+#include "tools/footlight/monitor/monitor_view.h"
+#include "tools/footlight/monitor/terminal.h"
+#include "tools/footlight/status/status_pages.h"
+#include "tools/footlight/status/status_text.h"
+
+namespace footlight::tools {
+namespace {
+
+struct Options {
+  std::vector<std::string> words;  // endpoints
+  std::vector<std::string> ins;    // more of them
+  std::string socket;
+  std::string filter;
+  int columns = 0;
+  int rows = 0;
+  DurationNs period_ns = 0;
+  DurationNs run_for_ns = kTimeNever;
+  bool wait_for_device = false;
+  bool json = false;
+  bool once = false;
+};
+
+constexpr DurationNs kPeriodDrawnNs = 100 * kNsPerMs;
+constexpr DurationNs kPeriodJsonNs = kNsPerS;
+constexpr DurationNs kStatusPeriodNs = kNsPerS / 2;
+
+// Where pages come from.
+class Feed {
+ public:
+  virtual ~Feed() = default;
+  [[nodiscard]] virtual Result<std::string> page(const std::string& path, const std::string& universes) = 0;
+  [[nodiscard]] virtual std::string title() const = 0;
+  // Why not everything that is on the wire comes here; empty: it does.
+  [[nodiscard]] virtual std::string note() const { return {}; }
+};
+
+// A bridge that runs elsewhere on this machine.
+class SocketFeed final : public Feed {
+ public:
+  explicit SocketFeed(std::string socket) : socket_(std::move(socket)) {}
+  Result<std::string> page(const std::string& path, const std::string& universes) override {
+    FL_ASSIGN(HttpAnswer answer,
+              http_request(socket_, "GET", universes.empty() ? path : path + "?universes=" + universes));
+    if (answer.status != 200) return fail(ErrorCode::kProtocol, "{}: {}: {}", socket_, answer.status, answer.body);
+    return std::move(answer.body);
+  }
+  [[nodiscard]] std::string title() const override { return socket_; }
+
+ private:
+  std::string socket_;
+};
+
+// A pump of our own, with inputs and no outputs.
+class OwnFeed final : public Feed {
+ public:
+  static Result<std::unique_ptr<OwnFeed>> start(const Options& options, Clock& clock) {
+    std::unique_ptr<OwnFeed> feed(new OwnFeed);
+    PortOpener opener(clock);
+    InOptions in;
+    in.wait_for_device = options.wait_for_device;
+    in.hear_preview = true;
+    in.yields = true;  // a bridge keeps its unicast frames
+    std::vector<Universe> universes;
+    for (const std::string& word : options.words) {
+      FL_ASSIGN(const Endpoint endpoint, parse_port(word));
+      FL_ASSIGN(std::unique_ptr<Source> source, opener.open_source(endpoint, in));
+      universes.insert(universes.end(), source->universes().begin(), source->universes().end());
+      feed->title_ += (feed->title_.empty() ? "" : "  ") + source->name();
+      while (const auto notice = source->take_notice()) {
+        feed->note_ += fmt::format("{}{}: {}", feed->note_.empty() ? "" : "  ", source->name(), notice->text);
+      }
+      feed->sources_.push_back(std::move(source));
+    }
+    FL_ASSIGN(std::shared_ptr<Universes> buffer, Universes::make(sorted_once(std::move(universes))));
+    FL_ASSIGN(feed->waiter_, drivers::EpollWaiter::make());
+    PumpOptions pump_options;
+    pump_options.status_period_ns = kStatusPeriodNs;
+    feed->pump_ = std::make_unique<Pump>(std::move(buffer), clock, *feed->waiter_, pump_options);
+    for (const auto& source : feed->sources_) feed->pump_->add_source(*source);
+    feed->pages_ = std::make_unique<StatusPages>(*feed->pump_, clock);
+    (void)feed->pump_->latest_status();  // asks for one
+    const NoSignals for_the_thread;
+    feed->thread_ = std::jthread([self = feed.get()](const std::stop_token& stop) {
+      const std::stop_callback stop_pump(stop, [self] { self->pump_->request_stop(); });
+      self->pump_->run();
+    });
+    return feed;
+  }
+  Result<std::string> page(const std::string& path, const std::string& universes) override {
+    return pages_->answer({.method = "GET", .path = path, .universes = universes}).body;
+  }
+  [[nodiscard]] std::string title() const override { return title_; }
+  [[nodiscard]] std::string note() const override { return note_; }
+
+ private:
+  OwnFeed() = default;
+
+  std::string title_;
+  std::string note_;
+  std::vector<std::unique_ptr<Source>> sources_;
+  std::unique_ptr<drivers::EpollWaiter> waiter_;
+  std::unique_ptr<Pump> pump_;
+  std::unique_ptr<StatusPages> pages_;
+  std::jthread thread_;  // last: it ends before what it uses
+};
+
+Result<std::unique_ptr<Feed>> open_feed(const Options& options, Clock& clock) {
+  if (!options.words.empty()) {
+    if (!options.socket.empty()) {
+      return fail(ErrorCode::kBadInput,
+                  "monitor: expected endpoints to listen to or a --socket to attach to, not both");
+    }
+    FL_ASSIGN(std::unique_ptr<Feed> feed, OwnFeed::start(options, clock));
+    return feed;
+  }
+  if (!options.socket.empty()) return std::make_unique<SocketFeed>(options.socket);
+  FL_ASSIGN(std::string socket,
+            find_bridge("monitor", ", or name what to listen to, as in 'footlight monitor sacn:1-9'"));
+  return std::make_unique<SocketFeed>(std::move(socket));
+}
+
+// Universes as a list for a page; empty: all.
+std::string listed(const std::vector<Universe>& universes) {
+  std::string list;
+  for (const Universe universe : universes) list += fmt::format("{}{}", list.empty() ? "" : ",", universe);
+  return list;
+}
+
+// Keeps a state fresh. Trouble is part of the picture: a bridge that is restarted comes back.
+class Watcher {
+ public:
+  Watcher(Feed& feed, Clock& clock, MonitorState& state) : feed_(feed), clock_(clock), state_(state) {
+    state_.title = feed.title();
+    state_.note = feed.note();
+  }
+
+  void look(const std::string& filter) {
+    const Status looked = try_to_look(filter);
+    state_.trouble = looked ? "" : looked.error().message;
+  }
+
+ private:
+  Status try_to_look(const std::string& filter) {
+    const TimeNs now_ns = clock_.now_ns();
+    if (now_ns >= status_ns_) {
+      FL_ASSIGN(const std::string status, feed_.page("/status", ""));
+      FL_TRY(take_status(state_, status));
+      status_ns_ = now_ns + kStatusPeriodNs;
+    }
+    const auto universes = shown_universes(state_, filter);
+    if (universes.empty()) return {};
+    FL_ASSIGN(const std::string levels, feed_.page("/levels", filter.empty() ? "" : listed(universes)));
+    return take_levels(state_, levels);
+  }
+
+  Feed& feed_;
+  Clock& clock_;
+  MonitorState& state_;
+  TimeNs status_ns_ = 0;
+};
+
+void step_to(MonitorState& state, MonitorView& view, int by) {
+  const auto shown = shown_universes(state, view.filter);
+  if (shown.empty()) return;
+  const auto at = std::find(shown.begin(), shown.end(), view.selected);
+  const auto index = at == shown.end() ? 0 : at - shown.begin();
+  const auto last = static_cast<std::ptrdiff_t>(shown.size()) - 1;
+  view.selected = shown[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(index + by, 0, last))];
+}
+
+// False: the person has had enough.
+bool press(Key key, const std::string& typed, MonitorState& state, MonitorView& view) {
+  if (view.typing) {
+    if (key == Key::kText) view.filter += typed;
+    if (key == Key::kBackspace && !view.filter.empty()) {
+      while ((static_cast<unsigned char>(view.filter.back()) & 0xC0) == 0x80 && view.filter.size() > 1)
+        view.filter.pop_back();
+      view.filter.pop_back();
+    }
+    if (key == Key::kEscape) view.filter.clear();
+    if (key == Key::kEscape || key == Key::kEnter) view.typing = false;
+    return true;
+  }
+  switch (key) {
+    case Key::kUp: step_to(state, view, -1); break;
+    case Key::kDown: step_to(state, view, 1); break;
+    case Key::kPageUp: step_to(state, view, -10); break;
+    case Key::kPageDown: step_to(state, view, 10); break;
+    case Key::kEscape: view.filter.clear(); break;
+    case Key::kText:
+      if (typed == "q") return false;
+      if (typed == " " || typed == "p") view.paused = !view.paused;
+      if (typed == "k") step_to(state, view, -1);
+      if (typed == "j") step_to(state, view, 1);
+      if (typed == "/") view.typing = true;
+      break;
+    case Key::kNone:
+    case Key::kEnter:
+    case Key::kBackspace: break;
+  }
+  return true;
+}
+
+Result<int> draw(const Options& options, Clock& clock, Watcher& watcher, MonitorState& state, MonitorView& view) {
+  FL_ASSIGN(const std::unique_ptr<Terminal> terminal, Terminal::take());
+  const char* const no_colour = std::getenv("NO_COLOR");  // https://no-color.org
+  view.colour = no_colour == nullptr || *no_colour == '\0';
+  const DurationNs period_ns = options.period_ns != 0 ? options.period_ns : kPeriodDrawnNs;
+  const TimeNs end_ns = options.run_for_ns == kTimeNever ? kTimeNever : clock.now_ns() + options.run_for_ns;
+  TimeNs next_ns = clock.now_ns();
+  while (!terminal->ended() && clock.now_ns() < end_ns) {
+    if (clock.now_ns() >= next_ns) {
+      if (!view.paused) watcher.look(view.typing ? "" : view.filter);
+      next_ns = std::max(next_ns + period_ns, clock.now_ns() + period_ns / 4);
+    }
+    const TerminalSize size = terminal->size();
+    view.columns = size.columns;
+    view.rows = size.rows;
+    terminal->show(draw_monitor(state, view));
+    const Key key = terminal->wait_for_key(std::max<DurationNs>(std::min(next_ns, end_ns) - clock.now_ns(), 0));
+    if (!press(key, terminal->typed(), state, view)) break;
+  }
+  return kExitOk;
+}
+
+// One object or one picture a period, on standard output.
+Result<int> print(const Options& options, Clock& clock, Watcher& watcher, MonitorState& state, MonitorView& view) {
+  catch_end_signals();
+  const DurationNs period_ns = options.period_ns != 0 ? options.period_ns : kPeriodJsonNs;
+  TimeNs next_ns = clock.now_ns();
+  const TimeNs end_ns = options.run_for_ns == kTimeNever ? kTimeNever : next_ns + options.run_for_ns;
+  // The first status that says anything is two periods of the pump old.
+  if (options.once && !options.words.empty()) {
+    watcher.look("");
+    next_ns += options.run_for_ns == kTimeNever ? 2 * kStatusPeriodNs + kNsPerS / 10 : options.run_for_ns;
+  }
+  while (true) {
+    while (!end_signal_came() && clock.now_ns() < next_ns) {
+      clock.sleep_until_ns(std::min(next_ns, clock.now_ns() + 50 * kNsPerMs));
+    }
+    if (end_signal_came()) return kExitOk;
+    watcher.look(options.filter);
+    if (!state.trouble.empty() && options.once) return fail(ErrorCode::kDisconnected, "{}", state.trouble);
+    if (options.json) {
+      std::fputs((json_of_monitor(state, utc_text(wall_clock_unix_ns(), 6)) + "\n").c_str(), stdout);
+    } else {
+      for (const std::string& line : draw_monitor(state, view)) std::fputs((line + "\n").c_str(), stdout);
+    }
+    if (std::fflush(stdout) != 0 || options.once || next_ns >= end_ns) return kExitOk;
+    next_ns += period_ns;
+  }
+}
+
+Result<int> monitor(const Options& options) {
+  SystemClock clock;
+  FL_ASSIGN(const std::unique_ptr<Feed> feed, open_feed(options, clock));
+  MonitorState state;
+  MonitorView view;
+  view.filter = options.filter;
+  view.columns = options.columns;
+  view.rows = options.rows;
+  Watcher watcher(*feed, clock, state);
+  if (options.json && !state.note.empty()) fmt::print(stderr, "footlight: {}\n", printable_line(state.note));
+  if (options.json || options.once) return print(options, clock, watcher, state, view);
+  return draw(options, clock, watcher, state, view);
+}
+
+void add(Arguments& arguments) {
+  auto options = std::make_shared<Options>();
+  options->columns = 80;
+  options->rows = 24;
+  arguments.words("ENDPOINT", options->words, "what to listen to; none: attach to the running bridge");
+  arguments.list("--in,-i", options->ins, "ENDPOINT", "the same, as 'footlight run' takes it");
+  arguments.option("--socket", options->socket, "FILE", "the bridge to attach to, where several run");
+  arguments.option("--filter", options->filter, "TEXT", "universes as in 1-9, or a word of a sender's name");
+  arguments.duration("--period", options->period_ns, "how often to look; 100ms on a terminal, else 1s");
+  arguments.duration("--for", options->run_for_ns, "end after this time");
+  arguments.flag("--once", options->once, "one picture, or one object, on standard output");
+  arguments.option("--columns", options->columns, 1, 1'000, "width of the picture of --once");
+  arguments.option("--rows", options->rows, 1, 1'000, "its height");
+  arguments.flag("--wait-for-device", options->wait_for_device, "begin although a device is not plugged in yet");
+  arguments.flag("--json", options->json, "one JSON object a period and line, with all levels");
+  arguments.job([options]() -> Result<int> {
+    options->words.insert(options->words.end(), options->ins.begin(), options->ins.end());
+    return monitor(*options);
+  });
+}
+
+}  // namespace
+
+extern const CommandInfo monitor_command{
+    .name = "monitor",
+    .help = "Watch levels, senders and ports, of the wire or of the running bridge",
+    .examples =
+        "  footlight monitor sacn:1-9                 what is on the network\n"
+        "  footlight monitor artnet:1-4 enttec-pro=5  several at once\n"
+        "  footlight monitor                          the 'footlight run' of this machine, inputs and outputs\n"
+        "  footlight monitor sacn:1-9 --json --period 200ms\n"
+        "  footlight monitor --once --columns 120     one picture, as text\n"
+        "Up and down choose the universe that is shown in full, space holds the picture, / filters, q ends.\n"
+        "Changes of the last second are bright; NO_COLOR=1 leaves colours away.",
+    .add = add,
+};
+
+}  // namespace footlight::tools

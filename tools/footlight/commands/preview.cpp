@@ -1,0 +1,53 @@
+// footlight preview: the rig in a window.
+#include "tools/footlight/preview/preview.h"
+
+#include <memory>
+#include <string>
+
+#include "tools/footlight/command.h"
+
+namespace footlight::tools {
+namespace {
+
+void add(Arguments& arguments) {
+  auto options = std::make_shared<PreviewOptions>();
+  auto flashes = std::make_shared<std::string>("warn");
+  add_scene_arguments(arguments, options->files);
+  arguments.list("--in,-i", options->ins, "ENDPOINT", "drive the rig live from here; may be given many times");
+  arguments.duration("--at", options->at_ns, "where in the log to begin");
+  arguments.option("--size", options->size, "WxH", "of the window in pixels");
+  arguments.option("--camera", options->camera, "NAME", "a camera of the rig; its first one");
+  arguments.option("--nodes", options->nodes, 1, 8, "Gauss nodes a beam and pixel, see footlight report");
+  arguments.option("--work-light", options->work_light_lx, 0, 1e6,
+                   "lx on every surface, W turns it off and on; 150 or more where nothing drives the rig");
+  arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this");
+  arguments.option("--seconds", options->seconds, 0, 1e6, "close after this time; 0 stays open");
+  arguments.option("--screenshot", options->screenshot, "FILE", "write the last frame as PNG when closing");
+  arguments.option("--flashes", *flashes, "WORD",
+                   "harmful flashes (more than three a second): warn, limit (the last picture stands) or off; warn");
+  arguments.flag("--json", options->json, "frame times as JSON, one object a second and a summary");
+  arguments.job([options, flashes]() -> Result<int> {
+    FL_ASSIGN(options->flashes, flash_mode_of(*flashes));
+    return run_preview(*options);
+  });
+}
+
+}  // namespace
+
+extern const CommandInfo preview_command{
+    .name = "preview",
+    .help = "Show a rig in a window: from a log, live from the network or a device, or by hand",
+    .examples =
+        "  footlight preview --demo\n"
+        "  footlight preview rig.toml --log show.dmxlog --at 12.5s\n"
+        "  footlight preview rig.toml --in sacn:1-9            live\n"
+        "  footlight preview rig.toml --in enttec-pro --in artnet:2-9\n"
+        "  footlight preview show.mvr                          by hand, with faders\n"
+        "  footlight preview head.gdtf                         one fixture alone\n"
+        "Mouse: left orbits, right or middle pans, wheel approaches. Keys: 1-9 cameras, F frames the rig, W work\n"
+        "light, space pauses, left and right seek 5 s, Q and E expose, H hides the panel, Esc closes. Without a\n"
+        "display: footlight render.",
+    .add = add,
+};
+
+}  // namespace footlight::tools

@@ -1,0 +1,325 @@
+// footlight render: pictures and videos of a rig driven by a log, without a display.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "render/frame.h"
+#include "tools/footlight/command.h"
+#include "tools/footlight/duration.h"
+#include "tools/footlight/pictures/flash_watch.h"
+#include "tools/footlight/pictures/picture_file.h"
+#include "tools/footlight/pictures/scene_files.h"
+#include "tools/footlight/pictures/start_view.h"
+#include "tools/footlight/pictures/timeline.h"
+#include "tools/footlight/pictures/video_file.h"
+#include "tools/footlight/preview/hand_levels.h"
+#include "tools/footlight/stop_signal.h"
+
+namespace footlight::tools {
+namespace {
+
+struct Options {
+  SceneFiles files;
+  std::string out;
+  std::string size = "1280x720";
+  std::string camera;
+  std::string device;
+  DurationNs at_ns = -1;  // -1: not given
+  DurationNs every_ns = -1;
+  DurationNs from_ns = 0;
+  DurationNs until_ns = -1;
+  DurationNs exposure_ns = -1;
+  std::optional<double> exposure_ev;  // else the camera's own
+  int nodes = 3;
+  int gobo_taps = 64;
+  int supersample = 1;
+  std::string flashes = "warn";
+  std::vector<std::string> sets;  // "Prism1=2", "Spot 3:Pan=30"
+  bool lit = false;
+  std::optional<double> work_light_lx;
+  bool json = false;
+};
+
+constexpr DurationNs kStillExposureNs = 20 * kNsPerMs;
+constexpr std::size_t kStepsHeldMax = 512;  // steps that wait for the GPU between pictures
+
+bool is_video(const std::string& path) { return path.size() > 4 && path.compare(path.size() - 4, 4, ".mp4") == 0; }
+
+Status check_options(const Options& options) {
+  if (options.out.empty()) {
+    return fail(ErrorCode::kBadInput, "no output: expected -o frame.png, -o frame_%04d.png or -o show.mp4");
+  }
+  const bool many = options.every_ns >= 0;
+  if (many == (options.at_ns >= 0)) {
+    return fail(ErrorCode::kBadInput, "expected --at TIME for one picture, or --every TIME for many");
+  }
+  if (many && options.every_ns < kNsPerMs) {
+    return fail(ErrorCode::kBadInput, "--every {}: expected 1 ms or more", show_duration(options.every_ns));
+  }
+  if (many && !is_video(options.out) && !is_numbered(options.out)) {
+    return fail(
+        ErrorCode::kBadInput,
+        "{}: with --every, expected a place for the picture's number, as in frame_%04d.png, or a name that ends "
+        "in .mp4",
+        options.out);
+  }
+  if (options.flashes != "warn" && options.flashes != "limit" && options.flashes != "ignore") {
+    return fail(ErrorCode::kBadInput, "--flashes {}: expected warn, limit or ignore", options.flashes);
+  }
+  if (options.flashes == "limit" && (!many || options.every_ns > kFlashPauseMaxNs)) {
+    return fail(ErrorCode::kBadInput,
+                "--flashes limit: expected --every {} or less; pictures further apart hide flashes",
+                show_duration(kFlashPauseMaxNs));
+  }
+  if ((options.lit || !options.sets.empty()) && (!options.files.log.empty() || options.files.demo)) {
+    return fail(ErrorCode::kBadInput, "--lit and --set are for a rig without a log: expected one of them");
+  }
+  if (!many && is_video(options.out)) {
+    return fail(ErrorCode::kBadInput, "{}: a video needs --every, as in --every 40ms", options.out);
+  }
+  return {};
+}
+
+// One render job: the log walks on, a picture is taken, it goes to its file.
+class Job {
+ public:
+  Job(const Options& options, const StopSignal& stop, Timeline* timeline, render::Frame& frame,
+      const render::View& view, double exposure_ev)
+      : options_(options), stop_(stop), timeline_(timeline), frame_(frame), view_(view), exposure_ev_(exposure_ev) {
+    const bool watches = options.flashes != "ignore" && options.every_ns > 0 && options.every_ns <= kFlashPauseMaxNs;
+    if (watches) flashes_.emplace(options.flashes == "limit");
+  }
+
+  // Takes the picture, or none where the program is stopped on the way to it.
+  Status take(DurationNs at_ns, DurationNs exposure_ns) {
+    const auto start = std::chrono::steady_clock::now();
+    Status flushed;
+    const auto step = [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+      if (stop_.came()) return;
+      frame_.step(levels, dt_ns, new_exposure);
+      if (frame_.pending_steps() >= kStepsHeldMax && flushed) flushed = frame_.run_steps();
+    };
+    if (timeline_ != nullptr) {
+      FL_TRY(timeline_->advance(at_ns, exposure_ns, step));
+      FL_TRY(flushed);
+    }
+    if (stop_.came()) return {};
+    FL_TRY(frame_.draw(view_, exposure_ev_));
+    FL_ASSIGN(picture_, frame_.read_screen());
+    const double wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    watch_flashes(at_ns);
+    FL_TRY(store());
+    if (options_.json) {
+      FL_ASSIGN(const auto times, frame_.read_times());
+      FL_ASSIGN(const auto counts, frame_.read_counts());
+      double gpu_ms = 0;
+      for (const auto& time : times) gpu_ms += time.gpu_ms;
+      fmt::print(
+          R"({{"event":"picture","number":{},"time_ns":{},"gpu_ms":{:.3f},"wall_ms":{:.3f},"live":{},"dark":{}}})"
+          "\n",
+          number_, at_ns, gpu_ms, wall_ms, counts.live_count, counts.dark_count);
+      std::fflush(stdout);
+    }
+    ++number_;
+    last_ns_ = at_ns;
+    return {};
+  }
+
+  Status finish() {
+    if (video_) FL_TRY(video_->close());
+    if (!flashes_) return {};
+    for (const FlashStretch& stretch : flashes_->stretches()) say_flashes(stretch);
+    if (flashes_->least_gain() < 1) {
+      say(fmt::format(R"({{"event":"flashes-limited","least_gain":{:.3f}}})", flashes_->least_gain()),
+          fmt::format("flashes were held back, down to {:.0f} % of their light", 100 * flashes_->least_gain()));
+    }
+    return {};
+  }
+  [[nodiscard]] int count() const { return number_; }
+  void tell_stop() const {
+    say(fmt::format(R"({{"event":"stopped","pictures":{},"time_ns":{}}})", number_, last_ns_),
+        number_ == 0 ? "stopped before the first picture; nothing was written"
+                     : fmt::format("stopped after {} picture{}, at {}; they are in {}", number_,
+                                   number_ == 1 ? "" : "s", show_duration(last_ns_), options_.out));
+  }
+
+ private:
+  void say(const std::string& json, const std::string& text) const {
+    if (options_.json) {
+      fmt::print("{}\n", json);
+    } else {
+      fmt::print(stderr, "footlight: {}\n", text);
+    }
+  }
+
+  // Told as soon as it begins, since a video takes its time; measured at the end.
+  void watch_flashes(DurationNs at_ns) {
+    if (!flashes_ || !flashes_->look(at_ns, picture_) || flashes_->stretches().size() > 1) return;
+    say(fmt::format(R"({{"event":"flashes-begin","time_ns":{}}})", at_ns),
+        fmt::format("flashes that may harm people with photosensitive epilepsy from {} on{}", show_duration(at_ns),
+                    options_.flashes == "limit" ? ", held back" : "; --flashes limit holds them back"));
+  }
+
+  void say_flashes(const FlashStretch& stretch) const {
+    say(fmt::format(
+            R"({{"event":"flashes","from_ns":{},"until_ns":{},"flashes_a_second":{:.1f},"area":{:.3f},"red":{}}})",
+            stretch.from_ns, stretch.until_ns, stretch.flashes, stretch.area, stretch.red),
+        fmt::format("{} to {}: up to {:.1f}{} flashes within a second over {:.0f} % of the picture{}",
+                    show_duration(stretch.from_ns), show_duration(stretch.until_ns), stretch.flashes,
+                    stretch.flashes >= 16 ? " or more" : "", 100 * stretch.area, stretch.red ? ", saturated red" : ""));
+  }
+
+  Status store() {
+    if (is_video(options_.out)) {
+      if (!video_) {
+        FL_ASSIGN(video_, VideoFile::create(options_.out, picture_.width, picture_.height, options_.every_ns));
+      }
+      return video_->add(picture_);
+    }
+    if (options_.every_ns < 0) return write_png(options_.out, picture_);
+    FL_ASSIGN(const std::string path, numbered_path(options_.out, number_));
+    return write_png(path, picture_);
+  }
+
+  const Options& options_;
+  const StopSignal& stop_;
+  Timeline* timeline_;
+  render::Frame& frame_;
+  const render::View& view_;
+  double exposure_ev_;
+  render::ScreenImage picture_;
+  std::unique_ptr<VideoFile> video_;
+  std::optional<FlashWatch> flashes_;
+  int number_ = 0;
+  DurationNs last_ns_ = 0;  // time of the last picture
+};
+
+Result<int> render_pictures(const Options& options) {
+  FL_TRY(check_options(options));
+  const StopSignal stop;
+  FL_ASSIGN(const PictureSize size, parse_size(options.size));
+  FL_ASSIGN(fixtures::Rig rig, load_scene_rig(options.files));
+  FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options.files));
+  const bool by_hand = options.lit || !options.sets.empty();
+  add_start_view(rig, static_cast<double>(size.width) / size.height, log || by_hand);
+  FL_ASSIGN(const fixtures::Camera camera, find_camera(rig, options.camera));
+  if (by_hand) give_hand_addresses(rig);
+  const double exposure_ev = options.exposure_ev.value_or(camera.exposure_ev);
+  const double usual_lx = by_hand ? faint_light_lx(exposure_ev) : log ? 0 : work_light_lx(exposure_ev);
+  std::optional<fixtures::Rig> vrsl_rig;  // as written
+  if (rig.vrsl && log && !by_hand) vrsl_rig = std::exchange(rig, fixtures::vrsl_shown(rig));
+  FL_ASSIGN(const fixtures::CompiledRig compiled, fixtures::compile(rig));
+  std::optional<Timeline> timeline;
+  if (log) {
+    std::optional<fixtures::VrslReplay> vrsl;
+    if (vrsl_rig) vrsl.emplace(*vrsl_rig, compiled);
+    timeline.emplace(std::move(*log), compiled, std::move(vrsl));
+  }
+
+  FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = options.device}));
+  render::FrameSettings settings;
+  settings.width = size.width * options.supersample;
+  settings.height = size.height * options.supersample;
+  settings.nodes = static_cast<std::uint32_t>(options.nodes);
+  settings.gobo_taps = static_cast<std::uint32_t>(options.gobo_taps);
+  settings.supersample = options.supersample;
+  FL_ASSIGN(const auto frame, render::Frame::create(*device, rig, compiled, settings));
+  frame->set_work_light_lx(options.work_light_lx.value_or(usual_lx));
+  print_warnings(frame->resources().diagnostics);
+  if (by_hand) {
+    HandLevels hand(rig, compiled);
+    // Machines that are set begin in clear air.
+    const bool sets_air = std::any_of(options.sets.begin(), options.sets.end(), [](const std::string& text) {
+      return text.find("Haze") != std::string::npos || text.find("Fog") != std::string::npos;
+    });
+    if (!sets_air) frame->settle_machine_air(hand.levels());
+    for (const std::string& text : options.sets) FL_TRY(set_by_hand(text, rig, hand));
+    frame->step(hand.levels(), 0);
+    if (options.at_ns > 0) frame->step(hand.levels(), options.at_ns);  // what spins has spun
+  } else if (!timeline && frame->resources().levels_bytes > 0) {
+    // No log: every level is 0.
+    frame->step(std::vector<std::uint8_t>(frame->resources().levels_bytes), 0);
+  }
+  const render::View view = render::view_of(camera);
+  Job job(options, stop, timeline ? &*timeline : nullptr, *frame, view, exposure_ev);
+
+  if (options.at_ns >= 0) {
+    FL_TRY(job.take(options.at_ns, options.exposure_ns >= 0 ? options.exposure_ns : kStillExposureNs));
+  } else {
+    const DurationNs end_ns = options.until_ns >= 0 ? options.until_ns : timeline ? timeline->duration_ns() : 0;
+    const DurationNs exposure_ns = options.exposure_ns >= 0 ? options.exposure_ns : options.every_ns;
+    // A picture of a video stays until the next one, so none begins at the end; but there is at least one.
+    const DurationNs last_ns = is_video(options.out) ? std::max(end_ns - 1, options.from_ns) : end_ns;
+    for (DurationNs at_ns = options.from_ns; at_ns <= last_ns && !stop.came(); at_ns += options.every_ns) {
+      FL_TRY(job.take(at_ns, exposure_ns));
+      if (!options.json && job.count() % 50 == 0) {
+        fmt::print(stderr, "{} pictures, at {}\n", job.count(), show_duration(at_ns));
+      }
+    }
+  }
+  FL_TRY(job.finish());
+  if (stop.came() && (options.every_ns >= 0 || job.count() == 0)) {
+    job.tell_stop();
+    if (job.count() == 0) return kExitFailed;
+  }
+  if (!options.json) {
+    fmt::print("{}: {} picture{} of {}x{} on {}\n", options.out, job.count(), job.count() == 1 ? "" : "s", size.width,
+               size.height, device->name());
+  }
+  return device->validation_messages().empty() ? kExitOk : kExitFailed;
+}
+
+void add(Arguments& arguments) {
+  auto options = std::make_shared<Options>();
+  add_scene_arguments(arguments, options->files);
+  arguments.option("--out,-o", options->out, "FILE", "frame.png, frame_%04d.png or show.mp4");
+  arguments.duration("--at", options->at_ns, "one picture, at this time of the log");
+  arguments.duration("--every", options->every_ns, "pictures this far apart");
+  arguments.duration("--from", options->from_ns, "with --every: the first picture's time");
+  arguments.duration("--until", options->until_ns,
+                     "with --every: no picture after this time, where a video ends; the end of the log");
+  arguments.duration("--exposure", options->exposure_ns,
+                     "how long the shutter is open before the picture's time; 20ms, or all of --every");
+  arguments.option("--ev", options->exposure_ev, -20, 30, "exposure value at ISO 100; the camera's own");
+  arguments.option("--size", options->size, "WxH", "of the picture in pixels");
+  arguments.option("--camera", options->camera, "NAME", "a camera of the rig; its first one");
+  arguments.option("--nodes", options->nodes, 1, 8,
+                   "Gauss nodes a beam and pixel: error and time, see footlight report");
+  arguments.option("--supersample", options->supersample, 1, 4,
+                   "so many times the pixels a side, their light averaged: smooth edges for that squared of work");
+  arguments.option("--gobo-taps", options->gobo_taps, 1, 1024, "looks at the gobo a beam and pixel: error and time");
+  arguments.option("--flashes", options->flashes, "WORD",
+                   "harmful flashes (more than three a second): warn, limit or ignore; warn");
+  arguments.flag("--lit", options->lit,
+                 "without a log: every fixture at full, open and at its own white, its axes in the middle, hazers on");
+  arguments.list("--set", options->sets, "WORDS",
+                 "as --lit, and ATTRIBUTE=VALUE of all fixtures or FIXTURE:ATTRIBUTE=VALUE of one; many times");
+  arguments.option(
+      "--work-light", options->work_light_lx, 0, 1e6,
+      "lx on every surface on top of the rig's; 150 or more where nothing drives the rig, a little with --lit");
+  arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this");
+  arguments.flag("--json", options->json, "one JSON object a picture");
+  arguments.job([options]() -> Result<int> { return render_pictures(*options); });
+}
+
+}  // namespace
+
+extern const CommandInfo render_command{
+    .name = "render",
+    .help = "Make pictures or a video of a rig, without a display",
+    .examples =
+        "  footlight render --demo --at 12.5s -o frame.png\n"
+        "  footlight render rig.toml --log show.dmxlog --at 12.5s --size 1920x1080 -o frame.png\n"
+        "  footlight render rig.toml --log show.dmxlog --every 40ms -o frame_%04d.png\n"
+        "  footlight render hall.mvr --at 0s -o hall.png              in work light\n"
+        "  footlight render hall.mvr --lit --set Tilt=30 --set Iris=0.4 --at 0s -o look.png\n"
+        "  footlight render --demo --every 40ms --from 10s --until 20s --camera side -o side.mp4\n"
+        "The same rig, log and time give the same picture, bit for bit on one device. Ctrl-C stops after the picture\n"
+        "under way; the video or the pictures up to there are whole.",
+    .add = add,
+};
+
+}  // namespace footlight::tools

@@ -1,0 +1,196 @@
+// footlight report: error against run time of every approximation, and what the rig left out.
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string_view>
+#include <system_error>
+
+#include <unistd.h>
+
+#include "fixtures/files/import/import_rig.h"
+#include "fixtures/model/color.h"
+#include "sim/file_kind.h"
+#include "sim/system_clock.h"
+#include "tools/footlight/command.h"
+#include "tools/footlight/commands/fixtures_command.h"
+#include "tools/footlight/duration.h"
+#include "tools/footlight/monitor/terminal.h"
+#include "tools/footlight/report/report_parts.h"
+#include "tools/footlight/status/json_lines.h"
+#include "tools/footlight/status/status_text.h"
+
+namespace footlight::tools {
+namespace {
+
+Status unwritable(const std::string& path) {
+  return fail(ErrorCode::kIo, "{}: cannot be written; choose a folder that exists and is yours", path);
+}
+
+// One line on standard error that a terminal rewrites: how far the report is and how long it takes from here, as far as
+// the parts that are done tell. Without a terminal there is none.
+class ReportProgress {
+ public:
+  ReportProgress() { catch_end_signals(); }
+  ~ReportProgress() { clear(); }
+  ReportProgress(const ReportProgress&) = delete;
+  ReportProgress& operator=(const ReportProgress&) = delete;
+
+  bool go_on(std::string_view what, double done, double all) {
+    if (end_signal_came() || unread_) return false;
+    const TimeNs now_ns = clock_.now_ns();
+    if (what != what_) {
+      what_ = what;
+      begin_ns_ = now_ns;
+    }
+    if (!terminal_ || now_ns - shown_ns_ < kEveryNs) return true;
+    shown_ns_ = now_ns;
+    shown_ = true;
+    // Nothing is known of the time while nothing is done.
+    const double left_ns = done > 0 ? static_cast<double>(now_ns - begin_ns_) * (all - done) / done : 0;
+    fmt::print(stderr, "\rfootlight: {}: {:.0f} of {:.0f}{}\033[K", what_, done, all,
+               done > 0 ? fmt::format(", about {} left", show_duration(static_cast<DurationNs>(left_ns))) : "");
+    return true;
+  }
+
+  void print(const std::string& text) {
+    clear();
+    fmt::print("{}", text);
+    const Result<bool> read_on = flush_output();
+    unread_ = !read_on || !*read_on;  // as behind `| head`: the rest would take minutes for nobody
+  }
+
+  void clear() {
+    if (shown_) fmt::print(stderr, "\r\033[K");
+    shown_ = false;
+  }
+
+ private:
+  static constexpr DurationNs kEveryNs = 200 * kNsPerMs;
+
+  SystemClock clock_;
+  const bool terminal_ = isatty(STDERR_FILENO) != 0;
+  std::string what_;
+  TimeNs begin_ns_ = 0;
+  TimeNs shown_ns_ = 0;
+  bool shown_ = false;
+  bool unread_ = false;
+};
+
+struct Options {
+  ReportOptions shared;
+  std::string optics;
+  bool pictures = false;
+  bool time = false;
+};
+
+// Whether a file can be made there: told before the minutes that the report takes, not after them.
+Status try_report_file(const std::string& path) {
+  if (path.empty()) return {};
+  FL_TRY(refuse_pipe_output(path));
+  const std::string part = path + ".part";
+  const bool good = std::ofstream(part, std::ios::app).good();
+  std::error_code ignored;
+  std::filesystem::remove(part, ignored);
+  return good ? Status{} : unwritable(path);
+}
+
+// Beams and colours of every type of a rig, or of one definition.
+Status report_optics(const std::string& path, bool json) {
+  FL_ASSIGN(const fixtures::ImportedRig imported, fixtures::import_rig(path));
+  for (const fixtures::FixtureType& type : imported.rig.types) {
+    const std::string name = printable_utf8(type.manufacturer + (type.manufacturer.empty() ? "" : " ") + type.name);
+    if (json) {
+      for (const auto& color : fixtures::color_report(type)) fmt::print("{}\n", json_of_color(name, color));
+      for (std::size_t i = 0; i < type.beams.size(); ++i) fmt::print("{}\n", json_of_beam(name, type, i));
+    } else {
+      fmt::print("{}\n{}\n", printable_line(name), printable_lines(optics_of_type(type)));
+    }
+  }
+  return {};
+}
+
+Result<int> report(const Options& options, const ReportHalf& pictures, const ReportHalf& time) {
+  if (!options.optics.empty()) {
+    FL_TRY(report_optics(options.optics, options.shared.json));
+    return kExitOk;
+  }
+  FL_TRY(try_report_file(options.shared.csv));
+  FL_TRY(try_report_file(options.shared.svg));
+  const bool both = options.pictures == options.time;
+  if (options.pictures && !pictures) {
+    return fail(ErrorCode::kUnsupported,
+                "--pictures: this program was built without the renderer; footlight report --time needs none");
+  }
+  ReportProgress progress;
+  ReportOptions shared = options.shared;
+  shared.go_on = [&](std::string_view what, double done, double all) { return progress.go_on(what, done, all); };
+  shared.print = [&](const std::string& text) { progress.print(text); };
+  if ((both || options.pictures) && pictures) FL_TRY(pictures(shared));
+  if ((both || options.time) && !end_signal_came()) FL_TRY(time(shared));
+  progress.clear();
+  if (end_signal_came()) {
+    fmt::print(stderr, "footlight: ended by a signal; rows that were measured are printed{}\n",
+               shared.csv.empty() && shared.svg.empty() ? "" : " and in the files");
+  }
+  return kExitOk;
+}
+
+void add(Arguments& arguments) {
+  auto options = std::make_shared<Options>();
+  const ReportHalf pictures = add_report_pictures(arguments);
+  const ReportHalf time = add_report_time(arguments);
+  arguments.flag("--pictures", options->pictures, "pictures only");
+  arguments.flag("--time", options->time, "time behaviour only: lamps, motors, shutters, filters");
+  arguments.option(
+      "--optics", options->optics, "FILE",
+      "instead: beams, energy and colours of the types of a rig, or of a definition, against what it says");
+  arguments.flag("--quick", options->shared.quick, "fewer knobs and scenes");
+  arguments.option("--csv", options->shared.csv, "FILE",
+                   "rows of pictures as CSV; those of time go beside it, FILE-time");
+  arguments.option("--svg,--plot", options->shared.svg, "FILE",
+                   "the plot; those of time go beside it, FILE-time-MODEL");
+  arguments.flag("--json", options->shared.json, "one JSON object a row");
+  arguments.job([=]() -> Result<int> { return report(*options, pictures, time); });
+}
+
+}  // namespace
+
+Status write_report_file(const std::string& path, const std::string& text) {
+  FL_TRY(refuse_pipe_output(path));
+  const std::string part = path + ".part";
+  std::ofstream stream(part, std::ios::binary | std::ios::trunc);
+  stream << text;
+  stream.close();
+  std::error_code trouble;
+  if (stream) std::filesystem::rename(part, path, trouble);
+  if (stream && !trouble) return {};
+  std::error_code ignored;
+  std::filesystem::remove(part, ignored);
+  return unwritable(path);
+}
+
+std::string with_report_suffix(const std::string& path, const std::string& suffix) {
+  const std::size_t dot = path.rfind('.');
+  if (dot == std::string::npos || path.find('/', dot) != std::string::npos) return path + "-" + suffix;
+  return path.substr(0, dot) + "-" + suffix + path.substr(dot);
+}
+
+extern const CommandInfo report_command{
+    .name = "report",
+    .help = "How wrong each approximation is, what it costs, and what the rig left out",
+    .examples =
+        "  footlight report --quick\n"
+        "  footlight report rig.toml --log show.dmxlog --at 12.5s --svg beams.svg --csv beams.csv\n"
+        "  footlight report hall.mvr --lit --set Tilt=30     a rig without a log\n"
+        "  footlight report --pictures --beams 10000 --size 3840x2160 --judge-size 96x54\n"
+        "  footlight report --time --csv time.csv --svg time.svg\n"
+        "  footlight report --pictures --fleet 100000        what a step of so many fixtures costs\n"
+        "  footlight report --time --worst\n"
+        "  footlight report --optics rig.mvr                 colours: CIEDE2000 against spectra in double\n"
+        "Without a rig: the demo. Errors are against adaptive quadrature in double, or an event-exact integrator.\n"
+        "Ctrl-C ends the report: what was measured is printed and in the files, and the exit code is 0.",
+    .add = add,
+};
+
+}  // namespace footlight::tools

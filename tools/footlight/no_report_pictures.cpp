@@ -1,8 +1,0 @@
-// footlight report without the renderer.
-#include "tools/footlight/report_parts.h"
-
-namespace footlight::tools {
-
-ReportHalf add_report_pictures(Arguments&) { return {}; }
-
-}  // namespace footlight::tools

@@ -1,0 +1,65 @@
+#include "tools/footlight/pictures/timeline.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "tools/footlight/pictures/log_changes.h"
+
+namespace footlight::tools {
+
+Timeline::Timeline(const fixtures::CompiledRig& compiled, std::optional<fixtures::VrslReplay> vrsl, TimeNs start_ns)
+    : vrsl_(std::move(vrsl)), levels_(compiled.universes.size() * kSlotCountMax), now_ns_(start_ns) {}
+
+Timeline::Timeline(LevelChanges& changes, const fixtures::CompiledRig& compiled,
+                   std::optional<fixtures::VrslReplay> vrsl, TimeNs start_ns)
+    : Timeline(compiled, std::move(vrsl), start_ns) {
+  changes_ = &changes;
+}
+
+Timeline::Timeline(LogReader reader, const fixtures::CompiledRig& compiled, std::optional<fixtures::VrslReplay> vrsl)
+    : Timeline(compiled, std::move(vrsl), 0) {
+  duration_ns_ = reader.info().duration_ns;
+  log_ = std::make_unique<LogChanges>(std::move(reader), compiled.universes);
+  changes_ = log_.get();
+}
+
+void Timeline::give(DurationNs dt_ns, bool new_exposure, const Step& step) {
+  if (vrsl_) {
+    vrsl_->step(levels_, dt_ns, new_exposure, step);
+  } else {
+    step(levels_, dt_ns, new_exposure);
+  }
+}
+
+Status Timeline::advance_to(TimeNs until_ns, bool new_exposure, const Step& step) {
+  while (true) {
+    if (next_.universe < 0) {
+      FL_ASSIGN(const bool more, changes_->next(next_));
+      if (!more) next_.universe = -1;
+    }
+    if (next_.universe < 0 || next_.at_ns > until_ns) break;
+    if (next_.at_ns > now_ns_) {
+      give(next_.at_ns - now_ns_, new_exposure, step);
+      new_exposure = false;
+      stepped_ = true;
+      now_ns_ = next_.at_ns;
+    }
+    std::copy(next_.levels.begin(), next_.levels.end(),
+              levels_.begin() + std::ptrdiff_t{next_.universe} * kSlotCountMax);
+    next_.universe = -1;
+  }
+  if (until_ns > now_ns_ || !stepped_) {
+    give(until_ns - now_ns_, new_exposure, step);
+    stepped_ = true;
+    now_ns_ = until_ns;
+  }
+  return {};
+}
+
+Status Timeline::advance(TimeNs until_ns, DurationNs exposure_ns, const Step& step) {
+  const TimeNs open_ns = std::max(until_ns - exposure_ns, now_ns_);
+  if (open_ns > now_ns_) FL_TRY(advance_to(open_ns, true, step));
+  return advance_to(until_ns, true, step);
+}
+
+}  // namespace footlight::tools

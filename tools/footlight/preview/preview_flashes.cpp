@@ -1,0 +1,82 @@
+#include "tools/footlight/preview/preview_flashes.h"
+
+#include <cstddef>
+#include <cstring>
+
+namespace footlight::tools {
+namespace {
+
+constexpr int kSmallWidth = 64;  // four pixels a side of each of FlashWatch's 16 x 9 tiles
+constexpr int kSmallHeight = 36;
+constexpr VkDeviceSize kSmallBytes = VkDeviceSize{kSmallWidth} * kSmallHeight * 4;
+
+}  // namespace
+
+Result<std::unique_ptr<PreviewFlashes>> PreviewFlashes::make(render::vk::Device& device, bool limit) {
+  std::unique_ptr<PreviewFlashes> made(new PreviewFlashes(device, limit));
+  FL_ASSIGN(made->small_, render::vk::Image::create(device, kSmallWidth, kSmallHeight, VK_FORMAT_R8G8B8A8_UNORM,
+                                                    VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                                                        VK_IMAGE_USAGE_SAMPLED_BIT));
+  FL_ASSIGN(made->pixels_, render::vk::Buffer::host_visible(device, kSmallBytes, 0));
+  FL_TRY(device.run_once([&](VkCommandBuffer commands) {
+    render::vk::change_layout(commands, made->small_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
+  }));
+  return made;
+}
+
+void PreviewFlashes::record_read(VkCommandBuffer commands, VkImage picture, int width, int height) {
+  render::vk::full_barrier(commands);
+  VkImageBlit blit{};
+  blit.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  blit.srcOffsets[1] = {width, height, 1};
+  blit.dstSubresource = blit.srcSubresource;
+  blit.dstOffsets[1] = {kSmallWidth, kSmallHeight, 1};
+  vkCmdBlitImage(commands, picture, VK_IMAGE_LAYOUT_GENERAL, small_.handle, VK_IMAGE_LAYOUT_GENERAL, 1, &blit,
+                 VK_FILTER_LINEAR);
+  render::vk::full_barrier(commands);
+  VkBufferImageCopy copy{};
+  copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  copy.imageExtent = {kSmallWidth, kSmallHeight, 1};
+  vkCmdCopyImageToBuffer(commands, small_.handle, VK_IMAGE_LAYOUT_GENERAL, pixels_.handle, 1, &copy);
+}
+
+render::ScreenImage PreviewFlashes::small() const {
+  render::ScreenImage image{kSmallWidth, kSmallHeight, {}};
+  image.rgba.resize(static_cast<std::size_t>(kSmallBytes));
+  std::memcpy(image.rgba.data(), pixels_.mapped, image.rgba.size());
+  return image;
+}
+
+bool PreviewFlashes::take(DurationNs at_ns) {
+  render::ScreenImage image = small();
+  return watch_.look(at_ns, image);
+}
+
+bool PreviewFlashes::must_wait(DurationNs at_ns) { return watch_.must_wait(at_ns, small()); }
+
+Status PreviewFlashes::resize(int width, int height) {
+  if (!limit_ || (width == width_ && height == height_)) return {};
+  FL_ASSIGN(standing_, render::vk::Image::create(device_, static_cast<std::uint32_t>(width),
+                                                 static_cast<std::uint32_t>(height), VK_FORMAT_R8G8B8A8_UNORM,
+                                                 VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                                                     VK_IMAGE_USAGE_SAMPLED_BIT));
+  width_ = width;
+  height_ = height;
+  // Dark, until a picture of this size has been shown.
+  return device_.run_once([&](VkCommandBuffer commands) {
+    render::vk::change_layout(commands, standing_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
+    const VkClearColorValue black{{0, 0, 0, 1}};
+    const VkImageSubresourceRange range{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    vkCmdClearColorImage(commands, standing_.handle, VK_IMAGE_LAYOUT_GENERAL, &black, 1, &range);
+  });
+}
+
+void PreviewFlashes::record_keep(VkCommandBuffer commands, VkImage picture) {
+  VkImageCopy copy{};
+  copy.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  copy.dstSubresource = copy.srcSubresource;
+  copy.extent = {static_cast<std::uint32_t>(width_), static_cast<std::uint32_t>(height_), 1};
+  vkCmdCopyImage(commands, picture, VK_IMAGE_LAYOUT_GENERAL, standing_.handle, VK_IMAGE_LAYOUT_GENERAL, 1, &copy);
+}
+
+}  // namespace footlight::tools

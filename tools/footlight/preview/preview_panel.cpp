@@ -1,0 +1,324 @@
+#include "tools/footlight/preview/preview_panel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <imgui/imgui.h>
+
+namespace footlight::tools {
+namespace {
+
+// 'footlight report --pictures --beams 100' (smooth beams on surfaces and in haze, 64x36 pixels judged): 1, 2, 3, 4, 6
+// and 8 nodes. 5 and 7 are not in that report and stand here with the figure of one node less.
+constexpr double kRelL2OfNodes[] = {4.3e-1, 1.0e-3, 2.9e-4, 3.3e-5, 3.3e-5, 9.9e-6, 9.9e-6, 9.9e-6};
+// 'footlight report --demo --pictures', at 30 s, 3 and more nodes: what the edges of gobos leave.
+constexpr double kRelL2Gobos = 2.0e-2;
+
+// Going back in a log replays it from its start, so in a long one the picture follows the slider when it is let go.
+constexpr double kFollowSliderMaxS = 120;
+
+const ImVec4 kAmber{0.95f, 0.66f, 0.25f, 1};
+const ImVec4 kGreen{0.42f, 0.78f, 0.48f, 1};
+const ImVec4 kRed{0.93f, 0.36f, 0.33f, 1};
+const ImVec4 kDim{0.50f, 0.52f, 0.56f, 1};
+
+void text(const std::string& words) { ImGui::TextUnformatted(words.data(), words.data() + words.size()); }
+void text(const ImVec4& colour, const std::string& words) {
+  ImGui::PushStyleColor(ImGuiCol_Text, colour);
+  text(words);
+  ImGui::PopStyleColor();
+}
+
+std::string flash_words(const PreviewFacts& facts) {
+  return facts.flashes_held ? "Harmful flashes are held back" : "Flashes that may harm: more than 3 a second";
+}
+
+// "12:34.5"
+std::string clock_text(double time_s) {
+  const int minutes = static_cast<int>(time_s / 60);
+  return fmt::format("{}:{:04.1f}", minutes, time_s - 60.0 * minutes);
+}
+
+// A word on the left, a figure on the right edge.
+void row(const char* word, const std::string& figure) {
+  text(kDim, word);
+  const float width = ImGui::CalcTextSize(figure.c_str()).x;
+  ImGui::SameLine(ImGui::GetContentRegionMax().x - width);
+  text(figure);
+}
+
+void heading(const char* word) {
+  ImGui::Dummy({0, 1});
+  ImGui::Separator();
+  text(kAmber, word);
+}
+
+// Three digits or so.
+std::string ms_text(double ms) { return fmt::format("{:.{}f} ms", ms, ms < 10 ? 2 : ms < 100 ? 1 : 0); }
+
+// A pass: its name, a bar of its share of the longest, its time.
+void pass_bar(const render::PassTime& pass, double longest_ms) {
+  const float line = ImGui::GetTextLineHeight();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const float left = at.x + line * 4.6f;
+  const float right = at.x + ImGui::GetContentRegionAvail().x - line * 4.4f;
+  const double share = longest_ms > 0 ? pass.gpu_ms / longest_ms : 0;
+  const float end = left + (right - left) * static_cast<float>(std::clamp(share, 0.0, 1.0));
+  ImDrawList* draw = ImGui::GetWindowDrawList();
+  const float top = at.y + line * 0.32f;
+  const float bottom = at.y + line * 0.76f;
+  draw->AddRectFilled({left, top}, {right, bottom}, IM_COL32(32, 34, 40, 255), 2);
+  draw->AddRectFilled({left, top}, {std::max(end, left + 2), bottom}, IM_COL32(226, 158, 66, 255), 2);
+  row(pass.name.c_str(), ms_text(pass.gpu_ms));
+}
+
+void draw_cost(const PreviewFacts& facts) {
+  heading("Cost");
+  row("frames", fmt::format("{:.1f} /s", facts.fps));
+  row("p50, p90", fmt::format("{}, {}", ms_text(facts.frame_p50_ms), ms_text(facts.frame_p90_ms)));
+  double longest_ms = 0;
+  double total_ms = 0;
+  for (const auto& pass : facts.passes) {
+    longest_ms = std::max(longest_ms, pass.gpu_ms);
+    total_ms += pass.gpu_ms;
+  }
+  row("GPU", ms_text(total_ms));
+  for (const auto& pass : facts.passes) pass_bar(pass, longest_ms);
+  row("beams", fmt::format("{} lit, {} dark", facts.live_beams, facts.dark_beams));
+  row("picture", fmt::format("{} x {}, {:.0f} MiB", facts.width, facts.height, std::ceil(facts.gpu_mib)));
+}
+
+void draw_quality(const PreviewFacts& facts, PreviewControls& controls) {
+  heading("Error");
+  ImGui::SetNextItemWidth(-1);
+  ImGui::SliderInt("##nodes", &controls.nodes, 1, 8, "%d nodes a beam", ImGuiSliderFlags_AlwaysClamp);
+  row("smooth beams, rel. L2", fmt::format("{:.1e}", measured_rel_l2(controls.nodes)));
+  if (facts.gobos) row("gobo edges, rel. L2", fmt::format("{:.1e}", kRelL2Gobos));
+  const char* divisors[] = {"every pixel", "half the pixels a side", "a quarter a side"};
+  int choice = controls.divisor == 4 ? 2 : controls.divisor - 1;
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::Combo("##divisor", &choice, divisors, 3)) controls.divisor = 1 << choice;
+}
+
+void draw_look(const PreviewFacts& facts, PreviewControls& controls) {
+  heading("Camera");
+  for (std::size_t i = 0; i < facts.cameras.size() && i < 9; ++i) {
+    const std::string label = fmt::format("{} {}", i + 1, facts.cameras[i]);
+    const float width = ImGui::CalcTextSize(label.c_str()).x + 2 * ImGui::GetStyle().FramePadding.x;
+    if (i > 0) {
+      ImGui::SameLine();
+      if (ImGui::GetContentRegionAvail().x < width) ImGui::NewLine();
+    }
+    if (ImGui::Button(label.c_str())) controls.camera = static_cast<int>(i);
+  }
+  ImGui::SetNextItemWidth(-1);
+  ImGui::SliderFloat("##ev", &controls.exposure_ev, -4, 16, "exposure %.1f EV");
+  if (facts.can_haze) ImGui::Checkbox("haze", &controls.haze);
+  if (facts.machines > 0) {
+    row("room's haze", fmt::format("{:.4f} /m", facts.room_haze_per_m));
+    row("+ of machines", fmt::format("{:.4f} /m", facts.machine_haze_per_m));
+    row("+ their fog", fmt::format("{:.4f} /m", facts.machine_fog_per_m));
+  }
+  ImGui::Checkbox("work light", &controls.work_light);
+  if (controls.work_light) {
+    ImGui::SetNextItemWidth(-1);
+    ImGui::SliderFloat("##work", &controls.work_light_lx, 1, 1000, "%.0f lx", ImGuiSliderFlags_Logarithmic);
+  }
+}
+
+void draw_log(const PreviewFacts& facts, PreviewControls& controls) {
+  heading("Log");
+  float time_s = controls.drag_s.value_or(static_cast<float>(facts.time_s));
+  ImGui::SetNextItemWidth(-1);
+  // The label is a format to ImGui, and holds no per cent sign.
+  const std::string label =
+      fmt::format("{} of {}", clock_text(static_cast<double>(time_s)), clock_text(facts.duration_s));
+  if (ImGui::SliderFloat("##time", &time_s, 0, static_cast<float>(std::max(facts.duration_s, 0.1)), label.c_str(),
+                         ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput)) {
+    controls.drag_s = time_s;
+    if (facts.duration_s <= kFollowSliderMaxS) controls.seek_s = time_s;
+  }
+  if (ImGui::IsItemDeactivated() && controls.drag_s) controls.seek_s = *std::exchange(controls.drag_s, std::nullopt);
+  if (ImGui::Button(controls.playing ? "pause" : "play", {ImGui::GetTextLineHeight() * 4, 0})) {
+    controls.playing = !controls.playing;
+  }
+  ImGui::SameLine();
+  ImGui::Checkbox("again and again", &controls.loop);
+}
+
+const ImVec4& colour_of(PortState state) {
+  switch (state) {
+    case PortState::kWorking: return kGreen;
+    case PortState::kGone: return kRed;
+    case PortState::kWaiting:
+    case PortState::kEnded: break;
+  }
+  return kAmber;
+}
+
+const char* word_of(PortState state) {
+  switch (state) {
+    case PortState::kWorking: return "working";
+    case PortState::kGone: return "gone";
+    case PortState::kWaiting: return "waiting";
+    case PortState::kEnded: return "ended";
+  }
+  return "";
+}
+
+std::string age_text(DurationNs age_ns) {
+  const double age_s = static_cast<double>(age_ns) * 1e-9;
+  if (age_s < 1) return fmt::format("{:.0f} ms ago", age_s * 1e3);
+  if (age_s < 120) return fmt::format("{:.1f} s ago", age_s);
+  return fmt::format("{:.0f} min ago", age_s / 60);
+}
+
+void draw_live(const PreviewFacts& facts, const LiveLevels& live) {
+  heading("Live");
+  for (const PortStatus& port : facts.status.ports) {
+    text(colour_of(port.state), port.name);
+    const std::string figure =
+        port.state == PortState::kWorking ? fmt::format("{:.0f} /s", port.rate_hz) : word_of(port.state);
+    ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(figure.c_str()).x);
+    text(figure);
+    if (!port.trouble.empty()) {
+      ImGui::PushTextWrapPos(0);
+      text(kRed, port.trouble);
+      ImGui::PopTextWrapPos();
+    }
+  }
+  const auto universes = live.universes();
+  for (std::size_t i = 0; i < universes.size() && i < 32; ++i) {
+    const FrameStamp& stamp = live.stamps()[i];
+    const std::string word = fmt::format("universe {}", universes[i]);
+    const bool fed = live.fed(universes[i]);
+    row(word.c_str(), !fed                  ? "no input brings it"
+                      : stamp.revision == 0 ? "nothing yet"
+                                            : age_text(std::max<DurationNs>(facts.now_ns - stamp.stamp_ns, 0)));
+  }
+  if (universes.size() > 32) text(kDim, fmt::format("and {} more universes", universes.size() - 32));
+  if (!facts.notice.empty()) {
+    ImGui::PushTextWrapPos(0);
+    text(kDim, facts.notice);
+    ImGui::PopTextWrapPos();
+  }
+}
+
+void draw_hand(const PreviewFacts& facts, PreviewControls& controls, HandLevels& hand) {
+  heading("By hand");
+  const std::string shown =
+      controls.hand_fixture < 0 ? "all fixtures" : facts.fixtures[static_cast<std::size_t>(controls.hand_fixture)];
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::BeginCombo("##fixture", shown.c_str())) {
+    if (ImGui::Selectable("all fixtures", controls.hand_fixture < 0)) controls.hand_fixture = -1;
+    for (std::size_t i = 0; i < facts.fixtures.size(); ++i) {
+      ImGui::PushID(static_cast<int>(i));
+      if (ImGui::Selectable(facts.fixtures[i].c_str(), controls.hand_fixture == static_cast<int>(i))) {
+        controls.hand_fixture = static_cast<int>(i);
+      }
+      ImGui::PopID();
+    }
+    ImGui::EndCombo();
+  }
+  // For all fixtures: the faders of whichever fixture has the most of them stand for the others.
+  std::size_t index = 0;
+  if (controls.hand_fixture >= 0) {
+    index = static_cast<std::size_t>(controls.hand_fixture);
+  } else {
+    for (std::size_t i = 1; i < hand.fixture_count(); ++i) {
+      if (hand.faders(i).size() > hand.faders(index).size()) index = i;
+    }
+  }
+  if (index >= hand.fixture_count()) return;
+  for (const Fader& fader : hand.faders(index)) {
+    const std::string_view kind = fader.unit;
+    const double unit = kind == "%" ? 0.01 : 1;
+    const std::string format = fmt::format("{} %.0f{}", fader.name,
+                                           kind == "%"    ? " %%"
+                                           : kind.empty() ? ""
+                                                          : " " + std::string(kind));
+    auto value = static_cast<float>(fader.value / unit);
+    ImGui::PushID(fader.name);
+    ImGui::SetNextItemWidth(-1);
+    if (ImGui::SliderFloat("##fader", &value, static_cast<float>(fader.from / unit),
+                           static_cast<float>(fader.to / unit), format.c_str(), ImGuiSliderFlags_AlwaysClamp)) {
+      for (std::size_t i = 0; i < hand.fixture_count(); ++i) {
+        if (controls.hand_fixture < 0 || i == index) hand.set(i, fader.attribute, value * unit);
+      }
+    }
+    ImGui::PopID();
+  }
+}
+
+void draw_strip(const PreviewFacts& facts) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const float height = ImGui::GetTextLineHeight() + 8;
+  ImGui::SetNextWindowPos({0, size.y - height});
+  ImGui::SetNextWindowSize({size.x, height});
+  ImGui::SetNextWindowBgAlpha(0.55f);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, {8, 4});
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowMinSize, {1, 1});
+  if (ImGui::Begin("strip", nullptr, ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs)) {
+    double total_ms = 0;
+    for (const auto& pass : facts.passes) total_ms += pass.gpu_ms;
+    std::string words =
+        fmt::format("{}    {:.1f} fps    GPU {:.1f} ms    {} beams", facts.rig, facts.fps, total_ms, facts.live_beams);
+    if (facts.has_log) words += fmt::format("    {} / {}", clock_text(facts.time_s), clock_text(facts.duration_s));
+    if (facts.flashes_harmful || facts.flashes_held) {
+      text(kRed, flash_words(facts));
+      ImGui::SameLine();
+    }
+    text(words + "    H: panel");
+  }
+  ImGui::End();
+  ImGui::PopStyleVar(2);
+}
+
+}  // namespace
+
+double measured_rel_l2(int nodes) { return kRelL2OfNodes[std::clamp(nodes, 1, 8) - 1]; }
+
+void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const LiveLevels* live, HandLevels* hand,
+                float scale) {
+  if (controls.panel == PanelState::kStrip) draw_strip(facts);
+  if (controls.panel != PanelState::kFull) return;
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const float width = kPanelWidth * scale;
+  ImGui::SetNextWindowPos({size.x - width, 0});
+  ImGui::SetNextWindowSize({width, size.y});
+  constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                                      ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoNav;
+  if (ImGui::Begin("panel", nullptr, kFlags)) {
+    text(kAmber, "FOOTLIGHT");
+    text(facts.rig);
+    ImGui::PushTextWrapPos(0);
+    text(kDim, facts.device);
+    if (facts.flashes_harmful || facts.flashes_held) text(kRed, flash_words(facts));
+    ImGui::PopTextWrapPos();
+    if (facts.has_log) draw_log(facts, controls);
+    if (live != nullptr) draw_live(facts, *live);
+    if (hand != nullptr) draw_hand(facts, controls, *hand);
+    draw_look(facts, controls);
+    draw_quality(facts, controls);
+    draw_cost(facts);
+    heading("Keys");
+    ImGui::PushTextWrapPos(0);
+    text(kDim, std::string("Drag orbits, right drag pans, wheel approaches. F frames the rig, W work light, Q and E ") +
+                   "expose, " + (facts.has_log ? "space pauses, arrows seek 5 s, " : "") + "H hides this.");
+    ImGui::PopTextWrapPos();
+  }
+  ImGui::End();
+}
+
+void draw_progress(const std::string& text) {
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const ImVec2 needed = ImGui::CalcTextSize(text.c_str());
+  const ImVec2 at((size.x - needed.x) / 2, (size.y - needed.y) / 2);
+  ImGui::GetForegroundDrawList()->AddText(at, ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
+}
+
+}  // namespace footlight::tools

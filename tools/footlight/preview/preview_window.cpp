@@ -1,0 +1,667 @@
+// The loop of `footlight preview`: levels from a log, the wire or hands -> Frame -> window.
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <future>
+#include <memory>
+#include <optional>
+
+#include <GLFW/glfw3.h>
+
+#include <imgui/imgui.h>
+
+#include <nlohmann/json.hpp>
+
+#include "fixtures/simulate/machines.h"
+#include "render/frame.h"
+#include "sim/core/no_signals.h"
+#include "sim/system_clock.h"
+#include "tools/footlight/bridge/open_ports.h"
+#include "tools/footlight/command.h"
+#include "tools/footlight/pictures/picture_file.h"
+#include "tools/footlight/pictures/start_view.h"
+#include "tools/footlight/pictures/timeline.h"
+#include "tools/footlight/preview/hand_levels.h"
+#include "tools/footlight/preview/live_levels.h"
+#include "tools/footlight/preview/orbit_camera.h"
+#include "tools/footlight/preview/preview.h"
+#include "tools/footlight/preview/preview_flashes.h"
+#include "tools/footlight/preview/preview_panel.h"
+#include "tools/footlight/preview/window.h"
+#include "tools/footlight/stop_signal.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr DurationNs kExposureMaxNs = 20 * kNsPerMs;  // as `footlight render --at`; the frame where that is shorter
+constexpr std::size_t kStepsHeldMax = 512;            // steps that wait for the GPU
+constexpr DurationNs kWireDelayNs = 2 * kNsPerMs;     // live pictures are that late: looks may be on their way
+constexpr DurationNs kSettleNs = 200 * kNsPerMs;      // a new size is taken when the window has kept it for this long
+constexpr int kStripWidth = 800;                      // in a window narrower than this the panel begins as a strip
+constexpr int kSoftwarePixels = 640 * 360;            // about as many as a software renderer begins with
+constexpr std::chrono::milliseconds kQuickRead(200);  // a rig that is read sooner is read before the window opens
+constexpr double kProgressS = 0.1;                    // from text to text while it loads
+constexpr double kSeekStepS = 5;
+constexpr double kExposureStepEv = 0.25;
+constexpr double kOrbitRad = 3;  // for a drag over the height of the window
+
+// The last times from picture to picture.
+class FrameTimes {
+ public:
+  void add(double ms) { ring_[count_++ % ring_.size()] = ms; }
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+  [[nodiscard]] double quantile_ms(double share) const {
+    const std::size_t held = std::min<std::size_t>(static_cast<std::size_t>(count_), ring_.size());
+    if (held == 0) return 0;
+    std::vector<double> sorted(ring_.begin(), ring_.begin() + static_cast<std::ptrdiff_t>(held));
+    const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(held - 1) + 0.5);
+    std::nth_element(sorted.begin(), sorted.begin() + at, sorted.end());
+    return sorted[static_cast<std::size_t>(at)];
+  }
+
+ private:
+  std::array<double, 256> ring_{};
+  std::uint64_t count_ = 0;
+};
+
+class Preview {
+ public:
+  explicit Preview(const PreviewOptions& options) : options_(options), opener_(clock_) {}
+
+  Result<int> run() {
+    const StopSignal signal;
+    FL_ASSIGN(const bool opened, open(signal));
+    if (!opened) return kExitOk;
+    start_ns_ = last_ns_ = second_ns_ = clock_.now_ns();
+    while (!window_->wants_close() && !signal.came() && !closing_) FL_TRY(turn());
+    FL_TRY(window_->wait_gpu());
+    if (!options_.screenshot.empty()) FL_TRY(write_shot());
+    if (options_.json) print_summary();
+    return device_->validation_messages().empty() ? kExitOk : kExitFailed;
+  }
+
+ private:
+  // False: closed while it was loading.
+  Result<bool> open(const StopSignal& signal);
+  Status load_rig(double aspect);
+  Status open_levels();
+  Status open_window(const PictureSize& size);
+  void set_controls(const fixtures::Camera& camera);
+  Result<bool> wait_for(std::future<Status>& work, const StopSignal& signal, const char* what);
+  Status show_progress(const char* what);
+  Status turn();
+  Status rebuild(const PixelRect& where);
+  Status replay_to(DurationNs until_ns, DurationNs exposure_ns);
+  Status advance(Timeline& timeline, TimeNs until_ns, DurationNs exposure_ns);
+  Status step_levels(DurationNs dt_ns);
+  Status read_figures(DurationNs dt_ns);
+  Status draw(const PixelRect& where, TimeNs now_ns);
+  void tell_flashes(bool begins);
+  void take_input();
+  void take_key(int code, bool repeat);
+  void take_camera(std::size_t index);
+  void expose(double steps_ev);
+  void seek(double by_s);
+  Status write_shot();
+  [[nodiscard]] nlohmann::json figures() const;
+  void print_second();
+  void print_summary();
+  [[nodiscard]] std::optional<fixtures::VrslReplay> vrsl_replay() const;
+  [[nodiscard]] PixelRect place() const;
+  // Whether neither a log nor the wire drives the rig.
+  [[nodiscard]] bool by_hand() const {
+    return options_.ins.empty() && options_.files.log.empty() && !options_.files.demo;
+  }
+
+  const PreviewOptions& options_;
+  SystemClock clock_;
+  PortOpener opener_;
+  fixtures::Rig rig_;
+  fixtures::CompiledRig compiled_;
+  std::optional<fixtures::Rig> vrsl_rig_;  // as written, where rig_ is what VRSL shows of it
+  fixtures::Rig clear_rig_;                // the same without haze
+  fixtures::CompiledRig clear_compiled_;
+
+  // What drives the rig: one of the three.
+  std::unique_ptr<Timeline> timeline_;
+  std::unique_ptr<LiveLevels> live_;
+  std::unique_ptr<Timeline> live_timeline_;
+  std::unique_ptr<HandLevels> hand_;
+
+  std::unique_ptr<render::vk::Device> device_;  // outlives the window's swapchain
+  std::unique_ptr<Window> window_;
+  std::unique_ptr<render::Frame> frame_;
+  std::unique_ptr<PreviewFlashes> flashes_;  // null: nobody watches
+  TimeNs drawn_ns_ = 0;                      // when the picture under way was begun
+  render::vk::Buffer counts_;                // of the picture under way, for the panel
+  bool shown_ = false;                       // a picture is under way, its figures can be read when it is done
+
+  OrbitCamera camera_{fixtures::Camera{}};
+  PreviewControls controls_;
+  PreviewFacts facts_;
+  FrameTimes times_;
+  bool frame_haze_ = true;
+  int wanted_width_ = 0;  // of the window's place for the picture when last looked at, and since when
+  int wanted_height_ = 0;
+  TimeNs wanted_since_ns_ = 0;
+
+  TimeNs begun_ns_ = 0;
+  DurationNs progress_ns_ = -1;  // from there to the first text in the window; -1: not yet
+  DurationNs picture_ns_ = -1;   // to the first picture
+  TimeNs start_ns_ = 0;
+  TimeNs last_ns_ = 0;
+  TimeNs second_ns_ = 0;  // when the figures were last counted
+  std::uint64_t second_frames_ = 0;
+  bool closing_ = false;
+};
+
+// Runs `work` on a thread of its own.
+template <class Work>
+std::future<Status> begin(Work work) {
+  const NoSignals no_signals;
+  return std::async(std::launch::async, std::move(work));
+}
+
+Status Preview::load_rig(double aspect) {
+  FL_ASSIGN(rig_, load_scene_rig(options_.files));
+  add_start_view(rig_, aspect, true);
+  if (by_hand()) give_hand_addresses(rig_);
+  if (rig_.vrsl && !by_hand()) vrsl_rig_ = std::exchange(rig_, fixtures::vrsl_shown(rig_));
+  FL_ASSIGN(compiled_, fixtures::compile(rig_));
+  clear_rig_ = rig_;
+  clear_rig_.haze.scattering_per_m = 0;
+  FL_ASSIGN(clear_compiled_, fixtures::compile(clear_rig_));
+  if (clear_compiled_.needs.machines) {  // they go on, unseen
+    clear_compiled_.needs.haze = false;
+    clear_compiled_.needs.extinction = clear_rig_.haze.absorption_per_m > 0;
+  }
+  return {};
+}
+
+Status Preview::open_window(const PictureSize& size) {
+  FL_ASSIGN(window_, Window::open("Footlight", size.width, size.height));
+  render::vk::DeviceOptions device;
+  device.instance_extensions = window_->instance_extensions();
+  device.swapchain = true;
+  device.name_contains = options_.device;
+  FL_ASSIGN(device_, render::vk::Device::create(device));
+  FL_TRY(window_->attach(*device_));
+  FL_ASSIGN(counts_, render::vk::Buffer::host_visible(*device_, sizeof(render::CountsRow), 0));
+  if (options_.flashes != FlashMode::kOff) {
+    FL_ASSIGN(flashes_, PreviewFlashes::make(*device_, options_.flashes == FlashMode::kLimit));
+  }
+  return {};
+}
+
+void Preview::set_controls(const fixtures::Camera& camera) {
+  camera_ = OrbitCamera(camera);
+  controls_.exposure_ev = static_cast<float>(camera.exposure_ev);
+  controls_.nodes = options_.nodes;
+  const double usual_lx = work_light_lx(camera.exposure_ev);
+  controls_.work_light = options_.work_light_lx.value_or(by_hand() ? usual_lx : 0) > 0;
+  const double asked_lx = options_.work_light_lx.value_or(0);
+  controls_.work_light_lx = static_cast<float>(asked_lx > 0 ? asked_lx : usual_lx);
+  controls_.loop = options_.files.demo && options_.files.log.empty();
+  controls_.panel = window_->width() < kStripWidth ? PanelState::kStrip : PanelState::kFull;
+  if (device_->is_software()) {
+    // A picture every few seconds is no preview: begin with fewer pixels, and let people ask for all of them.
+    const int pixels = place().width * place().height;
+    while (controls_.divisor < 4 && pixels / (controls_.divisor * controls_.divisor) > kSoftwarePixels) {
+      controls_.divisor *= 2;
+    }
+  }
+  facts_.rig = rig_.name;
+  facts_.device = device_->name();
+  for (const auto& one : rig_.cameras) facts_.cameras.push_back(one.name);
+  for (const auto& fixture : rig_.fixtures) facts_.fixtures.push_back(fixture.name);
+  facts_.can_haze = compiled_.needs.haze;
+  facts_.gobos = compiled_.needs.gobo;
+}
+
+// The window comes first and says what is waited for, while another thread reads the rig and then makes the frame.
+// What is wrong with a rig that is read quickly is known before.
+Result<bool> Preview::open(const StopSignal& signal) {
+  FL_ASSIGN(const PictureSize size, parse_size(options_.size));
+  if (!options_.ins.empty() && !options_.files.log.empty()) {
+    return fail(ErrorCode::kBadInput, "--log and --in: expected one of them");
+  }
+  begun_ns_ = clock_.now_ns();
+  const double aspect = static_cast<double>(size.width) / size.height;
+  std::future<Status> reading = begin([this, aspect] { return load_rig(aspect); });
+  fixtures::Camera camera;
+  const auto take_rig = [&]() -> Status {
+    FL_ASSIGN(camera, find_camera(rig_, options_.camera));
+    return open_levels();
+  };
+  const bool quick = reading.wait_for(kQuickRead) == std::future_status::ready;
+  if (quick) {
+    FL_TRY(reading.get());
+    FL_TRY(take_rig());
+  }
+  FL_TRY(open_window(size));
+  if (!quick) {
+    FL_TRY(show_progress("Reading the rig"));
+    FL_ASSIGN(const bool goes_on, wait_for(reading, signal, "Reading the rig"));
+    if (!goes_on) return false;
+    FL_TRY(take_rig());
+  }
+  window_->set_title(fmt::format("{} - Footlight", rig_.name));
+  FL_TRY(show_progress("Preparing the picture"));
+  set_controls(camera);
+  const PixelRect where = place();
+  std::future<Status> making = begin([this, where]() -> Status {
+    FL_TRY(rebuild(where));
+    return timeline_ ? replay_to(options_.at_ns, 0) : Status{};
+  });
+  return wait_for(making, signal, "Preparing the picture");
+}
+
+// Keeps the window alive until the work is done. False: it was closed, and the work is done.
+Result<bool> Preview::wait_for(std::future<Status>& work, const StopSignal& signal, const char* what) {
+  while (work.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+    window_->poll(kProgressS);
+    if (signal.came() || window_->wants_close()) {
+      window_->hide();
+      FL_TRY(work.get());
+      return false;
+    }
+    FL_TRY(show_progress(what));
+  }
+  FL_TRY(work.get());
+  return true;
+}
+
+Status Preview::show_progress(const char* what) {
+  window_->begin_ui();
+  const double seconds = static_cast<double>(clock_.now_ns() - begun_ns_) * 1e-9;
+  draw_progress(fmt::format("{} ... {:.0f} s", what, seconds));
+  window_->end_ui();
+  FL_ASSIGN(const bool shown, window_->show({}, [](VkCommandBuffer) {}));
+  if (shown && progress_ns_ < 0) {
+    progress_ns_ = clock_.now_ns() - begun_ns_;
+    if (options_.json) {
+      fmt::print(R"({{"event":"loading","ms":{:.1f}}})"
+                 "\n",
+                 static_cast<double>(progress_ns_) * 1e-6);
+      std::fflush(stdout);
+    }
+  }
+  return {};
+}
+
+// What VRSL makes of the levels, from its start; nothing where the rig does not ask for it.
+std::optional<fixtures::VrslReplay> Preview::vrsl_replay() const {
+  if (!vrsl_rig_) return std::nullopt;
+  return fixtures::VrslReplay(*vrsl_rig_, compiled_);
+}
+
+Status Preview::open_levels() {
+  if (!options_.ins.empty()) {
+    std::vector<std::unique_ptr<Source>> sources;
+    for (const std::string& text : options_.ins) {
+      FL_ASSIGN(const Endpoint endpoint, parse_port(text));
+      InOptions in;
+      in.hear_preview = true;  // this is the visualiser that such frames are meant for
+      in.yields = true;        // a bridge keeps its unicast frames
+      FL_ASSIGN(std::unique_ptr<Source> source, opener_.open_source(endpoint, in));
+      sources.push_back(std::move(source));
+    }
+    FL_ASSIGN(live_, LiveLevels::start(compiled_.universes, std::move(sources), clock_));
+    live_timeline_ = std::make_unique<Timeline>(live_->changes(), compiled_, vrsl_replay(), clock_.now_ns());
+    return {};
+  }
+  FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
+  if (log) {
+    timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_, vrsl_replay());
+    facts_.has_log = true;
+    facts_.duration_s = static_cast<double>(timeline_->duration_ns()) * 1e-9;
+  } else {
+    hand_ = std::make_unique<HandLevels>(rig_, compiled_);
+  }
+  return {};
+}
+
+// The part of the window that the panel leaves to the picture.
+PixelRect Preview::place() const {
+  const float panel_px =
+      controls_.panel == PanelState::kFull ? kPanelWidth * window_->ui_scale() * window_->pixels_per_unit() : 0;
+  return {0, 0, std::max(window_->width() - static_cast<int>(std::lround(panel_px)), 1),
+          std::max(window_->height(), 1)};
+}
+
+// A frame of the present size, nodes and haze. The fixtures keep their states: they move from the old frame to the new.
+Status Preview::rebuild(const PixelRect& where) {
+  render::FrameSettings settings;
+  settings.width = std::max(where.width / controls_.divisor, 1);
+  settings.height = std::max(where.height / controls_.divisor, 1);
+  settings.nodes = static_cast<std::uint32_t>(controls_.nodes);
+  if (frame_) FL_TRY(frame_->run_steps());
+  FL_ASSIGN(auto fresh, render::Frame::create(*device_, controls_.haze ? rig_ : clear_rig_,
+                                              controls_.haze ? compiled_ : clear_compiled_, settings));
+  if (frame_) {
+    FL_TRY(device_->run_once(
+        [&](VkCommandBuffer commands) { render::take_states(commands, frame_->resources(), fresh->resources()); }));
+    fresh->take_machine_air(*frame_);
+  }
+  if (!frame_) {
+    print_warnings(fresh->resources().diagnostics);
+    if (hand_) fresh->settle_machine_air(hand_->levels());
+  }
+  frame_ = std::move(fresh);
+  frame_haze_ = controls_.haze;
+  shown_ = false;
+  wanted_width_ = where.width;
+  wanted_height_ = where.height;
+  return {};
+}
+
+// Goes to a time of the log, back to its start first where that lies behind: then every fixture starts afresh, so that
+// the picture is the one that `footlight render` makes of this moment.
+Status Preview::replay_to(DurationNs until_ns, DurationNs exposure_ns) {
+  until_ns = std::clamp<DurationNs>(until_ns, 0, timeline_->duration_ns());
+  if (until_ns < timeline_->now_ns()) {
+    FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
+    if (!log) return fail(ErrorCode::kIo, "{}: the log is gone", options_.files.log);
+    timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_, vrsl_replay());
+    FL_TRY(frame_->run_steps());
+    FL_TRY(device_->run_once([&](VkCommandBuffer commands) { render::forget_states(commands, frame_->resources()); }));
+    frame_->forget_machine_air();
+  }
+  return advance(*timeline_, until_ns, exposure_ns);
+}
+
+Status Preview::advance(Timeline& timeline, TimeNs until_ns, DurationNs exposure_ns) {
+  Status flushed;
+  FL_TRY(timeline.advance(until_ns, exposure_ns,
+                          [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+                            frame_->step(levels, dt_ns, new_exposure);
+                            if (frame_->pending_steps() >= kStepsHeldMax && flushed) flushed = frame_->run_steps();
+                          }));
+  return flushed;
+}
+
+Status Preview::step_levels(DurationNs dt_ns) {
+  if (live_) {
+    live_->take();
+    const TimeNs until_ns = std::max(last_ns_ - kWireDelayNs, live_timeline_->now_ns());
+    FL_TRY(advance(*live_timeline_, until_ns, std::min(dt_ns, kExposureMaxNs)));
+  } else if (hand_) {
+    frame_->step(hand_->levels(), dt_ns);
+  } else {
+    if (controls_.seek_s) {
+      FL_TRY(replay_to(static_cast<DurationNs>(*controls_.seek_s * 1e9), kExposureMaxNs));
+      controls_.seek_s.reset();
+    } else if (controls_.playing) {
+      DurationNs until_ns = timeline_->now_ns() + dt_ns;
+      if (until_ns > timeline_->duration_ns() && controls_.loop) until_ns = 0;
+      FL_TRY(replay_to(until_ns, std::min(dt_ns, kExposureMaxNs)));
+    }
+    facts_.time_s = static_cast<double>(timeline_->now_ns()) * 1e-9;
+  }
+  return {};
+}
+
+void Preview::take_camera(std::size_t index) {
+  if (index >= rig_.cameras.size()) return;
+  camera_ = OrbitCamera(rig_.cameras[index]);
+  controls_.exposure_ev = static_cast<float>(rig_.cameras[index].exposure_ev);
+}
+
+void Preview::take_input() {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (controls_.camera) take_camera(static_cast<std::size_t>(*std::exchange(controls_.camera, std::nullopt)));
+  if (!io.WantCaptureMouse) {
+    // The way of the mouse before the button went down, in the same frame, does not count.
+    const auto drags = [](ImGuiMouseButton button) {
+      return ImGui::IsMouseDown(button) && !ImGui::IsMouseClicked(button);
+    };
+    const double heights = 1.0 / std::max(static_cast<double>(io.DisplaySize.y), 1.0);
+    const double right = static_cast<double>(io.MouseDelta.x) * heights;
+    const double down = static_cast<double>(io.MouseDelta.y) * heights;
+    if (drags(ImGuiMouseButton_Left)) {
+      camera_.orbit(-right * kOrbitRad, down * kOrbitRad);
+    } else if (drags(ImGuiMouseButton_Right) || drags(ImGuiMouseButton_Middle)) {
+      camera_.pan(-right, down);
+    }
+    camera_.approach(static_cast<double>(io.MouseWheel));
+  }
+  if (io.WantTextInput) return;
+  for (const Window::Key& key : window_->keys()) take_key(key.code, key.repeat);
+}
+
+void Preview::take_key(int code, bool repeat) {
+  switch (code) {  // those that repeat while they are held
+    case GLFW_KEY_E:
+    case GLFW_KEY_EQUAL:
+    case GLFW_KEY_KP_ADD: expose(-kExposureStepEv); return;  // a lower EV makes a brighter picture
+    case GLFW_KEY_Q:
+    case GLFW_KEY_MINUS:
+    case GLFW_KEY_KP_SUBTRACT: expose(kExposureStepEv); return;
+    case GLFW_KEY_LEFT: seek(-kSeekStepS); return;
+    case GLFW_KEY_RIGHT: seek(kSeekStepS); return;
+    default: break;
+  }
+  if (repeat) return;
+  switch (code) {
+    case GLFW_KEY_F: {
+      const Bounds bounds = bounds_of(rig_);
+      const PixelRect where = place();
+      camera_.frame(bounds.low_m, bounds.high_m, static_cast<double>(where.width) / where.height);
+      break;
+    }
+    case GLFW_KEY_H:
+      controls_.panel = controls_.panel == PanelState::kFull    ? PanelState::kStrip
+                        : controls_.panel == PanelState::kStrip ? PanelState::kHidden
+                                                                : PanelState::kFull;
+      break;
+    case GLFW_KEY_W: controls_.work_light = !controls_.work_light; break;
+    case GLFW_KEY_SPACE: controls_.playing = !controls_.playing; break;
+    case GLFW_KEY_ESCAPE: closing_ = true; break;
+    default:
+      if (code >= GLFW_KEY_1 && code <= GLFW_KEY_9) take_camera(static_cast<std::size_t>(code - GLFW_KEY_1));
+      if (code >= GLFW_KEY_KP_1 && code <= GLFW_KEY_KP_9) take_camera(static_cast<std::size_t>(code - GLFW_KEY_KP_1));
+      break;
+  }
+}
+
+void Preview::expose(double steps_ev) {
+  controls_.exposure_ev = std::clamp(controls_.exposure_ev + static_cast<float>(steps_ev), -20.0f, 30.0f);
+}
+
+// Several steps may come in one frame.
+void Preview::seek(double by_s) {
+  if (timeline_) controls_.seek_s = std::clamp(controls_.seek_s.value_or(facts_.time_s) + by_s, 0.0, facts_.duration_s);
+}
+
+// Of the picture that has just been finished.
+Status Preview::read_figures(DurationNs dt_ns) {
+  if (shown_) {
+    times_.add(static_cast<double>(dt_ns) * 1e-6);
+    ++second_frames_;
+    FL_ASSIGN(facts_.passes, frame_->read_times());
+    render::CountsRow counts{};
+    std::memcpy(&counts, counts_.mapped, sizeof(counts));
+    facts_.live_beams = counts.live_count;
+    facts_.dark_beams = counts.dark_count;
+    if (flashes_ && !flashes_->limits()) tell_flashes(flashes_->take(drawn_ns_ - start_ns_));
+  }
+  facts_.now_ns = clock_.now_ns();
+  facts_.room_haze_per_m = rig_.haze.scattering_per_m;
+  if (const fixtures::MachineAir* air = frame_->machine_air(); air != nullptr) {
+    facts_.machines = air->count();
+    facts_.machine_haze_per_m = air->haze_per_m();
+    facts_.machine_fog_per_m = air->fog_per_m();
+  }
+  facts_.width = frame_->settings().width;
+  facts_.height = frame_->settings().height;
+  facts_.gpu_mib = static_cast<double>(frame_->resources().total_bytes) / (1024.0 * 1024.0);
+  const DurationNs since_ns = facts_.now_ns - second_ns_;
+  if (since_ns >= kNsPerS) {
+    facts_.fps = static_cast<double>(second_frames_) * 1e9 / static_cast<double>(since_ns);
+    second_ns_ = facts_.now_ns;
+    second_frames_ = 0;
+    if (live_) {
+      facts_.status = live_->status();
+      for (std::string& notice : live_->notices()) {
+        if (!options_.json) fmt::print(stderr, "footlight: {}\n", notice);
+        facts_.notice = std::move(notice);
+      }
+    }
+    facts_.frame_p50_ms = times_.quantile_ms(0.5);
+    facts_.frame_p90_ms = times_.quantile_ms(0.9);
+    if (options_.json) print_second();
+  }
+  return {};
+}
+
+// One picture.
+Status Preview::turn() {
+  window_->poll();
+  const TimeNs now_ns = clock_.now_ns();
+  const DurationNs dt_ns = now_ns - last_ns_;
+  last_ns_ = now_ns;
+  if (options_.seconds > 0 && static_cast<double>(now_ns - start_ns_) >= options_.seconds * 1e9) {
+    closing_ = true;
+    window_->keep_shot();
+  }
+  window_->begin_ui();
+  draw_panel(facts_, controls_, live_.get(), hand_.get(), window_->ui_scale());
+  take_input();
+  if (closing_ || window_->wants_close()) window_->keep_shot();
+  window_->end_ui();
+  FL_TRY(window_->wait_gpu());
+  FL_TRY(read_figures(dt_ns));
+
+  const PixelRect where = place();
+  if (where.width != wanted_width_ || where.height != wanted_height_) {
+    wanted_width_ = where.width;
+    wanted_height_ = where.height;
+    wanted_since_ns_ = now_ns;
+  }
+  const render::FrameSettings& settings = frame_->settings();
+  const bool other_size = settings.width != std::max(where.width / controls_.divisor, 1) ||
+                          settings.height != std::max(where.height / controls_.divisor, 1);
+  if (static_cast<std::uint32_t>(controls_.nodes) != settings.nodes || controls_.haze != frame_haze_ ||
+      (other_size && now_ns - wanted_since_ns_ >= kSettleNs && !window_->minimised())) {
+    FL_TRY(rebuild(where));
+  }
+  FL_TRY(step_levels(dt_ns));
+  if (window_->minimised()) {  // the fixtures go on, nobody looks
+    shown_ = false;
+    return frame_->run_steps();
+  }
+
+  FL_TRY(draw(where, now_ns));
+  if (shown_ && picture_ns_ < 0) picture_ns_ = clock_.now_ns() - begun_ns_;
+  return {};
+}
+
+Status Preview::draw(const PixelRect& where, TimeNs now_ns) {
+  const VkImage screen = frame_->resources().screen.handle;
+  const render::FrameSettings& settings = frame_->settings();
+  WindowPicture picture;
+  picture.image = screen;
+  picture.width = settings.width;
+  picture.height = settings.height;
+  picture.place = where;
+  drawn_ns_ = now_ns;
+  const auto compute = [&](VkCommandBuffer commands) {
+    frame_->set_work_light_lx(controls_.work_light ? static_cast<double>(controls_.work_light_lx) : 0);
+    frame_->record(commands, render::view_of(camera_.camera()), controls_.exposure_ev);
+    render::vk::full_barrier(commands);
+    const VkBufferCopy region{0, 0, sizeof(render::CountsRow)};
+    vkCmdCopyBuffer(commands, frame_->resources().counts.handle, counts_.handle, 1, &region);
+    if (flashes_) flashes_->record_read(commands, screen, settings.width, settings.height);
+  };
+  if (!flashes_ || !flashes_->limits()) {
+    FL_ASSIGN(shown_, window_->show(picture, compute));
+    return {};
+  }
+  // Whether the picture may follow is known when it is done.
+  FL_TRY(flashes_->resize(settings.width, settings.height));
+  FL_TRY(device_->run_once(compute));
+  const std::size_t stretches = flashes_->watch().stretches().size();
+  const bool waits = flashes_->must_wait(now_ns - start_ns_);
+  tell_flashes(flashes_->watch().stretches().size() > stretches);
+  facts_.flashes_held = waits;
+  if (waits) picture.image = flashes_->standing();
+  FL_ASSIGN(shown_, window_->show(picture, [&](VkCommandBuffer commands) {
+    if (!waits) flashes_->record_keep(commands, screen);
+  }));
+  return {};
+}
+
+void Preview::tell_flashes(bool begins) {
+  facts_.flashes_harmful = flashes_->watch().harmful();
+  if (!begins) return;
+  if (options_.json) {
+    const nlohmann::json line = {{"event", "flashes-begin"}, {"time_ns", drawn_ns_ - start_ns_}};
+    fmt::print("{}\n", line.dump());
+  } else {
+    fmt::print(stderr, "footlight: flashes that may harm people with photosensitive epilepsy{}\n",
+               flashes_->limits() ? "; held back" : "; --flashes limit holds them back");
+  }
+}
+
+// The window as it was; the picture alone where the window system does not let it be read.
+Status Preview::write_shot() {
+  FL_ASSIGN(render::ScreenImage image, window_->read_shot());
+  if (image.rgba.empty()) {
+    FL_ASSIGN(image, frame_->read_screen());
+  }
+  return write_png(options_.screenshot, image);
+}
+
+nlohmann::json Preview::figures() const {
+  nlohmann::json passes = nlohmann::json::object();
+  double gpu_ms = 0;
+  for (const auto& pass : facts_.passes) {
+    passes[pass.name] = pass.gpu_ms;
+    gpu_ms += pass.gpu_ms;
+  }
+  nlohmann::json line = {{"frames", times_.count()},
+                         {"frame_ms_p50", times_.quantile_ms(0.5)},
+                         {"frame_ms_p90", times_.quantile_ms(0.9)},
+                         {"gpu_ms", gpu_ms},
+                         {"pass_gpu_ms", passes},
+                         {"width", frame_->settings().width},
+                         {"height", frame_->settings().height},
+                         {"nodes", frame_->settings().nodes},
+                         {"live", facts_.live_beams},
+                         {"dark", facts_.dark_beams}};
+  if (facts_.machines > 0) {
+    line["haze_per_m"] = facts_.room_haze_per_m + facts_.machine_haze_per_m + facts_.machine_fog_per_m;
+  }
+  return line;
+}
+
+void Preview::print_second() {
+  nlohmann::json line = figures();
+  line["event"] = "frames";
+  line["fps"] = facts_.fps;
+  if (timeline_) line["time_ns"] = timeline_->now_ns();
+  fmt::print("{}\n", line.dump());
+  std::fflush(stdout);
+}
+
+void Preview::print_summary() {
+  nlohmann::json line = figures();
+  const double elapsed_s = static_cast<double>(clock_.now_ns() - start_ns_) * 1e-9;
+  line["event"] = "summary";
+  line["device"] = device_->name();
+  line["seconds"] = elapsed_s;
+  line["first_text_ms"] = static_cast<double>(progress_ns_) * 1e-6;
+  line["first_picture_ms"] = static_cast<double>(picture_ns_) * 1e-6;
+  line["fps"] = elapsed_s > 0 ? static_cast<double>(times_.count()) / elapsed_s : 0;
+  line["validation_messages"] = device_->validation_messages().size();
+  fmt::print("{}\n", line.dump());
+}
+
+}  // namespace
+
+Result<int> run_preview(const PreviewOptions& options) { return Preview(options).run(); }
+
+}  // namespace footlight::tools

@@ -1,0 +1,510 @@
+#include "tools/footlight/preview/window.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <mutex>
+
+#include <unistd.h>
+
+#include <vulkan/vulkan.h>
+
+#include <GLFW/glfw3.h>
+
+#include <imgui/backends/imgui_impl_glfw.h>
+#include <imgui/backends/imgui_impl_vulkan.h>
+#include <imgui/imgui.h>
+
+namespace footlight::tools {
+namespace {
+
+namespace vk = render::vk;
+
+constexpr std::uint64_t kAcquirePatienceNs = 1'000'000'000;
+constexpr double kMinimisedWaitS = 0.1;
+constexpr float kFontPx = 14;
+// From Debian's fonts-dejavu-core, which every desktop has; the built-in font of ImGui where it is not there.
+constexpr const char* kFontPath = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+
+std::string last_glfw_error() {
+  const char* text = nullptr;
+  glfwGetError(&text);
+  return text != nullptr ? text : "unknown error";
+}
+
+void change_layout(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to) {
+  render::vk::change_layout(commands, image, VK_IMAGE_ASPECT_COLOR_BIT, from, to);
+}
+
+// A dark theme that stays behind the picture: few colours, no borders, small spacing.
+void set_style(float scale) {
+  ImGui::StyleColorsDark();
+  ImGuiStyle& style = ImGui::GetStyle();
+  style.WindowRounding = 0;
+  style.FrameRounding = 3;
+  style.GrabRounding = 3;
+  style.WindowBorderSize = 0;
+  style.WindowPadding = {12, 10};
+  style.FramePadding = {6, 3};
+  style.ItemSpacing = {8, 3};
+  style.GrabMinSize = 10;
+  style.ScrollbarSize = 9;
+  ImVec4* colours = style.Colors;
+  colours[ImGuiCol_Text] = {0.86f, 0.87f, 0.89f, 1};
+  colours[ImGuiCol_TextDisabled] = {0.50f, 0.52f, 0.56f, 1};
+  colours[ImGuiCol_WindowBg] = {0.055f, 0.060f, 0.070f, 1};
+  colours[ImGuiCol_PopupBg] = {0.08f, 0.085f, 0.10f, 1};
+  colours[ImGuiCol_FrameBg] = {0.12f, 0.13f, 0.15f, 1};
+  colours[ImGuiCol_FrameBgHovered] = {0.17f, 0.18f, 0.21f, 1};
+  colours[ImGuiCol_FrameBgActive] = {0.20f, 0.21f, 0.24f, 1};
+  colours[ImGuiCol_SliderGrab] = {0.52f, 0.36f, 0.14f, 1};
+  colours[ImGuiCol_SliderGrabActive] = {0.68f, 0.47f, 0.18f, 1};
+  colours[ImGuiCol_CheckMark] = {0.95f, 0.66f, 0.25f, 1};
+  colours[ImGuiCol_Button] = {0.14f, 0.15f, 0.18f, 1};
+  colours[ImGuiCol_ButtonHovered] = {0.21f, 0.22f, 0.26f, 1};
+  colours[ImGuiCol_ButtonActive] = {0.30f, 0.25f, 0.17f, 1};
+  colours[ImGuiCol_Header] = {0.20f, 0.18f, 0.14f, 1};
+  colours[ImGuiCol_HeaderHovered] = {0.26f, 0.23f, 0.17f, 1};
+  colours[ImGuiCol_HeaderActive] = {0.30f, 0.25f, 0.17f, 1};
+  colours[ImGuiCol_Separator] = {0.16f, 0.17f, 0.20f, 1};
+  colours[ImGuiCol_ScrollbarBg] = {0, 0, 0, 0};
+  style.ScaleAllSizes(scale);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width, int height) {
+  if (glfwInit() != GLFW_TRUE) {
+    return fail(ErrorCode::kUnsupported,
+                "no window: {}; start it inside a desktop session, or use 'footlight render', which makes pictures and "
+                "videos without a display",
+                last_glfw_error());
+  }
+  std::unique_ptr<Window> window(new Window());
+  if (glfwVulkanSupported() != GLFW_TRUE) {
+    return fail(ErrorCode::kUnsupported,
+                "no window: Vulkan cannot draw into one here ({}); 'footlight render' makes pictures without a display",
+                last_glfw_error());
+  }
+  std::uint32_t count = 0;
+  const char** extensions = glfwGetRequiredInstanceExtensions(&count);
+  if (extensions == nullptr) {
+    return fail(ErrorCode::kUnsupported,
+                "no window: Vulkan has no way into this display ({}); 'footlight render' makes pictures without one",
+                last_glfw_error());
+  }
+  window->instance_extensions_.assign(extensions, extensions + count);
+  glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+  window->window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+  if (window->window_ == nullptr) {
+    return fail(ErrorCode::kUnsupported, "no window of {}x{}: {}; 'footlight render' makes pictures without a display",
+                width, height, last_glfw_error());
+  }
+  float scale_x = 1;
+  float scale_y = 1;
+  glfwGetWindowContentScale(window->window_, &scale_x, &scale_y);
+  window->ui_scale_ = std::clamp(std::max(scale_x, scale_y) / window->pixels_per_unit(), 1.0f, 4.0f);
+  window->poll();
+  return window;
+}
+
+Window::~Window() {
+  if (device_ != nullptr) {
+    (void)device_->wait_idle();
+    if (ui_started_) {
+      ImGui_ImplVulkan_Shutdown();
+      ImGui_ImplGlfw_Shutdown();
+    }
+    destroy_swapchain();
+    if (swapchain_ != VK_NULL_HANDLE) vkDestroySwapchainKHR(device_->handle, swapchain_, nullptr);
+    vkDestroyRenderPass(device_->handle, render_pass_, nullptr);
+    vkDestroyDescriptorPool(device_->handle, descriptors_, nullptr);
+    vkDestroySemaphore(device_->handle, acquired_, nullptr);
+    vkDestroyFence(device_->handle, done_, nullptr);
+    vkDestroyCommandPool(device_->handle, pool_, nullptr);
+    if (surface_ != VK_NULL_HANDLE) vkDestroySurfaceKHR(device_->instance, surface_, nullptr);
+  }
+  if (ImGui::GetCurrentContext() != nullptr) ImGui::DestroyContext();
+  if (window_ != nullptr) glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+Status Window::attach(vk::Device& device) {
+  device_ = &device;
+  if (glfwCreateWindowSurface(device.instance, window_, nullptr, &surface_) != VK_SUCCESS) {
+    return fail(ErrorCode::kUnsupported, "{} cannot draw into a window: {}", device.name(), last_glfw_error());
+  }
+  VkBool32 can_present = VK_FALSE;
+  FL_TRY(vk::check(vkGetPhysicalDeviceSurfaceSupportKHR(device.physical, device.queue_family, surface_, &can_present),
+                   "vkGetPhysicalDeviceSurfaceSupportKHR"));
+  if (can_present != VK_TRUE) {
+    return fail(ErrorCode::kUnsupported,
+                "{} cannot show pictures in this window; choose another with --device ('vulkaninfo --summary' names "
+                "them), or use 'footlight render'",
+                device.name());
+  }
+
+  // The tone map has encoded sRGB already, so the screen's bytes are taken as they are: no _SRGB format.
+  std::uint32_t count = 0;
+  FL_TRY(vk::check(vkGetPhysicalDeviceSurfaceFormatsKHR(device.physical, surface_, &count, nullptr),
+                   "vkGetPhysicalDeviceSurfaceFormatsKHR"));
+  std::vector<VkSurfaceFormatKHR> formats(count);
+  FL_TRY(vk::check(vkGetPhysicalDeviceSurfaceFormatsKHR(device.physical, surface_, &count, formats.data()),
+                   "vkGetPhysicalDeviceSurfaceFormatsKHR"));
+  const auto format = std::find_if(formats.begin(), formats.end(), [](const VkSurfaceFormatKHR& f) {
+    return f.format == VK_FORMAT_B8G8R8A8_UNORM || f.format == VK_FORMAT_R8G8B8A8_UNORM;
+  });
+  if (format == formats.end()) {
+    return fail(ErrorCode::kUnsupported, "{} offers no 8-bit RGB format for this window; use 'footlight render'",
+                device.name());
+  }
+  format_ = *format;
+
+  VkSemaphoreCreateInfo semaphore{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+  FL_TRY(vk::check(vkCreateSemaphore(device.handle, &semaphore, nullptr, &acquired_), "vkCreateSemaphore"));
+  VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  fence.flags = VK_FENCE_CREATE_SIGNALED_BIT;
+  FL_TRY(vk::check(vkCreateFence(device.handle, &fence, nullptr, &done_), "vkCreateFence"));
+  VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+  pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
+  pool.queueFamilyIndex = device.queue_family;
+  FL_TRY(vk::check(vkCreateCommandPool(device.handle, &pool, nullptr, &pool_), "vkCreateCommandPool"));
+  VkCommandBufferAllocateInfo commands{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+  commands.commandPool = pool_;
+  commands.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  commands.commandBufferCount = 1;
+  FL_TRY(vk::check(vkAllocateCommandBuffers(device.handle, &commands, &commands_), "vkAllocateCommandBuffers"));
+  FL_TRY(create_render_pass());
+  FL_TRY(create_swapchain());
+  return start_ui();
+}
+
+// ImGui draws over what the blit left.
+Status Window::create_render_pass() {
+  VkAttachmentDescription attachment{};
+  attachment.format = format_.format;
+  attachment.samples = VK_SAMPLE_COUNT_1_BIT;
+  attachment.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
+  attachment.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+  attachment.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+  attachment.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+  attachment.initialLayout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+  attachment.finalLayout = VK_IMAGE_LAYOUT_PRESENT_SRC_KHR;
+  const VkAttachmentReference reference{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+  VkSubpassDescription subpass{};
+  subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
+  subpass.colorAttachmentCount = 1;
+  subpass.pColorAttachments = &reference;
+  std::array<VkSubpassDependency, 2> dependencies{};
+  dependencies[0].srcSubpass = VK_SUBPASS_EXTERNAL;
+  dependencies[0].dstSubpass = 0;
+  dependencies[0].srcStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT;
+  dependencies[0].srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+  dependencies[0].dstStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+  dependencies[0].dstAccessMask = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+  dependencies[1].srcSubpass = 0;
+  dependencies[1].dstSubpass = VK_SUBPASS_EXTERNAL;
+  dependencies[1].srcStageMask = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT;
+  dependencies[1].srcAccessMask = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+  dependencies[1].dstStageMask = VK_PIPELINE_STAGE_TRANSFER_BIT;
+  dependencies[1].dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT;
+  VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO};
+  info.attachmentCount = 1;
+  info.pAttachments = &attachment;
+  info.subpassCount = 1;
+  info.pSubpasses = &subpass;
+  info.dependencyCount = static_cast<std::uint32_t>(dependencies.size());
+  info.pDependencies = dependencies.data();
+  return vk::check(vkCreateRenderPass(device_->handle, &info, nullptr, &render_pass_), "vkCreateRenderPass");
+}
+
+// Leaves the swapchain itself: the next one is made from it.
+void Window::destroy_swapchain() {
+  for (const Target& target : targets_) {
+    vkDestroyFramebuffer(device_->handle, target.framebuffer, nullptr);
+    vkDestroyImageView(device_->handle, target.view, nullptr);
+    vkDestroySemaphore(device_->handle, target.drawn, nullptr);
+  }
+  targets_.clear();
+}
+
+// Where the window has no area the old swapchain stays and stays stale.
+Status Window::create_swapchain() {
+  FL_TRY(device_->wait_idle());
+  VkSurfaceCapabilitiesKHR can{};
+  FL_TRY(vk::check(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_->physical, surface_, &can),
+                   "vkGetPhysicalDeviceSurfaceCapabilitiesKHR"));
+  extent_ = can.currentExtent;
+  if (extent_.width == UINT32_MAX) {  // the window takes the size of its images
+    extent_.width = std::clamp(static_cast<std::uint32_t>(width_), can.minImageExtent.width, can.maxImageExtent.width);
+    extent_.height =
+        std::clamp(static_cast<std::uint32_t>(height_), can.minImageExtent.height, can.maxImageExtent.height);
+  }
+  stale_ = extent_.width == 0 || extent_.height == 0;
+  if (stale_) return {};
+  constexpr VkImageUsageFlags kNeeded = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+  if ((can.supportedUsageFlags & kNeeded) != kNeeded) {
+    return fail(ErrorCode::kUnsupported, "{} cannot copy pictures into this window; use 'footlight render'",
+                device_->name());
+  }
+  readable_ = (can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_SRC_BIT) != 0;
+
+  VkSwapchainCreateInfoKHR info{VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR};
+  info.surface = surface_;
+  image_count_min_ = std::max(2u, can.minImageCount);
+  info.minImageCount = std::max(3u, image_count_min_);
+  if (can.maxImageCount != 0) info.minImageCount = std::min(info.minImageCount, can.maxImageCount);
+  info.imageFormat = format_.format;
+  info.imageColorSpace = format_.colorSpace;
+  info.imageExtent = extent_;
+  info.imageArrayLayers = 1;
+  info.imageUsage = kNeeded;
+  if (readable_) info.imageUsage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+  info.imageSharingMode = VK_SHARING_MODE_EXCLUSIVE;
+  info.preTransform = can.currentTransform;
+  info.compositeAlpha = (can.supportedCompositeAlpha & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR) != 0
+                            ? VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
+                            : VK_COMPOSITE_ALPHA_INHERIT_BIT_KHR;
+  info.presentMode = VK_PRESENT_MODE_FIFO_KHR;  // the one that every device has
+  info.clipped = VK_TRUE;
+  info.oldSwapchain = swapchain_;
+  VkSwapchainKHR fresh = VK_NULL_HANDLE;
+  FL_TRY(vk::check(vkCreateSwapchainKHR(device_->handle, &info, nullptr, &fresh), "vkCreateSwapchainKHR"));
+  destroy_swapchain();
+  if (swapchain_ != VK_NULL_HANDLE) vkDestroySwapchainKHR(device_->handle, swapchain_, nullptr);
+  swapchain_ = fresh;
+
+  std::uint32_t count = 0;
+  FL_TRY(vk::check(vkGetSwapchainImagesKHR(device_->handle, swapchain_, &count, nullptr), "vkGetSwapchainImagesKHR"));
+  std::vector<VkImage> images(count);
+  FL_TRY(vk::check(vkGetSwapchainImagesKHR(device_->handle, swapchain_, &count, images.data()),
+                   "vkGetSwapchainImagesKHR"));
+  for (VkImage image : images) {
+    Target& target = targets_.emplace_back();
+    target.image = image;
+    VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+    view.image = image;
+    view.viewType = VK_IMAGE_VIEW_TYPE_2D;
+    view.format = format_.format;
+    view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    FL_TRY(vk::check(vkCreateImageView(device_->handle, &view, nullptr, &target.view), "vkCreateImageView"));
+    VkFramebufferCreateInfo framebuffer{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
+    framebuffer.renderPass = render_pass_;
+    framebuffer.attachmentCount = 1;
+    framebuffer.pAttachments = &target.view;
+    framebuffer.width = extent_.width;
+    framebuffer.height = extent_.height;
+    framebuffer.layers = 1;
+    FL_TRY(vk::check(vkCreateFramebuffer(device_->handle, &framebuffer, nullptr, &target.framebuffer),
+                     "vkCreateFramebuffer"));
+    VkSemaphoreCreateInfo semaphore{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+    FL_TRY(vk::check(vkCreateSemaphore(device_->handle, &semaphore, nullptr, &target.drawn), "vkCreateSemaphore"));
+  }
+  return {};
+}
+
+Status Window::start_ui() {
+  IMGUI_CHECKVERSION();
+  ImGui::CreateContext();
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;  // nothing is written into the folder that it was started in
+  set_style(ui_scale_);
+  if (access(kFontPath, R_OK) != 0 || io.Fonts->AddFontFromFileTTF(kFontPath, kFontPx * ui_scale_) == nullptr) {
+    io.Fonts->AddFontDefault();
+    io.FontGlobalScale = ui_scale_;
+  }
+  // ImGui calls the callbacks that it finds.
+  glfwSetWindowUserPointer(window_, this);
+  glfwSetKeyCallback(window_, &Window::on_key);
+  ImGui_ImplGlfw_InitForVulkan(window_, true);
+
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
+  VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  pool.flags = VK_DESCRIPTOR_POOL_CREATE_FREE_DESCRIPTOR_SET_BIT;
+  pool.maxSets = 1;
+  pool.poolSizeCount = 1;
+  pool.pPoolSizes = &size;
+  FL_TRY(vk::check(vkCreateDescriptorPool(device_->handle, &pool, nullptr, &descriptors_), "vkCreateDescriptorPool"));
+  ImGui_ImplVulkan_InitInfo info{};
+  info.Instance = device_->instance;
+  info.PhysicalDevice = device_->physical;
+  info.Device = device_->handle;
+  info.QueueFamily = device_->queue_family;
+  info.Queue = device_->queue;
+  info.DescriptorPool = descriptors_;
+  info.MinImageCount = image_count_min_;
+  info.ImageCount = std::max(image_count_min_, static_cast<std::uint32_t>(targets_.size()));
+  info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
+  ImGui_ImplVulkan_Init(&info, render_pass_);
+  ui_started_ = true;
+  FL_TRY(device_->run_once([](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); }));
+  ImGui_ImplVulkan_DestroyFontUploadObjects();
+  return {};
+}
+
+void Window::on_key(GLFWwindow* window, int key, int, int action, int) {
+  auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));
+  if (action != GLFW_RELEASE) self->keys_.push_back({key, action == GLFW_REPEAT});
+}
+
+void Window::set_title(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
+
+void Window::hide() { glfwHideWindow(window_); }
+
+void Window::poll(double wait_s) {
+  keys_.clear();
+  if (minimised() && device_ != nullptr) wait_s = kMinimisedWaitS;
+  if (wait_s > 0) {
+    glfwWaitEventsTimeout(wait_s);
+  } else {
+    glfwPollEvents();
+  }
+  glfwGetFramebufferSize(window_, &width_, &height_);
+  minimised_ = width_ == 0 || height_ == 0 || glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE;
+}
+
+bool Window::wants_close() const { return glfwWindowShouldClose(window_) == GLFW_TRUE; }
+
+float Window::pixels_per_unit() const {
+  int units = 0;
+  int pixels = 0;
+  int unused = 0;
+  glfwGetWindowSize(window_, &units, &unused);
+  glfwGetFramebufferSize(window_, &pixels, &unused);
+  return units > 0 && pixels > 0 ? static_cast<float>(pixels) / static_cast<float>(units) : 1.0f;
+}
+
+void Window::begin_ui() {
+  ImGui_ImplVulkan_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+}
+
+void Window::end_ui() { ImGui::Render(); }
+
+Status Window::wait_gpu() {
+  return vk::check(vkWaitForFences(device_->handle, 1, &done_, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+}
+
+void Window::record_shot(VkCommandBuffer commands, VkImage image) {
+  change_layout(commands, image, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+  VkBufferImageCopy region{};
+  region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  region.imageExtent = {extent_.width, extent_.height, 1};
+  vkCmdCopyImageToBuffer(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, shot_.handle, 1, &region);
+  change_layout(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+  vk::full_barrier(commands);
+}
+
+void Window::record_all(VkCommandBuffer commands, std::uint32_t index, const WindowPicture& picture) {
+  const Target& target = targets_[index];
+  change_layout(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  const auto width = static_cast<int>(extent_.width);
+  const auto height = static_cast<int>(extent_.height);
+  const int left = std::clamp(picture.place.x, 0, width);
+  const int top = std::clamp(picture.place.y, 0, height);
+  const int right = std::clamp(picture.place.x + picture.place.width, left, width);
+  const int bottom = std::clamp(picture.place.y + picture.place.height, top, height);
+  if (left > 0 || top > 0 || right < width || bottom < height) {
+    const VkClearColorValue black{{0, 0, 0, 1}};
+    const VkImageSubresourceRange range{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    vkCmdClearColorImage(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &black, 1, &range);
+    change_layout(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  }
+  if (right > left && bottom > top) {
+    VkImageBlit blit{};
+    blit.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    blit.srcOffsets[1] = {picture.width, picture.height, 1};
+    blit.dstSubresource = blit.srcSubresource;
+    blit.dstOffsets[0] = {left, top, 0};
+    blit.dstOffsets[1] = {right, bottom, 1};
+    const bool same_size = right - left == picture.width && bottom - top == picture.height;
+    vkCmdBlitImage(commands, picture.image, VK_IMAGE_LAYOUT_GENERAL, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                   1, &blit, same_size ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
+  }
+  VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
+  begin.renderPass = render_pass_;
+  begin.framebuffer = target.framebuffer;
+  begin.renderArea.extent = extent_;
+  vkCmdBeginRenderPass(commands, &begin, VK_SUBPASS_CONTENTS_INLINE);
+  ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands);
+  vkCmdEndRenderPass(commands);
+}
+
+Result<bool> Window::show(const WindowPicture& picture, const std::function<void(VkCommandBuffer)>& record) {
+  FL_TRY(wait_gpu());
+  if (static_cast<int>(extent_.width) != width_ || static_cast<int>(extent_.height) != height_) stale_ = true;
+  if (stale_) FL_TRY(create_swapchain());
+  if (stale_) return false;
+  std::uint32_t index = 0;
+  const VkResult acquired =
+      vkAcquireNextImageKHR(device_->handle, swapchain_, kAcquirePatienceNs, acquired_, VK_NULL_HANDLE, &index);
+  if (acquired == VK_ERROR_OUT_OF_DATE_KHR) stale_ = true;
+  if (acquired == VK_ERROR_OUT_OF_DATE_KHR || acquired == VK_TIMEOUT || acquired == VK_NOT_READY) return false;
+  if (acquired == VK_SUBOPTIMAL_KHR) {
+    stale_ = true;  // this image can still be used
+  } else {
+    FL_TRY(vk::check(acquired, "vkAcquireNextImageKHR"));
+  }
+  const bool shot = shot_wanted_ && readable_;
+  if (shot) {
+    shot_extent_ = extent_;
+    FL_ASSIGN(shot_, vk::Buffer::host_visible(*device_, VkDeviceSize{extent_.width} * extent_.height * 4, 0));
+  }
+  shot_wanted_ = false;
+
+  VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  FL_TRY(vk::check(vkBeginCommandBuffer(commands_, &begin), "vkBeginCommandBuffer"));
+  record(commands_);
+  vk::full_barrier(commands_);
+  record_all(commands_, index, picture);
+  if (shot) record_shot(commands_, targets_[index].image);
+  FL_TRY(vk::check(vkEndCommandBuffer(commands_), "vkEndCommandBuffer"));
+
+  // The picture is computed while the screen may still hold on to the image; only the copy waits for it.
+  const VkPipelineStageFlags wait_stage = VK_PIPELINE_STAGE_TRANSFER_BIT;
+  VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+  submit.waitSemaphoreCount = 1;
+  submit.pWaitSemaphores = &acquired_;
+  submit.pWaitDstStageMask = &wait_stage;
+  submit.commandBufferCount = 1;
+  submit.pCommandBuffers = &commands_;
+  submit.signalSemaphoreCount = 1;
+  submit.pSignalSemaphores = &targets_[index].drawn;
+  FL_TRY(vk::check(vkResetFences(device_->handle, 1, &done_), "vkResetFences"));
+  std::unique_lock lock(device_->queue_mutex);
+  FL_TRY(vk::check(vkQueueSubmit(device_->queue, 1, &submit, done_), "vkQueueSubmit"));
+
+  VkPresentInfoKHR present{VK_STRUCTURE_TYPE_PRESENT_INFO_KHR};
+  present.waitSemaphoreCount = 1;
+  present.pWaitSemaphores = &targets_[index].drawn;
+  present.swapchainCount = 1;
+  present.pSwapchains = &swapchain_;
+  present.pImageIndices = &index;
+  const VkResult presented = vkQueuePresentKHR(device_->queue, &present);
+  lock.unlock();
+  if (presented == VK_ERROR_OUT_OF_DATE_KHR || presented == VK_SUBOPTIMAL_KHR) {
+    stale_ = true;
+  } else {
+    FL_TRY(vk::check(presented, "vkQueuePresentKHR"));
+  }
+  return true;
+}
+
+Result<render::ScreenImage> Window::read_shot() {
+  FL_TRY(wait_gpu());
+  render::ScreenImage image;
+  if (shot_.mapped == nullptr) return image;
+  image.width = static_cast<int>(shot_extent_.width);
+  image.height = static_cast<int>(shot_extent_.height);
+  image.rgba.resize(shot_.size_bytes);
+  std::memcpy(image.rgba.data(), shot_.mapped, image.rgba.size());
+  for (std::size_t i = 0; i + 3 < image.rgba.size(); i += 4) {
+    if (format_.format == VK_FORMAT_B8G8R8A8_UNORM) std::swap(image.rgba[i], image.rgba[i + 2]);
+    image.rgba[i + 3] = 255;
+  }
+  return image;
+}
+
+}  // namespace footlight::tools

@@ -1,0 +1,8 @@
+// footlight report without the renderer.
+#include "tools/footlight/report/report_parts.h"
+
+namespace footlight::tools {
+
+ReportHalf add_report_pictures(Arguments&) { return {}; }
+
+}  // namespace footlight::tools

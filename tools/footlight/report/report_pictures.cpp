@@ -1,0 +1,285 @@
+// footlight report --pictures: error against run time of what makes a picture, and what the rig left out.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "fixtures/simulate/machines.h"
+#include "render/frame.h"
+#include "render/reference/report.h"
+#include "render/reference/time_judges.h"
+#include "tools/footlight/duration.h"
+#include "tools/footlight/pictures/scene_files.h"
+#include "tools/footlight/pictures/start_view.h"
+#include "tools/footlight/pictures/timeline.h"
+#include "tools/footlight/preview/hand_levels.h"
+#include "tools/footlight/report/picture_report.h"
+#include "tools/footlight/report/report_fleet.h"
+#include "tools/footlight/report/report_parts.h"
+#include "tools/footlight/status/status_text.h"
+
+namespace footlight::tools {
+namespace {
+
+struct PictureArguments {
+  SceneFiles files;
+  DurationNs at_ns = 30 * kNsPerS;
+  int beams = 0;
+  std::string photometry;
+  int fleet = 0;
+  std::string size = "640x360";
+  std::string judge_size = "64x36";
+  std::string camera;
+  std::string device;
+  int runs = 11;
+  bool no_judge = false;
+  bool lit = false;
+  std::vector<std::string> sets;
+};
+
+// What machines have done to the air until the moment that is looked at; without any there is nothing of it.
+struct AirReport {
+  double haze_per_m = 0;
+  double fog_per_m = 0;
+  double error_per_m = 0;  // of both together, against the judge
+  int steps = 0;
+  double ns_a_step = 0;  // wall clock, levels decoded
+};
+
+// Steps as a replay does, a picture every 40 ms.
+class AirWatch {
+ public:
+  explicit AirWatch(std::unique_ptr<fixtures::MachineAir> air) : air_(std::move(air)) {}
+
+  void step(std::span<const std::uint8_t> levels, std::int64_t dt_ns) {
+    for (std::int64_t left = dt_ns; left > 0; left -= kStepNs) {
+      const auto start = std::chrono::steady_clock::now();
+      air_->step(levels, std::min(left, kStepNs));
+      ns_ += std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count();
+      ++steps_;
+    }
+    const fixtures::MachineInflow now = air_->inflow(levels);
+    add(haze_, now.haze_per_m_s, now.mixing_hz, dt_ns);
+    add(fog_, now.fog_per_m_s, now.mixing_hz, dt_ns);
+  }
+
+  [[nodiscard]] AirReport report(const fixtures::Room& room) const {
+    const render::Wide judged =
+        render::air_judged(haze_, room.haze_s).scattering_per_m + render::air_judged(fog_, room.fog_s).scattering_per_m;
+    return {air_->haze_per_m(), air_->fog_per_m(), std::abs(air_->scattering_per_m() - static_cast<double>(judged)),
+            steps_, steps_ > 0 ? ns_ / steps_ : 0};
+  }
+
+ private:
+  static constexpr std::int64_t kStepNs = 40 * kNsPerMs;
+
+  static void add(std::vector<render::AirStretch>& list, double inflow, double mixing_hz, std::int64_t dt_ns) {
+    if (list.empty() || list.back().inflow_per_m_s != inflow || list.back().mixing_hz != mixing_hz) {
+      list.push_back({inflow, mixing_hz, 0});
+    }
+    list.back().dt_ns += static_cast<std::uint64_t>(dt_ns);
+  }
+
+  std::unique_ptr<fixtures::MachineAir> air_;
+  std::vector<render::AirStretch> haze_, fog_;
+  int steps_ = 0;
+  double ns_ = 0;
+};
+
+// The scene as the log has it at a time. Motors stand where the levels send them, so that GPU and judge start from the
+// same state without a history; what machines have brought into the air by then is haze of the room.
+Result<Scene> scene_of_files(const SceneFiles& files, const PictureArguments& arguments, double aspect,
+                             std::optional<AirReport>& air) {
+  const DurationNs at_ns = arguments.at_ns;
+  const bool by_hand = arguments.lit || !arguments.sets.empty();
+  if (by_hand && (!files.log.empty() || arguments.files.demo)) {
+    return fail(ErrorCode::kBadInput, "--lit and --set are for a rig without a log: expected one of them");
+  }
+  if (!by_hand && files.log.empty() && !files.demo) {
+    return fail(ErrorCode::kBadInput,
+                "{}: nothing drives the rig, so its picture is black; expected --log, --lit or --set",
+                printable_utf8(files.rig));
+  }
+  Scene scene;
+  FL_ASSIGN(scene.rig, load_scene_rig(files));
+  add_start_view(scene.rig, aspect, true);
+  if (by_hand) give_hand_addresses(scene.rig);
+  FL_ASSIGN(scene.compiled, fixtures::compile(scene.rig));
+  FL_ASSIGN(scene.camera, find_camera(scene.rig, arguments.camera));
+  scene.levels.assign(scene.compiled.universes.size() * kSlotCountMax, 0);
+  FL_ASSIGN(std::optional<LogReader> log, open_scene_log(files));
+  std::optional<AirWatch> watch;
+  if (auto machines = fixtures::MachineAir::make(scene.rig, scene.compiled)) watch.emplace(std::move(machines));
+  if (log) {
+    Timeline timeline(std::move(*log), scene.compiled);
+    FL_TRY(timeline.advance(at_ns, 0, [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool) {
+      scene.levels.assign(levels.begin(), levels.end());
+      if (watch) watch->step(levels, dt_ns);
+    }));
+  }
+  if (by_hand) {
+    HandLevels hand(scene.rig, scene.compiled);
+    for (const std::string& text : arguments.sets) FL_TRY(set_by_hand(text, scene.rig, hand));
+    scene.levels.assign(hand.levels().begin(), hand.levels().end());
+  }
+  if (watch) {
+    air = watch->report(scene.rig.room);
+    scene.rig.haze.scattering_per_m += air->haze_per_m + air->fog_per_m;
+  }
+  scene.name = by_hand ? fmt::format("{}, lit by hand", files.demo ? "demo" : files.rig)
+                       : fmt::format("{}@{}", files.demo ? "demo" : files.rig, show_duration(at_ns));
+  return scene;
+}
+
+void print_left_out(const Scene& scene) {
+  fmt::print("Left out, since {} does not need it:\n", scene.name);
+  const render::FrameSettings settings;
+  bool any = false;
+  for (const auto& pass : render::left_out_passes(scene.compiled.needs, settings)) {
+    fmt::print("  pass {}: {}\n", pass.name, pass.gives);
+    any = true;
+  }
+  for (const std::string& line : fixtures::left_out(scene.compiled.needs)) {
+    fmt::print("  {}\n", line);
+    any = true;
+  }
+  if (!any) fmt::print("  nothing\n");
+}
+
+Status report_fleet(const PictureArguments& arguments, const ReportOptions& options) {
+  FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = arguments.device}));
+  const FleetOptions fleet{.fixtures = arguments.fleet, .runs = options.quick ? 5 : 21};
+  FL_ASSIGN(const FleetReport report, make_fleet_report(*device, fleet));
+  fmt::print("{}", options.json ? json_of(report, fleet) : text_of(report, fleet));
+  return {};
+}
+
+std::string intro_of(const Scene& scene, const PictureArguments& arguments, const PictureReportOptions& options,
+                     const PictureReport& report) {
+  std::string text =
+      fmt::format("Pictures of {}: beams in haze and on surfaces, on {}.\nTimes: GPU, {}x{}, {} runs after 3. ",
+                  scene.name, report.device, options.width, options.height, arguments.runs);
+  if (arguments.no_judge) return text + "Not judged.\n\n";
+  return text + fmt::format(
+                    "Errors: {}x{} pixels of these very frames, evenly spread, against adaptive quadrature in double, "
+                    "whose own error is {:.1e} (it took {:.1f} s).\n"
+                    "Neither timed nor judged in the rows: bodies and lenses of fixtures, and the widening of thin "
+                    "beams.\n\n",
+                    options.judge_width, options.judge_height, report.judge_own_rel_l2, report.judge_seconds);
+}
+
+Status report_pictures(const PictureArguments& arguments, const ReportOptions& options) {
+  if (arguments.fleet > 0) return report_fleet(arguments, options);
+  if (arguments.beams > 0 && (arguments.files.demo || !arguments.files.rig.empty())) {
+    return fail(ErrorCode::kBadInput, "--beams makes its own scene: expected it without --rig and --demo");
+  }
+  SceneFiles files = arguments.files;
+  if (files.rig.empty()) files.demo = true;
+  std::optional<AirReport> air;
+  FL_ASSIGN(const PictureSize size, parse_size(arguments.size));
+  const double aspect = static_cast<double>(size.width) / size.height;
+  FL_ASSIGN(const Scene scene, arguments.beams > 0 ? make_beams_scene(arguments.beams, arguments.photometry)
+                                                   : scene_of_files(files, arguments, aspect, air));
+  FL_ASSIGN(const PictureSize judge_size, parse_size(arguments.judge_size));
+  FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = arguments.device}));
+  PictureReportOptions picture_options;
+  picture_options.width = size.width;
+  picture_options.height = size.height;
+  picture_options.judge_width = judge_size.width;
+  picture_options.judge_height = judge_size.height;
+  picture_options.runs = arguments.runs;
+  picture_options.judge = !arguments.no_judge;
+  if (options.quick) {
+    picture_options.gauss_nodes = {2, 3, 4};
+    picture_options.march_steps = {16, 64};
+    picture_options.gobo_taps = {16, 64};
+  }
+  picture_options.go_on = options.go_on;
+  picture_options.on_row = [&](const PictureReport& so_far) {
+    const render::PictureRow& row = so_far.rows.back();
+    if (options.json) {
+      options.print(render::json_lines_of({&row, 1}));
+    } else {
+      options.print((so_far.rows.size() == 1 ? render::table_names_of(row) : "") + render::table_line_of(row));
+    }
+  };
+  if (!options.json) {
+    picture_options.on_judged = [&](const PictureReport& so_far) {
+      options.print(intro_of(scene, arguments, picture_options, so_far));
+    };
+  }
+  FL_ASSIGN(const PictureReport report, make_picture_report(*device, scene, picture_options));
+  if (report.rows.empty()) return {};
+  const auto curves = render::curves_of(report.rows);
+  if (options.json) {
+    options.print(fmt::format(R"({{"event":"whole-frame","ms_p50":{:.4f}}})"
+                              "\n",
+                              report.whole_ms));
+    if (air) {
+      fmt::print(R"({{"event":"air","haze_per_m":{:.9g},"fog_per_m":{:.9g},"error_per_m":{:.3g},"steps":{},)"
+                 R"("ns_a_step":{:.1f}}})"
+                 "\n",
+                 air->haze_per_m, air->fog_per_m, air->error_per_m, air->steps, air->ns_a_step);
+    }
+  } else {
+    options.print("\n");
+    for (const auto& row : report.rows) {
+      if (row.ms_p10 > 0 && row.ms_p90 / row.ms_p10 > 1.15) {
+        fmt::print("unstable: {} {} varies by {:.2f} between p10 and p90\n", row.method, row.knob,
+                   row.ms_p90 / row.ms_p10);
+      }
+    }
+    if (!arguments.no_judge) {
+      const double costs[] = {1, 4, 16};
+      fmt::print("{}\n", render::summary_of(curves, "ms", costs));
+    }
+    fmt::print("GPU time a pass with {} nodes:", render::FrameSettings{}.nodes);
+    for (const auto& pass : report.passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
+    fmt::print("\nThe whole frame as 'footlight render' draws it, bodies and lenses included: {:.3f} ms\n\n",
+               report.whole_ms);
+    if (air) {
+      fmt::print(
+          "Air: machines have added {:.4g} /m of haze and {:.4g} /m of fog. Error against integrals over droplets in "
+          "long double: {:.1e} /m after {} steps of at most 40 ms, {:.0f} ns each.\n\n",
+          air->haze_per_m, air->fog_per_m, air->error_per_m, air->steps, air->ns_a_step);
+    }
+    print_left_out(scene);
+    fmt::print("\n");
+  }
+  if (!options.csv.empty()) FL_TRY(write_report_file(options.csv, render::csv_of(report.rows)));
+  if (!options.svg.empty()) {
+    FL_TRY(write_report_file(options.svg, render::svg_plot({scene.name + ": beams", report.device,
+                                                            "GPU time a frame, ms", "relative L2 error"},
+                                                           curves)));
+  }
+  return {};
+}
+
+}  // namespace
+
+ReportHalf add_report_pictures(Arguments& arguments) {
+  auto chosen = std::make_shared<PictureArguments>();
+  add_scene_arguments(arguments, chosen->files);
+  arguments.duration("--at", chosen->at_ns, "the moment of the log that is looked at");
+  arguments.option("--beams", chosen->beams, 1, 1'000'000, "a made scene of this many beams in place of a rig");
+  arguments.option("--photometry", chosen->photometry, "FILE",
+                   "with --beams: all of them throw the light of this IES or EULUMDAT file");
+  arguments.option("--fleet", chosen->fleet, 1, 1'000'000,
+                   "no pictures: so many moving heads, stepped on the GPU and on the CPU");
+  arguments.option("--camera", chosen->camera, "NAME", "a camera of the rig; its first one");
+  arguments.option("--size", chosen->size, "WxH", "size of the pictures that are timed and judged");
+  arguments.option("--judge-size", chosen->judge_size, "WxH", "how many of their pixels are judged, evenly spread");
+  arguments.option("--runs", chosen->runs, 3, 1000, "timed frames a row");
+  arguments.option("--device", chosen->device, "TEXT", "the Vulkan device whose name contains this");
+  arguments.flag("--no-judge", chosen->no_judge, "times only");
+  arguments.flag("--lit", chosen->lit, "without a log: every fixture at full, open and white, its axes in the middle");
+  arguments.list("--set", chosen->sets, "WORDS",
+                 "as --lit, and ATTRIBUTE=VALUE of all fixtures or FIXTURE:ATTRIBUTE=VALUE of one; many times");
+  return [chosen](const ReportOptions& options) { return report_pictures(*chosen, options); };
+}
+
+}  // namespace footlight::tools

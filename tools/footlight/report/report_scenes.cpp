@@ -1,0 +1,141 @@
+#include "tools/footlight/report/report_scenes.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "fixtures/files/import/archive.h"
+#include "fixtures/photometry/attach.h"
+#include "fixtures/simulate/encode.h"
+
+namespace footlight::tools {
+namespace {
+
+using namespace fixtures;
+
+// Counter-based, so that the scene is the same everywhere: SplitMix64 (Steele, Lea, Flood 2014).
+class Random {
+ public:
+  double uniform() {
+    state_ += 0x9e3779b97f4a7c15u;
+    std::uint64_t z = state_;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
+  }
+  double between(double low, double high) { return low + (high - low) * uniform(); }
+
+ private:
+  std::uint64_t state_ = 1;
+};
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr int kSlots = 6;
+
+// One channel of `bytes` bytes from slot `first`, linear over the whole range.
+Channel channel(int first, int bytes, const char* attribute, double from, double to) {
+  Channel c;
+  for (int i = 0; i < bytes; ++i) c.slot_offsets.push_back(first + i);
+  ChannelFunction function;
+  function.name = "all";
+  function.dmx_to = bytes == 2 ? 65535u : 255u;
+  function.attribute = attribute;
+  function.instant = true;
+  function.physical_from = from;
+  function.physical_to = to;
+  c.functions.push_back(std::move(function));
+  c.byte_count = bytes;
+  c.geometry = kSimpleHead;
+  return c;
+}
+
+FixtureType beam_type(double lens_radius_m) {
+  FixtureType type;
+  type.manufacturer = "Footlight";
+  type.name = "Report beam";
+  type.id = fmt::format("report/beam-{:.0f}mm", lens_radius_m * 1000);
+  Mode mode;
+  mode.name = "6 slots";
+  mode.slot_count = kSlots;
+  mode.channels = {channel(0, 2, "Zoom", 1, 52), channel(2, 1, "Dimmer", 0, 1), channel(3, 1, "ColorAdd_R", 0, 1),
+                   channel(4, 1, "ColorAdd_G", 0, 1), channel(5, 1, "ColorAdd_B", 0, 1)};
+  mode.geometries = simple_geometries(0.01, 0.01);
+  type.modes.push_back(std::move(mode));
+  Beam beam;
+  beam.radius_m = lens_radius_m;
+  beam.profile_m = 1;
+  beam.color_temperature_k = 0;
+  type.beams.push_back(beam);
+  type.body = BodyModel::kPar;
+  return type;
+}
+
+}  // namespace
+
+Result<Scene> make_beams_scene(int count, const std::string& photometry) {
+  if (count < 1 || count > 1'000'000) return fail(ErrorCode::kBadInput, "{} beams: expected 1 to 1000000", count);
+  Scene scene;
+  scene.name = fmt::format("beams:{}", count);
+  Rig& rig = scene.rig;
+  rig.name = scene.name;
+  rig.haze = {0.01, 0.0, 0.5, 40};
+  rig.ambient_lx = 0.5;
+  rig.boxes.push_back({"floor", {-45, -45, -1}, {45, 25, 0}, glm::dvec3(0.2)});
+  rig.boxes.push_back({"wall", {-45, 25, 0}, {45, 26, 30}, glm::dvec3(0.2)});
+  rig.cameras = {Camera{"foh", {0, -40, 8}, {0, 0, 6}, 50, 10}};
+  constexpr int kLenses = 8;
+  for (int i = 0; i < kLenses; ++i) rig.types.push_back(beam_type(0.05 + 0.07 * i / (kLenses - 1)));
+
+  if (!photometry.empty()) {
+    scene.name += ", " + photometry;
+    FL_ASSIGN(const Bytes bytes, read_whole_file(photometry, kPhotometryBytesMax));
+    for (FixtureType& type : rig.types) {
+      Diagnostics ignored;
+      FL_TRY(attach_photometry(type, photometry, bytes, ignored));
+      FL_ASSIGN(const Photometry measured, read_photometry_file(type.files, type.beams[0].photometry));
+      // Then a zoom is the edge's angle, as it is of the others.
+      type.beams[0].beam_angle_deg = 2 / kDegree * measured_table(measured, Side::kFront, true).half_angle_rad;
+    }
+  }
+
+  constexpr int kPerUniverse = kSlotCountMax / kSlots;
+  Random random;
+  std::vector<double> half_angles_rad;
+  std::vector<glm::dvec3> colors;
+  for (int i = 0; i < count; ++i) {
+    const double kind = random.uniform();
+    half_angles_rad.push_back(kDegree * (kind < 0.7   ? random.between(0.75, 2.5)
+                                         : kind < 0.9 ? random.between(5, 10)
+                                                      : random.between(12, 25)));
+    PatchedFixture fixture;
+    fixture.name = fmt::format("Beam {}", i + 1);
+    fixture.type = static_cast<int>(random.uniform() * kLenses);
+    fixture.universe = 1 + i / kPerUniverse;
+    fixture.address = 1 + i % kPerUniverse * kSlots;
+    fixture.position_m = {random.between(-25, 25), random.between(0, 20),
+                          random.uniform() < 0.8 ? random.between(12, 16) : 0.3};
+    const glm::dvec3 target{random.between(-30, 30), random.between(-25, 25),
+                            random.uniform() < 0.5 ? 0.0 : random.between(0, 20)};
+    const glm::dvec3 d = glm::normalize(target - fixture.position_m);
+    const double across = std::hypot(d.x, d.y);
+    fixture.rotation_deg = glm::dvec3(std::atan2(across, -d.z), 0, across > 0 ? std::atan2(-d.x, d.y) : 0.0) / kDegree;
+    rig.fixtures.push_back(fixture);
+    colors.emplace_back(random.uniform(), random.uniform(), random.uniform());
+  }
+  FL_ASSIGN(scene.compiled, compile(rig));
+  scene.levels.assign(scene.compiled.universes.size() * kSlotCountMax, 0);
+  for (int i = 0; i < count; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    const PatchedFixture& fixture = rig.fixtures[index];
+    const std::span<std::uint8_t> slots(&scene.levels[std::size_t(fixture.universe - 1) * kSlotCountMax],
+                                        kSlotCountMax);
+    encode_attribute(rig, fixture, "Zoom", 2 * half_angles_rad[index] / kDegree, slots);
+    encode_attribute(rig, fixture, "Dimmer", 1, slots);
+    encode_attribute(rig, fixture, "ColorAdd_R", colors[index].x, slots);
+    encode_attribute(rig, fixture, "ColorAdd_G", colors[index].y, slots);
+    encode_attribute(rig, fixture, "ColorAdd_B", colors[index].z, slots);
+  }
+  scene.camera = rig.cameras.front();
+  return scene;
+}
+
+}  // namespace footlight::tools

@@ -1,0 +1,69 @@
+#include "tools/footlight/status/status_pages.h"
+
+#include "sim/core/endpoint.h"
+#include "tools/footlight/bridge/open_ports.h"
+#include "tools/footlight/status/json_lines.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr const char* kJsonType = "application/json";
+
+HttpAnswer refusal(int status, const std::string& text) { return {.status = status, .body = text + "\n"}; }
+
+}  // namespace
+
+StatusPages::StatusPages(const Pump& pump, Clock& clock)
+    : pump_(pump), clock_(clock), start_unix_ns_(wall_clock_unix_ns()) {}
+
+void StatusPages::set_reload_trouble(const std::string& trouble) {
+  const std::lock_guard lock(mutex_);
+  reload_trouble_ = trouble;
+}
+
+HttpAnswer StatusPages::answer_metrics(const HttpRequest& request) const {
+  if (request.path != "/metrics") return refusal(404, "not here; try /metrics");
+  if (request.method != "GET") return refusal(405, "expected GET");
+  const PumpStatus status = pump_.latest_status();
+  if (status.stamp_ns == 0) return refusal(503, "the pump is about to start; ask again");
+  ServiceFacts facts;
+  facts.start_unix_ns = start_unix_ns_;
+  facts.real_time = real_time.load();
+  facts.reloads = reloads.load();
+  facts.reload_failures = reload_failures.load();
+  if (guard != nullptr) facts.flashes = FlashFacts{guard->count_harmful(), guard->count_held()};
+  return {.type = kMetricsType, .body = metrics_text(status, facts)};
+}
+
+HttpAnswer StatusPages::answer(const HttpRequest& request) const {
+  if (request.path == "/metrics") return answer_metrics(request);
+  if (request.path == "/reload") {
+    if (request.method == "GET") {
+      const std::lock_guard lock(mutex_);
+      return {.type = kJsonType,
+              .body = json_of_reloads(reloads.load(), reload_failures.load(), reloading.load(), reload_trouble_)};
+    }
+    if (request.method != "POST") return refusal(405, "expected GET or POST");
+    if (!request.from_owner) return refusal(403, "only the user that runs this bridge, or root, may have it reloaded");
+    if (!ask_reload) return refusal(409, "this bridge was started without a show file; there is nothing to read anew");
+    ask_reload();
+    return {.status = 202, .body = "asked; its events say how it went\n"};
+  }
+  if (request.path != "/status" && request.path != "/levels") {
+    return refusal(404, "not here; try /status, /levels?universes=1-9 or /metrics");
+  }
+  if (request.method != "GET") return refusal(405, "expected GET");
+  if (request.path == "/status") return {.type = kJsonType, .body = json_of_status(pump_.latest_status())};
+  const auto universes = pump_.universes();
+  std::vector<Universe> wanted;
+  if (!request.universes.empty()) {
+    const auto list = parse_wire_universes(request.universes);
+    if (!list) return refusal(400, "universes: " + list.error().message);
+    for (const WireUniverse& universe : *list) wanted.push_back(universe.wire);
+  } else {
+    wanted.assign(universes->numbers().begin(), universes->numbers().end());
+  }
+  return {.type = kJsonType, .body = json_of_levels(*universes, wanted, clock_.now_ns())};
+}
+
+}  // namespace footlight::tools

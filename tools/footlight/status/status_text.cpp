@@ -1,0 +1,140 @@
+#include "tools/footlight/status/status_text.h"
+
+#include <fmt/format.h>
+
+#include "tools/footlight/duration.h"
+
+namespace footlight::tools {
+
+const char* name_of(PortState state) {
+  switch (state) {
+    case PortState::kWorking: return "working";
+    case PortState::kWaiting: return "waiting";
+    case PortState::kGone: return "gone";
+    case PortState::kEnded: return "ended";
+  }
+  return "?";
+}
+
+std::string show_universes(std::span<const Universe> universes) {
+  std::string text;
+  for (std::size_t i = 0; i < universes.size();) {
+    std::size_t last = i;
+    while (last + 1 < universes.size() && universes[last + 1] == universes[last] + 1) ++last;
+    text += fmt::format("{}{}", text.empty() ? "" : ",", universes[i]);
+    if (last > i) text += fmt::format("-{}", universes[last]);
+    i = last + 1;
+  }
+  return text;
+}
+
+std::string printable_utf8(std::string_view text) {
+  static constexpr std::string_view kReplacement = "\xEF\xBF\xBD";
+  std::string clean;
+  for (std::size_t i = 0; i < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[i]);
+    const std::size_t length = lead < 0x80 ? 1 : lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
+    std::uint32_t code = length == 1 ? lead : lead & (0x7Fu >> length);
+    bool good = lead < 0x80 || (lead >= 0xC2 && lead < 0xF5 && i + length <= text.size());
+    for (std::size_t k = 1; good && k < length; ++k) {
+      const auto next = static_cast<unsigned char>(text[i + k]);
+      good = (next & 0xC0) == 0x80;
+      code = code << 6 | (next & 0x3Fu);
+    }
+    const bool overlong = (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
+    const bool control = code < 0x20 || (code >= 0x7F && code < 0xA0) || code == 0x2028 || code == 0x2029 ||
+                         (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);  // turn text around
+    good = good && !overlong && code <= 0x10FFFF && (code < 0xD800 || code > 0xDFFF);
+    clean += good && !control ? text.substr(i, length) : kReplacement;
+    i += good ? length : 1;
+  }
+  return clean;
+}
+
+std::string printable_line(std::string_view text) {
+  constexpr std::size_t kBeginBytes = 1500, kEndBytes = 400;
+  if (text.size() <= kBeginBytes + kEndBytes) return printable_utf8(text);
+  // Between characters: a byte of 10xxxxxx goes on with one.
+  const auto goes_on = [&](std::size_t at) { return (static_cast<unsigned char>(text[at]) & 0xC0) == 0x80; };
+  std::size_t end_of_begin = kBeginBytes, end = text.size() - kEndBytes;
+  while (end_of_begin > 0 && goes_on(end_of_begin)) --end_of_begin;
+  while (end < text.size() && goes_on(end)) ++end;
+  return printable_utf8(text.substr(0, end_of_begin)) + " [...] " + printable_utf8(text.substr(end));
+}
+
+std::string printable_lines(std::string_view text) {
+  std::string lines;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    lines += printable_line(text.substr(at, end - at));
+    if (end < text.size()) lines += '\n';
+    at = end + 1;
+  }
+  return lines;
+}
+
+std::string status_line(const PumpStatus& status) {
+  std::string line;
+  for (const PortStatus& port : status.ports) {
+    line += fmt::format("{}{} {} ", line.empty() ? "" : "  ", port.is_sink ? "->" : "<-", port.name);
+    if (port.state == PortState::kGone) {
+      line += "gone";
+    } else if (port.stands_by) {
+      line += "stands by";
+    } else if (port.frames == 0) {
+      line += "nothing yet";
+    } else {
+      line += fmt::format("{:.0f}/s", port.rate_hz);
+    }
+    if (port.port.rejected != 0) line += fmt::format(" ({} bad)", port.port.rejected);
+    if (port.port.errors != 0) line += fmt::format(" ({} errors)", port.port.errors);
+  }
+  return line;
+}
+
+std::string summary_text(const PumpStatus& status, DurationNs elapsed_ns) {
+  std::string text = fmt::format("ran {}\n", show_duration(elapsed_ns));
+  const double elapsed_s = static_cast<double>(elapsed_ns) / static_cast<double>(kNsPerS);
+  for (const PortStatus& port : status.ports) {
+    text += fmt::format("  {} {}: {} frames", port.is_sink ? "out" : "in ", port.name, port.frames);
+    if (elapsed_s > 0.0) text += fmt::format(", {:.1f}/s", static_cast<double>(port.frames) / elapsed_s);
+    if (port.latency.count != 0) {
+      text += fmt::format(", latency p50 {} p99 {} max {}", show_duration(port.latency.p50_ns),
+                          show_duration(port.latency.p99_ns), show_duration(port.latency.max_ns));
+    }
+    if (port.lateness.count != 0) {
+      text +=
+          fmt::format(", late p99 {} max {}", show_duration(port.lateness.p99_ns), show_duration(port.lateness.max_ns));
+    }
+    const auto count = [&](const char* what, std::uint64_t number) {
+      if (number != 0) text += fmt::format(", {} {}", number, what);
+    };
+    count("rejected", port.port.rejected);
+    count("dropped", port.port.dropped);
+    count("replaced", port.replaced);
+    count("refused", port.refused);
+    count("of universes that nobody asked for", port.unrouted);
+    count("errors", port.port.errors + port.failures);
+    if (!port.trouble.empty()) text += fmt::format("; {}", port.trouble);
+    text += '\n';
+  }
+  // What was received and is in no look.
+  for (const UniverseStatus& universe : status.universes) {
+    const MergeCounters& merge = universe.merge;
+    if (merge.frames == merge.frames_shown) continue;
+    text += fmt::format("  universe {}: {} frames, {} shown", universe.universe, merge.frames, merge.frames_shown);
+    const auto count = [&](const char* what, std::uint64_t number) {
+      if (number != 0) text += fmt::format(", {} {}", number, what);
+    };
+    count("outranked by another sender", merge.frames_outranked);
+    count("with per-address priorities", merge.frames_priorities);
+    count("of a new sender, too early", merge.frames_early);
+    count("that said their sender stops", merge.frames_ended);
+    count("refused: priority above 200", merge.refused_priority);
+    count("refused: eight senders already", merge.refused_full);
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace footlight::tools
