@@ -26,9 +26,9 @@ class UsbModel;
 
 // What a driver's devices can do; or-ed together.
 enum Capability : unsigned {
-  kCanOutput = 1u << 0,       // a Sink
-  kCanInput = 1u << 1,        // a Source; whether both at once is up to the widget's lines
-  kKeepsLookAlive = 1u << 2,  // the device repeats the last frame by itself, also after this program has ended
+  kCanOutput = 1u << 0,           // a Sink
+  kCanInput = 1u << 1,            // a Source; whether both at once is up to the widget's lines
+  kKeepsSnapshotAlive = 1u << 2,  // the device repeats the last frame by itself, also after this program has ended
 };
 
 // How one model differs from its family; or-ed together.

@@ -7,10 +7,10 @@
 #include "drivers/device/device.h"
 #include "drivers/device/device_rdm.h"
 #include "drivers/mock/mock_usb.h"
-#include "drivers/transport/either_connector.h"
-#include "drivers/transport/hidraw_connector.h"
-#include "drivers/transport/libusb_connector.h"
-#include "drivers/transport/tty_connector.h"
+#include "drivers/transport/either_opener.h"
+#include "drivers/transport/hidraw_opener.h"
+#include "drivers/transport/libusb_opener.h"
+#include "drivers/transport/tty_opener.h"
 #include "drivers/usb_match.h"
 
 namespace footlight::drivers {
@@ -70,21 +70,21 @@ bool has_rows_of(const DriverInfo& driver, TransportKind kind) {
 
 // The connector has every way that a device of this driver may need, since the device may be plugged in later. Which
 // one is used depends on the device that is there; the driver's first row stands for a device that the user names.
-Result<std::unique_ptr<Connector>> connector_to(const DriverInfo& driver, const PortRequest& request, Clock& clock) {
+Result<std::unique_ptr<Opener>> opener_of(const DriverInfo& driver, const PortRequest& request, Clock& clock) {
   auto chooser = std::make_shared<Chooser>(std::string(driver.id), request.target);
   const TransportKind unknown_kind = driver.usb_ids[0].transport;
   if (has_rows_of(driver, TransportKind::kHid))
-    return make_hidraw_connector({.driver_id = std::string(driver.id), .target = request.target}, clock);
-  auto libusb = make_libusb_connector({.chooser = chooser, .unknown_kind = unknown_kind}, clock);
+    return make_hidraw_opener({.driver_id = std::string(driver.id), .target = request.target}, clock);
+  auto libusb = make_libusb_opener({.chooser = chooser, .unknown_kind = unknown_kind}, clock);
   if (has_rows_of(driver, TransportKind::kUsb)) return libusb;
-  FL_ASSIGN(auto tty, make_tty_connector(chooser, clock));
+  FL_ASSIGN(auto tty, make_tty_opener(chooser, clock));
   if (!libusb) return tty;
-  const auto look = [chooser, unknown_kind]() -> std::optional<SeenDevice> {
+  const auto snapshot = [chooser, unknown_kind]() -> std::optional<SeenDevice> {
     const auto found = chooser->find();
     if (!found) return std::nullopt;
     return SeenDevice{found->driver_id == chooser->driver_id() ? found->transport : unknown_kind, found->node};
   };
-  return make_either_connector(std::move(*libusb), std::move(tty), look, clock);
+  return make_either_opener(std::move(*libusb), std::move(tty), snapshot, clock);
 }
 
 // The connectors that are asked for, or the first ones that can do it.
@@ -121,9 +121,9 @@ Result<Opening> opening_of(const PortRequest& request, LineUse use, Clock& clock
     FL_ASSIGN(const mock::MockTarget target, mock::mock_of_target(request.target, use == LineUse::kOutput));
     driver = target.driver;
     model = target.row;
-    opening.plan.connector = mock::make_mock_connector(target.usb, clock);
+    opening.plan.opener = mock::make_mock_opener(target.usb, clock);
   } else {
-    FL_ASSIGN(opening.plan.connector, connector_to(*driver, request, clock));
+    FL_ASSIGN(opening.plan.opener, opener_of(*driver, request, clock));
     model = model_of(*driver, request.target);
   }
   const unsigned wanted = use == LineUse::kOutput ? kCanOutput : kCanInput;

@@ -7,15 +7,15 @@
 // clang-format off: gauss.h has to come before beam.h
 namespace footlight::render::f32 {
 using namespace ::footlight::f32;
-#include "render/shaders/shared/agx.h"
-#include "render/shaders/shared/beam.h"
 #include "render/shaders/shared/gauss.h"
+#include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/agx.h"
 }  // namespace footlight::render::f32
 
 namespace footlight::render::f64 {
 using namespace ::footlight::f64;
-#include "render/shaders/shared/agx.h"
-#include "render/shaders/shared/beam.h"
 #include "render/shaders/shared/gauss.h"
+#include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/agx.h"
 }  // namespace footlight::render::f64
 // clang-format on

@@ -52,7 +52,7 @@ std::vector<PassPlan> plan_frame(const fixtures::Needs& needs, const FrameSettin
 std::vector<LeftOutPass> left_out_passes(const fixtures::Needs& needs, const FrameSettings& settings) {
   std::vector<LeftOutPass> out;
   for (const PassEntry* pass : kPasses) {
-    if (!pass->needed(needs, settings)) out.push_back({pass->name, pass->gives});
+    if (!pass->needed(needs, settings)) out.push_back({pass->name, pass->loss});
   }
   return out;
 }

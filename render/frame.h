@@ -38,7 +38,7 @@ struct PassPlan {
 // Names of the passes that the plan leaves out, with what the picture would gain from them.
 struct LeftOutPass {
   std::string name;
-  std::string gives;
+  std::string loss;
 };
 [[nodiscard]] std::vector<LeftOutPass> left_out_passes(const fixtures::Needs& needs, const FrameSettings& settings);
 

@@ -35,7 +35,7 @@ struct PassEntry {
   bool (*needed)(const fixtures::Needs& needs, const FrameSettings& settings);
   std::vector<vk::SpecConstant> (*constants)(const fixtures::Needs& needs, const FrameSettings& settings);
   Result<std::unique_ptr<Pass>> (*create)(const PassContext& context);
-  const char* gives;  // what the picture loses without it, for the report
+  const char* loss;  // what the picture loses without it, for the report
 };
 
 // Whether triangles are drawn: bodies of fixtures, objects of the scene.

@@ -9,8 +9,8 @@ namespace footlight {
 namespace {
 
 // Written over whole universes so that the compiler turns it into vector code.
-void take_highest(std::uint8_t* __restrict look, const std::uint8_t* __restrict levels) {
-  for (int slot = 0; slot < kSlotCountMax; ++slot) look[slot] = std::max(look[slot], levels[slot]);
+void take_highest(std::uint8_t* __restrict snapshot, const std::uint8_t* __restrict levels) {
+  for (int slot = 0; slot < kSlotCountMax; ++slot) snapshot[slot] = std::max(snapshot[slot], levels[slot]);
 }
 
 // As above: one more than the priority, and 0 for 0.
@@ -42,11 +42,11 @@ bool has_best_rank(const std::uint8_t* __restrict best, const std::uint8_t* __re
   return shared != 0;
 }
 
-void take_ranked(std::uint8_t* __restrict look, const std::uint8_t* __restrict best,
+void take_ranked(std::uint8_t* __restrict snapshot, const std::uint8_t* __restrict best,
                  const std::uint8_t* __restrict merged) {
   for (int slot = 0; slot < kSlotCountMax; ++slot) {
-    const std::uint8_t from_winners = merged[slot], from_before = look[slot];
-    look[slot] = best[slot] != 0 ? from_winners : from_before;
+    const std::uint8_t from_winners = merged[slot], from_before = snapshot[slot];
+    snapshot[slot] = best[slot] != 0 ? from_winners : from_before;
   }
 }
 
@@ -58,7 +58,7 @@ Merge::Merge(int universe_count, const MergeOptions& options) : options_(options
   const auto count = static_cast<std::size_t>(universe_count);
   universes_.resize(count);
   for (PerUniverse& universe : universes_) universe.mode = options.mode;
-  looks_ = std::make_unique<std::uint8_t[]>(count * kSlotCountMax);
+  snapshots_ = std::make_unique<std::uint8_t[]>(count * kSlotCountMax);
   levels_ = std::make_unique_for_overwrite<std::uint8_t[]>(count * kSlotCountMax * kSendersPerUniverseMax);
   priorities_ = std::make_unique_for_overwrite<std::uint8_t[]>(count * kSlotCountMax * kSendersPerUniverseMax);
   ltp_slots_.resize(count);
@@ -459,13 +459,13 @@ bool Merge::resolve_by_slot(int index) {
     if (sender.wins && (newest == nullptr || sender.heard_at > newest->heard_at)) newest = &sender;
   }
   if (newest == nullptr) return false;
-  std::uint8_t* const look = looks_.get() + static_cast<std::size_t>(index) * kSlotCountMax;
-  take_ranked(look, best, merged);
-  universe.look_stamp_ns = newest->stamp_ns;
-  universe.look_sender = newest->id;
-  universe.look_sequence = newest->sequence;
+  std::uint8_t* const snapshot = snapshots_.get() + static_cast<std::size_t>(index) * kSlotCountMax;
+  take_ranked(snapshot, best, merged);
+  universe.snapshot_stamp_ns = newest->stamp_ns;
+  universe.snapshot_sender = newest->id;
+  universe.snapshot_sequence = newest->sequence;
   const std::uint8_t highest = *std::max_element(best, best + kSlotCountMax);
-  universe.look_priority = highest != 0 ? static_cast<std::uint8_t>(highest - 1) : newest->priority;
+  universe.snapshot_priority = highest != 0 ? static_cast<std::uint8_t>(highest - 1) : newest->priority;
   return true;
 }
 
@@ -500,9 +500,9 @@ bool Merge::resolve(int index) {
     const bool shown = universe.mode == MergeMode::kHtp || winners[i] == newest;
     ++(shown ? universe.counters.frames_shown : universe.counters.frames_outranked);
   }
-  std::uint8_t* const look = looks_.get() + static_cast<std::size_t>(index) * kSlotCountMax;
+  std::uint8_t* const snapshot = snapshots_.get() + static_cast<std::size_t>(index) * kSlotCountMax;
   if (winner_count == 1 || universe.mode == MergeMode::kLtp) {
-    std::memcpy(look, levels_of(index, newest->place), newest->slot_count);
+    std::memcpy(snapshot, levels_of(index, newest->place), newest->slot_count);
   } else {
     // Levels past the end of a sender's frames are 0 and raise nothing, so all 512 are merged at once.
     std::uint8_t merged[kSlotCountMax];
@@ -512,37 +512,38 @@ bool Merge::resolve(int index) {
       take_highest(merged, levels_of(index, winners[i]->place));
       slot_count = std::max(slot_count, winners[i]->slot_count);
     }
-    std::memcpy(look, merged, slot_count);
+    std::memcpy(snapshot, merged, slot_count);
   }
-  universe.look_stamp_ns = newest->stamp_ns;
-  universe.look_sender = newest->id;
-  universe.look_sequence = newest->sequence;
-  universe.look_priority = newest->priority;
+  universe.snapshot_stamp_ns = newest->stamp_ns;
+  universe.snapshot_sender = newest->id;
+  universe.snapshot_sequence = newest->sequence;
+  universe.snapshot_priority = newest->priority;
   return true;
 }
 
-FrameView Merge::look(int index) const {
+FrameView Merge::snapshot(int index) const {
   FL_CHECK(index >= 0 && index < count());
   const PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
   FrameView frame;
-  frame.stamp_ns = universe.look_stamp_ns;
-  frame.sender = universe.look_sender;
-  frame.sequence = universe.look_sequence;
-  frame.priority = universe.look_priority;
-  frame.slots = {looks_.get() + static_cast<std::size_t>(index) * kSlotCountMax, kSlotCountMax};
+  frame.stamp_ns = universe.snapshot_stamp_ns;
+  frame.sender = universe.snapshot_sender;
+  frame.sequence = universe.snapshot_sequence;
+  frame.priority = universe.snapshot_priority;
+  frame.slots = {snapshots_.get() + static_cast<std::size_t>(index) * kSlotCountMax, kSlotCountMax};
   return frame;
 }
 
-void Merge::set_look(int index, const FrameView& frame) {
+void Merge::set_snapshot(int index, const FrameView& frame) {
   FL_CHECK(index >= 0 && index < count());
   FL_CHECK_LE(frame.slots.size(), static_cast<std::size_t>(kSlotCountMax));
   PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
   if (!frame.slots.empty())
-    std::memcpy(looks_.get() + static_cast<std::size_t>(index) * kSlotCountMax, frame.slots.data(), frame.slots.size());
-  universe.look_stamp_ns = frame.stamp_ns;
-  universe.look_sender = frame.sender;
-  universe.look_sequence = frame.sequence;
-  universe.look_priority = frame.priority;
+    std::memcpy(snapshots_.get() + static_cast<std::size_t>(index) * kSlotCountMax, frame.slots.data(),
+                frame.slots.size());
+  universe.snapshot_stamp_ns = frame.stamp_ns;
+  universe.snapshot_sender = frame.sender;
+  universe.snapshot_sequence = frame.sequence;
+  universe.snapshot_priority = frame.priority;
 }
 
 MergeSender Merge::sender(int index, int number) const {
@@ -587,7 +588,7 @@ void Merge::adopt(const Merge& from, std::span<const int> from_index) {
     universe = old;
     universe.mode = mode;
     universe.changed = changed;
-    set_look(index, from.look(from_index[i]));
+    set_snapshot(index, from.snapshot(from_index[i]));
     for (int k = 0; k < universe.sender_count; ++k) {
       const int place = universe.senders[k].place;
       std::memcpy(levels_of(index, place), from.levels_of(from_index[i], place), kSlotCountMax);

@@ -134,9 +134,9 @@ class Merge {
 
   // The look: 512 levels, and the stamp, sender, sequence and priority of the winner heard last. Valid until the next
   // resolve() of this universe. `universe` is 0: Merge knows indices only.
-  [[nodiscard]] FrameView look(int index) const;
+  [[nodiscard]] FrameView snapshot(int index) const;
   // Begins with a look that nobody sent here (a buffer filled before the pump started). Senders are left alone.
-  void set_look(int index, const FrameView& frame);
+  void set_snapshot(int index, const FrameView& frame);
 
   [[nodiscard]] int sender_count(int index) const;
   // How many of them win, that is: share the highest priority.
@@ -181,10 +181,10 @@ class Merge {
     MergeMode mode = MergeMode::kHtp;
     bool by_slot = false;  // somebody has priorities, or some slots are LTP
     bool changed = false;
-    std::uint8_t look_priority = kPriorityDefault;
-    std::uint32_t look_sequence = 0;
-    TimeNs look_stamp_ns = 0;
-    SenderId look_sender = 0;
+    std::uint8_t snapshot_priority = kPriorityDefault;
+    std::uint32_t snapshot_sequence = 0;
+    TimeNs snapshot_stamp_ns = 0;
+    SenderId snapshot_sender = 0;
     MergeCounters counters;
     Sender senders[kSendersPerUniverseMax];  // the first sender_count are there, in no order
   };
@@ -211,7 +211,7 @@ class Merge {
 
   MergeOptions options_;
   std::vector<PerUniverse> universes_;
-  std::unique_ptr<std::uint8_t[]> looks_;  // count() x 512
+  std::unique_ptr<std::uint8_t[]> snapshots_;  // count() x 512
   // 8 x count() x 512, not initialised: block [place][universe] is cleared when a sender takes it, so that memory which
   // no sender needs is never touched.
   std::unique_ptr<std::uint8_t[]> levels_;

@@ -8,7 +8,7 @@ namespace footlight {
 
 namespace {
 
-constexpr std::int64_t kNever_ns = std::numeric_limits<std::int64_t>::min();
+constexpr std::int64_t kNeverNs = std::numeric_limits<std::int64_t>::min();
 constexpr double kNoDark = std::numeric_limits<double>::infinity();
 constexpr double kRedScale = 320;
 constexpr double kJustBelow = 1 - 1e-6;  // of a change: not one yet
@@ -16,7 +16,7 @@ constexpr double kJustBelow = 1 - 1e-6;  // of a change: not one yet
 double light_or_dark(double value) { return value > 0 && value < 1e12 ? value : 0; }
 
 std::int64_t window_begin(std::int64_t now_ns, std::int64_t window_ns) {
-  return now_ns < kNever_ns + window_ns ? kNever_ns : now_ns - window_ns;
+  return now_ns < kNeverNs + window_ns ? kNeverNs : now_ns - window_ns;
 }
 
 }  // namespace
@@ -54,8 +54,8 @@ void PhotosensitiveGuard::Swing::take(std::int64_t now_ns, double value, double 
 PhotosensitiveGuard::PhotosensitiveGuard(const FlashLimits& limits, std::vector<double> areas)
     : limits_(limits),
       tiles_(std::max<std::size_t>(areas.size(), 1)),
-      last_ns_(kNever_ns),
-      flashing_since_ns_(kNever_ns) {
+      last_ns_(kNeverNs),
+      flashing_since_ns_(kNeverNs) {
   limits_.flashes = std::clamp(limits_.flashes, 1, static_cast<int>(kChangesMost / 2) - 1);
   for (std::size_t i = 0; i < areas.size(); ++i) tiles_[i].area = light_or_dark(areas[i]);
 }
@@ -72,7 +72,7 @@ void PhotosensitiveGuard::restart_if_back(std::int64_t now_ns) {
       tile.luminance = Swing();
       tile.red = Swing();
     }
-    flashing_since_ns_ = kNever_ns;
+    flashing_since_ns_ = kNeverNs;
   }
   last_ns_ = now_ns;
 }
@@ -92,11 +92,11 @@ FlashVerdict PhotosensitiveGuard::verdict(std::int64_t now_ns) {
   }
   verdict.harmful = verdict.area > limits_.area || verdict.red_area > limits_.area;
   if (!(any_area > limits_.area)) {
-    flashing_since_ns_ = kNever_ns;
-  } else if (flashing_since_ns_ == kNever_ns) {
+    flashing_since_ns_ = kNeverNs;
+  } else if (flashing_since_ns_ == kNeverNs) {
     flashing_since_ns_ = now_ns;
   }
-  verdict.long_sequence = flashing_since_ns_ != kNever_ns && flashing_since_ns_ < window_begin(now_ns, limits_.long_ns);
+  verdict.long_sequence = flashing_since_ns_ != kNeverNs && flashing_since_ns_ < window_begin(now_ns, limits_.long_ns);
   return verdict;
 }
 

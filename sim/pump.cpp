@@ -134,9 +134,9 @@ void Pump::pass_on(TimeNs now_ns) {
 void Pump::merge_changed() {
   for (const int index : merge_.changed()) {
     if (!merge_.resolve(index)) continue;
-    universes_->write(index, merge_.look(index));
+    universes_->write(index, merge_.snapshot(index));
     UniverseRun& universe = universe_runs_[static_cast<std::size_t>(index)];
-    universe.has_look = true;
+    universe.has_snapshot = true;
     ++universe.writes;
     const std::uint8_t flags = universe.heard ? kPending | kHeard : kPending;
     universe.heard = false;
@@ -175,7 +175,7 @@ void Pump::send_pending(PortRun& run, TimeNs now_ns, bool ignore_cap) {
     }
     if ((lane.flags & kHeld) != 0) record_lateness(run, due_ns, now_ns);
     if (run.period_ns > 0.0) lane.pace.happened(now_ns, run.period_ns);
-    FrameView& frame = run.batch.emplace_back(merge_.look(lane.index));
+    FrameView& frame = run.batch.emplace_back(merge_.snapshot(lane.index));
     frame.universe = lane.universe;
     run.batch_lanes.push_back(number);
   }
@@ -196,7 +196,7 @@ void Pump::send_pending(PortRun& run, TimeNs now_ns, bool ignore_cap) {
 
 void Pump::mark_pending(PortRun& run, int lane_number, std::uint8_t flags) {
   Lane& lane = run.lanes[static_cast<std::size_t>(lane_number)];
-  ++lane.looks;
+  ++lane.snapshots;
   if ((lane.flags & kPending) != 0) {
     ++lane.replaced;
   } else {
@@ -205,12 +205,12 @@ void Pump::mark_pending(PortRun& run, int lane_number, std::uint8_t flags) {
   lane.flags |= flags;
 }
 
-void Pump::mark_every_look(PortRun& run) {
+void Pump::mark_every_snapshot(PortRun& run) {
   if (run.resting) return;
   for (std::size_t number = 0; number < run.lanes.size(); ++number) {
     const Lane& lane = run.lanes[number];
     if (lane.index < 0 || (lane.flags & kPending) != 0) continue;
-    if (!universe_runs_[static_cast<std::size_t>(lane.index)].has_look) continue;
+    if (!universe_runs_[static_cast<std::size_t>(lane.index)].has_snapshot) continue;
     mark_pending(run, static_cast<int>(number), kPending);
   }
 }
@@ -257,7 +257,7 @@ void Pump::settle(PortRun& run, const Status& result, TimeNs now_ns) {
   } else {
     if (run.sink != nullptr) {
       run.period_ns = period_ns_of(*run.sink);  // it may be another model, or one that was not there at the start
-      mark_every_look(run);
+      mark_every_snapshot(run);
     }
     if (run.pending.empty()) say_back(run, now_ns);  // else when it has taken a look
   }
@@ -303,7 +303,7 @@ void Pump::set_standbys(TimeNs now_ns) {
     } else {
       if (const PortRun* const main = run_of(run.standby_for); main != nullptr)
         say(NoticeLevel::kWarning, "standby-takes-over", run, fmt::format("takes over for {}", main->name));
-      mark_every_look(run);  // its turn comes after that of the sink that it stands by for
+      mark_every_snapshot(run);  // its turn comes after that of the sink that it stands by for
     }
   }
 }
@@ -453,7 +453,7 @@ void Pump::attach(PortRun& run, TimeNs now_ns) {
   run.muted = false;
   run.polled_ns = now_ns;
   settle(run, {}, now_ns);
-  if (run.sink != nullptr) mark_every_look(run);
+  if (run.sink != nullptr) mark_every_snapshot(run);
 }
 
 void Pump::detach(PortRun& run) {
@@ -533,8 +533,8 @@ void Pump::move_to(std::shared_ptr<Universes> universes, const MergeOptions& mer
     universes_ = std::move(universes);
   }
   for (int index = 0; index < universes_->count(); ++index) {
-    if (universe_runs_[static_cast<std::size_t>(index)].has_look) {
-      universes_->write(index, merge_.look(index));
+    if (universe_runs_[static_cast<std::size_t>(index)].has_snapshot) {
+      universes_->write(index, merge_.snapshot(index));
     } else if (started_) {
       take_from_buffer(index);
     }
@@ -555,7 +555,7 @@ void Pump::move_to(std::shared_ptr<Universes> universes, const MergeOptions& mer
       if (!started_ || run.resting) continue;
       for (std::size_t i = 0; i < run.lanes.size(); ++i) {
         const int index = run.lanes[i].index;
-        if (had[i] || index < 0 || !universe_runs_[static_cast<std::size_t>(index)].has_look) continue;
+        if (had[i] || index < 0 || !universe_runs_[static_cast<std::size_t>(index)].has_snapshot) continue;
         mark_pending(run, static_cast<int>(i), kPending);
       }
     }
@@ -572,13 +572,13 @@ void Pump::take_from_buffer(int index) {
   FrameStamp stamp;
   universes_->snapshot(index, levels, stamp);
   if (stamp.revision == 0) return;
-  universe_runs_[static_cast<std::size_t>(index)].has_look = true;
+  universe_runs_[static_cast<std::size_t>(index)].has_snapshot = true;
   FrameView frame;
   frame.stamp_ns = stamp.stamp_ns;
   frame.sender = stamp.sender;
   frame.sequence = stamp.sequence;
   frame.slots = levels;
-  merge_.set_look(index, frame);
+  merge_.set_snapshot(index, frame);
 }
 
 void Pump::call(std::function<void()> job) {
@@ -708,7 +708,7 @@ void Pump::fill(PortStatus& port, const PortRun& run) const {
   port.trouble = run.failed ? run.trouble : run.port->trouble();
   port.port = run.port->counters();
   run.port->take_figures(port.figures);
-  port.frames = port.looks = port.replaced = port.refused = port.waiting = 0;
+  port.frames = port.snapshots = port.replaced = port.refused = port.waiting = 0;
   port.rate_hz = 0.0;
   port.unrouted = run.unrouted;
   port.failures = run.failures;
@@ -721,19 +721,19 @@ void Pump::fill(PortStatus& port, const PortRun& run) const {
     universe = {.universe = lane.universe,
                 .frames = lane.frames,
                 .rate_hz = lane.rate_hz,
-                .looks = lane.looks,
+                .snapshots = lane.snapshots,
                 .replaced = lane.replaced,
                 .refused = lane.refused,
                 .waiting = (lane.flags & kPending) != 0 ? 1u : 0u};
     port.frames += universe.frames;
     port.rate_hz += universe.rate_hz;
-    port.looks += universe.looks;
+    port.snapshots += universe.snapshots;
     port.replaced += universe.replaced;
     port.refused += universe.refused;
     port.waiting += universe.waiting;
   }
   if (run.sink != nullptr && run.lanes.empty()) {
-    port.frames = port.looks = port.port.frames;
+    port.frames = port.snapshots = port.port.frames;
     port.rate_hz = run.own_rate_hz;
   }
 }
@@ -743,7 +743,7 @@ void Pump::fill(UniverseStatus& universe, int index, TimeNs now_ns) const {
   universe.universe = universes_->numbers()[i];
   std::array<std::uint8_t, kSlotCountMax> levels;
   universes_->snapshot(index, levels, universe.newest);
-  universe.priority = merge_.look(index).priority;
+  universe.priority = merge_.snapshot(index).priority;
   universe.rate_hz = universe_runs_[i].rate_hz;
   universe.writes = universe_runs_[i].writes;
   universe.winners = merge_.winner_count(index);
@@ -780,7 +780,7 @@ std::int64_t unaccounted(const UniverseStatus& universe) {
 
 std::int64_t unaccounted(const PortStatus& port) {
   if (!port.is_sink) return 0;  // its frames are counted where they went: `unrouted`, or its universes
-  return static_cast<std::int64_t>(port.looks - port.frames - port.replaced - port.refused - port.waiting);
+  return static_cast<std::int64_t>(port.snapshots - port.frames - port.replaced - port.refused - port.waiting);
 }
 
 }  // namespace footlight

@@ -103,10 +103,10 @@ struct PortUniverseStatus {
   // Of those, over the last status period. A sink that times its line itself, with one universe: frames that left.
   double rate_hz = 0.0;
   // Sinks only; looks == frames + replaced + refused + waiting.
-  std::uint64_t looks = 0;     // meant for it
-  std::uint64_t replaced = 0;  // by a newer one before it was handed over (rate cap, or gone), or taken back (standby)
-  std::uint64_t refused = 0;   // handed over in a call that failed
-  std::uint64_t waiting = 0;   // 0 or 1: held back by the rate cap, or until it is back
+  std::uint64_t snapshots = 0;  // meant for it
+  std::uint64_t replaced = 0;   // by a newer one before it was handed over (rate cap, or gone), or taken back (standby)
+  std::uint64_t refused = 0;    // handed over in a call that failed
+  std::uint64_t waiting = 0;    // 0 or 1: held back by the rate cap, or until it is back
 };
 
 struct PortStatus {
@@ -121,7 +121,7 @@ struct PortStatus {
   // a tap does: then its own count.
   std::uint64_t frames = 0;
   double rate_hz = 0.0;
-  std::uint64_t looks = 0;
+  std::uint64_t snapshots = 0;
   std::uint64_t replaced = 0;
   std::uint64_t refused = 0;
   std::uint64_t waiting = 0;
@@ -236,7 +236,7 @@ class Pump {
     std::uint64_t frames_before = 0;  // at the begin of this status period
     double rate_hz = 0.0;
     // Sinks only.
-    std::uint64_t looks = 0;
+    std::uint64_t snapshots = 0;
     std::uint64_t replaced = 0;
     std::uint64_t refused = 0;
     std::uint8_t flags = 0;  // of the look that waits
@@ -311,7 +311,7 @@ class Pump {
   void poll(PortRun& run, TimeNs now_ns);
   void send_pending(PortRun& run, TimeNs now_ns, bool ignore_cap = false);
   void mark_pending(PortRun& run, int lane, std::uint8_t flags);
-  void mark_every_look(PortRun& run);
+  void mark_every_snapshot(PortRun& run);
   void set_standbys(TimeNs now_ns);
   [[nodiscard]] const PortRun* run_of(const Sink* sink) const;
   void settle(PortRun& run, const Status& result, TimeNs now_ns);
@@ -342,8 +342,8 @@ class Pump {
   bool in_tick_ = false;
 
   struct UniverseRun {
-    bool has_look = false;   // a frame was written since the buffer was made
-    bool said_full = false;  // people know that a sender was refused
+    bool has_snapshot = false;  // a frame was written since the buffer was made
+    bool said_full = false;     // people know that a sender was refused
     bool said_priority = false;
     bool heard = false;  // a frame came since the last look
     std::uint64_t writes = 0;

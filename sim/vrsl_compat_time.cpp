@@ -9,8 +9,8 @@ namespace {
 
 constexpr float kTurn = 6.2831853f;
 constexpr float kClampMost = 1e6f;  // of phases
-constexpr double kMovementStart_s = 3;
-constexpr double kPhaseStart_s = 1;
+constexpr double kMovementStartS = 3;
+constexpr double kPhaseStartS = 1;
 
 float mix(float a, float b, float share) { return a + (b - a) * share; }
 
@@ -27,7 +27,7 @@ const VrslValues& VrslMovement::step(const VrslValues& raw, float dt_s) {
   for (int i = 0; i < kVrslChannels; ++i) {
     const auto at = static_cast<std::size_t>(i);
     const float target = value_of(raw[at]);
-    if (clock_s_ < kMovementStart_s) {
+    if (clock_s_ < kMovementStartS) {
       out_[at] = target;
       continue;
     }
@@ -47,8 +47,7 @@ const VrslValues& VrslColor::step(const VrslValues& raw, float dt_s) {
   const float eased = part * part * (3 - 2 * part);
   for (std::size_t i = 0; i < out_.size(); ++i) {
     const float target = value_of(raw[i]);
-    out_[i] =
-        clock_s_ < kMovementStart_s ? target : mix(mix(out_[i], target, eased), target, settings_.color_smoothing);
+    out_[i] = clock_s_ < kMovementStartS ? target : mix(mix(out_[i], target, eased), target, settings_.color_smoothing);
   }
   return out_;
 }
@@ -64,7 +63,7 @@ const VrslValues& VrslStrobe::step(const VrslValues& raw, const VrslValues& colo
                          : value <= 0.5f ? settings_.strobe_medium_rad_s
                                          : settings_.strobe_high_rad_s;
       phase_[i] = static_cast<float>(clock_s_) * rate;
-    } else if (clock_s_ < kPhaseStart_s) {
+    } else if (clock_s_ < kPhaseStartS) {
       phase_[i] = value;
     } else {
       phase_[i] += part_s * value * settings_.strobe_dynamic_rad_s;
@@ -84,7 +83,7 @@ const VrslValues& VrslSpin::step(const VrslValues& raw, float dt_s) {
     const float value = value_of(raw[i]);
     if (value < 0.01f) {
       if (!holds_) phase_[i] = 0;
-    } else if (clock_s_ < kPhaseStart_s) {
+    } else if (clock_s_ < kPhaseStartS) {
       phase_[i] = value;
     } else {
       phase_[i] += dt_s * (value <= 0.5f ? value : value - 0.5f);

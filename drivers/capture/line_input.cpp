@@ -9,7 +9,7 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr DurationNs kLookNs = 2 * kNsPerS;  // how far the line is looked for
+constexpr DurationNs kSearchNs = 2 * kNsPerS;  // how far the line is looked for
 
 struct Line {
   SigrokProbe probe;
@@ -61,7 +61,7 @@ Result<Line> find_line(SigrokFile& file, const std::string& path, const CaptureO
       tried.emplace_back(Line{probe, inverted, {}}, DmxLineDecoder(metadata.sample_rate_hz));
     }
   }
-  while (tried.front().second.now_ns() < kLookNs) {
+  while (tried.front().second.now_ns() < kSearchNs) {
     const auto samples = file.read();
     if (samples.empty()) break;
     for (auto& [line, decoder] : tried) {
@@ -80,7 +80,7 @@ Result<Line> find_line(SigrokFile& file, const std::string& path, const CaptureO
   if (best->first.score == std::pair<std::uint64_t, std::uint64_t>{}) {
     return fail(ErrorCode::kBadInput,
                 "{}: no frame of DMX in the first {} s of any channel: {}; name one to see why not", path,
-                kLookNs / kNsPerS, names);
+                kSearchNs / kNsPerS, names);
   }
   return best->first;
 }

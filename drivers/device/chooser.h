@@ -28,7 +28,7 @@ class Chooser {
   [[nodiscard]] Result<FoundDevice> find() const;
   // The device was opened.
   void pin(const FoundDevice& device);
-  // See Connector::identity().
+  // See Opener::identity().
   [[nodiscard]] std::string identity() const;
   [[nodiscard]] const std::string& driver_id() const { return driver_id_; }
   [[nodiscard]] const FindOptions& options() const { return find_; }

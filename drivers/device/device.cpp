@@ -16,8 +16,8 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr DurationNs kLineLost_ns = 1'250 * kNsPerMs;  // a receiver's patience, E1.11 section 9.3 plus a frame
-constexpr int kTimeoutCountMax = 3;                    // sends in a row; then the device is opened afresh
+constexpr DurationNs kLineLostNs = 1'250 * kNsPerMs;  // a receiver's patience, E1.11 section 9.3 plus a frame
+constexpr int kTimeoutCountMax = 3;                   // sends in a row; then the device is opened afresh
 
 // A counter in the kernel that poll() and epoll can wait for.
 class EventFd {
@@ -61,7 +61,7 @@ class Device final : private WidgetContext {
   Device(DevicePlan plan, std::string identity, Clock& clock)
       : retry_ns_(plan.retry_ns),
         widget_(std::move(plan.widget)),
-        connector_(std::move(plan.connector)),
+        opener_(std::move(plan.opener)),
         clock_(clock),
         uses_(static_cast<std::size_t>(widget_->line_count()), LineUse::kUnused),
         outs_(uses_.size()),
@@ -70,7 +70,7 @@ class Device final : private WidgetContext {
   }
   ~Device() override {
     if (!thread_.joinable()) return;
-    connector_->abort();
+    opener_->abort();
     thread_.request_stop();
     thread_.join();
   }
@@ -99,7 +99,7 @@ class Device final : private WidgetContext {
     shared_.ports.push_back(port);
     if (!thread_.joinable()) return {};
     shared_.lines_changed = true;
-    connector_->wake();
+    opener_->wake();
     settled_.wait(lock, [&] { return port->settled; });
     if (!port->refusal) return port->refusal;
     return {};
@@ -131,7 +131,7 @@ class Device final : private WidgetContext {
         std::all_of(shared_.ports.begin(), shared_.ports.end(), [](const auto& other) { return other->leaving; });
     if (!last) {
       shared_.lines_changed = true;
-      connector_->wake();
+      opener_->wake();
       settled_.wait(lock, [&] { return port->left; });
       return;
     }
@@ -139,9 +139,9 @@ class Device final : private WidgetContext {
     lock.unlock();
     thread_.request_stop();
     if (politely)
-      connector_->wake();
+      opener_->wake();
     else
-      connector_->abort();
+      opener_->abort();
     if (thread_.joinable()) thread_.join();
     lock.lock();
     while (!shared_.ports.empty()) forget(*shared_.ports.back());
@@ -162,7 +162,7 @@ class Device final : private WidgetContext {
       return job(*widget_, nullptr);
     }
     shared_.jobs.push_back(std::move(job));
-    connector_->wake();
+    opener_->wake();
   }
 
   struct Box {  // the mailbox of a line
@@ -195,13 +195,13 @@ class Device final : private WidgetContext {
     const std::lock_guard lock(mutex_);
     return f(shared_);
   }
-  Connector& connector() { return *connector_; }
+  Opener& opener() { return *opener_; }
 
  private:
   // What the thread knows of an output line.
   struct Out {
-    Slots look{};
-    bool have_look = false;
+    Slots snapshot{};
+    bool have_snapshot = false;
     bool sent = false;  // since the lines were set up
     bool owed = false;  // taken from its mailbox and not yet sent
     TimeNs due_ns = 0;  // when it is to be sent again although unchanged
@@ -246,14 +246,14 @@ class Device final : private WidgetContext {
   void take_figures();
   Status work();
   Status send(std::size_t line);
-  void take_look(std::size_t line);
-  Status say_last_words(const DevicePort& port);
+  void take_snapshot(std::size_t line);
+  Status send_final_frames(const DevicePort& port);
   void lose(const Error& error);
   void signal_all();
 
   const DurationNs retry_ns_;
   const std::unique_ptr<Widget> widget_;
-  const std::unique_ptr<Connector> connector_;
+  const std::unique_ptr<Opener> opener_;
   Clock& clock_;
   std::stop_token stop_;
   std::unique_ptr<Transport> transport_;  // empty while the device is gone
@@ -292,7 +292,7 @@ void Device::run() {
       run_jobs();
       if (const Status opened = open_device(); !opened) {
         lose(opened.error());
-        connector_->wait(clock_.now_ns() + retry_ns_);
+        opener_->wait(clock_.now_ns() + retry_ns_);
         continue;
       }
     }
@@ -302,13 +302,13 @@ void Device::run() {
     if (!worked) {
       lose(worked.error());
       // Not at once: a device that opens and then fails every time must not keep a processor busy.
-      if (!stopping()) connector_->wait(clock_.now_ns() + retry_ns_);
+      if (!stopping()) opener_->wait(clock_.now_ns() + retry_ns_);
     }
   }
   std::vector<std::shared_ptr<DevicePort>> ports = with_shared([](Shared& shared) { return shared.ports; });
   Status said;
   for (const auto& port : ports)
-    if (transport_ && said) said = say_last_words(*port);
+    if (transport_ && said) said = send_final_frames(*port);
   if (transport_ && said) said = widget_->end(*this);
   if (!said) lose(said.error());
   with_shared([](Shared& shared) { shared.figures_wanted = true; });  // the last ones stay
@@ -350,7 +350,7 @@ Status Device::set_lines_up() {
   });
   Status worked;
   for (const auto& port : change.leaving) {
-    if (transport_ && worked) worked = say_last_words(*port);
+    if (transport_ && worked) worked = send_final_frames(*port);
     with_shared([&](Shared&) { forget(*port); });
   }
   if (transport_ && worked) worked = begin();
@@ -368,8 +368,8 @@ Status Device::set_lines_up() {
 }
 
 Status Device::open_device() {
-  FL_ASSIGN(transport_, connector_->connect());
-  std::string identity = connector_->identity();
+  FL_ASSIGN(transport_, opener_->connect());
+  std::string identity = opener_->identity();
   if (Status begun = begin(); !begun) {
     transport_.reset();
     return begun;
@@ -418,16 +418,16 @@ void Device::take_figures() {
   signal_all();
 }
 
-void Device::take_look(std::size_t line) {
+void Device::take_snapshot(std::size_t line) {
   Out& out = outs_[line];
   with_shared([&](Shared& shared) {
     Box& box = shared.boxes[line];
-    if (std::exchange(box.resting, false)) out.have_look = out.owed = false;
+    if (std::exchange(box.resting, false)) out.have_snapshot = out.owed = false;
     if (!box.fresh || uses_[line] != LineUse::kOutput) return;
     if (out.owed && box.port) ++box.port->counters.dropped;
-    std::copy(box.frame.begin() + 1, box.frame.end(), out.look.begin());
+    std::copy(box.frame.begin() + 1, box.frame.end(), out.snapshot.begin());
     box.fresh = false;
-    out.have_look = out.owed = true;
+    out.have_snapshot = out.owed = true;
   });
 }
 
@@ -437,9 +437,9 @@ Status Device::work() {
   TimeNs due_ns = kTimeNever;
   for (std::size_t i = 0; i < outs_.size(); ++i) {
     const std::size_t line = (next_line_ + i) % outs_.size();
-    take_look(line);
+    take_snapshot(line);
     Out& out = outs_[line];
-    if (!out.have_look) continue;
+    if (!out.have_snapshot) continue;
     if (out.owed || !out.sent || now_ns >= out.due_ns) {
       next_line_ = line + 1;
       return send(line);
@@ -452,7 +452,7 @@ Status Device::work() {
 Status Device::send(std::size_t line) {
   Out& out = outs_[line];
   const TimeNs now_ns = clock_.now_ns();
-  const Status sent = widget_->send(*this, static_cast<int>(line), out.look);
+  const Status sent = widget_->send(*this, static_cast<int>(line), out.snapshot);
   if (!sent) {
     // A look that did not get through is due again, unless a newer one has come by then.
     if (sent.error().code != ErrorCode::kTimeout || ++timeout_count_ >= kTimeoutCountMax) return sent;
@@ -475,14 +475,14 @@ Status Device::send(std::size_t line) {
 }
 
 // The newest look that was never sent, or darkness.
-Status Device::say_last_words(const DevicePort& port) {
+Status Device::send_final_frames(const DevicePort& port) {
   if (port.use != LineUse::kOutput) return {};
   for (const DeviceLine& at : port.config.lines) {
     const auto line = static_cast<std::size_t>(at.line);
-    take_look(line);
+    take_snapshot(line);
     Out& out = outs_[line];
     if (port.config.blackout_on_exit) {
-      out.look.fill(0);
+      out.snapshot.fill(0);
       out.owed = true;
     }
     if (out.owed) FL_TRY(send(line));
@@ -520,10 +520,10 @@ DeviceLink::~DeviceLink() {
 }
 
 Result<DeviceLink> DeviceLink::open(DevicePlan plan, const DevicePortConfig& config, LineUse use, Clock& clock) {
-  FL_CHECK(plan.widget && plan.connector);
+  FL_CHECK(plan.widget && plan.opener);
   for (const DeviceLine& line : config.lines) FL_CHECK(is_universe(line.universe));
   auto port = std::make_shared<DevicePort>(config, use, universes_of(config));
-  const std::string identity = plan.connector->identity();
+  const std::string identity = plan.opener->identity();
   OpenDevices& open = open_devices();
   const std::lock_guard lock(open.mutex);
   std::erase_if(open.devices, [](const auto& device) { return device.expired(); });
@@ -577,7 +577,7 @@ void DeviceLink::take_figures(std::vector<PortFigure>& into) const {
     std::copy(shared.figures.begin(), shared.figures.end(), into.begin());
     return shared.ended;
   });
-  if (!ended) device_->connector().wake();
+  if (!ended) device_->opener().wake();
 }
 
 namespace {
@@ -644,7 +644,7 @@ Status DeviceSink::send(TimeNs, std::span<const FrameView> frames) {
       return shared.state == PortState::kWorking;
     });
     // A gone device is looked for at its own pace, not at that of the frames.
-    if (open) link_.device().connector().wake();
+    if (open) link_.device().opener().wake();
   }
   return {};
 }
@@ -664,7 +664,7 @@ void DeviceSink::rest(TimeNs) {
       box.resting = true;
     }
   });
-  link_.device().connector().wake();
+  link_.device().opener().wake();
 }
 
 void DeviceSink::close(TimeNs) { link_.close(); }
@@ -689,7 +689,7 @@ std::span<const Universe> DeviceSource::universes() const { return link_.port().
 TimeNs DeviceSource::next_deadline_ns() const {
   TimeNs deadline_ns = kTimeNever;
   for (const Line& line : lines_)
-    if (!line.quiet) deadline_ns = std::min(deadline_ns, line.heard_ns + kLineLost_ns);
+    if (!line.quiet) deadline_ns = std::min(deadline_ns, line.heard_ns + kLineLostNs);
   return deadline_ns;
 }
 
@@ -724,7 +724,7 @@ Status DeviceSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
                         .slots = std::span<const std::uint8_t>(line.frame).subspan(1, line.size - 1)});
       line.quiet = false;
     }
-    if (!line.quiet && now_ns >= line.heard_ns + kLineLost_ns) line.quiet = true;
+    if (!line.quiet && now_ns >= line.heard_ns + kLineLostNs) line.quiet = true;
   }
   return {};
 }

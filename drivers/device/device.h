@@ -46,7 +46,7 @@ struct DevicePortConfig {
 // The way to a device and what speaks to it. Not used where the device is open already.
 struct DevicePlan {
   std::unique_ptr<Widget> widget;
-  std::unique_ptr<Connector> connector;
+  std::unique_ptr<Opener> opener;
   DurationNs retry_ns = 250 * kNsPerMs;  // how often a lost device is looked for where nothing announces it
 };
 

@@ -71,7 +71,7 @@ class Widget {
   virtual Result<WidgetTraits> begin(WidgetContext& context) = 0;
   // Output: puts a look on a line. Returns when the device has it, or, where the host times the line, when the next
   // look may come. kTimeout: the look is due again.
-  virtual Status send(WidgetContext& context, int line, std::span<const std::uint8_t, kSlotCountMax> look) = 0;
+  virtual Status send(WidgetContext& context, int line, std::span<const std::uint8_t, kSlotCountMax> snapshot) = 0;
   // Nothing to send until the deadline: takes what the device says and delivers frames; returns early when it has
   // delivered some, or when the transport was woken.
   virtual Status listen(WidgetContext& context, TimeNs deadline_ns) = 0;

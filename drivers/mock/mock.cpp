@@ -7,7 +7,7 @@ extern constinit const DriverInfo mock_driver{
     .id = "mock",
     .full_name = "Device models inside this program",
     .usb_ids = {},
-    .capabilities = kCanOutput | kCanInput | kKeepsLookAlive,
+    .capabilities = kCanOutput | kCanInput | kKeepsSnapshotAlive,
     .notes = "mock: with a driver's id runs that driver without hardware; as a source it plays a slow sine.",
 };
 

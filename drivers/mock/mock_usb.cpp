@@ -371,9 +371,9 @@ class PipeTransport final : public Transport {
   std::uint8_t in_ = 0, out_ = 0;
 };
 
-class MockConnector final : public Connector {
+class MockOpener final : public Opener {
  public:
-  MockConnector(std::shared_ptr<MockUsb> usb, Clock& clock, std::string serial)
+  MockOpener(std::shared_ptr<MockUsb> usb, Clock& clock, std::string serial)
       : usb_(std::move(usb)), clock_(clock), serial_(std::move(serial)) {}
 
   Result<std::unique_ptr<Transport>> connect() override {
@@ -432,8 +432,8 @@ class MockConnector final : public Connector {
   std::shared_ptr<Wakeups> wakeups_ = std::make_shared<Wakeups>();
 };
 
-std::unique_ptr<Connector> make_mock_connector(std::shared_ptr<MockUsb> usb, Clock& clock, std::string serial) {
-  return std::make_unique<MockConnector>(std::move(usb), clock, std::move(serial));
+std::unique_ptr<Opener> make_mock_opener(std::shared_ptr<MockUsb> usb, Clock& clock, std::string serial) {
+  return std::make_unique<MockOpener>(std::move(usb), clock, std::move(serial));
 }
 
 Result<MockTarget> mock_of_target(std::string_view target, bool for_output) {
@@ -460,19 +460,19 @@ Result<MockTarget> mock_of_target(std::string_view target, bool for_output) {
 
 MockUsb::Script slow_sine() {
   return [](UsbModel& model, TimeNs now_ns) {
-    constexpr DurationNs kFrame_ns = 25 * kNsPerMs, kPeriod_ns = 10 * kNsPerS;
+    constexpr DurationNs kFrameNs = 25 * kNsPerMs, kPeriodNs = 10 * kNsPerS;
     constexpr int kLineCountMax = 8;
     for (int line = 0; line < kLineCountMax; ++line) {
       if (!model.listens(line)) continue;
       std::array<std::uint8_t, 513> line_frame{};
-      const double turns = static_cast<double>(now_ns % kPeriod_ns) / static_cast<double>(kPeriod_ns);
+      const double turns = static_cast<double>(now_ns % kPeriodNs) / static_cast<double>(kPeriodNs);
       for (std::size_t slot = 0; slot < 512; ++slot) {
         const double phase_rad = 2.0 * std::numbers::pi * (turns - static_cast<double>(slot) / 511.0);
         line_frame[1 + slot] = static_cast<std::uint8_t>(std::lround(127.5 + 127.5 * std::sin(phase_rad)));
       }
       model.receive_line_frame(line, line_frame);
     }
-    return now_ns + kFrame_ns;
+    return now_ns + kFrameNs;
   };
 }
 

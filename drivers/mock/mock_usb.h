@@ -70,7 +70,7 @@ class MockUsb {
   void move_clock(BusTime time);
 
  private:
-  friend class MockConnector;
+  friend class MockOpener;
   friend class MockTransport;
   struct Notifier {
     MockUsb& usb;
@@ -104,8 +104,8 @@ class MockUsb {
 };
 
 // The transport is of the kind that the driver table says for such a device. `serial`: empty for any.
-[[nodiscard]] std::unique_ptr<Connector> make_mock_connector(std::shared_ptr<MockUsb> usb, Clock& clock,
-                                                             std::string serial = {});
+[[nodiscard]] std::unique_ptr<Opener> make_mock_opener(std::shared_ptr<MockUsb> usb, Clock& clock,
+                                                       std::string serial = {});
 
 // A device that a `mock:` endpoint names.
 struct MockTarget {

@@ -7,7 +7,7 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr DurationNs kControlTimeout_ns = 500 * kNsPerMs;
+constexpr DurationNs kControlTimeoutNs = 500 * kNsPerMs;
 constexpr std::uint16_t kBreakBit = 1u << 14;
 
 class FtdiTransport final : public Transport {
@@ -23,7 +23,7 @@ class FtdiTransport final : public Transport {
     for (std::uint16_t what = 0; what < 3; ++what) FL_TRY(request(ftdi::kReset, what));
     FL_TRY(request(ftdi::kModemControl, 0x0200));  // RTS low: cables that steer a driver chip with it send
     FL_TRY(request(ftdi::kFlowControl, 0));
-    return set_line({}, clock_.now_ns() + kControlTimeout_ns);
+    return set_line({}, clock_.now_ns() + kControlTimeoutNs);
   }
 
   std::string where() const override { return usb_->where(); }
@@ -98,7 +98,7 @@ class FtdiTransport final : public Transport {
 
  private:
   Status request(std::uint8_t what, std::uint16_t value) {
-    return usb_->control_out({ftdi::kRequestOut, what, value, index_}, {}, clock_.now_ns() + kControlTimeout_ns);
+    return usb_->control_out({ftdi::kRequestOut, what, value, index_}, {}, clock_.now_ns() + kControlTimeoutNs);
   }
 
   void take_packet(std::span<const std::uint8_t> packet, TimeNs now_ns) {

@@ -89,9 +89,9 @@ class Transport {
 
 // Knows which device is meant and opens it as often as needed. The first connect() that succeeds pins the device: by
 // its serial number where it has one, else by the socket that it sits in. Later ones accept no other.
-class Connector {
+class Opener {
  public:
-  virtual ~Connector() = default;
+  virtual ~Opener() = default;
   // Only one Transport at a time. kNotFound: not plugged in. kPermission: busy or not allowed; says what mends it.
   virtual Result<std::unique_ptr<Transport>> connect() = 0;
   // Without a device: until one may have been plugged in, the deadline has passed, or wake() was called.

@@ -15,7 +15,7 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr DurationNs kTimeout_ns = 250 * kNsPerMs;
+constexpr DurationNs kTimeoutNs = 250 * kNsPerMs;
 constexpr std::uint8_t kGood = 'G';
 constexpr std::uint8_t kSetLow = 0xE2, kSetHigh = 0xE3;
 constexpr std::size_t kLowCount = 256;
@@ -31,7 +31,7 @@ class Dmx4all final : public Widget {
 
   Result<WidgetTraits> begin(WidgetContext& context) override {
     known_ = false;
-    FL_TRY(context.transport().set_line({.latency_ms = 2}, context.now_ns() + kTimeout_ns));
+    FL_TRY(context.transport().set_line({.latency_ms = 2}, context.now_ns() + kTimeoutNs));
     // Two zeros complete what a killed program has left: a slot is three bytes.
     constexpr std::uint8_t kZeros[] = {0, 0};
     FL_TRY(write(context, kZeros));
@@ -42,8 +42,8 @@ class Dmx4all final : public Widget {
     return traits;
   }
 
-  Status send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> look) override {
-    const bool all = !known_ || std::equal(look.begin(), look.end(), shown_.begin());
+  Status send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> snapshot) override {
+    const bool all = !known_ || std::equal(snapshot.begin(), snapshot.end(), shown_.begin());
     std::array<std::uint8_t, kChunkSize> chunk;
     std::size_t size = 0;
     const auto flush = [&]() -> Status {
@@ -54,15 +54,15 @@ class Dmx4all final : public Widget {
       return take_answers(context, context.now_ns());
     };
     if (!known_) size = 2, chunk[0] = chunk[1] = 0;  // as in begin()
-    for (std::size_t slot = 0; slot < look.size(); ++slot) {
-      if (!all && look[slot] == shown_[slot]) continue;
+    for (std::size_t slot = 0; slot < snapshot.size(); ++slot) {
+      if (!all && snapshot[slot] == shown_[slot]) continue;
       if (size + 3 > chunk.size()) FL_TRY(flush());
       chunk[size++] = slot < kLowCount ? kSetLow : kSetHigh;
       chunk[size++] = static_cast<std::uint8_t>(slot % kLowCount);
-      chunk[size++] = look[slot];
+      chunk[size++] = snapshot[slot];
     }
     FL_TRY(flush());
-    std::copy(look.begin(), look.end(), shown_.begin());
+    std::copy(snapshot.begin(), snapshot.end(), shown_.begin());
     known_ = true;
     return {};
   }
@@ -75,17 +75,17 @@ class Dmx4all final : public Widget {
 
  private:
   Status write(WidgetContext& context, std::span<const std::uint8_t> bytes) {
-    return context.transport().write(bytes, context.now_ns() + kTimeout_ns);
+    return context.transport().write(bytes, context.now_ns() + kTimeoutNs);
   }
   Status ask(WidgetContext& context, std::string_view question) {
     const std::uint64_t before = good_count_;
     FL_TRY(write(context, std::vector<std::uint8_t>(question.begin(), question.end())));
-    const TimeNs deadline_ns = context.now_ns() + kTimeout_ns;
+    const TimeNs deadline_ns = context.now_ns() + kTimeoutNs;
     while (good_count_ == before) {
       if (context.stopping()) return fail(ErrorCode::kDisconnected, "{}: closed", context.transport().where());
       if (context.now_ns() >= deadline_ns)
         return fail(ErrorCode::kTimeout, "{}: no answer to \"{}\" within {} ms; is it a DMX4ALL interface?",
-                    context.transport().where(), question, kTimeout_ns / kNsPerMs);
+                    context.transport().where(), question, kTimeoutNs / kNsPerMs);
       FL_TRY(take_answers(context, deadline_ns));
     }
     return {};
@@ -126,7 +126,7 @@ extern constinit const DriverInfo dmx4all_driver{
     .id = "dmx4all",
     .full_name = "DMX4ALL NanoDMX, DMX4ALL and StageProfi",
     .usb_ids = kModels,
-    .capabilities = kCanOutput | kKeepsLookAlive,
+    .capabilities = kCanOutput | kKeepsSnapshotAlive,
     .notes = "One output, set slot by slot: only what changes is sent.",
     .make_widget = [](const PortRequest&, const UsbModelId&) -> Result<std::unique_ptr<Widget>> {
       return std::make_unique<Dmx4all>();

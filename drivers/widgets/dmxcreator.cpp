@@ -11,7 +11,7 @@ namespace footlight::drivers {
 namespace {
 
 constexpr std::uint8_t kAnnouncements = 0x01, kLevels = 0x02;  // endpoints
-constexpr DurationNs kPatience_ns = 250 * kNsPerMs;            // per transfer
+constexpr DurationNs kPatienceNs = 250 * kNsPerMs;             // per transfer
 constexpr int kAttemptCountMax = 3;                            // it refuses a transfer now and then
 constexpr std::array<std::uint8_t, 6> kAnnouncement{0x80, 0x01, 0x00, 0x00, 0x00, 0x02};
 constexpr std::size_t kPartSize = 256;
@@ -27,10 +27,10 @@ class DmxCreatorWidget final : public Widget {
   Result<WidgetTraits> begin(WidgetContext&) override { return WidgetTraits{}; }
 
   // From the announcement again where a part was refused, so that the parts of two looks never mix.
-  Status send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> look) override {
+  Status send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> snapshot) override {
     Status sent;
     for (int attempt = 1; attempt <= kAttemptCountMax; ++attempt) {
-      sent = send_once(context, look);
+      sent = send_once(context, snapshot);
       if (sent || sent.error().code != ErrorCode::kIo) return sent;
       ++refused_count_;
     }
@@ -44,13 +44,13 @@ class DmxCreatorWidget final : public Widget {
   }
 
  private:
-  static Status send_once(WidgetContext& context, std::span<const std::uint8_t, kSlotCountMax> look) {
+  static Status send_once(WidgetContext& context, std::span<const std::uint8_t, kSlotCountMax> snapshot) {
     const auto write = [&](std::uint8_t endpoint, std::span<const std::uint8_t> bytes) {
-      return context.transport().write_endpoint(endpoint, bytes, context.now_ns() + kPatience_ns);
+      return context.transport().write_endpoint(endpoint, bytes, context.now_ns() + kPatienceNs);
     };
     FL_TRY(write(kAnnouncements, kAnnouncement));
-    FL_TRY(write(kLevels, look.first(kPartSize)));
-    return write(kLevels, look.subspan(kPartSize));
+    FL_TRY(write(kLevels, snapshot.first(kPartSize)));
+    return write(kLevels, snapshot.subspan(kPartSize));
   }
 
   std::uint64_t refused_count_ = 0;
@@ -73,7 +73,7 @@ extern constinit const DriverInfo dmxcreator_driver{
     .id = "dmxcreator",
     .full_name = "DMXCreator 512 Basic",
     .usb_ids = kModels,
-    .capabilities = kCanOutput | kKeepsLookAlive,
+    .capabilities = kCanOutput | kKeepsSnapshotAlive,
     .notes = "An announcement and two halves of 256 slots a look.",
     .make_widget = [](const PortRequest&, const UsbModelId&) -> Result<std::unique_ptr<Widget>> {
       return std::make_unique<DmxCreatorWidget>();

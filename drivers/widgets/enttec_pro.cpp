@@ -7,8 +7,8 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr DurationNs kSplitMessage_ns = 100 * kNsPerMs;  // silence inside a message: the rest was lost
-constexpr double kLineRateHzMax = 44.0;                  // 513 slots of 44 us with the shortest break
+constexpr DurationNs kSplitMessageNs = 100 * kNsPerMs;  // silence inside a message: the rest was lost
+constexpr double kLineRateHzMax = 44.0;                 // 513 slots of 44 us with the shortest break
 constexpr std::uint16_t kDmxkingEstaId = 0x6A6B;
 constexpr std::uint16_t kDmxkingUltraPro = 2;  // device id of the model with two outputs
 constexpr std::uint8_t kBothPortsDmx[] = {1, 1};
@@ -158,7 +158,7 @@ Status EnttecPro::set_up_lines(WidgetContext& context, WidgetTraits& traits) {
   return {};
 }
 
-Status EnttecPro::send(WidgetContext& context, int line, std::span<const std::uint8_t, kSlotCountMax> look) {
+Status EnttecPro::send(WidgetContext& context, int line, std::span<const std::uint8_t, kSlotCountMax> snapshot) {
   if (cut_short_) {
     // The widget still waits for the rest of a message and would take this one for it.
     FL_TRY(write(context, pro_flush_bytes()));
@@ -166,7 +166,7 @@ Status EnttecPro::send(WidgetContext& context, int line, std::span<const std::ui
   }
   Line& out = lines_[static_cast<std::size_t>(line)];
   out.frame[0] = kStartCodeLevels;
-  std::copy(look.begin(), look.end(), out.frame.begin() + 1);
+  std::copy(snapshot.begin(), snapshot.end(), out.frame.begin() + 1);
   out.shows = true;
   return write(context, ProMessage(ProLabel{out.send_label}, out.frame).bytes());
 }
@@ -220,7 +220,7 @@ Status EnttecPro::listen(WidgetContext& context, TimeNs deadline_ns) {
   ProMessageView message;
   while (parser_.next(unread_, message)) (void)take_line_message(context, message);
   count_rejected(context);
-  const TimeNs split_ns = parser_.pending() ? heard_ns_ + kSplitMessage_ns : kTimeNever;
+  const TimeNs split_ns = parser_.pending() ? heard_ns_ + kSplitMessageNs : kTimeNever;
   FL_ASSIGN(const std::size_t count, context.transport().read(input_, std::min(deadline_ns, split_ns)));
   unread_ = std::span<const std::uint8_t>(input_).first(count);
   const TimeNs now_ns = context.now_ns();
@@ -344,7 +344,7 @@ extern constinit const DriverInfo enttec_pro_driver{
     .id = "enttec-pro",
     .full_name = "ENTTEC DMX USB Pro and compatible",
     .usb_ids = kModels,
-    .capabilities = kCanOutput | kCanInput | kKeepsLookAlive,
+    .capabilities = kCanOutput | kCanInput | kKeepsSnapshotAlive,
     .notes = "One universe per connector, in or out. The widget times the line itself.",
     .make_widget = make_enttec_pro,
     .make_model = []() -> std::unique_ptr<mock::UsbModel> {

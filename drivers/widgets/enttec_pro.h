@@ -42,7 +42,7 @@ class EnttecPro final : public Widget, public RdmWidget {
   int line_count() const override { return config_.line_count; }
   Status can(int line, LineUse use) const override;
   Result<WidgetTraits> begin(WidgetContext& context) override;
-  Status send(WidgetContext& context, int line, std::span<const std::uint8_t, kSlotCountMax> look) override;
+  Status send(WidgetContext& context, int line, std::span<const std::uint8_t, kSlotCountMax> snapshot) override;
   Status listen(WidgetContext& context, TimeNs deadline_ns) override;
   // garbage_bytes, bad_messages, line_errors, widget_serial, firmware, break_us, mab_us, rate_hz.
   std::vector<WidgetFigure> figures() const override;

@@ -12,7 +12,7 @@ namespace footlight::drivers {
 namespace {
 
 constexpr std::uint8_t kBulkOut = 0x02;
-constexpr DurationNs kWriteTimeout_ns = 250 * kNsPerMs;
+constexpr DurationNs kWriteTimeoutNs = 250 * kNsPerMs;
 
 class Eurolite final : public Widget {
  public:
@@ -27,18 +27,18 @@ class Eurolite final : public Widget {
     cut_short_ = false;
     WidgetTraits traits;
     if (!is_serial_) return traits;
-    FL_TRY(context.transport().set_line({}, context.now_ns() + kWriteTimeout_ns));
+    FL_TRY(context.transport().set_line({}, context.now_ns() + kWriteTimeoutNs));
     // A program that was killed in the middle of a message leaves the device waiting for the rest of it.
-    FL_TRY(context.transport().write(pro_flush_bytes(), context.now_ns() + kWriteTimeout_ns));
+    FL_TRY(context.transport().write(pro_flush_bytes(), context.now_ns() + kWriteTimeoutNs));
     return traits;
   }
-  Status send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> look) override {
-    const TimeNs deadline_ns = context.now_ns() + kWriteTimeout_ns;
+  Status send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> snapshot) override {
+    const TimeNs deadline_ns = context.now_ns() + kWriteTimeoutNs;
     if (cut_short_) {
       FL_TRY(write(context, pro_flush_bytes(), deadline_ns));
       cut_short_ = false;
     }
-    return write(context, encode_send_dmx(look).bytes(), deadline_ns);
+    return write(context, encode_send_dmx(snapshot).bytes(), deadline_ns);
   }
   Status listen(WidgetContext& context, TimeNs deadline_ns) override {
     if (!is_serial_) return context.transport().wait(deadline_ns);
@@ -81,7 +81,7 @@ extern constinit const DriverInfo eurolite_pro_driver{
     .id = "eurolite-pro",
     .full_name = "Eurolite USB-DMX512 PRO",
     .usb_ids = kProModels,
-    .capabilities = kCanOutput | kKeepsLookAlive,
+    .capabilities = kCanOutput | kKeepsSnapshotAlive,
     .notes = "One output.",
     .make_widget = [](const PortRequest&, const UsbModelId&) -> Result<std::unique_ptr<Widget>> {
       return std::make_unique<Eurolite>(false);
@@ -93,7 +93,7 @@ extern constinit const DriverInfo eurolite_mk2_driver{
     .id = "eurolite-mk2",
     .full_name = "Eurolite USB-DMX512 PRO MK2",
     .usb_ids = kMk2Models,
-    .capabilities = kCanOutput | kKeepsLookAlive,
+    .capabilities = kCanOutput | kKeepsSnapshotAlive,
     .notes =
         "One output. Has to be named by its serial number or port, since it says no more of itself than any FTDI "
         "chip does.",

@@ -10,10 +10,10 @@ namespace footlight::drivers {
 namespace {
 
 constexpr int kOutputLine = 0, kInputLine = 1;
-constexpr DurationNs kReportPatience_ns = 250 * kNsPerMs;  // OLA: 60 ms were too few on a Raspberry Pi 1
-constexpr DurationNs kRefresh_ns = kNsPerS;                // all blocks, whether they have changed or not
+constexpr DurationNs kReportPatienceNs = 250 * kNsPerMs;  // OLA: 60 ms were too few on a Raspberry Pi 1
+constexpr DurationNs kRefreshNs = kNsPerS;                // all blocks, whether they have changed or not
 // The blocks of one frame come one after the other. A pause of so long, or a number that does not go up, ends it.
-constexpr DurationNs kPassPause_ns = 3 * kNsPerMs;
+constexpr DurationNs kPassPauseNs = 3 * kNsPerMs;
 constexpr double kLineRateHzMax = 44.0;
 
 class NodleWidget final : public Widget {
@@ -37,11 +37,11 @@ class NodleWidget final : public Widget {
     output_used_ = output_used_ || output;
     FL_TRY(set_mode(context, input));
 
-    FL_ASSIGN(const auto endpoint, ask_hid_output(context.transport(), context.now_ns() + kReportPatience_ns));
+    FL_ASSIGN(const auto endpoint, ask_hid_output(context.transport(), context.now_ns() + kReportPatienceNs));
     const int interval_ms = endpoint ? endpoint->interval_ms : 1;
     const double rate_hz = 1000.0 / (kNodleBlockCount * interval_ms);
     WidgetTraits traits{.rate_hz_max = std::min(kLineRateHzMax, 1000.0 / interval_ms),
-                        .keep_alive_ns = kRefresh_ns,
+                        .keep_alive_ns = kRefreshNs,
                         .identity = {},
                         .remarks = {}};
     if (rate_hz < kLineRateHzMax)
@@ -51,15 +51,15 @@ class NodleWidget final : public Widget {
     return traits;
   }
 
-  Status send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> look) override {
+  Status send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> snapshot) override {
     const TimeNs now_ns = context.now_ns();
-    const bool all = !known_ || now_ns >= refreshed_ns_ + kRefresh_ns;
+    const bool all = !known_ || now_ns >= refreshed_ns_ + kRefreshNs;
     known_ = false;
     for (int block = 0; block < kNodleBlockCount; ++block) {
-      const auto levels = look.subspan(static_cast<std::size_t>(block * kNodleBlockSize), kNodleBlockSize);
+      const auto levels = snapshot.subspan(static_cast<std::size_t>(block * kNodleBlockSize), kNodleBlockSize);
       const auto at = sent_.begin() + block * kNodleBlockSize;
       if (!all && std::equal(levels.begin(), levels.end(), at)) continue;
-      FL_TRY(context.transport().write(encode_nodle_block(block, look), context.now_ns() + kReportPatience_ns));
+      FL_TRY(context.transport().write(encode_nodle_block(block, snapshot), context.now_ns() + kReportPatienceNs));
       std::copy(levels.begin(), levels.end(), at);
       ++block_count_;
     }
@@ -72,7 +72,7 @@ class NodleWidget final : public Widget {
     if (context.lines()[kInputLine] != LineUse::kInput) return context.transport().wait(deadline_ns);
     std::array<std::uint8_t, 65> report{};
     while (true) {
-      const TimeNs pass_end_ns = heard_ns_ + kPassPause_ns;
+      const TimeNs pass_end_ns = heard_ns_ + kPassPauseNs;
       FL_ASSIGN(const std::size_t size,
                 context.transport().read(report, pending_ ? std::min(deadline_ns, pass_end_ns) : deadline_ns));
       const TimeNs now_ns = context.now_ns();
@@ -104,7 +104,7 @@ class NodleWidget final : public Widget {
  private:
   Status set_mode(WidgetContext& context, bool input) const {
     const auto mode = static_cast<std::uint8_t>((output_used_ ? kNodleOutput : 0) | (input ? kNodleInput : 0));
-    return context.transport().write(encode_nodle_mode(mode), context.now_ns() + kReportPatience_ns);
+    return context.transport().write(encode_nodle_mode(mode), context.now_ns() + kReportPatienceNs);
   }
   void deliver(WidgetContext& context) {
     pending_ = false;
@@ -147,7 +147,7 @@ extern constinit const DriverInfo nodle_driver{
     .id = "nodle",
     .full_name = "Nodle, Digital Enlightenment, FX5",
     .usb_ids = kModels,
-    .capabilities = kCanOutput | kCanInput | kKeepsLookAlive,
+    .capabilities = kCanOutput | kCanInput | kKeepsSnapshotAlive,
     .notes =
         "Connector 1 is the output, connector 2 the input; both work at the same time. Only blocks of 32 slots that "
         "have changed are sent, and all of them once a second.",

@@ -18,11 +18,11 @@ NodleReport encode_nodle_mode(std::uint8_t mode) {
   return report;
 }
 
-NodleReport encode_nodle_block(int block, std::span<const std::uint8_t, kSlotCountMax> look) {
+NodleReport encode_nodle_block(int block, std::span<const std::uint8_t, kSlotCountMax> snapshot) {
   FL_CHECK(block >= 0 && block < kNodleBlockCount);
   NodleReport report{};
   report[1] = static_cast<std::uint8_t>(block);
-  std::copy_n(look.begin() + block * kNodleBlockSize, kNodleBlockSize, report.begin() + 2);
+  std::copy_n(snapshot.begin() + block * kNodleBlockSize, kNodleBlockSize, report.begin() + 2);
   return report;
 }
 

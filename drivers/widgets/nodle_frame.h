@@ -32,7 +32,7 @@ enum NodleMode : std::uint8_t {  // or-ed together; none: standby
 
 [[nodiscard]] NodleReport encode_nodle_mode(std::uint8_t mode);
 // block: 0 to 15.
-[[nodiscard]] NodleReport encode_nodle_block(int block, std::span<const std::uint8_t, kSlotCountMax> look);
+[[nodiscard]] NodleReport encode_nodle_block(int block, std::span<const std::uint8_t, kSlotCountMax> snapshot);
 // Puts the levels of an input report where they belong and returns the number of the block; nullopt where it is none,
 // with `slots` as they were. report: with its HID report number.
 std::optional<int> apply_nodle_report(std::span<const std::uint8_t> report,

@@ -7,9 +7,9 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr DurationNs kPollPause_ns = 500 * kNsPerUs;  // between two looks at a transmitter that is late
-constexpr double kRateHzMax = 44.0;                   // 513 slots of 44 us with the shortest break and mark
-constexpr double kRateHzMin = 1.0;                    // E1.11: a frame a second at least
+constexpr DurationNs kPollPauseNs = 500 * kNsPerUs;  // between two looks at a transmitter that is late
+constexpr double kRateHzMax = 44.0;                  // 513 slots of 44 us with the shortest break and mark
+constexpr double kRateHzMin = 1.0;                   // E1.11: a frame a second at least
 
 double us_of(DurationNs duration_ns) { return static_cast<double>(duration_ns) * 1e-3; }
 
@@ -55,7 +55,7 @@ Status OpenDmx::wait_until_empty(WidgetContext& context) {
     ++waits_;
     if (now_ns >= give_up_ns)
       return fail(ErrorCode::kTimeout, "{}: its transmitter does not get rid of a frame", context.transport().where());
-    FL_TRY(context.transport().wait(now_ns + kPollPause_ns));
+    FL_TRY(context.transport().wait(now_ns + kPollPauseNs));
   }
 }
 
@@ -70,26 +70,26 @@ Status OpenDmx::send_break(WidgetContext& context, TimeNs deadline_ns) {
   const TimeNs low_ns = context.now_ns();
   if (broke_ns_ != 0) periods_.record(asked_ns - broke_ns_);
   broke_ns_ = asked_ns;
-  context.sleep_until_ns(low_ns + kBreakMin_ns);
+  context.sleep_until_ns(low_ns + kBreakMinNs);
   const TimeNs ending_ns = context.now_ns();
   FL_TRY(transport.set_break(false, deadline_ns));
   breaks_.record(ending_ns - low_ns);
   return {};
 }
 
-Status OpenDmx::send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> look) {
+Status OpenDmx::send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> snapshot) {
   FL_TRY(wait_until_empty(context));
   const TimeNs deadline_ns = context.now_ns() + config_.reply_timeout_ns;
   FL_TRY(send_break(context, deadline_ns));
   const TimeNs high_ns = context.now_ns();
-  context.sleep_until_ns(high_ns + kMarkMin_ns);
+  context.sleep_until_ns(high_ns + kMarkMinNs);
   std::array<std::uint8_t, 1 + kSlotCountMax> frame;
   frame[0] = kStartCodeLevels;
-  std::copy(look.begin(), look.end(), frame.begin() + 1);
+  std::copy(snapshot.begin(), snapshot.end(), frame.begin() + 1);
   const TimeNs writing_ns = context.now_ns();
   marks_.record(writing_ns - high_ns);
   const Status written = context.transport().write(frame, deadline_ns);
-  empty_ns_ = writing_ns + static_cast<DurationNs>(frame.size()) * kSlot_ns;
+  empty_ns_ = writing_ns + static_cast<DurationNs>(frame.size()) * kSlotNs;
   FL_TRY(written);
   // Until the frame is out no other may come: by then there may be a newer look.
   while (context.now_ns() < empty_ns_ && !context.stopping()) FL_TRY(context.transport().wait(empty_ns_));

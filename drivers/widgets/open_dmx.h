@@ -2,7 +2,7 @@
 //
 // Output: break, mark and 513 bytes by a serial chip that knows nothing of DMX. A frame begins when the transmitter
 // says that the last one has left it (and not when the clock would have it), so no frame is cut. The break lasts at
-// least kBreakMin_ns between the answers of the chip to "begin" and "end", the mark at least kMarkMin_ns until the
+// least kBreakMinNs between the answers of the chip to "begin" and "end", the mark at least kMarkMinNs until the
 // bytes are handed over; what the bus adds is measured and told in figures(). Frames follow each other at absolute
 // times, so lateness of one is not handed on.
 //
@@ -28,16 +28,16 @@ struct OpenDmxConfig {
 
 class OpenDmx final : public Widget {
  public:
-  static constexpr DurationNs kBreakMin_ns = 110 * kNsPerUs;  // E1.11 asks for 92 us
-  static constexpr DurationNs kMarkMin_ns = 14 * kNsPerUs;    // and for 12 us
-  static constexpr DurationNs kSlot_ns = 44 * kNsPerUs;       // 11 bits of 4 us
+  static constexpr DurationNs kBreakMinNs = 110 * kNsPerUs;  // E1.11 asks for 92 us
+  static constexpr DurationNs kMarkMinNs = 14 * kNsPerUs;    // and for 12 us
+  static constexpr DurationNs kSlotNs = 44 * kNsPerUs;       // 11 bits of 4 us
 
   explicit OpenDmx(OpenDmxConfig config) : config_(config) {}
 
   int line_count() const override { return 1; }
   Status can(int, LineUse) const override { return {}; }
   Result<WidgetTraits> begin(WidgetContext& context) override;
-  Status send(WidgetContext& context, int line, std::span<const std::uint8_t, kSlotCountMax> look) override;
+  Status send(WidgetContext& context, int line, std::span<const std::uint8_t, kSlotCountMax> snapshot) override;
   Status listen(WidgetContext& context, TimeNs deadline_ns) override;
   Status end(WidgetContext& context) override;
   // Output: asked_hz, rate_hz, break_us_min, _p50, _max, mab_us_..., period_us_..., waits_for_transmitter. Input:

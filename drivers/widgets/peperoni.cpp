@@ -10,7 +10,7 @@ constexpr std::uint8_t kEndpointOut = 0x02, kEndpointIn = 0x82;
 constexpr ControlRequest kSetStartCode{.request_type = 0x40, .request = 0x09};
 constexpr ControlRequest kSetMemory{.request_type = 0x40, .request = 0x08};
 constexpr ControlRequest kGetDeviceDescriptor{.request_type = 0x80, .request = 6, .value = 0x0100};
-constexpr DurationNs kPatience_ns = 100 * kNsPerMs;  // more than kPeperoniWait_ms
+constexpr DurationNs kPatienceNs = 100 * kNsPerMs;  // more than kPeperoniWaitMs
 
 constexpr std::uint16_t kTwoPortProduct = 0x0004;
 
@@ -27,7 +27,7 @@ class PeperoniWidget final : public Widget {
   Result<WidgetTraits> begin(WidgetContext& context) override {
     std::array<std::uint8_t, 18> descriptor{};
     FL_ASSIGN(const std::size_t size,
-              context.transport().control_in(kGetDeviceDescriptor, descriptor, context.now_ns() + kPatience_ns));
+              context.transport().control_in(kGetDeviceDescriptor, descriptor, context.now_ns() + kPatienceNs));
     if (size != descriptor.size())
       return fail(ErrorCode::kProtocol, "{}: a device descriptor of {} bytes; plug it in again",
                   context.transport().where(), size);
@@ -41,7 +41,7 @@ class PeperoniWidget final : public Widget {
     if (second_is_used && frames_ == PeperoniFrames::kControl)
       return fail(ErrorCode::kUnsupported, "{}: its firmware {:x}.{:02x} has one output only; use connector 1",
                   context.transport().where(), release >> 8, release & 0xFF);
-    FL_TRY(context.transport().control_out(kSetStartCode, {}, context.now_ns() + kPatience_ns));
+    FL_TRY(context.transport().control_out(kSetStartCode, {}, context.now_ns() + kPatienceNs));
     stale_ = true;
     answer_owed_ = false;
     return WidgetTraits{.rate_hz_max = 44.0,
@@ -50,18 +50,18 @@ class PeperoniWidget final : public Widget {
                         .remarks = {}};
   }
 
-  Status send(WidgetContext& context, int line, std::span<const std::uint8_t, kSlotCountMax> look) override {
+  Status send(WidgetContext& context, int line, std::span<const std::uint8_t, kSlotCountMax> snapshot) override {
     Transport& transport = context.transport();
-    const TimeNs deadline_ns = context.now_ns() + kPatience_ns;
+    const TimeNs deadline_ns = context.now_ns() + kPatienceNs;
     switch (frames_) {
-      case PeperoniFrames::kControl: return transport.control_out(kSetMemory, look, deadline_ns);
+      case PeperoniFrames::kControl: return transport.control_out(kSetMemory, snapshot, deadline_ns);
       case PeperoniFrames::kBulk:
-        return transport.write_endpoint(kEndpointOut, encode_peperoni_bulk(line, look), deadline_ns);
+        return transport.write_endpoint(kEndpointOut, encode_peperoni_bulk(line, snapshot), deadline_ns);
       case PeperoniFrames::kBulkWithStatus: break;
     }
     if (stale_) FL_TRY(forget_answers(context));
     stale_ = answer_owed_ = true;
-    FL_TRY(transport.write_endpoint(kEndpointOut, encode_peperoni_with_status(line, look), deadline_ns));
+    FL_TRY(transport.write_endpoint(kEndpointOut, encode_peperoni_with_status(line, snapshot), deadline_ns));
     FL_TRY(take_answer(context, line, deadline_ns));
     stale_ = false;
     return {};
@@ -86,7 +86,7 @@ class PeperoniWidget final : public Widget {
         if (status == PeperoniStatus::kTimeout) {
           ++timeout_count_;
           return fail(ErrorCode::kTimeout, "{}: its transmitter was not free within {} ms", transport.where(),
-                      kPeperoniWait_ms);
+                      kPeperoniWaitMs);
         }
         if (status)
           return fail(ErrorCode::kIo, "{}: refused universe {} with status {}", transport.where(), line + 1,
@@ -94,7 +94,7 @@ class PeperoniWidget final : public Widget {
         context.count_rejected();
       } else if (context.now_ns() >= deadline_ns) {
         return fail(ErrorCode::kTimeout, "{}: no answer to a look within {} ms", transport.where(),
-                    kPatience_ns / kNsPerMs);
+                    kPatienceNs / kNsPerMs);
       }
       // Otherwise it was woken: a newer look waits, and this one's answer still has to come.
     }
@@ -103,7 +103,7 @@ class PeperoniWidget final : public Widget {
   // Answers to what went before must not be taken for the next one; nothing in them says what they answer. One that is
   // owed is waited for.
   Status forget_answers(WidgetContext& context) {
-    const TimeNs give_up_ns = context.now_ns() + (answer_owed_ ? kPatience_ns : 0);
+    const TimeNs give_up_ns = context.now_ns() + (answer_owed_ ? kPatienceNs : 0);
     std::array<std::uint8_t, kUsbTransferSizeMax> answer{};
     while (true) {
       FL_ASSIGN(const std::size_t size,
@@ -146,7 +146,7 @@ extern constinit const DriverInfo peperoni_driver{
     .id = "peperoni",
     .full_name = "Peperoni Rodin, X-Switch, USBDMX21",
     .usb_ids = kModels,
-    .capabilities = kCanOutput | kKeepsLookAlive,
+    .capabilities = kCanOutput | kKeepsSnapshotAlive,
     .notes = "Outputs only. The firmware's release decides how looks travel; from 5.00 each is acknowledged.",
     .make_widget = [](const PortRequest&, const UsbModelId& row) -> Result<std::unique_ptr<Widget>> {
       // Of a device that is not plugged in yet begin() finds out whether it has a second output.

@@ -19,17 +19,17 @@ PeperoniFrames peperoni_frames(std::uint16_t release) {
   return release < 0x0500 ? PeperoniFrames::kBulk : PeperoniFrames::kBulkWithStatus;
 }
 
-std::array<std::uint8_t, kPeperoniBulkSize> encode_peperoni_bulk(int universe,
-                                                                 std::span<const std::uint8_t, kSlotCountMax> look) {
+std::array<std::uint8_t, kPeperoniBulkSize> encode_peperoni_bulk(
+    int universe, std::span<const std::uint8_t, kSlotCountMax> snapshot) {
   FL_CHECK(universe == 0 || universe == 1);
   constexpr std::uint8_t kSetFirst = 0, kSetSecond = 4;
   std::array<std::uint8_t, kPeperoniBulkSize> message{0x01, universe == 0 ? kSetFirst : kSetSecond, 0x00, 0x02};
-  std::copy(look.begin(), look.end(), message.begin() + 4);
+  std::copy(snapshot.begin(), snapshot.end(), message.begin() + 4);
   return message;
 }
 
 std::array<std::uint8_t, kPeperoniStatusFrameSize> encode_peperoni_with_status(
-    int universe, std::span<const std::uint8_t, kSlotCountMax> look) {
+    int universe, std::span<const std::uint8_t, kSlotCountMax> snapshot) {
   FL_CHECK(universe == 0 || universe == 1);
   constexpr std::size_t kCommandSize = 13, kDataHeadSize = 7;
   constexpr std::size_t kDataSize = kDataHeadSize + kSlotCountMax, kLineSize = 1 + kSlotCountMax;
@@ -38,7 +38,7 @@ std::array<std::uint8_t, kPeperoniStatusFrameSize> encode_peperoni_with_status(
                                    kDataSize & 0xFF,
                                    kDataSize >> 8,
                                    kWaitForTransmitter | kForceTransmission,
-                                   kPeperoniWait_ms,
+                                   kPeperoniWaitMs,
                                    0,
                                    kBreakCode,
                                    kMarkCode};
@@ -49,7 +49,7 @@ std::array<std::uint8_t, kPeperoniStatusFrameSize> encode_peperoni_with_status(
   FL_CHECK_EQ(at - message.begin(), static_cast<std::ptrdiff_t>(kCommandSize));
   at = std::copy(std::begin(kMagic), std::end(kMagic), at);
   at = std::copy(std::begin(kDataHead), std::end(kDataHead), at);
-  std::copy(look.begin(), look.end(), at);
+  std::copy(snapshot.begin(), snapshot.end(), at);
   return message;
 }
 

@@ -29,13 +29,13 @@ inline constexpr std::size_t kPeperoniBulkSize = 4 + kSlotCountMax;
 inline constexpr std::size_t kPeperoniStatusFrameSize = 13 + 7 + kSlotCountMax;
 inline constexpr std::size_t kPeperoniStatusSize = 8;
 // How long a device that answers waits until its transmitter is free: it paces the looks.
-inline constexpr std::uint8_t kPeperoniWait_ms = 50;
+inline constexpr std::uint8_t kPeperoniWaitMs = 50;
 
 // universe: 0 or 1.
 [[nodiscard]] std::array<std::uint8_t, kPeperoniBulkSize> encode_peperoni_bulk(
-    int universe, std::span<const std::uint8_t, kSlotCountMax> look);
+    int universe, std::span<const std::uint8_t, kSlotCountMax> snapshot);
 [[nodiscard]] std::array<std::uint8_t, kPeperoniStatusFrameSize> encode_peperoni_with_status(
-    int universe, std::span<const std::uint8_t, kSlotCountMax> look);
+    int universe, std::span<const std::uint8_t, kSlotCountMax> snapshot);
 
 enum class PeperoniStatus : std::uint8_t { kOk = 0, kTimeout = 1, kStartFailed = 2, kWrongUniverse = 3 };
 // The status byte of an answer, which may be one that PeperoniStatus does not name; nullopt where it is no answer.

@@ -10,9 +10,9 @@ namespace footlight::drivers {
 namespace {
 
 constexpr ControlRequest kSetRange{.request_type = 0x40, .request = 2};
-constexpr DurationNs kPacket_ns = kNsPerMs;                  // low speed: one packet of 8 bytes a frame of the bus
-constexpr DurationNs kTransferPatience_ns = 500 * kNsPerMs;  // as peers wait; a whole universe takes 66 ms
-constexpr int kAttemptCountMax = 3;                          // it refuses a transfer now and then, and takes the next
+constexpr DurationNs kPacketNs = kNsPerMs;                  // low speed: one packet of 8 bytes a frame of the bus
+constexpr DurationNs kTransferPatienceNs = 500 * kNsPerMs;  // as peers wait; a whole universe takes 66 ms
+constexpr int kAttemptCountMax = 3;                         // it refuses a transfer now and then, and takes the next
 constexpr int kRefreshSlotCount = 64;    // of an unchanged look, each time it is due: 10 ms of the bus
 constexpr double kLineRateHzMax = 41.5;  // of 512 slots; a logic capture of one shows 24.1 ms a frame (sigrok-dumps)
 
@@ -33,22 +33,22 @@ class UdmxWidget final : public Widget {
         .remarks = {"a look in which all 512 slots change takes 66 ms of its low-speed bus: 15 a second"}};
   }
 
-  Status send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> look) override {
+  Status send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> snapshot) override {
     if (!known_) {
-      FL_TRY(send_range(context, look, {0, kSlotCountMax}));
-      std::copy(look.begin(), look.end(), sent_.begin());
+      FL_TRY(send_range(context, snapshot, {0, kSlotCountMax}));
+      std::copy(snapshot.begin(), snapshot.end(), sent_.begin());
       known_ = true;
       return {};
     }
     bool changed = false;
     int from = 0;
-    while (const auto range = next_udmx_range(sent_, look, from)) {
-      FL_TRY(send_range(context, look, *range));
+    while (const auto range = next_udmx_range(sent_, snapshot, from)) {
+      FL_TRY(send_range(context, snapshot, *range));
       from = range->first + range->count;
       changed = true;
     }
     if (!changed) {
-      FL_TRY(send_range(context, look, {refresh_slot_, kRefreshSlotCount}));
+      FL_TRY(send_range(context, snapshot, {refresh_slot_, kRefreshSlotCount}));
       refresh_slot_ = (refresh_slot_ + kRefreshSlotCount) % kSlotCountMax;
     }
     return {};
@@ -62,13 +62,13 @@ class UdmxWidget final : public Widget {
   }
 
  private:
-  Status send_range(WidgetContext& context, std::span<const std::uint8_t, kSlotCountMax> look, UdmxRange range) {
+  Status send_range(WidgetContext& context, std::span<const std::uint8_t, kSlotCountMax> snapshot, UdmxRange range) {
     ControlRequest request = kSetRange;
     request.value = static_cast<std::uint16_t>(range.count);
     request.index = static_cast<std::uint16_t>(range.first);
-    const auto levels = look.subspan(static_cast<std::size_t>(range.first), static_cast<std::size_t>(range.count));
+    const auto levels = snapshot.subspan(static_cast<std::size_t>(range.first), static_cast<std::size_t>(range.count));
     for (int attempt = 1;; ++attempt) {
-      const Status sent = context.transport().control_out(request, levels, context.now_ns() + kTransferPatience_ns);
+      const Status sent = context.transport().control_out(request, levels, context.now_ns() + kTransferPatienceNs);
       if (sent) break;
       if (sent.error().code != ErrorCode::kIo || attempt == kAttemptCountMax) {
         known_ = false;  // which slots it took nobody knows
@@ -112,7 +112,7 @@ constexpr UsbModelId kModels[] = {
 
 DurationNs udmx_transfer_ns(int slot_count) {
   constexpr int kPacketSize = 8;
-  return (2 + (slot_count + kPacketSize - 1) / kPacketSize) * kPacket_ns;  // 2: the request and its status
+  return (2 + (slot_count + kPacketSize - 1) / kPacketSize) * kPacketNs;  // 2: the request and its status
 }
 
 std::optional<UdmxRange> next_udmx_range(std::span<const std::uint8_t, kSlotCountMax> known,
@@ -136,7 +136,7 @@ extern constinit const DriverInfo udmx_driver{
     .id = "udmx",
     .full_name = "Anyma uDMX and clones",
     .usb_ids = kModels,
-    .capabilities = kCanOutput | kKeepsLookAlive,
+    .capabilities = kCanOutput | kKeepsSnapshotAlive,
     .notes = "Low speed: only slots that have changed are sent; a look in which all change takes 66 ms.",
     .make_widget = [](const PortRequest&, const UsbModelId&) -> Result<std::unique_ptr<Widget>> {
       return std::make_unique<UdmxWidget>();

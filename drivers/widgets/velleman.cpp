@@ -12,10 +12,10 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr DurationNs kReportPatience_ns = 250 * kNsPerMs;
+constexpr DurationNs kReportPatienceNs = 250 * kNsPerMs;
 // Nothing says that it repeats a look; of OLA's driver is the remark that a look goes out when the next one begins. So
 // looks are repeated, and not all the time, for a new one would have to wait behind the old.
-constexpr DurationNs kRepeat_ns = 100 * kNsPerMs;
+constexpr DurationNs kRepeatNs = 100 * kNsPerMs;
 constexpr HidEndpoint kOriginal{.address = 0x01, .report_size = kVellemanReportSize, .interval_ms = 10};
 constexpr double kLineRateHzMax = 44.0;
 
@@ -29,7 +29,7 @@ class VellemanWidget final : public Widget {
   }
 
   Result<WidgetTraits> begin(WidgetContext& context) override {
-    FL_ASSIGN(const auto endpoint, ask_hid_output(context.transport(), context.now_ns() + kReportPatience_ns));
+    FL_ASSIGN(const auto endpoint, ask_hid_output(context.transport(), context.now_ns() + kReportPatienceNs));
     const HidEndpoint output = endpoint.value_or(kOriginal);
     const bool upgraded = output.report_size == kVellemanUpgradedReportSize;
     endpoint_ = output.address;
@@ -38,12 +38,12 @@ class VellemanWidget final : public Widget {
 
     Slots bright;
     bright.fill(1);
-    const auto rate_hz = [&](const Slots& look) {
-      const auto look_ms = static_cast<double>(VellemanReports(look, report_size_).count()) * output.interval_ms;
+    const auto rate_hz = [&](const Slots& snapshot) {
+      const auto look_ms = static_cast<double>(VellemanReports(snapshot, report_size_).count()) * output.interval_ms;
       return std::min(kLineRateHzMax, 1000.0 / look_ms);
     };
     WidgetTraits traits{.rate_hz_max = rate_hz(Slots{}),
-                        .keep_alive_ns = kRepeat_ns,
+                        .keep_alive_ns = kRepeatNs,
                         .identity = fmt::format("reports of {} bytes every {} ms", report_size_, output.interval_ms),
                         .remarks = {}};
     if (const double bright_hz = rate_hz(bright); bright_hz < kLineRateHzMax)
@@ -56,18 +56,18 @@ class VellemanWidget final : public Widget {
     return traits;
   }
 
-  Status send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> look) override {
-    const bool same = std::equal(look.begin(), look.end(), sent_.begin());
-    if (same && sent_ns_ != INT64_MIN && context.now_ns() < sent_ns_ + kRepeat_ns) return {};
+  Status send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> snapshot) override {
+    const bool same = std::equal(snapshot.begin(), snapshot.end(), sent_.begin());
+    if (same && sent_ns_ != INT64_MIN && context.now_ns() < sent_ns_ + kRepeatNs) return {};
     const TimeNs begin_ns = context.now_ns();
     sent_ns_ = INT64_MIN;
-    const VellemanReports reports(look, report_size_);
+    const VellemanReports reports(snapshot, report_size_);
     for (std::size_t i = 0; i < reports.count(); ++i)
-      FL_TRY(context.transport().write_endpoint(endpoint_, reports[i], context.now_ns() + kReportPatience_ns));
+      FL_TRY(context.transport().write_endpoint(endpoint_, reports[i], context.now_ns() + kReportPatienceNs));
     sent_ns_ = begin_ns;
-    std::copy(look.begin(), look.end(), sent_.begin());
+    std::copy(snapshot.begin(), snapshot.end(), sent_.begin());
     report_count_ += reports.count();
-    look_ns_ = context.now_ns() - begin_ns;
+    snapshot_ns_ = context.now_ns() - begin_ns;
     return {};
   }
 
@@ -75,7 +75,7 @@ class VellemanWidget final : public Widget {
 
   std::vector<WidgetFigure> figures() const override {
     return {{"reports_sent", static_cast<double>(report_count_)},
-            {"last_look_ms", static_cast<double>(look_ns_) * 1e-6}};
+            {"last_look_ms", static_cast<double>(snapshot_ns_) * 1e-6}};
   }
 
  private:
@@ -84,7 +84,7 @@ class VellemanWidget final : public Widget {
   Slots sent_{};
   TimeNs sent_ns_ = INT64_MIN;  // when the look in sent_ was begun; INT64_MIN: the device may show another
   std::uint64_t report_count_ = 0;
-  DurationNs look_ns_ = 0;
+  DurationNs snapshot_ns_ = 0;
 };
 
 constexpr UsbModelId kModels[] = {

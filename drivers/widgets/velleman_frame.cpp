@@ -15,14 +15,14 @@ static_assert(kUpgradedReportCountMax * kVellemanUpgradedReportSize <= kVelleman
 
 }  // namespace
 
-VellemanReports::VellemanReports(std::span<const std::uint8_t, kSlotCountMax> look, std::size_t report_size)
+VellemanReports::VellemanReports(std::span<const std::uint8_t, kSlotCountMax> snapshot, std::size_t report_size)
     : stride_(report_size) {
   FL_CHECK(report_size == kVellemanReportSize || report_size == kVellemanUpgradedReportSize);
   const bool upgraded = report_size == kVellemanUpgradedReportSize;
   const std::size_t zeros_max = upgraded ? kUpgradedZerosMax : kZerosMax;
   const std::size_t plain_count = report_size - 1, counted_count = report_size - 2;
 
-  std::span<const std::uint8_t> rest = look;
+  std::span<const std::uint8_t> rest = snapshot;
   const auto leading_zeros = [&] {
     const std::size_t limit = std::min(zeros_max, rest.size() - counted_count);
     return static_cast<std::size_t>(

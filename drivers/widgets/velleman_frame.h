@@ -32,7 +32,7 @@ inline constexpr std::size_t kVellemanReportCountMax = 78;
 class VellemanReports {
  public:
   // report_size: kVellemanReportSize or kVellemanUpgradedReportSize.
-  VellemanReports(std::span<const std::uint8_t, kSlotCountMax> look, std::size_t report_size);
+  VellemanReports(std::span<const std::uint8_t, kSlotCountMax> snapshot, std::size_t report_size);
   [[nodiscard]] std::size_t count() const { return count_; }
   [[nodiscard]] std::span<const std::uint8_t> operator[](std::size_t i) const {
     return std::span(bytes_).subspan(i * stride_, stride_);

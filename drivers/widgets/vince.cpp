@@ -9,7 +9,7 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr DurationNs kTimeout_ns = 250 * kNsPerMs;
+constexpr DurationNs kTimeoutNs = 250 * kNsPerMs;
 
 class Vince final : public Widget {
  public:
@@ -23,15 +23,15 @@ class Vince final : public Widget {
     replies_.reset();
     unread_ = {};
     cut_short_ = true;  // whoever had it before may have left half a message
-    FL_TRY(context.transport().set_line({.latency_ms = 2}, context.now_ns() + kTimeout_ns));
+    FL_TRY(context.transport().set_line({.latency_ms = 2}, context.now_ns() + kTimeoutNs));
     FL_TRY(mend(context));
     return WidgetTraits{};
   }
 
-  Status send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> look) override {
+  Status send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> snapshot) override {
     FL_TRY(mend(context));
-    FL_TRY(write(context, encode_vince_update(look)));
-    const TimeNs deadline_ns = context.now_ns() + kTimeout_ns;
+    FL_TRY(write(context, encode_vince_update(snapshot)));
+    const TimeNs deadline_ns = context.now_ns() + kTimeoutNs;
     while (true) {
       VinceReply reply;
       while (replies_.next(unread_, reply)) {
@@ -43,7 +43,7 @@ class Vince final : public Widget {
       }
       if (context.now_ns() >= deadline_ns)
         return fail(ErrorCode::kTimeout, "{}: no answer to an update within {} ms", context.transport().where(),
-                    kTimeout_ns / kNsPerMs);
+                    kTimeoutNs / kNsPerMs);
       FL_TRY(read(context, deadline_ns));
     }
   }
@@ -70,7 +70,7 @@ class Vince final : public Widget {
     return {};
   }
   Status write(WidgetContext& context, std::span<const std::uint8_t> bytes) {
-    const Status written = context.transport().write(bytes, context.now_ns() + kTimeout_ns);
+    const Status written = context.transport().write(bytes, context.now_ns() + kTimeoutNs);
     if (!written) cut_short_ = true;
     return written;
   }
@@ -100,7 +100,7 @@ extern constinit const DriverInfo vince_driver{
     .id = "vince",
     .full_name = "Vince USB-DMX512 converter",
     .usb_ids = kModels,
-    .capabilities = kCanOutput | kKeepsLookAlive,
+    .capabilities = kCanOutput | kKeepsSnapshotAlive,
     .notes = "One output.",
     .make_widget = [](const PortRequest&, const UsbModelId&) -> Result<std::unique_ptr<Widget>> {
       return std::make_unique<Vince>();

@@ -9,7 +9,7 @@ constexpr std::uint8_t kStart = 0x0F, kEnd = 0x04;
 
 }  // namespace
 
-std::array<std::uint8_t, kVinceUpdateSize> encode_vince_update(std::span<const std::uint8_t, kSlotCountMax> look) {
+std::array<std::uint8_t, kVinceUpdateSize> encode_vince_update(std::span<const std::uint8_t, kSlotCountMax> snapshot) {
   constexpr std::size_t kLength = kSlotCountMax + 2;
   std::array<std::uint8_t, kVinceUpdateSize> message{kStart,
                                                      kStart,
@@ -18,7 +18,7 @@ std::array<std::uint8_t, kVinceUpdateSize> encode_vince_update(std::span<const s
                                                      static_cast<std::uint8_t>(kLength & 0xFF),
                                                      0,
                                                      0};
-  std::copy(look.begin(), look.end(), message.begin() + 7);
+  std::copy(snapshot.begin(), snapshot.end(), message.begin() + 7);
   message.back() = kEnd;
   return message;
 }

@@ -19,7 +19,7 @@ enum class VinceCommand : std::uint8_t { kStart = 0x01, kStop = 0x02, kUpdate = 
 inline constexpr std::size_t kVinceUpdateSize = 2 + 1 + 2 + 2 + kSlotCountMax + 1;
 inline constexpr std::array<std::uint8_t, 6> kVinceStart{0x0F, 0x0F, 0x01, 0, 0, 0x04};
 [[nodiscard]] std::array<std::uint8_t, kVinceUpdateSize> encode_vince_update(
-    std::span<const std::uint8_t, kSlotCountMax> look);
+    std::span<const std::uint8_t, kSlotCountMax> snapshot);
 
 struct VinceReply {
   std::uint8_t command = 0;

@@ -289,9 +289,9 @@ LightAt light_at(const JudgeBeam& beam, const GoboTransmission& gobo, const glm:
     const double spread = beam.measured_spread * beam.shown;
     share = beam.measured(x * spread, y * spread);
   } else if (beam.aspect > 0) {
-    share = profile(x * x * square, beam.profile_m) * profile(high * high * square, beam.profile_m);
+    share = profile(x * x * square, beam.profile_power) * profile(high * high * square, beam.profile_power);
   } else {
-    share = profile((x * x + y * y) * square, beam.profile_m);
+    share = profile((x * x + y * y) * square, beam.profile_power);
   }
   light.illuminance = share / (w * w * stretch);
   if (light.illuminance > 0) light.illuminance *= gobo_share(beam, gobo, x, y, z);
@@ -395,19 +395,19 @@ double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& r
 
 }  // namespace
 
-double judge_flux_factor(double spread, double profile_m, double shown) {
+double judge_flux_factor(double spread, double profile_power, double shown) {
   // In q = rho^2: area of the disc is pi dq.
   const auto f = [&](double q) {
-    return profile(q * shown * shown, profile_m) * std::pow(1 + spread * spread * q, -1.5);
+    return profile(q * shown * shown, profile_power) * std::pow(1 + spread * spread * q, -1.5);
   };
   return std::numbers::pi * integrate(f, {0.0, 1.0}, 1e-14);
 }
 
-double judge_rectangle_factor(double spread, double profile_m, double aspect, double shown) {
+double judge_rectangle_factor(double spread, double profile_power, double aspect, double shown) {
   const double square = shown * shown;
   const auto over_x = [&](double x) {
     const auto over_y = [&](double y) {
-      return profile(x * x * square, profile_m) * profile(y * y * square, profile_m) *
+      return profile(x * x * square, profile_power) * profile(y * y * square, profile_power) *
              std::pow(1 + spread * spread * (x * x + y * y / (aspect * aspect)), -1.5);
     };
     return integrate(over_y, {0.0, 1.0}, 1e-12);
@@ -419,8 +419,8 @@ namespace {
 
 // Flux over J0 of a beam with a profile, as it is drawn.
 double drawn_factor(const JudgeBeam& beam) {
-  return beam.aspect > 0 ? judge_rectangle_factor(beam.spread, beam.profile_m, beam.aspect, beam.shown)
-                         : judge_flux_factor(beam.spread, beam.profile_m, beam.shown);
+  return beam.aspect > 0 ? judge_rectangle_factor(beam.spread, beam.profile_power, beam.aspect, beam.shown)
+                         : judge_flux_factor(beam.spread, beam.profile_power, beam.shown);
 }
 
 // Where a measured beam's peak and edge are, in the file's own candela.
@@ -504,7 +504,7 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
     beam.lens_radius_m = type.lens_radius_m;
     beam.spread = std::tan(f64::drawn_half_angle(state.zoom, static_cast<double>(type.aspect), type.measured != 0));
     const double zoom_spread = beam.spread;
-    beam.profile_m = type.profile_m;
+    beam.profile_power = type.profile_power;
     beam.range_m = range_m;
     const bool shaped = row.optics != fixtures::kNoAddress;
     fixtures::f64::Walker::OpticsState optics{};
@@ -522,7 +522,7 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
         passes = optics.iris * optics.iris * drawn_factor(within) / drawn_factor(beam);
         beam.shown = type.measured != 0 ? optics.iris : 1 - f64::iris_hidden(optics.iris, soft);
       }
-      beam.profile_m = f64::softened_profile(beam.profile_m, soft);
+      beam.profile_power = f64::softened_profile(beam.profile_power, soft);
       if (optics.frost > 0) {
         beam.spread = beam.spread * (1 + static_cast<double>(f64::kFrostWidens) * optics.frost) +
                       static_cast<double>(f64::kFrostAdds) * optics.frost;

@@ -49,7 +49,7 @@ struct JudgeBeam {
   glm::dvec3 axis{0, 0, 1};
   double lens_radius_m = 0.05;  // R0 > 0
   double spread = 0.1;          // k = tan(half angle) >= 0
-  double profile_m = 1;         // f = 1 - rho^(2m); below 1: (1 - rho^2)^(1/m)
+  double profile_power = 1;     // f = 1 - rho^(2m); below 1: (1 - rho^2)^(1/m)
   double range_m = 100;         // the light ends there, along the axis
   glm::dvec3 strength_lm{1};    // J0 per channel
   JudgeWheel wheels[2];
@@ -87,9 +87,9 @@ struct JudgeScene {
 
 // Integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc by adaptive quadrature: flux in lumens over J0. f is read at
 // shown rho.
-[[nodiscard]] double judge_flux_factor(double spread, double profile_m, double shown = 1);
+[[nodiscard]] double judge_flux_factor(double spread, double profile_power, double shown = 1);
 // The same over a rectangle: twice as wide as the lens, that over `aspect` high.
-[[nodiscard]] double judge_rectangle_factor(double spread, double profile_m, double aspect, double shown = 1);
+[[nodiscard]] double judge_rectangle_factor(double spread, double profile_power, double aspect, double shown = 1);
 
 struct Ray {
   glm::dvec3 origin_m{0};

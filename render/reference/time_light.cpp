@@ -88,23 +88,23 @@ void report_pulses(const char* model, bool random, const TimeReportOptions& opti
         own.difference = std::max(own.difference, std::abs(sampled - scene.judge.back()));
       }
       bench.add(scene, "exposure integral f32", 1, [&] {
-        f32::ShutterWish wish{};
-        wish.kind = random ? f32::kShutterRandomPulse : f32::kShutterPulse;
-        wish.rate_hz = hz;
-        wish.duty = static_cast<float>(kPulseDuty);
-        wish.seed = kPulseSeed;
-        return [&, wish, shutter = f32::shutter_begin()](std::size_t i) mutable {
-          return static_cast<double>(f32::shutter_step(shutter, wish, dt_of(show, i)));
+        f32::ShutterParams params{};
+        params.kind = random ? f32::kShutterRandomPulse : f32::kShutterPulse;
+        params.rate_hz = hz;
+        params.duty = static_cast<float>(kPulseDuty);
+        params.seed = kPulseSeed;
+        return [&, params, shutter = f32::shutter_begin()](std::size_t i) mutable {
+          return static_cast<double>(f32::shutter_step(shutter, params, dt_of(show, i)));
         };
       });
       bench.add(scene, "exposure integral f64", 1, [&] {
-        f64::ShutterWish wish{};
-        wish.kind = random ? f64::kShutterRandomPulse : f64::kShutterPulse;
-        wish.rate_hz = static_cast<double>(hz);
-        wish.duty = kPulseDuty;
-        wish.seed = kPulseSeed;
-        return [&, wish, shutter = f64::shutter_begin()](std::size_t i) mutable {
-          return f64::shutter_step(shutter, wish, dt_of(show, i));
+        f64::ShutterParams params{};
+        params.kind = random ? f64::kShutterRandomPulse : f64::kShutterPulse;
+        params.rate_hz = static_cast<double>(hz);
+        params.duty = kPulseDuty;
+        params.seed = kPulseSeed;
+        return [&, params, shutter = f64::shutter_begin()](std::size_t i) mutable {
+          return f64::shutter_step(shutter, params, dt_of(show, i));
         };
       });
       for (const int samples : options.substeps) {

@@ -49,25 +49,25 @@ void report_strobe(const TimeReportOptions& options, TimeReport& report) {
         return glm::uvec2(static_cast<std::uint32_t>(show.start_ns[i + 1] - show.start_ns[i]), 0u);
       };
       const auto integral_f32 = [&](f32::Turns after_ns) {
-        f32::ShutterWish wish{};
-        wish.kind = f32::kShutterStrobe;
-        wish.rate_hz = hz;
-        wish.duty = static_cast<float>(kDuty);
+        f32::ShutterParams params{};
+        params.kind = f32::kShutterStrobe;
+        params.rate_hz = hz;
+        params.duty = static_cast<float>(kDuty);
         f32::Shutter shutter = f32::shutter_begin();
-        if (after_ns != f32::Turns(0, 0)) f32::shutter_step(shutter, wish, after_ns);
-        return [&, wish, shutter](std::size_t i) mutable {
-          return static_cast<double>(f32::shutter_step(shutter, wish, dt_of(i)));
+        if (after_ns != f32::Turns(0, 0)) f32::shutter_step(shutter, params, after_ns);
+        return [&, params, shutter](std::size_t i) mutable {
+          return static_cast<double>(f32::shutter_step(shutter, params, dt_of(i)));
         };
       };
       bench.add(scene, "exposure integral f32", 1, [&] { return integral_f32({0, 0}); });
       const auto integral_f64 = [&](f64::Turns after_ns) {
-        f64::ShutterWish wish{};
-        wish.kind = f64::kShutterStrobe;
-        wish.rate_hz = static_cast<double>(hz);
-        wish.duty = kDuty;
+        f64::ShutterParams params{};
+        params.kind = f64::kShutterStrobe;
+        params.rate_hz = static_cast<double>(hz);
+        params.duty = kDuty;
         f64::Shutter shutter = f64::shutter_begin();
-        if (after_ns != f64::Turns(0, 0)) f64::shutter_step(shutter, wish, after_ns);
-        return [&, wish, shutter](std::size_t i) mutable { return f64::shutter_step(shutter, wish, dt_of(i)); };
+        if (after_ns != f64::Turns(0, 0)) f64::shutter_step(shutter, params, after_ns);
+        return [&, params, shutter](std::size_t i) mutable { return f64::shutter_step(shutter, params, dt_of(i)); };
       };
       bench.add(scene, "exposure integral f64", 1, [&] { return integral_f64({0, 0}); });
       // The sign of a sine, at so many moments of the frame.

@@ -146,7 +146,7 @@ Pair mains(Draw& draw) {
 }
 
 Pair shutter(Draw& draw) {
-  f32::ShutterWish narrow{};
+  f32::ShutterParams narrow{};
   narrow.kind = draw.below("kind", f32::kShutterKindCount);
   narrow.rate_hz = draw.decades("rate_hz", 0.1, 1000);
   narrow.duty = draw.between("duty", 0, 1);
@@ -156,7 +156,7 @@ Pair shutter(Draw& draw) {
   narrow.seed = draw.below("seed", 1000);
   const auto before_ns = std::llround(1e9 * wide(draw.decades("before_s", 1e-3, 2'592'000)));
   const std::int64_t dt_ns = draw.step_ns();
-  f64::ShutterWish other{};
+  f64::ShutterParams other{};
   other.kind = narrow.kind;
   other.rate_hz = wide(narrow.rate_hz);
   other.duty = wide(narrow.duty);

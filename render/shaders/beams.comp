@@ -52,12 +52,12 @@ void main() {
     FL_WALK_BEGIN(base, index)
       BeamRow row = beams[index];
       BeamShape shape = beam_shape(row);
-      shape.profile_m = drawn_profile(shape.profile_m);
+      shape.profile_power = drawn_profile(shape.profile_power);
       // A flat profile 1 - rho^(2m) is a polynomial of degree 2m in s: m = 3 and 4 need one and two nodes more. So do
       // the soft ones, of degree 2/m.
       uint nodes = kNodes;
       if (kProfile) {
-        float degree = max(shape.profile_m, 1.0 / shape.profile_m);
+        float degree = max(shape.profile_power, 1.0 / shape.profile_power);
         nodes = min(nodes + (degree > 2.5 ? 1u : 0u) + (degree > 3.5 ? 1u : 0u), 8u);
       }
       bool measured = kMeasured && row.measured != 0u;
@@ -88,7 +88,7 @@ void main() {
         if (seen) {
           vec3 value;
           if (gobo) {
-            gobo_look = 0u;
+            gobo_sample = 0u;
             const vec2 as_it_is = vec2(1.0, 0.0);  // each wheel turns by itself
             value = kMethod == uint(FL_METHOD_MARCH)
                         ? chord_inscatter_march_gobo(beam, medium, chord, ray, kNodes, kExtinction, row.gobo, as_it_is)

@@ -78,12 +78,12 @@ Copy copied(Copy first, Copy then) {
 }
 
 // The beam without frost, focus and iris.
-BeamShape open_shape(BeamRow beam, float profile_m, float spread) {
+BeamShape open_shape(BeamRow beam, float profile_power, float spread) {
   BeamShape shape;
   shape.lens_radius_m = 0.0;
   shape.spread = beam.squeeze > 0.0 ? spread * kSquareRadius : spread;
   shape.range_m = 0.0;
-  shape.profile_m = profile_m;
+  shape.profile_power = profile_power;
   shape.squeeze = beam.squeeze;
   shape.measured = 0u;
   shape.hidden = 0.0;
@@ -117,7 +117,7 @@ void write_beams(uint index, uint first) {
   bool is_measured = kMeasured && type.measured != 0u;
   float zoom_spread = tangent(drawn_half_angle(state.zoom, kRectangle ? type.aspect : 0.0, is_measured));
   float spread = zoom_spread;
-  float profile_m = drawn_profile(type.profile_m);
+  float profile_power = drawn_profile(type.profile_power);
   bool shaped = kOptics && row.optics != kNoAddress;
 
   BeamRow beam;
@@ -154,9 +154,9 @@ void write_beams(uint index, uint first) {
     if (kIris && optics.iris < 1.0) {
       iris = optics.iris;
       hidden = beam.measured != 0u ? 1.0 - iris : iris_hidden(iris, soft);
-      if (beam.measured == 0u) flux_lm *= iris_flux_share(open_shape(beam, profile_m, zoom_spread), iris);
+      if (beam.measured == 0u) flux_lm *= iris_flux_share(open_shape(beam, profile_power, zoom_spread), iris);
     }
-    profile_m = drawn_profile(softened_profile(profile_m, soft));
+    profile_power = drawn_profile(softened_profile(profile_power, soft));
     if (optics.frost > 0.0) {
       spread = spread * (1.0 + kFrostWidens * optics.frost) + kFrostAdds * optics.frost;
       beam.gobo_blur = kFrostBlur * optics.frost;
@@ -224,7 +224,7 @@ void write_beams(uint index, uint first) {
     if (beam.squeeze > 0.0) y_axis *= type.aspect;
     beam.y_axis = vec4(y_axis, copy_spread);
     beam.axis = vec4(axis, params.up.w);
-    beam.eye = vec4(dot(x_axis, eye), dot(y_axis, eye), dot(axis, eye), profile_m);
+    beam.eye = vec4(dot(x_axis, eye), dot(y_axis, eye), dot(axis, eye), profile_power);
     beam.j0.w = hidden;
     if (copy_spread != j0_spread) {
       j0 = flux_lm / flux_factor(beam_shape(beam), iris);

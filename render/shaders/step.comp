@@ -117,7 +117,7 @@ void fl_set_optics_state(uint index, OpticsState optics) {
   }
 }
 
-#define FL_WISH_COUNT kWishCount
+#define FL_DECODED_COUNT kWishCount
 #define FL_NEED_MOTION kMotion
 #define FL_NEED_SPIN kSpin
 #define FL_NEED_STROBE kStrobe
@@ -154,9 +154,9 @@ void main() {
     HeadRow row = heads[index];
     TypeRow type = types[row.type];
     HeadState state = states[index];
-    Wish wish;
-    decode_head(wish, type, row);
-    head_step(state, wish, type, row, Turns(push.dt_ns_low, push.dt_ns_high), push.new_exposure != 0u);
+    Decoded decoded;
+    decode_head(decoded, type, row);
+    head_step(state, decoded, type, row, Turns(push.dt_ns_low, push.dt_ns_high), push.new_exposure != 0u);
     states[index] = state;
     if (is_lit(state, type)) {
       atomicAdd(beams_here, state.beams);

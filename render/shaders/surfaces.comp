@@ -97,7 +97,7 @@ vec3 lens_radiance(uint index, float t_m, vec3 unit_ray, vec3 normal) {
     BeamRow row = beams[state.beam_first + b];
     if (!(dot(normal, row.axis.xyz) > 0.5)) continue;  // the side of the glass
     BeamShape beam = beam_shape(row);
-    beam.profile_m = drawn_profile(beam.profile_m);
+    beam.profile_power = drawn_profile(beam.profile_power);
     beam.range_m = 1e30;  // a lens is seen from any distance
     vec2 rho;
     float r_m;
@@ -166,7 +166,7 @@ void main() {
     FL_WALK_BEGIN(base, index)
       BeamRow row = beams[index];
       BeamShape beam = beam_shape(row);
-      beam.profile_m = drawn_profile(beam.profile_m);
+      beam.profile_power = drawn_profile(beam.profile_power);
       gobo_begin(row);
       bool gobo = has_gobo(row);
       bool plain = thin_is_plain(row, gobo);

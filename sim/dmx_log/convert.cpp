@@ -51,7 +51,7 @@ class Choice {
       frame.universe = place->second;
     }
     if (!options_.changes_only) return true;
-    const auto [place, first] = looks_.try_emplace(frame.universe, Slots{});
+    const auto [place, first] = snapshots_.try_emplace(frame.universe, Slots{});
     const bool repeats =
         !first && !frame.terminated && std::equal(frame.slots.begin(), frame.slots.end(), place->second.begin());
     if (!frame.terminated) std::copy(frame.slots.begin(), frame.slots.end(), place->second.begin());
@@ -70,7 +70,7 @@ class Choice {
   ConvertReport& report_;
   std::map<Universe, Universe> renumber_;
   std::set<Universe> heard_;
-  std::map<Universe, Slots> looks_;
+  std::map<Universe, Slots> snapshots_;
 };
 
 Status for_each(LogInput& in, Choice& choice, const std::function<Status(const FrameView&)>& write) {

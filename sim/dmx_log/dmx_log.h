@@ -173,7 +173,7 @@ struct LogFrame {
 };
 
 // How one universe stood at a moment. The span belongs to the reader and is valid until its next call.
-struct LogLook {
+struct LogSnapshot {
   Universe universe = 0;
   DurationNs time_ns = 0;  // of the newest frame that it had
   SenderId sender = 0;
@@ -214,7 +214,7 @@ class LogReader {
   // Back to the start: next() gives the first frame, look() is empty.
   Status rewind();
   // Every universe heard up to here, ascending, after the frame that next() gave last or at the time of seek().
-  [[nodiscard]] std::span<const LogLook> look();
+  [[nodiscard]] std::span<const LogSnapshot> snapshot();
 
  private:
   struct Impl;

@@ -486,15 +486,16 @@ struct LogReader::Impl {
     return false;
   }
 
-  std::span<const LogLook> look() {
-    looks.clear();
+  std::span<const LogSnapshot> snapshot() {
+    snapshots.clear();
     for (const UniverseState& state : decoder.states()) {
       if (!state.heard) continue;
-      looks.push_back({state.universe, state.time_ns, state.sender, state.sequence, state.priority, state.terminated,
-                       state.slot_count, state.levels});
+      snapshots.push_back({state.universe, state.time_ns, state.sender, state.sequence, state.priority,
+                           state.terminated, state.slot_count, state.levels});
     }
-    std::sort(looks.begin(), looks.end(), [](const LogLook& a, const LogLook& b) { return a.universe < b.universe; });
-    return looks;
+    std::sort(snapshots.begin(), snapshots.end(),
+              [](const LogSnapshot& a, const LogSnapshot& b) { return a.universe < b.universe; });
+    return snapshots;
   }
 
   std::unique_ptr<Input> input;
@@ -516,7 +517,7 @@ struct LogReader::Impl {
   std::vector<std::pair<std::size_t, Slots>> restored;  // states of `decoder` to tell, with the levels they had
   Slots before{};
   std::vector<SlotRun> runs;
-  std::vector<LogLook> looks;
+  std::vector<LogSnapshot> snapshots;
 };
 
 LogReader::LogReader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -552,6 +553,6 @@ Status LogReader::rewind() {
   impl_->rewind();
   return {};
 }
-std::span<const LogLook> LogReader::look() { return impl_->look(); }
+std::span<const LogSnapshot> LogReader::snapshot() { return impl_->snapshot(); }
 
 }  // namespace footlight

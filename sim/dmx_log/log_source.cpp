@@ -83,17 +83,17 @@ struct LogSource::Impl {
   }
 
   Status begin_pass() {
-    first_looks.clear();
+    first_snapshots.clear();
     if (options.start_ns > 0) {
       FL_TRY(reader.seek(options.start_ns));
-      for (const LogLook& look : reader.look()) {
-        Owned& owned = first_looks.emplace_back();
-        owned.view.universe = look.universe;
-        owned.view.sender = look.sender;
-        owned.view.sequence = look.sequence;
-        owned.view.priority = look.priority;
-        owned.view.terminated = look.terminated;
-        std::copy(look.levels.begin(), look.levels.end(), owned.levels.begin());
+      for (const LogSnapshot& snapshot : reader.snapshot()) {
+        Owned& owned = first_snapshots.emplace_back();
+        owned.view.universe = snapshot.universe;
+        owned.view.sender = snapshot.sender;
+        owned.view.sequence = snapshot.sequence;
+        owned.view.priority = snapshot.priority;
+        owned.view.terminated = snapshot.terminated;
+        std::copy(snapshot.levels.begin(), snapshot.levels.end(), owned.levels.begin());
       }
     } else {
       FL_TRY(reader.rewind());
@@ -128,7 +128,7 @@ struct LogSource::Impl {
   TimeNs next_due_ns() const {
     if (ended) return kTimeNever;
     if (!started) return 0;
-    if (!first_looks.empty()) return pass_start_ns;
+    if (!first_snapshots.empty()) return pass_start_ns;
     return due_ns(has_frame ? frame.time_ns : stop_ns);
   }
 
@@ -140,13 +140,13 @@ struct LogSource::Impl {
     while (!ended) {
       const TimeNs due = next_due_ns();
       if (due > now_ns) return {};
-      if (!first_looks.empty()) {
-        for (const Owned& owned : first_looks) {
+      if (!first_snapshots.empty()) {
+        for (const Owned& owned : first_snapshots) {
           FrameView view = owned.view;
           view.slots = owned.levels;
           give(receiver, view, due);
         }
-        first_looks.clear();
+        first_snapshots.clear();
       } else if (has_frame) {
         FrameView view;
         view.universe = frame.universe;
@@ -185,7 +185,7 @@ struct LogSource::Impl {
   bool started = false;
   bool ended = false;
   TimeNs pass_start_ns = 0;  // when options.start_ns of this pass is due
-  std::vector<Owned> first_looks;
+  std::vector<Owned> first_snapshots;
   LogFrame frame;  // the next one; its spans belong to the reader
   bool has_frame = false;
   std::uint64_t passes = 0;

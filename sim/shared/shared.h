@@ -50,13 +50,15 @@ using Real = float;
 using Vec2 = glm::vec2;
 using Vec3 = glm::vec3;
 FL_SHARED_USING
-#include "sim/shared/dimmer.h"
+// clang-format off: each of these uses those above it.
+#include "sim/shared/turns.h"
+#include "sim/shared/motion.h"
 #include "sim/shared/filter.h"
 #include "sim/shared/haze.h"
+#include "sim/shared/dimmer.h"
 #include "sim/shared/lamp.h"
-#include "sim/shared/motion.h"
 #include "sim/shared/shutter.h"
-#include "sim/shared/turns.h"
+// clang-format on
 }  // namespace footlight::f32
 
 namespace footlight::f64 {
@@ -64,11 +66,13 @@ using Real = double;
 using Vec2 = glm::dvec2;
 using Vec3 = glm::dvec3;
 FL_SHARED_USING
-#include "sim/shared/dimmer.h"
+// clang-format off: each of these uses those above it.
+#include "sim/shared/turns.h"
+#include "sim/shared/motion.h"
 #include "sim/shared/filter.h"
 #include "sim/shared/haze.h"
+#include "sim/shared/dimmer.h"
 #include "sim/shared/lamp.h"
-#include "sim/shared/motion.h"
 #include "sim/shared/shutter.h"
-#include "sim/shared/turns.h"
+// clang-format on
 }  // namespace footlight::f64

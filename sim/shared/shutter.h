@@ -34,7 +34,7 @@ struct Flash {
   Real fall;
 };
 
-struct ShutterWish {
+struct ShutterParams {
   uint kind;        // kShutter...; what is none of them is open
   Real rate_hz;     // periods a second; 0: the kinds that flash are open
   Real duty;        // open share of a period, 0 to 1
@@ -141,19 +141,19 @@ FL_FN Real flash_level(Flash flash, Real at) {
 }
 
 // Where the flash of a period begins.
-FL_FN Turns shutter_start(ShutterWish wish, Flash flash, uint period) {
-  if (wish.kind < kShutterRandom || wish.kind > kShutterRandomPulseOpen) return turns_zero();
+FL_FN Turns shutter_start(ShutterParams params, Flash flash, uint period) {
+  if (params.kind < kShutterRandom || params.kind > kShutterRandomPulseOpen) return turns_zero();
   Real room = max(Real(1) - (flash.rise + flash.open + flash.fall), Real(0));
-  return turns_from(room * (Real(hash_two(wish.seed, period) >> uint(8)) * Real(5.9604644775390625e-8)));
+  return turns_from(room * (Real(hash_two(params.seed, period) >> uint(8)) * Real(5.9604644775390625e-8)));
 }
 
 // How the flashes lie in a period: their number and their distance.
 FL_FN uint shutter_count(uint kind) { return kind == kShutterEffect ? kShutterEffectFlashes : uint(1); }
 
 // The light above `low` in a part of one period: from `phase` on, for `length` turns.
-FL_FN Real shutter_piece(ShutterWish wish, Flash flash, uint period, Turns phase, Real length) {
-  uint count = shutter_count(wish.kind);
-  Turns start = shutter_start(wish, flash, period);
+FL_FN Real shutter_piece(ShutterParams params, Flash flash, uint period, Turns phase, Real length) {
+  uint count = shutter_count(params.kind);
+  Turns start = shutter_start(params, flash, period);
   Real light = Real(0);
   for (uint i = uint(0); i < count; ++i) {
     // Of an effect: each flash an eighth of a period after the one before.
@@ -164,9 +164,9 @@ FL_FN Real shutter_piece(ShutterWish wish, Flash flash, uint period, Turns phase
 }
 
 // The level at one instant of a period.
-FL_FN Real shutter_instant(ShutterWish wish, Flash flash, uint period, Turns phase) {
-  uint count = shutter_count(wish.kind);
-  Turns start = shutter_start(wish, flash, period);
+FL_FN Real shutter_instant(ShutterParams params, Flash flash, uint period, Turns phase) {
+  uint count = shutter_count(params.kind);
+  Turns start = shutter_start(params, flash, period);
   Real level = flash.low;
   for (uint i = uint(0); i < count; ++i) {
     Turns begin = turns_add(start, Turns(uint(0), i << uint(29)));
@@ -176,20 +176,21 @@ FL_FN Real shutter_instant(ShutterWish wish, Flash flash, uint period, Turns pha
 }
 
 // The blades' travel time: above 0 and at most 1000 s, else 0.
-FL_FN Real shutter_travel_s(ShutterWish wish) {
-  return wish.travel_s > Real(0) && wish.travel_s <= Real(1000) ? wish.travel_s : Real(0);
+FL_FN Real shutter_travel_s(ShutterParams params) {
+  return params.travel_s > Real(0) && params.travel_s <= Real(1000) ? params.travel_s : Real(0);
 }
 
 // The open share of a period.
-FL_FN Real shutter_duty(ShutterWish wish, Real rate_hz) {
-  return wish.duration_s > Real(0) ? min(wish.duration_s, Real(1e9)) * rate_hz : wish.duty;
+FL_FN Real shutter_duty(ShutterParams params, Real rate_hz) {
+  return params.duration_s > Real(0) ? min(params.duration_s, Real(1e9)) * rate_hz : params.duty;
 }
 
 // The flash of this wish; an effect's are an eighth of its period each.
-FL_FN Flash shutter_shape(ShutterWish wish) {
-  Real scale = wish.kind == kShutterEffect ? Real(8) : Real(1);
-  Real rate_hz = min(wish.rate_hz, Real(1e6)) * scale;
-  Flash flash = shutter_flash(wish.kind, shutter_duty(wish, rate_hz), shutter_travel_s(wish) * rate_hz, wish.low);
+FL_FN Flash shutter_shape(ShutterParams params) {
+  Real scale = params.kind == kShutterEffect ? Real(8) : Real(1);
+  Real rate_hz = min(params.rate_hz, Real(1e6)) * scale;
+  Flash flash =
+      shutter_flash(params.kind, shutter_duty(params, rate_hz), shutter_travel_s(params) * rate_hz, params.low);
   if (scale > Real(1)) {
     flash.rise /= scale;
     flash.open /= scale;
@@ -198,8 +199,8 @@ FL_FN Flash shutter_shape(ShutterWish wish) {
   return flash;
 }
 
-FL_FN bool shutter_flashes(ShutterWish wish) {
-  return wish.kind >= kShutterStrobe && wish.kind < kShutterKindCount && wish.rate_hz > Real(0);
+FL_FN bool shutter_flashes(ShutterParams params) {
+  return params.kind >= kShutterStrobe && params.kind < kShutterKindCount && params.rate_hz > Real(0);
 }
 
 FL_FN Shutter shutter_begin() {
@@ -214,9 +215,9 @@ FL_FN Shutter shutter_begin() {
 }
 
 // One step with a constant wish. Returns the mean opening over the step; for dt_ns = 0 the opening now.
-FL_INLINE Real shutter_step(FL_INOUT(Shutter) shutter, ShutterWish wish, Turns dt_ns) {
-  bool flashes = shutter_flashes(wish);
-  uint kind = flashes ? wish.kind : (wish.kind == kShutterClosed ? kShutterClosed : kShutterOpen);
+FL_INLINE Real shutter_step(FL_INOUT(Shutter) shutter, ShutterParams params, Turns dt_ns) {
+  bool flashes = shutter_flashes(params);
+  uint kind = flashes ? params.kind : (params.kind == kShutterClosed ? kShutterClosed : kShutterOpen);
   if (kind != shutter.kind) {
     if (shutter.kind == kShutterKindCount) shutter.level = kind == kShutterClosed ? Real(0) : Real(1);
     if (shutter.kind < kShutterStrobe || shutter.kind == kShutterKindCount) {  // the first flash comes at once
@@ -231,7 +232,7 @@ FL_INLINE Real shutter_step(FL_INOUT(Shutter) shutter, ShutterWish wish, Turns d
   if (!flashes) {  // the blades run to one end
     Real target = kind == kShutterClosed ? Real(0) : Real(1);
     if (shutter.level == target) return target;
-    Real travel_s = shutter_travel_s(wish);
+    Real travel_s = shutter_travel_s(params);
     Real before_s = time_s(shutter.since_ns);
     shutter.since_ns = time_add(shutter.since_ns, dt_ns);
     Real after_s = time_s(shutter.since_ns);
@@ -240,10 +241,10 @@ FL_INLINE Real shutter_step(FL_INOUT(Shutter) shutter, ShutterWish wish, Turns d
   }
 
   // Phases count from the flash's place in the period.
-  Turns shift = wish.offset == Real(0) ? turns_zero() : turns_negate(turns_from(wish.offset));
+  Turns shift = params.offset == Real(0) ? turns_zero() : turns_negate(turns_from(params.offset));
   Turns phase = turns_add(shutter.phase, shift);
   uint period = shutter.period + (turns_less(phase, shift) ? uint(1) : uint(0));
-  Advance advance = turns_advance(wish.rate_hz, dt_ns);
+  Advance advance = turns_advance(params.rate_hz, dt_ns);
   Real turns = advance_turns(advance);
   Turns before = shutter.phase;
   shutter.phase = turns_add(before, advance.part);
@@ -251,11 +252,11 @@ FL_INLINE Real shutter_step(FL_INOUT(Shutter) shutter, ShutterWish wish, Turns d
   Turns end = turns_add(phase, advance.part);
   uint edges = advance.whole + (turns_less(end, phase) ? uint(1) : uint(0));
   Real to_edge = phase == turns_zero() ? Real(1) : turns_real(turns_negate(phase));
-  Real travel_s = shutter_travel_s(wish);
+  Real travel_s = shutter_travel_s(params);
 
   if (kind == kShutterStrobe && !(travel_s > Real(0))) {  // as most are: what follows, without slopes
-    Real low = unit_share(wish.low);
-    Real open = unit_share(shutter_duty(wish, min(wish.rate_hz, Real(1e6))));
+    Real low = unit_share(params.low);
+    Real open = unit_share(shutter_duty(params, min(params.rate_hz, Real(1e6))));
     Real at = turns_real(phase);
     Real at_end = turns_real(end);
     if (!(turns > Real(0))) return at_end < open ? Real(1) : low;
@@ -266,18 +267,18 @@ FL_INLINE Real shutter_step(FL_INOUT(Shutter) shutter, ShutterWish wish, Turns d
     return clamp(low + share * (Real(1) - low) / turns, Real(0), Real(1));
   }
 
-  Flash flash = shutter_shape(wish);
-  if (!(turns > Real(0))) return shutter_instant(wish, flash, period + edges, end);
+  Flash flash = shutter_shape(params);
+  if (!(turns > Real(0))) return shutter_instant(params, flash, period + edges, end);
   // Blades without inertia are where they are asked to be; others go on from where they are.
-  if (travel_s > Real(0)) shutter.level = shutter_instant(wish, flash, period + edges, end);
+  if (travel_s > Real(0)) shutter.level = shutter_instant(params, flash, period + edges, end);
 
   Real light = Real(0);
   if (edges == uint(0)) {
-    light = shutter_piece(wish, flash, period, phase, turns);
+    light = shutter_piece(params, flash, period, phase, turns);
   } else {
-    light = shutter_piece(wish, flash, period, phase, to_edge);
-    light += Real(edges - uint(1)) * (Real(shutter_count(wish.kind)) * flash_light(flash));
-    light += shutter_piece(wish, flash, period + edges, turns_zero(), turns_real(end));
+    light = shutter_piece(params, flash, period, phase, to_edge);
+    light += Real(edges - uint(1)) * (Real(shutter_count(params.kind)) * flash_light(flash));
+    light += shutter_piece(params, flash, period + edges, turns_zero(), turns_real(end));
   }
   return clamp(flash.low + light / turns, Real(0), Real(1));
 }

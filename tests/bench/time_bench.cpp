@@ -15,7 +15,7 @@ namespace footlight {
 namespace {
 
 constexpr std::size_t kFixtures = 4096;
-constexpr glm::uvec2 kFrame_ns{16'666'667, 0};
+constexpr glm::uvec2 kFrameNs{16'666'667, 0};
 
 // Shares from 0 to 1 that differ from step to step.
 struct Inputs {
@@ -44,16 +44,16 @@ f32::MotorLimits pan_limits() { return f32::motor_limits(540, 2.45f, 0.4f); }
 
 void motor_rest(benchmark::State& bench) {
   const auto limits = pan_limits();
-  run(bench, f32::motor_start(3), [&](f32::Motor& m, Inputs&) { m = f32::motor_step(m, limits, 3, kFrame_ns); });
+  run(bench, f32::motor_start(3), [&](f32::Motor& m, Inputs&) { m = f32::motor_step(m, limits, 3, kFrameNs); });
 }
 void motor_holding(benchmark::State& bench) {  // on its way: a target so far that it never arrives
   const auto limits = f32::motor_limits(540, 1866, 0.4f);
-  run(bench, f32::motor_start(0), [&](f32::Motor& m, Inputs&) { m = f32::motor_step(m, limits, 1e6f, kFrame_ns); });
+  run(bench, f32::motor_start(0), [&](f32::Motor& m, Inputs&) { m = f32::motor_step(m, limits, 1e6f, kFrameNs); });
 }
 void motor_changing(benchmark::State& bench) {
   const auto limits = pan_limits();
   run(bench, f32::motor_start(0),
-      [&](f32::Motor& m, Inputs& in) { m = f32::motor_step(m, limits, 540 * in.next(), kFrame_ns); });
+      [&](f32::Motor& m, Inputs& in) { m = f32::motor_step(m, limits, 540 * in.next(), kFrameNs); });
 }
 struct SoftMotor {
   f32::Motor motor = f32::motor_start(0);
@@ -64,7 +64,7 @@ void soft_motor_changing(benchmark::State& bench, float rate, float damping) {
   const f32::FlexLimits soft{rate, damping};
   run(bench, SoftMotor(), [&](SoftMotor& m, Inputs& in) {
     const f32::Motor before = m.motor;
-    m.motor = f32::motor_step(m.motor, limits, 540 * in.next(), kFrame_ns);
+    m.motor = f32::motor_step(m.motor, limits, 540 * in.next(), kFrameNs);
     m.flex = f32::flex_step(m.flex, soft, before, m.motor, limits);
   });
 }
@@ -78,17 +78,17 @@ struct Spinner {
 void spin(benchmark::State& bench) {
   run(bench, Spinner(), [](Spinner& s, Inputs& in) {
     if (s.rate_hz == 0) s.rate_hz = 10 * in.next() + 0.1f;  // each its own
-    s.spin = f32::spin_step(s.spin, 2, s.rate_hz, kFrame_ns);
+    s.spin = f32::spin_step(s.spin, 2, s.rate_hz, kFrameNs);
   });
 }
 
-f32::ShutterWish strobe_wish(std::uint32_t kind, float rate_hz) {
-  f32::ShutterWish wish{};
-  wish.kind = kind;
-  wish.rate_hz = rate_hz;
-  wish.duty = 0.3f;
-  wish.seed = 5;
-  return wish;
+f32::ShutterParams strobe_params(std::uint32_t kind, float rate_hz) {
+  f32::ShutterParams params{};
+  params.kind = kind;
+  params.rate_hz = rate_hz;
+  params.duty = 0.3f;
+  params.seed = 5;
+  return params;
 }
 struct Shuttered {
   f32::Shutter shutter = f32::shutter_begin();
@@ -98,7 +98,7 @@ struct Shuttered {
 void shutter(benchmark::State& bench, std::uint32_t kind) {
   run(bench, Shuttered(), [&](Shuttered& s, Inputs& in) {
     if (s.rate_hz == 0) s.rate_hz = 25 * in.next() + 0.1f;
-    s.light = shutter_step(s.shutter, strobe_wish(kind, s.rate_hz), kFrame_ns);
+    s.light = shutter_step(s.shutter, strobe_params(kind, s.rate_hz), kFrameNs);
   });
 }
 void shutter_open(benchmark::State& bench) { shutter(bench, f32::kShutterOpen); }
@@ -107,12 +107,12 @@ void shutter_random_pulse(benchmark::State& bench) { shutter(bench, f32::kShutte
 
 void smooth(benchmark::State& bench) {
   run(bench, f32::smooth_start(0),
-      [](f32::Smooth& s, Inputs& in) { s = f32::smooth_step(s, 0.02f, in.next(), kFrame_ns); });
+      [](f32::Smooth& s, Inputs& in) { s = f32::smooth_step(s, 0.02f, in.next(), kFrameNs); });
 }
 void filament(benchmark::State& bench) {
   const f32::FilamentType type{3200, 0.034f};
   run(bench, f32::filament_start(300),
-      [&](f32::Filament& f, Inputs& in) { f32::filament_move(f, type, in.next(), kFrame_ns); });
+      [&](f32::Filament& f, Inputs& in) { f32::filament_move(f, type, in.next(), kFrameNs); });
 }
 struct Bulb {
   f32::Filament filament = f32::filament_start(300);
@@ -121,7 +121,7 @@ struct Bulb {
 void filament_with_light(benchmark::State& bench) {
   const f32::FilamentType type{3200, 0.034f};
   run(bench, Bulb(), [&](Bulb& b, Inputs& in) {
-    f32::filament_move(b.filament, type, in.next(), kFrame_ns);
+    f32::filament_move(b.filament, type, in.next(), kFrameNs);
     b.light = f32::filament_light(b.filament.kelvin, type);
   });
 }
@@ -131,7 +131,7 @@ struct Diode {
 };
 void led(benchmark::State& bench) {
   const f32::LedType type{0.003f, 180, 0.15f};
-  run(bench, Diode(), [&](Diode& d, Inputs& in) { d.light = led_step(d.led, type, in.next(), kFrame_ns); });
+  run(bench, Diode(), [&](Diode& d, Inputs& in) { d.light = led_step(d.led, type, in.next(), kFrameNs); });
 }
 struct Arc {
   f32::Discharge lamp = f32::discharge_start();
@@ -139,7 +139,7 @@ struct Arc {
 };
 void discharge(benchmark::State& bench) {
   const f32::DischargeType type{1.5f, 40, 100, 0.2f, 0.1f};
-  run(bench, Arc(), [&](Arc& a, Inputs&) { a.light = discharge_step(a.lamp, type, 1, kFrame_ns); });
+  run(bench, Arc(), [&](Arc& a, Inputs&) { a.light = discharge_step(a.lamp, type, 1, kFrameNs); });
 }
 
 // A profile: pan, tilt, zoom and focus, a strobe, a gobo that turns, a dimmer with its law and an LED driver. Half of
@@ -172,14 +172,14 @@ void head(benchmark::State& bench, Show show) {
       h.rate_hz = 10 * in.next() + 0.1f;
       h.strobes = (made++ & 1u) != 0;
     }
-    h.pan = f32::motor_step(h.pan, limits, moving ? 540 * target : 3, kFrame_ns);
-    h.tilt = f32::motor_step(h.tilt, limits, moving ? 270 * target : 3, kFrame_ns);
-    h.zoom = f32::motor_step(h.zoom, limits, 30, kFrame_ns);
-    h.focus = f32::motor_step(h.focus, limits, 0.5f, kFrame_ns);
-    h.gobo = f32::spin_step(h.gobo, 2, h.rate_hz, kFrame_ns);
-    h.light =
-        led_step(h.led, type, f32::law_light(f32::kLawSquare, moving ? target : 0.7f), kFrame_ns) *
-        shutter_step(h.shutter, strobe_wish(h.strobes ? f32::kShutterStrobe : f32::kShutterOpen, h.rate_hz), kFrame_ns);
+    h.pan = f32::motor_step(h.pan, limits, moving ? 540 * target : 3, kFrameNs);
+    h.tilt = f32::motor_step(h.tilt, limits, moving ? 270 * target : 3, kFrameNs);
+    h.zoom = f32::motor_step(h.zoom, limits, 30, kFrameNs);
+    h.focus = f32::motor_step(h.focus, limits, 0.5f, kFrameNs);
+    h.gobo = f32::spin_step(h.gobo, 2, h.rate_hz, kFrameNs);
+    h.light = led_step(h.led, type, f32::law_light(f32::kLawSquare, moving ? target : 0.7f), kFrameNs) *
+              shutter_step(h.shutter, strobe_params(h.strobes ? f32::kShutterStrobe : f32::kShutterOpen, h.rate_hz),
+                           kFrameNs);
   });
 }
 void head_holding(benchmark::State& bench) { head(bench, Show::kHolds); }

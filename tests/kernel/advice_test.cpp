@@ -122,7 +122,7 @@ TEST_CASE("without ftdi_sio a widget is ready and driven, since libusb needs no 
   CHECK(device.at("readiness") == "ready");
   CHECK(device.value("rebind", "") == "");
   DeviceRun run(device.at("endpoint"));
-  CHECK(run.shows(plugged.socket, *plugged.model, some_look(1)));
+  CHECK(run.shows(plugged.socket, *plugged.model, some_snapshot(1)));
   give_module_back("ftdi_sio");
 }
 
@@ -137,7 +137,7 @@ TEST_CASE("a bare FTDI cable, which the rules leave out, comes with a rule of it
   must_shell(device.at("remedy"));
   CHECK(device_at(plugged.port).at("remedy") == "");
   DeviceRun run("open-dmx:port-" + plugged.port);
-  CHECK(run.shows(plugged.socket, *plugged.model, some_look(1)));
+  CHECK(run.shows(plugged.socket, *plugged.model, some_snapshot(1)));
 }
 
 }  // namespace

@@ -30,8 +30,8 @@ DeviceRun::DeviceRun(const std::string& endpoint, const std::vector<std::string>
   sender_ = must(drivers::make_sacn_sink(sender));
 }
 
-void DeviceRun::send(const Look& look) {
-  const FrameView frame{.universe = 1, .slots = look};
+void DeviceRun::send(const Snapshot& snapshot) {
+  const FrameView frame{.universe = 1, .slots = snapshot};
   must(sender_->send(SystemClock().now_ns(), {&frame, 1}));
 }
 

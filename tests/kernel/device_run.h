@@ -18,15 +18,15 @@ class DeviceRun {
  public:
   explicit DeviceRun(const std::string& endpoint, const std::vector<std::string>& options = {});
 
-  void send(const Look& look);
+  void send(const Snapshot& snapshot);
   // Sends the look every 100 ms until it is what leaves on line 0 of the model. True, or the test fails with what the
   // program has printed. socket: has wait_for().
   template <class Socket>
-  bool shows(Socket& socket, const drivers::mock::UsbModel& model, const Look& look) {
+  bool shows(Socket& socket, const drivers::mock::UsbModel& model, const Snapshot& snapshot) {
     const auto give_up = std::chrono::steady_clock::now() + kPatience;
-    const auto shown = [&] { return model.line(0).frame == line_frame_of(look); };
+    const auto shown = [&] { return model.line(0).frame == line_frame_of(snapshot); };
     do {
-      send(look);
+      send(snapshot);
       if (socket.wait_for(shown, std::chrono::milliseconds(100))) return true;
     } while (std::chrono::steady_clock::now() < give_up);
     fail();

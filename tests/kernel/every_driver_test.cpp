@@ -56,7 +56,7 @@ TEST_CASE("every driver's model is listed by a stock kernel, as ready or as a de
 TEST_CASE("every driver's look reaches its model with start code 0 and 512 slots through a stock kernel") {
   for_every_driver([](const DriverInfo& driver, const auto& model, VhciSocket& socket, const Json& device) {
     DeviceRun run(endpoint_of(driver, device));
-    for (const std::size_t which : {7u, 200u, 13u}) CHECK(run.shows(socket, model, some_look(which)));
+    for (const std::size_t which : {7u, 200u, 13u}) CHECK(run.shows(socket, model, some_snapshot(which)));
     run.program().signal(SIGTERM);
     CHECK(run.program().wait().exit_code == 0);
   });
@@ -96,15 +96,15 @@ class Devices {
   }
 
   // Sends the look twice a second until all show it. Fails the test where for kPatience no other device shows it.
-  void show(DeviceRun& run, const Look& look) {
+  void show(DeviceRun& run, const Snapshot& snapshot) {
     using Clock = std::chrono::steady_clock;
-    const Look frame = line_frame_of(look);
+    const Snapshot frame = line_frame_of(snapshot);
     Clock::time_point give_up = Clock::now() + kPatience;
     Clock::time_point send_at = Clock::now();
     for (std::size_t left = devices_.size(); left > 0;) {
       if (Clock::now() >= give_up) fail(run);
       if (Clock::now() >= send_at) {
-        run.send(look);
+        run.send(snapshot);
         (void)run.program().has_said("", 0);  // reads what it has printed, so that its pipe does not fill up
         send_at = Clock::now() + std::chrono::milliseconds(500);
       }
@@ -145,7 +145,7 @@ class Devices {
     bool is_due = false;  // since it was plugged in it has not shown the look
     std::vector<double> times_ms;
 
-    bool shows(const Look& frame) {
+    bool shows(const Snapshot& frame) {
       return socket->wait_for([&] { return model->line(0).frame == frame; }, std::chrono::milliseconds(0));
     }
   };
@@ -174,13 +174,13 @@ void replug(std::span<const DriverInfo* const> its) {
   set_up_well();
   Devices devices(its);
   DeviceRun run(devices.endpoint_of_first(), devices.outs_of_others());
-  devices.show(run, some_look(0));
+  devices.show(run, some_snapshot(0));
   for (std::size_t i = 1; i <= kReplugs; ++i) {
     CAPTURE(i);
     devices.unplug();
-    run.send(some_look(i));
+    run.send(some_snapshot(i));
     devices.plug();
-    devices.show(run, some_look(i));
+    devices.show(run, some_snapshot(i));
     if (i % 10 != 0) continue;
     std::printf("                %zu of %zu replugs\n", i, kReplugs);  // the host sees that the guest is alive
     std::fflush(stdout);

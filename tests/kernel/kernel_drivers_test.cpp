@@ -26,7 +26,7 @@ TEST_CASE("ftdi_sio is detached from a widget in use, and bound to it again afte
   const std::string port = socket.port_path();
   REQUIRE(becomes_driven_by(port, "ftdi_sio"));
   DeviceRun run(device_at(port).at("endpoint"));
-  REQUIRE(run.shows(socket, model, some_look(1)));
+  REQUIRE(run.shows(socket, model, some_snapshot(1)));
   CHECK(kernel_driver(port) == "usbfs");
   run.program().signal(SIGTERM);
   CHECK(run.program().wait().exit_code == 0);
@@ -44,7 +44,7 @@ TEST_CASE("after SIGKILL doctor says that ftdi_sio is not bound, and the advised
   REQUIRE(becomes_driven_by(port, "ftdi_sio"));
   {
     DeviceRun run(device_at(port).at("endpoint"));
-    REQUIRE(run.shows(socket, model, some_look(1)));
+    REQUIRE(run.shows(socket, model, some_snapshot(1)));
     run.program().signal(SIGKILL);
     run.program().wait();
   }
@@ -71,12 +71,12 @@ TEST_CASE("a widget that SIGKILL left without ftdi_sio is driven by the next sta
   const std::string endpoint = device_at(port).at("endpoint");
   {
     DeviceRun run(endpoint);
-    REQUIRE(run.shows(socket, model, some_look(1)));
+    REQUIRE(run.shows(socket, model, some_snapshot(1)));
     run.program().signal(SIGKILL);
     run.program().wait();
   }
   DeviceRun run(endpoint);
-  CHECK(run.shows(socket, model, some_look(2)));
+  CHECK(run.shows(socket, model, some_snapshot(2)));
   run.program().signal(SIGTERM);
   CHECK(run.program().wait().exit_code == 0);
   CHECK(becomes_driven_by(port, "ftdi_sio"));
@@ -96,7 +96,7 @@ TEST_CASE("a stock kernel gives a Velleman K8062 no hidraw node, and the program
   const std::string before = kernel_driver(port);
   CHECK(before != "usbhid");
   DeviceRun run(device.at("endpoint"));
-  CHECK(run.shows(socket, model, some_look(1)));
+  CHECK(run.shows(socket, model, some_snapshot(1)));
   CHECK(kernel_driver(port) == "usbfs");
   run.program().signal(SIGTERM);
   CHECK(run.program().wait().exit_code == 0);
@@ -115,7 +115,7 @@ TEST_CASE("a Nodle is driven through the kernel's hidraw, by a member of plugdev
   CAPTURE(device.dump());
   CHECK(device.at("transport") == "hidraw");
   DeviceRun run(device.at("endpoint"));
-  CHECK(run.shows(socket, model, some_look(1)));
+  CHECK(run.shows(socket, model, some_snapshot(1)));
   CHECK(kernel_driver(port) == "usbhid");
   CHECK(model.broken_count == 0);
 }

@@ -27,7 +27,7 @@ std::string property(const std::string& name) {
 }
 
 // ArtDmx by unicast to this machine, from an address of its own ("127.0.0.5").
-void send_artnet(const std::string& from, int wire_universe, const Look& look) {
+void send_artnet(const std::string& from, int wire_universe, const Snapshot& snapshot) {
   const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   REQUIRE(fd >= 0);
   sockaddr_in address{};
@@ -37,8 +37,8 @@ void send_artnet(const std::string& from, int wire_universe, const Look& look) {
   address.sin_port = htons(drivers::kArtnetPort);
   REQUIRE(::inet_pton(AF_INET, "127.0.0.1", &address.sin_addr) == 1);
   std::uint8_t packet[drivers::kArtnetDmxBytesMax];
-  const std::size_t size =
-      drivers::build_artnet_dmx({.port_address = drivers::artnet_port_address(wire_universe), .slots = look}, packet);
+  const std::size_t size = drivers::build_artnet_dmx(
+      {.port_address = drivers::artnet_port_address(wire_universe), .slots = snapshot}, packet);
   CHECK(::sendto(fd, packet, size, 0, reinterpret_cast<const sockaddr*>(&address), sizeof address) ==
         static_cast<ssize_t>(size));
   ::close(fd);
@@ -64,17 +64,17 @@ class Service {
         << fmt::format("[[in]]\nendpoint = \"artnet:{}=1\"\n[[out]]\nendpoint = \"eurolite-pro\"\n", wire_universe);
   }
   // Sends the look until it is on the device's line.
-  bool shows(const std::string& from, int wire_universe, const Look& look) {
-    const auto shown = [&] { return model_.line(0).frame == line_frame_of(look); };
+  bool shows(const std::string& from, int wire_universe, const Snapshot& snapshot) {
+    const auto shown = [&] { return model_.line(0).frame == line_frame_of(snapshot); };
     return eventually([&] {
-      send_artnet(from, wire_universe, look);
+      send_artnet(from, wire_universe, snapshot);
       return socket_.wait_for(shown, std::chrono::milliseconds(200));
     });
   }
   // Sends it once.
-  bool shows_at_once(const std::string& from, int wire_universe, const Look& look) {
-    send_artnet(from, wire_universe, look);
-    return socket_.wait_for([&] { return model_.line(0).frame == line_frame_of(look); }, kPatience);
+  bool shows_at_once(const std::string& from, int wire_universe, const Snapshot& snapshot) {
+    send_artnet(from, wire_universe, snapshot);
+    return socket_.wait_for([&] { return model_.line(0).frame == line_frame_of(snapshot); }, kPatience);
   }
 
  private:
@@ -86,7 +86,7 @@ TEST_CASE("systemd starts the unit, is told that it is ready, and it drives a US
   Service service;
   CHECK(property("ActiveState") == "active");
   CHECK(property("Type") == "notify");  // so that systemctl start has waited for READY=1
-  CHECK(service.shows("127.0.0.1", 1, some_look(3)));
+  CHECK(service.shows("127.0.0.1", 1, some_snapshot(3)));
   must_shell("systemctl stop footlight");
   CHECK(property("Result") == "success");
   CHECK(property("ExecMainStatus") == "0");
@@ -94,8 +94,8 @@ TEST_CASE("systemd starts the unit, is told that it is ready, and it drives a US
 
 TEST_CASE("no unicast Art-Net frame of 64 senders is lost in the sandbox") {
   Service service;
-  REQUIRE(service.shows("127.0.0.1", 1, Look(512, 0)));
-  Look expected(512, 0);
+  REQUIRE(service.shows("127.0.0.1", 1, Snapshot(512, 0)));
+  Snapshot expected(512, 0);
   for (int i = 0; i < 64; ++i) {
     CAPTURE(i);
     // Each has the highest levels so far, so that it counts whether or not those before it are still remembered.
@@ -106,21 +106,21 @@ TEST_CASE("no unicast Art-Net frame of 64 senders is lost in the sandbox") {
 
 TEST_CASE("a bridge that hangs is restarted by the watchdog, and drives its device again") {
   Service service;
-  REQUIRE(service.shows("127.0.0.1", 1, some_look(3)));
+  REQUIRE(service.shows("127.0.0.1", 1, some_snapshot(3)));
   const std::string pid = property("MainPID");
   must_shell("kill -STOP " + pid);
   CHECK(eventually([&] { return property("NRestarts") == "1" && property("ActiveState") == "active"; }));
   CHECK(property("MainPID") != pid);
-  CHECK(service.shows("127.0.0.1", 1, some_look(4)));
+  CHECK(service.shows("127.0.0.1", 1, some_snapshot(4)));
 }
 
 TEST_CASE("systemctl reload reads the show file anew, in the same process") {
   Service service;
-  REQUIRE(service.shows("127.0.0.1", 1, some_look(3)));
+  REQUIRE(service.shows("127.0.0.1", 1, some_snapshot(3)));
   const std::string pid = property("MainPID");
   Service::show(7);
   must_shell("systemctl reload footlight");
-  CHECK(service.shows("127.0.0.1", 7, some_look(4)));
+  CHECK(service.shows("127.0.0.1", 7, some_snapshot(4)));
   CHECK(property("MainPID") == pid);
 }
 

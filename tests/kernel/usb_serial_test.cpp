@@ -109,7 +109,7 @@ TEST_CASE("a widget behind QEMU's FT232BM is driven through its tty by a member 
   REQUIRE(eventually([&] { return kernel_driver(port) == "ftdi_sio"; }));
   must_shell("udevadm settle");
   DeviceRun run("enttec-pro:port-" + port);
-  for (const std::size_t which : {7u, 200u}) CHECK(run.shows(far_end, far_end.model, some_look(which)));
+  for (const std::size_t which : {7u, 200u}) CHECK(run.shows(far_end, far_end.model, some_snapshot(which)));
   CHECK(kernel_driver(port) == "ftdi_sio");
   run.program().signal(SIGTERM);
   CHECK(run.program().wait().exit_code == 0);
@@ -131,7 +131,7 @@ TEST_CASE("with the advised rule QEMU's FT232BM is opened through libusb, and ag
   for (std::size_t i = 0; i <= 10; ++i) {
     CAPTURE(i);
     if (i > 0) uhci.replug();
-    REQUIRE(run.shows(far_end, far_end.model, some_look(i)));
+    REQUIRE(run.shows(far_end, far_end.model, some_snapshot(i)));
     CHECK(kernel_driver(Uhci::port()) == "usbfs");
   }
   run.program().signal(SIGTERM);

@@ -69,7 +69,7 @@ TEST_CASE("pictures over 20 ms of a strobe at 12 Hz have the share of light that
   fixtures::f64::Walker walker(scene.compiled);
   const fixtures::HeadRow& row = scene.compiled.heads[par];
   const fixtures::LightRow& light = scene.compiled.lights[scene.compiled.types[row.type].light];
-  const double rate_hz = walker.wish(scene.levels, par).value[fixtures::kParamStrobeHz];
+  const double rate_hz = walker.decoded(scene.levels, par).value[fixtures::kParamStrobeHz];
   REQUIRE(std::abs(rate_hz - 12) < 0.1);  // as near as 8 bits come
 
   const auto whole = make_frame(vulkan.device(), scene, judged_settings(8, 8));

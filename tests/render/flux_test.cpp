@@ -54,14 +54,14 @@ double row_lumens(const BeamRow& row) {
   return static_cast<double>(row.j0.x) / (spread * spread) * solid_angle(spread, m, 1 - static_cast<double>(row.j0.w));
 }
 double judged_lumens(const JudgeBeam& beam) {
-  return beam.strength_lm.x / (beam.spread * beam.spread) * solid_angle(beam.spread, beam.profile_m, beam.shown);
+  return beam.strength_lm.x / (beam.spread * beam.spread) * solid_angle(beam.spread, beam.profile_power, beam.shown);
 }
 
 // A lamp 3 m up that shines along +Y at a wall that is 8 m away and all white, seen from the lamp; no haze.
 Scene wall_scene(double m, bool with_focus) {
   Scene scene = optics_scene(with_focus);
   fixtures::Beam& beam = scene.rig.types[0].beams[0];
-  beam.profile_m = m < 1 ? 0 : static_cast<int>(m);
+  beam.profile_power = m < 1 ? 0 : static_cast<int>(m);
   if (m < 1) {
     // The angles where this profile is at a half and a tenth, with light to 25 degrees: the fit finds it again.
     const auto full_deg = [&](double share) {
@@ -238,7 +238,7 @@ TEST_CASE("a lens lights the camera as its beam does, whatever shapes the beam")
   if (!vulkan) return;
   struct Case {
     const char* what;
-    double profile_m;
+    double profile_power;
     double aside_deg;  // of the camera from the axis, 10 m away
     std::vector<std::pair<const char*, double>> values;
   };
@@ -258,7 +258,7 @@ TEST_CASE("a lens lights the camera as its beam does, whatever shapes the beam")
        }) {
     CAPTURE(each.what);
     Scene scene = optics_scene(false);
-    scene.rig.types[0].beams[0].profile_m = static_cast<int>(each.profile_m);
+    scene.rig.types[0].beams[0].profile_power = static_cast<int>(each.profile_power);
     scene.rig.haze.scattering_per_m = scene.rig.haze.absorption_per_m = 0;
     scene.rig.boxes.clear();
     constexpr double kLensOffsetM = 0.12;  // in front of the housing

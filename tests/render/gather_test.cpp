@@ -92,7 +92,7 @@ TEST_CASE("one lit fixture among many is the only beam, where the walker says it
     CHECK(beam.x_axis.w == doctest::Approx(expected.lens_radius_m).epsilon(1e-6));
     CHECK(std::abs(static_cast<double>(beam.y_axis.w) - expected.spread) < 1e-6);
     CHECK(beam.axis.w == doctest::Approx(expected.range_m).epsilon(1e-6));
-    CHECK(static_cast<double>(beam.eye.w) == expected.profile_m);
+    CHECK(static_cast<double>(beam.eye.w) == expected.profile_power);
     CHECK(glm::length(glm::dvec3(beam.j0) - expected.strength_lm) < 1e-5 * glm::length(expected.strength_lm));
     CHECK(beam.gobo == 0);
   }

@@ -125,7 +125,7 @@ TEST_CASE("frost, focus and iris in a rig of m = 1, and floods, are drawn in haz
        }) {
     CAPTURE(each.what);
     Scene scene = optics_scene(true);
-    scene.rig.types[0].beams[0].profile_m = 1;
+    scene.rig.types[0].beams[0].profile_power = 1;
     for (fixtures::Channel& channel : scene.rig.types[0].modes[0].channels) {
       if (channel.functions[0].attribute == "Zoom") channel.functions[0].physical_to = 180;
     }
@@ -201,7 +201,7 @@ TEST_CASE("rectangular beams are drawn as the judge has them") {
     const char* what;
     double aspect;
     double beam_deg;
-    int profile_m;
+    int profile_power;
     std::vector<std::pair<const char*, double>> values;
     double rel_l2_max;  // twice what lavapipe gave
   };
@@ -221,7 +221,7 @@ TEST_CASE("rectangular beams are drawn as the judge has them") {
         Case{"gobo", 2, 25, 0, {{"Gobo1WheelIndex", 90}, {"Gobo1Pos", 30}}, 3e-2},
         Case{"wheel between two slots", 1.5, 25, 1, {{"Gobo1WheelIndex", 125}}, 2.5e-2}}) {
     CAPTURE(each.what);
-    Scene scene = rectangle_scene(each.aspect, each.beam_deg, each.profile_m);
+    Scene scene = rectangle_scene(each.aspect, each.beam_deg, each.profile_power);
     CHECK(scene.compiled.needs.rectangle);
     for (const auto& [attribute, value] : each.values) scene.set(0, attribute, value);
     CHECK(against_judge(vulkan.device(), scene, judged_settings(48, 27), each.what, 1e-3).rel_l2 < each.rel_l2_max);

@@ -60,7 +60,7 @@ void check_left_out(const Needs& needs, const FrameSettings& settings) {
   for (const std::string& name : kAll) {
     const bool in_plan = std::count(planned.begin(), planned.end(), name) == 1;
     const bool out = std::count_if(left_out.begin(), left_out.end(),
-                                   [&](const LeftOutPass& p) { return p.name == name && !p.gives.empty(); }) == 1;
+                                   [&](const LeftOutPass& p) { return p.name == name && !p.loss.empty(); }) == 1;
     CHECK_MESSAGE(in_plan != out, name);
   }
   CHECK(planned.size() + left_out.size() == kAll.size());
@@ -239,7 +239,7 @@ TEST_CASE("a frost, a focus, an iris and a wide zoom make a rig of m = 1 need wh
     fixtures::FixtureType type;
     type.id = "test/one";
     fixtures::Beam beam;
-    beam.profile_m = 1;
+    beam.profile_power = 1;
     beam.beam_angle_deg = beam.field_angle_deg = 40;
     type.beams.push_back(beam);
     fixtures::Mode mode;

@@ -29,7 +29,7 @@ Channel channel(std::vector<int> slots, const char* attribute, double from, doub
   return c;
 }
 
-FixtureType lamp_type(double lens_radius_m, int profile_m) {
+FixtureType lamp_type(double lens_radius_m, int profile_power) {
   FixtureType type;
   type.name = "Lamp";
   type.id = "test/lamp";
@@ -43,7 +43,7 @@ FixtureType lamp_type(double lens_radius_m, int profile_m) {
   type.modes.push_back(std::move(mode));
   Beam beam;
   beam.radius_m = lens_radius_m;
-  beam.profile_m = profile_m;
+  beam.profile_power = profile_power;
   beam.color_temperature_k = 0;
   type.beams.push_back(beam);
   type.body = BodyModel::kPar;
@@ -356,14 +356,14 @@ Scene measured_scene(double away_deg, double width_deg, double zoom_deg) {
   return scene;
 }
 
-Scene rectangle_scene(double aspect, double beam_deg, int profile_m) {
+Scene rectangle_scene(double aspect, double beam_deg, int profile_power) {
   Scene scene = optics_scene(false);
   Beam& beam = scene.rig.types[0].beams[0];
   beam.type = BeamType::kRectangle;
   beam.rectangle_ratio = aspect;
   beam.beam_angle_deg = beam_deg;
   beam.field_angle_deg = beam_deg;
-  beam.profile_m = profile_m;
+  beam.profile_power = profile_power;
   Mode& mode = scene.rig.types[0].modes[0];
   std::erase_if(mode.channels, [](const Channel& each) { return each.functions[0].attribute == "Zoom"; });
   scene.compile();

@@ -75,7 +75,7 @@ inline constexpr int kLampDimmerSlot = 0;  // from a lamp's address: set to 0 it
 [[nodiscard]] Scene measured_scene(double away_deg, double width_deg, double zoom_deg);
 // A lamp with rectangular beams 3 m up before a wall, 8 m away: 53 degrees wide (or as `beam_deg` says), `aspect` times
 // as wide as high. It can do all that the lamp of optics_scene() can, without focus.
-[[nodiscard]] Scene rectangle_scene(double aspect, double beam_deg, int profile_m);
+[[nodiscard]] Scene rectangle_scene(double aspect, double beam_deg, int profile_power);
 // Sets the dimmer of every lamp.
 void dim_lamps(Scene& scene, const std::vector<bool>& lit);
 

@@ -22,7 +22,7 @@ FrameSettings small_settings(int width = 160, int height = 90) {
 }
 
 // A laser from the left that crosses the picture, 16 m away, rising by so many degrees. zoom_deg: of the whole beam.
-Scene laser_scene(double radius_m, double profile_m, double rise_deg, double zoom_deg) {
+Scene laser_scene(double radius_m, double profile_power, double rise_deg, double zoom_deg) {
   Scene scene = lamps_scene(1, 1);
   scene.rig.haze = {0.02, 0, 0.3, 40};
   scene.rig.types[0].beams[0].radius_m = radius_m;
@@ -36,7 +36,7 @@ Scene laser_scene(double radius_m, double profile_m, double rise_deg, double zoo
   }
   scene.compile();
   // Frost has profiles that no type has.
-  for (fixtures::TypeRow& type : scene.compiled.types) type.profile_m = static_cast<float>(profile_m);
+  for (fixtures::TypeRow& type : scene.compiled.types) type.profile_power = static_cast<float>(profile_power);
   scene.compiled.needs.profile = true;
   scene.set(0, "Zoom", zoom_deg);
   for (const auto color : {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"}) scene.set(0, color, 1);
@@ -76,13 +76,13 @@ double judged_sum(const JudgeScene& judge, const View& view, int width, int heig
 
 // Makes the lamp's beams rectangular: radius_m is half their width. Keeps the profile and the levels.
 void make_rectangular(Scene& scene, double aspect) {
-  const float profile_m = scene.compiled.types.front().profile_m;
+  const float profile_power = scene.compiled.types.front().profile_power;
   const auto levels = scene.levels;
   scene.rig.types[0].beams[0].type = fixtures::BeamType::kRectangle;
   scene.rig.types[0].beams[0].rectangle_ratio = aspect;
   scene.compile();
   scene.levels = levels;
-  for (fixtures::TypeRow& type : scene.compiled.types) type.profile_m = profile_m;
+  for (fixtures::TypeRow& type : scene.compiled.types) type.profile_power = profile_power;
   scene.compiled.needs.profile = true;
 }
 
@@ -204,8 +204,8 @@ double floor_light(const RadianceImage& picture, const View& view) {
 }
 
 // A floor without haze, and a camera 10 m away that looks at its middle.
-Scene floor_scene(double radius_m, double profile_m, double zoom_deg, double camera_m) {
-  Scene scene = laser_scene(radius_m, profile_m, 0, zoom_deg);
+Scene floor_scene(double radius_m, double profile_power, double zoom_deg, double camera_m) {
+  Scene scene = laser_scene(radius_m, profile_power, 0, zoom_deg);
   scene.rig.haze.scattering_per_m = 0;
   scene.rig.boxes.push_back({"floor", {-20, -20, -1}, {20, 20, 0}, glm::dvec3(0.5)});
   scene.rig.cameras = {{"c", {0, -10, camera_m}, {0, 0, 0}, 40, 4}};
@@ -220,11 +220,11 @@ double worst_floor(vk::Device& device, Scene& scene, double lamp_m, int places) 
   double worst = 0;
   for (int i = 0; i < places; ++i) {
     scene.rig.fixtures.front().position_m = {0.013 * i, 0.11 * i, lamp_m};
-    const float profile_m = scene.compiled.types.front().profile_m;
+    const float profile_power = scene.compiled.types.front().profile_power;
     const auto levels = scene.levels;
     scene.compile();
     scene.levels = levels;
-    for (fixtures::TypeRow& type : scene.compiled.types) type.profile_m = profile_m;
+    for (fixtures::TypeRow& type : scene.compiled.types) type.profile_power = profile_power;
     scene.compiled.needs.profile = true;
     const double light = floor_light(draw_new(device, scene, small_settings()), view);
     const double expected = scene.rig.types[0].beams[0].flux_lm * 0.5 / std::numbers::pi;

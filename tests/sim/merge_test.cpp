@@ -66,11 +66,11 @@ class Stage {
   }
   std::uint8_t level(Address address = 1) {
     settle();
-    return merge_.look(0).slots[static_cast<std::size_t>(slot_of_address(address))];
+    return merge_.snapshot(0).slots[static_cast<std::size_t>(slot_of_address(address))];
   }
   SenderId sender() {
     settle();
-    return merge_.look(0).sender;
+    return merge_.snapshot(0).sender;
   }
   Merge& merge() { return merge_; }
   const MergeCounters& counters() { return merge_.counters(0); }
@@ -149,8 +149,8 @@ TEST_CASE("LTP may be set for a single universe") {
     merge.receive(index, frame, kStart);
     merge.resolve(index);
   }
-  CHECK(merge.look(0).slots[0] == 200);
-  CHECK(merge.look(1).slots[0] == 100);
+  CHECK(merge.snapshot(0).slots[0] == 200);
+  CHECK(merge.snapshot(1).slots[0] == 100);
 }
 
 TEST_CASE(
@@ -322,11 +322,11 @@ TEST_CASE("a second frame of a winner is not taken before the first is in a look
   CHECK(merge.receive(0, frame, kStart) == Merge::Received::kResolveFirst);
   CHECK(merge.counters(0).frames == 1);
   CHECK(merge.resolve(0));
-  CHECK(merge.look(0).slots[0] == 10);
+  CHECK(merge.snapshot(0).slots[0] == 10);
   frame.terminated = false;
   CHECK(merge.receive(0, frame, kStart) == Merge::Received::kStored);
   CHECK(merge.resolve(0));
-  CHECK(merge.look(0).slots[0] == 20);
+  CHECK(merge.snapshot(0).slots[0] == 20);
   CHECK(merge.counters(0).frames == 2);
   CHECK(merge.counters(0).frames_shown == 2);
 }
@@ -466,7 +466,7 @@ TEST_CASE("a merge that adopts another one goes on with its senders, looks, coun
   Merge next(3);
   const std::array<int, 3> from_index = {-1, -1, 1};
   next.adopt(old, from_index);
-  CHECK(next.look(2).slots[2] == 202);
+  CHECK(next.snapshot(2).slots[2] == 202);
   CHECK(next.sender_count(2) == 2);
   CHECK(next.sender_count(0) == 0);
   CHECK(next.counters(2).frames == 2);
@@ -477,7 +477,7 @@ TEST_CASE("a merge that adopts another one goes on with its senders, looks, coun
   frame.sender = 1;
   next.receive(2, frame, kStart + 1);
   CHECK(next.resolve(2));
-  CHECK(next.look(2).slots[1] == 101);
+  CHECK(next.snapshot(2).slots[1] == 101);
   next.expire(kStart + kTimeout);
   CHECK(next.sender_count(2) == 0);
 }
@@ -510,8 +510,8 @@ TEST_CASE("the rules hold for one universe at a time") {
   merge.receive(1, frame, kStart);
   CHECK(merge.resolve(0));
   CHECK(merge.resolve(1));
-  CHECK(merge.look(0).slots[0] == 200);
-  CHECK(merge.look(1).slots[0] == 10);
+  CHECK(merge.snapshot(0).slots[0] == 200);
+  CHECK(merge.snapshot(1).slots[0] == 10);
 }
 
 TEST_CASE("the highest per-address priority wins slot by slot, whatever the levels and the packets' priorities") {
@@ -812,15 +812,15 @@ TEST_CASE("a merge that adopts another one keeps per-address priorities and who 
   old.receive(0, frame, kStart);
   old.resolve(0);
   old.clear_changed();
-  CHECK(old.look(0).slots[1] == 100);
+  CHECK(old.snapshot(0).slots[1] == 100);
   Merge next(2);
   const std::array<int, 2> from_index = {-1, 0};
   next.adopt(old, from_index);
   next.set_slot_modes(1, SlotSet(2));
   CHECK(next.resolve(1));
-  CHECK(next.look(1).slots[0] == 20);
-  CHECK(next.look(1).slots[1] == 100);
-  CHECK(next.look(1).slots[2] == 5);
+  CHECK(next.snapshot(1).slots[0] == 20);
+  CHECK(next.snapshot(1).slots[1] == 100);
+  CHECK(next.snapshot(1).slots[2] == 5);
   CHECK(next.sender(1, 0).per_address);
 }
 
@@ -836,7 +836,7 @@ TEST_CASE("a merge that adopts another one shows by its own LTP slots at once, o
     old.resolve(0);
     old.clear_changed();
   }
-  CHECK(old.look(0).slots[1] == 100);
+  CHECK(old.snapshot(0).slots[1] == 100);
   const std::array<int, 1> from_index = {0};
   Merge moved(1);
   moved.adopt(old, from_index);
@@ -844,13 +844,13 @@ TEST_CASE("a merge that adopts another one shows by its own LTP slots at once, o
   REQUIRE(moved.changed().size() == 1);
   moved.resolve(0);
   moved.clear_changed();
-  CHECK(moved.look(0).slots[1] == 200);
-  CHECK(moved.look(0).slots[2] == 100);  // who changed it last was known although nobody had asked
+  CHECK(moved.snapshot(0).slots[1] == 200);
+  CHECK(moved.snapshot(0).slots[2] == 100);  // who changed it last was known although nobody had asked
   Merge without(1);
   without.adopt(moved, from_index);
   REQUIRE(without.changed().size() == 1);
   without.resolve(0);
-  CHECK(without.look(0).slots[2] == 200);
+  CHECK(without.snapshot(0).slots[2] == 200);
 }
 
 TEST_CASE(
@@ -967,8 +967,8 @@ TEST_CASE("a long random history gives the look that the rules give when told sl
       if (level >= 0) expected[slot] = static_cast<std::uint8_t>(level);
     }
     stage.settle();
-    const FrameView look = stage.merge().look(0);
-    REQUIRE(std::equal(expected.begin(), expected.end(), look.slots.begin()));
+    const FrameView snapshot = stage.merge().snapshot(0);
+    REQUIRE(std::equal(expected.begin(), expected.end(), snapshot.slots.begin()));
     REQUIRE(stage.merge().sender_count(0) == static_cast<int>(told.size()));
   }
 }
@@ -1078,8 +1078,8 @@ TEST_CASE(
 
     reckon();
     stage.settle();
-    const FrameView look = stage.merge().look(0);
-    REQUIRE(std::equal(expected.begin(), expected.end(), look.slots.begin()));
+    const FrameView snapshot = stage.merge().snapshot(0);
+    REQUIRE(std::equal(expected.begin(), expected.end(), snapshot.slots.begin()));
     REQUIRE(stage.merge().sender_count(0) == static_cast<int>(told.size()));
     const MergeCounters& counted = stage.counters();
     REQUIRE(counted.frames ==

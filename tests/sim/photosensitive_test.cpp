@@ -12,7 +12,7 @@
 namespace footlight {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::int64_t kSecondNs = 1'000'000'000;
 
 TileLight grey(double luminance_cd_m2) {
   const double share = luminance_cd_m2 / 200;
@@ -26,7 +26,7 @@ FlashVerdict flash(PhotosensitiveGuard& guard, double hz, TileLight dark, TileLi
   for (int frame = 0; frame < static_cast<int>(length_s * 100); ++frame) {
     const double place = frame / 100.0 * hz;
     const TileLight light = place - std::floor(place) < 0.5 ? dark : bright;
-    verdict = guard.measure(frame * kSecond_ns / 100, std::vector{light});
+    verdict = guard.measure(frame * kSecondNs / 100, std::vector{light});
   }
   return verdict;
 }
@@ -73,7 +73,7 @@ TEST_CASE("a fade up and down is one flash however many frames it takes, and noi
   for (int frame = 0; frame < 90; ++frame) {
     const double level = 100 - 100 * std::cos(frame / 90.0 * 2 * 3.14159265358979);
     verdict =
-        guard.measure(frame * kSecond_ns / 100, std::vector{grey(level + static_cast<double>(random() % 100) / 10)});
+        guard.measure(frame * kSecondNs / 100, std::vector{grey(level + static_cast<double>(random() % 100) / 10)});
   }
   CHECK(verdict.flashes == 1);
 }
@@ -81,8 +81,8 @@ TEST_CASE("a fade up and down is one flash however many frames it takes, and noi
 TEST_CASE("flashes are forgotten after a second, and when time goes back") {
   PhotosensitiveGuard guard(FlashLimits(), {1});
   CHECK(flash(guard, 10, grey(0), grey(200)).harmful);
-  CHECK(guard.measure(10 * kSecond_ns, std::vector{grey(200)}).flashes <= 0.5);  // its own change
-  CHECK(flash(guard, 10, grey(0), grey(200)).harmful);                           // from 0 s again
+  CHECK(guard.measure(10 * kSecondNs, std::vector{grey(200)}).flashes <= 0.5);  // its own change
+  CHECK(flash(guard, 10, grey(0), grey(200)).harmful);                          // from 0 s again
   CHECK_FALSE(guard.measure(0, std::vector{grey(200)}).harmful);
 }
 
@@ -93,7 +93,7 @@ TEST_CASE("two flashes a second for more than 5 s are a long sequence, and end w
   const FlashVerdict verdict = flash(longer, 2, grey(0), grey(200), 7);
   CHECK(verdict.long_sequence);
   CHECK_FALSE(verdict.harmful);
-  CHECK_FALSE(longer.measure(9 * kSecond_ns, std::vector{grey(0)}).long_sequence);
+  CHECK_FALSE(longer.measure(9 * kSecondNs, std::vector{grey(0)}).long_sequence);
 }
 
 TEST_CASE("a strobe that only a switch for strobes would stop is seen when dimmers chase it") {
@@ -103,11 +103,11 @@ TEST_CASE("a strobe that only a switch for strobes would stop is seen when dimme
   for (int frame = 0; frame < 200; ++frame) {
     std::vector<TileLight> tiles(8, grey(0));
     tiles[static_cast<std::size_t>(frame / 12 % 8)] = grey(200);
-    verdict = guard.measure(frame * kSecond_ns / 100, tiles);
+    verdict = guard.measure(frame * kSecondNs / 100, tiles);
   }
   CHECK_FALSE(verdict.harmful);
   for (int frame = 200; frame < 400; ++frame)  // all together at 5 Hz, shutters open
-    verdict = guard.measure(frame * kSecond_ns / 100, std::vector<TileLight>(8, grey(frame / 10 % 2 * 200)));
+    verdict = guard.measure(frame * kSecondNs / 100, std::vector<TileLight>(8, grey(frame / 10 % 2 * 200)));
   CHECK(verdict.harmful);
 }
 
@@ -117,7 +117,7 @@ TEST_CASE("limited light passes the first flashes untouched, then keeps still, a
   int passed = 0;
   for (int frame = 0; frame < 100; ++frame) {
     const bool bright = frame / 5 % 2 == 1;
-    const FlashVerdict verdict = guard.limit(frame * kSecond_ns / 100, std::vector{grey(bright ? 200 : 0)}, gains);
+    const FlashVerdict verdict = guard.limit(frame * kSecondNs / 100, std::vector{grey(bright ? 200 : 0)}, gains);
     CHECK_FALSE(verdict.harmful);
     passed += bright && gains[0] == 1 && frame % 5 == 0;
     if (gains[0] < 1) {
@@ -127,7 +127,7 @@ TEST_CASE("limited light passes the first flashes untouched, then keeps still, a
     }
   }
   CHECK(passed == 3);
-  guard.limit(3 * kSecond_ns, std::vector{grey(200)}, gains);
+  guard.limit(3 * kSecondNs, std::vector{grey(200)}, gains);
   CHECK(gains[0] == 1);
 }
 
@@ -151,7 +151,7 @@ TEST_CASE("no light that the limiter lets through is harmful to another guard, a
         const double level = static_cast<double>(random() % 1000) / 1000;
         tiles[i] = round % 2 == 0 ? grey(level * 400) : random() % 2 == 0 ? red(level) : grey(level * 150);
       }
-      const std::int64_t now = frame * kSecond_ns / 60;
+      const std::int64_t now = frame * kSecondNs / 60;
       const FlashVerdict own = guard.limit(now, tiles, gains);
       std::vector<TileLight> shown = tiles;
       for (std::size_t i = 0; i < shown.size(); ++i) {
@@ -172,7 +172,7 @@ TEST_CASE("what is not shown too often is not touched") {
   PhotosensitiveGuard guard(FlashLimits(), {0.5, 0.5});
   std::vector<double> gains;
   for (int frame = 0; frame < 600; ++frame) {
-    guard.limit(frame * kSecond_ns / 60, std::vector{grey(frame / 20 % 2 * 200), grey(30 + frame % 2 * 15)}, gains);
+    guard.limit(frame * kSecondNs / 60, std::vector{grey(frame / 20 % 2 * 200), grey(30 + frame % 2 * 15)}, gains);
     CHECK(gains[0] == 1);
     CHECK(gains[1] == 1);
   }

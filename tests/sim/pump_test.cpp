@@ -106,7 +106,7 @@ TEST_CASE("of several frames of one sender in one wake-up a sink without a cap g
   CHECK(status.ports[1].latency.count == 3);
   CHECK(status.ports[2].frames == 1);
   CHECK(status.ports[2].replaced == 2);
-  CHECK(status.ports[2].looks == 3);
+  CHECK(status.ports[2].snapshots == 3);
 }
 
 TEST_CASE("rounds that piled up leave as rounds: one call each with every universe of it") {
@@ -1268,7 +1268,7 @@ TEST_CASE("every frame and every look of a long random history is in just one co
     for (std::size_t i = 0; i < 4; ++i) {
       const PortStatus& port = status.ports[2 + i];
       if (sinks[i].rate_hz_max() > 0.0 || port.failures != 0) continue;
-      REQUIRE(port.frames == port.looks);
+      REQUIRE(port.frames == port.snapshots);
     }
   }
   const PumpStatus status = world.pump().status();

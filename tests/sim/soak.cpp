@@ -269,7 +269,7 @@ class Soak {
       for (const std::uint64_t count : source->given) report_.frames += count;
     for (const auto& sink : sinks_) {
       report_.sink_failures += sink->failures;
-      report_.looks += sink->taken_before + sink->taken;
+      report_.snapshots += sink->taken_before + sink->taken;
     }
     return report_;
   }
@@ -355,8 +355,8 @@ class Soak {
           offend(fmt::format("{}: took {} looks and refused {}; counted are {} and {}", port.name, sink->taken,
                              sink->refused, port.frames, port.refused));
       }
-      if (port.name == "steady" && port.frames != port.looks)
-        offend(fmt::format("the sink that never fails got {} of {} looks", port.frames, port.looks));
+      if (port.name == "steady" && port.frames != port.snapshots)
+        offend(fmt::format("the sink that never fails got {} of {} looks", port.frames, port.snapshots));
     }
   }
 

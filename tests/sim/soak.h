@@ -31,8 +31,8 @@ struct SoakOptions {
 struct SoakReport {
   std::vector<std::string> offences;  // the first 20; empty: all held
   std::uint64_t ticks = 0;
-  std::uint64_t frames = 0;  // given by the desks
-  std::uint64_t looks = 0;   // that reached a sink
+  std::uint64_t frames = 0;     // given by the desks
+  std::uint64_t snapshots = 0;  // that reached a sink
   std::uint64_t minutes_checked = 0;
   std::int64_t memory_growth_bytes = 0;  // the most that an hour had above the first ten minutes
   // How often something went wrong on purpose.

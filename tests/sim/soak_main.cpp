@@ -30,8 +30,8 @@ int main(int argc, char** argv) {
       "{} h at {} Hz, seed {}: {} offences\n{} frames, {} looks at sinks, {} ticks, {} minutes checked, {} bytes more "
       "held at most\nsilences {}, endings {}, bursts {}, priority changes {}, claims {}, source failures {}, sink "
       "failures {}, stalls {}, jumps {}, reloads {}, takeovers {}\n",
-      options.hours, options.rate_hz, options.seed, report.offences.size(), report.frames, report.looks, report.ticks,
-      report.minutes_checked, report.memory_growth_bytes, report.silences, report.endings, report.bursts,
+      options.hours, options.rate_hz, options.seed, report.offences.size(), report.frames, report.snapshots,
+      report.ticks, report.minutes_checked, report.memory_growth_bytes, report.silences, report.endings, report.bursts,
       report.priority_changes, report.claim_changes, report.source_failures, report.sink_failures, report.stalls,
       report.jumps, report.reloads, report.takeovers);
   return report.offences.empty() ? 0 : 1;

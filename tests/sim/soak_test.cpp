@@ -13,7 +13,7 @@ TEST_CASE("a day of faults loses no frame that is not counted, leaves no working
   // And it was a day worth the name.
   CHECK(report.minutes_checked >= 1'400);
   CHECK(report.frames > 4'000'000);
-  CHECK(report.looks > 4'000'000);
+  CHECK(report.snapshots > 4'000'000);
   for (const std::uint64_t count :
        {report.silences, report.endings, report.bursts, report.priority_changes, report.claim_changes,
         report.source_failures, report.sink_failures, report.stalls, report.jumps, report.takeovers})

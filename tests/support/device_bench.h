@@ -24,9 +24,9 @@ using drivers::mock::Bytes;
 constexpr Universe kBenchUniverse = 3;
 
 // Calls before_send() before each transfer to the device.
-class WatchedConnector final : public drivers::Connector {
+class WatchedOpener final : public drivers::Opener {
  public:
-  WatchedConnector(std::unique_ptr<drivers::Connector> inner, std::function<void()> before_send)
+  WatchedOpener(std::unique_ptr<drivers::Opener> inner, std::function<void()> before_send)
       : inner_(std::move(inner)), before_send_(std::move(before_send)) {}
   Result<std::unique_ptr<drivers::Transport>> connect() override {
     FL_ASSIGN(auto transport, inner_->connect());
@@ -74,7 +74,7 @@ class WatchedConnector final : public drivers::Connector {
     const std::unique_ptr<drivers::Transport> inner_;
     const std::function<void()>& before_send_;
   };
-  const std::unique_ptr<drivers::Connector> inner_;
+  const std::unique_ptr<drivers::Opener> inner_;
   const std::function<void()> before_send_;
 };
 
@@ -99,8 +99,8 @@ struct DeviceBench {
     auto widget = driver.make_widget({}, model_row);
     REQUIRE(widget);
     return {.widget = std::move(*widget),
-            .connector = std::make_unique<WatchedConnector>(drivers::mock::make_mock_connector(usb, clock),
-                                                            [this] { before_send(); }),
+            .opener =
+                std::make_unique<WatchedOpener>(drivers::mock::make_mock_opener(usb, clock), [this] { before_send(); }),
             .retry_ns = 250 * kNsPerMs};
   }
   drivers::DevicePortConfig port(int line) const {
@@ -143,12 +143,12 @@ struct DeviceBench {
 template <class Port>
 double figure_of(const Port& port, std::string_view name) {
   double value = std::nan("");
-  const auto look = [&] {
+  const auto snapshot = [&] {
     for (const drivers::WidgetFigure& one : port.link().figures())
       if (one.name == name) value = one.value;
   };
-  look();
-  (void)poll_until(port, look, [&] { return !std::isnan(value); });
+  snapshot();
+  (void)poll_until(port, snapshot, [&] { return !std::isnan(value); });
   return value;
 }
 
@@ -164,8 +164,8 @@ inline void check_unplug_at_every_transfer(DeviceBench& bench) {
   };
   const auto sink = bench.open_sink();
   count = 0;
-  bench.send(*sink, some_look(1));
-  REQUIRE(bench.shows(some_look(1)));
+  bench.send(*sink, some_snapshot(1));
+  REQUIRE(bench.shows(some_snapshot(1)));
   const int transfers = std::max(1, count.load());
   for (int at = 0; at < transfers; ++at) {
     bench.usb->unplug();
@@ -173,27 +173,27 @@ inline void check_unplug_at_every_transfer(DeviceBench& bench) {
     unplug_at = -1;
     bench.usb->plug();
     REQUIRE(wait_for_state(*sink, PortState::kWorking));
-    REQUIRE(bench.shows(some_look(static_cast<std::uint8_t>(1 + at))));
+    REQUIRE(bench.shows(some_snapshot(static_cast<std::uint8_t>(1 + at))));
     count = 0;
     unplug_at = at;
-    bench.send(*sink, some_look(static_cast<std::uint8_t>(2 + at)));
+    bench.send(*sink, some_snapshot(static_cast<std::uint8_t>(2 + at)));
     REQUIRE(wait_for_state(*sink, PortState::kGone));
     CHECK(sink->trouble().find("plugged") != std::string::npos);
     unplug_at = -1;
     bench.usb->plug();
-    CHECK_MESSAGE(bench.shows(some_look(static_cast<std::uint8_t>(2 + at))), "unplugged before transfer ", at);
+    CHECK_MESSAGE(bench.shows(some_snapshot(static_cast<std::uint8_t>(2 + at))), "unplugged before transfer ", at);
   }
 }
 
 inline void check_cut_write(DeviceBench& bench, std::size_t size) {
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(1));
-  REQUIRE(bench.shows(some_look(1)));
+  bench.send(*sink, some_snapshot(1));
+  REQUIRE(bench.shows(some_snapshot(1)));
   for (std::size_t cut = 0; cut < size; ++cut) {
     bench.usb->cut_next_write(cut);
-    const Bytes look = some_look(static_cast<std::uint8_t>(2 + cut));
-    bench.send(*sink, look);
-    REQUIRE_MESSAGE(bench.advance_until([&] { return bench.shows(look, std::chrono::milliseconds(1)); }),
+    const Bytes snapshot = some_snapshot(static_cast<std::uint8_t>(2 + cut));
+    bench.send(*sink, snapshot);
+    REQUIRE_MESSAGE(bench.advance_until([&] { return bench.shows(snapshot, std::chrono::milliseconds(1)); }),
                     "cut after byte ", cut);
   }
 }
@@ -203,8 +203,8 @@ inline void check_garbage(DeviceBench& bench) {
   for (int i = 0; i < 300; ++i)
     bench.usb->with_model(
         [&](auto& model) { model.say(Bytes(static_cast<std::size_t>(i % 70), static_cast<std::uint8_t>(i))); });
-  bench.send(*sink, some_look(5));
-  CHECK(bench.advance_until([&] { return bench.shows(some_look(5), std::chrono::milliseconds(1)); }));
+  bench.send(*sink, some_snapshot(5));
+  CHECK(bench.advance_until([&] { return bench.shows(some_snapshot(5), std::chrono::milliseconds(1)); }));
   CHECK(sink->state() == PortState::kWorking);
 }
 

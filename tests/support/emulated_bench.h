@@ -45,15 +45,15 @@ struct EmulatedBench {
     REQUIRE_MESSAGE(source, (source ? "" : source.error().message));
     return std::move(*source);
   }
-  void send(Sink& sink, const Look& slots) {
+  void send(Sink& sink, const Snapshot& slots) {
     const FrameView frame{.universe = 1, .slots = slots};
     REQUIRE(sink.send(clock.now_ns(), {&frame, 1}));
   }
-  bool shows(const Look& slots) {
+  bool shows(const Snapshot& slots) {
     return socket.wait_for([&] { return model.line(0).frame == line_frame_of(slots); });
   }
   // The device hears this on its line.
-  void receive(const Look& slots) {
+  void receive(const Snapshot& slots) {
     socket.with_model([&] { model.receive_line_frame(0, line_frame_of(slots)); });
   }
 };

@@ -14,17 +14,17 @@
 
 namespace footlight::testing {
 
-using Look = std::vector<std::uint8_t>;  // levels of 512 slots
+using Snapshot = std::vector<std::uint8_t>;  // levels of 512 slots
 
 // One of 256 looks that differ in every slot and have no period.
-inline Look some_look(std::size_t which) {
-  Look slots(512);
+inline Snapshot some_snapshot(std::size_t which) {
+  Snapshot slots(512);
   for (std::size_t i = 0; i < slots.size(); ++i) slots[i] = static_cast<std::uint8_t>(which + i * 3 + i / 85);
   return slots;
 }
 // With the start code in front.
-inline Look line_frame_of(const Look& slots) {
-  Look frame{0};
+inline Snapshot line_frame_of(const Snapshot& slots) {
+  Snapshot frame{0};
   frame.insert(frame.end(), slots.begin(), slots.end());
   return frame;
 }

@@ -17,20 +17,20 @@ Status compose(const std::string& path) {
   options.compression_level = 19;  // written once, read often
   FL_ASSIGN(LogWriter writer, LogWriter::create(path, options));
   std::vector<Slots> levels(show.universes().size());
-  const auto frames = static_cast<int>(demo::kShowLength_s * demo::kShowRate_hz);
+  const auto frames = static_cast<int>(demo::kShowLengthS * demo::kShowRateHz);
   for (int frame = 0; frame < frames; ++frame) {
-    show.look(static_cast<double>(frame) / demo::kShowRate_hz, levels);
+    show.snapshot(static_cast<double>(frame) / demo::kShowRateHz, levels);
     for (std::size_t i = 0; i < levels.size(); ++i) {
       FrameView view;
       view.universe = show.universes()[i];
-      view.stamp_ns = frame * kNsPerS / demo::kShowRate_hz;
+      view.stamp_ns = frame * kNsPerS / demo::kShowRateHz;
       view.sender = 1;
       view.sequence = static_cast<std::uint32_t>(frame & 0xff);
       view.slots = levels[i];
       FL_TRY(writer.append(view));
     }
   }
-  return writer.close(static_cast<TimeNs>(demo::kShowLength_s * 1e9));
+  return writer.close(static_cast<TimeNs>(demo::kShowLengthS * 1e9));
 }
 
 }  // namespace

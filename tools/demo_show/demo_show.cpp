@@ -18,7 +18,7 @@ using fixtures::Rig;
 using glm::dvec3;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kBeat_s = 0.5;  // 120 beats a minute; a bar is four beats
+constexpr double kBeatS = 0.5;  // 120 beats a minute; a bar is four beats
 
 const dvec3 kDeepBlue(0.02, 0.08, 1.0);
 const dvec3 kIce(0.45, 0.80, 1.0);
@@ -78,7 +78,7 @@ Cue intro(const Player& p, double t) {
 Cue build(const Player& p, double t) {
   Cue c;
   const double open = wave((t - 8) / 8);
-  const double beats = t / kBeat_s;
+  const double beats = t / kBeatS;
   switch (p.group) {
     case Group::kProfile:
       c.dimmer = 0.45 + 0.5 * hit(beats / 2 - 0.125 * p.pair, 2.0);
@@ -113,7 +113,7 @@ Cue build(const Player& p, double t) {
 // Ballyhoo: every head on its own circle, left and right mirrored, two colours that change places with every bar.
 Cue ballyhoo(const Player& p, double t) {
   Cue c;
-  const double beats = t / kBeat_s;
+  const double beats = t / kBeatS;
   const double swap = ramp(fraction(beats / 8), 0.0, 0.06) - ramp(fraction(beats / 8), 0.5, 0.56);
   const double mirror = p.side < 0 ? -1 : 1;
   switch (p.group) {
@@ -194,7 +194,7 @@ Cue rise(const Player& p, double t) {
   const double since = t - 30;
   const double doubling = 1.5;
   // Steps run so far, with a rate of 2^(since / doubling) times one step a beat.
-  const double steps = (std::exp2(since / doubling) - 1) * doubling / std::numbers::ln2 / kBeat_s;
+  const double steps = (std::exp2(since / doubling) - 1) * doubling / std::numbers::ln2 / kBeatS;
   const double full = ramp(since, 3.0, 4.5);
   const double strobe = since > 4.7 ? 6 + 6 * ramp(since, 4.7, 6.0) : 0;
   switch (p.group) {
@@ -230,7 +230,7 @@ Cue rise(const Player& p, double t) {
 // the heads already go to their first position.
 Cue drop(const Player& p, double t, bool lit) {
   Cue c;
-  const double beats = (t - 37) / kBeat_s;
+  const double beats = (t - 37) / kBeatS;
   const bool cross = !lit || even(beats / 4);
   const bool first = !lit || even(beats / 2);
   const bool left = p.side < 0;
@@ -434,7 +434,7 @@ DemoShow::DemoShow(const Rig& rig) : rig_(rig) {
 }
 
 Cue DemoShow::cue(const Player& player, double t_s) const {
-  const double t = t_s - kShowLength_s * std::floor(t_s / kShowLength_s);
+  const double t = t_s - kShowLengthS * std::floor(t_s / kShowLengthS);
   std::size_t at = 0;
   while (at + 1 < kParts.size() && t >= kParts[at + 1].from_s) ++at;
   const Part& part = kParts[at];
@@ -449,7 +449,7 @@ Cue DemoShow::cue(const Player& player, double t_s) const {
   return now;
 }
 
-void DemoShow::look(double t_s, std::span<Slots> levels) const {
+void DemoShow::snapshot(double t_s, std::span<Slots> levels) const {
   using namespace footlight::fixtures;
   FL_CHECK_EQ(levels.size(), universes_.size());
   for (Slots& slots : levels) slots.fill(0);

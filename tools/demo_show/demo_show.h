@@ -13,8 +13,8 @@
 
 namespace footlight::demo {
 
-inline constexpr double kShowLength_s = 60.0;
-inline constexpr int kShowRate_hz = 44;
+inline constexpr double kShowLengthS = 60.0;
+inline constexpr int kShowRateHz = 44;
 
 // What one fixture is asked for at one moment, in people's words. Parameters that its type lacks are ignored.
 struct Cue {
@@ -46,9 +46,9 @@ class DemoShow {
 
   // In use, ascending.
   [[nodiscard]] const std::vector<Universe>& universes() const { return universes_; }
-  // The levels of all universes at t_s, any finite number; the show repeats outside 0 to kShowLength_s. One Slots for
+  // The levels of all universes at t_s, any finite number; the show repeats outside 0 to kShowLengthS. One Slots for
   // each of universes().
-  void look(double t_s, std::span<Slots> levels) const;
+  void snapshot(double t_s, std::span<Slots> levels) const;
   // What look() encodes, for one fixture.
   [[nodiscard]] Cue cue(const Player& player, double t_s) const;
   [[nodiscard]] const std::vector<Player>& players() const { return players_; }

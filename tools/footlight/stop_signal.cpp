@@ -103,20 +103,20 @@ ReloadSignal::~ReloadSignal() {
   if (const int fd = reload_fd.exchange(-1); fd >= 0) ::close(fd);
 }
 
-ReloadSignal::Wish ReloadSignal::wait() {
+ReloadSignal::Decoded ReloadSignal::wait() {
   std::uint64_t wishes = 0;
   while (!reload_ended.load()) {
     if (::read(reload_fd.load(), &wishes, sizeof wishes) != sizeof wishes) {
-      if (errno != EINTR) return Wish::kNothing;  // nothing will come: see opened()
+      if (errno != EINTR) return Decoded::kNothing;  // nothing will come: see opened()
       continue;
     }
     if (reload_ended.load()) break;
-    return hangup_came.exchange(false) && had_terminal_ && !has_terminal() ? Wish::kStop : Wish::kReload;
+    return hangup_came.exchange(false) && had_terminal_ && !has_terminal() ? Decoded::kStop : Decoded::kReload;
   }
-  return Wish::kNothing;
+  return Decoded::kNothing;
 }
 
-void ReloadSignal::wish() noexcept { wake_reloader(); }
+void ReloadSignal::decoded() noexcept { wake_reloader(); }
 
 void ReloadSignal::end() noexcept {
   reload_ended.store(true);

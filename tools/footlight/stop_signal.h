@@ -31,11 +31,11 @@ class ReloadSignal {
 
   // kIo where the system had no descriptor to spare: then wait() returns kNothing at once.
   [[nodiscard]] Status opened() const;
-  enum class Wish { kReload, kStop, kNothing };
+  enum class Decoded { kReload, kStop, kNothing };
   // Waits for a signal, or for wish() or end() of another thread; kNothing: it is over.
-  [[nodiscard]] Wish wait();
-  void wish() noexcept;  // any thread, and signal handlers
-  void end() noexcept;   // any thread
+  [[nodiscard]] Decoded wait();
+  void decoded() noexcept;  // any thread, and signal handlers
+  void end() noexcept;      // any thread
 
  private:
   const bool had_terminal_;

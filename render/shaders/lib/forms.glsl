@@ -15,4 +15,4 @@ float fl_default(uint index) { return defaults[index]; }
 #define FL_MEASURED
 #define FL_NEED_MEASURED kMeasured
 // The profile that is drawn. The flux factor of a beam has to be that of this profile.
-float drawn_profile(float profile_m) { return kProfile ? profile_m : 1.0; }
+float drawn_profile(float profile_power) { return kProfile ? profile_power : 1.0; }

@@ -12,10 +12,10 @@ layout(set = 0, binding = FL_BINDING_BLADES, std430) readonly buffer BladesBuffe
 
 // Of the beam that is being drawn.
 BeamRow gobo_row;
-uint gobo_look;  // how many looks at its images there were
+uint gobo_sample;  // how many looks at its images there were
 void gobo_begin(BeamRow row) {
   gobo_row = row;
-  gobo_look = 0u;
+  gobo_sample = 0u;
 }
 bool has_gobo(BeamRow row) {
   return kGobo && ((row.gobo | row.gobo_2 | row.animation) != 0u || row.offset_1 != 0.0 || row.offset_2 != 0.0);
@@ -59,7 +59,7 @@ vec3 gobo_at(uint gobo, vec2 rho, float z_m) {
   if (kFocus) blur = max(blur, focus_blur(gobo_row.x_axis.w, gobo_row.y_axis.w, z_m, gobo_row.focus));
   float lod = 0.0;
   if (blur > 1e-4) {
-    p += blur * gobo_spread(gobo_look++);
+    p += blur * gobo_spread(gobo_sample++);
     lod = log2(max(kTexelsOfBlur * blur, 1.0));
   }
   vec3 through = gobo_wheel(gobo, gobo_row.next_1, gobo_row.offset_1, vec2(gobo_row.gobo_cos, gobo_row.gobo_sin), p,
@@ -82,7 +82,7 @@ vec3 gobo_on_surface(uint gobo, vec2 rho, float z_m) {
   if (kFocus) blur = max(blur, focus_blur(gobo_row.x_axis.w, gobo_row.y_axis.w, z_m, gobo_row.focus));
   uint looks = blur > 1e-4 ? kSurfaceLooks : 1u;
   vec3 sum = vec3(0.0);
-  gobo_look = 0u;  // the same looks for every pixel, or neighbours would differ by a grain
+  gobo_sample = 0u;  // the same looks for every pixel, or neighbours would differ by a grain
   for (uint i = 0u; i < looks; ++i) sum += gobo_at(gobo, rho, z_m);
   return sum / float(looks);
 }

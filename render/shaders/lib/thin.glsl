@@ -9,8 +9,9 @@
 // section. In the haze each side of a rectangle is widened by itself.
 
 // Mean of rho^2 over the light of the profile m, and over that of (1 - rho^2)^3.
-float mean_square_radius(float profile_m) {
-  return profile_m < 1.0 ? profile_m / (1.0 + 2.0 * profile_m) : (profile_m + 1.0) / (2.0 * profile_m + 4.0);
+float mean_square_radius(float profile_power) {
+  if (profile_power < 1.0) return profile_power / (1.0 + 2.0 * profile_power);
+  return (profile_power + 1.0) / (2.0 * profile_power + 4.0);
 }
 const float kThinMeanSquare = 0.2;
 const float kThinProfileM = 1.0 / 3.0;
@@ -20,15 +21,15 @@ const float kThinProfileM = 1.0 / 3.0;
 const float kThinNarrow = 0.3;
 
 // Returns the factor of J0 that keeps the flux when the cross section becomes (1 - rho^2)^3.
-float thin_gain(float profile_m, float spread) {
+float thin_gain(float profile_power, float spread) {
   float k2 = spread * spread;
   if (FL_NEED_WIDE && spread > kWideSpread) {
-    return wide_flux_factor(spread, profile_m, 1.0) / wide_flux_factor(spread, kThinProfileM, 1.0);
+    return wide_flux_factor(spread, profile_power, 1.0) / wide_flux_factor(spread, kThinProfileM, 1.0);
   }
   if (spread > kThinNarrow) {
-    return round_flux_factor(spread, profile_m, 1.0) / round_flux_factor(spread, kThinProfileM, 1.0);
+    return round_flux_factor(spread, profile_power, 1.0) / round_flux_factor(spread, kThinProfileM, 1.0);
   }
-  float own = profile_m / (profile_m + 1.0) * pow(1.0 + k2 * mean_square_radius(profile_m), -1.5);
+  float own = profile_power / (profile_power + 1.0) * pow(1.0 + k2 * mean_square_radius(profile_power), -1.5);
   return own / (0.25 * pow(1.0 + k2 * kThinMeanSquare, -1.5));
 }
 
@@ -83,13 +84,13 @@ float thin_in_haze(inout BeamShape beam, BeamRow row, inout vec3 eye, inout vec3
   float own = beam.lens_radius_m + beam.spread * z;
   float wide = thin_reach(row) * t_m * depth;
   if (FL_NEED_RECTANGLE && row.squeeze > 0.0) return thin_rectangle(beam, eye, d, own, wide);
-  float scale = plain ? sqrt(mean_square_radius(beam.profile_m) / kThinMeanSquare) : 1.0;
+  float scale = plain ? sqrt(mean_square_radius(beam.profile_power) / kThinMeanSquare) : 1.0;
   if (!(wide > own * scale)) return 1.0;
   // With scale < 1 the sum may be negative where the beam is much wider than its lens.
   beam.lens_radius_m = max(beam.lens_radius_m + wide - own, 1e-4);
   if (!plain) return 1.0;
-  float gain = thin_gain(beam.profile_m, beam.spread);
-  beam.profile_m = kThinProfileM;
+  float gain = thin_gain(beam.profile_power, beam.spread);
+  beam.profile_power = kThinProfileM;
   return gain;
 }
 
@@ -98,7 +99,7 @@ float thin_in_haze(inout BeamShape beam, BeamRow row, inout vec3 eye, inout vec3
 float thin_on_surface(BeamShape beam, vec3 p, vec3 step_x, vec3 step_y, bool plain, out vec2 rho, out float r_m) {
   float w = max(beam.lens_radius_m + beam.spread * p.z, 1e-9);
   rho = p.xy / w;
-  float scale = plain ? sqrt(mean_square_radius(beam.profile_m) / kThinMeanSquare) : 1.0;
+  float scale = plain ? sqrt(mean_square_radius(beam.profile_power) / kThinMeanSquare) : 1.0;
   // Outside the cone the footprint is that of the nearest place on its edge: rho has no bound there.
   vec2 at = rho / max(length(rho), 1.0);
   vec2 a = (step_x.xy - at * beam.spread * step_x.z) / w;
@@ -117,8 +118,8 @@ float thin_on_surface(BeamShape beam, vec3 p, vec3 step_x, vec3 step_y, bool pla
   if (!(longest > scale * scale)) return beam_illuminance(beam, p, rho, r_m);
   float gain = 1.0;
   if (plain) {
-    gain = thin_gain(beam.profile_m, beam.spread);
-    beam.profile_m = kThinProfileM;
+    gain = thin_gain(beam.profile_power, beam.spread);
+    beam.profile_power = kThinProfileM;
   }
   vec2 radius = sqrt(max(vec2(longest, max(mean - root, 0.0)), vec2(scale * scale)));
   float angle = 0.5 * atan(2.0 * xy, xx - yy + 1e-30);

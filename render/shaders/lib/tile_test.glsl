@@ -8,7 +8,7 @@ BeamShape beam_shape(BeamRow row) {
   beam.lens_radius_m = row.x_axis.w;
   beam.spread = row.y_axis.w;
   beam.range_m = row.axis.w;
-  beam.profile_m = row.eye.w;
+  beam.profile_power = row.eye.w;
   beam.squeeze = row.squeeze;
   beam.measured = row.measured;
   beam.hidden = row.j0.w;

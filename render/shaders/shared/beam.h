@@ -39,7 +39,7 @@ struct BeamShape {
   Real lens_radius_m;  // R0 > 0
   Real spread;         // k = tan(half angle) >= 0
   Real range_m;        // the light ends at this z
-  Real profile_m;      // m: 1/4, 1/3, 1/2, 1, 2, 3 or 4
+  Real profile_power;  // m: 1/4, 1/3, 1/2, 1, 2, 3 or 4
   Real squeeze;        // 0: round; of a rectangle: height over width, squared
   uint measured;       // 0: it has a profile; else its table
   Real hidden;         // share of the profile's radius that an iris cuts off; 0: it is open
@@ -51,17 +51,17 @@ struct Medium {
 };
 
 // f(rho) from q = |rho|^2; 0 outside the beam.
-FL_FN Real beam_profile(Real q, Real profile_m) {
+FL_FN Real beam_profile(Real q, Real profile_power) {
   Real q2 = q * q;
   Real power = q;
-  if (profile_m > Real(1.5)) power = q2;
-  if (profile_m > Real(2.5)) power = q2 * q;
-  if (profile_m > Real(3.5)) power = q2 * q2;
+  if (profile_power > Real(1.5)) power = q2;
+  if (profile_power > Real(2.5)) power = q2 * q;
+  if (profile_power > Real(3.5)) power = q2 * q2;
   Real once = max(Real(1) - power, Real(0));
   Real soft = once;
-  if (profile_m < Real(0.75)) soft *= once;
-  if (profile_m < Real(0.42)) soft *= once;
-  if (profile_m < Real(0.29)) soft *= once;
+  if (profile_power < Real(0.75)) soft *= once;
+  if (profile_power < Real(0.42)) soft *= once;
+  if (profile_power < Real(0.29)) soft *= once;
   return soft;
 }
 
@@ -69,40 +69,40 @@ FL_FN Real beam_profile(Real q, Real profile_m) {
 FL_CONST float kWideSpread = 1.0f;
 
 // Integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc, by 8 Gauss nodes in q = rho^2. f is read at sqrt(shown) rho.
-FL_FN Real round_flux_factor(Real spread, Real profile_m, Real shown) {
+FL_FN Real round_flux_factor(Real spread, Real profile_power, Real shown) {
   Real total = Real(0);
   for (uint i = uint(0); i < uint(8); ++i) {
     Real q = kGaussNode[uint(28) + i];
     Real u = Real(1) + spread * spread * q;
-    total += kGaussWeight[uint(28) + i] * beam_profile(q * shown, profile_m) / (u * sqrt(u));
+    total += kGaussWeight[uint(28) + i] * beam_profile(q * shown, profile_power) / (u * sqrt(u));
   }
   return total * Real(3.141592653589793);
 }
 
 // The same for wide beams, where (1 + k^2 q)^(-3/2) is a peak. The nodes lie in y with 1 + k^2 q = (1 + k^2)^y, that is
 // in the logarithm of the cosine of the angle from the axis.
-FL_FN Real wide_flux_factor(Real spread, Real profile_m, Real shown) {
+FL_FN Real wide_flux_factor(Real spread, Real profile_power, Real shown) {
   Real square = spread * spread;
   Real whole = log(Real(1) + square);
   Real total = Real(0);
   for (uint i = uint(0); i < uint(8); ++i) {
     Real u = exp(whole * kGaussNode[uint(28) + i]);
     Real q = min((u - Real(1)) / square, Real(1));
-    total += kGaussWeight[uint(28) + i] * beam_profile(q * shown, profile_m) / sqrt(u);
+    total += kGaussWeight[uint(28) + i] * beam_profile(q * shown, profile_power) / sqrt(u);
   }
   return total * whole / square * Real(3.141592653589793);
 }
 
 // The same of a rectangle, 8 x 8 nodes over a quarter of it.
-FL_FN Real rectangle_flux_factor(Real spread, Real profile_m, Real squeeze, Real shown) {
+FL_FN Real rectangle_flux_factor(Real spread, Real profile_power, Real squeeze, Real shown) {
   Real total = Real(0);
   for (uint i = uint(0); i < uint(8); ++i) {
     Real x = kGaussNode[uint(28) + i] * kGaussNode[uint(28) + i];
     for (uint j = uint(0); j < uint(8); ++j) {
       Real y = kGaussNode[uint(28) + j] * kGaussNode[uint(28) + j];
       Real u = Real(1) + spread * spread * Real(0.5) * (x + squeeze * y);
-      total += kGaussWeight[uint(28) + i] * kGaussWeight[uint(28) + j] * beam_profile(x * shown, profile_m) *
-               beam_profile(y * shown, profile_m) / (u * sqrt(u));
+      total += kGaussWeight[uint(28) + i] * kGaussWeight[uint(28) + j] * beam_profile(x * shown, profile_power) *
+               beam_profile(y * shown, profile_power) / (u * sqrt(u));
     }
   }
   // Four quarters of the square, each of a half by a half of rho squared; y is stretched by 1 / sqrt(squeeze).
@@ -114,10 +114,10 @@ FL_FN Real beam_flux_factor(BeamShape beam) {
   Real shown = Real(1);
   if (FL_NEED_IRIS) shown = (Real(1) - beam.hidden) * (Real(1) - beam.hidden);
   if (FL_NEED_RECTANGLE && beam.squeeze > Real(0)) {
-    return rectangle_flux_factor(beam.spread, beam.profile_m, beam.squeeze, shown);
+    return rectangle_flux_factor(beam.spread, beam.profile_power, beam.squeeze, shown);
   }
-  if (FL_NEED_WIDE && beam.spread > Real(kWideSpread)) return wide_flux_factor(beam.spread, beam.profile_m, shown);
-  return round_flux_factor(beam.spread, beam.profile_m, shown);
+  if (FL_NEED_WIDE && beam.spread > Real(kWideSpread)) return wide_flux_factor(beam.spread, beam.profile_power, shown);
+  return round_flux_factor(beam.spread, beam.profile_power, shown);
 }
 
 // Share of a beam's flux that passes an iris, open to `iris` of its radius. The intensity within stays.
@@ -143,10 +143,10 @@ FL_FN Real beam_value(BeamShape beam, Vec2 rho, Real q) {
   if (FL_NEED_MEASURED && beam.measured != uint(0)) return q < Real(1) ? measured_value(beam.measured, rho) : Real(0);
 #endif
   if (FL_NEED_RECTANGLE && beam.squeeze > Real(0)) {
-    return beam_profile(Real(2) * rho.x * rho.x, beam.profile_m) *
-           beam_profile(Real(2) * rho.y * rho.y, beam.profile_m);
+    return beam_profile(Real(2) * rho.x * rho.x, beam.profile_power) *
+           beam_profile(Real(2) * rho.y * rho.y, beam.profile_power);
   }
-  return beam_profile(q, beam.profile_m);
+  return beam_profile(q, beam.profile_power);
 }
 
 // 1 + k^2 |rho|^2, with true lengths: the square of the slant distance over z.

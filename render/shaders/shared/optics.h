@@ -16,15 +16,15 @@ FL_CONST float kFrostAdds = 0.05f;
 FL_CONST float kFrostBlur = 0.29f;  // radius of the blur at full, in beam radii
 
 // The profile, softened by `amount` 0 to 1 in six steps from 1 - rho^8 to (1 - rho^2)^4.
-FL_FN Real softened_profile(Real profile_m, Real amount) {
+FL_FN Real softened_profile(Real profile_power, Real amount) {
   // Where the profile stands on that way, 0 to 6.
-  Real at = profile_m > Real(3.5)    ? Real(0)
-            : profile_m > Real(2.5)  ? Real(1)
-            : profile_m > Real(1.5)  ? Real(2)
-            : profile_m > Real(0.75) ? Real(3)
-            : profile_m > Real(0.42) ? Real(4)
-            : profile_m > Real(0.29) ? Real(5)
-                                     : Real(6);
+  Real at = profile_power > Real(3.5)    ? Real(0)
+            : profile_power > Real(2.5)  ? Real(1)
+            : profile_power > Real(1.5)  ? Real(2)
+            : profile_power > Real(0.75) ? Real(3)
+            : profile_power > Real(0.42) ? Real(4)
+            : profile_power > Real(0.29) ? Real(5)
+                                         : Real(6);
   Real step = min(at + floor(clamp(amount, Real(0), Real(1)) * Real(6) + Real(0.5)), Real(6));
   return step < Real(3.5) ? Real(4) - step : Real(1) / (step - Real(2));
 }

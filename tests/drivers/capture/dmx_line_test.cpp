@@ -15,7 +15,7 @@ namespace {
 using footlight::testing::LineProfile;
 using footlight::testing::LineSignal;
 
-std::vector<std::uint8_t> look(std::size_t slots, int seed) {
+std::vector<std::uint8_t> snapshot(std::size_t slots, int seed) {
   std::vector<std::uint8_t> bytes(1 + slots, 0);
   for (std::size_t i = 1; i < bytes.size(); ++i) {
     bytes[i] = static_cast<std::uint8_t>(i % 3 == 0 ? 0 : i * 7 + static_cast<std::size_t>(seed) * 31);
@@ -53,10 +53,10 @@ LineFault fault_of(const std::function<void(LineSignal&)>& third) {
   constexpr std::uint64_t kRateHz = 4'000'000;
   LineSignal signal(kRateHz);
   signal.mark(200e3);
-  signal.frame(look(30, 1));
-  signal.frame(look(30, 2));
+  signal.frame(snapshot(30, 1));
+  signal.frame(snapshot(30, 2));
   third(signal);
-  signal.frame(look(30, 3));
+  signal.frame(snapshot(30, 3));
   signal.mark(5e6);
   const auto frames = decode(signal, kRateHz);
   REQUIRE(frames.size() == 4);
@@ -93,7 +93,7 @@ TEST_CASE("what five devices send arrives byte by byte at every sample rate from
       std::vector<double> starts;
       for (int i = 0; i < 3; ++i) {
         starts.push_back(signal.now_ns());
-        signal.frame(look(device.slots, i), device.profile);
+        signal.frame(snapshot(device.slots, i), device.profile);
         signal.mark(70e3 + 333.0 * i);
       }
       signal.mark(3e6);
@@ -103,7 +103,7 @@ TEST_CASE("what five devices send arrives byte by byte at every sample rate from
         const LineFrameTiming& timing = frames[i].timing;
         CHECK(timing.fault == LineFault::kNone);
         CHECK(!timing.unfinished);
-        CHECK(has_bytes(frames[i], look(device.slots, static_cast<int>(i))));
+        CHECK(has_bytes(frames[i], snapshot(device.slots, static_cast<int>(i))));
         const auto near = [&](DurationNs measured, double true_ns) {
           return std::abs(static_cast<double>(measured) - true_ns) <= sample_ns + 1.0;
         };
@@ -152,11 +152,11 @@ TEST_CASE("senders that are four percent fast or slow are read to the last slot,
       profile.bit_ns = bit_ns;
       profile.stop_bits = stop_bits;
       signal.mark(1e5);
-      signal.frame(look(512, 5), profile);
+      signal.frame(snapshot(512, 5), profile);
       signal.mark(3e6);
       const auto frames = decode(signal, 8'000'000);
       REQUIRE(frames.size() == 1);
-      CHECK(has_bytes(frames[0], look(512, 5)));
+      CHECK(has_bytes(frames[0], snapshot(512, 5)));
     }
   }
 }
@@ -173,7 +173,7 @@ TEST_CASE("a gap is never negative at any sample rate; a fast sender or one stop
         profile.bit_ns = bit_ns;
         profile.stop_bits = stop_bits;
         signal.mark(1e5);
-        signal.frame(look(512, 5), profile);
+        signal.frame(snapshot(512, 5), profile);
         signal.mark(3e6);
         const auto frames = decode(signal, rate_hz);
         REQUIRE(frames.size() == 1);
@@ -193,7 +193,7 @@ TEST_CASE("a gap is never negative at any sample rate; a fast sender or one stop
 TEST_CASE("glitches below 1.5 us change no level, also in the middle of bits, and are counted") {
   LineSignal signal(4'000'000);
   signal.mark(1e5);
-  signal.frame(look(512, 1));
+  signal.frame(snapshot(512, 1));
   signal.mark(2e6);
   const auto clean = decode(signal, 4'000'000);
   std::uint64_t state = 1;
@@ -215,7 +215,7 @@ TEST_CASE("glitches below 1.5 us change no level, also in the middle of bits, an
   CHECK(glitches > 200);
   CHECK(counters.glitches == glitches);
   REQUIRE(noisy.size() == 1);
-  CHECK(has_bytes(noisy[0], look(512, 1)));
+  CHECK(has_bytes(noisy[0], snapshot(512, 1)));
   CHECK(noisy[0].timing.break_ns == clean[0].timing.break_ns);
 }
 
@@ -223,7 +223,7 @@ TEST_CASE("samples that are cut anywhere, or taken from DMX- and turned over, gi
   LineSignal signal(1'000'000);
   signal.mark(1e5);
   for (int i = 0; i < 4; ++i) {
-    signal.frame(look(100, i));
+    signal.frame(snapshot(100, i));
     signal.mark(1e5);
   }
   const auto whole = decode(signal, 1'000'000);
@@ -244,7 +244,7 @@ TEST_CASE("samples that are cut anywhere, or taken from DMX- and turned over, gi
 }
 
 TEST_CASE("a frame that is rejected says why and costs no other frame") {
-  const auto bytes = look(30, 7);
+  const auto bytes = snapshot(30, 7);
   CHECK(fault_of([&](LineSignal& signal) { signal.frame(bytes); }) == LineFault::kNone);
   CHECK(fault_of([&](LineSignal& signal) {
           signal.frame(bytes, {100'000, 2'000, 0, 4'000.0, 2});
@@ -260,7 +260,7 @@ TEST_CASE("a frame that is rejected says why and costs no other frame") {
           signal.space(4e3);
           signal.mark(12e3);
         }) == LineFault::kCutSlot);
-  CHECK(fault_of([&](LineSignal& signal) { signal.frame(look(513, 7)); }) == LineFault::kTooManySlots);
+  CHECK(fault_of([&](LineSignal& signal) { signal.frame(snapshot(513, 7)); }) == LineFault::kTooManySlots);
   CHECK(fault_of([&](LineSignal& signal) {
           signal.space(1.2e9);
           signal.mark(12e3);
@@ -273,12 +273,12 @@ TEST_CASE("a frame in whose middle the samples end is unfinished; one after whic
   const auto tail = [&](double rest_ns) {
     LineSignal signal(kRateHz);
     signal.mark(1e5);
-    signal.frame(look(24, 1));
+    signal.frame(snapshot(24, 1));
     signal.mark(rest_ns);
     const auto frames = decode(signal, kRateHz);
     REQUIRE(frames.size() == 1);
     CHECK(frames[0].timing.fault == LineFault::kNone);
-    CHECK(has_bytes(frames[0], look(24, 1)));
+    CHECK(has_bytes(frames[0], snapshot(24, 1)));
     return frames[0].timing.unfinished;
   };
   CHECK(tail(20e3));
@@ -302,7 +302,7 @@ TEST_CASE("a frame in whose middle the samples end is unfinished; one after whic
 TEST_CASE("samples of several bytes are looked at in the one bit that is asked for") {
   LineSignal signal(2'000'000);
   signal.mark(1e5);
-  signal.frame(look(40, 3));
+  signal.frame(snapshot(40, 3));
   signal.mark(2e6);
   std::vector<std::uint8_t> wide;
   for (const std::uint8_t level : signal.samples()) {
@@ -314,7 +314,7 @@ TEST_CASE("samples of several bytes are looked at in the one bit that is asked f
   decoder.finish();
   LineFrame frame;
   REQUIRE(decoder.take(frame));
-  CHECK(has_bytes(frame, look(40, 3)));
+  CHECK(has_bytes(frame, snapshot(40, 3)));
 }
 
 }  // namespace footlight::drivers

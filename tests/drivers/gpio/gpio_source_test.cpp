@@ -147,7 +147,7 @@ TEST_CASE("a strobe input of priority 150 takes its own slots from a desk of pri
     waiter.at(end_ns, [&] { waiter.interrupt(); });
     while (clock.now_ns() < end_ns) pump.step();
   };
-  const auto check_look = [&](int desk_level, int first, int second) {
+  const auto check_snapshot = [&](int desk_level, int first, int second) {
     Slots levels;
     FrameStamp stamp;
     universes.snapshot(0, levels, stamp);
@@ -160,21 +160,21 @@ TEST_CASE("a strobe input of priority 150 takes its own slots from a desk of pri
   run_for(kNsPerMs);
   desk.give(3, 200);
   run_for(kNsPerMs);
-  check_look(200, 0, 0);  // off is a level too: the desk cannot light what the switch has dark
+  check_snapshot(200, 0, 0);  // off is a level too: the desk cannot light what the switch has dark
   model->drive(17, true, clock.now_ns());
   run_for(kNsPerMs);
-  check_look(200, 255, 0);
+  check_snapshot(200, 255, 0);
   desk.give(3, 77);  // the desk is followed everywhere else
   model->drive(4, true, clock.now_ns());
   run_for(kNsPerMs);
-  check_look(77, 255, 255);
+  check_snapshot(77, 255, 255);
   model->drive(17, false, clock.now_ns());
   desk.give(3, 78, 149);  // still below 150
   run_for(100 * kNsPerMs);
-  check_look(78, 0, 255);
+  check_snapshot(78, 0, 255);
   desk.give(3, 79, 151);  // and above: the desk has it all
   run_for(kNsPerMs);
-  check_look(79, 79, 79);
+  check_snapshot(79, 79, 79);
   pump.stop();
 }
 

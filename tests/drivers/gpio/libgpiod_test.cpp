@@ -98,15 +98,15 @@ TEST_CASE("stamps of a kernel that has the wall clock become those of the pump's
   const TimeNs before_ns = machine.clock.now_ns();
   ::clock_gettime(CLOCK_REALTIME, &wall);
   const std::int64_t wall_ns = static_cast<std::int64_t>(wall.tv_sec) * kNsPerS + wall.tv_nsec;
-  constexpr DurationNs kAgo_ns = kNsPerS;
-  machine.chip.drive(0, true, wall_ns - kAgo_ns);
+  constexpr DurationNs kAgoNs = kNsPerS;
+  machine.chip.drive(0, true, wall_ns - kAgoNs);
   REQUIRE(readable((*line)->fd()));
   std::array<GpioEdge, 16> edges;
   REQUIRE((*line)->read_edges(edges).value() == 1);
   // The two clocks are never read at the same time: however long a thread rests in between, the stamp lies here.
   const TimeNs after_ns = machine.clock.now_ns();
-  CHECK(edges[0].stamp_ns > before_ns - kAgo_ns - (after_ns - before_ns));
-  CHECK(edges[0].stamp_ns < after_ns - kAgo_ns);
+  CHECK(edges[0].stamp_ns > before_ns - kAgoNs - (after_ns - before_ns));
+  CHECK(edges[0].stamp_ns < after_ns - kAgoNs);
 }
 
 TEST_CASE("a listed chip is called what it calls itself, and asking it takes no line") {
@@ -183,9 +183,9 @@ class Bridge {
     pump_.request_stop();
     thread_.join();
   }
-  [[nodiscard]] FrameStamp stamp() { return look().second; }
+  [[nodiscard]] FrameStamp stamp() { return snapshot().second; }
   [[nodiscard]] int level(Address address) {
-    return look().first.at(static_cast<std::size_t>(slot_of_address(address)));
+    return snapshot().first.at(static_cast<std::size_t>(slot_of_address(address)));
   }
   [[nodiscard]] bool gone() {
     for (int i = 0; i < 3; ++i) {
@@ -196,7 +196,7 @@ class Bridge {
   }
 
  private:
-  std::pair<Slots, FrameStamp> look() {
+  std::pair<Slots, FrameStamp> snapshot() {
     Slots slots{};
     FrameStamp stamp;
     universes_->snapshot(0, slots, stamp);

@@ -18,7 +18,7 @@ using testing::FrameKeeper;
 using testing::HidSocket;
 using testing::line_frame_of;
 using testing::poll_until;
-using testing::some_look;
+using testing::some_snapshot;
 using testing::wait_for_state;
 
 template <class Model, class DriverClock = SystemClock>
@@ -55,8 +55,8 @@ TEST_CASE("100 looks arrive over hidraw with every byte") {
   bench.socket.plug();
   const auto sink = bench.open_sink();
   for (int i = 0; i < 100; ++i) {
-    bench.send(*sink, some_look(static_cast<std::uint8_t>(i)));
-    REQUIRE(bench.shows(some_look(static_cast<std::uint8_t>(i))));
+    bench.send(*sink, some_snapshot(static_cast<std::uint8_t>(i)));
+    REQUIRE(bench.shows(some_snapshot(static_cast<std::uint8_t>(i))));
   }
   bench.socket.with_model([&] { CHECK(bench.model.broken_count == 0); });
 }
@@ -69,12 +69,12 @@ TEST_CASE("frames of the input arrive over hidraw with every byte while looks go
   REQUIRE(bench.socket.wait_for([&] { return bench.model.mode == 6; }));
   FrameKeeper keeper;
   for (std::uint8_t i = 0; i < 20; ++i) {
-    bench.socket.with_model([&] { bench.model.receive_line_frame(1, line_frame_of(some_look(i))); });
-    bench.send(*sink, some_look(static_cast<std::uint8_t>(100 + i)));
+    bench.socket.with_model([&] { bench.model.receive_line_frame(1, line_frame_of(some_snapshot(i))); });
+    bench.send(*sink, some_snapshot(static_cast<std::uint8_t>(100 + i)));
     REQUIRE(poll_until(
         *source, [&] { (void)source->poll(bench.clock.now_ns(), keeper); },
-        [&] { return !keeper.kept.empty() && keeper.kept.back().slots == some_look(i); }));
-    REQUIRE(bench.shows(some_look(static_cast<std::uint8_t>(100 + i))));
+        [&] { return !keeper.kept.empty() && keeper.kept.back().slots == some_snapshot(i); }));
+    REQUIRE(bench.shows(some_snapshot(static_cast<std::uint8_t>(100 + i))));
   }
   CHECK(source->counters().rejected == 0);
 }
@@ -83,16 +83,16 @@ TEST_CASE("an unplug is noticed without traffic, and the last look is back after
   Bench<NodleModel> bench("nodle");
   bench.socket.plug();
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(1));
-  REQUIRE(bench.shows(some_look(1)));
+  bench.send(*sink, some_snapshot(1));
+  REQUIRE(bench.shows(some_snapshot(1)));
   const TimeNs unplugged_ns = bench.clock.now_ns();
   bench.socket.unplug();
   REQUIRE(wait_for_state(*sink, PortState::kGone));
   MESSAGE("unplug to gone: ", static_cast<double>(bench.clock.now_ns() - unplugged_ns) * 1e-6, " ms");
-  bench.send(*sink, some_look(2));
+  bench.send(*sink, some_snapshot(2));
   const TimeNs plugged_ns = bench.clock.now_ns();
   bench.socket.plug();
-  REQUIRE(bench.shows(some_look(2)));
+  REQUIRE(bench.shows(some_snapshot(2)));
   MESSAGE("replug to last look: ", static_cast<double>(bench.clock.now_ns() - plugged_ns) * 1e-6, " ms");
 }
 
@@ -104,7 +104,7 @@ TEST_CASE("a device that leaves in the middle of a look gets it when it is back"
     bench.socket.unplug_at_write = at;
     bench.socket.unplug();
     REQUIRE(wait_for_state(*sink, PortState::kGone));
-    bench.send(*sink, some_look(static_cast<std::uint8_t>(at)));
+    bench.send(*sink, some_snapshot(static_cast<std::uint8_t>(at)));
     const auto report_count = [&] { return bench.model.mode_count + bench.model.block_count; };
     const std::uint64_t before = report_count();
     bench.socket.plug();
@@ -115,7 +115,7 @@ TEST_CASE("a device that leaves in the middle of a look gets it when it is back"
     bench.socket.unplug_at_write = -1;
     bench.socket.unplug();
     bench.socket.plug();
-    CHECK(bench.shows(some_look(static_cast<std::uint8_t>(at))));
+    CHECK(bench.shows(some_snapshot(static_cast<std::uint8_t>(at))));
     REQUIRE(wait_for_state(*sink, PortState::kWorking));
   }
 }
@@ -125,17 +125,17 @@ TEST_CASE("writes that fail or are cut short lead to opening the device afresh")
   bench.socket.plug();
   const auto sink = bench.open_sink();
   bench.socket.write_error = EPIPE;
-  bench.send(*sink, some_look(2));
+  bench.send(*sink, some_snapshot(2));
   REQUIRE(wait_for_state(*sink, PortState::kGone));
   CHECK(sink->trouble().find("/dev/hidraw1") != std::string::npos);
   bench.socket.write_error = 0;
-  CHECK(bench.shows(some_look(2)));
+  CHECK(bench.shows(some_snapshot(2)));
   REQUIRE(wait_for_state(*sink, PortState::kWorking));
   bench.socket.write_size_max = 7;
-  bench.send(*sink, some_look(3));
+  bench.send(*sink, some_snapshot(3));
   REQUIRE(wait_for_state(*sink, PortState::kGone));
   bench.socket.write_size_max = -1;
-  CHECK(bench.shows(some_look(3)));
+  CHECK(bench.shows(some_snapshot(3)));
 }
 
 TEST_CASE("a device without a serial number is found again in its socket and in no other") {
@@ -176,10 +176,10 @@ TEST_CASE("two alike are told apart, and neither takes the other's place") {
   const auto second = bench.open_sink();
   bench.request.target = "A0042";
   const auto first = bench.open_sink();
-  bench.send(*first, some_look(1));
-  bench.send(*second, some_look(2));
-  CHECK(bench.shows(some_look(1)));
-  CHECK(other_socket.wait_for([&] { return other.line(0).frame == line_frame_of(some_look(2)); }));
+  bench.send(*first, some_snapshot(1));
+  bench.send(*second, some_snapshot(2));
+  CHECK(bench.shows(some_snapshot(1)));
+  CHECK(other_socket.wait_for([&] { return other.line(0).frame == line_frame_of(some_snapshot(2)); }));
 }
 
 TEST_CASE("closing ends though nothing comes, and leaves no descriptor and no thread") {
@@ -196,15 +196,15 @@ TEST_CASE("100 replugs over hidraw leak no descriptor and no thread, and lose no
   Bench<NodleModel> bench("nodle");
   bench.socket.plug();
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(0));
-  REQUIRE(bench.shows(some_look(0)));
+  bench.send(*sink, some_snapshot(0));
+  REQUIRE(bench.shows(some_snapshot(0)));
   const std::size_t fds = testing::entries_of("/proc/self/fd"), threads = testing::entries_of("/proc/self/task");
   for (int i = 1; i <= 100; ++i) {
     bench.socket.unplug();
     REQUIRE(wait_for_state(*sink, PortState::kGone));
-    bench.send(*sink, some_look(static_cast<std::uint8_t>(i)));
+    bench.send(*sink, some_snapshot(static_cast<std::uint8_t>(i)));
     bench.socket.plug();
-    REQUIRE(bench.shows(some_look(static_cast<std::uint8_t>(i))));
+    REQUIRE(bench.shows(some_snapshot(static_cast<std::uint8_t>(i))));
     REQUIRE(wait_for_state(*sink, PortState::kWorking));
   }
   CHECK(testing::entries_of("/proc/self/fd") == fds);

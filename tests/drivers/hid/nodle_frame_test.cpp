@@ -19,12 +19,12 @@ Slots ramp() {
 }
 
 TEST_CASE("a block carries its number and the 32 levels that belong there") {
-  const Slots look = ramp();
-  const NodleReport report = encode_nodle_block(15, look);
+  const Slots snapshot = ramp();
+  const NodleReport report = encode_nodle_block(15, snapshot);
   REQUIRE(report.size() == 34);
   CHECK(report[0] == 0);
   CHECK(report[1] == 15);
-  CHECK(std::equal(look.begin() + 480, look.end(), report.begin() + 2));
+  CHECK(std::equal(snapshot.begin() + 480, snapshot.end(), report.begin() + 2));
 }
 
 TEST_CASE("the mode report is number 16 with the mode behind it and zeros to its end") {

@@ -10,7 +10,7 @@ using mock::NodleModel;
 using testing::DeviceBench;
 using testing::FrameKeeper;
 using testing::line_frame_of;
-using testing::some_look;
+using testing::some_snapshot;
 
 struct Bench : DeviceBench {
   Bench() : DeviceBench("nodle") { input_line = 1; }
@@ -41,8 +41,8 @@ TEST_SUITE_BEGIN("nodle");
 TEST_CASE("a look reaches the output with every slot, and the mode says output only") {
   Bench bench;
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(4));
-  CHECK(bench.shows(some_look(4)));
+  bench.send(*sink, some_snapshot(4));
+  CHECK(bench.shows(some_snapshot(4)));
   CHECK(bench.mode() == 2);
   CHECK(sink->rate_hz_max() == doctest::Approx(44.0));
 }
@@ -50,33 +50,33 @@ TEST_CASE("a look reaches the output with every slot, and the mode says output o
 TEST_CASE("only blocks that have changed are sent, and all of them once a second") {
   Bench bench;
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(4));
-  REQUIRE(bench.shows(some_look(4)));
+  bench.send(*sink, some_snapshot(4));
+  REQUIRE(bench.shows(some_snapshot(4)));
   CHECK(bench.blocks() == 16);
-  Bytes look = some_look(4);
-  look[100] ^= 1;
-  bench.send(*sink, look);
-  REQUIRE(bench.shows(look));
+  Bytes snapshot = some_snapshot(4);
+  snapshot[100] ^= 1;
+  bench.send(*sink, snapshot);
+  REQUIRE(bench.shows(snapshot));
   CHECK(bench.blocks() == 17);
   bench.advance_ns(999 * kNsPerMs);
-  look[511] ^= 1;
-  bench.send(*sink, look);
-  REQUIRE(bench.shows(look));
+  snapshot[511] ^= 1;
+  bench.send(*sink, snapshot);
+  REQUIRE(bench.shows(snapshot));
   CHECK(bench.blocks() == 18);
   bench.advance_ns(kNsPerMs);
-  look[0] ^= 1;  // changes all the time do not put the refresh off
-  bench.send(*sink, look);
+  snapshot[0] ^= 1;  // changes all the time do not put the refresh off
+  bench.send(*sink, snapshot);
   CHECK(bench.usb->wait_for<NodleModel>([](const NodleModel& model) { return model.block_count == 34; }));
 }
 
 TEST_CASE("a device that lost its memory without an unplug has the look back within a second") {
   Bench bench;
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(4));
-  REQUIRE(bench.shows(some_look(4)));
+  bench.send(*sink, some_snapshot(4));
+  REQUIRE(bench.shows(some_snapshot(4)));
   bench.with([](NodleModel& model) { model.memory.fill(0); });
   bench.advance_ns(kNsPerS);
-  CHECK(bench.shows(some_look(4)));
+  CHECK(bench.shows(some_snapshot(4)));
 }
 
 TEST_CASE("a slow device says how long a look takes in which everything changes") {
@@ -93,9 +93,9 @@ TEST_CASE("frames of the input are handed over with every slot") {
   CHECK(bench.mode() == 4);
   FrameKeeper keeper;
   for (std::uint8_t i = 0; i < 5; ++i) {
-    bench.receive(some_look(static_cast<std::uint8_t>(10 * i)));
+    bench.receive(some_snapshot(static_cast<std::uint8_t>(10 * i)));
     REQUIRE(bench.frames_come(*source, keeper, i + 1u));
-    CHECK(keeper.kept[i].slots == some_look(static_cast<std::uint8_t>(10 * i)));
+    CHECK(keeper.kept[i].slots == some_snapshot(static_cast<std::uint8_t>(10 * i)));
   }
   CHECK(source->counters().rejected == 0);
 }
@@ -104,7 +104,7 @@ TEST_CASE("blocks of two frames do not mix: a number that does not go up begins 
   Bench bench;
   const auto source = bench.open_source();
   FrameKeeper keeper;
-  Bytes first = some_look(1), second = some_look(2);
+  Bytes first = some_snapshot(1), second = some_snapshot(2);
   bench.usb->with_model([&](auto& model) {
     model.receive_line_frame(1, line_frame_of(first));
     model.receive_line_frame(1, line_frame_of(second));
@@ -120,17 +120,17 @@ TEST_CASE("blocks of two frames do not mix: a number that does not go up begins 
 TEST_CASE("output and input work at the same time on one device, opened once") {
   Bench bench;
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(1));
-  REQUIRE(bench.shows(some_look(1)));
+  bench.send(*sink, some_snapshot(1));
+  REQUIRE(bench.shows(some_snapshot(1)));
   const auto source = bench.open_source();
   CHECK(bench.mode() == 6);
   FrameKeeper keeper;
   for (std::uint8_t i = 1; i <= 5; ++i) {
-    bench.receive(some_look(static_cast<std::uint8_t>(100 + i)));
-    bench.send(*sink, some_look(i));
-    CHECK(bench.shows(some_look(i)));
+    bench.receive(some_snapshot(static_cast<std::uint8_t>(100 + i)));
+    bench.send(*sink, some_snapshot(i));
+    CHECK(bench.shows(some_snapshot(i)));
     REQUIRE(bench.frames_come(*source, keeper, i));
-    CHECK(keeper.kept[i - 1u].slots == some_look(static_cast<std::uint8_t>(100 + i)));
+    CHECK(keeper.kept[i - 1u].slots == some_snapshot(static_cast<std::uint8_t>(100 + i)));
   }
   CHECK(bench.with([](NodleModel& model) { return model.power_on_count; }) == 1);
   // An unplug takes both, a replug brings both back.
@@ -140,35 +140,35 @@ TEST_CASE("output and input work at the same time on one device, opened once") {
   bench.usb->plug();
   // The line's record outlives the plug, so the memory of the device tells.
   CHECK(bench.usb->wait_for<NodleModel>([](const NodleModel& model) {
-    return model.mode == 6 && std::equal(model.memory.begin(), model.memory.end(), some_look(5).begin());
+    return model.mode == 6 && std::equal(model.memory.begin(), model.memory.end(), some_snapshot(5).begin());
   }));
-  bench.receive(some_look(77));
+  bench.receive(some_snapshot(77));
   REQUIRE(bench.frames_come(*source, keeper, 6));
-  CHECK(keeper.kept[5].slots == some_look(77));
+  CHECK(keeper.kept[5].slots == some_snapshot(77));
 }
 
 TEST_CASE("closing the output leaves its look on the line while the input goes on, and the last close ends listening") {
   Bench bench;
   const auto sink = bench.open_sink();
   const auto source = bench.open_source();
-  bench.send(*sink, some_look(1));
-  REQUIRE(bench.shows(some_look(1)));
+  bench.send(*sink, some_snapshot(1));
+  REQUIRE(bench.shows(some_snapshot(1)));
   sink->close(bench.clock.now_ns());
   CHECK(bench.mode() == 6);
-  CHECK(bench.shows(some_look(1)));
+  CHECK(bench.shows(some_snapshot(1)));
   (void)source;
 }
 
 TEST_CASE("a look that is not shown is not believed: it is sent whole after a failed report") {
   Bench bench;
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(1));
-  REQUIRE(bench.shows(some_look(1)));
+  bench.send(*sink, some_snapshot(1));
+  REQUIRE(bench.shows(some_snapshot(1)));
   bench.usb->cut_next_write(0);
-  Bytes look = some_look(1);
-  look[0] ^= 1;
-  bench.send(*sink, look);
-  CHECK(bench.advance_until([&] { return bench.shows(look, std::chrono::milliseconds(1)); }));
+  Bytes snapshot = some_snapshot(1);
+  snapshot[0] ^= 1;
+  bench.send(*sink, snapshot);
+  CHECK(bench.advance_until([&] { return bench.shows(snapshot, std::chrono::milliseconds(1)); }));
   CHECK(bench.usb->wait_for<NodleModel>([](const NodleModel& model) { return model.block_count >= 32; }));
 }
 
@@ -186,9 +186,9 @@ TEST_CASE("reports that are no blocks are counted and change nothing") {
     return source->counters().rejected == 3;
   }));
   CHECK(keeper.kept.empty());
-  bench.receive(some_look(3));
+  bench.receive(some_snapshot(3));
   REQUIRE(bench.frames_come(*source, keeper, 1));
-  CHECK(keeper.kept[0].slots == some_look(3));
+  CHECK(keeper.kept[0].slots == some_snapshot(3));
 }
 
 TEST_CASE("reports that come in pieces are counted, and none is taken for a block") {
@@ -196,14 +196,14 @@ TEST_CASE("reports that come in pieces are counted, and none is taken for a bloc
   const auto source = bench.open_source();
   bench.usb->limit_reads(1);
   FrameKeeper keeper;
-  bench.receive(some_look(3));
+  bench.receive(some_snapshot(3));
   REQUIRE(bench.advance_until([&] {
     (void)source->poll(bench.clock.now_ns(), keeper);
     return source->counters().rejected >= 16;
   }));
   CHECK(keeper.kept.empty());
   bench.usb->limit_reads(0);
-  bench.receive(some_look(5));
+  bench.receive(some_snapshot(5));
   REQUIRE(bench.frames_come(*source, keeper, 1));
 }
 
@@ -212,10 +212,10 @@ TEST_CASE("reports that come late are handed over all the same") {
   const auto source = bench.open_source();
   bench.usb->slow_down(2 * kNsPerMs);
   FrameKeeper keeper;
-  bench.receive(some_look(3));
+  bench.receive(some_snapshot(3));
   REQUIRE(bench.advance_until([&] {
     (void)source->poll(bench.clock.now_ns(), keeper);
-    return !keeper.kept.empty() && keeper.kept.back().slots == some_look(3);
+    return !keeper.kept.empty() && keeper.kept.back().slots == some_snapshot(3);
   }));
 }
 

@@ -15,16 +15,16 @@ using Bytes = std::vector<std::uint8_t>;
 
 Bytes report_of(const VellemanReports& reports, std::size_t i) { return {reports[i].begin(), reports[i].end()}; }
 
-Bytes line_frame_of(const Slots& look) {
+Bytes line_frame_of(const Slots& snapshot) {
   Bytes frame{0};
-  frame.insert(frame.end(), look.begin(), look.end());
+  frame.insert(frame.end(), snapshot.begin(), snapshot.end());
   return frame;
 }
 
 // What the model makes of a look, and how many reports it took.
 struct Shown {
   Bytes line;
-  std::uint64_t look_count = 0, broken_count = 0, cut_count = 0;
+  std::uint64_t snapshot_count = 0, broken_count = 0, cut_count = 0;
 };
 Shown show(const VellemanReports& reports, bool upgraded) {
   mock::VellemanModel model;
@@ -43,20 +43,20 @@ TEST_CASE("a dark look is five reports of the original firmware, as its protocol
 }
 
 TEST_CASE("a look without zeros is 75 reports of the original firmware, the last two of one slot") {
-  Slots look;
-  for (std::size_t i = 0; i < look.size(); ++i) look[i] = static_cast<std::uint8_t>(1 + i % 255);
-  const VellemanReports reports(look, kVellemanReportSize);
+  Slots snapshot;
+  for (std::size_t i = 0; i < snapshot.size(); ++i) snapshot[i] = static_cast<std::uint8_t>(1 + i % 255);
+  const VellemanReports reports(snapshot, kVellemanReportSize);
   REQUIRE(reports.count() == 75);
   CHECK(report_of(reports, 0) == Bytes{4, 1, 1, 2, 3, 4, 5, 6});
   CHECK(report_of(reports, 1) == Bytes{2, 7, 8, 9, 10, 11, 12, 13});
-  CHECK(report_of(reports, 73) == Bytes{3, look[510], 0, 0, 0, 0, 0, 0});
-  CHECK(report_of(reports, 74) == Bytes{3, look[511], 0, 0, 0, 0, 0, 0});
+  CHECK(report_of(reports, 73) == Bytes{3, snapshot[510], 0, 0, 0, 0, 0, 0});
+  CHECK(report_of(reports, 74) == Bytes{3, snapshot[511], 0, 0, 0, 0, 0, 0});
 }
 
 TEST_CASE("a look without zeros is nine reports of the replacement firmware, the last one counted") {
-  Slots look;
-  look.fill(9);
-  const VellemanReports reports(look, kVellemanUpgradedReportSize);
+  Slots snapshot;
+  snapshot.fill(9);
+  const VellemanReports reports(snapshot, kVellemanUpgradedReportSize);
   REQUIRE(reports.count() == 9);
   CHECK(reports[0].size() == 64);
   CHECK(reports[0][0] == 4);
@@ -67,10 +67,10 @@ TEST_CASE("a look without zeros is nine reports of the replacement firmware, the
 }
 
 TEST_CASE("a run of zeros is counted, and what follows it is in the same report") {
-  Slots look{};
-  std::fill(look.begin(), look.begin() + 6, std::uint8_t{1});
-  look[40] = 0xAB;
-  const VellemanReports reports(look, kVellemanReportSize);
+  Slots snapshot{};
+  std::fill(snapshot.begin(), snapshot.begin() + 6, std::uint8_t{1});
+  snapshot[40] = 0xAB;
+  const VellemanReports reports(snapshot, kVellemanReportSize);
   CHECK(report_of(reports, 0) == Bytes{4, 1, 1, 1, 1, 1, 1, 1});
   CHECK(report_of(reports, 1) == Bytes{5, 34, 0xAB, 0, 0, 0, 0, 0});
 }
@@ -79,18 +79,19 @@ TEST_CASE("any look is shown as it is, in no more reports than promised, by both
   std::mt19937 random(7);
   std::size_t most = 0;
   for (int round = 0; round < 4000; ++round) {
-    Slots look{};
+    Slots snapshot{};
     const auto lit_of_16 = random() % 17;
-    for (auto& slot : look)
+    for (auto& slot : snapshot)
       if (random() % 16 < lit_of_16) slot = static_cast<std::uint8_t>(random());
-    if (round % 4 == 1) std::fill(look.begin() + static_cast<int>(random() % 512), look.end(), std::uint8_t{0});
-    if (round % 4 == 2) std::fill(look.begin(), look.begin() + static_cast<int>(random() % 512), std::uint8_t{0});
+    if (round % 4 == 1) std::fill(snapshot.begin() + static_cast<int>(random() % 512), snapshot.end(), std::uint8_t{0});
+    if (round % 4 == 2)
+      std::fill(snapshot.begin(), snapshot.begin() + static_cast<int>(random() % 512), std::uint8_t{0});
     for (const bool upgraded : {false, true}) {
-      const VellemanReports reports(look, upgraded ? kVellemanUpgradedReportSize : kVellemanReportSize);
+      const VellemanReports reports(snapshot, upgraded ? kVellemanUpgradedReportSize : kVellemanReportSize);
       const Shown shown = show(reports, upgraded);
-      REQUIRE(shown.look_count == 1);
+      REQUIRE(shown.snapshot_count == 1);
       REQUIRE(shown.broken_count == 0);
-      REQUIRE(shown.line == line_frame_of(look));
+      REQUIRE(shown.line == line_frame_of(snapshot));
       REQUIRE(reports.count() <= (upgraded ? 9 : kVellemanReportCountMax));
       most = std::max(most, reports.count());
     }
@@ -100,21 +101,21 @@ TEST_CASE("any look is shown as it is, in no more reports than promised, by both
 
 TEST_CASE("the costliest looks fit: single zeros placed so that the end falls apart into single slots") {
   for (std::size_t zeros = 0; zeros < 14; ++zeros) {
-    Slots look;
-    look.fill(255);
+    Slots snapshot;
+    snapshot.fill(255);
     // A zero at the head of a report makes it cover one slot more: so many of them shift the end.
     std::size_t at = 6;
-    for (std::size_t i = 0; i < zeros; ++i, at += 8) look[at] = look[at + 1] = 0;
-    const VellemanReports reports(look, kVellemanReportSize);
+    for (std::size_t i = 0; i < zeros; ++i, at += 8) snapshot[at] = snapshot[at + 1] = 0;
+    const VellemanReports reports(snapshot, kVellemanReportSize);
     CHECK(reports.count() <= kVellemanReportCountMax);
-    CHECK(show(reports, false).line == line_frame_of(look));
+    CHECK(show(reports, false).line == line_frame_of(snapshot));
   }
 }
 
 TEST_CASE("the model counts a look that was cut short, and shows nothing of it") {
-  Slots look;
-  look.fill(3);
-  const VellemanReports reports(look, kVellemanReportSize);
+  Slots snapshot;
+  snapshot.fill(3);
+  const VellemanReports reports(snapshot, kVellemanReportSize);
   mock::VellemanModel model;
   model.power_on();
   for (std::size_t i = 0; i < 10; ++i) model.data_out(0x01, reports[i]);

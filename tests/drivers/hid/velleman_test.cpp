@@ -7,7 +7,7 @@ namespace {
 
 using mock::VellemanModel;
 using testing::DeviceBench;
-using testing::some_look;
+using testing::some_snapshot;
 
 std::uint64_t reports_of(DeviceBench& bench) {
   return bench.usb->with_model<VellemanModel>([](VellemanModel& model) { return model.report_count; });
@@ -26,8 +26,8 @@ TEST_CASE("a look reaches the line with every slot, in reports of either size") 
       if (upgraded) model.interval_ms = 1;
     });
     const auto sink = bench.open_sink();
-    bench.send(*sink, some_look(9));
-    CHECK(bench.shows(some_look(9)));
+    bench.send(*sink, some_snapshot(9));
+    CHECK(bench.shows(some_snapshot(9)));
     CHECK(broken_of(bench) == 0);
   }
 }
@@ -56,11 +56,11 @@ TEST_CASE("the replacement firmware is told by its descriptor and has nothing to
 TEST_CASE("a look is repeated every 100 ms, and one that comes again unchanged before that is not sent") {
   DeviceBench bench("velleman");
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(1));
-  REQUIRE(bench.shows(some_look(1)));
+  bench.send(*sink, some_snapshot(1));
+  REQUIRE(bench.shows(some_snapshot(1)));
   const std::uint64_t once = reports_of(bench);
   bench.advance_ns(60 * kNsPerMs);
-  bench.send(*sink, some_look(1));
+  bench.send(*sink, some_snapshot(1));
   REQUIRE(testing::poll_until(
       *sink, [&] { (void)sink->poll(0); }, [&] { return sink->counters().frames == 2; }, std::chrono::seconds(2)));
   CHECK(reports_of(bench) == once);
@@ -83,10 +83,10 @@ TEST_CASE("closing dark sends zeros, closing otherwise leaves the look") {
     port.blackout_on_exit = dark;
     auto sink = DeviceSink::open(bench.plan(), port, bench.clock);
     REQUIRE(sink);
-    bench.send(**sink, some_look(1));
-    REQUIRE(bench.shows(some_look(1)));
+    bench.send(**sink, some_snapshot(1));
+    REQUIRE(bench.shows(some_snapshot(1)));
     (*sink)->close(bench.clock.now_ns());
-    CHECK(bench.shows(dark ? mock::Bytes(512, 0) : some_look(1), std::chrono::milliseconds(0)));
+    CHECK(bench.shows(dark ? mock::Bytes(512, 0) : some_snapshot(1), std::chrono::milliseconds(0)));
     CHECK_FALSE(bench.usb->claimed());
   }
 }

@@ -29,7 +29,7 @@ struct Bench {
   std::unique_ptr<DeviceSink> open_sink() {
     DevicePlan plan;
     plan.widget = std::make_unique<EnttecPro>(config);
-    plan.connector = mock::make_mock_connector(usb, clock);
+    plan.opener = mock::make_mock_opener(usb, clock);
     DevicePortConfig port;
     port.name = "mock:enttec-pro";
     port.lines = {{.line = 0, .universe = 1}};
@@ -145,7 +145,7 @@ TEST_CASE("an interface without RDM says so") {
   Bench bench;
   DevicePlan plan;
   plan.widget = std::make_unique<Plain>();
-  plan.connector = mock::make_mock_connector(bench.usb, bench.clock);
+  plan.opener = mock::make_mock_opener(bench.usb, bench.clock);
   DevicePortConfig port;
   port.name = "plain:1";
   port.lines = {{.line = 0, .universe = 1}};

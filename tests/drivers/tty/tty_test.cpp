@@ -14,7 +14,7 @@
 namespace footlight::drivers {
 namespace {
 
-using testing::some_look;
+using testing::some_snapshot;
 using testing::TtySocket;
 using testing::wait_for_state;
 
@@ -58,10 +58,10 @@ TEST_CASE("a NanoDMX on a ttyACM is listed, opened by its tty, set to 250000 bau
   const auto sink = bench.open_sink();
   CHECK(bench.socket.baud() == 250'000);
   CHECK(bench.socket.has_two_stop_bits());
-  bench.send(*sink, some_look(1));
-  CHECK(bench.shows(some_look(1)));
-  bench.send(*sink, some_look(2));
-  CHECK(bench.shows(some_look(2)));
+  bench.send(*sink, some_snapshot(1));
+  CHECK(bench.shows(some_snapshot(1)));
+  bench.send(*sink, some_snapshot(2));
+  CHECK(bench.shows(some_snapshot(2)));
   CHECK(sink->counters().rejected == 0);
 }
 
@@ -75,18 +75,18 @@ TEST_CASE("a DMXking MAX speaks the protocol of a DMX USB Pro on a ttyACM, both 
   bench.socket.plug();
   {
     const auto sink = bench.open_sink();
-    bench.send(*sink, some_look(1));
-    CHECK(bench.shows(some_look(1)));
+    bench.send(*sink, some_snapshot(1));
+    CHECK(bench.shows(some_snapshot(1)));
     sink->close(bench.clock.now_ns());
   }
   const auto source = bench.open_source();
   testing::FrameKeeper keeper;
   REQUIRE(bench.socket.wait_for([&] { return bench.model.listens(0); }));
   for (std::size_t i = 1; i <= 10; ++i) {
-    bench.receive(some_look(i));
+    bench.receive(some_snapshot(i));
     REQUIRE(testing::poll_until(
         *source, [&] { (void)source->poll(bench.clock.now_ns(), keeper); },
-        [&] { return !keeper.kept.empty() && keeper.kept.back().slots == some_look(i); }));
+        [&] { return !keeper.kept.empty() && keeper.kept.back().slots == some_snapshot(i); }));
   }
   CHECK(source->counters().rejected == 0);
 }
@@ -99,9 +99,9 @@ TEST_CASE("a DMXking MAX that is plugged in after the start is opened by its tty
   bench.request.wait_for_device = true;
   const auto sink = bench.open_sink();
   CHECK(sink->state() == PortState::kGone);
-  bench.send(*sink, some_look(1));
+  bench.send(*sink, some_snapshot(1));
   bench.socket.plug();
-  CHECK(bench.shows(some_look(1)));
+  CHECK(bench.shows(some_snapshot(1)));
   CHECK(wait_for_state(*sink, PortState::kWorking));
 }
 
@@ -109,14 +109,14 @@ TEST_CASE("an unplug is noticed without traffic, and the last look is back after
   StillBench<mock::Dmx4allModel> bench("dmx4all", "ttyACM0");
   bench.socket.plug();
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(1));
-  REQUIRE(bench.shows(some_look(1)));
+  bench.send(*sink, some_snapshot(1));
+  REQUIRE(bench.shows(some_snapshot(1)));
   bench.socket.unplug();
   REQUIRE(wait_for_state(*sink, PortState::kGone));
   CHECK(sink->trouble().find("unplugged") != std::string::npos);
   bench.socket.plug();
   bench.clock.advance_ns(kNsPerS);  // a look for the device is due
-  CHECK(bench.shows(some_look(1)));
+  CHECK(bench.shows(some_snapshot(1)));
 }
 
 TEST_CASE("an unplugged input of a DMXking MAX is gone without traffic, and hears frames after the replug") {
@@ -129,9 +129,9 @@ TEST_CASE("an unplugged input of a DMXking MAX is gone without traffic, and hear
   testing::FrameKeeper keeper;
   REQUIRE(bench.socket.wait_for([&] { return bench.model.listens(0); }));
   for (std::size_t i = 1; i <= 5; ++i) {
-    bench.receive(some_look(i));
-    REQUIRE(
-        poll_source(*source, keeper, [&] { return !keeper.kept.empty() && keeper.kept.back().slots == some_look(i); }));
+    bench.receive(some_snapshot(i));
+    REQUIRE(poll_source(*source, keeper,
+                        [&] { return !keeper.kept.empty() && keeper.kept.back().slots == some_snapshot(i); }));
     check_unplugged_input(bench, *source, keeper);
     REQUIRE(bench.socket.wait_for([&] { return bench.model.listens(0); }));
   }
@@ -155,12 +155,12 @@ TEST_CASE("forty replugs cost no descriptor and no universe") {
   bench.socket.plug();
   const auto sink = bench.open_sink();
   for (std::size_t i = 0; i < 40; ++i) {
-    bench.send(*sink, some_look(i));
-    REQUIRE(bench.shows(some_look(i)));
+    bench.send(*sink, some_snapshot(i));
+    REQUIRE(bench.shows(some_snapshot(i)));
     bench.socket.unplug();
     REQUIRE(wait_for_state(*sink, PortState::kGone));
     bench.socket.plug();
-    REQUIRE(bench.shows(some_look(i)));
+    REQUIRE(bench.shows(some_snapshot(i)));
   }
 }
 
@@ -172,8 +172,8 @@ TEST_CASE("an FTDI cable without libusb's node is used over its ttyUSB, with rea
   bench.request.target = "A50285BI";
   const auto sink = bench.open_sink();
   for (std::size_t i = 1; i <= 5; ++i) {
-    bench.send(*sink, some_look(i));
-    CHECK(bench.shows(some_look(i)));
+    bench.send(*sink, some_snapshot(i));
+    CHECK(bench.shows(some_snapshot(i)));
   }
   bench.socket.with_model([&] { CHECK(bench.model.cut_count == 0); });
 }

@@ -8,7 +8,7 @@ namespace {
 using mock::Bytes;
 using mock::DmxCreatorModel;
 using testing::DeviceBench;
-using testing::some_look;
+using testing::some_snapshot;
 
 TEST_SUITE_BEGIN("dmxcreator");
 
@@ -31,8 +31,8 @@ TEST_CASE("the model takes an announcement and its halves, and nothing else") {
 TEST_CASE("a look is the announcement of 512 slots and two halves, and reaches the line with every slot") {
   DeviceBench bench("dmxcreator");
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(7));
-  CHECK(bench.shows(some_look(7)));
+  bench.send(*sink, some_snapshot(7));
+  CHECK(bench.shows(some_snapshot(7)));
   bench.usb->with_model<DmxCreatorModel>([](DmxCreatorModel& model) {
     CHECK(model.broken_count == 0);
     CHECK(model.cut_count == 0);
@@ -52,7 +52,7 @@ TEST_CASE("a transfer that is cut short at any byte costs no look, and halves of
   testing::check_cut_write(bench, 255);
   for (const Bytes& frame : frames) {
     const Bytes slots(frame.begin() + 1, frame.end());
-    REQUIRE(slots == some_look(slots[0]));
+    REQUIRE(slots == some_snapshot(slots[0]));
   }
 }
 

@@ -27,7 +27,7 @@ using mock::MockUsb;
 using testing::FrameKeeper;
 using testing::line_frame_of;
 using testing::poll_until;
-using testing::some_look;
+using testing::some_snapshot;
 using testing::wait_for_state;
 
 constexpr Universe kUniverse = 3;
@@ -48,9 +48,8 @@ struct Bench {
   DurationNs retry_ns = 250 * kNsPerMs;
 
   DevicePlan plan(Clock& by) const {
-    return {.widget = std::make_unique<EnttecPro>(config),
-            .connector = mock::make_mock_connector(usb, by),
-            .retry_ns = retry_ns};
+    return {
+        .widget = std::make_unique<EnttecPro>(config), .opener = mock::make_mock_opener(usb, by), .retry_ns = retry_ns};
   }
   std::unique_ptr<DeviceSink> open_sink() {
     auto sink = DeviceSink::open(plan(clock), port, clock);
@@ -105,16 +104,16 @@ TEST_CASE("a sink knows the widget's serial numbers, parameters and rate after o
 TEST_CASE("a frame reaches the widget with start code 0 and 512 slots") {
   Bench bench;
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(7));
-  CHECK(bench.widget_shows(some_look(7)));
+  bench.send(*sink, some_snapshot(7));
+  CHECK(bench.widget_shows(some_snapshot(7)));
 }
 
 TEST_CASE("a short frame leaves the slots past its end as they were") {
   Bench bench;
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(7));
+  bench.send(*sink, some_snapshot(7));
   bench.send(*sink, Bytes{255, 255});
-  Bytes expected = some_look(7);
+  Bytes expected = some_snapshot(7);
   expected[0] = expected[1] = 255;
   CHECK(bench.widget_shows(expected));
 }
@@ -122,11 +121,11 @@ TEST_CASE("a short frame leaves the slots past its end as they were") {
 TEST_CASE("frames of other universes and terminated ones are not sent") {
   Bench bench;
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(1), kUniverse + 1);
+  bench.send(*sink, some_snapshot(1), kUniverse + 1);
   const FrameView ended{.universe = kUniverse, .terminated = true, .slots = {}};
   REQUIRE(sink->send(0, {&ended, 1}));
-  bench.send(*sink, some_look(2));
-  CHECK(bench.widget_shows(some_look(2)));
+  bench.send(*sink, some_snapshot(2));
+  CHECK(bench.widget_shows(some_snapshot(2)));
   CHECK(bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.line(0).frame_count; }) == 1);
 }
 
@@ -137,8 +136,8 @@ TEST_CASE("an unchanged look is sent again after a second, and not before") {
     model.on_frame = [&](int, const Bytes&) { stamps_ns.push_back(bench.clock.now_ns()); };
   });
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(7));
-  REQUIRE(bench.widget_shows(some_look(7)));
+  bench.send(*sink, some_snapshot(7));
+  REQUIRE(bench.widget_shows(some_snapshot(7)));
   for (std::uint64_t frames = 2; frames <= 4; ++frames) {
     for (int step = 0; step < 10; ++step) bench.advance_ns(100 * kNsPerMs);
     REQUIRE(bench.usb->wait_for<EnttecProModel>(
@@ -154,8 +153,8 @@ TEST_CASE("an unchanged look is sent again after a second, and not before") {
 TEST_CASE("a resting output is sent nothing more, and the same look again when it is sent one") {
   Bench bench;
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(7));
-  REQUIRE(bench.widget_shows(some_look(7)));
+  bench.send(*sink, some_snapshot(7));
+  REQUIRE(bench.widget_shows(some_snapshot(7)));
   sink->rest(bench.clock.now_ns());
   for (int second = 0; second < 3; ++second) {
     bench.advance_ns(kNsPerS + kNsPerMs);
@@ -165,7 +164,7 @@ TEST_CASE("a resting output is sent nothing more, and the same look again when i
   }
   const auto frames = [](const EnttecProModel& model) { return model.line(0).frame_count; };
   CHECK(bench.usb->with_model<EnttecProModel>(frames) == 1);
-  bench.send(*sink, some_look(7));
+  bench.send(*sink, some_snapshot(7));
   CHECK(bench.usb->wait_for<EnttecProModel>([&](const EnttecProModel& model) { return frames(model) == 2; }));
 }
 
@@ -173,9 +172,9 @@ TEST_CASE("while the widget takes nothing the newest frame replaces older ones, 
   Bench bench;
   const auto sink = bench.open_sink();
   bench.usb->stall(true);
-  for (std::uint8_t i = 1; i <= 50; ++i) bench.send(*sink, some_look(i));
+  for (std::uint8_t i = 1; i <= 50; ++i) bench.send(*sink, some_snapshot(i));
   bench.usb->stall(false);
-  CHECK(bench.widget_shows(some_look(50)));
+  CHECK(bench.widget_shows(some_snapshot(50)));
   sink->close(bench.clock.now_ns());
   const PortCounters counters = sink->counters();
   CHECK(counters.frames + counters.dropped == 50);
@@ -187,8 +186,8 @@ TEST_CASE("while the widget takes nothing the newest frame replaces older ones, 
 TEST_CASE("an unplugged widget is reported gone, and shows the last look again when it is back") {
   Bench bench;
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(7));
-  REQUIRE(bench.widget_shows(some_look(7)));
+  bench.send(*sink, some_snapshot(7));
+  REQUIRE(bench.widget_shows(some_snapshot(7)));
   bench.usb->unplug();
   REQUIRE(wait_for_state(*sink, PortState::kGone));
   CHECK(sink->trouble().find("mock:enttec-pro") != std::string::npos);
@@ -197,7 +196,7 @@ TEST_CASE("an unplugged widget is reported gone, and shows the last look again w
   bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { model.power_on(); });
   const TimeNs plugged_ns = bench.clock.now_ns();
   bench.usb->plug();
-  CHECK(bench.widget_shows(some_look(7)));
+  CHECK(bench.widget_shows(some_snapshot(7)));
   CHECK(bench.clock.now_ns() == plugged_ns);  // no timer had to run out
   REQUIRE(wait_for_state(*sink, PortState::kWorking));
   CHECK(sink->trouble().empty());
@@ -207,14 +206,14 @@ TEST_CASE("an unplugged widget is reported gone, and shows the last look again w
 TEST_CASE("a frame sent while the widget is gone is the one it shows when it is back") {
   Bench bench;
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(1));
-  REQUIRE(bench.widget_shows(some_look(1)));
+  bench.send(*sink, some_snapshot(1));
+  REQUIRE(bench.widget_shows(some_snapshot(1)));
   bench.usb->unplug();
   REQUIRE(wait_for_state(*sink, PortState::kGone));
-  bench.send(*sink, some_look(2));
-  bench.send(*sink, some_look(3));
+  bench.send(*sink, some_snapshot(2));
+  bench.send(*sink, some_snapshot(3));
   bench.usb->plug();
-  CHECK(bench.widget_shows(some_look(3)));
+  CHECK(bench.widget_shows(some_snapshot(3)));
 }
 
 TEST_CASE("a widget that vanishes in the middle of a frame gets the whole frame when it is back") {
@@ -223,11 +222,11 @@ TEST_CASE("a widget that vanishes in the middle of a frame gets the whole frame 
     Bench bench;
     const auto sink = bench.open_sink();
     bench.usb->unplug_after(byte_count);
-    bench.send(*sink, some_look(9));
+    bench.send(*sink, some_snapshot(9));
     REQUIRE(wait_for_state(*sink, PortState::kGone));
     CHECK(bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.line(0).frame_count; }) == 0);
     bench.usb->plug();
-    CHECK(bench.widget_shows(some_look(9)));
+    CHECK(bench.widget_shows(some_snapshot(9)));
   }
 }
 
@@ -237,8 +236,8 @@ TEST_CASE("a frame that was cut short is sent again whole, and the widget is not
     Bench bench;
     const auto sink = bench.open_sink();
     bench.usb->cut_next_write(byte_count);
-    bench.send(*sink, some_look(9));
-    CHECK(bench.widget_shows(some_look(9)));
+    bench.send(*sink, some_snapshot(9));
+    CHECK(bench.widget_shows(some_snapshot(9)));
     CHECK(bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.line(0).frame_count; }) == 1);
   }
 }
@@ -249,15 +248,15 @@ TEST_CASE("a message that a killed program left unfinished does not keep the nex
     model.data_out(0x02, Bytes{0x7E, 6, 0x01, 0x02, 0, 1, 2, 3});
   });
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(9));
-  CHECK(bench.widget_shows(some_look(9)));
+  bench.send(*sink, some_snapshot(9));
+  CHECK(bench.widget_shows(some_snapshot(9)));
 }
 
 TEST_CASE("another widget in the same socket is not taken for the one that left") {
   Bench bench;
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(1));
-  REQUIRE(bench.widget_shows(some_look(1)));
+  bench.send(*sink, some_snapshot(1));
+  REQUIRE(bench.widget_shows(some_snapshot(1)));
   bench.usb->unplug();
   REQUIRE(wait_for_state(*sink, PortState::kGone));
   REQUIRE(bench.usb->obey("serial EN999999"));
@@ -278,11 +277,11 @@ TEST_CASE("a widget that takes nothing three times over is opened afresh") {
   auto sink = DeviceSink::open(bench.plan(clock), bench.port, clock);
   REQUIRE(sink);
   bench.usb->stall(true);
-  bench.send(**sink, some_look(9));
+  bench.send(**sink, some_snapshot(9));
   REQUIRE(wait_for_state(**sink, PortState::kGone));
   CHECK(bench.trouble_says(**sink, "does not take data"));
   bench.usb->stall(false);
-  CHECK(bench.widget_shows(some_look(9)));
+  CHECK(bench.widget_shows(some_snapshot(9)));
 }
 
 TEST_CASE("what does not answer like a widget is refused, and the message says what was asked") {
@@ -306,7 +305,7 @@ TEST_CASE("a widget with a blank serial number opens") {
 TEST_CASE("a widget that is busy talking can be opened") {
   Bench bench;
   bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) {
-    for (int i = 0; i < 5; ++i) model.receive_line_frame(0, line_frame_of(some_look(1)));
+    for (int i = 0; i < 5; ++i) model.receive_line_frame(0, line_frame_of(some_snapshot(1)));
     model.say(Bytes{0x7E, 0x05});
   });
   CHECK(bench.open_sink()->state() == PortState::kWorking);
@@ -330,20 +329,20 @@ TEST_CASE("a sink without its widget fails to open, or waits for it when told to
   bench.port.wait_for_device = true;
   const auto sink = bench.open_sink();
   CHECK(sink->state() == PortState::kGone);
-  bench.send(*sink, some_look(4));
+  bench.send(*sink, some_snapshot(4));
   bench.usb->plug();
-  CHECK(bench.widget_shows(some_look(4)));
+  CHECK(bench.widget_shows(some_snapshot(4)));
 }
 
 TEST_CASE("closing leaves the last look on the line and gives the widget back") {
   Bench bench;
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(7));
+  bench.send(*sink, some_snapshot(7));
   sink->close(bench.clock.now_ns());  // at once: the frame may still be in the mailbox
   CHECK(sink->state() == PortState::kEnded);
   CHECK_FALSE(bench.usb->claimed());
   CHECK(bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.line(0).frame; }) ==
-        line_frame_of(some_look(7)));
+        line_frame_of(some_snapshot(7)));
   sink->close(bench.clock.now_ns());  // a second time is harmless
 }
 
@@ -351,8 +350,8 @@ TEST_CASE("closing with blackout on exit leaves all slots at 0") {
   Bench bench;
   bench.port.blackout_on_exit = true;
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(7));
-  REQUIRE(bench.widget_shows(some_look(7)));
+  bench.send(*sink, some_snapshot(7));
+  REQUIRE(bench.widget_shows(some_snapshot(7)));
   sink->close(bench.clock.now_ns());
   CHECK(bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.line(0).frame; }) ==
         Bytes(513, 0));
@@ -362,7 +361,7 @@ TEST_CASE("a sink that is destroyed while its widget takes nothing does not wait
   Bench bench;
   auto sink = bench.open_sink();
   bench.usb->stall(true);
-  bench.send(*sink, some_look(7));
+  bench.send(*sink, some_snapshot(7));
   sink.reset();  // the clock stands still: a timeout would never end
   CHECK_FALSE(bench.usb->claimed());
 }
@@ -373,9 +372,9 @@ TEST_CASE("a source hands over what the line brings, address 1 in slot 0") {
   FrameKeeper keeper;
   bench.advance_ns(5 * kNsPerMs);
   bench.usb->with_model<EnttecProModel>(
-      [](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(some_look(1))); });
+      [](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(some_snapshot(1))); });
   REQUIRE(bench.frames_come(*source, keeper, 1));
-  CHECK(keeper.kept[0].slots == some_look(1));
+  CHECK(keeper.kept[0].slots == some_snapshot(1));
   CHECK(keeper.kept[0].view.universe == kUniverse);
   CHECK(keeper.kept[0].view.priority == kPriorityDefault);
   CHECK(keeper.kept[0].view.stamp_ns == bench.clock.now_ns());
@@ -402,9 +401,9 @@ TEST_CASE("frames arrive the same when reads bring one byte at a time and noise 
   for (std::uint8_t i = 0; i < 5; ++i) {
     REQUIRE(bench.usb->obey("garbage 00E7FF7E0AFFFF"));
     bench.usb->with_model<EnttecProModel>(
-        [&](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(some_look(i))); });
+        [&](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(some_snapshot(i))); });
     REQUIRE(bench.frames_come(*source, keeper, i + 1u));
-    CHECK(keeper.kept[i].slots == some_look(i));
+    CHECK(keeper.kept[i].slots == some_snapshot(i));
   }
   bench.usb->limit_reads(0);
   CHECK(poll_until(
@@ -438,13 +437,13 @@ TEST_CASE("damaged line frames and those with another start code are counted and
   const auto source = bench.open_source();
   FrameKeeper keeper;
   bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) {
-    model.receive_line_frame(0, line_frame_of(some_look(1)), 0x01);
-    model.receive_line_frame(0, line_frame_of(some_look(2)), 0x02);
+    model.receive_line_frame(0, line_frame_of(some_snapshot(1)), 0x01);
+    model.receive_line_frame(0, line_frame_of(some_snapshot(2)), 0x02);
     model.receive_line_frame(0, Bytes{0xCC, 1, 2, 3});
-    model.receive_line_frame(0, line_frame_of(some_look(4)));
+    model.receive_line_frame(0, line_frame_of(some_snapshot(4)));
   });
   REQUIRE(bench.frames_come(*source, keeper, 1));
-  CHECK(keeper.kept[0].slots == some_look(4));
+  CHECK(keeper.kept[0].slots == some_snapshot(4));
   CHECK(poll_until(
       *source, [] {}, [&] { return figure(*source, "line_errors") == 2; }, std::chrono::seconds(1)));
   CHECK(source->link().stats().other_start_codes == 1);
@@ -457,13 +456,13 @@ TEST_CASE("frames that nobody polls for are replaced by the newest and counted")
   const auto source = bench.open_source();
   for (std::uint8_t i = 1; i <= 20; ++i)
     bench.usb->with_model<EnttecProModel>(
-        [&](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(some_look(i))); });
+        [&](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(some_snapshot(i))); });
   CHECK(poll_until(
       *source, [] {}, [&] { return source->counters().frames == 20; }, std::chrono::seconds(10)));
   FrameKeeper keeper;
   REQUIRE(source->poll(bench.clock.now_ns(), keeper));
   REQUIRE(keeper.kept.size() == 1);
-  CHECK(keeper.kept[0].slots == some_look(20));
+  CHECK(keeper.kept[0].slots == some_snapshot(20));
   CHECK(source->counters().dropped == 19);
 }
 
@@ -474,7 +473,7 @@ TEST_CASE("a line that falls quiet turns the source to waiting after 1.25 s") {
   CHECK(source->next_deadline_ns() == kTimeNever);
   FrameKeeper keeper;
   bench.usb->with_model<EnttecProModel>(
-      [](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(some_look(1))); });
+      [](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(some_snapshot(1))); });
   REQUIRE(bench.frames_come(*source, keeper, 1));
   const TimeNs heard_ns = bench.clock.now_ns();
   CHECK(source->next_deadline_ns() == heard_ns + 1'250 * kNsPerMs);
@@ -498,9 +497,9 @@ TEST_CASE("a source listens again after its widget was replugged") {
   REQUIRE(poll_until(
       *source, [&] { (void)source->poll(0, keeper); }, [&] { return source->state() != PortState::kGone; }));
   bench.usb->with_model<EnttecProModel>(
-      [](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(some_look(5))); });
+      [](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(some_snapshot(5))); });
   REQUIRE(bench.frames_come(*source, keeper, 1));
-  CHECK(keeper.kept[0].slots == some_look(5));
+  CHECK(keeper.kept[0].slots == some_snapshot(5));
 }
 
 TEST_CASE("the end of a message that never comes does not swallow the next frame for long") {
@@ -546,10 +545,11 @@ TEST_CASE("an Mk2 sends on both connectors with the labels that the user gives, 
   auto sink = DeviceSink::open(bench.plan(bench.clock), bench.on({{0, 3}, {1, 4}}), bench.clock);
   REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
   CHECK(std::vector<Universe>((*sink)->universes().begin(), (*sink)->universes().end()) == std::vector<Universe>{3, 4});
-  bench.send(**sink, some_look(1), 3);
-  bench.send(**sink, some_look(2), 4);
+  bench.send(**sink, some_snapshot(1), 3);
+  bench.send(**sink, some_snapshot(2), 4);
   CHECK(bench.usb->wait_for([](const mock::UsbModel& model) {
-    return model.line(0).frame == line_frame_of(some_look(1)) && model.line(1).frame == line_frame_of(some_look(2));
+    return model.line(0).frame == line_frame_of(some_snapshot(1)) &&
+           model.line(1).frame == line_frame_of(some_snapshot(2));
   }));
   CHECK(bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.second_port_open; }));
 }
@@ -560,18 +560,18 @@ TEST_CASE("one connector of an Mk2 may listen while the other sends, each a port
   REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
   auto source = DeviceSource::open(bench.plan(bench.clock), bench.on({{1, 9}}), bench.clock);
   REQUIRE_MESSAGE(source, (source ? "" : source.error().message));
-  bench.send(**sink, some_look(1), 3);
-  CHECK(bench.widget_shows(some_look(1)));
+  bench.send(**sink, some_snapshot(1), 3);
+  CHECK(bench.widget_shows(some_snapshot(1)));
   FrameKeeper keeper;
   REQUIRE(bench.usb->wait_for([](const mock::UsbModel& model) { return model.listens(1); }));
-  bench.usb->with_model([](mock::UsbModel& model) { model.receive_line_frame(1, line_frame_of(some_look(77))); });
+  bench.usb->with_model([](mock::UsbModel& model) { model.receive_line_frame(1, line_frame_of(some_snapshot(77))); });
   REQUIRE(bench.frames_come(**source, keeper, 1));
   CHECK(keeper.kept[0].view.universe == 9);
-  CHECK(keeper.kept[0].slots == some_look(77));
+  CHECK(keeper.kept[0].slots == some_snapshot(77));
   // Each may end without the other.
   (*source).reset();
-  bench.send(**sink, some_look(5), 3);
-  CHECK(bench.widget_shows(some_look(5)));
+  bench.send(**sink, some_snapshot(5), 3);
+  CHECK(bench.widget_shows(some_snapshot(5)));
   CHECK(bench.usb->claimed());
   (*sink)->close(bench.clock.now_ns());
   CHECK_FALSE(bench.usb->claimed());
@@ -584,9 +584,9 @@ TEST_CASE("a connector that is in use is refused, and the one that has it goes o
   const auto again = DeviceSink::open(bench.plan(bench.clock), bench.on({{1, 4}}), bench.clock);
   REQUIRE_FALSE(again);
   CHECK(again.error().message.find("connector 2 is in use") != std::string::npos);
-  bench.send(**sink, some_look(5), 3);
+  bench.send(**sink, some_snapshot(5), 3);
   CHECK(bench.usb->wait_for(
-      [](const mock::UsbModel& model) { return model.line(1).frame == line_frame_of(some_look(5)); }));
+      [](const mock::UsbModel& model) { return model.line(1).frame == line_frame_of(some_snapshot(5)); }));
 }
 
 TEST_CASE("the second connector of an Mk2 without a key is refused with what is needed, and nothing is sent to it") {
@@ -603,16 +603,16 @@ TEST_CASE("the second connector of an Mk2 without a key is refused with what is 
   // Nor is anything sent to it where connector 1 is in use.
   auto first = DeviceSink::open(bench.plan(bench.clock), bench.on({{0, 3}}), bench.clock);
   REQUIRE_MESSAGE(first, (first ? "" : first.error().message));
-  bench.send(**first, some_look(1), 3);
-  REQUIRE(bench.widget_shows(some_look(1)));
+  bench.send(**first, some_snapshot(1), 3);
+  REQUIRE(bench.widget_shows(some_snapshot(1)));
   const auto sent_so_far = [&] {
     return bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.byte_count; });
   };
   const std::uint64_t before = sent_so_far();
   CHECK_FALSE(DeviceSink::open(bench.plan(bench.clock), bench.on({{1, 4}}), bench.clock));
   CHECK(sent_so_far() == before);
-  bench.send(**first, some_look(2), 3);
-  CHECK(bench.widget_shows(some_look(2)));
+  bench.send(**first, some_snapshot(2), 3);
+  CHECK(bench.widget_shows(some_snapshot(2)));
   bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) {
     CHECK_FALSE(model.second_port_open);
     CHECK(model.line(1).frame_count == 0);
@@ -630,10 +630,11 @@ TEST_CASE("a DMXking with two outputs is found out by asking, whatever its USB s
   });
   bench.port.lines = {{.line = 0, .universe = 1}, {.line = 1, .universe = 2}};
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(1), 1);
-  bench.send(*sink, some_look(2), 2);
+  bench.send(*sink, some_snapshot(1), 1);
+  bench.send(*sink, some_snapshot(2), 2);
   CHECK(bench.usb->wait_for([](const mock::UsbModel& model) {
-    return model.line(0).frame == line_frame_of(some_look(1)) && model.line(1).frame == line_frame_of(some_look(2));
+    return model.line(0).frame == line_frame_of(some_snapshot(1)) &&
+           model.line(1).frame == line_frame_of(some_snapshot(2));
   }));
 }
 
@@ -682,7 +683,7 @@ TEST_CASE("mock endpoints play a sine as a source and take frames as a sink") {
 
   auto sink = open_sink({.scheme = "mock", .target = "enttec-pro/sink-test", .universes = {2}}, clock);
   REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
-  const Bytes slots = some_look(3);
+  const Bytes slots = some_snapshot(3);
   const FrameView frame{.universe = 2, .slots = slots};
   REQUIRE((*sink)->send(clock.now_ns(), {&frame, 1}));
   const auto usb = mock::mock_of_target("enttec-pro/sink-test", true);

@@ -26,7 +26,7 @@ using mock::UsbModel;
 using testing::entries_of;
 using testing::FrameKeeper;
 using testing::line_frame_of;
-using testing::some_look;
+using testing::some_snapshot;
 
 // Drivers with a widget of their own.
 std::vector<const DriverInfo*> real_drivers() {
@@ -50,7 +50,7 @@ struct Bench {
   DevicePlan plan() {
     auto widget = driver.make_widget({.scheme = std::string(driver.id), .universes = {1}}, {});
     REQUIRE_MESSAGE(widget, (widget ? "" : widget.error().message));
-    return {.widget = std::move(*widget), .connector = mock::make_mock_connector(usb, clock)};
+    return {.widget = std::move(*widget), .opener = mock::make_mock_opener(usb, clock)};
   }
   int first_line(LineUse use) {
     const DevicePlan asked = plan();
@@ -123,12 +123,12 @@ TEST_CASE("every driver's look reaches the line with start code 0 and 512 slots,
   for_every_output([](Bench& bench) {
     const auto sink = bench.open_sink();
     CHECK(sink->state() == PortState::kWorking);
-    bench.send(*sink, some_look(7));
-    CHECK(bench.shows(some_look(7)));
-    bench.send(*sink, some_look(200));
-    CHECK(bench.shows(some_look(200)));
+    bench.send(*sink, some_snapshot(7));
+    CHECK(bench.shows(some_snapshot(7)));
+    bench.send(*sink, some_snapshot(200));
+    CHECK(bench.shows(some_snapshot(200)));
     bench.send(*sink, Bytes{255, 0});
-    Bytes expected = some_look(200);
+    Bytes expected = some_snapshot(200);
     expected[0] = 255;
     expected[1] = 0;
     CHECK(bench.shows(expected));
@@ -141,8 +141,8 @@ TEST_CASE("every model's lines show nothing after power was gone, until somethin
   for_every_output([](Bench& bench) {
     {
       const auto sink = bench.open_sink();
-      bench.send(*sink, some_look(7));
-      REQUIRE(bench.shows(some_look(7)));
+      bench.send(*sink, some_snapshot(7));
+      REQUIRE(bench.shows(some_snapshot(7)));
     }
     bench.usb->unplug();
     bench.usb->plug();
@@ -153,21 +153,21 @@ TEST_CASE("every model's lines show nothing after power was gone, until somethin
 TEST_CASE("every driver reports an unplugged device gone, and shows the last look again when it is back") {
   for_every_output([](Bench& bench) {
     const auto sink = bench.open_sink();
-    bench.send(*sink, some_look(7));
-    REQUIRE(bench.shows(some_look(7)));
+    bench.send(*sink, some_snapshot(7));
+    REQUIRE(bench.shows(some_snapshot(7)));
     bench.usb->unplug();
     REQUIRE(bench.is_gone(*sink));
     CHECK(sink->trouble().find(std::string(bench.driver.id)) != std::string::npos);
-    bench.send(*sink, some_look(9));
+    bench.send(*sink, some_snapshot(9));
     bench.usb->plug();
-    CHECK(bench.shows(some_look(9)));
+    CHECK(bench.shows(some_snapshot(9)));
   });
 }
 
 // A bus that announces nothing: who waits here for a device waits until the deadline.
-class SilentBus final : public Connector {
+class SilentBus final : public Opener {
  public:
-  SilentBus(std::unique_ptr<Connector> inner, Clock& clock) : inner_(std::move(inner)), clock_(clock) {}
+  SilentBus(std::unique_ptr<Opener> inner, Clock& clock) : inner_(std::move(inner)), clock_(clock) {}
   Result<std::unique_ptr<Transport>> connect() override { return inner_->connect(); }
   std::string identity() override { return inner_->identity(); }
   void wait(TimeNs deadline_ns) override {
@@ -201,7 +201,7 @@ class SilentBus final : public Connector {
     changed_.notify_all();
   }
 
-  const std::unique_ptr<Connector> inner_;
+  const std::unique_ptr<Opener> inner_;
   Clock& clock_;
   std::mutex mutex_;
   std::condition_variable changed_;
@@ -213,14 +213,14 @@ TEST_CASE("every driver has its look on the line within a second of a replug tha
   for_every_output([](Bench& bench) {
     bench.line = bench.first_line(LineUse::kOutput);
     DevicePlan plan = bench.plan();
-    auto owned_bus = std::make_unique<SilentBus>(std::move(plan.connector), bench.clock);
+    auto owned_bus = std::make_unique<SilentBus>(std::move(plan.opener), bench.clock);
     SilentBus& bus = *owned_bus;
-    plan.connector = std::move(owned_bus);
+    plan.opener = std::move(owned_bus);
     auto sink = DeviceSink::open(std::move(plan), bench.port(bench.line), bench.clock);
     REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
     bench.usb->unplug();
     REQUIRE(bench.is_gone(**sink));
-    bench.send(**sink, some_look(9));
+    bench.send(**sink, some_snapshot(9));
     const TimeNs looks_again_ns = bus.wait_for_a_wait();
     const TimeNs plugged_ns = bench.clock.now_ns();
     bench.usb->plug();
@@ -228,7 +228,7 @@ TEST_CASE("every driver has its look on the line within a second of a replug tha
     bus.clock_moved();
     // From here on time moves only where the driver itself asks for a pause.
     REQUIRE(bench.usb->wait_for(
-        [&](const UsbModel& model) { return model.line(bench.line).frame == line_frame_of(some_look(9)); }));
+        [&](const UsbModel& model) { return model.line(bench.line).frame == line_frame_of(some_snapshot(9)); }));
     CHECK(bench.clock.now_ns() - plugged_ns < kNsPerS);
   });
 }
@@ -239,13 +239,13 @@ TEST_CASE("every driver shows the whole look after its device vanished in the mi
     for_every_output([&](Bench& bench) {
       const auto sink = bench.open_sink();
       bench.usb->unplug_after(byte_count);
-      bench.send(*sink, some_look(9));
+      bench.send(*sink, some_snapshot(9));
       // A device whose writes are shorter is left plugged in.
       (void)bench.until([&](const UsbModel& model) {
-        return sink->state() == PortState::kGone || model.line(bench.line).frame == line_frame_of(some_look(9));
+        return sink->state() == PortState::kGone || model.line(bench.line).frame == line_frame_of(some_snapshot(9));
       });
       bench.usb->plug();
-      CHECK(bench.shows(some_look(9)));
+      CHECK(bench.shows(some_snapshot(9)));
     });
   }
 }
@@ -255,11 +255,11 @@ TEST_CASE("every driver shows the whole look after a write was cut short") {
     CAPTURE(byte_count);
     for_every_output([&](Bench& bench) {
       const auto sink = bench.open_sink();
-      bench.send(*sink, some_look(1));
-      REQUIRE(bench.shows(some_look(1)));
+      bench.send(*sink, some_snapshot(1));
+      REQUIRE(bench.shows(some_snapshot(1)));
       bench.usb->cut_next_write(byte_count);
-      bench.send(*sink, some_look(9));
-      CHECK(bench.shows(some_look(9)));
+      bench.send(*sink, some_snapshot(9));
+      CHECK(bench.shows(some_snapshot(9)));
     });
   }
 }
@@ -268,7 +268,7 @@ TEST_CASE("every driver shows the newest look when a device that took nothing ta
   for_every_output([](Bench& bench) {
     const auto sink = bench.open_sink();
     bench.usb->stall(true);
-    for (std::uint8_t i = 1; i <= 20; ++i) bench.send(*sink, some_look(i));
+    for (std::uint8_t i = 1; i <= 20; ++i) bench.send(*sink, some_snapshot(i));
     for (int i = 0; i < 20'000 && sink->state() != PortState::kGone; ++i) {
       bench.clock.advance_ns(20 * kNsPerMs);
       bench.usb->clock_moved();
@@ -277,7 +277,7 @@ TEST_CASE("every driver shows the newest look when a device that took nothing ta
     REQUIRE(sink->state() == PortState::kGone);
     CHECK(sink->counters().errors > 0);
     bench.usb->stall(false);
-    CHECK(bench.shows(some_look(20)));
+    CHECK(bench.shows(some_snapshot(20)));
     CHECK(bench.until([&](const UsbModel&) { return sink->state() == PortState::kWorking; }));
   });
 }
@@ -305,8 +305,8 @@ TEST_CASE("every driver works with a device that answers late, in pieces, and be
     opener.join();
     REQUIRE_MESSAGE(sink != nullptr, refusal);
     REQUIRE(bench.usb->obey("garbage 00E7FF7E0AFFFF0F0F47"));
-    bench.send(*sink, some_look(3));
-    CHECK(bench.shows(some_look(3)));
+    bench.send(*sink, some_snapshot(3));
+    CHECK(bench.shows(some_snapshot(3)));
   });
 }
 
@@ -324,8 +324,8 @@ TEST_CASE("no driver takes another device in the same socket for the one that le
     bench.usb->unplug();
     REQUIRE(bench.usb->obey("serial " + serial));
     bench.usb->plug();
-    bench.send(*sink, some_look(5));
-    CHECK(bench.shows(some_look(5)));
+    bench.send(*sink, some_snapshot(5));
+    CHECK(bench.shows(some_snapshot(5)));
   });
 }
 
@@ -338,8 +338,8 @@ TEST_CASE("every driver leaves the last look on the line when it is closed, or d
       config.blackout_on_exit = dark;
       auto sink = DeviceSink::open(bench.plan(), config, bench.clock);
       REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
-      bench.send(**sink, some_look(7));
-      REQUIRE(bench.shows(some_look(7)));
+      bench.send(**sink, some_snapshot(7));
+      REQUIRE(bench.shows(some_snapshot(7)));
       std::atomic<bool> closed{false};
       std::thread closer([&] {
         (*sink)->close(bench.clock.now_ns());
@@ -350,7 +350,7 @@ TEST_CASE("every driver leaves the last look on the line when it is closed, or d
       CHECK_FALSE(bench.usb->claimed());
       CHECK((*sink)->state() == PortState::kEnded);
       const Bytes frame = bench.usb->with_model([&](UsbModel& model) { return model.line(bench.line).frame; });
-      CHECK(frame == line_frame_of(dark ? Bytes(512, 0) : some_look(7)));
+      CHECK(frame == line_frame_of(dark ? Bytes(512, 0) : some_snapshot(7)));
     }
   });
 }
@@ -359,7 +359,7 @@ TEST_CASE("no driver keeps its thread when its sink is destroyed while the devic
   for_every_output([](Bench& bench) {
     auto sink = bench.open_sink();
     bench.usb->stall(true);
-    bench.send(*sink, some_look(7));
+    bench.send(*sink, some_snapshot(7));
     sink.reset();  // the clock stands still: a timeout would never end
     CHECK_FALSE(bench.usb->claimed());
   });
@@ -368,16 +368,16 @@ TEST_CASE("no driver keeps its thread when its sink is destroyed while the devic
 TEST_CASE("a thousand replugs cost no driver a descriptor, a thread or its universe") {
   for_every_output([](Bench& bench) {
     const auto sink = bench.open_sink();
-    bench.send(*sink, some_look(1));
-    REQUIRE(bench.shows(some_look(1)));
+    bench.send(*sink, some_snapshot(1));
+    REQUIRE(bench.shows(some_snapshot(1)));
     const std::size_t fds = entries_of("/proc/self/fd"), threads = entries_of("/proc/self/task");
     for (int i = 0; i < 1000; ++i) {
       bench.usb->unplug();
       REQUIRE(bench.is_gone(*sink));
-      const Bytes look = some_look(static_cast<std::uint8_t>(i));
-      bench.send(*sink, look);
+      const Bytes snapshot = some_snapshot(static_cast<std::uint8_t>(i));
+      bench.send(*sink, snapshot);
       bench.usb->plug();
-      REQUIRE(bench.shows(look));
+      REQUIRE(bench.shows(snapshot));
     }
     CHECK(entries_of("/proc/self/fd") == fds);
     CHECK(entries_of("/proc/self/task") == threads);
@@ -396,10 +396,10 @@ TEST_CASE("every driver with an input hands over what its line brings, address 1
     FrameKeeper keeper;
     for (std::uint8_t i = 1; i <= 20; ++i) {
       REQUIRE(bench.until([&](const UsbModel& model) { return model.listens(line); }));
-      bench.usb->with_model([&](UsbModel& model) { model.receive_line_frame(line, line_frame_of(some_look(i))); });
+      bench.usb->with_model([&](UsbModel& model) { model.receive_line_frame(line, line_frame_of(some_snapshot(i))); });
       REQUIRE(bench.until([&](const UsbModel&) {
         REQUIRE((*source)->poll(bench.clock.now_ns(), keeper));
-        return !keeper.kept.empty() && keeper.kept.back().slots == some_look(i);
+        return !keeper.kept.empty() && keeper.kept.back().slots == some_snapshot(i);
       }));
       CHECK(keeper.kept.back().view.universe == 1);
     }
@@ -410,10 +410,10 @@ TEST_CASE("every driver with an input hands over what its line brings, address 1
     bench.usb->plug();
     REQUIRE(bench.until(
         [&](const UsbModel& model) { return (*source)->state() != PortState::kGone && model.listens(line); }));
-    bench.usb->with_model([&](UsbModel& model) { model.receive_line_frame(line, line_frame_of(some_look(99))); });
+    bench.usb->with_model([&](UsbModel& model) { model.receive_line_frame(line, line_frame_of(some_snapshot(99))); });
     CHECK(bench.until([&](const UsbModel&) {
       REQUIRE((*source)->poll(bench.clock.now_ns(), keeper));
-      return keeper.kept.back().slots == some_look(99);
+      return keeper.kept.back().slots == some_snapshot(99);
     }));
   }
 }

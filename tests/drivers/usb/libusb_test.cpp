@@ -6,7 +6,7 @@
 #include "drivers/mock/enttec_pro_model.h"
 #include "drivers/mock/open_dmx_model.h"
 #include "drivers/registry.h"
-#include "drivers/transport/libusb_connector.h"
+#include "drivers/transport/libusb_opener.h"
 #include "drivers/widgets/enttec_pro.h"
 #include "tests/support/emulated_bench.h"
 #include "tests/support/usb_fs.h"
@@ -20,7 +20,7 @@ using mock::EnttecProModel;
 using testing::FrameKeeper;
 using testing::line_frame_of;
 using testing::poll_until;
-using testing::some_look;
+using testing::some_snapshot;
 using testing::UsbSocket;
 using testing::wait_for_state;
 
@@ -31,11 +31,11 @@ struct BenchOn : testing::EmulatedBench<UsbSocket, EnttecProModel, DriverClock> 
   }
   // With timeouts that a test can wait for.
   std::unique_ptr<Sink> open_impatient_sink() {
-    auto connector = make_libusb_connector({.chooser = std::make_shared<Chooser>("enttec-pro", "")}, this->clock);
-    REQUIRE(connector);
+    auto opener = make_libusb_opener({.chooser = std::make_shared<Chooser>("enttec-pro", "")}, this->clock);
+    REQUIRE(opener);
     auto sink =
         DeviceSink::open({.widget = std::make_unique<EnttecPro>(EnttecProConfig{.write_timeout_ns = 20 * kNsPerMs}),
-                          .connector = std::move(*connector),
+                          .opener = std::move(*opener),
                           .retry_ns = 20 * kNsPerMs},
                          {.name = "enttec-pro", .lines = {{.line = 0, .universe = 1}}}, this->clock);
     REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
@@ -95,12 +95,12 @@ TEST_CASE("100 frames arrive with every byte, each as soon as it was sent") {
   bench.model.on_frame = [&](int, const Bytes& frame) { frames.push_back(frame); };
   const auto sink = bench.open_sink();
   for (std::size_t i = 0; i < 100; ++i) {
-    bench.send(*sink, some_look(i));
-    REQUIRE(bench.shows(some_look(i)));
+    bench.send(*sink, some_snapshot(i));
+    REQUIRE(bench.shows(some_snapshot(i)));
   }
   bench.socket.with_model([&] {
     REQUIRE(frames.size() == 100);
-    for (std::size_t i = 0; i < 100; ++i) CHECK(frames[i] == line_frame_of(some_look(i)));
+    for (std::size_t i = 0; i < 100; ++i) CHECK(frames[i] == line_frame_of(some_snapshot(i)));
     CHECK(bench.model.false_start_count == drivers::pro_flush_bytes().size());  // the flush at opening, nothing else
   });
   CHECK(sink->counters().dropped == 0);
@@ -112,11 +112,11 @@ TEST_CASE("frames of the line are received with every byte") {
   const auto source = bench.open_source();
   FrameKeeper keeper;
   for (std::size_t i = 0; i < 20; ++i) {
-    bench.receive(some_look(i));
+    bench.receive(some_snapshot(i));
     REQUIRE(poll_until(
         *source, [&] { (void)source->poll(bench.clock.now_ns(), keeper); },
         [&] { return keeper.kept.size() == i + 1; }));
-    CHECK(keeper.kept[i].slots == some_look(i));
+    CHECK(keeper.kept[i].slots == some_snapshot(i));
   }
   bench.socket.with_model([&] { CHECK(bench.model.latency_ms == 2); });
   CHECK(source->counters().rejected == 0);
@@ -126,8 +126,8 @@ TEST_CASE("an unplug is noticed without traffic, keep-alive or timeout") {
   StillBench bench;
   bench.socket.plug();
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(1));
-  REQUIRE(bench.shows(some_look(1)));
+  bench.send(*sink, some_snapshot(1));
+  REQUIRE(bench.shows(some_snapshot(1)));
   bench.socket.unplug();
   REQUIRE(wait_for_state(*sink, PortState::kGone));
   CHECK(sink->trouble().find("enttec-pro:EN172589") != std::string::npos);
@@ -137,14 +137,14 @@ TEST_CASE("the last look is back after a replug, through the real libusb") {
   Bench bench;
   bench.socket.plug();
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(1));
-  REQUIRE(bench.shows(some_look(1)));
+  bench.send(*sink, some_snapshot(1));
+  REQUIRE(bench.shows(some_snapshot(1)));
   bench.socket.unplug();
   REQUIRE(wait_for_state(*sink, PortState::kGone));
   bench.socket.with_model([&] { bench.model.power_on(); });
   const TimeNs plugged_ns = bench.clock.now_ns();
   bench.socket.plug();
-  REQUIRE(bench.shows(some_look(1)));
+  REQUIRE(bench.shows(some_snapshot(1)));
   MESSAGE("replug to last look: ", static_cast<double>(bench.clock.now_ns() - plugged_ns) * 1e-6, " ms");
   REQUIRE(wait_for_state(*sink, PortState::kWorking));
 }
@@ -154,13 +154,13 @@ TEST_CASE("a widget that vanishes with a frame in flight gets it when it is back
   bench.socket.plug();
   const auto sink = bench.open_sink();
   bench.socket.out_frozen = true;
-  bench.send(*sink, some_look(5));
+  bench.send(*sink, some_snapshot(5));
   REQUIRE(bench.socket.transfer_in_flight(0x02));
   bench.socket.unplug();
   REQUIRE(wait_for_state(*sink, PortState::kGone));
   bench.socket.out_frozen = false;
   bench.socket.plug();
-  CHECK(bench.shows(some_look(5)));
+  CHECK(bench.shows(some_snapshot(5)));
 }
 
 TEST_CASE("a source listens again after a replug") {
@@ -173,9 +173,9 @@ TEST_CASE("a source listens again after a replug") {
   REQUIRE(poll_until(*source, poll, [&] { return source->state() == PortState::kGone; }));
   bench.socket.plug();
   REQUIRE(poll_until(*source, poll, [&] { return source->state() != PortState::kGone; }));
-  bench.receive(some_look(3));
+  bench.receive(some_snapshot(3));
   REQUIRE(poll_until(*source, poll, [&] { return !keeper.kept.empty(); }));
-  CHECK(keeper.kept[0].slots == some_look(3));
+  CHECK(keeper.kept[0].slots == some_snapshot(3));
 }
 
 TEST_CASE("another widget is not taken for the one that left, and the message names it") {
@@ -204,8 +204,8 @@ TEST_CASE("transfers that take only a few bytes each still carry the whole frame
   bench.socket.plug();
   const auto sink = bench.open_sink();
   bench.socket.out_size_max = 7;
-  bench.send(*sink, some_look(2));
-  CHECK(bench.shows(some_look(2)));
+  bench.send(*sink, some_snapshot(2));
+  CHECK(bench.shows(some_snapshot(2)));
 }
 
 TEST_CASE("a widget that takes nothing turns gone, and comes back by itself") {
@@ -213,10 +213,10 @@ TEST_CASE("a widget that takes nothing turns gone, and comes back by itself") {
   bench.socket.plug();
   const auto sink = bench.open_impatient_sink();
   bench.socket.out_frozen = true;
-  bench.send(*sink, some_look(2));
+  bench.send(*sink, some_snapshot(2));
   REQUIRE(wait_for_state(*sink, PortState::kGone));
   bench.socket.out_frozen = false;
-  CHECK(bench.shows(some_look(2)));
+  CHECK(bench.shows(some_snapshot(2)));
 }
 
 TEST_CASE("a bus error leads to opening the widget afresh") {
@@ -224,11 +224,11 @@ TEST_CASE("a bus error leads to opening the widget afresh") {
   bench.socket.plug();
   const auto sink = bench.open_impatient_sink();
   bench.socket.out_status = -EPROTO;
-  bench.send(*sink, some_look(2));
+  bench.send(*sink, some_snapshot(2));
   REQUIRE(wait_for_state(*sink, PortState::kGone));
   CHECK(sink->trouble().find("/dev/bus/usb/001/002") != std::string::npos);
   bench.socket.out_status = 0;
-  CHECK(bench.shows(some_look(2)));
+  CHECK(bench.shows(some_snapshot(2)));
 }
 
 TEST_CASE("a claimed widget is reported as in use, and how to see by whom") {
@@ -308,8 +308,8 @@ TEST_CASE("every look reaches the line, and the kernel's driver is bound again a
     const auto sink = bench.open_sink();
     CHECK(bench.socket.kernel_driver() == "usbfs");
     for (std::size_t i = 1; i <= 5; ++i) {
-      bench.send(*sink, some_look(i));
-      REQUIRE(bench.shows(some_look(i)));
+      bench.send(*sink, some_snapshot(i));
+      REQUIRE(bench.shows(some_snapshot(i)));
     }
     CHECK(sink->counters().errors == 0);
     sink->close(bench.clock.now_ns());
@@ -325,8 +325,8 @@ TEST_CASE("a chip that a killed program left without a driver is opened, and has
     bench.socket.lose_kernel_driver();
     CHECK(bench.socket.kernel_driver().empty());
     const auto sink = bench.open_sink();
-    bench.send(*sink, some_look(1));
-    REQUIRE(bench.shows(some_look(1)));
+    bench.send(*sink, some_snapshot(1));
+    REQUIRE(bench.shows(some_snapshot(1)));
     sink->close(bench.clock.now_ns());
     CHECK(bench.socket.kernel_driver() == "ftdi_sio");
   }
@@ -339,12 +339,12 @@ TEST_CASE("forty replugs cost no descriptor, no thread and no universe") {
     Other bench(id);
     const auto sink = bench.open_sink();
     for (std::size_t i = 1; i <= 40; ++i) {
-      bench.send(*sink, some_look(i));
-      REQUIRE(bench.shows(some_look(i)));
+      bench.send(*sink, some_snapshot(i));
+      REQUIRE(bench.shows(some_snapshot(i)));
       bench.socket.unplug();
       REQUIRE(wait_for_state(*sink, PortState::kGone));
       bench.socket.plug();
-      REQUIRE(bench.shows(some_look(i)));
+      REQUIRE(bench.shows(some_snapshot(i)));
     }
   }
 }
@@ -361,8 +361,8 @@ TEST_CASE("a line that this machine times has no cut frame and no short break th
   const auto sink = bench.open_sink();
   auto& model = dynamic_cast<mock::OpenDmxModel&>(bench.model);
   for (std::size_t i = 1; i <= 20; ++i) {
-    bench.send(*sink, some_look(i));
-    REQUIRE(bench.shows(some_look(i)));
+    bench.send(*sink, some_snapshot(i));
+    REQUIRE(bench.shows(some_snapshot(i)));
   }
   bench.socket.with_model([&] {
     CHECK(model.cut_count == 0);
@@ -393,13 +393,13 @@ TEST_CASE("two devices without serial numbers keep their universes when both are
   right.unplug();
   REQUIRE(wait_for_state(*to_left, PortState::kGone));
   REQUIRE(wait_for_state(*to_right, PortState::kGone));
-  send(*to_left, 1, some_look(1));
-  send(*to_right, 2, some_look(2));
+  send(*to_left, 1, some_snapshot(1));
+  send(*to_right, 2, some_snapshot(2));
   right.plug();
-  CHECK(right.wait_for([&] { return right_model.line(0).frame == line_frame_of(some_look(2)); }));
+  CHECK(right.wait_for([&] { return right_model.line(0).frame == line_frame_of(some_snapshot(2)); }));
   CHECK(to_left->state() == PortState::kGone);
   left.plug();
-  CHECK(left.wait_for([&] { return left_model.line(0).frame == line_frame_of(some_look(1)); }));
+  CHECK(left.wait_for([&] { return left_model.line(0).frame == line_frame_of(some_snapshot(1)); }));
 }
 
 TEST_CASE("no widget at all is an error that says so") {
@@ -415,7 +415,7 @@ TEST_CASE("a sink destroyed with a frozen transfer in flight waits for no timeou
   bench.socket.plug();
   auto sink = bench.open_sink();
   bench.socket.out_frozen = true;
-  bench.send(*sink, some_look(5));
+  bench.send(*sink, some_snapshot(5));
   REQUIRE(bench.socket.transfer_in_flight(0x02));
   sink.reset();  // the write's own patience never ends
   CHECK_FALSE(bench.socket.claimed());

@@ -47,8 +47,8 @@ struct Bench {
   explicit Bench(MockUsb::BusTime bus = {}, double rate_hz = 40.0, LineUse use = LineUse::kOutput)
       : widget({.rate_hz = rate_hz}) {
     usb->move_clock(bus);
-    connector = mock::make_mock_connector(usb, clock);
-    auto opened = connector->connect();
+    opener = mock::make_mock_opener(usb, clock);
+    auto opened = opener->connect();
     REQUIRE_MESSAGE(opened, (opened ? "" : opened.error().message));
     transport = std::move(*opened);
     context = std::make_unique<Context>(*transport, clock, use);
@@ -63,9 +63,9 @@ struct Bench {
       clock.sleep_until_ns(due_ns);
       const bool late = clock.now_ns() >= due_ns + traits.keep_alive_ns;
       due_ns = (late ? clock.now_ns() : due_ns) + traits.keep_alive_ns;
-      Slots look;
-      std::iota(look.begin(), look.end(), static_cast<std::uint8_t>(i));
-      const Status sent = widget.send(*context, 0, look);
+      Slots snapshot;
+      std::iota(snapshot.begin(), snapshot.end(), static_cast<std::uint8_t>(i));
+      const Status sent = widget.send(*context, 0, snapshot);
       REQUIRE_MESSAGE(sent, (sent ? "" : sent.error().message));
     }
   }
@@ -80,7 +80,7 @@ struct Bench {
 
   testing::FakeClock clock;
   std::shared_ptr<MockUsb> usb = std::make_shared<MockUsb>(std::make_unique<OpenDmxModel>(), "mock:open-dmx");
-  std::unique_ptr<Connector> connector;
+  std::unique_ptr<Opener> opener;
   std::unique_ptr<Transport> transport;
   OpenDmx widget;
   std::unique_ptr<Context> context;
@@ -157,14 +157,14 @@ TEST_CASE("the rate asked for is kept where the bus lets it, and the one reached
 TEST_CASE("an output counts the frames that left its line, and not those that were handed over") {
   testing::DeviceBench bench("open-dmx");
   bench.usb->with_model<OpenDmxModel>([](OpenDmxModel& model) { model.slot_ns = 0; });
-  auto opened = DeviceSink::open({.widget = std::make_unique<OpenDmx>(OpenDmxConfig{}),
-                                  .connector = mock::make_mock_connector(bench.usb, bench.clock)},
-                                 bench.port(0), bench.clock);
+  auto opened = DeviceSink::open(
+      {.widget = std::make_unique<OpenDmx>(OpenDmxConfig{}), .opener = mock::make_mock_opener(bench.usb, bench.clock)},
+      bench.port(0), bench.clock);
   REQUIRE_MESSAGE(opened, (opened ? "" : opened.error().message));
   DeviceSink& sink = **opened;
   std::uint64_t handed_over = 0;
   REQUIRE(bench.advance_until([&] {
-    bench.send(sink, testing::some_look(++handed_over));  // every 10 ms: more than the line takes
+    bench.send(sink, testing::some_snapshot(++handed_over));  // every 10 ms: more than the line takes
     return sink.frames_on_line().value_or(0) >= 20;
   }));
   const std::uint64_t left = sink.frames_on_line().value_or(0);

@@ -12,7 +12,7 @@ namespace {
 
 using mock::Bytes;
 using testing::DeviceBench;
-using testing::some_look;
+using testing::some_snapshot;
 
 Slots ramp() {
   Slots slots;
@@ -20,9 +20,9 @@ Slots ramp() {
   return slots;
 }
 
-Bytes line_frame_of(const Slots& look) {
+Bytes line_frame_of(const Slots& snapshot) {
   Bytes frame{0};
-  frame.insert(frame.end(), look.begin(), look.end());
+  frame.insert(frame.end(), snapshot.begin(), snapshot.end());
   return frame;
 }
 
@@ -93,8 +93,8 @@ TEST_CASE("a look reaches devices of all three generations with every slot") {
     DeviceBench bench("peperoni");
     with(bench, [&](mock::PeperoniModel& model) { model.release = static_cast<std::uint16_t>(release); });
     const auto sink = bench.open_sink();
-    bench.send(*sink, some_look(7));
-    CHECK(bench.shows(some_look(7)));
+    bench.send(*sink, some_snapshot(7));
+    CHECK(bench.shows(some_snapshot(7)));
     CHECK(with(bench, [](mock::PeperoniModel& model) { return model.broken_count; }) == 0);
     CHECK(with(bench, [](mock::PeperoniModel& model) { return model.start_code; }) == 0);
     CHECK(sink->link().identity() == fmt::format("firmware {:x}.{:02x}", release >> 8, release & 0xFF));
@@ -112,7 +112,7 @@ TEST_CASE("both universes of one that has two are sent, each to its own") {
     port.lines = {{.line = 0, .universe = 1}, {.line = 1, .universe = 2}};
     const auto sink = DeviceSink::open(bench.plan(), port, bench.clock);
     REQUIRE(sink);
-    const Bytes first = some_look(1), second = some_look(2);
+    const Bytes first = some_snapshot(1), second = some_snapshot(2);
     const FrameView frames[] = {{.universe = 1, .slots = first}, {.universe = 2, .slots = second}};
     REQUIRE((*sink)->send(0, frames));
     CHECK(bench.usb->wait_for([&](const auto& model) {
@@ -137,18 +137,18 @@ TEST_CASE("a look that found the transmitter busy is due again") {
   DeviceBench bench("peperoni");
   const auto sink = bench.open_sink();
   with(bench, [](mock::PeperoniModel& model) { model.status = 1; });
-  bench.send(*sink, some_look(1));
+  bench.send(*sink, some_snapshot(1));
   REQUIRE(testing::poll_until(
       *sink, [&] { (void)sink->poll(0); }, [&] { return sink->counters().errors > 0; }, std::chrono::seconds(2)));
   with(bench, [](mock::PeperoniModel& model) { model.status = 0; });
-  CHECK(bench.advance_until([&] { return bench.shows(some_look(1), std::chrono::milliseconds(1)); }));
+  CHECK(bench.advance_until([&] { return bench.shows(some_snapshot(1), std::chrono::milliseconds(1)); }));
 }
 
 TEST_CASE("one that does not acknowledge is opened afresh, again and again, and works when it answers") {
   DeviceBench bench("peperoni");
   const auto sink = bench.open_sink();
   with(bench, [](mock::PeperoniModel& model) { model.answers = false; });
-  bench.send(*sink, some_look(1));
+  bench.send(*sink, some_snapshot(1));
   REQUIRE(bench.advance_until([&] { return sink->state() == PortState::kGone; }));
   CHECK(sink->trouble().find("no answer to a look within 100 ms") != std::string::npos);
   with(bench, [](mock::PeperoniModel& model) { model.answers = true; });
@@ -159,13 +159,13 @@ TEST_CASE("an answer that comes late is not taken for that of the next look") {
   DeviceBench bench("peperoni");
   const auto sink = bench.open_sink();
   bench.usb->slow_down(150 * kNsPerMs);
-  bench.send(*sink, some_look(1));
+  bench.send(*sink, some_snapshot(1));
   REQUIRE(bench.advance_until([&] { return sink->counters().errors > 0; }));
   bench.usb->slow_down(0);
   with(bench,
        [](mock::PeperoniModel& model) { model.status = 1; });  // were the late answer taken, it would say "shown"
   const std::uint64_t frames = sink->counters().frames;
-  bench.send(*sink, some_look(2));
+  bench.send(*sink, some_snapshot(2));
   CHECK(bench.advance_until([&] { return sink->state() == PortState::kGone || sink->counters().errors > 2; }));
   CHECK(sink->counters().frames == frames);
 }
@@ -177,12 +177,12 @@ TEST_CASE("answers in pieces and noise are counted, and no look is lost") {
     model.say(Bytes{1, 2, 3});
     model.say(Bytes(64, 0xFF));
   });
-  bench.send(*sink, some_look(1));
-  CHECK(bench.advance_until([&] { return bench.shows(some_look(1), std::chrono::milliseconds(1)); }));
+  bench.send(*sink, some_snapshot(1));
+  CHECK(bench.advance_until([&] { return bench.shows(some_snapshot(1), std::chrono::milliseconds(1)); }));
   REQUIRE(bench.advance_until([&] { return sink->counters().rejected >= 2; }));
   bench.usb->limit_reads(3);
-  bench.send(*sink, some_look(2));
-  CHECK(bench.advance_until([&] { return bench.shows(some_look(2), std::chrono::milliseconds(1)); }));
+  bench.send(*sink, some_snapshot(2));
+  CHECK(bench.advance_until([&] { return bench.shows(some_snapshot(2), std::chrono::milliseconds(1)); }));
 }
 TEST_CASE("what the device says is no reason to stop") {
   DeviceBench bench("peperoni");

@@ -26,7 +26,7 @@ struct Bench {
   Result<std::unique_ptr<DeviceSink>> open() {
     auto widget = driver.make_widget({.scheme = std::string(driver.id), .universes = {1}}, {});
     REQUIRE(widget);
-    return DeviceSink::open({.widget = std::move(*widget), .connector = mock::make_mock_connector(usb, clock)},
+    return DeviceSink::open({.widget = std::move(*widget), .opener = mock::make_mock_opener(usb, clock)},
                             {.name = std::string(driver.id), .lines = {{.line = 0, .universe = 1}}}, clock);
   }
   void send(Sink& sink, const Bytes& slots) {
@@ -119,10 +119,10 @@ TEST_CASE("an update that a Vince converter refuses is counted and sent again") 
 }
 
 TEST_CASE("an update for a Vince converter has its length, its gap and its end") {
-  Slots look{};
-  look[0] = 1;
-  look[511] = 2;
-  const auto message = encode_vince_update(look);
+  Slots snapshot{};
+  snapshot[0] = 1;
+  snapshot[511] = 2;
+  const auto message = encode_vince_update(snapshot);
   REQUIRE(message.size() == 520);
   const Bytes head(message.begin(), message.begin() + 8);
   CHECK(head == Bytes{0x0F, 0x0F, 0x11, 0x02, 0x02, 0, 0, 1});

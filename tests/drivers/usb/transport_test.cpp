@@ -9,7 +9,7 @@
 
 #include "drivers/mock/enttec_pro_model.h"
 #include "drivers/mock/mock_usb.h"
-#include "drivers/transport/either_connector.h"
+#include "drivers/transport/either_opener.h"
 #include "tests/support/usb_shared_clock.h"
 
 namespace footlight::drivers {
@@ -42,8 +42,8 @@ int& waits_of(const std::string& name) {
 enum class Way { kOk, kPermission, kUnsupported, kNotFound, kIo, kDisconnected };
 
 // outcome: read at each connect().
-std::unique_ptr<Connector> way(std::string name, const Way& outcome, int& tries) {
-  class Fixed final : public Connector {
+std::unique_ptr<Opener> way(std::string name, const Way& outcome, int& tries) {
+  class Fixed final : public Opener {
    public:
     Fixed(std::string name, const Way& outcome, int& tries)
         : name_(std::move(name)), outcome_(outcome), tries_(tries) {}
@@ -84,7 +84,7 @@ TEST_CASE("a device whose first way is barred is taken by the second, and one in
     SharedFakeClock clock;
     const auto look = [] { return SeenDevice{TransportKind::kFtdi, "/dev/bus/usb/001/004"}; };
     const auto works =
-        make_either_connector(way("libusb", first, first_tries), way("tty", kOk, second_tries), look, clock);
+        make_either_opener(way("libusb", first, first_tries), way("tty", kOk, second_tries), look, clock);
     const auto transport = works->connect();
     CHECK(first_tries == 1);
     CHECK(second_tries == (barred ? 1 : 0));
@@ -92,7 +92,7 @@ TEST_CASE("a device whose first way is barred is taken by the second, and one in
     if (transport) CHECK((*transport)->where() == (barred ? "tty" : "libusb"));
     // With both barred the message is that of the better way.
     const auto fails =
-        make_either_connector(way("libusb", first, first_tries), way("tty", kIo, second_tries), look, clock);
+        make_either_opener(way("libusb", first, first_tries), way("tty", kIo, second_tries), look, clock);
     const auto none = fails->connect();
     if (first != Way::kOk) CHECK(none.error().message == "libusb");
   }
@@ -104,11 +104,11 @@ struct BothWays {
   Way over_libusb = Way::kOk, over_tty = Way::kOk;
   std::optional<SeenDevice> seen;
   int libusb_tries = 0, tty_tries = 0;
-  std::unique_ptr<Connector> connector = make_either_connector(
+  std::unique_ptr<Opener> opener = make_either_opener(
       way("libusb", over_libusb, libusb_tries), way("tty", over_tty, tty_tries), [this] { return seen; }, clock);
   // Which way was taken; empty: none.
   std::string taken() {
-    const auto transport = connector->connect();
+    const auto transport = opener->connect();
     return transport ? (*transport)->where() : std::string{};
   }
   void plug(std::string node, TransportKind kind = TransportKind::kFtdi) { seen = SeenDevice{kind, std::move(node)}; }
@@ -122,7 +122,7 @@ TEST_CASE("a replugged chip is left to libusb for one second, and taken by its t
     ways.plug("/dev/bus/usb/001/005");
     ways.over_libusb = late;
     CHECK(ways.taken().empty());
-    ways.clock.advance_ns(kAnnouncement_ns - 1);
+    ways.clock.advance_ns(kAnnouncementNs - 1);
     CHECK(ways.taken().empty());
     CHECK(ways.tty_tries == 0);
     SUBCASE("libusb announces it in time") {
@@ -150,7 +150,7 @@ TEST_CASE("a chip that is plugged in after the start is left to libusb for one s
   ways.plug("/dev/bus/usb/001/004");
   CHECK(ways.taken().empty());
   CHECK(ways.tty_tries == 0);
-  ways.clock.advance_ns(kAnnouncement_ns);
+  ways.clock.advance_ns(kAnnouncementNs);
   CHECK(ways.taken() == "tty");
 }
 
@@ -160,12 +160,12 @@ TEST_CASE("a serial device that is plugged in after the start is opened and wait
   ways.over_tty = Way::kNotFound;
   CHECK(ways.taken().empty());
   const int libusb_waits = waits_of("libusb"), tty_waits = waits_of("tty");
-  ways.connector->wait(0);
+  ways.opener->wait(0);
   CHECK(waits_of("libusb") == libusb_waits + 1);  // which hears of every USB device
   ways.plug("/dev/bus/usb/001/004", TransportKind::kTty);
   ways.over_libusb = Way::kOk;  // libusb opens it, but not as a serial line
   CHECK(ways.taken().empty());  // its tty comes later
-  ways.connector->wait(0);
+  ways.opener->wait(0);
   CHECK(waits_of("tty") == tty_waits + 1);
   ways.over_tty = Way::kOk;
   CHECK(ways.taken() == "tty");
@@ -176,13 +176,13 @@ TEST_CASE("a serial device that is plugged in after the start is opened and wait
 struct Bench {
   SharedFakeClock clock;
   std::shared_ptr<MockUsb> usb = std::make_shared<MockUsb>(std::make_unique<mock::EnttecProModel>(), "mock:enttec-pro");
-  std::unique_ptr<Connector> connector = mock::make_mock_connector(usb, clock);
+  std::unique_ptr<Opener> opener = mock::make_mock_opener(usb, clock);
   std::unique_ptr<Transport> transport;
 
   Bench() { REQUIRE(connect() == "connected"); }
   std::string connect() {
     transport.reset();
-    auto opened = connector->connect();
+    auto opened = opener->connect();
     if (!opened) return opened.error().message;
     transport = std::move(*opened);
     return "connected";

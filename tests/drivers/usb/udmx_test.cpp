@@ -14,7 +14,7 @@ namespace {
 
 using mock::Bytes;
 using testing::DeviceBench;
-using testing::some_look;
+using testing::some_snapshot;
 
 std::vector<UdmxRange> ranges_of(const Slots& known, const Slots& wanted) {
   std::vector<UdmxRange> ranges;
@@ -114,8 +114,8 @@ auto with(DeviceBench& bench, F&& f) {
 TEST_CASE("a look reaches the device with every slot, the first one whole") {
   DeviceBench bench("udmx");
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(7));
-  CHECK(bench.shows(some_look(7)));
+  bench.send(*sink, some_snapshot(7));
+  CHECK(bench.shows(some_snapshot(7)));
   CHECK(with(bench, [](mock::UdmxModel& model) { return model.slot_count; }) == 512);
   CHECK(sink->rate_hz_max() == doctest::Approx(41.5));
 }
@@ -123,15 +123,15 @@ TEST_CASE("a look reaches the device with every slot, the first one whole") {
 TEST_CASE("after that only what has changed is sent") {
   DeviceBench bench("udmx");
   const auto sink = bench.open_sink();
-  Bytes look = some_look(7);
-  bench.send(*sink, look);
-  REQUIRE(bench.shows(look));
+  Bytes snapshot = some_snapshot(7);
+  bench.send(*sink, snapshot);
+  REQUIRE(bench.shows(snapshot));
   const auto packets = [&] { return with(bench, [](mock::UdmxModel& model) { return model.packet_count; }); };
   const std::uint64_t before = packets();
-  look[3] ^= 1;
-  look[400] ^= 1;
-  bench.send(*sink, look);
-  REQUIRE(bench.shows(look));
+  snapshot[3] ^= 1;
+  snapshot[400] ^= 1;
+  bench.send(*sink, snapshot);
+  REQUIRE(bench.shows(snapshot));
   CHECK(with(bench, [](mock::UdmxModel& model) { return model.slot_count; }) == 514);
   CHECK(packets() - before == 6);  // 6 ms of the bus instead of 66
 }
@@ -139,15 +139,15 @@ TEST_CASE("after that only what has changed is sent") {
 TEST_CASE("an unchanged look is refreshed piece by piece, a piece a second, until all is new") {
   DeviceBench bench("udmx");
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(7));
-  REQUIRE(bench.shows(some_look(7)));
+  bench.send(*sink, some_snapshot(7));
+  REQUIRE(bench.shows(some_snapshot(7)));
   with(bench, [](mock::UdmxModel& model) { model.memory.fill(0); });
   for (std::uint64_t i = 1; i <= 8; ++i) {
     bench.advance_ns(kNsPerS);
     REQUIRE(bench.usb->wait_for<mock::UdmxModel>(
         [&](const mock::UdmxModel& model) { return model.slot_count == 512 + 64 * i; }));
   }
-  CHECK(bench.shows(some_look(7)));
+  CHECK(bench.shows(some_snapshot(7)));
 }
 
 TEST_CASE("a transfer that is refused now and then is sent again at once, and is no error") {
@@ -155,8 +155,8 @@ TEST_CASE("a transfer that is refused now and then is sent again at once, and is
   const auto sink = bench.open_sink();
   for (std::uint8_t i = 0; i < 20; ++i) {
     with(bench, [&](mock::UdmxModel& model) { model.stall_count = i % 3; });
-    bench.send(*sink, some_look(i));
-    REQUIRE(bench.shows(some_look(i)));
+    bench.send(*sink, some_snapshot(i));
+    REQUIRE(bench.shows(some_snapshot(i)));
   }
   CHECK(sink->state() == PortState::kWorking);
   CHECK(sink->counters().errors == 0);
@@ -166,13 +166,13 @@ TEST_CASE("a transfer that is refused now and then is sent again at once, and is
 TEST_CASE("one that refuses everything is opened afresh, and gets the look whole when it mends") {
   DeviceBench bench("udmx");
   const auto sink = bench.open_sink();
-  bench.send(*sink, some_look(1));
-  REQUIRE(bench.shows(some_look(1)));
+  bench.send(*sink, some_snapshot(1));
+  REQUIRE(bench.shows(some_snapshot(1)));
   with(bench, [](mock::UdmxModel& model) { model.stall_count = 1'000'000; });
-  bench.send(*sink, some_look(2));
+  bench.send(*sink, some_snapshot(2));
   REQUIRE(testing::wait_for_state(*sink, PortState::kGone));
   with(bench, [](mock::UdmxModel& model) { model.stall_count = 0; });
-  CHECK(bench.advance_until([&] { return bench.shows(some_look(2), std::chrono::milliseconds(1)); }));
+  CHECK(bench.advance_until([&] { return bench.shows(some_snapshot(2), std::chrono::milliseconds(1)); }));
 }
 
 TEST_CASE("an unplug before any transfer of a look ends with that look") {

@@ -20,7 +20,7 @@ using mock::PeperoniModel;
 using mock::UdmxModel;
 using mock::VellemanModel;
 using testing::line_frame_of;
-using testing::some_look;
+using testing::some_snapshot;
 using testing::UsbSocket;
 using testing::wait_for_state;
 
@@ -28,7 +28,7 @@ template <class Model>
 struct Bench : testing::EmulatedBench<UsbSocket, Model> {
   using testing::EmulatedBench<UsbSocket, Model>::EmulatedBench;
   // Looks arrive, an unplug is noticed without traffic, and the look of meanwhile is there after the replug.
-  void check_looks_and_replug() {
+  void check_snapshots_and_replug() {
     this->socket.plug();
     const DeviceList list = find_devices();
     REQUIRE(list.devices.size() == 1);
@@ -38,14 +38,14 @@ struct Bench : testing::EmulatedBench<UsbSocket, Model> {
     const auto sink = this->open_sink();
     CHECK(this->socket.kernel_driver() == "usbfs");
     for (std::size_t i = 0; i < 50; ++i) {
-      this->send(*sink, some_look(i));
-      REQUIRE(this->shows(some_look(i)));
+      this->send(*sink, some_snapshot(i));
+      REQUIRE(this->shows(some_snapshot(i)));
     }
     this->socket.unplug();
     REQUIRE(wait_for_state(*sink, PortState::kGone));
-    this->send(*sink, some_look(99));
+    this->send(*sink, some_snapshot(99));
     this->socket.plug();
-    REQUIRE(this->shows(some_look(99)));
+    REQUIRE(this->shows(some_snapshot(99)));
     REQUIRE(wait_for_state(*sink, PortState::kWorking));
     sink->close(this->clock.now_ns());
     CHECK_FALSE(this->socket.claimed());
@@ -55,7 +55,7 @@ struct Bench : testing::EmulatedBench<UsbSocket, Model> {
 
 TEST_CASE("uDMX: looks arrive through libusb, and the look of meanwhile after a replug") {
   Bench<UdmxModel> bench("udmx");
-  bench.check_looks_and_replug();
+  bench.check_snapshots_and_replug();
   bench.socket.with_model([&] { CHECK(bench.model.broken_count == 0); });
 }
 
@@ -64,8 +64,8 @@ TEST_CASE("uDMX: a refused transfer is sent again, through libusb too") {
   bench.socket.plug();
   const auto sink = bench.open_sink();
   bench.socket.with_model([&] { bench.model.stall_count = 2; });
-  bench.send(*sink, some_look(1));
-  CHECK(bench.shows(some_look(1)));
+  bench.send(*sink, some_snapshot(1));
+  CHECK(bench.shows(some_snapshot(1)));
   CHECK(sink->state() == PortState::kWorking);
   CHECK(sink->counters().errors == 0);
 }
@@ -88,7 +88,7 @@ TEST_CASE("Peperoni: looks of all three generations arrive through libusb") {
   for (const int release : {0x0150, 0x0402, 0x0504}) {
     Bench<PeperoniModel> bench("peperoni");
     bench.model.release = static_cast<std::uint16_t>(release);
-    bench.check_looks_and_replug();
+    bench.check_snapshots_and_replug();
     bench.socket.with_model([&] { CHECK(bench.model.broken_count == 0); });
   }
 }
@@ -99,7 +99,7 @@ TEST_CASE("Peperoni: both universes of a USBDMX21 arrive, by its row in the tabl
   bench.request.universes = {1, 2};
   bench.socket.plug();
   const auto sink = bench.open_sink();
-  const Bytes first = some_look(1), second = some_look(2);
+  const Bytes first = some_snapshot(1), second = some_snapshot(2);
   const FrameView frames[] = {{.universe = 1, .slots = first}, {.universe = 2, .slots = second}};
   REQUIRE(sink->send(0, frames));
   CHECK(bench.socket.wait_for([&] {
@@ -115,7 +115,7 @@ TEST_CASE("Peperoni: a USBDMX21 that is plugged in after the start carries both 
     bench.request.wait_for_device = true;
     const auto sink = bench.open_sink();
     CHECK(sink->state() == PortState::kGone);
-    const Bytes first = some_look(1), second = some_look(2);
+    const Bytes first = some_snapshot(1), second = some_snapshot(2);
     const FrameView frames[] = {{.universe = 1, .slots = first}, {.universe = 2, .slots = second}};
     REQUIRE(sink->send(0, frames));
     bench.socket.plug();
@@ -136,10 +136,10 @@ TEST_CASE("Peperoni: a bus error leads to opening it afresh") {
   bench.socket.plug();
   const auto sink = bench.open_sink();
   bench.socket.out_status = -EPROTO;
-  bench.send(*sink, some_look(2));
+  bench.send(*sink, some_snapshot(2));
   REQUIRE(wait_for_state(*sink, PortState::kGone));
   bench.socket.out_status = 0;
-  CHECK(bench.shows(some_look(2)));
+  CHECK(bench.shows(some_snapshot(2)));
 }
 
 TEST_CASE("Peperoni: one that vanishes with a look in flight gets it when it is back") {
@@ -147,18 +147,18 @@ TEST_CASE("Peperoni: one that vanishes with a look in flight gets it when it is 
   bench.socket.plug();
   const auto sink = bench.open_sink();
   bench.socket.out_frozen = true;
-  bench.send(*sink, some_look(5));
+  bench.send(*sink, some_snapshot(5));
   REQUIRE(bench.socket.transfer_in_flight(0x02));
   bench.socket.unplug();
   REQUIRE(wait_for_state(*sink, PortState::kGone));
   bench.socket.out_frozen = false;
   bench.socket.plug();
-  CHECK(bench.shows(some_look(5)));
+  CHECK(bench.shows(some_snapshot(5)));
 }
 
 TEST_CASE("DMXCreator: looks arrive through libusb, and the look of meanwhile after a replug") {
   Bench<DmxCreatorModel> bench("dmxcreator");
-  bench.check_looks_and_replug();
+  bench.check_snapshots_and_replug();
   bench.socket.with_model([&] {
     CHECK(bench.model.broken_count == 0);
     CHECK(bench.model.cut_count == 0);
@@ -170,15 +170,15 @@ TEST_CASE("DMXCreator: a halted endpoint is cleared, and the look arrives withou
   bench.socket.plug();
   const auto sink = bench.open_sink();
   bench.socket.out_halted = true;
-  bench.send(*sink, some_look(4));
-  CHECK(bench.shows(some_look(4)));
+  bench.send(*sink, some_snapshot(4));
+  CHECK(bench.shows(some_snapshot(4)));
   CHECK(sink->state() == PortState::kWorking);
   CHECK_FALSE(bench.socket.out_halted);
 }
 
 TEST_CASE("Velleman: frames arrive through libusb while vmk80xx has the device, and again after a replug") {
   Bench<VellemanModel> bench("velleman");
-  bench.check_looks_and_replug();
+  bench.check_snapshots_and_replug();
   CHECK(bench.socket.kernel_driver() == "vmk80xx");
   bench.socket.with_model([&] {
     CHECK(bench.model.broken_count == 0);
@@ -203,8 +203,8 @@ TEST_CASE("Velleman: the reports of both firmwares arrive through libusb, told a
     bench.model.upgraded = upgraded;
     bench.socket.plug();
     const auto sink = bench.open_sink();
-    bench.send(*sink, some_look(3));
-    CHECK(bench.shows(some_look(3)));
+    bench.send(*sink, some_snapshot(3));
+    CHECK(bench.shows(some_snapshot(3)));
     CHECK(dynamic_cast<DeviceSink&>(*sink).link().identity() ==
           (upgraded ? "reports of 64 bytes every 10 ms" : "reports of 8 bytes every 10 ms"));
     bench.socket.with_model([&] { CHECK(bench.model.broken_count == 0); });

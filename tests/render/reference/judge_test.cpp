@@ -56,7 +56,7 @@ BruteForce brute_force(const JudgeBeam& beam, const fixtures::Haze& haze, const 
     const glm::dvec3 apex = -beam.lens_radius_m / std::max(beam.spread, 1e-9) * beam.axis;
     const glm::dvec3 way = p - apex;
     const double r2 = glm::dot(way, way);
-    const double intensity = (1 - std::pow(rho, 2 * beam.profile_m)) / (beam.spread * beam.spread);
+    const double intensity = (1 - std::pow(rho, 2 * beam.profile_power)) / (beam.spread * beam.spread);
     const double g = haze.anisotropy;
     const double cosine = -glm::dot(glm::normalize(way), ray.direction);
     const double phase = (1 - g * g) / (4 * kPi * std::pow(1 + g * g - 2 * g * cosine, 1.5));
@@ -101,7 +101,7 @@ TEST_CASE("the judge agrees with a brute-force sum over intensity and distance f
     JudgeBeam beam = posed_beam(random);
     beam.lens_radius_m = random.uniform(0.03, 0.1);
     beam.spread = std::tan(random.uniform(0.05, 1.0));
-    beam.profile_m = 1 + i % 4;
+    beam.profile_power = 1 + i % 4;
     beam.range_m = 15;
     const fixtures::Haze haze{random.uniform(0.005, 0.05), random.uniform(0, 0.05), random.uniform(-0.5, 0.8)};
     const glm::dvec3 target = beam.lens_m + random.uniform(0.5, 12) * beam.axis;
@@ -142,7 +142,7 @@ TEST_CASE("two parts of a ray add up to the whole") {
       JudgeBeam beam;
       beam.spread = static_cast<double>(r.spread);
       beam.lens_radius_m = static_cast<double>(r.lens_radius_m);
-      beam.profile_m = 4;
+      beam.profile_power = 4;
       const Ray ray{glm::dvec3(r.origin_m), glm::dvec3(r.direction)};
       const fixtures::Haze haze{0.02, 0, 0.3};
       const double middle = glm::length(ray.origin_m);  // in or near the beam
@@ -208,7 +208,7 @@ TEST_CASE("a floor that catches the whole beam receives its flux, straight or sl
         beam.y_axis = {0, 1, 0};
         beam.x_axis = glm::cross(beam.y_axis, beam.axis);
         beam.spread = spread;
-        beam.profile_m = m;
+        beam.profile_power = m;
         // The floor around the beam in a grid of 1000 x 1000 midpoints.
         const double half_angle = std::atan(spread);
         const double from_x = 6 * std::tan(tilt - half_angle) - 0.3;
@@ -335,7 +335,7 @@ TEST_CASE("the scene of a rig has the pose, the shape and the lumens that the wa
   fixtures::TypeRow type{};
   type.flux_lm = 8000;
   type.lens_radius_m = 0.06f;
-  type.profile_m = 2;
+  type.profile_power = 2;
   fixtures::JointRow lens{};  // no joint: the lens 0.75 m below
   lens.pose_0 = {1, 0, 0, 0};
   lens.pose_1 = {0, 1, 0, 0};

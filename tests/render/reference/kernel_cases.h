@@ -40,7 +40,7 @@ struct BeamRay {
   float lens_radius_m;
   float spread;
   float range_m;
-  float profile_m;
+  float profile_power;
   float anisotropy;
   float extinction_per_m;
   glm::vec3 origin_m;
@@ -56,7 +56,7 @@ inline const std::vector<std::string>& names() {
   return kNames;
 }
 
-inline std::vector<BeamRay> rays_of(const std::string& name, int count, double profile_m) {
+inline std::vector<BeamRay> rays_of(const std::string& name, int count, double profile_power) {
   constexpr double kPi = std::numbers::pi;
   Random random(7 + name.size() * 1000 + static_cast<std::uint64_t>(name[0]));
   std::vector<BeamRay> rays;
@@ -103,7 +103,7 @@ inline std::vector<BeamRay> rays_of(const std::string& name, int count, double p
       t_max = distance + random.uniform(-1, 1) * w;
     }
     direction = glm::normalize(direction);
-    rays.push_back({static_cast<float>(radius), static_cast<float>(spread), 60.0f, static_cast<float>(profile_m),
+    rays.push_back({static_cast<float>(radius), static_cast<float>(spread), 60.0f, static_cast<float>(profile_power),
                     static_cast<float>(random.uniform(0, 0.8)), static_cast<float>(random.uniform(0.005, 0.03)),
                     glm::vec3(origin), glm::vec3(direction), static_cast<float>(t_max)});
   }

@@ -58,7 +58,7 @@ enum class Rule { kGauss, kWide, kMarch, kGobo };
 #define FL_TEST_KERNEL(name, space)                                                                             \
   double name(const BeamRay& ray, Rule rule, unsigned n) {                                                      \
     namespace k = render::space;                                                                                \
-    const k::BeamShape beam{ray.lens_radius_m, ray.spread, ray.range_m, ray.profile_m};                         \
+    const k::BeamShape beam{ray.lens_radius_m, ray.spread, ray.range_m, ray.profile_power};                     \
     const k::Medium medium{ray.anisotropy, ray.extinction_per_m};                                               \
     const k::Vec3 d(ray.direction);                                                                             \
     k::Chord chord;                                                                                             \
@@ -79,7 +79,7 @@ JudgeBeam judge_beam_of(const BeamRay& ray) {
   JudgeBeam beam;
   beam.lens_radius_m = static_cast<double>(ray.lens_radius_m);
   beam.spread = static_cast<double>(ray.spread);
-  beam.profile_m = static_cast<double>(ray.profile_m);
+  beam.profile_power = static_cast<double>(ray.profile_power);
   beam.range_m = static_cast<double>(ray.range_m);
   beam.wheels[0] = {1, 0, 0, kGoboCos, kGoboSin};
   return beam;
@@ -101,16 +101,16 @@ struct Judged {
   double own_rel_l2 = 0;
 };
 
-const Judged& judged_case(const std::string& name, double profile_m, bool with_gobo = false) {
+const Judged& judged_case(const std::string& name, double profile_power, bool with_gobo = false) {
   static std::map<std::string, Judged> cache;
-  Judged& c = cache[fmt::format("{} {} {}", name, profile_m, with_gobo)];
+  Judged& c = cache[fmt::format("{} {} {}", name, profile_power, with_gobo)];
   if (!c.rays.empty()) return c;
   GoboTransmission gobo;
   if (with_gobo)
     gobo = [](int index, double x, double y) {
       return render::f64::gobo_at(static_cast<unsigned>(index), {x, y}, 0).x;
     };
-  c.rays = cases::rays_of(name, kRays, profile_m);
+  c.rays = cases::rays_of(name, kRays, profile_power);
   double square = 0;
   double own_square = 0;
   for (const BeamRay& ray : c.rays) {
@@ -289,7 +289,7 @@ TEST_CASE("illuminance of the kernels equals the judge's at random points, and i
     JudgeBeam beam;
     beam.lens_radius_m = static_cast<double>(static_cast<float>(random.uniform(0.01, 0.1)));
     beam.spread = static_cast<double>(static_cast<float>(std::tan(random.uniform(0, 1.3))));
-    beam.profile_m = 1 + i % 4;
+    beam.profile_power = 1 + i % 4;
     beam.range_m = 30;
     const double z = random.uniform(-2, 32);
     const double w = beam.lens_radius_m + beam.spread * z;
@@ -303,11 +303,11 @@ TEST_CASE("illuminance of the kernels equals the judge's at random points, and i
       return value > 0 ? static_cast<double>(value * direction(shape, rho).z) : 0.0;
     };
     const double wide =
-        of_kernel(render::f64::BeamShape{beam.lens_radius_m, beam.spread, 30, beam.profile_m}, glm::dvec3(p),
+        of_kernel(render::f64::BeamShape{beam.lens_radius_m, beam.spread, 30, beam.profile_power}, glm::dvec3(p),
                   glm::dvec2(0), render::f64::beam_illuminance, render::f64::beam_direction);
     const double real =
         of_kernel(render::f32::BeamShape{static_cast<float>(beam.lens_radius_m), static_cast<float>(beam.spread), 30.0f,
-                                         static_cast<float>(beam.profile_m)},
+                                         static_cast<float>(beam.profile_power)},
                   p, glm::vec2(0), render::f32::beam_illuminance, render::f32::beam_direction);
     if (judge > 0) ++lit;
     // Against the light at the beam's middle, since it falls to 0 at the edge.
@@ -353,7 +353,7 @@ TEST_CASE("floods of 60 to 175 degrees are drawn in the air and hold their lumen
         ray.lens_radius_m = static_cast<float>(random.uniform(0.03, 0.1));
         ray.spread = static_cast<float>(spread);
         ray.range_m = 60;
-        ray.profile_m = static_cast<float>(m);
+        ray.profile_power = static_cast<float>(m);
         ray.anisotropy = static_cast<float>(random.uniform(0, 0.8));
         ray.extinction_per_m = static_cast<float>(random.uniform(0.005, 0.03));
         const double z = random.uniform(0.1, 8);

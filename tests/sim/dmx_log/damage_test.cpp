@@ -153,7 +153,7 @@ TEST_CASE("one flipped bit anywhere in the header costs the origin and the clock
       CHECK(info.wall_start_unix_ns == 0);
       CHECK(info.version_major == 1);
       REQUIRE(reader->seek(frames.back().time_ns));
-      CHECK(reader->look().size() == 2);
+      CHECK(reader->snapshot().size() == 2);
     }
   }
 }
@@ -234,10 +234,10 @@ TEST_CASE("a damaged block is reported with its place, and what changed in it is
 
   // A time inside the damage shows what was known before it.
   REQUIRE(reader.seek(frames[2].time_ns + 1));
-  REQUIRE(reader.look().size() == 1);
-  CHECK(reader.look()[0].levels[0] == 11);
+  REQUIRE(reader.snapshot().size() == 1);
+  CHECK(reader.snapshot()[0].levels[0] == 11);
   REQUIRE(reader.seek(frames[3].time_ns));
-  CHECK(reader.look().size() == 2);
+  CHECK(reader.snapshot().size() == 2);
 }
 
 TEST_CASE("what is no log is refused with a reason") {

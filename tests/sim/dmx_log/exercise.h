@@ -34,7 +34,8 @@ inline std::uint64_t exercise_log(std::vector<std::uint8_t> bytes, bool check_ch
   for (const DurationNs time_ns : {middle_ns, before_ns, DurationNs{-1}, reader->info().duration_ns, kTimeNever}) {
     FL_CHECK(reader->seek(time_ns));
     std::uint64_t sum = 0;
-    for (const LogLook& look : reader->look()) sum += look.levels[511] + static_cast<std::uint64_t>(look.universe);
+    for (const LogSnapshot& snapshot : reader->snapshot())
+      sum += snapshot.levels[511] + static_cast<std::uint64_t>(snapshot.universe);
     for (int i = 0; i < 5 && reader->next(frame).value_or(false); ++i) {
       FL_CHECK_LT(time_ns, frame.time_ns);
       sum += frame.levels[0];

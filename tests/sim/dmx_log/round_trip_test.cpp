@@ -47,19 +47,19 @@ TEST_CASE("a log gives back every frame as it went in, whatever the traffic") {
 TEST_CASE("snapshots hold all 512 slots and the changes name exactly the slots that differ") {
   const auto frames = random_frames(77, 600, 3);
   LogReader reader = open_log(log_bytes(frames, 10 * kNsPerS, small_blocks()));
-  std::map<Universe, Slots> looks;
+  std::map<Universe, Slots> snapshots;
   LogFrame frame;
   std::size_t at = 0;
   while (*reader.next(frame)) {
     const OwnedFrame& truth = frames[at++];
-    Slots& look = looks[truth.universe];
+    Slots& snapshot = snapshots[truth.universe];
     std::vector<bool> changed(512, false);
     for (std::size_t slot = 0; slot < truth.slots.size(); ++slot) {
-      changed[slot] = look[slot] != truth.slots[slot];
-      look[slot] = truth.slots[slot];
+      changed[slot] = snapshot[slot] != truth.slots[slot];
+      snapshot[slot] = truth.slots[slot];
     }
     REQUIRE(frame.levels.size() == 512);
-    REQUIRE(std::equal(frame.levels.begin(), frame.levels.end(), look.begin()));
+    REQUIRE(std::equal(frame.levels.begin(), frame.levels.end(), snapshot.begin()));
     std::vector<bool> told(512, false);
     for (const SlotRun& run : frame.changes) {
       for (int slot = run.first; slot < run.first + run.count; ++slot) told[static_cast<std::size_t>(slot)] = true;
@@ -94,17 +94,17 @@ TEST_CASE("seeking gives the look that reading from the start gives, at any time
       if (trial == 1) time_ns = kTimeNever;
       CAPTURE(time_ns);
       std::map<Universe, OwnedFrame> newest;
-      std::map<Universe, Slots> looks;
+      std::map<Universe, Slots> snapshots;
       std::size_t after = 0;
       for (; after < frames.size() && frames[after].time_ns <= time_ns; ++after) {
         newest[frames[after].universe] = frames[after];
-        std::copy(frames[after].slots.begin(), frames[after].slots.end(), looks[frames[after].universe].begin());
+        std::copy(frames[after].slots.begin(), frames[after].slots.end(), snapshots[frames[after].universe].begin());
       }
       REQUIRE(reader.seek(time_ns));
-      const auto look = reader.look();
-      REQUIRE(look.size() == newest.size());
+      const auto snapshot = reader.snapshot();
+      REQUIRE(snapshot.size() == newest.size());
       auto expected = newest.begin();
-      for (const LogLook& universe : look) {
+      for (const LogSnapshot& universe : snapshot) {
         const OwnedFrame& truth = expected->second;
         CHECK(universe.universe == truth.universe);
         CHECK(universe.time_ns == truth.time_ns);
@@ -112,7 +112,7 @@ TEST_CASE("seeking gives the look that reading from the start gives, at any time
         CHECK(universe.sequence == truth.sequence);
         CHECK(universe.priority == truth.priority);
         CHECK(universe.terminated == truth.terminated);
-        CHECK(std::equal(universe.levels.begin(), universe.levels.end(), looks[truth.universe].begin()));
+        CHECK(std::equal(universe.levels.begin(), universe.levels.end(), snapshots[truth.universe].begin()));
         ++expected;
       }
       LogFrame frame;

@@ -21,7 +21,7 @@ struct Float {
   using FlexLimits = f32::FlexLimits;
   using Spin = f32::Spin;
   using Shutter = f32::Shutter;
-  using ShutterWish = f32::ShutterWish;
+  using ShutterParams = f32::ShutterParams;
 };
 struct Double {
   using Real = double;
@@ -32,10 +32,10 @@ struct Double {
   using FlexLimits = f64::FlexLimits;
   using Spin = f64::Spin;
   using Shutter = f64::Shutter;
-  using ShutterWish = f64::ShutterWish;
+  using ShutterParams = f64::ShutterParams;
 };
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::int64_t kSecondNs = 1'000'000'000;
 constexpr std::int64_t kRateRandom = -1;  // of frames: lengths from 1 us to 90 ms
 // Frames a second, in thousandths.
 constexpr std::int64_t kFrameRates_mHz[] = {15'000, 24'000, 44'100, 60'000, 144'000, 240'000, 1'000'000, kRateRandom};
@@ -56,7 +56,7 @@ inline int hunt_trials() {
 
 // A random time from 0 to 60 s: often short, often nothing.
 inline std::int64_t random_ns(std::mt19937_64& random) {
-  const std::int64_t most[] = {1, 1000, 1'000'000, kSecond_ns / 40, kSecond_ns, 60 * kSecond_ns};
+  const std::int64_t most[] = {1, 1000, 1'000'000, kSecondNs / 40, kSecondNs, 60 * kSecondNs};
   return static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(most[random() % 6]));
 }
 
@@ -73,10 +73,10 @@ std::vector<double> run_cut(Model model, std::int64_t rate_mHz, std::int64_t cha
     while (frame_end <= now) {
       ++frame;
       frame_end = rate_mHz == kRateRandom ? now + 1000 + static_cast<std::int64_t>(random() % 90'000'000)
-                                          : frame * 1000 * kSecond_ns / rate_mHz;
+                                          : frame * 1000 * kSecondNs / rate_mHz;
     }
     const std::int64_t change = now / change_ns;
-    const std::int64_t second_end = (now / kSecond_ns + 1) * kSecond_ns;
+    const std::int64_t second_end = (now / kSecondNs + 1) * kSecondNs;
     const std::int64_t next = std::min({frame_end, (change + 1) * change_ns, second_end});
     model.step(static_cast<std::uint32_t>(change), words(static_cast<std::uint64_t>(next - now)));
     now = next;
@@ -87,11 +87,11 @@ std::vector<double> run_cut(Model model, std::int64_t rate_mHz, std::int64_t cha
 
 // Largest difference between frame rates over 60 s.
 template <class Model>
-double rate_spread(const Model& model, std::int64_t change_ns = kSecond_ns / 44) {
-  const std::vector<double> first = run_cut(model, kFrameRates_mHz[0], change_ns, 60 * kSecond_ns);
+double rate_spread(const Model& model, std::int64_t change_ns = kSecondNs / 44) {
+  const std::vector<double> first = run_cut(model, kFrameRates_mHz[0], change_ns, 60 * kSecondNs);
   double worst = 0;
   for (const std::int64_t rate : kFrameRates_mHz) {
-    const std::vector<double> other = run_cut(model, rate, change_ns, 60 * kSecond_ns);
+    const std::vector<double> other = run_cut(model, rate, change_ns, 60 * kSecondNs);
     for (std::size_t i = 0; i < first.size(); ++i) {
       const double difference = std::abs(first[i] - other[i]);
       worst = difference <= worst ? worst : difference;  // a NaN stays

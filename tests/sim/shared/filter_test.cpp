@@ -51,7 +51,7 @@ TEST_CASE_TEMPLATE("a filter's step of a + b is its steps of a and b, from any s
     Filtered<T> whole;
     whole.tau_s = static_cast<typename T::Real>(chance(1, i));
     whole.travel_s = static_cast<typename T::Real>(i % 5 == 0 ? 0 : 5 * chance(2, i));
-    whole.step(static_cast<std::uint32_t>(random()), words(random() % kSecond_ns));
+    whole.step(static_cast<std::uint32_t>(random()), words(random() % kSecondNs));
     Filtered<T> pieces = whole;
     const auto a = static_cast<std::uint64_t>(random_ns(random));
     const auto b = static_cast<std::uint64_t>(random_ns(random));
@@ -101,7 +101,7 @@ TEST_CASE_TEMPLATE("filters: off by default, no time is no change, 1e9 s is the 
   filter.go(0.9, words(0));
   CHECK(filter.smoothed.now.position == before.smoothed.now.position);
   CHECK(filter.slew.level == before.slew.level);
-  for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) filter.go(bad, words(kSecond_ns));
+  for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) filter.go(bad, words(kSecondNs));
   CHECK(filter.smoothed.now.position == before.smoothed.now.position);
   CHECK(filter.slew.level == before.slew.level);
   filter.go(0.9, words(1'000'000'000'000'000'000));

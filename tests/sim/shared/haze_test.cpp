@@ -40,7 +40,7 @@ TEST_CASE_TEMPLATE("a room's step of a + b is its steps of a and b, to the bit a
   for (std::uint32_t i = 0; i < 10'000; ++i) {
     Roomful<T> whole;
     whole.tau_s = static_cast<typename T::Real>(std::pow(10.0, 9 * chance(1, i) - 4));
-    whole.go(chance(2, i), chance(3, i), words(random() % (60 * kSecond_ns)));
+    whole.go(chance(2, i), chance(3, i), words(random() % (60 * kSecondNs)));
     Roomful<T> pieces = whole;
     const auto a = static_cast<std::uint64_t>(random_ns(random));
     const auto b = static_cast<std::uint64_t>(random_ns(random));
@@ -66,7 +66,7 @@ TEST_CASE_TEMPLATE("rooms: no time is no change, long is the equilibrium, what i
   using Real = typename T::Real;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Roomful<T> room;
-  room.go(4e-3, 0.1, words(30 * kSecond_ns));
+  room.go(4e-3, 0.1, words(30 * kSecondNs));
   const auto before = room;
   room.go(4e-3, 0.1, words(0));
   CHECK(room.value() == before.value());
@@ -85,7 +85,7 @@ TEST_CASE_TEMPLATE("rooms: no time is no change, long is the equilibrium, what i
   for (const double bad : {0.0, -1.0, std::nan(""), kInfinity, 1e-30}) {  // nothing is lost
     Roomful<T> closed;
     closed.tau_s = static_cast<Real>(bad);
-    closed.go(1e-3, 1e6, words(10 * kSecond_ns));
+    closed.go(1e-3, 1e6, words(10 * kSecondNs));
     CHECK(closed.value() == doctest::Approx(1e-2));
   }
 }

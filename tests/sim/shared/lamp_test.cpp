@@ -164,7 +164,7 @@ TEST_CASE_TEMPLATE("a filament of any state steps a + b as a and b, up to 60 s e
   for (std::uint32_t i = 0; i < 10'000; ++i) {
     auto whole = Lamps<T>::cold();
     const auto type = Lamps<T>::bulb(0.003 + 0.35 * chance(3, i));
-    whole = filament_step(whole, type, static_cast<typename T::Real>(chance(1, i)), words(random() % kSecond_ns));
+    whole = filament_step(whole, type, static_cast<typename T::Real>(chance(1, i)), words(random() % kSecondNs));
     auto pieces = whole;
     const auto volt = static_cast<typename T::Real>(i % 10 == 0 ? 0 : chance(2, i));
     const auto a = static_cast<std::uint64_t>(random_ns(random));
@@ -186,12 +186,12 @@ TEST_CASE_TEMPLATE("tungsten: no time is no change, 1e9 s the equilibrium, off f
   lamp = filament_step(lamp, type, Real(0.3), words(1'000'000'000'000'000'000));
   CHECK(static_cast<double>(lamp.kelvin) == doctest::Approx(3200 * std::pow(0.3, 2 / 5.815)).epsilon(1e-6));
   for (const double bad : {std::nan(""), -1.0, HUGE_VAL}) {
-    CHECK(filament_step(lamp, type, static_cast<Real>(bad), words(kSecond_ns)).kelvin == lamp.kelvin);
+    CHECK(filament_step(lamp, type, static_cast<Real>(bad), words(kSecondNs)).kelvin == lamp.kelvin);
     if constexpr (std::is_same_v<T, Double>) CHECK(after(2000, 0.034, 1, bad) == 2000);
   }
-  lamp = filament_step(lamp, type, Real(1), words(10 * kSecond_ns));
+  lamp = filament_step(lamp, type, Real(1), words(10 * kSecondNs));
   CHECK(static_cast<double>(lamp.kelvin) == doctest::Approx(3200).epsilon(1e-6));
-  lamp = filament_step(lamp, type, Real(0), words(60 * kSecond_ns));
+  lamp = filament_step(lamp, type, Real(0), words(60 * kSecondNs));
   CHECK(lamp.kelvin >= Real(293.15));
   lamp = filament_step(lamp, type, Real(0), words(1'000'000'000'000'000'000));
   CHECK(lamp.kelvin == Real(293.15));  // without the floor: 220 K after a minute
@@ -295,7 +295,7 @@ TEST_CASE("a chopped supply seen by exposures of any length adds up to its mean 
       double energy = 0;
       for (std::int64_t frame = 0; frame < fps; ++frame) {
         const glm::uvec2 dt =
-            words(static_cast<std::uint64_t>((frame + 1) * kSecond_ns / fps - frame * kSecond_ns / fps));
+            words(static_cast<std::uint64_t>((frame + 1) * kSecondNs / fps - frame * kSecondNs / fps));
         const f32::Advance advance = f32::turns_advance(100, dt);
         energy += static_cast<double>(f32::mains_mean(phase, advance, static_cast<float>(share))) *
                   static_cast<double>(number(dt)) * 1e-9;
@@ -308,7 +308,7 @@ TEST_CASE("a chopped supply seen by exposures of any length adds up to its mean 
 
 TEST_CASE("PWM of 600 Hz and 25 kHz has no beat beyond its own period in exposures of a frame") {
   for (const double hz : {600.0, 25'000.0}) {
-    f64::ShutterWish pwm{};
+    f64::ShutterParams pwm{};
     pwm.kind = f64::kShutterStrobe;
     pwm.rate_hz = hz;
     pwm.duty = 0.3;
@@ -363,7 +363,7 @@ TEST_CASE_TEMPLATE("an LED's and an arc's step of a + b holds the light of its p
       const auto light = led_step(glow.led, glow.led_type, static_cast<Real>(level), words(ns));
       return static_cast<double>(light + discharge_step(glow.arc, glow.arc_type, level > 0.3 ? 1u : 0u, words(ns)));
     };
-    for (std::uint32_t k = 0; k < 3; ++k) go(whole, chance(3 + k, i), random() % (10 * kSecond_ns));
+    for (std::uint32_t k = 0; k < 3; ++k) go(whole, chance(3 + k, i), random() % (10 * kSecondNs));
     Glow<T> pieces = whole;
     const auto a = static_cast<std::uint64_t>(random_ns(random));
     const auto b = static_cast<std::uint64_t>(random_ns(random));

@@ -67,8 +67,10 @@ using Real = Loose;
 using uint = std::uint32_t;
 using Turns = glm::uvec2;
 using glm::min;
-#include "sim/shared/motion.h"
+// clang-format off: each of these uses those above it.
 #include "sim/shared/turns.h"
+#include "sim/shared/motion.h"
+// clang-format on
 }  // namespace loose
 
 // As the shaders have them: with the step that mends them.
@@ -78,8 +80,10 @@ using Real = Loose;
 using uint = std::uint32_t;
 using Turns = glm::uvec2;
 using glm::min;
-#include "sim/shared/motion.h"
+// clang-format off: each of these uses those above it.
 #include "sim/shared/turns.h"
+#include "sim/shared/motion.h"
+// clang-format on
 }  // namespace mended
 #undef FL_LOOSE_QUOTIENTS
 

@@ -147,15 +147,15 @@ f64::Axis by_small_steps(const Case& c, double dt_s, double h) {
 
 TEST_CASE("the closed form goes where the control law goes when it is applied in small steps") {
   std::mt19937 random(5);
-  constexpr double kStep_s = 2e-5;
+  constexpr double kStepS = 2e-5;
   double worst = 0;
   for (int i = 0; i < 200; ++i) {
     const Case c = random_case(random, i % 4 == 0 ? 2.5 : 1);
     const double dt_s = std::uniform_real_distribution<double>(0.02, 2.5)(random);
     const f64::Axis exact = step<Double>(start<Double>(c), c, dt_s);
-    worst = std::max(worst, std::abs(exact.position - by_small_steps(c, dt_s, kStep_s).position));
+    worst = std::max(worst, std::abs(exact.position - by_small_steps(c, dt_s, kStepS).position));
   }
-  MESSAGE("largest difference: ", worst, " rad with steps of ", kStep_s, " s");
+  MESSAGE("largest difference: ", worst, " rad with steps of ", kStepS, " s");
   CHECK(worst < 1e-3);  // at 20 rad/s, the fastest start, a step of 2e-5 s goes 4e-4 rad
 }
 
@@ -444,8 +444,8 @@ TEST_CASE("a stall of 60 s ends where 60 s of frames end") {
   stalled.soft = soft_of<Double>(157, 0.05);
   stalled.go(1, words(300'000'000), stalled.limits);
   Follower<Double> running = stalled;
-  stalled.go(4, words(60 * kSecond_ns), stalled.limits);
-  for (int i = 0; i < 3600; ++i) running.go(4, words(60 * kSecond_ns / 3600), running.limits);
+  stalled.go(4, words(60 * kSecondNs), stalled.limits);
+  for (int i = 0; i < 3600; ++i) running.go(4, words(60 * kSecondNs / 3600), running.limits);
   CHECK(stalled.value() == doctest::Approx(running.value()).epsilon(1e-12));
 }
 
@@ -591,7 +591,7 @@ TEST_CASE("tracking mode smooths the console's steps and lags by its time, vecto
     for (int frame = 0; frame < 440; ++frame) {
       const double target = frame / 44.0;
       for (int part = 0; part < 10; ++part) {
-        head.go(target, words(kSecond_ns / 440), head.limits);
+        head.go(target, words(kSecondNs / 440), head.limits);
         if (frame < 220) continue;
         least = std::min(least, head.flex.now.speed);
         most = std::max(most, head.flex.now.speed);

@@ -26,7 +26,7 @@ layout(set = 0, binding = 0, std430) buffer Models {
   LedType led_type;
   Discharge discharge;
   DischargeType discharge_type;
-  ShutterWish wish;
+  ShutterParams params;
   MotorLimits limits;
   FlexLimits soft;
   Turns dt_ns;
@@ -42,7 +42,7 @@ void main() {
   flex = flex_step(flex, soft, before, motor, limits);
   spin = spin_step(spin, limits.acceleration_max, value, dt_ns);
   Shutter moved = shutter;
-  value = shutter_step(moved, wish, dt_ns);
+  value = shutter_step(moved, params, dt_ns);
   shutter = moved;
   value += shake_offset(spin.phase, turns_way(spin.phase, time_ns(value)));
   smoothed = smooth_step(smoothed, 0.02, value, dt_ns);

@@ -12,13 +12,13 @@ namespace footlight {
 namespace {
 
 template <class T>
-typename T::ShutterWish wish_of(std::uint32_t kind, double rate_hz, double duty = 0.5) {
-  typename T::ShutterWish wish{};
-  wish.kind = kind;
-  wish.rate_hz = static_cast<typename T::Real>(rate_hz);
-  wish.duty = static_cast<typename T::Real>(duty);
-  wish.seed = 17;
-  return wish;
+typename T::ShutterParams decoded_of(std::uint32_t kind, double rate_hz, double duty = 0.5) {
+  typename T::ShutterParams params{};
+  params.kind = kind;
+  params.rate_hz = static_cast<typename T::Real>(rate_hz);
+  params.duty = static_cast<typename T::Real>(duty);
+  params.seed = 17;
+  return params;
 }
 
 template <class T>
@@ -44,20 +44,20 @@ TEST_CASE_TEMPLATE("over 10 s the mean of every kind is its duty to 1e-6, from 0
   for (std::uint32_t kind = 0; kind < f64::kShutterKindCount; ++kind) {
     for (const double rate : {0.1, 0.7, 3.0, 24.0, 25.0, 30.0, 59.9, 60.0, 120.0, 1000.0}) {
       for (const std::int64_t frames_mHz : {15'000, 24'000, 30'000, 44'000, 60'000, 240'000}) {
-        const auto wish = wish_of<T>(kind, rate, 0.3);
+        const auto params = decoded_of<T>(kind, rate, 0.3);
         auto shutter = shutter_start<T>();
         double light = 0;
         std::int64_t now = 0;
-        for (std::int64_t frame = 1; now < 10 * kSecond_ns; ++frame) {
-          const std::int64_t next = std::min(frame * 1000 * kSecond_ns / frames_mHz, 10 * kSecond_ns);
+        for (std::int64_t frame = 1; now < 10 * kSecondNs; ++frame) {
+          const std::int64_t next = std::min(frame * 1000 * kSecondNs / frames_mHz, 10 * kSecondNs);
           const double mean =
-              static_cast<double>(shutter_step(shutter, wish, words(static_cast<std::uint64_t>(next - now))));
+              static_cast<double>(shutter_step(shutter, params, words(static_cast<std::uint64_t>(next - now))));
           REQUIRE(mean >= 0);
           REQUIRE(mean <= 1);
           light += mean * static_cast<double>(next - now);
           now = next;
         }
-        worst = std::max(worst, std::abs(light / (10.0 * kSecond_ns) - true_mean(kind, 0.3)));
+        worst = std::max(worst, std::abs(light / (10.0 * kSecondNs) - true_mean(kind, 0.3)));
       }
     }
   }
@@ -73,12 +73,12 @@ struct Flasher {
   double light = 0;  // s
   double low = 0;
   void step(std::uint32_t change, glm::uvec2 dt_ns) {
-    auto wish = wish_of<T>(f64::hash_two(3, change / 40) % f64::kShutterKindCount,
-                           25 * chance(4, change / 15) * chance(5, change / 15), chance(6, change / 11));
-    wish.travel_s = static_cast<typename T::Real>(travel_s);
-    wish.offset = static_cast<typename T::Real>(0.25);
-    wish.low = static_cast<typename T::Real>(low);
-    light += static_cast<double>(shutter_step(shutter, wish, dt_ns)) * static_cast<double>(number(dt_ns)) * 1e-9;
+    auto params = decoded_of<T>(f64::hash_two(3, change / 40) % f64::kShutterKindCount,
+                                25 * chance(4, change / 15) * chance(5, change / 15), chance(6, change / 11));
+    params.travel_s = static_cast<typename T::Real>(travel_s);
+    params.offset = static_cast<typename T::Real>(0.25);
+    params.low = static_cast<typename T::Real>(low);
+    light += static_cast<double>(shutter_step(shutter, params, dt_ns)) * static_cast<double>(number(dt_ns)) * 1e-9;
   }
   [[nodiscard]] double value() const { return light; }
 };
@@ -97,17 +97,17 @@ TEST_CASE_TEMPLATE("an exposure of a + b holds the light of its parts, for rando
   std::mt19937_64 random(21);
   double worst = 0;
   for (std::uint32_t i = 0; i < 10'000; ++i) {
-    auto wish =
-        wish_of<T>(static_cast<std::uint32_t>(random() % f64::kShutterKindCount), 60 * chance(1, i), chance(2, i));
-    wish.travel_s = static_cast<typename T::Real>(i % 2 == 0 ? 0 : 0.03 * chance(3, i));
+    auto params =
+        decoded_of<T>(static_cast<std::uint32_t>(random() % f64::kShutterKindCount), 60 * chance(1, i), chance(2, i));
+    params.travel_s = static_cast<typename T::Real>(i % 2 == 0 ? 0 : 0.03 * chance(3, i));
     auto whole = shutter_start<T>();
-    shutter_step(whole, wish_of<T>(f64::kShutterStrobe, 3), words(random() % kSecond_ns));
+    shutter_step(whole, decoded_of<T>(f64::kShutterStrobe, 3), words(random() % kSecondNs));
     auto pieces = whole;
     const auto a = static_cast<std::uint64_t>(random_ns(random));
     const auto b = static_cast<std::uint64_t>(random_ns(random));
-    const double both = static_cast<double>(shutter_step(whole, wish, words(a + b)));
-    const double first = static_cast<double>(shutter_step(pieces, wish, words(a)));
-    const double second = static_cast<double>(shutter_step(pieces, wish, words(b)));
+    const double both = static_cast<double>(shutter_step(whole, params, words(a + b)));
+    const double first = static_cast<double>(shutter_step(pieces, params, words(a)));
+    const double second = static_cast<double>(shutter_step(pieces, params, words(b)));
     if (a + b == 0) continue;
     const double share = static_cast<double>(a) / static_cast<double>(a + b);
     worst = std::max(worst, std::abs(both - (first * share + second * (1 - share))));
@@ -119,13 +119,13 @@ TEST_CASE_TEMPLATE("an exposure of a + b holds the light of its parts, for rando
 
 // A judge that knows no integral: blades that follow their command over a grid of instants.
 double by_instants(double rate, double duty, double travel_s, double low, double from_s, double to_s) {
-  constexpr double kStep_s = 1e-6;
+  constexpr double kStepS = 1e-6;
   double level = low;
   double light = 0;
   int count = 0;
-  for (double t = kStep_s / 2; t < to_s; t += kStep_s) {
+  for (double t = kStepS / 2; t < to_s; t += kStepS) {
     const double place = t * rate - std::floor(t * rate);
-    const double way = travel_s > 0 ? (1 - low) * kStep_s / travel_s : 1;
+    const double way = travel_s > 0 ? (1 - low) * kStepS / travel_s : 1;
     level = place < duty ? std::min(level + way, 1.0) : std::max(level - way, low);
     if (t >= from_s) {
       light += level;
@@ -143,12 +143,12 @@ TEST_CASE("blades that need time pass the light that they pass when followed mic
                          Row{5, 0.3, 0.02, 0.25}, Row{10, 0.9, 0.03, 0.1}}) {
     CAPTURE(row.rate);
     CAPTURE(row.travel_s);
-    auto wish = wish_of<Double>(f64::kShutterStrobe, row.rate, row.duty);
-    wish.travel_s = row.travel_s;
-    wish.low = row.low;
+    auto params = decoded_of<Double>(f64::kShutterStrobe, row.rate, row.duty);
+    params.travel_s = row.travel_s;
+    params.low = row.low;
     f64::Shutter shutter = f64::shutter_begin();
-    shutter_step(shutter, wish, f64::time_ns(2));
-    CHECK(shutter_step(shutter, wish, f64::time_ns(0.137)) ==
+    shutter_step(shutter, params, f64::time_ns(2));
+    CHECK(shutter_step(shutter, params, f64::time_ns(0.137)) ==
           doctest::Approx(by_instants(row.rate, row.duty, row.travel_s, row.low, 2, 2.137)).epsilon(2e-3));
   }
 }
@@ -156,9 +156,9 @@ TEST_CASE("blades that need time pass the light that they pass when followed mic
 TEST_CASE("a pulse is a triangle, a pulse that opens rises, one that closes falls") {
   const auto level = [](std::uint32_t kind, double place) {
     f64::Shutter shutter = f64::shutter_begin();
-    const auto wish = wish_of<Double>(kind, 1, 0.5);
-    shutter_step(shutter, wish, f64::time_ns(place));
-    return shutter_step(shutter, wish, words(0));
+    const auto params = decoded_of<Double>(kind, 1, 0.5);
+    shutter_step(shutter, params, f64::time_ns(place));
+    return shutter_step(shutter, params, words(0));
   };
   CHECK(level(f64::kShutterPulse, 0.125) == doctest::Approx(0.5));
   CHECK(level(f64::kShutterPulse, 0.25) == doctest::Approx(1.0));
@@ -173,13 +173,13 @@ TEST_CASE("a pulse is a triangle, a pulse that opens rises, one that closes fall
 }
 
 TEST_CASE("random flashes are one a period, at places of their own, and equal on replay however time is cut") {
-  const auto wish = wish_of<Double>(f64::kShutterRandom, 10, 0.1);
+  const auto params = decoded_of<Double>(f64::kShutterRandom, 10, 0.1);
   f64::Shutter shutter = f64::shutter_begin();
   std::vector<int> places;
   int flashes = 0;
   double before = 0;
   for (int i = 0; i < 100'000; ++i) {  // 100 s in ms
-    const double mean = shutter_step(shutter, wish, words(1'000'000));
+    const double mean = shutter_step(shutter, params, words(1'000'000));
     if (mean > 0 && before == 0) {
       ++flashes;
       places.push_back(i % 100);
@@ -191,50 +191,50 @@ TEST_CASE("random flashes are one a period, at places of their own, and equal on
   for (const int place : places) early += place < 45;
   CHECK(early == doctest::Approx(flashes / 2.0).epsilon(0.15));
   f64::Shutter again = f64::shutter_begin();
-  shutter_step(again, wish, words(100'000'000'000));
+  shutter_step(again, params, words(100'000'000'000));
   // Both have come to the edge of period 1000, to 2^-64 turn a step.
   CHECK(std::abs(f64::turns_way(again.phase, shutter.phase)) < 1e-13);
   double same = 0;
   for (int i = 0; i < 2000; ++i) {
-    const double mean = shutter_step(again, wish, words(7'000'000));
-    same = std::max(same, std::abs(mean - shutter_step(shutter, wish, words(7'000'000))));
+    const double mean = shutter_step(again, params, words(7'000'000));
+    same = std::max(same, std::abs(mean - shutter_step(shutter, params, words(7'000'000))));
   }
   CHECK(same < 1e-9);
-  auto other = wish;
+  auto other = params;
   other.seed = 18;
   int differ = 0;
   f64::Shutter a = f64::shutter_begin(), b = f64::shutter_begin();
   for (int i = 0; i < 1000; ++i)
-    differ += shutter_step(a, wish, words(10'000'000)) != shutter_step(b, other, words(10'000'000));
+    differ += shutter_step(a, params, words(10'000'000)) != shutter_step(b, other, words(10'000'000));
   CHECK(differ > 100);
 }
 
 TEST_CASE("the time offset puts the flash later in its period, each fixture's own") {
-  auto wish = wish_of<Double>(f64::kShutterStrobe, 1, 0.25);
-  wish.offset = 0.5;
+  auto params = decoded_of<Double>(f64::kShutterStrobe, 1, 0.25);
+  params.offset = 0.5;
   f64::Shutter shutter = f64::shutter_begin();
-  CHECK(shutter_step(shutter, wish, f64::time_ns(0.5)) == doctest::Approx(0));
-  CHECK(shutter_step(shutter, wish, f64::time_ns(0.25)) == doctest::Approx(1));
-  CHECK(shutter_step(shutter, wish, f64::time_ns(0.25)) == doctest::Approx(0));
+  CHECK(shutter_step(shutter, params, f64::time_ns(0.5)) == doctest::Approx(0));
+  CHECK(shutter_step(shutter, params, f64::time_ns(0.25)) == doctest::Approx(1));
+  CHECK(shutter_step(shutter, params, f64::time_ns(0.25)) == doctest::Approx(0));
 }
 
 TEST_CASE("a duration in seconds stays as long when the rate changes") {
   for (const double rate : {1.0, 4.0, 10.0}) {
-    auto wish = wish_of<Double>(f64::kShutterStrobe, rate);
-    wish.duration_s = 0.02;
+    auto params = decoded_of<Double>(f64::kShutterStrobe, rate);
+    params.duration_s = 0.02;
     f64::Shutter shutter = f64::shutter_begin();
-    CHECK(shutter_step(shutter, wish, f64::time_ns(1)) == doctest::Approx(0.02 * rate));
+    CHECK(shutter_step(shutter, params, f64::time_ns(1)) == doctest::Approx(0.02 * rate));
   }
 }
 
 TEST_CASE("a 30 Hz strobe looks the same at 24, 30 and 60 fps and over 44 Hz DMX: its mean, without beats at 30") {
   for (const std::int64_t fps : {24, 30, 60, 44}) {
     f64::Shutter shutter = f64::shutter_begin();
-    const auto wish = wish_of<Double>(f64::kShutterStrobe, 30, 0.5);
+    const auto params = decoded_of<Double>(f64::kShutterStrobe, 30, 0.5);
     double least = 1, most = 0, sum = 0;
     for (std::int64_t frame = 0; frame < 10 * fps; ++frame) {
-      const std::int64_t dt = (frame + 1) * kSecond_ns / fps - frame * kSecond_ns / fps;
-      const double mean = shutter_step(shutter, wish, words(static_cast<std::uint64_t>(dt)));
+      const std::int64_t dt = (frame + 1) * kSecondNs / fps - frame * kSecondNs / fps;
+      const double mean = shutter_step(shutter, params, words(static_cast<std::uint64_t>(dt)));
       least = std::min(least, mean);
       most = std::max(most, mean);
       sum += mean;
@@ -254,52 +254,52 @@ TEST_CASE("the phase of a strobe does not leak at 20 fps, where the old accumula
   }
   CHECK(leaking == 1e6);
   f64::Shutter shutter = f64::shutter_begin();
-  const auto wish = wish_of<Double>(f64::kShutterStrobe, 185 / (2 * 3.14159265358979), 0.5);
-  shutter_step(shutter, wish, f64::time_ns(4.7 * 3600));
+  const auto params = decoded_of<Double>(f64::kShutterStrobe, 185 / (2 * 3.14159265358979), 0.5);
+  shutter_step(shutter, params, f64::time_ns(4.7 * 3600));
   double light = 0;
-  for (int i = 0; i < 400; ++i) light += shutter_step(shutter, wish, words(50'000'000)) / 400;
+  for (int i = 0; i < 400; ++i) light += shutter_step(shutter, params, words(50'000'000)) / 400;
   CHECK(light == doctest::Approx(0.5).epsilon(1e-3));
 }
 
 TEST_CASE("a flash is where it belongs after 30 days, where seconds in float are a quarter of a second apart") {
-  const auto wish = wish_of<Float>(f32::kShutterStrobe, 25, 0.5);
+  const auto params = decoded_of<Float>(f32::kShutterStrobe, 25, 0.5);
   f32::Shutter shutter = f32::shutter_begin();
-  shutter_step(shutter, wish, f32::time_ns(30.0f * 86'400));
-  CHECK(shutter_step(shutter, wish, words(20'000'000)) == doctest::Approx(1).epsilon(1e-5));
-  CHECK(shutter_step(shutter, wish, words(20'000'000)) == doctest::Approx(0).epsilon(1e-5));
+  shutter_step(shutter, params, f32::time_ns(30.0f * 86'400));
+  CHECK(shutter_step(shutter, params, words(20'000'000)) == doctest::Approx(1).epsilon(1e-5));
+  CHECK(shutter_step(shutter, params, words(20'000'000)) == doctest::Approx(0).epsilon(1e-5));
   CHECK(30.0f * 86'400 + 0.02f == 30.0f * 86'400);
 }
 
 TEST_CASE("each fixture's strobe follows its own channel, whatever its neighbours do") {
   f32::Shutter a = f32::shutter_begin(), b = f32::shutter_begin();
-  shutter_step(a, wish_of<Float>(f32::kShutterOpen, 0), words(1'000'000));
-  CHECK(shutter_step(b, wish_of<Float>(f32::kShutterStrobe, 10, 0.5), words(100'000'000)) == doctest::Approx(0.5));
-  CHECK(shutter_step(a, wish_of<Float>(f32::kShutterOpen, 0), words(100'000'000)) == 1);
+  shutter_step(a, decoded_of<Float>(f32::kShutterOpen, 0), words(1'000'000));
+  CHECK(shutter_step(b, decoded_of<Float>(f32::kShutterStrobe, 10, 0.5), words(100'000'000)) == doctest::Approx(0.5));
+  CHECK(shutter_step(a, decoded_of<Float>(f32::kShutterOpen, 0), words(100'000'000)) == 1);
 }
 
 TEST_CASE("a change of rate goes on from the phase it meets") {
   f64::Shutter shutter = f64::shutter_begin();
-  shutter_step(shutter, wish_of<Double>(f64::kShutterStrobe, 4), f64::time_ns(0.1));
+  shutter_step(shutter, decoded_of<Double>(f64::kShutterStrobe, 4), f64::time_ns(0.1));
   const glm::uvec2 before = shutter.phase;
-  shutter_step(shutter, wish_of<Double>(f64::kShutterStrobe, 7), words(0));
+  shutter_step(shutter, decoded_of<Double>(f64::kShutterStrobe, 7), words(0));
   CHECK(shutter.phase == before);
 }
 
 TEST_CASE("blades take their travel time in an effect, too, whose flashes are eight times as fast as its period") {
-  f64::ShutterWish wish{};
-  wish.kind = f64::kShutterEffect;
-  wish.rate_hz = 2;
-  wish.duty = 0.5;
-  wish.travel_s = 0.01;
+  f64::ShutterParams params{};
+  params.kind = f64::kShutterEffect;
+  params.rate_hz = 2;
+  params.duty = 0.5;
+  params.travel_s = 0.01;
   f64::Shutter shutter = f64::shutter_begin();
-  shutter_step(shutter, wish, words(5'000'000));
-  CHECK(shutter_step(shutter, wish, words(0)) == doctest::Approx(0.5));  // half way up
-  shutter_step(shutter, wish, words(5'000'001));
-  CHECK(shutter_step(shutter, wish, words(0)) == 1);
+  shutter_step(shutter, params, words(5'000'000));
+  CHECK(shutter_step(shutter, params, words(0)) == doctest::Approx(0.5));  // half way up
+  shutter_step(shutter, params, words(5'000'001));
+  CHECK(shutter_step(shutter, params, words(0)) == 1);
 }
 
 TEST_CASE("blades open and close in their travel time, from where they are") {
-  auto open = wish_of<Double>(f64::kShutterOpen, 0), closed = wish_of<Double>(f64::kShutterClosed, 0);
+  auto open = decoded_of<Double>(f64::kShutterOpen, 0), closed = decoded_of<Double>(f64::kShutterClosed, 0);
   open.travel_s = closed.travel_s = 0.02;
   f64::Shutter shutter = f64::shutter_begin();
   CHECK(shutter_step(shutter, closed, words(0)) == 0);
@@ -313,19 +313,19 @@ TEST_CASE("blades open and close in their travel time, from where they are") {
 TEST_CASE_TEMPLATE("no time is the state now, and odd wishes give light between 0 and 1", T, Float, Double) {
   using Real = typename T::Real;
   auto shutter = shutter_start<T>();
-  const auto wish = wish_of<T>(f64::kShutterStrobe, 1, 0.5);
-  CHECK(shutter_step(shutter, wish, words(0)) == 1);
-  shutter_step(shutter, wish, words(700'000'000));
+  const auto params = decoded_of<T>(f64::kShutterStrobe, 1, 0.5);
+  CHECK(shutter_step(shutter, params, words(0)) == 1);
+  shutter_step(shutter, params, words(700'000'000));
   const auto before = shutter;
-  CHECK(shutter_step(shutter, wish, words(0)) == 0);
+  CHECK(shutter_step(shutter, params, words(0)) == 0);
   CHECK(shutter.phase == before.phase);
-  CHECK(shutter_step(shutter, wish, words(1'000'000'000'000'000'000)) == doctest::Approx(0.5).epsilon(1e-6));
+  CHECK(shutter_step(shutter, params, words(1'000'000'000'000'000'000)) == doctest::Approx(0.5).epsilon(1e-6));
   std::mt19937_64 random(31);
   const double odd[] = {0, 1, -1, 0.5, 1e-30, 1e30, 1e-7, 1e6, 1e7, 2, std::nan(""), HUGE_VAL, -HUGE_VAL};
   const auto any = [&] { return static_cast<Real>(odd[random() % std::size(odd)]); };
   int bad = 0;
   for (int i = 0, trials = hunt_trials(); i < trials; ++i) {
-    auto wild = wish_of<T>(static_cast<std::uint32_t>(random() % 14), 1);
+    auto wild = decoded_of<T>(static_cast<std::uint32_t>(random() % 14), 1);
     wild.rate_hz = any();
     wild.duty = any();
     wild.duration_s = any();
@@ -339,12 +339,12 @@ TEST_CASE_TEMPLATE("no time is the state now, and odd wishes give light between 
 }
 
 TEST_CASE("blades that are faster than the last digit of their phase stay between closed and open") {
-  f32::ShutterWish wish = wish_of<Float>(f32::kShutterStrobe, 1, 0.5);
-  wish.travel_s = 1e-7f;
-  wish.offset = 0.5f;
-  wish.low = 0.5f;
+  f32::ShutterParams params = decoded_of<Float>(f32::kShutterStrobe, 1, 0.5);
+  params.travel_s = 1e-7f;
+  params.offset = 0.5f;
+  params.low = 0.5f;
   f32::Shutter shutter = f32::shutter_begin();
-  shutter_step(shutter, wish, words(1));
+  shutter_step(shutter, params, words(1));
   CHECK(shutter.level <= 1);
   CHECK(shutter.level >= 0.5f);
 }

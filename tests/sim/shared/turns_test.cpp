@@ -12,7 +12,7 @@
 namespace footlight {
 namespace {
 
-constexpr std::uint64_t kDay_ns = 86'400'000'000'000;
+constexpr std::uint64_t kDayNs = 86'400'000'000'000;
 
 // The exact phase in 2^-64 turn: the rate is m x 2^-k exactly (every float and double is), the time an integer.
 std::uint64_t exact_phase(double rate_hz, std::uint64_t dt_ns) {
@@ -52,7 +52,7 @@ TEST_CASE("a step is rounded by at most 0.7 rate + 4 units of 2^-64 turn, for an
     if (i % 3 == 0) rate = std::floor(rate);
     if (i % 2 == 0) rate = static_cast<float>(rate);
     rate = std::min(rate, 1e6);
-    const std::uint64_t dt = random() % (30 * kDay_ns) >> (random() % 50);
+    const std::uint64_t dt = random() % (30 * kDayNs) >> (random() % 50);
     const std::uint64_t exact = exact_phase(rate, dt);
     const auto off = static_cast<std::int64_t>(exact - number(f64::turns_step(words(0), rate, words(dt))));
     REQUIRE(std::abs(off) <= static_cast<std::int64_t>(0.7 * rate) + 4);
@@ -68,7 +68,7 @@ TEST_CASE("after 30 days of frames of any length the phase is less than a micros
     std::uint64_t phase = 0;
     std::uint64_t now = 0;
     std::uint64_t steps = 0;
-    while (now < 30 * kDay_ns) {
+    while (now < 30 * kDayNs) {
       const std::uint64_t dt = 1 + random() % 60'000'000'000;
       phase = number(f64::turns_step(words(phase), rate, words(dt)));
       now += dt;
@@ -93,8 +93,8 @@ TEST_CASE("an advance counts whole turns") {
 }
 
 TEST_CASE("rates that are no number stand still, and rates past the limit are cut") {
-  CHECK(number(f64::turns_step(words(7), std::nan(""), words(kDay_ns))) == 7);
-  CHECK(number(f64::turns_step(words(7), 0.0, words(kDay_ns))) == 7);
+  CHECK(number(f64::turns_step(words(7), std::nan(""), words(kDayNs))) == 7);
+  CHECK(number(f64::turns_step(words(7), 0.0, words(kDayNs))) == 7);
   CHECK(f64::turns_step(words(7), 1e300, words(12345)) == f64::turns_step(words(7), 1e6, words(12345)));
   CHECK(f64::turns_step(words(7), HUGE_VAL, words(12345)) == f64::turns_step(words(7), 1e6, words(12345)));
 }
@@ -104,7 +104,7 @@ TEST_CASE("a negative rate turns back by exactly what the positive one turns on"
   for (int i = 0; i < 1000; ++i) {
     const double rate = std::uniform_real_distribution<double>(-100, 100)(random);
     const glm::uvec2 start = words(random());
-    const glm::uvec2 dt = words(random() % kDay_ns);
+    const glm::uvec2 dt = words(random() % kDayNs);
     REQUIRE(f64::turns_step(f64::turns_step(start, rate, dt), -rate, dt) == start);
   }
 }
@@ -197,7 +197,7 @@ TEST_CASE("a spin does not jump when its sign changes, from DMX 127 to 128") {
 
 TEST_CASE("at 3600 degrees a second no digit is lost after 7 days, where float radians stand still") {
   f64::Spin spin = f64::spin_start(words(0));
-  spin = f64::spin_step(spin, 0, 10, words(7 * kDay_ns));
+  spin = f64::spin_step(spin, 0, 10, words(7 * kDayNs));
   const std::uint64_t before = number(spin.phase);
   spin = f64::spin_step(spin, 0, 10, words(16'666'667));
   CHECK(turns_apart(number(spin.phase), before) == doctest::Approx(0.16666667).epsilon(1e-9));
@@ -220,13 +220,13 @@ TEST_CASE_TEMPLATE("no time and targets that are no number leave a spin alone; a
                    Float, Double) {
   using Real = typename T::Real;
   Spinner<T> spinner;
-  spinner.step(3, words(kSecond_ns / 3));
+  spinner.step(3, words(kSecondNs / 3));
   const auto before = spinner.spin;
   spinner.step(3, words(0));
   CHECK(spinner.spin.phase == before.phase);
   CHECK(spinner.spin.rate_hz == before.rate_hz);
   for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e7}) {
-    spinner.spin = spin_step(spinner.spin, spinner.ramp, static_cast<Real>(bad), words(kSecond_ns));
+    spinner.spin = spin_step(spinner.spin, spinner.ramp, static_cast<Real>(bad), words(kSecondNs));
     CHECK(spinner.spin.phase == before.phase);
   }
   spinner.spin = spin_step(spinner.spin, spinner.ramp, Real(-2), words(1'000'000'000'000'000'000));

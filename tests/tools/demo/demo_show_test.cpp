@@ -15,7 +15,7 @@
 namespace footlight::demo {
 namespace {
 
-constexpr int kFrames = static_cast<int>(kShowLength_s * kShowRate_hz);
+constexpr int kFrames = static_cast<int>(kShowLengthS * kShowRateHz);
 
 double light_at(const DemoShow& show, double t_s) {
   double sum = 0;
@@ -66,10 +66,10 @@ TEST_CASE("the show begins and ends dark, has a blackout, and repeats") {
   CHECK(light_at(show, 35.9) > 10);
   CHECK(light_at(show, 37.0) > 10);
   std::vector<Slots> once(2), again(2);
-  show.look(12.25, once);
-  show.look(12.25 + 3 * kShowLength_s, again);
+  show.snapshot(12.25, once);
+  show.snapshot(12.25 + 3 * kShowLengthS, again);
   CHECK(once == again);
-  show.look(12.25 - kShowLength_s, again);
+  show.snapshot(12.25 - kShowLengthS, again);
   CHECK(once == again);
 }
 
@@ -123,7 +123,7 @@ TEST_CASE("few beams at a time point into the main camera") {
   const glm::vec3 eye(rig.cameras.front().position_m);
   int blinded = 0;
   for (int frame = 0; frame < kFrames; ++frame) {
-    show.look(frame / 44.0, levels);
+    show.snapshot(frame / 44.0, levels);
     std::copy(levels[0].begin(), levels[0].end(), flat.begin());
     std::copy(levels[1].begin(), levels[1].end(), flat.begin() + 512);
     walker.step(flat, kNsPerS / 44);
@@ -155,8 +155,8 @@ TEST_CASE("the embedded log is the show, frame by frame, for a minute") {
     REQUIRE_MESSAGE(more, more.error().message);
     if (!*more) break;
     const int index = count / 2;
-    if (count % 2 == 0) show.look(static_cast<double>(index) / kShowRate_hz, levels);
-    wrong += frame.time_ns != index * kNsPerS / kShowRate_hz;
+    if (count % 2 == 0) show.snapshot(static_cast<double>(index) / kShowRateHz, levels);
+    wrong += frame.time_ns != index * kNsPerS / kShowRateHz;
     wrong += frame.universe != count % 2 + 1;
     wrong += !std::equal(frame.levels.begin(), frame.levels.end(), levels[static_cast<std::size_t>(count % 2)].begin());
     ++count;

@@ -119,9 +119,9 @@ class Machine {
     write("dev/gpiochip1", "");
   }
   [[nodiscard]] std::string path(const std::string& file) const { return (root_ / file).string(); }
-  [[nodiscard]] std::map<std::string, Outcome> look() const {
+  [[nodiscard]] std::map<std::string, Outcome> snapshot() const {
     std::map<std::string, Outcome> outcomes;
-    for (const Check& check : doctor_checks()) outcomes[check.id] = check.look(view);
+    for (const Check& check : doctor_checks()) outcomes[check.id] = check.snapshot(view);
     return outcomes;
   }
 
@@ -135,7 +135,7 @@ class Machine {
 
 TEST_CASE("on a healthy machine no check has anything to say") {
   const Machine machine;
-  for (const auto& [id, outcome] : machine.look()) {
+  for (const auto& [id, outcome] : machine.snapshot()) {
     CAPTURE(id);
     CAPTURE(outcome.seen);
     // Builds without libgpiod or libusb say so.
@@ -310,9 +310,9 @@ TEST_CASE("each trouble is found by its own check and by no other, with a word o
     if (std::string(trouble.id) == "gpio" && !drivers::built_with_gpio()) continue;
     if (trouble.others.contains("devices") && !drivers::built_with_usb()) continue;
     Machine machine;
-    const auto before = machine.look();
+    const auto before = machine.snapshot();
     trouble.make(machine);
-    const auto after = machine.look();
+    const auto after = machine.snapshot();
     CAPTURE(after.at(trouble.id).seen);
     CAPTURE(after.at(trouble.id).mend);
     CHECK(after.at(trouble.id).verdict == trouble.verdict);
@@ -345,11 +345,11 @@ TEST_CASE("privilege stands in for limits") {
   Machine machine;
   machine.view.realtime_max = 0;
   machine.write("proc/sys/net/core/rmem_max", "212992\n");
-  CHECK(machine.look().at("real-time").verdict == Verdict::kWarn);
-  CHECK(machine.look().at("receive-buffers").verdict == Verdict::kWarn);
+  CHECK(machine.snapshot().at("real-time").verdict == Verdict::kWarn);
+  CHECK(machine.snapshot().at("receive-buffers").verdict == Verdict::kWarn);
   machine.write("proc/self/status", "CapEff:\t0000000000801000\n");  // CAP_SYS_NICE and CAP_NET_ADMIN
-  CHECK(machine.look().at("real-time").verdict == Verdict::kOk);
-  CHECK(machine.look().at("receive-buffers").verdict == Verdict::kOk);
+  CHECK(machine.snapshot().at("real-time").verdict == Verdict::kOk);
+  CHECK(machine.snapshot().at("receive-buffers").verdict == Verdict::kOk);
 }
 
 TEST_CASE("what is no trouble is not called one") {
@@ -369,7 +369,7 @@ TEST_CASE("what is no trouble is not called one") {
                                       "eth0 00000000 0100000A 0003 0 0 0 00000000 0 0 0\n");
   machine.view.user_id = 0;
   machine.view.groups.clear();
-  const auto outcomes = machine.look();
+  const auto outcomes = machine.snapshot();
   for (const char* const id :
        {"udev-rules", "modem-manager", "brltty", "rp-filter", "governor", "groups", "multicast-route"}) {
     CAPTURE(id);
@@ -382,7 +382,7 @@ TEST_CASE("what is no trouble is not called one") {
 TEST_CASE("a member of plugdev needs no dialout while libusb serves") {
   Machine machine;
   machine.view.groups = {"anna", "plugdev", "gpio"};
-  CHECK(machine.look().at("groups").verdict == Verdict::kOk);
+  CHECK(machine.snapshot().at("groups").verdict == Verdict::kOk);
 }
 
 TEST_CASE("the spare pins of a serial chip bring no warning and no group") {
@@ -391,14 +391,14 @@ TEST_CASE("the spare pins of a serial chip bring no warning and no group") {
   machine.add_spare_pins();
   machine.forbidden.insert("gpiochip1");
   machine.view.groups = {"anna", "plugdev"};
-  CHECK(machine.look().at("gpio").verdict == Verdict::kSkipped);
-  CHECK(machine.look().at("groups").verdict == Verdict::kOk);
+  CHECK(machine.snapshot().at("gpio").verdict == Verdict::kSkipped);
+  CHECK(machine.snapshot().at("groups").verdict == Verdict::kOk);
 }
 
 TEST_CASE("an empty machine is examined without harm") {
   Machine machine;
   for (const char* const folder : {"sys", "dev", "proc", "etc", "lib"}) machine.remove(folder);
-  for (const auto& [id, outcome] : machine.look()) {
+  for (const auto& [id, outcome] : machine.snapshot()) {
     CAPTURE(id);
     CHECK(outcome.verdict != Verdict::kFail);
   }
@@ -412,7 +412,7 @@ TEST_CASE("damaged tables are examined without harm") {
         "sys/class/net/eth0/flags", "proc/sys/net/core/rmem_max", "proc/sys/net/ipv4/igmp_max_memberships",
         "sys/class/hidraw/hidraw0/device/uevent", "etc/udev/rules.d/70-footlight.rules"})
     machine.write(file, junk);
-  CHECK(machine.look().size() == doctor_checks().size());
+  CHECK(machine.snapshot().size() == doctor_checks().size());
 }
 
 TEST_CASE("the buffer that a stall needs grows with universes, and ends at what the program asks for") {

@@ -249,7 +249,7 @@ TEST_CASE("the optics of a type that states its profile are those of that profil
   }
   const auto lines = lines_of(json.out);
   REQUIRE(!lines.empty());
-  CHECK(lines.back()["profile_m"] == 1);
+  CHECK(lines.back()["profile_power"] == 1);
   CHECK(lines.back()["drawn_beam_angle_deg"].get<double>() == doctest::Approx(17.82).epsilon(5e-4));
   CHECK(lines.back()["drawn_field_angle_deg"].get<double>() == doctest::Approx(23.75).epsilon(5e-4));
   CHECK(lines.back()["peak_cd"].get<double>() == doctest::Approx(159'233).epsilon(1e-5));

@@ -32,7 +32,7 @@ int play(FlashWatch& watch, int period, int from, std::uint8_t level) {
   for (int i = 0; i < 200; ++i) {
     const std::uint8_t now = i % period < period / 2 ? level : std::uint8_t{0};
     render::ScreenImage image = picture(from, now, now, now);
-    watch.look(i * 20 * kNsPerMs, image);
+    watch.snapshot(i * 20 * kNsPerMs, image);
     if (i >= 150) brightest = std::max<int>(brightest, image.rgba[(std::size_t{kWidth} * 18 + 60) * 4]);
   }
   return brightest;
@@ -71,8 +71,8 @@ TEST_CASE("a watch that only looks leaves every byte, and one that limits makes 
   for (int i = 0; i < 200; ++i) {
     const std::uint8_t now = i % 10 < 5 ? std::uint8_t{255} : std::uint8_t{0};
     render::ScreenImage image = picture(0, now, now, now);
-    limiting.look(i * 20 * kNsPerMs, image);
-    judge.look(i * 20 * kNsPerMs, image);
+    limiting.snapshot(i * 20 * kNsPerMs, image);
+    judge.snapshot(i * 20 * kNsPerMs, image);
   }
   CHECK(limiting.stretches().size() == 1);  // of what was asked for
   CHECK(limiting.least_gain() < 0.5);
@@ -84,7 +84,7 @@ TEST_CASE("red flashes that hardly change luminance are found by their colour") 
   for (int i = 0; i < 100; ++i) {
     // 0.2126 x 0.32 of 200 cd/m^2 against 0.07: a change of 13 cd/m^2.
     render::ScreenImage image = i % 10 < 5 ? picture(0, 155, 0, 0) : picture(0, 10, 10, 10);
-    watch.look(i * 20 * kNsPerMs, image);
+    watch.snapshot(i * 20 * kNsPerMs, image);
   }
   REQUIRE(watch.stretches().size() == 1);
   CHECK(watch.stretches()[0].red);
@@ -102,7 +102,7 @@ TEST_CASE("pictures that must wait leave no more than three flashes a second to 
     waited += waits ? 1 : 0;
     if (!waits) standing = next;
     render::ScreenImage shown = standing;
-    seen.look(i * 20 * kNsPerMs, shown);
+    seen.snapshot(i * 20 * kNsPerMs, shown);
   }
   CHECK(waited > 20);
   CHECK(guard.harmful());

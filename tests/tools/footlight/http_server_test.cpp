@@ -174,7 +174,7 @@ TEST_CASE("a reload signal without a descriptor is an error, and waiting for it 
     REQUIRE_FALSE(opened.has_value());
     CHECK(opened.error().code == ErrorCode::kIo);
     CHECK(opened.error().message.find("ulimit -n") != std::string::npos);
-    CHECK(reload.wait() == ReloadSignal::Wish::kNothing);
+    CHECK(reload.wait() == ReloadSignal::Decoded::kNothing);
   }
 }
 

@@ -88,7 +88,7 @@ std::vector<Frame> read_log(const std::string& path) {
 }
 
 // All levels, as far as they were sent, of the last frame of a universe.
-std::vector<std::uint8_t> last_look(const std::vector<Frame>& frames, Universe universe) {
+std::vector<std::uint8_t> last_snapshot(const std::vector<Frame>& frames, Universe universe) {
   const auto last =
       std::find_if(frames.rbegin(), frames.rend(), [&](const Frame& f) { return f.universe == universe; });
   REQUIRE(last != frames.rend());
@@ -124,7 +124,7 @@ TEST_CASE("a replayed log reaches a log at the other end with its levels unchang
       {"replay", folder.file("a.dmxlog"), "--out", "log:" + folder.file("b.dmxlog"), "--out", "mock:enttec-pro"}));
   const auto original = pattern();
   const auto copy = read_log(folder.file("b.dmxlog"));
-  CHECK(last_look(copy, 1) == last_look(original, 1));
+  CHECK(last_snapshot(copy, 1) == last_snapshot(original, 1));
   for (const Frame& frame : copy) {
     // A frame may be left out where the machine was stopped; none may be made up.
     CHECK(std::any_of(original.begin(), original.end(), [&](const Frame& one) {
@@ -279,10 +279,10 @@ TEST_CASE("levels that one program replays over sACN are those that another one 
   check_done(recorder.wait());
   const auto original = pattern();
   const auto copy = read_log(folder.file("b.dmxlog"));
-  CHECK(last_look(copy, 1) == last_look(original, 1));
-  auto short_look = last_look(copy, 7);
-  short_look.resize(24);  // the network carries whole universes
-  CHECK(short_look == last_look(original, 7));
+  CHECK(last_snapshot(copy, 1) == last_snapshot(original, 1));
+  auto short_snapshot = last_snapshot(copy, 7);
+  short_snapshot.resize(24);  // the network carries whole universes
+  CHECK(short_snapshot == last_snapshot(original, 7));
 }
 
 }  // namespace

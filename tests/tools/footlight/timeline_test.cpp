@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "fixtures/simulate/walker.h"
-#include "sim/look_trail.h"
+#include "sim/snapshot_trail.h"
 #include "tests/sim/dmx_log/support.h"
 #include "tools/footlight/pictures/picture_file.h"
 #include "tools/footlight/pictures/timeline.h"
@@ -183,7 +183,7 @@ TEST_CASE("a flash from the wire shines as long as its stamps say, wherever it l
   for (const DurationNs flash_ns : {kMs / 5, kMs, 7 * kMs, 40 * kMs}) {
     for (int trial = 0; trial < 20; ++trial) {
       const Universes universes(compiled->universes);
-      LookTrail trail(universes);
+      SnapshotTrail trail(universes);
       const TimeNs start_ns = 1'000'000 * kMs;
       Timeline timeline(trail, *compiled, std::nullopt, start_ns);
       fixtures::f64::Walker walker(*compiled);

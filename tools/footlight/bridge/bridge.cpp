@@ -239,7 +239,7 @@ class Reloader {
   Reloader(const Bridge& bridge, Pump& pump, StatusPages& pages, Reporter& reporter)
       : bridge_(bridge), pump_(pump), pages_(pages), reporter_(reporter) {
     if (bridge_.reload == nullptr) return;
-    if (bridge_.load_show) pages_.ask_reload = [this] { bridge_.reload->wish(); };
+    if (bridge_.load_show) pages_.ask_reload = [this] { bridge_.reload->decoded(); };
     const NoSignals for_the_thread;
     thread_ = std::thread([this] { run(); });
   }
@@ -256,9 +256,9 @@ class Reloader {
  private:
   void run() {
     while (true) {
-      const ReloadSignal::Wish wish = bridge_.reload->wait();
-      if (wish == ReloadSignal::Wish::kNothing) return;
-      if (wish == ReloadSignal::Wish::kStop) {
+      const ReloadSignal::Decoded decoded = bridge_.reload->wait();
+      if (decoded == ReloadSignal::Decoded::kNothing) return;
+      if (decoded == ReloadSignal::Decoded::kStop) {
         pump_.request_stop();
         continue;
       }

@@ -138,7 +138,7 @@ OutputGuard::OutputGuard(fixtures::CompiledRig rig, FlashMode mode)
     fixture.head_first = rig_.head_first[i];
     fixture.head_end = rig_.head_first[i + 1];
     find_handles(fixture);
-    tiles_[i] = look(fixture, levels_);
+    tiles_[i] = snapshot(fixture, levels_);
     fixtures_.push_back(std::move(fixture));
   }
 }
@@ -174,26 +174,26 @@ int OutputGuard::watched_only_count() const {
                                         [](const Fixture& fixture) { return fixture.handles.empty(); }));
 }
 
-TileLight OutputGuard::look(Fixture& fixture, std::span<const std::uint8_t> levels) {
+TileLight OutputGuard::snapshot(Fixture& fixture, std::span<const std::uint8_t> levels) {
   TileLight tile;
   fixture.strobe_hz = 0;
   const double share = 1.0 / std::max<std::uint32_t>(fixture.head_end - fixture.head_first, 1);
   for (std::uint32_t h = fixture.head_first; h < fixture.head_end; ++h) {
     const fixtures::TypeRow& type = rig_.types[rig_.heads[h].type];
-    const auto wish = walker_.wish(levels, h);
-    const double level = std::clamp(static_cast<double>(wish.value[fixtures::kParamDimmer]), 0.0, 1.0);
-    const double open = std::clamp(static_cast<double>(wish.value[fixtures::kParamShutter]), 0.0, 1.0);
-    const auto law = static_cast<std::uint32_t>(wish.value[fixtures::kParamDimmerLaw]);
+    const auto decoded = walker_.decoded(levels, h);
+    const double level = std::clamp(static_cast<double>(decoded.value[fixtures::kParamDimmer]), 0.0, 1.0);
+    const double open = std::clamp(static_cast<double>(decoded.value[fixtures::kParamShutter]), 0.0, 1.0);
+    const auto law = static_cast<std::uint32_t>(decoded.value[fixtures::kParamDimmerLaw]);
     const double light =
         share * open * static_cast<double>(walker_.dimmer_light(law, type.law_first, static_cast<float>(level)));
     const bool mixes = type.emitter_count > 0;
     using fixtures::f32::Vec3;
-    Vec3 color = mixes ? wish.emitted : Vec3(type.white_red, type.white_green, type.white_blue);
-    if (Vec3 macro = color; walker_.macro_color(macro, wish, type)) color = mixes ? macro : color * macro;
+    Vec3 color = mixes ? decoded.emitted : Vec3(type.white_red, type.white_green, type.white_blue);
+    if (Vec3 macro = color; walker_.macro_color(macro, decoded, type)) color = mixes ? macro : color * macro;
     tile.red += light * std::clamp(static_cast<double>(color.x), 0.0, 1.0);
     tile.green += light * std::clamp(static_cast<double>(color.y), 0.0, 1.0);
     tile.blue += light * std::clamp(static_cast<double>(color.z), 0.0, 1.0);
-    const auto strobe_hz = static_cast<double>(wish.value[fixtures::kParamStrobeHz]);
+    const auto strobe_hz = static_cast<double>(decoded.value[fixtures::kParamStrobeHz]);
     if (light > 0) fixture.strobe_hz = std::max(fixture.strobe_hz, strobe_hz);
   }
   const double luminance = 0.2126 * tile.red + 0.7152 * tile.green + 0.0722 * tile.blue;  // Rec. 709
@@ -221,7 +221,7 @@ void OutputGuard::hold(Fixture& fixture, double gain) {
   for (int i = 0; i < kHoldSteps; ++i) {
     const double middle = 0.5 * (low + high);
     dim(fixture, middle);
-    look(fixture, sent_);
+    snapshot(fixture, sent_);
     (fixture.light <= gain * asked ? low : high) = middle;
   }
   dim(fixture, low);
@@ -246,7 +246,7 @@ void OutputGuard::apply(TimeNs now_ns, std::span<const FrameView> frames, std::v
 
   double strobe_area = 0;
   for (std::size_t i = 0; i < fixtures_.size(); ++i) {
-    tiles_[i] = look(fixtures_[i], levels_);
+    tiles_[i] = snapshot(fixtures_[i], levels_);
     if (fixtures_[i].strobe_hz > limits_.flashes && tiles_[i].luminance_cd_m2 >= limits_.change_cd_m2)
       strobe_area += areas_[i];
   }

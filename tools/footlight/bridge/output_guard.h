@@ -63,7 +63,7 @@ class OutputGuard {
 
   OutputGuard(fixtures::CompiledRig rig, FlashMode mode);
   void find_handles(Fixture& fixture) const;
-  TileLight look(Fixture& fixture, std::span<const std::uint8_t> levels);
+  TileLight snapshot(Fixture& fixture, std::span<const std::uint8_t> levels);
   void dim(const Fixture& fixture, double factor);
   void hold(Fixture& fixture, double gain);
   void say(TimeNs now_ns, const FlashVerdict& asked, double strobe_area);

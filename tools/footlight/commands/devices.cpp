@@ -14,7 +14,7 @@ std::string abilities_of(const drivers::FoundDevice& device) {
   std::string text;
   if ((device.capabilities & drivers::kCanOutput) != 0) text += "output";
   if ((device.capabilities & drivers::kCanInput) != 0) text += text.empty() ? "input" : " or input";
-  if ((device.capabilities & drivers::kKeepsLookAlive) != 0) text += ", keeps the last look when the program ends";
+  if ((device.capabilities & drivers::kKeepsSnapshotAlive) != 0) text += ", keeps the last look when the program ends";
   if ((device.quirks & drivers::kQuirkSecondPortNeedsKey) != 0) text += ", second port with a key from the maker";
   return text;
 }

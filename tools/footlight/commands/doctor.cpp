@@ -35,7 +35,7 @@ int examine(bool json) {
   const bool coloured = !json && isatty(STDOUT_FILENO) != 0;
   std::array<int, 4> counts{};
   for (const Check& check : doctor_checks()) {
-    const Outcome outcome = check.look(view);
+    const Outcome outcome = check.snapshot(view);
     ++counts[static_cast<std::size_t>(outcome.verdict)];
     if (json) {
       fmt::print("{}\n", json_of_check(check, outcome));

@@ -38,10 +38,10 @@ std::string optics_of_type(const FixtureType& type) {
       const auto full_deg = [](double tangent) { return 2 * std::atan(tangent) * 180 / std::numbers::pi; };
       line = fmt::format("  {:.5g} lm, a rectangle of {:.4g} by {:.4g} degrees\n", beam.flux_lm, full_deg(half_width),
                          full_deg(half_width / rectangle->aspect));
-    } else if (beam.profile_m > 0) {
+    } else if (beam.profile_power > 0) {
       line = fmt::format(
           "  {:.5g} lm, m = {} and {:.4g} deg at the edge: drawn {:.4g} and {:.4g} deg, {:.6g} cd in the middle\n",
-          fit.flux_lm, fit.profile_m, 2 * std::atan(fit.spread) * 180 / std::numbers::pi, fit.beam_angle_deg,
+          fit.flux_lm, fit.profile_power, 2 * std::atan(fit.spread) * 180 / std::numbers::pi, fit.beam_angle_deg,
           fit.field_angle_deg, fit.peak_cd);
     } else {
       line = fmt::format(

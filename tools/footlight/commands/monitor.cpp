@@ -152,7 +152,7 @@ class Watcher {
     state_.note = feed.note();
   }
 
-  void look(const std::string& filter) {
+  void snapshot(const std::string& filter) {
     const Status looked = try_to_look(filter);
     state_.trouble = looked ? "" : looked.error().message;
   }
@@ -228,7 +228,7 @@ Result<int> draw(const Options& options, Clock& clock, Watcher& watcher, Monitor
   TimeNs next_ns = clock.now_ns();
   while (!terminal->ended() && clock.now_ns() < end_ns) {
     if (clock.now_ns() >= next_ns) {
-      if (!view.paused) watcher.look(view.typing ? "" : view.filter);
+      if (!view.paused) watcher.snapshot(view.typing ? "" : view.filter);
       next_ns = std::max(next_ns + period_ns, clock.now_ns() + period_ns / 4);
     }
     const TerminalSize size = terminal->size();
@@ -249,7 +249,7 @@ Result<int> print(const Options& options, Clock& clock, Watcher& watcher, Monito
   const TimeNs end_ns = options.run_for_ns == kTimeNever ? kTimeNever : next_ns + options.run_for_ns;
   // The first status that says anything is two periods of the pump old.
   if (options.once && !options.words.empty()) {
-    watcher.look("");
+    watcher.snapshot("");
     next_ns += options.run_for_ns == kTimeNever ? 2 * kStatusPeriodNs + kNsPerS / 10 : options.run_for_ns;
   }
   while (true) {
@@ -257,7 +257,7 @@ Result<int> print(const Options& options, Clock& clock, Watcher& watcher, Monito
       clock.sleep_until_ns(std::min(next_ns, clock.now_ns() + 50 * kNsPerMs));
     }
     if (end_signal_came()) return kExitOk;
-    watcher.look(options.filter);
+    watcher.snapshot(options.filter);
     if (!state.trouble.empty() && options.once) return fail(ErrorCode::kDisconnected, "{}", state.trouble);
     if (options.json) {
       std::fputs((json_of_monitor(state, utc_text(wall_clock_unix_ns(), 6)) + "\n").c_str(), stdout);

@@ -12,14 +12,14 @@
 namespace footlight::tools {
 namespace {
 
-constexpr DurationNs kLookNs = 50 * kNsPerMs;
+constexpr DurationNs kSearchNs = 50 * kNsPerMs;
 
 struct Options {
   std::string socket;
   DurationNs patience_ns = 60 * kNsPerS;
 };
 
-Result<nlohmann::json> look(const std::string& socket) {
+Result<nlohmann::json> snapshot(const std::string& socket) {
   FL_ASSIGN(const HttpAnswer answer, http_request(socket, "GET", "/reload"));
   nlohmann::json json = nlohmann::json::parse(answer.body, nullptr, /*allow_exceptions=*/false);
   if (answer.status == 200 && json.is_object() && json.value("event", "") == "reload") return json;
@@ -32,20 +32,20 @@ Result<int> reload(const Options& options) {
     FL_ASSIGN(socket, find_bridge("reload"));
   }
   const auto count = [](const nlohmann::json& json) { return json.value("taken", 0) + json.value("refused", 0); };
-  FL_ASSIGN(const nlohmann::json before, look(socket));
+  FL_ASSIGN(const nlohmann::json before, snapshot(socket));
   FL_ASSIGN(const HttpAnswer asked, http_request(socket, "POST", "/reload"));
   if (asked.status == 403) return fail(ErrorCode::kPermission, "{}: {}", socket, asked.body);
   if (asked.status != 202) return fail(ErrorCode::kUnsupported, "{}: {}", socket, asked.body);
   SystemClock clock;
   const TimeNs end_ns = clock.now_ns() + options.patience_ns;
   while (clock.now_ns() < end_ns) {
-    FL_ASSIGN(const nlohmann::json now, look(socket));
+    FL_ASSIGN(const nlohmann::json now, snapshot(socket));
     if (count(now) != count(before) && !now.value("running", false)) {
       const std::string trouble = now.value("trouble", "");
       if (trouble.empty()) return kExitOk;
       return fail(ErrorCode::kBadInput, "not taken, everything stays as it was: {}", trouble);
     }
-    clock.sleep_until_ns(clock.now_ns() + kLookNs);
+    clock.sleep_until_ns(clock.now_ns() + kSearchNs);
   }
   return fail(ErrorCode::kTimeout, "{}: the bridge is still at it; its events say how it goes on", socket);
 }

@@ -157,7 +157,7 @@ class Job {
 
   // Told as soon as it begins, since a video takes its time; measured at the end.
   void watch_flashes(DurationNs at_ns) {
-    if (!flashes_ || !flashes_->look(at_ns, picture_) || flashes_->stretches().size() > 1) return;
+    if (!flashes_ || !flashes_->snapshot(at_ns, picture_) || flashes_->stretches().size() > 1) return;
     say(fmt::format(R"({{"event":"flashes-begin","time_ns":{}}})", at_ns),
         fmt::format("flashes that may harm people with photosensitive epilepsy from {} on{}", show_duration(at_ns),
                     options_.flashes == "limit" ? ", held back" : "; --flashes limit holds them back"));

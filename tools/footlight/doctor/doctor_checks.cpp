@@ -149,7 +149,7 @@ drivers::FindOptions options_of(const DoctorView& view) {
   return options;
 }
 
-Outcome look_at_devices(const DoctorView& view) {
+Outcome check_devices(const DoctorView& view) {
   const drivers::DeviceList list = drivers::find_devices(options_of(view));
   std::vector<std::string> ready;
   for (const drivers::FoundDevice& device : list.devices) {
@@ -174,7 +174,7 @@ const drivers::DriverInfo* hid_driver_of(std::uint64_t vendor, std::uint64_t pro
   return nullptr;
 }
 
-Outcome look_at_hidraw(const DoctorView& view) {
+Outcome check_hidraw(const DoctorView& view) {
   std::vector<std::string> ready;
   const fs::path folder = fs::path(view.find.sys_root) / "class/hidraw";
   for (const std::string& name : names_in(folder)) {
@@ -201,7 +201,7 @@ Outcome look_at_hidraw(const DoctorView& view) {
   return ok(fmt::format("may be used: {}", fmt::join(ready, ", ")));
 }
 
-Outcome look_at_gpio(const DoctorView& view) {
+Outcome check_gpio(const DoctorView& view) {
   std::vector<drivers::FoundGpioChip> chips = drivers::find_gpio_chips(view.find);
   // The spare pins of a serial chip are no reason to warn, and may be used where they may be opened.
   std::erase_if(chips, [](const drivers::FoundGpioChip& chip) {
@@ -223,7 +223,7 @@ Outcome look_at_gpio(const DoctorView& view) {
   return ok(fmt::format("may be used: {}", fmt::join(usable, ", ")));
 }
 
-Outcome look_at_udev_rules(const DoctorView& view) {
+Outcome check_udev_rules(const DoctorView& view) {
   switch (drivers::rules_state(options_of(view))) {
     case drivers::RulesState::kCurrent: return ok("installed and current");
     case drivers::RulesState::kMissing:
@@ -234,7 +234,7 @@ Outcome look_at_udev_rules(const DoctorView& view) {
               drivers::udev_install_command());
 }
 
-Outcome look_at_ftdi_sio(const DoctorView& view) {
+Outcome check_ftdi_sio(const DoctorView& view) {
   std::vector<std::string> held;
   for (const drivers::FoundDevice& device : drivers::find_devices(options_of(view)).devices) {
     if (!device.rebind.empty())
@@ -253,7 +253,7 @@ Outcome look_at_ftdi_sio(const DoctorView& view) {
   return ok(fmt::format("holds {}, and gives them up while they are used", fmt::join(held, ", ")));
 }
 
-Outcome look_at_modem_manager(const DoctorView& view) {
+Outcome check_modem_manager(const DoctorView& view) {
   const std::string process = process_of(view, "ModemManager");
   if (process.empty()) return ok("does not run");
   if (drivers::installed_udev_rules(options_of(view)).find("ID_MM_DEVICE_IGNORE") != std::string::npos)
@@ -264,7 +264,7 @@ Outcome look_at_modem_manager(const DoctorView& view) {
 }
 
 // brltty's rules name bare serial chips; where they are active, its daemon takes the adapter away from everybody.
-Outcome look_at_brltty(const DoctorView& view) {
+Outcome check_brltty(const DoctorView& view) {
   std::set<std::string> seen;
   for (const fs::path& folder : folders_of(view, "udev/rules.d")) {
     for (const std::string& name : names_in(folder)) {
@@ -303,7 +303,7 @@ bool has_gpio_chip(const DoctorView& view) {
   return !std::all_of(chips.begin(), chips.end(), drivers::is_part_of_serial_chip);
 }
 
-Outcome look_at_groups(const DoctorView& view) {
+Outcome check_groups(const DoctorView& view) {
   if (view.user_id == 0) return ok("root needs none; as a service, a user of its own is safer");
   std::set<std::string> there;
   std::istringstream groups(text_of(fs::path(view.etc_root) / "group"));
@@ -330,7 +330,7 @@ Outcome look_at_groups(const DoctorView& view) {
 // --- Network
 // -----------------------------------------------------------------------------------------------------------
 
-Outcome look_at_interfaces(const DoctorView& view) {
+Outcome check_interfaces(const DoctorView& view) {
   std::vector<std::string> good, deaf;
   for (const Interface& interface : interfaces_of(view)) {
     if (!interface.is_up()) continue;
@@ -348,7 +348,7 @@ Outcome look_at_interfaces(const DoctorView& view) {
 
 std::uint32_t swapped(std::uint64_t word) { return __builtin_bswap32(static_cast<std::uint32_t>(word)); }
 
-Outcome look_at_multicast_route(const DoctorView& view) {
+Outcome check_multicast_route(const DoctorView& view) {
   constexpr std::uint32_t kSacnNet = 0xEFFF0000;  // 239.255.0.0/16
   std::istringstream table(text_of(fs::path(view.find.proc_root) / "net/route"));
   std::string line;
@@ -374,7 +374,7 @@ Outcome look_at_multicast_route(const DoctorView& view) {
                         mask_best == 0 ? " (the default route); another one is chosen by sacn:1-9%NAME" : ""));
 }
 
-Outcome look_at_igmp(const DoctorView& view) {
+Outcome check_igmp(const DoctorView& view) {
   const auto memberships = number_in(fs::path(view.find.proc_root) / "sys/net/ipv4/igmp_max_memberships");
   if (!memberships) return skipped("igmp_max_memberships cannot be read");
   // Sources open one socket for every 20 groups, the kernel's default.
@@ -384,7 +384,7 @@ Outcome look_at_igmp(const DoctorView& view) {
       "sudo sysctl -w net.ipv4.igmp_max_memberships=20");
 }
 
-Outcome look_at_rp_filter(const DoctorView& view) {
+Outcome check_rp_filter(const DoctorView& view) {
   const fs::path folder = fs::path(view.find.proc_root) / "sys/net/ipv4/conf";
   const std::uint64_t all = number_in(folder / "all/rp_filter").value_or(0);
   std::vector<std::string> strict;
@@ -404,7 +404,7 @@ Outcome look_at_rp_filter(const DoctorView& view) {
       "sudo sysctl -w net.ipv4.conf.all.rp_filter=2");
 }
 
-Outcome look_at_firewall(const DoctorView& view) {
+Outcome check_firewall(const DoctorView& view) {
   constexpr const char* kWord = "sACN arrives on UDP port 5568, Art-Net on 6454";
   if (text_of(fs::path(view.etc_root) / "ufw/ufw.conf").find("ENABLED=yes") != std::string::npos)
     return warn(fmt::format("ufw is on; {}", kWord), "sudo ufw allow 5568/udp && sudo ufw allow 6454/udp");
@@ -416,7 +416,7 @@ Outcome look_at_firewall(const DoctorView& view) {
   return ok("neither ufw nor firewalld; rules of nftables cannot be seen from here");
 }
 
-Outcome look_at_snooping(const DoctorView& view) {
+Outcome check_snooping(const DoctorView& view) {
   const fs::path folder = fs::path(view.find.sys_root) / "class/net";
   for (const Interface& interface : interfaces_of(view)) {
     const fs::path bridge = folder / interface.name / "bridge";
@@ -447,7 +447,7 @@ std::string owner_of_socket(const DoctorView& view, const std::string& inode) {
   return "a process of another user";
 }
 
-Outcome look_at_udp_ports(const DoctorView& view) {
+Outcome check_udp_ports(const DoctorView& view) {
   std::set<std::string> users;
   bool readable = false;
   for (const char* const file : {"net/udp", "net/udp6"}) {
@@ -479,7 +479,7 @@ constexpr std::uint64_t kReceiveBufferAskedBytes = 4 << 20;  // drivers/net/udp.
 constexpr std::uint64_t kUniversesWanted = 512;
 constexpr std::uint64_t kUniversesLeast = 9;
 
-Outcome look_at_receive_buffers(const DoctorView& view) {
+Outcome check_receive_buffers(const DoctorView& view) {
   const auto max_bytes = number_in(fs::path(view.find.proc_root) / "sys/net/core/rmem_max");
   if (!max_bytes) return skipped("rmem_max cannot be read");
   const bool privileged = has_capability(view, kCapNetAdmin);
@@ -492,7 +492,7 @@ Outcome look_at_receive_buffers(const DoctorView& view) {
   return universes < kUniversesLeast ? failed(seen, mend) : warn(seen, mend);
 }
 
-Outcome look_at_send_buffers(const DoctorView& view) {
+Outcome check_send_buffers(const DoctorView& view) {
   const auto bytes = number_in(fs::path(view.find.proc_root) / "sys/net/core/wmem_default");
   if (!bytes) return skipped("wmem_default cannot be read");
   const std::uint64_t universes = *bytes / kDatagramBytes;
@@ -504,7 +504,7 @@ Outcome look_at_send_buffers(const DoctorView& view) {
 // --- Time
 // --------------------------------------------------------------------------------------------------------------
 
-Outcome look_at_real_time(const DoctorView& view) {
+Outcome check_real_time(const DoctorView& view) {
   constexpr auto kWanted = static_cast<std::uint64_t>(drivers::kRealTimePriority);
   if (has_capability(view, kCapSysNice)) return ok("allowed by privilege");
   if (view.realtime_max >= kWanted) return ok(fmt::format("priority {} allowed", view.realtime_max));
@@ -517,7 +517,7 @@ Outcome look_at_real_time(const DoctorView& view) {
   return warn("not allowed: a busy machine may delay frames", mend);
 }
 
-Outcome look_at_memlock(const DoctorView& view) {
+Outcome check_memlock(const DoctorView& view) {
   if (view.memlock_bytes == UINT64_MAX || has_capability(view, kCapIpcLock)) return ok("no limit");
   // Footlight locks no memory; what a page that was swapped out costs is the reason to look.
   bool swap = false;
@@ -530,7 +530,7 @@ Outcome look_at_memlock(const DoctorView& view) {
                         view.memlock_bytes / 1024));
 }
 
-Outcome look_at_clock_source(const DoctorView& view) {
+Outcome check_clock_source(const DoctorView& view) {
   const fs::path folder = fs::path(view.find.sys_root) / "devices/system/clocksource/clocksource0";
   const std::string current = line_of(folder / "current_clocksource");
   if (current.empty()) return skipped("cannot be read");
@@ -541,14 +541,14 @@ Outcome look_at_clock_source(const DoctorView& view) {
                       : "see why the kernel gave up the better one: sudo dmesg | grep -i clocksource");
 }
 
-Outcome look_at_timers(const DoctorView& view) {
+Outcome check_timers(const DoctorView& view) {
   if (view.clock_resolution_ns <= kNsPerUs) return ok(fmt::format("{} ns", view.clock_resolution_ns));
   return warn(fmt::format("{} us: the kernel has no high-resolution timers, frames are late by about as much",
                           view.clock_resolution_ns / kNsPerUs),
               "boot without highres=off, or use a kernel with CONFIG_HIGH_RES_TIMERS");
 }
 
-Outcome look_at_governor(const DoctorView& view) {
+Outcome check_governor(const DoctorView& view) {
   const fs::path folder = fs::path(view.find.sys_root) / "devices/system/cpu";
   std::set<std::string> governors;
   bool by_processor = false;  // intel_pstate and amd-pstate: "powersave" only prefers low clocks
@@ -570,7 +570,7 @@ Outcome look_at_governor(const DoctorView& view) {
 // --- Service
 // -----------------------------------------------------------------------------------------------------------
 
-Outcome look_at_unit(const DoctorView& view) {
+Outcome check_unit(const DoctorView& view) {
   constexpr const char* kUnit = "footlight.service";
   const fs::path own = fs::path(view.etc_root) / "systemd/system";
   const auto units = folders_of(view, "systemd/system");
@@ -587,29 +587,29 @@ Outcome look_at_unit(const DoctorView& view) {
 }
 
 constexpr Check kChecks[] = {
-    {"devices", "DMX devices", look_at_devices},
-    {"hidraw", "HID devices", look_at_hidraw},
-    {"gpio", "GPIO chips", look_at_gpio},
-    {"udev-rules", "udev rules", look_at_udev_rules},
-    {"groups", "groups", look_at_groups},
-    {"ftdi-sio", "ftdi_sio", look_at_ftdi_sio},
-    {"modem-manager", "ModemManager", look_at_modem_manager},
-    {"brltty", "brltty", look_at_brltty},
-    {"interfaces", "network interfaces", look_at_interfaces},
-    {"multicast-route", "multicast route", look_at_multicast_route},
-    {"igmp", "multicast groups", look_at_igmp},
-    {"igmp-snooping", "IGMP snooping", look_at_snooping},
-    {"rp-filter", "reverse path filter", look_at_rp_filter},
-    {"firewall", "firewall", look_at_firewall},
-    {"udp-ports", "UDP ports", look_at_udp_ports},
-    {"receive-buffers", "receive buffers", look_at_receive_buffers},
-    {"send-buffers", "send buffers", look_at_send_buffers},
-    {"real-time", "real-time priority", look_at_real_time},
-    {"memlock", "locked memory", look_at_memlock},
-    {"clock-source", "clock source", look_at_clock_source},
-    {"timers", "timer resolution", look_at_timers},
-    {"governor", "CPU governor", look_at_governor},
-    {"service", "systemd service", look_at_unit},
+    {"devices", "DMX devices", check_devices},
+    {"hidraw", "HID devices", check_hidraw},
+    {"gpio", "GPIO chips", check_gpio},
+    {"udev-rules", "udev rules", check_udev_rules},
+    {"groups", "groups", check_groups},
+    {"ftdi-sio", "ftdi_sio", check_ftdi_sio},
+    {"modem-manager", "ModemManager", check_modem_manager},
+    {"brltty", "brltty", check_brltty},
+    {"interfaces", "network interfaces", check_interfaces},
+    {"multicast-route", "multicast route", check_multicast_route},
+    {"igmp", "multicast groups", check_igmp},
+    {"igmp-snooping", "IGMP snooping", check_snooping},
+    {"rp-filter", "reverse path filter", check_rp_filter},
+    {"firewall", "firewall", check_firewall},
+    {"udp-ports", "UDP ports", check_udp_ports},
+    {"receive-buffers", "receive buffers", check_receive_buffers},
+    {"send-buffers", "send buffers", check_send_buffers},
+    {"real-time", "real-time priority", check_real_time},
+    {"memlock", "locked memory", check_memlock},
+    {"clock-source", "clock source", check_clock_source},
+    {"timers", "timer resolution", check_timers},
+    {"governor", "CPU governor", check_governor},
+    {"service", "systemd service", check_unit},
 };
 
 }  // namespace

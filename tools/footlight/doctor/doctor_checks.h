@@ -49,7 +49,7 @@ struct Outcome {
 struct Check {
   const char* id;     // "udev-rules": stays as it is from version to version
   const char* title;  // for people
-  Outcome (*look)(const DoctorView& view);
+  Outcome (*snapshot)(const DoctorView& view);
 };
 
 // In the order in which they are printed.

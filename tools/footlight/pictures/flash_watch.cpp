@@ -95,7 +95,7 @@ bool FlashWatch::must_wait(DurationNs at_ns, const render::ScreenImage& picture)
   return false;
 }
 
-bool FlashWatch::look(DurationNs at_ns, render::ScreenImage& picture) {
+bool FlashWatch::snapshot(DurationNs at_ns, render::ScreenImage& picture) {
   const bool begins = note(at_ns, picture);
   if (limit_) {
     const FlashVerdict shown = guard_.limit(at_ns, tiles_, gains_);

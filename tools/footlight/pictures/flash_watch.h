@@ -31,7 +31,7 @@ class FlashWatch {
 
   // The picture shown from at_ns on; times rise. Darkens it where the watch limits: by tile, smooth between their
   // centres, in linear light. True: a stretch has begun with this picture.
-  bool look(DurationNs at_ns, render::ScreenImage& picture);
+  bool snapshot(DurationNs at_ns, render::ScreenImage& picture);
 
   // The same, for who cannot darken a picture but show the last one longer. True: this one must not follow now.
   bool must_wait(DurationNs at_ns, const render::ScreenImage& picture);

@@ -145,13 +145,13 @@ void strike(const fixtures::Rig& rig, const fixtures::PatchedFixture& fixture, s
 void open_shutter(const fixtures::Rig& rig, const fixtures::PatchedFixture& fixture, std::span<std::uint8_t> slots) {
   bool opens = false;
   double slowest_hz = 1e30;
-  const auto look = [&](const std::string& attribute, double from, double to) {
+  const auto snapshot = [&](const std::string& attribute, double from, double to) {
     if (fixtures::same_attribute(attribute, "Shutter1")) opens = opens || std::max(from, to) >= 1;
     if (fixtures::same_attribute(attribute, "Shutter1Strobe")) slowest_hz = std::min({slowest_hz, from, to});
   };
   for (const fixtures::Channel& channel : fixtures::mode_of(rig, fixture).channels) {
     for (const fixtures::ChannelFunction& function : channel.functions)
-      look(function.attribute, function.physical_from, function.physical_to);
+      snapshot(function.attribute, function.physical_from, function.physical_to);
   }
   if (opens || slowest_hz > 1e3) {
     fixtures::encode_attribute(rig, fixture, "Shutter1", 1, slots);

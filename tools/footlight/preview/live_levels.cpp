@@ -34,7 +34,7 @@ Result<std::unique_ptr<LiveLevels>> LiveLevels::start(std::span<const Universe> 
     live->fed_.insert(live->fed_.end(), carried.begin(), carried.end());
   }
   std::sort(live->fed_.begin(), live->fed_.end());
-  live->trail_ = std::make_unique<LookTrail>(*live->universes_);
+  live->trail_ = std::make_unique<SnapshotTrail>(*live->universes_);
   live->pump_->add_sink(*live->trail_);
   const auto count = static_cast<std::size_t>(live->universes_->count());
   live->levels_.resize(count * kSlotCountMax);

@@ -12,8 +12,8 @@
 
 #include "sim/core/clock.h"
 #include "sim/core/ports.h"
-#include "sim/look_trail.h"
 #include "sim/pump.h"
+#include "sim/snapshot_trail.h"
 #include "sim/universes.h"
 
 namespace footlight::tools {
@@ -55,7 +55,7 @@ class LiveLevels {
   std::unique_ptr<Waiter> waiter_;
   std::vector<std::unique_ptr<Source>> sources_;
   std::vector<Universe> fed_;  // ascending
-  std::unique_ptr<LookTrail> trail_;
+  std::unique_ptr<SnapshotTrail> trail_;
   std::unique_ptr<Pump> pump_;
   std::vector<std::uint8_t> levels_;
   std::vector<FrameStamp> stamps_;

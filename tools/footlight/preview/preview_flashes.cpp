@@ -49,7 +49,7 @@ render::ScreenImage PreviewFlashes::small() const {
 
 bool PreviewFlashes::take(DurationNs at_ns) {
   render::ScreenImage image = small();
-  return watch_.look(at_ns, image);
+  return watch_.snapshot(at_ns, image);
 }
 
 bool PreviewFlashes::must_wait(DurationNs at_ns) { return watch_.must_wait(at_ns, small()); }

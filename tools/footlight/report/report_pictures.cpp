@@ -140,7 +140,7 @@ void print_left_out(const Scene& scene) {
   const render::FrameSettings settings;
   bool any = false;
   for (const auto& pass : render::left_out_passes(scene.compiled.needs, settings)) {
-    fmt::print("  pass {}: {}\n", pass.name, pass.gives);
+    fmt::print("  pass {}: {}\n", pass.name, pass.loss);
     any = true;
   }
   for (const std::string& line : fixtures::left_out(scene.compiled.needs)) {

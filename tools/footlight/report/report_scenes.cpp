@@ -62,7 +62,7 @@ FixtureType beam_type(double lens_radius_m) {
   type.modes.push_back(std::move(mode));
   Beam beam;
   beam.radius_m = lens_radius_m;
-  beam.profile_m = 1;
+  beam.profile_power = 1;
   beam.color_temperature_k = 0;
   type.beams.push_back(beam);
   type.body = BodyModel::kPar;

@@ -27,7 +27,7 @@ Json ports_of(const PumpStatus& status) {
     for (const PortUniverseStatus& universe : port.universes) {
       Json told = {{"universe", universe.universe}, {"frames", universe.frames}, {"rate_hz", universe.rate_hz}};
       if (port.is_sink) {
-        told["looks"] = universe.looks;
+        told["looks"] = universe.snapshots;
         told["replaced"] = universe.replaced;
         told["refused"] = universe.refused;
         told["waiting"] = universe.waiting;
@@ -51,7 +51,7 @@ Json ports_of(const PumpStatus& status) {
                  {"universes", std::move(universes)}};
     for (const PortFigure& figure : port.figures) told["figures"][figure.name] = figure.value;
     if (port.is_sink) {
-      told["looks"] = port.looks;
+      told["looks"] = port.snapshots;
       told["refused"] = port.refused;
       told["waiting"] = port.waiting;
       if (!port.standby_for.empty()) told["standby_for"] = port.standby_for;
@@ -437,7 +437,7 @@ std::string json_of_beam(const std::string& name, const fixtures::FixtureType& t
     const fixtures::BeamFit fit = fixtures::drawn_beam(beam);
     row["beam_angle_deg"] = beam.beam_angle_deg;
     row["field_angle_deg"] = beam.field_angle_deg;
-    if (beam.profile_m > 0) row["profile_m"] = fit.profile_m;
+    if (beam.profile_power > 0) row["profile_power"] = fit.profile_power;
     row["drawn_beam_angle_deg"] = fit.beam_angle_deg;
     row["drawn_field_angle_deg"] = fit.field_angle_deg;
     row["angle_error"] = fit.angle_error;

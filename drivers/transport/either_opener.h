@@ -3,7 +3,7 @@
 //
 // A device of the USB communication class is reached over its tty alone. An FTDI chip is reached over libusb, or over
 // its tty where this build has no libusb or this user may not use it. A chip that was plugged in while the connector
-// was in use is left to libusb for kAnnouncement_ns: /sys shows it before udev has given its node permissions and
+// was in use is left to libusb for kAnnouncementNs: /sys shows it before udev has given its node permissions and
 // before libusb has announced it, and a port that took its tty then would keep it.
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace footlight::drivers {
 
-inline constexpr DurationNs kAnnouncement_ns = kNsPerS;
+inline constexpr DurationNs kAnnouncementNs = kNsPerS;
 
 struct SeenDevice {
   TransportKind kind = TransportKind::kFtdi;
@@ -27,8 +27,7 @@ struct SeenDevice {
 using LookForDevice = std::function<std::optional<SeenDevice>()>;
 
 // wait() is that of the way which connect() tried last. All three should choose with the same Chooser.
-[[nodiscard]] std::unique_ptr<Connector> make_either_connector(std::unique_ptr<Connector> libusb,
-                                                               std::unique_ptr<Connector> tty, LookForDevice look,
-                                                               Clock& clock);
+[[nodiscard]] std::unique_ptr<Opener> make_either_opener(std::unique_ptr<Opener> libusb, std::unique_ptr<Opener> tty,
+                                                         LookForDevice look, Clock& clock);
 
 }  // namespace footlight::drivers

@@ -1,4 +1,4 @@
-#include "drivers/transport/hidraw_connector.h"
+#include "drivers/transport/hidraw_opener.h"
 
 #include <fcntl.h>
 #include <linux/hidraw.h>
@@ -138,9 +138,9 @@ class HidrawTransport final : public Transport {
   const std::vector<std::uint8_t> descriptors_;  // of the device, then of its configuration
 };
 
-class HidrawConnector final : public Connector {
+class HidrawOpener final : public Opener {
  public:
-  HidrawConnector(HidrawConfig config, Clock& clock)
+  HidrawOpener(HidrawConfig config, Clock& clock)
       : link_(std::make_shared<Link>(clock)),
         plugging_(::inotify_init1(IN_CLOEXEC | IN_NONBLOCK)),
         chooser_(std::move(config.driver_id), std::move(config.target), std::move(config.find)) {
@@ -210,8 +210,8 @@ class HidrawConnector final : public Connector {
 
 }  // namespace
 
-std::unique_ptr<Connector> make_hidraw_connector(HidrawConfig config, Clock& clock) {
-  return std::make_unique<HidrawConnector>(std::move(config), clock);
+std::unique_ptr<Opener> make_hidraw_opener(HidrawConfig config, Clock& clock) {
+  return std::make_unique<HidrawOpener>(std::move(config), clock);
 }
 
 }  // namespace footlight::drivers

@@ -1,4 +1,4 @@
-// HID devices on the kernel's hidraw: a Connector whose Transport is a pipe of reports. Why not hidapi:
+// HID devices on the kernel's hidraw: a Opener whose Transport is a pipe of reports. Why not hidapi:
 // docs/decisions/0021-hidraw-without-a-library.md.
 //
 // Reports begin with their number, 0 for the devices here, which do not number theirs. control_in() answers the one
@@ -26,6 +26,6 @@ struct HidrawConfig {
 };
 
 // Does not look for the device yet; connect() does.
-[[nodiscard]] std::unique_ptr<Connector> make_hidraw_connector(HidrawConfig config, Clock& clock);
+[[nodiscard]] std::unique_ptr<Opener> make_hidraw_opener(HidrawConfig config, Clock& clock);
 
 }  // namespace footlight::drivers

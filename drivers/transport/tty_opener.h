@@ -14,6 +14,6 @@ namespace footlight::drivers {
 
 // Does not look for the device yet; connect() does. The chooser may be shared with another connector to the same
 // device. kUnsupported: the system gives no file descriptors.
-[[nodiscard]] Result<std::unique_ptr<Connector>> make_tty_connector(std::shared_ptr<Chooser> chooser, Clock& clock);
+[[nodiscard]] Result<std::unique_ptr<Opener>> make_tty_opener(std::shared_ptr<Chooser> chooser, Clock& clock);
 
 }  // namespace footlight::drivers

@@ -1,4 +1,4 @@
-#include "drivers/transport/libusb_connector.h"
+#include "drivers/transport/libusb_opener.h"
 
 #include <algorithm>
 #include <array>
@@ -22,8 +22,8 @@ constexpr int kInterface = 0;
 constexpr std::size_t kInTransferCount = 4;         // enough that the device never waits for a buffer while we copy
 constexpr std::size_t kWaitingSizeMax = 16 * 1024;  // 30 frames; beyond it the device is left to hold its data
 constexpr int kInTransferSize = kUsbTransferSizeMax;
-constexpr DurationNs kEventSliceMax_ns = 60 * kNsPerS;
-constexpr DurationNs kCancelPatience_ns = 5 * kNsPerS;
+constexpr DurationNs kEventSliceMaxNs = 60 * kNsPerS;
+constexpr DurationNs kCancelPatienceNs = 5 * kNsPerS;
 
 template <auto close>
 struct Closes {
@@ -85,7 +85,7 @@ struct Bus {
   void interrupt() { libusb_interrupt_event_handler(context.get()); }
   // Runs the callbacks that are due; waits for one until the deadline at most, less where wake() or abort() is called.
   void handle_events(TimeNs deadline_ns) {
-    const DurationNs left_ns = std::clamp<DurationNs>(deadline_ns - clock.now_ns(), 0, kEventSliceMax_ns);
+    const DurationNs left_ns = std::clamp<DurationNs>(deadline_ns - clock.now_ns(), 0, kEventSliceMaxNs);
     timeval left{.tv_sec = static_cast<time_t>(left_ns / kNsPerS),
                  .tv_usec = static_cast<suseconds_t>(left_ns % kNsPerS / kNsPerUs)};
     libusb_handle_events_timeout_completed(context.get(), &left, nullptr);
@@ -179,7 +179,7 @@ class LibusbTransport final : public Transport {
       for (const auto& in : stream->transfers)
         if (in->in_flight) libusb_cancel_transfer(in->transfer.get());
     }
-    const TimeNs patience_ns = bus_->clock.now_ns() + kCancelPatience_ns;
+    const TimeNs patience_ns = bus_->clock.now_ns() + kCancelPatienceNs;
     while (in_flight() && bus_->clock.now_ns() < patience_ns) bus_->handle_events(patience_ns);
     if (in_flight()) {
       // The kernel still owns the buffers: what it may write to is left to the end of the process.
@@ -357,15 +357,15 @@ class LibusbTransport final : public Transport {
   bool out_done_ = false;
 };
 
-class LibusbConnector final : public Connector {
+class LibusbOpener final : public Opener {
  public:
-  LibusbConnector(LibusbConfig config, std::shared_ptr<Bus> bus)
+  LibusbOpener(LibusbConfig config, std::shared_ptr<Bus> bus)
       : unknown_kind_(config.unknown_kind), chooser_(std::move(config.chooser)), bus_(std::move(bus)) {
     // Without hotplug support wait() simply lasts until its deadline.
     (void)libusb_hotplug_register_callback(bus_->context.get(),
                                            LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED | LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT, 0,
                                            LIBUSB_HOTPLUG_MATCH_ANY, LIBUSB_HOTPLUG_MATCH_ANY, LIBUSB_HOTPLUG_MATCH_ANY,
-                                           &LibusbConnector::on_hotplug, bus_.get(), nullptr);
+                                           &LibusbOpener::on_hotplug, bus_.get(), nullptr);
   }
 
   Result<std::unique_ptr<Transport>> connect() override {
@@ -440,10 +440,10 @@ class LibusbConnector final : public Connector {
 
 }  // namespace
 
-Result<std::unique_ptr<Connector>> make_libusb_connector(LibusbConfig config, Clock& clock) {
+Result<std::unique_ptr<Opener>> make_libusb_opener(LibusbConfig config, Clock& clock) {
   libusb_context* context = nullptr;
   if (const int code = libusb_init(&context); code != LIBUSB_SUCCESS) return usb_error(code, "libusb", "start");
-  return std::make_unique<LibusbConnector>(std::move(config), std::make_shared<Bus>(context, clock));
+  return std::make_unique<LibusbOpener>(std::move(config), std::make_shared<Bus>(context, clock));
 }
 
 }  // namespace footlight::drivers

@@ -1,4 +1,4 @@
-#include "drivers/transport/tty_connector.h"
+#include "drivers/transport/tty_opener.h"
 
 #include <asm/termbits.h>
 #include <fcntl.h>
@@ -23,7 +23,7 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr DurationNs kPollSliceMax_ns = 60 * kNsPerS;
+constexpr DurationNs kPollSliceMaxNs = 60 * kNsPerS;
 
 class Fd {
  public:
@@ -73,7 +73,7 @@ struct Wakeup {
 
 // Waits for `events` of fd or for a wakeup, until the deadline at most. fd may be -1.
 int poll_until(int fd, short events, const Wakeup& wakeup, Clock& clock, TimeNs deadline_ns, short& got) {
-  const DurationNs left_ns = std::clamp<DurationNs>(deadline_ns - clock.now_ns(), 0, kPollSliceMax_ns);
+  const DurationNs left_ns = std::clamp<DurationNs>(deadline_ns - clock.now_ns(), 0, kPollSliceMaxNs);
   const timespec left{.tv_sec = left_ns / kNsPerS, .tv_nsec = left_ns % kNsPerS};
   pollfd waited[] = {{.fd = fd, .events = events, .revents = 0},
                      {.fd = wakeup.event.get(), .events = POLLIN, .revents = 0}};
@@ -242,9 +242,9 @@ Result<std::unique_ptr<Transport>> open_tty(const FoundDevice& found, const Find
   return transport;
 }
 
-class TtyConnector final : public Connector {
+class TtyOpener final : public Opener {
  public:
-  TtyConnector(std::shared_ptr<Chooser> chooser, Clock& clock)
+  TtyOpener(std::shared_ptr<Chooser> chooser, Clock& clock)
       : chooser_(std::move(chooser)), clock_(clock), watch_(::inotify_init1(IN_CLOEXEC | IN_NONBLOCK)) {
     // Where nothing can be watched, wait() lasts until its deadline.
     if (watch_.get() >= 0)
@@ -292,10 +292,10 @@ class TtyConnector final : public Connector {
 
 }  // namespace
 
-Result<std::unique_ptr<Connector>> make_tty_connector(std::shared_ptr<Chooser> chooser, Clock& clock) {
-  auto connector = std::make_unique<TtyConnector>(std::move(chooser), clock);
-  if (!connector->usable()) return fail(ErrorCode::kUnsupported, "the system gives no file descriptors");
-  return connector;
+Result<std::unique_ptr<Opener>> make_tty_opener(std::shared_ptr<Chooser> chooser, Clock& clock) {
+  auto opener = std::make_unique<TtyOpener>(std::move(chooser), clock);
+  if (!opener->usable()) return fail(ErrorCode::kUnsupported, "the system gives no file descriptors");
+  return opener;
 }
 
 }  // namespace footlight::drivers

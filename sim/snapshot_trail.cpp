@@ -1,20 +1,20 @@
-#include "sim/look_trail.h"
+#include "sim/snapshot_trail.h"
 
 #include <algorithm>
 
 namespace footlight {
 
-LookTrail::LookTrail(const Universes& universes, std::size_t looks_max)
+SnapshotTrail::SnapshotTrail(const Universes& universes, std::size_t snapshots_max)
     : universes_(universes), repair_(universes.count()) {
   const auto count = static_cast<std::size_t>(universes.count());
-  ring_.resize(looks_max > 0 ? looks_max : std::max<std::size_t>(1024, 8 * count));
+  ring_.resize(snapshots_max > 0 ? snapshots_max : std::max<std::size_t>(1024, 8 * count));
   last_.resize(count);
   stale_.resize(count);
   repaired_ns_.resize(count, INT64_MIN);
   rounds_.resize(count);
 }
 
-Status LookTrail::send(TimeNs now_ns, std::span<const FrameView> frames) {
+Status SnapshotTrail::send(TimeNs now_ns, std::span<const FrameView> frames) {
   for (const FrameView& frame : frames) {
     const int index = universes_.index_of(frame.universe);
     if (index < 0) continue;
@@ -38,7 +38,7 @@ Status LookTrail::send(TimeNs now_ns, std::span<const FrameView> frames) {
   return {};
 }
 
-Result<bool> LookTrail::next(LevelChange& change) {
+Result<bool> SnapshotTrail::next(LevelChange& change) {
   while (true) {
     const std::uint64_t read = read_.load(std::memory_order_relaxed);
     if (repair_ < universes_.count()) {

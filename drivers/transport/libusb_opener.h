@@ -1,7 +1,7 @@
-// Real USB devices: a Connector on libusb. The Transport has control transfers and endpoints; where the device is one
+// Real USB devices: a Opener on libusb. The Transport has control transfers and endpoints; where the device is one
 // of FTDI's chips it is a serial line above those (drivers/transport/ftdi.h).
 //
-// libusb itself is seen only by libusb_connector.cpp. In a build without it, no_usb_connector.cpp stands in and every
+// libusb itself is seen only by libusb_opener.cpp. In a build without it, no_usb_opener.cpp stands in and every
 // call answers kUnsupported.
 #pragma once
 
@@ -18,6 +18,6 @@ struct LibusbConfig {
 };
 
 // Does not look for the device yet; connect() does. kUnsupported: built without USB, or libusb does not start.
-[[nodiscard]] Result<std::unique_ptr<Connector>> make_libusb_connector(LibusbConfig config, Clock& clock);
+[[nodiscard]] Result<std::unique_ptr<Opener>> make_libusb_opener(LibusbConfig config, Clock& clock);
 
 }  // namespace footlight::drivers

@@ -1,5 +1,5 @@
 // Looks on their way from a pump to pictures, with their times.
-#include "sim/look_trail.h"
+#include "sim/snapshot_trail.h"
 
 #include <array>
 #include <atomic>
@@ -22,10 +22,10 @@ using testing::FakeWaiter;
 
 // A buffer and a trail behind it, written as a pump does.
 struct Bed {
-  explicit Bed(std::vector<Universe> numbers, std::size_t looks_max = 0)
-      : universes(numbers), trail(universes, looks_max) {}
+  explicit Bed(std::vector<Universe> numbers, std::size_t snapshots_max = 0)
+      : universes(numbers), trail(universes, snapshots_max) {}
 
-  void look(Universe universe, std::uint8_t level, TimeNs stamp_ns, TimeNs now_ns = kTimeNever) {
+  void snapshot(Universe universe, std::uint8_t level, TimeNs stamp_ns, TimeNs now_ns = kTimeNever) {
     Slots slots;
     slots.fill(level);
     FrameView frame;
@@ -52,7 +52,7 @@ struct Bed {
   }
 
   Universes universes;
-  LookTrail trail;
+  SnapshotTrail trail;
 };
 
 using Seen = Bed::Seen;
@@ -62,21 +62,21 @@ TEST_SUITE_BEGIN("look trail");
 TEST_CASE("a look counts from its stamp, one from the future from when it came, and a repeat is no change") {
   Bed bed({4, 9});
   CHECK(bed.read().empty());
-  bed.look(9, 10, 1'000'000, 1'200'000);
-  bed.look(9, 10, 2'000'000, 2'000'100);
-  bed.look(9, 11, 9'000'000, 3'000'000);
+  bed.snapshot(9, 10, 1'000'000, 1'200'000);
+  bed.snapshot(9, 10, 2'000'000, 2'000'100);
+  bed.snapshot(9, 11, 9'000'000, 3'000'000);
   CHECK(bed.read() == std::vector<Seen>{{1'000'000, 1, 10}, {3'000'000, 1, 11}});
   CHECK(bed.read().empty());
 }
 
 TEST_CASE("universes of one round change together, and a flash within it keeps its end") {
   Bed bed({1, 2, 3});
-  bed.look(1, 1, 10'000'000);
-  bed.look(2, 2, 10'100'000);
-  bed.look(3, 3, 10'499'999);  // still of that round
-  bed.look(1, 9, 10'499'999);  // again: its own time
-  bed.look(2, 8, 10'500'000);  // with that one
-  bed.look(3, 7, 10'999'999);  // half a millisecond later: its own time
+  bed.snapshot(1, 1, 10'000'000);
+  bed.snapshot(2, 2, 10'100'000);
+  bed.snapshot(3, 3, 10'499'999);  // still of that round
+  bed.snapshot(1, 9, 10'499'999);  // again: its own time
+  bed.snapshot(2, 8, 10'500'000);  // with that one
+  bed.snapshot(3, 7, 10'999'999);  // half a millisecond later: its own time
   CHECK(bed.read() == std::vector<Seen>{{10'000'000, 0, 1},
                                         {10'000'000, 1, 2},
                                         {10'000'000, 2, 3},
@@ -87,9 +87,9 @@ TEST_CASE("universes of one round change together, and a flash within it keeps i
 
 TEST_CASE("a reader that stayed away gets the newest look of every universe and never an older one after it") {
   std::mt19937 random(7);
-  for (const int looks_max : {1, 2, 5, 16}) {
-    CAPTURE(looks_max);
-    Bed bed({1, 2, 3}, static_cast<std::size_t>(looks_max));
+  for (const int snapshots_max : {1, 2, 5, 16}) {
+    CAPTURE(snapshots_max);
+    Bed bed({1, 2, 3}, static_cast<std::size_t>(snapshots_max));
     std::array<int, 3> newest{};  // the levels grow, so that an older look is a lower level
     std::array<int, 3> shown{};
     TimeNs now_ns = 0;
@@ -98,7 +98,7 @@ TEST_CASE("a reader that stayed away gets the newest look of every universe and 
         const auto place = random() % 3;
         now_ns += static_cast<TimeNs>(random() % 2'000'000);
         if (random() % 3 != 0) ++newest[place];
-        bed.look(static_cast<Universe>(place + 1), static_cast<std::uint8_t>(newest[place]), now_ns);
+        bed.snapshot(static_cast<Universe>(place + 1), static_cast<std::uint8_t>(newest[place]), now_ns);
       }
       if (random() % 3 == 0) continue;
       for (const Seen& seen : bed.read()) {
@@ -108,16 +108,16 @@ TEST_CASE("a reader that stayed away gets the newest look of every universe and 
       }
       CHECK(shown == newest);
     }
-    CHECK((looks_max > 8 || bed.trail.lost() > 0));
+    CHECK((snapshots_max > 8 || bed.trail.lost() > 0));
   }
 }
 
 TEST_CASE("a look that equals the last one that was not lost is shown all the same") {
   Bed bed({1}, 1);
-  bed.look(1, 5, 1);  // waits
-  bed.look(1, 6, 2);  // lost
+  bed.snapshot(1, 5, 1);  // waits
+  bed.snapshot(1, 6, 2);  // lost
   CHECK(bed.read() == std::vector<Seen>{{1, 0, 5}, {2, 0, 6}});
-  bed.look(1, 5, 3'000'000);
+  bed.snapshot(1, 5, 3'000'000);
   CHECK(bed.read() == std::vector<Seen>{{3'000'000, 0, 5}});
 }
 
@@ -127,7 +127,7 @@ TEST_CASE("a pump gives a trail each frame of a burst with its own stamp") {
   Universes universes(std::array<Universe, 2>{1, 2});
   Pump pump(universes, clock, waiter);
   FakeSource desk(waiter, "desk", {1, 2});
-  LookTrail trail(universes);
+  SnapshotTrail trail(universes);
   pump.add_source(desk);
   pump.add_sink(trail);
   pump.start();

@@ -23,13 +23,14 @@
 
 namespace footlight {
 
-class LookTrail final : public Sink, public LevelChanges {
+class SnapshotTrail final : public Sink, public LevelChanges {
  public:
   static constexpr DurationNs kTogetherNs = 500 * kNsPerUs;
 
-  // universes: those of the rig and of the pump; it outlives the trail. looks_max: how many looks wait for the reader;
+  // universes: those of the rig and of the pump; it outlives the trail. snapshots_max: how many looks wait for the
+  // reader;
   // 0: 1,024, or 8 a universe where that is more (about 0.5 KiB each).
-  explicit LookTrail(const Universes& universes, std::size_t looks_max = 0);
+  explicit SnapshotTrail(const Universes& universes, std::size_t snapshots_max = 0);
 
   // For the reader.
   Result<bool> next(LevelChange& change) override;

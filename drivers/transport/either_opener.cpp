@@ -1,13 +1,13 @@
-#include "drivers/transport/either_connector.h"
+#include "drivers/transport/either_opener.h"
 
 #include <utility>
 
 namespace footlight::drivers {
 namespace {
 
-class EitherConnector final : public Connector {
+class EitherOpener final : public Opener {
  public:
-  EitherConnector(std::unique_ptr<Connector> libusb, std::unique_ptr<Connector> tty, LookForDevice look, Clock& clock)
+  EitherOpener(std::unique_ptr<Opener> libusb, std::unique_ptr<Opener> tty, LookForDevice look, Clock& clock)
       : libusb_(std::move(libusb)), tty_(std::move(tty)), look_(std::move(look)), clock_(clock) {}
 
   Result<std::unique_ptr<Transport>> connect() override {
@@ -41,16 +41,16 @@ class EitherConnector final : public Connector {
   // A device that is there at the first look has been there for an unknown time, so libusb knows it.
   void note_arrival(const std::optional<SeenDevice>& seen) {
     const std::string node = seen ? seen->node : "";
-    if (looked_ && node != node_) left_to_libusb_until_ns_ = clock_.now_ns() + kAnnouncement_ns;
+    if (looked_ && node != node_) left_to_libusb_until_ns_ = clock_.now_ns() + kAnnouncementNs;
     looked_ = true;
     node_ = node;
   }
 
-  const std::unique_ptr<Connector> libusb_, tty_;
+  const std::unique_ptr<Opener> libusb_, tty_;
   const LookForDevice look_;
   Clock& clock_;
   // The device thread's alone.
-  Connector* tried_ = libusb_.get();
+  Opener* tried_ = libusb_.get();
   bool looked_ = false;
   std::string node_;  // of the last look; empty: nothing was plugged in
   TimeNs left_to_libusb_until_ns_ = INT64_MIN;
@@ -58,9 +58,9 @@ class EitherConnector final : public Connector {
 
 }  // namespace
 
-std::unique_ptr<Connector> make_either_connector(std::unique_ptr<Connector> libusb, std::unique_ptr<Connector> tty,
-                                                 LookForDevice look, Clock& clock) {
-  return std::make_unique<EitherConnector>(std::move(libusb), std::move(tty), std::move(look), clock);
+std::unique_ptr<Opener> make_either_opener(std::unique_ptr<Opener> libusb, std::unique_ptr<Opener> tty,
+                                           LookForDevice look, Clock& clock) {
+  return std::make_unique<EitherOpener>(std::move(libusb), std::move(tty), std::move(look), clock);
 }
 
 }  // namespace footlight::drivers
