@@ -1,4 +1,5 @@
-// The kind of a file, before it is opened: opening a pipe waits, and renaming onto a device destroys it.
+// Tells pipes and devices from files before a file is opened. Opening a pipe blocks, and renaming onto a device
+// replaces it.
 #pragma once
 
 #include <filesystem>
@@ -16,13 +17,13 @@ namespace footlight {
   return std::filesystem::is_other(status);
 }
 
-// For a file that is to be read. What is not there passes: opening it gives the reason.
+// For a file that will be read. Passes if the path does not exist: opening it then gives the reason.
 [[nodiscard]] inline Status refuse_pipe_input(const std::string& path) {
   if (!is_pipe_or_device(path)) return {};
   return fail(ErrorCode::kBadInput, "{}: is a pipe or a device; expected a file", path);
 }
 
-// For a file that is to be written and renamed to `path`.
+// For a file that will be written and then renamed to `path`.
 [[nodiscard]] inline Status refuse_pipe_output(const std::string& path) {
   if (!is_pipe_or_device(path)) return {};
   return fail(ErrorCode::kBadInput, "{}: is a pipe or a device; expected a name for a file", path);

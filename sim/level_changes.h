@@ -1,4 +1,4 @@
-// What changes the levels of a rig, in the order of time: a log that is read, or looks that came over the wire.
+// Changes of a rig's levels in order of time: read from a log, or received from the pump.
 #pragma once
 
 #include "sim/core/clock.h"
@@ -8,7 +8,7 @@
 namespace footlight {
 
 struct LevelChange {
-  TimeNs at_ns = 0;   // from when on they hold; one that lies before an earlier change's counts from that one's time
+  TimeNs at_ns = 0;   // when they take effect; a time before that of an earlier change counts as that change's time
   int universe = -1;  // index among the rig's
   Slots levels{};     // of the whole universe
 };
@@ -16,7 +16,7 @@ struct LevelChange {
 class LevelChanges {
  public:
   virtual ~LevelChanges() = default;
-  // False: there is none, or none yet; it may be asked again.
+  // False: no change is available. A later call may return one.
   virtual Result<bool> next(LevelChange& change) = 0;
 };
 

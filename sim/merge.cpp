@@ -8,7 +8,7 @@
 namespace footlight {
 namespace {
 
-// Written over whole universes so that the compiler turns it into vector code.
+// Whole universes, so that the compiler can vectorise the loop.
 void take_highest(std::uint8_t* __restrict snapshot, const std::uint8_t* __restrict levels) {
   for (int slot = 0; slot < kSlotCountMax; ++slot) snapshot[slot] = std::max(snapshot[slot], levels[slot]);
 }
@@ -21,7 +21,7 @@ void rank_priorities(std::uint8_t* __restrict rank, const std::uint8_t* __restri
   }
 }
 
-// The levels of the higher rank, of equal ones the higher level.
+// The levels of the higher rank; of equal ranks the higher level.
 void take_higher_rank(std::uint8_t* __restrict best, std::uint8_t* __restrict merged,
                       const std::uint8_t* __restrict rank, const std::uint8_t* __restrict levels) {
   for (int slot = 0; slot < kSlotCountMax; ++slot) {
@@ -87,15 +87,15 @@ void Merge::set_slot_modes(int index, const SlotSet& ltp) {
   mark_changed(index);
 }
 
-// Whether this universe has to be merged slot by slot, by what has just changed.
+// Sets whether the universe is merged slot by slot. Call after a change of priorities or LTP slots.
 void Merge::set_by_slot(int index) {
   PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
   const auto& ltp = ltp_slots_[static_cast<std::size_t>(index)];
   const bool by_slot = universe.priorities_count != 0 || (ltp != nullptr && ltp->slots.any());
   if (by_slot && !universe.by_slot)
-    for (int i = 0; i < universe.sender_count; ++i) universe.senders[i].wins = true;  // until resolve() knows
+    for (int i = 0; i < universe.sender_count; ++i) universe.senders[i].wins = true;  // until the next resolve()
   universe.by_slot = by_slot;
-  // With the last one that sends priorities goes the reason to wait for somebody's.
+  // When no sender with per-address priority is left, new senders are no longer held back.
   for (int i = 0; i < universe.sender_count && universe.priorities_count == 0; ++i) {
     Sender& sender = universe.senders[i];
     if (sender.waits_until_ns == 0) continue;
@@ -138,7 +138,7 @@ int Merge::highest_priority(const PerUniverse& universe) {
   return top;
 }
 
-// Whether no sender of the same priority changed later.
+// True if no sender of the same priority changed later.
 bool Merge::changed_last(const PerUniverse& universe, const Sender& sender) {
   for (int i = 0; i < universe.sender_count; ++i) {
     const Sender& other = universe.senders[i];
@@ -175,7 +175,7 @@ Merge::Sender* Merge::find(PerUniverse& universe, SourceId source, SenderId send
   return nullptr;
 }
 
-// nullptr: there is no place for a new sender.
+// nullptr: no place for a new sender.
 Merge::Sender* Merge::add(int index, const FrameView& frame, SourceId source) {
   PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
   if (universe.sender_count == kSendersPerUniverseMax) {
@@ -183,7 +183,7 @@ Merge::Sender* Merge::add(int index, const FrameView& frame, SourceId source) {
     for (int i = 1; i < kSendersPerUniverseMax; ++i) {
       const Sender& a = universe.senders[i];
       const Sender& b = universe.senders[lowest];
-      if (a.priority < b.priority || (a.priority == b.priority && a.heard_at < b.heard_at)) lowest = i;
+      if (a.priority < b.priority || (a.priority == b.priority && a.received_at < b.received_at)) lowest = i;
     }
     if (universe.senders[lowest].priority >= frame.priority) return nullptr;
     ++universe.counters.senders_displaced;
@@ -203,7 +203,7 @@ Merge::Sender* Merge::add(int index, const FrameView& frame, SourceId source) {
   return &sender;
 }
 
-// Forgets a sender. The look changes where it was a winner and others are left; else it stays.
+// Removes a sender. The snapshot changes if the sender was a winner and others are left.
 void Merge::remove(int index, int number) {
   PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
   const Sender sender = universe.senders[number];
@@ -261,8 +261,8 @@ Merge::Received Merge::receive(int index, const FrameView& frame, TimeNs now_ns,
     if (sender->waits_until_ns != 0) next_expiry_ns_ = std::min(next_expiry_ns_, sender->waits_until_ns);
   }
 
-  // Whether the look depends on this frame: the sender wins now, or won until its priority fell.
-  const bool is_new = sender->heard_at == 0;
+  // Whether the snapshot depends on this frame: the sender wins now, or won until its priority fell.
+  const bool is_new = sender->received_at == 0;
   const bool priority_moves = sender->priority != frame.priority;
   const bool grows = frame.slots.size() > sender->slot_count;
   bool matters = false;
@@ -276,7 +276,7 @@ Merge::Received Merge::receive(int index, const FrameView& frame, TimeNs now_ns,
   std::uint8_t* const levels = levels_of(index, sender->place);
   ++frame_number_;
   if (!frame.slots.empty()) {
-    // Only LTP asks what changed; a sender that has just come counts as changed.
+    // Only LTP uses the time of the change; a new sender counts as changed.
     if (universe.mode == MergeMode::kLtp &&
         (is_new || priority_moves || std::memcmp(levels, frame.slots.data(), frame.slots.size()) != 0))
       sender->changed_at = frame_number_;
@@ -290,11 +290,11 @@ Merge::Received Merge::receive(int index, const FrameView& frame, TimeNs now_ns,
   }
   sender->slot_count = std::max(sender->slot_count, static_cast<std::uint16_t>(frame.slots.size()));
   sender->priority = frame.priority;
-  sender->heard_ns = now_ns;
+  sender->received_ns = now_ns;
   sender->silence_ns = silence_of(frame);
   next_expiry_ns_ = std::min(next_expiry_ns_, now_ns + sender->silence_ns);
   sender->stamp_ns = frame.stamp_ns;
-  sender->heard_at = frame_number_;
+  sender->received_at = frame_number_;
   sender->sequence = frame.sequence;
   ++sender->frames;
   if (sender->waits_until_ns != 0) {
@@ -346,18 +346,18 @@ Merge::Received Merge::receive_priorities(int index, const FrameView& frame, Tim
     sender->counts = true;
   }
   if (changes && sender->counts) {
-    sender->wins = true;  // until resolve() knows
+    sender->wins = true;  // until the next resolve()
     mark_changed(index);
   }
   return Received::kStored;
 }
 
-// The sender's priorities are no more; its levels go on under the priority of its packets.
+// Removes the sender's per-address priorities; its levels continue with the priority of its packets.
 void Merge::drop_priorities(int index, Sender& sender) {
   sender.has_priorities = false;
   --universes_[static_cast<std::size_t>(index)].priorities_count;
   set_by_slot(index);
-  sender.wins = true;  // until resolve() knows
+  sender.wins = true;  // until the next resolve()
   if (sender.counts) mark_changed(index);
 }
 
@@ -368,8 +368,8 @@ void Merge::expire(TimeNs now_ns) {
     PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
     for (int i = universe.sender_count - 1; i >= 0; --i) {
       Sender& sender = universe.senders[i];
-      TimeNs expiry_ns = sender.heard_ns + sender.silence_ns;
-      if (sender.heard_at == 0) expiry_ns = sender.priorities_ns + sender.priorities_silence_ns;  // no levels yet
+      TimeNs expiry_ns = sender.received_ns + sender.silence_ns;
+      if (sender.received_at == 0) expiry_ns = sender.priorities_ns + sender.priorities_silence_ns;  // no levels yet
       if (expiry_ns <= now_ns) {
         ++universe.counters.senders_silent;
         remove(index, i);
@@ -397,7 +397,7 @@ void Merge::expire(TimeNs now_ns) {
   }
 }
 
-// As resolve(), where each slot has winners of its own.
+// As resolve(), with winners per slot.
 bool Merge::resolve_by_slot(int index) {
   PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
   const LtpSlots* const ltp = ltp_slots_[static_cast<std::size_t>(index)].get();
@@ -406,8 +406,8 @@ bool Merge::resolve_by_slot(int index) {
   bool any_priorities = false;
   for (int i = 0; i < universe.sender_count; ++i)
     any_priorities = any_priorities || (universe.senders[i].counts && universe.senders[i].has_priorities);
-  // One more than the priority; 0: no say in this slot. Without per-address priorities the highest of the universe wins
-  // alone, as in resolve().
+  // Rank: one more than the priority; 0: does not claim the slot. Without per-address priorities only the universe's
+  // highest priority wins, as in resolve().
   std::uint8_t ranks[kSendersPerUniverseMax][kSlotCountMax];
   std::uint8_t best[kSlotCountMax] = {};
   std::uint8_t merged[kSlotCountMax] = {};
@@ -415,10 +415,10 @@ bool Merge::resolve_by_slot(int index) {
   for (int i = 0; i < universe.sender_count; ++i) {
     const Sender& sender = universe.senders[i];
     std::uint8_t* const rank = ranks[i];
-    const bool has_say = sender.counts && (any_priorities || sender.priority == top);
-    const std::size_t slot_count = has_say ? sender.slot_count : 0;
+    const bool may_win = sender.counts && (any_priorities || sender.priority == top);
+    const std::size_t slot_count = may_win ? sender.slot_count : 0;
     std::memset(rank + slot_count, 0, kSlotCountMax - slot_count);
-    if (!has_say) continue;
+    if (!may_win) continue;
     if (sender.has_priorities) {
       rank_priorities(rank, priorities_of(index, sender.place));
       std::memset(rank + slot_count, 0, kSlotCountMax - slot_count);
@@ -439,7 +439,7 @@ bool Merge::resolve_by_slot(int index) {
       if (rank[slot] > best[slot]) {
         merged[slot] = levels[slot];
         changed_at[slot] = at;
-      } else if (!is_ltp || at == changed_at[slot]) {  // equal: 0, nobody is known to have changed it
+      } else if (!is_ltp || at == changed_at[slot]) {  // equal: both 0, no known change
         merged[slot] = std::max(merged[slot], levels[slot]);
       } else if (at > changed_at[slot]) {
         merged[slot] = levels[slot];
@@ -452,11 +452,11 @@ bool Merge::resolve_by_slot(int index) {
   const Sender* newest = nullptr;
   for (int i = 0; i < universe.sender_count; ++i) {
     Sender& sender = universe.senders[i];
-    // One that sends no slots may still keep those of lower priority away.
+    // A sender without slots may still outrank those of lower priority.
     sender.wins = has_best_rank(best, ranks[i]) || (!any_priorities && sender.counts && sender.priority == top);
     if (sender.fresh) ++(sender.wins ? universe.counters.frames_shown : universe.counters.frames_outranked);
     sender.fresh = false;
-    if (sender.wins && (newest == nullptr || sender.heard_at > newest->heard_at)) newest = &sender;
+    if (sender.wins && (newest == nullptr || sender.received_at > newest->received_at)) newest = &sender;
   }
   if (newest == nullptr) return false;
   std::uint8_t* const snapshot = snapshots_.get() + static_cast<std::size_t>(index) * kSlotCountMax;
@@ -487,11 +487,11 @@ bool Merge::resolve(int index) {
   }
   if (winner_count == 0) return false;
 
-  // The heard-last winner signs the look; under LTP the one that changed last is the only one.
+  // The snapshot carries the stamp of the winner received last; under LTP of the winner that changed last.
   const Sender* newest = winners[0];
   for (int i = 1; i < winner_count; ++i) {
     const bool later = universe.mode == MergeMode::kLtp ? winners[i]->changed_at > newest->changed_at
-                                                        : winners[i]->heard_at > newest->heard_at;
+                                                        : winners[i]->received_at > newest->received_at;
     if (later) newest = winners[i];
   }
   for (int i = 0; i < winner_count; ++i) {
@@ -504,7 +504,7 @@ bool Merge::resolve(int index) {
   if (winner_count == 1 || universe.mode == MergeMode::kLtp) {
     std::memcpy(snapshot, levels_of(index, newest->place), newest->slot_count);
   } else {
-    // Levels past the end of a sender's frames are 0 and raise nothing, so all 512 are merged at once.
+    // Levels past the end of a sender's frames are 0 and never the highest, so all 512 are merged at once.
     std::uint8_t merged[kSlotCountMax];
     std::uint16_t slot_count = winners[0]->slot_count;
     std::memcpy(merged, levels_of(index, winners[0]->place), kSlotCountMax);
@@ -551,18 +551,18 @@ MergeSender Merge::sender(int index, int number) const {
   const PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
   FL_CHECK(number >= 0 && number < universe.sender_count);
   const Sender& sender = universe.senders[number];
-  MergeSender told;
-  told.source = sender.source;
-  told.id = sender.id;
-  told.heard_ns = sender.heard_ns;
-  told.rate_hz = static_cast<double>(sender.rate_hz);
-  told.priority = sender.priority;
-  told.per_address = sender.has_priorities;
-  told.wins =
+  MergeSender status;
+  status.source = sender.source;
+  status.id = sender.id;
+  status.received_ns = sender.received_ns;
+  status.rate_hz = static_cast<double>(sender.rate_hz);
+  status.priority = sender.priority;
+  status.per_address = sender.has_priorities;
+  status.wins =
       sender.counts && (universe.by_slot ? sender.wins
                                          : sender.priority == highest_priority(universe) &&
                                                (universe.mode == MergeMode::kHtp || changed_last(universe, sender)));
-  return told;
+  return status;
 }
 
 void Merge::count_rates(double period_s) {
@@ -595,7 +595,7 @@ void Merge::adopt(const Merge& from, std::span<const int> from_index) {
       if (universe.senders[k].has_priorities)
         std::memcpy(priorities_of(index, place), from.priorities_of(from_index[i], place), kSlotCountMax);
     }
-    // Who changed which slot last is kept for a set_slot_modes() that follows; where none does, until the next time.
+    // Keeps which sender changed each slot last, for a following set_slot_modes().
     const auto& ltp = from.ltp_slots_[static_cast<std::size_t>(from_index[i])];
     const bool had_ltp_slots = ltp != nullptr && ltp->slots.any();
     if (had_ltp_slots) {

@@ -1,10 +1,10 @@
-// Lets something happen at most `rate_hz` times a second, on a grid, so that the rate is met without drift.
+// Limits an event to `rate_hz` times a second, on a time grid, so that the rate is met without drift.
 //
-// Where the demand never ends, the n-th event is due at anchor + n periods: an event that comes late (less than a
-// period) does not move those after it. After a pause of a period or more the next event may come at once and starts a
-// new grid. So within any span of T seconds there are at most T * rate_hz + 2 events.
+// While events are always wanted, event n is due at anchor + n periods. An event that is late by less than a period
+// does not move those after it. After a pause of a period or more the next event may happen at once and starts a new
+// grid. So any span of T seconds has at most T * rate_hz + 2 events.
 //
-// n periods are computed, not added up: the error is the rounding of a double, 2 ns after 208 days without a pause.
+// The n periods are multiplied, not summed: the error is the rounding of a double, 2 ns after 208 days without a pause.
 #pragma once
 
 #include <cmath>
@@ -16,10 +16,10 @@ namespace footlight {
 
 class Pace {
  public:
-  // The next event may happen at this time or later; long past where there was none yet.
+  // The next event may happen at this time or later. Far in the past before the first event.
   [[nodiscard]] TimeNs due_ns() const { return due_ns_; }
 
-  // An event happens now, at due_ns() or later. `period_ns` > 0, the same in every call.
+  // Records an event now, at due_ns() or later. `period_ns` > 0, the same in every call.
   void happened(TimeNs now_ns, double period_ns) {
     if (due_ns_ == kLongAgo || static_cast<double>(now_ns - due_ns_) >= period_ns) {
       anchor_ns_ = now_ns;

@@ -11,7 +11,7 @@ namespace {
 constexpr std::int64_t kNeverNs = std::numeric_limits<std::int64_t>::min();
 constexpr double kNoDark = std::numeric_limits<double>::infinity();
 constexpr double kRedScale = 320;
-constexpr double kJustBelow = 1 - 1e-6;  // of a change: not one yet
+constexpr double kJustBelow = 1 - 1e-6;  // just too small to count as a change
 
 double light_or_dark(double value) { return value > 0 && value < 1e12 ? value : 0; }
 
@@ -115,8 +115,8 @@ FlashVerdict PhotosensitiveGuard::limit(std::int64_t now_ns, std::span<const Til
   restart_if_back(now_ns);
   gains.assign(tiles_.size(), 1.0);
   const std::int64_t from_ns = window_begin(now_ns, limits_.window_ns);
-  // A tile that has used all but one of its flashes and rises again, and every tile at its limit, is at risk. While all
-  // of them together are small they may go on.
+  // A tile at risk has used all but one of its flashes and rises again, or is at its limit. Tiles at risk may go on
+  // while their total area is small.
   const auto at_risk = [&](const Swing& swing, double value, double change, double dark) {
     const int changes = swing.changes_since(from_ns);
     return changes >= 2 * limits_.flashes || (changes >= 2 * limits_.flashes - 1 && swing.rises(value, change, dark));

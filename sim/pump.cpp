@@ -11,23 +11,22 @@
 namespace footlight {
 namespace {
 
-// A port that is gone is not polled more often than this, whatever deadline it names.
+// Minimum interval between calls of a port that is gone, whatever its deadline.
 constexpr DurationNs kRetryMinNs = 10 * kNsPerMs;
-// A port whose calls fail is left alone for at most this long, and a gone one that names no deadline for just this
-// long.
+// Maximum pause after failed calls, and the interval for a gone port without a deadline.
 constexpr DurationNs kRetryMaxNs = kNsPerS;
 
-// Flags of a look that waits to be sent.
+// Flags of a snapshot that waits to be sent.
 constexpr std::uint8_t kPending = 1;
-constexpr std::uint8_t kHeard = 2;  // because a frame came, so that its age is the latency of this program
-constexpr std::uint8_t kHeld = 4;   // the rate cap holds it back
+constexpr std::uint8_t kReceived = 2;  // caused by a received frame, so its age is a latency of this program
+constexpr std::uint8_t kHeld = 4;      // the rate cap holds it back
 
 int highest_priority_of(const FrameView& frame) {
   if (frame.start_code != kStartCodePriorities || frame.slots.empty()) return frame.priority;
   return std::max(frame.priority, *std::max_element(frame.slots.begin(), frame.slots.end()));
 }
 
-// Of the sink's cap; 0: it has none.
+// Period of the sink's rate cap; 0: no cap.
 double period_ns_of(const Sink& sink) {
   const double rate_hz_max = sink.rate_hz_max();
   return rate_hz_max > 0.0 ? static_cast<double>(kNsPerS) / rate_hz_max : 0.0;
@@ -106,25 +105,26 @@ void Pump::Inlet::receive(const FrameView& frame) {
     pump_.pass_on(now_ns);
     received = pump_.merge_.receive(index, frame, now_ns, run->source_id);
   }
-  // Priorities, and a sender that goes, show levels that came before: their age says nothing about how fast we are.
-  if (frame.start_code == kStartCodeLevels && !frame.terminated) universe.heard = true;
-  if (received == Merge::Received::kRefusedFull && !universe.said_full) {
-    universe.said_full = true;
-    pump_.say(NoticeLevel::kWarning, "sender-refused", *run,
-              fmt::format("universe {} has {} senders already; frames of further ones are refused and counted",
-                          frame.universe, kSendersPerUniverseMax),
-              frame.universe);
+  // A priority frame or a sender's end shows earlier levels. Their age is not a latency.
+  if (frame.start_code == kStartCodeLevels && !frame.terminated) universe.received = true;
+  if (received == Merge::Received::kRefusedFull && !universe.reported_full) {
+    universe.reported_full = true;
+    pump_.notify(NoticeLevel::kWarning, "sender-refused", *run,
+                 fmt::format("universe {} has {} senders already; frames of further ones are refused and counted",
+                             frame.universe, kSendersPerUniverseMax),
+                 frame.universe);
   }
-  if (received == Merge::Received::kRefusedPriority && !universe.said_priority) {
-    universe.said_priority = true;
-    pump_.say(NoticeLevel::kWarning, "priority-refused", *run,
-              fmt::format("universe {}: a sender has priority {}; expected 0 to {}; its frames are ignored and counted",
-                          frame.universe, highest_priority_of(frame), kPriorityMax),
-              frame.universe);
+  if (received == Merge::Received::kRefusedPriority && !universe.reported_priority) {
+    universe.reported_priority = true;
+    pump_.notify(
+        NoticeLevel::kWarning, "priority-refused", *run,
+        fmt::format("universe {}: a sender has priority {}; expected 0 to {}; its frames are ignored and counted",
+                    frame.universe, highest_priority_of(frame), kPriorityMax),
+        frame.universe);
   }
 }
 
-// In the middle of receiving: what has come so far leaves, so that nothing is overwritten that nobody has seen.
+// Called while receiving: sends what has come so far, so that no frame is overwritten unsent.
 void Pump::pass_on(TimeNs now_ns) {
   merge_changed();
   for (PortRun& run : sinks_)
@@ -138,8 +138,8 @@ void Pump::merge_changed() {
     UniverseRun& universe = universe_runs_[static_cast<std::size_t>(index)];
     universe.has_snapshot = true;
     ++universe.writes;
-    const std::uint8_t flags = universe.heard ? kPending | kHeard : kPending;
-    universe.heard = false;
+    const std::uint8_t flags = universe.received ? kPending | kReceived : kPending;
+    universe.received = false;
     for (PortRun& run : sinks_) {
       const int lane = run.lane_of_index[static_cast<std::size_t>(index)];
       if (lane >= 0 && !run.resting) mark_pending(run, lane, flags);
@@ -187,11 +187,11 @@ void Pump::send_pending(PortRun& run, TimeNs now_ns, bool ignore_cap) {
   for (std::size_t i = 0; i < run.batch.size(); ++i) {
     Lane& lane = run.lanes[static_cast<std::size_t>(run.batch_lanes[i])];
     ++(sent ? lane.frames : lane.refused);
-    if (sent && (lane.flags & kHeard) != 0) run.latency.record(sent_ns - run.batch[i].stamp_ns);
+    if (sent && (lane.flags & kReceived) != 0) run.latency.record(sent_ns - run.batch[i].stamp_ns);
     lane.flags = 0;
   }
   settle(run, sent, now_ns);
-  if (!run.down) say_back(run, now_ns);
+  if (!run.down) report_back(run, now_ns);
 }
 
 void Pump::mark_pending(PortRun& run, int lane_number, std::uint8_t flags) {
@@ -225,7 +225,7 @@ void Pump::poll(PortRun& run, TimeNs now_ns) {
   inlet_.run = &run;
   inlet_.now_ns = now_ns;
   settle(run, run.source != nullptr ? run.source->poll(now_ns, inlet_) : run.sink->poll(now_ns), now_ns);
-  while (const auto notice = run.port->take_notice()) say(notice->level, notice->id, run, notice->text);
+  while (const auto notice = run.port->take_notice()) notify(notice->level, notice->id, run, notice->text);
   const bool mute = run.down && woken_by_descriptor;
   if (mute != run.muted) {
     run.muted = mute;
@@ -233,7 +233,7 @@ void Pump::poll(PortRun& run, TimeNs now_ns) {
   }
 }
 
-// After every call of a port: has it gone, has it come back?
+// After every call of a port: detects whether it is gone or back.
 void Pump::settle(PortRun& run, const Status& result, TimeNs now_ns) {
   const PortState state = run.port->state();
   const bool was_down = run.down;
@@ -253,35 +253,35 @@ void Pump::settle(PortRun& run, const Status& result, TimeNs now_ns) {
   }
   if (run.down) {
     run.held_until_ns = kTimeNever;
-    say_lost(run, run.failed ? run.trouble : run.port->trouble(), now_ns);
+    report_lost(run, run.failed ? run.trouble : run.port->trouble(), now_ns);
   } else {
     if (run.sink != nullptr) {
-      run.period_ns = period_ns_of(*run.sink);  // it may be another model, or one that was not there at the start
+      run.period_ns = period_ns_of(*run.sink);  // the device may be a new model, or absent at the start
       mark_every_snapshot(run);
     }
-    if (run.pending.empty()) say_back(run, now_ns);  // else when it has taken a look
+    if (run.pending.empty()) report_back(run, now_ns);  // else after a snapshot was sent
   }
   watch(run, true, now_ns);
 }
 
-void Pump::say_lost(PortRun& run, const std::string& why, TimeNs now_ns) {
+void Pump::report_lost(PortRun& run, const std::string& why, TimeNs now_ns) {
   if (run.lost) return;
   run.lost = true;
-  say(NoticeLevel::kWarning, "port-lost", run, fmt::format("lost: {}", why));
+  notify(NoticeLevel::kWarning, "port-lost", run, fmt::format("lost: {}", why));
   if (run.sink != nullptr) set_standbys(now_ns);
 }
 
-// A port has done its work: whatever was wrong is over.
-void Pump::say_back(PortRun& run, TimeNs now_ns) {
+// The port has done work: the trouble is over.
+void Pump::report_back(PortRun& run, TimeNs now_ns) {
   run.retry_ns = 0;
   if (!run.lost) return;
   run.lost = false;
   run.trouble.clear();
-  say(NoticeLevel::kInfo, "port-back", run, "back");
+  notify(NoticeLevel::kInfo, "port-back", run, "back");
   if (run.sink != nullptr) set_standbys(now_ns);
 }
 
-// Who of those that stand by is fed now? Asked when a sink is lost, is back, comes or goes.
+// Decides which standbys get frames. Called when a sink is lost, returns, is added or is removed.
 void Pump::set_standbys(TimeNs now_ns) {
   for (PortRun& run : sinks_) {
     const PortRun* working = nullptr;
@@ -299,11 +299,11 @@ void Pump::set_standbys(TimeNs now_ns) {
       run.pending.clear();
       run.held_until_ns = kTimeNever;
       run.sink->rest(now_ns);
-      say(NoticeLevel::kInfo, "standby-rests", run, fmt::format("stands by; {} is back", working->name));
+      notify(NoticeLevel::kInfo, "standby-rests", run, fmt::format("on standby again; {} is back", working->name));
     } else {
       if (const PortRun* const main = run_of(run.standby_for); main != nullptr)
-        say(NoticeLevel::kWarning, "standby-takes-over", run, fmt::format("takes over for {}", main->name));
-      mark_every_snapshot(run);  // its turn comes after that of the sink that it stands by for
+        notify(NoticeLevel::kWarning, "standby-takes-over", run, fmt::format("takes over for {}", main->name));
+      mark_every_snapshot(run);  // it sends after its main sink, so in the same tick
     }
   }
 }
@@ -314,10 +314,10 @@ const Pump::PortRun* Pump::run_of(const Sink* sink) const {
   return nullptr;
 }
 
-// Listens to the port's descriptor, or to none. `again`: even if the number is the one that is listened to.
+// Watches the port's descriptor, or none. `again`: even if the number is unchanged.
 void Pump::watch(PortRun& run, bool again, TimeNs now_ns) {
-  const bool deaf = run.failed || run.muted || run.port->state() == PortState::kEnded;
-  const int fd = deaf ? -1 : run.port->poll_fd();
+  const bool ignored = run.failed || run.muted || run.port->state() == PortState::kEnded;
+  const int fd = ignored ? -1 : run.port->poll_fd();
   if (fd == run.watched_fd && (fd < 0 || !again)) return;
   const int old_fd = run.watched_fd;
   run.watched_fd = fd;
@@ -329,7 +329,7 @@ void Pump::watch(PortRun& run, bool again, TimeNs now_ns) {
     run.trouble = watched.error().message;
     ++run.failures;
     run.retry_ns = kRetryMaxNs;
-    say_lost(run, run.trouble, now_ns);
+    report_lost(run, run.trouble, now_ns);
   }
 }
 
@@ -340,8 +340,8 @@ bool Pump::is_watched(int fd) const {
   return false;
 }
 
-void Pump::say(NoticeLevel level, std::string_view id, const PortRun& run, const std::string& text,
-               Universe universe) const {
+void Pump::notify(NoticeLevel level, std::string_view id, const PortRun& run, const std::string& text,
+                  Universe universe) const {
   if (!options_.say) return;
   const std::string line = fmt::format("{}: {}", run.name, text);
   options_.say({.level = level, .id = id, .text = line, .port = run.name, .universe = universe});
@@ -369,7 +369,7 @@ TimeNs Pump::next_deadline_ns() {
   return next_ns;
 }
 
-// A deadline that lay in the past already when it was asked for means "at once": it counts from the last tick.
+// A deadline that was in the past when it was read means "at once": counted from the last tick.
 void Pump::record_lateness(PortRun& run, TimeNs deadline_ns, TimeNs now_ns) {
   if (deadline_ns <= now_ns) run.lateness.record(now_ns - std::max(deadline_ns, tick_ns_));
 }
@@ -416,13 +416,13 @@ void Pump::add(PortRun& run, std::span<const Universe> universes) {
   find_lanes(run);
   for (const Lane& lane : run.lanes)
     if (universes_->index_of(lane.universe) < 0)
-      say(NoticeLevel::kWarning, "universe-unused", run,
-          fmt::format("universe {} is not among those of this run; it stays unused", lane.universe), lane.universe);
+      notify(NoticeLevel::kWarning, "universe-unused", run,
+             fmt::format("universe {} is not among those of this run; it stays unused", lane.universe), lane.universe);
   if (run.sink != nullptr) {
     run.pending.reserve(run.lanes.size());
     run.batch.reserve(run.lanes.size());
     run.batch_lanes.reserve(run.lanes.size());
-    run.resting = run.standby_for != nullptr;  // until set_standbys() knows better
+    run.resting = run.standby_for != nullptr;  // until set_standbys() decides
   }
   ready_fds_.resize(std::max<std::size_t>(1, sources_.size() + sinks_.size()));
   if (!started_) return;
@@ -437,7 +437,7 @@ void Pump::find_lanes(PortRun& run) const {
     Lane& lane = run.lanes[i];
     lane.index = universes_->index_of(lane.universe);
     if (lane.index < 0) continue;
-    // A universe named twice is carried once, in its first lane.
+    // A universe listed twice is carried once, in its first lane.
     int& number = run.lane_of_index[static_cast<std::size_t>(lane.index)];
     if (number >= 0) {
       lane.index = -1;
@@ -447,7 +447,7 @@ void Pump::find_lanes(PortRun& run) const {
   }
 }
 
-// A port begins: it is asked how it is, and a sink gets every look there is.
+// Reads a new port's state; a sink gets every existing snapshot.
 void Pump::attach(PortRun& run, TimeNs now_ns) {
   run.ready = false;
   run.muted = false;
@@ -566,7 +566,7 @@ std::shared_ptr<const Universes> Pump::universes() const {
   return universes_;
 }
 
-// A look that is in the buffer already: from before, or filled by the main.
+// Adopts levels that are in the buffer already: from an earlier run, or written by the main program.
 void Pump::take_from_buffer(int index) {
   std::array<std::uint8_t, kSlotCountMax> levels;
   FrameStamp stamp;
@@ -655,10 +655,10 @@ void Pump::count_rates(TimeNs now_ns) {
       run.own_rate_hz = static_cast<double>(frames - run.own_frames_before) / period_s;
       run.own_frames_before = frames;
     }
-    // Frames that are handed over faster than the line takes them never leave.
+    // Frames that are passed faster than the line sends them never leave.
     const auto line_frames = run.sink->frames_on_line();
     const auto before = std::exchange(run.line_frames_before, line_frames);
-    // Both ends of the period are counted, unless the device was replaced meanwhile.
+    // Only if both ends of the period have a count and the device was not replaced in between.
     if (!line_frames || !before || *line_frames < *before || run.lanes.size() != 1) continue;
     run.lanes[0].rate_hz = static_cast<double>(*line_frames - *before) / period_s;
   }
@@ -670,7 +670,7 @@ void Pump::count_rates(TimeNs now_ns) {
   if (lock.owns_lock()) {
     std::swap(published_, spare_status_);
   } else {
-    status_wanted_.store(true, std::memory_order_release);  // somebody is copying the last one: next time
+    status_wanted_.store(true, std::memory_order_release);  // a reader is copying the last one: publish next time
   }
 }
 
@@ -751,21 +751,21 @@ void Pump::fill(UniverseStatus& universe, int index, TimeNs now_ns) const {
   universe.senders.resize(static_cast<std::size_t>(merge_.sender_count(index)));
   for (int k = 0; k < merge_.sender_count(index); ++k) {
     const MergeSender sender = merge_.sender(index, k);
-    SenderStatus& told = universe.senders[static_cast<std::size_t>(k)];
-    told.name.clear();
+    SenderStatus& shown = universe.senders[static_cast<std::size_t>(k)];
+    shown.name.clear();
     for (const PortRun& run : sources_) {
       if (run.source_id != sender.source) continue;
-      told.name = run.source->sender_text(sender.id);
-      if (told.name.empty()) told.name = run.name;
+      shown.name = run.source->sender_text(sender.id);
+      if (shown.name.empty()) shown.name = run.name;
       if (const int lane = run.lane_of_index[i]; lane >= 0)
-        told.losses = run.source->sender_losses(static_cast<std::size_t>(lane), sender.id);
+        shown.losses = run.source->sender_losses(static_cast<std::size_t>(lane), sender.id);
     }
-    told.id = sender.id;
-    told.priority = sender.priority;
-    told.age_ns = now_ns - sender.heard_ns;
-    told.rate_hz = sender.rate_hz;
-    told.wins = sender.wins;
-    told.per_address = sender.per_address;
+    shown.id = sender.id;
+    shown.priority = sender.priority;
+    shown.age_ns = now_ns - sender.received_ns;
+    shown.rate_hz = sender.rate_hz;
+    shown.wins = sender.wins;
+    shown.per_address = sender.per_address;
   }
   std::sort(universe.senders.begin(), universe.senders.end(), [](const SenderStatus& a, const SenderStatus& b) {
     return a.priority != b.priority ? a.priority > b.priority : a.id < b.id;
@@ -779,7 +779,7 @@ std::int64_t unaccounted(const UniverseStatus& universe) {
 }
 
 std::int64_t unaccounted(const PortStatus& port) {
-  if (!port.is_sink) return 0;  // its frames are counted where they went: `unrouted`, or its universes
+  if (!port.is_sink) return 0;  // its frames are counted as `unrouted` or in their universes
   return static_cast<std::int64_t>(port.snapshots - port.frames - port.replaced - port.refused - port.waiting);
 }
 

@@ -1,13 +1,13 @@
-// The looks that a pump makes, with the times from which they hold, for one reader that comes once a picture: so that a
-// flash shorter than a picture, or an edge in the midst of one, is shown as long as it was.
+// Passes the snapshots of a pump, with their times, to one reader that runs once a picture. A flash shorter than a
+// picture, or an edge within one, is so shown for its true length.
 //
-// A look counts from its frame's stamp (a strobe input's: the stamp that the kernel gave the edge), or from when it was
-// handed over where the stamp lies later. A change of another universe that comes within kTogetherNs of a first one
-// counts from that one's time, so that the universes of one round of a desk make one step: it is shown up to that much
-// early. Everything else is exact.
+// A snapshot takes effect at its frame's stamp (for a strobe input, the kernel's stamp of the edge), or when it was
+// sent here if that is earlier. A change of another universe within kTogetherNs of a first one takes effect at the time
+// of the first. So the universes of one round of a desk make one step, shown early by at most that much. All other
+// times are exact.
 //
-// Threads: a sink of a pump, on its thread; next() on one other thread. Neither waits for the other. Where the reader
-// stays away for longer than the trail holds, looks are lost to it; it gets the newest of every universe then.
+// Threads: a sink of a pump, on its thread; next() on one other thread. Neither waits for the other. If the reader
+// pauses for longer than the trail holds, it misses snapshots and then gets the newest one of every universe.
 #pragma once
 
 #include <atomic>
@@ -27,14 +27,13 @@ class SnapshotTrail final : public Sink, public LevelChanges {
  public:
   static constexpr DurationNs kTogetherNs = 500 * kNsPerUs;
 
-  // universes: those of the rig and of the pump; it outlives the trail. snapshots_max: how many looks wait for the
-  // reader;
-  // 0: 1,024, or 8 a universe where that is more (about 0.5 KiB each).
+  // universes: those of the rig and of the pump; it outlives the trail. snapshots_max: how many snapshots wait for the
+  // reader; 0: 1,024, or 8 per universe if that is more (about 0.5 KiB each).
   explicit SnapshotTrail(const Universes& universes, std::size_t snapshots_max = 0);
 
   // For the reader.
   Result<bool> next(LevelChange& change) override;
-  // How often it came too late.
+  // How many snapshots the reader missed.
   [[nodiscard]] std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
 
   // For the pump.
@@ -53,17 +52,18 @@ class SnapshotTrail final : public Sink, public LevelChanges {
   std::atomic<std::uint64_t> read_{0};
   std::atomic<std::uint64_t> lost_{0};
 
-  // The pump's.
-  std::vector<Slots> last_;          // of each universe, as given to the reader
-  std::vector<std::uint8_t> stale_;  // it is not what the reader has: a look was lost
+  // Used by the pump's thread.
+  std::vector<Slots> last_;          // of each universe, as written for the reader
+  std::vector<std::uint8_t> stale_;  // a snapshot was lost, so the reader has older levels
 
-  // The reader's.
+  // Used by the reader's thread.
   std::uint64_t lost_seen_ = 0;
   int repair_;                         // the universe that is read from the buffer next; universes_.count(): none
-  std::vector<TimeNs> repaired_ns_;    // of each universe: older looks are in what was read from the buffer
+  std::vector<TimeNs> repaired_ns_;    // of each universe: earlier snapshots are included in what was read from the
+                                       // buffer
   TimeNs round_ns_ = 0;                // when the first change of this round came
   std::uint64_t round_ = 0;            // counts rounds
-  std::vector<std::uint64_t> rounds_;  // of each universe: the one in which it changed last
+  std::vector<std::uint64_t> rounds_;  // of each universe: the round in which it changed last
 };
 
 }  // namespace footlight

@@ -18,7 +18,7 @@ void SystemClock::sleep_until_ns(TimeNs deadline_ns) {
   timespec deadline{};
   deadline.tv_sec = static_cast<time_t>(deadline_ns / kNsPerS);
   deadline.tv_nsec = static_cast<long>(deadline_ns % kNsPerS);
-  // A signal ends the sleep early; the deadline is absolute, so the sleep is simply taken up again.
+  // A signal ends the sleep early. The deadline is absolute, so the sleep is repeated.
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &deadline, nullptr) == EINTR) {
   }
 }

@@ -1,4 +1,4 @@
-// The operating system's clock: CLOCK_MONOTONIC, the one that no time server moves.
+// The operating system's clock: CLOCK_MONOTONIC, which no time server adjusts in steps.
 //
 // Threads: any. Cost: one vDSO call, no system call, for now_ns().
 #pragma once

@@ -10,17 +10,18 @@
 // The sequence lock, without fences so that ThreadSanitizer can follow it.
 //
 // The writer makes the lock odd, stores the data with release, makes the lock even with release. The reader loads the
-// lock with acquire, the data with acquire, the lock again. Two facts make it right:
-// - The first load sees the even value of write k: everything of write k happened before, so no data is older than k.
-// - Some data comes from write k+1: its release store stands after the odd value of k+1, so the second load of the lock
-//   sees that odd value or a later one, and the reader throws the copy away.
+// lock with acquire, the data with acquire, the lock again. Two facts make this correct:
+// - The first load returns the even value of write k: all of write k happened before it, so no data is older than k.
+// - If some data comes from write k+1, its release store follows the odd value of k+1. So the second load of the lock
+//   returns that odd value or a later one, and the reader discards the copy.
 
 namespace footlight {
 namespace {
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
-// A write takes tens of nanoseconds; a reader that spun this long shares a core with a stopped writer.
+// A write takes tens of nanoseconds. After this many spins the reader assumes that it shares a core with a stopped
+// writer.
 constexpr int kSpinsBeforeSleep = 1000;
 constexpr auto kSleepBetweenTries = std::chrono::microseconds(50);
 
@@ -55,7 +56,7 @@ Result<std::unique_ptr<Universes>> Universes::make(std::span<const Universe> num
 }
 
 int Universes::index_of(Universe universe) const {
-  const int guess = universe - numbers_.front();  // right at once where the numbers are consecutive
+  const int guess = universe - numbers_.front();  // correct if the numbers are consecutive
   if (guess < 0 || universe > numbers_.back()) return -1;
   if (guess < count() && numbers_[static_cast<std::size_t>(guess)] == universe) return guess;
   const auto found = std::lower_bound(numbers_.begin(), numbers_.end(), universe);
@@ -68,7 +69,7 @@ void Universes::write(int index, const FrameView& frame) {
   Head& head = heads_[static_cast<std::size_t>(index)];
   std::atomic<std::uint64_t>* const words = words_.get() + static_cast<std::size_t>(index) * kWordsPerUniverse;
 
-  // We are the only writer, so what we read of our own universe is what we wrote.
+  // The only writer reads its own last values.
   const std::uint64_t lock = head.lock.load(std::memory_order_relaxed);
   const std::uint32_t revision = head.revision.load(std::memory_order_relaxed) + 1;
   head.lock.store(lock + 1, std::memory_order_relaxed);
@@ -89,7 +90,7 @@ void Universes::write(int index, const FrameView& frame) {
   head.stamp_ns.store(frame.stamp_ns, std::memory_order_release);
   head.sender.store(frame.sender, std::memory_order_release);
   head.sequence.store(frame.sequence, std::memory_order_release);
-  head.revision.store(revision == 0 ? 1 : revision, std::memory_order_release);  // 0 is kept for "never written"
+  head.revision.store(revision == 0 ? 1 : revision, std::memory_order_release);  // 0 means "never written"
 
   head.lock.store(lock + 2, std::memory_order_release);
   revision_.fetch_add(1, std::memory_order_release);
@@ -132,7 +133,7 @@ int Universes::snapshot_changed(std::span<std::uint8_t> levels, std::span<FrameS
   FL_CHECK_EQ(stamps.size(), numbers_.size());
   int changed_count = 0;
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
-    // Equal revisions: nothing was finished since. A write under way will be found by the next call.
+    // Equal revisions: no write finished since. The next call finds a write in progress.
     if (heads_[i].revision.load(std::memory_order_acquire) == stamps[i].revision) continue;
     read(static_cast<int>(i), levels.data() + i * kSlotCountMax, stamps[i]);
     ++changed_count;

@@ -16,7 +16,7 @@ float mix(float a, float b, float share) { return a + (b - a) * share; }
 
 bool is_step(float dt_s) { return dt_s >= 0 && std::isfinite(dt_s); }
 
-// Values from a wire are 0 to 1; what is no number is 0.
+// Clamps a raw value to 0 to 1; NaN gives 0.
 float value_of(float raw) { return raw > 0 ? std::min(raw, 1.0f) : 0.0f; }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Checks for a broken program: both operands are printed, then the program aborts. Cheap, and on in release builds.
-// Never use them for bad input; that is a Result.
+// Checks for programming errors: prints both operands and aborts. They are cheap and stay on in release builds. Never
+// use them for bad input; that is a Result.
 #pragma once
 
 #include <cstdio>

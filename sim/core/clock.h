@@ -1,5 +1,5 @@
-// Time: int64 nanoseconds on one monotonic clock, passed in. Nothing but SystemClock (sim/system_clock.h) asks the
-// operating system for the time; tests use tests/support/fake_clock.h.
+// Time: int64 nanoseconds on one monotonic clock, passed in as arguments. Only SystemClock (sim/system_clock.h) reads
+// the operating system's clock; tests use tests/support/fake_clock.h.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ class Clock {
  public:
   virtual ~Clock() = default;
   virtual TimeNs now_ns() = 0;
-  // Returns at or after the absolute deadline; at once where it has passed. Absolute, so that lateness never adds up.
+  // Returns at or after the absolute deadline, or at once if it has passed. Absolute, so that delays never add up.
   virtual void sleep_until_ns(TimeNs deadline_ns) = 0;
 };
 

@@ -1,4 +1,4 @@
-// "1 fixture", "3 fixtures": for sentences that people read.
+// "1 fixture", "3 fixtures": a count with its noun, for messages.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace footlight {
 
-// The plural is the word with an s.
+// The plural is the word plus "s".
 [[nodiscard]] inline std::string counted(auto count, std::string_view word) {
   return fmt::format("{} {}{}", count, word, count == 1 ? "" : "s");
 }

@@ -19,7 +19,7 @@ struct NetworkScheme {
 };
 constexpr NetworkScheme kNetworkSchemes[] = {{"sacn", kUniverseMax}, {"artnet", kArtnetWireMax}};
 
-// The whole text as a number from 0; nothing for anything else.
+// The whole text as a number from 0; nullopt for anything else.
 std::optional<int> number_of(std::string_view text) {
   int number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -27,7 +27,7 @@ std::optional<int> number_of(std::string_view text) {
   return number;
 }
 
-// Four numbers from 0 to 255 between dots.
+// True for four numbers from 0 to 255 between dots.
 bool is_ipv4(std::string_view text) {
   for (int part = 0; part < 4; ++part) {
     const std::size_t dot = part < 3 ? text.find('.') : text.size();
@@ -39,7 +39,7 @@ bool is_ipv4(std::string_view text) {
   return true;
 }
 
-// Takes what follows the last `mark` off the end of `text`; nothing where there is no mark.
+// Removes the text after the last `mark` from `text` and returns it; nullopt if there is no mark.
 std::optional<std::string_view> take_suffix(std::string_view& text, char mark) {
   const std::size_t at = text.rfind(mark);
   if (at == std::string_view::npos) return std::nullopt;
@@ -59,7 +59,7 @@ std::vector<std::string> split_at_commas(std::string_view text) {
   }
 }
 
-// The first part that an earlier one repeats; nothing where all differ.
+// The first part that repeats an earlier one; nullopt if all differ.
 std::optional<std::string> named_twice(std::vector<std::string> parts) {
   std::sort(parts.begin(), parts.end());
   const auto twice = std::adjacent_find(parts.begin(), parts.end());
@@ -178,7 +178,7 @@ Status parse_device(std::string_view text, std::string_view rest, Endpoint& endp
   return {};
 }
 
-// "16-18,BLACKOUT" to "16", "17", "18", "BLACKOUT". A part that is no range of numbers is a name.
+// "16-18,BLACKOUT" to "16", "17", "18", "BLACKOUT". A part that is not a range of numbers is a name.
 Result<std::vector<std::string>> parse_lines(std::string_view text) {
   std::vector<std::string> lines;
   for (const std::string& part : split_at_commas(text)) {
@@ -266,7 +266,7 @@ Result<std::vector<std::uint8_t>> parse_address_priorities(std::string_view text
     const std::size_t colon = rest.find(':');
     const std::string_view range = rest.substr(0, colon);
     const std::size_t dash = range.find('-');
-    // What is no number becomes one that is out of range.
+    // Text that is not a number becomes 0, which is out of range.
     const auto first = number_of(range.substr(0, dash)).value_or(0);
     const auto last = dash == std::string_view::npos ? first : number_of(range.substr(dash + 1)).value_or(0);
     const auto priority = colon == std::string_view::npos ? -1 : number_of(rest.substr(colon + 1)).value_or(-1);

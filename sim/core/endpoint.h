@@ -1,4 +1,4 @@
-// The one syntax that names where frames come from or go to, in show files and on the command line.
+// The syntax of endpoints: where frames come from or go to, in show files and on the command line.
 //
 //   sacn:1-9                  universes 1 to 9 over multicast          sacn:1,3,5-7    single ones
 //   sacn:1-9@10.0.0.7         to (out) or on (in) one address          artnet:1-9@10.9.0.255
@@ -8,14 +8,14 @@
 //   sacn:101-109=1-9          renumbered: wire on the left, show on the right
 //   enttec-pro:EN123456=3     a device by its serial, as universe 3 of the show; without "=" as universe 1
 //   enttec-pro:EN123456=3,4   its connectors 1 and 2                   enttec-pro:EN123456/2=4  connector 2 alone
-//   enttec-pro                the one that is plugged in               mock:enttec-pro a model of one in this process
+//   enttec-pro                the only one plugged in                  mock:enttec-pro a model of one in this process
 //   gpio:gpiochip0/17=1.25    an input line of a GPIO chip, as universe 1 address 25
 //   gpio:gpiochip0/16-23=1.25 eight lines, as addresses 25 to 32       gpio:gpiochip0/BLACKOUT,4=1.25  names, lists
 //   gpio:mock/2=1.25          a line of a model in this process: a contact that closes twice a second
 //   log:FILE                  a file; everything after "log:" is its name
 //
-// Universe numbers count from 1 on both sides, in every protocol.
-// Only text is looked at here: whether the device, the interface or the file exists is found out when it is opened.
+// Universe numbers count from 1 on both sides, in every protocol. Parsing checks the text only. Opening the endpoint
+// checks whether the device, the interface or the file exists.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +40,7 @@ enum class EndpointKind {
   kNetwork,  // sacn, artnet: universes are required
   kDevice,   // one of the device schemes: a universe for each connector
   kGpio,     // gpio: input lines, one slot each; one universe
-  kFile,     // log: the file says which universes there are
+  kFile,     // log: the file determines the universes
 };
 
 struct Endpoint {
@@ -49,30 +49,30 @@ struct Endpoint {
   std::string scheme;                  // "sacn"
   std::string target;                  // device: serial or model, or empty; gpio: chip; file: its name; network: empty
   std::vector<std::string> addresses;  // network: IPv4 addresses, or none
-  std::uint16_t udp_port = 0;          // network: 0 for the one of the protocol
+  std::uint16_t udp_port = 0;          // network: 0: the protocol's own port
   std::vector<std::string> interface_names;  // network: "eth0", or none
   std::vector<std::string> lines;            // gpio: numbers or names, at least one, each once
-  Address first_address = 1;                 // gpio: of the first line; the others follow and fit in
+  Address first_address = 1;                 // gpio: of the first line; the others follow and must fit
   // In the order in which they were written; empty for a file. Device: `wire` is the connector, from 1.
   std::vector<WireUniverse> universes;
-  bool names_connectors = false;  // device: else the first ones that can do what is wanted are meant
+  bool names_connectors = false;  // device: false: the first connectors that can do what is needed
 
   [[nodiscard]] std::vector<Universe> show_universes() const;
   friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };
 
 // `device_schemes`: the ids of the drivers of this build. All errors are kBadInput; the message begins with the
-// endpoint and says what was expected, with an example.
+// endpoint and names what was expected, with an example.
 [[nodiscard]] Result<Endpoint> parse_endpoint(std::string_view text, std::span<const std::string_view> device_schemes);
 
-// Reads "1-9", "1,3,7-9" or "101-109=1-9" (wire on the left, show on the right; both sides name equally many, in
-// order). No number appears twice on either side. `wire_max`: the highest number that the protocol has.
-// Errors: kBadInput; the message names the offending part.
+// Reads "1-9", "1,3,7-9" or "101-109=1-9" (wire on the left, show on the right; both sides have equally many, in
+// order). No number appears twice on either side. `wire_max`: the protocol's highest number. Errors: kBadInput; the
+// message names the wrong part.
 [[nodiscard]] Result<std::vector<WireUniverse>> parse_wire_universes(std::string_view text,
                                                                      int wire_max = kUniverseMax);
 
-// Reads "1-100:150, 101-512:0": addresses and the priority (0 to 200) that each of them has. 512 priorities; addresses
-// that are not named have 0. Errors: kBadInput; the message names the offending part.
+// Reads "1-100:150, 101-512:0": address ranges with a priority (0 to 200). Returns 512 priorities; addresses that are
+// not listed have 0. Errors: kBadInput; the message names the wrong part.
 [[nodiscard]] Result<std::vector<std::uint8_t>> parse_address_priorities(std::string_view text);
 
 }  // namespace footlight

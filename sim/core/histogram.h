@@ -1,7 +1,7 @@
-// Counts durations in buckets of equal ratio: 8 to the octave, from 1 ns to 2^40 ns (18 minutes).
+// Counts durations in buckets of equal ratio: 8 per octave, from 1 ns to 2^40 ns (18 minutes).
 //
-// A quantile is read to within 1/8 of its value (the upper edge of its bucket), the largest value exactly. Fixed size
-// (2.6 kB), never allocates; recording is a few instructions. Not safe to share between threads; copy it out.
+// A quantile is exact to within 1/8 of its value (the upper edge of its bucket), the maximum exact. Fixed size (2.6
+// kB), never allocates; recording takes a few instructions. Not safe to share between threads; copy it out.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ class Histogram {
   [[nodiscard]] std::uint64_t count() const { return count_; }
   [[nodiscard]] DurationNs max_ns() const { return max_ns_; }  // 0: nothing recorded
   [[nodiscard]] std::uint64_t sum_ns() const { return sum_ns_; }
-  // How many were shorter than 2^power ns, exactly; `power` from 3 to 39.
+  // How many were shorter than 2^power ns, exact; `power` from 3 to 39.
   [[nodiscard]] std::uint64_t count_below_power(int power) const {
     const std::size_t end = bucket_of(std::uint64_t{1} << power);
     std::uint64_t seen = 0;
@@ -35,7 +35,7 @@ class Histogram {
     return seen;
   }
 
-  // The smallest bucket edge that at least `share` (0 to 1) of the values do not exceed; 0 where nothing was recorded.
+  // The smallest bucket edge that at least `share` (0 to 1) of the values do not exceed; 0 if nothing was recorded.
   [[nodiscard]] DurationNs quantile_ns(double share) const {
     const double wanted = std::clamp(share, 0.0, 1.0) * static_cast<double>(count_);
     std::uint64_t seen = 0;
@@ -49,11 +49,11 @@ class Histogram {
   void clear() { *this = Histogram{}; }
 
  private:
-  static constexpr int kSubBits = 3;  // 2^3 buckets to the octave
+  static constexpr int kSubBits = 3;  // 2^3 buckets per octave
   static constexpr int kOctaves = 40;
   static constexpr std::size_t kBucketCount = (kOctaves - kSubBits + 1) << kSubBits;
 
-  // Values below 8 have a bucket each; above, the three bits after the leading one choose the bucket within the octave.
+  // Values below 8 have a bucket each. Above, the three bits after the leading one select the bucket within the octave.
   static constexpr std::size_t bucket_of(std::uint64_t value) {
     if (value < (1u << kSubBits)) return static_cast<std::size_t>(value);
     const int shift = static_cast<int>(std::bit_width(value)) - 1 - kSubBits;

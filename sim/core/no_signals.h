@@ -1,7 +1,7 @@
-// Threads that no signal is handled on.
+// Keeps signals away from worker threads.
 //
-// A signal to the process goes to any thread that lets it in. The main one waits in calls that a signal ends; another
-// would take it in the middle of its work, and the main one would go on waiting.
+// The kernel delivers a signal of the process to any thread that does not block it. The main thread waits in calls that
+// a signal interrupts. If another thread took the signal, the main thread would go on waiting.
 #pragma once
 
 #include <array>
@@ -9,9 +9,9 @@
 
 namespace footlight {
 
-// Threads that are begun while one of these lives let no signal in, but those of their own faults and SIGXCPU, which
-// the kernel gives to the thread that used up its time only if that thread does not block it. The caller's own signals
-// wait until it goes.
+// Threads started while a NoSignals exists block all signals except those of their own faults and SIGXCPU. The kernel
+// sends SIGXCPU to the thread that used up its time only if that thread does not block it. Signals to the calling
+// thread stay pending until the destructor runs.
 class NoSignals {
  public:
   NoSignals() {

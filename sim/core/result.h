@@ -1,8 +1,8 @@
 // Errors are values.
 //
-// Expected trouble (no permission, unplugged, timeout, malformed line, missing GPU feature) comes back as a Result. The
-// message names the thing and the next step: "/dev/bus/usb/001/004: permission denied; run 'sudo cp
-// udev/70-footlight.rules /etc/udev/rules.d/'". A broken program (index out of range, unsorted table) is FL_CHECK in
+// Expected trouble (no permission, unplugged, timeout, malformed line, missing GPU feature) is returned as a Result.
+// The message names the thing and the next step: "/dev/bus/usb/001/004: permission denied; run 'sudo cp
+// udev/70-footlight.rules /etc/udev/rules.d/'". A programming error (index out of range, unsorted table) is FL_CHECK in
 // check.h.
 #pragma once
 
@@ -16,12 +16,12 @@ namespace footlight {
 
 enum class ErrorCode {
   kNotFound,      // the named thing does not exist
-  kPermission,    // it exists and may not be used by this user
-  kDisconnected,  // it was there and has gone
-  kTimeout,       // it is there and does not answer
-  kProtocol,      // the other side broke its own rules
-  kBadInput,      // a file or argument is wrong; the message says where and what was expected
-  kUnsupported,   // this build or machine cannot do it
+  kPermission,    // it exists, but this user may not use it
+  kDisconnected,  // it was present and is gone
+  kTimeout,       // it is present and does not answer
+  kProtocol,      // the other side violated its protocol
+  kBadInput,      // a file or argument is wrong; the message names the place and what was expected
+  kUnsupported,   // this build or machine does not support it
   kIo,            // the operating system refused a read or write
 };
 

@@ -15,9 +15,9 @@ namespace {
 // A tag is index * 8 + flags.
 constexpr std::uint64_t kTagLevels = 1;    // a row of the universe's columns belongs to this frame
 constexpr std::uint64_t kTagMeta = 2;      // slot count, priority, sender or terminated differ from the frame before
-constexpr std::uint64_t kTagSequence = 4;  // the sequence is not the one foretold
+constexpr std::uint64_t kTagSequence = 4;  // the sequence differs from the predicted one
 
-constexpr std::uint8_t kTableHeard = 1;
+constexpr std::uint8_t kTableSeen = 1;
 constexpr std::uint8_t kTableTerminated = 2;
 
 // Two bits per slot.
@@ -33,8 +33,8 @@ void put_meta(Bytes& out, const UniverseState& state) {
   put_varint(out, state.sender);
 }
 
-// How dear a column of residuals is: steps away from zero, plus one for each change, which stands for what zstd must
-// spend where no run continues.
+// Estimated compressed size of a column of residuals: the sum of their magnitudes, plus one for each change, because
+// zstd needs more bytes where no run continues.
 std::size_t cost_of(std::span<const std::uint8_t> residuals) {
   std::size_t cost = 0;
   std::uint8_t before = 0;
@@ -71,17 +71,17 @@ bool BlockEncoder::add(DurationNs time_ns, const FrameView& frame, bool keep_rep
   const std::size_t count = frame.terminated ? 0 : frame.slots.size();
   const bool changed = count > 0 && std::memcmp(state.levels.data(), frame.slots.data(), count) != 0;
   const auto slot_count = frame.terminated ? state.slot_count : static_cast<std::uint16_t>(count);
-  const bool meta = !state.heard || state.slot_count != slot_count || state.priority != frame.priority ||
+  const bool meta = !state.seen || state.slot_count != slot_count || state.priority != frame.priority ||
                     state.sender != frame.sender || state.terminated != frame.terminated;
   if (!changed && !meta && !keep_repeats) return false;
 
-  const std::uint32_t foretold = state.sequence + state.sequence_step;
-  const bool sequence = frame.sequence != foretold;
+  const std::uint32_t predicted = state.sequence + state.sequence_step;
+  const bool sequence = frame.sequence != predicted;
   if (first) first_ns_ = last_ns_ = time_ns;
   put_varint(tags_, index * 8 + (changed ? kTagLevels : 0) + (meta ? kTagMeta : 0) + (sequence ? kTagSequence : 0));
   put_varint(times_, static_cast<std::uint64_t>(time_ns - last_ns_));
 
-  state.heard = true;
+  state.seen = true;
   state.terminated = frame.terminated;
   state.priority = frame.priority;
   state.slot_count = slot_count;
@@ -90,7 +90,7 @@ bool BlockEncoder::add(DurationNs time_ns, const FrameView& frame, bool keep_rep
   state.sequence = frame.sequence;
   state.time_ns = time_ns;
   if (meta) put_meta(metas_, state);
-  if (sequence) put_varint(metas_, frame.sequence - foretold);
+  if (sequence) put_varint(metas_, frame.sequence - predicted);
   if (changed) {
     std::memcpy(state.levels.data(), frame.slots.data(), count);
     rows_[index].insert(rows_[index].end(), state.levels.begin(), state.levels.end());
@@ -109,8 +109,8 @@ void BlockEncoder::encode(Bytes& out) {
     fresh.universe = states_[i].universe;
     const UniverseState& base = i < base_.size() ? base_[i] : fresh;
     put_varint(out, static_cast<std::uint64_t>(base.universe));
-    put_u8(out, static_cast<std::uint8_t>((base.heard ? kTableHeard : 0) | (base.terminated ? kTableTerminated : 0)));
-    if (!base.heard) continue;
+    put_u8(out, static_cast<std::uint8_t>((base.seen ? kTableSeen : 0) | (base.terminated ? kTableTerminated : 0)));
+    if (!base.seen) continue;
     put_varint(out, static_cast<std::uint64_t>(first_ns_ - base.time_ns));
     put_varint(out, base.slot_count);
     put_u8(out, base.priority);
@@ -200,7 +200,7 @@ Status BlockDecoder::load(std::span<const std::uint8_t> raw, std::uint32_t frame
 
 Status BlockDecoder::read_table(Cursor& cursor, DurationNs first_ns) {
   const std::uint64_t universe_count = cursor.varint();
-  // A universe takes at least two bytes, so a wrong count cannot make us allocate more than the block is worth.
+  // A universe takes at least two bytes. So a wrong count cannot cause an allocation larger than the block justifies.
   if (!cursor.ok() || universe_count > kUniverseMax || universe_count > cursor.left() / 2) {
     return fail(ErrorCode::kBadInput, "the block names more universes than it can hold");
   }
@@ -215,8 +215,8 @@ Status BlockDecoder::read_table(Cursor& cursor, DurationNs first_ns) {
     named[universe] = true;
     UniverseState& state = states_.emplace_back();
     state.universe = static_cast<Universe>(universe);
-    if ((flags & kTableHeard) == 0) continue;
-    state.heard = true;
+    if ((flags & kTableSeen) == 0) continue;
+    state.seen = true;
     state.terminated = (flags & kTableTerminated) != 0;
     const std::uint64_t age_ns = cursor.varint();
     const std::uint64_t slot_count = cursor.varint();
@@ -225,7 +225,7 @@ Status BlockDecoder::read_table(Cursor& cursor, DurationNs first_ns) {
     state.sequence = static_cast<std::uint32_t>(cursor.varint());
     const auto levels = cursor.take(kSlotCountMax);
     if (!cursor.ok() || slot_count > kSlotCountMax || age_ns > static_cast<std::uint64_t>(first_ns)) {
-      return fail(ErrorCode::kBadInput, "the look at the block's start is wrong at universe {}", universe);
+      return fail(ErrorCode::kBadInput, "the snapshot at the block's start is wrong at universe {}", universe);
     }
     state.slot_count = static_cast<std::uint16_t>(slot_count);
     state.time_ns = first_ns - static_cast<DurationNs>(age_ns);
@@ -291,12 +291,12 @@ Result<BlockDecoder::Step> BlockDecoder::next(Slots& before) {
   if (!metas_.ok()) return fail(ErrorCode::kBadInput, "the block ends inside a frame");
   state.sequence_step = sequence - state.sequence;
   state.sequence = sequence;
-  state.heard = true;
+  state.seen = true;
   state.time_ns = next_time_ns_;
   if ((tag & kTagLevels) != 0) {
     Rows& rows = rows_[step.index];
     if (rows.at == rows.count) {
-      return fail(ErrorCode::kBadInput, "universe {} has fewer changes than its frames say", state.universe);
+      return fail(ErrorCode::kBadInput, "universe {} has fewer changes than its frames declare", state.universe);
     }
     before = state.levels;
     for (Column& column : rows.columns) {

@@ -1,4 +1,4 @@
-// The inside of a block, before compression: how every universe stood when it began, then one tag and one time for each
+// The content of a block before compression: the state of every universe at its start, then one tag and one time per
 // frame, then the levels that changed, as one column per slot over the frames of the block. Layout and reasons:
 // docs/formats/dmxlog.md. Bytes only, no I/O.
 #pragma once
@@ -16,45 +16,45 @@
 
 namespace footlight::dmx_log {
 
-// How a universe stands: what a frame of a change-only log is told against.
+// The state of a universe. Frames in the log are stored as changes against it.
 struct UniverseState {
   Universe universe = 0;
-  bool heard = false;  // no frame yet: the rest holds nothing
+  bool seen = false;  // false: no frame yet, the other fields are unset
   bool terminated = false;
   std::uint8_t priority = kPriorityDefault;
   std::uint16_t slot_count = 0;
   SenderId sender = 0;
   std::uint32_t sequence = 0;
-  std::uint32_t sequence_step = 1;  // the next sequence is foretold as sequence + step; 1 at the start of each block
+  std::uint32_t sequence_step = 1;  // the next sequence is predicted as sequence + step; 1 at the start of each block
   DurationNs time_ns = 0;           // of its newest frame
   Slots levels{};
 };
 
-// Collects the frames of one block after another. The states live across blocks.
+// Encodes the frames of one block after another. The states carry over between blocks.
 class BlockEncoder {
  public:
-  // time_ns >= that of the frame before. Returns whether the frame changed a level.
+  // time_ns must not be before that of the last frame. Returns whether the frame changed a level.
   bool add(DurationNs time_ns, const FrameView& frame, bool keep_repeats);
 
   [[nodiscard]] bool empty() const { return frame_count_ == 0; }
   [[nodiscard]] std::uint32_t frame_count() const { return frame_count_; }
   [[nodiscard]] DurationNs first_ns() const { return first_ns_; }
   [[nodiscard]] DurationNs last_ns() const { return last_ns_; }
-  // Upper bounds of what encode() gives: of this block, and of the part that does not depend on its frames.
+  // Upper bounds of the size from encode(): of this block, and of the part that does not depend on its frames.
   [[nodiscard]] std::size_t raw_bytes_bound() const { return base_bytes_bound() + row_bytes_ + 64 * frame_count_; }
   [[nodiscard]] std::size_t base_bytes_bound() const { return 16 + states_.size() * (kSlotCountMax + 176); }
   [[nodiscard]] const std::vector<UniverseState>& states() const { return states_; }
-  // Index into states() of a universe, or -1.
+  // Index of a universe in states(), or -1.
   [[nodiscard]] int find(Universe universe) const;
 
-  // Writes the block into `out` (cleared first) and begins the next.
+  // Writes the block into `out` (cleared first) and starts the next.
   void encode(Bytes& out);
 
  private:
   std::size_t index_of(Universe universe);
 
   std::vector<UniverseState> states_;  // in order of first appearance
-  std::vector<UniverseState> base_;    // as it was when the block began; shorter where universes were new
+  std::vector<UniverseState> base_;    // the states at the start of the block; shorter if universes were new
   std::unordered_map<Universe, std::size_t> indices_;
   std::vector<Bytes> rows_;  // per universe: 512 levels for each frame that changed one
   std::size_t row_bytes_ = 0;
@@ -64,13 +64,13 @@ class BlockEncoder {
   DurationNs last_ns_ = 0;
 };
 
-// Reads one block. Holds views into the bytes given to load(), which must outlive it.
+// Decodes one block. Refers to the bytes given to load(), which must outlive it.
 class BlockDecoder {
  public:
-  // Fails (kBadInput, saying what is wrong) where the block cannot be what it says.
+  // Fails with kBadInput and a description if the block is inconsistent.
   Status load(std::span<const std::uint8_t> raw, std::uint32_t frame_count, DurationNs first_ns, DurationNs last_ns);
   void clear();
-  // Gives up the frames that are left, keeps the states.
+  // Drops the remaining frames, keeps the states.
   void clear_frames() { frames_left_ = 0; }
 
   [[nodiscard]] bool has_next() const { return frames_left_ > 0; }
@@ -79,9 +79,9 @@ class BlockDecoder {
     std::size_t index = 0;  // into states()
     bool changed = false;   // levels
   };
-  // Applies the next frame to its universe's state. `before` receives the levels that it replaced where they changed.
+  // Applies the next frame to its universe's state. Copies the replaced levels to `before` if a level changes.
   Result<Step> next(Slots& before);
-  // As the frames so far have left them, in the order of the block's table.
+  // The states after the frames so far, in the order of the block's table.
   [[nodiscard]] const std::vector<UniverseState>& states() const { return states_; }
 
  private:

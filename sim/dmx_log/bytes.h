@@ -1,4 +1,5 @@
-// Little-endian numbers and varints in byte buffers. A Cursor never reads past its end: it gives zeros and says so.
+// Little-endian numbers and varints in byte buffers. A Cursor never reads past its end: it returns zeros and clears
+// ok().
 #pragma once
 
 #include <cstddef>
@@ -19,7 +20,7 @@ inline void put_u32(Bytes& out, std::uint32_t value) { put_le(out, value, 4); }
 inline void put_u64(Bytes& out, std::uint64_t value) { put_le(out, value, 8); }
 inline void put_i64(Bytes& out, std::int64_t value) { put_le(out, static_cast<std::uint64_t>(value), 8); }
 
-// Seven bits a byte, lowest first, bit 7 set in all but the last; at most ten bytes.
+// Seven bits per byte, lowest first, bit 7 set in all but the last; at most ten bytes.
 inline void put_varint(Bytes& out, std::uint64_t value) {
   while (value >= 0x80) {
     out.push_back(static_cast<std::uint8_t>(value | 0x80));
@@ -61,7 +62,7 @@ class Cursor {
     return 0;
   }
 
-  // Empty, and not ok() from then on, where fewer bytes are left.
+  // Returns nothing and clears ok() if fewer bytes are left.
   std::span<const std::uint8_t> take(std::size_t count) {
     if (count > left()) {
       ok_ = false;

@@ -20,7 +20,7 @@ std::uint64_t file_size(const std::string& path) {
 
 bool is_dmxlog_name(const std::string& path) { return path.ends_with(".dmxlog"); }
 
-// Which frames go into the result, and as which universe.
+// Selects the frames of the result and renumbers their universes.
 class Choice {
  public:
   Choice(const ConvertOptions& options, ConvertReport& report) : options_(options), report_(report) {}
@@ -39,7 +39,7 @@ class Choice {
     return {};
   }
 
-  // Renumbers `frame`; false where it is left out.
+  // Renumbers `frame`; false if it is left out.
   bool take(FrameView& frame) {
     if (!renumber_.empty()) {
       const auto place = renumber_.find(frame.universe);
@@ -47,7 +47,7 @@ class Choice {
         ++report_.other_universes;
         return false;
       }
-      heard_.insert(place->first);
+      seen_.insert(place->first);
       frame.universe = place->second;
     }
     if (!options_.changes_only) return true;
@@ -61,7 +61,7 @@ class Choice {
 
   void finish() const {
     for (const auto& [from, to] : renumber_) {
-      if (!heard_.contains(from)) report_.absent.push_back(from);
+      if (!seen_.contains(from)) report_.absent.push_back(from);
     }
   }
 
@@ -69,7 +69,7 @@ class Choice {
   const ConvertOptions& options_;
   ConvertReport& report_;
   std::map<Universe, Universe> renumber_;
-  std::set<Universe> heard_;
+  std::set<Universe> seen_;
   std::map<Universe, Slots> snapshots_;
 };
 
@@ -89,7 +89,8 @@ Result<LogInfo> read_log_info(const std::string& path, bool check) {
   if (reader.info().finished && !check) return reader.info();
   std::map<Universe, LogUniverseInfo> universes;
   for (const LogUniverseInfo& universe : reader.info().universes) {
-    universes[universe.universe].universe = universe.universe;  // those of the header, also if never heard
+    universes[universe.universe].universe = universe.universe;  // lists the universes of the header, also without
+                                                                // frames
   }
   std::uint64_t frames = 0;
   std::uint64_t changes = 0;

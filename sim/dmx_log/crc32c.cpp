@@ -6,7 +6,7 @@
 namespace footlight::dmx_log {
 namespace {
 
-// Table k holds the remainder of a byte that k further zero bytes follow: eight bytes are taken at a time.
+// Table k holds the remainder of a byte followed by k zero bytes, so that eight bytes are processed at a time.
 using Tables = std::array<std::array<std::uint32_t, 256>, 8>;
 
 constexpr Tables make_tables() {

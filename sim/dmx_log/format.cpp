@@ -9,7 +9,7 @@ namespace {
 
 void put_crc(Bytes& out) { put_u32(out, crc32c(out)); }
 
-// The last four bytes are the checksum of all before.
+// Checks the last four bytes, the checksum of all bytes before them.
 bool crc_holds(std::span<const std::uint8_t> bytes, bool check) {
   if (bytes.size() < 4) return false;
   if (!check) return true;

@@ -1,5 +1,5 @@
 // The fixed parts of a .dmxlog file: header, block header, index, trailer. Layout and reasons: docs/formats/dmxlog.md.
-// Bytes only, no I/O. Every decode checks each length and each range before it is believed.
+// Bytes only, no I/O. Every decode function checks each length and each range before using it.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,8 @@ inline constexpr std::size_t kIndexBytesMax =
     kIndexFixedBytes + kIndexUniverseBytes * kUniverseMax + kIndexEntryBytes * kIndexEntriesMax + 4;
 inline constexpr std::size_t kRawBytesMax = 128u << 20;
 inline constexpr std::size_t kCompressedBytesMax = 130u << 20;
-inline constexpr std::int64_t kTimeLimitNs = std::int64_t{1} << 61;  // 73 years, of times and of origins: sums fit
+inline constexpr std::int64_t kTimeLimitNs = std::int64_t{1} << 61;  // 73 years, limit of times and of origins, so that
+                                                                     // sums fit
 
 struct FileHeader {
   int version_major = kVersionMajor;
@@ -44,9 +45,9 @@ struct FileHeader {
 };
 
 [[nodiscard]] Bytes encode(const FileHeader& header);
-// The size that the first kFileHeaderFixedBytes name; nothing where it cannot be.
+// The header size stored in the first kFileHeaderFixedBytes; nullopt if it is invalid.
 [[nodiscard]] std::optional<std::size_t> file_header_size(std::span<const std::uint8_t> fixed_part);
-// Of a whole header, magic and version already checked; nothing where it is damaged.
+// Decodes a whole header after its magic and version were checked; nullopt if it is damaged.
 [[nodiscard]] std::optional<FileHeader> decode_file_header(std::span<const std::uint8_t> bytes, bool check_checksum);
 
 struct BlockHeader {
@@ -54,7 +55,7 @@ struct BlockHeader {
   std::uint32_t raw_bytes = 0;
   std::uint32_t frame_count = 0;
   std::uint32_t number = 0;  // counts blocks from 0
-  DurationNs first_ns = 0;   // times of the first and of the last frame
+  DurationNs first_ns = 0;   // times of the first and the last frame
   DurationNs last_ns = 0;
   std::uint32_t payload_crc = 0;  // CRC-32C of the compressed bytes
 };
@@ -97,8 +98,8 @@ struct Trailer {
 [[nodiscard]] Bytes encode(const Trailer& trailer);
 [[nodiscard]] std::optional<Trailer> decode_trailer(std::span<const std::uint8_t> bytes, bool check_checksum);
 
-// Keeps every block's place while there are few, every second, fourth, ... when there are many: never more than
-// kIndexEntriesMax, so that a recording of months needs no more memory than one of minutes.
+// Keeps the place of every block, or of every second, fourth, ... block if there are many: never more than
+// kIndexEntriesMax. So a recording of months needs no more memory than one of minutes.
 class IndexThinner {
  public:
   void add(const IndexEntry& entry) {

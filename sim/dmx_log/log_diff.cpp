@@ -12,17 +12,17 @@
 namespace footlight {
 namespace {
 
-constexpr std::size_t kWindow = 48;       // frames of each side that are aligned at once
-constexpr DurationNs kReachNs = kNsPerS;  // pairs further apart are not looked for
+constexpr std::size_t kWindow = 48;       // frames of each side aligned at a time
+constexpr DurationNs kReachNs = kNsPerS;  // the largest distance of a pair
 constexpr DurationNs kPeriodMinNs = kNsPerMs;
-constexpr std::size_t kVotersMax = 100'000;  // changes of a universe that vote on the offset
-// Costs of an alignment. A pair that differs is cheaper than two frames left over; being one period apart costs half.
+constexpr std::size_t kVotersMax = 100'000;  // changes of a universe used to estimate the offset
+// Costs of an alignment. A pair that differs costs less than two frames left over; a distance of one period costs half.
 constexpr double kCostDifferent = 3.0;
 constexpr double kCostLeftOver = 2.0;
 constexpr double kCostPeriod = 0.5;
 constexpr double kCostTimeMax = 8.0;
 
-// One frame, as far as aligning needs it.
+// The data of one frame that alignment needs.
 struct Mark {
   DurationNs time_ns = 0;
   std::uint64_t hash = 0;  // of all levels
@@ -35,7 +35,7 @@ struct Pair {
   std::uint32_t b = 0;
 };
 
-// Eight levels at a time through the finaliser of SplitMix64 (Steele, Lea, Flood 2014).
+// Hashes eight levels at a time with the finaliser of SplitMix64 (Steele, Lea, Flood 2014).
 std::uint64_t hash_of(const LogFrame& frame) {
   std::uint64_t hash = frame.terminated ? 1 : 0;
   for (std::size_t at = 0; at < frame.levels.size(); at += 8) {
@@ -49,7 +49,7 @@ std::uint64_t hash_of(const LogFrame& frame) {
   return hash;
 }
 
-// Walks a log again and again with the same frames left out.
+// Reads a log repeatedly, each time leaving out the same frames.
 class Walk {
  public:
   Walk(LogReader& reader, bool changes_only) : reader_(reader), changes_only_(changes_only) {}
@@ -58,7 +58,7 @@ class Walk {
     counts_.clear();
     return reader_.rewind();
   }
-  // The next frame that counts, with its index among those of its universe. False at the end.
+  // The next frame that is compared, with its index among those of its universe. False at the end.
   Result<bool> next(LogFrame& frame, std::uint32_t& index) {
     while (true) {
       FL_ASSIGN(const bool any, reader_.next(frame));
@@ -88,7 +88,7 @@ Result<std::map<Universe, Marks>> read_marks(Walk& walk) {
   }
 }
 
-// By levels that a universe shows only once.
+// Levels that a universe has only once, with their time.
 std::unordered_map<std::uint64_t, DurationNs> find_unique(const Marks& marks) {
   std::unordered_map<std::uint64_t, std::pair<DurationNs, int>> seen;
   for (const Mark& mark : marks) {
@@ -116,7 +116,7 @@ void estimate_offset(const std::map<Universe, Marks>& a, const std::map<Universe
       diff.offset_ns = other->second.front().time_ns - marks.front().time_ns;
     }
   }
-  // The first look of a log is a change of its own; alone it tells no more than that it is the first.
+  // The first frame of a log is always a change. Alone it does not determine the offset.
   if (votes.size() < 2) return;
   const auto middle = votes.begin() + static_cast<std::ptrdiff_t>(votes.size() / 2);
   std::nth_element(votes.begin(), middle, votes.end());
@@ -171,7 +171,7 @@ class Aligner {
     pairs_.push_back({static_cast<std::uint32_t>(i_++), static_cast<std::uint32_t>(j_++)});
   }
 
-  // Aligns the next frames and keeps the first half of what that gives: the end of a window knows too little.
+  // Aligns the next frames and keeps the first half of the result, because the end of a window is uncertain.
   void align_window() {
     const std::size_t m = std::min(kWindow, a_.size() - i_);
     const std::size_t n = std::min(kWindow, b_.size() - j_);
@@ -190,7 +190,7 @@ class Aligner {
                                cost(p, q - 1) + kCostLeftOver});
       }
     }
-    // Where the window ends before the logs do, what is left of one side costs nothing yet.
+    // If the window ends before the logs do, remaining frames of one side cost nothing yet.
     std::size_t p = m;
     std::size_t q = n;
     if (i_ + m < a_.size() || j_ + n < b_.size()) {
@@ -202,7 +202,7 @@ class Aligner {
       }
     }
     enum class Step : std::uint8_t { kPair, kOnlyA, kOnlyB };
-    std::array<Step, 2 * kWindow> steps;  // from the back
+    std::array<Step, 2 * kWindow> steps;  // in reverse order
     std::size_t count = 0;
     while (p > 0 || q > 0) {
       if (p > 0 && q > 0 && cost(p, q) == cost(p - 1, q - 1) + pair_cost(p - 1, q - 1)) {
@@ -226,7 +226,7 @@ class Aligner {
         case Step::kOnlyB: ++j_; break;
       }
     }
-    if (count == 0) ++i_;  // unreachable with m and n above 0; never stand still
+    if (count == 0) ++i_;  // unreachable with m and n above 0; guarantees progress
   }
 
   const Marks& a_;
@@ -268,12 +268,12 @@ void measure_times(const Marks& a, const Marks& b, const std::vector<Pair>& pair
   if (variance > 0.0) diff.drift_ppm = covariance / variance * 1e6;
 }
 
-// Pairs of one universe whose levels are not the same, ascending on both sides.
+// Pairs of one universe whose levels differ, ascending on both sides.
 struct Unlike {
   std::vector<Pair> pairs;
-  std::size_t at_a = 0;  // the next one that A comes to
+  std::size_t at_a = 0;  // the next pair in A
   std::size_t at_b = 0;
-  std::map<std::uint32_t, Slots> levels_b;  // of those that B has passed and A has not
+  std::map<std::uint32_t, Slots> levels_b;  // of pairs read in B and not yet in A
   std::bitset<kSlotCountMax> slots;
 };
 

@@ -40,7 +40,7 @@ class DmxLogInput final : public LogInput {
     view.sequence = frame.sequence;
     view.priority = frame.priority;
     view.terminated = frame.terminated;
-    // What came of a whole universe out of damage may go beyond the length of the frame that brought it.
+    // A frame restored after damage carries the whole universe, possibly more slots than the frame itself.
     view.slots = frame.restored ? frame.levels : frame.slots();
     return true;
   }
@@ -104,7 +104,7 @@ Result<LogFormat> detect_log_format(const std::string& path) {
   if (LogReader::open(path)) return LogFormat::kDmxLog;
   return fail(ErrorCode::kBadInput,
               "{}: expected a DMX log, an OLA Show, a packet capture (pcap, pcapng) or a sigrok capture (.sr); {}",
-              path, read.empty() ? "it is empty" : "it begins like none of them");
+              path, read.empty() ? "it is empty" : "its first bytes match none of them");
 }
 
 Result<std::unique_ptr<LogInput>> open_log_input(const std::string& path, int universe_offset) {

@@ -20,8 +20,8 @@ std::string part_name(const std::string& path, int number) {
   return number == 1 ? path + ".part" : fmt::format("{}.part{}", path, number);
 }
 
-// The unfinished recording of this name that was written last; empty: none. A recording takes the lowest free number,
-// so numbers may be missing and the highest one need not be the newest.
+// The unfinished recording of this name that was written last; empty: none. A recording takes the lowest free number.
+// So numbers may be missing, and the highest one may not be the newest.
 std::string newest_part(const std::string& path) {
   std::string newest;
   timespec newest_time{};
@@ -46,7 +46,7 @@ class FileOutput final : public LogOutput {
   FileOutput& operator=(const FileOutput&) = delete;
   ~FileOutput() override {
     ::close(fd_);
-    if (size_ == 0) ::unlink(part_path_.c_str());  // refused before it began: nothing to recover
+    if (size_ == 0) ::unlink(part_path_.c_str());  // refused before the first byte: nothing to recover
   }
 
   Status write(std::span<const std::uint8_t> bytes) override {
@@ -56,9 +56,9 @@ class FileOutput final : public LogOutput {
       if (count < 0 && errno == EINTR) continue;
       if (count <= 0) {
         const int error_number = count < 0 ? errno : ENOSPC;
-        // What did get through would read as a torn block; without it the file ends cleanly.
+        // The bytes written would read as a torn block. Without them the file ends cleanly.
         if (::ftruncate(fd_, static_cast<off_t>(size_)) != 0) {
-          // The reader copes with the torn block.
+          // The reader skips the torn block.
         }
         return fail_errno(error_number, part_path_, "cannot write; what is in it so far can be read");
       }
@@ -76,7 +76,7 @@ class FileOutput final : public LogOutput {
   Status finish() override {
     FL_TRY(sync());
     if (!overwrite_) {
-      // Unlike rename(), link() never replaces what has come there meanwhile.
+      // Unlike rename(), link() never replaces a file created meanwhile.
       if (::link(part_path_.c_str(), path_.c_str()) == 0) {
         ::unlink(part_path_.c_str());
         part_path_ = path_;
@@ -85,7 +85,7 @@ class FileOutput final : public LogOutput {
       if (errno == EEXIST) {
         return fail(ErrorCode::kIo, "{}: exists; the recording is complete under the name {}", path_, part_path_);
       }
-      // Some file systems (FAT, many network ones) have no links: rename then.
+      // Some file systems (FAT, many network ones) have no links: use rename().
     }
     if (std::rename(part_path_.c_str(), path_.c_str()) != 0) {
       return fail_errno(errno, path_, "cannot give the recording its name; it is complete under " + part_path_);

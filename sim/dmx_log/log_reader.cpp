@@ -30,18 +30,18 @@ static_assert(kLogBlockBytesMax == dmx_log::kRawBytesMax);
 namespace {
 
 constexpr std::size_t kDamageListedMax = 64;
-constexpr std::size_t kDamageCountedMax = 65'536;  // a broken disk must not fill the memory
+constexpr std::size_t kDamageCountedMax = 65'536;  // bounds the memory on a broken disk
 constexpr std::size_t kScanBytes = 64u << 10;
 
 class Input {
  public:
   virtual ~Input() = default;
   [[nodiscard]] virtual std::uint64_t size() const = 0;
-  // Fills `out`; fewer bytes than that in the file are an error.
+  // Fills `out`; fails if the file has fewer bytes there.
   virtual Status read(std::uint64_t offset, std::span<std::uint8_t> out) = 0;
 };
 
-// Reads with pread, not through a mapping: a file that somebody cuts short meanwhile is then an error, not a signal.
+// Uses pread, not a mapping: if the file is truncated while it is read, the result is an error instead of a signal.
 class FileInput final : public Input {
  public:
   FileInput(int fd, std::uint64_t size, std::string path) : fd_(fd), size_(size), path_(std::move(path)) {}
@@ -99,7 +99,7 @@ struct LogReader::Impl {
 
   void note_damage(std::uint64_t offset, std::uint64_t size_bytes, std::string what) {
     if (damage_offsets.size() == kDamageCountedMax) return;
-    if (!damage_offsets.insert(offset).second) return;  // met before, on an earlier way through
+    if (!damage_offsets.insert(offset).second) return;  // already recorded on an earlier pass
     ++info.damage_count;
     if (info.damage.size() < kDamageListedMax) info.damage.push_back({offset, size_bytes, std::move(what)});
   }
@@ -130,7 +130,7 @@ struct LogReader::Impl {
                 info.path, head[8] | head[9] << 8, head[10] | head[11] << 8, dmx_log::kVersionMajor);
   }
 
-  // Nothing where the header is damaged or cut short.
+  // nullopt if the header is damaged or cut short.
   Result<std::optional<dmx_log::FileHeader>> read_header(std::span<const std::uint8_t> head) {
     const auto size = dmx_log::file_header_size(head);
     if (!size || *size > input->size()) return std::nullopt;
@@ -141,10 +141,10 @@ struct LogReader::Impl {
     return header;
   }
 
-  // Blocks need nothing of the header but the place where they begin. The search for the first one ends where the
-  // longest header ends, unless the file begins with the bytes of a log: any other file is not read to its end.
+  // Blocks need only their start from the header. The search for the first block stops at the maximum length of a
+  // header unless the file begins with the bytes of a log, so that other files are not read to their end.
   Status do_without_header(std::span<const std::uint8_t> head) {
-    info.version_major = dmx_log::kVersionMajor;  // the only one whose blocks find_block() recognises
+    info.version_major = dmx_log::kVersionMajor;  // the only version whose blocks find_block() recognises
     first_block = dmx_log::kFileHeaderFixedBytes;
     const std::uint64_t search_end =
         has_magic(head) ? UINT64_MAX : dmx_log::kFileHeaderBytesMax + dmx_log::kBlockHeaderBytes;
@@ -181,7 +181,7 @@ struct LogReader::Impl {
     }
   }
 
-  // Where the index is sound the file is finished; otherwise blocks reach up to the end of the file.
+  // If the index is valid the file is finished; otherwise blocks reach up to the end of the file.
   Status read_tail() {
     data_end = input->size();
     if (input->size() < first_block + dmx_log::kTrailerBytes) return {};
@@ -227,7 +227,7 @@ struct LogReader::Impl {
     return {};
   }
 
-  // Of an unfinished log: from header to header.
+  // For an unfinished log: from header to header.
   Status scan() {
     dmx_log::IndexThinner index;
     DurationNs newest_ns = 0;
@@ -256,15 +256,15 @@ struct LogReader::Impl {
     return FoundBlock{offset, *header};
   }
 
-  // The first block at or after `offset` that lies whole before data_end. What is skipped on the way is damage. A
-  // search goes no further than `search_end`.
+  // The first block at or after `offset` that lies whole before data_end. Skipped bytes are recorded as damage. The
+  // search stops at `search_end`.
   Result<std::optional<FoundBlock>> find_block(std::uint64_t offset, std::uint64_t search_end = UINT64_MAX,
                                                bool note = true) {
     if (offset >= data_end) return std::nullopt;
     FL_ASSIGN(std::optional<FoundBlock> block, block_at(offset));
     if (block && block->end() <= data_end) return block;
     const bool torn = block.has_value();
-    // Search for the next header. Its checksum tells it from the same four bytes inside compressed levels.
+    // Search for the next header. Its checksum distinguishes it from the same four bytes inside compressed levels.
     Bytes window;
     constexpr std::array<std::uint8_t, 4> kMagic = {dmx_log::kBlockMagic & 0xFF, dmx_log::kBlockMagic >> 8 & 0xFF,
                                                     dmx_log::kBlockMagic >> 16 & 0xFF, dmx_log::kBlockMagic >> 24};
@@ -295,7 +295,7 @@ struct LogReader::Impl {
     return std::nullopt;
   }
 
-  // Reads and decodes the block. False: it is damaged, which is noted.
+  // Reads and decodes the block. False: it is damaged, which is recorded.
   Result<bool> load(const FoundBlock& block) {
     const std::uint64_t size_bytes = block.end() - block.offset;
     packed.resize(block.header.compressed_bytes);
@@ -304,7 +304,7 @@ struct LogReader::Impl {
       note_damage(block.offset, size_bytes, "the checksum of the block is wrong");
       return false;
     }
-    // Asked before memory is taken, so that a lie in the header costs nothing.
+    // Checked before memory is allocated, because a damaged header may have any size.
     const unsigned long long content = ZSTD_getFrameContentSize(packed.data(), packed.size());
     if (content != block.header.raw_bytes) {
       note_damage(block.offset, size_bytes, "the compressed part is not as long as the block says");
@@ -324,7 +324,7 @@ struct LogReader::Impl {
     return true;
   }
 
-  // Loads the next sound block, in order. False at the end.
+  // Loads the next valid block, in order. False at the end.
   Result<bool> next_block() {
     while (true) {
       FL_ASSIGN(const std::optional<FoundBlock> block, find_block(at));
@@ -337,8 +337,8 @@ struct LogReader::Impl {
         note_damage(block->offset, block->end() - block->offset, "the block is earlier than the one before it");
         continue;
       }
-      // `decoder` looks into `raw`, which load() overwrites: of the old block nothing is left to read. Its states stay:
-      // what changed inside damage is told when the next sound block comes.
+      // `decoder` refers to `raw`, which load() overwrites: the old block has no frames left to read. Its states stay:
+      // changes inside damage are reported when the next valid block comes.
       FL_ASSIGN(const bool sound, load(*block));
       if (!sound) continue;
       current = *block;
@@ -348,16 +348,17 @@ struct LogReader::Impl {
     }
   }
 
-  // What the block's look differs in from how the last block left the universes: without damage, nothing.
+  // Finds where the block's start differs from the universes' state after the last block. Without damage there is no
+  // difference.
   void find_restored(const std::vector<UniverseState>& was_states) {
     restored.clear();
     std::map<Universe, const UniverseState*> old;
     for (const UniverseState& state : was_states) {
-      if (state.heard) old[state.universe] = &state;
+      if (state.seen) old[state.universe] = &state;
     }
     for (std::size_t i = 0; i < decoder.states().size(); ++i) {
       const UniverseState& state = decoder.states()[i];
-      if (!state.heard) continue;
+      if (!state.seen) continue;
       const auto known = old.find(state.universe);
       if (known == old.end()) {
         restored.push_back({i, Slots{}});
@@ -367,7 +368,7 @@ struct LogReader::Impl {
         restored.push_back({i, was.levels});
       }
     }
-    std::reverse(restored.begin(), restored.end());  // taken from the back
+    std::reverse(restored.begin(), restored.end());  // taken from the end
   }
 
   void fill(LogFrame& frame, const UniverseState& state, DurationNs frame_time_ns, bool changed) {
@@ -395,7 +396,7 @@ struct LogReader::Impl {
     frame.changes = runs;
   }
 
-  // The next frame of the loaded block, applied. False where it has no more, or breaks off.
+  // Applies the next frame of the loaded block. nullopt if there is none, or the block breaks off.
   std::optional<dmx_log::BlockDecoder::Step> step() {
     if (!decoder.has_next()) return std::nullopt;
     const DurationNs next_ns = decoder.next_time_ns();
@@ -422,7 +423,7 @@ struct LogReader::Impl {
         return true;
       }
       if (const auto taken = step()) {
-        if (time_ns <= floor_ns) continue;  // only where damage has led seek() astray
+        if (time_ns <= floor_ns) continue;  // only if damage misled seek()
         fill(frame, decoder.states()[taken->index], time_ns, taken->changed);
         return true;
       }
@@ -442,12 +443,12 @@ struct LogReader::Impl {
   Status seek(DurationNs target_ns) {
     rewind();
     floor_ns = target_ns;
-    // The last entry at or before the target; from there headers lead to the last such block.
+    // Start with the last entry at or before the target; from there the headers lead to the last such block.
     auto entry = std::upper_bound(entries.begin(), entries.end(), target_ns,
                                   [](DurationNs value, const dmx_log::IndexEntry& e) { return value < e.first_ns; });
-    std::uint64_t end = data_end;  // blocks from here on are known to be of no use
+    std::uint64_t end = data_end;  // blocks from here on are not usable
     while (end > first_block) {
-      // Before the first entry may lie a block, too, where bytes went missing and the index no longer fits.
+      // A block may also lie before the first entry if bytes are missing and the index no longer fits.
       const std::uint64_t from = entry == entries.begin() ? first_block : (--entry)->offset;
       FL_ASSIGN(const bool found, load_last(from, end, target_ns));
       if (found) {
@@ -461,8 +462,7 @@ struct LogReader::Impl {
     return {};
   }
 
-  // Loads the last sound block that begins in the file from `from` to before `end` and in time at target_ns at the
-  // latest.
+  // Loads the last valid block that starts in the file from `from` to before `end`, and in time at or before target_ns.
   Result<bool> load_last(std::uint64_t from, std::uint64_t end, DurationNs target_ns) {
     std::vector<FoundBlock> candidates;
     DurationNs newest_ns = 0;
@@ -470,7 +470,7 @@ struct LogReader::Impl {
       FL_ASSIGN(const std::optional<FoundBlock> block, find_block(offset, end));
       if (!block || block->offset >= end || block->header.first_ns > target_ns) break;
       offset = block->end();
-      if (block->header.first_ns < newest_ns) continue;  // runs backwards, as next_block() says
+      if (block->header.first_ns < newest_ns) continue;  // out of order, as in next_block()
       newest_ns = block->header.last_ns;
       candidates.push_back(*block);
     }
@@ -489,7 +489,7 @@ struct LogReader::Impl {
   std::span<const LogSnapshot> snapshot() {
     snapshots.clear();
     for (const UniverseState& state : decoder.states()) {
-      if (!state.heard) continue;
+      if (!state.seen) continue;
       snapshots.push_back({state.universe, state.time_ns, state.sender, state.sequence, state.priority,
                            state.terminated, state.slot_count, state.levels});
     }
@@ -504,17 +504,17 @@ struct LogReader::Impl {
   std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> zstd;
   std::set<std::uint64_t> damage_offsets;
 
-  std::uint64_t first_block = dmx_log::kFileHeaderFixedBytes;  // at the earliest, until the header was read
+  std::uint64_t first_block = dmx_log::kFileHeaderFixedBytes;  // the earliest possible start, until the header was read
   std::uint64_t data_end = 0;
   std::vector<dmx_log::IndexEntry> entries;
 
-  std::uint64_t at = 0;      // where the next block is looked for
-  DurationNs time_ns = 0;    // of the newest frame given
-  DurationNs floor_ns = -1;  // frames up to here are part of the look that seek() went to
+  std::uint64_t at = 0;      // where the search for the next block starts
+  DurationNs time_ns = 0;    // of the newest frame returned
+  DurationNs floor_ns = -1;  // frames up to here are included in the state that seek() restored
   FoundBlock current;
   Bytes packed, raw;
   dmx_log::BlockDecoder decoder, loading;
-  std::vector<std::pair<std::size_t, Slots>> restored;  // states of `decoder` to tell, with the levels they had
+  std::vector<std::pair<std::size_t, Slots>> restored;  // states of `decoder` to report, with the levels they had
   Slots before{};
   std::vector<SlotRun> runs;
   std::vector<LogSnapshot> snapshots;

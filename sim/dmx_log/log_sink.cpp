@@ -12,10 +12,10 @@
 namespace footlight {
 namespace {
 
-constexpr DurationNs kWakePeriodNs = 250 * kNsPerMs;  // frames wait no longer than this for the writing thread
-constexpr std::size_t kWakeBytes = 256u << 10;        // nor more of them than this
+constexpr DurationNs kWakePeriodNs = 250 * kNsPerMs;  // the longest time frames wait for the writing thread
+constexpr std::size_t kWakeBytes = 256u << 10;        // and the most bytes of them
 
-// Frames on their way to the writing thread: their slots lie end to end.
+// Frames on their way to the writing thread. Their slots are stored end to end.
 struct Waiting {
   std::vector<FrameView> frames;  // slots unset
   std::vector<std::uint16_t> slot_counts;
@@ -46,7 +46,7 @@ struct LogSink::Impl {
   Impl& operator=(const Impl&) = delete;
   ~Impl() { stop(std::nullopt); }
 
-  // Without an end the log stays unfinished, with all that came in it.
+  // Without end_ns the log stays unfinished, with all frames received.
   void stop(std::optional<TimeNs> end_ns) {
     if (!thread.joinable()) return;
     {
@@ -102,16 +102,16 @@ struct LogSink::Impl {
   const LogSinkOptions options;
   std::vector<bool> wanted;
 
-  // Of the writing thread, until it has ended.
+  // Used by the writing thread until it has ended.
   LogWriter writer;
 
-  // Of the pump's thread.
+  // Used by the pump's thread.
   TimeNs next_wake_ns;
-  TimeNs flush_due_ns = kTimeNever;  // of the block that is open; kTimeNever: no frame came since the last flush
+  TimeNs flush_due_ns = kTimeNever;  // of the open block; kTimeNever: no frame since the last flush
   PortCounters counted;
   bool closed = false;
 
-  mutable std::mutex mutex;  // guards what follows; never held while the disk is at work
+  mutable std::mutex mutex;  // guards what follows; never held during disk I/O
   std::condition_variable wake;
   Waiting waiting;
   TimeNs newest_ns = 0;
@@ -136,7 +136,7 @@ Result<std::unique_ptr<LogSink>> LogSink::create(const std::string& path, const 
   LogWriterOptions writer_options = options.writer;
   writer_options.origin_ns = options.start_ns;
   writer_options.universes = options.universes;
-  FL_ASSIGN(LogWriter writer, LogWriter::create(path, writer_options));  // checks the universes, too
+  FL_ASSIGN(LogWriter writer, LogWriter::create(path, writer_options));  // also checks the universes
   LogSinkOptions checked = options;
   std::sort(checked.universes.begin(), checked.universes.end());
   checked.universes.erase(std::unique(checked.universes.begin(), checked.universes.end()), checked.universes.end());
@@ -186,7 +186,8 @@ Status LogSink::send(TimeNs now_ns, std::span<const FrameView> frames) {
       waiting.frames.back().slots = {};
       waiting.slot_counts.push_back(static_cast<std::uint16_t>(frame.slots.size()));
       waiting.slots.insert(waiting.slots.end(), frame.slots.begin(), frame.slots.end());
-      if (frame.start_code == kStartCodeLevels) ++impl_->counted.frames;  // the writer leaves out and counts the rest
+      // the writer leaves out the others and counts them
+      if (frame.start_code == kStartCodeLevels) ++impl_->counted.frames;
       if (impl_->flush_due_ns == kTimeNever) impl_->flush_due_ns = now_ns + impl_->options.flush_after_ns;
     }
     if (waiting.size_bytes() >= kWakeBytes && !impl_->woken) wake = impl_->woken = true;

@@ -14,7 +14,7 @@ namespace {
 constexpr double kSpeedMin = 0.001;
 constexpr double kSpeedMax = 1000.0;
 
-// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): spreads ids that lie close together over 64 bits.
+// The finaliser of SplitMix64 (Steele, Lea, Flood 2014): spreads ids that are close together over 64 bits.
 std::uint64_t spread(std::uint64_t value) {
   value += 0x9E3779B97F4A7C15u;
   value = (value ^ value >> 30) * 0xBF58476D1CE4E5B9u;
@@ -33,15 +33,15 @@ struct LogSource::Impl {
       return fail(ErrorCode::kBadInput, "{}: expected a speed from {} to {}, got {}", name, kSpeedMin, kSpeedMax,
                   options.speed);
     }
-    std::set<Universe> heard;
-    for (const LogUniverseInfo& universe : reader.info().universes) heard.insert(universe.universe);
+    std::set<Universe> seen;
+    for (const LogUniverseInfo& universe : reader.info().universes) seen.insert(universe.universe);
     if (!reader.info().finished) {
-      // The header names what was asked for; what came is known only from the frames.
+      // The header lists the requested universes. Those received are known only from the frames.
       LogFrame any_frame;
       while (true) {
         FL_ASSIGN(const bool any, reader.next(any_frame));
         if (!any) break;
-        heard.insert(any_frame.universe);
+        seen.insert(any_frame.universe);
       }
     }
     for (const auto& [from, to] : options.renumber) {
@@ -54,7 +54,7 @@ struct LogSource::Impl {
       }
     }
     std::set<Universe> given;
-    for (const Universe universe : heard) {
+    for (const Universe universe : seen) {
       if (const Universe to = renumbered(universe); to != 0 && !given.insert(to).second) {
         return fail(ErrorCode::kBadInput, "{}: two universes of the log would both become universe {}", name, to);
       }
@@ -101,11 +101,12 @@ struct LogSource::Impl {
     return fetch();
   }
 
-  // Looks ahead by one frame. Done as soon as the one before is out, so that a block is decompressed in the pause
-  // between frames and not when one is due.
+  // Reads the next frame as soon as the previous one is out, so that a block is decompressed in the pause between
+  // frames and not when a frame is due.
   Status fetch() {
     FL_ASSIGN(has_frame, reader.next(frame));
-    // The frame at the very end belongs to a log that is played whole; at a stop of the user's the next part begins.
+    // A frame exactly at the end of the log is played. A frame exactly at a stop time set by the user is not: it
+    // belongs to the next part.
     if (has_frame && frame.time_ns >= stop_ns && stop_ns < log_end_ns) has_frame = false;
     return {};
   }
@@ -186,7 +187,7 @@ struct LogSource::Impl {
   bool ended = false;
   TimeNs pass_start_ns = 0;  // when options.start_ns of this pass is due
   std::vector<Owned> first_snapshots;
-  LogFrame frame;  // the next one; its spans belong to the reader
+  LogFrame frame;  // the next frame; its spans belong to the reader
   bool has_frame = false;
   std::uint64_t passes = 0;
   std::uint64_t frames = 0;

@@ -74,10 +74,11 @@ struct LogWriter::Impl {
   bool block_is_full(DurationNs time_ns) const {
     if (encoder.empty()) return false;
     const std::size_t base = encoder.base_bytes_bound();
-    // Where one look is large, a block must hold many changes to be worth it, but still fit the limit of the format.
+    // With many universes the block's base is large. The block must hold enough changes to be efficient, but fit the
+    // limit of the format.
     const std::size_t limit = std::min(base + std::max(options.block_bytes, 4 * base), dmx_log::kRawBytesMax - 4096);
     if (encoder.raw_bytes_bound() > limit) return true;
-    // A player decompresses a block in the pause before it. Frames of several universes come in bursts: wait a little
+    // A player decompresses a block in the pause before it. Frames of several universes come in bursts: wait shortly
     // for the end of one.
     const DurationNs age_ns = time_ns - encoder.first_ns();
     const bool pause = time_ns - encoder.last_ns() >= kPauseNs;
@@ -93,7 +94,7 @@ struct LogWriter::Impl {
   LogWriterStats stats;
   DurationNs last_ns = 0;
   Bytes raw, packed;
-  std::optional<Error> error;  // the first; ends everything
+  std::optional<Error> error;  // the first error; every later call returns it
   bool closed = false;
 };
 
@@ -102,7 +103,7 @@ LogWriter::LogWriter(LogWriter&&) noexcept = default;
 LogWriter& LogWriter::operator=(LogWriter&&) noexcept = default;
 
 LogWriter::~LogWriter() {
-  if (impl_ && !impl_->closed && !impl_->error) (void)impl_->write_block();  // nobody is left to tell of trouble
+  if (impl_ && !impl_->closed && !impl_->error) (void)impl_->write_block();  // a destructor cannot report an error
 }
 
 Result<LogWriter> LogWriter::create(const std::string& path, const LogWriterOptions& options) {
@@ -136,7 +137,7 @@ Status check_options(const std::string& path, LogWriterOptions& options) {
 
 }  // namespace
 
-// Outside the class, so that only this library can hand it an output of its own.
+// Outside the class, so that only this library can use a LogOutput of its own.
 struct LogWriterMaker {
   static LogWriter make(std::unique_ptr<LogWriter::Impl> impl) { return LogWriter(std::move(impl)); }
   using Impl = LogWriter::Impl;

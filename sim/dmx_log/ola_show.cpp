@@ -135,7 +135,7 @@ Status OlaShowReader::read_levels(std::string_view levels, std::vector<std::uint
     const std::size_t comma = levels.find(',');
     const std::string_view word = levels.substr(0, comma);
     const bool last = comma == std::string_view::npos;
-    // A comma after address 512 names no further level.
+    // A comma after address 512 does not start another level.
     if (last && word.empty() && slots.size() == kSlotCountMax) return {};
     int level = 0;
     if (!word.empty() && (!parse_whole(word, level) || level < 0 || level > 255)) {
@@ -178,7 +178,7 @@ Status OlaShowWriter::check_stream() {
 }
 
 void OlaShowWriter::write_delay(DurationNs time_ns) {
-  // From the start, not from the frame before: what rounding took from one delay, the next gives back.
+  // Computed from the start, not from the last frame, so that rounding errors do not add up.
   const std::int64_t total_ms = (time_ns - lead_ns_ + kNsPerMs / 2) / kNsPerMs;
   text_ += std::to_string(total_ms - written_ms_);
   text_ += '\n';

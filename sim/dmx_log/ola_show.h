@@ -1,12 +1,13 @@
-// OLA Show text, as the Open Lighting Architecture's recorder writes and plays it: the line "OLA Show", then in turns
-// "<universe> <level>,<level>,..." and a delay in whole milliseconds. Unix or DOS line ends; a last delay may follow.
+// OLA Show text, as the Open Lighting Architecture's recorder writes and plays it: the line "OLA Show", then
+// alternating "<universe> <level>,<level>,..." and a delay in whole milliseconds. Unix or DOS line ends; a final delay
+// may follow.
 //
-// An empty level is 0, as in OLA's DmxBuffer::SetFromString: "1,,3" is 1, 0, 3, and "1," is 1, 0. OLA also takes text
-// as 0, levels past 255 modulo 256, and drops levels past 512; those are errors here, because they lose levels.
+// An empty level is 0, as in OLA's DmxBuffer::SetFromString: "1,,3" is 1, 0, 3, and "1," is 1, 0. OLA also reads text
+// as 0, reads levels past 255 modulo 256, and drops levels past 512. Those are errors here, because they lose levels.
 //
-// It holds no stamps, senders, priorities or repeats told from changes, so a DMX log that goes through it keeps levels
-// and times rounded to 1 ms. Rounding is carried forward: no frame and no total is off by more than 0.5 ms.
-// Threads: none; one thread at a time.
+// The format has no stamps, senders or priorities, and does not distinguish repeats from changes. So a DMX log that is
+// converted to it and back keeps levels, and times rounded to 1 ms. Rounding is carried forward: no frame and no total
+// is off by more than 0.5 ms. Threads: none; one thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -33,12 +34,12 @@ class OlaShowReader {
  public:
   // `universe_offset` is added to each universe: 1 for shows that count from 0, as OLA may.
   [[nodiscard]] static Result<OlaShowReader> open(const std::string& path, int universe_offset = 0);
-  // A show in memory; `name` stands for the path in messages.
+  // A show in memory; `name` replaces the path in messages.
   [[nodiscard]] static Result<OlaShowReader> open_text(std::string text, const std::string& name,
                                                        int universe_offset = 0);
   // The next frame; false at the end. Errors name file:line and what was expected there.
   [[nodiscard]] Result<bool> next(OlaShowFrame& frame);
-  // The sum of all delays read so far; after the end the length of the show.
+  // The sum of all delays read so far; at the end the length of the show.
   [[nodiscard]] DurationNs time_ns() const { return time_ns_; }
 
  private:
@@ -61,13 +62,13 @@ class OlaShowReader {
 
 class OlaShowWriter {
  public:
-  // Writes `path`.part; close() gives it its name.
+  // Writes `path`.part; close() renames it to `path`.
   [[nodiscard]] static Result<OlaShowWriter> create(const std::string& path, bool overwrite = false);
-  // Times must not fall. The format starts with its first frame: silence before it cannot be written.
+  // Times must not decrease. The format starts with its first frame: silence before it cannot be written.
   Status append(DurationNs time_ns, Universe universe, std::span<const std::uint8_t> slots);
   // Writes the delay up to the end of the show.
   Status close(DurationNs end_ns);
-  // The silence before the first frame, which the file does not hold.
+  // The silence before the first frame, which the file does not contain.
   [[nodiscard]] DurationNs lead_ns() const { return lead_ns_; }
 
  private:

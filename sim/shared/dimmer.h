@@ -1,7 +1,7 @@
-// Dimmer laws: from the level of the channel, coarse and fine merged, to the share of light. One law for a fixture:
-// beam, floor, lens and output all show what it gives.
+// Dimmer laws: from the level of the channel (coarse and fine combined) to the share of light. A fixture has one law,
+// used for its beam, floor, lens and output alike.
 //
-// All are monotone, 0 at 0 and 1 at 1 to the bit; what is no number gives 0.
+// All laws are monotone, and exactly 0 at 0 and 1 at 1; NaN gives 0.
 
 FL_CONST uint kLawLinear = uint(0);
 FL_CONST uint kLawSquare = uint(1);         // level^2: finer at the bottom
@@ -11,7 +11,7 @@ FL_CONST uint kLawTable = uint(4);
 FL_CONST uint kLawCount = uint(5);
 FL_CONST uint kLawTableCount = uint(17);
 
-// Light at level i / 16, with straight lines between. Monotone where its values are.
+// Light at level i / 16, linear in between. Monotone if its values are.
 struct LawTable {
   Real light[17];
 };
@@ -26,7 +26,7 @@ FL_FN Real law_table(LawTable table, Real level) {
   return clamp(low + (high - low) * (place - Real(i)), min(low, high), max(low, high));
 }
 
-// Laws but kLawTable, which needs its table; an unknown one is linear.
+// All laws except kLawTable, which needs its table; an unknown law is linear.
 FL_FN Real law_light(uint law, Real level) {
   if (!(level > Real(0))) return Real(0);
   if (level >= Real(1)) return Real(1);

@@ -1,7 +1,8 @@
-// Smoothing of levels, and things that go at a constant rate. Needs turns.h and motion.h.
+// Smoothing of levels, and movement at a constant rate. Needs turns.h and motion.h.
 
-// 1 - exp(-x) for x >= 0 without losing digits for small x; 0 for what is no number. Relative error: 2.3e-7 in float,
-// 5e-15 in double (filter_test.cpp): just beyond its series, where a digit of exp(-x) is 1 / x digits of the rest.
+// 1 - exp(-x) for x >= 0, without cancellation for small x; 0 for NaN. Relative error: 2.3e-7 in float, 5e-15 in double
+// (filter_test.cpp). The largest error is just past the end of the series, where the subtraction amplifies the rounding
+// of exp(-x) by 1 / x.
 FL_CONST Real kRelaxSeries = kSingle ? Real(0.25) : Real(0.02);
 FL_FN Real relax_share(Real x) {
   if (!(x > Real(0))) return Real(0);
@@ -17,14 +18,14 @@ FL_FN Real relax_share(Real x) {
 }
 
 // Jitter smoothing of a DMX level: a critically damped filter of two poles, tau^2 x'' + 2 tau x' + x = target. Exact
-// while the target holds: no error but rounding at any step. It never overshoots; a step is at 91 % after 4 tau and at
-// 99 % after 6.6 tau. Off by default: tau 0.
+// while the target is constant: only rounding errors, for any step. It never overshoots; a step is at 91 % after 4 tau
+// and at 99 % after 6.6 tau. Off by default: tau 0.
 struct Smooth {
   Axis now;
-  Axis from;  // when the target was last changed
+  Axis from;  // at the last change of the target
   Real target;
   uint pad;
-  Turns since_ns;  // since then
+  Turns since_ns;  // time since that change
 };
 
 FL_FN Smooth smooth_start(Real value) {
@@ -38,7 +39,7 @@ FL_FN Smooth smooth_start(Real value) {
   return smoothed;
 }
 
-// tau_s in [1e-6, 1e6]; anything else does not smooth. A target beyond 1e9 or no number is refused.
+// tau_s in [1e-6, 1e6]; any other value means no smoothing. A target beyond 1e9 or NaN is ignored.
 FL_FN Smooth smooth_step(Smooth smoothed, Real tau_s, Real target, Turns dt_ns) {
   if (!(abs(target) <= Real(1e9))) return smoothed;
   if (!(tau_s >= Real(1e-6)) || !(tau_s <= Real(1e6))) return smooth_start(target);
@@ -59,27 +60,27 @@ FL_FN Smooth smooth_step(Smooth smoothed, Real tau_s, Real target, Turns dt_ns) 
   return smoothed;
 }
 
-// Going from one level to another at a constant rate: blades, dowsers. travel_s: from 0 to 1; 0: at once.
+// A level that moves to its target at a constant rate: blades, dowsers. travel_s: time from 0 to 1; 0: at once.
 FL_FN Real slew_at(Real from, Real target, Real travel_s, Real t_s) {
   Real way = travel_s > Real(0) ? t_s / travel_s : Real(1e30);
   return target < from ? max(from - way, target) : min(from + way, target);
 }
 
-// Its mean from before_s to after_s.
+// The mean of slew_at() from before_s to after_s.
 FL_FN Real slew_mean(Real from, Real target, Real travel_s, Real before_s, Real after_s) {
   if (!(after_s > before_s)) return slew_at(from, target, travel_s, after_s);
   Real arrive_s = abs(target - from) * max(travel_s, Real(0));
-  Real share = clamp((arrive_s - before_s) / (after_s - before_s), Real(0), Real(1));  // of the time, on the way
+  Real share = clamp((arrive_s - before_s) / (after_s - before_s), Real(0), Real(1));  // of the time, while moving
   Real mean = Real(0.5) * (slew_at(from, target, travel_s, before_s) + slew_at(from, target, travel_s, after_s));
   return share * mean + (Real(1) - share) * target;
 }
 
 struct Slew {
   Real level;  // now, 0 to 1
-  Real from;   // when the target was last changed
+  Real from;   // at the last change of the target
   Real target;
   uint pad;
-  Turns since_ns;  // since then
+  Turns since_ns;  // time since that change
 };
 
 FL_FN Slew slew_start(Real level) {
@@ -92,8 +93,8 @@ FL_FN Slew slew_start(Real level) {
   return slew;
 }
 
-// Returns the mean level over the step; for dt_ns = 0 the level now. A target that is no number is refused; travel_s in
-// (0, 1e4], else 0.
+// Returns the mean level over the step; for dt_ns = 0 the current level. A NaN target is ignored. travel_s in (0, 1e4],
+// else 0.
 FL_FN Real slew_step(FL_INOUT(Slew) slew, Real travel_s, Real target, Turns dt_ns) {
   if (!(abs(target) <= Real(1e9))) return slew.level;
   Real way_s = travel_s > Real(0) && travel_s <= Real(1e4) ? travel_s : Real(0);

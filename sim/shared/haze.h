@@ -1,20 +1,20 @@
 // Haze and fog in the air of a room. Needs turns.h and filter.h.
 //
-// Droplets of one kind, as the scattering coefficient (1/m) that they would have if they were spread evenly over the
-// room. `total` are all of them, `unmixed` those that are still near their machines, where no beam is taken to pass:
+// The amount of droplets is given as a scattering coefficient (1/m): the value if they were spread evenly over the
+// room. `total` are all droplets. `unmixed` are those still near their machines, where no beam is assumed to pass:
 //   total'   = inflow - total / tau
 //   unmixed' = inflow - unmixed / tau - mixing_hz unmixed
 // Beams scatter by total - unmixed: dc/dt = mixing_hz unmixed - c / tau. Both have exact solutions while inflow and
-// mixing hold, counted from when they last changed: no error but rounding at any step, and the same bits however the
-// time between two changes is cut.
+// mixing are constant, computed from their last change. So the only error is rounding, and the result is bit-identical
+// for any division of the time into steps.
 struct RoomAir {
-  Real total;       // 1/m, now
-  Real unmixed;     // 1/m, now
-  Real from_total;  // when inflow or mixing last changed
+  Real total;       // 1/m, current
+  Real unmixed;     // 1/m, current
+  Real from_total;  // at the last change of inflow or mixing
   Real from_unmixed;
-  Real inflow;  // 1/m a second
+  Real inflow;  // 1/m per second
   Real mixing_hz;
-  Turns since_ns;  // since then
+  Turns since_ns;  // time since that change
 };
 
 FL_FN RoomAir room_start() {
@@ -36,10 +36,10 @@ FL_FN Real room_relaxed(Real from, Real inflow, Real rate_hz, Real t_s) {
   return from * decay_share(x) + inflow * (relax_share(x) / rate_hz);
 }
 
-FL_CONST Real kRoomMixedHz = Real(1e6);  // as fast and faster: what comes is mixed at once
+FL_CONST Real kRoomMixedHz = Real(1e6);  // at this rate or above, new droplets mix at once
 
-// inflow in [0, 1e6] 1/m a second and mixing_hz >= 0; one that is not is refused: the last one holds. tau_s in
-// [1e-6, 1e9]; with any other nothing is lost.
+// inflow in [0, 1e6] 1/m per second and mixing_hz >= 0; an invalid value is ignored and the last one kept. tau_s in
+// [1e-6, 1e9]; with any other value nothing is lost.
 FL_FN RoomAir room_step(RoomAir air, Real tau_s, Real inflow, Real mixing_hz, Turns dt_ns) {
   if (!(inflow >= Real(0)) || !(inflow <= Real(1e6))) inflow = air.inflow;
   if (!(mixing_hz >= Real(0))) mixing_hz = air.mixing_hz;
@@ -58,5 +58,6 @@ FL_FN RoomAir room_step(RoomAir air, Real tau_s, Real inflow, Real mixing_hz, Tu
   return air;
 }
 
-// What beams meet, 1/m. Of what has just come the digits go out against each other: its error is that of the total.
+// The scattering coefficient for beams, 1/m. Cancellation: shortly after the haze starts, its absolute error is that of
+// the total.
 FL_FN Real room_scattering(FL_IN(RoomAir) air) { return max(air.total - air.unmixed, Real(0)); }

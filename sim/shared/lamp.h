@@ -1,24 +1,23 @@
 // Lamps: tungsten, LED, discharge, and supplies that chop. Needs turns.h, motion.h and filter.h.
 //
-// Every lamp keeps its state of when its input last changed, and computes from there in closed form (see motion.h).
+// Every lamp stores its state at the last change of its input and computes from there in closed form (see motion.h).
 
 // Tungsten.
 //
 // The filament's heat balance with power laws, C dT/dt = v^2 P (T/Tn)^-r - P (T/Tn)^p with C ~ T^q, has two solution
-// curves for all lamps and all voltages: one that heats from 0 K, one that cools from a temperature without end. With
-// theta = v^(2/(p+r)) its equilibrium over the full temperature Tn, y = T / (theta Tn), and x = theta^(p-q-1) t / tau:
-// (p+r) dy/dx = y^-q (y^-r - y^p), and near y = 1 a deviation decays as exp(-x). So a step is x of y, plus dx, y of x.
-// Both curves are tabulated over x in octaves of 16 pieces, as the bits of a float have them, so that a look-up needs
-// no logarithm, and near 0 K, where y ~ x^(1/(1+q+r)), its error stays relative. x of y, which only a new voltage asks
-// for, is the logarithm of |1 - y| and a table of what is left; double goes on by Newton's method on the curve, so that
-// steps add up. Above y = 2.5, which only a lamp sees that is almost off, x is taken from its series in y^-(p+r).
+// curves for all lamps and all voltages: one heats from 0 K, one cools from infinite temperature. With theta =
+// v^(2/(p+r)) its equilibrium over the full temperature Tn, y = T / (theta Tn), and x = theta^(p-q-1) t / tau: (p+r)
+// dy/dx = y^-q (y^-r - y^p), and near y = 1 a deviation decays as exp(-x). So a step is: x of y, plus dx, then y of x.
+// Both curves are tabulated over x in octaves of 16 intervals, like the bits of a float. So a look-up needs no
+// logarithm, and the error stays relative near 0 K, where y ~ x^(1/(1+q+r)). x of y is needed only for a new voltage.
+// It is the logarithm of |1 - y| plus a tabulated remainder. In double, Newton's method on the curve follows, so that
+// steps add up. Above y = 2.5, which occurs only in a lamp that is almost off, x comes from its series in y^-(p+r).
 //
-// Error of the table: 4e-4 K of the lamp's temperature; of both with float's rounding, compared with an adaptive solver
-// at 1e-13, see lamp_test.cpp. Cost: a look-up while the voltage holds; two logarithms, two exponentials and a look-up
-// more when it changes.
-// Source: r = 1.215 (resistivity of tungsten), p = 4.6 and q = 0.15 for radiation and heat capacity; these give P ~
-// v^1.58 (makers: 1.6), T ~ v^0.34 (makers, of colour temperature: 0.42) and light ~ v^2.8 (makers: 3.4), and an
-// inrush of 18 times the current.
+// Error of the table: 4e-4 K of the lamp's temperature. Error of table and float rounding together, against an adaptive
+// solver at 1e-13: see lamp_test.cpp. Cost: one look-up while the voltage is constant; two logarithms, two exponentials
+// and one look-up more when it changes. Source: r = 1.215 (resistivity of tungsten), p = 4.6 and q = 0.15 for radiation
+// and heat capacity; these give P ~ v^1.58 (makers: 1.6), T ~ v^0.34 (makers, of colour temperature: 0.42) and light ~
+// v^2.8 (makers: 3.4), and an inrush of 18 times the current.
 
 FL_CONST Real kFilamentR = Real(1.215);
 FL_CONST Real kFilamentP = Real(4.6);
@@ -28,14 +27,14 @@ FL_CONST Real kFilamentC = Real(3.45);    // c = p - q - 1: s = y^-c / c for a l
 FL_CONST Real kFilamentAmbientK = Real(293.15);
 
 FL_CONST Real kFilamentFar = Real(2.5);                   // end of the tables
-FL_CONST Real kFilamentFarS = Real(0.01230479182093496);  // s from y without end to there
+FL_CONST Real kFilamentFarS = Real(0.01230479182093496);  // s between infinite y and kFilamentFar
 
-// The curves as one list of numbers: C++ has it here; a shader gets them from its own fl_filament(), since compilers
-// copy a long list into each function that looks something up in it (llvmpipe took ten times as long for it).
-// - y over x: where a lamp heats, 2^-14 to 2^5, and from kFilamentCools on where it cools, 2^-4 to 2^5, 16 nodes an
-//   octave; by the curve's hypergeometric series and Newton's method.
+// The curves as one list of numbers. C++ has the list here; a shader reads it through its own fl_filament(), because
+// compilers copy a long list into each function that reads it (llvmpipe took ten times as long for it).
+// - y over x: 2^-14 to 2^5 for a lamp that heats, and from kFilamentCools on 2^-4 to 2^5 for one that cools; 16 nodes
+//   per octave, from the curve's hypergeometric series and Newton's method.
 // - Its slopes, each over the interval behind the node.
-// - x + ln |1 - y| at y = i / 48 up to 1, and from there on at y = (i - 1) / 48; its slopes over one interval.
+// - x + ln |1 - y| at y = i / 48 up to 1, and beyond at y = (i - 1) / 48; then its slopes over one interval.
 FL_CONST uint kFilamentCools = uint(305);
 FL_CONST uint kFilamentYSlope = uint(450);
 FL_CONST uint kFilamentX = uint(900);
@@ -320,21 +319,21 @@ FL_FN Real fl_filament(uint index) { return kFilament[index]; }
 float fl_filament(uint index);
 #endif
 
-// x from which on a filament has arrived: 1e-14 of the way is left.
+// The filament has arrived at this x: 1e-14 of the way remains.
 FL_CONST Real kFilamentThere = Real(32);
 
-// y at x, and its slope over |x|. x is negative on the curve that cools. Relative error below 3e-7.
+// y at x, and its slope over |x|. x is negative on the cooling curve. Relative error below 3e-7.
 FL_INLINE Real filament_curve(Real x, FL_OUT(Real) slope) {
   Real way = min(abs(x), Real(31.99));
   uint bits = max(float_bits(way), uint(0x38800000));  // 2^-14
   uint i = (bits >> uint(19)) - uint((127 - 14) * 16);
   if (x < Real(0)) i += kFilamentCools - uint(10 * 16);
-  Real per = bits_float((uint(258) << uint(23)) - (bits & uint(0x7f800000)));  // intervals a unit of x
+  Real per = bits_float((uint(258) << uint(23)) - (bits & uint(0x7f800000)));  // intervals per unit of x
   Real t = (way - bits_float(bits & uint(0xfff80000))) * per;
   Real a = fl_filament(i);
   Real rise = fl_filament(i + uint(1)) - a;
   Real da = fl_filament(kFilamentYSlope + i);
-  // An octave's last node has the slope over the next one's intervals, which are twice as long: half of it.
+  // The next octave's intervals are twice as long, so its first node's slope counts half here.
   uint next = (((bits >> uint(19)) & uint(15)) + uint(1)) >> uint(4);
   Real db = fl_filament(kFilamentYSlope + i + uint(1)) * bits_float(uint(0x3f800000) - (next << uint(23)));
   // Cubic Hermite: a + t (da + t (c2 + t c3)).
@@ -373,8 +372,7 @@ FL_INLINE Real filament_place(Real y) {
   return x;
 }
 
-// s from y without end to y >= 2.5, by the logarithm of y to the base of 2; the first term that is left out is 1e-17 of
-// it.
+// s between infinite y and y >= 2.5, from the base-2 logarithm of y. The first omitted term is 1e-17 of the sum.
 FL_FN Real filament_far_s(Real log_y) {
   Real w = exp2(-kFilamentPR * log_y);
   Real sum = Real(1) / Real(38.34);
@@ -386,7 +384,7 @@ FL_FN Real filament_far_s(Real log_y) {
   return exp2(-kFilamentC * log_y) * (Real(1) / kFilamentC + w * sum);
 }
 
-// And back.
+// The inverse of filament_far_s().
 FL_FN Real filament_far_log_y(Real s) {
   Real log_y = -log2(kFilamentC * s) * (Real(1) / kFilamentC);
   for (uint i = uint(0); i < uint(3); ++i) {  // Newton, from 1e-3; ds / d log2(y) is known
@@ -403,14 +401,14 @@ struct FilamentType {
 };
 
 struct Filament {
-  Real kelvin;  // now; also the colour temperature of its light (a grey body)
-  Real from_k;  // when the voltage was last changed
+  Real kelvin;  // current; also the colour temperature of its light (a grey body)
+  Real from_k;  // at the last change of the voltage
   Real volt;
-  // What a step needs of that, computed once:
-  Real from;       // x of from_k; where the lamp is off, (from_k / full)^-c
+  // Derived from the above when the voltage changes:
+  Real from;       // x of from_k; if the lamp is off, (from_k / full)^-c
   Real end_k;      // equilibrium at this voltage
-  Real decay_hz;   // dx / dt; where the lamp is off, how fast (T / full)^-c grows; 0: beyond the table
-  Turns since_ns;  // since then
+  Real decay_hz;   // dx / dt; if the lamp is off, the growth rate of (T / full)^-c; 0: beyond the table
+  Turns since_ns;  // time since that change
 };
 
 FL_FN Filament filament_start(Real kelvin) {
@@ -425,14 +423,14 @@ FL_FN Filament filament_start(Real kelvin) {
   return filament;
 }
 
-FL_CONST Real kFilamentOff = Real(1e-4);  // volts below this heat nothing
+FL_CONST Real kFilamentOff = Real(1e-4);  // lower voltages give no heat
 
 FL_FN bool filament_takes(FilamentType type, Real volt) {
   return volt >= Real(0) && volt <= Real(10) && type.tau_s >= Real(1e-6) && type.tau_s <= Real(1e6) &&
          type.full_k >= Real(500) && type.full_k <= Real(1e4);
 }
 
-// Begins a stretch at this voltage.
+// Starts an interval of constant voltage.
 FL_INLINE void filament_aim(FL_INOUT(Filament) filament, FilamentType type, Real volt) {
   filament.from_k = filament.kelvin;
   filament.volt = volt;
@@ -444,7 +442,7 @@ FL_INLINE void filament_aim(FL_INOUT(Filament) filament, FilamentType type, Real
     filament.decay_hz = (kFilamentC / kFilamentPR) / type.tau_s;
     return;
   }
-  // Powers by their logarithms to the base of 2.
+  // Powers through base-2 logarithms.
   Real log_theta = log2(volt) * (Real(2) / kFilamentPR);
   filament.end_k = exp2(log_theta) * type.full_k;
   Real y = filament.from_k * (Real(1) / filament.end_k);
@@ -457,7 +455,7 @@ FL_INLINE void filament_aim(FL_INOUT(Filament) filament, FilamentType type, Real
   }
 }
 
-// The temperature t_s after a stretch began far above its end.
+// The temperature t_s after the start of an interval that began far above its equilibrium.
 FL_FN Real filament_from_far(FL_IN(Filament) filament, FilamentType type, Real t_s) {
   Real log_theta = log2(filament.volt) * (Real(2) / kFilamentPR);
   Real s = filament_far_s(log2(filament.from_k / type.full_k) - log_theta) +
@@ -480,8 +478,8 @@ FL_INLINE Real filament_at(FL_IN(Filament) filament, FilamentType type, Real t_s
   return max(kelvin, kFilamentAmbientK);
 }
 
-// The temperature after t_s at `volt` (rms over the rated voltage, 0 to 1.2), from any temperature. Exact but for the
-// table. Refused, and the temperature left alone: a step or a voltage that is no number or negative, an infinite step.
+// The temperature after t_s at `volt` (rms over the rated voltage, 0 to 1.2), from any temperature. Exact except for
+// the table. Returns `kelvin` if t_s or volt is NaN or negative, or t_s is infinite.
 FL_FN Real filament_after(Real kelvin, FilamentType type, Real volt, Real t_s) {
   if (!(t_s > Real(0)) || !(t_s < Real(1e30)) || !filament_takes(type, volt)) return kelvin;
   Filament filament = filament_start(kelvin);
@@ -489,7 +487,7 @@ FL_FN Real filament_after(Real kelvin, FilamentType type, Real volt, Real t_s) {
   return filament_at(filament, type, t_s);
 }
 
-// `type` is the same at every step.
+// `type` must be the same at every step.
 FL_INLINE void filament_move(FL_INOUT(Filament) filament, FilamentType type, Real volt, Turns dt_ns) {
   if (dt_ns == turns_zero() || !filament_takes(type, volt)) return;
   if (volt != filament.volt) filament_aim(filament, type, volt);
@@ -502,7 +500,7 @@ FL_INLINE Filament filament_step(Filament filament, FilamentType type, Real volt
   return filament;
 }
 
-// Current over the rated current: 18 times when cold, which a real supply's resistance brings to 10 to 15.
+// Current over the rated current: 18 times when cold; the resistance of a real supply reduces that to 10 to 15.
 FL_FN Real filament_current(Real kelvin, FilamentType type, Real volt) {
   return volt * pow(max(kelvin, kFilamentAmbientK) / type.full_k, -kFilamentR);
 }
@@ -515,30 +513,30 @@ FL_FN Real filament_log_light(Real kelvin) {
                                                                  x * (Real(0.1215594012) + x * Real(-0.01031564376)))));
 }
 
-// Light over the light at full; below 500 K (1e-15 of it) none. Relative error 6e-4.
+// Light over the light at full; 0 below 500 K (1e-15 of full). Relative error 6e-4.
 FL_FN Real filament_light(Real kelvin, FilamentType type) {
   if (!(kelvin > Real(500))) return Real(0);
   return exp(filament_log_light(kelvin) - filament_log_light(type.full_k));
 }
 
-// The voltage that gives a temperature in the end, and the temperature that gives a share of light: what a dimmer has
-// to do for a level that is meant as light.
+// The voltage whose equilibrium is this temperature. With filament_kelvin() it gives the voltage for a share of light,
+// as a dimmer with a light curve needs.
 FL_FN Real filament_volt(Real kelvin, FilamentType type) {
   return pow(max(kelvin, Real(0)) / type.full_k, Real(0.5) * kFilamentPR);
 }
 
-// Where a voltage leads in the end.
+// The equilibrium temperature at a voltage.
 FL_FN Real filament_rest(Real volt, FilamentType type) {
   if (!(volt > Real(1e-4))) return kFilamentAmbientK;
   return max(type.full_k * exp2(log2(volt) * (Real(2) / kFilamentPR)), kFilamentAmbientK);
 }
 
-// The temperature of a share of light, 1e-9 to 1: the inverse of filament_light(), within 1e-6 of the temperature.
+// The temperature for a share of light, 1e-9 to 1: the inverse of filament_light(), within 1e-6 of the temperature.
 FL_FN Real filament_kelvin(Real light, FilamentType type) {
   if (!(light > Real(1e-9))) return kFilamentAmbientK;
   if (light >= Real(1)) return type.full_k;
   Real wanted = log(light) + filament_log_light(type.full_k);
-  // In x = 1000 / T the logarithm of light is nearly a line; Newton by secants of two points on it.
+  // Over x = 1000 / T the logarithm of light is nearly linear; Newton's method with secants.
   Real x = Real(1000) / type.full_k;
   Real slope = Real(-24);
   Real value = filament_log_light(type.full_k);
@@ -556,9 +554,9 @@ FL_FN Real filament_kelvin(Real light, FilamentType type) {
 
 // Supplies that chop.
 //
-// A phase-cut dimmer conducts during the last `share` of each half wave. A filament of 10 ms and more sees the rms; a
-// shorter one, or an LED without a capacitor, is stepped per half wave or sees mains_mean. PWM is a strobe:
-// shutter_step with its rate and duty.
+// A phase-cut dimmer conducts during the last `share` of each half wave. A filament with a time constant of 10 ms or
+// more responds to the rms. A shorter one, or an LED without a capacitor, is stepped per half wave or uses mains_mean.
+// PWM is a strobe: shutter_step with its rate and duty.
 
 // rms over the rated voltage.
 FL_FN Real phase_cut_rms(Real share) {
@@ -568,14 +566,14 @@ FL_FN Real phase_cut_rms(Real share) {
   return share > Real(0) ? sqrt(max(conducts + sin(angle) * Real(0.159154943091895336), Real(0))) : Real(0);
 }
 
-// Energy from the beginning of a half wave to `p` of it, over the energy of a whole one.
+// Energy from the start of a half wave to `p` of it, over the energy of a whole one.
 FL_FN Real mains_energy(Real p, Real cut) {
   Real angle = Real(6.283185307179586477);
   if (!(p > cut)) return Real(0);
   return (p - cut) - (sin(angle * p) - sin(angle * cut)) / angle;
 }
 
-// Mean power over an exposure, 1 for full conduction over whole half waves. phase: in half waves at the start; advance:
+// Mean power over an exposure; 1 for full conduction over whole half waves. phase: in half waves at the start; advance:
 // half waves during it (turns_advance at twice the mains frequency).
 FL_FN Real mains_mean(Turns phase, Advance advance, Real share) {
   Real cut = share > Real(0) ? Real(1) - min(share, Real(1)) : Real(1);
@@ -589,7 +587,7 @@ FL_FN Real mains_mean(Turns phase, Advance advance, Real share) {
   return max(energy / turns, Real(0));
 }
 
-// LED: the driver follows its level as an RC does; the heat follows the power, and hot LEDs give less light.
+// LED: the driver follows its level like an RC circuit; the heat follows the power, and a hot LED gives less light.
 
 struct LedType {
   Real rise_s;  // time constant of the driver, 0.001 to 0.005; 0: at once
@@ -599,12 +597,12 @@ struct LedType {
 
 struct Led {
   Real level;       // of the current, 0 to 1
-  Real heat;        // 0 to 1: what full level leads to
-  Real from_level;  // when the target was last changed
+  Real heat;        // 0 to 1: relative to the equilibrium at full level
+  Real from_level;  // at the last change of the target
   Real from_heat;
   Real target;
   uint pad;
-  Turns since_ns;  // since then
+  Turns since_ns;  // time since that change
 };
 
 FL_FN Led led_start(Real level) {
@@ -619,9 +617,9 @@ FL_FN Led led_start(Real level) {
   return led;
 }
 
-// Returns the mean light over the step, 0 to 1; for dt_ns = 0 the light now. Exact, but that the droop of the step's
-// end stands for the whole step: off by at most droop * dt / heat_s. A target outside 0 to 1 is cut; no number is
-// refused.
+// Returns the mean light over the step, 0 to 1; for dt_ns = 0 the current light. Exact, except that the droop at the
+// end of the step is used for the whole step: off by at most droop * dt / heat_s. A target outside 0 to 1 is clamped;
+// NaN is ignored.
 FL_INLINE Real led_step(FL_INOUT(Led) led, LedType type, Real target, Turns dt_ns) {
   Real droop = type.heat_s >= Real(1e-6) && type.heat_s <= Real(1e6) ? unit_share(type.droop) : Real(0);
   if (!(abs(target) <= Real(1e9))) return led.level * (Real(1) - droop * led.heat);
@@ -657,7 +655,7 @@ FL_INLINE Real led_step(FL_INOUT(Led) led, LedType type, Real target, Turns dt_n
     Real cooled = decay_share(after_s * rate);
     led.heat = level + (led.from_heat - level) * cooled;
     if (slow) {
-      Real gap = Real(1) / type.rise_s - rate;  // of the two rates
+      Real gap = Real(1) / type.rise_s - rate;  // difference of the two rates
       Real both = abs(gap) * after_s < Real(1e-3)
                       ? after_s * decay_share(after_s * Real(0.5) * (rate + Real(1) / type.rise_s))
                       : (cooled - decay_share(after_s / type.rise_s)) / gap;
@@ -671,7 +669,7 @@ FL_INLINE Real led_step(FL_INOUT(Led) led, LedType type, Real target, Turns dt_n
 // Discharge: an arc that strikes, runs up, and cannot strike while it is hot. Its dimmer is a dowser (slew_step).
 
 struct DischargeType {
-  Real ignite_s;       // from power to the arc, cold
+  Real ignite_s;       // from power on to the arc, cold
   Real run_up_s;       // time constant of the run-up; some 0.3 of the minutes that makers state
   Real cool_s;         // time constant of cooling
   Real restrike_warm;  // the arc can strike at this warmth and below, (0, 1)
@@ -679,13 +677,13 @@ struct DischargeType {
 };
 
 struct Discharge {
-  Real warm;       // 0 cold to 1 run up
+  Real warm;       // 0 cold to 1 after the run-up
   uint lit;        // 1: the arc burns
-  Real from_warm;  // when the power was last switched
+  Real from_warm;  // at the last switch of the power
   uint from_lit;
   uint power;  // 1: on
   uint pad;
-  Turns since_ns;  // since then
+  Turns since_ns;  // time since that switch
 };
 
 FL_FN Discharge discharge_start() {
@@ -702,7 +700,7 @@ FL_FN Discharge discharge_start() {
 
 FL_FN Real discharge_share(Real t_s, Real tau_s) { return tau_s >= Real(1e-6) ? decay_share(t_s / tau_s) : Real(0); }
 
-// Seconds from power on to the arc, from a warmth: the hot-restrike lockout, then the ignition.
+// Seconds from power on to the arc at a given warmth: the hot-restrike lockout, then the ignition.
 FL_FN Real discharge_strike_s(Real warm, DischargeType type) {
   Real locked_s = Real(0);
   if (warm > type.restrike_warm && type.restrike_warm > Real(0) && type.cool_s > Real(0))
@@ -710,7 +708,7 @@ FL_FN Real discharge_strike_s(Real warm, DischargeType type) {
   return locked_s + (type.ignite_s > Real(0) ? type.ignite_s : Real(0));
 }
 
-// Mean light of an arc that began at `warm`, between two times after it began.
+// Mean light, between two times after the strike, of an arc that struck at `warm`.
 FL_FN Real discharge_light(Real warm, DischargeType type, Real before_s, Real after_s) {
   Real first = unit_share(type.first_light);
   Real cold = (Real(1) - warm) * discharge_share(before_s, type.run_up_s);
@@ -719,7 +717,7 @@ FL_FN Real discharge_light(Real warm, DischargeType type, Real before_s, Real af
   return Real(1) - (Real(1) - first) * cold;
 }
 
-// Returns the mean light over the step, 0 to 1; for dt_ns = 0 the light now.
+// Returns the mean light over the step, 0 to 1; for dt_ns = 0 the current light.
 FL_FN Real discharge_step(FL_INOUT(Discharge) lamp, DischargeType type, uint power, Turns dt_ns) {
   if (power != lamp.power) {
     lamp.from_warm = lamp.warm;
@@ -749,5 +747,5 @@ FL_FN Real discharge_step(FL_INOUT(Discharge) lamp, DischargeType type, uint pow
   return after_s > before_s ? light * (burns_s / (after_s - before_s)) : light;
 }
 
-// Colour temperature on the way from a fresh arc to one that has run up.
+// Colour temperature between that of a fresh arc and that after the run-up.
 FL_FN Real discharge_kelvin(Discharge lamp, Real first_k, Real full_k) { return mix(first_k, full_k, lamp.warm); }

@@ -1,30 +1,28 @@
 // Motors: pan, tilt, zoom, focus, iris, wheels, blades, prisms. Needs turns.h.
 //
-// An axis goes to its target in the shortest time that its speed and acceleration limits allow and stops there (double
-// integrator, |v| <= V, |a| <= A, time-optimal control: accelerate, cruise, brake). While the target is constant the
-// motion has a closed form, so a step of any length is exact: step(a) then step(b) equals step(a + b). Positions are
-// absolute: an axis of 540 degrees goes the whole way back, never the shorter way round.
+// An axis moves to its target in the shortest time that its speed and acceleration limits allow, and stops there
+// (double integrator, |v| <= V, |a| <= A, time-optimal control: accelerate, cruise, brake). While the target is
+// constant the motion has a closed form, so a step of any length is exact: step(a) then step(b) equals step(a + b).
+// Positions are absolute: an axis of 540 degrees moves the whole way back, never the shorter way round.
 //
-// A Motor keeps where it was when its target was last changed, and how long ago that is, and computes from there. So
-// rounding does not add up over steps, and its place at a time does not depend, to the bit, on how the time before was
-// cut into steps.
+// A Motor stores its state at the last change of its target and the time since then, and computes from there. So
+// rounding does not add up over steps, and the position is bit-identical for any division of the time into steps.
 //
-// Units: any unit of position u with u/s and u/s^2.
-// Source: L. S. Pontryagin et al., The Mathematical Theory of Optimal Processes, chapter 1 (the time-optimal double
-// integrator), with a speed limit added.
+// Units: any unit of position u with u/s and u/s^2. Source: L. S. Pontryagin et al., The Mathematical Theory of Optimal
+// Processes, chapter 1 (the time-optimal double integrator), with a speed limit added.
 
 struct Axis {
   Real position;  // u
   Real speed;     // u/s
 };
 
-// Up to four stretches of constant acceleration from `from` on, then rest at the target.
+// Up to four intervals of constant acceleration from `from` on, then rest at the target.
 struct AxisPlan {
-  Real slow_s;  // brakes down to a speed limit that was lowered
+  Real slow_s;  // braking to a reduced speed limit
   Real up_s;
   Real cruise_s;
   Real down_s;
-  Real side;    // 1: upwards
+  Real side;    // 1: towards larger positions
   Real slowed;  // speed along `side` after slow_s
   Real peak;    // and while cruising
 };
@@ -32,15 +30,15 @@ struct AxisPlan {
 FL_INLINE AxisPlan axis_plan(Axis from, Real target, Real speed_max, Real acceleration_max) {
   FL_EXACT AxisPlan plan;
   FL_EXACT Real per_acceleration = exact_quotient(Real(1), acceleration_max);
-  // Towards which side? Where the axis would stop if it braked now decides. Mirror, so that the way is upwards.
+  // The direction follows from where the axis would stop if it braked now. Mirrored, so that the rest is upwards.
   FL_EXACT Real brake_stop = from.position + from.speed * abs(from.speed) * (Real(0.5) * per_acceleration);
   plan.side = brake_stop <= target ? Real(1) : Real(-1);
-  FL_EXACT Real distance = (target - from.position) * plan.side;  // may be negative: running away from the target
+  FL_EXACT Real distance = (target - from.position) * plan.side;  // negative: moving away from the target
   FL_EXACT Real v = from.speed * plan.side;
   plan.slowed = min(v, speed_max);
   plan.slow_s = (v - plan.slowed) * per_acceleration;
   FL_EXACT Real rest = distance - Real(0.5) * (v + plan.slowed) * plan.slow_s;
-  // Peak speed of the triangle from here: v_peak^2 = A * rest + v^2 / 2, cut at the limit.
+  // Peak speed of the triangle from here: v_peak^2 = A * rest + v^2 / 2, limited to speed_max.
   FL_EXACT Real peak_square = max(acceleration_max * rest + Real(0.5) * plan.slowed * plan.slowed, Real(0));
   plan.peak = max(min(exact_root(peak_square), speed_max), max(plan.slowed, Real(0)));
   plan.up_s = (plan.peak - plan.slowed) * per_acceleration;
@@ -50,8 +48,8 @@ FL_INLINE AxisPlan axis_plan(Axis from, Real target, Real speed_max, Real accele
   return plan;
 }
 
-// Where a plan is after t_s. Braking is computed from its end, so that it arrives. All stretches are computed and one
-// is chosen: nothing foretells which, and a loop over many axes compiles to vectors.
+// The state of a plan after t_s. Braking is computed backwards from its end, so that it ends exactly at the target. All
+// intervals are computed and one is selected: without branches a loop over many axes compiles to vectors.
 FL_INLINE Axis axis_follow(AxisPlan plan, Axis from, Real target, Real acceleration_max, Real t_s) {
   FL_EXACT Real start_s = plan.slow_s + plan.up_s;
   FL_EXACT Real left_s = start_s + plan.cruise_s + plan.down_s - t_s;
@@ -70,33 +68,32 @@ FL_INLINE Axis axis_follow(AxisPlan plan, Axis from, Real target, Real accelerat
   axis.speed = t_s < plan.slow_s ? slow_speed : plan.side * speed;
   axis.position = left_s < plan.down_s ? brake_position : axis.position;
   axis.speed = left_s < plan.down_s ? brake_speed : axis.speed;
-  axis.position = left_s > Real(0) ? axis.position : target;  // arrived: exactly there, at rest
+  axis.position = left_s > Real(0) ? axis.position : target;  // arrived: exactly at the target, at rest
   axis.speed = left_s > Real(0) ? axis.speed : Real(0);
   return axis;
 }
 
-// Are these limits and a target of a motor? Speeds from 1e-9 to 1e9, accelerations from 1e-9 to 1e12.
+// True if the limits and the target are valid for a motor: speeds from 1e-9 to 1e9, accelerations from 1e-9 to 1e12,
+// targets up to 1e9.
 FL_FN bool axis_takes(Real target, Real speed_max, Real acceleration_max) {
   return speed_max >= Real(1e-9) && speed_max <= Real(1e9) && acceleration_max >= Real(1e-9) &&
          acceleration_max <= Real(1e12) && abs(target) <= Real(1e9);
 }
 
-// One step from any state. Refused, and the axis left alone: limits and targets that axis_takes() does not take, and a
-// step that is not above 0 or not finite.
+// One step from any state. Returns the axis unchanged if axis_takes() is false or the step is not positive and finite.
 FL_FN Axis axis_step(Axis axis, Real target, Real speed_max, Real acceleration_max, Real dt_s) {
   if (!(dt_s > Real(0)) || !(dt_s < Real(1e30)) || !axis_takes(target, speed_max, acceleration_max)) return axis;
   return axis_follow(axis_plan(axis, target, speed_max, acceleration_max), axis, target, acceleration_max, dt_s);
 }
 
 struct MotorLimits {
-  Real speed_max;         // u/s; 0: no motor, it is at its target at once
+  Real speed_max;         // u/s; 0: no motor, the axis is at its target at once
   Real acceleration_max;  // u/s^2
 };
 
-// Limits from GDTF's times: RealFade = seconds from one end of the range to the other, ramps included;
-// RealAcceleration = seconds from standstill to full speed. Shorter than 1 ms (also: not said) counts as 1 ms. An
-// acceleration that takes half the fade or more leaves no cruise: a triangle of speed that takes the fade as a whole.
-// fade_s <= 0 (and no number): no motor.
+// Limits from GDTF's times: RealFade = seconds from one end of the range to the other, ramps included; RealAcceleration
+// = seconds from standstill to full speed. A RealAcceleration below 1 ms, or none, counts as 1 ms. An acceleration of
+// half the fade or more leaves no cruise: a triangle of speed that takes the whole fade. fade_s <= 0 or NaN: no motor.
 FL_FN MotorLimits motor_limits(Real range, Real fade_s, Real acceleration_s) {
   MotorLimits limits;
   limits.speed_max = Real(0);
@@ -114,7 +111,7 @@ FL_FN MotorLimits motor_limits(Real range, Real fade_s, Real acceleration_s) {
   return limits;
 }
 
-// What moves, for fixtures whose file has no times.
+// Kinds of movement, for fixtures whose file has no times.
 FL_CONST uint kMotorPan = uint(0);
 FL_CONST uint kMotorTilt = uint(1);
 FL_CONST uint kMotorZoom = uint(2);
@@ -122,17 +119,17 @@ FL_CONST uint kMotorFocus = uint(3);
 FL_CONST uint kMotorIris = uint(4);
 FL_CONST uint kMotorWheel = uint(5);
 FL_CONST uint kMotorBlade = uint(6);
-FL_CONST uint kMotorPrism = uint(7);  // and frost: in and out
+FL_CONST uint kMotorPrism = uint(7);  // also frost: in and out
 FL_CONST uint kMotorCount = uint(8);
 
-// Times over the whole range as RealFade and RealAcceleration are.
+// Times over the whole range, as RealFade and RealAcceleration.
 struct MotorTimes {
   Real fade_s;
   Real acceleration_s;
 };
 
-// Middling figures for a profile of today, chosen and not measured: pan 540 degrees in 2.6 s, tilt 270 in 1.6 s. An
-// unknown kind gives those of zoom.
+// Typical figures for a current profile, chosen and not measured: pan 540 degrees in 2.6 s, tilt 270 in 1.6 s. An
+// unknown kind gets those of zoom.
 FL_FN MotorTimes motor_default(uint kind) {
   MotorTimes times;
   times.fade_s = Real(0.8);
@@ -152,7 +149,8 @@ FL_FN MotorTimes motor_default(uint kind) {
 }
 
 // Position-speed channel, vector mode: the channel sets the speed (share 0 to 1 of the limit, at least 1/1000 of it so
-// that the move ends). The acceleration stays. Tracking mode: the limits stay, and a Flex with damping 1 smooths.
+// that the move ends). The acceleration is unchanged. Tracking mode: the limits are unchanged, and a Flex with damping
+// 1 smooths.
 FL_FN MotorLimits motor_vector(MotorLimits limits, Real share) {
   limits.speed_max *= clamp(share, Real(1e-3), Real(1));
   return limits;
@@ -160,10 +158,10 @@ FL_FN MotorLimits motor_vector(MotorLimits limits, Real share) {
 
 struct Motor {
   Axis now;
-  Axis from;  // when the target or the speed limit was last changed
+  Axis from;  // at the last change of the target or the speed limit
   Real target;
   Real speed_max;
-  Turns since_ns;  // since then
+  Turns since_ns;  // time since that change
 };
 
 FL_FN Motor motor_start(Real position) {
@@ -177,8 +175,8 @@ FL_FN Motor motor_start(Real position) {
   return motor;
 }
 
-// The target of a wheel, which is the same place each `period`: of all that name the place, the nearest. It is chosen
-// when the place changes and kept while the wheel is on its way, or its turning would depend on when it was looked at.
+// The target of a wheel, which repeats every `period`: the nearest of the equivalent positions. It is chosen when the
+// target changes and kept while the wheel moves, so that the direction does not depend on the steps.
 FL_FN Real motor_nearest(Motor motor, Real target, Real period) {
   if (!(period > Real(0)) || !(abs(target) <= Real(1e9))) return target;
   Real same = target + period * floor((motor.target - target) / period + Real(0.5));
@@ -186,8 +184,7 @@ FL_FN Real motor_nearest(Motor motor, Real target, Real period) {
   return target + period * floor((motor.now.position - target) / period + Real(0.5));
 }
 
-// The first part of a step: what a new target or speed limit changes. Refused: a target that is no number or beyond
-// 1e9.
+// The first part of a step: applies a new target or speed limit. A target that is NaN or beyond 1e9 is ignored.
 FL_INLINE Motor motor_aim(Motor motor, MotorLimits limits, Real target) {
   if (!(abs(target) <= Real(1e9))) return motor;
   if (!axis_takes(target, limits.speed_max, limits.acceleration_max)) {  // no motor
@@ -203,7 +200,7 @@ FL_INLINE Motor motor_aim(Motor motor, MotorLimits limits, Real target) {
   return motor;
 }
 
-// Where it is so long after motor_aim().
+// The state since_ns after motor_aim() changed the target.
 FL_INLINE Axis motor_at(Axis from, Real target, Real speed_max, Real acceleration_max, Turns since_ns) {
   return axis_follow(axis_plan(from, target, speed_max, acceleration_max), from, target, acceleration_max,
                      time_s(since_ns));
@@ -218,17 +215,17 @@ FL_INLINE Motor motor_step(Motor motor, MotorLimits limits, Real target, Turns d
   return motor;
 }
 
-// What hangs on a motor through a spring and a damper: x'' + 2 damping rate x' + rate^2 x = rate^2 u(t), u the motor's
+// A load on a motor through a spring and a damper: x'' + 2 damping rate x' + rate^2 x = rate^2 u(t), u the motor's
 // position.
 //
-// With damping 1 it is jerk smoothing: its impulse response is positive and of area 1, so it keeps the motor's limits
-// of speed and acceleration, never overshoots, and bounds the jerk to 2 A rate / e; it lags the motor by 2 / rate and
-// settles to 1e-6 of a step in 17 / rate. With less it is the resonance of a belt or a yoke, with overshoot. The
-// motor's position is a parabola in each stretch of its plan, so each stretch has an exact solution: no error but
-// rounding.
+// With damping 1 it is jerk smoothing: its impulse response is positive and of area 1. So it keeps the motor's limits
+// of speed and acceleration, never overshoots, and limits the jerk to 2 A rate / e. It lags the motor by 2 / rate and
+// settles to 1e-6 of a step in 17 / rate. With lower damping it is the resonance of a belt or a yoke, with overshoot.
+// The motor's position is a parabola in each interval of its plan, so each interval has an exact solution: the only
+// error is rounding.
 struct Flex {
   Axis now;
-  Axis from;  // when the motor's target or speed limit was last changed
+  Axis from;  // at the last change of the motor's target or speed limit
 };
 
 struct FlexLimits {
@@ -236,7 +233,7 @@ struct FlexLimits {
   Real damping;  // (0, 1]
 };
 
-// Smoothing that lags by lag_s: of jerk (some 0.02 to 0.1 s), or of tracking mode's steps (some 0.1 to 0.5 s).
+// Smoothing with a lag of lag_s: of jerk (some 0.02 to 0.1 s), or of tracking mode's steps (some 0.1 to 0.5 s).
 FL_FN FlexLimits flex_smoothing(Real lag_s) {
   FlexLimits limits;
   limits.rate = lag_s > Real(0) ? Real(2) / lag_s : Real(0);
@@ -278,7 +275,7 @@ FL_FN Axis flex_decay(Axis deviation, FlexLimits limits, Real t_s) {
   return after;
 }
 
-// One stretch of t_s with the motor at u and constant acceleration a.
+// One interval of t_s with the motor at u and constant acceleration a.
 FL_FN Axis flex_stretch(Axis flex, FlexLimits limits, Axis u, Real a, Real t_s) {
   // Steady motion behind a parabola: x_p = u - (2 d / w) u' + ((4 d^2 - 1) / w^2) u''.
   Real lag_s = Real(2) * limits.damping / limits.rate;
@@ -293,7 +290,7 @@ FL_FN Axis flex_stretch(Axis flex, FlexLimits limits, Axis u, Real a, Real t_s) 
   return after;
 }
 
-// The flex at t_s after the plan began, from its own state then.
+// The flex t_s after the start of the plan, from its own state at that start.
 FL_FN Axis flex_follow(Axis flex, FlexLimits limits, AxisPlan plan, Axis from, Real target, Real acceleration_max,
                        Real t_s) {
   Real left_s = t_s;
@@ -336,7 +333,7 @@ FL_FN Flex flex_start(Real position) {
   return flex;
 }
 
-// The step that belongs to `motor = motor_step(before, ...)`. A damping outside (0, 1] counts as 1.
+// The step for `motor = motor_step(before, ...)`. A damping outside (0, 1] counts as 1.
 FL_FN Flex flex_step(Flex flex, FlexLimits limits, Motor before, Motor motor, MotorLimits drive) {
   if (!axis_takes(motor.target, drive.speed_max, drive.acceleration_max) || !(limits.rate >= Real(1e-3)) ||
       !(limits.rate <= Real(1e6))) {

@@ -2,15 +2,15 @@
 //
 // A shared header has no include guard and includes nothing. In GLSL it is included after this file, with Real = float.
 // In C++ it is included twice, through sim/shared/shared.h or its neighbours in fixtures/ and render/: inside namespace
-// f32 with Real = float (what the GPU computes) and inside namespace f64 with Real = double (the judge).
+// f32 with Real = float (what the GPU computes) and inside namespace f64 with Real = double (the reference).
 //
-// FL_EXACT before a variable: its value must be the same wherever it is computed, so nothing in it may be contracted to
-// a fused multiply-add (C++ is compiled for processors without one).
+// FL_EXACT before a variable: its value must be bit-identical on CPU and GPU, so the compiler must not contract it to a
+// fused multiply-add (the C++ is compiled for processors without one).
 //
-// The rules of the subset: literals as Real(0.5) or uint(3); Vec2, Vec3 for vectors; FL_FN before a function
-// (FL_INLINE where a call's copies of structs cost more than its work); FL_IN(T) for a large struct that is only read,
-// FL_INOUT(T) and FL_OUT(T) for parameters that change; no templates, references, pointers, member functions or
-// overloads on Real; arrays of fixed size; comparisons written so that NaN takes the safe branch.
+// The rules of the subset: literals as Real(0.5) or uint(3); Vec2, Vec3 for vectors; FL_FN before a function (FL_INLINE
+// if copying structs in a call costs more than its work); FL_IN(T) for a large struct that is only read, FL_INOUT(T)
+// and FL_OUT(T) for parameters that change; no templates, references, pointers, member functions or overloads on Real;
+// arrays of fixed size; comparisons written so that NaN takes the safe branch.
 #ifdef __cplusplus
 #define FL_FN inline
 #define FL_INLINE [[gnu::always_inline]] inline

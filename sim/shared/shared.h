@@ -1,4 +1,4 @@
-// The shared time behaviour for C++: footlight::f32 in float, as on the GPU; footlight::f64 in double, the judge.
+// The shared time behaviour for C++: footlight::f32 in float, as on the GPU; footlight::f64 in double, the reference.
 // See sim/shared/real.h for the rules of the subset.
 #pragma once
 
@@ -37,7 +37,7 @@
   using std::tan;
 
 namespace footlight {
-// GLSL's built-in of this name.
+// GLSL's built-in function of this name.
 inline void umulExtended(std::uint32_t a, std::uint32_t b, std::uint32_t& high, std::uint32_t& low) {
   const std::uint64_t product = std::uint64_t{a} * b;
   high = static_cast<std::uint32_t>(product >> 32);
@@ -50,14 +50,14 @@ using Real = float;
 using Vec2 = glm::vec2;
 using Vec3 = glm::vec3;
 FL_SHARED_USING
-// clang-format off: each of these uses those above it.
-#include "sim/shared/turns.h"
-#include "sim/shared/motion.h"
+// clang-format off: each header uses those above it.
+#include "sim/shared/dimmer.h"
 #include "sim/shared/filter.h"
 #include "sim/shared/haze.h"
-#include "sim/shared/dimmer.h"
 #include "sim/shared/lamp.h"
+#include "sim/shared/motion.h"
 #include "sim/shared/shutter.h"
+#include "sim/shared/turns.h"
 // clang-format on
 }  // namespace footlight::f32
 
@@ -66,13 +66,13 @@ using Real = double;
 using Vec2 = glm::dvec2;
 using Vec3 = glm::dvec3;
 FL_SHARED_USING
-// clang-format off: each of these uses those above it.
-#include "sim/shared/turns.h"
-#include "sim/shared/motion.h"
+// clang-format off: each header uses those above it.
+#include "sim/shared/dimmer.h"
 #include "sim/shared/filter.h"
 #include "sim/shared/haze.h"
-#include "sim/shared/dimmer.h"
 #include "sim/shared/lamp.h"
+#include "sim/shared/motion.h"
 #include "sim/shared/shutter.h"
+#include "sim/shared/turns.h"
 // clang-format on
 }  // namespace footlight::f64

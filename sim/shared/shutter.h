@@ -1,12 +1,13 @@
 // Shutters: the mean light through them over an exposure. Needs turns.h, motion.h and filter.h.
 //
-// A camera integrates over its exposure; sampling a strobe at one instant would beat against the frame rate. Every
-// flash is a trapezoid in time (blades open, stay, close; a pulse has no stay), so the integral has a closed form.
-// Times within a flash are differences of 64-bit phases: no digits are lost after any uptime.
+// A camera integrates over its exposure; sampling a strobe at one instant would alias with the frame rate. Every flash
+// is a trapezoid in time (blades open, stay, close; a pulse has no flat part), so the integral has a closed form. Times
+// within a flash are differences of 64-bit phases: they lose no precision after any uptime.
 //
 // Kinds and parameters are those of GDTF's Shutter1... attributes: rate in Hz, duty cycle or duration, time offset,
-// minimum opening. Random kinds have one flash in each period, at a place drawn from the period's number and a seed:
-// the same on replay however time is cut, and with the mean of the regular ones over whole periods.
+// minimum opening. Random kinds have one flash in each period, at a place computed from the period's number and a seed.
+// It is the same on replay for any division of the time into steps, and the mean over whole periods equals that of the
+// regular kinds.
 //
 // Error of a mean: 1e-7 of the open share in float, 1e-15 in double, for any rate and any exposure (30 days included).
 
@@ -20,12 +21,12 @@ FL_CONST uint kShutterRandom = uint(6);
 FL_CONST uint kShutterRandomPulse = uint(7);
 FL_CONST uint kShutterRandomPulseClose = uint(8);
 FL_CONST uint kShutterRandomPulseOpen = uint(9);
-FL_CONST uint kShutterEffect = uint(10);  // GDTF leaves it to the maker; here four flashes, then a pause as long
+FL_CONST uint kShutterEffect = uint(10);  // undefined in GDTF; here four flashes, then a pause of the same length
 FL_CONST uint kShutterKindCount = uint(11);
 FL_CONST uint kShutterEffectFlashes = uint(4);
 
-// One flash: from `low` up to `peak` in `rise`, there for `open`, back in `fall`. Lengths in turns, their sum at most
-// 1.
+// One flash: rises from `low` to `peak` in `rise`, stays for `open`, falls back in `fall`. Lengths in turns, their sum
+// at most 1.
 struct Flash {
   Real low;
   Real peak;
@@ -35,11 +36,11 @@ struct Flash {
 };
 
 struct ShutterParams {
-  uint kind;        // kShutter...; what is none of them is open
-  Real rate_hz;     // periods a second; 0: the kinds that flash are open
+  uint kind;        // kShutter...; any other value is open
+  Real rate_hz;     // periods per second; 0: the flashing kinds are open
   Real duty;        // open share of a period, 0 to 1
-  Real duration_s;  // open time of a flash; 0: by duty
-  Real offset;      // where in the period the flash begins, turns; each fixture's own
+  Real duration_s;  // open time of a flash; 0: duty is used
+  Real offset;      // start of the flash in the period, turns; per fixture
   Real low;         // minimum opening, 0 to 1
   Real travel_s;    // of the blades, from closed to open; 0: at once
   uint seed;        // of random kinds
@@ -47,14 +48,14 @@ struct ShutterParams {
 
 struct Shutter {
   Turns phase;      // of the strobe's period
-  uint period;      // its number
-  uint kind;        // that runs
-  Real level;       // of the blades now, 0 to 1; while they flash, only where they need time to travel
-  Real from_level;  // when the kind was last changed
-  Turns since_ns;   // since then
+  uint period;      // number of the period
+  uint kind;        // the active kind
+  Real level;       // of the blades now, 0 to 1; while flashing it is updated only if the blades have a travel time
+  Real from_level;  // at the last change of the kind
+  Turns since_ns;   // time since that change
 };
 
-// Well mixed bits of two numbers: Wellons' 32-bit finalizer ("lowbias32") on each in turn.
+// Hash of two numbers: Wellons' 32-bit finalizer ("lowbias32") on each in turn.
 FL_FN uint hash_mix(uint a) {
   a ^= a >> uint(16);
   a *= uint(0x7feb352du);
@@ -85,8 +86,8 @@ FL_FN Flash shutter_flash(uint kind, Real duty, Real travel, Real low) {
     flash.rise = share;
     flash.open = Real(0);
   } else if (travel > Real(0)) {
-    // Blades need `travel` each way. Too slow for the open time they do not reach the top; too slow for the closed time
-    // they do not reach the bottom. The mean stays the duty.
+    // Blades need `travel` each way. If that exceeds the open time they do not reach the top; if it exceeds the closed
+    // time they do not reach the bottom. The mean remains the duty.
     Real way = share > Real(0.5) ? Real(1) - share : share;
     Real ramp = min(travel, way);
     flash.rise = ramp;
@@ -108,7 +109,7 @@ FL_FN Real flash_light(Flash flash) {
   return (flash.peak - flash.low) * (flash.open + Real(0.5) * (flash.rise + flash.fall));
 }
 
-// The light above `low` in the turns 0 to `length`, of a flash that begins at `start` (may be negative).
+// The light above `low` in the turns 0 to `length`, of a flash that starts at `start` (may be negative).
 FL_FN Real flash_integral(Flash flash, Real start, Real length) {
   Real light = Real(0);
   Real a = max(start, Real(0));
@@ -126,7 +127,7 @@ FL_FN Real flash_integral(Flash flash, Real start, Real length) {
   return light * (flash.peak - flash.low);
 }
 
-// The level at one instant, `at` turns after the flash began.
+// The level at one instant, `at` turns after the start of the flash.
 FL_FN Real flash_level(Flash flash, Real at) {
   if (!(at >= Real(0))) return flash.low;
   Real share = Real(0);
@@ -137,26 +138,26 @@ FL_FN Real flash_level(Flash flash, Real at) {
   } else if (at < flash.rise + flash.open + flash.fall) {
     share = (flash.rise + flash.open + flash.fall - at) / flash.fall;
   }
-  return flash.low + (flash.peak - flash.low) * unit_share(share);  // a short ramp's rounding reaches beyond
+  return flash.low + (flash.peak - flash.low) * unit_share(share);  // rounding of a short ramp can exceed [0, 1]
 }
 
-// Where the flash of a period begins.
+// The start of the flash in a period.
 FL_FN Turns shutter_start(ShutterParams params, Flash flash, uint period) {
   if (params.kind < kShutterRandom || params.kind > kShutterRandomPulseOpen) return turns_zero();
   Real room = max(Real(1) - (flash.rise + flash.open + flash.fall), Real(0));
   return turns_from(room * (Real(hash_two(params.seed, period) >> uint(8)) * Real(5.9604644775390625e-8)));
 }
 
-// How the flashes lie in a period: their number and their distance.
+// The number of flashes in a period.
 FL_FN uint shutter_count(uint kind) { return kind == kShutterEffect ? kShutterEffectFlashes : uint(1); }
 
-// The light above `low` in a part of one period: from `phase` on, for `length` turns.
+// The light above `low` in a part of one period: `length` turns from `phase` on.
 FL_FN Real shutter_piece(ShutterParams params, Flash flash, uint period, Turns phase, Real length) {
   uint count = shutter_count(params.kind);
   Turns start = shutter_start(params, flash, period);
   Real light = Real(0);
   for (uint i = uint(0); i < count; ++i) {
-    // Of an effect: each flash an eighth of a period after the one before.
+    // Flashes of an effect are an eighth of a period apart.
     Turns begin = turns_add(start, Turns(uint(0), i << uint(29)));
     light += flash_integral(flash, turns_minus(begin, phase), length);
   }
@@ -185,7 +186,7 @@ FL_FN Real shutter_duty(ShutterParams params, Real rate_hz) {
   return params.duration_s > Real(0) ? min(params.duration_s, Real(1e9)) * rate_hz : params.duty;
 }
 
-// The flash of this wish; an effect's are an eighth of its period each.
+// The flash for these parameters; the flashes of an effect take an eighth of its period each.
 FL_FN Flash shutter_shape(ShutterParams params) {
   Real scale = params.kind == kShutterEffect ? Real(8) : Real(1);
   Real rate_hz = min(params.rate_hz, Real(1e6)) * scale;
@@ -207,20 +208,20 @@ FL_FN Shutter shutter_begin() {
   Shutter shutter;
   shutter.phase = turns_zero();
   shutter.period = uint(0);
-  shutter.kind = kShutterKindCount;  // none yet: the first wish is taken over at once
+  shutter.kind = kShutterKindCount;  // none yet: the first kind is applied at once
   shutter.level = Real(1);
   shutter.from_level = Real(1);
   shutter.since_ns = turns_zero();
   return shutter;
 }
 
-// One step with a constant wish. Returns the mean opening over the step; for dt_ns = 0 the opening now.
+// One step with constant parameters. Returns the mean opening over the step; for dt_ns = 0 the current opening.
 FL_INLINE Real shutter_step(FL_INOUT(Shutter) shutter, ShutterParams params, Turns dt_ns) {
   bool flashes = shutter_flashes(params);
   uint kind = flashes ? params.kind : (params.kind == kShutterClosed ? kShutterClosed : kShutterOpen);
   if (kind != shutter.kind) {
     if (shutter.kind == kShutterKindCount) shutter.level = kind == kShutterClosed ? Real(0) : Real(1);
-    if (shutter.kind < kShutterStrobe || shutter.kind == kShutterKindCount) {  // the first flash comes at once
+    if (shutter.kind < kShutterStrobe || shutter.kind == kShutterKindCount) {  // the first flash starts at once
       shutter.phase = turns_zero();
       shutter.period = uint(0);
     }
@@ -229,7 +230,7 @@ FL_INLINE Real shutter_step(FL_INOUT(Shutter) shutter, ShutterParams params, Tur
     shutter.since_ns = turns_zero();
   }
 
-  if (!flashes) {  // the blades run to one end
+  if (!flashes) {  // the blades move to one end
     Real target = kind == kShutterClosed ? Real(0) : Real(1);
     if (shutter.level == target) return target;
     Real travel_s = shutter_travel_s(params);
@@ -240,7 +241,7 @@ FL_INLINE Real shutter_step(FL_INOUT(Shutter) shutter, ShutterParams params, Tur
     return slew_mean(shutter.from_level, target, travel_s, before_s, after_s);
   }
 
-  // Phases count from the flash's place in the period.
+  // Phases count from the start of the flash in the period.
   Turns shift = params.offset == Real(0) ? turns_zero() : turns_negate(turns_from(params.offset));
   Turns phase = turns_add(shutter.phase, shift);
   uint period = shutter.period + (turns_less(phase, shift) ? uint(1) : uint(0));
@@ -254,7 +255,7 @@ FL_INLINE Real shutter_step(FL_INOUT(Shutter) shutter, ShutterParams params, Tur
   Real to_edge = phase == turns_zero() ? Real(1) : turns_real(turns_negate(phase));
   Real travel_s = shutter_travel_s(params);
 
-  if (kind == kShutterStrobe && !(travel_s > Real(0))) {  // as most are: what follows, without slopes
+  if (kind == kShutterStrobe && !(travel_s > Real(0))) {  // the most common case: the code below without slopes
     Real low = unit_share(params.low);
     Real open = unit_share(shutter_duty(params, min(params.rate_hz, Real(1e6))));
     Real at = turns_real(phase);
@@ -269,7 +270,7 @@ FL_INLINE Real shutter_step(FL_INOUT(Shutter) shutter, ShutterParams params, Tur
 
   Flash flash = shutter_shape(params);
   if (!(turns > Real(0))) return shutter_instant(params, flash, period + edges, end);
-  // Blades without inertia are where they are asked to be; others go on from where they are.
+  // Blades with a travel time continue from their current level when the kind changes.
   if (travel_s > Real(0)) shutter.level = shutter_instant(params, flash, period + edges, end);
 
   Real light = Real(0);

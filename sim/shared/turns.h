@@ -1,15 +1,15 @@
 // Phase as an unsigned 64-bit count of 2^-64 turn: wraps exactly, never drifts. Turns is (low word, high word); the
 // same type counts nanoseconds.
 //
-// A step multiplies the rate as it stands (every bit of a float or double from 2^-64 Hz up) by whole nanoseconds. What
-// is left is the rounding to 2^-64 turn: at most 0.7 rate_hz + 4 of these units a step. After 30 days of 1000 steps a
+// A step multiplies the exact rate (every bit of a float or double from 2^-64 Hz up) by whole nanoseconds. The only
+// error is the rounding to 2^-64 turn: at most 0.7 rate_hz + 4 of these units per step. After 30 days of 1000 steps per
 // second that is 7e-10 turn at 1 Hz and 1e-7 turn (1e-10 s) at 1 kHz.
 
-// Whether Real has the 24 bits of float and not the 53 of double: where a formula hands over to another.
+// True if Real is float (24 bits), false if double (53). Selects between formulas.
 #ifdef __cplusplus
 FL_CONST bool kSingle = Real(1) + Real(1e-10) == Real(1);
 #else
-FL_CONST bool kSingle = true;  // a compiler of GLSL may work out constants in double
+FL_CONST bool kSingle = true;  // a GLSL compiler may compute constants in double
 #endif
 
 // The bits of a number as a float, and back.
@@ -21,14 +21,14 @@ FL_FN uint float_bits(Real x) { return floatBitsToUint(x); }
 FL_FN Real bits_float(uint bits) { return uintBitsToFloat(bits); }
 #endif
 
-// Quotients and roots that are rounded as IEEE 754 says, for numbers and results between 1e-30 and 1e30 and for 0.
-// Vulkan lets a / b be off by 2.5 units in the last place and sqrt by some; one step with the exact remainder mends it,
-// but for results within 1e-6 of a unit of the middle between two floats.
+// Quotients and roots rounded as in IEEE 754, for numbers and results between 1e-30 and 1e30 and for 0. Vulkan allows
+// an error of 2.5 units in the last place for a / b and more for sqrt. One step with the exact remainder corrects it,
+// except for results within 1e-6 of a unit of the middle between two floats.
 #if defined(__cplusplus) && !defined(FL_LOOSE_QUOTIENTS)
 FL_FN Real exact_quotient(Real a, Real b) { return a / b; }
 FL_FN Real exact_root(Real a) { return sqrt(a); }
 #else
-// a - x * y where x * y is near a, exact: T. J. Dekker's product of halves, since Vulkan's fma() may round twice.
+// a - x * y where x * y is near a, exact: T. J. Dekker's product of halves, because Vulkan's fma() may round twice.
 FL_FN Real exact_rest(Real a, Real x, Real y) {
   Real halver = kSingle ? Real(4097) : Real(134217729);
   FL_EXACT Real x_wide = x * halver;
@@ -71,7 +71,6 @@ FL_FN Turns turns_negate(Turns a) { return turns_add(Turns(~a.x, ~a.y), Turns(ui
 
 FL_FN bool turns_less(Turns a, Turns b) { return a.y < b.y || (a.y == b.y && a.x < b.x); }
 
-// Product of two 32-bit numbers.
 FL_FN Turns turns_mul_32(uint a, uint b) {
   uint high = uint(0);
   uint low = uint(0);
@@ -79,14 +78,14 @@ FL_FN Turns turns_mul_32(uint a, uint b) {
   return Turns(low, high);
 }
 
-// Low 64 bits of a 64-bit number times a 64-bit number.
+// Low 64 bits of the product of two 64-bit numbers.
 FL_FN Turns turns_mul(Turns a, Turns b) {
   Turns product = turns_mul_32(a.x, b.x);
   product.y += a.x * b.y + a.y * b.x;
   return product;
 }
 
-// High 64 bits of a 64-bit number times a 64-bit number.
+// High 64 bits of the product of two 64-bit numbers.
 FL_FN Turns turns_mul_high(Turns a, Turns b) {
   Turns ab = turns_mul_32(a.x, b.y);
   Turns ba = turns_mul_32(a.y, b.x);
@@ -96,29 +95,28 @@ FL_FN Turns turns_mul_high(Turns a, Turns b) {
   return turns_add(turns_mul_32(a.y, b.y), high);
 }
 
-// Cut to [0, 1]; what is no number gives 0.
+// Clamps to [0, 1]; NaN gives 0.
 FL_FN Real unit_share(Real x) { return x > Real(0) ? min(x, Real(1)) : Real(0); }
 
-// exp(-x) for x >= 0, and 0 beyond x = 40 (4e-18), where library functions get slow on their way to the smallest
-// numbers.
+// exp(-x) for x >= 0, and 0 beyond x = 40 (4e-18), where library functions become slow near denormal numbers.
 FL_FN Real decay_share(Real x) { return x < Real(40) ? exp(-x) : Real(0); }
 
-// In [0, 1]: the fraction of a turn to all digits of Real; in float the last 2^-25 turn rounds up to 1.
+// In [0, 1]: the fraction of a turn to the full precision of Real; in float the last 2^-25 turn rounds up to 1.
 FL_FN Real turns_real(Turns phase) {
   return (Real(phase.y) + Real(phase.x) * Real(2.3283064365386963e-10)) * Real(2.3283064365386963e-10);
 }
 
-// In [-0.5, 0.5]: the same phase, by the shorter way from 0.
+// In [-0.5, 0.5]: the same phase, the shorter way from 0.
 FL_FN Real turns_signed(Turns phase) {
   return (phase.y & uint(0x80000000u)) == uint(0) ? turns_real(phase) : -turns_real(turns_negate(phase));
 }
 
-// a - b for two phases that both count from the same turn's beginning: in (-1, 1), to all digits of Real.
+// a - b for two phases within the same turn: in (-1, 1), to the full precision of Real.
 FL_FN Real turns_minus(Turns a, Turns b) {
   return turns_less(a, b) ? -turns_real(turns_add(b, turns_negate(a))) : turns_real(turns_add(a, turns_negate(b)));
 }
 
-// A number of turns, whole turns dropped; 0 for what is no number or beyond 1e9.
+// A phase from a number of turns; whole turns are dropped. 0 for NaN or beyond 1e9.
 FL_INLINE Turns turns_from(Real turns) {
   Real size = abs(turns);
   if (!(size < Real(1e9))) return turns_zero();
@@ -128,7 +126,7 @@ FL_INLINE Turns turns_from(Real turns) {
   return turns < Real(0) ? turns_negate(phase) : phase;
 }
 
-// A time step in nanoseconds. What is no step is refused: negative, NaN, infinite or above 4e9 s gives 0.
+// A time step in nanoseconds. A step that is negative, NaN, infinite or above 4e9 s gives 0.
 FL_FN Turns time_ns(Real dt_s) {
   if (!(dt_s > Real(0)) || !(dt_s <= Real(4.0e9))) return turns_zero();
   uint whole_s = uint(dt_s);
@@ -136,7 +134,7 @@ FL_FN Turns time_ns(Real dt_s) {
   return turns_add(ns, Turns(uint((dt_s - Real(whole_s)) * Real(1.0e9) + Real(0.5)), uint(0)));
 }
 
-// Two times together; what would not fit stays at the most, 584 years.
+// The sum of two times, at most 584 years.
 FL_FN Turns time_add(Turns a, Turns b) {
   Turns sum = turns_add(a, b);
   return turns_less(sum, a) ? Turns(uint(0xffffffffu), uint(0xffffffffu)) : sum;
@@ -144,13 +142,13 @@ FL_FN Turns time_add(Turns a, Turns b) {
 
 FL_FN Real time_s(Turns ns) { return (Real(ns.y) * Real(4294967296.0) + Real(ns.x)) * Real(1e-9); }
 
-// How far a rate gets: whole turns (modulo 2^32) and the part of a turn beyond.
+// The turns at a rate over a time: whole turns (modulo 2^32) and the remaining part of a turn.
 struct Advance {
   Turns part;
   uint whole;
 };
 
-// 32 bits times 64 bits of fraction.
+// 32 bits times a 64-bit fraction.
 FL_FN Advance turns_times(uint count, Turns part) {
   Turns low = turns_mul_32(count, part.x);
   Turns high = turns_mul_32(count, part.y);
@@ -193,7 +191,7 @@ FL_INLINE Stretch turns_stretch(Turns dt_ns) {
   return time;
 }
 
-// At a rate in [0, 1e6] Hz; negative and NaN give nothing, more is cut.
+// The advance at a rate in [0, 1e6] Hz; a negative or NaN rate gives 0, a higher one is clamped.
 FL_INLINE Advance turns_over(Real rate_hz, Stretch time) {
   Advance sum;
   sum.part = turns_zero();
@@ -206,7 +204,7 @@ FL_INLINE Advance turns_over(Real rate_hz, Stretch time) {
     sum = turns_times(time.seconds, part_hz);
     sum.whole += whole_hz * time.seconds;
   }
-#ifdef __cplusplus  // the same sum, which C++ has in two products
+#ifdef __cplusplus  // the same sum in two 128-bit products
   __extension__ using Wide = unsigned __int128;
   const Wide rest_bits = std::bit_cast<std::uint64_t>(time.rest);
   const Wide way = whole_hz * rest_bits + ((rest_bits * std::bit_cast<std::uint64_t>(part_hz)) >> 64);
@@ -222,13 +220,12 @@ FL_INLINE Advance turns_over(Real rate_hz, Stretch time) {
 #endif
 }
 
-// dt_ns nanoseconds at such a rate. dt_ns < 2^32 s.
+// The advance at a rate over dt_ns nanoseconds. dt_ns < 2^32 s.
 FL_INLINE Advance turns_advance(Real rate_hz, Turns dt_ns) { return turns_over(rate_hz, turns_stretch(dt_ns)); }
 
-// The number of turns in an advance.
 FL_FN Real advance_turns(Advance advance) { return Real(advance.whole) + turns_real(advance.part); }
 
-// The phase after a time at a constant rate of either sign: through 0 Hz the phase goes on from where it is.
+// The phase after a time at a constant rate of either sign.
 FL_INLINE Turns turns_go(Turns phase, Real rate_hz, Stretch time) {
   Turns way = turns_over(abs(rate_hz), time).part;
   return turns_add(phase, rate_hz < Real(0) ? turns_negate(way) : way);
@@ -237,18 +234,18 @@ FL_INLINE Turns turns_step(Turns phase, Real rate_hz, Turns dt_ns) {
   return turns_go(phase, rate_hz, turns_stretch(dt_ns));
 }
 
-// A motor that turns without end (gobo, prism, animation wheel, pan without stops), with a ramp between rates.
+// A motor with continuous rotation (gobo, prism, animation wheel, pan without stops), with a ramp between rates.
 struct Spin {
-  Turns phase;   // now
-  Real rate_hz;  // now; turns a second, signed
+  Turns phase;   // current
+  Real rate_hz;  // current; turns per second, signed
   uint pad;
-  Turns from_phase;  // when the target was last changed
+  Turns from_phase;  // at the last change of the target
   Real from_hz;
   Real target_hz;
-  Turns since_ns;  // since then
+  Turns since_ns;  // time since that change
 };
 
-// start: each fixture's own phase.
+// start: the initial phase, per fixture.
 FL_FN Spin spin_start(Turns start) {
   Spin spin;
   spin.phase = start;
@@ -261,13 +258,13 @@ FL_FN Spin spin_start(Turns start) {
   return spin;
 }
 
-// Up to speed, and asked for no other.
+// At its target rate, and the target is unchanged.
 FL_INLINE bool spin_steady(FL_IN(Spin) spin, Real target_hz) {
   return target_hz == spin.target_hz && spin.rate_hz == target_hz;
 }
 
-// ramp_hz_s: how fast the rate changes, turns a second each second; 0: at once. A target that is no number or beyond
-// 1e6 Hz is refused.
+// ramp_hz_s: how fast the rate changes, turns per second per second; 0: at once. A target that is NaN or beyond 1e6 Hz
+// is ignored.
 FL_INLINE void spin_move(FL_INOUT(Spin) spin, Real ramp_hz_s, Real target_hz, Turns dt_ns) {
   if (!(abs(target_hz) <= Real(1.0e6))) return;
   if (spin_steady(spin, target_hz)) {
@@ -291,7 +288,7 @@ FL_INLINE void spin_move(FL_INOUT(Spin) spin, Real ramp_hz_s, Real target_hz, Tu
                            turns_from(Real(0.5) * gain_hz_s * t_s * t_s));
   } else if (dt_ns != turns_zero()) {
     spin.rate_hz = target_hz;
-    // The ramp's turns beside those at the target rate.
+    // The turns lost or gained by the ramp, added to those at the target rate.
     spin.phase = turns_add(turns_step(spin.from_phase, target_hz, spin.since_ns),
                            turns_from(Real(0.5) * (spin.from_hz - target_hz) * ramp_s));
   }
@@ -302,7 +299,7 @@ FL_INLINE Spin spin_step(Spin spin, Real ramp_hz_s, Real target_hz, Turns dt_ns)
   return spin;
 }
 
-// Where a motor without end has to go for a position: the shorter way, in turns, [-0.5, 0.5].
+// The shorter way from one phase to another, in turns, [-0.5, 0.5].
 FL_FN Real turns_way(Turns from, Turns to) { return turns_signed(turns_add(to, turns_negate(from))); }
 
 // Shaking (gobo shake, wheel shake): the offset at a phase, in the unit of the amplitude.

@@ -441,7 +441,7 @@ TEST_CASE("senders are told with priority, time, rate and whether they win") {
   const MergeSender first = stage.merge().sender(0, 0), second = stage.merge().sender(0, 1);
   CHECK(first.id == 1);
   CHECK(first.wins);
-  CHECK(first.heard_ns == kStart);
+  CHECK(first.received_ns == kStart);
   CHECK(first.rate_hz == doctest::Approx(0.5));
   CHECK(second.id == 2);
   CHECK_FALSE(second.wins);
@@ -923,7 +923,7 @@ TEST_CASE("set_mode takes slot modes back, and an empty set of slots is HTP") {
 TEST_CASE("a long random history gives the look that the rules give when told slowly") {
   struct Told {
     std::uint8_t priority;
-    TimeNs heard_ns;
+    TimeNs received_ns;
     std::vector<std::uint8_t> slots;
   };
   constexpr int kSlots = 5;
@@ -950,12 +950,12 @@ TEST_CASE("a long random history gives the look that the rules give when told sl
       if (priority <= kPriorityMax) {
         Told& entry = told[sender];
         entry.priority = priority;
-        entry.heard_ns = stage.now_ns;
+        entry.received_ns = stage.now_ns;
         if (entry.slots.size() < slots.size()) entry.slots.resize(slots.size());
         std::copy(slots.begin(), slots.end(), entry.slots.begin());
       }
     }
-    std::erase_if(told, [&](const auto& entry) { return entry.second.heard_ns + kTimeout <= stage.now_ns; });
+    std::erase_if(told, [&](const auto& entry) { return entry.second.received_ns + kTimeout <= stage.now_ns; });
 
     int top = -1;
     for (const auto& [id, entry] : told) top = std::max(top, static_cast<int>(entry.priority));
@@ -978,7 +978,7 @@ TEST_CASE(
     "a long random history with priorities and modes by slot gives the look that the rules give when told slowly") {
   struct Told {
     int priority = 0;
-    TimeNs heard_ns = -1;  // no levels yet
+    TimeNs received_ns = -1;  // no levels yet
     TimeNs priorities_ns = -1;
     std::map<int, std::pair<int, int>> levels;  // slot -> level, step of its last change
     std::map<int, int> priorities;
@@ -998,14 +998,14 @@ TEST_CASE(
     int top = -1;
     bool speakers = false;
     for (const auto& [id, entry] : told) {
-      if (entry.heard_ns >= 0) top = std::max(top, entry.priority);
-      speakers = speakers || (entry.priorities_ns >= 0 && entry.heard_ns >= 0);
+      if (entry.received_ns >= 0) top = std::max(top, entry.priority);
+      speakers = speakers || (entry.priorities_ns >= 0 && entry.received_ns >= 0);
     }
     for (int slot = 0; slot < kSlots; ++slot) {
       int best = -1, level = -1, changed = -1;
       for (const auto& [id, entry] : told) {
         const auto known = entry.levels.find(slot);
-        if (entry.heard_ns < 0 || known == entry.levels.end()) continue;
+        if (entry.received_ns < 0 || known == entry.levels.end()) continue;
         if (!speakers && entry.priority != top) continue;
         int rank = entry.priority;
         if (entry.priorities_ns >= 0) {
@@ -1035,7 +1035,7 @@ TEST_CASE(
         }
       std::erase_if(told, [&](const auto& pair) {
         const Told& entry = pair.second;
-        return entry.heard_ns >= 0 ? entry.heard_ns + kTimeout <= stage.now_ns : entry.priorities_ns < 0;
+        return entry.received_ns >= 0 ? entry.received_ns + kTimeout <= stage.now_ns : entry.priorities_ns < 0;
       });
     };
     expire();
@@ -1066,9 +1066,9 @@ TEST_CASE(
       frame.slots = slots;
       stage.receive(frame, source);
       Told& entry = told[sender];
-      const bool all = entry.heard_ns < 0 || entry.priority != priority;
+      const bool all = entry.received_ns < 0 || entry.priority != priority;
       entry.priority = priority;
-      entry.heard_ns = stage.now_ns;
+      entry.received_ns = stage.now_ns;
       for (int slot = 0; slot < static_cast<int>(slots.size()); ++slot) {
         const int level = slots[static_cast<std::size_t>(slot)];
         const auto known = entry.levels.find(slot);

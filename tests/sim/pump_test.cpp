@@ -910,7 +910,7 @@ TEST_CASE("a standby gets nothing while its main works, and every look in the ti
   CHECK(chain.second.sent.size() == 2);
   CHECK(chain.world.said.size() == 4);
   CHECK(chain.world.said[2] == "first: back");
-  CHECK(chain.world.said[3] == "second: stands by; first is back");
+  CHECK(chain.world.said[3] == "second: on standby again; first is back");
   const PumpStatus status = chain.world.pump().status();
   CHECK(status.ports[2].stands_by);
   CHECK(status.ports[2].standby_for == "first");
