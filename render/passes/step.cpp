@@ -12,16 +12,11 @@ namespace {
 // As many values of a wish as the rig's tables name and its branches look at. They are picked by number, so on a GPU
 // they lie in memory: fewer are faster.
 std::uint32_t wish_count(const fixtures::Needs& needs) {
-  std::uint32_t count = std::max(needs.params_end, fixtures::kParamBasicCount);
-  const auto hold = [&](bool needed, std::uint32_t end) { count = needed ? std::max(count, end) : count; };
-  hold(needs.color, fixtures::kParamColorCount);
-  hold(needs.optics, fixtures::kParamShapeCount);
-  hold(needs.blades, fixtures::kParamBladesCount);
-  hold(needs.shake, fixtures::kParamShakeCount);
-  hold(needs.animation, fixtures::kParamOpticsCount);
-  hold(needs.stacked, fixtures::kParamStackedCount);
-  hold(needs.pulses, fixtures::kParamPulsesCount);
-  hold(needs.macro, fixtures::kParamCount);
+  std::uint32_t count = std::max(needs.params_end, fixtures::kParamBasicEnd);
+#define FL_KIND_END(kind, before, values, NEED, need) \
+  if (needs.need) count = std::max(count, fixtures::kParam##kind##End);
+  FL_PARAM_KINDS(FL_KIND_END)
+#undef FL_KIND_END
   return count;
 }
 

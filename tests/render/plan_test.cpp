@@ -315,7 +315,7 @@ TEST_CASE("the needs of a rig follow from its fixtures and its haze") {
                                   {FL_SPEC_DOWSER, 0},
                                   {FL_SPEC_PULSES, 0},
                                   {FL_SPEC_MACRO, 0},
-                                  {FL_SPEC_WISH_COUNT, fixtures::kParamBasicCount}});
+                                  {FL_SPEC_WISH_COUNT, fixtures::kParamBasicEnd}});
   rig.haze.scattering_per_m = 0;
   rig.haze.absorption_per_m = 0;
   rig.boxes.clear();
