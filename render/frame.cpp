@@ -309,20 +309,13 @@ Result<std::vector<fixtures::f32::Walker::OpticsState>> Frame::read_optics() {
   return read_rows<fixtures::f32::Walker::OpticsState>(resources_.optics_states, resources_.optics_count);
 }
 
-Result<std::vector<fixtures::f32::Filament>> Frame::read_filaments() {
-  static_assert(sizeof(fixtures::f32::Filament) == kFilamentStateBytes);
-  return read_rows<fixtures::f32::Filament>(resources_.filament_states, resources_.filament_count);
-}
-
-Result<std::vector<fixtures::f32::Led>> Frame::read_leds() {
-  static_assert(sizeof(fixtures::f32::Led) == kLedStateBytes);
-  return read_rows<fixtures::f32::Led>(resources_.led_states, resources_.led_count);
-}
-
-Result<std::vector<fixtures::f32::Discharge>> Frame::read_discharges() {
-  static_assert(sizeof(fixtures::f32::Discharge) == kDischargeStateBytes);
-  return read_rows<fixtures::f32::Discharge>(resources_.discharge_states, resources_.discharge_count);
-}
+#define FL_LAMP_READ(number, Kind, need, State, per_head)                                                   \
+  Result<std::vector<fixtures::f32::State>> Frame::read_##need##_states() {                                 \
+    static_assert(sizeof(fixtures::f32::State) == kLampStateBytes);                                         \
+    return read_rows<fixtures::f32::State>(resources_.lamp_states[number], resources_.lamp_counts[number]); \
+  }
+FL_LAMPS(FL_LAMP_READ)
+#undef FL_LAMP_READ
 
 Result<std::vector<fixtures::f32::Slew>> Frame::read_dowsers() {
   static_assert(sizeof(fixtures::f32::Slew) == kDowserStateBytes);

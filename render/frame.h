@@ -93,9 +93,11 @@ class Frame {
   [[nodiscard]] Result<std::vector<fixtures::f32::Spin>> read_spins();
   [[nodiscard]] Result<std::vector<fixtures::f32::Shutter>> read_shutters();
   [[nodiscard]] Result<std::vector<fixtures::f32::Walker::OpticsState>> read_optics();
-  [[nodiscard]] Result<std::vector<fixtures::f32::Filament>> read_filaments();
-  [[nodiscard]] Result<std::vector<fixtures::f32::Led>> read_leds();
-  [[nodiscard]] Result<std::vector<fixtures::f32::Discharge>> read_discharges();
+  // Of each kind of lamp: read_tungsten_states(), read_led_states(), read_discharge_states().
+#define FL_LAMP_READ(number, Kind, need, State, per_head) \
+  [[nodiscard]] Result<std::vector<fixtures::f32::State>> read_##need##_states();
+  FL_LAMPS(FL_LAMP_READ)
+#undef FL_LAMP_READ
   [[nodiscard]] Result<std::vector<fixtures::f32::Slew>> read_dowsers();
   [[nodiscard]] Result<std::vector<fixtures::f32::Smooth>> read_smooths();
   [[nodiscard]] Result<std::vector<BeamRow>> read_beams();  // the live ones

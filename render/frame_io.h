@@ -6,6 +6,8 @@
 
 #include <glm/glm.hpp>
 
+#include "fixtures/compile/tables.h"
+
 namespace footlight::render {
 using uint = std::uint32_t;
 using vec4 = glm::vec4;

@@ -259,9 +259,7 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   r.spin_count = compiled.spin_count;
   r.shutter_count = compiled.strobe_count;
   r.optics_count = compiled.optics_count;
-  r.filament_count = compiled.filament_count;
-  r.led_count = compiled.led_count;
-  r.discharge_count = compiled.discharge_count;
+  r.lamp_counts = compiled.lamp_counts;
   r.dowser_count = compiled.dowser_count;
   r.smooth_count = compiled.flex_count + compiled.smooth_count;
   r.box_count = static_cast<std::uint32_t>(rig.boxes.size());
@@ -308,9 +306,9 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   FL_ASSIGN(r.beams, zeroed(device, compiled.beams_max * sizeof(BeamRow)));
   FL_ASSIGN(r.blades, zeroed(device, compiled.needs.blades ? compiled.beams_max * sizeof(BladesRow) : 0));
   FL_ASSIGN(r.optics_states, zeroed(device, compiled.optics_count * kOpticsStateBytes));
-  FL_ASSIGN(r.filament_states, zeroed(device, compiled.filament_count * kFilamentStateBytes));
-  FL_ASSIGN(r.led_states, zeroed(device, compiled.led_count * kLedStateBytes));
-  FL_ASSIGN(r.discharge_states, zeroed(device, compiled.discharge_count * kDischargeStateBytes));
+  for (std::size_t lamp = 1; lamp < r.lamp_states.size(); ++lamp) {
+    FL_ASSIGN(r.lamp_states[lamp], zeroed(device, compiled.lamp_counts[lamp] * kLampStateBytes));
+  }
   FL_ASSIGN(r.dowser_states, zeroed(device, compiled.dowser_count * kDowserStateBytes));
   FL_ASSIGN(r.smooth_states, zeroed(device, r.smooth_count * kSmoothStateBytes));
   FL_ASSIGN(r.counts, zeroed(device, sizeof(CountsRow) + r.head_groups * 8, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
@@ -339,7 +337,7 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
     vkCmdClearColorImage(commands, r.screen.handle, VK_IMAGE_LAYOUT_GENERAL, &black, 1, &range);
   }));
 
-  const std::pair<std::uint32_t, const vk::Buffer*> buffers[] = {
+  std::vector<std::pair<std::uint32_t, const vk::Buffer*>> buffers = {
       {FL_BINDING_PARAMS, &r.params},
       {FL_BINDING_LEVELS, &r.levels},
       {FL_BINDING_TYPES, &r.types},
@@ -366,12 +364,12 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
       {FL_BINDING_OPTICS_STATES, &r.optics_states},
       {FL_BINDING_BLADES, &r.blades},
       {FL_BINDING_LIGHTS, &r.lights},
-      {FL_BINDING_FILAMENT_STATES, &r.filament_states},
-      {FL_BINDING_LED_STATES, &r.led_states},
-      {FL_BINDING_DISCHARGE_STATES, &r.discharge_states},
       {FL_BINDING_DOWSER_STATES, &r.dowser_states},
       {FL_BINDING_SMOOTH_STATES, &r.smooth_states},
   };
+  for (std::uint32_t lamp = 1; lamp < r.lamp_states.size(); ++lamp) {
+    buffers.emplace_back(FL_BINDING_LAMP(lamp), &r.lamp_states[lamp]);
+  }
   for (const auto& [binding, buffer] : buffers) {
     r.bindings.set_buffer(binding, *buffer);
     r.total_bytes += buffer->size_bytes;

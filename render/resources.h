@@ -43,11 +43,13 @@ struct Resources {
   // Carried from frame to frame: HeadState, and Motor, Spin, Shutter, OpticsState, Filament, Led, Discharge, Slew,
   // Flex and Smooth for what has a motor, spins, strobes, shapes its beam, glows, has a driver, an arc or a dowser,
   // hangs on a motor, is smoothed. `counts` goes with them: the step pass leaves the lit heads of each group in it.
-  vk::Buffer states, motor_states, spin_states, shutter_states, optics_states, filament_states, led_states,
-      discharge_states, dowser_states, smooth_states;
-  [[nodiscard]] std::array<const vk::Buffer*, 11> all_states() const {
-    return {&states,     &motor_states,     &spin_states,   &shutter_states, &optics_states, &filament_states,
-            &led_states, &discharge_states, &dowser_states, &smooth_states,  &counts};
+  vk::Buffer states, motor_states, spin_states, shutter_states, optics_states, dowser_states, smooth_states;
+  std::array<vk::Buffer, FL_LAMP_COUNT + 1> lamp_states;  // by kLamp...; the first stays empty
+  [[nodiscard]] std::vector<const vk::Buffer*> all_states() const {
+    std::vector<const vk::Buffer*> all = {&states,        &motor_states,  &spin_states,   &shutter_states,
+                                          &optics_states, &dowser_states, &smooth_states, &counts};
+    for (std::size_t lamp = 1; lamp < lamp_states.size(); ++lamp) all.push_back(&lamp_states[lamp]);
+    return all;
   }
 
   vk::BindingSet bindings;
@@ -57,9 +59,7 @@ struct Resources {
   std::uint32_t spin_count = 0;
   std::uint32_t shutter_count = 0;
   std::uint32_t optics_count = 0;
-  std::uint32_t filament_count = 0;
-  std::uint32_t led_count = 0;
-  std::uint32_t discharge_count = 0;
+  std::array<std::uint32_t, FL_LAMP_COUNT + 1> lamp_counts{};
   std::uint32_t dowser_count = 0;
   std::uint32_t smooth_count = 0;  // Flexes, then Smooths
   std::uint32_t box_count = 0;
@@ -86,9 +86,7 @@ inline constexpr std::uint64_t kMotorStateBytes = 32;
 inline constexpr std::uint64_t kSpinStateBytes = 40;
 inline constexpr std::uint64_t kShutterStateBytes = 32;
 inline constexpr std::uint64_t kOpticsStateBytes = 116;
-inline constexpr std::uint64_t kFilamentStateBytes = 32;
-inline constexpr std::uint64_t kLedStateBytes = 32;
-inline constexpr std::uint64_t kDischargeStateBytes = 32;
+inline constexpr std::uint64_t kLampStateBytes = 32;  // of every kind
 inline constexpr std::uint64_t kDowserStateBytes = 24;
 inline constexpr std::uint64_t kSmoothStateBytes = 32;
 

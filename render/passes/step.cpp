@@ -20,20 +20,22 @@ std::uint32_t wish_count(const fixtures::Needs& needs) {
   return count;
 }
 
+#define FL_LAMP_CONSTANT(number, Kind, need, State, per_head) {FL_SPEC_LAMP(number), needs.need},
+
 }  // namespace
 
 const PassEntry kStepPass{
     "step", [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures; },
     [](const fixtures::Needs& needs, const FrameSettings&) {
-      return std::vector<vk::SpecConstant>{{FL_SPEC_MOTION, needs.motion},   {FL_SPEC_SPIN, needs.spin},
-                                           {FL_SPEC_STROBE, needs.strobe},   {FL_SPEC_COLOR, needs.color},
-                                           {FL_SPEC_OPTICS, needs.optics},   {FL_SPEC_BLADES, needs.blades},
-                                           {FL_SPEC_SHAKE, needs.shake},     {FL_SPEC_ANIMATION, needs.animation},
-                                           {FL_SPEC_STACKED, needs.stacked}, {FL_SPEC_FLEX, needs.flex},
-                                           {FL_SPEC_SMOOTH, needs.smooth},   {FL_SPEC_TUNGSTEN, needs.tungsten},
-                                           {FL_SPEC_LED, needs.led},         {FL_SPEC_DISCHARGE, needs.discharge},
-                                           {FL_SPEC_DOWSER, needs.dowser},   {FL_SPEC_PULSES, needs.pulses},
-                                           {FL_SPEC_MACRO, needs.macro},     {FL_SPEC_WISH_COUNT, wish_count(needs)}};
+      return std::vector<vk::SpecConstant>{
+          {FL_SPEC_MOTION, needs.motion},         {FL_SPEC_SPIN, needs.spin},
+          {FL_SPEC_STROBE, needs.strobe},         {FL_SPEC_COLOR, needs.color},
+          {FL_SPEC_OPTICS, needs.optics},         {FL_SPEC_BLADES, needs.blades},
+          {FL_SPEC_SHAKE, needs.shake},           {FL_SPEC_ANIMATION, needs.animation},
+          {FL_SPEC_STACKED, needs.stacked},       {FL_SPEC_FLEX, needs.flex},
+          {FL_SPEC_SMOOTH, needs.smooth},         FL_LAMPS(FL_LAMP_CONSTANT){FL_SPEC_DOWSER, needs.dowser},
+          {FL_SPEC_PULSES, needs.pulses},         {FL_SPEC_MACRO, needs.macro},
+          {FL_SPEC_WISH_COUNT, wish_count(needs)}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kStepComp, [groups = context.resources.head_groups](VkCommandBuffer commands) {
@@ -41,5 +43,7 @@ const PassEntry kStepPass{
       });
     },
     "fixtures"};
+
+#undef FL_LAMP_CONSTANT
 
 }  // namespace footlight::render

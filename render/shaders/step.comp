@@ -23,9 +23,6 @@ layout(constant_id = FL_SPEC_PULSES) const bool kPulses = true;
 layout(constant_id = FL_SPEC_MACRO) const bool kMacro = true;
 layout(constant_id = FL_SPEC_FLEX) const bool kFlex = true;
 layout(constant_id = FL_SPEC_SMOOTH) const bool kSmooth = true;
-layout(constant_id = FL_SPEC_TUNGSTEN) const bool kTungsten = true;
-layout(constant_id = FL_SPEC_LED) const bool kLed = true;
-layout(constant_id = FL_SPEC_DISCHARGE) const bool kDischarge = true;
 layout(constant_id = FL_SPEC_DOWSER) const bool kDowser = true;
 layout(constant_id = FL_SPEC_WISH_COUNT) const uint kWishCount = kParamCount;
 layout(push_constant) uniform Push { uint dt_ns_low; uint dt_ns_high; uint new_exposure; } push;
@@ -49,9 +46,14 @@ layout(set = 0, binding = FL_BINDING_OPTICS_STATES, std430) writeonly buffer Opt
 
 layout(set = 0, binding = FL_BINDING_SMOOTH_STATES, std430) buffer SmoothStatesBuffer { Smooth smooth_states[]; };
 layout(set = 0, binding = FL_BINDING_LIGHTS, std430) readonly buffer LightsBuffer { LightRow lights[]; };
-layout(set = 0, binding = FL_BINDING_FILAMENT_STATES, std430) buffer FilamentStatesBuffer { Filament filaments[]; };
-layout(set = 0, binding = FL_BINDING_LED_STATES, std430) buffer LedStatesBuffer { Led leds[]; };
-layout(set = 0, binding = FL_BINDING_DISCHARGE_STATES, std430) buffer DischargeStatesBuffer { Discharge discharges[]; };
+// Of each kind of lamp: whether the rig has one, the states of its lamps, and access to them.
+#define FL_LAMP(number, Kind, need, State, per_head) \
+  layout(constant_id = FL_SPEC_LAMP(number)) const bool kNeed##Kind = true; \
+  layout(set = 0, binding = FL_BINDING_LAMP(number), std430) buffer Kind##StatesBuffer { State need##_states[]; }; \
+  State fl_##need##_state(uint index) { return need##_states[index]; } \
+  void fl_set_##need##_state(uint index, State state) { need##_states[index] = state; }
+FL_LAMPS(FL_LAMP)
+#undef FL_LAMP
 layout(set = 0, binding = FL_BINDING_DOWSER_STATES, std430) buffer DowserStatesBuffer { Slew dowsers[]; };
 
 uint fl_level(uint slot) { return (levels[slot >> 2] >> ((slot & 3u) * 8u)) & 255u; }
@@ -79,12 +81,6 @@ Shutter fl_shutter_state(uint index) { return shutter_states[index]; }
 void fl_set_shutter_state(uint index, Shutter shutter) { shutter_states[index] = shutter; }
 LightRow fl_light(uint index) { return lights[index]; }
 float fl_filament(uint index) { return fl_default(index); }  // a rig with filaments has them first
-Filament fl_filament_state(uint index) { return filaments[index]; }
-void fl_set_filament_state(uint index, Filament filament) { filaments[index] = filament; }
-Led fl_led_state(uint index) { return leds[index]; }
-void fl_set_led_state(uint index, Led led) { leds[index] = led; }
-Discharge fl_discharge_state(uint index) { return discharges[index]; }
-void fl_set_discharge_state(uint index, Discharge discharge) { discharges[index] = discharge; }
 Slew fl_dowser_state(uint index) { return dowsers[index]; }
 void fl_set_dowser_state(uint index, Slew slew) { dowsers[index] = slew; }
 // What no beam of the rig has stays 0, as it was made.
@@ -131,9 +127,6 @@ void fl_set_optics_state(uint index, OpticsState optics) {
 #define FL_NEED_MACRO kMacro
 #define FL_NEED_FLEX kFlex
 #define FL_NEED_SMOOTH kSmooth
-#define FL_NEED_TUNGSTEN kTungsten
-#define FL_NEED_LED kLed
-#define FL_NEED_DISCHARGE kDischarge
 #define FL_NEED_DOWSER kDowser
 #include "fixtures/shared/color.h"
 #include "fixtures/shared/light.h"

@@ -93,20 +93,22 @@ void compare(Frame& frame, const Walker& walker, Differences& d) {
     d.add(d.position, motors[i].now.position, walker.motors[i].now.position);
     d.add(d.speed, motors[i].now.speed, walker.motors[i].now.speed);
   }
-  const auto filaments = must(frame.read_filaments());
-  REQUIRE(filaments.size() == walker.filaments.size());
-  for (std::size_t i = 0; i < filaments.size(); ++i) d.add(d.kelvin, filaments[i].kelvin, walker.filaments[i].kelvin);
-  const auto leds = must(frame.read_leds());
-  REQUIRE(leds.size() == walker.leds.size());
+  const auto filaments = must(frame.read_tungsten_states());
+  REQUIRE(filaments.size() == walker.tungsten_states.size());
+  for (std::size_t i = 0; i < filaments.size(); ++i)
+    d.add(d.kelvin, filaments[i].kelvin, walker.tungsten_states[i].kelvin);
+  const auto leds = must(frame.read_led_states());
+  REQUIRE(leds.size() == walker.led_states.size());
   for (std::size_t i = 0; i < leds.size(); ++i) {
-    d.add(d.light, leds[i].level, walker.leds[i].level);
-    d.add(d.light, leds[i].heat, walker.leds[i].heat);
+    d.add(d.light, leds[i].level, walker.led_states[i].level);
+    d.add(d.light, leds[i].heat, walker.led_states[i].heat);
   }
-  const auto discharges = must(frame.read_discharges());
-  REQUIRE(discharges.size() == walker.discharges.size());
+  const auto discharges = must(frame.read_discharge_states());
+  REQUIRE(discharges.size() == walker.discharge_states.size());
   for (std::size_t i = 0; i < discharges.size(); ++i) {
-    d.add(d.light, discharges[i].warm, walker.discharges[i].warm);
-    d.phases += discharges[i].lit != walker.discharges[i].lit || discharges[i].power != walker.discharges[i].power;
+    d.add(d.light, discharges[i].warm, walker.discharge_states[i].warm);
+    d.phases +=
+        discharges[i].lit != walker.discharge_states[i].lit || discharges[i].power != walker.discharge_states[i].power;
   }
   const auto smooths = must(frame.read_smooths());
   REQUIRE(smooths.size() == walker.smooths.size());
@@ -256,7 +258,7 @@ TEST_CASE("lamps of every kind, dimmers of every law and smoothed heads follow t
     must(frame->run_steps());
     compare(*frame, walker, to_float);
     compare(*frame, judge, to_double);
-    for (const auto& filament : walker.filaments) warm += filament.kelvin > 1500 && filament.kelvin < 3000;
+    for (const auto& filament : walker.tungsten_states) warm += filament.kelvin > 1500 && filament.kelvin < 3000;
   }
   to_float.print("lamps, to the walker in float");
   to_double.print("lamps, to the walker in double");

@@ -36,14 +36,13 @@
 #define FL_BINDING_FACETS 28
 #define FL_BINDING_OPTICS_STATES 29
 #define FL_BINDING_BLADES 30  // BladesRow, one a beam
-// Lamps: a table of the rig and states of heads.
+// Lamps, dimmers that move and levels that are smoothed: a table of the rig and states of heads.
 #define FL_BINDING_LIGHTS 31
-#define FL_BINDING_FILAMENT_STATES 32
-#define FL_BINDING_LED_STATES 33
-#define FL_BINDING_DISCHARGE_STATES 34
-#define FL_BINDING_DOWSER_STATES 35
-#define FL_BINDING_SMOOTH_STATES 36
-#define FL_BINDING_COUNT 37
+#define FL_BINDING_DOWSER_STATES 32
+#define FL_BINDING_SMOOTH_STATES 33
+// States of each kind of lamp, by its number in FL_LAMPS (fixtures/shared/tables.h).
+#define FL_BINDING_LAMP(number) (33 + number)
+#define FL_BINDING_COUNT (34 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -60,24 +59,23 @@
 #define FL_SPEC_COLOR 11
 #define FL_SPEC_OPTICS 12
 #define FL_SPEC_BLADES 13
-#define FL_SPEC_TUNGSTEN 14
-#define FL_SPEC_LED 15
-#define FL_SPEC_DISCHARGE 16
-#define FL_SPEC_DOWSER 17
-#define FL_SPEC_FOCUS 18
-#define FL_SPEC_ANIMATION 19
-#define FL_SPEC_FLEX 20
-#define FL_SPEC_SMOOTH 21
-#define FL_SPEC_MEASURED 22
-#define FL_SPEC_RECTANGLE 23
-#define FL_SPEC_STACKED 24
-#define FL_SPEC_SHAKE 25
-#define FL_SPEC_PULSES 26
-#define FL_SPEC_MACRO 27
-#define FL_SPEC_WISH_COUNT 28
-#define FL_SPEC_IRIS 29
-#define FL_SPEC_WIDE 30
-#define FL_SPEC_COUNT 31
+#define FL_SPEC_DOWSER 14
+#define FL_SPEC_FOCUS 15
+#define FL_SPEC_ANIMATION 16
+#define FL_SPEC_FLEX 17
+#define FL_SPEC_SMOOTH 18
+#define FL_SPEC_MEASURED 19
+#define FL_SPEC_RECTANGLE 20
+#define FL_SPEC_STACKED 21
+#define FL_SPEC_SHAKE 22
+#define FL_SPEC_PULSES 23
+#define FL_SPEC_MACRO 24
+#define FL_SPEC_WISH_COUNT 25
+#define FL_SPEC_IRIS 26
+#define FL_SPEC_WIDE 27
+// Whether the rig has a kind of lamp, by its number in FL_LAMPS.
+#define FL_SPEC_LAMP(number) (27 + number)
+#define FL_SPEC_COUNT (28 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
