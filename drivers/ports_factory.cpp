@@ -8,7 +8,7 @@
 #include "drivers/device/device_rdm.h"
 #include "drivers/mock/mock_usb.h"
 #include "drivers/transport/either_opener.h"
-#include "drivers/transport/hidraw_opener.h"
+#include "drivers/transport/hid_opener.h"
 #include "drivers/transport/libusb_opener.h"
 #include "drivers/transport/tty_opener.h"
 #include "drivers/usb_match.h"
@@ -74,7 +74,7 @@ Result<std::unique_ptr<Opener>> opener_of(const DriverInfo& driver, const PortRe
   auto chooser = std::make_shared<Chooser>(std::string(driver.id), request.target);
   const TransportKind unknown_kind = driver.usb_ids[0].transport;
   if (has_rows_of(driver, TransportKind::kHid))
-    return make_hidraw_opener({.driver_id = std::string(driver.id), .target = request.target}, clock);
+    return make_hid_opener({.driver_id = std::string(driver.id), .target = request.target}, clock);
   auto libusb = make_libusb_opener({.chooser = chooser, .unknown_kind = unknown_kind}, clock);
   if (has_rows_of(driver, TransportKind::kUsb)) return libusb;
   FL_ASSIGN(auto tty, make_tty_opener(chooser, clock));

@@ -117,6 +117,9 @@ void judge(FoundDevice& device, const FindOptions& options) {
   if (!built_with_usb() && device.transport != TransportKind::kHid && !over_tty && !has_other_way)
     return verdict(Readiness::kUnsupported, "this build has no USB",
                    "sudo apt install libusb-1.0-0-dev && cmake -B build -DFOOTLIGHT_USB=ON && cmake --build build");
+  if (!built_with_hid() && device.transport == TransportKind::kHid)
+    return verdict(Readiness::kUnsupported, "this build has no HID",
+                   "sudo apt install libhidapi-dev && cmake -B build -DFOOTLIGHT_HID=ON && cmake --build build");
   const std::string& node = over_tty                                  ? device.tty
                             : device.transport == TransportKind::kHid ? device.hidraw
                                                                       : device.node;
@@ -227,6 +230,10 @@ DeviceList find_devices(const FindOptions& options) {
     list.notes.emplace_back(
         "built without USB: devices are listed and cannot be opened; install libusb-1.0-0-dev and configure with "
         "-DFOOTLIGHT_USB=ON");
+  if (!built_with_hid())
+    list.notes.emplace_back(
+        "built without HID: HID devices are listed and cannot be opened; install libhidapi-dev and configure with "
+        "-DFOOTLIGHT_HID=ON");
   const std::string folder = options.sys_root + "/bus/usb/devices";
   if (!folder_exists(folder))
     list.notes.push_back(

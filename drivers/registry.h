@@ -1,7 +1,7 @@
 // What is plugged in, whether it can be used, and the command that mends it where it cannot.
 //
 // Reads /sys only: nothing is opened, no kernel driver is disturbed, no permission is needed. Works in builds without
-// libusb too. Takes well under the time of one video frame, so a window may call it on a timer.
+// libusb and hidapi too. Takes well under the time of one video frame, so a window may call it on a timer.
 #pragma once
 
 #include <unistd.h>
@@ -96,6 +96,8 @@ struct FindOptions {
 
 // True where libusb was there at build time.
 [[nodiscard]] bool built_with_usb();
+// True where hidapi was there at build time.
+[[nodiscard]] bool built_with_hid();
 // Installs the udev rules. What else may mend kNoPermission: drivers/permission.h.
 [[nodiscard]] std::string udev_install_command();
 

@@ -38,6 +38,8 @@ gboolean answer(UMockdevIoctlClient* client, long result, int error = 0) {
 
 HidSocket::HidSocket(Testbed& testbed, drivers::mock::HidModel& model, int socket)
     : testbed_(testbed), model_(model), socket_(socket), handler_(umockdev_ioctl_base_new()) {
+  g_signal_connect(handler_, "client-connected", G_CALLBACK(&HidSocket::on_client_connected), this);
+  g_signal_connect(handler_, "client-vanished", G_CALLBACK(&HidSocket::on_client_vanished), this);
   g_signal_connect(handler_, "handle-ioctl", G_CALLBACK(&HidSocket::on_ioctl), this);
   g_signal_connect(handler_, "handle-read", G_CALLBACK(&HidSocket::on_read), this);
   g_signal_connect(handler_, "handle-write", G_CALLBACK(&HidSocket::on_write), this);
@@ -70,6 +72,7 @@ void HidSocket::plug() {
     const std::lock_guard lock(mutex_);
     model_.power_on();
     plugged_ = announced_ = true;
+    ++plug_count_;
     write_count_ = 0;
     const std::string path = testbed_.root() + node();
     std::filesystem::create_directories(testbed_.root() + "/dev");
@@ -104,7 +107,7 @@ void HidSocket::unplug() {
     const std::lock_guard lock(mutex_);
     plugged_ = announced_ = false;
     constexpr char kWakeUp = 0;
-    (void)!::write(fifo_fd_, &kWakeUp, 1);  // so that poll() has a look; read() then answers ENODEV
+    (void)!::write(fifo_fd_, &kWakeUp, 1);  // so that poll() returns; read() then answers ENODEV
     ::close(fifo_fd_);
     fifo_fd_ = -1;
     std::filesystem::remove(testbed_.root() + node());
@@ -133,9 +136,32 @@ void HidSocket::send_reports() {
   }
 }
 
+void HidSocket::on_client_connected(UMockdevIoctlBase*, UMockdevIoctlClient* client, HidSocket* self) {
+  const std::lock_guard lock(self->mutex_);
+  self->plug_of_client_[client] = self->plug_count_;
+}
+
+void HidSocket::on_client_vanished(UMockdevIoctlBase*, UMockdevIoctlClient* client, HidSocket* self) {
+  const std::lock_guard lock(self->mutex_);
+  self->plug_of_client_.erase(client);
+}
+
+// Called with the lock.
+bool HidSocket::is_there_for(UMockdevIoctlClient* client) const {
+  const auto plug = plug_of_client_.find(client);
+  FL_CHECK(plug != plug_of_client_.end());
+  return plugged_ && plug->second == plug_count_;
+}
+
 gboolean HidSocket::on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, HidSocket* self) {
   const std::lock_guard lock(self->mutex_);
-  if (!self->plugged_) return answer(client, -1, ENODEV);
+  if (!self->is_there_for(client)) return answer(client, -1, ENODEV);
+  if (umockdev_ioctl_client_get_request(client) == HIDIOCGRDESCSIZE) {
+    ++self->size_request_count_;
+    const Argument<int> size(umockdev_ioctl_client_get_arg(client));
+    *size = static_cast<int>(self->model_.report_descriptor().size());
+    return answer(client, 0);
+  }
   if (umockdev_ioctl_client_get_request(client) != HIDIOCGRAWINFO) return answer(client, -1, EINVAL);
   const Bytes device = self->model_.device_descriptor();
   const auto word = [&](std::size_t at) { return static_cast<__s16>(device[at] | device[at + 1] << 8); };
@@ -146,7 +172,7 @@ gboolean HidSocket::on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, Hi
 
 gboolean HidSocket::on_read(UMockdevIoctlBase*, UMockdevIoctlClient* client, HidSocket* self) {
   const std::lock_guard lock(self->mutex_);
-  return self->plugged_ ? FALSE : answer(client, -1, ENODEV);  // FALSE: from the FIFO
+  return self->is_there_for(client) ? FALSE : answer(client, -1, ENODEV);  // FALSE: from the FIFO
 }
 
 gboolean HidSocket::on_write(UMockdevIoctlBase*, UMockdevIoctlClient* client, HidSocket* self) {
@@ -155,7 +181,7 @@ gboolean HidSocket::on_write(UMockdevIoctlBase*, UMockdevIoctlClient* client, Hi
     const std::lock_guard lock(self->mutex_);
     const int number = self->write_count_++;
     if (self->unplug_at_write >= 0 && number >= self->unplug_at_write) self->plugged_ = false;
-    if (!self->plugged_) return answer(client, -1, ENODEV);
+    if (!self->is_there_for(client)) return answer(client, -1, ENODEV);
     if (self->write_error != 0) return answer(client, -1, self->write_error);
     UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
     auto size = static_cast<std::size_t>(argument->data_len);

@@ -1,10 +1,18 @@
-// The hidraw connector and the real /sys reader on an emulated kernel, with the drivers and their models at both ends.
+// hidapi and the real /sys reader on an emulated kernel, with a driver on one side and the model of its device on the
+// other.
+//
+// FOOTLIGHT_REPLUGS=1000 sets the number of replugs in the tests that count them.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <functional>
+#include <mutex>
 
 #include "drivers/device/device.h"
 #include "drivers/mock/nodle_model.h"
 #include "drivers/registry.h"
+#include "drivers/transport/hid_opener.h"
 #include "tests/support/emulated_bench.h"
 #include "tests/support/hidraw_fs.h"
 #include "tests/support/usb_shared_clock.h"
@@ -24,6 +32,25 @@ using testing::wait_for_state;
 template <class Model, class DriverClock = SystemClock>
 using Bench = testing::EmulatedBench<HidSocket, Model, DriverClock>;
 
+// A clock that stands still, and on which a sleep takes no time. Only connect() sleeps, until the node has settled.
+class ContactClock final : public Clock {
+ public:
+  TimeNs now_ns() override { return clock_.now_ns(); }
+  void sleep_until_ns(TimeNs deadline_ns) override {
+    if (on_sleep) on_sleep();
+    clock_.sleep_until_ns(deadline_ns);
+  }
+  std::function<void()> on_sleep;  // set while no port is open
+
+ private:
+  testing::SharedFakeClock clock_;
+};
+
+int replug_count(int usual) {
+  const char* const wanted = std::getenv("FOOTLIGHT_REPLUGS");
+  return wanted != nullptr ? std::atoi(wanted) : usual;
+}
+
 TEST_CASE("a HID interface is listed with its endpoint, without being opened") {
   Bench<NodleModel> bench("nodle");
   bench.socket.plug();
@@ -36,7 +63,7 @@ TEST_CASE("a HID interface is listed with its endpoint, without being opened") {
   CHECK(device.readiness == Readiness::kReady);
 }
 
-TEST_CASE("a node that this user may not open is named together with the command that mends it") {
+TEST_CASE("a node that this user may not open is named together with the command that fixes it") {
   Bench<NodleModel> bench("nodle");
   bench.socket.plug();
   const DeviceList list =
@@ -50,7 +77,7 @@ TEST_CASE("a node that this user may not open is named together with the command
   CHECK(list.devices[0].remedy.find("70-footlight.rules") != std::string::npos);
 }
 
-TEST_CASE("100 looks arrive over hidraw with every byte") {
+TEST_CASE("100 frames arrive over hidraw with every byte") {
   Bench<NodleModel> bench("nodle");
   bench.socket.plug();
   const auto sink = bench.open_sink();
@@ -61,7 +88,7 @@ TEST_CASE("100 looks arrive over hidraw with every byte") {
   bench.socket.with_model([&] { CHECK(bench.model.broken_count == 0); });
 }
 
-TEST_CASE("frames of the input arrive over hidraw with every byte while looks go out") {
+TEST_CASE("frames of the input arrive over hidraw with every byte while frames go out") {
   Bench<NodleModel> bench("nodle");
   bench.socket.plug();
   const auto sink = bench.open_sink();
@@ -79,7 +106,7 @@ TEST_CASE("frames of the input arrive over hidraw with every byte while looks go
   CHECK(source->counters().rejected == 0);
 }
 
-TEST_CASE("an unplug is noticed without traffic, and the last look is back after the replug") {
+TEST_CASE("an unplug is noticed without traffic, and the last frame is back after the replug") {
   Bench<NodleModel> bench("nodle");
   bench.socket.plug();
   const auto sink = bench.open_sink();
@@ -93,10 +120,10 @@ TEST_CASE("an unplug is noticed without traffic, and the last look is back after
   const TimeNs plugged_ns = bench.clock.now_ns();
   bench.socket.plug();
   REQUIRE(bench.shows(some_snapshot(2)));
-  MESSAGE("replug to last look: ", static_cast<double>(bench.clock.now_ns() - plugged_ns) * 1e-6, " ms");
+  MESSAGE("replug to last frame: ", static_cast<double>(bench.clock.now_ns() - plugged_ns) * 1e-6, " ms");
 }
 
-TEST_CASE("a device that leaves in the middle of a look gets it when it is back") {
+TEST_CASE("a device that leaves in the middle of a frame gets it when it is back") {
   Bench<NodleModel> bench("nodle");
   bench.socket.plug();
   const auto sink = bench.open_sink();
@@ -110,7 +137,7 @@ TEST_CASE("a device that leaves in the middle of a look gets it when it is back"
     bench.socket.plug();
     REQUIRE(bench.socket.wait_for([&] { return report_count() >= before + static_cast<std::uint64_t>(at); }));
     REQUIRE(wait_for_state(*sink, PortState::kGone));
-    // "Unplugged", or what a new try found while the kernel was still tidying up.
+    // "Unplugged", or the error of a new attempt while the kernel was still removing the device.
     CHECK(sink->trouble().starts_with("nodle: "));
     bench.socket.unplug_at_write = -1;
     bench.socket.unplug();
@@ -120,7 +147,7 @@ TEST_CASE("a device that leaves in the middle of a look gets it when it is back"
   }
 }
 
-TEST_CASE("writes that fail or are cut short lead to opening the device afresh") {
+TEST_CASE("the device is opened again after a write that fails or is cut short") {
   Bench<NodleModel> bench("nodle");
   bench.socket.plug();
   const auto sink = bench.open_sink();
@@ -162,7 +189,7 @@ TEST_CASE("a device without a serial number is found again in its socket and in 
   CHECK(wait_for_state(*sink, PortState::kWorking));
 }
 
-TEST_CASE("two alike are told apart, and neither takes the other's place") {
+TEST_CASE("two devices of one model are told apart by their serial numbers, and neither takes the other's place") {
   Bench<NodleModel> bench("nodle");
   NodleModel other;
   other.serial = "A0099";
@@ -182,8 +209,8 @@ TEST_CASE("two alike are told apart, and neither takes the other's place") {
   CHECK(other_socket.wait_for([&] { return other.line(0).frame == line_frame_of(some_snapshot(2)); }));
 }
 
-TEST_CASE("closing ends though nothing comes, and leaves no descriptor and no thread") {
-  Bench<NodleModel, testing::SharedFakeClock> bench("nodle");  // no timeout ever ends a wait
+TEST_CASE("closing ends without traffic, and leaves no descriptor and no thread") {
+  Bench<NodleModel, testing::SharedFakeClock> bench("nodle");  // no wait ends by a timeout
   bench.socket.plug();
   { const auto warm_up = bench.open_sink(); }
   const std::size_t fds = testing::entries_of("/proc/self/fd"), threads = testing::entries_of("/proc/self/task");
@@ -192,23 +219,81 @@ TEST_CASE("closing ends though nothing comes, and leaves no descriptor and no th
   CHECK(testing::entries_of("/proc/self/task") == threads);
 }
 
-TEST_CASE("100 replugs over hidraw leak no descriptor and no thread, and lose no look") {
-  Bench<NodleModel> bench("nodle");
+TEST_CASE("a device that leaves within 100 ms of its check is never opened by hidapi") {
+  Bench<NodleModel, ContactClock> bench("nodle");
   bench.socket.plug();
+  bench.clock.on_sleep = [&] { bench.socket.unplug(); };
+  const auto refused = drivers::open_sink(bench.request, bench.clock);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::kNotFound);
+  CHECK(refused.error().message.find("unplugged within 100 ms") != std::string::npos);
+  CHECK(bench.socket.size_request_count() == 1);  // of the check
+}
+
+TEST_CASE("a device that is replugged within 100 ms of its check is opened when it has stayed for 100 ms") {
+  Bench<NodleModel, ContactClock> bench("nodle");
+  bench.socket.plug();
+  int bounce_count = 0;
+  bench.clock.on_sleep = [&] {
+    if (bounce_count == 3) return;
+    ++bounce_count;
+    bench.socket.unplug();
+    bench.socket.plug();
+  };
+  for (int i = 0; i < 3; ++i) REQUIRE_FALSE(drivers::open_sink(bench.request, bench.clock));
+  CHECK(bench.socket.size_request_count() == 3);  // of the checks
+  const TimeNs begin_ns = bench.clock.now_ns();
+  const auto sink = bench.open_sink();
+  CHECK(bench.clock.now_ns() - begin_ns == kHidSettleNs);
+  CHECK(bench.socket.size_request_count() == 5);  // of the check and of hidapi
+  bench.send(*sink, some_snapshot(1));
+  CHECK(bench.shows(some_snapshot(1)));
+}
+
+// Unplugs and replugs a device that shows a frame, and counts what is left open.
+template <class AnyBench>
+void replug(AnyBench& bench, int count, const std::function<void(int)>& plug) {
   const auto sink = bench.open_sink();
   bench.send(*sink, some_snapshot(0));
   REQUIRE(bench.shows(some_snapshot(0)));
   const std::size_t fds = testing::entries_of("/proc/self/fd"), threads = testing::entries_of("/proc/self/task");
-  for (int i = 1; i <= 100; ++i) {
+  for (int i = 1; i <= count; ++i) {
+    CAPTURE(i);
     bench.socket.unplug();
     REQUIRE(wait_for_state(*sink, PortState::kGone));
-    bench.send(*sink, some_snapshot(static_cast<std::uint8_t>(i)));
-    bench.socket.plug();
-    REQUIRE(bench.shows(some_snapshot(static_cast<std::uint8_t>(i))));
+    const auto snapshot = some_snapshot(static_cast<std::size_t>(i % 256));
+    bench.send(*sink, snapshot);
+    plug(i);
+    REQUIRE(bench.shows(snapshot));
     REQUIRE(wait_for_state(*sink, PortState::kWorking));
   }
   CHECK(testing::entries_of("/proc/self/fd") == fds);
   CHECK(testing::entries_of("/proc/self/task") == threads);
+}
+
+TEST_CASE("replugs over hidraw leak no descriptor and no thread, and lose no frame") {
+  Bench<NodleModel> bench("nodle");
+  bench.socket.plug();
+  replug(bench, replug_count(20), [&](int) { bench.socket.plug(); });
+}
+
+TEST_CASE("replugs with a bouncing contact leak no descriptor and no thread, and lose no frame") {
+  Bench<NodleModel, ContactClock> bench("nodle");
+  bench.socket.plug();
+  std::mutex plugging;
+  int bounces = 0;  // guarded by plugging
+  bench.clock.on_sleep = [&] {
+    const std::lock_guard lock(plugging);
+    if (bounces == 0) return;
+    --bounces;
+    bench.socket.unplug();
+    bench.socket.plug();
+  };
+  replug(bench, replug_count(20), [&](int i) {
+    const std::lock_guard lock(plugging);
+    bounces = i % 4;
+    bench.socket.plug();
+  });
 }
 
 }  // namespace

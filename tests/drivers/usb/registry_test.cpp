@@ -18,8 +18,10 @@
 #include <fmt/format.h>
 
 #include "drivers/device/chooser.h"
+#include "drivers/ports_factory.h"
 #include "drivers/udev_rules.h"
 #include "drivers/usb_match.h"
+#include "sim/system_clock.h"
 #include "tests/support/temp_folder.h"
 
 namespace footlight::drivers {
@@ -115,7 +117,7 @@ TEST_CASE("a widget is ready where its node may be written, and its endpoint car
   if (!built_with_usb()) return;
   CHECK(device.readiness == Readiness::kReady);  // ftdi_sio is no hindrance: it is detached on opening
   CHECK(device.reason.empty());
-  CHECK(list.notes.empty());
+  CHECK(list.notes.empty() == built_with_hid());
 }
 
 TEST_CASE("a device without a serial number, or with another's, is named by its port") {
@@ -340,7 +342,25 @@ TEST_CASE("an FTDI chip that lost its kernel driver is ready, and names the comm
   CHECK(bound.find().devices[0].rebind.empty());
 }
 
+TEST_CASE("a build without hidapi lists HID devices, and names the package that opens them") {
+  Machine machine;
+  machine.plug({.vendor = "16d0", .product_id = "0830"});
+  const DeviceList list = machine.find();
+  REQUIRE(list.devices.size() == 1);
+  CHECK(list.devices[0].endpoint == "nodle:EN172589");
+  if (built_with_hid()) return;
+  CHECK(list.devices[0].readiness == Readiness::kUnsupported);
+  CHECK(list.devices[0].remedy.find("libhidapi-dev") != std::string::npos);
+  CHECK(list.notes.back().find("-DFOOTLIGHT_HID=ON") != std::string::npos);
+  SystemClock clock;
+  const auto sink = open_sink({.scheme = "nodle", .target = "", .universes = {1}}, clock);
+  REQUIRE_FALSE(sink);
+  CHECK(sink.error().code == ErrorCode::kUnsupported);
+  CHECK(sink.error().message.find("libhidapi-dev") != std::string::npos);
+}
+
 TEST_CASE("a module is advised only where no driver of the kernel is bound") {
+  if (!built_with_hid()) return;
   for (const char* kernel_driver : {"", "usbhid"}) {
     Machine machine;
     machine.plug({.vendor = "16d0", .product_id = "0830", .kernel_driver = kernel_driver});

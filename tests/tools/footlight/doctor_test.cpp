@@ -138,9 +138,10 @@ TEST_CASE("on a healthy machine no check has anything to say") {
   for (const auto& [id, outcome] : machine.snapshot()) {
     CAPTURE(id);
     CAPTURE(outcome.seen);
-    // Builds without libgpiod or libusb say so.
+    // Builds without libgpiod, libusb or hidapi say so.
     if (id == "gpio" && !drivers::built_with_gpio()) continue;
     if (id == "devices" && !drivers::built_with_usb()) continue;
+    if (id == "hidraw" && !drivers::built_with_hid()) continue;
     CHECK(outcome.verdict == Verdict::kOk);
     CHECK(outcome.mend.empty());
     CHECK_FALSE(outcome.seen.empty());

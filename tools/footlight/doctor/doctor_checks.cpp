@@ -198,6 +198,8 @@ Outcome check_hidraw(const DoctorView& view) {
     ready.push_back(node);
   }
   if (ready.empty()) return skipped("no DMX device of the HID class is plugged in");
+  if (!drivers::built_with_hid())
+    return warn("this build has no HID", "sudo apt install libhidapi-dev, then build again with -DFOOTLIGHT_HID=ON");
   return ok(fmt::format("may be used: {}", fmt::join(ready, ", ")));
 }
 
