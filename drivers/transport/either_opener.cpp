@@ -24,7 +24,7 @@ class EitherOpener final : public Opener {
     }
     auto other = tty_->connect();
     if (other) return other;
-    return transport;  // says what mends the better way
+    return transport;  // its message names the fix for libusb, the preferred way
   }
   void wait(TimeNs deadline_ns) override { tried_->wait(deadline_ns); }
   void wake() override {
@@ -38,7 +38,7 @@ class EitherOpener final : public Opener {
   std::string identity() override { return libusb_->identity(); }
 
  private:
-  // A device that is there at the first look has been there for an unknown time, so libusb knows it.
+  // A device that is there at the first call has been there for an unknown time, so libusb already lists it.
   void note_arrival(const std::optional<SeenDevice>& seen) {
     const std::string node = seen ? seen->node : "";
     if (looked_ && node != node_) left_to_libusb_until_ns_ = clock_.now_ns() + kAnnouncementNs;
@@ -49,10 +49,10 @@ class EitherOpener final : public Opener {
   const std::unique_ptr<Opener> libusb_, tty_;
   const LookForDevice look_;
   Clock& clock_;
-  // The device thread's alone.
+  // Used by the device thread only.
   Opener* tried_ = libusb_.get();
   bool looked_ = false;
-  std::string node_;  // of the last look; empty: nothing was plugged in
+  std::string node_;  // at the last call of look_(); empty: none was plugged in
   TimeNs left_to_libusb_until_ns_ = INT64_MIN;
 };
 

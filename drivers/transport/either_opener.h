@@ -1,10 +1,11 @@
-// Two ways to one device: over libusb, or over its tty. Which one is decided at each connect(), by the device that is
-// there at that moment.
+// Opens one device through libusb or through its tty. Each connect() chooses, by the device that is plugged in then.
 //
-// A device of the USB communication class is reached over its tty alone. An FTDI chip is reached over libusb, or over
-// its tty where this build has no libusb or this user may not use it. A chip that was plugged in while the connector
-// was in use is left to libusb for kAnnouncementNs: /sys shows it before udev has given its node permissions and
-// before libusb has announced it, and a port that took its tty then would keep it.
+// A device of the USB communication class is opened through its tty only. An FTDI chip is opened through libusb, or
+// through its tty if this build has no libusb or this user may not open the USB node.
+//
+// A chip that was plugged in after the first connect() is tried through libusb only, for kAnnouncementNs. /sys lists it
+// before udev sets the permissions of its node and before libusb reports it. A port that opened the tty in that time
+// would keep it until the next replug (docs/decisions/0090-libusb-before-the-tty.md).
 #pragma once
 
 #include <functional>
@@ -23,10 +24,10 @@ struct SeenDevice {
   TransportKind kind = TransportKind::kFtdi;
   std::string node;  // "/dev/bus/usb/001/004"; another one after a replug
 };
-// The device that connect() would take at this moment; nullopt: none.
+// The device that connect() would open at this moment; nullopt: none.
 using LookForDevice = std::function<std::optional<SeenDevice>()>;
 
-// wait() is that of the way which connect() tried last. All three should choose with the same Chooser.
+// wait() calls that of the opener which connect() tried last. Give the same Chooser to both openers and to `look`.
 [[nodiscard]] std::unique_ptr<Opener> make_either_opener(std::unique_ptr<Opener> libusb, std::unique_ptr<Opener> tty,
                                                          LookForDevice look, Clock& clock);
 

@@ -21,7 +21,7 @@ class FtdiTransport final : public Transport {
 
   Status start() {
     for (std::uint16_t what = 0; what < 3; ++what) FL_TRY(request(ftdi::kReset, what));
-    FL_TRY(request(ftdi::kModemControl, 0x0200));  // RTS low: cables that steer a driver chip with it send
+    FL_TRY(request(ftdi::kModemControl, 0x0200));  // RTS low: cables whose driver chip it switches then send
     FL_TRY(request(ftdi::kFlowControl, 0));
     return set_line({}, clock_.now_ns() + kControlTimeoutNs);
   }
@@ -71,7 +71,7 @@ class FtdiTransport final : public Transport {
     return (status[1] & ftdi::kTransmitterEmpty) != 0;
   }
 
-  // A packet's flags belong to its last byte, and a break comes as a zero there (ftdi_process_packet in ftdi_sio.c).
+  // The flags of a packet apply to its last byte. A break is a zero there (ftdi_process_packet in ftdi_sio.c).
   Result<std::size_t> read_line(std::span<LineByte> into, TimeNs deadline_ns) override {
     while (line_unread_ == line_bytes_.size()) {
       FL_ASSIGN(const std::size_t count, usb_->read_endpoint(ftdi::kEndpointIn, transfer_, deadline_ns));
@@ -124,10 +124,10 @@ class FtdiTransport final : public Transport {
   Clock& clock_;
   std::uint16_t line_data_ = 0;
   std::array<std::uint8_t, kUsbTransferSizeMax> transfer_{};
-  std::size_t unread_ = 0, unread_end_ = 0;  // of transfer_, stripped
+  std::size_t unread_ = 0, unread_end_ = 0;  // range in transfer_, status bytes removed
   std::vector<LineByte> line_bytes_;
   std::size_t line_unread_ = 0;
-  bool lost_ = false;  // bytes, before the next one
+  bool lost_ = false;  // bytes are missing before the next one
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
-// FTDI's serial chips (FT232, FT2232, FT4232, FT-X, FT245) as seen from the bus: a Transport with bytes and breaks
-// above one with control transfers and bulk endpoints, whether those go through libusb or to a model.
+// FTDI's serial chips (FT232, FT2232, FT4232, FT-X, FT245): makes a Transport with bytes and breaks from one with
+// control transfers and bulk endpoints, which is libusb's or that of a model.
 //
 // Sources: requests, status bytes and release numbers from the Linux kernel's drivers/usb/serial/ftdi_sio.h and .c.
 #pragma once
@@ -16,13 +16,13 @@ namespace footlight::drivers {
 
 namespace ftdi {
 
-// Every packet that the chip sends begins with two status bytes, also one without data, which it sends whenever its
-// latency timer runs out. A transfer is a row of full packets and a last, shorter one.
+// Every packet from the chip begins with two status bytes. When the latency timer expires the chip sends a packet even
+// without data. A transfer is a sequence of full packets and a last, shorter one.
 inline constexpr std::size_t kStatusSize = 2;
 inline constexpr std::size_t kFullSpeedPacketSize = 64;
 
-// Moves the data of one IN transfer to its front and returns how many bytes they are. packet_size > kStatusSize: of the
-// endpoint (64 full speed, 512 high speed).
+// Removes the status bytes from an IN transfer, in place. Returns the number of data bytes; they are at the front then.
+// packet_size: of the endpoint (64 at full speed, 512 at high speed), above kStatusSize.
 [[nodiscard]] std::size_t strip_status(std::span<std::uint8_t> transfer, std::size_t packet_size);
 
 inline constexpr std::uint8_t kRequestOut = 0x40;  // bmRequestType: vendor, to the device
@@ -48,7 +48,7 @@ inline constexpr std::uint8_t kTransmitterEmpty = 0x40;
 // bcdDevice tells the chips apart.
 struct Chip {
   std::uint16_t release;
-  bool is_fast;         // baud rates from 12 MHz, where it is told so
+  bool is_fast;         // can divide its baud rate from 12 MHz
   bool has_more_lines;  // wIndex names the line, 1 for the first
 };
 [[nodiscard]] constexpr Chip chip_of(std::uint16_t release) {
@@ -56,7 +56,7 @@ struct Chip {
   return {release, kind == 7 || kind == 8 || kind == 9, kind == 5 || kind == 7 || kind == 8};
 }
 
-// Two numbers of the baud rate request. Divisors without a fraction: 250000 is exact, others are rounded.
+// wValue and wIndex of the baud rate request. The divisor is an integer: 250000 is exact, other rates are rounded.
 struct BaudRequest {
   std::uint16_t value;
   std::uint16_t index;
@@ -65,9 +65,9 @@ struct BaudRequest {
 
 }  // namespace ftdi
 
-// Resets the chip and sets 250000 baud, 8 data bits, 2 stop bits. `usb` is the open device, its interface claimed;
-// `release` its bcdDevice. The processor of a widget often sits behind a parallel bus (FT245), where the line's
-// settings have no effect; they are made because look-alikes put a serial line in its place.
+// Resets the chip and sets 250000 baud, 8 data bits, 2 stop bits. `usb`: the open device, its interface claimed.
+// `release`: its bcdDevice. In many widgets a parallel bus (FT245) connects the chip to the processor, and settings of
+// the line have no effect. They are made all the same, since compatible widgets use a serial line.
 [[nodiscard]] Result<std::unique_ptr<Transport>> open_ftdi(std::unique_ptr<Transport> usb, std::uint16_t release,
                                                            Clock& clock);
 

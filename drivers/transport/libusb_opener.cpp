@@ -19,8 +19,8 @@ bool built_with_usb() { return true; }
 namespace {
 
 constexpr int kInterface = 0;
-constexpr std::size_t kInTransferCount = 4;         // enough that the device never waits for a buffer while we copy
-constexpr std::size_t kWaitingSizeMax = 16 * 1024;  // 30 frames; beyond it the device is left to hold its data
+constexpr std::size_t kInTransferCount = 4;         // so that the device never waits for a buffer during a copy
+constexpr std::size_t kWaitingSizeMax = 16 * 1024;  // 30 frames; above it no transfer is submitted
 constexpr int kInTransferSize = kUsbTransferSizeMax;
 constexpr DurationNs kEventSliceMaxNs = 60 * kNsPerS;
 constexpr DurationNs kCancelPatienceNs = 5 * kNsPerS;
@@ -37,7 +37,7 @@ using OwnedHandle = std::unique_ptr<libusb_device_handle, Closes<libusb_close>>;
 using OwnedTransfer = std::unique_ptr<libusb_transfer, Closes<libusb_free_transfer>>;
 using OwnedDevice = std::unique_ptr<libusb_device, Closes<libusb_unref_device>>;
 
-// The one place where libusb's codes become ours. code: LIBUSB_ERROR_*.
+// Translates libusb's error codes. code: LIBUSB_ERROR_*.
 tl::unexpected<Error> usb_error(int code, std::string_view where, std::string_view action) {
   switch (code) {
     case LIBUSB_ERROR_NO_DEVICE: return fail(ErrorCode::kDisconnected, "{}: unplugged", where);
@@ -55,7 +55,7 @@ tl::unexpected<Error> usb_error(int code, std::string_view where, std::string_vi
   }
 }
 
-// What a finished transfer reports, as the code that a call would have returned.
+// The status of a finished transfer as an error code, as a synchronous call would have returned it.
 int code_of(libusb_transfer_status status) {
   switch (status) {
     case LIBUSB_TRANSFER_COMPLETED: return LIBUSB_SUCCESS;
@@ -69,21 +69,21 @@ int code_of(libusb_transfer_status status) {
   return LIBUSB_ERROR_OTHER;
 }
 
-// One libusb context for one device, so that the events of one never wait for another's thread.
+// Each device has its own libusb context, so that its events never wait for the thread of another device.
 struct Bus {
   OwnedContext context;
   Clock& clock;
   std::atomic<bool> woken{false};
   std::atomic<bool> aborted{false};
-  // The device thread's, written inside handle_events().
+  // Used by the device thread only; written inside handle_events().
   bool arrived = false;           // a device was plugged in
-  libusb_device* open = nullptr;  // the one that is in use; compared only
+  libusb_device* open = nullptr;  // the device in use; only compared, never dereferenced
   bool open_has_left = false;
 
   explicit Bus(libusb_context* opened, Clock& used_clock) : context(opened), clock(used_clock) {}
 
   void interrupt() { libusb_interrupt_event_handler(context.get()); }
-  // Runs the callbacks that are due; waits for one until the deadline at most, less where wake() or abort() is called.
+  // Runs the callbacks that are due. Waits for one until the deadline, wake() or abort().
   void handle_events(TimeNs deadline_ns) {
     const DurationNs left_ns = std::clamp<DurationNs>(deadline_ns - clock.now_ns(), 0, kEventSliceMaxNs);
     timeval left{.tv_sec = static_cast<time_t>(left_ns / kNsPerS),
@@ -92,7 +92,7 @@ struct Bus {
   }
 };
 
-// What comes in at one endpoint: transfers in flight, and what they brought.
+// An IN endpoint: its transfers in flight, and the bytes that have arrived.
 struct InStream {
   struct InTransfer {
     InStream* stream = nullptr;
@@ -101,12 +101,12 @@ struct InStream {
     bool in_flight = false;
   };
   std::uint8_t endpoint = 0;
-  // Behind pointers, since callbacks point into them.
+  // On the heap, since libusb keeps pointers to them.
   std::array<std::unique_ptr<InTransfer>, kInTransferCount> transfers;
-  std::vector<std::uint8_t> waiting;  // per transfer its size, two bytes, then its bytes; read from waiting_begin on
+  std::vector<std::uint8_t> waiting;  // per transfer its size (2 bytes), then its bytes; unread from waiting_begin on
   std::size_t waiting_begin = 0;
   bool closing = false;
-  int failure = LIBUSB_SUCCESS;  // of the first transfer that ended badly
+  int failure = LIBUSB_SUCCESS;  // of the first transfer that failed
 
   void submit(InTransfer& in) {
     const int code = libusb_submit_transfer(in.transfer.get());
@@ -117,7 +117,7 @@ struct InStream {
     for (const auto& in : transfers)
       if (!in->in_flight && failure == LIBUSB_SUCCESS && waiting.size() < kWaitingSizeMax) submit(*in);
   }
-  // Runs inside handle_events(), so on the device thread.
+  // Called inside handle_events(), so on the device thread.
   static void LIBUSB_CALL on_in(libusb_transfer* transfer) {
     auto& in = *static_cast<InTransfer*>(transfer->user_data);
     InStream& self = *in.stream;
@@ -134,7 +134,7 @@ struct InStream {
     }
     if (self.waiting.size() < kWaitingSizeMax && !self.closing) self.submit(in);
   }
-  // One transfer, or the front of it.
+  // Takes one transfer, or as much of it as fits into `into`.
   std::size_t take(std::span<std::uint8_t> into) {
     if (waiting_begin == waiting.size()) return 0;
     std::uint8_t* const head = waiting.data() + waiting_begin;
@@ -142,7 +142,7 @@ struct InStream {
     const std::size_t count = std::min(into.size(), size);
     std::copy_n(head + 2, count, into.begin());
     if (count < size) {
-      // What is left gets a head of its own, over the bytes that were taken.
+      // The rest gets a new size field, over the bytes that were taken.
       std::uint8_t* const rest = head + count;
       rest[0] = static_cast<std::uint8_t>((size - count) & 0xFF);
       rest[1] = static_cast<std::uint8_t>((size - count) >> 8);
@@ -175,14 +175,14 @@ class LibusbTransport final : public Transport {
   ~LibusbTransport() override {
     bus_->open = nullptr;
     for (const auto& stream : streams_) {
-      stream->closing = true;  // one that ends with data now must not be submitted again
+      stream->closing = true;  // a transfer that ends with data now must not be submitted again
       for (const auto& in : stream->transfers)
         if (in->in_flight) libusb_cancel_transfer(in->transfer.get());
     }
     const TimeNs patience_ns = bus_->clock.now_ns() + kCancelPatienceNs;
     while (in_flight() && bus_->clock.now_ns() < patience_ns) bus_->handle_events(patience_ns);
     if (in_flight()) {
-      // The kernel still owns the buffers: what it may write to is left to the end of the process.
+      // The kernel may still write to the buffers, so they are never freed.
       for (auto& stream : streams_) (void)stream.release();
       (void)handle_.release();
       return;
@@ -234,7 +234,7 @@ class LibusbTransport final : public Transport {
       fill(out_.get(), handle_.get(), endpoint, buffer_.data() + written, static_cast<int>(bytes.size() - written),
            &LibusbTransport::on_out, this, 0);
       const Status ran = run(deadline_ns, "write");
-      // A halted endpoint refuses everything until that is cleared, also for the next one who opens the device.
+      // A halted endpoint refuses all transfers until the halt is cleared, also after the device is opened again.
       if (out_->status == LIBUSB_TRANSFER_STALL) (void)libusb_clear_halt(handle_.get(), endpoint);
       if (!ran) return ran;
       written += static_cast<std::size_t>(out_->actual_length);
@@ -271,7 +271,7 @@ class LibusbTransport final : public Transport {
     });
   }
 
-  // Begins to listen at the endpoint where that was not done yet.
+  // Submits the transfers of the endpoint if that was not done yet.
   InStream& stream(std::uint8_t endpoint) {
     for (const auto& known : streams_)
       if (known->endpoint == endpoint) return *known;
@@ -307,7 +307,7 @@ class LibusbTransport final : public Transport {
     return found;
   }
 
-  // Leaves what came back in buffer_ behind the setup; returns how many bytes went either way.
+  // Received bytes are in buffer_ behind the setup packet. Returns how many bytes were transferred.
   template <class Fill>
   Result<std::size_t> control(const ControlRequest& request, std::size_t size, Fill&& fill_data, TimeNs deadline_ns) {
     buffer_.assign(LIBUSB_CONTROL_SETUP_SIZE + size, 0);
@@ -321,7 +321,7 @@ class LibusbTransport final : public Transport {
     return static_cast<std::size_t>(out_->actual_length);
   }
 
-  // Submits out_ and waits for its end: completed, or cancelled at the deadline.
+  // Submits out_ and waits until it is completed, or cancels it at the deadline.
   Status run(TimeNs deadline_ns, std::string_view action) {
     if (bus_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", where_);
     out_done_ = false;
@@ -361,7 +361,7 @@ class LibusbOpener final : public Opener {
  public:
   LibusbOpener(LibusbConfig config, std::shared_ptr<Bus> bus)
       : unknown_kind_(config.unknown_kind), chooser_(std::move(config.chooser)), bus_(std::move(bus)) {
-    // Without hotplug support wait() simply lasts until its deadline.
+    // Without hotplug support wait() lasts until its deadline.
     (void)libusb_hotplug_register_callback(bus_->context.get(),
                                            LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED | LIBUSB_HOTPLUG_EVENT_DEVICE_LEFT, 0,
                                            LIBUSB_HOTPLUG_MATCH_ANY, LIBUSB_HOTPLUG_MATCH_ANY, LIBUSB_HOTPLUG_MATCH_ANY,
@@ -417,7 +417,7 @@ class LibusbOpener final : public Opener {
     return 0;
   }
 
-  // node: "/dev/bus/usb/001/004", whose last two parts are libusb's bus number and device address.
+  // node: "/dev/bus/usb/001/004"; the last two parts are libusb's bus number and device address.
   Result<OwnedDevice> device_at(const std::string& node) const {
     libusb_device** all = nullptr;
     const ssize_t count = libusb_get_device_list(bus_->context.get(), &all);
@@ -435,7 +435,7 @@ class LibusbOpener final : public Opener {
 
   const TransportKind unknown_kind_;
   const std::shared_ptr<Chooser> chooser_;
-  const std::shared_ptr<Bus> bus_;  // outlives the transport, which holds it too
+  const std::shared_ptr<Bus> bus_;  // shared with the transport
 };
 
 }  // namespace

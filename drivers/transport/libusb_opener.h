@@ -1,8 +1,7 @@
-// Real USB devices: a Opener on libusb. The Transport has control transfers and endpoints; where the device is one
-// of FTDI's chips it is a serial line above those (drivers/transport/ftdi.h).
+// USB devices through libusb: an Opener whose Transport has control transfers and endpoints. For an FTDI chip the
+// Transport is a serial line on top of those (drivers/transport/ftdi.h).
 //
-// libusb itself is seen only by libusb_opener.cpp. In a build without it, no_usb_opener.cpp stands in and every
-// call answers kUnsupported.
+// libusb is seen only by libusb_opener.cpp. In a build without it, no_usb_opener.cpp takes its place.
 #pragma once
 
 #include <memory>
@@ -13,11 +12,11 @@
 namespace footlight::drivers {
 
 struct LibusbConfig {
-  std::shared_ptr<Chooser> chooser;                   // may be shared with another connector to the same device
-  TransportKind unknown_kind = TransportKind::kFtdi;  // of a device that the user named and no row fits
+  std::shared_ptr<Chooser> chooser;                   // may be shared with another opener of the same device
+  TransportKind unknown_kind = TransportKind::kFtdi;  // of a device that the user named and that fits no row
 };
 
-// Does not look for the device yet; connect() does. kUnsupported: built without USB, or libusb does not start.
+// Does not search for the device yet; connect() does. kUnsupported: built without libusb, or libusb does not start.
 [[nodiscard]] Result<std::unique_ptr<Opener>> make_libusb_opener(LibusbConfig config, Clock& clock);
 
 }  // namespace footlight::drivers

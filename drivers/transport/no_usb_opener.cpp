@@ -1,4 +1,4 @@
-// Stands in for libusb_opener.cpp in a build without libusb.
+// Takes the place of libusb_opener.cpp in a build without libusb.
 #include "drivers/transport/libusb_opener.h"
 
 namespace footlight::drivers {

@@ -14,11 +14,11 @@ void TtyMarkParser::take(std::span<const std::uint8_t> bytes, TimeNs stamp_ns, s
         break;
       case State::kMark:
         state_ = byte == 0 ? State::kError : State::kPlain;
-        if (byte != 0) into.push_back({.value = byte, .stamp_ns = stamp_ns});  // FF, or what no kernel sends
+        if (byte != 0) into.push_back({.value = byte, .stamp_ns = stamp_ns});  // FF; no kernel sends others
         break;
       case State::kError:
         state_ = State::kPlain;
-        // The kernel says both, a break and a damaged zero, in the same three bytes; a break is what DMX is made of.
+        // The kernel marks a break and a zero with a framing error alike. It is taken for a break: frames begin so.
         into.push_back({.value = byte, .is_break = byte == 0, .framing_error = byte != 0, .stamp_ns = stamp_ns});
         break;
     }

@@ -1,4 +1,4 @@
-// Bytes and breaks of a serial line, as a tty with PARMRK writes them. No I/O.
+// Decodes the bytes and breaks of a serial line from a tty in PARMRK mode. No I/O.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace footlight::drivers {
 
-// What a tty in PARMRK mode says of a line: FF 00 00 is a break, FF 00 x a byte with a framing error, FF FF a byte FF
-// (termios(3)). Bytes may be cut anywhere.
+// FF 00 00 is a break, FF 00 x a byte x with a framing error, FF FF a byte FF (termios(3)). A mark may be split between
+// two calls.
 class TtyMarkParser {
  public:
   // Appends to `into`.

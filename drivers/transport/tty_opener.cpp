@@ -56,14 +56,14 @@ tl::unexpected<Error> tty_error(int number, const std::string& where, std::strin
   }
 }
 
-// What a connector and its transport share.
+// Shared by the opener and its transport.
 struct Wakeup {
   Fd event{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
   std::atomic<bool> woken{false};
   std::atomic<bool> aborted{false};
   void signal() const {
     constexpr std::uint64_t kOne = 1;
-    (void)!::write(event.get(), &kOne, sizeof kOne);  // fails only by being signalled already
+    (void)!::write(event.get(), &kOne, sizeof kOne);  // fails only if it is signalled already
   }
   void clear() const {
     std::uint64_t count = 0;
@@ -71,7 +71,7 @@ struct Wakeup {
   }
 };
 
-// Waits for `events` of fd or for a wakeup, until the deadline at most. fd may be -1.
+// Waits for `events` of fd, a wakeup or the deadline. got: the events of fd, which may be -1. Returns 0 or errno.
 int poll_until(int fd, short events, const Wakeup& wakeup, Clock& clock, TimeNs deadline_ns, short& got) {
   const DurationNs left_ns = std::clamp<DurationNs>(deadline_ns - clock.now_ns(), 0, kPollSliceMaxNs);
   const timespec left{.tv_sec = left_ns / kNsPerS, .tv_nsec = left_ns % kNsPerS};
@@ -139,7 +139,7 @@ class TtyTransport final : public Transport {
     parser_.reset();
     FL_TRY(apply());
     if (::ioctl(fd_.get(), TCFLSH, TCIOFLUSH) != 0 && errno == EIO) return tty_error(errno, where_, "flush");
-    // Chips with a latency timer; a refusal costs a few ms only.
+    // For chips with a latency timer. If the driver refuses, bytes arrive some ms later.
     serial_struct serial{};
     if (::ioctl(fd_.get(), TIOCGSERIAL, &serial) == 0) {
       constexpr int kLowLatency = 1 << 13;  // ASYNC_LOW_LATENCY
@@ -163,7 +163,7 @@ class TtyTransport final : public Transport {
     unsigned status = 0;
     if (::ioctl(fd_.get(), TIOCSERGETLSR, &status) == 0) return (status & TIOCSER_TEMT) != 0;
     if (errno == EIO || errno == ENODEV) return tty_error(errno, where_, "read the line status");
-    // A driver that does not know: the kernel's own buffer is all that can be asked.
+    // The driver has no such request: read the fill of the kernel's buffer instead.
     int waiting = 0;
     if (::ioctl(fd_.get(), TIOCOUTQ, &waiting) != 0) return tty_error(errno, where_, "read the line status");
     return waiting == 0;
@@ -197,12 +197,12 @@ class TtyTransport final : public Transport {
     short got = 0;
     if (const int number = poll_until(fd_.get(), events, *wakeup_, clock_, deadline_ns, got); number != 0)
       return tty_error(number, where_, "wait");
-    // A tty that was hung up polls as readable too, and every read of it gives 0 bytes. What was there to read has been
+    // After a hang-up poll() also reports data, and every read() returns 0 bytes. The bytes that had arrived have been
     // read before this call.
     if ((got & (POLLHUP | POLLERR | POLLNVAL)) != 0) return fail(ErrorCode::kDisconnected, "{}: unplugged", where_);
     return {};
   }
-  // Raw bytes at any rate whatever; marks where read_line() wants them.
+  // Sets raw bytes and the baud rate; PARMRK after the first read_line().
   Status apply() {
     termios2 line{};
     if (::ioctl(fd_.get(), TCGETS2, &line) != 0) return tty_error(errno, where_, "read the line settings");
@@ -246,7 +246,7 @@ class TtyOpener final : public Opener {
  public:
   TtyOpener(std::shared_ptr<Chooser> chooser, Clock& clock)
       : chooser_(std::move(chooser)), clock_(clock), watch_(::inotify_init1(IN_CLOEXEC | IN_NONBLOCK)) {
-    // Where nothing can be watched, wait() lasts until its deadline.
+    // Without a watch, wait() lasts until its deadline.
     if (watch_.get() >= 0)
       (void)::inotify_add_watch(watch_.get(), chooser_->options().dev_root.c_str(), IN_CREATE | IN_ATTRIB);
   }

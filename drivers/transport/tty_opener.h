@@ -1,8 +1,8 @@
-// Serial devices through the kernel's tty: those of the USB communication class (/dev/ttyACM0), and FTDI chips where
-// libusb is not there or may not open them (/dev/ttyUSB0). 250000 baud by termios2, breaks by ioctl.
+// Serial devices through the kernel's tty: those of the USB communication class (/dev/ttyACM0), and FTDI chips if
+// libusb is missing or may not open them (/dev/ttyUSB0). termios2 sets 250000 baud, an ioctl makes breaks.
 //
-// A tty is opened only where the driver table or the user has named its USB device: never by its number, which changes
-// with every plugging in. It is taken for this program alone (TIOCEXCL).
+// A tty is opened only if the driver table or the user names its USB device, never by its number, which may change with
+// each replug. No other program can open it meanwhile (TIOCEXCL).
 #pragma once
 
 #include <memory>
@@ -12,8 +12,8 @@
 
 namespace footlight::drivers {
 
-// Does not look for the device yet; connect() does. The chooser may be shared with another connector to the same
-// device. kUnsupported: the system gives no file descriptors.
+// Does not search for the device yet; connect() does. The chooser may be shared with another opener of the same device.
+// kUnsupported: the system gives no file descriptors.
 [[nodiscard]] Result<std::unique_ptr<Opener>> make_tty_opener(std::shared_ptr<Chooser> chooser, Clock& clock);
 
 }  // namespace footlight::drivers
