@@ -57,6 +57,12 @@ std::vector<LeftOutPass> left_out_passes(const fixtures::Needs& needs, const Fra
   return out;
 }
 
+std::vector<PassShaders> pass_shaders() {
+  std::vector<PassShaders> all;
+  for (const PassEntry* pass : kPasses) all.push_back({pass->name, pass->shaders()});
+  return all;
+}
+
 Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures::Rig& rig,
                                              const fixtures::CompiledRig& compiled, const FrameSettings& settings) {
   if (settings.nodes < 1 || (settings.method == BeamMethod::kGauss && settings.nodes > 8)) {
@@ -85,7 +91,9 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   VkQueryPoolCreateInfo query{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
   query.queryType = VK_QUERY_TYPE_TIMESTAMP;
   query.queryCount = kMarksMax;
-  FL_TRY(vk::check(vkCreateQueryPool(device.handle, &query, nullptr, &frame->times_), "vkCreateQueryPool"));
+  if (device.facts().timestamp_bits > 0) {
+    FL_TRY(vk::check(vkCreateQueryPool(device.handle, &query, nullptr, &frame->times_), "vkCreateQueryPool"));
+  }
   return frame;
 }
 
@@ -115,9 +123,8 @@ void Frame::settle_machine_air(std::span<const std::uint8_t> levels) {
 }
 
 void Frame::record(VkCommandBuffer commands, const View& view, double exposure_ev) {
-  vkCmdResetQueryPool(commands, times_, 0, kMarksMax);
+  if (times_ != VK_NULL_HANDLE) vkCmdResetQueryPool(commands, times_, 0, kMarksMax);
   timed_.clear();
-  resources_.bindings.bind(commands);
   upload_params(commands, view, exposure_ev);
   mark(commands, "");
   for (std::size_t i = 0; i < passes_.size(); ++i) {
@@ -125,7 +132,7 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
       record_steps(commands, true);
     } else {
       if (plan_[i].name == kBeamsPass.name && !has_solids_) clear_radiance(commands);
-      passes_[i]->record(commands);
+      passes_[i]->record(commands, {});
     }
     vk::full_barrier(commands);
     mark(commands, plan_[i].name);
@@ -167,11 +174,8 @@ void Frame::record_steps(VkCommandBuffer commands, bool timed) {
     }
     const auto dt = static_cast<std::uint64_t>(pending.dt_ns);
     const StepPush push{static_cast<std::uint32_t>(dt), static_cast<std::uint32_t>(dt >> 32), pending.new_exposure};
-    vkCmdPushConstants(commands, resources_.bindings.layout,
-                       VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, 0,
-                       sizeof(push), &push);
     vk::full_barrier(commands);
-    passes_.front()->record(commands);
+    passes_.front()->record(commands, std::as_bytes(std::span(&push, 1)));
     vk::full_barrier(commands);
   }
   pending_.clear();
@@ -206,6 +210,7 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
 }
 
 void Frame::mark(VkCommandBuffer commands, std::string_view ended) {
+  if (times_ == VK_NULL_HANDLE) return;
   vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, times_,
                        static_cast<std::uint32_t>(timed_.size()));
   timed_.push_back(ended);
@@ -222,7 +227,6 @@ Status Frame::run_steps() {
     return {};
   }
   return device_.run_once([&](VkCommandBuffer commands) {
-    resources_.bindings.bind(commands);
     upload_params(commands, View{}, 0);
     record_steps(commands, false);
   });
@@ -342,8 +346,10 @@ Result<std::vector<PassTime>> Frame::read_times() {
                             ticks.data(), 8, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
       "vkGetQueryPoolResults"));
   std::vector<PassTime> times;
+  const std::uint32_t bits = device_.facts().timestamp_bits;
+  const std::uint64_t mask = bits < 64 ? (std::uint64_t{1} << bits) - 1 : ~std::uint64_t{0};
   for (std::size_t i = 1; i < ticks.size(); ++i) {
-    const double ns = static_cast<double>(ticks[i] - ticks[i - 1]) * device_.timestamp_period_ns();
+    const double ns = static_cast<double>((ticks[i] - ticks[i - 1]) & mask) * device_.timestamp_period_ns();
     times.push_back({std::string(timed_[i]), ns * 1e-6});
   }
   return times;

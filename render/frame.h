@@ -42,6 +42,13 @@ struct LeftOutPass {
 };
 [[nodiscard]] std::vector<LeftOutPass> left_out_passes(const fixtures::Needs& needs, const FrameSettings& settings);
 
+// The shaders of all passes, needed or not: the stages of each pipeline.
+struct PassShaders {
+  std::string name;
+  std::vector<std::vector<vk::Spirv>> pipelines;
+};
+[[nodiscard]] std::vector<PassShaders> pass_shaders();
+
 struct PassTime {
   std::string name;
   double gpu_ms = 0;
@@ -103,6 +110,7 @@ class Frame {
   [[nodiscard]] Result<std::vector<BeamRow>> read_beams();  // the live ones
   // GPU time of each pass of the last recorded picture, which must be finished. Before
   // them "levels", the way of the first step's levels to the GPU, where there was one; all steps count into "step".
+  // Empty on a device without time stamps.
   [[nodiscard]] Result<std::vector<PassTime>> read_times();
 
   [[nodiscard]] const std::vector<PassPlan>& plan() const { return plan_; }

@@ -4,7 +4,9 @@
 // render/frame.cpp. Passes meet only through the buffers and images of Resources, never through each other.
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,17 +18,18 @@
 namespace footlight::render {
 
 // Recorded once a frame, in the order of the list. Each record() may rely on everything before it being finished.
+// `push`: the push constants of its shaders; empty for all passes but step.
 class Pass {
  public:
   virtual ~Pass() = default;
-  virtual void record(VkCommandBuffer commands) = 0;
+  virtual void record(VkCommandBuffer commands, std::span<const std::byte> push) = 0;
 };
 
 struct PassContext {
   vk::Device& device;
   Resources& resources;
   const FrameSettings& settings;
-  std::vector<vk::SpecConstant> constants;  // what PassEntry::constants answered
+  std::vector<vk::SpecConstant> constants;  // the result of PassEntry::constants
 };
 
 // How the frame knows a pass. needed() and constants() are pure: tests call them without a device.
@@ -35,7 +38,8 @@ struct PassEntry {
   bool (*needed)(const fixtures::Needs& needs, const FrameSettings& settings);
   std::vector<vk::SpecConstant> (*constants)(const fixtures::Needs& needs, const FrameSettings& settings);
   Result<std::unique_ptr<Pass>> (*create)(const PassContext& context);
-  const char* loss;  // what the picture loses without it, for the report
+  std::vector<std::vector<vk::Spirv>> (*shaders)();  // the stages of each of its pipelines
+  const char* loss;                                  // what the picture loses without it, for the report
 };
 
 // Whether triangles are drawn: bodies of fixtures, objects of the scene.

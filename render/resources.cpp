@@ -14,17 +14,6 @@
 namespace footlight::render {
 namespace {
 
-std::array<VkDescriptorType, FL_BINDING_COUNT> binding_types() {
-  std::array<VkDescriptorType, FL_BINDING_COUNT> types;
-  types.fill(VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
-  types[FL_BINDING_SURFACE_ID] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
-  types[FL_BINDING_DEPTH] = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-  types[FL_BINDING_RADIANCE] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
-  types[FL_BINDING_SCREEN] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
-  types[FL_BINDING_GOBOS] = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-  return types;
-}
-
 template <class Row>
 Result<vk::Buffer> table(vk::Device& device, const std::vector<Row>& rows, VkBufferUsageFlags usage = 0) {
   return vk::Buffer::filled(device, std::as_bytes(std::span(rows)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | usage);
@@ -228,7 +217,6 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
   FL_ASSIGN(r.indices, table(device, indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT));
   FL_ASSIGN(r.instances, table(device, instances));
   FL_ASSIGN(r.draws, table(device, draws, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
-  r.bindings.set_buffer(FL_BINDING_INSTANCES, r.instances);
   return {};
 }
 
@@ -252,7 +240,6 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
                 settings.height, size_max, size_max, device.name());
   }
   Resources r;
-  FL_ASSIGN(r.bindings, vk::BindingSet::create(device, binding_types(), 16));
   r.head_count = static_cast<std::uint32_t>(compiled.heads.size());
   r.head_groups = (r.head_count + FL_GROUP_HEADS - 1) / FL_GROUP_HEADS;
   r.motor_count = compiled.motor_count;
@@ -289,7 +276,10 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   }
   FL_ASSIGN(r.boxes, table(device, boxes));
   fixtures::Diagnostics diagnostics;
-  if (has_bodies(compiled.needs, settings)) FL_TRY(make_bodies(device, rig, compiled, diagnostics, r));
+  if (has_bodies(compiled.needs, settings)) {
+    FL_TRY(make_bodies(device, rig, compiled, diagnostics, r));
+    r.bindings.set_buffer(FL_BINDING_INSTANCES, r.instances);
+  }
   FL_ASSIGN(r.gobos, make_gobos(device, compiled.images, diagnostics));
   diagnostics.finish();
   r.diagnostics = diagnostics.take();

@@ -52,7 +52,7 @@ struct Resources {
     return all;
   }
 
-  vk::BindingSet bindings;
+  vk::BindingTable bindings;
   std::uint32_t head_count = 0;
   std::uint32_t head_groups = 0;
   std::uint32_t motor_count = 0;  // states of all heads; 0: the rig has none of these

@@ -9,7 +9,8 @@ namespace footlight::render {
 
 // Dispatched indirectly: a frame in which nothing is lit does no work here.
 const PassEntry kBeamsPass{
-    "beams", [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures && needs.haze; },
+    "beams",
+    [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures && needs.haze; },
     [](const fixtures::Needs& needs, const FrameSettings& settings) {
       return std::vector<vk::SpecConstant>{{FL_SPEC_GOBO, needs.gobo},
                                            {FL_SPEC_EXTINCTION, needs.extinction},
@@ -33,6 +34,7 @@ const PassEntry kBeamsPass{
                                  vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, beams_groups));
                                });
     },
+    [] { return std::vector<std::vector<vk::Spirv>>{{kBeamsComp}}; },
     "beams in the air"};
 
 }  // namespace footlight::render

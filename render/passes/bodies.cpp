@@ -13,14 +13,21 @@ namespace {
 
 class BodiesPass final : public Pass {
  public:
-  BodiesPass(const PassContext& context, vk::Pipeline bodies, vk::Pipeline objects)
+  // A pipeline with its descriptors.
+  struct Drawing {
+    std::shared_ptr<const vk::Pipeline> pipeline;
+    vk::BindingSet set;
+  };
+
+  BodiesPass(const PassContext& context, Drawing bodies, Drawing objects)
       : resources_(context.resources),
         width_(static_cast<std::uint32_t>(context.settings.width)),
         height_(static_cast<std::uint32_t>(context.settings.height)),
+        multi_draw_(context.device.facts().features.multiDrawIndirect == VK_TRUE),
         bodies_(std::move(bodies)),
         objects_(std::move(objects)) {}
 
-  void record(VkCommandBuffer commands) override {
+  void record(VkCommandBuffer commands, std::span<const std::byte>) override {
     VkRenderingAttachmentInfo color{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     color.imageView = resources_.surface_id.view;
     color.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
@@ -46,31 +53,42 @@ class BodiesPass final : public Pass {
       vkCmdBindVertexBuffers(commands, 0, 1, &resources_.vertices.handle, &zero);
       vkCmdBindIndexBuffer(commands, resources_.indices.handle, 0, VK_INDEX_TYPE_UINT32);
     }
-    constexpr std::uint32_t kDrawBytes = sizeof(VkDrawIndexedIndirectCommand);
-    if (resources_.draw_count > 0) {
-      bodies_.bind(commands);
-      vkCmdDrawIndexedIndirect(commands, resources_.draws.handle, 0, resources_.draw_count, kDrawBytes);
-    }
-    if (resources_.object_draw_count > 0) {
-      objects_.bind(commands);
-      vkCmdDrawIndexedIndirect(commands, resources_.draws.handle, VkDeviceSize{resources_.draw_count} * kDrawBytes,
-                               resources_.object_draw_count, kDrawBytes);
-    }
+    draw(commands, bodies_, 0, resources_.draw_count);
+    draw(commands, objects_, resources_.draw_count, resources_.object_draw_count);
     vkCmdEndRendering(commands);
   }
 
  private:
+  void draw(VkCommandBuffer commands, const Drawing& drawing, std::uint32_t first, std::uint32_t count) const {
+    if (count == 0) return;
+    constexpr std::uint32_t kDrawBytes = sizeof(VkDrawIndexedIndirectCommand);
+    drawing.pipeline->bind(commands, drawing.set);
+    const std::uint32_t together = multi_draw_ ? count : 1;
+    for (std::uint32_t i = 0; i < count; i += together) {
+      vkCmdDrawIndexedIndirect(commands, resources_.draws.handle, VkDeviceSize{first + i} * kDrawBytes, together,
+                               kDrawBytes);
+    }
+  }
+
   Resources& resources_;
   std::uint32_t width_;
   std::uint32_t height_;
-  vk::Pipeline bodies_;
-  vk::Pipeline objects_;
+  bool multi_draw_;
+  Drawing bodies_;
+  Drawing objects_;
 };
+
+Result<BodiesPass::Drawing> make_drawing(const PassContext& context, const vk::Pipeline::Raster& raster) {
+  FL_ASSIGN(auto pipeline, context.device.pipelines().raster(raster));
+  FL_ASSIGN(vk::BindingSet set, vk::BindingSet::create(context.device, *pipeline, context.resources.bindings));
+  return BodiesPass::Drawing{std::move(pipeline), std::move(set)};
+}
 
 }  // namespace
 
 const PassEntry kBodiesPass{
-    "bodies", [](const fixtures::Needs& needs, const FrameSettings& settings) { return has_bodies(needs, settings); },
+    "bodies",
+    [](const fixtures::Needs& needs, const FrameSettings& settings) { return has_bodies(needs, settings); },
     [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       using fixtures::BodyVertex;
@@ -83,10 +101,13 @@ const PassEntry kBodiesPass{
                                   {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, position)},
                                    {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, normal)},
                                    {2, 0, VK_FORMAT_R32_UINT, offsetof(BodyVertex, part)}}};
-      FL_ASSIGN(vk::Pipeline bodies, vk::Pipeline::raster(context.device, r.bindings, raster));
+      FL_ASSIGN(BodiesPass::Drawing bodies, make_drawing(context, raster));
       raster.vertex_spirv = kObjectVert;
-      FL_ASSIGN(vk::Pipeline objects, vk::Pipeline::raster(context.device, r.bindings, raster));
+      FL_ASSIGN(BodiesPass::Drawing objects, make_drawing(context, raster));
       return std::unique_ptr<Pass>(new BodiesPass(context, std::move(bodies), std::move(objects)));
+    },
+    [] {
+      return std::vector<std::vector<vk::Spirv>>{{kBodyVert, kSurfaceFrag}, {kObjectVert, kSurfaceFrag}};
     },
     "bodies of fixtures and objects of the scene"};
 

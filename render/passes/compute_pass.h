@@ -14,28 +14,30 @@ namespace footlight::render {
   return (static_cast<std::uint32_t>(size_px) + FL_TILE_PX - 1) / FL_TILE_PX;
 }
 
-// Dispatch: a callable (VkCommandBuffer, const PassContext-made copies); bound pipeline first.
+// Dispatch: a callable (VkCommandBuffer); the pipeline and its descriptors are bound before.
 template <class Dispatch>
 class ComputePass final : public Pass {
  public:
-  ComputePass(vk::Pipeline pipeline, Dispatch dispatch)
-      : pipeline_(std::move(pipeline)), dispatch_(std::move(dispatch)) {}
-  void record(VkCommandBuffer commands) override {
-    pipeline_.bind(commands);
+  ComputePass(std::shared_ptr<const vk::Pipeline> pipeline, vk::BindingSet set, Dispatch dispatch)
+      : pipeline_(std::move(pipeline)), set_(std::move(set)), dispatch_(std::move(dispatch)) {}
+  void record(VkCommandBuffer commands, std::span<const std::byte> push) override {
+    pipeline_->bind(commands, set_);
+    pipeline_->push(commands, push);
     dispatch_(commands);
   }
 
  private:
-  vk::Pipeline pipeline_;
+  std::shared_ptr<const vk::Pipeline> pipeline_;
+  vk::BindingSet set_;
   Dispatch dispatch_;
 };
 
 template <class Dispatch>
-[[nodiscard]] Result<std::unique_ptr<Pass>> make_compute_pass(const PassContext& context,
-                                                              std::span<const std::uint32_t> spirv, Dispatch dispatch) {
-  FL_ASSIGN(vk::Pipeline pipeline,
-            vk::Pipeline::compute(context.device, context.resources.bindings, spirv, context.constants));
-  return std::unique_ptr<Pass>(new ComputePass<Dispatch>(std::move(pipeline), std::move(dispatch)));
+[[nodiscard]] Result<std::unique_ptr<Pass>> make_compute_pass(const PassContext& context, vk::Spirv spirv,
+                                                              Dispatch dispatch) {
+  FL_ASSIGN(auto pipeline, context.device.pipelines().compute(spirv, context.constants));
+  FL_ASSIGN(vk::BindingSet set, vk::BindingSet::create(context.device, *pipeline, context.resources.bindings));
+  return std::unique_ptr<Pass>(new ComputePass<Dispatch>(std::move(pipeline), std::move(set), std::move(dispatch)));
 }
 
 }  // namespace footlight::render

@@ -6,7 +6,8 @@
 namespace footlight::render {
 
 const PassEntry kGatherPass{
-    "gather", [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures; },
+    "gather",
+    [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures; },
     [](const fixtures::Needs& needs, const FrameSettings&) {
       return std::vector<vk::SpecConstant>{{FL_SPEC_OPTICS, needs.optics},     {FL_SPEC_PROFILE, needs.profile},
                                            {FL_SPEC_WIDE, needs.wide},         {FL_SPEC_IRIS, needs.iris},
@@ -19,6 +20,7 @@ const PassEntry kGatherPass{
                                  vkCmdDispatch(commands, groups, 1, 1);
                                });
     },
+    [] { return std::vector<std::vector<vk::Spirv>>{{kGatherComp}}; },
     "beams of any kind"};
 
 }  // namespace footlight::render

@@ -25,7 +25,8 @@ std::uint32_t wish_count(const fixtures::Needs& needs) {
 }  // namespace
 
 const PassEntry kStepPass{
-    "step", [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures; },
+    "step",
+    [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures; },
     [](const fixtures::Needs& needs, const FrameSettings&) {
       return std::vector<vk::SpecConstant>{
           {FL_SPEC_MOTION, needs.motion},         {FL_SPEC_SPIN, needs.spin},
@@ -42,6 +43,7 @@ const PassEntry kStepPass{
         vkCmdDispatch(commands, groups, 1, 1);
       });
     },
+    [] { return std::vector<std::vector<vk::Spirv>>{{kStepComp}}; },
     "fixtures"};
 
 #undef FL_LAMP_CONSTANT

@@ -6,7 +6,8 @@
 namespace footlight::render {
 
 const PassEntry kSurfacesPass{
-    "surfaces", [](const fixtures::Needs& needs, const FrameSettings& settings) { return has_solids(needs, settings); },
+    "surfaces",
+    [](const fixtures::Needs& needs, const FrameSettings& settings) { return has_solids(needs, settings); },
     [](const fixtures::Needs& needs, const FrameSettings& settings) {
       return std::vector<vk::SpecConstant>{{FL_SPEC_GOBO, needs.gobo},
                                            {FL_SPEC_EXTINCTION, needs.extinction},
@@ -26,6 +27,7 @@ const PassEntry kSurfacesPass{
                                [x = tile_groups(context.settings.width), y = tile_groups(context.settings.height)](
                                    VkCommandBuffer commands) { vkCmdDispatch(commands, x, y, 1); });
     },
+    [] { return std::vector<std::vector<vk::Spirv>>{{kSurfacesComp}}; },
     "light on floor, walls and fixtures"};
 
 }  // namespace footlight::render

@@ -21,6 +21,7 @@ const PassEntry kTilesPass{"tiles",
                                    vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, tiles_groups));
                                  });
                            },
+                           [] { return std::vector<std::vector<vk::Spirv>>{{kTilesComp}}; },
                            "beams on surfaces and in haze"};
 
 }  // namespace footlight::render

@@ -17,6 +17,7 @@ const PassEntry kTonemapPass{
                                 y = tile_groups(context.settings.height / context.settings.supersample)](
                                    VkCommandBuffer commands) { vkCmdDispatch(commands, x, y, 1); });
     },
+    [] { return std::vector<std::vector<vk::Spirv>>{{kTonemapComp}}; },
     "anything to see"};
 
 }  // namespace footlight::render

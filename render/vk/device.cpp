@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "render/vk/pipeline.h"
+
 namespace footlight::render::vk {
 namespace {
 
@@ -62,6 +64,8 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
   FL_TRY(device->create_instance(options));
   FL_TRY(device->choose_physical(options));
   FL_TRY(device->create_logical(options));
+  FL_TRY(device->create_samplers());
+  device->pipelines_ = std::make_unique<Pipelines>(*device);
   return device;
 }
 
@@ -116,6 +120,7 @@ Status Device::choose_physical(const DeviceOptions& options) {
   vkEnumeratePhysicalDevices(instance, &count, devices.data());
   int best = -1;
   std::string seen;
+  std::string refused;
   for (VkPhysicalDevice candidate : devices) {
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(candidate, &properties);
@@ -127,21 +132,25 @@ Status Device::choose_physical(const DeviceOptions& options) {
       continue;
     }
     if (rank_of(properties.deviceType) <= best) continue;
+    DeviceFacts facts = read_facts(candidate);
+    if (const Status usable = check_demands(facts); !usable) {
+      refused += usable.error().message + "; ";
+      continue;
+    }
     best = rank_of(properties.deviceType);
     physical = candidate;
-    properties_ = properties;
+    facts_ = facts;
   }
   if (physical == VK_NULL_HANDLE) {
-    return fail(ErrorCode::kUnsupported, "no usable Vulkan 1.3 device{}; found: {}; {}",
+    return fail(ErrorCode::kUnsupported, "no usable Vulkan 1.3 device{}; found: {}; {}{}",
                 options.name_contains.empty() ? "" : " named '" + options.name_contains + "'",
-                seen.empty() ? "none" : seen, kNoDeviceAdvice);
+                seen.empty() ? "none" : seen, refused, kNoDeviceAdvice);
   }
-  VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
-  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &driver, {}};
-  vkGetPhysicalDeviceProperties2(physical, &properties);
-  name_ = properties_.deviceName;
-  driver_ = fmt::format("{} {}", driver.driverName, driver.driverInfo);
-  software_ = properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  name_ = facts_.properties.deviceName;
+  driver_ = fmt::format("{} {}", facts_.driver.driverName, facts_.driver.driverInfo);
+  software_ = facts_.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  notes_ = missing_options(facts_);
+  if (!refused.empty()) notes_.insert(notes_.begin(), refused + "using " + name_ + " in its place");
   return {};
 }
 
@@ -169,11 +178,10 @@ Status Device::create_logical(const DeviceOptions& options) {
   features_13.synchronization2 = VK_TRUE;
   features_13.dynamicRendering = VK_TRUE;
   features_13.maintenance4 = VK_TRUE;
-  VkPhysicalDeviceVulkan12Features features_12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, &features_13};
-  features_12.hostQueryReset = VK_TRUE;
-  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features_12, {}};
-  features.features.multiDrawIndirect = VK_TRUE;
+  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features_13, {}};
+  features.features.multiDrawIndirect = facts_.features.multiDrawIndirect;  // an option
   features.features.drawIndirectFirstInstance = VK_TRUE;
+  features.features.shaderStorageImageExtendedFormats = facts_.features.shaderStorageImageExtendedFormats;
 
   std::vector<const char*> extensions;
   if (options.swapchain) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
@@ -191,9 +199,28 @@ Status Device::create_logical(const DeviceOptions& options) {
   return check(vkCreateCommandPool(handle, &pool, nullptr, &command_pool), "vkCreateCommandPool");
 }
 
+Status Device::create_samplers() {
+  VkSamplerCreateInfo sampler{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+  sampler.magFilter = VK_FILTER_LINEAR;
+  sampler.minFilter = VK_FILTER_LINEAR;
+  sampler.mipmapMode = VK_SAMPLER_MIPMAP_MODE_LINEAR;
+  sampler.maxLod = VK_LOD_CLAMP_NONE;
+  sampler.addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+  sampler.addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+  sampler.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+  FL_TRY(check(vkCreateSampler(handle, &sampler, nullptr, &linear), "vkCreateSampler"));
+  sampler.magFilter = VK_FILTER_NEAREST;
+  sampler.minFilter = VK_FILTER_NEAREST;
+  sampler.mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST;  // depth formats need not be filtered
+  return check(vkCreateSampler(handle, &sampler, nullptr, &nearest), "vkCreateSampler");
+}
+
 Device::~Device() {
   if (handle != VK_NULL_HANDLE) {
     vkDeviceWaitIdle(handle);
+    pipelines_.reset();
+    vkDestroySampler(handle, linear, nullptr);
+    vkDestroySampler(handle, nearest, nullptr);
     vkDestroyCommandPool(handle, command_pool, nullptr);
     vkDestroyDevice(handle, nullptr);
   }

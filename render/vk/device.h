@@ -13,9 +13,12 @@
 
 #include <vulkan/vulkan.h>
 
+#include "render/vk/demands.h"
 #include "sim/core/result.h"
 
 namespace footlight::render::vk {
+
+class Pipelines;  // render/vk/pipeline.h
 
 struct DeviceOptions {
   bool validation = false;
@@ -35,8 +38,12 @@ class Device {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const std::string& driver() const { return driver_; }
   [[nodiscard]] bool is_software() const { return software_; }
-  [[nodiscard]] double timestamp_period_ns() const { return properties_.limits.timestampPeriod; }
-  [[nodiscard]] const VkPhysicalDeviceLimits& limits() const { return properties_.limits; }
+  [[nodiscard]] const DeviceFacts& facts() const { return facts_; }
+  [[nodiscard]] double timestamp_period_ns() const { return limits().timestampPeriod; }
+  [[nodiscard]] const VkPhysicalDeviceLimits& limits() const { return facts_.properties.limits; }
+  // What the program does without on this device, one line each; empty on most.
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
+  [[nodiscard]] Pipelines& pipelines() { return *pipelines_; }
   // A copy: other threads may add to them.
   [[nodiscard]] std::vector<std::string> validation_messages() const {
     const std::lock_guard lock(messages_mutex_);
@@ -63,6 +70,9 @@ class Device {
   std::mutex queue_mutex;  // held around every call that is given the queue
   std::uint32_t queue_family = 0;
   VkCommandPool command_pool = VK_NULL_HANDLE;
+  VkPipelineCache pipeline_cache = VK_NULL_HANDLE;  // may be null
+  VkSampler linear = VK_NULL_HANDLE;                // both clamp at the edges
+  VkSampler nearest = VK_NULL_HANDLE;
 
  private:
   Device() = default;
@@ -71,15 +81,18 @@ class Device {
   Status create_instance(const DeviceOptions& options);
   Status choose_physical(const DeviceOptions& options);
   Status create_logical(const DeviceOptions& options);
+  Status create_samplers();
   static VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
                                                    VkDebugUtilsMessageTypeFlagsEXT types,
                                                    const VkDebugUtilsMessengerCallbackDataEXT* data, void* self);
 
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
-  VkPhysicalDeviceProperties properties_{};
+  std::unique_ptr<Pipelines> pipelines_;
+  DeviceFacts facts_;
   std::string name_;
   std::string driver_;
   bool software_ = false;
+  std::vector<std::string> notes_;
   mutable std::mutex messages_mutex_;
   std::vector<std::string> validation_messages_;  // under messages_mutex_
 };

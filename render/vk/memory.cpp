@@ -8,8 +8,15 @@ namespace footlight::render::vk {
 Result<Buffer> Buffer::make(Device& device, VkDeviceSize size_bytes, VkBufferUsageFlags usage,
                             VkMemoryPropertyFlags flags, VkMemoryPropertyFlags fallback) {
   Buffer buffer;
-  buffer.device_ = &device;
   buffer.size_bytes = std::max<VkDeviceSize>(size_bytes, 16);
+  const VkDeviceSize range_max = device.limits().maxStorageBufferRange;
+  if ((usage & VK_BUFFER_USAGE_STORAGE_BUFFER_BIT) != 0 && buffer.size_bytes > range_max) {
+    return fail(
+        ErrorCode::kUnsupported,
+        "{}: maxStorageBufferRange is {}, needed: {} bytes for one table; use fewer fixtures or a smaller picture",
+        device.name(), range_max, buffer.size_bytes);
+  }
+  buffer.device_ = &device;
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   info.size = buffer.size_bytes;
   info.usage = usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;

@@ -1,12 +1,17 @@
 #include "render/vk/pipeline.h"
 
+#include <algorithm>
+#include <array>
+
+#include "sim/core/check.h"
+
 namespace footlight::render::vk {
 namespace {
 
 constexpr VkShaderStageFlags kAllStages =
     VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
-Result<VkShaderModule> make_module(Device& device, std::span<const std::uint32_t> spirv) {
+Result<VkShaderModule> make_module(Device& device, Spirv spirv) {
   VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   info.codeSize = spirv.size_bytes();
   info.pCode = spirv.data();
@@ -17,38 +22,13 @@ Result<VkShaderModule> make_module(Device& device, std::span<const std::uint32_t
 
 }  // namespace
 
-Result<BindingSet> BindingSet::create(Device& device, std::span<const VkDescriptorType> types,
-                                      std::uint32_t push_bytes) {
+Result<BindingSet> BindingSet::create(Device& device, const Pipeline& pipeline, const BindingTable& table) {
+  const std::vector<ShaderBinding>& bindings = pipeline.shader().bindings;
   BindingSet set;
   set.device_ = &device;
-  set.types_.assign(types.begin(), types.end());
-
-  VkSamplerCreateInfo sampler{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
-  sampler.magFilter = VK_FILTER_LINEAR;
-  sampler.minFilter = VK_FILTER_LINEAR;
-  sampler.mipmapMode = VK_SAMPLER_MIPMAP_MODE_LINEAR;
-  sampler.maxLod = VK_LOD_CLAMP_NONE;
-  sampler.addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
-  sampler.addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
-  sampler.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
-  FL_TRY(check(vkCreateSampler(device.handle, &sampler, nullptr, &set.linear_), "vkCreateSampler"));
-  sampler.magFilter = VK_FILTER_NEAREST;
-  sampler.minFilter = VK_FILTER_NEAREST;
-  sampler.mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST;  // depth formats need not be filtered
-  FL_TRY(check(vkCreateSampler(device.handle, &sampler, nullptr, &set.nearest_), "vkCreateSampler"));
-
-  std::vector<VkDescriptorSetLayoutBinding> bindings;
+  if (bindings.empty()) return set;
   std::vector<VkDescriptorPoolSize> sizes;
-  for (std::uint32_t i = 0; i < types.size(); ++i) {
-    bindings.push_back({i, types[i], 1, kAllStages, nullptr});
-    sizes.push_back({types[i], 1});
-  }
-  VkDescriptorSetLayoutCreateInfo layout{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
-  layout.bindingCount = static_cast<std::uint32_t>(bindings.size());
-  layout.pBindings = bindings.data();
-  FL_TRY(check(vkCreateDescriptorSetLayout(device.handle, &layout, nullptr, &set.set_layout_),
-               "vkCreateDescriptorSetLayout"));
-
+  for (const ShaderBinding& binding : bindings) sizes.push_back({binding.type, 1});
   VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool.maxSets = 1;
   pool.poolSizeCount = static_cast<std::uint32_t>(sizes.size());
@@ -57,59 +37,77 @@ Result<BindingSet> BindingSet::create(Device& device, std::span<const VkDescript
   VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
   allocate.descriptorPool = set.pool_;
   allocate.descriptorSetCount = 1;
-  allocate.pSetLayouts = &set.set_layout_;
-  FL_TRY(check(vkAllocateDescriptorSets(device.handle, &allocate, &set.set_), "vkAllocateDescriptorSets"));
+  allocate.pSetLayouts = &pipeline.set_layout;
+  FL_TRY(check(vkAllocateDescriptorSets(device.handle, &allocate, &set.handle), "vkAllocateDescriptorSets"));
 
-  const VkPushConstantRange push{kAllStages, 0, push_bytes};
-  VkPipelineLayoutCreateInfo pipeline_layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
-  pipeline_layout.setLayoutCount = 1;
-  pipeline_layout.pSetLayouts = &set.set_layout_;
-  pipeline_layout.pushConstantRangeCount = push_bytes > 0 ? 1 : 0;
-  pipeline_layout.pPushConstantRanges = &push;
-  FL_TRY(
-      check(vkCreatePipelineLayout(device.handle, &pipeline_layout, nullptr, &set.layout), "vkCreatePipelineLayout"));
+  std::vector<VkDescriptorBufferInfo> buffers(bindings.size());
+  std::vector<VkDescriptorImageInfo> images(bindings.size());
+  std::vector<VkWriteDescriptorSet> writes(bindings.size(), {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET});
+  for (std::size_t i = 0; i < bindings.size(); ++i) {
+    const BindingTable::Entry* entry = table.find(bindings[i].binding);
+    FL_CHECK(entry != nullptr);
+    writes[i].dstSet = set.handle;
+    writes[i].dstBinding = bindings[i].binding;
+    writes[i].descriptorCount = 1;
+    writes[i].descriptorType = bindings[i].type;
+    if (bindings[i].type == VK_DESCRIPTOR_TYPE_STORAGE_BUFFER) {
+      FL_CHECK(entry->buffer != VK_NULL_HANDLE);
+      buffers[i] = {entry->buffer, 0, VK_WHOLE_SIZE};
+      writes[i].pBufferInfo = &buffers[i];
+    } else {
+      FL_CHECK(entry->view != VK_NULL_HANDLE);
+      images[i] = {entry->depth ? device.nearest : device.linear, entry->view, entry->layout};
+      writes[i].pImageInfo = &images[i];
+    }
+  }
+  vkUpdateDescriptorSets(device.handle, static_cast<std::uint32_t>(writes.size()), writes.data(), 0, nullptr);
   return set;
 }
 
 BindingSet::~BindingSet() {
-  if (device_ == nullptr) return;
-  vkDestroyPipelineLayout(device_->handle, layout, nullptr);
-  vkDestroyDescriptorPool(device_->handle, pool_, nullptr);
-  vkDestroyDescriptorSetLayout(device_->handle, set_layout_, nullptr);
-  vkDestroySampler(device_->handle, linear_, nullptr);
-  vkDestroySampler(device_->handle, nearest_, nullptr);
+  if (device_ != nullptr) vkDestroyDescriptorPool(device_->handle, pool_, nullptr);
 }
 
-void BindingSet::set_buffer(std::uint32_t binding, const Buffer& buffer) {
-  const VkDescriptorBufferInfo info{buffer.handle, 0, VK_WHOLE_SIZE};
-  VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-  write.dstSet = set_;
-  write.dstBinding = binding;
-  write.descriptorCount = 1;
-  write.descriptorType = types_[binding];
-  write.pBufferInfo = &info;
-  vkUpdateDescriptorSets(device_->handle, 1, &write, 0, nullptr);
+// The layouts that the shaders ask for.
+Result<Pipeline> Pipeline::begin(Device& device, std::span<const Spirv> stages, VkPipelineBindPoint point) {
+  Pipeline pipeline;
+  pipeline.device_ = &device;
+  pipeline.point_ = point;
+  FL_ASSIGN(pipeline.shader_, read_interfaces(stages));
+  std::vector<VkDescriptorSetLayoutBinding> bindings;
+  for (const ShaderBinding& binding : pipeline.shader_.bindings) {
+    bindings.push_back({binding.binding, binding.type, 1, kAllStages, nullptr});
+  }
+  VkDescriptorSetLayoutCreateInfo layout{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+  layout.bindingCount = static_cast<std::uint32_t>(bindings.size());
+  layout.pBindings = bindings.data();
+  FL_TRY(check(vkCreateDescriptorSetLayout(device.handle, &layout, nullptr, &pipeline.set_layout),
+               "vkCreateDescriptorSetLayout"));
+  const VkPushConstantRange push{kAllStages, 0, pipeline.shader_.push_bytes};
+  VkPipelineLayoutCreateInfo pipeline_layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+  pipeline_layout.setLayoutCount = 1;
+  pipeline_layout.pSetLayouts = &pipeline.set_layout;
+  pipeline_layout.pushConstantRangeCount = push.size > 0 ? 1 : 0;
+  pipeline_layout.pPushConstantRanges = &push;
+  FL_TRY(check(vkCreatePipelineLayout(device.handle, &pipeline_layout, nullptr, &pipeline.layout),
+               "vkCreatePipelineLayout"));
+  return pipeline;
 }
 
-void BindingSet::set_image(std::uint32_t binding, const Image& image, VkImageLayout image_layout) {
-  const bool depth = image.aspect == VK_IMAGE_ASPECT_DEPTH_BIT;
-  const VkDescriptorImageInfo info{depth ? nearest_ : linear_, image.view, image_layout};
-  VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
-  write.dstSet = set_;
-  write.dstBinding = binding;
-  write.descriptorCount = 1;
-  write.descriptorType = types_[binding];
-  write.pImageInfo = &info;
-  vkUpdateDescriptorSets(device_->handle, 1, &write, 0, nullptr);
+void Pipeline::bind(VkCommandBuffer commands, const BindingSet& set) const {
+  vkCmdBindPipeline(commands, point_, handle);
+  if (set.handle != VK_NULL_HANDLE) vkCmdBindDescriptorSets(commands, point_, layout, 0, 1, &set.handle, 0, nullptr);
 }
 
-void BindingSet::bind(VkCommandBuffer commands) const {
-  vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, layout, 0, 1, &set_, 0, nullptr);
-  vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout, 0, 1, &set_, 0, nullptr);
+void Pipeline::push(VkCommandBuffer commands, std::span<const std::byte> bytes) const {
+  FL_CHECK_EQ(bytes.size(), shader_.push_bytes);
+  if (bytes.empty()) return;
+  vkCmdPushConstants(commands, layout, kAllStages, 0, static_cast<std::uint32_t>(bytes.size()), bytes.data());
 }
 
-Result<Pipeline> Pipeline::compute(Device& device, const BindingSet& bindings, std::span<const std::uint32_t> spirv,
+Result<Pipeline> Pipeline::compute(Device& device, VkPipelineCache cache, Spirv spirv,
                                    std::span<const SpecConstant> constants) {
+  FL_ASSIGN(Pipeline pipeline, begin(device, {&spirv, 1}, VK_PIPELINE_BIND_POINT_COMPUTE));
   std::vector<VkSpecializationMapEntry> entries;
   std::vector<std::uint32_t> values;
   for (const SpecConstant& constant : constants) {
@@ -125,16 +123,16 @@ Result<Pipeline> Pipeline::compute(Device& device, const BindingSet& bindings, s
   info.stage.module = module;
   info.stage.pName = "main";
   info.stage.pSpecializationInfo = &specialization;
-  info.layout = bindings.layout;
-  Pipeline pipeline;
-  pipeline.device_ = &device;
-  const VkResult result = vkCreateComputePipelines(device.handle, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline.handle);
+  info.layout = pipeline.layout;
+  const VkResult result = vkCreateComputePipelines(device.handle, cache, 1, &info, nullptr, &pipeline.handle);
   vkDestroyShaderModule(device.handle, module, nullptr);
   FL_TRY(check(result, "vkCreateComputePipelines"));
   return pipeline;
 }
 
-Result<Pipeline> Pipeline::raster(Device& device, const BindingSet& bindings, const Raster& raster) {
+Result<Pipeline> Pipeline::raster(Device& device, VkPipelineCache cache, const Raster& raster) {
+  const std::array<Spirv, 2> shaders{raster.vertex_spirv, raster.fragment_spirv};
+  FL_ASSIGN(Pipeline pipeline, begin(device, shaders, VK_PIPELINE_BIND_POINT_GRAPHICS));
   FL_ASSIGN(const VkShaderModule vertex, make_module(device, raster.vertex_spirv));
   FL_ASSIGN(const VkShaderModule fragment, make_module(device, raster.fragment_spirv));
   VkPipelineShaderStageCreateInfo stages[2] = {{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO},
@@ -193,11 +191,8 @@ Result<Pipeline> Pipeline::raster(Device& device, const BindingSet& bindings, co
   info.pDepthStencilState = &depth;
   info.pColorBlendState = &blend;
   info.pDynamicState = &dynamic;
-  info.layout = bindings.layout;
-  Pipeline pipeline;
-  pipeline.device_ = &device;
-  pipeline.point_ = VK_PIPELINE_BIND_POINT_GRAPHICS;
-  const VkResult result = vkCreateGraphicsPipelines(device.handle, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline.handle);
+  info.layout = pipeline.layout;
+  const VkResult result = vkCreateGraphicsPipelines(device.handle, cache, 1, &info, nullptr, &pipeline.handle);
   vkDestroyShaderModule(device.handle, vertex, nullptr);
   vkDestroyShaderModule(device.handle, fragment, nullptr);
   FL_TRY(check(result, "vkCreateGraphicsPipelines"));
@@ -205,7 +200,26 @@ Result<Pipeline> Pipeline::raster(Device& device, const BindingSet& bindings, co
 }
 
 Pipeline::~Pipeline() {
-  if (device_ != nullptr) vkDestroyPipeline(device_->handle, handle, nullptr);
+  if (device_ == nullptr) return;
+  vkDestroyPipeline(device_->handle, handle, nullptr);
+  vkDestroyPipelineLayout(device_->handle, layout, nullptr);
+  vkDestroyDescriptorSetLayout(device_->handle, set_layout, nullptr);
+}
+
+Result<std::shared_ptr<const Pipeline>> Pipelines::compute(Spirv spirv, std::span<const SpecConstant> constants) {
+  Key key{reinterpret_cast<std::uintptr_t>(spirv.data())};
+  for (const SpecConstant& constant : constants) key.push_back(std::uint64_t{constant.id} << 32 | constant.value);
+  if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
+  FL_ASSIGN(Pipeline made, Pipeline::compute(device_, device_.pipeline_cache, spirv, constants));
+  return pipelines_[key] = std::make_shared<const Pipeline>(std::move(made));
+}
+
+Result<std::shared_ptr<const Pipeline>> Pipelines::raster(const Pipeline::Raster& raster) {
+  const Key key{reinterpret_cast<std::uintptr_t>(raster.vertex_spirv.data()),
+                reinterpret_cast<std::uintptr_t>(raster.fragment_spirv.data())};
+  if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
+  FL_ASSIGN(Pipeline made, Pipeline::raster(device_, device_.pipeline_cache, raster));
+  return pipelines_[key] = std::make_shared<const Pipeline>(std::move(made));
 }
 
 }  // namespace footlight::render::vk

@@ -1,13 +1,25 @@
-// Pipelines and the one descriptor set that they share. Move-only owners; the device must outlive them.
+// Pipelines, and the descriptors that they read. Move-only owners; the device must outlive them.
+//
+// Binding numbers have one meaning in the whole frame. A pipeline's layout has only the bindings of its own shaders.
+//
+//   BindingTable table;                                     // what stands at each number; one a frame
+//   table.set_buffer(FL_BINDING_PARAMS, params);
+//   FL_ASSIGN(auto pipeline, device.pipelines().compute(spirv, constants));
+//   FL_ASSIGN(auto set, BindingSet::create(device, *pipeline, table));
+//   pipeline->bind(commands, set);
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "render/vk/device.h"
 #include "render/vk/memory.h"
+#include "render/vk/shader.h"
 
 namespace footlight::render::vk {
 
@@ -18,13 +30,40 @@ struct SpecConstant {
   bool operator==(const SpecConstant&) const = default;
 };
 
-// One set with bindings 0..n-1, of which each has a fixed type. A binding that no pipeline in use reads may stay unset.
+// Which buffer or image each binding number means. Owns none of them: an entry is valid until its buffer or image dies.
+class BindingTable {
+ public:
+  void set_buffer(std::uint32_t binding, const Buffer& buffer) { entries_[binding] = {.buffer = buffer.handle}; }
+  // Storage images in VK_IMAGE_LAYOUT_GENERAL; sampled ones in `layout` with a clamped sampler: nearest for depth,
+  // linear for colour.
+  void set_image(std::uint32_t binding, const Image& image, VkImageLayout layout = VK_IMAGE_LAYOUT_GENERAL) {
+    entries_[binding] = {.view = image.view, .depth = image.aspect == VK_IMAGE_ASPECT_DEPTH_BIT, .layout = layout};
+  }
+
+  struct Entry {
+    VkBuffer buffer = VK_NULL_HANDLE;  // null: an image
+    VkImageView view = VK_NULL_HANDLE;
+    bool depth = false;
+    VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;
+  };
+  // Null: nothing was set.
+  [[nodiscard]] const Entry* find(std::uint32_t binding) const {
+    const auto found = entries_.find(binding);
+    return found == entries_.end() ? nullptr : &found->second;
+  }
+
+ private:
+  std::map<std::uint32_t, Entry> entries_;
+};
+
+class Pipeline;
+
+// The descriptors of one pipeline. Is made anew when a buffer or image of it is replaced.
 class BindingSet {
  public:
   BindingSet() = default;
-  // types[i]: the type of binding i. push_bytes: size of the push constants of every pipeline.
-  [[nodiscard]] static Result<BindingSet> create(Device& device, std::span<const VkDescriptorType> types,
-                                                 std::uint32_t push_bytes);
+  // The table has an entry for each binding of the pipeline.
+  [[nodiscard]] static Result<BindingSet> create(Device& device, const Pipeline& pipeline, const BindingTable& table);
   ~BindingSet();
   BindingSet(BindingSet&& other) noexcept { swap(other); }
   BindingSet& operator=(BindingSet&& other) noexcept {
@@ -32,50 +71,29 @@ class BindingSet {
     return *this;
   }
 
-  void set_buffer(std::uint32_t binding, const Buffer& buffer);
-  // Storage images in VK_IMAGE_LAYOUT_GENERAL; sampled ones in `layout` with a clamped sampler of the set: nearest for
-  // depth, linear for colour.
-  void set_image(std::uint32_t binding, const Image& image, VkImageLayout layout = VK_IMAGE_LAYOUT_GENERAL);
-  void bind(VkCommandBuffer commands) const;
-
-  VkPipelineLayout layout = VK_NULL_HANDLE;
+  VkDescriptorSet handle = VK_NULL_HANDLE;
 
  private:
   void swap(BindingSet& other) {
-    std::swap(layout, other.layout);
+    std::swap(handle, other.handle);
     std::swap(device_, other.device_);
-    std::swap(set_layout_, other.set_layout_);
     std::swap(pool_, other.pool_);
-    std::swap(set_, other.set_);
-    std::swap(linear_, other.linear_);
-    std::swap(nearest_, other.nearest_);
-    std::swap(types_, other.types_);
   }
   Device* device_ = nullptr;
-  VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
-  VkDescriptorSet set_ = VK_NULL_HANDLE;
-  VkSampler linear_ = VK_NULL_HANDLE;
-  VkSampler nearest_ = VK_NULL_HANDLE;
-  std::vector<VkDescriptorType> types_;
 };
 
 class Pipeline {
  public:
   Pipeline() = default;
-  [[nodiscard]] static Result<Pipeline> compute(Device& device, const BindingSet& bindings,
-                                                std::span<const std::uint32_t> spirv,
-                                                std::span<const SpecConstant> constants);
   struct Raster {
-    std::span<const std::uint32_t> vertex_spirv;
-    std::span<const std::uint32_t> fragment_spirv;
+    Spirv vertex_spirv;
+    Spirv fragment_spirv;
     VkFormat color_format;
     VkFormat depth_format;
     std::uint32_t vertex_stride_bytes = 0;  // 0: no vertex buffer
     std::vector<VkVertexInputAttributeDescription> attributes;
   };
-  // Reversed depth (greater wins), no face culled, viewport and scissor dynamic.
-  [[nodiscard]] static Result<Pipeline> raster(Device& device, const BindingSet& bindings, const Raster& raster);
   ~Pipeline();
   Pipeline(Pipeline&& other) noexcept { swap(other); }
   Pipeline& operator=(Pipeline&& other) noexcept {
@@ -83,17 +101,55 @@ class Pipeline {
     return *this;
   }
 
-  void bind(VkCommandBuffer commands) const { vkCmdBindPipeline(commands, point_, handle); }
+  // The pipeline and its descriptors.
+  void bind(VkCommandBuffer commands, const BindingSet& set) const;
+  // Exactly the push constants that the shaders declare.
+  void push(VkCommandBuffer commands, std::span<const std::byte> bytes) const;
+  [[nodiscard]] const ShaderInterface& shader() const { return shader_; }
+
   VkPipeline handle = VK_NULL_HANDLE;
+  VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
+  VkPipelineLayout layout = VK_NULL_HANDLE;
 
  private:
+  friend class Pipelines;
+  static Result<Pipeline> begin(Device& device, std::span<const Spirv> stages, VkPipelineBindPoint point);
+  static Result<Pipeline> compute(Device& device, VkPipelineCache cache, Spirv spirv,
+                                  std::span<const SpecConstant> constants);
+  // Reversed depth (greater wins), no face culled, viewport and scissor dynamic.
+  static Result<Pipeline> raster(Device& device, VkPipelineCache cache, const Raster& raster);
   void swap(Pipeline& other) {
     std::swap(handle, other.handle);
+    std::swap(set_layout, other.set_layout);
+    std::swap(layout, other.layout);
+    std::swap(shader_, other.shader_);
     std::swap(device_, other.device_);
     std::swap(point_, other.point_);
   }
+  ShaderInterface shader_;
   Device* device_ = nullptr;
   VkPipelineBindPoint point_ = VK_PIPELINE_BIND_POINT_COMPUTE;
+};
+
+// The pipelines of a device. Each combination of shader and constants is compiled once and kept until the device goes,
+// so that a knob that is moved back costs nothing. One thread at a time.
+class Pipelines {
+ public:
+  explicit Pipelines(Device& device) : device_(device) {}
+  Pipelines(const Pipelines&) = delete;
+  Pipelines& operator=(const Pipelines&) = delete;
+
+  // `spirv` is a constant of the program: its address is a part of the key.
+  [[nodiscard]] Result<std::shared_ptr<const Pipeline>> compute(Spirv spirv, std::span<const SpecConstant> constants);
+  // As Pipeline::Raster says; all rasters of the same shaders have the same formats and attributes.
+  [[nodiscard]] Result<std::shared_ptr<const Pipeline>> raster(const Pipeline::Raster& raster);
+  // How many have been compiled so far.
+  [[nodiscard]] std::size_t compiled() const { return pipelines_.size(); }
+
+ private:
+  using Key = std::vector<std::uint64_t>;
+  Device& device_;
+  std::map<Key, std::shared_ptr<const Pipeline>> pipelines_;
 };
 
 }  // namespace footlight::render::vk

@@ -1,0 +1,122 @@
+#include "render/vk/demands.h"
+
+#include <algorithm>
+
+namespace footlight::render::vk {
+namespace {
+
+struct LimitDemand {
+  const char* name;
+  std::uint64_t (*value)(const DeviceFacts& facts);
+  std::uint64_t needed;
+};
+
+constexpr LimitDemand kLimits[] = {
+    {"maxPerStageDescriptorStorageBuffers",
+     [](const DeviceFacts& f) -> std::uint64_t { return f.properties.limits.maxPerStageDescriptorStorageBuffers; },
+     kStorageBuffersMax},
+    {"maxDescriptorSetStorageBuffers",
+     [](const DeviceFacts& f) -> std::uint64_t { return f.properties.limits.maxDescriptorSetStorageBuffers; },
+     kStorageBuffersMax},
+    {"maxStorageBufferRange",
+     [](const DeviceFacts& f) -> std::uint64_t { return f.properties.limits.maxStorageBufferRange; },
+     std::uint64_t{128} << 20},
+    // Tiles of 16 x 16 pixels.
+    {"maxComputeWorkGroupInvocations",
+     [](const DeviceFacts& f) -> std::uint64_t { return f.properties.limits.maxComputeWorkGroupInvocations; }, 256},
+};
+
+struct FlagDemand {
+  const char* name;
+  bool (*has)(const DeviceFacts& facts);
+};
+
+constexpr VkSubgroupFeatureFlags kSubgroups =
+    VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT;
+constexpr VkFormatFeatureFlags kSurfaceId =
+    VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT | VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT;
+constexpr VkFormatFeatureFlags kDepth =
+    VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
+
+constexpr FlagDemand kFlags[] = {
+    {"subgroup operations basic, ballot and arithmetic in compute shaders",
+     [](const DeviceFacts& f) {
+       return (f.subgroup.supportedOperations & kSubgroups) == kSubgroups &&
+              (f.subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;
+     }},
+    {"feature synchronization2", [](const DeviceFacts& f) { return f.features_13.synchronization2 == VK_TRUE; }},
+    {"feature dynamicRendering", [](const DeviceFacts& f) { return f.features_13.dynamicRendering == VK_TRUE; }},
+    {"feature maintenance4", [](const DeviceFacts& f) { return f.features_13.maintenance4 == VK_TRUE; }},
+    {"feature drawIndirectFirstInstance",
+     [](const DeviceFacts& f) { return f.features.drawIndirectFirstInstance == VK_TRUE; }},
+    {"format R32G32_UINT as storage image and colour attachment",
+     [](const DeviceFacts& f) { return (f.surface_id_format & kSurfaceId) == kSurfaceId; }},
+    {"format D32_SFLOAT as depth attachment and sampled image",
+     [](const DeviceFacts& f) { return (f.depth_format & kDepth) == kDepth; }},
+};
+
+VkFormatFeatureFlags format_features(VkPhysicalDevice device, VkFormat format) {
+  VkFormatProperties properties;
+  vkGetPhysicalDeviceFormatProperties(device, format, &properties);
+  return properties.optimalTilingFeatures;
+}
+
+}  // namespace
+
+DeviceFacts read_facts(VkPhysicalDevice device) {
+  DeviceFacts facts;
+  facts.subgroup.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES;
+  facts.driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
+  facts.driver.pNext = &facts.subgroup;
+  facts.id.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES;
+  facts.id.pNext = &facts.driver;
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &facts.id, {}};
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  facts.properties = properties.properties;
+  facts.features_13.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
+  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &facts.features_13, {}};
+  vkGetPhysicalDeviceFeatures2(device, &features);
+  facts.features = features.features;
+  facts.id.pNext = facts.driver.pNext = facts.features_13.pNext = nullptr;  // the facts may be copied
+  facts.surface_id_format = format_features(device, VK_FORMAT_R32G32_UINT);
+  facts.depth_format = format_features(device, VK_FORMAT_D32_SFLOAT);
+  std::uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
+  constexpr VkQueueFlags kWanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+  const auto family = std::find_if(families.begin(), families.end(), [](const VkQueueFamilyProperties& f) {
+    return (f.queueFlags & kWanted) == kWanted;
+  });
+  if (family != families.end()) facts.timestamp_bits = family->timestampValidBits;
+  return facts;
+}
+
+Status check_demands(const DeviceFacts& facts) {
+  std::string missing;
+  const auto add = [&](const std::string& line) { missing += (missing.empty() ? "" : "; ") + line; };
+  for (const LimitDemand& limit : kLimits) {
+    const std::uint64_t value = limit.value(facts);
+    if (value < limit.needed) add(fmt::format("{} is {}, needed: {}", limit.name, value, limit.needed));
+  }
+  for (const FlagDemand& flag : kFlags) {
+    if (!flag.has(facts)) add(fmt::format("{} is missing", flag.name));
+  }
+  if (missing.empty()) return {};
+  return fail(ErrorCode::kUnsupported, "{} cannot be used: {}", facts.properties.deviceName, missing);
+}
+
+std::vector<std::string> missing_options(const DeviceFacts& facts) {
+  std::vector<std::string> notes;
+  if (facts.timestamp_bits == 0) {
+    notes.push_back(fmt::format("{}: timestampValidBits is 0, needed: 1 or more; the times of passes are not measured",
+                                facts.properties.deviceName));
+  }
+  if (facts.features.multiDrawIndirect != VK_TRUE) {
+    notes.push_back(fmt::format("{}: feature multiDrawIndirect is missing; bodies are drawn with one command a type",
+                                facts.properties.deviceName));
+  }
+  return notes;
+}
+
+}  // namespace footlight::render::vk

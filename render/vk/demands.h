@@ -1,0 +1,43 @@
+// What the renderer demands of a Vulkan device, and what it does without.
+//
+// A device that lacks a demand is not used; the message names the limit, its value and the value that is needed. A
+// device that lacks an option is used, with one note for each.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <vulkan/vulkan.h>
+
+#include "sim/core/result.h"
+
+namespace footlight::render::vk {
+
+// Storage buffers of one pipeline. The step pass has the most: 25. lavapipe (Mesa 22.3) allows 32 a stage.
+inline constexpr std::uint32_t kStorageBuffersMax = 28;
+// Vulkan guarantees these two.
+inline constexpr std::uint32_t kStorageImagesMax = 4;
+inline constexpr std::uint32_t kSamplersMax = 16;
+
+// Everything that the demands are compared with, as the driver states it.
+struct DeviceFacts {
+  VkPhysicalDeviceProperties properties{};
+  VkPhysicalDeviceSubgroupProperties subgroup{};
+  VkPhysicalDeviceDriverProperties driver{};
+  VkPhysicalDeviceIDProperties id{};
+  VkPhysicalDeviceFeatures features{};
+  VkPhysicalDeviceVulkan13Features features_13{};
+  VkFormatFeatureFlags surface_id_format = 0;  // VK_FORMAT_R32G32_UINT, optimal tiling
+  VkFormatFeatureFlags depth_format = 0;       // VK_FORMAT_D32_SFLOAT
+  std::uint32_t timestamp_bits = 0;            // of the queue family that draws and computes
+};
+
+// The device has Vulkan 1.3.
+[[nodiscard]] DeviceFacts read_facts(VkPhysicalDevice device);
+
+// kUnsupported with all that is missing.
+[[nodiscard]] Status check_demands(const DeviceFacts& facts);
+// One line for each option that is missing, with what the program does instead.
+[[nodiscard]] std::vector<std::string> missing_options(const DeviceFacts& facts);
+
+}  // namespace footlight::render::vk

@@ -1,0 +1,88 @@
+// What the SPIR-V of a shader says about its bindings.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "render/frame.h"
+#include "render/vk/demands.h"
+#include "render/vk/shader.h"
+#include "tests/support/must.h"
+
+namespace footlight::render {
+namespace {
+
+using footlight::testing::must;
+using vk::ShaderBinding;
+
+constexpr VkDescriptorType kBuffer = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+constexpr VkDescriptorType kImage = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+constexpr VkDescriptorType kSampled = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+
+vk::ShaderInterface interface_of(const std::string& pass) {
+  for (const PassShaders& each : pass_shaders()) {
+    if (each.name == pass) return must(vk::read_interfaces(each.pipelines.at(0)));
+  }
+  FAIL("no pass " << pass);
+  return {};
+}
+
+TEST_CASE("each pass stays within the descriptors that a device must have") {
+  std::uint32_t most = 0;
+  for (const PassShaders& pass : pass_shaders()) {
+    INFO(pass.name);
+    REQUIRE(!pass.pipelines.empty());
+    for (const auto& stages : pass.pipelines) {
+      const vk::ShaderInterface shader = must(vk::read_interfaces(stages));
+      const std::uint32_t buffers = vk::count_of(shader, kBuffer);
+      most = std::max(most, buffers);
+      CHECK(buffers >= 1);  // the frame's parameters
+      CHECK(buffers <= vk::kStorageBuffersMax);
+      CHECK(vk::count_of(shader, kImage) <= vk::kStorageImagesMax);
+      CHECK(vk::count_of(shader, kSampled) <= vk::kSamplersMax);
+      CHECK(shader.push_bytes <= 128);  // that Vulkan guarantees
+      for (const ShaderBinding& binding : shader.bindings) CHECK(binding.binding < FL_BINDING_COUNT);
+    }
+  }
+  CHECK(most == 25);  // as render/vk/demands.h states it
+}
+
+TEST_CASE("a pipeline's interface has what its shaders declare, and nothing else") {
+  CHECK(interface_of("tonemap").bindings == std::vector<ShaderBinding>{{FL_BINDING_PARAMS, kBuffer},
+                                                                       {FL_BINDING_RADIANCE, kImage},
+                                                                       {FL_BINDING_SCREEN, kImage}});
+  CHECK(interface_of("tonemap").push_bytes == 0);
+  CHECK(interface_of("step").push_bytes == 12);
+  const auto beams = interface_of("beams").bindings;
+  CHECK(std::count(beams.begin(), beams.end(), ShaderBinding{FL_BINDING_GOBOS, kSampled}) == 1);
+  CHECK(std::count(beams.begin(), beams.end(), ShaderBinding{FL_BINDING_MOTORS, kBuffer}) == 0);
+}
+
+TEST_CASE("the stages of a pipeline share a binding of one type") {
+  const auto shaders = pass_shaders();
+  const auto bodies = std::find_if(shaders.begin(), shaders.end(), [](const auto& p) { return p.name == "bodies"; });
+  REQUIRE((bodies != shaders.end()));
+  const vk::Spirv vertex = bodies->pipelines.at(0).at(0);
+  const std::vector<vk::Spirv> twice{vertex, vertex};
+  CHECK(must(vk::read_interfaces(twice)).bindings == must(vk::read_interface(vertex)).bindings);
+}
+
+TEST_CASE("SPIR-V that is cut off anywhere is refused or read, and never read past its end") {
+  const vk::Spirv whole = pass_shaders().back().pipelines.at(0).at(0);
+  const std::vector<std::uint32_t> words(whole.begin(), whole.end());
+  for (std::size_t length = 0; length < words.size(); length += 7) {
+    const std::vector<std::uint32_t> part(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(length));
+    (void)vk::read_interface(part);
+  }
+  CHECK(!vk::read_interface(vk::Spirv{}));
+  std::vector<std::uint32_t> other = words;
+  other[0] = 0;
+  CHECK(!vk::read_interface(other));
+  other = words;
+  other[5] &= 0xffff;  // an instruction of no words
+  CHECK(!vk::read_interface(other));
+}
+
+}  // namespace
+}  // namespace footlight::render
