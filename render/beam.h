@@ -4,7 +4,8 @@
 
 #include "sim/shared/shared.h"
 
-// clang-format off: gauss.h has to come before beam.h
+// gauss.h has to come before beam.h.
+// clang-format off
 namespace footlight::render::f32 {
 using namespace ::footlight::f32;
 #include "render/shaders/shared/gauss.h"

@@ -50,14 +50,15 @@ using Real = float;
 using Vec2 = glm::vec2;
 using Vec3 = glm::vec3;
 FL_SHARED_USING
-// clang-format off: each header uses those above it.
-#include "sim/shared/dimmer.h"
+// Each header uses those above it.
+// clang-format off
+#include "sim/shared/turns.h"
+#include "sim/shared/motion.h"
 #include "sim/shared/filter.h"
 #include "sim/shared/haze.h"
+#include "sim/shared/dimmer.h"
 #include "sim/shared/lamp.h"
-#include "sim/shared/motion.h"
 #include "sim/shared/shutter.h"
-#include "sim/shared/turns.h"
 // clang-format on
 }  // namespace footlight::f32
 
@@ -66,13 +67,14 @@ using Real = double;
 using Vec2 = glm::dvec2;
 using Vec3 = glm::dvec3;
 FL_SHARED_USING
-// clang-format off: each header uses those above it.
-#include "sim/shared/dimmer.h"
+// Each header uses those above it.
+// clang-format off
+#include "sim/shared/turns.h"
+#include "sim/shared/motion.h"
 #include "sim/shared/filter.h"
 #include "sim/shared/haze.h"
+#include "sim/shared/dimmer.h"
 #include "sim/shared/lamp.h"
-#include "sim/shared/motion.h"
 #include "sim/shared/shutter.h"
-#include "sim/shared/turns.h"
 // clang-format on
 }  // namespace footlight::f64

@@ -67,7 +67,8 @@ using Real = Loose;
 using uint = std::uint32_t;
 using Turns = glm::uvec2;
 using glm::min;
-// clang-format off: each of these uses those above it.
+// Each of these uses those above it.
+// clang-format off
 #include "sim/shared/turns.h"
 #include "sim/shared/motion.h"
 // clang-format on
@@ -80,7 +81,8 @@ using Real = Loose;
 using uint = std::uint32_t;
 using Turns = glm::uvec2;
 using glm::min;
-// clang-format off: each of these uses those above it.
+// Each of these uses those above it.
+// clang-format off
 #include "sim/shared/turns.h"
 #include "sim/shared/motion.h"
 // clang-format on
