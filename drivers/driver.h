@@ -60,7 +60,6 @@ struct UsbModelId {
   std::string_view manufacturer_text;
   std::string_view product_text;
   std::string_view model_name;  // for people
-  std::string_view maker = {};  // the beginning of model_name; empty only where the user has to name the device
   unsigned quirks = 0;          // Quirk
   TransportKind transport = TransportKind::kFtdi;
 };

@@ -26,18 +26,6 @@ constexpr const char* kRulesHead =
 # give access to keyboards too.
 )";
 
-constexpr const char* kHwdbHead =
-    R"(# Names of DMX interfaces in udev's hardware database, and the driver of Footlight that speaks to each. Generated
-# by the tool list_udev_rules from the driver table; a test compares the two.
-#
-# Install:  sudo cp udev/70-footlight.hwdb /etc/udev/hwdb.d/ && sudo systemd-hwdb update && sudo udevadm trigger
-#
-# Nothing needs it: programs that show names do, such as udevadm info. Among matches of one device the last counts. The
-# keys "usb:" are those of udev itself and end in the product string. Where the manufacturer string has to tell too, the
-# key "footlight:" is asked for by a rule in 70-footlight.rules. Cables that have nothing but the ids of a bare chip are
-# not named.
-)";
-
 std::string_view remarks_of(const UsbModelId& model) {
   if ((model.quirks & kQuirkSecondPortNeedsKey) != 0) return "second port with a key from the maker";
   if ((model.quirks & kQuirkTwoPorts) != 0) return "up to two ports";
@@ -69,52 +57,7 @@ std::string match_text(std::string_view attribute, const UsbModelId& model) {
   return text;
 }
 
-bool needs_manufacturer(const UsbModelId& model) { return !model.manufacturer_text.empty(); }
-
-// What udev's database is asked for with a device of this row. udev's own keys have capital hexadecimal digits; ours
-// have sysfs's.
-std::string hwdb_key(const UsbModelId& model) {
-  if (needs_manufacturer(model))
-    return fmt::format("footlight:v{:04x}p{:04x}:{}*:{}*", model.vendor, model.product, model.manufacturer_text,
-                       model.product_text);
-  return fmt::format("usb:v{:04X}p{:04X}:{}*", model.vendor, model.product, model.product_text);
-}
-
-// Asks udev's database for the keys with manufacturer strings, once for each pair of ids that has any.
-std::string hwdb_import_text() {
-  std::vector<std::pair<std::uint16_t, std::uint16_t>> ids;
-  for (const DriverInfo* driver : drivers())
-    for (const UsbModelId& model : driver->usb_ids)
-      if (needs_manufacturer(model)) ids.emplace_back(model.vendor, model.product);
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  std::string text = "\n# Names, where 70-footlight.hwdb is installed\n";
-  for (const auto& [vendor, product] : ids)
-    text += fmt::format(R"(ACTION!="remove", SUBSYSTEM=="usb", ENV{{DEVTYPE}}=="usb_device", )"
-                        R"(ATTR{{idVendor}}=="{:04x}", ATTR{{idProduct}}=="{:04x}", )"
-                        R"(IMPORT{{builtin}}="hwdb 'footlight:v{:04x}p{:04x}:$attr{{manufacturer}}:$attr{{product}}'")",
-                        vendor, product, vendor, product) +
-            "\n";
-  return text;
-}
-
 }  // namespace
-
-std::string hwdb_text() {
-  // The first row that fits a device counts in the table, the last one in the database.
-  std::vector<std::pair<const DriverInfo*, const UsbModelId*>> rows;
-  for (const DriverInfo* driver : drivers())
-    for (const UsbModelId& model : driver->usb_ids)
-      if (!is_nameless(model)) rows.emplace_back(driver, &model);
-  std::reverse(rows.begin(), rows.end());
-  std::string text = kHwdbHead;
-  for (const auto& [driver, model] : rows) {
-    FL_CHECK(!model->maker.empty() && model->model_name.starts_with(model->maker));
-    text += fmt::format("\n{}\n ID_VENDOR_FROM_DATABASE={}\n ID_MODEL_FROM_DATABASE={}\n FOOTLIGHT_DRIVER={}\n",
-                        hwdb_key(*model), model->maker, model->model_name.substr(model->maker.size() + 1), driver->id);
-  }
-  return text;
-}
 
 std::string udev_rules_text() {
   constexpr const char* kAccess = R"(GROUP="plugdev", MODE="0660", TAG+="uaccess")";
@@ -141,7 +84,7 @@ std::string udev_rules_text() {
                 "\n";
     }
   }
-  return text + hwdb_import_text();
+  return text;
 }
 
 std::string hardware_table_text() {

@@ -7,8 +7,6 @@ namespace footlight::drivers {
 
 // udev/70-footlight.rules.
 [[nodiscard]] std::string udev_rules_text();
-// udev/70-footlight.hwdb: what udev's hardware database says of each device that can be told without its user.
-[[nodiscard]] std::string hwdb_text();
 // The table between the markers of docs/hardware.md, markers included.
 [[nodiscard]] std::string hardware_table_text();
 

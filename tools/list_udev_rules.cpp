@@ -1,5 +1,5 @@
-// Prints what is generated from the driver table: udev/70-footlight.rules, with --hwdb udev/70-footlight.hwdb, with
-// --hardware the table in docs/hardware.md.
+// Prints what is generated from the driver table: udev/70-footlight.rules, with --hardware the table in
+// docs/hardware.md.
 #include <cstdio>
 #include <cstring>
 
@@ -8,11 +8,10 @@
 int main(int argc, char** argv) {
   using namespace footlight::drivers;
   const bool hardware = argc == 2 && std::strcmp(argv[1], "--hardware") == 0;
-  const bool hwdb = argc == 2 && std::strcmp(argv[1], "--hwdb") == 0;
-  if (argc > 1 && !hardware && !hwdb) {
-    std::fprintf(stderr, "usage: %s [--hwdb|--hardware]\n", argv[0]);
+  if (argc > 1 && !hardware) {
+    std::fprintf(stderr, "usage: %s [--hardware]\n", argv[0]);
     return 2;
   }
-  const std::string text = hardware ? hardware_table_text() : hwdb ? hwdb_text() : udev_rules_text();
+  const std::string text = hardware ? hardware_table_text() : udev_rules_text();
   return std::fputs(text.c_str(), stdout) < 0 ? 1 : 0;
 }

@@ -111,14 +111,12 @@ constexpr UsbModelId kModels[] = {{.vendor = 0x03EB,
                                    .manufacturer_text = "",
                                    .product_text = "",
                                    .model_name = "DMX4ALL NanoDMX",
-                                   .maker = "DMX4ALL",
                                    .transport = TransportKind::kTty},
                                   {.vendor = 0x0403,
                                    .product = 0xC850,
                                    .manufacturer_text = "",
                                    .product_text = "",
-                                   .model_name = "DMX4ALL interfaces, StageProfi",
-                                   .maker = "DMX4ALL"}};
+                                   .model_name = "DMX4ALL interfaces, StageProfi"}};
 
 }  // namespace
 

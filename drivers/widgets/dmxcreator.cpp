@@ -62,7 +62,6 @@ constexpr UsbModelId kModels[] = {
      .manufacturer_text = "",
      .product_text = "",
      .model_name = "DMXCreator 512 Basic",
-     .maker = "DMXCreator",
      .quirks = 0,
      .transport = TransportKind::kUsb},
 };

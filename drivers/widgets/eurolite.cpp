@@ -66,7 +66,6 @@ constexpr UsbModelId kProModels[] = {{.vendor = 0x04D8,
                                       .manufacturer_text = "",
                                       .product_text = "",
                                       .model_name = "Eurolite USB-DMX512 PRO",
-                                      .maker = "Eurolite",
                                       .transport = TransportKind::kUsb}};
 constexpr UsbModelId kMk2Models[] = {{.vendor = 0x0403,
                                       .product = 0x6001,

@@ -124,21 +124,20 @@ class NodleWidget final : public Widget {
   TimeNs heard_ns_ = 0;
 };
 
-constexpr UsbModelId model(std::uint16_t vendor, std::uint16_t product, std::string_view name, std::string_view maker) {
+constexpr UsbModelId model(std::uint16_t vendor, std::uint16_t product, std::string_view name) {
   return {.vendor = vendor,
           .product = product,
           .manufacturer_text = "",
           .product_text = "",
           .model_name = name,
-          .maker = maker,
           .quirks = 0,
           .transport = TransportKind::kHid};
 }
 constexpr UsbModelId kModels[] = {
-    model(0x16D0, 0x0830, "DMXControl Projects Nodle U1", "DMXControl Projects"),
-    model(0x16D0, 0x0833, "DMXControl Projects Nodle R4S", "DMXControl Projects"),
-    model(0x04B4, 0x0F1F, "Digital Enlightenment USB-DMX", "Digital Enlightenment"),
-    model(0x16C0, 0x088B, "FX5 USB-DMX", "FX5"),
+    model(0x16D0, 0x0830, "DMXControl Projects Nodle U1"),
+    model(0x16D0, 0x0833, "DMXControl Projects Nodle R4S"),
+    model(0x04B4, 0x0F1F, "Digital Enlightenment USB-DMX"),
+    model(0x16C0, 0x088B, "FX5 USB-DMX"),
 };
 
 }  // namespace

@@ -130,7 +130,6 @@ constexpr UsbModelId model(std::uint16_t product, std::string_view name, unsigne
           .manufacturer_text = "",
           .product_text = "",
           .model_name = name,
-          .maker = "Peperoni",
           .quirks = quirks,
           .transport = TransportKind::kUsb};
 }

@@ -95,7 +95,6 @@ constexpr UsbModelId kModels[] = {
      .manufacturer_text = "",
      .product_text = "uDMX",
      .model_name = "Anyma uDMX",
-     .maker = "Anyma",
      .quirks = kQuirkGenericUsbIds,
      .transport = TransportKind::kUsb},
     {.vendor = 0x03EB,
@@ -103,7 +102,6 @@ constexpr UsbModelId kModels[] = {
      .manufacturer_text = "",
      .product_text = "",
      .model_name = "AVLdiy D512",
-     .maker = "AVLdiy",
      .quirks = 0,
      .transport = TransportKind::kUsb},
 };

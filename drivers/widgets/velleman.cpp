@@ -93,7 +93,6 @@ constexpr UsbModelId kModels[] = {
      .manufacturer_text = "",
      .product_text = "",
      .model_name = "Velleman K8062, VM116",
-     .maker = "Velleman",
      .quirks = 0,
      .transport = TransportKind::kUsb},
 };

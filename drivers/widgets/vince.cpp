@@ -91,7 +91,6 @@ constexpr UsbModelId kModels[] = {{.vendor = 0x0403,
                                    .manufacturer_text = "",
                                    .product_text = "USB-DMX512 CONVERTER",
                                    .model_name = "Vince USB-DMX512",
-                                   .maker = "Vince",
                                    .quirks = kQuirkGenericUsbIds}};
 
 }  // namespace

@@ -495,16 +495,6 @@ FL_INLINE void filament_move(FL_INOUT(Filament) filament, FilamentType type, Rea
   filament.kelvin = filament_at(filament, type, time_s(filament.since_ns));
 }
 
-FL_INLINE Filament filament_step(Filament filament, FilamentType type, Real volt, Turns dt_ns) {
-  filament_move(filament, type, volt, dt_ns);
-  return filament;
-}
-
-// Current over the rated current: 18 times when cold; the resistance of a real supply reduces that to 10 to 15.
-FL_FN Real filament_current(Real kelvin, FilamentType type, Real volt) {
-  return volt * pow(max(kelvin, kFilamentAmbientK) / type.full_k, -kFilamentR);
-}
-
 // Natural logarithm of a grey body's luminous power, 500 to 4000 K: the integral of Planck's law over the CIE 1924
 // luminous efficiency in steps of 10 nm, fitted in 1000 / T to 4e-4.
 FL_FN Real filament_log_light(Real kelvin) {

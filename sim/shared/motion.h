@@ -111,43 +111,6 @@ FL_FN MotorLimits motor_limits(Real range, Real fade_s, Real acceleration_s) {
   return limits;
 }
 
-// Kinds of movement, for fixtures whose file has no times.
-FL_CONST uint kMotorPan = uint(0);
-FL_CONST uint kMotorTilt = uint(1);
-FL_CONST uint kMotorZoom = uint(2);
-FL_CONST uint kMotorFocus = uint(3);
-FL_CONST uint kMotorIris = uint(4);
-FL_CONST uint kMotorWheel = uint(5);
-FL_CONST uint kMotorBlade = uint(6);
-FL_CONST uint kMotorPrism = uint(7);  // also frost: in and out
-FL_CONST uint kMotorCount = uint(8);
-
-// Times over the whole range, as RealFade and RealAcceleration.
-struct MotorTimes {
-  Real fade_s;
-  Real acceleration_s;
-};
-
-// Typical figures for a current profile, chosen and not measured: pan 540 degrees in 2.6 s, tilt 270 in 1.6 s. An
-// unknown kind gets those of zoom.
-FL_FN MotorTimes motor_default(uint kind) {
-  MotorTimes times;
-  times.fade_s = Real(0.8);
-  times.acceleration_s = Real(0.1);
-  if (kind == kMotorPan) {
-    times.fade_s = Real(2.6);
-    times.acceleration_s = Real(0.4);
-  } else if (kind == kMotorTilt) {
-    times.fade_s = Real(1.6);
-    times.acceleration_s = Real(0.4);
-  } else if (kind == kMotorIris || kind == kMotorWheel || kind == kMotorBlade) {
-    times.fade_s = Real(0.5);
-  } else if (kind == kMotorPrism) {
-    times.fade_s = Real(0.3);
-  }
-  return times;
-}
-
 // Position-speed channel, vector mode: the channel sets the speed (share 0 to 1 of the limit, at least 1/1000 of it so
 // that the move ends). The acceleration is unchanged. Tracking mode: the limits are unchanged, and a Flex with damping
 // 1 smooths.

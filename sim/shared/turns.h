@@ -78,13 +78,6 @@ FL_FN Turns turns_mul_32(uint a, uint b) {
   return Turns(low, high);
 }
 
-// Low 64 bits of the product of two 64-bit numbers.
-FL_FN Turns turns_mul(Turns a, Turns b) {
-  Turns product = turns_mul_32(a.x, b.x);
-  product.y += a.x * b.y + a.y * b.x;
-  return product;
-}
-
 // High 64 bits of the product of two 64-bit numbers.
 FL_FN Turns turns_mul_high(Turns a, Turns b) {
   Turns ab = turns_mul_32(a.x, b.y);
@@ -294,15 +287,5 @@ FL_INLINE void spin_move(FL_INOUT(Spin) spin, Real ramp_hz_s, Real target_hz, Tu
   }
 }
 
-FL_INLINE Spin spin_step(Spin spin, Real ramp_hz_s, Real target_hz, Turns dt_ns) {
-  spin_move(spin, ramp_hz_s, target_hz, dt_ns);
-  return spin;
-}
-
 // The shorter way from one phase to another, in turns, [-0.5, 0.5].
 FL_FN Real turns_way(Turns from, Turns to) { return turns_signed(turns_add(to, turns_negate(from))); }
-
-// Shaking (gobo shake, wheel shake): the offset at a phase, in the unit of the amplitude.
-FL_FN Real shake_offset(Turns phase, Real amplitude) {
-  return amplitude * sin(Real(6.283185307179586477) * turns_signed(phase));
-}

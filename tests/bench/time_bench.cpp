@@ -78,7 +78,7 @@ struct Spinner {
 void spin(benchmark::State& bench) {
   run(bench, Spinner(), [](Spinner& s, Inputs& in) {
     if (s.rate_hz == 0) s.rate_hz = 10 * in.next() + 0.1f;  // each its own
-    s.spin = f32::spin_step(s.spin, 2, s.rate_hz, kFrameNs);
+    spin_move(s.spin, 2, s.rate_hz, kFrameNs);
   });
 }
 
@@ -176,7 +176,7 @@ void head(benchmark::State& bench, Show show) {
     h.tilt = f32::motor_step(h.tilt, limits, moving ? 270 * target : 3, kFrameNs);
     h.zoom = f32::motor_step(h.zoom, limits, 30, kFrameNs);
     h.focus = f32::motor_step(h.focus, limits, 0.5f, kFrameNs);
-    h.gobo = f32::spin_step(h.gobo, 2, h.rate_hz, kFrameNs);
+    spin_move(h.gobo, 2, h.rate_hz, kFrameNs);
     h.light = led_step(h.led, type, f32::law_light(f32::kLawSquare, moving ? target : 0.7f), kFrameNs) *
               shutter_step(h.shutter, strobe_params(h.strobes ? f32::kShutterStrobe : f32::kShutterOpen, h.rate_hz),
                            kFrameNs);

@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "tests/sim/shared/cut.h"
+#include "tests/sim/shared/steps.h"
 
 namespace footlight {
 namespace {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/sim/shared/cut.h"
+#include "tests/sim/shared/steps.h"
 
 namespace footlight {
 namespace {
@@ -214,20 +215,13 @@ TEST_CASE("tungsten approaches its end from one side only, warm or cold") {
   }
 }
 
-TEST_CASE("a cold filament draws eighteen times its current, and the current falls as it heats") {
-  const auto type = Lamps<Double>::bulb(0.034);
-  CHECK(f64::filament_current(293.15, type, 1) == doctest::Approx(18.3).epsilon(0.02));
-  CHECK(f64::filament_current(3200, type, 1) == doctest::Approx(1));
-  CHECK(f64::filament_current(2000, type, 1) < f64::filament_current(1000, type, 1));
-}
-
 TEST_CASE("power follows voltage by the makers' exponent 1.6, and light by 2.8 where they say 3.4") {
   const auto type = Lamps<Double>::bulb(0.034);
   const auto equilibrium = [](double volt) { return after(3000, 0.034, volt, 1e6); };
   const double log_volt = std::log(0.9);
   CHECK(std::log(equilibrium(0.9) / 3200) / log_volt == doctest::Approx(0.34).epsilon(0.02));
   CHECK(std::log(f64::filament_light(equilibrium(0.9), type)) / log_volt == doctest::Approx(2.78).epsilon(0.01));
-  const double power = 0.9 * f64::filament_current(equilibrium(0.9), type, 0.9);
+  const double power = 0.9 * 0.9 * std::pow(equilibrium(0.9) / 3200, -f64::kFilamentR);  // V^2 over the resistance
   CHECK(std::log(power) / log_volt == doctest::Approx(1.6).epsilon(0.05));
   CHECK(f64::filament_volt(equilibrium(0.37), type) == doctest::Approx(0.37).epsilon(1e-9));
 }

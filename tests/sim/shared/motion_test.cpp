@@ -603,15 +603,6 @@ TEST_CASE("tracking mode smooths the console's steps and lags by its time, vecto
   }
 }
 
-TEST_CASE("every kind of motor has times of its own that make sound limits") {
-  for (std::uint32_t kind = 0; kind <= f64::kMotorCount; ++kind) {
-    const f64::MotorTimes times = f64::motor_default(kind);
-    const f64::MotorLimits limits = f64::motor_limits(1, times.fade_s, times.acceleration_s);
-    CHECK(motor_step(f64::motor_start(0), limits, 1, f64::time_ns(times.fade_s * 1.0001)).now.position == 1);
-    CHECK(motor_step(f64::motor_start(0), limits, 1, f64::time_ns(times.fade_s * 0.99)).now.position < 1);
-  }
-}
-
 // A wheel of eight slots, a slot at a time, now and then back and forth before it arrives.
 template <class T>
 struct WheelTurner {

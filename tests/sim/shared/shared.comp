@@ -40,11 +40,13 @@ void main() {
   Motor before = motor;
   motor = motor_step(motor, motor_vector(motor_limits(limits.speed_max, 2.0, 0.5), value), value, dt_ns);
   flex = flex_step(flex, soft, before, motor, limits);
-  spin = spin_step(spin, limits.acceleration_max, value, dt_ns);
+  Spin turning = spin;
+  spin_move(turning, limits.acceleration_max, value, dt_ns);
+  spin = turning;
   Shutter moved = shutter;
   value = shutter_step(moved, params, dt_ns);
   shutter = moved;
-  value += shake_offset(spin.phase, turns_way(spin.phase, time_ns(value)));
+  value += turns_way(spin.phase, time_ns(value));
   smoothed = smooth_step(smoothed, 0.02, value, dt_ns);
   Slew slewed = slew;
   value = slew_step(slewed, 0.5, smoothed.now.position, dt_ns);
@@ -52,8 +54,10 @@ void main() {
   air = room_step(air, 120.0, value, 0.1, dt_ns);
   value += room_scattering(air);
   value = law_light(kLawS, value) + law_table(table, value);
-  filament = filament_step(filament, filament_type, phase_cut_rms(value), dt_ns);
-  value += filament_light(filament.kelvin, filament_type) + filament_current(filament.kelvin, filament_type, 1.0);
+  Filament hot = filament;
+  filament_move(hot, filament_type, phase_cut_rms(value), dt_ns);
+  filament = hot;
+  value += filament_light(filament.kelvin, filament_type);
   value += mains_mean(spin.phase, turns_advance(100.0, dt_ns), value) + filament_volt(2000.0, filament_type);
   Led glowing = led;
   value += led_step(glowing, led_type, value, dt_ns);

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "tests/sim/shared/cut.h"
+#include "tests/sim/shared/steps.h"
 
 namespace footlight {
 namespace {
@@ -37,7 +38,6 @@ TEST_CASE("sums and products agree with 64-bit integers to the bit") {
     const std::uint64_t a = random();
     const std::uint64_t b = random() >> (random() % 64);
     REQUIRE(number(f32::turns_add(words(a), words(b))) == a + b);
-    REQUIRE(number(f32::turns_mul(words(a), words(b))) == a * b);
     REQUIRE(number(f32::turns_negate(words(a))) == 0 - a);
     REQUIRE(f32::turns_less(words(a), words(b)) == (a < b));
     const auto high = static_cast<std::uint64_t>((static_cast<unsigned __int128>(a) * b) >> 64);
@@ -236,12 +236,6 @@ TEST_CASE_TEMPLATE("no time and targets that are no number leave a spin alone; a
 TEST_CASE("a motor without end goes the shorter way to a position") {
   CHECK(f64::turns_way(f64::turns_from(0.9), f64::turns_from(0.1)) == doctest::Approx(0.2));
   CHECK(f64::turns_way(f64::turns_from(0.1), f64::turns_from(0.9)) == doctest::Approx(-0.2));
-}
-
-TEST_CASE("a shake swings by its amplitude both ways") {
-  CHECK(f32::shake_offset(f32::turns_from(0.25f), 12) == doctest::Approx(12));
-  CHECK(f32::shake_offset(f32::turns_from(0.75f), 12) == doctest::Approx(-12));
-  CHECK(f32::shake_offset(words(0), 12) == 0);
 }
 
 }  // namespace

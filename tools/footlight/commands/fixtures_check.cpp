@@ -16,7 +16,7 @@
 #include "fixtures/files/import/import.h"
 #include "fixtures/gobos/gobo_images.h"
 #include "fixtures/model/params.h"
-#include "fixtures/simulate/sweep.h"
+#include "fixtures/simulate/check_decode.h"
 #include "tools/footlight/commands/fixtures_command.h"
 #include "tools/footlight/monitor/terminal.h"
 #include "tools/footlight/progress.h"
@@ -110,19 +110,18 @@ Result<Wanted> find_wanted(const std::vector<std::string>& paths) {
   return wanted;
 }
 
-// Every value of every channel decoded: what leaves its declared range.
-void add_sweep(const fixtures::FixtureType& type, fixtures::Diagnostics& diagnostics, fixtures::SweepReport& sum) {
-  const fixtures::SweepReport report = fixtures::sweep(type, fixtures::SweepValues::kAll);
+// Every value of every channel decoded: which differ from those that the definition gives.
+void add_decoded(const fixtures::FixtureType& type, fixtures::Diagnostics& diagnostics, fixtures::DecodeReport& sum) {
+  const fixtures::DecodeReport report = fixtures::check_decode(type);
   for (const fixtures::Remark& fault : report.faults) {
     diagnostics.add({Severity::kError, "decode", fixtures::place_in(type, fault.at), fault.what, ""});
   }
   sum.modes += report.modes;
   sum.values += report.values;
-  sum.decodes += report.decodes;
   sum.float_error = std::max(sum.float_error, report.float_error);
 }
 
-FixtureCheck check_file(const std::string& path, bool sweeps, bool images, fixtures::SweepReport& sum) {
+FixtureCheck check_file(const std::string& path, bool sweeps, bool images, fixtures::DecodeReport& sum) {
   FixtureCheck check{path, "", ImportStatus::kRefused, "", "", 0, {}, ""};
   fixtures::Diagnostics diagnostics;
   auto source = fixtures::open_import_source(path);
@@ -140,7 +139,7 @@ FixtureCheck check_file(const std::string& path, bool sweeps, bool images, fixtu
                        "it changes nothing"});
     }
     if (images) fixtures::check_images(*type, diagnostics);
-    if (sweeps) add_sweep(*type, diagnostics, sum);
+    if (sweeps) add_decoded(*type, diagnostics, sum);
   }
   diagnostics.finish();
   if (!type) {
@@ -219,12 +218,12 @@ Result<int> run_check(const Options& options) {
   std::size_t done = 0;
   std::size_t missing = 0;
   std::string missing_first;
-  fixtures::SweepReport swept;
+  fixtures::DecodeReport decoded;
   std::string files;  // in text: the summary goes before them
   for (const std::string& path : wanted.paths) {
     if (end_signal_came()) break;
     progress.show(done, wanted.paths.size());
-    const FixtureCheck check = check_file(path, options.sweep, options.images, swept);
+    const FixtureCheck check = check_file(path, options.sweep, options.images, decoded);
     progress.clear();
     ++counts.at(static_cast<std::size_t>(check.status));
     ++done;
@@ -255,7 +254,7 @@ Result<int> run_check(const Options& options) {
   }
   if (options.sweep) {
     fmt::print(stderr, "footlight: {} values of channels of {} modes decoded; float is within {:.1e} of double\n",
-               swept.values, swept.modes, swept.float_error);
+               decoded.values, decoded.modes, decoded.float_error);
   }
   if (wanted.paths.empty()) return kExitNotFound;
   if (missing == wanted.paths.size()) return fail(ErrorCode::kNotFound, "{}", missing_first);
@@ -281,7 +280,7 @@ void add_fixtures_check(Arguments& arguments) {
              "every diagnostic: what is wrong, and what was assumed where the file leaves something open");
   check.flag("--images", options->images, "also read and draw every gobo's picture");
   check.flag("--sweep", options->sweep,
-             "also decode every value of every channel of every mode and judge it by the definition");
+             "also decode every value of every channel of every mode and compare it with the definition");
   check.job([options]() -> Result<int> { return run_check(*options); });
 }
 

@@ -129,7 +129,7 @@ bool has_capability(const DoctorView& view, unsigned bit) {
   }
   return false;
 }
-constexpr unsigned kCapNetAdmin = 12, kCapIpcLock = 14, kCapSysNice = 23;  // capability.h
+constexpr unsigned kCapNetAdmin = 12, kCapSysNice = 23;  // capability.h
 
 Outcome ok(std::string seen) { return {Verdict::kOk, std::move(seen), {}}; }
 Outcome warn(std::string seen, std::string mend = {}) { return {Verdict::kWarn, std::move(seen), std::move(mend)}; }
@@ -519,19 +519,6 @@ Outcome check_real_time(const DoctorView& view) {
   return warn("not allowed: a busy machine may delay frames", mend);
 }
 
-Outcome check_memlock(const DoctorView& view) {
-  if (view.memlock_bytes == UINT64_MAX || has_capability(view, kCapIpcLock)) return ok("no limit");
-  // Footlight locks no memory; what a page that was swapped out costs is the reason to look.
-  bool swap = false;
-  std::istringstream table(text_of(fs::path(view.find.proc_root) / "swaps"));
-  std::string line;
-  std::getline(table, line);
-  while (std::getline(table, line)) swap = swap || !line.empty();
-  if (!swap) return ok(fmt::format("{} KiB, and there is no swap that memory could go to", view.memlock_bytes / 1024));
-  return ok(fmt::format("{} KiB; footlight locks no memory, and with swap a machine short of memory may delay frames",
-                        view.memlock_bytes / 1024));
-}
-
 Outcome check_clock_source(const DoctorView& view) {
   const fs::path folder = fs::path(view.find.sys_root) / "devices/system/clocksource/clocksource0";
   const std::string current = line_of(folder / "current_clocksource");
@@ -607,7 +594,6 @@ constexpr Check kChecks[] = {
     {"receive-buffers", "receive buffers", check_receive_buffers},
     {"send-buffers", "send buffers", check_send_buffers},
     {"real-time", "real-time priority", check_real_time},
-    {"memlock", "locked memory", check_memlock},
     {"clock-source", "clock source", check_clock_source},
     {"timers", "timer resolution", check_timers},
     {"governor", "CPU governor", check_governor},
@@ -646,8 +632,6 @@ DoctorView this_machine() {
     if (const group* entry = ::getgrgid(id)) view.groups.emplace_back(entry->gr_name);
   rlimit limit{};
   if (::getrlimit(RLIMIT_RTPRIO, &limit) == 0) view.realtime_max = limit.rlim_max;
-  if (::getrlimit(RLIMIT_MEMLOCK, &limit) == 0)
-    view.memlock_bytes = limit.rlim_max == RLIM_INFINITY ? UINT64_MAX : limit.rlim_max;
   timespec resolution{};
   if (::clock_getres(CLOCK_MONOTONIC, &resolution) == 0)
     view.clock_resolution_ns = static_cast<DurationNs>(resolution.tv_sec) * kNsPerS + resolution.tv_nsec;

@@ -34,7 +34,6 @@ struct DoctorView {
   std::string user_name;
   std::vector<std::string> groups;  // of this process, by name
   std::uint64_t realtime_max = 0;   // RLIMIT_RTPRIO, the hard one
-  std::uint64_t memlock_bytes = 0;  // RLIMIT_MEMLOCK, the hard one; UINT64_MAX: no limit
   DurationNs clock_resolution_ns = 1;
 };
 // The machine and the user that run this program.
