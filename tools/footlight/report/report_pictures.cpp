@@ -18,6 +18,7 @@
 #include "tools/footlight/pictures/timeline.h"
 #include "tools/footlight/preview/hand_levels.h"
 #include "tools/footlight/report/picture_report.h"
+#include "tools/footlight/report/report_fleet.h"
 #include "tools/footlight/report/report_parts.h"
 #include "tools/footlight/status/status_text.h"
 
@@ -29,6 +30,7 @@ struct PictureArguments {
   DurationNs at_ns = 30 * kNsPerS;
   int beams = 0;
   std::string photometry;
+  int fleet = 0;
   std::string size = "640x360";
   std::string judge_size = "64x36";
   std::string camera;
@@ -148,6 +150,14 @@ void print_left_out(const Scene& scene) {
   if (!any) fmt::print("  nothing\n");
 }
 
+Status report_fleet(const PictureArguments& arguments, const ReportOptions& options) {
+  FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = arguments.device}));
+  const FleetOptions fleet{.fixtures = arguments.fleet, .runs = options.quick ? 5 : 21};
+  FL_ASSIGN(const FleetReport report, make_fleet_report(*device, fleet));
+  fmt::print("{}", options.json ? json_of(report, fleet) : text_of(report, fleet));
+  return {};
+}
+
 std::string intro_of(const Scene& scene, const PictureArguments& arguments, const PictureReportOptions& options,
                      const PictureReport& report) {
   std::string text =
@@ -163,6 +173,7 @@ std::string intro_of(const Scene& scene, const PictureArguments& arguments, cons
 }
 
 Status report_pictures(const PictureArguments& arguments, const ReportOptions& options) {
+  if (arguments.fleet > 0) return report_fleet(arguments, options);
   if (arguments.beams > 0 && (arguments.files.demo || !arguments.files.rig.empty())) {
     return fail(ErrorCode::kBadInput, "--beams makes its own scene: expected it without --rig and --demo");
   }
@@ -257,6 +268,8 @@ ReportHalf add_report_pictures(Arguments& arguments) {
   arguments.option("--beams", chosen->beams, 1, 1'000'000, "a made scene of this many beams in place of a rig");
   arguments.option("--photometry", chosen->photometry, "FILE",
                    "with --beams: all of them throw the light of this IES or EULUMDAT file");
+  arguments.option("--fleet", chosen->fleet, 1, 1'000'000,
+                   "no pictures: time a step of this many moving heads on the GPU and on one CPU core");
   arguments.option("--camera", chosen->camera, "NAME", "a camera of the rig; its first one");
   arguments.option("--size", chosen->size, "WxH", "size of the pictures that are timed and judged");
   arguments.option("--judge-size", chosen->judge_size, "WxH", "how many of their pixels are judged, evenly spread");
