@@ -48,7 +48,7 @@ TEST_CASE("without a driver the message names the package that brings one") {
   CHECK(contains(device.error().message, "apt-get install mesa-vulkan-drivers"));
 }
 
-TEST_CASE("a device name that nothing has gives the names that there are") {
+TEST_CASE("an unknown device name is refused with the names of all devices") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const auto device = vk::Device::create({.name_contains = "no such GPU"});
@@ -131,7 +131,7 @@ TEST_CASE("node counts without a rule are refused, steps of a march are not") {
   CHECK(!Frame::create(vulkan.device(), scene.rig, scene.compiled, settings));
 }
 
-TEST_CASE("a gobo that cannot be read is named, and another stands in") {
+TEST_CASE("an unreadable gobo is named, and another is used") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = demo_scene(42, true);
@@ -151,7 +151,7 @@ TEST_CASE("a gobo that cannot be read is named, and another stands in") {
   CHECK(contains(frame->resources().diagnostics[0].message, "gone.svg"));
 }
 
-TEST_CASE("an empty rig gives a black picture without a pass") {
+TEST_CASE("an empty rig renders black without a pass") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene;
@@ -178,7 +178,7 @@ TEST_CASE("a frame that was never stepped is dark") {
   CHECK(must(frame->read_radiance()).rgb == std::vector<float>(20 * 10 * 3, 0.0f));
 }
 
-TEST_CASE("a picture tells the time of each of its passes, in order") {
+TEST_CASE("a picture reports the time of each pass, in order") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = demo_scene(43, true);

@@ -151,7 +151,7 @@ constexpr double kMotionSpeedMax = 5e-5;  // rad/s
 constexpr double kLampKelvinMax = 0.012;
 constexpr double kLampLightMax = 3.2e-5;
 
-TEST_CASE("random levels give the states of the walker, over the demo rig and every built-in mode") {
+TEST_CASE("random levels produce the walker's states on the GPU, for the demo rig and every built-in mode") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   for (Scene scene : {demo_scene(1, true), all_modes_scene()}) {

@@ -26,7 +26,7 @@ double open_share(double rate_hz, double duty, std::int64_t from_ns, std::int64_
   return static_cast<double>(open) / kLooks;
 }
 
-TEST_CASE("a picture over 20 ms of two looks is the mean of the pictures of both, by their time") {
+TEST_CASE("a picture over 20 ms of two snapshots is the mean of both pictures, weighted by time") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene first = lamps_scene(30, 20);

@@ -27,7 +27,7 @@ Scene lamps_over_floor(std::uint64_t seed, int count) {
   return scene;
 }
 
-TEST_CASE("a dark frame has no beam, asks for no beam work and shows the work light alone") {
+TEST_CASE("a dark frame has no beam, dispatches no beam work and shows only the work light") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = lamps_over_floor(1, 100);
@@ -55,7 +55,7 @@ TEST_CASE("a dark frame has no beam, asks for no beam work and shows the work li
   CHECK(norms.nonfinite == 0);
 }
 
-TEST_CASE("one lit fixture among many is the only beam, where the walker says it is") {
+TEST_CASE("one lit fixture among many is the only beam, at the walker's pose") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = lamps_over_floor(2, 200);
@@ -98,7 +98,7 @@ TEST_CASE("one lit fixture among many is the only beam, where the walker says it
   }
 }
 
-TEST_CASE("rows stand in patch order over many workgroups, whatever is dark") {
+TEST_CASE("rows are in patch order over many workgroups, whatever is dark") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   constexpr std::size_t kCount = 1000;  // 16 workgroups, the last one not full

@@ -57,7 +57,7 @@ constexpr double kSurfacesMax = 4e-5;
 // 6.7e-3 with gobos: 32 looks at an edge that a ray may cross anywhere.
 constexpr double kGobosMax = 2e-2;
 
-TEST_CASE("looks of the demo rig agree with the judge") {
+TEST_CASE("pictures of the demo rig agree with the judge") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = demo_scene(11, false);
@@ -66,7 +66,7 @@ TEST_CASE("looks of the demo rig agree with the judge") {
   CHECK(against_judge(vulkan.device(), scene, judged_settings(), "demo rig, close").rel_l2 < kBeamsMax);
 }
 
-TEST_CASE("looks of the demo rig with gobos agree with the judge") {
+TEST_CASE("pictures of the demo rig with gobos agree with the judge") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = demo_scene(12, true);

@@ -223,7 +223,7 @@ TEST_CASE("an empty rig needs no pass at all") {
   CHECK(names_of(plan_frame(needs, {})) == std::vector<std::string>{"surfaces", "tonemap"});
 }
 
-TEST_CASE("every combination of needs gives each pass once or says what its absence costs") {
+TEST_CASE("every combination of needs has each pass once or states what is lost without it") {
   for (unsigned bits = 0; bits < 16384; ++bits) {
     const auto bit = [&](unsigned i) { return (bits >> i & 1u) != 0; };
     const Needs needs{bit(0), bit(1), bit(2), bit(3),  bit(4),  bit(5), bit(6),

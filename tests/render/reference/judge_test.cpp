@@ -117,7 +117,7 @@ TEST_CASE("the judge agrees with a brute-force sum over intensity and distance f
   }
 }
 
-TEST_CASE("what a ray sees does not depend on where beam and ray stand together") {
+TEST_CASE("the light on a ray does not depend on the common position of beam and ray") {
   Random random(4);
   const std::vector<cases::BeamRay> rays = cases::rays_of("generic", 100, 1);
   for (const cases::BeamRay& r : rays) {
@@ -251,7 +251,7 @@ TEST_CASE("a ray hits the nearest box that it enters from outside, on the side i
   CHECK_FALSE(judge_hit(scene, {{0, 0, 5}, {1, 0, 0}}));
 }
 
-TEST_CASE("work light alone gives albedo / pi times its illuminance, less what the haze takes") {
+TEST_CASE("work light alone has the radiance albedo / pi times its illuminance, less the extinction of haze") {
   JudgeScene scene;
   scene.boxes = {{"floor", {-10, -10, -1}, {10, 10, 0}, {0.1, 0.2, 0.4}}};
   scene.ambient_lx = 50;
@@ -326,7 +326,7 @@ TEST_CASE("a picture is the same for every number of threads and states its own 
   CHECK(judge_radiance(scene, middle, 1e-9).x == doctest::Approx(one.rgb[(8 * 33 + 16) * 3]).epsilon(1e-8));
 }
 
-TEST_CASE("the scene of a rig has the pose, the shape and the lumens that the walker's states say") {
+TEST_CASE("the scene of a rig has the pose, the shape and the lumens of the walker's states") {
   fixtures::Rig rig;
   rig.haze = {0.02, 0, 0};
   rig.fixtures.emplace_back();

@@ -155,7 +155,7 @@ constexpr std::array<unsigned, 5> kNodes{2, 3, 4, 5, 8};
 
 }  // namespace
 
-TEST_CASE("Gauss nodes stay within the stated error of every extreme case and give no value that is not finite") {
+TEST_CASE("Gauss nodes stay within the stated error in every extreme case and return only finite values") {
   if (prints()) fmt::print("case | m | judge's own | f32 - f64 | n: f64 relL2, f32 relL2 (f32 max)\n");
   REQUIRE(std::size(kBounds) == cases::names().size());
   for (std::size_t i = 0; i < cases::names().size(); ++i) {

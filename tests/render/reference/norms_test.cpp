@@ -66,7 +66,7 @@ TEST_CASE("a picture that is a hundredth too bright has a relative L2 error of a
   CHECK(norms.rel_mse == doctest::Approx(1e-4).epsilon(0.02));
 }
 
-TEST_CASE("percentiles tell a rare error from a common one") {
+TEST_CASE("percentiles distinguish a rare error from a common one") {
   std::vector<double> reference(2000, 1.0);
   std::vector<float> picture(2000, 1.0f);
   picture[7] = 2.0f;  // one in 2000

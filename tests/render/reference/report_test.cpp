@@ -54,7 +54,7 @@ Curve power_law(double order) {
 
 }  // namespace
 
-TEST_CASE("rows that are printed one by one stand under the names of their columns") {
+TEST_CASE("rows printed one by one align with the names of their columns") {
   const auto rows = picture_rows();
   const std::string names = table_names_of(rows[0]);
   const auto place_of = [](const std::string& text, std::string_view word) { return text.find(word) + word.size(); };
@@ -68,7 +68,7 @@ TEST_CASE("rows that are printed one by one stand under the names of their colum
   }
 }
 
-TEST_CASE("a table's columns stand under their names") {
+TEST_CASE("a table's columns align with their names") {
   const std::vector<std::string> lines = lines_of(table_of(picture_rows()));
   REQUIRE(lines.size() == 3);
   for (const char* name : {"knob", "rel_l2", "bytes"}) {  // numbers end where their name ends, or it where they do
@@ -81,7 +81,7 @@ TEST_CASE("a table's columns stand under their names") {
   CHECK(lines[2].find("nan") != std::string::npos);
 }
 
-TEST_CASE("a row says how it ended, and whether its times can be believed") {
+TEST_CASE("a row states how it ended, and whether its times are stable") {
   TimeRow row;
   row.model = "motion";
   row.outcome = TimeOutcome::kDiverged;
@@ -192,7 +192,7 @@ TEST_CASE("points without a logarithm are left out") {
   CHECK(svg.find("bad") == std::string::npos);
 }
 
-TEST_CASE("a summary says not reached where a curve does not") {
+TEST_CASE("a summary prints not reached for curves that do not reach an error") {
   const std::vector<double> costs{1, 4, 16};
   const std::string text = summary_of(std::vector<Curve>{power_law(2)}, "ms", costs);
   const std::vector<std::string> lines = lines_of(text);

@@ -39,7 +39,7 @@ TEST_CASE("a filament settles where its voltage holds it") {
   }
 }
 
-TEST_CASE("the time of a filament's way tells a temperature that is wrong by 1e-6 from one that is right") {
+TEST_CASE("the time of a filament's heating distinguishes a temperature that is wrong by 1e-6 from a right one") {
   for (const double v : {0.0, 0.2, 1.0}) {
     for (const double y0 : {0.1, 0.5, 0.95}) {
       for (const double dt_s : {0.001, 0.02}) {
@@ -101,7 +101,7 @@ TEST_CASE("the share of a frame that flashes fill is the same by overlaps and by
   }
 }
 
-TEST_CASE("the matrix exponential gives a critical step's closed form and an undamped swing's sine") {
+TEST_CASE("the matrix exponential equals a critical step's closed form and an undamped swing's sine") {
   SpringJudge critical{.stiffness = 400, .damping = 40};
   critical.advance(1, 0.07L);
   CHECK(static_cast<double>(critical.x) == doctest::Approx(1 - (1 + 1.4) * std::exp(-1.4)).epsilon(1e-15));
@@ -111,7 +111,7 @@ TEST_CASE("the matrix exponential gives a critical step's closed form and an und
   CHECK(static_cast<double>(swing.v) == doctest::Approx(-100 * std::sin(123.0)).epsilon(1e-13));
 }
 
-TEST_CASE("the judge of a room agrees with what can be said in closed form: closed rooms, and stirred ones") {
+TEST_CASE("the judge of a room agrees with the closed forms of closed rooms and of stirred ones") {
   const std::vector<AirStretch> filling = {{2e-3, 1e9, 50'000'000'000}};  // mixed at once
   const double alone = 2e-3 * 120 * (1 - std::exp(-50.0 / 120));
   CHECK(static_cast<double>(air_judged(filling, 120).scattering_per_m) == doctest::Approx(alone).epsilon(1e-9));

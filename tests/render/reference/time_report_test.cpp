@@ -242,7 +242,7 @@ TEST_CASE("the exact models are as near to their judges as rounding lets them, a
   CHECK(worst("jerk", "exact f32") < 1e-5);
 }
 
-TEST_CASE("rivals that blow up are rows that say so") {
+TEST_CASE("rivals that diverge have rows that state it") {
   CHECK(row_at("filament", "explicit Euler", 1, 3, 15).outcome == TimeOutcome::kDiverged);
   CHECK(row_at("filament", "RK4", 1, 3, 15).outcome == TimeOutcome::kDiverged);
   CHECK(row_at("belt", "RK4", 1, 3, 15).outcome == TimeOutcome::kNonFinite);
@@ -288,7 +288,7 @@ TEST_CASE("sums in float lose a tenth of a turn in an hour, and sampled strobes 
   CHECK(worst("strobe", "point samples") > 0.3);
 }
 
-TEST_CASE("without timing the rows are the same on every run, and another seed gives another show") {
+TEST_CASE("without timing the rows are equal on every run, and another seed makes another show") {
   TimeReportOptions options = small_options();
   options.tau_ms = {34};
   options.fps = {60};
@@ -300,7 +300,7 @@ TEST_CASE("without timing the rows are the same on every run, and another seed g
   CHECK(once != json_lines_of(time_report(options).rows));
 }
 
-TEST_CASE("timing gives every method a time") {
+TEST_CASE("with timing every method has a time") {
   TimeReportOptions options;
   options.tau_ms = {34};
   options.fps = {24};
@@ -385,7 +385,7 @@ TEST_CASE("a failed scene counts as an error of 1 in the mean, and the worst sce
   CHECK(table_of(summaries, "K").find("diverged") != std::string::npos);
 }
 
-TEST_CASE("time at an error is a mean over the scenes that reach it, and says in how many that is") {
+TEST_CASE("time at an error is a mean over the scenes that reach it, with their number") {
   const std::vector<TimeRow> rows = {made_row("ours", 3, 1e-5, 10), made_row("ours", 34, 1e-5, 10),
                                      made_row("rival", 3, 1e-1, 20), made_row("rival", 34, 1e-6, 300)};
   const std::string text = time_at_error_of(rows, "ours");
