@@ -63,8 +63,84 @@ std::vector<PassShaders> pass_shaders() {
   return all;
 }
 
+namespace {
+
+// What a frame has, whatever its passes are: commands and read-backs use them.
+constexpr std::uint32_t kFrameBindings[] = {FL_BINDING_PARAMS, FL_BINDING_COUNTS, FL_BINDING_RADIANCE,
+                                            FL_BINDING_SCREEN};
+
+// The bindings that a pass reads and writes.
+std::vector<std::uint32_t> bindings_of(const PassEntry& pass) {
+  std::vector<std::uint32_t> bindings;
+  if (pass.attachments != nullptr) bindings = pass.attachments();
+  for (const auto& stages : pass.shaders()) {
+    const auto shader = vk::read_interfaces(stages);
+    FL_CHECK(shader.has_value());  // a test reads every shader
+    for (const vk::ShaderBinding& binding : shader->bindings) bindings.push_back(binding.binding);
+  }
+  return bindings;
+}
+
+}  // namespace
+
+std::vector<PassMemory> plan_memory(const MemoryShape& shape) {
+  std::vector<bool> counted(FL_BINDING_COUNT, false);
+  const auto bytes_of = [&](const std::vector<std::uint32_t>& bindings) {
+    std::uint64_t bytes = 0;
+    for (const std::uint32_t binding : bindings) {
+      if (!counted[binding]) bytes += binding_bytes(binding, shape);
+      counted[binding] = true;
+    }
+    return bytes;
+  };
+  std::vector<PassMemory> plan;
+  plan.push_back({"frame", bytes_of({std::begin(kFrameBindings), std::end(kFrameBindings)})});
+  for (const PassEntry* pass : kPasses) {
+    if (pass->needed(shape.needs, shape.settings)) plan.push_back({pass->name, bytes_of(bindings_of(*pass))});
+  }
+  return plan;
+}
+
+fixtures::Needs drawn_needs(const fixtures::Needs& needs, const fixtures::Haze& haze, const FrameSettings& settings) {
+  fixtures::Needs drawn = needs;
+  if (settings.haze) return drawn;
+  drawn.haze = false;
+  drawn.extinction = needs.extinction && haze.absorption_per_m > 0;
+  return drawn;
+}
+
 Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures::Rig& rig,
                                              const fixtures::CompiledRig& compiled, const FrameSettings& settings) {
+  std::unique_ptr<Frame> frame(new Frame(device));
+  FL_TRY(frame->check_settings(settings));
+  // The tables are those of every setting that change() may bring.
+  FrameSettings widest = settings;
+  widest.haze = true;
+  std::vector<bool> used(FL_BINDING_COUNT, false);
+  for (const std::uint32_t binding : kFrameBindings) used[binding] = true;
+  for (const PassEntry* pass : kPasses) {
+    if (!pass->needed(compiled.needs, widest)) continue;
+    for (const std::uint32_t binding : bindings_of(*pass)) used[binding] = true;
+  }
+  FL_ASSIGN(frame->resources_.rig, RigTables::create(device, {rig, compiled, compiled.needs, widest}, used));
+  frame->needs_ = compiled.needs;
+  frame->haze_ = rig.haze;
+  frame->ambient_lx_ = rig.ambient_lx;
+  frame->machines_ = fixtures::MachineAir::make(rig, compiled);
+  frame->range_m_ = light_range_m(rig, frame->resources_.rig.objects);
+  VkQueryPoolCreateInfo query{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+  query.queryType = VK_QUERY_TYPE_TIMESTAMP;
+  query.queryCount = kMarksMax;
+  if (device.facts().timestamp_bits > 0) {
+    FL_TRY(vk::check(vkCreateQueryPool(device.handle, &query, nullptr, &frame->times_), "vkCreateQueryPool"));
+  }
+  FL_TRY(frame->change(settings));
+  return frame;
+}
+
+Frame::Frame(vk::Device& device) : device_(device) {}
+
+Status Frame::check_settings(const FrameSettings& settings) const {
   if (settings.nodes < 1 || (settings.method == BeamMethod::kGauss && settings.nodes > 8)) {
     return fail(ErrorCode::kBadInput, "{} quadrature nodes: expected 1 to 8", settings.nodes);
   }
@@ -73,31 +149,43 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
     return fail(ErrorCode::kBadInput, "{}x{} pixels, {} a side of one of the screen: expected whole ones",
                 settings.width, settings.height, settings.supersample);
   }
-  std::unique_ptr<Frame> frame(new Frame(device, settings));
-  FL_ASSIGN(frame->resources_, Resources::create(device, rig, compiled, settings));
-  frame->plan_ = plan_frame(compiled.needs, settings);
-  for (const PassEntry* entry : kPasses) {
-    if (!entry->needed(compiled.needs, settings)) continue;
-    FL_ASSIGN(auto pass,
-              entry->create({device, frame->resources_, frame->settings_, entry->constants(compiled.needs, settings)}));
-    frame->passes_.push_back(std::move(pass));
+  const auto size_max = static_cast<int>(std::min(device_.limits().maxImageDimension2D, 1u << 30));
+  if (settings.width < 1 || settings.height < 1 || settings.width > size_max || settings.height > size_max) {
+    return fail(ErrorCode::kBadInput, "picture size {}x{}: expected 1x1 to {}x{} on {}", settings.width,
+                settings.height, size_max, size_max, device_.name());
   }
-  frame->haze_ = rig.haze;
-  frame->machines_ = fixtures::MachineAir::make(rig, compiled);
-  frame->shows_haze_ = compiled.needs.haze;
-  frame->ambient_lx_ = rig.ambient_lx;
-  frame->range_m_ = light_range_m(rig, frame->resources_.objects);
-  frame->has_solids_ = has_solids(compiled.needs, settings);
-  VkQueryPoolCreateInfo query{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
-  query.queryType = VK_QUERY_TYPE_TIMESTAMP;
-  query.queryCount = kMarksMax;
-  if (device.facts().timestamp_bits > 0) {
-    FL_TRY(vk::check(vkCreateQueryPool(device.handle, &query, nullptr, &frame->times_), "vkCreateQueryPool"));
-  }
-  return frame;
+  return {};
 }
 
-Frame::Frame(vk::Device& device, const FrameSettings& settings) : device_(device), settings_(settings) {}
+Status Frame::change(const FrameSettings& settings) {
+  FL_TRY(check_settings(settings));
+  const fixtures::Needs needs = drawn_needs(needs_, haze_, settings);
+  if (has_bodies(needs, settings) && !resources_.rig.has_bodies) {
+    return fail(ErrorCode::kBadInput, "bodies were left out when the frame was made: expected a new frame");
+  }
+  const bool has_images = resources_.picture.screen.handle != VK_NULL_HANDLE;
+  const bool same_images = has_images && settings.width == settings_.width && settings.height == settings_.height &&
+                           settings.supersample == settings_.supersample &&
+                           has_bodies(needs, settings) == has_bodies(needs, settings_);
+  passes_.clear();
+  plan_.clear();
+  timed_.clear();
+  settings_ = settings;
+  has_solids_ = has_solids(needs, settings);
+  if (!same_images) {
+    resources_.picture = {};  // first, so that two sizes never stand in memory
+    FL_ASSIGN(resources_.picture,
+              PictureImages::create(device_, settings, has_bodies(needs, settings), resources_.rig.mask_words));
+    resources_.bind_all();
+  }
+  for (const PassEntry* entry : kPasses) {
+    if (!entry->needed(needs, settings)) continue;
+    FL_ASSIGN(auto pass, entry->create({device_, resources_, settings_, entry->constants(needs, settings)}));
+    passes_.push_back(std::move(pass));
+  }
+  plan_ = plan_frame(needs, settings);
+  return {};
+}
 
 Frame::~Frame() {
   (void)device_.wait_idle();
@@ -105,13 +193,9 @@ Frame::~Frame() {
 }
 
 void Frame::step(std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
-  FL_CHECK_EQ(levels.size(), resources_.levels_bytes);
+  FL_CHECK_EQ(levels.size(), resources_.rig.levels_bytes);
   pending_.push_back({{levels.begin(), levels.end()}, std::max<std::int64_t>(dt_ns, 0), new_exposure});
   if (machines_) machines_->step(levels, dt_ns);
-}
-
-void Frame::take_machine_air(const Frame& from) {
-  if (machines_ && from.machines_) *machines_ = *from.machines_;
 }
 
 void Frame::forget_machine_air() {
@@ -144,7 +228,7 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
 void Frame::clear_radiance(VkCommandBuffer commands) {
   const VkClearColorValue black{{0, 0, 0, 1}};
   const VkImageSubresourceRange range{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-  vkCmdClearColorImage(commands, resources_.radiance.handle, VK_IMAGE_LAYOUT_GENERAL, &black, 1, &range);
+  vkCmdClearColorImage(commands, resources_.picture.radiance.handle, VK_IMAGE_LAYOUT_GENERAL, &black, 1, &range);
   vk::full_barrier(commands);
 }
 
@@ -153,13 +237,13 @@ void Frame::clear_radiance(VkCommandBuffer commands) {
 void Frame::upload_levels(VkCommandBuffer commands, const PendingStep& pending) {
   const VkDeviceSize size = pending.levels.size();
   if (size > kUpdateBytesMax && &pending == &pending_.back()) {
-    std::memcpy(resources_.staged_levels.mapped, pending.levels.data(), size);
+    std::memcpy(resources_.rig.staged_levels.mapped, pending.levels.data(), size);
     const VkBufferCopy region{0, 0, size};
-    vkCmdCopyBuffer(commands, resources_.staged_levels.handle, resources_.levels.handle, 1, &region);
+    vkCmdCopyBuffer(commands, resources_.rig.staged_levels.handle, resources_.rig.levels.handle, 1, &region);
     return;
   }
   for (VkDeviceSize at = 0; at < size; at += kUpdateBytesMax) {
-    vkCmdUpdateBuffer(commands, resources_.levels.handle, at, std::min(kUpdateBytesMax, size - at),
+    vkCmdUpdateBuffer(commands, resources_.rig.levels.handle, at, std::min(kUpdateBytesMax, size - at),
                       pending.levels.data() + at);
   }
 }
@@ -187,15 +271,15 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   params.right = vec4(view.right * (view.tan_half_fov * aspect), kNearM);
   params.up = vec4(view.up * view.tan_half_fov, range_m_);
   const double scattering_per_m =
-      haze_.scattering_per_m + (machines_ && shows_haze_ ? machines_->scattering_per_m() : 0);
+      settings_.haze ? haze_.scattering_per_m + (machines_ ? machines_->scattering_per_m() : 0) : 0;
   params.forward = vec4(view.forward, scattering_per_m);
   params.position = vec4(view.position_m, scattering_per_m + haze_.absorption_per_m);
   params.width = static_cast<std::uint32_t>(settings_.width);
   params.height = static_cast<std::uint32_t>(settings_.height);
-  params.head_count = resources_.head_count;
-  params.box_count = resources_.box_count;
-  params.supertiles_x = resources_.supertiles_x;
-  params.mask_words = resources_.mask_words;
+  params.head_count = resources_.rig.head_count;
+  params.box_count = resources_.rig.box_count;
+  params.supertiles_x = resources_.picture.supertiles_x;
+  params.mask_words = resources_.rig.mask_words;
   params.anisotropy = static_cast<float>(haze_.anisotropy);
   params.ambient_lx = static_cast<float>(ambient_lx_);
   params.exposure = static_cast<float>(exposure_factor(exposure_ev));
@@ -205,7 +289,7 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   params.supersample = static_cast<std::uint32_t>(settings_.supersample);
   params.work_lx = static_cast<float>(work_light_lx_);
   vk::full_barrier(commands);  // the frame before may still be reading
-  vkCmdUpdateBuffer(commands, resources_.params.handle, 0, sizeof(params), &params);
+  vkCmdUpdateBuffer(commands, resources_.rig.params.handle, 0, sizeof(params), &params);
   vk::full_barrier(commands);
 }
 
@@ -239,7 +323,7 @@ Status Frame::read_buffer(const vk::Buffer& buffer, void* out, std::size_t bytes
     vk::full_barrier(commands);
     const VkBufferCopy region{0, 0, bytes};
     vkCmdCopyBuffer(commands, buffer.handle, staging.handle, 1, &region);
-    vk::full_barrier(commands);
+    vk::host_barrier(commands);
   }));
   std::memcpy(out, staging.mapped, bytes);
   return {};
@@ -253,7 +337,7 @@ Status Frame::read_image(const vk::Image& image, int width, int height, void* ou
     region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
     region.imageExtent = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), 1};
     vkCmdCopyImageToBuffer(commands, image.handle, VK_IMAGE_LAYOUT_GENERAL, staging.handle, 1, &region);
-    vk::full_barrier(commands);
+    vk::host_barrier(commands);
   }));
   std::memcpy(out, staging.mapped, bytes);
   return {};
@@ -262,7 +346,8 @@ Status Frame::read_image(const vk::Image& image, int width, int height, void* ou
 Result<RadianceImage> Frame::read_radiance() {
   const std::size_t pixels = static_cast<std::size_t>(settings_.width) * static_cast<std::size_t>(settings_.height);
   std::vector<float> rgba(pixels * 4);
-  FL_TRY(read_image(resources_.radiance, settings_.width, settings_.height, rgba.data(), rgba.size() * sizeof(float)));
+  FL_TRY(read_image(resources_.picture.radiance, settings_.width, settings_.height, rgba.data(),
+                    rgba.size() * sizeof(float)));
   RadianceImage image{settings_.width, settings_.height, std::vector<float>(pixels * 3)};
   for (std::size_t i = 0; i < pixels; ++i) std::copy_n(&rgba[i * 4], 3, &image.rgb[i * 3]);
   return image;
@@ -271,13 +356,13 @@ Result<RadianceImage> Frame::read_radiance() {
 Result<ScreenImage> Frame::read_screen() {
   ScreenImage image{settings_.width / settings_.supersample, settings_.height / settings_.supersample, {}};
   image.rgba.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 4);
-  FL_TRY(read_image(resources_.screen, image.width, image.height, image.rgba.data(), image.rgba.size()));
+  FL_TRY(read_image(resources_.picture.screen, image.width, image.height, image.rgba.data(), image.rgba.size()));
   return image;
 }
 
 Result<CountsRow> Frame::read_counts() {
   CountsRow counts{};
-  FL_TRY(read_buffer(resources_.counts, &counts, sizeof(counts)));
+  FL_TRY(read_buffer(resources_.rig.counts, &counts, sizeof(counts)));
   return counts;
 }
 
@@ -290,51 +375,51 @@ Result<std::vector<Row>> Frame::read_rows(const vk::Buffer& buffer, std::uint32_
 
 Result<std::vector<fixtures::f32::Walker::HeadState>> Frame::read_states() {
   static_assert(sizeof(fixtures::f32::Walker::HeadState) == kStateBytes);
-  return read_rows<fixtures::f32::Walker::HeadState>(resources_.states, resources_.head_count);
+  return read_rows<fixtures::f32::Walker::HeadState>(resources_.rig.states, resources_.rig.head_count);
 }
 
 Result<std::vector<fixtures::f32::Motor>> Frame::read_motors() {
   static_assert(sizeof(fixtures::f32::Motor) == kMotorStateBytes);
-  return read_rows<fixtures::f32::Motor>(resources_.motor_states, resources_.motor_count);
+  return read_rows<fixtures::f32::Motor>(resources_.rig.motor_states, resources_.rig.motor_count);
 }
 
 Result<std::vector<fixtures::f32::Spin>> Frame::read_spins() {
   static_assert(sizeof(fixtures::f32::Spin) == kSpinStateBytes);
-  return read_rows<fixtures::f32::Spin>(resources_.spin_states, resources_.spin_count);
+  return read_rows<fixtures::f32::Spin>(resources_.rig.spin_states, resources_.rig.spin_count);
 }
 
 Result<std::vector<fixtures::f32::Shutter>> Frame::read_shutters() {
   static_assert(sizeof(fixtures::f32::Shutter) == kShutterStateBytes);
-  return read_rows<fixtures::f32::Shutter>(resources_.shutter_states, resources_.shutter_count);
+  return read_rows<fixtures::f32::Shutter>(resources_.rig.shutter_states, resources_.rig.shutter_count);
 }
 
 Result<std::vector<fixtures::f32::Walker::OpticsState>> Frame::read_optics() {
   static_assert(sizeof(fixtures::f32::Walker::OpticsState) == kOpticsStateBytes);
-  return read_rows<fixtures::f32::Walker::OpticsState>(resources_.optics_states, resources_.optics_count);
+  return read_rows<fixtures::f32::Walker::OpticsState>(resources_.rig.optics_states, resources_.rig.optics_count);
 }
 
-#define FL_LAMP_READ(number, Kind, need, State, per_head)                                                   \
-  Result<std::vector<fixtures::f32::State>> Frame::read_##need##_states() {                                 \
-    static_assert(sizeof(fixtures::f32::State) == kLampStateBytes);                                         \
-    return read_rows<fixtures::f32::State>(resources_.lamp_states[number], resources_.lamp_counts[number]); \
+#define FL_LAMP_READ(number, Kind, need, State, per_head)                                                           \
+  Result<std::vector<fixtures::f32::State>> Frame::read_##need##_states() {                                         \
+    static_assert(sizeof(fixtures::f32::State) == kLampStateBytes);                                                 \
+    return read_rows<fixtures::f32::State>(resources_.rig.lamp_states[number], resources_.rig.lamp_counts[number]); \
   }
 FL_LAMPS(FL_LAMP_READ)
 #undef FL_LAMP_READ
 
 Result<std::vector<fixtures::f32::Slew>> Frame::read_dowsers() {
   static_assert(sizeof(fixtures::f32::Slew) == kDowserStateBytes);
-  return read_rows<fixtures::f32::Slew>(resources_.dowser_states, resources_.dowser_count);
+  return read_rows<fixtures::f32::Slew>(resources_.rig.dowser_states, resources_.rig.dowser_count);
 }
 
 Result<std::vector<fixtures::f32::Smooth>> Frame::read_smooths() {
   static_assert(sizeof(fixtures::f32::Smooth) == kSmoothStateBytes);
-  return read_rows<fixtures::f32::Smooth>(resources_.smooth_states, resources_.smooth_count);
+  return read_rows<fixtures::f32::Smooth>(resources_.rig.smooth_states, resources_.rig.smooth_count);
 }
 
 Result<std::vector<BeamRow>> Frame::read_beams() {
   FL_ASSIGN(const CountsRow counts, read_counts());
   std::vector<BeamRow> beams(counts.live_count);
-  FL_TRY(read_buffer(resources_.beams, beams.data(), beams.size() * sizeof(BeamRow)));
+  FL_TRY(read_buffer(resources_.rig.beams, beams.data(), beams.size() * sizeof(BeamRow)));
   return beams;
 }
 

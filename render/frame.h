@@ -3,6 +3,8 @@
 //   levels, dt -> step -> gather -> bodies -> tiles -> surfaces -> beams -> tonemap -> screen image
 //
 // Per frame only the levels, the camera and the time step are uploaded. Passes that the rig does not need do not exist.
+// Three owners hold what a frame is made of: RigTables (once a rig), PictureImages (once a size), and the pipelines of
+// the device (once a combination of constants). change() replaces only what follows from the other settings.
 // One thread. The device must outlive the frame.
 #pragma once
 
@@ -27,7 +29,7 @@ class MachineAir;  // fixtures/simulate/machines.h
 
 namespace footlight::render {
 
-// A pass as the rig and the settings make it; the answer to "what does this scene need?".
+// A pass as the rig and the settings make it.
 struct PassPlan {
   std::string name;
   std::vector<vk::SpecConstant> constants;
@@ -49,6 +51,18 @@ struct PassShaders {
 };
 [[nodiscard]] std::vector<PassShaders> pass_shaders();
 
+// GPU memory of each pass that the plan has: the buffers and images of its shaders that no pass before it has. "frame"
+// comes first with what every frame has. Without the meshes of bodies, whose length is known when they are read.
+struct PassMemory {
+  std::string name;
+  std::uint64_t bytes = 0;
+};
+[[nodiscard]] std::vector<PassMemory> plan_memory(const MemoryShape& shape);
+
+// The needs of a rig with these settings: without light in the air where settings.haze is false.
+[[nodiscard]] fixtures::Needs drawn_needs(const fixtures::Needs& needs, const fixtures::Haze& haze,
+                                          const FrameSettings& settings);
+
 struct PassTime {
   std::string name;
   double gpu_ms = 0;
@@ -60,6 +74,12 @@ class Frame {
                                                              const fixtures::CompiledRig& compiled,
                                                              const FrameSettings& settings);
   ~Frame();
+  // Takes other settings from the next record() on. Heads keep their states; models and images are not read again. The
+  // images of another size replace the old ones, which are freed first. A pipeline is compiled the first time that its
+  // constants are needed on this device. The commands of the record() before must be finished.
+  // kBadInput, with nothing changed, where the settings are wrong, or where they have bodies that create() was to leave
+  // out. After any other error only change() may follow.
+  Status change(const FrameSettings& settings);
   Frame(const Frame&) = delete;
   Frame& operator=(const Frame&) = delete;
 
@@ -76,8 +96,7 @@ class Frame {
   // What haze and fog machines have brought into the air by the last step(); null in a rig without any. A picture has
   // the air of its end: its haze differs from the mean over an exposure by what comes in half of that.
   [[nodiscard]] const fixtures::MachineAir* machine_air() const { return machines_.get(); }
-  // Goes on with the air of another frame of the same rig, or with clear air.
-  void take_machine_air(const Frame& from);
+  // Goes on with clear air.
   void forget_machine_air();
   // The air after an hour of these levels.
   void settle_machine_air(std::span<const std::uint8_t> levels);
@@ -123,7 +142,8 @@ class Frame {
     std::int64_t dt_ns;
     bool new_exposure;
   };
-  Frame(vk::Device& device, const FrameSettings& settings);
+  explicit Frame(vk::Device& device);
+  Status check_settings(const FrameSettings& settings) const;
   void upload_levels(VkCommandBuffer commands, const PendingStep& pending);
   void record_steps(VkCommandBuffer commands, bool timed);
   void upload_params(VkCommandBuffer commands, const View& view, double exposure_ev);
@@ -136,14 +156,14 @@ class Frame {
 
   vk::Device& device_;
   FrameSettings settings_;
+  fixtures::Needs needs_;  // of the rig, whatever the settings
+  fixtures::Haze haze_;    // the room's own
+  double ambient_lx_ = 0;
   Resources resources_;
   std::vector<PassPlan> plan_;
   std::vector<std::unique_ptr<Pass>> passes_;  // one a plan entry
   std::vector<PendingStep> pending_;
-  fixtures::Haze haze_;                             // the room's own
   std::unique_ptr<fixtures::MachineAir> machines_;  // may be null
-  bool shows_haze_ = false;
-  double ambient_lx_ = 0;
   double work_light_lx_ = 0;
   bool has_solids_ = false;
   double range_m_ = 0;

@@ -40,6 +40,8 @@ struct PassEntry {
   Result<std::unique_ptr<Pass>> (*create)(const PassContext& context);
   std::vector<std::vector<vk::Spirv>> (*shaders)();  // the stages of each of its pipelines
   const char* loss;                                  // what the picture loses without it, for the report
+  // Bindings that it writes as attachments, so that its shaders do not declare them; null: none.
+  std::vector<std::uint32_t> (*attachments)() = nullptr;
 };
 
 // Whether triangles are drawn: bodies of fixtures, objects of the scene.

@@ -181,7 +181,7 @@ fixtures::BodyMesh objects_of(const fixtures::Rig& rig, fixtures::Diagnostics& d
 
 // One mesh buffer for the bodies of all types and the objects, heads sorted by type, one indirect command a type.
 Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
-                   fixtures::Diagnostics& diagnostics, Resources& r) {
+                   fixtures::Diagnostics& diagnostics, RigTables& r) {
   std::vector<fixtures::BodyVertex> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<std::uint32_t> instances;
@@ -228,20 +228,124 @@ Result<vk::Buffer> zeroed(vk::Device& device, VkDeviceSize bytes, VkBufferUsageF
   return buffer;
 }
 
+using fixtures::CompiledRig;
+
+template <auto Member>
+std::span<const std::byte> rows_of(const CompiledRig& compiled) {
+  return std::as_bytes(std::span(compiled.*Member));
+}
+
+std::uint64_t groups_of(const CompiledRig& compiled) {
+  return (compiled.heads.size() + FL_GROUP_HEADS - 1) / FL_GROUP_HEADS;
+}
+
+// A buffer that follows from the compiled rig: filled with rows, or zero at first.
+struct TableEntry {
+  std::uint32_t binding;
+  vk::Buffer RigTables::*buffer;
+  std::span<const std::byte> (*rows)(const CompiledRig& compiled) = nullptr;
+  std::uint64_t (*zeros)(const CompiledRig& compiled) = nullptr;
+  VkBufferUsageFlags usage = 0;
+};
+
+using R = RigTables;
+using C = CompiledRig;
+
+constexpr TableEntry kTables[] = {
+    {FL_BINDING_TYPES, &R::types, rows_of<&C::types>},
+    {FL_BINDING_CHANNELS, &R::channels, rows_of<&C::channels>},
+    {FL_BINDING_FUNCTIONS, &R::functions, rows_of<&C::functions>},
+    {FL_BINDING_MASTERS, &R::masters, rows_of<&C::masters>},
+    {FL_BINDING_MOTORS, &R::motors, rows_of<&C::motors>},
+    {FL_BINDING_SPINS, &R::spins, rows_of<&C::spins>},
+    {FL_BINDING_JOINTS, &R::joints, rows_of<&C::joints>},
+    {FL_BINDING_WHEELS, &R::wheels, rows_of<&C::wheels>},
+    {FL_BINDING_FACETS, &R::facets, rows_of<&C::facets>},
+    {FL_BINDING_LIGHTS, &R::lights, rows_of<&C::lights>},
+    {FL_BINDING_WHEEL_SLOTS, &R::wheel_slots, rows_of<&C::wheel_slots>},
+    {FL_BINDING_DEFAULTS, &R::defaults, rows_of<&C::defaults>},
+    {FL_BINDING_COLORS, &R::colors, rows_of<&C::colors>},
+    {FL_BINDING_HEADS, &R::heads, rows_of<&C::heads>},
+    {FL_BINDING_PARAMS, &R::params, nullptr, [](const C&) -> std::uint64_t { return sizeof(FrameParams); }},
+    {FL_BINDING_LEVELS, &R::levels, nullptr,
+     [](const C& c) { return std::uint64_t{c.universes.size() * kSlotCountMax}; }},
+    {FL_BINDING_STATES, &R::states, nullptr, [](const C& c) { return c.heads.size() * kStateBytes; }},
+    {FL_BINDING_MOTOR_STATES, &R::motor_states, nullptr, [](const C& c) { return c.motor_count * kMotorStateBytes; }},
+    {FL_BINDING_SPIN_STATES, &R::spin_states, nullptr, [](const C& c) { return c.spin_count * kSpinStateBytes; }},
+    {FL_BINDING_SHUTTER_STATES, &R::shutter_states, nullptr,
+     [](const C& c) { return c.strobe_count * kShutterStateBytes; }},
+    {FL_BINDING_OPTICS_STATES, &R::optics_states, nullptr,
+     [](const C& c) { return c.optics_count * kOpticsStateBytes; }},
+    {FL_BINDING_DOWSER_STATES, &R::dowser_states, nullptr,
+     [](const C& c) { return c.dowser_count * kDowserStateBytes; }},
+    {FL_BINDING_SMOOTH_STATES, &R::smooth_states, nullptr,
+     [](const C& c) { return (c.flex_count + c.smooth_count) * kSmoothStateBytes; }},
+    {FL_BINDING_BEAMS, &R::beams, nullptr, [](const C& c) { return c.beams_max * std::uint64_t{sizeof(BeamRow)}; }},
+    {FL_BINDING_COUNTS, &R::counts, nullptr, [](const C& c) { return sizeof(CountsRow) + groups_of(c) * 8; },
+     VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT},
+};
+
+// Those of the other buffers that stand in RigTables: their rows do not lie in the compiled rig.
+constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
+    {FL_BINDING_BLADES, &R::blades}, {FL_BINDING_BOXES, &R::boxes}, {FL_BINDING_INSTANCES, &R::instances}};
+
+// Words of a supertile's mask. They come in pairs, as one group of the tile pass writes them.
+std::uint32_t mask_words_of(const CompiledRig& compiled) {
+  return (compiled.beams_max + FL_GROUP_MASK - 1) / FL_GROUP_MASK * (FL_GROUP_MASK / 32);
+}
+
+std::uint32_t supertiles(int pixels) {
+  return (static_cast<std::uint32_t>(pixels) + FL_SUPERTILE_PX - 1) / FL_SUPERTILE_PX;
+}
+
+std::uint64_t mask_bytes(const FrameSettings& settings, std::uint32_t mask_words) {
+  return std::uint64_t{4} * supertiles(settings.width) * supertiles(settings.height) * mask_words;
+}
+
+std::uint64_t gobo_bytes(const MemoryShape& shape) {
+  if (shape.compiled.images.empty()) return 4;
+  std::uint64_t texels = 0;
+  for (std::uint64_t size = kGoboSizePx; size > 0; size /= 2) texels += size * size;
+  return shape.compiled.images.size() * texels * 4;
+}
+
+// States of all lamps of a kind, by its number in FL_LAMPS.
+std::uint64_t lamp_bytes(const CompiledRig& compiled, std::uint32_t lamp) {
+  return compiled.lamp_counts[lamp] * kLampStateBytes;
+}
+
 }  // namespace
 
-Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
-                                    const FrameSettings& settings) {
-  const auto width = static_cast<std::uint32_t>(settings.width);
-  const auto height = static_cast<std::uint32_t>(settings.height);
-  const std::uint32_t size_max = device.limits().maxImageDimension2D;
-  if (settings.width < 1 || settings.height < 1 || width > size_max || height > size_max) {
-    return fail(ErrorCode::kBadInput, "picture size {}x{}: expected 1x1 to {}x{} on {}", settings.width,
-                settings.height, size_max, size_max, device.name());
+std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
+  for (const TableEntry& table : kTables) {
+    if (table.binding != binding) continue;
+    return table.rows != nullptr ? table.rows(shape.compiled).size() : table.zeros(shape.compiled);
   }
-  Resources r;
+  for (std::uint32_t lamp = 1; lamp <= FL_LAMP_COUNT; ++lamp) {
+    if (binding == FL_BINDING_LAMP(lamp)) return lamp_bytes(shape.compiled, lamp);
+  }
+  const FrameSettings& settings = shape.settings;
+  const std::uint64_t pixels = static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
+  const std::uint64_t solid_pixels = has_bodies(shape.needs, settings) ? pixels : 1;
+  const auto side = static_cast<std::uint64_t>(settings.supersample);
+  switch (binding) {
+    case FL_BINDING_BLADES: return shape.needs.blades ? shape.compiled.beams_max * std::uint64_t{sizeof(BladesRow)} : 0;
+    case FL_BINDING_BOXES: return shape.rig.boxes.size() * sizeof(BoxRow);
+    case FL_BINDING_GOBOS: return gobo_bytes(shape);
+    case FL_BINDING_MASKS: return mask_bytes(settings, mask_words_of(shape.compiled));
+    case FL_BINDING_SURFACE_ID: return solid_pixels * 8;
+    case FL_BINDING_DEPTH: return solid_pixels * 4;
+    case FL_BINDING_RADIANCE: return pixels * 16;
+    case FL_BINDING_SCREEN: return pixels / (side * side) * 4;
+    default: return 0;
+  }
+}
+
+Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape, const std::vector<bool>& used) {
+  const CompiledRig& compiled = shape.compiled;
+  RigTables r;
   r.head_count = static_cast<std::uint32_t>(compiled.heads.size());
-  r.head_groups = (r.head_count + FL_GROUP_HEADS - 1) / FL_GROUP_HEADS;
+  r.head_groups = static_cast<std::uint32_t>(groups_of(compiled));
   r.motor_count = compiled.motor_count;
   r.spin_count = compiled.spin_count;
   r.shutter_count = compiled.strobe_count;
@@ -249,147 +353,107 @@ Result<Resources> Resources::create(vk::Device& device, const fixtures::Rig& rig
   r.lamp_counts = compiled.lamp_counts;
   r.dowser_count = compiled.dowser_count;
   r.smooth_count = compiled.flex_count + compiled.smooth_count;
-  r.box_count = static_cast<std::uint32_t>(rig.boxes.size());
-  r.supertiles_x = (width + FL_SUPERTILE_PX - 1) / FL_SUPERTILE_PX;
-  r.supertiles_y = (height + FL_SUPERTILE_PX - 1) / FL_SUPERTILE_PX;
-  // Words come in pairs, as one group of the tile pass writes them.
-  r.mask_words = (compiled.beams_max + FL_GROUP_MASK - 1) / FL_GROUP_MASK * (FL_GROUP_MASK / 32);
+  r.box_count = static_cast<std::uint32_t>(shape.rig.boxes.size());
+  r.mask_words = mask_words_of(compiled);
   r.levels_bytes = compiled.universes.size() * kSlotCountMax;
 
-  FL_ASSIGN(r.types, table(device, compiled.types));
-  FL_ASSIGN(r.channels, table(device, compiled.channels));
-  FL_ASSIGN(r.functions, table(device, compiled.functions));
-  FL_ASSIGN(r.masters, table(device, compiled.masters));
-  FL_ASSIGN(r.motors, table(device, compiled.motors));
-  FL_ASSIGN(r.spins, table(device, compiled.spins));
-  FL_ASSIGN(r.joints, table(device, compiled.joints));
-  FL_ASSIGN(r.wheels, table(device, compiled.wheels));
-  FL_ASSIGN(r.facets, table(device, compiled.facets));
-  FL_ASSIGN(r.lights, table(device, compiled.lights));
-  FL_ASSIGN(r.wheel_slots, table(device, compiled.wheel_slots));
-  FL_ASSIGN(r.defaults, table(device, compiled.defaults));
-  FL_ASSIGN(r.colors, table(device, compiled.colors));
-  FL_ASSIGN(r.heads, table(device, compiled.heads));
-  std::vector<BoxRow> boxes;
-  for (const auto& box : rig.boxes) {
-    boxes.push_back({vec4(box.min_m, 0), vec4(box.max_m, 0), vec4(box.albedo, 0)});
+  for (const TableEntry& entry : kTables) {
+    if (!used[entry.binding]) continue;
+    if (entry.rows != nullptr) {
+      FL_ASSIGN(r.*entry.buffer,
+                vk::Buffer::filled(device, entry.rows(compiled), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | entry.usage));
+    } else {
+      FL_ASSIGN(r.*entry.buffer, zeroed(device, entry.zeros(compiled), entry.usage));
+    }
   }
-  FL_ASSIGN(r.boxes, table(device, boxes));
-  fixtures::Diagnostics diagnostics;
-  if (has_bodies(compiled.needs, settings)) {
-    FL_TRY(make_bodies(device, rig, compiled, diagnostics, r));
-    r.bindings.set_buffer(FL_BINDING_INSTANCES, r.instances);
+  for (std::uint32_t lamp = 1; lamp <= FL_LAMP_COUNT; ++lamp) {
+    if (!used[FL_BINDING_LAMP(lamp)]) continue;
+    FL_ASSIGN(r.lamp_states[lamp], zeroed(device, lamp_bytes(compiled, lamp)));
   }
-  FL_ASSIGN(r.gobos, make_gobos(device, compiled.images, diagnostics));
-  diagnostics.finish();
-  r.diagnostics = diagnostics.take();
-
-  FL_ASSIGN(r.params, zeroed(device, sizeof(FrameParams)));
-  FL_ASSIGN(r.levels, zeroed(device, r.levels_bytes));
   if (r.levels_bytes > kUpdateBytesMax) {
     FL_ASSIGN(r.staged_levels, vk::Buffer::host_visible(device, r.levels_bytes, 0));
   }
-  FL_ASSIGN(r.states, zeroed(device, r.head_count * kStateBytes));
-  FL_ASSIGN(r.motor_states, zeroed(device, compiled.motor_count * kMotorStateBytes));
-  FL_ASSIGN(r.spin_states, zeroed(device, compiled.spin_count * kSpinStateBytes));
-  FL_ASSIGN(r.shutter_states, zeroed(device, compiled.strobe_count * kShutterStateBytes));
-  FL_ASSIGN(r.beams, zeroed(device, compiled.beams_max * sizeof(BeamRow)));
-  FL_ASSIGN(r.blades, zeroed(device, compiled.needs.blades ? compiled.beams_max * sizeof(BladesRow) : 0));
-  FL_ASSIGN(r.optics_states, zeroed(device, compiled.optics_count * kOpticsStateBytes));
-  for (std::size_t lamp = 1; lamp < r.lamp_states.size(); ++lamp) {
-    FL_ASSIGN(r.lamp_states[lamp], zeroed(device, compiled.lamp_counts[lamp] * kLampStateBytes));
+  if (used[FL_BINDING_BLADES]) {
+    FL_ASSIGN(r.blades, zeroed(device, binding_bytes(FL_BINDING_BLADES, shape)));
   }
-  FL_ASSIGN(r.dowser_states, zeroed(device, compiled.dowser_count * kDowserStateBytes));
-  FL_ASSIGN(r.smooth_states, zeroed(device, r.smooth_count * kSmoothStateBytes));
-  FL_ASSIGN(r.counts, zeroed(device, sizeof(CountsRow) + r.head_groups * 8, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
-  FL_ASSIGN(r.masks, zeroed(device, VkDeviceSize{r.supertiles_x} * r.supertiles_y * r.mask_words * 4));
+  if (used[FL_BINDING_BOXES]) {
+    std::vector<BoxRow> boxes;
+    for (const auto& box : shape.rig.boxes) {
+      boxes.push_back({vec4(box.min_m, 0), vec4(box.max_m, 0), vec4(box.albedo, 0)});
+    }
+    FL_ASSIGN(r.boxes, table(device, boxes));
+  }
+  fixtures::Diagnostics diagnostics;
+  r.has_bodies = render::has_bodies(shape.needs, shape.settings);
+  if (r.has_bodies) FL_TRY(make_bodies(device, shape.rig, compiled, diagnostics, r));
+  if (used[FL_BINDING_GOBOS]) {
+    FL_ASSIGN(r.gobos, make_gobos(device, compiled.images, diagnostics));
+  }
+  diagnostics.finish();
+  r.diagnostics = diagnostics.take();
+  return r;
+}
 
-  // Without bodies there is no visibility buffer, only a texel for the bindings' sake.
-  const bool bodies = has_bodies(compiled.needs, settings);
+Result<PictureImages> PictureImages::create(vk::Device& device, const FrameSettings& settings, bool bodies,
+                                            std::uint32_t mask_words) {
+  const auto width = static_cast<std::uint32_t>(settings.width);
+  const auto height = static_cast<std::uint32_t>(settings.height);
+  PictureImages p;
+  p.supertiles_x = supertiles(settings.width);
+  p.supertiles_y = supertiles(settings.height);
+  FL_ASSIGN(p.masks, zeroed(device, mask_bytes(settings, mask_words)));
   const std::uint32_t solid_width = bodies ? width : 1;
   const std::uint32_t solid_height = bodies ? height : 1;
-  FL_ASSIGN(r.surface_id, vk::Image::create(device, solid_width, solid_height, VK_FORMAT_R32G32_UINT,
+  FL_ASSIGN(p.surface_id, vk::Image::create(device, solid_width, solid_height, VK_FORMAT_R32G32_UINT,
                                             VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_STORAGE_BIT));
-  FL_ASSIGN(r.depth, vk::Image::create(device, solid_width, solid_height, VK_FORMAT_D32_SFLOAT,
+  FL_ASSIGN(p.depth, vk::Image::create(device, solid_width, solid_height, VK_FORMAT_D32_SFLOAT,
                                        VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT));
   constexpr VkImageUsageFlags kPicture =
       VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-  FL_ASSIGN(r.radiance, vk::Image::create(device, width, height, VK_FORMAT_R32G32B32A32_SFLOAT, kPicture));
+  FL_ASSIGN(p.radiance, vk::Image::create(device, width, height, VK_FORMAT_R32G32B32A32_SFLOAT, kPicture));
   const auto side = static_cast<std::uint32_t>(settings.supersample);
-  FL_ASSIGN(r.screen, vk::Image::create(device, width / side, height / side, VK_FORMAT_R8G8B8A8_UNORM, kPicture));
+  FL_ASSIGN(p.screen, vk::Image::create(device, width / side, height / side, VK_FORMAT_R8G8B8A8_UNORM, kPicture));
   FL_TRY(device.run_once([&](VkCommandBuffer commands) {
-    for (const vk::Image* image : {&r.surface_id, &r.depth, &r.radiance, &r.screen}) {
+    for (const vk::Image* image : {&p.surface_id, &p.depth, &p.radiance, &p.screen}) {
       vk::change_layout(commands, *image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
     }
     const VkClearColorValue black{{0, 0, 0, 1}};  // opaque: what a picture without a pass shows
     const VkImageSubresourceRange range{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-    vkCmdClearColorImage(commands, r.radiance.handle, VK_IMAGE_LAYOUT_GENERAL, &black, 1, &range);
-    vkCmdClearColorImage(commands, r.screen.handle, VK_IMAGE_LAYOUT_GENERAL, &black, 1, &range);
+    vkCmdClearColorImage(commands, p.radiance.handle, VK_IMAGE_LAYOUT_GENERAL, &black, 1, &range);
+    vkCmdClearColorImage(commands, p.screen.handle, VK_IMAGE_LAYOUT_GENERAL, &black, 1, &range);
   }));
+  return p;
+}
 
-  std::vector<std::pair<std::uint32_t, const vk::Buffer*>> buffers = {
-      {FL_BINDING_PARAMS, &r.params},
-      {FL_BINDING_LEVELS, &r.levels},
-      {FL_BINDING_TYPES, &r.types},
-      {FL_BINDING_CHANNELS, &r.channels},
-      {FL_BINDING_FUNCTIONS, &r.functions},
-      {FL_BINDING_MASTERS, &r.masters},
-      {FL_BINDING_MOTORS, &r.motors},
-      {FL_BINDING_SPINS, &r.spins},
-      {FL_BINDING_JOINTS, &r.joints},
-      {FL_BINDING_WHEEL_SLOTS, &r.wheel_slots},
-      {FL_BINDING_DEFAULTS, &r.defaults},
-      {FL_BINDING_COLORS, &r.colors},
-      {FL_BINDING_HEADS, &r.heads},
-      {FL_BINDING_STATES, &r.states},
-      {FL_BINDING_MOTOR_STATES, &r.motor_states},
-      {FL_BINDING_SPIN_STATES, &r.spin_states},
-      {FL_BINDING_SHUTTER_STATES, &r.shutter_states},
-      {FL_BINDING_BEAMS, &r.beams},
-      {FL_BINDING_COUNTS, &r.counts},
-      {FL_BINDING_MASKS, &r.masks},
-      {FL_BINDING_BOXES, &r.boxes},
-      {FL_BINDING_WHEELS, &r.wheels},
-      {FL_BINDING_FACETS, &r.facets},
-      {FL_BINDING_OPTICS_STATES, &r.optics_states},
-      {FL_BINDING_BLADES, &r.blades},
-      {FL_BINDING_LIGHTS, &r.lights},
-      {FL_BINDING_DOWSER_STATES, &r.dowser_states},
-      {FL_BINDING_SMOOTH_STATES, &r.smooth_states},
+void Resources::bind_all() {
+  bindings = {};
+  total_bytes = 0;
+  const auto bind = [&](std::uint32_t binding, const vk::Buffer& buffer) {
+    if (buffer.handle == VK_NULL_HANDLE) return;
+    bindings.set_buffer(binding, buffer);
+    total_bytes += buffer.size_bytes;
   };
-  for (std::uint32_t lamp = 1; lamp < r.lamp_states.size(); ++lamp) {
-    buffers.emplace_back(FL_BINDING_LAMP(lamp), &r.lamp_states[lamp]);
+  for (const TableEntry& entry : kTables) bind(entry.binding, rig.*entry.buffer);
+  for (std::uint32_t lamp = 1; lamp <= FL_LAMP_COUNT; ++lamp) bind(FL_BINDING_LAMP(lamp), rig.lamp_states[lamp]);
+  for (const auto& [binding, buffer] : kOtherBuffers) bind(binding, rig.*buffer);
+  bind(FL_BINDING_MASKS, picture.masks);
+  if (rig.gobos.handle != VK_NULL_HANDLE) {
+    bindings.set_image(FL_BINDING_GOBOS, rig.gobos, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   }
-  for (const auto& [binding, buffer] : buffers) {
-    r.bindings.set_buffer(binding, *buffer);
-    r.total_bytes += buffer->size_bytes;
+  bindings.set_image(FL_BINDING_SURFACE_ID, picture.surface_id);
+  bindings.set_image(FL_BINDING_DEPTH, picture.depth);
+  bindings.set_image(FL_BINDING_RADIANCE, picture.radiance);
+  bindings.set_image(FL_BINDING_SCREEN, picture.screen);
+  for (const vk::Buffer* buffer : {&rig.vertices, &rig.indices, &rig.draws}) total_bytes += buffer->size_bytes;
+  for (const vk::Image* image : {&rig.gobos, &picture.surface_id, &picture.depth, &picture.radiance, &picture.screen}) {
+    total_bytes += image->size_bytes;
   }
-  r.bindings.set_image(FL_BINDING_SURFACE_ID, r.surface_id);
-  r.bindings.set_image(FL_BINDING_DEPTH, r.depth);
-  r.bindings.set_image(FL_BINDING_RADIANCE, r.radiance);
-  r.bindings.set_image(FL_BINDING_SCREEN, r.screen);
-  r.bindings.set_image(FL_BINDING_GOBOS, r.gobos, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-
-  for (const vk::Buffer* buffer : {&r.instances, &r.vertices, &r.indices, &r.draws})
-    r.total_bytes += buffer->size_bytes;
-  for (const vk::Image* image : {&r.gobos, &r.surface_id, &r.depth, &r.radiance, &r.screen}) {
-    r.total_bytes += image->size_bytes;
-  }
-  return r;
 }
 
 void forget_states(VkCommandBuffer commands, const Resources& resources) {
   vk::full_barrier(commands);
-  for (const vk::Buffer* buffer : resources.all_states())
-    vkCmdFillBuffer(commands, buffer->handle, 0, VK_WHOLE_SIZE, 0);
-  vk::full_barrier(commands);
-}
-
-void take_states(VkCommandBuffer commands, const Resources& from, const Resources& to) {
-  vk::full_barrier(commands);
-  for (std::size_t i = 0; i < from.all_states().size(); ++i) {
-    const VkBufferCopy all{0, 0, std::min(from.all_states()[i]->size_bytes, to.all_states()[i]->size_bytes)};
-    vkCmdCopyBuffer(commands, from.all_states()[i]->handle, to.all_states()[i]->handle, 1, &all);
+  for (const vk::Buffer* buffer : resources.rig.all_states()) {
+    if (buffer->handle != VK_NULL_HANDLE) vkCmdFillBuffer(commands, buffer->handle, 0, VK_WHOLE_SIZE, 0);
   }
   vk::full_barrier(commands);
 }

@@ -1,9 +1,10 @@
-// The buffers and images that the passes of a frame share. Made once for a rig and a size; what the rig does not need
-// is not allocated.
+// The buffers and images that the passes of a frame share, in two owners: what follows from the rig, and what follows
+// from the size of the picture. What no pass in use reads is not allocated.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "fixtures/model/diagnostic.h"
@@ -18,11 +19,25 @@ namespace footlight::render {
 
 constexpr VkDeviceSize kUpdateBytesMax = 65536;  // of one vkCmdUpdateBuffer
 
-struct Resources {
-  [[nodiscard]] static Result<Resources> create(vk::Device& device, const fixtures::Rig& rig,
-                                                const fixtures::CompiledRig& compiled, const FrameSettings& settings);
+// Everything that memory follows from.
+struct MemoryShape {
+  const fixtures::Rig& rig;
+  const fixtures::CompiledRig& compiled;
+  fixtures::Needs needs;
+  FrameSettings settings;
+};
 
-  // Rig tables, written once. Rows of fixtures/shared/tables.h.
+// Bytes of the buffer or image at a binding; of an image, those of its texels. 0 for FL_BINDING_INSTANCES, whose length
+// is known when the models are read.
+[[nodiscard]] std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape);
+
+// Tables, models, gobo images and states of a rig. Made once; reading models and images is slow.
+struct RigTables {
+  // `used`: the bindings of all passes that may be in use; the others are not allocated.
+  [[nodiscard]] static Result<RigTables> create(vk::Device& device, const MemoryShape& shape,
+                                                const std::vector<bool>& used);
+
+  // Written once. Rows of fixtures/shared/tables.h.
   vk::Buffer types, channels, functions, masters, motors, spins, joints, wheels, wheel_slots, facets, lights, defaults,
       colors, heads;
   vk::Buffer boxes;                                // BoxRow
@@ -37,8 +52,6 @@ struct Resources {
   vk::Buffer beams;          // BeamRow, live ones first
   vk::Buffer blades;         // BladesRow, one a beam
   vk::Buffer counts;         // CountsRow, then beams and lit heads of each group of FL_GROUP_HEADS
-  vk::Buffer masks;          // supertiles x mask_words
-  vk::Image surface_id, depth, radiance, screen;
 
   // Carried from frame to frame: HeadState, and Motor, Spin, Shutter, OpticsState, Filament, Led, Discharge, Slew,
   // Flex and Smooth for what has a motor, spins, strobes, shapes its beam, glows, has a driver, an arc or a dowser,
@@ -52,7 +65,6 @@ struct Resources {
     return all;
   }
 
-  vk::BindingTable bindings;
   std::uint32_t head_count = 0;
   std::uint32_t head_groups = 0;
   std::uint32_t motor_count = 0;  // states of all heads; 0: the rig has none of these
@@ -65,14 +77,34 @@ struct Resources {
   std::uint32_t box_count = 0;
   std::uint32_t draw_count = 0;         // of bodies
   std::uint32_t object_draw_count = 0;  // of the scene's objects, behind them: 0 or 1
-  std::uint32_t supertiles_x = 0;
-  std::uint32_t supertiles_y = 0;
   std::uint32_t mask_words = 0;
   std::uint64_t levels_bytes = 0;
-  Extent objects;                 // what the scene's objects fill
-  std::uint64_t total_bytes = 0;  // GPU memory, for the report
+  bool has_bodies = false;  // the models were read
+  Extent objects;           // what the scene's objects fill
   // Models that were not there or not readable, and what stands in for them.
   std::vector<fixtures::Diagnostic> diagnostics;
+};
+
+// What is as large as the picture. Without bodies there is no visibility buffer: one texel stands in for each of its
+// two images, since shaders name them.
+struct PictureImages {
+  [[nodiscard]] static Result<PictureImages> create(vk::Device& device, const FrameSettings& settings, bool bodies,
+                                                    std::uint32_t mask_words);
+
+  vk::Buffer masks;  // supertiles x mask_words
+  vk::Image surface_id, depth, radiance, screen;
+  std::uint32_t supertiles_x = 0;
+  std::uint32_t supertiles_y = 0;
+};
+
+struct Resources {
+  RigTables rig;
+  PictureImages picture;
+  vk::BindingTable bindings;
+  std::uint64_t total_bytes = 0;  // GPU memory, for the report
+
+  // Enters what both owners have into `bindings` and counts the bytes.
+  void bind_all();
 };
 
 // Gobo images: texels a side, and the width of their edges in units of the gate's radius. Edges are three texels wide,
@@ -90,9 +122,7 @@ inline constexpr std::uint64_t kLampStateBytes = 32;  // of every kind
 inline constexpr std::uint64_t kDowserStateBytes = 24;
 inline constexpr std::uint64_t kSmoothStateBytes = 32;
 
-// Records that the heads begin anew, as if no step had been; and that they go on where those of another frame of the
-// same rig are. Both with the barriers that they need.
+// Records that the heads begin anew, as if no step had been, with the barriers that this needs.
 void forget_states(VkCommandBuffer commands, const Resources& resources);
-void take_states(VkCommandBuffer commands, const Resources& from, const Resources& to);
 
 }  // namespace footlight::render

@@ -17,6 +17,7 @@ struct FrameSettings {
   std::uint32_t nodes = 3;
   std::uint32_t gobo_taps = 64;  // looks at the gobo along one ray through one beam
   bool bodies = true;            // draw fixture bodies
+  bool haze = true;              // light in the air, where the rig has haze
   double dark_lm = 0;            // beams with no more flux are left out
   bool widen_thin = true;        // beams thinner than a pixel are drawn a pixel wide and as much weaker
   int supersample = 1;           // pixels a side of one pixel of the screen; the size is that of the radiance

@@ -30,7 +30,7 @@ const PassEntry kBeamsPass{
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kBeamsComp,
-                               [counts = context.resources.counts.handle](VkCommandBuffer commands) {
+                               [counts = context.resources.rig.counts.handle](VkCommandBuffer commands) {
                                  vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, beams_groups));
                                });
     },

@@ -29,12 +29,12 @@ class BodiesPass final : public Pass {
 
   void record(VkCommandBuffer commands, std::span<const std::byte>) override {
     VkRenderingAttachmentInfo color{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-    color.imageView = resources_.surface_id.view;
+    color.imageView = resources_.picture.surface_id.view;
     color.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
     color.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
     color.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
     VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-    depth.imageView = resources_.depth.view;
+    depth.imageView = resources_.picture.depth.view;
     depth.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
     depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
     depth.storeOp = VK_ATTACHMENT_STORE_OP_STORE;  // cleared to 0: infinitely far in reversed depth
@@ -49,12 +49,12 @@ class BodiesPass final : public Pass {
     vkCmdSetViewport(commands, 0, 1, &viewport);
     vkCmdSetScissor(commands, 0, 1, &info.renderArea);
     const VkDeviceSize zero = 0;
-    if (resources_.draw_count + resources_.object_draw_count > 0) {
-      vkCmdBindVertexBuffers(commands, 0, 1, &resources_.vertices.handle, &zero);
-      vkCmdBindIndexBuffer(commands, resources_.indices.handle, 0, VK_INDEX_TYPE_UINT32);
+    if (resources_.rig.draw_count + resources_.rig.object_draw_count > 0) {
+      vkCmdBindVertexBuffers(commands, 0, 1, &resources_.rig.vertices.handle, &zero);
+      vkCmdBindIndexBuffer(commands, resources_.rig.indices.handle, 0, VK_INDEX_TYPE_UINT32);
     }
-    draw(commands, bodies_, 0, resources_.draw_count);
-    draw(commands, objects_, resources_.draw_count, resources_.object_draw_count);
+    draw(commands, bodies_, 0, resources_.rig.draw_count);
+    draw(commands, objects_, resources_.rig.draw_count, resources_.rig.object_draw_count);
     vkCmdEndRendering(commands);
   }
 
@@ -65,7 +65,7 @@ class BodiesPass final : public Pass {
     drawing.pipeline->bind(commands, drawing.set);
     const std::uint32_t together = multi_draw_ ? count : 1;
     for (std::uint32_t i = 0; i < count; i += together) {
-      vkCmdDrawIndexedIndirect(commands, resources_.draws.handle, VkDeviceSize{first + i} * kDrawBytes, together,
+      vkCmdDrawIndexedIndirect(commands, resources_.rig.draws.handle, VkDeviceSize{first + i} * kDrawBytes, together,
                                kDrawBytes);
     }
   }
@@ -95,8 +95,8 @@ const PassEntry kBodiesPass{
       const Resources& r = context.resources;
       vk::Pipeline::Raster raster{kBodyVert,
                                   kSurfaceFrag,
-                                  r.surface_id.format,
-                                  r.depth.format,
+                                  r.picture.surface_id.format,
+                                  r.picture.depth.format,
                                   sizeof(BodyVertex),
                                   {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, position)},
                                    {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, normal)},
@@ -109,6 +109,9 @@ const PassEntry kBodiesPass{
     [] {
       return std::vector<std::vector<vk::Spirv>>{{kBodyVert, kSurfaceFrag}, {kObjectVert, kSurfaceFrag}};
     },
-    "bodies of fixtures and objects of the scene"};
+    "bodies of fixtures and objects of the scene",
+    [] {
+      return std::vector<std::uint32_t>{FL_BINDING_SURFACE_ID, FL_BINDING_DEPTH};
+    }};
 
 }  // namespace footlight::render

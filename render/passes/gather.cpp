@@ -16,7 +16,7 @@ const PassEntry kGatherPass{
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kGatherComp,
-                               [groups = context.resources.head_groups](VkCommandBuffer commands) {
+                               [groups = context.resources.rig.head_groups](VkCommandBuffer commands) {
                                  vkCmdDispatch(commands, groups, 1, 1);
                                });
     },

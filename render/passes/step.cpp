@@ -39,9 +39,10 @@ const PassEntry kStepPass{
           {FL_SPEC_WISH_COUNT, wish_count(needs)}};
     },
     [](const PassContext& context) {
-      return make_compute_pass(context, kStepComp, [groups = context.resources.head_groups](VkCommandBuffer commands) {
-        vkCmdDispatch(commands, groups, 1, 1);
-      });
+      return make_compute_pass(context, kStepComp,
+                               [groups = context.resources.rig.head_groups](VkCommandBuffer commands) {
+                                 vkCmdDispatch(commands, groups, 1, 1);
+                               });
     },
     [] { return std::vector<std::vector<vk::Spirv>>{{kStepComp}}; },
     "fixtures"};

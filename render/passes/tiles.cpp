@@ -17,7 +17,7 @@ const PassEntry kTilesPass{"tiles",
                            [](const PassContext& context) {
                              return make_compute_pass(
                                  context, kTilesComp,
-                                 [counts = context.resources.counts.handle](VkCommandBuffer commands) {
+                                 [counts = context.resources.rig.counts.handle](VkCommandBuffer commands) {
                                    vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, tiles_groups));
                                  });
                            },

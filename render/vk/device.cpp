@@ -1,10 +1,12 @@
 #include "render/vk/device.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
 #include <cstring>
 
 #include "render/vk/pipeline.h"
+#include "render/vk/pipeline_cache.h"
 
 namespace footlight::render::vk {
 namespace {
@@ -12,6 +14,17 @@ namespace {
 constexpr const char* kNoDeviceAdvice =
     "install a driver for your GPU, or 'sudo apt-get install mesa-vulkan-drivers' for the software renderer lavapipe; "
     "'vulkaninfo --summary' (package vulkan-tools) shows what is there";
+
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+
+bool layer_has_extension(const char* layer, const char* name) {
+  std::uint32_t count = 0;
+  vkEnumerateInstanceExtensionProperties(layer, &count, nullptr);
+  std::vector<VkExtensionProperties> extensions(count);
+  vkEnumerateInstanceExtensionProperties(layer, &count, extensions.data());
+  return std::any_of(extensions.begin(), extensions.end(),
+                     [&](const VkExtensionProperties& each) { return std::strcmp(each.extensionName, name) == 0; });
+}
 
 bool has_layer(const char* name) {
   std::uint32_t count = 0;
@@ -65,6 +78,7 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
   FL_TRY(device->choose_physical(options));
   FL_TRY(device->create_logical(options));
   FL_TRY(device->create_samplers());
+  FL_TRY(device->create_pipeline_cache(options));
   device->pipelines_ = std::make_unique<Pipelines>(*device);
   return device;
 }
@@ -77,12 +91,14 @@ Status Device::create_instance(const DeviceOptions& options) {
   std::vector<const char*> extensions;
   for (const auto& extension : options.instance_extensions) extensions.push_back(extension.c_str());
   if (validation) {
-    if (!has_layer("VK_LAYER_KHRONOS_validation")) {
+    if (!has_layer(kValidationLayer)) {
       return fail(ErrorCode::kUnsupported,
                   "the Vulkan validation layer is not installed; 'sudo apt-get install vulkan-validationlayers'");
     }
-    layers.push_back("VK_LAYER_KHRONOS_validation");
+    layers.push_back(kValidationLayer);
     extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    validates_synchronisation_ = layer_has_extension(kValidationLayer, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+    if (validates_synchronisation_) extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
   }
 
   VkApplicationInfo application{
@@ -94,8 +110,13 @@ Status Device::create_instance(const DeviceOptions& options) {
   messenger.pfnUserCallback = &Device::on_message;
   messenger.pUserData = this;
 
+  const VkValidationFeatureEnableEXT synchronisation = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+  VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT, &messenger};
+  features.enabledValidationFeatureCount = 1;
+  features.pEnabledValidationFeatures = &synchronisation;
+
   VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
-  info.pNext = validation ? &messenger : nullptr;
+  if (validation) info.pNext = validates_synchronisation_ ? static_cast<const void*>(&features) : &messenger;
   info.pApplicationInfo = &application;
   info.enabledLayerCount = static_cast<std::uint32_t>(layers.size());
   info.ppEnabledLayerNames = layers.data();
@@ -215,10 +236,36 @@ Status Device::create_samplers() {
   return check(vkCreateSampler(handle, &sampler, nullptr, &nearest), "vkCreateSampler");
 }
 
+// A file that the driver does not take is as good as none.
+Status Device::create_pipeline_cache(const DeviceOptions& options) {
+  if (options.cache_folder.empty()) return {};
+  cache_path_ = pipeline_cache_path(options.cache_folder, facts_);
+  cache_loaded_ = read_pipeline_cache(cache_path_, facts_);
+  VkPipelineCacheCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+  info.initialDataSize = cache_loaded_.size();
+  info.pInitialData = cache_loaded_.data();
+  if (vkCreatePipelineCache(handle, &info, nullptr, &pipeline_cache) == VK_SUCCESS) return {};
+  info.initialDataSize = 0;
+  return check(vkCreatePipelineCache(handle, &info, nullptr, &pipeline_cache), "vkCreatePipelineCache");
+}
+
+// What cannot be written is compiled again next time, so nothing is said.
+void Device::save_pipeline_cache() const {
+  if (pipeline_cache == VK_NULL_HANDLE || lost_ || pipelines_ == nullptr || pipelines_->compiled() == 0) return;
+  std::size_t bytes = 0;
+  if (vkGetPipelineCacheData(handle, pipeline_cache, &bytes, nullptr) != VK_SUCCESS) return;
+  std::vector<std::byte> data(bytes);
+  if (vkGetPipelineCacheData(handle, pipeline_cache, &bytes, data.data()) != VK_SUCCESS) return;
+  data.resize(bytes);
+  if (data != cache_loaded_) (void)write_pipeline_cache(cache_path_, facts_, data);
+}
+
 Device::~Device() {
   if (handle != VK_NULL_HANDLE) {
     vkDeviceWaitIdle(handle);
+    save_pipeline_cache();
     pipelines_.reset();
+    vkDestroyPipelineCache(handle, pipeline_cache, nullptr);
     vkDestroySampler(handle, linear, nullptr);
     vkDestroySampler(handle, nearest, nullptr);
     vkDestroyCommandPool(handle, command_pool, nullptr);
@@ -262,16 +309,42 @@ Status Device::end_once(VkCommandBuffer commands) {
   const VkFenceCreateInfo info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
   VkFence done = VK_NULL_HANDLE;
   FL_TRY(check(vkCreateFence(handle, &info, nullptr, &done), "vkCreateFence"));
-  VkResult result = VK_SUCCESS;
+  Status status;
   {
     const std::lock_guard lock(queue_mutex);
-    result = vkQueueSubmit(queue, 1, &submit, done);
+    status = submit_locked(submit, done);
   }
-  Status status = check(result, "vkQueueSubmit");
-  if (status) status = check(vkWaitForFences(handle, 1, &done, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+  if (status) status = wait(done);
   vkDestroyFence(handle, done, nullptr);
   vkFreeCommandBuffers(handle, command_pool, 1, &commands);
   return status;
+}
+
+Status Device::submit_locked(const VkSubmitInfo& batch, VkFence done) {
+  if (submits_left_ == 0) lost_ = true;
+  if (submits_left_ != UINT64_MAX && submits_left_ > 0) --submits_left_;
+  const VkResult result = lost_ ? VK_ERROR_DEVICE_LOST : vkQueueSubmit(queue, 1, &batch, done);
+  if (result == VK_ERROR_DEVICE_LOST) lost_ = true;
+  return check(result, "vkQueueSubmit");
+}
+
+Status Device::wait(VkFence fence) {
+  const VkResult result = lost_ ? VK_ERROR_DEVICE_LOST : vkWaitForFences(handle, 1, &fence, VK_TRUE, UINT64_MAX);
+  if (result == VK_ERROR_DEVICE_LOST) lost_ = true;
+  return check(result, "vkWaitForFences");
+}
+
+void Device::lose_as_environment_says() {
+  static std::atomic<bool> first = true;
+  const char* text = std::getenv("FOOTLIGHT_LOSE_DEVICE");
+  if (text != nullptr && first.exchange(false)) lose_after(std::strtoull(text, nullptr, 10));
+}
+
+void Device::add_memory(std::uint64_t bytes) {
+  const std::uint64_t now = memory_bytes_ += bytes;
+  std::uint64_t peak = memory_peak_bytes_;
+  while (now > peak && !memory_peak_bytes_.compare_exchange_weak(peak, now)) {
+  }
 }
 
 Status Device::wait_idle() {

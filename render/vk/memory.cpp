@@ -30,6 +30,8 @@ Result<Buffer> Buffer::make(Device& device, VkDeviceSize size_bytes, VkBufferUsa
   allocate.allocationSize = requirements.size;
   allocate.memoryTypeIndex = *type;
   FL_TRY(check(vkAllocateMemory(device.handle, &allocate, nullptr, &buffer.memory_), "vkAllocateMemory"));
+  buffer.taken_bytes_ = requirements.size;
+  device.add_memory(requirements.size);
   FL_TRY(check(vkBindBufferMemory(device.handle, buffer.handle, buffer.memory_, 0), "vkBindBufferMemory"));
   return buffer;
 }
@@ -62,6 +64,7 @@ Buffer::~Buffer() {
   if (device_ == nullptr) return;
   vkDestroyBuffer(device_->handle, handle, nullptr);
   vkFreeMemory(device_->handle, memory_, nullptr);
+  device_->remove_memory(taken_bytes_);
 }
 
 Result<Image> Image::create(Device& device, std::uint32_t width, std::uint32_t height, VkFormat format,
@@ -89,6 +92,8 @@ Result<Image> Image::create(Device& device, std::uint32_t width, std::uint32_t h
   allocate.allocationSize = requirements.size;
   allocate.memoryTypeIndex = type;
   FL_TRY(check(vkAllocateMemory(device.handle, &allocate, nullptr, &image.memory_), "vkAllocateMemory"));
+  image.taken_bytes_ = requirements.size;
+  device.add_memory(requirements.size);
   FL_TRY(check(vkBindImageMemory(device.handle, image.handle, image.memory_, 0), "vkBindImageMemory"));
   VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
   view.image = image.handle;
@@ -104,6 +109,7 @@ Image::~Image() {
   vkDestroyImageView(device_->handle, view, nullptr);
   vkDestroyImage(device_->handle, handle, nullptr);
   vkFreeMemory(device_->handle, memory_, nullptr);
+  device_->remove_memory(taken_bytes_);
 }
 
 void full_barrier(VkCommandBuffer commands) {
@@ -112,6 +118,18 @@ void full_barrier(VkCommandBuffer commands) {
   barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
   barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
   barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+  VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  info.memoryBarrierCount = 1;
+  info.pMemoryBarriers = &barrier;
+  vkCmdPipelineBarrier2(commands, &info);
+}
+
+void host_barrier(VkCommandBuffer commands) {
+  VkMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+  barrier.srcStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+  barrier.srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT;
+  barrier.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
+  barrier.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT;
   VkDependencyInfo info{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
   info.memoryBarrierCount = 1;
   info.pMemoryBarriers = &barrier;

@@ -41,9 +41,11 @@ class Buffer {
     std::swap(mapped, other.mapped);
     std::swap(device_, other.device_);
     std::swap(memory_, other.memory_);
+    std::swap(taken_bytes_, other.taken_bytes_);
   }
   Device* device_ = nullptr;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  VkDeviceSize taken_bytes_ = 0;  // of the device's memory
 };
 
 class Image {
@@ -75,14 +77,18 @@ class Image {
     std::swap(size_bytes, other.size_bytes);
     std::swap(device_, other.device_);
     std::swap(memory_, other.memory_);
+    std::swap(taken_bytes_, other.taken_bytes_);
   }
   Device* device_ = nullptr;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  VkDeviceSize taken_bytes_ = 0;  // of the device's memory
 };
 
 // Everything written before is visible to everything after. Frames are a chain of dependent passes, so finer barriers
 // would buy nothing here.
 void full_barrier(VkCommandBuffer commands);
+// What copies before it have written may be read by the host when the commands are done.
+void host_barrier(VkCommandBuffer commands);
 // Moves an image from one layout to another, with a full barrier around it.
 void change_layout(VkCommandBuffer commands, const Image& image, VkImageLayout from, VkImageLayout to);
 // Of an image that is not ours, a window's.

@@ -206,20 +206,27 @@ Pipeline::~Pipeline() {
   vkDestroyDescriptorSetLayout(device_->handle, set_layout, nullptr);
 }
 
+template <class Compile>
+Result<std::shared_ptr<const Pipeline>> Pipelines::find_or(const Key& key, Compile compile) {
+  if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
+  if (pipelines_.size() >= kKeptMax) {
+    std::erase_if(pipelines_, [](const auto& each) { return each.second.use_count() == 1; });
+  }
+  FL_ASSIGN(Pipeline made, compile());
+  ++compiled_;
+  return pipelines_[key] = std::make_shared<const Pipeline>(std::move(made));
+}
+
 Result<std::shared_ptr<const Pipeline>> Pipelines::compute(Spirv spirv, std::span<const SpecConstant> constants) {
   Key key{reinterpret_cast<std::uintptr_t>(spirv.data())};
   for (const SpecConstant& constant : constants) key.push_back(std::uint64_t{constant.id} << 32 | constant.value);
-  if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
-  FL_ASSIGN(Pipeline made, Pipeline::compute(device_, device_.pipeline_cache, spirv, constants));
-  return pipelines_[key] = std::make_shared<const Pipeline>(std::move(made));
+  return find_or(key, [&] { return Pipeline::compute(device_, device_.pipeline_cache, spirv, constants); });
 }
 
 Result<std::shared_ptr<const Pipeline>> Pipelines::raster(const Pipeline::Raster& raster) {
   const Key key{reinterpret_cast<std::uintptr_t>(raster.vertex_spirv.data()),
                 reinterpret_cast<std::uintptr_t>(raster.fragment_spirv.data())};
-  if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
-  FL_ASSIGN(Pipeline made, Pipeline::raster(device_, device_.pipeline_cache, raster));
-  return pipelines_[key] = std::make_shared<const Pipeline>(std::move(made));
+  return find_or(key, [&] { return Pipeline::raster(device_, device_.pipeline_cache, raster); });
 }
 
 }  // namespace footlight::render::vk

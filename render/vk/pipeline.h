@@ -131,10 +131,12 @@ class Pipeline {
   VkPipelineBindPoint point_ = VK_PIPELINE_BIND_POINT_COMPUTE;
 };
 
-// The pipelines of a device. Each combination of shader and constants is compiled once and kept until the device goes,
-// so that a knob that is moved back costs nothing. One thread at a time.
+// The pipelines of a device. A combination of shader and constants is compiled once, so that a knob that is moved back
+// costs nothing. Those that no pass uses are dropped when there are more than kKeptMax. One thread at a time.
 class Pipelines {
  public:
+  static constexpr std::size_t kKeptMax = 64;
+
   explicit Pipelines(Device& device) : device_(device) {}
   Pipelines(const Pipelines&) = delete;
   Pipelines& operator=(const Pipelines&) = delete;
@@ -143,13 +145,18 @@ class Pipelines {
   [[nodiscard]] Result<std::shared_ptr<const Pipeline>> compute(Spirv spirv, std::span<const SpecConstant> constants);
   // As Pipeline::Raster says; all rasters of the same shaders have the same formats and attributes.
   [[nodiscard]] Result<std::shared_ptr<const Pipeline>> raster(const Pipeline::Raster& raster);
-  // How many have been compiled so far.
-  [[nodiscard]] std::size_t compiled() const { return pipelines_.size(); }
+  // How many have been compiled so far, and how many are kept.
+  [[nodiscard]] std::size_t compiled() const { return compiled_; }
+  [[nodiscard]] std::size_t kept() const { return pipelines_.size(); }
 
  private:
   using Key = std::vector<std::uint64_t>;
+  template <class Compile>
+  Result<std::shared_ptr<const Pipeline>> find_or(const Key& key, Compile compile);
+
   Device& device_;
   std::map<Key, std::shared_ptr<const Pipeline>> pipelines_;
+  std::size_t compiled_ = 0;
 };
 
 }  // namespace footlight::render::vk

@@ -146,9 +146,9 @@ TEST_CASE("an unreadable gobo is named, and another is used") {
   CHECK(gone > 0.2 * bars);
   CHECK(gone < 2 * bars);
   const auto frame = make_frame(vulkan.device(), scene, judged_settings());
-  REQUIRE(frame->resources().diagnostics.size() == scene.compiled.images.size());
-  CHECK(frame->resources().diagnostics[0].code == "image-file");
-  CHECK(contains(frame->resources().diagnostics[0].message, "gone.svg"));
+  REQUIRE(frame->resources().rig.diagnostics.size() == scene.compiled.images.size());
+  CHECK(frame->resources().rig.diagnostics[0].code == "image-file");
+  CHECK(contains(frame->resources().rig.diagnostics[0].message, "gone.svg"));
 }
 
 TEST_CASE("an empty rig renders black without a pass") {

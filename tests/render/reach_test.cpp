@@ -29,7 +29,7 @@ Scene one_lamp(double zoom_deg) {
   return scene;
 }
 
-TEST_CASE("a frame that takes the states of another draws the same beams, without a step") {
+TEST_CASE("a frame whose size changes and changes back draws the same beams, without a step") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   constexpr std::size_t kCount = 200;  // four workgroups
@@ -37,24 +37,28 @@ TEST_CASE("a frame that takes the states of another draws the same beams, withou
   std::vector<bool> lit;
   for (std::size_t i = 0; i < kCount; ++i) lit.push_back(i % 3 != 0);
   dim_lamps(scene, lit);
-  const auto old = make_frame(vulkan.device(), scene, judged_settings());
-  const RadianceImage before = draw(*old, scene);
-  const auto fresh = make_frame(vulkan.device(), scene, judged_settings());
-  must(vulkan.device().run_once(
-      [&](VkCommandBuffer commands) { take_states(commands, old->resources(), fresh->resources()); }));
-  must(fresh->draw(view_of(scene.camera), 0));
-  CHECK(must(fresh->read_counts()).live_count == must(old->read_counts()).live_count);
-  CHECK(must(fresh->read_counts()).dark_count == must(old->read_counts()).dark_count);
-  std::vector<std::uint32_t> rows;
-  std::vector<std::uint32_t> expected;
-  for (const BeamRow& beam : must(fresh->read_beams())) rows.push_back(beam.head);
-  for (const BeamRow& beam : must(old->read_beams())) expected.push_back(beam.head);
-  CHECK(rows == expected);
-  CHECK(must(fresh->read_radiance()).rgb == before.rgb);
+  const auto frame = make_frame(vulkan.device(), scene, judged_settings());
+  const RadianceImage before = draw(*frame, scene);
+  const CountsRow counts = must(frame->read_counts());
+  const auto heads = [&] {
+    std::vector<std::uint32_t> rows;
+    for (const BeamRow& beam : must(frame->read_beams())) rows.push_back(beam.head);
+    return rows;
+  };
+  const std::vector<std::uint32_t> expected = heads();
+  must(frame->change(judged_settings(30, 20)));
+  must(frame->draw(view_of(scene.camera), 0));
+  CHECK(heads() == expected);
+  must(frame->change(judged_settings()));
+  must(frame->draw(view_of(scene.camera), 0));
+  CHECK(must(frame->read_counts()).live_count == counts.live_count);
+  CHECK(must(frame->read_counts()).dark_count == counts.dark_count);
+  CHECK(heads() == expected);
+  CHECK(must(frame->read_radiance()).rgb == before.rgb);
 
-  must(vulkan.device().run_once([&](VkCommandBuffer commands) { forget_states(commands, fresh->resources()); }));
-  must(fresh->draw(view_of(scene.camera), 0));
-  CHECK(must(fresh->read_counts()).live_count == 0);
+  must(vulkan.device().run_once([&](VkCommandBuffer commands) { forget_states(commands, frame->resources()); }));
+  must(frame->draw(view_of(scene.camera), 0));
+  CHECK(must(frame->read_counts()).live_count == 0);
 }
 
 TEST_CASE("steps of a rig without fixtures are not kept") {

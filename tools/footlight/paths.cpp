@@ -62,6 +62,15 @@ std::string make_socket_folder() {
   return "";
 }
 
+std::string cache_folder() {
+  const char* const wanted = std::getenv("FOOTLIGHT_PIPELINE_CACHE");
+  if (wanted != nullptr && std::string_view(wanted) == "off") return "";
+  const std::string cache = folder_of("XDG_CACHE_HOME");
+  const std::string home = folder_of("HOME");
+  if (!cache.empty()) return cache + "/footlight";
+  return home.empty() ? "" : home + "/.cache/footlight";
+}
+
 std::vector<std::string> sockets() {
   std::vector<std::string> found;
   for (const std::string& folder : socket_folders()) {

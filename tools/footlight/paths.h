@@ -25,4 +25,8 @@ inline constexpr std::string_view kSocketName = "run.sock";
 // Sockets of bridges that run, or ran until they were killed. In the order of socket_folders(), then of their names.
 [[nodiscard]] std::vector<std::string> sockets();
 
+// Where compiled pipelines are kept: $XDG_CACHE_HOME/footlight (or ~/.cache/footlight). Empty: nowhere, as
+// FOOTLIGHT_PIPELINE_CACHE=off asks for.
+[[nodiscard]] std::string cache_folder();
+
 }  // namespace footlight::tools

@@ -31,8 +31,9 @@ bool can_open_window() {
 
 // Runs the preview on a display of its own with the validation layer; returns the exit code. Leaks are not looked for:
 // drivers that the Vulkan loader has closed leave some (tests/support/headless_vulkan.cpp).
-int preview(const TempFolder& folder, const std::string& arguments) {
+int preview(const TempFolder& folder, const std::string& arguments, const std::string& variables = "") {
   const std::string line =
+      variables +
       "FOOTLIGHT_VALIDATION=1 ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1024x768x24' " FOOTLIGHT_BINARY
       " preview " +
       arguments + " > " + folder.file("out") + " 2> " + folder.file("err");
@@ -113,6 +114,24 @@ max = [4, 4, 0]
   REQUIRE(code == 0);
   CHECK(summary(folder)["live"] == 1);
   CHECK(summary(folder)["validation_messages"] == 0);
+}
+
+TEST_CASE("a GPU that is lost is replaced, and the preview goes on where the log was") {
+  if (!can_open_window()) return;
+  const TempFolder folder;
+  const int code = preview(folder, "--demo --at 12s --seconds 3 --size 160x90 --json", "FOOTLIGHT_LOSE_DEVICE=2 ");
+  const std::string err = read(folder.file("err"));
+  if (contains(err, "libglfw3-dev")) return;
+  INFO(err);
+  REQUIRE(code == 0);
+  const std::string out = read(folder.file("out"));
+  CHECK(contains(out, "\"event\":\"device-lost\""));
+  CHECK(contains(out, "device lost"));
+  const nlohmann::json line = summary(folder);
+  CHECK(line["event"] == "summary");
+  CHECK(line["validation_messages"] == 0);
+  CHECK(line["frames"].get<int>() >= 1);
+  CHECK(line["live"].get<int>() > 0);
 }
 
 }  // namespace

@@ -66,6 +66,43 @@ TEST_CASE("a video of 0.4 s lasts 0.4 s, and pictures with numbers have one of i
   CHECK(!std::filesystem::exists(folder.file("p_3.png")));
 }
 
+TEST_CASE("a GPU that is lost ends render with 1 and a message") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  for (const char* submits : {"0", "5"}) {
+    const TempFolder folder;
+    std::map<std::string, std::string> environment = kNoLeaks;
+    environment["FOOTLIGHT_LOSE_DEVICE"] = submits;
+    const Outcome outcome = Footlight({"render", "--demo", "--every", "40ms", "--until", "400ms", "--size", "32x18",
+                                       "-o", folder.file("p_%d.png")},
+                                      environment)
+                                .wait();
+    INFO(outcome.err);
+    CHECK(outcome.exit_code == 1);
+    CHECK(contains(outcome.err, "device lost"));
+    CHECK(!std::filesystem::exists(folder.file("p_9.png")));
+  }
+}
+
+TEST_CASE("compiled pipelines are kept in the cache folder unless they are switched off") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const TempFolder folder;
+  std::map<std::string, std::string> environment = kNoLeaks;
+  environment["XDG_CACHE_HOME"] = folder.file("cache");
+  const auto render = [&] {
+    return Footlight({"render", "--demo", "--at", "1s", "--size", "32x18", "-o", folder.file("a.png")}, environment)
+        .wait()
+        .exit_code;
+  };
+  environment["FOOTLIGHT_PIPELINE_CACHE"] = "off";
+  CHECK(render() == 0);
+  CHECK(!std::filesystem::exists(folder.file("cache") + "/footlight"));
+  environment.erase("FOOTLIGHT_PIPELINE_CACHE");
+  CHECK(render() == 0);
+  CHECK(std::filesystem::exists(folder.file("cache") + "/footlight"));
+}
+
 TEST_CASE("Ctrl-C in render ends with 0, and the video holds the pictures so far") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

@@ -9,6 +9,7 @@
 #include "render/frame.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/duration.h"
+#include "tools/footlight/paths.h"
 #include "tools/footlight/pictures/flash_watch.h"
 #include "tools/footlight/pictures/picture_file.h"
 #include "tools/footlight/pictures/scene_files.h"
@@ -219,7 +220,9 @@ Result<int> render_pictures(const Options& options) {
     timeline.emplace(std::move(*log), compiled, std::move(vrsl));
   }
 
-  FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = options.device}));
+  FL_ASSIGN(const auto device,
+            render::vk::Device::create({.name_contains = options.device, .cache_folder = cache_folder()}));
+  for (const std::string& note : device->notes()) fmt::print(stderr, "footlight: {}\n", note);
   render::FrameSettings settings;
   settings.width = size.width * options.supersample;
   settings.height = size.height * options.supersample;
@@ -228,7 +231,7 @@ Result<int> render_pictures(const Options& options) {
   settings.supersample = options.supersample;
   FL_ASSIGN(const auto frame, render::Frame::create(*device, rig, compiled, settings));
   frame->set_work_light_lx(options.work_light_lx.value_or(usual_lx));
-  print_warnings(frame->resources().diagnostics);
+  print_warnings(frame->resources().rig.diagnostics);
   if (by_hand) {
     HandLevels hand(rig, compiled);
     // Machines that are set begin in clear air.
@@ -239,11 +242,12 @@ Result<int> render_pictures(const Options& options) {
     for (const std::string& text : options.sets) FL_TRY(set_by_hand(text, rig, hand));
     frame->step(hand.levels(), 0);
     if (options.at_ns > 0) frame->step(hand.levels(), options.at_ns);  // what spins has spun
-  } else if (!timeline && frame->resources().levels_bytes > 0) {
+  } else if (!timeline && frame->resources().rig.levels_bytes > 0) {
     // No log: every level is 0.
-    frame->step(std::vector<std::uint8_t>(frame->resources().levels_bytes), 0);
+    frame->step(std::vector<std::uint8_t>(frame->resources().rig.levels_bytes), 0);
   }
   const render::View view = render::view_of(camera);
+  device->lose_as_environment_says();
   Job job(options, stop, timeline ? &*timeline : nullptr, *frame, view, exposure_ev);
 
   if (options.at_ns >= 0) {

@@ -38,6 +38,7 @@ void PreviewFlashes::record_read(VkCommandBuffer commands, VkImage picture, int 
   copy.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
   copy.imageExtent = {kSmallWidth, kSmallHeight, 1};
   vkCmdCopyImageToBuffer(commands, small_.handle, VK_IMAGE_LAYOUT_GENERAL, pixels_.handle, 1, &copy);
+  render::vk::host_barrier(commands);
 }
 
 render::ScreenImage PreviewFlashes::small() const {

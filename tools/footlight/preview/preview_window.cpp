@@ -21,6 +21,7 @@
 #include "sim/system_clock.h"
 #include "tools/footlight/bridge/open_ports.h"
 #include "tools/footlight/command.h"
+#include "tools/footlight/paths.h"
 #include "tools/footlight/pictures/picture_file.h"
 #include "tools/footlight/pictures/start_view.h"
 #include "tools/footlight/pictures/timeline.h"
@@ -44,6 +45,8 @@ constexpr int kStripWidth = 800;                      // in a window narrower th
 constexpr int kSoftwarePixels = 640 * 360;            // about as many as a software renderer begins with
 constexpr std::chrono::milliseconds kQuickRead(200);  // a rig that is read sooner is read before the window opens
 constexpr double kProgressS = 0.1;                    // from text to text while it loads
+constexpr DurationNs kLossPauseNs = 60 * kNsPerS;     // devices that are lost sooner one after the other are counted
+constexpr int kLossesMax = 3;
 constexpr double kSeekStepS = 5;
 constexpr double kExposureStepEv = 0.25;
 constexpr double kOrbitRad = 3;  // for a drag over the height of the window
@@ -76,11 +79,16 @@ class Preview {
     FL_ASSIGN(const bool opened, open(signal));
     if (!opened) return kExitOk;
     start_ns_ = last_ns_ = second_ns_ = clock_.now_ns();
-    while (!window_->wants_close() && !signal.came() && !closing_) FL_TRY(turn());
+    device_->lose_as_environment_says();
+    while (!window_->wants_close() && !signal.came() && !closing_) {
+      Status turned = turn();
+      if (!turned && device_->lost()) turned = start_again(turned.error());
+      FL_TRY(turned);
+    }
     FL_TRY(window_->wait_gpu());
     if (!options_.screenshot.empty()) FL_TRY(write_shot());
     if (options_.json) print_summary();
-    return device_->validation_messages().empty() ? kExitOk : kExitFailed;
+    return validation_messages() == 0 ? kExitOk : kExitFailed;
   }
 
  private:
@@ -88,7 +96,11 @@ class Preview {
   Result<bool> open(const StopSignal& signal);
   Status load_rig(double aspect);
   Status open_levels();
-  Status open_window(const PictureSize& size);
+  Status open_device();
+  Status start_again(const Error& loss);
+  [[nodiscard]] std::size_t validation_messages() const {
+    return messages_before_ + device_->validation_messages().size();
+  }
   void set_controls(const fixtures::Camera& camera);
   Result<bool> wait_for(std::future<Status>& work, const StopSignal& signal, const char* what);
   Status show_progress(const char* what);
@@ -122,8 +134,6 @@ class Preview {
   fixtures::Rig rig_;
   fixtures::CompiledRig compiled_;
   std::optional<fixtures::Rig> vrsl_rig_;  // as written, where rig_ is what VRSL shows of it
-  fixtures::Rig clear_rig_;                // the same without haze
-  fixtures::CompiledRig clear_compiled_;
 
   // What drives the rig: one of the three.
   std::unique_ptr<Timeline> timeline_;
@@ -143,7 +153,6 @@ class Preview {
   PreviewControls controls_;
   PreviewFacts facts_;
   FrameTimes times_;
-  bool frame_haze_ = true;
   int wanted_width_ = 0;  // of the window's place for the picture when last looked at, and since when
   int wanted_height_ = 0;
   TimeNs wanted_since_ns_ = 0;
@@ -156,6 +165,9 @@ class Preview {
   TimeNs second_ns_ = 0;  // when the figures were last counted
   std::uint64_t second_frames_ = 0;
   bool closing_ = false;
+  int losses_ = 0;  // of devices, shortly one after the other
+  TimeNs lost_ns_ = 0;
+  std::size_t messages_before_ = 0;  // of the validation layer, of devices that were lost
 };
 
 // Runs `work` on a thread of its own.
@@ -171,29 +183,54 @@ Status Preview::load_rig(double aspect) {
   if (by_hand()) give_hand_addresses(rig_);
   if (rig_.vrsl && !by_hand()) vrsl_rig_ = std::exchange(rig_, fixtures::vrsl_shown(rig_));
   FL_ASSIGN(compiled_, fixtures::compile(rig_));
-  clear_rig_ = rig_;
-  clear_rig_.haze.scattering_per_m = 0;
-  FL_ASSIGN(clear_compiled_, fixtures::compile(clear_rig_));
-  if (clear_compiled_.needs.machines) {  // they go on, unseen
-    clear_compiled_.needs.haze = false;
-    clear_compiled_.needs.extinction = clear_rig_.haze.absorption_per_m > 0;
-  }
   return {};
 }
 
-Status Preview::open_window(const PictureSize& size) {
-  FL_ASSIGN(window_, Window::open("Footlight", size.width, size.height));
+// The device and what is made from it but for the frame.
+Status Preview::open_device() {
   render::vk::DeviceOptions device;
   device.instance_extensions = window_->instance_extensions();
   device.swapchain = true;
   device.name_contains = options_.device;
+  device.cache_folder = cache_folder();
   FL_ASSIGN(device_, render::vk::Device::create(device));
+  for (const std::string& note : device_->notes()) fmt::print(stderr, "footlight: {}\n", note);
   FL_TRY(window_->attach(*device_));
   FL_ASSIGN(counts_, render::vk::Buffer::host_visible(*device_, sizeof(render::CountsRow), 0));
   if (options_.flashes != FlashMode::kOff) {
     FL_ASSIGN(flashes_, PreviewFlashes::make(*device_, options_.flashes == FlashMode::kLimit));
   }
   return {};
+}
+
+// After the loss of the device: a new one, and a frame made from it. Heads that follow a log go where the log has them;
+// others start from where their channels stand. A device that is lost again and again ends the preview.
+Status Preview::start_again(const Error& loss) {
+  const TimeNs now_ns = clock_.now_ns();
+  losses_ = now_ns - lost_ns_ < kLossPauseNs ? losses_ + 1 : 1;
+  lost_ns_ = now_ns;
+  if (losses_ > kLossesMax) return tl::unexpected<Error>(loss);
+  if (options_.json) {
+    const nlohmann::json line = {{"event", "device-lost"}, {"message", loss.message}};
+    fmt::print("{}\n", line.dump());
+    std::fflush(stdout);
+  } else {
+    fmt::print(stderr, "footlight: {}; going on with a new device\n", loss.message);
+  }
+  messages_before_ = validation_messages();
+  frame_.reset();
+  flashes_.reset();
+  counts_ = {};
+  window_->detach();
+  device_.reset();
+  FL_TRY(open_device());
+  FL_TRY(rebuild(place()));
+  if (!timeline_) return {};
+  FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
+  if (!log) return fail(ErrorCode::kIo, "{}: the log is gone", options_.files.log);
+  const TimeNs until_ns = timeline_->now_ns();
+  timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_, vrsl_replay());
+  return advance(*timeline_, until_ns, 0);
 }
 
 void Preview::set_controls(const fixtures::Camera& camera) {
@@ -241,7 +278,8 @@ Result<bool> Preview::open(const StopSignal& signal) {
     FL_TRY(reading.get());
     FL_TRY(take_rig());
   }
-  FL_TRY(open_window(size));
+  FL_ASSIGN(window_, Window::open("Footlight", size.width, size.height));
+  FL_TRY(open_device());
   if (!quick) {
     FL_TRY(show_progress("Reading the rig"));
     FL_ASSIGN(const bool goes_on, wait_for(reading, signal, "Reading the rig"));
@@ -332,26 +370,20 @@ PixelRect Preview::place() const {
           std::max(window_->height(), 1)};
 }
 
-// A frame of the present size, nodes and haze. The fixtures keep their states: they move from the old frame to the new.
+// The frame of the present size, nodes and haze. The fixtures keep their states.
 Status Preview::rebuild(const PixelRect& where) {
   render::FrameSettings settings;
   settings.width = std::max(where.width / controls_.divisor, 1);
   settings.height = std::max(where.height / controls_.divisor, 1);
   settings.nodes = static_cast<std::uint32_t>(controls_.nodes);
-  if (frame_) FL_TRY(frame_->run_steps());
-  FL_ASSIGN(auto fresh, render::Frame::create(*device_, controls_.haze ? rig_ : clear_rig_,
-                                              controls_.haze ? compiled_ : clear_compiled_, settings));
+  settings.haze = controls_.haze;
   if (frame_) {
-    FL_TRY(device_->run_once(
-        [&](VkCommandBuffer commands) { render::take_states(commands, frame_->resources(), fresh->resources()); }));
-    fresh->take_machine_air(*frame_);
+    FL_TRY(frame_->change(settings));
+  } else {
+    FL_ASSIGN(frame_, render::Frame::create(*device_, rig_, compiled_, settings));
+    print_warnings(frame_->resources().rig.diagnostics);
+    if (hand_) frame_->settle_machine_air(hand_->levels());
   }
-  if (!frame_) {
-    print_warnings(fresh->resources().diagnostics);
-    if (hand_) fresh->settle_machine_air(hand_->levels());
-  }
-  frame_ = std::move(fresh);
-  frame_haze_ = controls_.haze;
   shown_ = false;
   wanted_width_ = where.width;
   wanted_height_ = where.height;
@@ -544,7 +576,7 @@ Status Preview::turn() {
   const render::FrameSettings& settings = frame_->settings();
   const bool other_size = settings.width != std::max(where.width / controls_.divisor, 1) ||
                           settings.height != std::max(where.height / controls_.divisor, 1);
-  if (static_cast<std::uint32_t>(controls_.nodes) != settings.nodes || controls_.haze != frame_haze_ ||
+  if (static_cast<std::uint32_t>(controls_.nodes) != settings.nodes || controls_.haze != settings.haze ||
       (other_size && now_ns - wanted_since_ns_ >= kSettleNs && !window_->minimised())) {
     FL_TRY(rebuild(where));
   }
@@ -560,7 +592,7 @@ Status Preview::turn() {
 }
 
 Status Preview::draw(const PixelRect& where, TimeNs now_ns) {
-  const VkImage screen = frame_->resources().screen.handle;
+  const VkImage screen = frame_->resources().picture.screen.handle;
   const render::FrameSettings& settings = frame_->settings();
   WindowPicture picture;
   picture.image = screen;
@@ -573,7 +605,8 @@ Status Preview::draw(const PixelRect& where, TimeNs now_ns) {
     frame_->record(commands, render::view_of(camera_.camera()), controls_.exposure_ev);
     render::vk::full_barrier(commands);
     const VkBufferCopy region{0, 0, sizeof(render::CountsRow)};
-    vkCmdCopyBuffer(commands, frame_->resources().counts.handle, counts_.handle, 1, &region);
+    vkCmdCopyBuffer(commands, frame_->resources().rig.counts.handle, counts_.handle, 1, &region);
+    render::vk::host_barrier(commands);
     if (flashes_) flashes_->record_read(commands, screen, settings.width, settings.height);
   };
   if (!flashes_ || !flashes_->limits()) {
@@ -656,7 +689,7 @@ void Preview::print_summary() {
   line["first_text_ms"] = static_cast<double>(progress_ns_) * 1e-6;
   line["first_picture_ms"] = static_cast<double>(picture_ns_) * 1e-6;
   line["fps"] = elapsed_s > 0 ? static_cast<double>(times_.count()) / elapsed_s : 0;
-  line["validation_messages"] = device_->validation_messages().size();
+  line["validation_messages"] = validation_messages();
   fmt::print("{}\n", line.dump());
 }
 

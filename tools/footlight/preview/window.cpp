@@ -109,6 +109,12 @@ Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width
 }
 
 Window::~Window() {
+  detach();
+  if (window_ != nullptr) glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+void Window::detach() {
   if (device_ != nullptr) {
     (void)device_->wait_idle();
     if (ui_started_) {
@@ -125,8 +131,17 @@ Window::~Window() {
     if (surface_ != VK_NULL_HANDLE) vkDestroySurfaceKHR(device_->instance, surface_, nullptr);
   }
   if (ImGui::GetCurrentContext() != nullptr) ImGui::DestroyContext();
-  if (window_ != nullptr) glfwDestroyWindow(window_);
-  glfwTerminate();
+  shot_ = {};
+  device_ = nullptr;
+  ui_started_ = false;
+  stale_ = true;
+  swapchain_ = VK_NULL_HANDLE;
+  render_pass_ = VK_NULL_HANDLE;
+  descriptors_ = VK_NULL_HANDLE;
+  acquired_ = VK_NULL_HANDLE;
+  done_ = VK_NULL_HANDLE;
+  pool_ = VK_NULL_HANDLE;
+  surface_ = VK_NULL_HANDLE;
 }
 
 Status Window::attach(vk::Device& device) {
@@ -382,9 +397,7 @@ void Window::begin_ui() {
 
 void Window::end_ui() { ImGui::Render(); }
 
-Status Window::wait_gpu() {
-  return vk::check(vkWaitForFences(device_->handle, 1, &done_, VK_TRUE, UINT64_MAX), "vkWaitForFences");
-}
+Status Window::wait_gpu() { return device_->wait(done_); }
 
 void Window::record_shot(VkCommandBuffer commands, VkImage image) {
   change_layout(commands, image, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
@@ -392,8 +405,8 @@ void Window::record_shot(VkCommandBuffer commands, VkImage image) {
   region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
   region.imageExtent = {extent_.width, extent_.height, 1};
   vkCmdCopyImageToBuffer(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, shot_.handle, 1, &region);
+  vk::host_barrier(commands);
   change_layout(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
-  vk::full_barrier(commands);
 }
 
 void Window::record_all(VkCommandBuffer commands, std::uint32_t index, const WindowPicture& picture) {
@@ -474,7 +487,7 @@ Result<bool> Window::show(const WindowPicture& picture, const std::function<void
   submit.pSignalSemaphores = &targets_[index].drawn;
   FL_TRY(vk::check(vkResetFences(device_->handle, 1, &done_), "vkResetFences"));
   std::unique_lock lock(device_->queue_mutex);
-  FL_TRY(vk::check(vkQueueSubmit(device_->queue, 1, &submit, done_), "vkQueueSubmit"));
+  FL_TRY(device_->submit_locked(submit, done_));
 
   VkPresentInfoKHR present{VK_STRUCTURE_TYPE_PRESENT_INFO_KHR};
   present.waitSemaphoreCount = 1;

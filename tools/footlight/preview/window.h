@@ -15,7 +15,8 @@
 // first anyway, and one keeps the light a frame nearer to the desk. Waits for the screen (FIFO), never longer than a
 // second.
 //
-// Knows nothing of rigs. Threads: the main thread only, as GLFW demands. The device must outlive attach()ed windows.
+// Knows nothing of rigs. Threads: the main thread only, as GLFW demands. The device must outlive attach()ed windows,
+// until they are detached.
 #pragma once
 
 #include <functional>
@@ -57,6 +58,8 @@ class Window {
   [[nodiscard]] const std::vector<std::string>& instance_extensions() const { return instance_extensions_; }
   // kUnsupported where the device cannot show pictures in this window.
   Status attach(render::vk::Device& device);
+  // Lets go of the device, so that another one can be attached: after a loss. What ImGui remembered is gone.
+  void detach();
 
   void set_title(const std::string& title);
   void hide();

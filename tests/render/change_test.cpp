@@ -1,0 +1,207 @@
+// What a frame keeps when its settings change, and what it takes of memory.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "fixtures/model/rig.h"
+#include "render/vk/pipeline.h"
+#include "tests/render/scenes.h"
+#include "tests/support/headless_vulkan.h"
+
+namespace footlight::render {
+namespace {
+
+using namespace render::testing;
+using footlight::testing::HeadlessVulkan;
+
+FrameSettings sized(int width, int height) {
+  FrameSettings settings;
+  settings.width = width;
+  settings.height = height;
+  return settings;
+}
+
+// What is slow to make: models and gobo images, and a table.
+std::vector<std::uint64_t> slow_parts(Frame& frame) {
+  const RigTables& rig = frame.resources().rig;
+  return {reinterpret_cast<std::uint64_t>(rig.vertices.handle), reinterpret_cast<std::uint64_t>(rig.gobos.handle),
+          reinterpret_cast<std::uint64_t>(rig.heads.handle), reinterpret_cast<std::uint64_t>(rig.states.handle)};
+}
+
+TEST_CASE("a frame of another size draws what a new frame of that size draws, its heads where they were") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = demo_scene(70, true);
+  const auto old = make_frame(vulkan.device(), scene, sized(96, 54));
+  const auto fresh = make_frame(vulkan.device(), scene, sized(64, 36));
+  for (Frame* frame : {old.get(), fresh.get()}) {
+    frame->step(scene.levels, 300 * kMs);  // motors are under way
+    must(frame->draw(view_of(scene.camera), scene.camera.exposure_ev));
+  }
+  must(old->change(sized(64, 36)));
+  must(old->draw(view_of(scene.camera), scene.camera.exposure_ev));
+  CHECK(must(old->read_radiance()).rgb == must(fresh->read_radiance()).rgb);
+  CHECK(must(old->read_screen()).rgba == must(fresh->read_screen()).rgba);
+}
+
+TEST_CASE("another size reads no model and no image and compiles nothing") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = demo_scene(71, true);
+  const auto frame = make_frame(vulkan.device(), scene, sized(96, 54));
+  (void)draw(*frame, scene);
+  const auto parts = slow_parts(*frame);
+  const std::size_t compiled = vulkan.device().pipelines().compiled();
+  for (const auto& [width, height] : {std::pair(64, 36), std::pair(200, 100), std::pair(96, 54)}) {
+    must(frame->change(sized(width, height)));
+    (void)draw(*frame, scene);
+  }
+  CHECK(slow_parts(*frame) == parts);
+  CHECK(vulkan.device().pipelines().compiled() == compiled);
+}
+
+TEST_CASE("two sizes of a picture never stand in memory at the same time") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  vk::Device& device = vulkan.device();
+  const Scene scene = demo_scene(72, false);
+  const auto frame = make_frame(device, scene, sized(640, 360));
+  const std::uint64_t small = device.memory_bytes();
+  must(frame->change(sized(800, 600)));
+  const std::uint64_t large = device.memory_bytes();
+  CHECK(large > small + 800 * 600 * 8);
+  for (const auto& settings : {sized(640, 360), sized(800, 600), sized(801, 600)}) {
+    device.reset_memory_peak();
+    must(frame->change(settings));
+    CHECK(device.memory_peak_bytes() <= large + 1024 * 1024);  // an image of 800 x 600 has 7.7 MB
+  }
+}
+
+TEST_CASE("a knob compiles the pass that has it, once, and nothing when it is put back") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = demo_scene(73, true);
+  FrameSettings settings = sized(64, 36);
+  const auto frame = make_frame(vulkan.device(), scene, settings);
+  const RadianceImage before = draw(*frame, scene);
+  const auto parts = slow_parts(*frame);
+  const vk::Pipelines& pipelines = vulkan.device().pipelines();
+  const std::size_t compiled = pipelines.compiled();
+  settings.nodes = 7;
+  settings.gobo_taps = 23;
+  must(frame->change(settings));
+  CHECK(pipelines.compiled() == compiled + 1);
+  const RadianceImage finer = draw(*frame, scene);
+  CHECK(finer.rgb != before.rgb);
+  CHECK(finer.rgb == draw_new(vulkan.device(), scene, settings).rgb);
+  must(frame->change(sized(64, 36)));
+  CHECK(pipelines.compiled() == compiled + 1);
+  CHECK(draw(*frame, scene).rgb == before.rgb);
+  CHECK(slow_parts(*frame) == parts);
+}
+
+TEST_CASE("pipelines that nobody uses are dropped when there are many") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene;
+  scene.rig.boxes.push_back({"floor", {-1, -1, -1}, {1, 1, 0}, glm::dvec3(0.3)});
+  scene.rig.cameras.emplace_back();
+  scene.compile();
+  FrameSettings settings = sized(8, 8);
+  const auto frame = make_frame(vulkan.device(), scene, settings);
+  const RadianceImage before = draw(*frame, scene);
+  const vk::Pipelines& pipelines = vulkan.device().pipelines();
+  const Scene lit = lamps_scene(74, 1);
+  const std::size_t compiled = pipelines.compiled();
+  FrameSettings march = judged_settings(8, 8);
+  march.method = BeamMethod::kMarch;
+  for (march.nodes = 2000; march.nodes < 2000 + vk::Pipelines::kKeptMax + 2; ++march.nodes) {
+    (void)make_frame(vulkan.device(), lit, march);
+  }
+  CHECK(pipelines.compiled() > compiled + vk::Pipelines::kKeptMax);
+  CHECK(pipelines.kept() <= vk::Pipelines::kKeptMax);
+  CHECK(draw(*frame, scene).rgb == before.rgb);  // the one in use was kept
+}
+
+TEST_CASE("without haze the picture is that of the same rig in clear air, and back") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = demo_scene(75, true);
+  Scene clear = scene;
+  clear.rig.haze.scattering_per_m = 0;
+  clear.compiled = must(fixtures::compile(clear.rig));
+  FrameSettings settings = sized(64, 36);
+  const auto frame = make_frame(vulkan.device(), scene, settings);
+  const RadianceImage hazed = draw(*frame, scene);
+  settings.haze = false;
+  must(frame->change(settings));
+  const RadianceImage seen = draw(*frame, scene);
+  CHECK(seen.rgb != hazed.rgb);
+  CHECK(seen.rgb == draw_new(vulkan.device(), clear, sized(64, 36)).rgb);
+  settings.haze = true;
+  must(frame->change(settings));
+  CHECK(draw(*frame, scene).rgb == hazed.rgb);
+}
+
+TEST_CASE("settings that are refused leave the frame as it was") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = demo_scene(76, false);
+  FrameSettings settings = judged_settings();
+  const auto frame = make_frame(vulkan.device(), scene, settings);
+  const RadianceImage before = draw(*frame, scene);
+  settings.bodies = true;
+  const Status refused = frame->change(settings);
+  REQUIRE(!refused);
+  CHECK(refused.error().code == ErrorCode::kBadInput);
+  CHECK(!frame->change(judged_settings(0, 10)));
+  settings = judged_settings();
+  settings.nodes = 9;
+  CHECK(!frame->change(settings));
+  CHECK(frame->settings().nodes == judged_settings().nodes);
+  CHECK(draw(*frame, scene).rgb == before.rgb);
+}
+
+TEST_CASE("the memory that is planned is the memory that is taken") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  for (const Scene& scene : {demo_scene(77, true), time_scene(), optics_scene(true), lamps_scene(77, 300)}) {
+    for (const FrameSettings& settings : {judged_settings(320, 180), judged_settings(64, 64)}) {
+      const auto frame = make_frame(vulkan.device(), scene, settings);
+      std::uint64_t planned = 0;
+      for (const PassMemory& pass : plan_memory({scene.rig, scene.compiled, scene.compiled.needs, settings})) {
+        planned += pass.bytes;
+      }
+      const std::uint64_t taken = frame->resources().total_bytes;
+      CHECK(planned <= taken + 16);
+      CHECK(taken <= planned + planned / 50 + 16 * 1024);  // rows of images and buffers are rounded up
+    }
+  }
+}
+
+TEST_CASE("the memory of a pass is that of the buffers and images that no pass before it has") {
+  const Scene scene = demo_scene(78, true);
+  FrameSettings settings = sized(640, 360);
+  const auto bytes_of = [&](const fixtures::Needs& needs, const std::string& name) {
+    for (const PassMemory& pass : plan_memory({scene.rig, scene.compiled, needs, settings})) {
+      if (pass.name == name) return pass.bytes;
+    }
+    return std::uint64_t{0};
+  };
+  const fixtures::Needs needs = scene.compiled.needs;
+  constexpr std::uint64_t kPixels = 640 * 360;
+  CHECK(bytes_of(needs, "bodies") == kPixels * (8 + 4));  // identity and depth
+  CHECK(bytes_of(needs, "frame") == kPixels * (16 + 4) + sizeof(FrameParams) + sizeof(CountsRow) + 8);
+  CHECK(bytes_of(needs, "tonemap") == 0);
+  CHECK(bytes_of(needs, "tiles") == 4 * 10 * 6 * ((scene.compiled.beams_max + 63) / 64 * 2));
+  // Gobo images belong to the first pass that reads them.
+  CHECK(bytes_of(needs, "surfaces") > scene.compiled.images.size() * 512 * 512 * 4);
+  CHECK(bytes_of(needs, "beams") == 0);
+  fixtures::Needs bladed = needs;
+  CHECK(!bladed.blades);
+  bladed.blades = true;
+  CHECK(bytes_of(bladed, "gather") - bytes_of(needs, "gather") == scene.compiled.beams_max * sizeof(BladesRow));
+}
+
+}  // namespace
+}  // namespace footlight::render
