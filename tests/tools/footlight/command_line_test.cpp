@@ -33,7 +33,7 @@ std::vector<std::string> commands_of(const std::string& help) {
 TEST_CASE("help names every command, the endpoints and the exit codes") {
   const Outcome outcome = footlight({"--help"});
   CHECK(outcome.exit_code == 0);
-  for (const char* command : {"devices", "discover", "run", "record", "replay", "log"}) {
+  for (const char* command : {"devices", "discover", "run", "record", "replay", "log", "trace"}) {
     const auto commands = commands_of(outcome.out);
     CHECK(std::find(commands.begin(), commands.end(), command) != commands.end());
   }

@@ -4,13 +4,17 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <sstream>
 #include <string>
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "render/frame.h"
 #include "tests/support/headless_vulkan.h"
 #include "tests/tools/footlight/run_footlight.h"
+#include "tools/demo_show/demo_assets.h"
+#include "tools/footlight/pictures/timeline.h"
 
 namespace footlight::testing {
 namespace {
@@ -144,6 +148,55 @@ TEST_CASE("Ctrl-C in render leaves whole PNGs") {
     ++files;
   }
   CHECK(files >= 2);
+}
+
+TEST_CASE("a trace is what the GPU's states are at the same times") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Outcome traced =
+      Footlight({"trace", "--demo", "--every", "500ms", "--from", "10s", "--until", "14s", "--json"}, kNoLeaks).wait();
+  REQUIRE(traced.exit_code == 0);
+  std::istringstream lines(traced.out);
+  fixtures::Rig rig = fixtures::demo_rig();
+  const auto bytes = demo::demo_log_bytes();
+  auto log = LogReader::open_bytes({bytes.begin(), bytes.end()}, "the built-in show");
+  REQUIRE(log);
+  auto driven = tools::compile_driven(rig, std::move(*log));
+  REQUIRE(driven);
+  render::FrameSettings settings;
+  settings.width = 16;
+  settings.height = 16;
+  auto frame = render::Frame::create(vulkan.device(), rig, driven->compiled, settings);
+  REQUIRE(frame);
+  const auto step = [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+    (*frame)->step(levels, dt_ns, new_exposure);
+    if ((*frame)->pending_steps() >= 512) REQUIRE((*frame)->run_steps());
+  };
+  double brightest = 0;
+  for (int half = 20; half <= 28; ++half) {
+    REQUIRE(driven->timeline->advance(half * 500 * kNsPerMs, 500 * kNsPerMs, step));
+    REQUIRE((*frame)->run_steps());
+    const auto states = (*frame)->read_states();
+    REQUIRE(states);
+    for (const auto& state : *states) {
+      std::string line;
+      REQUIRE(std::getline(lines, line));
+      CAPTURE(line);
+      const auto row = nlohmann::json::parse(line);
+      const auto near = [&](const char* name, double value, double scale) {
+        CHECK(row[name].get<double>() == doctest::Approx(value).epsilon(2e-6).scale(scale));
+      };
+      constexpr double kDegree = 180 / 3.14159265358979323846;
+      if (!row["pan_deg"].is_null()) near("pan_deg", state.pan * kDegree, 100);
+      if (!row["tilt_deg"].is_null()) near("tilt_deg", state.tilt * kDegree, 100);
+      near("zoom_deg", 2 * state.zoom * kDegree, 10);
+      near("red", state.red, 1);
+      near("green", state.green, 1);
+      near("blue", state.blue, 1);
+      brightest = std::max(brightest, row["light"].get<double>());
+    }
+  }
+  CHECK(brightest > 0.1);
 }
 
 constexpr const char* kOnePar = R"([rig]

@@ -210,15 +210,9 @@ Result<int> render_pictures(const Options& options) {
   if (by_hand) give_hand_addresses(rig);
   const double exposure_ev = options.exposure_ev.value_or(camera.exposure_ev);
   const double usual_lx = by_hand ? faint_light_lx(exposure_ev) : log ? 0 : work_light_lx(exposure_ev);
-  std::optional<fixtures::Rig> vrsl_rig;  // as written
-  if (rig.vrsl && log && !by_hand) vrsl_rig = std::exchange(rig, fixtures::vrsl_shown(rig));
-  FL_ASSIGN(const fixtures::CompiledRig compiled, fixtures::compile(rig));
-  std::optional<Timeline> timeline;
-  if (log) {
-    std::optional<fixtures::VrslReplay> vrsl;
-    if (vrsl_rig) vrsl.emplace(*vrsl_rig, compiled);
-    timeline.emplace(std::move(*log), compiled, std::move(vrsl));
-  }
+  FL_ASSIGN(DrivenRig driven, compile_driven(rig, std::move(log)));
+  const fixtures::CompiledRig& compiled = driven.compiled;
+  std::optional<Timeline>& timeline = driven.timeline;
 
   FL_ASSIGN(const auto device,
             render::vk::Device::create({.name_contains = options.device, .cache_folder = cache_folder()}));
@@ -240,8 +234,7 @@ Result<int> render_pictures(const Options& options) {
     });
     if (!sets_air) frame->settle_machine_air(hand.levels());
     for (const std::string& text : options.sets) FL_TRY(set_by_hand(text, rig, hand));
-    frame->step(hand.levels(), 0);
-    if (options.at_ns > 0) frame->step(hand.levels(), options.at_ns);  // what spins has spun
+    timeline.emplace(hand.levels(), compiled);
   } else if (!timeline && frame->resources().rig.levels_bytes > 0) {
     // No log: every level is 0.
     frame->step(std::vector<std::uint8_t>(frame->resources().rig.levels_bytes), 0);

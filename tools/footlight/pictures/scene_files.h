@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "fixtures/model/rig.h"
-#include "render/settings.h"
 #include "sim/dmx_log/dmx_log.h"
 #include "tools/footlight/command.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "sim/core/check.h"
 #include "tools/footlight/pictures/log_changes.h"
 
 namespace footlight::tools {
@@ -14,6 +15,24 @@ Timeline::Timeline(LevelChanges& changes, const fixtures::CompiledRig& compiled,
                    std::optional<fixtures::VrslReplay> vrsl, TimeNs start_ns)
     : Timeline(compiled, std::move(vrsl), start_ns) {
   changes_ = &changes;
+}
+
+Timeline::Timeline(std::span<const std::uint8_t> held, const fixtures::CompiledRig& compiled)
+    : Timeline(compiled, std::nullopt, 0) {
+  FL_CHECK_EQ(held.size(), levels_.size());
+  levels_.assign(held.begin(), held.end());
+}
+
+Result<DrivenRig> compile_driven(fixtures::Rig& rig, std::optional<LogReader> log) {
+  std::optional<fixtures::Rig> vrsl_rig;  // as written
+  if (rig.vrsl && log) vrsl_rig = std::exchange(rig, fixtures::vrsl_shown(rig));
+  DrivenRig driven;
+  FL_ASSIGN(driven.compiled, fixtures::compile(rig));
+  if (!log) return driven;
+  std::optional<fixtures::VrslReplay> vrsl;
+  if (vrsl_rig) vrsl.emplace(*vrsl_rig, driven.compiled);
+  driven.timeline.emplace(std::move(*log), driven.compiled, std::move(vrsl));
+  return driven;
 }
 
 Timeline::Timeline(LogReader reader, const fixtures::CompiledRig& compiled, std::optional<fixtures::VrslReplay> vrsl)
@@ -33,7 +52,7 @@ void Timeline::give(DurationNs dt_ns, bool new_exposure, const Step& step) {
 
 Status Timeline::advance_to(TimeNs until_ns, bool new_exposure, const Step& step) {
   while (true) {
-    if (next_.universe < 0) {
+    if (next_.universe < 0 && changes_ != nullptr) {
       FL_ASSIGN(const bool more, changes_->next(next_));
       if (!more) next_.universe = -1;
     }

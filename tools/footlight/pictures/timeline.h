@@ -22,6 +22,8 @@ class Timeline {
   // start_ns: where the timeline stands at first; the levels are 0 there. `changes` outlives it.
   Timeline(LevelChanges& changes, const fixtures::CompiledRig& compiled,
            std::optional<fixtures::VrslReplay> vrsl = std::nullopt, TimeNs start_ns = 0);
+  // Of levels that are held from 0 on: universes x 512 bytes in the rig's order.
+  Timeline(std::span<const std::uint8_t> held, const fixtures::CompiledRig& compiled);
   // Of a log: from 0 to duration_ns().
   Timeline(LogReader reader, const fixtures::CompiledRig& compiled,
            std::optional<fixtures::VrslReplay> vrsl = std::nullopt);
@@ -50,5 +52,14 @@ class Timeline {
   DurationNs duration_ns_ = 0;
   bool stepped_ = false;
 };
+
+// A rig with its tables, and the timeline of the log that drives it; none without a log.
+struct DrivenRig {
+  fixtures::CompiledRig compiled;
+  std::optional<Timeline> timeline;
+};
+
+// Compiles the rig. One with VRSL fixtures and a log becomes, in `rig` as well, what VRSL shows of it.
+[[nodiscard]] Result<DrivenRig> compile_driven(fixtures::Rig& rig, std::optional<LogReader> log);
 
 }  // namespace footlight::tools
