@@ -39,6 +39,8 @@ struct View {
 
 // The picture on a screen, as the tone map pass makes it; on the CPU, in float.
 [[nodiscard]] ScreenImage screen_of(const RadianceImage& image, double exposure_ev);
+// One pixel for each side x side pixels: their mean, as the tone map pass takes it. side >= 1 divides width and height.
+[[nodiscard]] RadianceImage averaged(const RadianceImage& image, int side);
 // What the radiance is multiplied by before the tone map: the brightest luminance is 1.2 x 2^EV cd/m^2 (EV at ISO 100).
 [[nodiscard]] double exposure_factor(double exposure_ev);
 

@@ -35,6 +35,29 @@ ScreenImage screen_of(const RadianceImage& image, double exposure_ev) {
   return screen;
 }
 
+RadianceImage averaged(const RadianceImage& image, int side) {
+  if (side == 1) return image;
+  const int width = image.width / side;
+  const int height = image.height / side;
+  RadianceImage means{width, height, {}};
+  means.rgb.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3);
+  const float share = 1.0f / static_cast<float>(side * side);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      glm::vec3 sum(0);
+      for (int row = y * side; row < (y + 1) * side; ++row) {
+        for (int column = x * side; column < (x + 1) * side; ++column) {
+          const auto at = 3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width) +
+                               static_cast<std::size_t>(column));
+          sum += glm::vec3(image.rgb[at], image.rgb[at + 1], image.rgb[at + 2]);
+        }
+      }
+      for (int c = 0; c < 3; ++c) means.rgb.push_back(sum[c] * share);
+    }
+  }
+  return means;
+}
+
 double light_range_m(const fixtures::Rig& rig, const Extent& objects) {
   if (rig.haze.reach_m > 0) return rig.haze.reach_m;
   glm::dvec3 low = objects.low_m;

@@ -171,6 +171,7 @@ TEST_CASE("libraries of hardware, and those that are slow to compile, stay where
       {"GLFW/", R"(tools/footlight/preview/(window|preview_).*)"},
       {"imgui", R"(tools/footlight/preview/(window|preview_).*)"},
       {"libav", R"(tools/footlight/pictures/video.*\.cpp|tests/tools/.*\.cpp)"},
+      {"OpenEXR/", R"(tools/footlight/pictures/exr_file\.cpp|tests/tools/.*\.cpp)"},
       {"libsw", R"(tools/footlight/pictures/video.*\.cpp|tests/tools/.*\.cpp)"},
       {"microhttpd", R"(tools/footlight/status/http_server\.cpp)"},
       {"systemd/", R"(tools/footlight/bridge/(service|event_log)\.cpp)"},

@@ -67,6 +67,8 @@ constexpr Special kSpecials[] = {
     {"footlight fixtures find robe pointe", nullptr, "", 3, "no library of fixtures is installed"},
     {"footlight record --in sacn:1-9 -o new.dmxlog", nullptr, "--for 100ms", 3, kUntilStopped},
     {"footlight replay show.dmxlog --at 12.5s --loop --out sacn:1-9", nullptr, "--for 100ms", 0, kUntilStopped},
+    {"footlight render rig.toml --log show.dmxlog --at 12.5s -o frame.exr", nullptr, kSmall, 0,
+     "1280x720 pixels take long without a GPU"},
     {"footlight render rig.toml --log show.dmxlog --every 40ms -o show.mp4", nullptr, "--until 80ms --size 48x26", 0,
      "the whole show takes minutes without a GPU"},
     {"footlight render rig.toml --log show.dmxlog --every 20ms -o calm.mp4 --flashes limit", nullptr,

@@ -10,6 +10,7 @@
 #include "tools/footlight/command.h"
 #include "tools/footlight/duration.h"
 #include "tools/footlight/paths.h"
+#include "tools/footlight/pictures/exr_file.h"
 #include "tools/footlight/pictures/flash_watch.h"
 #include "tools/footlight/pictures/picture_file.h"
 #include "tools/footlight/pictures/scene_files.h"
@@ -51,7 +52,8 @@ bool is_video(const std::string& path) { return path.size() > 4 && path.compare(
 
 Status check_options(const Options& options) {
   if (options.out.empty()) {
-    return fail(ErrorCode::kBadInput, "no output: expected -o frame.png, -o frame_%04d.png or -o show.mp4");
+    return fail(ErrorCode::kBadInput,
+                "no output: expected -o frame.png, -o frame.exr, -o frame_%04d.png or -o show.mp4");
   }
   const bool many = options.every_ns >= 0;
   if (many == (options.at_ns >= 0)) {
@@ -69,6 +71,12 @@ Status check_options(const Options& options) {
   }
   if (options.flashes != "warn" && options.flashes != "limit" && options.flashes != "ignore") {
     return fail(ErrorCode::kBadInput, "--flashes {}: expected warn, limit or ignore", options.flashes);
+  }
+  if (is_exr(options.out)) FL_TRY(check_exr(options.out));
+  if (options.flashes == "limit" && is_exr(options.out)) {
+    return fail(ErrorCode::kBadInput,
+                "--flashes limit: dims what a screen shows, and {} is light before that; expected .png or .mp4",
+                options.out);
   }
   if (options.flashes == "limit" && (!many || options.every_ns > kFlashPauseMaxNs)) {
     return fail(ErrorCode::kBadInput,
@@ -103,7 +111,9 @@ class Job {
       frame_.step(levels, dt_ns, new_exposure);
       if (frame_.pending_steps() >= kStepsHeldMax && flushed) flushed = frame_.run_steps();
     };
+    ExrHeader exr{exposure_ev_, at_ns, 0, std::max<DurationNs>(options_.every_ns, 0)};
     if (timeline_ != nullptr) {
+      exr.shutter_ns = at_ns - std::clamp(timeline_->now_ns(), at_ns - exposure_ns, at_ns);
       FL_TRY(timeline_->advance(at_ns, exposure_ns, step));
       FL_TRY(flushed);
     }
@@ -112,7 +122,7 @@ class Job {
     FL_ASSIGN(picture_, frame_.read_screen());
     const double wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     watch_flashes(at_ns);
-    FL_TRY(store());
+    FL_TRY(store(exr));
     if (options_.json) {
       FL_ASSIGN(const auto times, frame_.read_times());
       FL_ASSIGN(const auto counts, frame_.read_counts());
@@ -173,16 +183,23 @@ class Job {
                     stretch.flashes >= 16 ? " or more" : "", 100 * stretch.area, stretch.red ? ", saturated red" : ""));
   }
 
-  Status store() {
+  Status store_exr(const std::string& path, const ExrHeader& exr) {
+    FL_ASSIGN(const render::RadianceImage light, frame_.read_radiance());
+    return write_exr(path, render::averaged(light, options_.supersample), exr);
+  }
+
+  Status store(const ExrHeader& exr) {
     if (is_video(options_.out)) {
       if (!video_) {
         FL_ASSIGN(video_, VideoFile::create(options_.out, picture_.width, picture_.height, options_.every_ns));
       }
       return video_->add(picture_);
     }
-    if (options_.every_ns < 0) return write_png(options_.out, picture_);
-    FL_ASSIGN(const std::string path, numbered_path(options_.out, number_));
-    return write_png(path, picture_);
+    std::string path = options_.out;
+    if (options_.every_ns >= 0) {
+      FL_ASSIGN(path, numbered_path(options_.out, number_));
+    }
+    return is_exr(path) ? store_exr(path, exr) : write_png(path, picture_);
   }
 
   const Options& options_;
@@ -272,7 +289,8 @@ Result<int> render_pictures(const Options& options) {
 void add(Arguments& arguments) {
   auto options = std::make_shared<Options>();
   add_scene_arguments(arguments, options->files);
-  arguments.option("--out,-o", options->out, "FILE", "frame.png, frame_%04d.png or show.mp4");
+  arguments.option("--out,-o", options->out, "FILE",
+                   "frame.png, frame.exr, frame_%04d.png, frame_%04d.exr or show.mp4");
   arguments.duration("--at", options->at_ns, "one picture, at this time of the log");
   arguments.duration("--every", options->every_ns, "pictures this far apart");
   arguments.duration("--from", options->from_ns, "with --every: the first picture's time");
@@ -311,6 +329,7 @@ extern const CommandInfo render_command{
         "  footlight render --demo --at 12.5s -o frame.png\n"
         "  footlight render rig.toml --log show.dmxlog --at 12.5s --size 1920x1080 -o frame.png\n"
         "  footlight render rig.toml --log show.dmxlog --every 40ms -o frame_%04d.png\n"
+        "  footlight render rig.toml --log show.dmxlog --at 12.5s -o frame.exr         linear light in cd/m2, OpenEXR\n"
         "  footlight render hall.mvr --at 0s -o hall.png              in work light\n"
         "  footlight render hall.mvr --lit --set Tilt=30 --set Iris=0.4 --at 0s -o look.png\n"
         "  footlight render --demo --every 40ms --from 10s --until 20s --camera side -o side.mp4\n"

@@ -10,7 +10,7 @@
 
 namespace footlight::tools {
 
-Status write_png(const std::string& path, const render::ScreenImage& image) {
+Status write_picture(const std::string& path, std::span<const std::byte> bytes) {
   FL_TRY(refuse_pipe_output(path));
   const std::string part = path + ".part";
   std::FILE* file = std::fopen(part.c_str(), "wb");
@@ -18,17 +18,27 @@ Status write_png(const std::string& path, const render::ScreenImage& image) {
     return fail(ErrorCode::kIo, "{}: cannot be written ({}); choose a folder that exists and is yours", path,
                 std::strerror(errno));
   }
-  const fixtures::Bytes png = fixtures::png_of(image.width, image.height, 4, image.rgba);
-  const bool written = !png.empty() && std::fwrite(png.data(), 1, png.size(), file) == png.size();
-  const bool closed = std::fclose(file) == 0;
-  if (!written || !closed) {
+  errno = 0;
+  bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size() && std::fflush(file) == 0;
+  int reason = written ? 0 : errno;  // of the write: closing and removing may change it
+  if (std::fclose(file) != 0 && written) {
+    written = false;
+    reason = errno;
+  }
+  if (!written) {
     std::remove(part.c_str());
-    return fail(ErrorCode::kIo, "{}: writing failed ({}); is the disk full?", path, std::strerror(errno));
+    return fail(ErrorCode::kIo, "{}: writing failed ({}); is the disk full?", path, std::strerror(reason));
   }
   std::error_code trouble;
   std::filesystem::rename(part, path, trouble);
   if (trouble) return fail(ErrorCode::kIo, "{}: cannot be renamed from {}: {}", path, part, trouble.message());
   return {};
+}
+
+Status write_png(const std::string& path, const render::ScreenImage& image) {
+  const fixtures::Bytes png = fixtures::png_of(image.width, image.height, 4, image.rgba);
+  if (png.empty()) return fail(ErrorCode::kIo, "{}: no memory for the picture; choose a smaller --size", path);
+  return write_picture(path, png);
 }
 
 namespace {

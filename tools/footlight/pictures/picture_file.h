@@ -1,6 +1,8 @@
 // Pictures as files.
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
 
 #include "render/image.h"
@@ -8,7 +10,9 @@
 
 namespace footlight::tools {
 
-// Writes a PNG under a temporary name beside `path`, then gives it its name: no half-written picture is ever seen.
+// Writes the bytes as `path`.part and renames that file: there is never a half-written picture. kIo with the reason
+// where the folder is missing or the disk is full; then `path` is as it was.
+Status write_picture(const std::string& path, std::span<const std::byte> bytes);
 Status write_png(const std::string& path, const render::ScreenImage& image);
 
 // Whether `path` has exactly one printf place for a number ("frame_%04d.png"), and the name with that number.
