@@ -60,6 +60,7 @@ constexpr Kind kKinds[] = {
     {"ColorSub_Y", "yellow", "%", Start::kRest},
     {"Color1", "colour", "", Start::kRest},
     {"Color2", "colour 2", "", Start::kRest},
+    {"Color3", "colour 3", "", Start::kRest},
     {"Pan", "pan", "deg", Start::kRest},
     {"Tilt", "tilt", "deg", Start::kRest},
     {"Zoom", "zoom", "deg", Start::kRest},
