@@ -247,6 +247,7 @@ TEST_CASE("report refuses a rig that nothing drives, and judges it lit by hand")
     CHECK(row["rel_l2"].get<double>() > 1e-9);
     CHECK(row["rel_l2"].get<double>() < 1e-2);
     CHECK(contains(lit.out, "\"whole-frame\""));
+    CHECK(contains(lit.out, "\"need\":\"blades\""));
   }
 }
 

@@ -17,6 +17,7 @@
 #include "tools/footlight/pictures/start_view.h"
 #include "tools/footlight/pictures/timeline.h"
 #include "tools/footlight/preview/hand_levels.h"
+#include "tools/footlight/report/left_out.h"
 #include "tools/footlight/report/picture_report.h"
 #include "tools/footlight/report/report_fleet.h"
 #include "tools/footlight/report/report_parts.h"
@@ -135,19 +136,17 @@ Result<Scene> scene_of_files(const SceneFiles& files, const PictureArguments& ar
   return scene;
 }
 
-void print_left_out(const Scene& scene) {
-  fmt::print("Left out, since {} does not need it:\n", scene.name);
-  const render::FrameSettings settings;
-  bool any = false;
-  for (const auto& pass : render::left_out_passes(scene.compiled.needs, settings)) {
-    fmt::print("  pass {}: {}\n", pass.name, pass.loss);
-    any = true;
+// What the rig does without, and what that saves.
+Status report_left_out(render::vk::Device& device, const Scene& scene, const PictureReportOptions& pictures,
+                       const ReportOptions& options) {
+  LeftOutOptions left_out{.width = pictures.width, .height = pictures.height, .runs = pictures.runs, .go_on = {}};
+  if (options.quick) left_out.runs = 0;  // each row compiles shaders
+  if (options.go_on) {
+    left_out.go_on = [&](double done, double all) { return options.go_on("things that are left out", done, all); };
   }
-  for (const std::string& line : fixtures::left_out(scene.compiled.needs)) {
-    fmt::print("  {}\n", line);
-    any = true;
-  }
-  if (!any) fmt::print("  nothing\n");
+  FL_ASSIGN(const std::vector<LeftOutRow> rows, measure_left_out(device, scene, left_out));
+  options.print(options.json ? json_of(rows) : text_of(rows, scene.name) + "\n");
+  return {};
 }
 
 Status report_fleet(const PictureArguments& arguments, const ReportOptions& options) {
@@ -247,9 +246,8 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
           "long double: {:.1e} /m after {} steps of at most 40 ms, {:.0f} ns each.\n\n",
           air->haze_per_m, air->fog_per_m, air->error_per_m, air->steps, air->ns_a_step);
     }
-    print_left_out(scene);
-    fmt::print("\n");
   }
+  FL_TRY(report_left_out(*device, scene, picture_options, options));
   if (!options.csv.empty()) FL_TRY(write_report_file(options.csv, render::csv_of(report.rows)));
   if (!options.svg.empty()) {
     FL_TRY(write_report_file(options.svg, render::svg_plot({scene.name + ": beams", report.device,

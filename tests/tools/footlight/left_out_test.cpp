@@ -1,0 +1,119 @@
+// What a report says about the things that a rig does not need.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "fixtures/model/features.h"
+#include "tests/support/headless_vulkan.h"
+#include "tests/support/must.h"
+#include "tools/footlight/report/left_out.h"
+
+namespace footlight::tools {
+namespace {
+
+using footlight::testing::HeadlessVulkan;
+using footlight::testing::must;
+
+const LeftOutOptions kSmall{.width = 32, .height = 18, .runs = 3, .go_on = {}};
+
+const LeftOutRow& row_of(const std::vector<LeftOutRow>& rows, const std::string& name, bool pass) {
+  const auto found =
+      std::find_if(rows.begin(), rows.end(), [&](const auto& each) { return each.name == name && each.pass == pass; });
+  REQUIRE_MESSAGE((found != rows.end()), name);
+  return *found;
+}
+
+TEST_CASE("each need that a rig lacks has its bytes, and a time where shaders depend on it") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = must(make_beams_scene(3, ""));
+  const auto rows = must(measure_left_out(vulkan.device(), scene, kSmall));
+  std::size_t missing = 0;
+  for (const fixtures::Feature& feature : fixtures::features()) {
+    if (!(scene.compiled.needs.*feature.need)) ++missing;
+  }
+  CHECK(missing > 15);
+  CHECK(rows.size() == missing);  // no pass is left out
+  for (const LeftOutRow& row : rows) {
+    INFO(row.name);
+    CHECK(!row.pass);
+    CHECK(!row.text.empty());
+    CHECK(row.times.has_value() == row.on_gpu);
+    if (!row.times) continue;
+    CHECK(row.times->ms_p10 <= row.times->ms_p50);
+    CHECK(row.times->ms_p50 <= row.times->ms_p90);
+  }
+  CHECK(row_of(rows, "blades", false).bytes == scene.compiled.beams_max * sizeof(render::BladesRow));
+  CHECK(row_of(rows, "motion", false).on_gpu);
+  CHECK(row_of(rows, "motion", false).bytes == 0);
+  CHECK(!row_of(rows, "machines", false).on_gpu);  // they live on the CPU
+}
+
+TEST_CASE("a pass that is left out has the time and the bytes that it has in the frame that brings it") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = must(make_beams_scene(3, ""));
+  scene.rig.haze.scattering_per_m = 0;
+  scene.compiled = must(fixtures::compile(scene.rig));
+  const auto rows = must(measure_left_out(vulkan.device(), scene, kSmall));
+  const LeftOutRow& beams = row_of(rows, "beams", true);
+  const LeftOutRow& haze = row_of(rows, "haze", false);
+  CHECK(&beams == &rows.front());
+  REQUIRE(beams.times);
+  REQUIRE(haze.times);
+  CHECK(beams.times->ms_p10 > 0);
+  CHECK(haze.bytes == beams.bytes);
+}
+
+TEST_CASE("without runs nothing is timed, and the bytes are the same") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = must(make_beams_scene(3, ""));
+  LeftOutOptions options = kSmall;
+  options.runs = 0;
+  const auto rows = must(measure_left_out(vulkan.device(), scene, options));
+  CHECK(row_of(rows, "blades", false).bytes == scene.compiled.beams_max * sizeof(render::BladesRow));
+  CHECK(row_of(rows, "motion", false).on_gpu);
+  for (const LeftOutRow& row : rows) CHECK(!row.times);
+  CHECK((text_of(rows, "beams").find("not timed") != std::string::npos));
+}
+
+TEST_CASE("measuring ends between two rows when it is told to") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = must(make_beams_scene(1, ""));
+  LeftOutOptions options = kSmall;
+  options.go_on = [](double done, double) { return done < 2; };
+  CHECK(must(measure_left_out(vulkan.device(), scene, options)).size() == 2);
+}
+
+TEST_CASE("rows state milliseconds and bytes, as text and as JSON") {
+  const std::vector<LeftOutRow> rows = {
+      {.name = "beams", .text = "beams in the air", .pass = true, .bytes = 3 << 20, .times = {{0.5, 1.25, 2}}},
+      {.name = "blades", .text = "no edges are cut", .bytes = 9216, .times = {{-0.01, 0.002, 0.01}}},
+      {.name = "motion", .text = "no axes", .bytes = 0, .times = {}},
+      {.name = "machines", .text = "the air stays", .on_gpu = false, .times = {}}};
+  const std::string text = text_of(rows, "demo@30s");
+  CHECK((text.find("demo@30s") != std::string::npos));
+  CHECK(
+      (text.find("\n  pass beams: beams in the air; +1.250 ms (+0.500 to +2.000), 3072.0 KiB\n") != std::string::npos));
+  CHECK((text.find("\n  blades: no edges are cut; +0.002 ms (-0.010 to +0.010), 9216 B\n") != std::string::npos));
+  CHECK((text.find("\n  motion: no axes, 0 B\n") != std::string::npos));
+  CHECK((text.find("\n  machines: the air stays; nothing on the GPU\n") != std::string::npos));
+  CHECK((text_of({}, "demo").find("  nothing\n") != std::string::npos));
+
+  const std::string lines = json_of(rows);
+  const auto first = nlohmann::json::parse(lines.substr(0, lines.find('\n')));
+  CHECK(first["event"] == "left-out");
+  CHECK(first["pass"] == "beams");
+  CHECK(first["ms_p50"] == 1.25);
+  CHECK(first["bytes"] == 3 << 20);
+  CHECK(std::count(lines.begin(), lines.end(), '\n') == 4);
+  CHECK((lines.find("\"need\":\"machines\"") != std::string::npos));
+}
+
+}  // namespace
+}  // namespace footlight::tools
