@@ -10,6 +10,7 @@
 #include <fstream>
 #include <optional>
 
+#include "drivers/open_files.h"
 #include "drivers/permission.h"
 #include "drivers/usb_match.h"
 
@@ -68,13 +69,11 @@ std::string last_part(const std::string& path) {
 // "olad (process 812)", of the first process that has one of the nodes open; empty where none is visible to this user.
 std::string holder_of(const std::string& proc_root, const std::vector<std::string>& nodes) {
   const std::string own = std::to_string(::getpid());
-  for (const std::string& process : names_in(proc_root)) {
-    if (process.find_first_not_of("0123456789") != std::string::npos || process == own) continue;
-    const std::string fds = fmt::format("{}/{}/fd", proc_root, process);
-    for (const std::string& fd : names_in(fds)) {
-      const std::string target = link_target(fmt::format("{}/{}", fds, fd));
+  for (const std::string& process : processes(proc_root)) {
+    if (process == own) continue;
+    for (const std::string& target : open_files(proc_root, process)) {
       if (std::find(nodes.begin(), nodes.end(), target) != nodes.end())
-        return fmt::format("{} (process {})", attribute(fmt::format("{}/{}/comm", proc_root, process)), process);
+        return fmt::format("{} (process {})", process_name(proc_root, process), process);
     }
   }
   return {};

@@ -1,13 +1,11 @@
 #include "drivers/device/device.h"
 
-#include <sys/eventfd.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
 
+#include "drivers/fd.h"
 #include "drivers/rdm/rdm_widget.h"
 #include "drivers/wait/real_time.h"
 #include "sim/core/check.h"
@@ -18,26 +16,6 @@ namespace {
 
 constexpr DurationNs kLineLostNs = 1'250 * kNsPerMs;  // a receiver's patience, E1.11 section 9.3 plus a frame
 constexpr int kTimeoutCountMax = 3;                   // sends in a row; then the device is opened afresh
-
-// A counter in the kernel that poll() and epoll can wait for.
-class EventFd {
- public:
-  EventFd() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) { FL_CHECK_GE(fd_, 0); }
-  ~EventFd() { ::close(fd_); }
-  EventFd(const EventFd&) = delete;
-  EventFd& operator=(const EventFd&) = delete;
-  [[nodiscard]] int fd() const { return fd_; }
-  // Both can fail only by being signalled or quiet already.
-  void signal() { (void)!::write(fd_, &kOne, sizeof kOne); }
-  void clear() {
-    std::uint64_t count = 0;
-    (void)!::read(fd_, &count, sizeof count);
-  }
-
- private:
-  static constexpr std::uint64_t kOne = 1;
-  const int fd_;
-};
 
 }  // namespace
 
@@ -523,6 +501,7 @@ Result<DeviceLink> DeviceLink::open(DevicePlan plan, const DevicePortConfig& con
   FL_CHECK(plan.widget && plan.opener);
   for (const DeviceLine& line : config.lines) FL_CHECK(is_universe(line.universe));
   auto port = std::make_shared<DevicePort>(config, use, universes_of(config));
+  FL_CHECK(port->event);
   const std::string identity = plan.opener->identity();
   OpenDevices& open = open_devices();
   const std::lock_guard lock(open.mutex);
@@ -610,7 +589,7 @@ Result<std::unique_ptr<DeviceSink>> DeviceSink::open(DevicePlan plan, const Devi
 }
 
 std::string DeviceSink::name() const { return link_.port().config.name; }
-int DeviceSink::poll_fd() const { return link_.port().event.fd(); }
+int DeviceSink::poll_fd() const { return link_.port().event.get(); }
 PortState DeviceSink::state() const { return state_of(link_); }
 std::string DeviceSink::trouble() const { return trouble_of(link_); }
 PortCounters DeviceSink::counters() const { return counters_of(link_); }
@@ -681,7 +660,7 @@ Result<std::unique_ptr<DeviceSource>> DeviceSource::open(DevicePlan plan, const 
 }
 
 std::string DeviceSource::name() const { return link_.port().config.name; }
-int DeviceSource::poll_fd() const { return link_.port().event.fd(); }
+int DeviceSource::poll_fd() const { return link_.port().event.get(); }
 std::string DeviceSource::trouble() const { return trouble_of(link_); }
 PortCounters DeviceSource::counters() const { return counters_of(link_); }
 std::span<const Universe> DeviceSource::universes() const { return link_.port().universes; }

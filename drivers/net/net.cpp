@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <fstream>
 #include <utility>
 
-#include <unistd.h>
-
+#include "drivers/machine_id.h"
 #include "drivers/net/artnet_nodes.h"
 #include "drivers/net/hash.h"
 #include "drivers/net/unicast_exchange.h"
@@ -17,15 +15,6 @@ namespace {
 tl::unexpected<Error> not_of_the_network(const Endpoint& endpoint) {
   return fail(ErrorCode::kBadInput, "{}: expected an endpoint of the network, as in sacn:1-9 or artnet:1-9@10.9.0.255",
               endpoint.text);
-}
-
-std::string machine_text() {
-  std::string text;
-  std::ifstream file("/etc/machine-id");
-  if (file && std::getline(file, text) && !text.empty()) return text;
-  char host[256] = {};
-  if (gethostname(host, sizeof host - 1) == 0) return host;
-  return "unknown machine";
 }
 
 }  // namespace
@@ -77,7 +66,7 @@ Cid sacn_cid(std::string_view machine, std::string_view source_name, std::string
 
 Cid sacn_cid_of(const SacnSinkOptions& options) {
   if (options.cid != Cid{}) return options.cid;
-  return sacn_cid(machine_text(), options.source_name, options.name);
+  return sacn_cid(machine_id(), options.source_name, options.name);
 }
 
 }  // namespace footlight::drivers

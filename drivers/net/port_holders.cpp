@@ -10,11 +10,11 @@
 #include <sstream>
 
 #include <arpa/inet.h>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
 #include "drivers/net/udp.h"
+#include "drivers/open_files.h"
 
 namespace footlight::drivers {
 namespace {
@@ -49,27 +49,19 @@ void read_table(const char* path, bool is_ipv4, std::uint16_t udp_port, std::vec
   }
 }
 
-std::set<std::uint64_t> inodes_of(const fs::path& process) {
+std::set<std::uint64_t> inodes_of(const std::string& process) {
   std::set<std::uint64_t> inodes;
-  std::error_code error;
-  for (fs::directory_iterator at(process / "fd", error), end; !error && at != end; at.increment(error)) {
-    char target[64] = {};
-    const ssize_t length = ::readlink(at->path().c_str(), target, sizeof target - 1);
+  for (const std::string& target : open_files("/proc", process)) {
     unsigned long long inode = 0;
-    if (length > 0 && std::sscanf(target, "socket:[%llu]", &inode) == 1) inodes.insert(inode);
+    if (std::sscanf(target.c_str(), "socket:[%llu]", &inode) == 1) inodes.insert(inode);
   }
   return inodes;
-}
-
-bool is_pid(const std::string& text) {
-  return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
 // What its user calls it: its name and, where it is ours, its command.
 void describe(PortHolder& holder) {
   const fs::path process = fs::path("/proc") / std::to_string(holder.pid);
-  std::string name;
-  std::getline(std::ifstream(process / "comm"), name);
+  const std::string name = process_name("/proc", std::to_string(holder.pid));
   std::string printable;
   for (const char c : name) printable += std::isprint(static_cast<unsigned char>(c)) != 0 ? c : '?';
   if (name == "footlight") {
@@ -92,19 +84,16 @@ std::vector<PortHolder> other_holders(std::uint16_t udp_port) {
   read_table("/proc/thread-self/net/udp", true, udp_port, sockets);
   read_table("/proc/thread-self/net/udp6", false, udp_port, sockets);
   if (!sockets.empty()) {
-    const auto own = inodes_of("/proc/self");
+    const auto own = inodes_of("self");
     std::erase_if(sockets, [&](const OpenSocket& one) { return own.count(one.inode) != 0; });
   }
   std::vector<PortHolder> holders;
   if (sockets.empty()) return holders;
-  std::error_code error;
-  for (fs::directory_iterator at("/proc", error), end; !error && at != end; at.increment(error)) {
-    const std::string name = at->path().filename().string();
-    if (!is_pid(name)) continue;
-    const auto inodes = inodes_of(at->path());
+  for (const std::string& process : processes("/proc")) {
+    const auto inodes = inodes_of(process);
     for (OpenSocket& one : sockets) {
       if (inodes.count(one.inode) == 0) continue;
-      one.holder.pid = std::atoi(name.c_str());
+      one.holder.pid = std::atoi(process.c_str());
       describe(one.holder);
     }
   }

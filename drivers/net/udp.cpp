@@ -43,20 +43,6 @@ TimeNs wall_clock_ns() {
 
 }  // namespace
 
-Fd& Fd::operator=(Fd&& other) noexcept {
-  if (this != &other) {
-    reset();
-    fd_ = other.release();
-  }
-  return *this;
-}
-
-int Fd::release() { return std::exchange(fd_, -1); }
-
-void Fd::reset() {
-  if (fd_ >= 0) ::close(release());
-}
-
 Result<std::uint32_t> parse_ipv4(std::string_view port_name, const std::string& text) {
   in_addr address = {};
   if (inet_pton(AF_INET, text.c_str(), &address) != 1) {

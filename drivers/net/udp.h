@@ -11,31 +11,13 @@
 #include <string_view>
 #include <vector>
 
+#include "drivers/fd.h"
 #include "sim/core/clock.h"
 #include "sim/core/result.h"
 
 namespace footlight::drivers {
 
 inline constexpr std::size_t kDatagramBytesMax = 1280;  // above the largest sACN (1144) and Art-Net packet that we read
-
-// Owns a file descriptor.
-class Fd {
- public:
-  Fd() = default;
-  explicit Fd(int fd) : fd_(fd) {}
-  Fd(Fd&& other) noexcept : fd_(other.release()) {}
-  Fd& operator=(Fd&& other) noexcept;
-  Fd(const Fd&) = delete;
-  Fd& operator=(const Fd&) = delete;
-  ~Fd() { reset(); }
-  [[nodiscard]] int get() const { return fd_; }
-  [[nodiscard]] explicit operator bool() const { return fd_ >= 0; }
-  int release();
-  void reset();
-
- private:
-  int fd_ = -1;
-};
 
 [[nodiscard]] Result<std::uint32_t> parse_ipv4(std::string_view port_name, const std::string& text);
 // Errors: of the first text that is no address.

@@ -1,8 +1,9 @@
 #include "drivers/rdm/rdm_controller.h"
 
 #include <algorithm>
-#include <fstream>
 #include <string>
+
+#include "drivers/machine_id.h"
 
 namespace footlight::drivers {
 namespace {
@@ -33,9 +34,7 @@ std::uint16_t word_of(const Octets& data) {
 }  // namespace
 
 RdmUid rdm_own_uid() {
-  std::string text;
-  std::ifstream file("/etc/machine-id");
-  if (!file || !std::getline(file, text)) text = "unknown machine";
+  const std::string text = machine_id();
   std::uint32_t digest = 2'166'136'261u;  // FNV-1a, 32 bits
   for (const char c : text) digest = (digest ^ static_cast<unsigned char>(c)) * 16'777'619u;
   return {0x7FF0, digest == 0xFFFF'FFFF ? 0 : digest};

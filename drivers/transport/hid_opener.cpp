@@ -4,14 +4,12 @@
 #include <linux/hidraw.h>
 #include <poll.h>
 #include <sys/epoll.h>
-#include <sys/eventfd.h>
 #include <sys/inotify.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -24,6 +22,7 @@
 
 #include "drivers/device/chooser.h"
 #include "drivers/permission.h"
+#include "drivers/transport/wakeup.h"
 
 namespace footlight::drivers {
 
@@ -32,20 +31,6 @@ bool built_with_hid() { return true; }
 namespace {
 
 constexpr DurationNs kSleepMaxNs = kNsPerS;  // for clocks that are moved by hand
-
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(Descriptor&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Descriptor& operator=(Descriptor&&) = delete;
-  [[nodiscard]] int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 struct CloseHidDevice {
   void operator()(hid_device* device) const { hid_close(device); }
@@ -56,20 +41,9 @@ using OwnedHidDevice = std::unique_ptr<hid_device, CloseHidDevice>;
 struct Link {
   explicit Link(Clock& the_clock) : clock(the_clock) {}
   Clock& clock;
-  const Descriptor wakeups{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};  // readable after wake() and abort()
-  std::atomic<bool> woken{false};
-  std::atomic<bool> aborted{false};
+  Wakeup wakeup;
 
-  void interrupt(std::atomic<bool>& flag) {
-    flag = true;
-    constexpr std::uint64_t kOne = 1;
-    (void)!::write(wakeups.get(), &kOne, sizeof kOne);  // fails only if it is readable already
-  }
-  void drain_wakeups() const {
-    std::uint64_t count = 0;
-    (void)!::read(wakeups.get(), &count, sizeof count);
-  }
-  // Real time for poll() and epoll_wait(), rounded up.
+  // Real time for epoll_wait(), rounded up.
   [[nodiscard]] int ms_until(TimeNs deadline_ns) const {
     const DurationNs left_ns = std::clamp<DurationNs>(deadline_ns - clock.now_ns(), 0, kSleepMaxNs);
     return static_cast<int>((left_ns + kNsPerMs - 1) / kNsPerMs);
@@ -92,7 +66,7 @@ class Node {
  public:
   static Result<Node> open(const FoundDevice& found, const FindOptions& options) {
     const std::string& name = found.hidraw;
-    Descriptor fd(::open(name.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
+    Fd fd(::open(name.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
     if (fd.get() < 0) {
       const int error = errno;
       if (error == EACCES || error == EPERM)
@@ -121,8 +95,8 @@ class Node {
   [[nodiscard]] int fd() const { return fd_.get(); }
 
  private:
-  explicit Node(Descriptor fd) : fd_(std::move(fd)) {}
-  Descriptor fd_;
+  explicit Node(Fd fd) : fd_(std::move(fd)) {}
+  Fd fd_;
 };
 
 // hidapi keeps the text of the last hid_open_path() error in a variable of the process, without a lock.
@@ -144,8 +118,8 @@ class HidTransport final : public Transport {
         where_(found.hidraw),
         serial_(found.serial),
         descriptors_(std::move(descriptors)) {
-    epoll_event wakeup{.events = EPOLLIN, .data = {.fd = link_->wakeups.get()}};
-    (void)::epoll_ctl(events_.get(), EPOLL_CTL_ADD, link_->wakeups.get(), &wakeup);
+    epoll_event wakeup{.events = EPOLLIN, .data = {.fd = link_->wakeup.fd()}};
+    (void)::epoll_ctl(events_.get(), EPOLL_CTL_ADD, link_->wakeup.fd(), &wakeup);
     // Edge-triggered: the reports in this file stay unread, and each new one is an event all the same. When its queue
     // of 64 is full the kernel drops further reports from it alone.
     epoll_event report{.events = EPOLLIN | EPOLLET, .data = {.fd = node_.fd()}};
@@ -164,7 +138,7 @@ class HidTransport final : public Transport {
   }
 
   Status write(std::span<const std::uint8_t> report, TimeNs deadline_ns) override {
-    if (link_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", where_);
+    if (link_->wakeup.aborted()) return fail(ErrorCode::kDisconnected, "{}: closed", where_);
     const int count = hid_write(device_.get(), report.data(), report.size());
     if (count == static_cast<int>(report.size())) return {};
     if (count >= 0) return fail(ErrorCode::kIo, "{}: took {} of {} bytes of a report", where_, count, report.size());
@@ -176,8 +150,8 @@ class HidTransport final : public Transport {
 
   Result<std::size_t> read(std::span<std::uint8_t> into, TimeNs deadline_ns) override {
     while (true) {
-      if (link_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", where_);
-      if (link_->woken.exchange(false)) return 0;
+      if (link_->wakeup.aborted()) return fail(ErrorCode::kDisconnected, "{}: closed", where_);
+      if (link_->wakeup.take_wake()) return 0;
       const int count = hid_read_timeout(device_.get(), into.data() + 1, into.size() - 1, 0);
       if (count < 0) return failure("read");
       if (count > 0) {
@@ -209,7 +183,7 @@ class HidTransport final : public Transport {
     epoll_event events[2];
     const int count = ::epoll_wait(events_.get(), events, 2, link_->ms_until(deadline_ns));
     for (int i = 0; i < count; ++i)
-      if (events[i].data.fd == link_->wakeups.get()) link_->drain_wakeups();
+      if (events[i].data.fd == link_->wakeup.fd()) link_->wakeup.clear();
   }
 
   tl::unexpected<Error> failure(std::string_view action) const {
@@ -221,7 +195,7 @@ class HidTransport final : public Transport {
   const std::shared_ptr<Link> link_;
   const Node node_;
   const OwnedHidDevice device_;
-  const Descriptor events_{::epoll_create1(EPOLL_CLOEXEC)};
+  const Fd events_{::epoll_create1(EPOLL_CLOEXEC)};
   const std::string where_;
   const std::string serial_;
   const std::vector<std::uint8_t> descriptors_;  // of the device, then of its configuration
@@ -238,17 +212,17 @@ class HidOpener final : public Opener {
     if (plugging_.get() >= 0)
       (void)::inotify_add_watch(plugging_.get(), chooser_.options().dev_root.c_str(), IN_CREATE | IN_ATTRIB);
   }
-  [[nodiscard]] bool usable() const { return link_->wakeups.get() >= 0; }
+  [[nodiscard]] bool usable() const { return link_->wakeup.usable(); }
 
   Result<std::unique_ptr<Transport>> connect() override {
-    if (link_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", chooser_.driver_id());
+    if (link_->wakeup.aborted()) return fail(ErrorCode::kDisconnected, "{}: closed", chooser_.driver_id());
     (void)drain_plugging();  // before the search, so that later events end the next wait()
     FL_ASSIGN(const FoundDevice found, chooser_.choose());
     if (found.hidraw.empty())
       return fail(ErrorCode::kNotFound, "{}: has no hidraw node; see: footlight devices", found.node);
     FL_ASSIGN(Node node, Node::open(found, chooser_.options()));
     link_->clock.sleep_until_ns(link_->clock.now_ns() + kHidSettleNs);
-    if (link_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", chooser_.driver_id());
+    if (link_->wakeup.aborted()) return fail(ErrorCode::kDisconnected, "{}: closed", chooser_.driver_id());
     if (node.is_gone())
       return fail(ErrorCode::kNotFound, "{}: unplugged within {} ms", found.hidraw, kHidSettleNs / kNsPerMs);
     FL_ASSIGN(OwnedHidDevice device, open_with_hidapi(found.hidraw));
@@ -261,16 +235,15 @@ class HidOpener final : public Opener {
   }
 
   void wait(TimeNs deadline_ns) override {
-    while (!link_->aborted && !link_->woken.exchange(false) && link_->clock.now_ns() < deadline_ns) {
-      pollfd fds[] = {{plugging_.get(), POLLIN, 0}, {link_->wakeups.get(), POLLIN, 0}};
-      (void)::poll(fds, 2, link_->ms_until(deadline_ns));
-      if (fds[1].revents != 0) link_->drain_wakeups();
+    while (!link_->wakeup.aborted() && !link_->wakeup.take_wake() && link_->clock.now_ns() < deadline_ns) {
+      short got = 0;
+      (void)link_->wakeup.poll_until(plugging_.get(), POLLIN, link_->clock, deadline_ns, got);
       if (drain_plugging()) return;
     }
   }
 
-  void wake() override { link_->interrupt(link_->woken); }
-  void abort() override { link_->interrupt(link_->aborted); }
+  void wake() override { link_->wakeup.wake(); }
+  void abort() override { link_->wakeup.abort(); }
   std::string identity() override { return chooser_.identity(); }
 
  private:
@@ -283,7 +256,7 @@ class HidOpener final : public Opener {
   }
 
   const std::shared_ptr<Link> link_;  // shared with the transport
-  const Descriptor plugging_;         // inotify
+  const Fd plugging_;                 // inotify
   Chooser chooser_;
 };
 

@@ -4,14 +4,12 @@
 #include <fcntl.h>
 #include <linux/serial.h>
 #include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/inotify.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <utility>
@@ -19,28 +17,10 @@
 
 #include "drivers/permission.h"
 #include "drivers/transport/tty_marks.h"
+#include "drivers/transport/wakeup.h"
 
 namespace footlight::drivers {
 namespace {
-
-constexpr DurationNs kPollSliceMaxNs = 60 * kNsPerS;
-
-class Fd {
- public:
-  explicit Fd(int fd = -1) : fd_(fd) {}
-  ~Fd() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Fd(Fd&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Fd& operator=(Fd&& other) noexcept {
-    std::swap(fd_, other.fd_);
-    return *this;
-  }
-  [[nodiscard]] int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 tl::unexpected<Error> tty_error(int number, const std::string& where, std::string_view action) {
   switch (number) {
@@ -54,33 +34,6 @@ tl::unexpected<Error> tty_error(int number, const std::string& where, std::strin
       return fail(ErrorCode::kPermission, "{}: in use by another program; see: sudo fuser -v {}", where, where);
     default: return fail(ErrorCode::kIo, "{}: {}: {}", where, action, std::strerror(number));
   }
-}
-
-// Shared by the opener and its transport.
-struct Wakeup {
-  Fd event{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)};
-  std::atomic<bool> woken{false};
-  std::atomic<bool> aborted{false};
-  void signal() const {
-    constexpr std::uint64_t kOne = 1;
-    (void)!::write(event.get(), &kOne, sizeof kOne);  // fails only if it is signalled already
-  }
-  void clear() const {
-    std::uint64_t count = 0;
-    (void)!::read(event.get(), &count, sizeof count);
-  }
-};
-
-// Waits for `events` of fd, a wakeup or the deadline. got: the events of fd, which may be -1. Returns 0 or errno.
-int poll_until(int fd, short events, const Wakeup& wakeup, Clock& clock, TimeNs deadline_ns, short& got) {
-  const DurationNs left_ns = std::clamp<DurationNs>(deadline_ns - clock.now_ns(), 0, kPollSliceMaxNs);
-  const timespec left{.tv_sec = left_ns / kNsPerS, .tv_nsec = left_ns % kNsPerS};
-  pollfd waited[] = {{.fd = fd, .events = events, .revents = 0},
-                     {.fd = wakeup.event.get(), .events = POLLIN, .revents = 0}};
-  const int count = ::ppoll(waited, 2, &left, nullptr);
-  if ((waited[1].revents & POLLIN) != 0) wakeup.clear();
-  got = waited[0].revents;
-  return count < 0 && errno != EINTR ? errno : 0;
 }
 
 class TtyTransport final : public Transport {
@@ -99,7 +52,7 @@ class TtyTransport final : public Transport {
   Status wait(TimeNs deadline_ns) override {
     while (true) {
       FL_TRY(usable());
-      if (wakeup_->woken.exchange(false) || clock_.now_ns() >= deadline_ns) return {};
+      if (wakeup_->take_wake() || clock_.now_ns() >= deadline_ns) return {};
       FL_TRY(poll_for(0, deadline_ns));  // POLLHUP and POLLERR are always reported
     }
   }
@@ -124,7 +77,7 @@ class TtyTransport final : public Transport {
   Result<std::size_t> read(std::span<std::uint8_t> into, TimeNs deadline_ns) override {
     while (true) {
       FL_TRY(usable());
-      if (wakeup_->woken.exchange(false)) return 0;
+      if (wakeup_->take_wake()) return 0;
       const ssize_t count = ::read(fd_.get(), into.data(), into.size());
       if (count > 0) return static_cast<std::size_t>(count);
       if (count < 0 && errno != EAGAIN && errno != EINTR) return tty_error(errno, where_, "read");
@@ -190,12 +143,12 @@ class TtyTransport final : public Transport {
 
  private:
   Status usable() const {
-    if (wakeup_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", where_);
+    if (wakeup_->aborted()) return fail(ErrorCode::kDisconnected, "{}: closed", where_);
     return {};
   }
   Status poll_for(short events, TimeNs deadline_ns) {
     short got = 0;
-    if (const int number = poll_until(fd_.get(), events, *wakeup_, clock_, deadline_ns, got); number != 0)
+    if (const int number = wakeup_->poll_until(fd_.get(), events, clock_, deadline_ns, got); number != 0)
       return tty_error(number, where_, "wait");
     // After a hang-up poll() also reports data, and every read() returns 0 bytes. The bytes that had arrived have been
     // read before this call.
@@ -250,10 +203,10 @@ class TtyOpener final : public Opener {
     if (watch_.get() >= 0)
       (void)::inotify_add_watch(watch_.get(), chooser_->options().dev_root.c_str(), IN_CREATE | IN_ATTRIB);
   }
-  [[nodiscard]] bool usable() const { return wakeup_->event.get() >= 0; }
+  [[nodiscard]] bool usable() const { return wakeup_->usable(); }
 
   Result<std::unique_ptr<Transport>> connect() override {
-    if (wakeup_->aborted) return fail(ErrorCode::kDisconnected, "{}: closed", chooser_->driver_id());
+    if (wakeup_->aborted()) return fail(ErrorCode::kDisconnected, "{}: closed", chooser_->driver_id());
     FL_ASSIGN(const FoundDevice found, chooser_->choose());
     if (found.tty.empty())
       return fail(ErrorCode::kNotFound, "{}: has no tty; no driver of the kernel is bound to it", found.port_path);
@@ -263,9 +216,9 @@ class TtyOpener final : public Opener {
   }
 
   void wait(TimeNs deadline_ns) override {
-    while (!wakeup_->aborted && !wakeup_->woken.exchange(false) && clock_.now_ns() < deadline_ns) {
+    while (!wakeup_->aborted() && !wakeup_->take_wake() && clock_.now_ns() < deadline_ns) {
       short got = 0;
-      (void)poll_until(watch_.get(), POLLIN, *wakeup_, clock_, deadline_ns, got);
+      (void)wakeup_->poll_until(watch_.get(), POLLIN, clock_, deadline_ns, got);
       if (got == 0) continue;
       std::array<char, 4096> events;
       while (::read(watch_.get(), events.data(), events.size()) > 0) {
@@ -273,14 +226,8 @@ class TtyOpener final : public Opener {
       return;
     }
   }
-  void wake() override {
-    wakeup_->woken = true;
-    wakeup_->signal();
-  }
-  void abort() override {
-    wakeup_->aborted = true;
-    wakeup_->signal();
-  }
+  void wake() override { wakeup_->wake(); }
+  void abort() override { wakeup_->abort(); }
   std::string identity() override { return chooser_->identity(); }
 
  private:

@@ -21,6 +21,7 @@
 #include "drivers/gpio/gpio_chip.h"
 #include "drivers/gpio/gpio_list.h"
 #include "drivers/net/net.h"
+#include "drivers/open_files.h"
 #include "drivers/permission.h"
 #include "drivers/wait/real_time.h"
 
@@ -77,10 +78,6 @@ std::vector<std::string> words_of(const std::string& line) {
   return {std::istream_iterator<std::string>(stream), {}};
 }
 
-bool is_number(std::string_view text) {
-  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
-}
-
 // Where rules and units of that kind lie: the administrator's, then those of packages.
 std::vector<fs::path> folders_of(const DoctorView& view, const char* kind) {
   std::vector<fs::path> folders = {fs::path(view.etc_root) / kind};
@@ -90,8 +87,8 @@ std::vector<fs::path> folders_of(const DoctorView& view, const char* kind) {
 
 // The number of the first process of that name; empty where none runs.
 std::string process_of(const DoctorView& view, std::string_view name) {
-  for (const std::string& process : names_in(view.find.proc_root))
-    if (is_number(process) && line_of(fs::path(view.find.proc_root) / process / "comm") == name) return process;
+  for (const std::string& process : drivers::processes(view.find.proc_root))
+    if (drivers::process_name(view.find.proc_root, process) == name) return process;
   return {};
 }
 
@@ -437,14 +434,10 @@ Outcome check_snooping(const DoctorView& view) {
 // "olad (812)" of each other process that has the socket open; "a process of another user" where none can be seen.
 std::string owner_of_socket(const DoctorView& view, const std::string& inode) {
   const std::string wanted = fmt::format("socket:[{}]", inode);
-  for (const std::string& process : names_in(view.find.proc_root)) {
-    if (!is_number(process)) continue;
-    const fs::path folder = fs::path(view.find.proc_root) / process;
-    for (const std::string& fd : names_in(folder / "fd")) {
-      std::error_code error;
-      if (fs::read_symlink(folder / "fd" / fd, error) == wanted)
-        return fmt::format("{} ({})", line_of(folder / "comm"), process);
-    }
+  for (const std::string& process : drivers::processes(view.find.proc_root)) {
+    const std::vector<std::string> files = drivers::open_files(view.find.proc_root, process);
+    if (std::find(files.begin(), files.end(), wanted) != files.end())
+      return fmt::format("{} ({})", drivers::process_name(view.find.proc_root, process), process);
   }
   return "a process of another user";
 }
