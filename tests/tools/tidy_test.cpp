@@ -70,7 +70,10 @@ bool is_shader(std::string_view path) {
   return ends_with(path, ".comp") || ends_with(path, ".vert") || ends_with(path, ".frag") || ends_with(path, ".glsl");
 }
 // Shared headers are C++ and GLSL at once; they are included many times, on purpose.
-bool is_shared(std::string_view path) { return path.find("/shared/") != std::string_view::npos; }
+// A body is that of a class in two namespaces.
+bool is_shared(std::string_view path) {
+  return path.find("/shared/") != std::string_view::npos || ends_with(path, "_body.h");
+}
 
 struct Include {
   std::string file;
