@@ -9,6 +9,7 @@
 
 #include "fixtures/bodies/body.h"
 #include "fixtures/gobos/gobo_images.h"
+#include "fixtures/model/srgb.h"
 #include "render/pass.h"
 
 namespace footlight::render {
@@ -41,9 +42,7 @@ std::vector<float> halved(const std::vector<float>& image, int size) {
 }
 
 std::uint8_t srgb_of(float linear) {
-  const float v = std::clamp(linear, 0.0f, 1.0f);
-  const float encoded = v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f;
-  return static_cast<std::uint8_t>(std::lround(255.0f * encoded));
+  return static_cast<std::uint8_t>(std::lround(255.0f * fixtures::srgb_of_linear(std::clamp(linear, 0.0f, 1.0f))));
 }
 
 // Gobo images as one array with all levels of detail, in colour, 8 bits sRGB a channel. A rig without gobos gets a

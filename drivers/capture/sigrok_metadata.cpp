@@ -6,18 +6,13 @@
 #include <optional>
 
 #include "drivers/capture/dmx_line.h"
+#include "sim/core/words.h"
 
 namespace footlight::drivers {
 namespace {
 
 constexpr int kProbesMax = 64;
 constexpr std::size_t kNameCharsMax = 64;
-
-std::string_view trim(std::string_view text) {
-  while (!text.empty() && (text.back() == '\r' || text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  return text;
-}
 
 template <class T>
 std::optional<T> number(std::string_view text) {
@@ -31,7 +26,7 @@ std::optional<T> number(std::string_view text) {
 std::optional<std::uint64_t> sample_rate(std::string_view text) {
   const std::size_t space = text.find(' ');
   const auto value = number<double>(text.substr(0, space));
-  const std::string_view unit = space == std::string_view::npos ? "Hz" : trim(text.substr(space));
+  const std::string_view unit = space == std::string_view::npos ? "Hz" : trimmed(text.substr(space));
   double scale = 0.0;
   if (unit == "Hz") scale = 1.0;
   if (unit == "kHz") scale = 1e3;
@@ -58,7 +53,7 @@ Result<SigrokMetadata> parse_sigrok_metadata(std::string_view text, const std::s
   bool any_unit_size = false;
   while (!text.empty()) {
     const std::size_t line_end = text.find('\n');
-    const std::string_view line = trim(text.substr(0, line_end));
+    const std::string_view line = trimmed(text.substr(0, line_end));
     text = line_end == std::string_view::npos ? std::string_view{} : text.substr(line_end + 1);
     if (line.starts_with('[')) {
       if (!metadata.capture_file.empty()) break;  // the device is complete
@@ -67,8 +62,8 @@ Result<SigrokMetadata> parse_sigrok_metadata(std::string_view text, const std::s
     }
     const std::size_t equals = line.find('=');
     if (!in_device || equals == std::string_view::npos) continue;
-    const std::string_view key = trim(line.substr(0, equals));
-    const std::string_view value = trim(line.substr(equals + 1));
+    const std::string_view key = trimmed(line.substr(0, equals));
+    const std::string_view value = trimmed(line.substr(equals + 1));
     if (key == "capturefile") {
       if (value.empty() || value.size() > kNameCharsMax) {
         return fail(ErrorCode::kBadInput, "{}: metadata: capturefile: expected a name, got {}", path, quote(value));

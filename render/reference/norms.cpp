@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "fixtures/model/srgb.h"
 #include "sim/core/check.h"
 
 namespace footlight::render {
@@ -293,8 +294,7 @@ FlipMap flip(const ScreenImage& a, const ScreenImage& b, double pixels_per_degre
     values.reserve(image.rgba.size() / 4 * 3);
     for (std::size_t i = 0; i < image.rgba.size(); ++i) {
       if (i % 4 == 3) continue;
-      const double v = image.rgba[i] / 255.0;
-      values.push_back(static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4)));
+      values.push_back(static_cast<float>(fixtures::linear_of_srgb(image.rgba[i] / 255.0)));
     }
     return values;
   };

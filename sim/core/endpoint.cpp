@@ -4,6 +4,8 @@
 #include <charconv>
 #include <optional>
 
+#include "sim/core/words.h"
+
 namespace footlight {
 namespace {
 
@@ -260,9 +262,7 @@ Result<std::vector<std::uint8_t>> parse_address_priorities(std::string_view text
   std::vector<std::uint8_t> priorities(kSlotCountMax);
   std::vector<bool> named(kSlotCountMax);
   for (const std::string& part : split_at_commas(text)) {
-    std::string_view rest = part;
-    while (!rest.empty() && rest.front() == ' ') rest.remove_prefix(1);
-    while (!rest.empty() && rest.back() == ' ') rest.remove_suffix(1);
+    const std::string_view rest = trimmed(part);
     const std::size_t colon = rest.find(':');
     const std::string_view range = rest.substr(0, colon);
     const std::size_t dash = range.find('-');

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "fixtures/model/srgb.h"
+
 namespace footlight::tools {
 namespace {
 
@@ -13,28 +15,24 @@ constexpr int kColumns = 16;
 constexpr int kRows = 9;
 constexpr double kWhiteCdM2 = 200;
 
-// Linear light of an sRGB byte (IEC 61966-2-1).
-const std::array<double, 256>& linear_of_srgb() {
+// Linear light of each sRGB byte.
+const std::array<double, 256>& linear_bytes() {
   static const std::array<double, 256> table = [] {
     std::array<double, 256> values{};
-    for (int i = 0; i < 256; ++i) {
-      const double v = i / 255.0;
-      values[static_cast<std::size_t>(i)] = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
-    }
+    for (int i = 0; i < 256; ++i) values[static_cast<std::size_t>(i)] = fixtures::linear_of_srgb(i / 255.0);
     return values;
   }();
   return table;
 }
 
-std::uint8_t srgb_of_linear(double light) {
-  const double v = light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
-  return static_cast<std::uint8_t>(std::clamp(std::lround(v * 255), 0L, 255L));
+std::uint8_t srgb_byte(double light) {
+  return static_cast<std::uint8_t>(std::clamp(std::lround(fixtures::srgb_of_linear(light) * 255), 0L, 255L));
 }
 
 std::vector<TileLight> tiles_of(const render::ScreenImage& picture) {
   std::vector<TileLight> tiles(std::size_t{kColumns} * kRows);
   std::vector<int> counts(tiles.size());
-  const auto& linear = linear_of_srgb();
+  const auto& linear = linear_bytes();
   for (int y = 0; y < picture.height; ++y) {
     for (int x = 0; x < picture.width; ++x) {
       const auto pixel =
@@ -110,7 +108,7 @@ void FlashWatch::darken(render::ScreenImage& picture) const {
     return gains_[static_cast<std::size_t>(std::clamp(row, 0, kRows - 1) * kColumns +
                                            std::clamp(column, 0, kColumns - 1))];
   };
-  const auto& linear = linear_of_srgb();
+  const auto& linear = linear_bytes();
   for (int y = 0; y < picture.height; ++y) {
     const double v = (y + 0.5) * kRows / picture.height - 0.5;
     const int row = static_cast<int>(std::floor(v));
@@ -124,7 +122,7 @@ void FlashWatch::darken(render::ScreenImage& picture) const {
           static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) + static_cast<std::size_t>(x);
       for (std::size_t channel = 0; channel < 3; ++channel) {
         std::uint8_t& byte = picture.rgba[4 * pixel + channel];
-        byte = srgb_of_linear(linear[byte] * gain);
+        byte = srgb_byte(linear[byte] * gain);
       }
     }
   }

@@ -37,7 +37,7 @@ Channel channel(int first, int bytes, const char* attribute, double from, double
   for (int i = 0; i < bytes; ++i) c.slot_offsets.push_back(first + i);
   ChannelFunction function;
   function.name = "all";
-  function.dmx_to = bytes == 2 ? 65535u : 255u;
+  function.dmx_to = fixtures::raw_max(bytes);
   function.attribute = attribute;
   function.instant = true;
   function.physical_from = from;
