@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/headless_vulkan.h"
+#include "tests/tools/footlight/one_par.h"
 #include "tests/tools/footlight/run_footlight.h"
 
 namespace footlight::testing {
@@ -92,21 +93,7 @@ TEST_CASE("the demo opens, draws, takes its picture and closes by itself without
 TEST_CASE("a rig that nothing drives opens with its fixtures lit") {
   if (!can_open_window()) return;
   const TempFolder folder;
-  std::ofstream(folder.file("rig.toml")) << R"([rig]
-name = "One par"
-[haze]
-scattering_per_m = 0.02
-[[fixture]]
-name = "Par"
-type = "generic/par"
-universe = 3
-address = 1
-position = [0, 0, 5]
-[[box]]
-name = "Floor"
-min = [-4, -4, -0.1]
-max = [4, 4, 0]
-)";
+  std::ofstream(folder.file("rig.toml")) << kOnePar;
   const int code = preview(folder, folder.file("rig.toml") + " --seconds 1 --size 320x180 --json");
   const std::string err = read(folder.file("err"));
   if (contains(err, "libglfw3-dev")) return;

@@ -12,6 +12,7 @@
 
 #include "render/frame.h"
 #include "tests/support/headless_vulkan.h"
+#include "tests/tools/footlight/one_par.h"
 #include "tests/tools/footlight/run_footlight.h"
 #include "tools/demo_show/demo_assets.h"
 #include "tools/footlight/pictures/timeline.h"
@@ -199,31 +200,11 @@ TEST_CASE("a trace is what the GPU's states are at the same times") {
   CHECK(brightest > 0.1);
 }
 
-constexpr const char* kOnePar = R"([rig]
-name = "One par"
-[haze]
-scattering_per_m = 0.02
-[[fixture]]
-name = "Par"
-type = "generic/par"
-universe = 3
-address = 1
-position = [0, 0, 5]
-[[box]]
-name = "Floor"
-min = [-4, -4, -0.1]
-max = [4, 4, 0]
-[[camera]]
-name = "front"
-position = [0, -9, 2]
-target = [0, 0, 2]
-)";
-
 TEST_CASE("report refuses a rig that nothing drives, and judges it lit by hand") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const TempFolder folder;
-  std::ofstream(folder.file("rig.toml")) << kOnePar;
+  std::ofstream(folder.file("rig.toml")) << kOnePar << kFrontCamera;
   const std::vector<std::string> small = {"--pictures", "--quick", "--runs",       "3",   "--size",
                                           "64x36",      "--json",  "--judge-size", "16x9"};
   const auto report = [&](std::vector<std::string> words) {
