@@ -22,7 +22,7 @@ namespace {
 
 constexpr const char* kApplyRules = "sudo udevadm control --reload && sudo udevadm trigger";
 constexpr const char* kMakeGroup = "sudo groupadd --system plugdev && sudo usermod -aG plugdev $USER";
-// udevd looks up groups while it reads rules, and `udevadm control --reload` reads none that are unchanged.
+// udevd reads groups when it reads rules, and `udevadm control --reload` does not reload unchanged ones.
 constexpr const char* kRestartUdev = "sudo systemctl restart systemd-udevd && sudo udevadm trigger";
 
 std::optional<std::string> text_of(const std::string& path) {
@@ -54,14 +54,14 @@ std::optional<std::string> members_of(const FindOptions& options, const std::str
   return std::nullopt;
 }
 
-// Serial numbers come from the device: only plain ones go into a rule and a file name.
+// Serial numbers come from the device: only plain ones may appear in a rule and a file name.
 bool is_plain(const std::string& text) {
   return !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
   });
 }
 
-// A rule for this device alone: by its serial number, else by the socket that it sits in.
+// A rule for this device alone: by its serial number, else by its USB socket.
 void add_own_rule(PermissionFacts& facts, const FoundDevice& device) {
   const bool by_serial = is_plain(device.serial);
   const bool is_tty = !device.tty.empty() && facts.node == device.tty;
@@ -113,10 +113,7 @@ Advice advise(const PermissionFacts& facts) {
   const std::string refused = fmt::format("{}: {}", facts.node, std::strerror(facts.error));
   if (facts.error != EACCES && facts.error != EPERM) return {refused, {}};
   if (facts.is_root)
-    return {fmt::format("{}, although this is root, whom the mode of a node does not bind; a sandbox or an ACL refuses "
-                        "it",
-                        refused),
-            {}};
+    return {fmt::format("{}, although this user is root; a sandbox or an ACL refuses it", refused), {}};
   const bool is_excluded = !facts.own_rule.empty();
   const bool joining_helps = facts.group_opens && facts.group != "root" && (facts.group == kRulesGroup || is_excluded);
   if (joining_helps && facts.in_group)
@@ -134,12 +131,13 @@ Advice advise(const PermissionFacts& facts) {
                         refused, facts.group),
             fmt::format("sudo usermod -aG {} $USER", facts.group)};
   if (is_excluded && !facts.rules_group_is_there)
-    return {fmt::format("{}; the udev rules leave it out, for many products share its ids. It needs a rule of its own, "
-                        "and this machine does not have the group {} that the rule names",
-                        refused, kRulesGroup),
-            fmt::format("{} && {} && {}", kMakeGroup, write_own_rule(facts), kRestartUdev)};
+    return {
+        fmt::format("{}; the udev rules exclude it, because many products share its ids. It needs a rule of its own, "
+                    "and this machine does not have the group {} that the rule names",
+                    refused, kRulesGroup),
+        fmt::format("{} && {} && {}", kMakeGroup, write_own_rule(facts), kRestartUdev)};
   if (is_excluded)
-    return {fmt::format("{}; the udev rules leave it out, for many products share its ids. It needs a rule of its "
+    return {fmt::format("{}; the udev rules exclude it, because many products share its ids. It needs a rule of its "
                         "own",
                         refused),
             fmt::format("{} && {}", write_own_rule(facts), kApplyRules)};
@@ -147,7 +145,7 @@ Advice advise(const PermissionFacts& facts) {
     case RulesState::kMissing:
       return {fmt::format("{}; the udev rules are not installed", refused), udev_install_command()};
     case RulesState::kOutdated:
-      return {fmt::format("{}; the udev rules that are installed are those of another version", refused),
+      return {fmt::format("{}; the installed udev rules are those of another version", refused),
               udev_install_command()};
     case RulesState::kCurrent: break;
   }
@@ -155,9 +153,10 @@ Advice advise(const PermissionFacts& facts) {
     return {fmt::format("{}; the udev rules give it to the group {}, which this machine does not have", refused,
                         kRulesGroup),
             fmt::format("{} && {}", kMakeGroup, kRestartUdev)};
-  return {fmt::format("{}; the udev rules are installed, but were not applied to it. Plugging it in again does it too",
-                      refused),
-          kApplyRules};
+  return {
+      fmt::format("{}; the udev rules are installed, but were not applied to it. Plugging it in again applies them too",
+                  refused),
+      kApplyRules};
 }
 
 PermissionFacts permission_facts(const FoundDevice& device, const std::string& node, int error,

@@ -20,7 +20,7 @@ Result<const DriverInfo*> driver_of(const PortRequest& request) {
   if (const DriverInfo* driver = find_driver(request.scheme)) return driver;
   std::string known;
   for (const DriverInfo* driver : drivers()) known += fmt::format("{}{}", known.empty() ? "" : ", ", driver->id);
-  return fail(ErrorCode::kBadInput, "{}:{}: no driver of that name; there are {}", request.scheme, request.target,
+  return fail(ErrorCode::kBadInput, "{}:{}: no driver of that name; expected one of {}", request.scheme, request.target,
               known);
 }
 
@@ -49,13 +49,13 @@ bool has_driver(std::string_view scheme) { return find_driver(scheme) != nullptr
 
 namespace {
 
-// Everything that a port of a device is opened with.
+// Everything needed to open a port of a device.
 struct Opening {
   DevicePlan plan;
   DevicePortConfig port;
 };
 
-// The row of the device that is plugged in; an empty one where that is not known.
+// The row of the plugged-in device; an empty one if it is unknown.
 UsbModelId model_of(const DriverInfo& driver, const std::string& target) {
   const auto found = Chooser(std::string(driver.id), target).find();
   if (!found || found->driver_id != driver.id) return {};
@@ -68,8 +68,8 @@ bool has_rows_of(const DriverInfo& driver, TransportKind kind) {
                      [&](const UsbModelId& model) { return model.transport == kind; });
 }
 
-// The connector has every way that a device of this driver may need, since the device may be plugged in later. Which
-// one is used depends on the device that is there; the driver's first row stands for a device that the user names.
+// The opener has every transport that a device of this driver may need, since the device may be plugged in later. The
+// plugged-in device decides which one is used. A device that the user names uses the driver's first row.
 Result<std::unique_ptr<Opener>> opener_of(const DriverInfo& driver, const PortRequest& request, Clock& clock) {
   auto chooser = std::make_shared<Chooser>(std::string(driver.id), request.target);
   const TransportKind unknown_kind = driver.usb_ids[0].transport;
@@ -87,7 +87,7 @@ Result<std::unique_ptr<Opener>> opener_of(const DriverInfo& driver, const PortRe
   return make_either_opener(std::move(*libusb), std::move(tty), snapshot, clock);
 }
 
-// The connectors that are asked for, or the first ones that can do it.
+// The requested connectors, or the first ones that support the use.
 Result<std::vector<DeviceLine>> lines_of(const PortRequest& request, const Widget& widget, LineUse use) {
   std::vector<DeviceLine> lines;
   if (!request.connectors.empty() && request.connectors.size() != request.universes.size())
@@ -108,7 +108,7 @@ Result<std::vector<DeviceLine>> lines_of(const PortRequest& request, const Widge
   }
   if (lines.size() == request.universes.size()) return lines;
   if (!refusal) return fail(refusal.error().code, "{}: {}", name_of(request), refusal.error().message);
-  return fail(ErrorCode::kBadInput, "{}: carries {} universe{}, {} were asked for", name_of(request), lines.size(),
+  return fail(ErrorCode::kBadInput, "{}: supports {} universe{}, but {} were requested", name_of(request), lines.size(),
               lines.size() == 1 ? "" : "s", request.universes.size());
 }
 

@@ -1,4 +1,4 @@
-// Opens a port by the words of its endpoint: the only call that a main needs in order to use a dongle.
+// Opens a port for a device endpoint: the only call that a main needs to use an interface.
 //
 //   auto sink = drivers::open_sink({.scheme = "enttec-pro", .target = "EN172589", .universes = {1}}, clock);
 //
@@ -14,17 +14,17 @@
 
 namespace footlight::drivers {
 
-// Whether open_sink() or open_source() knows the scheme.
+// True if open_sink() or open_source() supports the scheme.
 [[nodiscard]] bool has_driver(std::string_view scheme);
 
-// Errors: kBadInput (unknown scheme, wrong number of universes), kNotFound (no such device; says which are there),
-// kPermission (says the command that mends it), kTimeout (a device that does not answer), kUnsupported (this build has
-// no USB, or the device cannot do that direction). Threads: call from any; the port then belongs to one thread.
+// Errors: kBadInput (unknown scheme, wrong number of universes), kNotFound (no such device; lists those present),
+// kPermission (names the command that fixes it), kTimeout (a device that does not answer), kUnsupported (this build has
+// no USB, or the device does not support that direction). Threads: call from any; the port then belongs to one thread.
 [[nodiscard]] Result<std::unique_ptr<Sink>> open_sink(const PortRequest& request, Clock& clock);
 [[nodiscard]] Result<std::unique_ptr<Source>> open_source(const PortRequest& request, Clock& clock);
 
-// The RDM line of a device's first connector, which is opened as an output and shows nothing. Errors as above;
-// kUnsupported of its calls: the device has no RDM.
+// The RDM line of a device's first connector, which is opened as an output without frames. Errors as above; its calls
+// return kUnsupported if the device has no RDM.
 [[nodiscard]] Result<std::unique_ptr<RdmLine>> open_rdm_line(const PortRequest& request, const RdmUid& own,
                                                              Clock& clock);
 

@@ -17,7 +17,7 @@
 namespace footlight::drivers {
 namespace {
 
-// opendir() and not std::filesystem: the emulated /sys of the tests redirects this call.
+// opendir() instead of std::filesystem: the emulated /sys of the tests redirects this call.
 std::vector<std::string> names_in(const std::string& folder) {
   std::vector<std::string> names;
   DIR* dir = ::opendir(folder.c_str());
@@ -37,7 +37,7 @@ bool folder_exists(const std::string& folder) {
   return dir != nullptr;
 }
 
-// One attribute: the first line, without white space at its ends. Empty where there is none.
+// One attribute: the first line, without white space at its ends. Empty if there is none.
 std::string attribute(const std::string& path) {
   std::string line;
   std::ifstream file(path);
@@ -66,7 +66,7 @@ std::string last_part(const std::string& path) {
   return slash == std::string::npos ? path : path.substr(slash + 1);
 }
 
-// "olad (process 812)", of the first process that has one of the nodes open; empty where none is visible to this user.
+// "olad (process 812)", of the first process that has one of the nodes open; empty if none is visible to this user.
 std::string holder_of(const std::string& proc_root, const std::vector<std::string>& nodes) {
   const std::string own = std::to_string(::getpid());
   for (const std::string& process : processes(proc_root)) {
@@ -79,7 +79,7 @@ std::string holder_of(const std::string& proc_root, const std::vector<std::strin
   return {};
 }
 
-// Of a device that the user has to name: what keeps this user from opening it; empty where nothing does.
+// For a device that the user must name: why this user cannot open it; empty if nothing prevents it.
 Advice advice_for_nameless(const FoundDevice& device, const FindOptions& options) {
   const int error = node_access(options, device.node);
   if (error != EACCES && error != EPERM) return {};
@@ -124,16 +124,14 @@ void judge(FoundDevice& device, const FindOptions& options) {
                                                                       : device.node;
   const std::string_view kind_of_node = over_tty ? "tty" : "hidraw node";
   if (node.empty() && device.kernel_driver.empty())
-    return verdict(Readiness::kNoNode,
-                   fmt::format("no driver of the kernel is bound to it, so it has no {}", kind_of_node),
+    return verdict(Readiness::kNoNode, fmt::format("no kernel driver is bound to it, so it has no {}", kind_of_node),
                    fmt::format("sudo modprobe {}", over_tty ? "cdc_acm" : "usbhid"));
   if (node.empty() && device.kernel_driver != "usbfs")
     return verdict(Readiness::kNoNode, fmt::format("the kernel's driver {} makes no {} for it; see: sudo dmesg",
                                                    device.kernel_driver, kind_of_node));
   const int access_error = has_other_way || node.empty() ? 0 : node_access(options, node);
   if (access_error == ENOENT)
-    return verdict(Readiness::kNoNode,
-                   fmt::format("{} does not exist; a container has to be started with access to it", node));
+    return verdict(Readiness::kNoNode, fmt::format("{} does not exist; start the container with access to it", node));
   if (access_error != 0) {
     Advice advice = advise_on_permission(device, node, access_error, options);
     return verdict(Readiness::kNoPermission, std::move(advice.reason), std::move(advice.remedy));
@@ -152,7 +150,7 @@ std::optional<FoundDevice> read_device(const std::string& name, const FindOption
   const auto product = number_of(attribute(folder + "/idProduct"), 16);
   const auto bus = number_of(attribute(folder + "/busnum"), 10);
   const auto number = number_of(attribute(folder + "/devnum"), 10);
-  if (!vendor || !product || !bus || !number) return std::nullopt;  // unplugged while we looked
+  if (!vendor || !product || !bus || !number) return std::nullopt;  // unplugged meanwhile
 
   FoundDevice device;
   device.usb_vendor = static_cast<std::uint16_t>(*vendor);
@@ -179,8 +177,8 @@ std::optional<FoundDevice> read_device(const std::string& name, const FindOption
                             ? "FTDI serial adapter, not known to be a DMX USB Pro"
                             : "a device whose USB ids are shared by many, not known to be a DMX interface";
   }
-  // A serial converter's tty lies under its interface, that of the communication class in a folder of its own; a HID
-  // device has one more level, named after its ids.
+  // The tty of a serial converter is under its interface, the one of the communication class in its own subfolder. A
+  // HID device has one more level, named after its ids.
   for (const std::string& entry : names_in(interface)) {
     if (entry.starts_with("ttyUSB")) device.tty = fmt::format("{}/{}", options.dev_root, entry);
     for (const std::string& node : names_in(fmt::format("{}/{}/hidraw", interface, entry)))
@@ -227,7 +225,7 @@ DeviceList find_devices(const FindOptions& options) {
   DeviceList list;
   if (!built_with_usb())
     list.notes.emplace_back(
-        "built without USB: devices are listed and cannot be opened; install libusb-1.0-0-dev and configure with "
+        "built without USB: devices are listed but cannot be opened; install libusb-1.0-0-dev and configure with "
         "-DFOOTLIGHT_USB=ON");
   if (!built_with_hid())
     list.notes.emplace_back(

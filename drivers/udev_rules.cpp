@@ -32,7 +32,7 @@ std::string_view remarks_of(const UsbModelId& model) {
   return "";
 }
 
-// Nothing but ids that countless other products have: no rule may open these.
+// True if it has only ids that many other products share: no rule may open these.
 bool is_nameless(const UsbModelId& model) {
   return (model.quirks & kQuirkGenericUsbIds) != 0 && model.manufacturer_text.empty() && model.product_text.empty();
 }
@@ -47,7 +47,7 @@ std::string_view transport_text(TransportKind kind) {
   return "";
 }
 
-// attribute: "ATTR" of the device itself, "ATTRS" of one above it.
+// attribute: "ATTR" of the device itself, "ATTRS" of a parent.
 std::string match_text(std::string_view attribute, const UsbModelId& model) {
   std::string text = fmt::format(R"({}{{idVendor}}=="{:04x}", {}{{idProduct}}=="{:04x}")", attribute, model.vendor,
                                  attribute, model.product);

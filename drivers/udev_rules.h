@@ -1,4 +1,4 @@
-// Texts that are generated from the driver table, so that no list of devices is typed twice.
+// Generates texts from the driver table, so that no list of devices is maintained twice.
 #pragma once
 
 #include <string>

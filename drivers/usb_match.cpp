@@ -21,7 +21,7 @@ UsbMatch match_usb_device(std::uint16_t usb_vendor, std::uint16_t usb_product, s
     for (const UsbModelId& model : driver->usb_ids) {
       if (model.vendor != usb_vendor || model.product != usb_product) continue;
       match.ids_are_known = true;
-      // Nothing tells these devices from countless others: the user has to name them.
+      // These devices cannot be distinguished from many others: the user must name them.
       const bool has_words = !model.manufacturer_text.empty() || !model.product_text.empty();
       if ((model.quirks & kQuirkGenericUsbIds) != 0 && !has_words) continue;
       if (!begins_with(manufacturer, model.manufacturer_text) || !begins_with(product, model.product_text)) continue;

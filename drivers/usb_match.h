@@ -1,4 +1,4 @@
-// Which row of the driver table a plugged-in device belongs to.
+// Matches a plugged-in device with a row of the driver table.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 namespace footlight::drivers {
 
 struct UsbMatch {
-  const DriverInfo* driver = nullptr;  // nullptr: no row fits
-  const UsbModelId* model = nullptr;   // the first row that fits, points into the driver's table
-  bool ids_are_known = false;          // some row has these ids, whatever the strings say
+  const DriverInfo* driver = nullptr;  // nullptr: no row matches
+  const UsbModelId* model = nullptr;   // the first matching row; points into the driver's table
+  bool ids_are_known = false;          // some row has these ids, whatever the strings are
 };
 
 // manufacturer, product: the device's strings; may be empty.

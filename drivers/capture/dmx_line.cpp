@@ -7,7 +7,7 @@
 namespace footlight::drivers {
 namespace {
 
-// A line that rests this long when the samples end has ended its frame; gaps of 60 us occur inside frames.
+// A line at mark for this long when the samples end has completed its frame; gaps of 60 us occur inside frames.
 constexpr DurationNs kRestNs = kNsPerMs;
 
 }  // namespace
@@ -31,7 +31,7 @@ DmxLineDecoder::DmxLineDecoder(std::uint64_t sample_rate_hz) : rate_hz_(sample_r
 }
 
 TimeNs DmxLineDecoder::time_of(std::uint64_t sample) const {
-  // In two parts, so that nothing overflows: the rate is below 2^30.
+  // Computed in two parts to avoid overflow: the rate is below 2^30.
   constexpr std::uint64_t kPerS = kNsPerS;
   return static_cast<TimeNs>(sample / rate_hz_ * kPerS + sample % rate_hz_ * kPerS / rate_hz_);
 }
@@ -62,7 +62,7 @@ void DmxLineDecoder::feed_samples(std::span<const std::uint8_t> samples, std::si
   }
 }
 
-// A pulse is over: part of the run, a glitch in it, or the next run.
+// Handles the end of a pulse: part of the run, a glitch in it, or the next run.
 void DmxLineDecoder::end_pulse() {
   const TimeNs begin_ns = time_of(pulse_begin_);
   if (!run_known_) {
@@ -86,7 +86,7 @@ void DmxLineDecoder::end_pulse() {
 void DmxLineDecoder::take_run(bool mark, TimeNs begin_ns, TimeNs end_ns, bool begins_at_edge) {
   const DurationNs length_ns = end_ns - begin_ns;
   last_mark_ns_ = mark ? length_ns : 0;
-  // A low with which the samples begin may have begun long before.
+  // A low at the start of the samples has an unknown start.
   if (!mark && length_ns >= kLineBreakMinNs && begins_at_edge) {
     begin_frame(begin_ns, length_ns);
     return;
@@ -105,7 +105,7 @@ void DmxLineDecoder::take_run(bool mark, TimeNs begin_ns, TimeNs end_ns, bool be
   }
 }
 
-// Looks at the line in the middle of each bit that lies in this run.
+// Samples the line in the middle of each bit within this run.
 void DmxLineDecoder::receive(bool mark, TimeNs begin_ns, TimeNs end_ns) {
   if (!receiving_) {
     if (mark) return;
@@ -136,7 +136,7 @@ void DmxLineDecoder::receive(bool mark, TimeNs begin_ns, TimeNs end_ns) {
     }
     LineFrameTiming& timing = frame_.timing;
     if (byte_count_ > 0) {
-      // Edges are known to a sample and bits to 4 %, so slots without a gap measure up to 44 us plus or minus both.
+      // Edges are exact to a sample and bits to 4 %, so slots without a gap measure up to 44 us plus or minus both.
       const DurationNs pitch_ns = slot_begin_ns_ - (timing.end_ns - kLineSlotNs);
       const DurationNs gap_ns = std::max<DurationNs>(pitch_ns - kLineSlotNs, 0);
       timing.pitch_min_ns = byte_count_ == 1 ? pitch_ns : std::min(timing.pitch_min_ns, pitch_ns);
@@ -149,7 +149,7 @@ void DmxLineDecoder::receive(bool mark, TimeNs begin_ns, TimeNs end_ns) {
     }
     frame_.bytes[static_cast<std::size_t>(byte_count_++)] = value_;
     timing.end_ns = slot_begin_ns_ + kLineSlotNs;
-    return;  // nothing but the stop bits is left of this run
+    return;  // only stop bits remain in this run
   }
 }
 
@@ -184,7 +184,7 @@ void DmxLineDecoder::end_frame(std::optional<TimeNs> next_break_ns) {
   state_ = State::kIdle;
 }
 
-// The frame stays open, for its period.
+// The frame stays open, to measure its period.
 void DmxLineDecoder::reject(LineFault fault) {
   if (frame_.timing.fault == LineFault::kNone) frame_.timing.fault = fault;
   receiving_ = false;

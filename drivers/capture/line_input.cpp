@@ -9,12 +9,12 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr DurationNs kSearchNs = 2 * kNsPerS;  // how far the line is looked for
+constexpr DurationNs kSearchNs = 2 * kNsPerS;  // length of the search for a DMX line
 
 struct Line {
   SigrokProbe probe;
   bool inverted = false;
-  // Slots of levels in sound frames, then slots of any kind: a line turned over gives short frames of odd start codes.
+  // Slots of levels in valid frames, then slots of any kind: an inverted line gives short frames with odd start codes.
   std::pair<std::uint64_t, std::uint64_t> score = {};
   [[nodiscard]] unsigned bit() const { return static_cast<unsigned>(probe.number - 1); }
 };
@@ -74,12 +74,12 @@ Result<Line> find_line(SigrokFile& file, const std::string& path, const CaptureO
     take_score(decoder, line);
   }
   file.rewind();
-  // The first of equals: DMX+ as it is comes before DMX- turned over.
+  // The first of equals: DMX+ as it is comes before inverted DMX-.
   const auto best = std::max_element(tried.begin(), tried.end(),
                                      [](const auto& a, const auto& b) { return a.first.score < b.first.score; });
   if (best->first.score == std::pair<std::uint64_t, std::uint64_t>{}) {
     return fail(ErrorCode::kBadInput,
-                "{}: no frame of DMX in the first {} s of any channel: {}; name one to see why not", path,
+                "{}: no DMX frame in the first {} s of any channel: {}; name a channel to see the reason", path,
                 kSearchNs / kNsPerS, names);
   }
   return best->first;
@@ -100,7 +100,7 @@ class LineInput final : public LogInput {
   [[nodiscard]] TimeNs end_ns() const override { return decoder_.now_ns(); }
   [[nodiscard]] std::uint64_t damage_count() const override { return file_.trouble().empty() ? 0 : 1; }
 
-  // The next frame of the line, sound or not.
+  // The next frame of the line, valid or not.
   bool next_line_frame(LineFrame& frame) {
     while (!decoder_.take(frame)) {
       if (ended_) return false;
@@ -148,7 +148,7 @@ class LineInput final : public LogInput {
       notes.push_back(fmt::format("{} frames of other start codes; a log holds levels only", other_start_codes_));
     }
     if (counters.glitches > 0) notes.push_back(fmt::format("{} pulses below 1.5 us were ignored", counters.glitches));
-    if (!file_.trouble().empty()) notes.push_back("the capture breaks off: " + file_.trouble());
+    if (!file_.trouble().empty()) notes.push_back("the capture ends early: " + file_.trouble());
     return notes;
   }
 
@@ -165,7 +165,7 @@ class LineInput final : public LogInput {
   LineFrame frame_;
   bool ended_ = false;
   std::uint64_t other_start_codes_ = 0;
-  int unfinished_ = -1;  // slots of the last frame, where the samples end inside
+  int unfinished_ = -1;  // slots of the last frame if the samples end inside it; else -1
 };
 
 Result<std::unique_ptr<LineInput>> open_line(const std::string& path, const CaptureOptions& options) {

@@ -126,19 +126,19 @@ std::vector<std::string> NetCapture::notes() const {
   };
   note(counters_.not_udp, "packets are not UDP over IP");
   note(counters_.other_datagrams, "datagrams are neither sACN nor Art-Net");
-  note(counters_.other_protocol, "datagrams are of the protocol that was not asked for");
-  note(counters_.fragments, "packets are fragments, which are not put together");
+  note(counters_.other_protocol, "datagrams use the protocol that was not selected");
+  note(counters_.fragments, "packets are fragments, which are not reassembled");
   note(counters_.cut_short, "packets were cut short by the capture; capture them whole, as with 'tcpdump -s 0'");
   note(counters_.malformed_packets, "packets have lengths that contradict each other");
-  note(counters_.malformed_sacn, "datagrams break the rules of sACN");
-  note(counters_.malformed_artnet, "datagrams break the rules of Art-Net");
-  note(counters_.sync, "synchronisation packets: frames are taken when they came, not when they were released");
+  note(counters_.malformed_sacn, "datagrams violate sACN");
+  note(counters_.malformed_artnet, "datagrams violate Art-Net");
+  note(counters_.sync, "synchronisation packets: frames have the time of their arrival, not of their release");
   note(counters_.discovery, "datagrams of discovery, polls and answers");
   note(counters_.priorities, "sACN frames of per-address priorities; a log holds levels only");
   note(counters_.other_start_code, "sACN frames of other start codes; a log holds levels only");
   note(counters_.preview, "sACN frames are previews, meant for visualisers");
-  note(counters_.late, "frames came late or twice, by their sequence numbers");
-  note(counters_.ended_already, "sACN packets repeat that a stream ends");
+  note(counters_.late, "frames were late or duplicate, by their sequence numbers");
+  note(counters_.ended_already, "sACN packets repeat the end of a stream");
   return notes;
 }
 

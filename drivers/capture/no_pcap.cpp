@@ -1,4 +1,4 @@
-// In place of pcap_input.cpp where libpcap is not there.
+// Replaces pcap_input.cpp in builds without libpcap.
 #include "drivers/capture/captures.h"
 
 namespace footlight::drivers {

@@ -1,4 +1,4 @@
-// In place of sigrok_file.cpp and line_input.cpp where libzip is not there.
+// Replaces sigrok_file.cpp and line_input.cpp in builds without libzip.
 #include "drivers/capture/captures.h"
 
 namespace footlight::drivers {

@@ -19,12 +19,12 @@ std::uint16_t be16(Bytes bytes, std::size_t at) { return static_cast<std::uint16
 struct Walk {
   bool cut;
 
-  // What is missing was cut off by the capture, or never there.
+  // Missing bytes were cut off by the capture, or never sent.
   [[nodiscard]] tl::unexpected<WalkFault> missing() const {
     return tl::unexpected(cut ? WalkFault::kCutShort : WalkFault::kMalformed);
   }
 
-  // `at`: of an EtherType.
+  // `at`: position of an EtherType.
   [[nodiscard]] tl::expected<UdpDatagram, WalkFault> from_type(Bytes packet, std::size_t at, std::size_t header) const {
     if (packet.size() < header) return missing();
     std::uint16_t type = be16(packet, at);
@@ -53,9 +53,9 @@ struct Walk {
     const std::size_t total = be16(packet, 2);
     if (packet[0] >> 4 != 4 || header < 20 || total < header) return tl::unexpected(WalkFault::kMalformed);
     if (packet[9] != kProtocolUdp) return tl::unexpected(WalkFault::kNotUdp);
-    if ((be16(packet, 6) & 0x3FFF) != 0) return tl::unexpected(WalkFault::kFragment);  // more to come, or an offset
+    if ((be16(packet, 6) & 0x3FFF) != 0) return tl::unexpected(WalkFault::kFragment);  // more fragments, or an offset
     if (packet.size() < header) return missing();
-    // Behind the end of the IP packet, Ethernet may pad.
+    // Ethernet may add padding after the end of the IP packet.
     return udp(packet.first(std::min(packet.size(), total)).subspan(header), total - header, packet.subspan(12, 4));
   }
 
@@ -83,7 +83,7 @@ struct Walk {
     return udp(packet, length, from);
   }
 
-  // RFC 768. `length`: of the datagram, as IP says; `packet` has no more than that.
+  // RFC 768. `length`: of the datagram, from the IP header; `packet` has no more than that.
   [[nodiscard]] tl::expected<UdpDatagram, WalkFault> udp(Bytes packet, std::size_t length, Bytes from) const {
     if (length < 8) return tl::unexpected(WalkFault::kMalformed);
     if (packet.size() < 8) return missing();

@@ -1,8 +1,8 @@
-// From the bytes of a captured packet to the UDP datagram inside: link layer, VLAN tags, IPv4 or IPv6, UDP. Bytes only,
-// no library; every length is held against what was captured.
+// Finds the UDP datagram in a captured packet: link layer, VLAN tags, IPv4 or IPv6, UDP. Bytes only, no library; every
+// length is checked against the captured bytes.
 //
-// Checksums are not looked at: network cards fill them in after a capture has seen the packet. Fragments are not put
-// together: sACN and Art-Net fit one Ethernet frame, so a fragment of one is a sender that is misconfigured.
+// Checksums are not checked, because network cards fill them in after the capture. Fragments are not reassembled: sACN
+// and Art-Net packets fit one Ethernet frame, so a fragment means a misconfigured sender.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ enum class LinkLayer {
   kEthernet,
   kLinuxCooked,   // "any" interface, LINKTYPE_LINUX_SLL
   kLinuxCooked2,  // LINKTYPE_LINUX_SLL2
-  kRawIp,         // IPv4 or IPv6 without anything before it
+  kRawIp,         // IPv4 or IPv6 without a link header
   kLoopback,      // BSD: four bytes of address family, in either byte order
 };
 
@@ -34,7 +34,7 @@ enum class WalkFault {
   kMalformed,  // lengths that contradict each other
 };
 
-// The views look into `packet`. `cut`: the capture says that the packet was longer.
+// The views refer to `packet`. `cut`: the packet on the wire was longer.
 [[nodiscard]] tl::expected<UdpDatagram, WalkFault> find_udp(LinkLayer link, std::span<const std::uint8_t> packet,
                                                             bool cut);
 

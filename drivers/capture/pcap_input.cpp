@@ -11,7 +11,7 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr std::int64_t kSecondsMax = std::int64_t{1} << 31;  // 2038; in nanoseconds still far from the end of int64
+constexpr std::int64_t kSecondsMax = std::int64_t{1} << 31;  // 2038; in nanoseconds still far from the limit of int64
 
 std::optional<LinkLayer> link_of(int type) {
   switch (type) {
@@ -48,7 +48,7 @@ class PcapInput final : public LogInput {
   [[nodiscard]] std::vector<std::string> notes() const override {
     std::vector<std::string> notes = capture_.notes();
     if (out_of_time_ > 0) notes.push_back(fmt::format("{} packets have no time from 1970 to 2038", out_of_time_));
-    if (!damage_.empty()) notes.push_back("the capture breaks off: " + damage_);
+    if (!damage_.empty()) notes.push_back("the capture ends early: " + damage_);
     return notes;
   }
 
@@ -64,14 +64,14 @@ class PcapInput final : public LogInput {
   }
 
  private:
-  // The file was opened for nanoseconds, which libpcap hands over in tv_usec.
+  // The file is opened with nanosecond resolution, which libpcap stores in tv_usec.
   static std::optional<std::int64_t> time_of(const pcap_pkthdr& header) {
     const std::int64_t seconds = header.ts.tv_sec;
     if (seconds < 0 || seconds >= kSecondsMax || header.ts.tv_usec < 0 || header.ts.tv_usec >= kNsPerS) return {};
     return seconds * kNsPerS + header.ts.tv_usec;
   }
 
-  // The next packet that has a time; false at the end or where the file is broken.
+  // The next packet with a time; false at the end or if the file is damaged.
   bool read() {
     while (damage_.empty()) {
       const int got = pcap_next_ex(pcap_.get(), &header_, &bytes_);
@@ -90,9 +90,9 @@ class PcapInput final : public LogInput {
   std::string path_;
   LinkLayer link_;
   NetCapture capture_;
-  pcap_pkthdr* header_ = nullptr;  // libpcap's, of the packet read last
+  pcap_pkthdr* header_ = nullptr;  // owned by libpcap; of the packet read last
   const u_char* bytes_ = nullptr;
-  bool held_ = false;  // it is still to be taken
+  bool held_ = false;  // the packet was read but not used yet
   std::int64_t start_unix_ns_ = 0;
   TimeNs end_ns_ = 0;
   std::uint64_t out_of_time_ = 0;
@@ -104,7 +104,7 @@ class PcapInput final : public LogInput {
 Result<std::unique_ptr<LogInput>> open_pcap(const std::string& path, const CaptureOptions& options) {
   std::array<char, PCAP_ERRBUF_SIZE> error = {};
   Pcap pcap(pcap_open_offline_with_tstamp_precision(path.c_str(), PCAP_TSTAMP_PRECISION_NANO, error.data()));
-  if (!pcap) return fail(ErrorCode::kBadInput, "{}: not a sound packet capture: {}", path, error.data());
+  if (!pcap) return fail(ErrorCode::kBadInput, "{}: not a valid packet capture: {}", path, error.data());
   const int type = pcap_datalink(pcap.get());
   const auto link = link_of(type);
   if (!link) {

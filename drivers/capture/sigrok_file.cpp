@@ -28,18 +28,18 @@ std::string text_of(zip_error_t error) {
   return text;
 }
 
-// A whole small entry.
+// Reads a whole small entry.
 Result<std::string> read_text(zip_t* archive, const char* name, std::size_t bytes_max, const std::string& path) {
   const File file(zip_fopen(archive, name, 0));
   if (!file) {
-    return fail(ErrorCode::kBadInput, "{}: a zip without '{}'; expected a capture that sigrok or PulseView has written",
-                path, name);
+    return fail(ErrorCode::kBadInput, "{}: a zip without '{}'; expected a capture written by sigrok or PulseView", path,
+                name);
   }
   std::string text(bytes_max + 1, '\0');
   std::size_t size = 0;
   while (size < text.size()) {
     const zip_int64_t got = zip_fread(file.get(), text.data() + size, text.size() - size);
-    if (got < 0) return fail(ErrorCode::kBadInput, "{}: '{}' in it is broken", path, name);
+    if (got < 0) return fail(ErrorCode::kBadInput, "{}: '{}' in it is damaged", path, name);
     if (got == 0) break;
     size += static_cast<std::size_t>(got);
   }
@@ -70,7 +70,7 @@ struct SigrokFile::Impl {
     return zip_name_locate(archive.get(), name.c_str(), 0);
   }
 
-  // Opens the file with the next samples; false where there is none.
+  // Opens the file with the next samples; false if there is none.
   bool open_next() {
     std::string name = metadata.capture_file;
     if (find(name) >= 0) {
@@ -86,18 +86,18 @@ struct SigrokFile::Impl {
   }
 
   std::span<const std::uint8_t> read() {
-    // Samples may be cut in two by the end of a piece or of a file.
+    // A sample may be divided by the end of a chunk or of a file.
     std::size_t size = std::exchange(left_over, 0);
     std::memmove(buffer.data(), buffer.data() + left_over_at, size);
     while (size < metadata.unit_size && trouble.empty()) {
       if (!file && !open_next()) break;
       if (bytes_read >= kSigrokSampleBytesMax) {
-        trouble = "more samples than are read, which is 16 GiB";
+        trouble = "more than 16 GiB of samples; the rest is not read";
         break;
       }
       const zip_int64_t got = zip_fread(file.get(), buffer.data() + size, buffer.size() - size);
       if (got < 0) {
-        trouble = "the samples are broken";
+        trouble = "the samples are damaged";
       } else if (got == 0) {
         file.reset();
       } else {
@@ -122,7 +122,7 @@ struct SigrokFile::Impl {
   std::string path;
   SigrokMetadata metadata;
   File file;
-  int chunk = 0;  // files of samples opened
+  int chunk = 0;  // number of sample files opened
   std::uint64_t bytes_read = 0;
   std::vector<std::uint8_t> buffer;
   std::size_t left_over = 0;

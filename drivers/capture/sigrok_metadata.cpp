@@ -22,7 +22,7 @@ std::optional<T> number(std::string_view text) {
   return value;
 }
 
-// "12 MHz", "500 kHz", "24000000", "1.5 MHz".
+// Accepts "12 MHz", "500 kHz", "24000000", "1.5 MHz".
 std::optional<std::uint64_t> sample_rate(std::string_view text) {
   const std::size_t space = text.find(' ');
   const auto value = number<double>(text.substr(0, space));
@@ -38,7 +38,7 @@ std::optional<std::uint64_t> sample_rate(std::string_view text) {
   return static_cast<std::uint64_t>(std::llround(rate_hz));
 }
 
-// What a message quotes.
+// Quotes text in a message.
 std::string quote(std::string_view text) {
   std::string out = "'";
   for (const char c : text.substr(0, kNameCharsMax)) out += c >= ' ' && c <= '~' ? c : '?';
@@ -100,8 +100,7 @@ Result<SigrokMetadata> parse_sigrok_metadata(std::string_view text, const std::s
     }
   }
   if (metadata.capture_file.empty()) {
-    return fail(ErrorCode::kBadInput, "{}: metadata: names no logic samples (capturefile); is it an analog capture?",
-                path);
+    return fail(ErrorCode::kBadInput, "{}: metadata: no logic samples (capturefile); is it an analog capture?", path);
   }
   if (metadata.sample_rate_hz < kLineSampleRateMinHz || metadata.sample_rate_hz > kLineSampleRateMaxHz) {
     return fail(ErrorCode::kBadInput, "{}: {} Hz: expected a sample rate from {} Hz (a bit of DMX has 4 us) to {} Hz",
@@ -111,7 +110,7 @@ Result<SigrokMetadata> parse_sigrok_metadata(std::string_view text, const std::s
             [](const SigrokProbe& a, const SigrokProbe& b) { return a.number < b.number; });
   if (!metadata.probes.empty()) metadata.probe_count = std::max(metadata.probe_count, metadata.probes.back().number);
   if (metadata.probe_count == 0) {
-    return fail(ErrorCode::kBadInput, "{}: metadata: says nothing of probes ('total probes')", path);
+    return fail(ErrorCode::kBadInput, "{}: metadata: expected the number of probes ('total probes')", path);
   }
   const std::size_t bytes = (static_cast<std::size_t>(metadata.probe_count) + 7) / 8;
   if (!any_unit_size) metadata.unit_size = bytes;

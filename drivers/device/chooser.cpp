@@ -41,19 +41,19 @@ Result<FoundDevice> Chooser::find() const {
   std::string ports;
   for (const FoundDevice* device : fitting)
     ports += fmt::format("{}{}:port-{}", ports.empty() ? "" : ", ", driver_id_, device->port_path);
-  return fail(ErrorCode::kBadInput, "{}: {} devices fit; name one of {}", named, fitting.size(), ports);
+  return fail(ErrorCode::kBadInput, "{}: {} devices match; name one of {}", named, fitting.size(), ports);
 }
 
 Result<FoundDevice> Chooser::choose() const {
   FL_ASSIGN(FoundDevice found, find());
   switch (found.readiness) {
     case Readiness::kReady: break;
-    case Readiness::kNotDmx:  // named by the user; whether it answers will show
+    case Readiness::kNotDmx:  // named by the user; the driver will find out whether it answers
       if (!found.holder.empty()) return fail(ErrorCode::kPermission, "{}: in use by {}", found.node, found.holder);
       break;
     case Readiness::kUnsupported: return fail(ErrorCode::kUnsupported, "{}", found.reason);
     case Readiness::kNoNode: return fail(ErrorCode::kNotFound, "{}", found.reason);
-    case Readiness::kNoPermission:  // the reason begins with the node
+    case Readiness::kNoPermission:  // the reason starts with the node
       return fail(ErrorCode::kPermission, "{}", message_of({found.reason, found.remedy}));
     case Readiness::kBusy:
       return fail(ErrorCode::kPermission, "{}: {}", found.node, message_of({found.reason, found.remedy}));
@@ -73,7 +73,7 @@ void Chooser::pin(const FoundDevice& device) {
 
 std::string Chooser::identity() const {
   if (const auto found = find()) return fmt::format("{} at {}/{}", driver_id_, found->port_path, found->serial);
-  return fmt::format("{}:{}", driver_id_, target_);  // so that two ports that wait for one device share it
+  return fmt::format("{}:{}", driver_id_, target_);  // two ports that wait for the same device share it
 }
 
 }  // namespace footlight::drivers

@@ -1,7 +1,7 @@
-// Which of the plugged-in devices an endpoint means, now and after a replug.
+// Selects the plugged-in device for an endpoint, at first and after a replug.
 //
-// The first device that was opened pins the chooser: to its serial number where it has one that no other device of the
-// driver shares, else to the socket that it sits in. From then on no other device is taken.
+// The first device that is opened pins the chooser: to its serial number, if no other device of the driver shares it,
+// else to its USB socket. After that no other device is accepted.
 //
 // Threads: safe to call from any.
 #pragma once
@@ -17,16 +17,16 @@ namespace footlight::drivers {
 
 class Chooser {
  public:
-  // driver_id: of the devices to take, as in the driver table. target: a serial number, "port-1-2.3", or empty where
+  // driver_id: of the devices to accept, as in the driver table. target: a serial number, "port-1-2.3", or empty if
   // only one such device is plugged in.
   Chooser(std::string driver_id, std::string target, FindOptions find = {});
 
-  // Errors: kNotFound (says which others are there), kBadInput (several fit; names them), kPermission (says what mends
-  // it), kUnsupported. A device is given only where it can be opened, or where the user named it.
+  // Errors: kNotFound (lists the other devices), kBadInput (several match; lists them), kPermission (names the command
+  // that fixes it), kUnsupported. Returns a device only if it can be opened or the user named it.
   [[nodiscard]] Result<FoundDevice> choose() const;
-  // As choose(), whether it can be opened or not.
+  // As choose(), also for a device that cannot be opened.
   [[nodiscard]] Result<FoundDevice> find() const;
-  // The device was opened.
+  // Call when the device was opened.
   void pin(const FoundDevice& device);
   // See Opener::identity().
   [[nodiscard]] std::string identity() const;

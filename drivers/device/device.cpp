@@ -14,8 +14,9 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr DurationNs kLineLostNs = 1'250 * kNsPerMs;  // a receiver's patience, E1.11 section 9.3 plus a frame
-constexpr int kTimeoutCountMax = 3;                   // sends in a row; then the device is opened afresh
+constexpr DurationNs kLineLostNs = 1'250 * kNsPerMs;  // when a receiver considers the line lost, E1.11 section 9.3 plus
+                                                      // a frame
+constexpr int kTimeoutCountMax = 3;                   // consecutive sends; then the device is opened again
 
 }  // namespace
 
@@ -27,13 +28,13 @@ struct DevicePort {
 
   // Guarded by the device's mutex.
   PortCounters counters;
-  bool settled = false;  // the thread has taken it in, or refused it with `refusal`
+  bool settled = false;  // the thread has accepted it, or rejected it with `refusal`
   bool leaving = false;
   bool left = false;
   Status refusal;
 };
 
-// run() is the device thread. Members above `mutex_` are its own, and start()'s before there is a thread.
+// run() is the device thread. Members above `mutex_` are used by that thread only, and by start() before it exists.
 class Device final : private WidgetContext {
  public:
   Device(DevicePlan plan, std::string identity, Clock& clock)
@@ -58,7 +59,7 @@ class Device final : private WidgetContext {
     return !identity.empty() && &clock == &clock_ && !shared_.ended && shared_.identity == identity;
   }
 
-  // Before start(), and while the device runs: a port's lines become part of it.
+  // Adds the lines of a port, before start() or while the device runs.
   Status join(const std::shared_ptr<DevicePort>& port) {
     for (const DeviceLine& line : port->config.lines) {
       if (line.line < 0 || line.line >= widget_->line_count())
@@ -68,7 +69,7 @@ class Device final : private WidgetContext {
         return fail(can.error().code, "{}: {}", port->config.name, can.error().message);
     }
     std::unique_lock lock(mutex_);
-    if (shared_.ended) return fail(ErrorCode::kPermission, "{}: is just being closed", port->config.name);
+    if (shared_.ended) return fail(ErrorCode::kPermission, "{}: is being closed; try again", port->config.name);
     for (const DeviceLine& line : port->config.lines)
       if (const auto& owner = box_of(line).port)
         return fail(ErrorCode::kPermission, "{}: connector {} is in use by {} of this program", port->config.name,
@@ -93,14 +94,14 @@ class Device final : private WidgetContext {
     }
     const NoSignals for_the_thread;
     thread_ = std::jthread([this](const std::stop_token& stop) {
-      (void)enter_real_time();  // a refusal is said once, by the main
+      (void)enter_real_time();  // the main program reports a refusal once
       stop_ = stop;
       run();
     });
     return {};
   }
 
-  // politely: with last words, and the widget's own; otherwise at once.
+  // politely: sends the final frames and the widget's final messages; otherwise ends at once.
   void leave(const std::shared_ptr<DevicePort>& port, bool politely) {
     std::unique_lock lock(mutex_);
     if (port->left) return;
@@ -113,7 +114,7 @@ class Device final : private WidgetContext {
       settled_.wait(lock, [&] { return port->left; });
       return;
     }
-    shared_.ended = true;  // nobody joins from here on
+    shared_.ended = true;  // no port can join from here on
     lock.unlock();
     thread_.request_stop();
     if (politely)
@@ -145,11 +146,11 @@ class Device final : private WidgetContext {
 
   struct Box {  // the mailbox of a line
     std::shared_ptr<DevicePort> port;
-    std::array<std::uint8_t, kLineFrameMax> frame{};  // output: the look to send; input: the newest frame
-    std::size_t size = 0;                             // 0: none came yet
-    bool fresh = false;                               // the other side has not taken `frame` yet
-    bool resting = false;                             // output: what was sent is not to be repeated
-    TimeNs stamp_ns = 0;                              // input: when it came
+    std::array<std::uint8_t, kLineFrameMax> frame{};  // output: the snapshot to send; input: the newest frame
+    std::size_t size = 0;                             // 0: no frame yet
+    bool fresh = false;                               // the other side has not used `frame` yet
+    bool resting = false;                             // output: the last frame is not repeated
+    TimeNs stamp_ns = 0;                              // input: when it was received
   };
   struct Shared {
     std::string identity;  // of the connector
@@ -161,13 +162,13 @@ class Device final : private WidgetContext {
     std::uint64_t errors = 0;
     std::vector<Box> boxes;  // per line
     std::vector<std::shared_ptr<DevicePort>> ports;
-    bool lines_changed = false;  // a port has joined or leaves
+    bool lines_changed = false;  // a port has joined or is leaving
     bool ended = false;
     std::vector<DeviceJob> jobs;
     std::vector<WidgetFigure> figures;
     bool figures_wanted = false;
   };
-  // Runs f(shared) under the lock; returns what f returns. f must not block.
+  // Runs f(shared) under the lock and returns its result. f must not block.
   template <class F>
   decltype(auto) with_shared(F&& f) {
     const std::lock_guard lock(mutex_);
@@ -176,13 +177,13 @@ class Device final : private WidgetContext {
   Opener& opener() { return *opener_; }
 
  private:
-  // What the thread knows of an output line.
+  // The thread's state of an output line.
   struct Out {
     Slots snapshot{};
     bool have_snapshot = false;
     bool sent = false;  // since the lines were set up
-    bool owed = false;  // taken from its mailbox and not yet sent
-    TimeNs due_ns = 0;  // when it is to be sent again although unchanged
+    bool owed = false;  // taken from its mailbox and not sent yet
+    TimeNs due_ns = 0;  // when the repeat is due
   };
 
   // --- WidgetContext
@@ -235,9 +236,9 @@ class Device final : private WidgetContext {
   Clock& clock_;
   std::stop_token stop_;
   std::unique_ptr<Transport> transport_;  // empty while the device is gone
-  std::vector<LineUse> uses_;             // per line, as the widget knows them
+  std::vector<LineUse> uses_;             // per line, as passed to the widget
   std::vector<Out> outs_;                 // per line
-  std::size_t next_line_ = 0;             // the one that is looked at first
+  std::size_t next_line_ = 0;             // the line that is checked first
   int timeout_count_ = 0;
   DurationNs keep_alive_ns_ = kTimeNever;
   bool host_timed_ = false;
@@ -245,10 +246,10 @@ class Device final : private WidgetContext {
   std::mutex mutex_;
   std::condition_variable settled_;
   Shared shared_;        // guarded by mutex_
-  std::jthread thread_;  // last: it ends before what it uses
+  std::jthread thread_;  // last member: it ends before the members that it uses
 };
 
-// With the lock.
+// Call with the lock held.
 void Device::forget(const DevicePort& port) {
   for (Box& box : shared_.boxes)
     if (box.port.get() == &port) box = {};
@@ -279,17 +280,17 @@ void Device::run() {
     take_figures();
     if (!worked) {
       lose(worked.error());
-      // Not at once: a device that opens and then fails every time must not keep a processor busy.
+      // With a pause: a device that opens and then always fails must not use a whole processor core.
       if (!stopping()) opener_->wait(clock_.now_ns() + retry_ns_);
     }
   }
   std::vector<std::shared_ptr<DevicePort>> ports = with_shared([](Shared& shared) { return shared.ports; });
-  Status said;
+  Status sent;
   for (const auto& port : ports)
-    if (transport_ && said) said = send_final_frames(*port);
-  if (transport_ && said) said = widget_->end(*this);
-  if (!said) lose(said.error());
-  with_shared([](Shared& shared) { shared.figures_wanted = true; });  // the last ones stay
+    if (transport_ && sent) sent = send_final_frames(*port);
+  if (transport_ && sent) sent = widget_->end(*this);
+  if (!sent) lose(sent.error());
+  with_shared([](Shared& shared) { shared.figures_wanted = true; });  // the last values stay
   take_figures();
   transport_.reset();
   run_jobs();
@@ -312,7 +313,7 @@ void Device::signal_all() {
   });
 }
 
-// Takes in the ports that have joined, says the last words of those that leave.
+// Adds the ports that have joined, and sends the final frames of those that leave.
 Status Device::set_lines_up() {
   struct Change {
     std::vector<std::shared_ptr<DevicePort>> joined, leaving;
@@ -333,7 +334,7 @@ Status Device::set_lines_up() {
   }
   if (transport_ && worked) worked = begin();
   if (!worked && transport_ && worked.error().code == ErrorCode::kUnsupported && !change.joined.empty()) {
-    // The device is fine; it is the newcomer that asks for too much.
+    // The device works; the new port requests something that it does not support.
     for (const auto& port : change.joined) {
       port->refusal = fail(ErrorCode::kUnsupported, "{}: {}", port->config.name, worked.error().message);
       with_shared([&](Shared&) { forget(*port); });
@@ -364,7 +365,7 @@ Status Device::open_device() {
   return {};
 }
 
-// The widget learns what its lines are for, and every look is sent again.
+// Configures the widget for its lines; every snapshot is sent again.
 Status Device::begin() {
   with_shared([&](Shared& shared) {
     for (std::size_t line = 0; line < uses_.size(); ++line) {
@@ -409,7 +410,7 @@ void Device::take_snapshot(std::size_t line) {
   });
 }
 
-// Sends one look, or listens until there is one to send.
+// Sends one snapshot, or listens until there is one to send.
 Status Device::work() {
   const TimeNs now_ns = clock_.now_ns();
   TimeNs due_ns = kTimeNever;
@@ -432,7 +433,7 @@ Status Device::send(std::size_t line) {
   const TimeNs now_ns = clock_.now_ns();
   const Status sent = widget_->send(*this, static_cast<int>(line), out.snapshot);
   if (!sent) {
-    // A look that did not get through is due again, unless a newer one has come by then.
+    // A failed snapshot is due again, unless a newer one arrives before.
     if (sent.error().code != ErrorCode::kTimeout || ++timeout_count_ >= kTimeoutCountMax) return sent;
     out.sent = false;
     with_shared([](Shared& shared) { ++shared.errors; });
@@ -440,7 +441,7 @@ Status Device::send(std::size_t line) {
   }
   timeout_count_ = 0;
   const bool again = !out.owed && out.sent;
-  // Where the host keeps the frame period, lateness of one frame is not handed on to the next.
+  // If the host times the frames, the delay of one frame does not shift the next.
   const bool on_time = host_timed_ && again && now_ns < out.due_ns + keep_alive_ns_;
   out.due_ns = keep_alive_ns_ == kTimeNever ? kTimeNever : (on_time ? out.due_ns : now_ns) + keep_alive_ns_;
   out.sent = true;
@@ -452,7 +453,7 @@ Status Device::send(std::size_t line) {
   return {};
 }
 
-// The newest look that was never sent, or darkness.
+// Sends the newest unsent snapshot, or zeros.
 Status Device::send_final_frames(const DevicePort& port) {
   if (port.use != LineUse::kOutput) return {};
   for (const DeviceLine& at : port.config.lines) {
@@ -468,11 +469,11 @@ Status Device::send_final_frames(const DevicePort& port) {
   return {};
 }
 
-// --- What sinks and sources share
+// --- Shared by sinks and sources
 
 namespace {
 
-// Open devices, so that one is never opened twice. Entries die with their devices.
+// All open devices, so that none is opened twice. Entries expire with their devices.
 struct OpenDevices {
   std::mutex mutex;
   std::vector<std::weak_ptr<Device>> devices;  // guarded by mutex
@@ -622,7 +623,7 @@ Status DeviceSink::send(TimeNs, std::span<const FrameView> frames) {
       box.fresh = true;
       return shared.state == PortState::kWorking;
     });
-    // A gone device is looked for at its own pace, not at that of the frames.
+    // A lost device is searched for at its own interval, not at that of the frames.
     if (open) link_.device().opener().wake();
   }
   return {};
@@ -668,7 +669,7 @@ std::span<const Universe> DeviceSource::universes() const { return link_.port().
 TimeNs DeviceSource::next_deadline_ns() const {
   TimeNs deadline_ns = kTimeNever;
   for (const Line& line : lines_)
-    if (!line.quiet) deadline_ns = std::min(deadline_ns, line.heard_ns + kLineLostNs);
+    if (!line.quiet) deadline_ns = std::min(deadline_ns, line.received_ns + kLineLostNs);
   return deadline_ns;
 }
 
@@ -680,7 +681,7 @@ PortState DeviceSource::state() const {
 
 Status DeviceSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
   const DevicePort& port = link_.port();
-  // Cleared first: a frame that comes after the copy below makes it readable again.
+  // Cleared first: a frame that arrives after the copy below makes it readable again.
   link_.port().event.clear();
   for (std::size_t i = 0; i < lines_.size(); ++i) {
     Line& line = lines_[i];
@@ -691,19 +692,19 @@ Status DeviceSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
       box.fresh = false;
       line.frame = box.frame;
       line.size = box.size;
-      line.heard_ns = box.stamp_ns;
+      line.received_ns = box.stamp_ns;
       sequence = port.counters.frames;
       return true;
     });
     if (fresh) {
       receiver.receive({.universe = port.universes[i],
-                        .stamp_ns = line.heard_ns,
+                        .stamp_ns = line.received_ns,
                         .sender = std::hash<std::string>{}(port.config.name) | 1u,
                         .sequence = static_cast<std::uint32_t>(sequence),
                         .slots = std::span<const std::uint8_t>(line.frame).subspan(1, line.size - 1)});
       line.quiet = false;
     }
-    if (!line.quiet && now_ns >= line.heard_ns + kLineLostNs) line.quiet = true;
+    if (!line.quiet && now_ns >= line.received_ns + kLineLostNs) line.quiet = true;
   }
   return {};
 }

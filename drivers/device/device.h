@@ -1,19 +1,19 @@
-// One physical DMX interface while it is open: its thread, and the ports that are made from it.
+// One physical DMX interface while it is open: its thread and its ports.
 //
-// The device thread alone talks to the Widget and to its Transport. It opens the device, sends the newest look of each
-// output line, repeats it every keep_alive_ns, and takes what the input lines bring. After an unplug it looks for the
-// same device until it is back, and sends every look again. Between that thread and the pump stand one mailbox of one
-// frame per line, where a newer frame replaces an unused one and is counted as dropped, and an eventfd per port. The
-// lock is held for a copy of 512 bytes and never during I/O.
+// Only the device thread calls the Widget and its Transport. It opens the device, sends the newest snapshot of each
+// output line, repeats it every keep_alive_ns, and receives frames from the input lines. After an unplug it searches
+// for the same device until it is back, and sends every snapshot again. The thread and the pump share one mailbox per
+// line, which holds one frame, and one eventfd per port. A newer frame replaces an unused one, which is counted as
+// dropped. The lock is held for a copy of 512 bytes, never during I/O.
 //
-// A device is open once in a program, whatever the number of its ports: an input and an output of the same interface,
-// or its second connector, join the thread that is there. The last port to be closed gives the device back.
+// A device is opened once in a program, whatever the number of its ports. An input and an output of the same interface,
+// or its second connector, use the same thread. Closing the last port closes the device.
 //
-// Closing a sink leaves the last look on the line where the device repeats it by itself: a crashed or restarted bridge
-// must not black a stage out. blackout_on_exit asks for zeros instead.
+// Closing a sink leaves the last levels on the line if the device repeats them itself, so that a crashed or restarted
+// bridge does not black out a stage. With blackout_on_exit it sends zeros instead.
 //
 // Threads: a port belongs to one thread, the pump's; run_on_device() and figures() may be called from any. Errors while
-// running: state() turns to kGone and trouble() says why.
+// running: state() becomes kGone and trouble() gives the reason.
 #pragma once
 
 #include <functional>
@@ -35,69 +35,70 @@ struct DeviceLine {
   Universe universe = 0;
 };
 
-// What a port asks of its device.
+// The configuration of one port of a device.
 struct DevicePortConfig {
   std::string name;  // Port::name(): the endpoint as the user wrote it
   std::vector<DeviceLine> lines;
   bool blackout_on_exit = false;  // outputs: send zeros when the port is closed
-  bool wait_for_device = false;   // open() succeeds though nothing is plugged in
+  bool wait_for_device = false;   // open() succeeds even if no device is plugged in
 };
 
-// The way to a device and what speaks to it. Not used where the device is open already.
+// How to open and drive a device. Not used if the device is open already.
 struct DevicePlan {
   std::unique_ptr<Widget> widget;
   std::unique_ptr<Opener> opener;
-  DurationNs retry_ns = 250 * kNsPerMs;  // how often a lost device is looked for where nothing announces it
+  DurationNs retry_ns = 250 * kNsPerMs;  // how often to search for a lost device that has no hotplug notification
 };
 
-// Beyond PortCounters; a copy, taken at one instant.
+// In addition to PortCounters; a copy taken at one instant.
 struct DeviceStats {
   std::uint64_t connects = 0;           // times the device was opened
-  std::uint64_t keep_alives = 0;        // looks sent again although unchanged
-  std::uint64_t other_start_codes = 0;  // input frames that carry no levels (RDM, text, tests); not passed on
+  std::uint64_t keep_alives = 0;        // repeats of an unchanged snapshot
+  std::uint64_t other_start_codes = 0;  // input frames without levels (RDM, text, tests); not passed on
 };
 
-class Device;       // the thread and what it shares
-struct DevicePort;  // what a port and the thread share
+class Device;       // the thread and its shared state
+struct DevicePort;  // the state that a port and the thread share
 
-// Called once on the device's thread between two frames. context: nullptr where the device is gone or closed.
+// Called once on the device's thread between two frames. context: nullptr if the device is gone or closed.
 using DeviceJob = std::function<void(Widget& widget, WidgetContext* context)>;
 
-// An open device, for those who must not keep it open. Any thread.
+// A reference to an open device that does not keep it open. Any thread.
 class DeviceHandle {
  public:
   explicit DeviceHandle(std::weak_ptr<Device> device) : device_(std::move(device)) {}
-  // Whether it has been given back for good.
+  // True if the device was closed for good.
   [[nodiscard]] bool is_gone() const;
-  // As DeviceLink::run_on_device(); false, and the job is not run: it is gone.
+  // As DeviceLink::run_on_device(); returns false without running the job if the device is closed.
   bool run_on_device(DeviceJob job) const;
 
  private:
   std::weak_ptr<Device> device_;
 };
 
-// What sinks and sources of a device have in common.
+// Common part of a device's sinks and sources.
 class DeviceLink {
  public:
-  // Opens the device on the caller's thread and starts its own thread; or joins the one that has it open.
-  // kPermission: a line is in use by another port of this program.
+  // Opens the device on the caller's thread and starts its thread, or joins the one that has it open. kPermission:
+  // another port of this program uses a line.
   static Result<DeviceLink> open(DevicePlan plan, const DevicePortConfig& config, LineUse use, Clock& clock);
   DeviceLink(DeviceLink&&) noexcept;
   DeviceLink& operator=(DeviceLink&&) = delete;
-  ~DeviceLink();  // without close(): ends at once, a write in progress is cut off where this is the last port
+  ~DeviceLink();  // without close(): ends at once; the last port cuts off a write in progress
 
-  // Sends the last words, and gives the device back where this is the last port of it.
+  // Sends the widget's final messages, and closes the device if this is its last port.
   void close();
   void run_on_device(DeviceJob job) const;
   [[nodiscard]] DeviceHandle handle() const { return DeviceHandle(device_); }
-  // Those of the port.
+  // The lines of this port.
   [[nodiscard]] std::span<const DeviceLine> lines() const;
-  // Whether its widget carries RDM (drivers/rdm/rdm_widget.h).
+  // True if its widget supports RDM (drivers/rdm/rdm_widget.h).
   [[nodiscard]] bool has_rdm() const;
-  // What the widget said of the device ("firmware 1.44, serial number 2172589"), and what it cannot do as asked.
+  // The device's identity as the widget read it ("firmware 1.44, serial number 2172589"), and requested features that
+  // it lacks.
   [[nodiscard]] std::string identity() const;
   [[nodiscard]] std::vector<std::string> remarks() const;
-  // Widget::figures() as they were when somebody last asked; asks for newer ones, after which poll_fd() is readable.
+  // Widget::figures() as of an earlier request. Requests newer ones; poll_fd() becomes readable when they are there.
   [[nodiscard]] std::vector<WidgetFigure> figures() const;
   void take_figures(std::vector<PortFigure>& into) const;  // likewise
   [[nodiscard]] DeviceStats stats() const;
@@ -121,13 +122,14 @@ class DeviceSink final : public Sink {
   std::string trouble() const override;
   PortCounters counters() const override;
   void take_figures(std::vector<PortFigure>& into) const override { link_.take_figures(into); }
-  // Slots past the end of a short frame keep the levels sent before.
+  // Slots past the end of a short frame keep their last levels.
   Status send(TimeNs now_ns, std::span<const FrameView> frames) override;
   Status poll(TimeNs now_ns) override;
   std::span<const Universe> universes() const override;
   double rate_hz_max() const override;
   std::optional<std::uint64_t> frames_on_line() const override;
-  // The host repeats nothing until the next send(). A device that repeats by itself goes on; no protocol stops it.
+  // The host stops repeating until the next send(). A device that repeats frames itself continues; no protocol stops
+  // it.
   void rest(TimeNs now_ns) override;
   void close(TimeNs now_ns) override;  // returns when the widget's write has ended or timed out
 
@@ -146,11 +148,11 @@ class DeviceSource final : public Source {
   std::string name() const override;
   int poll_fd() const override;  // readable when a frame has come or state() may have changed
   TimeNs next_deadline_ns() const override;
-  PortState state() const override;  // kWaiting: open, and every line has been quiet for 1.25 s
+  PortState state() const override;  // kWaiting: open, and every line has been silent for 1.25 s
   std::string trouble() const override;
   PortCounters counters() const override;
   void take_figures(std::vector<PortFigure>& into) const override { link_.take_figures(into); }
-  Status poll(TimeNs now_ns, FrameReceiver& receiver) override;  // at most one frame of each line: the newest
+  Status poll(TimeNs now_ns, FrameReceiver& receiver) override;  // at most one frame per line: the newest
   std::span<const Universe> universes() const override;
 
   [[nodiscard]] const DeviceLink& link() const { return link_; }
@@ -158,13 +160,13 @@ class DeviceSource final : public Source {
  private:
   explicit DeviceSource(DeviceLink link);
   struct Line {
-    std::array<std::uint8_t, kLineFrameMax> frame{};  // of the last poll(); FrameView points into it
+    std::array<std::uint8_t, kLineFrameMax> frame{};  // of the last poll(); FrameView refers to it
     std::size_t size = 0;
-    TimeNs heard_ns = 0;  // when the newest frame came
+    TimeNs received_ns = 0;  // when the newest frame was received
     bool quiet = true;
   };
   DeviceLink link_;
-  std::vector<Line> lines_;  // as the port's lines
+  std::vector<Line> lines_;  // in the order of the port's lines
 };
 
 }  // namespace footlight::drivers

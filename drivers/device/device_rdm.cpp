@@ -15,7 +15,7 @@ DeviceRdmLine::DeviceRdmLine(std::unique_ptr<DeviceSink> sink, const RdmUid& own
       line_(sink_->link().lines().front().line) {}
 
 Result<Octets> DeviceRdmLine::exchange(std::span<const std::uint8_t> request) {
-  // The job owns what it needs: it may run when the device is closed, after nobody waits any more.
+  // The job owns its data: it may run when the device is closed and the caller has gone.
   const auto answered = std::make_shared<std::promise<Result<Octets>>>();
   auto answer = answered->get_future();
   const bool posted =
@@ -24,7 +24,7 @@ Result<Octets> DeviceRdmLine::exchange(std::span<const std::uint8_t> request) {
         auto* const rdm = dynamic_cast<RdmWidget*>(&widget);
         if (rdm == nullptr) {
           answered->set_value(fail(ErrorCode::kUnsupported,
-                                   "{}: this interface, or what is known of it, has no RDM; use an ENTTEC DMX USB Pro "
+                                   "{}: this interface, or its driver, has no RDM; use an ENTTEC DMX USB Pro "
                                    "or an Art-Net gateway",
                                    name));
         } else if (context == nullptr) {

@@ -1,4 +1,4 @@
-// The RDM line of an open interface: requests go over the device's thread, between two frames.
+// The RDM line of an open interface. Requests run on the device's thread, between two frames.
 #pragma once
 
 #include <memory>
@@ -11,14 +11,14 @@
 
 namespace footlight::drivers {
 
-// Blocks the caller while the device's thread does the work, so it is not for the pump's thread. Does not keep the
+// Blocks the caller while the device's thread works, so it must not be used on the pump's thread. Does not keep the
 // device open: calls after it was closed fail with kDisconnected.
 class DeviceRdmLine final : public RdmWire {
  public:
-  // `line`: the connector, from 0. `name` begins messages.
+  // `line`: the connector, from 0. `name` starts messages.
   DeviceRdmLine(DeviceHandle device, std::string name, int line, const RdmUid& own)
       : RdmWire(own), device_(std::move(device)), name_(std::move(name)), line_(line) {}
-  // The first connector of a sink that it keeps open itself.
+  // The first connector of a sink, which this object keeps open.
   DeviceRdmLine(std::unique_ptr<DeviceSink> sink, const RdmUid& own);
 
  private:
@@ -30,7 +30,7 @@ class DeviceRdmLine final : public RdmWire {
   const int line_;
 };
 
-// Lets gateways find the lines of a sink, where its device has RDM.
+// Registers the lines of a sink for gateways, if its device supports RDM.
 void put_rdm_lines(RdmDirectory& directory, const DeviceSink& sink, const RdmUid& own);
 
 }  // namespace footlight::drivers

@@ -27,7 +27,7 @@ namespace {
 constexpr std::string_view kChip = "gpiochip";
 constexpr unsigned kReadWrite = 06;
 
-// opendir() and not std::filesystem: the emulated /sys of the tests redirects this call.
+// opendir() instead of std::filesystem: the emulated /sys of the tests redirects this call.
 std::vector<unsigned> chip_numbers(const std::string& sys_root) {
   std::vector<unsigned> numbers;
   DIR* const dir = ::opendir((sys_root + "/bus/gpio/devices").c_str());
@@ -44,7 +44,7 @@ std::vector<unsigned> chip_numbers(const std::string& sys_root) {
   return numbers;
 }
 
-// device: its link in /sys/bus/gpio/devices. The chip lies in the folder of the device that it is part of.
+// device: its link in /sys/bus/gpio/devices. The chip is in the folder of its parent device.
 std::string driver_of(const std::string& device) {
   std::array<char, 4096> target;
   const ssize_t size = ::readlink((device + "/../driver").c_str(), target.data(), target.size());
@@ -71,8 +71,8 @@ std::string open_to(const FoundGpioChip& chip) {
   return who;
 }
 
-void ask(FoundGpioChip& chip) {
-  // A regular file or a FIFO of that name must not hold this up.
+void query(FoundGpioChip& chip) {
+  // Non-blocking: a regular file or a FIFO with that name must not block this call.
   const int fd = ::open(chip.node.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0) return;
   gpiochip_info info{};
@@ -92,21 +92,21 @@ void judge(FoundGpioChip& chip, const FindOptions& options) {
   struct stat node {};
   if (::stat(chip.node.c_str(), &node) != 0)
     return verdict(Readiness::kNoNode,
-                   fmt::format("{} does not exist; a container has to be started with access to it", chip.node));
+                   fmt::format("{} does not exist; start the container with access to it", chip.node));
   chip.owner = user_name(node.st_uid);
   chip.group = group_name(node.st_gid);
   chip.mode = node.st_mode & 07777u;
   chip.open_to = open_to(chip);
   const int error = node_access(options, chip.node);
   if (error != 0) {
-    // Where the machine has a group for it, joining that is less than a new rule.
+    // If the machine has a group for it, joining the group is simpler than a new rule.
     const bool by_group = chip.group != "root" && ((chip.mode >> 3) & kReadWrite) == kReadWrite;
     return verdict(Readiness::kNoPermission,
                    fmt::format("{}: {}{}", chip.node, std::strerror(error),
                                by_group ? fmt::format("; members of {} may, from their next login", chip.group) : ""),
                    by_group ? fmt::format("sudo usermod -aG {} $USER", chip.group) : gpio_install_command());
   }
-  ask(chip);
+  query(chip);
   if (!built_with_gpio())
     verdict(Readiness::kUnsupported, "this build has no GPIO",
             "sudo apt install libgpiod-dev && cmake -B build -DFOOTLIGHT_GPIO=ON && cmake --build build");

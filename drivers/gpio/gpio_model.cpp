@@ -29,7 +29,7 @@ tl::unexpected<Error> no_line(const GpioLineRequest& request, std::size_t line_c
               line_count, line_count - 1);
 }
 
-// A contact that closes and opens by the clock; its edges follow from the time alone.
+// A contact that closes and opens periodically; its edges depend on the time alone.
 class BeatLine final : public GpioLine {
  public:
   BeatLine(Clock& clock, int rate_hz) : clock_(clock), period_ns_(rate_hz == 0 ? 0 : kNsPerS / rate_hz) {
@@ -44,7 +44,7 @@ class BeatLine final : public GpioLine {
     std::size_t count = 0;
     while (count < edges.size() && next_ns_ <= now_ns) {
       edges[count++] = {.stamp_ns = next_ns_, .level = step_ % 2 == 0};
-      // Steps 0 to 4 close with bounces, step 5 opens; then it begins anew.
+      // Steps 0 to 4 close with bounces, step 5 opens; then the cycle repeats.
       if (step_ == 0) closed_ns_ = next_ns_;
       if (step_ < kBounceEdges - 1) {
         next_ns_ += kBounceSpacingNs;
@@ -105,7 +105,7 @@ void GpioModel::bounce(int line, bool level, TimeNs stamp_ns, int edge_count, Du
 }
 
 void GpioModel::push(Line& line, GpioEdge edge) {
-  if (!line.requested || !plugged_ || line.deaf) return;
+  if (!line.requested || !plugged_ || line.drops_edges) return;
   if (line.queue.size() >= kGpioQueueEdges) {
     ++line.lost;
     return;
@@ -119,7 +119,7 @@ void GpioModel::set_readable(Line& line) const {
   if (!line.queue.empty() || !plugged_ || line.failing) {
     FL_CHECK(::write(line.event_fd, &count, sizeof count) == sizeof count);
   } else {
-    (void)!::read(line.event_fd, &count, sizeof count);  // fails where it was not readable
+    (void)!::read(line.event_fd, &count, sizeof count);  // fails if it was not readable
   }
 }
 
@@ -154,7 +154,7 @@ void GpioModel::stick(int line, bool stuck) {
 
 void GpioModel::lose_edges(int line, bool losing) {
   const std::lock_guard lock(mutex_);
-  lines_.at(static_cast<std::size_t>(line)).deaf = losing;
+  lines_.at(static_cast<std::size_t>(line)).drops_edges = losing;
 }
 
 void GpioModel::fail_reads(int line, bool failing) {

@@ -1,11 +1,11 @@
-// A model of a GPIO chip in this process, behind the same interface as real ones. It ships as the chip "mock":
+// A model of a GPIO chip in this process, with the same interface as real ones. It ships as the chip "mock":
 // gpio:mock/2=1.25 runs on any machine.
 //
 // Line N of the chip "mock" is a contact that closes N times a second, half of the time, and bounces for a millisecond
-// when it does; line 0 stays open.
+// when it closes; line 0 stays open.
 //
-// The kernel's behaviour that matters is kept: a queue of 16 edges a line, the newest of which are lost when it is
-// full; one user a line; no word when something was lost. Faults happen on command.
+// It models the kernel's behaviour that matters: a queue of 16 edges per line, which loses the newest when it is full;
+// one user per line; no report of lost edges. Faults happen on command.
 //
 // Threads: GpioModel is safe to use from any; its lines belong to one thread each.
 #pragma once
@@ -27,17 +27,17 @@ class GpioModel {
   GpioModel(const GpioModel&) = delete;
   GpioModel& operator=(const GpioModel&) = delete;
 
-  // --- The world around the chip
-  void drive(int line, bool level, TimeNs stamp_ns);  // logical level; an edge where it is another than before
-  // `edge_count` edges from `stamp_ns` on, each `spacing_ns` after the one before, the first one to `level`.
+  // --- Signals on the lines
+  void drive(int line, bool level, TimeNs stamp_ns);  // logical level; an edge if it differs from the last one
+  // `edge_count` edges from `stamp_ns` on, `spacing_ns` apart, the first one to `level`.
   void bounce(int line, bool level, TimeNs stamp_ns, int edge_count, DurationNs spacing_ns);
 
   // --- Faults
   void unplug();                              // every line fails, requests find nothing
-  void plug();                                // levels as they were; requests succeed again
-  void hold(int line, std::string consumer);  // in use by somebody else; empty: by nobody
+  void plug();                                // levels as before; requests succeed again
+  void hold(int line, std::string consumer);  // in use by another program; empty: by none
   void stick(int line, bool stuck);           // drive() has no effect on it
-  void lose_edges(int line, bool losing);     // drive() changes the level and tells nobody
+  void lose_edges(int line, bool losing);     // drive() changes the level without an edge
   void fail_reads(int line, bool failing);    // EIO
   void forbid(bool forbidden);                // requests end in kPermission
 
@@ -53,11 +53,11 @@ class GpioModel {
     bool requested = false;
     bool stuck = false;
     bool failing = false;
-    bool deaf = false;
+    bool drops_edges = false;
     std::string consumer;
     std::deque<GpioEdge> queue;
     std::uint64_t lost = 0;
-    int event_fd = -1;  // readable while the queue holds something or the chip is gone
+    int event_fd = -1;  // readable while the queue has an edge or the chip is gone
   };
 
   void push(Line& line, GpioEdge edge);
@@ -73,7 +73,7 @@ class GpioModel {
   GpioLineRequest last_request_;
 };
 
-// Chips of which there is one, the model.
+// A set of chips with one member, the model.
 [[nodiscard]] std::shared_ptr<GpioChips> make_model_chips(std::shared_ptr<GpioModel> model);
 
 // The chip "mock" as it ships. The clock outlives it.

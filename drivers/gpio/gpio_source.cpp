@@ -13,18 +13,18 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr DurationNs kRepeatNs = 800 * kNsPerMs;  // as E1.31 section 6.6.2 repeats what does not change
+constexpr DurationNs kRepeatNs = 800 * kNsPerMs;  // the interval of E1.31 section 6.6.2 for unchanged levels
 constexpr DurationNs kSilenceMaxNs = 2'500 * kNsPerMs;
 constexpr DurationNs kReadLevelsNs = kNsPerS;
 constexpr DurationNs kRetryNs = 250 * kNsPerMs;
-constexpr DurationNs kStormNs = 100 * kNsPerMs;  // the window, and the rest after it
+constexpr DurationNs kStormNs = 100 * kNsPerMs;  // the window, and the pause after it
 constexpr int kStormEdgesMax = 200;
-constexpr DurationNs kSayAgainNs = 10 * kNsPerS;
-constexpr int kReadsMax = 4;  // of one line in one poll; what is left makes the descriptor readable again
+constexpr DurationNs kReportAgainNs = 10 * kNsPerS;
+constexpr int kReadsMax = 4;  // per line and poll; remaining edges make the descriptor readable again
 
 }  // namespace
 
-// --- An edge on its way, top down ------------------------------------------------------------------------------------
+// --- From an edge to a frame, top down -------------------------------------------------------------------------------
 
 Status GpioSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
   if (!is_open() && now_ns >= retry_ns_) {
@@ -39,14 +39,14 @@ Status GpioSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
     if (!read) lose_lines(read.error(), now_ns, receiver);
   }
   for (Line& line : lines_) line.strobe.advance(now_ns);
-  hand_over_changes(receiver);
+  deliver_changes(receiver);
   if (now_ns >= repeat_ns_) {
-    // Priorities first: nobody shall take the levels of the other slots for ours.
-    hand_over(now_ns, kStartCodePriorities, receiver);
-    hand_over(now_ns, kStartCodeLevels, receiver);
+    // Priorities first: the levels of the other slots must not be used.
+    deliver(now_ns, kStartCodePriorities, receiver);
+    deliver(now_ns, kStartCodeLevels, receiver);
     repeat_ns_ = now_ns + kRepeatNs;
   }
-  say_capped(now_ns);
+  report_capped(now_ns);
   return {};
 }
 
@@ -67,32 +67,33 @@ Status GpioSource::read_line(std::size_t index, TimeNs now_ns, FrameReceiver& re
     FL_ASSIGN(const std::size_t count, line.input->read_edges(edges));
     for (std::size_t i = 0; i < count; ++i) {
       line.strobe.edge(edges[i].level, edges[i].stamp_ns);
-      hand_over_changes(receiver);
+      deliver_changes(receiver);
     }
     line.storm_edges += static_cast<int>(count);
     was_full = was_full || count == kGpioQueueEdges;
     if (count < edges.size()) break;
   }
   if (was_full) {
-    // The queue says nothing of what it had no room for.
+    // The queue does not report lost edges.
     FL_ASSIGN(const bool level, line.input->read_level());
     line.strobe.read_level(level, clock_.now_ns());
-    hand_over_changes(receiver);
+    deliver_changes(receiver);
   }
   if (now_ns - line.storm_ns >= kStormNs) {
     line.storm_ns = now_ns;
     line.storm_edges = 0;
   }
   if (line.storm_edges <= kStormEdgesMax || line.input->fd() < 0) return {};
-  line.deaf_until_ns = now_ns + kStormNs;
+  line.ignored_until_ns = now_ns + kStormNs;
   FL_TRY(listen(index, false));
-  if (now_ns >= say_storm_ns_) {
-    say_storm_ns_ = now_ns + kSayAgainNs;
+  if (now_ns >= report_storm_ns_) {
+    report_storm_ns_ = now_ns + kReportAgainNs;
     notices_.push_back(
         {NoticeLevel::kWarning, "edge-storm",
-         fmt::format("line {}: more than {} edges in {} ms; until it calms down it is looked at ten times a second; an "
-                     "input that floats wants bias = \"pull-up\" or a resistor",
-                     config_.lines[index], kStormEdgesMax, kStormNs / kNsPerMs)});
+         fmt::format(
+             "line {}: more than {} edges in {} ms; until this ends it is read ten times a second; for a floating "
+             "input set bias = \"pull-up\" or add a resistor",
+             config_.lines[index], kStormEdgesMax, kStormNs / kNsPerMs)});
   }
   return {};
 }
@@ -102,25 +103,25 @@ Status GpioSource::read_due_levels(TimeNs now_ns, FrameReceiver& receiver) {
   if (all) read_levels_ns_ = now_ns + kReadLevelsNs;
   for (std::size_t i = 0; i < lines_.size(); ++i) {
     Line& line = lines_[i];
-    const bool rested = line.deaf_until_ns <= now_ns;
+    const bool rested = line.ignored_until_ns <= now_ns;
     if (rested) {
-      // What is in the queue is old and has gaps: the level counts.
+      // The queue is old and has gaps: use the current level.
       std::array<GpioEdge, kGpioQueueEdges> edges;
       FL_TRY(line.input->read_edges(edges));
       FL_TRY(listen(i, true));
-      line.deaf_until_ns = kTimeNever;
+      line.ignored_until_ns = kTimeNever;
       line.storm_ns = now_ns;
       line.storm_edges = 0;
     }
-    if (line.deaf_until_ns != kTimeNever || !(all || rested || line.strobe.wants_level(now_ns))) continue;
+    if (line.ignored_until_ns != kTimeNever || !(all || rested || line.strobe.needs_level(now_ns))) continue;
     FL_ASSIGN(const bool level, line.input->read_level());
     line.strobe.read_level(level, now_ns);
-    hand_over_changes(receiver);
+    deliver_changes(receiver);
   }
   return {};
 }
 
-void GpioSource::hand_over_changes(FrameReceiver& receiver) {
+void GpioSource::deliver_changes(FrameReceiver& receiver) {
   bool changed = false;
   TimeNs stamp_ns = INT64_MIN;
   for (std::size_t i = 0; i < lines_.size(); ++i) {
@@ -131,11 +132,11 @@ void GpioSource::hand_over_changes(FrameReceiver& receiver) {
     levels_[static_cast<std::size_t>(slot_of_address(config_.address)) + i] = line.sent;
     stamp_ns = std::max(stamp_ns, line.strobe.changed_ns());
   }
-  // Before the first whole frame there is nothing that a change could be a change of.
-  if (changed && repeat_ns_ != INT64_MIN) hand_over(stamp_ns, kStartCodeLevels, receiver);
+  // No changes are delivered before the first whole frame.
+  if (changed && repeat_ns_ != INT64_MIN) deliver(stamp_ns, kStartCodeLevels, receiver);
 }
 
-void GpioSource::hand_over(TimeNs stamp_ns, std::uint8_t start_code, FrameReceiver& receiver) {
+void GpioSource::deliver(TimeNs stamp_ns, std::uint8_t start_code, FrameReceiver& receiver) {
   FrameView frame;
   frame.universe = config_.universe;
   frame.stamp_ns = stamp_ns;
@@ -149,7 +150,7 @@ void GpioSource::hand_over(TimeNs stamp_ns, std::uint8_t start_code, FrameReceiv
   receiver.receive(frame);
 }
 
-// --- Lines that come and go ------------------------------------------------------------------------------------------
+// --- Opening and losing lines ----------------------------------------------------------------------------------------
 
 GpioSource::GpioSource(GpioConfig config, std::shared_ptr<GpioChips> chips, Clock& clock)
     : config_(std::move(config)), chips_(std::move(chips)), clock_(clock) {
@@ -208,7 +209,7 @@ Status GpioSource::open_lines(TimeNs now_ns) {
   for (std::size_t i = 0; i < lines_.size(); ++i) {
     Line& line = lines_[i];
     line.input = std::move(inputs[i]);
-    line.deaf_until_ns = kTimeNever;
+    line.ignored_until_ns = kTimeNever;
     line.storm_ns = now_ns;
     line.storm_edges = 0;
     line.strobe.start(levels[i], now_ns);
@@ -232,7 +233,7 @@ void GpioSource::lose_lines(const Error& error, TimeNs now_ns, FrameReceiver& re
     lines_[i].input.reset();
     lines_[i].strobe.stop(now_ns);
   }
-  hand_over_changes(receiver);
+  deliver_changes(receiver);
 }
 
 Status GpioSource::listen(std::size_t index, bool on) {
@@ -248,13 +249,13 @@ Status GpioSource::listen(std::size_t index, bool on) {
 TimeNs GpioSource::next_deadline_ns() const {
   TimeNs next_ns = std::min(repeat_ns_, is_open() ? read_levels_ns_ : retry_ns_);
   for (const Line& line : lines_) {
-    next_ns = std::min({next_ns, line.strobe.next_deadline_ns(), line.deaf_until_ns});
+    next_ns = std::min({next_ns, line.strobe.next_deadline_ns(), line.ignored_until_ns});
     if (line.input != nullptr) next_ns = std::min(next_ns, line.input->next_edge_ns());
   }
   return next_ns;
 }
 
-// --- What people are told --------------------------------------------------------------------------------------------
+// --- Counters and notices --------------------------------------------------------------------------------------------
 
 PortCounters GpioSource::counters() const {
   PortCounters counters{.frames = frames_, .errors = errors_};
@@ -265,19 +266,19 @@ PortCounters GpioSource::counters() const {
   return counters;
 }
 
-void GpioSource::say_capped(TimeNs now_ns) {
-  if (now_ns < say_capped_ns_) return;
+void GpioSource::report_capped(TimeNs now_ns) {
+  if (now_ns < report_capped_ns_) return;
   for (std::size_t i = 0; i < lines_.size(); ++i) {
     Line& line = lines_[i];
     const std::uint64_t capped = line.strobe.counters().capped;
-    if (capped == line.said_capped) continue;
+    if (capped == line.reported_capped) continue;
     notices_.push_back(
         {NoticeLevel::kWarning, "flashes-held-back",
-         fmt::format("line {}: {} {} held back, for no more than {:g} a second are let through (flashes_hz_max)",
-                     config_.lines[i], capped - line.said_capped, capped - line.said_capped == 1 ? "flash" : "flashes",
+         fmt::format("line {}: {} {} held back; at most {:g} a second are allowed (flashes_hz_max)", config_.lines[i],
+                     capped - line.reported_capped, capped - line.reported_capped == 1 ? "flash" : "flashes",
                      config_.strobe.flashes_hz_max)});
-    line.said_capped = capped;
-    say_capped_ns_ = now_ns + kSayAgainNs;
+    line.reported_capped = capped;
+    report_capped_ns_ = now_ns + kReportAgainNs;
   }
 }
 

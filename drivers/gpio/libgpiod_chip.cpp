@@ -1,4 +1,4 @@
-// Lines of this machine's chips, through libgpiod 1.6 (GPIO uAPI v1: one descriptor a line).
+// Lines of this machine's chips, through libgpiod 1.6 (GPIO uAPI v1: one descriptor per line).
 #include <fcntl.h>
 #include <gpiod.h>
 #include <unistd.h>
@@ -48,7 +48,7 @@ class LibgpiodLine final : public GpioLine {
   Result<std::size_t> read_edges(std::span<GpioEdge> edges) override {
     std::array<gpiod_line_event, kGpioQueueEdges> events;
     const auto count_max = static_cast<unsigned>(std::min(edges.size(), events.size()));
-    // The descriptor does not block. An end of file reads as EIO.
+    // The descriptor is non-blocking. An end of file reads as EIO.
     const int count = gpiod_line_event_read_fd_multiple(fd_, events.data(), count_max);
     if (count < 0) {
       if (errno == EAGAIN || errno == EINTR) return 0;
@@ -72,7 +72,7 @@ class LibgpiodLine final : public GpioLine {
 
  private:
   ChipHandle chip_;
-  gpiod_line* line_;  // of the chip
+  gpiod_line* line_;  // owned by the chip
   const int fd_;      // of the line
   const std::string where_;
 };
@@ -86,13 +86,13 @@ std::optional<unsigned> number_of(const std::string& text) {
 
 Result<ChipHandle> open_chip(const std::string& name) {
   errno = 0;
-  // By name or path first: looking a label up opens every chip.
+  // By name or path first: a search by label opens every chip.
   ChipHandle chip(name.starts_with('/') ? gpiod_chip_open(name.c_str()) : gpiod_chip_open_by_name(name.c_str()));
   const int number = errno;
   if (chip) return chip;
   const std::string path = name.starts_with('/') ? name : "/dev/" + name;
   if (number == EACCES || number == EPERM)
-    return fail(ErrorCode::kPermission, "{}: {}; 'footlight devices' names the step that lets this user use it", path,
+    return fail(ErrorCode::kPermission, "{}: {}; run 'footlight devices' for the command that gives access", path,
                 std::strerror(number));
   if (number == EBUSY || number == EMFILE) return fail(ErrorCode::kIo, "{}: {}", path, std::strerror(number));
   ChipHandle labelled(gpiod_chip_open_by_label(name.c_str()));
@@ -154,7 +154,7 @@ class LibgpiodChips final : public GpioChips {
     if (number == EINVAL || number == ENXIO || number == ENOTSUP)
       return fail(ErrorCode::kUnsupported, "{}: {}: the line has no interrupts, or is no input; take another line",
                   where, std::strerror(number));
-    return tl::unexpected(trouble_of(number, where, "asking for edges"));
+    return tl::unexpected(trouble_of(number, where, "requesting edges"));
   }
 };
 

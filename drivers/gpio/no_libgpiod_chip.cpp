@@ -1,4 +1,4 @@
-// Stands in for libgpiod_chip.cpp in builds without libgpiod.
+// Replaces libgpiod_chip.cpp in builds without libgpiod.
 #include "drivers/gpio/gpio_chip.h"
 
 namespace footlight::drivers {

@@ -8,7 +8,7 @@
 namespace footlight::drivers {
 namespace {
 
-// A level that was read may be ahead of the interrupt that reports its edge by about this much.
+// A read level may precede the interrupt that reports its edge by about this much.
 constexpr DurationNs kReadAheadNs = kNsPerMs;
 
 DurationNs period_of(double hz) { return static_cast<DurationNs>(static_cast<double>(kNsPerS) / hz); }
@@ -48,7 +48,7 @@ void StrobeLine::edge(bool level, TimeNs stamp_ns) {
   if (level == raw_) {
     const bool known = read_ns_ != INT64_MIN && stamp_ns < read_ns_ + kReadAheadNs;
     read_ns_ = INT64_MIN;
-    if (known) return;  // read_level() has seen it before its interrupt was served
+    if (known) return;  // read_level() has reported it before its interrupt was handled
     ++counters_.lost;
     take(!level, time_ns);
   }
@@ -59,7 +59,7 @@ void StrobeLine::read_level(bool level, TimeNs now_ns) {
   if (level != raw_) {
     ++counters_.repaired;
     read_ns_ = now_ns;
-    // Inside a window, and at its end, the level counts then.
+    // Inside a window, and at its end, the level is used at the end.
     if (settle_ns_ == kTimeNever) {
       take(level, now_ns);
     } else {
@@ -142,7 +142,7 @@ void StrobeLine::fall(TimeNs time_ns) {
 void StrobeLine::rise_rate(TimeNs time_ns) {
   const TimeNs before_ns = last_rise_ns_;
   last_rise_ns_ = time_ns;
-  // Written so that a first edge, with nothing before it, cannot overflow.
+  // Written so that the first edge, without a predecessor, cannot overflow.
   const DurationNs slowest_ns = 2 * period_of(config_.rate_points.front().hz);
   if (before_ns == INT64_MIN || time_ns - before_ns > slowest_ns || time_ns == before_ns) return;
   const DurationNs period_ns = time_ns - before_ns;
@@ -194,7 +194,7 @@ std::uint8_t StrobeLine::value_of_hz(double hz) const {
   for (std::size_t i = 1; i < points.size(); ++i) {
     if (hz > points[i].hz) continue;
     const double part = (hz - points[i - 1].hz) / (points[i].hz - points[i - 1].hz);
-    // Cut towards the slower point, so that a capped rate is not rounded up.
+    // Rounded towards the slower point, so that a capped rate is not rounded up.
     return static_cast<std::uint8_t>(points[i - 1].value +
                                      static_cast<int>(part * (points[i].value - points[i - 1].value)));
   }

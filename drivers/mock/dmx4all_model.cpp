@@ -21,7 +21,7 @@ void Dmx4allModel::take(std::span<const std::uint8_t> bytes) {
 void Dmx4allModel::done() {
   ++command_count;
   held_.clear();
-  if (answers) say(Bytes{'G'});
+  if (answers) send_to_host(Bytes{'G'});
 }
 
 void Dmx4allModel::take_byte(std::uint8_t byte) {

@@ -1,4 +1,4 @@
-// A DMX4ALL NanoDMX from its host's side, with a parser of its own.
+// A model of a DMX4ALL NanoDMX, with its own parser.
 #pragma once
 
 #include <string>
@@ -19,10 +19,10 @@ class Dmx4allModel final : public SerialModel {
     release = 0x0100;
   }
 
-  bool answers = true;  // --- What it is.
-  int slot_count = 0;   // --- What it saw; only to be read. Of "N", which names the last slot.
+  bool answers = true;  // --- Settings.
+  int slot_count = 0;   // --- Observed; read only. From "N", which gives the last slot.
   std::uint64_t command_count = 0;
-  std::uint64_t refused_count = 0;  // bytes that begin no command
+  std::uint64_t refused_count = 0;  // bytes that start no command
 
   void power_on() override;
   void take(std::span<const std::uint8_t> bytes) override;

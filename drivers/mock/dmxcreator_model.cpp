@@ -30,7 +30,7 @@ std::optional<Bytes> DmxCreatorModel::control(const SetupPacket& setup, std::spa
 
 void DmxCreatorModel::data_out(std::uint8_t endpoint, std::span<const std::uint8_t> bytes) {
   if (endpoint == 0x01) {
-    if (!announcement_.empty() && !bytes.empty() && bytes[0] == 0x80) {  // the rest of the last one never came
+    if (!announcement_.empty() && !bytes.empty() && bytes[0] == 0x80) {  // the rest of the last snapshot never came
       ++broken_count;
       announcement_.clear();
     }

@@ -1,5 +1,5 @@
-// A DMXCreator 512 Basic, modelled from its host's side: an announcement, then one or two halves of the universe. They
-// show on line 0 when all that was announced has come, and it repeats them by itself.
+// A model of a DMXCreator 512 Basic: receives an announcement, then one or two halves of the universe. They appear on
+// line 0 when all announced bytes have arrived, and the device repeats them itself.
 #pragma once
 
 #include <array>
@@ -16,10 +16,10 @@ class DmxCreatorModel final : public UsbModel {
     product = "512 Basic";
     serial = "0815";
   }
-  // --- What it saw; only to be read.
+  // --- Observed; read only.
   std::array<std::uint8_t, 512> memory{};  // what it repeats on its line
-  std::uint64_t broken_count = 0;          // announcements that say nothing, halves that nobody announced
-  std::uint64_t cut_count = 0;             // looks that another announcement ended
+  std::uint64_t broken_count = 0;          // invalid announcements, and halves without an announcement
+  std::uint64_t cut_count = 0;             // snapshots cut short by another announcement
   int power_on_count = 0;
 
   Bytes device_descriptor() const override;
@@ -32,7 +32,7 @@ class DmxCreatorModel final : public UsbModel {
 
  private:
   Bytes announcement_, levels_;
-  std::size_t awaited_ = 0;  // bytes of levels
+  std::size_t awaited_ = 0;  // bytes of levels still expected
 };
 
 }  // namespace footlight::drivers::mock

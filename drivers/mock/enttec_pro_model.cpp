@@ -14,7 +14,7 @@ void EnttecProModel::power_on() {
   SerialModel::power_on();
   awaits_ = Awaits::kStart;
   payload_.clear();
-  receive_modes = {0, 0};  // a fresh widget listens until it is told to send
+  receive_modes = {0, 0};  // a new widget receives until the first label 6
   second_port_open = false;
   for (auto& frame : seen_) frame.fill(0);
 }
@@ -106,13 +106,13 @@ void EnttecProModel::obey(std::uint8_t label, const Bytes& payload) {
     case 11: {
       if (!rdm_line) break;
       ++rdm_request_count;
-      receive_modes[0] = 0;  // its port is an input until it is told to send again
-      const Bytes heard = rdm_line->answer(payload);
-      if (!heard.empty()) {
+      receive_modes[0] = 0;  // its port is an input until the next label 6
+      const Bytes answer = rdm_line->answer(payload);
+      if (!answer.empty()) {
         Bytes received = {0};
-        received.insert(received.end(), heard.begin(), heard.end());
+        received.insert(received.end(), answer.begin(), answer.end());
         send(5, received);
-      } else if (says_rdm_timeout) {
+      } else if (reports_rdm_timeout) {
         send(12, {});
       }
       break;
@@ -142,7 +142,7 @@ void EnttecProModel::obey(std::uint8_t label, const Bytes& payload) {
     case 101:
       if (port_count > 1) output(label - 100u);
       break;
-    default: break;  // the widget ignores what it does not know
+    default: break;  // the widget ignores unknown labels
   }
 }
 
@@ -151,9 +151,9 @@ void EnttecProModel::send(std::uint8_t label, std::span<const std::uint8_t> payl
   const std::uint8_t head[] = {0x7E, label, static_cast<std::uint8_t>(payload.size() & 0xFF),
                                static_cast<std::uint8_t>(payload.size() >> 8)};
   const std::uint8_t end[] = {0xE7};
-  say(head);
-  say(payload);
-  say(end);
+  send_to_host(head);
+  send_to_host(payload);
+  send_to_host(end);
 }
 
 bool EnttecProModel::listens(int line) const {
@@ -161,7 +161,7 @@ bool EnttecProModel::listens(int line) const {
   return line == 0 && receive_modes[0] >= 0;
 }
 
-// Ignored while it sends, as the hardware does: line and transmitter are one.
+// Ignored while it sends, as in the hardware: line and transmitter are connected.
 void EnttecProModel::receive_line_frame(int line, std::span<const std::uint8_t> line_frame, std::uint8_t status) {
   if (!listens(line)) return;
   const int receive_mode = receive_modes[static_cast<std::size_t>(line)];

@@ -1,8 +1,8 @@
-// An ENTTEC DMX USB Pro, modelled from its host's side: the chip on the bus and the widget's processor behind it. With
-// other settings: its Mk2 with a second port, and DMXking's relatives.
+// A model of an ENTTEC DMX USB Pro: the USB chip and the widget's processor. With other settings: its Mk2 with a second
+// port, and DMXking's relatives.
 //
-// It parses with code of its own, byte by byte as the widget's firmware would, and not with the driver's parser: a
-// mistake in one does not hide the same mistake in the other.
+// It has its own parser, byte by byte like the widget's firmware, and does not use the driver's: a mistake in one does
+// not hide the same mistake in the other.
 #pragma once
 
 #include <array>
@@ -23,23 +23,23 @@ class EnttecProModel final : public SerialModel {
     serial = "EN172589";
   }
 
-  // --- What it is; free to change before it is plugged in.
+  // --- Settings; may be changed before it is plugged in.
   std::uint32_t widget_serial_bcd = 0x02172589;  // label 10
   std::uint16_t firmware = 0x0144;
   std::uint8_t break_units = 9, mab_units = 1, rate_hz = 40;
-  bool answers = true;                    // false: takes everything and says nothing
-  std::optional<SecondPort> second_port;  // answers to these labels, once the key was given
+  bool answers = true;                    // false: accepts everything and never answers
+  std::optional<SecondPort> second_port;  // answers these labels after the key was received
   std::optional<std::uint16_t> esta_id;   // label 77; none: ignores it
-  std::uint16_t device_id = 0;            // label 78, where it has an ESTA id
+  std::uint16_t device_id = 0;            // label 78, if it has an ESTA id
   std::uint8_t port_count = 0;            // label 99; 0: ignores it
-  std::optional<RdmLineModel> rdm_line;   // on port 1; none: ignores labels 7 and 11, as firmware for DMX does
-  bool says_rdm_timeout = true;           // label 12
+  std::optional<RdmLineModel> rdm_line;   // on port 1; none: ignores labels 7 and 11, as DMX firmware does
+  bool reports_rdm_timeout = true;        // label 12
 
-  // --- What it saw; only to be read.
-  std::uint64_t byte_count = 0;              // of everything that came
-  std::uint64_t false_start_count = 0;       // bytes that began no message
-  std::array<int, 2> receive_modes{-1, -1};  // of label 8, per line; -1: it sends
-  bool second_port_open = false;             // the key was given
+  // --- Observed; read only.
+  std::uint64_t byte_count = 0;              // of everything received
+  std::uint64_t false_start_count = 0;       // bytes that start no message
+  std::array<int, 2> receive_modes{-1, -1};  // of label 8, per line; -1: it transmits
+  bool second_port_open = false;             // the key was received
   std::uint8_t newest_label = 0;
   std::uint64_t rdm_request_count = 0;  // labels 7 and 11
 

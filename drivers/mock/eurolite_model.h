@@ -1,4 +1,4 @@
-// A Eurolite USB-DMX512 PRO from its host's side: one bulk endpoint that takes one message, and never a word.
+// A model of a Eurolite USB-DMX512 PRO: one bulk endpoint that receives one kind of message; it never answers.
 #pragma once
 
 #include "drivers/mock/usb_model.h"
@@ -13,7 +13,7 @@ class EuroliteModel final : public UsbModel {
     serial = "000000123456";
   }
 
-  std::uint64_t stray_byte_count = 0;  // outside of a message; only to be read
+  std::uint64_t stray_byte_count = 0;  // outside of a message; read only
 
   Bytes device_descriptor() const override;
   Bytes config_descriptor() const override;
@@ -27,7 +27,7 @@ class EuroliteModel final : public UsbModel {
   Bytes data_in(std::uint8_t, std::size_t) override { return {}; }
 
  private:
-  Bytes held_;  // of a message that has begun
+  Bytes held_;  // of an incomplete message
 };
 
 }  // namespace footlight::drivers::mock

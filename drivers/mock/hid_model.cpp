@@ -10,10 +10,10 @@ std::uint8_t high(unsigned value) { return static_cast<std::uint8_t>(value >> 8)
 
 Bytes HidModel::report_descriptor() const {
   const std::uint8_t size = shape().report_size;
-  return {0x06, 0x00, 0xFF,                    // usage page: the vendor's own
+  return {0x06, 0x00, 0xFF,                    // usage page: vendor-defined
           0x09, 0x01, 0xA1, 0x01,              // one application collection
           0x15, 0x00, 0x26, 0xFF, 0x00,        // values 0 to 255
-          0x75, 0x08, 0x95, size,              // so many bytes
+          0x75, 0x08, 0x95, size,              // number of bytes
           0x09, 0x01, 0x81, 0x02,              // to the host
           0x95, size, 0x09, 0x01, 0x91, 0x02,  // to the device
           0xC0};

@@ -1,6 +1,6 @@
-// A USB device of the HID class, as its host sees it.
+// A model of a USB device of the HID class.
 //
-// Reports have no number of their own (no Report ID in the report descriptor), so a report is what is in one transfer.
+// Reports have no number of their own (no Report ID in the report descriptor), so each transfer is one report.
 #pragma once
 
 #include <deque>
@@ -11,15 +11,17 @@ namespace footlight::drivers::mock {
 
 class HidModel : public UsbModel {
  public:
-  // --- What it is; free to change before it is plugged in.
-  std::uint8_t interval_ms = 10;  // how often the host may ask or send; one report each time
+  // --- Settings; may be changed before it is plugged in.
+  std::uint8_t interval_ms = 10;  // the host's polling interval; one report each time
 
-  // The reports that it has and their sizes in bytes (HID 1.11, section 6.2.2).
+  // The descriptor of its reports and their sizes in bytes (HID 1.11, section 6.2.2).
   [[nodiscard]] Bytes report_descriptor() const;
 
   // --- UsbModel
-  // One report, whatever is in it.
-  void say(std::span<const std::uint8_t> report) override { to_host_.emplace_back(report.begin(), report.end()); }
+  // Queues one report; the content is not checked.
+  void send_to_host(std::span<const std::uint8_t> report) override {
+    to_host_.emplace_back(report.begin(), report.end());
+  }
   Bytes device_descriptor() const override;
   Bytes config_descriptor() const override;
   void power_on() override;
@@ -27,7 +29,7 @@ class HidModel : public UsbModel {
   bool has_data(std::uint8_t) const override { return !to_host_.empty(); }
   Bytes data_in(std::uint8_t endpoint, std::size_t size_max) override;
 
-  int power_on_count = 0;  // only to be read
+  int power_on_count = 0;  // read only
 
  protected:
   struct Shape {

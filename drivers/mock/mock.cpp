@@ -1,4 +1,4 @@
-// The driver's row of the models in drivers/mock/: `mock:enttec-pro` and all others.
+// The driver row for the models in drivers/mock/: `mock:enttec-pro` and all others.
 #include "drivers/driver.h"
 
 namespace footlight::drivers {

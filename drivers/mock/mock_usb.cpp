@@ -30,7 +30,7 @@ void MockUsb::plug() {
   if (plugged_) return;
   plugged_ = true;
   ++plug_count_;
-  said_ns_ = kTimeNever;
+  data_since_ns_ = kTimeNever;
   model_->power_on();
 }
 
@@ -121,7 +121,7 @@ Status MockUsb::obey(std::string_view command) {
   else if (verb == "serial" && !object.empty())
     with_model([&](UsbModel& model) { model.serial = object; });
   else if (const auto bytes = bytes_of_hex(object); verb == "garbage" && bytes)
-    with_model([&](UsbModel& model) { model.say(*bytes); });
+    with_model([&](UsbModel& model) { model.send_to_host(*bytes); });
   else
     return fail(ErrorCode::kBadInput,
                 "mock command '{}': expected unplug, plug, unplug-after N, stall on|off, cut-write N, limit-reads N, "
@@ -142,7 +142,7 @@ UsbMatch match_of(const UsbModel& model) {
 
 }  // namespace
 
-// What a connector and its transport share; guarded by the mutex of the MockUsb.
+// Shared by an opener and its transport; guarded by the mutex of the MockUsb.
 struct Wakeups {
   bool woken = false;
   bool aborted = false;
@@ -150,7 +150,7 @@ struct Wakeups {
 
 class MockTransport final : public Transport {
  public:
-  // With the lock of the MockUsb.
+  // Call with the lock of the MockUsb held.
   MockTransport(std::shared_ptr<MockUsb> usb, Clock& clock, std::shared_ptr<Wakeups> wakeups)
       : usb_(std::move(usb)),
         clock_(clock),
@@ -179,10 +179,10 @@ class MockTransport final : public Transport {
   }
 
   Status write(std::span<const std::uint8_t>, TimeNs) override {
-    return fail(ErrorCode::kUnsupported, "{}: is no serial line", usb_->where_);
+    return fail(ErrorCode::kUnsupported, "{}: is not a serial line", usb_->where_);
   }
   Result<std::size_t> read(std::span<std::uint8_t>, TimeNs) override {
-    return fail(ErrorCode::kUnsupported, "{}: is no serial line", usb_->where_);
+    return fail(ErrorCode::kUnsupported, "{}: is not a serial line", usb_->where_);
   }
 
   Status control_out(const ControlRequest& request, std::span<const std::uint8_t> bytes, TimeNs deadline_ns) override {
@@ -237,14 +237,14 @@ class MockTransport final : public Transport {
       TimeNs next_ns = play();
       const TimeNs now_ns = clock_.now_ns();
       if (waiting_.empty() && !usb_->stalled_ && usb_->model_->has_data(endpoint)) {
-        if (usb_->said_ns_ == kTimeNever) usb_->said_ns_ = now_ns;
-        if (now_ns >= usb_->said_ns_ + usb_->slow_ns_) {
-          usb_->said_ns_ = kTimeNever;
+        if (usb_->data_since_ns_ == kTimeNever) usb_->data_since_ns_ = now_ns;
+        if (now_ns >= usb_->data_since_ns_ + usb_->slow_ns_) {
+          usb_->data_since_ns_ = kTimeNever;
           const std::size_t limit =
               usb_->read_size_max_ > 0 ? usb_->read_size_max_ + usb_->model_->in_overhead() : kUsbTransferSizeMax;
           waiting_ = usb_->model_->data_in(endpoint, std::min(limit, kUsbTransferSizeMax));
         } else {
-          next_ns = std::min(next_ns, usb_->said_ns_ + usb_->slow_ns_);
+          next_ns = std::min(next_ns, usb_->data_since_ns_ + usb_->slow_ns_);
         }
       }
       if (!waiting_.empty()) {
@@ -258,11 +258,11 @@ class MockTransport final : public Transport {
     }
   }
 
-  // Returns early whenever anything happens, and late never by more than a real second: callers look again in a loop.
-  // On a clock that is moved by hand, clock_moved() makes them look.
+  // May return early when anything happens, and at most one real second late: callers check in a loop. With a simulated
+  // clock, clock_moved() makes them check.
   static void sleep_until_changed(MockUsb& usb, std::unique_lock<std::mutex>& lock, Clock& clock, TimeNs deadline_ns) {
     if (usb.moves_clock_) {
-      FL_CHECK(deadline_ns != kTimeNever);  // nothing would ever happen
+      FL_CHECK(deadline_ns != kTimeNever);  // it would wait for ever
       lock.unlock();
       clock.sleep_until_ns(deadline_ns);
       lock.lock();
@@ -295,7 +295,7 @@ class MockTransport final : public Transport {
     return std::move(*answer);
   }
 
-  // The model and the world around it live on; returns when something happens next.
+  // Advances the model and its script; returns the time of the next event.
   TimeNs play() {
     const TimeNs now_ns = clock_.now_ns();
     const TimeNs model_ns = usb_->model_->pass_time(now_ns);
@@ -310,7 +310,7 @@ class MockTransport final : public Transport {
     while (true) {
       FL_TRY(still_there());
       if (!usb_->stalled_) return {};
-      if (clock_.now_ns() >= deadline_ns) return fail(ErrorCode::kTimeout, "{}: does not take data", usb_->where_);
+      if (clock_.now_ns() >= deadline_ns) return fail(ErrorCode::kTimeout, "{}: accepts no data", usb_->where_);
       sleep_until_changed(*usb_, lock, clock_, deadline_ns);
     }
   }
@@ -326,10 +326,10 @@ class MockTransport final : public Transport {
   std::shared_ptr<Wakeups> wakeups_;
   const std::uint64_t plug_count_;
   const std::string serial_;
-  Bytes waiting_;  // arrived and not yet read
+  Bytes waiting_;  // arrived and not read yet
 };
 
-// A pipe above one endpoint each way, as the kernel's drivers for serial devices and for HID make it.
+// A pipe on one endpoint each way, as the kernel's drivers for serial devices and for HID provide it.
 class PipeTransport final : public Transport {
  public:
   PipeTransport(std::unique_ptr<Transport> usb, const UsbModel& model, bool is_hid)
@@ -338,7 +338,7 @@ class PipeTransport final : public Transport {
     const Bytes config = model.config_descriptor();
     for (std::size_t at = 0; at + 3 < config.size() && config[at] > 0; at += config[at]) {
       if (config[at + 1] != kEndpointDescriptor) continue;
-      if (!is_hid_ && config[at + 3] != kAttributesBulk) continue;  // not the one for notifications
+      if (!is_hid_ && config[at + 3] != kAttributesBulk) continue;  // not the endpoint for notifications
       std::uint8_t& endpoint = (config[at + 2] & 0x80u) != 0 ? in_ : out_;
       if (endpoint == 0) endpoint = config[at + 2];
     }
@@ -353,7 +353,7 @@ class PipeTransport final : public Transport {
   Result<std::size_t> read(std::span<std::uint8_t> into, TimeNs deadline_ns) override {
     if (!is_hid_) return usb_->read_endpoint(in_, into, deadline_ns);
     FL_ASSIGN(const std::size_t size, usb_->read_endpoint(in_, into.subspan(1), deadline_ns));
-    into[0] = 0;  // the report, its number first
+    into[0] = 0;  // the report number comes first
     return size > 0 ? 1 + size : 0;
   }
   Result<std::size_t> control_in(const ControlRequest& request, std::span<std::uint8_t> into,
@@ -427,8 +427,8 @@ class MockOpener final : public Opener {
  private:
   std::shared_ptr<MockUsb> usb_;
   Clock& clock_;
-  std::string serial_;                  // the device thread's alone
-  std::uint64_t tried_plug_count_ = 0;  // the plugging in that connect() saw last; 0: none
+  std::string serial_;                  // used by the device thread only
+  std::uint64_t tried_plug_count_ = 0;  // the plug cycle of the last connect(); 0: none
   std::shared_ptr<Wakeups> wakeups_ = std::make_shared<Wakeups>();
 };
 
@@ -446,8 +446,7 @@ Result<MockTarget> mock_of_target(std::string_view target, bool for_output) {
     std::string known;
     for (const DriverInfo* one : drivers())
       if (one->make_model != nullptr) known += fmt::format("{}mock:{}", known.empty() ? "" : ", ", one->id);
-    return fail(ErrorCode::kBadInput, "mock:{}: expected one of {}, with /NAME behind it where several are wanted",
-                target, known);
+    return fail(ErrorCode::kBadInput, "mock:{}: expected one of {}, followed by /NAME to use several", target, known);
   }
   const std::string key =
       fmt::format("{}/{}", driver->id, name.empty() ? (for_output ? ":output" : ":input") : std::string(name));

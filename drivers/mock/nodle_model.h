@@ -1,7 +1,7 @@
-// A DMXControl Projects Nodle U1 or one of its relatives, modelled from its host's side.
+// A model of a DMXControl Projects Nodle U1 and its relatives.
 //
-// Line 0 is its output and line 1 its input; both work at the same time. Each block that comes shows on the output at
-// once, and it repeats what it has by itself.
+// Line 0 is its output and line 1 its input; both work at the same time. Each received block appears on the output at
+// once, and the device repeats its levels itself.
 #pragma once
 
 #include <array>
@@ -19,16 +19,16 @@ class NodleModel final : public HidModel {
     serial = "A0042";
     interval_ms = 1;
   }
-  // --- What it is; free to change before it is plugged in.
+  // --- Settings; may be changed before it is plugged in.
   std::uint16_t usb_vendor = 0x16D0, usb_product = 0x0830;
 
-  // --- What it saw; only to be read.
+  // --- Observed; read only.
   int mode = 0;                            // of the last mode report: 1 through, 2 output, 4 input
-  std::array<std::uint8_t, 512> memory{};  // what the host has sent
+  std::array<std::uint8_t, 512> memory{};  // levels from the host
   std::uint64_t block_count = 0, mode_count = 0;
   std::uint64_t broken_count = 0;  // reports of the wrong size or number
 
-  // Reports the blocks that have changed, all 16 after a mode report.
+  // Reports the changed blocks, all 16 after a mode report.
   void receive_line_frame(int line, std::span<const std::uint8_t> line_frame, std::uint8_t status = 0) override;
   bool listens(int line) const override { return line == 1 && (mode & 4) != 0; }
   void power_on() override;
@@ -38,8 +38,8 @@ class NodleModel final : public HidModel {
   Shape shape() const override { return {usb_vendor, usb_product, false, 0x02, 0x81, 33}; }
 
  private:
-  std::array<std::uint8_t, 512> heard_{};
-  bool heard_any_ = false;
+  std::array<std::uint8_t, 512> received_{};
+  bool received_any_ = false;
 };
 
 }  // namespace footlight::drivers::mock

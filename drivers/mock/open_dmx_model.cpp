@@ -9,7 +9,7 @@ constexpr std::uint8_t kOverrun = 0x02, kFramingError = 0x08, kBreak = 0x10, kHo
 constexpr std::uint8_t kModemStatus = 0x01;
 constexpr std::size_t kPacketDataMax = 62;
 constexpr std::size_t kFrameSizeMax = 513;
-constexpr std::size_t kHeardMax = 8 * 513;  // then the oldest is lost, as in a chip that nobody reads
+constexpr std::size_t kReceivedMax = 8 * 513;  // then the oldest is lost, as in a chip that is not read
 
 }  // namespace
 
@@ -22,7 +22,7 @@ void OpenDmxModel::power_on() {
   shift_end_ns_ = high_ns_ = now_ns_;
 }
 
-// Bytes leave the buffer one by one, each when the one before has left.
+// Bytes leave the buffer one after the other.
 TimeNs OpenDmxModel::pass_time(TimeNs now_ns) {
   while (!fifo_.empty() && !low_ && shift_end_ns_ <= now_ns) {
     const TimeNs begin_ns = std::max(shift_end_ns_, now_ns_);
@@ -81,20 +81,20 @@ std::uint8_t OpenDmxModel::line_status() const {
   return static_cast<std::uint8_t>((fifo_.empty() ? kHoldingEmpty : 0) | (transmitter_empty() ? kAllEmpty : 0));
 }
 
-void OpenDmxModel::hear_break() { symbols_.push_back({0, kBreak | kFramingError}); }
-void OpenDmxModel::hear_byte(std::uint8_t byte, bool framing_error) {
+void OpenDmxModel::receive_break() { symbols_.push_back({0, kBreak | kFramingError}); }
+void OpenDmxModel::receive_byte(std::uint8_t byte, bool framing_error) {
   symbols_.push_back({byte, framing_error ? kFramingError : std::uint8_t{0}});
 }
-void OpenDmxModel::hear_overrun() { symbols_.push_back({0, kOverrun}); }
+void OpenDmxModel::receive_overrun() { symbols_.push_back({0, kOverrun}); }
 
 void OpenDmxModel::receive_line_frame(int line, std::span<const std::uint8_t> line_frame, std::uint8_t) {
   if (!listens(line)) return;
-  hear_break();
-  for (const std::uint8_t byte : line_frame) hear_byte(byte);
-  while (symbols_.size() > kHeardMax) symbols_.pop_front();
+  receive_break();
+  for (const std::uint8_t byte : line_frame) receive_byte(byte);
+  while (symbols_.size() > kReceivedMax) symbols_.pop_front();
 }
 
-// One packet: a byte with a flag ends it, for the flags are those of a packet's last byte.
+// One packet: a byte with a flag ends it, because the flags are those of a packet's last byte.
 Bytes OpenDmxModel::data_in(std::uint8_t, std::size_t size_max) {
   Bytes packet{kModemStatus, line_status()};
   while (!symbols_.empty() && packet.size() < std::min(size_max, kPacketDataMax + 2)) {

@@ -1,6 +1,6 @@
-// A bare FT232R with a DMX line behind it: its transmit buffer and shift register in time, and at the far end of the
-// line a receiver that is as strict as a fixture. A frame that is cut by a break, a break or a mark that is too short:
-// the receiver sees it and counts.
+// A model of a bare FT232R with a DMX line: its transmit buffer and shift register over time, and a receiver at the end
+// of the line that is as strict as a fixture. The receiver counts frames cut by a break, and breaks and marks that are
+// too short.
 #pragma once
 
 #include <cstdint>
@@ -19,29 +19,29 @@ class OpenDmxModel final : public SerialModel {
     serial = "A50285BI";
   }
 
-  // --- What it is.
+  // --- Settings.
   DurationNs slot_ns = 44 * kNsPerUs;
   std::size_t fifo_size = 128;
-  // What the receiver takes: E1.11's least for receivers.
+  // What the receiver accepts: E1.11's minimum for receivers.
   DurationNs break_min_ns = 88 * kNsPerUs;
   DurationNs mark_min_ns = 8 * kNsPerUs;
 
-  // --- What the receiver saw; only to be read.
+  // --- Observed by the receiver; read only.
   struct Timing {
     TimeNs begin_ns = 0;  // of the break
     DurationNs break_ns = 0;
     DurationNs mark_ns = 0;
     std::size_t size = 0;  // bytes, start code included
-    bool cut = false;      // the next break came before the transmitter was empty
+    bool cut = false;      // the next break started before the transmitter was empty
   };
-  std::vector<Timing> timings;  // of every frame that has ended
+  std::vector<Timing> timings;  // of every complete frame
   std::uint64_t cut_count = 0;
   std::uint64_t bad_break_count = 0;  // too short, or followed by too short a mark
 
-  // --- What happens to it: bytes on its receiving side, as a chip sees them.
-  void hear_break();
-  void hear_byte(std::uint8_t byte, bool framing_error = false);
-  void hear_overrun();  // before the next byte
+  // --- Input: bytes on its receiving side.
+  void receive_break();
+  void receive_byte(std::uint8_t byte, bool framing_error = false);
+  void receive_overrun();  // before the next byte
 
   // --- UsbModel
   void receive_line_frame(int line, std::span<const std::uint8_t> line_frame, std::uint8_t status = 0) override;
@@ -67,14 +67,14 @@ class OpenDmxModel final : public SerialModel {
 
   TimeNs now_ns_ = 0;
   std::deque<std::uint8_t> fifo_;
-  TimeNs shift_end_ns_ = 0;  // when the byte in the shift register has left
-  bool low_ = false;         // a break is on
+  TimeNs shift_end_ns_ = 0;  // when the byte in the shift register is out
+  bool low_ = false;         // a break is active
   TimeNs low_ns_ = 0, high_ns_ = 0;
-  bool in_frame_ = false;  // a break has been; bytes belong to a frame
+  bool in_frame_ = false;  // after a break: bytes belong to a frame
   Timing timing_;
   Bytes frame_;
   bool has_sent_ = false;
-  std::deque<Symbol> symbols_;  // heard, towards the host
+  std::deque<Symbol> symbols_;  // received, to be read by the host
 };
 
 }  // namespace footlight::drivers::mock

@@ -63,7 +63,7 @@ void PeperoniModel::data_out(std::uint8_t endpoint, std::span<const std::uint8_t
     ++broken_count;
     return;
   }
-  // The rest of a message that was cut short never comes: the next one begins at the head of a transfer.
+  // The rest of a message that was cut short never comes: the next one starts at the head of a transfer.
   const bool is_head = bytes.size() >= 4 && ((bytes[0] == 0x02 && bytes[1] == 'M' && bytes[2] == 'k') ||
                                              (bytes[0] == 0x01 && bytes[2] == 0x00 && bytes[3] == 0x02));
   if (is_head && !coming_.empty()) {
@@ -106,7 +106,7 @@ void PeperoniModel::take_message() {
     break_code = message[11];
     mark_code = message[12];
     if (known && status == 0) show_levels(message[5], part(20, 512));
-    if (answers) say(Bytes{0x02, 'M', 'k', '2', 0x34, 0x12, known ? status : std::uint8_t{3}, 0});
+    if (answers) send_to_host(Bytes{0x02, 'M', 'k', '2', 0x34, 0x12, known ? status : std::uint8_t{3}, 0});
   }
 }
 

@@ -1,4 +1,4 @@
-// A Peperoni Rodin or USBDMX21, modelled from its host's side: one class for its three generations of firmware.
+// A model of a Peperoni Rodin or USBDMX21: one class for its three generations of firmware.
 #pragma once
 
 #include <cstdint>
@@ -15,20 +15,20 @@ class PeperoniModel final : public UsbModel {
     product = "Rodin1";
     serial = "1234";
   }
-  // --- What it is; free to change before it is plugged in.
+  // --- Settings; may be changed before it is plugged in.
   std::uint16_t usb_product = 0x0002;  // 0x0004: USBDMX21, two universes
   std::uint16_t release = 0x0504;      // of its firmware
-  std::uint8_t status = 0;             // of answers to come
-  bool answers = true;                 // false: it takes looks and says nothing of them
+  std::uint8_t status = 0;             // of its next answers
+  bool answers = true;                 // false: it accepts snapshots without an answer
 
-  // --- What it saw; only to be read.
-  std::uint64_t broken_count = 0;                            // messages that its firmware would not take
-  int start_code = -1;                                       // of its transmitter, as it was set; -1: not yet
-  std::uint8_t break_code = 0, mark_code = 0, settings = 0;  // of the newest look
+  // --- Observed; read only.
+  std::uint64_t broken_count = 0;                            // messages that its firmware would reject
+  int start_code = -1;                                       // of its transmitter, as set; -1: not yet
+  std::uint8_t break_code = 0, mark_code = 0, settings = 0;  // of the newest snapshot
   int power_on_count = 0;
 
-  // One transfer.
-  void say(std::span<const std::uint8_t> bytes) override { to_host_.emplace_back(bytes.begin(), bytes.end()); }
+  // Queues one transfer.
+  void send_to_host(std::span<const std::uint8_t> bytes) override { to_host_.emplace_back(bytes.begin(), bytes.end()); }
   Bytes device_descriptor() const override;
   Bytes config_descriptor() const override;
   void power_on() override;
@@ -41,7 +41,7 @@ class PeperoniModel final : public UsbModel {
   void show_levels(int universe, std::span<const std::uint8_t> levels);
   void take_message();
 
-  Bytes coming_;  // a message may come in several transfers
+  Bytes coming_;  // a message may arrive in several transfers
   std::deque<Bytes> to_host_;
 };
 

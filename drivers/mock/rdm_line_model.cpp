@@ -44,7 +44,7 @@ Bytes text(const std::string& words) { return {words.begin(), words.end()}; }
 Bytes RdmResponderModel::respond(std::span<const std::uint8_t> request, unsigned parameter, std::uint8_t type,
                                  const Bytes& data, unsigned command) {
   Bytes bytes = {0xCC, 0x01, static_cast<std::uint8_t>(24 + data.size())};
-  bytes.insert(bytes.end(), request.begin() + 9, request.begin() + 15);  // to who asked
+  bytes.insert(bytes.end(), request.begin() + 9, request.begin() + 15);  // to the requester
   put(bytes, uid, 6);
   bytes.push_back(request[15]);
   bytes.push_back(type);
@@ -112,7 +112,7 @@ Bytes RdmResponderModel::answer(std::span<const std::uint8_t> request) {
 
   if (parameter == 0x0020 && !set) {
     if (!keeps_queue) return respond(request, parameter, 2, {0, kUnknownPid}, command);
-    if (queue_.empty()) return respond(request, 0x0030, 0, {}, command);  // no status either
+    if (queue_.empty()) return respond(request, 0x0030, 0, {}, command);  // no status messages either
     const Queued next = queue_.front();
     queue_.pop_front();
     return respond(request, next.parameter, next.reply.type, next.reply.data, next.command);
@@ -126,13 +126,13 @@ Bytes RdmResponderModel::answer(std::span<const std::uint8_t> request) {
     reply = act(set, parameter, data);
   }
   if (everybody) return {};
-  if (asks_for_time > 0 && !set) {
+  if (ack_timer_units > 0 && !set) {
     Bytes time;
-    put(time, asks_for_time, 2);
+    put(time, ack_timer_units, 2);
     if (keeps_queue) {
       queue_.push_back({parameter, command, reply});
     } else {
-      asks_for_time = 0;  // the next time it is ready
+      ack_timer_units = 0;  // ready the next time
     }
     return respond(request, parameter, 1, time, command);
   }
@@ -151,7 +151,7 @@ RdmResponderModel::Reply RdmResponderModel::act(bool set, unsigned parameter, st
     put(reply.data, reason, 2);
     return reply;
   };
-  const auto say = [](Bytes bytes) { return Reply{0, std::move(bytes)}; };
+  const auto ack = [](Bytes bytes) { return Reply{0, std::move(bytes)}; };
   const RdmPersonality& current = personalities[personality - 1u];
   Bytes bytes;
   if (set) {
@@ -160,27 +160,27 @@ RdmResponderModel::Reply RdmResponderModel::act(bool set, unsigned parameter, st
         if (label_is_locked) return refuse(kWriteProtect);
         if (data.size() > 32) return refuse(kFormat);
         label.assign(data.begin(), data.end());
-        return say({});
+        return ack({});
       case 0x00E0:
         if (data.size() != 1) return refuse(kFormat);
         if (data[0] < 1 || data[0] > personalities.size()) return refuse(kOutOfRange);
         personality = data[0];
-        return say({});
+        return ack({});
       case 0x00F0:
         if (data.size() != 2) return refuse(kFormat);
         if (word(data, 0) < 1 || word(data, 0) > 512) return refuse(kOutOfRange);
         start_address = static_cast<std::uint16_t>(word(data, 0));
-        return say({});
+        return ack({});
       case 0x1000:
         if (data.size() != 1) return refuse(kFormat);
         if (data[0] > 1) return refuse(kOutOfRange);
         identifies = data[0] == 1;
-        return say({});
+        return ack({});
       case kFanSpeed:
         if (data.size() != 1) return refuse(kFormat);
         if (data[0] > 100) return refuse(kOutOfRange);
         fan_percent = data[0];
-        return say({});
+        return ack({});
       case 0x0050:
       case 0x0051:
       case 0x0060:
@@ -199,7 +199,7 @@ RdmResponderModel::Reply RdmResponderModel::act(bool set, unsigned parameter, st
       for (const unsigned one : {0x0080u, 0x0081u, 0x0082u, 0x00E0u, 0x00E1u, 0x0120u, 0x0200u, 0x0201u, kFanSpeed}) {
         put(bytes, one, 2);
       }
-      return say(bytes);
+      return ack(bytes);
     case 0x0051:
       if (data.size() != 2) return refuse(kFormat);
       if (word(data, 0) != kFanSpeed) return refuse(kOutOfRange);
@@ -209,7 +209,7 @@ RdmResponderModel::Reply RdmResponderModel::act(bool set, unsigned parameter, st
       put(bytes, 100, 4);
       put(bytes, 50, 4);
       for (const char c : std::string("Fan speed")) bytes.push_back(static_cast<std::uint8_t>(c));
-      return say(bytes);
+      return ack(bytes);
     case 0x0060:
       put(bytes, 0x0100, 2);
       put(bytes, model_id, 2);
@@ -221,33 +221,33 @@ RdmResponderModel::Reply RdmResponderModel::act(bool set, unsigned parameter, st
       put(bytes, current.footprint == 0 ? 0xFFFFu : start_address, 2);
       put(bytes, 0, 2);
       put(bytes, sensors.size(), 1);
-      return say(bytes);
-    case 0x0080: return say(text(model));
-    case 0x0081: return say(text(manufacturer));
-    case 0x0082: return say(text(label));
-    case 0x00C0: return say(text(version));
+      return ack(bytes);
+    case 0x0080: return ack(text(model));
+    case 0x0081: return ack(text(manufacturer));
+    case 0x0082: return ack(text(label));
+    case 0x00C0: return ack(text(version));
     case 0x00E0:
       put(bytes, personality, 1);
       put(bytes, personalities.size(), 1);
-      return say(bytes);
+      return ack(bytes);
     case 0x00E1: {
       if (data.size() != 1) return refuse(kFormat);
       if (data[0] < 1 || data[0] > personalities.size()) return refuse(kOutOfRange);
-      const RdmPersonality& asked = personalities[data[0] - 1u];
+      const RdmPersonality& chosen = personalities[data[0] - 1u];
       put(bytes, data[0], 1);
-      put(bytes, asked.footprint, 2);
-      const Bytes name = text(asked.name);
+      put(bytes, chosen.footprint, 2);
+      const Bytes name = text(chosen.name);
       bytes.insert(bytes.end(), name.begin(), name.end());
-      return say(bytes);
+      return ack(bytes);
     }
-    case 0x00F0: put(bytes, start_address, 2); return say(bytes);
+    case 0x00F0: put(bytes, start_address, 2); return ack(bytes);
     case 0x0120:
       for (unsigned slot = 0; slot < current.footprint; ++slot) {
         put(bytes, slot, 2);
         put(bytes, 0, 1);
-        put(bytes, slot == 0 ? 1u : 0xFFFFu, 2);  // intensity, then what E1.20 has no word for
+        put(bytes, slot == 0 ? 1u : 0xFFFFu, 2);  // intensity, then an undefined type
       }
-      return say(bytes);
+      return ack(bytes);
     case 0x0200:
     case 0x0201: {
       if (data.size() != 1) return refuse(kFormat);
@@ -257,7 +257,7 @@ RdmResponderModel::Reply RdmResponderModel::act(bool set, unsigned parameter, st
       put(bytes, data[0], 1);
       if (parameter == 0x0201) {
         for (int i = 0; i < 4; ++i) put(bytes, value, 2);
-        return say(bytes);
+        return ack(bytes);
       }
       put(bytes, sensor.type, 1);
       put(bytes, sensor.unit, 1);
@@ -266,29 +266,29 @@ RdmResponderModel::Reply RdmResponderModel::act(bool set, unsigned parameter, st
       put(bytes, 0, 1);
       const Bytes name = text(sensor.name);
       bytes.insert(bytes.end(), name.begin(), name.end());
-      return say(bytes);
+      return ack(bytes);
     }
-    case 0x1000: return say({static_cast<std::uint8_t>(identifies ? 1 : 0)});
-    case kFanSpeed: return say({fan_percent});
+    case 0x1000: return ack({static_cast<std::uint8_t>(identifies ? 1 : 0)});
+    case kFanSpeed: return ack({fan_percent});
     default: return refuse(kUnknownPid);
   }
 }
 
 Bytes RdmLineModel::answer(std::span<const std::uint8_t> request) {
-  Bytes heard;
+  Bytes line;
   for (RdmResponderModel& responder : responders) {
     const Bytes bytes = responder.answer(request);
-    // Drivers of equal strength on one pair of wires: a 0 (the line driven low) and a 1 at once read as either; here as
-    // 0, as with the stronger pull.
+    // Transmitters of equal strength on one pair of wires: a 0 (the line driven low) and a 1 at the same time may read
+    // as either. Here they read as 0, as with a stronger pull-down.
     for (std::size_t i = 0; i < bytes.size(); ++i) {
-      if (i < heard.size()) {
-        heard[i] = static_cast<std::uint8_t>(heard[i] & bytes[i]);
+      if (i < line.size()) {
+        line[i] = static_cast<std::uint8_t>(line[i] & bytes[i]);
       } else {
-        heard.push_back(bytes[i]);
+        line.push_back(bytes[i]);
       }
     }
   }
-  return heard;
+  return line;
 }
 
 RdmLineModel example_rdm_line() {
@@ -308,7 +308,7 @@ RdmLineModel example_rdm_line() {
   dimmer.sensors.clear();
   dimmer.start_address = 101;
   dimmer.control_field = 8;
-  dimmer.asks_for_time = 1;
+  dimmer.ack_timer_units = 1;
   return line;
 }
 

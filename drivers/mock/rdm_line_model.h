@@ -1,8 +1,8 @@
-// A DMX line with RDM responders on it, byte for byte: what a controller hears when it asks. Several that answer at
-// once talk over each other.
+// A model of a DMX line with RDM responders, byte for byte: what a controller receives. Simultaneous answers of several
+// responders collide.
 //
-// Messages are put together with code of its own, not with the driver's (drivers/rdm): a mistake in one does not hide
-// the same mistake in the other.
+// Messages are built by its own code, not the driver's (drivers/rdm): a mistake in one does not hide the same mistake
+// in the other.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ struct RdmSensor {
 
 class RdmResponderModel {
  public:
-  // --- What it is.
+  // --- Settings.
   std::uint64_t uid = 0x7FF0'0000'0001;  // 48 bits
   std::string manufacturer = "Footlight";
   std::string model = "Model of a spot";
@@ -41,29 +41,30 @@ class RdmResponderModel {
   std::vector<RdmSensor> sensors = {{"Lamp", 0, 1, 42}};
   std::uint16_t control_field = 0;  // of the answer to DISC_MUTE: 1 proxy, 2 sub-devices, 4 boot loader, 8 proxied
 
-  // --- What can be set, as it is now.
+  // --- Settable parameters, current values.
   std::string label = "Spot";
   std::uint8_t personality = 1;
   std::uint16_t start_address = 1;
   bool identifies = false;
-  std::uint8_t fan_percent = 50;  // parameter 0x8001 of the maker's own
+  std::uint8_t fan_percent = 50;  // parameter 0x8001, manufacturer-specific
   bool muted = false;
 
-  // --- How it fails.
+  // --- Faults.
   bool never_confirms_mute = false;
-  bool stays_unmuted = false;  // confirms, and answers discovery all the same
+  bool stays_unmuted = false;  // confirms the mute but still answers discovery
   bool label_is_locked = false;
-  int ignores = 0;                  // so many requests from now on
-  int damages = 0;                  // the next so many answers have a wrong checksum
-  std::size_t preamble = 7;         // octets of FE before its answer to discovery
-  std::uint16_t asks_for_time = 0;  // ACK_TIMER for every get but of its queue, in units of 100 ms; 0: answers at once
-  bool keeps_queue = true;          // false: forgets what it promised, and refuses QUEUED_MESSAGE
-  std::size_t answer_size_max = 231;  // longer ones come in parts (ACK_OVERFLOW)
+  int ignores = 0;                    // number of next requests to ignore
+  int damages = 0;                    // number of next answers with a wrong checksum
+  std::size_t preamble = 7;           // octets of FE before its answer to discovery
+  std::uint16_t ack_timer_units = 0;  // ACK_TIMER for every get except of its queue, in units of 100 ms; 0: answers at
+                                      // once
+  bool keeps_queue = true;            // false: drops its queued answers and refuses QUEUED_MESSAGE
+  std::size_t answer_size_max = 231;  // longer answers come in parts (ACK_OVERFLOW)
 
-  // --- What it saw.
+  // --- Observed.
   std::uint64_t request_count = 0;
 
-  // What it puts on the line; empty: nothing.
+  // Its answer on the line; empty: none.
   Bytes answer(std::span<const std::uint8_t> request);
 
  private:
@@ -75,7 +76,7 @@ class RdmResponderModel {
   Bytes respond(std::span<const std::uint8_t> request, unsigned parameter, std::uint8_t type, const Bytes& data,
                 unsigned command);
 
-  std::map<unsigned, Bytes> rest_;  // by parameter: parts that were not given yet
+  std::map<unsigned, Bytes> rest_;  // by parameter: parts not sent yet
   struct Queued {
     unsigned parameter = 0, command = 0;
     Reply reply;
@@ -86,11 +87,11 @@ class RdmResponderModel {
 class RdmLineModel {
  public:
   std::vector<RdmResponderModel> responders;
-  // What is heard when this request goes over the line.
+  // The bytes on the line after this request.
   Bytes answer(std::span<const std::uint8_t> request);
 };
 
-// Three responders, as `mock:enttec-pro` has them: two spots and a dimmer behind a proxy.
+// Three responders, as on `mock:enttec-pro`: two spots and a dimmer behind a proxy.
 [[nodiscard]] RdmLineModel example_rdm_line();
 
 }  // namespace footlight::drivers::mock

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::uint8_t kModemStatus = 0x01;
 constexpr std::size_t kPacketSize = 64;
-constexpr std::uint8_t kNotifyEndpoint = 0x83;  // of CDC-ACM, which has nothing to report
+constexpr std::uint8_t kNotifyEndpoint = 0x83;  // of CDC-ACM; it never sends a notification
 
 }  // namespace
 
@@ -40,9 +40,9 @@ Bytes SerialModel::config_descriptor() const {
   if (chip == SerialChip::kCdcAcm)
     return {9, 2, 67, 0, 2, 1, 0, 0x80, 50,         // two interfaces
             9, 4, 0, 0, 1, 2, 2, 1, 0,              // control, one endpoint
-            5, 0x24, 0x00, 0x10, 0x01,              // without these four (CDC 1.2, section 5.2.3) Linux refuses it:
+            5, 0x24, 0x00, 0x10, 0x01,              // Linux refuses it without these four (CDC 1.2, section 5.2.3):
             5, 0x24, 0x01, 0x00, 0x01,              // its version, call management,
-            4, 0x24, 0x02, 0x06,                    // what it can do: line coding and break,
+            4, 0x24, 0x02, 0x06,                    // capabilities: line coding and break,
             5, 0x24, 0x06, 0x00, 0x01,              // and that interface 0 controls interface 1
             7, 5, kNotifyEndpoint, 3, 8, 0, 10,
             9, 4, 1, 0, 2, 10, 0, 0, 0,             // data, two endpoints
@@ -105,7 +105,7 @@ bool SerialModel::has_data(std::uint8_t endpoint) const {
 
 void SerialModel::data_out(std::uint8_t, std::span<const std::uint8_t> bytes) { take(bytes); }
 
-Bytes SerialModel::hear(std::size_t size_max) {
+Bytes SerialModel::read(std::size_t size_max) {
   const auto count = static_cast<std::ptrdiff_t>(std::min(size_max, to_host_.size()));
   Bytes bytes(to_host_.begin(), to_host_.begin() + count);
   to_host_.erase(to_host_.begin(), to_host_.begin() + count);
@@ -113,11 +113,11 @@ Bytes SerialModel::hear(std::size_t size_max) {
 }
 
 Bytes SerialModel::data_in(std::uint8_t, std::size_t size_max) {
-  if (chip == SerialChip::kCdcAcm) return hear(size_max);
+  if (chip == SerialChip::kCdcAcm) return read(size_max);
   Bytes transfer;
-  // Every packet starts with the status; one that is not full ends the transfer.
+  // Every packet starts with the status; a packet that is not full ends the transfer.
   while (transfer.size() + 2 <= size_max) {
-    const Bytes data = hear(std::min(kPacketSize - 2, size_max - transfer.size() - 2));
+    const Bytes data = read(std::min(kPacketSize - 2, size_max - transfer.size() - 2));
     transfer.push_back(kModemStatus);
     transfer.push_back(line_status());
     transfer.insert(transfer.end(), data.begin(), data.end());

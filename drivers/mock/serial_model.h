@@ -1,8 +1,8 @@
-// A device that is a stream of bytes both ways, behind an FTDI chip or as a serial device of the USB communication
-// class (CDC-ACM): the chip, without the processor behind it.
+// The USB chip of a device that is a byte stream in both directions: an FTDI chip or a serial device of the USB
+// communication class (CDC-ACM). Without the processor behind the chip.
 //
-// The same object can stand at the far end of a tty: then take() is called with what the host writes, and hear() gives
-// what it reads.
+// The same object can also be the far end of a tty: then take() gets what the host writes, and read() returns what the
+// host reads.
 #pragma once
 
 #include <cstdint>
@@ -16,23 +16,23 @@ enum class SerialChip : std::uint8_t { kFtdi, kCdcAcm };
 
 class SerialModel : public UsbModel {
  public:
-  // --- What it is.
+  // --- Settings.
   SerialChip chip = SerialChip::kFtdi;
   std::uint16_t vendor = 0x0403, product_id = 0x6001, release = 0x0600;  // of an FT232R
 
-  // --- What it saw; only to be read.
+  // --- Observed; read only.
   int power_on_count = 0, reset_count = 0;
   std::uint16_t baud_value = 0xFFFF, baud_index = 0xFFFF, line_data = 0xFFFF;
   std::uint8_t latency_ms = 16;
 
-  // Bytes of the host, as they come out of the chip.
+  // Receives bytes from the host, as they leave the chip.
   virtual void take(std::span<const std::uint8_t> bytes) = 0;
-  // Takes what the processor has said: at most size_max bytes.
-  Bytes hear(std::size_t size_max);
-  [[nodiscard]] bool has_said() const { return !to_host_.empty(); }
+  // Removes and returns at most size_max bytes that the processor has sent.
+  Bytes read(std::size_t size_max);
+  [[nodiscard]] bool has_output() const { return !to_host_.empty(); }
 
   // --- UsbModel
-  void say(std::span<const std::uint8_t> bytes) override {
+  void send_to_host(std::span<const std::uint8_t> bytes) override {
     to_host_.insert(to_host_.end(), bytes.begin(), bytes.end());
   }
   Bytes device_descriptor() const override;
@@ -46,7 +46,7 @@ class SerialModel : public UsbModel {
   int in_latency_ms(std::uint8_t) const override { return chip == SerialChip::kFtdi ? latency_ms : -1; }
 
  protected:
-  // The chip's second status byte as it is now, and whether the line is held low.
+  // The chip's second status byte, current value.
   [[nodiscard]] virtual std::uint8_t line_status() const { return 0x60; }  // transmitter empty
   virtual void line_settings_changed() {}
   [[nodiscard]] bool line_held_low() const { return (line_data & 0x4000u) != 0 && line_data != 0xFFFF; }

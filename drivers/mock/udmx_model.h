@@ -1,5 +1,5 @@
-// An Anyma uDMX, modelled from its host's side after its firmware (uDMX.c): vendor requests on endpoint 0 only. What a
-// request sets shows on line 0 at once, and it repeats what it has by itself.
+// A model of an Anyma uDMX, after its firmware (uDMX.c): vendor requests on endpoint 0 only. Levels appear on line 0 at
+// once, and the device repeats them itself.
 #pragma once
 
 #include <array>
@@ -15,12 +15,12 @@ class UdmxModel final : public UsbModel {
     manufacturer = "www.anyma.ch";
     product = "uDMX";
   }
-  // --- What it is; free to change before it is plugged in.
+  // --- Settings; may be changed before it is plugged in.
   std::uint16_t usb_vendor = 0x16C0, usb_product = 0x05DC;
-  int stall_count = 0;  // so many vendor requests to come are refused, as happens now and then
+  int stall_count = 0;  // number of next vendor requests to refuse, as real devices sometimes do
 
-  // --- What it saw; only to be read.
-  std::array<std::uint8_t, 512> memory{};  // what it repeats on its line
+  // --- Observed; read only.
+  std::array<std::uint8_t, 512> memory{};  // levels that it repeats on its line
   int line_slot_count = 0;                 // it sends up to the highest slot that was ever set
   std::uint64_t range_count = 0, single_count = 0, slot_count = 0;
   std::uint64_t broken_count = 0;  // requests that its firmware answers with an error

@@ -15,7 +15,7 @@ Bytes clipped(Bytes bytes, std::size_t size_max) {
 Bytes string_descriptor(const std::string& text) {
   Bytes bytes{static_cast<std::uint8_t>(2 + 2 * text.size()), kStringDescriptor};
   for (const char c : text) {
-    bytes.push_back(static_cast<std::uint8_t>(c));  // UTF-16, low byte first; our texts are ASCII
+    bytes.push_back(static_cast<std::uint8_t>(c));  // UTF-16, low byte first; the texts are ASCII
     bytes.push_back(0);
   }
   return bytes;
@@ -58,7 +58,7 @@ void UsbModel::show(int line, Bytes frame) {
 }
 
 void UsbModel::receive_line_frame(int, std::span<const std::uint8_t>, std::uint8_t) {}
-void UsbModel::say(std::span<const std::uint8_t>) {}
+void UsbModel::send_to_host(std::span<const std::uint8_t>) {}
 
 std::optional<Bytes> standard_request(const UsbModel& model, const SetupPacket& setup) {
   switch (setup.request) {

@@ -1,7 +1,7 @@
-// A Velleman K8062, modelled from its host's side: the reports, and the line that its processor makes of them.
+// A model of a Velleman K8062: the reports, and the line that its processor makes of them.
 //
-// A whole look, 512 slots after a start, leaves on line 0, once: it repeats nothing by itself. It counts slots with
-// code of its own, report by report as they come, and not with the driver's encoder.
+// A whole snapshot, 512 slots after a start, is sent on line 0 once; the device repeats nothing itself. It counts slots
+// with its own code, report by report, and does not use the driver's encoder.
 #pragma once
 
 #include <array>
@@ -17,13 +17,13 @@ class VellemanModel final : public HidModel {
     manufacturer = "Velleman";
     product = "USB DMX Interface";
   }
-  // --- What it is; free to change before it is plugged in.
+  // --- Settings; may be changed before it is plugged in.
   bool upgraded = false;  // the replacement firmware: reports of 64 bytes
 
-  // --- What it saw; only to be read.
+  // --- Observed; read only.
   std::uint64_t report_count = 0;
-  std::uint64_t broken_count = 0;  // reports of the wrong size, of no type, before a start, or past slot 512
-  std::uint64_t cut_count = 0;     // looks that another start ended
+  std::uint64_t broken_count = 0;  // reports of wrong size, unknown type, before a start, or past slot 512
+  std::uint64_t cut_count = 0;     // snapshots cut short by another start
 
   void power_on() override;
   void data_out(std::uint8_t endpoint, std::span<const std::uint8_t> bytes) override;
@@ -35,7 +35,7 @@ class VellemanModel final : public HidModel {
   [[nodiscard]] bool take(std::span<const std::uint8_t> slots, std::size_t zeros);
 
   std::array<std::uint8_t, 512> coming_{};
-  std::size_t next_ = 512;  // slot that comes next; 512: none is awaited
+  std::size_t next_ = 512;  // the next slot; 512: none expected
 };
 
 }  // namespace footlight::drivers::mock

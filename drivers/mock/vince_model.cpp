@@ -35,7 +35,7 @@ void VinceModel::obey() {
     frame.insert(frame.end(), held_.begin() + 7, held_.end() - 1);
     show(0, std::move(frame));
   }
-  if (answers) say(Bytes{0x0F, 0x0F, command, status, 0, 0, 0x04});
+  if (answers) send_to_host(Bytes{0x0F, 0x0F, command, status, 0, 0, 0x04});
 }
 
 }  // namespace footlight::drivers::mock

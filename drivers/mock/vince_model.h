@@ -1,4 +1,4 @@
-// A Vince USB-DMX512 converter from its host's side, with a parser of its own.
+// A model of a Vince USB-DMX512 converter, with its own parser.
 #pragma once
 
 #include "drivers/mock/serial_model.h"
@@ -13,11 +13,11 @@ class VinceModel final : public SerialModel {
     serial = "VINCE001";
   }
 
-  // --- What it is.
+  // --- Settings.
   std::uint8_t status = 0;  // of its replies
   bool answers = true;
 
-  // --- What it saw; only to be read.
+  // --- Observed; read only.
   bool started = false;
   std::uint64_t broken_count = 0;  // messages without their end
 

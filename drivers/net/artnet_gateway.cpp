@@ -6,15 +6,15 @@
 namespace footlight::drivers {
 namespace {
 
-// Controllers told of one search at a time.
+// Controllers that wait for one search at a time.
 constexpr std::size_t kWaitingMax = 16;
 
-ArtnetAnswers::Asker asker_of(const Datagram& datagram) {
-  ArtnetAnswers::Asker asker;
-  asker.ipv4 = datagram.from_ipv4;
-  asker.udp_port = datagram.from_udp_port;
-  asker.is_here = is_from_here(datagram);
-  return asker;
+ArtnetAnswers::Requester asker_of(const Datagram& datagram) {
+  ArtnetAnswers::Requester requester;
+  requester.ipv4 = datagram.from_ipv4;
+  requester.udp_port = datagram.from_udp_port;
+  requester.is_here = is_from_here(datagram);
+  return requester;
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ ArtnetGateway::~ArtnetGateway() {
   }
 }
 
-// Nobody answers what the agent was asked, so whoever waits for it asks again.
+// Requests to the agent stay unanswered; requesters repeat them.
 void ArtnetGateway::retire(int port_address, Line& line) {
   std::erase_if(tickets_, [&](const auto& ticket) { return ticket.second.port_address == port_address; });
   line.waiting.clear();
@@ -60,7 +60,7 @@ ArtnetGateway::Line* ArtnetGateway::find(int port_address) {
   return &line;
 }
 
-void ArtnetGateway::tell_table(int port_address, const Line& line, const ArtnetAnswers::Asker& to,
+void ArtnetGateway::send_table(int port_address, const Line& line, const ArtnetAnswers::Requester& to,
                                std::vector<Reply>& replies) {
   const auto table = line.agent->table().value_or(std::vector<RdmUid>{});
   ArtnetTodData data;
@@ -77,43 +77,43 @@ void ArtnetGateway::tell_table(int port_address, const Line& line, const ArtnetA
   }
 }
 
-void ArtnetGateway::wait_for_search(Line& line, const ArtnetAnswers::Asker& asker) {
+void ArtnetGateway::wait_for_search(Line& line, const ArtnetAnswers::Requester& requester) {
   const bool waits = std::any_of(line.waiting.begin(), line.waiting.end(), [&](const auto& one) {
-    return one.ipv4 == asker.ipv4 && one.udp_port == asker.udp_port;
+    return one.ipv4 == requester.ipv4 && one.udp_port == requester.udp_port;
   });
   if (waits) return;
-  if (line.waiting.size() < kWaitingMax) line.waiting.push_back(asker);
+  if (line.waiting.size() < kWaitingMax) line.waiting.push_back(requester);
   line.agent->search();
 }
 
 void ArtnetGateway::take(const ArtnetRdmPacket& packet, const Datagram& datagram, std::vector<Reply>& replies) {
-  const ArtnetAnswers::Asker asker = asker_of(datagram);
+  const ArtnetAnswers::Requester requester = asker_of(datagram);
   if (const auto* request = std::get_if<ArtnetTodRequest>(&packet)) {
     for (const int port_address : request->port_addresses) {
       Line* const line = find(port_address);
       if (line == nullptr) continue;
-      // The line is searched when somebody first wants to know, not before: DMX pauses meanwhile.
+      // The line is searched at the first request, not before, because DMX pauses meanwhile.
       if (line->agent->table()) {
-        tell_table(port_address, *line, asker, replies);
+        send_table(port_address, *line, requester, replies);
       } else {
-        wait_for_search(*line, asker);
+        wait_for_search(*line, requester);
       }
     }
   } else if (const auto* control = std::get_if<ArtnetTodControl>(&packet)) {
     Line* const line = find(control->port_address);
     if (line == nullptr) return;
     if (control->flush || !line->agent->table()) {
-      wait_for_search(*line, asker);
+      wait_for_search(*line, requester);
     } else {
-      tell_table(control->port_address, *line, asker, replies);
+      send_table(control->port_address, *line, requester, replies);
     }
   } else if (const auto* rdm = std::get_if<ArtnetRdm>(&packet)) {
     const auto message = parse_rdm_message(rdm->message);
-    // Discovery is ours.
+    // Discovery is done by this gateway.
     if (!message || is_response(message->command) || message->command == RdmCommand::kDiscovery) return;
     Line* const line = find(rdm->port_address);
     if (line == nullptr || tickets_.size() >= kTicketsMax) return;
-    if (line->agent->ask(next_ticket_, *message)) tickets_[next_ticket_++] = {rdm->port_address, asker};
+    if (line->agent->submit(next_ticket_, *message)) tickets_[next_ticket_++] = {rdm->port_address, requester};
   }
 }
 
@@ -128,12 +128,12 @@ void ArtnetGateway::take_news(std::vector<Reply>& replies) {
         ArtnetRdm rdm;
         rdm.port_address = ticket->second.port_address;
         rdm.message = build_rdm(*answer.message);
-        replies.push_back({build_artnet_rdm_packet(rdm), ticket->second.asker});
+        replies.push_back({build_artnet_rdm_packet(rdm), ticket->second.requester});
       }
       tickets_.erase(ticket);
     }
     if (!news.table_changed) continue;
-    for (const auto& asker : std::exchange(line.waiting, {})) tell_table(port_address, line, asker, replies);
+    for (const auto& requester : std::exchange(line.waiting, {})) send_table(port_address, line, requester, replies);
   }
 }
 

@@ -1,5 +1,5 @@
-// The part of an Art-Net input that is a gateway for RDM: tables of devices, and messages passed on to the lines behind
-// its universes. No socket: what is to be sent is handed back.
+// The RDM gateway of an Art-Net input: tables of devices, and messages passed to the lines behind its universes. No
+// socket: replies are returned to the caller.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,12 @@ namespace footlight::drivers {
 
 class ArtnetGateway {
  public:
-  // Messages under way, of all lines, whose answer somebody waits for.
+  // Messages in progress on all lines whose requester waits for an answer.
   static constexpr std::size_t kTicketsMax = 64;
 
   struct Reply {
     Octets bytes;
-    ArtnetAnswers::Asker to;
+    ArtnetAnswers::Requester to;
   };
 
   explicit ArtnetGateway(std::shared_ptr<RdmDirectory> directory) : directory_(std::move(directory)) {}
@@ -31,16 +31,15 @@ class ArtnetGateway {
   ArtnetGateway(const ArtnetGateway&) = delete;
   ArtnetGateway& operator=(const ArtnetGateway&) = delete;
 
-  // A universe whose line, where there is one, is to be reached. `bind_index` and `port` (1 to 4): as its ArtPollReply
-  // has them.
+  // Adds a universe whose line, if any, can be reached. `bind_index` and `port` (1 to 4): as in its ArtPollReply.
   void add_universe(int port_address, Universe universe, std::uint8_t bind_index, std::uint8_t port);
   [[nodiscard]] bool has_line(int port_address) const;
-  // Called with the descriptor of each line that comes into use: readable when take_news() has something to do.
+  // Called with the descriptor of each line that comes into use. It is readable when take_news() has work.
   std::function<void(int fd)> on_new_descriptor;
 
-  // A request of a controller. What can be answered at once is appended to `replies`.
+  // Takes a request of a controller. Immediate answers are appended to `replies`.
   void take(const ArtnetRdmPacket& packet, const Datagram& datagram, std::vector<Reply>& replies);
-  // Answers and tables that the lines have meanwhile.
+  // Appends answers and tables that the lines have produced since.
   void take_news(std::vector<Reply>& replies);
 
  private:
@@ -48,21 +47,21 @@ class ArtnetGateway {
     Universe universe = 0;
     std::uint8_t bind_index = 1;
     std::uint8_t port = 1;
-    std::uint64_t generation = 0;               // of the directory, that `agent` was made from
-    std::unique_ptr<RdmAgent> agent;            // made when it is first needed
-    std::vector<ArtnetAnswers::Asker> waiting;  // for the end of a search
+    std::uint64_t generation = 0;                   // of the directory when `agent` was made
+    std::unique_ptr<RdmAgent> agent;                // made when first needed
+    std::vector<ArtnetAnswers::Requester> waiting;  // for the end of a search
   };
   struct Ticket {
     int port_address = 0;
-    ArtnetAnswers::Asker asker;
+    ArtnetAnswers::Requester requester;
   };
-  // In blocks.
-  static void tell_table(int port_address, const Line& line, const ArtnetAnswers::Asker& to,
+  // Sends the table, in blocks.
+  static void send_table(int port_address, const Line& line, const ArtnetAnswers::Requester& to,
                          std::vector<Reply>& replies);
-  static void wait_for_search(Line& line, const ArtnetAnswers::Asker& asker);
-  // Gives up the line's agent and its tickets, without waiting.
+  static void wait_for_search(Line& line, const ArtnetAnswers::Requester& requester);
+  // Drops the line's agent and its tickets, without waiting.
   void retire(int port_address, Line& line);
-  // With its agent; nullptr: there is no line now.
+  // The line with its agent; nullptr: there is no line now.
   Line* find(int port_address);
 
   const std::shared_ptr<RdmDirectory> directory_;

@@ -9,14 +9,14 @@
 namespace footlight::drivers {
 namespace {
 
-// How long our own broadcast may be on its way back to us.
+// The longest time until our own broadcast returns.
 constexpr DurationNs kEchoNs = 50 * kNsPerMs;
 
 [[nodiscard]] bool came_back(TimeNs sent_ns, TimeNs arrived_ns) {
   return arrived_ns - kEchoNs <= sent_ns && sent_ns <= arrived_ns + kEchoNs;
 }
 
-// Names are text of other people's devices: keep what can be shown on one line.
+// Names come from other devices: keep what can be printed on one line.
 std::string printable(std::string_view text) {
   std::string clean(text);
   for (char& c : clean) {
@@ -28,9 +28,9 @@ std::string printable(std::string_view text) {
 
 }  // namespace
 
-void ArtnetNodes::hear(const ArtnetPollReply& reply, const Datagram& datagram, TimeNs now_ns) {
-  // The address that the datagram came from is where the device is, whatever its reply says: nobody gets levels because
-  // somebody else has named him. On this machine answers come over loopback, and the reply says which address is meant.
+void ArtnetNodes::receive(const ArtnetPollReply& reply, const Datagram& datagram, TimeNs now_ns) {
+  // The device's address is the one that the datagram came from, whatever its reply contains. So a forged reply cannot
+  // direct levels to another device. On this machine answers come over loopback, and the reply contains the address.
   std::uint32_t ipv4 = datagram.from_ipv4;
   if (is_loopback(ipv4) && read_u32_be(reply.ip, 0) != 0) ipv4 = read_u32_be(reply.ip, 0);
   auto found = devices_.find(ipv4);
@@ -42,7 +42,7 @@ void ArtnetNodes::hear(const ArtnetPollReply& reply, const Datagram& datagram, T
   }
   Device& device = found->second;
   ArtnetNode& node = device.node;
-  // The first reply has the name of the device, later ones may have names of its ports.
+  // The first reply has the name of the device; later ones may have names of its ports.
   if (reply.bind_index <= 1 || node.short_name.empty()) {
     node.short_name = printable(reply.short_name);
     node.long_name = printable(reply.long_name);
@@ -51,7 +51,7 @@ void ArtnetNodes::hear(const ArtnetPollReply& reply, const Datagram& datagram, T
   }
   node.rdm = reply.rdm;
   node.interface_index = datagram.interface_index;
-  node.heard_ns = now_ns;
+  node.received_ns = now_ns;
   for (const auto& port : reply.ports()) {
     const int key = 2 * port.port_address + (port.output ? 1 : 0);
     const auto known = device.ports.find(key);
@@ -68,16 +68,16 @@ void ArtnetNodes::hear(const ArtnetPollReply& reply, const Datagram& datagram, T
 void ArtnetNodes::expire(TimeNs now_ns) {
   if (now_ns < next_expiry_ns_) return;
   next_expiry_ns_ = kTimeNever;
-  const auto is_old = [&](TimeNs heard_ns) {
-    if (now_ns - heard_ns >= kArtnetNodeTimeoutNs) return true;
-    next_expiry_ns_ = std::min(next_expiry_ns_, heard_ns + kArtnetNodeTimeoutNs);
+  const auto is_old = [&](TimeNs received_ns) {
+    if (now_ns - received_ns >= kArtnetNodeTimeoutNs) return true;
+    next_expiry_ns_ = std::min(next_expiry_ns_, received_ns + kArtnetNodeTimeoutNs);
     return false;
   };
   std::size_t gone = 0;
   for (auto& [ipv4, device] : devices_) {
     gone += std::erase_if(device.ports, [&](const auto& port) { return is_old(port.second); });
   }
-  gone += std::erase_if(devices_, [&](const auto& entry) { return is_old(entry.second.node.heard_ns); });
+  gone += std::erase_if(devices_, [&](const auto& entry) { return is_old(entry.second.node.received_ns); });
   if (gone > 0) ++revision_;
 }
 
@@ -103,7 +103,7 @@ std::vector<ArtnetNode> ArtnetNodes::list() const {
   std::vector<ArtnetNode> nodes;
   for (const auto& [ipv4, device] : devices_) {
     ArtnetNode& node = nodes.emplace_back(device.node);
-    for (const auto& [key, heard_ns] : device.ports) (key % 2 != 0 ? node.outputs : node.inputs).push_back(key / 2);
+    for (const auto& [key, received_ns] : device.ports) (key % 2 != 0 ? node.outputs : node.inputs).push_back(key / 2);
   }
   return nodes;
 }
@@ -119,30 +119,30 @@ std::uint64_t artnet_digest(std::span<const std::uint8_t> slots) {
   return digest == 0 ? 1 : digest;  // 0: never sent
 }
 
-void ArtnetProgram::hear(const ArtnetPollReply& reply, const Datagram& datagram, TimeNs now_ns) {
+void ArtnetProgram::receive(const ArtnetPollReply& reply, const Datagram& datagram, TimeNs now_ns) {
   if (is_from_here(datagram)) {
     const std::lock_guard lock(mutex_);
     const auto ports = reply.ports();
     const bool is_own = !ports.empty() && std::all_of(ports.begin(), ports.end(), [&](const auto& port) {
-      return heard_port_addresses_.count(port.port_address) != 0;
+      return source_port_addresses_.count(port.port_address) != 0;
     });
     if (is_own) return;
   }
-  nodes.hear(reply, datagram, now_ns);
+  nodes.receive(reply, datagram, now_ns);
 }
 
 void ArtnetProgram::add_source(const std::vector<int>& port_addresses) {
   ++source_count_;
   const std::lock_guard lock(mutex_);
-  for (const int port_address : port_addresses) ++heard_port_addresses_[port_address];
+  for (const int port_address : port_addresses) ++source_port_addresses_[port_address];
 }
 
 void ArtnetProgram::remove_source(const std::vector<int>& port_addresses) {
   --source_count_;
   const std::lock_guard lock(mutex_);
   for (const int port_address : port_addresses) {
-    const auto found = heard_port_addresses_.find(port_address);
-    if (found != heard_port_addresses_.end() && --found->second == 0) heard_port_addresses_.erase(found);
+    const auto found = source_port_addresses_.find(port_address);
+    if (found != source_port_addresses_.end() && --found->second == 0) source_port_addresses_.erase(found);
   }
 }
 
@@ -174,35 +174,37 @@ bool ArtnetProgram::is_own_poll(TimeNs arrived_ns) const { return came_back(poll
 bool ArtnetProgram::is_own_sync(TimeNs arrived_ns) const { return came_back(sync_ns_, arrived_ns); }
 
 void ArtnetAnswers::add(const ArtnetPoll& poll, const Datagram& datagram, std::uint64_t seed, TimeNs now_ns) {
-  for (Asker& asker : askers_) {
-    if (asker.ipv4 != datagram.from_ipv4 || asker.udp_port != datagram.from_udp_port || asker.next_reply != 0) continue;
-    asker.port_address_first = std::min(asker.port_address_first, poll.port_address_first);
-    asker.port_address_last = std::max(asker.port_address_last, poll.port_address_last);
+  for (Requester& requester : requesters_) {
+    if (requester.ipv4 != datagram.from_ipv4 || requester.udp_port != datagram.from_udp_port ||
+        requester.next_reply != 0)
+      continue;
+    requester.port_address_first = std::min(requester.port_address_first, poll.port_address_first);
+    requester.port_address_last = std::max(requester.port_address_last, poll.port_address_last);
     return;
   }
-  if (askers_.size() >= kAskersMax) return;
-  Asker& asker = askers_.emplace_back();
-  asker.ipv4 = datagram.from_ipv4;
-  asker.udp_port = datagram.from_udp_port;
-  asker.local_ipv4 = datagram.local_ipv4;
-  asker.interface_index = datagram.interface_index;
-  asker.is_here = is_from_here(datagram);
-  asker.port_address_first = poll.port_address_first;
-  asker.port_address_last = poll.port_address_last;
+  if (requesters_.size() >= kRequestersMax) return;
+  Requester& requester = requesters_.emplace_back();
+  requester.ipv4 = datagram.from_ipv4;
+  requester.udp_port = datagram.from_udp_port;
+  requester.local_ipv4 = datagram.local_ipv4;
+  requester.interface_index = datagram.interface_index;
+  requester.is_here = is_from_here(datagram);
+  requester.port_address_first = poll.port_address_first;
+  requester.port_address_last = poll.port_address_last;
   const std::uint64_t random = mix64(seed ^ mix64(++count_ ^ std::uint64_t{datagram.from_ipv4} << 32));
-  asker.due_ns = now_ns + static_cast<DurationNs>(random % static_cast<std::uint64_t>(kArtnetReplyDelayMaxNs));
+  requester.due_ns = now_ns + static_cast<DurationNs>(random % static_cast<std::uint64_t>(kArtnetReplyDelayMaxNs));
 }
 
 TimeNs ArtnetAnswers::next_due_ns() const {
   TimeNs due_ns = kTimeNever;
-  for (const Asker& asker : askers_) due_ns = std::min(due_ns, asker.due_ns);
+  for (const Requester& requester : requesters_) due_ns = std::min(due_ns, requester.due_ns);
   return due_ns;
 }
 
-void ArtnetAnswers::answer_due(TimeNs now_ns, const std::function<bool(Asker&)>& answer) {
-  for (std::size_t i = 0; i < askers_.size();) {
-    if (askers_[i].due_ns <= now_ns && answer(askers_[i])) {
-      askers_.erase(askers_.begin() + static_cast<std::ptrdiff_t>(i));
+void ArtnetAnswers::answer_due(TimeNs now_ns, const std::function<bool(Requester&)>& answer) {
+  for (std::size_t i = 0; i < requesters_.size();) {
+    if (requesters_[i].due_ns <= now_ns && answer(requesters_[i])) {
+      requesters_.erase(requesters_.begin() + static_cast<std::ptrdiff_t>(i));
     } else {
       ++i;
     }
@@ -228,10 +230,10 @@ std::uint64_t artnet_machine_seed() {
   return seed;
 }
 
-void add_artnet_reply(DatagramWriter& writer, std::span<const std::uint8_t> reply, const ArtnetAnswers::Asker& asker,
-                      std::uint16_t udp_port) {
-  writer.add(reply, asker.is_here ? kLoopbackBroadcast : asker.ipv4, udp_port);
-  if (asker.udp_port != udp_port && asker.udp_port != 0) writer.add(reply, asker.ipv4, asker.udp_port);
+void add_artnet_reply(DatagramWriter& writer, std::span<const std::uint8_t> reply,
+                      const ArtnetAnswers::Requester& requester, std::uint16_t udp_port) {
+  writer.add(reply, requester.is_here ? kLoopbackBroadcast : requester.ipv4, udp_port);
+  if (requester.udp_port != udp_port && requester.udp_port != 0) writer.add(reply, requester.ipv4, requester.udp_port);
 }
 
 }  // namespace footlight::drivers

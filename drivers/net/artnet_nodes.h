@@ -1,5 +1,5 @@
-// Who else speaks Art-Net: a table of devices and ports, filled from ArtPollReply, and what the Art-Net ports of one
-// program know in common. No socket, no clock; the pump's thread only.
+// The other Art-Net devices in the network: a table of devices and ports, filled from ArtPollReply, and the shared
+// state of a program's Art-Net ports. No socket, no clock; the pump's thread only.
 #pragma once
 
 #include <array>
@@ -24,74 +24,73 @@ namespace footlight::drivers {
 // Controllers poll every 2.5 to 3 s (art-net.org.uk, "Discovery Packets").
 inline constexpr DurationNs kArtnetPollIntervalNs = 2'500 * kNsPerMs;
 inline constexpr DurationNs kArtnetPollJitterNs = 500 * kNsPerMs;
-// A device that has left three polls unanswered has gone. The document gives it one poll and 3 s; but one lost datagram
-// must not turn a lamp off.
+// A device that left three polls unanswered is gone. The Art-Net document allows one poll and 3 s, but one lost
+// datagram must not turn a lamp off.
 inline constexpr DurationNs kArtnetNodeTimeoutNs = 10 * kNsPerS;
-// A device answers within this, at a random moment, so that a thousand do not answer at once ("ArtPollReply").
+// A device answers within this time, at a random moment, so that a thousand do not answer at once ("ArtPollReply").
 inline constexpr DurationNs kArtnetReplyDelayMaxNs = kNsPerS;
-// Everybody on this machine who listens on all addresses.
+// Reaches every program on this machine that listens on all addresses.
 inline constexpr std::uint32_t kLoopbackBroadcast = 0x7FFF'FFFF;
 
 [[nodiscard]] constexpr bool is_loopback(std::uint32_t ipv4) { return ipv4 >> 24 == 127; }
-// That the datagram left this machine: it comes from the address that it arrives at, or from any of 127.0.0.0/8.
+// True if this machine sent the datagram: it comes from the address that it arrives at, or from any of 127.0.0.0/8.
 [[nodiscard]] inline bool is_from_here(const Datagram& datagram) {
   return is_loopback(datagram.from_ipv4) || datagram.from_ipv4 == datagram.local_ipv4;
 }
 
-// A device, for people.
+// A device, for status output.
 struct ArtnetNode {
   std::uint32_t ipv4 = 0;
-  int interface_index = 0;  // where its answers come in
+  int interface_index = 0;  // where its answers arrive
   std::string short_name;
   std::string long_name;
   std::array<std::uint8_t, 6> mac = {};
   ArtnetPollReply::Style style = ArtnetPollReply::Style::kNode;
   bool rdm = false;
-  TimeNs heard_ns = 0;
-  // Port addresses, ascending: what it takes from Art-Net and what it gives to Art-Net.
+  TimeNs received_ns = 0;
+  // Port addresses, ascending: what it takes from Art-Net and what it sends to Art-Net.
   std::vector<int> outputs;
   std::vector<int> inputs;
 };
 
-// A device is an IPv4 address; each of its replies (they differ by bind index, or not even by that) adds its ports. A
-// port, like the device, is forgotten when no reply has named it for kArtnetNodeTimeoutNs.
+// A device is an IPv4 address; each of its replies (which may differ by bind index) adds its ports. A port or device is
+// removed when no reply has listed it for kArtnetNodeTimeoutNs.
 class ArtnetNodes {
  public:
-  // Devices, and ports of one device, at a time; what comes on top is not taken, so that made-up replies cost no
-  // memory.
+  // The maximum of devices, and of ports per device. Further ones are ignored, so that forged replies use no memory.
   static constexpr std::size_t kNodesMax = 1'024;
   static constexpr std::size_t kPortsPerNodeMax = 2'048;
 
-  void hear(const ArtnetPollReply& reply, const Datagram& datagram, TimeNs now_ns);
-  // Forgets. Cheap before the first can have timed out.
+  void receive(const ArtnetPollReply& reply, const Datagram& datagram, TimeNs now_ns);
+  // Removes devices and ports that timed out. Cheap before the first can have timed out.
   void expire(TimeNs now_ns);
-  // Goes up when a port comes or goes.
+  // Increases when a port appears or disappears.
   [[nodiscard]] std::uint64_t revision() const { return revision_; }
 
-  // Appends the addresses of the devices that take this port address (`output`), or that give it. `interfaces`: only
-  // those heard on one of these; empty: all.
+  // Appends the addresses of the devices that take this port address (`output`), or that send it. `interfaces`: only
+  // devices received on one of these; empty: all.
   void subscribers_of(int port_address, bool output, std::span<const int> interfaces,
                       std::vector<std::uint32_t>& ipv4s) const;
-  // Empty: not known.
+  // Empty: unknown.
   [[nodiscard]] std::string name_of(std::uint32_t ipv4) const;
-  // By address.
+  // Sorted by address.
   [[nodiscard]] std::vector<ArtnetNode> list() const;
 
  private:
   struct Device {
     ArtnetNode node;              // without its ports
-    std::map<int, TimeNs> ports;  // 2 * port address + (1: output); when last heard
+    std::map<int, TimeNs> ports;  // key: 2 * port address + (1: output); value: when last received
   };
   std::map<std::uint32_t, Device> devices_;
   TimeNs next_expiry_ns_ = kTimeNever;
   std::uint64_t revision_ = 0;
 };
 
-// A digest of the levels of one ArtDmx, to know one's own again.
+// A digest of the levels of one ArtDmx, to recognise own frames.
 [[nodiscard]] std::uint64_t artnet_digest(std::span<const std::uint8_t> slots);
 
-// What one sink has sent lately. Its frames come back by broadcast, from the address and the UDP port of every other
-// program on this machine; their content tells them apart.
+// The frames that one sink has sent recently. They return by broadcast, from the same address and UDP port as frames of
+// other programs on this machine; only the content distinguishes them.
 class ArtnetOwnFrames {
  public:
   void note(int port_address, std::uint8_t sequence, std::uint64_t digest) {
@@ -106,41 +105,41 @@ class ArtnetOwnFrames {
   std::unordered_map<int, std::array<std::uint64_t, 256>> digests_;
 };
 
-// The Art-Net ports of one program. What one of them hears serves all: an answer to a sink's poll arrives at the
-// source's socket where there is a source, since unicast to UDP port 6454 has one receiver.
+// The Art-Net ports of one program share what each of them receives. Unicast to UDP port 6454 has one receiver, so the
+// answer to a sink's poll arrives at the source's socket if there is a source.
 //
-// Ports come and go on any thread; the rest is the pump's.
+// Ports are added and removed on any thread; everything else is for the pump's thread.
 class ArtnetProgram {
  public:
   ArtnetNodes nodes;
 
-  // A reply, unless it is one of this program's own.
-  void hear(const ArtnetPollReply& reply, const Datagram& datagram, TimeNs now_ns);
+  // Takes a reply, unless this program sent it.
+  void receive(const ArtnetPollReply& reply, const Datagram& datagram, TimeNs now_ns);
 
   // --- Sources
   void add_source(const std::vector<int>& port_addresses);
   void remove_source(const std::vector<int>& port_addresses);
   [[nodiscard]] bool has_sources() const { return source_count_.load(std::memory_order_relaxed) > 0; }
 
-  // --- Sinks. What the last kClosedSinksMax that have closed sent stays known, since datagrams may still be on their
+  // --- Sinks. The frames of the last kClosedSinksMax closed sinks stay recorded, since datagrams may still be under
   // way.
   static constexpr std::size_t kClosedSinksMax = 8;
   [[nodiscard]] std::shared_ptr<ArtnetOwnFrames> add_sink();
   [[nodiscard]] bool is_own_frame(const ArtnetDmx& dmx) const;
 
   // --- Polls. Several sinks poll a network once.
-  // True where nobody of this program has polled there in the last interval; then it counts as done.
+  // True if no port of this program has polled there in the last interval; then it counts as polled.
   [[nodiscard]] bool may_poll(std::uint32_t broadcast, TimeNs now_ns);
-  // Whether a poll from this machine is one of ours, come back: it arrives within a moment. A stranger's poll in that
-  // moment is left unanswered once; neither polls at a fixed interval.
+  // True if a poll from this machine is one of ours, received back: it arrives almost at once. Another program's poll
+  // at that moment stays unanswered once; neither polls at a fixed interval.
   [[nodiscard]] bool is_own_poll(TimeNs arrived_ns) const;
   void note_sync(TimeNs now_ns) { sync_ns_ = now_ns; }
   [[nodiscard]] bool is_own_sync(TimeNs arrived_ns) const;
 
  private:
   mutable std::mutex mutex_;
-  std::map<int, int> heard_port_addresses_;                   // guarded by mutex_; how many sources have it
-  std::vector<std::shared_ptr<ArtnetOwnFrames>> own_frames_;  // guarded by mutex_: the list, not what is in it
+  std::map<int, int> source_port_addresses_;                  // guarded by mutex_; how many sources have it
+  std::vector<std::shared_ptr<ArtnetOwnFrames>> own_frames_;  // guarded by mutex_: the list, not its elements
   std::atomic<int> source_count_ = 0;
   std::map<std::uint32_t, TimeNs> polled_ns_;
   TimeNs poll_ns_ = -kTimeNever;
@@ -150,46 +149,47 @@ class ArtnetProgram {
 // The polls that wait for their answer.
 class ArtnetAnswers {
  public:
-  static constexpr std::size_t kAskersMax = 256;
-  // Replies to one asker that go at once, and the pause until the next so many, so that a console's buffer holds them.
+  static constexpr std::size_t kRequestersMax = 256;
+  // Replies to one requester that are sent at once, and the pause before the next ones, so that a console's buffer can
+  // hold them.
   static constexpr std::size_t kRepliesAtOnce = 32;
   static constexpr DurationNs kPauseNs = 10 * kNsPerMs;
 
-  struct Asker {
+  struct Requester {
     std::uint32_t ipv4 = 0;
     std::uint16_t udp_port = 0;
-    std::uint32_t local_ipv4 = 0;  // ours, as it reaches us
+    std::uint32_t local_ipv4 = 0;  // ours, where the request arrived
     int interface_index = 0;
     std::array<std::uint8_t, 6> mac = {};  // of our interface there
     bool is_here = false;                  // on this machine
     int port_address_first = 0;
     int port_address_last = kArtnetPortAddressMax;
     TimeNs due_ns = 0;
-    std::size_t next_reply = 0;  // of the replies that tell all ports
+    std::size_t next_reply = 0;  // the next of the replies for all ports
   };
 
-  // `seed` differs from machine to machine. One who asks again while an answer is due gets that one.
+  // `seed` differs between machines. A requester that polls again while an answer is due gets only that one.
   void add(const ArtnetPoll& poll, const Datagram& datagram, std::uint64_t seed, TimeNs now_ns);
   [[nodiscard]] TimeNs next_due_ns() const;
-  // Calls `answer` for each asker whose time has come; it returns whether that asker has got everything, and has set a
-  // later due_ns otherwise.
-  void answer_due(TimeNs now_ns, const std::function<bool(Asker&)>& answer);
+  // Calls `answer` for each requester that is due. `answer` returns true if everything was sent, else it has set a
+  // later due_ns.
+  void answer_due(TimeNs now_ns, const std::function<bool(Requester&)>& answer);
 
  private:
-  std::vector<Asker> askers_;
+  std::vector<Requester> requesters_;
   std::uint64_t count_ = 0;
 };
 
 [[nodiscard]] std::array<std::uint8_t, 4> octets_of(std::uint32_t ipv4);
-// The hardware address of an interface of this machine; zeros where there is none.
+// The hardware address of an interface of this machine; zeros if it has none.
 [[nodiscard]] std::array<std::uint8_t, 6> mac_of(int interface_index);
-// Differs from machine to machine.
+// Differs between machines.
 [[nodiscard]] std::uint64_t artnet_machine_seed();
 
-// Adds a reply to `writer` for an asker: to the protocol's UDP port, and to the one that it asked from where that is
-// another. Programs on this machine share the protocol's port, and unicast to it would reach any one of them: they are
-// answered by broadcast on loopback.
-void add_artnet_reply(DatagramWriter& writer, std::span<const std::uint8_t> reply, const ArtnetAnswers::Asker& asker,
-                      std::uint16_t udp_port);
+// Adds a reply to `writer`: to the protocol's UDP port, and to the port of the request if that differs. Programs on
+// this machine share the protocol's port, and unicast to it would reach any one of them. So they are answered by
+// broadcast on loopback.
+void add_artnet_reply(DatagramWriter& writer, std::span<const std::uint8_t> reply,
+                      const ArtnetAnswers::Requester& requester, std::uint16_t udp_port);
 
 }  // namespace footlight::drivers

@@ -47,22 +47,22 @@ constexpr std::size_t kAtReplyBindIndex = 211;
 constexpr std::size_t kAtReplyStatus2 = 212;
 constexpr std::size_t kAtReplyGoodOutputB = 213;
 constexpr std::uint16_t kOemUnknown = 0x00FF;
-constexpr std::uint8_t kStatus1Normal = 0xD0;  // indicators normal, port addresses set here and not over the network
+constexpr std::uint8_t kStatus1Normal = 0xD0;  // indicators normal, port addresses set locally, not over the network
 constexpr std::uint8_t kStatus1Rdm = 0x02;
 constexpr std::uint8_t kStatus2FifteenBits = 0x08;
 constexpr std::uint8_t kPortTypeOutput = 0x80;  // takes DMX512 from Art-Net
-constexpr std::uint8_t kPortTypeInput = 0x40;   // gives DMX512 to Art-Net
+constexpr std::uint8_t kPortTypeInput = 0x40;   // sends DMX512 to Art-Net
 constexpr std::uint8_t kGoodActive = 0x80;
 constexpr std::uint8_t kGoodOutputMerging = 0x08;
-constexpr std::uint8_t kGoodOutputBNoRdm = 0xB0;  // RDM disabled, discovery not running, no discovery in the background
-constexpr std::uint8_t kGoodOutputBRdm = 0x30;    // discovery runs when asked for, not in the background
+constexpr std::uint8_t kGoodOutputBNoRdm = 0xB0;  // RDM disabled, discovery not running, no background discovery
+constexpr std::uint8_t kGoodOutputBRdm = 0x30;    // discovery runs on request, not in the background
 
 void write_text(std::span<std::uint8_t> out, std::size_t at, std::size_t field_bytes, std::string_view text) {
   const std::string_view cut = cut_utf8(text, field_bytes - 1);
   std::copy(cut.begin(), cut.end(), out.begin() + static_cast<std::ptrdiff_t>(at));
 }
 
-// As far as the first zero.
+// The text up to the first zero.
 std::string_view read_text(std::span<const std::uint8_t> bytes, std::size_t at, std::size_t field_bytes) {
   const auto field = bytes.subspan(at, field_bytes);
   const auto end = std::find(field.begin(), field.end(), 0);
@@ -83,7 +83,7 @@ tl::expected<ArtnetPacket, ArtnetFault> parse_poll_reply(std::span<const std::ui
   reply.style = static_cast<ArtnetPollReply::Style>(whole[kAtReplyStyle]);
   reply.rdm = (whole[kAtReplyStatus1] & kStatus1Rdm) != 0;
   const int upper = (whole[kAtReplyNet] & 0x7F) << 8 | (whole[kAtReplySub] & 0x0F) << 4;
-  // The types say which ports there are; the number of ports in the packet says nothing more.
+  // The types define which ports exist; the number of ports in the packet adds nothing.
   for (std::size_t i = 0; i < kArtnetReplyPortsMax; ++i) {
     const std::uint8_t type = whole[kAtReplyPortTypes + i];
     const std::uint8_t good_output = whole[kAtReplyGoodOutput + i];
@@ -131,7 +131,7 @@ tl::expected<ArtnetPacket, ArtnetFault> parse_artnet_packet(std::span<const std:
   if (datagram.size() < kAtVersion) return tl::unexpected(ArtnetFault::kTooShort);
   if (!std::equal(kMagic.begin(), kMagic.end(), datagram.begin())) return tl::unexpected(ArtnetFault::kNotArtnet);
   const std::uint16_t op_code = read_u16_le(datagram, kAtOpCode);
-  // ArtPollReply alone has its address where the others have the protocol version.
+  // ArtPollReply is the only packet without a protocol version; it has the address there.
   if (op_code == kArtnetOpPollReply) return parse_poll_reply(datagram);
   if (datagram.size() < kAtVersion + 2) return tl::unexpected(ArtnetFault::kTooShort);
   if (read_u16_be(datagram, kAtVersion) < kVersion) return tl::unexpected(ArtnetFault::kVersion);

@@ -12,7 +12,7 @@ namespace footlight::drivers {
 namespace {
 
 constexpr std::array<std::uint16_t, 2> kHeard = {kArtnetOpTodData, kArtnetOpRdm};
-// How long a gateway that has a table may take to send it.
+// How long a gateway with a table may take to send it.
 constexpr DurationNs kTableTimeoutNs = 3 * kNsPerS;
 
 }  // namespace

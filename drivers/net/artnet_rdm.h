@@ -1,4 +1,4 @@
-// The RDM line behind an Art-Net gateway: discovery is the gateway's, messages go through it.
+// The RDM line behind an Art-Net gateway: the gateway does the discovery, and messages pass through it.
 #pragma once
 
 #include <cstdint>
@@ -19,25 +19,25 @@ namespace footlight::drivers {
 class ArtnetRdmLine final : public RdmLine {
  public:
   struct Options {
-    std::string name;            // begins messages
+    std::string name;            // starts messages
     std::uint32_t gateway = 0;   // IPv4
-    std::uint16_t udp_port = 0;  // of the gateway, and ours where it can be had
+    std::uint16_t udp_port = 0;  // of the gateway, and of our socket if available
     int port_address = 0;
-    DurationNs answer_timeout_ns = 2 * kNsPerS;      // of one message: the gateway may have others to serve
-    DurationNs discovery_timeout_ns = 15 * kNsPerS;  // of a search from scratch
+    DurationNs answer_timeout_ns = 2 * kNsPerS;      // of one message: the gateway may serve other controllers
+    DurationNs discovery_timeout_ns = 15 * kNsPerS;  // of a full search
   };
   // The clock outlives it.
   [[nodiscard]] static Result<std::unique_ptr<ArtnetRdmLine>> open(const Options& options, Clock& clock);
 
   [[nodiscard]] Result<std::optional<RdmMessage>> transact(const RdmMessage& request) override;
-  // The gateway's table; where it is empty the gateway is told to search, and waited for. kTimeout: it does not answer.
+  // The gateway's table. If it is empty, requests a search and waits for it. kTimeout: the gateway does not answer.
   [[nodiscard]] Result<std::vector<RdmFound>> discover() override;
 
  private:
   ArtnetRdmLine(const Options& options, Fd socket, Clock& clock)
       : options_(options), socket_(std::move(socket)), clock_(clock) {}
   Status send(const ArtnetRdmPacket& packet);
-  // Gives what the gateway says to `take` until it returns true (then true) or the deadline has passed.
+  // Passes packets of the gateway to `take` until it returns true (returns true) or the deadline has passed.
   Result<bool> listen(TimeNs deadline_ns, const std::function<bool(const ArtnetRdmPacket&)>& take);
 
   Options options_;
@@ -46,7 +46,7 @@ class ArtnetRdmLine final : public RdmLine {
   DatagramReader reader_;
 };
 
-// From the words of an endpoint with one universe and one address. kBadInput says what was expected.
+// From an endpoint with one universe and one address. kBadInput names what was expected.
 [[nodiscard]] Result<std::unique_ptr<RdmLine>> open_artnet_rdm_line(const Endpoint& endpoint, Clock& clock);
 
 }  // namespace footlight::drivers

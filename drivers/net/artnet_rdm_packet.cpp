@@ -110,7 +110,7 @@ std::optional<ArtnetRdmPacket> parse_artnet_rdm_packet(std::span<const std::uint
     }
     case kArtnetOpTodControl: return ArtnetTodControl{port_address, datagram[kAtCommand] == kTodFlush};
     case kArtnetOpRdm: {
-      // Those of the draft before the standard are laid out otherwise.
+      // Packets of the draft have another layout.
       if (datagram[kAtRdmVersion] != kRdmVersion || datagram[kAtCommand] != 0) return std::nullopt;
       const auto rest = datagram.subspan(kHeaderSize);
       if (rest.empty() || rest.size() >= kRdmMessageSizeMax) return std::nullopt;

@@ -1,5 +1,5 @@
-// The packets of Art-Net 4 that carry Remote Device Management, in and out: a gateway's table of devices, and messages
-// through it. Fields as in Wireshark's dissector, which the tests have judge what is built here.
+// Encodes and decodes the packets of Art-Net 4 for Remote Device Management: a gateway's table of devices, and messages
+// through it. Fields as in Wireshark's dissector, which the tests use to check the packets built here.
 #pragma once
 
 #include <cstdint>
@@ -23,17 +23,17 @@ inline constexpr std::uint16_t kArtnetOpRdm = 0x8300;
 }
 inline constexpr std::size_t kArtnetTodUidsMax = 200;  // in one packet
 
-// Asks gateways for the tables of these ports: 1 to 32 of one net.
+// Requests the tables of these ports from gateways: 1 to 32 ports of one net.
 struct ArtnetTodRequest {
   std::vector<int> port_addresses;
 };
 
-// A block of a table: all of them have its total.
+// A block of a table. Every block has the total of the table.
 struct ArtnetTodData {
   int port_address = 0;
   std::uint8_t port = 1;  // of the gateway, 1 to 4 within a bind index
   std::uint8_t bind_index = 1;
-  bool available = true;  // false: discovery has not ended, or failed
+  bool available = true;  // false: discovery has not ended, or has failed
   std::uint16_t total = 0;
   std::uint8_t block = 0;
   std::vector<RdmUid> uids;  // at most kArtnetTodUidsMax
@@ -41,10 +41,10 @@ struct ArtnetTodData {
 
 struct ArtnetTodControl {
   int port_address = 0;
-  bool flush = false;  // forget the table and search anew
+  bool flush = false;  // discard the table and search again
 };
 
-// One message, either way.
+// One message, in either direction.
 struct ArtnetRdm {
   int port_address = 0;
   Octets message;  // with its start code, which is not on the wire
@@ -52,9 +52,9 @@ struct ArtnetRdm {
 
 using ArtnetRdmPacket = std::variant<ArtnetTodRequest, ArtnetTodData, ArtnetTodControl, ArtnetRdm>;
 
-// nullopt: another operation code, or broken.
+// nullopt: another operation code, or malformed.
 [[nodiscard]] std::optional<ArtnetRdmPacket> parse_artnet_rdm_packet(std::span<const std::uint8_t> datagram);
-// Checked (FL_CHECK): the limits above.
+// FL_CHECK: the limits above.
 [[nodiscard]] Octets build_artnet_rdm_packet(const ArtnetRdmPacket& packet);
 
 }  // namespace footlight::drivers

@@ -10,9 +10,9 @@
 namespace footlight::drivers {
 namespace {
 
-// What a sink has use for; all else that is broadcast stays in the kernel.
+// Op codes that a sink uses; the kernel drops all other broadcasts.
 constexpr std::array<std::uint16_t, 2> kHeard = {kArtnetOpPoll, kArtnetOpPollReply};
-// Of one poll(). What is left makes the descriptor readable again at once.
+// Per poll(). Remaining datagrams make the descriptor readable again at once.
 constexpr int kBatchesMax = 4;
 
 std::uint32_t broadcast_of(const Interface& one) { return one.loopback ? kLoopbackBroadcast : one.broadcast; }
@@ -35,18 +35,18 @@ Result<std::unique_ptr<ArtnetSink>> ArtnetSink::create(const ArtnetSinkOptions& 
   }
   if (ipv4s.empty()) {
     return fail(ErrorCode::kNotFound,
-                "{}: no network interface with a broadcast address is up; say where to send, as in "
+                "{}: no network interface with a broadcast address is up; name the receivers, as in "
                 "\"artnet:1-9@10.0.0.255\"",
                 options.name);
   }
   SenderSocket wanted;
   wanted.port_name = options.name;
-  // Where another program keeps the port to itself, a port of our own has to do: devices that answer to it are found.
+  // If another program holds the port exclusively, a port of our own is used: devices that answer to it are found.
   auto socket =
-      is_searching ? open_yielding_sender(wanted, options.port, kHeard) : open_deaf_sender(wanted, options.port);
+      is_searching ? open_yielding_sender(wanted, options.port, kHeard) : open_send_only(wanted, options.port);
   if (!socket) socket = open_sender(wanted);
   if (!socket) return tl::unexpected(std::move(socket).error());
-  // Addresses find their interface by themselves, so one socket is enough.
+  // The routing table selects the interface for an address, so one socket is enough.
   std::vector<Link> links;
   links.push_back({std::move(*socket), {}});
   std::vector<Destination> destinations;
@@ -96,8 +96,8 @@ Status ArtnetSink::send(TimeNs now_ns, std::span<const FrameView> frames) {
 Status ArtnetSink::poll(TimeNs now_ns) {
   if (is_searching() && is_open()) {
     read_socket(now_ns);
-    if (next_poll_ns_ <= now_ns) ask_around(now_ns);
-    answers_.answer_due(now_ns, [&](ArtnetAnswers::Asker& asker) { return answer(asker); });
+    if (next_poll_ns_ <= now_ns) poll_networks(now_ns);
+    answers_.answer_due(now_ns, [&](ArtnetAnswers::Requester& requester) { return answer(requester); });
     follow_nodes(now_ns);
   }
   return NetSink::poll(now_ns);
@@ -123,9 +123,9 @@ void ArtnetSink::read_socket(TimeNs now_ns) {
       const TimeNs arrived_ns = now_ns - datagram.age_ns;
       if (const auto* reply = std::get_if<ArtnetPollReply>(&*packet)) {
         ++details_.replies;
-        program_->artnet().hear(*reply, datagram, arrived_ns);
+        program_->artnet().receive(*reply, datagram, arrived_ns);
       } else if (const auto* poll = std::get_if<ArtnetPoll>(&*packet)) {
-        // A source of this program answers for all of it.
+        // A source answers for the whole program.
         const bool is_own = is_from_here(datagram) && program_->artnet().is_own_poll(arrived_ns);
         if (!is_own && !program_->artnet().has_sources() && (poll->flags & kArtnetPollTargeted) == 0) {
           answers_.add(*poll, datagram, seed_, now_ns);
@@ -136,12 +136,12 @@ void ArtnetSink::read_socket(TimeNs now_ns) {
   }
 }
 
-void ArtnetSink::ask_around(TimeNs now_ns) {
+void ArtnetSink::poll_networks(TimeNs now_ns) {
   const auto jitter_ns =
       static_cast<DurationNs>(mix64(seed_ ^ ++poll_count_) % static_cast<std::uint64_t>(kArtnetPollJitterNs));
   next_poll_ns_ = now_ns + kArtnetPollIntervalNs + jitter_ns;
   program_->artnet().nodes.expire(now_ns);
-  // Interfaces come and go: what is there now is asked.
+  // Interfaces change: poll those present now.
   own_ipv4s_.clear();
   polled_.clear();
   interfaces_.clear();
@@ -155,7 +155,7 @@ void ArtnetSink::ask_around(TimeNs now_ns) {
     if (!wanted || broadcast == 0 || std::count(polled_.begin(), polled_.end(), broadcast) != 0) continue;
     polled_.push_back(broadcast);
   }
-  // Named, and all gone: no device is on them.
+  // Interfaces are listed, and all are gone: no device is on them.
   if (!options_.interface_names.empty() && interfaces_.empty()) interfaces_.push_back(-1);
   std::array<std::uint8_t, kArtnetPollBytesMin> packet;
   build_artnet_poll(kArtnetPollOnChange, packet);
@@ -179,8 +179,8 @@ void ArtnetSink::follow_nodes(TimeNs now_ns) {
   for (std::size_t place = 0; place < port_addresses_.size(); ++place) {
     std::vector<std::uint32_t> receivers;
     nodes.subscribers_of(port_addresses_[place], true, interfaces_, receivers);
-    // An input port does not need what it gives, but counts as a subscriber to its port address. Alone it is no reason
-    // to leave those out that do not answer.
+    // An input port does not need the levels that it sends, but counts as a subscriber to its port address. If there is
+    // no other subscriber, devices without poll replies must still get the broadcast.
     const bool anybody = !receivers.empty();
     nodes.subscribers_of(port_addresses_[place], false, interfaces_, receivers);
     bool here = false;
@@ -196,7 +196,7 @@ void ArtnetSink::follow_nodes(TimeNs now_ns) {
     const bool fall_back = !anybody && options_.unsubscribed == ArtnetUnsubscribed::kBroadcast;
     if (fall_back || receivers.size() > kArtnetSubscribersMax) {
       wanted = broadcasts_;
-      here = false;  // a broadcast comes back to this machine by itself
+      here = false;  // a broadcast reaches this machine anyway
     }
     any_here_ |= here;
     const auto known = receivers_of(place);
@@ -228,7 +228,7 @@ void ArtnetSink::add_after(TimeNs now_ns, std::span<const std::size_t> /*places*
   std::vector<Destination> to;
   for (const std::uint32_t broadcast : polled_) to.push_back({broadcast, 0});
   if (to.empty()) to = broadcasts_;
-  // Frames for this machine came from loopback, and a sync counts only from the same address.
+  // Frames for this machine came from loopback, and a sync is accepted only from the same address.
   if (any_here_ && std::count(polled_.begin(), polled_.end(), kLoopbackBroadcast) == 0) {
     to.push_back({kLoopbackBroadcast, 0});
   }
@@ -236,10 +236,10 @@ void ArtnetSink::add_after(TimeNs now_ns, std::span<const std::size_t> /*places*
   details_.sync += to.size();
 }
 
-bool ArtnetSink::answer(const ArtnetAnswers::Asker& asker) {
+bool ArtnetSink::answer(const ArtnetAnswers::Requester& requester) {
   ArtnetPollReply reply;
-  reply.ip = octets_of(asker.local_ipv4);
-  reply.mac = mac_of(asker.interface_index);
+  reply.ip = octets_of(requester.local_ipv4);
+  reply.mac = mac_of(requester.interface_index);
   reply.style = ArtnetPollReply::Style::kController;
   reply.short_name = options_.node_name;
   reply.long_name = options_.node_name;
@@ -247,7 +247,7 @@ bool ArtnetSink::answer(const ArtnetAnswers::Asker& asker) {
   reply.report = report;
   std::array<std::uint8_t, kArtnetPollReplyBytes> packet;
   build_artnet_poll_reply(reply, packet);
-  add_artnet_reply(writer_, packet, asker, options_.port);
+  add_artnet_reply(writer_, packet, requester, options_.port);
   if (writer_.flush(socket().get()).error_number != 0) count_error();
   return true;
 }

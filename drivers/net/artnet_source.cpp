@@ -10,9 +10,9 @@ namespace footlight::drivers {
 namespace {
 
 constexpr std::size_t kBindIndexMax = 255;
-// How often the state of ports is looked at while somebody wants to know of changes.
+// How often the state of ports is checked while there are subscribers to changes.
 constexpr DurationNs kWatchIntervalNs = 250 * kNsPerMs;
-constexpr DurationNs kAskNameAgainNs = 30 * kNsPerS;
+constexpr DurationNs kNameRetryNs = 30 * kNsPerS;
 
 }  // namespace
 
@@ -42,7 +42,7 @@ ArtnetSource::ArtnetSource(const ArtnetSourceOptions& options)
     port_addresses_.push_back(artnet_port_address(options.universes[place].wire));
     by_net_and_subnet[port_addresses_.back() >> 4].push_back(place);
   }
-  // One port to a reply is what Art-Net 4 prefers, and the bind index counts to 255.
+  // Art-Net 4 recommends one port per reply, and the bind index counts to 255.
   const std::size_t at_once = options.universes.size() <= kBindIndexMax ? 1 : kArtnetReplyPortsMax;
   for (const auto& [upper, places] : by_net_and_subnet) {
     for (std::size_t first = 0; first < places.size(); first += at_once) {
@@ -86,8 +86,8 @@ Status ArtnetSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
       if (!is_synchronous(states_[place].held->ipv4, now_ns)) release(place, now_ns, receiver);
     }
   }
-  answers_.answer_due(now_ns, [&](ArtnetAnswers::Asker& asker) { return answer(asker, now_ns); });
-  if (next_watch_ns_ <= now_ns) tell_changes(now_ns);
+  answers_.answer_due(now_ns, [&](ArtnetAnswers::Requester& requester) { return answer(requester, now_ns); });
+  if (next_watch_ns_ <= now_ns) report_changes(now_ns);
   if (gateway_) {
     gateway_->take_news(rdm_replies_);
     send_rdm();
@@ -115,13 +115,13 @@ void ArtnetSource::take(const Datagram& datagram, TimeNs stamp_ns, FrameReceiver
     count_rejected();
     return;
   }
-  // Replies first: they may be meant for a sink of this program that uses another interface.
+  // Replies first: they may be for a sink of this program that uses another interface.
   if (const auto* reply = std::get_if<ArtnetPollReply>(&*packet)) {
     ++details_.replies;
-    program_->artnet().hear(*reply, datagram, stamp_ns);
+    program_->artnet().receive(*reply, datagram, stamp_ns);
     return;
   }
-  if (!hears_interface(datagram.interface_index)) {
+  if (!receives_on(datagram.interface_index)) {
     ++details_.other_interface;
     return;
   }
@@ -148,7 +148,7 @@ void ArtnetSource::take(const Datagram& datagram, TimeNs stamp_ns, FrameReceiver
 std::size_t ArtnetSource::live_senders(std::size_t place, TimeNs now_ns) const {
   const auto& senders = states_[place].senders;
   return static_cast<std::size_t>(std::count_if(senders.begin(), senders.end(), [&](const Sender& sender) {
-    return now_ns - kArtnetSilenceMaxNs < sender.heard_ns;
+    return now_ns - kArtnetSilenceMaxNs < sender.received_ns;
   }));
 }
 
@@ -163,7 +163,7 @@ void ArtnetSource::take_dmx(const ArtnetDmx& dmx, const Datagram& datagram, Time
     ++details_.other_universe;
     return;
   }
-  // Sinks of this program send from the same UDP port as other programs here may.
+  // Other programs here may send from the same UDP port as sinks of this program.
   if (options_.own_senders && is_from_here(datagram) && program_->artnet().is_own_frame(dmx)) {
     ++details_.own;
     return;
@@ -180,12 +180,12 @@ void ArtnetSource::take_dmx(const ArtnetDmx& dmx, const Datagram& datagram, Time
                             [&](const Sender& each) { return each.ipv4 == datagram.from_ipv4; });
   if (known == state.senders.end()) {
     known = std::min_element(state.senders.begin(), state.senders.end(),
-                             [](const Sender& a, const Sender& b) { return a.heard_ns < b.heard_ns; });
+                             [](const Sender& a, const Sender& b) { return a.received_ns < b.received_ns; });
     known->ipv4 = datagram.from_ipv4;
-    if (options_.ask_names) ask_name(datagram, stamp_ns);
-    if (ipv4_of_sender_.size() < kNamesAskedMax) ipv4_of_sender_[sender] = datagram.from_ipv4;
+    if (options_.request_names) request_name(datagram, stamp_ns);
+    if (ipv4_of_sender_.size() < kNameRequestsMax) ipv4_of_sender_[sender] = datagram.from_ipv4;
   }
-  known->heard_ns = stamp_ns;
+  known->received_ns = stamp_ns;
 
   if (!is_synchronous(datagram.from_ipv4, stamp_ns) || live_senders(place, stamp_ns) > 1) {
     release(place, stamp_ns, receiver);
@@ -236,7 +236,7 @@ void ArtnetSource::take_sync(const Datagram& datagram, TimeNs stamp_ns, FrameRec
   }
   const bool sends_to_us = std::any_of(states_.begin(), states_.end(), [&](const UniverseState& state) {
     return std::any_of(state.senders.begin(), state.senders.end(), [&](const Sender& sender) {
-      return sender.ipv4 == datagram.from_ipv4 && stamp_ns - kArtnetSilenceMaxNs < sender.heard_ns;
+      return sender.ipv4 == datagram.from_ipv4 && stamp_ns - kArtnetSilenceMaxNs < sender.received_ns;
     });
   });
   if (!sends_to_us) {
@@ -257,11 +257,12 @@ void ArtnetSource::take_sync(const Datagram& datagram, TimeNs stamp_ns, FrameRec
   }
 }
 
-void ArtnetSource::ask_name(const Datagram& datagram, TimeNs now_ns) {
-  const auto asked = asked_ns_.find(datagram.from_ipv4);
-  if (asked == asked_ns_.end() ? asked_ns_.size() >= kNamesAskedMax : now_ns - asked->second < kAskNameAgainNs) return;
+void ArtnetSource::request_name(const Datagram& datagram, TimeNs now_ns) {
+  const auto last = requested_ns_.find(datagram.from_ipv4);
+  if (last == requested_ns_.end() ? requested_ns_.size() >= kNameRequestsMax : now_ns - last->second < kNameRetryNs)
+    return;
   if (!program_->artnet().nodes.name_of(datagram.from_ipv4).empty()) return;
-  asked_ns_[datagram.from_ipv4] = now_ns;
+  requested_ns_[datagram.from_ipv4] = now_ns;
   std::array<std::uint8_t, kArtnetPollBytesMin> poll;
   build_artnet_poll(0, poll);
   writer_.add(poll, is_from_here(datagram) ? kLoopbackBroadcast : datagram.from_ipv4, options_.port);
@@ -278,8 +279,8 @@ void ArtnetSource::take_poll(const ArtnetPoll& poll, const Datagram& datagram, T
   answers_.add(poll, datagram, seed_, now_ns);
   if ((poll.flags & kArtnetPollOnChange) == 0) {
     watchers_.erase(datagram.from_ipv4);
-  } else if (watchers_.size() < ArtnetAnswers::kAskersMax || watchers_.count(datagram.from_ipv4) != 0) {
-    ArtnetAnswers::Asker& watcher = watchers_[datagram.from_ipv4];
+  } else if (watchers_.size() < ArtnetAnswers::kRequestersMax || watchers_.count(datagram.from_ipv4) != 0) {
+    ArtnetAnswers::Requester& watcher = watchers_[datagram.from_ipv4];
     watcher.ipv4 = datagram.from_ipv4;
     watcher.udp_port = datagram.from_udp_port;
     watcher.local_ipv4 = datagram.local_ipv4;
@@ -293,12 +294,12 @@ void ArtnetSource::take_poll(const ArtnetPoll& poll, const Datagram& datagram, T
   }
 }
 
-void ArtnetSource::build_reply(std::size_t group, const ArtnetAnswers::Asker& asker, TimeNs now_ns,
+void ArtnetSource::build_reply(std::size_t group, const ArtnetAnswers::Requester& requester, TimeNs now_ns,
                                std::span<std::uint8_t> out) {
   const std::string report = fmt::format("#0001 [{:04}] receiving", details_.polls_answered % 10'000);
   ArtnetPollReply reply;
-  reply.ip = octets_of(asker.local_ipv4);
-  reply.mac = asker.mac;
+  reply.ip = octets_of(requester.local_ipv4);
+  reply.mac = requester.mac;
   reply.short_name = options_.node_name;
   reply.long_name = options_.node_name;
   reply.report = report;
@@ -311,29 +312,30 @@ void ArtnetSource::build_reply(std::size_t group, const ArtnetAnswers::Asker& as
   build_artnet_poll_reply(reply, out);
 }
 
-bool ArtnetSource::answer(ArtnetAnswers::Asker& asker, TimeNs now_ns) {
-  if (asker.next_reply == 0) {
+bool ArtnetSource::answer(ArtnetAnswers::Requester& requester, TimeNs now_ns) {
+  if (requester.next_reply == 0) {
     ++details_.polls_answered;
-    asker.mac = mac_of(asker.interface_index);
+    requester.mac = mac_of(requester.interface_index);
   }
   std::array<std::array<std::uint8_t, kArtnetPollReplyBytes>, ArtnetAnswers::kRepliesAtOnce> replies;
   std::size_t count = 0;
-  for (; asker.next_reply < groups_.size() && count < replies.size(); ++asker.next_reply) {
-    const auto& places = groups_[asker.next_reply];
+  for (; requester.next_reply < groups_.size() && count < replies.size(); ++requester.next_reply) {
+    const auto& places = groups_[requester.next_reply];
     const bool wanted = std::any_of(places.begin(), places.end(), [&](std::size_t place) {
-      return port_addresses_[place] >= asker.port_address_first && port_addresses_[place] <= asker.port_address_last;
+      return port_addresses_[place] >= requester.port_address_first &&
+             port_addresses_[place] <= requester.port_address_last;
     });
     if (!wanted) continue;
-    build_reply(asker.next_reply, asker, now_ns, replies[count]);
-    add_artnet_reply(writer_, replies[count], asker, options_.port);
+    build_reply(requester.next_reply, requester, now_ns, replies[count]);
+    add_artnet_reply(writer_, replies[count], requester, options_.port);
     ++count;
   }
   if (writer_.flush(first_socket().get()).error_number != 0) count_error();
-  asker.due_ns = now_ns + ArtnetAnswers::kPauseNs;
-  return asker.next_reply >= groups_.size();
+  requester.due_ns = now_ns + ArtnetAnswers::kPauseNs;
+  return requester.next_reply >= groups_.size();
 }
 
-void ArtnetSource::tell_changes(TimeNs now_ns) {
+void ArtnetSource::report_changes(TimeNs now_ns) {
   std::erase_if(watchers_, [&](const auto& watcher) { return watcher.second.due_ns <= now_ns; });
   next_watch_ns_ = watchers_.empty() ? kTimeNever : now_ns + kWatchIntervalNs;
   for (std::size_t group = 0; group < groups_.size(); ++group) {
@@ -341,9 +343,9 @@ void ArtnetSource::tell_changes(TimeNs now_ns) {
     for (const std::size_t place : groups_[group]) {
       UniverseState& state = states_[place];
       const std::size_t senders = live_senders(place, now_ns);
-      changed |= state.told_active != (senders > 0) || state.told_merging != (senders > 1);
-      state.told_active = senders > 0;
-      state.told_merging = senders > 1;
+      changed |= state.reported_active != (senders > 0) || state.reported_merging != (senders > 1);
+      state.reported_active = senders > 0;
+      state.reported_merging = senders > 1;
     }
     if (!changed) continue;
     std::vector<std::array<std::uint8_t, kArtnetPollReplyBytes>> replies(watchers_.size());

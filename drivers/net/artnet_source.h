@@ -1,5 +1,4 @@
-// Art-Net in, as a port of the pump. Made with make_artnet_source() in net.h; the class is here for what only Art-Net
-// counts.
+// Art-Net in, as a port of the pump. Made with make_artnet_source() in net.h; this header adds the counters of Art-Net.
 #pragma once
 
 #include <array>
@@ -17,13 +16,13 @@
 
 namespace footlight::drivers {
 
-// A sender that has been silent for this long is no longer merged (Art-Net 4, "Data Merging"; senders may be silent for
-// 4 s, "Streaming Packets").
+// A sender silent for this long is no longer merged (Art-Net 4, "Data Merging"; senders may be silent for 4 s,
+// "Streaming Packets").
 inline constexpr DurationNs kArtnetSilenceMaxNs = 10 * kNsPerS;
-// Frames are held for ArtSync until this long after the last of it ("ArtSync").
+// Frames are held for ArtSync until this long after the last ArtSync.
 inline constexpr DurationNs kArtnetSyncTimeoutNs = 4 * kNsPerS;
 
-// Sound datagrams that gave no frame, by reason.
+// Valid datagrams that gave no frame, by reason.
 struct ArtnetSourceDetails {
   std::uint64_t late = 0;
   std::uint64_t other_universe = 0;
@@ -32,18 +31,18 @@ struct ArtnetSourceDetails {
   std::uint64_t polls = 0;  // ArtPoll
   std::uint64_t polls_answered = 0;
   std::uint64_t sync = 0;
-  std::uint64_t sync_ignored = 0;  // of a sender that we take nothing from
+  std::uint64_t sync_ignored = 0;  // of a sender whose frames we do not use
   std::uint64_t held = 0;          // frames that waited for ArtSync
   std::uint64_t replies = 0;       // ArtPollReply
   std::uint64_t rdm = 0;           // ArtRdm, ArtTodRequest and ArtTodControl
   std::uint64_t other_op_code = 0;
 };
 
-// A sender is an IPv4 address, as Art-Net's own rule for merging has it; two programs on one machine count as one.
+// A sender is an IPv4 address, as in Art-Net's rule for merging; two programs on one machine count as one.
 //
-// ArtSync: from the first one of a sender on, its frames are held, the newest of each universe, until its next one and
-// then delivered together, stamped with its arrival. A universe that a second sender sends to as well is merged and not
-// held. Four seconds without ArtSync end it, and what was held is delivered.
+// ArtSync: after the first one of a sender, its frames are held, the newest of each universe, until its next ArtSync.
+// They are then delivered together, stamped with its arrival. A universe with a second sender is merged and not held.
+// Four seconds without ArtSync end the synchronisation, and held frames are delivered.
 class ArtnetSource final : public NetSource {
  public:
   [[nodiscard]] static Result<std::unique_ptr<ArtnetSource>> create(const ArtnetSourceOptions& options);
@@ -57,10 +56,10 @@ class ArtnetSource final : public NetSource {
   [[nodiscard]] const ArtnetSourceDetails& details() const { return details_; }
 
  private:
-  // Senders of one universe that are told apart for merging and ArtSync.
+  // Senders of one universe that are distinguished for merging and ArtSync.
   static constexpr std::size_t kSendersMax = 4;
   static constexpr std::size_t kSyncSendersMax = 16;
-  static constexpr std::size_t kNamesAskedMax = 64;
+  static constexpr std::size_t kNameRequestsMax = 64;
 
   struct Held {
     Slots slots = {};
@@ -71,14 +70,14 @@ class ArtnetSource final : public NetSource {
   };
   struct Sender {
     std::uint32_t ipv4 = 0;
-    TimeNs heard_ns = -kTimeNever;
+    TimeNs received_ns = -kTimeNever;
   };
   struct UniverseState {
     SequenceFilter filter;
     std::array<Sender, kSendersMax> senders;
-    std::unique_ptr<Held> held;  // made when the first frame is held
-    bool told_active = false;    // as the last replies had it
-    bool told_merging = false;
+    std::unique_ptr<Held> held;    // made when the first frame is held
+    bool reported_active = false;  // state in the last replies
+    bool reported_merging = false;
   };
   struct Sync {
     std::uint32_t ipv4 = 0;
@@ -96,28 +95,30 @@ class ArtnetSource final : public NetSource {
   [[nodiscard]] bool is_synchronous(std::uint32_t ipv4, TimeNs now_ns) const;
   [[nodiscard]] std::size_t live_senders(std::size_t place, TimeNs now_ns) const;
 
-  // All replies, or those whose ports are in range; false: more are to follow.
-  bool answer(ArtnetAnswers::Asker& asker, TimeNs now_ns);
-  void build_reply(std::size_t group, const ArtnetAnswers::Asker& asker, TimeNs now_ns, std::span<std::uint8_t> out);
-  // Looks for ports whose state is not as told, and tells those that want to know.
-  void tell_changes(TimeNs now_ns);
+  // Sends all replies, or those whose ports are in range; false: more follow.
+  bool answer(ArtnetAnswers::Requester& requester, TimeNs now_ns);
+  void build_reply(std::size_t group, const ArtnetAnswers::Requester& requester, TimeNs now_ns,
+                   std::span<std::uint8_t> out);
+  // Finds ports whose state differs from the last replies, and sends replies to the subscribers.
+  void report_changes(TimeNs now_ns);
   void send_rdm();
-  void ask_name(const Datagram& datagram, TimeNs now_ns);
+  void request_name(const Datagram& datagram, TimeNs now_ns);
 
   ArtnetSourceOptions options_;
-  std::shared_ptr<OwnSenders> program_;  // of the options, or one of our own
+  std::shared_ptr<OwnSenders> program_;  // from the options, or an own one
   std::vector<int> port_addresses_;      // per universe
   std::vector<UniverseState> states_;    // per universe
-  // What one ArtPollReply tells: one universe, or up to four of one sub-net where there are more than 255.
+  // The content of each ArtPollReply: one universe, or up to four of one sub-net if there are more than 255.
   std::vector<std::vector<std::size_t>> groups_;
   ArtnetAnswers answers_;
-  std::map<std::uint32_t, ArtnetAnswers::Asker> watchers_;  // who asked for replies on change; due_ns: until when
+  std::map<std::uint32_t, ArtnetAnswers::Requester> watchers_;  // requested replies on change; due_ns: end of the
+                                                                // subscription
   TimeNs next_watch_ns_ = kTimeNever;
   std::vector<Sync> syncs_;
   std::vector<std::size_t> held_places_;
-  std::map<std::uint32_t, TimeNs> asked_ns_;  // whose name was asked for, and when
+  std::map<std::uint32_t, TimeNs> requested_ns_;  // senders whose name was requested, and when
   std::map<SenderId, std::uint32_t> ipv4_of_sender_;
-  std::unique_ptr<ArtnetGateway> gateway_;  // empty: not asked for
+  std::unique_ptr<ArtnetGateway> gateway_;  // empty: disabled
   std::vector<ArtnetGateway::Reply> rdm_replies_;
   std::uint64_t seed_ = 0;
   ArtnetSourceDetails details_;

@@ -1,4 +1,4 @@
-// Numbers and text as they lie in a packet. `at` counts octets from the start; the caller has checked the size.
+// Reads and writes numbers and text in packets. `at` counts octets from the start; the caller has checked the size.
 #pragma once
 
 #include <cstddef>
@@ -30,11 +30,11 @@ inline void write_u32_be(std::span<std::uint8_t> bytes, std::size_t at, std::uin
   write_u16_be(bytes, at + 2, static_cast<std::uint16_t>(value & 0xFFFF));
 }
 
-// Longest beginning of `text` that is whole UTF-8 characters and at most `bytes_max` long.
+// The longest prefix of `text` of whole UTF-8 characters and at most `bytes_max` bytes.
 [[nodiscard]] inline std::string_view cut_utf8(std::string_view text, std::size_t bytes_max) {
   if (text.size() <= bytes_max) return text;
   std::size_t size = bytes_max;
-  // Octets 10xxxxxx continue a character: step back to where the one that does not fit begins.
+  // Octets 10xxxxxx continue a character: step back to the start of the character that does not fit.
   while (size > 0 && (static_cast<unsigned char>(text[size]) & 0xC0u) == 0x80u) --size;
   return text.substr(0, size);
 }

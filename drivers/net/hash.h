@@ -1,4 +1,4 @@
-// Hashes that name senders: the same on every machine and after every start. Not for secrets.
+// Hashes that identify senders: the same on every machine and after every start. Not for secrets.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace footlight::drivers {
   return hash;
 }
 
-// The finaliser of SplitMix64: a bijection in which every input bit moves every output bit.
+// The finaliser of SplitMix64: a bijection in which every input bit affects every output bit.
 [[nodiscard]] inline std::uint64_t mix64(std::uint64_t x) {
   x += 0x9E37'79B9'7F4A'7C15u;
   x = (x ^ (x >> 30)) * 0xBF58'476D'1CE4'E5B9u;
@@ -22,7 +22,7 @@ namespace footlight::drivers {
   return x ^ (x >> 31);
 }
 
-// Never 0, which as a SenderId is nobody.
+// Never 0, because SenderId 0 means no sender.
 [[nodiscard]] inline std::uint64_t sender_hash(std::span<const std::uint8_t> bytes) {
   const std::uint64_t hash =
       mix64(fnv1a64(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size())));

@@ -59,7 +59,7 @@ Cid sacn_cid(std::string_view machine, std::string_view source_name, std::string
   }
   Cid cid;
   for (std::size_t i = 0; i < cid.size(); ++i) cid[i] = static_cast<std::uint8_t>(halves[i / 8] >> (8 * (i % 8)));
-  cid[6] = static_cast<std::uint8_t>((cid[6] & 0x0F) | 0x80);  // version 8: made by a rule of our own
+  cid[6] = static_cast<std::uint8_t>((cid[6] & 0x0F) | 0x80);  // version 8: custom
   cid[8] = static_cast<std::uint8_t>((cid[8] & 0x3F) | 0x80);  // variant of RFC 9562
   return cid;
 }

@@ -77,7 +77,7 @@ Status NetSink::send(TimeNs now_ns, std::span<const FrameView> frames) {
     const bool changed = !outlet.known || slots.size() > outlet.slot_count ||
                          !std::equal(slots.begin(), slots.end(), outlet.slots.begin());
     if (changed) {
-      // Levels that never left are replaced by these; so are those of an earlier frame of this very call.
+      // These replace levels that were never sent, including those of an earlier frame in this call.
       if (outlet.unsent || outlet.pending) ++counters_.dropped;
       std::copy(slots.begin(), slots.end(), outlet.slots.begin());
       outlet.slot_count = std::max(outlet.slot_count, slots.size());
@@ -199,8 +199,8 @@ void NetSink::transmit(TimeNs now_ns) {
   pending_.clear();
 }
 
-void NetSink::say_goodbye() {
-  // Three, since any datagram may be lost (E1.31-2018 section 6.2.6).
+void NetSink::end_streams() {
+  // Three times, since any datagram may be lost (E1.31-2018 section 6.2.6).
   for (int round = 0; round < 3; ++round) {
     for (std::size_t place = 0; place < outlets_.size(); ++place) {
       Outlet& outlet = outlets_[place];
@@ -215,7 +215,7 @@ void NetSink::say_goodbye() {
 
 void NetSink::rest(TimeNs) {
   if (!is_open()) return;
-  if (says_goodbye_at_rest()) say_goodbye();
+  if (ends_streams_at_rest()) end_streams();
   for (Outlet& outlet : outlets_) {
     outlet.known = outlet.unsent = false;
     outlet.repeats_left = 0;
@@ -225,7 +225,7 @@ void NetSink::rest(TimeNs) {
 
 void NetSink::close(TimeNs) {
   if (!is_open()) return;
-  if (says_goodbye()) say_goodbye();
+  if (ends_streams()) end_streams();
   std::fill(due_ns_.begin(), due_ns_.end(), kTimeNever);
   links_.clear();
 }

@@ -1,5 +1,5 @@
-// What sACN and Art-Net sinks have in common: which frame is new, when an old one is said again, to whom each universe
-// goes, and batched sending. A protocol derives from it and writes the packets.
+// Common part of the sACN and Art-Net sinks: detection of new frames, repeats, destinations of each universe, and
+// batched sending. A protocol derives from it and writes the packets.
 #pragma once
 
 #include <array>
@@ -16,17 +16,17 @@
 
 namespace footlight::drivers {
 
-// After a change the same levels go out this many times more, so that a lost datagram does not leave a stale look, and
-// then at the pace of the keep-alive (E1.31-2018 section 6.6.2 asks for three, and for 800 to 1000 ms).
+// After a change the same levels are sent this many times more, so that a lost datagram does not leave old levels, and
+// then at the keep-alive interval (E1.31-2018 section 6.6.2 requires three, and 800 to 1000 ms).
 inline constexpr int kRepeats = 3;
 inline constexpr DurationNs kRepeatIntervalNs = 25 * kNsPerMs;
 inline constexpr DurationNs kKeepAliveNs = 900 * kNsPerMs;
-// When the send buffer was full, and when the network is down.
+// Retry intervals when the send buffer was full, and when the network is down.
 inline constexpr DurationNs kRetryFullNs = 2 * kNsPerMs;
 inline constexpr DurationNs kRetryDownNs = 500 * kNsPerMs;
 
-// A datagram of several receivers goes to each. One that cannot be reached is counted as an error and left out until
-// the next frame or keep-alive; the sink is kGone only while it reaches nobody.
+// A datagram for several receivers is sent to each. An unreachable one is counted as an error and skipped until the
+// next frame or keep-alive. The sink is kGone only while no receiver can be reached.
 class NetSink : public Sink {
  public:
   [[nodiscard]] std::string name() const override { return settings_.name; }
@@ -36,18 +36,17 @@ class NetSink : public Sink {
   [[nodiscard]] PortCounters counters() const override { return counters_; }
   [[nodiscard]] std::span<const Universe> universes() const override { return show_universes_; }
   [[nodiscard]] double rate_hz_max() const override { return settings_.rate_hz_max; }
-  // Frames that say `terminated`, or that hold no levels, are passed over: a sink goes on with the last look until
-  // close().
+  // Frames marked `terminated` or without levels are skipped: a sink repeats the last levels until close().
   Status send(TimeNs now_ns, std::span<const FrameView> frames) override;
   Status poll(TimeNs now_ns) override;
-  // Says goodbye where the protocol has one and repeats nothing; the next send() begins anew.
+  // Ends the streams if the protocol supports that, and stops repeating; the next send() starts again.
   void rest(TimeNs now_ns) override;
   void close(TimeNs now_ns) override;
 
  protected:
   static constexpr std::size_t kPacketBytesMax = 640;
 
-  // One way out: a socket, whose multicast leaves through one interface.
+  // One route: a socket whose multicast leaves through one interface.
   struct Link {
     Fd socket;
     std::string interface_name;  // empty: the routing table decides
@@ -58,7 +57,7 @@ class NetSink : public Sink {
     std::uint8_t link = 0;
   };
   struct Packet {
-    std::span<std::uint8_t> bytes;  // of this universe alone; keeps what was written last time
+    std::span<std::uint8_t> bytes;  // of this universe; keeps what was written last time
     std::size_t place = 0;          // in settings.universes
     bool terminated = false;
     std::span<const std::uint8_t> slots;  // 0 to 512
@@ -67,42 +66,42 @@ class NetSink : public Sink {
   // At least one link.
   NetSink(const NetSinkOptions& options, std::vector<Link> links);
 
-  // One link for each interface; without any, one where the routing table decides. Errors: as find_interface() and
-  // open_sender().
+  // One link per interface; without interfaces, one whose route the routing table decides. Errors: as find_interface()
+  // and open_sender().
   [[nodiscard]] static Result<std::vector<Link>> open_links(const std::string& port_name,
                                                             const std::vector<std::string>& interface_names,
                                                             int multicast_ttl);
-  // An error where there is no way to one of the receivers; asks the routing table and sends nothing.
+  // An error if one of the receivers has no route; queries the routing table and sends nothing.
   [[nodiscard]] static Status check_routes(const std::string& port_name, std::span<const Link> links,
                                            std::span<const Destination> destinations);
 
-  // Who gets a universe; none: it is kept and sent to nobody. May change at any time between calls.
+  // The receivers of a universe; none: its frames are kept but not sent. May change at any time between calls.
   void set_destinations(std::size_t place, std::vector<Destination> destinations);
   [[nodiscard]] std::span<const Destination> destinations(std::size_t place) const {
     return outlets_[place].destinations;
   }
 
-  // Writes the next packet of a universe and returns its size; numbers it too.
+  // Writes the next packet of a universe, with its sequence number, and returns its size.
   virtual std::size_t write_packet(const Packet& packet) = 0;
-  // Called around the packets of one batch, which carries the universes at `places`; what they add() leaves in the same
-  // batch, before or after the universes.
+  // Called before and after the packets of one batch, which carries the universes at `places`. Packets that they add()
+  // are sent in the same batch, before or after the universes.
   virtual void add_before(TimeNs /*now_ns*/, std::span<const std::size_t> /*places*/) {}
   virtual void add_after(TimeNs /*now_ns*/, std::span<const std::size_t> /*places*/) {}
-  // `bytes` stay until the batch has been sent.
+  // `bytes` must stay valid until the batch has been sent.
   void add(std::span<const std::uint8_t> bytes, std::span<const Destination> destinations);
-  // Sends what add() has gathered outside of a batch, now.
+  // Sends what was added outside of a batch, now.
   void send_added();
-  // Has the newest look of a universe go out with the next poll(), which is due at once.
+  // Sends the newest levels of a universe again with the next poll(), which is due at once.
   void send_again(std::size_t place, TimeNs now_ns);
   void count_error() { ++counters_.errors; }
   void count_rejected() { ++counters_.rejected; }
-  // Whether close() sends three packets that end each universe, and whether rest() does.
-  [[nodiscard]] virtual bool says_goodbye() const = 0;
-  [[nodiscard]] virtual bool says_goodbye_at_rest() const { return says_goodbye(); }
+  // True if close() sends three packets that end each universe; the second: the same for rest().
+  [[nodiscard]] virtual bool ends_streams() const = 0;
+  [[nodiscard]] virtual bool ends_streams_at_rest() const { return ends_streams(); }
 
   [[nodiscard]] std::span<std::uint8_t> packet_bytes(std::size_t place) { return outlets_[place].packet; }
   [[nodiscard]] bool is_open() const { return !links_.empty(); }
-  // Whether the universe has had a frame.
+  // True if the universe has had a frame.
   [[nodiscard]] bool is_known(std::size_t place) const { return outlets_[place].known; }
   [[nodiscard]] const NetSinkOptions& settings() const { return settings_; }
   [[nodiscard]] std::span<const Link> links() const { return links_; }
@@ -116,29 +115,29 @@ class NetSink : public Sink {
     std::size_t slot_count = 0;  // the longest frame so far
     int repeats_left = 0;
     bool known = false;    // has had a frame
-    bool unsent = false;   // its newest levels were refused by the system and have not left yet
+    bool unsent = false;   // the system refused its newest levels, which are still unsent
     bool pending = false;  // is in pending_
-    // What became of the batch under way.
-    bool reached = false;  // a receiver, or there is none
+    // The result of the current batch.
+    bool reached = false;  // at least one receiver, or there is none
     bool refused = false;  // the send buffer was full
     std::vector<Destination> destinations;
   };
-  // One datagram of the batch under way.
+  // One datagram of the current batch.
   struct Entry {
     std::span<const std::uint8_t> bytes;
     std::uint32_t ipv4 = 0;
     std::size_t place = kNoPlace;  // of the universe that it carries
   };
 
-  // An interface that has gone and come back has another number; finds it again by its name.
+  // An interface that was removed and returns has another number; finds it again by its name.
   void find_interface_again(Link& link);
   void add_pending(std::size_t place);
-  // Ends every universe that has had a frame, in three packets each.
-  void say_goodbye();
-  // Sends one packet of each universe in pending_, and clears that.
+  // Ends every universe that has had a frame, with three packets each.
+  void end_streams();
+  // Sends one packet of each universe in pending_, and clears it.
   void transmit(TimeNs now_ns);
   void add_entry(std::span<const std::uint8_t> bytes, std::span<const Destination> destinations, std::size_t place);
-  // Sends entries_ link by link and clears them. True: at least one has gone.
+  // Sends entries_ link by link and clears them. True: at least one was sent.
   bool flush_entries();
   bool flush_link(Link& link, const std::vector<Entry>& entries);
 
@@ -154,7 +153,7 @@ class NetSink : public Sink {
   DatagramWriter writer_;
   PortCounters counters_;
   std::string trouble_;  // why nothing could be sent
-  std::string refusal_;  // what the system said last, of the batch under way
+  std::string refusal_;  // the system's last error in the current batch
   bool has_sent_ = false;
 };
 

@@ -14,10 +14,10 @@ namespace footlight::drivers {
 namespace {
 
 constexpr std::uint64_t kWatchTag = UINT64_MAX;
-constexpr std::uint64_t kOtherTag = UINT64_MAX - 1;  // of watch(): the protocol looks after it
+constexpr std::uint64_t kOtherTag = UINT64_MAX - 1;  // for watch(): handled by the protocol
 constexpr std::uint64_t kInboxTag = UINT64_MAX - 2;
-// Of one poll() and socket. What is left makes the descriptor readable again at once, so a flood on one port does not
-// keep the pump from the others.
+// Per poll() and socket. Remaining datagrams make the descriptor readable again at once, so that a flood on one port
+// does not delay the others.
 constexpr int kBatchesMax = 16;
 
 bool watch_readable(const Fd& epoll, int fd, std::uint64_t tag) {
@@ -90,15 +90,15 @@ Status NetSource::open() {
   if (settings_.yields) bind_ipv4s.assign(1, 0);
   for (const std::uint32_t bind_ipv4 : bind_ipv4s) FL_TRY(add_socket(bind_ipv4));
   join_missing();
-  settings_.stopping = nullptr;  // of the start alone
-  // From the start, a group that cannot be joined is a mistake in the options or in the system.
+  settings_.stopping = nullptr;  // needed during the start only
+  // At the start, a group that cannot be joined is an error in the options or the system.
   if (joined_interfaces_.empty() && join_refused_) return fail(join_refused_->code, "{}", join_refused_->message);
   return {};
 }
 
 NetSource::~NetSource() {
   if (inbox_.event && settings_.own_senders) {
-    // What this socket was given and the other inputs have not got yet.
+    // Pass on datagrams of this socket that the other inputs have not got yet.
     for (std::size_t i = 0; inbox_.shared && i < sockets_.size(); ++i) {
       for (int count = 0; (count = reader_.read(sockets_[i].fd.get())) > 0;) {
         for (int k = 0; k < count; ++k) {
@@ -110,8 +110,8 @@ NetSource::~NetSource() {
     }
     settings_.own_senders->unicast().remove(inbox_);
   }
-  // The kernel finds the group that was joined last first: closing in the other order searches a list of all groups for
-  // each one.
+  // The kernel finds the group that was joined last first. Closing in the other order would search a list of all groups
+  // for each one.
   while (!sockets_.empty()) sockets_.pop_back();
 }
 
@@ -120,7 +120,9 @@ void NetSource::find_sharing(std::span<const std::uint32_t> bind_ipv4s) {
   if (!any) inbox_.ipv4s.assign(bind_ipv4s.begin(), bind_ipv4s.end());
   const auto holders = other_holders(settings_.port);
   const auto other = std::find_if(holders.begin(), holders.end(), [&](const PortHolder& holder) {
-    if (!holder.is_ipv4) return settings_.yields;  // it leaves unicast to an IPv4 socket, as ours is unless it yields
+    if (!holder.is_ipv4)
+      return settings_.yields;  // it leaves unicast to an IPv4 socket, which ours is unless it
+                                // yields
     if (holder.ipv4 == 0) return true;
     return std::find(bind_ipv4s.begin(), bind_ipv4s.end(), holder.ipv4) != bind_ipv4s.end();
   });
@@ -147,7 +149,7 @@ Status NetSource::open_inbox() {
     return tl::unexpected(net_error(settings_.name, "create an eventfd", errno));
   }
   if (settings_.own_senders) settings_.own_senders->unicast().add(inbox_);
-  if (sharing_) {  // so that the first poll() comes soon, and the notice with it
+  if (sharing_) {  // makes the first poll() come soon, with the notice
     const std::uint64_t one = 1;
     (void)!::write(inbox_.event.get(), &one, sizeof one);
   }
@@ -169,7 +171,7 @@ void NetSource::read_inbox(FrameReceiver& receiver) {
 }
 
 bool NetSource::is_for_us(const Datagram& datagram) const {
-  if (!settings_.yields) return true;  // the socket is bound to what is ours
+  if (!settings_.yields) return true;  // the socket is bound to our addresses
   if (datagram.to_ipv4 == 0) return false;
   const auto& ipv4s = inbox_.ipv4s;
   return ipv4s.empty() || std::find(ipv4s.begin(), ipv4s.end(), datagram.to_ipv4) != ipv4s.end();
@@ -182,12 +184,12 @@ Status NetSource::add_socket(std::uint32_t bind_ipv4) {
   wanted.udp_port = settings_.port;
   wanted.kernel_stamps = settings_.kernel_stamps;
   wanted.packet_info = true;
-  // Room for four frames of every universe, by what the kernel counts for a datagram of a full one.
+  // Room for four frames of every universe, with the kernel's memory for a datagram of a full one.
   const std::size_t frames_bytes = settings_.universes.size() * 4 * 2'304;
   wanted.buffer_bytes = static_cast<int>(std::clamp<std::size_t>(frames_bytes, 4 << 20, 64 << 20));
   auto opened = settings_.yields ? open_yielding_receiver(wanted) : open_receiver(wanted);
   if (!opened) {
-    // Without IPv6 there is no socket that leaves unicast to others.
+    // Without IPv6 no socket can leave unicast to others.
     const std::string other = sharing_ ? fmt::format(" ({})", sharing_->text) : "";
     return fail(opened.error().code, "{}{}", opened.error().message, other);
   }
@@ -214,11 +216,11 @@ Status NetSource::find_named_interfaces() {
 }
 
 Status NetSource::join(std::uint32_t group, int interface_index) {
-  // A socket below our limit may still be full where the system's limit is lower; then the next one takes the group.
+  // A socket below our limit may still be full if the system's limit is lower; then the next one takes the group.
   for (std::size_t i = first_with_room_;; ++i) {
     if (i == sockets_.size()) {
-      if (const int error_number = hear_all_groups(sockets_.front().fd); error_number != 0) {
-        return tl::unexpected(net_error(settings_.name, "hear groups of other sockets", error_number));
+      if (const int error_number = receive_all_groups(sockets_.front().fd); error_number != 0) {
+        return tl::unexpected(net_error(settings_.name, "receive groups of other sockets", error_number));
       }
       FL_ASSIGN(Fd member, open_member(settings_.name));
       sockets_.push_back({std::move(member), 0, 0});
@@ -250,7 +252,7 @@ void NetSource::join_missing() {
   join_refused_.reset();
   const Status named = find_named_interfaces();
   if (settings_.groups.empty()) return;
-  // Those asked for by name are tried even where the interface does not say that it can do multicast, as "lo" does not.
+  // Interfaces listed in the options are tried even if they do not report multicast support, as "lo".
   std::set<int> wanted = only_interfaces_;
   if (settings_.interface_names.empty()) {
     for (const auto& candidate : list_interfaces()) {
@@ -261,7 +263,7 @@ void NetSource::join_missing() {
     join_trouble_ = named.error().message;
   } else if (wanted.empty()) {
     join_trouble_ = fmt::format(
-        "{}: no network interface is up and can do multicast; connect one, or send to this machine "
+        "{}: no network interface is up and supports multicast; connect one, or send to this machine "
         "by unicast",
         settings_.name);
   }
@@ -317,17 +319,17 @@ void NetSource::forget(int interface_index) {
 }
 
 PortState NetSource::state() const {
-  if (polled_ns_ - settings_.silence_max_ns < heard_ns_) return PortState::kWorking;
-  // One interface that works is enough to wait for frames.
-  const bool deaf = !settings_.groups.empty() && joined_interfaces_.empty();
-  return deaf && !join_trouble_.empty() ? PortState::kGone : PortState::kWaiting;
+  if (polled_ns_ - settings_.silence_max_ns < received_ns_) return PortState::kWorking;
+  // One working interface is enough to wait for frames.
+  const bool no_groups = !settings_.groups.empty() && joined_interfaces_.empty();
+  return no_groups && !join_trouble_.empty() ? PortState::kGone : PortState::kWaiting;
 }
 
 std::string NetSource::trouble() const { return state() == PortState::kGone ? join_trouble_ : std::string(); }
 
 void NetSource::deliver(const FrameView& frame, FrameReceiver& receiver) {
   ++counters_.frames;
-  heard_ns_ = polled_ns_;
+  received_ns_ = polled_ns_;
   receiver.receive(frame);
 }
 
@@ -335,7 +337,7 @@ void NetSource::read_socket(std::size_t index, TimeNs now_ns, FrameReceiver& rec
   for (int batch = 0; batch < kBatchesMax; ++batch) {
     const int count = reader_.read(sockets_[index].fd.get());
     if (count < 0) {
-      // Such as ENETDOWN, told once; the socket goes on working when the interface is back.
+      // For example ENETDOWN, reported once; the socket works again when the interface is back.
       ++counters_.errors;
       return;
     }
@@ -347,7 +349,7 @@ void NetSource::read_socket(std::size_t index, TimeNs now_ns, FrameReceiver& rec
         ++counters_.rejected;
         continue;
       }
-      // A group that others on this machine have joined elsewhere; see Socket.
+      // A group that other programs on this machine have joined elsewhere; see Socket.
       if (is_multicast(datagram.to_ipv4) && joined_interfaces_.count(datagram.interface_index) == 0) continue;
       const TimeNs stamp_ns = now_ns - datagram.age_ns;
       if (inbox_.shared && is_unicast(datagram)) {
@@ -388,7 +390,7 @@ Status NetSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
     std::vector<int> lost;
     watch_.read(lost);
     for (const int interface_index : lost) forget(interface_index);
-    // Not the end of the port: the interface may come back, and unicast may work all along.
+    // Does not end the port: the interface may come back, and unicast may work.
     join_missing();
     if (join_refused_) ++counters_.errors;
   }

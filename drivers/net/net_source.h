@@ -1,5 +1,5 @@
-// What sACN and Art-Net sources have in common: shared sockets, batched reading, groups joined on interfaces as they
-// come and go. A protocol derives from it and says what a datagram means.
+// Common part of the sACN and Art-Net sources: shared sockets, batched reading, groups joined on interfaces as they
+// appear and disappear. A protocol derives from it and decodes the datagrams.
 #pragma once
 
 #include <memory>
@@ -19,7 +19,7 @@
 
 namespace footlight::drivers {
 
-// Linux lets one socket join this many groups unless told otherwise (net.ipv4.igmp_max_memberships).
+// Linux allows one socket this many groups by default (net.ipv4.igmp_max_memberships).
 inline constexpr std::size_t kGroupsPerSocketMax = 20;
 
 class NetSource : public Source {
@@ -36,50 +36,50 @@ class NetSource : public Source {
   Status poll(TimeNs now_ns, FrameReceiver& receiver) override;
   [[nodiscard]] std::optional<PortNotice> take_notice() override { return std::exchange(sharing_, std::nullopt); }
 
-  // Sockets open now, one for each kGroupsPerSocketMax groups. For tests.
+  // Open sockets, one for each kGroupsPerSocketMax groups. For tests.
   [[nodiscard]] std::size_t socket_count() const { return sockets_.size(); }
 
  protected:
-  // addresses: local ones to bind to, then no group is joined; or one multicast group, to hear nothing else. None: any.
-  // interface_names: to join groups on; none: all that are up and can do multicast.
+  // addresses: local ones to bind to, then no group is joined; or one multicast group, to receive nothing else. None:
+  // any. interface_names: to join groups on; none: all that are up and support multicast.
   struct Settings : NetSourceOptions {
     explicit Settings(const NetSourceOptions& options) : NetSourceOptions(options) {}
-    DurationNs silence_max_ns = kSenderTimeoutNs;  // kWorking until nothing has come for so long
+    DurationNs silence_max_ns = kSenderTimeoutNs;  // kWorking until nothing was received for this long
     std::vector<std::uint32_t> groups;             // to join; empty: none
   };
   explicit NetSource(Settings settings);
 
-  // Opens the sockets and joins the groups. Called once, before anything else.
+  // Opens the sockets and joins the groups. Call once, before anything else.
   Status open();
 
-  // One datagram of at most kDatagramBytesMax octets. `stamp_ns` is when it arrived.
+  // Takes one datagram of at most kDatagramBytesMax octets. `stamp_ns`: when it arrived.
   virtual void take(const Datagram& datagram, TimeNs stamp_ns, FrameReceiver& receiver) = 0;
 
-  // Place in settings.universes of a universe as the wire numbers it; -1: not ours.
+  // Place in settings.universes of a wire universe; -1: not carried.
   [[nodiscard]] int place_of(int wire_universe) const { return wire_index_.find(wire_universe); }
   [[nodiscard]] Universe show_universe(int place) const { return show_universes_[static_cast<std::size_t>(place)]; }
   void deliver(const FrameView& frame, FrameReceiver& receiver);
   void count_rejected() { ++counters_.rejected; }
   void count_error() { ++counters_.errors; }
   void count_dropped() { ++counters_.dropped; }
-  // Socket to answer a datagram from.
+  // Socket for answers to a datagram.
   [[nodiscard]] const Fd& first_socket() const { return sockets_.front().fd; }
   [[nodiscard]] const Settings& settings() const { return settings_; }
-  // Whether settings().interface_names names this interface, or none at all.
-  [[nodiscard]] bool hears_interface(int interface_index) const {
+  // True if settings().interface_names lists this interface, or is empty.
+  [[nodiscard]] bool receives_on(int interface_index) const {
     return settings_.interface_names.empty() || only_interfaces_.count(interface_index) != 0;
   }
-  // Joins one more group on every interface that the others are joined on; nothing where it is joined already.
+  // Joins one more group on every interface with groups; does nothing if it is joined already.
   Status add_group(std::uint32_t group);
   void drop_group(std::uint32_t group);
-  // Has poll_fd() become readable with this descriptor too, until it is closed.
+  // Makes poll_fd() readable with this descriptor too, until it is closed.
   Status watch(int fd);
 
  private:
-  // The first is read (with addresses: one for each). As long as it has room for all groups it hears those and no
-  // others. Then further ones, which are not read, hold the rest, and it hears every group that this machine takes:
-  // the kernel offers a datagram to every socket of its port and looks through the groups of each, so that hundreds of
-  // reading sockets would cost more than the reading.
+  // Only the first socket is read (with addresses: one for each). While it has room for all groups, it receives only
+  // those. Otherwise further sockets, which are not read, hold the other groups, and the first receives every group
+  // that this machine has joined. The reason: the kernel checks a datagram against the groups of every socket of its
+  // port, so hundreds of reading sockets would cost more than the reading.
   struct Socket {
     Fd fd;
     std::size_t groups = 0;
@@ -92,14 +92,14 @@ class NetSource : public Source {
   };
 
   Status add_socket(std::uint32_t bind_ipv4);
-  // Decides whether to leave unicast to other programs, and notes what there is to say about it.
+  // Decides whether to leave unicast to other programs, and prepares the notice about it.
   void find_sharing(std::span<const std::uint32_t> bind_ipv4s);
   Status open_inbox();
   void read_inbox(FrameReceiver& receiver);
-  // False: it is meant for another address than ours, or came over IPv6.
+  // False: it is addressed to another address, or came over IPv6.
   [[nodiscard]] bool is_for_us(const Datagram& datagram) const;
-  // Joins the groups on interfaces that have not been joined. What keeps one from it is noted in join_trouble_ and
-  // leaves the others alone.
+  // Joins the groups on interfaces that have none yet. A failure is recorded in join_trouble_ and does not affect other
+  // interfaces.
   void join_missing();
   Status find_named_interfaces();
   Status join(std::uint32_t group, int interface_index);
@@ -111,24 +111,24 @@ class NetSource : public Source {
   Settings settings_;
   std::vector<Universe> show_universes_;
   UniverseIndex wire_index_;
-  std::set<int> only_interfaces_;  // those of settings_.interface_names that are there
+  std::set<int> only_interfaces_;  // those of settings_.interface_names that exist
   Fd epoll_;
   std::vector<Socket> sockets_;
-  std::size_t first_with_room_ = 0;  // those before it are full
+  std::size_t first_with_room_ = 0;  // the sockets before it are full
   std::vector<Membership> memberships_;
   std::set<int> joined_interfaces_;
   InterfaceWatch watch_;
   DatagramReader reader_;
-  UnicastExchange::Inbox inbox_;  // in the exchange of settings_.own_senders, where there is one
+  UnicastExchange::Inbox inbox_;  // in the exchange of settings_.own_senders, if there is one
   std::optional<PortNotice> sharing_;
   PortCounters counters_;
   std::string join_trouble_;           // why groups could not be joined on an interface; empty: all were
-  std::optional<Error> join_refused_;  // what the system said to it; nothing where it was not asked
-  TimeNs heard_ns_ = -kTimeNever;      // newest frame
+  std::optional<Error> join_refused_;  // the system's error for it; nullopt if it was not tried
+  TimeNs received_ns_ = -kTimeNever;   // newest frame
   TimeNs polled_ns_ = 0;
 };
 
-// Checks what every port's options have in common; kBadInput names the number. `wire_max`: 63'999 or 32'768.
+// Checks the common options of every port; kBadInput names the number. `wire_max`: 63'999 or 32'768.
 [[nodiscard]] Status check_universes(const std::string& name, const std::vector<WireUniverse>& universes, int wire_max);
 [[nodiscard]] std::vector<int> wire_numbers(const std::vector<WireUniverse>& universes);
 [[nodiscard]] std::vector<Universe> show_numbers(const std::vector<WireUniverse>& universes);

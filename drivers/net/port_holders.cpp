@@ -41,7 +41,7 @@ void read_table(const char* path, bool is_ipv4, std::uint16_t udp_port, std::vec
     const std::size_t colon = local.find(':');
     if (!words || colon == std::string::npos) continue;
     if (std::strtoul(local.c_str() + colon + 1, nullptr, 16) != udp_port) continue;
-    if (remote.find_first_not_of("0:") != std::string::npos) continue;  // connected: hears one sender only
+    if (remote.find_first_not_of("0:") != std::string::npos) continue;  // connected: receives from one sender only
     found.holder.is_ipv4 = is_ipv4;
     if (is_ipv4) found.holder.ipv4 = ntohl(static_cast<std::uint32_t>(std::strtoul(local.c_str(), nullptr, 16)));
     if (is_multicast(found.holder.ipv4)) continue;  // bound to a group: gets no unicast
@@ -58,7 +58,7 @@ std::set<std::uint64_t> inodes_of(const std::string& process) {
   return inodes;
 }
 
-// What its user calls it: its name and, where it is ours, its command.
+// Describes the holder: its name, and its subcommand if it is a footlight.
 void describe(PortHolder& holder) {
   const fs::path process = fs::path("/proc") / std::to_string(holder.pid);
   const std::string name = process_name("/proc", std::to_string(holder.pid));

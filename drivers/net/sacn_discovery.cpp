@@ -10,14 +10,14 @@ void SacnDirectory::take(const SacnDiscovery& packet, std::uint32_t from_ipv4, T
   if (sender == senders_.end()) {
     if (senders_.size() == kSendersMax) {
       senders_.erase(std::min_element(senders_.begin(), senders_.end(),
-                                      [](const Sender& a, const Sender& b) { return a.heard_ns < b.heard_ns; }));
+                                      [](const Sender& a, const Sender& b) { return a.received_ns < b.received_ns; }));
     }
     sender = senders_.insert(senders_.end(), Sender{});
     sender->cid = packet.cid;
   }
   sender->name = packet.source_name;
   sender->ipv4 = from_ipv4;
-  sender->heard_ns = now_ns;
+  sender->received_ns = now_ns;
   sender->pages.resize(static_cast<std::size_t>(packet.last_page) + 1);
   Page& page = sender->pages[static_cast<std::size_t>(packet.page)];
   page.known = true;
@@ -28,7 +28,7 @@ void SacnDirectory::take(const SacnDiscovery& packet, std::uint32_t from_ipv4, T
 }
 
 void SacnDirectory::expire(TimeNs now_ns) {
-  std::erase_if(senders_, [now_ns](const Sender& sender) { return now_ns - sender.heard_ns >= kSacnForgetNs; });
+  std::erase_if(senders_, [now_ns](const Sender& sender) { return now_ns - sender.received_ns >= kSacnForgetNs; });
 }
 
 std::vector<SacnAnnouncement> SacnDirectory::list() const {
@@ -38,13 +38,13 @@ std::vector<SacnAnnouncement> SacnDirectory::list() const {
     one.cid = sender.cid;
     one.name = sender.name;
     one.ipv4 = sender.ipv4;
-    one.heard_ns = sender.heard_ns;
+    one.received_ns = sender.received_ns;
     one.pages_wanted = static_cast<int>(sender.pages.size());
     for (const Page& page : sender.pages) {
       one.pages += page.known ? 1 : 0;
       one.universes.insert(one.universes.end(), page.universes.begin(), page.universes.end());
     }
-    // The document asks for ascending lists; some senders' are not.
+    // The standard requires ascending lists; some senders' are not.
     std::sort(one.universes.begin(), one.universes.end());
     one.universes.erase(std::unique(one.universes.begin(), one.universes.end()), one.universes.end());
     announcements.push_back(std::move(one));
@@ -63,8 +63,8 @@ SacnDiscoverySource::SacnDiscoverySource(const SacnDiscoveryOptions& options)
         const std::uint32_t group = sacn_group_ipv4(kSacnDiscoveryUniverse);
         Settings settings{NetSourceOptions(options.port)};
         settings.name = options.name;
-        // Bound to the group: a socket bound to every address would be given some of the unicast that a bridge on this
-        // machine waits for.
+        // Bound to the group: a socket bound to every address would receive some of the unicast for a bridge on this
+        // machine.
         settings.addresses = {text_of_ipv4(group)};
         settings.interface_names = options.interface_names;
         settings.kernel_stamps = false;

@@ -1,5 +1,5 @@
-// Universe discovery (E1.31-2018 sections 4.3, 8 and 12): who sends which universes, as the senders themselves tell
-// every 10 s. The list, and a port that fills it from the network.
+// Universe discovery (E1.31-2018 sections 4.3, 8 and 12): senders announce their universes every 10 s. The list of
+// senders, and a port that fills it from the network.
 #pragma once
 
 #include <cstdint>
@@ -19,23 +19,23 @@ inline constexpr DurationNs kSacnForgetNs = 20 * kNsPerS;
 
 struct SacnAnnouncement {
   Cid cid = {};
-  std::string name;  // as it came; may hold any octet but 0
+  std::string name;  // as received; may hold any octet but 0
   std::uint32_t ipv4 = 0;
-  std::vector<int> universes;  // ascending, each once; of the pages that have come
-  int pages = 0;               // of them; see pages_wanted
+  std::vector<int> universes;  // ascending, each once; of the pages received
+  int pages = 0;               // number of pages received; see pages_wanted
   int pages_wanted = 0;
-  TimeNs heard_ns = 0;
+  TimeNs received_ns = 0;
 };
 
 class SacnDirectory {
  public:
-  // One more takes the place of the sender silent for longest. Memory: at most 256 KiB each, as many as 256 pages hold.
+  // A further sender replaces the one silent for longest. Memory: at most 256 KiB per sender, for 256 pages.
   static constexpr std::size_t kSendersMax = 128;
 
   void take(const SacnDiscovery& packet, std::uint32_t from_ipv4, TimeNs now_ns);
-  // Forgets who has been silent for 20 s.
+  // Removes senders that have been silent for 20 s.
   void expire(TimeNs now_ns);
-  // In the order in which they were first heard.
+  // In the order of their first packets.
   [[nodiscard]] std::vector<SacnAnnouncement> list() const;
 
  private:
@@ -47,20 +47,19 @@ class SacnDirectory {
     Cid cid = {};
     std::string name;
     std::uint32_t ipv4 = 0;
-    TimeNs heard_ns = 0;
+    TimeNs received_ns = 0;
     std::vector<Page> pages;
   };
   std::vector<Sender> senders_;
 };
 
 struct SacnDiscoveryOptions {
-  std::string name = "sacn discovery";       // begins its messages
-  std::vector<std::string> interface_names;  // none: all that are up and can do multicast
+  std::string name = "sacn discovery";       // starts its messages
+  std::vector<std::string> interface_names;  // none: all that are up and support multicast
   std::uint16_t port = kSacnPort;
 };
 
-// Listens to the group of discovery alone, on a socket that takes nothing away from other programs. poll() hands over
-// no frames.
+// Receives the discovery group only, on a socket that takes no unicast from other programs. poll() delivers no frames.
 class SacnDiscoverySource final : public NetSource {
  public:
   [[nodiscard]] static Result<std::unique_ptr<SacnDiscoverySource>> create(const SacnDiscoveryOptions& options);

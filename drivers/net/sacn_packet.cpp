@@ -23,7 +23,7 @@ constexpr std::uint8_t kOptionPreview = 0x80;
 constexpr std::uint8_t kOptionTerminated = 0x40;
 constexpr std::uint8_t kOptionForceSync = 0x20;
 
-// Where each field lies, in octets from the start of the datagram.
+// The position of each field, in octets from the start of the datagram.
 constexpr std::size_t kAtRootLength = 16;
 constexpr std::size_t kAtRootVector = 18;
 constexpr std::size_t kAtCid = 22;
@@ -49,7 +49,7 @@ constexpr std::size_t kAtListVector = 114;
 constexpr std::size_t kAtListPage = 118;
 constexpr std::size_t kAtListLastPage = 119;
 
-// Octets that the layer starting at `at` says it has left, itself included, must be those that are there.
+// True if the layer's length (from its start at `at`) matches the remaining octets.
 bool length_fits(std::span<const std::uint8_t> datagram, std::size_t at) {
   const unsigned flags_and_length = read_u16_be(datagram, at);
   return (flags_and_length & 0xF000u) == 0x7000u && (flags_and_length & 0x0FFFu) == datagram.size() - at;
@@ -64,7 +64,7 @@ void write_name(std::span<std::uint8_t> packet, std::string_view source_name) {
   std::copy(name.begin(), name.end(), packet.begin() + kAtName);
 }
 
-// Clears a packet of the extended vector and writes its first two layers up to the framing vector.
+// Clears a packet with the extended vector and writes its first two layers up to the framing vector.
 void write_extended(std::span<std::uint8_t> packet, const Cid& cid, std::uint32_t framing_vector) {
   std::fill(packet.begin(), packet.end(), std::uint8_t{0});
   std::copy(kRootStart.begin(), kRootStart.end(), packet.begin());
@@ -84,7 +84,7 @@ Cid cid_at(std::span<const std::uint8_t> datagram) {
 std::string_view name_at(std::span<const std::uint8_t> datagram) {
   const auto field = datagram.subspan(kAtName, kSacnSourceNameBytes);
   const auto end = std::find(field.begin(), field.end(), std::uint8_t{0});
-  // A name without its closing zero is taken whole: the field ends it.
+  // A name without a closing zero uses the whole field.
   return {reinterpret_cast<const char*>(field.data()), static_cast<std::size_t>(end - field.begin())};
 }
 
@@ -161,14 +161,14 @@ const char* text_of(SacnFault fault) {
   switch (fault) {
     case SacnFault::kTooShort: return "the datagram is shorter than its headers";
     case SacnFault::kNotAcn: return "the datagram does not begin as an ACN packet";
-    case SacnFault::kLength: return "the length of a layer disagrees with the size of the datagram";
-    case SacnFault::kVector: return "the vector of a layer is none of E1.31";
+    case SacnFault::kLength: return "the length of a layer does not match the size of the datagram";
+    case SacnFault::kVector: return "the vector of a layer is unknown to E1.31";
     case SacnFault::kPropertyFormat: return "the address type, first address or increment is not that of E1.31";
     case SacnFault::kSlotCount: return "the count of slots is outside 0 to 512";
     case SacnFault::kUniverse: return "the universe is outside 1 to 63999";
     case SacnFault::kSyncUniverse: return "the synchronisation universe is outside 1 to 63999";
     case SacnFault::kPriority: return "the priority is above 200";
-    case SacnFault::kPage: return "the page of a discovery list lies past its last page";
+    case SacnFault::kPage: return "the page of a discovery list is past its last page";
   }
   return "unknown fault";
 }

@@ -1,8 +1,8 @@
-// The packets of ANSI E1.31-2018 as bytes: no socket, no clock, no memory of its own.
+// Encodes and decodes the packets of ANSI E1.31-2018: no socket, no clock, no memory of its own.
 //
-// A data packet is 126 octets of header and 0 to 512 levels, all numbers big endian. Three layers lie inside one
-// another; each begins with a length that counts from its own first octet to the end of the packet (0x7000 | length).
-// parse_sacn() holds every length against the size of the datagram and believes none.
+// A data packet is 126 octets of header and 0 to 512 levels, all numbers big endian. It has three nested layers. Each
+// starts with a length that counts from its own first octet to the end of the packet (0x7000 | length). parse_sacn()
+// checks every length against the size of the datagram.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ inline constexpr std::size_t kSacnDiscoveryBytesMax = kSacnDiscoveryHeaderBytes 
 inline constexpr int kSacnDiscoveryUniverse = 64'214;
 inline constexpr std::size_t kSacnSourceNameBytes = 64;  // with the closing zero
 
-// One data packet. The views look into the datagram (parsed) or into the caller's memory (to be built).
+// One data packet. The views refer to the datagram (parsed) or to the caller's memory (to be built).
 struct SacnData {
   Cid cid = {};
   std::string_view source_name;              // UTF-8, without the closing zero
@@ -36,8 +36,8 @@ struct SacnData {
   int sync_universe = 0;                     // 0: not synchronised, else 1 to 63'999
   std::uint8_t sequence = 0;
   bool preview = false;     // options bit 7
-  bool terminated = false;  // options bit 6; the levels mean nothing then
-  bool force_sync = false;  // options bit 5: go on unsynchronised when synchronisation is lost
+  bool terminated = false;  // options bit 6; the levels are meaningless then
+  bool force_sync = false;  // options bit 5: continue unsynchronised when synchronisation is lost
   int universe = 0;         // 1 to 63'999
   std::uint8_t start_code = kStartCodeLevels;
   std::span<const std::uint8_t> slots;  // 0 to 512
@@ -64,13 +64,14 @@ struct SacnDiscovery {
 
 using SacnPacket = std::variant<SacnData, SacnSync, SacnDiscovery>;
 
-// Why a datagram is no sACN packet. Plain values, since a port under a flood of rubbish must not build strings.
+// Why a datagram is not an sACN packet. Plain values, so that a port under a flood of invalid packets builds no
+// strings.
 enum class SacnFault {
-  kTooShort,        // shorter than the headers it announces
+  kTooShort,        // shorter than the headers that it declares
   kNotAcn,          // preamble, postamble or ACN packet identifier differ
-  kLength,          // a layer's length disagrees with the size of the datagram
+  kLength,          // a layer's length does not match the size of the datagram
   kVector,          // an unknown kind of packet
-  kPropertyFormat,  // address type, first address or increment other than E1.31 has them
+  kPropertyFormat,  // address type, first address or increment differ from E1.31
   kSlotCount,       // no start code, or more than 512 slots
   kUniverse,        // outside 1 to 63'999
   kSyncUniverse,    // the same for the synchronisation address
@@ -79,25 +80,25 @@ enum class SacnFault {
 };
 [[nodiscard]] const char* text_of(SacnFault fault);
 
-// Octets past the end that the root layer announces are refused too (kLength): E1.31 packets fill their datagram.
+// Octets past the end of the root layer are an error too (kLength): E1.31 packets fill their datagram.
 [[nodiscard]] tl::expected<SacnPacket, SacnFault> parse_sacn_packet(std::span<const std::uint8_t> datagram);
 
-// The same with the fault as an Error, for tools that show it. Code kProtocol.
+// As above, with the fault as an Error (kProtocol), for tools that show it.
 [[nodiscard]] Result<SacnPacket> parse_sacn(std::span<const std::uint8_t> datagram);
 
-// Writes a data packet and returns its size in octets. Checked (FL_CHECK): universe, priority, slot count, and `out`
-// large enough. A source name longer than 63 octets is cut at the last whole character.
+// Writes a data packet and returns its size in octets. FL_CHECK: universe, priority, slot count, and `out` large
+// enough. A source name longer than 63 octets is cut at the last whole character.
 std::size_t build_sacn_data(const SacnData& data, std::span<std::uint8_t> out);
 
-// A sink keeps each universe's packet and changes what differs from frame to frame. `packet` was written by
-// build_sacn_data(); returns its new size.
+// Updates what differs between frames in a packet that build_sacn_data() wrote, so that a sink can keep one packet per
+// universe. Returns the new size.
 std::size_t update_sacn_data(std::span<std::uint8_t> packet, std::uint8_t sequence, bool terminated,
                              std::span<const std::uint8_t> slots);
 
 void build_sacn_sync(const SacnSync& sync, std::span<std::uint8_t, kSacnSyncBytes> out);
 
-// One page of the list of a sender's universes: ascending, at most 512. Returns its size in octets. Checked: the pages,
-// the universes, and `out` large enough.
+// One page of the list of a sender's universes: ascending, at most 512. Returns its size in octets. FL_CHECK: the
+// pages, the universes, and `out` large enough.
 std::size_t build_sacn_discovery(const Cid& cid, std::string_view source_name, int page, int last_page,
                                  std::span<const int> universes, std::span<std::uint8_t> out);
 

@@ -7,7 +7,7 @@
 namespace footlight::drivers {
 namespace {
 
-// From the first frame to the first announcement: by then the others have followed.
+// From the first frame to the first announcement, when the other universes have started.
 constexpr DurationNs kFirstAnnounceNs = kNsPerS;
 
 }  // namespace
@@ -28,7 +28,7 @@ SacnSource::SacnSource(const SacnSourceOptions& options)
       rules_({options.universes, options.hear_preview, options.own_senders}) {}
 
 void SacnSource::take(const Datagram& datagram, TimeNs stamp_ns, FrameReceiver& receiver) {
-  // Counts what the rules let through.
+  // Counts the frames that pass the rules.
   class Outlet final : public FrameReceiver {
    public:
     Outlet(SacnSource& source, FrameReceiver& to) : source_(source), to_(to) {}
@@ -45,7 +45,7 @@ void SacnSource::take(const Datagram& datagram, TimeNs stamp_ns, FrameReceiver& 
 void SacnSource::follow(const SacnSynchroniser::Change& change) {
   if (!settings().addresses.empty()) return;  // unicast: synchronisation packets come the same way
   if (change.left != 0 && place_of(change.left) < 0) drop_group(sacn_group_ipv4(change.left));
-  // Without the group the data would be used as it comes, which is what happens until it is joined anyway.
+  // Without the group the data would be used at once, as it is until the group is joined.
   if (change.joined != 0 && !add_group(sacn_group_ipv4(change.joined))) count_error();
 }
 
@@ -89,7 +89,7 @@ SacnSink::SacnSink(const SacnSinkOptions& options, std::vector<Link> links, std:
       address_priorities_(options.address_priorities),
       sync_universe_(options.sync_universe) {
   if (!address_priorities_.empty()) {
-    address_priorities_.resize(kSlotCountMax);  // with 0, in words: the same as addresses past the end
+    address_priorities_.resize(kSlotCountMax);  // explicit zeros: the same meaning as addresses past the end
     priority_packets_.resize(options.universes.size());
     priorities_due_ns_.assign(options.universes.size(), -kTimeNever);
     priorities_left_.assign(options.universes.size(), 1 + kRepeats);
@@ -138,7 +138,7 @@ void SacnSink::add_before(TimeNs now_ns, std::span<const std::size_t> places) {
   if (address_priorities_.empty()) return;
   for (const std::size_t place : places) {
     if (priorities_left_[place] > 0)
-      --priorities_left_[place];  // they follow the rule for data that does not change (ETC's rule 8)
+      --priorities_left_[place];  // they follow the rule for unchanged data (ETC's rule 8)
     else if (priorities_due_ns_[place] > now_ns)
       continue;
     priorities_due_ns_[place] = now_ns + kKeepAliveNs;
@@ -178,7 +178,7 @@ Status SacnSink::poll(TimeNs now_ns) {
   FL_TRY(NetSink::poll(now_ns));
   if (is_open() && now_ns >= announce_due_ns_) {
     announce();
-    // On a grid, so that the interval stays; from now where a stall left it behind.
+    // On a grid, so that the interval is constant; from now on if a stall delayed it.
     announce_due_ns_ = std::max(announce_due_ns_ + kSacnAnnounceNs, now_ns + 1);
   }
   return {};

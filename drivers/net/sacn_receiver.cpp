@@ -27,7 +27,7 @@ bool SacnReceiver::take(std::span<const std::uint8_t> datagram, std::uint32_t fr
     synchroniser_.synchronise(*sync, sender_hash(sync->cid), now_ns, [&](std::size_t place, const HeldFrame& held) {
       FrameView frame;
       frame.universe = show_universes_[place];
-      frame.stamp_ns = now_ns;  // its levels begin to count now
+      frame.stamp_ns = now_ns;  // its levels take effect now
       frame.sender = held.sender;
       frame.sequence = held.sequence;
       frame.priority = held.priority;

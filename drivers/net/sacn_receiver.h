@@ -1,10 +1,9 @@
-// What E1.31-2018 has a receiver do with datagrams: which frames count, in which order, and when. No socket, no clock;
-// SacnSource (sacn_port.h) feeds it from the network, the fuzz target from a file.
+// The receiver's rules of E1.31-2018: which frames are used, in which order, and when. No socket, no clock; SacnSource
+// (sacn_port.h) feeds it from the network, the fuzz target from a file.
 //
-// - Levels (start code 0) and priorities per address (0xDD) are passed on; other start codes are counted. Sequence
-//   numbers are judged for each universe, sender and start code by itself: some senders count them together, some
-//   apart.
-// - Priorities per address do not wait for synchronisation, and a sender that ends is ended at once.
+// - Levels (start code 0) and priorities per address (0xDD) are delivered; other start codes are counted. Sequence
+//   numbers are checked per universe, sender and start code: some senders number start codes together, some separately.
+// - Priorities per address are not held for synchronisation, and the end of a sender takes effect at once.
 #pragma once
 
 #include <cstdint>
@@ -24,9 +23,9 @@
 
 namespace footlight::drivers {
 
-// Sound datagrams that gave no frame, by reason.
+// Valid datagrams that gave no frame, by reason.
 struct SacnSourceDetails {
-  std::uint64_t late = 0;              // sequence number at or up to 19 behind the newest of its sender
+  std::uint64_t late = 0;              // sequence number equal to or up to 19 behind the newest of its sender
   std::uint64_t preview = 0;           // flagged as preview
   std::uint64_t other_start_code = 0;  // neither levels nor priorities per address
   std::uint64_t other_universe = 0;    // a universe that this source does not carry
@@ -46,13 +45,14 @@ class SacnReceiver {
   };
   explicit SacnReceiver(const Settings& settings);
 
-  // One datagram that came at `now_ns`; its frames go to `receiver` before this returns. False: it is no sACN packet.
+  // Takes one datagram that came at `now_ns`; its frames go to `receiver` before this returns. False: it is not an sACN
+  // packet.
   bool take(std::span<const std::uint8_t> datagram, std::uint32_t from_ipv4, TimeNs now_ns, FrameReceiver& receiver);
-  // After a datagram: the synchronisation address that has to be listened to from now on, or no more.
+  // After a datagram: the synchronisation address whose group must now be joined or left.
   [[nodiscard]] std::optional<SacnSynchroniser::Change> take_change() { return synchroniser_.take_change(); }
 
   [[nodiscard]] std::string sender_text(SenderId sender) const { return names_.text_of(sender); }
-  // Of Settings::universes[place].
+  // For Settings::universes[place].
   [[nodiscard]] SenderLosses losses(std::size_t place, SenderId sender) const {
     return level_filters_[place].losses(sender);
   }

@@ -31,7 +31,7 @@ SacnSynchroniser::Address* SacnSynchroniser::find_or_follow(int universe, TimeNs
     }
     return known;
   }
-  // One change of groups a datagram: the owner takes it before the next.
+  // At most one change of groups per datagram: the owner takes it before the next.
   Change change;
   Address* fresh = nullptr;
   if (addresses_.size() < kAddressesMax) {
@@ -90,7 +90,7 @@ bool SacnSynchroniser::hold(const SacnData& data, std::size_t place, SenderId se
   frame->address = data.sync_universe;
   frame->sequence = data.sequence;
   frame->priority = data.priority;
-  // A shorter frame leaves the slots of the one that it replaces as they were: both are in it.
+  // A shorter frame keeps the other slots of the frame that it replaces: both are in it.
   std::copy(data.slots.begin(), data.slots.end(), frame->slots.begin());
   frame->slot_count = std::max(frame->slot_count, static_cast<std::uint16_t>(data.slots.size()));
   return true;

@@ -1,15 +1,14 @@
-// Universe synchronisation on the receiving side (E1.31-2018 sections 6.2.4.1, 6.2.6 and 11): data packets that name a
+// Universe synchronisation on the receiving side (E1.31-2018 sections 6.2.4.1, 6.2.6 and 11): data packets with a
 // synchronisation address wait for the synchronisation packet of that address. No socket, no clock.
 //
-// - Until the first synchronisation packet of an address has come, its data is used as it comes (6.2.4.1).
-// - From then on a frame is held until the next one comes. A newer frame of the same universe and sender takes the
-//   place of a held one, which is counted.
-// - Synchronisation is lost 2.5 s after the last synchronisation packet (11.1.2). What a data packet then does is said
-//   by its own Force_Synchronization bit (6.2.6): set, it is used at once; clear, it goes on being held until
-//   synchronisation resumes. If the data falls silent for 2.5 s as well, all of that is forgotten: a desk that starts
-//   again is heard at once.
-// - A data packet without address is used at once, and what is held of its universe and sender is dropped (6.2.4.1).
-// - Any sender may synchronise any address: the document ties them together by the address alone.
+// - Before the first synchronisation packet of an address, its data is used at once (6.2.4.1).
+// - After that a frame is held until the next one. A newer frame of the same universe and sender replaces a held one,
+//   which is counted.
+// - Synchronisation is lost 2.5 s after the last synchronisation packet (11.1.2). Then the Force_Synchronization bit of
+//   each data packet decides (6.2.6): set, it is used at once; clear, it is held until synchronisation resumes. If the
+//   data is silent for 2.5 s as well, the state is dropped, so that frames of a restarted desk are used at once.
+// - A data packet without address is used at once, and held frames of its universe and sender are dropped (6.2.4.1).
+// - Any sender may synchronise any address: the standard connects them by the address alone.
 #pragma once
 
 #include <cstdint>
@@ -34,26 +33,26 @@ struct HeldFrame {
 
 class SacnSynchroniser {
  public:
-  // Beyond these bounds data is used as it comes.
-  static constexpr std::size_t kAddressesMax = 32;       // followed at a time; one idle for 2.5 s gives way
+  // Beyond these limits data is used at once.
+  static constexpr std::size_t kAddressesMax = 32;       // active at a time; one idle for 2.5 s is replaced
   static constexpr std::size_t kHeldPerUniverseMax = 4;  // senders whose frames can wait
 
   struct Counters {
     std::uint64_t held = 0;        // frames that had to wait
     std::uint64_t replaced = 0;    // of those, never used: a newer one came before the synchronisation packet
-    std::uint64_t unfollowed = 0;  // frames used at once because of the bounds above
+    std::uint64_t unfollowed = 0;  // frames used at once because of the limits above
     std::uint64_t late = 0;        // synchronisation packets out of sequence
-    std::uint64_t foreign = 0;     // synchronisation packets that no data asks for
+    std::uint64_t foreign = 0;     // synchronisation packets for an address that no data uses
   };
 
   explicit SacnSynchroniser(std::size_t place_count) : held_(place_count) {}
 
-  // A data packet with levels that has passed all other rules. True: it is held; false: use it now.
+  // For a data packet with levels that passed all other rules. True: it is held; false: use it now.
   bool hold(const SacnData& data, std::size_t place, SenderId sender, TimeNs now_ns);
-  // Drops what is held of a sender that ends.
+  // Drops held frames of a sender that ends.
   void drop(std::size_t place, SenderId sender);
 
-  // A synchronisation packet: calls use(place, held) for each frame that it sets free, in the order in which the
+  // For a synchronisation packet: calls use(place, held) for each frame that it releases, in the order in which the
   // universes were first held.
   template <class Use>
   void synchronise(const SacnSync& sync, SenderId sender, TimeNs now_ns, Use use) {
@@ -74,7 +73,7 @@ class SacnSynchroniser {
     places_spare_.clear();
   }
 
-  // The addresses whose groups have to be joined or left since the last call.
+  // The addresses whose groups must be joined or left since the last call.
   struct Change {
     int joined = 0;  // 0: none
     int left = 0;
@@ -88,7 +87,7 @@ class SacnSynchroniser {
     int universe = 0;
     TimeNs used_ns = 0;            // last data packet
     TimeNs synchronised_ns = 0;    // last synchronisation packet
-    bool is_synchronised = false;  // one has come, and may be lost by now
+    bool is_synchronised = false;  // one was received; synchronisation may be lost now
     SequenceFilter filter;
     std::vector<std::size_t> places;  // with frames that wait for it, each once
   };

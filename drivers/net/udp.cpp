@@ -123,7 +123,9 @@ Error net_error(std::string_view port_name, std::string_view action, int error_n
   std::string_view next;
   switch (error_number) {
     case EADDRINUSE:
-      next = "another program holds the port without sharing it; find it with 'ss -ulpn' and stop it or have it share";
+      next =
+          "another program holds the port without sharing it; find it with 'ss -ulpn' and stop it or make it share the "
+          "port";
       break;
     case EADDRNOTAVAIL:
       code = ErrorCode::kNotFound;
@@ -132,7 +134,7 @@ Error net_error(std::string_view port_name, std::string_view action, int error_n
     case EACCES:
     case EPERM:
       code = ErrorCode::kPermission;
-      next = "a firewall or the sandbox of the service forbids it; see 'sudo nft list ruleset' and the service's unit";
+      next = "a firewall or the sandbox of the service blocks it; see 'sudo nft list ruleset' and the service's unit";
       break;
     case ENETUNREACH:
     case EHOSTUNREACH:
@@ -144,7 +146,7 @@ Error net_error(std::string_view port_name, std::string_view action, int error_n
     case ENODEV:
     case ENXIO:
       code = ErrorCode::kDisconnected;
-      next = "the interface has gone or has no IPv4 address; see 'ip -4 address'";
+      next = "the interface is gone or has no IPv4 address; see 'ip -4 address'";
       break;
     case EMFILE:
     case ENFILE:
@@ -161,17 +163,17 @@ Error net_error(std::string_view port_name, std::string_view action, int error_n
 
 namespace {
 
-// Of the sockets that share a port by SO_REUSEPORT, the kernel picks one by the hash of the sender. This program has it
-// pick the one in the first place, so that a socket that comes later takes nothing away. Where that one closes, the
-// kernel moves the last into its place (reuseport_detach_sock() in net/core/sock_reuseport.c).
+// Of the sockets that share a port by SO_REUSEPORT, the kernel selects one by the hash of the sender. This filter makes
+// it select the first, so that a later socket takes nothing from it. When the first one closes, the kernel moves the
+// last into its place (reuseport_detach_sock() in net/core/sock_reuseport.c).
 void prefer_first(const Fd& socket) {
   sock_filter first[] = {BPF_STMT(BPF_RET | BPF_K, 0)};
   const sock_fprog program = {1, first};
   setsockopt(socket.get(), SOL_SOCKET, SO_ATTACH_REUSEPORT_CBPF, &program, sizeof program);
 }
 
-// An IPv6 socket that carries IPv4 as well. For IPv4 datagrams the kernel prefers an IPv4 socket of the same port.
-// No descriptor where the kernel or the sandbox has no IPv6.
+// An IPv6 socket that carries IPv4 as well. The kernel prefers an IPv4 socket of the same port for IPv4 datagrams.
+// Returns no descriptor if the kernel or the sandbox has no IPv6.
 Result<Fd> bind_dual_stack(std::string_view port_name, std::uint16_t udp_port) {
   Fd socket(::socket(AF_INET6, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!socket) return Fd();
@@ -190,8 +192,8 @@ Result<Fd> bind_dual_stack(std::string_view port_name, std::uint16_t udp_port) {
   return tl::unexpected(net_error(port_name, fmt::format("open UDP port {}", udp_port), error_number));
 }
 
-// Without IPv6: takes the port only while nobody has it, then lets others in. With SO_REUSEADDR and without
-// SO_REUSEPORT the kernel gives a unicast datagram to the socket that was bound last, which is not this one.
+// Without IPv6: takes the port only if it is free, then allows others. With SO_REUSEADDR and without SO_REUSEPORT the
+// kernel gives a unicast datagram to the socket that was bound last, which is not this one.
 Result<Fd> bind_ipv4_last(std::string_view port_name, std::uint16_t udp_port) {
   Fd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!socket) return tl::unexpected(net_error(port_name, "open a UDP socket", errno));
@@ -210,8 +212,8 @@ Result<Fd> bind_yielding(std::string_view port_name, std::uint16_t udp_port) {
 }
 
 void set_receiver_options(const Fd& socket, const ReceiverSocket& wanted) {
-  // The default of 208 KiB overflows in a stall of 130 ms at 9,000 packets a second; FORCE needs privilege and passes
-  // net.core.rmem_max.
+  // The default of 208 KiB overflows in a stall of 130 ms at 9,000 packets a second. FORCE needs privilege and may
+  // exceed net.core.rmem_max.
   if (!set_option(socket, SOL_SOCKET, SO_RCVBUFFORCE, wanted.buffer_bytes)) {
     set_option(socket, SOL_SOCKET, SO_RCVBUF, wanted.buffer_bytes);
   }
@@ -227,7 +229,7 @@ void set_receiver_options(const Fd& socket, const ReceiverSocket& wanted) {
 Result<Fd> open_receiver(const ReceiverSocket& wanted) {
   Fd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!socket) return tl::unexpected(net_error(wanted.port_name, "open a UDP socket", errno));
-  // SO_REUSEADDR lets in the programs that set it, SO_REUSEPORT those that set only that.
+  // SO_REUSEADDR admits programs that set it, SO_REUSEPORT those that set only that.
   set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
   set_option(socket, SOL_SOCKET, SO_REUSEPORT, 1);
   set_receiver_options(socket, wanted);
@@ -248,7 +250,7 @@ Result<Fd> open_yielding_receiver(const ReceiverSocket& wanted) {
   return socket;
 }
 
-int hear_all_groups(const Fd& receiver) { return set_option(receiver, IPPROTO_IP, IP_MULTICAST_ALL, 1) ? 0 : errno; }
+int receive_all_groups(const Fd& receiver) { return set_option(receiver, IPPROTO_IP, IP_MULTICAST_ALL, 1) ? 0 : errno; }
 
 Result<Fd> open_member(std::string_view port_name) {
   Fd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
@@ -280,7 +282,7 @@ Result<Fd> open_yielding_sender(const SenderSocket& wanted, std::uint16_t udp_po
   set_option(socket, IPPROTO_IP, IP_PKTINFO, 1);
   set_option(socket, SOL_SOCKET, SO_TIMESTAMPNS, 1);
   if (!op_code_filter.empty()) {
-    // A filter of a UDP socket sees the datagram from its UDP header on, which has 8 octets.
+    // A filter of a UDP socket starts at the UDP header, which has 8 octets.
     std::vector<sock_filter> program = {BPF_STMT(BPF_LD | BPF_H | BPF_ABS, 8 + 8)};
     for (const std::uint16_t op_code : op_code_filter) {
       const auto as_read = static_cast<std::uint16_t>(op_code << 8 | op_code >> 8);  // BPF reads high octet first
@@ -289,21 +291,21 @@ Result<Fd> open_yielding_sender(const SenderSocket& wanted, std::uint16_t udp_po
     }
     program.push_back(BPF_STMT(BPF_RET | BPF_K, 0));
     const sock_fprog filter = {static_cast<unsigned short>(program.size()), program.data()};
-    // Without the filter there is more to read and throw away, no more.
+    // Without the filter more datagrams are read and dropped.
     setsockopt(socket.get(), SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter);
   }
   return socket;
 }
 
-Result<Fd> open_deaf_sender(const SenderSocket& wanted, std::uint16_t udp_port) {
+Result<Fd> open_send_only(const SenderSocket& wanted, std::uint16_t udp_port) {
   Fd socket(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   if (!socket) return tl::unexpected(net_error(wanted.port_name, "open a UDP socket", errno));
   set_option(socket, SOL_SOCKET, SO_REUSEADDR, 1);
   set_option(socket, SOL_SOCKET, SO_REUSEPORT, 1);
   set_option(socket, SOL_SOCKET, SO_BROADCAST, 1);
   set_option(socket, IPPROTO_IP, IP_MULTICAST_ALL, 0);
-  // A socket that is bound to a group gets what is sent to that group alone, which nobody may send to, and the source
-  // address of what it sends is that of the route (inet_bind() in net/ipv4/af_inet.c).
+  // A socket that is bound to a group receives only datagrams to that group, and this group has no senders. Its packets
+  // have the source address of their route (inet_bind() in net/ipv4/af_inet.c).
   const sockaddr_in nobody = address_of(0xE000'0000, udp_port);
   if (::bind(socket.get(), reinterpret_cast<const sockaddr*>(&nobody), sizeof nobody) != 0) {
     return tl::unexpected(net_error(wanted.port_name, fmt::format("open UDP port {} beside others", udp_port), errno));
@@ -331,7 +333,7 @@ int route_error(std::uint32_t ipv4, int interface_index) {
   if (interface_index != 0) {
     if (const int error_number = leave_through(probe, interface_index); error_number != 0) return error_number;
   }
-  // Connecting a UDP socket sends nothing. Any port but 0 will do.
+  // Connecting a UDP socket sends nothing. Any port but 0 works.
   const sockaddr_in address = address_of(ipv4, 9);
   return ::connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ? 0 : errno;
 }
@@ -377,7 +379,7 @@ DatagramReader::DatagramReader() : buffers_(std::make_unique<Buffers>()) {
 DatagramReader::~DatagramReader() = default;
 
 int DatagramReader::read(int fd) {
-  for (auto& message : buffers_->messages) {  // the kernel wrote the sizes of the last batch over these
+  for (auto& message : buffers_->messages) {  // the kernel has overwritten them with the sizes of the last batch
     message.msg_hdr.msg_namelen = sizeof(sockaddr_in6);
     message.msg_hdr.msg_controllen = Buffers::kControlBytes;
   }
@@ -395,7 +397,7 @@ int DatagramReader::read(int fd) {
     sockaddr_in sender4 = {};
     std::memcpy(&sender4, &sender, sizeof sender4);
     if (sender.sin6_family == AF_INET6) {
-      // ::ffff:a.b.c.d from an IPv6 socket that speaks IPv4. True IPv6 leaves 0.0.0.0, which nobody answers.
+      // ::ffff:a.b.c.d from an IPv6 socket used for IPv4. True IPv6 leaves 0.0.0.0, which gets no answer.
       sender4.sin_addr.s_addr = 0;
       if (IN6_IS_ADDR_V4MAPPED(&sender.sin6_addr)) {
         std::memcpy(&sender4.sin_addr, &sender.sin6_addr.s6_addr[12], sizeof sender4.sin_addr);
@@ -511,7 +513,7 @@ bool InterfaceWatch::read(std::vector<int>& lost) {
   alignas(nlmsghdr) std::array<char, 16 * 1024> buffer;
   while (true) {
     const ssize_t size = recv(socket_.get(), buffer.data(), buffer.size(), MSG_DONTWAIT);
-    if (size < 0 && errno == ENOBUFS) {  // messages were lost: look at everything again
+    if (size < 0 && errno == ENOBUFS) {  // messages were lost: check everything again
       changed = true;
       continue;
     }

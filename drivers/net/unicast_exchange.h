@@ -1,7 +1,8 @@
-// Inputs of one program on one UDP port. Linux gives a unicast datagram to one of their sockets. The input that reads
-// it passes it on to the others, so that each input gets every datagram, as it does with multicast and broadcast.
+// Shares unicast between the inputs of one program on one UDP port. Linux gives a unicast datagram to one of their
+// sockets. The input that reads it passes it on to the others. So each input gets every datagram, as with multicast and
+// broadcast.
 //
-// Threads: that of the inputs, as all that network ports of one program know of each other.
+// Threads: that of the inputs, like all state shared by a program's network ports.
 #pragma once
 
 #include <array>
@@ -16,7 +17,7 @@ namespace footlight::drivers {
 
 class UnicastExchange {
  public:
-  // One input reads at most 1,024 datagrams between two polls of another one, or twice that where it is polled first.
+  // One input reads at most 1,024 datagrams between two polls of another one, or twice that if it is polled first.
   static constexpr std::size_t kParcelsMax = 2'048;
 
   struct Parcel {
@@ -26,13 +27,13 @@ class UnicastExchange {
     TimeNs stamp_ns = 0;
   };
 
-  // Of one input. It stays where it is while it is added.
+  // The inbox of one input. It must not move while it is added.
   struct Inbox {
     std::uint16_t udp_port = 0;
-    std::vector<std::uint32_t> ipv4s;  // takes unicast to these; empty: to any
-    Fd event;                          // an eventfd that does not block; readable while parcels wait
+    std::vector<std::uint32_t> ipv4s;  // takes unicast to these addresses; empty: to any
+    Fd event;                          // a non-blocking eventfd; readable while parcels wait
     bool shared = false;               // another input has the same port
-    std::vector<Parcel> parcels;       // a ring; empty until it is shared for the first time
+    std::vector<Parcel> parcels;       // a ring buffer; empty until it is shared for the first time
     std::size_t first = 0;
     std::size_t count = 0;
     std::uint64_t dropped = 0;  // the ring was full
@@ -40,7 +41,7 @@ class UnicastExchange {
 
   void add(Inbox& inbox);
   void remove(Inbox& inbox);
-  // A datagram that `from` has read, to all others of its port that take it.
+  // Passes a datagram that `from` has read to all others of its port that take it.
   void pass_on(const Inbox& from, const Datagram& datagram, TimeNs stamp_ns);
 
  private:
@@ -48,7 +49,7 @@ class UnicastExchange {
   std::vector<Inbox*> inboxes_;
 };
 
-// Whether it was sent to an address of this machine: neither multicast nor broadcast. Needs packet information.
+// True if it was sent to an address of this machine: neither multicast nor broadcast. Needs packet information.
 [[nodiscard]] inline bool is_unicast(const Datagram& datagram) {
   return datagram.to_ipv4 != 0 && datagram.to_ipv4 == datagram.local_ipv4;
 }

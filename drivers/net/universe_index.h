@@ -1,4 +1,4 @@
-// From a universe's number to its place in a port's list, in constant time.
+// Maps a universe's number to its place in a port's list, in constant time.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ class UniverseIndex {
       places_[static_cast<std::size_t>(numbers[i] - first_)] = static_cast<std::int32_t>(i);
     }
   }
-  // -1 where the number is not in the list.
+  // -1 if the number is not in the list.
   [[nodiscard]] int find(int number) const {
     const long long offset = static_cast<long long>(number) - first_;
     if (offset < 0 || offset >= static_cast<long long>(places_.size())) return -1;

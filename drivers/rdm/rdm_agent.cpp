@@ -46,7 +46,7 @@ RdmAgent::~RdmAgent() {
   ::close(event_fd_);
 }
 
-bool RdmAgent::ask(std::uint64_t ticket, RdmMessage request) {
+bool RdmAgent::submit(std::uint64_t ticket, RdmMessage request) {
   {
     const std::lock_guard lock(mutex_);
     if (requests_.size() >= kRequestsMax) return false;
@@ -65,7 +65,7 @@ void RdmAgent::search() {
 }
 
 RdmAgent::News RdmAgent::take() {
-  // Under the lock, as the write is: what is taken here wakes nobody afterwards.
+  // Under the lock, like the write: what is taken here must not leave the descriptor readable.
   const std::lock_guard lock(mutex_);
   std::uint64_t count = 0;
   (void)!::read(event_fd_, &count, sizeof count);
@@ -82,7 +82,7 @@ void RdmAgent::run() {
   while (true) {
     wake_.wait(lock, [this] { return stopping_ || search_wanted_ || !requests_.empty(); });
     if (stopping_) return;
-    // Requests first: people wait for them.
+    // Requests first: controllers wait for them.
     if (!requests_.empty()) {
       const Request request = std::move(requests_.front());
       requests_.pop_front();
@@ -95,7 +95,7 @@ void RdmAgent::run() {
       lock.unlock();
       const auto found = line_->discover();
       lock.lock();
-      // A search that failed leaves the table as it was, and an empty one where there was none.
+      // A failed search keeps the table, or sets an empty one if there was none.
       if (found) {
         table_.emplace();
         for (const RdmFound& one : *found) table_->push_back(one.uid);

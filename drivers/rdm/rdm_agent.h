@@ -1,7 +1,7 @@
-// An RDM line for those who must not wait: requests are taken at once and answered later, by a thread of its own.
+// A non-blocking RDM line: requests are accepted at once and answered later, by its own thread.
 //
-// Made for the pump: a descriptor becomes readable when there is something to take. At most kRequestsMax requests wait;
-// more are refused, since a controller asks again.
+// For the pump: a descriptor becomes readable when take() has something. At most kRequestsMax requests wait; more are
+// refused, since a controller repeats them.
 #pragma once
 
 #include <atomic>
@@ -22,10 +22,10 @@ class RdmAgent {
  public:
   static constexpr std::size_t kRequestsMax = 16;
 
-  // The line is called on the agent's thread alone. kIo: no descriptor is to be had.
+  // Only the agent's thread calls the line. kIo: no descriptor is available.
   [[nodiscard]] static Result<std::unique_ptr<RdmAgent>> create(std::unique_ptr<RdmLine> line);
-  // Waits for the call of the line that runs. request_stop() does not wait: from then on no answer comes and the
-  // descriptor stays quiet. The destructor waits for nothing once has_ended() is true.
+  // Waits for the current call of the line to end. request_stop() does not wait: after it no answer comes and the
+  // descriptor stays unreadable. The destructor does not wait after has_ended() is true.
   ~RdmAgent();
   void request_stop();
   [[nodiscard]] bool has_ended() const { return ended_.load(); }
@@ -33,22 +33,22 @@ class RdmAgent {
   RdmAgent& operator=(const RdmAgent&) = delete;
 
   // --- From one thread.
-  // False: too many wait. `ticket` comes back with the answer.
-  bool ask(std::uint64_t ticket, RdmMessage request);
-  // Searches the line anew; nothing where a search waits already.
+  // False: too many requests wait. `ticket` is returned with the answer.
+  bool submit(std::uint64_t ticket, RdmMessage request);
+  // Searches the line again; no effect if a search waits already.
   void search();
   [[nodiscard]] int fd() const { return event_fd_; }
   struct Answer {
     std::uint64_t ticket = 0;
-    std::optional<RdmMessage> message;  // none: nobody answered, or the line failed
+    std::optional<RdmMessage> message;  // none: no answer, or the line failed
   };
-  // What has come since the last call; makes the descriptor quiet.
+  // Everything since the last call; clears the descriptor.
   struct News {
     std::vector<Answer> answers;
     bool table_changed = false;  // a search has ended
   };
   [[nodiscard]] News take();
-  // By UID, as the last search found them; nullopt: none has ended yet.
+  // Sorted by UID, from the last search; nullopt: no search has ended yet.
   [[nodiscard]] std::optional<std::vector<RdmUid>> table() const;
 
  private:
@@ -70,7 +70,7 @@ class RdmAgent {
   News news_;
   std::optional<std::vector<RdmUid>> table_;
   std::atomic<bool> ended_{false};
-  std::thread thread_;  // last: it uses what is above
+  std::thread thread_;  // last member: it uses those above
 };
 
 }  // namespace footlight::drivers

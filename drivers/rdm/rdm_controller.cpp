@@ -10,9 +10,9 @@ namespace {
 
 constexpr int kTries = 3;
 constexpr DurationNs kTimerUnitNs = 100 * kNsPerMs;  // of ACK_TIMER
-constexpr DurationNs kPatienceNs = 10 * kNsPerS;     // for what was promised
+constexpr DurationNs kPatienceNs = 10 * kNsPerS;     // for a promised answer
 constexpr int kPartsMax = 256;                       // of an ACK_OVERFLOW
-constexpr std::uint8_t kStatusError = 4;             // the queue gives messages of any weight, and status of this one
+constexpr std::uint8_t kStatusError = 4;  // the queue returns messages of any severity, and status messages of this one
 
 ErrorCode code_of_nack(std::uint16_t reason) {
   switch (reason) {
@@ -42,14 +42,14 @@ RdmUid rdm_own_uid() {
 
 Result<Octets> RdmController::get(const RdmUid& uid, std::uint16_t parameter, std::span<const std::uint8_t> argument,
                                   std::string_view name, std::uint16_t sub_device) {
-  if (uid.is_broadcast()) return fail(ErrorCode::kBadInput, "{}: only one device can be asked; name its UID", name);
+  if (uid.is_broadcast()) return fail(ErrorCode::kBadInput, "{}: a request needs one device; name its UID", name);
   RdmMessage request;
   request.to = uid;
   request.command = RdmCommand::kGet;
   request.parameter = parameter;
   request.sub_device = sub_device;
   request.data.assign(argument.begin(), argument.end());
-  return ask(std::move(request), name);
+  return transact(std::move(request), name);
 }
 
 Result<Octets> RdmController::set(const RdmUid& uid, std::uint16_t parameter, std::span<const std::uint8_t> data,
@@ -60,7 +60,7 @@ Result<Octets> RdmController::set(const RdmUid& uid, std::uint16_t parameter, st
   request.parameter = parameter;
   request.sub_device = sub_device;
   request.data.assign(data.begin(), data.end());
-  if (!uid.is_broadcast()) return ask(std::move(request), name);
+  if (!uid.is_broadcast()) return transact(std::move(request), name);
   request.from = own_;
   request.transaction = ++transaction_;
   FL_TRY(line_.transact(request));
@@ -82,7 +82,7 @@ Result<RdmMessage> RdmController::try_thrice(RdmMessage& request, std::string_vi
     return fail(ErrorCode::kProtocol, "{}: {}: answers arrive damaged ({}); check the cable and its terminator",
                 text_of(request.to), name, damage);
   }
-  return fail(ErrorCode::kTimeout, "{}: {}: no answer, asked {} times; is it on this line? 'footlight rdm list' tells",
+  return fail(ErrorCode::kTimeout, "{}: {}: no answer to {} requests; is it on this line? See 'footlight rdm list'",
               text_of(request.to), name, kTries);
 }
 
@@ -103,18 +103,18 @@ Result<RdmMessage> RdmController::wait_for_queued(const RdmMessage& request, con
     if (message.response_type() == RdmResponseType::kAckTimer) {
       wait_ns = std::max<DurationNs>(1, word_of(message.data)) * kTimerUnitNs;
     } else if (message.response_type() == RdmResponseType::kNack && request.command == RdmCommand::kGet) {
-      // It keeps no queue; then the question itself has to be asked again.
+      // It keeps no queue: repeat the request itself.
       RdmMessage again = request;
       FL_ASSIGN(message, try_thrice(again, name));
       if (message.response_type() != RdmResponseType::kAckTimer) return message;
       wait_ns = std::max<DurationNs>(1, word_of(message.data)) * kTimerUnitNs;
     }
   }
-  return fail(ErrorCode::kTimeout, "{}: {}: asked for time and has not answered within {} s; try again later",
+  return fail(ErrorCode::kTimeout, "{}: {}: requested time and has not answered within {} s; try again later",
               text_of(request.to), name, kPatienceNs / kNsPerS);
 }
 
-Result<Octets> RdmController::ask(RdmMessage request, std::string_view name) {
+Result<Octets> RdmController::transact(RdmMessage request, std::string_view name) {
   Octets data;
   for (int part = 0; part < kPartsMax; ++part) {
     FL_ASSIGN(RdmMessage answer, try_thrice(request, name));
@@ -133,8 +133,8 @@ Result<Octets> RdmController::ask(RdmMessage request, std::string_view name) {
     data.insert(data.end(), answer.data.begin(), answer.data.end());
     if (answer.response_type() == RdmResponseType::kAck) return data;
   }
-  return fail(ErrorCode::kProtocol, "{}: {}: the answer has no end; {} parts came", text_of(request.to), name,
-              kPartsMax);
+  return fail(ErrorCode::kProtocol, "{}: {}: the answer does not end; {} parts were received", text_of(request.to),
+              name, kPartsMax);
 }
 
 }  // namespace footlight::drivers

@@ -1,5 +1,5 @@
-// Asks responders for parameters and sets them: repeats what was lost, waits where the responder asks for time, puts
-// answers together that come in parts, and turns refusals into words.
+// Reads and sets parameters of responders: repeats lost requests, waits as long as the responder requests, assembles
+// answers that come in parts, and converts refusals to messages.
 //
 // Blocks for as long as the responder takes, up to some seconds. One thread.
 #pragma once
@@ -14,7 +14,7 @@
 
 namespace footlight::drivers {
 
-// A UID of this machine's own, from the range that ESTA leaves to prototypes (manufacturers 7FF0 to 7FFF).
+// A UID for this machine, from the range that ESTA reserves for prototypes (manufacturers 7FF0 to 7FFF).
 [[nodiscard]] RdmUid rdm_own_uid();
 
 class RdmController {
@@ -23,19 +23,23 @@ class RdmController {
   RdmController(RdmLine& line, Clock& clock, const RdmUid& own = rdm_own_uid())
       : line_(line), clock_(clock), own_(own) {}
 
-  // The data of a parameter. `name`: of the parameter, for messages. Errors: kTimeout: no answer, three times, or not
-  // the one that was promised. kUnsupported: refused: unknown parameter, or one that cannot be got or set.
-  // kPermission: refused: write protect. kBadInput: refused: out of range, or a wrong format. kIo: refused: hardware
-  // fault. kProtocol: other refusals and broken answers. Those of the line.
+  // The data of a parameter. `name`: of the parameter, for messages. Errors:
+  // - kTimeout: no answer to three requests, or not the promised one.
+  // - kUnsupported: refused: unknown parameter, or not readable or settable.
+  // - kPermission: refused: write protect.
+  // - kBadInput: refused: out of range, or a wrong format.
+  // - kIo: refused: hardware fault.
+  // - kProtocol: other refusals and malformed answers.
+  // - Those of the line.
   [[nodiscard]] Result<Octets> get(const RdmUid& uid, std::uint16_t parameter, std::span<const std::uint8_t> argument,
                                    std::string_view name, std::uint16_t sub_device = 0);
-  // What the responder answered, often nothing; for broadcasts nothing.
+  // The data of the responder's answer, often empty; empty for broadcasts.
   [[nodiscard]] Result<Octets> set(const RdmUid& uid, std::uint16_t parameter, std::span<const std::uint8_t> data,
                                    std::string_view name, std::uint16_t sub_device = 0);
 
  private:
-  [[nodiscard]] Result<Octets> ask(RdmMessage request, std::string_view name);
-  // One response, after up to three tries.
+  [[nodiscard]] Result<Octets> transact(RdmMessage request, std::string_view name);
+  // One response, after up to three attempts.
   [[nodiscard]] Result<RdmMessage> try_thrice(RdmMessage& request, std::string_view name);
   [[nodiscard]] Result<RdmMessage> wait_for_queued(const RdmMessage& request, const RdmMessage& timer,
                                                    std::string_view name);

@@ -1,5 +1,5 @@
-// Which universes of a running program end on a line that carries RDM: devices put their lines in, gateways take them
-// out. Safe from any thread.
+// The universes of a running program that end on a line with RDM: devices register their lines, gateways look them up.
+// Safe from any thread.
 #pragma once
 
 #include <cstdint>
@@ -18,20 +18,20 @@ namespace footlight::drivers {
 
 class RdmDirectory {
  public:
-  // Waits for the agents that were retired.
+  // Waits for the retired agents.
   ~RdmDirectory();
   struct Entry {
-    // Another number where another device has taken over.
+    // Changes when another device has taken over.
     std::uint64_t generation = 0;
-    // The line, for one user of it at a time.
+    // Makes the line, for one user of it at a time.
     std::function<std::unique_ptr<RdmLine>()> make_line;
   };
 
-  // Replaces what was there. `is_gone`: the device has been closed for good; then nobody finds it any more.
+  // Replaces an earlier entry. `is_gone`: true after the device was closed for good; then find() no longer returns it.
   void put(Universe universe, std::function<std::unique_ptr<RdmLine>()> make_line, std::function<bool()> is_gone);
   // nullopt: the universe has no such line.
   [[nodiscard]] std::optional<Entry> find(Universe universe);
-  // Stops an agent and returns at once: for the pump's thread, which must not wait for a line that is busy.
+  // Stops an agent and returns at once: for the pump's thread, which must not wait for a busy line.
   void retire(std::unique_ptr<RdmAgent> agent);
 
  private:
@@ -42,7 +42,7 @@ class RdmDirectory {
   std::mutex mutex_;
   std::map<Universe, Held> held_;  // guarded by mutex_
   std::uint64_t next_generation_ = 1;
-  std::vector<std::unique_ptr<RdmAgent>> retired_;  // guarded by mutex_; those that have ended go with the next one
+  std::vector<std::unique_ptr<RdmAgent>> retired_;  // guarded by mutex_; ended ones are removed with the next call
 };
 
 }  // namespace footlight::drivers

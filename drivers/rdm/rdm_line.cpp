@@ -6,8 +6,8 @@ namespace footlight::drivers {
 namespace {
 
 constexpr int kMuteTries = 3;
-// Of discover(). A responder costs some 100 requests at worst: two a bit of the UID, and the mute. Noise that always
-// looks like several of them has to end some time.
+// Of discover(). A responder costs some 100 requests at worst: two per bit of the UID, and the mute. Permanent noise
+// that looks like several responders must end somewhere.
 constexpr std::size_t kRequestsAlways = 1'000;
 constexpr std::size_t kRequestsPerResponder = 200;
 
@@ -21,7 +21,7 @@ Result<std::optional<RdmMessage>> RdmWire::transact(const RdmMessage& request) {
   FL_ASSIGN(const Octets bytes, exchange(build_rdm(request)));
   if (bytes.empty() || request.to.is_broadcast()) return std::nullopt;
   FL_ASSIGN(RdmMessage response, parse_rdm(bytes));
-  // What else is heard is the end of something earlier, or another controller.
+  // Anything else is the end of an earlier response, or from another controller.
   if (response.from != request.to || response.to != request.from || response.transaction != request.transaction ||
       response.command != response_to(request.command)) {
     return std::nullopt;
@@ -29,7 +29,7 @@ Result<std::optional<RdmMessage>> RdmWire::transact(const RdmMessage& request) {
   return response;
 }
 
-Result<Octets> RdmWire::ask_branch(const Branch& branch) {
+Result<Octets> RdmWire::query_branch(const Branch& branch) {
   RdmMessage request;
   request.to = kRdmEverybody;
   request.from = own_;
@@ -79,7 +79,7 @@ Result<std::vector<RdmFound>> RdmWire::discover() {
   unmute.from = own_;
   unmute.command = RdmCommand::kDiscovery;
   unmute.parameter = kRdmUnmute;
-  for (int i = 0; i < 2; ++i) {  // nobody confirms it
+  for (int i = 0; i < 2; ++i) {  // no responder confirms it
     unmute.transaction = ++transaction_;
     ++discovery_requests_;
     FL_TRY(exchange(build_rdm(unmute)));
@@ -92,16 +92,17 @@ Result<std::vector<RdmFound>> RdmWire::discover() {
   std::vector<Branch> branches = {{RdmUid{}, kRdmUidMax}};
   while (!branches.empty()) {
     if (discovery_requests_ > kRequestsAlways + kRequestsPerResponder * found.size()) {
-      return fail(ErrorCode::kProtocol,
-                  "RDM discovery has no end: {} responders after {} requests; the line is disturbed, or a device on it "
-                  "breaks the rules: check cables and terminator, then take devices off one by one",
-                  found.size(), discovery_requests_);
+      return fail(
+          ErrorCode::kProtocol,
+          "RDM discovery does not end: {} responders after {} requests; the line is disturbed, or a device on it "
+          "violates the protocol: check cables and terminator, then take devices off one by one",
+          found.size(), discovery_requests_);
     }
     if (stopped()) return fail(ErrorCode::kDisconnected, "RDM discovery was stopped");
     const Branch branch = branches.back();
     branches.pop_back();
     const std::uint64_t low = branch.low.number(), high = branch.high.number();
-    FL_ASSIGN(const Octets answer, ask_branch(branch));
+    FL_ASSIGN(const Octets answer, query_branch(branch));
     if (answer.empty()) continue;
     const auto uid = parse_discovery_answer(answer);
     bool took_one = false;
@@ -110,15 +111,15 @@ Result<std::vector<RdmFound>> RdmWire::discover() {
       if (one) found.push_back(*one);
       took_one = one.has_value();
     } else if (low == high && !is_known(branch.low)) {
-      // Nobody else can be here: it is one device, and its answer was damaged.
+      // Only one responder fits here: its answer was damaged.
       FL_ASSIGN(auto one, mute(branch.low));
       if (one) found.push_back(*one);
       continue;
     }
     if (took_one) {
-      branches.push_back(branch);  // the weaker ones that this one talked over
+      branches.push_back(branch);  // those that this one has drowned out
     } else if (low != high) {
-      // Several at once, or one that answers though it is muted: each half alone.
+      // Several at once, or one that answers while muted: search each half alone.
       const std::uint64_t middle = low + (high - low) / 2;
       branches.push_back({RdmUid::of_number(middle + 1), branch.high});
       branches.push_back({branch.low, RdmUid::of_number(middle)});

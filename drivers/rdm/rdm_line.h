@@ -1,7 +1,7 @@
-// A DMX line that carries Remote Device Management (ANSI E1.20): who is on it, and one question and its answer at a
-// time. What is asked, and what to do about answers that come late or in parts, is in rdm_controller.h.
+// A DMX line with Remote Device Management (ANSI E1.20): discovery of responders, and one request with its response at
+// a time. rdm_controller.h handles parameters, late answers and answers in parts.
 //
-// Calls block until the answer is there or its time is over. One thread, but for stop().
+// Calls block until the response or a timeout. One thread, except for stop().
 #pragma once
 
 #include <atomic>
@@ -16,15 +16,15 @@
 
 namespace footlight::drivers {
 
-// A responder as discovery finds it.
+// A responder found by discovery.
 struct RdmFound {
   RdmUid uid;
-  // What it said when it was muted (E1.20 section 7.6.3); all false where discovery was another's (a gateway).
-  bool is_proxy = false;  // it stands for others, which are found as well
+  // Its answer to DISC_MUTE (E1.20 section 7.6.3); all false if a gateway did the discovery.
+  bool is_proxy = false;  // it represents others, which are found as well
   bool has_sub_devices = false;
-  bool is_boot_loader = false;     // cannot do more than be updated
-  bool is_proxied = false;         // another answers for it
-  std::optional<RdmUid> bound_to;  // first of the responders of one physical device
+  bool is_boot_loader = false;     // supports only firmware updates
+  bool is_proxied = false;         // another responder answers for it
+  std::optional<RdmUid> bound_to;  // the primary responder of a physical device with several
 
   friend bool operator==(const RdmFound&, const RdmFound&) = default;
 };
@@ -32,13 +32,12 @@ struct RdmFound {
 class RdmLine {
  public:
   virtual ~RdmLine() = default;
-  // Sends a request and waits for the response to it. nullopt: nobody answered, or the request is a broadcast.
-  // Responses of others, or to another request, are not given. Errors: of what carries the line, or kProtocol: an
-  // answer came and was damaged.
+  // Sends a request and waits for its response. nullopt: no answer, or the request is a broadcast. Responses of others,
+  // or to another request, are ignored. Errors: of the line's transport, or kProtocol: a damaged answer.
   [[nodiscard]] virtual Result<std::optional<RdmMessage>> transact(const RdmMessage& request) = 0;
-  // Everybody on the line, by UID.
+  // Every responder on the line, sorted by UID.
   [[nodiscard]] virtual Result<std::vector<RdmFound>> discover() = 0;
-  // From any thread: a search that runs, and every later one, ends with kDisconnected after the request under way.
+  // From any thread: the current and every later search ends with kDisconnected after the current request.
   void stop() { stopped_ = true; }
 
  protected:
@@ -48,32 +47,32 @@ class RdmLine {
   std::atomic<bool> stopped_ = false;
 };
 
-// A line whose bytes we see: discovery is our own.
+// A line whose bytes are accessible: discovery is done here.
 class RdmWire : public RdmLine {
  public:
   // `own`: the UID of this controller.
   explicit RdmWire(const RdmUid& own) : own_(own) {}
 
   [[nodiscard]] Result<std::optional<RdmMessage>> transact(const RdmMessage& request) override;
-  // Binary search by DISC_UNIQUE_BRANCH and DISC_MUTE (E1.20 section 7). Responders that break the rules - that answer
-  // though muted, or do not confirm that they are - cost time and do not keep others from being found; they are in the
-  // list only if they have been muted once.
+  // Binary search by DISC_UNIQUE_BRANCH and DISC_MUTE (E1.20 section 7). Responders that violate the rules (answer
+  // while muted, or do not confirm the mute) cost time but do not prevent others from being found. They are listed only
+  // if they have been muted once.
   [[nodiscard]] Result<std::vector<RdmFound>> discover() override;
 
   // Requests sent by the last discover().
   [[nodiscard]] std::size_t discovery_requests() const { return discovery_requests_; }
 
  protected:
-  // Puts a request on the line and returns what came back, as it was on the line: a response from its start code on,
-  // the answer or answers to DISC_UNIQUE_BRANCH, or nothing.
+  // Sends a request and returns what was received on the line: a response from its start code on, the answer or answers
+  // to DISC_UNIQUE_BRANCH, or nothing.
   [[nodiscard]] virtual Result<Octets> exchange(std::span<const std::uint8_t> request) = 0;
 
  private:
   struct Branch {
     RdmUid low, high;
   };
-  // The answer to DISC_UNIQUE_BRANCH. Empty: nobody is there.
-  [[nodiscard]] Result<Octets> ask_branch(const Branch& branch);
+  // The answer to DISC_UNIQUE_BRANCH. Empty: no responder.
+  [[nodiscard]] Result<Octets> query_branch(const Branch& branch);
   [[nodiscard]] Result<std::optional<RdmFound>> mute(const RdmUid& uid);
 
   const RdmUid own_;

@@ -38,7 +38,7 @@ std::uint16_t sum_of(std::span<const std::uint8_t> bytes) {
   return static_cast<std::uint16_t>(std::accumulate(bytes.begin(), bytes.end(), 0u));
 }
 
-// An octet as two: each bit of it is in one of them, and the other bit there is 1.
+// One octet as two: each bit of it is in one of them, where the other has a 1.
 void add_doubled(Octets& bytes, unsigned value) {
   bytes.push_back(static_cast<std::uint8_t>(value | 0xAAu));
   bytes.push_back(static_cast<std::uint8_t>(value | 0x55u));
@@ -70,9 +70,9 @@ Result<RdmUid> parse_rdm_uid(std::string_view text) {
 
 const char* text_of(RdmFault fault) {
   switch (fault) {
-    case RdmFault::kTooShort: return "shorter than a message, or than it says";
+    case RdmFault::kTooShort: return "shorter than a message, or than its length field";
     case RdmFault::kStartCode: return "does not begin with CC 01";
-    case RdmFault::kLength: return "the message's length and that of its data do not go together";
+    case RdmFault::kLength: return "the message length and the data length do not match";
     case RdmFault::kChecksum: return "the checksum is wrong";
     case RdmFault::kCommand: return "an unknown command class";
     case RdmFault::kResponseType: return "an unknown type of response";
@@ -158,7 +158,7 @@ std::optional<RdmUid> parse_discovery_answer(std::span<const std::uint8_t> bytes
   const auto doubled = bytes.subspan(at + 1, kEncodedUidSize + kEncodedSumSize);
   Octets plain;
   for (std::size_t i = 0; i < doubled.size(); i += 2) {
-    // In an undisturbed answer the bits that only fill are 1.
+    // In an undisturbed answer the filler bits are 1.
     if ((doubled[i] & 0xAAu) != 0xAAu || (doubled[i + 1] & 0x55u) != 0x55u) return std::nullopt;
     plain.push_back(doubled[i] & doubled[i + 1]);
   }
@@ -187,7 +187,7 @@ std::string_view text_of_nack(std::uint16_t reason) {
                                                        "invalid IPv4 address",
                                                        "invalid IPv6 address",
                                                        "invalid port"};
-  return reason < kTexts.size() ? kTexts[reason] : "a reason of the maker's own";
+  return reason < kTexts.size() ? kTexts[reason] : "a manufacturer-specific reason";
 }
 
 }  // namespace footlight::drivers

@@ -201,7 +201,7 @@ RdmForm form_of_type(std::uint8_t type, std::size_t size) {
   return RdmForm::kBytes;
 }
 
-// How long the data has to be, at least; and whether it may be longer.
+// The minimum length of the data, and whether it may be longer.
 struct Size {
   std::size_t least = 0;
   std::size_t most = kRdmDataSizeMax;
@@ -233,8 +233,8 @@ Size size_of(RdmForm form) {
 }
 
 tl::unexpected<Error> not_of_that_form(std::string_view name, std::size_t size) {
-  return fail(ErrorCode::kProtocol, "{}: the device answers {} octets, which is not the form of this parameter", name,
-              size);
+  return fail(ErrorCode::kProtocol, "{}: the device answered {} octets, which is not the format of this parameter",
+              name, size);
 }
 
 template <class T>
@@ -295,7 +295,7 @@ std::string rdm_text(std::span<const std::uint8_t> bytes) {
 std::string_view text_of_rdm_category(std::uint16_t category) {
   const auto found = std::find_if(std::begin(kCategories), std::end(kCategories),
                                   [&](const Number& one) { return one.value == category; });
-  return found == std::end(kCategories) ? "a category of the maker's own" : found->text;
+  return found == std::end(kCategories) ? "a manufacturer-specific category" : found->text;
 }
 
 Result<RdmDeviceInfo> parse_rdm_device_info(std::span<const std::uint8_t> data) {
@@ -406,7 +406,7 @@ Result<std::vector<RdmField>> rdm_fields(RdmForm form, std::span<const std::uint
         const int slot = reader.u16();
         const int type = reader.u8();
         const int what = reader.u16();
-        // A secondary slot says which slot it belongs to; a primary one what it does.
+        // A secondary slot refers to its primary slot; a primary one has a function.
         fields.push_back(text_field(fmt::format("slot {}", slot + 1),
                                     type == 0 ? fmt::format("function {:#06x}", what)
                                               : fmt::format("kind {:#04x} of slot {}", type, what + 1)));
@@ -432,7 +432,7 @@ Result<std::vector<RdmField>> rdm_fields(RdmForm form, std::span<const std::uint
       for (const char* const limit : {"lowest", "highest", "normal from", "normal to"}) {
         fields.push_back(text_field(limit, amount(reader.i16(), unit, prefix)));
       }
-      reader.u8();  // which values it remembers
+      reader.u8();  // which values it records
       fields.push_back(text_field("name", rdm_text(reader.rest())));
       break;
     }

@@ -1,4 +1,4 @@
-// The parameters of Remote Device Management that people use: their names, and their values as text, both ways.
+// The parameters of Remote Device Management that users see: their names, and their values as text, in both directions.
 #pragma once
 
 #include <cstdint>
@@ -28,12 +28,13 @@ inline constexpr std::uint16_t kRdmSlotDescription = 0x0121;
 inline constexpr std::uint16_t kRdmSensorDefinition = 0x0200;
 inline constexpr std::uint16_t kRdmSensorValue = 0x0201;
 inline constexpr std::uint16_t kRdmIdentifyDevice = 0x1000;
-inline constexpr std::uint16_t kRdmManufacturerFirst = 0x8000;  // from here to 0xFFDF parameters are the maker's own
+inline constexpr std::uint16_t kRdmManufacturerFirst = 0x8000;  // from here to 0xFFDF parameters are
+                                                                // manufacturer-specific
 
-// What the data of a request or response looks like.
+// The format of the data of a request or response.
 enum class RdmForm : std::uint8_t {
   kNone,    // no data, or not possible
-  kBytes,   // not known: hexadecimal
+  kBytes,   // unknown: hexadecimal
   kText,    // up to 32 characters
   kSwitch,  // one octet: off, on
   kU8,
@@ -42,7 +43,7 @@ enum class RdmForm : std::uint8_t {
   kParameterList,
   kUidList,
   kDeviceInfo,
-  kPersonality,             // which one, of how many; is set by its number
+  kPersonality,             // current one, and how many there are; set by its number
   kPersonalityDescription,  // number, footprint, text
   kParameterDescription,
   kSlotInfo,
@@ -56,19 +57,19 @@ enum class RdmForm : std::uint8_t {
 
 struct RdmParameter {
   std::uint16_t number = 0;
-  std::string_view name;              // as E1.20 has it: "DMX_START_ADDRESS"
+  std::string_view name;              // as in E1.20: "DMX_START_ADDRESS"
   RdmForm argument = RdmForm::kNone;  // of a get; kU8 or kU16
   RdmForm got = RdmForm::kNone;
   RdmForm set = RdmForm::kNone;
-  bool can_set = false;  // kNone as `set`: without a value
+  bool can_set = false;  // with kNone as `set`: set without a value
 };
 [[nodiscard]] std::span<const RdmParameter> rdm_parameters();
-// By name, whatever its case and with - for _; or by number, as in 0x00F0. nullptr: not in the list.
+// By name, in any case and with - for _; or by number, as in 0x00F0. nullptr: not in the list.
 [[nodiscard]] const RdmParameter* find_rdm_parameter(std::string_view name_or_number);
 [[nodiscard]] const RdmParameter* find_rdm_parameter(std::uint16_t number);
 // The number in "0x8001"; nullopt: not a number of a parameter.
 [[nodiscard]] std::optional<std::uint16_t> rdm_parameter_number(std::string_view text);
-// "DMX_START_ADDRESS", or "0x8001" where it is not in the list.
+// "DMX_START_ADDRESS", or "0x8001" if it is not in the list.
 [[nodiscard]] std::string name_of_rdm_parameter(std::uint16_t number);
 
 // One value of an answer: {"start address", "17", true}.
@@ -77,13 +78,13 @@ struct RdmField {
   std::string text;
   bool is_number = false;
 };
-// A list gives one field an entry. Text of devices is made printable. kProtocol: the data is not of that form.
+// A list has one field per entry. Text from devices is made printable. kProtocol: the data has another format.
 [[nodiscard]] Result<std::vector<RdmField>> rdm_fields(RdmForm form, std::span<const std::uint8_t> data,
                                                        std::string_view name);
-// kBadInput says what was expected.
+// kBadInput names what was expected.
 [[nodiscard]] Result<Octets> rdm_data(RdmForm form, std::string_view text, std::string_view name);
 
-// The parts of DEVICE_INFO that others need.
+// The parts of DEVICE_INFO that other code needs.
 struct RdmDeviceInfo {
   std::uint16_t model = 0;
   std::uint16_t category = 0;
@@ -91,14 +92,14 @@ struct RdmDeviceInfo {
   int footprint = 0;    // slots, 0 to 512
   int personality = 0;  // from 1
   int personality_count = 0;
-  int start_address = 0;  // 1 to 512; 0xFFFF: has none
+  int start_address = 0;  // 1 to 512; 0xFFFF: none
   int sub_devices = 0;
   int sensors = 0;
 };
 [[nodiscard]] Result<RdmDeviceInfo> parse_rdm_device_info(std::span<const std::uint8_t> data);
 [[nodiscard]] std::string_view text_of_rdm_category(std::uint16_t category);
 
-// A parameter of the maker's own, as PARAMETER_DESCRIPTION tells it.
+// A manufacturer-specific parameter, from PARAMETER_DESCRIPTION.
 struct RdmOwnParameter {
   std::uint16_t number = 0;
   RdmForm form = RdmForm::kBytes;
@@ -108,7 +109,7 @@ struct RdmOwnParameter {
 };
 [[nodiscard]] Result<RdmOwnParameter> parse_rdm_parameter_description(std::span<const std::uint8_t> data);
 
-// What can be shown on one line: other octets become '?', zeros and blanks at the end go.
+// Text printable on one line: other octets become '?', trailing zeros and blanks are removed.
 [[nodiscard]] std::string rdm_text(std::span<const std::uint8_t> bytes);
 
 }  // namespace footlight::drivers

@@ -1,4 +1,4 @@
-// What a Widget can beside levels where its device carries Remote Device Management.
+// The interface of a Widget whose device supports Remote Device Management.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,13 @@
 
 namespace footlight::drivers {
 
-// A Widget that is one of these as well puts requests on its lines between two frames.
+// A Widget that also derives from this class sends requests on its lines between two frames.
 class RdmWidget {
  public:
   virtual ~RdmWidget() = default;
-  // On the device's thread. Sends a request on an output line and returns what came back, as it was on the line from
-  // the start code on, or nothing; the look that the line showed is sent again before this returns. Errors:
-  // kUnsupported: this line, or this firmware, cannot; says the next step. Those of the transport.
+  // On the device's thread. Sends a request on an output line and returns what was received, from the start code on, or
+  // nothing. The line's current snapshot is sent again before this returns. Errors: kUnsupported: not this line, or not
+  // this firmware; names the next step. Those of the transport.
   virtual Result<Octets> exchange_rdm(WidgetContext& context, int line, std::span<const std::uint8_t> request) = 0;
 };
 

@@ -53,8 +53,8 @@ Status EpollWaiter::watch(int fd) { return add(epoll_fd_, fd); }
 void EpollWaiter::unwatch(int fd) { epoll_ctl(epoll_fd_, EPOLL_CTL_DEL, fd, nullptr); }
 
 int EpollWaiter::wait_until(TimeNs deadline_ns, std::span<int> ready) {
-  // Setting the timer also takes back that it has rung, so it is never read. Leaving it at an earlier time to save the
-  // call when deadlines move later was tried: sinks that repeat within 25 ms then woke the pump twice per frame.
+  // Setting the timer also clears its expiry, so it is never read. Tried: leaving it at an earlier time to save the
+  // call when deadlines move later. Sinks that repeat within 25 ms then woke the pump twice per frame.
   if (deadline_ns != armed_ns_) {
     itimerspec when{};
     if (deadline_ns != kTimeNever) {
@@ -67,11 +67,11 @@ int EpollWaiter::wait_until(TimeNs deadline_ns, std::span<int> ready) {
   }
 
   std::array<epoll_event, kEventsPerWait> events;
-  // Two more than the caller has room for, since the timer and the interrupt are ours.
+  // Two more than the caller's room, for the timer and the interrupt.
   const std::size_t room = std::min(events.size(), ready.size() + 2);
   const int event_count = epoll_wait(epoll_fd_, events.data(), static_cast<int>(room), -1);
   if (event_count < 0) {
-    FL_CHECK_EQ(errno, EINTR);  // a signal handler ran: the caller looks whether it asked for something
+    FL_CHECK_EQ(errno, EINTR);  // a signal handler ran: the caller checks for a request
     return 0;
   }
   std::size_t ready_count = 0;
@@ -89,7 +89,7 @@ int EpollWaiter::wait_until(TimeNs deadline_ns, std::span<int> ready) {
 }
 
 void EpollWaiter::interrupt() noexcept {
-  const int saved_errno = errno;  // a signal handler must leave it alone
+  const int saved_errno = errno;  // a signal handler must not change it
   const std::uint64_t one = 1;
   [[maybe_unused]] const ssize_t written = ::write(interrupt_fd_, &one, sizeof one);
   errno = saved_errno;

@@ -1,10 +1,10 @@
 // The waiter of a real machine: epoll for descriptors, a timerfd for the deadline, an eventfd for interrupt().
 //
-// The deadline is a time of CLOCK_MONOTONIC, as SystemClock gives it. A timerfd and not the time-out of epoll_wait(),
-// because it takes an absolute time in nanoseconds and is not rounded up by the timer slack of the thread (50 us unless
-// it is a real-time one).
+// The deadline is a time of CLOCK_MONOTONIC, as in SystemClock. A timerfd is used instead of the timeout of
+// epoll_wait(), because it takes an absolute time in nanoseconds. It is not rounded up by the timer slack of the thread
+// (50 us except for real-time threads).
 //
-// Cost: one system call per wait, two when the deadline is another than last time.
+// Cost: one system call per wait, two if the deadline has changed.
 // Threads: one, except interrupt().
 #pragma once
 
@@ -23,7 +23,7 @@ class EpollWaiter final : public Waiter {
   EpollWaiter(const EpollWaiter&) = delete;
   EpollWaiter& operator=(const EpollWaiter&) = delete;
 
-  // Errors: kUnsupported for what cannot be waited for (a plain file), kIo for the rest.
+  // Errors: kUnsupported for a descriptor that cannot be waited for (a plain file), kIo for other errors.
   Status watch(int fd) override;
   void unwatch(int fd) override;
   int wait_until(TimeNs deadline_ns, std::span<int> ready) override;
@@ -35,7 +35,7 @@ class EpollWaiter final : public Waiter {
   int epoll_fd_ = -1;
   int timer_fd_ = -1;
   int interrupt_fd_ = -1;
-  TimeNs armed_ns_ = kTimeNever;  // what the timer is set to
+  TimeNs armed_ns_ = kTimeNever;  // the current setting of the timer
 };
 
 }  // namespace footlight::drivers

@@ -14,7 +14,7 @@ namespace {
 
 std::atomic<int> wanted_priority{0};
 std::atomic<int> given_up{0};
-std::atomic<rlim_t> run_max_us{0};  // soft limit of RLIMIT_RTTIME that want_real_time() set
+std::atomic<rlim_t> run_max_us{0};  // soft limit of RLIMIT_RTTIME, set by want_real_time()
 static_assert(std::atomic<rlim_t>::is_always_lock_free, "read in a signal handler");
 
 bool set_normal() {
@@ -22,9 +22,9 @@ bool set_normal() {
   return sched_setscheduler(0, SCHED_OTHER, &none) == 0;
 }
 
-// Runs on the thread that ran on: the kernel sends SIGXCPU to that one unless it blocks it (NoSignals leaves it open).
-// The kernel has raised the soft limit of the process by 1 s when it sent it; the next thread gets the first limit
-// again.
+// Runs on the thread that used up its time: the kernel sends SIGXCPU to it unless it blocks the signal (NoSignals does
+// not). The kernel has then raised the soft limit of the process by 1 s. This restores the first limit for the other
+// threads.
 void on_no_rest(int) {
   const int saved_errno = errno;
   if (is_real_time() && set_normal()) given_up.fetch_add(1);
@@ -36,7 +36,7 @@ void on_no_rest(int) {
   errno = saved_errno;
 }
 
-// The soft limit of a resource, at `value` or as near below it as the hard one allows.
+// Sets the soft limit of a resource to `value`, or as near below it as the hard limit allows.
 rlim_t set_soft_limit(__rlimit_resource resource, rlim_t value) {
   rlimit limit = {};
   if (getrlimit(resource, &limit) != 0) return 0;
@@ -54,7 +54,7 @@ void want_real_time(int priority) {
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
   sigaction(SIGXCPU, &action, nullptr);
-  // At the hard limit the kernel kills: keep well below one that somebody has set.
+  // At the hard limit the kernel kills the process: stay well below it if there is one.
   rlimit run_time = {};
   if (getrlimit(RLIMIT_RTTIME, &run_time) != 0) return;
   const auto wanted_us = static_cast<rlim_t>(kRealTimeRunMaxNs / kNsPerUs);
@@ -72,7 +72,7 @@ Status enter_real_time() {
     param.sched_priority = priority;
     return sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &param) == 0;
   };
-  if (set(wanted)) return {};  // the limits allow it, or the process may do so anyway
+  if (set(wanted)) return {};  // the limits allow it, or the process has the privilege
   const int number = errno;
   const auto allowed = static_cast<int>(set_soft_limit(RLIMIT_RTPRIO, static_cast<rlim_t>(wanted)));
   if (allowed > 0 && set(allowed)) return {};

@@ -3,15 +3,15 @@
 //   want_real_time(kRealTimePriority);            // once, before the ports are opened
 //   const Status granted = enter_real_time();     // by each such thread, at its start
 //
-// A thread that has it runs as soon as it wakes up, whatever else the machine does. It is asked for as SCHED_FIFO
-// (sched(7)), at a priority below that of the kernel's interrupt threads (50), which bring the frames.
+// A real-time thread runs as soon as it wakes up, whatever the load of the machine. It uses SCHED_FIFO (sched(7)), at a
+// priority below that of the kernel's interrupt threads (50), which deliver the frames.
 //
-// What keeps it from taking a machine of one core with it:
-// - A thread that has run for 200 ms without a rest goes back to normal priority (RLIMIT_RTTIME; SIGXCPU is handled).
-//   The others keep theirs. real_time_given_up() says so.
-// - What such a thread starts begins at normal priority (SCHED_RESET_ON_FORK).
+// Protection of a machine with one core:
+// - A thread that has run for 200 ms without a pause returns to normal priority (RLIMIT_RTTIME; SIGXCPU is handled).
+//   The others keep theirs. real_time_given_up() counts these threads.
+// - Threads and processes that such a thread starts have normal priority (SCHED_RESET_ON_FORK).
 //
-// No privilege is needed where the limits allow it: LimitRTPRIO= of a service, or a line in /etc/security/limits.d.
+// No privilege is needed if the limits allow it: LimitRTPRIO= of a service, or a line in /etc/security/limits.d.
 #pragma once
 
 #include "sim/core/clock.h"
@@ -22,19 +22,19 @@ namespace footlight::drivers {
 inline constexpr int kRealTimePriority = 40;
 inline constexpr DurationNs kRealTimeRunMaxNs = 200 * kNsPerMs;
 
-// For the whole process, before any thread asks. 0, as it is until somebody says otherwise: nobody gets it and nobody
-// minds. Takes SIGXCPU; a program that wants real time wants no other use of that signal.
+// For the whole process, before any thread enters. 0, the default: enter_real_time() has no effect and succeeds. Uses
+// SIGXCPU; the program must not use that signal otherwise.
 void want_real_time(int priority);
 
-// For the calling thread. Also a success where nobody wants it. A limit that is lower than the priority wanted lowers
-// it. Errors: kPermission, with the remedies.
+// For the calling thread. Succeeds without effect if the priority is 0. A limit below the requested priority lowers it.
+// Errors: kPermission, with the remedies.
 [[nodiscard]] Status enter_real_time();
-// Back to normal.
+// Back to normal priority.
 void leave_real_time();
-// Whether the calling thread has it.
+// True if the calling thread has real-time priority.
 [[nodiscard]] bool is_real_time();
 
-// How many threads have lost it by running on and on.
+// How many threads have lost it by running without a pause.
 [[nodiscard]] int real_time_given_up();
 
 }  // namespace footlight::drivers

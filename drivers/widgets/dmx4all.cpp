@@ -1,10 +1,10 @@
 // DMX4ALL NanoDMX, and DMX4ALL and StageProfi interfaces behind an FTDI chip: one output, set slot by slot.
 //
-// Text to open it: "C?" is answered with "G", "N511" makes its frames 512 slots long. Then three bytes a slot: E2 and
-// the slot for slots 0 to 255, E3 and the slot less 256 for the others, and its level. Each is answered with "G". Only
-// slots that have changed are sent; all of them after an opening, and where a whole second has brought no change.
+// Text commands open it: "C?" is answered with "G", "N511" sets the frame length to 512 slots. Then each slot takes
+// three bytes: E2 and the slot for slots 0 to 255, E3 and the slot less 256 for the others, and its level. Each is
+// answered with "G". Only changed slots are sent; all of them after opening, and after a second without a change.
 //
-// Source: what other programs send to them. Not tried on hardware.
+// Source: the traffic of other programs. Not tried on hardware.
 #include <algorithm>
 #include <string_view>
 
@@ -19,7 +19,7 @@ constexpr DurationNs kTimeoutNs = 250 * kNsPerMs;
 constexpr std::uint8_t kGood = 'G';
 constexpr std::uint8_t kSetLow = 0xE2, kSetHigh = 0xE3;
 constexpr std::size_t kLowCount = 256;
-constexpr std::size_t kChunkSize = 192;  // 64 slots; its answers are taken before the next
+constexpr std::size_t kChunkSize = 192;  // 64 slots; its answers are read before the next
 
 class Dmx4all final : public Widget {
  public:
@@ -32,11 +32,11 @@ class Dmx4all final : public Widget {
   Result<WidgetTraits> begin(WidgetContext& context) override {
     known_ = false;
     FL_TRY(context.transport().set_line({.latency_ms = 2}, context.now_ns() + kTimeoutNs));
-    // Two zeros complete what a killed program has left: a slot is three bytes.
+    // Two zeros complete an unfinished command of a killed program: a slot is three bytes.
     constexpr std::uint8_t kZeros[] = {0, 0};
     FL_TRY(write(context, kZeros));
-    FL_TRY(ask(context, "C?"));
-    FL_TRY(ask(context, "N511"));
+    FL_TRY(query(context, "C?"));
+    FL_TRY(query(context, "N511"));
     WidgetTraits traits;
     traits.rate_hz_max = 40.0;
     return traits;
@@ -77,7 +77,7 @@ class Dmx4all final : public Widget {
   Status write(WidgetContext& context, std::span<const std::uint8_t> bytes) {
     return context.transport().write(bytes, context.now_ns() + kTimeoutNs);
   }
-  Status ask(WidgetContext& context, std::string_view question) {
+  Status query(WidgetContext& context, std::string_view question) {
     const std::uint64_t before = good_count_;
     FL_TRY(write(context, std::vector<std::uint8_t>(question.begin(), question.end())));
     const TimeNs deadline_ns = context.now_ns() + kTimeoutNs;
@@ -102,7 +102,7 @@ class Dmx4all final : public Widget {
   }
 
   Slots shown_{};
-  bool known_ = false;  // shown_ is what the device has
+  bool known_ = false;  // shown_ equals the device's levels
   std::uint64_t good_count_ = 0, bad_count_ = 0;
 };
 

@@ -1,7 +1,7 @@
-// DMXCreator 512 Basic: three bulk transfers a look.
+// DMXCreator 512 Basic: three bulk transfers per snapshot.
 //
 // Endpoint 1 takes 80 01 00 00 00 02, which announces 512 slots (01 at the end: 256); then endpoint 2 takes slots 0 to
-// 255 and slots 256 to 511. The device repeats what it has. Source: DMXCreator512Basic.cpp and DMXCreator.cpp of OLA.
+// 255 and slots 256 to 511. The device repeats its levels. Source: DMXCreator512Basic.cpp and DMXCreator.cpp of OLA.
 #include <array>
 
 #include "drivers/driver.h"
@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint8_t kAnnouncements = 0x01, kLevels = 0x02;  // endpoints
 constexpr DurationNs kPatienceNs = 250 * kNsPerMs;             // per transfer
-constexpr int kAttemptCountMax = 3;                            // it refuses a transfer now and then
+constexpr int kAttemptCountMax = 3;                            // it sometimes refuses a transfer
 constexpr std::array<std::uint8_t, 6> kAnnouncement{0x80, 0x01, 0x00, 0x00, 0x00, 0x02};
 constexpr std::size_t kPartSize = 256;
 
@@ -26,7 +26,7 @@ class DmxCreatorWidget final : public Widget {
 
   Result<WidgetTraits> begin(WidgetContext&) override { return WidgetTraits{}; }
 
-  // From the announcement again where a part was refused, so that the parts of two looks never mix.
+  // Restarts with the announcement if a part was refused, so that the parts of two snapshots never mix.
   Status send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> snapshot) override {
     Status sent;
     for (int attempt = 1; attempt <= kAttemptCountMax; ++attempt) {
@@ -73,7 +73,7 @@ extern constinit const DriverInfo dmxcreator_driver{
     .full_name = "DMXCreator 512 Basic",
     .usb_ids = kModels,
     .capabilities = kCanOutput | kKeepsSnapshotAlive,
-    .notes = "An announcement and two halves of 256 slots a look.",
+    .notes = "A frame is an announcement and two halves of 256 slots.",
     .make_widget = [](const PortRequest&, const UsbModelId&) -> Result<std::unique_ptr<Widget>> {
       return std::make_unique<DmxCreatorWidget>();
     },

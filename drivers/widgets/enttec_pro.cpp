@@ -7,7 +7,7 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr DurationNs kSplitMessageNs = 100 * kNsPerMs;  // silence inside a message: the rest was lost
+constexpr DurationNs kSplitMessageNs = 100 * kNsPerMs;  // a pause inside a message: the rest was lost
 constexpr double kLineRateHzMax = 44.0;                 // 513 slots of 44 us with the shortest break
 constexpr std::uint16_t kDmxkingEstaId = 0x6A6B;
 constexpr std::uint16_t kDmxkingUltraPro = 2;  // device id of the model with two outputs
@@ -26,8 +26,8 @@ Status EnttecPro::can(int line, LineUse use) const {
   if (line == 0) return {};
   if (config_.second_needs_key && !config_.second_port)
     return fail(ErrorCode::kUnsupported,
-                "connector 2 of this model answers to a key and labels that ENTTEC gives to each applicant; put yours "
-                "into the show file as second_port (docs/hardware.md)");
+                "connector 2 of this model needs a key and labels that ENTTEC gives to each applicant; add yours "
+                "to the show file as second_port (docs/hardware.md)");
   if (use == LineUse::kInput && !config_.second_port)
     return fail(ErrorCode::kUnsupported, "connector 2 is an output; use connector 1 as the input");
   return {};
@@ -39,8 +39,8 @@ Status EnttecPro::write(WidgetContext& context, std::span<const std::uint8_t> by
   return written;
 }
 
-Result<ProMessageView> EnttecPro::ask(WidgetContext& context, const ProMessage& question, std::uint8_t label,
-                                      TimeNs deadline_ns) {
+Result<ProMessageView> EnttecPro::query(WidgetContext& context, const ProMessage& question, std::uint8_t label,
+                                        TimeNs deadline_ns) {
   FL_TRY(write(context, question.bytes()));
   while (true) {
     ProMessageView message;
@@ -61,7 +61,7 @@ Result<WidgetTraits> EnttecPro::begin(WidgetContext& context) {
   parser_.reset();
   unread_ = {};
   cut_short_ = false;
-  heard_ns_ = context.now_ns();
+  received_ns_ = context.now_ns();
   for (Line& line : lines_) {
     line.frame.fill(0);
     line.shows = false;
@@ -70,8 +70,7 @@ Result<WidgetTraits> EnttecPro::begin(WidgetContext& context) {
       std::any_of(context.lines().begin(), context.lines().end(), [](LineUse use) { return use == LineUse::kInput; });
   // A short latency timer for inputs: the end of a frame waits for it inside the chip.
   FL_TRY(context.transport().set_line({.latency_ms = listens ? 2 : 16}, context.now_ns() + config_.write_timeout_ns));
-  // A program that was killed in the middle of a message, this one included, leaves the widget waiting for the rest of
-  // it.
+  // A program that was killed in the middle of a message, also this one, leaves the widget waiting for the rest.
   FL_TRY(write(context, pro_flush_bytes()));
   FL_TRY(find_out(context));
 
@@ -84,8 +83,8 @@ Result<WidgetTraits> EnttecPro::begin(WidgetContext& context) {
   return traits;
 }
 
-// All questions but the last may stay without an answer: a blank EEPROM has no serial number, and labels 77 and 78 are
-// not ENTTEC's own. They are asked together, so that a widget that ignores some costs no timeout.
+// All requests but the last may stay unanswered: a blank EEPROM has no serial number, and labels 77 and 78 are not
+// ENTTEC's own. They are sent together, so that a widget that ignores some costs no timeout.
 Status EnttecPro::find_out(WidgetContext& context) {
   is_dmxking_ = false;
   port_count_ = 1;
@@ -119,8 +118,8 @@ Status EnttecPro::find_out(WidgetContext& context) {
     unread_ = std::span<const std::uint8_t>(input_).first(count);
   }
   if (!is_dmxking_) return {};
-  const auto answer = ask(context, ProMessage(ProLabel::kPortCount, {}), number_of(ProLabel::kPortCount),
-                          context.now_ns() + config_.reply_timeout_ns);
+  const auto answer = query(context, ProMessage(ProLabel::kPortCount, {}), number_of(ProLabel::kPortCount),
+                            context.now_ns() + config_.reply_timeout_ns);
   if (answer && !answer->payload.empty())
     port_count_ = std::max<int>(port_count_, answer->payload[0]);
   else if (!answer && answer.error().code != ErrorCode::kTimeout)
@@ -136,8 +135,8 @@ Status EnttecPro::set_up_lines(WidgetContext& context, WidgetTraits& traits) {
   if (uses.size() > 1 && uses[1] != LineUse::kUnused && !two) {
     if (!config_.second_port)
       return fail(ErrorCode::kUnsupported,
-                  "{}: says that it has one DMX connector; that of an ENTTEC Mk2 answers to a key and labels that "
-                  "ENTTEC gives to each applicant: put yours into the show file as second_port (docs/hardware.md)",
+                  "{}: reports one DMX connector; the second of an ENTTEC Mk2 needs a key and labels that "
+                  "ENTTEC gives to each applicant: add yours to the show file as second_port (docs/hardware.md)",
                   context.transport().where());
     const SecondPort& second = *config_.second_port;
     lines_[1].send_label = second.send;
@@ -154,13 +153,13 @@ Status EnttecPro::set_up_lines(WidgetContext& context, WidgetTraits& traits) {
   if (uses.size() > 1 && uses[1] == LineUse::kInput && config_.second_port->receive_mode != 0)
     FL_TRY(write(context, ProMessage(ProLabel{config_.second_port->receive_mode}, mode).bytes()));
   if (uses[0] == LineUse::kInput && config_.receive_mode == ProReceiveMode::kOnChange && params_.firmware >> 8 == 2)
-    traits.remarks.emplace_back("its firmware for RDM does not report changes only; every frame may be missing");
+    traits.remarks.emplace_back("its RDM firmware does not report changes; frames may be missing");
   return {};
 }
 
 Status EnttecPro::send(WidgetContext& context, int line, std::span<const std::uint8_t, kSlotCountMax> snapshot) {
   if (cut_short_) {
-    // The widget still waits for the rest of a message and would take this one for it.
+    // The widget still waits for the rest of a message and would read this one as that rest.
     FL_TRY(write(context, pro_flush_bytes()));
     cut_short_ = false;
   }
@@ -174,31 +173,31 @@ Status EnttecPro::send(WidgetContext& context, int line, std::span<const std::ui
 Result<Octets> EnttecPro::exchange_rdm(WidgetContext& context, int line, std::span<const std::uint8_t> request) {
   if (line != 0 || context.lines()[0] != LineUse::kOutput)
     return fail(ErrorCode::kUnsupported, "{}: RDM works on connector 1, as an output", context.transport().where());
-  FL_ASSIGN(const RdmMessage asked, parse_rdm(request));
-  const bool searches = asked.command == RdmCommand::kDiscovery && asked.parameter == kRdmUniqueBranch;
+  FL_ASSIGN(const RdmMessage sent, parse_rdm(request));
+  const bool searches = sent.command == RdmCommand::kDiscovery && sent.parameter == kRdmUniqueBranch;
   if (cut_short_) {
     FL_TRY(write(context, pro_flush_bytes()));
     cut_short_ = false;
   }
   FL_TRY(write(context, ProMessage(searches ? ProLabel::kRdmDiscovery : ProLabel::kSendRdm, request).bytes()));
-  // Nobody answers a broadcast, but the widget may say so, and that must not be taken for the next answer.
-  const bool is_silent = asked.to.is_broadcast() && !searches;
+  // A broadcast gets no response, but the widget may report a timeout, which must not be taken for the next answer.
+  const bool is_silent = sent.to.is_broadcast() && !searches;
   const TimeNs deadline_ns = context.now_ns() + (is_silent ? config_.rdm_timeout_ns / 3 : config_.rdm_timeout_ns);
   Octets answer;
   bool done = false;
-  bool heard = false;
+  bool answered = false;
   while (!done) {
     ProMessageView message;
     while (!done && parser_.next(unread_, message)) {
       if (message.label == number_of(ProLabel::kRdmTimeout)) {
-        done = heard = true;
+        done = answered = true;
       } else if (message.label == number_of(ProLabel::kReceived)) {
         const auto received = decode_received(message.payload);
-        // Levels are of before: the widget listened to another console.
+        // Levels are old: the widget received them from another console.
         if (!received || received->frame[0] == kStartCodeLevels) continue;
         if (!searches && received->frame[0] != kRdmStartCode) continue;
         answer.assign(received->frame.begin(), received->frame.end());
-        done = heard = true;
+        done = answered = true;
       } else {
         (void)take_line_message(context, message);
       }
@@ -208,10 +207,10 @@ Result<Octets> EnttecPro::exchange_rdm(WidgetContext& context, int line, std::sp
     unread_ = std::span<const std::uint8_t>(input_).first(count);
   }
   if (Line& out = lines_[0]; out.shows) FL_TRY(write(context, ProMessage(ProLabel{out.send_label}, out.frame).bytes()));
-  if (heard) rdm_answers_ = true;
-  if (!heard && !searches && !is_silent && !rdm_answers_ && params_.firmware >> 8 == 1)
+  if (answered) rdm_answers_ = true;
+  if (!answered && !searches && !is_silent && !rdm_answers_ && params_.firmware >> 8 == 1)
     return fail(ErrorCode::kUnsupported,
-                "{}: firmware {}.{} is for DMX and does not answer to RDM; load ENTTEC's firmware for RDM (2.x)",
+                "{}: firmware {}.{} does not support RDM; load ENTTEC's firmware for RDM (2.x)",
                 context.transport().where(), params_.firmware >> 8, params_.firmware & 0xFF);
   return answer;
 }
@@ -220,12 +219,12 @@ Status EnttecPro::listen(WidgetContext& context, TimeNs deadline_ns) {
   ProMessageView message;
   while (parser_.next(unread_, message)) (void)take_line_message(context, message);
   count_rejected(context);
-  const TimeNs split_ns = parser_.pending() ? heard_ns_ + kSplitMessageNs : kTimeNever;
+  const TimeNs split_ns = parser_.pending() ? received_ns_ + kSplitMessageNs : kTimeNever;
   FL_ASSIGN(const std::size_t count, context.transport().read(input_, std::min(deadline_ns, split_ns)));
   unread_ = std::span<const std::uint8_t>(input_).first(count);
   const TimeNs now_ns = context.now_ns();
   if (count > 0)
-    heard_ns_ = now_ns;
+    received_ns_ = now_ns;
   else if (parser_.pending() && now_ns >= split_ns)
     parser_.abandon();
   while (parser_.next(unread_, message)) (void)take_line_message(context, message);
@@ -245,7 +244,7 @@ bool EnttecPro::take_line_message(WidgetContext& context, const ProMessageView& 
     if (!received) {
       ++bad_payload_count_;
     } else if (received->queue_overflow || received->overrun) {
-      // Slots may be missing anywhere in it, so that the rest sits at wrong addresses.
+      // Slots may be missing anywhere in it, so the rest is at wrong addresses.
       ++line_error_count_;
     } else {
       LineFrame& frame = lines_[static_cast<std::size_t>(at)].frame;
@@ -267,9 +266,9 @@ bool EnttecPro::take_line_message(WidgetContext& context, const ProMessageView& 
 
 void EnttecPro::count_rejected(WidgetContext& context) {
   const std::uint64_t rejected = parser_.rejected_count() + bad_payload_count_ + line_error_count_;
-  if (rejected == told_rejected_) return;
-  context.count_rejected(rejected - told_rejected_);
-  told_rejected_ = rejected;
+  if (rejected == reported_rejected_) return;
+  context.count_rejected(rejected - reported_rejected_);
+  reported_rejected_ = rejected;
 }
 
 std::vector<WidgetFigure> EnttecPro::figures() const {
@@ -321,7 +320,7 @@ constexpr UsbModelId kModels[] = {
      .transport = TransportKind::kTty},
 };
 
-// An unknown device may have a second connector; its answers will tell.
+// An unknown device may have a second connector; begin() finds out.
 Result<std::unique_ptr<Widget>> make_enttec_pro(const PortRequest& request, const UsbModelId& model) {
   const bool unknown = model.vendor == 0;
   const bool needs_key = (model.quirks & kQuirkSecondPortNeedsKey) != 0;

@@ -61,7 +61,7 @@ void ProParser::drop_false_start() {
 
 void ProParser::drop_taken() {
   if (taken_size_ == 0) return;
-  // What stands behind a message was held before the message was known to be one, so it may begin with noise.
+  // The bytes after a message were stored before it was recognised, so they may start with noise.
   const auto held_end = held_.begin() + static_cast<std::ptrdiff_t>(held_size_);
   const auto rest = std::find(held_.begin() + static_cast<std::ptrdiff_t>(taken_size_), held_end, kProStart);
   const auto dropped = static_cast<std::size_t>(rest - held_.begin());
@@ -109,7 +109,7 @@ ProMessage encode_get_params(std::uint16_t user_size) {
 
 Result<ProMessage> encode_set_params(const ProParams& params, std::span<const std::uint8_t> user) {
   constexpr std::size_t kFixedSize = 5;
-  constexpr std::size_t kUserSizeMax = 508;  // what the widget stores
+  constexpr std::size_t kUserSizeMax = 508;  // the widget's capacity
   if (params.break_units < 9 || params.break_units > 127)
     return fail(ErrorCode::kBadInput, "break of {} units: expected 9 to 127 units of 10.67 us", params.break_units);
   if (params.mab_units < 1 || params.mab_units > 127)

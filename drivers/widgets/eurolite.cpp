@@ -1,7 +1,7 @@
-// Eurolite USB-DMX512 PRO and PRO MK2: outputs that take the label 6 message of a DMX USB Pro and never answer. The PRO
-// has a bulk endpoint of its own, the MK2 sits behind an FTDI chip with FTDI's own ids and names.
+// Eurolite USB-DMX512 PRO and PRO MK2: outputs that receive the label 6 message of a DMX USB Pro and never answer. The
+// PRO has its own bulk endpoint, the MK2 is behind an FTDI chip with FTDI's own ids and names.
 //
-// Source: what other programs send to them. Not tried on hardware.
+// Source: the traffic of other programs. Not tried on hardware.
 #include "drivers/device/widget.h"
 #include "drivers/driver.h"
 #include "drivers/mock/enttec_pro_model.h"
@@ -28,7 +28,7 @@ class Eurolite final : public Widget {
     WidgetTraits traits;
     if (!is_serial_) return traits;
     FL_TRY(context.transport().set_line({}, context.now_ns() + kWriteTimeoutNs));
-    // A program that was killed in the middle of a message leaves the device waiting for the rest of it.
+    // A program that was killed in the middle of a message leaves the device waiting for the rest.
     FL_TRY(context.transport().write(pro_flush_bytes(), context.now_ns() + kWriteTimeoutNs));
     return traits;
   }
@@ -42,9 +42,9 @@ class Eurolite final : public Widget {
   }
   Status listen(WidgetContext& context, TimeNs deadline_ns) override {
     if (!is_serial_) return context.transport().wait(deadline_ns);
-    // An unplug shows in the reads of the chip's status.
-    std::array<std::uint8_t, 64> heard;
-    FL_TRY(context.transport().read(heard, deadline_ns));
+    // An unplug is detected by reading the chip's status.
+    std::array<std::uint8_t, 64> bytes;
+    FL_TRY(context.transport().read(bytes, deadline_ns));
     return {};
   }
 
@@ -94,8 +94,7 @@ extern constinit const DriverInfo eurolite_mk2_driver{
     .usb_ids = kMk2Models,
     .capabilities = kCanOutput | kKeepsSnapshotAlive,
     .notes =
-        "One output. Has to be named by its serial number or port, since it says no more of itself than any FTDI "
-        "chip does.",
+        "One output. Must be named by its serial number or port, because it identifies itself only as an FTDI chip.",
     .make_widget = [](const PortRequest&, const UsbModelId&) -> Result<std::unique_ptr<Widget>> {
       return std::make_unique<Eurolite>(true);
     },

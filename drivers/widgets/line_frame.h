@@ -1,9 +1,8 @@
-// Puts DMX frames together from what is heard on a serial line: bytes and breaks in, frames out. No I/O, no time of its
-// own, no allocation.
+// Assembles DMX frames from bytes and breaks of a serial line. No I/O, no time of its own, no allocation.
 //
-// A frame begins at a break (E1.11 section 8.3). It is handed over when it is full; when it is as long as the one
-// before, so that short frames need not wait for the next break; and at the next break where it turned out longer or
-// shorter. A frame with a damaged or missing byte is counted and dropped, since its slots may sit at wrong addresses.
+// A frame starts at a break (E1.11 section 8.3). It is returned when it is full, and when it is as long as the last
+// one, so that short frames need not wait for the next break. If its length differs, it is returned at the next break.
+// A frame with a damaged or missing byte is counted and dropped, since its slots may be at wrong addresses.
 #pragma once
 
 #include <array>
@@ -20,10 +19,10 @@ namespace footlight::drivers {
 class LineFrameParser {
  public:
   struct Counters {
-    std::uint64_t frames = 0;          // handed over; one that grew after that counts once
-    std::uint64_t short_frames = 0;    // of those, with less than 512 slots
-    std::uint64_t framing_errors = 0;  // frames dropped for a damaged byte
-    std::uint64_t overruns = 0;        // frames dropped for missing bytes
+    std::uint64_t frames = 0;          // returned; a frame that grew after that counts once
+    std::uint64_t short_frames = 0;    // of those, with fewer than 512 slots
+    std::uint64_t framing_errors = 0;  // frames dropped because of a damaged byte
+    std::uint64_t overruns = 0;        // frames dropped because of missing bytes
     std::uint64_t stray_bytes = 0;     // outside of a frame
   };
   struct Frame {
@@ -31,9 +30,9 @@ class LineFrameParser {
     TimeNs stamp_ns = 0;                  // of its last byte
   };
 
-  // The frame that this byte completes, if any.
+  // Returns the frame that this byte completes, if any.
   [[nodiscard]] std::optional<Frame> take(const LineByte& byte);
-  // Forgets a frame that has begun.
+  // Drops an incomplete frame.
   void reset();
   [[nodiscard]] const Counters& counters() const { return counters_; }
 
@@ -42,8 +41,8 @@ class LineFrameParser {
 
   std::array<std::uint8_t, 1 + kSlotCountMax> frame_{};
   std::size_t size_ = 0;
-  std::size_t given_size_ = 0;     // of this frame, when it was handed over last; 0: not yet
-  std::size_t expected_size_ = 0;  // of the frame before
+  std::size_t given_size_ = 0;     // of this frame, when it was last returned; 0: not yet
+  std::size_t expected_size_ = 0;  // of the last frame
   TimeNs stamp_ns_ = 0;
   bool in_frame_ = false;
   Counters counters_;

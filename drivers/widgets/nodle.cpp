@@ -11,8 +11,9 @@ namespace {
 
 constexpr int kOutputLine = 0, kInputLine = 1;
 constexpr DurationNs kReportPatienceNs = 250 * kNsPerMs;  // OLA: 60 ms were too few on a Raspberry Pi 1
-constexpr DurationNs kRefreshNs = kNsPerS;                // all blocks, whether they have changed or not
-// The blocks of one frame come one after the other. A pause of so long, or a number that does not go up, ends it.
+constexpr DurationNs kRefreshNs = kNsPerS;                // all blocks, changed or not
+// The blocks of one frame come one after the other. A pause of this length, or a number that does not increase, ends
+// the frame.
 constexpr DurationNs kPassPauseNs = 3 * kNsPerMs;
 constexpr double kLineRateHzMax = 44.0;
 
@@ -33,7 +34,7 @@ class NodleWidget final : public Widget {
     line_frame_.fill(0);
     const bool output = context.lines()[kOutputLine] == LineUse::kOutput;
     const bool input = context.lines()[kInputLine] == LineUse::kInput;
-    // A closed output goes on showing its last look while the input is still in use.
+    // A closed output keeps its last levels while the input is still in use.
     output_used_ = output_used_ || output;
     FL_TRY(set_mode(context, input));
 
@@ -46,7 +47,7 @@ class NodleWidget final : public Widget {
                         .remarks = {}};
     if (rate_hz < kLineRateHzMax)
       traits.remarks.push_back(
-          fmt::format("a look in which all 16 blocks of 32 slots change takes {} ms: {:.1f} a second",
+          fmt::format("a frame in which all 16 blocks of 32 slots change takes {} ms: {:.1f} a second",
                       kNodleBlockCount * interval_ms, rate_hz));
     return traits;
   }
@@ -72,7 +73,7 @@ class NodleWidget final : public Widget {
     if (context.lines()[kInputLine] != LineUse::kInput) return context.transport().wait(deadline_ns);
     std::array<std::uint8_t, 65> report{};
     while (true) {
-      const TimeNs pass_end_ns = heard_ns_ + kPassPauseNs;
+      const TimeNs pass_end_ns = received_ns_ + kPassPauseNs;
       FL_ASSIGN(const std::size_t size,
                 context.transport().read(report, pending_ ? std::min(deadline_ns, pass_end_ns) : deadline_ns));
       const TimeNs now_ns = context.now_ns();
@@ -80,7 +81,7 @@ class NodleWidget final : public Widget {
         if (pending_ && now_ns >= pass_end_ns) deliver(context);
         return {};
       }
-      // A new pass: what came before is a frame, whatever this report turns out to be.
+      // A new pass: the blocks so far are a frame, whatever this report is.
       const bool new_pass = pending_ && size > 1 && report[1] <= last_block_;
       if (new_pass) deliver(context);
       const auto block = apply_nodle_report(std::span<const std::uint8_t>(report).first(size),
@@ -88,7 +89,7 @@ class NodleWidget final : public Widget {
       if (block) {
         pending_ = true;
         last_block_ = *block;
-        heard_ns_ = now_ns;
+        received_ns_ = now_ns;
       } else {
         context.count_rejected();
       }
@@ -96,7 +97,7 @@ class NodleWidget final : public Widget {
     }
   }
 
-  // Nobody listens from here on. The output stays as it is.
+  // The input is no longer used. The output stays as it is.
   Status end(WidgetContext& context) override { return set_mode(context, false); }
 
   std::vector<WidgetFigure> figures() const override { return {{"blocks_sent", static_cast<double>(block_count_)}}; }
@@ -109,11 +110,11 @@ class NodleWidget final : public Widget {
   void deliver(WidgetContext& context) {
     pending_ = false;
     last_block_ = -1;
-    context.deliver(kInputLine, line_frame_, heard_ns_);
+    context.deliver(kInputLine, line_frame_, received_ns_);
   }
 
   bool output_used_ = false;
-  Slots sent_{};  // what the device has, where known_
+  Slots sent_{};  // the device's levels, if known_
   bool known_ = false;
   TimeNs refreshed_ns_ = 0;
   std::uint64_t block_count_ = 0;
@@ -121,7 +122,7 @@ class NodleWidget final : public Widget {
   std::array<std::uint8_t, 1 + kSlotCountMax> line_frame_{};  // of the input
   bool pending_ = false;                                      // line_frame_ has blocks that were not delivered
   int last_block_ = -1;
-  TimeNs heard_ns_ = 0;
+  TimeNs received_ns_ = 0;
 };
 
 constexpr UsbModelId model(std::uint16_t vendor, std::uint16_t product, std::string_view name) {

@@ -28,7 +28,7 @@ NodleReport encode_nodle_block(int block, std::span<const std::uint8_t, kSlotCou
 
 std::optional<int> apply_nodle_report(std::span<const std::uint8_t> report,
                                       std::span<std::uint8_t, kSlotCountMax> slots) {
-  // One that is too long is cut by nobody on the way: it is not of this family.
+  // A report is never cut on the way: one that is too long is not of this family.
   if (report.size() != std::tuple_size_v<NodleReport> || report[1] >= kNodleBlockCount) return std::nullopt;
   const int block = report[1];
   std::copy_n(report.begin() + 2, kNodleBlockSize, slots.begin() + block * kNodleBlockSize);

@@ -7,9 +7,9 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr DurationNs kPollPauseNs = 500 * kNsPerUs;  // between two looks at a transmitter that is late
+constexpr DurationNs kPollPauseNs = 500 * kNsPerUs;  // between two checks of a transmitter that is late
 constexpr double kRateHzMax = 44.0;                  // 513 slots of 44 us with the shortest break and mark
-constexpr double kRateHzMin = 1.0;                   // E1.11: a frame a second at least
+constexpr double kRateHzMin = 1.0;                   // E1.11: at least a frame a second
 
 double us_of(DurationNs duration_ns) { return static_cast<double>(duration_ns) * 1e-3; }
 
@@ -54,22 +54,22 @@ Status OpenDmx::wait_until_empty(WidgetContext& context) {
     if (empty) return {};
     ++waits_;
     if (now_ns >= give_up_ns)
-      return fail(ErrorCode::kTimeout, "{}: its transmitter does not get rid of a frame", context.transport().where());
+      return fail(ErrorCode::kTimeout, "{}: its transmitter does not finish a frame", context.transport().where());
     FL_TRY(context.transport().wait(now_ns + kPollPauseNs));
   }
 }
 
 Status OpenDmx::send_break(WidgetContext& context, TimeNs deadline_ns) {
   Transport& transport = context.transport();
-  const TimeNs asked_ns = context.now_ns();
+  const TimeNs start_ns = context.now_ns();
   if (Status began = transport.set_break(true, deadline_ns); !began) {
     (void)transport.set_break(false, context.now_ns() + config_.reply_timeout_ns);
     return began;
   }
-  // The chip has begun by now; when exactly, only it knows. So this length is less than the true one or equal.
+  // The chip has started by now, at an unknown time before. So this length is at most the true one.
   const TimeNs low_ns = context.now_ns();
-  if (broke_ns_ != 0) periods_.record(asked_ns - broke_ns_);
-  broke_ns_ = asked_ns;
+  if (broke_ns_ != 0) periods_.record(start_ns - broke_ns_);
+  broke_ns_ = start_ns;
   context.sleep_until_ns(low_ns + kBreakMinNs);
   const TimeNs ending_ns = context.now_ns();
   FL_TRY(transport.set_break(false, deadline_ns));
@@ -91,16 +91,16 @@ Status OpenDmx::send(WidgetContext& context, int, std::span<const std::uint8_t, 
   const Status written = context.transport().write(frame, deadline_ns);
   empty_ns_ = writing_ns + static_cast<DurationNs>(frame.size()) * kSlotNs;
   FL_TRY(written);
-  // Until the frame is out no other may come: by then there may be a newer look.
+  // Wait until the frame is out: there may be a newer snapshot by then.
   while (context.now_ns() < empty_ns_ && !context.stopping()) FL_TRY(context.transport().wait(empty_ns_));
   return {};
 }
 
 Status OpenDmx::listen(WidgetContext& context, TimeNs deadline_ns) {
   if (context.lines()[0] != LineUse::kInput) return context.transport().wait(deadline_ns);
-  FL_ASSIGN(const std::size_t count, context.transport().read_line(heard_, deadline_ns));
+  FL_ASSIGN(const std::size_t count, context.transport().read_line(received_, deadline_ns));
   const LineFrameParser::Counters before = parser_.counters();
-  for (const LineByte& byte : std::span(heard_).first(count))
+  for (const LineByte& byte : std::span(received_).first(count))
     if (const auto frame = parser_.take(byte)) context.deliver(0, frame->bytes, frame->stamp_ns);
   const LineFrameParser::Counters& after = parser_.counters();
   const std::uint64_t rejected = after.framing_errors - before.framing_errors + after.overruns - before.overruns;
@@ -108,7 +108,7 @@ Status OpenDmx::listen(WidgetContext& context, TimeNs deadline_ns) {
   return {};
 }
 
-// The chip has to be given back with its last frame out, or the kernel's driver cuts it.
+// The last frame must be out before the chip is closed, or the kernel's driver cuts it.
 Status OpenDmx::end(WidgetContext& context) {
   if (context.lines()[0] != LineUse::kOutput || broke_ns_ == 0) return {};
   while (context.now_ns() < empty_ns_) FL_TRY(context.transport().wait(empty_ns_));
@@ -167,8 +167,8 @@ extern constinit const DriverInfo open_dmx_driver{
     .usb_ids = kModels,
     .capabilities = kCanOutput | kCanInput,
     .notes =
-        "This machine times the line. Has to be named by its serial number or port, since nothing tells such a "
-        "cable from other serial adapters; gets dark when the program ends.",
+        "This machine times the line. Must be named by its serial number or port, because it looks like any other "
+        "serial adapter. The line stops when the program ends.",
     .make_widget = make_open_dmx,
     .make_model = []() -> std::unique_ptr<mock::UsbModel> { return std::make_unique<mock::OpenDmxModel>(); },
 };

@@ -1,14 +1,14 @@
 // ENTTEC Open DMX USB and other bare serial cables: this machine times the line.
 //
-// Output: break, mark and 513 bytes by a serial chip that knows nothing of DMX. A frame begins when the transmitter
-// says that the last one has left it (and not when the clock would have it), so no frame is cut. The break lasts at
-// least kBreakMinNs between the answers of the chip to "begin" and "end", the mark at least kMarkMinNs until the
-// bytes are handed over; what the bus adds is measured and told in figures(). Frames follow each other at absolute
-// times, so lateness of one is not handed on.
+// Output: a serial chip without DMX support sends break, mark and 513 bytes. A frame starts when the transmitter
+// reports that it is empty, not at a computed time, so no frame is cut. The break lasts at least kBreakMinNs between
+// the chip's replies to "start" and "end", the mark at least kMarkMinNs until the bytes are written. The time added by
+// the bus is measured and reported in figures(). Frames are due at absolute times, so the delay of one does not add to
+// the next.
 //
-// Input: a break is what the chip calls one, so frames of every length are told apart without guessing.
+// Input: the chip detects the break, so frames of every length are separated without guessing.
 //
-// Not tried on hardware: how long the bus makes break and mark, and so which rate a cable reaches.
+// Not tried on hardware: the length of break and mark over a real bus, and so the rate that a cable reaches.
 #pragma once
 
 #include <array>
@@ -22,14 +22,14 @@ namespace footlight::drivers {
 
 struct OpenDmxConfig {
   // All optional
-  double rate_hz = 40.0;  // asked for; 1 to 44
+  double rate_hz = 40.0;  // requested; 1 to 44
   DurationNs reply_timeout_ns = 250 * kNsPerMs;
 };
 
 class OpenDmx final : public Widget {
  public:
-  static constexpr DurationNs kBreakMinNs = 110 * kNsPerUs;  // E1.11 asks for 92 us
-  static constexpr DurationNs kMarkMinNs = 14 * kNsPerUs;    // and for 12 us
+  static constexpr DurationNs kBreakMinNs = 110 * kNsPerUs;  // E1.11 requires 92 us
+  static constexpr DurationNs kMarkMinNs = 14 * kNsPerUs;    // E1.11 requires 12 us
   static constexpr DurationNs kSlotNs = 44 * kNsPerUs;       // 11 bits of 4 us
 
   explicit OpenDmx(OpenDmxConfig config) : config_(config) {}
@@ -52,16 +52,16 @@ class OpenDmx final : public Widget {
     void add_to(std::vector<WidgetFigure>& figures, std::string_view name) const;
   };
   Status wait_until_empty(WidgetContext& context);
-  // The line ends high, whatever went wrong.
+  // The line ends high, also after an error.
   Status send_break(WidgetContext& context, TimeNs deadline_ns);
 
   const OpenDmxConfig config_;
   LineFrameParser parser_;
-  std::array<LineByte, 1024> heard_{};
-  TimeNs empty_ns_ = 0;  // when the frame that was written last should have left
-  TimeNs broke_ns_ = 0;  // when the last break began; 0: none yet
+  std::array<LineByte, 1024> received_{};
+  TimeNs empty_ns_ = 0;  // when the last written frame should be out
+  TimeNs broke_ns_ = 0;  // when the last break started; 0: none yet
   Spread breaks_, marks_, periods_;
-  std::uint64_t waits_ = 0;  // times the transmitter was still busy when the clock said that it should not be
+  std::uint64_t waits_ = 0;  // times the transmitter was busy when it should have been empty
 };
 
 }  // namespace footlight::drivers

@@ -1,4 +1,4 @@
-// Peperoni Rodin, X-Switch and USBDMX21: how a look is sent by each generation of firmware.
+// Peperoni Rodin, X-Switch and USBDMX21: sends snapshots in the format of each generation of firmware.
 #include "drivers/driver.h"
 #include "drivers/mock/peperoni_model.h"
 #include "drivers/widgets/peperoni_frame.h"
@@ -93,15 +93,15 @@ class PeperoniWidget final : public Widget {
                       static_cast<int>(*status));
         context.count_rejected();
       } else if (context.now_ns() >= deadline_ns) {
-        return fail(ErrorCode::kTimeout, "{}: no answer to a look within {} ms", transport.where(),
+        return fail(ErrorCode::kTimeout, "{}: no answer to a frame within {} ms", transport.where(),
                     kPatienceNs / kNsPerMs);
       }
-      // Otherwise it was woken: a newer look waits, and this one's answer still has to come.
+      // Otherwise it was woken: a newer snapshot waits, and the answer to this one is still due.
     }
   }
 
-  // Answers to what went before must not be taken for the next one; nothing in them says what they answer. One that is
-  // owed is waited for.
+  // Answers to earlier messages must not be taken for the next one; they do not identify their message. Waits for a due
+  // answer.
   Status forget_answers(WidgetContext& context) {
     const TimeNs give_up_ns = context.now_ns() + (answer_owed_ ? kPatienceNs : 0);
     std::array<std::uint8_t, kUsbTransferSizeMax> answer{};
@@ -119,8 +119,8 @@ class PeperoniWidget final : public Widget {
 
   const int line_count_;
   PeperoniFrames frames_ = PeperoniFrames::kControl;
-  bool stale_ = true;         // answers may be under way
-  bool answer_owed_ = false;  // one is
+  bool stale_ = true;         // answers may be on their way
+  bool answer_owed_ = false;  // an answer is due
   std::uint64_t timeout_count_ = 0;
 };
 
@@ -146,9 +146,9 @@ extern constinit const DriverInfo peperoni_driver{
     .full_name = "Peperoni Rodin, X-Switch, USBDMX21",
     .usb_ids = kModels,
     .capabilities = kCanOutput | kKeepsSnapshotAlive,
-    .notes = "Outputs only. The firmware's release decides how looks travel; from 5.00 each is acknowledged.",
+    .notes = "Outputs only. The transfer format depends on the firmware; from 5.00 each frame is acknowledged.",
     .make_widget = [](const PortRequest&, const UsbModelId& row) -> Result<std::unique_ptr<Widget>> {
-      // Of a device that is not plugged in yet begin() finds out whether it has a second output.
+      // For a device that is not plugged in yet, begin() finds out whether it has a second output.
       const bool unknown = row.vendor == 0;
       return std::make_unique<PeperoniWidget>(unknown || (row.quirks & kQuirkTwoPorts) != 0 ? 2 : 1);
     },

@@ -8,7 +8,7 @@ namespace footlight::drivers {
 namespace {
 
 constexpr std::uint8_t kMagic[] = {0x02, 0x4D, 0x6B, 0x32};
-// As QLC+ sends them: 200 us and 20 us.
+// As in QLC+: 200 us and 20 us.
 constexpr std::uint8_t kBreakCode = 181, kMarkCode = 250;
 constexpr std::uint8_t kWaitForTransmitter = 0x02, kForceTransmission = 0x80;
 

@@ -1,6 +1,6 @@
 // The messages of Peperoni's (earlier: Lighting Solutions') Rodin, X-Switch and USBDMX21: bytes only.
 //
-// How a look travels depends on the firmware, which is the release number of the USB device descriptor (bcdDevice):
+// The format depends on the firmware, which is the release number of the USB device descriptor (bcdDevice):
 //
 //   below 4.00  control transfer: request 0x08 (transmitter memory), wValue 0 (do not wait), wIndex 0 (first slot)
 //   below 5.00  bulk: 01 request 00 02, then 512 levels; request 0: first universe, 4: second
@@ -28,7 +28,7 @@ enum class PeperoniFrames : std::uint8_t { kControl, kBulk, kBulkWithStatus };
 inline constexpr std::size_t kPeperoniBulkSize = 4 + kSlotCountMax;
 inline constexpr std::size_t kPeperoniStatusFrameSize = 13 + 7 + kSlotCountMax;
 inline constexpr std::size_t kPeperoniStatusSize = 8;
-// How long a device that answers waits until its transmitter is free: it paces the looks.
+// How long a device with answers waits until its transmitter is free; this paces the snapshots.
 inline constexpr std::uint8_t kPeperoniWaitMs = 50;
 
 // universe: 0 or 1.
@@ -38,7 +38,7 @@ inline constexpr std::uint8_t kPeperoniWaitMs = 50;
     int universe, std::span<const std::uint8_t, kSlotCountMax> snapshot);
 
 enum class PeperoniStatus : std::uint8_t { kOk = 0, kTimeout = 1, kStartFailed = 2, kWrongUniverse = 3 };
-// The status byte of an answer, which may be one that PeperoniStatus does not name; nullopt where it is no answer.
+// The status byte of an answer, possibly one that PeperoniStatus does not list; nullopt if it is not an answer.
 [[nodiscard]] std::optional<PeperoniStatus> decode_peperoni_status(std::span<const std::uint8_t> answer);
 
 }  // namespace footlight::drivers

@@ -10,10 +10,10 @@ namespace footlight::drivers {
 namespace {
 
 constexpr ControlRequest kSetRange{.request_type = 0x40, .request = 2};
-constexpr DurationNs kPacketNs = kNsPerMs;                  // low speed: one packet of 8 bytes a frame of the bus
-constexpr DurationNs kTransferPatienceNs = 500 * kNsPerMs;  // as peers wait; a whole universe takes 66 ms
-constexpr int kAttemptCountMax = 3;                         // it refuses a transfer now and then, and takes the next
-constexpr int kRefreshSlotCount = 64;    // of an unchanged look, each time it is due: 10 ms of the bus
+constexpr DurationNs kPacketNs = kNsPerMs;                  // low speed: one packet of 8 bytes per bus frame
+constexpr DurationNs kTransferPatienceNs = 500 * kNsPerMs;  // as in other programs; a whole universe takes 66 ms
+constexpr int kAttemptCountMax = 3;                         // it sometimes refuses a transfer and accepts the next
+constexpr int kRefreshSlotCount = 64;    // of an unchanged snapshot, each time it is due: 10 ms of the bus
 constexpr double kLineRateHzMax = 41.5;  // of 512 slots; a logic capture of one shows 24.1 ms a frame (sigrok-dumps)
 
 class UdmxWidget final : public Widget {
@@ -30,7 +30,7 @@ class UdmxWidget final : public Widget {
         .rate_hz_max = kLineRateHzMax,
         .keep_alive_ns = kNsPerS,
         .identity = {},
-        .remarks = {"a look in which all 512 slots change takes 66 ms of its low-speed bus: 15 a second"}};
+        .remarks = {"a frame in which all 512 slots change takes 66 ms of its low-speed bus: 15 a second"}};
   }
 
   Status send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> snapshot) override {
@@ -71,7 +71,7 @@ class UdmxWidget final : public Widget {
       const Status sent = context.transport().control_out(request, levels, context.now_ns() + kTransferPatienceNs);
       if (sent) break;
       if (sent.error().code != ErrorCode::kIo || attempt == kAttemptCountMax) {
-        known_ = false;  // which slots it took nobody knows
+        known_ = false;  // unknown which slots it has accepted
         return sent;
       }
       ++refused_count_;
@@ -81,7 +81,7 @@ class UdmxWidget final : public Widget {
     return {};
   }
 
-  std::array<std::uint8_t, kSlotCountMax> sent_{};  // what the device has, where known_
+  std::array<std::uint8_t, kSlotCountMax> sent_{};  // the device's levels, if known_
   bool known_ = false;
   int refresh_slot_ = 0;
   std::uint64_t slot_count_ = 0;
@@ -89,7 +89,7 @@ class UdmxWidget final : public Widget {
 };
 
 constexpr UsbModelId kModels[] = {
-    // The ids are Objective Development's for everybody: the name has to tell.
+    // The ids are Objective Development's and free for all: the name must decide.
     {.vendor = 0x16C0,
      .product = 0x05DC,
      .manufacturer_text = "",
@@ -135,7 +135,7 @@ extern constinit const DriverInfo udmx_driver{
     .full_name = "Anyma uDMX and clones",
     .usb_ids = kModels,
     .capabilities = kCanOutput | kKeepsSnapshotAlive,
-    .notes = "Low speed: only slots that have changed are sent; a look in which all change takes 66 ms.",
+    .notes = "Low speed: only slots that have changed are sent; a frame in which all change takes 66 ms.",
     .make_widget = [](const PortRequest&, const UsbModelId&) -> Result<std::unique_ptr<Widget>> {
       return std::make_unique<UdmxWidget>();
     },

@@ -1,10 +1,10 @@
-// Anyma uDMX and its clones: what a look costs on the wire, and which slots to send.
+// Anyma uDMX and its clones: the time of a snapshot on the wire, and the selection of slots to send.
 //
-// The device is a low-speed one: a packet carries 8 bytes and each takes a millisecond of the bus, so a whole universe
-// takes 66 ms. It keeps all slots and repeats them by itself; so only what has changed is sent, in one transfer for
-// each range of slots: bRequest 2, wValue = slots, wIndex = first slot, data = levels.
-// Sources: the firmware, uDMX.c and uDMX_cmds.h (anyma.ch/research/udmx); illutzmination.de/udmx-timing.html: 15 looks
-// a second of 512 slots and 30 of 256, which is what the packets of udmx_transfer_ns() add up to.
+// The device is low speed: a packet carries 8 bytes and takes a millisecond of the bus, so a whole universe takes 66
+// ms. It stores all slots and repeats them itself. So only changed slots are sent, one transfer per range of slots:
+// bRequest 2, wValue = slots, wIndex = first slot, data = levels.
+// Sources: the firmware, uDMX.c and uDMX_cmds.h (anyma.ch/research/udmx); illutzmination.de/udmx-timing.html: 15 frames
+// a second of 512 slots and 30 of 256, which matches the packet times of udmx_transfer_ns().
 #pragma once
 
 #include <cstdint>
@@ -22,10 +22,10 @@ struct UdmxRange {
   friend bool operator==(const UdmxRange&, const UdmxRange&) = default;
 };
 
-// How long the bus is busy with a transfer of so many slots.
+// The bus time of a transfer of slot_count slots.
 [[nodiscard]] DurationNs udmx_transfer_ns(int slot_count);
-// The first range to send, at or after slot `from`, in order to turn `known` into `wanted`; nullopt: they are the same
-// from there on. Equal slots between two changes are sent along where that is cheaper than another transfer.
+// The first range to send, at or after slot `from`, to change `known` into `wanted`; nullopt: they are equal from there
+// on. Equal slots between two changes are included if that is cheaper than another transfer.
 [[nodiscard]] std::optional<UdmxRange> next_udmx_range(std::span<const std::uint8_t, kSlotCountMax> known,
                                                        std::span<const std::uint8_t, kSlotCountMax> wanted, int from);
 

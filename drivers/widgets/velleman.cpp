@@ -13,8 +13,8 @@ namespace footlight::drivers {
 namespace {
 
 constexpr DurationNs kReportPatienceNs = 250 * kNsPerMs;
-// Nothing says that it repeats a look; of OLA's driver is the remark that a look goes out when the next one begins. So
-// looks are repeated, and not all the time, for a new one would have to wait behind the old.
+// No source states that it repeats a snapshot. According to OLA's driver, a snapshot is sent when the next one starts.
+// So snapshots are repeated, but not continuously, because a new one would have to wait.
 constexpr DurationNs kRepeatNs = 100 * kNsPerMs;
 constexpr HidEndpoint kOriginal{.address = 0x01, .report_size = kVellemanReportSize, .interval_ms = 10};
 constexpr double kLineRateHzMax = 44.0;
@@ -47,7 +47,7 @@ class VellemanWidget final : public Widget {
                         .identity = fmt::format("reports of {} bytes every {} ms", report_size_, output.interval_ms),
                         .remarks = {}};
     if (const double bright_hz = rate_hz(bright); bright_hz < kLineRateHzMax)
-      traits.remarks.push_back(fmt::format("a look without zeros takes {} reports of {} ms: {:.1f} a second",
+      traits.remarks.push_back(fmt::format("a frame without zeros takes {} reports of {} ms: {:.1f} a second",
                                            VellemanReports(bright, report_size_).count(), output.interval_ms,
                                            bright_hz));
     if (!upgraded && output.report_size != kVellemanReportSize)
@@ -82,7 +82,7 @@ class VellemanWidget final : public Widget {
   std::uint8_t endpoint_ = kOriginal.address;
   std::size_t report_size_ = kVellemanReportSize;
   Slots sent_{};
-  TimeNs sent_ns_ = INT64_MIN;  // when the look in sent_ was begun; INT64_MIN: the device may show another
+  TimeNs sent_ns_ = INT64_MIN;  // when the snapshot in sent_ was started; INT64_MIN: the device may have other levels
   std::uint64_t report_count_ = 0;
   DurationNs snapshot_ns_ = 0;
 };
@@ -105,8 +105,8 @@ extern constinit const DriverInfo velleman_driver{
     .usb_ids = kModels,
     .capabilities = kCanOutput,
     .notes =
-        "Low speed: 20 looks a second where most slots are 0, 1.3 where none is; the replacement firmware with "
-        "64-byte reports is told by its descriptor.",
+        "Low speed: 20 frames a second if most slots are 0, 1.3 if none is; the replacement firmware with "
+        "64-byte reports is detected by its descriptor.",
     .make_widget = [](const PortRequest&, const UsbModelId&) -> Result<std::unique_ptr<Widget>> {
       return std::make_unique<VellemanWidget>();
     },

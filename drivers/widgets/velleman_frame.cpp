@@ -8,7 +8,8 @@ namespace footlight::drivers {
 namespace {
 
 constexpr std::uint8_t kSlots = 2, kOneSlot = 3, kStart = 4, kZerosAndSlots = 5, kCountedSlots = 6;
-// Peers keep to 100 with the original firmware, though a byte could say more: above it the device misbehaves.
+// Other programs keep to 100 with the original firmware, although a byte could hold more: above it the device
+// misbehaves.
 constexpr std::size_t kZerosMax = 100, kUpgradedZerosMax = 254;
 constexpr std::size_t kUpgradedReportCountMax = 9;  // 62 + 7 x 63 + 9 slots
 static_assert(kUpgradedReportCountMax * kVellemanUpgradedReportSize <= kVellemanReportCountMax * kVellemanReportSize);

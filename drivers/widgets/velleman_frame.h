@@ -1,17 +1,17 @@
 // The reports of a Velleman K8062 (kit) or VM116 (built): bytes only, no I/O, no time.
 //
-// A look travels as a row of output reports. Runs of zeros are counted instead of sent, since a report of the original
-// firmware is 8 bytes and a low-speed device takes one every 10 ms:
+// A snapshot is sent as a row of output reports. Runs of zeros are counted instead of sent, since a report of the
+// original firmware is 8 bytes and a low-speed device takes one every 10 ms:
 //
-//   4 zeros+1 slots...   begins a look; `zeros` slots of 0 come before the slots (+1: the start code)
-//   5 zeros slots...     goes on, the same way
-//   2 slots...           goes on, with slots only
-//   3 slot               goes on, with one slot; the rest of the report means nothing
-//   6 count slots...     goes on, with so many slots: 64-byte reports only
+//   4 zeros+1 slots...   starts a snapshot; `zeros` slots of 0 come before the slots (+1: the start code)
+//   5 zeros slots...     continues, in the same way
+//   2 slots...           continues, with slots only
+//   3 slot               continues, with one slot; the rest of the report is ignored
+//   6 count slots...     continues, with `count` slots: 64-byte reports only
 //
-// A report of type 2, 4 or 5 always carries all the slots that fit, and none may reach past slot 512.
+// A report of type 2, 4 or 5 always carries all the slots that fit, and none may extend past slot 512.
 // Sources: k8062forlinux.sourceforge.net/usbproto.php (types 2 to 5); VellemanK8062.cpp of OLA (64-byte reports, type
-// 6, the most zeros of a run); wiki.openlighting.org, "Velleman K8062 Upgrade" (10 ms a report).
+// 6, the longest run of zeros); wiki.openlighting.org, "Velleman K8062 Upgrade" (10 ms a report).
 #pragma once
 
 #include <array>
@@ -25,10 +25,10 @@ namespace footlight::drivers {
 
 inline constexpr std::size_t kVellemanReportSize = 8;
 inline constexpr std::size_t kVellemanUpgradedReportSize = 64;  // of the replacement firmware
-// The most reports that a look may need: 8-byte reports, no two zeros side by side but at the end of a report.
+// The most reports that a snapshot may need: 8-byte reports, no two zeros in a row except at the end of a report.
 inline constexpr std::size_t kVellemanReportCountMax = 78;
 
-// A look as reports, as they go to the output endpoint: the device numbers none of them.
+// A snapshot as reports for the output endpoint, without report numbers.
 class VellemanReports {
  public:
   // report_size: kVellemanReportSize or kVellemanUpgradedReportSize.

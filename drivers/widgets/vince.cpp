@@ -1,4 +1,5 @@
-// Vince USB-DMX512 converter: one output behind an FTDI chip. Every update is answered; the next one waits for that.
+// Vince USB-DMX512 converter: one output behind an FTDI chip. Every update is answered; the next one waits for the
+// answer.
 //
 // Not tried on hardware.
 #include "drivers/device/widget.h"
@@ -15,27 +16,27 @@ class Vince final : public Widget {
  public:
   int line_count() const override { return 1; }
   Status can(int, LineUse use) const override {
-    if (use == LineUse::kInput) return fail(ErrorCode::kUnsupported, "only the output of this model is known");
+    if (use == LineUse::kInput) return fail(ErrorCode::kUnsupported, "only the output of this model is supported");
     return {};
   }
 
   Result<WidgetTraits> begin(WidgetContext& context) override {
     replies_.reset();
     unread_ = {};
-    cut_short_ = true;  // whoever had it before may have left half a message
+    cut_short_ = true;  // another program may have left half a message
     FL_TRY(context.transport().set_line({.latency_ms = 2}, context.now_ns() + kTimeoutNs));
-    FL_TRY(mend(context));
+    FL_TRY(end_message(context));
     return WidgetTraits{};
   }
 
   Status send(WidgetContext& context, int, std::span<const std::uint8_t, kSlotCountMax> snapshot) override {
-    FL_TRY(mend(context));
+    FL_TRY(end_message(context));
     FL_TRY(write(context, encode_vince_update(snapshot)));
     const TimeNs deadline_ns = context.now_ns() + kTimeoutNs;
     while (true) {
       VinceReply reply;
       while (replies_.next(unread_, reply)) {
-        if (reply.command != static_cast<std::uint8_t>(VinceCommand::kUpdate)) continue;  // a late one
+        if (reply.command != static_cast<std::uint8_t>(VinceCommand::kUpdate)) continue;  // a late answer
         if (reply.status == 0) return {};
         context.count_rejected();
         return fail(ErrorCode::kTimeout, "{}: refused an update with status {}", context.transport().where(),
@@ -60,8 +61,8 @@ class Vince final : public Widget {
   }
 
  private:
-  // Zeros end any message that is open, since its end is not where it belongs; between messages they mean nothing.
-  Status mend(WidgetContext& context) {
+  // Zeros end any unfinished message, because its end is then in the wrong place; between messages they are ignored.
+  Status end_message(WidgetContext& context) {
     if (!cut_short_) return {};
     constexpr std::array<std::uint8_t, kVinceUpdateSize> kZeros{};
     FL_TRY(write(context, kZeros));
@@ -81,7 +82,7 @@ class Vince final : public Widget {
   }
 
   VinceReplyParser replies_;
-  std::array<std::uint8_t, 256> input_{};  // bytes of the last read; unread_ points into it
+  std::array<std::uint8_t, 256> input_{};  // bytes of the last read; unread_ refers to it
   std::span<const std::uint8_t> unread_;
   bool cut_short_ = false;
 };

@@ -38,7 +38,7 @@ bool VinceReplyParser::next(std::span<const std::uint8_t>& stream, VinceReply& r
     --size_;
   };
   while (true) {
-    // What a false start leaves is looked at again before anything is added.
+    // The rest of a false start is checked again before more is added.
     while (size_ > 0 && judge() == Verdict::kFalseStart) {
       ++garbage_byte_count_;
       drop_front();

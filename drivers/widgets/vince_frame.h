@@ -1,8 +1,8 @@
 // The messages of a Vince USB-DMX512 converter: bytes only, no I/O.
 //
-// To it:   0F 0F command length_high length_low data[length] 04; the data of an update begin with two zeros.
-// From it: 0F 0F command status length_high length_low data[length] 04, status 0 where all is well.
-// Source: what other programs send to it.
+// To it:   0F 0F command length_high length_low data[length] 04; the data of an update start with two zeros.
+// From it: 0F 0F command status length_high length_low data[length] 04, status 0 on success.
+// Source: the traffic of other programs.
 #pragma once
 
 #include <array>
@@ -23,22 +23,22 @@ inline constexpr std::array<std::uint8_t, 6> kVinceStart{0x0F, 0x0F, 0x01, 0, 0,
 
 struct VinceReply {
   std::uint8_t command = 0;
-  std::uint8_t status = 0;  // 0: done
+  std::uint8_t status = 0;  // 0: success
 };
 
-// Finds replies in a stream that may begin anywhere, be cut anywhere and carry noise. A candidate that breaks the rules
-// costs its first byte only.
+// Finds replies in a stream that may begin anywhere, be cut anywhere and contain noise. Only the first byte of a wrong
+// candidate is discarded.
 class VinceReplyParser {
  public:
-  // Takes bytes from the front of `stream` until a reply is complete, and shortens `stream` by what it took.
+  // Consumes bytes from the front of `stream` until a reply is complete.
   [[nodiscard]] bool next(std::span<const std::uint8_t>& stream, VinceReply& reply);
   void reset() { size_ = 0; }
   [[nodiscard]] std::uint64_t garbage_byte_count() const { return garbage_byte_count_; }
 
  private:
   static constexpr std::size_t kHeadSize = 6;
-  static constexpr std::size_t kDataSizeMax = 64;  // it answers updates without any
-  // How many bytes from held_'s front are no reply, wait for more, or are one.
+  static constexpr std::size_t kDataSizeMax = 64;  // answers to updates have no data
+  // Whether the bytes at held_'s front need more, are a reply, or are not one.
   enum class Verdict { kNeedsMore, kReply, kFalseStart };
   [[nodiscard]] Verdict judge() const;
 

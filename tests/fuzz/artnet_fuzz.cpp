@@ -1,8 +1,8 @@
-// Datagrams on port 6454, any whatever.
+// Arbitrary datagrams on port 6454.
 //
-// What is accepted lies in the ranges that artnet_packet.h states, and an ArtDmx built anew from what was read reads
-// the same again, but for the slot that makes its length even. An ArtPollReply names at most eight ports of one net and
-// sub-net, and one built anew from what was read names the same ones.
+// Accepted packets are within the ranges of artnet_packet.h. An ArtDmx that is parsed, encoded and parsed again is
+// unchanged, except for the slot that makes its length even. An ArtPollReply lists at most eight ports of one net and
+// sub-net; encoded and parsed again, it lists the same ones.
 #include <algorithm>
 #include <array>
 #include <vector>

@@ -1,7 +1,7 @@
-// Packets of a capture, any whatever: link layer, IP, UDP, sACN, Art-Net. The first byte chooses the link layer and if
-// the packets were cut short; then come packets, each behind two bytes of length.
+// Arbitrary packets of a capture: link layer, IP, UDP, sACN, Art-Net. The first byte selects the link layer and whether
+// the packets were cut short. Then packets follow, each after two bytes of length.
 //
-// Frames lie in the ranges of FrameView, their slots inside the packet, and every packet is counted once.
+// Frames are within the ranges of FrameView, their slots inside the packet, and every packet is counted once.
 #include <algorithm>
 
 #include "drivers/capture/net_capture.h"

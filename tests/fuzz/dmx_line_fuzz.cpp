@@ -1,8 +1,8 @@
-// Samples of a DMX line, any whatever, as runs: a byte of length each, its highest bit the level, times a step that the
-// second byte gives. The first byte chooses the sample rate.
+// Arbitrary samples of a DMX line, as runs: a byte of length each, whose highest bit is the level, times a step from
+// the second byte. The first byte selects the sample rate.
 //
-// Frames come in the order of their breaks, lie within the samples, have what the header promises of sound ones, and do
-// not depend on how the samples are cut.
+// Frames come in the order of their breaks, lie within the samples, have the properties that the header states for
+// valid ones, and do not depend on how the samples are divided.
 #include <vector>
 
 #include "drivers/capture/dmx_line.h"

@@ -1,5 +1,6 @@
-// Fuzzes the reader of DMX logs. The first byte says how the rest is taken: as a file (0: checksums checked, 1:
-// ignored), or as the inside of a block (2 and up), so that mutations reach the decoder past checksums and compression.
+// Fuzzes the reader of DMX logs. The first byte selects the use of the rest: as a file (0: checksums checked, 1:
+// ignored), or as the content of a block (2 and up), so that mutations reach the decoder past checksums and
+// compression.
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -9,7 +10,7 @@
 #include "tests/sim/dmx_log/exercise.h"
 
 void footlight::testing::add_seeds(Seeds& seeds) {
-  constexpr int kFrames = 21;  // as 5 asks for below
+  constexpr int kFrames = 21;  // as the seed with 5 requires below
   dmx_log::Bytes file;
   auto writer = dmx_log::make_writer(dmx_log::memory_output(file, "seed"), {.block_span_ns = 200 * kNsPerMs});
   require(writer.has_value());

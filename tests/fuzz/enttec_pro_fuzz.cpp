@@ -1,4 +1,4 @@
-// Bytes from a widget, any whatever.
+// Arbitrary bytes from a widget.
 #include <cstdio>
 #include <cstdlib>
 

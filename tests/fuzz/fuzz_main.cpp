@@ -1,4 +1,4 @@
-// "--seeds=FOLDER" for every fuzz target; all else on the command line is libFuzzer's.
+// Handles "--seeds=FOLDER" for every fuzz target; libFuzzer handles all other arguments.
 #include <cstdio>
 #include <fstream>
 #include <string>

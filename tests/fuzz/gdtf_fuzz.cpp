@@ -1,5 +1,5 @@
-// GDTF: archives (first byte even) and bare descriptions (odd), any bytes whatever. What comes out keeps the promises
-// of the model.
+// Arbitrary bytes as GDTF: archives (first byte even) and bare descriptions (odd). The result satisfies the model's
+// invariants.
 #include "fixtures/files/import/gdtf.h"
 #include "fixtures/files/import/import.h"
 #include "tests/fuzz/fuzz.h"

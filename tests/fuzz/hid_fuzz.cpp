@@ -1,4 +1,4 @@
-// Bytes from HID interfaces, any whatever: a report of the Nodle family, a configuration descriptor.
+// Arbitrary bytes from HID interfaces: a report of the Nodle family, a configuration descriptor.
 #include <cstdio>
 
 #include "tests/fuzz/fuzz.h"

@@ -1,4 +1,4 @@
-// Photometric files, either format, integrated, fitted and made tables where they are sound.
+// Photometric files in either format: valid ones are integrated, fitted and converted to tables.
 #include <cmath>
 
 #include "fixtures/photometry/fit.h"

@@ -1,4 +1,4 @@
-// What a serial line may bring: bytes, breaks and errors in any order, as an FTDI chip or a tty would say it.
+// Arbitrary input of a serial line: bytes, breaks and errors in any order, as an FTDI chip or a tty reports them.
 #include <cstdlib>
 #include <vector>
 
@@ -36,7 +36,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                    .is_break = (data[i] & 1) != 0,
                    .framing_error = (data[i] & 2) != 0,
                    .lost_before = (data[i] & 4) != 0});
-  // The same bytes as a tty's, whole and cut in two: what is heard must not depend on the cut.
+  // The same bytes from a tty, whole and divided: the result must not depend on the division.
   std::vector<LineByte> whole, cut;
   TtyMarkParser one, other;
   one.take({data, size}, 0, whole);

@@ -1,4 +1,4 @@
-// 3DS and glTF; what is read is scaled, mirrored and simplified.
+// 3DS and glTF; valid meshes are scaled, mirrored and simplified.
 #include <cmath>
 
 #include "fixtures/bodies/mesh.h"

@@ -1,5 +1,5 @@
-// GeneralSceneDescription.xml and workspaces of QLC+, with whatever in them. The archive is made around the bytes, so
-// that the fuzzer need not find out about zip. What comes out must be a rig that compiles and that goes out and in
+// Arbitrary GeneralSceneDescription.xml files and workspaces of QLC+. The archive is made around the bytes, so that the
+// fuzzer need not find the zip format. The result must be a rig that compiles, and that can be exported and imported
 // again.
 #include <cmath>
 #include <cstddef>

@@ -1,4 +1,5 @@
-// Open Fixture Library definitions, any text whatever: what loads keeps the model's promises, what does not says where.
+// Arbitrary text as Open Fixture Library definitions: a loaded type satisfies the model's invariants, an error names
+// its place.
 #include <cstring>
 
 #include "fixtures/files/import/import.h"

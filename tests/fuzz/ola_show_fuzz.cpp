@@ -1,4 +1,4 @@
-// OLA Show text, any whatever. Times do not fall, universes and levels lie in their ranges.
+// Arbitrary OLA Show text. Times do not decrease; universes and levels are within their ranges.
 #include "sim/dmx_log/ola_show.h"
 #include "tests/fuzz/fuzz.h"
 

@@ -1,4 +1,4 @@
-// Bytes from a Peperoni interface, any whatever, taken for the answer to a look.
+// Arbitrary bytes from a Peperoni interface, parsed as the answer to a frame.
 #include <algorithm>
 #include <iterator>
 
@@ -21,7 +21,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using footlight::testing::require;
   constexpr std::uint8_t kMagic[] = {0x02, 0x4D, 0x6B, 0x32};
   const auto status = decode_peperoni_status({data, size});
-  // An answer has 8 bytes, begins as all of them do, and says its status in the seventh.
+  // An answer has 8 bytes, a fixed start, and its status in the seventh byte.
   const bool is_answer = size == 8 && std::equal(std::begin(kMagic), std::end(kMagic), data);
   require(status.has_value() == is_answer);
   if (status) require(*status == static_cast<PeperoniStatus>(data[6]));

@@ -1,7 +1,7 @@
-// Octets of an RDM line, and of RDM over Art-Net, any whatever.
+// Arbitrary octets of an RDM line, and of RDM over Art-Net.
 //
-// A message that is accepted is built anew to the same octets; an answer to discovery names a UID whose own answer
-// parses to it; the data of a message in every form is text or an error.
+// An accepted message is encoded to the same octets; an answer to discovery has a UID whose own answer parses to it;
+// the data of a message in every format becomes text or an error.
 #include <algorithm>
 
 #include "drivers/net/artnet_rdm_packet.h"

@@ -1,4 +1,4 @@
-// Rigs (first byte even) and fixture types (odd), any text whatever, compiled where they are sound.
+// Arbitrary text as rigs (first byte even) and fixture types (odd); valid ones are compiled.
 #include "fixtures/builtin/builtin.h"
 #include "fixtures/files/toml/fixture_toml.h"
 #include "fixtures/model/rig.h"

@@ -1,7 +1,7 @@
-// Datagrams on port 5568, any whatever: each input as one datagram, and as a row of them to one receiver.
+// Arbitrary datagrams on port 5568: each input as one datagram, and as a series of datagrams to one receiver.
 //
-// What is accepted lies in the ranges that sacn_packet.h states, and a data packet built anew from what was read reads
-// the same again.
+// Accepted packets are within the ranges of sacn_packet.h, and a data packet that is parsed, encoded and parsed again
+// is unchanged.
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -43,11 +43,11 @@ void check(const SacnDiscovery& discovery) {
   for (std::size_t i = 0; i < discovery.universe_count(); ++i) require(is_universe(discovery.universe(i)));
 }
 
-// A receiver of nine universes, and a list of senders, that hear the packets one after the other.
+// A receiver of nine universes, and a list of senders, that take the packets one after the other.
 //
-// The input is cut into packets: two octets of length (low one first, modulo 2048), one of time passed in units of 16
-// ms, and the packet.
-void hear(std::span<const std::uint8_t> input) {
+// The input is divided into packets: two octets of length (low one first, modulo 2048), one of elapsed time in units of
+// 16 ms, and the packet.
+void receive(std::span<const std::uint8_t> input) {
   SacnReceiver rules({{{1, 1}, {2, 2}, {3, 3}, {4, 4}, {5, 5}, {6, 6}, {7, 7}, {8, 8}, {300, 9}}, false, nullptr});
   SacnDirectory directory;
   class Checker final : public FrameReceiver {
@@ -67,8 +67,8 @@ void hear(std::span<const std::uint8_t> input) {
   } checker;
   TimeNs now_ns = 1'000 * kNsPerS;
   while (input.size() >= 3) {
-    const std::size_t asked = static_cast<std::size_t>(input[0] | input[1] << 8) % 2048;
-    const std::size_t size = std::min(asked, input.size() - 3);
+    const std::size_t declared = static_cast<std::size_t>(input[0] | input[1] << 8) % 2048;
+    const std::size_t size = std::min(declared, input.size() - 3);
     now_ns += input[2] * 16 * kNsPerMs;
     const auto datagram = input.subspan(3, size);
     rules.take(datagram, 0x0A000007, now_ns, checker);
@@ -112,7 +112,7 @@ void footlight::testing::add_seeds(Seeds& seeds) {
   const std::size_t list_size = build_sacn_discovery(data.cid, "Footlight", 0, 1, universes, list);
   seeds.add("discovery", std::span(list).first(list_size));
 
-  // A row for hear(): synchronised frames of two universes, priorities, an end, a list.
+  // A series for receive(): synchronised frames of two universes, priorities, an end, a list.
   std::vector<std::uint8_t> row;
   const auto append = [&row](std::span<const std::uint8_t> bytes) {
     row.insert(row.end(), {static_cast<std::uint8_t>(bytes.size()), static_cast<std::uint8_t>(bytes.size() >> 8), 1});
@@ -142,6 +142,6 @@ void footlight::testing::add_seeds(Seeds& seeds) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto packet = parse_sacn_packet({data, size});
   if (packet) std::visit([](const auto& one) { check(one); }, *packet);
-  hear({data, size});
+  receive({data, size});
   return 0;
 }

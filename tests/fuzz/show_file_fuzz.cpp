@@ -1,4 +1,4 @@
-// Show files, any text whatever.
+// Arbitrary text as show files.
 #include <array>
 
 #include "tests/fuzz/fuzz.h"
@@ -7,7 +7,7 @@
 using namespace footlight;
 using footlight::testing::require;
 
-// In place of the one in open_ports.cpp, which needs every driver.
+// Replaces the one in open_ports.cpp, which needs every driver.
 Result<Endpoint> tools::parse_port(std::string_view text) {
   constexpr std::array<std::string_view, 2> kSchemes = {"enttec-pro", "mock"};
   return parse_endpoint(text, kSchemes);

@@ -1,4 +1,4 @@
-// A sigrok capture, any bytes whatever. The first byte says how the rest is taken: as the zip (0), or as its metadata
+// Arbitrary bytes as a sigrok capture. The first byte selects the use of the rest: as the zip (0), or as its metadata
 // (1), so that mutations reach the text past the zip's checksums.
 #include <vector>
 

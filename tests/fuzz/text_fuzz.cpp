@@ -1,4 +1,4 @@
-// What people type: endpoints, lists of universes, spans of time. The first byte says which.
+// Text typed by users: endpoints, lists of universes, durations. The first byte selects which.
 #include <algorithm>
 #include <array>
 

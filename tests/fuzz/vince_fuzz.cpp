@@ -1,5 +1,5 @@
-// Bytes from a Vince USB-DMX512 converter, any whatever: replies do not depend on how the stream is cut, and a good one
-// behind them is found.
+// Arbitrary bytes from a Vince USB-DMX512 converter: replies do not depend on how the stream is divided, and a valid
+// reply after them is found.
 #include <algorithm>
 #include <cstdlib>
 #include <vector>
@@ -34,7 +34,7 @@ std::vector<int> replies_in(std::span<const std::uint8_t> stream, std::size_t pi
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::vector<std::uint8_t> stream(data, data + size);
-  stream.insert(stream.end(), 128, 0x20);  // ends whatever is open
+  stream.insert(stream.end(), 128, 0x20);  // ends any unfinished reply
   stream.insert(stream.end(), {0x0F, 0x0F, 0x7B, 0x2A, 0, 0, 0x04});
   const auto whole = replies_in(stream, stream.size());
   if (whole != replies_in(stream, 1) || whole != replies_in(stream, 7)) std::abort();

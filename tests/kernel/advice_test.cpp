@@ -1,5 +1,5 @@
-// What `footlight devices` and `footlight doctor` advise to a user who cannot open a device. The advised commands are
-// run as they are printed, and the device has to be ready afterwards.
+// The advice of `footlight devices` and `footlight doctor` for a user who cannot open a device. The tests run the
+// advised commands as printed; then the device must be ready.
 #include <memory>
 
 #include <doctest/doctest.h>
@@ -27,7 +27,7 @@ bool contains(const Json& json, const char* key, const std::string& part) {
   return json.at(key).get<std::string>().find(part) != std::string::npos;
 }
 
-// One that has a tty as well, one that only libusb opens, one of the HID class.
+// One with a tty as well, one that only libusb opens, one of the HID class.
 constexpr const char* kDrivers[] = {"enttec-pro", "eurolite-pro", "nodle"};
 
 TEST_CASE("without udev rules the advice is to install them, and following it makes the device ready") {
@@ -51,7 +51,7 @@ TEST_CASE("without udev rules the advice is to install them, and following it ma
   }
 }
 
-TEST_CASE("a user outside plugdev is not told to install current rules again, but to join the group") {
+TEST_CASE("a user outside plugdev is advised to join the group, not to install current rules again") {
   for (const char* const driver : kDrivers) {
     CAPTURE(driver);
     set_up_well();
@@ -81,11 +81,11 @@ TEST_CASE("a member of plugdev alone has every known device ready, and no warnin
   }
 }
 
-TEST_CASE("on a machine without the group plugdev the advice makes it, and the device ready") {
+TEST_CASE("on a machine without the group plugdev the advised command creates it and makes the device ready") {
   for (const char* const driver : kDrivers) {
     CAPTURE(driver);
     set_up_well();
-    must_shell("sed -i /^plugdev:/d /etc/group; systemctl restart systemd-udevd");  // which remembers groups
+    must_shell("sed -i /^plugdev:/d /etc/group; systemctl restart systemd-udevd");  // udevd caches groups
     set_groups({});
     const Plugged plugged(driver);
     const Json device = device_at(plugged.port);
@@ -96,7 +96,7 @@ TEST_CASE("on a machine without the group plugdev the advice makes it, and the d
   }
 }
 
-TEST_CASE("a device whose module is missing names it, and is ready once that is loaded") {
+TEST_CASE("the reason of a device without its module names the module; loading it makes the device ready") {
   const std::pair<const char*, const char*> cases[] = {{"dmx4all", "cdc_acm"}, {"nodle", "usbhid"}};
   for (const auto& [driver, module] : cases) {
     CAPTURE(driver);
@@ -113,7 +113,7 @@ TEST_CASE("a device whose module is missing names it, and is ready once that is 
   }
 }
 
-TEST_CASE("without ftdi_sio a widget is ready and driven, since libusb needs no driver of the kernel") {
+TEST_CASE("without ftdi_sio a widget is ready and driven, since libusb needs no kernel driver") {
   set_up_well();
   take_module_away("ftdi_sio");
   Plugged plugged("enttec-pro");
@@ -126,7 +126,7 @@ TEST_CASE("without ftdi_sio a widget is ready and driven, since libusb needs no 
   give_module_back("ftdi_sio");
 }
 
-TEST_CASE("a bare FTDI cable, which the rules leave out, comes with a rule of its own that opens it") {
+TEST_CASE("the advice for a bare FTDI cable, which the rules exclude, is its own rule, which opens it") {
   set_up_well();
   set_groups({"plugdev"});
   Plugged plugged("open-dmx");

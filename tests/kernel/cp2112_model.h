@@ -1,5 +1,6 @@
-// A Silicon Labs CP2112, as far as the kernel's hid-cp2112 needs one to make a GPIO chip of eight lines: what the
-// reports of AN495 say about pins. It has no interrupt; the kernel reads the pins every 40 ms while an edge is awaited.
+// A model of a Silicon Labs CP2112, with the features that the kernel's hid-cp2112 needs to make a GPIO chip of eight
+// lines: the reports of AN495 for pins. It has no interrupt; the kernel reads the pins every 40 ms while an edge is
+// awaited.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +16,7 @@ class Cp2112Model final : public drivers::mock::UsbModel {
     product = "CP2112 HID USB-to-SMBus Bridge";
     serial = "0001";
   }
-  std::uint8_t pins = 0;         // levels at the inputs, one bit a line
+  std::uint8_t pins = 0;         // levels at the inputs, one bit per line
   std::uint64_t read_count = 0;  // how often the host has read them
 
   drivers::mock::Bytes device_descriptor() const override;

@@ -1,4 +1,4 @@
-// The program driving one device, as the user `lighting`, from looks that a test sends.
+// Runs the program with one device, as the user `lighting`, fed by frames from a test.
 #pragma once
 
 #include <chrono>
@@ -19,8 +19,8 @@ class DeviceRun {
   explicit DeviceRun(const std::string& endpoint, const std::vector<std::string>& options = {});
 
   void send(const Snapshot& snapshot);
-  // Sends the look every 100 ms until it is what leaves on line 0 of the model. True, or the test fails with what the
-  // program has printed. socket: has wait_for().
+  // Sends the snapshot every 100 ms until it appears on line 0 of the model. Returns true, or fails the test with the
+  // program's output. socket: has wait_for().
   template <class Socket>
   bool shows(Socket& socket, const drivers::mock::UsbModel& model, const Snapshot& snapshot) {
     const auto give_up = std::chrono::steady_clock::now() + kPatience;
@@ -33,7 +33,7 @@ class DeviceRun {
     return false;
   }
   Footlight& program() { return program_; }
-  // Fails the test with what the program has printed.
+  // Fails the test with the program's output.
   void fail();
 
  private:

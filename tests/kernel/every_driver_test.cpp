@@ -22,7 +22,7 @@ namespace {
 
 using drivers::DriverInfo;
 
-// The driver's own name for a device that the user has to name.
+// The endpoint; the driver's id for a device that the user must name.
 std::string endpoint_of(const DriverInfo& driver, const Json& device) {
   const std::string endpoint = device.at("endpoint");
   return endpoint.empty() ? fmt::format("{}:port-{}", driver.id, device.at("port").get<std::string>()) : endpoint;
@@ -44,7 +44,7 @@ void for_every_driver(Test&& test) {
   }
 }
 
-TEST_CASE("every driver's model is listed by a stock kernel, as ready or as a device to be named") {
+TEST_CASE("every driver's model is listed by a stock kernel, as ready or as a device that the user must name") {
   for_every_driver([](const DriverInfo& driver, const auto&, VhciSocket&, const Json& device) {
     CAPTURE(device.dump());
     const bool is_named = device.at("readiness") == "not-dmx";
@@ -53,7 +53,7 @@ TEST_CASE("every driver's model is listed by a stock kernel, as ready or as a de
   });
 }
 
-TEST_CASE("every driver's look reaches its model with start code 0 and 512 slots through a stock kernel") {
+TEST_CASE("every driver's frame reaches its model with start code 0 and 512 slots through a stock kernel") {
   for_every_driver([](const DriverInfo& driver, const auto& model, VhciSocket& socket, const Json& device) {
     DeviceRun run(endpoint_of(driver, device));
     for (const std::size_t which : {7u, 200u, 13u}) CHECK(run.shows(socket, model, some_snapshot(which)));
@@ -62,7 +62,7 @@ TEST_CASE("every driver's look reaches its model with start code 0 and 512 slots
   });
 }
 
-// Models of drivers, each in a socket of its own, for one program that drives them all.
+// Models of drivers, each in its own socket, for one program that drives them all.
 class Devices {
  public:
   explicit Devices(std::span<const DriverInfo* const> its) {
@@ -77,7 +77,7 @@ class Devices {
   }
 
   [[nodiscard]] std::string endpoint_of_first() const { return endpoint_at(0); }
-  // As options of a DeviceRun to the first.
+  // The options of a DeviceRun that add all devices but the first.
   [[nodiscard]] std::vector<std::string> outs_of_others() const {
     std::vector<std::string> words;
     for (std::size_t i = 1; i < devices_.size(); ++i) words.insert(words.end(), {"--out", endpoint_at(i)});
@@ -95,7 +95,8 @@ class Devices {
     for (Device& device : devices_) device.socket->unplug();
   }
 
-  // Sends the look twice a second until all show it. Fails the test where for kPatience no other device shows it.
+  // Sends the snapshot twice a second until all devices show it. Fails the test if no further device shows it within
+  // kPatience.
   void show(DeviceRun& run, const Snapshot& snapshot) {
     using Clock = std::chrono::steady_clock;
     const Snapshot frame = line_frame_of(snapshot);
@@ -105,7 +106,7 @@ class Devices {
       if (Clock::now() >= give_up) fail(run);
       if (Clock::now() >= send_at) {
         run.send(snapshot);
-        (void)run.program().has_said("", 0);  // reads what it has printed, so that its pipe does not fill up
+        (void)run.program().has_said("", 0);  // reads the program's output, so that its pipe does not fill up
         send_at = Clock::now() + std::chrono::milliseconds(500);
       }
       for (Device& device : devices_) {
@@ -121,7 +122,7 @@ class Devices {
 
   void report() {
     for (Device& device : devices_) {
-      std::vector<double> times_ms(device.times_ms.begin() + 1, device.times_ms.end());  // the first is no replug
+      std::vector<double> times_ms(device.times_ms.begin() + 1, device.times_ms.end());  // the first is not a replug
       std::sort(times_ms.begin(), times_ms.end());
       std::printf("%12s: %zu replugs, plugged to shown: %.0f ms in the middle, %.0f ms at most\n",
                   std::string(device.driver->id).c_str(), times_ms.size(), times_ms[times_ms.size() / 2],
@@ -142,7 +143,7 @@ class Devices {
     std::unique_ptr<VhciSocket> socket;
     std::string port;
     std::chrono::steady_clock::time_point plugged;
-    bool is_due = false;  // since it was plugged in it has not shown the look
+    bool is_due = false;  // it has not shown the snapshot since it was plugged in
     std::vector<double> times_ms;
 
     bool shows(const Snapshot& frame) {
@@ -158,15 +159,15 @@ class Devices {
     std::string late;
     for (const Device& device : devices_)
       if (device.is_due) late += fmt::format(" {}", device.driver->id);
-    MESSAGE("do not show the look:" << late);
+    MESSAGE("do not show the snapshot:" << late);
     run.fail();
   }
 
   std::vector<Device> devices_;
 };
 
-// Devices of one program that are replugged at once. More of them take longer than one after the other: the program
-// looks for each that is gone whenever any device arrives, and the emulated processor is slow.
+// Devices of one program that are replugged at the same time. More would take longer than one after the other: the
+// program searches for each lost one whenever any device arrives, and the emulated processor is slow.
 constexpr std::size_t kAtOnce = 2;
 
 void replug(std::span<const DriverInfo* const> its) {
@@ -182,7 +183,7 @@ void replug(std::span<const DriverInfo* const> its) {
     devices.plug();
     devices.show(run, some_snapshot(i));
     if (i % 10 != 0) continue;
-    std::printf("                %zu of %zu replugs\n", i, kReplugs);  // the host sees that the guest is alive
+    std::printf("                %zu of %zu replugs\n", i, kReplugs);  // shows the host that the guest is alive
     std::fflush(stdout);
   }
   devices.report();
@@ -192,7 +193,7 @@ void replug(std::span<const DriverInfo* const> its) {
   devices.check_left_to_kernel();
 }
 
-TEST_CASE("every driver shows the newest look after each of 50 replugs") {
+TEST_CASE("every driver shows the newest snapshot after each of 50 replugs") {
   std::vector<const DriverInfo*> with_model;
   for (const DriverInfo* driver : drivers::drivers())
     if (driver->make_model != nullptr) with_model.push_back(driver);

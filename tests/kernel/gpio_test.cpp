@@ -1,4 +1,4 @@
-// Edges of a GPIO line of the kernel's own: hid-cp2112 on a model of the chip, libgpiod, and a universe.
+// Edges of a real kernel GPIO line: hid-cp2112 on a model of the chip, libgpiod, and a universe.
 #include <csignal>
 
 #include <doctest/doctest.h>

@@ -62,7 +62,7 @@ void install_rules() { must_shell("cp udev/70-footlight.rules /etc/udev/rules.d/
 
 void remove_rules() { must_shell("rm -f /etc/udev/rules.d/7*-footlight* && udevadm control --reload"); }
 
-// udevd remembers which modules it may load until it is told to read the configuration again.
+// udevd caches which modules it may load until it reloads its configuration.
 void take_module_away(const std::string& module) {
   must_shell(fmt::format("echo 'blacklist {0}' > /etc/modprobe.d/no-{0}.conf", module));
   must_shell(fmt::format("[ ! -d /sys/module/{0} ] || rmmod {0}; udevadm control --reload", module));

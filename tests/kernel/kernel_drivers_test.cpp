@@ -1,4 +1,4 @@
-// Drivers of the kernel that sit on a device: what happens to them while the program uses it, and afterwards.
+// Kernel drivers of a device: what happens to them while the program uses it, and afterwards.
 #include <csignal>
 #include <filesystem>
 #include <string>
@@ -55,7 +55,7 @@ TEST_CASE("ftdi_sio is detached from a widget in use, and bound to it again afte
   CHECK(doctor_check("ftdi-sio").at("verdict") == "ok");
 }
 
-TEST_CASE("after SIGKILL doctor says that ftdi_sio is not bound, and the advised command binds it") {
+TEST_CASE("after SIGKILL doctor reports that ftdi_sio is not bound, and the advised command binds it") {
   Widget widget;
   REQUIRE(widget.becomes_driven_by("ftdi_sio"));
   widget.use_and_kill();
@@ -84,7 +84,7 @@ TEST_CASE("a widget that SIGKILL left without ftdi_sio is driven by the next sta
   CHECK(widget.becomes_driven_by("ftdi_sio"));
 }
 
-// hid-quirks keeps usbhid away from it. vmk80xx has its ids, and takes it or refuses it depending on the kernel.
+// hid-quirks keeps usbhid away from it. vmk80xx has its ids, and accepts or refuses it depending on the kernel.
 TEST_CASE("a stock kernel gives a Velleman K8062 no hidraw node, and the program drives it through libusb") {
   PluggedIn<drivers::mock::VellemanModel> widget;
   const Json device = device_at(widget.port);

@@ -1,5 +1,5 @@
-// One line a test, as it ends: "passed 12.3 s  NAME" or "failed ...". The host counts them and shows that the guest is
-// alive.
+// Prints one line per test when it ends: "passed 12.3 s  NAME" or "failed ...". The host counts the lines and uses them
+// as a sign of life.
 #include <cstdio>
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-// The unit as it is installed, under the systemd that is this machine's first process.
+// The unit as installed, under the systemd that is this machine's first process.
 #include <csignal>
 #include <fstream>
 #include <sstream>
@@ -26,7 +26,7 @@ std::string property(const std::string& name) {
   return text;
 }
 
-// ArtDmx by unicast to this machine, from an address of its own ("127.0.0.5").
+// ArtDmx by unicast to this machine, from its own address ("127.0.0.5").
 void send_artnet(const std::string& from, int wire_universe, const Snapshot& snapshot) {
   const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   REQUIRE(fd >= 0);
@@ -44,7 +44,7 @@ void send_artnet(const std::string& from, int wire_universe, const Snapshot& sna
   ::close(fd);
 }
 
-// The service with a show file from an Art-Net universe to a device that is plugged in; stopped at the end.
+// The service with a show file from an Art-Net universe to a plugged-in device; stopped in the destructor.
 class Service {
  public:
   Service() {
@@ -63,7 +63,7 @@ class Service {
     std::ofstream("/etc/footlight/show.toml")
         << fmt::format("[[in]]\nendpoint = \"artnet:{}=1\"\n[[out]]\nendpoint = \"eurolite-pro\"\n", wire_universe);
   }
-  // Sends the look until it is on the device's line.
+  // Sends the snapshot until it is on the device's line.
   bool shows(const std::string& from, int wire_universe, const Snapshot& snapshot) {
     const auto shown = [&] { return model_.line(0).frame == line_frame_of(snapshot); };
     return eventually([&] {
@@ -82,10 +82,10 @@ class Service {
   VhciSocket socket_{model_};
 };
 
-TEST_CASE("systemd starts the unit, is told that it is ready, and it drives a USB device from its sandbox") {
+TEST_CASE("systemd starts the unit, the unit reports ready, and it drives a USB device from its sandbox") {
   Service service;
   CHECK(property("ActiveState") == "active");
-  CHECK(property("Type") == "notify");  // so that systemctl start has waited for READY=1
+  CHECK(property("Type") == "notify");  // so systemctl start has waited for READY=1
   CHECK(service.shows("127.0.0.1", 1, some_snapshot(3)));
   must_shell("systemctl stop footlight");
   CHECK(property("Result") == "success");
@@ -98,7 +98,7 @@ TEST_CASE("no unicast Art-Net frame of 64 senders is lost in the sandbox") {
   Snapshot expected(512, 0);
   for (int i = 0; i < 64; ++i) {
     CAPTURE(i);
-    // Each has the highest levels so far, so that it counts whether or not those before it are still remembered.
+    // Each has the highest levels so far, so it wins whether or not those before it are still present.
     expected[static_cast<std::size_t>(i)] = 255;
     REQUIRE(service.shows_at_once(fmt::format("127.0.0.{}", 2 + i % 4), 1, expected));
   }
@@ -114,7 +114,7 @@ TEST_CASE("a bridge that hangs is restarted by the watchdog, and drives its devi
   CHECK(service.shows("127.0.0.1", 1, some_snapshot(4)));
 }
 
-TEST_CASE("systemctl reload reads the show file anew, in the same process") {
+TEST_CASE("systemctl reload reads the show file again, in the same process") {
   Service service;
   REQUIRE(service.shows("127.0.0.1", 1, some_snapshot(3)));
   const std::string pid = property("MainPID");

@@ -1,5 +1,5 @@
-// An FTDI chip that nobody of this project wrote: QEMU's FT232BM on its UHCI controller. At the far end of its wire,
-// which is a port of this guest, sits the model of a widget.
+// An independent FTDI chip: QEMU's FT232BM on its UHCI controller. The far end of its wire, a port of this guest, has
+// the model of a widget.
 #include <condition_variable>
 #include <csignal>
 #include <filesystem>
@@ -58,7 +58,7 @@ class FarEnd {
       if (size <= 0) continue;
       const std::lock_guard lock(mutex_);
       model.take({bytes, static_cast<std::size_t>(size)});
-      const auto answer = model.hear(sizeof bytes);
+      const auto answer = model.read(sizeof bytes);
       (void)!::write(fd_, answer.data(), answer.size());
       changed_.notify_all();
     }
@@ -70,14 +70,14 @@ class FarEnd {
   std::thread thread_;
 };
 
-// The controller's driver, which this guest does not load by itself, for as long as a test needs it.
+// Loads the controller's driver while a test needs it; this guest does not load it automatically.
 class Uhci {
  public:
   Uhci() { must_shell("modprobe uhci-hcd"); }
   ~Uhci() { shell("rmmod uhci-hcd"); }
   Uhci(const Uhci&) = delete;
   Uhci& operator=(const Uhci&) = delete;
-  // Takes the whole bus away and gives it back, as a replug.
+  // Removes the whole bus and adds it again, as a replug.
   void replug() {
     const std::string driver = "/sys/bus/pci/drivers/uhci_hcd";
     const std::string address = must_shell("cd " + driver + " && echo 0000:*");
@@ -125,7 +125,7 @@ TEST_CASE("with the advised rule QEMU's FT232BM is opened through libusb, and ag
   const Json device = device_at(port);
   CAPTURE(device.dump());
   must_shell(device.at("remedy"));
-  set_groups({"plugdev", "dialout"});  // both ways are open to the user
+  set_groups({"plugdev", "dialout"});  // the user may open both paths
   must_shell("udevadm settle");
   DeviceRun run("enttec-pro:port-" + port);
   for (std::size_t i = 0; i <= 10; ++i) {

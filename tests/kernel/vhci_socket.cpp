@@ -28,9 +28,9 @@ using drivers::mock::SetupPacket;
 constexpr std::uint32_t kSubmit = 1, kUnlink = 2, kSubmitAnswer = 3, kUnlinkAnswer = 4;
 constexpr int kFullSpeed = 2;
 constexpr const char* kPlatform = "/sys/devices/platform";
-constexpr const char* kFolder = "/sys/devices/platform/vhci_hcd.0/";  // the only one that has the attributes
+constexpr const char* kFolder = "/sys/devices/platform/vhci_hcd.0/";  // the only one with the attributes
 
-// Both ways and for every command: 12 words, the high octet first; the last two of a request are a setup packet.
+// For both directions and every command: 12 words, the high octet first; the last two of a request are a setup packet.
 constexpr std::size_t kHeaderWords = 12;
 using Header = std::array<std::uint32_t, kHeaderWords>;
 
@@ -39,7 +39,7 @@ TimeNs steady_now_ns() {
       .count();
 }
 
-// How many controllers the kernel was built with. Each has a root hub.
+// The number of controllers that the kernel was built with. Each has a root hub.
 int controller_count() {
   int count = 0;
   while (std::filesystem::exists(fmt::format("{}/vhci_hcd.{}", kPlatform, count))) ++count;
@@ -88,7 +88,7 @@ void VhciSocket::plug() {
     in_flight_.clear();
     model_.power_on();
   }
-  // The kernel frees the socket of an unplugged device in its own time.
+  // The kernel frees the socket of an unplugged device with a delay.
   const std::string words = fmt::format("{} {} {} {}", kernel_socket_, ends[1], kernel_socket_ + 1, kFullSpeed);
   const TimeNs give_up_ns = steady_now_ns() + 60 * kNsPerS;
   while (!write_file(std::string(kFolder) + "attach", words)) {
@@ -108,8 +108,8 @@ void VhciSocket::unplug() {
     for (const Transfer& transfer : in_flight_) answer_submit(transfer, -ESHUTDOWN, {});
     in_flight_.clear();
   }
-  // First from the USB core, which then refuses transfers by itself: those that come while vhci_hcd shuts down the
-  // connection would be left to their timeout of 5 s.
+  // First from the USB core, which then refuses transfers itself. Those that come while vhci_hcd shuts down the
+  // connection would run into their timeout of 5 s.
   if (const std::string device = device_folder(); !device.empty()) write_file(device + "/remove", "1");
   write_file(std::string(kFolder) + "detach", std::to_string(kernel_socket_));
   thread_.join();  // the kernel closes its end
@@ -214,7 +214,7 @@ TimeNs VhciSocket::complete_in_time() {
   const std::lock_guard lock(mutex_);
   const TimeNs now_ns = steady_now_ns();
   (void)model_.pass_time(now_ns);
-  // What one transfer brings to the model may end another one that is before it in the list.
+  // The data of one transfer may end another one that is before it in the list.
   while (end_some(now_ns)) changed_.notify_all();
   TimeNs next_ns = model_.pass_time(now_ns);
   for (const Transfer& transfer : in_flight_)
@@ -224,7 +224,7 @@ TimeNs VhciSocket::complete_in_time() {
 
 // True: at least one has ended.
 bool VhciSocket::end_some(TimeNs now_ns) {
-  std::uint64_t waiting = 0;  // endpoints: a transfer waits for those before it
+  std::uint64_t waiting = 0;  // endpoints: a transfer waits for the earlier ones
   bool ended_one = false;
   for (auto transfer = in_flight_.begin(); transfer != in_flight_.end();) {
     const std::uint64_t endpoint = std::uint64_t{1} << (transfer->endpoint & 0x1F) << (transfer->to_host ? 32 : 0);

@@ -1,4 +1,4 @@
-// A driver of the table with its model in this process, and the faults that every driver has to survive. Time stands
+// A driver of the table with its model in this process, and the faults that every driver must survive. Time stands
 // still unless a test moves it.
 #pragma once
 
@@ -128,7 +128,7 @@ struct DeviceBench {
     clock.advance_ns(by_ns);
     usb->clock_moved();
   }
-  // Moves time on in small steps until done() or for so long.
+  // Moves time on in small steps until done(), or by at_most_ns.
   template <class Done>
   bool advance_until(Done&& done, DurationNs at_most_ns = 20 * kNsPerS) {
     for (DurationNs moved_ns = 0; moved_ns < at_most_ns; moved_ns += 10 * kNsPerMs) {
@@ -152,11 +152,11 @@ double figure_of(const Port& port, std::string_view name) {
   return value;
 }
 
-// --- Faults that an output has to survive, at every byte and transfer; what holds for every driver alike is in
-// every_driver_test.cpp. Each ends with a look on the line.
+// --- Faults that an output must survive, at every byte and transfer; tests common to every driver are in
+// every_driver_test.cpp. Each ends with a snapshot on the line.
 
 inline void check_unplug_at_every_transfer(DeviceBench& bench) {
-  // How many transfers a look of this kind takes.
+  // The number of transfers of a snapshot.
   std::atomic<int> count{0};
   std::atomic<int> unplug_at{-1};
   bench.before_send = [&] {
@@ -201,8 +201,9 @@ inline void check_cut_write(DeviceBench& bench, std::size_t size) {
 inline void check_garbage(DeviceBench& bench) {
   const auto sink = bench.open_sink();
   for (int i = 0; i < 300; ++i)
-    bench.usb->with_model(
-        [&](auto& model) { model.say(Bytes(static_cast<std::size_t>(i % 70), static_cast<std::uint8_t>(i))); });
+    bench.usb->with_model([&](auto& model) {
+      model.send_to_host(Bytes(static_cast<std::size_t>(i % 70), static_cast<std::uint8_t>(i)));
+    });
   bench.send(*sink, some_snapshot(5));
   CHECK(bench.advance_until([&] { return bench.shows(some_snapshot(5), std::chrono::milliseconds(1)); }));
   CHECK(sink->state() == PortState::kWorking);

@@ -1,5 +1,5 @@
-// A driver on an emulated kernel: the real libusb, hidraw or termios on one side, a model of its device on the other.
-// A program that uses it has to run under libumockdev-preload, see run_under_umockdev().
+// A driver on an emulated kernel: the real libusb, hidraw or termios on one side, a model of its device on the other. A
+// program that uses it must run under libumockdev-preload, see run_under_umockdev().
 #pragma once
 
 #include <memory>
@@ -15,13 +15,13 @@
 
 namespace footlight::testing {
 
-// BusSocket: UsbSocket, HidSocket or TtySocket. DriverClock: SystemClock, or a SharedFakeClock where a test shows that
-// no timeout and no repetition was needed: on a clock that stands still none ever comes.
+// BusSocket: UsbSocket, HidSocket or TtySocket. DriverClock: SystemClock, or a SharedFakeClock in a test without
+// timeouts and repeats: on a clock that stands still none occurs.
 template <class BusSocket, class Model, class DriverClock = SystemClock>
 struct EmulatedBench {
-  // The first device of `scheme` that is plugged in; request.target names another.
+  // The first plugged-in device of `scheme`; request.target selects another.
   explicit EmulatedBench(std::string scheme) : EmulatedBench(std::move(scheme), std::make_unique<Model>()) {}
-  // socket_arguments: of BusSocket, behind its model.
+  // socket_arguments: of BusSocket, after its model.
   template <class... SocketArguments>
   EmulatedBench(std::string scheme, std::unique_ptr<Model> of, SocketArguments&&... socket_arguments)
       : owned_model(std::move(of)),
@@ -52,7 +52,7 @@ struct EmulatedBench {
   bool shows(const Snapshot& slots) {
     return socket.wait_for([&] { return model.line(0).frame == line_frame_of(slots); });
   }
-  // The device hears this on its line.
+  // The device receives this on its line.
   void receive(const Snapshot& slots) {
     socket.with_model([&] { model.receive_line_frame(0, line_frame_of(slots)); });
   }

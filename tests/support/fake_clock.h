@@ -1,4 +1,4 @@
-// A clock that moves only when told. sleep_until_ns() jumps there.
+// A clock that moves only when set. sleep_until_ns() moves it there.
 #pragma once
 
 #include "sim/core/clock.h"

@@ -1,4 +1,4 @@
-// Ports and a waiter without hardware: what a test of the pump puts around it.
+// Ports and a waiter without hardware, for tests of the pump.
 //
 //   FakeClock clock;
 //   FakeWaiter waiter(clock);
@@ -30,13 +30,13 @@ class FakeWaiter final : public Waiter {
  public:
   explicit FakeWaiter(FakeClock& clock) : clock_(clock) {}
 
-  // A descriptor number that is readable as long as the function says so.
+  // A descriptor number that is readable while the function returns true.
   int make_fd(std::function<bool()> is_readable) {
     const int fd = next_fd_++;
     readable_[fd] = std::move(is_readable);
     return fd;
   }
-  // Something that happens at that time, in the middle of a wait.
+  // An event at that time, in the middle of a wait.
   void at(TimeNs time_ns, std::function<void()> event) { events_.emplace(time_ns, std::move(event)); }
 
   Status watch(int fd) override {
@@ -71,7 +71,7 @@ class FakeWaiter final : public Waiter {
     }
   }
 
-  DurationNs late_by_ns = 0;  // how much later than its deadline a wait ends
+  DurationNs late_by_ns = 0;  // how late a wait with a deadline ends
   std::uint64_t wait_count = 0;
   TimeNs last_deadline_ns = 0;
   [[nodiscard]] const std::set<int>& watched() const { return watched_; }
@@ -85,7 +85,7 @@ class FakeWaiter final : public Waiter {
   std::set<int> watched_;
 };
 
-// What both kinds of port do when a test says so.
+// The scripted behaviour of both kinds of port.
 struct FakePort {
   std::string port_name;
   std::vector<Universe> carried;
@@ -93,11 +93,11 @@ struct FakePort {
   PortState port_state = PortState::kWorking;
   std::string port_trouble;
   TimeNs deadline_ns = kTimeNever;
-  DurationNs repeat_ns = 0;     // > 0: every poll moves a passed deadline on by this much, as a log or keep-alive does
-  bool deadline_stuck = false;  // a bad port: polls do not move the deadline at all
+  DurationNs repeat_ns = 0;     // > 0: every poll moves a passed deadline on by this much, as in a log or keep-alive
+  bool deadline_stuck = false;  // a faulty port: polls do not move the deadline
   std::string poll_error;       // not empty: poll() fails with it
   std::uint64_t poll_count = 0;
-  std::vector<TimeNs> polled_ns;  // kept while short of 1000
+  std::vector<TimeNs> polled_ns;  // up to 1000 times
 
   Status polled(TimeNs now_ns) {
     ++poll_count;
@@ -164,7 +164,7 @@ class FakeSource final : public Source, public FakePort {
   SenderId sender = 1;
   std::string sender_name;
   std::vector<SenderLosses> losses;         // per universe
-  std::function<void(TimeNs)> before_poll;  // may give() what is due
+  std::function<void(TimeNs)> before_poll;  // may give() frames that are due
 
  private:
   std::deque<Letter> mailbox_;
@@ -183,7 +183,7 @@ class FakeSink final : public Sink, public FakePort {
   struct Sent {
     TimeNs time_ns = 0;
     std::vector<Universe> universes;  // in the order of the call
-    std::vector<int> levels;          // of slot 0, beside them
+    std::vector<int> levels;          // of slot 0, in the same order
     friend bool operator==(const Sent&, const Sent&) = default;
   };
 
@@ -197,7 +197,7 @@ class FakeSink final : public Sink, public FakePort {
   double rate_hz_max() const override { return rate_hz_max_; }
   std::optional<std::uint64_t> frames_on_line() const override { return line_frames; }
   void take_figures(std::vector<PortFigure>& into) const override { into = figures; }
-  void set_rate_hz_max(double rate_hz) { rate_hz_max_ = rate_hz; }  // as a device that comes and is another model
+  void set_rate_hz_max(double rate_hz) { rate_hz_max_ = rate_hz; }  // as for a returning device of another model
   std::optional<std::uint64_t> line_frames;
   std::vector<PortFigure> figures;
   Status send(TimeNs now_ns, std::span<const FrameView> frames) override {

@@ -24,8 +24,8 @@ Result<std::unique_ptr<Device>> create_device() {
   return Device::create({.validation = true});
 }
 
-// Keeps the driver mapped when its last device is gone. Mesa's tables hang on its globals until the process ends; once
-// they are unmapped LeakSanitizer takes the tables for leaks, and cannot name anybody's real ones.
+// Keeps the driver mapped after its last device is gone. Mesa's tables hang on its globals until the process ends. Once
+// they are unmapped, LeakSanitizer reports the tables as leaks, and cannot name real ones.
 void pin_loaded_libraries() {
   dl_iterate_phdr(
       [](dl_phdr_info* info, std::size_t, void*) {
@@ -58,7 +58,7 @@ HeadlessVulkan::HeadlessVulkan() : device_(shared_device()) {
   }
   const char* required = std::getenv("FOOTLIGHT_REQUIRE_VULKAN");
   CHECK_MESSAGE((required == nullptr || std::strcmp(required, "1") != 0),
-                "no Vulkan device, and FOOTLIGHT_REQUIRE_VULKAN=1 asks for one");
+                "no Vulkan device, but FOOTLIGHT_REQUIRE_VULKAN=1 requires one");
 }
 
 HeadlessVulkan::~HeadlessVulkan() {

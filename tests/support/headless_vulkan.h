@@ -1,12 +1,12 @@
-// The one Vulkan device of a test process. Made at the first use, since that is slow; with the validation layer on.
+// The one Vulkan device of a test process. Made at first use, since that is slow; with the validation layer on.
 //
 //   const testing::HeadlessVulkan vulkan;
-//   if (!vulkan) return;                    // said on stderr; a failure where FOOTLIGHT_REQUIRE_VULKAN=1
+//   if (!vulkan) return;                    // reported on stderr; a failure with FOOTLIGHT_REQUIRE_VULKAN=1
 //   auto frame = Frame::create(vulkan.device(), ...);
 //
-// When it goes out of scope, every message of the validation layer since then is a failure of the test. Frames must die
-// before it, so declare it first. FOOTLIGHT_TEST_DEVICE chooses a device by a part of its name; else tests run on the
-// software renderer lavapipe, whose name contains "llvmpipe", and without it on the best device there is.
+// When it goes out of scope, every message of the validation layer since its construction fails the test. Frames must
+// be destroyed before it, so declare it first. FOOTLIGHT_TEST_DEVICE selects a device by a part of its name. Without it
+// tests run on the software renderer lavapipe, whose name contains "llvmpipe", or else on the best device.
 #pragma once
 
 #include <cstddef>

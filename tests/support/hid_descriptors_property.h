@@ -1,4 +1,4 @@
-// What holds for any bytes that claim to be a configuration descriptor. Shared by a test and a fuzz target.
+// Properties of the parser for any bytes as a configuration descriptor. Shared by a test and a fuzz target.
 #pragma once
 
 #include <span>
@@ -10,7 +10,7 @@
 
 namespace footlight::testing {
 
-// Empty where all holds, else what does not.
+// Empty if all hold, else the one that does not.
 inline std::string check_hid_descriptor(std::span<const std::uint8_t> bytes) {
   const auto found = drivers::find_hid_output(bytes);
   if (!found) return {};

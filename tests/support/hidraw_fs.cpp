@@ -128,7 +128,7 @@ void HidSocket::unplug() {
   umockdev_testbed_detach_ioctl(testbed_.get(), node().c_str(), nullptr);
 }
 
-// Called with the lock.
+// Call with the lock held.
 void HidSocket::send_reports() {
   while (plugged_ && model_.has_data(kEndpointIn)) {
     const Bytes report = model_.data_in(kEndpointIn, 64);
@@ -186,7 +186,7 @@ gboolean HidSocket::on_write(UMockdevIoctlBase*, UMockdevIoctlClient* client, Hi
     UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
     auto size = static_cast<std::size_t>(argument->data_len);
     if (self->write_size_max >= 0) size = std::min(size, static_cast<std::size_t>(self->write_size_max));
-    if (size > 0) self->model_.data_out(kEndpointOut, {argument->data + 1, size - 1});  // without the report's number
+    if (size > 0) self->model_.data_out(kEndpointOut, {argument->data + 1, size - 1});  // without the report number
     self->send_reports();
     done = answer(client, static_cast<long>(size));
   }

@@ -53,8 +53,9 @@ class HidSocket {
 
   // --- Faults
   std::atomic<int> write_error{0};       // an errno value for every write
-  std::atomic<int> write_size_max{-1};   // bytes of a report that are taken; -1: all
-  std::atomic<int> unplug_at_write{-1};  // the write with this number (from 0) finds the device gone; -1: none
+  std::atomic<int> write_size_max{-1};   // bytes of a report that are accepted; -1: all
+  std::atomic<int> unplug_at_write{-1};  // the write with this number (from 0) fails because the device is gone; -1:
+                                         // none
 
  private:
   static void on_client_connected(UMockdevIoctlBase*, UMockdevIoctlClient* client, HidSocket* self);

@@ -1,4 +1,4 @@
-// 3DS and glTF files made in memory, sound or broken on purpose.
+// 3DS and glTF files made in memory, valid or damaged on purpose.
 #pragma once
 
 #include <cstddef>
@@ -24,14 +24,14 @@ using fixtures::Bytes;
 // A box of this size in units, from the origin, faces outwards.
 [[nodiscard]] std::string box_3ds(float x, float y, float z);
 
-// A .glb of this JSON and binary.
+// A .glb with this JSON and binary chunk.
 [[nodiscard]] std::string file_glb(std::string_view json, std::string_view binary);
-// Of a box of this size, from the origin, y up; `node` stands in its node: "\"scale\":[-1,1,1]".
+// Of a box of this size, from the origin, y up; `node` is added to its node: "\"scale\":[-1,1,1]".
 [[nodiscard]] std::string box_glb(float x, float y, float z, std::string_view node = "");
 
 [[nodiscard]] Bytes bytes_of(std::string_view text);
 
-// Files that are not in any file system.
+// Files in memory, not in a file system.
 class MemoryFiles final : public fixtures::Files {
  public:
   explicit MemoryFiles(std::map<std::string, std::string> files);

@@ -1,4 +1,4 @@
-// What a test needs to go on: the value, or the end of the test with the error's message.
+// Returns the value of a Result, or ends the test with the error's message.
 #pragma once
 
 #include <string>

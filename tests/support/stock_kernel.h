@@ -1,4 +1,4 @@
-// Which driver a stock kernel binds to the first interface of a device, as seen with Debian's 6.1.
+// The driver that a stock kernel binds to the first interface of a device, as observed with Debian's 6.1.
 //
 // Sources: id_table_combined in drivers/usb/serial/ftdi_sio.c; vmk80xx_usb_id_table in
 // drivers/comedi/drivers/vmk80xx.c; hid_ignore_list in drivers/hid/hid-quirks.c, which has the same Velleman ids, so

@@ -1,4 +1,4 @@
-// A folder for one test, which goes away with the object.
+// A folder for one test, removed with the object.
 #pragma once
 
 #include <filesystem>
@@ -29,7 +29,7 @@ class TempFolder {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] std::string file(const std::string& name) const { return (path_ / name).string(); }
-  // Writes a file, and makes the folders that lead to it; returns its path.
+  // Writes a file and its missing parent folders; returns its path.
   std::string write(const std::string& name, std::string_view content) const {
     const std::filesystem::path path = path_ / name;
     std::filesystem::create_directories(path.parent_path());

@@ -71,7 +71,7 @@ void TtySocket::plug() {
   add_device(testbed_.get(), fmt::format("P: {}/tty/{}\nE: SUBSYSTEM=tty\n\n", parent, tty_));
   std::filesystem::remove(fmt::format("{}/sys{}/driver", testbed_.root(), interface));
   const std::lock_guard lock(mutex_);
-  // A pseudo-terminal of our own: closing its far end is what a real unplug looks like from the near one.
+  // A pseudo-terminal of our own: closing its far end looks like a real unplug at the near end.
   far_end_ = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
   FL_CHECK_GE(far_end_, 0);
   FL_CHECK_EQ(::grantpt(far_end_), 0);
@@ -115,7 +115,7 @@ void TtySocket::carry() {
   while (true) {
     pollfd waited[] = {{.fd = far_end_, .events = POLLIN, .revents = 0},
                        {.fd = stop_fd_, .events = POLLIN, .revents = 0}};
-    // Nobody has the near end open: its hang-up is no news.
+    // The near end is not open: ignore its hang-up.
     const bool idle = ::poll(waited, 1, 0) == 1 && (waited[0].revents & POLLIN) == 0;
     ::poll(idle ? waited + 1 : waited, idle ? 1 : 2, 2);
     if ((waited[1].revents & POLLIN) != 0) return;
@@ -127,8 +127,8 @@ void TtySocket::carry() {
     }
     const std::lock_guard lock(mutex_);
     if (!bytes.empty()) model_.take(bytes);
-    const Bytes said = model_.hear(4096);
-    if (!said.empty()) FL_CHECK_EQ(::write(far_end_, said.data(), said.size()), std::ssize(said));
+    const Bytes answer = model_.read(4096);
+    if (!answer.empty()) FL_CHECK_EQ(::write(far_end_, answer.data(), answer.size()), std::ssize(answer));
     changed_.notify_all();
   }
 }

@@ -1,6 +1,6 @@
 // An emulated tty: the real termios and /sys readers on one side, a serial model on the other. The node is a
-// pseudo-terminal; a thread here carries bytes between its far end and the model, and a handler of umockdev sees what a
-// pseudo-terminal would swallow: breaks, and questions for the line status. A program that uses it has to run under
+// pseudo-terminal. A thread here carries bytes between its far end and the model. A handler of umockdev gets what a
+// pseudo-terminal does not pass on: breaks, and requests for the line status. A program that uses it must run under
 // libumockdev-preload, see run_under_umockdev().
 #pragma once
 
@@ -19,8 +19,8 @@ namespace footlight::testing {
 
 class TtySocket {
  public:
-  // tty: "ttyACM0" lies where the kernel's driver of the communication class puts it, "ttyUSB0" where those of serial
-  // converters do. The testbed and the model outlive the socket.
+  // tty: "ttyACM0" is placed where the kernel's driver of the communication class puts it, "ttyUSB0" where those of
+  // serial converters do. The testbed and the model outlive the socket.
   TtySocket(Testbed& testbed, drivers::mock::SerialModel& model, std::string tty, int socket = 1);
   ~TtySocket();
   TtySocket(const TtySocket&) = delete;
@@ -38,7 +38,7 @@ class TtySocket {
     std::unique_lock lock(mutex_);
     return changed_.wait_until(lock, std::chrono::system_clock::now() + patience, f);
   }
-  // What the line was set to last; 0: nothing yet.
+  // The last setting of the line; 0: none yet.
   [[nodiscard]] unsigned baud();
   [[nodiscard]] bool has_two_stop_bits();
 

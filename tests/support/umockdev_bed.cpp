@@ -15,7 +15,7 @@ namespace footlight::testing {
 
 int run_under_umockdev(char** argv) {
   constexpr const char* kLibrary = "libumockdev-preload.so.0";
-  constexpr const char* kMarker = "ioctl_node_list_new";  // a symbol of that library alone
+  constexpr const char* kMarker = "ioctl_node_list_new";  // a symbol of that library only
   constexpr const char* kTried = "FOOTLIGHT_UMOCKDEV_TRIED";
   const char* preload = std::getenv("LD_PRELOAD");
   if (preload != nullptr && std::strstr(preload, kLibrary) != nullptr && ::dlsym(RTLD_DEFAULT, kMarker) != nullptr)
@@ -27,7 +27,7 @@ int run_under_umockdev(char** argv) {
   ::setenv(kTried, "1", 1);
   ::setenv("LD_PRELOAD",
            preload != nullptr && *preload != 0 ? fmt::format("{}:{}", preload, kLibrary).c_str() : kLibrary, 1);
-  // AddressSanitizer wants to be the first library; here another one has to be.
+  // AddressSanitizer must be the first library; here another one is.
   const char* asan = std::getenv("ASAN_OPTIONS");
   ::setenv(
       "ASAN_OPTIONS",

@@ -1,7 +1,7 @@
-// The ground of every emulated device: the folder that stands for /, and what handlers of ioctls need.
+// The base of every emulated device: the folder that replaces /, and helpers for handlers of ioctls.
 //
-// umockdev redirects the system calls of this process into a folder of its own and hands ioctls to a handler. A program
-// that uses it has to run under libumockdev-preload, see run_under_umockdev().
+// umockdev redirects the system calls of this process to its own folder and passes ioctls to a handler. A program that
+// uses it must run under libumockdev-preload, see run_under_umockdev().
 #pragma once
 
 #include <umockdev.h>
@@ -10,11 +10,11 @@
 
 namespace footlight::testing {
 
-// Starts the program again with libumockdev-preload in front where it is not there yet; returns 0 when it is, 77 (skip)
-// when it cannot be had. Call first in main().
+// Starts the program again with libumockdev-preload if it is not loaded yet. Returns 0 when it is, 77 (skip) if it is
+// not available. Call first in main().
 int run_under_umockdev(char** argv);
 
-// The folder that stands for / while it lives. One at a time.
+// The folder that replaces / while it exists. One at a time.
 class Testbed {
  public:
   Testbed() : testbed_(umockdev_testbed_new()) {}
@@ -28,10 +28,10 @@ class Testbed {
   UMockdevTestbed* testbed_;
 };
 
-// As umockdev describes devices: lines of P:, N:, E:, A:, then an empty one.
+// In umockdev's format: lines of P:, N:, E:, A:, then an empty one.
 void add_device(UMockdevTestbed* testbed, const std::string& description);
 
-// Answers an ioctl: its result and, where that is -1, errno.
+// Answers an ioctl: its result and, if that is -1, errno.
 void reply(UMockdevIoctlClient* client, long result, int error = 0);
 
 // An ioctl's argument as a structure in this process.

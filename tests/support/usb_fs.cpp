@@ -88,7 +88,7 @@ bool UsbSocket::transfer_in_flight(std::uint8_t endpoint) {
 
 void UsbSocket::plug() {
   FL_CHECK(umockdev_testbed_attach_ioctl(testbed_.get(), node().c_str(), handler_, nullptr));
-  if (!std::filesystem::exists(testbed_.root() + kHub))  // libusb wants a parent for the port number
+  if (!std::filesystem::exists(testbed_.root() + kHub))  // libusb needs a parent for the port number
     add_device(
         testbed_.get(),
         fmt::format(
@@ -150,7 +150,7 @@ void UsbSocket::unplug() {
   std::filesystem::remove(testbed_.root() + node());
 }
 
-// Called with the lock. The interface's folder in /sys, with the link that says who drives it.
+// Call with the lock held. Makes the interface's folder in /sys, with the link to its driver.
 void UsbSocket::bind(const std::string& driver) {
   driver_ = driver;
   const std::filesystem::path interface =
@@ -284,7 +284,7 @@ void UsbSocket::run_control(Urb& urb) {
   }
 }
 
-// On the clock that SystemClock reads.
+// On the same clock as SystemClock.
 void UsbSocket::pass_time() {
   const auto now = std::chrono::steady_clock::now().time_since_epoch();
   (void)model_.pass_time(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
@@ -332,7 +332,7 @@ void UsbSocket::reap(UMockdevIoctlClient* client, UMockdevIoctlData* argument) {
 }
 
 void UsbSocket::discard(UMockdevIoctlClient* client, UMockdevIoctlData* argument) {
-  const gulong address = *reinterpret_cast<gulong*>(argument->data);  // the pointer itself, in the caller's words
+  const gulong address = *reinterpret_cast<gulong*>(argument->data);  // the pointer itself, as the caller passed it
   const auto found = std::find_if(in_flight_.begin(), in_flight_.end(),
                                   [&](const Urb& urb) { return urb.urb->client_addr == address; });
   if (found == in_flight_.end()) return reply(client, -1, EINVAL);

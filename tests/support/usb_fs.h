@@ -1,15 +1,15 @@
 // An emulated /dev/bus/usb and /sys: real libusb and real sysfs readers on one side, a device model on the other.
 //
-// umockdev redirects the system calls of this process into a folder of its own and hands usbfs ioctls to a handler; the
-// handler plays the kernel for one device: it binds and detaches drivers, keeps transfers in flight, completes them
-// from the model, and ends them with ESHUTDOWN at an unplug. A program that uses it has to run under
+// umockdev redirects the system calls of this process to its own folder and passes usbfs ioctls to a handler. The
+// handler simulates the kernel for one device: it binds and detaches drivers, keeps transfers in progress, completes
+// them from the model, and ends them with ESHUTDOWN at an unplug. A program that uses it must run under
 // libumockdev-preload, see run_under_umockdev().
 //
-// libusb polls the device node for "a transfer has ended". An ordinary file is always ready, which would make libusb
-// spin, so the node is a FIFO: full (not writable) while nothing has ended.
+// libusb polls the device node for "a transfer has ended". An ordinary file is always ready, so libusb would spin. So
+// the node is a FIFO: full (not writable) until a transfer has ended.
 //
-// Threads: umockdev calls the handler on its own; one thread here completes what takes time. All members are safe to
-// call from the test's thread.
+// Threads: umockdev calls the handler on its own thread; one thread here completes transfers that take time. All
+// members are safe to call from the test's thread.
 #pragma once
 
 #include <umockdev.h>
@@ -38,7 +38,7 @@ class UsbSocket {
   void plug();    // powers the model on and announces it as udev does
   void unplug();  // ends every transfer in flight, then announces it
 
-  // Runs f() while nobody else touches the model, then completes what has become possible.
+  // Runs f() exclusively, then completes the transfers that have become possible.
   template <class F>
   decltype(auto) with_model(F&& f) {
     const Notifier notifier{*this};
@@ -56,13 +56,13 @@ class UsbSocket {
   [[nodiscard]] std::string port_path() const;  // "1-1"
   [[nodiscard]] bool transfer_in_flight(std::uint8_t endpoint);
 
-  // As after SIGKILL of a program that had taken the device over: released, with no driver bound.
+  // As after SIGKILL of a program that had detached the driver: released, with no driver bound.
   void lose_kernel_driver();
 
   // --- Faults
   std::atomic<int> claim_error{0};      // an errno value for every claim
-  std::atomic<int> out_status{0};       // a negative errno value: how OUT transfers end
-  std::atomic<int> out_size_max{-1};    // bytes that an OUT transfer takes before it ends as complete; -1: all
+  std::atomic<int> out_status{0};       // a negative errno value: the result of OUT transfers
+  std::atomic<int> out_size_max{-1};    // bytes that an OUT transfer accepts before it completes; -1: all
   std::atomic<bool> out_frozen{false};  // OUT transfers stay in flight
   std::atomic<bool> out_halted{false};  // OUT transfers end with EPIPE until the host clears the halt
   std::atomic<bool> in_frozen{false};   // IN transfers stay in flight
@@ -71,7 +71,7 @@ class UsbSocket {
   using Time = std::chrono::steady_clock::time_point;
   struct Urb {
     UMockdevIoctlData* urb;
-    UMockdevIoctlData* buffer;  // nullptr where the transfer has none
+    UMockdevIoctlData* buffer;  // nullptr if the transfer has none
     int status = 0;
     int actual_size = 0;
     Time due;
@@ -106,7 +106,7 @@ class UsbSocket {
   std::string driver_;
   bool plugged_ = false, claimed_ = false, stopping_ = false, gate_open_ = true;
   int gate_fd_ = -1;
-  std::thread thread_;  // last: it uses the rest
+  std::thread thread_;  // last member: it uses the others
 };
 
 }  // namespace footlight::testing

@@ -1,5 +1,5 @@
-// What tests of USB ports share: looks, a receiver that keeps frames, and waits that sleep on descriptors; they are
-// bounded for the case that a test fails.
+// Shared by tests of USB ports: snapshots, a receiver that keeps frames, and waits that sleep on descriptors. The waits
+// have a limit, for tests that fail.
 #pragma once
 
 #include <poll.h>
@@ -16,7 +16,7 @@ namespace footlight::testing {
 
 using Snapshot = std::vector<std::uint8_t>;  // levels of 512 slots
 
-// One of 256 looks that differ in every slot and have no period.
+// One of 256 snapshots that differ in every slot and have no period.
 inline Snapshot some_snapshot(std::size_t which) {
   Snapshot slots(512);
   for (std::size_t i = 0; i < slots.size(); ++i) slots[i] = static_cast<std::uint8_t>(which + i * 3 + i / 85);
@@ -34,19 +34,19 @@ inline std::size_t entries_of(const char* folder) {
       std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()));
 }
 
-// Keeps copies of the frames that a source hands over.
+// Keeps copies of the frames that a source delivers.
 class FrameKeeper final : public FrameReceiver {
  public:
   struct Kept {
-    FrameView view;  // its slots are stale; see `slots`
+    FrameView view;  // its slots are invalid; see `slots`
     std::vector<std::uint8_t> slots;
   };
   void receive(const FrameView& frame) override { kept.push_back({frame, {frame.slots.begin(), frame.slots.end()}}); }
   std::vector<Kept> kept;
 };
 
-// Waits until `done()` is true, looking again whenever the port's descriptor becomes readable; polls the port each
-// time. False where it is not true within `patience` of real time.
+// Waits until `done()` is true, checking whenever the port's descriptor becomes readable; polls the port each time.
+// False if it is not true within `patience` of real time.
 template <class PollPort, class Done>
 bool poll_until(const Port& port, PollPort&& poll_port, Done&& done,
                 std::chrono::milliseconds patience = std::chrono::seconds(10)) {

@@ -1,4 +1,4 @@
-// What has to hold for any bytes whatever that come from a widget; shared by the fuzz target and the mutation test.
+// Properties of the parser for any bytes from a widget; shared by the fuzz target and the mutation test.
 #pragma once
 
 #include <algorithm>
@@ -19,8 +19,8 @@ struct ProParse {
   std::uint64_t garbage_byte_count = 0;
 };
 
-// The definition, with the whole stream at hand: a message begins at a start byte whose length is legal and whose end
-// byte is where it belongs; everything else costs one byte.
+// The definition, with the whole stream available: a message starts at a start byte with a valid length and an end byte
+// at its place. Every other byte is skipped.
 inline ProParse parse_whole(std::span<const std::uint8_t> stream) {
   ProParse parse;
   for (std::size_t i = 0; i < stream.size();) {
@@ -40,7 +40,7 @@ inline ProParse parse_whole(std::span<const std::uint8_t> stream) {
   return parse;
 }
 
-// The parser under test, fed in pieces of the sizes that next_size() gives (at least 1 each).
+// The parser under test, fed with pieces of the sizes from next_size() (at least 1 each).
 template <class NextSize>
 ProParse parse_pieces(std::span<const std::uint8_t> stream, NextSize&& next_size) {
   drivers::ProParser parser;
@@ -58,9 +58,9 @@ ProParse parse_pieces(std::span<const std::uint8_t> stream, NextSize&& next_size
   return parse;
 }
 
-// Empty where everything holds for `bytes`, else what does not. cut_seed chooses where the stream is cut.
+// Empty if all hold for `bytes`, else the one that does not. cut_seed selects where the stream is divided.
 inline std::string check_pro_stream(std::span<const std::uint8_t> bytes, std::uint64_t cut_seed) {
-  // With the flush behind it, no message is left open, and a last good one has to be found.
+  // After a flush no message is unfinished, and a last valid one must be found.
   std::vector<std::uint8_t> stream(bytes.begin(), bytes.end());
   const auto flush = drivers::pro_flush_bytes();
   stream.insert(stream.end(), flush.begin(), flush.end());

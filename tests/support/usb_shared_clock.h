@@ -1,4 +1,4 @@
-// A clock that moves only when told, for tests with device threads: safe to read from any of them.
+// A clock that moves only when set, for tests with device threads: safe to read from any of them.
 #pragma once
 
 #include <atomic>

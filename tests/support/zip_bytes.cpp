@@ -33,8 +33,8 @@ std::string deflated(std::string_view content) {
   return out;
 }
 
-// RFC 1951, one block of codes of its own: a zero, then copies of 258 bytes from one byte back at two bits each, which
-// is all that deflate can do: 1032 to 1. Holds 1 + 258 n bytes, at least as many as are wanted.
+// RFC 1951, one block with its own codes: a zero, then copies of 258 bytes from one byte back at two bits each. That is
+// the maximum of deflate: 1032 to 1. Holds 1 + 258 n bytes, at least as many as requested.
 std::string deflated_zeros(std::uint64_t count) {
   std::string out;
   unsigned bits = 0, filled = 0;
@@ -43,7 +43,7 @@ std::string deflated_zeros(std::uint64_t count) {
     for (filled += width; filled >= 8; filled -= 8, bits >>= 8) out += static_cast<char>(bits & 0xFF);
   };
   put_bits(1, 1);  // the last block
-  put_bits(2, 2);  // with codes of its own
+  put_bits(2, 2);  // with its own codes
   put_bits(286 - 257, 5);
   put_bits(0, 5);       // one distance
   put_bits(18 - 4, 4);  // lengths of the codes for lengths, in the order of the standard: 18 is '0', 1 '10', 2 '11'
@@ -94,7 +94,7 @@ std::string make_zip(const std::vector<ZipEntry>& entries) {
     put(common, 20, 2);
     put(common, entry.flags, 2);
     put(common, entry.zeros > 0 ? 8 : entry.method, 2);
-    put(common, 0, 4);  // when
+    put(common, 0, 4);  // time and date
     put(common, sum_of(entry.content) ^ (entry.wrong_sum ? 1u : 0u), 4);
     put(common, is_long ? 0xFFFFFFFF : packed.size(), 4);
     put(common, is_long ? 0xFFFFFFFF : size, 4);

@@ -48,7 +48,7 @@ bool has_bytes(const LineFrame& frame, const std::vector<std::uint8_t>& bytes) {
          std::equal(bytes.begin(), bytes.end(), frame.bytes.begin());
 }
 
-// One frame after two sound ones, with a sound one behind it: the fault that the third one has.
+// The fault of the third frame, between two valid frames before it and one after it.
 LineFault fault_of(const std::function<void(LineSignal&)>& third) {
   constexpr std::uint64_t kRateHz = 4'000'000;
   LineSignal signal(kRateHz);
@@ -69,7 +69,7 @@ LineFault fault_of(const std::function<void(LineSignal&)>& third) {
 
 }  // namespace
 
-TEST_CASE("what five devices send arrives byte by byte at every sample rate from 1 to 24 MHz, with its timing") {
+TEST_CASE("the frames of five devices are decoded with their timing at every sample rate from 1 to 24 MHz") {
   struct Device {
     const char* name;
     LineProfile profile;
@@ -122,7 +122,7 @@ TEST_CASE("what five devices send arrives byte by byte at every sample rate from
   }
 }
 
-TEST_CASE("a slot of zeros is never taken for a break, a break from 48 us always is, down to a tenth less") {
+TEST_CASE("a slot of zeros is never a break, and a break from 48 us, or a tenth less, always is") {
   for (const std::uint64_t rate_mhz : std::initializer_list<std::uint64_t>{1, 2, 5, 24}) {
     CAPTURE(rate_mhz);
     LineSignal signal(rate_mhz * 1'000'000);
@@ -142,7 +142,7 @@ TEST_CASE("a slot of zeros is never taken for a break, a break from 48 us always
   }
 }
 
-TEST_CASE("senders that are four percent fast or slow are read to the last slot, with one stop bit or two") {
+TEST_CASE("senders that are four percent fast or slow are decoded to the last slot, with one stop bit or two") {
   for (const double bit_ns : {3'840.0, 3'920.0, 4'000.0, 4'080.0, 4'160.0}) {
     for (const int stop_bits : {1, 2}) {
       CAPTURE(bit_ns);
@@ -198,7 +198,7 @@ TEST_CASE("glitches below 1.5 us change no level, also in the middle of bits, an
   const auto clean = decode(signal, 4'000'000);
   std::uint64_t state = 1;
   std::uint64_t glitches = 0;
-  // A pulse of 1 us, 1.5 us away from every edge at least: nearer, it would move the edge.
+  // A pulse of 1 us, at least 1.5 us away from every edge: nearer, it would move the edge.
   std::vector<std::uint8_t>& samples = signal.samples();
   for (std::size_t at = 10; at + 20 < samples.size();) {
     if (std::all_of(samples.begin() + static_cast<std::ptrdiff_t>(at),
@@ -219,7 +219,7 @@ TEST_CASE("glitches below 1.5 us change no level, also in the middle of bits, an
   CHECK(noisy[0].timing.break_ns == clean[0].timing.break_ns);
 }
 
-TEST_CASE("samples that are cut anywhere, or taken from DMX- and turned over, give the same frames") {
+TEST_CASE("samples that are divided anywhere, or inverted from DMX-, give the same frames") {
   LineSignal signal(1'000'000);
   signal.mark(1e5);
   for (int i = 0; i < 4; ++i) {
@@ -243,7 +243,7 @@ TEST_CASE("samples that are cut anywhere, or taken from DMX- and turned over, gi
   CHECK(turned[3].bytes == whole[3].bytes);
 }
 
-TEST_CASE("a frame that is rejected says why and costs no other frame") {
+TEST_CASE("a rejected frame has its reason and costs no other frame") {
   const auto bytes = snapshot(30, 7);
   CHECK(fault_of([&](LineSignal& signal) { signal.frame(bytes); }) == LineFault::kNone);
   CHECK(fault_of([&](LineSignal& signal) {
@@ -268,7 +268,7 @@ TEST_CASE("a frame that is rejected says why and costs no other frame") {
         }) == LineFault::kBreakLong);
 }
 
-TEST_CASE("a frame in whose middle the samples end is unfinished; one after which the line rests is whole") {
+TEST_CASE("a frame is unfinished if the samples end inside it, and whole if the line rests after it") {
   constexpr std::uint64_t kRateHz = 1'000'000;
   const auto tail = [&](double rest_ns) {
     LineSignal signal(kRateHz);
@@ -283,7 +283,7 @@ TEST_CASE("a frame in whose middle the samples end is unfinished; one after whic
   };
   CHECK(tail(20e3));
   CHECK(!tail(2e6));
-  LineSignal begun(kRateHz);  // the samples begin inside a break, which then has no length
+  LineSignal begun(kRateHz);  // the samples start inside a break, which then has no length
   begun.space(90e3);
   begun.mark(12e3);
   begun.slot(0);
@@ -299,7 +299,7 @@ TEST_CASE("a frame in whose middle the samples end is unfinished; one after whic
   CHECK(frames[0].timing.fault == LineFault::kUnfinished);
 }
 
-TEST_CASE("samples of several bytes are looked at in the one bit that is asked for") {
+TEST_CASE("only the selected bit of samples of several bytes is used") {
   LineSignal signal(2'000'000);
   signal.mark(1e5);
   signal.frame(snapshot(40, 3));

@@ -1,4 +1,4 @@
-// A DMX line as samples: what a logic analyser sees of it.
+// Makes samples of a DMX line, as from a logic analyser.
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,7 @@ struct LineProfile {
   int stop_bits = 2;
 };
 
-// Edges are exact; a sample is the level at its moment.
+// Edges are exact; a sample is the level at its time.
 class LineSignal {
  public:
   explicit LineSignal(std::uint64_t sample_rate_hz) : rate_hz_(static_cast<double>(sample_rate_hz)) {}

@@ -29,7 +29,7 @@ inline Bytes ethernet(std::uint16_t type, const Bytes& payload) {
   packet.insert(packet.end(), payload.begin(), payload.end());
   return packet;
 }
-// From 10.0.0.7. No checksums: nobody looks at them.
+// From 10.0.0.7. Without checksums, which are not checked.
 inline Bytes ipv4(const Bytes& payload) {
   Bytes packet = {0x45, 0};
   put_be16(packet, 20 + payload.size());
@@ -91,8 +91,7 @@ inline Bytes artnet_dmx(int port_address, std::uint8_t sequence, std::span<const
   return packet;
 }
 
-// A file as libpcap writes it (draft-ietf-opsawg-pcap), in either byte order, with times to a microsecond or
-// nanosecond.
+// A file in libpcap's format (draft-ietf-opsawg-pcap), in either byte order, with times to a microsecond or nanosecond.
 class Pcap {
  public:
   Pcap(std::uint32_t link_type, bool nanoseconds, bool big_endian) : nanoseconds_(nanoseconds), big_(big_endian) {
@@ -104,7 +103,7 @@ class Pcap {
     put(65'535, 4);
     put(link_type, 4);
   }
-  // true_size: on the wire, where that is more than was captured.
+  // true_size: on the wire, if that is more than was captured.
   void add(std::int64_t unix_ns, const Bytes& packet, std::size_t true_size = 0) {
     put(static_cast<std::uint64_t>(unix_ns / 1'000'000'000), 4);
     put(static_cast<std::uint64_t>(unix_ns % 1'000'000'000 / (nanoseconds_ ? 1 : 1'000)), 4);

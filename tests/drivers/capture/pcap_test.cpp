@@ -30,7 +30,7 @@ struct Read {
   DurationNs duration_ns = 0;
   std::uint64_t damage = 0;
 
-  [[nodiscard]] bool notes_say(const std::string& part) const {
+  [[nodiscard]] bool has_note(const std::string& part) const {
     return std::any_of(notes.begin(), notes.end(), [&](const std::string& note) { return contains(note, part); });
   }
 };
@@ -54,7 +54,7 @@ std::string write_pcap(const TempFolder& folder, const std::string& name, const 
   return folder.file(name);
 }
 
-// Two desks and an Art-Net node, 25 ms apart, beside traffic that is none of our business.
+// Two desks and an Art-Net node, 25 ms apart, among other traffic.
 Pcap traffic(bool nanoseconds, bool big_endian) {
   Pcap pcap(1, nanoseconds, big_endian);
   const auto slots = [](int i) {
@@ -78,7 +78,7 @@ Pcap traffic(bool nanoseconds, bool big_endian) {
 
 }  // namespace
 
-TEST_CASE("sACN and Art-Net out of a pcap keep times, senders, priorities, sequences and levels") {
+TEST_CASE("frames from a pcap keep times, senders, priorities, sequences and levels") {
   const TempFolder folder;
   for (const bool nanoseconds : {true, false}) {
     for (const bool big_endian : {true, false}) {
@@ -106,20 +106,20 @@ TEST_CASE("sACN and Art-Net out of a pcap keep times, senders, priorities, seque
       CHECK(read.frames[0].sender != read.frames[2].sender);
       CHECK(read.frames[0].sender == read.frames[4].sender);
       CHECK(read.frames[1].sender == read.frames[3].sender);
-      CHECK(read.notes_say("1 packets are not UDP over IP"));
-      CHECK(read.notes_say("1 datagrams are neither sACN nor Art-Net"));
+      CHECK(read.has_note("1 packets are not UDP over IP"));
+      CHECK(read.has_note("1 datagrams are neither sACN nor Art-Net"));
     }
   }
 }
 
-TEST_CASE("a capture can be narrowed to one protocol and renumbered, and universes that never came are named") {
+TEST_CASE("a capture can be limited to one protocol and renumbered, and universes without frames are listed") {
   const TempFolder folder;
   const std::string path = write_pcap(folder, "a.pcap", traffic(true, false));
   CaptureOptions only;
   only.net.artnet = false;
   const Read read = read_capture(path, only);
   CHECK(read.frames.size() == 6);
-  CHECK(read.notes_say("6 datagrams are of the protocol that was not asked for"));
+  CHECK(read.has_note("6 datagrams use the protocol that was not selected"));
 
   auto input = open_any_log(path);
   REQUIRE(input);
@@ -135,7 +135,7 @@ TEST_CASE("a capture can be narrowed to one protocol and renumbered, and univers
   CHECK(all_frames(*log).front().universe == 1);
 }
 
-TEST_CASE("the datagram is found behind VLAN tags, cooked headers, a loopback, raw IP and IPv6") {
+TEST_CASE("the datagram is found after VLAN tags, cooked headers, a loopback, raw IP and IPv6") {
   const Bytes datagram = udp(5568, {1, 2, 3, 4});
   const Bytes v4 = ipv4(datagram);
   const Bytes v6 = ipv6(datagram);
@@ -176,7 +176,7 @@ TEST_CASE("the datagram is found behind VLAN tags, cooked headers, a loopback, r
   CHECK(Bytes(from->from_address.begin(), from->from_address.end()) == Bytes{10, 0, 0, 7});
   CHECK(from->to_port == 5568);
 
-  // Cut anywhere, nothing is found and nothing is read out of bounds.
+  // Cut at any byte, nothing is found and nothing is read out of bounds.
   const Bytes whole = ethernet(0x8100, join({{0, 5, 0x08, 0}, v4}));
   for (std::size_t size = 0; size < whole.size(); ++size) {
     const Bytes part(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
@@ -186,7 +186,7 @@ TEST_CASE("the datagram is found behind VLAN tags, cooked headers, a loopback, r
   }
 }
 
-TEST_CASE("what gives no frame is counted under its reason") {
+TEST_CASE("packets without a frame are counted by reason") {
   const TempFolder folder;
   const std::vector<std::uint8_t> slots(512, 9);
   Pcap pcap(1, true, false);
@@ -197,7 +197,7 @@ TEST_CASE("what gives no frame is counted under its reason") {
   };
   Sacn sacn;
   add_udp(5568, sacn_data(sacn, slots));  // the one frame
-  add_udp(5568, sacn_data(sacn, slots));  // twice, as a capture on all interfaces sees it
+  add_udp(5568, sacn_data(sacn, slots));  // duplicate, as in a capture on all interfaces
   sacn.sequence = 1;
   sacn.start_code = 0xDD;
   add_udp(5568, sacn_data(sacn, slots));
@@ -210,7 +210,7 @@ TEST_CASE("what gives no frame is counted under its reason") {
   sacn.terminated = true;
   for (int i = 0; i < 3; ++i) {
     ++sacn.sequence;
-    add_udp(5568, sacn_data(sacn, slots));  // the end of the stream is a frame, once
+    add_udp(5568, sacn_data(sacn, slots));  // the end of the stream is one frame
   }
   Bytes broken = sacn_data(sacn, slots);
   broken[17] ^= 1;
@@ -232,19 +232,19 @@ TEST_CASE("what gives no frame is counted under its reason") {
   CHECK(!read.frames[0].terminated);
   CHECK(read.frames[1].terminated);
   for (const char* note :
-       {"1 frames came late or twice", "1 sACN frames of per-address priorities; a log holds levels only",
-        "1 sACN frames of other start codes", "1 sACN frames are previews", "2 sACN packets repeat that a stream ends",
-        "1 datagrams break the rules of sACN", "1 datagrams break the rules of Art-Net",
-        "1 synchronisation packets: frames are taken when they came", "1 datagrams of discovery",
+       {"1 frames were late or duplicate", "1 sACN frames of per-address priorities; a log holds levels only",
+        "1 sACN frames of other start codes", "1 sACN frames are previews", "2 sACN packets repeat the end of a stream",
+        "1 datagrams violate sACN", "1 datagrams violate Art-Net",
+        "1 synchronisation packets: frames have the time of their arrival", "1 datagrams of discovery",
         "1 packets are fragments", "1 packets are not UDP", "1 packets were cut short by the capture"}) {
-    CHECK_MESSAGE(read.notes_say(note), note);
+    CHECK_MESSAGE(read.has_note(note), note);
   }
   CaptureOptions preview;
   preview.net.hear_preview = true;
   CHECK(read_capture(folder.file("a.pcap"), preview).frames.size() == 3);
 }
 
-TEST_CASE("a capture that breaks off gives what came before it, and says so") {
+TEST_CASE("a truncated capture returns the frames before the end, and reports it") {
   const TempFolder folder;
   const Pcap whole = traffic(true, false);
   Bytes bytes = whole.bytes();
@@ -254,10 +254,10 @@ TEST_CASE("a capture that breaks off gives what came before it, and says so") {
   CHECK(read.frames.size() > 4);
   CHECK(read.frames.size() < 12);
   CHECK(read.damage == 1);
-  CHECK(read.notes_say("breaks off"));
+  CHECK(read.has_note("ends early"));
 }
 
-TEST_CASE("link layers that are not known, and files that only begin like a capture, are refused by name") {
+TEST_CASE("the errors for unknown link layers and damaged captures name the file") {
   const TempFolder folder;
   const auto radio = open_any_log(write_pcap(folder, "radio.pcap", Pcap(105, true, false)));
   REQUIRE(!radio);
@@ -266,13 +266,13 @@ TEST_CASE("link layers that are not known, and files that only begin like a capt
   testing::write_bytes(folder.file("short.pcap"), "\xD4\xC3\xB2\xA1");
   const auto cut = open_any_log(folder.file("short.pcap"));
   REQUIRE(!cut);
-  CHECK(contains(cut.error().message, "short.pcap: not a sound packet capture"));
+  CHECK(contains(cut.error().message, "short.pcap: not a valid packet capture"));
   const Read empty = read_capture(write_pcap(folder, "empty.pcap", Pcap(1, true, false)));
   CHECK(empty.frames.empty());
   CHECK(empty.duration_ns == 0);
 }
 
-TEST_CASE("the same packets as pcapng read the same") {
+TEST_CASE("the same packets as pcapng give the same frames") {
   if (std::system("command -v editcap > /dev/null 2>&1") != 0) {
     MESSAGE("skipped: editcap is not installed");
     return;

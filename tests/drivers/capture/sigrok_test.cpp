@@ -24,7 +24,7 @@ std::string metadata_text(const std::string& rate, const std::string& more = "un
          "\ntotal analog=0\nprobe1=D0\nprobe3=DMX+\nprobe4=DMX-\n" + more;
 }
 
-// Three frames on probe 3, the same turned over on probe 4, rubbish on probe 1.
+// Three frames on probe 3, the same inverted on probe 4, noise on probe 1.
 std::vector<std::uint8_t> three_frames(std::size_t slots = 24) {
   LineSignal signal(1'000'000);
   signal.mark(1e5);
@@ -57,7 +57,7 @@ bool contains(const std::string& text, std::string_view part) { return text.find
 
 }  // namespace
 
-TEST_CASE("a capture in one file or in many, cut inside frames, gives the frames of the line as a log") {
+TEST_CASE("a capture in one file or in many, divided inside frames, gives the frames of the line as a log") {
   const TempFolder folder;
   const auto samples = three_frames();
   for (const std::size_t piece : {samples.size(), std::size_t{1'000}, std::size_t{777}}) {
@@ -80,13 +80,13 @@ TEST_CASE("a capture in one file or in many, cut inside frames, gives the frames
     REQUIRE(frames.size() == 3);
     CHECK(frames[2].universe == 7);
     CHECK(frames[2].slots == std::vector<std::uint8_t>(24, 3));
-    // 0.1 ms rest, then 0.1 ms break, 12 us mark and 25 slots of 44 us: when the frame was complete.
+    // 0.1 ms rest, then 0.1 ms break, 12 us mark and 25 slots of 44 us: the time when the frame was complete.
     CHECK(std::abs(frames[0].time_ns - 1'312'000) <= 2'000);
     CHECK(reader->info().duration_ns == static_cast<DurationNs>(samples.size()) * 1'000);
   }
 }
 
-TEST_CASE("the channel with the levels is found; a named one is taken, by name or number, as it is or inverted") {
+TEST_CASE("the channel with the levels is found; a selected one is used, by name or number, as it is or inverted") {
   const TempFolder folder;
   ZipWriter zip;
   zip.add("metadata", metadata_text("1 MHz"));
@@ -114,7 +114,7 @@ TEST_CASE("the channel with the levels is found; a named one is taken, by name o
   CHECK(contains(error_of(path, options), "has no channel 'DMX'; it has 1 (D0), 3 (DMX+), 4 (DMX-)"));
 }
 
-TEST_CASE("a capture that cannot be one says what is wrong with it") {
+TEST_CASE("the error for an invalid capture names the problem") {
   const TempFolder folder;
   const auto samples = three_frames();
   const auto capture = [&](const std::string& text) {
@@ -128,7 +128,7 @@ TEST_CASE("a capture that cannot be one says what is wrong with it") {
   CHECK(contains(capture(metadata_text("100 kHz")), "100000 Hz: expected a sample rate from 500000 Hz"));
   CHECK(contains(capture(metadata_text("1 MHz", "unitsize=9\n")), "unitsize: expected 1 to 8 bytes, got '9'"));
   CHECK(contains(capture(metadata_text("1 MHz", "probe12=X\nunitsize=1\n")), "12 probes do not fit a unitsize of 1"));
-  CHECK(contains(capture("[global]\nsigrok version=0.5\n[device 1]\nsamplerate=1 MHz\n"), "names no logic samples"));
+  CHECK(contains(capture("[global]\nsigrok version=0.5\n[device 1]\nsamplerate=1 MHz\n"), "no logic samples"));
   CHECK(contains(capture(metadata_text("1 MHz") + std::string(70'000, '#')), "longer than 65536 bytes"));
   {
     ZipWriter zip;
@@ -144,20 +144,20 @@ TEST_CASE("a capture that cannot be one says what is wrong with it") {
     ZipWriter zip;
     zip.add("metadata", metadata_text("1 MHz"));
     zip.add("logic-1-1", std::string(5'000, '\x04'));
-    CHECK(contains(error_of(write_capture(folder, "a.sr", zip)), "no frame of DMX in the first 2 s of any channel"));
+    CHECK(contains(error_of(write_capture(folder, "a.sr", zip)), "no DMX frame in the first 2 s of any channel"));
   }
   testing::write_bytes(folder.file("b.sr"), "PK\x03\x04 and no more");
   CHECK(contains(error_of(folder.file("b.sr")), "not a sigrok capture"));
 }
 
-TEST_CASE("samples that break off are read up to there, and it is said") {
+TEST_CASE("truncated samples are read up to their end, which is reported") {
   const TempFolder folder;
   const auto samples = three_frames();
   ZipWriter zip;
   zip.add("metadata", metadata_text("1 MHz"));
   zip.add("logic-1-1", samples);
   auto bytes = zip.finish();
-  // A flipped bit near the end of the samples: their checksum no longer fits.
+  // A flipped bit near the end of the samples: their checksum no longer matches.
   const auto found = std::search(bytes.begin(), bytes.end(), samples.begin(), samples.end());
   REQUIRE(found != bytes.end());
   found[static_cast<std::ptrdiff_t>(samples.size()) - 10] ^= 0x80;
@@ -169,10 +169,10 @@ TEST_CASE("samples that break off are read up to there, and it is said") {
   while (*(*input)->next(frame)) ++frames;
   CHECK(frames == 3);
   CHECK((*input)->damage_count() == 1);
-  CHECK(contains((*input)->notes().back(), "breaks off"));
+  CHECK(contains((*input)->notes().back(), "ends early"));
 }
 
-TEST_CASE("captures of real devices decode, each with the timing that was measured on it") {
+TEST_CASE("captures of real devices decode with the timing measured on each device") {
   const char* data = std::getenv("FOOTLIGHT_TEST_DATA");
   if (data == nullptr) {
     MESSAGE("skipped: FOOTLIGHT_TEST_DATA is not set");

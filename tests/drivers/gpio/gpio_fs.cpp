@@ -60,7 +60,7 @@ void GpioFs::unplug() {
     if (line.write_fd >= 0) ::close(line.write_fd);
     line.write_fd = -1;
   }
-  // The entry in /sys stays: umockdev makes no node twice. libgpiod opens the node first and finds nothing.
+  // The entry in /sys stays, because umockdev cannot create a node twice. libgpiod opens the node first and fails.
   ::unlink((testbed_.root() + kNode).c_str());
 }
 
@@ -123,7 +123,7 @@ int GpioFs::lost(unsigned line) {
   return lines_.at(line).lost;
 }
 
-// Whether the other end of the FIFO is still open; the kernel is told of a release by the close.
+// True while the other end of the FIFO is open; the handler detects a release by the close.
 bool GpioFs::in_use(Line& line) const {
   if (line.write_fd < 0) return false;
   pollfd fd{.fd = line.write_fd, .events = 0, .revents = 0};
@@ -188,11 +188,11 @@ void GpioFs::answer_line_event(UMockdevIoctlClient* client, UMockdevIoctlData* a
   FL_CHECK(umockdev_testbed_attach_ioctl(testbed_.get(), node.c_str(), handler_, nullptr));
   make_fifo(node);
   line_of_node_[node] = request->lineoffset;
-  // A FIFO opens for writing once somebody reads; the path below / is emulated, the one of the testbed is not.
+  // A FIFO opens for writing only when it has a reader. The path below / is emulated, the one of the testbed is not.
   const int read_fd = ::open(node.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   line.write_fd = ::open((testbed_.root() + node).c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
   FL_CHECK(read_fd >= 0 && line.write_fd >= 0);
-  ::fcntl(read_fd, F_SETFL, 0);  // the kernel's blocks until told otherwise
+  ::fcntl(read_fd, F_SETFL, 0);  // the kernel's descriptor blocks by default
   line.consumer = request->consumer_label;
   line.handle_flags = request->handleflags;
   request->fd = read_fd;

@@ -1,11 +1,10 @@
-// An emulated /dev/gpiochip0: the real libgpiod on one side, the test on the other. Speaks uAPI v1, as libgpiod 1.6
-// does.
+// An emulated /dev/gpiochip0: the real libgpiod on one side, the test on the other. Uses uAPI v1, like libgpiod 1.6.
 //
-// Asking for a line hands out a new descriptor. The handler of ioctls runs in this process, so it opens a second
-// emulated node, a FIFO, and answers with that number: poll() and read() see the FIFO, reading the level reaches the
+// A request for a line returns a new descriptor. The handler of ioctls runs in this process, so it opens a second
+// emulated node, a FIFO, and answers with that number. poll() and read() use the FIFO; a read of the level calls the
 // handler.
 //
-// Threads: umockdev calls the handler on its own; all members are safe to call from the test's.
+// Threads: umockdev calls the handler on its own thread; all members are safe to call from the test's.
 #pragma once
 
 #include <linux/gpio.h>
@@ -22,19 +21,19 @@ namespace footlight::testing {
 
 class GpioFs {
  public:
-  // Line i is called names[i]. The testbed outlives it. Plugged in.
+  // Line i is called names[i]. The testbed outlives it. Starts plugged in.
   GpioFs(Testbed& testbed, std::vector<std::string> names);
   ~GpioFs();
   GpioFs(const GpioFs&) = delete;
   GpioFs& operator=(const GpioFs&) = delete;
 
-  // The physical level; an edge where it is another than before. `stamp_ns` 0: CLOCK_MONOTONIC now.
+  // The physical level; an edge if it differs from the last one. `stamp_ns` 0: CLOCK_MONOTONIC now.
   void drive(unsigned line, bool level, std::int64_t stamp_ns = 0);
   void unplug();
   void plug();
 
   // --- Faults
-  void hold(unsigned line, const std::string& consumer);  // in use by somebody else; empty: by nobody
+  void hold(unsigned line, const std::string& consumer);  // in use by another program; empty: by none
   void refuse(int number);                                // an errno value for every request; 0: none
   void fail_levels(int number);                           // an errno value for every reading of a level; 0: none
 

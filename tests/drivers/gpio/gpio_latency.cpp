@@ -1,16 +1,16 @@
-// gpio_latency [edges]: how long an edge takes to the universe and to an sACN packet. Run by hand from an optimised
-// build.
+// gpio_latency [edges]: measures the time from an edge to the universe and to an sACN packet. Run it manually from an
+// optimised build.
 //
 //   drive() -> descriptor readable -> pump wakes -> libgpiod reads -> merge -> universe -> sACN sink -> kernel of a
 //   listener on "lo"
 //
-// Twice: with the real libgpiod on an emulated chip, and with the model in this process, whose descriptor is an
-// eventfd. Emulated are the chip and its interrupt; the emulation adds a round trip to a helper thread to every system
-// call on the chip, which real hardware does not have. Not in the figures: from the voltage on the pin to the
+// It measures twice: with the real libgpiod on an emulated chip, and with the model in this process, whose descriptor
+// is an eventfd. The chip and its interrupt are emulated. The emulation adds a round trip to a helper thread to every
+// system call on the chip, which real hardware does not have. Not measured: the time from the voltage on the pin to the
 // interrupt.
 //
-// The time zero is taken just before drive(). "universe": the first sink of the pump is called, which is after the
-// universe was written. "packet": the stamp that the kernel gives the packet when it arrives on "lo".
+// Time zero is taken just before drive(). "universe": the call of the pump's first sink, which follows the write of the
+// universe. "packet": the kernel's stamp of the packet's arrival on "lo".
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -38,14 +38,14 @@ namespace {
 
 constexpr int kPatienceMs = 2'000;
 
-// What both ends of the way share: the edge under way.
+// The current edge, shared by both ends.
 struct Edge {
   std::atomic<TimeNs> start_ns{0};
   std::atomic<int> level{0};
   std::atomic<int> arrived_level{0};
 };
 
-// The first sink: notes when it is called.
+// The first sink: records when it is called.
 class Stopwatch final : public Sink {
  public:
   Stopwatch(Clock& clock, Edge& edge) : clock_(clock), edge_(edge) {}
@@ -75,7 +75,7 @@ class Listener final : public FrameReceiver {
  public:
   explicit Listener(Edge& edge) : edge_(edge) {}
   void receive(const FrameView& frame) override {
-    if (frame.slots.empty()) return;  // the last words of the sender
+    if (frame.slots.empty()) return;  // the sender's final packets
     const int level = frame.slots[0];
     if (level == last_level_) return;
     last_level_ = level;

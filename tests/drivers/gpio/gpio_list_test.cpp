@@ -1,4 +1,4 @@
-// Chips found in folders laid out like /sys and /dev. What a chip says of itself: libgpiod_test.cpp.
+// Chips found in folders laid out like /sys and /dev. Labels and line counts are in libgpiod_test.cpp.
 #include "drivers/gpio/gpio_list.h"
 
 #include <doctest/doctest.h>
@@ -29,7 +29,7 @@ class Machine {
     std::ofstream(root_ / "dev" / name) << "";
     fs::permissions(root_ / "dev" / name, static_cast<fs::perms>(mode));
   }
-  // A chip in the folder of the device that it is part of, as the kernel lays it out.
+  // A chip in the folder of its parent device, as in the kernel.
   void add_part_of(const std::string& device, const std::string& driver, const std::string& name) {
     const fs::path parent = root_ / "sys/devices" / device;
     fs::create_directories(parent / name);
@@ -38,7 +38,7 @@ class Machine {
     fs::create_symlink("../../../devices/" + device + "/" + name, root_ / "sys/bus/gpio/devices" / name);
     std::ofstream(root_ / "dev" / name) << "";
   }
-  // False where this user may not give files away.
+  // False if this user may not change a file's group.
   bool give_to_group(const std::string& name, gid_t group) {
     return ::chown((root_ / "dev" / name).c_str(), static_cast<uid_t>(-1), group) == 0;
   }
@@ -57,7 +57,7 @@ class Machine {
 
 TEST_SUITE_BEGIN("gpio list");
 
-TEST_CASE("chips are listed in the order of their numbers, and nothing else of that folder is") {
+TEST_CASE("only chips are listed, in the order of their numbers") {
   Machine machine;
   for (const char* name : {"gpiochip10", "gpiochip2", "gpiochip0", "gpiochip", "gpiochip1x", "gpio17"})
     machine.add(name, 0600);
@@ -71,12 +71,12 @@ TEST_CASE("chips are listed in the order of their numbers, and nothing else of t
   CHECK(chips[0].reason.empty() == built_with_gpio());
 }
 
-TEST_CASE("who may open a chip is what the bits of its node say") {
+TEST_CASE("the mode of its node decides who may open a chip") {
   Machine machine;
   machine.add("gpiochip0", 0600);
   machine.add("gpiochip1", 0660);
   machine.add("gpiochip2", 0666);
-  machine.add("gpiochip3", 0640);  // reading alone does not do
+  machine.add("gpiochip3", 0640);  // reading alone is not enough
   const auto chips = machine.find();
   REQUIRE(chips.size() == 4);
   for (const auto& chip : chips) CHECK_FALSE(chip.group.empty());
@@ -87,7 +87,7 @@ TEST_CASE("who may open a chip is what the bits of its node say") {
   CHECK(chips[3].open_to == chips[0].open_to);
 }
 
-TEST_CASE("without permission the rule is named, and where a group has it, joining that group") {
+TEST_CASE("without permission the remedy is the rule, or joining the group that has permission") {
   Machine machine;
   machine.add("gpiochip0", 0600);
   auto chips = machine.find(EACCES);
@@ -102,14 +102,14 @@ TEST_CASE("without permission the rule is named, and where a group has it, joini
     MESSAGE("this user cannot give a file to another group: half of this is not tested");
     return;
   }
-  CHECK(machine.find(EACCES)[0].remedy == gpio_install_command());  // the group has no bits
+  CHECK(machine.find(EACCES)[0].remedy == gpio_install_command());  // the group has no permission
   machine.add("gpiochip0", 0660);
   chips = machine.find(EACCES);
   CHECK(chips[0].remedy == fmt::format("sudo usermod -aG {} $USER", chips[0].group));
   CHECK(chips[0].reason.find("login") != std::string::npos);
 }
 
-TEST_CASE("the spare pins of a serial adapter are told from a chip of their own by the kernel's driver") {
+TEST_CASE("the spare pins of a serial adapter are recognised by the kernel driver") {
   Machine machine;
   machine.add("gpiochip0", 0600);
   machine.add_part_of("1-2:1.0", "ftdi_sio", "gpiochip1");
@@ -124,17 +124,17 @@ TEST_CASE("the spare pins of a serial adapter are told from a chip of their own 
   CHECK_FALSE(is_part_of_serial_chip(chips[2]));
 }
 
-TEST_CASE("the line of an example is one that the chip has") {
+TEST_CASE("the line of an example exists on the chip") {
   for (const int count : {1, 4, 8, 17, 18, 58}) {
     FoundGpioChip chip;
     chip.line_count = count;
     CHECK(example_line(chip) < count);
     CHECK(example_line(chip) == (count > 17 ? 17 : 0));
   }
-  CHECK(example_line({}) == 0);  // its size is not known
+  CHECK(example_line({}) == 0);  // unknown size
 }
 
-TEST_CASE("a chip without a node says so, and a machine without chips has none") {
+TEST_CASE("a chip without a node is reported as such, and a machine without chips has an empty list") {
   Machine machine;
   CHECK(machine.find().empty());
   machine.add("gpiochip0", 0, false);

@@ -1,4 +1,4 @@
-// The source of strobe inputs against a model of a chip, with a clock that stands still unless told.
+// The source of strobe inputs with a model of a chip, on a clock that stands still unless moved.
 #include "drivers/gpio/gpio_source.h"
 
 #include <vector>
@@ -19,7 +19,7 @@ using footlight::testing::FakeSource;
 using footlight::testing::FakeWaiter;
 using mock::GpioModel;
 
-// Keeps what a source hands over.
+// Keeps the frames that a source delivers.
 class Frames final : public FrameReceiver {
  public:
   struct Frame {
@@ -64,7 +64,7 @@ struct Bench {
     clock.advance_ns(by_ns);
     poll();
   }
-  // Follows the source's own deadlines for a while, as the pump does.
+  // Polls at the source's own deadlines for a while, like the pump.
   void run_for(DurationNs duration_ns) {
     const TimeNs end_ns = clock.now_ns() + duration_ns;
     for (;;) {
@@ -88,7 +88,7 @@ struct Bench {
 
 TEST_SUITE_BEGIN("gpio source");
 
-TEST_CASE("the first poll says which slots are its own, then the levels") {
+TEST_CASE("the first poll delivers the priorities of its slots, then the levels") {
   GpioConfig config = config_of({"17", "4"});
   config.priority = 150;
   Bench bench(config);
@@ -109,7 +109,7 @@ TEST_CASE("the first poll says which slots are its own, then the levels") {
   CHECK(bench.source->state() == PortState::kWorking);
 }
 
-TEST_CASE("a strobe input of priority 150 takes its own slots from a desk of priority 100 and leaves it all others") {
+TEST_CASE("a strobe input of priority 150 wins its own slots from a desk of priority 100 and no others") {
   FakeClock clock;
   FakeWaiter waiter(clock);
   Universes universes(std::array<Universe, 1>{3});
@@ -120,7 +120,7 @@ TEST_CASE("a strobe input of priority 150 takes its own slots from a desk of pri
   auto strobe = GpioSource::open(std::move(config), mock::make_model_chips(model), clock);
   REQUIRE(strobe);
   FakeSource desk(waiter, "sacn:3", {3});
-  // The descriptors of a model chip are real ones; this waiter does not know them.
+  // The descriptors of a model chip are real ones, which this waiter does not support.
   class Polled final : public Source {
    public:
     Polled(Source& source, int fd) : source_(source), fd_(fd) {}
@@ -160,11 +160,11 @@ TEST_CASE("a strobe input of priority 150 takes its own slots from a desk of pri
   run_for(kNsPerMs);
   desk.give(3, 200);
   run_for(kNsPerMs);
-  check_snapshot(200, 0, 0);  // off is a level too: the desk cannot light what the switch has dark
+  check_snapshot(200, 0, 0);  // off is a level too: the desk cannot light a slot that the switch has off
   model->drive(17, true, clock.now_ns());
   run_for(kNsPerMs);
   check_snapshot(200, 255, 0);
-  desk.give(3, 77);  // the desk is followed everywhere else
+  desk.give(3, 77);  // the desk controls all other slots
   model->drive(4, true, clock.now_ns());
   run_for(kNsPerMs);
   check_snapshot(77, 255, 255);
@@ -172,7 +172,7 @@ TEST_CASE("a strobe input of priority 150 takes its own slots from a desk of pri
   desk.give(3, 78, 149);  // still below 150
   run_for(100 * kNsPerMs);
   check_snapshot(78, 0, 255);
-  desk.give(3, 79, 151);  // and above: the desk has it all
+  desk.give(3, 79, 151);  // above: the desk wins all slots
   run_for(kNsPerMs);
   check_snapshot(79, 79, 79);
   pump.stop();
@@ -204,7 +204,7 @@ TEST_CASE("a press and a release that are read together are two frames") {
   CHECK(bench.frames.frames[1].slots[24] == 0);
 }
 
-TEST_CASE("a bouncing contact is one flash, at the time of its first edge") {
+TEST_CASE("a bouncing contact makes one flash, at the time of its first edge") {
   GpioConfig config = config_of({"17"});
   config.strobe.mode = StrobeMode::kOneShot;
   config.strobe.hold_ns = 80 * kNsPerMs;
@@ -222,7 +222,7 @@ TEST_CASE("a bouncing contact is one flash, at the time of its first edge") {
   CHECK(bench.frames.frames[1].slots[24] == 0);
 }
 
-TEST_CASE("a queue that ran over is noticed, and the level is read") {
+TEST_CASE("a queue overflow is detected, and the level is read") {
   GpioConfig config = config_of({"17"});
   config.strobe.flashes_hz_max = 0;
   Bench bench(config);
@@ -233,7 +233,7 @@ TEST_CASE("a queue that ran over is noticed, and the level is read") {
   CHECK(bench.source->counters().rejected == 1);
 }
 
-TEST_CASE("the level that an edge nobody heard of has left is found within a second") {
+TEST_CASE("the level after a lost edge is found within a second") {
   Bench bench(config_of({"17"}));
   bench.model->drive(17, true, bench.clock.now_ns());
   bench.poll();
@@ -245,7 +245,7 @@ TEST_CASE("the level that an edge nobody heard of has left is found within a sec
   CHECK(bench.frames.level(25) == 0);
 }
 
-TEST_CASE("a storm of edges is looked at ten times a second and no more, and told once") {
+TEST_CASE("during a storm of edges the line is read ten times a second, and the storm is reported once") {
   GpioConfig config = config_of({"17"});
   config.strobe.flashes_hz_max = 0;
   Bench bench(config);
@@ -259,7 +259,7 @@ TEST_CASE("a storm of edges is looked at ten times a second and no more, and tol
     if (bench.is_readable() || bench.source->next_deadline_ns() <= bench.clock.now_ns()) {
       bench.poll();
       ++polls;
-      while (const auto said = bench.source->take_notice()) notice += said->text;
+      while (const auto next = bench.source->take_notice()) notice += next->text;
     }
   }
   CHECK(polls < 3'000);
@@ -269,11 +269,11 @@ TEST_CASE("a storm of edges is looked at ten times a second and no more, and tol
   bench.run_for(200 * kNsPerMs);
   CHECK(bench.frames.level(25) == 255);
   CHECK(bench.source->state() == PortState::kWorking);
-  bench.model->drive(17, false, bench.clock.now_ns());  // calm again: listened to
+  bench.model->drive(17, false, bench.clock.now_ns());  // the storm has ended: edges are read again
   CHECK(bench.is_readable());
 }
 
-TEST_CASE("the whole look is repeated before any sender is forgotten") {
+TEST_CASE("the whole frame is repeated before any sender times out") {
   Bench bench(config_of({"17"}));
   bench.frames.frames.clear();
   bench.run_for(10 * kNsPerS);
@@ -282,7 +282,7 @@ TEST_CASE("the whole look is repeated before any sender is forgotten") {
     CHECK(bench.frames.frames[i].view.stamp_ns - bench.frames.frames[i - 2].view.stamp_ns < kNsPerS);
 }
 
-TEST_CASE("unplugged: off at once, gone with the reason, back within a second with the level of then") {
+TEST_CASE("unplugged: off at once, gone with the reason; plugged in: back within a second with the current level") {
   GpioConfig config = config_of({"17"});
   config.strobe.flashes_hz_max = 0;
   Bench bench(config);
@@ -307,7 +307,7 @@ TEST_CASE("unplugged: off at once, gone with the reason, back within a second wi
   CHECK(bench.is_readable());
 }
 
-TEST_CASE("a thousand replugs leave no line requested twice and none lost") {
+TEST_CASE("after a thousand replugs no line is requested twice and none is lost") {
   Bench bench(config_of({"17", "18"}));
   const int fd = bench.source->poll_fd();
   for (int round = 0; round < 1000; ++round) {
@@ -325,7 +325,7 @@ TEST_CASE("a thousand replugs leave no line requested twice and none lost") {
   CHECK_FALSE(bench.model->is_requested(18));
 }
 
-TEST_CASE("a replug that nobody noticed is noticed when the levels are read") {
+TEST_CASE("an unnoticed replug is detected when the levels are read") {
   Bench bench(config_of({"17"}));
   bench.model->unplug();
   bench.model->plug();
@@ -335,7 +335,7 @@ TEST_CASE("a replug that nobody noticed is noticed when the levels are read") {
   CHECK(bench.is_readable());
 }
 
-TEST_CASE("a line that cannot be read is off and asked for again") {
+TEST_CASE("a line that cannot be read is off and requested again") {
   Bench bench(config_of({"17"}));
   bench.model->drive(17, true, bench.clock.now_ns());
   bench.poll();
@@ -351,7 +351,7 @@ TEST_CASE("a line that cannot be read is off and asked for again") {
   CHECK(bench.frames.level(25) == 255);
 }
 
-TEST_CASE("a stuck line holds its slot and nothing else") {
+TEST_CASE("a stuck line affects only its own slot") {
   GpioConfig config = config_of({"17", "18"});
   config.strobe.flashes_hz_max = 0;
   Bench bench(config);
@@ -367,7 +367,7 @@ TEST_CASE("a stuck line holds its slot and nothing else") {
   }
 }
 
-TEST_CASE("the cap is said once in ten seconds, with the number of flashes") {
+TEST_CASE("the cap is reported once in ten seconds, with the number of flashes") {
   Bench bench(config_of({"17"}));
   std::vector<std::string> notices;
   for (int press = 0; press < 200; ++press) {  // ten a second for twenty seconds
@@ -382,11 +382,11 @@ TEST_CASE("the cap is said once in ten seconds, with the number of flashes") {
   }
   REQUIRE(notices.size() == 2);
   CHECK(notices[0].find("line 17: 1 flash held back") == 0);
-  CHECK(notices[1].find("no more than 4 a second") != std::string::npos);
+  CHECK(notices[1].find("at most 4 a second") != std::string::npos);
   CHECK(bench.source->counters().dropped >= 100);
 }
 
-TEST_CASE("what cannot be opened says the next step, and leaves no line requested") {
+TEST_CASE("the error for a failed open names the next step, and no line stays requested") {
   FakeClock clock;
   auto model = std::make_shared<GpioModel>(32);
   const auto error_of = [&](GpioConfig config) {
@@ -405,14 +405,14 @@ TEST_CASE("what cannot be opened says the next step, and leaves no line requeste
   CHECK(error_of(too_many).code == ErrorCode::kBadInput);
   model->forbid(true);
   GpioConfig waiting = config_of({"17"});
-  waiting.wait_for_device = true;  // helps against absence, not against refusal
+  waiting.wait_for_device = true;  // helps if the chip is missing, not if it refuses
   CHECK(error_of(waiting).code == ErrorCode::kPermission);
   model->forbid(false);
   model->unplug();
   CHECK(error_of(config_of({"17"})).code == ErrorCode::kNotFound);
 }
 
-TEST_CASE("told to wait, it begins without the chip and finds it when it comes") {
+TEST_CASE("with wait_for_device it starts without the chip and finds it later") {
   FakeClock clock;
   auto model = std::make_shared<GpioModel>(32);
   model->unplug();
@@ -431,7 +431,7 @@ TEST_CASE("told to wait, it begins without the chip and finds it when it comes")
   CHECK(frames.level(25) == 255);
 }
 
-TEST_CASE("polarity and bias reach the chip") {
+TEST_CASE("polarity and bias are passed to the chip") {
   GpioConfig config = config_of({"17"});
   config.active_low = true;
   config.bias = GpioBias::kPullUp;
@@ -440,7 +440,7 @@ TEST_CASE("polarity and bias reach the chip") {
   CHECK(bench.model->last_request().bias == GpioBias::kPullUp);
 }
 
-TEST_CASE("the chip that ships closes line N N times a second, with bounces") {
+TEST_CASE("the shipped model chip closes line N N times a second, with bounces") {
   FakeClock clock;
   GpioConfig config = config_of({"5", "0"});
   config.strobe.debounce_ns = 5 * kNsPerMs;
@@ -459,14 +459,14 @@ TEST_CASE("the chip that ships closes line N N times a second, with bounces") {
   CHECK((*opened)->strobe(1).counters().flashes == 0);
 }
 
-TEST_CASE("a stamp of either clock of the kernel becomes one of the pump's, and never lies ahead") {
+TEST_CASE("a stamp of either kernel clock is converted to the pump's clock, and is never in the future") {
   constexpr TimeNs kNow = 5'000 * kNsPerS;
   constexpr std::int64_t kRealtime = 1'700'000'000 * kNsPerS;
   CHECK(monotonic_stamp_ns(kNow - 7, kNow, kRealtime) == kNow - 7);
   CHECK(monotonic_stamp_ns(kRealtime - 7, kNow, kRealtime) == kNow - 7);
   CHECK(monotonic_stamp_ns(kNow + 7, kNow, kRealtime) == kNow);
   CHECK(monotonic_stamp_ns(kRealtime + 7, kNow, kRealtime) == kNow);
-  // A machine without a battery: the wall clock begins at 1970 as well, and the two are close.
+  // A machine without a battery: the wall clock starts at 1970 as well, so the two are close.
   CHECK(monotonic_stamp_ns(kNow - 7, kNow, kNow + 20 * kNsPerS) == kNow - 7);
 }
 

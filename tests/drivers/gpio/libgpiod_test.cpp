@@ -1,4 +1,4 @@
-// The source through the real libgpiod, on an emulated /dev/gpiochip0. Started again under umockdev by its own main().
+// The source through the real libgpiod, on an emulated /dev/gpiochip0. Its main() starts it again under umockdev.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 #include <linux/gpio.h>
@@ -24,7 +24,7 @@ using footlight::testing::GpioFs;
 using footlight::testing::Testbed;
 
 struct Machine {
-  Testbed testbed;  // first, so that it goes last
+  Testbed testbed;  // first member: destroyed last
   GpioFs chip{testbed, {"STROBE0", "STROBE1", "BLACKOUT", "LED"}};
   SystemClock clock;
   std::shared_ptr<GpioChips> chips = make_gpio_chips();
@@ -33,8 +33,8 @@ struct Machine {
     if (request.chip.empty()) request.chip = "gpiochip0";
     return chips->request(request);
   }
-  [[nodiscard]] std::string refusal(GpioLineRequest asked, ErrorCode code) {
-    auto line = request(std::move(asked));
+  [[nodiscard]] std::string refusal(GpioLineRequest wanted, ErrorCode code) {
+    auto line = request(std::move(wanted));
     REQUIRE_FALSE(line);
     CHECK(line.error().code == code);
     return line.error().message;
@@ -46,7 +46,7 @@ bool readable(int fd, int timeout_ms = 20'000) {
   return ::poll(&wait, 1, timeout_ms) == 1;
 }
 
-// Waits in real time; the emulated kernel has threads of its own.
+// Waits in real time; the emulated kernel has its own threads.
 template <class F>
 bool becomes_true(F&& f) {
   for (int i = 0; i < 5'000; ++i) {
@@ -65,7 +65,7 @@ GpioConfig config_of(std::vector<std::string> lines) {
   return config;
 }
 
-TEST_CASE("edges arrive in order with the stamps of the kernel, and the line is given back") {
+TEST_CASE("edges arrive in order with the stamps of the kernel, and the line is released") {
   Machine machine;
   {
     auto line = machine.request({.line = "1"});
@@ -90,7 +90,7 @@ TEST_CASE("edges arrive in order with the stamps of the kernel, and the line is 
   CHECK_FALSE(machine.chip.is_requested(1));
 }
 
-TEST_CASE("stamps of a kernel that has the wall clock become those of the pump's clock") {
+TEST_CASE("wall clock stamps of a kernel are converted to the pump's clock") {
   Machine machine;
   auto line = machine.request({.line = "0"});
   REQUIRE(line);
@@ -103,13 +103,14 @@ TEST_CASE("stamps of a kernel that has the wall clock become those of the pump's
   REQUIRE(readable((*line)->fd()));
   std::array<GpioEdge, 16> edges;
   REQUIRE((*line)->read_edges(edges).value() == 1);
-  // The two clocks are never read at the same time: however long a thread rests in between, the stamp lies here.
+  // The two clocks are never read at the same time. However long a thread pauses in between, the stamp is in this
+  // range.
   const TimeNs after_ns = machine.clock.now_ns();
   CHECK(edges[0].stamp_ns > before_ns - kAgoNs - (after_ns - before_ns));
   CHECK(edges[0].stamp_ns < after_ns - kAgoNs);
 }
 
-TEST_CASE("a listed chip is called what it calls itself, and asking it takes no line") {
+TEST_CASE("a listed chip has its own label, and reading it requests no line") {
   Machine machine;
   const auto chips = find_gpio_chips();
   REQUIRE(chips.size() == 1);
@@ -128,7 +129,7 @@ TEST_CASE("a line is found by name, a chip by path") {
   CHECK(machine.chip.is_requested(2));
 }
 
-TEST_CASE("polarity and bias are asked of the kernel, and levels are logical") {
+TEST_CASE("polarity and bias are requested from the kernel, and levels are logical") {
   Machine machine;
   auto line = machine.request({.line = "0", .active_low = true, .bias = GpioBias::kPullUp});
   REQUIRE(line);
@@ -141,7 +142,7 @@ TEST_CASE("polarity and bias are asked of the kernel, and levels are logical") {
   CHECK((machine.chip.handle_flags(1) & GPIOHANDLE_REQUEST_ACTIVE_LOW) == 0);
 }
 
-TEST_CASE("refusals name the line, who has it, and the next step") {
+TEST_CASE("errors name the line, its user, and the next step") {
   Machine machine;
   machine.chip.hold(3, "spi0 CS0");
   const std::string busy = machine.refusal({.line = "3"}, ErrorCode::kIo);
@@ -161,14 +162,14 @@ TEST_CASE("refusals name the line, who has it, and the next step") {
   (void)machine.refusal({.line = "1"}, ErrorCode::kPermission);
 }
 
-TEST_CASE("a line that this program has already is named as its own") {
+TEST_CASE("the error for a line in use by this program names this program") {
   Machine machine;
   auto line = machine.request({.line = "1"});
   REQUIRE(line);
   CHECK(machine.refusal({.line = "1"}, ErrorCode::kIo).find("\"footlight\"") != std::string::npos);
 }
 
-// Runs a pump on the emulated chip, as the program does.
+// Runs a pump on the emulated chip, like the program.
 class Bridge {
  public:
   Bridge(Machine& machine, GpioConfig config) : machine_(machine) {
@@ -243,7 +244,7 @@ TEST_CASE("an overflow of the kernel's queue leaves no lamp on") {
   CHECK(frames.level == 0);
 }
 
-TEST_CASE("a chip that is unplugged turns its slots off; plugged in again it works") {
+TEST_CASE("unplugging a chip turns its slots off; plugged in again it works") {
   Machine machine;
   Bridge bridge(machine, config_of({"0"}));
   for (int round = 0; round < 3; ++round) {
@@ -259,7 +260,7 @@ TEST_CASE("a chip that is unplugged turns its slots off; plugged in again it wor
   }
 }
 
-TEST_CASE("a level that cannot be read loses the lines until it can") {
+TEST_CASE("a failed level read loses the lines until a read succeeds") {
   Machine machine;
   machine.chip.drive(0, true);
   Bridge bridge(machine, config_of({"0"}));

@@ -1,4 +1,4 @@
-// One line: what edges at certain times make of a slot. Times are in milliseconds from an origin.
+// One line: the slot value after edges at certain times. Times are in milliseconds from an origin.
 #include "drivers/gpio/strobe_line.h"
 
 #include <random>
@@ -27,7 +27,7 @@ StrobeLine started(StrobeConfig config, bool level = false) {
   return line;
 }
 
-// The value at that time, after everything that was due.
+// The value at that time, after everything due was handled.
 int value_at(StrobeLine& line, double ms) {
   line.advance(at(ms));
   return line.value();
@@ -35,7 +35,7 @@ int value_at(StrobeLine& line, double ms) {
 
 TEST_SUITE_BEGIN("strobe line");
 
-TEST_CASE("follow shows the level that is there at the start, and every edge at its own time") {
+TEST_CASE("follow shows the level at the start, and every edge at its own time") {
   CHECK(started(uncapped(StrobeMode::kFollow), true).value() == 255);
   StrobeLine line = started(uncapped(StrobeMode::kFollow));
   CHECK(line.value() == 0);
@@ -48,7 +48,7 @@ TEST_CASE("follow shows the level that is there at the start, and every edge at 
   CHECK(line.next_deadline_ns() == kTimeNever);
 }
 
-TEST_CASE("a level that is there at the start triggers nothing but follow") {
+TEST_CASE("the level at the start affects only follow") {
   for (const StrobeMode mode : {StrobeMode::kOneShot, StrobeMode::kToggle, StrobeMode::kRate}) {
     StrobeLine line = started(uncapped(mode), true);
     CHECK(line.value() == 0);
@@ -97,7 +97,7 @@ TEST_CASE("a second press within the stretched pulse keeps it on") {
   CHECK(line.counters().flashes == 1);
 }
 
-TEST_CASE("one-shot holds from the rising edge, whatever the line does then") {
+TEST_CASE("one-shot holds from the rising edge, whatever the line does after it") {
   StrobeConfig config = uncapped(StrobeMode::kOneShot);
   config.hold_ns = 80 * kNsPerMs;
   StrobeLine line = started(config);
@@ -110,7 +110,7 @@ TEST_CASE("one-shot holds from the rising edge, whatever the line does then") {
   CHECK(value_at(line, 500) == 0);
 }
 
-TEST_CASE("a trigger during the hold extends it, or does nothing, as told") {
+TEST_CASE("a trigger during the hold extends it, or does nothing, as configured") {
   for (const Retrigger retrigger : {Retrigger::kExtend, Retrigger::kIgnore}) {
     StrobeConfig config = uncapped(StrobeMode::kOneShot);
     config.hold_ns = 80 * kNsPerMs;
@@ -140,12 +140,12 @@ TEST_CASE("toggle changes with each rising edge and with nothing else") {
   CHECK(line.next_deadline_ns() == kTimeNever);
 }
 
-TEST_CASE("rate maps the time between rising edges along the table") {
+TEST_CASE("rate maps the time between rising edges through the table") {
   struct Row {
     double hz;
     int value;
   };
-  // Between 2 Hz = 10 and 12 Hz = 110: ten a hertz.
+  // Between 2 Hz = 10 and 12 Hz = 110: ten per hertz.
   const Row rows[] = {{1.5, 10}, {2.0, 10}, {4.0, 30}, {8.0, 70}, {12.0, 110}, {20.0, 210}, {50.0, 210}};
   for (const Row& row : rows) {
     CAPTURE(row.hz);
@@ -153,7 +153,7 @@ TEST_CASE("rate maps the time between rising edges along the table") {
     config.rate_points = {{2.0, 10}, {12.0, 110}, {20.0, 210}};
     StrobeLine line = started(config);
     line.edge(true, at(0));
-    CHECK(line.value() == 0);  // one edge is no rate
+    CHECK(line.value() == 0);  // one edge has no rate
     line.edge(false, at(10));
     line.edge(true, at(1000.0 / row.hz));
     CHECK(line.value() >= row.value - 1);
@@ -161,7 +161,7 @@ TEST_CASE("rate maps the time between rising edges along the table") {
   }
 }
 
-TEST_CASE("rate ends two periods after the last edge, and begins anew with the second after that") {
+TEST_CASE("rate ends two periods after the last edge, and starts again with the second edge after that") {
   StrobeConfig config = uncapped(StrobeMode::kRate);
   config.rate_points = {{1.0, 1}, {25.0, 255}};
   StrobeLine line = started(config);
@@ -180,7 +180,7 @@ TEST_CASE("rate ends two periods after the last edge, and begins anew with the s
   CHECK(line.value() == 96);
 }
 
-TEST_CASE("debounce accepts the leading edge at once and ignores what follows in its window") {
+TEST_CASE("debounce accepts the leading edge at once and ignores the edges in its window") {
   StrobeConfig config = uncapped(StrobeMode::kFollow);
   config.debounce_ns = 5 * kNsPerMs;
   StrobeLine line = started(config);
@@ -192,8 +192,8 @@ TEST_CASE("debounce accepts the leading edge at once and ignores what follows in
     CHECK(line.value() == 255);
     line.edge(true, at(ms + 0.5));
   }
-  CHECK(line.wants_level(at(4.9)) == false);
-  CHECK(line.wants_level(at(5)));
+  CHECK(line.needs_level(at(4.9)) == false);
+  CHECK(line.needs_level(at(5)));
   CHECK(value_at(line, 5) == 255);
   CHECK(line.next_deadline_ns() == kTimeNever);
   CHECK(line.counters().bounces == 6);
@@ -206,7 +206,7 @@ TEST_CASE("debounce accepts the leading edge at once and ignores what follows in
   CHECK(line.counters().flashes == 1);
 }
 
-TEST_CASE("a release within the window of its press counts when the window ends, and opens one of its own") {
+TEST_CASE("a release within the window of its press counts when the window ends, and opens its own window") {
   StrobeConfig config = uncapped(StrobeMode::kFollow);
   config.debounce_ns = 5 * kNsPerMs;
   StrobeLine line = started(config);
@@ -220,7 +220,7 @@ TEST_CASE("a release within the window of its press counts when the window ends,
   CHECK(value_at(line, 10) == 255);
 }
 
-TEST_CASE("edges that are read late count as if they had been read in time") {
+TEST_CASE("edges that are read late have the same effect as edges read in time") {
   StrobeConfig config = uncapped(StrobeMode::kOneShot);
   config.hold_ns = 30 * kNsPerMs;
   config.debounce_ns = 5 * kNsPerMs;
@@ -247,7 +247,7 @@ TEST_CASE("edges that are read late count as if they had been read in time") {
   }
 }
 
-TEST_CASE("whatever the bounces, a debounced line ends at the level of the contact") {
+TEST_CASE("after any bounces, a debounced line ends at the level of the contact") {
   std::mt19937 random(11);
   for (int round = 0; round < 500; ++round) {
     StrobeConfig config = uncapped(StrobeMode::kFollow);
@@ -262,9 +262,9 @@ TEST_CASE("whatever the bounces, a debounced line ends at the level of the conta
   }
 }
 
-TEST_CASE("two edges of a kind are a pulse whose middle was lost") {
+TEST_CASE("two edges of the same kind are a pulse with a lost edge") {
   StrobeLine toggle = started(uncapped(StrobeMode::kToggle));
-  toggle.edge(false, at(1));  // up and down between two looks of the kernel
+  toggle.edge(false, at(1));  // up and down between two interrupts
   CHECK(toggle.value() == 255);
   CHECK(toggle.counters().lost == 1);
   toggle.edge(false, at(2));
@@ -276,7 +276,7 @@ TEST_CASE("two edges of a kind are a pulse whose middle was lost") {
   CHECK(follow.counters().flashes == 2);
 }
 
-TEST_CASE("a level that was read repairs what the edges did not tell") {
+TEST_CASE("a level that was read corrects lost edges") {
   StrobeLine line = started(uncapped(StrobeMode::kFollow));
   line.edge(true, at(0));
   line.read_level(false, at(10));  // the falling edge found no room in the queue
@@ -287,7 +287,7 @@ TEST_CASE("a level that was read repairs what the edges did not tell") {
   CHECK(line.counters().repaired == 1);
 }
 
-TEST_CASE("a level that was read before its edge arrived is not taken for a lost pulse") {
+TEST_CASE("a level that was read before its edge arrived is not a lost pulse") {
   StrobeLine line = started(uncapped(StrobeMode::kToggle));
   line.read_level(true, at(10));
   CHECK(line.value() == 255);
@@ -299,7 +299,7 @@ TEST_CASE("a level that was read before its edge arrived is not taken for a lost
   CHECK(line.value() == 0);
 }
 
-TEST_CASE("no more than four flashes begin in any one second unless told otherwise") {
+TEST_CASE("by default no more than four flashes begin in any one second") {
   for (const StrobeMode mode : {StrobeMode::kFollow, StrobeMode::kOneShot, StrobeMode::kToggle}) {
     StrobeConfig config;
     config.mode = mode;
@@ -327,7 +327,7 @@ TEST_CASE("no more than four flashes begin in any one second unless told otherwi
   }
 }
 
-TEST_CASE("the cap counts flashes in a window, so that two quick ones pass") {
+TEST_CASE("the cap counts flashes in a window, so two quick ones pass") {
   StrobeConfig config;
   config.hold_ns = 0;
   StrobeLine line = started(config);
@@ -342,7 +342,7 @@ TEST_CASE("the cap counts flashes in a window, so that two quick ones pass") {
   CHECK(line.counters().capped == 1);
 }
 
-TEST_CASE("a held key lights as soon as the cap allows, a released one never") {
+TEST_CASE("a held key turns on as soon as the cap allows, a released one never") {
   StrobeConfig config;
   config.flashes_hz_max = 1.0;
   config.hold_ns = 0;
@@ -361,7 +361,7 @@ TEST_CASE("a held key lights as soon as the cap allows, a released one never") {
   CHECK(line.counters().capped == 2);
 }
 
-TEST_CASE("a one-shot that the cap forbids is left out and does not come late") {
+TEST_CASE("a one-shot above the cap is left out and does not come late") {
   StrobeConfig config;
   config.mode = StrobeMode::kOneShot;
   config.hold_ns = 50 * kNsPerMs;
@@ -389,7 +389,7 @@ TEST_CASE("toggle pressed twice while the cap holds it back stays off") {
   press(0);
   press(100);
   CHECK(line.value() == 0);
-  press(200);  // wants on, not before 1000
+  press(200);  // due to turn on, not before 1000
   CHECK(line.value() == 0);
   press(300);
   CHECK(value_at(line, 5000) == 0);
@@ -397,7 +397,7 @@ TEST_CASE("toggle pressed twice while the cap holds it back stays off") {
   CHECK(line.value() == 255);
 }
 
-TEST_CASE("the cap keeps a rate at its own value, never a step above") {
+TEST_CASE("the cap limits a rate to its own value, never a step above") {
   StrobeConfig config;
   config.mode = StrobeMode::kRate;
   StrobeLine line = started(config);
@@ -413,7 +413,7 @@ TEST_CASE("the cap keeps a rate at its own value, never a step above") {
   CHECK(free_line.counters().capped == 0);
 }
 
-TEST_CASE("the cap outlives a chip that comes and goes") {
+TEST_CASE("the cap persists when a chip is unplugged and replugged") {
   StrobeConfig config;
   config.flashes_hz_max = 1.0;
   StrobeLine line = started(config);

@@ -84,7 +84,7 @@ TEST_CASE("a slow device says how long a look takes in which everything changes"
   bench.with([](NodleModel& model) { model.interval_ms = 4; });
   const auto sink = bench.open_sink();
   REQUIRE(sink->link().remarks().size() == 1);
-  CHECK(sink->link().remarks()[0] == "a look in which all 16 blocks of 32 slots change takes 64 ms: 15.6 a second");
+  CHECK(sink->link().remarks()[0] == "a frame in which all 16 blocks of 32 slots change takes 64 ms: 15.6 a second");
 }
 
 TEST_CASE("frames of the input are handed over with every slot") {
@@ -177,9 +177,9 @@ TEST_CASE("reports that are no blocks are counted and change nothing") {
   const auto source = bench.open_source();
   FrameKeeper keeper;
   bench.usb->with_model([](auto& model) {
-    model.say(Bytes(33, 200));
-    model.say(Bytes(5, 0));
-    model.say(Bytes(64, 1));
+    model.send_to_host(Bytes(33, 200));
+    model.send_to_host(Bytes(5, 0));
+    model.send_to_host(Bytes(64, 1));
   });
   REQUIRE(bench.advance_until([&] {
     (void)source->poll(bench.clock.now_ns(), keeper);

@@ -38,7 +38,7 @@ TEST_CASE("the rate is what the reports of a dark look take, and what a bright o
   CHECK(sink->rate_hz_max() == doctest::Approx(20.0));  // 5 reports of 10 ms
   CHECK(sink->link().identity() == "reports of 8 bytes every 10 ms");
   REQUIRE(sink->link().remarks().size() == 1);
-  CHECK(sink->link().remarks()[0] == "a look without zeros takes 75 reports of 10 ms: 1.3 a second");
+  CHECK(sink->link().remarks()[0] == "a frame without zeros takes 75 reports of 10 ms: 1.3 a second");
 }
 
 TEST_CASE("the replacement firmware is told by its descriptor and has nothing to excuse") {

@@ -27,7 +27,7 @@ constexpr std::uint32_t kThisMachine = 0x7F00'0001;
 constexpr RdmUid kConsole{0x02B0, 77};
 constexpr int kWithLine = 4;  // port address; universe 5 on the wire, 1 of the show
 
-// What the line and the test share.
+// Shared by the line and the test.
 struct Stage {
   std::mutex mutex;
   std::condition_variable changed;
@@ -44,7 +44,7 @@ struct Stage {
     in_call = false;
     return line.answer(request);
   }
-  // After a moment, where a thread is about to call; false: nobody does.
+  // Waits shortly if a thread is about to call; false: no call.
   bool is_in_call() {
     std::unique_lock lock(mutex);
     return changed.wait_for(lock, std::chrono::seconds(10), [this] { return in_call; });
@@ -72,7 +72,7 @@ struct Bench {
     options.name = "artnet:test-in";
     options.universes = {{5, 1}, {6, 2}};
     options.kernel_stamps = false;
-    options.ask_names = false;
+    options.request_names = false;
     options.rdm_directory = directory;
     auto made = ArtnetSource::create(options);
     REQUIRE_MESSAGE(made, (made ? "" : made.error().message));
@@ -80,29 +80,29 @@ struct Bench {
     console = stranger(0x7F00'0009, 0);
     REQUIRE(console);
   }
-  // A device with `stage`, in place of the one before.
+  // Replaces the device with one that uses `stage`.
   void put_line() {
     directory->put(
         1, [on = stage] { return std::make_unique<StageWire>(on); }, [on = stage] { return on->gone; });
   }
-  void say(const ArtnetRdmPacket& packet) {
+  void send(const ArtnetRdmPacket& packet) {
     REQUIRE(send_bytes(console, kThisMachine, kArtnetPort, build_artnet_rdm_packet(packet)));
   }
-  // What the console hears, after at least one packet has come.
-  std::vector<ArtnetRdmPacket> hear() {
-    std::vector<ArtnetRdmPacket> heard;
+  // The packets for the console, after at least one has come.
+  std::vector<ArtnetRdmPacket> receive() {
+    std::vector<ArtnetRdmPacket> packets;
     const TimeNs deadline_ns = testing::real_now_ns() + 10 * kNsPerS;
-    while (heard.empty()) {
+    while (packets.empty()) {
       REQUIRE(testing::real_now_ns() < deadline_ns);
       pollfd waiting = {source->poll_fd(), POLLIN, 0};
       (void)::poll(&waiting, 1, 100);
       REQUIRE(source->poll(kStartNs, receiver).has_value());
       for (const auto& bytes : received(console)) {
         const auto packet = parse_artnet_rdm_packet(bytes);
-        if (packet) heard.push_back(*packet);
+        if (packet) packets.push_back(*packet);
       }
     }
-    return heard;
+    return packets;
   }
   ArtnetRdm request_of(std::uint64_t uid, RdmCommand command, std::uint16_t parameter, Octets data = {}) {
     RdmMessage message;
@@ -125,14 +125,14 @@ struct Bench {
 
 }  // namespace
 
-TEST_CASE("a gateway searches its line when the table is first asked for, and tells it at once from then on") {
+TEST_CASE("a gateway searches its line at the first request for the table, and answers later requests at once") {
   if (!enter_private_network()) return;
   Bench bench;
   for (int round = 0; round < 2; ++round) {
-    bench.say(ArtnetTodRequest{{kWithLine}});
-    const auto heard = bench.hear();
-    REQUIRE(heard.size() == 1);
-    const auto& data = std::get<ArtnetTodData>(heard[0]);
+    bench.send(ArtnetTodRequest{{kWithLine}});
+    const auto packets = bench.receive();
+    REQUIRE(packets.size() == 1);
+    const auto& data = std::get<ArtnetTodData>(packets[0]);
     CHECK(data.port_address == kWithLine);
     CHECK(data.bind_index == 1);
     CHECK(data.port == 1);
@@ -144,26 +144,26 @@ TEST_CASE("a gateway searches its line when the table is first asked for, and te
   CHECK(bench.stage->line.responders[0].request_count < 200);  // searched once
 }
 
-TEST_CASE("a flush searches the line anew") {
+TEST_CASE("a flush searches the line again") {
   if (!enter_private_network()) return;
   Bench bench;
-  bench.say(ArtnetTodRequest{{kWithLine}});
-  CHECK(std::get<ArtnetTodData>(bench.hear()[0]).total == 3);
+  bench.send(ArtnetTodRequest{{kWithLine}});
+  CHECK(std::get<ArtnetTodData>(bench.receive()[0]).total == 3);
   {
     const std::lock_guard lock(bench.stage->mutex);
     bench.stage->line.responders.emplace_back().uid = 0x02B0'0000'0009;
   }
-  bench.say(ArtnetTodControl{kWithLine, true});
-  CHECK(std::get<ArtnetTodData>(bench.hear()[0]).total == 4);
+  bench.send(ArtnetTodControl{kWithLine, true});
+  CHECK(std::get<ArtnetTodData>(bench.receive()[0]).total == 4);
 }
 
-TEST_CASE("a message goes to the line, and its answer to who asked, as it is") {
+TEST_CASE("a message goes to the line, and its answer unchanged to the requester") {
   if (!enter_private_network()) return;
   Bench bench;
-  bench.say(bench.request_of(0x7FF0'0000'0002, RdmCommand::kGet, kRdmDeviceLabel));
-  auto heard = bench.hear();
-  REQUIRE(heard.size() == 1);
-  const auto& rdm = std::get<ArtnetRdm>(heard[0]);
+  bench.send(bench.request_of(0x7FF0'0000'0002, RdmCommand::kGet, kRdmDeviceLabel));
+  auto packets = bench.receive();
+  REQUIRE(packets.size() == 1);
+  const auto& rdm = std::get<ArtnetRdm>(packets[0]);
   CHECK(rdm.port_address == kWithLine);
   const auto answer = parse_rdm(rdm.message);
   REQUIRE(answer.has_value());
@@ -171,18 +171,18 @@ TEST_CASE("a message goes to the line, and its answer to who asked, as it is") {
   CHECK(answer->from == RdmUid{0x7FF0, 2});
   CHECK(answer->transaction == bench.transaction);
   CHECK(rdm_text(answer->data) == "Spot stage left");
-  bench.say(bench.request_of(0x7FF0'0000'0002, RdmCommand::kSet, kRdmDmxStartAddress, {1, 0}));
-  heard = bench.hear();
-  CHECK(parse_rdm(std::get<ArtnetRdm>(heard[0]).message)->command == RdmCommand::kSetResponse);
+  bench.send(bench.request_of(0x7FF0'0000'0002, RdmCommand::kSet, kRdmDmxStartAddress, {1, 0}));
+  packets = bench.receive();
+  CHECK(parse_rdm(std::get<ArtnetRdm>(packets[0]).message)->command == RdmCommand::kSetResponse);
   const std::lock_guard lock(bench.stage->mutex);
   CHECK(bench.stage->line.responders[1].start_address == 256);
 }
 
-TEST_CASE("frames go on while the line is busy") {
+TEST_CASE("frames continue while the line is busy") {
   if (!enter_private_network()) return;
   Bench bench;
   bench.stage->set_busy(true);
-  bench.say(bench.request_of(0x7FF0'0000'0001, RdmCommand::kGet, kRdmDeviceLabel));
+  bench.send(bench.request_of(0x7FF0'0000'0001, RdmCommand::kGet, kRdmDeviceLabel));
   REQUIRE(testing::drain(*bench.source, kStartNs, bench.receiver));
   const Octets slots(16, 9);
   ArtnetDmx dmx;
@@ -195,49 +195,49 @@ TEST_CASE("frames go on while the line is busy") {
   CHECK(bench.receiver.frames.size() == 1);
   CHECK(received(bench.console).empty());
   bench.stage->set_busy(false);
-  CHECK(std::holds_alternative<ArtnetRdm>(bench.hear()[0]));
+  CHECK(std::holds_alternative<ArtnetRdm>(bench.receive()[0]));
 }
 
-TEST_CASE("a device that is replaced 70 times while requests wait leaves the gateway answering") {
+TEST_CASE("the gateway still answers after a device was replaced 70 times while requests waited") {
   if (!enter_private_network()) return;
   Bench bench;
   for (int i = 0; i < 70; ++i) {
     bench.stage->set_busy(true);
-    bench.say(bench.request_of(0x7FF0'0000'0001, RdmCommand::kGet, kRdmDeviceLabel));
+    bench.send(bench.request_of(0x7FF0'0000'0001, RdmCommand::kGet, kRdmDeviceLabel));
     REQUIRE(testing::drain(*bench.source, kStartNs, bench.receiver));
     REQUIRE(bench.stage->is_in_call());
     const auto old = std::exchange(bench.stage, std::make_shared<Stage>());
     bench.put_line();
-    // The next request makes the gateway take the new line, while the call of the old one still runs.
-    bench.say(ArtnetTodRequest{{kWithLine}});
-    const auto table = bench.hear();
+    // The next request makes the gateway use the new line, while the call of the old one still runs.
+    bench.send(ArtnetTodRequest{{kWithLine}});
+    const auto table = bench.receive();
     CHECK(std::holds_alternative<ArtnetTodData>(table.at(0)));
-    CHECK(old->is_in_call());  // nobody has waited for it
+    CHECK(old->is_in_call());  // the gateway has not waited for it
     old->set_busy(false);
   }
-  bench.say(bench.request_of(0x7FF0'0000'0001, RdmCommand::kGet, kRdmDeviceLabel));
-  const auto heard = bench.hear();
-  REQUIRE(heard.size() == 1);
-  CHECK(std::holds_alternative<ArtnetRdm>(heard[0]));
+  bench.send(bench.request_of(0x7FF0'0000'0001, RdmCommand::kGet, kRdmDeviceLabel));
+  const auto packets = bench.receive();
+  REQUIRE(packets.size() == 1);
+  CHECK(std::holds_alternative<ArtnetRdm>(packets[0]));
 }
 
-TEST_CASE("who waits for the table of a device that is replaced gets that of the next one") {
+TEST_CASE("a controller that waits for the table of a replaced device gets that of the next one") {
   if (!enter_private_network()) return;
   Bench bench;
   bench.stage->set_busy(true);
-  bench.say(ArtnetTodRequest{{kWithLine}});
+  bench.send(ArtnetTodRequest{{kWithLine}});
   REQUIRE(testing::drain(*bench.source, kStartNs, bench.receiver));
   const auto old = std::exchange(bench.stage, std::make_shared<Stage>());
   bench.put_line();
-  bench.say(ArtnetTodRequest{{kWithLine}});  // a controller asks again
-  CHECK(std::get<ArtnetTodData>(bench.hear().at(0)).total == 3);
+  bench.send(ArtnetTodRequest{{kWithLine}});  // a controller repeats the request
+  CHECK(std::get<ArtnetTodData>(bench.receive().at(0)).total == 3);
   old->set_busy(false);
 }
 
-TEST_CASE("only universes with a line say that they have RDM, and only those answer") {
+TEST_CASE("only universes with a line report RDM, and only those answer") {
   if (!enter_private_network()) return;
   Bench bench;
-  const auto told = [&] {
+  const auto has_rdm = [&] {
     Octets poll(kArtnetPollBytesMin);
     build_artnet_poll(0, poll);
     REQUIRE(send_bytes(bench.console, kThisMachine, kArtnetPort, poll));
@@ -249,15 +249,15 @@ TEST_CASE("only universes with a line say that they have RDM, and only those ans
     }
     return rdm;
   };
-  CHECK(told() == std::vector<bool>{true, false});
-  bench.say(ArtnetTodRequest{{5, 6}});
-  bench.say(ArtnetTodControl{5, true});
+  CHECK(has_rdm() == std::vector<bool>{true, false});
+  bench.send(ArtnetTodRequest{{5, 6}});
+  bench.send(ArtnetTodControl{5, true});
   REQUIRE(testing::drain(*bench.source, kStartNs, bench.receiver));
   CHECK(received(bench.console).empty());
   bench.stage->gone = true;
-  CHECK(told() == std::vector<bool>{false, false});
-  bench.say(ArtnetTodRequest{{kWithLine}});
-  bench.say(bench.request_of(0x7FF0'0000'0001, RdmCommand::kGet, kRdmDeviceLabel));
+  CHECK(has_rdm() == std::vector<bool>{false, false});
+  bench.send(ArtnetTodRequest{{kWithLine}});
+  bench.send(bench.request_of(0x7FF0'0000'0001, RdmCommand::kGet, kRdmDeviceLabel));
   REQUIRE(testing::drain(*bench.source, kStartNs, bench.receiver));
   CHECK(received(bench.console).empty());
 }

@@ -51,7 +51,7 @@ TEST_CASE("a built ArtDmx parses to the same fields for every bit of the port ad
   }
 }
 
-TEST_CASE("ArtDmx leaves with an even length of at least two, padded with zero") {
+TEST_CASE("ArtDmx is built with an even length of at least two, padded with zero") {
   for (const std::size_t count : {0u, 1u, 2u, 3u, 511u, 512u}) {
     const Bytes slots(count, 0xFF);
     ArtnetDmx dmx;
@@ -88,7 +88,7 @@ TEST_CASE("each broken field of an ArtDmx is refused for its own reason") {
   }
 }
 
-TEST_CASE("an ArtDmx of odd length is accepted as it is") {
+TEST_CASE("an ArtDmx of odd length is accepted unchanged") {
   const Bytes slots(4, 5);
   ArtnetDmx dmx;
   dmx.slots = slots;
@@ -97,7 +97,7 @@ TEST_CASE("an ArtDmx of odd length is accepted as it is") {
   CHECK(std::get<ArtnetDmx>(parse_artnet(packet).value()).slots.size() == 3);
 }
 
-TEST_CASE("an ArtPoll asks for all ports unless it is targeted") {
+TEST_CASE("an ArtPoll requests all ports unless it is targeted") {
   const auto all = std::get<ArtnetPoll>(parse_artnet(poll_packet(0x02, 5, 3)).value());
   CHECK(all.port_address_first == 0);
   CHECK(all.port_address_last == kArtnetPortAddressMax);
@@ -109,7 +109,7 @@ TEST_CASE("an ArtPoll asks for all ports unless it is targeted") {
   CHECK(std::get<ArtnetPoll>(parse_artnet(old).value()).port_address_last == kArtnetPortAddressMax);
 }
 
-TEST_CASE("Wireshark reads our ArtDmx as we meant it") {
+TEST_CASE("Wireshark decodes our ArtDmx to the same fields") {
   const Bytes slots = {1, 2, 3};
   ArtnetDmx dmx;
   dmx.sequence = 200;
@@ -127,7 +127,7 @@ TEST_CASE("Wireshark reads our ArtDmx as we meant it") {
   CHECK(fields->at("_ws.malformed") == "");
 }
 
-TEST_CASE("Wireshark reads our ArtPollReply as we meant it") {
+TEST_CASE("Wireshark decodes our ArtPollReply to the same fields") {
   ArtnetPollReply reply;
   reply.add({0x0120, true, true, false});
   reply.add({0x0121, true, false, false});
@@ -189,18 +189,18 @@ TEST_CASE("Wireshark reads our ArtPollReply as we meant it") {
   CHECK(fields->at("_ws.malformed") == "");
 }
 
-TEST_CASE("Wireshark reads our ArtPoll and our ArtSync as we meant them") {
+TEST_CASE("Wireshark decodes our ArtPoll and our ArtSync to the same fields") {
   Bytes poll(kArtnetPollBytesMin);
   build_artnet_poll(kArtnetPollOnChange, poll);
-  const auto asked = testing::dissect(poll, kArtnetPort,
-                                      {"artnet.header.opcode", "artnet.poll.talktome_reply_change",
-                                       "artnet.poll.talktome_diag", "artnet.poll.talktome_targeted", "_ws.malformed"});
-  if (!asked) return;
-  CHECK(asked->at("artnet.header.opcode") == "0x2000");
-  CHECK(asked->at("artnet.poll.talktome_reply_change") == "1");
-  CHECK(asked->at("artnet.poll.talktome_diag") == "0");
-  CHECK(asked->at("artnet.poll.talktome_targeted") == "0");
-  CHECK(asked->at("_ws.malformed") == "");
+  const auto fields = testing::dissect(poll, kArtnetPort,
+                                       {"artnet.header.opcode", "artnet.poll.talktome_reply_change",
+                                        "artnet.poll.talktome_diag", "artnet.poll.talktome_targeted", "_ws.malformed"});
+  if (!fields) return;
+  CHECK(fields->at("artnet.header.opcode") == "0x2000");
+  CHECK(fields->at("artnet.poll.talktome_reply_change") == "1");
+  CHECK(fields->at("artnet.poll.talktome_diag") == "0");
+  CHECK(fields->at("artnet.poll.talktome_targeted") == "0");
+  CHECK(fields->at("_ws.malformed") == "");
   Bytes sync(kArtnetSyncBytes);
   build_artnet_sync(sync);
   const auto latched =

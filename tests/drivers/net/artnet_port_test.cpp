@@ -1,4 +1,4 @@
-// Art-Net ports against each other over real sockets, in a network namespace with nothing but "lo" in it.
+// Art-Net ports connected over real sockets, in a network namespace with only "lo".
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -64,7 +64,7 @@ TEST_CASE("nine universes cross from Art-Net sink to source by unicast and by br
       for (int u = 1; u <= 9; ++u) {
         const auto& got = receiver.frames[static_cast<std::size_t>(u - 1)];
         REQUIRE(got.view.universe == u);
-        REQUIRE(got.view.sequence == static_cast<std::uint32_t>(round % 255 + 1));  // 0 would mean: not numbered
+        REQUIRE(got.view.sequence == static_cast<std::uint32_t>(round % 255 + 1));  // 0 would mean unnumbered
         REQUIRE(got.slots == levels[static_cast<std::size_t>(u - 1)]);
       }
     }
@@ -91,7 +91,7 @@ TEST_CASE("universes of the show are renumbered to port addresses across the bor
   CHECK(source->details().other_universe == 1);
 }
 
-TEST_CASE("Art-Net frames without a number, or with one that never moves, are all taken; late ones are not") {
+TEST_CASE("Art-Net frames without a number, or with a constant one, are all accepted; late ones are not") {
   if (!enter_private_network()) return;
   auto source = must(ArtnetSource::create(source_options({{1, 1}})));
   const Fd socket = must(open_sender({"test", 0}));
@@ -109,7 +109,7 @@ TEST_CASE("Art-Net frames without a number, or with one that never moves, are al
   CHECK(source->details().late == 1);
 }
 
-TEST_CASE("an Art-Net sink repeats an unchanged look every 900 ms and just stops when it closes") {
+TEST_CASE("an Art-Net sink repeats an unchanged frame every 900 ms and simply stops when it closes") {
   if (!enter_private_network()) return;
   auto sink = must(ArtnetSink::create(sink_options({{1, 1}})));
   const auto levels = test_levels(1, 0);
@@ -125,7 +125,7 @@ TEST_CASE("an Art-Net sink repeats an unchanged look every 900 ms and just stops
   CHECK(sink->next_deadline_ns() == kTimeNever);
 }
 
-TEST_CASE("an Art-Net source does not hear the sinks of its own program, and hears those of others") {
+TEST_CASE("an Art-Net source ignores the sinks of its own program and receives those of others") {
   if (!enter_private_network()) return;
   const auto own_senders = std::make_shared<OwnSenders>();
   for (const char* const address : {"127.0.0.1", "127.255.255.255"}) {
@@ -156,7 +156,7 @@ TEST_CASE("wrong Art-Net options are refused with a message that names the port 
   const auto message = [](const auto& result) { return result ? std::string("accepted") : result.error().message; };
   CHECK(message(ArtnetSource::create(source_options({{32'769, 1}}))).find("from 1 to 32768, got 32769") !=
         std::string::npos);
-  CHECK(message(ArtnetSink::create(sink_options({{1, 1}}, ""))).find("say where to send, as in") != std::string::npos);
+  CHECK(message(ArtnetSink::create(sink_options({{1, 1}}, ""))).find("name the receivers, as in") != std::string::npos);
   CHECK(message(ArtnetSink::create(sink_options({{1, 1}}, "10.0.0"))).find("expected an IPv4 address") !=
         std::string::npos);
   CHECK(message(ArtnetSink::create(sink_options({{1, 1}}, "10.0.0.255"))).find("there is no route") !=

@@ -1,4 +1,4 @@
-// RDM over Art-Net: packets, and a controller against a gateway made of a bare socket and a modelled line.
+// RDM over Art-Net: packets, and a controller with a gateway made of a bare socket and a modelled line.
 #include "drivers/net/artnet_rdm.h"
 
 #include <doctest/doctest.h>
@@ -22,11 +22,11 @@ constexpr std::uint32_t kGatewayIpv4 = 0x7F00'0002;
 constexpr int kPortAddress = 0x0123;
 constexpr RdmUid kOwn{0x7FF0, 0x1000'0000};
 
-// Answers as a gateway does, on a thread of its own.
+// Answers like a gateway, on its own thread.
 class Gateway {
  public:
   mock::RdmLineModel line = mock::example_rdm_line();
-  bool knows_nobody_yet = false;  // until it is told to search
+  bool table_is_empty = false;  // until a search is requested
   bool is_mute = false;
 
   Gateway() : socket_(testing::stranger(kGatewayIpv4, kArtnetPort)) { REQUIRE(socket_); }
@@ -50,18 +50,18 @@ class Gateway {
   }
   void obey(const ArtnetRdmPacket& packet, const Datagram& datagram) {
     if (const auto* control = std::get_if<ArtnetTodControl>(&packet)) {
-      if (control->flush) knows_nobody_yet = false;
-      tell(datagram);
+      if (control->flush) table_is_empty = false;
+      send_table(datagram);
     } else if (std::holds_alternative<ArtnetTodRequest>(packet)) {
-      tell(datagram);
+      send_table(datagram);
     } else if (const auto* rdm = std::get_if<ArtnetRdm>(&packet)) {
       const Octets answer = line.answer(rdm->message);
-      if (!answer.empty()) say(ArtnetRdm{kPortAddress, answer}, datagram);
+      if (!answer.empty()) send(ArtnetRdm{kPortAddress, answer}, datagram);
     }
   }
-  // In blocks of two, so that there is more than one.
-  void tell(const Datagram& datagram) {
-    const std::size_t total = knows_nobody_yet ? 0 : line.responders.size();
+  // In blocks of two, so that there are several.
+  void send_table(const Datagram& datagram) {
+    const std::size_t total = table_is_empty ? 0 : line.responders.size();
     for (std::size_t first = 0; first == 0 || first < total; first += 2) {
       ArtnetTodData data;
       data.port_address = kPortAddress;
@@ -70,10 +70,10 @@ class Gateway {
       for (std::size_t i = first; i < std::min(first + 2, total); ++i) {
         data.uids.push_back(RdmUid::of_number(line.responders[i].uid));
       }
-      say(data, datagram);
+      send(data, datagram);
     }
   }
-  void say(const ArtnetRdmPacket& packet, const Datagram& datagram) {
+  void send(const ArtnetRdmPacket& packet, const Datagram& datagram) {
     (void)testing::send_bytes(socket_, datagram.from_ipv4, datagram.from_udp_port, build_artnet_rdm_packet(packet));
   }
 
@@ -95,19 +95,20 @@ std::unique_ptr<ArtnetRdmLine> open_line(Clock& clock, DurationNs answer_timeout
 
 }  // namespace
 
-TEST_CASE("Wireshark reads our packets of RDM over Art-Net as we meant them") {
+TEST_CASE("Wireshark decodes our packets of RDM over Art-Net to the same fields") {
   ArtnetTodRequest request;
   request.port_addresses = {0x0123, 0x0145};
-  const auto asked = testing::dissect(build_artnet_rdm_packet(request), kArtnetPort,
-                                      {"artnet.header.opcode", "artnet.tod_request.net", "artnet.tod_request.command",
-                                       "artnet.tod_request.ad_count", "artnet.tod_request.address", "_ws.malformed"});
-  if (!asked) return;
-  CHECK(asked->at("artnet.header.opcode") == "0x8000");
-  CHECK(asked->at("artnet.tod_request.net") == "0x01");
-  CHECK(asked->at("artnet.tod_request.command") == "0x00");
-  CHECK(asked->at("artnet.tod_request.ad_count") == "2");
-  CHECK(asked->at("artnet.tod_request.address").substr(0, 4) == "2345");
-  CHECK(asked->at("_ws.malformed") == "");
+  const auto request_fields =
+      testing::dissect(build_artnet_rdm_packet(request), kArtnetPort,
+                       {"artnet.header.opcode", "artnet.tod_request.net", "artnet.tod_request.command",
+                        "artnet.tod_request.ad_count", "artnet.tod_request.address", "_ws.malformed"});
+  if (!request_fields) return;
+  CHECK(request_fields->at("artnet.header.opcode") == "0x8000");
+  CHECK(request_fields->at("artnet.tod_request.net") == "0x01");
+  CHECK(request_fields->at("artnet.tod_request.command") == "0x00");
+  CHECK(request_fields->at("artnet.tod_request.ad_count") == "2");
+  CHECK(request_fields->at("artnet.tod_request.address").substr(0, 4) == "2345");
+  CHECK(request_fields->at("_ws.malformed") == "");
 
   ArtnetTodData data;
   data.port_address = 0x0123;
@@ -115,21 +116,21 @@ TEST_CASE("Wireshark reads our packets of RDM over Art-Net as we meant them") {
   data.total = 300;
   data.block = 1;
   data.uids = {{0x02B0, 1}, {0x7FF0, 0x12345678}};
-  const auto told =
+  const auto table_fields =
       testing::dissect(build_artnet_rdm_packet(data), kArtnetPort,
                        {"artnet.header.opcode", "artnet.tod_data.port", "artnet.tod_data.net",
                         "artnet.tod_data.address", "artnet.tod_data.uid_total", "artnet.tod_data.block_count",
                         "artnet.tod_data.uid_count", "artnet.tod_data.tod", "_ws.malformed"});
-  REQUIRE(told.has_value());
-  CHECK(told->at("artnet.header.opcode") == "0x8100");
-  CHECK(told->at("artnet.tod_data.port") == "1");
-  CHECK(told->at("artnet.tod_data.net") == "0x01");
-  CHECK(told->at("artnet.tod_data.address") == "0x23");
-  CHECK(told->at("artnet.tod_data.uid_total") == "300");
-  CHECK(told->at("artnet.tod_data.block_count") == "1");
-  CHECK(told->at("artnet.tod_data.uid_count") == "2");
-  CHECK(told->at("artnet.tod_data.tod") == "02b000000001,7ff012345678");
-  CHECK(told->at("_ws.malformed") == "");
+  REQUIRE(table_fields.has_value());
+  CHECK(table_fields->at("artnet.header.opcode") == "0x8100");
+  CHECK(table_fields->at("artnet.tod_data.port") == "1");
+  CHECK(table_fields->at("artnet.tod_data.net") == "0x01");
+  CHECK(table_fields->at("artnet.tod_data.address") == "0x23");
+  CHECK(table_fields->at("artnet.tod_data.uid_total") == "300");
+  CHECK(table_fields->at("artnet.tod_data.block_count") == "1");
+  CHECK(table_fields->at("artnet.tod_data.uid_count") == "2");
+  CHECK(table_fields->at("artnet.tod_data.tod") == "02b000000001,7ff012345678");
+  CHECK(table_fields->at("_ws.malformed") == "");
 
   const auto control = testing::dissect(build_artnet_rdm_packet(ArtnetTodControl{0x0123, true}), kArtnetPort,
                                         {"artnet.header.opcode", "artnet.tod_control.net", "artnet.tod_control.command",
@@ -203,7 +204,7 @@ TEST_CASE("built packets of RDM over Art-Net parse to the same, and 20000 damage
   CHECK(accepted > 1'000);
 }
 
-TEST_CASE("devices behind a gateway are listed from its table, asked and set through it") {
+TEST_CASE("devices behind a gateway are listed from its table, read and set through it") {
   if (!testing::enter_private_network()) return;
   SystemClock clock;
   Gateway gateway;
@@ -219,18 +220,18 @@ TEST_CASE("devices behind a gateway are listed from its table, asked and set thr
   CHECK(rdm_text(controller.get(spot, kRdmDeviceLabel, {}, "DEVICE_LABEL").value()) == "Now");
 }
 
-TEST_CASE("a gateway with an empty table is told to search") {
+TEST_CASE("a gateway with an empty table gets a search command") {
   if (!testing::enter_private_network()) return;
   SystemClock clock;
   Gateway gateway;
-  gateway.knows_nobody_yet = true;
+  gateway.table_is_empty = true;
   gateway.start();
   const auto found = open_line(clock)->discover();
   REQUIRE(found.has_value());
   CHECK(found->size() == 3);
 }
 
-TEST_CASE("a device that does not answer through a gateway gives no message within the time, and no error") {
+TEST_CASE("a device that does not answer through a gateway gives no message after the timeout, and no error") {
   if (!testing::enter_private_network()) return;
   SystemClock clock;
   Gateway gateway;

@@ -1,4 +1,4 @@
-// The Art-Net sink against devices made of bare sockets: on a second machine (a network namespace at the other end of a
+// The Art-Net sink with devices made of bare sockets: on a second machine (a network namespace at the other end of a
 // virtual cable) and on this one.
 #include "drivers/net/artnet_sink.h"
 
@@ -50,7 +50,7 @@ Bytes reply_of(const char* name, std::vector<int> outputs, std::uint8_t bind_ind
   return packet;
 }
 
-// The universes (as the wire numbers them) of the ArtDmx among some datagrams.
+// The wire universes of the ArtDmx among some datagrams.
 std::vector<int> universes_in(const std::vector<Bytes>& datagrams) {
   std::vector<int> universes;
   for (const Bytes& bytes : datagrams) {
@@ -80,7 +80,7 @@ Status send_levels(Sink& sink, TimeNs now_ns, const std::vector<int>& universes,
   return sink.send(now_ns, frames);
 }
 
-// Two devices on a second machine, each an address of its own, and what is broadcast there.
+// Two devices on a second machine, each with its own address, and the broadcasts there.
 struct Devices {
   Devices() {
     if (!enter_private_network() || !add_peer("stage0", "10.9.0.1", {"10.9.0.2", "10.9.0.3"})) return;
@@ -96,7 +96,7 @@ struct Devices {
   Fd a, b, air;
 };
 
-// Answers until the sink has heard so many replies.
+// Answers until the sink has received that many replies.
 void answer(ArtnetSink& sink, TimeNs now_ns, const Fd& device, const std::vector<Bytes>& replies) {
   const std::uint64_t before = sink.details().replies;
   for (const Bytes& reply : replies) REQUIRE(send_bytes(device, kOurs, kArtnetPort, reply));
@@ -137,7 +137,7 @@ TEST_CASE("a sink polls every network every 2.5 to 3 s from UDP port 6454, in th
   CHECK(*std::max_element(pauses.begin(), pauses.end()) > *std::min_element(pauses.begin(), pauses.end()));
 }
 
-TEST_CASE("a universe goes by broadcast until a device takes it, and then by unicast to that device alone") {
+TEST_CASE("a universe goes by broadcast until a device takes it, and then by unicast to that device only") {
   Devices devices;
   if (!devices.there()) return;
   auto sink = must(ArtnetSink::create(sink_options(universes_from(1, 2, 1))));
@@ -161,7 +161,7 @@ TEST_CASE("a universe goes by broadcast until a device takes it, and then by uni
   CHECK(received(devices.b).empty());
 }
 
-TEST_CASE("a universe reaches every device that takes it, and each device what it takes and no more") {
+TEST_CASE("a universe reaches every device that takes it and no other") {
   Devices devices;
   if (!devices.there()) return;
   auto sink = must(ArtnetSink::create(sink_options(universes_from(1, 3, 1))));
@@ -174,7 +174,7 @@ TEST_CASE("a universe reaches every device that takes it, and each device what i
   CHECK(universes_in(received(devices.air)).empty());
 }
 
-TEST_CASE("every reply of a device counts, whether its bind index differs or its sub-net") {
+TEST_CASE("every reply of a device counts, with another bind index or another sub-net") {
   Devices devices;
   if (!devices.there()) return;
   auto sink = must(ArtnetSink::create(sink_options({{1, 1}, {17, 2}, {33, 3}, {257, 4}})));
@@ -186,7 +186,7 @@ TEST_CASE("every reply of a device counts, whether its bind index differs or its
   }
 }
 
-TEST_CASE("an input port is sent its universe too, but alone does not silence the broadcast") {
+TEST_CASE("an input port gets its universe too, but alone does not stop the broadcast") {
   Devices devices;
   if (!devices.there()) return;
   auto sink = must(ArtnetSink::create(sink_options(universes_from(1, 2, 1))));
@@ -197,7 +197,7 @@ TEST_CASE("an input port is sent its universe too, but alone does not silence th
   CHECK(sink->receivers_of(1) == std::vector<std::uint32_t>{kAll});
 }
 
-TEST_CASE("a device that comes is sent the look at once, without a new frame") {
+TEST_CASE("a new device gets the last frame at once, without a new frame") {
   Devices devices;
   if (!devices.there()) return;
   auto sink = must(ArtnetSink::create(sink_options({{1, 1}})));
@@ -209,7 +209,8 @@ TEST_CASE("a device that comes is sent the look at once, without a new frame") {
   CHECK(universes_in(received(devices.a, true)) == std::vector<int>{1});
 }
 
-TEST_CASE("a device that leaves polls unanswered for ten seconds is sent no more, and one lost answer is forgiven") {
+TEST_CASE(
+    "a device that leaves polls unanswered for ten seconds gets no more frames, and one lost answer is tolerated") {
   Devices devices;
   if (!devices.there()) return;
   auto sink = must(ArtnetSink::create(sink_options({{1, 1}})));
@@ -224,7 +225,7 @@ TEST_CASE("a device that leaves polls unanswered for ten seconds is sent no more
   CHECK(sink->receivers_of(0) == std::vector<std::uint32_t>{kAll});
 }
 
-TEST_CASE("a sink told to be silent sends a universe nowhere until a device takes it, and is no less well for it") {
+TEST_CASE("a sink with the silent option sends a universe nowhere until a device takes it, and still works") {
   Devices devices;
   if (!devices.there()) return;
   auto options = sink_options({{1, 1}});
@@ -261,7 +262,7 @@ TEST_CASE("more than forty devices of one universe get one broadcast") {
   CHECK(sink->receivers_of(0) == std::vector<std::uint32_t>{kAll});
 }
 
-TEST_CASE("with a fixed address nobody is asked, and levels go there from UDP port 6454") {
+TEST_CASE("with a fixed address there is no poll, and levels go there from UDP port 6454") {
   Devices devices;
   if (!devices.there()) return;
   auto options = sink_options({{1, 1}});
@@ -279,7 +280,7 @@ TEST_CASE("with a fixed address nobody is asked, and levels go there from UDP po
   CHECK(received(devices.air).empty());
 }
 
-TEST_CASE("a resting sink repeats nothing, and says the very same look again when it is next sent one") {
+TEST_CASE("a resting sink repeats nothing, and sends equal levels again at the next frame") {
   Devices devices;
   if (!devices.there()) return;
   auto options = sink_options({{1, 1}});
@@ -295,7 +296,7 @@ TEST_CASE("a resting sink repeats nothing, and says the very same look again whe
   CHECK(sink->counters().frames == 2);
 }
 
-TEST_CASE("an ArtSync follows each batch by broadcast when asked for, and none does otherwise") {
+TEST_CASE("an ArtSync follows each batch by broadcast only with the sync option") {
   Devices devices;
   if (!devices.there()) return;
   for (const bool sync : {true, false}) {
@@ -346,7 +347,7 @@ TEST_CASE("a sink answers the poll of another controller within a second, as a c
   CHECK(reply.ip == std::array<std::uint8_t, 4>{10, 9, 0, 1});
 }
 
-TEST_CASE("an answer that reaches the source of the same program serves its sink") {
+TEST_CASE("an answer received by the source of the same program serves its sink") {
   Devices devices;
   if (!devices.there()) return;
   const auto program = std::make_shared<OwnSenders>();
@@ -367,7 +368,7 @@ TEST_CASE("an answer that reaches the source of the same program serves its sink
   CHECK(universes_in(received(devices.a, true)) == std::vector<int>{1});
 }
 
-TEST_CASE("two sinks of one program poll a network once, and both know who answers") {
+TEST_CASE("two sinks of one program poll a network once, and both use the answers") {
   Devices devices;
   if (!devices.there()) return;
   const auto program = std::make_shared<OwnSenders>();
@@ -379,7 +380,7 @@ TEST_CASE("two sinks of one program poll a network once, and both know who answe
   REQUIRE(first->poll(kStartNs).has_value());
   REQUIRE(second->poll(kStartNs).has_value());
   CHECK(count_of(received(devices.air, true), 0x2000) == 1);
-  program->artnet().nodes.hear(
+  program->artnet().nodes.receive(
       [] {
         ArtnetPollReply reply;
         reply.add({0, true, false, false});
@@ -407,7 +408,7 @@ TEST_CASE("two programs on one machine find each other over loopback, whoever of
   auto source = must(ArtnetSource::create(in));
   auto elsewhere = in;
   elsewhere.universes = {{7, 7}};
-  auto third = must(ArtnetSource::create(elsewhere));  // shares the port, and must take nothing away
+  auto third = must(ArtnetSource::create(elsewhere));  // shares the port, and must not take packets from others
   KeepingReceiver receiver, other;
   REQUIRE(sink->poll(kStartNs).has_value());
   for (Source* const each : {static_cast<Source*>(source.get()), static_cast<Source*>(third.get())}) {
@@ -443,7 +444,7 @@ TEST_CASE("a sink does not send to the source of its own program") {
   REQUIRE(testing::drain(*source, kStartNs, receiver));
   CHECK(source->details().own == 1);
   CHECK(source->next_deadline_ns() == kTimeNever);
-  // Another program asks, and everybody here hears the answer.
+  // Another program polls, and every socket here receives the answer.
   Bytes poll(kArtnetPollBytesMin);
   build_artnet_poll(0, poll);
   const Fd other = stranger(0x7F00'0001, 0);
@@ -456,7 +457,7 @@ TEST_CASE("a sink does not send to the source of its own program") {
   CHECK(sink->receivers_of(0).empty());
 }
 
-TEST_CASE("20000 damaged replies leave a sink alive, its devices bounded and its frames going") {
+TEST_CASE("after 20000 damaged replies a sink still works, its device table is bounded and its frames continue") {
   if (!enter_private_network()) return;
   auto sink = must(ArtnetSink::create(sink_options({{1, 1}}, "lo")));
   REQUIRE(sink->poll(kStartNs).has_value());
@@ -478,20 +479,20 @@ TEST_CASE("20000 damaged replies leave a sink alive, its devices bounded and its
   CHECK(sink->counters().frames >= 1);
 }
 
-TEST_CASE("made-up devices cost no memory beyond a limit") {
+TEST_CASE("forged devices use no memory beyond a limit") {
   ArtnetNodes nodes;
   ArtnetPollReply reply;
   reply.add({0, true, false, false});
   Datagram datagram;
   for (std::uint32_t i = 0; i < 5'000; ++i) {
     datagram.from_ipv4 = 0x0A00'0000 + i;
-    nodes.hear(reply, datagram, kStartNs);
+    nodes.receive(reply, datagram, kStartNs);
   }
   CHECK(nodes.list().size() == ArtnetNodes::kNodesMax);
   datagram.from_ipv4 = 0x0A00'0000;
   for (int i = 0; i < 0x7FFF; ++i) {
     reply.port_list[0].port_address = i;
-    nodes.hear(reply, datagram, kStartNs);
+    nodes.receive(reply, datagram, kStartNs);
   }
   CHECK(nodes.list().front().outputs.size() == ArtnetNodes::kPortsPerNodeMax);
   nodes.expire(kStartNs + kArtnetNodeTimeoutNs);

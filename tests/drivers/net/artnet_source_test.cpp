@@ -1,4 +1,4 @@
-// The Art-Net source against senders and controllers made of bare sockets. Every address of 127.0.0.0/8 is one.
+// The Art-Net source with senders and controllers made of bare sockets. Each has its own address of 127.0.0.0/8.
 #include "drivers/net/artnet_source.h"
 
 #include <doctest/doctest.h>
@@ -34,7 +34,7 @@ ArtnetSourceOptions source_options(std::vector<WireUniverse> universes) {
   options.name = "artnet:test-in";
   options.universes = std::move(universes);
   options.kernel_stamps = false;
-  options.ask_names = false;
+  options.request_names = false;
   return options;
 }
 
@@ -69,7 +69,7 @@ std::vector<ArtnetPollReply> replies_in(const std::vector<Bytes>& datagrams) {
 
 }  // namespace
 
-TEST_CASE("forty universes are forty replies, one port and one bind index each, within a second and in doses") {
+TEST_CASE("forty universes are forty replies, one port and one bind index each, within a second and in batches") {
   if (!enter_private_network()) return;
   auto source = must(ArtnetSource::create(source_options(universes_from(1, 40, 1))));
   const Fd console = stranger(0x7F00'0009, 0);
@@ -99,7 +99,7 @@ TEST_CASE("forty universes are forty replies, one port and one bind index each, 
   }
 }
 
-TEST_CASE("512 universes are all told, four to a reply, and no two replies share a bind index") {
+TEST_CASE("512 universes are all reported, four per reply, and no two replies share a bind index") {
   if (!enter_private_network()) return;
   auto source = must(ArtnetSource::create(source_options(universes_from(1, 512, 1))));
   const Fd console = stranger(0x7F00'0009, 0);
@@ -107,7 +107,7 @@ TEST_CASE("512 universes are all told, four to a reply, and no two replies share
   KeepingReceiver receiver;
   REQUIRE(drain(*source, kStartNs, receiver));
   std::vector<Bytes> datagrams;
-  const TimeNs until_ns = kStartNs + 3 * kNsPerS;  // by then a controller takes us for gone
+  const TimeNs until_ns = kStartNs + 3 * kNsPerS;  // by then a controller considers us gone
   while (source->next_deadline_ns() < until_ns) {
     REQUIRE(source->poll(source->next_deadline_ns(), receiver).has_value());
     for (auto& more : received(console)) datagrams.push_back(more);
@@ -123,20 +123,20 @@ TEST_CASE("512 universes are all told, four to a reply, and no two replies share
   CHECK(bind_indices.size() == replies.size());
 }
 
-TEST_CASE("a targeted poll is answered for its range only, and by nobody outside of it") {
+TEST_CASE("a targeted poll is answered for its range only, and not outside of it") {
   if (!enter_private_network()) return;
   auto source = must(ArtnetSource::create(source_options(universes_from(1, 9, 1))));
   const Fd console = stranger(0x7F00'0009, 0);
   KeepingReceiver receiver;
-  const Bytes ask = {'A', 'r', 't', '-', 'N', 'e', 't', 0, 0x00, 0x20, 0, 14, 0x20, 0, 0, 5, 0, 3};
-  REQUIRE(send_bytes(console, kThisMachine, kArtnetPort, ask));
+  const Bytes poll = {'A', 'r', 't', '-', 'N', 'e', 't', 0, 0x00, 0x20, 0, 14, 0x20, 0, 0, 5, 0, 3};
+  REQUIRE(send_bytes(console, kThisMachine, kArtnetPort, poll));
   REQUIRE(drain(*source, kStartNs, receiver));
   REQUIRE(source->poll(kStartNs + kNsPerS, receiver).has_value());
   const auto datagrams = received(console);
-  std::vector<int> told;
-  for (const auto& reply : replies_in(datagrams)) told.push_back(reply.port_list[0].port_address);
-  CHECK(told == std::vector<int>{3, 4, 5});
-  Bytes elsewhere = ask;
+  std::vector<int> ports;
+  for (const auto& reply : replies_in(datagrams)) ports.push_back(reply.port_list[0].port_address);
+  CHECK(ports == std::vector<int>{3, 4, 5});
+  Bytes elsewhere = poll;
   elsewhere[15] = elsewhere[17] = 100;
   REQUIRE(send_bytes(console, kThisMachine, kArtnetPort, elsewhere));
   REQUIRE(drain(*source, kStartNs + kNsPerS, receiver));
@@ -144,14 +144,14 @@ TEST_CASE("a targeted poll is answered for its range only, and by nobody outside
   CHECK(received(console).empty());
 }
 
-TEST_CASE("one who asks for news is told when a universe begins, is merged and ends; another is not") {
+TEST_CASE("a subscriber to changes gets replies when a universe starts, is merged and ends; others do not") {
   if (!enter_private_network()) return;
   auto source = must(ArtnetSource::create(source_options(universes_from(1, 2, 1))));
   const Fd curious = stranger(0x7F00'0009, 0), plain = stranger(0x7F00'000A, 0);
   const Fd desk = stranger(0x7F00'0002, 0), second = stranger(0x7F00'0003, 0);
   KeepingReceiver receiver;
   TimeNs now_ns = kStartNs;
-  const auto wait = [&](DurationNs duration_ns) {  // polls as the pump would
+  const auto wait = [&](DurationNs duration_ns) {  // polls like the pump
     const TimeNs until_ns = now_ns + duration_ns;
     REQUIRE(drain(*source, now_ns, receiver));
     while (source->next_deadline_ns() <= until_ns) {
@@ -183,14 +183,14 @@ TEST_CASE("one who asks for news is told when a universe begins, is merged and e
   send_poll(curious, kArtnetPollOnChange);
   wait(9'500 * kNsPerMs);
   news = received(curious);
-  REQUIRE(news.size() == 4);  // two replies to the poll, merging over, nothing coming
+  REQUIRE(news.size() == 4);  // two replies to the poll, merging over, no more frames
   CHECK_FALSE(replies_in(news)[3].port_list[0].active);
   CHECK(received(plain).empty());
   wait(10 * kNsPerS);
-  CHECK(source->next_deadline_ns() == kTimeNever);  // nobody asks any more
+  CHECK(source->next_deadline_ns() == kTimeNever);  // no subscriber is left
 }
 
-TEST_CASE("after an ArtSync frames wait for the next one and come together, the newest of each universe") {
+TEST_CASE("after an ArtSync frames wait for the next one and are delivered together, the newest of each universe") {
   if (!enter_private_network()) return;
   auto source = must(ArtnetSource::create(source_options(universes_from(1, 3, 1))));
   const Fd desk = stranger(0x7F00'0002, 0);
@@ -215,7 +215,7 @@ TEST_CASE("after an ArtSync frames wait for the next one and come together, the 
   CHECK(source->counters().dropped == 1);
 }
 
-TEST_CASE("four seconds without ArtSync let the held frames go, and later ones are not held") {
+TEST_CASE("after four seconds without ArtSync held frames are delivered, and later ones are not held") {
   if (!enter_private_network()) return;
   auto source = must(ArtnetSource::create(source_options({{1, 1}})));
   const Fd desk = stranger(0x7F00'0002, 0);
@@ -238,7 +238,7 @@ TEST_CASE("four seconds without ArtSync let the held frames go, and later ones a
 }
 
 TEST_CASE(
-    "numbers that an Art-Net sender skips are lost and swapped ones late, and the wrap from 255 to 1 skips none") {
+    "skipped numbers of an Art-Net sender are lost and swapped ones late, and the wrap from 255 to 1 skips none") {
   if (!enter_private_network()) return;
   auto source = must(ArtnetSource::create(source_options(universes_from(5, 2, 1))));
   const Fd desk = stranger(0x7F00'0002, 0), unnumbered = stranger(0x7F00'0003, 0);
@@ -261,7 +261,7 @@ TEST_CASE(
   CHECK(source->sender_losses(1, receiver.frames.back().view.sender).lost == 0);
 }
 
-TEST_CASE("an ArtSync of somebody who sends us nothing changes nothing") {
+TEST_CASE("an ArtSync of a sender without frames for us changes nothing") {
   if (!enter_private_network()) return;
   auto source = must(ArtnetSource::create(source_options({{1, 1}})));
   const Fd desk = stranger(0x7F00'0002, 0), other = stranger(0x7F00'0003, 0);
@@ -274,12 +274,12 @@ TEST_CASE("an ArtSync of somebody who sends us nothing changes nothing") {
   CHECK(source->details().sync_ignored == 1);
   send_sync(desk);
   send_dmx(desk, 1, 12);
-  send_sync(other);  // does not release what waits for the desk
+  send_sync(other);  // does not release frames that wait for the desk
   REQUIRE(drain(*source, kStartNs, receiver));
   CHECK(receiver.frames.size() == 2);
 }
 
-TEST_CASE("a universe that two senders share is merged and not held, and what was held comes first") {
+TEST_CASE("a universe that two senders share is merged and not held, and held frames are delivered first") {
   if (!enter_private_network()) return;
   auto source = must(ArtnetSource::create(source_options(universes_from(1, 2, 1))));
   const Fd desk = stranger(0x7F00'0002, 0), other = stranger(0x7F00'0003, 0);
@@ -303,7 +303,7 @@ TEST_CASE("a universe that two senders share is merged and not held, and what wa
   CHECK(receiver.frames[5].view.universe == 2);
 }
 
-TEST_CASE("a sender may be silent for ten seconds before the merge forgets it") {
+TEST_CASE("a sender may be silent for ten seconds before the merge removes it") {
   if (!enter_private_network()) return;
   auto source = must(ArtnetSource::create(source_options({{1, 1}})));
   const Fd desk = stranger(0x7F00'0002, 0);
@@ -318,10 +318,10 @@ TEST_CASE("a sender may be silent for ten seconds before the merge forgets it") 
   CHECK(source->state() == PortState::kWaiting);
 }
 
-TEST_CASE("a sender is asked for its name once, and is called by it") {
+TEST_CASE("a sender's name is requested once and used") {
   if (!enter_private_network()) return;
   auto options = source_options(universes_from(1, 2, 1));
-  options.ask_names = true;
+  options.request_names = true;
   auto source = must(ArtnetSource::create(options));
   const Fd desk = stranger(0x7F00'0002, 0);
   const Fd air = stranger(kLoopbackBroadcast, kArtnetPort);
@@ -341,11 +341,11 @@ TEST_CASE("a sender is asked for its name once, and is called by it") {
   build_artnet_poll_reply(reply, packet);
   REQUIRE(send_bytes(desk, kThisMachine, kArtnetPort, packet));
   REQUIRE(drain(*source, kStartNs, receiver));
-  CHECK(source->sender_text(sender) == "FOH [31m desk (127.0.0.2)");  // nothing that a terminal obeys
+  CHECK(source->sender_text(sender) == "FOH [31m desk (127.0.0.2)");  // without control characters for the terminal
   CHECK(source->sender_text(sender + 1) == "");
 }
 
-TEST_CASE("a source hears neither frames nor ArtSync of its own program, though they come from UDP port 6454") {
+TEST_CASE("a source ignores frames and ArtSync of its own program, although they come from UDP port 6454") {
   if (!enter_private_network()) return;
   const auto program = std::make_shared<OwnSenders>();
   auto in = source_options({{1, 1}});
@@ -376,10 +376,10 @@ TEST_CASE("a source hears neither frames nor ArtSync of its own program, though 
   CHECK(source->details().sync == 1);
 }
 
-TEST_CASE("20000 damaged datagrams leave a source alive and hearing") {
+TEST_CASE("after 20000 damaged datagrams a source still receives") {
   if (!enter_private_network()) return;
   auto options = source_options(universes_from(1, 9, 1));
-  options.ask_names = true;
+  options.request_names = true;
   auto source = must(ArtnetSource::create(options));
   std::mt19937 random(4);
   const Fd desk = stranger(0x7F00'0002, 0);

@@ -1,7 +1,7 @@
-// The rules by which a bridge decides between desks, and what it does when desks, synchronisation or an output go: real
-// sockets, the real pump, and a clock that jumps to the next thing that happens. Every datagram of a desk is written
-// here, so that it may do what no sink of ours does. The numbers of rules of priorities per address (start code 0xDD)
-// are those of ETC's list (ETCLabs/sACN, docs/pages/per_address_priority.md).
+// The rules of a bridge for several desks, and its behaviour when desks, synchronisation or an output fail: real
+// sockets, the real pump, and a clock that jumps to the next event. Every datagram of a desk is written here, so that
+// it may do what no sink of ours does. The numbers of rules of priorities per address (start code 0xDD) are those of
+// ETC's list (ETCLabs/sACN, docs/pages/per_address_priority.md).
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -38,8 +38,8 @@ constexpr DurationNs kFrameNs = kNsPerS / 44;
 constexpr DurationNs kClaimAgainNs = 900 * kNsPerMs;
 constexpr std::uint32_t kThisMachine = 0x7F00'0001;
 
-// A desk in one universe: repeats its levels at 44 Hz while it talks, and its priorities per address, where it has any,
-// every 0.9 s.
+// A desk in one universe: repeats its levels at 44 Hz while it is active, and its priorities per address, if it has
+// any, every 0.9 s.
 struct Desk {
   std::uint8_t number = 0;  // the first octet of its CID
   std::uint8_t priority = kPriorityDefault;
@@ -54,13 +54,13 @@ struct Desk {
   TimeNs claims_due_ns = 0;
 };
 
-struct Heard {
+struct Received {
   TimeNs at_ns = 0;
   Universe universe = 0;
   Bytes levels;
 };
 
-// Universes 1 and 2 come in by sACN, 3 by Art-Net; they go out as 101 to 103.
+// Universes 1 and 2 come in by sACN, 3 by Art-Net; they are sent as 101 to 103.
 struct Bridge {
   FakeClock clock;
   JumpingWaiter waiter{clock};
@@ -72,7 +72,7 @@ struct Bridge {
   std::unique_ptr<Pump> pump;
   std::list<Desk> desks;
   Fd wire = must(open_sender({.port_name = "desks"}));
-  std::vector<Heard> heard;
+  std::vector<Received> output;
 
   Bridge() {
     const auto own_senders = std::make_shared<OwnSenders>();
@@ -88,7 +88,7 @@ struct Bridge {
     ArtnetSourceOptions artnet_options;
     artnet_options.name = "artnet:3";
     artnet_options.universes = {{3, 3}};
-    artnet_options.kernel_stamps = artnet_options.ask_names = false;
+    artnet_options.kernel_stamps = artnet_options.request_names = false;
     artnet_in = must(ArtnetSource::create(artnet_options));
     SacnSinkOptions out_options;
     out_options.name = "sacn:101-103=1-3";
@@ -111,7 +111,7 @@ struct Bridge {
     desk.claims = std::move(claims);
     return desk;
   }
-  void say(Desk& desk, std::uint8_t start_code, const Bytes& slots, bool terminated = false) {
+  void send(Desk& desk, std::uint8_t start_code, const Bytes& slots, bool terminated = false) {
     SacnData data;
     data.cid[0] = desk.number;
     data.source_name = "desk";
@@ -144,15 +144,15 @@ struct Bridge {
     while (clock.now_ns() < end_ns) {
       for (Desk& desk : desks) {
         if (desk.sends_claims && !desk.claims.empty() && clock.now_ns() >= desk.claims_due_ns) {
-          say(desk, kStartCodePriorities, desk.claims);
+          send(desk, kStartCodePriorities, desk.claims);
           desk.claims_due_ns = clock.now_ns() + kClaimAgainNs;
         }
-        if (desk.talks) say(desk, kStartCodeLevels, desk.levels);
+        if (desk.talks) send(desk, kStartCodeLevels, desk.levels);
       }
       pump_for(kFrameNs);
     }
   }
-  // Desks are silent.
+  // Runs with silent desks.
   void pump_for(DurationNs duration_ns) {
     waiter.limit_ns = clock.now_ns() + duration_ns;
     while (clock.now_ns() < waiter.limit_ns) {
@@ -161,21 +161,21 @@ struct Bridge {
       REQUIRE(testing::drain(*listener, clock.now_ns(), frames));
       for (auto& frame : frames.frames)
         if (frame.view.start_code == kStartCodeLevels && !frame.slots.empty())
-          heard.push_back({clock.now_ns(), frame.view.universe, std::move(frame.slots)});
+          output.push_back({clock.now_ns(), frame.view.universe, std::move(frame.slots)});
     }
   }
-  // The newest level that came out; -1: none yet.
+  // The newest level received; -1: none yet.
   [[nodiscard]] int level(std::size_t address, Universe universe = 101) const {
-    for (auto one = heard.rbegin(); one != heard.rend(); ++one)
+    for (auto one = output.rbegin(); one != output.rend(); ++one)
       if (one->universe == universe) return one->levels[address - 1];
     return -1;
   }
-  // When a level was first heard, from now on; kTimeNever: not within `patience_ns`.
+  // When a level was first received, from now on; kTimeNever: not within `patience_ns`.
   [[nodiscard]] TimeNs when(std::size_t address, int level_wanted, DurationNs patience_ns) {
-    heard.clear();
+    output.clear();
     const TimeNs end_ns = clock.now_ns() + patience_ns;
     while (clock.now_ns() < end_ns && level(address) != level_wanted) run_for(kFrameNs);
-    for (const Heard& one : heard)
+    for (const Received& one : output)
       if (one.levels[address - 1] == level_wanted) return one.at_ns;
     return kTimeNever;
   }
@@ -185,16 +185,16 @@ struct Bridge {
 
 // --- Priorities per address
 
-TEST_CASE("rule 1: what comes with 0xDD is never shown as a level") {
+TEST_CASE("rule 1: 0xDD values are never shown as levels") {
   if (!enter_private_network()) return;
   Bridge bridge;
   bridge.add_desk(100, {50, 50}, {200, 199});
   bridge.run_for(3 * kNsPerS);
-  REQUIRE_FALSE(bridge.heard.empty());
-  for (const Heard& one : bridge.heard) CHECK(one.levels[0] == 50);
+  REQUIRE_FALSE(bridge.output.empty());
+  for (const Received& one : bridge.output) CHECK(one.levels[0] == 50);
 }
 
-TEST_CASE("rule 2: priorities per address of one universe decide nothing in another") {
+TEST_CASE("rule 2: priorities per address of one universe have no effect in another") {
   if (!enter_private_network()) return;
   Bridge bridge;
   bridge.add_desk(100, {10}, {200});
@@ -203,10 +203,10 @@ TEST_CASE("rule 2: priorities per address of one universe decide nothing in anot
   bridge.add_desk(100, {20}, {}, 2).number = 2;
   bridge.run_for(2 * kNsPerS);
   CHECK(bridge.level(1, 101) == 10);
-  CHECK(bridge.level(1, 102) == 20);  // highest level, as ever
+  CHECK(bridge.level(1, 102) == 20);  // highest level, as before
 }
 
-TEST_CASE("rule 3: priorities per address from 1 to 200 rank in this order, and above 200 nothing is taken") {
+TEST_CASE("rule 3: priorities per address from 1 to 200 rank in this order, and values above 200 are refused") {
   if (!enter_private_network()) return;
   Bridge bridge;
   Desk& first = bridge.add_desk(100, {10}, {200});
@@ -215,13 +215,13 @@ TEST_CASE("rule 3: priorities per address from 1 to 200 rank in this order, and 
   CHECK(bridge.level(1) == 10);
   bridge.claim(first, {255});
   bridge.run_for(kNsPerS);
-  CHECK(bridge.level(1) == 10);  // what it said before still holds
+  CHECK(bridge.level(1) == 10);  // its earlier priorities still apply
   bridge.claim(first, {1});
   bridge.run_for(kNsPerS);
   CHECK(bridge.level(1) == 20);
 }
 
-TEST_CASE("rule 4: a level of priority 0 is ignored, however low the others are") {
+TEST_CASE("rule 4: a level of priority 0 is ignored, even if the others are low") {
   if (!enter_private_network()) return;
   Bridge bridge;
   bridge.add_desk(200, {250}, {0});
@@ -263,7 +263,8 @@ TEST_CASE("rule 7: a desk without priorities per address has its packets' priori
   CHECK(bridge.level(2) == 10);
 }
 
-TEST_CASE("rules 9, 10 and 16: an address is taken with a priority and given up with 0, to the next highest, at once") {
+TEST_CASE(
+    "rules 9, 10 and 16: an address is claimed with a priority and released with 0, to the next highest, at once") {
   if (!enter_private_network()) return;
   Bridge bridge;
   Desk& desk = bridge.add_desk(100, {30}, {0});
@@ -279,7 +280,7 @@ TEST_CASE("rules 9, 10 and 16: an address is taken with a priority and given up 
   CHECK(bridge.when(1, 20, kNsPerS) == given_up_ns);
 }
 
-TEST_CASE("rule 11: an address that everybody gives up keeps its level, whatever is sent for it") {
+TEST_CASE("rule 11: an address without claims keeps its level, whatever is sent for it") {
   if (!enter_private_network()) return;
   Bridge bridge;
   Desk& desk = bridge.add_desk(100, {30}, {150});
@@ -291,19 +292,19 @@ TEST_CASE("rule 11: an address that everybody gives up keeps its level, whatever
   CHECK(bridge.level(1) == 30);
 }
 
-TEST_CASE("rule 13: a new desk's levels wait up to 1.5 s for its priorities where others send theirs") {
+TEST_CASE("rule 13: a new desk's levels wait up to 1.5 s for its priorities if others send theirs") {
   if (!enter_private_network()) return;
   Bridge bridge;
   bridge.add_desk(100, {10}, {100});
   bridge.run_for(2 * kNsPerS);
-  SUBCASE("and are never shown where those say so") {
+  SUBCASE("and are never shown if those do not claim them") {
     Desk& desk = bridge.add_desk(150, {250});
     bridge.run_for(kNsPerS);
     bridge.claim(desk, {0});
     bridge.run_for(3 * kNsPerS);
-    for (const Heard& one : bridge.heard) CHECK(one.levels[0] == 10);
+    for (const Received& one : bridge.output) CHECK(one.levels[0] == 10);
   }
-  SUBCASE("and count by their packets' priority when there are none") {
+  SUBCASE("and use their packets' priority if there are none") {
     const TimeNs came_ns = bridge.clock.now_ns();
     bridge.add_desk(150, {250});
     const DurationNs waited_ns = bridge.when(1, 250, 3 * kNsPerS) - came_ns;
@@ -312,7 +313,8 @@ TEST_CASE("rule 13: a new desk's levels wait up to 1.5 s for its priorities wher
   }
 }
 
-TEST_CASE("rule 14: a desk whose priorities stop while it goes on falls back to its packets' after 2.5 s") {
+TEST_CASE(
+    "rule 14: a desk whose priorities stop while its levels continue returns to its packets' priority after 2.5 s") {
   if (!enter_private_network()) return;
   Bridge bridge;
   Desk& desk = bridge.add_desk(50, {10}, {200});
@@ -327,7 +329,8 @@ TEST_CASE("rule 14: a desk whose priorities stop while it goes on falls back to 
 }
 
 TEST_CASE(
-    "rule 15: a desk whose levels stop is gone after 2.5 s though its priorities go on, and at once when it ends") {
+    "rule 15: a desk whose levels stop is removed after 2.5 s although its priorities continue, and at once when it "
+    "ends") {
   if (!enter_private_network()) return;
   Bridge bridge;
   Desk& desk = bridge.add_desk(100, {10}, {200});
@@ -341,16 +344,16 @@ TEST_CASE(
     CHECK(held_ns >= 2'500 * kNsPerMs - kFrameNs);
     CHECK(held_ns <= 2'500 * kNsPerMs);
   }
-  SUBCASE("it says that it ends") {
+  SUBCASE("it sends its end") {
     desk.sends_claims = false;
-    for (int i = 0; i < 3; ++i) bridge.say(desk, kStartCodeLevels, desk.levels, true);
+    for (int i = 0; i < 3; ++i) bridge.send(desk, kStartCodeLevels, desk.levels, true);
     CHECK(bridge.when(1, 20, kNsPerS) == stopped_ns);
   }
 }
 
 // --- Synchronisation (E1.31-2018 sections 6.2.6 and 11)
 
-TEST_CASE("synchronised levels leave with their synchronisation packet and not before") {
+TEST_CASE("synchronised levels are sent with their synchronisation packet and not before") {
   if (!enter_private_network()) return;
   Bridge bridge;
   Desk& desk = bridge.add_desk(100, {10});
@@ -366,13 +369,14 @@ TEST_CASE("synchronised levels leave with their synchronisation packet and not b
   CHECK(bridge.level(1) == 10);
   bridge.synchronise(desk);
   const TimeNs set_free_ns = bridge.clock.now_ns();
-  bridge.heard.clear();
+  bridge.output.clear();
   bridge.pump_for(kFrameNs);
   REQUIRE(bridge.level(1) == 20);
-  CHECK(bridge.heard.front().at_ns == set_free_ns);
+  CHECK(bridge.output.front().at_ns == set_free_ns);
 }
 
-TEST_CASE("2.5 s after the last synchronisation packet levels go on where the desk says so, and stay frozen else") {
+TEST_CASE(
+    "2.5 s after the last synchronisation packet levels continue if the desk's flag allows, else they stay frozen") {
   if (!enter_private_network()) return;
   for (const bool goes_on : {true, false}) {
     CAPTURE(goes_on);
@@ -416,10 +420,10 @@ TEST_CASE("a desk that ends while its levels wait for synchronisation is replace
   desk.levels = {30};
   bridge.run_for(3 * kFrameNs);
   desk.talks = false;
-  bridge.say(desk, kStartCodeLevels, desk.levels, true);
+  bridge.send(desk, kStartCodeLevels, desk.levels, true);
   const TimeNs ended_ns = bridge.clock.now_ns();
   CHECK(bridge.when(1, 20, kNsPerS) == ended_ns);
-  for (const Heard& one : bridge.heard) CHECK(one.levels[0] != 30);
+  for (const Received& one : bridge.output) CHECK(one.levels[0] != 30);
 }
 
 // --- Art-Net
@@ -441,7 +445,7 @@ TEST_CASE("two Art-Net desks are merged by the highest level until one has been 
   bridge.pump_for(kFrameNs);
   CHECK(bridge.level(1, 103) == 100);
   CHECK(bridge.level(2, 103) == 200);
-  // Four seconds between two frames of a look that does not change are within the protocol.
+  // Four seconds between two frames of unchanged levels are allowed by the protocol.
   for (int i = 0; i < 3; ++i) {
     bridge.pump_for(4 * kNsPerS - kFrameNs);
     CHECK(bridge.level(1, 103) == (i < 2 ? 100 : 10));  // the second desk's last frame was at the start
@@ -454,7 +458,7 @@ TEST_CASE("two Art-Net desks are merged by the highest level until one has been 
 
 // --- Outputs
 
-TEST_CASE("an sACN output whose interface goes has its standby fed in the same moment, until it is back") {
+TEST_CASE("when the interface of an sACN output fails, its standby takes over at once, until it is back") {
   if (!enter_private_network()) return;
   if (!testing::add_interface("stage", "10.9.0.1")) return;
   FakeClock clock;
@@ -469,7 +473,7 @@ TEST_CASE("an sACN output whose interface goes has its standby fed in the same m
   in_options.own_senders = own_senders;
   const auto in = must(SacnSource::create(in_options));
   SacnSourceOptions listener_options;
-  listener_options.name = "who hears the standby";
+  listener_options.name = "listener of the standby";
   listener_options.universes = {{101, 1}};
   listener_options.addresses = {"127.0.0.1"};
   const auto listener = must(SacnSource::create(listener_options));
@@ -502,13 +506,13 @@ TEST_CASE("an sACN output whose interface goes has its standby fed in the same m
     frame.slots = levels;
     REQUIRE(desk->send(clock.now_ns(), {&frame, 1}).has_value());
     waiter.limit_ns = clock.now_ns() + kFrameNs;
-    KeepingReceiver heard;
+    KeepingReceiver output;
     while (clock.now_ns() < waiter.limit_ns) {
       pump.step();
-      REQUIRE(testing::drain(*listener, clock.now_ns(), heard));
+      REQUIRE(testing::drain(*listener, clock.now_ns(), output));
     }
     std::vector<int> levels_heard;
-    for (const auto& one : heard.frames)
+    for (const auto& one : output.frames)
       if (!one.view.terminated && !one.slots.empty()) levels_heard.push_back(one.slots[0]);
     return levels_heard;
   };
@@ -517,12 +521,12 @@ TEST_CASE("an sACN output whose interface goes has its standby fed in the same m
   testing::remove_interface("stage");
   for (std::uint8_t level = 21; level <= 40; ++level) {
     CAPTURE(static_cast<int>(level));
-    const auto heard = step(level);
-    REQUIRE_FALSE(heard.empty());  // the very look that the main could not send
-    CHECK(heard.back() == level);
+    const auto output = step(level);
+    REQUIRE_FALSE(output.empty());  // the frame that the main could not send
+    CHECK(output.back() == level);
   }
   REQUIRE(testing::add_interface("stage", "10.9.0.1"));
-  for (std::uint8_t level = 41; level <= 140; ++level) (void)step(level);  // within its pause between two tries
+  for (std::uint8_t level = 41; level <= 140; ++level) (void)step(level);  // within its pause between two attempts
   CHECK(main_sink->state() == PortState::kWorking);
   for (std::uint8_t level = 141; level <= 150; ++level) CHECK(step(level).empty());
 }

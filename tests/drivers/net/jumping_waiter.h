@@ -1,4 +1,4 @@
-// What a pump over real sockets waits with in tests.
+// The waiter of a pump over real sockets in tests.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace footlight::testing {
 
-// Real descriptors, invented time: where nothing is readable the clock jumps to the deadline, though not past `limit`.
+// Real descriptors, simulated time: if nothing is readable, the clock jumps to the deadline, but not past `limit`.
 class JumpingWaiter final : public Waiter {
  public:
   explicit JumpingWaiter(FakeClock& clock) : clock_(clock) {}

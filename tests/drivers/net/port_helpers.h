@@ -1,4 +1,4 @@
-// A receiver that keeps what it is given, and waiting for it without sleeping.
+// A receiver that keeps its frames, and waiting for frames without sleeping.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 namespace footlight::testing {
 
 struct KeptFrame {
-  FrameView view;  // its slots are gone; use `slots`
+  FrameView view;  // its slots are invalid; use `slots`
   std::vector<std::uint8_t> slots;
 };
 
@@ -31,7 +31,7 @@ class KeepingReceiver final : public FrameReceiver {
   std::vector<KeptFrame> frames;
 };
 
-// Of sender 0, at the usual priority.
+// From sender 0, with the default priority.
 inline FrameView frame_of(int universe, std::span<const std::uint8_t> slots) {
   FrameView frame;
   frame.universe = universe;
@@ -45,7 +45,7 @@ inline TimeNs real_now_ns() {
   return now.tv_sec * kNsPerS + now.tv_nsec;
 }
 
-// Polls the source until `done` says so or twenty seconds have passed without; waits in poll(2). True: done.
+// Polls the source until `done` returns true or twenty seconds have passed; waits in poll(2). True: done.
 template <class Done>
 bool poll_until(Source& source, TimeNs now_ns, FrameReceiver& receiver, Done done) {
   const TimeNs deadline_ns = real_now_ns() + 20 * kNsPerS;
@@ -59,7 +59,7 @@ bool poll_until(Source& source, TimeNs now_ns, FrameReceiver& receiver, Done don
   return true;
 }
 
-// Polls until the descriptor is quiet.
+// Polls until the descriptor is not readable any more.
 inline bool drain(Source& source, TimeNs now_ns, FrameReceiver& receiver) {
   pollfd waiting = {source.poll_fd(), POLLIN, 0};
   while (::poll(&waiting, 1, 0) == 1) {
@@ -68,13 +68,13 @@ inline bool drain(Source& source, TimeNs now_ns, FrameReceiver& receiver) {
   return true;
 }
 
-// Datagrams over "lo" are in the receiver's buffer when the send returns, so draining it shows that nothing came.
-inline bool hears_nothing(Source& source, TimeNs now_ns, KeepingReceiver& receiver) {
+// Datagrams over "lo" are in the receiver's buffer when the send returns, so draining it shows that there were none.
+inline bool receives_nothing(Source& source, TimeNs now_ns, KeepingReceiver& receiver) {
   const std::size_t before = receiver.frames.size();
   return drain(source, now_ns, receiver) && receiver.frames.size() == before;
 }
 
-// A UDP socket of somebody else: bound to this address and port, non-blocking, may broadcast, shares its port.
+// A UDP socket of another program: bound to this address and port, non-blocking, may broadcast, shares its port.
 inline drivers::Fd stranger(std::uint32_t ipv4, std::uint16_t udp_port) {
   drivers::Fd fd(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
   const int on = 1;
@@ -97,8 +97,8 @@ inline bool send_bytes(const drivers::Fd& from, std::uint32_t ipv4, std::uint16_
   return writer.flush(from.get()).error_number == 0;
 }
 
-// What has come, oldest first. `wait`: for the first for at most two seconds, as datagrams between namespaces may take
-// a moment.
+// The datagrams received, oldest first. `wait`: up to two seconds for the first, since datagrams between namespaces may
+// be delayed.
 inline std::vector<std::vector<std::uint8_t>> received(const drivers::Fd& fd, bool wait = false) {
   pollfd waiting = {fd.get(), POLLIN, 0};
   std::vector<std::vector<std::uint8_t>> datagrams;

@@ -1,4 +1,4 @@
-// Several listeners on one UDP port of one machine: inputs of one program, programs beside each other.
+// Several listeners on one UDP port of one machine: inputs of one program, and several programs.
 #include "drivers/net/port_holders.h"
 
 #include <doctest/doctest.h>
@@ -35,14 +35,14 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr TimeNs kStartNs = 1'000 * kNsPerS;
 constexpr std::uint32_t kThisMachine = 0x7F00'0001;
 constexpr std::uint32_t kEverybodyHere = 0x7FFF'FFFF;
-constexpr int kSenders = 64;  // each with an address and a UDP port of its own, so as many hashes
+constexpr int kSenders = 64;  // each with its own address and UDP port, so with different hashes
 
 ArtnetSourceOptions artnet_options(int first_universe, int count = 1) {
   ArtnetSourceOptions options;
   options.name = "artnet:test";
   options.universes = universes_from(first_universe, count, first_universe);
   options.kernel_stamps = false;
-  options.ask_names = false;
+  options.request_names = false;
   return options;
 }
 
@@ -82,22 +82,22 @@ void send_sacn(int universe, std::uint32_t to = kThisMachine, std::uint8_t seque
   }
 }
 
-// Of this thread, which does not grow while others have the processor.
+// Processor time of this thread, which does not grow while other threads run.
 TimeNs processor_ns() {
   timespec now = {};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return now.tv_sec * kNsPerS + now.tv_nsec;
 }
 
-// Frames that the source has now.
+// The number of frames that the source has now.
 int count_frames(Source& source) {
   KeepingReceiver receiver;
   REQUIRE(drain(source, kStartNs, receiver));
   return static_cast<int>(receiver.frames.size());
 }
 
-// Another process with this source, in the network that the test is in. It answers each line of ours with the number of
-// frames that it got since.
+// Another process with this source, in the network of the test. It answers each line with the number of frames received
+// since.
 class OtherProgram {
  public:
   explicit OtherProgram(const std::function<Result<std::unique_ptr<Source>>()>& open) {
@@ -164,14 +164,14 @@ TEST_CASE("two Art-Net inputs of one program each get every unicast frame of the
   CHECK(count_frames(*first) == kSenders);
   CHECK(count_frames(*second) == 2 * kSenders);
   send_artnet(2);
-  first.reset();  // as a reload does: what it was given and has not read goes on to the other
+  first.reset();  // like a reload: datagrams that it has not read are passed to the other
   CHECK(count_frames(*second) == kSenders);
   send_artnet(2);
   CHECK(count_frames(*second) == kSenders);
   CHECK(second->counters().dropped == 0);
 }
 
-TEST_CASE("two inputs of one program get all unicast frames also where one is bound to that address alone") {
+TEST_CASE("two inputs of one program get all unicast frames also if one is bound to that address only") {
   if (!enter_private_network()) return;
   const auto program = std::make_shared<OwnSenders>();
   auto options = artnet_options(1);
@@ -202,7 +202,7 @@ TEST_CASE("two sACN inputs of one program each get every unicast frame of their 
   CHECK(count_frames(*second) == kSenders);
 }
 
-TEST_CASE("a listener that yields takes no unicast frame from another one, whichever of them came first") {
+TEST_CASE("a yielding listener takes no unicast frame from another one, whichever came first") {
   if (!enter_private_network()) return;
   for (const bool yielding_first : {false, true}) {
     CAPTURE(yielding_first);
@@ -224,7 +224,7 @@ TEST_CASE("a listener that yields takes no unicast frame from another one, which
   }
 }
 
-TEST_CASE("an Art-Net output with addresses takes no unicast frame from a listener, whichever of them came first") {
+TEST_CASE("an Art-Net output with addresses takes no unicast frame from a listener, whichever came first") {
   if (!enter_private_network()) return;
   ArtnetSinkOptions sending;
   sending.name = "artnet:test";
@@ -246,7 +246,7 @@ TEST_CASE("an Art-Net output with addresses takes no unicast frame from a listen
   }
 }
 
-TEST_CASE("a listener that yields gets sACN multicast beside another one, and unicast of its addresses alone") {
+TEST_CASE("a yielding listener gets sACN multicast beside another one, and unicast only of its addresses") {
   if (!enter_private_network()) return;
   auto watching = sacn_options(1);
   watching.yields = true;
@@ -267,7 +267,7 @@ TEST_CASE("a listener that yields gets sACN multicast beside another one, and un
   CHECK(count_frames(*monitor) == kSenders);
 }
 
-TEST_CASE("a listener that yields hears universes beyond the 20 groups of its first socket") {
+TEST_CASE("a yielding listener receives universes beyond the 20 groups of its first socket") {
   if (!enter_private_network()) return;
   auto watching = sacn_options(1);
   watching.universes = universes_from(1, 45, 1);
@@ -284,7 +284,7 @@ TEST_CASE("a listener that yields hears universes beyond the 20 groups of its fi
 
 TEST_CASE("the newest group is left first, so that a source of 63,999 universes closes in linear time") {
   if (!enter_private_network()) return;
-  // Time for 8,000 and for 32,000 groups: four times as much, where a list that is searched gives sixteen.
+  // Time for 8,000 and for 32,000 groups: a factor of four, where a searched list would give sixteen.
   const auto seconds_to_close = [](int count) {
     auto options = sacn_options(1);
     options.universes = universes_from(1, count, 1);
@@ -299,7 +299,7 @@ TEST_CASE("the newest group is left first, so that a source of 63,999 universes 
   CHECK(many_s < 8 * few_s + 0.05);
 }
 
-TEST_CASE("of two listeners that yield the older one keeps all unicast frames") {
+TEST_CASE("of two yielding listeners the older one keeps all unicast frames") {
   if (!enter_private_network()) return;
   auto watching = artnet_options(1);
   watching.yields = true;
@@ -313,7 +313,7 @@ TEST_CASE("of two listeners that yield the older one keeps all unicast frames") 
   CHECK(count_frames(*monitor) == kSenders);
 }
 
-TEST_CASE("a second bridge leaves the first one its unicast frames, and names the program that gets them") {
+TEST_CASE("a second bridge leaves unicast frames to the first one, and names the program that gets them") {
   if (!enter_private_network()) return;
   OtherProgram bridge([]() -> Result<std::unique_ptr<Source>> { return make_artnet_source(artnet_options(1)); });
   auto second = must(ArtnetSource::create(artnet_options(1)));
@@ -345,7 +345,7 @@ TEST_CASE("a second bridge does not take unicast sACN from the first one, and bo
   CHECK(count_frames(*second) == kSenders);
 }
 
-TEST_CASE("a source that is alone on its port has nothing to say, and neither have two of one process") {
+TEST_CASE("a source alone on its port has no notice, nor do two of one process") {
   if (!enter_private_network()) return;
   const auto first = must(ArtnetSource::create(artnet_options(1)));
   const auto second = must(ArtnetSource::create(artnet_options(2)));
@@ -354,7 +354,7 @@ TEST_CASE("a source that is alone on its port has nothing to say, and neither ha
   CHECK(other_holders(kArtnetPort).empty());
 }
 
-TEST_CASE("holders of a port are other processes, with their family, their address and their number") {
+TEST_CASE("holders of a port are other processes, with address family, address and process number") {
   if (!enter_private_network()) return;
   OtherProgram any([]() -> Result<std::unique_ptr<Source>> { return make_artnet_source(artnet_options(1)); });
   OtherProgram yielding([]() -> Result<std::unique_ptr<Source>> {

@@ -28,7 +28,7 @@ bool write_text(const char* path, const std::string& text) {
   return good;
 }
 
-// Without privilege a user namespace of our own gives the right to make a network namespace.
+// Without privilege, a new user namespace gives the right to make a network namespace.
 bool unshare_network() {
   if (unshare(CLONE_NEWNET) == 0) return true;
   const uid_t uid = getuid();
@@ -69,7 +69,7 @@ bool prepare_loopback(bool multicast) {
 int home_fd = -1;
 int peer_fd = -1;
 
-// Until the interface on this machine carries datagrams: the kernel sees to that in a thread of its own.
+// Waits until the interface on this machine carries datagrams: the kernel enables it in a thread of its own.
 bool wait_until_running(const std::string& name) {
   const int fd = socket(AF_INET, SOCK_DGRAM, 0);
   ifreq interface = {};
@@ -95,7 +95,7 @@ bool enter_private_network(bool loopback_multicast) {
 }
 
 bool add_interface(const char* name, const char* ipv4) {
-  // rtnetlink would need a hundred lines here; iproute2 is on every machine that has network namespaces.
+  // rtnetlink would need a hundred lines here; iproute2 is installed wherever there are network namespaces.
   const std::string peer = std::string(name) + "p";
   const std::string command = std::string("ip link add ") + name + " type veth peer name " + peer +
                               " && ip address add " + ipv4 + "/24 brd + dev " + name + " && ip link set " + peer +
@@ -126,7 +126,7 @@ bool add_peer(const char* name, const char* ipv4, const std::vector<std::string>
     }
     good = good && run("ip link set lo up && ip link set " + peer + " up") && wait_until_running(peer);
   }
-  // The last command comes back when the kernel has done what it does after it says that an interface runs.
+  // The last command returns when the kernel has finished what it does after it reports that an interface runs.
   good = good && wait_until_running(ours) && run("ip link set " + ours + " up");
   if (!good) std::fprintf(stderr, "SKIPPED: cannot add a second network namespace: %s\n", std::strerror(errno));
   return good;

@@ -1,4 +1,4 @@
-// Synchronisation, discovery and priorities per address over real sockets, in a network of the test's own.
+// Synchronisation, discovery and priorities per address over real sockets, in a private network.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -52,7 +52,7 @@ void send_all(SacnSink& sink, TimeNs now_ns, int round) {
   REQUIRE(sink.send(now_ns, frames).has_value());
 }
 
-// Reads from a socket of its own what goes to a group, as bytes.
+// Reads the packets to a group from its own socket, as bytes.
 class Eavesdropper {
  public:
   explicit Eavesdropper(int universe) {
@@ -88,39 +88,38 @@ TEST_CASE("50 synchronised universes arrive together in one poll once the group 
   auto options = sink_options(50);
   options.sync_universe = 7'000;
   auto sink = must(SacnSink::create(options));
-  KeepingReceiver heard;
-  // The first batch tells the address; the second is the first whose synchronisation packet is heard.
+  KeepingReceiver kept;
+  // The first batch announces the address; the second is the first whose synchronisation packet is received.
   for (int round = 0; round < 2; ++round) {
     send_all(*sink, kStartNs, round);
-    REQUIRE(poll_until(*source, kStartNs, heard,
-                       [&] { return heard.frames.size() == static_cast<std::size_t>(50 * (round + 1)); }));
+    REQUIRE(poll_until(*source, kStartNs, kept,
+                       [&] { return kept.frames.size() == static_cast<std::size_t>(50 * (round + 1)); }));
   }
   CHECK(source->socket_count() == 3);
   CHECK(source->details().sync == 1);
   CHECK(source->details().synchroniser.held == 0);
   for (int round = 2; round < 6; ++round) {
-    heard.frames.clear();
+    kept.frames.clear();
     send_all(*sink, kStartNs, round);
-    REQUIRE(source->poll(kStartNs, heard).has_value());  // one call: on "lo" all of it is there
-    REQUIRE(heard.frames.size() == 50);
-    for (const auto& frame : heard.frames) REQUIRE(frame.slots == test_levels(frame.view.universe, round));
+    REQUIRE(source->poll(kStartNs, kept).has_value());  // one call: on "lo" all of it has arrived
+    REQUIRE(kept.frames.size() == 50);
+    for (const auto& frame : kept.frames) REQUIRE(frame.slots == test_levels(frame.view.universe, round));
     REQUIRE(source->details().sync == static_cast<std::uint64_t>(round));
   }
   CHECK(source->details().synchroniser.replaced == 0);
 }
 
-TEST_CASE(
-    "universes held back stay held while their synchronisation packet is missing, and close() ends them at once") {
+TEST_CASE("held universes stay held while their synchronisation packet is missing, and close() ends them at once") {
   if (!enter_private_network()) return;
   auto source = open_source(2);
   auto options = sink_options(2);
   options.sync_universe = 1;  // one of its own universes
   auto sink = must(SacnSink::create(options));
-  KeepingReceiver heard;
+  KeepingReceiver kept;
   send_all(*sink, kStartNs, 0);
-  REQUIRE(poll_until(*source, kStartNs, heard, [&] { return source->details().sync == 1; }));
-  REQUIRE(heard.frames.size() == 2);
-  // Data of the same sender without a synchronisation packet behind it, as when that one is lost.
+  REQUIRE(poll_until(*source, kStartNs, kept, [&] { return source->details().sync == 1; }));
+  REQUIRE(kept.frames.size() == 2);
+  // Data of the same sender without a following synchronisation packet, as if that one was lost.
   SacnData data;
   data.cid = sink->cid();
   data.universe = 2;
@@ -134,17 +133,17 @@ TEST_CASE(
   DatagramWriter writer;
   writer.add(std::span(packet).first(size), 0x7F000001, kSacnPort);
   REQUIRE(writer.flush(socket.get()).error_number == 0);
-  REQUIRE(poll_until(*source, kStartNs, heard, [&] { return source->details().synchroniser.held == 1; }));
-  CHECK(heard.frames.size() == 2);
+  REQUIRE(poll_until(*source, kStartNs, kept, [&] { return source->details().synchroniser.held == 1; }));
+  CHECK(kept.frames.size() == 2);
   sink->close(kStartNs);
-  REQUIRE(poll_until(*source, kStartNs, heard, [&] { return source->details().ended_already == 4 - 1; }));
+  REQUIRE(poll_until(*source, kStartNs, kept, [&] { return source->details().ended_already == 4 - 1; }));
   // The sink's own number 1 of universe 2 repeats that of the packet above and is late; 2 and 3 end it.
-  REQUIRE(heard.frames.size() == 4);
-  CHECK(heard.frames[2].view.terminated);
-  CHECK(heard.frames[3].view.terminated);
+  REQUIRE(kept.frames.size() == 4);
+  CHECK(kept.frames[2].view.terminated);
+  CHECK(kept.frames[3].view.terminated);
 }
 
-TEST_CASE("every batch and every keep-alive ends in one synchronisation packet, numbered by itself") {
+TEST_CASE("every batch and every keep-alive ends in one synchronisation packet, with its own numbers") {
   if (!enter_private_network()) return;
   auto options = sink_options(3);
   options.sync_universe = 7'000;
@@ -170,7 +169,7 @@ TEST_CASE("every batch and every keep-alive ends in one synchronisation packet, 
   }
 }
 
-TEST_CASE("a sink announces what it sends after 1 s and then every 10 s, in pages of 512, in order") {
+TEST_CASE("a sink announces its universes after 1 s and then every 10 s, in pages of 512, in order") {
   if (!enter_private_network()) return;
   auto directory_source = must(SacnDiscoverySource::create({}));
   auto options = sink_options(1'100);
@@ -220,7 +219,8 @@ TEST_CASE("a sink announces what it sends after 1 s and then every 10 s, in page
   CHECK(sink->next_deadline_ns() == kTimeNever);
 }
 
-TEST_CASE("a sink that is told not to announce, or sends to addresses, does not; nor before its first frame") {
+TEST_CASE(
+    "a sink without the announce option, or with addresses, does not announce; nor does any before its first frame") {
   if (!enter_private_network()) return;
   Eavesdropper eavesdropper(kSacnDiscoveryUniverse);
   auto silent = sink_options(1);
@@ -234,28 +234,28 @@ TEST_CASE("a sink that is told not to announce, or sends to addresses, does not;
     if (options.announce == silent.announce || options.addresses == unicast.addresses) send_all(*sink, kStartNs, 0);
     for (int i = 0; i < 20; ++i) REQUIRE(sink->poll(kStartNs + i * kNsPerS).has_value());
   }
-  for (const auto& datagram : eavesdropper.read()) {  // it hears the unicast too
+  for (const auto& datagram : eavesdropper.read()) {  // it receives the unicast too
     const auto packet = parse_sacn_packet(datagram);
     CHECK((packet.has_value() && !std::holds_alternative<SacnDiscovery>(*packet)));
   }
 }
 
-TEST_CASE("listening for announcements takes no unicast away from a source on the same port") {
+TEST_CASE("receiving announcements takes no unicast from a source on the same port") {
   if (!enter_private_network()) return;
   auto source = open_source(1);
   auto directory_source = must(SacnDiscoverySource::create({}));
-  KeepingReceiver heard;
-  for (std::uint8_t i = 1; i <= 16; ++i) {  // the kernel would spread senders over sockets of one address
+  KeepingReceiver kept;
+  for (std::uint8_t i = 1; i <= 16; ++i) {  // the kernel would distribute senders over sockets of one address
     auto options = sink_options(1);
     options.addresses = {"127.0.0.1"};
     options.cid.fill(i);
     auto sink = must(SacnSink::create(options));
     send_all(*sink, kStartNs, 0);
-    CHECK(poll_until(*source, kStartNs, heard, [&] { return heard.frames.size() == i; }));
+    CHECK(poll_until(*source, kStartNs, kept, [&] { return kept.frames.size() == i; }));
   }
 }
 
-TEST_CASE("priorities per address go out in front of the first four frames, then within 1 s, sharing their numbers") {
+TEST_CASE("priorities per address are sent before the first four frames, then within 1 s, sharing their numbers") {
   if (!enter_private_network()) return;
   auto source = open_source(1);
   auto options = sink_options(1);
@@ -267,27 +267,28 @@ TEST_CASE("priorities per address go out in front of the first four frames, then
     now_ns += 22'727'273;
     send_all(*sink, now_ns, i + 1);
   }
-  for (int i = 0; i < 6; ++i) {  // then nothing but keep-alives
+  for (int i = 0; i < 6; ++i) {  // then only keep-alives
     now_ns = sink->next_deadline_ns();
     REQUIRE(sink->poll(now_ns).has_value());
   }
   Eavesdropper eavesdropper(1);
   send_all(*sink, now_ns + kNsPerS, 500);
-  KeepingReceiver heard;
-  REQUIRE(poll_until(*source, kStartNs, heard, [&] { return heard.frames.size() >= 108 + 8; }));
+  KeepingReceiver kept;
+  REQUIRE(poll_until(*source, kStartNs, kept, [&] { return kept.frames.size() >= 108 + 8; }));
   CHECK(source->details().late == 0);
   std::vector<std::size_t> places;
-  for (std::size_t i = 0; i < heard.frames.size(); ++i) {
-    CHECK(heard.frames[i].view.sequence == i);
-    CHECK(heard.frames[i].view.priority == kPriorityDefault);  // for receivers that know no priorities per address
-    if (heard.frames[i].view.start_code != kStartCodePriorities) continue;
+  for (std::size_t i = 0; i < kept.frames.size(); ++i) {
+    CHECK(kept.frames[i].view.sequence == i);
+    CHECK(kept.frames[i].view.priority == kPriorityDefault);  // for receivers without support for priorities per
+                                                              // address
+    if (kept.frames[i].view.start_code != kStartCodePriorities) continue;
     places.push_back(i);
-    REQUIRE(heard.frames[i].slots.size() == 512);
-    CHECK(heard.frames[i].slots[0] == 120);
-    CHECK(heard.frames[i].slots[2] == 200);
-    CHECK(std::count(heard.frames[i].slots.begin(), heard.frames[i].slots.end(), 0) == 510);
+    REQUIRE(kept.frames[i].slots.size() == 512);
+    CHECK(kept.frames[i].slots[0] == 120);
+    CHECK(kept.frames[i].slots[2] == 200);
+    CHECK(std::count(kept.frames[i].slots.begin(), kept.frames[i].slots.end(), 0) == 510);
   }
-  // In front of the first four frames, at 0.977 s and 1.886 s of the desk; then 0.95 s of silence each.
+  // Before the first four frames, at 0.977 s and 1.886 s of the desk; then after 0.95 s of silence each.
   REQUIRE(places.size() >= 8);
   CHECK(std::vector<std::size_t>(places.begin(), places.begin() + 6) == std::vector<std::size_t>{0, 2, 4, 6, 47, 88});
   const auto datagrams = eavesdropper.read();

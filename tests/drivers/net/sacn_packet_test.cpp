@@ -49,7 +49,7 @@ Bytes built(const SacnData& data) {
   return packet;
 }
 
-// A file that another implementation wrote; empty where the test data are not there.
+// A file written by another implementation; empty if the test data are missing.
 Bytes peer_packet(const char* file_name) {
   const char* const folder = std::getenv("FOOTLIGHT_TEST_DATA");
   if (folder == nullptr) {
@@ -116,7 +116,7 @@ TEST_CASE("each sACN option bit is carried alone and together with the others") 
   }
 }
 
-TEST_CASE("updating a packet gives the octets of building it anew") {
+TEST_CASE("updating a packet gives the same octets as building it again") {
   SacnData data = test_data({});
   data.preview = true;
   Bytes kept(kSacnDataBytesMax);
@@ -181,7 +181,7 @@ TEST_CASE("each broken field of a data packet is refused for its own reason") {
   CHECK(parse_sacn(no_universe).error().message.find("universe is outside 1 to 63999") != std::string::npos);
 }
 
-TEST_CASE("no packet cut short or drawn out is accepted") {
+TEST_CASE("no shortened or extended packet is accepted") {
   const Bytes slots = test_slots(10);
   const Bytes good = built(test_data(slots));
   for (std::size_t size = 0; size < good.size(); ++size) {
@@ -192,7 +192,7 @@ TEST_CASE("no packet cut short or drawn out is accepted") {
   CHECK_FALSE(parse_sacn_packet(longer).has_value());
 }
 
-TEST_CASE("a data packet written by another implementation parses to what it was given") {
+TEST_CASE("a data packet written by another implementation parses to its fields") {
   const Bytes packet = peer_packet("data-packet-raw");
   if (packet.empty()) return;
   const auto parsed = parse_sacn(packet);
@@ -207,7 +207,7 @@ TEST_CASE("a data packet written by another implementation parses to what it was
   CHECK(data.universe == 1);
   CHECK(data.slots.size() == 15);
   CHECK(data.slots[0] == 14);
-  // Built from these fields, ours is the same to the octet.
+  // Ours, built from these fields, has the same octets.
   CHECK(built(data) == packet);
 }
 
@@ -233,7 +233,7 @@ TEST_CASE("sync and discovery packets written by another implementation are reco
   }
 }
 
-TEST_CASE("Wireshark reads our data packet as we meant it") {
+TEST_CASE("Wireshark decodes our data packet to the same fields") {
   const Bytes slots = test_slots(24);  // tshark 4.0.17 calls any data packet of fewer than 10 slots malformed
   SacnData data = test_data(slots);
   data.preview = true;
@@ -281,12 +281,12 @@ TEST_CASE("20000 damaged packets crash nothing and none passes with a value out 
     Bytes packet = seeds[random() % seeds.size()];
     const std::size_t flips = 1 + random() % 6;
     for (std::size_t f = 0; f < flips; ++f) {
-      // Mostly the headers, where the damage hurts.
+      // Mostly the headers, where damage has the most effect.
       const std::size_t at = random() % std::min<std::size_t>(packet.size(), random() % 4 == 0 ? 640 : 130);
       packet[at] = static_cast<std::uint8_t>(random() % 3 == 0 ? 0xFF : random());
     }
     if (random() % 8 == 0) packet.resize(random() % (packet.size() + 40));
-    // An exact allocation, so that a sanitizer sees a read past the end.
+    // An exact allocation, so that a sanitizer detects a read past the end.
     const Bytes exact(packet.begin(), packet.end());
     const auto parsed = parse_sacn_packet(exact);
     if (!parsed) continue;
@@ -304,7 +304,7 @@ TEST_CASE("20000 damaged packets crash nothing and none passes with a value out 
       REQUIRE(is_universe(std::get<SacnSync>(*parsed).sync_universe));
     }
   }
-  CHECK(accepted > 1'000);  // damage to names, levels and the like is not seen, so both outcomes were exercised
+  CHECK(accepted > 1'000);  // damage to names, levels and the like is not detected, so both outcomes were exercised
   CHECK(accepted < 19'000);
 }
 

@@ -1,4 +1,4 @@
-// sACN ports against each other over real sockets, in a network namespace with nothing but "lo" in it.
+// sACN ports connected over real sockets, in a network namespace with only "lo".
 #include "drivers/net/sacn_port.h"
 
 #include <doctest/doctest.h>
@@ -19,10 +19,10 @@ namespace {
 
 using testing::enter_private_network;
 using testing::frame_of;
-using testing::hears_nothing;
 using testing::KeepingReceiver;
 using testing::must;
 using testing::poll_until;
+using testing::receives_nothing;
 using testing::test_levels;
 using testing::universes_from;
 
@@ -32,7 +32,7 @@ SacnSourceOptions source_options(std::vector<WireUniverse> universes) {
   SacnSourceOptions options;
   options.name = "sacn:test-in";
   options.universes = std::move(universes);
-  options.kernel_stamps = false;  // stamps then equal the time that the test passes in
+  options.kernel_stamps = false;  // stamps then equal the time that the test passes
   return options;
 }
 
@@ -40,14 +40,14 @@ SacnSinkOptions sink_options(std::vector<WireUniverse> universes) {
   SacnSinkOptions options;
   options.name = "sacn:test-out";
   options.universes = std::move(universes);
-  options.announce = false;  // deadlines are then those of frames alone; sacn_rules_test.cpp has the announcements
+  options.announce = false;  // deadlines are then those of frames only; sacn_rules_test.cpp tests announcements
   return options;
 }
 
-// Datagrams with levels of its universes that a source has read, those that it heard twice included.
+// Datagrams with levels of its universes that a source has read, duplicates included.
 std::uint64_t source_count(const SacnSource& source) { return source.counters().frames + source.details().late; }
 
-// Sends packets made by hand, as a sender with faults would.
+// Sends packets made by the test, like a faulty sender.
 class HandSender {
  public:
   explicit HandSender(int universe, std::uint8_t cid_octet = 1) : socket_(must(open_sender({"test", 0}))) {
@@ -110,7 +110,7 @@ TEST_CASE("nine universes cross from sink to source by multicast, every level of
   CHECK(sink->state() == PortState::kWorking);
 }
 
-TEST_CASE("a closing sink ends each universe that it has sent, once, and no other") {
+TEST_CASE("a closing sink ends exactly the universes that it has sent, once each") {
   if (!enter_private_network()) return;
   auto source = must(SacnSource::create(source_options(universes_from(1, 9, 1))));
   auto sink = must(SacnSink::create(sink_options(universes_from(1, 9, 1))));
@@ -134,7 +134,7 @@ TEST_CASE("a closing sink ends each universe that it has sent, once, and no othe
   }
 }
 
-TEST_CASE("a resting sink ends its universes and is silent until it is sent a frame, which is heard again") {
+TEST_CASE("a resting sink ends its universes and is silent until its next frame, which is received again") {
   if (!enter_private_network()) return;
   auto source = must(SacnSource::create(source_options({{1, 1}})));
   auto options = sink_options({{1, 1}});
@@ -153,14 +153,14 @@ TEST_CASE("a resting sink ends its universes and is silent until it is sent a fr
   CHECK(receiver.frames.back().view.terminated);
   const std::size_t before = receiver.frames.size();
 
-  REQUIRE(sink->send(kStartNs, frames).has_value());  // the very same levels
+  REQUIRE(sink->send(kStartNs, frames).has_value());  // the same levels
   REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() >= before + 2; }));
   CHECK_FALSE(receiver.frames.back().view.terminated);
   CHECK(receiver.frames.back().slots == levels);
   CHECK(receiver.frames[before].view.start_code != receiver.frames[before + 1].view.start_code);  // priorities again
 }
 
-TEST_CASE("a resting sink with a chosen identifier ends nothing, since its main may have the same") {
+TEST_CASE("a resting sink with a chosen identifier ends nothing, because its main may have the same") {
   if (!enter_private_network()) return;
   auto source = must(SacnSource::create(source_options({{1, 1}})));
   auto options = sink_options({{1, 1}});
@@ -183,7 +183,7 @@ TEST_CASE("a resting sink with a chosen identifier ends nothing, since its main 
   for (const auto& frame : receiver.frames) CHECK_FALSE(frame.view.terminated);
 }
 
-TEST_CASE("a sender that starts again after its end is heard again") {
+TEST_CASE("a sender that restarts after its end is received again") {
   if (!enter_private_network()) return;
   auto source = must(SacnSource::create(source_options({{1, 1}})));
   HandSender sender(1);
@@ -192,7 +192,7 @@ TEST_CASE("a sender that starts again after its end is heard again") {
   sender.data().terminated = true;
   for (const int sequence : {11, 12, 13}) sender.send(static_cast<std::uint8_t>(sequence));
   sender.data().terminated = false;
-  sender.send(10);  // a straggler of before the end does not bring it back
+  sender.send(10);  // a late packet from before the end does not restart it
   sender.send(14);
   REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() >= 3; }));
   CHECK(receiver.frames.size() == 3);
@@ -204,7 +204,7 @@ TEST_CASE("a sender that starts again after its end is heard again") {
   REQUIRE(poll_until(*source, kStartNs + 2'500 * kNsPerMs, receiver, [&] { return receiver.frames.size() >= 4; }));
 }
 
-TEST_CASE("sequence numbers from 0 to 19 behind are discarded, 20 behind and any ahead are taken") {
+TEST_CASE("sequence numbers from 0 to 19 behind are discarded, 20 behind and any ahead are accepted") {
   if (!enter_private_network()) return;
   for (int step = -128; step < 128; ++step) {
     CAPTURE(step);
@@ -221,10 +221,10 @@ TEST_CASE("sequence numbers from 0 to 19 behind are discarded, 20 behind and any
   KeepingReceiver receiver;
   sender.send(100);
   sender.send(95);     // late
-  other.send(95);      // another sender counts for itself
-  elsewhere.send(95);  // so does another universe of the same sender
-  sender.send(100);    // doubled
-  sender.send(80);     // a restart, as far as one can tell
+  other.send(95);      // another sender is checked separately
+  elsewhere.send(95);  // so is another universe of the same sender
+  sender.send(100);    // duplicate
+  sender.send(80);     // taken as a restart
   REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() >= 4; }));
   CHECK(receiver.frames.size() == 4);
   CHECK(source->details().late == 2);
@@ -232,7 +232,7 @@ TEST_CASE("sequence numbers from 0 to 19 behind are discarded, 20 behind and any
   CHECK(receiver.frames[0].view.sender == receiver.frames[2].view.sender);
 }
 
-TEST_CASE("a thousand invented senders do not grow the memory of the sequence rule nor disturb a live one") {
+TEST_CASE("a thousand forged senders do not increase the memory of the sequence rule nor disturb a real one") {
   SequenceFilter filter;
   for (int i = 0; i < 1'000; ++i) {
     const TimeNs now_ns = kStartNs + i * kNsPerMs;
@@ -244,7 +244,8 @@ TEST_CASE("a thousand invented senders do not grow the memory of the sequence ru
   }
 }
 
-TEST_CASE("preview, other start codes, other universes, sync and rubbish give no frame and are counted apart") {
+TEST_CASE(
+    "preview, other start codes, other universes, sync and invalid packets give no frame and are counted separately") {
   if (!enter_private_network()) return;
   auto source = must(SacnSource::create(source_options({{1, 1}})));
   KeepingReceiver receiver;
@@ -264,7 +265,7 @@ TEST_CASE("preview, other start codes, other universes, sync and rubbish give no
   rubbish.send_bytes(huge);
   HandSender good(1, 5);
   good.data().priority = 7;
-  good.data().sync_universe = 500;  // no synchronisation packet has come yet, so this is no reason to wait
+  good.data().sync_universe = 500;  // there was no synchronisation packet yet, so it is not held
   good.send(1);
   REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return !receiver.frames.empty(); }));
   CHECK(receiver.frames.size() == 1);
@@ -281,7 +282,7 @@ TEST_CASE("preview, other start codes, other universes, sync and rubbish give no
   REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() >= 2; }));
 }
 
-TEST_CASE("a frame that stays the same goes out three more times and then every 900 ms") {
+TEST_CASE("an unchanged frame is sent three more times and then every 900 ms") {
   if (!enter_private_network()) return;
   auto source = must(SacnSource::create(source_options({{1, 1}})));
   auto sink = must(SacnSink::create(sink_options({{1, 1}})));
@@ -308,7 +309,7 @@ TEST_CASE("a frame that stays the same goes out three more times and then every 
   for (const auto& frame : receiver.frames) CHECK(frame.slots == levels);
 }
 
-TEST_CASE("sending the same levels again and again sends them four times; a change starts over") {
+TEST_CASE("sending the same levels again and again sends them four times; a change starts again") {
   if (!enter_private_network()) return;
   auto sink = must(SacnSink::create(sink_options({{1, 1}})));
   auto levels = test_levels(1, 0);
@@ -324,7 +325,7 @@ TEST_CASE("sending the same levels again and again sends them four times; a chan
   CHECK(sink->next_deadline_ns() == kStartNs + kNsPerS + 25 * kNsPerMs);
 }
 
-TEST_CASE("a short frame leaves the slots past its end as they were") {
+TEST_CASE("a short frame does not change the slots past its end") {
   if (!enter_private_network()) return;
   auto source = must(SacnSource::create(source_options({{1, 1}})));
   auto sink = must(SacnSink::create(sink_options({{1, 1}})));
@@ -340,7 +341,7 @@ TEST_CASE("a short frame leaves the slots past its end as they were") {
   CHECK(receiver.frames[1].slots == std::vector<std::uint8_t>{9, 2, 3, 4});
 }
 
-TEST_CASE("wire universes 101 to 109 come in and go out as 1 to 9") {
+TEST_CASE("wire universes 101 to 109 are received and sent as 1 to 9") {
   if (!enter_private_network()) return;
   const auto renumbered = must(parse_wire_universes("101-109=1-9"));
   auto in = must(SacnSource::create(source_options(renumbered)));
@@ -364,7 +365,7 @@ TEST_CASE("wire universes 101 to 109 come in and go out as 1 to 9") {
   }
 }
 
-TEST_CASE("101 universes take the groups of six sockets, and each is heard once") {
+TEST_CASE("101 universes use the groups of six sockets, and each is received once") {
   if (!enter_private_network()) return;
   auto options = source_options(universes_from(1, 101, 1));
   options.interface_names = {"lo"};
@@ -379,13 +380,13 @@ TEST_CASE("101 universes take the groups of six sockets, and each is heard once"
   REQUIRE(sink->send(kStartNs, frames).has_value());
   KeepingReceiver receiver;
   REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return receiver.frames.size() >= 101; }));
-  REQUIRE(hears_nothing(*source, kStartNs, receiver));
-  std::set<int> heard;
-  for (const auto& frame : receiver.frames) heard.insert(frame.view.universe);
-  CHECK(heard.size() == 101);
-  CHECK(source->details().late == 0);  // no datagram came in by two sockets
+  REQUIRE(receives_nothing(*source, kStartNs, receiver));
+  std::set<int> universes;
+  for (const auto& frame : receiver.frames) universes.insert(frame.view.universe);
+  CHECK(universes.size() == 101);
+  CHECK(source->details().late == 0);  // no datagram came through two sockets
 
-  // On an interface that it has not chosen it hears nothing, though another socket takes the same groups there.
+  // On an interface that is not selected it receives nothing, although another socket joins the same groups there.
   if (!testing::add_interface("eth4", "10.99.4.1")) return;
   auto elsewhere = options;
   elsewhere.interface_names = {"eth4"};
@@ -396,10 +397,10 @@ TEST_CASE("101 universes take the groups of six sockets, and each is heard once"
   REQUIRE(other_sink->send(kStartNs, frames).has_value());
   KeepingReceiver other_receiver;
   CHECK(poll_until(*other, kStartNs, other_receiver, [&] { return other_receiver.frames.size() == 101; }));
-  CHECK(hears_nothing(*source, kStartNs, receiver));
+  CHECK(receives_nothing(*source, kStartNs, receiver));
 }
 
-TEST_CASE("two sources on one machine both hear a multicast sender") {
+TEST_CASE("two sources on one machine both receive a multicast sender") {
   if (!enter_private_network()) return;
   auto first = must(SacnSource::create(source_options({{1, 1}})));
   auto second = must(SacnSource::create(source_options({{1, 1}})));
@@ -413,7 +414,7 @@ TEST_CASE("two sources on one machine both hear a multicast sender") {
   }
 }
 
-TEST_CASE("a source does not hear the sinks of its own program, and hears those of others") {
+TEST_CASE("a source ignores the sinks of its own program and receives those of others") {
   if (!enter_private_network()) return;
   const auto own_senders = std::make_shared<OwnSenders>();
   auto in = source_options({{1, 1}});
@@ -432,7 +433,7 @@ TEST_CASE("a source does not hear the sinks of its own program, and hears those 
   KeepingReceiver receiver;
   REQUIRE(poll_until(*source, kStartNs, receiver, [&] { return !receiver.frames.empty(); }));
   own->close(kStartNs);
-  REQUIRE(hears_nothing(*source, kStartNs, receiver));
+  REQUIRE(receives_nothing(*source, kStartNs, receiver));
   CHECK(receiver.frames.size() == 1);
   CHECK(source->details().own == 4);
 }
@@ -482,15 +483,14 @@ TEST_CASE("20000 damaged packets sent to a live source disturb none of the good 
   CHECK(source->counters().rejected > 1'000);
 }
 
-TEST_CASE("a kernel stamp is not later than the poll and tells how long the datagram waited") {
+TEST_CASE("a kernel stamp is not later than the poll and gives the waiting time of the datagram") {
   if (!enter_private_network()) return;
   auto options = source_options({{1, 1}});
   options.kernel_stamps = true;
   auto source = must(SacnSource::create(options));
   HandSender sender(1);
   KeepingReceiver receiver;
-  // The kernel switches stamping on a moment after the first socket asks; datagrams of before then have the time of
-  // poll().
+  // The kernel starts stamping shortly after the first socket requests it; earlier datagrams have the time of poll().
   bool stamped = false;
   for (int i = 0; i < 200 && !stamped; ++i) {
     sender.send(static_cast<std::uint8_t>(i));
@@ -513,12 +513,12 @@ TEST_CASE("a flood past the receive buffer is counted as dropped") {
   HandSender sender(1);
   const std::vector<std::uint8_t> levels(512);
   sender.data().slots = levels;
-  constexpr int kFlood = 20'000;  // above what 4 MiB, doubled by the kernel, hold
+  constexpr int kFlood = 20'000;  // more than 4 MiB, doubled by the kernel, hold
   for (int i = 0; i < kFlood; ++i) sender.send(static_cast<std::uint8_t>(i));
   KeepingReceiver receiver;
   REQUIRE(testing::drain(*source, kStartNs, receiver));
   REQUIRE(receiver.frames.size() < kFlood);
-  // The kernel tells with the next datagram that fits.
+  // The kernel reports it with the next datagram that fits.
   HandSender late_comer(1, 2);
   late_comer.send(1);
   const std::size_t before = receiver.frames.size();
@@ -526,11 +526,11 @@ TEST_CASE("a flood past the receive buffer is counted as dropped") {
   CHECK(source->counters().dropped + receiver.frames.size() == kFlood + 1);
 }
 
-TEST_CASE("source and sink follow an interface that comes, goes and comes back") {
+TEST_CASE("source and sink follow an interface that appears, disappears and returns") {
   if (!enter_private_network(false)) return;
   auto source = must(SacnSource::create(source_options({{1, 1}})));
   CHECK(source->state() == PortState::kGone);
-  CHECK(source->trouble().find("no network interface is up and can do multicast") != std::string::npos);
+  CHECK(source->trouble().find("no network interface is up and supports multicast") != std::string::npos);
   if (!testing::add_interface("eth7", "10.99.0.1")) return;
   KeepingReceiver receiver;
   REQUIRE(testing::drain(*source, kStartNs, receiver));
@@ -549,7 +549,7 @@ TEST_CASE("source and sink follow an interface that comes, goes and comes back")
   CHECK(sink->state() == PortState::kGone);
   CHECK(sink->trouble().find("sacn:test-out: cannot send to 239.255.0.1:5568") != std::string::npos);
 
-  // The sink has kept the look and says it again by itself, though the interface has another number now.
+  // The sink has kept the levels and sends them again by itself, although the interface has another number now.
   REQUIRE(testing::add_interface("eth7", "10.99.0.1"));
   REQUIRE(testing::drain(*source, kStartNs, receiver));
   REQUIRE(sink->poll(sink->next_deadline_ns()).has_value());
@@ -558,12 +558,12 @@ TEST_CASE("source and sink follow an interface that comes, goes and comes back")
   CHECK(receiver.frames[1].slots == levels);
 }
 
-TEST_CASE("of three interfaces the two that are chosen are heard and sent to, and the third is not") {
+TEST_CASE("of three interfaces the two selected ones are used, and the third is not") {
   if (!enter_private_network(false)) return;
   for (const char* const name : {"eth1", "eth2", "eth3"}) {
     if (!testing::add_interface(name, fmt::format("10.99.{}.1", name[3] - 0).c_str())) return;
   }
-  // One listener for each interface, and the port under test on two of them.
+  // One listener per interface, and the port under test on two of them.
   std::vector<std::unique_ptr<SacnSource>> listeners;
   for (const char* const name : {"eth1", "eth2", "eth3"}) {
     auto options = source_options({{7, 7}});
@@ -581,43 +581,43 @@ TEST_CASE("of three interfaces the two that are chosen are heard and sent to, an
   REQUIRE(sink->send(kStartNs, frames).has_value());
   CHECK(sink->counters().frames == 1);  // one frame, two datagrams
   for (const std::size_t i : {0u, 2u}) {
-    KeepingReceiver heard;
-    CHECK(poll_until(*listeners[i], kStartNs, heard, [&] { return heard.frames.size() == 1; }));
+    KeepingReceiver kept;
+    CHECK(poll_until(*listeners[i], kStartNs, kept, [&] { return kept.frames.size() == 1; }));
   }
-  KeepingReceiver heard;
-  CHECK(hears_nothing(*listeners[1], kStartNs, heard));
-  CHECK(poll_until(*source, kStartNs, heard, [&] { return source->details().late == 1; }));
-  CHECK(heard.frames.size() == 1);  // it came in twice and counts once
+  KeepingReceiver kept;
+  CHECK(receives_nothing(*listeners[1], kStartNs, kept));
+  CHECK(poll_until(*source, kStartNs, kept, [&] { return source->details().late == 1; }));
+  CHECK(kept.frames.size() == 1);  // received twice, counted once
 
   auto elsewhere_options = sink_options({{7, 7}});
   elsewhere_options.source_name = "elsewhere";
   elsewhere_options.interface_names = {"eth2"};
   auto elsewhere = must(SacnSink::create(elsewhere_options));
   REQUIRE(elsewhere->send(kStartNs, frames).has_value());
-  CHECK(hears_nothing(*source, kStartNs, heard));
+  CHECK(receives_nothing(*source, kStartNs, kept));
 
-  // One of the two goes: the other goes on, and neither port is lost.
+  // One of the two is removed: the other continues, and neither port is lost.
   testing::remove_interface("eth1");
   const auto changed = test_levels(7, 1);
   const std::vector<FrameView> next = {frame_of(7, changed)};
   REQUIRE(sink->send(kStartNs + kNsPerS, next).has_value());
   CHECK(sink->state() == PortState::kWorking);
   CHECK(sink->counters().errors == 1);
-  REQUIRE(poll_until(*source, kStartNs + kNsPerS, heard, [&] { return heard.frames.size() == 2; }));
-  REQUIRE(source->poll(kStartNs + 10 * kNsPerS, heard).has_value());
+  REQUIRE(poll_until(*source, kStartNs + kNsPerS, kept, [&] { return kept.frames.size() == 2; }));
+  REQUIRE(source->poll(kStartNs + 10 * kNsPerS, kept).has_value());
   CHECK(source->state() == PortState::kWaiting);
-  // And it comes back.
+  // It returns.
   REQUIRE(testing::add_interface("eth1", "10.99.1.1"));
-  REQUIRE(testing::drain(*source, kStartNs + 10 * kNsPerS, heard));
+  REQUIRE(testing::drain(*source, kStartNs + 10 * kNsPerS, kept));
   const auto changed_again = test_levels(7, 2);
   const std::vector<FrameView> last = {frame_of(7, changed_again)};
   REQUIRE(sink->send(kStartNs + 10 * kNsPerS, last).has_value());
   CHECK(sink->counters().errors == 1);
   const auto late_before = source->details().late;
-  CHECK(poll_until(*source, kStartNs + 10 * kNsPerS, heard, [&] { return source->details().late > late_before; }));
+  CHECK(poll_until(*source, kStartNs + 10 * kNsPerS, kept, [&] { return source->details().late > late_before; }));
 }
 
-TEST_CASE("what a network is too slow for is replaced by the newest look, and nothing waits in a queue of ours") {
+TEST_CASE("on a slow network frames are replaced by the newest, and nothing waits in our queue") {
   if (!enter_private_network()) return;
   if (!testing::add_interface("eth6", "10.99.6.1") || !testing::choke_interface("eth6")) return;
   auto in = source_options({{7, 7}});
@@ -626,35 +626,35 @@ TEST_CASE("what a network is too slow for is replaced by the newest look, and no
   auto out = sink_options({{7, 7}});
   out.interface_names = {"eth6"};
   auto sink = must(SacnSink::create(out));
-  // Datagrams that the kernel takes come back to this machine at once, whenever the network gets them.
-  KeepingReceiver heard;
+  // Datagrams that the kernel accepts return to this machine at once, whenever the network sends them.
+  KeepingReceiver kept;
   TimeNs now_ns = kStartNs;
   int round = 0;
   const auto send_next = [&] {
     const auto levels = test_levels(7, ++round);
     const std::vector<FrameView> frames = {frame_of(7, levels)};
     REQUIRE(sink->send(++now_ns, frames).has_value());
-    REQUIRE(drain(*source, now_ns, heard));
+    REQUIRE(drain(*source, now_ns, kept));
   };
   while (round < 100'000 && sink->counters().dropped < 20) send_next();
   REQUIRE(sink->counters().dropped == 20);
   CHECK(sink->counters().errors == 0);
   CHECK(sink->state() == PortState::kWorking);
-  CHECK(sink->next_deadline_ns() - now_ns <= 2 * kNsPerMs);  // it tries again soon
-  CHECK(static_cast<int>(heard.frames.size()) == round - 21);
-  CHECK(heard.frames.back().slots != test_levels(7, round));
+  CHECK(sink->next_deadline_ns() - now_ns <= 2 * kNsPerMs);  // it soon tries again
+  CHECK(static_cast<int>(kept.frames.size()) == round - 21);
+  CHECK(kept.frames.back().slots != test_levels(7, round));
   testing::free_interface("eth6");
-  const std::size_t before = heard.frames.size();
+  const std::size_t before = kept.frames.size();
   now_ns = sink->next_deadline_ns();
   REQUIRE(sink->poll(now_ns).has_value());
-  REQUIRE(poll_until(*source, now_ns, heard, [&] { return heard.frames.size() > before; }));
-  REQUIRE(hears_nothing(*source, now_ns, heard));
-  CHECK(heard.frames.size() == before + 1);
-  CHECK(heard.frames.back().slots == test_levels(7, round));
+  REQUIRE(poll_until(*source, now_ns, kept, [&] { return kept.frames.size() > before; }));
+  REQUIRE(receives_nothing(*source, now_ns, kept));
+  CHECK(kept.frames.size() == before + 1);
+  CHECK(kept.frames.back().slots == test_levels(7, round));
   CHECK(sink->counters().frames + sink->counters().dropped == static_cast<std::uint64_t>(round));
 }
 
-TEST_CASE("a sink sends to every address of its list, and one without a route does not hold up the others") {
+TEST_CASE("a sink sends to every address of its list, and one without a route does not delay the others") {
   if (!enter_private_network()) return;
   std::vector<std::unique_ptr<SacnSource>> listeners;
   for (const char* const address : {"127.0.0.1", "127.0.0.2"}) {
@@ -672,22 +672,22 @@ TEST_CASE("a sink sends to every address of its list, and one without a route do
   const std::vector<FrameView> frames = {frame_of(1, levels), frame_of(2, levels)};
   REQUIRE(sink->send(kStartNs, frames).has_value());
   for (auto& listener : listeners) {
-    KeepingReceiver heard;
-    CHECK(poll_until(*listener, kStartNs, heard, [&] { return heard.frames.size() == 2; }));
+    KeepingReceiver kept;
+    CHECK(poll_until(*listener, kStartNs, kept, [&] { return kept.frames.size() == 2; }));
   }
-  KeepingReceiver heard;
-  CHECK(poll_until(*both, kStartNs, heard, [&] { return source_count(*both) == 4; }));
-  CHECK(heard.frames.size() == 2);
+  KeepingReceiver kept;
+  CHECK(poll_until(*both, kStartNs, kept, [&] { return source_count(*both) == 4; }));
+  CHECK(kept.frames.size() == 2);
 
   if (!testing::add_interface("eth5", "10.99.5.1")) return;
   out.addresses = {"10.99.5.9", "127.0.0.1"};
-  out.source_name = "Another";  // its numbers start anew
+  out.source_name = "Another";  // its numbers start again
   sink = must(SacnSink::create(out));
-  testing::remove_interface("eth5");  // with it goes the route
+  testing::remove_interface("eth5");  // removes the route
   REQUIRE(sink->send(kStartNs, frames).has_value());
-  CHECK(poll_until(*listeners[0], kStartNs, heard, [&] { return heard.frames.size() == 4; }));
+  CHECK(poll_until(*listeners[0], kStartNs, kept, [&] { return kept.frames.size() == 4; }));
   CHECK(sink->state() == PortState::kWorking);
-  CHECK(sink->counters().errors == 2);  // one a universe
+  CHECK(sink->counters().errors == 2);  // one per universe
   CHECK(sink->counters().frames == 2);
 }
 
@@ -727,7 +727,7 @@ TEST_CASE("wrong options are refused with a message that names the port and the 
   CHECK(message(unreachable).find("there is no route") != std::string::npos);
 }
 
-TEST_CASE("a port that another program holds without sharing is named, with how to find that program") {
+TEST_CASE("the error for a port held exclusively names the port and how to find the program") {
   if (!enter_private_network()) return;
   const Fd greedy(socket(AF_INET, SOCK_DGRAM, 0));
   sockaddr_in address = {};
@@ -740,7 +740,7 @@ TEST_CASE("a port that another program holds without sharing is named, with how 
   CHECK(refused.error().message.find("ss -ulpn") != std::string::npos);
 }
 
-TEST_CASE("an endpoint's words open the ports that they say, and a device's words none") {
+TEST_CASE("network endpoints open their ports, and device endpoints open none") {
   if (!enter_private_network()) return;
   const auto ends = std::make_shared<OwnSenders>();
   for (const char* const text : {"sacn:101-109=1-9@127.0.0.1:5570%lo", "artnet:1-9@127.0.0.1:6460"}) {
@@ -760,7 +760,7 @@ TEST_CASE("an endpoint's words open the ports that they say, and a device's word
   CHECK(make_net_sink(file, nullptr).error().code == ErrorCode::kBadInput);
 }
 
-TEST_CASE("a CID depends on machine, name and endpoint, stays the same, and is a UUID of version 8") {
+TEST_CASE("a CID depends on machine, name and endpoint, is constant, and is a UUID of version 8") {
   const Cid one = sacn_cid("machine", "Footlight", "sacn:1-9");
   CHECK(one == sacn_cid("machine", "Footlight", "sacn:1-9"));
   CHECK(one != sacn_cid("machine2", "Footlight", "sacn:1-9"));

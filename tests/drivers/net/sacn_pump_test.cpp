@@ -1,5 +1,4 @@
-// Desks on the network, the bridge between them and the stage: real sockets, the real pump, and a clock that jumps to
-// the next thing that happens.
+// Desks on the network and a bridge: real sockets, the real pump, and a clock that jumps to the next event.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -26,13 +25,13 @@ using testing::must;
 
 constexpr DurationNs kFrameNs = kNsPerS / 44;
 
-struct Heard {
+struct Received {
   TimeNs at_ns = 0;
   std::vector<std::uint8_t> levels;
   bool terminated = false;
 };
 
-// Universe 1 comes in by sACN and goes out as 101.
+// Universe 1 comes in by sACN and is sent as 101.
 struct Stage {
   FakeClock clock;
   JumpingWaiter waiter{clock};
@@ -43,7 +42,7 @@ struct Stage {
   std::unique_ptr<Pump> pump;
   std::vector<std::unique_ptr<SacnSink>> desks;
   std::vector<std::uint8_t> desk_levels;
-  std::vector<Heard> heard;
+  std::vector<Received> output;
 
   Stage() {
     const auto own_senders = std::make_shared<OwnSenders>();
@@ -78,13 +77,13 @@ struct Stage {
     desk_levels.push_back(level);
   }
 
-  // Every desk that is there sends each 1/44 s; the pump does what it does; what leaves it is kept with its time.
+  // Every active desk sends each 1/44 s; the pump runs; its output is kept with its time.
   void run_for(DurationNs duration_ns) {
     const TimeNs end_ns = clock.now_ns() + duration_ns;
     while (clock.now_ns() < end_ns) {
       for (std::size_t i = 0; i < desks.size(); ++i) {
         if (!desks[i]) continue;
-        // A desk repeats itself at 44 Hz although nothing changes; a sink of ours would send four times and rest.
+        // A desk repeats itself at 44 Hz although nothing changes; a sink of ours would send four times and pause.
         ++wiggle_;
         std::array<std::uint8_t, 4> levels = {desk_levels[i], desk_levels[i], desk_levels[i], wiggle_};
         FrameView frame;
@@ -104,10 +103,10 @@ struct Stage {
     REQUIRE(testing::drain(*listener, clock.now_ns(), frames));
     for (auto& frame : frames.frames) {
       if (frame.view.start_code == kStartCodeLevels)
-        heard.push_back({clock.now_ns(), std::move(frame.slots), frame.view.terminated});
+        output.push_back({clock.now_ns(), std::move(frame.slots), frame.view.terminated});
     }
   }
-  [[nodiscard]] int level(std::size_t address) const { return heard.back().levels[address - 1]; }
+  [[nodiscard]] int level(std::size_t address) const { return output.back().levels[address - 1]; }
 
  private:
   std::uint8_t wiggle_ = 0;
@@ -115,34 +114,35 @@ struct Stage {
 
 }  // namespace
 
-TEST_CASE("when the desk of priority 150 vanishes its look is held and sent on for 2.5 s, then that of 100 is there") {
+TEST_CASE(
+    "when the desk of priority 150 disappears its levels are repeated for 2.5 s, then those of priority 100 appear") {
   if (!enter_private_network()) return;
   Stage stage;
   stage.add_desk(150, 10);
   stage.add_desk(100, 20);
   stage.run_for(kNsPerS);
-  REQUIRE_FALSE(stage.heard.empty());
+  REQUIRE_FALSE(stage.output.empty());
   CHECK(stage.level(1) == 10);
-  for (const Heard& one : stage.heard) REQUIRE(one.levels[0] == 10);
-  stage.desks[0].reset();  // its plug is pulled: no last words
+  for (const Received& one : stage.output) REQUIRE(one.levels[0] == 10);
+  stage.desks[0].reset();  // unplugged: no end of stream
   const TimeNs gone_ns = stage.clock.now_ns();
-  stage.heard.clear();
+  stage.output.clear();
   stage.run_for(4 * kNsPerS);
   TimeNs last_ns = gone_ns;
   TimeNs taken_over_ns = 0;
-  for (const Heard& one : stage.heard) {
-    REQUIRE(one.at_ns - last_ns <= kNsPerS);  // E1.31-2018 section 6.6.2: nobody may think that the bridge is gone
+  for (const Received& one : stage.output) {
+    REQUIRE(one.at_ns - last_ns <= kNsPerS);  // E1.31-2018 section 6.6.2: no receiver may lose the bridge
     last_ns = one.at_ns;
     REQUIRE((one.levels[0] == 10 || one.levels[0] == 20));
     if (one.levels[0] == 20 && taken_over_ns == 0) taken_over_ns = one.at_ns;
     REQUIRE((taken_over_ns == 0) == (one.levels[0] == 10));
     REQUIRE_FALSE(one.terminated);
   }
-  CHECK(taken_over_ns - gone_ns > 2'400 * kNsPerMs);  // it was heard up to 23 ms before
+  CHECK(taken_over_ns - gone_ns > 2'400 * kNsPerMs);  // its last frame was received up to 23 ms before
   CHECK(taken_over_ns - gone_ns <= 2'500 * kNsPerMs);
 }
 
-TEST_CASE("a desk that says it ends is replaced in the same moment") {
+TEST_CASE("a desk that ends is replaced at once") {
   if (!enter_private_network()) return;
   Stage stage;
   stage.add_desk(150, 10);
@@ -152,23 +152,23 @@ TEST_CASE("a desk that says it ends is replaced in the same moment") {
   stage.desks[0]->close(stage.clock.now_ns());
   stage.desks[0].reset();
   const TimeNs ended_ns = stage.clock.now_ns();
-  stage.heard.clear();
+  stage.output.clear();
   stage.run_for(kFrameNs);
-  REQUIRE_FALSE(stage.heard.empty());
-  CHECK(stage.heard.front().at_ns == ended_ns);
-  CHECK(stage.heard.front().levels[0] == 20);
+  REQUIRE_FALSE(stage.output.empty());
+  CHECK(stage.output.front().at_ns == ended_ns);
+  CHECK(stage.output.front().levels[0] == 20);
 }
 
-TEST_CASE("when the last desk vanishes its look stays and is sent on") {
+TEST_CASE("when the last desk disappears its levels stay and are repeated") {
   if (!enter_private_network()) return;
   Stage stage;
   stage.add_desk(100, 20);
   stage.run_for(kNsPerS);
   stage.desks[0].reset();
-  stage.heard.clear();
+  stage.output.clear();
   stage.run_for(10 * kNsPerS);
-  CHECK(stage.heard.size() >= 10);
-  for (const Heard& one : stage.heard) {
+  CHECK(stage.output.size() >= 10);
+  for (const Received& one : stage.output) {
     CHECK(one.levels[0] == 20);
     CHECK_FALSE(one.terminated);
   }
@@ -177,17 +177,17 @@ TEST_CASE("when the last desk vanishes its look stays and is sent on") {
 TEST_CASE("priorities per address let two desks share a universe address by address") {
   if (!enter_private_network()) return;
   Stage stage;
-  stage.add_desk(150, 10, {200, 0, 90});  // address 4 and on: 0, as past the end
+  stage.add_desk(150, 10, {200, 0, 90});  // from address 4 on: 0, as past the end
   stage.add_desk(100, 20);
   stage.run_for(2 * kNsPerS);
   CHECK(stage.level(1) == 10);  // 200 against the other's 100
-  CHECK(stage.level(2) == 20);  // 0: not its address
+  CHECK(stage.level(2) == 20);  // 0: not claimed
   CHECK(stage.level(3) == 20);  // 90 against 100
   stage.desks[1]->close(stage.clock.now_ns());
   stage.desks[1].reset();
   stage.run_for(kNsPerS);
   CHECK(stage.level(1) == 10);
-  CHECK(stage.level(3) == 10);  // nobody else is left
+  CHECK(stage.level(3) == 10);  // no other desk is left
 }
 
 }  // namespace footlight::drivers

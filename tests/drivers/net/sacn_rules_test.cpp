@@ -24,7 +24,7 @@ struct Bench {
   void take(const SacnData& data) {
     std::array<std::uint8_t, kSacnDataBytesMax> packet;
     const std::size_t size = build_sacn_data(data, packet);
-    REQUIRE(rules.take(std::span(packet).first(size), kDeskIpv4, at_ns, heard));
+    REQUIRE(rules.take(std::span(packet).first(size), kDeskIpv4, at_ns, kept));
     changes += rules.take_change() ? 1 : 0;
   }
   void sync(int address, std::uint8_t sequence, std::uint8_t cid_octet = 1) {
@@ -34,18 +34,18 @@ struct Bench {
     packet.sync_universe = address;
     std::array<std::uint8_t, kSacnSyncBytes> bytes;
     build_sacn_sync(packet, bytes);
-    REQUIRE(rules.take(bytes, kDeskIpv4, at_ns, heard));
+    REQUIRE(rules.take(bytes, kDeskIpv4, at_ns, kept));
   }
-  [[nodiscard]] std::size_t count() const { return heard.frames.size(); }
-  [[nodiscard]] const testing::KeptFrame& last() const { return heard.frames.back(); }
+  [[nodiscard]] std::size_t count() const { return kept.frames.size(); }
+  [[nodiscard]] const testing::KeptFrame& last() const { return kept.frames.back(); }
 
   SacnReceiver rules;
-  KeepingReceiver heard;
+  KeepingReceiver kept;
   TimeNs at_ns = kStartNs;
   int changes = 0;
 };
 
-// One sender's packets, numbered as they are made.
+// The packets of one sender, numbered in the order of their creation.
 struct Desk {
   explicit Desk(std::uint8_t cid_octet = 1, int sync_universe = 0) {
     data.cid.fill(cid_octet);
@@ -66,7 +66,7 @@ struct Desk {
 
 }  // namespace
 
-TEST_CASE("priorities per address pass with their start code, and are numbered apart from the levels") {
+TEST_CASE("priorities per address are delivered with their start code, and are numbered separately from the levels") {
   Bench bench;
   Desk desk;
   desk.sequence = 200;
@@ -76,22 +76,22 @@ TEST_CASE("priorities per address pass with their start code, and are numbered a
   priorities.sequence = 190;  // 10 behind the levels: late if they were counted together
   bench.take(priorities);
   REQUIRE(bench.count() == 2);
-  CHECK(bench.heard.frames[0].view.start_code == kStartCodeLevels);
+  CHECK(bench.kept.frames[0].view.start_code == kStartCodeLevels);
   CHECK(bench.last().view.start_code == kStartCodePriorities);
   CHECK(bench.last().view.universe == 3);
-  CHECK(bench.last().view.sender == bench.heard.frames[0].view.sender);
+  CHECK(bench.last().view.sender == bench.kept.frames[0].view.sender);
   CHECK(bench.last().slots == std::vector<std::uint8_t>(4, 120));
-  bench.take(priorities);  // doubled
+  bench.take(priorities);  // duplicate
   CHECK(bench.count() == 2);
   CHECK(bench.rules.details().late == 1);
-  // A sender that counts both with one counter is heard as well.
+  // A sender with one counter for both works as well.
   bench.take(desk.levels(3, 8));
   priorities.sequence = desk.sequence++;
   bench.take(priorities);
   CHECK(bench.count() == 4);
 }
 
-TEST_CASE("numbers that a desk skips are lost, swapped ones are late, across the wrap too") {
+TEST_CASE("skipped numbers of a desk are lost, swapped ones are late, also across the wrap") {
   for (const int first : {0, 100, 250, 253, 255}) {
     CAPTURE(first);
     Bench bench;
@@ -108,10 +108,10 @@ TEST_CASE("numbers that a desk skips are lost, swapped ones are late, across the
     CHECK(number(4).lost == 2);  // 2 and 3 are missing
     CHECK(number(6).lost == 3);  // and 5
     SenderLosses losses = number(5);
-    CHECK(losses.lost == 2);  // it came after all
+    CHECK(losses.lost == 2);  // it arrived late
     CHECK(losses.late == 1);
-    CHECK(number(5).late == 1);  // doubled
-    CHECK(number(6).late == 1);  // doubled
+    CHECK(number(5).late == 1);  // duplicate
+    CHECK(number(6).late == 1);  // duplicate
     CHECK(number(2).lost == 1);
     CHECK(number(7).lost == 1);
     losses = number(7 + 127);
@@ -119,17 +119,17 @@ TEST_CASE("numbers that a desk skips are lost, swapped ones are late, across the
     CHECK(losses.late == 2);
     CHECK(bench.rules.losses(0, sender).lost == 0);  // another universe
     CHECK(bench.rules.losses(1, sender + 1).lost == 0);
-    CHECK(bench.count() == 6);  // 0, 1, 4, 6, 7 and the last: none that was late
+    CHECK(bench.count() == 6);  // 0, 1, 4, 6, 7 and the last: no late ones
   }
 }
 
-TEST_CASE("a thousand numbers in a row, a silence and a new start lose nothing") {
+TEST_CASE("a thousand numbers in a row, a silence and a restart lose nothing") {
   Bench bench;
   Desk desk;
   for (int i = 0; i < 1'000; ++i) bench.take(desk.levels(1, 1));
   const SenderId sender = bench.last().view.sender;
   CHECK(bench.rules.losses(0, sender).lost == 0);
-  desk.sequence = static_cast<std::uint8_t>(desk.sequence - 60);  // started anew
+  desk.sequence = static_cast<std::uint8_t>(desk.sequence - 60);  // restarted
   bench.take(desk.levels(1, 1));
   bench.at_ns += kSenderTimeoutNs;
   desk.sequence = static_cast<std::uint8_t>(desk.sequence + 50);
@@ -141,7 +141,7 @@ TEST_CASE("a thousand numbers in a row, a silence and a new start lose nothing")
   CHECK(bench.rules.losses(0, sender).lost == 2);
 }
 
-TEST_CASE("priorities that share the numbers of the levels are no loss, and those with their own neither") {
+TEST_CASE("priorities cause no loss, whether they share the numbers of the levels or have their own") {
   for (const bool shared : {true, false}) {
     CAPTURE(shared);
     Bench bench;
@@ -163,7 +163,7 @@ TEST_CASE("priorities that share the numbers of the levels are no loss, and thos
   }
 }
 
-TEST_CASE("a sender is called by its newest name and address, without what would move a terminal") {
+TEST_CASE("a sender has its newest name and address, without control characters") {
   Bench bench;
   Desk desk;
   bench.take(desk.levels(1, 1));
@@ -178,7 +178,7 @@ TEST_CASE("a sender is called by its newest name and address, without what would
   CHECK(bench.rules.sender_text(sender) == "10.0.0.7");
 }
 
-TEST_CASE("names of 255 senders are kept beside a live one, however many are made up") {
+TEST_CASE("names of 255 senders are kept beside a real one, however many are forged") {
   SenderNames names;
   for (SenderId id = 1; id <= 10'000; ++id) {
     names.note(1, "live", kDeskIpv4, kStartNs + static_cast<TimeNs>(id));
@@ -208,18 +208,18 @@ TEST_CASE("data with a synchronisation address is used at once until the first s
   bench.sync(500, 1);
   REQUIRE(bench.count() == 4);
   for (const std::size_t i : {2u, 3u}) {
-    CHECK(bench.heard.frames[i].view.universe == static_cast<int>(i) - 1);
-    CHECK(bench.heard.frames[i].slots == std::vector<std::uint8_t>(4, 2));
-    CHECK(bench.heard.frames[i].view.stamp_ns == bench.at_ns);
+    CHECK(bench.kept.frames[i].view.universe == static_cast<int>(i) - 1);
+    CHECK(bench.kept.frames[i].slots == std::vector<std::uint8_t>(4, 2));
+    CHECK(bench.kept.frames[i].view.stamp_ns == bench.at_ns);
   }
-  bench.sync(500, 2);  // nothing waits any more
+  bench.sync(500, 2);  // no frames wait
   CHECK(bench.count() == 4);
   CHECK(bench.rules.details().synchroniser.held == 2);
   CHECK(bench.rules.details().synchroniser.replaced == 0);
   CHECK(bench.rules.details().synchroniser.foreign == 1);
 }
 
-TEST_CASE("of several frames that wait the newest is used, and what it replaces is counted") {
+TEST_CASE("of several waiting frames the newest is used, and replaced ones are counted") {
   Bench bench;
   Desk desk(1, 500);
   bench.take(desk.levels(1, 1));
@@ -232,7 +232,7 @@ TEST_CASE("of several frames that wait the newest is used, and what it replaces 
   CHECK(bench.rules.details().synchroniser.replaced == 2);
 }
 
-TEST_CASE("a synchronisation packet out of sequence sets nothing free") {
+TEST_CASE("a synchronisation packet out of sequence releases nothing") {
   Bench bench;
   Desk desk(1, 500);
   bench.take(desk.levels(1, 1));
@@ -242,11 +242,11 @@ TEST_CASE("a synchronisation packet out of sequence sets nothing free") {
   bench.sync(500, 5);
   CHECK(bench.count() == 1);
   CHECK(bench.rules.details().synchroniser.late == 2);
-  bench.sync(500, 1, 7);  // another sender synchronises the same address, and counts for itself
+  bench.sync(500, 1, 7);  // another sender synchronises the same address, with its own numbers
   CHECK(bench.count() == 2);
 }
 
-TEST_CASE("data without an address is used at once and drops what waits, of its sender and universe alone") {
+TEST_CASE("data without an address is used at once and drops waiting frames of its sender and universe only") {
   Bench bench;
   Desk desk(1, 500);
   Desk other(2, 500);
@@ -261,11 +261,11 @@ TEST_CASE("data without an address is used at once and drops what waits, of its 
   CHECK(bench.last().slots == std::vector<std::uint8_t>(4, 9));
   bench.sync(500, 1);
   REQUIRE(bench.count() == 4);
-  CHECK(bench.heard.frames[2].view.universe + bench.heard.frames[3].view.universe == 3);
-  CHECK(bench.last().view.sender != bench.heard.frames[2].view.sender);
+  CHECK(bench.kept.frames[2].view.universe + bench.kept.frames[3].view.universe == 3);
+  CHECK(bench.last().view.sender != bench.kept.frames[2].view.sender);
 }
 
-TEST_CASE("a sender that ends does so at once, and what waits of it is never used") {
+TEST_CASE("a sender ends at once, and its waiting frames are never used") {
   Bench bench;
   Desk desk(1, 500);
   bench.take(desk.levels(1, 1));
@@ -281,7 +281,7 @@ TEST_CASE("a sender that ends does so at once, and what waits of it is never use
   CHECK(bench.count() == 2);
 }
 
-TEST_CASE("2.5 s without synchronisation packets: data goes on at once where it says so, and stays frozen else") {
+TEST_CASE("after 2.5 s without synchronisation packets data is used at once if its flag allows, else it stays frozen") {
   for (const bool force : {true, false}) {
     CAPTURE(force);
     Bench bench;
@@ -305,7 +305,7 @@ TEST_CASE("2.5 s without synchronisation packets: data goes on at once where it 
   }
 }
 
-TEST_CASE("a desk that comes back after 2.5 s of silence is heard at once, synchronised or not") {
+TEST_CASE("a desk that returns after 2.5 s of silence is used at once, synchronised or not") {
   Bench bench;
   Desk desk(1, 500);  // would freeze
   bench.take(desk.levels(1, 1));
@@ -316,10 +316,10 @@ TEST_CASE("a desk that comes back after 2.5 s of silence is heard at once, synch
   REQUIRE(bench.count() == 2);
   CHECK(bench.last().slots == std::vector<std::uint8_t>(4, 3));
   bench.sync(500, 1);
-  CHECK(bench.count() == 2);  // the frame of before the silence is gone
+  CHECK(bench.count() == 2);  // the frame from before the silence is gone
 }
 
-TEST_CASE("beyond 32 addresses and 4 senders of a universe data is used as it comes, and is counted") {
+TEST_CASE("beyond 32 addresses and 4 senders of a universe data is used at once and counted") {
   Bench bench;
   Desk desk;
   for (int address = 1; address <= 33; ++address) {
@@ -330,7 +330,7 @@ TEST_CASE("beyond 32 addresses and 4 senders of a universe data is used as it co
   CHECK(bench.changes == 32);
   CHECK(bench.count() == 33);
   CHECK(bench.rules.details().synchroniser.unfollowed == 1);
-  // One that is idle gives way.
+  // An idle one is replaced.
   bench.at_ns += 2'500 * kNsPerMs;
   bench.take(desk.levels(1, 0));
   bench.sync(33, 1);
@@ -355,7 +355,7 @@ TEST_CASE("priorities per address do not wait for synchronisation") {
   CHECK(bench.last().view.start_code == kStartCodePriorities);
 }
 
-TEST_CASE("the list of senders has every page, in order, forgets after 20 s and has room for 128 senders") {
+TEST_CASE("the list of senders has every page in order, removes senders after 20 s and holds 128 senders") {
   SacnDirectory directory;
   std::array<std::uint8_t, kSacnDiscoveryBytesMax> bytes;
   const auto announce = [&](std::uint8_t cid_octet, int page, int last_page, std::vector<int> universes,
@@ -376,7 +376,7 @@ TEST_CASE("the list of senders has every page, in order, forgets after 20 s and 
   CHECK(directory.list()[0].pages == 2);
   CHECK(directory.list()[0].name == "FOH desk");
   CHECK(directory.list()[0].ipv4 == kDeskIpv4);
-  announce(1, 0, 0, {4}, kStartNs + kNsPerS);  // it sends less from now on
+  announce(1, 0, 0, {4}, kStartNs + kNsPerS);  // it sends fewer universes from now on
   CHECK(directory.list()[0].universes == std::vector<int>{4});
   announce(2, 0, 0, {}, kStartNs + 2 * kNsPerS);
   directory.expire(kStartNs + 21 * kNsPerS - 1);
@@ -388,7 +388,7 @@ TEST_CASE("the list of senders has every page, in order, forgets after 20 s and 
   CHECK(directory.list().size() == 128);
 }
 
-TEST_CASE("20000 damaged packets of every kind leave the receiver whole and give no frame out of range") {
+TEST_CASE("after 20000 damaged packets of every kind the receiver still works and no frame is out of range") {
   Bench bench;
   SacnDirectory directory;
   std::mt19937 random(7);
@@ -419,7 +419,7 @@ TEST_CASE("20000 damaged packets of every kind leave the receiver whole and give
   for (int i = 0; i < 20'000; ++i) {
     auto packet = good[random() % good.size()];
     const std::size_t header = std::min<std::size_t>(packet.size(), 126);
-    // The numbers that a state machine turns on move in most of them; anything else in some.
+    // Numbers that affect the state machine change in most of them, other bytes in some.
     if (packet.size() > kSacnSyncBytes) {
       packet[22] = static_cast<std::uint8_t>(random() % 8);
       packet[111] = static_cast<std::uint8_t>(random());
@@ -433,7 +433,7 @@ TEST_CASE("20000 damaged packets of every kind leave the receiver whole and give
     if (random() % 2 == 0) packet[random() % header] = static_cast<std::uint8_t>(random());
     if (random() % 8 == 0) packet.resize(random() % packet.size());
     bench.at_ns += static_cast<DurationNs>(random() % 64) * kNsPerMs;
-    sound += bench.rules.take(packet, kDeskIpv4, bench.at_ns, bench.heard) ? 1 : 0;
+    sound += bench.rules.take(packet, kDeskIpv4, bench.at_ns, bench.kept) ? 1 : 0;
     if (const auto change = bench.rules.take_change()) {
       REQUIRE((change->left == 0 || is_universe(change->left)));
       REQUIRE(is_universe(change->joined));
@@ -441,12 +441,12 @@ TEST_CASE("20000 damaged packets of every kind leave the receiver whole and give
     if (const auto parsed = parse_sacn_packet(packet); parsed && std::holds_alternative<SacnDiscovery>(*parsed)) {
       directory.take(std::get<SacnDiscovery>(*parsed), kDeskIpv4, bench.at_ns);
     }
-    for (const auto& frame : bench.heard.frames) {
+    for (const auto& frame : bench.kept.frames) {
       REQUIRE((frame.view.universe >= 1 && frame.view.universe <= 9));
       REQUIRE(frame.view.priority <= kPriorityMax);
       REQUIRE(frame.slots.size() <= kSlotCountMax);
     }
-    bench.heard.frames.clear();
+    bench.kept.frames.clear();
   }
   CHECK(sound > 5'000);
   const auto details = bench.rules.details();

@@ -38,7 +38,7 @@ void write_capture(const std::filesystem::path& path, std::span<const std::uint8
   big(20 + udp_bytes, 2);
   big(0, 4);
   big(0x4011, 2);  // time to live 64, UDP
-  big(0, 2);       // checksum: tshark does not ask for it
+  big(0, 2);       // checksum: tshark does not check it
   big(0x7F000001u, 4);
   big(0x7F000001u, 4);
   big(port, 2);

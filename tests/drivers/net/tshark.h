@@ -1,4 +1,4 @@
-// Wireshark's dissectors as an independent judge of our packets.
+// Wireshark's dissectors as an independent check of our packets.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace footlight::testing {
 
-// Packs one datagram to UDP `port` into a capture, has tshark take it apart and returns the named fields' values
-// (joined by a comma where a field occurs several times). nullopt where tshark is not installed; it says so on stderr.
+// Writes one datagram to UDP `port` into a capture, runs tshark on it and returns the values of the given fields
+// (joined by commas if a field occurs several times). nullopt if tshark is not installed, reported on stderr.
 [[nodiscard]] std::optional<std::map<std::string, std::string>> dissect(std::span<const std::uint8_t> datagram,
                                                                         std::uint16_t port,
                                                                         const std::vector<std::string>& fields);

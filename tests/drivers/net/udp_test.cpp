@@ -1,4 +1,4 @@
-// Sockets against each other, in a network namespace with nothing but "lo" in it.
+// Sockets connected to each other, in a network namespace with only "lo".
 #include "drivers/net/udp.h"
 
 #include <doctest/doctest.h>
@@ -36,7 +36,8 @@ void send(const Fd& from, std::uint32_t ipv4, std::vector<std::uint8_t> bytes) {
   REQUIRE(writer.flush(from.get()).error_number == 0);
 }
 
-// What systemd's RestrictAddressFamilies= does to a family that it does not name. For the calling process, for good.
+// The effect of systemd's RestrictAddressFamilies= on a family that it does not list. Permanent for the calling
+// process.
 bool forbid_ipv6() {
   sock_filter program[] = {
       BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
@@ -53,7 +54,7 @@ bool forbid_ipv6() {
 
 constexpr int kSkipped = 77;
 
-// What `body` returns, in a child process without IPv6: 0 where all was right, else the step that was not.
+// Runs `body` in a child process without IPv6 and checks its result: 0 on success, else the failed step.
 void check_without_ipv6(const std::function<int()>& body) {
   const pid_t pid = fork();
   REQUIRE(pid >= 0);
@@ -75,7 +76,7 @@ int read_all(const Fd& fd) {
   return all;
 }
 
-// One unicast datagram from each of 64 UDP ports: as many hashes.
+// One unicast datagram from each of 64 UDP ports, so with different hashes.
 bool send_from_64_ports() {
   for (int i = 0; i < 64; ++i) {
     const auto stranger = open_sender({"test", 0});
@@ -95,7 +96,7 @@ TEST_CASE("a listener gets the datagrams of all 64 senders beside a yielding sen
   ReceiverSocket wanted;
   wanted.port_name = "test";
   wanted.udp_port = kPort;
-  check_without_ipv6([&] {  // the yielding sender is there first
+  check_without_ipv6([&] {  // the yielding sender is first
     const auto yielding = open_yielding_sender({"test", 0}, kPort, {});
     if (!yielding) return 1;
     const auto listener = open_receiver(wanted);
@@ -104,7 +105,7 @@ TEST_CASE("a listener gets the datagrams of all 64 senders beside a yielding sen
     if (read_all(*listener) != 64) return 4;
     return read_all(*yielding) == 0 ? 0 : 5;
   });
-  check_without_ipv6([&] {  // the listener is there first
+  check_without_ipv6([&] {  // the listener is first
     const auto listener = open_receiver(wanted);
     if (!listener) return 1;
     const auto yielding = open_yielding_sender({"test", 0}, kPort, {});
@@ -114,15 +115,15 @@ TEST_CASE("a listener gets the datagrams of all 64 senders beside a yielding sen
   });
 }
 
-TEST_CASE("a deaf sender sends from its port with the machine's address, and receives nothing at all") {
+TEST_CASE("a send-only socket sends from its port with the machine's address, and receives nothing") {
   if (!testing::enter_private_network()) return;
   ReceiverSocket wanted;
   wanted.port_name = "test";
   wanted.udp_port = kPort;
   const auto body = [&] {
-    const auto deaf = open_deaf_sender({"test", 0}, kPort);
+    const auto deaf = open_send_only({"test", 0}, kPort);
     if (!deaf) return 1;
-    const auto second = open_deaf_sender({"test", 0}, kPort);
+    const auto second = open_send_only({"test", 0}, kPort);
     if (!second) return 2;
     if (!send_from_64_ports()) return 3;
     const auto stranger = open_sender({"test", 0});
@@ -145,7 +146,7 @@ TEST_CASE("a deaf sender sends from its port with the machine's address, and rec
   check_without_ipv6(body);
 }
 
-TEST_CASE("a yielding sender takes unicast only where no other socket listens, and hears every broadcast") {
+TEST_CASE("a yielding sender receives unicast only if no other socket listens, and every broadcast") {
   if (!testing::enter_private_network()) return;
   const Fd yielding = must_open(open_yielding_sender({"test", 0}, kPort, {}));
   const Fd other = must_open(open_sender({"test", 0}));
@@ -160,7 +161,7 @@ TEST_CASE("a yielding sender takes unicast only where no other socket listens, a
     Fd listener = must_open(open_receiver(wanted));
     const Fd second = listener_is_older ? must_open(open_yielding_sender({"test", 0}, kPort, {})) : Fd();
     for (int i = 0; i < 8; ++i) {
-      const Fd stranger = must_open(open_sender({"test", 0}));  // a UDP port of its own: another hash
+      const Fd stranger = must_open(open_sender({"test", 0}));  // its own UDP port: another hash
       send(stranger, kThisMachine, {2});
     }
     CHECK(reader.read(listener.get()) == 8);
@@ -171,7 +172,7 @@ TEST_CASE("a yielding sender takes unicast only where no other socket listens, a
   }
 }
 
-TEST_CASE("a yielding sender sends from the port that it names, and knows who wrote and where it arrived") {
+TEST_CASE("a yielding sender sends from the given port, and receives sender and destination addresses") {
   if (!testing::enter_private_network()) return;
   const Fd yielding = must_open(open_yielding_sender({"test", 0}, kPort, {}));
   send(yielding, kThisMachine, {7});
@@ -183,7 +184,7 @@ TEST_CASE("a yielding sender sends from the port that it names, and knows who wr
   CHECK(reader[0].interface_index == 1);
 }
 
-TEST_CASE("a yielding sender with a filter hears only the numbers that it names") {
+TEST_CASE("a yielding sender with a filter receives only the given numbers") {
   if (!testing::enter_private_network()) return;
   const std::array<std::uint16_t, 2> wanted = {0x2100, 0x8134};
   const Fd yielding = must_open(open_yielding_sender({"test", 0}, kPort, wanted));
@@ -199,7 +200,7 @@ TEST_CASE("a yielding sender with a filter hears only the numbers that it names"
   CHECK(reader[1].bytes[9] == 0x81);
 }
 
-TEST_CASE("one receiver out of reach does not keep datagrams from the others") {
+TEST_CASE("one unreachable receiver does not affect datagrams to the others") {
   if (!testing::enter_private_network()) return;
   const Fd sender = must_open(open_sender({"test", 0}));
   const std::vector<std::uint8_t> bytes = {1};

@@ -12,7 +12,7 @@
 namespace footlight::drivers {
 namespace {
 
-// A line that answers nothing until it is let.
+// A line that does not answer until it is opened.
 class Gate {
  public:
   void open() {
@@ -45,30 +45,30 @@ class GatedWire final : public RdmWire {
  private:
   Result<Octets> exchange(std::span<const std::uint8_t>) override {
     gate_.pass();
-    return Octets{0xFE};  // as if several answered: discovery goes on and on
+    return Octets{0xFE};  // like several answers at once: discovery continues without end
   }
   Gate& gate_;
 };
 
 }  // namespace
 
-TEST_CASE("an agent takes sixteen requests while its line is busy, refuses more, and answers each with its ticket") {
+TEST_CASE("an agent accepts sixteen requests while its line is busy, refuses more, and answers each with its ticket") {
   Gate gate;
   auto agent = RdmAgent::create(std::make_unique<GatedWire>(gate));
   REQUIRE(agent.has_value());
   RdmMessage request;
   request.to = {1, 2};
-  REQUIRE((*agent)->ask(0, request));
+  REQUIRE((*agent)->submit(0, request));
   gate.wait_until_entered(1);
-  for (std::uint64_t ticket = 1; ticket <= RdmAgent::kRequestsMax; ++ticket) REQUIRE((*agent)->ask(ticket, request));
-  CHECK_FALSE((*agent)->ask(99, request));
+  for (std::uint64_t ticket = 1; ticket <= RdmAgent::kRequestsMax; ++ticket) REQUIRE((*agent)->submit(ticket, request));
+  CHECK_FALSE((*agent)->submit(99, request));
   gate.open();
   std::vector<std::uint64_t> tickets;
   while (tickets.size() < 1 + RdmAgent::kRequestsMax) {
     pollfd waiting = {(*agent)->fd(), POLLIN, 0};
     REQUIRE(::poll(&waiting, 1, 10'000) == 1);
     for (const auto& answer : (*agent)->take().answers) {
-      CHECK_FALSE(answer.message.has_value());  // what came was no message
+      CHECK_FALSE(answer.message.has_value());  // the received bytes were not a message
       tickets.push_back(answer.ticket);
     }
   }
@@ -77,7 +77,7 @@ TEST_CASE("an agent takes sixteen requests while its line is busy, refuses more,
   CHECK(::poll(&quiet, 1, 0) == 0);
 }
 
-TEST_CASE("an agent that is ended in the middle of a search waits for one request and no more") {
+TEST_CASE("an agent stopped in the middle of a search waits for one request and no more") {
   Gate gate;
   auto agent = RdmAgent::create(std::make_unique<GatedWire>(gate));
   REQUIRE(agent.has_value());
@@ -85,10 +85,10 @@ TEST_CASE("an agent that is ended in the middle of a search waits for one reques
   gate.wait_until_entered(1);
   std::jthread opener([&gate] { gate.open(); });
   agent->reset();
-  gate.wait_until_entered(1);  // the test ends: that is what it shows
+  gate.wait_until_entered(1);  // the test proves itself by ending
 }
 
-TEST_CASE("a directory gives out what was put in last, and nothing of a device that has gone") {
+TEST_CASE("a directory returns the last entry, and nothing of a closed device") {
   RdmDirectory directory;
   CHECK_FALSE(directory.find(1).has_value());
   bool gone = false;

@@ -1,4 +1,4 @@
-// RDM through an ENTTEC widget's driver and device thread, against the model of the widget and of the line behind it.
+// RDM through an ENTTEC widget's driver and device thread, with the model of the widget and of the line behind it.
 #include <doctest/doctest.h>
 
 #include <memory>
@@ -54,7 +54,7 @@ const std::vector<std::uint64_t> kExample = {0x7FF0'0000'0001, 0x7FF0'0000'0002,
 
 }  // namespace
 
-TEST_CASE("devices behind a modelled widget are found, asked and set by the words of an endpoint") {
+TEST_CASE("devices behind a modelled widget are found, read and set through an endpoint") {
   SystemClock clock;
   PortRequest request;
   request.scheme = "mock";
@@ -68,12 +68,12 @@ TEST_CASE("devices behind a modelled widget are found, asked and set by the word
   CHECK(rdm_text(controller.get(spot, kRdmDeviceLabel, {}, "DEVICE_LABEL").value()) == "Spot stage left");
   REQUIRE(controller.set(spot, kRdmDmxStartAddress, Octets{1, 0}, "DMX_START_ADDRESS").has_value());
   CHECK(controller.get(spot, kRdmDmxStartAddress, {}, "DMX_START_ADDRESS").value() == Octets{1, 0});
-  // The dimmer asks for time before every answer.
+  // The dimmer requests time before every answer.
   const RdmUid dimmer = RdmUid::of_number(kExample[2]);
   CHECK(rdm_text(controller.get(dimmer, kRdmDeviceLabel, {}, "DEVICE_LABEL").value()) == "House");
 }
 
-TEST_CASE("the look is back on the line when an RDM request is over") {
+TEST_CASE("the last frame is back on the line after an RDM request") {
   Bench bench;
   auto sink = bench.open_sink();
   const Octets slots(512, 77);
@@ -93,15 +93,15 @@ TEST_CASE("the look is back on the line when an RDM request is over") {
   });
 }
 
-TEST_CASE("a widget that does not say that nobody answered is waited for, and all are found") {
+TEST_CASE("a widget that does not report a missing response is waited for, and all devices are found") {
   Bench bench;
   bench.config.rdm_timeout_ns = 3 * kNsPerMs;
-  bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { model.says_rdm_timeout = false; });
+  bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { model.reports_rdm_timeout = false; });
   DeviceRdmLine line(bench.open_sink(), kOwn);
   CHECK(uids_of(line) == kExample);
 }
 
-TEST_CASE("a widget whose firmware is for DMX is said to be so, with what mends it") {
+TEST_CASE("the error for a widget with DMX firmware names the firmware and the fix") {
   Bench bench;
   bench.config.rdm_timeout_ns = 3 * kNsPerMs;
   bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { model.rdm_line.reset(); });
@@ -110,10 +110,10 @@ TEST_CASE("a widget whose firmware is for DMX is said to be so, with what mends 
   const auto label = controller.get(RdmUid::of_number(kExample[0]), kRdmDeviceLabel, {}, "DEVICE_LABEL");
   REQUIRE_FALSE(label.has_value());
   CHECK(label.error().code == ErrorCode::kUnsupported);
-  CHECK(label.error().message.find("firmware 1.68 is for DMX") != std::string::npos);
+  CHECK(label.error().message.find("firmware 1.68 does not support RDM") != std::string::npos);
 }
 
-TEST_CASE("a request while the widget is unplugged ends with an error, and one after it is back is answered") {
+TEST_CASE("a request while the widget is unplugged fails, and one after the replug is answered") {
   Bench bench;
   auto sink = bench.open_sink();
   DeviceRdmLine line(sink->link().handle(), "mock:enttec-pro", 0, kOwn);
@@ -129,7 +129,7 @@ TEST_CASE("a request while the widget is unplugged ends with an error, and one a
   CHECK(rdm_text(controller.get(spot, kRdmDeviceLabel, {}, "DEVICE_LABEL").value()) == "Spot");
 }
 
-TEST_CASE("an interface without RDM says so") {
+TEST_CASE("the error for an interface without RDM states that") {
   class Plain final : public Widget {
    public:
     int line_count() const override { return 1; }

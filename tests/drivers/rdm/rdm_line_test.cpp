@@ -1,4 +1,4 @@
-// Discovery and questions over a line of modelled responders, without a device between.
+// Discovery and requests over a line of modelled responders, without a device in between.
 #include "drivers/rdm/rdm_line.h"
 
 #include <doctest/doctest.h>
@@ -20,7 +20,7 @@ class ModelWire final : public RdmWire {
  public:
   ModelWire() : RdmWire(kOwn) {}
   mock::RdmLineModel line;
-  int noise = 0;  // so many requests are answered by something else
+  int noise = 0;  // the number of requests answered with noise
 
   mock::RdmResponderModel& add(std::uint64_t uid) {
     line.responders.emplace_back().uid = uid;
@@ -72,13 +72,13 @@ std::string text_of(const Result<Octets>& data) {
 
 }  // namespace
 
-TEST_CASE("an empty line has nobody on it, and that takes three requests") {
+TEST_CASE("discovery of an empty line finds no responder in three requests") {
   ModelWire wire;
   CHECK(uids_of(wire.discover()).empty());
   CHECK(wire.discovery_requests() == 3);
 }
 
-TEST_CASE("everybody is found: alone, in a row, far apart and by chance, whatever the UIDs") {
+TEST_CASE("every responder is found: alone, with consecutive, distant and random UIDs") {
   std::mt19937_64 random(1);
   const std::vector<std::vector<std::uint64_t>> lines = {
       {0x7FF0'0000'0001},
@@ -96,11 +96,11 @@ TEST_CASE("everybody is found: alone, in a row, far apart and by chance, whateve
     for (const std::uint64_t uid : uids) wire.add(uid).preamble = uid % 8;
     CHECK(uids_of(wire.discover()) == uids_on(wire));
     CHECK(wire.discovery_requests() <= 3 + 100 * uids.size());
-    CHECK(uids_of(wire.discover()) == uids_on(wire));  // and again, though they are muted
+    CHECK(uids_of(wire.discover()) == uids_on(wire));  // again, although they are muted
   }
 }
 
-TEST_CASE("a mute that is lost, or an answer that is damaged, is asked for again") {
+TEST_CASE("a lost mute or a damaged answer is requested again") {
   ModelWire wire;
   wire.add(0x7FF0'0000'0001);
   wire.add(0x7FF0'0000'0002).damages = 2;
@@ -112,7 +112,7 @@ TEST_CASE("a mute that is lost, or an answer that is damaged, is asked for again
   CHECK(uids_of(noisy.discover()) == uids_on(noisy));
 }
 
-TEST_CASE("responders that break the rules do not hide the others, and discovery ends") {
+TEST_CASE("responders that violate the rules do not hide the others, and discovery ends") {
   ModelWire wire;
   for (std::uint64_t uid = 1; uid <= 5; ++uid) wire.add(0x7FF0'0000'0000 + uid * 3);
   wire.line.responders[1].stays_unmuted = true;
@@ -128,11 +128,11 @@ TEST_CASE("responders that break the rules do not hide the others, and discovery
   hopeless.noise = 1'000'000;
   const auto end = hopeless.discover();
   REQUIRE_FALSE(end.has_value());
-  CHECK(end.error().message.find("discovery has no end") != std::string::npos);
+  CHECK(end.error().message.find("discovery does not end") != std::string::npos);
 }
 
-TEST_CASE("two devices whose answers together look like a third one are both found, and the third is not") {
-  // Such pairs exist: the checksum sees the doubled octets only.
+TEST_CASE("two devices whose combined answers look like a third one are both found, and the third is not") {
+  // Such pairs exist: the checksum covers the doubled octets only.
   std::mt19937_64 random(2);
   int phantoms = 0;
   for (int i = 0; i < 200'000 && phantoms < 5; ++i) {
@@ -152,7 +152,7 @@ TEST_CASE("two devices whose answers together look like a third one are both fou
   CHECK(phantoms == 5);
 }
 
-TEST_CASE("what a responder says when it is muted is kept") {
+TEST_CASE("a responder's answer to the mute is kept") {
   ModelWire wire;
   wire.add(1).control_field = 1;
   wire.add(2).control_field = 8;
@@ -167,7 +167,7 @@ TEST_CASE("what a responder says when it is muted is kept") {
   CHECK((*found)[2].is_boot_loader);
 }
 
-TEST_CASE("a parameter is got and set, and a broadcast reaches everybody and waits for nobody") {
+TEST_CASE("a parameter is read and set, and a broadcast reaches every responder without waiting") {
   Desk desk;
   desk.wire.add(0x7FF0'0000'0001);
   desk.wire.add(0x7FF0'0000'0002);
@@ -176,12 +176,12 @@ TEST_CASE("a parameter is got and set, and a broadcast reaches everybody and wai
   CHECK(desk.spot().label == "FOH");
   REQUIRE(desk.controller.set(kRdmEverybody, kRdmIdentifyDevice, Octets{1}, "IDENTIFY_DEVICE").has_value());
   for (const auto& responder : desk.wire.line.responders) CHECK(responder.identifies);
-  const auto everybody = desk.controller.get(kRdmEverybody, kRdmDeviceLabel, {}, "DEVICE_LABEL");
-  REQUIRE_FALSE(everybody.has_value());
-  CHECK(everybody.error().code == ErrorCode::kBadInput);
+  const auto broadcast = desk.controller.get(kRdmEverybody, kRdmDeviceLabel, {}, "DEVICE_LABEL");
+  REQUIRE_FALSE(broadcast.has_value());
+  CHECK(broadcast.error().code == ErrorCode::kBadInput);
 }
 
-TEST_CASE("two lost answers are forgiven, a third is an error that names the device and the next step") {
+TEST_CASE("two lost answers are tolerated, a third is an error that names the device and the next step") {
   Desk desk;
   desk.wire.add(0x7FF0'0000'0001).ignores = 2;
   CHECK(text_of(desk.get(kRdmDeviceLabel)) == "Spot");
@@ -196,7 +196,7 @@ TEST_CASE("two lost answers are forgiven, a third is an error that names the dev
   CHECK(damaged.error().message.find("checksum is wrong") != std::string::npos);
 }
 
-TEST_CASE("a refusal is told in words, and its kind is that of the reason") {
+TEST_CASE("a refusal has a text, and its code matches the reason") {
   Desk desk;
   desk.wire.add(0x7FF0'0000'0001).label_is_locked = true;
   struct Case {
@@ -216,23 +216,23 @@ TEST_CASE("a refusal is told in words, and its kind is that of the reason") {
   CHECK(desk.spot().start_address == 1);
 }
 
-TEST_CASE("a responder that asks for time is given it, and its answer is fetched from its queue") {
+TEST_CASE("a responder that requests time gets it, and its answer is fetched from its queue") {
   Desk desk;
-  desk.wire.add(0x7FF0'0000'0001).asks_for_time = 5;
+  desk.wire.add(0x7FF0'0000'0001).ack_timer_units = 5;
   const TimeNs before_ns = desk.clock.now_ns();
   CHECK(text_of(desk.get(kRdmDeviceLabel)) == "Spot");
   CHECK(desk.clock.now_ns() - before_ns == 500 * kNsPerMs);
-  desk.spot().keeps_queue = false;  // then it is asked anew
+  desk.spot().keeps_queue = false;  // then the request is repeated
   CHECK(text_of(desk.get(kRdmDeviceLabel)) == "Spot");
   desk.spot().keeps_queue = true;
-  desk.spot().asks_for_time = 200;
+  desk.spot().ack_timer_units = 200;
   const auto late = desk.get(kRdmDeviceLabel);
   REQUIRE_FALSE(late.has_value());
   CHECK(late.error().code == ErrorCode::kTimeout);
-  CHECK(late.error().message.find("asked for time") != std::string::npos);
+  CHECK(late.error().message.find("requested time") != std::string::npos);
 }
 
-TEST_CASE("an answer in parts is put together") {
+TEST_CASE("an answer in parts is assembled") {
   Desk desk;
   desk.wire.add(0x7FF0'0000'0001);
   const Octets whole = desk.get(kRdmSupportedParameters).value();
@@ -243,7 +243,7 @@ TEST_CASE("an answer in parts is put together") {
   }
 }
 
-TEST_CASE("an answer of another device, or to another request, is not taken") {
+TEST_CASE("an answer of another device, or to another request, is ignored") {
   class Liar final : public RdmWire {
    public:
     Liar() : RdmWire(kOwn) {}

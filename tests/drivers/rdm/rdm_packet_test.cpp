@@ -24,7 +24,7 @@ RdmMessage message_of(Octets data) {
   return message;
 }
 
-// ArtRdm, which has the message without its start code, is how Wireshark sees RDM.
+// Wireshark decodes RDM inside ArtRdm, which has the message without its start code.
 std::optional<std::map<std::string, std::string>> dissect(const RdmMessage& message,
                                                           const std::vector<std::string>& fields) {
   Octets packet = {'A', 'r', 't', '-', 'N', 'e', 't', 0, 0x00, 0x83, 0, 14, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
@@ -55,7 +55,7 @@ TEST_CASE("a built RDM message parses to the same fields, for every length of it
   }
 }
 
-TEST_CASE("Wireshark reads our RDM as we meant it, checksum included") {
+TEST_CASE("Wireshark decodes our RDM to the same fields, checksum included") {
   const auto set = dissect(message_of({0x00, 0x11}),
                            {"rdm.dst", "rdm.src", "rdm.tn", "rdm.port_id", "rdm.sd", "rdm.cc", "rdm.pid", "rdm.pdl",
                             "rdm.pd.dmx_start_address", "rdm.checksum.status", "_ws.malformed"});
@@ -77,7 +77,7 @@ TEST_CASE("each broken part of an RDM message is refused for its own reason, and
   const auto fault_with = [&](std::size_t at, std::uint8_t value) {
     Octets bad = good;
     bad[at] = value;
-    if (at > 1 && at < 24) {  // a right checksum, so that it is not what is found
+    if (at > 1 && at < 24) {  // with a correct checksum, so that another fault is found
       unsigned sum = 0;
       for (std::size_t i = 0; i < 27; ++i) sum += bad[i];
       bad[27] = static_cast<std::uint8_t>(sum >> 8);
@@ -106,7 +106,7 @@ TEST_CASE("each broken part of an RDM message is refused for its own reason, and
   CHECK(parse_rdm_message(response).error() == RdmFault::kResponseType);
 }
 
-TEST_CASE("UIDs are read as they are written, and nothing else is") {
+TEST_CASE("UIDs parse to the same value, and other text is refused") {
   CHECK(text_of(RdmUid{0x02B0, 0x12345}) == "02B0:00012345");
   CHECK(parse_rdm_uid("02b0:00012345").value() == RdmUid{0x02B0, 0x12345});
   CHECK(parse_rdm_uid("02B000012345").value() == RdmUid{0x02B0, 0x12345});
@@ -118,14 +118,14 @@ TEST_CASE("UIDs are read as they are written, and nothing else is") {
   }
 }
 
-TEST_CASE("an answer to discovery is known with any length of preamble, and not when one bit of it is wrong") {
+TEST_CASE("an answer to discovery is recognised with any length of preamble, and not with one wrong bit") {
   std::mt19937_64 random(1);
   for (int i = 0; i < 200; ++i) {
     const RdmUid uid = RdmUid::of_number(random() & 0xFFFF'FFFF'FFFFu);
     const Octets answer = build_discovery_answer(uid, static_cast<std::size_t>(i % 8));
     CHECK(parse_discovery_answer(answer) == uid);
     Octets longer = answer;
-    longer.push_back(0);  // a widget may hear some more
+    longer.push_back(0);  // a widget may receive some more
     CHECK(parse_discovery_answer(longer) == uid);
     for (std::size_t bit = 8 * static_cast<std::size_t>(i % 8); bit < 8 * answer.size(); ++bit) {
       Octets bad = answer;
@@ -138,7 +138,7 @@ TEST_CASE("an answer to discovery is known with any length of preamble, and not 
   }
 }
 
-TEST_CASE("20000 damaged RDM messages crash nothing, and what passes has a right checksum") {
+TEST_CASE("20000 damaged RDM messages crash nothing, and accepted ones have a correct checksum") {
   std::mt19937 random(3);
   const Octets good = build_rdm(message_of({1, 2, 3, 4, 5, 6, 7, 8}));
   int accepted = 0;

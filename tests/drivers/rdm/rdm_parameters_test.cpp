@@ -8,7 +8,7 @@
 namespace footlight::drivers {
 namespace {
 
-std::string told(const Result<std::vector<RdmField>>& fields) {
+std::string text_of(const Result<std::vector<RdmField>>& fields) {
   if (!fields) return fields.error().message;
   std::string text;
   for (const RdmField& field : *fields) {
@@ -17,7 +17,7 @@ std::string told(const Result<std::vector<RdmField>>& fields) {
   return text;
 }
 
-std::string told(RdmForm form, Octets data) { return told(rdm_fields(form, data, "X")); }
+std::string text_of(RdmForm form, Octets data) { return text_of(rdm_fields(form, data, "X")); }
 
 constexpr RdmForm kForms[] = {RdmForm::kNone,
                               RdmForm::kBytes,
@@ -55,26 +55,27 @@ TEST_CASE("parameters are found by name in any case, with dashes, and by number"
   CHECK_FALSE(rdm_parameter_number("0x").has_value());
 }
 
-TEST_CASE("answers are told in words") {
-  CHECK(told(RdmForm::kDeviceInfo, {1, 0, 0, 7, 1, 2, 0, 1, 2, 3, 0, 16, 2, 3, 0, 17, 0, 0, 1}) ==
+TEST_CASE("answers are converted to text") {
+  CHECK(text_of(RdmForm::kDeviceInfo, {1, 0, 0, 7, 1, 2, 0, 1, 2, 3, 0, 16, 2, 3, 0, 17, 0, 0, 1}) ==
         "model 0x0007; category fixture, moving yoke; software 0x00010203; footprint 16; personality 2; "
         "personalities 3; start address 17; sub-devices 0; sensors 1");
-  CHECK(told(RdmForm::kText, {'F', 'O', 'H', 0x1B, '[', '1', 'm', 0, 'x'}) == "FOH?[1m");
-  CHECK(told(RdmForm::kSwitch, {1}) == "on");
-  CHECK(told(RdmForm::kU32, {0, 1, 0, 0}) == "65536");
-  CHECK(told(RdmForm::kParameterList, {0x00, 0xE0, 0x80, 0x01}) == "DMX_PERSONALITY; 0x8001");
-  CHECK(told(RdmForm::kUidList, {2, 0xB0, 0, 0, 0, 1}) == "02B0:00000001");
-  CHECK(told(RdmForm::kPersonalityDescription, {2, 0, 16, 'E', 'x', 't'}) == "personality 2; footprint 16; name Ext");
-  CHECK(told(RdmForm::kSlotInfo, {0, 0, 0, 0, 1, 0, 1, 1, 0, 0}) ==
+  CHECK(text_of(RdmForm::kText, {'F', 'O', 'H', 0x1B, '[', '1', 'm', 0, 'x'}) == "FOH?[1m");
+  CHECK(text_of(RdmForm::kSwitch, {1}) == "on");
+  CHECK(text_of(RdmForm::kU32, {0, 1, 0, 0}) == "65536");
+  CHECK(text_of(RdmForm::kParameterList, {0x00, 0xE0, 0x80, 0x01}) == "DMX_PERSONALITY; 0x8001");
+  CHECK(text_of(RdmForm::kUidList, {2, 0xB0, 0, 0, 0, 1}) == "02B0:00000001");
+  CHECK(text_of(RdmForm::kPersonalityDescription, {2, 0, 16, 'E', 'x', 't'}) ==
+        "personality 2; footprint 16; name Ext");
+  CHECK(text_of(RdmForm::kSlotInfo, {0, 0, 0, 0, 1, 0, 1, 1, 0, 0}) ==
         "slot 1 function 0x0001; slot 2 kind 0x01 of slot 1");
-  CHECK(told(RdmForm::kSensorDefinition, {0, 0, 1, 1, 0xFF, 0x38, 4, 0xB0, 0, 0, 3, 0x20, 0, 'L'}) ==
+  CHECK(text_of(RdmForm::kSensorDefinition, {0, 0, 1, 1, 0xFF, 0x38, 4, 0xB0, 0, 0, 3, 0x20, 0, 'L'}) ==
         "sensor 0; kind temperature; lowest -20 degC; highest 120 degC; normal from 0 degC; normal to 80 degC; name L");
-  CHECK(told(RdmForm::kSensorValue, {1, 0xFF, 0xFE, 0, 1, 0, 2, 0, 3}) ==
+  CHECK(text_of(RdmForm::kSensorValue, {1, 0xFF, 0xFE, 0, 1, 0, 2, 0, 3}) ==
         "sensor 1; value -2; lowest 1; highest 2; recorded 3");
-  CHECK(told(RdmForm::kBytes, {0, 0xAB}) == "00 AB");
+  CHECK(text_of(RdmForm::kBytes, {0, 0xAB}) == "00 AB");
 }
 
-TEST_CASE("an answer of a wrong length is refused, for every form that has one") {
+TEST_CASE("an answer of a wrong length is refused, for every form with a length") {
   for (const auto& [form, wrong] :
        std::vector<std::pair<RdmForm, Octets>>{{RdmForm::kDeviceInfo, Octets(18)},
                                                {RdmForm::kDeviceInfo, Octets(20)},
@@ -95,7 +96,7 @@ TEST_CASE("an answer of a wrong length is refused, for every form that has one")
   }
 }
 
-TEST_CASE("any octets in any form give text that a terminal can show, or an error") {
+TEST_CASE("any octets in any form give printable text or an error") {
   std::mt19937 random(5);
   for (int i = 0; i < 5'000; ++i) {
     Octets data(random() % 60);
@@ -111,7 +112,7 @@ TEST_CASE("any octets in any form give text that a terminal can show, or an erro
   }
 }
 
-TEST_CASE("values are read as people type them, and what does not fit is refused with what was expected") {
+TEST_CASE("typed values are parsed, and invalid ones are refused with the expected form") {
   CHECK(rdm_data(RdmForm::kU16, "17", "X").value() == Octets{0, 17});
   CHECK(rdm_data(RdmForm::kU16, "0x0111", "X").value() == Octets{1, 17});
   CHECK(rdm_data(RdmForm::kU32, "65536", "X").value() == Octets{0, 1, 0, 0});

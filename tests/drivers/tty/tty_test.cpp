@@ -24,17 +24,17 @@ struct Bench : testing::EmulatedBench<TtySocket, Model, DriverClock> {
       : testing::EmulatedBench<TtySocket, Model, DriverClock>(std::move(scheme), std::make_unique<Model>(),
                                                               std::move(tty)) {}
 };
-// On a clock that stands still no keep-alive and no timeout ever comes: what is noticed is noticed without them.
+// On a clock that stands still there is no keep-alive and no timeout: events are detected without them.
 template <class Model>
 using StillBench = Bench<Model, testing::SharedFakeClock>;
 
-// The source's own poll, until done().
+// Polls the source until done().
 template <class Done>
 bool poll_source(Source& source, testing::FrameKeeper& keeper, Done&& done) {
   return testing::poll_until(
       source, [&] { (void)source.poll(0, keeper); }, std::forward<Done>(done));
 }
-// The source is open: its device is unplugged and plugged in again.
+// Unplugs and replugs the device of an open source.
 template <class SomeBench>
 void check_unplugged_input(SomeBench& bench, Source& source, testing::FrameKeeper& keeper) {
   bench.socket.unplug();
@@ -42,12 +42,12 @@ void check_unplugged_input(SomeBench& bench, Source& source, testing::FrameKeepe
   CHECK(source.trouble().find("plugged") != std::string::npos);
   bench.socket.plug();
   REQUIRE(poll_source(source, keeper, [&] {
-    bench.clock.advance_ns(kNsPerS);  // it is looked for again, and libusb has had its time
+    bench.clock.advance_ns(kNsPerS);  // the device is searched for again, and libusb has had its time
     return source.state() != PortState::kGone;
   }));
 }
 
-TEST_CASE("a NanoDMX on a ttyACM is listed, opened by its tty, set to 250000 baud and shows the look") {
+TEST_CASE("a NanoDMX on a ttyACM is listed, opened by its tty, set to 250000 baud and shows the frame") {
   Bench<mock::Dmx4allModel> bench("dmx4all", "ttyACM0");
   bench.socket.plug();
   const DeviceList list = find_devices();
@@ -65,7 +65,7 @@ TEST_CASE("a NanoDMX on a ttyACM is listed, opened by its tty, set to 250000 bau
   CHECK(sink->counters().rejected == 0);
 }
 
-TEST_CASE("a DMXking MAX speaks the protocol of a DMX USB Pro on a ttyACM, both ways") {
+TEST_CASE("a DMXking MAX uses the protocol of a DMX USB Pro on a ttyACM, in both directions") {
   Bench<mock::EnttecProModel> bench("enttec-pro", "ttyACM0");
   bench.model.chip = mock::SerialChip::kCdcAcm;
   bench.model.vendor = 0x1FC9;
@@ -105,7 +105,7 @@ TEST_CASE("a DMXking MAX that is plugged in after the start is opened by its tty
   CHECK(wait_for_state(*sink, PortState::kWorking));
 }
 
-TEST_CASE("an unplug is noticed without traffic, and the last look is back after the replug") {
+TEST_CASE("an unplug is detected without traffic, and the last frame is back after the replug") {
   StillBench<mock::Dmx4allModel> bench("dmx4all", "ttyACM0");
   bench.socket.plug();
   const auto sink = bench.open_sink();
@@ -115,11 +115,11 @@ TEST_CASE("an unplug is noticed without traffic, and the last look is back after
   REQUIRE(wait_for_state(*sink, PortState::kGone));
   CHECK(sink->trouble().find("unplugged") != std::string::npos);
   bench.socket.plug();
-  bench.clock.advance_ns(kNsPerS);  // a look for the device is due
+  bench.clock.advance_ns(kNsPerS);  // a search for the device is due
   CHECK(bench.shows(some_snapshot(1)));
 }
 
-TEST_CASE("an unplugged input of a DMXking MAX is gone without traffic, and hears frames after the replug") {
+TEST_CASE("an unplugged input of a DMXking MAX is gone without traffic, and receives frames after the replug") {
   StillBench<mock::EnttecProModel> bench("enttec-pro", "ttyACM0");
   bench.model.chip = mock::SerialChip::kCdcAcm;
   bench.model.vendor = 0x1FC9;
@@ -147,7 +147,7 @@ TEST_CASE("an unplugged input of a bare cable on a ttyUSB is gone without traffi
   for (int i = 0; i < 5; ++i) check_unplugged_input(bench, *source, keeper);
 }
 
-TEST_CASE("forty replugs cost no descriptor and no universe") {
+TEST_CASE("forty replugs leak no descriptor and lose no universe") {
   Bench<mock::EnttecProModel> bench("enttec-pro", "ttyACM0");
   bench.model.chip = mock::SerialChip::kCdcAcm;
   bench.model.vendor = 0x1FC9;
@@ -167,7 +167,7 @@ TEST_CASE("forty replugs cost no descriptor and no universe") {
 TEST_CASE("an FTDI cable without libusb's node is used over its ttyUSB, with real breaks") {
   Bench<mock::OpenDmxModel> bench("open-dmx", "ttyUSB0");
   bench.model.slot_ns = 0;
-  bench.model.break_min_ns = bench.model.mark_min_ns = 0;  // the model is not told the time here
+  bench.model.break_min_ns = bench.model.mark_min_ns = 0;  // the model has no time here
   bench.socket.plug();
   bench.request.target = "A50285BI";
   const auto sink = bench.open_sink();
@@ -178,7 +178,7 @@ TEST_CASE("an FTDI cable without libusb's node is used over its ttyUSB, with rea
   bench.socket.with_model([&] { CHECK(bench.model.cut_count == 0); });
 }
 
-TEST_CASE("a tty that nothing names is left alone") {
+TEST_CASE("a tty that nothing identifies is not opened") {
   Bench<mock::OpenDmxModel> bench("open-dmx", "ttyUSB0");
   bench.socket.plug();
   const auto refused = drivers::open_sink(bench.request, bench.clock);

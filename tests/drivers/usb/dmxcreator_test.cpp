@@ -1,4 +1,4 @@
-// The driver against the model in this process. Time stands still unless a test moves it.
+// The driver with the model in this process. Time stands still unless a test moves it.
 #include "drivers/mock/dmxcreator_model.h"
 #include "tests/support/device_bench.h"
 
@@ -16,7 +16,7 @@ TEST_CASE("the model takes an announcement and its halves, and nothing else") {
   DmxCreatorModel model;
   model.power_on();
   const Bytes half(256, 7);
-  model.data_out(0x02, half);  // nobody announced it
+  model.data_out(0x02, half);  // without an announcement
   CHECK(model.broken_count == 1);
   model.data_out(0x01, Bytes{0x80, 0x01, 0x00, 0x00, 0x00, 0x01});
   model.data_out(0x02, half);
@@ -28,7 +28,7 @@ TEST_CASE("the model takes an announcement and its halves, and nothing else") {
   CHECK(model.line(0).frame_count == 1);
 }
 
-TEST_CASE("a look is the announcement of 512 slots and two halves, and reaches the line with every slot") {
+TEST_CASE("a frame is sent as the announcement of 512 slots and two halves, and reaches the line with every slot") {
   DeviceBench bench("dmxcreator");
   const auto sink = bench.open_sink();
   bench.send(*sink, some_snapshot(7));
@@ -40,11 +40,11 @@ TEST_CASE("a look is the announcement of 512 slots and two halves, and reaches t
   });
 }
 
-TEST_CASE("an unplug before any transfer of a look ends with that look") {
+TEST_CASE("after an unplug before any transfer of a frame, the frame reaches the line") {
   DeviceBench bench("dmxcreator");
   testing::check_unplug_at_every_transfer(bench);
 }
-TEST_CASE("a transfer that is cut short at any byte costs no look, and halves of two looks never mix") {
+TEST_CASE("a transfer cut short at any byte loses no frame, and halves of two frames never mix") {
   DeviceBench bench("dmxcreator");
   std::vector<Bytes> frames;
   bench.usb->with_model(

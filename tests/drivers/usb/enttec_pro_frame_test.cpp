@@ -23,7 +23,7 @@ ProMessages parse(const Bytes& stream) {
   return parse_pieces(stream, [] { return std::size_t{1} << 20; }).messages;
 }
 
-TEST_CASE("an encoded question has the bytes of the specification") {
+TEST_CASE("an encoded request has the bytes of the specification") {
   CHECK(bytes_of(encode_get_serial()) == Bytes{0x7E, 10, 0, 0, 0xE7});
   CHECK(bytes_of(encode_get_params(508)) == Bytes{0x7E, 3, 2, 0, 0xFC, 0x01, 0xE7});
   CHECK(bytes_of(encode_receive_mode(ProReceiveMode::kOnChange)) == Bytes{0x7E, 8, 1, 0, 1, 0xE7});
@@ -90,7 +90,7 @@ TEST_CASE("bytes outside messages are counted as garbage") {
   CHECK(parser.rejected_count() == 0);
 }
 
-TEST_CASE("abandoning a message that never ends finds the ones behind its start") {
+TEST_CASE("abandoning an endless message finds the messages after its start") {
   ProParser parser;
   const Bytes stream = Bytes{0x7E, 5, 0x02, 0x02, 0} + bytes_of(encode_get_serial());
   std::span<const std::uint8_t> rest = stream;
@@ -103,7 +103,7 @@ TEST_CASE("abandoning a message that never ends finds the ones behind its start"
   CHECK_FALSE(parser.pending());
 }
 
-TEST_CASE("after a flush no message is left open, whatever came before") {
+TEST_CASE("after a flush no message is unfinished, whatever came before") {
   for (std::size_t length = 0; length <= 600; length += 100) {
     ProParser parser;
     const Bytes begun{0x7E, 6, static_cast<std::uint8_t>(length & 0xFF), static_cast<std::uint8_t>(length >> 8)};
@@ -116,7 +116,7 @@ TEST_CASE("after a flush no message is left open, whatever came before") {
   }
 }
 
-TEST_CASE("parameters survive the way to the widget and back") {
+TEST_CASE("parameters are unchanged after encoding and decoding") {
   const ProParams params{.firmware = 0x0144, .break_units = 17, .mab_units = 2, .rate_hz = 30};
   const auto message = encode_set_params(params, Bytes{9, 8, 7});
   REQUIRE(message);
@@ -130,7 +130,7 @@ TEST_CASE("parameters survive the way to the widget and back") {
   CHECK(us_of_pro_units(9) == doctest::Approx(96.0));
 }
 
-TEST_CASE("parameters that no widget takes are refused with their range") {
+TEST_CASE("parameters that no widget accepts are refused with their range") {
   CHECK(encode_set_params({.break_units = 8}).error().message.find("9 to 127") != std::string::npos);
   CHECK(encode_set_params({.break_units = 128}).error().code == ErrorCode::kBadInput);
   CHECK_FALSE(encode_set_params({.mab_units = 0}));
@@ -141,7 +141,7 @@ TEST_CASE("parameters that no widget takes are refused with their range") {
   CHECK(decode_params(Bytes{1, 2, 3, 4}).error().code == ErrorCode::kProtocol);
 }
 
-TEST_CASE("a received frame tells its line errors apart from its slots") {
+TEST_CASE("a received frame has its line errors separate from its slots") {
   const Bytes payload{2, 0, 10, 20};
   const auto received = decode_received(payload);
   REQUIRE(received);
@@ -153,7 +153,7 @@ TEST_CASE("a received frame tells its line errors apart from its slots") {
   CHECK_FALSE(decode_received(Bytes{0}));
 }
 
-TEST_CASE("a change of state sets the addresses that its bits name") {
+TEST_CASE("a change of state sets the addresses of its bits") {
   LineFrame frame{};
   frame[6] = 99;
   const auto count = apply_change_of_state(Bytes{0x00, 0x38, 0, 0, 0, 0, 0x16, 0x5D, 0x90}, frame);
@@ -192,7 +192,7 @@ TEST_CASE("a serial number is read as decimal digits, lowest first") {
   CHECK_FALSE(decode_serial(Bytes{1, 2, 3}));
 }
 
-TEST_CASE("receive mode and frames to send are read back as they were written") {
+TEST_CASE("receive mode and frames to send decode to the encoded values") {
   CHECK(decode_receive_mode(Bytes{1}).value_or(ProReceiveMode::kEveryFrame) == ProReceiveMode::kOnChange);
   CHECK_FALSE(decode_receive_mode(Bytes{2}));
   CHECK_FALSE(decode_receive_mode(Bytes{}));
@@ -201,7 +201,7 @@ TEST_CASE("receive mode and frames to send are read back as they were written") 
   CHECK_FALSE(decode_send_dmx(Bytes(514)));
 }
 
-TEST_CASE("status bytes go with every packet of a transfer and with no other byte") {
+TEST_CASE("status bytes are removed from every packet of a transfer, and no other byte") {
   Bytes transfer;
   for (int i = 0; i < 64 + 64 + 5; ++i) transfer.push_back(static_cast<std::uint8_t>(i % 64 < 2 ? 0xAA : i));
   transfer.resize(ftdi::strip_status(transfer, ftdi::kFullSpeedPacketSize));
@@ -216,9 +216,9 @@ TEST_CASE("status bytes go with every packet of a transfer and with no other byt
   CHECK(ftdi::strip_status({}, 64) == 0);
 }
 
-// Goal: no bytes whatever upset the parser. Method: good streams with bytes changed, dropped, doubled and cut out, the
-// same on every run; the properties are those of the fuzz target.
-TEST_CASE("20000 damaged streams parse as the definition says and leave the next message intact") {
+// Goal: no input breaks the parser. Method: valid streams with bytes changed, dropped, duplicated and removed, the same
+// on every run; the properties are those of the fuzz target.
+TEST_CASE("20000 damaged streams parse as defined and leave the next message intact") {
   const Bytes good = bytes_of(ProMessage(ProLabel::kReceived, Bytes(514, 0x7E))) + bytes_of(encode_get_serial()) +
                      bytes_of(ProMessage(ProLabel::kChangeOfState, Bytes{0, 0x38, 0, 0, 0, 0, 1, 2, 3})) +
                      bytes_of(*encode_set_params({})) + bytes_of(encode_send_dmx(Bytes(512, 0xE7)));

@@ -1,5 +1,5 @@
-// The driver's threads against the model in this process. Time stands still unless a test moves it; waits end by being
-// told.
+// The driver's threads with the model in this process. Time stands still unless a test moves it; waits end by
+// notification.
 #include "drivers/widgets/enttec_pro.h"
 
 #include <doctest/doctest.h>
@@ -32,7 +32,7 @@ using testing::wait_for_state;
 
 constexpr Universe kUniverse = 3;
 
-// NaN where the widget has none of that name, or none was asked for yet.
+// NaN if the widget has no figure of that name, or none was requested yet.
 template <class Port>
 double figure(const Port& port, std::string_view name) {
   for (const WidgetFigure& one : port.link().figures())
@@ -73,12 +73,12 @@ struct Bench {
     clock.advance_ns(by_ns);
     usb->clock_moved();
   }
-  bool trouble_says(Sink& sink, std::string_view words) {
+  bool has_trouble(Sink& sink, std::string_view words) {
     return poll_until(
         sink, [&] { (void)sink.poll(clock.now_ns()); },
         [&] { return sink.trouble().find(words) != std::string::npos; });
   }
-  // Polls until that many frames have been handed over in all.
+  // Polls until that many frames have been delivered in all.
   bool frames_come(DeviceSource& source, FrameKeeper& keeper, std::size_t count) {
     return poll_until(
         source, [&] { (void)source.poll(clock.now_ns(), keeper); }, [&] { return keeper.kept.size() >= count; });
@@ -87,7 +87,7 @@ struct Bench {
 
 TEST_SUITE_BEGIN("enttec_pro");
 
-TEST_CASE("a sink knows the widget's serial numbers, parameters and rate after opening") {
+TEST_CASE("a sink has the widget's serial numbers, parameters and rate after opening") {
   Bench bench;
   bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { model.rate_hz = 30; });
   const auto sink = bench.open_sink();
@@ -108,7 +108,7 @@ TEST_CASE("a frame reaches the widget with start code 0 and 512 slots") {
   CHECK(bench.widget_shows(some_snapshot(7)));
 }
 
-TEST_CASE("a short frame leaves the slots past its end as they were") {
+TEST_CASE("a short frame does not change the slots past its end") {
   Bench bench;
   const auto sink = bench.open_sink();
   bench.send(*sink, some_snapshot(7));
@@ -129,7 +129,7 @@ TEST_CASE("frames of other universes and terminated ones are not sent") {
   CHECK(bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.line(0).frame_count; }) == 1);
 }
 
-TEST_CASE("an unchanged look is sent again after a second, and not before") {
+TEST_CASE("an unchanged frame is sent again after a second, and not before") {
   Bench bench;
   std::vector<TimeNs> stamps_ns;
   bench.usb->with_model<EnttecProModel>([&](EnttecProModel& model) {
@@ -150,7 +150,7 @@ TEST_CASE("an unchanged look is sent again after a second, and not before") {
       *sink, [] {}, [&] { return sink->link().stats().keep_alives == 3; }));
 }
 
-TEST_CASE("a resting output is sent nothing more, and the same look again when it is sent one") {
+TEST_CASE("a resting output sends nothing more, and sends equal levels again at the next frame") {
   Bench bench;
   const auto sink = bench.open_sink();
   bench.send(*sink, some_snapshot(7));
@@ -158,7 +158,7 @@ TEST_CASE("a resting output is sent nothing more, and the same look again when i
   sink->rest(bench.clock.now_ns());
   for (int second = 0; second < 3; ++second) {
     bench.advance_ns(kNsPerS + kNsPerMs);
-    std::promise<void> turned;  // the device's thread has been round once more
+    std::promise<void> turned;  // the device's thread has run once more
     sink->link().run_on_device([&](Widget&, WidgetContext*) { turned.set_value(); });
     turned.get_future().wait();
   }
@@ -168,7 +168,7 @@ TEST_CASE("a resting output is sent nothing more, and the same look again when i
   CHECK(bench.usb->wait_for<EnttecProModel>([&](const EnttecProModel& model) { return frames(model) == 2; }));
 }
 
-TEST_CASE("while the widget takes nothing the newest frame replaces older ones, and those are counted") {
+TEST_CASE("while the widget accepts nothing the newest frame replaces older ones, and those are counted") {
   Bench bench;
   const auto sink = bench.open_sink();
   bench.usb->stall(true);
@@ -178,12 +178,12 @@ TEST_CASE("while the widget takes nothing the newest frame replaces older ones, 
   sink->close(bench.clock.now_ns());
   const PortCounters counters = sink->counters();
   CHECK(counters.frames + counters.dropped == 50);
-  CHECK(counters.dropped >= 48);  // one may have been on its way, and one in the mailbox
+  CHECK(counters.dropped >= 48);  // one may have been in transfer, and one in the mailbox
   CHECK(bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.line(0).frame_count; }) ==
         counters.frames);
 }
 
-TEST_CASE("an unplugged widget is reported gone, and shows the last look again when it is back") {
+TEST_CASE("an unplugged widget is reported gone, and shows the last frame again when it is back") {
   Bench bench;
   const auto sink = bench.open_sink();
   bench.send(*sink, some_snapshot(7));
@@ -197,7 +197,7 @@ TEST_CASE("an unplugged widget is reported gone, and shows the last look again w
   const TimeNs plugged_ns = bench.clock.now_ns();
   bench.usb->plug();
   CHECK(bench.widget_shows(some_snapshot(7)));
-  CHECK(bench.clock.now_ns() == plugged_ns);  // no timer had to run out
+  CHECK(bench.clock.now_ns() == plugged_ns);  // no timeout was needed
   REQUIRE(wait_for_state(*sink, PortState::kWorking));
   CHECK(sink->trouble().empty());
   CHECK(sink->link().stats().connects == 2);
@@ -216,7 +216,7 @@ TEST_CASE("a frame sent while the widget is gone is the one it shows when it is 
   CHECK(bench.widget_shows(some_snapshot(3)));
 }
 
-TEST_CASE("a widget that vanishes in the middle of a frame gets the whole frame when it is back") {
+TEST_CASE("a widget unplugged in the middle of a frame gets the whole frame when it is back") {
   for (const std::size_t byte_count : {0u, 1u, 4u, 100u, 517u}) {
     CAPTURE(byte_count);
     Bench bench;
@@ -252,7 +252,7 @@ TEST_CASE("a message that a killed program left unfinished does not keep the nex
   CHECK(bench.widget_shows(some_snapshot(9)));
 }
 
-TEST_CASE("another widget in the same socket is not taken for the one that left") {
+TEST_CASE("another widget in the same socket is not used instead of the unplugged one") {
   Bench bench;
   const auto sink = bench.open_sink();
   bench.send(*sink, some_snapshot(1));
@@ -261,7 +261,7 @@ TEST_CASE("another widget in the same socket is not taken for the one that left"
   REQUIRE(wait_for_state(*sink, PortState::kGone));
   REQUIRE(bench.usb->obey("serial EN999999"));
   bench.usb->plug();
-  REQUIRE(bench.trouble_says(*sink, "EN999999"));
+  REQUIRE(bench.has_trouble(*sink, "EN999999"));
   CHECK(sink->state() == PortState::kGone);
 
   bench.usb->unplug();
@@ -270,7 +270,7 @@ TEST_CASE("another widget in the same socket is not taken for the one that left"
   CHECK(wait_for_state(*sink, PortState::kWorking));
 }
 
-TEST_CASE("a widget that takes nothing three times over is opened afresh") {
+TEST_CASE("a widget that accepts nothing three times is opened again") {
   Bench bench;
   bench.config.write_timeout_ns = bench.retry_ns = 5 * kNsPerMs;
   SystemClock clock;
@@ -279,12 +279,12 @@ TEST_CASE("a widget that takes nothing three times over is opened afresh") {
   bench.usb->stall(true);
   bench.send(**sink, some_snapshot(9));
   REQUIRE(wait_for_state(**sink, PortState::kGone));
-  CHECK(bench.trouble_says(**sink, "does not take data"));
+  CHECK(bench.has_trouble(**sink, "accepts no data"));
   bench.usb->stall(false);
   CHECK(bench.widget_shows(some_snapshot(9)));
 }
 
-TEST_CASE("what does not answer like a widget is refused, and the message says what was asked") {
+TEST_CASE("a device that does not answer like a widget is refused, and the message names the request") {
   Bench bench;
   bench.config.reply_timeout_ns = 5 * kNsPerMs;
   SystemClock clock;
@@ -302,16 +302,16 @@ TEST_CASE("a widget with a blank serial number opens") {
   CHECK(bench.open_sink()->link().identity() == "firmware 1.68");
 }
 
-TEST_CASE("a widget that is busy talking can be opened") {
+TEST_CASE("a widget that sends continuously can be opened") {
   Bench bench;
   bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) {
     for (int i = 0; i < 5; ++i) model.receive_line_frame(0, line_frame_of(some_snapshot(1)));
-    model.say(Bytes{0x7E, 0x05});
+    model.send_to_host(Bytes{0x7E, 0x05});
   });
   CHECK(bench.open_sink()->state() == PortState::kWorking);
 }
 
-TEST_CASE("two ports cannot have one widget") {
+TEST_CASE("two ports cannot share one connector of a widget") {
   Bench bench;
   const auto first = bench.open_sink();
   const auto second = DeviceSink::open(bench.plan(bench.clock), bench.port, bench.clock);
@@ -319,7 +319,7 @@ TEST_CASE("two ports cannot have one widget") {
   CHECK(second.error().code == ErrorCode::kPermission);
 }
 
-TEST_CASE("a sink without its widget fails to open, or waits for it when told to") {
+TEST_CASE("a sink without its widget fails to open, or waits for it with wait_for_device") {
   Bench bench;
   bench.usb->unplug();
   const auto refused = DeviceSink::open(bench.plan(bench.clock), bench.port, bench.clock);
@@ -334,7 +334,7 @@ TEST_CASE("a sink without its widget fails to open, or waits for it when told to
   CHECK(bench.widget_shows(some_snapshot(4)));
 }
 
-TEST_CASE("closing leaves the last look on the line and gives the widget back") {
+TEST_CASE("closing leaves the last frame on the line and releases the widget") {
   Bench bench;
   const auto sink = bench.open_sink();
   bench.send(*sink, some_snapshot(7));
@@ -357,7 +357,7 @@ TEST_CASE("closing with blackout on exit leaves all slots at 0") {
         Bytes(513, 0));
 }
 
-TEST_CASE("a sink that is destroyed while its widget takes nothing does not wait for a timeout") {
+TEST_CASE("a sink destroyed while its widget accepts nothing does not wait for a timeout") {
   Bench bench;
   auto sink = bench.open_sink();
   bench.usb->stall(true);
@@ -366,7 +366,7 @@ TEST_CASE("a sink that is destroyed while its widget takes nothing does not wait
   CHECK_FALSE(bench.usb->claimed());
 }
 
-TEST_CASE("a source hands over what the line brings, address 1 in slot 0") {
+TEST_CASE("a source delivers frames of the line, address 1 in slot 0") {
   Bench bench;
   const auto source = bench.open_source();
   FrameKeeper keeper;
@@ -382,7 +382,7 @@ TEST_CASE("a source hands over what the line brings, address 1 in slot 0") {
   CHECK(source->state() == PortState::kWorking);
 }
 
-TEST_CASE("a short line frame is handed over with its own length") {
+TEST_CASE("a short line frame is delivered with its own length") {
   Bench bench;
   const auto source = bench.open_source();
   FrameKeeper keeper;
@@ -393,7 +393,7 @@ TEST_CASE("a short line frame is handed over with its own length") {
   CHECK(keeper.kept[0].slots == Bytes{10, 20, 30});
 }
 
-TEST_CASE("frames arrive the same when reads bring one byte at a time and noise stands between them") {
+TEST_CASE("frames are the same when reads return one byte at a time and there is noise between them") {
   Bench bench;
   bench.usb->limit_reads(1);
   const auto source = bench.open_source();
@@ -432,7 +432,7 @@ TEST_CASE("changes of state build up the whole frame") {
       *source, [&] { (void)source->poll(0, keeper); }, [&] { return keeper.kept.back().slots == slots; }));
 }
 
-TEST_CASE("damaged line frames and those with another start code are counted and not handed over") {
+TEST_CASE("damaged line frames and those with another start code are counted and not delivered") {
   Bench bench;
   const auto source = bench.open_source();
   FrameKeeper keeper;
@@ -451,7 +451,7 @@ TEST_CASE("damaged line frames and those with another start code are counted and
   CHECK(source->counters().rejected == 2);
 }
 
-TEST_CASE("frames that nobody polls for are replaced by the newest and counted") {
+TEST_CASE("frames without a poll are replaced by the newest and counted") {
   Bench bench;
   const auto source = bench.open_source();
   for (std::uint8_t i = 1; i <= 20; ++i)
@@ -466,7 +466,7 @@ TEST_CASE("frames that nobody polls for are replaced by the newest and counted")
   CHECK(source->counters().dropped == 19);
 }
 
-TEST_CASE("a line that falls quiet turns the source to waiting after 1.25 s") {
+TEST_CASE("a silent line changes the source to waiting after 1.25 s") {
   Bench bench;
   const auto source = bench.open_source();
   CHECK(source->state() == PortState::kWaiting);
@@ -475,8 +475,8 @@ TEST_CASE("a line that falls quiet turns the source to waiting after 1.25 s") {
   bench.usb->with_model<EnttecProModel>(
       [](EnttecProModel& model) { model.receive_line_frame(0, line_frame_of(some_snapshot(1))); });
   REQUIRE(bench.frames_come(*source, keeper, 1));
-  const TimeNs heard_ns = bench.clock.now_ns();
-  CHECK(source->next_deadline_ns() == heard_ns + 1'250 * kNsPerMs);
+  const TimeNs received_ns = bench.clock.now_ns();
+  CHECK(source->next_deadline_ns() == received_ns + 1'250 * kNsPerMs);
   bench.advance_ns(1'249 * kNsPerMs);
   REQUIRE(source->poll(bench.clock.now_ns(), keeper));
   CHECK(source->state() == PortState::kWorking);
@@ -485,7 +485,7 @@ TEST_CASE("a line that falls quiet turns the source to waiting after 1.25 s") {
   CHECK(source->state() == PortState::kWaiting);
 }
 
-TEST_CASE("a source listens again after its widget was replugged") {
+TEST_CASE("a source receives again after its widget was replugged") {
   Bench bench;
   const auto source = bench.open_source();
   FrameKeeper keeper;
@@ -502,15 +502,14 @@ TEST_CASE("a source listens again after its widget was replugged") {
   CHECK(keeper.kept[0].slots == some_snapshot(5));
 }
 
-TEST_CASE("the end of a message that never comes does not swallow the next frame for long") {
+TEST_CASE("a message without its end delays the next frame only shortly") {
   Bench bench;
   const auto source = bench.open_source();
   FrameKeeper keeper;
   // The head of a full frame and nothing else: the parser would wait for 513 bytes.
   REQUIRE(bench.usb->obey("garbage 7E0502020000"));
   bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { model.receive_line_frame(0, Bytes{0, 11, 22}); });
-  for (int i = 0; i < 1000 && keeper.kept.empty();
-       ++i) {  // the thread has to see both the bytes and then the time pass
+  for (int i = 0; i < 1000 && keeper.kept.empty(); ++i) {  // the thread must first get the bytes and then the time
     bench.advance_ns(50 * kNsPerMs);
     pollfd waited{.fd = source->poll_fd(), .events = POLLIN, .revents = 0};
     ::poll(&waited, 1, 10);
@@ -540,7 +539,7 @@ struct TwoPorts : Bench {
   DevicePortConfig on(std::vector<DeviceLine> lines) const { return {.name = port.name, .lines = std::move(lines)}; }
 };
 
-TEST_CASE("an Mk2 sends on both connectors with the labels that the user gives, once its key was told") {
+TEST_CASE("an Mk2 sends on both connectors with the user's labels after its key was sent") {
   TwoPorts bench(kSecond);
   auto sink = DeviceSink::open(bench.plan(bench.clock), bench.on({{0, 3}, {1, 4}}), bench.clock);
   REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
@@ -554,7 +553,7 @@ TEST_CASE("an Mk2 sends on both connectors with the labels that the user gives, 
   CHECK(bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) { return model.second_port_open; }));
 }
 
-TEST_CASE("one connector of an Mk2 may listen while the other sends, each a port of its own on one device") {
+TEST_CASE("one connector of an Mk2 may receive while the other sends, as two ports of one device") {
   TwoPorts bench(kSecond);
   auto sink = DeviceSink::open(bench.plan(bench.clock), bench.on({{0, 3}}), bench.clock);
   REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
@@ -568,7 +567,7 @@ TEST_CASE("one connector of an Mk2 may listen while the other sends, each a port
   REQUIRE(bench.frames_come(**source, keeper, 1));
   CHECK(keeper.kept[0].view.universe == 9);
   CHECK(keeper.kept[0].slots == some_snapshot(77));
-  // Each may end without the other.
+  // Each may be closed without the other.
   (*source).reset();
   bench.send(**sink, some_snapshot(5), 3);
   CHECK(bench.widget_shows(some_snapshot(5)));
@@ -577,7 +576,7 @@ TEST_CASE("one connector of an Mk2 may listen while the other sends, each a port
   CHECK_FALSE(bench.usb->claimed());
 }
 
-TEST_CASE("a connector that is in use is refused, and the one that has it goes on") {
+TEST_CASE("a connector in use is refused, and its port continues") {
   TwoPorts bench(kSecond);
   auto sink = DeviceSink::open(bench.plan(bench.clock), bench.on({{1, 3}}), bench.clock);
   REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
@@ -589,7 +588,8 @@ TEST_CASE("a connector that is in use is refused, and the one that has it goes o
       [](const mock::UsbModel& model) { return model.line(1).frame == line_frame_of(some_snapshot(5)); }));
 }
 
-TEST_CASE("the second connector of an Mk2 without a key is refused with what is needed, and nothing is sent to it") {
+TEST_CASE(
+    "the error for the second connector of an Mk2 without a key names what is needed, and nothing is sent to it") {
   TwoPorts bench({});
   const auto sink = DeviceSink::open(bench.plan(bench.clock), bench.on({{1, 3}}), bench.clock);
   REQUIRE_FALSE(sink);
@@ -598,9 +598,9 @@ TEST_CASE("the second connector of an Mk2 without a key is refused with what is 
   CHECK_FALSE(bench.usb->claimed());
   bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) {
     CHECK(model.newest_label == 0);       // no message
-    CHECK(model.false_start_count == 0);  // and no byte that is none
+    CHECK(model.false_start_count == 0);  // and no byte outside a message
   });
-  // Nor is anything sent to it where connector 1 is in use.
+  // Nothing is sent to it either if connector 1 is in use.
   auto first = DeviceSink::open(bench.plan(bench.clock), bench.on({{0, 3}}), bench.clock);
   REQUIRE_MESSAGE(first, (first ? "" : first.error().message));
   bench.send(**first, some_snapshot(1), 3);
@@ -619,7 +619,7 @@ TEST_CASE("the second connector of an Mk2 without a key is refused with what is 
   });
 }
 
-TEST_CASE("a DMXking with two outputs is found out by asking, whatever its USB strings say") {
+TEST_CASE("a DMXking with two outputs is detected by a request, whatever its USB strings are") {
   Bench bench;
   bench.config.line_count = 2;
   bench.usb->with_model<EnttecProModel>([](EnttecProModel& model) {
@@ -638,7 +638,7 @@ TEST_CASE("a DMXking with two outputs is found out by asking, whatever its USB s
   }));
 }
 
-TEST_CASE("a widget with one connector is not asked for a second by guess") {
+TEST_CASE("a widget with one connector gets no request for a second one") {
   Bench bench;
   bench.config.line_count = 2;
   bench.port.lines = {{.line = 1, .universe = 2}};
@@ -648,7 +648,7 @@ TEST_CASE("a widget with one connector is not asked for a second by guess") {
   CHECK(bench.usb->with_model([](mock::UsbModel& model) { return model.line(1).frame_count; }) == 0);
 }
 
-TEST_CASE("a function runs on the device's thread between frames, and is told when the device has gone") {
+TEST_CASE("a function runs on the device's thread between frames, and gets nullptr when the device is gone") {
   Bench bench;
   const auto sink = bench.open_sink();
   std::atomic<int> calls{0};
@@ -669,7 +669,7 @@ TEST_CASE("a function runs on the device's thread between frames, and is told wh
   CHECK_FALSE(had_device);
 }
 
-TEST_CASE("mock endpoints play a sine as a source and take frames as a sink") {
+TEST_CASE("mock endpoints play a sine as a source and receive frames as a sink") {
   SystemClock clock;
   auto source = open_source({.scheme = "mock", .target = "enttec-pro/sine-test", .universes = {1}}, clock);
   REQUIRE_MESSAGE(source, (source ? "" : source.error().message));
@@ -693,7 +693,7 @@ TEST_CASE("mock endpoints play a sine as a source and take frames as a sink") {
   (*sink)->close(clock.now_ns());
 }
 
-TEST_CASE("a port request that makes no sense is refused with what would") {
+TEST_CASE("an invalid port request is refused with what was expected") {
   SystemClock clock;
   const std::string unknown = open_sink({.scheme = "nonesuch", .target = "x", .universes = {1}}, clock).error().message;
   for (const DriverInfo* driver : drivers()) CHECK(unknown.find(driver->id) != std::string::npos);
@@ -710,7 +710,7 @@ TEST_CASE("a port request that makes no sense is refused with what would") {
   CHECK_FALSE(has_driver("sacn"));
 }
 
-TEST_CASE("a mock command with a mistake is refused with the commands there are") {
+TEST_CASE("an invalid mock command is refused with the list of commands") {
   MockUsb usb(std::make_unique<EnttecProModel>());
   for (const char* command :
        {"", "explode", "unplug now", "stall maybe", "garbage 7", "garbage zz", "cut-write -1", "serial "}) {

@@ -1,4 +1,4 @@
-// What holds for every driver there is, against its model in this process. Time stands still unless a test moves it.
+// Tests common to every driver, with its model in this process. Time stands still unless a test moves it.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ using testing::FrameKeeper;
 using testing::line_frame_of;
 using testing::some_snapshot;
 
-// Drivers with a widget of their own.
+// Drivers with their own widget.
 std::vector<const DriverInfo*> real_drivers() {
   std::vector<const DriverInfo*> found;
   for (const DriverInfo* driver : drivers())
@@ -39,7 +39,7 @@ std::vector<const DriverInfo*> real_drivers() {
 struct Bench {
   explicit Bench(const DriverInfo& of) : driver(of) {
     auto model = of.make_model();
-    // A line without time, so that a clock that stands still holds up nothing.
+    // A line without timing, so that a clock that stands still delays nothing.
     if (auto* timed = dynamic_cast<mock::OpenDmxModel*>(model.get())) {
       timed->slot_ns = 0;
       timed->break_min_ns = timed->mark_min_ns = 0;
@@ -53,9 +53,9 @@ struct Bench {
     return {.widget = std::move(*widget), .opener = mock::make_mock_opener(usb, clock)};
   }
   int first_line(LineUse use) {
-    const DevicePlan asked = plan();
-    for (int i = 0; i < asked.widget->line_count(); ++i)
-      if (asked.widget->can(i, use)) return i;
+    const DevicePlan device_plan = plan();
+    for (int i = 0; i < device_plan.widget->line_count(); ++i)
+      if (device_plan.widget->can(i, use)) return i;
     return -1;
   }
   DevicePortConfig port(int on_line) const {
@@ -71,7 +71,7 @@ struct Bench {
     const FrameView frame{.universe = 1, .slots = slots};
     REQUIRE(sink.send(clock.now_ns(), {&frame, 1}));
   }
-  // Waits for what needs no time, and moves the clock where it turns out to be needed.
+  // Waits for what needs no time, and moves the clock if time is needed.
   template <class Done>
   bool until(Done&& done, DurationNs time_max_ns = 60 * kNsPerS) {
     const TimeNs give_up_ns = clock.now_ns() + time_max_ns;
@@ -105,7 +105,7 @@ void for_every_output(Test&& test) {
 
 TEST_SUITE_BEGIN("every_driver");
 
-TEST_CASE("every driver's model is found in the driver's own rows, or has to be named") {
+TEST_CASE("every driver's model matches the driver's own rows, or must be named") {
   for (const DriverInfo* driver : real_drivers()) {
     CAPTURE(driver->id);
     const auto model = driver->make_model();
@@ -119,7 +119,7 @@ TEST_CASE("every driver's model is found in the driver's own rows, or has to be 
   }
 }
 
-TEST_CASE("every driver's look reaches the line with start code 0 and 512 slots, and so does the next") {
+TEST_CASE("every driver's frame reaches the line with start code 0 and 512 slots, and so does the next") {
   for_every_output([](Bench& bench) {
     const auto sink = bench.open_sink();
     CHECK(sink->state() == PortState::kWorking);
@@ -137,7 +137,7 @@ TEST_CASE("every driver's look reaches the line with start code 0 and 512 slots,
   });
 }
 
-TEST_CASE("every model's lines show nothing after power was gone, until something is sent") {
+TEST_CASE("every model's lines have no frame after a power cycle until one is sent") {
   for_every_output([](Bench& bench) {
     {
       const auto sink = bench.open_sink();
@@ -150,7 +150,7 @@ TEST_CASE("every model's lines show nothing after power was gone, until somethin
   });
 }
 
-TEST_CASE("every driver reports an unplugged device gone, and shows the last look again when it is back") {
+TEST_CASE("every driver reports an unplugged device gone, and shows the last frame again when it is back") {
   for_every_output([](Bench& bench) {
     const auto sink = bench.open_sink();
     bench.send(*sink, some_snapshot(7));
@@ -164,7 +164,7 @@ TEST_CASE("every driver reports an unplugged device gone, and shows the last loo
   });
 }
 
-// A bus that announces nothing: who waits here for a device waits until the deadline.
+// A bus without notifications: a wait for a device lasts until the deadline.
 class SilentBus final : public Opener {
  public:
   SilentBus(std::unique_ptr<Opener> inner, Clock& clock) : inner_(std::move(inner)), clock_(clock) {}
@@ -186,7 +186,7 @@ class SilentBus final : public Opener {
     end_wait();
   }
 
-  // Returns once somebody waits here for something later than now.
+  // Returns when a thread waits here for a time after now.
   TimeNs wait_for_a_wait() {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return deadline_ns_ && *deadline_ns_ > clock_.now_ns(); });
@@ -209,7 +209,7 @@ class SilentBus final : public Opener {
   bool woken_ = false;                 // guarded by mutex_
 };
 
-TEST_CASE("every driver has its look on the line within a second of a replug that nothing announces") {
+TEST_CASE("every driver has its frame on the line within a second of a replug without a notification") {
   for_every_output([](Bench& bench) {
     bench.line = bench.first_line(LineUse::kOutput);
     DevicePlan plan = bench.plan();
@@ -226,21 +226,21 @@ TEST_CASE("every driver has its look on the line within a second of a replug tha
     bench.usb->plug();
     bench.clock.sleep_until_ns(looks_again_ns);
     bus.clock_moved();
-    // From here on time moves only where the driver itself asks for a pause.
+    // From here on time moves only if the driver itself requests a pause.
     REQUIRE(bench.usb->wait_for(
         [&](const UsbModel& model) { return model.line(bench.line).frame == line_frame_of(some_snapshot(9)); }));
     CHECK(bench.clock.now_ns() - plugged_ns < kNsPerS);
   });
 }
 
-TEST_CASE("every driver shows the whole look after its device vanished in the middle of one") {
+TEST_CASE("every driver shows the whole frame after its device was unplugged in the middle of one") {
   for (const std::size_t byte_count : {0u, 1u, 2u, 5u, 100u, 190u, 512u}) {
     CAPTURE(byte_count);
     for_every_output([&](Bench& bench) {
       const auto sink = bench.open_sink();
       bench.usb->unplug_after(byte_count);
       bench.send(*sink, some_snapshot(9));
-      // A device whose writes are shorter is left plugged in.
+      // A device with shorter writes stays plugged in.
       (void)bench.until([&](const UsbModel& model) {
         return sink->state() == PortState::kGone || model.line(bench.line).frame == line_frame_of(some_snapshot(9));
       });
@@ -250,7 +250,7 @@ TEST_CASE("every driver shows the whole look after its device vanished in the mi
   }
 }
 
-TEST_CASE("every driver shows the whole look after a write was cut short") {
+TEST_CASE("every driver shows the whole frame after a write was cut short") {
   for (const std::size_t byte_count : {0u, 1u, 2u, 3u, 5u, 100u, 190u, 512u, 517u}) {
     CAPTURE(byte_count);
     for_every_output([&](Bench& bench) {
@@ -264,7 +264,7 @@ TEST_CASE("every driver shows the whole look after a write was cut short") {
   }
 }
 
-TEST_CASE("every driver shows the newest look when a device that took nothing takes again") {
+TEST_CASE("every driver shows the newest frame when a blocked device accepts data again") {
   for_every_output([](Bench& bench) {
     const auto sink = bench.open_sink();
     bench.usb->stall(true);
@@ -288,7 +288,7 @@ TEST_CASE("every driver works with a device that answers late, in pieces, and be
     bench.usb->slow_down(5 * kNsPerMs);
     bench.line = bench.first_line(LineUse::kOutput);
     DevicePortConfig config = bench.port(bench.line);
-    // Opening blocks for as long as the answers take, so time has to go on by itself.
+    // Opening blocks as long as the answers take, so time must advance by itself.
     std::unique_ptr<DeviceSink> sink;
     std::string refusal;
     std::atomic<bool> opened{false};
@@ -310,10 +310,10 @@ TEST_CASE("every driver works with a device that answers late, in pieces, and be
   });
 }
 
-TEST_CASE("no driver takes another device in the same socket for the one that left") {
+TEST_CASE("no driver uses another device in the same socket instead of the unplugged one") {
   for_every_output([](Bench& bench) {
     const std::string serial = bench.usb->with_model([](UsbModel& model) { return model.serial; });
-    if (serial.empty()) return;  // then the socket is all there is to tell it by
+    if (serial.empty()) return;  // then only the socket identifies it
     const auto sink = bench.open_sink();
     bench.usb->unplug();
     REQUIRE(bench.is_gone(*sink));
@@ -329,7 +329,7 @@ TEST_CASE("no driver takes another device in the same socket for the one that le
   });
 }
 
-TEST_CASE("every driver leaves the last look on the line when it is closed, or darkness when told to") {
+TEST_CASE("every driver leaves the last frame on the line when it is closed, or zeros with blackout_on_exit") {
   for_every_output([](Bench& bench) {
     for (const bool dark : {false, true}) {
       CAPTURE(dark);
@@ -355,7 +355,7 @@ TEST_CASE("every driver leaves the last look on the line when it is closed, or d
   });
 }
 
-TEST_CASE("no driver keeps its thread when its sink is destroyed while the device takes nothing") {
+TEST_CASE("no driver keeps its thread when its sink is destroyed while the device accepts nothing") {
   for_every_output([](Bench& bench) {
     auto sink = bench.open_sink();
     bench.usb->stall(true);
@@ -365,7 +365,7 @@ TEST_CASE("no driver keeps its thread when its sink is destroyed while the devic
   });
 }
 
-TEST_CASE("a thousand replugs cost no driver a descriptor, a thread or its universe") {
+TEST_CASE("a thousand replugs leak no descriptor or thread of any driver and lose no universe") {
   for_every_output([](Bench& bench) {
     const auto sink = bench.open_sink();
     bench.send(*sink, some_snapshot(1));
@@ -385,7 +385,7 @@ TEST_CASE("a thousand replugs cost no driver a descriptor, a thread or its unive
   });
 }
 
-TEST_CASE("every driver with an input hands over what its line brings, address 1 in slot 0") {
+TEST_CASE("every driver with an input delivers the frames of its line, address 1 in slot 0") {
   for (const DriverInfo* driver : real_drivers()) {
     if ((driver->capabilities & kCanInput) == 0) continue;
     CAPTURE(driver->id);

@@ -1,4 +1,4 @@
-// The driver through the real libusb and the real sysfs reader, against an emulated kernel with the model behind it.
+// The driver through the real libusb and the real sysfs reader, with an emulated kernel and the model behind it.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 
@@ -43,7 +43,7 @@ struct BenchOn : testing::EmulatedBench<UsbSocket, EnttecProModel, DriverClock> 
   }
 };
 using Bench = BenchOn<SystemClock>;
-// Whatever happens here needs no timeout and no repetition.
+// Everything here works without a timeout or a repeat.
 using StillBench = BenchOn<testing::SharedFakeClock>;
 
 TEST_CASE("a plugged-in widget is listed with its endpoint, without being opened") {
@@ -62,7 +62,7 @@ TEST_CASE("a plugged-in widget is listed with its endpoint, without being opened
   CHECK(bench.socket.kernel_driver() == "ftdi_sio");
 }
 
-TEST_CASE("opening takes the widget from the kernel driver and closing gives it back") {
+TEST_CASE("opening detaches the kernel driver from the widget and closing attaches it again") {
   Bench bench;
   bench.socket.plug();
   const auto sink = bench.open_sink();
@@ -89,7 +89,7 @@ TEST_CASE("serial number and parameters come over the bus, and the chip is set u
 }
 
 TEST_CASE("100 frames arrive with every byte, each as soon as it was sent") {
-  StillBench bench;  // no keep-alive helps
+  StillBench bench;  // without keep-alives
   bench.socket.plug();
   std::vector<Bytes> frames;
   bench.model.on_frame = [&](int, const Bytes& frame) { frames.push_back(frame); };
@@ -122,7 +122,7 @@ TEST_CASE("frames of the line are received with every byte") {
   CHECK(source->counters().rejected == 0);
 }
 
-TEST_CASE("an unplug is noticed without traffic, keep-alive or timeout") {
+TEST_CASE("an unplug is detected without traffic, keep-alive or timeout") {
   StillBench bench;
   bench.socket.plug();
   const auto sink = bench.open_sink();
@@ -133,7 +133,7 @@ TEST_CASE("an unplug is noticed without traffic, keep-alive or timeout") {
   CHECK(sink->trouble().find("enttec-pro:EN172589") != std::string::npos);
 }
 
-TEST_CASE("the last look is back after a replug, through the real libusb") {
+TEST_CASE("the last frame is back after a replug, through the real libusb") {
   Bench bench;
   bench.socket.plug();
   const auto sink = bench.open_sink();
@@ -145,11 +145,11 @@ TEST_CASE("the last look is back after a replug, through the real libusb") {
   const TimeNs plugged_ns = bench.clock.now_ns();
   bench.socket.plug();
   REQUIRE(bench.shows(some_snapshot(1)));
-  MESSAGE("replug to last look: ", static_cast<double>(bench.clock.now_ns() - plugged_ns) * 1e-6, " ms");
+  MESSAGE("replug to last frame: ", static_cast<double>(bench.clock.now_ns() - plugged_ns) * 1e-6, " ms");
   REQUIRE(wait_for_state(*sink, PortState::kWorking));
 }
 
-TEST_CASE("a widget that vanishes with a frame in flight gets it when it is back") {
+TEST_CASE("a widget unplugged during a transfer gets the frame when it is back") {
   Bench bench;
   bench.socket.plug();
   const auto sink = bench.open_sink();
@@ -163,7 +163,7 @@ TEST_CASE("a widget that vanishes with a frame in flight gets it when it is back
   CHECK(bench.shows(some_snapshot(5)));
 }
 
-TEST_CASE("a source listens again after a replug") {
+TEST_CASE("a source receives again after a replug") {
   Bench bench;
   bench.socket.plug();
   const auto source = bench.open_source();
@@ -178,7 +178,7 @@ TEST_CASE("a source listens again after a replug") {
   CHECK(keeper.kept[0].slots == some_snapshot(3));
 }
 
-TEST_CASE("another widget is not taken for the one that left, and the message names it") {
+TEST_CASE("another widget is not used instead of the unplugged one, and the message names it") {
   Bench bench;
   bench.request.target = "";
   bench.socket.plug();
@@ -199,7 +199,7 @@ TEST_CASE("another widget is not taken for the one that left, and the message na
   CHECK(wait_for_state(*sink, PortState::kWorking));
 }
 
-TEST_CASE("transfers that take only a few bytes each still carry the whole frame") {
+TEST_CASE("transfers that accept only a few bytes each still send the whole frame") {
   Bench bench;
   bench.socket.plug();
   const auto sink = bench.open_sink();
@@ -208,7 +208,7 @@ TEST_CASE("transfers that take only a few bytes each still carry the whole frame
   CHECK(bench.shows(some_snapshot(2)));
 }
 
-TEST_CASE("a widget that takes nothing turns gone, and comes back by itself") {
+TEST_CASE("a widget that accepts nothing becomes gone, and returns by itself") {
   Bench bench;
   bench.socket.plug();
   const auto sink = bench.open_impatient_sink();
@@ -219,7 +219,7 @@ TEST_CASE("a widget that takes nothing turns gone, and comes back by itself") {
   CHECK(bench.shows(some_snapshot(2)));
 }
 
-TEST_CASE("a bus error leads to opening the widget afresh") {
+TEST_CASE("after a bus error the widget is opened again") {
   Bench bench;
   bench.socket.plug();
   const auto sink = bench.open_impatient_sink();
@@ -231,7 +231,7 @@ TEST_CASE("a bus error leads to opening the widget afresh") {
   CHECK(bench.shows(some_snapshot(2)));
 }
 
-TEST_CASE("a claimed widget is reported as in use, and how to see by whom") {
+TEST_CASE("a claimed widget is reported as in use, with a command that shows the user") {
   Bench bench;
   bench.socket.plug();
   bench.socket.claim_error = EBUSY;
@@ -244,10 +244,10 @@ TEST_CASE("a claimed widget is reported as in use, and how to see by whom") {
   const auto opened = bench.open_sink();
   const DeviceList list = find_devices();
   REQUIRE(list.devices.size() == 1);
-  CHECK(list.devices[0].readiness == Readiness::kBusy);  // as another program would see it
+  CHECK(list.devices[0].readiness == Readiness::kBusy);  // as another program would find it
 }
 
-TEST_CASE("a bare FTDI chip is listed as not DMX, and taken only when it is named") {
+TEST_CASE("a bare FTDI chip is listed as not DMX, and used only when it is named") {
   Bench bench;
   bench.model.manufacturer = "FTDI";
   bench.model.product = "FT232R USB UART";
@@ -299,7 +299,7 @@ struct Other : testing::EmulatedBench<UsbSocket, mock::UsbModel> {
   }
 };
 
-TEST_CASE("every look reaches the line, and the kernel's driver is bound again at the end") {
+TEST_CASE("every frame reaches the line, and the kernel driver is bound again at the end") {
   for (const char* id : {"eurolite-pro", "eurolite-mk2", "vince", "open-dmx"}) {
     CAPTURE(id);
     Other bench(id);
@@ -318,7 +318,7 @@ TEST_CASE("every look reaches the line, and the kernel's driver is bound again a
   }
 }
 
-TEST_CASE("a chip that a killed program left without a driver is opened, and has ftdi_sio again after the close") {
+TEST_CASE("a chip without a driver after a killed program is opened, and has ftdi_sio again after the close") {
   for (const char* id : {"enttec-pro", "open-dmx"}) {
     CAPTURE(id);
     Other bench(id);
@@ -332,8 +332,8 @@ TEST_CASE("a chip that a killed program left without a driver is opened, and has
   }
 }
 
-TEST_CASE("forty replugs cost no descriptor, no thread and no universe") {
-  // An emulated kernel has 50 descriptors: a leak of one a replug ends the program.
+TEST_CASE("forty replugs leak no descriptor or thread and lose no universe") {
+  // An emulated kernel has 50 descriptors: a leak of one per replug ends the program.
   for (const char* id : {"enttec-pro", "eurolite-pro", "vince", "open-dmx"}) {
     CAPTURE(id);
     Other bench(id);
@@ -349,7 +349,7 @@ TEST_CASE("forty replugs cost no descriptor, no thread and no universe") {
   }
 }
 
-TEST_CASE("an output without anything to read notices its unplug without traffic") {
+TEST_CASE("an output without anything to read detects its unplug without traffic") {
   Other bench("eurolite-pro");
   const auto sink = bench.open_sink();
   bench.socket.unplug();
@@ -402,7 +402,7 @@ TEST_CASE("two devices without serial numbers keep their universes when both are
   CHECK(left.wait_for([&] { return left_model.line(0).frame == line_frame_of(some_snapshot(1)); }));
 }
 
-TEST_CASE("no widget at all is an error that says so") {
+TEST_CASE("the error without any widget states that it is not plugged in") {
   Bench bench;
   const auto sink = drivers::open_sink(bench.request, bench.clock);
   REQUIRE_FALSE(sink);
@@ -410,14 +410,14 @@ TEST_CASE("no widget at all is an error that says so") {
   CHECK(sink.error().message == "enttec-pro:EN172589: not plugged in");
 }
 
-TEST_CASE("a sink destroyed with a frozen transfer in flight waits for no timeout") {
+TEST_CASE("a sink destroyed during a frozen transfer waits for no timeout") {
   StillBench bench;
   bench.socket.plug();
   auto sink = bench.open_sink();
   bench.socket.out_frozen = true;
   bench.send(*sink, some_snapshot(5));
   REQUIRE(bench.socket.transfer_in_flight(0x02));
-  sink.reset();  // the write's own patience never ends
+  sink.reset();  // the write's own timeout never expires
   CHECK_FALSE(bench.socket.claimed());
 }
 

@@ -1,4 +1,4 @@
-// A line that this machine times: against a chip and a receiver that know the time, on a clock that waits move.
+// A line timed by this machine: with a model of chip and receiver with timing, on a clock that waits advance.
 #include "drivers/widgets/open_dmx.h"
 
 #include <doctest/doctest.h>
@@ -56,7 +56,7 @@ struct Bench {
     REQUIRE_MESSAGE(begun, (begun ? "" : begun.error().message));
     traits = *begun;
   }
-  // As the device thread does it: the next frame at its time, or as soon as the last one lets it.
+  // Like the device thread: the next frame at its time, or as soon as the last one allows.
   void play(int count) {
     TimeNs due_ns = clock.now_ns();
     for (int i = 0; i < count; ++i) {
@@ -89,7 +89,7 @@ struct Bench {
 
 TEST_SUITE_BEGIN("open_dmx");
 
-TEST_CASE("no frame is cut and every break and mark is long enough, at any rate and however fast the bus") {
+TEST_CASE("no frame is cut and every break and mark is long enough, at any rate and bus speed") {
   for (const DurationNs control_ns : {0, 50 * 1'000, 125 * 1'000, 1'000 * 1'000, 3'000 * 1'000}) {
     for (const double rate_hz : {1.0, 30.0, 44.0, 1'000.0}) {
       CAPTURE(control_ns);
@@ -110,15 +110,15 @@ TEST_CASE("no frame is cut and every break and mark is long enough, at any rate 
   }
 }
 
-TEST_CASE("a chip that is slower than its clock says is waited for") {
+TEST_CASE("a chip slower than its nominal clock is waited for") {
   Bench bench({.control_ns = 125 * kNsPerUs, .bulk_ns = 0}, 44.0);
-  bench.model().slot_ns = 46 * kNsPerUs;  // 5 % slow: far outside of E1.11, so that nothing but its word helps
+  bench.model().slot_ns = 46 * kNsPerUs;  // 5 % slow: far outside of E1.11, so that only its status helps
   bench.play(40);
   CHECK(bench.model().cut_count == 0);
   CHECK(bench.figure("waits_for_transmitter") > 0.0);
 }
 
-TEST_CASE("a receiver that is sent a break too early counts a cut frame, or the test above would mean nothing") {
+TEST_CASE("a receiver that gets a break too early counts a cut frame, which the test above relies on") {
   Bench bench;
   bench.play(1);
   Transport& line = *bench.transport;
@@ -142,7 +142,7 @@ TEST_CASE("a receiver that is sent a break too early counts a cut frame, or the 
   CHECK(bench.model().bad_break_count == 1);
 }
 
-TEST_CASE("the rate asked for is kept where the bus lets it, and the one reached is told where not") {
+TEST_CASE("the requested rate is kept if the bus allows, else the reached rate is reported") {
   Bench quick({.control_ns = 125 * kNsPerUs, .bulk_ns = 0}, 30.0);
   quick.play(91);
   CHECK(quick.figure("asked_hz") == 30.0);
@@ -154,7 +154,7 @@ TEST_CASE("the rate asked for is kept where the bus lets it, and the one reached
   CHECK(slow.figure("rate_hz") > 20.0);
 }
 
-TEST_CASE("an output counts the frames that left its line, and not those that were handed over") {
+TEST_CASE("an output counts frames sent on its line, not frames passed to it") {
   testing::DeviceBench bench("open-dmx");
   bench.usb->with_model<OpenDmxModel>([](OpenDmxModel& model) { model.slot_ns = 0; });
   auto opened = DeviceSink::open(
@@ -164,19 +164,19 @@ TEST_CASE("an output counts the frames that left its line, and not those that we
   DeviceSink& sink = **opened;
   std::uint64_t handed_over = 0;
   REQUIRE(bench.advance_until([&] {
-    bench.send(sink, testing::some_snapshot(++handed_over));  // every 10 ms: more than the line takes
+    bench.send(sink, testing::some_snapshot(++handed_over));  // every 10 ms: more than the line can send
     return sink.frames_on_line().value_or(0) >= 20;
   }));
   const std::uint64_t left = sink.frames_on_line().value_or(0);
   CHECK(handed_over > left + left / 2);
-  // The model knows the end of a frame by the next break, and the last break may have begun.
+  // The model detects the end of a frame by the next break, and the last break may have started.
   const auto ended = bench.usb->with_model<OpenDmxModel>([](OpenDmxModel& model) { return model.timings.size(); });
   CHECK(left - ended <= 1);
   testing::DeviceBench other("peperoni");
   CHECK_FALSE(other.open_sink()->frames_on_line().has_value());  // the device times its line
 }
 
-TEST_CASE("an output has every figure that docs/hardware.md names") {
+TEST_CASE("an output has every figure that docs/hardware.md lists") {
   Bench bench;
   bench.play(3);
   for (const char* name :
@@ -187,7 +187,7 @@ TEST_CASE("an output has every figure that docs/hardware.md names") {
   }
 }
 
-TEST_CASE("breaks and marks are told as what they were at least") {
+TEST_CASE("breaks and marks are reported with their guaranteed minimum") {
   Bench bench({.control_ns = 300 * kNsPerUs, .bulk_ns = 100 * kNsPerUs}, 30.0);
   bench.play(20);
   const auto& timings = bench.model().timings;
@@ -209,13 +209,13 @@ struct Input : Bench {
   Input() : Bench({}, 40.0, LineUse::kInput) {}
   void listen() {
     for (int i = 0; i < 200; ++i) {
-      const Status heard = widget.listen(*context, clock.now_ns());
-      REQUIRE_MESSAGE(heard, (heard ? "" : heard.error().message));
+      const Status listened = widget.listen(*context, clock.now_ns());
+      REQUIRE_MESSAGE(listened, (listened ? "" : listened.error().message));
     }
   }
 };
 
-TEST_CASE("frames of every length are heard, a full one before the next break") {
+TEST_CASE("frames of every length are received, a full one before the next break") {
   Input input;
   Bytes full(513);
   std::iota(full.begin(), full.end(), std::uint8_t{0});
@@ -232,7 +232,7 @@ TEST_CASE("frames of every length are heard, a full one before the next break") 
   CHECK(input.figure("framing_errors") == 0.0);
 }
 
-TEST_CASE("zeros between other slots are slots and no breaks") {
+TEST_CASE("zeros between other slots are slots and not breaks") {
   Input input;
   Bytes full(513, 0);
   for (std::size_t i = 62; i < full.size(); i += 62) full[i] = 9;  // zeros at the ends of packets
@@ -242,15 +242,15 @@ TEST_CASE("zeros between other slots are slots and no breaks") {
   CHECK(input.context->frames[0] == full);
 }
 
-TEST_CASE("a frame with a damaged or a missing byte is counted and not handed over") {
+TEST_CASE("a frame with a damaged or a missing byte is counted and not delivered") {
   Input input;
   OpenDmxModel& model = input.model();
-  model.hear_break();
-  for (int i = 0; i < 10; ++i) model.hear_byte(static_cast<std::uint8_t>(i), i == 5);
-  model.hear_break();
+  model.receive_break();
+  for (int i = 0; i < 10; ++i) model.receive_byte(static_cast<std::uint8_t>(i), i == 5);
+  model.receive_break();
   for (int i = 0; i < 10; ++i) {
-    if (i == 7) model.hear_overrun();
-    model.hear_byte(static_cast<std::uint8_t>(i));
+    if (i == 7) model.receive_overrun();
+    model.receive_byte(static_cast<std::uint8_t>(i));
   }
   model.receive_line_frame(0, Bytes(513, 3));
   input.listen();
@@ -261,7 +261,7 @@ TEST_CASE("a frame with a damaged or a missing byte is counted and not handed ov
   CHECK(input.figure("overruns") == 1.0);
 }
 
-TEST_CASE("whatever is heard, no frame is longer than a line frame and every byte is accounted for") {
+TEST_CASE("for any input, no frame is longer than a line frame and every byte is counted") {
   std::mt19937 random(7);
   for (int run = 0; run < 200; ++run) {
     LineFrameParser parser;
@@ -283,10 +283,10 @@ TEST_CASE("whatever is heard, no frame is longer than a line frame and every byt
   }
 }
 
-TEST_CASE("the chip's baud rate request is that of each kind of chip") {
+TEST_CASE("the baud rate request matches the kind of chip") {
   using ftdi::baud_request;
   using ftdi::chip_of;
-  // 3 MHz / 12, and 12 MHz / 48 with bit 17 of the divisor set; chips with several lines name theirs.
+  // 3 MHz / 12, and 12 MHz / 48 with bit 17 of the divisor set; chips with several lines include theirs.
   for (const int release : {0x0200, 0x0400, 0x0600, 0x1000}) {
     const auto request = baud_request(chip_of(static_cast<std::uint16_t>(release)), 250'000);
     CHECK(request.value == 0x000C);

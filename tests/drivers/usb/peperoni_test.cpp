@@ -28,7 +28,7 @@ Bytes line_frame_of(const Slots& snapshot) {
 
 TEST_SUITE_BEGIN("peperoni");
 
-TEST_CASE("the firmware's release decides how a look travels") {
+TEST_CASE("the firmware's release selects the transfer format") {
   CHECK(peperoni_frames(0x0101) == PeperoniFrames::kControl);
   CHECK(peperoni_frames(0x03FF) == PeperoniFrames::kControl);
   CHECK(peperoni_frames(0x0400) == PeperoniFrames::kBulk);
@@ -36,14 +36,14 @@ TEST_CASE("the firmware's release decides how a look travels") {
   CHECK(peperoni_frames(0x0500) == PeperoniFrames::kBulkWithStatus);
 }
 
-TEST_CASE("the short message has its four bytes in front, and another request for the second universe") {
+TEST_CASE("the short message starts with its four bytes, and has another request for the second universe") {
   const auto first = encode_peperoni_bulk(0, ramp());
   REQUIRE(first.size() == 516);
   CHECK(Bytes(first.begin(), first.begin() + 6) == Bytes{0x01, 0x00, 0x00, 0x02, 3, 8});
   CHECK(encode_peperoni_bulk(1, ramp())[1] == 0x04);
 }
 
-TEST_CASE("the long message has the bytes that its maker's software sends") {
+TEST_CASE("the long message has the same bytes as the maker's software") {
   const auto message = encode_peperoni_with_status(1, ramp());
   REQUIRE(message.size() == 532);
   CHECK(Bytes(message.begin(), message.begin() + 22) == Bytes{0x02, 0x4D, 0x6B, 0x32, 0x00, 0x01, 0x07, 0x02,
@@ -52,7 +52,7 @@ TEST_CASE("the long message has the bytes that its maker's software sends") {
   CHECK(message.back() == ramp().back());
 }
 
-TEST_CASE("an answer is eight bytes that begin with the magic word, and its seventh is the status") {
+TEST_CASE("an answer is eight bytes that start with the magic bytes, and its seventh is the status") {
   CHECK(decode_peperoni_status(Bytes{0x02, 0x4D, 0x6B, 0x32, 1, 2, 0, 0}) == PeperoniStatus::kOk);
   CHECK(decode_peperoni_status(Bytes{0x02, 0x4D, 0x6B, 0x32, 1, 2, 1, 0}) == PeperoniStatus::kTimeout);
   CHECK_FALSE(decode_peperoni_status(Bytes{0x02, 0x4D, 0x6B, 0x33, 1, 2, 0, 0}));
@@ -61,7 +61,7 @@ TEST_CASE("an answer is eight bytes that begin with the magic word, and its seve
   CHECK_FALSE(decode_peperoni_status({}));
 }
 
-TEST_CASE("the model shows the messages of both generations, and takes a universe only where it has one") {
+TEST_CASE("the model accepts the messages of both generations, and only universes that it has") {
   mock::PeperoniModel model;
   model.usb_product = 0x0004;
   model.power_on();
@@ -80,7 +80,7 @@ TEST_CASE("the model shows the messages of both generations, and takes a univers
   CHECK(one.broken_count == 1);
 }
 
-// --- The driver against the model in this process. Time stands still unless a test moves it.
+// --- The driver with the model in this process. Time stands still unless a test moves it.
 
 template <class F>
 auto with(DeviceBench& bench, F&& f) {
@@ -88,7 +88,7 @@ auto with(DeviceBench& bench, F&& f) {
 }
 constexpr std::size_t kTwoUniverses = 5;  // row of the table: USBDMX21
 
-TEST_CASE("a look reaches devices of all three generations with every slot") {
+TEST_CASE("a frame reaches devices of all three generations with every slot") {
   for (const int release : {0x0150, 0x0402, 0x0504}) {
     DeviceBench bench("peperoni");
     with(bench, [&](mock::PeperoniModel& model) { model.release = static_cast<std::uint16_t>(release); });
@@ -101,7 +101,7 @@ TEST_CASE("a look reaches devices of all three generations with every slot") {
   }
 }
 
-TEST_CASE("both universes of one that has two are sent, each to its own") {
+TEST_CASE("both universes of a device with two are sent to their outputs") {
   for (const int release : {0x0402, 0x0504}) {
     DeviceBench bench("peperoni", kTwoUniverses);
     with(bench, [&](mock::PeperoniModel& model) {
@@ -122,7 +122,7 @@ TEST_CASE("both universes of one that has two are sent, each to its own") {
   }
 }
 
-TEST_CASE("a second universe is refused where the firmware or the model has none, with what to do instead") {
+TEST_CASE("a second universe is refused if the firmware or the model has none, with the alternative") {
   DeviceBench bench("peperoni", kTwoUniverses);
   with(bench, [&](mock::PeperoniModel& model) { model.release = 0x0200; });
   const auto sink = DeviceSink::open(bench.plan(), bench.port(1), bench.clock);
@@ -133,7 +133,7 @@ TEST_CASE("a second universe is refused where the firmware or the model has none
   CHECK_FALSE(DeviceSink::open(single.plan(), single.port(1), single.clock));
 }
 
-TEST_CASE("a look that found the transmitter busy is due again") {
+TEST_CASE("a frame that found the transmitter busy is due again") {
   DeviceBench bench("peperoni");
   const auto sink = bench.open_sink();
   with(bench, [](mock::PeperoniModel& model) { model.status = 1; });
@@ -144,18 +144,18 @@ TEST_CASE("a look that found the transmitter busy is due again") {
   CHECK(bench.advance_until([&] { return bench.shows(some_snapshot(1), std::chrono::milliseconds(1)); }));
 }
 
-TEST_CASE("one that does not acknowledge is opened afresh, again and again, and works when it answers") {
+TEST_CASE("a device without acknowledgements is opened again repeatedly, and works when it answers") {
   DeviceBench bench("peperoni");
   const auto sink = bench.open_sink();
   with(bench, [](mock::PeperoniModel& model) { model.answers = false; });
   bench.send(*sink, some_snapshot(1));
   REQUIRE(bench.advance_until([&] { return sink->state() == PortState::kGone; }));
-  CHECK(sink->trouble().find("no answer to a look within 100 ms") != std::string::npos);
+  CHECK(sink->trouble().find("no answer to a frame within 100 ms") != std::string::npos);
   with(bench, [](mock::PeperoniModel& model) { model.answers = true; });
   CHECK(bench.advance_until([&] { return sink->state() == PortState::kWorking; }));
 }
 
-TEST_CASE("an answer that comes late is not taken for that of the next look") {
+TEST_CASE("a late answer is not used for the next frame") {
   DeviceBench bench("peperoni");
   const auto sink = bench.open_sink();
   bench.usb->slow_down(150 * kNsPerMs);
@@ -163,19 +163,19 @@ TEST_CASE("an answer that comes late is not taken for that of the next look") {
   REQUIRE(bench.advance_until([&] { return sink->counters().errors > 0; }));
   bench.usb->slow_down(0);
   with(bench,
-       [](mock::PeperoniModel& model) { model.status = 1; });  // were the late answer taken, it would say "shown"
+       [](mock::PeperoniModel& model) { model.status = 1; });  // if the late answer were used, it would mean success
   const std::uint64_t frames = sink->counters().frames;
   bench.send(*sink, some_snapshot(2));
   CHECK(bench.advance_until([&] { return sink->state() == PortState::kGone || sink->counters().errors > 2; }));
   CHECK(sink->counters().frames == frames);
 }
 
-TEST_CASE("answers in pieces and noise are counted, and no look is lost") {
+TEST_CASE("answers in pieces and noise are counted, and no frame is lost") {
   DeviceBench bench("peperoni");
   const auto sink = bench.open_sink();
   with(bench, [](mock::PeperoniModel& model) {
-    model.say(Bytes{1, 2, 3});
-    model.say(Bytes(64, 0xFF));
+    model.send_to_host(Bytes{1, 2, 3});
+    model.send_to_host(Bytes(64, 0xFF));
   });
   bench.send(*sink, some_snapshot(1));
   CHECK(bench.advance_until([&] { return bench.shows(some_snapshot(1), std::chrono::milliseconds(1)); }));
@@ -184,16 +184,16 @@ TEST_CASE("answers in pieces and noise are counted, and no look is lost") {
   bench.send(*sink, some_snapshot(2));
   CHECK(bench.advance_until([&] { return bench.shows(some_snapshot(2), std::chrono::milliseconds(1)); }));
 }
-TEST_CASE("what the device says is no reason to stop") {
+TEST_CASE("no answer of the device stops the driver") {
   DeviceBench bench("peperoni");
   testing::check_garbage(bench);
 }
 
-TEST_CASE("an unplug before any transfer of a look ends with that look") {
+TEST_CASE("after an unplug before any transfer of a frame, the frame reaches the line") {
   DeviceBench bench("peperoni");
   testing::check_unplug_at_every_transfer(bench);
 }
-TEST_CASE("a transfer that is cut short costs no look") {
+TEST_CASE("a transfer cut short loses no frame") {
   DeviceBench bench("peperoni");
   testing::check_cut_write(bench, 531);
 }

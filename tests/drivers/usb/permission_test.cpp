@@ -1,4 +1,4 @@
-// The advice where a node may not be opened: every state of the machine that it tells apart.
+// The advice if a node may not be opened, for every state of the machine that it distinguishes.
 #include "drivers/permission.h"
 
 #include <doctest/doctest.h>
@@ -13,7 +13,7 @@
 namespace footlight::drivers {
 namespace {
 
-// A known device as current rules leave it: root:plugdev, mode 0660.
+// A known device with current rules: root:plugdev, mode 0660.
 PermissionFacts known_device() {
   return {.node = "/dev/bus/usb/001/004",
           .error = EACCES,
@@ -21,7 +21,7 @@ PermissionFacts known_device() {
           .group_opens = true,
           .rules = RulesState::kCurrent};
 }
-// As the kernel makes a node: root:root, mode 0664.
+// The kernel's default for a node: root:root, mode 0664.
 PermissionFacts untouched(PermissionFacts facts) {
   facts.group = "root";
   return facts;
@@ -30,7 +30,7 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 TEST_SUITE_BEGIN("permission");
 
-TEST_CASE("a user without the udev rules is told to install them") {
+TEST_CASE("a user without the udev rules is advised to install them") {
   PermissionFacts facts = untouched(known_device());
   facts.rules = RulesState::kMissing;
   const Advice advice = advise(facts);
@@ -38,7 +38,7 @@ TEST_CASE("a user without the udev rules is told to install them") {
   CHECK(advice.remedy == udev_install_command());
 }
 
-TEST_CASE("a user with the udev rules of another version is told so, and to install them") {
+TEST_CASE("a user with the udev rules of another version is advised to install the current ones") {
   PermissionFacts facts = untouched(known_device());
   facts.rules = RulesState::kOutdated;
   const Advice advice = advise(facts);
@@ -46,14 +46,14 @@ TEST_CASE("a user with the udev rules of another version is told so, and to inst
   CHECK(advice.remedy == udev_install_command());
 }
 
-TEST_CASE("a user outside plugdev is told to join it, and not to install current rules again") {
+TEST_CASE("a user outside plugdev is advised to join it, and not to install current rules again") {
   const Advice advice = advise(known_device());
   CHECK(contains(advice.reason, "plugdev"));
   CHECK(contains(advice.reason, "next login"));
   CHECK(advice.remedy == "sudo usermod -aG plugdev $USER");
 }
 
-TEST_CASE("a user who joined plugdev after the login is told to log in again, and not to join") {
+TEST_CASE("a user who joined plugdev after the login is advised to log in again, and not to join") {
   PermissionFacts facts = known_device();
   facts.listed_in_group = true;
   const Advice advice = advise(facts);
@@ -67,15 +67,15 @@ TEST_CASE("current rules that were not applied to a device are applied, and not 
   CHECK(advice.remedy == "sudo udevadm control --reload && sudo udevadm trigger");
 }
 
-TEST_CASE("a machine without the group plugdev gets it") {
+TEST_CASE("on a machine without the group plugdev the advice creates it") {
   PermissionFacts facts = untouched(known_device());
   facts.rules_group_is_there = false;
   CHECK(advise(facts).remedy.starts_with("sudo groupadd --system plugdev && "));
-  // udevd looks up groups while it reads rules, and `udevadm control --reload` reads none that have not changed.
+  // udevd reads groups when it reads rules, and `udevadm control --reload` does not reload unchanged ones.
   CHECK(contains(advise(facts).remedy, "sudo systemctl restart systemd-udevd && sudo udevadm trigger"));
 }
 
-TEST_CASE("a member of plugdev who is refused all the same is given no command that changes nothing") {
+TEST_CASE("a member of plugdev who is still refused gets no command without effect") {
   PermissionFacts facts = known_device();
   facts.in_group = true;
   const Advice advice = advise(facts);
@@ -84,7 +84,7 @@ TEST_CASE("a member of plugdev who is refused all the same is given no command t
   CHECK(message_of(advice) == advice.reason);
 }
 
-TEST_CASE("root is given no command, in every state of the rules and groups") {
+TEST_CASE("root gets no command, in every state of the rules and groups") {
   for (const RulesState rules : {RulesState::kMissing, RulesState::kOutdated, RulesState::kCurrent}) {
     for (const char* own_rule : {"", "SUBSYSTEM"}) {
       PermissionFacts facts = known_device();
@@ -101,28 +101,28 @@ TEST_CASE("root is given no command, in every state of the rules and groups") {
   }
 }
 
-TEST_CASE("what is no matter of permission brings no advice on permission") {
+TEST_CASE("an error other than permission brings no advice on permission") {
   PermissionFacts facts = known_device();
   facts.error = EIO;
   CHECK(advise(facts).reason == "/dev/bus/usb/001/004: Input/output error");
   CHECK(advise(facts).remedy.empty());
 }
 
-TEST_CASE("a bare cable gets a rule of its own in every state of the rules that exclude it") {
+TEST_CASE("the advice for a bare cable is its own rule, in every state of the rules that exclude it") {
   for (const RulesState rules : {RulesState::kMissing, RulesState::kOutdated, RulesState::kCurrent}) {
     PermissionFacts facts = untouched(known_device());
     facts.rules = rules;
     facts.own_rule = R"(SUBSYSTEM=="usb", ATTR{serial}=="A50285BI")";
     facts.own_rule_name = "70-footlight-A50285BI.rules";
     const Advice advice = advise(facts);
-    CHECK(contains(advice.reason, "leave it out"));
+    CHECK(contains(advice.reason, "exclude it"));
     CHECK(advice.remedy ==
           R"(echo 'SUBSYSTEM=="usb", ATTR{serial}=="A50285BI"' | sudo tee )"
           R"(/etc/udev/rules.d/70-footlight-A50285BI.rules && sudo udevadm control --reload && sudo udevadm trigger)");
   }
 }
 
-TEST_CASE("a bare cable on a machine without the group plugdev gets the group before its rule") {
+TEST_CASE("on a machine without the group plugdev the advice for a bare cable creates the group before its rule") {
   PermissionFacts facts = untouched(known_device());
   facts.rules_group_is_there = false;
   facts.own_rule = R"(SUBSYSTEM=="usb", ATTR{serial}=="A50285BI")";
@@ -136,7 +136,7 @@ TEST_CASE("a bare cable on a machine without the group plugdev gets the group be
       "/etc/udev/rules.d/70-footlight-A50285BI.rules && sudo systemctl restart systemd-udevd && sudo udevadm trigger");
 }
 
-TEST_CASE("a bare cable whose own rule is in force asks for the group of that rule, and for no second rule") {
+TEST_CASE("the advice for a bare cable with its own rule is to join the group of that rule, not a second rule") {
   for (const char* group : {"plugdev", "lights"}) {
     PermissionFacts facts = known_device();
     facts.own_rule = "SUBSYSTEM";
@@ -145,7 +145,7 @@ TEST_CASE("a bare cable whose own rule is in force asks for the group of that ru
   }
 }
 
-TEST_CASE("a tty that belongs to dialout is opened by the rules where they name the device") {
+TEST_CASE("a tty of group dialout is opened by the rules if they match the device") {
   PermissionFacts facts = known_device();
   facts.node = "/dev/ttyACM0";
   facts.group = "dialout";
@@ -174,7 +174,7 @@ struct System {
   }
 };
 
-TEST_CASE("the rules in /etc count before those of packages") {
+TEST_CASE("the rules in /etc take precedence over those of packages") {
   const System system;
   CHECK(rules_state(system.options) == RulesState::kMissing);
   system.write("lib/udev/rules.d/70-footlight.rules", udev_rules_text());
@@ -183,7 +183,7 @@ TEST_CASE("the rules in /etc count before those of packages") {
   CHECK(rules_state(system.options) == RulesState::kOutdated);
 }
 
-TEST_CASE("membership is that of the session, and the group database tells who has to log in again") {
+TEST_CASE("membership is that of the session, and the group database shows whether a new login is needed") {
   System system;
   system.write("etc/group", "root:x:0:\nplugdev:x:46:bert,anna\nplugdev2:x:47:\n");
   CHECK_FALSE(system.facts().in_group);
@@ -197,14 +197,14 @@ TEST_CASE("membership is that of the session, and the group database tells who h
   CHECK_FALSE(system.facts().rules_group_is_there);
 }
 
-TEST_CASE("root is told by its name, and nobody else is") {
+TEST_CASE("only the user named root is root") {
   System system;
   CHECK_FALSE(system.facts().is_root);
   system.options.user_name = "root";
   CHECK(system.facts().is_root);
 }
 
-TEST_CASE("a node opens to its group only where the group may read and write") {
+TEST_CASE("a node is open to its group only if the group may read and write") {
   System system;
   for (const auto& [mode, opens] : {std::pair{0660u, true}, std::pair{0640u, false}, std::pair{0600u, false}}) {
     const unsigned node_mode = mode;
@@ -213,7 +213,7 @@ TEST_CASE("a node opens to its group only where the group may read and write") {
   }
 }
 
-TEST_CASE("the rule of a cable's own names its serial number, or its socket where that is missing or not plain") {
+TEST_CASE("the rule for a cable matches its serial number, or its socket if that is missing or not plain") {
   const System system;
   FoundDevice device;
   device.usb_vendor = 0x0403;
@@ -232,7 +232,7 @@ TEST_CASE("the rule of a cable's own names its serial number, or its socket wher
   device.tty = "/dev/bus/usb/001/004";  // the node that was refused is its tty
   CHECK(contains(system.facts(device).own_rule, R"(SUBSYSTEM=="tty", ATTRS{idVendor}=="0403")"));
   CHECK(contains(system.facts(device).own_rule, R"(KERNELS=="1-2.3")"));
-  device.driver_id = "enttec-pro";  // the rules name it
+  device.driver_id = "enttec-pro";  // the rules match it
   CHECK(system.facts(device).own_rule.empty());
 }
 

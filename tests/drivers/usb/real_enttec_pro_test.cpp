@@ -1,7 +1,7 @@
-// A widget in the flesh: FOOTLIGHT_REAL_ENTTEC_PRO=EN172589 build/dev/tests/drivers/usb/drivers_real_usb_tests
+// A real widget: FOOTLIGHT_REAL_ENTTEC_PRO=EN172589 build/dev/tests/drivers/usb/drivers_real_usb_tests
 //
-// It plays a slow ramp on address 1 for two seconds, and darkness at the end: unplug what must not move. With
-// FOOTLIGHT_REAL_ENTTEC_PRO_INPUT set as well, it expects a DMX line on the widget's input instead.
+// It plays a slow ramp on address 1 for two seconds, and zeros at the end: unplug fixtures that must not move. If
+// FOOTLIGHT_REAL_ENTTEC_PRO_INPUT is set as well, it expects a DMX line on the widget's input instead.
 #define DOCTEST_CONFIG_IMPLEMENT
 #include <doctest/doctest.h>
 
@@ -24,7 +24,7 @@ PortRequest request_of_environment() {
           .blackout_on_exit = true};
 }
 
-TEST_CASE("a real widget takes 40 frames a second for two seconds without an error") {
+TEST_CASE("a real widget accepts 40 frames a second for two seconds without an error") {
   if (std::getenv("FOOTLIGHT_REAL_ENTTEC_PRO_INPUT") != nullptr) return;
   SystemClock clock;
   auto sink = open_sink(request_of_environment(), clock);
@@ -43,7 +43,7 @@ TEST_CASE("a real widget takes 40 frames a second for two seconds without an err
   CHECK((*sink)->counters().frames >= 75);
 }
 
-TEST_CASE("a real widget hears its line") {
+TEST_CASE("a real widget receives its line") {
   if (std::getenv("FOOTLIGHT_REAL_ENTTEC_PRO_INPUT") == nullptr) return;
   SystemClock clock;
   auto source = open_source(request_of_environment(), clock);

@@ -1,5 +1,5 @@
-// What is plugged in, read from folders laid out like /sys, /dev and /proc; and the files generated from the driver
-// table.
+// The list of plugged-in devices, read from folders laid out like /sys, /dev and /proc; and the files generated from
+// the driver table.
 #include "drivers/registry.h"
 
 #include <doctest/doctest.h>
@@ -102,7 +102,7 @@ std::string text_of(const fs::path& path) {
 
 TEST_SUITE_BEGIN("registry");
 
-TEST_CASE("a widget is ready where its node may be written, and its endpoint carries its serial number") {
+TEST_CASE("a widget is ready if its node may be written, and its endpoint has its serial number") {
   Machine machine;
   machine.plug({});
   const DeviceList list = machine.find();
@@ -115,7 +115,7 @@ TEST_CASE("a widget is ready where its node may be written, and its endpoint car
   CHECK(device.kernel_driver == "ftdi_sio");
   CHECK((device.capabilities & kCanInput) != 0);
   if (!built_with_usb()) return;
-  CHECK(device.readiness == Readiness::kReady);  // ftdi_sio is no hindrance: it is detached on opening
+  CHECK(device.readiness == Readiness::kReady);  // ftdi_sio is detached on opening
   CHECK(device.reason.empty());
   CHECK(list.notes.empty() == built_with_hid());
 }
@@ -132,7 +132,7 @@ TEST_CASE("a device without a serial number, or with another's, is named by its 
   CHECK(list.devices[2].endpoint == "enttec-pro:port-1-4");
 }
 
-TEST_CASE("models are told apart by their strings, whatever their case") {
+TEST_CASE("models are distinguished by their strings in any case") {
   CHECK(match_usb_device(0x0403, 0x6001, "ENTTEC", "DMX USB PRO Mk2").model->model_name == "ENTTEC DMX USB Pro Mk2");
   CHECK(match_usb_device(0x0403, 0x6001, "enttec", "dmx usb pro").model->model_name == "ENTTEC DMX USB Pro");
   CHECK(match_usb_device(0x0403, 0x6001, "DMXking.com", "ultraDMX Micro").model->model_name == "DMXking ultraDMX");
@@ -141,7 +141,7 @@ TEST_CASE("models are told apart by their strings, whatever their case") {
   CHECK_FALSE(match_usb_device(0x1D6B, 0x0002, "ENTTEC", "DMX USB PRO").ids_are_known);
 }
 
-TEST_CASE("a bare FTDI adapter is listed, is not called a widget, and says how to use it all the same") {
+TEST_CASE("a bare FTDI adapter is listed, is not called a widget, and its entry explains how to use it") {
   Machine machine;
   machine.plug({.manufacturer = "FTDI", .product = "FT232R USB UART", .serial = "A50285BI"});
   const DeviceList list = machine.find();
@@ -152,7 +152,7 @@ TEST_CASE("a bare FTDI adapter is listed, is not called a widget, and says how t
   CHECK_FALSE(list.devices[0].reason.empty());
 }
 
-TEST_CASE("cables that say nothing of themselves are taken only when they are named") {
+TEST_CASE("cables without identification are used only when they are named") {
   Machine machine;
   machine.plug({.port_path = "1-1", .manufacturer = "FTDI", .product = "FT232R USB UART", .serial = "A50285BI"});
   machine.plug({.port_path = "1-2", .manufacturer = "FTDI", .product = "FT232R USB UART", .serial = ""});
@@ -169,7 +169,7 @@ TEST_CASE("cables that say nothing of themselves are taken only when they are na
   }
 }
 
-TEST_CASE("identical devices do not swap: without serial numbers, and with the same one, the socket tells them apart") {
+TEST_CASE("identical devices do not swap: without serial numbers, and with the same one, the socket identifies them") {
   for (const char* serial : {"", "CLONE"}) {
     CAPTURE(serial);
     Machine machine;
@@ -181,7 +181,7 @@ TEST_CASE("identical devices do not swap: without serial numbers, and with the s
     to_left.pin(*to_left.find());
     to_right.pin(*to_right.find());
     machine.unplug(left);
-    CHECK_FALSE(to_left.find());  // the other is not taken in its place
+    CHECK_FALSE(to_left.find());  // the other is not used instead
     CHECK(to_right.find()->port_path == "1-2");
     machine.plug(left);
     CHECK(to_left.find()->port_path == "1-1");
@@ -189,7 +189,7 @@ TEST_CASE("identical devices do not swap: without serial numbers, and with the s
   }
 }
 
-TEST_CASE("a device with a serial number of its own is found again in another socket") {
+TEST_CASE("a device with a unique serial number is found again in another socket") {
   Machine machine;
   const Machine::Device here{.port_path = "1-1", .number = 2};
   Machine::Device there = here;
@@ -204,7 +204,7 @@ TEST_CASE("a device with a serial number of its own is found again in another so
   CHECK(chooser.find()->port_path == "1-4.2");
 }
 
-TEST_CASE("a serial device is judged by its tty, and one without a tty says what is missing") {
+TEST_CASE("the readiness of a serial device is that of its tty, and without a tty it names what is missing") {
   Machine machine;
   machine.plug({.port_path = "1-1",
                 .vendor = "1fc9",
@@ -222,9 +222,9 @@ TEST_CASE("a serial device is judged by its tty, and one without a tty says what
                 .serial = "7",
                 .kernel_driver = ""});
   FindOptions options = machine.options();
-  std::vector<std::string> asked;
+  std::vector<std::string> queried;
   options.node_access = [&](const std::string& node) {
-    asked.push_back(node);
+    queried.push_back(node);
     return 0;
   };
   const DeviceList list = find_devices(options);
@@ -232,12 +232,12 @@ TEST_CASE("a serial device is judged by its tty, and one without a tty says what
   CHECK(list.devices[0].tty == machine.dev("ttyACM3"));
   CHECK(list.devices[0].transport == TransportKind::kTty);
   CHECK(list.devices[0].readiness == Readiness::kReady);
-  CHECK(std::find(asked.begin(), asked.end(), machine.dev("ttyACM3")) != asked.end());
+  CHECK(std::find(queried.begin(), queried.end(), machine.dev("ttyACM3")) != queried.end());
   CHECK(list.devices[1].readiness == Readiness::kNoNode);
   CHECK(list.devices[1].reason.find("tty") != std::string::npos);
 }
 
-TEST_CASE("each device says by which way it would be opened at the moment") {
+TEST_CASE("each device lists how it would be opened now") {
   Machine machine;
   machine.plug({.port_path = "1-1", .serial = "A", .number = 2, .tty = "ttyUSB0"});
   machine.plug({.port_path = "1-2", .vendor = "10cf", .product_id = "8062", .serial = "", .number = 3});
@@ -254,21 +254,22 @@ TEST_CASE("each device says by which way it would be opened at the moment") {
   FindOptions options = machine.options();
   options.node_access = [](const std::string&) { return 0; };
   CHECK(ways(options) == std::vector<std::string>{"serial libusb", "usb libusb", "serial tty", "hid hidraw", "- "});
-  // Where the node of the bus is not for this user, a serial chip is opened by its tty; no other has a second way.
+  // If this user may not open the node of the bus, a serial chip is opened by its tty; other devices have no
+  // alternative.
   options.node_access = [&](const std::string& node) {
     return node.find("/bus/usb/") == std::string::npos ? 0 : EACCES;
   };
   CHECK(ways(options) == std::vector<std::string>{"serial tty", "usb libusb", "serial tty", "hid hidraw", "- "});
 }
 
-TEST_CASE("devices that no driver knows are not listed") {
+TEST_CASE("devices without a driver are not listed") {
   Machine machine;
   machine.plug({.vendor = "046d", .product_id = "c077"});
   machine.plug({.port_path = "usb1"});
   CHECK(machine.find().devices.empty());
 }
 
-TEST_CASE("a device whose attributes are missing or garbled is passed over") {
+TEST_CASE("a device whose attributes are missing or garbled is skipped") {
   Machine machine;
   machine.plug({.port_path = "1-1", .vendor = "04g3"});
   machine.plug({.port_path = "1-2", .vendor = ""});
@@ -276,7 +277,7 @@ TEST_CASE("a device whose attributes are missing or garbled is passed over") {
   CHECK(machine.find().devices.size() == 1);
 }
 
-TEST_CASE("a node that may not be written names the command that mends it") {
+TEST_CASE("a node that may not be written comes with the command that fixes it") {
   if (!built_with_usb()) return;
   Machine machine;
   machine.plug({});
@@ -291,7 +292,7 @@ TEST_CASE("a node that may not be written names the command that mends it") {
   CHECK(name_of(list.devices[0].readiness) == "no-permission");
 }
 
-TEST_CASE("a user outside plugdev with current rules is told to join it, by the list and by the port") {
+TEST_CASE("a user outside plugdev with current rules is advised to join it, by the list and by the port") {
   if (!built_with_usb()) return;
   Machine machine;
   machine.plug({});
@@ -308,7 +309,8 @@ TEST_CASE("a user outside plugdev with current rules is told to join it, by the 
   CHECK(chosen.error().message.find("run: sudo usermod -aG plugdev $USER") != std::string::npos);
 }
 
-TEST_CASE("a bare cable that this user may not open is listed with a rule of its own, rules installed or not") {
+TEST_CASE(
+    "a bare cable that this user may not open is listed with its own rule, whether or not the rules are installed") {
   for (const bool installed : {false, true}) {
     Machine machine;
     machine.plug({.manufacturer = "FTDI", .product = "FT232R USB UART", .serial = "A50285BI"});
@@ -319,7 +321,7 @@ TEST_CASE("a bare cable that this user may not open is listed with a rule of its
     const DeviceList list = find_devices(options);
     REQUIRE(list.devices.size() == 1);
     CHECK(list.devices[0].readiness == Readiness::kNotDmx);
-    CHECK(list.devices[0].reason.find("leave it out") != std::string::npos);
+    CHECK(list.devices[0].reason.find("exclude it") != std::string::npos);
     CHECK(list.devices[0].remedy.find(R"(ATTR{serial}=="A50285BI")") != std::string::npos);
     CHECK(list.devices[0].remedy.find("udev/70-footlight.rules") == std::string::npos);
     options.node_access = [](const std::string&) { return 0; };
@@ -331,7 +333,7 @@ TEST_CASE("an FTDI chip that lost its kernel driver is ready, and names the comm
   if (!built_with_usb()) return;
   Machine machine;
   machine.plug({.kernel_driver = ""});
-  CHECK(machine.find().devices[0].rebind.empty());  // nothing to bind it to
+  CHECK(machine.find().devices[0].rebind.empty());  // no driver to bind
   machine.load_ftdi_sio();
   const FoundDevice device = machine.find().devices[0];
   CHECK(device.readiness == Readiness::kReady);
@@ -359,7 +361,7 @@ TEST_CASE("a build without hidapi lists HID devices, and names the package that 
   CHECK(sink.error().message.find("libhidapi-dev") != std::string::npos);
 }
 
-TEST_CASE("a module is advised only where no driver of the kernel is bound") {
+TEST_CASE("a module is advised only if no kernel driver is bound") {
   if (!built_with_hid()) return;
   for (const char* kernel_driver : {"", "usbhid"}) {
     Machine machine;
@@ -370,7 +372,7 @@ TEST_CASE("a module is advised only where no driver of the kernel is bound") {
   }
 }
 
-TEST_CASE("a device without its node is told from one without permission") {
+TEST_CASE("a device without its node is distinguished from one without permission") {
   if (!built_with_usb()) return;
   Machine machine;
   machine.plug({.has_node = false});
@@ -401,14 +403,14 @@ TEST_CASE("a busy device names the program that holds it, through usbfs or throu
   CHECK(list.devices[3].remedy.find("fuser -v") != std::string::npos);
 }
 
-TEST_CASE("a machine without a USB bus is told so, and is no error") {
+TEST_CASE("a machine without a USB bus gets a note, not an error") {
   const DeviceList list = find_devices({.sys_root = "/nonexistent"});
   CHECK(list.devices.empty());
   REQUIRE_FALSE(list.notes.empty());
   CHECK(list.notes.back().find("/nonexistent/bus/usb/devices") != std::string::npos);
 }
 
-TEST_CASE("every driver has a name of its own that fits into an endpoint") {
+TEST_CASE("every driver has a unique name that is valid in an endpoint") {
   std::vector<std::string_view> ids;
   for (const DriverInfo* driver : drivers()) {
     CHECK(std::all_of(driver->id.begin(), driver->id.end(),
@@ -433,7 +435,7 @@ TEST_CASE("the committed hardware table is that of the driver table") {
       "put the output of this between its markers in docs/hardware.md: build/dev/tools/list_udev_rules --hardware");
 }
 
-TEST_CASE("udev rules never open a bare serial chip and never to everybody") {
+TEST_CASE("udev rules never open a bare serial chip, and never to all users") {
   std::istringstream rules(udev_rules_text());
   std::string line;
   int rule_count = 0;
@@ -446,7 +448,7 @@ TEST_CASE("udev rules never open a bare serial chip and never to everybody") {
     CHECK(line.find("0666") == std::string::npos);
     if (line.find("0403") != std::string::npos)
       CHECK((line.find("{manufacturer}") != std::string::npos || line.find("{product}") != std::string::npos ||
-             line.find("c850") != std::string::npos));  // an id that FTDI gave to one maker
+             line.find("c850") != std::string::npos));  // an id that FTDI assigned to one maker
     const std::size_t id = line.find("{idVendor}==\"");
     REQUIRE(id != std::string::npos);
     CHECK(std::none_of(line.begin() + static_cast<std::ptrdiff_t>(id),
@@ -467,7 +469,7 @@ TEST_CASE("udev rules open a HID interface by its hidraw node, and no other hidr
     if (line.find("hidraw\"") != std::string::npos) CHECK(line.find("ATTRS{idProduct}") != std::string::npos);
 }
 
-TEST_CASE("udev rules open a Velleman by its USB node, since no stock kernel gives it a hidraw node") {
+TEST_CASE("udev rules open a Velleman by its USB node, because no stock kernel makes a hidraw node for it") {
   const std::string rules = udev_rules_text();
   CHECK(
       rules.find(R"(SUBSYSTEM=="usb", ENV{DEVTYPE}=="usb_device", ATTR{idVendor}=="10cf", ATTR{idProduct}=="8062")") !=

@@ -1,4 +1,4 @@
-// What is particular to the drivers of serial devices with protocols of their own, and to their parsers.
+// Tests of the drivers of serial devices with their own protocols, and of their parsers.
 #include <doctest/doctest.h>
 
 #include <numeric>
@@ -40,7 +40,7 @@ struct Bench {
 
 TEST_SUITE_BEGIN("serial_drivers");
 
-TEST_CASE("a CDC-ACM model describes its interfaces as Linux demands, and answers only at its data endpoint") {
+TEST_CASE("a CDC-ACM model describes its interfaces as Linux requires, and answers only at its data endpoint") {
   mock::Dmx4allModel model;
   const Bytes config = model.config_descriptor();
   CHECK(config.size() == (config[2] | config[3] << 8));
@@ -52,12 +52,12 @@ TEST_CASE("a CDC-ACM model describes its interfaces as Linux demands, and answer
   }
   CHECK(unions == 1);
   model.power_on();
-  model.say(Bytes{'G'});
+  model.send_to_host(Bytes{'G'});
   CHECK_FALSE(model.has_data(0x83));
   CHECK(model.has_data(0x81));
 }
 
-TEST_CASE("a DMX4ALL interface is set to 512 slots, and sent only what has changed") {
+TEST_CASE("a DMX4ALL interface is set to 512 slots, and gets only changed slots") {
   Bench bench("dmx4all");
   auto sink = bench.open();
   REQUIRE_MESSAGE(sink, (sink ? "" : sink.error().message));
@@ -85,7 +85,7 @@ TEST_CASE("a DMX4ALL interface is set to 512 slots, and sent only what has chang
   CHECK((*sink)->counters().rejected == 0);
 }
 
-TEST_CASE("a device that does not say G is refused as no DMX4ALL interface") {
+TEST_CASE("a device that does not answer G is not accepted as a DMX4ALL interface") {
   Bench bench("dmx4all");
   bench.usb->with_model<mock::Dmx4allModel>([](auto& model) { model.answers = false; });
   bench.usb->move_clock({});
@@ -130,7 +130,7 @@ TEST_CASE("an update for a Vince converter has its length, its gap and its end")
   CHECK(message[519] == 0x04);
 }
 
-TEST_CASE("replies of a Vince converter are found however the stream is cut and whatever stands between") {
+TEST_CASE("replies of a Vince converter are found for any division of the stream and any noise between them") {
   const Bytes reply{0x0F, 0x0F, 0x11, 0x00, 0x00, 0x00, 0x04};
   const Bytes with_data{0x0F, 0x0F, 0x02, 0x01, 0x00, 0x02, 0x0F, 0x0F, 0x04};
   std::mt19937 random(3);
@@ -157,24 +157,24 @@ TEST_CASE("replies of a Vince converter are found however the stream is cut and 
   }
 }
 
-TEST_CASE("what a tty says of its line is understood however it is cut") {
-  const Bytes said{1, 0xFF, 0, 0, 0, 2, 0xFF, 0xFF, 0xFF, 0, 9, 3, 0xFF, 0, 0};
-  for (std::size_t cut = 0; cut <= said.size(); ++cut) {
+TEST_CASE("the line marks of a tty are decoded for any division of the stream") {
+  const Bytes marks{1, 0xFF, 0, 0, 0, 2, 0xFF, 0xFF, 0xFF, 0, 9, 3, 0xFF, 0, 0};
+  for (std::size_t cut = 0; cut <= marks.size(); ++cut) {
     TtyMarkParser parser;
-    std::vector<LineByte> heard;
-    parser.take(std::span(said).first(cut), 1, heard);
-    parser.take(std::span(said).subspan(cut), 1, heard);
-    REQUIRE(heard.size() == 8);
-    CHECK(heard[0].value == 1);
-    CHECK(heard[1].is_break);
-    CHECK(heard[2].value == 0);
-    CHECK_FALSE(heard[2].is_break);
-    CHECK(heard[3].value == 2);
-    CHECK(heard[4].value == 0xFF);
-    CHECK_FALSE(heard[4].framing_error);
-    CHECK(heard[5].framing_error);
-    CHECK(heard[6].value == 3);
-    CHECK(heard[7].is_break);
+    std::vector<LineByte> bytes;
+    parser.take(std::span(marks).first(cut), 1, bytes);
+    parser.take(std::span(marks).subspan(cut), 1, bytes);
+    REQUIRE(bytes.size() == 8);
+    CHECK(bytes[0].value == 1);
+    CHECK(bytes[1].is_break);
+    CHECK(bytes[2].value == 0);
+    CHECK_FALSE(bytes[2].is_break);
+    CHECK(bytes[3].value == 2);
+    CHECK(bytes[4].value == 0xFF);
+    CHECK_FALSE(bytes[4].framing_error);
+    CHECK(bytes[5].framing_error);
+    CHECK(bytes[6].value == 3);
+    CHECK(bytes[7].is_break);
   }
 }
 

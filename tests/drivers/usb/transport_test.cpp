@@ -1,4 +1,5 @@
-// What stands between drivers and devices: two ways to one device, and the faults that a model plays on command.
+// The transports between drivers and devices: two transports for one device, and the faults that a model simulates on
+// command.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -32,7 +33,7 @@ class NamedTransport final : public Transport {
   const std::string where_;
 };
 
-// How often the wait() of a way was called.
+// How often the wait() of a transport was called.
 int& waits_of(const std::string& name) {
   static std::map<std::string, int> waits;
   return waits[name];
@@ -74,7 +75,7 @@ std::unique_ptr<Opener> way(std::string name, const Way& outcome, int& tries) {
 
 TEST_SUITE_BEGIN("transport");
 
-TEST_CASE("a device whose first way is barred is taken by the second, and one in trouble is not") {
+TEST_CASE("a device that its first transport may not open uses the second, and one with another error does not") {
   for (const Way first :
        {Way::kOk, Way::kPermission, Way::kUnsupported, Way::kNotFound, Way::kIo, Way::kDisconnected}) {
     CAPTURE(static_cast<int>(first));
@@ -90,7 +91,7 @@ TEST_CASE("a device whose first way is barred is taken by the second, and one in
     CHECK(second_tries == (barred ? 1 : 0));
     CHECK(transport.has_value() == (first == Way::kOk || barred));
     if (transport) CHECK((*transport)->where() == (barred ? "tty" : "libusb"));
-    // With both barred the message is that of the better way.
+    // If both fail, the message is that of the preferred transport.
     const auto fails =
         make_either_opener(way("libusb", first, first_tries), way("tty", kIo, second_tries), look, clock);
     const auto none = fails->connect();
@@ -98,7 +99,7 @@ TEST_CASE("a device whose first way is barred is taken by the second, and one in
   }
 }
 
-// A connector over both ways, and what the test decides of them.
+// An opener with both transports, and the results that the test sets for them.
 struct BothWays {
   SharedFakeClock clock;
   Way over_libusb = Way::kOk, over_tty = Way::kOk;
@@ -106,7 +107,7 @@ struct BothWays {
   int libusb_tries = 0, tty_tries = 0;
   std::unique_ptr<Opener> opener = make_either_opener(
       way("libusb", over_libusb, libusb_tries), way("tty", over_tty, tty_tries), [this] { return seen; }, clock);
-  // Which way was taken; empty: none.
+  // The transport used; empty: none.
   std::string taken() {
     const auto transport = opener->connect();
     return transport ? (*transport)->where() : std::string{};
@@ -114,8 +115,8 @@ struct BothWays {
   void plug(std::string node, TransportKind kind = TransportKind::kFtdi) { seen = SeenDevice{kind, std::move(node)}; }
 };
 
-TEST_CASE("a replugged chip is left to libusb for one second, and taken by its tty after that") {
-  for (const Way late : {Way::kNotFound, Way::kPermission}) {  // not announced yet; its node has no permissions yet
+TEST_CASE("a replugged chip is reserved for libusb for one second, and opened by its tty after that") {
+  for (const Way late : {Way::kNotFound, Way::kPermission}) {  // no event yet; its node has no permissions yet
     BothWays ways;
     ways.plug("/dev/bus/usb/001/004");
     CHECK(ways.taken() == "libusb");
@@ -125,11 +126,11 @@ TEST_CASE("a replugged chip is left to libusb for one second, and taken by its t
     ways.clock.advance_ns(kAnnouncementNs - 1);
     CHECK(ways.taken().empty());
     CHECK(ways.tty_tries == 0);
-    SUBCASE("libusb announces it in time") {
+    SUBCASE("libusb reports it in time") {
       ways.over_libusb = Way::kOk;
       CHECK(ways.taken() == "libusb");
     }
-    SUBCASE("libusb never announces it") {
+    SUBCASE("libusb never reports it") {
       ways.clock.advance_ns(1);
       CHECK(ways.taken() == "tty");
       // After the next replug libusb comes first again.
@@ -141,7 +142,7 @@ TEST_CASE("a replugged chip is left to libusb for one second, and taken by its t
   }
 }
 
-TEST_CASE("a chip that is plugged in after the start is left to libusb for one second too") {
+TEST_CASE("a chip plugged in after the start is reserved for libusb for one second too") {
   BothWays ways;
   ways.over_libusb = Way::kNotFound;
   CHECK(ways.taken().empty());
@@ -154,17 +155,17 @@ TEST_CASE("a chip that is plugged in after the start is left to libusb for one s
   CHECK(ways.taken() == "tty");
 }
 
-TEST_CASE("a serial device that is plugged in after the start is opened and waited for by its tty") {
+TEST_CASE("a serial device plugged in after the start is opened and waited for by its tty") {
   BothWays ways;
   ways.over_libusb = Way::kNotFound;
   ways.over_tty = Way::kNotFound;
   CHECK(ways.taken().empty());
   const int libusb_waits = waits_of("libusb"), tty_waits = waits_of("tty");
   ways.opener->wait(0);
-  CHECK(waits_of("libusb") == libusb_waits + 1);  // which hears of every USB device
+  CHECK(waits_of("libusb") == libusb_waits + 1);  // which gets events of every USB device
   ways.plug("/dev/bus/usb/001/004", TransportKind::kTty);
   ways.over_libusb = Way::kOk;  // libusb opens it, but not as a serial line
-  CHECK(ways.taken().empty());  // its tty comes later
+  CHECK(ways.taken().empty());  // its tty appears later
   ways.opener->wait(0);
   CHECK(waits_of("tty") == tty_waits + 1);
   ways.over_tty = Way::kOk;
@@ -172,7 +173,7 @@ TEST_CASE("a serial device that is plugged in after the start is opened and wait
   CHECK(ways.libusb_tries == 1);
 }
 
-// A widget with its thread left out.
+// A widget without its thread.
 struct Bench {
   SharedFakeClock clock;
   std::shared_ptr<MockUsb> usb = std::make_shared<MockUsb>(std::make_unique<mock::EnttecProModel>(), "mock:enttec-pro");
@@ -187,7 +188,7 @@ struct Bench {
     transport = std::move(*opened);
     return "connected";
   }
-  // A deadline that has passed: what needs time runs out of it at once.
+  // With an expired deadline: calls that need time time out at once.
   Status write(std::size_t byte_count) { return transport->write(Bytes(byte_count), clock.now_ns()); }
   Bytes read() {
     Bytes bytes(64);
@@ -198,7 +199,7 @@ struct Bench {
   }
 };
 
-TEST_CASE("every fault that a model knows happens on its command") {
+TEST_CASE("every fault of a model happens on its command") {
   Bench bench;
   MockUsb& usb = *bench.usb;
   REQUIRE(bench.write(10).has_value());
@@ -222,7 +223,7 @@ TEST_CASE("every fault that a model knows happens on its command") {
 
   REQUIRE(usb.obey("cut-write 4"));
   CHECK(bench.write(10).error().code == ErrorCode::kTimeout);
-  CHECK(bench.write(10).has_value());  // that one write and no other
+  CHECK(bench.write(10).has_value());  // only that one write
 
   REQUIRE(usb.obey("stall on"));
   CHECK(bench.write(10).error().code == ErrorCode::kTimeout);
@@ -241,7 +242,7 @@ TEST_CASE("every fault that a model knows happens on its command") {
   CHECK(bench.write(1).error().code == ErrorCode::kDisconnected);
   REQUIRE(usb.obey("serial EN999999"));
   REQUIRE(usb.obey("plug"));
-  CHECK(bench.connect().find("EN999999") != std::string::npos);  // another device, and not taken
+  CHECK(bench.connect().find("EN999999") != std::string::npos);  // another device, not accepted
   REQUIRE(usb.obey("unplug"));
   REQUIRE(usb.obey("serial EN172589"));
   REQUIRE(usb.obey("plug"));

@@ -33,7 +33,7 @@ DurationNs cost_of(const std::vector<UdmxRange>& ranges) {
 
 TEST_SUITE_BEGIN("udmx");
 
-TEST_CASE("a transfer costs what was published: 15 looks a second of 512 slots, 30 of 256") {
+TEST_CASE("transfer times match the published rates: 15 frames a second of 512 slots, 30 of 256") {
   CHECK(std::abs(static_cast<double>(kNsPerS) / static_cast<double>(udmx_transfer_ns(512)) - 15.0) < 0.5);
   CHECK(std::abs(static_cast<double>(kNsPerS) / static_cast<double>(udmx_transfer_ns(256)) - 30.0) < 1.0);
   CHECK(udmx_transfer_ns(1) == 3 * kNsPerMs);
@@ -55,7 +55,7 @@ TEST_CASE("changes that are near each other share a transfer, and far ones do no
   CHECK(ranges_of(known, wanted) == std::vector<UdmxRange>{{10, 1}, {200, 1}});
 }
 
-TEST_CASE("the ranges of any change lead to the look, and cost no more than all slots or each run by itself") {
+TEST_CASE("the ranges of any change produce the new frame, and cost no more than all slots or each run separately") {
   std::mt19937 random(3);
   for (int round = 0; round < 2000; ++round) {
     Slots known{}, wanted{};
@@ -104,14 +104,14 @@ TEST_CASE("the model refuses ranges past slot 512 and values past 255, as the fi
   CHECK(model.slot_count == 8);
 }
 
-// --- The driver against the model in this process. Time stands still unless a test moves it.
+// --- The driver with the model in this process. Time stands still unless a test moves it.
 
 template <class F>
 auto with(DeviceBench& bench, F&& f) {
   return bench.usb->with_model<mock::UdmxModel>(std::forward<F>(f));
 }
 
-TEST_CASE("a look reaches the device with every slot, the first one whole") {
+TEST_CASE("a frame reaches the device with every slot, the first one whole") {
   DeviceBench bench("udmx");
   const auto sink = bench.open_sink();
   bench.send(*sink, some_snapshot(7));
@@ -120,7 +120,7 @@ TEST_CASE("a look reaches the device with every slot, the first one whole") {
   CHECK(sink->rate_hz_max() == doctest::Approx(41.5));
 }
 
-TEST_CASE("after that only what has changed is sent") {
+TEST_CASE("after the first frame only changed slots are sent") {
   DeviceBench bench("udmx");
   const auto sink = bench.open_sink();
   Bytes snapshot = some_snapshot(7);
@@ -136,7 +136,7 @@ TEST_CASE("after that only what has changed is sent") {
   CHECK(packets() - before == 6);  // 6 ms of the bus instead of 66
 }
 
-TEST_CASE("an unchanged look is refreshed piece by piece, a piece a second, until all is new") {
+TEST_CASE("an unchanged frame is refreshed piece by piece, a piece a second, until all is sent") {
   DeviceBench bench("udmx");
   const auto sink = bench.open_sink();
   bench.send(*sink, some_snapshot(7));
@@ -150,7 +150,7 @@ TEST_CASE("an unchanged look is refreshed piece by piece, a piece a second, unti
   CHECK(bench.shows(some_snapshot(7)));
 }
 
-TEST_CASE("a transfer that is refused now and then is sent again at once, and is no error") {
+TEST_CASE("an occasionally refused transfer is sent again at once, and is not an error") {
   DeviceBench bench("udmx");
   const auto sink = bench.open_sink();
   for (std::uint8_t i = 0; i < 20; ++i) {
@@ -163,7 +163,7 @@ TEST_CASE("a transfer that is refused now and then is sent again at once, and is
   CHECK(testing::figure_of(*sink, "refused_transfers") == 19);  // 0 1 2 0 1 2 ... of 20
 }
 
-TEST_CASE("one that refuses everything is opened afresh, and gets the look whole when it mends") {
+TEST_CASE("a device that refuses everything is opened again, and gets the whole frame when it recovers") {
   DeviceBench bench("udmx");
   const auto sink = bench.open_sink();
   bench.send(*sink, some_snapshot(1));
@@ -175,11 +175,11 @@ TEST_CASE("one that refuses everything is opened afresh, and gets the look whole
   CHECK(bench.advance_until([&] { return bench.shows(some_snapshot(2), std::chrono::milliseconds(1)); }));
 }
 
-TEST_CASE("an unplug before any transfer of a look ends with that look") {
+TEST_CASE("after an unplug before any transfer of a frame, the frame reaches the line") {
   DeviceBench bench("udmx");
   testing::check_unplug_at_every_transfer(bench);
 }
-TEST_CASE("a transfer that is cut short costs no look") {
+TEST_CASE("a transfer cut short loses no frame") {
   DeviceBench bench("udmx");
   testing::check_cut_write(bench, 511);
 }

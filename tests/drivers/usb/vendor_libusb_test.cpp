@@ -1,4 +1,4 @@
-// Interfaces with endpoints of their own through the real libusb on an emulated kernel: uDMX, Peperoni, DMXCreator,
+// Interfaces with their own endpoints through the real libusb on an emulated kernel: uDMX, Peperoni, DMXCreator,
 // Velleman.
 #include <doctest/doctest.h>
 
@@ -27,7 +27,7 @@ using testing::wait_for_state;
 template <class Model>
 struct Bench : testing::EmulatedBench<UsbSocket, Model> {
   using testing::EmulatedBench<UsbSocket, Model>::EmulatedBench;
-  // Looks arrive, an unplug is noticed without traffic, and the look of meanwhile is there after the replug.
+  // Frames arrive, an unplug is detected without traffic, and a frame sent meanwhile arrives after the replug.
   void check_snapshots_and_replug() {
     this->socket.plug();
     const DeviceList list = find_devices();
@@ -53,7 +53,7 @@ struct Bench : testing::EmulatedBench<UsbSocket, Model> {
   }
 };
 
-TEST_CASE("uDMX: looks arrive through libusb, and the look of meanwhile after a replug") {
+TEST_CASE("uDMX: frames arrive through libusb, and one sent meanwhile after a replug") {
   Bench<UdmxModel> bench("udmx");
   bench.check_snapshots_and_replug();
   bench.socket.with_model([&] { CHECK(bench.model.broken_count == 0); });
@@ -70,7 +70,7 @@ TEST_CASE("uDMX: a refused transfer is sent again, through libusb too") {
   CHECK(sink->counters().errors == 0);
 }
 
-TEST_CASE("uDMX: something else with the shared ids is listed as not DMX, and not taken") {
+TEST_CASE("uDMX: another device with the shared ids is listed as not DMX, and not used") {
   Bench<UdmxModel> bench("udmx");
   bench.model.manufacturer = "obdev.at";
   bench.model.product = "PowerSwitch";
@@ -84,7 +84,7 @@ TEST_CASE("uDMX: something else with the shared ids is listed as not DMX, and no
   CHECK(refused.error().code == ErrorCode::kNotFound);
 }
 
-TEST_CASE("Peperoni: looks of all three generations arrive through libusb") {
+TEST_CASE("Peperoni: frames of all three generations arrive through libusb") {
   for (const int release : {0x0150, 0x0402, 0x0504}) {
     Bench<PeperoniModel> bench("peperoni");
     bench.model.release = static_cast<std::uint16_t>(release);
@@ -107,7 +107,7 @@ TEST_CASE("Peperoni: both universes of a USBDMX21 arrive, by its row in the tabl
   }));
 }
 
-TEST_CASE("Peperoni: a USBDMX21 that is plugged in after the start carries both universes, and a Rodin is refused") {
+TEST_CASE("Peperoni: a USBDMX21 plugged in after the start has both universes, and a Rodin is refused") {
   for (const bool has_two : {true, false}) {
     Bench<PeperoniModel> bench("peperoni");
     bench.model.usb_product = has_two ? 0x0004 : 0x0002;
@@ -131,7 +131,7 @@ TEST_CASE("Peperoni: a USBDMX21 that is plugged in after the start carries both 
   }
 }
 
-TEST_CASE("Peperoni: a bus error leads to opening it afresh") {
+TEST_CASE("Peperoni: after a bus error it is opened again") {
   Bench<PeperoniModel> bench("peperoni");
   bench.socket.plug();
   const auto sink = bench.open_sink();
@@ -142,7 +142,7 @@ TEST_CASE("Peperoni: a bus error leads to opening it afresh") {
   CHECK(bench.shows(some_snapshot(2)));
 }
 
-TEST_CASE("Peperoni: one that vanishes with a look in flight gets it when it is back") {
+TEST_CASE("Peperoni: a device unplugged during a transfer gets the frame when it is back") {
   Bench<PeperoniModel> bench("peperoni");
   bench.socket.plug();
   const auto sink = bench.open_sink();
@@ -156,7 +156,7 @@ TEST_CASE("Peperoni: one that vanishes with a look in flight gets it when it is 
   CHECK(bench.shows(some_snapshot(5)));
 }
 
-TEST_CASE("DMXCreator: looks arrive through libusb, and the look of meanwhile after a replug") {
+TEST_CASE("DMXCreator: frames arrive through libusb, and one sent meanwhile after a replug") {
   Bench<DmxCreatorModel> bench("dmxcreator");
   bench.check_snapshots_and_replug();
   bench.socket.with_model([&] {
@@ -165,7 +165,7 @@ TEST_CASE("DMXCreator: looks arrive through libusb, and the look of meanwhile af
   });
 }
 
-TEST_CASE("DMXCreator: a halted endpoint is cleared, and the look arrives without reopening") {
+TEST_CASE("DMXCreator: a halted endpoint is cleared, and the frame arrives without reopening") {
   Bench<DmxCreatorModel> bench("dmxcreator");
   bench.socket.plug();
   const auto sink = bench.open_sink();
@@ -197,7 +197,7 @@ TEST_CASE("Velleman: a user who may open its USB node needs no hidraw node and n
   CHECK(list.devices[0].remedy.empty());
 }
 
-TEST_CASE("Velleman: the reports of both firmwares arrive through libusb, told apart by the descriptor") {
+TEST_CASE("Velleman: the reports of both firmwares arrive through libusb, detected by the descriptor") {
   for (const bool upgraded : {false, true}) {
     Bench<VellemanModel> bench("velleman");
     bench.model.upgraded = upgraded;

@@ -1,5 +1,5 @@
-// On real descriptors, without sleeping: every wait here has something to wake it already, or a deadline in the past or
-// within a millisecond. Nothing is asserted about how late a wake-up is.
+// With real descriptors, without sleeping: every wait here has an event already, or a deadline in the past or within a
+// millisecond. The delay of a wake-up is not tested.
 #include "drivers/wait/epoll_waiter.h"
 
 #include <doctest/doctest.h>
@@ -25,7 +25,7 @@ using footlight::drivers::EpollWaiter;
 
 namespace {
 
-// A descriptor that is readable or not, as told.
+// A descriptor that the test makes readable or not.
 class Bell {
  public:
   Bell() : fd_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) { REQUIRE(fd_ >= 0); }
@@ -60,7 +60,7 @@ void on_signal(int) { signalled_waiter->interrupt(); }
 
 }  // namespace
 
-TEST_CASE("a wait names the descriptors that are readable and no others") {
+TEST_CASE("a wait returns exactly the readable descriptors") {
   const auto waiter = make();
   const Bell a, b;
   REQUIRE(waiter->watch(a.fd()));
@@ -72,7 +72,7 @@ TEST_CASE("a wait names the descriptors that are readable and no others") {
   CHECK(wait(*waiter, 1).empty());
 }
 
-TEST_CASE("what does not fit into the answer comes with the next one") {
+TEST_CASE("descriptors that do not fit into the result come with the next call") {
   const auto waiter = make();
   const std::array<Bell, 5> bells;
   for (const Bell& bell : bells) {
@@ -95,7 +95,7 @@ TEST_CASE("a deadline in the past, also 0 and below, ends the wait at once") {
     CHECK(wait(*waiter, past_ns).empty());
 }
 
-TEST_CASE("a wait that nothing but its deadline ends does not end before it") {
+TEST_CASE("a wait ended by its deadline does not end before it") {
   const auto waiter = make();
   SystemClock clock;
   for (const TimeNs in_ns : {kNsPerMs, kNsPerMs / 2, kNsPerMs}) {
@@ -105,7 +105,7 @@ TEST_CASE("a wait that nothing but its deadline ends does not end before it") {
   }
 }
 
-TEST_CASE("an interrupt from before the wait ends it, once") {
+TEST_CASE("an interrupt before the wait ends it, once") {
   const auto waiter = make();
   waiter->interrupt();
   waiter->interrupt();
@@ -113,7 +113,7 @@ TEST_CASE("an interrupt from before the wait ends it, once") {
   const Bell bell;
   REQUIRE(waiter->watch(bell.fd()));
   bell.ring();
-  CHECK(wait(*waiter, kTimeNever).size() == 1);  // nothing is left of the interrupts
+  CHECK(wait(*waiter, kTimeNever).size() == 1);  // no interrupt is left
 }
 
 TEST_CASE("an interrupt from a signal handler ends a wait without deadline") {
@@ -128,7 +128,7 @@ TEST_CASE("an interrupt from a signal handler ends a wait without deadline") {
   REQUIRE(sigaction(SIGUSR1, &before, nullptr) == 0);
 }
 
-TEST_CASE("a descriptor closed and given out anew is heard after watching it again") {
+TEST_CASE("a descriptor number that was closed and reused is reported after watching it again") {
   const auto waiter = make();
   int number = -1;
   {
@@ -137,25 +137,25 @@ TEST_CASE("a descriptor closed and given out anew is heard after watching it aga
     REQUIRE(waiter->watch(old.fd()));
   }
   const Bell fresh;
-  REQUIRE(fresh.fd() == number);  // the lowest free number is given out
+  REQUIRE(fresh.fd() == number);  // the lowest free number is used
   fresh.ring();
   CHECK(wait(*waiter, 1).empty());
   REQUIRE(waiter->watch(fresh.fd()));
   CHECK(wait(*waiter, kTimeNever) == std::vector<int>{fresh.fd()});
 }
 
-TEST_CASE("an unwatched descriptor is not named, and unwatching a closed one does no harm") {
+TEST_CASE("an unwatched descriptor is not reported, and unwatching a closed one is harmless") {
   const auto waiter = make();
   const Bell bell;
   REQUIRE(waiter->watch(bell.fd()));
-  REQUIRE(waiter->watch(bell.fd()));  // twice is once
+  REQUIRE(waiter->watch(bell.fd()));  // watching twice counts once
   bell.ring();
   waiter->unwatch(bell.fd());
   CHECK(wait(*waiter, 1).empty());
   waiter->unwatch(12345);
 }
 
-TEST_CASE("a plain file is refused with a message that says what to do") {
+TEST_CASE("a plain file is refused with a message that names the next step") {
   const auto waiter = make();
   std::FILE* file = std::tmpfile();
   REQUIRE(file != nullptr);

@@ -1,4 +1,4 @@
-// Each case runs in a process of its own, since priorities and limits belong to processes.
+// Each case runs in its own process, since priorities and limits belong to processes.
 #include "drivers/wait/real_time.h"
 
 #include <chrono>
@@ -21,7 +21,7 @@ namespace {
 constexpr int kSkipped = 77;
 constexpr uid_t kNobody = 65'534;
 
-// What `body` returns, in a child: 0 where all was as it should be, else which step was not. -1: it was killed.
+// The result of `body` in a child process: 0 on success, else the failed step. -1: it was killed.
 int in_child(const std::function<int()>& body) {
   const pid_t pid = fork();
   REQUIRE(pid >= 0);
@@ -39,7 +39,7 @@ void check_child(int code) {
   CHECK(code == 0);
 }
 
-// Somebody who may have real time: by limit, or by privilege where limits cannot be raised here.
+// Gives this process the right to real time: by limit, or by privilege if limits cannot be raised here.
 bool may_have_real_time() {
   const rlimit limit = {.rlim_cur = 95, .rlim_max = 95};
   const sched_param one = {.sched_priority = 1};
@@ -48,7 +48,7 @@ bool may_have_real_time() {
   return sched_setscheduler(0, SCHED_FIFO, &one) == 0 && sched_setscheduler(0, SCHED_OTHER, &none) == 0;
 }
 
-// An ordinary user whose limit is this.
+// Changes to an ordinary user with this limit.
 bool become_user(rlim_t rtprio_max) {
   const rlimit limit = {.rlim_cur = 0, .rlim_max = rtprio_max};
   return setrlimit(RLIMIT_RTPRIO, &limit) == 0 && setuid(kNobody) == 0;
@@ -61,14 +61,14 @@ int priority() {
   return sched_getparam(0, &param) == 0 ? param.sched_priority : -1;
 }
 
-TEST_CASE("nobody gets real time who has not said that it is wanted") {
+TEST_CASE("no thread gets real time unless it was requested for the process") {
   check_child(in_child([] {
     if (!enter_real_time()) return 1;
     return policy() == SCHED_OTHER ? 0 : 2;
   }));
 }
 
-TEST_CASE("a thread that asks gets real time where it may, and threads that it starts do not") {
+TEST_CASE("a thread gets real time if it may, and threads that it starts do not") {
   check_child(in_child([] {
     if (!may_have_real_time()) return kSkipped;
     want_real_time(kRealTimePriority);
@@ -82,7 +82,7 @@ TEST_CASE("a thread that asks gets real time where it may, and threads that it s
   }));
 }
 
-TEST_CASE("a limit below the priority that is wanted lowers it") {
+TEST_CASE("a limit below the requested priority lowers it") {
   check_child(in_child([] {
     if (!become_user(7)) return kSkipped;
     want_real_time(kRealTimePriority);
@@ -91,7 +91,7 @@ TEST_CASE("a limit below the priority that is wanted lowers it") {
   }));
 }
 
-TEST_CASE("a refusal names both places where it can be allowed, and the way to do without") {
+TEST_CASE("a refusal names both places where it can be allowed, and the option to run without") {
   check_child(in_child([] {
     if (!become_user(0)) return kSkipped;
     want_real_time(kRealTimePriority);
@@ -103,9 +103,9 @@ TEST_CASE("a refusal names both places where it can be allowed, and the way to d
   }));
 }
 
-// ThreadSanitizer holds a signal back until the thread calls something that waits, which this one never does.
+// ThreadSanitizer delays a signal until the thread calls something that waits, which this one never does.
 #if !defined(__SANITIZE_THREAD__)
-TEST_CASE("a thread that never rests loses real time and goes on at normal priority") {
+TEST_CASE("a thread that never pauses loses real time and continues at normal priority") {
   check_child(in_child([] {
     if (!may_have_real_time()) return kSkipped;
     want_real_time(kRealTimePriority);
@@ -116,7 +116,7 @@ TEST_CASE("a thread that never rests loses real time and goes on at normal prior
   }));
 }
 
-TEST_CASE("of several real-time threads the one that never rests is demoted, also where it takes no signals") {
+TEST_CASE("of several real-time threads the one that never pauses is demoted, also if it blocks signals") {
   check_child(in_child([] {
     if (!may_have_real_time()) return kSkipped;
     want_real_time(kRealTimePriority);
@@ -145,7 +145,7 @@ TEST_CASE("of several real-time threads the one that never rests is demoted, als
 }
 #endif
 
-TEST_CASE("a limit on the time of real-time threads that kills is kept away from") {
+TEST_CASE("a hard limit on the time of real-time threads is never reached") {
   check_child(in_child([] {
     const rlimit limit = {.rlim_cur = 100'000, .rlim_max = 100'000};  // us
     if (setrlimit(RLIMIT_RTTIME, &limit) != 0) return kSkipped;
