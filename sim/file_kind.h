@@ -1,4 +1,4 @@
-// Tells pipes and devices from files before a file is opened. Opening a pipe blocks, and renaming onto a device
+// Detects pipes and devices before a file is opened. Opening a pipe blocks, and renaming onto a device
 // replaces it.
 #pragma once
 

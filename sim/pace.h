@@ -1,8 +1,8 @@
 // Limits an event to `rate_hz` times a second, on a time grid, so that the rate is met without drift.
 //
-// While events are always wanted, event n is due at anchor + n periods. An event that is late by less than a period
-// does not move those after it. After a pause of a period or more the next event may happen at once and starts a new
-// grid. So any span of T seconds has at most T * rate_hz + 2 events.
+// Under permanent demand, event n is due at anchor + n periods. An event that is late by less than a period does not
+// move those after it. After a pause of a period or more the next event may happen at once and starts a new grid. So
+// any span of T seconds has at most T * rate_hz + 2 events.
 //
 // The n periods are multiplied, not summed: the error is the rounding of a double, 2 ns after 208 days without a pause.
 #pragma once

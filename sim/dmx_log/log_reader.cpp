@@ -307,7 +307,7 @@ struct LogReader::Impl {
     // Checked before memory is allocated, because a damaged header may have any size.
     const unsigned long long content = ZSTD_getFrameContentSize(packed.data(), packed.size());
     if (content != block.header.raw_bytes) {
-      note_damage(block.offset, size_bytes, "the compressed part is not as long as the block says");
+      note_damage(block.offset, size_bytes, "the compressed part has another length than the block header");
       return false;
     }
     raw.resize(block.header.raw_bytes);

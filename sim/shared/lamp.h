@@ -15,9 +15,10 @@
 //
 // Error of the table: 4e-4 K of the lamp's temperature. Error of table and float rounding together, against an adaptive
 // solver at 1e-13: see lamp_test.cpp. Cost: one look-up while the voltage is constant; two logarithms, two exponentials
-// and one look-up more when it changes. Source: r = 1.215 (resistivity of tungsten), p = 4.6 and q = 0.15 for radiation
-// and heat capacity; these give P ~ v^1.58 (makers: 1.6), T ~ v^0.34 (makers, of colour temperature: 0.42) and light ~
-// v^2.8 (makers: 3.4), and an inrush of 18 times the current.
+// and one look-up more when it changes.
+// Source: r = 1.215 (resistivity of tungsten), p = 4.6 and q = 0.15 for radiation and heat capacity; these give P ~
+// v^1.58 (makers: 1.6), T ~ v^0.34 (makers, of colour temperature: 0.42) and light ~ v^2.8 (makers: 3.4), and an inrush
+// of 18 times the current.
 
 FL_CONST Real kFilamentR = Real(1.215);
 FL_CONST Real kFilamentP = Real(4.6);

@@ -121,7 +121,7 @@ void measure_input() {
     pause(bed.clock, round);
     const std::array<std::uint8_t, 33> report{};
     bed.socket.with_model([&] {
-      bed.model.say(report);
+      bed.model.send_to_host(report);
       said_ns = bed.clock.now_ns();
     });
     while (read_count <= round) bed.clock.sleep_until_ns(bed.clock.now_ns() + kNsPerMs);

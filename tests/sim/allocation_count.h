@@ -1,5 +1,4 @@
-// How often this executable has asked for memory with operator new, and how much of it is held: the global operators
-// are replaced to count it.
+// Counts the calls of operator new in this executable, and the memory that is held: it replaces the global operators.
 #pragma once
 
 #include <cstdint>

@@ -11,7 +11,7 @@
 using footlight::DurationNs;
 using footlight::Histogram;
 
-TEST_CASE("an empty histogram answers 0") {
+TEST_CASE("an empty histogram returns 0") {
   const Histogram histogram;
   CHECK(histogram.count() == 0);
   CHECK(histogram.quantile_ns(0.5) == 0);
@@ -19,7 +19,7 @@ TEST_CASE("an empty histogram answers 0") {
 }
 
 TEST_CASE("a quantile is never below the true one and at most an eighth above it") {
-  // Values over the whole range: a geometric ladder with jitter, from 0 ns to 15 minutes.
+  // Values over the whole range: a geometric series with jitter, from 0 ns to 15 minutes.
   std::vector<DurationNs> values;
   std::uint64_t random = 7;
   for (double base = 1.0; base < 9e11; base *= 1.01) {

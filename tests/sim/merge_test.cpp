@@ -14,7 +14,7 @@ namespace {
 constexpr TimeNs kStart = 1'000 * kNsPerS;
 constexpr DurationNs kTimeout = 2'500 * kNsPerMs;
 
-// One universe, told in sender, level, priority.
+// One universe, in terms of sender, level and priority.
 class Stage {
  public:
   explicit Stage(MergeMode mode = MergeMode::kHtp) : merge_(1, {.timeout_ns = kTimeout, .mode = mode}) {}
@@ -32,7 +32,7 @@ class Stage {
     frame.slots = slots;
     return receive(frame);
   }
-  // As the pump does it: what is in the way is resolved first.
+  // Like the pump: resolves first if a frame is in the way.
   Merge::Received receive(const FrameView& frame, SourceId source = 0) {
     const Merge::Received received = merge_.receive(0, frame, now_ns, source);
     if (received != Merge::Received::kResolveFirst) return received;
@@ -56,7 +56,7 @@ class Stage {
     frame.terminated = true;
     receive(frame);
   }
-  // What the pump does in a tick. True: there is a new look.
+  // The pump's part in a tick. True: there is a new snapshot.
   bool settle() {
     merge_.expire(now_ns);
     bool made = false;
@@ -154,7 +154,7 @@ TEST_CASE("LTP may be set for a single universe") {
 }
 
 TEST_CASE(
-    "a silent winner holds its look for 2.5 s to the nanosecond, then the next priority shows its newest levels") {
+    "a silent winner keeps its levels for 2.5 s to the nanosecond, then the next priority shows its newest levels") {
   Stage stage;
   stage.send(1, 200, 150);
   stage.send(2, 50, 100);
@@ -176,7 +176,7 @@ TEST_CASE(
   CHECK(stage.counters().senders_silent == 1);
 }
 
-TEST_CASE("a sender that says it stops is forgotten at once") {
+TEST_CASE("a terminated sender is removed at once") {
   Stage stage;
   stage.send(1, 200, 150);
   stage.send(2, 50, 100);
@@ -184,12 +184,12 @@ TEST_CASE("a sender that says it stops is forgotten at once") {
   stage.terminate(1);
   CHECK(stage.level() == 50);
   CHECK(stage.counters().senders_ended == 1);
-  stage.terminate(1);  // said three times on the wire
+  stage.terminate(1);  // three times on the wire
   stage.terminate(99);
   CHECK(stage.counters().senders_ended == 1);
 }
 
-TEST_CASE("the last look stays when the last sender vanishes, until somebody sends again") {
+TEST_CASE("the last snapshot stays when the last sender disappears, until a sender sends again") {
   for (const bool says_so : {true, false}) {
     Stage stage;
     stage.send(1, 123);
@@ -205,7 +205,7 @@ TEST_CASE("the last look stays when the last sender vanishes, until somebody sen
   }
 }
 
-TEST_CASE("a loser that vanishes makes no new look") {
+TEST_CASE("a loser that disappears makes no new snapshot") {
   Stage stage;
   stage.send(1, 200, 150);
   stage.send(2, 50, 100);
@@ -250,11 +250,11 @@ TEST_CASE("a ninth sender of equal priority is refused and counted, and gets in 
   CHECK(stage.level() == 255);
 }
 
-TEST_CASE("a ninth sender of higher priority takes the place of the lowest one that was silent for longest") {
+TEST_CASE("a ninth sender of higher priority replaces the lowest one that was silent for longest") {
   Stage stage;
   for (SenderId sender = 1; sender <= 8; ++sender)
     stage.send(sender, static_cast<std::uint8_t>(sender), sender < 3 ? 50 : 100);
-  stage.send(1, 1, 50);  // so 2 is the silent one
+  stage.send(1, 1, 50);  // so 2 has been silent for longest
   CHECK(stage.send(9, 99, 60) == Merge::Received::kStored);
   CHECK(stage.counters().senders_displaced == 1);
   CHECK(stage.merge().sender_count(0) == 8);
@@ -263,21 +263,21 @@ TEST_CASE("a ninth sender of higher priority takes the place of the lowest one t
   CHECK(stage.level() == 8);
 }
 
-TEST_CASE("slots that no winner sent keep the last look, also across a change of winner") {
+TEST_CASE("slots that no winner sent keep their levels, also across a change of winner") {
   Stage stage;
   stage.send(1, 50, 100, 512);
   CHECK(stage.level(512) == 50);
   stage.send(2, 60, 110, 24);
   CHECK(stage.level(24) == 60);
   CHECK(stage.level(25) == 50);
-  stage.send(2, 61, 110, 1);  // a shorter frame of the same sender leaves its own slots
+  stage.send(2, 61, 110, 1);  // a shorter frame of the same sender keeps its other slots
   CHECK(stage.level(1) == 61);
   CHECK(stage.level(24) == 60);
   stage.send(2, 62, 110, 0);
   CHECK(stage.level(1) == 61);
 }
 
-TEST_CASE("a place given to a new sender shows nothing of the old one") {
+TEST_CASE("a reused place has no levels of the old sender") {
   Stage stage;
   stage.send(1, 200);
   stage.send(2, 10, 100, 1);
@@ -292,7 +292,7 @@ TEST_CASE("a place given to a new sender shows nothing of the old one") {
   CHECK(stage.level(3) == 3);
 }
 
-TEST_CASE("silence counts from when a frame was read, so a stopped machine loses no sender whose frames were waiting") {
+TEST_CASE("silence counts from the time a frame was read, so a stopped machine loses no sender with waiting frames") {
   Stage stage;
   stage.send(1, 10, 150);
   stage.send(2, 20, 100);
@@ -309,7 +309,7 @@ TEST_CASE("silence counts from when a frame was read, so a stopped machine loses
   CHECK(stage.merge().sender_count(0) == 1);
 }
 
-TEST_CASE("a second frame of a winner is not taken before the first is in a look, and nothing is counted for it") {
+TEST_CASE("a second frame of a winner is not accepted or counted before the first is in a snapshot") {
   Merge merge(1);
   FrameView frame;
   frame.sender = 1;
@@ -331,10 +331,10 @@ TEST_CASE("a second frame of a winner is not taken before the first is in a look
   CHECK(merge.counters(0).frames_shown == 2);
 }
 
-TEST_CASE("each frame is counted as shown, outranked, ended or refused, and just once") {
+TEST_CASE("each frame is counted as shown, outranked, ended or refused, and exactly once") {
   Stage stage;
   stage.send(1, 10, 100);
-  stage.send(2, 20, 150);  // outranks the one before it, which nobody has seen yet
+  stage.send(2, 20, 150);  // outranks the previous one, which is not in a snapshot yet
   stage.settle();
   CHECK(stage.counters().frames_shown == 1);
   CHECK(stage.counters().frames_outranked == 1);
@@ -342,16 +342,17 @@ TEST_CASE("each frame is counted as shown, outranked, ended or refused, and just
   CHECK(stage.counters().frames_outranked == 2);
   stage.send(3, 30, 150);
   stage.send(2, 21, 150);
-  stage.settle();  // two frames, one look
+  stage.settle();  // two frames, one snapshot
   CHECK(stage.counters().frames_shown == 3);
   stage.send(4, 0, 201);
   stage.terminate(1);
   stage.terminate(99);
-  const MergeCounters& told = stage.counters();
-  CHECK(told.frames_ended == 2);
-  CHECK(told.refused_priority == 1);
-  CHECK(told.frames == 8);
-  CHECK(told.frames == told.frames_shown + told.frames_outranked + told.frames_ended + told.refused_priority);
+  const MergeCounters& counters = stage.counters();
+  CHECK(counters.frames_ended == 2);
+  CHECK(counters.refused_priority == 1);
+  CHECK(counters.frames == 8);
+  CHECK(counters.frames ==
+        counters.frames_shown + counters.frames_outranked + counters.frames_ended + counters.refused_priority);
 }
 
 TEST_CASE("under LTP a frame that changes nothing, or is overtaken in the same wake-up, counts as outranked") {
@@ -365,7 +366,7 @@ TEST_CASE("under LTP a frame that changes nothing, or is overtaken in the same w
   CHECK(stage.counters().frames_outranked == 2);
 }
 
-TEST_CASE("two sources that give out the same number for a sender are two senders") {
+TEST_CASE("equal sender ids of two sources are two senders") {
   Stage stage;
   FrameView frame;
   frame.sender = 7;
@@ -380,11 +381,11 @@ TEST_CASE("two sources that give out the same number for a sender are two sender
   frame.terminated = true;
   stage.receive(frame, 2);
   CHECK(stage.level(1) == 10);
-  stage.receive(frame, 3);  // a stranger cannot end somebody else
+  stage.receive(frame, 3);  // another sender cannot end this one
   CHECK(stage.merge().sender_count(0) == 1);
 }
 
-TEST_CASE("a source that is no more takes its senders along, and the others are left") {
+TEST_CASE("removing a source removes its senders and no others") {
   Stage stage;
   FrameView frame;
   const std::array<std::uint8_t, 1> first = {200}, second = {100};
@@ -404,7 +405,7 @@ TEST_CASE("a source that is no more takes its senders along, and the others are 
   CHECK(stage.merge().sender_count(0) == 0);
 }
 
-TEST_CASE("a sender that says how long it may be silent is forgotten after that time and no other") {
+TEST_CASE("a sender with its own silence limit is removed after exactly that time") {
   Stage stage;
   FrameView frame;
   const std::array<std::uint8_t, 1> slots = {10};
@@ -429,7 +430,7 @@ TEST_CASE("a sender that says how long it may be silent is forgotten after that 
   CHECK(left_at(10 * kNsPerS) == 0);
 }
 
-TEST_CASE("senders are told with priority, time, rate and whether they win") {
+TEST_CASE("senders are reported with priority, time, rate and whether they win") {
   Stage stage;
   stage.send(1, 10, 150);
   for (int i = 0; i < 20; ++i) {
@@ -451,7 +452,7 @@ TEST_CASE("senders are told with priority, time, rate and whether they win") {
   CHECK(stage.merge().sender(0, 1).rate_hz == 0.0);
 }
 
-TEST_CASE("a merge that adopts another one goes on with its senders, looks, counters and expiry") {
+TEST_CASE("a merge that adopts another one continues with its senders, snapshots, counters and expiry") {
   Merge old(2);
   const std::array<std::uint8_t, 3> high = {200, 201, 202}, low = {100, 101, 102};
   FrameView frame;
@@ -494,7 +495,7 @@ TEST_CASE("0xDD frames are priorities and never levels") {
   CHECK(stage.counters().frames == 2);
 }
 
-TEST_CASE("the rules hold for one universe at a time") {
+TEST_CASE("the rules apply to one universe at a time") {
   Merge merge(2);
   const std::array<std::uint8_t, 1> low = {10}, high = {200}, leave = {0};
   FrameView frame;
@@ -536,11 +537,11 @@ TEST_CASE("per-address priority 0 leaves the slot to others, even to a packet pr
   CHECK(stage.level(2) == 10);
 }
 
-TEST_CASE("a slot that nobody claims keeps its level") {
+TEST_CASE("a slot without a claim keeps its level") {
   Stage stage;
   stage.send(1, 200);
   CHECK(stage.level(2) == 200);
-  stage.claim(1, 100, 1);  // short: the rest is 0
+  stage.claim(1, 100, 1);  // short: the other slots have 0
   stage.send(1, 50);
   CHECK(stage.level(1) == 50);
   CHECK(stage.level(2) == 200);
@@ -570,7 +571,7 @@ TEST_CASE("of equal per-address priorities under LTP the latest change counts") 
   CHECK(stage.level() == 99);
 }
 
-TEST_CASE("a 0xDD frame of fewer than 512 values leaves the other slots, also those it once claimed") {
+TEST_CASE("a 0xDD frame of fewer than 512 values releases the other slots, also those it claimed before") {
   Stage stage;
   stage.send(1, 200, 50);
   stage.send(2, 10, 60);
@@ -596,17 +597,17 @@ TEST_CASE("a sender without 0xDD has its packets' priority in each slot, beside 
   CHECK(stage.level(1) == 10);
 }
 
-TEST_CASE("where per-address priorities are there a sender has a say in just the slots that it sends") {
+TEST_CASE("with per-address priorities a sender claims only the slots that it sends") {
   Stage stage;
   stage.send(1, 200, 150, 24);
   stage.send(2, 10, 100);
-  CHECK(stage.level(25) == 0);  // without them the highest priority has the universe
+  CHECK(stage.level(25) == 0);  // without them the highest priority wins the whole universe
   stage.claim(2, 100);
   CHECK(stage.level(24) == 200);
   CHECK(stage.level(25) == 10);
 }
 
-TEST_CASE("taking control: levels first, then the priority; giving it up: priority 0") {
+TEST_CASE("taking control: levels first, then the priority; releasing it: priority 0") {
   Stage stage;
   stage.send(1, 100, 100);
   stage.claim(1, 100);
@@ -621,7 +622,7 @@ TEST_CASE("taking control: levels first, then the priority; giving it up: priori
   CHECK(stage.level(1) == 100);
 }
 
-TEST_CASE("0xDD may come before the first levels: they count from their first frame by what it says") {
+TEST_CASE("a 0xDD frame before the first levels sets their priority from the first frame on") {
   Stage stage;
   stage.send(1, 100, 100);
   stage.claim(2, 90);
@@ -632,7 +633,7 @@ TEST_CASE("0xDD may come before the first levels: they count from their first fr
   CHECK(stage.merge().sender(0, 1).per_address);
 }
 
-TEST_CASE("0xDD without levels claims nothing, and is forgotten after the time of silence") {
+TEST_CASE("a sender of 0xDD without levels claims nothing, and is removed after the silence time") {
   Stage stage;
   stage.send(1, 100, 100);
   stage.claim(2, 200);
@@ -646,7 +647,7 @@ TEST_CASE("0xDD without levels claims nothing, and is forgotten after the time o
   CHECK(stage.merge().sender_count(0) == 1);
 }
 
-TEST_CASE("when 0xDD stops and levels go on, the packets' priority counts again after 2.5 s to the nanosecond") {
+TEST_CASE("when 0xDD stops and levels continue, the packets' priority applies again after 2.5 s to the nanosecond") {
   Stage stage;
   stage.send(2, 50, 100);
   stage.send(1, 200, 150);
@@ -666,7 +667,7 @@ TEST_CASE("when 0xDD stops and levels go on, the packets' priority counts again 
   CHECK(stage.counters().senders_silent == 0);
 }
 
-TEST_CASE("when levels stop the sender is forgotten, though its 0xDD goes on") {
+TEST_CASE("when levels stop the sender is removed, even if its 0xDD continues") {
   Stage stage;
   stage.claim(1, 200);
   stage.send(1, 200);
@@ -681,7 +682,7 @@ TEST_CASE("when levels stop the sender is forgotten, though its 0xDD goes on") {
   CHECK(stage.level() == 50);
 }
 
-TEST_CASE("a sender that ends takes its per-address priorities along, whichever of its frames says so") {
+TEST_CASE("a terminated sender loses its per-address priorities, whichever of its frames is marked") {
   for (const std::uint8_t start_code : {kStartCodeLevels, kStartCodePriorities}) {
     Stage stage;
     stage.claim(1, 200);
@@ -694,12 +695,12 @@ TEST_CASE("a sender that ends takes its per-address priorities along, whichever 
     frame.start_code = start_code;
     stage.receive(frame);
     CHECK(stage.level() == 50);
-    stage.send(1, 200, 90);  // begins anew, by its packets
+    stage.send(1, 200, 90);  // starts again, with the priority of its packets
     CHECK(stage.level() == 50);
   }
 }
 
-TEST_CASE("a new sender waits up to 1.5 s for its 0xDD where others of its source send it, and nowhere else") {
+TEST_CASE("a new sender waits up to 1.5 s for its 0xDD only if others of its source send it") {
   Stage stage;
   FrameView frame;
   const std::array<std::uint8_t, 2> levels = {200, 200};
@@ -746,7 +747,7 @@ TEST_CASE("a new sender waits up to 1.5 s for its 0xDD where others of its sourc
   }
 }
 
-TEST_CASE("a 0xDD frame with a value above 200 is refused and counted, and the one before it goes on") {
+TEST_CASE("a 0xDD frame with a value above 200 is refused and counted, and the previous one stays in effect") {
   Stage stage;
   stage.claim(1, 100);
   stage.send(1, 50);
@@ -764,7 +765,7 @@ TEST_CASE("a ninth sender is refused by its 0xDD frame, too") {
   CHECK(stage.counters().refused_full == 1);
 }
 
-TEST_CASE("a sender that claims nothing any more is told as losing, and its frames make no look") {
+TEST_CASE("a sender without claims is reported as losing, and its frames make no snapshot") {
   Stage stage;
   stage.send(1, 10, 100);
   stage.claim(2, 0);
@@ -777,11 +778,11 @@ TEST_CASE("a sender that claims nothing any more is told as losing, and its fram
   CHECK(stage.counters().frames_outranked == 2);
   stage.send(1, 11, 100);
   CHECK(stage.settle());
-  const MergeCounters& told = stage.counters();
-  CHECK(told.frames == told.frames_shown + told.frames_outranked + told.frames_priorities);
+  const MergeCounters& counters = stage.counters();
+  CHECK(counters.frames == counters.frames_shown + counters.frames_outranked + counters.frames_priorities);
 }
 
-TEST_CASE("a place given to a new sender has none of the old one's per-address priorities") {
+TEST_CASE("a reused place has no per-address priorities of the old sender") {
   Stage stage;
   stage.claim(1, 200);
   stage.send(1, 200);
@@ -795,7 +796,7 @@ TEST_CASE("a place given to a new sender has none of the old one's per-address p
   CHECK(stage.level(512) == 10);
 }
 
-TEST_CASE("a merge that adopts another one keeps per-address priorities and who changed which slot last") {
+TEST_CASE("a merge that adopts another one keeps per-address priorities and which sender changed each slot last") {
   Merge old(1);
   old.set_slot_modes(0, SlotSet(2));  // address 2
   FrameView frame;
@@ -824,7 +825,7 @@ TEST_CASE("a merge that adopts another one keeps per-address priorities and who 
   CHECK(next.sender(1, 0).per_address);
 }
 
-TEST_CASE("a merge that adopts another one shows by its own LTP slots at once, others or none") {
+TEST_CASE("a merge that adopts another one uses its own LTP slots at once") {
   Merge old(1);
   old.set_slot_modes(0, SlotSet(0b10));  // address 2
   FrameView frame;
@@ -845,7 +846,7 @@ TEST_CASE("a merge that adopts another one shows by its own LTP slots at once, o
   moved.resolve(0);
   moved.clear_changed();
   CHECK(moved.snapshot(0).slots[1] == 200);
-  CHECK(moved.snapshot(0).slots[2] == 100);  // who changed it last was known although nobody had asked
+  CHECK(moved.snapshot(0).slots[2] == 100);  // the last change was recorded although no LTP slot needed it
   Merge without(1);
   without.adopt(moved, from_index);
   REQUIRE(without.changed().size() == 1);
@@ -853,8 +854,7 @@ TEST_CASE("a merge that adopts another one shows by its own LTP slots at once, o
   CHECK(without.snapshot(0).slots[2] == 200);
 }
 
-TEST_CASE(
-    "slots that become LTP while nobody is known to have changed them keep the highest level until somebody does") {
+TEST_CASE("slots that become LTP without a known change keep the highest level until a sender changes them") {
   Stage stage;
   stage.send(1, 100);
   stage.send(2, 200);
@@ -882,8 +882,8 @@ TEST_CASE("slots that are LTP show the latest change beside slots that are HTP")
   a[1] = 201;
   stage.send_slots(1, a);
   CHECK(stage.level(2) == 201);
-  CHECK(stage.level(3) == 100);  // each slot by itself
-  stage.send_slots(2, b);        // a repeat is no change
+  CHECK(stage.level(3) == 100);  // each slot separately
+  stage.send_slots(2, b);        // a repeat is not a change
   CHECK(stage.level(2) == 201);
   b[0] = 255;
   stage.send_slots(2, b);
@@ -903,7 +903,7 @@ TEST_CASE("priority comes before slot modes, and a lower sender does not fill sl
   CHECK(stage.level(2) == 200);
 }
 
-TEST_CASE("set_mode takes slot modes back, and an empty set of slots is HTP") {
+TEST_CASE("set_mode removes slot modes, and an empty set of slots is HTP") {
   for (const bool by_set : {true, false}) {
     Stage stage;
     stage.merge().set_slot_modes(0, SlotSet(1));
@@ -919,16 +919,16 @@ TEST_CASE("set_mode takes slot modes back, and an empty set of slots is HTP") {
   }
 }
 
-// The rules told a second time, slowly: a map of senders and a fold over all of them for every slot.
-TEST_CASE("a long random history gives the look that the rules give when told slowly") {
-  struct Told {
+// A second, slow implementation of the rules: a map of senders and a fold over all of them for every slot.
+TEST_CASE("a long random history gives the snapshots of a slow reference implementation") {
+  struct Expected {
     std::uint8_t priority;
     TimeNs received_ns;
     std::vector<std::uint8_t> slots;
   };
   constexpr int kSlots = 5;
   Stage stage;
-  std::map<SenderId, Told> told;
+  std::map<SenderId, Expected> senders;
   std::array<std::uint8_t, kSlots> expected{};
   std::uint64_t random = 42;
   const auto draw = [&](std::uint64_t below) {
@@ -942,26 +942,26 @@ TEST_CASE("a long random history gives the look that the rules give when told sl
     const std::uint64_t what = draw(10);
     if (what == 0) {
       stage.terminate(sender);
-      told.erase(sender);
+      senders.erase(sender);
     } else if (what < 8) {
       std::vector<std::uint8_t> slots(draw(kSlots + 1));
       for (std::uint8_t& slot : slots) slot = static_cast<std::uint8_t>(draw(256));
       stage.send_slots(sender, slots, priority);
       if (priority <= kPriorityMax) {
-        Told& entry = told[sender];
+        Expected& entry = senders[sender];
         entry.priority = priority;
         entry.received_ns = stage.now_ns;
         if (entry.slots.size() < slots.size()) entry.slots.resize(slots.size());
         std::copy(slots.begin(), slots.end(), entry.slots.begin());
       }
     }
-    std::erase_if(told, [&](const auto& entry) { return entry.second.received_ns + kTimeout <= stage.now_ns; });
+    std::erase_if(senders, [&](const auto& entry) { return entry.second.received_ns + kTimeout <= stage.now_ns; });
 
     int top = -1;
-    for (const auto& [id, entry] : told) top = std::max(top, static_cast<int>(entry.priority));
+    for (const auto& [id, entry] : senders) top = std::max(top, static_cast<int>(entry.priority));
     for (std::size_t slot = 0; slot < kSlots; ++slot) {
       int level = -1;
-      for (const auto& [id, entry] : told)
+      for (const auto& [id, entry] : senders)
         if (entry.priority == top && slot < entry.slots.size())
           level = std::max(level, static_cast<int>(entry.slots[slot]));
       if (level >= 0) expected[slot] = static_cast<std::uint8_t>(level);
@@ -969,14 +969,14 @@ TEST_CASE("a long random history gives the look that the rules give when told sl
     stage.settle();
     const FrameView snapshot = stage.merge().snapshot(0);
     REQUIRE(std::equal(expected.begin(), expected.end(), snapshot.slots.begin()));
-    REQUIRE(stage.merge().sender_count(0) == static_cast<int>(told.size()));
+    REQUIRE(stage.merge().sender_count(0) == static_cast<int>(senders.size()));
   }
 }
 
 // As above, with per-address priorities, their silence, and slots that are LTP.
 TEST_CASE(
-    "a long random history with priorities and modes by slot gives the look that the rules give when told slowly") {
-  struct Told {
+    "a long random history with priorities and modes by slot gives the snapshots of a slow reference implementation") {
+  struct Expected {
     int priority = 0;
     TimeNs received_ns = -1;  // no levels yet
     TimeNs priorities_ns = -1;
@@ -987,7 +987,7 @@ TEST_CASE(
   const SlotSet ltp(0b101100);
   Stage stage;
   stage.merge().set_slot_modes(0, ltp);
-  std::map<SenderId, Told> told;
+  std::map<SenderId, Expected> senders;
   std::array<int, kSlots> expected{};
   std::uint64_t random = 4242;
   const auto draw = [&](std::uint64_t below) {
@@ -997,13 +997,13 @@ TEST_CASE(
   const auto reckon = [&] {
     int top = -1;
     bool speakers = false;
-    for (const auto& [id, entry] : told) {
+    for (const auto& [id, entry] : senders) {
       if (entry.received_ns >= 0) top = std::max(top, entry.priority);
       speakers = speakers || (entry.priorities_ns >= 0 && entry.received_ns >= 0);
     }
     for (int slot = 0; slot < kSlots; ++slot) {
       int best = -1, level = -1, changed = -1;
-      for (const auto& [id, entry] : told) {
+      for (const auto& [id, entry] : senders) {
         const auto known = entry.levels.find(slot);
         if (entry.received_ns < 0 || known == entry.levels.end()) continue;
         if (!speakers && entry.priority != top) continue;
@@ -1028,21 +1028,21 @@ TEST_CASE(
   for (int step = 1; step <= 50'000; ++step) {
     stage.now_ns += static_cast<TimeNs>(draw(800)) * kNsPerMs;
     const auto expire = [&] {
-      for (auto& [id, entry] : told)
+      for (auto& [id, entry] : senders)
         if (entry.priorities_ns >= 0 && entry.priorities_ns + kTimeout <= stage.now_ns) {
           entry.priorities_ns = -1;
           entry.priorities.clear();
         }
-      std::erase_if(told, [&](const auto& pair) {
-        const Told& entry = pair.second;
+      std::erase_if(senders, [&](const auto& pair) {
+        const Expected& entry = pair.second;
         return entry.received_ns >= 0 ? entry.received_ns + kTimeout <= stage.now_ns : entry.priorities_ns < 0;
       });
     };
     expire();
-    reckon();  // a look is made of what is left, before the next frame
+    reckon();  // resolve the rest before the next frame
     stage.settle();
     const SenderId sender = 1 + draw(8);
-    const SourceId source = static_cast<SourceId>(sender);  // so that nobody waits
+    const SourceId source = static_cast<SourceId>(sender);  // so no sender is held back
     const auto priority = static_cast<std::uint8_t>(99 + draw(3));
     const std::uint64_t what = draw(20);
     FrameView frame;
@@ -1052,11 +1052,11 @@ TEST_CASE(
     if (what == 0) {
       frame.terminated = true;
       stage.receive(frame, source);
-      told.erase(sender);
+      senders.erase(sender);
     } else if (what < 7) {
       for (std::uint8_t& slot : slots) slot = static_cast<std::uint8_t>(draw(3) == 0 ? 0 : 98 + draw(4));
       stage.claim_slots(sender, slots, source);
-      Told& entry = told[sender];
+      Expected& entry = senders[sender];
       entry.priorities_ns = stage.now_ns;
       entry.priorities.clear();
       for (int slot = 0; slot < static_cast<int>(slots.size()); ++slot)
@@ -1065,7 +1065,7 @@ TEST_CASE(
       for (std::uint8_t& slot : slots) slot = static_cast<std::uint8_t>(draw(3));
       frame.slots = slots;
       stage.receive(frame, source);
-      Told& entry = told[sender];
+      Expected& entry = senders[sender];
       const bool all = entry.received_ns < 0 || entry.priority != priority;
       entry.priority = priority;
       entry.received_ns = stage.now_ns;
@@ -1080,7 +1080,7 @@ TEST_CASE(
     stage.settle();
     const FrameView snapshot = stage.merge().snapshot(0);
     REQUIRE(std::equal(expected.begin(), expected.end(), snapshot.slots.begin()));
-    REQUIRE(stage.merge().sender_count(0) == static_cast<int>(told.size()));
+    REQUIRE(stage.merge().sender_count(0) == static_cast<int>(senders.size()));
     const MergeCounters& counted = stage.counters();
     REQUIRE(counted.frames ==
             counted.frames_shown + counted.frames_outranked + counted.frames_priorities + counted.frames_ended);

@@ -8,7 +8,7 @@
 
 using namespace footlight;
 
-TEST_CASE("endless demand at 44 Hz for ten hours gives 44 times 36000 events, each within 1 ns of its place") {
+TEST_CASE("endless demand at 44 Hz for ten hours gives 44 times 36000 events, each within 1 ns of its due time") {
   constexpr double kRateHz = 44.0;
   constexpr double kPeriodNs = 1e9 / kRateHz;
   Pace pace;
@@ -28,7 +28,7 @@ TEST_CASE("endless demand at 44 Hz for ten hours gives 44 times 36000 events, ea
   CHECK(error_ns_max <= 1.0);
 }
 
-TEST_CASE("events that are always late, by less than a period, keep the rate") {
+TEST_CASE("events that are always late by less than a period keep the rate") {
   constexpr double kPeriodNs = 1e9 / 30.0;
   Pace pace;
   TimeNs now_ns = 0;

@@ -1,4 +1,4 @@
-// The guard against flashes: what it counts, and that what it lets through is never harmful.
+// The flash guard: its counts, and that limited light is never harmful.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -43,7 +43,7 @@ TEST_CASE("three flashes a second pass and four do not") {
   CHECK(flash(4, grey(0), grey(200)).harmful);
 }
 
-TEST_CASE("a change of less than 20 cd/m2 is no flash, and one of 20 is") {
+TEST_CASE("a change of less than 20 cd/m2 is not a flash, and one of 20 is") {
   CHECK(flash(10, grey(50), grey(69.9)).flashes == 0);
   CHECK(flash(10, grey(50), grey(70)).harmful);
 }
@@ -78,7 +78,7 @@ TEST_CASE("a fade up and down is one flash however many frames it takes, and noi
   CHECK(verdict.flashes == 1);
 }
 
-TEST_CASE("flashes are forgotten after a second, and when time goes back") {
+TEST_CASE("flashes expire after a second, and when time goes back") {
   PhotosensitiveGuard guard(FlashLimits(), {1});
   CHECK(flash(guard, 10, grey(0), grey(200)).harmful);
   CHECK(guard.measure(10 * kSecondNs, std::vector{grey(200)}).flashes <= 0.5);  // its own change
@@ -96,7 +96,7 @@ TEST_CASE("two flashes a second for more than 5 s are a long sequence, and end w
   CHECK_FALSE(longer.measure(9 * kSecondNs, std::vector{grey(0)}).long_sequence);
 }
 
-TEST_CASE("a strobe that only a switch for strobes would stop is seen when dimmers chase it") {
+TEST_CASE("flashes made by dimmers count like those of shutters") {
   // Eight fixtures of an eighth each; a chase of their dimmers at 8 steps a second lights each once a second.
   PhotosensitiveGuard guard(FlashLimits(), std::vector<double>(8, 0.125));
   FlashVerdict verdict;
@@ -111,7 +111,7 @@ TEST_CASE("a strobe that only a switch for strobes would stop is seen when dimme
   CHECK(verdict.harmful);
 }
 
-TEST_CASE("limited light passes the first flashes untouched, then keeps still, and comes back after a second") {
+TEST_CASE("limited light passes the first flashes unchanged, then stays constant, and returns after a second") {
   PhotosensitiveGuard guard(FlashLimits(), {1});
   std::vector<double> gains;
   int passed = 0;
@@ -131,7 +131,7 @@ TEST_CASE("limited light passes the first flashes untouched, then keeps still, a
   CHECK(gains[0] == 1);
 }
 
-TEST_CASE("no light that the limiter lets through is harmful to another guard, and it never adds light") {
+TEST_CASE("limited light is never harmful to another guard, and the limiter never adds light") {
   std::mt19937 random(5);
   for (int round = 0; round < 60; ++round) {
     std::vector<double> areas;
@@ -168,7 +168,7 @@ TEST_CASE("no light that the limiter lets through is harmful to another guard, a
   }
 }
 
-TEST_CASE("what is not shown too often is not touched") {
+TEST_CASE("light within the limits is not changed") {
   PhotosensitiveGuard guard(FlashLimits(), {0.5, 0.5});
   std::vector<double> gains;
   for (int frame = 0; frame < 600; ++frame) {
@@ -178,7 +178,7 @@ TEST_CASE("what is not shown too often is not touched") {
   }
 }
 
-TEST_CASE("light that is no number is dark, missing tiles too, and odd times do no harm") {
+TEST_CASE("NaN light and missing tiles are dark, and odd times do no harm") {
   PhotosensitiveGuard guard(FlashLimits(), {0.5, 0.5});
   std::vector<double> gains;
   const double odd[] = {std::nan(""), HUGE_VAL, -HUGE_VAL, -1, 1e300, 0, 100};

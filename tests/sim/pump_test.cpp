@@ -23,16 +23,16 @@ namespace {
 
 constexpr DurationNs kFrameNs = kNsPerS / 40;
 
-// A pump with a scripted world around it.
+// A pump with scripted ports around it.
 struct World {
   FakeClock clock;
   FakeWaiter waiter{clock};
   Universes universes;
-  std::vector<std::string> said;
+  std::vector<std::string> notices;
   std::unique_ptr<Pump> pump_owner;
 
   explicit World(PumpOptions options = {}) {
-    options.say = [this](const Notice& notice) { said.emplace_back(notice.text); };
+    options.say = [this](const Notice& notice) { notices.emplace_back(notice.text); };
     pump_owner = std::make_unique<Pump>(universes, clock, waiter, options);
   }
   Pump& pump() { return *pump_owner; }
@@ -109,7 +109,7 @@ TEST_CASE("of several frames of one sender in one wake-up a sink without a cap g
   CHECK(status.ports[2].snapshots == 3);
 }
 
-TEST_CASE("rounds that piled up leave as rounds: one call each with every universe of it") {
+TEST_CASE("waiting rounds are sent as rounds: one call each with every universe") {
   World world;
   FakeSource source(world.waiter, "desk", universe_range(1, 9));
   FakeSink sink(world.waiter, "artnet", universe_range(1, 9));
@@ -128,7 +128,7 @@ TEST_CASE("rounds that piled up leave as rounds: one call each with every univer
   }
 }
 
-TEST_CASE("two desks that piled up merge round by round") {
+TEST_CASE("waiting rounds of two desks merge round by round") {
   World world;
   FakeSource a(world.waiter, "a", {1}), b(world.waiter, "b", {1});
   FakeSink sink(world.waiter, "artnet", {1});
@@ -147,7 +147,7 @@ TEST_CASE("two desks that piled up merge round by round") {
   CHECK(levels_sent(sink) == std::vector<int>{20, 30, 5, 40});
 }
 
-TEST_CASE("a desk that sends a look and stops in one wake-up has its look shown") {
+TEST_CASE("a frame and the end of its sender in one wake-up still show the frame") {
   World world;
   FakeSource source(world.waiter, "desk", {1});
   FakeSink sink(world.waiter, "artnet", {1});
@@ -180,7 +180,7 @@ TEST_CASE("all universes of one wake-up go to a sink in one call, and to each si
   CHECK(some.sent[0].universes == std::vector<Universe>{3, 8});
 }
 
-TEST_CASE("a sink gets every look that is in the buffer once when it starts, and nothing that nobody ever sent") {
+TEST_CASE("a starting sink gets every snapshot in the buffer once, and no universe without frames") {
   World world;
   const Slots slots = [] {
     Slots full;
@@ -198,10 +198,10 @@ TEST_CASE("a sink gets every look that is in the buffer once when it starts, and
   REQUIRE(sink.sent.size() == 1);
   CHECK(sink.sent[0].universes == std::vector<Universe>{4});
   CHECK(sink.sent[0].levels == std::vector<int>{42});
-  CHECK(world.pump().status().ports[0].latency.count == 0);  // an old look says nothing about how fast we are
+  CHECK(world.pump().status().ports[0].latency.count == 0);  // an old snapshot is not a latency
 }
 
-TEST_CASE("the last look stays when the source vanishes, and a sink that comes back gets it at once") {
+TEST_CASE("the last snapshot stays when the source disappears, and a returning sink gets it at once") {
   World world;
   FakeSource source(world.waiter, "desk", {1});
   FakeSink sink(world.waiter, "dongle", {1});
@@ -228,8 +228,8 @@ TEST_CASE("the last look stays when the source vanishes, and a sink that comes b
   world.run_for(kNsPerS);
   REQUIRE(levels_sent(sink) == std::vector<int>{99, 99});
   CHECK(sink.sent[1].time_ns <= plugged_in_ns + 200 * kNsPerMs);
-  CHECK(world.said == std::vector<std::string>{"desk: lost: desk: connection reset", "dongle: lost: dongle: unplugged",
-                                               "dongle: back"});
+  CHECK(world.notices == std::vector<std::string>{"desk: lost: desk: connection reset",
+                                                  "dongle: lost: dongle: unplugged", "dongle: back"});
 }
 
 TEST_CASE("a capped sink gets exactly its rate over two simulated hours, and every other sink all frames") {
@@ -237,7 +237,7 @@ TEST_CASE("a capped sink gets exactly its rate over two simulated hours, and eve
   FakeSource source(world.waiter, "desk", {1, 2});
   FakeSink capped(world.waiter, "dongle", {1, 2}, 30.0), free(world.waiter, "artnet", {1, 2});
   capped.keep_history = free.keep_history = false;
-  // 44 Hz, as a desk with its own clock would send: 22,727,273 ns.
+  // 44 Hz, from a desk with its own clock: 22,727,273 ns.
   source.deadline_ns = world.now_ns();
   source.repeat_ns = 22'727'273;
   source.before_poll = [&](TimeNs) {
@@ -262,7 +262,7 @@ TEST_CASE("a capped sink gets exactly its rate over two simulated hours, and eve
   CHECK(status.ports[2].universes[1].rate_hz == doctest::Approx(44.0).epsilon(0.05));
 }
 
-TEST_CASE("a rate cap sends the newest look when it is due, though no further frame comes") {
+TEST_CASE("a rate cap sends the newest snapshot when it is due, even without a further frame") {
   World world;
   FakeSource source(world.waiter, "desk", {1});
   FakeSink sink(world.waiter, "dongle", {1}, 10.0);
@@ -278,7 +278,7 @@ TEST_CASE("a rate cap sends the newest look when it is due, though no further fr
   CHECK(sink.sent[1] == FakeSink::Sent{start_ns + 100 * kNsPerMs, {1}, {30}});
 }
 
-TEST_CASE("a wake-up that is always late lowers no rate, and its lateness is told") {
+TEST_CASE("wake-ups that are always late lower no rate, and their lateness is measured") {
   World world;
   world.waiter.late_by_ns = 3 * kNsPerMs;
   FakeSource source(world.waiter, "desk", {1});
@@ -299,7 +299,7 @@ TEST_CASE("a wake-up that is always late lowers no rate, and its lateness is tol
   CHECK(status.ports[1].lateness.p50_ns <= 5 * kNsPerMs);
 }
 
-TEST_CASE("the backup desk takes over 2.5 s after the last word of the main desk, and the look holds until then") {
+TEST_CASE("the backup desk takes over 2.5 s after the main desk's last frame, and the snapshot stays until then") {
   World world;
   FakeSource main_desk(world.waiter, "main", {1}), backup(world.waiter, "backup", {1});
   main_desk.sender = 1;
@@ -316,7 +316,7 @@ TEST_CASE("the backup desk takes over 2.5 s after the last word of the main desk
   world.run_for(kNsPerS);
   main_alive = false;
   const TimeNs last_word_ns = sink.sent.back().time_ns;
-  backup_level = 60;  // the newest look of the backup has to show, not the one from the begin
+  backup_level = 60;  // the newest levels of the backup must show, not those from the start
   world.run_until(last_word_ns + 2'500 * kNsPerMs - 1);
   CHECK(world.level(1) == 200);
   world.run_for(kNsPerMs);
@@ -332,7 +332,7 @@ TEST_CASE("the backup desk takes over 2.5 s after the last word of the main desk
   CHECK(world.level(1) == 200);
 }
 
-TEST_CASE("a desk that says it stops is followed in the same wake-up") {
+TEST_CASE("a terminated desk loses its universe in the same wake-up") {
   World world;
   FakeSource main_desk(world.waiter, "main", {1}), backup(world.waiter, "backup", {1});
   main_desk.sender = 1;
@@ -352,7 +352,7 @@ TEST_CASE("a desk that says it stops is followed in the same wake-up") {
   CHECK(sink.sent[1] == FakeSink::Sent{end_ns, {1}, {50}});
 }
 
-TEST_CASE("a sink that fails stops neither the other sinks nor the sources, and is said once") {
+TEST_CASE("a failing sink stops neither the other sinks nor the sources, and is reported once") {
   World world;
   FakeSource source(world.waiter, "desk", {1});
   FakeSink bad(world.waiter, "bad", {1}), good(world.waiter, "good", {1});
@@ -366,8 +366,8 @@ TEST_CASE("a sink that fails stops neither the other sinks nor the sources, and 
   world.pump().start();
   world.run_for(60 * kNsPerS);
   CHECK(good.frame_count == source.poll_count);
-  CHECK(world.said == std::vector<std::string>{"bad: lost: bad: write failed"});
-  CHECK(bad.send_count > 50);  // it is tried again, less and less often, in the end every second
+  CHECK(world.notices == std::vector<std::string>{"bad: lost: bad: write failed"});
+  CHECK(bad.send_count > 50);  // it is tried again at growing intervals up to a second
   CHECK(bad.send_count < 80);
   const PortStatus status = world.pump().status().ports[1];
   CHECK(status.name == "bad");
@@ -377,7 +377,7 @@ TEST_CASE("a sink that fails stops neither the other sinks nor the sources, and 
   bad.send_error.clear();
   world.run_for(2 * kNsPerS);
   CHECK(bad.frame_count > 0);
-  CHECK(world.said.back() == "bad: back");
+  CHECK(world.notices.back() == "bad: back");
   CHECK(world.pump().status().ports[1].state == PortState::kWorking);
   CHECK(world.pump().status().ports[1].trouble.empty());
 }
@@ -410,11 +410,11 @@ TEST_CASE("a source that fails stays listed as gone with its reason and is polle
   bad.poll_error.clear();
   bad.deadline_ns = world.now_ns() + 20 * kNsPerMs;
   world.run_for(100 * kNsPerMs);
-  CHECK(world.level(1) == 255);  // its letter was still there
+  CHECK(world.level(1) == 255);  // its frame was still waiting
   status = world.pump().status().ports[0];
   CHECK(status.state == PortState::kWorking);
   CHECK(status.trouble.empty());
-  CHECK(world.said == std::vector<std::string>{"bad: lost: bad: unplugged", "bad: back"});
+  CHECK(world.notices == std::vector<std::string>{"bad: lost: bad: unplugged", "bad: back"});
 }
 
 TEST_CASE("a port that is gone cannot keep the pump awake with its descriptor or with a deadline in the past") {
@@ -432,7 +432,7 @@ TEST_CASE("a port that is gone cannot keep the pump awake with its descriptor or
     world.pump().add_sink(sink);
     world.pump().start();
     world.run_for(10 * kNsPerS);
-    CHECK(sink.poll_count > 5);  // and it is not forgotten either
+    CHECK(sink.poll_count > 5);  // and it is still polled
     CHECK(world.waiter.wait_count < 1'100);
   }
 }
@@ -480,7 +480,7 @@ TEST_CASE("two ports that share a descriptor are both polled when it is readable
   CHECK(world.level(1) == 1);
 }
 
-TEST_CASE("keep-alives are the sink's own: its poll comes at its deadline while nothing arrives") {
+TEST_CASE("a sink is polled at its keep-alive deadline while no frame arrives") {
   World world;
   FakeSink sink(world.waiter, "sacn", {1});
   const TimeNs start_ns = world.now_ns();
@@ -494,12 +494,12 @@ TEST_CASE("keep-alives are the sink's own: its poll comes at its deadline while 
   CHECK(sink.send_count == 0);
 }
 
-TEST_CASE("frames of universes that the source did not announce are counted and go nowhere") {
+TEST_CASE("frames of universes that the source did not announce are counted and not routed") {
   World world;
   FakeSource source(world.waiter, "desk", {1, 40});
   FakeSink sink(world.waiter, "dongle", universe_range(1, 9));
   world.pump().add_source(source);
-  CHECK(world.said == std::vector<std::string>{"desk: universe 40 is not among those of this run; it stays unused"});
+  CHECK(world.notices == std::vector<std::string>{"desk: universe 40 is not among those of this run; it stays unused"});
   world.pump().add_sink(sink);
   world.pump().start();
   source.give(2, 1);
@@ -510,7 +510,7 @@ TEST_CASE("frames of universes that the source did not announce are counted and 
   CHECK(world.pump().status().ports[0].unrouted == 3);
 }
 
-TEST_CASE("a refused ninth sender and a priority above 200 are said once and counted every time") {
+TEST_CASE("a refused ninth sender and a priority above 200 are reported once and counted every time") {
   World world;
   FakeSource source(world.waiter, "desk", {1});
   world.pump().add_source(source);
@@ -520,9 +520,9 @@ TEST_CASE("a refused ninth sender and a priority above 200 are said once and cou
   source.give(1, 1, 201);
   source.give(1, 1, 202);
   world.run_for(kNsPerMs);
-  REQUIRE(world.said.size() == 2);
-  CHECK(world.said[0].find("universe 1 has 8 senders already") != std::string::npos);
-  CHECK(world.said[1].find("priority 201") != std::string::npos);
+  REQUIRE(world.notices.size() == 2);
+  CHECK(world.notices[0].find("universe 1 has 8 senders already") != std::string::npos);
+  CHECK(world.notices[1].find("priority 201") != std::string::npos);
   const UniverseStatus status = world.pump().status().universes[0];
   CHECK(status.merge.refused_full == 2);
   CHECK(status.merge.refused_priority == 2);
@@ -530,7 +530,7 @@ TEST_CASE("a refused ninth sender and a priority above 200 are said once and cou
   CHECK(status.winners == 8);
 }
 
-TEST_CASE("a tap sees every frame as it came, losers and strangers too") {
+TEST_CASE("a tap receives every frame as it came, including losers and unknown universes") {
   struct Tap final : FrameReceiver {
     void receive(const FrameView& frame) override { levels.push_back(frame.slots[0]); }
     std::vector<int> levels;
@@ -549,7 +549,7 @@ TEST_CASE("a tap sees every frame as it came, losers and strangers too") {
   CHECK(tap.levels == std::vector<int>{1, 2, 3});
 }
 
-TEST_CASE("a sink that takes its frames by a tap is shown with the frames and the rate that it counts itself") {
+TEST_CASE("a sink fed by a tap is reported with its own count of frames and rate") {
   struct Recorder final : Sink, FrameReceiver {
     void receive(const FrameView&) override { ++count; }
     std::string name() const override { return "log"; }
@@ -601,7 +601,7 @@ TEST_CASE("stop closes every sink once, also a failed one, after sending what th
   CHECK(world.waiter.watched().empty());
 }
 
-TEST_CASE("run returns after request_stop, from before it or from in between, with every sink closed") {
+TEST_CASE("run returns after a request_stop before or during it, with every sink closed") {
   for (const bool before : {true, false}) {
     World world;
     FakeSink sink(world.waiter, "dongle", {1});
@@ -642,7 +642,7 @@ TEST_CASE("with stop_at_end run returns when the last source has ended, and not 
   CHECK(sink.close_count == 1);
 }
 
-TEST_CASE("LTP for one universe: the desk that moved last has it") {
+TEST_CASE("LTP for one universe: the desk that changed last wins it") {
   World world;
   FakeSource source(world.waiter, "desk", {1, 2});
   world.pump().set_mode(2, MergeMode::kLtp);
@@ -658,7 +658,7 @@ TEST_CASE("LTP for one universe: the desk that moved last has it") {
   CHECK(world.level(2) == 100);
 }
 
-TEST_CASE("latency is the age of the frame when its sink has taken it, waiting under a cap included") {
+TEST_CASE("latency is the age of the frame when its sink has sent it, including the wait for a rate cap") {
   World world;
   FakeSource source(world.waiter, "desk", {1});
   FakeSink sink(world.waiter, "dongle", {1}, 10.0);
@@ -677,7 +677,7 @@ TEST_CASE("latency is the age of the frame when its sink has taken it, waiting u
 
 TEST_CASE("after its start the pump allocates nothing, in ten minutes of traffic with failover and a rate cap") {
   World world;
-  // Ports of fixed memory, so that every allocation seen is the pump's.
+  // Ports with fixed memory, so that every counted allocation is the pump's.
   struct Desk final : Source {
     std::string name() const override { return "desk"; }
     TimeNs next_deadline_ns() const override { return next_ns; }
@@ -724,7 +724,7 @@ TEST_CASE("after its start the pump allocates nothing, in ten minutes of traffic
   world.pump().add_source(desk);
   world.pump().add_sink(stage);
   world.pump().start();
-  for (int i = 0; i < 100; ++i) world.pump().step();  // the ninth sender is refused and said: that may allocate
+  for (int i = 0; i < 100; ++i) world.pump().step();  // the ninth sender is refused and reported: that may allocate
   const std::uint64_t before = testing::allocation_count();
   const TimeNs end_ns = world.now_ns() + 600 * kNsPerS;
   while (world.now_ns() < end_ns) {
@@ -767,7 +767,7 @@ TEST_CASE("another thread may read buffer and status while the pump runs") {
   preview.join();
   CHECK(backwards == 0);
   CHECK(torn == 0);
-  static_cast<void>(world.pump().latest_status());  // asks
+  static_cast<void>(world.pump().latest_status());  // requests the first status
   world.run_for(2 * kNsPerS);
   const PumpStatus status = world.pump().latest_status();
   CHECK(status.stamp_ns > world.now_ns() - 2 * kNsPerS);
@@ -800,7 +800,7 @@ TEST_CASE("No rate is above 100 Hz after a device that times its line itself rep
   run_for(3);
   sink.line_frames = std::nullopt;  // the device times its line
   run_for(3);
-  sink.line_frames = 900'000;  // this machine does again, and the port counted on
+  sink.line_frames = 900'000;  // this machine times it again, and the port continued to count
   run_for(3);
   sink.line_frames = 0;  // another device, within one period
   run_for(3);
@@ -808,11 +808,11 @@ TEST_CASE("No rate is above 100 Hz after a device that times its line itself rep
   CHECK(world.pump().status().ports[1].rate_hz == doctest::Approx(40.0).epsilon(0.05));
 }
 
-TEST_CASE("the rate of a line that this machine times is that of the frames that left, not of those handed over") {
+TEST_CASE("the rate of a line that this machine times counts frames sent on the line, not frames passed to the sink") {
   World world;
   FakeSource source(world.waiter, "desk", {1});
   FakeSink timed(world.waiter, "open-dmx", {1}, 40.0), other(world.waiter, "artnet", {1});
-  timed.line_frames = 1000;  // of before
+  timed.line_frames = 1000;  // from before
   timed.figures = {{.name = "asked_hz", .value = 40.0}};
   timed.keep_history = other.keep_history = false;
   source.deadline_ns = world.now_ns();
@@ -820,7 +820,7 @@ TEST_CASE("the rate of a line that this machine times is that of the frames that
   int turn = 0;
   source.before_poll = [&](TimeNs) {
     source.give(1, static_cast<std::uint8_t>(++turn));
-    if (turn % 4 != 0) ++*timed.line_frames;  // 30 of 40 leave
+    if (turn % 4 != 0) ++*timed.line_frames;  // 30 of 40 are sent
   };
   world.pump().add_source(source);
   world.pump().add_sink(timed);
@@ -836,7 +836,7 @@ TEST_CASE("the rate of a line that this machine times is that of the frames that
   CHECK(status.ports[2].figures.empty());
 }
 
-TEST_CASE("a sink that comes after the start is called at the highest rate that it has then") {
+TEST_CASE("a sink that appears after the start is called at its rate cap of that time") {
   World world;
   FakeSource source(world.waiter, "desk", {1});
   FakeSink sink(world.waiter, "velleman", {1}, 44.0);
@@ -862,7 +862,7 @@ TEST_CASE("a sink that comes after the start is called at the highest rate that 
 
 namespace {
 
-// A desk, a main sink and sinks that stand by for it, one after the other.
+// A desk, a main sink and a chain of standby sinks.
 struct Chain {
   World world;
   FakeSource source{world.waiter, "desk", {1, 2}};
@@ -885,7 +885,7 @@ struct Chain {
 
 }  // namespace
 
-TEST_CASE("a standby gets nothing while its main works, and every look in the tick in which that one fails") {
+TEST_CASE("a standby gets nothing while its main works, and every snapshot in the tick in which the main fails") {
   Chain chain;
   chain.start();
   chain.give(10);
@@ -899,7 +899,8 @@ TEST_CASE("a standby gets nothing while its main works, and every look in the ti
   chain.give(20);
   CHECK(levels_sent(chain.second) == std::vector<int>{10, 99, 20, 21});
   CHECK(chain.third.sent.empty());
-  CHECK(chain.world.said == std::vector<std::string>{"first: lost: first: unplugged", "second: takes over for first"});
+  CHECK(chain.world.notices ==
+        std::vector<std::string>{"first: lost: first: unplugged", "second: takes over for first"});
 
   chain.first.send_error.clear();
   chain.world.run_for(2 * kNsPerS);
@@ -908,16 +909,16 @@ TEST_CASE("a standby gets nothing while its main works, and every look in the ti
   chain.give(30);
   CHECK(chain.first.sent.back().levels == std::vector<int>{30, 31});
   CHECK(chain.second.sent.size() == 2);
-  CHECK(chain.world.said.size() == 4);
-  CHECK(chain.world.said[2] == "first: back");
-  CHECK(chain.world.said[3] == "second: on standby again; first is back");
+  CHECK(chain.world.notices.size() == 4);
+  CHECK(chain.world.notices[2] == "first: back");
+  CHECK(chain.world.notices[3] == "second: on standby again; first is back");
   const PumpStatus status = chain.world.pump().status();
   CHECK(status.ports[2].stands_by);
   CHECK(status.ports[2].standby_for == "first");
   for (const PortStatus& port : status.ports) CHECK(unaccounted(port) == 0);
 }
 
-TEST_CASE("a main that is gone at the start has its standby fed from the start") {
+TEST_CASE("with the main gone at the start, its standby gets frames from the start") {
   Chain chain;
   chain.first.port_state = PortState::kGone;
   chain.first.port_trouble = "first: not plugged in";
@@ -928,7 +929,7 @@ TEST_CASE("a main that is gone at the start has its standby fed from the start")
   CHECK(chain.third.sent.empty());
 }
 
-TEST_CASE("with main and standby gone the next one in the row is fed, and rests when either is back") {
+TEST_CASE("with main and standby gone the next in the chain gets frames, and rests when either is back") {
   for (const bool second_first : {true, false}) {
     Chain chain;
     chain.start();
@@ -949,7 +950,7 @@ TEST_CASE("with main and standby gone the next one in the row is fed, and rests 
   }
 }
 
-TEST_CASE("while all are gone nobody is fed and nothing spins; the one that is back first gets every look") {
+TEST_CASE("while all are gone no sink gets frames and nothing spins; the first one back gets every snapshot") {
   Chain chain;
   for (FakeSink* sink : {&chain.first, &chain.second, &chain.third}) sink->send_error = "no";
   chain.start();
@@ -963,24 +964,24 @@ TEST_CASE("while all are gone nobody is fed and nothing spins; the one that is b
   for (const PortStatus& port : chain.world.pump().status().ports) CHECK(unaccounted(port) == 0);
 }
 
-TEST_CASE("a main that takes polls but no looks is not back, so its standby is fed all along") {
+TEST_CASE("a main that accepts polls but no snapshots is not back, so its standby gets frames all along") {
   Chain chain;
   chain.start();
   chain.give(10);
   chain.first.send_error = "first: stalled";
   chain.give(20);
-  const std::size_t said = chain.world.said.size();
-  for (int i = 0; i < 400; ++i) {  // ten seconds, in which it is tried about a dozen times
+  const std::size_t before = chain.world.notices.size();
+  for (int i = 0; i < 400; ++i) {  // ten seconds with about a dozen attempts
     chain.source.give(1, static_cast<std::uint8_t>(i));
     chain.world.run_for(kFrameNs);
   }
   CHECK(chain.first.send_count > 10);
   CHECK(chain.second.rest_count == 0);
-  CHECK(chain.world.said.size() == said);
+  CHECK(chain.world.notices.size() == before);
   CHECK(chain.second.sent.size() == 1 + 400);
 }
 
-TEST_CASE("a main that flaps loses no look: each is at the main or at the standby when its tick ends") {
+TEST_CASE("a flapping main loses no snapshot: each is at the main or at the standby when its tick ends") {
   Chain chain;
   chain.start();
   std::uint64_t random = 7;
@@ -998,7 +999,7 @@ TEST_CASE("a main that flaps loses no look: each is at the main or at the standb
   for (const PortStatus& port : chain.world.pump().status().ports) CHECK(unaccounted(port) == 0);
 }
 
-TEST_CASE("a standby whose main is removed is fed from then on, or stands by for the one before") {
+TEST_CASE("a standby whose main is removed gets frames from then on, or becomes the standby of the one before") {
   Chain chain;
   chain.start();
   chain.give(10);
@@ -1014,7 +1015,7 @@ TEST_CASE("a standby whose main is removed is fed from then on, or stands by for
 
 // --- Ports and universes that change while it runs ---
 
-TEST_CASE("call runs a job on the pump's thread in the next step, in order, and stop runs those that are left") {
+TEST_CASE("call runs a job on the pump's thread in the next step, in order, and stop runs the remaining ones") {
   World world;
   world.pump().start();
   std::vector<int> done;
@@ -1023,7 +1024,7 @@ TEST_CASE("call runs a job on the pump's thread in the next step, in order, and 
     world.pump().call([&] { done.push_back(2); });
   });
   world.pump().step();
-  CHECK(world.now_ns() == FakeClock().now_ns() + 3 * kNsPerMs);  // it did not sleep on
+  CHECK(world.now_ns() == FakeClock().now_ns() + 3 * kNsPerMs);  // it did not continue to sleep
   CHECK(done == std::vector<int>{1, 2});
   world.pump().call([&] { done.push_back(3); });
   world.pump().stop();
@@ -1038,7 +1039,7 @@ TEST_CASE("another thread's jobs are all run, on the pump's thread") {
   make_desk(source, world.clock, 1, 100, level, alive);
   world.pump().add_source(source);
   world.pump().start();
-  int count = 0;  // of the pump's thread
+  int count = 0;  // used by the pump's thread
   std::jthread caller([&] {
     for (int i = 0; i < 1'000; ++i) world.pump().call([&] { ++count; });
   });
@@ -1048,7 +1049,7 @@ TEST_CASE("another thread's jobs are all run, on the pump's thread") {
   CHECK(count == 1'000);
 }
 
-TEST_CASE("a source that is added while the pump runs is heard at once, and one that is removed no more") {
+TEST_CASE("a source added while the pump runs delivers at once, and a removed one no more") {
   World world;
   FakeSource first(world.waiter, "first", {1}), second(world.waiter, "second", {1});
   FakeSink sink(world.waiter, "artnet", {1});
@@ -1057,7 +1058,7 @@ TEST_CASE("a source that is added while the pump runs is heard at once, and one 
   world.pump().start();
   first.give(1, 200);
   world.run_for(kNsPerMs);
-  second.give(1, 50);  // was opened before it was added: its frame waits in it
+  second.give(1, 50);  // opened before it was added: its frame is waiting
   world.pump().call([&] {
     world.pump().add_source(second);
     world.pump().remove_source(first);
@@ -1074,7 +1075,8 @@ TEST_CASE("a source that is added while the pump runs is heard at once, and one 
 }
 
 TEST_CASE(
-    "a sink that is added while the pump runs gets every look in that step; a removed one gets its last and its end") {
+    "a sink added while the pump runs gets every snapshot in that step; a removed one gets its last snapshot and is "
+    "closed") {
   World world;
   FakeSource source(world.waiter, "desk", {1, 2});
   FakeSink capped(world.waiter, "dongle", {1, 2}, 1.0), added(world.waiter, "artnet", {1, 2});
@@ -1099,7 +1101,8 @@ TEST_CASE(
   CHECK(world.waiter.watched().count(capped.fd) == 0);
 }
 
-TEST_CASE("a move to other universes keeps looks, senders, priorities, silence and counters, and feeds the new ones") {
+TEST_CASE(
+    "a move to other universes keeps snapshots, senders, priorities, silence and counters, and serves the new ones") {
   World world;
   FakeSource source(world.waiter, "desk", {1, 2, 40}), backup(world.waiter, "backup", {2});
   FakeSink sink(world.waiter, "artnet", {2, 40});
@@ -1109,7 +1112,7 @@ TEST_CASE("a move to other universes keeps looks, senders, priorities, silence a
   world.pump().start();
   source.give(1, 10);
   source.give(2, 200, 150);
-  source.give(40, 1);  // nobody has it
+  source.give(40, 1);  // not in the buffer
   backup.give(2, 50, 100);
   world.run_for(kNsPerMs);
   CHECK(levels_sent(sink) == std::vector<int>{200});
@@ -1117,7 +1120,7 @@ TEST_CASE("a move to other universes keeps looks, senders, priorities, silence a
 
   const std::shared_ptr<const Universes> old = world.pump().universes();
   const auto next = std::make_shared<Universes>(std::array<Universe, 2>{2, 40});
-  // Frames that come between the two lie in the ports.
+  // Frames that arrive in between wait in the ports.
   source.give(40, 77);
   world.pump().call([&] { world.pump().move_to(next, {}); });
   world.run_for(kNsPerMs);
@@ -1129,7 +1132,7 @@ TEST_CASE("a move to other universes keeps looks, senders, priorities, silence a
   next->snapshot(next->index_of(2), levels, stamp);
   CHECK(levels[511] == 200);
   CHECK(stamp.stamp_ns != 0);
-  old->snapshot(old->index_of(1), levels, stamp);  // the old one can still be read
+  old->snapshot(old->index_of(1), levels, stamp);  // the old one is still readable
   CHECK(levels[0] == 10);
   source.give(1, 11);
   world.run_for(kNsPerMs);
@@ -1147,13 +1150,13 @@ TEST_CASE("a move to other universes keeps looks, senders, priorities, silence a
   }
   CHECK(heard_ns + 2'500 * kNsPerMs < world.now_ns());
   next->snapshot(next->index_of(2), levels, stamp);
-  CHECK(levels[0] == 60);  // the main desk's silence went on through the move
+  CHECK(levels[0] == 60);  // the main desk's silence continued through the move
   const auto first = std::find_if(sink.sent.begin(), sink.sent.end(), [](const auto& s) { return s.levels[0] == 60; });
   REQUIRE(first != sink.sent.end());
   CHECK(first->time_ns <= heard_ns + 2'500 * kNsPerMs);
 }
 
-TEST_CASE("a look that a cap holds back for a universe that is no more is dropped and counted") {
+TEST_CASE("a snapshot held back by a cap is dropped and counted when its universe is removed") {
   World world;
   FakeSource source(world.waiter, "desk", {1, 2});
   FakeSink sink(world.waiter, "dongle", {1, 2}, 1.0);
@@ -1176,7 +1179,7 @@ TEST_CASE("a look that a cap holds back for a universe that is no more is droppe
   CHECK(unaccounted(status.ports[1]) == 0);
 }
 
-TEST_CASE("senders are told by name, the highest priority first") {
+TEST_CASE("senders are reported by name, the highest priority first") {
   World world;
   FakeSource desk(world.waiter, "sacn:1", {1}), other(world.waiter, "artnet:1", {1});
   desk.sender_name = "FOH (10.0.0.7)";
@@ -1187,7 +1190,7 @@ TEST_CASE("senders are told by name, the highest priority first") {
   desk.give(1, 2, 110);
   world.run_for(kNsPerS);
   const std::vector<SenderStatus> senders = world.pump().status().universes[0].senders;
-  REQUIRE(senders.size() == 2);  // though both are sender 1 of their source
+  REQUIRE(senders.size() == 2);  // although both are sender 1 of their source
   CHECK(senders[0].name == "FOH (10.0.0.7)");
   CHECK(senders[0].wins);
   CHECK(senders[0].priority == 110);
@@ -1197,7 +1200,7 @@ TEST_CASE("senders are told by name, the highest priority first") {
   CHECK_FALSE(senders[1].wins);
 }
 
-TEST_CASE("what a sender lost is told for the universe in which it was lost, also after the buffer has changed") {
+TEST_CASE("lost frames of a sender are reported for their universe, also after a change of the buffer") {
   World world;
   FakeSource desk(world.waiter, "sacn:2-3", {3, 2});
   desk.losses = {{.lost = 30, .late = 3}, {.lost = 20, .late = 2}};
@@ -1220,7 +1223,7 @@ TEST_CASE("what a sender lost is told for the universe in which it was lost, als
 
 // --- Nothing is lost uncounted ---
 
-TEST_CASE("every frame and every look of a long random history is in just one counter") {
+TEST_CASE("every frame and every snapshot of a long random history is in exactly one counter") {
   World world;
   std::uint64_t random = 11;
   const auto draw = [&](std::uint64_t below) {
@@ -1264,7 +1267,7 @@ TEST_CASE("every frame and every look of a long random history is in just one co
     }
     for (const PortStatus& port : status.ports) REQUIRE(unaccounted(port) == 0);
     REQUIRE(status.ports[0].unrouted + status.ports[1].unrouted == strange);
-    // A sink without cap that never failed has had every look; so it holds for the frames.
+    // A sink without a cap that never failed has had every snapshot, so its frames equal the snapshots.
     for (std::size_t i = 0; i < 4; ++i) {
       const PortStatus& port = status.ports[2 + i];
       if (sinks[i].rate_hz_max() > 0.0 || port.failures != 0) continue;

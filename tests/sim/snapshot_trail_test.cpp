@@ -1,4 +1,4 @@
-// Looks on their way from a pump to pictures, with their times.
+// Snapshots on their way from a pump to pictures, with their times.
 #include "sim/snapshot_trail.h"
 
 #include <array>
@@ -20,7 +20,7 @@ using testing::FakeClock;
 using testing::FakeSource;
 using testing::FakeWaiter;
 
-// A buffer and a trail behind it, written as a pump does.
+// A buffer and its trail, written like by a pump.
 struct Bed {
   explicit Bed(std::vector<Universe> numbers, std::size_t snapshots_max = 0)
       : universes(numbers), trail(universes, snapshots_max) {}
@@ -57,9 +57,9 @@ struct Bed {
 
 using Seen = Bed::Seen;
 
-TEST_SUITE_BEGIN("look trail");
+TEST_SUITE_BEGIN("snapshot trail");
 
-TEST_CASE("a look counts from its stamp, one from the future from when it came, and a repeat is no change") {
+TEST_CASE("a snapshot takes effect at its stamp, one from the future at its arrival, and a repeat is not a change") {
   Bed bed({4, 9});
   CHECK(bed.read().empty());
   bed.snapshot(9, 10, 1'000'000, 1'200'000);
@@ -85,12 +85,12 @@ TEST_CASE("universes of one round change together, and a flash within it keeps i
                                         {10'999'999, 2, 7}});
 }
 
-TEST_CASE("a reader that stayed away gets the newest look of every universe and never an older one after it") {
+TEST_CASE("a reader that paused gets the newest snapshot of every universe and never an older one after it") {
   std::mt19937 random(7);
   for (const int snapshots_max : {1, 2, 5, 16}) {
     CAPTURE(snapshots_max);
     Bed bed({1, 2, 3}, static_cast<std::size_t>(snapshots_max));
-    std::array<int, 3> newest{};  // the levels grow, so that an older look is a lower level
+    std::array<int, 3> newest{};  // the levels grow, so an older snapshot has a lower level
     std::array<int, 3> shown{};
     TimeNs now_ns = 0;
     for (int round = 0; round < 60; ++round) {
@@ -112,7 +112,7 @@ TEST_CASE("a reader that stayed away gets the newest look of every universe and 
   }
 }
 
-TEST_CASE("a look that equals the last one that was not lost is shown all the same") {
+TEST_CASE("a snapshot equal to the last one that was not lost is still delivered") {
   Bed bed({1}, 1);
   bed.snapshot(1, 5, 1);  // waits
   bed.snapshot(1, 6, 2);  // lost
@@ -121,7 +121,7 @@ TEST_CASE("a look that equals the last one that was not lost is shown all the sa
   CHECK(bed.read() == std::vector<Seen>{{3'000'000, 0, 5}});
 }
 
-TEST_CASE("a pump gives a trail each frame of a burst with its own stamp") {
+TEST_CASE("a pump sends a trail each frame of a burst with its own stamp") {
   FakeClock clock;
   FakeWaiter waiter(clock);
   Universes universes(std::array<Universe, 2>{1, 2});
@@ -149,12 +149,12 @@ TEST_CASE("a pump gives a trail each frame of a burst with its own stamp") {
   pump.stop();
 }
 
-TEST_CASE("a reader beside the writer sees each universe only grow, and its last look in the end") {
+TEST_CASE("a concurrent reader reads only increasing levels of each universe, and its last snapshot in the end") {
   Bed bed({1, 2}, 8);
   std::atomic<bool> done{false};
   std::thread writer([&] {
     for (int i = 1; i <= 20'000; ++i) {
-      // The low byte alone would come around: both slots together only grow.
+      // The low byte alone would wrap: only both slots together increase.
       Slots slots{};
       slots[0] = static_cast<std::uint8_t>(i >> 8);
       slots[1] = static_cast<std::uint8_t>(i);

@@ -14,10 +14,10 @@
 namespace footlight::testing {
 namespace {
 
-constexpr int kUniverses = 9;  // always there; a tenth comes and goes
-constexpr int kTag = 8;        // the first slots say which frame it is: four of a running number, one of the sender
-constexpr int kRoundsWaiting = 50;                      // as many as a socket holds
-constexpr DurationNs kBackWithinNs = 1'100 * kNsPerMs;  // a port that works again is in use again within 1 s
+constexpr int kUniverses = 9;       // always present; a tenth appears and disappears
+constexpr int kTag = 8;             // the first slots identify the frame: four hold a running number, one the sender
+constexpr int kRoundsWaiting = 50;  // the capacity of a socket
+constexpr DurationNs kBackWithinNs = 1'100 * kNsPerMs;  // a port that works again is used again within 1 s
 
 class Random {
  public:
@@ -40,7 +40,7 @@ struct Desk {
   std::uint8_t priority = 100;
   bool claims = false;  // sends per-address priorities
   TimeNs silent_until_ns = 0;
-  bool ends = false;  // says so with its next round
+  bool ends = false;  // its next round marks the end
   std::uint32_t number = 0;
   std::array<std::uint8_t, kSlotCountMax> levels{};
   std::array<std::uint8_t, kSlotCountMax> priorities{};
@@ -65,9 +65,9 @@ class SoakSource final : public Source {
   Status poll(TimeNs now_ns, FrameReceiver& receiver) override {
     if (now_ns < failing_until_ns) {
       ++failures;
-      return fail(ErrorCode::kIo, "{}: told to fail", name_);
+      return fail(ErrorCode::kIo, "{}: scripted failure", name_);
     }
-    // Rounds that waited; what a socket has no room for is lost before it is given.
+    // Rounds that waited; those beyond the socket's capacity are lost before they are delivered.
     std::int64_t due = now_ns >= next_ns ? (now_ns - next_ns) / period_ns_ + 1 : 0;
     next_ns += due * period_ns_;
     due = std::min<std::int64_t>(due + std::exchange(extra_rounds, 0), kRoundsWaiting);
@@ -81,7 +81,7 @@ class SoakSource final : public Source {
   TimeNs failing_until_ns = 0;
   int extra_rounds = 0;
   std::uint64_t failures = 0;
-  std::array<std::uint64_t, kUniverses + 2> given{};  // by universe
+  std::array<std::uint64_t, kUniverses + 2> given{};  // per universe
 
  private:
   void give_round(Desk& desk, TimeNs stamp_ns, TimeNs now_ns, FrameReceiver& receiver) {
@@ -134,7 +134,7 @@ class SoakSink final : public Sink {
     if (now_ns < failing_until_ns || now_ns < gone_until_ns) {
       ++failures;
       refused += frames.size();
-      return fail(ErrorCode::kIo, "{}: told to fail", name_);
+      return fail(ErrorCode::kIo, "{}: scripted failure", name_);
     }
     taken += frames.size();
     for (const FrameView& frame : frames) {
@@ -147,17 +147,17 @@ class SoakSink final : public Sink {
   Status poll(TimeNs now_ns) override {
     if (now_ns >= failing_until_ns) return {};
     ++failures;
-    return fail(ErrorCode::kIo, "{}: told to fail", name_);
+    return fail(ErrorCode::kIo, "{}: scripted failure", name_);
   }
   void rest(TimeNs) override { ++rests; }
   void close(TimeNs) override {}
 
   [[nodiscard]] bool in_trouble(TimeNs now_ns) const { return now_ns < std::max(failing_until_ns, gone_until_ns); }
-  // Long enough out of trouble that the pump must have found it again.
+  // Working for long enough that the pump must use it again.
   [[nodiscard]] bool settled(TimeNs now_ns) const {
     return now_ns >= std::max({failing_until_ns, gone_until_ns, added_ns}) + kBackWithinNs;
   }
-  // What the pump's counters begin from, when it is added again.
+  // Resets the counters when it is added to the pump again.
   void begin(TimeNs now_ns) {
     added_ns = now_ns;
     taken_before += taken;
@@ -197,7 +197,7 @@ class SoakWaiter final : public Waiter {
   }
   void interrupt() noexcept override { interrupted_ = true; }
 
-  TimeNs woke_ns = 0;  // when the tick under way began; a sink that stalls moves the clock on within it
+  TimeNs woke_ns = 0;  // start of the current tick; a sink that stalls moves the clock within it
 
  private:
   FakeClock& clock_;
@@ -214,7 +214,7 @@ class Soak {
     front.id = 1;
     front.priority = 150;
     backup.id = 2;
-    partial.id = 1;  // the number is taken, by another source
+    partial.id = 1;  // another source uses the same id
     sources_.push_back(std::make_unique<SoakSource>("desks", universe_range(1, kUniverses + 1),
                                                     std::vector<Desk>{front, backup}, period_ns_, clock_.now_ns()));
     sources_.push_back(std::make_unique<SoakSource>("partial", universe_range(1, 3), std::vector<Desk>{partial},
@@ -241,13 +241,13 @@ class Soak {
     std::int64_t baseline_bytes = 0;
     pump_->start();
     while (clock_.now_ns() < end_ns && report_.offences.size() < 20) {
-      bool asked = false;  // for something that may allocate
+      bool disturbed = false;  // something that may allocate was requested
       const TimeNs now_ns = clock_.now_ns();
       if (now_ns >= second_ns) {
         second_ns = now_ns + kNsPerS;
-        asked = disturb(now_ns);
+        disturbed = disturb(now_ns);
       }
-      step(asked);
+      step(disturbed);
       if (now_ns >= minute_ns) {
         minute_ns = now_ns + 60 * kNsPerS;
         check_accounts();
@@ -287,7 +287,7 @@ class Soak {
       report_.offences.push_back(fmt::format("seed {}, {} ns: {}", options_.seed, clock_.now_ns(), text));
   }
 
-  void step(bool asked) {
+  void step(bool disturbed) {
     std::uint64_t failures = 0;
     const auto count_failures = [&] {
       failures = 0;
@@ -302,11 +302,11 @@ class Soak {
     pump_->step();
     const std::uint64_t allocated = allocation_count() - allocations;
     ++report_.ticks;
-    const bool quiet = !asked && count_failures() == failures_before && notices_ == notices_before;
+    const bool quiet = !disturbed && count_failures() == failures_before && notices_ == notices_before;
     if (quiet && allocated != 0) offend(fmt::format("a quiet tick allocated {} times", allocated));
     const TimeNs now_ns = waiter_.woke_ns;
-    // Settled at the tick before: after a jump, rounds that piled up leave before the main is asked how it is.
-    if (!asked && sinks_[3]->sends != standby_sends && sinks_[2]->settled(woke_before_ns))
+    // Settled at the last tick: after a jump, waiting rounds are sent before the main's state is read.
+    if (!disturbed && sinks_[3]->sends != standby_sends && sinks_[2]->settled(woke_before_ns))
       offend("the standby was fed though its main works");
     check_looks(now_ns);
   }
@@ -330,7 +330,7 @@ class Soak {
         offend(fmt::format("universe {}: the capped sink is stale", universe));
       if (fit(2) && !has(2)) offend(fmt::format("universe {}: the main sink is stale", universe));
       if (!fit(2) && fit(3) && !has(2) && !has(3))
-        offend(fmt::format("universe {}: neither main nor standby has the look", universe));
+        offend(fmt::format("universe {}: neither main nor standby has the snapshot", universe));
     }
   }
 
@@ -340,7 +340,7 @@ class Soak {
     for (const UniverseStatus& universe : status.universes) {
       if (unaccounted(universe) != 0)
         offend(fmt::format("universe {}: {} frames unaccounted for", universe.universe, unaccounted(universe)));
-      if (universe.universe > kUniverses) continue;  // begins anew each time that it comes
+      if (universe.universe > kUniverses) continue;  // starts again each time that it appears
       std::uint64_t given = 0;
       for (const auto& source : sources_) given += source->given[static_cast<std::size_t>(universe.universe)];
       if (given != universe.merge.frames)
@@ -348,25 +348,25 @@ class Soak {
             fmt::format("universe {}: {} frames given, {} counted", universe.universe, given, universe.merge.frames));
     }
     for (const PortStatus& port : status.ports) {
-      if (unaccounted(port) != 0) offend(fmt::format("{}: {} looks unaccounted for", port.name, unaccounted(port)));
+      if (unaccounted(port) != 0) offend(fmt::format("{}: {} snapshots unaccounted for", port.name, unaccounted(port)));
       for (const auto& sink : sinks_) {
         if (sink->name() != port.name) continue;
         if (port.frames != sink->taken || port.refused != sink->refused)
-          offend(fmt::format("{}: took {} looks and refused {}; counted are {} and {}", port.name, sink->taken,
+          offend(fmt::format("{}: took {} snapshots and refused {}; counted are {} and {}", port.name, sink->taken,
                              sink->refused, port.frames, port.refused));
       }
       if (port.name == "steady" && port.frames != port.snapshots)
-        offend(fmt::format("the sink that never fails got {} of {} looks", port.frames, port.snapshots));
+        offend(fmt::format("the sink that never fails got {} of {} snapshots", port.frames, port.snapshots));
     }
   }
 
-  // Something goes wrong about once a second. True: the next step may allocate.
+  // Causes a fault about once a second. True: the next step may allocate.
   bool disturb(TimeNs now_ns) {
     const auto for_ns = [&](std::uint64_t ms_max) { return static_cast<DurationNs>(random_.below(ms_max)) * kNsPerMs; };
     SoakSource& source = *sources_[random_.below(sources_.size())];
     Desk& desk = source.desks_of[random_.below(source.desks_of.size())];
-    SoakSink& sink = *sinks_[random_.below(4)];  // all but the steady one
-    bool asked = false;
+    SoakSink& sink = *sinks_[random_.below(4)];  // all except the steady one
+    bool disturbed = false;
     switch (random_.below(20)) {
       case 0:
         ++report_.silences;
@@ -410,15 +410,15 @@ class Soak {
         if (random_.once_in(5)) {
           ++report_.reloads;
           reload(false);
-          asked = true;
+          disturbed = true;
         }
         break;
-      default: break;  // and sometimes nothing does
+      default: break;  // sometimes no fault
     }
-    return asked;
+    return disturbed;
   }
 
-  // Another set of universes, other modes, a port that goes and comes.
+  // Another set of universes, other modes, a port that is removed and added.
   void reload(bool plain) {
     pump_->call([this, plain] {
       const int count = plain ? kUniverses : kUniverses + static_cast<int>(random_.below(2));
@@ -440,7 +440,7 @@ class Soak {
         pump_->remove_source(source);
         pump_->add_source(source);
       } else {
-        // The standby is added after its main, so it goes along.
+        // The standby is added after its main, so it is removed with it.
         const std::size_t number = random_.below(3);
         const std::size_t end = number == 2 ? 4 : number + 1;
         for (std::size_t k = end; k-- > number;) pump_->remove_sink(*sinks_[k]);
@@ -449,9 +449,9 @@ class Soak {
     });
   }
 
-  // How much memory is held when nothing is wrong: the same each time, or something grows.
+  // The memory held without a fault: the same each time, or something grows.
   std::int64_t held_at_rest() {
-    for (int twice = 0; twice < 2; ++twice) {  // the second has nothing left of the modes before
+    for (int twice = 0; twice < 2; ++twice) {  // the second has nothing left of the earlier modes
       reload(true);
       step(true);
     }

@@ -1,5 +1,5 @@
-// soak [--hours H] [--rate HZ] [--seed N]: the soak of soak.h at any length, rate and seed. Exit code 1: something did
-// not hold, and standard output says what.
+// soak [--hours H] [--rate HZ] [--seed N]: the soak of soak.h at any length, rate and seed. Exit code 1: a check
+// failed; standard output lists it.
 #include <cstdlib>
 #include <string_view>
 
@@ -27,7 +27,8 @@ int main(int argc, char** argv) {
   const footlight::testing::SoakReport report = footlight::testing::run_soak(options);
   for (const std::string& offence : report.offences) fmt::print("{}\n", offence);
   fmt::print(
-      "{} h at {} Hz, seed {}: {} offences\n{} frames, {} looks at sinks, {} ticks, {} minutes checked, {} bytes more "
+      "{} h at {} Hz, seed {}: {} offences\n{} frames, {} snapshots at sinks, {} ticks, {} minutes checked, {} bytes "
+      "more "
       "held at most\nsilences {}, endings {}, bursts {}, priority changes {}, claims {}, source failures {}, sink "
       "failures {}, stalls {}, jumps {}, reloads {}, takeovers {}\n",
       options.hours, options.rate_hz, options.seed, report.offences.size(), report.frames, report.snapshots,

@@ -4,13 +4,13 @@
 
 using namespace footlight;
 
-// A day at the full pace of faults, about one a second, and 3 rounds a second instead of 44: a fixed amount of work,
+// A day at the full rate of faults, about one a second, and 3 rounds a second instead of 44: a fixed amount of work,
 // however busy the machine is. `soak --hours 24 --rate 44` in this folder runs the day at the full rate.
-TEST_CASE("a day of faults loses no frame that is not counted, leaves no working sink stale and holds no more memory") {
+TEST_CASE("in a day of faults every lost frame is counted, no working sink is stale and memory does not grow") {
   const testing::SoakReport report = testing::run_soak({.hours = 24.0, .rate_hz = 3.0, .seed = 1});
   for (const std::string& offence : report.offences) CHECK_MESSAGE(false, offence);
-  CHECK(report.memory_growth_bytes < 1'024);  // texts of errors differ in length
-  // And it was a day worth the name.
+  CHECK(report.memory_growth_bytes < 1'024);  // error texts differ in length
+  // The day had enough of everything.
   CHECK(report.minutes_checked >= 1'400);
   CHECK(report.frames > 4'000'000);
   CHECK(report.snapshots > 4'000'000);
@@ -21,7 +21,7 @@ TEST_CASE("a day of faults loses no frame that is not counted, leaves no working
   CHECK(report.reloads > 500);
 }
 
-TEST_CASE("twelve minutes at the full rate, from each of three seeds, hold the same") {
+TEST_CASE("twelve minutes at the full rate, from each of three seeds, pass the same checks") {
   for (const std::uint64_t seed : {2u, 3u, 4u}) {
     const testing::SoakReport report = testing::run_soak({.hours = 0.2, .rate_hz = 44.0, .seed = seed});
     for (const std::string& offence : report.offences) CHECK_MESSAGE(false, offence);

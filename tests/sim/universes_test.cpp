@@ -30,7 +30,7 @@ FrameView frame_of(std::span<const std::uint8_t> slots, TimeNs stamp_ns = 1) {
 
 }  // namespace
 
-TEST_CASE("without asking for others the buffer has universes 1 to 9") {
+TEST_CASE("by default the buffer has universes 1 to 9") {
   const Universes universes;
   REQUIRE(universes.count() == 9);
   for (int i = 0; i < 9; ++i) CHECK(universes.index_of(i + 1) == i);
@@ -54,7 +54,7 @@ TEST_CASE("any set of universe numbers has an index each, and every other number
   CHECK(found == 5);
 }
 
-TEST_CASE("a number that is no universe is refused by name") {
+TEST_CASE("the error for an invalid universe number names it") {
   for (const Universe wrong : {0, -1, 64'000}) {
     const std::array<Universe, 2> numbers = {1, wrong};
     const auto made = Universes::make(numbers);
@@ -66,7 +66,7 @@ TEST_CASE("a number that is no universe is refused by name") {
   CHECK(Universes::make(universe_range(1, 63'999)));
 }
 
-TEST_CASE("a snapshot gives back the levels and the stamp of the newest write") {
+TEST_CASE("a snapshot returns the levels and the stamp of the newest write") {
   Universes universes(universe_range(5, 3));
   std::array<std::uint8_t, kSlotCountMax> levels = filled(99);
   FrameStamp stamp;
@@ -86,7 +86,7 @@ TEST_CASE("a snapshot gives back the levels and the stamp of the newest write") 
   CHECK(stamp.sender == 0xFFFF'FFFF'FFFF'FFFEu);
   CHECK(stamp.sequence == 0xFFFF'FFFFu);
   CHECK(stamp.revision == 1);
-  universes.snapshot(0, levels, stamp);  // the neighbours are untouched
+  universes.snapshot(0, levels, stamp);  // the neighbours are unchanged
   CHECK(levels == filled(0));
   universes.snapshot(2, levels, stamp);
   CHECK(levels == filled(0));
@@ -124,13 +124,13 @@ TEST_CASE("snapshot_changed copies exactly the universes written since, and ends
   CHECK(all_stamps[11].revision == 2);
 }
 
-// Every write fills a universe with one level and signs stamp, sender and sequence with the same number, so that a torn
-// copy shows. Bounded by the number of writes; nothing depends on how fast anybody is.
+// Every write fills a universe with one level and uses the same number for stamp, sender and sequence, so that a torn
+// copy is detected. Bounded by the number of writes; nothing depends on the threads' speed.
 TEST_CASE("no snapshot under concurrent writes mixes two writes") {
   constexpr int kUniverses = 4;
   constexpr std::uint32_t kWrites = 400'000;
   constexpr int kReaders = 3;
-  std::latch everybody(kReaders + 2);  // or the writers would be done before a reader runs
+  std::latch everybody(kReaders + 2);  // else the writers would be done before a reader runs
   Universes universes(universe_range(1, kUniverses));
   std::atomic<int> writers_left{2};
 
@@ -179,7 +179,7 @@ TEST_CASE("no snapshot under concurrent writes mixes two writes") {
       }
     }
     for (const FrameStamp& stamp : stamps)
-      backwards[reader] += stamp.revision == kWrites ? 0u : 1u;  // the last is seen
+      backwards[reader] += stamp.revision == kWrites ? 0u : 1u;  // the last write is read
   };
 
   {

@@ -1,4 +1,4 @@
-// VRSL's behaviour in time, with its faults, against figures that were worked out from its shaders.
+// VRSL's behaviour in time, with its faults, compared with figures derived from its shaders.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -22,7 +22,7 @@ double movement_s(double share, double fps, float speed) {
   const auto dt = static_cast<float>(1 / fps);
   VrslValues raw = all(0);
   raw[12] = speed;
-  movement->step(raw, 3.5f);  // past the start
+  movement->step(raw, 3.5f);  // past the start delay
   raw[0] = 1;
   for (int frame = 1; frame < 100'000; ++frame) {
     if (static_cast<double>(movement->step(raw, dt)[0]) >= share) return frame / fps;
@@ -45,17 +45,17 @@ TEST_CASE("fast movement depends on the frame rate: 1.40 s at 15 fps to 99 perce
   CHECK(movement_s(0.9, 60, 1) == doctest::Approx(0.283).epsilon(0.02));
 }
 
-TEST_CASE("the speed is that of column 13 of the row, even where that is another fixture's byte") {
+TEST_CASE("the speed is that of column 13 of the row, even if that is another fixture's byte") {
   const auto movement = std::make_unique<VrslMovement>(VrslSettings());
   VrslValues raw = all(0);
   movement->step(raw, 3.5f);
-  raw[5] = raw[14] = 1;  // two fixtures that do not begin at column 1: in rows 0 and 1
+  raw[5] = raw[14] = 1;  // two fixtures that do not start at column 1: in rows 0 and 1
   raw[25] = 1;           // column 13 of row 1
   const VrslValues& out = movement->step(raw, 1 / 60.0f);
   CHECK(out[14] > 3 * out[5]);
 }
 
-TEST_CASE("colours reach 99 percent in four pictures, however long a picture is") {
+TEST_CASE("colours reach 99 percent in four pictures of any length") {
   for (const float fps : {15.0f, 60.0f, 144.0f}) {
     const auto color = std::make_unique<VrslColor>(VrslSettings());
     color->step(all(0), 3.5f);
@@ -65,7 +65,7 @@ TEST_CASE("colours reach 99 percent in four pictures, however long a picture is"
   }
 }
 
-TEST_CASE("for the first three seconds values pass as they are") {
+TEST_CASE("for the first three seconds values pass unchanged") {
   const auto movement = std::make_unique<VrslMovement>(VrslSettings());
   const auto color = std::make_unique<VrslColor>(VrslSettings());
   CHECK(movement->step(all(0.7f), 1)[0] == 0.7f);
@@ -149,7 +149,7 @@ TEST_CASE("spin turns by 1.992 rad/s at code 127, backwards by 0.0078 at 128 and
   CHECK(rate(255) == doctest::Approx(-2.0).epsilon(1e-3));
 }
 
-TEST_CASE("a spin jumps by eight phases when its sign changes, and begins anew below code 3") {
+TEST_CASE("a spin jumps by eight phases when its sign changes, and restarts below code 3") {
   const auto spin = std::make_unique<VrslSpin>();
   spin->step(all(0), 1.5f);
   const float before = spin->step(all(code(127)), 10)[0];
@@ -158,7 +158,7 @@ TEST_CASE("a spin jumps by eight phases when its sign changes, and begins anew b
   CHECK(spin->step(all(code(2)), 1)[0] == 0);
 }
 
-TEST_CASE("a spin is 6 percent slow after 6 hours, 88 percent fast after 96, and stands after a week") {
+TEST_CASE("a spin is 6 percent slow after 6 hours, 88 percent fast after 96, and stops after a week") {
   const auto pace = [](double hours) {
     const auto spin = std::make_unique<VrslSpin>();
     spin->step(all(0), 1.5f);
@@ -173,7 +173,7 @@ TEST_CASE("a spin is 6 percent slow after 6 hours, 88 percent fast after 96, and
   CHECK(pace(168) == 0);
 }
 
-TEST_CASE("below code 3 a spin of a nine-universe grid keeps its phase, of three universes begins anew") {
+TEST_CASE("below code 3 a spin of a nine-universe grid keeps its phase, of three universes restarts") {
   VrslSpin three;
   VrslSpin nine(true);
   VrslValues raw{};
@@ -196,7 +196,7 @@ TEST_CASE("in nine-universe mode universes 4 to 9 strobe with 1 to 3") {
   CHECK(vrsl_strobe_universe(10) == 0);
 }
 
-TEST_CASE("codes name gobos as the decoder's rounding does") {
+TEST_CASE("codes select gobos by the decoder's rounding") {
   for (int level = 0; level < 256; ++level) {
     if (level % 30 == 15) continue;  // ties: the shader's rounding mode decides
     const int expected = level < 45    ? 1
@@ -220,7 +220,7 @@ TEST_CASE("pan and tilt codes 0, 127, 128 and 255 are -90, -0.353, 0.353 and 90 
   CHECK(vrsl_angle_deg(0, -180) == 90);  // tilt
 }
 
-TEST_CASE("steps that are none change nothing, and what is no level is dark") {
+TEST_CASE("invalid steps change nothing, and invalid levels are dark") {
   const auto movement = std::make_unique<VrslMovement>(VrslSettings());
   const auto color = std::make_unique<VrslColor>(VrslSettings());
   const auto strobe = std::make_unique<VrslStrobe>(VrslSettings());

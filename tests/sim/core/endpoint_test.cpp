@@ -22,7 +22,7 @@ std::string refusal(std::string_view text) {
 
 bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
 
-TEST_CASE("a network endpoint names universes, address, port and interface in one text") {
+TEST_CASE("a network endpoint has universes, address, port and interface in one text") {
   const auto plain = parsed("sacn:1-9");
   CHECK(plain.kind == EndpointKind::kNetwork);
   CHECK(plain.scheme == "sacn");
@@ -39,7 +39,7 @@ TEST_CASE("a network endpoint names universes, address, port and interface in on
   CHECK(full.interface_names == std::vector<std::string>{"eth0"});
 }
 
-TEST_CASE("addresses and interfaces come as lists, each named once, with one UDP port behind the last address") {
+TEST_CASE("addresses and interfaces are lists without repeats, with one UDP port after the last address") {
   const auto wide = parsed("sacn:1,3=7,8@10.0.0.7,10.0.0.8:5569%eth0,eth1.20");
   CHECK(wide.universes == std::vector<WireUniverse>{{1, 7}, {3, 8}});
   CHECK(wide.addresses == std::vector<std::string>{"10.0.0.7", "10.0.0.8"});
@@ -56,7 +56,7 @@ TEST_CASE("single universes keep the order in which they are written") {
   CHECK(parsed("sacn:7,1,3-4").show_universes() == std::vector<Universe>{7, 1, 3, 4});
 }
 
-TEST_CASE("a device endpoint carries one universe, the first of the show unless told otherwise") {
+TEST_CASE("a device endpoint has one universe, by default the first of the show") {
   CHECK(parsed("enttec-pro").universes == std::vector<WireUniverse>{{1, 1}});
   CHECK(parsed("enttec-pro").target.empty());
   CHECK(parsed("enttec-pro=4").universes == std::vector<WireUniverse>{{1, 4}});
@@ -68,7 +68,7 @@ TEST_CASE("a device endpoint carries one universe, the first of the show unless 
   CHECK(parsed("mock:enttec-pro").target == "enttec-pro");
 }
 
-TEST_CASE("several connectors of a device are several universes, the first connectors unless they are named") {
+TEST_CASE("several universes of a device use the first connectors unless the endpoint lists connectors") {
   const auto two = parsed("enttec-pro:EN123=3,4");
   CHECK(two.universes == std::vector<WireUniverse>{{1, 3}, {2, 4}});
   CHECK_FALSE(two.names_connectors);
@@ -124,7 +124,7 @@ TEST_CASE("universe 0, universe 64000 and Art-Net universe 32769 are refused, an
   CHECK(parsed("artnet:32768=63999").universes == std::vector<WireUniverse>{{32'768, 63'999}});
 }
 
-TEST_CASE("priorities of addresses are read as ranges, and those that nobody names are 0") {
+TEST_CASE("priorities of addresses are read as ranges, and addresses that are not listed have 0") {
   const auto read = parse_address_priorities("1-100:150, 512:200 ,101:0");
   REQUIRE(read.has_value());
   REQUIRE(read->size() == 512);
@@ -141,7 +141,7 @@ TEST_CASE("priorities of addresses are read as ranges, and those that nobody nam
   CHECK(contains(parse_address_priorities("1-3:1,3-4:2").error().message, "address 3 is named twice"));
 }
 
-TEST_CASE("an unknown scheme is answered with the schemes that there are") {
+TEST_CASE("the error for an unknown scheme lists the known schemes") {
   for (const char* text : {"scan:1-9", "", "1-9", "SACN:1", ":1-9", "=3"}) {
     const auto message = refusal(text);
     CHECK(contains(message, "unknown scheme"));
@@ -149,7 +149,7 @@ TEST_CASE("an unknown scheme is answered with the schemes that there are") {
   }
 }
 
-TEST_CASE("every refusal begins with the endpoint and shows how it is written") {
+TEST_CASE("every error starts with the endpoint and shows a correct example") {
   for (const char* text : {"sacn",
                            "sacn:",
                            "sacn:@10.0.0.7",
@@ -191,7 +191,7 @@ TEST_CASE("every refusal begins with the endpoint and shows how it is written") 
   }
 }
 
-TEST_CASE("a range that runs backwards, a universe named twice and unequal sides are told apart") {
+TEST_CASE("a reversed range, a repeated universe and unequal sides have different errors") {
   CHECK(contains(refusal("sacn:9-1"), "write 1-9"));
   CHECK(contains(refusal("sacn:1-9,5"), "universe 5 is named twice"));
   CHECK(contains(refusal("sacn:1-2=5,5"), "universe 5 is named twice"));

@@ -69,7 +69,7 @@ TEST_CASE("the checksum is CRC-32C: the vectors of RFC 3720, B.4") {
   CHECK(dmx_log::crc32c({reinterpret_cast<const std::uint8_t*>(digits.data()), digits.size()}) == 0xE3069283u);
 }
 
-TEST_CASE("a log cut off at any byte gives the frames of its whole blocks") {
+TEST_CASE("a log cut off at any byte returns the frames of its whole blocks") {
   const auto frames = few_frames();
   const auto bytes = small_log(frames);
   const auto offsets = block_offsets(bytes);
@@ -90,16 +90,16 @@ TEST_CASE("a log cut off at any byte gives the frames of its whole blocks") {
     REQUIRE(got.size() <= frames.size());
     REQUIRE(std::equal(got.begin(), got.end(), frames.begin()));
     REQUIRE(got.size() == reader->info().frames);
-    REQUIRE(got.size() >= most);  // a longer file never gives less
+    REQUIRE(got.size() >= most);  // a longer file never returns fewer
     most = got.size();
-    // Nothing after the last whole block goes unmentioned.
+    // Bytes after the last whole block are always reported.
     const auto whole = std::find(offsets.begin(), offsets.end(), size);
     if (whole != offsets.end() || size == offsets[0]) CHECK(reader->info().damage_count == 0);
   }
   CHECK(most == frames.size());
 }
 
-TEST_CASE("a flipped bit anywhere is reported, and every frame that is still given is a true one") {
+TEST_CASE("a flipped bit anywhere is reported, and every frame that is still returned is correct") {
   const auto frames = few_frames();
   const auto bytes = small_log(frames);
   int opened = 0;
@@ -122,7 +122,7 @@ TEST_CASE("a flipped bit anywhere is reported, and every frame that is still giv
   CHECK(opened > 0);
 }
 
-TEST_CASE("one flipped bit anywhere in the header costs the origin and the clock, but no frame, finished or not") {
+TEST_CASE("one flipped bit anywhere in the header loses the origin and the clock, but no frame, finished or not") {
   const auto frames = few_frames();
   LogWriterOptions options;
   options.block_span_ns = 12 * kNsPerMs;
@@ -158,7 +158,7 @@ TEST_CASE("one flipped bit anywhere in the header costs the origin and the clock
   }
 }
 
-TEST_CASE("Blocks beyond 1 MiB of damage are found where the file begins with the bytes of a log, and only there") {
+TEST_CASE("Blocks beyond 1 MiB of damage are found only if the file begins with the bytes of a log") {
   const auto frames = few_frames();
   const auto log = small_log(frames);
   const auto header_bytes = static_cast<std::ptrdiff_t>(block_offsets(log).front());
@@ -192,11 +192,11 @@ TEST_CASE("a log file is recognised by its blocks when its first bytes are damag
   }
 }
 
-TEST_CASE("a damaged block is reported with its place, and what changed in it is told by the next block") {
+TEST_CASE("a damaged block is reported with its place, and the next block restores the changes in it") {
   std::vector<OwnedFrame> frames;
   for (int i = 0; i < 6; ++i) {
     OwnedFrame frame;
-    frame.universe = i == 2 ? 5 : 1;  // universe 5 is heard only in the block that will be damaged
+    frame.universe = i == 2 ? 5 : 1;  // universe 5 has frames only in the block that will be damaged
     frame.time_ns = i * 100 * kNsPerMs;
     frame.slots.assign(512, static_cast<std::uint8_t>(10 + i));
     frames.push_back(frame);
@@ -232,7 +232,7 @@ TEST_CASE("a damaged block is reported with its place, and what changed in it is
   CHECK(reader.info().damage[0].size_bytes == offsets[3] - offsets[2]);
   CHECK(reader.info().damage[0].what == "the checksum of the block is wrong");
 
-  // A time inside the damage shows what was known before it.
+  // A time inside the damage has the state before it.
   REQUIRE(reader.seek(frames[2].time_ns + 1));
   REQUIRE(reader.snapshot().size() == 1);
   CHECK(reader.snapshot()[0].levels[0] == 11);
@@ -240,13 +240,13 @@ TEST_CASE("a damaged block is reported with its place, and what changed in it is
   CHECK(reader.snapshot().size() == 2);
 }
 
-TEST_CASE("what is no log is refused with a reason") {
+TEST_CASE("a file that is not a log is refused with a reason") {
   CHECK(error_of({}).find("is empty") != std::string::npos);
   CHECK(error_of({'O', 'L', 'A', ' ', 'S', 'h', 'o', 'w', '\n'}).find("OLA Show") != std::string::npos);
   CHECK(error_of(std::vector<std::uint8_t>(1000, 0)).find("not a DMX log") != std::string::npos);
   CHECK(error_of(std::vector<std::uint8_t>(1000, 0xFF)).find("not a DMX log") != std::string::npos);
   CHECK(error_of({0x89, 'D', 'M'}).find("ends inside its header") != std::string::npos);
-  // A transfer as text turns the line ends of the magic.
+  // A transfer in text mode changes the line ends of the magic.
   CHECK(error_of({0x89, 'D', 'M', 'X', 'L', '\n', 0x1A, 1, 0, 0, 0}).find("not a DMX log") != std::string::npos);
   const auto missing = LogReader::open("/nonexistent/a.dmxlog");
   REQUIRE(!missing);
@@ -255,7 +255,7 @@ TEST_CASE("what is no log is refused with a reason") {
 }
 
 TEST_CASE("a log of a later major version is refused, of a later minor version read") {
-  // A version that the checksum confirms. One flipped bit of it is damage instead.
+  // A version with a matching checksum. A flipped bit of it would be damage instead.
   const auto log = small_log(few_frames());
   dmx_log::FileHeader later;
   later.version_major = 2;
@@ -269,7 +269,7 @@ TEST_CASE("a log of a later major version is refused, of a later minor version r
   CHECK(LogReader::open_bytes(encode(header), "a.dmxlog")->info().version_minor == 9);
 }
 
-TEST_CASE("lengths that lie are not believed") {
+TEST_CASE("wrong lengths are detected") {
   const auto frames = few_frames();
   const auto bytes = small_log(frames);
   const auto offsets = block_offsets(bytes);
@@ -279,7 +279,7 @@ TEST_CASE("lengths that lie are not believed") {
     auto header = dmx_log::decode_block_header(place, true);
     REQUIRE(header);
     change(*header);
-    const auto encoded = encode(*header);  // with a checksum that holds
+    const auto encoded = encode(*header);  // with a valid checksum
     std::copy(encoded.begin(), encoded.end(), place.begin());
     LogReader reader = open_log(std::move(changed));
     CHECK(is_subsequence(all_frames(reader), frames));
@@ -306,7 +306,7 @@ TEST_CASE("lengths that lie are not believed") {
   CHECK(all_frames(reader) == frames);
 }
 
-TEST_CASE("a varint of more than 64 bits and one that ends early are told from numbers") {
+TEST_CASE("a varint of more than 64 bits and one that ends early are errors") {
   const std::vector<std::uint8_t> longest = {0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x01};
   dmx_log::Cursor good(longest);
   CHECK(good.varint() == UINT64_MAX);
@@ -331,8 +331,8 @@ TEST_CASE("the index never holds more than 65,536 places and keeps the first and
   for (std::size_t i = 0; i < entries.size(); ++i) REQUIRE(entries[i].offset == i * 8);
 }
 
-// 20,000 inputs, the same each time: logs with bytes flipped, cut out, doubled, overwritten; half of them read with the
-// checksums ignored, so that the damage reaches the decoder; and the insides of blocks, past the compression.
+// 20,000 inputs, the same each time: logs with bytes flipped, removed, duplicated or overwritten; half of them read
+// with the checksums ignored, so that the damage reaches the decoder; and the contents of blocks, past the compression.
 TEST_CASE("20,000 mutated logs are read without a crash") {
   const auto base = small_log(few_frames());
   const auto other = log_bytes(random_frames(12, 200, 4), kNsPerS);

@@ -1,5 +1,5 @@
-// Does to a log, or to what claims to be one, everything that a reader offers. Used by the fuzz target and by the
-// replay of mutated inputs; whatever the bytes are, nothing may crash, hang or read out of bounds.
+// Calls everything that a reader offers, on a log or on arbitrary bytes. Used by the fuzz target and by the replay of
+// mutated inputs: no input may crash, hang or read out of bounds.
 #pragma once
 
 #include <cstdint>
@@ -40,13 +40,13 @@ inline std::uint64_t exercise_log(std::vector<std::uint8_t> bytes, bool check_ch
       FL_CHECK_LT(time_ns, frame.time_ns);
       sum += frame.levels[0];
     }
-    frames += sum % 2;  // so that the reads are not left out
+    frames += sum % 2;  // so that the reads are not optimised away
   }
   FL_CHECK_LE(reader->info().damage.size(), std::size_t{64});
   return frames;
 }
 
-// The same for the inside of a block, past checksum and compression.
+// The same for the content of a block, past checksum and compression.
 inline void exercise_block(const std::vector<std::uint8_t>& raw, std::uint32_t frame_count, DurationNs first_ns,
                            DurationNs last_ns) {
   dmx_log::BlockDecoder decoder;

@@ -15,7 +15,7 @@ using testing::Random;
 
 constexpr DurationNs kPeriodNs = kNsPerS / 44;
 
-// Universes 1 and 3 at 44 Hz with some jitter: a fade, then a still look, then a chase that comes back to itself.
+// Universes 1 and 3 at 44 Hz with some jitter: a fade, then constant levels, then a chase that returns to its start.
 std::vector<OwnedFrame> show(int rounds = 400) {
   std::vector<OwnedFrame> frames;
   Random random(5);
@@ -57,11 +57,10 @@ TEST_CASE("a log equals itself, to the nanosecond") {
   CHECK(same.universes[1].universe == 3);
 }
 
-TEST_CASE(
-    "a recording that began at another moment is laid over the other by its changes, also where frames are missing") {
+TEST_CASE("a recording with another start time is aligned with the other by its changes, also if frames are missing") {
   auto late = show();
-  late.erase(late.begin(), late.begin() + 30);                    // it began 15 rounds later ...
-  for (OwnedFrame& frame : late) frame.time_ns += 3'456'789'012;  // ... by a clock that stands elsewhere
+  late.erase(late.begin(), late.begin() + 30);                    // it starts 15 rounds later ...
+  for (OwnedFrame& frame : late) frame.time_ns += 3'456'789'012;  // ... on a clock with another origin
   LogDiffOptions exact;
   exact.time_tolerance_ns = 0;
   const LogDiff found = diff(show(), late, exact);
@@ -76,7 +75,7 @@ TEST_CASE(
   CHECK(!found.equal);
 }
 
-TEST_CASE("frames that were lost cost as many frames, wherever they are, and no level") {
+TEST_CASE("lost frames are counted as that many frames, wherever they are, and cause no different level") {
   Random random(11);
   for (const int lost : {1, 5, 40}) {
     CAPTURE(lost);
@@ -97,7 +96,7 @@ TEST_CASE("frames that were lost cost as many frames, wherever they are, and no 
   }
 }
 
-TEST_CASE("a stall is time that differs, not frames that are missing") {
+TEST_CASE("a stall is a difference in time, not in frames") {
   auto stalled = show();
   const DurationNs end_ns = stalled[2 * 60].time_ns;
   for (std::size_t i = 2 * 54; i < 2 * 60; ++i) stalled[i].time_ns = end_ns;
@@ -115,7 +114,8 @@ TEST_CASE("a stall is time that differs, not frames that are missing") {
   CHECK(diff(show(), stalled, patient).equal);
 }
 
-TEST_CASE("levels that differ are counted by frame and by slot, and the first one is told with its time and address") {
+TEST_CASE(
+    "different levels are counted by frame and by slot, and the first one is reported with its time and address") {
   auto changed = show();
   for (std::size_t round = 30; round < 34; ++round) changed[2 * round + 1].slots[7] = 3;  // universe 3
   changed[2 * 200 + 1].slots[9] = 2;
@@ -148,7 +148,7 @@ TEST_CASE("a clock that runs 50 ppm fast shows as drift, and every frame keeps i
   }
 }
 
-TEST_CASE("a universe that only one of them has is there with its frames") {
+TEST_CASE("a universe in only one of the logs is listed with its frames") {
   auto more = show();
   OwnedFrame frame;
   frame.universe = 9;
@@ -176,8 +176,7 @@ TEST_CASE("without repeats, a log that holds changes only equals one that holds 
   CHECK(diff(show(), changes, options).equal);
 }
 
-TEST_CASE(
-    "two looks that never change are laid over each other by their first frames, or not at all where it is asked") {
+TEST_CASE("two logs without changes are aligned by their first frames unless an offset is given") {
   std::vector<OwnedFrame> still;
   for (int i = 0; i < 100; ++i) {
     OwnedFrame frame;

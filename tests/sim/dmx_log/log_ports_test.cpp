@@ -21,7 +21,7 @@ struct Recorder final : FrameReceiver {
   std::vector<OwnedFrame> frames;  // time_ns is the stamp
 };
 
-// Frames every 10 ms, universes 1 and 2 in turns, the level counts frames.
+// Frames every 10 ms, universes 1 and 2 alternately; the level counts frames.
 std::vector<OwnedFrame> ticks(int count) {
   std::vector<OwnedFrame> frames;
   for (int i = 0; i < count; ++i) {
@@ -45,7 +45,7 @@ std::unique_ptr<LogSource> source_of(const std::vector<OwnedFrame>& frames, Dura
   return std::move(*source);
 }
 
-// Runs as the pump does: sleeps until the deadline, polls. Gives up after `deadlines` of them.
+// Runs like the pump: sleeps until the deadline, polls. Stops after `deadlines` deadlines.
 void run(LogSource& source, FakeClock& clock, Recorder& recorder, int deadlines = 100'000) {
   while (source.state() != PortState::kEnded && deadlines-- > 0) {
     REQUIRE(source.next_deadline_ns() != kTimeNever);
@@ -63,7 +63,7 @@ std::string error_of(const LogSourceOptions& options) {
 
 }  // namespace
 
-TEST_CASE("a replay is due exactly when the recording was, and ends when the recording ended") {
+TEST_CASE("a replayed frame is due exactly at its recorded time, and the replay ends when the recording ended") {
   const auto frames = ticks(50);
   auto source = source_of(frames, 700 * kNsPerMs);
   FakeClock clock(123'456'789);
@@ -81,7 +81,7 @@ TEST_CASE("a replay is due exactly when the recording was, and ends when the rec
   CHECK(std::vector<Universe>(source->universes().begin(), source->universes().end()) == std::vector<Universe>{1, 2});
 }
 
-TEST_CASE("lateness does not add up: after late wake-ups the deadlines are the same") {
+TEST_CASE("delays do not add up: after late wake-ups the deadlines are the same") {
   const auto frames = ticks(100);
   auto source = source_of(frames, kNsPerS);
   Recorder recorder;
@@ -99,7 +99,7 @@ TEST_CASE("lateness does not add up: after late wake-ups the deadlines are the s
   CHECK(now_ns < kNsPerS + 4 * kNsPerMs);
 }
 
-TEST_CASE("after a long stall everything whose time has come arrives at once, oldest first, stamped when it was due") {
+TEST_CASE("after a long stall all due frames arrive at once, oldest first, stamped with their due times") {
   const auto frames = ticks(60);
   auto source = source_of(frames, kNsPerS);
   Recorder recorder;
@@ -114,7 +114,7 @@ TEST_CASE("after a long stall everything whose time has come arrives at once, ol
   CHECK(source->next_deadline_ns() == 410 * kNsPerMs);
 }
 
-TEST_CASE("a loop has no gap and no double beat, pass after pass") {
+TEST_CASE("a loop has no gap and no double frame, pass after pass") {
   const auto frames = ticks(20);
   LogSourceOptions options;
   options.loop = true;
@@ -131,7 +131,7 @@ TEST_CASE("a loop has no gap and no double beat, pass after pass") {
   CHECK(source->state() == PortState::kWorking);
 }
 
-TEST_CASE("a part of a log loops with the look at its start") {
+TEST_CASE("a part of a log loops with the snapshot at its start") {
   const auto frames = ticks(20);
   LogSourceOptions options;
   options.loop = true;
@@ -141,7 +141,7 @@ TEST_CASE("a part of a log loops with the look at its start") {
   Recorder recorder;
   source->start(0);
   REQUIRE(source->poll(49 * kNsPerMs, recorder));
-  // Two universes as they stood at 55 ms, frames 6 and 7 (60 and 70 ms); again after 25 ms. Frame 8 is past the stop.
+  // Two universes in their state at 55 ms, frames 6 and 7 (60 and 70 ms); again after 25 ms. Frame 8 is past the stop.
   std::vector<std::pair<TimeNs, int>> got;
   for (const OwnedFrame& frame : recorder.frames) got.emplace_back(frame.time_ns / 1'000'000, frame.slots[0]);
   CHECK(got ==
@@ -167,7 +167,7 @@ TEST_CASE("speed scales the deadlines, not the frames") {
   }
 }
 
-TEST_CASE("universes are renumbered, and left out where only named ones are wanted") {
+TEST_CASE("universes are renumbered, and with only_renumbered the others are left out") {
   LogSourceOptions options;
   options.renumber = {{2, 17}};
   FakeClock clock(0);
@@ -188,7 +188,7 @@ TEST_CASE("universes are renumbered, and left out where only named ones are want
   CHECK(recorder.frames[0].universe == 17);
 }
 
-TEST_CASE("senders stay apart and are nobody else's") {
+TEST_CASE("senders stay distinct and differ from those of other logs") {
   auto frames = ticks(4);
   frames[2].sender = 6;
   auto source = source_of(frames, kNsPerS);
@@ -200,7 +200,7 @@ TEST_CASE("senders stay apart and are nobody else's") {
   CHECK(recorder.frames[0].sender > 1000);
 }
 
-TEST_CASE("what cannot be played is refused with the reason") {
+TEST_CASE("invalid playback options are refused with the reason") {
   LogSourceOptions late;
   late.start_ns = 2 * kNsPerS;
   CHECK(error_of(late) == "log:a.dmxlog: cannot start at 2.000 s; the log lasts 1.000 s");
@@ -228,7 +228,7 @@ TEST_CASE("what cannot be played is refused with the reason") {
   CHECK(error_of(outside).find("expected universes from 1 to 63999, got 1 to 0") != std::string::npos);
 }
 
-TEST_CASE("an OLA Show plays as a log does") {
+TEST_CASE("an OLA Show plays like a log") {
   const TempFolder folder;
   write_bytes(folder.file("a.show"), "OLA Show\n1 1\n20\n2 5\n30\n1 2\n50\n");
   auto input = open_log_input(folder.file("a.show"));
@@ -246,7 +246,7 @@ TEST_CASE("an OLA Show plays as a log does") {
   CHECK(!open_log_input(folder.file("none.dmxlog")));
 }
 
-TEST_CASE("the sink records every frame with the stamp that it carries, and the end that it was told") {
+TEST_CASE("the sink records every frame with its stamp, and the end passed to close()") {
   const TempFolder folder;
   const std::string path = folder.file("a.dmxlog");
   LogSinkOptions options;
@@ -258,7 +258,7 @@ TEST_CASE("the sink records every frame with the stamp that it carries, and the 
   const auto frames = ticks(300);
   for (const OwnedFrame& frame : frames) {
     FrameView batch[2] = {frame.view(kNsPerS), frame.view(kNsPerS)};
-    batch[1].universe = 9;  // not asked for
+    batch[1].universe = 9;  // not recorded
     FrameView priorities = frame.view(kNsPerS);
     priorities.start_code = kStartCodePriorities;
     REQUIRE((*sink)->send(priorities.stamp_ns, {&priorities, 1}));
@@ -281,7 +281,7 @@ TEST_CASE("the sink records every frame with the stamp that it carries, and the 
   CHECK(all_frames(*reader) == frames);
 }
 
-TEST_CASE("after a minute and after an hour a replay of a recording is where the recording was, to the nanosecond") {
+TEST_CASE("after a minute and after an hour a replay matches the recording to the nanosecond") {
   for (const DurationNs length_ns : {60 * kNsPerS, 3'600 * kNsPerS}) {
     CAPTURE(length_ns);
     const TempFolder folder;
@@ -297,7 +297,8 @@ TEST_CASE("after a minute and after an hour a replay of a recording is where the
     Random random(77);
     std::vector<DurationNs> times;
     std::vector<std::uint8_t> slots(24);
-    for (DurationNs due_ns = 0; due_ns < length_ns; due_ns += kNsPerS / 44) {  // 22.727272 ms, nothing rounds to it
+    // 22.727272 ms, which no rounding divides
+    for (DurationNs due_ns = 0; due_ns < length_ns; due_ns += kNsPerS / 44) {
       clock.sleep_until_ns(kRecordedFromNs + due_ns + static_cast<DurationNs>(random.below(300'000)));
       slots[random.below(slots.size())] = random.byte();
       FrameView frame;
@@ -335,7 +336,7 @@ TEST_CASE("after a minute and after an hour a replay of a recording is where the
   }
 }
 
-TEST_CASE("a sink that goes away without close leaves all its frames in an unfinished log") {
+TEST_CASE("a sink destroyed without close leaves all its frames in an unfinished log") {
   const TempFolder folder;
   const std::string path = folder.file("a.dmxlog");
   const auto frames = ticks(30);
@@ -355,7 +356,7 @@ TEST_CASE("a sink that goes away without close leaves all its frames in an unfin
   CHECK(all_frames(*reader) == frames);
 }
 
-TEST_CASE("a recorder that is killed at any moment leaves a log that holds every frame older than a second") {
+TEST_CASE("a recorder killed at any moment leaves a log with every frame older than a second") {
   const TempFolder folder;
   const std::string path = folder.file("a.dmxlog");
   // 44 Hz, then one frame after a second and a half, then silence; at last frames without a pause of 2 ms.
@@ -369,7 +370,7 @@ TEST_CASE("a recorder that is killed at any moment leaves a log that holds every
   REQUIRE(sink);
   FakeClock clock(0);
   std::vector<OwnedFrame> frames;
-  // What the kernel has of the file now: a kill takes no more than what was not written.
+  // The file as the kernel has it now: a kill loses only what was not written.
   const auto holds = [&](std::size_t count) {
     auto reader = LogReader::open(path + ".part");
     if (!reader) return count == 0;
@@ -397,7 +398,7 @@ TEST_CASE("a recorder that is killed at any moment leaves a log that holds every
     while (old < frames.size() && frames[old].time_ns <= clock.now_ns() - kNsPerS) ++old;
     const bool burst = frames.size() > 200 && old < times.size();
     if (old == held || (burst && old % 8 != 0)) continue;
-    // The clock stands still meanwhile; the thread that writes needs no further call.
+    // The clock stands still meanwhile; the writing thread needs no further call.
     const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (!holds(old) && std::chrono::steady_clock::now() < give_up) std::this_thread::yield();
     CAPTURE(clock.now_ns());
@@ -407,7 +408,7 @@ TEST_CASE("a recorder that is killed at any moment leaves a log that holds every
   CHECK(held == times.size());
 }
 
-TEST_CASE("frames that find no room are counted as dropped, not lost in silence") {
+TEST_CASE("frames without room are counted as dropped") {
   const TempFolder folder;
   LogSinkOptions options;
   options.universes = {1, 2};
@@ -423,14 +424,14 @@ TEST_CASE("frames that find no room are counted as dropped, not lost in silence"
   CHECK((*sink)->counters().frames == 0);
 }
 
-TEST_CASE("trouble with the disk makes a sink gone and says why") {
+TEST_CASE("a disk error makes a sink kGone with the reason") {
   const TempFolder folder;
   const std::string path = folder.file("a.dmxlog");
   LogSinkOptions options;
   options.universes = {1};
   auto sink = LogSink::create(path, options);
   REQUIRE(sink);
-  write_bytes(path, "somebody else's");  // took the name meanwhile
+  write_bytes(path, "another program's");  // takes the name meanwhile
   (*sink)->close(kNsPerS);
   CHECK((*sink)->state() == PortState::kGone);
   CHECK((*sink)->trouble().find("a.dmxlog: exists; the recording is complete under the name") != std::string::npos);

@@ -1,5 +1,5 @@
-// Prints how large a minute of 9 universes at 44 Hz is as OLA Show text and as a DMX log, and what writing, reading and
-// seeking cost in processor time. Not a test: run it by hand, in an optimised build.
+// Prints the size of a minute of 9 universes at 44 Hz as OLA Show text and as a DMX log, and the processor time of
+// writing, reading and seeking. Not a test: run it manually, in an optimised build.
 //   log_size [block span in s] [compression level]
 #include <cstdio>
 #include <cstdlib>
@@ -15,7 +15,7 @@ using namespace footlight::testing;
 
 namespace {
 
-// Time of the processor, not of the wall: other work on the machine does not count.
+// Processor time, not wall time: other work on the machine does not count.
 double now_s() {
   timespec now{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -72,7 +72,7 @@ int main(int argc, char** argv) {
     for (const OwnedFrame& frame : frames) must(text.append(frame.time_ns, frame.universe, frame.slots));
     must(text.close(60 * kNsPerS));
 
-    // What the pump pays: the copy in send(), while the sink's own thread compresses.
+    // The cost for the pump: the copy in send(), while the sink's own thread compresses.
     LogSinkOptions sink_options;
     sink_options.universes = {1, 2, 3, 4, 5, 6, 7, 8, 9};
     sink_options.waiting_bytes_max = 256u << 20;

@@ -75,7 +75,7 @@ TEST_CASE("an OLA Show is read with either line end, with frames of any length a
   CHECK(read_show(path).empty());
 }
 
-TEST_CASE("an empty level in an OLA Show is 0, also after the last comma, and goes through a DMX log as 0") {
+TEST_CASE("an empty level in an OLA Show is 0, also after the last comma, and stays 0 through a DMX log") {
   const TempFolder folder;
   const std::string path = folder.file("a.show");
   write_bytes(path, "OLA Show\n1 1,,3\n20\n1 ,\n20\n1 ,,,9\r\n20\n1 7,\n20\n2 \n");
@@ -96,7 +96,7 @@ TEST_CASE("an empty level in an OLA Show is 0, also after the last comma, and go
   CHECK(read_show(path).front().slots.back() == 5);
 }
 
-TEST_CASE("what is wrong in an OLA Show is named with its line and what was expected there") {
+TEST_CASE("an error in an OLA Show is reported with its line and what was expected there") {
   CHECK(error_of("") == "bad.show: is empty; expected the line 'OLA Show'");
   CHECK(error_of("OLA show\n") == "bad.show:1: expected the line 'OLA Show', got 'OLA show'");
   CHECK(error_of("OLA Show\n1 0\n1 0\n") == "bad.show:3: expected a delay in whole milliseconds, got '1 0'");
@@ -121,7 +121,7 @@ TEST_CASE("what is wrong in an OLA Show is named with its line and what was expe
   CHECK(!OlaShowReader::open("/"));
 }
 
-TEST_CASE("what is written is what OLA writes, to the byte") {
+TEST_CASE("the output equals OLA's to the byte") {
   const TempFolder folder;
   const std::string path = folder.file("a.show");
   auto show = OlaShowWriter::create(path);
@@ -142,7 +142,7 @@ TEST_CASE("rounding to milliseconds moves no frame by more than half a milliseco
   REQUIRE(show);
   std::vector<DurationNs> times;
   const std::vector<std::uint8_t> slots = {0};
-  for (int i = 0; i < 26'400; ++i) {  // ten minutes of 44 Hz: 22.727 ms, of which truncation loses 0.727 each time
+  for (int i = 0; i < 26'400; ++i) {  // ten minutes of 44 Hz: 22.727 ms, of which truncation would lose 0.727 each time
     times.push_back(DurationNs{i} * 1'000'000'000 / 44);
     REQUIRE(show->append(times.back(), 1, slots));
   }
@@ -156,7 +156,7 @@ TEST_CASE("rounding to milliseconds moves no frame by more than half a milliseco
   CHECK(worst_ns <= kNsPerMs / 2);
 }
 
-TEST_CASE("an OLA Show goes through a DMX log and back to the byte") {
+TEST_CASE("an OLA Show converted to a DMX log and back is the same to the byte") {
   const TempFolder folder;
   const std::string text = "OLA Show\n1 0,255,7\n23\n2 9,9,9,9\n0\n1 0,255,7\n40\n3 \n1\n1 1,2\n22\n2 9,9,9,8\n977\n";
   write_bytes(folder.file("a.show"), text);
@@ -193,7 +193,7 @@ TEST_CASE("an OLA Show goes through a DMX log and back to the byte") {
   CHECK(of_log->universes.size() == 3);
 }
 
-TEST_CASE("a conversion that fails says where and leaves nothing behind") {
+TEST_CASE("a failed conversion reports the place and leaves no file") {
   const TempFolder folder;
   write_bytes(folder.file("a.show"), "OLA Show\n1 1\n20\n1 2\nx\n");
   for (const std::string out : {"b.dmxlog", "b.show"}) {
@@ -211,7 +211,7 @@ TEST_CASE("a conversion that fails says where and leaves nothing behind") {
   CHECK(neither.error().message.find("expected a DMX log, an OLA Show") != std::string::npos);
 }
 
-TEST_CASE("silence before the first frame, which an OLA Show cannot hold, is reported") {
+TEST_CASE("silence before the first frame, which an OLA Show cannot store, is reported") {
   const TempFolder folder;
   auto writer = LogWriter::create(folder.file("a.dmxlog"), {});
   REQUIRE(writer);
@@ -228,7 +228,7 @@ TEST_CASE("silence before the first frame, which an OLA Show cannot hold, is rep
   CHECK(slurp(folder.file("a.show")) == "OLA Show\n1 1\n3000\n");
 }
 
-TEST_CASE("a damaged log converted to a log is a sound one with the frames that are left") {
+TEST_CASE("a damaged log converted to a log is a valid one with the remaining frames") {
   const TempFolder folder;
   const auto frames = random_frames(3, 300, 3);
   LogWriterOptions options;
@@ -249,7 +249,7 @@ TEST_CASE("a damaged log converted to a log is a sound one with the frames that 
   CHECK(std::equal(got.begin(), got.end(), frames.begin()));
 }
 
-TEST_CASE("shows recorded by OLA go through a DMX log unchanged") {
+TEST_CASE("shows recorded by OLA are unchanged after conversion to a DMX log and back") {
   const char* data = std::getenv("FOOTLIGHT_TEST_DATA");
   if (data == nullptr) {
     MESSAGE("skipped: FOOTLIGHT_TEST_DATA is not set");
@@ -297,7 +297,7 @@ TEST_CASE("ten seconds of nine busy universes take at most a twentieth of the te
     const auto log_size = std::filesystem::file_size(folder.file("a.dmxlog"));
     MESSAGE(name << ": OLA Show " << text_bytes << " bytes, DMX log " << log_size << " bytes, 1 to "
                  << static_cast<double>(text_bytes) / static_cast<double>(log_size));
-    // Noise cannot be compressed: a byte stays a byte where the text spends 3.6 characters on it.
+    // Noise cannot be compressed: a byte stays a byte, where the text needs 3.6 characters.
     if (pattern == Pattern::kNoise) {
       CHECK(log_size * 3 < text_bytes);
     } else {

@@ -1,7 +1,7 @@
-// Synthetic traffic whose size as a log is measured: 9 universes at 44 Hz, every slot of every universe in use.
+// Synthetic traffic for measuring log sizes: 9 universes at 44 Hz, every slot of every universe in use.
 //
-// The stamps are those of a real receiver as far as they cost bytes: a jitter of about 100 us for each round, of some
-// microseconds between the universes of a round, so that the times do not compress to nothing.
+// The stamps vary like those of a real receiver, because that affects the size: a jitter of about 100 us for each
+// round, and of some microseconds between the universes of a round, so that the times do not compress to nothing.
 #pragma once
 
 #include <array>
@@ -14,22 +14,22 @@
 namespace footlight::testing {
 
 enum class Pattern {
-  kStill,      // one look, repeated
-  kCues,       // a cue every 8 s: every slot fades to a new level of its own within 3 s, then rests
-  kChase,      // every slot runs a sine, shifted from slot to slot, a different speed per universe
-  kMovers,     // 16-slot moving heads: 16-bit pan and tilt on sines, dimmer chases, colour and gobo steps, rests
-  kAllFading,  // every slot fades without rest from one random level to the next, each in a time of its own
+  kStill,      // one snapshot, repeated
+  kCues,       // a cue every 8 s: every slot fades to its own new level within 3 s, then stays
+  kChase,      // every slot runs a sine, shifted from slot to slot, with a different speed per universe
+  kMovers,     // 16-slot moving heads: 16-bit pan and tilt on sines, dimmer chases, colour and gobo steps, pauses
+  kAllFading,  // every slot fades continuously from one random level to the next, each in its own time
   kNoise,      // every slot random in every frame
 };
 
-inline constexpr std::array<std::pair<Pattern, const char*>, 6> kPatterns = {{{Pattern::kStill, "still look"},
+inline constexpr std::array<std::pair<Pattern, const char*>, 6> kPatterns = {{{Pattern::kStill, "still levels"},
                                                                               {Pattern::kCues, "cues"},
                                                                               {Pattern::kChase, "chase on all slots"},
                                                                               {Pattern::kMovers, "moving heads"},
                                                                               {Pattern::kAllFading, "all slots fading"},
                                                                               {Pattern::kNoise, "noise"}}};
 
-// A number from 0 to 1 that belongs to these keys.
+// A number from 0 to 1, determined by these keys.
 inline double unit(std::uint64_t a, std::uint64_t b, std::uint64_t c) {
   return static_cast<double>(Random(a * 0x1000003u ^ (b * 0x10001u + c)).next() >> 11) * 0x1p-53;
 }

@@ -25,7 +25,7 @@ LogWriterOptions small_blocks(DurationNs span_ns = 50 * kNsPerMs) {
 
 }  // namespace
 
-TEST_CASE("a log gives back every frame as it went in, whatever the traffic") {
+TEST_CASE("a log returns every frame as it was written, for any traffic") {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     CAPTURE(seed);
     const auto frames = random_frames(seed, 400, 1 + static_cast<int>(seed % 9));
@@ -44,7 +44,7 @@ TEST_CASE("a log gives back every frame as it went in, whatever the traffic") {
   }
 }
 
-TEST_CASE("snapshots hold all 512 slots and the changes name exactly the slots that differ") {
+TEST_CASE("snapshots hold all 512 slots and the changes list exactly the slots that differ") {
   const auto frames = random_frames(77, 600, 3);
   LogReader reader = open_log(log_bytes(frames, 10 * kNsPerS, small_blocks()));
   std::map<Universe, Slots> snapshots;
@@ -60,16 +60,16 @@ TEST_CASE("snapshots hold all 512 slots and the changes name exactly the slots t
     }
     REQUIRE(frame.levels.size() == 512);
     REQUIRE(std::equal(frame.levels.begin(), frame.levels.end(), snapshot.begin()));
-    std::vector<bool> told(512, false);
+    std::vector<bool> listed(512, false);
     for (const SlotRun& run : frame.changes) {
-      for (int slot = run.first; slot < run.first + run.count; ++slot) told[static_cast<std::size_t>(slot)] = true;
+      for (int slot = run.first; slot < run.first + run.count; ++slot) listed[static_cast<std::size_t>(slot)] = true;
     }
-    REQUIRE(told == changed);
+    REQUIRE(listed == changed);
   }
   CHECK(at == frames.size());
 }
 
-TEST_CASE("a recording says how long it lasted, to the nanosecond, though its last frame came before the end") {
+TEST_CASE("a recording stores its duration to the nanosecond, also if its last frame came before the end") {
   OwnedFrame frame;
   frame.universe = 1;
   frame.time_ns = 59'977'000'001;
@@ -80,7 +80,7 @@ TEST_CASE("a recording says how long it lasted, to the nanosecond, though its la
   CHECK(open_log(log_bytes({frame}, 1)).info().duration_ns == frame.time_ns);
 }
 
-TEST_CASE("seeking gives the look that reading from the start gives, at any time") {
+TEST_CASE("seeking to any time gives the same snapshot as reading from the start") {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     CAPTURE(seed);
     const auto frames = random_frames(100 + seed, 500, 5);
@@ -123,7 +123,7 @@ TEST_CASE("seeking gives the look that reading from the start gives, at any time
   }
 }
 
-TEST_CASE("a frame stamped before its forerunner takes the forerunner's time and is counted") {
+TEST_CASE("a frame stamped before the previous one takes its time and is counted") {
   const TempFolder folder;
   auto writer = LogWriter::create(folder.file("a.dmxlog"), {.origin_ns = 1000});
   REQUIRE(writer);
@@ -144,7 +144,7 @@ TEST_CASE("a frame stamped before its forerunner takes the forerunner's time and
   CHECK(times == std::vector<DurationNs>{4000, 4000, 4000, 5000});
 }
 
-TEST_CASE("without repeats only frames that change something are kept") {
+TEST_CASE("without repeats only frames with changes are kept") {
   LogWriterOptions options;
   options.keep_repeats = false;
   OwnedFrame frame;
@@ -162,7 +162,7 @@ TEST_CASE("without repeats only frames that change something are kept") {
   CHECK(all_frames(reader) == std::vector<OwnedFrame>{frames[0], frames[5], frames[7]});
 }
 
-TEST_CASE("the index counts frames, changes, slots and times per universe as a full read does") {
+TEST_CASE("the index has the same frames, changes, slots and times per universe as a full read") {
   const TempFolder folder;
   const std::string path = folder.file("a.dmxlog");
   const auto frames = random_frames(5, 500, 4);
@@ -195,7 +195,7 @@ TEST_CASE("the index counts frames, changes, slots and times per universe as a f
   }
 }
 
-TEST_CASE("a thousand universes and the highest universe number go through a log") {
+TEST_CASE("a thousand universes and the highest universe number are stored in a log") {
   std::vector<OwnedFrame> frames;
   for (int round = 0; round < 3; ++round) {
     for (int i = 0; i < 1000; ++i) {
@@ -211,7 +211,7 @@ TEST_CASE("a thousand universes and the highest universe number go through a log
   CHECK(reader.info().universes.size() == 1000);
 }
 
-TEST_CASE("a recording under way is called .part, can be read, and gets its name when it ends") {
+TEST_CASE("a recording in progress has a .part name, can be read, and gets its name when it ends") {
   const TempFolder folder;
   const std::string path = folder.file("show.dmxlog");
   auto writer = LogWriter::create(path, {});
@@ -232,7 +232,7 @@ TEST_CASE("a recording under way is called .part, can be read, and gets its name
   CHECK(LogReader::open(path)->info().finished);
 }
 
-TEST_CASE("a writer that goes away without an end leaves its frames in the .part file, which the next one spares") {
+TEST_CASE("a writer destroyed without close leaves its frames in the .part file, which the next one does not touch") {
   const TempFolder folder;
   const std::string path = folder.file("show.dmxlog");
   const auto frames = random_frames(2, 50, 2);
@@ -255,7 +255,7 @@ TEST_CASE("a writer that goes away without an end leaves its frames in the .part
   CHECK(info->universes.size() == 2);
 }
 
-TEST_CASE("The error for a missing log names the .part file that was written last, whatever numbers are gone") {
+TEST_CASE("The error for a missing log names the .part file that was written last, whatever numbers are missing") {
   const TempFolder folder;
   const std::string path = folder.file("show.dmxlog");
   const auto write = [&](const std::string& part, int age_s) {
@@ -280,11 +280,11 @@ TEST_CASE("The error for a missing log names the .part file that was written las
   CHECK(named() == path + ".part");
   write(path + ".part1000", 5);
   CHECK(named() == path + ".part1000");
-  std::filesystem::create_directory(path + ".part7");  // newest, but no recording
+  std::filesystem::create_directory(path + ".part7");  // newest, but not a recording
   CHECK(named() == path + ".part1000");
 }
 
-TEST_CASE("a finished log is replaced only when that was asked for") {
+TEST_CASE("a finished log is replaced only with the overwrite option") {
   const TempFolder folder;
   const std::string path = folder.file("show.dmxlog");
   REQUIRE(LogWriter::create(path, {})->close(1));
@@ -299,10 +299,10 @@ TEST_CASE("a finished log is replaced only when that was asked for") {
   CHECK(LogReader::open(path)->info().duration_ns == 2);
 }
 
-TEST_CASE("a disk that takes no more gives an error that names the file, and the log stays readable") {
+TEST_CASE("a full disk gives an error that names the file, and the log stays readable") {
   const TempFolder folder;
   const std::string path = folder.file("full.dmxlog");
-  // A limit on the size of files fails writes as a full disk does.
+  // A limit on the size of files makes writes fail like a full disk.
   std::signal(SIGXFSZ, SIG_IGN);
   rlimit before{};
   REQUIRE(::getrlimit(RLIMIT_FSIZE, &before) == 0);
@@ -332,7 +332,7 @@ TEST_CASE("a disk that takes no more gives an error that names the file, and the
   CHECK(all_frames(*reader).size() > 10);
 }
 
-TEST_CASE("options that make no sense are refused with the reason") {
+TEST_CASE("invalid options are refused with the reason") {
   const TempFolder folder;
   const std::string path = folder.file("a.dmxlog");
   LogWriterOptions bad_span;

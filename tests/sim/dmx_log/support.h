@@ -1,4 +1,4 @@
-// What the tests of the log share: frames that own their slots, a folder that goes away, traffic made from a seed.
+// Shared by the tests of the log: frames that own their slots, a temporary folder, traffic generated from a seed.
 #pragma once
 
 #include <cmath>
@@ -21,7 +21,7 @@
 
 namespace footlight::testing {
 
-// SplitMix64 (Steele, Lea, Flood 2014): equal on every machine.
+// SplitMix64 (Steele, Lea, Flood 2014): the same on every machine.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -121,7 +121,7 @@ inline std::vector<OwnedFrame> random_frames(std::uint64_t seed, int count, int 
   return frames;
 }
 
-// Writes a log and gives its bytes.
+// Writes a log and returns its bytes.
 inline std::vector<std::uint8_t> log_bytes(const std::vector<OwnedFrame>& frames, DurationNs end_ns,
                                            LogWriterOptions options = {}) {
   const TempFolder folder;
@@ -145,7 +145,7 @@ inline LogReader open_log(std::vector<std::uint8_t> bytes) {
   return std::move(*reader);
 }
 
-// All frames that somebody sent; those made up for damage are counted in `restored`.
+// All frames that a sender sent; those restored after damage are counted in `restored`.
 inline std::vector<OwnedFrame> all_frames(LogReader& reader, int* restored = nullptr) {
   std::vector<OwnedFrame> frames;
   LogFrame frame;

@@ -1,4 +1,4 @@
-// The same time cut into frames of different lengths: models that are exact must not tell the difference.
+// Divides the same time into frames of different lengths: the results of exact models must not differ.
 #pragma once
 
 #include <algorithm>
@@ -36,8 +36,8 @@ struct Double {
 };
 
 constexpr std::int64_t kSecondNs = 1'000'000'000;
-constexpr std::int64_t kRateRandom = -1;  // of frames: lengths from 1 us to 90 ms
-// Frames a second, in thousandths.
+constexpr std::int64_t kRateRandom = -1;  // random frame lengths from 1 us to 90 ms
+// Frames per second, in thousandths.
 constexpr std::int64_t kFrameRates_mHz[] = {15'000, 24'000, 44'100, 60'000, 144'000, 240'000, 1'000'000, kRateRandom};
 
 inline glm::uvec2 words(std::uint64_t value) {
@@ -45,23 +45,23 @@ inline glm::uvec2 words(std::uint64_t value) {
 }
 inline std::uint64_t number(glm::uvec2 value) { return static_cast<std::uint64_t>(value.y) << 32 | value.x; }
 
-// A number in [0, 1) from two numbers.
+// A number in [0, 1), determined by two numbers.
 inline double chance(std::uint32_t seed, std::uint32_t index) { return f64::hash_two(seed, index) / 4294967296.0; }
 
-// Trials of the tests that hunt for values that are not finite: 1e5, or what FOOTLIGHT_HUNT_TRIALS says.
+// The number of trials in searches for non-finite values: 1e5, or the value of FOOTLIGHT_HUNT_TRIALS.
 inline int hunt_trials() {
-  const char* said = std::getenv("FOOTLIGHT_HUNT_TRIALS");
-  return said != nullptr ? std::max(std::atoi(said), 1) : 100'000;
+  const char* value = std::getenv("FOOTLIGHT_HUNT_TRIALS");
+  return value != nullptr ? std::max(std::atoi(value), 1) : 100'000;
 }
 
-// A random time from 0 to 60 s: often short, often nothing.
+// A random time from 0 to 60 s: often short, often 0.
 inline std::int64_t random_ns(std::mt19937_64& random) {
   const std::int64_t most[] = {1, 1000, 1'000'000, kSecondNs / 40, kSecondNs, 60 * kSecondNs};
   return static_cast<std::int64_t>(random() % static_cast<std::uint64_t>(most[random() % 6]));
 }
 
-// Runs a model for `length_ns` in frames of `rate_mHz`, cut as well where the input changes (every change_ns) and at
-// whole seconds; the model's value at each whole second. The model: step(change, dt_ns), value().
+// Runs a model for `length_ns` in frames of `rate_mHz`, also divided where the input changes (every change_ns) and at
+// whole seconds. Returns the model's value at each whole second. The model: step(change, dt_ns), value().
 template <class Model>
 std::vector<double> run_cut(Model model, std::int64_t rate_mHz, std::int64_t change_ns, std::int64_t length_ns) {
   std::mt19937_64 random(99);

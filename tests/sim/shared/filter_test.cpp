@@ -1,4 +1,4 @@
-// Smoothing of levels, going at a constant rate, and dimmer laws.
+// Smoothing of levels, movement at a constant rate, and dimmer laws.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ struct Filtered {
   [[nodiscard]] double value() const { return static_cast<double>(smoothed.now.position) + passed / 10; }
 };
 
-TEST_CASE_TEMPLATE("a smoothed level is the same at 15 to 1000 frames a second over 60 s of a hard log", T, Float,
+TEST_CASE_TEMPLATE("a smoothed level is the same at 15 to 1000 frames a second over 60 s of a demanding log", T, Float,
                    Double) {
   CHECK(rate_spread(Filtered<T>{}) <= 1e-6);
   Filtered<T> slow;
@@ -44,7 +44,7 @@ TEST_CASE_TEMPLATE("a smoothed level is the same at 15 to 1000 frames a second o
   CHECK(rate_spread(slow) <= 1e-6);
 }
 
-TEST_CASE_TEMPLATE("a filter's step of a + b is its steps of a and b, from any state and up to 60 s each", T, Float,
+TEST_CASE_TEMPLATE("a filter's step of a + b equals its steps of a and b, from any state and up to 60 s each", T, Float,
                    Double) {
   std::mt19937_64 random(5);
   double worst = 0;
@@ -67,7 +67,7 @@ TEST_CASE_TEMPLATE("a filter's step of a + b is its steps of a and b, from any s
   CHECK(worst <= (std::is_same_v<T, Float> ? 1e-6 : 1e-12));
 }
 
-TEST_CASE("smoothing goes as the critically damped equation says, in seconds and not in frames") {
+TEST_CASE("smoothing follows the critically damped equation, in seconds and not in frames") {
   for (const int frames : {1, 7, 100}) {
     f64::Smooth smoothed = f64::smooth_start(0);
     for (int i = 0; i < frames; ++i)
@@ -89,7 +89,7 @@ TEST_CASE("smoothing never overshoots and a change of target keeps the speed") {
   }
 }
 
-TEST_CASE_TEMPLATE("filters: off by default, no time is no change, 1e9 s is the target, bad targets are refused", T,
+TEST_CASE_TEMPLATE("filters: off by default, no time is no change, 1e9 s is the target, bad targets are ignored", T,
                    Float, Double) {
   Filtered<T> filter;
   filter.tau_s = 0;
@@ -112,8 +112,7 @@ TEST_CASE_TEMPLATE("filters: off by default, no time is no change, 1e9 s is the 
 }
 
 TEST_CASE("two old filters depend on the frame rate, and the exact one does not") {
-  // "70 % of the gap each frame", and the jump of a tenth of the speed a frame: what a show looked like at 15 and 240
-  // fps.
+  // "70 % of the gap each frame", and the jump of a tenth of the speed per frame: the result at 15 and 240 fps.
   const auto gap_after = [](double per_frame, int frames) { return std::pow(1 - per_frame, frames); };
   CHECK(gap_after(0.7, 1) / gap_after(0.7, 16) > 1e5);  // after 1/15 s
   CHECK(gap_after(0.1, 1) - gap_after(0.1, 16) > 0.7);
@@ -123,7 +122,7 @@ TEST_CASE("two old filters depend on the frame rate, and the exact one does not"
   CHECK(slow.now.position == doctest::Approx(fast.now.position).epsilon(1e-15));
 }
 
-TEST_CASE("1 - exp(-x) keeps its digits for small x, on both sides of where its series ends") {
+TEST_CASE("1 - exp(-x) is accurate for small x, on both sides of the end of its series") {
   double worst = 0, worst_f = 0;
   for (double x = 1e-12; x < 39; x *= 1.001) {
     const auto single = static_cast<float>(x);
@@ -133,12 +132,12 @@ TEST_CASE("1 - exp(-x) keeps its digits for small x, on both sides of where its 
   }
   MESSAGE("largest relative difference: ", worst, " in double, ", worst_f, " in float");
   CHECK(worst < 5e-15);
-  CHECK(worst_f < 2.3e-7);  // 1.5e-5 where the series ended at 2e-3
+  CHECK(worst_f < 2.3e-7);  // 1.5e-5 when the series ended at 2e-3
   CHECK(f64::relax_share(std::nan("")) == 0);
   CHECK(f64::relax_share(-1) == 0);
 }
 
-TEST_CASE("every dimmer law is 0 at 0, 1 at 1 and never falls over all 65536 levels, in float and in double") {
+TEST_CASE("every dimmer law is 0 at 0, 1 at 1 and never decreases over all 65536 levels, in float and in double") {
   for (std::uint32_t law = 0; law <= f64::kLawCount; ++law) {
     CAPTURE(law);
     CHECK(f32::law_light(law, 0) == 0);
@@ -161,7 +160,7 @@ TEST_CASE("every dimmer law is 0 at 0, 1 at 1 and never falls over all 65536 lev
   }
 }
 
-TEST_CASE("the laws have the values that they are named for") {
+TEST_CASE("the laws have the values of their names") {
   CHECK(f64::law_light(f64::kLawLinear, 0.3) == 0.3);
   CHECK(f64::law_light(f64::kLawSquare, 0.3) == doctest::Approx(0.09));
   CHECK(f64::law_light(f64::kLawS, 0.25) == doctest::Approx(0.15625));
@@ -170,14 +169,14 @@ TEST_CASE("the laws have the values that they are named for") {
 }
 
 TEST_CASE(
-    "a law applied after the merge of coarse and fine has steps 256 times finer than one applied to the coarse byte") {
+    "a law applied after coarse and fine are combined has steps 256 times finer than one applied to the coarse byte") {
   const double coarse = f64::law_light(f64::kLawSquare, 1 / 255.0) - f64::law_light(f64::kLawSquare, 0);
   const double merged = f64::law_light(f64::kLawSquare, 257 / 65535.0) - f64::law_light(f64::kLawSquare, 256 / 65535.0);
   CHECK(coarse == doctest::Approx(f64::law_light(f64::kLawSquare, 257 / 65535.0)));
   CHECK(merged < coarse / 100);
 }
 
-TEST_CASE("a table law goes through its values, exact at the ends, and never falls between rising values") {
+TEST_CASE("a table law passes through its values, exactly at the ends, and never decreases between rising values") {
   f32::LawTable table{};
   for (int i = 0; i < 17; ++i) table.light[i] = static_cast<float>(i * i * i) / 4096.0f;
   for (int i = 0; i < 17; ++i) CHECK(f32::law_table(table, static_cast<float>(i) / 16) == table.light[i]);
@@ -194,7 +193,7 @@ TEST_CASE("a table law goes through its values, exact at the ends, and never fal
   CHECK(f32::law_table(table, 1e30f) == 1);
 }
 
-TEST_CASE_TEMPLATE("filters, slews and spins are never not finite over random inputs and times", T, Float, Double) {
+TEST_CASE_TEMPLATE("filters, slews and spins are always finite over random inputs and times", T, Float, Double) {
   using Real = typename T::Real;
   std::mt19937_64 random(9);
   const double odd[] = {0, 1, -1, 0.5, 1e-30, 1e30, 1e-7, 1e6, -1e9, 1e9, std::nan(""), HUGE_VAL, -HUGE_VAL};

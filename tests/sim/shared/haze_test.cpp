@@ -1,4 +1,4 @@
-// Haze and fog in the air of a room. Against their judge: tests/render/reference/time_judges_test.cpp.
+// Haze and fog in the air of a room. Compared with the reference: tests/render/reference/time_judges_test.cpp.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ struct Roomful {
   [[nodiscard]] double value() const { return static_cast<double>(room_scattering(air)); }
 };
 
-TEST_CASE_TEMPLATE("the air of a room is the same to the bit at 15 to 1000 frames a second over 60 s of a hard log", T,
+TEST_CASE_TEMPLATE("the air of a room is bit-identical at 15 to 1000 frames a second over 60 s of a demanding log", T,
                    Float, Double) {
   CHECK(rate_spread(Roomful<T>{}) == 0);
   Roomful<T> quick;
@@ -35,7 +35,8 @@ TEST_CASE_TEMPLATE("the air of a room is the same to the bit at 15 to 1000 frame
   CHECK(rate_spread(quick) == 0);
 }
 
-TEST_CASE_TEMPLATE("a room's step of a + b is its steps of a and b, to the bit and from any state", T, Float, Double) {
+TEST_CASE_TEMPLATE("a room's step of a + b equals its steps of a and b, to the bit and from any state", T, Float,
+                   Double) {
   std::mt19937_64 random(7);
   for (std::uint32_t i = 0; i < 10'000; ++i) {
     Roomful<T> whole;
@@ -51,7 +52,7 @@ TEST_CASE_TEMPLATE("a room's step of a + b is its steps of a and b, to the bit a
   }
 }
 
-TEST_CASE("explicit Euler at 24 frames a second leaves the room where it is stiff, and the exact step does not") {
+TEST_CASE("explicit Euler at 24 frames a second diverges in a stiff room, and the exact step does not") {
   double euler = 0;
   for (int i = 0; i < 240; ++i) euler += (1.0 / 24) * (4e-3 - euler / 0.01);  // ventilated in 10 ms
   CHECK(std::abs(euler) > 1e3);
@@ -61,8 +62,7 @@ TEST_CASE("explicit Euler at 24 frames a second leaves the room where it is stif
   CHECK(room.value() == doctest::Approx(4e-5).epsilon(1e-12));
 }
 
-TEST_CASE_TEMPLATE("rooms: no time is no change, long is the equilibrium, what is no number is refused", T, Float,
-                   Double) {
+TEST_CASE_TEMPLATE("rooms: no time is no change, a long time is the equilibrium, NaN is ignored", T, Float, Double) {
   using Real = typename T::Real;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   Roomful<T> room;
@@ -90,7 +90,7 @@ TEST_CASE_TEMPLATE("rooms: no time is no change, long is the equilibrium, what i
   }
 }
 
-TEST_CASE_TEMPLATE("no room is ever not finite, below nothing, or above all that came out", T, Float, Double) {
+TEST_CASE_TEMPLATE("every room is always finite, not negative, and not above the total output", T, Float, Double) {
   std::mt19937_64 random(11);
   const auto any = [&] {
     const double values[] = {0, 1e-30, 1e-6, 1, 1e6, 1e30, -1, std::nan(""), std::numeric_limits<double>::infinity()};

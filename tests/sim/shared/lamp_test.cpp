@@ -1,4 +1,4 @@
-// Lamps against solvers and integrals that share none of their shortcuts.
+// Lamps compared with solvers and integrals that share none of their approximations.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ double after(double kelvin, double tau_s, double volt, double t_s, Double /*real
   return f64::filament_after(kelvin, Lamps<Double>::bulb(tau_s), volt, t_s);
 }
 
-// The heat balance itself by Dormand-Prince with a tolerance of 1e-13, in T / Tn.
+// The heat balance itself, solved by Dormand-Prince with a tolerance of 1e-13, in T / Tn.
 double by_solver(double kelvin, double tau_s, double volt, double t_s) {
   const double rate = 1 / (tau_s * (f64::kFilamentP + f64::kFilamentR));
   const auto slope = [&](double x) {
@@ -71,7 +71,7 @@ double by_solver(double kelvin, double tau_s, double volt, double t_s) {
   return std::max(3200 * x, 293.15);
 }
 
-// Voltages at 44 Hz as a show has them: on, off, a fade, a chase.
+// Typical voltages of a show at 44 Hz: on, off, a fade, a chase.
 double show_volt(int frame) {
   const int part = frame / 44 % 4;
   if (part == 0) return 1;
@@ -96,21 +96,21 @@ TEST_CASE(
       worst_f = std::max(worst_f, std::abs(static_cast<double>(single.kelvin) - judge));
     }
     MESSAGE("time constant ", tau_s, " s: largest difference ", worst, " K in double, ", worst_f, " K in float");
-    // Asked for: 0.05 K. The tables leave 5e-4 K, float's rounding as much.
+    // Required: 0.05 K. The tables leave 5e-4 K, and float rounding as much.
     CHECK(worst < 1e-3);
     CHECK(worst_f < 2e-3);
   }
 }
 
-TEST_CASE("a filament's table and the series beyond it meet, and both solve the heat balance where they do") {
-  // From full to a voltage at which the lamp is 2.5 times as hot as its end after some time.
+TEST_CASE("a filament's table and the series beyond it agree at their border, and both solve the heat balance there") {
+  // From full to a voltage for which the lamp is 2.5 times as hot as its equilibrium after some time.
   for (const double volt : {0.002, 0.01, 0.03, 0.06}) {
     const double end = 3200 * std::pow(volt, 2 / 5.815);
     double worst = 0;
     for (double t = 1e-5; t < 10; t *= 1.05) {
       const double now = after(3200, 0.034, volt, t);
       worst = std::max(worst, std::abs(now - by_solver(3200, 0.034, volt, t)));
-      // The same way from a place just before the seam, and just after.
+      // The same way from a temperature just before the border, and just after.
       const double cut = after(now, 0.034, volt, t) - after(3200, 0.034, volt, 2 * t);
       CHECK(std::abs(cut) / 3200 < 1e-12);
     }
@@ -131,12 +131,12 @@ TEST_CASE("tungsten is within 0.05 K of the solved heat balance from any tempera
   CHECK(worst < 0.05);
 }
 
-TEST_CASE("a cut of tungsten's time changes nothing: the curve's table is inverted to its last digits") {
+TEST_CASE("dividing the time of tungsten changes nothing: the curve's table is inverted to full precision") {
   std::mt19937_64 random(3);
   double worst = 0;
   for (std::uint32_t i = 0; i < 10'000; ++i) {
     const double start = 293.15 + 3000 * chance(1, i);
-    // Every tenth off, every tenth so low that the lamp comes from beyond the table.
+    // Every tenth off; every tenth so low that the lamp comes from beyond the table.
     const double volt = i % 10 == 0 ? 0 : (i % 10 == 1 ? 0.05 : 1.1) * chance(2, i);
     const double tau_s = 0.003 + 0.35 * chance(3, i);
     const double a = static_cast<double>(random_ns(random)) * 1e-9, b = static_cast<double>(random_ns(random)) * 1e-9;
@@ -159,7 +159,8 @@ TEST_CASE("a new voltage does not make a filament's temperature jump: from K to 
   CHECK(worst < 5e-3);
 }
 
-TEST_CASE_TEMPLATE("a filament of any state steps a + b as a and b, up to 60 s each", T, Float, Double) {
+TEST_CASE_TEMPLATE("a filament's step of a + b equals its steps of a and b, from any state and up to 60 s each", T,
+                   Float, Double) {
   std::mt19937_64 random(4);
   double worst = 0;
   for (std::uint32_t i = 0; i < 10'000; ++i) {
@@ -177,8 +178,8 @@ TEST_CASE_TEMPLATE("a filament of any state steps a + b as a and b, up to 60 s e
   CHECK(worst <= (std::is_same_v<T, Float> ? 1e-6 : 1e-12));
 }
 
-TEST_CASE_TEMPLATE("tungsten: no time is no change, 1e9 s the equilibrium, off for ever ambient, nonsense refused", T,
-                   Float, Double) {
+TEST_CASE_TEMPLATE("tungsten: no time is no change, 1e9 s the equilibrium, off for ever ambient, invalid input ignored",
+                   T, Float, Double) {
   using Real = typename T::Real;
   const auto type = Lamps<T>::bulb(0.034);
   auto lamp = Lamps<T>::cold();
@@ -198,7 +199,7 @@ TEST_CASE_TEMPLATE("tungsten: no time is no change, 1e9 s the equilibrium, off f
   CHECK(lamp.kelvin == Real(293.15));  // without the floor: 220 K after a minute
 }
 
-TEST_CASE("tungsten approaches its end from one side only, warm or cold") {
+TEST_CASE("tungsten approaches its equilibrium from one side only, warm or cold") {
   for (const double start : {293.15, 1000.0, 2500.0, 3100.0}) {
     for (const double volt : {0.05, 0.4, 0.9}) {
       const double end = 3200 * std::pow(volt, 2 / 5.815);
@@ -215,7 +216,7 @@ TEST_CASE("tungsten approaches its end from one side only, warm or cold") {
   }
 }
 
-TEST_CASE("power follows voltage by the makers' exponent 1.6, and light by 2.8 where they say 3.4") {
+TEST_CASE("power follows voltage by the makers' exponent 1.6, and light by 2.8 instead of their 3.4") {
   const auto type = Lamps<Double>::bulb(0.034);
   const auto equilibrium = [](double volt) { return after(3000, 0.034, volt, 1e6); };
   const double log_volt = std::log(0.9);
@@ -263,7 +264,7 @@ TEST_CASE("the light of a temperature is the photopic integral of Planck's law t
   CHECK(f64::filament_light(std::nan(""), type) == 0);
 }
 
-TEST_CASE("phase cut: the rms of the wave that is left, from nothing to all") {
+TEST_CASE("phase cut: the rms of the remaining wave, from nothing to all") {
   CHECK(f64::phase_cut_rms(1) == doctest::Approx(1));
   CHECK(f64::phase_cut_rms(0.5) == doctest::Approx(std::sqrt(0.5)));
   CHECK(f64::phase_cut_rms(0) == 0);
@@ -282,7 +283,7 @@ TEST_CASE("phase cut: the rms of the wave that is left, from nothing to all") {
   }
 }
 
-TEST_CASE("a chopped supply seen by exposures of any length adds up to its mean power") {
+TEST_CASE("exposures of any length to a chopped supply add up to its mean power") {
   for (const double share : {0.2, 0.5, 0.9}) {
     for (const std::int64_t fps : {24, 60, 99, 100, 1000, 2500}) {
       glm::uvec2 phase{0, 0};
@@ -313,7 +314,7 @@ TEST_CASE("PWM of 600 Hz and 25 kHz has no beat beyond its own period in exposur
 }
 
 template <class T>
-struct Glow {  // all lamps under one hard log
+struct Glow {  // all lamps with one demanding log
   typename Lamps<T>::Filament filament = Lamps<T>::cold();
   typename Lamps<T>::Led led{};
   typename Lamps<T>::Discharge arc{};
@@ -340,12 +341,12 @@ struct Glow {  // all lamps under one hard log
   }
 };
 
-TEST_CASE_TEMPLATE("lamps glow the same at 15 to 1000 frames a second over 60 s of a hard log", T, Float, Double) {
+TEST_CASE_TEMPLATE("lamps glow the same at 15 to 1000 frames a second over 60 s of a demanding log", T, Float, Double) {
   CHECK(rate_spread(Glow<T>{}) <= 1e-6);
 }
 
-TEST_CASE_TEMPLATE("an LED's and an arc's step of a + b holds the light of its parts, from any state, up to 60 s each",
-                   T, Float, Double) {
+TEST_CASE_TEMPLATE("an LED's and an arc's step of a + b has the light of its parts, from any state, up to 60 s each", T,
+                   Float, Double) {
   using Real = typename T::Real;
   std::mt19937_64 random(12);
   double worst = 0;
@@ -376,7 +377,7 @@ TEST_CASE_TEMPLATE("an LED's and an arc's step of a + b holds the light of its p
   CHECK(worst <= (std::is_same_v<T, Float> ? 1e-6 : 1e-12));
 }
 
-TEST_CASE_TEMPLATE("filaments are never not finite over random lamps, voltages, temperatures and times", T, Float,
+TEST_CASE_TEMPLATE("filaments are always finite over random lamps, voltages, temperatures and times", T, Float,
                    Double) {
   using Real = typename T::Real;
   std::mt19937_64 random(13);
@@ -417,7 +418,7 @@ TEST_CASE("an LED follows its driver and warms by the coupled equations") {
   }
 }
 
-TEST_CASE("an LED that stays on loses its droop and no more, and gets it back in the dark") {
+TEST_CASE("an LED that stays on loses exactly its droop, and recovers when dark") {
   f64::Led led = f64::led_start(0);
   const f64::LedType type{0.002, 180, 0.15};
   led_step(led, type, 1, f64::time_ns(1));
@@ -430,7 +431,7 @@ TEST_CASE("an LED that stays on loses its droop and no more, and gets it back in
   CHECK(led_step(snap, plain, 0.6, words(1)) == 0.6);
 }
 
-TEST_CASE_TEMPLATE("an LED and an arc refuse nonsense and stay between 0 and 1", T, Float, Double) {
+TEST_CASE_TEMPLATE("an LED and an arc ignore invalid input and stay between 0 and 1", T, Float, Double) {
   using Real = typename T::Real;
   std::mt19937_64 random(8);
   const double odd[] = {0, 1, -1, 0.5, 1e-30, 1e30, 1e-7, 1e6, 3, std::nan(""), HUGE_VAL, -HUGE_VAL};
@@ -475,7 +476,7 @@ TEST_CASE("a discharge lamp strikes after its ignition, runs up, and when hot wa
   CHECK(lamp.warm > 0.19);  // still warm: it runs up from there
 }
 
-TEST_CASE("a step that holds the strike gives the arc's light for its part of the step only") {
+TEST_CASE("a step that contains the strike gives the arc's light for its part of the step only") {
   const f64::DischargeType type{1, 20, 100, 0.2, 0.5};
   f64::Discharge whole = f64::discharge_start(), pieces = f64::discharge_start();
   const double once = discharge_step(whole, type, 1, f64::time_ns(4));
@@ -486,7 +487,7 @@ TEST_CASE("a step that holds the strike gives the arc's light for its part of th
   CHECK(once < 0.75 * 0.6);
 }
 
-TEST_CASE("a dowser takes its time and passes the mean of its way") {
+TEST_CASE("a dowser takes its travel time and passes the mean of its movement") {
   f64::Slew dowser = f64::slew_start(0);
   CHECK(slew_step(dowser, 0.5, 1, f64::time_ns(0.25)) == doctest::Approx(0.25));
   CHECK(dowser.level == doctest::Approx(0.5));

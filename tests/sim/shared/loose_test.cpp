@@ -1,4 +1,4 @@
-// Motors on a processor whose quotients and roots are as loose as Vulkan allows (2.5 units in the last place).
+// Motors on a processor whose quotients and roots are as inexact as Vulkan allows (2.5 units in the last place).
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace footlight {
 
-// A float whose quotients and roots are wrong by up to 2.5 units in the last place, this way or that.
+// A float whose quotients and roots are wrong by up to 2.5 units in the last place, in either direction.
 class Loose {
  public:
   constexpr Loose() = default;
@@ -61,38 +61,37 @@ class Loose {
   float value_ = 0;
 };
 
-// As the processor has them.
+// As computed by the processor.
 namespace loose {
 using Real = Loose;
 using uint = std::uint32_t;
 using Turns = glm::uvec2;
 using glm::min;
-// Each of these uses those above it.
+// Each header uses those above it.
 // clang-format off
 #include "sim/shared/turns.h"
 #include "sim/shared/motion.h"
 // clang-format on
 }  // namespace loose
 
-// As the shaders have them: with the step that mends them.
+// As computed by the shaders: with the correction step.
 #define FL_LOOSE_QUOTIENTS
-namespace mended {
+namespace corrected {
 using Real = Loose;
 using uint = std::uint32_t;
 using Turns = glm::uvec2;
 using glm::min;
-// Each of these uses those above it.
+// Each header uses those above it.
 // clang-format off
 #include "sim/shared/turns.h"
 #include "sim/shared/motion.h"
 // clang-format on
-}  // namespace mended
+}  // namespace corrected
 #undef FL_LOOSE_QUOTIENTS
 
 namespace {
 
-// 500 motors over 400 steps of lengths as in a show, with a new target at every eighth: the largest difference to
-// float.
+// 500 motors over 400 steps of typical lengths, with a new target at every eighth: the largest difference to float.
 template <class Start, class Step, class Limits>
 double apart(Start start, Step step, Limits limits_of) {
   using Real = decltype(start(0.0).now.position);
@@ -117,7 +116,7 @@ double apart(Start start, Step step, Limits limits_of) {
   return worst;
 }
 
-TEST_CASE("motors whose quotients are mended go where float goes to the bit; without, an H100 was 7e-5 rad off") {
+TEST_CASE("motors with corrected quotients match float to the bit; without the correction, an H100 was 7e-5 rad off") {
   const auto limits = [](double range, double fade_s, double acceleration_s) {
     const f32::MotorLimits exact =
         f32::motor_limits(static_cast<float>(range), static_cast<float>(fade_s), static_cast<float>(acceleration_s));
@@ -132,21 +131,21 @@ TEST_CASE("motors whose quotients are mended go where float goes to the bit; wit
                                return loose::MotorLimits{Loose(static_cast<double>(exact.speed_max)),
                                                          Loose(static_cast<double>(exact.acceleration_max))};
                              });
-  const double exact = apart([](double at) { return mended::motor_start(Loose(at)); },
+  const double exact = apart([](double at) { return corrected::motor_start(Loose(at)); },
                              [](auto motor, auto with, Loose target, glm::uvec2 dt_ns) {
-                               return mended::motor_step(motor, with, target, dt_ns);
+                               return corrected::motor_step(motor, with, target, dt_ns);
                              },
                              [&](double range, double fade_s, double acceleration_s) {
                                const auto exact_limits = limits(range, fade_s, acceleration_s);
-                               return mended::MotorLimits{Loose(static_cast<double>(exact_limits.speed_max)),
-                                                          Loose(static_cast<double>(exact_limits.acceleration_max))};
+                               return corrected::MotorLimits{Loose(static_cast<double>(exact_limits.speed_max)),
+                                                             Loose(static_cast<double>(exact_limits.acceleration_max))};
                              });
-  MESSAGE("largest difference: ", plain, " rad as the processor rounds, ", exact, " rad mended");
-  CHECK(plain > 1.7e-5);  // or this test would show nothing
+  MESSAGE("largest difference: ", plain, " rad without the correction, ", exact, " rad with it");
+  CHECK(plain > 1.7e-5);  // else this test would prove nothing
   CHECK(exact == 0);
 }
 
-// Whether a number lies so near the middle of two floats that a correction of 3 units, itself wrong by 2.5 of its own
+// True if a number is so near the middle of two floats that a correction of 3 units, itself wrong by 2.5 of its own
 // last places (3e-7), can round it to the other one.
 bool is_tie(double exact) {
   const double unit = std::ldexp(1.0, std::ilogb(exact) - 23);
@@ -154,7 +153,7 @@ bool is_tie(double exact) {
   return std::abs(units - std::floor(units) - 0.5) < 1e-6;
 }
 
-TEST_CASE("a mended quotient and a mended root are those of IEEE 754, but within 1e-6 of a unit of a tie") {
+TEST_CASE("a corrected quotient and root are those of IEEE 754, except within 1e-6 of a unit of a tie") {
   std::mt19937 random(5);
   int wrong = 0;
   int ties = 0;
@@ -168,13 +167,13 @@ TEST_CASE("a mended quotient and a mended root are those of IEEE 754, but within
     const bool quotient_tie = is_tie(static_cast<double>(a) / static_cast<double>(b));
     const bool root_tie = is_tie(std::sqrt(static_cast<double>(a)));
     ties += quotient_tie + root_tie;
-    wrong += !quotient_tie && static_cast<float>(mended::exact_quotient(loose_a, loose_b)) != a / b;
-    wrong += !root_tie && static_cast<float>(mended::exact_root(loose_a)) != std::sqrt(a);
+    wrong += !quotient_tie && static_cast<float>(corrected::exact_quotient(loose_a, loose_b)) != a / b;
+    wrong += !root_tie && static_cast<float>(corrected::exact_root(loose_a)) != std::sqrt(a);
   }
   CHECK(wrong == 0);
   CHECK(ties < 30);  // of two million
-  CHECK(static_cast<float>(mended::exact_root(Loose(0))) == 0);
-  CHECK(static_cast<float>(mended::exact_quotient(Loose(0), Loose(3))) == 0);
+  CHECK(static_cast<float>(corrected::exact_root(Loose(0))) == 0);
+  CHECK(static_cast<float>(corrected::exact_quotient(Loose(0), Loose(3))) == 0);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The motor axis against its own laws and against a judge that knows nothing of its closed form.
+// The motor axis compared with its own laws and with a reference that does not use its closed form.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -12,12 +12,12 @@
 namespace footlight {
 namespace {
 
-// A state, a target and limits as moving heads have them: radians, up to a turn and a half away.
+// A typical state, target and limits of moving heads: radians, up to a turn and a half away.
 struct Case {
   double position, speed, target, speed_max, acceleration_max;
 };
 
-// `over`: how many times faster than the limit the axis may start (a limit that was lowered).
+// `over`: how many times faster than the limit the axis may start (a reduced limit).
 Case random_case(std::mt19937& random, double over = 1) {
   const auto in = [&](double from, double to) { return std::uniform_real_distribution<double>(from, to)(random); };
   Case c{};
@@ -25,7 +25,7 @@ Case random_case(std::mt19937& random, double over = 1) {
   c.acceleration_max = in(2, 30);
   c.position = in(-4.7, 4.7);
   c.speed = in(-1, 1) * over * c.speed_max;
-  // Every fourth goes to a target close by, where the ways of the closed form meet.
+  // Every fourth has a near target, where the branches of the closed form meet.
   c.target = random() % 4 == 0 ? c.position + in(-0.05, 0.05) : in(-4.7, 4.7);
   return c;
 }
@@ -56,13 +56,13 @@ double split_error(int count, double over, bool retarget) {
   for (int i = 0; i < count; ++i) {
     Case c = random_case(random, over);
     typename T::Axis whole = start<T>(c);
-    if (retarget) {  // begin in the middle of another move
+    if (retarget) {  // start in the middle of another move
       whole = step<T>(whole, c, in(0, 0.8));
       c.target = in(-4.7, 4.7);
       c.speed_max = in(0.5, 6);
     }
     typename T::Axis pieces = whole;
-    // Pieces of 2^-10 s are exact in float, so that both ways cover the same time.
+    // Pieces of 2^-10 s are exact in float, so that both cover the same time.
     const int ticks = 1 + static_cast<int>(random() % 3000);
     whole = step<T>(whole, c, ticks / 1024.0);
     for (int done = 0; done < ticks;) {
@@ -75,7 +75,7 @@ double split_error(int count, double over, bool retarget) {
   return worst;
 }
 
-TEST_CASE("a step of a + b is a step of a and then one of b") {
+TEST_CASE("a step of a + b equals a step of a and then one of b") {
   const double d = split_error<Double>(20'000, 1, false);
   const double f = split_error<Float>(20'000, 1, false);
   MESSAGE("largest difference: ", d, " rad in double, ", f, " rad in float");
@@ -91,17 +91,17 @@ TEST_CASE("a step can be split after a new target in the middle of a move") {
   CHECK(f < 1e-6 * kRange);
 }
 
-TEST_CASE("a step can be split while the axis is faster than a limit that was lowered") {
+TEST_CASE("a step can be split while the axis is faster than a reduced limit") {
   const double d = split_error<Double>(20'000, 4, false);
   const double f = split_error<Float>(20'000, 4, false);
   MESSAGE("largest difference: ", d, " rad in double, ", f, " rad in float");
   CHECK(d < 1e-12);
-  CHECK(f < 2e-5);  // such an axis runs up to ten times further
+  CHECK(f < 2e-5);  // such an axis travels up to ten times as far
 }
 
 TEST_CASE("no step breaks the limits of speed and acceleration") {
   std::mt19937 random(11);
-  double speed_over = 0;         // beyond the limit, or beyond the speed at the start where that was higher
+  double speed_over = 0;         // beyond the limit, or beyond the speed at the start if that was higher
   double acceleration_over = 0;  // share
   for (int i = 0; i < 2000; ++i) {
     const Case c = random_case(random, i % 3 == 0 ? 3 : 1);
@@ -112,7 +112,7 @@ TEST_CASE("no step breaks the limits of speed and acceleration") {
       speed_over = std::max(speed_over, std::abs(next.speed) - std::max(c.speed_max, std::abs(axis.speed)));
       acceleration_over =
           std::max(acceleration_over, std::abs(next.speed - axis.speed) / (kDt * c.acceleration_max) - 1);
-      // Position and speed belong together: no jump in place.
+      // Position and speed match: no jump in position.
       const double mean = (next.position - axis.position) / kDt;
       const double reach = c.acceleration_max * kDt + 1e-9;
       REQUIRE(mean <= std::max(axis.speed, next.speed) + reach);
@@ -127,8 +127,8 @@ TEST_CASE("no step breaks the limits of speed and acceleration") {
   CHECK(acceleration_over < 1e-9);
 }
 
-// A judge of another kind: the control law of the double integrator, applied anew every `h` seconds. Brake when braking
-// is just enough, else push towards the target, never past the speed limit.
+// An independent reference: the control law of the double integrator, applied every `h` seconds. Brakes when braking is
+// just enough, else accelerates towards the target, never past the speed limit.
 f64::Axis by_small_steps(const Case& c, double dt_s, double h) {
   double x = c.position;
   double v = c.speed;
@@ -145,7 +145,7 @@ f64::Axis by_small_steps(const Case& c, double dt_s, double h) {
   return axis;
 }
 
-TEST_CASE("the closed form goes where the control law goes when it is applied in small steps") {
+TEST_CASE("the closed form matches the control law applied in small steps") {
   std::mt19937 random(5);
   constexpr double kStepS = 2e-5;
   double worst = 0;
@@ -156,10 +156,10 @@ TEST_CASE("the closed form goes where the control law goes when it is applied in
     worst = std::max(worst, std::abs(exact.position - by_small_steps(c, dt_s, kStepS).position));
   }
   MESSAGE("largest difference: ", worst, " rad with steps of ", kStepS, " s");
-  CHECK(worst < 1e-3);  // at 20 rad/s, the fastest start, a step of 2e-5 s goes 4e-4 rad
+  CHECK(worst < 1e-3);  // at 20 rad/s, the fastest start, a step of 2e-5 s covers 4e-4 rad
 }
 
-TEST_CASE("a rest-to-rest move takes as long as the textbook says") {
+TEST_CASE("a rest-to-rest move takes the textbook time") {
   f64::Axis axis;
   axis.position = 0;
   axis.speed = 0;
@@ -173,7 +173,7 @@ TEST_CASE("a rest-to-rest move takes as long as the textbook says") {
   CHECK(f64::axis_step(axis, -0.5, 4.0, 8.0, 0.5001).position == -0.5);
 }
 
-TEST_CASE("an axis that runs away from its target turns round and comes back") {
+TEST_CASE("an axis that moves away from its target turns round and comes back") {
   f64::Axis axis;
   axis.position = 0;
   axis.speed = -4;
@@ -238,7 +238,7 @@ TEST_CASE("float stays near double over random moves") {
   CHECK(worst < 1e-5);
 }
 
-// Motors: the same axis with a memory of its last change.
+// Motors: the same axis with a stored last change.
 
 template <class T>
 typename T::MotorLimits limits_of(double speed_max, double acceleration_max) {
@@ -308,7 +308,7 @@ typename T::FlexLimits soft_of(double rate, double damping) {
   return limits;
 }
 
-TEST_CASE_TEMPLATE("a motor is at the same place at 15 to 1000 frames a second over 60 s of hard moves", T, Float,
+TEST_CASE_TEMPLATE("a motor is at the same place at 15 to 1000 frames a second over 60 s of demanding moves", T, Float,
                    Double) {
   Follower<T> rigid;
   CHECK(rate_spread(rigid) <= 1e-6 * kRange);
@@ -328,7 +328,7 @@ TEST_CASE_TEMPLATE("targets that change every millisecond give one motion at eve
   CHECK(rate_spread(motor, 1'000'000) <= 1e-6 * kRange);
 }
 
-TEST_CASE_TEMPLATE("a motor's step of a + b is its steps of a and b, from any state and up to 60 s each", T, Float,
+TEST_CASE_TEMPLATE("a motor's step of a + b equals its steps of a and b, from any state and up to 60 s each", T, Float,
                    Double) {
   std::mt19937_64 random(8);
   double worst = 0;
@@ -367,7 +367,7 @@ TEST_CASE_TEMPLATE("1e9 s bring a motor to its target and no time leaves it wher
   CHECK(motor.flex.now.speed == doctest::Approx(0).epsilon(1e-9));
 }
 
-TEST_CASE("what is no step becomes no time: negative, not a number, infinite") {
+TEST_CASE("an invalid step becomes no time: negative, NaN, infinite") {
   for (const double dt : {-1.0, -1e-9, 0.0, std::nan(""), HUGE_VAL, -HUGE_VAL, 1e300})
     CHECK(number(f64::time_ns(dt)) == 0);
   for (const float dt : {-1.0f, std::nanf(""), HUGE_VALF}) CHECK(number(f32::time_ns(dt)) == 0);
@@ -376,8 +376,8 @@ TEST_CASE("what is no step becomes no time: negative, not a number, infinite") {
   CHECK(number(f32::time_ns(60)) == 60'000'000'000u);
 }
 
-TEST_CASE_TEMPLATE("a target that is no number leaves the motor alone, and a motor without speed is at its target", T,
-                   Float, Double) {
+TEST_CASE_TEMPLATE("a NaN target does not change the motor, and a motor without speed is at its target", T, Float,
+                   Double) {
   Follower<T> motor;
   motor.go(1, words(100'000'000), motor.limits);
   const auto at = motor.motor.now.position;
@@ -416,7 +416,7 @@ TEST_CASE_TEMPLATE("a move over the whole range takes RealFade: 0.01 s, 1866 s, 
   }
 }
 
-TEST_CASE_TEMPLATE("RealFade 0, and what is no time, is no motor", T, Float, Double) {
+TEST_CASE_TEMPLATE("RealFade 0, or an invalid time, is no motor", T, Float, Double) {
   for (const double fade : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
     CHECK(limits_from_fade<T>(540, fade, 0.1).speed_max == 0);
     CHECK(motor_step(motor_at<T>(0), limits_from_fade<T>(540, fade, 0.1), 5, words(0)).now.position == 5);
@@ -449,7 +449,7 @@ TEST_CASE("a stall of 60 s ends where 60 s of frames end") {
   CHECK(stalled.value() == doctest::Approx(running.value()).epsilon(1e-12));
 }
 
-TEST_CASE("vector mode obeys the speed of its channel and changes it in the middle of a move") {
+TEST_CASE("vector mode uses the speed of its channel and changes it in the middle of a move") {
   Follower<Double> motor;
   double fastest = 0;
   for (int i = 0; i < 100; ++i) {
@@ -465,7 +465,7 @@ TEST_CASE("vector mode obeys the speed of its channel and changes it in the midd
   CHECK(motor.motor.now.position == 100);  // the slowest speed still arrives
 }
 
-// A judge for what hangs on a motor: RK4 in small steps over the motor's own path.
+// A reference for a load on a motor: RK4 in small steps over the motor's own path.
 double flex_by_small_steps(const f64::Motor& from, f64::MotorLimits limits, f64::FlexLimits soft, f64::Axis x, double t,
                            int steps) {
   const auto u = [&](double at) {
@@ -488,7 +488,7 @@ double flex_by_small_steps(const f64::Motor& from, f64::MotorLimits limits, f64:
   return x.position;
 }
 
-TEST_CASE("smoothing and belt go where 20000 small steps of their equation go") {
+TEST_CASE("smoothing and belt match 20000 small steps of their equation") {
   double worst = 0;
   for (std::uint32_t i = 0; i < 60; ++i) {
     const f64::MotorLimits limits = limits_of<Double>(1 + 4 * chance(1, i), 5 + 20 * chance(2, i));
@@ -557,7 +557,7 @@ TEST_CASE("a belt of 25 Hz and damping 0.05 rings at 25 Hz and dies away") {
   CHECK(std::abs(before) < 0.1 * largest);
 }
 
-TEST_CASE_TEMPLATE("nothing is ever not finite over random motors, limits and times", T, Float, Double) {
+TEST_CASE_TEMPLATE("every value is finite over random motors, limits and times", T, Float, Double) {
   std::mt19937_64 random(77);
   const double odd[] = {0, -0.0, 1, -1, 1e-30, 1e-7, 1e6, 1e9, 1e20, 1e29, 1e38, std::nan(""), HUGE_VAL, -HUGE_VAL};
   const auto any = [&] {
@@ -574,7 +574,7 @@ TEST_CASE_TEMPLATE("nothing is ever not finite over random motors, limits and ti
     motor.soft.rate = any();
     motor.soft.damping = any();
     const auto target = any();
-    if (std::abs(target) > 1e9) continue;  // beyond any range of a fixture; NaN and infinity do go in
+    if (std::abs(target) > 1e9) continue;  // beyond any range of a fixture; NaN and infinity are included
     motor.go(target, words(random() >> (random() % 64)), limits);
     bad += !std::isfinite(motor.motor.now.position) || !std::isfinite(motor.flex.now.position);
   }
@@ -582,7 +582,7 @@ TEST_CASE_TEMPLATE("nothing is ever not finite over random motors, limits and ti
 }
 
 TEST_CASE("tracking mode smooths the console's steps and lags by its time, vector mode does neither") {
-  // A fader that moves 1 u/s in steps of 44 Hz. Both follow; the ripple of the speed tells them apart.
+  // A fader that moves 1 u/s in steps of 44 Hz. Both follow; they differ in the ripple of the speed.
   for (const bool tracking : {true, false}) {
     Follower<Double> head;
     head.limits = limits_of<Double>(10, 200);
@@ -603,7 +603,7 @@ TEST_CASE("tracking mode smooths the console's steps and lags by its time, vecto
   }
 }
 
-// A wheel of eight slots, a slot at a time, now and then back and forth before it arrives.
+// A wheel of eight slots, one slot at a time, sometimes reversed before it arrives.
 template <class T>
 struct WheelTurner {
   typename T::Motor motor = motor_at<T>(0);
@@ -619,13 +619,13 @@ TEST_CASE_TEMPLATE("a wheel turns the same way round at 15 to 1000 frames a seco
   CHECK(rate_spread(WheelTurner<T>{}) <= 1e-6 * 8);
 }
 
-TEST_CASE("a wheel goes the shorter way to a slot, and stays with it while it is on its way") {
+TEST_CASE("a wheel moves the shorter way to a slot, and keeps the direction during the move") {
   f64::Motor wheel = f64::motor_start(1);
   CHECK(f64::motor_nearest(wheel, 7, 8) == -1);
   CHECK(f64::motor_nearest(wheel, 3, 8) == 3);
   CHECK(f64::motor_nearest(wheel, 7, 0) == 7);
   wheel.target = -1;
-  wheel.now.position = 5;  // thrown far beyond: 7 would be nearer now
+  wheel.now.position = 5;  // moved far beyond: 7 would be nearer now
   CHECK(f64::motor_nearest(wheel, 7, 8) == -1);
   CHECK(f64::motor_nearest(wheel, 6, 8) == 6);
 }

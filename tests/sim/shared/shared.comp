@@ -1,5 +1,5 @@
 #version 460
-// Every header of sim/shared as GLSL, and every model called: what compiles as C++ must compile here, too.
+// Every header of sim/shared as GLSL, and every model called: code that compiles as C++ must compile here, too.
 #extension GL_GOOGLE_include_directive : require
 #include "sim/shared/real.h"
 #include "sim/shared/turns.h"

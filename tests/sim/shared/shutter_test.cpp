@@ -29,12 +29,12 @@ typename T::Shutter shutter_start() {
     return f64::shutter_begin();
 }
 
-// What the mean of a kind is over whole periods.
+// The mean of a kind over whole periods.
 double true_mean(std::uint32_t kind, double duty) {
   if (kind == f64::kShutterClosed) return 0;
   if (kind == f64::kShutterOpen) return 1;
   if (kind == f64::kShutterStrobe || kind == f64::kShutterRandom) return duty;
-  if (kind == f64::kShutterEffect) return duty / 2;  // four flashes, then a pause as long
+  if (kind == f64::kShutterEffect) return duty / 2;  // four flashes, then a pause of the same length
   return duty / 2;                                   // ramps
 }
 
@@ -65,7 +65,7 @@ TEST_CASE_TEMPLATE("over 10 s the mean of every kind is its duty to 1e-6, from 0
   CHECK(worst < 1e-6);
 }
 
-// All kinds in turn, rates and duties that change.
+// All kinds in turn, with changing rates and duties.
 template <class T>
 struct Flasher {
   typename T::Shutter shutter = shutter_start<T>();
@@ -83,7 +83,7 @@ struct Flasher {
   [[nodiscard]] double value() const { return light; }
 };
 
-TEST_CASE_TEMPLATE("15 to 1000 frames a second see the same light over 60 s of hard shutter changes", T, Float,
+TEST_CASE_TEMPLATE("15 to 1000 frames a second have the same light over 60 s of demanding shutter changes", T, Float,
                    Double) {
   CHECK(rate_spread(Flasher<T>{}) <= (std::is_same_v<T, Float> ? 60e-6 / 10 : 1e-9));
   Flasher<T> blades;
@@ -92,7 +92,7 @@ TEST_CASE_TEMPLATE("15 to 1000 frames a second see the same light over 60 s of h
   CHECK(rate_spread(blades) <= (std::is_same_v<T, Float> ? 60e-6 / 10 : 1e-9));
 }
 
-TEST_CASE_TEMPLATE("an exposure of a + b holds the light of its parts, for random kinds and up to 60 s each", T, Float,
+TEST_CASE_TEMPLATE("an exposure of a + b has the light of its parts, for random kinds and up to 60 s each", T, Float,
                    Double) {
   std::mt19937_64 random(21);
   double worst = 0;
@@ -117,7 +117,7 @@ TEST_CASE_TEMPLATE("an exposure of a + b holds the light of its parts, for rando
   CHECK(worst <= (std::is_same_v<T, Float> ? 1e-6 : 1e-12));
 }
 
-// A judge that knows no integral: blades that follow their command over a grid of instants.
+// A reference without integrals: blades that follow their command over a grid of instants.
 double by_instants(double rate, double duty, double travel_s, double low, double from_s, double to_s) {
   constexpr double kStepS = 1e-6;
   double level = low;
@@ -135,7 +135,7 @@ double by_instants(double rate, double duty, double travel_s, double low, double
   return light / count;
 }
 
-TEST_CASE("blades that need time pass the light that they pass when followed microsecond by microsecond") {
+TEST_CASE("blades with a travel time pass the same light as a simulation in microseconds") {
   struct Row {
     double rate, duty, travel_s, low;
   };
@@ -153,7 +153,7 @@ TEST_CASE("blades that need time pass the light that they pass when followed mic
   }
 }
 
-TEST_CASE("a pulse is a triangle, a pulse that opens rises, one that closes falls") {
+TEST_CASE("a pulse is a triangle, an opening pulse rises, a closing one falls") {
   const auto level = [](std::uint32_t kind, double place) {
     f64::Shutter shutter = f64::shutter_begin();
     const auto params = decoded_of<Double>(kind, 1, 0.5);
@@ -172,7 +172,7 @@ TEST_CASE("a pulse is a triangle, a pulse that opens rises, one that closes fall
     CHECK(level(kind, 0.75) == 0);
 }
 
-TEST_CASE("random flashes are one a period, at places of their own, and equal on replay however time is cut") {
+TEST_CASE("random flashes are one per period, at different places, and equal on replay for any division of time") {
   const auto params = decoded_of<Double>(f64::kShutterRandom, 10, 0.1);
   f64::Shutter shutter = f64::shutter_begin();
   std::vector<int> places;
@@ -192,7 +192,7 @@ TEST_CASE("random flashes are one a period, at places of their own, and equal on
   CHECK(early == doctest::Approx(flashes / 2.0).epsilon(0.15));
   f64::Shutter again = f64::shutter_begin();
   shutter_step(again, params, words(100'000'000'000));
-  // Both have come to the edge of period 1000, to 2^-64 turn a step.
+  // Both have reached the edge of period 1000, to 2^-64 turn per step.
   CHECK(std::abs(f64::turns_way(again.phase, shutter.phase)) < 1e-13);
   double same = 0;
   for (int i = 0; i < 2000; ++i) {
@@ -209,7 +209,7 @@ TEST_CASE("random flashes are one a period, at places of their own, and equal on
   CHECK(differ > 100);
 }
 
-TEST_CASE("the time offset puts the flash later in its period, each fixture's own") {
+TEST_CASE("the time offset puts the flash later in its period, per fixture") {
   auto params = decoded_of<Double>(f64::kShutterStrobe, 1, 0.25);
   params.offset = 0.5;
   f64::Shutter shutter = f64::shutter_begin();
@@ -218,7 +218,7 @@ TEST_CASE("the time offset puts the flash later in its period, each fixture's ow
   CHECK(shutter_step(shutter, params, f64::time_ns(0.25)) == doctest::Approx(0));
 }
 
-TEST_CASE("a duration in seconds stays as long when the rate changes") {
+TEST_CASE("a duration in seconds is constant when the rate changes") {
   for (const double rate : {1.0, 4.0, 10.0}) {
     auto params = decoded_of<Double>(f64::kShutterStrobe, rate);
     params.duration_s = 0.02;
@@ -227,7 +227,7 @@ TEST_CASE("a duration in seconds stays as long when the rate changes") {
   }
 }
 
-TEST_CASE("a 30 Hz strobe looks the same at 24, 30 and 60 fps and over 44 Hz DMX: its mean, without beats at 30") {
+TEST_CASE("a 30 Hz strobe has the same mean at 24, 30 and 60 fps and over 44 Hz DMX, without beats at 30") {
   for (const std::int64_t fps : {24, 30, 60, 44}) {
     f64::Shutter shutter = f64::shutter_begin();
     const auto params = decoded_of<Double>(f64::kShutterStrobe, 30, 0.5);
@@ -245,7 +245,7 @@ TEST_CASE("a 30 Hz strobe looks the same at 24, 30 and 60 fps and over 44 Hz DMX
 }
 
 TEST_CASE("the phase of a strobe does not leak at 20 fps, where the old accumulator went dark for ever") {
-  // phase += dt * rate with one subtraction of a turn: 185 rad/s at 20 fps gains more than a turn a frame.
+  // phase += dt * rate with one subtraction of a turn: 185 rad/s at 20 fps gains more than a turn per frame.
   double leaking = 0;
   for (int i = 0; i < 400'000; ++i) {
     leaking += 185.0 / 20;
@@ -261,7 +261,7 @@ TEST_CASE("the phase of a strobe does not leak at 20 fps, where the old accumula
   CHECK(light == doctest::Approx(0.5).epsilon(1e-3));
 }
 
-TEST_CASE("a flash is where it belongs after 30 days, where seconds in float are a quarter of a second apart") {
+TEST_CASE("a flash is at its correct time after 30 days, when float seconds are a quarter of a second apart") {
   const auto params = decoded_of<Float>(f32::kShutterStrobe, 25, 0.5);
   f32::Shutter shutter = f32::shutter_begin();
   shutter_step(shutter, params, f32::time_ns(30.0f * 86'400));
@@ -270,14 +270,14 @@ TEST_CASE("a flash is where it belongs after 30 days, where seconds in float are
   CHECK(30.0f * 86'400 + 0.02f == 30.0f * 86'400);
 }
 
-TEST_CASE("each fixture's strobe follows its own channel, whatever its neighbours do") {
+TEST_CASE("each fixture's strobe follows its own channel, independent of its neighbours") {
   f32::Shutter a = f32::shutter_begin(), b = f32::shutter_begin();
   shutter_step(a, decoded_of<Float>(f32::kShutterOpen, 0), words(1'000'000));
   CHECK(shutter_step(b, decoded_of<Float>(f32::kShutterStrobe, 10, 0.5), words(100'000'000)) == doctest::Approx(0.5));
   CHECK(shutter_step(a, decoded_of<Float>(f32::kShutterOpen, 0), words(100'000'000)) == 1);
 }
 
-TEST_CASE("a change of rate goes on from the phase it meets") {
+TEST_CASE("a change of rate continues from the current phase") {
   f64::Shutter shutter = f64::shutter_begin();
   shutter_step(shutter, decoded_of<Double>(f64::kShutterStrobe, 4), f64::time_ns(0.1));
   const glm::uvec2 before = shutter.phase;
@@ -285,7 +285,7 @@ TEST_CASE("a change of rate goes on from the phase it meets") {
   CHECK(shutter.phase == before);
 }
 
-TEST_CASE("blades take their travel time in an effect, too, whose flashes are eight times as fast as its period") {
+TEST_CASE("blades take their travel time also in an effect, whose flashes are eight times as fast as its period") {
   f64::ShutterParams params{};
   params.kind = f64::kShutterEffect;
   params.rate_hz = 2;
@@ -298,7 +298,7 @@ TEST_CASE("blades take their travel time in an effect, too, whose flashes are ei
   CHECK(shutter_step(shutter, params, words(0)) == 1);
 }
 
-TEST_CASE("blades open and close in their travel time, from where they are") {
+TEST_CASE("blades open and close in their travel time, from their current level") {
   auto open = decoded_of<Double>(f64::kShutterOpen, 0), closed = decoded_of<Double>(f64::kShutterClosed, 0);
   open.travel_s = closed.travel_s = 0.02;
   f64::Shutter shutter = f64::shutter_begin();
@@ -310,7 +310,7 @@ TEST_CASE("blades open and close in their travel time, from where they are") {
   CHECK(shutter.level == 1);
 }
 
-TEST_CASE_TEMPLATE("no time is the state now, and odd wishes give light between 0 and 1", T, Float, Double) {
+TEST_CASE_TEMPLATE("no time is the current state, and odd parameters give light between 0 and 1", T, Float, Double) {
   using Real = typename T::Real;
   auto shutter = shutter_start<T>();
   const auto params = decoded_of<T>(f64::kShutterStrobe, 1, 0.5);
@@ -338,7 +338,7 @@ TEST_CASE_TEMPLATE("no time is the state now, and odd wishes give light between 
   CHECK(bad == 0);
 }
 
-TEST_CASE("blades that are faster than the last digit of their phase stay between closed and open") {
+TEST_CASE("blades faster than the resolution of their phase stay between closed and open") {
   f32::ShutterParams params = decoded_of<Float>(f32::kShutterStrobe, 1, 0.5);
   params.travel_s = 1e-7f;
   params.offset = 0.5f;

@@ -1,4 +1,4 @@
-// Phases as 64-bit integers, and what turns by them.
+// Phases as 64-bit integers, and rotations based on them.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint64_t kDayNs = 86'400'000'000'000;
 
-// The exact phase in 2^-64 turn: the rate is m x 2^-k exactly (every float and double is), the time an integer.
+// The exact phase in 2^-64 turn: the rate is exactly m x 2^-k (as every float and double), the time an integer.
 std::uint64_t exact_phase(double rate_hz, std::uint64_t dt_ns) {
   // rate = whole + part x 2^-64; both products divided by 1e9 with all bits kept.
   const auto whole = static_cast<std::uint64_t>(rate_hz);
@@ -76,8 +76,7 @@ TEST_CASE("after 30 days of frames of any length the phase is less than a micros
     }
     const double off_s = std::abs(turns_apart(phase, exact_phase(rate, now))) / rate;
     CHECK(off_s < 1e-9);
-    // The rounding is the same for a short step, so 1000 frames a second are as many times worse as there are more of
-    // them.
+    // The rounding is the same for a short step, so 1000 frames a second have a proportionally larger error.
     CHECK(off_s / static_cast<double>(steps) * 30 * 86'400 * 1000 < 1e-6);
   }
 }
@@ -92,7 +91,7 @@ TEST_CASE("an advance counts whole turns") {
   }
 }
 
-TEST_CASE("rates that are no number stand still, and rates past the limit are cut") {
+TEST_CASE("NaN rates stand still, and rates past the limit are clamped") {
   CHECK(number(f64::turns_step(words(7), std::nan(""), words(kDayNs))) == 7);
   CHECK(number(f64::turns_step(words(7), 0.0, words(kDayNs))) == 7);
   CHECK(f64::turns_step(words(7), 1e300, words(12345)) == f64::turns_step(words(7), 1e6, words(12345)));
@@ -109,7 +108,7 @@ TEST_CASE("a negative rate turns back by exactly what the positive one turns on"
   }
 }
 
-TEST_CASE("phases become reals and come back") {
+TEST_CASE("phases convert to reals and back") {
   std::mt19937_64 random(12);
   for (int i = 0; i < 10'000; ++i) {
     const std::uint64_t a = random() >> (random() % 64);
@@ -146,7 +145,7 @@ TEST_CASE_TEMPLATE("a spin is at the same angle at 15 to 1000 frames a second, w
   CHECK(rate_spread(at_once) <= 1e-12);
 }
 
-TEST_CASE_TEMPLATE("a spin's step of a + b is its steps of a and b, from any state and up to 60 s each", T, Float,
+TEST_CASE_TEMPLATE("a spin's step of a + b equals its steps of a and b, from any state and up to 60 s each", T, Float,
                    Double) {
   using Real = typename T::Real;
   std::mt19937_64 random(8);
@@ -170,7 +169,7 @@ TEST_CASE_TEMPLATE("a spin's step of a + b is its steps of a and b, from any sta
   CHECK(worst_units <= 2);  // the steps of a and of b are rounded, and that of both
 }
 
-TEST_CASE("a ramp between rates turns as far as its mean rate says, through zero too") {
+TEST_CASE("a ramp between rates turns by its mean rate, also through zero") {
   f64::Spin spin = f64::spin_start(words(0));
   spin = f64::spin_step(spin, 2, 4, f64::time_ns(1));  // half way up: 1 turn
   CHECK(spin.rate_hz == doctest::Approx(2));
@@ -195,17 +194,17 @@ TEST_CASE("a spin does not jump when its sign changes, from DMX 127 to 128") {
   CHECK(turns_apart(number(spin.phase), before) == doctest::Approx(-0.31e-3).epsilon(1e-6));
 }
 
-TEST_CASE("at 3600 degrees a second no digit is lost after 7 days, where float radians stand still") {
+TEST_CASE("at 3600 degrees a second no precision is lost after 7 days, when float radians stand still") {
   f64::Spin spin = f64::spin_start(words(0));
   spin = f64::spin_step(spin, 0, 10, words(7 * kDayNs));
   const std::uint64_t before = number(spin.phase);
   spin = f64::spin_step(spin, 0, 10, words(16'666'667));
   CHECK(turns_apart(number(spin.phase), before) == doctest::Approx(0.16666667).epsilon(1e-9));
-  float phase = 604'800.0f * 0.078f;  // rad, code 10 of the old way: v / 255 * dt a frame
+  float phase = 604'800.0f * 0.078f;  // rad, code 10 of the old method: v / 255 * dt per frame
   CHECK(phase + 0.039f / 60 == phase);
 }
 
-TEST_CASE("fixtures start at phases of their own and keep their distance") {
+TEST_CASE("fixtures start at their own phases and keep their distance") {
   f32::Spin a = f32::spin_start(words(0));
   f32::Spin b = f32::spin_start(f32::turns_from(0.25f));
   for (int i = 0; i < 5000; ++i) {
@@ -216,8 +215,7 @@ TEST_CASE("fixtures start at phases of their own and keep their distance") {
   CHECK(number(b.phase) - number(a.phase) == std::uint64_t{1} << 62);
 }
 
-TEST_CASE_TEMPLATE("no time and targets that are no number leave a spin alone; a long time reaches the target", T,
-                   Float, Double) {
+TEST_CASE_TEMPLATE("no time and NaN targets do not change a spin; a long time reaches the target", T, Float, Double) {
   using Real = typename T::Real;
   Spinner<T> spinner;
   spinner.step(3, words(kSecondNs / 3));
@@ -233,7 +231,7 @@ TEST_CASE_TEMPLATE("no time and targets that are no number leave a spin alone; a
   CHECK(spinner.spin.rate_hz == -2);
 }
 
-TEST_CASE("a motor without end goes the shorter way to a position") {
+TEST_CASE("a continuous motor moves the shorter way to a position") {
   CHECK(f64::turns_way(f64::turns_from(0.9), f64::turns_from(0.1)) == doctest::Approx(0.2));
   CHECK(f64::turns_way(f64::turns_from(0.1), f64::turns_from(0.9)) == doctest::Approx(-0.2));
 }
