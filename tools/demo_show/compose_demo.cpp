@@ -19,7 +19,7 @@ Status compose(const std::string& path) {
   std::vector<Slots> levels(show.universes().size());
   const auto frames = static_cast<int>(demo::kShowLengthS * demo::kShowRateHz);
   for (int frame = 0; frame < frames; ++frame) {
-    show.snapshot(static_cast<double>(frame) / demo::kShowRateHz, levels);
+    show.levels_at(static_cast<double>(frame) / demo::kShowRateHz, levels);
     for (std::size_t i = 0; i < levels.size(); ++i) {
       FrameView view;
       view.universe = show.universes()[i];

@@ -6,7 +6,7 @@
 
 namespace footlight::demo {
 
-// A whole .dmxlog of demo_rig(). Static; any thread.
+// A whole .dmxlog for demo_rig(). Static; any thread.
 [[nodiscard]] std::span<const std::uint8_t> demo_log_bytes();
 
 }  // namespace footlight::demo

@@ -37,7 +37,7 @@ double ramp(double x, double from, double to) {
   return s * s * (3 - 2 * s);
 }
 double wave(double turns) { return 0.5 - 0.5 * std::cos(2 * kPi * turns); }  // 0 at whole turns, 1 half way
-// 1 on the beat, then falling; `sharp` is how much of it is gone after one beat, in nepers.
+// 1 on the beat, then falling; `sharp` is the decay per beat, in nepers.
 double hit(double beats, double sharp) { return std::exp(-sharp * fraction(beats)); }
 dvec3 hue(double turns) {
   const auto channel = [&](double offset) { return std::pow(0.5 + 0.5 * std::cos(2 * kPi * (turns - offset)), 1.5); };
@@ -45,9 +45,9 @@ dvec3 hue(double turns) {
 }
 bool even(double whole) { return std::fmod(std::floor(whole), 2.0) == 0.0; }
 
-// ---- The nine parts of the show. Each gives a cue for a player at t_s seconds into the show. ------------------------
+// ---- The nine parts of the show. Each returns a cue for a player at t_s seconds into the show. ----------------------
 
-// Out of the dark: blue from the floor, then ice-cold columns from the middle outwards.
+// From dark: blue from the floor, then ice-cold columns from the middle outwards.
 Cue intro(const Player& p, double t) {
   Cue c;
   switch (p.group) {
@@ -110,7 +110,7 @@ Cue build(const Player& p, double t) {
   return c;
 }
 
-// Ballyhoo: every head on its own circle, left and right mirrored, two colours that change places with every bar.
+// Ballyhoo: every head on its own circle, left and right mirrored, two colours that swap with every bar.
 Cue ballyhoo(const Player& p, double t) {
   Cue c;
   const double beats = t / kBeatS;
@@ -188,7 +188,7 @@ Cue gobos(const Player& p, double t) {
   return c;
 }
 
-// Rise: all beams meet over the desk, the chase doubles its speed every second and a half, the last of it strobes.
+// Rise: all beams meet over the console, the chase doubles its speed every second and a half, and its end strobes.
 Cue rise(const Player& p, double t) {
   Cue c;
   const double since = t - 30;
@@ -226,8 +226,8 @@ Cue rise(const Player& p, double t) {
   return c;
 }
 
-// Drop: two positions in turn, hard light on the beat, red against blue. `lit` is 0 in the blackout before it, in which
-// the heads already go to their first position.
+// Drop: alternates between two positions, hard light on the beat, red against blue. `lit` is 0 in the blackout before
+// it, in which the heads already move to their first position.
 Cue drop(const Player& p, double t, bool lit) {
   Cue c;
   const double beats = (t - 37) / kBeatS;
@@ -272,7 +272,7 @@ Cue drop(const Player& p, double t, bool lit) {
   return c;
 }
 
-// A rainbow runs across while the fan rolls out over the heads of the audience.
+// A rainbow runs across while the fan moves out over the audience.
 Cue sweep(const Player& p, double t) {
   Cue c;
   const double since = t - 47;
@@ -303,7 +303,7 @@ Cue sweep(const Player& p, double t) {
   return c;
 }
 
-// Finale: gold, a spinning look in the air, then everything opens upwards; eight tenths of a second of strobe.
+// Finale: gold, a spinning cone in the air, then everything opens upwards; eight tenths of a second of strobe.
 Cue finale(const Player& p, double t) {
   Cue c;
   const double since = t - 54;
@@ -340,7 +340,7 @@ Cue finale(const Player& p, double t) {
   return c;
 }
 
-// Afterglow: the innermost columns in blue, going out.
+// Afterglow: the innermost columns in blue, fading out.
 Cue afterglow(const Player& p, double t) {
   Cue c;
   const double left = 1 - ramp(t, 58.0, 59.7);
@@ -361,7 +361,7 @@ Cue afterglow(const Player& p, double t) {
 
 struct Part {
   double from_s;
-  double fade_s;  // over which it comes in from the part before it
+  double fade_s;  // crossfade from the part before it
   Cue (*cue)(const Player&, double);
 };
 const std::array<Part, 10> kParts = {{
@@ -399,7 +399,7 @@ dvec3 turn_about(int axis, double angle, dvec3 v) {
 }  // namespace
 
 PanTilt aim(const PatchedFixture& fixture, const dvec3& direction) {
-  // Into fixture space: the hanging rotation is about X, then Y, then Z.
+  // To fixture space: the hanging rotation is about X, then Y, then Z.
   const dvec3 angle = fixture.rotation_deg * (kPi / 180);
   const dvec3 d = turn_about(0, -angle.x, turn_about(1, -angle.y, turn_about(2, -angle.z, glm::normalize(direction))));
   // The beam is (-sin pan sin tilt, cos pan sin tilt, -cos tilt).
@@ -449,7 +449,7 @@ Cue DemoShow::cue(const Player& player, double t_s) const {
   return now;
 }
 
-void DemoShow::snapshot(double t_s, std::span<Slots> levels) const {
+void DemoShow::levels_at(double t_s, std::span<Slots> levels) const {
   using namespace footlight::fixtures;
   FL_CHECK_EQ(levels.size(), universes_.size());
   for (Slots& slots : levels) slots.fill(0);

@@ -1,6 +1,5 @@
-// The show that --demo plays: one minute over the embedded rig, composed from the rig's own tables, so that it follows
-// any change of patch or mode. A pure function of time; it loops without a seam in light, since it begins and ends
-// dark.
+// The show of --demo: one minute for the embedded rig, composed from the rig's own tables, so that it follows any
+// change of patch or mode. A pure function of time. It begins and ends dark, so it repeats without a jump.
 #pragma once
 
 #include <span>
@@ -16,18 +15,18 @@ namespace footlight::demo {
 inline constexpr double kShowLengthS = 60.0;
 inline constexpr int kShowRateHz = 44;
 
-// What one fixture is asked for at one moment, in people's words. Parameters that its type lacks are ignored.
+// Values for one fixture at one moment. Parameters that its type lacks are ignored.
 struct Cue {
   double dimmer = 0;       // 0 to 1, before the dimmer law
   glm::dvec3 color{1};     // linear RGB of the emitters, 0 to 1
-  glm::dvec3 target_m{0};  // where the beam goes
+  glm::dvec3 target_m{0};  // the point that the beam hits
   double zoom_deg = 12;    // full angle
   int gobo = 0;
   double gobo_spin_hz = 0;
   double strobe_hz = 0;  // 0: open
 };
 
-// Which part a fixture plays. Groups are ordered from the left of the stage to the right.
+// The role of a fixture. Groups are ordered from the left of the stage to the right.
 enum class Group { kProfile, kTrussWash, kFloorWash, kFrontPar, kSidePar };
 
 struct Player {
@@ -48,8 +47,8 @@ class DemoShow {
   [[nodiscard]] const std::vector<Universe>& universes() const { return universes_; }
   // The levels of all universes at t_s, any finite number; the show repeats outside 0 to kShowLengthS. One Slots for
   // each of universes().
-  void snapshot(double t_s, std::span<Slots> levels) const;
-  // What look() encodes, for one fixture.
+  void levels_at(double t_s, std::span<Slots> levels) const;
+  // The cue that levels_at() encodes, for one fixture.
   [[nodiscard]] Cue cue(const Player& player, double t_s) const;
   [[nodiscard]] const std::vector<Player>& players() const { return players_; }
 
@@ -59,8 +58,8 @@ class DemoShow {
   std::vector<Player> players_;
 };
 
-// Pan and tilt, rad, that send the beam of a head with this hanging rotation along `direction` (stage space, not zero):
-// of the two ways to do it, the one with pan within a quarter turn.
+// Pan and tilt, rad, that point the beam of a head with this hanging rotation along `direction` (stage space, not
+// zero). Of the two solutions, the one with pan within a quarter turn.
 struct PanTilt {
   double pan;
   double tilt;

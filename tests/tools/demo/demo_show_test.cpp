@@ -1,4 +1,4 @@
-// The demo show: what a lighting designer would check before the doors open.
+// The demo show: checks that a lighting designer would make.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ double light_at(const DemoShow& show, double t_s) {
   return sum;
 }
 
-TEST_CASE("aim sends the beam where it was asked to, for any hanging") {
+TEST_CASE("aim points the beam at its target, for any hanging") {
   const fixtures::Rig& demo = fixtures::demo_rig();
   std::mt19937 random(6);
   std::uniform_real_distribution<double> unit(-1, 1);
@@ -66,10 +66,10 @@ TEST_CASE("the show begins and ends dark, has a blackout, and repeats") {
   CHECK(light_at(show, 35.9) > 10);
   CHECK(light_at(show, 37.0) > 10);
   std::vector<Slots> once(2), again(2);
-  show.snapshot(12.25, once);
-  show.snapshot(12.25 + 3 * kShowLengthS, again);
+  show.levels_at(12.25, once);
+  show.levels_at(12.25 + 3 * kShowLengthS, again);
   CHECK(once == again);
-  show.snapshot(12.25 - kShowLengthS, again);
+  show.levels_at(12.25 - kShowLengthS, again);
   CHECK(once == again);
 }
 
@@ -89,7 +89,7 @@ TEST_CASE("it strobes for at most a tenth of the time and never faster than 15 H
   CHECK(fastest < 15);
 }
 
-TEST_CASE("the light is never stuck: parts differ in colour, gobo and zoom") {
+TEST_CASE("the light varies: parts differ in colour, gobo and zoom") {
   const DemoShow show(fixtures::demo_rig());
   std::set<int> gobos;
   double narrow = 100;
@@ -110,8 +110,8 @@ TEST_CASE("the light is never stuck: parts differ in colour, gobo and zoom") {
   CHECK(wide > 40);
 }
 
-// The heads as their motors really take them there. From the front-of-house camera no more than a few narrow beams may
-// come straight at the eye at a time.
+// The positions of the heads as their motors reach them. From the front-of-house camera at most a few narrow beams may
+// point straight at the camera at a time.
 TEST_CASE("few beams at a time point into the main camera") {
   const fixtures::Rig& rig = fixtures::demo_rig();
   const auto compiled = fixtures::compile(rig);
@@ -123,7 +123,7 @@ TEST_CASE("few beams at a time point into the main camera") {
   const glm::vec3 eye(rig.cameras.front().position_m);
   int blinded = 0;
   for (int frame = 0; frame < kFrames; ++frame) {
-    show.snapshot(frame / 44.0, levels);
+    show.levels_at(frame / 44.0, levels);
     std::copy(levels[0].begin(), levels[0].end(), flat.begin());
     std::copy(levels[1].begin(), levels[1].end(), flat.begin() + 512);
     walker.step(flat, kNsPerS / 44);
@@ -139,7 +139,7 @@ TEST_CASE("few beams at a time point into the main camera") {
   CHECK(blinded <= 22);  // half a second
 }
 
-TEST_CASE("the embedded log is the show, frame by frame, for a minute") {
+TEST_CASE("the embedded log equals the show, frame by frame, for a minute") {
   const auto bytes = demo_log_bytes();
   auto reader = LogReader::open_bytes({bytes.begin(), bytes.end()}, "demo");
   REQUIRE_MESSAGE(reader, reader.error().message);
@@ -155,7 +155,7 @@ TEST_CASE("the embedded log is the show, frame by frame, for a minute") {
     REQUIRE_MESSAGE(more, more.error().message);
     if (!*more) break;
     const int index = count / 2;
-    if (count % 2 == 0) show.snapshot(static_cast<double>(index) / kShowRateHz, levels);
+    if (count % 2 == 0) show.levels_at(static_cast<double>(index) / kShowRateHz, levels);
     wrong += frame.time_ns != index * kNsPerS / kShowRateHz;
     wrong += frame.universe != count % 2 + 1;
     wrong += !std::equal(frame.levels.begin(), frame.levels.end(), levels[static_cast<std::size_t>(count % 2)].begin());

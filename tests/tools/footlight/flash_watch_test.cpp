@@ -11,7 +11,7 @@ namespace {
 constexpr int kWidth = 64;
 constexpr int kHeight = 36;
 
-// Grey, but for the columns from `from` on, which are of the given colour.
+// Grey, except for the columns from `from` on, which have the given colour.
 render::ScreenImage picture(int from, std::uint8_t red, std::uint8_t green, std::uint8_t blue) {
   render::ScreenImage image{kWidth, kHeight, std::vector<std::uint8_t>(std::size_t{kWidth} * kHeight * 4, 60)};
   for (int y = 0; y < kHeight; ++y) {
@@ -32,13 +32,13 @@ int play(FlashWatch& watch, int period, int from, std::uint8_t level) {
   for (int i = 0; i < 200; ++i) {
     const std::uint8_t now = i % period < period / 2 ? level : std::uint8_t{0};
     render::ScreenImage image = picture(from, now, now, now);
-    watch.snapshot(i * 20 * kNsPerMs, image);
+    watch.check(i * 20 * kNsPerMs, image);
     if (i >= 150) brightest = std::max<int>(brightest, image.rgba[(std::size_t{kWidth} * 18 + 60) * 4]);
   }
   return brightest;
 }
 
-TEST_CASE("five flashes a second over half of the picture are one harmful stretch, two a second are none") {
+TEST_CASE("five flashes a second over half of the picture are one harmful period, two a second are none") {
   FlashWatch fast(false);
   play(fast, 10, kWidth / 2, 255);
   REQUIRE(fast.stretches().size() == 1);
@@ -52,7 +52,7 @@ TEST_CASE("five flashes a second over half of the picture are one harmful stretc
   CHECK(slow.stretches().empty());
 }
 
-TEST_CASE("fast flashes over an eighth of the picture, or hardly brighter than the dark, harm nobody") {
+TEST_CASE("fast flashes over an eighth of the picture, or hardly brighter than the dark, are not harmful") {
   FlashWatch small(false);
   play(small, 10, kWidth * 7 / 8, 255);
   CHECK(small.stretches().empty());
@@ -61,7 +61,7 @@ TEST_CASE("fast flashes over an eighth of the picture, or hardly brighter than t
   CHECK(dim.stretches().empty());
 }
 
-TEST_CASE("a watch that only looks leaves every byte, and one that limits makes the same sequence harmless") {
+TEST_CASE("a watch that only warns changes no byte, and one that limits makes the same sequence harmless") {
   FlashWatch looking(false);
   CHECK(play(looking, 10, 0, 255) == 255);
   CHECK(looking.least_gain() == 1);
@@ -71,26 +71,26 @@ TEST_CASE("a watch that only looks leaves every byte, and one that limits makes 
   for (int i = 0; i < 200; ++i) {
     const std::uint8_t now = i % 10 < 5 ? std::uint8_t{255} : std::uint8_t{0};
     render::ScreenImage image = picture(0, now, now, now);
-    limiting.snapshot(i * 20 * kNsPerMs, image);
-    judge.snapshot(i * 20 * kNsPerMs, image);
+    limiting.check(i * 20 * kNsPerMs, image);
+    judge.check(i * 20 * kNsPerMs, image);
   }
-  CHECK(limiting.stretches().size() == 1);  // of what was asked for
+  CHECK(limiting.stretches().size() == 1);  // of the input
   CHECK(limiting.least_gain() < 0.5);
   CHECK(judge.stretches().empty());
 }
 
-TEST_CASE("red flashes that hardly change luminance are found by their colour") {
+TEST_CASE("red flashes that hardly change luminance are detected by their colour") {
   FlashWatch watch(false);
   for (int i = 0; i < 100; ++i) {
     // 0.2126 x 0.32 of 200 cd/m^2 against 0.07: a change of 13 cd/m^2.
     render::ScreenImage image = i % 10 < 5 ? picture(0, 155, 0, 0) : picture(0, 10, 10, 10);
-    watch.snapshot(i * 20 * kNsPerMs, image);
+    watch.check(i * 20 * kNsPerMs, image);
   }
   REQUIRE(watch.stretches().size() == 1);
   CHECK(watch.stretches()[0].red);
 }
 
-TEST_CASE("pictures that must wait leave no more than three flashes a second to be seen, and others never wait") {
+TEST_CASE("holding pictures back leaves at most three flashes a second, and harmless pictures are not held") {
   FlashWatch guard(false);
   FlashWatch seen(false);
   render::ScreenImage standing = picture(0, 0, 0, 0);
@@ -102,7 +102,7 @@ TEST_CASE("pictures that must wait leave no more than three flashes a second to 
     waited += waits ? 1 : 0;
     if (!waits) standing = next;
     render::ScreenImage shown = standing;
-    seen.snapshot(i * 20 * kNsPerMs, shown);
+    seen.check(i * 20 * kNsPerMs, shown);
   }
   CHECK(waited > 20);
   CHECK(guard.harmful());

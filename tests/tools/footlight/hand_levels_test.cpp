@@ -21,7 +21,7 @@ struct Demo {
   fixtures::CompiledRig compiled = fixtures::compile(rig).value();
   HandLevels hand{rig, compiled};
 
-  // The states that the levels lead to, motors at their targets.
+  // The states that the levels give, with motors at their targets.
   [[nodiscard]] fixtures::f64::Walker walk() const {
     fixtures::f64::Walker walker(compiled);
     walker.step(hand.levels(), 0);
@@ -36,7 +36,7 @@ const Fader* find(const HandLevels& hand, std::size_t index, std::string_view at
   return nullptr;
 }
 
-TEST_CASE("every fixture of a rig that nothing drives begins lit white") {
+TEST_CASE("every fixture of a rig without input starts lit white") {
   const Demo demo;
   const auto walker = demo.walk();
   for (std::size_t i = 0; i < demo.rig.fixtures.size(); ++i) {
@@ -47,7 +47,7 @@ TEST_CASE("every fixture of a rig that nothing drives begins lit white") {
   }
 }
 
-TEST_CASE("emitters that add up to violet at full begin at a white, the one that is wanted most at full") {
+TEST_CASE("emitters that add up to violet at full start at a white, with the one that is needed most at full") {
   fixtures::Rig rig = fixtures::demo_rig();
   for (fixtures::FixtureType& type : rig.types) {
     const int first = static_cast<int>(type.emitters.size());
@@ -78,7 +78,7 @@ TEST_CASE("emitters that add up to violet at full begin at a white, the one that
   }
 }
 
-// The demo rig with emitters of these colours, in beams of this colour temperature (0: white as the screen's).
+// The demo rig with emitters of these colours, in beams of this colour temperature (0: the white of the screen).
 fixtures::Rig demo_with(const std::array<fixtures::ColorXyY, 3>& colors, double temperature_k) {
   fixtures::Rig rig = fixtures::demo_rig();
   constexpr std::array<const char*, 3> kNames = {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"};
@@ -99,8 +99,8 @@ fixtures::Rig demo_with(const std::array<fixtures::ColorXyY, 3>& colors, double 
   return rig;
 }
 
-// How far each fixture that mixes is from a chromaticity, at most.
-double worst_from(const fixtures::Rig& rig, const fixtures::ColorXyY& wanted) {
+// The largest distance of a mixing fixture from a chromaticity.
+double worst_from(const fixtures::Rig& rig, const fixtures::ColorXyY& target) {
   const fixtures::CompiledRig compiled = fixtures::compile(rig).value();
   const HandLevels hand(rig, compiled);
   fixtures::f64::Walker walker(compiled);
@@ -113,17 +113,17 @@ double worst_from(const fixtures::Rig& rig, const fixtures::ColorXyY& wanted) {
     const auto& state = walker.states[compiled.head_first[i]];
     const auto color = fixtures::to_xyy(fixtures::rgb_to_xyz({state.red, state.green, state.blue}));
     CHECK(state.red + state.green + state.blue > 0.05);
-    worst = std::max(worst, std::hypot(color.x - wanted.x, color.y - wanted.y));
+    worst = std::max(worst, std::hypot(color.x - target.x, color.y - target.y));
   }
   CHECK(seen > 0);
   return worst;
 }
 
-// Narrow LEDs whose Y is stated with the blue of a mode that CMY is made of: at full x 0.21 y 0.11, violet.
+// Narrow LEDs; Y is given with the blue of a mode from which CMY is made: at full x 0.21 y 0.11, violet.
 constexpr std::array<fixtures::ColorXyY, 3> kNarrow = {
     {{0.702, 0.297, 10.8}, {0.168, 0.689, 20.6}, {0.152, 0.0257, 7.69}}};
 
-TEST_CASE("Emitters whose file states their colours begin at the white of the beam's colour temperature") {
+TEST_CASE("emitters whose file has their colours start at the white of the beam's colour temperature") {
   for (const double temperature_k : {3200.0, 5600.0, 8000.0}) {
     CAPTURE(temperature_k);
     CHECK(worst_from(demo_with(kNarrow, temperature_k), fixtures::black_body(temperature_k)) < 0.006);
@@ -132,8 +132,8 @@ TEST_CASE("Emitters whose file states their colours begin at the white of the be
   CHECK(worst_from(demo_with(kNarrow, 0), {0.3127, 0.3290, 100}) < 0.006);
 }
 
-TEST_CASE("A white that the emitters cannot reach gives the nearest one that they can") {
-  // Amber, cyan and blue: the white of 5600 K lies beyond the edge from amber to cyan.
+TEST_CASE("a white that the emitters cannot reach gives the nearest one that they can") {
+  // Amber, cyan and blue: the white of 5600 K is beyond the edge from amber to cyan.
   const std::array<fixtures::ColorXyY, 3> colors = {{{0.57, 0.42, 40}, {0.17, 0.20, 30}, {0.15, 0.05, 5}}};
   const fixtures::Rig rig = demo_with(colors, 5600);
   const fixtures::CompiledRig compiled = fixtures::compile(rig).value();
@@ -145,7 +145,7 @@ TEST_CASE("A white that the emitters cannot reach gives the nearest one that the
   CHECK(worst_from(rig, fixtures::black_body(5600)) < 0.05);
 }
 
-TEST_CASE("Red, green and blue of a file that does not state their colours begin at full") {
+TEST_CASE("red, green and blue of a file without their colours start at full") {
   fixtures::Rig rig = fixtures::demo_rig();
   for (fixtures::FixtureType& type : rig.types) {
     for (fixtures::Beam& beam : type.beams) beam.color_temperature_k = 3200;
@@ -158,7 +158,7 @@ TEST_CASE("Red, green and blue of a file that does not state their colours begin
   }
 }
 
-TEST_CASE("Modes of a real profile that add colours begin at the white of its modes that filter them") {
+TEST_CASE("modes of a real profile that add colours start at the white of its modes that filter them") {
   const char* data = std::getenv("FOOTLIGHT_TEST_DATA");
   const std::string path = fmt::format("{}/fixtures/gdtf/Robe@Robin_T1_Profile.gdtf", data == nullptr ? "" : data);
   const auto imported = fixtures::import_fixture(path);
@@ -181,7 +181,7 @@ TEST_CASE("Modes of a real profile that add colours begin at the white of its mo
     const auto& state = walker.states[0];
     whites.push_back(fixtures::to_xyy(fixtures::rgb_to_xyz({state.red, state.green, state.blue})));
   }
-  REQUIRE(whites.size() == 5);  // CMY, reduced CMY, RGBAL, RGB, reduced RGB; its CTC stands at some 5700 K by default
+  REQUIRE(whites.size() == 5);  // CMY, reduced CMY, RGBAL, RGB, reduced RGB; its CTC has some 5700 K by default
   for (const fixtures::ColorXyY& white : whites) {
     CHECK(std::hypot(white.x - whites[0].x, white.y - whites[0].y) < 0.006);
   }
@@ -214,7 +214,7 @@ fixtures::Rig room_with(const std::vector<std::string>& attributes) {
   return rig;
 }
 
-TEST_CASE("Haze and fog machines begin at the level that gives the room 0.02 a metre in the end") {
+TEST_CASE("haze and fog machines start at the level that finally gives the room 0.02 per metre") {
   for (const std::vector<std::string>& machines :
        {std::vector<std::string>{"Haze1"}, {"Fog1"}, {"Haze1", "Fog1"}, {"Haze1", "Haze1", "Haze1"}}) {
     CAPTURE(machines.size());
@@ -232,7 +232,7 @@ TEST_CASE("Haze and fog machines begin at the level that gives the room 0.02 a m
   }
 }
 
-TEST_CASE("A fog machine that can only be off or at full begins off") {
+TEST_CASE("a fog machine that is only off or at full starts off") {
   fixtures::Rig rig = room_with({"Fog1"});
   auto& functions = rig.types[0].modes[0].channels[0].functions;
   functions.push_back(functions[0]);
@@ -245,7 +245,7 @@ TEST_CASE("A fog machine that can only be off or at full begins off") {
   CHECK(hand.levels()[0] < 128);
 }
 
-TEST_CASE("fixtures of any one emitter begin lit, and tints stay out of a white") {
+TEST_CASE("fixtures with any single emitter start lit, and tints are not part of a white") {
   for (const char* emitter : {"ColorAdd_W", "ColorAdd_WW", "ColorAdd_CW", "ColorAdd_RY", "ColorAdd_UV"}) {
     for (const bool alone : {true, false}) {
       CAPTURE(emitter);
@@ -281,7 +281,7 @@ TEST_CASE("fixtures of any one emitter begin lit, and tints stay out of a white"
   }
 }
 
-// The demo rig with a change to every channel of this name, and the level that the first fixture's begins with.
+// The demo rig with a change to every channel of this name, and the start level of the first fixture's.
 template <class Change>
 int first_level(const char* name, const Change& change) {
   fixtures::Rig rig = fixtures::demo_rig();
@@ -302,7 +302,7 @@ int first_level(const char* name, const Change& change) {
   return -1;
 }
 
-TEST_CASE("where only a strobe lets light out, it begins with its slowest flash") {
+TEST_CASE("a fixture that only a strobe can open starts with its slowest strobe") {
   const auto level = [](bool opens) {
     return first_level("Shutter", [&](fixtures::Channel& channel) {
       for (fixtures::ChannelFunction& function : channel.functions) {
@@ -315,7 +315,7 @@ TEST_CASE("where only a strobe lets light out, it begins with its slowest flash"
   CHECK(level(false) == 64);  // 0.5 Hz of 0.5 to 25
 }
 
-TEST_CASE("lamps begin struck where a channel strikes them, and are not doused where one only douses") {
+TEST_CASE("lamps start struck if a channel can strike them, and are not doused if it can only douse") {
   const auto level = [](bool strikes) {
     return first_level("Red", [&](fixtures::Channel& channel) {
       fixtures::ChannelFunction douse = channel.functions[0];
@@ -335,7 +335,7 @@ TEST_CASE("lamps begin struck where a channel strikes them, and are not doused w
   CHECK(level(false) == 200);
 }
 
-TEST_CASE("a colour wheel without an open slot begins where it leaves most of the light") {
+TEST_CASE("a colour wheel without an open slot starts at the slot that passes most light") {
   fixtures::Rig rig = fixtures::demo_rig();
   for (fixtures::FixtureType& type : rig.types) {
     for (fixtures::Wheel& wheel : type.wheels) {  // its gobos become colours
@@ -362,7 +362,7 @@ TEST_CASE("a colour wheel without an open slot begins where it leaves most of th
   CHECK(seen > 0);
 }
 
-TEST_CASE("what a fader says is what the fixture does, to the resolution of its channel") {
+TEST_CASE("a fixture decodes the value of a fader, to the resolution of its channel") {
   Demo demo;
   const Fader* pan = find(demo.hand, 0, "Pan");
   REQUIRE(pan != nullptr);
@@ -376,7 +376,7 @@ TEST_CASE("what a fader says is what the fixture does, to the resolution of its 
   CHECK(std::abs(walker.states[1].pan) < 1e-3);
 }
 
-TEST_CASE("a fader stops at the ends of its way") {
+TEST_CASE("a fader is limited to its range") {
   Demo demo;
   const Fader* tilt = find(demo.hand, 0, "Tilt");
   REQUIRE(tilt != nullptr);
@@ -386,7 +386,7 @@ TEST_CASE("a fader stops at the ends of its way") {
   CHECK(tilt->value == tilt->from);
 }
 
-TEST_CASE("a fixture has no fader for what its mode has no channel for, and setting it changes nothing") {
+TEST_CASE("a fixture has no fader without a channel in its mode, and setting it changes nothing") {
   Demo demo;
   const std::size_t par = demo.rig.fixtures.size() - 1;
   CHECK(find(demo.hand, par, "Pan") == nullptr);
@@ -395,10 +395,10 @@ TEST_CASE("a fixture has no fader for what its mode has no channel for, and sett
   CHECK(std::equal(before.begin(), before.end(), demo.hand.levels().begin()));
 }
 
-TEST_CASE("a fixture without an address has no fader and takes none of the others' levels") {
+TEST_CASE("a fixture without an address has no fader and changes no other fixture's levels") {
   fixtures::Rig rig = fixtures::demo_rig();
   for (fixtures::PatchedFixture& fixture : rig.fixtures) {
-    if (fixture.universe != 1) fixture.patched = false;  // so that its universe is not there either
+    if (fixture.universe != 1) fixture.patched = false;  // so that the rig does not have its universe either
   }
   const fixtures::CompiledRig compiled = fixtures::compile(rig).value();
   HandLevels hand(rig, compiled);
@@ -409,12 +409,12 @@ TEST_CASE("a fixture without an address has no fader and takes none of the other
   }
 }
 
-TEST_CASE("by hand every fixture without an address gets slots that no other fixture hears, and lights up") {
+TEST_CASE("with faders every fixture without an address gets slots that no other fixture uses, and is lit") {
   fixtures::Rig rig = fixtures::demo_rig();
   for (std::size_t i = 0; i < rig.fixtures.size(); i += 2) rig.fixtures[i].patched = false;
   const fixtures::Rig before = rig;
   give_hand_addresses(rig);
-  const auto compiled = fixtures::compile(rig);  // refuses slots that two fixtures hear
+  const auto compiled = fixtures::compile(rig);  // refuses slots that two fixtures share
   REQUIRE(compiled.has_value());
   const HandLevels hand(rig, *compiled);
   fixtures::f64::Walker walker(*compiled);

@@ -14,7 +14,7 @@
 namespace footlight::tools {
 namespace {
 
-// A source that another thread gives frames to.
+// A source that gets its frames from another thread.
 class MailSource final : public Source {
  public:
   MailSource() : fd_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) { REQUIRE(fd_ >= 0); }
@@ -74,7 +74,7 @@ struct Live {
     levels = LiveLevels::start(universes, std::move(sources), clock).value();
   }
 
-  // Looks until universe `index` was written `count` times.
+  // Polls until universe `index` was written `count` times.
   void wait_for(std::size_t index, std::uint32_t count) {
     const TimeNs end_ns = clock.now_ns() + 30 * kNsPerS;
     do {
@@ -85,7 +85,7 @@ struct Live {
   }
 };
 
-TEST_CASE("what comes over the wire stands at its universe's place among those of the rig") {
+TEST_CASE("received levels are at the place of their universe in the rig") {
   Live live({2, 7});
   live.source->give(7, 200);
   live.wait_for(1, 1);
@@ -100,7 +100,7 @@ TEST_CASE("what comes over the wire stands at its universe's place among those o
   CHECK(live.levels->levels()[kSlotCountMax] == 5);
 }
 
-TEST_CASE("a universe of the rig that no source brings is known, and one that the rig has not is left out") {
+TEST_CASE("a universe of the rig without a source is reported as such, and one that is not in the rig is left out") {
   Live live({2, 7});
   CHECK_FALSE(live.levels->fed(2));
   CHECK(live.levels->fed(7));
@@ -111,7 +111,7 @@ TEST_CASE("a universe of the rig that no source brings is known, and one that th
   CHECK(live.levels->levels()[kSlotCountMax] == 1);
 }
 
-TEST_CASE("taking without a new frame returns at once with the levels as they were") {
+TEST_CASE("taking without a new frame returns at once with unchanged levels") {
   Live live({7});
   live.levels->take();
   CHECK(live.levels->levels()[0] == 0);
@@ -121,7 +121,7 @@ TEST_CASE("taking without a new frame returns at once with the levels as they we
   CHECK(live.levels->levels()[0] == 9);
 }
 
-TEST_CASE("a pump that waits for the wire ends when nobody looks any more") {
+TEST_CASE("a pump that waits for frames ends when its object is destroyed") {
   Live live({7});
   live.levels.reset();
   CHECK(live.levels == nullptr);

@@ -21,7 +21,7 @@ void check_near(const glm::dvec3& a, const glm::dvec3& b, double tolerance = 1e-
   CHECK(glm::length(a - b) < tolerance);
 }
 
-TEST_CASE("a camera that nobody has moved is the rig's camera") {
+TEST_CASE("a camera that was not moved is the rig's camera") {
   const fixtures::Camera back = OrbitCamera(foh()).camera();
   check_near(back.position_m, foh().position_m);
   check_near(back.target_m, foh().target_m);
@@ -29,7 +29,7 @@ TEST_CASE("a camera that nobody has moved is the rig's camera") {
   CHECK(back.exposure_ev == foh().exposure_ev);
 }
 
-TEST_CASE("orbiting keeps the target and the distance, and goes right and up when told to") {
+TEST_CASE("orbiting keeps the target and the distance, and positive angles go right and up") {
   OrbitCamera camera(foh());
   const render::View before = render::view_of(camera.camera());
   camera.orbit(0.1, 0.05);
@@ -41,7 +41,7 @@ TEST_CASE("orbiting keeps the target and the distance, and goes right and up whe
   CHECK(glm::dot(moved.position_m - foh().position_m, before.up) > 0.5);
 }
 
-TEST_CASE("no orbit turns the camera over its head") {
+TEST_CASE("no orbit turns the camera upside down") {
   OrbitCamera camera(foh());
   camera.orbit(0, 100);
   const render::View view = render::view_of(camera.camera());
@@ -50,7 +50,7 @@ TEST_CASE("no orbit turns the camera over its head") {
   CHECK(view.up.z > 0);
 }
 
-TEST_CASE("panning by the height of the picture moves the target to where the picture's edge was") {
+TEST_CASE("panning by the height of the picture moves the target to the former edge of the picture") {
   OrbitCamera camera(foh());
   const render::View view = render::view_of(foh());
   const double half_height_m = view.tan_half_fov * glm::length(foh().target_m - foh().position_m);
@@ -59,7 +59,7 @@ TEST_CASE("panning by the height of the picture moves the target to where the pi
   check_near(camera.camera().position_m, foh().position_m + view.up * half_height_m, 1e-9);
 }
 
-TEST_CASE("approaching never reaches the target, and leaving has an end") {
+TEST_CASE("approaching never reaches the target, and the distance is limited") {
   OrbitCamera camera(foh());
   const double distance_m = camera.distance_m();
   camera.approach(1);
@@ -120,7 +120,7 @@ TEST_CASE("a framed rig fills at least four fifths of the picture, across or upw
   }
 }
 
-TEST_CASE("a camera that looks at itself can still be moved") {
+TEST_CASE("a camera at its own target can still be moved") {
   fixtures::Camera camera = foh();
   camera.target_m = camera.position_m;
   OrbitCamera orbit(camera);
@@ -130,7 +130,7 @@ TEST_CASE("a camera that looks at itself can still be moved") {
   CHECK(orbit.distance_m() == doctest::Approx(1));
 }
 
-TEST_CASE("the bounds hold every fixture and the floor under it; without fixtures, the boxes") {
+TEST_CASE("the bounds contain every fixture and the floor under it; without fixtures, the boxes") {
   const fixtures::Rig& demo = fixtures::demo_rig();
   const Bounds bounds = bounds_of(demo);
   CHECK(bounds.low_m.z == 0);

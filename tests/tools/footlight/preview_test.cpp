@@ -1,4 +1,4 @@
-// The window as a user meets it. Under Xvfb where that and a Vulkan device are installed; skips with a word elsewhere.
+// The window as users see it. Under Xvfb if that and a Vulkan device are installed; else skipped with a message.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -21,7 +21,7 @@ std::string read(const std::string& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// Whether a window can be opened here at all; says why not.
+// True if a window can be opened here; else prints why not.
 bool can_open_window() {
   const HeadlessVulkan vulkan;  // the same device, with the validation layer
   if (!vulkan) return false;
@@ -38,7 +38,7 @@ int preview(const TempFolder& folder, const std::string& arguments, const std::s
       "FOOTLIGHT_VALIDATION=1 ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1024x768x24' " FOOTLIGHT_BINARY
       " preview " +
       arguments + " > " + folder.file("out") + " 2> " + folder.file("err");
-  const int status = std::system(line.c_str());  // NOLINT: words of this test
+  const int status = std::system(line.c_str());  // arguments of this test only
   INFO(read(folder.file("err")));
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
@@ -51,21 +51,21 @@ nlohmann::json summary(const TempFolder& folder) {
   return nlohmann::json::parse(out.substr(before == std::string::npos ? 0 : before + 1));
 }
 
-TEST_CASE("without a display the preview says so and names the way without one") {
+TEST_CASE("without a display the preview fails with a message that names footlight render") {
   const Outcome outcome = Footlight({"preview", "--demo"}, {{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}}).wait();
   CHECK(outcome.exit_code == 1);
   CHECK((contains(outcome.err, "no window") || contains(outcome.err, "libglfw3-dev")));
   CHECK(contains(outcome.err, "footlight render"));
 }
 
-TEST_CASE("a log and a live input at once are refused before any window opens") {
+TEST_CASE("a log and a live input at once are refused before a window opens") {
   const Outcome outcome = footlight({"preview", "--demo", "--log", "a.dmxlog", "--in", "sacn:1"});
   if (contains(outcome.err, "libglfw3-dev")) return;  // a build without a window
   CHECK(outcome.exit_code == 2);
   CHECK(contains(outcome.err, "--log and --in"));
 }
 
-TEST_CASE("the demo opens, draws, takes its picture and closes by itself without a word from the validation layer") {
+TEST_CASE("the demo opens, draws, saves a picture and closes without a message from the validation layer") {
   if (!can_open_window()) return;
   const TempFolder folder;
   const int code =
@@ -81,7 +81,7 @@ TEST_CASE("the demo opens, draws, takes its picture and closes by itself without
   CHECK(line["frames"].get<int>() >= 1);
   CHECK(line["live"].get<int>() > 0);
   CHECK(line["width"] == 320);
-  // A text stands in the window before the picture.
+  // The window shows a text before the first picture.
   CHECK(read(folder.file("out")).starts_with("{\"event\":\"loading\""));
   CHECK(line["first_text_ms"].get<double>() > 0);
   CHECK(line["first_text_ms"].get<double>() < line["first_picture_ms"].get<double>());
@@ -90,7 +90,7 @@ TEST_CASE("the demo opens, draws, takes its picture and closes by itself without
   CHECK(png.substr(1, 3) == "PNG");
 }
 
-TEST_CASE("a rig that nothing drives opens with its fixtures lit") {
+TEST_CASE("a rig without input opens with its fixtures lit") {
   if (!can_open_window()) return;
   const TempFolder folder;
   std::ofstream(folder.file("rig.toml")) << kOnePar;

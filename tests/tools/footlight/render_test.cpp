@@ -1,4 +1,4 @@
-// footlight render and report as a user meets them; on lavapipe where it is installed.
+// footlight render and report as users run them; on lavapipe if it is installed.
 #include <csignal>
 #include <cstdint>
 #include <filesystem>
@@ -27,7 +27,7 @@ std::string read(const std::string& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// Drivers that the Vulkan loader has closed leave some memory (tests/support/headless_vulkan.cpp).
+// Drivers leak some memory after the Vulkan loader closes them (tests/support/headless_vulkan.cpp).
 const std::map<std::string, std::string> kNoLeaks = {{"ASAN_OPTIONS", "detect_leaks=0"}};
 
 std::uint32_t big_endian(const std::string& bytes, std::size_t at) {
@@ -49,7 +49,7 @@ bool no_encoder(const Outcome& outcome) {
   return contains(outcome.err, "libav") && contains(outcome.err, "frame_%04d.png");
 }
 
-TEST_CASE("a video of 0.4 s lasts 0.4 s, and pictures with numbers have one of its end") {
+TEST_CASE("a video of 0.4 s lasts 0.4 s, and numbered pictures include one at its end") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const TempFolder folder;
@@ -200,7 +200,7 @@ TEST_CASE("a trace is what the GPU's states are at the same times") {
   CHECK(brightest > 0.1);
 }
 
-TEST_CASE("report refuses a rig that nothing drives, and judges it lit by hand") {
+TEST_CASE("report refuses a rig without levels, and judges it with --lit") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const TempFolder folder;

@@ -1,4 +1,4 @@
-// footlight report --time, as a user runs it.
+// footlight report --time, as users run it.
 #include <algorithm>
 #include <csignal>
 #include <cstddef>
@@ -85,7 +85,7 @@ TEST_CASE("rows of a report are printed as they are measured; Ctrl-C keeps them,
   }
 }
 
-TEST_CASE("on a terminal a report shows how far it is and about how long it takes") {
+TEST_CASE("on a terminal a report shows its progress and the remaining time") {
   int terminal = -1, other = -1;
   REQUIRE(openpty(&terminal, &other, nullptr, nullptr, nullptr) == 0);
   const pid_t pid = fork();
@@ -128,7 +128,7 @@ TEST_CASE("the worst disagreements of float and double are printed with the inpu
   }
 }
 
-TEST_CASE("a folder that is not there ends the report with its name before a row is measured") {
+TEST_CASE("a missing folder ends the report with its name before a row is measured") {
   const Outcome outcome = footlight({"report", "--time", "--quick", "--json", "--csv", "/no/such/folder/r.csv"});
   CHECK(outcome.exit_code == 1);
   CHECK(outcome.out.empty());

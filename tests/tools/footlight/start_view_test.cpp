@@ -51,7 +51,7 @@ TEST_CASE("the start view has every fixture and the floor below it in the pictur
   CHECK(camera.fov_deg == doctest::Approx(fixtures::Camera{}.fov_deg));
 }
 
-TEST_CASE("the start view does not have most fixtures behind each other, where there is another side") {
+TEST_CASE("the start view does not have most fixtures behind each other, if there is another side") {
   fixtures::Rig rig;
   rig.types = {fixtures::demo_rig().types.front()};
   for (const glm::dvec3& at : {glm::dvec3(0, 0, 0), glm::dvec3(5, 0, 0), glm::dvec3(-5, 0, 0), glm::dvec3(0, 5, 0),
@@ -87,7 +87,7 @@ TEST_CASE("in a hall the start view is inside its walls, and still has the fixtu
   hall.parts.push_back({"hall.3ds", pose});
   rig.objects.push_back(hall);
   const fixtures::Camera camera = start_view(rig, kAspect, false);
-  CHECK(open_m > 8);  // or the walls would not be in the way
+  CHECK(open_m > 8);  // otherwise the walls would not be in the way
   for (int i = 0; i < 2; ++i) CHECK(std::abs(camera.position_m[i]) < 7);
   CHECK(camera.position_m.z < 8);
   for (const auto& fixture : rig.fixtures) CHECK(in_picture(camera, fixture.position_m));
@@ -102,7 +102,7 @@ TEST_CASE("a lit rig is exposed by its lumens: four times the light, two stops")
   CHECK(start_view(rig, kAspect, false).exposure_ev == fixtures::Camera{}.exposure_ev);
 }
 
-TEST_CASE("the light for a rig that is lit by hand shows a black housing at every exposure, and no more than that") {
+TEST_CASE("the work light of a lit rig shows a black housing at every exposure, and not more") {
   for (const double exposure_ev : {-2.0, 4.0, 10.0, 14.0}) {
     CAPTURE(exposure_ev);
     // A side face with a reflectance of 0.04 gets 0.6 of the work light.
@@ -117,7 +117,7 @@ TEST_CASE("the light for a rig that is lit by hand shows a black housing at ever
   CHECK(work_light_lx(4) == 150);
 }
 
-TEST_CASE("a rig with cameras of its own keeps them, and one of another program begins at the start view") {
+TEST_CASE("a rig with cameras of its own keeps them, and one of another program starts at the start view") {
   fixtures::Rig rig = row_of_lamps();
   rig.cameras = {{"front", {}, {}, 50, 4}};
   add_start_view(rig, kAspect, false);

@@ -1,4 +1,4 @@
-// The levels of a log over time, and the files that pictures go to.
+// The levels of a log over time, and picture files.
 #include <algorithm>
 #include <filesystem>
 #include <string>
@@ -21,7 +21,7 @@ using footlight::testing::TempFolder;
 
 constexpr DurationNs kMs = 1'000'000;
 
-// A rig that listens to universes 2 and 5.
+// A rig on universes 2 and 5.
 fixtures::CompiledRig rig_of_two() {
   fixtures::CompiledRig compiled;
   compiled.universes = {2, 5};
@@ -40,7 +40,7 @@ Timeline timeline_of(const std::vector<OwnedFrame>& frames, DurationNs end_ns) {
   return Timeline(testing::open_log(testing::log_bytes(frames, end_ns)), rig_of_two());
 }
 
-// What the steps said, levels as long as they were held: pieces of equal levels that touch are one.
+// The steps as levels and the time they were held; touching pieces of equal levels are joined.
 struct Held {
   std::vector<std::uint8_t> levels;
   DurationNs held_ns = 0;
@@ -55,7 +55,7 @@ struct Story {
   int exposures = 0;
   int backward = 0;
 
-  Timeline::Step hear() {
+  Timeline::Step recorder() {
     return [this](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
       ++steps;
       exposures += new_exposure;
@@ -72,19 +72,19 @@ struct Story {
   }
 };
 
-TEST_CASE("levels are held from the moment they came, and universes that the rig lacks cut nothing") {
+TEST_CASE("levels are held from the moment they arrived, and universes that are not in the rig split nothing") {
   Timeline timeline = timeline_of({frame_of(0, 2, 10), frame_of(5 * kMs, 3, 99), frame_of(10 * kMs, 5, 20),
                                    frame_of(10 * kMs, 2, 11), frame_of(12 * kMs, 2, 11), frame_of(30 * kMs, 2, 12)},
                                   50 * kMs);
   Story story;
-  REQUIRE(timeline.advance(40 * kMs, 0, story.hear()));
+  REQUIRE(timeline.advance(40 * kMs, 0, story.recorder()));
   CHECK(timeline.now_ns() == 40 * kMs);
   CHECK(timeline.duration_ns() == 50 * kMs);
   REQUIRE(story.held.size() == 3);
   CHECK(story.held[0].held_ns == 10 * kMs);
   CHECK(story.held[0].levels[0] == 10);
   CHECK(story.held[0].levels[511] == 10);
-  CHECK(story.held[0].levels[512] == 0);  // universe 5 has not been heard
+  CHECK(story.held[0].levels[512] == 0);  // universe 5 has not been received
   CHECK(story.held[1].held_ns == 20 * kMs);
   CHECK(story.held[1].levels[0] == 11);
   CHECK(story.held[1].levels[512] == 20);
@@ -93,13 +93,13 @@ TEST_CASE("levels are held from the moment they came, and universes that the rig
 }
 
 TEST_CASE("one long advance and many short ones hold the same levels for the same times") {
-  // Random traffic over universes 1, 8, 15, ..., moved to those of the rig and one that it does not know.
+  // Random traffic over universes 1, 8, 15, ..., moved to those of the rig and one that is not in it.
   std::vector<OwnedFrame> frames = testing::random_frames(3, 400, 3);
   for (OwnedFrame& frame : frames) frame.universe = frame.universe == 1 ? 2 : frame.universe == 8 ? 5 : 9;
   const DurationNs end_ns = frames.back().time_ns + 7 * kMs;
   Story whole;
   Timeline in_one_go = timeline_of(frames, end_ns);
-  REQUIRE(in_one_go.advance(end_ns, 0, whole.hear()));
+  REQUIRE(in_one_go.advance(end_ns, 0, whole.recorder()));
   CHECK(whole.total_ns == end_ns);
   CHECK(whole.held.size() > 100);
 
@@ -111,7 +111,7 @@ TEST_CASE("one long advance and many short ones hold the same levels for the sam
     DurationNs at_ns = 0;
     while (at_ns < end_ns) {
       at_ns = std::min(at_ns + static_cast<DurationNs>(random.below(static_cast<std::uint64_t>(longest_ns))), end_ns);
-      REQUIRE(timeline.advance(at_ns, static_cast<DurationNs>(random.below(30'000'000)), pieces.hear()));
+      REQUIRE(timeline.advance(at_ns, static_cast<DurationNs>(random.below(30'000'000)), pieces.recorder()));
       REQUIRE(timeline.now_ns() == at_ns);
     }
     CHECK(pieces.backward == 0);
@@ -120,35 +120,35 @@ TEST_CASE("one long advance and many short ones hold the same levels for the sam
   }
 }
 
-TEST_CASE("the last part of an advance is one exposure of the length asked for") {
+TEST_CASE("the last part of an advance is one exposure of the given length") {
   std::vector<OwnedFrame> frames;
   for (int i = 0; i < 100; ++i) frames.push_back(frame_of(i * 3 * kMs, 2, static_cast<std::uint8_t>(i)));
   Timeline timeline = timeline_of(frames, 300 * kMs);
   for (const DurationNs at_ns : {100 * kMs, 140 * kMs, 180 * kMs, 299 * kMs}) {
     Story story;
-    REQUIRE(timeline.advance(at_ns, 20 * kMs, story.hear()));
+    REQUIRE(timeline.advance(at_ns, 20 * kMs, story.recorder()));
     CHECK(story.exposed_ns == 20 * kMs);
     CHECK(story.exposures == 2);  // one before the shutter opens, one of the picture
   }
   // An exposure longer than the advance is all of it.
   Story story;
-  REQUIRE(timeline.advance(305 * kMs, 20 * kMs, story.hear()));
+  REQUIRE(timeline.advance(305 * kMs, 20 * kMs, story.recorder()));
   CHECK(story.exposed_ns == 6 * kMs);
   CHECK(story.exposures == 1);
 }
 
-TEST_CASE("past the end of the log the last look is held") {
+TEST_CASE("after the end of the log the last levels are held") {
   Timeline timeline = timeline_of({frame_of(0, 2, 7), frame_of(10 * kMs, 2, 200)}, 20 * kMs);
   Story story;
-  REQUIRE(timeline.advance(3'600'000 * kMs, 0, story.hear()));
-  REQUIRE(timeline.advance(7'200'000 * kMs, 40 * kMs, story.hear()));
+  REQUIRE(timeline.advance(3'600'000 * kMs, 0, story.recorder()));
+  REQUIRE(timeline.advance(7'200'000 * kMs, 40 * kMs, story.recorder()));
   CHECK(timeline.now_ns() == 7'200'000 * kMs);
   REQUIRE(story.held.size() == 2);
   CHECK(story.held[1].levels[0] == 200);
   CHECK(story.held[1].held_ns == 7'199'990 * kMs);
 }
 
-TEST_CASE("a picture at the very beginning has one step of no length with the levels of time 0") {
+TEST_CASE("a picture at time 0 has one step of length 0 with the levels of time 0") {
   Timeline timeline = timeline_of({frame_of(0, 2, 7), frame_of(10 * kMs, 2, 200)}, 20 * kMs);
   std::vector<std::uint8_t> first_levels;
   int steps = 0;
@@ -162,16 +162,16 @@ TEST_CASE("a picture at the very beginning has one step of no length with the le
   CHECK(first_levels[0] == 7);
 }
 
-TEST_CASE("a log without a frame for the rig holds darkness for as long as it is asked to") {
+TEST_CASE("a log without a frame for the rig gives darkness of any length") {
   Timeline timeline = timeline_of({frame_of(5 * kMs, 77, 255)}, 20 * kMs);
   Story story;
-  REQUIRE(timeline.advance(20 * kMs, 0, story.hear()));
+  REQUIRE(timeline.advance(20 * kMs, 0, story.recorder()));
   REQUIRE(story.held.size() == 1);
   CHECK(story.held[0].held_ns == 20 * kMs);
   CHECK(std::all_of(story.held[0].levels.begin(), story.held[0].levels.end(), [](auto level) { return level == 0; }));
 }
 
-TEST_CASE("a flash from the wire shines as long as its stamps say, wherever it lies between live pictures") {
+TEST_CASE("a live flash is as long as its stamps, wherever it falls between pictures") {
   const auto rig = fixtures::parse_rig(
       "[rig]\nname = \"r\"\n[[fixture]]\nname = \"A\"\ntype = \"generic/par\"\nuniverse = 2\naddress = 1\n"
       "position = [0, 0, 5]\n",
@@ -213,7 +213,7 @@ TEST_CASE("a flash from the wire shines as long as its stamps say, wherever it l
       TimeNs now_ns = start_ns;
       while (now_ns < start_ns + 200 * kMs) {
         now_ns += kMs + static_cast<DurationNs>(random.below(25'000'000));
-        // What has happened by now has come by now; pictures are 2 ms behind.
+        // Everything before now has arrived by now; pictures are 2 ms behind.
         if (!is_on && on_ns <= now_ns) send(255, on_ns), is_on = true;
         if (!is_over && on_ns + flash_ns <= now_ns) send(0, on_ns + flash_ns), is_over = true;
         picture(std::max(now_ns - 2 * kMs, timeline.now_ns()));
@@ -230,7 +230,7 @@ TEST_CASE("a flash from the wire shines as long as its stamps say, wherever it l
   }
 }
 
-TEST_CASE("a recorded VRSL show replays to the same states, whatever pictures are asked for") {
+TEST_CASE("a recorded VRSL show replays to the same states, whatever pictures are rendered") {
   const auto rig = fixtures::parse_rig(
       "[rig]\nname = \"r\"\n[vrsl]\n[[fixture]]\nname = \"A{}\"\ntype = \"vrsl/spot\"\nuniverse = 2\naddress = 1\n"
       "position = [0, 0, 5]\ncount = 3\n",
@@ -274,16 +274,16 @@ TEST_CASE("a recorded VRSL show replays to the same states, whatever pictures ar
   CHECK(once[0].pan != once[1].pan);
 }
 
-TEST_CASE("a picture's number goes into its one place, padded as asked") {
+TEST_CASE("a picture's number replaces the placeholder, padded as written") {
   CHECK(is_numbered("frame_%04d.png"));
   CHECK(is_numbered("%d"));
   CHECK(*numbered_path("frame_%04d.png", 7) == "frame_0007.png");
   CHECK(*numbered_path("frame_%04d.png", 123456) == "frame_123456.png");
   CHECK(*numbered_path("out/%d.png", 12) == "out/12.png");
-  CHECK(*numbered_path("%3d", 5) == "005");  // a name with spaces would be nobody's wish
+  CHECK(*numbered_path("%3d", 5) == "005");  // spaces in names are not useful
 }
 
-TEST_CASE("a name without exactly one place for the number is refused by its name") {
+TEST_CASE("a name without exactly one placeholder is refused by name") {
   for (const char* path : {"frame.png", "frame_%d_%d.png", "100%.png", "%s.png", "%04", "%", "", "%x%d"}) {
     CAPTURE(path);
     CHECK(!is_numbered(path));
@@ -295,7 +295,7 @@ TEST_CASE("a name without exactly one place for the number is refused by its nam
   }
 }
 
-TEST_CASE("a PNG into a folder that is not there is an error that names the file, and nothing is left behind") {
+TEST_CASE("a PNG into a missing folder is an error that names the file, and no file is left behind") {
   const TempFolder folder;
   const render::ScreenImage image{2, 1, {255, 0, 0, 255, 0, 255, 0, 255}};
   const std::string path = folder.file("missing/frame.png");
@@ -311,7 +311,7 @@ TEST_CASE("a PNG into a folder that is not there is an error that names the file
   REQUIRE(bytes.size() > 8);
   CHECK(std::string(bytes.begin() + 1, bytes.begin() + 4) == "PNG");
   CHECK(!std::filesystem::exists(good + ".part"));
-  // In place of a folder it cannot go; what was there stays.
+  // It cannot replace a folder; the folder stays.
   std::filesystem::create_directory(folder.file("taken.png"));
   const Status taken = write_png(folder.file("taken.png"), image);
   REQUIRE(!taken);

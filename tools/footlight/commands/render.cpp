@@ -1,4 +1,4 @@
-// footlight render: pictures and videos of a rig driven by a log, without a display.
+// footlight render: makes pictures and videos of a rig driven by a log, without a display.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -34,7 +34,7 @@ struct Options {
   DurationNs from_ns = 0;
   DurationNs until_ns = -1;
   DurationNs exposure_ns = -1;
-  std::optional<double> exposure_ev;  // else the camera's own
+  std::optional<double> exposure_ev;  // default: the camera's own
   int nodes = 3;
   int gobo_taps = 64;
   int supersample = 1;
@@ -63,11 +63,10 @@ Status check_options(const Options& options) {
     return fail(ErrorCode::kBadInput, "--every {}: expected 1 ms or more", show_duration(options.every_ns));
   }
   if (many && !is_video(options.out) && !is_numbered(options.out)) {
-    return fail(
-        ErrorCode::kBadInput,
-        "{}: with --every, expected a place for the picture's number, as in frame_%04d.png, or a name that ends "
-        "in .mp4",
-        options.out);
+    return fail(ErrorCode::kBadInput,
+                "{}: with --every, expected a placeholder for the number, such as frame_%04d.png, or a name that ends "
+                "in .mp4",
+                options.out);
   }
   if (options.flashes != "warn" && options.flashes != "limit" && options.flashes != "ignore") {
     return fail(ErrorCode::kBadInput, "--flashes {}: expected warn, limit or ignore", options.flashes);
@@ -84,7 +83,7 @@ Status check_options(const Options& options) {
                 show_duration(kFlashPauseMaxNs));
   }
   if ((options.lit || !options.sets.empty()) && (!options.files.log.empty() || options.files.demo)) {
-    return fail(ErrorCode::kBadInput, "--lit and --set are for a rig without a log: expected one of them");
+    return fail(ErrorCode::kBadInput, "--lit and --set are for a rig without a log; remove them or --log");
   }
   if (!many && is_video(options.out)) {
     return fail(ErrorCode::kBadInput, "{}: a video needs --every, as in --every 40ms", options.out);
@@ -92,7 +91,7 @@ Status check_options(const Options& options) {
   return {};
 }
 
-// One render job: the log walks on, a picture is taken, it goes to its file.
+// One render job: steps through the log, takes each picture, and writes it to its file.
 class Job {
  public:
   Job(const Options& options, const StopSignal& stop, Timeline* timeline, render::Frame& frame,
@@ -102,7 +101,7 @@ class Job {
     if (watches) flashes_.emplace(options.flashes == "limit");
   }
 
-  // Takes the picture, or none where the program is stopped on the way to it.
+  // Takes the picture; none if a stop request arrives before it.
   Status take(DurationNs at_ns, DurationNs exposure_ns) {
     const auto start = std::chrono::steady_clock::now();
     Status flushed;
@@ -144,21 +143,21 @@ class Job {
     if (!flashes_) return {};
     for (const FlashStretch& stretch : flashes_->stretches()) say_flashes(stretch);
     if (flashes_->least_gain() < 1) {
-      say(fmt::format(R"({{"event":"flashes-limited","least_gain":{:.3f}}})", flashes_->least_gain()),
-          fmt::format("flashes were held back, down to {:.0f} % of their light", 100 * flashes_->least_gain()));
+      print_event(fmt::format(R"({{"event":"flashes-limited","least_gain":{:.3f}}})", flashes_->least_gain()),
+                  fmt::format("flashes were held back, down to {:.0f} % of their light", 100 * flashes_->least_gain()));
     }
     return {};
   }
   [[nodiscard]] int count() const { return number_; }
   void tell_stop() const {
-    say(fmt::format(R"({{"event":"stopped","pictures":{},"time_ns":{}}})", number_, last_ns_),
-        number_ == 0 ? "stopped before the first picture; nothing was written"
-                     : fmt::format("stopped after {} picture{}, at {}; they are in {}", number_,
-                                   number_ == 1 ? "" : "s", show_duration(last_ns_), options_.out));
+    print_event(fmt::format(R"({{"event":"stopped","pictures":{},"time_ns":{}}})", number_, last_ns_),
+                number_ == 0 ? "stopped before the first picture; nothing was written"
+                             : fmt::format("stopped after {} picture{}, at {}; they are in {}", number_,
+                                           number_ == 1 ? "" : "s", show_duration(last_ns_), options_.out));
   }
 
  private:
-  void say(const std::string& json, const std::string& text) const {
+  void print_event(const std::string& json, const std::string& text) const {
     if (options_.json) {
       fmt::print("{}\n", json);
     } else {
@@ -166,16 +165,18 @@ class Job {
     }
   }
 
-  // Told as soon as it begins, since a video takes its time; measured at the end.
+  // Reported as soon as it begins, since a video takes long; measured at the end.
   void watch_flashes(DurationNs at_ns) {
-    if (!flashes_ || !flashes_->snapshot(at_ns, picture_) || flashes_->stretches().size() > 1) return;
-    say(fmt::format(R"({{"event":"flashes-begin","time_ns":{}}})", at_ns),
+    if (!flashes_ || !flashes_->check(at_ns, picture_) || flashes_->stretches().size() > 1) return;
+    print_event(
+        fmt::format(R"({{"event":"flashes-begin","time_ns":{}}})", at_ns),
         fmt::format("flashes that may harm people with photosensitive epilepsy from {} on{}", show_duration(at_ns),
                     options_.flashes == "limit" ? ", held back" : "; --flashes limit holds them back"));
   }
 
   void say_flashes(const FlashStretch& stretch) const {
-    say(fmt::format(
+    print_event(
+        fmt::format(
             R"({{"event":"flashes","from_ns":{},"until_ns":{},"flashes_a_second":{:.1f},"area":{:.3f},"red":{}}})",
             stretch.from_ns, stretch.until_ns, stretch.flashes, stretch.area, stretch.red),
         fmt::format("{} to {}: up to {:.1f}{} flashes within a second over {:.0f} % of the picture{}",
@@ -245,7 +246,7 @@ Result<int> render_pictures(const Options& options) {
   print_warnings(frame->resources().rig.diagnostics);
   if (by_hand) {
     HandLevels hand(rig, compiled);
-    // Machines that are set begin in clear air.
+    // Machines in --set start with clear air.
     const bool sets_air = std::any_of(options.sets.begin(), options.sets.end(), [](const std::string& text) {
       return text.find("Haze") != std::string::npos || text.find("Fog") != std::string::npos;
     });
@@ -265,7 +266,7 @@ Result<int> render_pictures(const Options& options) {
   } else {
     const DurationNs end_ns = options.until_ns >= 0 ? options.until_ns : timeline ? timeline->duration_ns() : 0;
     const DurationNs exposure_ns = options.exposure_ns >= 0 ? options.exposure_ns : options.every_ns;
-    // A picture of a video stays until the next one, so none begins at the end; but there is at least one.
+    // A picture of a video lasts until the next one, so none begins at the end; but there is at least one.
     const DurationNs last_ns = is_video(options.out) ? std::max(end_ns - 1, options.from_ns) : end_ns;
     for (DurationNs at_ns = options.from_ns; at_ns <= last_ns && !stop.came(); at_ns += options.every_ns) {
       FL_TRY(job.take(at_ns, exposure_ns));
@@ -292,31 +293,32 @@ void add(Arguments& arguments) {
   arguments.option("--out,-o", options->out, "FILE",
                    "frame.png, frame.exr, frame_%04d.png, frame_%04d.exr or show.mp4");
   arguments.duration("--at", options->at_ns, "one picture, at this time of the log");
-  arguments.duration("--every", options->every_ns, "pictures this far apart");
-  arguments.duration("--from", options->from_ns, "with --every: the first picture's time");
+  arguments.duration("--every", options->every_ns, "many pictures, at this interval");
+  arguments.duration("--from", options->from_ns, "with --every: time of the first picture [0]");
   arguments.duration("--until", options->until_ns,
-                     "with --every: no picture after this time, where a video ends; the end of the log");
-  arguments.duration("--exposure", options->exposure_ns,
-                     "how long the shutter is open before the picture's time; 20ms, or all of --every");
-  arguments.option("--ev", options->exposure_ev, -20, 30, "exposure value at ISO 100; the camera's own");
-  arguments.option("--size", options->size, "WxH", "of the picture in pixels");
-  arguments.option("--camera", options->camera, "NAME", "a camera of the rig; its first one");
-  arguments.option("--nodes", options->nodes, 1, 8,
-                   "Gauss nodes a beam and pixel: error and time, see footlight report");
-  arguments.option("--supersample", options->supersample, 1, 4,
-                   "so many times the pixels a side, their light averaged: smooth edges for that squared of work");
-  arguments.option("--gobo-taps", options->gobo_taps, 1, 1024, "looks at the gobo a beam and pixel: error and time");
-  arguments.option("--flashes", options->flashes, "WORD",
-                   "harmful flashes (more than three a second): warn, limit or ignore; warn");
+                     "with --every: no picture after this time, and end of the video; default: the end of the log");
+  arguments.option("--size", options->size, "WxH", "size of the picture in pixels");
+  arguments.option("--camera", options->camera, "NAME", "a camera of the rig; default: its first one");
   arguments.flag("--lit", options->lit,
-                 "without a log: every fixture at full, open and at its own white, its axes in the middle, hazers on");
+                 "without a log: every fixture at full, open and at its own white, axes in the middle, hazers on");
   arguments.list("--set", options->sets, "WORDS",
-                 "as --lit, and ATTRIBUTE=VALUE of all fixtures or FIXTURE:ATTRIBUTE=VALUE of one; many times");
+                 "as --lit, with ATTRIBUTE=VALUE of all fixtures or FIXTURE:ATTRIBUTE=VALUE of one; several times");
   arguments.option(
       "--work-light", options->work_light_lx, 0, 1e6,
-      "lx on every surface on top of the rig's; 150 or more where nothing drives the rig, a little with --lit");
-  arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this");
-  arguments.flag("--json", options->json, "one JSON object a picture");
+      "lx on every surface in addition to the rig's; default: 150 or more without input, little with --lit");
+  arguments.option("--flashes", options->flashes, "WORD",
+                   "harmful flashes (more than three a second): warn, limit or ignore [warn]");
+  arguments.duration("--exposure", options->exposure_ns,
+                     "time that the shutter is open before the picture's time; default: 20ms, or all of --every");
+  arguments.option("--ev", options->exposure_ev, -20, 30, "exposure value at ISO 100; default: the camera's own");
+  arguments.option("--nodes", options->nodes, 1, 8, "Gauss nodes per beam and pixel; error and time: footlight report");
+  arguments.option(
+      "--supersample", options->supersample, 1, 4,
+      "pixels per side for each pixel, averaged before the tone map: smooth edges at N x N times the work");
+  arguments.option("--gobo-taps", options->gobo_taps, 1, 1024,
+                   "samples of the gobo per beam and pixel; error and time: footlight report");
+  arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this text");
+  arguments.flag("--json", options->json, "one JSON object a line for each picture");
   arguments.job([options]() -> Result<int> { return render_pictures(*options); });
 }
 
@@ -331,10 +333,10 @@ extern const CommandInfo render_command{
         "  footlight render rig.toml --log show.dmxlog --every 40ms -o frame_%04d.png\n"
         "  footlight render rig.toml --log show.dmxlog --at 12.5s -o frame.exr         linear light in cd/m2, OpenEXR\n"
         "  footlight render hall.mvr --at 0s -o hall.png              in work light\n"
-        "  footlight render hall.mvr --lit --set Tilt=30 --set Iris=0.4 --at 0s -o look.png\n"
+        "  footlight render hall.mvr --lit --set Tilt=30 --set Iris=0.4 --at 0s -o tilted.png\n"
         "  footlight render --demo --every 40ms --from 10s --until 20s --camera side -o side.mp4\n"
-        "The same rig, log and time give the same picture, bit for bit on one device. Ctrl-C stops after the picture\n"
-        "under way; the video or the pictures up to there are whole.",
+        "The same rig, log and time give the same picture, bit for bit on one device. Ctrl-C stops after the current\n"
+        "picture; the video or the pictures so far are complete.",
     .add = add,
 };
 

@@ -1,4 +1,4 @@
-// What a guard against harmful flashes does: the words of --flashes.
+// The words of --flashes.
 #pragma once
 
 #include <string_view>

@@ -62,20 +62,20 @@ std::vector<double> equal_areas() {
 
 }  // namespace
 
-FlashWatch::FlashWatch(bool limit) : limit_(limit), guard_({}, equal_areas()), asked_({}, equal_areas()) {}
+FlashWatch::FlashWatch(bool limit) : limit_(limit), guard_({}, equal_areas()), input_({}, equal_areas()) {}
 
 bool FlashWatch::note(DurationNs at_ns, const render::ScreenImage& picture) {
   tiles_ = tiles_of(picture);
-  const FlashVerdict asked = asked_.measure(at_ns, tiles_);
-  const bool begins = asked.harmful && !harmful_;
-  harmful_ = asked.harmful;
+  const FlashVerdict input = input_.measure(at_ns, tiles_);
+  const bool begins = input.harmful && !harmful_;
+  harmful_ = input.harmful;
   if (begins) stretches_.push_back({.from_ns = at_ns});
   if (harmful_) {
     FlashStretch& stretch = stretches_.back();
     stretch.until_ns = at_ns;
-    stretch.flashes = std::max({stretch.flashes, asked.flashes, asked.red_flashes});
-    stretch.area = std::max({stretch.area, asked.area, asked.red_area});
-    stretch.red = stretch.red || asked.red_area > asked.area;
+    stretch.flashes = std::max({stretch.flashes, input.flashes, input.red_flashes});
+    stretch.area = std::max({stretch.area, input.area, input.red_area});
+    stretch.red = stretch.red || input.red_area > input.area;
   }
   return begins;
 }
@@ -93,7 +93,7 @@ bool FlashWatch::must_wait(DurationNs at_ns, const render::ScreenImage& picture)
   return false;
 }
 
-bool FlashWatch::snapshot(DurationNs at_ns, render::ScreenImage& picture) {
+bool FlashWatch::check(DurationNs at_ns, render::ScreenImage& picture) {
   const bool begins = note(at_ns, picture);
   if (limit_) {
     const FlashVerdict shown = guard_.limit(at_ns, tiles_, gains_);

@@ -10,7 +10,7 @@ namespace footlight::tools {
 
 class LogChanges final : public LevelChanges {
  public:
-  // universes: those of the rig, ascending; others are skipped. Takes over the reader.
+  // universes: those of the rig, ascending; others are skipped. Takes ownership of the reader.
   LogChanges(LogReader reader, std::vector<Universe> universes);
   Result<bool> next(LevelChange& change) override;
 

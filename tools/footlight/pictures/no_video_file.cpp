@@ -1,4 +1,4 @@
-// Stands in for video_file.cpp in a build without libavcodec.
+// Replaces video_file.cpp in a build without libavcodec.
 #include "tools/footlight/pictures/video_file.h"
 
 namespace footlight::tools {

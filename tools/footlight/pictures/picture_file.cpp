@@ -15,7 +15,7 @@ Status write_picture(const std::string& path, std::span<const std::byte> bytes) 
   const std::string part = path + ".part";
   std::FILE* file = std::fopen(part.c_str(), "wb");
   if (file == nullptr) {
-    return fail(ErrorCode::kIo, "{}: cannot be written ({}); choose a folder that exists and is yours", path,
+    return fail(ErrorCode::kIo, "{}: cannot be written ({}); choose an existing folder with write permission", path,
                 std::strerror(errno));
   }
   errno = 0;
@@ -43,7 +43,7 @@ Status write_png(const std::string& path, const render::ScreenImage& image) {
 
 namespace {
 
-// Finds %d, %4d or %04d; npos in `at` where there is none or more than one place.
+// Finds %d, %4d or %04d; `at` is npos if there is none or more than one.
 struct Place {
   std::size_t at = std::string::npos;
   std::size_t length = 0;
@@ -71,7 +71,8 @@ bool is_numbered(const std::string& path) { return find_place(path).length > 0; 
 Result<std::string> numbered_path(const std::string& path, int number) {
   const Place place = find_place(path);
   if (place.length == 0) {
-    return fail(ErrorCode::kBadInput, "{}: expected one place for the picture's number, like frame_%04d.png", path);
+    return fail(ErrorCode::kBadInput, "{}: expected one placeholder for the picture's number, such as frame_%04d.png",
+                path);
   }
   return path.substr(0, place.at) + fmt::format("{:0{}d}", number, place.width) + path.substr(place.at + place.length);
 }

@@ -15,7 +15,8 @@ namespace footlight::tools {
 Status write_picture(const std::string& path, std::span<const std::byte> bytes);
 Status write_png(const std::string& path, const render::ScreenImage& image);
 
-// Whether `path` has exactly one printf place for a number ("frame_%04d.png"), and the name with that number.
+// Checks for exactly one printf placeholder for a number in `path` ("frame_%04d.png"); returns the name with that
+// number.
 [[nodiscard]] bool is_numbered(const std::string& path);
 [[nodiscard]] Result<std::string> numbered_path(const std::string& path, int number);
 

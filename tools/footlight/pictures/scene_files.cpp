@@ -16,7 +16,7 @@
 namespace footlight::tools {
 namespace {
 
-// What --smooth, --dimmer-law, --haze and --room change.
+// Applies --smooth, --dimmer-law, --haze and --room.
 Status adjust(fixtures::Rig& rig, const SceneFiles& files) {
   rig.haze.scattering_per_m = files.haze_per_m.value_or(rig.haze.scattering_per_m);
   rig.room.volume_m3 = files.volume_m3.value_or(rig.room.volume_m3);
@@ -40,21 +40,22 @@ Status adjust(fixtures::Rig& rig, const SceneFiles& files) {
 }  // namespace
 
 void add_scene_arguments(Arguments& arguments, SceneFiles& files) {
-  arguments.option("RIG,--rig", files.rig, "FILE", "the rig: TOML, MVR, QLC+; or the definition of one fixture");
-  arguments.option("--log", files.log, "FILE", "what drives it: a DMX log, an OLA Show or a capture");
-  arguments.flag("--vrsl-compat", files.vrsl, "VRSL fixtures as VRSL shows them, faults included (docs/vrsl.md)");
+  arguments.option("RIG,--rig", files.rig, "FILE", "the rig: TOML, MVR or QLC+; or one fixture definition");
+  arguments.option("--log", files.log, "FILE", "the levels: a DMX log, an OLA show file or a capture");
+  arguments.flag("--vrsl-compat", files.vrsl, "draw VRSL fixtures as VRSL does, with its errors (docs/vrsl.md)");
   arguments.flag("--demo", files.demo, "the built-in rig, driven by the built-in show");
   arguments.option("--smooth", files.smooth, "SECONDS", "smooth the levels: 0.1, or Pan=0.1,Tilt=0.1,Dimmer=0.05");
   arguments.option("--dimmer-law", files.dimmer_law, "LAW",
-                   "of every fixture: linear, square, s, 'inverse square'; as definitions say");
+                   "of every fixture: linear, square, s, 'inverse square'; default: as defined");
   arguments.option("--haze", files.haze_per_m, 0, 10,
-                   "scattering of the room's own haze, 1/m; as the rig says, or 0.02");
-  arguments.option("--room", files.volume_m3, 1, 1e7, "m^3 that haze and fog machines fill; as the rig says, or 1000");
+                   "scattering of the room's own haze, 1/m; default: as in the rig, or 0.02");
+  arguments.option("--room", files.volume_m3, 1, 1e7,
+                   "m^3 that haze and fog machines fill; default: as in the rig, or 1000");
 }
 
 Result<fixtures::Rig> load_scene_rig(const SceneFiles& files) {
   if (!files.rig.empty() && files.demo) {
-    return fail(ErrorCode::kBadInput, "a rig and --demo: expected one of them");
+    return fail(ErrorCode::kBadInput, "expected a rig or --demo, not both");
   }
   if (files.demo) {
     fixtures::Rig rig = fixtures::demo_rig();
@@ -62,7 +63,7 @@ Result<fixtures::Rig> load_scene_rig(const SceneFiles& files) {
     return rig;
   }
   if (files.rig.empty()) {
-    return fail(ErrorCode::kBadInput, "no rig: expected its file, or --demo for the built-in one");
+    return fail(ErrorCode::kBadInput, "no rig: expected a file, or --demo for the built-in rig");
   }
   FL_ASSIGN(fixtures::ImportedRig imported, fixtures::import_rig(files.rig));
   const auto wrong =
@@ -109,7 +110,7 @@ Result<PictureSize> parse_size(const std::string& text) {
       return size;
     }
   }
-  return fail(ErrorCode::kBadInput, "size '{}': expected width x height from 1x1 to {}x{}, as in 1280x720", text,
+  return fail(ErrorCode::kBadInput, "size '{}': expected width x height from 1x1 to {}x{}, for example 1280x720", text,
               kSizeMax, kSizeMax);
 }
 

@@ -1,4 +1,4 @@
-// Which rig and which log: the options that render, preview and report share.
+// The rig and the log: the options that render, preview and report share.
 #pragma once
 
 #include <optional>
@@ -14,32 +14,32 @@ namespace footlight::tools {
 struct SceneFiles {
   std::string rig;                   // path; empty with demo
   std::string log;                   // path; may be empty
-  bool vrsl = false;                 // VRSL fixtures as VRSL shows them, whether the rig says so or not
-  bool demo = false;                 // the embedded rig, and the embedded log where no other is named
-  std::string smooth;                // of levels, as fixtures/model/smoothing.h reads it; empty: as the rig says
-  std::string dimmer_law;            // of all fixtures; empty: as the rig says
-  std::optional<double> haze_per_m;  // scattering of the room's own haze; as the rig says
-  std::optional<double> volume_m3;   // of the room that machines fill; as the rig says
+  bool vrsl = false;                 // true: VRSL fixtures as VRSL draws them, even without [vrsl] in the rig
+  bool demo = false;                 // the built-in rig, and the built-in log unless --log is given
+  std::string smooth;                // smoothing of levels, as in fixtures/model/smoothing.h; empty: as in the rig
+  std::string dimmer_law;            // of all fixtures; empty: as in the rig
+  std::optional<double> haze_per_m;  // scattering of the room's own haze; default: as in the rig
+  std::optional<double> volume_m3;   // of the room that machines fill; default: as in the rig
 };
 
-// The rig, as the first word or behind --rig; --log, --demo and what changes the rig.
+// Adds the rig, as the first word or --rig; --log, --demo and the options that change the rig.
 void add_scene_arguments(Arguments& arguments, SceneFiles& files);
 
-// The rig that is named; kBadInput where neither a file nor --demo is given.
+// Loads the rig; kBadInput if neither a file nor --demo is given.
 [[nodiscard]] Result<fixtures::Rig> load_scene_rig(const SceneFiles& files);
-// What is wrong, on standard error; notes are left out.
+// Prints errors and warnings on standard error, without notes.
 void print_warnings(const std::vector<fixtures::Diagnostic>& diagnostics);
-// The log that is named; nothing where none is.
+// Opens the log; nullopt if none is given.
 [[nodiscard]] Result<std::optional<LogReader>> open_scene_log(const SceneFiles& files);
 
-// "1280x720" as --size takes it: 1x1 to 16384x16384.
+// "1280x720", the format of --size: 1x1 to 16384x16384.
 struct PictureSize {
   int width = 0;
   int height = 0;
 };
 [[nodiscard]] Result<PictureSize> parse_size(const std::string& text);
 
-// The rig's camera of this name; the first one where the name is empty. kBadInput lists the names.
+// The rig's camera of this name; the first one if the name is empty. The message of kBadInput lists the names.
 [[nodiscard]] Result<fixtures::Camera> find_camera(const fixtures::Rig& rig, const std::string& name);
 
 }  // namespace footlight::tools

@@ -28,7 +28,7 @@ constexpr std::size_t kChunk = 256;      // triangles that share a bounding box
 class Obstacles {
  public:
   explicit Obstacles(const fixtures::Rig& rig) {
-    fixtures::Diagnostics diagnostics;  // said by whoever draws the scene
+    fixtures::Diagnostics diagnostics;  // reported when the scene is drawn
     const fixtures::Mesh mesh = fixtures::scene_mesh(rig, diagnostics);
     for (const std::uint32_t index : mesh.indices) corners_.emplace_back(mesh.vertices[index].position_m);
     for (std::size_t at = 0; at < corners_.size(); at += 3 * kChunk) {
@@ -105,7 +105,7 @@ double across_of(const glm::dvec3& position, const glm::dvec3& target, const glm
   return glm::dot(way, right) / std::max(glm::dot(way, forward), 0.3);
 }
 
-// Share of the fixtures that stand in one column of the picture, one behind or above the other: the fullest column.
+// Largest share of the fixtures that are in one column of the picture, behind or above each other.
 double in_one_column(const std::vector<double>& across, double half_width) {
   std::size_t most = 0;
   for (const double one : across) {
@@ -193,10 +193,10 @@ fixtures::Camera start_view(const fixtures::Rig& rig, double aspect, bool lit) {
       while (far < 1e5 && needs(at(far)) > half_height) far *= 2;
       for (int i = 0; i < 30; ++i) (needs(at((near + far) / 2)) > half_height ? near : far) = (near + far) / 2;
 
-      // A wall in between: stand before it.
-      const glm::dvec3 wanted = at(far);
-      const glm::dvec3 way = glm::normalize(wanted - centre);
-      const double whole_m = glm::length(wanted - centre);
+      // A wall in between: the camera stays in front of it.
+      const glm::dvec3 unobstructed = at(far);
+      const glm::dvec3 way = glm::normalize(unobstructed - centre);
+      const double whole_m = glm::length(unobstructed - centre);
       const double free_m = obstacles.first_m(centre, way, whole_m + kFromWallM) - kFromWallM;
       const glm::dvec3 position = centre + way * std::max(std::min(whole_m, free_m), 1.0);
       const double fits = std::clamp(needs(position), half_height, half_height_max);

@@ -1,5 +1,5 @@
-// The levels of a rig over time, cut at every moment at which one of them changes. Between two such moments the levels
-// are constant, so every step of the fixtures is exact and pictures do not depend on how often they are taken.
+// The levels of a rig over time, split at every moment at which one of them changes. Between two such moments the
+// levels are constant, so every step of the fixtures is exact and pictures do not depend on their rate.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ namespace footlight::tools {
 
 class Timeline {
  public:
-  // `compiled` is only read here. vrsl: what comes between the changes and the rig's VRSL fixtures; usually nothing.
-  // start_ns: where the timeline stands at first; the levels are 0 there. `changes` outlives it.
+  // `compiled` is only read here. vrsl: processes the changes for the rig's VRSL fixtures; usually nullptr. start_ns:
+  // the first position; the levels are 0 there. `changes` must outlive this.
   Timeline(LevelChanges& changes, const fixtures::CompiledRig& compiled,
            std::optional<fixtures::VrslReplay> vrsl = std::nullopt, TimeNs start_ns = 0);
   // Of levels that are held from 0 on: universes x 512 bytes in the rig's order.
@@ -31,23 +31,23 @@ class Timeline {
   // levels: universes x 512 bytes in the rig's order, held for dt_ns. new_exposure: a picture's exposure begins.
   using Step = std::function<void(std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure)>;
 
-  // Steps from where the timeline stands to until_ns, of which the last exposure_ns are the exposure of a picture.
-  // until_ns must not lie before the last call's. Past the last change the last look is held.
+  // Steps from the current position to until_ns; the last exposure_ns are the exposure of a picture. until_ns must not
+  // be before the last call's. After the last change the levels are held.
   Status advance(TimeNs until_ns, DurationNs exposure_ns, const Step& step);
 
   [[nodiscard]] TimeNs now_ns() const { return now_ns_; }
-  [[nodiscard]] DurationNs duration_ns() const { return duration_ns_; }  // of the log; 0 where there is none
+  [[nodiscard]] DurationNs duration_ns() const { return duration_ns_; }  // of the log; 0 without one
 
  private:
   Timeline(const fixtures::CompiledRig& compiled, std::optional<fixtures::VrslReplay> vrsl, TimeNs start_ns);
   Status advance_to(TimeNs until_ns, bool new_exposure, const Step& step);
   void give(DurationNs dt_ns, bool new_exposure, const Step& step);
 
-  std::unique_ptr<LevelChanges> log_;  // where it reads one
+  std::unique_ptr<LevelChanges> log_;  // if it reads one
   LevelChanges* changes_ = nullptr;
   std::optional<fixtures::VrslReplay> vrsl_;
   std::vector<std::uint8_t> levels_;
-  LevelChange next_;  // universe -1: none has come
+  LevelChange next_;  // universe -1: none read yet
   TimeNs now_ns_ = 0;
   DurationNs duration_ns_ = 0;
   bool stepped_ = false;

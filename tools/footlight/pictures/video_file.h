@@ -1,4 +1,4 @@
-// Pictures as a video file (.mp4, H.264 where the installed libavcodec has it, else MPEG-4 part 2).
+// Pictures as a video file (.mp4, H.264 if the installed libavcodec supports it, else MPEG-4 part 2).
 #pragma once
 
 #include <memory>
@@ -13,12 +13,12 @@ namespace footlight::tools {
 class VideoFile {
  public:
   // Pictures of even width and height (video formats halve the colour resolution), one each frame_ns.
-  // kUnsupported where this build has no libavcodec or the library no encoder.
+  // kUnsupported if this build has no libavcodec or the library no encoder.
   [[nodiscard]] static Result<std::unique_ptr<VideoFile>> create(const std::string& path, int width, int height,
                                                                  DurationNs frame_ns);
   virtual ~VideoFile() = default;
   virtual Status add(const render::ScreenImage& image) = 0;
-  // Writes the end and gives the file its name; without it the file keeps the name `path`.part.
+  // Writes the end and renames the file; without it the file stays `path`.part.
   virtual Status close() = 0;
 };
 

@@ -20,8 +20,8 @@ namespace {
 enum class Start {
   kTop,
   kMakesWhite,  // at the top
-  kTint,        // at the top where the mode has nothing that makes white, else at 0
-  kRest,        // in the middle, or at 0 where that is in reach, or at the slot of a wheel that leaves most light
+  kTint,        // at the top if nothing else in the mode makes white, else at 0
+  kRest,        // in the middle, or at 0 if the range includes it, or at the wheel slot that passes most light
 };
 
 struct Kind {
@@ -82,7 +82,7 @@ constexpr Kind kKinds[] = {
     {"Blower1", "blower", "%", Start::kTop},
 };
 
-// How much of the light a slot leaves, more or less: for choosing one.
+// Rough transmission of a slot, for choosing the clearest one.
 double clearness(const fixtures::FixtureType& type, const fixtures::WheelSlot& slot) {
   if (slot.open) return 200;
   const bool filters = slot.filter != fixtures::kNoIndex;
@@ -90,8 +90,7 @@ double clearness(const fixtures::FixtureType& type, const fixtures::WheelSlot& s
   return slot.image.empty() && slot.facets.empty() ? luminance : -1;
 }
 
-// Where the functions of the mode that have the attribute begin and end together, from > to where there is none; its
-// value is where it starts.
+// The joint range of the mode's functions with the attribute (from > to: there is none), and its start value.
 Fader reach(const fixtures::FixtureType& type, const fixtures::Mode& mode, const Kind& kind) {
   Fader fader{kind.attribute, kind.name, kind.unit, 1e30, -1e30, 0};
   double clearest = -1e30;
@@ -100,7 +99,7 @@ Fader reach(const fixtures::FixtureType& type, const fixtures::Mode& mode, const
     fader.to = std::max(fader.to, value);
   };
   for (const fixtures::Channel& channel : mode.channels) {
-    if (channel.slot_offsets.empty()) continue;  // no hand reaches it
+    if (channel.slot_offsets.empty()) continue;  // virtual
     for (const fixtures::ChannelFunction& function : channel.functions) {
       if (!fixtures::same_attribute(function.attribute, kind.attribute)) continue;
       bool selects = false;
@@ -132,7 +131,7 @@ Fader reach(const fixtures::FixtureType& type, const fixtures::Mode& mode, const
   return fader;
 }
 
-// Where a channel says so; some only douse.
+// Strikes the lamp, if a channel can; some can only douse.
 void strike(const fixtures::Rig& rig, const fixtures::PatchedFixture& fixture, std::span<std::uint8_t> slots) {
   for (const fixtures::Channel& channel : fixtures::mode_of(rig, fixture).channels) {
     for (const fixtures::ChannelFunction& function : channel.functions) {
@@ -142,17 +141,17 @@ void strike(const fixtures::Rig& rig, const fixtures::PatchedFixture& fixture, s
   }
 }
 
-// Where nothing but a strobe lets light out, that flashes as slowly as it can.
+// Opens the shutter, or sets the slowest strobe if no function opens it.
 void open_shutter(const fixtures::Rig& rig, const fixtures::PatchedFixture& fixture, std::span<std::uint8_t> slots) {
   bool opens = false;
   double slowest_hz = 1e30;
-  const auto snapshot = [&](const std::string& attribute, double from, double to) {
+  const auto examine = [&](const std::string& attribute, double from, double to) {
     if (fixtures::same_attribute(attribute, "Shutter1")) opens = opens || std::max(from, to) >= 1;
     if (fixtures::same_attribute(attribute, "Shutter1Strobe")) slowest_hz = std::min({slowest_hz, from, to});
   };
   for (const fixtures::Channel& channel : fixtures::mode_of(rig, fixture).channels) {
     for (const fixtures::ChannelFunction& function : channel.functions)
-      snapshot(function.attribute, function.physical_from, function.physical_to);
+      examine(function.attribute, function.physical_from, function.physical_to);
   }
   if (opens || slowest_hz > 1e3) {
     fixtures::encode_attribute(rig, fixture, "Shutter1", 1, slots);
@@ -162,21 +161,21 @@ void open_shutter(const fixtures::Rig& rig, const fixtures::PatchedFixture& fixt
 }
 
 constexpr std::array<std::string_view, 3> kEmitters = {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"};
-constexpr double kTooDense = 5;  // times what is wanted
+constexpr double kTooDense = 5;  // times the target
 
-// Red, green and blue of a mode at full, and what its other emitters add.
+// Red, green and blue of a mode at full, and the sum of its other emitters.
 struct Mix {
   std::array<glm::dvec3, 3> emitters{};
   glm::dvec3 others{0};
   bool stated = false;  // the file states the colours of the three
 };
 
-// Nothing where the mode does not mix all three.
+// nullopt if the mode does not mix all three.
 std::optional<Mix> mix_of(const fixtures::FixtureType& type, const fixtures::Mode& mode,
                           const std::vector<Fader>& faders) {
   Mix mix;
   mix.stated = true;
-  // The first function of an attribute stands for those of all heads.
+  // The first function of an attribute is used for all heads.
   const auto function_of = [&](std::string_view attribute) -> const fixtures::ChannelFunction* {
     for (const fixtures::Channel& channel : mode.channels) {
       for (const fixtures::ChannelFunction& function : channel.functions) {
@@ -203,8 +202,8 @@ std::optional<Mix> mix_of(const fixtures::FixtureType& type, const fixtures::Mod
   return found == kEmitters.size() ? std::optional(mix) : std::nullopt;
 }
 
-// The white of a fixture: its beam's colour temperature where the file states it and the emitters' colours; that of the
-// screen where the beam has none; else what red, green and blue give at full.
+// The white of a fixture: its beam's colour temperature if the file has it and the emitters' colours; the white of the
+// screen if the beam has no colour temperature; else red, green and blue at full.
 glm::dvec3 own_white(const fixtures::FixtureType& type, const fixtures::Mode& mode, const Mix& mix) {
   double temperature_k = 0;
   for (const fixtures::Geometry& geometry : mode.geometries) {
@@ -216,7 +215,7 @@ glm::dvec3 own_white(const fixtures::FixtureType& type, const fixtures::Mode& mo
   return mix.stated ? fixtures::black_body_rgb(temperature_k) : mix.emitters[0] + mix.emitters[1] + mix.emitters[2];
 }
 
-// CIE 1976 u'v', and what a light weighs in it when it is mixed.
+// CIE 1976 u'v', and the weight of a light when it is mixed.
 struct Chromaticity {
   glm::dvec2 at{0};
   double weight = 0;
@@ -227,7 +226,7 @@ Chromaticity chromaticity(const glm::dvec3& rgb) {
   return {glm::dvec2(4 * xyz.x, 9 * xyz.y) / std::max(weight, 1e-12), weight};
 }
 
-// Of a white outside of the triangle of the three: the point on its edges that is nearest in u'v'.
+// For a white outside the triangle of the three: the nearest point on its edges in u'v'.
 glm::dvec3 nearest_on_edges(const Mix& mix, const glm::dvec3& white) {
   const glm::dvec2 wanted = chromaticity(white).at;
   glm::dvec3 best(1);
@@ -250,7 +249,7 @@ glm::dvec3 nearest_on_edges(const Mix& mix, const glm::dvec3& white) {
   return best;
 }
 
-// Shares of red, green and blue that make this white with the others, one of them at full.
+// Shares of red, green and blue that give this white together with the other emitters; one of them is at full.
 glm::dvec3 shares_of(const Mix& mix, const glm::dvec3& white) {
   const glm::dmat3 emitted(mix.emitters[0], mix.emitters[1], mix.emitters[2]);
   const double volume = glm::length(emitted[0]) * glm::length(emitted[1]) * glm::length(emitted[2]);
@@ -286,7 +285,7 @@ void give_hand_addresses(fixtures::Rig& rig) {
       ++universe;
       next = 1;
     }
-    if (universe > kUniverseMax) return;  // more than 32 million slots: the rest stays as it is
+    if (universe > kUniverseMax) return;  // more than 32 million slots: the rest gets no address
     fixture.patched = true;
     fixture.universe = universe;
     fixture.address = next;
@@ -307,11 +306,11 @@ HandLevels::HandLevels(const fixtures::Rig& rig, const fixtures::CompiledRig& co
     : rig_(rig), compiled_(compiled), levels_(compiled.universes.size() * kSlotCountMax), faders_(rig.fixtures.size()) {
   for (std::size_t i = 0; i < rig.fixtures.size(); ++i) {
     const fixtures::PatchedFixture& fixture = rig.fixtures[i];
-    if (!fixture.patched) continue;  // it stands at its channels' defaults: no level reaches it
+    if (!fixture.patched) continue;  // no address: it stays at its channels' defaults
     const fixtures::Mode& mode = fixtures::mode_of(rig, fixture);
     const auto slots = slots_of(fixture);
     fixtures::encode_defaults(rig, fixture, slots);
-    strike(rig, fixture, slots);  // first: some share a channel with the shutter
+    strike(rig, fixture, slots);  // first, because some share a channel with the shutter
     open_shutter(rig, fixture, slots);
     bool makes_white = false;
     for (const Kind& kind : kKinds) {
@@ -328,8 +327,8 @@ HandLevels::HandLevels(const fixtures::Rig& rig, const fixtures::CompiledRig& co
   fill_room();
 }
 
-// Red, green and blue of makers' files at full add up to what they add up to, often violet. The mix is solved with the
-// emitters' own light, as what leaves a screen's gamut on its way there is no longer linear in the levels.
+// Red, green and blue at full often add up to violet in manufacturers' files. The mix is solved with the emitters' own
+// light, before the conversion to the screen's gamut, which is not linear in the levels.
 void HandLevels::balance() {
   for (std::size_t i = 0; i < faders_.size(); ++i) {
     const fixtures::PatchedFixture& fixture = rig_.fixtures[i];
@@ -344,7 +343,7 @@ void HandLevels::balance() {
   }
 }
 
-// Haze and fog are linear in what their machines are set to: one look at full says which share is wanted.
+// Haze and fog are linear in their machines' levels, so one run at full gives the share.
 void HandLevels::fill_room() {
   const auto air = fixtures::MachineAir::make(rig_, compiled_);
   if (!air) return;
@@ -356,13 +355,13 @@ void HandLevels::fill_room() {
   air->settle(levels_);
   const double haze = air->haze_per_m();
   const double fog = air->fog_per_m();
-  const double wanted = kHandHazePerM / (haze > 0 && fog > 0 ? 2 : 1);
-  set_all("Haze1", haze > 0 ? std::min(wanted / haze, 1.0) : 0);
-  set_all("Fog1", fog > 0 ? std::min(wanted / fog, 1.0) : 0);
-  // Machines that can only be on or off would fill the room until nothing is seen.
+  const double target = kHandHazePerM / (haze > 0 && fog > 0 ? 2 : 1);
+  set_all("Haze1", haze > 0 ? std::min(target / haze, 1.0) : 0);
+  set_all("Fog1", fog > 0 ? std::min(target / fog, 1.0) : 0);
+  // Machines that are only on or off would make the haze too dense.
   air->settle(levels_);
-  if (air->haze_per_m() > kTooDense * wanted) set_all("Haze1", 0);
-  if (air->fog_per_m() > kTooDense * wanted) set_all("Fog1", 0);
+  if (air->haze_per_m() > kTooDense * target) set_all("Haze1", 0);
+  if (air->fog_per_m() > kTooDense * target) set_all("Fog1", 0);
 }
 
 void HandLevels::set_share(std::size_t index, std::string_view attribute, double share) {
@@ -402,8 +401,8 @@ Status set_by_hand(const std::string& text, const fixtures::Rig& rig, HandLevels
     sound = fault == std::errc() && at == end;
   }
   if (!sound) {
-    return fail(ErrorCode::kBadInput, "--set {}: expected ATTRIBUTE=NUMBER or FIXTURE:ATTRIBUTE=NUMBER, as in Iris=0.5",
-                text);
+    return fail(ErrorCode::kBadInput,
+                "--set {}: expected ATTRIBUTE=NUMBER or FIXTURE:ATTRIBUTE=NUMBER, for example Iris=0.5", text);
   }
   const std::string name = colon == std::string::npos ? "" : text.substr(0, colon);
   const std::size_t begin = colon == std::string::npos ? 0 : colon + 1;
@@ -415,7 +414,7 @@ Status set_by_hand(const std::string& text, const fixtures::Rig& rig, HandLevels
     known = true;
     any = hand.encode(i, attribute, value) || any;
   }
-  if (!known) return fail(ErrorCode::kNotFound, "--set {}: no fixture is called '{}'", text, name);
+  if (!known) return fail(ErrorCode::kNotFound, "--set {}: there is no fixture '{}'", text, name);
   if (!any) {
     return fail(ErrorCode::kNotFound, "--set {}: no {} has a channel for {}; 'footlight fixtures show' lists them",
                 text, name.empty() ? "fixture" : "such fixture", attribute);

@@ -1,4 +1,4 @@
-// Levels set by hand: faders for what a fixture can do, written through its own channels.
+// Levels set by faders, written through the channels of each fixture.
 #pragma once
 
 #include <array>
@@ -23,29 +23,29 @@ struct Fader {
   double value = 0;
 };
 
-// Gives every fixture without an address one of its own, in universes behind all that are in use, so that hands reach
-// it. For what nobody else drives: on a wire these addresses mean nothing.
+// Gives every fixture without an address one, in universes after all that are in use, so that faders can set its
+// levels. Only for rigs without an input: the addresses have no meaning outside this program.
 void give_hand_addresses(fixtures::Rig& rig);
 
-// Scattering that machines bring into the room when they begin, 1/m: what a rig has that states no haze.
+// Scattering of the haze from machines at the start, 1/m: the default of a rig without [haze].
 inline constexpr double kHandHazePerM = 0.02;
 
 class HandLevels {
  public:
-  // Every fixture at its defaults, lit, its axes in the middle of their ways. Red, green and blue make the fixture's
-  // own white: the mix nearest to its beam's colour temperature where the file states the colours of the emitters, else
-  // what they give at full. Haze and fog machines run at the level that gives the room kHandHazePerM in the end. Both
-  // outlive this.
+  // Starts with every fixture at its defaults, lit, with its axes in the middle. Red, green and blue make the fixture's
+  // own white: the mix nearest to its beam's colour temperature if the file has the colours of the emitters, else all
+  // at full. Haze and fog machines run at the level that finally gives the room kHandHazePerM. `rig` and `compiled`
+  // must outlive this.
   HandLevels(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled);
 
   // universes x 512 bytes in the rig's order.
   [[nodiscard]] std::span<const std::uint8_t> levels() const { return levels_; }
-  // The faders of fixture `index`, in a fixed order; those that its mode has no channel for are left out.
+  // The faders of fixture `index`, in a fixed order, without those for which its mode has no channel.
   [[nodiscard]] std::span<const Fader> faders(std::size_t index) const { return faders_[index]; }
   [[nodiscard]] std::size_t fixture_count() const { return faders_.size(); }
-  // Fixtures without the attribute are left alone.
+  // Does nothing if the fixture does not have the attribute.
   void set(std::size_t index, std::string_view attribute, double value);
-  // Any attribute, with a fader or without; false where the fixture has no channel for it.
+  // Sets any attribute, with a fader or without; false if the fixture has no channel for it.
   bool encode(std::size_t index, std::string_view attribute, double value);
 
  private:
@@ -57,11 +57,11 @@ class HandLevels {
   const fixtures::Rig& rig_;
   const fixtures::CompiledRig& compiled_;
   std::vector<std::uint8_t> levels_;
-  std::vector<std::vector<Fader>> faders_;  // a row a fixture
+  std::vector<std::vector<Fader>> faders_;  // one row per fixture
 };
 
-// Carries out a word of --set: "Prism1=2" for all fixtures, "Spot 3:Pan=30" for one, in the units of the attribute; a
-// wheel's slots count from 1.
+// Applies an argument of --set: "Prism1=2" for all fixtures, "Spot 3:Pan=30" for one, in the units of the attribute.
+// Slots of a wheel count from 1.
 Status set_by_hand(const std::string& text, const fixtures::Rig& rig, HandLevels& hand);
 
 }  // namespace footlight::tools

@@ -15,7 +15,7 @@ constexpr std::size_t kNoticesMax = 64;
 Result<std::unique_ptr<LiveLevels>> LiveLevels::start(std::span<const Universe> universes,
                                                       std::vector<std::unique_ptr<Source>> sources, Clock& clock) {
   if (universes.empty()) {
-    return fail(ErrorCode::kBadInput, "this rig has no fixture that could listen; leave the inputs away, or patch one");
+    return fail(ErrorCode::kBadInput, "this rig has no fixture with an address; remove the inputs, or patch a fixture");
   }
   std::unique_ptr<LiveLevels> live(new LiveLevels());
   FL_ASSIGN(live->universes_, Universes::make(universes));
@@ -39,7 +39,7 @@ Result<std::unique_ptr<LiveLevels>> LiveLevels::start(std::span<const Universe> 
   const auto count = static_cast<std::size_t>(live->universes_->count());
   live->levels_.resize(count * kSlotCountMax);
   live->stamps_.resize(count);
-  (void)live->pump_->latest_status();  // asks for one
+  (void)live->pump_->latest_status();  // requests the first one
   const NoSignals for_the_thread;
   live->thread_ = std::jthread([self = live.get()](const std::stop_token& stop) {
     const std::stop_callback stop_pump(stop, [self] { self->pump_->request_stop(); });

@@ -1,6 +1,6 @@
-// Levels from the wire: sources on a pump with a thread of its own, and snapshots for whoever draws.
+// Live levels: sources on a pump with its own thread, and snapshots for the drawing thread.
 //
-// take() and the readers beside it belong to one thread; none of them waits for the pump or for the wire.
+// take() and the functions that read its result belong to one thread; none of them waits for the pump or an input.
 #pragma once
 
 #include <memory>
@@ -20,8 +20,8 @@ namespace footlight::tools {
 
 class LiveLevels {
  public:
-  // `universes`: those of a rig, ascending, once each. The clock may be asked from any thread and outlives this.
-  // kBadInput where there is no universe to listen to; the waiter's errors.
+  // `universes`: those of a rig, ascending, once each. The clock must be thread-safe and outlive this. Errors:
+  // kBadInput if there are no universes; those of the waiter.
   [[nodiscard]] static Result<std::unique_ptr<LiveLevels>> start(std::span<const Universe> universes,
                                                                  std::vector<std::unique_ptr<Source>> sources,
                                                                  Clock& clock);
@@ -30,22 +30,22 @@ class LiveLevels {
   LiveLevels(const LiveLevels&) = delete;
   LiveLevels& operator=(const LiveLevels&) = delete;
 
-  // Copies out what was written since the last call.
+  // Copies the snapshots that changed since the last call.
   void take();
   // As of the last take(): universes().size() x 512 levels, and a stamp for each.
   [[nodiscard]] std::span<const std::uint8_t> levels() const { return levels_; }
   [[nodiscard]] std::span<const FrameStamp> stamps() const { return stamps_; }
   [[nodiscard]] std::span<const Universe> universes() const { return universes_->numbers(); }
-  // Whether a source brings this universe at all.
+  // True if a source receives this universe.
   [[nodiscard]] bool fed(Universe universe) const;
 
-  // What a timeline of pictures reads: every change with its time, on the clock of start(). Its reader is the thread
-  // of take(); it ends with this.
+  // The input of a timeline: every change with its time, on the clock of start(). Only for the thread of take(); valid
+  // as long as this object.
   [[nodiscard]] LevelChanges& changes() { return *trail_; }
 
-  // One or two seconds old.
+  // At most two seconds old.
   [[nodiscard]] PumpStatus status() const { return pump_->latest_status(); }
-  // What has happened since the last call: a port lost or back. At most the last 64.
+  // Notices since the last call, such as a port lost or back. At most the last 64.
   [[nodiscard]] std::vector<std::string> notices();
 
  private:

@@ -10,7 +10,7 @@ namespace {
 constexpr double kElevationMaxRad = 89.5 * std::numbers::pi / 180;
 constexpr double kDistanceMinM = 0.05;
 constexpr double kDistanceMaxM = 50'000;  // rigs reach 10 km
-constexpr double kFilled = 0.92;          // of the picture by what is framed
+constexpr double kFilled = 0.92;          // share of the picture that the framed box fills
 
 // Where the lines through the corners of a box, at the slopes of the picture's edges, meet the plane of the target.
 struct Span {
@@ -29,7 +29,7 @@ struct Span {
 OrbitCamera::OrbitCamera(const fixtures::Camera& camera) : camera_(camera) {
   const glm::dvec3 way = camera.target_m - camera.position_m;
   distance_m_ = glm::length(way);
-  if (!(distance_m_ > 1e-9)) {  // looks at itself: along +y, as the renderer does
+  if (!(distance_m_ > 1e-9)) {  // position equals target: along +y, as in the renderer
     distance_m_ = 1;
     camera_.target_m = camera.position_m + glm::dvec3(0, 1, 0);
     return;
@@ -74,9 +74,9 @@ void OrbitCamera::frame(const glm::dvec3& low_m, const glm::dvec3& high_m, doubl
   // Half the picture at a depth of 1.
   const double half_height = std::tan(glm::radians(camera_.fov_deg) / 2) * kFilled;
   const double half_width = half_height * aspect;
-  // Moved aside by s, at the distance d, the camera has a corner in the picture where |place - s| <= (d + depth) half.
-  // So s lies from max(place - depth half) - d half to min(place + depth half) + d half. The smallest d has room for
-  // one s.
+  // Moved sideways by s, at distance d, the camera has a corner in the picture if |place - s| <= (d + depth) half. So s
+  // is between max(place - depth half) - d half and min(place + depth half) + d half. The smallest d allows exactly one
+  // s.
   Span across;
   Span upward;
   double nearest = 0;

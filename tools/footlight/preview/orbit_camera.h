@@ -1,4 +1,4 @@
-// A camera that hands move: around a target, across it, towards it. Z up, metres.
+// A camera that the mouse moves: around a target, sideways, and towards it. Z up, metres.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -10,16 +10,16 @@ namespace footlight::tools {
 class OrbitCamera {
  public:
   explicit OrbitCamera(const fixtures::Camera& camera);
-  // The same camera again, wherever it was moved to; exposure and name are the first one's.
+  // The camera at its current position, with the exposure and name of the first one.
   [[nodiscard]] fixtures::Camera camera() const;
 
-  // Turns about the target. Positive: to the right, and up (rad); up to a hair short of straight up and down.
+  // Turns about the target. Positive: to the right, and up (rad); up to almost straight up and down.
   void orbit(double right_rad, double up_rad);
-  // Moves across the line of sight, in heights of the picture at the target; positive: to the right, and up.
+  // Moves across the line of sight, in picture heights at the target; positive: to the right, and up.
   void pan(double right, double up);
-  // One step is a tenth of the way to the target; negative: away. 5 cm to 50 km from the target.
+  // One step is a tenth of the distance to the target; negative: away. 5 cm to 50 km from the target.
   void approach(double steps);
-  // Looks at the box from as near as has all of it in a picture of this width over height, with a little room round it.
+  // Frames the box: from the nearest position with all of it in a picture of this width over height, with a margin.
   void frame(const glm::dvec3& low_m, const glm::dvec3& high_m, double aspect);
 
   [[nodiscard]] double distance_m() const { return distance_m_; }
@@ -29,11 +29,11 @@ class OrbitCamera {
 
   fixtures::Camera camera_;  // name, field of view, exposure, target
   double distance_m_ = 1;
-  double azimuth_rad_ = 0;  // of the line of sight: 0 towards +y, growing towards +x
+  double azimuth_rad_ = 0;  // of the line of sight: 0 towards +y, increasing towards +x
   double elevation_rad_ = 0;
 };
 
-// What F looks at: every fixture and the floor under it; the boxes where there is no fixture.
+// What key F frames: every fixture and the floor under it; the boxes if there are no fixtures.
 struct Bounds {
   glm::dvec3 low_m{-1};
   glm::dvec3 high_m{1};

@@ -1,5 +1,5 @@
-// What `footlight preview` was asked for. The window itself is in preview_window.cpp; a build without GLFW or Dear
-// ImGui has no_preview_window.cpp in its place.
+// The options of `footlight preview`. The window is in preview_window.cpp; a build without GLFW or Dear ImGui has
+// no_preview_window.cpp instead.
 #pragma once
 
 #include <optional>
@@ -14,14 +14,14 @@ namespace footlight::tools {
 
 struct PreviewOptions {
   SceneFiles files;
-  std::vector<std::string> ins;  // endpoints; with any, no log drives the rig
+  std::vector<std::string> ins;  // endpoints; if there are any, no log drives the rig
   std::string size = "1280x720";
   std::string camera;
   std::string device;
   std::string screenshot;               // PNG of the last frame; empty: none
-  DurationNs at_ns = 0;                 // where in the log to begin
-  double seconds = 0;                   // closes by itself after this time; 0: stays open
-  std::optional<double> work_light_lx;  // else work_light_lx() where the rig is driven by hand, else 0
+  DurationNs at_ns = 0;                 // start time in the log
+  double seconds = 0;                   // closes after this time; 0: stays open
+  std::optional<double> work_light_lx;  // default: work_light_lx() if faders drive the rig, else 0
   int nodes = 3;
   FlashMode flashes = FlashMode::kWarn;
   bool json = false;

@@ -50,7 +50,7 @@ render::ScreenImage PreviewFlashes::small() const {
 
 bool PreviewFlashes::take(DurationNs at_ns) {
   render::ScreenImage image = small();
-  return watch_.snapshot(at_ns, image);
+  return watch_.check(at_ns, image);
 }
 
 bool PreviewFlashes::must_wait(DurationNs at_ns) { return watch_.must_wait(at_ns, small()); }
@@ -63,7 +63,7 @@ Status PreviewFlashes::resize(int width, int height) {
                                                      VK_IMAGE_USAGE_SAMPLED_BIT));
   width_ = width;
   height_ = height;
-  // Dark, until a picture of this size has been shown.
+  // Black until a picture of this size has been shown.
   return device_.run_once([&](VkCommandBuffer commands) {
     render::vk::change_layout(commands, standing_, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
     const VkClearColorValue black{{0, 0, 0, 1}};

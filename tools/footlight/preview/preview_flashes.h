@@ -1,8 +1,8 @@
-// The guard against harmful flashes in the preview's window: reads each picture small, and can have the last harmless
-// one stand for those that must not follow it. What counts as harmful: sim/photosensitive.h.
+// The flash limit of the preview's window. Reads each picture at a small size, and can hold the last harmless picture
+// while later ones must not be shown. The limits are in sim/photosensitive.h.
 //
-// Warning costs a blit to 64 x 36 pixels a picture, which are read when the picture is done, one picture late. Limiting
-// waits for each picture before it is shown. Who does not watch makes none of this.
+// Warning costs a blit to 64 x 36 pixels per picture, which are read when the picture is done, one picture late.
+// Limiting waits for each picture before it is shown. Without --flashes this object does not exist.
 //
 // Threads: the window's.
 #pragma once
@@ -22,12 +22,12 @@ class PreviewFlashes {
   [[nodiscard]] bool limits() const { return limit_; }
   // Adds the reading of a picture, in VK_IMAGE_LAYOUT_GENERAL, to commands that have drawn it.
   void record_read(VkCommandBuffer commands, VkImage picture, int width, int height);
-  // After those commands are done. True: a stretch of harmful flashes has begun with this picture.
+  // Call when those commands are done. True: a period of harmful flashes begins with this picture.
   bool take(DurationNs at_ns);
 
-  // Limiting. Whether the picture that was read must wait; then standing() is to be shown in its place.
+  // Limiting: true if the picture that was read must not be shown yet; show standing() instead.
   bool must_wait(DurationNs at_ns);
-  // Keeps a picture that is about to be shown; to be called with the size of every frame before it is recorded.
+  // Keeps a picture that is about to be shown. Call with the size of every frame before it is recorded.
   [[nodiscard]] Status resize(int width, int height);
   void record_keep(VkCommandBuffer commands, VkImage picture);
   [[nodiscard]] VkImage standing() const { return standing_.handle; }

@@ -13,12 +13,12 @@ namespace footlight::tools {
 namespace {
 
 // 'footlight report --pictures --beams 100' (smooth beams on surfaces and in haze, 64x36 pixels judged): 1, 2, 3, 4, 6
-// and 8 nodes. 5 and 7 are not in that report and stand here with the figure of one node less.
+// and 8 nodes. 5 and 7 are not in that report; they have the figure of one node less.
 constexpr double kRelL2OfNodes[] = {4.3e-1, 1.0e-3, 2.9e-4, 3.3e-5, 3.3e-5, 9.9e-6, 9.9e-6, 9.9e-6};
-// 'footlight report --demo --pictures', at 30 s, 3 and more nodes: what the edges of gobos leave.
+// 'footlight report --demo --pictures', at 30 s, 3 and more nodes: the error at the edges of gobos.
 constexpr double kRelL2Gobos = 2.0e-2;
 
-// Going back in a log replays it from its start, so in a long one the picture follows the slider when it is let go.
+// Going back in a log replays it from its start, so in a long log the picture follows the slider only after release.
 constexpr double kFollowSliderMaxS = 120;
 
 const ImVec4 kAmber{0.95f, 0.66f, 0.25f, 1};
@@ -34,7 +34,7 @@ void text(const ImVec4& colour, const std::string& words) {
 }
 
 std::string flash_words(const PreviewFacts& facts) {
-  return facts.flashes_held ? "Harmful flashes are held back" : "Flashes that may harm: more than 3 a second";
+  return facts.flashes_held ? "Harmful flashes are held back" : "Harmful flashes: more than 3 a second";
 }
 
 // "12:34.5"
@@ -43,7 +43,7 @@ std::string clock_text(double time_s) {
   return fmt::format("{}:{:04.1f}", minutes, time_s - 60.0 * minutes);
 }
 
-// A word on the left, a figure on the right edge.
+// A label on the left, a value on the right edge.
 void row(const char* word, const std::string& figure) {
   text(kDim, word);
   const float width = ImGui::CalcTextSize(figure.c_str()).x;
@@ -57,7 +57,7 @@ void heading(const char* word) {
   text(kAmber, word);
 }
 
-// Three digits or so.
+// About three digits.
 std::string ms_text(double ms) { return fmt::format("{:.{}f} ms", ms, ms < 10 ? 2 : ms < 100 ? 1 : 0); }
 
 // A pass: its name, a bar of its share of the longest, its time.
@@ -98,13 +98,13 @@ void draw_quality(const PreviewFacts& facts, PreviewControls& controls) {
   ImGui::SliderInt("##nodes", &controls.nodes, 1, 8, "%d nodes a beam", ImGuiSliderFlags_AlwaysClamp);
   row("smooth beams, rel. L2", fmt::format("{:.1e}", measured_rel_l2(controls.nodes)));
   if (facts.gobos) row("gobo edges, rel. L2", fmt::format("{:.1e}", kRelL2Gobos));
-  const char* divisors[] = {"every pixel", "half the pixels a side", "a quarter a side"};
+  const char* divisors[] = {"every pixel", "half resolution", "quarter resolution"};
   int choice = controls.divisor == 4 ? 2 : controls.divisor - 1;
   ImGui::SetNextItemWidth(-1);
   if (ImGui::Combo("##divisor", &choice, divisors, 3)) controls.divisor = 1 << choice;
 }
 
-void draw_look(const PreviewFacts& facts, PreviewControls& controls) {
+void draw_view(const PreviewFacts& facts, PreviewControls& controls) {
   heading("Camera");
   for (std::size_t i = 0; i < facts.cameras.size() && i < 9; ++i) {
     const std::string label = fmt::format("{} {}", i + 1, facts.cameras[i]);
@@ -119,9 +119,9 @@ void draw_look(const PreviewFacts& facts, PreviewControls& controls) {
   ImGui::SliderFloat("##ev", &controls.exposure_ev, -4, 16, "exposure %.1f EV");
   if (facts.can_haze) ImGui::Checkbox("haze", &controls.haze);
   if (facts.machines > 0) {
-    row("room's haze", fmt::format("{:.4f} /m", facts.room_haze_per_m));
-    row("+ of machines", fmt::format("{:.4f} /m", facts.machine_haze_per_m));
-    row("+ their fog", fmt::format("{:.4f} /m", facts.machine_fog_per_m));
+    row("haze of the room", fmt::format("{:.4f} /m", facts.room_haze_per_m));
+    row("+ machines' haze", fmt::format("{:.4f} /m", facts.machine_haze_per_m));
+    row("+ machines' fog", fmt::format("{:.4f} /m", facts.machine_fog_per_m));
   }
   ImGui::Checkbox("work light", &controls.work_light);
   if (controls.work_light) {
@@ -134,7 +134,7 @@ void draw_log(const PreviewFacts& facts, PreviewControls& controls) {
   heading("Log");
   float time_s = controls.drag_s.value_or(static_cast<float>(facts.time_s));
   ImGui::SetNextItemWidth(-1);
-  // The label is a format to ImGui, and holds no per cent sign.
+  // The label is a format string for ImGui; it has no per cent sign.
   const std::string label =
       fmt::format("{} of {}", clock_text(static_cast<double>(time_s)), clock_text(facts.duration_s));
   if (ImGui::SliderFloat("##time", &time_s, 0, static_cast<float>(std::max(facts.duration_s, 0.1)), label.c_str(),
@@ -147,7 +147,7 @@ void draw_log(const PreviewFacts& facts, PreviewControls& controls) {
     controls.playing = !controls.playing;
   }
   ImGui::SameLine();
-  ImGui::Checkbox("again and again", &controls.loop);
+  ImGui::Checkbox("repeat", &controls.loop);
 }
 
 const ImVec4& colour_of(PortState state) {
@@ -196,8 +196,8 @@ void draw_live(const PreviewFacts& facts, const LiveLevels& live) {
     const FrameStamp& stamp = live.stamps()[i];
     const std::string word = fmt::format("universe {}", universes[i]);
     const bool fed = live.fed(universes[i]);
-    row(word.c_str(), !fed                  ? "no input brings it"
-                      : stamp.revision == 0 ? "nothing yet"
+    row(word.c_str(), !fed                  ? "no input"
+                      : stamp.revision == 0 ? "no frames yet"
                                             : age_text(std::max<DurationNs>(facts.now_ns - stamp.stamp_ns, 0)));
   }
   if (universes.size() > 32) text(kDim, fmt::format("and {} more universes", universes.size() - 32));
@@ -209,7 +209,7 @@ void draw_live(const PreviewFacts& facts, const LiveLevels& live) {
 }
 
 void draw_hand(const PreviewFacts& facts, PreviewControls& controls, HandLevels& hand) {
-  heading("By hand");
+  heading("Faders");
   const std::string shown =
       controls.hand_fixture < 0 ? "all fixtures" : facts.fixtures[static_cast<std::size_t>(controls.hand_fixture)];
   ImGui::SetNextItemWidth(-1);
@@ -224,7 +224,7 @@ void draw_hand(const PreviewFacts& facts, PreviewControls& controls, HandLevels&
     }
     ImGui::EndCombo();
   }
-  // For all fixtures: the faders of whichever fixture has the most of them stand for the others.
+  // For all fixtures: uses the faders of the fixture that has the most.
   std::size_t index = 0;
   if (controls.hand_fixture >= 0) {
     index = static_cast<std::size_t>(controls.hand_fixture);
@@ -302,13 +302,13 @@ void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const Live
     if (facts.has_log) draw_log(facts, controls);
     if (live != nullptr) draw_live(facts, *live);
     if (hand != nullptr) draw_hand(facts, controls, *hand);
-    draw_look(facts, controls);
+    draw_view(facts, controls);
     draw_quality(facts, controls);
     draw_cost(facts);
     heading("Keys");
     ImGui::PushTextWrapPos(0);
-    text(kDim, std::string("Drag orbits, right drag pans, wheel approaches. F frames the rig, W work light, Q and E ") +
-                   "expose, " + (facts.has_log ? "space pauses, arrows seek 5 s, " : "") + "H hides this.");
+    text(kDim, std::string("Drag orbits, right drag pans, wheel zooms. F frames the rig, W work light, Q and E ") +
+                   "exposure, " + (facts.has_log ? "space pauses, arrows seek 5 s, " : "") + "H hides this panel.");
     ImGui::PopTextWrapPos();
   }
   ImGui::End();

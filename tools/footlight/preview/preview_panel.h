@@ -1,4 +1,4 @@
-// The panel beside the picture: what is shown, what it costs, how wrong it is, and the controls. ImGui only.
+// The panel beside the picture: what is shown, its cost and error, and the controls. ImGui only.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace footlight::tools {
 
-// What the panel tells.
+// The data that the panel shows.
 struct PreviewFacts {
   std::string rig;
   std::string device;
@@ -20,8 +20,8 @@ struct PreviewFacts {
   std::vector<std::string> fixtures;
   bool can_haze = false;       // the rig has haze to turn off
   bool gobos = false;          // the rig has gobos
-  std::size_t machines = 0;    // that haze, fog or blow; then what is in the air now, 1/m:
-  double room_haze_per_m = 0;  // the room's own
+  std::size_t machines = 0;    // haze, fog and fan machines; if there are any, the current haze, 1/m:
+  double room_haze_per_m = 0;  // of [haze]
   double machine_haze_per_m = 0;
   double machine_fog_per_m = 0;
 
@@ -35,19 +35,19 @@ struct PreviewFacts {
   std::uint32_t dark_beams = 0;
   double gpu_mib = 0;
   bool flashes_harmful = false;  // now
-  bool flashes_held = false;     // the last harmless picture stands
+  bool flashes_held = false;     // the last harmless picture is held
 
   bool has_log = false;
   double time_s = 0;
   double duration_s = 0;
   TimeNs now_ns = 0;   // on the clock of the live stamps
   PumpStatus status;   // live
-  std::string notice;  // the newest event of the wire
+  std::string notice;  // the newest event of the inputs
 };
 
 enum class PanelState { kFull, kStrip, kHidden };
 
-// What it lets people change. Requests are taken by the caller and reset.
+// The values that the user can change. The caller executes requests and resets them.
 struct PreviewControls {
   PanelState panel = PanelState::kFull;
   float exposure_ev = 4;
@@ -61,20 +61,20 @@ struct PreviewControls {
   int hand_fixture = -1;  // -1: all
 
   std::optional<double> seek_s;
-  std::optional<float> drag_s;  // where the slider of the log is held
+  std::optional<float> drag_s;  // the position of the log's slider while it is dragged
   std::optional<int> camera;
 };
 
 inline constexpr float kPanelWidth = 264;  // units of ImGui at scale 1
 
-// The relative L2 error of pictures with 1 to 8 Gauss nodes as measured once; see the definition for scene and command.
+// The relative L2 error of pictures with 1 to 8 Gauss nodes, as measured; the definition has the scene and the command.
 [[nodiscard]] double measured_rel_l2(int nodes);
 
-// live, hand: nullptr where the rig is not driven that way.
+// live, hand: nullptr if the rig is not driven by them.
 void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const LiveLevels* live, HandLevels* hand,
                 float scale);
 
-// A line of text in the middle of the window, while there is no picture yet. Between the calls that begin and end a UI.
+// A line of text in the middle of the window before the first picture. Call between the begin and end of a UI.
 void draw_progress(const std::string& text);
 
 }  // namespace footlight::tools

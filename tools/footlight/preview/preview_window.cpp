@@ -1,4 +1,4 @@
-// The loop of `footlight preview`: levels from a log, the wire or hands -> Frame -> window.
+// The loop of `footlight preview`: levels from a log, an input or faders -> Frame -> window.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -37,7 +37,7 @@
 namespace footlight::tools {
 namespace {
 
-constexpr DurationNs kExposureMaxNs = 20 * kNsPerMs;  // as `footlight render --at`; the frame where that is shorter
+constexpr DurationNs kExposureMaxNs = 20 * kNsPerMs;  // as `footlight render --at`; less if the frame is shorter
 constexpr std::size_t kStepsHeldMax = 512;            // steps that wait for the GPU
 constexpr DurationNs kWireDelayNs = 2 * kNsPerMs;     // live pictures are that late: looks may be on their way
 constexpr DurationNs kSettleNs = 200 * kNsPerMs;      // a new size is taken when the window has kept it for this long
@@ -49,7 +49,7 @@ constexpr DurationNs kLossPauseNs = 60 * kNsPerS;     // devices that are lost s
 constexpr int kLossesMax = 3;
 constexpr double kSeekStepS = 5;
 constexpr double kExposureStepEv = 0.25;
-constexpr double kOrbitRad = 3;  // for a drag over the height of the window
+constexpr double kOrbitRad = 3;  // per drag over the height of the window
 
 // The last times from picture to picture.
 class FrameTimes {
@@ -92,7 +92,7 @@ class Preview {
   }
 
  private:
-  // False: closed while it was loading.
+  // False: closed while loading.
   Result<bool> open(const StopSignal& signal);
   Status load_rig(double aspect);
   Status open_levels();
@@ -123,7 +123,7 @@ class Preview {
   void print_summary();
   [[nodiscard]] std::optional<fixtures::VrslReplay> vrsl_replay() const;
   [[nodiscard]] PixelRect place() const;
-  // Whether neither a log nor the wire drives the rig.
+  // True if neither a log nor an input drives the rig.
   [[nodiscard]] bool by_hand() const {
     return options_.ins.empty() && options_.files.log.empty() && !options_.files.demo;
   }
@@ -144,10 +144,10 @@ class Preview {
   std::unique_ptr<render::vk::Device> device_;  // outlives the window's swapchain
   std::unique_ptr<Window> window_;
   std::unique_ptr<render::Frame> frame_;
-  std::unique_ptr<PreviewFlashes> flashes_;  // null: nobody watches
-  TimeNs drawn_ns_ = 0;                      // when the picture under way was begun
-  render::vk::Buffer counts_;                // of the picture under way, for the panel
-  bool shown_ = false;                       // a picture is under way, its figures can be read when it is done
+  std::unique_ptr<PreviewFlashes> flashes_;  // null: --flashes off
+  TimeNs drawn_ns_ = 0;                      // when the current picture was started
+  render::vk::Buffer counts_;                // of the current picture, for the panel
+  bool shown_ = false;                       // a picture is in flight; its figures can be read when it is done
 
   OrbitCamera camera_{fixtures::Camera{}};
   PreviewControls controls_;
@@ -162,7 +162,7 @@ class Preview {
   DurationNs picture_ns_ = -1;   // to the first picture
   TimeNs start_ns_ = 0;
   TimeNs last_ns_ = 0;
-  TimeNs second_ns_ = 0;  // when the figures were last counted
+  TimeNs second_ns_ = 0;  // when the figures were last computed
   std::uint64_t second_frames_ = 0;
   bool closing_ = false;
   int losses_ = 0;  // of devices, shortly one after the other
@@ -170,7 +170,7 @@ class Preview {
   std::size_t messages_before_ = 0;  // of the validation layer, of devices that were lost
 };
 
-// Runs `work` on a thread of its own.
+// Runs `work` on its own thread.
 template <class Work>
 std::future<Status> begin(Work work) {
   const NoSignals no_signals;
@@ -244,7 +244,7 @@ void Preview::set_controls(const fixtures::Camera& camera) {
   controls_.loop = options_.files.demo && options_.files.log.empty();
   controls_.panel = window_->width() < kStripWidth ? PanelState::kStrip : PanelState::kFull;
   if (device_->is_software()) {
-    // A picture every few seconds is no preview: begin with fewer pixels, and let people ask for all of them.
+    // One picture every few seconds is too slow: start with fewer pixels; the user can select all of them.
     const int pixels = place().width * place().height;
     while (controls_.divisor < 4 && pixels / (controls_.divisor * controls_.divisor) > kSoftwarePixels) {
       controls_.divisor *= 2;
@@ -258,8 +258,8 @@ void Preview::set_controls(const fixtures::Camera& camera) {
   facts_.gobos = compiled_.needs.gobo;
 }
 
-// The window comes first and says what is waited for, while another thread reads the rig and then makes the frame.
-// What is wrong with a rig that is read quickly is known before.
+// The window opens first and shows the progress, while another thread reads the rig and then makes the frame. A rig
+// that loads quickly is read first, so that its errors are printed before the window opens.
 Result<bool> Preview::open(const StopSignal& signal) {
   FL_ASSIGN(const PictureSize size, parse_size(options_.size));
   if (!options_.ins.empty() && !options_.files.log.empty()) {
@@ -297,7 +297,7 @@ Result<bool> Preview::open(const StopSignal& signal) {
   return wait_for(making, signal, "Preparing the picture");
 }
 
-// Keeps the window alive until the work is done. False: it was closed, and the work is done.
+// Keeps the window responsive until the work is done. False: it was closed, and the work is done.
 Result<bool> Preview::wait_for(std::future<Status>& work, const StopSignal& signal, const char* what) {
   while (work.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
     window_->poll(kProgressS);
@@ -330,7 +330,7 @@ Status Preview::show_progress(const char* what) {
   return {};
 }
 
-// What VRSL makes of the levels, from its start; nothing where the rig does not ask for it.
+// VRSL's processing of the levels, from its start; nothing if the rig does not use it.
 std::optional<fixtures::VrslReplay> Preview::vrsl_replay() const {
   if (!vrsl_rig_) return std::nullopt;
   return fixtures::VrslReplay(*vrsl_rig_, compiled_);
@@ -342,7 +342,7 @@ Status Preview::open_levels() {
     for (const std::string& text : options_.ins) {
       FL_ASSIGN(const Endpoint endpoint, parse_port(text));
       InOptions in;
-      in.hear_preview = true;  // this is the visualiser that such frames are meant for
+      in.hear_preview = true;  // such frames are meant for visualisers like this one
       in.yields = true;        // a bridge keeps its unicast frames
       FL_ASSIGN(std::unique_ptr<Source> source, opener_.open_source(endpoint, in));
       sources.push_back(std::move(source));
@@ -362,7 +362,7 @@ Status Preview::open_levels() {
   return {};
 }
 
-// The part of the window that the panel leaves to the picture.
+// The part of the window beside the panel.
 PixelRect Preview::place() const {
   const float panel_px =
       controls_.panel == PanelState::kFull ? kPanelWidth * window_->ui_scale() * window_->pixels_per_unit() : 0;
@@ -370,7 +370,7 @@ PixelRect Preview::place() const {
           std::max(window_->height(), 1)};
 }
 
-// The frame of the present size, nodes and haze. The fixtures keep their states.
+// A frame of the current size, nodes and haze. The states of the fixtures move from the old frame to the new one.
 Status Preview::rebuild(const PixelRect& where) {
   render::FrameSettings settings;
   settings.width = std::max(where.width / controls_.divisor, 1);
@@ -390,13 +390,13 @@ Status Preview::rebuild(const PixelRect& where) {
   return {};
 }
 
-// Goes to a time of the log, back to its start first where that lies behind: then every fixture starts afresh, so that
-// the picture is the one that `footlight render` makes of this moment.
+// Seeks to a time of the log, from its start if that is earlier. Then every fixture starts again, so that the picture
+// is the one that `footlight render` makes of this moment.
 Status Preview::replay_to(DurationNs until_ns, DurationNs exposure_ns) {
   until_ns = std::clamp<DurationNs>(until_ns, 0, timeline_->duration_ns());
   if (until_ns < timeline_->now_ns()) {
     FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
-    if (!log) return fail(ErrorCode::kIo, "{}: the log is gone", options_.files.log);
+    if (!log) return fail(ErrorCode::kIo, "{}: the log can no longer be read", options_.files.log);
     timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_, vrsl_replay());
     FL_TRY(frame_->run_steps());
     FL_TRY(device_->run_once([&](VkCommandBuffer commands) { render::forget_states(commands, frame_->resources()); }));
@@ -446,7 +446,7 @@ void Preview::take_input() {
   const ImGuiIO& io = ImGui::GetIO();
   if (controls_.camera) take_camera(static_cast<std::size_t>(*std::exchange(controls_.camera, std::nullopt)));
   if (!io.WantCaptureMouse) {
-    // The way of the mouse before the button went down, in the same frame, does not count.
+    // Mouse movement before the button went down in the same frame does not count.
     const auto drags = [](ImGuiMouseButton button) {
       return ImGui::IsMouseDown(button) && !ImGui::IsMouseClicked(button);
     };
@@ -465,7 +465,7 @@ void Preview::take_input() {
 }
 
 void Preview::take_key(int code, bool repeat) {
-  switch (code) {  // those that repeat while they are held
+  switch (code) {  // keys that repeat while they are held
     case GLFW_KEY_E:
     case GLFW_KEY_EQUAL:
     case GLFW_KEY_KP_ADD: expose(-kExposureStepEv); return;  // a lower EV makes a brighter picture
@@ -508,7 +508,7 @@ void Preview::seek(double by_s) {
   if (timeline_) controls_.seek_s = std::clamp(controls_.seek_s.value_or(facts_.time_s) + by_s, 0.0, facts_.duration_s);
 }
 
-// Of the picture that has just been finished.
+// Of the picture that is now finished.
 Status Preview::read_figures(DurationNs dt_ns) {
   if (shown_) {
     times_.add(static_cast<double>(dt_ns) * 1e-6);
@@ -581,7 +581,7 @@ Status Preview::turn() {
     FL_TRY(rebuild(where));
   }
   FL_TRY(step_levels(dt_ns));
-  if (window_->minimised()) {  // the fixtures go on, nobody looks
+  if (window_->minimised()) {  // the fixtures continue without pictures
     shown_ = false;
     return frame_->run_steps();
   }
@@ -613,7 +613,7 @@ Status Preview::draw(const PixelRect& where, TimeNs now_ns) {
     FL_ASSIGN(shown_, window_->show(picture, compute));
     return {};
   }
-  // Whether the picture may follow is known when it is done.
+  // Whether the picture may be shown is known when it is done.
   FL_TRY(flashes_->resize(settings.width, settings.height));
   FL_TRY(device_->run_once(compute));
   const std::size_t stretches = flashes_->watch().stretches().size();
@@ -634,12 +634,12 @@ void Preview::tell_flashes(bool begins) {
     const nlohmann::json line = {{"event", "flashes-begin"}, {"time_ns", drawn_ns_ - start_ns_}};
     fmt::print("{}\n", line.dump());
   } else {
-    fmt::print(stderr, "footlight: flashes that may harm people with photosensitive epilepsy{}\n",
+    fmt::print(stderr, "footlight: flashes that can harm people with photosensitive epilepsy{}\n",
                flashes_->limits() ? "; held back" : "; --flashes limit holds them back");
   }
 }
 
-// The window as it was; the picture alone where the window system does not let it be read.
+// The window as shown; only the picture if the window system does not allow reading the window.
 Status Preview::write_shot() {
   FL_ASSIGN(render::ScreenImage image, window_->read_shot());
   if (image.rgba.empty()) {

@@ -23,7 +23,7 @@ namespace vk = render::vk;
 constexpr std::uint64_t kAcquirePatienceNs = 1'000'000'000;
 constexpr double kMinimisedWaitS = 0.1;
 constexpr float kFontPx = 14;
-// From Debian's fonts-dejavu-core, which every desktop has; the built-in font of ImGui where it is not there.
+// From Debian's fonts-dejavu-core, which every desktop has; ImGui's built-in font if it is missing.
 constexpr const char* kFontPath = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 
 std::string last_glfw_error() {
@@ -36,7 +36,7 @@ void change_layout(VkCommandBuffer commands, VkImage image, VkImageLayout from, 
   render::vk::change_layout(commands, image, VK_IMAGE_ASPECT_COLOR_BIT, from, to);
 }
 
-// A dark theme that stays behind the picture: few colours, no borders, small spacing.
+// A dark theme: few colours, no borders, small spacing.
 void set_style(float scale) {
   ImGui::StyleColorsDark();
   ImGuiStyle& style = ImGui::GetStyle();
@@ -76,28 +76,28 @@ void set_style(float scale) {
 Result<std::unique_ptr<Window>> Window::open(const std::string& title, int width, int height) {
   if (glfwInit() != GLFW_TRUE) {
     return fail(ErrorCode::kUnsupported,
-                "no window: {}; start it inside a desktop session, or use 'footlight render', which makes pictures and "
+                "no window: {}; start it in a desktop session, or use 'footlight render', which makes pictures and "
                 "videos without a display",
                 last_glfw_error());
   }
   std::unique_ptr<Window> window(new Window());
   if (glfwVulkanSupported() != GLFW_TRUE) {
     return fail(ErrorCode::kUnsupported,
-                "no window: Vulkan cannot draw into one here ({}); 'footlight render' makes pictures without a display",
+                "no window: Vulkan cannot draw into one here ({}); use 'footlight render', which needs no display",
                 last_glfw_error());
   }
   std::uint32_t count = 0;
   const char** extensions = glfwGetRequiredInstanceExtensions(&count);
   if (extensions == nullptr) {
     return fail(ErrorCode::kUnsupported,
-                "no window: Vulkan has no way into this display ({}); 'footlight render' makes pictures without one",
+                "no window: Vulkan does not support this display ({}); use 'footlight render', which needs no display",
                 last_glfw_error());
   }
   window->instance_extensions_.assign(extensions, extensions + count);
   glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
   window->window_ = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (window->window_ == nullptr) {
-    return fail(ErrorCode::kUnsupported, "no window of {}x{}: {}; 'footlight render' makes pictures without a display",
+    return fail(ErrorCode::kUnsupported, "no window of {}x{}: {}; use 'footlight render', which needs no display",
                 width, height, last_glfw_error());
   }
   float scale_x = 1;
@@ -154,12 +154,12 @@ Status Window::attach(vk::Device& device) {
                    "vkGetPhysicalDeviceSurfaceSupportKHR"));
   if (can_present != VK_TRUE) {
     return fail(ErrorCode::kUnsupported,
-                "{} cannot show pictures in this window; choose another with --device ('vulkaninfo --summary' names "
+                "{} cannot show pictures in this window; select another with --device ('vulkaninfo --summary' lists "
                 "them), or use 'footlight render'",
                 device.name());
   }
 
-  // The tone map has encoded sRGB already, so the screen's bytes are taken as they are: no _SRGB format.
+  // The tone map has already encoded sRGB, so a format without _SRGB is used.
   std::uint32_t count = 0;
   FL_TRY(vk::check(vkGetPhysicalDeviceSurfaceFormatsKHR(device.physical, surface_, &count, nullptr),
                    "vkGetPhysicalDeviceSurfaceFormatsKHR"));
@@ -194,7 +194,7 @@ Status Window::attach(vk::Device& device) {
   return start_ui();
 }
 
-// ImGui draws over what the blit left.
+// Draws ImGui's data over the copied picture.
 Status Window::create_render_pass() {
   VkAttachmentDescription attachment{};
   attachment.format = format_.format;
@@ -233,7 +233,7 @@ Status Window::create_render_pass() {
   return vk::check(vkCreateRenderPass(device_->handle, &info, nullptr, &render_pass_), "vkCreateRenderPass");
 }
 
-// Leaves the swapchain itself: the next one is made from it.
+// Keeps the swapchain itself: the next one is made from it.
 void Window::destroy_swapchain() {
   for (const Target& target : targets_) {
     vkDestroyFramebuffer(device_->handle, target.framebuffer, nullptr);
@@ -243,7 +243,7 @@ void Window::destroy_swapchain() {
   targets_.clear();
 }
 
-// Where the window has no area the old swapchain stays and stays stale.
+// If the window has no area, the old swapchain stays and stays stale.
 Status Window::create_swapchain() {
   FL_TRY(device_->wait_idle());
   VkSurfaceCapabilitiesKHR can{};
@@ -280,7 +280,7 @@ Status Window::create_swapchain() {
   info.compositeAlpha = (can.supportedCompositeAlpha & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR) != 0
                             ? VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
                             : VK_COMPOSITE_ALPHA_INHERIT_BIT_KHR;
-  info.presentMode = VK_PRESENT_MODE_FIFO_KHR;  // the one that every device has
+  info.presentMode = VK_PRESENT_MODE_FIFO_KHR;  // the only one that every device supports
   info.clipped = VK_TRUE;
   info.oldSwapchain = swapchain_;
   VkSwapchainKHR fresh = VK_NULL_HANDLE;
@@ -322,13 +322,13 @@ Status Window::start_ui() {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
-  io.IniFilename = nullptr;  // nothing is written into the folder that it was started in
+  io.IniFilename = nullptr;  // writes no file into the current folder
   set_style(ui_scale_);
   if (access(kFontPath, R_OK) != 0 || io.Fonts->AddFontFromFileTTF(kFontPath, kFontPx * ui_scale_) == nullptr) {
     io.Fonts->AddFontDefault();
     io.FontGlobalScale = ui_scale_;
   }
-  // ImGui calls the callbacks that it finds.
+  // ImGui calls the callbacks that are set already.
   glfwSetWindowUserPointer(window_, this);
   glfwSetKeyCallback(window_, &Window::on_key);
   ImGui_ImplGlfw_InitForVulkan(window_, true);
@@ -455,7 +455,7 @@ Result<bool> Window::show(const WindowPicture& picture, const std::function<void
   if (acquired == VK_ERROR_OUT_OF_DATE_KHR) stale_ = true;
   if (acquired == VK_ERROR_OUT_OF_DATE_KHR || acquired == VK_TIMEOUT || acquired == VK_NOT_READY) return false;
   if (acquired == VK_SUBOPTIMAL_KHR) {
-    stale_ = true;  // this image can still be used
+    stale_ = true;  // this image is still usable
   } else {
     FL_TRY(vk::check(acquired, "vkAcquireNextImageKHR"));
   }
@@ -475,7 +475,7 @@ Result<bool> Window::show(const WindowPicture& picture, const std::function<void
   if (shot) record_shot(commands_, targets_[index].image);
   FL_TRY(vk::check(vkEndCommandBuffer(commands_), "vkEndCommandBuffer"));
 
-  // The picture is computed while the screen may still hold on to the image; only the copy waits for it.
+  // The picture is computed while the screen may still use the image; only the copy waits for it.
   const VkPipelineStageFlags wait_stage = VK_PIPELINE_STAGE_TRANSFER_BIT;
   VkSubmitInfo submit{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   submit.waitSemaphoreCount = 1;

@@ -11,12 +11,10 @@
 //     FL_TRY(window->show(picture, [&](VkCommandBuffer commands) { frame->record(commands, view, ev); }));
 //   }
 //
-// One frame in flight, because a frame's states and levels are the next one's start: a second one would wait for the
-// first anyway, and one keeps the light a frame nearer to the desk. Waits for the screen (FIFO), never longer than a
-// second.
+// One frame in flight, because a frame starts from the states and levels of the one before: a second one would wait for
+// the first anyway, and one gives a frame less delay. Waits for the screen (FIFO), at most one second.
 //
-// Knows nothing of rigs. Threads: the main thread only, as GLFW demands. The device must outlive attach()ed windows,
-// until they are detached.
+// Independent of rigs. Threads: the main thread only, as GLFW requires. The device must outlive attach()ed windows.
 #pragma once
 
 #include <functional>
@@ -39,24 +37,24 @@ struct PixelRect {
   int height = 0;
 };
 
-// What show() puts on the screen: an image in VK_IMAGE_LAYOUT_GENERAL, stretched over a part of the window.
+// The picture for show(): an image in VK_IMAGE_LAYOUT_GENERAL, stretched over a part of the window.
 struct WindowPicture {
   VkImage image = VK_NULL_HANDLE;
   int width = 0;
   int height = 0;
-  PixelRect place;  // cut to the window; the rest, or all of it without an image, is black
+  PixelRect place;  // clipped to the window; the rest, or all of it without an image, is black
 };
 
 class Window {
  public:
-  // kUnsupported where there is no display; the message says what does without one.
+  // kUnsupported if there is no display; the message names a command that works without one.
   [[nodiscard]] static Result<std::unique_ptr<Window>> open(const std::string& title, int width, int height);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
   [[nodiscard]] const std::vector<std::string>& instance_extensions() const { return instance_extensions_; }
-  // kUnsupported where the device cannot show pictures in this window.
+  // kUnsupported if the device cannot show pictures in this window.
   Status attach(render::vk::Device& device);
   // Lets go of the device, so that another one can be attached: after a loss. What ImGui remembered is gone.
   void detach();
@@ -67,19 +65,19 @@ class Window {
   // Handles events. Waits up to wait_s for one; while the window is minimised, up to 100 ms.
   void poll(double wait_s = 0);
   [[nodiscard]] bool wants_close() const;
-  // The keys that the last poll() saw going down, or repeating while held, in order: GLFW_KEY_... ImGui's own list
-  // would miss a key that goes down and up within one slow frame.
+  // The keys that went down during the last poll(), or repeated while held, in order: GLFW_KEY_... ImGui's own list
+  // misses a key that goes down and up within one slow frame.
   struct Key {
     int code = 0;
     bool repeat = false;
   };
   [[nodiscard]] const std::vector<Key>& keys() const { return keys_; }
-  // As of the last poll(): nobody can see the window.
+  // As of the last poll(): true if the window is not visible.
   [[nodiscard]] bool minimised() const { return minimised_; }
   // Pixels.
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
-  // Pixels a unit of ImGui, and how large things should be drawn for this screen.
+  // Pixels per unit of ImGui, and the scale of the user interface for this screen.
   [[nodiscard]] float pixels_per_unit() const;
   [[nodiscard]] float ui_scale() const { return ui_scale_; }
 
@@ -88,13 +86,13 @@ class Window {
 
   // Returns when the GPU is done with the last show().
   Status wait_gpu();
-  // Records `record`, then the picture, then what ImGui drew; submits and presents. Where the window has just changed
-  // its size nothing is recorded and the answer is false.
+  // Records `record`, then the picture, then ImGui's draw data; submits and presents. If the window has just changed
+  // its size, nothing is recorded and the result is false.
   [[nodiscard]] Result<bool> show(const WindowPicture& picture, const std::function<void(VkCommandBuffer)>& record);
 
   // The next show() keeps a copy of the window for read_shot().
   void keep_shot() { shot_wanted_ = true; }
-  // Waits for the GPU. Empty where the window system does not let its images be read.
+  // Waits for the GPU. Empty if the window system does not allow reading its images.
   [[nodiscard]] Result<render::ScreenImage> read_shot();
 
  private:
@@ -130,11 +128,11 @@ class Window {
   std::vector<Target> targets_;
   std::uint32_t image_count_min_ = 2;
   VkExtent2D extent_{};
-  bool stale_ = true;      // the swapchain does not fit the window any more
-  bool readable_ = false;  // its images can be copied from
+  bool stale_ = true;      // the swapchain no longer fits the window
+  bool readable_ = false;  // its images can be copied
   VkRenderPass render_pass_ = VK_NULL_HANDLE;
   VkDescriptorPool descriptors_ = VK_NULL_HANDLE;
-  VkCommandPool pool_ = VK_NULL_HANDLE;  // its own, since a frame may be made on another thread
+  VkCommandPool pool_ = VK_NULL_HANDLE;  // separate, since a frame may be made on another thread
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   VkSemaphore acquired_ = VK_NULL_HANDLE;
   VkFence done_ = VK_NULL_HANDLE;
