@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <numeric>
 #include <thread>
 #include <utility>
 
@@ -679,76 +680,86 @@ Ray pixel_ray(const View& view, int width, int height, int x, int y) {
   return {view.position_m, glm::normalize(view.forward + view.right * across + view.up * upward)};
 }
 
-JudgedImage judge_image(const JudgeScene& scene, const View& view, int width, int height, const JudgeOptions& options) {
+JudgedPixels judge_pixels(const JudgeScene& scene, const View& view, int width, int height,
+                          std::span<const std::uint32_t> pixels, const JudgeOptions& options) {
   FL_CHECK_GT(width, 0);
   FL_CHECK_GT(height, 0);
-  const auto values = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 3;
-  JudgedImage judged;
-  judged.rgb.resize(values);
-  std::vector<double> coarse(options.stated_error ? values : 0);
-  std::vector<double> row_hits(static_cast<std::size_t>(height));
+  FL_CHECK(!pixels.empty());
+  const std::size_t count = pixels.size();
+  JudgedPixels judged;
+  judged.rgb.resize(3 * count);
+  judged.hits.resize(count);
+  std::vector<double> coarse(options.stated_error ? 3 * count : 0);
 
-  const int of_width = options.of_width > 0 ? options.of_width : width;
-  const int of_height = options.of_height > 0 ? options.of_height : height;
-
-  // Rows are taken one by one, so that no thread waits for a bright one; each is computed alone, so the picture is the
-  // same for every number of threads.
-  std::atomic<int> next_row{0};
-  std::atomic<int> done_rows{0};
+  // Threads take a few pixels at a time, so that none waits for bright ones. Each pixel is computed alone, so the
+  // picture is the same for every number of threads.
+  constexpr std::size_t kAtOnce = 16;
+  std::atomic<std::size_t> next{0};
+  std::atomic<std::size_t> done{0};
   std::atomic<bool> ended{false};
   const auto caller = std::this_thread::get_id();
   const auto work = [&] {
-    for (int y = next_row++; y < height && !ended; y = next_row++) {
-      if (options.go_on && std::this_thread::get_id() == caller && !options.go_on(done_rows, height)) {
+    for (std::size_t first = next.fetch_add(kAtOnce); first < count && !ended; first = next.fetch_add(kAtOnce)) {
+      if (options.go_on && std::this_thread::get_id() == caller &&
+          !options.go_on(static_cast<int>(done.load()), static_cast<int>(count))) {
         ended = true;
         return;
       }
-      double hits = 0;
-      for (int x = 0; x < width; ++x) {
-        const Ray ray = pixel_ray(view, of_width, of_height, sampled_pixel(x, width, of_width),
-                                  sampled_pixel(y, height, of_height));
-        const auto at =
-            (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) * 3;
+      const std::size_t last = std::min(first + kAtOnce, count);
+      for (std::size_t i = first; i < last; ++i) {
+        const auto across = static_cast<std::uint32_t>(width);
+        const Ray ray =
+            pixel_ray(view, width, height, static_cast<int>(pixels[i] % across), static_cast<int>(pixels[i] / across));
         // Three times the pieces, or both passes would take the same nodes wherever the light is smooth, and their
         // difference would say nothing.
-        const glm::dvec3 fine = radiance(scene, ray, options.tolerance / 100, 3, &hits);
-        for (int c = 0; c < 3; ++c) judged.rgb[at + static_cast<std::size_t>(c)] = fine[c];
+        const glm::dvec3 fine = radiance(scene, ray, options.tolerance / 100, 3, &judged.hits[i]);
+        for (std::size_t c = 0; c < 3; ++c) judged.rgb[3 * i + c] = fine[static_cast<int>(c)];
         if (!options.stated_error) continue;
         const glm::dvec3 rough = judge_radiance(scene, ray, options.tolerance);
-        for (int c = 0; c < 3; ++c) coarse[at + static_cast<std::size_t>(c)] = rough[c];
+        for (std::size_t c = 0; c < 3; ++c) coarse[3 * i + c] = rough[static_cast<int>(c)];
       }
-      row_hits[static_cast<std::size_t>(y)] = hits;
-      ++done_rows;
+      done += last - first;
     }
   };
   const auto cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  const int threads = std::min(options.threads > 0 ? options.threads : cores, height);
+  const int threads = options.threads > 0 ? options.threads : cores;
   {
     std::vector<std::jthread> pool;
     for (int i = 1; i < threads; ++i) pool.emplace_back(work);
     work();
   }
-
   judged.whole = !ended;
-  judged.image = {width, height, std::vector<float>(values)};
+
   Wide sum = 0;
   Wide square = 0;
-  for (std::size_t i = 0; i < values; ++i) {
-    judged.image.rgb[i] = static_cast<float>(judged.rgb[i]);
-    sum += judged.rgb[i];
-    square += Wide(judged.rgb[i]) * judged.rgb[i];
+  for (const double value : judged.rgb) {
+    sum += value;
+    square += Wide(value) * value;
   }
-  for (const double hits : row_hits) judged.hits_per_px += hits / (static_cast<double>(width) * height);
   if (options.stated_error && square > 0) {
-    const auto floor_value = static_cast<double>(1e-2L * sum / static_cast<Wide>(values));
+    const auto floor_value = static_cast<double>(1e-2L * sum / static_cast<Wide>(judged.rgb.size()));
     Wide difference = 0;
-    for (std::size_t i = 0; i < values; ++i) {
+    for (std::size_t i = 0; i < judged.rgb.size(); ++i) {
       const double d = std::abs(coarse[i] - judged.rgb[i]);
       difference += Wide(d) * d;
       judged.own_max = std::max(judged.own_max, d / (judged.rgb[i] + floor_value));
     }
     judged.own_rel_l2 = static_cast<double>(std::sqrt(difference / square));
   }
+  return judged;
+}
+
+JudgedImage judge_image(const JudgeScene& scene, const View& view, int width, int height, const JudgeOptions& options) {
+  std::vector<std::uint32_t> all(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  std::iota(all.begin(), all.end(), 0u);
+  JudgedPixels pixels = judge_pixels(scene, view, width, height, all, options);
+  JudgedImage judged;
+  judged.image = {width, height, std::vector<float>(pixels.rgb.begin(), pixels.rgb.end())};
+  judged.rgb = std::move(pixels.rgb);
+  judged.own_rel_l2 = pixels.own_rel_l2;
+  judged.own_max = pixels.own_max;
+  for (const double hits : pixels.hits) judged.hits_per_px += hits / static_cast<double>(all.size());
+  judged.whole = pixels.whole;
   return judged;
 }
 

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -124,9 +125,7 @@ struct JudgeOptions {
   double tolerance = 1e-7;   // relative, of each integral; the picture is taken at a hundredth of it
   int threads = 0;           // 0: one per core. The picture does not depend on it.
   bool stated_error = true;  // false: only the finer pass, own_* are 0
-  int of_width = 0;          // with of_height: the pixels are an even sample of a picture of that size; 0: all of one
-  int of_height = 0;
-  // Called between rows of pixels on the caller's thread, with how many of them are done; false ends the picture.
+  // Called now and then on the caller's thread, with how many pixels are done; false ends the picture.
   std::function<bool(int done, int all)> go_on;
 };
 
@@ -139,11 +138,19 @@ struct JudgedImage {
   bool whole = true;        // false: go_on ended it, and rows are missing
 };
 
-// Pixel number i of an even sample of `count` of `of` pixels.
-[[nodiscard]] inline int sampled_pixel(int i, int count, int of) {
-  return static_cast<int>((2 * std::int64_t{i} + 1) * of / (2 * std::int64_t{count}));
-}
+// Some pixels of a picture.
+struct JudgedPixels {
+  std::vector<double> rgb;   // 3 values a pixel, in the order that was asked for
+  std::vector<double> hits;  // of each pixel: how many beams the visible part of its ray crosses
+  double own_rel_l2 = 0;     // as of JudgedImage, over these pixels
+  double own_max = 0;
+  bool whole = true;  // false: go_on ended it, and pixels are missing
+};
 
+// The pixels y * width + x of a picture of width x height.
+[[nodiscard]] JudgedPixels judge_pixels(const JudgeScene& scene, const View& view, int width, int height,
+                                        std::span<const std::uint32_t> pixels, const JudgeOptions& options = {});
+// All of them.
 [[nodiscard]] JudgedImage judge_image(const JudgeScene& scene, const View& view, int width, int height,
                                       const JudgeOptions& options = {});
 

@@ -18,11 +18,22 @@ using Value = std::variant<std::string, double, std::int64_t>;
 using Fields = std::vector<std::pair<const char*, Value>>;
 
 Fields fields_of(const PictureRow& row) {
-  return {
-      {"scene", row.scene},         {"method", row.method}, {"knob", row.knob},     {"hits_per_px", row.hits_per_px},
-      {"ms_p10", row.ms_p10},       {"ms_p50", row.ms_p50}, {"ms_p90", row.ms_p90}, {"rel_l2", row.rel_l2},
-      {"rel_mse", row.rel_mse},     {"p999", row.p999},     {"max", row.max},       {"flip", row.flip},
-      {"nonfinite", row.nonfinite}, {"bytes", row.bytes}};
+  return {{"scene", row.scene},
+          {"method", row.method},
+          {"knob", row.knob},
+          {"hits_per_px", row.hits_per_px},
+          {"ms_p10", row.ms_p10},
+          {"ms_p50", row.ms_p50},
+          {"ms_p90", row.ms_p90},
+          {"rel_l2", row.rel_l2},
+          {"rel_l2_low", row.rel_l2_low},
+          {"rel_l2_high", row.rel_l2_high},
+          {"rel_mse", row.rel_mse},
+          {"p999", row.p999},
+          {"max", row.max},
+          {"flip", row.flip},
+          {"nonfinite", row.nonfinite},
+          {"bytes", row.bytes}};
 }
 
 Fields fields_of(const TimeRow& row) {
@@ -44,7 +55,7 @@ Fields fields_of(const TimeRow& row) {
 
 struct ToText {
   std::string operator()(const std::string& v) const { return v; }
-  std::string operator()(double v) const { return fmt::format("{:.4g}", v); }
+  std::string operator()(double v) const { return std::isnan(v) ? "-" : fmt::format("{:.4g}", v); }
   std::string operator()(std::int64_t v) const { return fmt::format("{}", v); }
 };
 
@@ -293,6 +304,8 @@ Result<std::vector<PictureRow>> picture_rows_from_json_lines(const std::string& 
     number_at("ms_p50", row.ms_p50);
     number_at("ms_p90", row.ms_p90);
     number_at("rel_l2", row.rel_l2);
+    number_at("rel_l2_low", row.rel_l2_low);
+    number_at("rel_l2_high", row.rel_l2_high);
     number_at("rel_mse", row.rel_mse);
     number_at("p999", row.p999);
     number_at("max", row.max);

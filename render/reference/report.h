@@ -20,11 +20,13 @@ struct PictureRow {
   double ms_p10 = 0;       // time a frame
   double ms_p50 = 0;
   double ms_p90 = 0;
-  double rel_l2 = 0;  // norms.h
+  double rel_l2 = 0;       // norms.h
+  double rel_l2_low = 0;   // 95 % confidence interval of rel_l2, where only a sample of the pixels is judged; else
+  double rel_l2_high = 0;  // equal to it
   double rel_mse = 0;
   double p999 = 0;
   double max = 0;
-  double flip = 0;
+  double flip = 0;  // NaN where only a sample is judged: it compares neighbours
   std::int64_t nonfinite = 0;
   std::int64_t bytes = 0;  // GPU memory that the method allocates
 };

@@ -33,7 +33,7 @@ struct Special {
 };
 
 constexpr const char* kSmall = "--size 48x27";
-constexpr const char* kReport = "--pictures --size 32x18 --judge-size 4x3 --runs 3";
+constexpr const char* kReport = "--pictures --size 32x18 --judge-pixels 100 --runs 3";
 constexpr const char* kUntilStopped = "it runs until it is stopped";
 constexpr const char* kNoDongle = "no dongle is plugged in; the model of one is";
 constexpr const char* kWindow = "a window needs a display and its own time (preview_test.cpp); the rig is drawn";

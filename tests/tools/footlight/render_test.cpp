@@ -205,8 +205,8 @@ TEST_CASE("report refuses a rig without levels, and judges it with --lit") {
   if (!vulkan) return;
   const TempFolder folder;
   std::ofstream(folder.file("rig.toml")) << kOnePar << kFrontCamera;
-  const std::vector<std::string> small = {"--pictures", "--quick", "--runs",       "3",   "--size",
-                                          "64x36",      "--json",  "--judge-size", "16x9"};
+  const std::vector<std::string> small = {"--pictures", "--quick", "--runs",         "3",  "--size",
+                                          "64x36",      "--json",  "--judge-pixels", "400"};
   const auto report = [&](std::vector<std::string> words) {
     words.insert(words.begin(), {"report", folder.file("rig.toml")});
     words.insert(words.end(), small.begin(), small.end());
@@ -227,6 +227,9 @@ TEST_CASE("report refuses a rig without levels, and judges it with --lit") {
     const auto row = nlohmann::json::parse(lit.out.substr(0, lit.out.find('\n')));
     CHECK(row["rel_l2"].get<double>() > 1e-9);
     CHECK(row["rel_l2"].get<double>() < 1e-2);
+    CHECK(row["rel_l2_low"].get<double>() < row["rel_l2"].get<double>());
+    CHECK(row["rel_l2_high"].get<double>() > row["rel_l2"].get<double>());
+    CHECK(row["flip"].is_null());
     CHECK(contains(lit.out, "\"whole-frame\""));
     CHECK(contains(lit.out, "\"need\":\"blades\""));
   }

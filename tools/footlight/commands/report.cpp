@@ -183,7 +183,7 @@ extern const CommandInfo report_command{
         "  footlight report --quick\n"
         "  footlight report rig.toml --log show.dmxlog --at 12.5s --svg beams.svg --csv beams.csv\n"
         "  footlight report hall.mvr --lit --set Tilt=30     a rig without a log\n"
-        "  footlight report --pictures --beams 10000 --size 3840x2160 --judge-size 96x54\n"
+        "  footlight report --pictures --beams 10000 --size 3840x2160 --judge-pixels 5000\n"
         "  footlight report --time --csv time.csv --svg time.svg\n"
         "  footlight report --pictures --fleet 100000        the time of a step of 100,000 fixtures on the GPU\n"
         "  footlight report --time --worst\n"

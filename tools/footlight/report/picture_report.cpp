@@ -11,6 +11,7 @@
 #include "fixtures/gobos/gobo_images.h"
 #include "fixtures/simulate/walker.h"
 #include "render/reference/norms.h"
+#include "render/reference/pixel_sample.h"
 
 namespace footlight::tools {
 
@@ -109,57 +110,80 @@ Result<std::vector<double>> time_frames(Frame& frame, const View& view, const Sc
   return times_ms;
 }
 
-// The judged pixels of a timed frame, `values` a pixel.
-template <class T>
-std::vector<T> sampled(const std::vector<T>& pixels, std::size_t values, const PictureReportOptions& options) {
-  std::vector<T> sample;
-  for (int y = 0; y < options.judge_height; ++y) {
-    for (int x = 0; x < options.judge_width; ++x) {
-      const int row = sampled_pixel(y, options.judge_height, options.height);
-      const int column = sampled_pixel(x, options.judge_width, options.width);
-      const std::size_t at =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(options.width) + static_cast<std::size_t>(column);
-      for (std::size_t i = 0; i < values; ++i) sample.push_back(pixels[at * values + i]);
-    }
-  }
-  return sample;
+// What is judged of the frames, and what the judge finds there.
+struct Judged {
+  PixelSample sample;
+  JudgedPixels pixels;
+  double hits_per_px = 0;
+  ScreenImage screen;  // where the whole picture is judged
+};
+
+// Chosen once; any other number would do.
+constexpr std::uint64_t kSampleSeed = 1;
+
+FrameSettings judged_settings(const PictureReportOptions& options) {
+  FrameSettings settings;
+  settings.width = options.width;
+  settings.height = options.height;
+  settings.bodies = false;
+  settings.widen_thin = false;
+  return settings;
 }
 
-JudgedImage judge_scene_of(const Scene& scene, const View& view, const PictureReportOptions& options) {
+// The sample is stratified by the picture of the default method.
+Result<Judged> judge_scene_of(vk::Device& device, const Scene& scene, const View& view,
+                              const PictureReportOptions& options) {
+  Judged judged;
+  {
+    FL_ASSIGN(const auto frame, make_frame(device, scene, judged_settings(options)));
+    FL_TRY(frame->draw(view, scene.camera.exposure_ev));
+    FL_ASSIGN(const RadianceImage pilot, frame->read_radiance());
+    judged.sample = sample_pixels(pilot, options.judge_pixels, kSampleSeed);
+  }
   fixtures::f64::Walker walker(scene.compiled);
   walker.step(scene.levels, 0);
   const GoboColors gobos = gobos_of(scene.compiled);
   JudgeScene judge =
       judge_scene(scene.rig, walker, [gobos](int gobo, double x, double y) { return gobos(gobo, x, y).x; });
   if (!only_builtin(scene.compiled)) judge.colors = gobos;
-  JudgeOptions judge_options{.of_width = options.width, .of_height = options.height};
+  JudgeOptions judge_options;
   if (options.go_on) {
-    judge_options.go_on = [&](int done, int all) { return options.go_on("lines of the judge's picture", done, all); };
+    judge_options.go_on = [&](int done, int all) { return options.go_on("judged pixels", done, all); };
   }
-  return judge_image(judge, view, options.judge_width, options.judge_height, judge_options);
+  judged.pixels = judge_pixels(judge, view, options.width, options.height, judged.sample.pixels, judge_options);
+  const auto all = static_cast<double>(options.width) * options.height;
+  for (std::size_t i = 0; i < judged.pixels.hits.size(); ++i) {
+    judged.hits_per_px += judged.sample.weight(i) * judged.pixels.hits[i] / all;
+  }
+  if (judged.sample.whole) {
+    const std::vector<float> rgb(judged.pixels.rgb.begin(), judged.pixels.rgb.end());
+    judged.screen = screen_of({options.width, options.height, rgb}, scene.camera.exposure_ev);
+  }
+  return judged;
 }
 
-Status judge_row(Frame& frame, const JudgedImage& judged, const ScreenImage& judged_screen,
-                 const PictureReportOptions& options, PictureRow& row) {
+Status judge_row(Frame& frame, const Judged& judged, PictureRow& row) {
   FL_ASSIGN(const RadianceImage picture, frame.read_radiance());
-  const PictureNorms norms = picture_norms(sampled(picture.rgb, 3, options), judged.rgb);
-  row.rel_l2 = norms.rel_l2;
-  row.rel_mse = norms.rel_mse;
-  row.p999 = norms.p999;
-  row.max = norms.max;
-  row.nonfinite = norms.nonfinite;
+  const std::vector<float> values = at_sample<float>(judged.sample, picture.rgb, 3);
+  const SampledNorms sampled = sampled_norms(judged.sample, values, judged.pixels.rgb);
+  row.rel_l2 = sampled.norms.rel_l2;
+  row.rel_l2_low = sampled.rel_l2_low;
+  row.rel_l2_high = sampled.rel_l2_high;
+  row.rel_mse = sampled.norms.rel_mse;
+  row.p999 = sampled.norms.p999;
+  row.max = sampled.norms.max;
+  // Of every pixel: that needs no judge.
+  row.nonfinite = std::count_if(picture.rgb.begin(), picture.rgb.end(), [](float v) { return !std::isfinite(v); });
+  row.flip = std::nan("");
+  if (!judged.sample.whole) return {};
   FL_ASSIGN(const ScreenImage screen, frame.read_screen());
-  const ScreenImage shown{options.judge_width, options.judge_height, sampled(screen.rgba, 4, options)};
-  row.flip = flip(shown, judged_screen).mean;
+  row.flip = flip(screen, judged.screen).mean;
   return {};
 }
 
 }  // namespace
 
-Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene, const PictureReportOptions& given) {
-  PictureReportOptions options = given;
-  options.judge_width = std::min(options.judge_width, options.width);
-  options.judge_height = std::min(options.judge_height, options.height);
+Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene, const PictureReportOptions& options) {
   PictureReport report;
   report.device = fmt::format("{} ({})", device.name(), device.driver());
   const View view = view_of(scene.camera);
@@ -185,16 +209,15 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
     report.whole_ms = percentile(times_ms, 0.5);
   }
 
-  JudgedImage judged;
-  ScreenImage judged_screen;
+  Judged judged;
   if (options.judge) {
     const auto start = std::chrono::steady_clock::now();
-    judged = judge_scene_of(scene, view, options);
-    report.ended = !judged.whole;
+    FL_ASSIGN(judged, judge_scene_of(device, scene, view, options));
+    report.ended = !judged.pixels.whole;
     if (report.ended) return report;
     report.judge_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    report.judge_own_rel_l2 = judged.own_rel_l2;
-    judged_screen = screen_of(judged.image, scene.camera.exposure_ev);
+    report.judged_pixels = static_cast<std::int64_t>(judged.sample.pixels.size());
+    report.judge_own_rel_l2 = judged.pixels.own_rel_l2;
   }
 
   if (options.on_judged) options.on_judged(report);
@@ -216,14 +239,10 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
     row.method = name;
     row.knob = name == "gobo taps" ? gobo_taps : nodes;
     row.hits_per_px = judged.hits_per_px;
-    FrameSettings settings;
-    settings.width = options.width;
-    settings.height = options.height;
+    FrameSettings settings = judged_settings(options);
     settings.method = method;
     settings.nodes = nodes;
     settings.gobo_taps = gobo_taps;
-    settings.bodies = false;
-    settings.widen_thin = false;
     FL_ASSIGN(auto frame, make_frame(device, scene, settings));
     std::vector<std::vector<double>> pass_ms;
     const auto go_on = [&](double share) { return !ends_at(share); };
@@ -239,7 +258,7 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
         report.passes.push_back({frame->plan()[p].name, percentile(pass_ms[p], 0.5)});
       }
     }
-    if (options.judge) FL_TRY(judge_row(*frame, judged, judged_screen, options, row));
+    if (options.judge) FL_TRY(judge_row(*frame, judged, row));
     report.rows.push_back(row);
     if (options.on_row) options.on_row(report);
     return {};

@@ -33,7 +33,7 @@ struct PictureArguments {
   std::string photometry;
   int fleet = 0;
   std::string size = "640x360";
-  std::string judge_size = "64x36";
+  int judge_pixels = kJudgePixels;
   std::string camera;
   std::string device;
   int runs = 11;
@@ -163,12 +163,20 @@ std::string intro_of(const Scene& scene, const PictureArguments& arguments, cons
       fmt::format("Pictures of {}: beams in haze and on surfaces, on {}.\nTimes: GPU, {}x{}, {} runs after 3. ",
                   scene.name, report.device, options.width, options.height, arguments.runs);
   if (arguments.no_judge) return text + "Not judged.\n\n";
+  const std::int64_t all = std::int64_t{options.width} * options.height;
+  const bool sampled = report.judged_pixels < all;
   return text + fmt::format(
-                    "Errors: {}x{} pixels of these very frames, evenly spread, against adaptive quadrature in double, "
+                    "Errors: {} of the {} pixels of these very frames{}, against adaptive quadrature in double, "
                     "whose own error is {:.1e} (it took {:.1f} s).\n"
+                    "{}"
                     "Neither timed nor judged in the rows: bodies and lenses of fixtures, and the widening of thin "
                     "beams.\n\n",
-                    options.judge_width, options.judge_height, report.judge_own_rel_l2, report.judge_seconds);
+                    report.judged_pixels, all, sampled ? ", a stratified random sample" : "", report.judge_own_rel_l2,
+                    report.judge_seconds,
+                    sampled
+                        ? "rel_l2 is that of the whole picture, estimated; it lies between rel_l2_low and rel_l2_high "
+                          "with 95 % confidence.\n"
+                        : "");
 }
 
 Status report_pictures(const PictureArguments& arguments, const ReportOptions& options) {
@@ -183,13 +191,11 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
   const double aspect = static_cast<double>(size.width) / size.height;
   FL_ASSIGN(const Scene scene, arguments.beams > 0 ? make_beams_scene(arguments.beams, arguments.photometry)
                                                    : scene_of_files(files, arguments, aspect, air));
-  FL_ASSIGN(const PictureSize judge_size, parse_size(arguments.judge_size));
   FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = arguments.device}));
   PictureReportOptions picture_options;
   picture_options.width = size.width;
   picture_options.height = size.height;
-  picture_options.judge_width = judge_size.width;
-  picture_options.judge_height = judge_size.height;
+  picture_options.judge_pixels = arguments.judge_pixels;
   picture_options.runs = arguments.runs;
   picture_options.judge = !arguments.no_judge;
   if (options.quick) {
@@ -270,7 +276,8 @@ ReportHalf add_report_pictures(Arguments& arguments) {
                    "no pictures: time a step of this many moving heads on the GPU and on one CPU core");
   arguments.option("--camera", chosen->camera, "NAME", "a camera of the rig; its first one");
   arguments.option("--size", chosen->size, "WxH", "size of the pictures that are timed and judged");
-  arguments.option("--judge-size", chosen->judge_size, "WxH", "how many of their pixels are judged, evenly spread");
+  arguments.option("--judge-pixels", chosen->judge_pixels, 100, 100'000'000,
+                   "how many of their pixels are judged, a stratified random sample");
   arguments.option("--runs", chosen->runs, 3, 1000, "timed frames a row");
   arguments.option("--device", chosen->device, "TEXT", "the Vulkan device whose name contains this");
   arguments.flag("--no-judge", chosen->no_judge, "times only");
