@@ -32,7 +32,7 @@ struct PassContext {
   std::vector<vk::SpecConstant> constants;  // the result of PassEntry::constants
 };
 
-// How the frame knows a pass. needed() and constants() are pure: tests call them without a device.
+// An entry in the list of the frame. needed() and constants() are pure: tests call them without a device.
 struct PassEntry {
   const char* name;
   bool (*needed)(const fixtures::Needs& needs, const FrameSettings& settings);

@@ -15,7 +15,7 @@ struct FrameSettings {
   // Beams in haze. Nodes of the Gauss rule (1 to 8) or steps of the march; errors in docs/numerics.md.
   BeamMethod method = BeamMethod::kGauss;
   std::uint32_t nodes = 3;
-  std::uint32_t gobo_taps = 64;  // looks at the gobo along one ray through one beam
+  std::uint32_t gobo_taps = 64;  // samples of the gobo along one ray through one beam
   bool bodies = true;            // draw fixture bodies
   bool haze = true;              // light in the air, where the rig has haze
   double dark_lm = 0;            // beams with no more flux are left out

@@ -334,7 +334,7 @@ Status Device::wait(VkFence fence) {
   return check(result, "vkWaitForFences");
 }
 
-void Device::lose_as_environment_says() {
+void Device::lose_from_environment() {
   static std::atomic<bool> first = true;
   const char* text = std::getenv("FOOTLIGHT_LOSE_DEVICE");
   if (text != nullptr && first.exchange(false)) lose_after(std::strtoull(text, nullptr, 10));

@@ -78,7 +78,7 @@ class Device {
   void lose_after(std::uint64_t submits) { submits_left_ = submits; }
   // The same with FOOTLIGHT_LOSE_DEVICE=N of the environment, at the first call in a process. Programs call it when
   // they are set up.
-  void lose_as_environment_says();
+  void lose_from_environment();
   // Records with `record` into a command buffer of its own, submits it and waits. For set-up and read-back.
   template <class Record>
   Status run_once(Record&& record) {

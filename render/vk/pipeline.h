@@ -143,7 +143,7 @@ class Pipelines {
 
   // `spirv` is a constant of the program: its address is a part of the key.
   [[nodiscard]] Result<std::shared_ptr<const Pipeline>> compute(Spirv spirv, std::span<const SpecConstant> constants);
-  // As Pipeline::Raster says; all rasters of the same shaders have the same formats and attributes.
+  // The shaders are the key: all rasters of the same shaders have the same formats and attributes.
   [[nodiscard]] Result<std::shared_ptr<const Pipeline>> raster(const Pipeline::Raster& raster);
   // How many have been compiled so far, and how many are kept.
   [[nodiscard]] std::size_t compiled() const { return compiled_; }

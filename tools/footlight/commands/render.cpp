@@ -258,7 +258,7 @@ Result<int> render_pictures(const Options& options) {
     frame->step(std::vector<std::uint8_t>(frame->resources().rig.levels_bytes), 0);
   }
   const render::View view = render::view_of(camera);
-  device->lose_as_environment_says();
+  device->lose_from_environment();
   Job job(options, stop, timeline ? &*timeline : nullptr, *frame, view, exposure_ev);
 
   if (options.at_ns >= 0) {

@@ -79,7 +79,7 @@ class Preview {
     FL_ASSIGN(const bool opened, open(signal));
     if (!opened) return kExitOk;
     start_ns_ = last_ns_ = second_ns_ = clock_.now_ns();
-    device_->lose_as_environment_says();
+    device_->lose_from_environment();
     while (!window_->wants_close() && !signal.came() && !closing_) {
       Status turned = turn();
       if (!turned && device_->lost()) turned = start_again(turned.error());
