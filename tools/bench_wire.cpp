@@ -1,24 +1,24 @@
-// bench_wire: how long a bridge keeps a frame, and how many it loses.
+// bench_wire: measures the latency of a bridge, and how many frames it loses.
 //
-//   generator --(--to)--> device under test --(--from)--> listener
+//   generator --(--to)--> device under test --(--from)--> receiver
 //
-// The generator stamps each universe's first slots with the time and a count and sends all universes at once; the
-// listener takes the stamp back out. Latency is from just before the generator's send() to the wake-up of the listener,
-// so it holds two crossings of the kernel; --floor leaves the device out and measures one crossing. Of the universes of
-// one round the last also waits for the datagrams of the others to be sent.
+// The generator stamps each universe's first slots with the time and a count and sends all universes at once. The
+// receiver extracts the stamp. Latency is from just before the generator's send() to the wake-up of the receiver, so it
+// contains two crossings of the kernel; --floor leaves the device out and measures one crossing. The last universe of a
+// round also waits until the datagrams of the others are sent.
 //
 //   bench_wire --floor
 //   bench_wire -- footlight run --in sacn:1-9%lo --out sacn:101-109=1-9%lo
 //   bench_wire --from artnet:1-9@127.0.0.1 -- footlight run --in sacn:1-9%lo --out artnet:1-9@127.0.0.1
-//   bench_wire --pid 1234          a device that is running already; its processor time is taken from /proc
-//   bench_wire --to sacn:1-9%lo --from artnet:2-5@127.0.0.1 --pid 1234    only four of the nine are heard
-//   bench_wire --relay             a device of a few lines in a process of its own: our ports and no more
+//   bench_wire --pid 1234          a device that is already running; its processor time is read from /proc
+//   bench_wire --to sacn:1-9%lo --from artnet:2-5@127.0.0.1 --pid 1234    only four of the nine are received
+//   bench_wire --relay             a device of a few lines in a separate process: only the ports
 //
-// A frame that the device replaced by a newer one of its universe counts as lost: after a stall of more than one
-// period, of the device or of the generator, that is what a bridge which never queues does.
+// A frame that the device replaced by a newer one of its universe counts as lost. A bridge that never queues does this
+// after a stall of more than one period, of the device or of the generator.
 //
-// Nothing leaves the machine unless an endpoint says so: the default ones are on "lo". Compare medians of several runs;
-// the worst case is the scheduler's.
+// The default endpoints are on "lo", so nothing leaves the machine. Compare medians of several runs; the worst case is
+// caused by the scheduler.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -61,7 +61,7 @@ std::uint64_t read_u64(std::span<const std::uint8_t> in) {
   return value;
 }
 
-// Takes stamps out of frames. Runs on the listener's thread; the generator reads `universes_heard` meanwhile and the
+// Extracts stamps from frames. Runs on the receiver's thread. The generator reads `universes_heard` meanwhile, and the
 // rest after that thread has ended.
 class Listener final : public FrameReceiver {
  public:
@@ -105,7 +105,7 @@ class Listener final : public FrameReceiver {
   std::vector<bool> heard_;
 };
 
-// Nanoseconds of processor time that all threads of a process have had; 0 where it cannot be read.
+// Processor time of all threads of a process in ns; 0 if it cannot be read.
 std::uint64_t cpu_ns_of(pid_t pid) {
   std::uint64_t sum_ns = 0;
   std::error_code error;
@@ -119,7 +119,7 @@ std::uint64_t cpu_ns_of(pid_t pid) {
   return sum_ns;
 }
 
-// Resident memory of a process; 0 where it cannot be read.
+// Resident memory of a process; 0 if it cannot be read.
 std::uint64_t rss_kib_of(pid_t pid) {
   std::ifstream file(fmt::format("/proc/{}/status", pid));
   for (std::string word; file >> word;) {
@@ -129,8 +129,8 @@ std::uint64_t rss_kib_of(pid_t pid) {
   return 0;
 }
 
-// A bridge and nothing else: every frame that comes in goes out, in batches in which no universe appears twice. (A pump
-// would send the newest frame of each universe only; after a stall that is a loss by the count of this program.)
+// The smallest bridge: sends every received frame, in batches in which no universe appears twice. (A pump would send
+// only the newest frame of each universe; after a stall this program would count that as a loss.)
 Status relay(Source& source, Sink& sink, Clock& clock) {
   class Collector final : public FrameReceiver {
    public:
@@ -173,7 +173,7 @@ Status relay(Source& source, Sink& sink, Clock& clock) {
   return collector.status;
 }
 
-// The device as a process of its own, ended with this object.
+// The device as a separate process, which ends with this object.
 class Child {
  public:
   template <class Body>
@@ -202,7 +202,7 @@ class Child {
   pid_t pid_;
 };
 
-struct Wanted {
+struct Settings {
   std::string to = "sacn:1-9%lo";
   std::string from = "sacn:101-109%lo";
   bool floor = false;
@@ -221,11 +221,11 @@ struct Report {
   std::uint64_t received = 0;
   std::uint64_t repeats = 0;
   double seconds = 0.0;
-  double cpu_percent = -1.0;             // of one core; below 0: not known
+  double cpu_percent = -1.0;             // of one core; below 0: unknown
   std::uint64_t rss_kib = 0;             // of the device, at the end
   std::vector<DurationNs> latencies_ns;  // sorted
 
-  // Of processor time of the device for each datagram that it sent.
+  // Processor time of the device for each datagram that it sent.
   [[nodiscard]] double cpu_us_per_datagram() const {
     return received == 0 ? 0.0 : cpu_percent * 1e4 * seconds / static_cast<double>(received + repeats);
   }
@@ -236,11 +236,11 @@ struct Report {
   }
 };
 
-Result<Report> measure(const Wanted& wanted, Source& source, Sink& sink, pid_t device) {
+Result<Report> measure(const Settings& settings, Source& source, Sink& sink, pid_t device) {
   SystemClock clock;
   const auto sink_universes = sink.universes();
-  const auto period_ns = static_cast<DurationNs>(1e9 / wanted.rate_hz);
-  const auto rounds = static_cast<std::uint64_t>(wanted.seconds * wanted.rate_hz);
+  const auto period_ns = static_cast<DurationNs>(1e9 / settings.rate_hz);
+  const auto rounds = static_cast<std::uint64_t>(settings.seconds * settings.rate_hz);
   const auto warm_up_rounds_max = static_cast<std::uint64_t>((kWarmUpMaxNs + kWarmUpRestNs) / period_ns) + 2;
   Listener listener(source.universes(), rounds + warm_up_rounds_max);
   listener.latencies_ns.reserve(rounds * source.universes().size());
@@ -274,7 +274,7 @@ Result<Report> measure(const Wanted& wanted, Source& source, Sink& sink, pid_t d
     for (std::size_t u = 0; u < slots.size(); ++u) {
       write_u64(std::span(slots[u]).first(8), static_cast<std::uint64_t>(now_ns));
       write_u64(std::span(slots[u]).subspan(8, 8), count);
-      // Some of the rest moves too, as in a show.
+      // Some other slots change too, as in a show.
       for (std::size_t s = kStampBytes; s < slots[u].size(); s += 7)
         slots[u][s] = static_cast<std::uint8_t>(count + s + u);
     }
@@ -291,7 +291,7 @@ Result<Report> measure(const Wanted& wanted, Source& source, Sink& sink, pid_t d
   while (status && next_ns < rest_end_ns) status = send_round();
   if (status && listener.universes_heard.load() < source.universes().size()) {
     status = fail(ErrorCode::kTimeout,
-                  "{}: {} of {} universes came back within {} s; check that the device takes {} and sends there",
+                  "{}: {} of {} universes were received within {} s; check that the device receives {} and sends there",
                   source.name(), listener.universes_heard.load(), source.universes().size(), kWarmUpMaxNs / kNsPerS,
                   sink.name());
   }
@@ -323,14 +323,14 @@ Result<Report> measure(const Wanted& wanted, Source& source, Sink& sink, pid_t d
   return report;
 }
 
-void print(const Wanted& wanted, const Report& report) {
+void print(const Settings& settings, const Report& report) {
   const std::uint64_t lost = report.sent - std::min(report.sent, report.received);
-  if (wanted.json) {
+  if (settings.json) {
     fmt::print(
         "{{\"to\": \"{}\", \"from\": \"{}\", \"universes\": {}, \"rate_hz\": {}, \"seconds\": {:.3f}, "
         "\"sent\": {}, \"received\": {}, \"lost\": {}, \"repeats\": {}, \"p50_us\": {:.1f}, \"p90_us\": {:.1f}, "
         "\"p99_us\": {:.1f}, \"max_us\": {:.1f}",
-        wanted.to, wanted.floor ? wanted.to : wanted.from, report.universes, wanted.rate_hz, report.seconds,
+        settings.to, settings.floor ? settings.to : settings.from, report.universes, settings.rate_hz, report.seconds,
         report.sent, report.received, lost, report.repeats, report.quantile_us(0.5), report.quantile_us(0.9),
         report.quantile_us(0.99), report.quantile_us(1.0));
     if (report.cpu_percent >= 0) {
@@ -340,8 +340,8 @@ void print(const Wanted& wanted, const Report& report) {
     fmt::print("}}\n");
     return;
   }
-  fmt::print("{} to {}, {} universes at {} Hz for {:.1f} s\n", wanted.to, wanted.floor ? wanted.to : wanted.from,
-             report.universes, wanted.rate_hz, report.seconds);
+  fmt::print("{} to {}, {} universes at {} Hz for {:.1f} s\n", settings.to,
+             settings.floor ? settings.to : settings.from, report.universes, settings.rate_hz, report.seconds);
   fmt::print("frames   {} sent, {} received, {} lost, {} repeats\n", report.sent, report.received, lost,
              report.repeats);
   fmt::print("latency  p50 {:.0f} us, p90 {:.0f} us, p99 {:.0f} us, worst {:.0f} us\n", report.quantile_us(0.5),
@@ -361,19 +361,19 @@ Status write_latencies(const std::string& path, const Report& report) {
   return {};
 }
 
-Status run(const Wanted& wanted) {
-  FL_ASSIGN(const Endpoint to, parse_endpoint(wanted.to, {}));
-  FL_ASSIGN(const Endpoint from, parse_endpoint(wanted.floor ? wanted.to : wanted.from, {}));
+Status run(const Settings& settings) {
+  FL_ASSIGN(const Endpoint to, parse_endpoint(settings.to, {}));
+  FL_ASSIGN(const Endpoint from, parse_endpoint(settings.floor ? settings.to : settings.from, {}));
   if (from.universes.size() > to.universes.size() ||
-      (wanted.use_relay && from.universes.size() < to.universes.size())) {
-    return fail(ErrorCode::kBadInput, "{} and {} name {} and {} universes; expected {} on both sides", wanted.to,
-                wanted.from, to.universes.size(), from.universes.size(),
-                wanted.use_relay ? "as many" : "no fewer on the first");
+      (settings.use_relay && from.universes.size() < to.universes.size())) {
+    return fail(ErrorCode::kBadInput, "{} and {} name {} and {} universes; expected {} on both sides", settings.to,
+                settings.from, to.universes.size(), from.universes.size(),
+                settings.use_relay ? "as many" : "no fewer on the first");
   }
   std::unique_ptr<Child> child;
-  if (wanted.use_relay) {
+  if (settings.use_relay) {
     child = std::make_unique<Child>([&] {
-      // What goes out on `from` is numbered as it came in on `to`.
+      // Frames on `from` have the numbers that they had on `to`.
       Endpoint out = from;
       for (std::size_t i = 0; i < out.universes.size(); ++i) out.universes[i].show = to.universes[i].show;
       out.text += " (relay)";
@@ -386,40 +386,42 @@ Status run(const Wanted& wanted) {
       if (status) status = relay(**source, **sink, clock);
       if (!status) fmt::print(stderr, "bench_wire: relay: {}\n", status.error().message);
     });
-  } else if (!wanted.command.empty()) {
+  } else if (!settings.command.empty()) {
     child = std::make_unique<Child>([&] {
       std::vector<char*> arguments;
-      for (const auto& word : wanted.command) arguments.push_back(const_cast<char*>(word.c_str()));
+      for (const auto& word : settings.command) arguments.push_back(const_cast<char*>(word.c_str()));
       arguments.push_back(nullptr);
       execvp(arguments[0], arguments.data());
-      fmt::print(stderr, "bench_wire: cannot start {}: {}\n", wanted.command[0], std::strerror(errno));
+      fmt::print(stderr, "bench_wire: cannot start {}: {}\n", settings.command[0], std::strerror(errno));
     });
   }
   FL_ASSIGN(const auto source, drivers::make_net_source(from, nullptr));
   FL_ASSIGN(const auto sink, drivers::make_net_sink(to, nullptr));
-  FL_ASSIGN(const Report report, measure(wanted, *source, *sink, child ? child->pid() : wanted.pid));
-  print(wanted, report);
-  return wanted.latencies.empty() ? Status{} : write_latencies(wanted.latencies, report);
+  FL_ASSIGN(const Report report, measure(settings, *source, *sink, child ? child->pid() : settings.pid));
+  print(settings, report);
+  return settings.latencies.empty() ? Status{} : write_latencies(settings.latencies, report);
 }
 
 }  // namespace
 }  // namespace footlight
 
 int main(int argc, char** argv) {
-  footlight::Wanted wanted;
+  footlight::Settings settings;
   CLI::App app("Measures latency, loss and processor time of a DMX bridge on the network.");
-  app.add_option("--to", wanted.to, "Where the device takes its input")->capture_default_str();
-  app.add_option("--from", wanted.from, "Where the device sends its output")->capture_default_str();
-  app.add_option("--rate", wanted.rate_hz, "Rounds a second")->check(CLI::Range(0.1, 20'000.0))->capture_default_str();
-  app.add_option("--seconds", wanted.seconds, "Length")->check(CLI::Range(0.1, 3'600.0))->capture_default_str();
-  app.add_flag("--floor", wanted.floor, "No device: listen to the generator itself");
-  app.add_flag("--relay", wanted.use_relay, "The device is the smallest bridge there is");
-  app.add_option("--pid", wanted.pid, "The device runs already; measure this process");
-  app.add_flag("--json", wanted.json, "One line of JSON");
-  app.add_option("--latencies", wanted.latencies, "Write every latency into this file, in ns, one a line");
-  app.add_option("command", wanted.command, "After --: start this as the device");
+  app.add_option("--to", settings.to, "The input of the device")->capture_default_str();
+  app.add_option("--from", settings.from, "The output of the device")->capture_default_str();
+  app.add_option("--rate", settings.rate_hz, "Rounds per second")
+      ->check(CLI::Range(0.1, 20'000.0))
+      ->capture_default_str();
+  app.add_option("--seconds", settings.seconds, "Duration")->check(CLI::Range(0.1, 3'600.0))->capture_default_str();
+  app.add_flag("--floor", settings.floor, "Without a device: receive from the generator directly");
+  app.add_flag("--relay", settings.use_relay, "Use the smallest bridge as the device");
+  app.add_option("--pid", settings.pid, "The device is already running as this process");
+  app.add_flag("--json", settings.json, "One line of JSON");
+  app.add_option("--latencies", settings.latencies, "Write every latency to this file, in ns, one a line");
+  app.add_option("command", settings.command, "After --: the command that starts the device");
   CLI11_PARSE(app, argc, argv);
-  const auto status = footlight::run(wanted);
+  const auto status = footlight::run(settings);
   if (!status) {
     fmt::print(stderr, "bench_wire: {}\n", status.error().message);
     return 1;

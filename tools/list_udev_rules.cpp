@@ -1,5 +1,5 @@
-// Prints what is generated from the driver table: udev/70-footlight.rules, with --hardware the table in
-// docs/hardware.md.
+// Prints the files that are generated from the driver table: udev/70-footlight.rules; with --hwdb
+// udev/70-footlight.hwdb; with --hardware the table in docs/hardware.md.
 #include <cstdio>
 #include <cstring>
 

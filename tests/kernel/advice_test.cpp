@@ -43,7 +43,7 @@ TEST_CASE("without udev rules the advice is to install them, and following it ma
     CHECK(contains(device, "remedy", "udev/70-footlight.rules"));
     const Json rules = doctor_check("udev-rules");
     CHECK(rules.at("verdict") == "warn");
-    CHECK(rules.at("mend") == device.at("remedy"));
+    CHECK(rules.at("fix") == device.at("remedy"));
     CHECK(doctor_check("devices").at("verdict") == "fail");
     follow_advice(plugged.port);
     CHECK(doctor_check("udev-rules").at("verdict") == "ok");
@@ -62,7 +62,7 @@ TEST_CASE("a user outside plugdev is advised to join the group, not to install c
     CHECK(device.at("readiness") == "no-permission");
     CHECK(contains(device, "remedy", "usermod -aG plugdev"));
     CHECK(doctor_check("udev-rules").at("verdict") == "ok");
-    CHECK(contains(doctor_check("devices"), "mend", "usermod -aG plugdev"));
+    CHECK(contains(doctor_check("devices"), "fix", "usermod -aG plugdev"));
     follow_advice(plugged.port);
   }
 }
@@ -107,7 +107,7 @@ TEST_CASE("the reason of a device without its module names the module; loading i
     CAPTURE(device.dump());
     CHECK(device.at("readiness") == "no-node");
     CHECK(device.at("remedy") == std::string("sudo modprobe ") + module);
-    CHECK(contains(doctor_check("devices"), "mend", module));
+    CHECK(contains(doctor_check("devices"), "fix", module));
     follow_advice(plugged.port);
     give_module_back(module);
   }

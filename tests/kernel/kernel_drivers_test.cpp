@@ -67,7 +67,7 @@ TEST_CASE("after SIGKILL doctor reports that ftdi_sio is not bound, and the advi
   CHECK(device.at("readiness") == "ready");
   const std::string rebind = device.value("rebind", "");
   REQUIRE_FALSE(rebind.empty());
-  CHECK(check.at("mend").get<std::string>().find(rebind) == 0);
+  CHECK(check.at("fix").get<std::string>().find(rebind) == 0);
   must_shell(rebind);
   CHECK(widget.becomes_driven_by("ftdi_sio"));
   CHECK(doctor_check("ftdi-sio").at("verdict") == "ok");

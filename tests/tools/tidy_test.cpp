@@ -1,6 +1,6 @@
-// What the compiler does not see: who includes whom, widths of lines, files that nobody builds, commands in the README.
+// Rules that the compiler does not check: includes, line widths, files that are not built, commands in the README.
 //
-// Reads the source tree as text. A rule that has to be broken somewhere is changed here, with the reason beside it.
+// Reads the source tree as text. To break a rule somewhere, add an exception here, with the reason beside it.
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
@@ -43,7 +43,7 @@ bool ends_with(std::string_view text, std::string_view end) {
   return text.size() >= end.size() && text.substr(text.size() - end.size()) == end;
 }
 
-// Every text file of ours, in order of path.
+// Every text file of the tree, in order of path.
 const std::vector<SourceFile>& tree() {
   static const std::vector<SourceFile> files = [] {
     std::vector<SourceFile> found;
@@ -78,7 +78,7 @@ bool is_shared(std::string_view path) {
 struct Include {
   std::string file;
   int line = 0;
-  std::string target;  // what stands between the quotes
+  std::string target;  // the text between the quotes
   bool quoted = false;
 };
 
@@ -101,7 +101,7 @@ void check_none(const std::vector<std::string>& offences) {
   CHECK(offences.empty());
 }
 
-TEST_CASE("the tree is found") {
+TEST_CASE("the source tree is found") {
   CHECK(tree().size() > 100);
   CHECK(std::any_of(tree().begin(), tree().end(), [](const auto& file) { return file.path == "sim/core/dmx.h"; }));
 }
@@ -123,7 +123,7 @@ TEST_CASE("includes point down only: tools, then render and drivers, then fixtur
     for (const Include& include : includes_of(file)) {
       if (!include.quoted) continue;
       const std::string top = top_of(include.target);
-      const bool generated = starts_with(include.target, "shaders/");  // glslang's arrays, seen by render only
+      const bool generated = starts_with(include.target, "shaders/");  // glslang's arrays, included only by render
       if (generated ? top_of(file.path) == "render" : rule->second.contains(top)) continue;
       offences.push_back(fmt::format("{}:{}: {}/ must not include \"{}\"; it may include {}", file.path, include.line,
                                      rule->first, include.target, fmt::join(rule->second, ", ")));
@@ -132,7 +132,7 @@ TEST_CASE("includes point down only: tools, then render and drivers, then fixtur
   check_none(offences);
 }
 
-TEST_CASE("sim/core stands on nothing but itself, and render/vk knows no word of DMX") {
+TEST_CASE("sim/core includes only itself, and render/vk does not depend on DMX") {
   std::vector<std::string> offences;
   for (const SourceFile& file : tree()) {
     const bool core = starts_with(file.path, "sim/core/");
@@ -147,7 +147,7 @@ TEST_CASE("sim/core stands on nothing but itself, and render/vk knows no word of
   check_none(offences);
 }
 
-TEST_CASE("quoted includes start at the root and name a file that is there") {
+TEST_CASE("quoted includes start at the root and name an existing file") {
   std::vector<std::string> offences;
   for (const SourceFile& file : tree()) {
     if (!is_cpp(file.path) && !is_shader(file.path)) continue;
@@ -160,10 +160,10 @@ TEST_CASE("quoted includes start at the root and name a file that is there") {
   check_none(offences);
 }
 
-TEST_CASE("libraries of hardware, and those that are slow to compile, stay where they are wrapped") {
+TEST_CASE("hardware libraries, and those that compile slowly, are included only by their wrappers") {
   struct Rule {
-    const char* library;  // begin of what stands between < and >
-    const char* may;      // pattern of paths
+    const char* library;  // beginning of the text between < and >
+    const char* may;      // pattern of the paths that may include it
   };
   const Rule rules[] = {
       {"libusb", R"((drivers|tests/drivers)/.*\.cpp)"},
@@ -179,9 +179,8 @@ TEST_CASE("libraries of hardware, and those that are slow to compile, stay where
       {"microhttpd", R"(tools/footlight/status/http_server\.cpp)"},
       {"systemd/", R"(tools/footlight/bridge/(service|event_log)\.cpp)"},
       {"pcap/", R"(drivers/capture/pcap_input\.cpp)"},
-      {"zip.h",
-       R"((drivers/capture/sigrok_file|fixtures/files/(import/archive|export/zip_writer))\.cpp)"
-       R"(|tests/(fixtures|fuzz)/.*\.cpp)"},
+      {"zip.h", R"((drivers/capture/sigrok_file|fixtures/files/(import/archive|export/zip_writer)|)"
+                R"(tests/(fixtures|fuzz)/.*)\.cpp)"},
       {"png.h", R"((fixtures/gobos/png|tests/fixtures/gobos/png_test)\.cpp)"},
       {"cairo", R"(fixtures/paperwork/patch_pdf\.cpp)"},
       {"librsvg/", R"(fixtures/gobos/gobo_svg\.cpp)"},
@@ -231,8 +230,8 @@ TEST_CASE("no line of source is wider than 120 columns, ends in a space or holds
   check_none(offences);
 }
 
-TEST_CASE("nothing is left for later, and no path of one machine is written down") {
-  // In two parts, so that this file does not find itself.
+TEST_CASE("no work is left for later, and no path of one machine is in the tree") {
+  // In two parts, so that this file does not match itself.
   const std::vector<std::string> banned = {
       "TO"
       "DO",
@@ -258,6 +257,30 @@ TEST_CASE("nothing is left for later, and no path of one machine is written down
   check_none(offences);
 }
 
+// The words of docs/ARCHITECTURE.md, in the folders that use them already.
+TEST_CASE("texts use the words of the glossary, not those that it replaced") {
+  // In two parts, so that this file does not match itself.
+  const std::regex replaced(
+      "\\b(wi"
+      "sh(es|ed)?|me"
+      "nd(s|ed|ing)?|(last|merged|newest|unchanged|whole) lo"
+      "oks?)\\b",
+      std::regex::icase);
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree()) {
+    const bool folder = starts_with(file.path, "tools/") || starts_with(file.path, "tests/tools/") ||
+                        starts_with(file.path, "docs/") || file.path == "README.md";
+    const bool text = is_cpp(file.path) || ends_with(file.path, ".md");
+    if (!folder || !text || starts_with(file.path, "docs/decisions/")) continue;
+    for (std::size_t i = 0; i < file.lines.size(); ++i) {
+      std::smatch match;
+      if (!std::regex_search(file.lines[i], match, replaced)) continue;
+      offences.push_back(fmt::format("{}:{}: {}", file.path, i + 1, match.str()));
+    }
+  }
+  check_none(offences);
+}
+
 TEST_CASE("every header guards itself, except those that C++ and GLSL share") {
   std::vector<std::string> offences;
   for (const SourceFile& file : tree()) {
@@ -268,20 +291,20 @@ TEST_CASE("every header guards itself, except those that C++ and GLSL share") {
   check_none(offences);
 }
 
-TEST_CASE("every header is included by somebody") {
+TEST_CASE("every header is included by a file") {
   std::set<std::string> included;
   for (const SourceFile& file : tree()) {
     for (const Include& include : includes_of(file)) included.insert(include.target);
   }
   std::vector<std::string> offences;
   for (const SourceFile& file : tree()) {
-    const bool wanted = is_header(file.path) || ends_with(file.path, ".glsl");
-    if (wanted && !included.contains(file.path)) offences.push_back(file.path + ": nobody includes it");
+    const bool includable = is_header(file.path) || ends_with(file.path, ".glsl");
+    if (includable && !included.contains(file.path)) offences.push_back(file.path + ": no file includes it");
   }
   check_none(offences);
 }
 
-TEST_CASE("every source file is named in the CMakeLists.txt of its folder or of one above") {
+TEST_CASE("every source file is listed in the CMakeLists.txt of its folder or of one above") {
   std::vector<std::string> offences;
   for (const SourceFile& file : tree()) {
     if (!ends_with(file.path, ".cpp") && !(is_shader(file.path) && !ends_with(file.path, ".glsl"))) continue;
@@ -309,7 +332,7 @@ TEST_CASE("every source file is named in the CMakeLists.txt of its folder or of 
   check_none(offences);
 }
 
-TEST_CASE("every test file holds a test, and no two tests of one program share a name") {
+TEST_CASE("every test file has a test, and no two tests of one program share a name") {
   std::vector<std::string> offences;
   for (const SourceFile& file : tree()) {
     if (!starts_with(file.path, "tests/") || !ends_with(file.path, "_test.cpp")) continue;
@@ -326,7 +349,7 @@ TEST_CASE("every test file holds a test, and no two tests of one program share a
   check_none(offences);
 }
 
-TEST_CASE("every package is named once, with the reason for it") {
+TEST_CASE("every package is listed once, with its reason") {
   std::vector<std::string> offences;
   const std::regex line_form(R"(([a-z0-9][a-z0-9+.-]+)\s+# \S.*)");
   std::set<std::string> packages;
@@ -348,7 +371,7 @@ TEST_CASE("every package is named once, with the reason for it") {
   check_none(offences);
 }
 
-TEST_CASE("every check that clang-tidy leaves out says why") {
+TEST_CASE("every disabled check of clang-tidy has a reason") {
   const auto lines = lines_of(kRoot / ".clang-tidy");
   std::string rationale;
   for (const std::string& line : lines) {
@@ -365,7 +388,7 @@ TEST_CASE("every check that clang-tidy leaves out says why") {
   check_none(offences);
 }
 
-TEST_CASE("the scripts that the README and the documents name are there and can be run") {
+TEST_CASE("the scripts in the README and the documents exist and are executable") {
   std::vector<std::string> offences;
   bool any = false;
   const std::regex script(R"((?:^|[\s`(./])(tools/[a-z_]+|\.ci/run)(?=$|[\s`),.:;]))");

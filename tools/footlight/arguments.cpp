@@ -13,7 +13,7 @@
 namespace footlight::tools {
 namespace {
 
-// A value below the range stands for "not given".
+// A value below the range means "no default".
 template <typename Number>
 std::string with_default(const std::string& help, Number value, Number from) {
   return value < from ? help : fmt::format("{} [{}]", help, value);
@@ -36,7 +36,7 @@ ExitCode exit_code_of(ErrorCode code) {
 }
 
 Result<bool> flush_output() {
-  static int trouble = 0;  // of the first write that failed: the stream itself forgets why
+  static int trouble = 0;  // errno of the first failed write; the stream itself does not keep it
   errno = 0;
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return true;
   if (trouble == 0) trouble = errno != 0 ? errno : EPIPE;
@@ -73,7 +73,7 @@ void Arguments::option(const std::string& names, std::optional<double>& value, d
 
 void Arguments::list(const std::string& names, std::vector<std::string>& values, const std::string& unit,
                      const std::string& help) {
-  // One value each time, so that "--in a FILE" leaves FILE alone.
+  // One value each time, so that FILE in "--in a FILE" is a separate argument.
   app_.add_option(names, values, help)->type_name(unit)->expected(1)->take_all();
 }
 
@@ -113,15 +113,14 @@ int run_command_line(int argc, const char* const* argv, std::span<const CommandI
   app.set_version_flag("--version", "footlight " FOOTLIGHT_VERSION);
   app.require_subcommand(1);
   app.footer(
-      "Endpoints name where frames come from or go to:\n"
+      "Endpoints (inputs and outputs):\n"
       "  sacn:1-9              sACN universes 1 to 9, multicast       sacn:1-9@10.0.0.7     to one address\n"
-      "  artnet:1-9            Art-Net, to the nodes that take them   artnet:1-4%eth1       through one interface\n"
-      "  sacn:101-109=1-9      wire 101-109 as 1-9 of the show        enttec-pro:EN123=3    a dongle as universe 3\n"
-      "  log:show.dmxlog       a recording                            mock:enttec-pro       a dongle that is not "
-      "there\n"
+      "  artnet:1-9            Art-Net, to the nodes of a universe    artnet:1-4%eth1       through one interface\n"
+      "  sacn:101-109=1-9      101-109 on the wire, 1-9 in the show   enttec-pro:EN123=3    a dongle as universe 3\n"
+      "  log:show.dmxlog       a log file                             mock:enttec-pro       a model of a dongle\n"
       "\n"
       "Exit codes: 0 done, also when stopped by Ctrl-C; 1 the job failed; 2 wrong argument or file; 3 nothing found.\n"
-      "'footlight COMMAND --help' shows examples of each command.");
+      "'footlight COMMAND --help' shows the options and examples of a command.");
   Job chosen;
   for (const CommandInfo* command : commands) {
     CLI::App* const sub = app.add_subcommand(command->name, command->help);
@@ -135,7 +134,7 @@ int run_command_line(int argc, const char* const* argv, std::span<const CommandI
   } catch (const CLI::Success& success) {  // --help, --version
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    // The deepest command that was reached knows best which help is meant, and which word it did not know.
+    // The help and the commands of the deepest subcommand that was reached.
     const CLI::App* at = &app;
     std::string name = app.get_name();
     while (!at->get_subcommands().empty()) {

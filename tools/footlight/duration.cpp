@@ -23,7 +23,8 @@ bool is_letter(char c) { return c >= 'a' && c <= 'z'; }
 
 Result<DurationNs> parse_duration(std::string_view text) {
   const auto refuse = [&] {
-    return fail(ErrorCode::kBadInput, "expected a time as in 12.5s, 40ms or 1m30s (at most 10000h), got \"{}\"", text);
+    return fail(ErrorCode::kBadInput, "expected a time such as 12.5s, 40ms or 1m30s (at most 10000h), got \"{}\"",
+                text);
   };
   std::string_view rest = text;
   DurationNs total_ns = 0;
@@ -77,7 +78,7 @@ std::string show_duration(DurationNs duration_ns) {
   // 999.5 of a unit rounds to 1000, which is 1 of the next one.
   if (2 * duration_ns < 1'999 * kNsPerUs) return fmt::format("{:.3g} us", ns / 1e3);
   if (2 * duration_ns < 1'999 * kNsPerMs) return fmt::format("{:.3g} ms", ns / 1e6);
-  // Likewise 59.995 s is a minute.
+  // In the same way, 59.995 s is a minute.
   if (duration_ns < 60 * kNsPerS - 5 * kNsPerMs) return fmt::format("{:.2f} s", ns / 1e9);
   const std::int64_t tenths = (duration_ns + kNsPerS / 20) / (kNsPerS / 10);
   const std::int64_t minutes = tenths / 600;

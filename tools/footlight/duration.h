@@ -1,4 +1,4 @@
-// Spans of time as people type them: "12.5s", "40ms", "250us", "1m30s", "2h", and a plain number for seconds.
+// Durations as text: "12.5s", "40ms", "250us", "1m30s", "2h", and a plain number for seconds.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@
 
 namespace footlight::tools {
 
-// 0 to 10,000 hours, exact to the nanosecond; units from large to small, each once: h, m, s, ms, us, ns.
+// 0 to 10,000 hours, exact to the nanosecond. Units from large to small, each once: h, m, s, ms, us, ns.
 // kBadInput: anything else.
 [[nodiscard]] Result<DurationNs> parse_duration(std::string_view text);
 
-// For people, to about three digits: "0 s", "12.3 us", "1.50 s", "2:03:04.5" from one minute on.
+// About three digits: "0 s", "12.3 us", "1.50 s", "2:03:04.5" from one minute on.
 [[nodiscard]] std::string show_duration(DurationNs duration_ns);
 
 }  // namespace footlight::tools

@@ -11,7 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A variable that is a path; the specification has relative ones ignored.
+// A variable with a path; relative paths are ignored, as the specification requires.
 std::string folder_of(const char* variable) {
   const char* const value = std::getenv(variable);
   return value != nullptr && value[0] == '/' ? value : "";
@@ -37,7 +37,7 @@ Result<std::string> find_show_file() {
     list += (list.empty() ? "" : " or ") + place;
   }
   return fail(ErrorCode::kNotFound,
-              "no show file: there is no {}; write one, name one, or give ports as in 'footlight run --in sacn:1-9 "
+              "no show file: there is no {}; create one, name one, or give ports as in 'footlight run --in sacn:1-9 "
               "--out enttec-pro'",
               list);
 }

@@ -1,4 +1,4 @@
-// Where files lie, by the XDG base directory specification 0.8 and, as a service, by systemd.exec(5).
+// Paths of files, by the XDG base directory specification 0.8 and, as a service, by systemd.exec(5).
 #pragma once
 
 #include <string>
@@ -9,20 +9,20 @@
 
 namespace footlight::tools {
 
-// Where a show file is looked for when nobody names one, best first: $XDG_CONFIG_HOME/footlight/show.toml (or
-// ~/.config/...), /etc/footlight/show.toml.
+// Default paths of the show file, best first: $XDG_CONFIG_HOME/footlight/show.toml (or ~/.config/...),
+// /etc/footlight/show.toml.
 [[nodiscard]] std::vector<std::string> show_file_places();
-// The first of them that is there. kNotFound lists them.
+// The first of them that exists. kNotFound lists them.
 [[nodiscard]] Result<std::string> find_show_file();
 
-// Folders in which a bridge leaves its socket, best first: $RUNTIME_DIRECTORY (of a service),
-// $XDG_RUNTIME_DIR/footlight, /run/footlight.
+// Folders for the socket of a bridge, best first: $RUNTIME_DIRECTORY (of a service), $XDG_RUNTIME_DIR/footlight,
+// /run/footlight.
 [[nodiscard]] std::vector<std::string> socket_folders();
-// The folder of our own socket: the first of them that is there or can be made; empty: none.
+// The folder for this program's socket: the first of them that exists or can be created; empty: none.
 [[nodiscard]] std::string make_socket_folder();
 
 inline constexpr std::string_view kSocketName = "run.sock";
-// Sockets of bridges that run, or ran until they were killed. In the order of socket_folders(), then of their names.
+// Sockets of bridges that run, or that were killed. In the order of socket_folders(), then by name.
 [[nodiscard]] std::vector<std::string> sockets();
 
 // Where compiled pipelines are kept: $XDG_CACHE_HOME/footlight (or ~/.cache/footlight). Empty: nowhere, as

@@ -13,7 +13,7 @@ namespace {
 
 constexpr DurationNs kAfterNs = 500 * kNsPerMs;
 constexpr DurationNs kEveryNs = 200 * kNsPerMs;
-constexpr DurationNs kLineEveryNs = 2'000 * kNsPerMs;  // where no terminal rewrites it
+constexpr DurationNs kLineEveryNs = 2'000 * kNsPerMs;  // without a terminal
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// How far a job is, on standard error, once it takes longer than half a second; and whether somebody has ended it.
+// Prints the progress of a job on standard error if it takes longer than half a second, and reports a stop request.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace footlight::tools {
 
-// "footlight: 33 of 162 files": one line that a terminal rewrites; elsewhere a line every two seconds.
+// "footlight: 33 of 162 files": one line that is rewritten on a terminal; elsewhere a line every two seconds.
 class Progress {
  public:
   explicit Progress(std::string what);
@@ -17,10 +17,10 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void show(std::size_t done, std::size_t all);  // 0 of all: how many there are is not known
-  void clear();                                  // before anything else is printed
+  void show(std::size_t done, std::size_t all);  // all = 0: the total is unknown
+  void clear();                                  // call before printing anything else
 
-  // Shows, and says no once a signal to end has come (terminal.h). It refers to this.
+  // Prints the progress; returns false after a stop signal (terminal.h). Refers to this object.
   [[nodiscard]] fixtures::GoOn go_on();
 
  private:

@@ -34,8 +34,8 @@ void set_action(void (*handler)(int), int flags) {
 
 }  // namespace
 
-// SA_RESETHAND: the next one has its usual effect. A reader of our output that goes away must not take the show with
-// it.
+// SA_RESETHAND: the next signal has its default effect. SIGPIPE is ignored because a closed pipe on standard output
+// must not stop the show.
 StopSignal::StopSignal() {
   signal_came.store(false);
   std::signal(SIGPIPE, SIG_IGN);
@@ -103,20 +103,20 @@ ReloadSignal::~ReloadSignal() {
   if (const int fd = reload_fd.exchange(-1); fd >= 0) ::close(fd);
 }
 
-ReloadSignal::Decoded ReloadSignal::wait() {
-  std::uint64_t wishes = 0;
+ReloadSignal::Request ReloadSignal::wait() {
+  std::uint64_t requests = 0;
   while (!reload_ended.load()) {
-    if (::read(reload_fd.load(), &wishes, sizeof wishes) != sizeof wishes) {
-      if (errno != EINTR) return Decoded::kNothing;  // nothing will come: see opened()
+    if (::read(reload_fd.load(), &requests, sizeof requests) != sizeof requests) {
+      if (errno != EINTR) return Request::kNothing;  // no requests can arrive: see opened()
       continue;
     }
     if (reload_ended.load()) break;
-    return hangup_came.exchange(false) && had_terminal_ && !has_terminal() ? Decoded::kStop : Decoded::kReload;
+    return hangup_came.exchange(false) && had_terminal_ && !has_terminal() ? Request::kStop : Request::kReload;
   }
-  return Decoded::kNothing;
+  return Request::kNothing;
 }
 
-void ReloadSignal::decoded() noexcept { wake_reloader(); }
+void ReloadSignal::request() noexcept { wake_reloader(); }
 
 void ReloadSignal::end() noexcept {
   reload_ended.store(true);

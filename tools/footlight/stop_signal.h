@@ -1,4 +1,4 @@
-// SIGINT and SIGTERM as a request, so that sinks can say their last words. A second signal ends the program at once.
+// SIGINT and SIGTERM as a stop request, so that sinks can end their streams. A second signal ends the program at once.
 // SIGPIPE is ignored.
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace footlight::tools {
 
-// From construction on, signals are remembered; from stop(pump) on, they stop that pump. One at a time in a program.
+// Signals are stored from construction on; from stops(pump) on, they stop that pump. One object at a time in a program.
 class StopSignal {
  public:
   StopSignal();
@@ -15,13 +15,13 @@ class StopSignal {
   StopSignal(const StopSignal&) = delete;
   StopSignal& operator=(const StopSignal&) = delete;
 
-  // nullptr: no pump any more. A signal that came before stops it at once.
+  // nullptr: no pump any more. A stored signal stops the pump at once.
   void stops(Pump* pump);
   [[nodiscard]] bool came() const;
 };
 
-// SIGHUP as the wish to read the show file anew; but when the terminal that the program was started in has gone, it
-// means the end, as it does for every other program. One at a time in a program.
+// SIGHUP as a request to read the show file again. If the terminal of the program has gone, SIGHUP means stop, as for
+// other programs. One object at a time in a program.
 class ReloadSignal {
  public:
   ReloadSignal();
@@ -29,12 +29,12 @@ class ReloadSignal {
   ReloadSignal(const ReloadSignal&) = delete;
   ReloadSignal& operator=(const ReloadSignal&) = delete;
 
-  // kIo where the system had no descriptor to spare: then wait() returns kNothing at once.
+  // kIo if the system had no descriptor left; then wait() returns kNothing at once.
   [[nodiscard]] Status opened() const;
-  enum class Decoded { kReload, kStop, kNothing };
-  // Waits for a signal, or for wish() or end() of another thread; kNothing: it is over.
-  [[nodiscard]] Decoded wait();
-  void decoded() noexcept;  // any thread, and signal handlers
+  enum class Request { kReload, kStop, kNothing };
+  // Waits for a signal, or for request() or end() of another thread. kNothing: end() was called.
+  [[nodiscard]] Request wait();
+  void request() noexcept;  // any thread, and signal handlers
   void end() noexcept;      // any thread
 
  private:

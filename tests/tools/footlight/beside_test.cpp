@@ -1,4 +1,4 @@
-// Programs beside a running bridge, on the same UDP port of the same machine; and what a bridge says while it waits.
+// Programs that share a UDP port with a running bridge on the same machine; and the events of a waiting bridge.
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -21,7 +21,7 @@ constexpr int kFramesEach = 20;
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-// 1,200 unicast frames of universe 1, from as many addresses and UDP ports as there are senders.
+// 1,200 unicast frames of universe 1, from `senders` addresses and UDP ports.
 void send_artnet() {
   const std::vector<std::uint8_t> slots(4, 9);
   drivers::ArtnetDmx dmx;
@@ -37,7 +37,7 @@ void send_artnet() {
 const std::vector<std::string> kBridge = {"run",    "--in",     "artnet:1-3", "--out",        "mock:enttec-pro",
                                           "--json", "--socket", "none",       "--no-realtime"};
 
-// What the bridge has received when it has ended.
+// The number of frames that the bridge has received at its end.
 int frames_of(Footlight& bridge) {
   bridge.signal(SIGTERM);
   const Outcome outcome = bridge.wait();
@@ -49,7 +49,7 @@ int frames_of(Footlight& bridge) {
   return -1;
 }
 
-TEST_CASE("a bridge gets all 1,200 unicast frames while monitor, record or a second bridge listens beside it") {
+TEST_CASE("a bridge gets all 1,200 unicast frames while monitor, record or a second bridge shares its port") {
   if (!enter_private_network()) return;
   const TempFolder folder;
   const std::vector<std::vector<std::string>> others = {
@@ -69,7 +69,7 @@ TEST_CASE("a bridge gets all 1,200 unicast frames while monitor, record or a sec
     CHECK(frames_of(bridge) == kSenders * kFramesEach);
     other.signal(SIGTERM);
     const Outcome outcome = other.wait();
-    // It says who gets the frames: monitor on standard error, the others as an event.
+    // It reports which program gets the frames: monitor on standard error, the others as an event.
     CHECK(contains(outcome.out + outcome.err, named));
     CHECK(contains(outcome.out + outcome.err, "UDP port 6454"));
   }
@@ -85,11 +85,12 @@ TEST_CASE("a recording gets all 1,200 unicast frames beside an older bridge that
   recorder.wait_for(R"("event":"ready")");
   send_artnet();
   recorder.wait_for(R"("frames":1200)");
-  CHECK_FALSE(recorder.has_said("port-shared", 1));
+  CHECK_FALSE(recorder.has_printed("port-shared", 1));
   CHECK(frames_of(recorder) == kSenders * kFramesEach);
 }
 
-TEST_CASE("a recording beside an older bridge whose output searches says that the output may drop unicast frames") {
+TEST_CASE(
+    "a recording beside an older bridge with an output that polls warns that the output may drop unicast frames") {
   if (!enter_private_network()) return;
   const TempFolder folder;
   Footlight bridge({"run", "--in", "sacn:1%lo", "--out", "artnet:1%lo", "--json", "--socket", "none", "--no-realtime"});
@@ -102,7 +103,7 @@ TEST_CASE("a recording beside an older bridge whose output searches says that th
   CHECK(contains(outcome.out, "name the addresses of its devices after @"));
 }
 
-TEST_CASE("a recording without a frame leaves no file, and the log that it would have replaced as it was") {
+TEST_CASE("a recording without a frame leaves no file, and does not change an existing log") {
   if (!enter_private_network()) return;
   const TempFolder folder;
   const std::string path = folder.file("a.dmxlog");
@@ -121,16 +122,16 @@ TEST_CASE("a recording without a frame leaves no file, and the log that it would
   CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
-TEST_CASE("a recording without a frame ends with exit code 3 and says where frames may be") {
+TEST_CASE("a recording without a frame ends with exit code 3 and names the commands that find senders") {
   if (!enter_private_network()) return;
   const TempFolder folder;
   const Outcome outcome = footlight({"record", "--in", "sacn:1-3%lo", "-o", folder.file("a.dmxlog"), "--for", "100ms"});
   CHECK(outcome.exit_code == 3);
-  CHECK(contains(outcome.err, "no frame came"));
+  CHECK(contains(outcome.err, "no frames arrived"));
   CHECK(contains(outcome.err, "footlight discover"));
 }
 
-TEST_CASE("a bridge whose output is a file says what it carries at once, and what it waits for within three seconds") {
+TEST_CASE("a bridge with a file as output prints its ports at once, and missing senders within three seconds") {
   if (!enter_private_network()) return;
   SystemClock clock;
   const TimeNs begin_ns = clock.now_ns();
@@ -139,25 +140,25 @@ TEST_CASE("a bridge whose output is a file says what it carries at once, and wha
   const Outcome outcome = bridge.wait();
   CHECK(clock.now_ns() - begin_ns >= 3 * kNsPerS);
   const std::size_t started = outcome.err.find("started: from sacn:1-3%lo to mock:enttec-pro");
-  const std::size_t waits = outcome.err.find("sacn:1-3%lo: no frame yet; waits for a sender of universe 1-3");
+  const std::size_t waits = outcome.err.find("sacn:1-3%lo: no frames yet; waiting for a sender of universe 1-3");
   CHECK(started != std::string::npos);
   CHECK(waits != std::string::npos);
   CHECK(started < waits);
-  CHECK_FALSE(contains(outcome.err.substr(waits + 30), "no frame yet"));  // once
+  CHECK_FALSE(contains(outcome.err.substr(waits + 30), "no frames yet"));  // once
 }
 
-TEST_CASE("discover names the interfaces that it listens on, and why it does not on the others") {
+TEST_CASE("discover names the interfaces that it uses, and why it does not use the others") {
   if (!enter_private_network(/*loopback_multicast=*/false) || !add_interface("fl0", "10.7.0.1")) return;
   const Outcome all = footlight({"discover", "--for", "10ms"});
   CHECK(all.exit_code == 3);
   CHECK(contains(all.err, "on fl0\n"));
-  CHECK(contains(all.err, "not listened on lo (no multicast); name an interface to listen there: --interface NAME"));
+  CHECK(contains(all.err, "not searched on lo (no multicast); select an interface with --interface NAME"));
   const Outcome one = footlight({"discover", "--for", "10ms", "--interface", "lo"});
   CHECK(contains(one.err, "on lo\n"));
-  CHECK(contains(one.err, "not listened on fl0 (not named)"));
+  CHECK(contains(one.err, "not searched on fl0 (not selected)"));
 }
 
-TEST_CASE("the command that discover prints for a sender has its universe and the interfaces that were named") {
+TEST_CASE("the command that discover prints for a sender has its universe and the selected interfaces") {
   if (!enter_private_network()) return;
   Footlight discover({"discover", "--for", "4s", "--interface", "lo"});
   // An output announces itself one second after its start.
@@ -170,7 +171,7 @@ TEST_CASE("the command that discover prints for a sender has its universe and th
   CHECK(sender.wait().exit_code == 0);
 }
 
-TEST_CASE("discover names the program that keeps the answers of Art-Net devices from it") {
+TEST_CASE("discover names the program that gets the answers of Art-Net devices instead") {
   if (!enter_private_network()) return;
   Footlight bridge(kBridge);
   bridge.wait_for(R"("event":"ready")");
@@ -178,7 +179,7 @@ TEST_CASE("discover names the program that keeps the answers of Art-Net devices 
   CHECK(contains(outcome.err, "footlight run (process " + std::to_string(bridge.pid()) + ") has UDP port 6454 open"));
 }
 
-TEST_CASE("discover names no bridge that only sends Art-Net to an address, for answers do not go there") {
+TEST_CASE("discover does not name a bridge that only sends Art-Net to an address, because it gets no answers") {
   if (!enter_private_network()) return;
   Footlight bridge(
       {"run", "--in", "sacn:1%lo", "--out", "artnet:1@127.0.0.9", "--json", "--socket", "none", "--no-realtime"});
@@ -186,7 +187,7 @@ TEST_CASE("discover names no bridge that only sends Art-Net to an address, for a
   CHECK_FALSE(contains(footlight({"discover", "--for", "10ms", "--interface", "lo"}).err, "has UDP port 6454 open"));
 }
 
-TEST_CASE("a show file beyond 4 MiB is refused by its length, also where it comes from a pipe without end") {
+TEST_CASE("a show file beyond 4 MiB is refused with its length, also from an endless pipe") {
   const TempFolder folder;
   const std::string path = folder.file("long.toml");
   std::ofstream(path) << std::string((4 << 20) + 1, '#');
@@ -201,7 +202,7 @@ TEST_CASE("SIGTERM ends a bridge while it joins 63,999 groups, with exit code 0"
   if (!enter_private_network()) return;
   Footlight bridge(
       {"run", "--in", "sacn:1-63999%lo", "--out", "mock:enttec-pro", "--socket", "none", "--no-realtime", "--json"});
-  // Its first sockets with groups: it is in the middle of opening.
+  // Its first sockets with groups: it is still opening.
   const std::string folder = fmt::format("/proc/{}/fd", bridge.pid());
   std::error_code error;
   while (std::distance(std::filesystem::directory_iterator(folder, error), {}) < 20) {

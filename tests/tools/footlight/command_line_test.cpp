@@ -1,4 +1,4 @@
-// The command as a user meets it: its help, and what it answers to wrong words. Nothing here needs a network or a
+// The command line: help and messages for wrong arguments. Nothing here needs a network or a
 // device.
 #include <algorithm>
 #include <fstream>
@@ -17,7 +17,7 @@ namespace {
 
 bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
 
-// The words in the first column of the list of subcommands.
+// The first column of the list of subcommands.
 std::vector<std::string> commands_of(const std::string& help) {
   std::vector<std::string> commands;
   const std::size_t at = help.find("Subcommands:");
@@ -41,7 +41,7 @@ TEST_CASE("help names every command, the endpoints and the exit codes") {
   CHECK(contains(outcome.out, "Exit codes: 0 done"));
 }
 
-TEST_CASE("the help of every command teaches with examples that begin with its name") {
+TEST_CASE("the help of every command has examples that begin with its name") {
   for (const std::string& command : commands_of(footlight({"--help"}).out)) {
     CAPTURE(command);
     const Outcome outcome = footlight({command, "--help"});
@@ -56,7 +56,7 @@ TEST_CASE("the help of every command teaches with examples that begin with its n
   }
 }
 
-TEST_CASE("the commands that the README shows exist") {
+TEST_CASE("the commands in the README exist") {
   const auto commands = commands_of(footlight({"--help"}).out);
   std::ifstream readme(FOOTLIGHT_SOURCE_DIR "/README.md");
   REQUIRE(readme.is_open());
@@ -80,7 +80,7 @@ TEST_CASE("the version is one line") {
   CHECK(std::regex_match(outcome.out, std::regex("footlight [0-9]+\\.[0-9]+\\.[0-9]+\n")));
 }
 
-// Arguments that are wrong, what the program has to answer and what its message has to name.
+// Wrong arguments, the expected exit code, and text that the message must contain.
 struct Wrong {
   std::vector<std::string> arguments;
   int exit_code;
@@ -124,7 +124,7 @@ TEST_CASE("wrong arguments end with an exit code and a message that names the th
       {{"replay", "--demo", "--out", "mock:enttec-pro", "--universes", "0-3"}, 2, {"--universes", "universe 0"}},
       {{"rdm"}, 2, {"footlight rdm --help"}},
       {{"rdm", "list"}, 2, {"--port", "mock:enttec-pro"}},
-      {{"rdm", "list", "--port", "sacn:1"}, 2, {"sacn:1", "carries no RDM", "artnet:1@10.0.0.7"}},
+      {{"rdm", "list", "--port", "sacn:1"}, 2, {"sacn:1", "does not support RDM", "artnet:1@10.0.0.7"}},
       {{"rdm", "list", "--port", "artnet:1-4@127.0.0.1"}, 2, {"artnet:1-4@127.0.0.1", "one universe"}},
       {{"rdm", "list", "--port", "enttec-pro:NOSUCH"}, 3, {"enttec-pro:NOSUCH"}},
       {{"rdm", "get", "--port", "mock:enttec-pro"}, 2, {"UID", "DEVICE_INFO"}},
@@ -134,7 +134,7 @@ TEST_CASE("wrong arguments end with an exit code and a message that names the th
       {{"rdm", "set", "7FF0:00000001", "DMX_START_ADDRESS", "600", "--port", "mock:enttec-pro"},
        2,
        {"7FF0:00000001", "DMX_START_ADDRESS", "data out of range"}},
-      {{"rdm", "set", "7FF0:00000001", "DEVICE_INFO", "1", "--port", "mock:enttec-pro"}, 2, {"only be read"}},
+      {{"rdm", "set", "7FF0:00000001", "DEVICE_INFO", "1", "--port", "mock:enttec-pro"}, 2, {"read-only"}},
       {{"fixtures"}, 2, {"footlight fixtures --help"}},
       {{"fixtures", "check"}, 2, {"footlight fixtures check"}},
       {{"fixtures", "check", missing}, 3, {"missing.dmxlog"}},
@@ -167,17 +167,17 @@ TEST_CASE("wrong arguments end with an exit code and a message that names the th
   }
 }
 
-TEST_CASE("discover names an interface that is not there, and finds nobody on a silent one") {
+TEST_CASE("discover names a missing interface, and finds nothing on a silent one") {
   const Outcome wrong = footlight({"discover", "--interface", "eht7"});
   CHECK(wrong.exit_code == 3);
   CHECK(contains(wrong.err, "no network interface is called \"eht7\""));
   const Outcome silent = footlight({"discover", "--for", "10ms", "--interface", "lo", "--json"});
   CHECK(silent.exit_code == 3);
   CHECK(silent.out.empty());
-  CHECK(contains(silent.err, "nobody has told what they send"));
+  CHECK(contains(silent.err, "no sender or node answered"));
 }
 
-TEST_CASE("the devices behind a modelled widget are listed, one JSON object each, and get tells what list told") {
+TEST_CASE("the devices behind a modelled widget are listed, one JSON object each, and get returns the listed values") {
   const Outcome listed = footlight({"rdm", "list", "--port", "mock:enttec-pro", "--json"});
   CAPTURE(listed.err);
   REQUIRE(listed.exit_code == 0);
@@ -195,11 +195,11 @@ TEST_CASE("the devices behind a modelled widget are listed, one JSON object each
   CHECK(info["values"]["footprint"] == devices[1]["footprint"]);
   CHECK(footlight({"rdm", "get", uid, "0x8001", "--port", "mock:enttec-pro"}).out == "50\n");
   const Outcome set = footlight({"rdm", "set", uid, "DEVICE_LABEL", "Followspot", "--port", "mock:enttec-pro"});
-  CHECK(set.exit_code == 0);  // the model is gone with its program; what a set does is in rdm_enttec_pro_test.cpp
+  CHECK(set.exit_code == 0);  // the model ends with its program; rdm_enttec_pro_test.cpp tests the effect of a set
   CHECK(set.err.empty());
 }
 
-TEST_CASE("devices prints JSON objects or says that there are none, and never fails otherwise") {
+TEST_CASE("devices prints JSON objects or reports that there are none, and never fails otherwise") {
   const Outcome outcome = footlight({"devices", "--json"});
   if (outcome.exit_code == 0) {
     CHECK(contains(outcome.out, "\"endpoint\""));

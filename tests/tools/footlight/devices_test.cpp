@@ -1,4 +1,4 @@
-// The objects and lines of `footlight devices`.
+// The JSON objects and lines of `footlight devices`.
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
@@ -12,7 +12,7 @@ using Json = nlohmann::json;
 
 TEST_SUITE_BEGIN("devices");
 
-TEST_CASE("the object of a device has its kind, its way and its driver") {
+TEST_CASE("the JSON of a device has its kind, its transport and its driver") {
   drivers::FoundDevice device;
   device.driver_id = "nodle";
   device.transport = drivers::TransportKind::kHid;
@@ -30,7 +30,7 @@ TEST_CASE("the object of a device has its kind, its way and its driver") {
   CHECK(unknown["driver"] == "");
 }
 
-TEST_CASE("the object of a GPIO chip has its label, its lines, who may open it and what mends it") {
+TEST_CASE("the JSON of a GPIO chip has its label, its lines, who may open it and the fix") {
   drivers::FoundGpioChip chip;
   chip.name = "gpiochip0";
   chip.label = "pinctrl-bcm2711";
@@ -54,7 +54,7 @@ TEST_CASE("the object of a GPIO chip has its label, its lines, who may open it a
   CHECK(json["remedy"] == "sudo usermod -aG gpio $USER");
 }
 
-TEST_CASE("the command lists what this machine has, and its exit code says whether a DMX device is there") {
+TEST_CASE("the command lists the devices of this machine, and its exit code is 3 without a DMX device") {
   const testing::Outcome outcome = testing::footlight({"devices", "--json"});
   std::size_t devices = 0, chips = 0;
   for (std::size_t at = 0; at < outcome.out.size();) {

@@ -1,5 +1,5 @@
-// A healthy machine laid out in a folder, then one thing broken at a time: just the check that is about it has to say
-// so.
+// A healthy machine laid out in a folder, then one fault at a time: only the check for it may report
+// it.
 #include "tools/footlight/doctor/doctor_checks.h"
 
 #include <stdlib.h>
@@ -104,7 +104,7 @@ class Machine {
     write("dev/bus/usb/001/007", "");
     write("dev/ttyUSB7", "");
   }
-  // The program that had the widget open: SIGKILL gives no driver back.
+  // The program that had the widget open: after SIGKILL the driver is not bound again.
   void kill_program() const {
     write("sys/bus/usb/drivers/ftdi_sio/bind", "");
     remove("sys/bus/usb/devices/1-2/1-2:1.0/driver");
@@ -117,9 +117,9 @@ class Machine {
     write("dev/gpiochip1", "");
   }
   [[nodiscard]] std::string path(const std::string& file) const { return (root_ / file).string(); }
-  [[nodiscard]] std::map<std::string, Outcome> snapshot() const {
+  [[nodiscard]] std::map<std::string, Outcome> check() const {
     std::map<std::string, Outcome> outcomes;
-    for (const Check& check : doctor_checks()) outcomes[check.id] = check.snapshot(view);
+    for (const Check& check : doctor_checks()) outcomes[check.id] = check.run(view);
     return outcomes;
   }
 
@@ -131,29 +131,29 @@ class Machine {
   const fs::path root_ = folder_.path();
 };
 
-TEST_CASE("on a healthy machine no check has anything to say") {
+TEST_CASE("on a healthy machine no check warns") {
   const Machine machine;
-  for (const auto& [id, outcome] : machine.snapshot()) {
+  for (const auto& [id, outcome] : machine.check()) {
     CAPTURE(id);
     CAPTURE(outcome.seen);
-    // Builds without libgpiod, libusb or hidapi say so.
+    // Builds without libgpiod, libusb or hidapi warn about that.
     if (id == "gpio" && !drivers::built_with_gpio()) continue;
     if (id == "devices" && !drivers::built_with_usb()) continue;
     if (id == "hidraw" && !drivers::built_with_hid()) continue;
     CHECK(outcome.verdict == Verdict::kOk);
-    CHECK(outcome.mend.empty());
+    CHECK(outcome.fix.empty());
     CHECK_FALSE(outcome.seen.empty());
   }
 }
 
-TEST_CASE("each trouble is found by its own check and by no other, with a word on how to mend it") {
+TEST_CASE("each fault is found by its own check only, with the expected fix") {
   struct Trouble {
     const char* id;  // of the check
     Verdict verdict;
-    std::string seen;  // part of what it says
-    std::string mend;  // part of the remedy; empty: there is none
+    std::string seen;  // part of its text
+    std::string fix;   // part of the fix; empty: there is none
     std::function<void(Machine&)> make;
-    std::set<std::string> others = {};  // that may notice, too
+    std::set<std::string> others = {};  // other checks that may also report it
   };
   const std::string route = kRouteTitle;
   const std::vector<Trouble> troubles = {
@@ -236,7 +236,7 @@ TEST_CASE("each trouble is found by its own check and by no other, with a word o
        [](Machine& m) {
          m.write("lib/udev/rules.d/85-brltty.rules", "ENV{PRODUCT}==\"1a86/7523/*\", GOTO=\"brltty_start\"\n");
        }},
-      {"interfaces", Verdict::kWarn, "no interface but lo is up", "ip link",
+      {"interfaces", Verdict::kWarn, "no interface except lo is up", "ip link",
        [](Machine& m) { m.write("sys/class/net/eth0/flags", "0x1002\n"); }},
       {"interfaces", Verdict::kWarn, "eth0 up without multicast", "multicast on",
        [](Machine& m) { m.write("sys/class/net/eth0/flags", "0x3\n"); }},
@@ -283,7 +283,7 @@ TEST_CASE("each trouble is found by its own check and by no other, with a word o
       {"send-buffers", Verdict::kWarn, "2 universes", "wmem_default",
        [](Machine& m) { m.write("proc/sys/net/core/wmem_default", "4608\n"); }},
       {"real-time", Verdict::kWarn, "not allowed", "limits.d", [](Machine& m) { m.view.realtime_max = 0; }},
-      {"real-time", Verdict::kWarn, "priority 10 allowed, 40 wanted", "LimitRTPRIO=40",
+      {"real-time", Verdict::kWarn, "priority 10 allowed, 40 needed", "LimitRTPRIO=40",
        [](Machine& m) { m.view.realtime_max = 10; }},
       {"clock-source", Verdict::kWarn, "hpet", "dmesg",
        [](Machine& m) { m.write("sys/devices/system/clocksource/clocksource0/current_clocksource", "hpet\n"); }},
@@ -298,9 +298,9 @@ TEST_CASE("each trouble is found by its own check and by no other, with a word o
       {"governor", Verdict::kSkipped, "virtual machines", "", [](Machine& m) { m.remove("sys/devices/system/cpu"); }},
       {"service", Verdict::kSkipped, "not installed", "",
        [](Machine& m) { m.remove("etc/systemd/system/footlight.service"); }},
-      {"service", Verdict::kWarn, "does not run", "systemctl",
+      {"service", Verdict::kWarn, "not running", "systemctl",
        [](Machine& m) { m.remove("sys/fs/cgroup/system.slice/footlight.service"); }},
-      {"service", Verdict::kWarn, "will not after the next start", "systemctl enable",
+      {"service", Verdict::kWarn, "will not start with the machine", "systemctl enable",
        [](Machine& m) { m.remove("etc/systemd/system/multi-user.target.wants"); }},
   };
   std::set<std::string> troubled;
@@ -309,14 +309,14 @@ TEST_CASE("each trouble is found by its own check and by no other, with a word o
     if (std::string(trouble.id) == "gpio" && !drivers::built_with_gpio()) continue;
     if (trouble.others.contains("devices") && !drivers::built_with_usb()) continue;
     Machine machine;
-    const auto before = machine.snapshot();
+    const auto before = machine.check();
     trouble.make(machine);
-    const auto after = machine.snapshot();
+    const auto after = machine.check();
     CAPTURE(after.at(trouble.id).seen);
-    CAPTURE(after.at(trouble.id).mend);
+    CAPTURE(after.at(trouble.id).fix);
     CHECK(after.at(trouble.id).verdict == trouble.verdict);
     CHECK(after.at(trouble.id).seen.find(trouble.seen) != std::string::npos);
-    CHECK(after.at(trouble.id).mend.find(trouble.mend) != std::string::npos);
+    CHECK(after.at(trouble.id).fix.find(trouble.fix) != std::string::npos);
     troubled.insert(trouble.id);
     for (const auto& [id, outcome] : after) {
       CAPTURE(id);
@@ -339,21 +339,21 @@ TEST_CASE("docs/doctor.md has a row for every check, and no other") {
   CHECK(written == checks);
 }
 
-TEST_CASE("privilege stands in for limits") {
+TEST_CASE("privileges replace limits") {
   Machine machine;
   machine.view.realtime_max = 0;
   machine.write("proc/sys/net/core/rmem_max", "212992\n");
-  CHECK(machine.snapshot().at("real-time").verdict == Verdict::kWarn);
-  CHECK(machine.snapshot().at("receive-buffers").verdict == Verdict::kWarn);
+  CHECK(machine.check().at("real-time").verdict == Verdict::kWarn);
+  CHECK(machine.check().at("receive-buffers").verdict == Verdict::kWarn);
   machine.write("proc/self/status", "CapEff:\t0000000000801000\n");  // CAP_SYS_NICE and CAP_NET_ADMIN
-  CHECK(machine.snapshot().at("real-time").verdict == Verdict::kOk);
-  CHECK(machine.snapshot().at("receive-buffers").verdict == Verdict::kOk);
+  CHECK(machine.check().at("real-time").verdict == Verdict::kOk);
+  CHECK(machine.check().at("receive-buffers").verdict == Verdict::kOk);
 }
 
-TEST_CASE("what is no trouble is not called one") {
+TEST_CASE("harmless states are not reported as problems") {
   Machine machine;
-  // Rules that were installed with the program, not copied; the rules keep ModemManager off; a file of /etc stands in
-  // for brltty's; one interface has one way back.
+  // Rules that were installed with the program, not copied; the rules exclude ModemManager; a file in /etc replaces
+  // brltty's; one interface has only one route back.
   machine.remove("etc/udev/rules.d/70-footlight.rules");
   machine.write("local/udev/rules.d/70-footlight.rules", drivers::udev_rules_text());
   machine.run(900, "ModemManager");
@@ -367,42 +367,43 @@ TEST_CASE("what is no trouble is not called one") {
                                       "eth0 00000000 0100000A 0003 0 0 0 00000000 0 0 0\n");
   machine.view.user_id = 0;
   machine.view.groups.clear();
-  const auto outcomes = machine.snapshot();
+  const auto outcomes = machine.check();
   for (const char* const id :
        {"udev-rules", "modem-manager", "brltty", "rp-filter", "governor", "groups", "multicast-route"}) {
     CAPTURE(id);
     CAPTURE(outcomes.at(id).seen);
     CHECK(outcomes.at(id).verdict == Verdict::kOk);
   }
-  CHECK(outcomes.at("multicast-route").seen.find("eth7") != std::string::npos);  // 239.0.0.0/8 is nearer than all
+  CHECK(outcomes.at("multicast-route").seen.find("eth7") !=
+        std::string::npos);  // 239.0.0.0/8 is more specific than the default route
 }
 
-TEST_CASE("a member of plugdev needs no dialout while libusb serves") {
+TEST_CASE("a member of plugdev needs no dialout if libusb works") {
   Machine machine;
   machine.view.groups = {"anna", "plugdev", "gpio"};
-  CHECK(machine.snapshot().at("groups").verdict == Verdict::kOk);
+  CHECK(machine.check().at("groups").verdict == Verdict::kOk);
 }
 
-TEST_CASE("the spare pins of a serial chip bring no warning and no group") {
+TEST_CASE("the spare pins of a serial chip cause no warning and need no group") {
   Machine machine;
   machine.remove("sys/bus/gpio/devices/gpiochip0");
   machine.add_spare_pins();
   machine.forbidden.insert("gpiochip1");
   machine.view.groups = {"anna", "plugdev"};
-  CHECK(machine.snapshot().at("gpio").verdict == Verdict::kSkipped);
-  CHECK(machine.snapshot().at("groups").verdict == Verdict::kOk);
+  CHECK(machine.check().at("gpio").verdict == Verdict::kSkipped);
+  CHECK(machine.check().at("groups").verdict == Verdict::kOk);
 }
 
-TEST_CASE("an empty machine is examined without harm") {
+TEST_CASE("an empty machine is checked without a crash") {
   Machine machine;
   for (const char* const folder : {"sys", "dev", "proc", "etc", "lib"}) machine.remove(folder);
-  for (const auto& [id, outcome] : machine.snapshot()) {
+  for (const auto& [id, outcome] : machine.check()) {
     CAPTURE(id);
     CHECK(outcome.verdict != Verdict::kFail);
   }
 }
 
-TEST_CASE("damaged tables are examined without harm") {
+TEST_CASE("damaged tables are checked without a crash") {
   Machine machine;
   const std::string junk = "\xff\x00:zz 1 2 3 4 5 6 7 8 9 10 11\n:\nHID_ID=\n"s;
   for (const char* const file :
@@ -410,31 +411,31 @@ TEST_CASE("damaged tables are examined without harm") {
         "proc/sys/net/core/rmem_max", "proc/sys/net/ipv4/igmp_max_memberships",
         "sys/class/hidraw/hidraw0/device/uevent", "etc/udev/rules.d/70-footlight.rules"})
     machine.write(file, junk);
-  CHECK(machine.snapshot().size() == doctor_checks().size());
+  CHECK(machine.check().size() == doctor_checks().size());
 }
 
-TEST_CASE("the buffer that a stall needs grows with universes, and ends at what the program asks for") {
+TEST_CASE("the number of universes through a stall grows with the buffer, up to the size that the program requests") {
   CHECK(universes_through_a_stall(0) == 0);
   CHECK(universes_through_a_stall(212'992) == 28);
   CHECK(universes_through_a_stall(4 << 20) >= 512);
   CHECK(universes_through_a_stall(1 << 30) == universes_through_a_stall(4 << 20));
 }
 
-TEST_CASE("doctor --json gives one object a check, and its exit code says whether one has failed") {
+TEST_CASE("doctor --json prints one object a check, and its exit code is 1 if one has failed") {
   const auto outcome = testing::footlight({"doctor", "--json"});
   std::istringstream lines(outcome.out);
   std::size_t count = 0;
   bool any_failed = false;
   for (std::string line; std::getline(lines, line); ++count) {
     const auto object = nlohmann::json::parse(line);
-    for (const char* const key : {"check", "title", "verdict", "seen", "mend"}) CHECK(object.contains(key));
+    for (const char* const key : {"check", "title", "verdict", "seen", "fix"}) CHECK(object.contains(key));
     any_failed = any_failed || object["verdict"] == "fail";
   }
   CHECK(count == doctor_checks().size());
   CHECK(outcome.exit_code == (any_failed ? 1 : 0));
   const auto text = testing::footlight({"doctor"});
   CHECK(text.out.find("real-time priority") != std::string::npos);
-  CHECK(text.out.find(" to look at, ") != std::string::npos);
+  CHECK(text.out.find(" warnings, ") != std::string::npos);
 }
 
 }  // namespace

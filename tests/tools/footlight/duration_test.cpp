@@ -5,7 +5,7 @@
 namespace footlight::tools {
 namespace {
 
-TEST_CASE("durations are read exactly, to the nanosecond") {
+TEST_CASE("durations are parsed exactly, to the nanosecond") {
   struct Case {
     const char* text;
     DurationNs duration_ns;
@@ -23,7 +23,7 @@ TEST_CASE("durations are read exactly, to the nanosecond") {
   }
 }
 
-TEST_CASE("what is no duration is refused with an example") {
+TEST_CASE("text that is not a duration is refused with an example") {
   for (const char* text : {"", "s", "-1s", "+1s", "1 s", "1S", "5x", "1s1m", "1s1s", "30s5", "1..5s", ".", "1e3", "nan",
                            "inf", "10001h", "9999999999999999999999s", "0.00000000000000000000001s", "1s "}) {
     CAPTURE(text);
@@ -35,7 +35,7 @@ TEST_CASE("what is no duration is refused with an example") {
   }
 }
 
-TEST_CASE("durations are shown in the unit that suits them") {
+TEST_CASE("durations are printed in a suitable unit") {
   CHECK(show_duration(0) == "0 s");
   CHECK(show_duration(999) == "999 ns");
   CHECK(show_duration(12'345) == "12.3 us");
@@ -45,7 +45,7 @@ TEST_CASE("durations are shown in the unit that suits them") {
   CHECK(show_duration(7'384'500 * kNsPerMs) == "2:03:04.5");
 }
 
-TEST_CASE("a duration that rounds up to the next unit is shown in it, and never with an exponent") {
+TEST_CASE("a duration that rounds up to the next unit is printed in it, and never with an exponent") {
   CHECK(show_duration(999'400) == "999 us");
   CHECK(show_duration(999'499) == "999 us");
   CHECK(show_duration(999'500) == "1 ms");

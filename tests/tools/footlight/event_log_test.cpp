@@ -25,7 +25,7 @@ Event lost() {
           1'785'175'391'412'345'678};
 }
 
-TEST_CASE("times of events are UTC, cut and not rounded") {
+TEST_CASE("times of events are UTC, truncated and not rounded") {
   CHECK(utc_text(0, 0) == "1970-01-01T00:00:00Z");
   CHECK(utc_text(1'785'175'391'412'999'999, 3) == "2026-07-27T18:03:11.412Z");
   CHECK(utc_text(1'785'175'391'412'345'678, 9) == "2026-07-27T18:03:11.412345678Z");
@@ -33,11 +33,11 @@ TEST_CASE("times of events are UTC, cut and not rounded") {
   CHECK(utc_text(951'782'400 * kNsPerS, 0) == "2000-02-29T00:00:00Z");
 }
 
-TEST_CASE("an event is one line of text, whatever its message holds") {
+TEST_CASE("an event is one line of text, whatever its message contains") {
   CHECK(event_text(lost()) == "2026-07-27T18:03:11.412Z warning port-lost: enttec-pro:EN1: lost: un plugged");
 }
 
-TEST_CASE("an event as JSON keeps id, level, port and universe apart from the text") {
+TEST_CASE("an event as JSON has id, level, port and universe separate from the text") {
   const auto json = nlohmann::json::parse(json_of_event(lost()));
   CHECK(json["event"] == "port-lost");
   CHECK(json["level"] == "warning");
@@ -53,16 +53,16 @@ TEST_CASE("an event as JSON keeps id, level, port and universe apart from the te
   CHECK_FALSE(plain.contains("universe"));
 }
 
-TEST_CASE("wrong words for format and level name what was expected") {
+TEST_CASE("wrong words for format and level are refused with the expected words") {
   CHECK(event_format_of("xml").error().message.find("text, json or journal") != std::string::npos);
   CHECK(notice_level_of("loud").error().message.find("info, warning or error") != std::string::npos);
   CHECK(event_format_of("json").value() == EventFormat::kJson);
   CHECK(notice_level_of("error").value() == NoticeLevel::kError);
 }
 
-// Every "some-id" that follows NoticeLevel::k... in the source, against the table of the document.
-TEST_CASE("every event that the source can say is in docs/events.md, and no other") {
-  std::set<std::string> said;
+// Every "some-id" that follows NoticeLevel::k... in the source, compared with the table of the document.
+TEST_CASE("every event of the source is in docs/events.md, and no other") {
+  std::set<std::string> ids;
   const std::regex id(R"rx(NoticeLevel::k[A-Z][a-z]+,\s*(?:\.id = )?"([a-z-]+)")rx");
   for (const char* folder : {"sim", "drivers", "tools"}) {
     for (const auto& entry :
@@ -71,7 +71,7 @@ TEST_CASE("every event that the source can say is in docs/events.md, and no othe
       std::ifstream file(entry.path());
       const std::string text{std::istreambuf_iterator<char>(file), {}};
       for (auto at = std::sregex_iterator(text.begin(), text.end(), id); at != std::sregex_iterator(); ++at) {
-        said.insert((*at)[1]);
+        ids.insert((*at)[1]);
       }
     }
   }
@@ -82,18 +82,18 @@ TEST_CASE("every event that the source can say is in docs/events.md, and no othe
     std::smatch match;
     if (std::regex_search(line, match, row)) written.insert(match[1]);
   }
-  CHECK(said.size() > 5);
-  for (const std::string& word : said) {
+  CHECK(ids.size() > 5);
+  for (const std::string& word : ids) {
     CAPTURE(word);
     CHECK(written.contains(word));
   }
   for (const std::string& word : written) {
     CAPTURE(word);
-    CHECK(said.contains(word));
+    CHECK(ids.contains(word));
   }
 }
 
-TEST_CASE("--log-format json writes events to standard error, --log-level leaves out those below") {
+TEST_CASE("--log-format json writes events to standard error, --log-level leaves out lower ones") {
   using testing::footlight;
   const std::vector<std::string> unfed = {"run",   "--in", "mock:enttec-pro", "--out", "mock:enttec-pro=2",
                                           "--for", "0s"};

@@ -1,4 +1,4 @@
-// Definitions of fixtures through the command: judged as text and as JSON, and shown.
+// Fixture definitions through the command: checked as text and as JSON, and shown.
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -48,7 +48,7 @@ std::vector<Json> lines_of(const std::string& text) {
   return lines;
 }
 
-TEST_CASE("check finds the definitions in folders, and its exit code says whether one is refused") {
+TEST_CASE("check finds the definitions in folders, and its exit code is 1 if one is refused") {
   TempFolder folder;
   const std::string head = folder.write("a/head.gdtf", make_zip({{"description.xml", kHead, 8}}));
   folder.write("unpacked/description.xml", kHead);
@@ -56,7 +56,7 @@ TEST_CASE("check finds the definitions in folders, and its exit code says whethe
   folder.write("notes.txt", "no definition");
   const Outcome good = footlight({"fixtures", "check", folder.path().string(), "--json"});
   CHECK(good.exit_code == 0);
-  CHECK(contains(good.err, "2 files: 0 loaded, 2 with warnings, 0 refused; 1 more are no definitions"));
+  CHECK(contains(good.err, "2 files: 0 loaded, 2 with warnings, 0 refused; 1 other files are not fixture definitions"));
   const auto lines = lines_of(good.out);
   REQUIRE(lines.size() == 2);
   CHECK(lines[0]["file"] == head);
@@ -67,13 +67,13 @@ TEST_CASE("check finds the definitions in folders, and its exit code says whethe
   REQUIRE(lines[0]["diagnostics"].size() == 2);
   CHECK(lines[0]["diagnostics"][1]["code"] == "not-simulated");
   CHECK(lines[0]["diagnostics"][1]["message"] == "RoboSpot");
-  const Json& said = lines[0]["diagnostics"][0];
-  CHECK(said["severity"] == "error");
-  CHECK(said["code"] == "dmx-value");
-  CHECK(said["file"] == head + ":description.xml");
-  CHECK(said["line"] == 7);
-  CHECK(said["column"] == 41);
-  CHECK(said["assumed"] == "the set is not there");
+  const Json& reported = lines[0]["diagnostics"][0];
+  CHECK(reported["severity"] == "error");
+  CHECK(reported["code"] == "dmx-value");
+  CHECK(reported["file"] == head + ":description.xml");
+  CHECK(reported["line"] == 7);
+  CHECK(reported["column"] == 41);
+  CHECK(reported["assumed"] == "the set is not there");
   CHECK(lines[1]["file"] == folder.path().string() + "/unpacked");
 
   folder.write("b/broken.gdtf", make_zip({{"description.xml", "<GDTF>\n<oops"}}));
@@ -84,10 +84,10 @@ TEST_CASE("check finds the definitions in folders, and its exit code says whethe
   CHECK(contains(bad.out, "warnings  " + head + ": Us Head, 2 modes"));
 }
 
-TEST_CASE("check prints a summary first, one line a file and what is lost of it, and the rest with --notes") {
+TEST_CASE("check prints a summary first, then one line a file and its errors, and the rest with --notes") {
   TempFolder folder;
   std::string head = kHead;
-  // Two fades beyond what any motor takes, beside the set that is lost.
+  // Two fades longer than those of any motor, beside the set that is lost.
   head.replace(head.find("RealFade='3.5'"), 14, "RealFade='999'");
   head.replace(head.find("<ChannelFunction DMXFrom='0/1'>"), 31, "<ChannelFunction DMXFrom='0/1' RealFade='1e3'>");
   const std::string wrong = folder.write("a.gdtf", make_zip({{"description.xml", head, 8}}));
@@ -111,13 +111,13 @@ TEST_CASE("check prints a summary first, one line a file and what is lost of it,
   CHECK(contains(all.out, "[measured]"));
 }
 
-TEST_CASE("check refuses what it was told to read and cannot, and finds nothing in an empty folder") {
+TEST_CASE("check refuses unreadable arguments, and finds nothing in an empty folder") {
   TempFolder folder;
   const Outcome text = footlight({"fixtures", "check", folder.write("a.txt", "hello"), "--json"});
   CHECK(text.exit_code == 1);
   CHECK(lines_of(text.out).at(0)["status"] == "refused");
   CHECK(lines_of(text.out).at(0)["format"] == "");
-  // What is not there is refused, and the rest is judged.
+  // A missing path is refused, and the rest is checked.
   const std::string head = folder.write("head.gdtf", make_zip({{"description.xml", kHead, 8}}));
   fs::create_symlink("nowhere.gdtf", folder.path() / "lost.gdtf");
   const std::string gone = folder.path().string() + "/gone";
@@ -133,7 +133,7 @@ TEST_CASE("check refuses what it was told to read and cannot, and finds nothing 
   CHECK(footlight({"fixtures", "check", folder.path().string()}).exit_code == 3);
 }
 
-TEST_CASE("a full disk behind standard output is a failure, of whatever command") {
+TEST_CASE("a full disk behind standard output is a failure of every command") {
   TempFolder folder;
   const std::string head = folder.write("head.gdtf", make_zip({{"description.xml", kHead}}));
   for (const char* command : {"check", "show"}) {
@@ -144,7 +144,7 @@ TEST_CASE("a full disk behind standard output is a failure, of whatever command"
   }
 }
 
-TEST_CASE("a name that holds a terminal's commands is shown without them") {
+TEST_CASE("a name with terminal sequences is printed without them") {
   TempFolder folder;
   std::string head = kHead;
   head.replace(head.find("'Head'"), 6, "'\x1b[2JHead'");
@@ -156,7 +156,7 @@ TEST_CASE("a name that holds a terminal's commands is shown without them") {
   }
 }
 
-TEST_CASE("rig check says of every file in one form what fixtures check says of definitions") {
+TEST_CASE("rig check reports files in the same form as fixtures check") {
   TempFolder folder;
   const std::string cut = folder.write("cut.mvr", "");
   const std::string good = folder.write("rig.toml",
@@ -177,32 +177,32 @@ TEST_CASE("rig check says of every file in one form what fixtures check says of 
   CHECK(contains(outcome.err, "2 files: 1 loaded, 0 with warnings, 1 refused"));
 }
 
-TEST_CASE("A file that is no rig is told what it is taken for, by its name and its first bytes") {
+TEST_CASE("a file that is not a rig is reported as the format of its name and its first bytes") {
   TempFolder folder;
   const std::string archive = make_zip({{"a.txt", "x"}});
-  const auto said = [&](const char* name, const std::string& bytes) {
+  const auto reported = [&](const char* name, const std::string& bytes) {
     const Outcome outcome = footlight({"rig", "check", folder.write(name, bytes)});
     CHECK(outcome.exit_code == 1);
     return outcome.out;
   };
-  const std::string gdtf = said("head.gdtf", archive);
+  const std::string gdtf = reported("head.gdtf", archive);
   CHECK(contains(gdtf, "description.xml"));
   CHECK_FALSE(contains(gdtf, "GeneralSceneDescription"));
-  CHECK(contains(said("show.mvr", archive), "expected GeneralSceneDescription.xml in the archive"));
+  CHECK(contains(reported("show.mvr", archive), "expected GeneralSceneDescription.xml in the archive"));
   const std::string pcapng("\x0a\x0d\x0d\x0a\x1c\x00\x00\x00\x4d\x3c\x2b\x1a\x01\x00\x00\x00", 16);
   for (const auto& [name, bytes] : {std::pair<const char*, std::string>("a.pcapng", pcapng),
                                     {"a.show", "OLA Show\n1 0,0\n0\n"},
                                     {"a.bin", std::string(100, '\xfe')}}) {
     CAPTURE(name);
-    const std::string out = said(name, bytes);
+    const std::string out = reported(name, bytes);
     CHECK_FALSE(contains(out, "TOML"));
     CHECK(contains(out, "neither a rig (.mvr, .qxw, .toml) nor a definition of a fixture"));
     CHECK(contains(out, "--log"));
   }
-  CHECK(contains(said("rig.toml", "\xfe\xff\xfe = 1"), "not TOML"));
+  CHECK(contains(reported("rig.toml", "\xfe\xff\xfe = 1"), "not TOML"));
 }
 
-TEST_CASE("the report has the colours of a definition against what it says, and the energy of a measured lamp") {
+TEST_CASE("the report has the colours of a definition as drawn and as defined, and the energy of a measured lamp") {
   TempFolder folder;
   const std::string head = folder.write(
       "rgb.gdtf",
@@ -220,13 +220,13 @@ TEST_CASE("the report has the colours of a definition against what it says, and 
   REQUIRE(lines.size() == 4);  // three colours and a beam
   CHECK(lines[0]["type"] == "Us Rgb");
   CHECK(lines[0]["what"] == "emitter R");
-  CHECK(lines[0]["delta_e"].get<double>() < 0.5);  // within the screen's colours
-  CHECK(lines[1]["delta_e"].get<double>() > 5);    // beyond them
+  CHECK(lines[0]["delta_e"].get<double>() < 0.5);  // inside the screen's gamut
+  CHECK(lines[1]["delta_e"].get<double>() > 5);    // outside it
   CHECK(lines[1]["delta_e_mixing"].get<double>() < 0.01);
   CHECK(lines[3]["beam"] == 1);
   CHECK(lines[3]["drawn_beam_angle_deg"].get<double>() == doctest::Approx(25));
   const std::string lamp = folder.write("a.ies", "TILT=NONE\n1 1000 1 2 1 1 2 0 0 0\n1 1 5\n0 180\n0\n100 100\n");
-  // A lamp without emitters has a row of its beam, with its energy.
+  // A lamp without emitters has a row for its beam, with its energy.
   const auto measured = lines_of(footlight({"report", "--optics", lamp, "--json"}).out);
   REQUIRE(measured.size() == 2);  // forwards and upwards
   CHECK(measured[0]["photometry"] == "a.ies");
@@ -237,7 +237,7 @@ TEST_CASE("the report has the colours of a definition against what it says, and 
   CHECK(contains(text.out, "a.ies: the candela integrate to 1256.64 lm, +25.66 % from the 1000.00 lm"));
 }
 
-TEST_CASE("the optics of a type that states its profile are those of that profile, as text and as JSON") {
+TEST_CASE("the optics of a type with a given profile are those of that profile, as text and as JSON") {
   const std::string wash = FOOTLIGHT_SOURCE_DIR "/fixtures/builtin/wash.toml";
   const Outcome shown = footlight({"fixtures", "show", wash, "--optics"});
   CAPTURE(shown.out);
@@ -255,7 +255,7 @@ TEST_CASE("the optics of a type that states its profile are those of that profil
   CHECK(lines.back()["peak_cd"].get<double>() == doctest::Approx(159'233).epsilon(1e-5));
 }
 
-TEST_CASE("show prints modes, geometries, channels, functions, sets, wheels and beams, of one mode where asked") {
+TEST_CASE("show prints modes, geometries, channels, functions, sets, wheels and beams, or only one mode") {
   TempFolder folder;
   const std::string head = folder.write("head.gdtf", make_zip({{"description.xml", kHead}}));
   const Outcome all = footlight({"fixtures", "show", head});
@@ -268,7 +268,7 @@ TEST_CASE("show prints modes, geometries, channels, functions, sets, wheels and 
     CAPTURE(part);
     CHECK(contains(all.out, part));
   }
-  CHECK(contains(all.err, "1 things are wrong with it"));
+  CHECK(contains(all.err, "1 errors and warnings"));
   const Outcome small = footlight({"fixtures", "show", head, "--mode", "small"});
   CHECK(contains(small.out, "Lens_Dimmer"));
   CHECK_FALSE(contains(small.out, "Yoke_Pan:"));

@@ -35,7 +35,7 @@ std::unique_ptr<HttpServer> listen_at(const std::string& where) {
   return std::move(*server);
 }
 
-// A client with bad manners.
+// A client that breaks the protocol.
 class Rude {
  public:
   explicit Rude(int port) : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
@@ -50,11 +50,11 @@ class Rude {
   Rude(const Rude&) = delete;
   Rude& operator=(const Rude&) = delete;
 
-  bool say(const std::string& text) {
+  bool send_text(const std::string& text) {
     return send(fd_, text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
   }
-  // Everything up to the end that the server makes.
-  std::string hear() {
+  // Everything until the server closes.
+  std::string read_all() {
     std::string text;
     char buffer[4096];
     for (ssize_t count = 0; (count = recv(fd_, buffer, sizeof buffer, 0)) > 0;) {
@@ -69,16 +69,16 @@ class Rude {
 
 const std::string kGet = "GET /echo?universes=1-3 HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n";
 
-TEST_CASE("a page is served over TCP, to a stranger") {
+TEST_CASE("a page is served over TCP to any client") {
   const auto server = listen_at("127.0.0.1:0");
   Rude client(server->port());
-  REQUIRE(client.say(kGet));
-  const std::string answer = client.hear();
+  REQUIRE(client.send_text(kGet));
+  const std::string answer = client.read_all();
   CHECK(answer.rfind("HTTP/1.1 200", 0) == 0);
   CHECK(answer.find("\r\n\r\nGET 1-3 stranger") != std::string::npos);
 }
 
-TEST_CASE("a page is served over a Unix socket, to the owner, and the file goes with the server") {
+TEST_CASE("a page is served over a Unix socket to the owner, and the file is removed with the server") {
   const testing::TempFolder folder;
   const std::string path = folder.file("s.sock");
   {
@@ -94,7 +94,7 @@ TEST_CASE("a page is served over a Unix socket, to the owner, and the file goes 
   CHECK(http_request(path, "GET", "/echo").error().code == ErrorCode::kNotFound);
 }
 
-TEST_CASE("a socket file that a killed program left is replaced, that of a living one is not") {
+TEST_CASE("a socket file of a killed program is replaced, that of a running one is not") {
   const testing::TempFolder folder;
   const std::string path = folder.file("s.sock");
   sockaddr_un address = {};
@@ -107,11 +107,11 @@ TEST_CASE("a socket file that a killed program left is replaced, that of a livin
   const auto first = listen_at("unix:" + path);
   const auto second = HttpServer::listen("--socket", "unix:" + path, echo);
   REQUIRE_FALSE(second.has_value());
-  CHECK(second.error().message.find("another program has it") != std::string::npos);
+  CHECK(second.error().message.find("another program uses it") != std::string::npos);
   CHECK(http_request(path, "GET", "/echo").has_value());
 }
 
-TEST_CASE("a file that is no socket is refused as the place of a socket and stays as it was") {
+TEST_CASE("a file that is not a socket is refused as a socket path and stays unchanged") {
   const testing::TempFolder folder;
   const std::string path = folder.file("show.toml");
   std::ofstream(path) << "[[in]]\n";
@@ -130,7 +130,7 @@ TEST_CASE("a file that is no socket is refused as the place of a socket and stay
   CHECK(std::filesystem::is_symlink(link));
 }
 
-TEST_CASE("a server that ends leaves a file that has come under its name meanwhile") {
+TEST_CASE("a server does not remove another file that has taken its name") {
   const testing::TempFolder folder;
   const std::string path = folder.file("s.sock");
   auto first = listen_at("unix:" + path);
@@ -140,7 +140,7 @@ TEST_CASE("a server that ends leaves a file that has come under its name meanwhi
   CHECK(http_request(path, "GET", "/echo").has_value());
 }
 
-TEST_CASE("a request ends when its time is over, also where the answer comes byte by byte") {
+TEST_CASE("a request ends at its timeout, also if the answer comes byte by byte") {
   const testing::TempFolder folder;
   const std::string path = folder.file("s.sock");
   sockaddr_un address = {};
@@ -151,7 +151,7 @@ TEST_CASE("a request ends when its time is over, also where the answer comes byt
   REQUIRE(listen(listener, 1) == 0);
   std::thread server([&] {
     const int fd = accept(listener, nullptr, nullptr);
-    // Each byte comes long before the time of one call is over.
+    // Each byte arrives long before the timeout of one call.
     for (int i = 0; i < 500 && send(fd, "x", 1, MSG_NOSIGNAL) == 1; ++i) poll(nullptr, 0, 10);
     close(fd);
   });
@@ -174,20 +174,20 @@ TEST_CASE("a reload signal without a descriptor is an error, and waiting for it 
     REQUIRE_FALSE(opened.has_value());
     CHECK(opened.error().code == ErrorCode::kIo);
     CHECK(opened.error().message.find("ulimit -n") != std::string::npos);
-    CHECK(reload.wait() == ReloadSignal::Decoded::kNothing);
+    CHECK(reload.wait() == ReloadSignal::Request::kNothing);
   }
 }
 
-TEST_CASE("those who dawdle over a request cannot keep others out") {
+TEST_CASE("slow clients cannot block others") {
   const auto server = listen_at("127.0.0.1:0");
   std::vector<Rude> slow;
   for (int i = 0; i < 60; ++i) {
     slow.emplace_back(server->port());
-    (void)slow.back().say("GET /echo HTTP/1.1\r\nX-Slow: ");
-    // Between them, always somebody who knows what he wants.
+    (void)slow.back().send_text("GET /echo HTTP/1.1\r\nX-Slow: ");
+    // Between them, a client with a valid request.
     Rude client(server->port());
-    REQUIRE(client.say(kGet));
-    CHECK(client.hear().rfind("HTTP/1.1 200", 0) == 0);
+    REQUIRE(client.send_text(kGet));
+    CHECK(client.read_all().rfind("HTTP/1.1 200", 0) == 0);
   }
 }
 
@@ -197,25 +197,26 @@ TEST_CASE("a request without end is cut off, and the next one is answered") {
     Rude client(server->port());
     std::string headers = "GET /echo HTTP/1.1\r\n";
     while (headers.size() < 200'000) headers += "X-More: " + std::string(1'000, 'x') + "\r\n";
-    (void)client.say(headers);
-    CHECK(client.hear().rfind("HTTP/1.1 200", 0) != 0);
+    (void)client.send_text(headers);
+    CHECK(client.read_all().rfind("HTTP/1.1 200", 0) != 0);
   }
   {
     Rude client(server->port());
-    (void)client.say("POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: 100000000\r\n\r\n" + std::string(100'000, 'x'));
-    (void)client.say(std::string(100'000, 'x'));
+    (void)client.send_text("POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: 100000000\r\n\r\n" +
+                           std::string(100'000, 'x'));
+    (void)client.send_text(std::string(100'000, 'x'));
   }
   {
     Rude client(server->port());
-    (void)client.say(std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xFC\x03\x03\r\n\r\n", 15));
-    CHECK(client.hear().rfind("HTTP/1.1 200", 0) != 0);
+    (void)client.send_text(std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xFC\x03\x03\r\n\r\n", 15));
+    CHECK(client.read_all().rfind("HTTP/1.1 200", 0) != 0);
   }
   Rude client(server->port());
-  REQUIRE(client.say(kGet));
-  CHECK(client.hear().rfind("HTTP/1.1 200", 0) == 0);
+  REQUIRE(client.send_text(kGet));
+  CHECK(client.read_all().rfind("HTTP/1.1 200", 0) == 0);
 }
 
-TEST_CASE("a place that is no place says what was expected") {
+TEST_CASE("an invalid address is refused with the expected form") {
   for (const char* where : {"9477", "localhost:9477", "127.0.0.1:", "127.0.0.1:99999", "127.0.0.1:94x", "unix:", ""}) {
     CAPTURE(where);
     const auto server = HttpServer::listen("--metrics", where, echo);
@@ -228,7 +229,7 @@ TEST_CASE("a place that is no place says what was expected") {
   const auto taken = listen_at("127.0.0.1:0");
   CHECK(HttpServer::listen("--metrics", fmt::format("127.0.0.1:{}", taken->port()), echo)
             .error()
-            .message.find("another program has it") != std::string::npos);
+            .message.find("another program uses it") != std::string::npos);
 }
 
 }  // namespace

@@ -35,8 +35,8 @@ struct Packet {
   Bytes bytes;
 };
 
-// One desk on universe 3, every 25 ms: 24 slots that all have the number of the frame, and an ARP packet.
-// `changed`: one slot of the sixth is 9 higher; `left_out`: that frame is not there; `late_ns`: the last comes later.
+// One console on universe 3, every 25 ms: 24 slots with the number of the frame, and an ARP packet.
+// `changed`: one slot of the sixth is 9 higher; `left_out`: that frame is missing; `late_ns`: delay of the last one.
 struct Difference {
   bool changed = false;
   int left_out = -1;
@@ -101,8 +101,8 @@ Bytes pcapng_of(const std::vector<Packet>& all) {
   return file;
 }
 
-// Three frames of 24 slots with a break of 100 us, a mark of 12 us and slots of 44 us, sampled at 1 MHz; a fourth with
-// a mark of 2 us is no frame.
+// Three frames of 24 slots with a break of 100 us, a mark of 12 us and slots of 44 us, sampled at 1 MHz. A fourth with
+// a mark of 2 us is not a frame.
 Bytes line_capture(bool with_bad_frame) {
   LineSignal signal(1'000'000);
   signal.mark(1e5);
@@ -124,7 +124,7 @@ Bytes line_capture(bool with_bad_frame) {
   return zip.finish();
 }
 
-// What ends well says nothing on standard error.
+// A successful command prints nothing on standard error.
 Json json_of(const Outcome& outcome, int exit_code = 0) {
   CAPTURE(outcome.err);
   CHECK(outcome.exit_code == exit_code);
@@ -144,22 +144,22 @@ void check_refused(const Outcome& outcome, const std::vector<std::string>& words
 
 TEST_SUITE_BEGIN("captures by command");
 
-TEST_CASE("convert makes the same log of a pcap and a pcapng, and says how many frames and which packets were not") {
+TEST_CASE("convert makes the same log of a pcap and a pcapng, and prints how many packets were left out, by reason") {
   const TempFolder folder;
   write(folder.file("a.pcap"), pcap_of(traffic()));
   write(folder.file("a.pcapng"), pcapng_of(traffic()));
-  const Outcome people = footlight({"log", "convert", folder.file("a.pcap"), folder.file("a.dmxlog")});
-  CHECK(people.exit_code == 0);
-  CHECK(contains(people.out, "a.dmxlog: 8 frames, 185 ms, "));
-  CHECK(contains(people.out, "note: 1 packets are not UDP over IP"));
-  const Json told = json_of(
+  const Outcome text = footlight({"log", "convert", folder.file("a.pcap"), folder.file("a.dmxlog")});
+  CHECK(text.exit_code == 0);
+  CHECK(contains(text.out, "a.dmxlog: 8 frames, 185 ms, "));
+  CHECK(contains(text.out, "note: 1 packets are not UDP over IP"));
+  const Json json = json_of(
       footlight({"log", "convert", "--json", "--universes", "3=7", folder.file("a.pcapng"), folder.file("b.dmxlog")}));
-  CHECK(told["frames"] == 8);
-  CHECK(told["duration_ns"] == 185'000'000);
-  CHECK(told["damage_count"] == 0);
-  CHECK(told["left_out"] == 0);
-  CHECK(told["out"] == folder.file("b.dmxlog"));
-  CHECK(told["notes"].size() == 1);
+  CHECK(json["frames"] == 8);
+  CHECK(json["duration_ns"] == 185'000'000);
+  CHECK(json["damage_count"] == 0);
+  CHECK(json["left_out"] == 0);
+  CHECK(json["out"] == folder.file("b.dmxlog"));
+  CHECK(json["notes"].size() == 1);
 
   const Json info = json_of(footlight({"log", "info", "--check", "--json", folder.file("b.dmxlog")}));
   REQUIRE(info["universes"].size() == 1);
@@ -167,7 +167,7 @@ TEST_CASE("convert makes the same log of a pcap and a pcapng, and says how many 
   CHECK(info["universes"][0]["frames"] == 8);
   CHECK(info["universes"][0]["slots"] == 24);
   CHECK(info["universes"][0]["first_ns"] == 10'000'000);
-  // Both logs and both captures are one and the same.
+  // Both logs and both captures are equal.
   for (const char* other : {"a.pcap", "a.pcapng"}) {
     const Outcome equal = footlight({"log", "diff", "--same-start", folder.file("a.dmxlog"), folder.file(other)});
     CAPTURE(equal.out);
@@ -177,12 +177,12 @@ TEST_CASE("convert makes the same log of a pcap and a pcapng, and says how many 
   }
 }
 
-TEST_CASE("convert refuses what it cannot read or must not replace, and leaves no file behind") {
+TEST_CASE("convert refuses unreadable inputs and existing outputs, and leaves no file behind") {
   const TempFolder folder;
   write(folder.file("a.pcap"), pcap_of(traffic()));
   write(folder.file("rubbish"), Bytes(300, 'x'));
   Bytes cut = pcap_of(traffic());
-  cut.resize(30);  // inside the first packet's head
+  cut.resize(30);  // inside the first packet's header
   write(folder.file("cut.pcap"), cut);
   const std::string out = folder.file("out.dmxlog");
   check_refused(footlight({"log", "convert", folder.file("none.pcap"), out}), {"none.pcap"});
@@ -204,7 +204,7 @@ TEST_CASE("convert refuses what it cannot read or must not replace, and leaves n
   CHECK(std::string(std::istreambuf_iterator<char>(mine), {}) == "\1\2\3");
 }
 
-TEST_CASE("diff tells a level, a frame that is missing and a frame that is late, each by itself") {
+TEST_CASE("diff reports a different level, a missing frame and a late frame separately") {
   const TempFolder folder;
   const std::string a = folder.file("a.pcap"), b = folder.file("b.pcapng");
   write(a, pcap_of(traffic()));
@@ -214,20 +214,20 @@ TEST_CASE("diff tells a level, a frame that is missing and a frame that is late,
     words.insert(words.end(), options.begin(), options.end());
     return footlight(words);
   };
-  Json told = json_of(diff({.changed = true}, {"--json"}), 1);
-  CHECK(told["equal"] == false);
-  REQUIRE(told["universes"].size() == 1);
-  Json one = told["universes"][0];
+  Json json = json_of(diff({.changed = true}, {"--json"}), 1);
+  CHECK(json["equal"] == false);
+  REQUIRE(json["universes"].size() == 1);
+  Json one = json["universes"][0];
   CHECK(one["universe"] == 3);
   CHECK(one["pairs"] == 8);
   CHECK(one["different"] == 1);
   CHECK(one["slots_different"] == 1);
   CHECK(one["level_distance_max"] == 9);
   CHECK(one["first_difference"] == Json({{"time_ns", 135'000'000}, {"address", 11}, {"level_a", 6}, {"level_b", 15}}));
-  const Outcome people = diff({.changed = true}, {});
-  CHECK(people.exit_code == 1);
-  CHECK(contains(people.out, "1 pairs differ, in 1 slots, by 9 at most; first at 135 ms, address 11: 6 in A, 15 in B"));
-  CHECK(contains(people.out, "\ndifferent\n"));
+  const Outcome text = diff({.changed = true}, {});
+  CHECK(text.exit_code == 1);
+  CHECK(contains(text.out, "1 pairs differ, in 1 slots, by at most 9; first at 135 ms, address 11: 6 in A, 15 in B"));
+  CHECK(contains(text.out, "\ndifferent\n"));
   CHECK(diff({.changed = true}, {"--values", "9"}).exit_code == 0);
   CHECK(diff({.changed = true}, {"--values", "8"}).exit_code == 1);
 
@@ -237,30 +237,30 @@ TEST_CASE("diff tells a level, a frame that is missing and a frame that is late,
   CHECK(one["only_b"] == 0);
   CHECK(one["different"] == 0);
 
-  told = json_of(diff({.late_ns = 3'000'000}, {"--json"}), 1);
-  CHECK(told["universes"][0]["time_max_ns"] == 3'000'000);
-  CHECK(told["universes"][0]["different"] == 0);
-  CHECK(told["offset_from"] == "given");
+  json = json_of(diff({.late_ns = 3'000'000}, {"--json"}), 1);
+  CHECK(json["universes"][0]["time_max_ns"] == 3'000'000);
+  CHECK(json["universes"][0]["different"] == 0);
+  CHECK(json["offset_from"] == "given");
   CHECK(diff({.late_ns = 3'000'000}, {"--time-tolerance", "3ms"}).exit_code == 0);
 
   check_refused(footlight({"log", "diff", a}), {"two files"});
   check_refused(footlight({"log", "diff", a, folder.file("none.pcap")}), {"none.pcap"});
 }
 
-TEST_CASE("timing measures what the line was made with, and a rejected frame is exit code 1 and has its reason") {
+TEST_CASE("timing measures the line as it was made; a rejected frame has its reason and gives exit code 1") {
   const TempFolder folder;
   const std::string good = folder.file("good.sr"), bad = folder.file("bad.sr");
   write(good, line_capture(false));
   write(bad, line_capture(true));
-  const Json told = json_of(footlight({"log", "timing", "--json", good}));
-  CHECK(told["channel"] == "DMX+");
-  CHECK(told["inverted"] == false);
-  CHECK(told["sample_rate_hz"] == 1'000'000);
-  CHECK(told["sound"] == 3);
-  CHECK(told["rejected"] == 0);
-  REQUIRE(told["frames"].size() == 3);
+  const Json json = json_of(footlight({"log", "timing", "--json", good}));
+  CHECK(json["channel"] == "DMX+");
+  CHECK(json["inverted"] == false);
+  CHECK(json["sample_rate_hz"] == 1'000'000);
+  CHECK(json["sound"] == 3);
+  CHECK(json["rejected"] == 0);
+  REQUIRE(json["frames"].size() == 3);
   for (std::size_t i = 0; i < 3; ++i) {
-    const Json& frame = told["frames"][i];
+    const Json& frame = json["frames"][i];
     CHECK(frame["slots"] == 24);
     CHECK(frame["start_code"] == 0);
     CHECK(frame["sound"] == true);
@@ -269,13 +269,13 @@ TEST_CASE("timing measures what the line was made with, and a rejected frame is 
     CHECK(std::abs(frame["mab_ns"].get<long>() - 12'000) <= 1'000);
   }
   // From break to break: 0.1 ms, 12 us, 25 slots of 44 us, and 0.5 ms.
-  CHECK(std::abs(told["frames"][1]["period_ns"].get<long>() - 1'712'000) <= 1'000);
+  CHECK(std::abs(json["frames"][1]["period_ns"].get<long>() - 1'712'000) <= 1'000);
 
-  const Outcome people = footlight({"log", "timing", good});
-  CHECK(people.exit_code == 0);
-  CHECK(contains(people.out, "time_ms  break_us   mab_us"));
-  CHECK(contains(people.out, "good.sr: 3 frames, 0 rejected"));
-  CHECK(contains(people.out, "0x00"));
+  const Outcome text = footlight({"log", "timing", good});
+  CHECK(text.exit_code == 0);
+  CHECK(contains(text.out, "time_ms  break_us   mab_us"));
+  CHECK(contains(text.out, "good.sr: 3 frames, 0 rejected"));
+  CHECK(contains(text.out, "0x00"));
   const Outcome summary = footlight({"log", "timing", "--summary", good});
   CHECK(summary.exit_code == 0);
   CHECK_FALSE(contains(summary.out, "time_ms"));
@@ -291,7 +291,7 @@ TEST_CASE("timing measures what the line was made with, and a rejected frame is 
   CHECK(contains(shown.out, "rejected: the mark after break is shorter than 3 us"));
 }
 
-TEST_CASE("timing of what is no line, and of a channel that is not there, is refused by name") {
+TEST_CASE("timing of a file that is not a line capture, and of a missing channel, is refused by name") {
   const TempFolder folder;
   write(folder.file("a.pcap"), pcap_of(traffic()));
   write(folder.file("good.sr"), line_capture(false));
@@ -306,12 +306,12 @@ TEST_CASE("timing of what is no line, and of a channel that is not there, is ref
   check_refused(footlight({"log", "timing", folder.file("cut.sr")}), {"cut.sr"});
 }
 
-TEST_CASE("a captured line becomes a log of the universe that is asked for, and equals the packets with its levels") {
+TEST_CASE("a captured line becomes a log of the given universe, equal to packets with its levels") {
   const TempFolder folder;
   const std::string line = folder.file("line.sr"), log = folder.file("line.dmxlog");
   write(line, line_capture(true));
-  const Json told = json_of(footlight({"log", "convert", "--json", "--universe", "9", line, log}));
-  CHECK(told["frames"] == 3);
+  const Json json = json_of(footlight({"log", "convert", "--json", "--universe", "9", line, log}));
+  CHECK(json["frames"] == 3);
   const Json info = json_of(footlight({"log", "info", "--json", log}));
   CHECK(info["universes"][0]["universe"] == 9);
   CHECK(info["universes"][0]["slots"] == 24);

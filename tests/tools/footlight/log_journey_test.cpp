@@ -1,4 +1,4 @@
-// Logs through the commands: recorded, looked into, converted, replayed. Every level has to come out as it went in.
+// Logs through the commands: recorded, shown, converted, replayed. Every level must stay the same.
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
@@ -33,7 +33,7 @@ struct Frame {
   bool operator==(const Frame&) const = default;
 };
 
-// Two universes every 20 ms, with slots that change, some of them not, and frames of different lengths.
+// Two universes every 20 ms, with changing and unchanged slots, and frames of different lengths.
 std::vector<Frame> pattern() {
   std::vector<Frame> frames;
   for (int step = 0; step < 25; ++step) {
@@ -52,7 +52,7 @@ std::vector<Frame> pattern() {
   return frames;
 }
 
-// Without `finish` it leaves the .part file of a recorder that was killed.
+// Without `finish` it leaves the .part file of a killed recorder.
 void write_log(const std::string& path, const std::vector<Frame>& frames, bool finish = true) {
   LogWriterOptions options;
   options.origin_ns = 1'000'000'000;
@@ -112,12 +112,13 @@ TEST_CASE("a log that is recorded again keeps every frame, level, priority and i
   auto copy = read_log(folder.file("b.dmxlog"));
   const auto original = pattern();
   REQUIRE(copy.size() == original.size());
-  const DurationNs shift_ns = copy.front().time_ns - original.front().time_ns;  // the recording began a little earlier
+  const DurationNs shift_ns =
+      copy.front().time_ns - original.front().time_ns;  // the recording started a little earlier
   for (Frame& frame : copy) frame.time_ns -= shift_ns;
   CHECK(copy == original);
 }
 
-TEST_CASE("a replayed log reaches a log at the other end with its levels unchanged") {
+TEST_CASE("a log replayed into another log keeps its levels") {
   const TempFolder folder;
   write_log(folder.file("a.dmxlog"), pattern());
   check_done(footlight(
@@ -126,21 +127,21 @@ TEST_CASE("a replayed log reaches a log at the other end with its levels unchang
   const auto copy = read_log(folder.file("b.dmxlog"));
   CHECK(last_snapshot(copy, 1) == last_snapshot(original, 1));
   for (const Frame& frame : copy) {
-    // A frame may be left out where the machine was stopped; none may be made up.
+    // A frame may be missing if the machine stalled; none may be added.
     CHECK(std::any_of(original.begin(), original.end(), [&](const Frame& one) {
       return one.universe == frame.universe && std::equal(one.slots.begin(), one.slots.end(), frame.slots.begin());
     }));
   }
 }
 
-TEST_CASE("info counts what is in a log, for people and as JSON") {
+TEST_CASE("info prints the counts of a log, as text and as JSON") {
   const TempFolder folder;
   const std::string log = folder.file("a.dmxlog");
   write_log(log, pattern());
-  const Outcome people = footlight({"log", "info", log});
-  check_done(people);
-  CHECK(contains(people.out, "length:   500 ms"));
-  CHECK(contains(people.out, "universe 7: 25 frames, 50.00/s, 24 slots"));
+  const Outcome text = footlight({"log", "info", log});
+  check_done(text);
+  CHECK(contains(text.out, "length:   500 ms"));
+  CHECK(contains(text.out, "universe 7: 25 frames, 50.00/s, 24 slots"));
   const Outcome machine = footlight({"log", "info", "--check", "--json", log});
   check_done(machine);
   const Json info = Json::parse(machine.out);
@@ -152,7 +153,7 @@ TEST_CASE("info counts what is in a log, for people and as JSON") {
   CHECK(info["universes"][1]["universe"] == 7);
 }
 
-TEST_CASE("through an OLA Show and back, levels stay and times are rounded to a millisecond") {
+TEST_CASE("through an OLA show file and back, levels stay and times are rounded to a millisecond") {
   const TempFolder folder;
   write_log(folder.file("a.dmxlog"), pattern());
   check_done(footlight({"log", "convert", folder.file("a.dmxlog"), folder.file("a.show")}));
@@ -166,12 +167,12 @@ TEST_CASE("through an OLA Show and back, levels stay and times are rounded to a 
     CHECK(std::abs((copy[i].time_ns - copy[0].time_ns) - (original[i].time_ns - original[0].time_ns)) <= kNsPerMs);
   }
   const Outcome again = footlight({"log", "convert", folder.file("a.show"), folder.file("b.dmxlog")});
-  CHECK(again.exit_code != 0);  // never over a file that is there
+  CHECK(again.exit_code != 0);  // an existing file is not replaced
   CHECK(contains(again.err, "b.dmxlog"));
   check_done(footlight({"log", "convert", "--overwrite", folder.file("a.show"), folder.file("b.dmxlog")}));
 }
 
-TEST_CASE("a log that was cut off is shown as far as it goes, with exit code 1 and the command that saves the rest") {
+TEST_CASE("a truncated log is shown up to its end, with exit code 1 and the command that saves the rest") {
   const TempFolder folder;
   auto frames = pattern();
   const std::size_t count = frames.size();
@@ -215,7 +216,7 @@ TEST_CASE("a log that was cut off is shown as far as it goes, with exit code 1 a
   CHECK(contains(headless.err, "head.dmxlog"));
 }
 
-TEST_CASE("where only the .part file of a killed recorder is there, every command names it and reads it") {
+TEST_CASE("if only the .part file of a killed recorder exists, every command names it and reads it") {
   const TempFolder folder;
   const std::string log = folder.file("a.dmxlog");
   const std::string part = log + ".part";
@@ -247,7 +248,7 @@ TEST_CASE("where only the .part file of a killed recorder is there, every comman
   CHECK(read_log(log).size() == pattern().size());
 }
 
-TEST_CASE("the demo show can be replayed anywhere in it, faster and for a while") {
+TEST_CASE("the demo show can be replayed from any time, faster and for a limited time") {
   const Outcome outcome = footlight(
       {"replay", "--demo", "--at", "1s", "--until", "11s", "--speed", "1000", "--out", "mock:enttec-pro", "--json"});
   check_done(outcome);
@@ -268,7 +269,7 @@ int free_udp_port() {
   return ntohs(address.sin_port);
 }
 
-TEST_CASE("levels that one program replays over sACN are those that another one records") {
+TEST_CASE("levels that one program replays over sACN equal those that another program records") {
   const TempFolder folder;
   write_log(folder.file("a.dmxlog"), pattern());
   const std::string wire = "@127.0.0.1:" + std::to_string(free_udp_port());

@@ -1,4 +1,4 @@
-// The page is judged by a parser of the exposition format of its own, and by promtool where that is installed.
+// The page is parsed by an independent parser of the exposition format, and by promtool if it is installed.
 #include "tools/footlight/status/metrics.h"
 
 #include <cstdio>
@@ -37,7 +37,7 @@ struct Page {
   }
 };
 
-// The labels between the braces; fails the test where they are not as the format has them.
+// The labels between the braces; fails the test if their syntax is wrong.
 std::map<std::string, std::string> parse_labels(const std::string& text) {
   std::map<std::string, std::string> labels;
   std::size_t at = 0;
@@ -134,7 +134,7 @@ PumpStatus full_status() {
   return status;
 }
 
-TEST_CASE("a metrics page has every series once, with its type, and says what the pump counted") {
+TEST_CASE("a metrics page has every series once, with its type and the pump's values") {
   const Page page = parse(metrics_text(full_status(), {.start_unix_ns = 5 * kNsPerS, .reloads = 2}));
   const std::map<std::string, std::string> in = {{"port", "sacn:1-2"}, {"direction", "in"}};
   auto of = [](std::map<std::string, std::string> labels, const char* name, const char* value) {
@@ -203,11 +203,11 @@ TEST_CASE("every family of a metrics page is in docs/metrics.md, and no other") 
 TEST_CASE("promtool accepts a metrics page") {
   const testing::TempFolder folder;
   std::ofstream(folder.file("page")) << metrics_text(full_status(), {});
-  const int code = std::system(("promtool check metrics < " + folder.file("page") + " > " + folder.file("said") +
+  const int code = std::system(("promtool check metrics < " + folder.file("page") + " > " + folder.file("output") +
                                 " 2>&1; code=$?; test $code = 127 && exit 77; exit $code")
                                    .c_str());
-  std::ifstream said(folder.file("said"));
-  CAPTURE(std::string(std::istreambuf_iterator<char>(said), {}));
+  std::ifstream output(folder.file("output"));
+  CAPTURE(std::string(std::istreambuf_iterator<char>(output), {}));
   if (WEXITSTATUS(code) == 77) {
     MESSAGE("skipped: promtool is not installed");
     return;
@@ -215,14 +215,14 @@ TEST_CASE("promtool accepts a metrics page") {
   CHECK(WEXITSTATUS(code) == 0);
 }
 
-TEST_CASE("a running bridge gives its metrics where it was told to, and nothing else there") {
+TEST_CASE("a running bridge serves its metrics at the given address, and nothing else there") {
   const testing::TempFolder folder;
   const std::string place = folder.file("metrics.sock");
   testing::Footlight bridge({"run", "--in", "mock:enttec-pro", "--out", "mock:enttec-pro", "--json", "--socket", "none",
                              "--metrics", "unix:" + place});
   bridge.wait_for(R"("event":"ready")");
   auto answer = http_request(place, "GET", "/metrics");
-  while (answer && answer->status == 503) answer = http_request(place, "GET", "/metrics");  // about to start
+  while (answer && answer->status == 503) answer = http_request(place, "GET", "/metrics");  // still starting
   REQUIRE_MESSAGE(answer.has_value(), (answer ? "" : answer.error().message));
   CHECK(answer->status == 200);
   const Page page = parse(answer->body);

@@ -1,4 +1,4 @@
-// The picture as a function of a state, and the command in a terminal that a test holds the other end of.
+// The display as a function of a state, and the command in a terminal of which the test has the other end.
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -32,7 +32,7 @@ std::string all(const std::vector<std::string>& lines) {
   return text;
 }
 
-// Nine universes; the second has two senders, of which one loses and has a name that wants to drive the terminal.
+// Nine universes; the second has two senders, of which one loses and has a name with terminal sequences.
 MonitorState nine() {
   MonitorState state;
   state.title = "sacn:1-9";
@@ -59,7 +59,7 @@ MonitorState nine() {
   return state;
 }
 
-TEST_CASE("a picture has just as many lines as the screen, and none is wider") {
+TEST_CASE("a picture has exactly as many lines as the screen, and none is wider") {
   const MonitorState full = nine();
   const MonitorState empty;
   for (const MonitorState* state : {&full, &empty}) {
@@ -82,7 +82,7 @@ TEST_CASE("a picture has just as many lines as the screen, and none is wider") {
   }
 }
 
-TEST_CASE("at 80 x 24 all nine universes, both senders of the chosen one and all its levels are seen") {
+TEST_CASE("at 80 x 24 all nine universes, both senders of the selected one and all its levels are visible") {
   MonitorView view;
   view.selected = 2;
   const std::string text = all(draw_monitor(nine(), view));
@@ -100,7 +100,7 @@ TEST_CASE("at 80 x 24 all nine universes, both senders of the chosen one and all
   CHECK(contains(text, "10 s"));
 }
 
-TEST_CASE("at 200 x 60 the levels of the chosen universe are numbers") {
+TEST_CASE("at 200 x 60 the levels of the selected universe are numbers") {
   MonitorView view;
   view.columns = 200;
   view.rows = 60;
@@ -111,7 +111,7 @@ TEST_CASE("at 200 x 60 the levels of the chosen universe are numbers") {
   CHECK(contains(text, " 128 \n"));
 }
 
-TEST_CASE("a change is marked for a second, and then no more") {
+TEST_CASE("a change is marked for one second") {
   MonitorView view;
   view.selected = 2;
   view.colour = true;
@@ -121,7 +121,7 @@ TEST_CASE("a change is marked for a second, and then no more") {
   CHECK_FALSE(contains(all(draw_monitor(state, view)), "\033[1;33m▅"));
 }
 
-TEST_CASE("the table scrolls so that the chosen universe is seen") {
+TEST_CASE("the table scrolls so that the selected universe is visible") {
   MonitorState state = nine();
   for (Universe number = 10; number <= 500; ++number) {
     MonitorUniverse universe = state.universes[0];
@@ -146,20 +146,20 @@ TEST_CASE("a filter is a list of universes, or part of a sender's name") {
   CHECK(contains(all(draw_monitor(state, view)), "no universe passes the filter"));
 }
 
-TEST_CASE("names from the wire cannot drive the terminal") {
+TEST_CASE("names from the network cannot control the terminal") {
   CHECK(printable_utf8("\033[2J") == "\xEF\xBF\xBD[2J");
   CHECK(printable_utf8("a\xC2\x9B"
                        "1m") ==
         "a\xEF\xBF\xBD"
         "1m");                                              // CSI as one character
-  CHECK(printable_utf8("\xE2\x80\xAE") == "\xEF\xBF\xBD");  // turns what follows around
+  CHECK(printable_utf8("\xE2\x80\xAE") == "\xEF\xBF\xBD");  // changes the direction of the following text
   CHECK(printable_utf8("\xC0\x80\xED\xA0\x80\xF5") ==
         "\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD\xEF\xBF\xBD");
   CHECK(printable_utf8("B\xC3\xBChne \xE7\x81\xAF \xF0\x9F\x92\xA1") == "B\xC3\xBChne \xE7\x81\xAF \xF0\x9F\x92\xA1");
   CHECK(printable_utf8("\xE7\x81") == "\xEF\xBF\xBD\xEF\xBF\xBD");  // cut
 }
 
-TEST_CASE("a line for people keeps its begin and its end, cut between characters; lines keep their ends") {
+TEST_CASE("a long line keeps its beginning and end, cut between characters; lines keep their ends") {
   CHECK(printable_line("short\n") == "short\xEF\xBF\xBD");
   const std::string as_long = std::string(1900, 'a');
   CHECK(printable_line(as_long) == as_long);
@@ -175,7 +175,7 @@ TEST_CASE("a line for people keeps its begin and its end, cut between characters
   CHECK(printable_lines("a\n" + std::string(5000, 'b') + "\nc").size() < 2000);
 }
 
-TEST_CASE("wide characters take two columns, and a text is cut between them") {
+TEST_CASE("wide characters take two columns, and a text is cut between characters") {
   CHECK(columns_of("灯灯") == 4);
   CHECK(cut_to("灯灯", 4) == "灯灯");
   CHECK(cut_to("灯灯", 3) == "灯…");
@@ -185,7 +185,7 @@ TEST_CASE("wide characters take two columns, and a text is cut between them") {
   CHECK(cut_to("abc", 0).empty());
 }
 
-TEST_CASE("what a sender lost goes from the status of a bridge into its line, and a sender without loss says nothing") {
+TEST_CASE("a sender's losses appear in its line, and a sender without loss shows none") {
   PumpStatus status;
   UniverseStatus universe;
   universe.universe = 3;
@@ -201,7 +201,7 @@ TEST_CASE("what a sender lost goes from the status of a bridge into its line, an
   CHECK(picture.find("lost") == picture.rfind("lost"));
 }
 
-TEST_CASE("pages that are none, or only half of one, are refused or read as far as they go") {
+TEST_CASE("invalid and truncated pages are refused, or read as far as they go") {
   MonitorState state;
   for (const char* text : {"", "[]", "null", "{", R"({"event":"ready"})", R"({"event":5})"}) {
     CAPTURE(text);
@@ -218,7 +218,7 @@ TEST_CASE("pages that are none, or only half of one, are refused or read as far 
                   .has_value());
 }
 
-TEST_CASE("a slot counts as changed when its level is another one, but not when it is seen for the first time") {
+TEST_CASE("a slot counts as changed when its level differs, but not when it is first received") {
   MonitorState state;
   const auto levels = [](int now_ns, const std::string& first) {
     return fmt::format(
@@ -236,7 +236,7 @@ TEST_CASE("a slot counts as changed when its level is another one, but not when 
   CHECK(state.universes[1].levels[0] == 0xFE);
 }
 
-TEST_CASE("keys are told apart, also where their bytes come one by one") {
+TEST_CASE("keys are decoded, also if their bytes arrive one by one") {
   std::string typed;
   const auto keys = [&](std::string bytes) {
     std::vector<Key> found;
@@ -290,10 +290,10 @@ class InTerminal {
 
   void type(const std::string& keys) { REQUIRE(write(fd_, keys.data(), keys.size()) > 0); }
   void signal(int number) { REQUIRE(kill(pid_, number) == 0); }
-  // Everything that came until `part` did.
+  // Everything that arrived up to `part`.
   void wait_for(const std::string& part) {
-    while (!contains(said_, part)) {
-      CAPTURE(said_);
+    while (!contains(output_, part)) {
+      CAPTURE(output_);
       REQUIRE(read_some(60'000));
     }
   }
@@ -309,7 +309,7 @@ class InTerminal {
     pid_ = -1;
     return status;
   }
-  [[nodiscard]] const std::string& said() const { return said_; }
+  [[nodiscard]] const std::string& output() const { return output_; }
   [[nodiscard]] bool is_as_before() const {
     termios now = {};
     REQUIRE(tcgetattr(other_, &now) == 0);
@@ -322,21 +322,21 @@ class InTerminal {
     if (poll(&ready, 1, patience_ms) != 1) return false;
     char buffer[4096];
     const ssize_t count = read(fd_, buffer, sizeof buffer);
-    if (count > 0) said_.append(buffer, static_cast<std::size_t>(count));
+    if (count > 0) output_.append(buffer, static_cast<std::size_t>(count));
     return count > 0;
   }
 
   int fd_ = -1;
-  int other_ = -1;  // kept open, so that its modes can be asked for at the end
+  int other_ = -1;  // kept open, so that its modes can be read at the end
   pid_t pid_ = -1;
   termios before_ = {};
-  std::string said_;
+  std::string output_;
 };
 
-TEST_CASE("the terminal is given back as it was when q is pressed") {
+TEST_CASE("the terminal is restored when q is pressed") {
   InTerminal monitor({"monitor", "mock:enttec-pro=3"});
   monitor.wait_for(">      3");
-  CHECK(contains(monitor.said(), "\033[?1049h"));
+  CHECK(contains(monitor.output(), "\033[?1049h"));
   CHECK_FALSE(monitor.is_as_before());
   monitor.type(" ");
   monitor.wait_for("PAUSED");
@@ -349,10 +349,10 @@ TEST_CASE("the terminal is given back as it was when q is pressed") {
   CHECK(WIFEXITED(status));
   CHECK(WEXITSTATUS(status) == 0);
   CHECK(monitor.is_as_before());
-  CHECK(contains(monitor.said(), "\033[?1049l"));
+  CHECK(contains(monitor.output(), "\033[?1049l"));
 }
 
-TEST_CASE("the terminal is given back as it was whatever signal ends the monitor") {
+TEST_CASE("the terminal is restored whatever signal ends the monitor") {
   std::vector<int> numbers = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
 #if !defined(__SANITIZE_THREAD__)
   // ThreadSanitizer runs the handler of SIGBUS at once, also where kill() sent it and the thread holds a lock of the
@@ -367,11 +367,11 @@ TEST_CASE("the terminal is given back as it was whatever signal ends the monitor
     const int status = monitor.end();
     CHECK((number == SIGBUS ? WIFSIGNALED(status) : WIFEXITED(status)));
     CHECK(monitor.is_as_before());
-    CHECK(contains(monitor.said(), "\033[?1049l"));
+    CHECK(contains(monitor.output(), "\033[?1049l"));
   }
 }
 
-TEST_CASE("discover counts the seconds down on a terminal") {
+TEST_CASE("discover shows the remaining seconds on a terminal") {
   if (!testing::enter_private_network()) return;
   InTerminal discover({"discover", "--for", "1500ms"});
   discover.wait_for("footlight: 2 s left, 0 found");
@@ -379,12 +379,12 @@ TEST_CASE("discover counts the seconds down on a terminal") {
   CHECK(WEXITSTATUS(discover.end()) == 3);
 }
 
-TEST_CASE("a running bridge is watched through its socket, and says that it is gone when it goes") {
+TEST_CASE("a running bridge is monitored through its socket, and reported as gone when it ends") {
   const testing::TempFolder folder;
   const std::string socket = folder.file("b.sock");
   testing::Footlight bridge(
       {"run", "--in", "mock:enttec-pro=5", "--out", "mock:enttec-pro=5", "--json", "--socket", socket});
-  bridge.wait_for(R"("frames":1)");  // 1 or more: it has brought levels
+  bridge.wait_for(R"("frames":1)");  // 1 or more: it has received levels
   const auto once = testing::footlight({"monitor", "--socket", socket, "--once", "--json"});
   REQUIRE(once.exit_code == 0);
   const auto json = nlohmann::json::parse(once.out);
@@ -401,7 +401,7 @@ TEST_CASE("a running bridge is watched through its socket, and says that it is g
   CHECK(WEXITSTATUS(monitor.end()) == 0);
 }
 
-TEST_CASE("a monitor finds the one bridge that runs, and asks which where there are two") {
+TEST_CASE("a monitor finds the only running bridge, and lists the sockets if there are two") {
   const testing::TempFolder folder;
   const std::map<std::string, std::string> environment = {{"XDG_RUNTIME_DIR", folder.file("")}};
   const auto monitor = [&] {
@@ -420,7 +420,7 @@ TEST_CASE("a monitor finds the one bridge that runs, and asks which where there 
   CHECK(contains(outcome.err, "--socket " + folder.file("") + "/footlight/run.sock"));
 }
 
-TEST_CASE("a monitor without a terminal says what else it can do") {
+TEST_CASE("a monitor without a terminal is refused with the options that need none") {
   const auto outcome = testing::footlight({"monitor", "mock:enttec-pro"});
   CHECK(outcome.exit_code == 1);
   CHECK(contains(outcome.err, "--once"));

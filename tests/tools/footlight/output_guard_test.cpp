@@ -1,4 +1,4 @@
-// Flashes of a known rig on their way out.
+// Flash limit on the outputs of a bridge, with the fixtures of a rig file.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ fixtures::Rig rig_of_four() {
   return must(fixtures::parse_rig(text, "four.toml"));
 }
 
-// Keeps what it is sent.
+// Stores the sent frames.
 class Kept : public Sink {
  public:
   [[nodiscard]] std::string name() const override { return "kept"; }
@@ -53,7 +53,7 @@ struct Run {
     kept = inner.get();
     sink = guard_sink(std::move(inner), guard);
   }
-  // What is sent for it.
+  // The levels that are sent instead.
   std::vector<std::uint8_t> send(TimeNs now_ns, const std::vector<std::uint8_t>& levels) {
     FrameView frame;
     frame.universe = 1;
@@ -67,7 +67,7 @@ struct Run {
 std::vector<std::uint8_t> all(std::uint8_t level) {
   std::vector<std::uint8_t> levels(512);
   std::fill_n(levels.begin(), 4, level);
-  levels[100] = 77;  // of nobody
+  levels[100] = 77;  // of no fixture
   return levels;
 }
 
@@ -93,7 +93,7 @@ int swings(const std::vector<std::vector<std::uint8_t>>& sent, std::size_t from,
   return count;
 }
 
-TEST_CASE("a rig whose dimmers blink ten times a second is warned of, and passes as it is") {
+TEST_CASE("a rig whose dimmers blink ten times a second gets a warning, and its levels are not changed") {
   Run run(FlashMode::kWarn);
   TimeNs now_ns = 0;
   for (int i = 0; i < 80; ++i, now_ns += kFrameNs) {
@@ -108,7 +108,8 @@ TEST_CASE("a rig whose dimmers blink ten times a second is warned of, and passes
   CHECK_FALSE(run.sink->take_notice().has_value());  // not each frame
 }
 
-TEST_CASE("limited, no second holds more than three flashes, nothing is brighter than asked, other slots pass") {
+TEST_CASE(
+    "limited, no second has more than three flashes, nothing is brighter than the input, other slots are unchanged") {
   Run run(FlashMode::kLimit);
   TimeNs now_ns = 0;
   for (int i = 0; i < 200; ++i, now_ns += kFrameNs) {
@@ -126,12 +127,12 @@ TEST_CASE("limited, no second holds more than three flashes, nothing is brighter
   CHECK(notice->id == "flashes-limited");
 }
 
-TEST_CASE("light that was held back comes when it may, though the desk sends nothing more") {
+TEST_CASE("light that was held back is released when allowed, even if the console sends nothing more") {
   Run run(FlashMode::kLimit);
   TimeNs now_ns = 0;
   std::vector<std::uint8_t> sent;
   for (int i = 0; i < 61; ++i, now_ns += kFrameNs) sent = run.send(now_ns, all(i / 2 % 2 == 0 ? 255 : 0));
-  REQUIRE(sent[0] < 255);  // the desk stays at full, and light is held back
+  REQUIRE(sent[0] < 255);  // the console stays at full, and light is held back
   REQUIRE(run.sink->next_deadline_ns() < kTimeNever);
   for (int i = 0; i < 30 && run.sink->next_deadline_ns() < kTimeNever; ++i) {
     now_ns = run.sink->next_deadline_ns();
@@ -141,7 +142,7 @@ TEST_CASE("light that was held back comes when it may, though the desk sends not
   CHECK(run.kept->sent.back()[0] == 255);
 }
 
-TEST_CASE("a slow chase, a fade and a single cue are not touched") {
+TEST_CASE("a slow chase, a fade and a single cue are not changed") {
   Run run(FlashMode::kLimit);
   TimeNs now_ns = 0;
   for (int i = 0; i < 400; ++i, now_ns += kFrameNs) {
@@ -152,7 +153,7 @@ TEST_CASE("a slow chase, a fade and a single cue are not touched") {
   CHECK(run.guard->count_harmful() == 0);
 }
 
-TEST_CASE("a frame of another universe, a start code and the end of a stream pass untouched") {
+TEST_CASE("frames of another universe, other start codes and the end of a stream are not changed") {
   Run run(FlashMode::kLimit);
   std::vector<std::optional<Slots>> held;
   std::vector<std::uint8_t> levels(512, 255);
@@ -172,7 +173,7 @@ TEST_CASE("a frame of another universe, a start code and the end of a stream pas
   for (const auto& one : held) CHECK_FALSE(one.has_value());
 }
 
-TEST_CASE("the words of --flashes") {
+TEST_CASE("--flashes accepts off, warn and limit only") {
   CHECK(must(flash_mode_of("off")) == FlashMode::kOff);
   CHECK(must(flash_mode_of("warn")) == FlashMode::kWarn);
   CHECK(must(flash_mode_of("limit")) == FlashMode::kLimit);

@@ -13,7 +13,7 @@
 namespace footlight::tools {
 namespace {
 
-// Variables as a test wants them, and as they were when it is over. nullptr: not set.
+// Sets environment variables for a test and restores them after it. nullptr: not set.
 class Environment {
  public:
   explicit Environment(const std::map<std::string, const char*>& variables) {
@@ -42,7 +42,7 @@ class Environment {
 
 using Paths = std::vector<std::string>;
 
-TEST_CASE("a show file is looked for where the XDG specification says, then in /etc") {
+TEST_CASE("a show file is searched where the XDG specification requires, then in /etc") {
   const std::string etc = "/etc/footlight/show.toml";
   {
     const Environment environment({{"XDG_CONFIG_HOME", "/x/config"}, {"HOME", "/x/home"}});
@@ -56,7 +56,7 @@ TEST_CASE("a show file is looked for where the XDG specification says, then in /
   CHECK(show_file_places() == Paths{etc});
 }
 
-TEST_CASE("a socket lies in the folder of the service, else of the user, else of the system") {
+TEST_CASE("the socket is in the folder of the service, else of the user, else of the system") {
   {
     const Environment environment(
         {{"RUNTIME_DIRECTORY", "/run/footlight:/run/more"}, {"XDG_RUNTIME_DIR", "/run/user/7"}});
@@ -66,7 +66,7 @@ TEST_CASE("a socket lies in the folder of the service, else of the user, else of
   CHECK(socket_folders() == Paths{"/run/user/7/footlight", "/run/footlight"});
 }
 
-TEST_CASE("run without a show file and without ports takes the show file of the user") {
+TEST_CASE("run without a show file and without ports uses the show file of the user") {
   if (std::filesystem::exists("/etc/footlight/show.toml")) {
     MESSAGE("skipped: this machine has a show file of its own");
     return;
@@ -84,7 +84,7 @@ TEST_CASE("run without a show file and without ports takes the show file of the 
   const auto found = run();
   CAPTURE(found.err);
   CHECK(found.exit_code == 0);
-  CHECK(found.err.find("no input brings universe 8") != std::string::npos);
+  CHECK(found.err.find("no input receives universe 8") != std::string::npos);
 }
 
 }  // namespace

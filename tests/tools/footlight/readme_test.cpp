@@ -1,5 +1,5 @@
-// Every `footlight ...` line of the README, run in a folder of `footlight samples`. A line that is not named below runs
-// as it stands and has to end with 0, so a new line that does not work fails here.
+// Every `footlight ...` line of the README, run in a folder of `footlight samples`. A line that is not listed below
+// runs unchanged and must end with 0, so a new line that does not work fails here.
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
@@ -23,11 +23,11 @@ namespace {
 namespace fs = std::filesystem;
 using Words = std::vector<std::string>;
 
-// What a line needs in a test. Every entry has to match a line of the README.
+// How a line is changed for the test. Every entry must match a line of the README.
 struct Special {
   const char* line;     // as in the README, without its comment
-  const char* instead;  // what runs; nullptr: the line itself with `more`
-  const char* more;     // words behind it
+  const char* instead;  // the command to run; nullptr: the line itself with `more`
+  const char* more;     // arguments added at the end
   int exit_code;        // besides 0
   const char* reason;
 };
@@ -40,7 +40,7 @@ constexpr const char* kWindow = "a window needs a display and its own time (prev
 
 constexpr Special kSpecials[] = {
     {"footlight devices", nullptr, "", 3, "nothing is plugged in"},
-    {"footlight discover", nullptr, "--for 50ms", 3, "nobody sends in the private network"},
+    {"footlight discover", nullptr, "--for 50ms", 3, "there is no sender in the private network"},
     {"footlight rdm list --port enttec-pro", "footlight rdm list --port mock:enttec-pro", "", 0, kNoDongle},
     {"footlight run --in sacn:1 --out enttec-pro", "footlight run --in sacn:1 --out mock:enttec-pro", "--for 100ms", 0,
      kNoDongle},
@@ -102,7 +102,7 @@ Words readme_lines() {
   return lines;
 }
 
-// Words as a shell parts them, with single quotes.
+// Splits words as a shell does, with single quotes.
 Words words_of(const std::string& line) {
   Words words;
   std::string word;
@@ -169,7 +169,7 @@ TEST_CASE("samples writes every file once, the same each time, and replaces none
   CHECK(footlight({"samples"}).exit_code == 2);
 }
 
-TEST_CASE("the samples load without a warning, and the log, the OLA Show and the capture of them are equal") {
+TEST_CASE("the samples load without a warning, and their log, OLA show file and capture are equal") {
   const TempFolder folder;
   const In in(folder.file(""));
   REQUIRE(footlight({"samples", "."}).exit_code == 0);
@@ -191,7 +191,7 @@ TEST_CASE("the samples load without a warning, and the log, the OLA Show and the
   }
 }
 
-TEST_CASE("the README's search for a definition finds one among those of QLC+") {
+TEST_CASE("the README's search finds a QLC+ definition") {
   if (!fs::exists("/usr/share/qlcplus/fixtures")) {
     MESSAGE("SKIPPED: the package qlcplus-data is not installed");
     return;
@@ -227,7 +227,7 @@ TEST_CASE("every line of the README runs in a folder of samples") {
   fs::create_directory(run_folder);
   fs::permissions(run_folder, fs::perms::owner_all);
   std::map<std::string, std::string> environment = {{"XDG_RUNTIME_DIR", run_folder}};
-  // `monitor` and `reload` speak to a bridge that runs.
+  // `monitor` and `reload` connect to a running bridge.
   Footlight bridge({"run", "show.toml", "--json"}, environment);
   bridge.wait_for(R"("event":"ready")");
   for (const std::string& line : lines) {

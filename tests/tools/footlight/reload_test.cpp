@@ -1,4 +1,4 @@
-// A show that changes while it runs: in this process over models of devices, and as a user has it, with signals.
+// A show that changes while it runs: in this process with models of devices, and through the command with signals.
 #include <algorithm>
 #include <array>
 #include <csignal>
@@ -37,7 +37,7 @@ std::string out(const std::string& endpoint, const std::string& more = "") {
   return "[[out]]\nendpoint = \"" + endpoint + "\"\n" + more;
 }
 
-// A live show on a pump with a thread of its own.
+// A live show on a pump with its own thread.
 class Running {
  public:
   explicit Running(const std::string& text) : live(clock) {
@@ -47,7 +47,7 @@ class Running {
     PumpOptions options;
     options.say = [this](const Notice& notice) {
       const std::lock_guard lock(mutex);
-      said.emplace_back(notice.id);
+      notice_ids.emplace_back(notice.id);
     };
     pump = std::make_unique<Pump>(live.buffer(), clock, *waiter, options);
     live.add_to(*pump);
@@ -71,7 +71,7 @@ class Running {
   std::unique_ptr<drivers::EpollWaiter> waiter;
   std::unique_ptr<Pump> pump;
   std::mutex mutex;
-  std::vector<std::string> said;  // guarded by mutex
+  std::vector<std::string> notice_ids;  // guarded by mutex
   std::thread thread;
 };
 
@@ -81,14 +81,14 @@ std::shared_ptr<drivers::mock::MockUsb> dongle(const std::string& name) {
   return target->usb;
 }
 
-// Waits until the model has been sent so many frames more than it has now.
+// Waits until the model has received this many more frames than now.
 bool gets_frames(drivers::mock::MockUsb& usb, std::uint64_t count) {
   using Model = drivers::mock::UsbModel;
   const auto before = usb.with_model<Model>([](Model& model) { return model.line(0).frame_count; });
   return usb.wait_for<Model>([&](const Model& model) { return model.line(0).frame_count >= before + count; });
 }
 
-TEST_CASE("ports whose lines did not change are the same objects after a change, and are never closed") {
+TEST_CASE("ports with unchanged lines are the same objects after a change, and are never closed") {
   Running run(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/a=1") + out("mock:enttec-pro/b=1"));
   const auto before = run.live.sinks();
   const auto sources_before = run.live.sources();
@@ -107,7 +107,7 @@ TEST_CASE("ports whose lines did not change are the same objects after a change,
   CHECK(dongle("b")->wait_for_claim(false));
 }
 
-TEST_CASE("a change that cannot be made leaves everything as it was") {
+TEST_CASE("a change that fails has no effect") {
   Running run(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/d=1"));
   const auto before = run.live.sinks();
   const auto refused = run.change(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/e=1") + out("enttec-pro:NOSUCH=1"));
@@ -121,7 +121,7 @@ TEST_CASE("a change that cannot be made leaves everything as it was") {
   CHECK(contains(ltp.error().message, "universe 9"));
 }
 
-TEST_CASE("a change that the pump did not hear of before it was stopped is taken back, and is not made later") {
+TEST_CASE("a change that the pump has not started before it stops is cancelled, and does not happen later") {
   SystemClock clock;
   LiveShow live(clock);
   REQUIRE(live.open(show_of(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/stays=1"))).has_value());
@@ -129,7 +129,7 @@ TEST_CASE("a change that the pump did not hear of before it was stopped is taken
   Pump pump(live.buffer(), clock, *waiter, {});
   live.add_to(pump);
   const auto before = live.sinks();
-  // Nobody runs the pump yet.
+  // The pump does not run yet.
   const auto stopped =
       live.change_to(show_of(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/never=1")), pump, [] { return true; });
   REQUIRE_FALSE(stopped.has_value());
@@ -142,7 +142,7 @@ TEST_CASE("a change that the pump did not hear of before it was stopped is taken
   CHECK(dongle("never")->wait_for_claim(false));
 }
 
-TEST_CASE("universes may come and go; a look stays where its universe does") {
+TEST_CASE("universes may be added and removed; a snapshot stays while its universe does") {
   Running run(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/f=1"));
   CHECK(gets_frames(*dongle("f"), 3));
   run.must_change("universes = 40\n[merge]\nltp = [1, 30]\n" + in("mock:enttec-pro/in=1") + out("mock:enttec-pro/f=1") +
@@ -155,7 +155,7 @@ TEST_CASE("universes may come and go; a look stays where its universe does") {
   CHECK(gets_frames(*dongle("f"), 3));
 }
 
-TEST_CASE("a device that gets another universe is given up and opened anew") {
+TEST_CASE("a device that gets another universe is closed and opened again") {
   Running run(in("mock:enttec-pro/in=2") + out("mock:enttec-pro/h=1"));
   const ShowChange change = run.must_change(in("mock:enttec-pro/in=2") + out("mock:enttec-pro/h=2"));
   CHECK(change.kept == 1);
@@ -163,7 +163,7 @@ TEST_CASE("a device that gets another universe is given up and opened anew") {
   CHECK(gets_frames(*dongle("h"), 3));
 }
 
-TEST_CASE("an output that stands by takes over when the other one is unplugged, and rests when it is back") {
+TEST_CASE("a standby output takes over when the main output is unplugged, and stops when it is back") {
   Running run(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/k=1") +
               out("mock:enttec-pro/l=1", "standby_for = \"mock:enttec-pro/k=1\"\n"));
   const auto first = dongle("k");
@@ -173,7 +173,7 @@ TEST_CASE("an output that stands by takes over when the other one is unplugged, 
   CHECK(gets_frames(*second, 3));
   REQUIRE(first->obey("plug").has_value());
   CHECK(gets_frames(*first, 3));
-  // The role outlives a change, and so does a change of roles.
+  // The standby stays a standby after a change; a change may also swap the roles.
   run.must_change(in("mock:enttec-pro/in=1") + out("mock:enttec-pro/k=1") +
                   out("mock:enttec-pro/l=1", "standby_for = \"mock:enttec-pro/k=1\"\n") + out("mock:enttec-pro/m=1"));
   REQUIRE(first->obey("unplug").has_value());
@@ -184,13 +184,13 @@ TEST_CASE("an output that stands by takes over when the other one is unplugged, 
   CHECK(gets_frames(*second, 3));
 }
 
-// Writes the file as an editor does: a new one in place of the old.
+// Writes the file as an editor does: a new file replaces the old one.
 void write_show(const TempFolder& folder, const std::string& text) {
   std::ofstream(folder.file("new.toml")) << text;
   std::filesystem::rename(folder.file("new.toml"), folder.file("show.toml"));
 }
 
-TEST_CASE("SIGHUP reads the show file anew; a wrong one is said and changes nothing") {
+TEST_CASE("SIGHUP reads the show file again; a wrong file is reported and changes nothing") {
   const TempFolder folder;
   const std::string one = in("mock:enttec-pro=1") + out("mock:enttec-pro=1");
   write_show(folder, one);
@@ -198,7 +198,7 @@ TEST_CASE("SIGHUP reads the show file anew; a wrong one is said and changes noth
   bridge.wait_for(R"("event":"ready")");
   write_show(folder, one + out("mock:enttec-pro/other=1"));
   bridge.signal(SIGHUP);
-  bridge.wait_for("1 ports opened, 0 closed, 2 left as they were");
+  bridge.wait_for("1 ports opened, 0 closed, 2 unchanged");
   write_show(folder, one + "priorty = 5\n");
   bridge.signal(SIGHUP);
   bridge.wait_for("show.toml:5:");
@@ -208,12 +208,12 @@ TEST_CASE("SIGHUP reads the show file anew; a wrong one is said and changes noth
   CHECK(contains(refused.err, "priorty"));
   write_show(folder, one);
   CHECK(testing::footlight({"reload", "--socket", folder.file("b.sock")}).exit_code == 0);
-  bridge.wait_for("0 ports opened, 1 closed, 2 left as they were");
+  bridge.wait_for("0 ports opened, 1 closed, 2 unchanged");
   bridge.signal(SIGTERM);
   CHECK(bridge.wait().exit_code == 0);
 }
 
-TEST_CASE("a bridge without a show file says that there is nothing to read anew, and goes on") {
+TEST_CASE("a bridge without a show file reports that it cannot reload, and continues") {
   const TempFolder folder;
   Footlight bridge(
       {"run", "--in", "mock:enttec-pro", "--out", "mock:enttec-pro", "--json", "--socket", folder.file("b.sock")});
@@ -232,7 +232,7 @@ void write_rig(const TempFolder& folder, Address address) {
                                          << address << "\n";
 }
 
-// Each round is nine universes whose first slots count; the next one is sent when all nine are through.
+// Each round is nine universes whose first slots count; the next round is sent after all nine have arrived.
 class Rounds {
  public:
   Rounds() {
@@ -254,7 +254,7 @@ class Rounds {
     from_ = std::move(*from);
   }
 
-  // False: not all came back. Until they do it sends again, `tries` times.
+  // False: not all arrived. Sends again until they do, up to `tries` times.
   bool round(int tries = 1) {
     ++count_;
     Slots slots{};
@@ -267,15 +267,15 @@ class Rounds {
     for (int i = 0; i < tries; ++i) {
       if (!to_->send(clock_.now_ns(), frames)) return false;
       testing::KeepingReceiver receiver;
-      std::uint32_t heard = 0;
+      std::uint32_t received = 0;
       const auto all = [&] {
         for (const testing::KeptFrame& frame : receiver.frames) {
           const bool same =
               frame.slots.size() >= 8 && std::equal(slots.begin(), slots.begin() + 8, frame.slots.begin());
-          if (same) heard |= 1u << frame.view.universe;
+          if (same) received |= 1u << frame.view.universe;
         }
         receiver.frames.clear();
-        return heard == 0x3FEu;
+        return received == 0x3FEu;
       };
       if (testing::poll_until(*from_, clock_.now_ns(), receiver, all)) return true;
     }
@@ -290,7 +290,7 @@ class Rounds {
   std::uint64_t count_ = 0;
 };
 
-TEST_CASE("fifty reloads drop no frame of ports that stay: nine universes sent without a pause all come through") {
+TEST_CASE("fifty reloads drop no frame of unchanged ports with nine universes sent without a pause") {
   if (!testing::enter_private_network()) return;
   const TempFolder folder;
   const std::string stays = in("sacn:1-9%lo") + out("sacn:101-109=1-9%lo");
@@ -305,7 +305,7 @@ TEST_CASE("fifty reloads drop no frame of ports that stay: nine universes sent w
   Footlight bridge({"run", folder.file("show.toml"), "--json", "--socket", "none"});
   bridge.wait_for(R"("event":"ready")");
   Rounds rounds;
-  REQUIRE(rounds.round(10));  // until the sender is known
+  REQUIRE(rounds.round(10));  // until the merge has the sender
   for (int reload = 1; reload <= 50; ++reload) {
     CAPTURE(reload);
     write_rig(folder, 1 + reload);
@@ -314,15 +314,15 @@ TEST_CASE("fifty reloads drop no frame of ports that stay: nine universes sent w
     const std::string done = R"("id":"reloaded")";
     do {
       REQUIRE(rounds.round());
-    } while (!bridge.has_said(done, reload));
+    } while (!bridge.has_printed(done, reload));
   }
   MESSAGE(rounds.count(), " rounds of 9 frames");
   bridge.signal(SIGTERM);
   CHECK(bridge.wait().exit_code == 0);
 }
 
-// Two desks that differ in every slot of universe 1 and repeat their looks as desks do, and what a bridge makes of it
-// on universe 101.
+// Two consoles that differ in every slot of universe 1 and repeat their levels as consoles do, and the output of a
+// bridge on universe 101.
 class TwoDesks {
  public:
   TwoDesks() {
@@ -352,14 +352,14 @@ class TwoDesks {
     frame.slots = slots;
     REQUIRE(desks_[desk]->send(clock_.now_ns(), {&frame, 1}).has_value());
   }
-  // Waits until these addresses show these levels.
-  bool shows(const std::vector<std::pair<Address, std::uint8_t>>& wanted) {
+  // Waits until these addresses have these levels.
+  bool shows(const std::vector<std::pair<Address, std::uint8_t>>& expected) {
     testing::KeepingReceiver receiver;
     return testing::poll_until(*from_, clock_.now_ns(), receiver, [&] {
       for (const auto& desk : desks_) REQUIRE(desk->poll(clock_.now_ns()).has_value());
       if (receiver.frames.empty()) return false;
       const auto& slots = receiver.frames.back().slots;
-      return std::all_of(wanted.begin(), wanted.end(), [&](const auto& one) {
+      return std::all_of(expected.begin(), expected.end(), [&](const auto& one) {
         return slots[static_cast<std::size_t>(slot_of_address(one.first))] == one.second;
       });
     });
@@ -371,7 +371,7 @@ class TwoDesks {
   std::array<std::unique_ptr<Sink>, 2> desks_;
 };
 
-TEST_CASE("a reload that moves a rig moves its LTP slots at once, and one without a rig has none") {
+TEST_CASE("a reload that changes a rig changes its LTP slots at once, and one without a rig has none") {
   if (!testing::enter_private_network()) return;
   const TempFolder folder;
   const std::string ports = in("sacn:1%lo") + out("sacn:101=1%lo");
@@ -387,7 +387,7 @@ TEST_CASE("a reload that moves a rig moves its LTP slots at once, and one withou
   write_rig(folder, 101);
   bridge.signal(SIGHUP);
   bridge.wait_for(R"("id":"reloaded")");
-  // Nobody changes anything.
+  // No console changes anything.
   CHECK(desks.shows({{1, 200}, {5, 200}, {101, 100}, {105, 200}}));
   desks.set(0, 150);
   CHECK(desks.shows({{1, 150}, {101, 150}, {105, 150}}));

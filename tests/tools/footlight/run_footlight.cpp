@@ -67,7 +67,7 @@ Footlight::~Footlight() {
 }
 
 bool Footlight::read_some(bool& out_open, bool& err_open, int patience_ms) {
-  pollfd fds[2] = {{out_fd_, POLLIN, 0}, {err_fd_, POLLIN, 0}};  // a descriptor of -1 is left alone
+  pollfd fds[2] = {{out_fd_, POLLIN, 0}, {err_fd_, POLLIN, 0}};  // a descriptor of -1 is ignored
   const int ready = poll(fds, 2, patience_ms);
   if (ready < 0) return errno == EINTR;
   if (ready == 0) return false;
@@ -86,7 +86,7 @@ void Footlight::wait_for(const std::string& text) {
   }
 }
 
-bool Footlight::has_said(const std::string& text, int times) {
+bool Footlight::has_printed(const std::string& text, int times) {
   bool out_open = out_fd_ >= 0;
   bool err_open = err_fd_ >= 0;
   while ((out_open || err_open) && read_some(out_open, err_open, 0)) {

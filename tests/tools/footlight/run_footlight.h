@@ -1,4 +1,4 @@
-// Runs the built `footlight` as a user would, in a folder of its own.
+// Runs the built `footlight` as a user would, in a separate folder.
 #pragma once
 
 #include <map>
@@ -17,19 +17,19 @@ struct Outcome {
   std::string err;
 };
 
-// A program under way.
+// A running program.
 class Footlight {
  public:
   explicit Footlight(const std::vector<std::string>& arguments,
                      const std::map<std::string, std::string>& environment = {});
-  ~Footlight();  // kills it where it was not waited for
+  ~Footlight();  // kills it unless wait() was called
   Footlight(const Footlight&) = delete;
   Footlight& operator=(const Footlight&) = delete;
 
-  // Reads standard output up to a line that holds `text`; fails the test where the program ends before, or after 60 s.
+  // Reads standard output up to a line with `text`; fails the test if the program ends before, or after 60 s.
   void wait_for(const std::string& text);
-  // Whether standard output holds `text` so many times by now. Does not wait.
-  bool has_said(const std::string& text, int times);
+  // True if standard output contains `text` at least this many times by now. Does not wait.
+  bool has_printed(const std::string& text, int times);
   // Closes our end of its standard output.
   void stop_reading();
   void signal(int number);

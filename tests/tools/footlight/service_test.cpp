@@ -1,4 +1,4 @@
-// The command as a service: started, watched, told to stop.
+// The command as a service: started, watched, stopped.
 #include <csignal>
 #include <cstdint>
 #include <cstring>
@@ -39,11 +39,12 @@ TEST_CASE("SIGTERM and SIGINT stop a bridge cleanly, with a summary and exit cod
   }
 }
 
-TEST_CASE("signals to a bridge reach no thread but its main one") {
+TEST_CASE("only the main thread of a bridge receives signals") {
   const TempFolder folder;
   Footlight bridge({"run", "--in", "mock:enttec-pro", "--out", "log:" + folder.file("a.dmxlog"), "--json"});
   bridge.wait_for(R"("event":"ready")");
-  bridge.wait_for(R"("event":"status")");  // by then no thread is being begun, for which the main one lets none in
+  bridge.wait_for(
+      R"("event":"status")");  // by then all threads have started, so the main one has unblocked its signals
   int others = 0;
   for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(bridge.pid()) + "/task")) {
     const bool is_main = task.path().filename() == std::to_string(bridge.pid());
@@ -64,17 +65,17 @@ TEST_CASE("signals to a bridge reach no thread but its main one") {
   CHECK(bridge.wait().exit_code == 0);
 }
 
-TEST_CASE("a bridge goes on when the reader of its JSON has gone, and still stops cleanly") {
+TEST_CASE("a bridge continues when the reader of its JSON has gone, and still stops cleanly") {
   const TempFolder folder;
   Footlight bridge({"run", "--in", "mock:enttec-pro", "--out", "log:" + folder.file("a.dmxlog"), "--json"});
   bridge.wait_for(R"("event":"ready")");
   bridge.stop_reading();
   bridge.signal(SIGTERM);
   CHECK(bridge.wait().exit_code == 0);
-  CHECK(footlight({"log", "info", folder.file("a.dmxlog")}).exit_code == 0);  // finished, not left as a part
+  CHECK(footlight({"log", "info", folder.file("a.dmxlog")}).exit_code == 0);  // finished, not left as a .part file
 }
 
-TEST_CASE("a bridge without JSON ends with a summary for people on standard error and nothing on standard output") {
+TEST_CASE("a bridge without JSON ends with a summary on standard error and nothing on standard output") {
   const Outcome outcome = footlight({"run", "--in", "mock:enttec-pro", "--out", "mock:enttec-pro", "--for", "300ms"});
   CHECK(outcome.exit_code == 0);
   CHECK(outcome.out.empty());
@@ -83,7 +84,7 @@ TEST_CASE("a bridge without JSON ends with a summary for people on standard erro
   CHECK(contains(outcome.err, "  out mock:enttec-pro"));
 }
 
-TEST_CASE("the JSON of a bridge has the figures that docs/hardware.md promises of a line timed by this machine") {
+TEST_CASE("the JSON of a bridge has the figures that docs/hardware.md lists for a line timed by this machine") {
   const Outcome outcome =
       footlight({"run", "--in", "mock:enttec-pro", "--out", "mock:open-dmx", "--for", "2500ms", "--json"});
   CHECK(outcome.exit_code == 0);
@@ -106,24 +107,24 @@ TEST_CASE("the JSON of a bridge has the figures that docs/hardware.md promises o
   CHECK(summed_up);
 }
 
-TEST_CASE("a universe that no input brings is said once at the start") {
+TEST_CASE("a universe that no input receives is reported once at the start") {
   const Outcome outcome = footlight({"run", "--in", "mock:enttec-pro", "--out", "mock:enttec-pro=2", "--for", "0s"});
   CHECK(outcome.exit_code == 0);
-  CHECK(contains(outcome.err, "mock:enttec-pro=2: no input brings universe 2"));
+  CHECK(contains(outcome.err, "mock:enttec-pro=2: no input receives universe 2"));
 }
 
-TEST_CASE("a bridge that may not have real-time priority says so once, and carries frames all the same") {
+TEST_CASE("a bridge without real-time priority reports this once, and carries frames") {
   rlimit allowed = {};
   REQUIRE(::getrlimit(RLIMIT_RTPRIO, &allowed) == 0);
   const TempFolder folder;
   std::ofstream(folder.file("show.toml")) << "[[in]]\nendpoint = \"mock:enttec-pro\"\n[[out]]\nendpoint = "
                                              "\"mock:enttec-pro\"\n";
   std::unique_ptr<Footlight> bridge;
-  // Privileges belong to a thread, and a program has those of the thread that starts it.
+  // Privileges belong to a thread, and a program gets those of the thread that starts it.
   std::thread([&] {
     const rlimit none = {0, allowed.rlim_max};
     REQUIRE(::setrlimit(RLIMIT_RTPRIO, &none) == 0);
-    (void)::prctl(PR_CAPBSET_DROP, CAP_SYS_NICE);  // refused where there is none to drop
+    (void)::prctl(PR_CAPBSET_DROP, CAP_SYS_NICE);  // refused if it does not have it
     bridge = std::make_unique<Footlight>(
         std::vector<std::string>{"run", folder.file("show.toml"), "--json", "--socket", "none"});
     REQUIRE(::setrlimit(RLIMIT_RTPRIO, &allowed) == 0);
@@ -131,7 +132,7 @@ TEST_CASE("a bridge that may not have real-time priority says so once, and carri
   bridge->wait_for(R"("id":"realtime-refused")");
   bridge->signal(SIGHUP);
   bridge->wait_for(R"("id":"reloaded")");
-  CHECK_FALSE(bridge->has_said(R"("id":"realtime-refused")", 2));
+  CHECK_FALSE(bridge->has_printed(R"("id":"realtime-refused")", 2));
   bridge->signal(SIGTERM);
   CHECK(bridge->wait().exit_code == 0);
 }
@@ -150,7 +151,7 @@ class NotifySocket {
   NotifySocket(const NotifySocket&) = delete;
   NotifySocket& operator=(const NotifySocket&) = delete;
 
-  // Messages up to the first that holds `text`; empty where none came within a minute.
+  // Messages up to the first that contains `text`; empty if none arrives within a minute.
   std::string wait_for(const std::string& text) {
     std::string all;
     while (!contains(all, text)) {
@@ -167,7 +168,7 @@ class NotifySocket {
   int fd_;
 };
 
-TEST_CASE("the service manager hears when a bridge is ready, that it is alive, and that it stops") {
+TEST_CASE("the service manager is notified when a bridge is ready, alive and stopping") {
   const TempFolder folder;
   NotifySocket manager(folder.file("notify"));
   Footlight bridge({"run", "--in", "mock:enttec-pro", "--out", "mock:enttec-pro", "--json"},
@@ -185,7 +186,7 @@ TEST_CASE("the service manager hears when a bridge is ready, that it is alive, a
   CHECK(bridge.wait().exit_code == 0);
 }
 
-TEST_CASE("the service manager hears that a reload is under way, and then that the bridge is ready again") {
+TEST_CASE("the service manager is notified when a reload starts, and when the bridge is ready again") {
   const TempFolder folder;
   NotifySocket manager(folder.file("notify"));
   std::ofstream(folder.file("show.toml"))

@@ -22,7 +22,7 @@ std::string refusal(const std::string& text) {
 
 bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
 
-TEST_CASE("a show of two ports needs two lines each, and everything else has a default") {
+TEST_CASE("a show of two ports needs two lines each, and all other keys have a default") {
   const auto show = parse_show(kPorts, "show.toml");
   REQUIRE(show.has_value());
   REQUIRE(show->ins.size() == 1);
@@ -35,7 +35,7 @@ TEST_CASE("a show of two ports needs two lines each, and everything else has a d
   CHECK(show->ltp.empty());
 }
 
-TEST_CASE("every option of a show file arrives") {
+TEST_CASE("every key of a show file is read") {
   const auto show = parse_show(R"(
 universes = 9
 [merge]
@@ -140,7 +140,7 @@ OutPlan out_of(const std::string& endpoint, const std::string& lines) {
   return show->outs.at(0);
 }
 
-TEST_CASE("what a show file says of a network input is what the port is made with") {
+TEST_CASE("a network input is made with the options of the show file") {
   InPlan in = in_of("sacn:101-102=1-2%eth0,eth1", "preview = true\n");
   auto sacn = sacn_source_options(in.endpoint, in.options);
   CHECK(sacn.name == "sacn:101-102=1-2%eth0,eth1");
@@ -167,7 +167,7 @@ TEST_CASE("what a show file says of a network input is what the port is made wit
   CHECK(artnet.priority == 200);
 }
 
-TEST_CASE("what a show file says of a network output is what the port is made with") {
+TEST_CASE("a network output is made with the options of the show file") {
   OutPlan out = out_of("sacn:101-102=1-2@10.0.0.7,10.0.0.8", R"(priority = 200
 preview = true
 source_name = "FOH"
@@ -221,14 +221,14 @@ cid = "8fd2a1c0-1b7e-4d0a-9a52-0d6f2f3f7c1F"
   CHECK(artnet.unsubscribed == drivers::ArtnetUnsubscribed::kBroadcast);
 }
 
-TEST_CASE("a wrong value of a network key names its line, the key and what was expected") {
+TEST_CASE("a wrong value of a network key is reported with its line, the key and the expected values") {
   struct Wrong {
     const char* endpoint;
     const char* line;
     const char* expected;
   };
   constexpr Wrong kIns[] = {
-      {"sacn:1", "preview = 1", "preview"},      {"sacn:1", "priority = 100", "priority"},  // sACN has its own
+      {"sacn:1", "preview = 1", "preview"},      {"sacn:1", "priority = 100", "priority"},  // sACN sends its own
       {"sacn:1", "rdm = true", "rdm"},           {"artnet:1", "priority = 201", "0 to 200"},
       {"artnet:1", "priority = -1", "0 to 200"}, {"artnet:1", "priority = \"high\"", "priority"},
       {"artnet:1", "rdm = \"yes\"", "rdm"},      {"artnet:1", "preview = true", "preview"},
@@ -275,7 +275,7 @@ std::string with_gpio(const std::string& lines) {
   return "[[in]]\nendpoint = \"gpio:mock/2=1.25\"\n" + lines + "[[out]]\nendpoint = \"mock:enttec-pro\"\n";
 }
 
-TEST_CASE("every option of a GPIO input arrives, and each mode has its own defaults") {
+TEST_CASE("every option of a GPIO input is read, and each mode has its own defaults") {
   using drivers::StrobeMode;
   const auto options_of = [](const std::string& lines) {
     const auto show = parse_show(with_gpio(lines), "show.toml");
@@ -315,7 +315,7 @@ wait_for_device = true
   CHECK(rate.gpio_strobe.rate_points == std::vector<drivers::RatePoint>{{0.5, 11}, {2.0, 40}, {20.0, 250}});
 }
 
-TEST_CASE("what a GPIO input cannot do is refused with the line") {
+TEST_CASE("options that do not apply to a GPIO input are refused with the line") {
   CHECK(contains(refusal(with_gpio("mode = \"blink\"\n")), "show.toml:3:1: "));
   CHECK(contains(refusal(with_gpio("mode = \"toggle\"\nhold = \"1s\"\n")), "unknown key 'hold'"));
   CHECK(contains(refusal(with_gpio("retrigger = \"ignore\"\n")), "unknown key 'retrigger'"));
@@ -330,7 +330,7 @@ TEST_CASE("what a GPIO input cannot do is refused with the line") {
   CHECK(contains(refusal(with_gpio(rate + "rate_hz = [1, \"2\"]\nrate_values = [1, 2]\n")), "numbers"));
 }
 
-TEST_CASE("of a rig's channels those that are neither intensity nor mixed colour become LTP, and no others") {
+TEST_CASE("only channels of a rig without intensity and mixed colour become LTP") {
   const testing::TempFolder folder;
   std::ofstream(folder.file("rig.toml")) << "[rig]\nname = \"two\"\n[[fixture]]\nname = \"head\"\n"
                                             "type = \"generic/profile\"\nuniverse = 2\naddress = 101\n"
@@ -340,20 +340,20 @@ TEST_CASE("of a rig's channels those that are neither intensity nor mixed colour
   const auto show = load_show(folder.file("show.toml"));
   REQUIRE_MESSAGE(show, (show ? "" : show.error().message));
   REQUIRE(show->ltp_slots.size() == 2);
-  CHECK(show->ltp_slots[0].slots.count() == 1);  // what the file says of universe 1
+  CHECK(show->ltp_slots[0].slots.count() == 1);  // from the file, for universe 1
   CHECK_FALSE(show->ltp_slots[0].from_rig);
   const LtpSlots& ltp = show->ltp_slots[1];
   CHECK(ltp.universe == 2);
   CHECK(ltp.from_rig);
   const auto rig = fixtures::load_rig(folder.file("rig.toml"));
   REQUIRE(rig);
-  // Pan and tilt of two slots, shutter, zoom, gobo and its spin; not the dimmer's two, not red, green, blue.
+  // Pan and tilt with two slots each, shutter, zoom, gobo and its spin; not the dimmer's two, not red, green, blue.
   SlotSet expected;
   for (const Address address : {101, 102, 103, 104, 107, 111, 112, 113, 114})
     expected.set(static_cast<std::size_t>(slot_of_address(address)));
   CHECK(ltp.slots == expected);
 
-  fixtures::Rig moved = *rig;  // to a universe that is LTP as a whole, and to one that has slots of its own
+  fixtures::Rig moved = *rig;  // to a universe that is LTP as a whole, and to one with its own slots
   Show other;
   other.ltp = {3};
   moved.fixtures[0].universe = 3;
@@ -365,7 +365,7 @@ TEST_CASE("of a rig's channels those that are neither intensity nor mixed colour
   REQUIRE(other.ltp_slots.size() == 1);
   CHECK(other.ltp_slots[0].slots[0]);
   CHECK((other.ltp_slots[0].slots & ~SlotSet(1)) == ltp.slots);
-  // Another head on the same slots, one further on: what is intensity for one of the two stays HTP.
+  // Another head on the same slots, one further on: a slot that is intensity for one of them stays HTP.
   moved.fixtures.push_back(moved.fixtures[0]);
   ++moved.fixtures[1].address;
   Show shared;
@@ -377,7 +377,7 @@ TEST_CASE("of a rig's channels those that are neither intensity nor mixed colour
   }
   CHECK(shared.ltp_slots[0].slots[114]);  // the other's spin
 
-  // By attribute, and in a break with an address of its own.
+  // By attribute, and in a break with its own address.
   fixtures::FixtureType imported;
   fixtures::Mode& mode = imported.modes.emplace_back();
   for (const char* attribute : {"Pan", "Dimmer", "ColorAdd_R", "ColorSub_C", "Color1", "NoFeature", "Gobo1"}) {
@@ -405,7 +405,7 @@ TEST_CASE("of a rig's channels those that are neither intensity nor mixed colour
   CHECK(contains(missing.error().message, "none.toml"));
 }
 
-TEST_CASE("LTP slots that are none are refused with the line") {
+TEST_CASE("invalid LTP slots are refused with the line") {
   for (const char* wrong : {"{1 = \"0\"}", "{1 = \"1-513\"}", "{1 = \"5-4\"}", "{1 = \"1,\"}", "{1 = \"\"}", "{1 = 3}",
                             "{one = \"3\"}", "{0 = \"3\"}", "{64000 = \"3\"}", "{3 = \"1\"}", "\"1-24\""}) {
     const auto show = parse_show(fmt::format("[merge]\nltp = [3]\nltp_slots = {}\n[[in]]\nendpoint = \"sacn:1\"\n"
@@ -417,12 +417,12 @@ TEST_CASE("LTP slots that are none are refused with the line") {
   }
 }
 
-TEST_CASE("trouble in a show file is named by line") {
+TEST_CASE("an error in a show file is reported with its line") {
   CHECK(contains(refusal("[[in]]\nendpoint = \"scan:1\"\n"), "show.toml:2:1: scan:1: unknown scheme"));
   CHECK(contains(refusal("[[in]]\nendpoint = \"sacn:0\"\n"), "show.toml:2:1: sacn:0: universe 0 does not exist"));
   CHECK(contains(refusal("[[out]]\nendpoint = \"sacn:1\"\npriority = 201\n"), "show.toml:3"));
   CHECK(contains(refusal("[[in]]\nendpont = \"sacn:1\"\n"), "did you mean 'endpoint'"));
-  CHECK(contains(refusal("[merge]\ntimeout = \"fast\"\n"), "show.toml:2:1: timeout: expected a time as in"));
+  CHECK(contains(refusal("[merge]\ntimeout = \"fast\"\n"), "show.toml:2:1: timeout: expected a time such as"));
   CHECK(contains(refusal("[merge]\ntimeout = \"0s\"\n"), "show.toml:2:1: timeout: expected a time above 0"));
   CHECK(contains(refusal("[[in]\n"), "show.toml:1"));
   const std::string device = "[[out]]\nendpoint = \"enttec-pro=1,2\"\n";
@@ -433,19 +433,19 @@ TEST_CASE("trouble in a show file is named by line") {
   CHECK(contains(refusal("universes = 64000\n"), "show.toml:1"));
 }
 
-TEST_CASE("an option that the kind of port has no use for is refused, not ignored") {
+TEST_CASE("an option that does not apply to the kind of port is refused, not ignored") {
   CHECK(contains(refusal("[[out]]\nendpoint = \"artnet:1\"\nblackout_on_exit = true\n"), "blackout_on_exit"));
   CHECK(contains(refusal("[[out]]\nendpoint = \"artnet:1@10.0.0.7\"\nbroadcast = false\n"), "broadcast"));
   CHECK(contains(refusal("[[out]]\nendpoint = \"mock:enttec-pro\"\npriority = 100\n"), "priority"));
   CHECK(contains(refusal("[[in]]\nendpoint = \"sacn:1\"\nloop = true\n"), "loop"));
 }
 
-TEST_CASE("a show without inputs or without outputs says which are missing and how to write one") {
+TEST_CASE("a show without inputs or without outputs is refused with an example of the missing lines") {
   CHECK(contains(refusal(""), "[[in]]"));
   CHECK(contains(refusal("[[in]]\nendpoint = \"sacn:1\"\n"), "[[out]]"));
 }
 
-TEST_CASE("who stands by for another comes behind it, whatever the order in the file") {
+TEST_CASE("a standby is placed behind its main output, whatever the order in the file") {
   const std::string in = "[[in]]\nendpoint = \"sacn:1\"\n";
   const auto out = [](const std::string& endpoint, const std::string& standby_for) {
     return "[[out]]\nendpoint = \"" + endpoint + "\"\nstandby_for = \"" + standby_for + "\"\n";
@@ -457,7 +457,7 @@ TEST_CASE("who stands by for another comes behind it, whatever the order in the 
   CHECK(show->outs[1].endpoint.text == "sacn:2");
   CHECK(show->outs[1].standby_for == "artnet:1");
   CHECK(show->outs[2].endpoint.text == "sacn:3");
-  CHECK(contains(refusal(in + out("sacn:2", "sacn:2")), "cannot stand by for itself"));
+  CHECK(contains(refusal(in + out("sacn:2", "sacn:2")), "cannot be its own standby"));
   CHECK(contains(refusal(in + out("sacn:2", "sacn:3") + out("sacn:3", "sacn:2")), "in a circle"));
   CHECK(contains(refusal(in + out("sacn:2", "sacn:9")), "expected the endpoint of another output"));
 }

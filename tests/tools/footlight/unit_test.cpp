@@ -1,4 +1,4 @@
-// The unit of systemd, judged by systemd's own tool where that is installed.
+// The systemd unit, checked by systemd-analyze if that is installed.
 #include <cstdio>
 #include <fstream>
 #include <regex>
@@ -13,40 +13,40 @@
 namespace footlight::testing {
 namespace {
 
-struct Said {
+struct Output {
   int exit_code = -1;
   std::string text;
 };
 
-Said analyze(const std::string& arguments) {
-  Said said;
+Output analyze(const std::string& arguments) {
+  Output output;
   FILE* const pipe = popen(("systemd-analyze " + arguments + " " FOOTLIGHT_UNIT " 2>&1").c_str(), "r");
   REQUIRE(pipe != nullptr);
   char buffer[4096];
-  while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) said.text += buffer;
-  said.exit_code = WEXITSTATUS(pclose(pipe));
-  if (said.exit_code == 127) MESSAGE("skipped: systemd-analyze is not installed");
-  return said;
+  while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) output.text += buffer;
+  output.exit_code = WEXITSTATUS(pclose(pipe));
+  if (output.exit_code == 127) MESSAGE("skipped: systemd-analyze is not installed");
+  return output;
 }
 
-TEST_CASE("systemd finds no fault in the unit") {
-  const Said said = analyze("verify");
-  if (said.exit_code == 127) return;
-  CAPTURE(said.text);
-  CHECK(said.exit_code == 0);
-  CHECK(said.text.find("footlight.service:") == std::string::npos);  // the line of a warning
+TEST_CASE("systemd-analyze finds no fault in the unit") {
+  const Output output = analyze("verify");
+  if (output.exit_code == 127) return;
+  CAPTURE(output.text);
+  CHECK(output.exit_code == 0);
+  CHECK(output.text.find("footlight.service:") == std::string::npos);  // the line of a warning
 }
 
-TEST_CASE("systemd rates the exposure of the service below 2 of 10") {
-  const Said said = analyze("security --offline=true --no-pager");
-  if (said.exit_code == 127) return;
+TEST_CASE("systemd-analyze rates the exposure of the service below 2 of 10") {
+  const Output output = analyze("security --offline=true --no-pager");
+  if (output.exit_code == 127) return;
   std::smatch match;
-  REQUIRE(std::regex_search(said.text, match, std::regex(R"(exposure level for footlight\.service: ([0-9.]+))")));
+  REQUIRE(std::regex_search(output.text, match, std::regex(R"(exposure level for footlight\.service: ([0-9.]+))")));
   CAPTURE(match[1].str());
   CHECK(std::stod(match[1]) < 2.0);
 }
 
-TEST_CASE("the unit lets the service have the real-time priority that it asks for") {
+TEST_CASE("the unit allows the real-time priority that the service requests") {
   std::ifstream file(FOOTLIGHT_UNIT);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   CHECK(text.find("\nLimitRTPRIO=" + std::to_string(drivers::kRealTimePriority) + "\n") != std::string::npos);
@@ -56,7 +56,7 @@ TEST_CASE("the unit lets the service have the real-time priority that it asks fo
   CHECK(text.find("@FOOTLIGHT") == std::string::npos);
 }
 
-TEST_CASE("the unit lets the service open every address family that its ports use") {
+TEST_CASE("the unit allows every address family that the ports use") {
   std::ifstream file(FOOTLIGHT_UNIT);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   std::smatch match;

@@ -31,10 +31,10 @@ constexpr std::size_t kEventsMax = 64;
 
 void print_json(const std::string& line) {
   std::fputs((line + "\n").c_str(), stdout);
-  std::fflush(stdout);  // who reads a pipe wants it now
+  std::fflush(stdout);  // readers of a pipe need the line at once
 }
 
-// Prints events and status, and keeps the service manager informed, on a thread of its own.
+// Prints events and status, and notifies the service manager, on its own thread.
 class Reporter {
  public:
   Reporter(const Bridge& bridge, Clock& clock)
@@ -49,7 +49,7 @@ class Reporter {
   Reporter& operator=(const Reporter&) = delete;
 
   // From any thread: takes a copy and returns.
-  void say(const Notice& notice) {
+  void report(const Notice& notice) {
     const std::lock_guard lock(mutex_);
     if (events_.size() < kEventsMax) {
       events_.emplace_back(notice, wall_clock_unix_ns());
@@ -88,8 +88,8 @@ class Reporter {
     TimeNs status_ns = start_ns_ + kStatusPeriodNs;
     TimeNs alive_ns = alive_period_ns == kTimeNever ? kTimeNever : start_ns_;
     TimeNs end_ns = run_for_ns_ == kTimeNever ? kTimeNever : start_ns_ + run_for_ns_;
-    bool said_given_up = false;
-    (void)pump_->latest_status();  // asks for one
+    bool reported_given_up = false;
+    (void)pump_->latest_status();  // requests the first one
     while (true) {
       std::vector<Event> events;
       std::uint64_t events_lost = 0;
@@ -118,16 +118,16 @@ class Reporter {
         print_status(status);
         report_silent_inputs(status);
         status_ns = now_ns + kStatusPeriodNs;
-        if (!said_given_up && drivers::real_time_given_up() != 0) {
-          said_given_up = true;
-          say({.level = NoticeLevel::kWarning,
-               .id = "realtime-given-up",
-               .text = fmt::format("a thread ran for {} without a rest and went back to normal priority",
-                                   show_duration(drivers::kRealTimeRunMaxNs))});
+        if (!reported_given_up && drivers::real_time_given_up() != 0) {
+          reported_given_up = true;
+          report({.level = NoticeLevel::kWarning,
+                  .id = "realtime-given-up",
+                  .text = fmt::format("a thread used the CPU for {} without a pause and went back to normal priority",
+                                      show_duration(drivers::kRealTimeRunMaxNs))});
         }
       }
       if (now_ns >= alive_ns && !last) {
-        // A pump that hangs must not look alive because this thread is.
+        // This thread must not report a blocked pump as alive.
         if (now_ns - pump_->latest_status().stamp_ns < kPumpSilentMaxNs) service_.alive();
         alive_ns = now_ns + alive_period_ns;
       }
@@ -136,7 +136,7 @@ class Reporter {
     service_.stopping();
   }
 
-  // An input without a frame is often a sender that is not there yet, or another network than the one that was meant.
+  // An input without frames usually has no sender yet, or uses the wrong network.
   void report_silent_inputs(const PumpStatus& status) {
     if (status.stamp_ns == 0) return;
     for (const PortStatus& port : status.ports) {
@@ -146,13 +146,13 @@ class Reporter {
                          port.name.rfind("log:", 0) != 0;  // a log has no sender
       if (port.frames > 0 && known != silent_.end()) {
         silent_.erase(known);
-        const std::string text = fmt::format("{}: the first frames have come", port.name);
-        say({.level = NoticeLevel::kInfo, .id = "first-frames", .text = text, .port = port.name});
+        const std::string text = fmt::format("{}: receives frames now", port.name);
+        report({.level = NoticeLevel::kInfo, .id = "first-frames", .text = text, .port = port.name});
       } else if (port.frames == 0 && waits && !checked_silence_) {
         silent_.push_back(port.name);
-        const std::string text = fmt::format("{}: no frame yet; waits for a sender of universe {}", port.name,
+        const std::string text = fmt::format("{}: no frames yet; waiting for a sender of universe {}", port.name,
                                              show_universes(universes_of(port)));
-        say({.level = NoticeLevel::kInfo, .id = "no-frames-yet", .text = text, .port = port.name});
+        report({.level = NoticeLevel::kInfo, .id = "no-frames-yet", .text = text, .port = port.name});
       }
     }
     checked_silence_ = true;
@@ -205,17 +205,19 @@ class Reporter {
   std::thread thread_;
 };
 
-// The first line of a log file, so that a bridge that waits does not look dead.
-void say_started(const std::vector<const Source*>& sources, const std::vector<const Sink*>& sinks, Reporter& reporter) {
+// The first line of a log file, so that a waiting bridge does not seem dead.
+void report_started(const std::vector<const Source*>& sources, const std::vector<const Sink*>& sinks,
+                    Reporter& reporter) {
   std::string from, to;
   for (const Source* source : sources) from += fmt::format("{}{}", from.empty() ? "" : ", ", source->name());
   for (const Sink* sink : sinks) to += fmt::format("{}{}", to.empty() ? "" : ", ", sink->name());
   const std::string text = fmt::format("from {} to {}; Ctrl-C or SIGTERM stops", from, to);
-  reporter.say({.level = NoticeLevel::kInfo, .id = "started", .text = text});
+  reporter.report({.level = NoticeLevel::kInfo, .id = "started", .text = text});
 }
 
-// Outputs that nothing feeds are most often a typing mistake.
-void say_unfed(const std::vector<const Source*>& sources, const std::vector<const Sink*>& sinks, Reporter& reporter) {
+// An output without an input is usually a typing mistake.
+void report_unfed(const std::vector<const Source*>& sources, const std::vector<const Sink*>& sinks,
+                  Reporter& reporter) {
   const auto fed = [&](Universe universe) {
     return std::any_of(sources.begin(), sources.end(), [&](const Source* source) {
       const auto universes = source->universes();
@@ -228,18 +230,18 @@ void say_unfed(const std::vector<const Source*>& sources, const std::vector<cons
       if (!fed(universe)) unfed.push_back(universe);
     if (unfed.empty()) continue;
     const std::string name = sink->name();
-    const std::string text = fmt::format("{}: no input brings universe {}", name, show_universes(unfed));
-    reporter.say({.level = NoticeLevel::kWarning, .id = "universe-unfed", .text = text, .port = name});
+    const std::string text = fmt::format("{}: no input receives universe {}", name, show_universes(unfed));
+    reporter.report({.level = NoticeLevel::kWarning, .id = "universe-unfed", .text = text, .port = name});
   }
 }
 
-// Reads the show file anew when that is wished, on a thread of its own: devices take their time to open.
+// Reads the show file again on request, on its own thread, because devices take time to open.
 class Reloader {
  public:
   Reloader(const Bridge& bridge, Pump& pump, StatusPages& pages, Reporter& reporter)
       : bridge_(bridge), pump_(pump), pages_(pages), reporter_(reporter) {
     if (bridge_.reload == nullptr) return;
-    if (bridge_.load_show) pages_.ask_reload = [this] { bridge_.reload->decoded(); };
+    if (bridge_.load_show) pages_.request_reload = [this] { bridge_.reload->request(); };
     const NoSignals for_the_thread;
     thread_ = std::thread([this] { run(); });
   }
@@ -256,9 +258,9 @@ class Reloader {
  private:
   void run() {
     while (true) {
-      const ReloadSignal::Decoded decoded = bridge_.reload->wait();
-      if (decoded == ReloadSignal::Decoded::kNothing) return;
-      if (decoded == ReloadSignal::Decoded::kStop) {
+      const ReloadSignal::Request request = bridge_.reload->wait();
+      if (request == ReloadSignal::Request::kNothing) return;
+      if (request == ReloadSignal::Request::kStop) {
         pump_.request_stop();
         continue;
       }
@@ -272,7 +274,7 @@ class Reloader {
 
   void reload() {
     if (!bridge_.load_show) {
-      refuse("this bridge was started without a show file; there is nothing to read anew");
+      refuse("this bridge was started without a show file, so it cannot reload one");
       return;
     }
     const Result<Show> show = bridge_.load_show();
@@ -286,21 +288,21 @@ class Reloader {
       return;
     }
     for (const std::string& trouble : change->troubles) {
-      reporter_.say({.level = NoticeLevel::kError, .id = "port-not-opened", .text = trouble});
+      reporter_.report({.level = NoticeLevel::kError, .id = "port-not-opened", .text = trouble});
     }
-    const std::string text = fmt::format("show file read anew: {} ports opened, {} closed, {} left as they were",
+    const std::string text = fmt::format("show file read again: {} ports opened, {} closed, {} unchanged",
                                          change->opened, change->closed, change->kept);
     pages_.reloads.fetch_add(1);
     pages_.set_reload_trouble("");
-    reporter_.say({.level = NoticeLevel::kInfo, .id = "reloaded", .text = text});
-    if (change->opened + change->closed != 0) say_unfed(bridge_.live->sources(), bridge_.live->sinks(), reporter_);
+    reporter_.report({.level = NoticeLevel::kInfo, .id = "reloaded", .text = text});
+    if (change->opened + change->closed != 0) report_unfed(bridge_.live->sources(), bridge_.live->sinks(), reporter_);
   }
 
   void refuse(const std::string& why) {
     pages_.reload_failures.fetch_add(1);
     pages_.set_reload_trouble(why);
-    const std::string text = fmt::format("show file not taken, everything stays as it was: {}", why);
-    reporter_.say({.level = NoticeLevel::kError, .id = "reload-refused", .text = text});
+    const std::string text = fmt::format("show file not used, nothing changes: {}", why);
+    reporter_.report({.level = NoticeLevel::kError, .id = "reload-refused", .text = text});
   }
 
   const Bridge& bridge_;
@@ -326,7 +328,7 @@ Result<Servers> serve(const Bridge& bridge, const StatusPages& pages) {
     const std::string folder = make_socket_folder();
     if (folder.empty()) return servers;
     auto server = HttpServer::listen("--socket", fmt::format("unix:{}/{}", folder, kSocketName), handler);
-    // Several bridges on one machine: the first has the name, the others have their number in it.
+    // Several bridges on one machine: the first has the plain name, the others have their process id in it.
     if (!server) server = HttpServer::listen("--socket", fmt::format("unix:{}/run-{}.sock", folder, getpid()), handler);
     if (server) servers.push_back(std::move(*server));
   } else if (!bridge.socket.empty()) {
@@ -356,7 +358,7 @@ Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal
   PumpOptions options;
   options.merge = bridge.merge;
   options.stop_at_end = bridge.stop_at_end;
-  options.say = [&reporter](const Notice& notice) { reporter.say(notice); };
+  options.say = [&reporter](const Notice& notice) { reporter.report(notice); };
   Pump pump(universes, clock, *waiter, options);
   for (const auto& source : bridge.sources) pump.add_source(*source);
   for (const auto& sink : bridge.sinks) pump.add_sink(*sink);
@@ -375,14 +377,14 @@ Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal
   pages.guard = bridge.guard;
   FL_ASSIGN(const Servers servers, serve(bridge, pages));
 
-  if (!bridge.json) say_started(sources, sinks, reporter);  // with json the line "ready" does
-  say_unfed(sources, sinks, reporter);
+  if (!bridge.json) report_started(sources, sinks, reporter);  // with json there is the line "ready"
+  report_unfed(sources, sinks, reporter);
   const TimeNs start_ns = clock.now_ns();
   reporter.start(pump);
   const Status granted = drivers::enter_real_time();
   pages.real_time.store(drivers::is_real_time());
   if (!granted) {
-    reporter.say({.level = NoticeLevel::kWarning, .id = "realtime-refused", .text = granted.error().message});
+    reporter.report({.level = NoticeLevel::kWarning, .id = "realtime-refused", .text = granted.error().message});
   }
   {
     const Reloader reloader(bridge, pump, pages, reporter);

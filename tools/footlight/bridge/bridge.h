@@ -1,9 +1,9 @@
-// Runs a pump until it is told to stop, and says how it goes: what `run`, `record` and `replay` have in common.
+// Runs a pump until a stop request, and reports its status: the common part of `run`, `record` and `replay`.
 //
-// On a terminal one line is rewritten every two seconds; with json a line is printed every two seconds and at each
-// event, on standard output; otherwise only events (event_log.h) and a summary are printed. Events, status and summary
-// for people go to standard error. A thread of its own prints, so that a terminal that hangs does not hold up the pump;
-// lines that it cannot take in time are dropped and counted.
+// On a terminal one status line is rewritten every two seconds. With json a line is printed on standard output every
+// two seconds and at each event. Otherwise only events (event_log.h) and a summary are printed. Events, the status line
+// and the summary go to standard error. A separate thread prints, so that a blocked terminal does not delay the pump;
+// lines that cannot be printed in time are dropped and counted.
 #pragma once
 
 #include <functional>
@@ -31,8 +31,8 @@ struct Bridge {
   std::vector<std::unique_ptr<Source>> sources;
   std::vector<std::unique_ptr<Sink>> sinks;
   std::vector<Universe> universes;  // of the buffer; any order, repeats allowed, not empty
-  // Optional: in place of all three, ports that follow a show file. `load_show` reads it anew, on a thread of its own,
-  // when `reload` has a wish; without it there is nothing to read.
+  // Optional: replaces all three with ports that follow a show file. After a request of `reload`, `load_show` reads the
+  // file again, on a separate thread. Null or empty: no reload.
   LiveShow* live = nullptr;
   std::function<Result<Show>()> load_show;
   ReloadSignal* reload = nullptr;
@@ -42,13 +42,13 @@ struct Bridge {
   bool stop_at_end = false;
   DurationNs run_for_ns = kTimeNever;
   bool json = false;
-  std::optional<EventFormat> event_format;       // not set: text; with json none, since they are on standard output
-  NoticeLevel event_level = NoticeLevel::kInfo;  // of those that are written; json has all
-  // Where it shows its status (status_pages.h): a socket file; "": nowhere; "auto": in the folder of
-  // make_socket_folder(), or nowhere where there is none.
+  std::optional<EventFormat> event_format;       // default: text; with json none (events are on stdout)
+  NoticeLevel event_level = NoticeLevel::kInfo;  // lowest level that is written; json has all
+  // Socket file for the status pages (status_pages.h). "": none. "auto": in the folder of make_socket_folder(), none if
+  // there is no folder.
   std::string socket;
-  std::shared_ptr<const OutputGuard> guard;  // whose counts /metrics shows; null: none
-  std::string metrics;  // where /metrics alone is shown, as HttpServer::listen() takes it; "": nowhere
+  std::shared_ptr<const OutputGuard> guard;  // its counters are part of /metrics; null: none
+  std::string metrics;  // address of a server with /metrics alone, as for HttpServer::listen(); "": none
 };
 
 struct BridgeReport {
@@ -56,10 +56,10 @@ struct BridgeReport {
   DurationNs elapsed_ns = 0;  // from start to stop
 };
 
-// `signal`: made before the ports were opened, so that a Ctrl-C during that is not lost. Prints the summary.
+// `signal` must be created before the ports are opened, so that a Ctrl-C in between is not lost. Prints the summary.
 [[nodiscard]] Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal);
 
-// Universe numbers in use: ascending, once each.
+// Sorts and removes duplicates.
 [[nodiscard]] std::vector<Universe> sorted_once(std::vector<Universe> universes);
 
 }  // namespace footlight::tools

@@ -14,7 +14,7 @@ Result<std::string> find_bridge(std::string_view command, std::string_view other
   }
   if (found.size() == 1) return found.front();
   if (found.empty()) {
-    return fail(ErrorCode::kNotFound, "no 'footlight run' answers on this machine; start one{}", otherwise);
+    return fail(ErrorCode::kNotFound, "no 'footlight run' is running on this machine; start one{}", otherwise);
   }
   std::string list;
   for (const std::string& socket : found) list += fmt::format("\n  footlight {} --socket {}", command, socket);

@@ -1,4 +1,4 @@
-// Which running bridge a command means that names none.
+// Finds the running bridge for a command without --socket.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace footlight::tools {
 
-// The socket of the one bridge that answers on this machine. kNotFound where there is none, whose message ends with
-// `otherwise`; kBadInput where there are several, which lists them as 'footlight COMMAND --socket FILE'.
+// The socket of the only bridge that answers on this machine. kNotFound if there is none; the message ends with
+// `otherwise`. kBadInput if there are several; the message lists them as 'footlight COMMAND --socket FILE'.
 [[nodiscard]] Result<std::string> find_bridge(std::string_view command, std::string_view otherwise = {});
 
 }  // namespace footlight::tools

@@ -20,7 +20,7 @@
 namespace footlight::tools {
 namespace {
 
-// The service manager names device and inode of the stream that it gave us; after a redirection they are others.
+// JOURNAL_STREAM has device and inode of the stream from the service manager; after a redirection they differ.
 bool stderr_is_journal() {
   const char* const stream = std::getenv("JOURNAL_STREAM");
   struct stat status = {};
@@ -78,7 +78,7 @@ Result<EventFormat> event_format_of(const std::string& word) {
   }
   if (kHaveJournal) return EventFormat::kJournal;
   return fail(ErrorCode::kUnsupported,
-              "--log-format: this build has no libsystemd; take text or json, or build with libsystemd-dev");
+              "--log-format: this build has no libsystemd; use text or json, or build with libsystemd-dev");
 }
 
 Result<NoticeLevel> notice_level_of(const std::string& word) {
@@ -125,7 +125,7 @@ void write_event(const Event& event, EventFormat format) {
     case EventFormat::kNone: return;
     case EventFormat::kJournal:
       if (write_to_journal(event)) return;
-      break;  // no journal is listening: as text rather than not at all
+      break;  // no journal: write text instead
     case EventFormat::kText: break;
     case EventFormat::kJson: std::fputs((json_of_event(event) + "\n").c_str(), stderr); return;
   }

@@ -1,10 +1,10 @@
-// What happened, one line each: for people, for programs, or for the journal of systemd.
+// Events, one line each: as text, as JSON, or for systemd's journal.
 //
 //   text     2026-07-27T18:03:11.412Z warning port-lost: enttec-pro:EN1: lost: unplugged
 //   json     {"time":"2026-07-27T18:03:11.412345Z","level":"warning","event":"port-lost",...}
 //   journal  native fields: MESSAGE, PRIORITY, FOOTLIGHT_EVENT, FOOTLIGHT_PORT, FOOTLIGHT_UNIVERSE (sd_journal_send(3))
 //
-// The events themselves are listed in docs/events.md.
+// docs/events.md lists the events.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace footlight::tools {
 
-// A notice that is kept.
+// A copy of a notice.
 struct Event {
   std::int64_t unix_ns = 0;  // since 1970-01-01 UTC
   NoticeLevel level = NoticeLevel::kInfo;
@@ -34,18 +34,18 @@ enum class EventFormat {
   kJson,
   kJournal,
 };
-// "text", "json" or "journal"; empty: kJournal where standard error goes to the journal (systemd.exec(5), variable
+// "text", "json" or "journal". Empty: kJournal if standard error is connected to the journal (systemd.exec(5), variable
 // JOURNAL_STREAM), else kText. kBadInput for other words, kUnsupported for "journal" in a build without libsystemd.
 [[nodiscard]] Result<EventFormat> event_format_of(const std::string& word);
 // "info", "warning" or "error".
 [[nodiscard]] Result<NoticeLevel> notice_level_of(const std::string& word);
 
 [[nodiscard]] const char* name_of(NoticeLevel level);
-// "2026-07-27T18:03:11.412345Z", with as many `digits` of the second (0 to 9).
+// "2026-07-27T18:03:11.412345Z", with this number of `digits` of the second (0 to 9).
 [[nodiscard]] std::string utc_text(std::int64_t unix_ns, int digits);
-// Without a line end. Line ends inside of a text become spaces, so that one event is one line.
+// Without a line end. Line ends in the text become spaces, so that one event is one line.
 [[nodiscard]] std::string event_text(const Event& event);
-// Writes it to standard error or to the journal. kNone: nowhere. One thread at a time.
+// Writes to standard error or to the journal. kNone: does nothing. One thread at a time.
 void write_event(const Event& event, EventFormat format);
 
 }  // namespace footlight::tools

@@ -10,12 +10,12 @@
 namespace footlight::tools {
 namespace {
 
-// Both want the same thing to themselves.
+// Both need the same device or file exclusively.
 bool collide(const Endpoint& a, const Endpoint& b) {
   return a.kind == b.kind && a.kind != EndpointKind::kNetwork && a.scheme == b.scheme && a.target == b.target;
 }
 
-// Universes of the show file and of the endpoints. What a log brings is known when it is open.
+// Universes of the show file and of the endpoints. The universes of a log are known when it is open.
 std::vector<Universe> named_universes(const Show& show) {
   std::vector<Universe> universes;
   for (Universe universe = kUniverseMin; universe <= show.universe_count; ++universe) universes.push_back(universe);
@@ -48,10 +48,10 @@ void set_modes(Pump& pump, const std::vector<Universe>& universes, const std::ve
   }
 }
 
-// Has the pump's thread do it, and waits until it has. After an error it never will: a job that has not begun when the
-// pump stops is taken back, since what it refers to goes.
+// Runs `job` on the pump's thread and waits for it. After an error it never runs: a job that has not started when the
+// pump stops is cancelled, because it refers to local variables.
 Status on_pump(Pump& pump, std::function<void()> job, const std::function<bool()>& stopping) {
-  enum class State { kWaiting, kBegun, kTakenBack };
+  enum class State { kWaiting, kBegun, kCancelled };
   struct Call {
     std::atomic<State> state = State::kWaiting;
     std::promise<void> done;
@@ -66,14 +66,14 @@ Status on_pump(Pump& pump, std::function<void()> job, const std::function<bool()
   });
   while (finished.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) {
     State expected = State::kWaiting;
-    if (stopping() && call->state.compare_exchange_strong(expected, State::kTakenBack)) {
+    if (stopping() && call->state.compare_exchange_strong(expected, State::kCancelled)) {
       return fail(ErrorCode::kTimeout, "the bridge stopped meanwhile");
     }
   }
   return {};
 }
 
-// A port of the network, and not the demo show.
+// A network port, not the demo show.
 bool network(const InPlan& plan) { return !plan.demo && plan.endpoint.kind == EndpointKind::kNetwork; }
 bool network(const OutPlan& plan) { return plan.endpoint.kind == EndpointKind::kNetwork; }
 bool network(const auto& entry) { return network(entry.plan); }
@@ -129,25 +129,25 @@ void LiveShow::add_to(Pump& pump) {
   for (const Out& out : outs_) add_out(pump, outs_, out);
 }
 
-// A change of the show while it is made. Ports move from the old show to the new one; pointers are into ins and outs.
+// A change of the show in progress. Ports move from the old show to the new one; pointers are into ins and outs.
 struct LiveShow::Exchange {
   const Show& show;
   std::vector<In> ins;  // of the new show
   std::vector<Out> outs;
-  std::vector<In> old_ins;  // of the old one; those that go, once keep_same() is through
+  std::vector<In> old_ins;  // of the old show; after keep_same() those that will be closed
   std::vector<Out> old_outs;
-  std::vector<In*> added_ins, late_ins;  // opened before the old ones go, and after
+  std::vector<In*> added_ins, late_ins;  // opened before the old ones are closed, and after
   std::vector<Out*> added_outs, late_outs;
   std::vector<Universe> universes;
   std::shared_ptr<Universes> buffer;
-  bool moves = false;  // to another buffer or other rules
+  bool moves = false;  // to another buffer or other merge rules
   ShowChange change;
 
   void keep_same();
   void find_late();
 };
 
-// What stays: each port of old for one line of the file. Who stands by stays only with the one that it stands by for.
+// Keeps one old port for each equal line of the file. A standby is kept only with its main output.
 void LiveShow::Exchange::keep_same() {
   for (In& in : ins) {
     const auto same = std::find_if(old_ins.begin(), old_ins.end(), [&](const In& old) { return old.plan == in.plan; });
@@ -169,7 +169,7 @@ void LiveShow::Exchange::keep_same() {
   }
 }
 
-// What wants a device or a file that an old port still has, and who stands by for it.
+// Ports that need a device or a file that an old port still has, and their standbys.
 void LiveShow::Exchange::find_late() {
   const auto must_wait = [&](const Endpoint& endpoint) {
     return std::any_of(old_ins.begin(), old_ins.end(),
@@ -192,7 +192,7 @@ void LiveShow::Exchange::find_late() {
   }
 }
 
-// Devices and files open here, however long that takes.
+// Opens devices and files, which may take long.
 Status LiveShow::open_devices(Exchange& exchange) {
   exchange.universes = named_universes(exchange.show);
   for (In* in : exchange.added_ins) {
@@ -232,10 +232,10 @@ Status LiveShow::open_networks(Exchange& exchange) {
   return {};
 }
 
-// On the pump's thread. Network ports know of each other and so belong to it from their begin to their end. They open
-// last: what they hear from then on waits in their sockets. Once they are open nothing can be refused. Sources come
-// before the others go, so that nothing is missed; sinks go before the others come, so that the last words of one are
-// not taken for those of the next.
+// On the pump's thread, because network ports refer to each other. They are opened last; from then on, frames wait in
+// their sockets. After that nothing can fail. New sources are added before old ones are removed, so that no frame is
+// missed. Old sinks are removed before new ones are added, so that receivers do not apply the end of the old stream to
+// the new one.
 Status LiveShow::exchange_ports(Exchange& exchange, Pump& pump) {
   const auto close_networks = [](const auto& entries) {
     for (auto* entry : entries)
@@ -263,7 +263,7 @@ Status LiveShow::exchange_ports(Exchange& exchange, Pump& pump) {
   return {};
 }
 
-// Those that had to wait. One that does not come back is kept waiting for.
+// Opens the late ports. One that does not open is waited for.
 Status LiveShow::open_late(Exchange& exchange, Pump& pump, const std::function<bool()>& stopping) {
   std::vector<Source*> sources;
   std::vector<const Sink*> sinks;
@@ -324,7 +324,7 @@ Result<ShowChange> LiveShow::change_to(const Show& show, Pump& pump, const std::
   ltp_slots_ = show.ltp_slots;
   exchange.change.closed = static_cast<int>(exchange.old_ins.size() + exchange.old_outs.size());
   exchange.change.opened = static_cast<int>(exchange.added_ins.size() + exchange.added_outs.size());
-  exchange.old_ins.clear();  // gives devices and files back
+  exchange.old_ins.clear();  // closes devices and files
   exchange.old_outs.clear();
   FL_TRY(open_late(exchange, pump, stopping));
   return std::move(exchange.change);

@@ -1,4 +1,4 @@
-// The ports that a show file names, and how they follow when the file changes while the pump runs.
+// The ports of a show file, and how they change with the file while the pump runs.
 //
 //   LiveShow live(clock);
 //   FL_TRY(live.open(show));
@@ -6,11 +6,11 @@
 //   live.add_to(pump);                        // before it starts
 //   ... live.change_to(new_show, pump) ...    // any time, on a thread that is not the pump's
 //
-// A port whose lines in the file are what they were stays open and is not touched. New ones are opened before the pump
-// hears of anything, so that a change which fails changes nothing. What cannot be open twice (a device or a file that a
-// removed port still has) is given up first and opened anew, waiting for it where it does not come at once.
+// A port with unchanged lines in the file stays open and is not touched. New ports are opened before the pump changes,
+// so that a failed change has no effect. What cannot be open twice (a device or a file of a removed port) is closed
+// first and then opened again, waiting for it if needed.
 //
-// Threads: one at a time, while the pump runs not the pump's. It is destroyed on the pump's thread, after the pump.
+// Threads: one at a time; while the pump runs, not the pump's thread. Destroy it on the pump's thread, after the pump.
 #pragma once
 
 #include <functional>
@@ -31,27 +31,27 @@
 
 namespace footlight::tools {
 
-// What a change did.
+// The result of a change.
 struct ShowChange {
   int opened = 0;
   int closed = 0;
   int kept = 0;
-  std::vector<std::string> troubles;  // devices that were given up and did not come back
+  std::vector<std::string> troubles;  // devices that were closed and could not be opened again
 };
 
 class LiveShow {
  public:
-  // `stopping`: true ends an open() that takes long.
+  // `stopping`: returns true to end an open() that takes long.
   explicit LiveShow(Clock& clock, std::function<bool()> stopping = {}) : opener_(clock, std::move(stopping)) {}
 
-  // Every output goes through this guard from open() on; null: none, and nothing of it runs.
+  // From open() on, every output goes through this guard. Null: no guard, no cost.
   void guard_with(std::shared_ptr<OutputGuard> guard) { guard_ = std::move(guard); }
   // Opens every port. Errors: those of the ports, and of check_show().
   [[nodiscard]] Status open(const Show& show);
   [[nodiscard]] std::shared_ptr<Universes> buffer() const { return buffer_; }
   void add_to(Pump& pump);
 
-  // Errors: as open(); then nothing has changed. Also kTimeout where the pump stops meanwhile: `stopping` says so.
+  // Errors: as open(); then nothing has changed. kTimeout if the pump stops in between, which `stopping` reports.
   [[nodiscard]] Result<ShowChange> change_to(const Show& show, Pump& pump, const std::function<bool()>& stopping);
 
   [[nodiscard]] std::vector<const Source*> sources() const;
@@ -82,7 +82,7 @@ class LiveShow {
   PortOpener opener_;
   std::shared_ptr<OutputGuard> guard_;
   std::vector<In> ins_;
-  std::vector<Out> outs_;  // who stands by for another comes after it
+  std::vector<Out> outs_;  // a standby comes after its main output
   std::shared_ptr<Universes> buffer_;
   MergeOptions merge_;
   std::vector<Universe> ltp_;

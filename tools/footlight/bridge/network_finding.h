@@ -1,4 +1,4 @@
-// One sender or receiver that has made itself known on the network.
+// A sender or receiver found on the network.
 #pragma once
 
 #include <string>
@@ -10,12 +10,12 @@ namespace footlight::tools {
 
 struct NetworkFinding {
   std::string protocol;            // the scheme of its endpoints: "sacn"
-  std::string name;                // as it calls itself, fit for a terminal; may be empty
+  std::string name;                // its own name, printable; may be empty
   std::string address;             // IPv4
-  std::string id;                  // what the protocol tells senders apart by; sACN: the CID
-  std::vector<Universe> sends;     // as the wire numbers them, from 1; ascending
+  std::string id;                  // distinguishes senders; sACN: the CID
+  std::vector<Universe> sends;     // wire numbers, from 1; ascending
   std::vector<Universe> receives;  // the same
-  bool complete = true;            // false: a part of what it says has not come
+  bool complete = true;            // false: a part of its list is missing
 };
 
 }  // namespace footlight::tools

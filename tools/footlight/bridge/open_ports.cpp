@@ -170,7 +170,7 @@ Result<std::unique_ptr<Sink>> PortOpener::open_sink(const Endpoint& endpoint, st
       return sink;
     }
     case EndpointKind::kGpio:
-      return fail(ErrorCode::kBadInput, "{}: GPIO lines are inputs; name them after --in or in [[in]]", endpoint.text);
+      return fail(ErrorCode::kBadInput, "{}: GPIO lines are inputs; use --in or [[in]]", endpoint.text);
     case EndpointKind::kNetwork: break;
   }
   if (endpoint.scheme == "sacn") {

@@ -11,12 +11,12 @@
 namespace footlight::tools {
 namespace {
 
-constexpr double kFullCdM2 = 200;  // what a fixture's full light stands for
-constexpr DurationNs kLookAgainNs = 100 * kNsPerMs;
-constexpr DurationNs kSayPauseNs = 10 * kNsPerS;
+constexpr double kFullCdM2 = 200;  // luminance of a fixture at full
+constexpr DurationNs kRecheckNs = 100 * kNsPerMs;
+constexpr DurationNs kReportPauseNs = 10 * kNsPerS;
 constexpr int kHoldSteps = 12;  // of bisection: 1/4096 of the level
 
-// Does a channel do nothing but dim, from dark at 0?
+// True if the channel only dims, from dark at 0.
 bool dims(const fixtures::CompiledRig& rig, const fixtures::ChannelRow& channel, std::uint32_t param) {
   for (std::uint32_t f = 0; f < channel.function_count; ++f) {
     const fixtures::FunctionRow& function = rig.functions[channel.function_first + f];
@@ -35,7 +35,7 @@ class GuardedSink : public Sink {
 
   [[nodiscard]] std::string name() const override { return sink_->name(); }
   [[nodiscard]] int poll_fd() const override { return sink_->poll_fd(); }
-  [[nodiscard]] TimeNs next_deadline_ns() const override { return std::min(sink_->next_deadline_ns(), look_again_ns_); }
+  [[nodiscard]] TimeNs next_deadline_ns() const override { return std::min(sink_->next_deadline_ns(), recheck_ns_); }
   [[nodiscard]] PortState state() const override { return sink_->state(); }
   [[nodiscard]] std::string trouble() const override { return sink_->trouble(); }
   [[nodiscard]] PortCounters counters() const override { return sink_->counters(); }
@@ -51,19 +51,19 @@ class GuardedSink : public Sink {
 
   void rest(TimeNs now_ns) override {
     last_.clear();
-    look_again_ns_ = kTimeNever;
+    recheck_ns_ = kTimeNever;
     sink_->rest(now_ns);
   }
 
   Status send(TimeNs now_ns, std::span<const FrameView> frames) override {
-    for (const FrameView& frame : frames) remember(frame);
+    for (const FrameView& frame : frames) store(frame);
     return pass(now_ns, frames);
   }
 
   Status poll(TimeNs now_ns) override {
     FL_TRY(sink_->poll(now_ns));
-    if (last_.empty() || now_ns < look_again_ns_) return {};
-    // Nothing has changed but the time: what was held back may go on.
+    if (last_.empty() || now_ns < recheck_ns_) return {};
+    // The levels did not change, but the light may be released by now.
     std::vector<FrameView> frames;
     for (Last& last : last_) {
       last.frame.slots = {last.slots.data(), last.count};
@@ -73,13 +73,13 @@ class GuardedSink : public Sink {
   }
 
  private:
-  struct Last {  // look of a universe, as asked
+  struct Last {  // the last input levels of a universe
     FrameView frame;
     Slots slots{};
     std::size_t count = 0;
   };
 
-  void remember(const FrameView& frame) {
+  void store(const FrameView& frame) {
     if (frame.start_code != kStartCodeLevels) return;
     auto at = std::find_if(last_.begin(), last_.end(),
                            [&](const Last& last) { return last.frame.universe == frame.universe; });
@@ -96,11 +96,11 @@ class GuardedSink : public Sink {
   Status pass(TimeNs now_ns, std::span<const FrameView> frames) {
     guard_->apply(now_ns, frames, held_);
     views_.assign(frames.begin(), frames.end());
-    look_again_ns_ = kTimeNever;
+    recheck_ns_ = kTimeNever;
     for (std::size_t i = 0; i < views_.size(); ++i) {
       if (!held_[i]) continue;
       views_[i].slots = {held_[i]->data(), std::min(frames[i].slots.size(), held_[i]->size())};
-      look_again_ns_ = now_ns + kLookAgainNs;
+      recheck_ns_ = now_ns + kRecheckNs;
     }
     return sink_->send(now_ns, views_);
   }
@@ -108,7 +108,7 @@ class GuardedSink : public Sink {
   std::unique_ptr<Sink> sink_;
   std::shared_ptr<OutputGuard> guard_;
   std::vector<Last> last_;
-  TimeNs look_again_ns_ = kTimeNever;  // while light is held back
+  TimeNs recheck_ns_ = kTimeNever;  // while light is held back
   std::vector<std::optional<Slots>> held_;
   std::vector<FrameView> views_;
 };
@@ -118,7 +118,7 @@ class GuardedSink : public Sink {
 Result<std::shared_ptr<OutputGuard>> OutputGuard::make(const fixtures::Rig& rig, FlashMode mode) {
   FL_ASSIGN(fixtures::CompiledRig compiled, fixtures::compile(rig));
   if (compiled.heads.empty() || compiled.universes.empty()) {
-    return fail(ErrorCode::kBadInput, "{}: has no fixture on an address, so there is nothing to watch", rig.name);
+    return fail(ErrorCode::kBadInput, "{}: has no fixture with an address, so there is nothing to check", rig.name);
   }
   return std::shared_ptr<OutputGuard>(new OutputGuard(std::move(compiled), mode));
 }
@@ -128,7 +128,7 @@ OutputGuard::OutputGuard(fixtures::CompiledRig rig, FlashMode mode)
       walker_(rig_),
       mode_(mode),
       areas_(rig_.head_first.size() - 1, 1.0 / static_cast<double>(rig_.head_first.size() - 1)),
-      asked_(limits_, areas_),
+      input_(limits_, areas_),
       shown_(limits_, areas_),
       levels_(rig_.universes.size() * kSlotCountMax),
       sent_(levels_.size()),
@@ -138,7 +138,7 @@ OutputGuard::OutputGuard(fixtures::CompiledRig rig, FlashMode mode)
     fixture.head_first = rig_.head_first[i];
     fixture.head_end = rig_.head_first[i + 1];
     find_handles(fixture);
-    tiles_[i] = snapshot(fixture, levels_);
+    tiles_[i] = light_of(fixture, levels_);
     fixtures_.push_back(std::move(fixture));
   }
 }
@@ -159,7 +159,7 @@ void OutputGuard::find_handles(Fixture& fixture) const {
           const std::uint32_t packed = b < 2 ? channel.slots_01 : channel.slots_23;
           handle.slots[b] = first + (b % 2 == 0 ? packed & 0xffffu : packed >> 16u);
         }
-        // Several heads share a dimmer.
+        // Several heads may share a dimmer.
         const bool known = std::any_of(fixture.handles.begin(), fixture.handles.end(),
                                        [&](const Handle& other) { return other.slots == handle.slots; });
         if (!known && handle.slots[handle.bytes - 1] < levels_.size()) fixture.handles.push_back(handle);
@@ -174,7 +174,7 @@ int OutputGuard::watched_only_count() const {
                                         [](const Fixture& fixture) { return fixture.handles.empty(); }));
 }
 
-TileLight OutputGuard::snapshot(Fixture& fixture, std::span<const std::uint8_t> levels) {
+TileLight OutputGuard::light_of(Fixture& fixture, std::span<const std::uint8_t> levels) {
   TileLight tile;
   fixture.strobe_hz = 0;
   const double share = 1.0 / std::max<std::uint32_t>(fixture.head_end - fixture.head_first, 1);
@@ -214,18 +214,18 @@ void OutputGuard::dim(const Fixture& fixture, double factor) {
   }
 }
 
-// The largest level whose light is not above gain times what is asked.
+// The largest level whose light is at most gain times that of the input.
 void OutputGuard::hold(Fixture& fixture, double gain) {
-  const double asked = fixture.light;
+  const double input = fixture.light;
   double low = 0, high = 1;
   for (int i = 0; i < kHoldSteps; ++i) {
     const double middle = 0.5 * (low + high);
     dim(fixture, middle);
-    snapshot(fixture, sent_);
-    (fixture.light <= gain * asked ? low : high) = middle;
+    light_of(fixture, sent_);
+    (fixture.light <= gain * input ? low : high) = middle;
   }
   dim(fixture, low);
-  fixture.light = asked;
+  fixture.light = input;
 }
 
 void OutputGuard::apply(TimeNs now_ns, std::span<const FrameView> frames, std::vector<std::optional<Slots>>& held) {
@@ -246,15 +246,15 @@ void OutputGuard::apply(TimeNs now_ns, std::span<const FrameView> frames, std::v
 
   double strobe_area = 0;
   for (std::size_t i = 0; i < fixtures_.size(); ++i) {
-    tiles_[i] = snapshot(fixtures_[i], levels_);
+    tiles_[i] = light_of(fixtures_[i], levels_);
     if (fixtures_[i].strobe_hz > limits_.flashes && tiles_[i].luminance_cd_m2 >= limits_.change_cd_m2)
       strobe_area += areas_[i];
   }
-  const FlashVerdict asked = asked_.measure(now_ns, tiles_);
-  say(now_ns, asked, strobe_area);
+  const FlashVerdict input = input_.measure(now_ns, tiles_);
+  report(now_ns, input, strobe_area);
   if (mode_ != FlashMode::kLimit) return;
 
-  // Those that strobe by themselves are dark while too many do; the others keep their light within what is allowed.
+  // Strobing fixtures are dark while there are too many; the others keep their light within the limits.
   const bool strobes_held = strobe_area > limits_.area;
   for (std::size_t i = 0; i < fixtures_.size(); ++i) {
     if (strobes_held && fixtures_[i].strobe_hz > limits_.flashes) tiles_[i] = TileLight();
@@ -278,18 +278,18 @@ void OutputGuard::apply(TimeNs now_ns, std::span<const FrameView> frames, std::v
   }
 }
 
-void OutputGuard::say(TimeNs now_ns, const FlashVerdict& asked, double strobe_area) {
-  const bool harmful = asked.harmful || strobe_area > limits_.area;
+void OutputGuard::report(TimeNs now_ns, const FlashVerdict& input, double strobe_area) {
+  const bool harmful = input.harmful || strobe_area > limits_.area;
   if (harmful && !harmful_) ++harmful_count_;
   harmful_ = harmful;
-  if (!harmful || (said_once_ && now_ns - said_ns_ < kSayPauseNs)) return;
-  said_once_ = true;
-  said_ns_ = now_ns;
-  const double area = std::max({asked.area, asked.red_area, strobe_area});
+  if (!harmful || (reported_ && now_ns - reported_ns_ < kReportPauseNs)) return;
+  reported_ = true;
+  reported_ns_ = now_ns;
+  const double area = std::max({input.area, input.red_area, strobe_area});
   const std::string what = fmt::format(
       "more than {} flashes a second from {:.0f} % of the rig{}, which can harm people with photosensitive "
       "epilepsy",
-      limits_.flashes, 100 * area, asked.red_area > asked.area ? " in saturated red" : "");
+      limits_.flashes, 100 * area, input.red_area > input.area ? " in saturated red" : "");
   if (mode_ == FlashMode::kLimit) {
     notice_ = PortNotice{.level = NoticeLevel::kWarning, .id = "flashes-limited", .text = what + "; held back"};
   } else {

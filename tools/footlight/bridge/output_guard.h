@@ -1,14 +1,14 @@
-// Watches what a bridge sends to a known rig for flashes that harm people with photosensitive epilepsy, and can hold
-// them back. sim/photosensitive.h says what counts as harmful, docs/flashes.md what this cannot see.
+// Detects flashes in the levels that a bridge sends to a rig, which can harm people with photosensitive epilepsy, and
+// can hold them back. The limits are in sim/photosensitive.h. docs/flashes.md lists what is not detected.
 //
 //   FL_ASSIGN(auto guard, OutputGuard::make(rig, FlashMode::kLimit));
 //   auto guarded = guard_sink(std::move(sink), guard);
 //
-// A fixture is a tile of equal area; its light is dimmer x shutter x colour as its definition decodes them, full light
-// stands for a screen's white. A fixture that strobes by itself counts with the rate that its channel asks for.
-// Holding back lowers dimmer channels, or those of the emitters where a fixture has no dimmer, and nothing else: no
-// light is ever brighter than asked, and what a definition does not know passes as it is. Where the levels stand still
-// while light is held back, it is let go as soon as the guidance allows.
+// A fixture is a tile of equal area. Its light is dimmer x shutter x colour, decoded with its definition; full light
+// counts as a screen's white. A fixture with a strobe channel counts with the rate of that channel. Holding back lowers
+// only dimmer channels, or those of the emitters if a fixture has no dimmer. No light is ever brighter than the input,
+// and other channels are not changed. If the levels do not change while light is held back, it is released as soon as
+// the guidance allows.
 //
 // Threads: the pump's; count_...() any.
 #pragma once
@@ -34,19 +34,19 @@ class OutputGuard {
   // mode: kWarn or kLimit. Errors: those of fixtures::compile(); kBadInput for a rig without a fixture on an address.
   [[nodiscard]] static Result<std::shared_ptr<OutputGuard>> make(const fixtures::Rig& rig, FlashMode mode);
 
-  // Levels that are about to be sent; `held` gets what is to be sent in their place, one for each frame. Frames of
-  // universes that the rig does not have, and those that are no levels, are not looked at: their entry is left empty.
-  // Where one is not empty, light is held back: call again within 0.1 s, though no level changes, or it stays so.
+  // `frames` are about to be sent. `held` gets the levels to send instead, one entry for each frame. The entry is empty
+  // if the frame may be sent unchanged, is of a universe without fixtures, or has no levels. If an entry is not empty,
+  // light is held back: call again within 0.1 s even if no level changes, else the light stays held back.
   void apply(TimeNs now_ns, std::span<const FrameView> frames, std::vector<std::optional<Slots>>& held);
 
-  // What is to be said since the last time; every 10 s at most.
+  // The notice since the last call, if any; at most every 10 s.
   [[nodiscard]] std::optional<PortNotice> take_notice();
 
-  [[nodiscard]] std::uint64_t count_harmful() const { return harmful_count_.load(); }  // stretches that would have been
-  [[nodiscard]] std::uint64_t count_held() const { return held_count_.load(); }        // looks that were held back
+  [[nodiscard]] std::uint64_t count_harmful() const { return harmful_count_.load(); }  // periods, held back or not
+  [[nodiscard]] std::uint64_t count_held() const { return held_count_.load(); }        // snapshots that were held back
   [[nodiscard]] FlashMode mode() const { return mode_; }
   [[nodiscard]] int fixture_count() const { return static_cast<int>(fixtures_.size()); }
-  [[nodiscard]] int watched_only_count() const;  // fixtures without a channel by which they could be held back
+  [[nodiscard]] int watched_only_count() const;  // fixtures without a channel that could hold them back
 
  private:
   struct Handle {                          // a channel that dims
@@ -63,10 +63,10 @@ class OutputGuard {
 
   OutputGuard(fixtures::CompiledRig rig, FlashMode mode);
   void find_handles(Fixture& fixture) const;
-  TileLight snapshot(Fixture& fixture, std::span<const std::uint8_t> levels);
+  TileLight light_of(Fixture& fixture, std::span<const std::uint8_t> levels);
   void dim(const Fixture& fixture, double factor);
   void hold(Fixture& fixture, double gain);
-  void say(TimeNs now_ns, const FlashVerdict& asked, double strobe_area);
+  void report(TimeNs now_ns, const FlashVerdict& input, double strobe_area);
 
   fixtures::CompiledRig rig_;
   fixtures::f32::Walker walker_;
@@ -74,21 +74,21 @@ class OutputGuard {
   FlashLimits limits_;
   std::vector<Fixture> fixtures_;
   std::vector<double> areas_;
-  PhotosensitiveGuard asked_;
+  PhotosensitiveGuard input_;
   PhotosensitiveGuard shown_;
-  std::vector<std::uint8_t> levels_;  // as asked, then as sent
+  std::vector<std::uint8_t> levels_;  // of the input
   std::vector<std::uint8_t> sent_;
   std::vector<TileLight> tiles_;
   std::vector<double> gains_;
   bool harmful_ = false;
-  TimeNs said_ns_ = 0;
-  bool said_once_ = false;
+  TimeNs reported_ns_ = 0;
+  bool reported_ = false;
   std::optional<PortNotice> notice_;
   std::atomic<std::uint64_t> harmful_count_{0};
   std::atomic<std::uint64_t> held_count_{0};
 };
 
-// The sink behind a guard, which several sinks may share.
+// Puts the sink behind a guard, which several sinks may share.
 [[nodiscard]] std::unique_ptr<Sink> guard_sink(std::unique_ptr<Sink> sink, std::shared_ptr<OutputGuard> guard);
 
 }  // namespace footlight::tools

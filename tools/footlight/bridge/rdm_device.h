@@ -1,4 +1,4 @@
-// What `footlight rdm list` tells of one device.
+// One device in the list of `footlight rdm list`.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@ namespace footlight::tools {
 
 struct RdmDevice {
   std::string uid;
-  std::string manufacturer, model, label, software;  // as the device has them; may be empty
+  std::string manufacturer, model, label, software;  // as reported by the device; may be empty
   std::string category;
   int footprint = 0;      // slots
-  int start_address = 0;  // 0: takes no slots
+  int start_address = 0;  // 0: no slots
   int personality = 0, personalities = 0;
   std::string personality_name;
   int sub_devices = 0;

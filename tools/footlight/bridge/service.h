@@ -1,5 +1,5 @@
-// Talks to the service manager that started the program, if one did (sd_notify(3)). Without libsystemd or outside a
-// service nothing happens. Threads: any.
+// Notifies the service manager, if the program runs as a service (sd_notify(3)). Without libsystemd or outside a
+// service the functions do nothing. Threads: any.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ class Service {
   void reloading();  // until ready()
   void status(const std::string& line);
   void alive();
-  // How often alive() has to be called; kTimeNever: nobody watches.
+  // The period in which alive() must be called; kTimeNever: no watchdog.
   [[nodiscard]] DurationNs alive_period_ns() const;
 };
 

@@ -25,7 +25,7 @@ constexpr std::size_t kShowFileBytesMax = 4 << 20;  // 4 MiB; one with 63,999 po
 using fixtures::TomlNode;
 using fixtures::TomlReader;
 
-// A time as people type it, or a number of seconds.
+// A duration such as "2.5s", or a number of seconds.
 DurationNs read_duration(TomlReader& reader, std::string_view key, DurationNs fallback) {
   if (!reader.has(key)) return fallback;
   const auto duration_ns = parse_duration(reader.text(key));
@@ -44,7 +44,7 @@ std::optional<Endpoint> read_endpoint(TomlReader& reader) {
   return std::nullopt;
 }
 
-// What an edge does. Keys that the mode has no use for are not asked for, and so refused.
+// The effect of an edge. Keys that do not apply to the mode are not read, and therefore refused.
 void read_gpio(TomlReader& reader, InOptions& options) {
   using drivers::StrobeMode;
   drivers::StrobeConfig& strobe = options.gpio_strobe;
@@ -62,7 +62,7 @@ void read_gpio(TomlReader& reader, InOptions& options) {
     const bool rising = std::adjacent_find(hz.begin(), hz.end(), std::greater_equal<>()) == hz.end();
     if (hz.size() != values.size() || !rising) {
       reader.trouble(reader.place_of("rate_hz"),
-                     "rate_hz: expected rising numbers, as many as rate_values has, as in rate_hz = [1, 25] and "
+                     "rate_hz: expected rising numbers, as many as in rate_values; example: rate_hz = [1, 25] and "
                      "rate_values = [1, 255]");
     } else {
       strobe.rate_points.clear();
@@ -80,7 +80,7 @@ void read_gpio(TomlReader& reader, InOptions& options) {
   constexpr drivers::GpioBias kBiases[] = {drivers::GpioBias::kAsIs, drivers::GpioBias::kNone,
                                            drivers::GpioBias::kPullUp, drivers::GpioBias::kPullDown};
   options.gpio_bias = kBiases[reader.word("bias", {"as-is", "none", "pull-up", "pull-down"}, 0)];
-  // As a per-address priority 0 would mean that the slot is not ours.
+  // As a per-address priority, 0 would mean that the input does not claim the slot.
   options.priority = static_cast<int>(reader.integer("priority", 1, kPriorityMax, kPriorityDefault));
   options.wait_for_device = reader.boolean("wait_for_device", false);
 }
@@ -93,7 +93,7 @@ std::vector<std::uint8_t> read_address_priorities(TomlReader& reader) {
   return {};
 }
 
-// cid = "8fd2a1c0-1b7e-4d0a-9a52-0d6f2f3f7c11": a UUID, with its dashes or without.
+// cid = "8fd2a1c0-1b7e-4d0a-9a52-0d6f2f3f7c11": a UUID, with or without dashes.
 drivers::Cid read_cid(TomlReader& reader) {
   if (!reader.has("cid")) return {};
   std::string digits = reader.text("cid");
@@ -106,7 +106,7 @@ drivers::Cid read_cid(TomlReader& reader) {
   }
   if (is_hex && cid != drivers::Cid{}) return cid;
   reader.trouble(reader.place_of("cid"),
-                 "cid: expected a UUID of 32 hexadecimal digits that are not all 0, as uuidgen prints one");
+                 "cid: expected a UUID of 32 hexadecimal digits that are not all 0; uuidgen prints one");
   return {};
 }
 
@@ -124,7 +124,7 @@ Result<std::optional<drivers::SecondPort>> read_second_port(TomlReader& reader, 
     is_hex = std::from_chars(begin, begin + 2, port.key[i], 16).ptr == begin + 2;
   }
   if (!is_hex && second.has("key"))
-    second.trouble(second.place_of("key"), "key: expected {} hexadecimal digits, as in \"0A1B2C3D\"", kDigits);
+    second.trouble(second.place_of("key"), "key: expected {} hexadecimal digits, for example \"0A1B2C3D\"", kDigits);
   const auto label = [&](std::string_view name) { return static_cast<std::uint8_t>(second.integer(name, 0, 255, 0)); };
   port.assign = label("assign");
   port.send = label("send");
@@ -166,13 +166,13 @@ void read_ltp_slots(const TomlNode& node, TomlReader& merge, Show& show) {
     const auto* const text = std::get_if<std::string>(&entry.node.value);
     const auto slots = text != nullptr ? parse_addresses(*text) : std::nullopt;
     if (read.ec != std::errc() || read.ptr != end || !is_universe(ltp.universe)) {
-      merge.trouble(entry.node.at, "ltp_slots: \"{}\" is no universe; expected one from {} to {}", entry.key,
+      merge.trouble(entry.node.at, "ltp_slots: \"{}\" is not a universe; expected one from {} to {}", entry.key,
                     kUniverseMin, kUniverseMax);
     } else if (!slots) {
-      merge.trouble(entry.node.at, "ltp_slots: universe {}: expected addresses from 1 to 512, as in \"1-24,30\"",
+      merge.trouble(entry.node.at, "ltp_slots: universe {}: expected addresses from 1 to 512, for example \"1-24,30\"",
                     ltp.universe);
     } else if (std::find(show.ltp.begin(), show.ltp.end(), ltp.universe) != show.ltp.end()) {
-      merge.trouble(entry.node.at, "ltp_slots: universe {} is in ltp, as a whole; leave it out of one of the two",
+      merge.trouble(entry.node.at, "ltp_slots: the whole universe {} is in ltp already; remove one of the two",
                     ltp.universe);
     } else {
       ltp.slots = *slots;
@@ -268,10 +268,10 @@ Status order_standbys(Show& show) {
     });
     if (ready == waiting.end()) {
       const OutPlan& plan = waiting.front();
-      const char* const why = plan.standby_for == plan.endpoint.text ? "it cannot stand by for itself"
+      const char* const why = plan.standby_for == plan.endpoint.text ? "an output cannot be its own standby"
                               : names(waiting, plan.standby_for)
-                                  ? "outputs stand by for each other in a circle"
-                                  : "expected the endpoint of another output, as written there";
+                                  ? "these outputs are standbys of each other in a circle"
+                                  : "expected the endpoint of another output, exactly as written there";
       return fail(ErrorCode::kBadInput, "{}: standby_for = \"{}\": {}", plan.endpoint.text, plan.standby_for, why);
     }
     ordered.push_back(std::move(*ready));
@@ -334,7 +334,7 @@ Result<Show> parse_show(std::string_view text, const std::string& file) {
     TomlReader merge_reader(*merge, file, "[merge]");
     show.merge.timeout_ns = read_duration(merge_reader, "timeout", kSenderTimeoutDefaultNs);
     if (show.merge.timeout_ns == 0) {
-      merge_reader.trouble(merge_reader.place_of("timeout"), "timeout: expected a time above 0, as in \"2.5s\"");
+      merge_reader.trouble(merge_reader.place_of("timeout"), "timeout: expected a time above 0, for example \"2.5s\"");
     }
     if (merge_reader.has("ltp")) {
       for (const std::int64_t universe : merge_reader.integers("ltp", 1, kUniverseMax, kUniverseMin, kUniverseMax)) {
@@ -355,8 +355,8 @@ Result<Show> parse_show(std::string_view text, const std::string& file) {
   }
   FL_TRY(reader.finish());
   if (show.ins.empty() || show.outs.empty()) {
-    return fail(ErrorCode::kBadInput, "{}: a show needs at least one {}, as in\n  [[{}]]\n  endpoint = \"{}\"", file,
-                show.ins.empty() ? "[[in]]" : "[[out]]", show.ins.empty() ? "in" : "out",
+    return fail(ErrorCode::kBadInput, "{}: a show needs at least one {}, for example\n  [[{}]]\n  endpoint = \"{}\"",
+                file, show.ins.empty() ? "[[in]]" : "[[out]]", show.ins.empty() ? "in" : "out",
                 show.ins.empty() ? "sacn:1-9" : "enttec-pro");
   }
   if (const Status ordered = order_standbys(show); !ordered) {
@@ -366,7 +366,7 @@ Result<Show> parse_show(std::string_view text, const std::string& file) {
 }
 
 Result<Show> load_show(const std::string& path) {
-  // What the shell gives (/dev/stdin, /dev/fd/63) has a writer; a named pipe would be waited for.
+  // Paths from the shell (/dev/stdin, /dev/fd/63) have a writer; opening a named pipe would block.
   if (!path.starts_with("/dev/")) {
     FL_TRY(refuse_pipe_input(path));
   }
@@ -377,18 +377,17 @@ Result<Show> load_show(const std::string& path) {
     const ErrorCode code = number == ENOENT   ? ErrorCode::kNotFound
                            : number == EACCES ? ErrorCode::kPermission
                                               : ErrorCode::kIo;
-    return fail(code,
-                "{}: {}; give the name of a show file, or ports as in 'footlight run --in sacn:1-9 --out enttec-pro'",
-                path, std::strerror(number));
+    return fail(code, "{}: {}; name a show file, or ports as in 'footlight run --in sacn:1-9 --out enttec-pro'", path,
+                std::strerror(number));
   }
   std::string text(kShowFileBytesMax + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
   if (text.size() > kShowFileBytesMax) {
-    return fail(ErrorCode::kBadInput, "{}: longer than {} bytes, the most that a show file may have; name a show file",
-                path, kShowFileBytesMax);
+    return fail(ErrorCode::kBadInput, "{}: longer than {} bytes, the limit for a show file; name a show file", path,
+                kShowFileBytesMax);
   }
-  if (file.bad()) return fail(ErrorCode::kIo, "{}: cannot be read; is it a directory?", path);
+  if (file.bad()) return fail(ErrorCode::kIo, "{}: cannot be read; it may be a directory", path);
   FL_ASSIGN(Show show, parse_show(text, path));
   if (!show.ltp_rig.empty()) {
     FL_ASSIGN(const fixtures::Rig rig,

@@ -1,16 +1,16 @@
-// What a bridge connects: read from a show file or put together from the command line.
+// The ports and rules of a bridge, from a show file or from the command line.
 //
 // The show file is TOML:
 //
-//   universes = 9                  # optional: 1 to 9 are there even where no port names them
+//   universes = 9                  # optional: 1 to 9 exist even if no port names them
 //   [merge]                        # optional
-//   timeout = "2.5s"               # how long a silent sender is remembered
-//   ltp = [2, 3]                   # in these universes the latest change wins, not the highest level
-//   ltp_slots = {1 = "1-24,30"}    # in universe 1 it does so at these addresses
-//   ltp_rig = "rig.toml"           # and at every address of this rig that sets neither intensity nor mixed colour
+//   timeout = "2.5s"               # a sender that is silent for this long is dropped
+//   ltp = [2, 3]                   # universes with latest takes precedence; the others have highest
+//   ltp_slots = {1 = "1-24,30"}    # the same for addresses of a universe
+//   ltp_rig = "rig.toml"           # the same for every address of this rig without intensity and mixed colour
 //   [[in]]
 //   endpoint = "sacn:1-9"          # see sim/core/endpoint.h
-//   preview = false                # sacn: hear frames for visualisers, too
+//   preview = false                # sacn: true also receives frames for visualisers
 //   priority = 100                 # artnet; also rdm = true
 //   wait_for_device = true         # devices; also receive_on_change = true
 //   mode = "one-shot"              # gpio: see docs/gpio.md for this and its other keys
@@ -23,12 +23,12 @@
 //   rate_hz_max = 40               # sacn, artnet, devices that this machine times
 //   sync = true                    # artnet; without an address also broadcast = false
 //   priority = 120                 # sacn; also source_name = "FOH", preview = true
-//   address_priorities = "1-100:150, 101-512:0"  # sacn: who wins, address by address
+//   address_priorities = "1-100:150, 101-512:0"  # sacn: per-address priority
 //   sync_universe = 7000           # sacn; also multicast_ttl = 20, announce = true, cid = "8fd2a1c0-1b7e-..."
 //   overwrite = true               # log
-//   standby_for = "sacn:1-9"       # any: fed only while the output of that endpoint is lost
+//   standby_for = "sacn:1-9"       # any: sends only while the output with that endpoint is lost
 //
-// A key that the kind of endpoint has no use for is an error, with the line.
+// A key that does not apply to the kind of endpoint is an error, with the line.
 #pragma once
 
 #include <string>
@@ -50,14 +50,14 @@ namespace footlight::tools {
 struct InPlan {
   Endpoint endpoint;
   InOptions options;
-  bool demo = false;  // the demo show in place of the endpoint
+  bool demo = false;  // the demo show instead of the endpoint
   friend bool operator==(const InPlan&, const InPlan&) = default;
 };
 
 struct OutPlan {
   Endpoint endpoint;
   OutOptions options;
-  std::string standby_for;  // the text of another one's endpoint: fed only while that one is lost; empty: always
+  std::string standby_for;  // text of the main output's endpoint: sends only while that is lost; empty: always
   friend bool operator==(const OutPlan&, const OutPlan&) = default;
 };
 
@@ -65,31 +65,31 @@ struct OutPlan {
 struct LtpSlots {
   Universe universe = 0;
   SlotSet slots;
-  bool from_rig = false;  // a rig put them there, so that they mean nothing where no port carries the universe
+  bool from_rig = false;  // from ltp_rig; ignored if no port carries the universe
   friend bool operator==(const LtpSlots&, const LtpSlots&) = default;
 };
 
 struct Show {
   std::vector<InPlan> ins;
-  std::vector<OutPlan> outs;  // after order_standbys(): who stands by for another comes after it
-  int universe_count = 0;     // universes 1 to this are there beside those that ports name
+  std::vector<OutPlan> outs;  // after order_standbys(): a standby comes after its main output
+  int universe_count = 0;     // universes 1 to this exist in addition to those of the ports
   MergeOptions merge;
   std::vector<Universe> ltp;
-  std::vector<LtpSlots> ltp_slots;  // of other universes than those of `ltp`; each universe once
-  std::string ltp_rig;              // a rig file, as the show file names it; load_show() adds its slots to ltp_slots
+  std::vector<LtpSlots> ltp_slots;  // of universes that are not in `ltp`; each universe once
+  std::string ltp_rig;              // a rig file, as written in the show file; load_show() adds its slots to ltp_slots
 };
 
-// Puts those that stand by behind those that they stand by for. kBadInput names one that stands by for nobody of the
-// show, for itself, or in a circle.
+// Moves each standby behind its main output. kBadInput names one whose main output is not in the show, is itself, or is
+// part of a circle.
 [[nodiscard]] Status order_standbys(Show& show);
 
-// The slots of a rig that are LTP: those of channels that do something, and of whose functions none has an attribute
-// Dimmer, ColorAdd_, ColorSub_ or ColorRGB_. A slot that two fixtures share is HTP where it is so for one of them.
+// Adds the LTP slots of a rig: those of channels with an effect, none of whose functions has an attribute Dimmer,
+// ColorAdd_, ColorSub_ or ColorRGB_. A slot that two fixtures share is HTP if it is HTP for one of them.
 void add_ltp_slots(Show& show, const fixtures::Rig& rig);
 
-// `file` stands for the text in messages: "show.toml:12: ...". Errors: kBadInput.
+// `file` is the name of the text in messages: "show.toml:12: ...". Errors: kBadInput.
 [[nodiscard]] Result<Show> parse_show(std::string_view text, const std::string& file);
-// Also kNotFound, kPermission, kIo.
+// Also returns kNotFound, kPermission, kIo.
 [[nodiscard]] Result<Show> load_show(const std::string& path);
 
 }  // namespace footlight::tools

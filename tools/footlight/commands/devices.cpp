@@ -1,4 +1,4 @@
-// footlight devices: what is plugged in, what it can do, GPIO chips, and the command that mends what cannot be opened.
+// footlight devices: lists DMX devices and GPIO chips, and the command that fixes each one that cannot be opened.
 #include <cstdio>
 #include <memory>
 
@@ -10,30 +10,32 @@
 namespace footlight::tools {
 namespace {
 
-std::string abilities_of(const drivers::FoundDevice& device) {
+std::string capabilities_of(const drivers::FoundDevice& device) {
   std::string text;
   if ((device.capabilities & drivers::kCanOutput) != 0) text += "output";
   if ((device.capabilities & drivers::kCanInput) != 0) text += text.empty() ? "input" : " or input";
-  if ((device.capabilities & drivers::kKeepsSnapshotAlive) != 0) text += ", keeps the last look when the program ends";
-  if ((device.quirks & drivers::kQuirkSecondPortNeedsKey) != 0) text += ", second port with a key from the maker";
+  if ((device.capabilities & drivers::kKeepsSnapshotAlive) != 0)
+    text += ", holds the last levels when the program ends";
+  if ((device.quirks & drivers::kQuirkSecondPortNeedsKey) != 0)
+    text += ", second port with a key from the manufacturer";
   return text;
 }
 
 void print(const drivers::FoundDevice& device) {
   fmt::print("{}\n",
              device.endpoint.empty() ? device.model_name : fmt::format("{}  {}", device.endpoint, device.model_name));
-  const std::string abilities = abilities_of(device);
-  if (!abilities.empty()) fmt::print("  can:   {}\n", abilities);
+  const std::string capabilities = capabilities_of(device);
+  if (!capabilities.empty()) fmt::print("  can:   {}\n", capabilities);
   fmt::print("  where: USB socket {}, {}{}\n", device.port_path, device.node,
-             device.kernel_driver.empty() ? "" : fmt::format(", held by {}", device.kernel_driver));
+             device.kernel_driver.empty() ? "" : fmt::format(", kernel driver {}", device.kernel_driver));
   if (device.readiness == drivers::Readiness::kReady) {
     fmt::print("  ready: footlight run --in sacn:1 --out {}\n", device.endpoint);
   } else {
     fmt::print("  state: {}: {}\n", drivers::name_of(device.readiness), device.reason);
-    if (!device.remedy.empty()) fmt::print("  mend:  {}\n", device.remedy);
+    if (!device.remedy.empty()) fmt::print("  fix:   {}\n", device.remedy);
   }
   if (!device.rebind.empty())
-    fmt::print("  note:  ftdi_sio is not bound to it, so it has no tty; to bind it: {}\n", device.rebind);
+    fmt::print("  note:  ftdi_sio is not bound to it, so it has no tty; this binds it: {}\n", device.rebind);
 }
 
 void print(const drivers::FoundGpioChip& chip) {
@@ -44,13 +46,13 @@ void print(const drivers::FoundGpioChip& chip) {
              chip.open_to.empty() ? "" : fmt::format(", open to {} (mode {:04o})", chip.open_to, chip.mode));
   if (chip.readiness == drivers::Readiness::kReady) {
     fmt::print(
-        "  ready: footlight run --in gpio:{}/{}=1.25 --out sacn:1, with the line that you want; see docs/gpio.md\n",
+        "  ready: footlight run --in gpio:{}/{}=1.25 --out sacn:1, with the number of your line; see docs/gpio.md\n",
         chip.name, drivers::example_line(chip));
   } else if (drivers::is_part_of_serial_chip(chip)) {
     fmt::print("  state: spare pins of a serial adapter, which DMX does not need\n");
   } else {
     fmt::print("  state: {}: {}\n", drivers::name_of(chip.readiness), chip.reason);
-    if (!chip.remedy.empty()) fmt::print("  mend:  {}\n", chip.remedy);
+    if (!chip.remedy.empty()) fmt::print("  fix:   {}\n", chip.remedy);
   }
 }
 
@@ -74,13 +76,13 @@ int list_devices(bool json) {
   if (!list.devices.empty()) return kExitOk;
   fmt::print(
       stderr,
-      "footlight: no DMX device is plugged in; 'footlight run --in sacn:1 --out mock:enttec-pro' runs without one\n");
+      "footlight: no DMX device is plugged in; without one, try 'footlight run --in sacn:1 --out mock:enttec-pro'\n");
   return kExitNotFound;
 }
 
 void add(Arguments& arguments) {
   auto json = std::make_shared<bool>(false);
-  arguments.flag("--json", *json, "one JSON object a device and line");
+  arguments.flag("--json", *json, "one JSON object a line for each device");
   arguments.job([json]() -> Result<int> { return list_devices(*json); });
 }
 
@@ -88,12 +90,13 @@ void add(Arguments& arguments) {
 
 extern const CommandInfo devices_command{
     .name = "devices",
-    .help = "List DMX devices and GPIO chips, and how to mend what cannot be opened",
+    .help = "List DMX devices and GPIO chips, and how to get access to them",
     .examples =
         "  footlight devices\n"
         "  footlight devices --json | jq -r 'select(.endpoint) | .endpoint'\n"
-        "Needs no permission and opens no device; a GPIO chip that may be opened is asked for its label. Exit code 3\n"
-        "where no DMX device is there.",
+        "For each device: its endpoint, what it supports, and if it cannot be opened, the command that fixes this. No\n"
+        "permission is needed and no DMX device is opened. GPIO chips are opened to read their labels, if allowed.\n"
+        "Exit code 3 if there is no DMX device.",
     .add = add,
 };
 

@@ -1,6 +1,6 @@
-// footlight discover: who sends and takes what on the network, as they themselves tell.
+// footlight discover: lists senders and receivers that announce themselves on the network.
 //
-// Each protocol is a Finder; discover() turns all of them until the time is up and prints what they found.
+// Each protocol is a Finder; discover() polls all of them until the time is over and prints what they found.
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -27,7 +27,7 @@
 namespace footlight::tools {
 namespace {
 
-// Listens for one protocol.
+// Searches with one protocol.
 class Finder {
  public:
   virtual ~Finder() = default;
@@ -39,7 +39,7 @@ class Finder {
 };
 
 struct Options {
-  DurationNs listen_ns = 12 * kNsPerS;  // sACN senders tell every 10 s
+  DurationNs listen_ns = 12 * kNsPerS;  // sACN senders announce themselves every 10 s
   std::vector<std::string> interface_names;
   bool json = false;
 };
@@ -55,18 +55,18 @@ std::string text_of_cid(const drivers::Cid& cid) {
 class SacnFinder final : public Finder {
  public:
   static Result<std::unique_ptr<Finder>> make(const Options& options) {
-    drivers::SacnDiscoveryOptions wanted;
-    wanted.interface_names = options.interface_names;
-    FL_ASSIGN(auto source, drivers::SacnDiscoverySource::create(wanted));
+    drivers::SacnDiscoveryOptions sacn;
+    sacn.interface_names = options.interface_names;
+    FL_ASSIGN(auto source, drivers::SacnDiscoverySource::create(sacn));
     std::unique_ptr<Finder> finder(new SacnFinder(std::move(source)));
     return finder;
   }
   [[nodiscard]] int poll_fd() const override { return source_->poll_fd(); }
   Status poll(TimeNs now_ns) override {
-    class Nobody final : public FrameReceiver {
+    class NoReceiver final : public FrameReceiver {
       void receive(const FrameView&) override {}
-    } nobody;
-    FL_TRY(source_->poll(now_ns, nobody));
+    } no_receiver;
+    FL_TRY(source_->poll(now_ns, no_receiver));
     source_->directory().expire(now_ns);
     return {};
   }
@@ -90,18 +90,18 @@ class SacnFinder final : public Finder {
   std::unique_ptr<drivers::SacnDiscoverySource> source_;
 };
 
-// Asks for nodes as an Art-Net output does, and sends nothing else.
+// Sends polls as an Art-Net output does, and nothing else.
 class ArtnetFinder final : public Finder {
  public:
   static Result<std::unique_ptr<Finder>> make(const Options& options) {
-    drivers::ArtnetSinkOptions wanted;
-    wanted.name = "artnet discovery";
-    wanted.universes = {{1, 1}};
-    wanted.interface_names = options.interface_names;
-    wanted.unsubscribed = drivers::ArtnetUnsubscribed::kSilent;
-    wanted.own_senders = std::make_shared<drivers::OwnSenders>();
-    FL_ASSIGN(auto sink, drivers::ArtnetSink::create(wanted));
-    return std::unique_ptr<Finder>(new ArtnetFinder(std::move(sink), wanted.own_senders));
+    drivers::ArtnetSinkOptions artnet;
+    artnet.name = "artnet discovery";
+    artnet.universes = {{1, 1}};
+    artnet.interface_names = options.interface_names;
+    artnet.unsubscribed = drivers::ArtnetUnsubscribed::kSilent;
+    artnet.own_senders = std::make_shared<drivers::OwnSenders>();
+    FL_ASSIGN(auto sink, drivers::ArtnetSink::create(artnet));
+    return std::unique_ptr<Finder>(new ArtnetFinder(std::move(sink), artnet.own_senders));
   }
   [[nodiscard]] int poll_fd() const override { return sink_->poll_fd(); }
   Status poll(TimeNs now_ns) override { return sink_->poll(now_ns); }
@@ -127,22 +127,22 @@ class ArtnetFinder final : public Finder {
   std::shared_ptr<drivers::OwnSenders> program_;
 };
 
-// The interfaces are those that were named on the command line; without them `run` listens where this command does.
+// `interface_names`: those of the command line. Without them `run` uses the same interfaces as this command.
 void print(const NetworkFinding& found, std::span<const std::string> interface_names) {
   fmt::print("{:<7} {:<15}  {}\n", found.protocol, found.address, found.name.empty() ? "(no name)" : found.name);
   if (!found.sends.empty()) {
-    fmt::print("  sends: {}{}\n", show_universes(found.sends), found.complete ? "" : ", and more that did not come");
+    fmt::print("  sends:    {}{}\n", show_universes(found.sends), found.complete ? "" : ", and more (list incomplete)");
     std::string interfaces;
     for (const std::string& name : interface_names) interfaces += (interfaces.empty() ? "%" : ",") + name;
-    fmt::print("  hear:  footlight run --in {}:{}{} --out mock:enttec-pro\n", found.protocol,
+    fmt::print("  try:      footlight run --in {}:{}{} --out mock:enttec-pro\n", found.protocol,
                show_universes(found.sends), printable_line(interfaces));
   } else if (found.receives.empty()) {
-    fmt::print("  sends: nothing at the moment\n");
+    fmt::print("  sends:    nothing at the moment\n");
   }
-  if (!found.receives.empty()) fmt::print("  takes: {}\n", show_universes(found.receives));
+  if (!found.receives.empty()) fmt::print("  receives: {}\n", show_universes(found.receives));
 }
 
-// Which interfaces are listened on, and which are not, and why.
+// The interfaces that are used, and those that are not, with the reason.
 struct Reach {
   std::string on;
   std::string not_on;
@@ -157,7 +157,7 @@ Reach reach_of(const Options& options) {
     const auto& names = options.interface_names;
     const bool named = std::find(names.begin(), names.end(), one.name) != names.end();
     const char* const why = named                            ? ""
-                            : !names.empty()                 ? "not named"
+                            : !names.empty()                 ? "not selected"
                             : !one.up                        ? "down"
                             : one.loopback || !one.multicast ? "no multicast"
                                                              : "";
@@ -176,10 +176,10 @@ std::size_t count_findings(const std::vector<std::unique_ptr<Finder>>& finders) 
   return count;
 }
 
-// One line that a terminal rewrites: how long it still takes, and how many have been found.
+// One line that is rewritten on a terminal: the remaining time and the number of findings.
 class Countdown {
  public:
-  explicit Countdown(bool wanted) : rewrites_(wanted && isatty(STDERR_FILENO) != 0) {}
+  explicit Countdown(bool shown) : rewrites_(shown && isatty(STDERR_FILENO) != 0) {}
   ~Countdown() {
     if (shown_s_ >= 0) fmt::print(stderr, "\r\033[K");
   }
@@ -198,14 +198,13 @@ class Countdown {
   DurationNs shown_s_ = -1;
 };
 
-// Why a sender may be there and not in the list.
+// Reasons why an existing sender is not in the list.
 void print_hints(const Reach& reach) {
   fmt::print(stderr,
-             "footlight: nobody has told what they send; a sender that does not announce itself is heard all the same: "
+             "footlight: no sender or node answered; a sender without announcements can still be received: "
              "'footlight run --in sacn:1 --out mock:enttec-pro'\n");
   if (!reach.not_on.empty()) {
-    fmt::print(stderr, "footlight: not listened on {}; name an interface to listen there: --interface NAME\n",
-               reach.not_on);
+    fmt::print(stderr, "footlight: not searched on {}; select an interface with --interface NAME\n", reach.not_on);
   }
 }
 
@@ -213,7 +212,7 @@ void print_other_program() {
   const auto holders = drivers::other_holders(drivers::kArtnetPort);
   if (holders.empty()) return;
   fmt::print(stderr,
-             "footlight: {} has UDP port {} open, and answers of Art-Net devices to this machine go there; stop it to "
+             "footlight: {} has UDP port {} open and gets the answers of Art-Net devices to this machine; stop it to "
              "see all devices\n",
              printable_line(holders.front().description), drivers::kArtnetPort);
 }
@@ -225,7 +224,7 @@ Result<int> discover(const Options& options) {
   if (auto artnet = ArtnetFinder::make(options)) {
     finders.push_back(std::move(*artnet));
   } else {
-    fmt::print(stderr, "footlight: Art-Net nodes are not asked: {}\n", artnet.error().message);
+    fmt::print(stderr, "footlight: Art-Net is not searched: {}\n", artnet.error().message);
   }
 
   StopSignal signal;
@@ -233,7 +232,7 @@ Result<int> discover(const Options& options) {
   const TimeNs end_ns = clock.now_ns() + options.listen_ns;
   const Reach reach = reach_of(options);
   if (!options.json) {
-    fmt::print(stderr, "footlight: listening for {} on {}\n", show_duration(options.listen_ns),
+    fmt::print(stderr, "footlight: searching for {} on {}\n", show_duration(options.listen_ns),
                reach.on.empty() ? "no interface" : reach.on);
     print_other_program();
   }
@@ -265,9 +264,11 @@ Result<int> discover(const Options& options) {
 
 void add(Arguments& arguments) {
   auto options = std::make_shared<Options>();
-  arguments.duration("--for", options->listen_ns, "how long to listen; senders of sACN tell every 10 s");
-  arguments.list("--interface", options->interface_names, "NAME", "listen on this one only; may be given many times");
-  arguments.flag("--json", options->json, "one JSON object a sender and line");
+  arguments.duration("--for", options->listen_ns,
+                     "how long to search [12s]; sACN senders announce themselves every 10 s");
+  arguments.list("--interface", options->interface_names, "NAME",
+                 "search only on this interface; may be given several times");
+  arguments.flag("--json", options->json, "one JSON object a line for each finding");
   arguments.job([options]() -> Result<int> { return discover(*options); });
 }
 
@@ -275,13 +276,14 @@ void add(Arguments& arguments) {
 
 extern const CommandInfo discover_command{
     .name = "discover",
-    .help = "List who sends and takes what on the network, as they tell",
+    .help = "List senders and receivers on the network and their universes",
     .examples =
         "  footlight discover\n"
         "  footlight discover --for 25s --interface eth1\n"
         "  footlight discover --json | jq -r '[.name, .address] | @tsv'\n"
-        "Art-Net devices are asked (ArtPoll, every 3 s at most); nothing else is sent, and nothing is taken away from\n"
-        "other programs. Exit code 3 where nobody was heard.",
+        "Lists sACN senders by their announcements, and Art-Net devices by their answers to ArtPoll (sent every 3 s "
+        "at\n"
+        "most). Nothing else is sent, and other programs lose no packets. Exit code 3 if nothing was found.",
     .add = add,
 };
 

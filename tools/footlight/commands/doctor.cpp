@@ -1,4 +1,4 @@
-// footlight doctor: what of this machine stands in the way, and the command that mends it.
+// footlight doctor: finds causes of missing DMX on this machine and prints the command that fixes each.
 #include <unistd.h>
 
 #include <array>
@@ -27,7 +27,7 @@ const char* colour_of(Verdict verdict) {
 void print(const Check& check, const Outcome& outcome, bool coloured) {
   fmt::print("{}{:<8}{}{:<{}} {}\n", coloured ? colour_of(outcome.verdict) : "", name_of(outcome.verdict),
              coloured ? "\033[0m" : "", check.title, kTitleColumns, outcome.seen);
-  if (!outcome.mend.empty()) fmt::print("        {:<{}} mend: {}\n", "", kTitleColumns, outcome.mend);
+  if (!outcome.fix.empty()) fmt::print("        {:<{}} fix: {}\n", "", kTitleColumns, outcome.fix);
 }
 
 int examine(bool json) {
@@ -35,7 +35,7 @@ int examine(bool json) {
   const bool coloured = !json && isatty(STDOUT_FILENO) != 0;
   std::array<int, 4> counts{};
   for (const Check& check : doctor_checks()) {
-    const Outcome outcome = check.snapshot(view);
+    const Outcome outcome = check.run(view);
     ++counts[static_cast<std::size_t>(outcome.verdict)];
     if (json) {
       fmt::print("{}\n", json_of_check(check, outcome));
@@ -45,14 +45,14 @@ int examine(bool json) {
   }
   const auto count = [&counts](Verdict verdict) { return counts[static_cast<std::size_t>(verdict)]; };
   if (!json)
-    fmt::print("{} failed, {} to look at, {} ok, {} that do not apply\n", count(Verdict::kFail), count(Verdict::kWarn),
+    fmt::print("{} failed, {} warnings, {} ok, {} that do not apply\n", count(Verdict::kFail), count(Verdict::kWarn),
                count(Verdict::kOk), count(Verdict::kSkipped));
   return count(Verdict::kFail) == 0 ? kExitOk : kExitFailed;
 }
 
 void add(Arguments& arguments) {
   auto json = std::make_shared<bool>(false);
-  arguments.flag("--json", *json, "one JSON object a check and line");
+  arguments.flag("--json", *json, "one JSON object a line for each check");
   arguments.job([json]() -> Result<int> { return examine(*json); });
 }
 
@@ -60,12 +60,12 @@ void add(Arguments& arguments) {
 
 extern const CommandInfo doctor_command{
     .name = "doctor",
-    .help = "Check devices, permissions, network and timing, and say how to mend what is wrong",
+    .help = "Check devices, permissions, network and timing, and print how to fix problems",
     .examples =
         "  footlight doctor\n"
-        "  footlight doctor --json | jq -r 'select(.verdict == \"warn\") | .mend'\n"
-        "Changes nothing and opens no device. Run it as the user that runs the bridge. Exit code 1 where a check "
-        "fails.",
+        "  footlight doctor --json | jq -r 'select(.verdict == \"warn\") | .fix'\n"
+        "Changes nothing and opens no device. Run it as the user that runs the bridge. Exit code 1 if a check fails.\n"
+        "docs/doctor.md describes the checks.",
     .add = add,
 };
 

@@ -1,4 +1,4 @@
-// footlight fixtures: definitions of fixtures as files: judged, shown, found and converted.
+// footlight fixtures: checks, shows, finds and converts fixture definitions.
 #include "tools/footlight/commands/fixtures_command.h"
 
 namespace footlight::tools {
@@ -16,7 +16,7 @@ void add(Arguments& arguments) {
 
 extern const CommandInfo fixtures_command{
     .name = "fixtures",
-    .help = "Judge, show, find and convert definitions of fixtures",
+    .help = "Check, show, find and convert fixture definitions",
     .examples =
         "  footlight fixtures check ~/gdtf /usr/share/qlcplus/fixtures\n"
         "  footlight fixtures show head.gdtf --mode Standard\n"

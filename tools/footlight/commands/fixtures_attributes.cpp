@@ -1,4 +1,4 @@
-// footlight fixtures attributes: which attributes are parsed and which are simulated.
+// footlight fixtures attributes: prints which attributes are parsed and which are simulated.
 #include <fmt/format.h>
 
 #include "fixtures/model/coverage.h"
@@ -8,7 +8,7 @@ namespace footlight::tools {
 
 void add_fixtures_attributes(Arguments& arguments) {
   Arguments attributes =
-      arguments.subcommand("attributes", "List the attributes of GDTF: which are parsed and simulated",
+      arguments.subcommand("attributes", "List the GDTF attributes, and whether each is parsed and simulated",
                            "  footlight fixtures attributes > attributes.md\n");
   attributes.job([]() -> Result<int> {
     fmt::print("{}", fixtures::coverage_table());

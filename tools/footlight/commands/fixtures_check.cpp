@@ -1,4 +1,4 @@
-// footlight fixtures check: every definition is read, and what is wrong with it is said.
+// footlight fixtures check: reads definitions and lists their errors.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -41,13 +41,13 @@ struct Options {
   bool images = false;
 };
 
-// What is to be read, and how many files of folders were seen to be something else.
-struct Wanted {
+// The files to read, and the number of files in folders that are not definitions.
+struct Selection {
   std::vector<std::string> paths;
   std::size_t passed_over = 0;
 };
 
-// By its first bytes alone.
+// Decides by the first bytes alone.
 bool is_definition(const std::string& path) {
   fixtures::ImportSource source{path, path, {}, nullptr};
   if (!fixtures::check_is_file(path)) return fixtures::find_import_format(source) != nullptr;
@@ -59,15 +59,15 @@ bool is_definition(const std::string& path) {
   return fixtures::find_import_format(source) != nullptr;
 }
 
-// An unpacked archive is one definition.
+// True for an unpacked archive, which is one definition.
 bool is_unpacked(const fs::path& folder) {
   std::error_code ignored;
   return fs::is_regular_file(folder / "description.xml", ignored);
 }
 
-Status add_folder(const std::string& path, Wanted& wanted) {
+Status add_folder(const std::string& path, Selection& selection) {
   if (is_unpacked(path)) {
-    wanted.paths.push_back(path);
+    selection.paths.push_back(path);
     return {};
   }
   std::vector<std::string> found;
@@ -83,31 +83,31 @@ Status add_folder(const std::string& path, Wanted& wanted) {
       } else if (at.depth() >= kDepthMax) {
         at.disable_recursion_pending();
       }
-    } else if (at->is_regular_file(ignored) || !fs::exists(at->path(), ignored)) {  // a link that leads nowhere
+    } else if (at->is_regular_file(ignored) || !fs::exists(at->path(), ignored)) {  // a broken link
       if (is_definition(name)) {
         found.push_back(name);
       } else {
-        ++wanted.passed_over;
+        ++selection.passed_over;
       }
     }
   }
   if (error) return fail(ErrorCode::kIo, "{}: {}", path, error.message());
   std::sort(found.begin(), found.end());
-  wanted.paths.insert(wanted.paths.end(), found.begin(), found.end());
+  selection.paths.insert(selection.paths.end(), found.begin(), found.end());
   return {};
 }
 
-Result<Wanted> find_wanted(const std::vector<std::string>& paths) {
-  Wanted wanted;
+Result<Selection> find_selection(const std::vector<std::string>& paths) {
+  Selection selection;
   for (const std::string& path : paths) {
     std::error_code error;
     if (fs::is_directory(path, error)) {
-      FL_TRY(add_folder(path, wanted));
+      FL_TRY(add_folder(path, selection));
     } else {
-      wanted.paths.push_back(path);
+      selection.paths.push_back(path);
     }
   }
-  return wanted;
+  return selection;
 }
 
 // Every value of every channel decoded: which differ from those that the definition gives.
@@ -136,7 +136,7 @@ FixtureCheck check_file(const std::string& path, bool sweeps, bool images, fixtu
   if (type) {
     for (fixtures::Remark& one : fixtures::unsimulated(*type)) {
       diagnostics.add({Severity::kNote, "not-simulated", fixtures::place_in(*type, one.at), std::move(one.what),
-                       "it changes nothing"});
+                       "it has no effect"});
     }
     if (images) fixtures::check_images(*type, diagnostics);
     if (sweeps) add_decoded(*type, diagnostics, sum);
@@ -155,7 +155,7 @@ FixtureCheck check_file(const std::string& path, bool sweeps, bool images, fixtu
   return check;
 }
 
-// Diagnostics::finish() ends a code of which there are too many with "93 more of these".
+// Diagnostics::finish() ends a code with too many entries with "93 more of these".
 int count_of(const Diagnostic& one) {
   constexpr std::string_view kMore = " more of these";
   int count = 0;
@@ -165,7 +165,7 @@ int count_of(const Diagnostic& one) {
   return std::max(count, 1);
 }
 
-// "9 warnings (image-file 8, range), 3 notes": how many of each code, in order of their first.
+// "9 warnings (image-file 8, range)": the number of each code, in the order of first appearance.
 std::string counts_of(const std::vector<Diagnostic>& diagnostics, Severity severity) {
   std::vector<std::pair<std::string, int>> codes;
   int all = 0;
@@ -188,7 +188,7 @@ std::string counts_of(const std::vector<Diagnostic>& diagnostics, Severity sever
   return fmt::format("{} {}{} ({})", all, severity_name(severity), all == 1 ? "" : "s", list);
 }
 
-// One line a file, and what is lost of it; with `notes` all that there is to say.
+// One line a file, and its errors; with `notes` every diagnostic.
 std::string text_of(const FixtureCheck& check, bool notes) {
   std::string line = fmt::format("{:<8}  {}", status_name(check.status), check.file);
   if (check.status != ImportStatus::kRefused) {
@@ -213,16 +213,16 @@ Result<int> run_check(const Options& options) {
     return fail(ErrorCode::kBadInput, "nothing to check; name files or folders: 'footlight fixtures check head.gdtf'");
   catch_end_signals();
   Progress progress("files");
-  FL_ASSIGN(const Wanted wanted, find_wanted(options.paths));
+  FL_ASSIGN(const Selection selection, find_selection(options.paths));
   std::array<std::size_t, 3> counts{};
   std::size_t done = 0;
   std::size_t missing = 0;
   std::string missing_first;
   fixtures::DecodeReport decoded;
   std::string files;  // in text: the summary goes before them
-  for (const std::string& path : wanted.paths) {
+  for (const std::string& path : selection.paths) {
     if (end_signal_came()) break;
-    progress.show(done, wanted.paths.size());
+    progress.show(done, selection.paths.size());
     const FixtureCheck check = check_file(path, options.sweep, options.images, decoded);
     progress.clear();
     ++counts.at(static_cast<std::size_t>(check.status));
@@ -241,46 +241,44 @@ Result<int> run_check(const Options& options) {
   const std::size_t warned = counts[static_cast<std::size_t>(ImportStatus::kWarnings)];
   std::string summary =
       fmt::format("{}{} files: {} loaded, {} with warnings, {} refused",
-                  done < wanted.paths.size() ? fmt::format("stopped after {} of ", done) : "", wanted.paths.size(),
-                  counts[static_cast<std::size_t>(ImportStatus::kLoaded)], warned, refused);
-  if (wanted.passed_over > 0) {
-    summary += fmt::format("; {} more are no definitions of fixtures", wanted.passed_over);
+                  done < selection.paths.size() ? fmt::format("stopped after {} of ", done) : "",
+                  selection.paths.size(), counts[static_cast<std::size_t>(ImportStatus::kLoaded)], warned, refused);
+  if (selection.passed_over > 0) {
+    summary += fmt::format("; {} other files are not fixture definitions", selection.passed_over);
   }
   if (options.json) {
     fmt::print(stderr, "footlight: {}\n", summary);
   } else {
-    fmt::print("{}{}\n{}", summary, !options.notes && warned > 0 ? "; --notes lists what is wrong" : "", files);
+    fmt::print("{}{}\n{}", summary, !options.notes && warned > 0 ? "; --notes lists the warnings" : "", files);
     FL_TRY(flush_output());
   }
   if (options.sweep) {
     fmt::print(stderr, "footlight: {} values of channels of {} modes decoded; float is within {:.1e} of double\n",
                decoded.values, decoded.modes, decoded.float_error);
   }
-  if (wanted.paths.empty()) return kExitNotFound;
-  if (missing == wanted.paths.size()) return fail(ErrorCode::kNotFound, "{}", missing_first);
+  if (selection.paths.empty()) return kExitNotFound;
+  if (missing == selection.paths.size()) return fail(ErrorCode::kNotFound, "{}", missing_first);
   return refused > 0 ? kExitFailed : kExitOk;
 }
 
 }  // namespace
 
 void add_fixtures_check(Arguments& arguments) {
-  Arguments check =
-      arguments.subcommand("check", "Judge definitions of fixtures: what loads, what is wrong, what was assumed",
-                           "  footlight fixtures check head.gdtf\n"
-                           "  footlight fixtures check ~/gdtf /usr/share/qlcplus/fixtures --json\n"
-                           "  footlight fixtures check head.gdtf --sweep\n"
-                           "A summary first, then a line a file with the number of each code of warning; what is lost "
-                           "of a file is always listed. Folders are searched to the bottom. Exit code 0 where no file "
-                           "is refused, 1 where one is, "
-                           "3 where none is there.");
+  Arguments check = arguments.subcommand(
+      "check", "Check fixture definitions: which load, their errors, and assumptions",
+      "  footlight fixtures check head.gdtf\n"
+      "  footlight fixtures check ~/gdtf /usr/share/qlcplus/fixtures --json\n"
+      "  footlight fixtures check head.gdtf --sweep\n"
+      "Prints a summary, then one line a file with the number of each warning code. Errors are always "
+      "listed. Folders are searched with their subfolders. Exit code 0 if no file is refused, 1 if one "
+      "is, 3 if there is none.");
   auto options = std::make_shared<Options>();
   check.words("PATH", options->paths, "files and folders");
-  check.flag("--json", options->json, "one JSON object a file");
-  check.flag("--notes", options->notes,
-             "every diagnostic: what is wrong, and what was assumed where the file leaves something open");
+  check.flag("--notes", options->notes, "list every diagnostic: warnings, and assumptions about undefined values");
   check.flag("--images", options->images, "also read and draw every gobo's picture");
   check.flag("--sweep", options->sweep,
              "also decode every value of every channel of every mode and compare it with the definition");
+  check.flag("--json", options->json, "one JSON object a line for each file");
   check.job([options]() -> Result<int> { return run_check(*options); });
 }
 

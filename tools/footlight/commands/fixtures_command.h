@@ -1,4 +1,4 @@
-// The subcommands of `footlight fixtures`, a file each.
+// The subcommands of `footlight fixtures`, one file each.
 #pragma once
 
 #include <string>
@@ -16,12 +16,12 @@ void add_fixtures_find(Arguments& arguments);
 void add_fixtures_convert(Arguments& arguments);
 void add_fixtures_attributes(Arguments& arguments);
 
-// All of a fixture type that a person may want to know, in lines. `mode`: only this one, by its name in any case or by
-// its number from 1; empty: all. Fails where there is none such, with the names that there are.
+// Lines that describe a fixture type. `mode`: only this one, by its name in any case or by its number from 1; empty:
+// all. Fails if there is no such mode; the message lists the modes.
 [[nodiscard]] Result<std::string> text_of_type(const fixtures::FixtureType& type, std::string_view mode);
 
-// What is drawn of its beams (angles; of measured lamps their energy check) and colours (CIEDE2000), each with its
-// distance from what the definition says.
+// Its beams (angles; for measured lamps their energy check) and colours (CIEDE2000) as drawn, each with its difference
+// from the definition.
 [[nodiscard]] std::string optics_of_type(const fixtures::FixtureType& type);
 
 }  // namespace footlight::tools

@@ -1,4 +1,4 @@
-// footlight fixtures convert: any definition as our own fixture file, with the pictures and models that it uses.
+// footlight fixtures convert: writes any definition as a Footlight fixture file, with its pictures and models.
 #include <filesystem>
 #include <memory>
 #include <set>
@@ -45,13 +45,13 @@ std::set<std::string> names_used(const fixtures::FixtureType& type) {
 
 Result<int> convert(const Options& options) {
   if (options.file.empty())
-    return fail(ErrorCode::kBadInput, "fixtures convert: expected FILE, a definition to be read");
+    return fail(ErrorCode::kBadInput, "fixtures convert: expected FILE, the definition to read");
   if (!options.out.ends_with(".toml")) {
     return fail(ErrorCode::kBadInput, "fixtures convert: expected -o NAME.toml, got '{}'", options.out);
   }
   FL_ASSIGN(const fixtures::Imported imported, fixtures::import_fixture(options.file));
   const fixtures::FixtureType& type = imported.type;
-  // What it uses goes into a folder beside it.
+  // The files that it uses go into a folder beside it.
   const fs::path out = options.out;
   const std::string folder = out.stem().string() + "_files";
   int copied = 0;
@@ -87,13 +87,13 @@ Result<int> convert(const Options& options) {
 
 void add_fixtures_convert(Arguments& arguments) {
   Arguments convert_arguments = arguments.subcommand(
-      "convert", "Write any definition as our own fixture file",
+      "convert", "Write any definition as a Footlight fixture file",
       "  footlight fixtures convert head.gdtf -o head.toml\n"
       "  footlight fixtures convert /usr/share/qlcplus/fixtures/Robe/Robe-Pointe.qxf -o pointe.toml\n"
-      "Pictures and models that it uses are copied to a folder beside it. docs/rig.md describes the form.\n");
+      "Its pictures and models are copied to a folder beside the file. docs/rig.md describes the format.\n");
   auto options = std::make_shared<Options>();
-  convert_arguments.word("FILE", options->file, "a definition of any format that is read");
-  convert_arguments.option("--out,-o", options->out, "NAME.toml", "the file to be written");
+  convert_arguments.word("FILE", options->file, "a definition of any supported format");
+  convert_arguments.option("--out,-o", options->out, "NAME.toml", "the file to write");
   convert_arguments.job([options] { return convert(*options); });
 }
 

@@ -1,4 +1,4 @@
-// footlight fixtures find: which definitions on this machine a name means.
+// footlight fixtures find: searches the definitions on this machine by name.
 #include <algorithm>
 #include <memory>
 
@@ -23,7 +23,7 @@ Result<int> find(const Options& options) {
   for (const std::string& word : options.words) words += word + " ";
   if (words.find_first_not_of(' ') == std::string::npos) {
     return fail(ErrorCode::kBadInput,
-                "fixtures find: expected words of a manufacturer's or model's name, as in 'robe pointe'");
+                "fixtures find: expected words of a manufacturer's or model's name, for example 'robe pointe'");
   }
   std::vector<std::string> folders = options.folders;
   for (std::string& folder : fixtures::library_folders()) folders.push_back(std::move(folder));
@@ -48,7 +48,7 @@ Result<int> find(const Options& options) {
   std::string list;
   for (const std::string& folder : folders) list += (list.empty() ? "" : ", ") + folder;
   return fail(ErrorCode::kNotFound,
-              "no definition is called like '{}' among {}; looked in {}. QLC+'s are in Debian's package qlcplus-data; "
+              "no definition matches '{}' among {}; searched in {}. QLC+'s are in Debian's package qlcplus-data; "
               "--library names another folder",
               words.substr(0, words.size() - 1), library.entries().size(), list);
 }
@@ -57,17 +57,17 @@ Result<int> find(const Options& options) {
 
 void add_fixtures_find(Arguments& arguments) {
   Arguments find_arguments = arguments.subcommand(
-      "find", "Find definitions by name on this machine: GDTF, Open Fixture Library, QLC+ and our own",
+      "find", "Search definitions on this machine by name: GDTF, Open Fixture Library, QLC+ and TOML",
       "  footlight fixtures find robe pointe\n"
       "  footlight fixtures find mac aura --library ~/gdtf --json\n"
-      "Looks in $FOOTLIGHT_FIXTURES, footlight/fixtures below the XDG data folders, QLC+'s definitions, and among the\n"
-      "types that are built in.\n"
-      "Exit code 3 where nothing is called so.\n");
+      "Searches $FOOTLIGHT_FIXTURES, footlight/fixtures below the XDG data folders, QLC+'s definitions, and the "
+      "built-in\n"
+      "types. Exit code 3 if nothing matches.\n");
   auto options = std::make_shared<Options>();
-  find_arguments.words("WORD", options->words, "words of the name; spelling may be off");
-  find_arguments.list("--library", options->folders, "FOLDER", "look here first");
-  find_arguments.option("--count", options->count, 1, 1000, "at most so many");
-  find_arguments.flag("--json", options->json, "one JSON object a definition and line");
+  find_arguments.words("WORD", options->words, "words of the name; spelling errors are tolerated");
+  find_arguments.list("--library", options->folders, "FOLDER", "search here first; may be given several times");
+  find_arguments.option("--count", options->count, 1, 1000, "the most results to print");
+  find_arguments.flag("--json", options->json, "one JSON object a line for each definition");
   find_arguments.job([options] { return find(*options); });
 }
 

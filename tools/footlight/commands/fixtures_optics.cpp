@@ -1,4 +1,4 @@
-// What is drawn of a definition's beams and colours, and how far that is from what the definition says.
+// Compares the beams and colours as drawn with those of the definition.
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -17,7 +17,7 @@ std::string optics_of_type(const FixtureType& type) {
   std::string text;
   const auto out = std::back_inserter(text);
   if (!type.beams.empty()) {
-    text += "Beams as drawn: angles at 50 % and 10 % of the peak, and how far the worse of them is off\n";
+    text += "Beams as drawn: angles at 50 % and 10 % of the peak, and the larger of their errors\n";
   }
   std::vector<std::string> seen;
   for (const Beam& beam : type.beams) {
@@ -50,13 +50,13 @@ std::string optics_of_type(const FixtureType& type) {
           beam.flux_lm, beam.beam_angle_deg, beam.field_angle_deg, fit.beam_angle_deg, fit.field_angle_deg,
           100 * fit.angle_error, fit.peak_cd, fit.assumed.empty() ? "" : "; ", fit.assumed);
     }
-    if (std::find(seen.begin(), seen.end(), line) != seen.end()) continue;  // pixels are all alike
+    if (std::find(seen.begin(), seen.end(), line) != seen.end()) continue;  // pixels are all equal
     seen.push_back(line);
     text += line;
   }
   const std::vector<ColorError> rows = color_report(type);
   if (rows.empty()) return text;
-  text += "Colours as drawn: CIEDE2000 from the definition, and the part of it that mixing in RGB makes\n";
+  text += "Colours as drawn: CIEDE2000 to the definition, and the part of it that mixing in RGB causes\n";
   double worst = 0;
   double sum = 0;
   for (const ColorError& row : rows) {

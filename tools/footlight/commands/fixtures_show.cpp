@@ -1,4 +1,4 @@
-// footlight fixtures show: what is in a definition, for people.
+// footlight fixtures show: prints the content of a definition.
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
@@ -67,12 +67,12 @@ class Writer {
     std::vector<std::string> names;
     for (const Remark& one : unsimulated(type_, mode)) names.push_back(one.what);
     if (!names.empty()) {
-      line(1, "Read and not simulated: {}", fmt::join(names, ", "));
+      line(1, "Read, but not simulated: {}", fmt::join(names, ", "));
     }
     names.clear();
     for (const Remark& one : shows_nothing(mode)) names.push_back(one.what);
-    if (!names.empty()) line(1, "Read, with nothing to see: {}", fmt::join(names, ", "));
-    if (makes_haze(mode)) line(1, "Machine: it brings haze or fog into the room ([room] of the rig)");
+    if (!names.empty()) line(1, "Read, without a visible effect: {}", fmt::join(names, ", "));
+    if (makes_haze(mode)) line(1, "Machine: produces haze or fog in the room ([room] of the rig)");
     std::vector<std::string> lamps;
     for (const Geometry& geometry : mode.geometries) {
       if (geometry.beam == kNoIndex) continue;
@@ -262,8 +262,8 @@ Result<int> show(const Options& options) {
   std::size_t wrong = 0;
   for (const Diagnostic& one : imported.diagnostics) wrong += one.severity != Severity::kNote ? 1u : 0u;
   if (wrong > 0) {
-    fmt::print(stderr, "footlight: {} things are wrong with it; 'footlight fixtures check --notes {}' lists them\n",
-               wrong, printable_utf8(options.file));
+    fmt::print(stderr, "footlight: {} errors and warnings; 'footlight fixtures check --notes {}' lists them\n", wrong,
+               printable_utf8(options.file));
   }
   return kExitOk;
 }
@@ -282,7 +282,8 @@ Result<std::string> text_of_type(const FixtureType& type, std::string_view mode)
   if (shown.empty() && !mode.empty()) {
     std::string names;
     for (const Mode& one : type.modes) names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", one.name);
-    return fail(ErrorCode::kNotFound, "no mode \"{}\"; there are {}", mode, names.empty() ? "none" : names);
+    return fail(ErrorCode::kNotFound, "no mode \"{}\"; expected {}", mode,
+                names.empty() ? "none, it has no modes" : names);
   }
   Writer writer(type);
   writer.write_head();
@@ -293,16 +294,16 @@ Result<std::string> text_of_type(const FixtureType& type, std::string_view mode)
 
 void add_fixtures_show(Arguments& arguments) {
   Arguments show_arguments =
-      arguments.subcommand("show", "Modes, channels, functions, geometries, beams and wheels of a definition",
+      arguments.subcommand("show", "Show the modes, channels, functions, geometries, beams and wheels of a definition",
                            "  footlight fixtures show head.gdtf\n"
                            "  footlight fixtures show head.qxf --mode \"16 Channel\"\n"
                            "  footlight fixtures show head.gdtf --mode 2\n"
-                           "What is wrong with the file is what 'footlight fixtures check' says.");
+                           "'footlight fixtures check' lists errors in the file.");
   auto options = std::make_shared<Options>();
   show_arguments.word("FILE", options->file, "a definition, or the folder of an unpacked one");
   show_arguments.option("--mode", options->mode, "NAME", "only this mode, by name or by number");
   show_arguments.flag("--optics", options->optics,
-                      "instead: how beams and colours are drawn, and how far that is from the definition");
+                      "show instead how beams and colours are drawn, and the differences from the definition");
   show_arguments.job([options]() -> Result<int> { return show(*options); });
 }
 

@@ -1,4 +1,4 @@
-// footlight log: look into a log, or turn one into another format.
+// footlight log: shows, converts, compares and times logs.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -17,26 +17,27 @@
 namespace footlight::tools {
 namespace {
 
-constexpr const char* kFileHelp = "a DMX log, an OLA Show, a packet capture (pcap, pcapng) or a sigrok capture (.sr)";
+constexpr const char* kFileHelp = "a DMX log, OLA show file, packet capture (pcap, pcapng) or sigrok capture (.sr)";
 
-// How files that are no DMX logs are read.
+// Options for reading files that are not DMX logs.
 struct ReadArguments {
   drivers::CaptureOptions options;
   std::string protocol;
 
   void add(Arguments& arguments) {
     arguments.option("--universe-offset", options.universe_offset, 0, 1,
-                     "OLA Show: 1 where it counts universes from 0");
+                     "OLA show file: 1 if it counts universes from 0");
     arguments.option("--protocol", protocol, "NAME", "packet capture: only 'sacn' or only 'artnet'");
-    arguments.flag("--preview", options.net.hear_preview, "packet capture: sACN frames for visualisers, too");
+    arguments.flag("--preview", options.net.hear_preview, "packet capture: include sACN frames for visualisers");
     add_line(arguments);
     arguments.option("--universe", options.universe, kUniverseMin, kUniverseMax,
                      "sigrok capture: the universe of the line");
   }
 
   void add_line(Arguments& arguments) {
-    arguments.option("--channel", options.channel, "NAME",
-                     "sigrok capture: the channel, by its name or number from 1; else the one with the most levels");
+    arguments.option(
+        "--channel", options.channel, "NAME",
+        "sigrok capture: the channel, by its name or number from 1; default: the one with the most levels");
     arguments.flag("--inverted", options.inverted, "sigrok capture: --channel is DMX-");
   }
 
@@ -46,7 +47,8 @@ struct ReadArguments {
       return fail(ErrorCode::kBadInput, "--protocol: expected 'sacn' or 'artnet', got '{}'", protocol);
     }
     if (options.inverted && options.channel.empty()) {
-      return fail(ErrorCode::kBadInput, "--inverted: expected --channel beside it, as in '--channel DMX- --inverted'");
+      return fail(ErrorCode::kBadInput,
+                  "--inverted: expected --channel as well, for example '--channel DMX- --inverted'");
     }
     read.net.sacn = protocol != "artnet";
     read.net.artnet = protocol != "sacn";
@@ -72,7 +74,7 @@ std::string show_wall_clock(std::int64_t unix_ns) {
 std::string format_of(const LogInfo& info) {
   switch (info.format) {
     case LogFormat::kDmxLog: return fmt::format("DMX log {}.{}", info.version_major, info.version_minor);
-    case LogFormat::kOlaShow: return "OLA Show";
+    case LogFormat::kOlaShow: return "OLA show file";
     case LogFormat::kPacketCapture: return "packet capture";
     case LogFormat::kLineCapture: return "sigrok capture of a line";
   }
@@ -101,7 +103,7 @@ void print(const LogInfo& info) {
 
 Result<int> print_info(const InfoOptions& options) {
   if (options.file.empty())
-    return fail(ErrorCode::kBadInput, "log info: expected a file, as in 'footlight log info show.dmxlog'");
+    return fail(ErrorCode::kBadInput, "log info: expected a file, for example 'footlight log info show.dmxlog'");
   FL_ASSIGN(const drivers::CaptureOptions read, options.read.read());
   FL_ASSIGN(const LogFormat format, detect_log_format(options.file));
   LogInfo info;
@@ -122,7 +124,7 @@ Result<int> print_info(const InfoOptions& options) {
   if (!info.recovered()) return kExitOk;
   fmt::print(
       stderr, "footlight: {}: {}; 'footlight log convert {} whole.dmxlog' writes what can be read\n", options.file,
-      info.damage_count == 0 ? "its writer did not finish it" : fmt::format("{} damaged parts", info.damage_count),
+      info.damage_count == 0 ? "the recording was not finished" : fmt::format("{} damaged parts", info.damage_count),
       options.file);
   return kExitFailed;
 }
@@ -139,7 +141,7 @@ struct ConvertArguments {
 Result<int> convert(const ConvertArguments& arguments) {
   if (arguments.in.empty() || arguments.out.empty()) {
     return fail(ErrorCode::kBadInput,
-                "log convert: expected two files, as in 'footlight log convert foh.show foh.dmxlog'");
+                "log convert: expected two files, for example 'footlight log convert foh.show foh.dmxlog'");
   }
   FL_ASSIGN(const drivers::CaptureOptions read, arguments.read.read());
   ConvertOptions options = arguments.options;
@@ -157,15 +159,15 @@ Result<int> convert(const ConvertArguments& arguments) {
                show_duration(report.duration_ns), report.bytes_out, report.bytes_in);
     if (report.left_out != 0) fmt::print("  left out: {} frames\n", report.left_out);
     if (report.lead_dropped_ns != 0) {
-      fmt::print("  left out: {} of silence before the first frame, which an OLA Show cannot hold\n",
+      fmt::print("  left out: {} of silence before the first frame, which an OLA show file cannot store\n",
                  show_duration(report.lead_dropped_ns));
     }
     if (report.other_universes != 0) {
-      fmt::print("  left out: {} frames of universes that --universes does not name\n", report.other_universes);
+      fmt::print("  left out: {} frames of universes that are not in --universes\n", report.other_universes);
     }
-    for (const Universe universe : report.absent) fmt::print("  universe {}: no frame came\n", universe);
+    for (const Universe universe : report.absent) fmt::print("  universe {}: no frames\n", universe);
     if (report.late_stamps != 0) {
-      fmt::print("  {} frames were stamped earlier than the one before them; they got its time\n", report.late_stamps);
+      fmt::print("  {} frames had earlier stamps than the frame before; they got its time\n", report.late_stamps);
     }
     print_notes(report.notes);
   }
@@ -181,7 +183,7 @@ struct TimingArguments {
   bool json = false;
 };
 
-// Smallest, median and largest of what `value` appends for each sound frame.
+// Prints the smallest, median and largest of the values that `value` appends for each valid frame.
 template <class Value>
 void print_spread(const char* name, const char* unit, double scale, const std::vector<drivers::LineFrameTiming>& frames,
                   Value&& value) {
@@ -200,12 +202,12 @@ double us(DurationNs duration_ns) { return static_cast<double>(duration_ns) * 1e
 
 Result<int> timing(const TimingArguments& arguments) {
   if (arguments.file.empty()) {
-    return fail(ErrorCode::kBadInput, "log timing: expected a file, as in 'footlight log timing desk.sr'");
+    return fail(ErrorCode::kBadInput, "log timing: expected a file, for example 'footlight log timing desk.sr'");
   }
   FL_ASSIGN(const LogFormat format, detect_log_format(arguments.file));
   if (format != LogFormat::kLineCapture) {
     return fail(ErrorCode::kBadInput,
-                "{}: expected a sigrok capture (.sr) of a line; other files hold whole frames and nothing of breaks",
+                "{}: expected a sigrok capture (.sr) of a line; other files store whole frames without breaks",
                 arguments.file);
   }
   FL_ASSIGN(const drivers::CaptureOptions read, arguments.read.read());
@@ -264,19 +266,20 @@ std::string offset_of(const LogDiff& diff) {
   const std::string offset =
       fmt::format("{}{}", diff.offset_ns < 0 ? "-" : "", show_duration(std::abs(diff.offset_ns)));
   switch (diff.offset_from) {
-    case LogOffsetFrom::kGiven: return "times are compared as they are";
+    case LogOffsetFrom::kGiven: return "times are compared without an offset";
     case LogOffsetFrom::kChanges:
       return fmt::format("B is {} later, by {} changes of levels that occur once in each", offset, diff.offset_votes);
     case LogOffsetFrom::kFirstFrames:
-      return fmt::format("B is {} later, by the first frame of each: no change of levels is like no other", offset);
+      return fmt::format("B is {} later, by the first frame of each, because no change of levels is unique", offset);
     case LogOffsetFrom::kNothing: break;
   }
-  return "no universe is in both";
+  return "no universe is in both logs";
 }
 
 Result<int> diff(const DiffArguments& arguments) {
   if (arguments.a.empty() || arguments.b.empty()) {
-    return fail(ErrorCode::kBadInput, "log diff: expected two files, as in 'footlight log diff a.dmxlog b.dmxlog'");
+    return fail(ErrorCode::kBadInput,
+                "log diff: expected two files, for example 'footlight log diff a.dmxlog b.dmxlog'");
   }
   FL_ASSIGN(const drivers::CaptureOptions read, arguments.read.read());
   LogDiffOptions options = arguments.options;
@@ -295,12 +298,12 @@ Result<int> diff(const DiffArguments& arguments) {
     fmt::print("universe {}: {} pairs, {} frames only in A, {} only in B\n", one.universe, one.pairs, one.only_a,
                one.only_b);
     if (one.different != 0) {
-      fmt::print("  levels: {} pairs differ, in {} slots, by {} at most; first at {}, address {}: {} in A, {} in B\n",
+      fmt::print("  levels: {} pairs differ, in {} slots, by at most {}; first at {}, address {}: {} in A, {} in B\n",
                  one.different, one.slots_different, one.level_distance_max, show_duration(one.first_ns),
                  one.first_address, one.first_level_a, one.first_level_b);
     }
     if (one.pairs == 0) continue;
-    fmt::print("  times: apart by {} (median), {} (99 %), {} (most); drift {:.2f} ppm\n",
+    fmt::print("  times: apart by {} (median), {} (99 %), {} (max); drift {:.2f} ppm\n",
                show_duration(one.times.p50_ns), show_duration(one.times.p99_ns), show_duration(one.times.max_ns),
                one.drift_ppm);
   }
@@ -309,11 +312,11 @@ Result<int> diff(const DiffArguments& arguments) {
 }
 
 void add(Arguments& arguments) {
-  Arguments info = arguments.subcommand("info", "What a log holds: length, universes, rates, damage",
+  Arguments info = arguments.subcommand("info", "Show the length, universes, rates and damage of a log",
                                         "  footlight log info show.dmxlog\n"
                                         "  footlight log info --check --json show.dmxlog\n"
                                         "  footlight log info capture.pcapng\n"
-                                        "Exit code 1 where the log is damaged or was not finished.");
+                                        "Exit code 1 if the log is damaged or was not finished.");
   auto info_options = std::make_shared<InfoOptions>();
   info.word("FILE", info_options->file, kFileHelp);
   info.flag("--check", info_options->check, "DMX log: read every block, not only the index");
@@ -322,53 +325,54 @@ void add(Arguments& arguments) {
   info.job([info_options]() -> Result<int> { return print_info(*info_options); });
 
   Arguments converter = arguments.subcommand(
-      "convert", "Turn a log into another format, told by the name of the result",
-      "  footlight log convert foh.show foh.dmxlog          an OLA Show into a DMX log\n"
-      "  footlight log convert show.dmxlog show.txt         a DMX log into an OLA Show\n"
-      "  footlight log convert show.pcapng show.dmxlog      sACN and Art-Net out of packets\n"
-      "  footlight log convert desk.sr desk.dmxlog          the line itself, from a sigrok capture\n"
-      "  footlight log convert broken.dmxlog whole.dmxlog   keep what can be read\n"
-      "Exit code 1 where a part of the input was damaged; the rest was written.");
+      "convert", "Convert a log to another format, selected by the name of the result",
+      "  footlight log convert foh.show foh.dmxlog          OLA show file to DMX log\n"
+      "  footlight log convert show.dmxlog show.txt         DMX log to OLA show file\n"
+      "  footlight log convert show.pcapng show.dmxlog      sACN and Art-Net from a packet capture\n"
+      "  footlight log convert desk.sr desk.dmxlog          a DMX line from a sigrok capture\n"
+      "  footlight log convert broken.dmxlog whole.dmxlog   the readable parts of a damaged log\n"
+      "Exit code 1 if a part of the input was damaged; the rest was written.");
   auto convert_arguments = std::make_shared<ConvertArguments>();
   converter.word("FROM", convert_arguments->in, kFileHelp);
-  converter.word("TO", convert_arguments->out, ".dmxlog for a DMX log, anything else for an OLA Show");
+  converter.word("TO", convert_arguments->out, ".dmxlog for a DMX log, any other name for an OLA show file");
   converter.flag("--overwrite", convert_arguments->options.overwrite, "replace a file of that name");
   converter.flag("--changes-only", convert_arguments->options.changes_only,
                  "leave out frames that repeat the levels before them");
   converter.option("--universes", convert_arguments->universes, "LIST",
-                   "only these, as in 1-3, or renumbered, as in 101-103=1-3");
+                   "only these (1-3), or renumbered (101-103=1-3)");
   convert_arguments->read.add(converter);
   converter.flag("--json", convert_arguments->json, "one JSON object");
   converter.job([convert_arguments]() -> Result<int> { return convert(*convert_arguments); });
 
   Arguments differ =
-      arguments.subcommand("diff", "Compare two logs in levels and in time",
+      arguments.subcommand("diff", "Compare the levels and times of two logs",
                            "  footlight log diff sent.dmxlog received.dmxlog\n"
                            "  footlight log diff show.dmxlog show.pcapng --changes-only --time-tolerance 5ms\n"
                            "  footlight log diff a.dmxlog b.dmxlog --values 1 --same-start --json\n"
-                           "Exit code 0 where no frame lacks a partner and no level and no time is further apart than\n"
-                           "allowed, 1 otherwise.");
+                           "Exit code 0 if every frame has a counterpart and all levels and times are within the\n"
+                           "tolerances, else 1.");
   auto diff_arguments = std::make_shared<DiffArguments>();
   differ.word("A", diff_arguments->a, kFileHelp);
   differ.word("B", diff_arguments->b, "the same");
-  differ.option("--values", diff_arguments->options.level_tolerance, 0, 255, "levels may be so far apart");
+  differ.option("--values", diff_arguments->options.level_tolerance, 0, 255, "tolerance of levels");
   differ.duration("--time-tolerance", diff_arguments->options.time_tolerance_ns,
-                  "times may be so far apart, beyond the offset; 1ms where it is not given");
-  differ.flag("--same-start", diff_arguments->same_start, "both began at one moment: do not look for an offset");
+                  "tolerance of times, after the offset is removed [1ms]");
+  differ.flag("--same-start", diff_arguments->same_start, "both started at the same moment: use no offset");
   differ.flag("--changes-only", diff_arguments->options.changes_only,
               "leave out frames that repeat the levels before them");
   diff_arguments->read.add(differ);
   differ.flag("--json", diff_arguments->json, "one JSON object");
   differ.job([diff_arguments]() -> Result<int> { return diff(*diff_arguments); });
 
-  Arguments line = arguments.subcommand("timing", "Break, mark after break, gaps and period of a captured DMX line",
-                                        "  footlight log timing desk.sr\n"
-                                        "  footlight log timing desk.sr --summary --channel DMX-  --inverted\n"
-                                        "  footlight log timing desk.sr --json\n"
-                                        "Exit code 1 where a frame was rejected.");
+  Arguments line =
+      arguments.subcommand("timing", "Show break, mark after break, gaps and period of a captured DMX line",
+                           "  footlight log timing desk.sr\n"
+                           "  footlight log timing desk.sr --summary --channel DMX-  --inverted\n"
+                           "  footlight log timing desk.sr --json\n"
+                           "Exit code 1 if a frame was rejected.");
   auto timing_arguments = std::make_shared<TimingArguments>();
   line.word("FILE", timing_arguments->file, "a sigrok capture (.sr)");
-  line.flag("--summary", timing_arguments->summary, "no line for each frame");
+  line.flag("--summary", timing_arguments->summary, "print only the summary, not each frame");
   timing_arguments->read.add_line(line);
   line.flag("--json", timing_arguments->json, "one JSON object");
   line.job([timing_arguments]() -> Result<int> { return timing(*timing_arguments); });
@@ -378,7 +382,7 @@ void add(Arguments& arguments) {
 
 extern const CommandInfo log_command{
     .name = "log",
-    .help = "Look into a log, or turn it into another format",
+    .help = "Show, convert and compare logs and captures",
     .examples =
         "  footlight log info show.dmxlog\n"
         "  footlight log convert foh.show foh.dmxlog\n"

@@ -1,4 +1,4 @@
-// footlight monitor: what is on the wire, or what a running bridge does, at a glance.
+// footlight monitor: displays live levels and senders, or the state of a running bridge.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -42,17 +42,17 @@ constexpr DurationNs kPeriodDrawnNs = 100 * kNsPerMs;
 constexpr DurationNs kPeriodJsonNs = kNsPerS;
 constexpr DurationNs kStatusPeriodNs = kNsPerS / 2;
 
-// Where pages come from.
+// A source of status pages.
 class Feed {
  public:
   virtual ~Feed() = default;
   [[nodiscard]] virtual Result<std::string> page(const std::string& path, const std::string& universes) = 0;
   [[nodiscard]] virtual std::string title() const = 0;
-  // Why not everything that is on the wire comes here; empty: it does.
+  // Why some traffic does not arrive here; empty: all of it does.
   [[nodiscard]] virtual std::string note() const { return {}; }
 };
 
-// A bridge that runs elsewhere on this machine.
+// Another program on this machine that runs a bridge.
 class SocketFeed final : public Feed {
  public:
   explicit SocketFeed(std::string socket) : socket_(std::move(socket)) {}
@@ -68,7 +68,7 @@ class SocketFeed final : public Feed {
   std::string socket_;
 };
 
-// A pump of our own, with inputs and no outputs.
+// The monitor's own pump, with inputs and no outputs.
 class OwnFeed final : public Feed {
  public:
   static Result<std::unique_ptr<OwnFeed>> start(const Options& options, Clock& clock) {
@@ -96,7 +96,7 @@ class OwnFeed final : public Feed {
     feed->pump_ = std::make_unique<Pump>(std::move(buffer), clock, *feed->waiter_, pump_options);
     for (const auto& source : feed->sources_) feed->pump_->add_source(*source);
     feed->pages_ = std::make_unique<StatusPages>(*feed->pump_, clock);
-    (void)feed->pump_->latest_status();  // asks for one
+    (void)feed->pump_->latest_status();  // requests the first one
     const NoSignals for_the_thread;
     feed->thread_ = std::jthread([self = feed.get()](const std::stop_token& stop) {
       const std::stop_callback stop_pump(stop, [self] { self->pump_->request_stop(); });
@@ -119,21 +119,20 @@ class OwnFeed final : public Feed {
   std::unique_ptr<drivers::EpollWaiter> waiter_;
   std::unique_ptr<Pump> pump_;
   std::unique_ptr<StatusPages> pages_;
-  std::jthread thread_;  // last: it ends before what it uses
+  std::jthread thread_;  // last member: ends before the objects that it uses
 };
 
 Result<std::unique_ptr<Feed>> open_feed(const Options& options, Clock& clock) {
   if (!options.words.empty()) {
     if (!options.socket.empty()) {
       return fail(ErrorCode::kBadInput,
-                  "monitor: expected endpoints to listen to or a --socket to attach to, not both");
+                  "monitor: expected endpoints to receive from or a --socket to connect to, not both");
     }
     FL_ASSIGN(std::unique_ptr<Feed> feed, OwnFeed::start(options, clock));
     return feed;
   }
   if (!options.socket.empty()) return std::make_unique<SocketFeed>(options.socket);
-  FL_ASSIGN(std::string socket,
-            find_bridge("monitor", ", or name what to listen to, as in 'footlight monitor sacn:1-9'"));
+  FL_ASSIGN(std::string socket, find_bridge("monitor", ", or name an input, for example 'footlight monitor sacn:1-9'"));
   return std::make_unique<SocketFeed>(std::move(socket));
 }
 
@@ -144,7 +143,7 @@ std::string listed(const std::vector<Universe>& universes) {
   return list;
 }
 
-// Keeps a state fresh. Trouble is part of the picture: a bridge that is restarted comes back.
+// Updates a state. Errors are part of the display, because a bridge that restarts comes back.
 class Watcher {
  public:
   Watcher(Feed& feed, Clock& clock, MonitorState& state) : feed_(feed), clock_(clock), state_(state) {
@@ -152,13 +151,13 @@ class Watcher {
     state_.note = feed.note();
   }
 
-  void snapshot(const std::string& filter) {
-    const Status looked = try_to_look(filter);
-    state_.trouble = looked ? "" : looked.error().message;
+  void update(const std::string& filter) {
+    const Status updated = try_update(filter);
+    state_.trouble = updated ? "" : updated.error().message;
   }
 
  private:
-  Status try_to_look(const std::string& filter) {
+  Status try_update(const std::string& filter) {
     const TimeNs now_ns = clock_.now_ns();
     if (now_ns >= status_ns_) {
       FL_ASSIGN(const std::string status, feed_.page("/status", ""));
@@ -186,7 +185,7 @@ void step_to(MonitorState& state, MonitorView& view, int by) {
   view.selected = shown[static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(index + by, 0, last))];
 }
 
-// False: the person has had enough.
+// Handles a key. False: quit.
 bool press(Key key, const std::string& typed, MonitorState& state, MonitorView& view) {
   if (view.typing) {
     if (key == Key::kText) view.filter += typed;
@@ -228,7 +227,7 @@ Result<int> draw(const Options& options, Clock& clock, Watcher& watcher, Monitor
   TimeNs next_ns = clock.now_ns();
   while (!terminal->ended() && clock.now_ns() < end_ns) {
     if (clock.now_ns() >= next_ns) {
-      if (!view.paused) watcher.snapshot(view.typing ? "" : view.filter);
+      if (!view.paused) watcher.update(view.typing ? "" : view.filter);
       next_ns = std::max(next_ns + period_ns, clock.now_ns() + period_ns / 4);
     }
     const TerminalSize size = terminal->size();
@@ -241,15 +240,15 @@ Result<int> draw(const Options& options, Clock& clock, Watcher& watcher, Monitor
   return kExitOk;
 }
 
-// One object or one picture a period, on standard output.
+// Prints one object or one picture per period on standard output.
 Result<int> print(const Options& options, Clock& clock, Watcher& watcher, MonitorState& state, MonitorView& view) {
   catch_end_signals();
   const DurationNs period_ns = options.period_ns != 0 ? options.period_ns : kPeriodJsonNs;
   TimeNs next_ns = clock.now_ns();
   const TimeNs end_ns = options.run_for_ns == kTimeNever ? kTimeNever : next_ns + options.run_for_ns;
-  // The first status that says anything is two periods of the pump old.
+  // The first status with rates is two periods of the pump old.
   if (options.once && !options.words.empty()) {
-    watcher.snapshot("");
+    watcher.update("");
     next_ns += options.run_for_ns == kTimeNever ? 2 * kStatusPeriodNs + kNsPerS / 10 : options.run_for_ns;
   }
   while (true) {
@@ -257,7 +256,7 @@ Result<int> print(const Options& options, Clock& clock, Watcher& watcher, Monito
       clock.sleep_until_ns(std::min(next_ns, clock.now_ns() + 50 * kNsPerMs));
     }
     if (end_signal_came()) return kExitOk;
-    watcher.snapshot(options.filter);
+    watcher.update(options.filter);
     if (!state.trouble.empty() && options.once) return fail(ErrorCode::kDisconnected, "{}", state.trouble);
     if (options.json) {
       std::fputs((json_of_monitor(state, utc_text(wall_clock_unix_ns(), 6)) + "\n").c_str(), stdout);
@@ -287,17 +286,17 @@ void add(Arguments& arguments) {
   auto options = std::make_shared<Options>();
   options->columns = 80;
   options->rows = 24;
-  arguments.words("ENDPOINT", options->words, "what to listen to; none: attach to the running bridge");
-  arguments.list("--in,-i", options->ins, "ENDPOINT", "the same, as 'footlight run' takes it");
-  arguments.option("--socket", options->socket, "FILE", "the bridge to attach to, where several run");
-  arguments.option("--filter", options->filter, "TEXT", "universes as in 1-9, or a word of a sender's name");
-  arguments.duration("--period", options->period_ns, "how often to look; 100ms on a terminal, else 1s");
+  arguments.words("ENDPOINT", options->words, "inputs to receive from; default: connect to the running bridge");
+  arguments.list("--in,-i", options->ins, "ENDPOINT", "the same, as for 'footlight run'");
+  arguments.option("--socket", options->socket, "FILE", "the socket of the bridge, if several run");
+  arguments.option("--filter", options->filter, "TEXT", "universes (1-9), or a part of a sender's name");
+  arguments.duration("--period", options->period_ns, "update period; default: 100ms on a terminal, else 1s");
   arguments.duration("--for", options->run_for_ns, "end after this time");
-  arguments.flag("--once", options->once, "one picture, or one object, on standard output");
+  arguments.flag("--wait-for-device", options->wait_for_device, "start even if a device is not plugged in yet");
+  arguments.flag("--once", options->once, "print one picture, or one object, and end");
   arguments.option("--columns", options->columns, 1, 1'000, "width of the picture of --once");
-  arguments.option("--rows", options->rows, 1, 1'000, "its height");
-  arguments.flag("--wait-for-device", options->wait_for_device, "begin although a device is not plugged in yet");
-  arguments.flag("--json", options->json, "one JSON object a period and line, with all levels");
+  arguments.option("--rows", options->rows, 1, 1'000, "height of the picture of --once");
+  arguments.flag("--json", options->json, "one JSON object a line for each period, with all levels");
   arguments.job([options]() -> Result<int> {
     options->words.insert(options->words.end(), options->ins.begin(), options->ins.end());
     return monitor(*options);
@@ -308,15 +307,15 @@ void add(Arguments& arguments) {
 
 extern const CommandInfo monitor_command{
     .name = "monitor",
-    .help = "Watch levels, senders and ports, of the wire or of the running bridge",
+    .help = "Show live levels, senders and ports, of the network or of the running bridge",
     .examples =
         "  footlight monitor sacn:1-9                 what is on the network\n"
         "  footlight monitor artnet:1-4 enttec-pro=5  several at once\n"
         "  footlight monitor                          the 'footlight run' of this machine, inputs and outputs\n"
         "  footlight monitor sacn:1-9 --json --period 200ms\n"
         "  footlight monitor --once --columns 120     one picture, as text\n"
-        "Up and down choose the universe that is shown in full, space holds the picture, / filters, q ends.\n"
-        "Changes of the last second are bright; NO_COLOR=1 leaves colours away.",
+        "Up and down select the universe that is shown in full, space pauses, / filters, q quits.\n"
+        "Changes of the last second are bright; NO_COLOR=1 turns colours off.",
     .add = add,
 };
 

@@ -1,4 +1,4 @@
-// footlight preview: the rig in a window.
+// footlight preview: shows a rig in a window.
 #include "tools/footlight/preview/preview.h"
 
 #include <memory>
@@ -13,18 +13,18 @@ void add(Arguments& arguments) {
   auto options = std::make_shared<PreviewOptions>();
   auto flashes = std::make_shared<std::string>("warn");
   add_scene_arguments(arguments, options->files);
-  arguments.list("--in,-i", options->ins, "ENDPOINT", "drive the rig live from here; may be given many times");
-  arguments.duration("--at", options->at_ns, "where in the log to begin");
-  arguments.option("--size", options->size, "WxH", "of the window in pixels");
-  arguments.option("--camera", options->camera, "NAME", "a camera of the rig; its first one");
-  arguments.option("--nodes", options->nodes, 1, 8, "Gauss nodes a beam and pixel, see footlight report");
+  arguments.list("--in,-i", options->ins, "ENDPOINT", "live input for the rig; may be given several times");
+  arguments.duration("--at", options->at_ns, "start time in the log [0]");
+  arguments.option("--camera", options->camera, "NAME", "a camera of the rig; default: its first one");
   arguments.option("--work-light", options->work_light_lx, 0, 1e6,
-                   "lx on every surface, W turns it off and on; 150 or more where nothing drives the rig");
-  arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this");
-  arguments.option("--seconds", options->seconds, 0, 1e6, "close after this time; 0 stays open");
-  arguments.option("--screenshot", options->screenshot, "FILE", "write the last frame as PNG when closing");
+                   "lx on every surface, key W turns it off and on; default without input: 150 or more");
   arguments.option("--flashes", *flashes, "WORD",
-                   "harmful flashes (more than three a second): warn, limit (the last picture stands) or off; warn");
+                   "harmful flashes (more than three a second): warn, limit (holds the last picture) or off [warn]");
+  arguments.option("--size", options->size, "WxH", "size of the window in pixels");
+  arguments.option("--nodes", options->nodes, 1, 8, "Gauss nodes per beam and pixel, see footlight report");
+  arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this text");
+  arguments.option("--seconds", options->seconds, 0, 1e6, "close after this time; 0: stay open");
+  arguments.option("--screenshot", options->screenshot, "FILE", "write the last frame as PNG when closing");
   arguments.flag("--json", options->json, "frame times as JSON, one object a second and a summary");
   arguments.job([options, flashes]() -> Result<int> {
     FL_ASSIGN(options->flashes, flash_mode_of(*flashes));
@@ -36,17 +36,17 @@ void add(Arguments& arguments) {
 
 extern const CommandInfo preview_command{
     .name = "preview",
-    .help = "Show a rig in a window: from a log, live from the network or a device, or by hand",
+    .help = "Show a rig in a window: from a log, live from the network or a device, or with faders",
     .examples =
         "  footlight preview --demo\n"
         "  footlight preview rig.toml --log show.dmxlog --at 12.5s\n"
         "  footlight preview rig.toml --in sacn:1-9            live\n"
         "  footlight preview rig.toml --in enttec-pro --in artnet:2-9\n"
-        "  footlight preview show.mvr                          by hand, with faders\n"
+        "  footlight preview show.mvr                          with faders\n"
         "  footlight preview head.gdtf                         one fixture alone\n"
-        "Mouse: left orbits, right or middle pans, wheel approaches. Keys: 1-9 cameras, F frames the rig, W work\n"
-        "light, space pauses, left and right seek 5 s, Q and E expose, H hides the panel, Esc closes. Without a\n"
-        "display: footlight render.",
+        "Mouse: left button orbits, right or middle button pans, wheel zooms. Keys: 1-9 cameras, F frames the rig,\n"
+        "W work light, space pauses, left and right seek 5 s, Q and E change the exposure, H hides the panel, Esc\n"
+        "closes. Without a display use footlight render.",
     .add = add,
 };
 

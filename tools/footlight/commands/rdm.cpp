@@ -1,4 +1,4 @@
-// footlight rdm: who is on a DMX line, what they say of themselves, and setting it.
+// footlight rdm: lists the RDM devices on a DMX line, and reads and sets their parameters.
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -33,7 +33,8 @@ constexpr const char* kPortHelp = "the line: enttec-pro:EN123456, mock:enttec-pr
 
 Result<std::unique_ptr<drivers::RdmLine>> open_line(const Options& options, Clock& clock) {
   if (options.port.empty()) {
-    return fail(ErrorCode::kBadInput, "rdm: expected --port, as in '--port enttec-pro' or '--port mock:enttec-pro'");
+    return fail(ErrorCode::kBadInput,
+                "rdm: expected --port, for example '--port enttec-pro' or '--port mock:enttec-pro'");
   }
   FL_ASSIGN(const Endpoint endpoint, parse_port(options.port));
   if (endpoint.kind == EndpointKind::kDevice) {
@@ -46,11 +47,11 @@ Result<std::unique_ptr<drivers::RdmLine>> open_line(const Options& options, Cloc
   }
   if (endpoint.scheme == "artnet") return drivers::open_artnet_rdm_line(endpoint, clock);
   return fail(ErrorCode::kBadInput,
-              "{}: carries no RDM; name an interface or a gateway, as in enttec-pro:EN123456 or artnet:1@10.0.0.7",
+              "{}: does not support RDM; use an interface or a gateway: enttec-pro:EN123456 or artnet:1@10.0.0.7",
               options.port);
 }
 
-// What everybody has; a device that does not answer one question is listed all the same.
+// Reads the parameters of the list. A device that does not answer one of them is listed all the same.
 RdmDevice describe(drivers::RdmController& controller, const drivers::RdmFound& found) {
   using namespace drivers;
   RdmDevice device;
@@ -95,7 +96,7 @@ void print(const RdmDevice& device) {
     return;
   }
   if (device.start_address == 0) {
-    fmt::print("  takes no slots\n");
+    fmt::print("  no slots\n");
   } else {
     fmt::print("  address {}, {} slots, personality {} of {}{}\n", device.start_address, device.footprint,
                device.personality, device.personalities,
@@ -123,11 +124,11 @@ Result<int> list(const Options& options) {
     }
   }
   if (!found.empty()) return kExitOk;
-  fmt::print(stderr, "footlight: {}: nobody on this line answers to RDM\n", options.port);
+  fmt::print(stderr, "footlight: {}: no RDM device on this line answered\n", options.port);
   return kExitNotFound;
 }
 
-// A parameter as the user named it: of the list, or the maker's own, which the device is asked about.
+// A parameter given by the user: one of the list, or a manufacturer parameter, which the device describes.
 struct Parameter {
   std::uint16_t number = 0;
   std::string name;
@@ -145,8 +146,9 @@ Result<Parameter> parameter_of(const Options& options, const RdmUid& uid, driver
   if (!number) {
     std::string names;
     for (const auto& one : drivers::rdm_parameters()) names += fmt::format("{}{}", names.empty() ? "" : ", ", one.name);
-    return fail(ErrorCode::kBadInput, "\"{}\": no parameter of that name; expected a number as in 0x8001, or one of {}",
-                options.parameter, names);
+    return fail(ErrorCode::kBadInput,
+                "\"{}\": no parameter of that name; expected a number such as 0x8001, or one of {}", options.parameter,
+                names);
   }
   Parameter parameter;
   parameter.number = *number;
@@ -154,7 +156,7 @@ Result<Parameter> parameter_of(const Options& options, const RdmUid& uid, driver
   if (*number < drivers::kRdmManufacturerFirst || uid.is_broadcast()) return parameter;
   const Octets argument = {static_cast<std::uint8_t>(*number >> 8), static_cast<std::uint8_t>(*number)};
   const auto data = controller.get(uid, drivers::kRdmParameterDescription, argument, "PARAMETER_DESCRIPTION");
-  if (!data) return parameter;  // then its bytes as they are
+  if (!data) return parameter;  // then as hexadecimal octets
   FL_ASSIGN(const auto own, drivers::parse_rdm_parameter_description(*data));
   parameter.name = fmt::format("{} ({})", options.parameter, own.name);
   parameter.got = own.form;
@@ -166,7 +168,7 @@ Result<Parameter> parameter_of(const Options& options, const RdmUid& uid, driver
 Result<int> get(const Options& options) {
   if (options.uid.empty() || options.parameter.empty()) {
     return fail(ErrorCode::kBadInput,
-                "rdm get: expected a UID and a parameter, as in 'footlight rdm get 7FF0:00000001 DEVICE_INFO'");
+                "rdm get: expected a UID and a parameter, for example 'footlight rdm get 7FF0:00000001 DEVICE_INFO'");
   }
   FL_ASSIGN(const RdmUid uid, drivers::parse_rdm_uid(options.uid));
   SystemClock clock;
@@ -189,7 +191,7 @@ Result<int> get(const Options& options) {
 Result<int> set(const Options& options) {
   if (options.uid.empty() || options.parameter.empty()) {
     return fail(ErrorCode::kBadInput,
-                "rdm set: expected a UID, a parameter and a value, as in 'footlight rdm set 7FF0:00000001 "
+                "rdm set: expected a UID, a parameter and a value, for example 'footlight rdm set 7FF0:00000001 "
                 "DMX_START_ADDRESS 17'");
   }
   FL_ASSIGN(const RdmUid uid, drivers::parse_rdm_uid(options.uid));
@@ -198,7 +200,7 @@ Result<int> set(const Options& options) {
   drivers::RdmController controller(*line, clock);
   FL_ASSIGN(const Parameter parameter, parameter_of(options, uid, controller));
   if (!parameter.can_set) {
-    return fail(ErrorCode::kBadInput, "{}: can only be read; 'footlight rdm get' does that", parameter.name);
+    return fail(ErrorCode::kBadInput, "{}: is read-only; use 'footlight rdm get'", parameter.name);
   }
   FL_ASSIGN(const Octets data, drivers::rdm_data(parameter.set, options.value, parameter.name));
   FL_TRY(controller.set(uid, parameter.number, data, parameter.name));
@@ -208,37 +210,37 @@ Result<int> set(const Options& options) {
 }
 
 void add(Arguments& arguments) {
-  Arguments lister = arguments.subcommand("list", "Who is on the line, with address, slots and name",
+  Arguments lister = arguments.subcommand("list", "List the devices on the line, with address, slots and name",
                                           "  footlight rdm list --port enttec-pro:EN123456\n"
                                           "  footlight rdm list --port mock:enttec-pro --json\n"
                                           "  footlight rdm list --port artnet:1@10.0.0.7\n"
-                                          "Exit code 3 where nobody answers.");
+                                          "Exit code 3 if no device answers.");
   auto list_options = std::make_shared<Options>();
   lister.option("--port", list_options->port, "ENDPOINT", kPortHelp);
-  lister.flag("--json", list_options->json, "one JSON object a device and line");
+  lister.flag("--json", list_options->json, "one JSON object a line for each device");
   lister.job([list_options]() -> Result<int> { return list(*list_options); });
 
-  Arguments getter = arguments.subcommand("get", "What a device says of one parameter",
+  Arguments getter = arguments.subcommand("get", "Read one parameter of a device",
                                           "  footlight rdm get 7FF0:00000001 DEVICE_INFO --port mock:enttec-pro\n"
                                           "  footlight rdm get 7FF0:00000001 sensor-value 0 --port mock:enttec-pro\n"
                                           "  footlight rdm get 7FF0:00000001 0x8001 --port mock:enttec-pro\n");
   auto get_options = std::make_shared<Options>();
-  getter.word("UID", get_options->uid, "of the device, as 'rdm list' has it");
-  getter.word("PARAMETER", get_options->parameter, "its name in E1.20, or its number as in 0x8001");
-  getter.word("ARGUMENT", get_options->value, "which one, where there are several: a sensor, slot or personality");
+  getter.word("UID", get_options->uid, "of the device, as printed by 'rdm list'");
+  getter.word("PARAMETER", get_options->parameter, "its name in E1.20, or its number, for example 0x8001");
+  getter.word("ARGUMENT", get_options->value, "the number of the sensor, slot or personality, if there are several");
   getter.option("--port", get_options->port, "ENDPOINT", kPortHelp);
   getter.flag("--json", get_options->json, "one JSON object");
   getter.job([get_options]() -> Result<int> { return get(*get_options); });
 
   Arguments setter =
-      arguments.subcommand("set", "Set a parameter of one device, or of all",
+      arguments.subcommand("set", "Set a parameter of one device, or of all devices",
                            "  footlight rdm set 7FF0:00000001 DMX_START_ADDRESS 17 --port enttec-pro\n"
                            "  footlight rdm set 7FF0:00000001 DEVICE_LABEL 'FOH left' --port enttec-pro\n"
                            "  footlight rdm set all IDENTIFY_DEVICE off --port enttec-pro\n"
-                           "Exit code 1 where the device refuses; the reason is told.");
+                           "Exit code 1 if the device refuses; its reason is printed.");
   auto set_options = std::make_shared<Options>();
   setter.word("UID", set_options->uid, "of the device, or all");
-  setter.word("PARAMETER", set_options->parameter, "its name in E1.20, or its number as in 0x8001");
+  setter.word("PARAMETER", set_options->parameter, "its name in E1.20, or its number, for example 0x8001");
   setter.word("VALUE", set_options->value, "a number, text, on or off, or hexadecimal octets");
   setter.option("--port", set_options->port, "ENDPOINT", kPortHelp);
   setter.flag("--json", set_options->json, "one JSON object");
@@ -249,7 +251,7 @@ void add(Arguments& arguments) {
 
 extern const CommandInfo rdm_command{
     .name = "rdm",
-    .help = "Find RDM devices on a DMX line, and get and set what they are set to",
+    .help = "Find RDM devices on a DMX line, and read and set their parameters",
     .examples =
         "  footlight rdm list --port enttec-pro\n"
         "  footlight rdm get 7FF0:00000001 DEVICE_INFO --port mock:enttec-pro\n"

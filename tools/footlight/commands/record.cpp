@@ -1,4 +1,4 @@
-// footlight record: what comes over the wire, as it comes.
+// footlight record: records the frames of inputs as they arrive.
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -23,7 +23,7 @@ struct Options {
   DurationNs run_for_ns = kTimeNever;
 };
 
-// Takes every frame before the merge, so that the log tells senders and priorities apart; the pump only keeps its time.
+// A tap: takes every frame before the merge, so that the log keeps senders and priorities. As a sink it only gets time.
 class Recorder final : public Sink, public FrameReceiver {
  public:
   explicit Recorder(std::unique_ptr<LogSink> log) : log_(std::move(log)) {}
@@ -48,9 +48,10 @@ class Recorder final : public Sink, public FrameReceiver {
 
 Result<int> record(const Options& options) {
   if (options.ins.empty() || options.out.empty()) {
-    return fail(ErrorCode::kBadInput,
-                "record: expected at least one --in and a file after -o, as in 'footlight record --in sacn:1-9 -o "
-                "show.dmxlog'");
+    return fail(
+        ErrorCode::kBadInput,
+        "record: expected at least one --in and a file after -o, for example 'footlight record --in sacn:1-9 -o "
+        "show.dmxlog'");
   }
   FL_ASSIGN(const std::vector<Endpoint> endpoints, parse_ports(options.ins));
   for (const Endpoint& endpoint : endpoints) {
@@ -65,7 +66,7 @@ Result<int> record(const Options& options) {
   Bridge bridge;
   bridge.json = options.json;
   bridge.run_for_ns = options.run_for_ns;
-  bridge.stop_at_end = true;  // where every input is a log
+  bridge.stop_at_end = true;  // if every input is a log
   InOptions in_options;
   in_options.wait_for_device = options.wait_for_device;
   in_options.yields = true;  // a bridge keeps its unicast frames
@@ -96,27 +97,28 @@ Result<int> record(const Options& options) {
   const LogWriterStats stats = kept.stats();
   const std::uint64_t lost = kept.counters().dropped;
   if (!options.json && (stats.frames != 0 || lost != 0 || stats.not_levels != 0)) {
-    fmt::print(stderr, "{}: {} frames, {} of them with changes, {} bytes{}{}\n", options.out, stats.frames,
-               stats.changes, stats.bytes,
-               lost == 0 ? "" : fmt::format("; {} frames lost, the disk was too slow", lost),
-               stats.not_levels == 0 ? "" : fmt::format("; {} of per-address priorities left out", stats.not_levels));
+    fmt::print(
+        stderr, "{}: {} frames, {} of them with changes, {} bytes{}{}\n", options.out, stats.frames, stats.changes,
+        stats.bytes, lost == 0 ? "" : fmt::format("; {} frames lost, the disk was too slow", lost),
+        stats.not_levels == 0 ? "" : fmt::format("; {} frames of per-address priorities left out", stats.not_levels));
   }
   if (lost != 0) return kExitFailed;
   if (stats.frames != 0) return kExitOk;
-  return fail(ErrorCode::kNotFound,
-              "{}: nothing was recorded, and no file was written: no frame came; see who sends with 'footlight "
-              "discover', or what a running bridge gets with 'footlight monitor'",
-              options.out);
+  return fail(
+      ErrorCode::kNotFound,
+      "{}: nothing was recorded, and no file was written: no frames arrived; 'footlight discover' lists senders, "
+      "'footlight monitor' shows what a running bridge receives",
+      options.out);
 }
 
 void add(Arguments& arguments) {
   auto options = std::make_shared<Options>();
-  arguments.list("--in,-i", options->ins, "ENDPOINT", "what to record; may be given many times");
-  arguments.option("--out,-o", options->out, "FILE", "the log to write; ends in .dmxlog");
-  arguments.duration("--for", options->run_for_ns, "stop after this time, as in 60s");
-  arguments.flag("--overwrite", options->overwrite, "replace a log of that name");
+  arguments.list("--in,-i", options->ins, "ENDPOINT", "an input to record; may be given several times");
+  arguments.option("--out,-o", options->out, "FILE", "the log to write, for example show.dmxlog");
+  arguments.duration("--for", options->run_for_ns, "stop after this time, for example 60s");
+  arguments.flag("--overwrite", options->overwrite, "replace an existing log");
   arguments.flag("--changes-only", options->changes_only, "leave out frames that repeat the levels before them");
-  arguments.flag("--wait-for-device", options->wait_for_device, "begin although a device is not plugged in yet");
+  arguments.flag("--wait-for-device", options->wait_for_device, "start even if a device is not plugged in yet");
   arguments.flag("--json", options->json, "status and events as JSON, one object a line");
   arguments.job([options]() -> Result<int> { return record(*options); });
 }
@@ -125,14 +127,15 @@ void add(Arguments& arguments) {
 
 extern const CommandInfo record_command{
     .name = "record",
-    .help = "Write what comes over the wire to a log, with the time of each frame",
+    .help = "Record inputs to a log, with the time of each frame",
     .examples =
         "  footlight record --in sacn:1-9 -o show.dmxlog\n"
         "  footlight record --in enttec-pro --in artnet:2-4 -o both.dmxlog --for 60s\n"
-        "Frames are kept as they came, before any merge, with sender and priority.\n"
-        "'footlight run ... --out log:FILE' writes the merged look instead.\n"
-        "Ctrl-C ends the recording. A recorder that is killed leaves FILE.part, which every command reads, and loses "
-        "less than a second.",
+        "Frames are recorded as received, before the merge, with sender and priority. To record the merged levels use\n"
+        "'footlight run ... --out log:FILE'.\n"
+        "Ctrl-C ends the recording. A killed recorder leaves FILE.part, which every command reads, and loses less than "
+        "a\n"
+        "second.",
     .add = add,
 };
 

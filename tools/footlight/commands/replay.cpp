@@ -1,4 +1,4 @@
-// footlight replay: a log, on time.
+// footlight replay: plays a log with its original timing.
 #include <cstdio>
 #include <memory>
 
@@ -27,7 +27,7 @@ struct Options {
 Result<int> replay(const Options& options) {
   if (options.file.empty() != options.demo || options.outs.empty()) {
     return fail(ErrorCode::kBadInput,
-                "replay: expected one log, or --demo, and at least one --out, as in "
+                "replay: expected one log, or --demo, and at least one --out, for example "
                 "'footlight replay show.dmxlog --out sacn:1-9'");
   }
   FL_ASSIGN(const std::vector<Endpoint> endpoints, parse_ports(options.outs));
@@ -60,7 +60,7 @@ Result<int> replay(const Options& options) {
   }
   bridge.universes.assign(source->universes().begin(), source->universes().end());
   if (bridge.universes.empty()) {
-    return fail(ErrorCode::kBadInput, "{}: holds no universe to play; see 'footlight log info {}'", source->name(),
+    return fail(ErrorCode::kBadInput, "{}: has no universes to play; see 'footlight log info {}'", source->name(),
                 options.file);
   }
   bridge.sources.push_back(std::move(source));
@@ -85,16 +85,16 @@ Result<int> replay(const Options& options) {
 
 void add(Arguments& arguments) {
   auto options = std::make_shared<Options>();
-  arguments.word("FILE", options->file, "a DMX log, an OLA Show or a capture (pcap, pcapng, .sr)");
-  arguments.flag("--demo", options->demo, "the demo show in place of a file");
-  arguments.list("--out,-o", options->outs, "ENDPOINT", "where to play it; may be given many times");
-  arguments.duration("--at", options->start_ns, "begin there in the log, with the whole look of that moment");
-  arguments.duration("--until", options->stop_ns, "end there in the log");
-  arguments.option("--speed", options->speed, 0.001, 1'000.0, "times as fast");
-  arguments.flag("--loop", options->loop, "over and over");
+  arguments.word("FILE", options->file, "a DMX log, an OLA show file or a capture (pcap, pcapng, .sr)");
+  arguments.flag("--demo", options->demo, "the demo show instead of a file");
+  arguments.list("--out,-o", options->outs, "ENDPOINT", "an output; may be given several times");
+  arguments.duration("--at", options->start_ns, "start at this time of the log, with all levels of that moment");
+  arguments.duration("--until", options->stop_ns, "end at this time of the log");
+  arguments.option("--speed", options->speed, 0.001, 1'000.0, "playback speed; 2 is twice as fast");
+  arguments.flag("--loop", options->loop, "repeat until stopped");
   arguments.duration("--for", options->run_for_ns, "stop after this time");
-  arguments.option("--universes", options->universes, "LIST", "only these, as in 1-3, or renumbered, as in 1-3=11-13");
-  arguments.flag("--blackout-on-exit", options->blackout_on_exit, "devices: send zeros at the end, not the last look");
+  arguments.option("--universes", options->universes, "LIST", "only these (1-3), or renumbered (1-3=11-13)");
+  arguments.flag("--blackout-on-exit", options->blackout_on_exit, "devices: send zeros at the end");
   arguments.flag("--json", options->json, "status and events as JSON, one object a line");
   arguments.job([options]() -> Result<int> { return replay(*options); });
 }
@@ -103,13 +103,13 @@ void add(Arguments& arguments) {
 
 extern const CommandInfo replay_command{
     .name = "replay",
-    .help = "Play a log on time",
+    .help = "Play a log to outputs, with its original timing",
     .examples =
         "  footlight replay show.dmxlog --out sacn:1-9\n"
         "  footlight replay show.dmxlog --at 12.5s --until 1m30s --loop --out enttec-pro\n"
         "  footlight replay foh.show --universes 1-2=11-12 --speed 0.5 --out artnet:11-12@10.0.0.7\n"
         "  footlight replay --demo --out sacn:1\n"
-        "Ends with the log, or with Ctrl-C. The end of the log leaves the last look, see --blackout-on-exit.",
+        "Ends with the log, or with Ctrl-C. The last levels are held at the end, unless --blackout-on-exit is given.",
     .add = add,
 };
 

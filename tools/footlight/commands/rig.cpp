@@ -1,4 +1,4 @@
-// footlight rig: reads rigs of any program, says what it assumed, brings them into other forms and onto paper.
+// footlight rig: reads rigs, lists assumptions, and converts, exports and prints rigs.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -49,7 +49,7 @@ struct Opened {
   std::vector<Diagnostic> diagnostics;
 };
 
-// `images`: gobos are read and drawn, too.
+// `images`: also reads and draws gobos.
 Opened open(const std::string& path, const std::vector<std::string>& folders, bool images) {
   Diagnostics diagnostics;
   std::optional<fixtures::Library> library;
@@ -66,12 +66,11 @@ Opened open(const std::string& path, const std::vector<std::string>& folders, bo
   return {std::move(rig), diagnostics.take()};
 }
 
-// For commands that want the rig: what is wrong goes to standard error in one line, and how to see the rest.
+// For commands that only use the rig: prints the number of warnings on standard error, and how to list them.
 Result<ImportedRig> open_or_fail(const Options& options) {
   if (options.path.empty()) {
-    return fail(
-        ErrorCode::kBadInput,
-        "expected a rig (.mvr, .qxw, .toml) or the definition of a fixture; 'footlight rig --help' has examples");
+    return fail(ErrorCode::kBadInput,
+                "expected a rig (.mvr, .qxw, .toml) or a fixture definition; 'footlight rig --help' has examples");
   }
   Opened opened = open(options.path, options.library, false);
   if (!opened.rig) return tl::unexpected<Error>(std::move(opened.rig).error());
@@ -85,7 +84,7 @@ Result<ImportedRig> open_or_fail(const Options& options) {
   return std::move(*opened.rig);
 }
 
-// Text of a file of somebody, as JSON may hold it.
+// Makes text from foreign files valid in JSON.
 std::string clean(const nlohmann::json& json) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -98,12 +97,12 @@ void print_assumptions(const ImportedRig& rig) {
   if (rig.assumptions.empty()) return;
   fmt::print("\nAssumed ({})\n", rig.assumptions.size());
   for (const fixtures::Assumption& each : rig.assumptions) {
-    fmt::print("{}", printable_lines(fmt::format("  {:>5} x  {}\n           because {}\n           instead {}\n",
+    fmt::print("{}", printable_lines(fmt::format("  {:>5} x  {}\n           because {}\n           replaced by {}\n",
                                                  each.count, each.wanted, each.why, each.used)));
   }
 }
 
-// Files that could be rigs below a folder; the path itself where it is a file or an unpacked MVR.
+// Possible rigs below a folder; the path itself if it is a file or an unpacked MVR.
 std::vector<std::string> rig_files(const std::string& path) {
   std::error_code trouble;
   if (!fs::is_directory(path, trouble) || fs::exists(fs::path(path) / "GeneralSceneDescription.xml", trouble)) {
@@ -134,7 +133,7 @@ void print(const RigCheck& check, const Opened& opened) {
 
 Result<int> check(const Options& options) {
   if (options.paths.empty()) {
-    return fail(ErrorCode::kBadInput, "expected rigs or folders of them, as in: footlight rig check show.mvr");
+    return fail(ErrorCode::kBadInput, "expected rigs or folders of rigs, for example: footlight rig check show.mvr");
   }
   catch_end_signals();
   std::vector<std::string> files;
@@ -242,9 +241,9 @@ Result<int> show(const Options& options) {
   }
   fmt::print(
       "\nPower {:.1f} kW{}, weight {:.0f} kg{}\n", power_w / 1000,
-      unknown_power > 0 ? fmt::format(" without {} of unknown power", counted(unknown_power, "fixture")) : "",
+      unknown_power > 0 ? fmt::format(", without {} of unknown power", counted(unknown_power, "fixture")) : "",
       weight_kg,
-      unknown_weight > 0 ? fmt::format(" without {} of unknown weight", counted(unknown_weight, "fixture")) : "");
+      unknown_weight > 0 ? fmt::format(", without {} of unknown weight", counted(unknown_weight, "fixture")) : "");
   print_assumptions(imported);
   return kExitOk;
 }
@@ -253,7 +252,7 @@ Status expect_ending(const std::string& out, const std::vector<std::string>& end
   for (const std::string& ending : endings) {
     if (fixtures::lower(out).ends_with(ending)) return {};
   }
-  return fail(ErrorCode::kBadInput, "-o '{}': expected a file that ends in {}, as in: {}", out,
+  return fail(ErrorCode::kBadInput, "-o '{}': expected a file name that ends in {}, for example: {}", out,
               fmt::join(endings, " or "), example);
 }
 
@@ -330,32 +329,32 @@ void add(Arguments& arguments) {
     const char* help;
     const char* examples;
     Result<int> (*run)(const Options&);
-    const char* out;  // what -o names; nullptr: there is none
+    const char* out;  // help of -o; nullptr: no such option
   };
   static constexpr Part kParts[] = {
-      {"check", "Judge rigs: what is wrong, where, and what was assumed",
+      {"check", "Check rigs: errors, their places, and assumptions",
        "  footlight rig check show.mvr\n"
        "  footlight rig check rigs/ --json | jq -r 'select(.status == \"refused\").file'\n"
-       "Exit code 1 where a file is refused.",
+       "Exit code 1 if a file is refused.",
        check, nullptr},
-      {"show", "Fixtures, universes, power and weight of a rig, and what was assumed",
+      {"show", "Show the fixtures, universes, power, weight and assumptions of a rig",
        "  footlight rig show show.mvr\n"
        "  footlight rig show show.qxw --json | jq '.fixtures[].addresses'",
        show, nullptr},
-      {"import", "Bring a rig into a rig file of our own, with a folder of its files",
+      {"import", "Write a rig as a Footlight rig file, with a folder of its files",
        "  footlight rig import show.mvr -o show.toml\n"
-       "The definitions and meshes go to show_files/ beside it.",
+       "The definitions and meshes go to show_files/ in the same folder.",
        import_it, "the rig file, .toml"},
       {"export", "Write a rig as MVR 1.6",
        "  footlight rig export show.toml -o show.mvr\n"
-       "Definitions that are GDTF files go along as they are; others are written as GDTF.",
+       "GDTF definitions are copied unchanged; others are written as GDTF.",
        export_it, "the file, .mvr"},
-      {"patch", "Write the patch sheet, for print or for a spreadsheet",
+      {"patch", "Write the patch sheet as PDF, HTML or CSV",
        "  footlight rig patch show.mvr -o patch.pdf\n"
        "  footlight rig patch show.mvr -o patch.html\n"
        "  footlight rig patch show.mvr -o patch.csv\n",
        patch, "the sheet, .pdf, .html or .csv"},
-      {"plan", "Draw the top view to scale, for print",
+      {"plan", "Draw the top view to scale",
        "  footlight rig plan show.mvr -o plan.svg --paper a3\n"
        "  rsvg-convert -f pdf plan.svg -o plan.pdf",
        plan, "the drawing, .svg"},
@@ -367,14 +366,14 @@ void add(Arguments& arguments) {
     if (many) {
       its.words("PATH", options->paths, "rigs, or folders that are searched for .mvr and .qxw");
     } else {
-      its.word("FILE", options->path, "the rig: .mvr, .qxw or .toml, told by what is in it");
+      its.word("FILE", options->path, "the rig: .mvr, .qxw or .toml; the content decides, not the name");
     }
-    if (part.run == check || part.run == show) its.flag("--json", options->json, "one JSON object a file and line");
     if (part.out != nullptr) its.option("--out,-o", options->out, "FILE", part.out);
-    if (part.run == plan) its.option("--paper", options->paper, "SIZE", "a0 to a4, landscape");
+    if (part.run == plan) its.option("--paper", options->paper, "SIZE", "a0 to a4, landscape [a3]");
     its.list("--library", options->library, "FOLDER",
-             "look for fixture definitions here instead of where they are "
-             "installed");
+             "search fixture definitions here, not in the installed libraries");
+    if (part.run == check || part.run == show)
+      its.flag("--json", options->json, "one JSON object a line for each file");
     its.job([options, run = part.run]() -> Result<int> { return run(*options); });
   }
 }
@@ -383,7 +382,7 @@ void add(Arguments& arguments) {
 
 extern const CommandInfo rig_command{
     .name = "rig",
-    .help = "Read rigs from MVR, QLC+ and our own files; check, convert and print them",
+    .help = "Check, show, convert and print rigs from MVR, QLC+ and Footlight files",
     .examples =
         "  footlight rig check show.mvr\n"
         "  footlight rig show show.mvr\n"

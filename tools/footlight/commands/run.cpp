@@ -1,4 +1,4 @@
-// footlight run: the bridge.
+// footlight run: runs the bridge.
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -38,7 +38,7 @@ struct Options {
   DurationNs run_for_ns = kTimeNever;
 };
 
-// The whole of it: the show file, if there is one, and what the command line adds. `file`: empty for none.
+// The show file, if there is one, and the ports of the command line. `file`: empty for none.
 Result<Show> show_of(const Options& options, const std::string& file) {
   Show show;
   if (!file.empty()) {
@@ -67,25 +67,25 @@ Result<Show> show_of(const Options& options, const std::string& file) {
   };
   for (const std::string& text : options.outs) FL_TRY(add_out(text, ""));
   if (options.backups.size() > options.outs.size()) {
-    return fail(ErrorCode::kBadInput, "--backup {}: expected an --out that it stands by for", options.backups.back());
+    return fail(ErrorCode::kBadInput, "--backup {}: expected an --out for each --backup", options.backups.back());
   }
   for (std::size_t i = 0; i < options.backups.size(); ++i) FL_TRY(add_out(options.backups[i], options.outs[i]));
   FL_TRY(order_standbys(show));
   if (show.ins.empty() || show.outs.empty()) {
     return fail(ErrorCode::kBadInput,
-                "run: expected a show file, or at least one --in and one --out, as in "
+                "run: expected a show file, or at least one --in and one --out, for example "
                 "'footlight run --in sacn:1-9 --out enttec-pro'");
   }
   return show;
 }
 
-// The guard against harmful flashes; null where none is asked for. What it cannot see or hold is said at the start.
+// The flash guard; null without --flashes. Prints the number of fixtures that it cannot hold back.
 Result<std::shared_ptr<OutputGuard>> guard_of(const Options& options) {
   FL_ASSIGN(const FlashMode mode, flash_mode_of(options.flashes));
   if (mode == FlashMode::kOff) return std::shared_ptr<OutputGuard>();
   if (options.rig.empty()) {
     return fail(ErrorCode::kBadInput,
-                "--flashes {}: expected --rig FILE as well; without a rig no channel is known to be light",
+                "--flashes {}: expected --rig FILE as well, which defines the channels that make light",
                 options.flashes);
   }
   FL_ASSIGN(const fixtures::Rig rig, fixtures::load_rig(options.rig));
@@ -93,7 +93,7 @@ Result<std::shared_ptr<OutputGuard>> guard_of(const Options& options) {
   const int only = guard->watched_only_count();
   if (mode == FlashMode::kLimit && only != 0) {
     fmt::print(stderr,
-               "footlight: {} of {} fixtures have no channel that only dims; they are watched, and not held back\n",
+               "footlight: {} of {} fixtures have no channel that only dims; they are checked, but not held back\n",
                only, guard->fixture_count());
   }
   return guard;
@@ -139,28 +139,27 @@ Result<int> run(const Options& options) {
 void add(Arguments& arguments) {
   auto options = std::make_shared<Options>();
   arguments.word("SHOW", options->show,
-                 "a show file (TOML) that names the ports; by default ~/.config/footlight/show.toml or "
+                 "a show file (TOML) with the ports; default: ~/.config/footlight/show.toml or "
                  "/etc/footlight/show.toml");
-  arguments.list("--in,-i", options->ins, "ENDPOINT", "where frames come from; may be given many times");
-  arguments.list("--out,-o", options->outs, "ENDPOINT", "where they go; may be given many times");
+  arguments.list("--in,-i", options->ins, "ENDPOINT", "an input; may be given several times");
+  arguments.list("--out,-o", options->outs, "ENDPOINT", "an output; may be given several times");
   arguments.list("--backup", options->backups, "ENDPOINT",
-                 "an output that stands by: the first for the first --out, and so on");
-  arguments.flag("--demo", options->demo, "the demo show as an input, over and over");
-  arguments.flag("--wait-for-device", options->wait_for_device, "begin although a device is not plugged in yet");
-  arguments.flag("--blackout-on-exit", options->blackout_on_exit, "devices: send zeros at the end, not the last look");
-  arguments.duration("--for", options->run_for_ns, "stop after this time, as in 90s or 1h30m");
-  arguments.flag("--json", options->json, "status and events as JSON, one object a line");
-  arguments.flag("--no-realtime", options->no_realtime, "carry frames at normal priority, and do not ask for more");
-  arguments.option("--metrics", options->metrics, "PLACE",
-                   "for Prometheus: 127.0.0.1:9477, or unix: and a file name; otherwise nowhere");
-  arguments.option("--socket", options->socket, "FILE",
-                   "where 'footlight monitor' finds this bridge: a socket file, auto or none");
-  arguments.option("--log-format", options->log_format, "WORD",
-                   "events as text, json or journal (systemd's fields); the journal by itself where it listens");
+                 "a standby output: the first --backup for the first --out, and so on");
+  arguments.flag("--demo", options->demo, "the demo show as an input, repeated");
+  arguments.flag("--wait-for-device", options->wait_for_device, "start even if a device is not plugged in yet");
+  arguments.flag("--blackout-on-exit", options->blackout_on_exit, "devices: send zeros at the end, do not hold levels");
+  arguments.duration("--for", options->run_for_ns, "stop after this time, for example 90s or 1h30m");
   arguments.option("--flashes", options->flashes, "WORD",
-                   "flashes that can harm: off, warn, or limit, which holds them back; needs --rig; off");
-  arguments.option("--rig", options->rig, "FILE", "of --flashes: the rig that the outputs drive");
-  arguments.option("--log-level", options->log_level, "WORD", "write events from info, warning or error on");
+                   "harmful flashes: off, warn, or limit, which holds them back; needs --rig [off]");
+  arguments.option("--rig", options->rig, "FILE", "the rig that the outputs drive, for --flashes");
+  arguments.flag("--json", options->json, "status and events as JSON, one object a line");
+  arguments.option("--log-level", options->log_level, "WORD", "lowest level of events: info, warning or error [info]");
+  arguments.option("--log-format", options->log_format, "WORD",
+                   "events as text, json or journal (systemd's fields); default: journal in a service, else text");
+  arguments.option("--metrics", options->metrics, "ADDRESS",
+                   "serve metrics for Prometheus on 127.0.0.1:9477, or on unix: and a file name");
+  arguments.option("--socket", options->socket, "FILE", "socket for 'footlight monitor': a file, auto or none [auto]");
+  arguments.flag("--no-realtime", options->no_realtime, "do not request real-time priority");
   arguments.job([options]() -> Result<int> { return run(*options); });
 }
 
@@ -171,14 +170,14 @@ extern const CommandInfo run_command{
     .help = "Bridge: pass DMX from inputs to outputs until stopped",
     .examples =
         "  footlight run --in sacn:1 --out enttec-pro            sACN universe 1 to the dongle that is plugged in\n"
-        "  footlight run --in enttec-pro --out sacn:1            the other way round\n"
+        "  footlight run --in enttec-pro --out sacn:1            the dongle's input to sACN\n"
         "  footlight run --in sacn:1-9 --out artnet:1-9@10.9.0.255\n"
         "  footlight run --in sacn:101-109=1-9 --out sacn:1-9    renumbered\n"
         "  footlight run show.toml --json\n"
-        "  footlight run show.toml --flashes limit --rig rig.toml    no more than three flashes a second\n"
-        "  footlight run --in sacn:1 --out enttec-pro:EN1 --backup enttec-pro:EN2    the second takes over\n"
-        "Several inputs are merged by priority, then highest level. When a sender vanishes its last look stays.\n"
-        "SIGHUP or 'footlight reload' reads the show file anew; ports whose lines did not change are not touched.\n"
+        "  footlight run show.toml --flashes limit --rig rig.toml    at most three flashes a second\n"
+        "  footlight run --in sacn:1 --out enttec-pro:EN1 --backup enttec-pro:EN2    EN2 takes over when EN1 fails\n"
+        "Several inputs are merged by priority, then highest level. When no sender is left, the last levels are held.\n"
+        "SIGHUP or 'footlight reload' reads the show file again; ports with unchanged lines are not touched.\n"
         "Ctrl-C or SIGTERM stops cleanly (exit code 0); a second one at once.",
     .add = add,
 };

@@ -1,4 +1,4 @@
-// footlight samples: a folder with one file of each kind, all made by this program, to try the other commands on.
+// footlight samples: writes a folder with one file of each kind, to try the other commands with.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr DurationNs kPartNs = 5 * kNsPerS;  // of the show that foh.show, sent.dmxlog and capture.pcapng hold
+constexpr DurationNs kPartNs = 5 * kNsPerS;                       // length of foh.show, sent.dmxlog and capture.pcapng
 constexpr std::int64_t kWallStartNs = 1'700'000'000LL * kNsPerS;  // a fixed date, so that the files are always the same
 
 struct Sample {
@@ -130,11 +130,11 @@ Status write_qxw(const std::string& path) {
 
 Status write_show_file(const std::string& path) {
   return fixtures::write_file(path,
-                              R"(# What 'footlight run show.toml' connects: docs/formats/show_file.md has every key.
+                              R"(# For 'footlight run show.toml'. Every key is in docs/formats/show_file.md.
 universes = 2
 
 [merge]
-ltp_rig = "rig.toml"           # pan, tilt, gobos: the latest change wins; dimmers and colours: the highest level
+ltp_rig = "rig.toml"           # LTP for pan, tilt and gobos of this rig; HTP for dimmers and colours
 
 [[in]]
 endpoint = "sacn:1-2"
@@ -199,7 +199,7 @@ void put_be(Octets& to, std::uint64_t value, int octets) {
   for (int i = octets; i-- > 0;) to.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
 }
 
-// A block of a pcapng file (draft-ietf-opsawg-pcapng): its length stands before and after the body.
+// A block of a pcapng file (draft-ietf-opsawg-pcapng): its length is written before and after the body.
 void put_block(Octets& to, std::uint32_t type, Octets body) {
   while (body.size() % 4 != 0) body.push_back(0);
   put_le(to, type, 4);
@@ -208,7 +208,7 @@ void put_block(Octets& to, std::uint32_t type, Octets body) {
   put_le(to, 12 + body.size(), 4);
 }
 
-// One sACN packet as it is on an Ethernet: MAC, IPv4 and UDP headers before it. Receivers compute no checksum of 0.
+// One sACN packet on Ethernet, with MAC, IPv4 and UDP headers. Receivers do not verify a checksum of 0.
 Octets sacn_on_ethernet(const LogFrame& frame) {
   drivers::SacnData data;
   data.cid.fill(0x46);
@@ -267,7 +267,7 @@ Status write_capture(const std::string& path) {
   return write_text(path, file);
 }
 
-// Four frames of 24 slots as a logic analyser samples them at 1 MHz, as sigrok writes it.
+// Four frames of 24 slots, sampled at 1 MHz, in sigrok's format.
 Status write_line(const std::string& path) {
   fixtures::Bytes samples;
   const auto level = [&](bool mark, std::size_t us) { samples.insert(samples.end(), us, std::byte{mark}); };
@@ -297,35 +297,35 @@ Status write_line(const std::string& path) {
 
 // ---- The command ---------------------------------------------------------------------------------------------------
 
-// In this order: the MVR is made from the rig beside it.
+// In this order: the MVR is made from the rig file.
 constexpr Sample kSamples[] = {
     {"rig.toml", "the demo rig: 24 fixtures, two universes", write_rig},
     {"show.mvr", "the same rig as MVR", write_mvr},
-    {"show.qxw", "a workspace of QLC+ with six dimmers", write_qxw},
+    {"show.qxw", "a QLC+ workspace with six dimmers", write_qxw},
     {"head.gdtf", "the generic profile as GDTF", write_gdtf},
-    {"head.qxf", "a moving head as a definition of QLC+", write_qxf},
+    {"head.qxf", "a moving head as a QLC+ definition", write_qxf},
     {"show.toml", "a show file: sACN to a model of a dongle", write_show_file},
     {"show.dmxlog", "the demo show: a minute of two universes", write_log},
-    {"foh.show", "its first five seconds as an OLA Show", write_ola_show},
+    {"foh.show", "its first five seconds as an OLA show file", write_ola_show},
     {"sent.dmxlog", "the same five seconds as a log", write_sent},
     {"capture.pcapng", "the same as sACN packets on a network", write_capture},
-    {"desk.sr", "a DMX line as a logic analyser saw it", write_line},
+    {"desk.sr", "a DMX line from a logic analyser", write_line},
 };
 
 Result<int> write_samples(const std::string& folder) {
   if (folder.empty()) {
-    return fail(ErrorCode::kBadInput, "samples: expected a folder, as in 'footlight samples samples'");
+    return fail(ErrorCode::kBadInput, "samples: expected a folder, for example 'footlight samples samples'");
   }
   std::error_code trouble;
   for (const Sample& sample : kSamples) {
     const fs::path path = fs::path(folder) / sample.name;
     if (fs::symlink_status(path, trouble).type() == fs::file_type::not_found) continue;
-    return fail(ErrorCode::kBadInput, "{}: exists, and nothing was written; name a folder without it", path.string());
+    return fail(ErrorCode::kBadInput, "{}: exists, and nothing was written; name another folder", path.string());
   }
   fs::create_directories(folder, trouble);
   if (trouble) {
     return fail(trouble == std::errc::permission_denied ? ErrorCode::kPermission : ErrorCode::kIo,
-                "{}: cannot be made: {}; name a folder in a place that is yours", folder, trouble.message());
+                "{}: cannot be created: {}; name a folder with write permission", folder, trouble.message());
   }
   for (const Sample& sample : kSamples) {
     const std::string path = (fs::path(folder) / sample.name).string();
@@ -337,7 +337,7 @@ Result<int> write_samples(const std::string& folder) {
 
 void add(Arguments& arguments) {
   auto folder = std::make_shared<std::string>();
-  arguments.word("FOLDER", *folder, "where to write them; made where it is not there");
+  arguments.word("FOLDER", *folder, "the folder to write to; created if it does not exist");
   arguments.job([folder]() -> Result<int> { return write_samples(*folder); });
 }
 
@@ -345,11 +345,11 @@ void add(Arguments& arguments) {
 
 extern const CommandInfo samples_command{
     .name = "samples",
-    .help = "Write a rig, a show, a log, fixtures and captures to try the other commands on",
+    .help = "Write a rig, a show, a log, fixtures and captures, to try the other commands with",
     .examples =
         "  footlight samples samples\n"
         "  cd samples && footlight render rig.toml --log show.dmxlog --at 12.5s -o frame.png\n"
-        "Every file is of our own and the same each time. No file is replaced.",
+        "All files are made by this program and are the same each time. No existing file is replaced.",
     .add = add,
 };
 

@@ -85,14 +85,14 @@ std::vector<fs::path> folders_of(const DoctorView& view, const char* kind) {
   return folders;
 }
 
-// The number of the first process of that name; empty where none runs.
+// The process id of the first process of that name; empty if none runs.
 std::string process_of(const DoctorView& view, std::string_view name) {
   for (const std::string& process : drivers::processes(view.find.proc_root))
     if (drivers::process_name(view.find.proc_root, process) == name) return process;
   return {};
 }
 
-// Interfaces but "lo", with their flags (if.h).
+// Interfaces except "lo", with their flags (if.h).
 struct Interface {
   std::string name;
   std::uint64_t flags = 0;
@@ -129,14 +129,14 @@ bool has_capability(const DoctorView& view, unsigned bit) {
 constexpr unsigned kCapNetAdmin = 12, kCapSysNice = 23;  // capability.h
 
 Outcome ok(std::string seen) { return {Verdict::kOk, std::move(seen), {}}; }
-Outcome warn(std::string seen, std::string mend = {}) { return {Verdict::kWarn, std::move(seen), std::move(mend)}; }
-Outcome failed(std::string seen, std::string mend = {}) { return {Verdict::kFail, std::move(seen), std::move(mend)}; }
+Outcome warn(std::string seen, std::string fix = {}) { return {Verdict::kWarn, std::move(seen), std::move(fix)}; }
+Outcome failed(std::string seen, std::string fix = {}) { return {Verdict::kFail, std::move(seen), std::move(fix)}; }
 Outcome skipped(std::string seen) { return {Verdict::kSkipped, std::move(seen), {}}; }
 
 // --- Devices
 // -----------------------------------------------------------------------------------------------------------
 
-// What the drivers need of the view, for their own advice.
+// The options of the drivers' own search.
 drivers::FindOptions options_of(const DoctorView& view) {
   drivers::FindOptions options = view.find;
   options.etc_root = view.etc_root;
@@ -162,7 +162,7 @@ Outcome check_devices(const DoctorView& view) {
   return ok(fmt::format("ready: {}", fmt::join(ready, ", ")));
 }
 
-// The driver that opens devices of these ids by hidraw; nullptr: none.
+// The driver that opens devices with these ids through hidraw; nullptr: none.
 const drivers::DriverInfo* hid_driver_of(std::uint64_t vendor, std::uint64_t product) {
   for (const drivers::DriverInfo* driver : drivers::drivers())
     for (const drivers::UsbModelId& model : driver->usb_ids)
@@ -196,19 +196,21 @@ Outcome check_hidraw(const DoctorView& view) {
   }
   if (ready.empty()) return skipped("no DMX device of the HID class is plugged in");
   if (!drivers::built_with_hid())
-    return warn("this build has no HID", "sudo apt install libhidapi-dev, then build again with -DFOOTLIGHT_HID=ON");
-  return ok(fmt::format("may be used: {}", fmt::join(ready, ", ")));
+    return warn("this build has no HID support",
+                "sudo apt install libhidapi-dev, then build again with -DFOOTLIGHT_HID=ON");
+  return ok(fmt::format("usable: {}", fmt::join(ready, ", ")));
 }
 
 Outcome check_gpio(const DoctorView& view) {
   std::vector<drivers::FoundGpioChip> chips = drivers::find_gpio_chips(view.find);
-  // The spare pins of a serial chip are no reason to warn, and may be used where they may be opened.
+  // The spare pins of a serial chip cause no warning; they are listed if they can be opened.
   std::erase_if(chips, [](const drivers::FoundGpioChip& chip) {
     return drivers::is_part_of_serial_chip(chip) && chip.readiness == drivers::Readiness::kNoPermission;
   });
   if (chips.empty()) return skipped("this machine has no GPIO chip");
   if (!drivers::built_with_gpio())
-    return warn("this build has no GPIO", "sudo apt install libgpiod-dev, then build again with -DFOOTLIGHT_GPIO=ON");
+    return warn("this build has no GPIO support",
+                "sudo apt install libgpiod-dev, then build again with -DFOOTLIGHT_GPIO=ON");
   std::vector<std::string> usable;
   for (const drivers::FoundGpioChip& chip : chips) {
     if (chip.readiness == drivers::Readiness::kReady)
@@ -219,17 +221,17 @@ Outcome check_gpio(const DoctorView& view) {
                       ? fmt::format("read udev/71-footlight-gpio.rules, then: {}", chip.remedy)
                       : chip.remedy);
   }
-  return ok(fmt::format("may be used: {}", fmt::join(usable, ", ")));
+  return ok(fmt::format("usable: {}", fmt::join(usable, ", ")));
 }
 
 Outcome check_udev_rules(const DoctorView& view) {
   switch (drivers::rules_state(options_of(view))) {
     case drivers::RulesState::kCurrent: return ok("installed and current");
     case drivers::RulesState::kMissing:
-      return warn("not installed; without them only root opens USB devices", drivers::udev_install_command());
+      return warn("not installed; without them only root can open USB devices", drivers::udev_install_command());
     case drivers::RulesState::kOutdated: break;
   }
-  return warn("installed, but of another version; devices that are new since then cannot be opened",
+  return warn("installed, but from another version; devices added since then cannot be opened",
               drivers::udev_install_command());
 }
 
@@ -237,37 +239,38 @@ Outcome check_ftdi_sio(const DoctorView& view) {
   std::vector<std::string> held;
   for (const drivers::FoundDevice& device : drivers::find_devices(options_of(view)).devices) {
     if (!device.rebind.empty())
-      return warn(
-          fmt::format(
-              "not bound to {}, as after the kill of a program that used it. footlight opens it all the "
-              "same, and binds it again when it closes it; others need its tty",
-              device.endpoint.empty() ? fmt::format("the FTDI chip in socket {}", device.port_path) : device.endpoint),
-          fmt::format("{}, or plug it in again", device.rebind));
+      return warn(fmt::format("not bound to {}, as after a kill of the program that used it. footlight can open it "
+                              "anyway and binds the "
+                              "driver when it closes it; other programs need its tty",
+                              device.endpoint.empty() ? fmt::format("the FTDI chip in socket {}", device.port_path)
+                                                      : device.endpoint),
+                  fmt::format("{}, or plug it in again", device.rebind));
     if (device.kernel_driver != "ftdi_sio" || device.driver_id.empty()) continue;
     if (device.readiness == drivers::Readiness::kBusy)
       return failed(fmt::format("{}: its tty is {}", device.endpoint, device.reason), device.remedy);
     held.push_back(device.endpoint);
   }
-  if (held.empty()) return ok("holds no DMX device");
-  return ok(fmt::format("holds {}, and gives them up while they are used", fmt::join(held, ", ")));
+  if (held.empty()) return ok("bound to no DMX device");
+  return ok(fmt::format("bound to {}, and detached while they are in use", fmt::join(held, ", ")));
 }
 
 Outcome check_modem_manager(const DoctorView& view) {
   const std::string process = process_of(view, "ModemManager");
-  if (process.empty()) return ok("does not run");
+  if (process.empty()) return ok("not running");
   if (drivers::installed_udev_rules(options_of(view)).find("ID_MM_DEVICE_IGNORE") != std::string::npos)
-    return ok("runs, and our udev rules keep it off DMX devices");
+    return ok("running; footlight's udev rules exclude DMX devices");
   return warn(
-      fmt::format("runs (process {}) and sends modem commands to every new serial adapter, DMX ones too", process),
+      fmt::format("running (process {}); it sends modem commands to every new serial adapter, also to DMX devices",
+                  process),
       drivers::udev_install_command());
 }
 
-// brltty's rules name bare serial chips; where they are active, its daemon takes the adapter away from everybody.
+// brltty's rules name bare serial chips. If they are active, its daemon takes the adapter from other programs.
 Outcome check_brltty(const DoctorView& view) {
   std::set<std::string> seen;
   for (const fs::path& folder : folders_of(view, "udev/rules.d")) {
     for (const std::string& name : names_in(folder)) {
-      // A file of /etc stands in for the one of the same name of /usr/lib.
+      // A file in /etc replaces the one of the same name in /usr/lib.
       if (name.find("brltty") == std::string::npos || !seen.insert(name).second) continue;
       std::istringstream rules(text_of(folder / name));
       for (std::string line; std::getline(rules, line);) {
@@ -276,18 +279,18 @@ Outcome check_brltty(const DoctorView& view) {
           if (line.find(ids) == std::string::npos) continue;
           return warn(fmt::format("{} claims every adapter with the USB ids {} for braille displays",
                                   (folder / name).string(), ids),
-                      fmt::format("where nobody needs braille: sudo ln -sf /dev/null /etc/udev/rules.d/{} && "
+                      fmt::format("if braille displays are not used: sudo ln -sf /dev/null /etc/udev/rules.d/{} && "
                                   "sudo udevadm control --reload",
                                   name));
         }
       }
     }
   }
-  return ok(seen.empty() ? "not installed" : "claims no adapter by the ids of a bare serial chip");
+  return ok(seen.empty() ? "not installed" : "claims no adapter with the ids of a bare serial chip");
 }
 
-// The udev rules give the ttys of DMX devices to plugdev. The group of all other ttys matters only to one that is open
-// to that group alone.
+// The udev rules give the ttys of DMX devices to plugdev. The group dialout is needed only if a tty is open to that
+// group alone.
 bool needs_tty_group(const DoctorView& view) {
   const drivers::DeviceList list = drivers::find_devices(options_of(view));
   return std::any_of(list.devices.begin(), list.devices.end(), [&](const drivers::FoundDevice& device) {
@@ -303,7 +306,7 @@ bool has_gpio_chip(const DoctorView& view) {
 }
 
 Outcome check_groups(const DoctorView& view) {
-  if (view.user_id == 0) return ok("root needs none; as a service, a user of its own is safer");
+  if (view.user_id == 0) return ok("root needs none; a service should have its own user");
   std::set<std::string> there;
   std::istringstream groups(text_of(fs::path(view.etc_root) / "group"));
   for (std::string line; std::getline(groups, line);) there.insert(line.substr(0, line.find(':')));
@@ -314,14 +317,14 @@ Outcome check_groups(const DoctorView& view) {
   for (const std::string& group : needed)
     if (there.contains(group) && std::find(view.groups.begin(), view.groups.end(), group) == view.groups.end())
       missing.push_back(group);
-  if (missing.empty()) return ok(fmt::format("{} is in all that matter", view.user_name));
+  if (missing.empty()) return ok(fmt::format("{} is in all required groups", view.user_name));
   if (std::all_of(missing.begin(), missing.end(),
                   [&](const std::string& group) { return drivers::is_listed_in(options_of(view), group); }))
     return warn(fmt::format("this session began before {} joined {}: log out and in again", view.user_name,
                             fmt::join(missing, ", ")),
                 fmt::format("newgrp {}", missing.front()));
-  return warn(fmt::format("{} is not in {}; at the machine itself the udev rules do without, over ssh and in services "
-                          "they do not",
+  return warn(fmt::format("{} is not in {}; the udev rules give access at the machine itself, but not over ssh and in "
+                          "services",
                           view.user_name, fmt::join(missing, ", ")),
               fmt::format("sudo usermod -aG {} {}, then log in again", fmt::join(missing, ","), view.user_name));
 }
@@ -330,17 +333,17 @@ Outcome check_groups(const DoctorView& view) {
 // -----------------------------------------------------------------------------------------------------------
 
 Outcome check_interfaces(const DoctorView& view) {
-  std::vector<std::string> good, deaf;
+  std::vector<std::string> good, no_multicast;
   for (const Interface& interface : interfaces_of(view)) {
     if (!interface.is_up()) continue;
-    (interface.is_multicast() ? good : deaf).push_back(interface.name);
+    (interface.is_multicast() ? good : no_multicast).push_back(interface.name);
   }
-  if (!deaf.empty())
+  if (!no_multicast.empty())
     return warn(
-        fmt::format("{} up without multicast, which sACN needs", fmt::join(deaf, ", ")),
-        fmt::format("sudo ip link set dev {} multicast on, or name the receivers: sacn:1@10.0.0.7", deaf.front()));
+        fmt::format("{} up without multicast, which sACN needs", fmt::join(no_multicast, ", ")),
+        fmt::format("sudo ip link set dev {} multicast on, or use unicast: sacn:1@10.0.0.7", no_multicast.front()));
   if (good.empty())
-    return warn("no interface but lo is up: sACN and Art-Net stay on this machine",
+    return warn("no interface except lo is up: sACN and Art-Net stay on this machine",
                 "ip link; sudo ip link set dev eth0 up");
   return ok(fmt::format("up with multicast: {}", fmt::join(good, ", ")));
 }
@@ -366,20 +369,20 @@ Outcome check_multicast_route(const DoctorView& view) {
     mask_best = net_mask;
   }
   if (through.empty())
-    return warn("no route leads to 239.255.0.0/16: sACN without a named interface cannot be sent",
-                fmt::format("name the interface, as in sacn:1-9%{0}, or: sudo ip route add 239.0.0.0/8 dev {0}",
+    return warn("no route to 239.255.0.0/16: sACN without a named interface cannot be sent",
+                fmt::format("name the interface (sacn:1-9%{0}), or: sudo ip route add 239.0.0.0/8 dev {0}",
                             first_interface_up(view)));
   return ok(fmt::format("239.255.0.0/16 leaves through {}{}", through,
-                        mask_best == 0 ? " (the default route); another one is chosen by sacn:1-9%NAME" : ""));
+                        mask_best == 0 ? " (the default route); sacn:1-9%NAME selects another one" : ""));
 }
 
 Outcome check_igmp(const DoctorView& view) {
   const auto memberships = number_in(fs::path(view.find.proc_root) / "sys/net/ipv4/igmp_max_memberships");
   if (!memberships) return skipped("igmp_max_memberships cannot be read");
   // Sources open one socket for every 20 groups, the kernel's default.
-  if (*memberships >= 20) return ok(fmt::format("{} groups a socket; more universes take more sockets", *memberships));
+  if (*memberships >= 20) return ok(fmt::format("{} groups per socket; more universes use more sockets", *memberships));
   return warn(
-      fmt::format("{} groups a socket, the kernel's default is 20: many universes take many sockets", *memberships),
+      fmt::format("{} groups per socket, the kernel's default is 20: many universes need many sockets", *memberships),
       "sudo sysctl -w net.ipv4.igmp_max_memberships=20");
 }
 
@@ -391,28 +394,29 @@ Outcome check_rp_filter(const DoctorView& view) {
   for (const Interface& interface : interfaces_of(view)) {
     if (!interface.is_up()) continue;
     ++up;
-    // The higher of the two counts; 1 is strict, 2 is loose (ip-sysctl.rst).
+    // The higher of the two is used; 1 is strict, 2 is loose (ip-sysctl.rst).
     if (std::max(all, number_in(folder / interface.name / "rp_filter").value_or(0)) == 1)
       strict.push_back(interface.name);
   }
-  if (strict.empty() || up < 2) return ok("drops nothing that DMX needs");
+  if (strict.empty() || up < 2) return ok("drops no DMX");
   return warn(
-      fmt::format("strict on {}: with several interfaces, frames from senders whose way back is another one are "
-                  "dropped without a word",
-                  fmt::join(strict, ", ")),
+      fmt::format(
+          "strict on {}: with several interfaces, frames are dropped silently if the route back to their sender "
+          "is through another interface",
+          fmt::join(strict, ", ")),
       "sudo sysctl -w net.ipv4.conf.all.rp_filter=2");
 }
 
 Outcome check_firewall(const DoctorView& view) {
-  constexpr const char* kWord = "sACN arrives on UDP port 5568, Art-Net on 6454";
+  constexpr const char* kPorts = "sACN arrives on UDP port 5568, Art-Net on 6454";
   if (text_of(fs::path(view.etc_root) / "ufw/ufw.conf").find("ENABLED=yes") != std::string::npos)
-    return warn(fmt::format("ufw is on; {}", kWord), "sudo ufw allow 5568/udp && sudo ufw allow 6454/udp");
+    return warn(fmt::format("ufw is active; {}", kPorts), "sudo ufw allow 5568/udp && sudo ufw allow 6454/udp");
   if (!process_of(view, "firewalld").empty())
-    return warn(fmt::format("firewalld runs; {}", kWord),
+    return warn(fmt::format("firewalld is running; {}", kPorts),
                 "sudo firewall-cmd --permanent --add-port=5568/udp --add-port=6454/udp && sudo firewall-cmd --reload");
   if (!line_of(fs::path(view.find.proc_root) / "net/ip_tables_names").empty())
-    return warn(fmt::format("iptables has tables; {}", kWord), "sudo iptables -L INPUT -n");
-  return ok("neither ufw nor firewalld; rules of nftables cannot be seen from here");
+    return warn(fmt::format("iptables has tables; {}", kPorts), "sudo iptables -L INPUT -n");
+  return ok("neither ufw nor firewalld; rules of nftables are not visible to this user");
 }
 
 Outcome check_snooping(const DoctorView& view) {
@@ -421,17 +425,17 @@ Outcome check_snooping(const DoctorView& view) {
     const fs::path bridge = folder / interface.name / "bridge";
     if (number_in(bridge / "multicast_snooping").value_or(0) != 1) continue;
     if (number_in(bridge / "multicast_querier").value_or(0) == 1) continue;
-    return warn(fmt::format("the bridge {} snoops IGMP and asks nobody; without a querier elsewhere it forgets groups "
+    return warn(fmt::format("the bridge {} snoops IGMP without a querier; unless another device queries, groups expire "
                             "after some minutes, and sACN stops",
                             interface.name),
                 fmt::format("echo 1 | sudo tee /sys/class/net/{}/bridge/multicast_querier", interface.name));
   }
   return ok(
-      "no bridge of this machine is in the way. Switches cannot be asked: where sACN stops after some minutes, they "
-      "need a querier, or unicast (sacn:1@10.0.0.7)");
+      "no problem on bridges of this machine. External switches cannot be checked: if sACN stops after some minutes, "
+      "they need a querier, or use unicast (sacn:1@10.0.0.7)");
 }
 
-// "olad (812)" of each other process that has the socket open; "a process of another user" where none can be seen.
+// "olad (812)" for the process that has the socket open; "a process of another user" if it is not visible.
 std::string owner_of_socket(const DoctorView& view, const std::string& inode) {
   const std::string wanted = fmt::format("socket:[{}]", inode);
   for (const std::string& process : drivers::processes(view.find.proc_root)) {
@@ -460,38 +464,38 @@ Outcome check_udp_ports(const DoctorView& view) {
   }
   if (!readable) return skipped("the table of sockets cannot be read");
   if (users.empty()) return ok("5568 (sACN) and 6454 (Art-Net) are free");
-  return warn(fmt::format("in use: {}. Multicast and broadcast reach all who share a port, unicast only one of them",
+  return warn(fmt::format("in use: {}. Multicast and broadcast reach all programs that share a port, unicast only one",
                           fmt::join(users, "; ")),
-              "end it where it is not wanted, or have unicast senders use a UDP port of ours: sacn:1@10.0.0.7:5569");
+              "stop the program if it is not needed, or send unicast to another UDP port: sacn:1@10.0.0.7:5569");
 }
 
-// Bytes that one sACN datagram of 638 takes from a socket buffer, with what the kernel keeps around it. 2304 is a
-// datagram in a buffer of 2 KiB with its 256 bytes of bookkeeping.
+// Bytes of a socket buffer that one sACN datagram of 638 bytes takes, with the kernel's bookkeeping. 2304 is a datagram
+// in a buffer of 2 KiB with 256 bytes of bookkeeping.
 constexpr std::uint64_t kDatagramBytes = 2'304;
 constexpr std::uint64_t kFramesHz = 44;
 constexpr std::uint64_t kStallMs = 150;
-constexpr std::uint64_t kReceiveBufferAskedBytes = 4 << 20;  // drivers/net/udp.cpp
-constexpr std::uint64_t kUniversesWanted = 512;
+constexpr std::uint64_t kReceiveBufferRequestedBytes = 4 << 20;  // drivers/net/udp.cpp
+constexpr std::uint64_t kUniversesGood = 512;
 constexpr std::uint64_t kUniversesLeast = 9;
 
 Outcome check_receive_buffers(const DoctorView& view) {
   const auto max_bytes = number_in(fs::path(view.find.proc_root) / "sys/net/core/rmem_max");
   if (!max_bytes) return skipped("rmem_max cannot be read");
   const bool privileged = has_capability(view, kCapNetAdmin);
-  const std::uint64_t universes = universes_through_a_stall(privileged ? kReceiveBufferAskedBytes : *max_bytes);
-  const std::string seen = fmt::format("{} bytes{} keep {} universes of 44 Hz through a stall of {} ms", *max_bytes,
-                                       privileged ? " (this user may have more)" : "", universes, kStallMs);
-  if (universes >= kUniversesWanted) return ok(seen);
-  const std::string mend =
+  const std::uint64_t universes = universes_through_a_stall(privileged ? kReceiveBufferRequestedBytes : *max_bytes);
+  const std::string seen = fmt::format("{} bytes{} hold {} universes of 44 Hz through a stall of {} ms", *max_bytes,
+                                       privileged ? " (this user may exceed it)" : "", universes, kStallMs);
+  if (universes >= kUniversesGood) return ok(seen);
+  const std::string fix =
       "echo net.core.rmem_max=4194304 | sudo tee /etc/sysctl.d/70-footlight.conf && sudo sysctl --system";
-  return universes < kUniversesLeast ? failed(seen, mend) : warn(seen, mend);
+  return universes < kUniversesLeast ? failed(seen, fix) : warn(seen, fix);
 }
 
 Outcome check_send_buffers(const DoctorView& view) {
   const auto bytes = number_in(fs::path(view.find.proc_root) / "sys/net/core/wmem_default");
   if (!bytes) return skipped("wmem_default cannot be read");
   const std::uint64_t universes = *bytes / kDatagramBytes;
-  const std::string seen = fmt::format("{} bytes take {} universes at once", *bytes, universes);
+  const std::string seen = fmt::format("{} bytes hold {} universes at once", *bytes, universes);
   if (universes >= kUniversesLeast) return ok(seen);
   return warn(seen, "sudo sysctl -w net.core.wmem_default=212992");
 }
@@ -500,16 +504,16 @@ Outcome check_send_buffers(const DoctorView& view) {
 // --------------------------------------------------------------------------------------------------------------
 
 Outcome check_real_time(const DoctorView& view) {
-  constexpr auto kWanted = static_cast<std::uint64_t>(drivers::kRealTimePriority);
+  constexpr auto kNeeded = static_cast<std::uint64_t>(drivers::kRealTimePriority);
   if (has_capability(view, kCapSysNice)) return ok("allowed by privilege");
-  if (view.realtime_max >= kWanted) return ok(fmt::format("priority {} allowed", view.realtime_max));
-  const std::string mend = fmt::format(
+  if (view.realtime_max >= kNeeded) return ok(fmt::format("priority {} allowed", view.realtime_max));
+  const std::string fix = fmt::format(
       "echo '@plugdev - rtprio {0}' | sudo tee /etc/security/limits.d/70-footlight.conf, then log in again; in a unit: "
       "LimitRTPRIO={0}",
-      kWanted);
+      kNeeded);
   if (view.realtime_max > 0)
-    return warn(fmt::format("priority {} allowed, {} wanted", view.realtime_max, kWanted), mend);
-  return warn("not allowed: a busy machine may delay frames", mend);
+    return warn(fmt::format("priority {} allowed, {} needed", view.realtime_max, kNeeded), fix);
+  return warn("not allowed: a busy machine may delay frames", fix);
 }
 
 Outcome check_clock_source(const DoctorView& view) {
@@ -518,14 +522,14 @@ Outcome check_clock_source(const DoctorView& view) {
   if (current.empty()) return skipped("cannot be read");
   if (current != "hpet" && current != "acpi_pm" && current != "jiffies" && current != "pit") return ok(current);
   const bool has_tsc = line_of(folder / "available_clocksource").find("tsc") != std::string::npos;
-  return warn(fmt::format("{}: asking for the time is slow", current),
+  return warn(fmt::format("{}: reading the time is slow", current),
               has_tsc ? "echo tsc | sudo tee /sys/devices/system/clocksource/clocksource0/current_clocksource"
-                      : "see why the kernel gave up the better one: sudo dmesg | grep -i clocksource");
+                      : "find out why the kernel rejected a better one: sudo dmesg | grep -i clocksource");
 }
 
 Outcome check_timers(const DoctorView& view) {
   if (view.clock_resolution_ns <= kNsPerUs) return ok(fmt::format("{} ns", view.clock_resolution_ns));
-  return warn(fmt::format("{} us: the kernel has no high-resolution timers, frames are late by about as much",
+  return warn(fmt::format("{} us: the kernel has no high-resolution timers, frames are late by up to that time",
                           view.clock_resolution_ns / kNsPerUs),
               "boot without highres=off, or use a kernel with CONFIG_HIGH_RES_TIMERS");
 }
@@ -542,7 +546,7 @@ Outcome check_governor(const DoctorView& view) {
     by_processor =
         by_processor || driver == "intel_pstate" || driver.starts_with("amd-pstate-epp") || driver == "amd_pstate_epp";
   }
-  if (governors.empty()) return skipped("the clock of the processor is not ours to see, as in virtual machines");
+  if (governors.empty()) return skipped("the clock of the processor is not visible, as in virtual machines");
   if (governors.contains("powersave") && !by_processor)
     return warn("powersave: the processor stays at its lowest clock",
                 "echo schedutil | sudo tee /sys/devices/system/cpu/cpu*/cpufreq/scaling_governor");
@@ -561,10 +565,10 @@ Outcome check_unit(const DoctorView& view) {
   const bool enabled = is_there(own / "multi-user.target.wants" / kUnit);
   const bool running = is_there(fs::path(view.find.sys_root) / "fs/cgroup/system.slice" / kUnit);
   if (!running)
-    return warn(fmt::format("installed{} and does not run", enabled ? ", enabled" : ""),
+    return warn(fmt::format("installed{}, but not running", enabled ? " and enabled" : ""),
                 "systemctl status footlight; sudo systemctl enable --now footlight");
   if (!enabled)
-    return warn("runs, and will not after the next start of the machine", "sudo systemctl enable footlight");
+    return warn("running, but not enabled, so it will not start with the machine", "sudo systemctl enable footlight");
   return ok("enabled and running");
 }
 
@@ -608,8 +612,8 @@ std::string_view name_of(Verdict verdict) {
 std::span<const Check> doctor_checks() { return kChecks; }
 
 std::uint64_t universes_through_a_stall(std::uint64_t rmem_max_bytes) {
-  // The kernel doubles what is asked for (socket(7), SO_RCVBUF).
-  const std::uint64_t bytes = 2 * std::min(rmem_max_bytes, kReceiveBufferAskedBytes);
+  // The kernel doubles the requested size (socket(7), SO_RCVBUF).
+  const std::uint64_t bytes = 2 * std::min(rmem_max_bytes, kReceiveBufferRequestedBytes);
   return bytes * 1'000 / (kDatagramBytes * kFramesHz * kStallMs);
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// What stands there, or the fallback where it is missing or of another kind.
+// The value, or the fallback if it is missing or of another type.
 template <class Value>
 Value get(const Json& json, const char* key, Value fallback) {
   const auto at = json.find(key);
@@ -35,8 +35,8 @@ const Json& list(const Json& json, const char* key) {
 Result<Json> parse_page(const std::string& text, const char* event) {
   Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object() || get<std::string>(json, "event", "") != event) {
-    return fail(ErrorCode::kProtocol, "expected the \"{}\" of a bridge, got something else; are both of one version?",
-                event);
+    return fail(ErrorCode::kProtocol,
+                "expected the page \"{}\" of a bridge; both programs may be of different versions", event);
   }
   return json;
 }
@@ -98,7 +98,7 @@ Status take_status(MonitorState& state, const std::string& text) {
     if (!entry.is_object()) continue;
     const auto number = get<Universe>(entry, "universe", 0);
     MonitorUniverse universe;
-    if (const MonitorUniverse* known = state.find(number)) universe = *known;  // its levels stay
+    if (const MonitorUniverse* known = state.find(number)) universe = *known;  // keeps its levels
     universe.universe = number;
     universe.rate_hz = get(entry, "rate_hz", 0.0);
     universe.priority = get(entry, "priority", 0);

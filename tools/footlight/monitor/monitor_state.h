@@ -1,5 +1,5 @@
-// What the monitor knows: what it was told by the pages /status and /levels of a bridge (status_pages.h), and when each
-// slot changed. Of a bridge that runs elsewhere or of the monitor's own pump: there is one way to see both.
+// The data of the monitor: the pages /status and /levels of a bridge (status_pages.h), and when each slot changed. The
+// bridge is another program or the monitor's own pump; both give the same pages.
 #pragma once
 
 #include <array>
@@ -42,19 +42,19 @@ struct MonitorUniverse {
   double rate_hz = 0.0;
   int priority = 0;
   int sender_count = 0;
-  std::vector<MonitorSender> senders;  // as many as are named
+  std::vector<MonitorSender> senders;  // those in the page
   std::uint64_t frames_refused = 0;
-  TimeNs stamp_ns = 0;         // of the newest frame; 0: none ever came
+  TimeNs stamp_ns = 0;         // of the newest frame; 0: none yet
   std::uint64_t revision = 0;  // 0: never written
   Slots levels{};
-  std::array<TimeNs, kSlotCountMax> changed_ns{};  // when each level was seen to change; 0: never
+  std::array<TimeNs, kSlotCountMax> changed_ns{};  // time of the last change of each level; 0: none
 };
 
 struct MonitorState {
-  std::string title;    // what is watched
-  std::string note;     // what a person should know about it; empty: nothing
-  std::string trouble;  // why nothing is heard any more; empty: all is well
-  std::string json;     // the status that was taken last
+  std::string title;    // the monitored inputs or bridge
+  std::string note;     // a note for the user; empty: none
+  std::string trouble;  // why updates fail; empty: they do not
+  std::string json;     // the last status
   TimeNs now_ns = 0;    // on the clock of the bridge
   std::vector<MonitorPort> ports;
   std::vector<MonitorUniverse> universes;  // ascending
@@ -62,11 +62,11 @@ struct MonitorState {
   [[nodiscard]] MonitorUniverse* find(Universe universe);
 };
 
-// Both take what a page says. kProtocol where it is no such page.
+// Both parse a page. kProtocol if it is not such a page.
 [[nodiscard]] Status take_status(MonitorState& state, const std::string& json);
 [[nodiscard]] Status take_levels(MonitorState& state, const std::string& json);
 
-// One line of JSON: the status that was taken last, with the age and the levels of every universe beside the rest.
+// One line of JSON: the last status, with the age and the levels of every universe added.
 [[nodiscard]] std::string json_of_monitor(const MonitorState& state, const std::string& time);
 
 }  // namespace footlight::tools

@@ -32,7 +32,7 @@ struct Glyph {
   int columns = 0;
 };
 
-// The character at the begin of a text that is not empty.
+// The first character of a text, which must not be empty.
 Glyph glyph_at(std::string_view text) {
   static const locale_t kUtf8 = newlocale(LC_CTYPE_MASK, "C.UTF-8", nullptr);
   const auto lead = static_cast<unsigned char>(text.front());
@@ -46,7 +46,7 @@ Glyph glyph_at(std::string_view text) {
   return {length, columns < 0 ? 1 : columns};
 }
 
-// A line under way: text with its width, cut at the edge of the screen.
+// A line being built: text with its width, cut at the edge of the screen.
 class Line {
  public:
   explicit Line(const MonitorView& view) : columns_max_(view.columns), colour_(view.colour) {}
@@ -83,7 +83,7 @@ class Line {
   std::string text_;
 };
 
-// Exactly so many columns, cut or filled up.
+// Exactly this number of columns, cut or padded.
 std::string field(std::string_view text, int columns) {
   std::string part = cut_to(text, columns);
   part.append(static_cast<std::size_t>(std::max(columns - columns_of(part), 0)), ' ');
@@ -114,7 +114,7 @@ const MonitorSender* first_winner(const MonitorUniverse& universe) {
   return at == universe.senders.end() ? nullptr : &*at;
 }
 
-// Runs of the levels [begin, end) as blocks, where changes are marked.
+// The levels [begin, end) as blocks, with changes marked.
 void add_blocks(Line& line, const MonitorUniverse& universe, TimeNs now_ns, int begin, int end, int groups,
                 std::string_view zero) {
   const int count = end - begin;
@@ -149,7 +149,7 @@ std::string port_line(const MonitorPort& port, const MonitorView& view) {
   line.add(port.is_out ? "out " : "in  ", kDim);
   line.add(field(port.name, std::clamp(view.columns / 3, 8, 48))).add(" ");
   const bool bad = port.state == "gone";
-  line.add(field(port.stands_by && !bad ? "stands by" : port.state, 10), bad ? kBad : kGood);
+  line.add(field(port.stands_by && !bad ? "standby" : port.state, 10), bad ? kBad : kGood);
   line.add(fmt::format("{:7.1f}/s", port.rate_hz));
   if (port.latency_p99_ns != 0) line.add(fmt::format("  p99 {}", show_duration(port.latency_p99_ns)), kDim);
   if (port.rejected != 0) line.add(fmt::format("  {} bad", port.rejected), kWarn);
@@ -171,17 +171,17 @@ std::string table_head(const MonitorView& view) {
 std::string universe_line(const MonitorUniverse& universe, const MonitorState& state, const MonitorView& view,
                           bool selected) {
   Line line(view);
-  const bool heard = universe.revision != 0;
+  const bool received = universe.revision != 0;
   const DurationNs age_ns = std::max<DurationNs>(state.now_ns - universe.stamp_ns, 0);
-  const bool silent = !heard || age_ns >= kSilentNs;
+  const bool silent = !received || age_ns >= kSilentNs;
   line.add(fmt::format("{}{:>{}} ", selected ? ">" : " ", universe.universe, kNumberColumns - 1),
            selected ? kBold : "");
   line.add(fmt::format("{:7.1f} ", universe.rate_hz), silent ? kDim : "");
-  line.add(fmt::format("{:>7} ", heard ? age_text(age_ns) : "never"), silent ? kBad : "");
-  line.add(fmt::format("{:>4}  ", heard ? fmt::format("{}", universe.priority) : ""));
+  line.add(fmt::format("{:>7} ", received ? age_text(age_ns) : "never"), silent ? kBad : "");
+  line.add(fmt::format("{:>4}  ", received ? fmt::format("{}", universe.priority) : ""));
   const MonitorSender* const winner = first_winner(universe);
   const int others = universe.sender_count - (winner == nullptr ? 0 : 1);
-  std::string name = winner == nullptr ? (universe.sender_count == 0 ? "nobody" : "") : winner->name;
+  std::string name = winner == nullptr ? (universe.sender_count == 0 ? "none" : "") : winner->name;
   std::string more;
   if (others > 0)
     more = winner == nullptr ? fmt::format("{} sender{}", others, others == 1 ? "" : "s") : fmt::format(" +{}", others);
@@ -190,7 +190,8 @@ std::string universe_line(const MonitorUniverse& universe, const MonitorState& s
            universe.sender_count == 0 ? kDim : "");
   line.add(" ");
   const int room = view.columns - line.columns();
-  if (heard && room > 0) add_blocks(line, universe, state.now_ns, 0, kSlotCountMax, std::min(room, kSlotCountMax), " ");
+  if (received && room > 0)
+    add_blocks(line, universe, state.now_ns, 0, kSlotCountMax, std::min(room, kSlotCountMax), " ");
   return line.take();
 }
 
@@ -206,7 +207,7 @@ std::string sender_line(const MonitorSender& sender, const MonitorView& view) {
   return line.take();
 }
 
-// 16 rows of numbers where they fit, else 8 rows of blocks.
+// 16 rows of numbers if they fit, else 8 rows of blocks.
 bool numbers_fit(const MonitorView& view) { return view.columns >= 5 + 4 * kNumbersPerRow && view.rows >= 40; }
 
 std::string grid_line(const MonitorUniverse& universe, const MonitorState& state, const MonitorView& view, int row) {
@@ -275,8 +276,8 @@ std::vector<Universe> shown_universes(const MonitorState& state, std::string_vie
   const auto list = filter.empty() ? Result<std::vector<WireUniverse>>() : parse_wire_universes(filter);
   std::vector<Universe> shown;
   for (const MonitorUniverse& universe : state.universes) {
-    const bool listed = list && std::any_of(list->begin(), list->end(), [&](const WireUniverse& wanted) {
-                          return wanted.wire == universe.universe;
+    const bool listed = list && std::any_of(list->begin(), list->end(), [&](const WireUniverse& selected) {
+                          return selected.wire == universe.universe;
                         });
     const bool named = std::any_of(universe.senders.begin(), universe.senders.end(),
                                    [&](const MonitorSender& sender) { return contains_word(sender.name, filter); });
@@ -297,7 +298,7 @@ std::vector<std::string> draw_monitor(const MonitorState& state, const MonitorVi
   if (selected == shown.size()) selected = 0;
 
   std::vector<std::string> lines = {header(state, view, shown.size())};
-  // What stands below the table is laid out first: it has a fixed size. The table takes the rest.
+  // The part below the table has a fixed size and is laid out first. The table gets the rest.
   std::vector<std::string> below;
   if (!shown.empty()) {
     const MonitorUniverse& universe = *shown[selected];
@@ -306,7 +307,7 @@ std::vector<std::string> draw_monitor(const MonitorState& state, const MonitorVi
     title.add(fmt::format("universe {}", universe.universe), kBold)
         .add(fmt::format("  {} {}", universe.sender_count, universe.sender_count == 1 ? "sender" : "senders"));
     if (universe.frames_refused != 0) title.add(fmt::format("  {} frames refused", universe.frames_refused), kWarn);
-    if (rows >= 30) below.push_back(title.take());  // else the table's mark has to do
+    if (rows >= 30) below.push_back(title.take());  // else the mark in the table is enough
     for (std::size_t i = 0; i < universe.senders.size() && i < senders_max; ++i) {
       below.push_back(i + 1 == senders_max && universe.senders.size() > senders_max
                           ? fmt::format("      and {} more", universe.senders.size() - i)
@@ -339,7 +340,7 @@ std::vector<std::string> draw_monitor(const MonitorState& state, const MonitorVi
   }
   if (shown.empty() && lines.size() < rows) {
     lines.push_back(
-        cut_to(state.universes.empty() ? " nothing heard yet" : " no universe passes the filter", view.columns));
+        cut_to(state.universes.empty() ? " no frames yet" : " no universe passes the filter", view.columns));
   }
   lines.insert(lines.end(), below.begin(), below.end());
   lines.resize(rows);

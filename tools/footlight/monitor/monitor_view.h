@@ -1,5 +1,5 @@
-// The picture of the monitor: a state becomes lines of text. A pure function; what is typed is in monitor.cpp, how it
-// gets to the terminal in terminal.h.
+// The display of the monitor: turns a state into lines of text. A pure function; keys are in monitor.cpp, terminal
+// output in terminal.h.
 #pragma once
 
 #include <string>
@@ -13,21 +13,21 @@ namespace footlight::tools {
 struct MonitorView {
   int columns = 80;
   int rows = 24;
-  Universe selected = 0;  // shown in full; the first one where there is no such universe
-  std::string filter;     // "1-9": those universes; other words: those with a sender of such a name
+  Universe selected = 0;  // shown in full; the first one if it does not exist
+  std::string filter;     // "1-9": those universes; other text: universes with a sender of such a name
   bool typing = false;    // the filter is being typed
   bool paused = false;
-  bool colour = false;  // SGR sequences; without, nothing but text
+  bool colour = false;  // true: SGR sequences; false: plain text
 };
 
-// Universes that the filter lets through, ascending.
+// Universes that pass the filter, ascending.
 [[nodiscard]] std::vector<Universe> shown_universes(const MonitorState& state, std::string_view filter);
 
-// Just view.rows lines of at most view.columns columns each, without line ends. Any size, from 1 x 1 on.
+// Exactly view.rows lines of at most view.columns columns, without line ends. Any size from 1 x 1.
 [[nodiscard]] std::vector<std::string> draw_monitor(const MonitorState& state, const MonitorView& view);
 
-// How many columns a printable text takes on a terminal, and its longest begin that fits into so many. A text that was
-// cut ends in "…".
+// The width of a printable text on a terminal, and its longest prefix that fits into a number of columns. A text that
+// was cut ends in "…".
 [[nodiscard]] int columns_of(std::string_view text);
 [[nodiscard]] std::string cut_to(std::string_view text, int columns);
 

@@ -18,7 +18,7 @@
 namespace footlight::tools {
 namespace {
 
-// Another screen, no cursor, no line wrap; and back.
+// Alternate screen, no cursor, no line wrap; and back.
 constexpr std::string_view kEnter = "\033[?1049h\033[?25l\033[?7l\033[2J";
 constexpr std::string_view kLeave = "\033[0m\033[?7h\033[?25h\033[?1049l";
 
@@ -38,7 +38,7 @@ void write_all(std::string_view text) {
   }
 }
 
-// Also from signal handlers.
+// Also called from signal handlers.
 void give_back() {
   if (!terminal_taken.exchange(false)) return;
   write_all(kLeave);
@@ -64,7 +64,7 @@ void on_death(int number) {
 
 void on_stop(int) {
   give_back();
-  raise(SIGSTOP);  // goes on behind this line with SIGCONT, whose handler has taken the terminal again
+  raise(SIGSTOP);  // continues here after SIGCONT, whose handler has set up the terminal again
 }
 
 void take_terminal() {
@@ -123,7 +123,7 @@ Key take_key(std::string& bytes, std::string& typed, bool more_may_come) {
 Result<std::unique_ptr<Terminal>> Terminal::take() {
   if (isatty(STDIN_FILENO) == 0 || isatty(STDOUT_FILENO) == 0 || tcgetattr(STDIN_FILENO, &terminal_before) != 0) {
     return fail(ErrorCode::kUnsupported,
-                "there is no terminal to draw on; try --once for one picture, or --json for a stream");
+                "there is no terminal to draw on; use --once for one picture, or --json for a stream");
   }
   std::unique_ptr<Terminal> terminal(new Terminal);
   end_came.store(false);
@@ -167,7 +167,7 @@ void Terminal::show(const std::vector<std::string>& lines) {
 Key Terminal::wait_for_key(DurationNs patience_ns) {
   if (const Key key = take_key(bytes_, typed_, true); key != Key::kNone) return key;
   pollfd input = {STDIN_FILENO, POLLIN, 0};
-  // A terminal sends a sequence in one go: what is not complete a moment later was the escape key.
+  // A terminal sends a sequence at once: if it is still incomplete a moment later, it was the escape key.
   const DurationNs wait_ns = bytes_.empty() ? patience_ns : std::min<DurationNs>(patience_ns, 50 * kNsPerMs);
   const timespec patience = {.tv_sec = wait_ns / kNsPerS, .tv_nsec = wait_ns % kNsPerS};
   const int ready = ppoll(&input, 1, &patience, nullptr);
@@ -175,7 +175,7 @@ Key Terminal::wait_for_key(DurationNs patience_ns) {
   char buffer[256];
   const ssize_t count = ::read(STDIN_FILENO, buffer, sizeof buffer);
   if (count <= 0) {
-    end_came.store(true);  // nobody is at the other end
+    end_came.store(true);  // the terminal was closed
     return Key::kNone;
   }
   bytes_.append(buffer, static_cast<std::size_t>(count));

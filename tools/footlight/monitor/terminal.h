@@ -1,6 +1,6 @@
-// A terminal as a screen of lines: no library, the sequences of ECMA-48 and those that xterm added for full screens.
+// A terminal as a screen of lines, without a library: the sequences of ECMA-48 and xterm's for full screens.
 //
-// The terminal is given back as it was when the object goes, and by a handler when the program dies of a signal.
+// The terminal is restored when the object is destroyed, and by a handler if a signal ends the program.
 #pragma once
 
 #include <memory>
@@ -18,7 +18,7 @@ struct TerminalSize {
 };
 
 enum class Key {
-  kNone,  // the time is over, the size has changed, or a signal came: see Terminal::ended()
+  kNone,  // timeout, a new size, or a signal: see Terminal::ended()
   kText,  // a character: Terminal::typed()
   kEnter,
   kEscape,
@@ -29,14 +29,14 @@ enum class Key {
   kPageDown,
 };
 
-// What the bytes of a key press mean; takes them off the front of `bytes`. kNone: not complete yet, or nothing known,
-// which is taken off as well. `more_may_come`: a lone escape may still be the begin of a sequence.
+// Decodes a key press and removes its bytes from the front of `bytes`. kNone: incomplete, or unknown and removed.
+// `more_may_come`: a single escape may still be the start of a sequence.
 [[nodiscard]] Key take_key(std::string& bytes, std::string& typed, bool more_may_come);
 
 class Terminal {
  public:
   // One at a time in a program. SIGINT, SIGTERM, SIGHUP and SIGQUIT end it (ended()); SIGTSTP works as usual.
-  // kUnsupported: standard input or output is no terminal.
+  // kUnsupported: standard input or output is not a terminal.
   [[nodiscard]] static Result<std::unique_ptr<Terminal>> take();
   ~Terminal();
   Terminal(const Terminal&) = delete;
@@ -45,7 +45,7 @@ class Terminal {
   [[nodiscard]] TerminalSize size() const;
   // Writes the lines that differ from those of the last call.
   void show(const std::vector<std::string>& lines);
-  // Waits for a key, at most so long.
+  // Waits for a key, at most this long.
   [[nodiscard]] Key wait_for_key(DurationNs patience_ns);
   [[nodiscard]] const std::string& typed() const { return typed_; }  // of the last kText
   [[nodiscard]] bool ended() const;
@@ -54,11 +54,11 @@ class Terminal {
   Terminal() = default;
 
   std::vector<std::string> shown_;
-  std::string bytes_;  // read and not understood yet
+  std::string bytes_;  // read, but not decoded yet
   std::string typed_;
 };
 
-// SIGINT and SIGTERM as a request, for a program without a screen. True once one came.
+// SIGINT and SIGTERM as a stop request, for a program without a screen. True after a signal.
 void catch_end_signals();
 [[nodiscard]] bool end_signal_came();
 

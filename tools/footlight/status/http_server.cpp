@@ -57,7 +57,7 @@ const sockaddr* plain(const Address& address) {
   return reinterpret_cast<const sockaddr*>(&address);
 }
 
-bool somebody_listens(const sockaddr_un& address) {
+bool has_listener(const sockaddr_un& address) {
   const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const bool connected = fd >= 0 && connect(fd, plain(address), sizeof address) == 0;
   const bool busy = !connected && errno == EAGAIN;
@@ -67,10 +67,10 @@ bool somebody_listens(const sockaddr_un& address) {
 
 Error system_error(std::string_view option, const std::string& where, int number) {
   const bool forbidden = number == EACCES || number == EPERM;
-  const char* const next = number == EADDRINUSE      ? "another program has it; choose another one"
+  const char* const next = number == EADDRINUSE      ? "another program uses it; choose another one"
                            : number == EADDRNOTAVAIL ? "this machine has no such address; see 'ip address'"
-                           : number == ENOENT        ? "make the folder first"
-                                                     : "choose a place that this user may write to";
+                           : number == ENOENT        ? "create the folder first"
+                                                     : "choose a folder with write permission";
   return {forbidden ? ErrorCode::kPermission : ErrorCode::kIo,
           fmt::format("{} {}: {}; {}", option, where, std::strerror(number), next)};
 }
@@ -79,7 +79,7 @@ Error system_error(std::string_view option, const std::string& where, int number
 
 struct HttpServer::Daemon {
   HttpHandler handler;
-  std::string socket_path;  // of a Unix socket; taken away at the end, where it is still this one
+  std::string socket_path;  // of a Unix socket; removed at the end if it is still this one
   dev_t device = 0;
   ino_t inode = 0;
   MHD_Daemon* mhd = nullptr;
@@ -93,7 +93,7 @@ struct HttpServer::Daemon {
     if (ours) unlink(socket_path.c_str());
   }
 
-  // When every place is taken, the oldest gives its own: whoever dawdles over a request cannot keep others out.
+  // If all places are in use, the oldest connection is closed, so that slow clients cannot block others.
   static void on_connection(void* self, MHD_Connection* connection, void**, MHD_ConnectionNotificationCode code) {
     auto& fds = static_cast<Daemon*>(self)->connections;
     const int fd = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd;
@@ -120,13 +120,13 @@ struct HttpServer::Daemon {
   static MHD_Result on_request(void* self, MHD_Connection* connection, const char* url, const char* method, const char*,
                                const char*, std::size_t* upload_size, void** uploaded) {
     const auto& daemon = *static_cast<const Daemon*>(self);
-    // Called once with the headers, then for each part of a body, then to be answered.
+    // Called once with the headers, then for each part of a body, then for the answer.
     static const char kSeen = 0;
     if (*uploaded == nullptr) {
       *uploaded = const_cast<char*>(&kSeen);
       return MHD_YES;
     }
-    if (*upload_size != 0) {  // nobody here reads bodies
+    if (*upload_size != 0) {  // bodies are ignored
       if (*upload_size > kUploadBytesMax) return MHD_NO;
       *upload_size = 0;
       return MHD_YES;
@@ -159,8 +159,8 @@ Result<std::unique_ptr<HttpServer>> HttpServer::listen(std::string_view option, 
   const auto inet = inet_address(where);
   if (is_unix ? !local : !inet) {
     return fail(ErrorCode::kBadInput,
-                "{} {}: expected an IPv4 address and a port, as in 127.0.0.1:9477, or unix: and a file name of at most "
-                "107 bytes, as in unix:/run/footlight/metrics.sock",
+                "{} {}: expected an IPv4 address and a port (127.0.0.1:9477), or unix: and a file name of at most 107 "
+                "bytes (unix:/run/footlight/metrics.sock)",
                 option, where);
   }
   const int fd = socket(is_unix ? AF_UNIX : AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
@@ -177,8 +177,8 @@ Result<std::unique_ptr<HttpServer>> HttpServer::listen(std::string_view option, 
     close(fd);
     return fail(ErrorCode::kBadInput, "{} {}: this file exists and is not a socket; choose another name", option, path);
   }
-  if (taken && !somebody_listens(*local)) {
-    unlink(path.c_str());  // left over from a program that was killed
+  if (taken && !has_listener(*local)) {
+    unlink(path.c_str());  // left by a program that was killed
     bound = bind_it();
   }
   if (bound == 0 && is_unix) {
@@ -202,7 +202,7 @@ Result<std::unique_ptr<HttpServer>> HttpServer::listen(std::string_view option, 
                                  MHD_OPTION_NOTIFY_CONNECTION, &Daemon::on_connection, daemon.get(), MHD_OPTION_END);
   if (daemon->mhd == nullptr) {
     close(fd);
-    return fail(ErrorCode::kIo, "{} {}: the server does not start; see 'ulimit -n'", option, where);
+    return fail(ErrorCode::kIo, "{} {}: the server cannot start; see 'ulimit -n'", option, where);
   }
   return std::unique_ptr<HttpServer>(new HttpServer(std::move(daemon)));
 }
@@ -230,7 +230,7 @@ Result<HttpAnswer> http_request(const std::string& socket_path, std::string_view
   } const connection{socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)};
   SystemClock clock;
   const TimeNs end_ns = clock.now_ns() + patience_ns;
-  // False: the time is up. The limits of the system are for one call each.
+  // False: timeout. The limits of the system apply to one call each.
   const auto limit_next_call = [&] {
     const DurationNs left_ns = end_ns - clock.now_ns();
     if (left_ns < kNsPerUs) return false;  // 0 would mean no limit
@@ -247,7 +247,8 @@ Result<HttpAnswer> http_request(const std::string& socket_path, std::string_view
                            : number == EAGAIN                          ? ErrorCode::kTimeout
                            : number == ECONNREFUSED || number == EPIPE ? ErrorCode::kDisconnected
                                                                        : ErrorCode::kIo;
-    return fail(code, "{}: {}; is 'footlight run' running, and by this user?", socket_path, std::strerror(number));
+    return fail(code, "{}: {}; check that 'footlight run' is running, as this user", socket_path,
+                std::strerror(number));
   };
   if (!limit_next_call()) return refused(EAGAIN);
   if (connect(connection.fd, plain(*address), sizeof *address) != 0) return refused(errno);
@@ -274,7 +275,7 @@ Result<HttpAnswer> http_request(const std::string& socket_path, std::string_view
   const char* const number = text.data() + version.size();
   if (headers_end == std::string::npos || text.rfind(version, 0) != 0 ||
       std::from_chars(number, text.data() + text.size(), answer.status).ec != std::errc{}) {
-    return fail(ErrorCode::kProtocol, "{}: no HTTP answer; does another program listen there?", socket_path);
+    return fail(ErrorCode::kProtocol, "{}: not an HTTP answer; another program may listen there", socket_path);
   }
   answer.body = text.substr(headers_end + 4);
   return answer;

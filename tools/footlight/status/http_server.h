@@ -1,7 +1,7 @@
-// A small HTTP/1.1 server for status pages: on a Unix socket or on a TCP port, with a thread of its own.
+// A small HTTP/1.1 server for status pages, on a Unix socket or on a TCP port, with its own thread.
 //
-// It is made for being asked too much: 16 connections at a time, of which the oldest gives its place to a new one; 16
-// KiB of memory each; 10 s of silence. What goes on in it never reaches the thread of the pump.
+// It limits its load: 16 connections at a time, of which the oldest is closed for a new one; 16 KiB of memory each; 10
+// s of silence. It never blocks the thread of the pump.
 #pragma once
 
 #include <functional>
@@ -17,7 +17,7 @@ namespace footlight::tools {
 struct HttpRequest {
   std::string_view method;  // "GET", "POST"; HEAD is answered as GET
   std::string_view path;    // "/metrics"
-  std::string universes;    // the query's value of that name; empty: none
+  std::string universes;    // the query parameter of that name; empty: none
   bool from_owner = false;  // over a Unix socket, by the user that runs this program or by root
 };
 
@@ -32,18 +32,18 @@ using HttpHandler = std::function<HttpAnswer(const HttpRequest&)>;
 
 class HttpServer {
  public:
-  // `where`: "unix:/run/footlight/run.sock" or "127.0.0.1:9477", as `option` took it, which begins the messages. A
-  // socket file that nobody listens to any more is replaced; a file of another kind is refused. All who can reach a
-  // Unix socket's folder may connect. Errors: kBadInput (not of these forms, or a file of another kind is there),
-  // kPermission, kIo (port taken, or another program listens to that socket).
+  // `where`: "unix:/run/footlight/run.sock" or "127.0.0.1:9477". Messages begin with `option`, the option it came from.
+  // A socket file without a listener is replaced; a file of another kind is refused. All users who can reach a Unix
+  // socket's folder may connect. Errors: kBadInput (another form, or a file of another kind exists), kPermission, kIo
+  // (the port is in use, or another program listens on that socket).
   [[nodiscard]] static Result<std::unique_ptr<HttpServer>> listen(std::string_view option, const std::string& where,
                                                                   HttpHandler handler);
-  // Ends the thread and takes the socket file away, unless another file has its name by now.
+  // Ends the thread and removes the socket file, unless another file has its name by now.
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
-  // The TCP port; that which the system chose for port 0. 0 for a Unix socket.
+  // The TCP port, for port 0 the one chosen by the system. 0 for a Unix socket.
   [[nodiscard]] int port() const;
 
  private:
@@ -52,9 +52,9 @@ class HttpServer {
   std::unique_ptr<Daemon> daemon_;
 };
 
-// The other end of a Unix socket: one request on a connection of its own. Blocks for at most `patience_ns` over all,
-// however slowly the answer comes. Errors: kNotFound
-// (no such socket), kDisconnected (nobody listens), kPermission, kTimeout, kProtocol.
+// The client of a Unix socket: one request on its own connection. Blocks for at most `patience_ns` in total, however
+// slowly the answer arrives. Errors: kNotFound (no such socket), kDisconnected (no listener), kPermission, kTimeout,
+// kProtocol.
 [[nodiscard]] Result<HttpAnswer> http_request(const std::string& socket_path, std::string_view method,
                                               std::string_view target, DurationNs patience_ns = 2 * kNsPerS);
 

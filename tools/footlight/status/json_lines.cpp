@@ -25,16 +25,16 @@ Json ports_of(const PumpStatus& status) {
   for (const PortStatus& port : status.ports) {
     Json universes = Json::array();
     for (const PortUniverseStatus& universe : port.universes) {
-      Json told = {{"universe", universe.universe}, {"frames", universe.frames}, {"rate_hz", universe.rate_hz}};
+      Json one = {{"universe", universe.universe}, {"frames", universe.frames}, {"rate_hz", universe.rate_hz}};
       if (port.is_sink) {
-        told["looks"] = universe.snapshots;
-        told["replaced"] = universe.replaced;
-        told["refused"] = universe.refused;
-        told["waiting"] = universe.waiting;
+        one["snapshots"] = universe.snapshots;
+        one["replaced"] = universe.replaced;
+        one["refused"] = universe.refused;
+        one["waiting"] = universe.waiting;
       }
-      universes.push_back(std::move(told));
+      universes.push_back(std::move(one));
     }
-    Json told = {{"name", port.name},
+    Json json = {{"name", port.name},
                  {"direction", port.is_sink ? "out" : "in"},
                  {"state", name_of(port.state)},
                  {"trouble", port.trouble},
@@ -49,15 +49,15 @@ Json ports_of(const PumpStatus& status) {
                  {"lateness", timing(port.lateness)},
                  {"latency", timing(port.latency)},
                  {"universes", std::move(universes)}};
-    for (const PortFigure& figure : port.figures) told["figures"][figure.name] = figure.value;
+    for (const PortFigure& figure : port.figures) json["figures"][figure.name] = figure.value;
     if (port.is_sink) {
-      told["looks"] = port.snapshots;
-      told["refused"] = port.refused;
-      told["waiting"] = port.waiting;
-      if (!port.standby_for.empty()) told["standby_for"] = port.standby_for;
-      told["stands_by"] = port.stands_by;
+      json["snapshots"] = port.snapshots;
+      json["refused"] = port.refused;
+      json["waiting"] = port.waiting;
+      if (!port.standby_for.empty()) json["standby_for"] = port.standby_for;
+      json["stands_by"] = port.stands_by;
     }
-    ports.push_back(std::move(told));
+    ports.push_back(std::move(json));
   }
   return ports;
 }
@@ -133,13 +133,13 @@ std::string json_of_summary(const PumpStatus& status, DurationNs elapsed_ns) {
                   {"universes", universes_of(status)}});
 }
 
-std::string json_of_levels(const Universes& universes, std::span<const Universe> wanted, TimeNs now_ns) {
+std::string json_of_levels(const Universes& universes, std::span<const Universe> requested, TimeNs now_ns) {
   static constexpr char kDigits[] = "0123456789abcdef";
   Json list = Json::array();
   Slots levels;
   FrameStamp stamp;
   std::string digits(2 * levels.size(), '0');
-  for (const Universe universe : wanted) {
+  for (const Universe universe : requested) {
     const int index = universes.index_of(universe);
     if (index < 0) continue;
     universes.snapshot(index, levels, stamp);
@@ -213,7 +213,7 @@ std::string json_of_check(const Check& check, const Outcome& outcome) {
                   {"title", check.title},
                   {"verdict", name_of(outcome.verdict)},
                   {"seen", outcome.seen},
-                  {"mend", outcome.mend}});
+                  {"fix", outcome.fix}});
 }
 
 std::string json_of_rdm_device(const RdmDevice& device) {

@@ -1,5 +1,5 @@
-// The objects that --json prints, one a line. Keys stay as they are from version to version; new ones may be added.
-// Times end in _ns, rates in _hz; bytes of a text that are not UTF-8 are replaced.
+// The objects of --json, one a line. Keys stay the same in later versions; new ones may be added. Times end in _ns,
+// rates in _hz. Bytes that are not UTF-8 are replaced.
 #pragma once
 
 #include <span>
@@ -27,22 +27,23 @@
 namespace footlight::tools {
 
 [[nodiscard]] std::string json_of_ready();  // "event": "ready": every port is open
-// "event": "notice", with the "id" of what happened (docs/events.md), "level", "time" and "text"; "port" and "universe"
-// where it is about one.
+// "event": "notice", with the "id" of the event (docs/events.md), "level", "time" and "text"; "port" and "universe" if
+// it belongs to one.
 [[nodiscard]] std::string json_of_notice(const Event& event);
 // The same as a line of a log: "event" is the id.
 [[nodiscard]] std::string json_of_event(const Event& event);
 [[nodiscard]] std::string json_of_status(const PumpStatus& status);                          // "event": "status"
 [[nodiscard]] std::string json_of_summary(const PumpStatus& status, DurationNs elapsed_ns);  // "event": "summary"
-// "event": "levels": of the universes wanted that there are: 512 levels as 1,024 hexadecimal digits, the stamp of their
-// newest frame on the clock of "now_ns", and how often they were written ("revision", 0: never).
-[[nodiscard]] std::string json_of_levels(const Universes& universes, std::span<const Universe> wanted, TimeNs now_ns);
-// "event": "reload": show files "taken" and "refused" so far, whether one is being "running", and the "trouble" of the
-// last, empty where it was taken.
+// "event": "levels": for each requested universe that exists, 512 levels as 1,024 hexadecimal digits, the stamp of the
+// newest frame on the clock of "now_ns", and the number of writes ("revision", 0: none).
+[[nodiscard]] std::string json_of_levels(const Universes& universes, std::span<const Universe> requested,
+                                         TimeNs now_ns);
+// "event": "reload": show files "taken" and "refused" so far, "running" while one is being read, and the "trouble" of
+// the last one, empty if it was used.
 [[nodiscard]] std::string json_of_reloads(std::uint64_t taken, std::uint64_t refused, bool running,
                                           const std::string& trouble);
-// "kind": "usb", "serial", "hid", or "unknown" where nothing says that it speaks DMX; "transport": "libusb", "tty",
-// "hidraw", how it would be opened at the moment; "driver": the scheme of its endpoint.
+// "kind": "usb", "serial", "hid", or "unknown" if nothing identifies it as a DMX device. "transport": "libusb", "tty",
+// "hidraw": how it would be opened now. "driver": the scheme of its endpoint.
 [[nodiscard]] std::string json_of_device(const drivers::FoundDevice& device);
 // "kind": "gpio".
 [[nodiscard]] std::string json_of_gpio_chip(const drivers::FoundGpioChip& chip);
@@ -51,43 +52,43 @@ namespace footlight::tools {
 [[nodiscard]] std::string json_of_line_timing(const std::string& path, const drivers::LineCaptureInfo& info);
 [[nodiscard]] std::string json_of_finding(const NetworkFinding& found);
 [[nodiscard]] std::string json_of_rdm_device(const RdmDevice& device);
-// "values": the one value, an array of them, or an object where they have names.
+// "values": the single value, an array, or an object if the values have names.
 [[nodiscard]] std::string json_of_rdm_fields(const std::string& uid, const std::string& parameter,
                                              const std::vector<drivers::RdmField>& fields);
 [[nodiscard]] std::string json_of_log_diff(const std::string& a, const std::string& b, const LogDiff& diff);
 [[nodiscard]] std::string json_of_conversion(const std::string& in, const std::string& out,
                                              const ConvertReport& report);
 
-// What `footlight fixtures check` found of one file.
+// The result of `footlight fixtures check` for one file.
 struct FixtureCheck {
   std::string file;
-  std::string format;  // empty: none that is read
+  std::string format;  // empty: not supported
   fixtures::ImportStatus status = fixtures::ImportStatus::kRefused;
-  std::string manufacturer, name;  // empty where refused
+  std::string manufacturer, name;  // empty if refused
   std::size_t modes = 0;
   std::vector<fixtures::Diagnostic> diagnostics;
-  std::string missing;  // why nothing is there; empty: something is
+  std::string missing;  // why the path could not be read; empty: it could
 };
-// "file", "format", "status" (loaded, warnings, refused), "manufacturer", "name", "modes" (how many), "diagnostics":
-// "severity" (note, warning, error), "code", "file", "line" and "column" (0: not known), "message", "assumed".
+// "file", "format", "status" (loaded, warnings, refused), "manufacturer", "name", "modes" (number), "diagnostics":
+// "severity" (note, warning, error), "code", "file", "line" and "column" (0: unknown), "message", "assumed".
 [[nodiscard]] std::string json_of_fixture_check(const FixtureCheck& check);
 
-// A colour of a type, as it is drawn and as its definition says: "type", "what", "reference" and "drawn" (x, y, Y),
-// "delta_e", "delta_e_mixing", "by_spectrum".
 // Beam `index` of a type as it is drawn: by its angles, as a rectangle, or as measured with its energy check.
 [[nodiscard]] std::string json_of_beam(const std::string& name, const fixtures::FixtureType& type, std::size_t index);
+// A colour of a type, as drawn and as defined: "type", "what", "reference" and "drawn" (x, y, Y), "delta_e",
+// "delta_e_mixing", "by_spectrum".
 [[nodiscard]] std::string json_of_color(const std::string& type, const fixtures::ColorError& color);
 
-// What `footlight rig check` found in one file.
+// The result of `footlight rig check` for one file.
 struct RigCheck {
   std::string file;
-  std::string format;  // empty: none that is read
+  std::string format;  // empty: not supported
   fixtures::ImportStatus status = fixtures::ImportStatus::kRefused;
   std::size_t fixtures = 0;
   std::vector<fixtures::Diagnostic> diagnostics;
   std::vector<fixtures::Assumption> assumptions;
 };
-// "file", "format", "status", "fixtures" (how many), "diagnostics" as above, "assumptions": "code", "wanted", "used",
+// "file", "format", "status", "fixtures" (number), "diagnostics" as above, "assumptions": "code", "wanted", "used",
 // "why", "count".
 [[nodiscard]] std::string json_of_rig_check(const RigCheck& check);
 

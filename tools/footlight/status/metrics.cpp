@@ -12,7 +12,7 @@
 namespace footlight::tools {
 namespace {
 
-// The value of a label: backslash, quote and line end are escaped, what is not UTF-8 is replaced.
+// The value of a label: backslash and quote are escaped, bytes that are not UTF-8 and control characters are replaced.
 std::string label_text(std::string_view text) {
   std::string escaped;
   for (const char c : printable_utf8(text)) {
@@ -59,18 +59,18 @@ std::string metrics_text(const PumpStatus& status, const ServiceFacts& facts) {
   page.value("version=\"" FOOTLIGHT_VERSION "\"", 1);
   page.family("footlight_start_time_seconds", "gauge", "When the bridge started, in seconds since 1970 UTC.");
   page.value("", fmt::format("{:.3f}", static_cast<double>(facts.start_unix_ns) * 1e-9));
-  page.family("footlight_real_time", "gauge", "1 where the thread that carries frames has real-time priority.");
+  page.family("footlight_real_time", "gauge", "1 if the thread that carries frames has real-time priority.");
   page.value("", facts.real_time ? 1 : 0);
   page.family("footlight_reloads_total", "counter", "Show files read while running, by result.");
   page.value("result=\"taken\"", facts.reloads);
   page.value("result=\"refused\"", facts.reload_failures);
   if (facts.flashes) {
-    page.family("footlight_flashes_harmful_total", "counter", "Stretches of time in which looks flashed harmfully.");
+    page.family("footlight_flashes_harmful_total", "counter", "Periods of harmful flashes on an output.");
     page.value("", facts.flashes->harmful);
-    page.family("footlight_flashes_held_total", "counter", "Looks that the guard against flashes held back.");
+    page.family("footlight_flashes_held_total", "counter", "Snapshots that the flash guard held back.");
     page.value("", facts.flashes->held);
   }
-  page.family("footlight_ticks_total", "counter", "Turns of the pump.");
+  page.family("footlight_ticks_total", "counter", "Ticks of the pump.");
   page.value("", status.ticks);
 
   std::vector<std::string> names;  // of status.ports, as labels
@@ -84,20 +84,20 @@ std::string metrics_text(const PumpStatus& status, const ServiceFacts& facts) {
     page.family(name, type, help);
     for (std::size_t i = 0; i < names.size(); ++i) page.value(names[i], number_of(status.ports[i]));
   };
-  const auto per_direction = [&](bool sinks, auto&& tell) {
+  const auto per_direction = [&](bool sinks, auto&& write) {
     for (std::size_t i = 0; i < names.size(); ++i)
-      if (status.ports[i].is_sink == sinks) tell(names[i], status.ports[i]);
+      if (status.ports[i].is_sink == sinks) write(names[i], status.ports[i]);
   };
 
-  per_port("footlight_port_up", "gauge", "0 where a port is unplugged or fails.",
+  per_port("footlight_port_up", "gauge", "0 if a port is unplugged or fails.",
            [](const PortStatus& port) { return port.state == PortState::kGone ? 0 : 1; });
-  page.family("footlight_port_state", "gauge", "1 for the state that a port is in.");
+  page.family("footlight_port_state", "gauge", "1 for the current state of a port.");
   for (std::size_t i = 0; i < names.size(); ++i) {
     for (const PortState state : {PortState::kWorking, PortState::kWaiting, PortState::kGone, PortState::kEnded}) {
       page.value(fmt::format("{},state=\"{}\"", names[i], name_of(state)), status.ports[i].state == state ? 1 : 0);
     }
   }
-  page.family("footlight_frames_total", "counter", "Frames received from an input, or looks handed to an output.");
+  page.family("footlight_frames_total", "counter", "Frames received from an input, or snapshots sent to an output.");
   for (std::size_t i = 0; i < names.size(); ++i) {
     std::map<Universe, std::uint64_t> frames;  // an endpoint may name a universe twice
     for (const PortUniverseStatus& universe : status.ports[i].universes) frames[universe.universe] += universe.frames;
@@ -107,27 +107,27 @@ std::string metrics_text(const PumpStatus& status, const ServiceFacts& facts) {
   per_port("footlight_port_rejected_total", "counter", "Packets or messages that broke their protocol.",
            [](const PortStatus& port) { return port.port.rejected; });
   per_port("footlight_port_dropped_total", "counter",
-           "Frames that a newer one replaced inside the port, or the kernel.",
+           "Frames replaced by a newer one inside the port, or in the kernel.",
            [](const PortStatus& port) { return port.port.dropped; });
   per_port("footlight_port_errors_total", "counter", "Reads and writes that the system refused.",
            [](const PortStatus& port) { return port.port.errors; });
   per_port("footlight_port_failures_total", "counter", "Calls of the port that failed.",
            [](const PortStatus& port) { return port.failures; });
-  page.family("footlight_port_figure", "gauge", "What the driver of a port measures; the unit is the end of its name.");
+  page.family("footlight_port_figure", "gauge", "A measurement of a port's driver; the unit is the end of its name.");
   for (std::size_t i = 0; i < names.size(); ++i)
     for (const PortFigure& figure : status.ports[i].figures)
       page.value(fmt::format("{},figure=\"{}\"", names[i], label_text(figure.name)), figure.value);
-  page.family("footlight_port_unrouted_total", "counter", "Inputs: frames of universes that the run does not have.");
+  page.family("footlight_port_unrouted_total", "counter", "Inputs: frames of universes that are not part of the run.");
   per_direction(false, [&](const auto& labels, const PortStatus& port) { page.value(labels, port.unrouted); });
   page.family("footlight_port_replaced_total", "counter",
-              "Outputs: looks that a newer one replaced before they were handed over.");
+              "Outputs: snapshots replaced by a newer one before they were sent.");
   per_direction(true, [&](const auto& labels, const PortStatus& port) { page.value(labels, port.replaced); });
-  page.family("footlight_port_refused_total", "counter", "Outputs: looks handed over in a call that failed.");
+  page.family("footlight_port_refused_total", "counter", "Outputs: snapshots in calls that failed.");
   per_direction(true, [&](const auto& labels, const PortStatus& port) { page.value(labels, port.refused); });
   page.family("footlight_latency_seconds", "histogram",
-              "Outputs: from the stamp of a frame to the return of the call that handed it over.");
+              "Outputs: from the stamp of a frame to the return of the call that sent it.");
   per_direction(true, [&](const auto& labels, const PortStatus& port) { page.histogram(labels, port.latency); });
-  page.family("footlight_lateness_seconds", "histogram", "How late a port was called that had named a deadline.");
+  page.family("footlight_lateness_seconds", "histogram", "Delay of a call behind the port's deadline.");
   for (std::size_t i = 0; i < names.size(); ++i) page.histogram(names[i], status.ports[i].lateness);
 
   const auto per_universe = [&](const char* name, const char* type, const char* help, auto&& number_of) {
@@ -135,21 +135,21 @@ std::string metrics_text(const PumpStatus& status, const ServiceFacts& facts) {
     for (const UniverseStatus& universe : status.universes)
       page.value(fmt::format("universe=\"{}\"", universe.universe), number_of(universe));
   };
-  per_universe("footlight_universe_looks_total", "counter", "Looks made of a universe.",
+  per_universe("footlight_universe_snapshots_total", "counter", "Snapshots made by the merge.",
                [](const UniverseStatus& universe) { return universe.writes; });
-  per_universe("footlight_universe_senders", "gauge", "Senders known at the moment.",
+  per_universe("footlight_universe_senders", "gauge", "Current senders.",
                [](const UniverseStatus& universe) { return universe.senders.size(); });
   per_universe("footlight_universe_winners", "gauge", "Senders that share the highest priority.",
                [](const UniverseStatus& universe) { return universe.winners; });
   per_universe("footlight_universe_priority", "gauge", "Priority of the winners, 0 to 200.",
                [](const UniverseStatus& universe) { return static_cast<int>(universe.priority); });
-  page.family("footlight_universe_age_seconds", "gauge", "Age of the newest frame; no value where none ever came.");
+  page.family("footlight_universe_age_seconds", "gauge", "Age of the newest frame; no value before the first one.");
   for (const UniverseStatus& universe : status.universes) {
     if (universe.newest.revision == 0) continue;
     const DurationNs age_ns = std::max<DurationNs>(status.stamp_ns - universe.newest.stamp_ns, 0);
     page.value(fmt::format("universe=\"{}\"", universe.universe), seconds_of(static_cast<std::uint64_t>(age_ns)));
   }
-  // Gauges: a frame that comes late is lost no more, and a sender that is forgotten takes its count with it.
+  // Gauges: a late frame is no longer lost, and the count of a dropped sender is removed.
   const auto per_sender = [&](const char* name, const char* help, auto&& number_of) {
     page.family(name, "gauge", help);
     for (const UniverseStatus& universe : status.universes) {
@@ -162,18 +162,17 @@ std::string metrics_text(const PumpStatus& status, const ServiceFacts& facts) {
       }
     }
   };
-  per_sender("footlight_sender_lost_frames", "Frames of a known sender that never came, by the numbers that it gives.",
+  per_sender("footlight_sender_lost_frames", "Frames of a current sender that never arrived, by sequence number.",
              [](const SenderStatus& sender) { return sender.losses.lost; });
-  per_sender("footlight_sender_late_frames", "Frames of a known sender that came after a later one and were not used.",
+  per_sender("footlight_sender_late_frames", "Frames of a current sender that arrived after a later one, not used.",
              [](const SenderStatus& sender) { return sender.losses.late; });
-  page.family("footlight_frames_refused_total", "counter",
-              "Frames ignored: priority above 200, or as many senders as fit.");
+  page.family("footlight_frames_refused_total", "counter", "Frames ignored: priority above 200, or too many senders.");
   for (const UniverseStatus& universe : status.universes) {
     page.value(fmt::format("universe=\"{}\",reason=\"priority\"", universe.universe), universe.merge.refused_priority);
     page.value(fmt::format("universe=\"{}\",reason=\"full\"", universe.universe), universe.merge.refused_full);
   }
   page.family("footlight_merged_frames_total", "counter",
-              "Frames that reached the merge and were not refused, by what became of them.");
+              "Frames that reached the merge and were not refused, by their fate.");
   for (const UniverseStatus& universe : status.universes) {
     const MergeCounters& merge = universe.merge;
     const auto fate = [&](const char* name, std::uint64_t count) {
@@ -185,7 +184,7 @@ std::string metrics_text(const PumpStatus& status, const ServiceFacts& facts) {
     fate("early", merge.frames_early);
     fate("ended", merge.frames_ended);
   }
-  page.family("footlight_senders_lost_total", "counter", "Senders forgotten, by reason.");
+  page.family("footlight_senders_lost_total", "counter", "Senders dropped, by reason.");
   for (const UniverseStatus& universe : status.universes) {
     const MergeCounters& merge = universe.merge;
     const auto lost = [&](const char* reason, std::uint64_t count) {

@@ -22,10 +22,10 @@ void StatusPages::set_reload_trouble(const std::string& trouble) {
 }
 
 HttpAnswer StatusPages::answer_metrics(const HttpRequest& request) const {
-  if (request.path != "/metrics") return refusal(404, "not here; try /metrics");
+  if (request.path != "/metrics") return refusal(404, "no such page; try /metrics");
   if (request.method != "GET") return refusal(405, "expected GET");
   const PumpStatus status = pump_.latest_status();
-  if (status.stamp_ns == 0) return refusal(503, "the pump is about to start; ask again");
+  if (status.stamp_ns == 0) return refusal(503, "the pump is starting; try again");
   ServiceFacts facts;
   facts.start_unix_ns = start_unix_ns_;
   facts.real_time = real_time.load();
@@ -44,26 +44,26 @@ HttpAnswer StatusPages::answer(const HttpRequest& request) const {
               .body = json_of_reloads(reloads.load(), reload_failures.load(), reloading.load(), reload_trouble_)};
     }
     if (request.method != "POST") return refusal(405, "expected GET or POST");
-    if (!request.from_owner) return refusal(403, "only the user that runs this bridge, or root, may have it reloaded");
-    if (!ask_reload) return refusal(409, "this bridge was started without a show file; there is nothing to read anew");
-    ask_reload();
-    return {.status = 202, .body = "asked; its events say how it went\n"};
+    if (!request.from_owner) return refusal(403, "only the user that runs this bridge, or root, may reload it");
+    if (!request_reload) return refusal(409, "this bridge was started without a show file, so it cannot reload one");
+    request_reload();
+    return {.status = 202, .body = "reload requested; the bridge's events report the result\n"};
   }
   if (request.path != "/status" && request.path != "/levels") {
-    return refusal(404, "not here; try /status, /levels?universes=1-9 or /metrics");
+    return refusal(404, "no such page; try /status, /levels?universes=1-9 or /metrics");
   }
   if (request.method != "GET") return refusal(405, "expected GET");
   if (request.path == "/status") return {.type = kJsonType, .body = json_of_status(pump_.latest_status())};
   const auto universes = pump_.universes();
-  std::vector<Universe> wanted;
+  std::vector<Universe> requested;
   if (!request.universes.empty()) {
     const auto list = parse_wire_universes(request.universes);
     if (!list) return refusal(400, "universes: " + list.error().message);
-    for (const WireUniverse& universe : *list) wanted.push_back(universe.wire);
+    for (const WireUniverse& universe : *list) requested.push_back(universe.wire);
   } else {
-    wanted.assign(universes->numbers().begin(), universes->numbers().end());
+    requested.assign(universes->numbers().begin(), universes->numbers().end());
   }
-  return {.type = kJsonType, .body = json_of_levels(*universes, wanted, clock_.now_ns())};
+  return {.type = kJsonType, .body = json_of_levels(*universes, requested, clock_.now_ns())};
 }
 
 }  // namespace footlight::tools

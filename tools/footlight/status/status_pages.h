@@ -1,8 +1,7 @@
-// What a running bridge shows to whoever asks, as pages: /status and /levels (JSON, docs/monitor.md) and /metrics
-// (docs/metrics.md). POST /reload has it read its show file anew,
-// GET /reload says how that went.
+// The HTTP pages of a running bridge: /status and /levels (JSON, docs/monitor.md) and /metrics (docs/metrics.md).
+// POST /reload reads the show file again; GET /reload returns the result.
 //
-// Answers come from what the pump has published and from the buffer, so the pump is never waited for.
+// Answers use the pump's published status and the buffer, so they never wait for the pump.
 // Threads: answer() any, one at a time for each object; the rest any.
 #pragma once
 
@@ -27,17 +26,17 @@ class StatusPages {
   StatusPages(const Pump& pump, Clock& clock);
 
   [[nodiscard]] HttpAnswer answer(const HttpRequest& request) const;
-  // Of these, a server for strangers gives /metrics only.
+  // For a server that strangers can reach: /metrics only.
   [[nodiscard]] HttpAnswer answer_metrics(const HttpRequest& request) const;
 
   std::atomic<bool> real_time{false};
   std::atomic<std::uint64_t> reloads{0};
   std::atomic<std::uint64_t> reload_failures{0};
   std::atomic<bool> reloading{false};
-  void set_reload_trouble(const std::string& trouble);  // of the last one; empty: it was taken
-  // What POST /reload does: asks for it and returns. Empty: cannot be reloaded. Set before anybody is served.
-  std::function<void()> ask_reload;
-  // Of the outputs; null: none. Set before anybody is served.
+  void set_reload_trouble(const std::string& trouble);  // of the last one; empty: it was used
+  // The action of POST /reload: requests a reload and returns. Empty: no reload. Set before the server starts.
+  std::function<void()> request_reload;
+  // Of the outputs; null: none. Set before the server starts.
   std::shared_ptr<const OutputGuard> guard;
 
  private:

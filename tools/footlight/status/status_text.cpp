@@ -43,7 +43,7 @@ std::string printable_utf8(std::string_view text) {
     }
     const bool overlong = (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
     const bool control = code < 0x20 || (code >= 0x7F && code < 0xA0) || code == 0x2028 || code == 0x2029 ||
-                         (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);  // turn text around
+                         (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);  // bidirectional
     good = good && !overlong && code <= 0x10FFFF && (code < 0xD800 || code > 0xDFFF);
     clean += good && !control ? text.substr(i, length) : kReplacement;
     i += good ? length : 1;
@@ -54,7 +54,7 @@ std::string printable_utf8(std::string_view text) {
 std::string printable_line(std::string_view text) {
   constexpr std::size_t kBeginBytes = 1500, kEndBytes = 400;
   if (text.size() <= kBeginBytes + kEndBytes) return printable_utf8(text);
-  // Between characters: a byte of 10xxxxxx goes on with one.
+  // Cuts between characters: a byte of 10xxxxxx continues one.
   const auto goes_on = [&](std::size_t at) { return (static_cast<unsigned char>(text[at]) & 0xC0) == 0x80; };
   std::size_t end_of_begin = kBeginBytes, end = text.size() - kEndBytes;
   while (end_of_begin > 0 && goes_on(end_of_begin)) --end_of_begin;
@@ -80,9 +80,9 @@ std::string status_line(const PumpStatus& status) {
     if (port.state == PortState::kGone) {
       line += "gone";
     } else if (port.stands_by) {
-      line += "stands by";
+      line += "standby";
     } else if (port.frames == 0) {
-      line += "nothing yet";
+      line += "no frames yet";
     } else {
       line += fmt::format("{:.0f}/s", port.rate_hz);
     }
@@ -113,12 +113,12 @@ std::string summary_text(const PumpStatus& status, DurationNs elapsed_ns) {
     count("dropped", port.port.dropped);
     count("replaced", port.replaced);
     count("refused", port.refused);
-    count("of universes that nobody asked for", port.unrouted);
+    count("of universes that are not in this run", port.unrouted);
     count("errors", port.port.errors + port.failures);
     if (!port.trouble.empty()) text += fmt::format("; {}", port.trouble);
     text += '\n';
   }
-  // What was received and is in no look.
+  // Frames that were received but are in no snapshot.
   for (const UniverseStatus& universe : status.universes) {
     const MergeCounters& merge = universe.merge;
     if (merge.frames == merge.frames_shown) continue;
@@ -129,9 +129,9 @@ std::string summary_text(const PumpStatus& status, DurationNs elapsed_ns) {
     count("outranked by another sender", merge.frames_outranked);
     count("with per-address priorities", merge.frames_priorities);
     count("of a new sender, too early", merge.frames_early);
-    count("that said their sender stops", merge.frames_ended);
+    count("that ended their stream", merge.frames_ended);
     count("refused: priority above 200", merge.refused_priority);
-    count("refused: eight senders already", merge.refused_full);
+    count("refused: more than eight senders", merge.refused_full);
     text += '\n';
   }
   return text;
