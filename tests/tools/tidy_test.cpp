@@ -183,7 +183,6 @@ TEST_CASE("hardware libraries, and those that compile slowly, are included only 
                 R"(tests/(fixtures|fuzz)/.*)\.cpp)"},
       {"png.h", R"((fixtures/gobos/png|tests/fixtures/gobos/png_test)\.cpp)"},
       {"cairo", R"(fixtures/paperwork/patch_pdf\.cpp)"},
-      {"librsvg/", R"(fixtures/gobos/gobo_svg\.cpp)"},
       {"pugixml", R"(fixtures/files/import/xml\.cpp|tests/fixtures/files/every_channel_test\.cpp)"},
       {"zstd", R"((sim|tests/sim)/dmx_log/.*\.cpp)"},
       {"CLI/", R"(tools/(footlight/arguments|[a-z_]+)\.cpp)"},
