@@ -410,5 +410,186 @@ TEST_CASE("the scripts in the README and the documents exist and are executable"
   check_none(offences);
 }
 
+// ---- lengths ----
+
+constexpr std::size_t kFunctionLinesMax = 100;
+constexpr std::size_t kFileLinesMax = 600;
+
+struct LongFunction {
+  const char* file;
+  const char* name;
+  const char* reason;  // why one function is easier to read than its parts would be
+};
+
+constexpr LongFunction kLongFunctions[] = {
+    {"drivers/mock/rdm_line_model.cpp", "RdmResponderModel::act", "one case for each RDM parameter"},
+    {"drivers/rdm/rdm_parameters.cpp", "rdm_fields", "one case for each form of parameter data"},
+    {"fixtures/files/import/ofl_channels.cpp", "Reader::read_matrix",
+     "the pixels and their groups share one count and its limit"},
+    {"fixtures/files/import/ofl_channels.cpp", "Reader::set_physical", "one case for each scale of OFL"},
+    {"fixtures/files/import/plain.cpp", "PlainBody::build",
+     "parts of a body in the order of the tree, sharing a lambda"},
+    {"fixtures/files/import/qxf_channels.cpp", "Reader::read_range",
+     "preset, group and words of one range, each overruled by the one before"},
+    {"fixtures/files/import/qxf_channels.cpp", "Reader::set_span", "one case for each meaning of a range"},
+    {"fixtures/files/toml/rig_toml.cpp", "read_row",
+     "each key of a row of fixtures once, in the order of the document"},
+    {"fixtures/simulate/decode_model.cpp", "add_values", "one case for each parameter"},
+    {"fixtures/photometry/parse.cpp", "parse_ldt", "EULUMDAT's fields in the order of their lines"},
+    {"fixtures/photometry/table.cpp", "measured_table", "one derivation from angles to texels, with shared names"},
+    {"render/reference/judge.cpp", "judge_scene", "one integral with the state that its lambdas share"},
+    {"tools/footlight/status/metrics.cpp", "metrics_text", "each metric once, in the order of the page"},
+};
+
+struct LongFile {
+  const char* file;
+  const char* reason;
+};
+
+constexpr LongFile kLongFiles[] = {
+    {"drivers/device/device.cpp", "one thread and what it shares with its ports"},
+    {"fixtures/compile/compile_type.cpp", "one pass over a type, which fills one table"},
+    {"fixtures/files/export/gdtf.cpp", "one document, in the order of its elements"},
+    {"fixtures/files/import/gdtf_modes.cpp", "one reader, in the order of the elements of a mode"},
+    {"fixtures/files/import/mvr.cpp", "one reader, in the order of the scene's elements"},
+    {"fixtures/files/import/ofl_channels.cpp", "one reader: matrix, capabilities, channels"},
+    {"fixtures/files/import/qxf_tables.cpp", "tables"},
+    {"fixtures/files/import/rig_builder.cpp", "one builder: definitions, fixtures, frame of the rig"},
+    {"fixtures/files/toml/fixture_toml_full.cpp", "one document, in the order of its tables"},
+    {"fixtures/paperwork/plan.cpp", "one drawing, layer by layer"},
+    {"fixtures/photometry/parse.cpp", "two formats that share their numbers"},
+    {"fixtures/shared/decode.h", "decoding as one source for C++ and GLSL"},
+    {"render/reference/judge.cpp", "one integral from the definition, apart from all that it judges"},
+    {"sim/merge.cpp", "who wins a universe, in one place"},
+    {"sim/pump.cpp", "the loop, from top to bottom"},
+    {"sim/shared/lamp.h", "lamps as one source for C++ and GLSL"},
+    {"tools/footlight/doctor/doctor_checks.cpp", "one check after another"},
+    {"tools/footlight/preview/preview_window.cpp", "one window and its keys"},
+};
+
+// Code of the program, its tools and benchmarks; tests are lists, and their length says nothing.
+bool is_product(std::string_view path) {
+  return is_cpp(path) &&
+         (starts_with(path, "sim/") || starts_with(path, "drivers/") || starts_with(path, "fixtures/") ||
+          starts_with(path, "render/") || starts_with(path, "tools/"));
+}
+
+struct Function {
+  std::string name;
+  std::size_t line = 0;   // of its first line, from 1
+  std::size_t count = 0;  // of lines, from the return type to the closing brace
+};
+
+std::string name_in(const std::string& head) {
+  static const std::regex kName(R"rx(([~A-Za-z_][~A-Za-z0-9_:]*|operator[^ (]+)\s*\()rx");
+  std::smatch match;
+  return std::regex_search(head, match, kName) ? match[1].str() : head.substr(0, 60);
+}
+
+bool begins_with_word(std::string_view text, const std::set<std::string_view>& words) {
+  return words.contains(text.substr(0, text.find_first_not_of("abcdefghijklmnopqrstuvwxyz")));
+}
+
+bool opens_type(std::string_view line) {
+  if (starts_with(line, "template ")) line.remove_prefix(std::min(line.size(), line.find("> ") + 2));
+  return ends_with(line, "{") && begins_with_word(line, {"class", "struct", "enum", "union"});
+}
+
+// Functions of namespaces and of classes, by the places of their braces as clang-format sets them: a function begins at
+// the indentation at which its "}" stands alone. Functions of nested classes and lambdas count as part of what holds
+// them.
+std::vector<Function> functions_of(const SourceFile& file) {
+  static const std::set<std::string_view> kNoFunction = {"namespace", "extern", "for",    "while", "if",     "switch",
+                                                         "do",        "else",   "return", "case",  "default"};
+  std::vector<Function> found;
+  for (const std::size_t indent : {std::size_t{0}, std::size_t{2}}) {
+    std::size_t begin = 0;  // 0: no function has begun
+    bool in_class = false;
+    for (std::size_t i = 0; i < file.lines.size(); ++i) {
+      const std::string& line = file.lines[i];
+      if (!line.empty() && line.front() != ' ') in_class = opens_type(line);
+      if (indent > 0 && !in_class) {
+        begin = 0;
+        continue;
+      }
+      if (line.size() <= indent || line.find_first_not_of(' ') != indent) continue;
+      const std::string rest = line.substr(indent);
+      if (rest == "}") {
+        if (begin > 0) found.push_back({name_in(file.lines[begin - 1] + file.lines[begin]), begin, i + 2 - begin});
+        begin = 0;
+      } else if (rest.front() == '}' || rest.front() == '#' || starts_with(rest, "//") || ends_with(rest, ";") ||
+                 ends_with(rest, "}") || ends_with(rest, ":") || opens_type(rest) ||
+                 begins_with_word(rest, kNoFunction)) {
+        begin = 0;
+      } else if (begin == 0) {
+        begin = i + 1;
+      }
+    }
+  }
+  return found;
+}
+
+TEST_CASE("the length of a function is counted from its return type to its closing brace") {
+  const auto counted = [](std::vector<std::string> lines) { return functions_of({"a.cpp", std::move(lines)}); };
+  const auto plain =
+      counted({"namespace a {", "// About f.", "int f(int a,", "      int b) {", "  if (a) {", "    g();", "  }",
+               "  return b;", "}", "", "int x = 3;", "int g() { return 3; }", "int h() {", "}"});
+  REQUIRE(plain.size() == 2);
+  CHECK(plain[0].name == "f");
+  CHECK(plain[0].line == 3);
+  CHECK(plain[0].count == 7);
+  CHECK(plain[1].count == 2);
+  const auto members = counted({"class A {", " public:", "  A();", "  int f() const {", "    return 3;", "  }", "};",
+                                "", "int A::g() {", "  for (;;) {", "  }", "}"});
+  REQUIRE(members.size() == 2);
+  CHECK(members[0].name == "A::g");
+  CHECK(members[1].name == "f");
+  CHECK(members[1].count == 3);
+}
+
+TEST_CASE("functions of the program have at most 100 lines, except those that are listed with the reason") {
+  std::vector<std::string> offences;
+  std::set<std::pair<std::string, std::string>> longer;
+  std::size_t count = 0;
+  for (const SourceFile& file : tree()) {
+    if (!is_product(file.path)) continue;
+    for (const Function& function : functions_of(file)) {
+      ++count;
+      if (function.count <= kFunctionLinesMax) continue;
+      longer.emplace(file.path, function.name);
+      const bool listed =
+          std::any_of(std::begin(kLongFunctions), std::end(kLongFunctions),
+                      [&](const LongFunction& one) { return file.path == one.file && function.name == one.name; });
+      if (listed) continue;
+      offences.push_back(fmt::format("{}:{}: {} has {} lines; at most {}, or a row of kLongFunctions with the reason",
+                                     file.path, function.line, function.name, function.count, kFunctionLinesMax));
+    }
+  }
+  for (const LongFunction& one : kLongFunctions) {
+    if (longer.contains({one.file, one.name})) continue;
+    offences.push_back(fmt::format("kLongFunctions: {} in {} is short now: remove its row", one.name, one.file));
+  }
+  CHECK(count > 3000);
+  check_none(offences);
+}
+
+TEST_CASE("files of the program have at most 600 lines, except those that are listed with the reason") {
+  std::vector<std::string> offences;
+  std::set<std::string> longer;
+  for (const SourceFile& file : tree()) {
+    if (!is_product(file.path) || file.lines.size() <= kFileLinesMax) continue;
+    longer.insert(file.path);
+    const bool listed = std::any_of(std::begin(kLongFiles), std::end(kLongFiles),
+                                    [&](const LongFile& one) { return file.path == one.file; });
+    if (listed) continue;
+    offences.push_back(fmt::format("{}: {} lines; at most {}, or a row of kLongFiles with the reason", file.path,
+                                   file.lines.size(), kFileLinesMax));
+  }
+  for (const LongFile& one : kLongFiles) {
+    if (!longer.contains(one.file)) offences.push_back(fmt::format("kLongFiles: {}: remove its row", one.file));
+  }
+  check_none(offences);
+}
+
 }  // namespace
 }  // namespace footlight
