@@ -9,9 +9,9 @@
 namespace footlight::render {
 namespace {
 
-// As many values of a wish as the rig's tables name and its branches look at. They are picked by number, so on a GPU
+// The number of decoded parameters that the rig's tables and branches use. They are selected by number, so on a GPU
 // they lie in memory: fewer are faster.
-std::uint32_t wish_count(const fixtures::Needs& needs) {
+std::uint32_t decoded_count(const fixtures::Needs& needs) {
   std::uint32_t count = std::max(needs.params_end, fixtures::kParamBasicEnd);
 #define FL_KIND_END(kind, before, values, NEED, need) \
   if (needs.need) count = std::max(count, fixtures::kParam##kind##End);
@@ -36,7 +36,7 @@ const PassEntry kStepPass{
           {FL_SPEC_STACKED, needs.stacked},       {FL_SPEC_FLEX, needs.flex},
           {FL_SPEC_SMOOTH, needs.smooth},         FL_LAMPS(FL_LAMP_CONSTANT){FL_SPEC_DOWSER, needs.dowser},
           {FL_SPEC_PULSES, needs.pulses},         {FL_SPEC_MACRO, needs.macro},
-          {FL_SPEC_WISH_COUNT, wish_count(needs)}};
+          {FL_SPEC_DECODED_COUNT, decoded_count(needs)}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kStepComp,

@@ -24,7 +24,7 @@ layout(constant_id = FL_SPEC_MACRO) const bool kMacro = true;
 layout(constant_id = FL_SPEC_FLEX) const bool kFlex = true;
 layout(constant_id = FL_SPEC_SMOOTH) const bool kSmooth = true;
 layout(constant_id = FL_SPEC_DOWSER) const bool kDowser = true;
-layout(constant_id = FL_SPEC_WISH_COUNT) const uint kWishCount = kParamCount;
+layout(constant_id = FL_SPEC_DECODED_COUNT) const uint kDecodedCount = kParamCount;
 layout(push_constant) uniform Push { uint dt_ns_low; uint dt_ns_high; uint new_exposure; } push;
 
 layout(set = 0, binding = FL_BINDING_LEVELS, std430) readonly buffer LevelsBuffer { uint levels[]; };
@@ -113,7 +113,7 @@ void fl_set_optics_state(uint index, OpticsState optics) {
   }
 }
 
-#define FL_DECODED_COUNT kWishCount
+#define FL_DECODED_COUNT kDecodedCount
 #define FL_NEED_MOTION kMotion
 #define FL_NEED_SPIN kSpin
 #define FL_NEED_STROBE kStrobe

@@ -87,7 +87,7 @@ TEST_CASE("the demo rig with all that it lacks needs every pass, with every bran
                                         {FL_SPEC_DOWSER, 1},
                                         {FL_SPEC_PULSES, 1},
                                         {FL_SPEC_MACRO, 1},
-                                        {FL_SPEC_WISH_COUNT, fixtures::kParamCount}}},
+                                        {FL_SPEC_DECODED_COUNT, fixtures::kParamCount}}},
                                       {"gather",
                                        {{FL_SPEC_OPTICS, 1},
                                         {FL_SPEC_PROFILE, 1},
@@ -315,7 +315,7 @@ TEST_CASE("the needs of a rig follow from its fixtures and its haze") {
                                   {FL_SPEC_DOWSER, 0},
                                   {FL_SPEC_PULSES, 0},
                                   {FL_SPEC_MACRO, 0},
-                                  {FL_SPEC_WISH_COUNT, fixtures::kParamBasicEnd}});
+                                  {FL_SPEC_DECODED_COUNT, fixtures::kParamBasicEnd}});
   rig.haze.scattering_per_m = 0;
   rig.haze.absorption_per_m = 0;
   rig.boxes.clear();

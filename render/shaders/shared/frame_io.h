@@ -70,7 +70,7 @@
 #define FL_SPEC_SHAKE 22
 #define FL_SPEC_PULSES 23
 #define FL_SPEC_MACRO 24
-#define FL_SPEC_WISH_COUNT 25
+#define FL_SPEC_DECODED_COUNT 25
 #define FL_SPEC_IRIS 26
 #define FL_SPEC_WIDE 27
 // Whether the rig has a kind of lamp, by its number in FL_LAMPS.
