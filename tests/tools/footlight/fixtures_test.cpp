@@ -98,7 +98,7 @@ TEST_CASE("check prints a summary first, then one line a file and its errors, an
   std::vector<std::string> lines;
   for (std::string line; std::getline(stream, line);) lines.push_back(line);
   REQUIRE(lines.size() == 4);
-  CHECK(lines[0] == "2 files: 1 loaded, 1 with warnings, 0 refused; --notes lists what is wrong");
+  CHECK(lines[0] == "2 files: 1 loaded, 1 with warnings, 0 refused; --notes lists the warnings");
   CHECK(lines[1] == "warnings  " + wrong + ": Us Head, 2 modes; 1 error (dmx-value); 2 warnings (range 2)");
   CHECK(contains(lines[2], "a.gdtf:description.xml:7:"));
   CHECK(contains(lines[2], ": error: "));
@@ -261,7 +261,7 @@ TEST_CASE("show prints modes, geometries, channels, functions, sets, wheels and 
   const Outcome all = footlight({"fixtures", "show", head});
   CHECK(all.exit_code == 0);
   for (const char* part : {"Us Head", "gdtf 1.2", "Small: 1 slot, 1 channels", "Large: 4 slots, 3 channels",
-                           "Read and not simulated: RoboSpot", "Wheel Gobos", "1  Open: open", "Yoke (axis)",
+                           "Read, but not simulated: RoboSpot", "Wheel Gobos", "1  Open: open", "Yoke (axis)",
                            "Lens (beam), wash, 9000 lm, 6000 K, beam 25 deg", "1,2  Yoke_Pan: 16 bits",
                            "0-65535  Pan \"P\": -270 to 270 deg, 3.5 s from end to end", "while Yoke_Pan is 0 to 99",
                            "10-255  red (slot 2)"}) {

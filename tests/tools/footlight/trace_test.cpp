@@ -276,7 +276,7 @@ TEST_CASE("wrong words to trace are named, and no file is left") {
   const Outcome nowhere = footlight({"trace", rig, "--lit", "--at", "0s", "-o", folder.file("no/x.csv")});
   CHECK(nowhere.exit_code == 1);
   CHECK(contains(nowhere.err, "no/x.csv: cannot be written"));
-  CHECK(contains(footlight({"trace", "--at", "1s", "--demo", rig}).err, "one of them"));
+  CHECK(contains(footlight({"trace", "--at", "1s", "--demo", rig}).err, "not both"));
 }
 
 }  // namespace
