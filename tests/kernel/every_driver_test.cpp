@@ -106,7 +106,7 @@ class Devices {
       if (Clock::now() >= give_up) fail(run);
       if (Clock::now() >= send_at) {
         run.send(snapshot);
-        (void)run.program().has_said("", 0);  // reads the program's output, so that its pipe does not fill up
+        (void)run.program().has_printed("", 0);  // reads the program's output, so that its pipe does not fill up
         send_at = Clock::now() + std::chrono::milliseconds(500);
       }
       for (Device& device : devices_) {
