@@ -7,6 +7,8 @@
 #include "fixtures/simulate/machines.h"
 #include "render/passes/beams.h"
 #include "render/passes/bodies.h"
+#include "render/passes/coarse.h"
+#include "render/passes/depths.h"
 #include "render/passes/gather.h"
 #include "render/passes/step.h"
 #include "render/passes/surfaces.h"
@@ -23,6 +25,8 @@ const PassEntry* const kPasses[] = {
     &kBodiesPass,    // fixture bodies -> visibility buffer
     &kTilesPass,     // beams -> which supertile they touch
     &kSurfacesPass,  // beams x boxes and bodies -> radiance, distance
+    &kDepthsPass,    // radiance's distances -> planes of tiles
+    &kCoarsePass,    // beams -> those that are smooth over a supertile, and the rest
     &kBeamsPass,     // beams x air -> radiance
     &kTonemapPass,   // radiance -> screen
 };
@@ -144,6 +148,9 @@ Status Frame::check_settings(const FrameSettings& settings) const {
   if (settings.nodes < 1 || (settings.method == BeamMethod::kGauss && settings.nodes > 8)) {
     return fail(ErrorCode::kBadInput, "{} quadrature nodes: expected 1 to 8", settings.nodes);
   }
+  if (!(settings.tile_error >= 0 && settings.tile_error <= 1)) {
+    return fail(ErrorCode::kBadInput, "tile error {}: expected 0 to 1", settings.tile_error);
+  }
   if (settings.supersample < 1 || settings.width % settings.supersample != 0 ||
       settings.height % settings.supersample != 0) {
     return fail(ErrorCode::kBadInput, "{}x{} pixels, {} a side of one of the screen: expected whole ones",
@@ -166,7 +173,9 @@ Status Frame::change(const FrameSettings& settings) {
   const bool has_images = resources_.picture.screen.handle != VK_NULL_HANDLE;
   const bool same_images = has_images && settings.width == settings_.width && settings.height == settings_.height &&
                            settings.supersample == settings_.supersample &&
-                           has_bodies(needs, settings) == has_bodies(needs, settings_);
+                           has_bodies(needs, settings) == has_bodies(needs, settings_) &&
+                           has_tile_classes(needs, settings) ==
+                               has_tile_classes(drawn_needs(needs_, haze_, settings_), settings_);
   passes_.clear();
   plan_.clear();
   timed_.clear();
@@ -174,8 +183,7 @@ Status Frame::change(const FrameSettings& settings) {
   has_solids_ = has_solids(needs, settings);
   if (!same_images) {
     resources_.picture = {};  // first, so that two sizes never stand in memory
-    FL_ASSIGN(resources_.picture,
-              PictureImages::create(device_, settings, has_bodies(needs, settings), resources_.rig.mask_words));
+    FL_ASSIGN(resources_.picture, PictureImages::create(device_, needs, settings, resources_.rig.mask_words));
     resources_.bind_all();
   }
   for (const PassEntry* entry : kPasses) {
@@ -287,6 +295,7 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   const double pixel = 2 * view.tan_half_fov / settings_.height;  // at a depth of 1
   params.thin = settings_.widen_thin ? static_cast<float>(FL_THIN_RADIUS_PX * pixel) : 0.0f;
   params.supersample = static_cast<std::uint32_t>(settings_.supersample);
+  params.tile_error = static_cast<float>(settings_.tile_error);
   params.work_lx = static_cast<float>(work_light_lx_);
   vk::full_barrier(commands);  // the frame before may still be reading
   vkCmdUpdateBuffer(commands, resources_.rig.params.handle, 0, sizeof(params), &params);

@@ -48,6 +48,10 @@ struct PassEntry {
 [[nodiscard]] inline bool has_bodies(const fixtures::Needs& needs, const FrameSettings& settings) {
   return (needs.fixtures || needs.objects) && settings.bodies;
 }
+// Whether beams are taken together for tiles, where they are smooth.
+[[nodiscard]] inline bool has_tile_classes(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return needs.fixtures && needs.haze && settings.method == BeamMethod::kGauss && settings.tile_error > 0;
+}
 // Whether anything solid is in the picture.
 [[nodiscard]] inline bool has_solids(const fixtures::Needs& needs, const FrameSettings& settings) {
   return needs.surfaces || has_bodies(needs, settings);

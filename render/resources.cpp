@@ -301,6 +301,19 @@ std::uint64_t mask_bytes(const FrameSettings& settings, std::uint32_t mask_words
   return std::uint64_t{4} * supertiles(settings.width) * supertiles(settings.height) * mask_words;
 }
 
+std::uint64_t tile_depth_bytes(const FrameSettings& settings, bool used) {
+  if (!used) return sizeof(TileDepthRow);
+  const auto tiles = [](int pixels) {
+    return (static_cast<std::uint64_t>(pixels) + FL_TILE_PX - 1) / FL_TILE_PX;
+  };
+  return tiles(settings.width) * tiles(settings.height) * sizeof(TileDepthRow);
+}
+
+std::uint64_t coarse_bytes(const FrameSettings& settings, bool used) {
+  if (!used) return sizeof(CoarseRow);
+  return std::uint64_t{supertiles(settings.width)} * supertiles(settings.height) * sizeof(CoarseRow);
+}
+
 std::uint64_t gobo_bytes(const MemoryShape& shape) {
   if (shape.compiled.images.empty()) return 4;
   std::uint64_t texels = 0;
@@ -332,6 +345,10 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_BOXES: return shape.rig.boxes.size() * sizeof(BoxRow);
     case FL_BINDING_GOBOS: return gobo_bytes(shape);
     case FL_BINDING_MASKS: return mask_bytes(settings, mask_words_of(shape.compiled));
+    case FL_BINDING_TILE_DEPTHS:
+      return tile_depth_bytes(settings,
+                              has_tile_classes(shape.needs, settings) && has_solids(shape.needs, settings));
+    case FL_BINDING_COARSE: return coarse_bytes(settings, has_tile_classes(shape.needs, settings));
     case FL_BINDING_SURFACE_ID: return solid_pixels * 8;
     case FL_BINDING_DEPTH: return solid_pixels * 4;
     case FL_BINDING_RADIANCE: return pixels * 16;
@@ -393,14 +410,18 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   return r;
 }
 
-Result<PictureImages> PictureImages::create(vk::Device& device, const FrameSettings& settings, bool bodies,
-                                            std::uint32_t mask_words) {
+Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::Needs& needs,
+                                            const FrameSettings& settings, std::uint32_t mask_words) {
+  const bool bodies = render::has_bodies(needs, settings);
+  const bool classes = has_tile_classes(needs, settings);
   const auto width = static_cast<std::uint32_t>(settings.width);
   const auto height = static_cast<std::uint32_t>(settings.height);
   PictureImages p;
   p.supertiles_x = supertiles(settings.width);
   p.supertiles_y = supertiles(settings.height);
   FL_ASSIGN(p.masks, zeroed(device, mask_bytes(settings, mask_words)));
+  FL_ASSIGN(p.tile_depths, zeroed(device, tile_depth_bytes(settings, classes && has_solids(needs, settings))));
+  FL_ASSIGN(p.coarse, zeroed(device, coarse_bytes(settings, classes)));
   const std::uint32_t solid_width = bodies ? width : 1;
   const std::uint32_t solid_height = bodies ? height : 1;
   FL_ASSIGN(p.surface_id, vk::Image::create(device, solid_width, solid_height, VK_FORMAT_R32G32_UINT,
@@ -436,6 +457,8 @@ void Resources::bind_all() {
   for (std::uint32_t lamp = 1; lamp <= FL_LAMP_COUNT; ++lamp) bind(FL_BINDING_LAMP(lamp), rig.lamp_states[lamp]);
   for (const auto& [binding, buffer] : kOtherBuffers) bind(binding, rig.*buffer);
   bind(FL_BINDING_MASKS, picture.masks);
+  bind(FL_BINDING_TILE_DEPTHS, picture.tile_depths);
+  bind(FL_BINDING_COARSE, picture.coarse);
   if (rig.gobos.handle != VK_NULL_HANDLE) {
     bindings.set_image(FL_BINDING_GOBOS, rig.gobos, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   }

@@ -88,10 +88,12 @@ struct RigTables {
 // What is as large as the picture. Without bodies there is no visibility buffer: one texel stands in for each of its
 // two images, since shaders name them.
 struct PictureImages {
-  [[nodiscard]] static Result<PictureImages> create(vk::Device& device, const FrameSettings& settings, bool bodies,
-                                                    std::uint32_t mask_words);
+  [[nodiscard]] static Result<PictureImages> create(vk::Device& device, const fixtures::Needs& needs,
+                                                    const FrameSettings& settings, std::uint32_t mask_words);
 
-  vk::Buffer masks;  // supertiles x mask_words
+  vk::Buffer masks;        // supertiles x mask_words
+  vk::Buffer tile_depths;  // TileDepthRow, one a tile; one row where no pass reads them
+  vk::Buffer coarse;       // CoarseRow, one a supertile; likewise
   vk::Image surface_id, depth, radiance, screen;
   std::uint32_t supertiles_x = 0;
   std::uint32_t supertiles_y = 0;

@@ -15,6 +15,9 @@ struct FrameSettings {
   // Beams in haze. Nodes of the Gauss rule (1 to 8) or steps of the march; errors in docs/numerics.md.
   BeamMethod method = BeamMethod::kGauss;
   std::uint32_t nodes = 3;
+  // Beams that are smooth over a tile are taken together. Error that this may add to a tile's light, as a share of it,
+  // when the errors of its beams are independent; 0: every beam is computed pixel by pixel.
+  double tile_error = 4e-3;
   std::uint32_t gobo_taps = 64;  // samples of the gobo along one ray through one beam
   bool bodies = true;            // draw fixture bodies
   bool haze = true;              // light in the air, where the rig has haze

@@ -25,6 +25,7 @@ const PassEntry kBeamsPass{
                                            {FL_SPEC_ANIMATION, needs.animation},
                                            {FL_SPEC_MEASURED, needs.measured},
                                            {FL_SPEC_RECTANGLE, needs.rectangle},
+                                           {FL_SPEC_TILES, has_tile_classes(needs, settings)},
                                            {FL_SPEC_WIDE, needs.wide},
                                            {FL_SPEC_IRIS, needs.iris}};
     },

@@ -71,21 +71,33 @@ float thin_rectangle(inout BeamShape beam, inout vec3 eye, inout vec3 d, float o
   return gain;
 }
 
+// The beam's radius where a ray is nearest its axis, and the radius that a thin beam gets there. eye, d: the ray in
+// light space. depth: depth per metre along the ray.
+void thin_meets(BeamShape beam, BeamRow row, vec3 eye, vec3 d, float depth, float t_max_m, out float own,
+                out float wide) {
+  float across = dot(d.xy, d.xy);
+  float t_m = -dot(eye.xy, d.xy) / max(across, 1e-12);
+  float z = clamp(eye.z + t_m * d.z, 0.0, beam.range_m);
+  t_m = clamp(((z - eye.z) * d.z - dot(eye.xy, d.xy)) / dot(d, d), 0.0, t_max_m);
+  own = beam.lens_radius_m + beam.spread * z;
+  wide = thin_reach(row) * t_m * depth;
+}
+
+// How many times its own radius a beam must become before it is widened.
+float thin_scale(BeamShape beam, bool plain) {
+  return plain ? sqrt(mean_square_radius(beam.profile_power) / kThinMeanSquare) : 1.0;
+}
+
 // Widens the beam as the pixel's ray meets it in the haze. eye, d: the ray in light space. d is a metre long, but not
 // in the stretched light space of a rectangle. depth: depth per metre along the ray. Returns the factor of the beam's
 // light.
 float thin_in_haze(inout BeamShape beam, BeamRow row, inout vec3 eye, inout vec3 d, float depth, float t_max_m,
                    bool plain) {
-  float across = dot(d.xy, d.xy);
-  // Where the ray is nearest the axis.
-  float t_m = -dot(eye.xy, d.xy) / max(across, 1e-12);
-  float z = clamp(eye.z + t_m * d.z, 0.0, beam.range_m);
-  t_m = clamp(((z - eye.z) * d.z - dot(eye.xy, d.xy)) / dot(d, d), 0.0, t_max_m);
-  float own = beam.lens_radius_m + beam.spread * z;
-  float wide = thin_reach(row) * t_m * depth;
+  float own;
+  float wide;
+  thin_meets(beam, row, eye, d, depth, t_max_m, own, wide);
   if (FL_NEED_RECTANGLE && row.squeeze > 0.0) return thin_rectangle(beam, eye, d, own, wide);
-  float scale = plain ? sqrt(mean_square_radius(beam.profile_power) / kThinMeanSquare) : 1.0;
-  if (!(wide > own * scale)) return 1.0;
+  if (!(wide > own * thin_scale(beam, plain))) return 1.0;
   // With scale < 1 the sum may be negative where the beam is much wider than its lens.
   beam.lens_radius_m = max(beam.lens_radius_m + wide - own, 1e-4);
   if (!plain) return 1.0;
@@ -99,7 +111,7 @@ float thin_in_haze(inout BeamShape beam, BeamRow row, inout vec3 eye, inout vec3
 float thin_on_surface(BeamShape beam, vec3 p, vec3 step_x, vec3 step_y, bool plain, out vec2 rho, out float r_m) {
   float w = max(beam.lens_radius_m + beam.spread * p.z, 1e-9);
   rho = p.xy / w;
-  float scale = plain ? sqrt(mean_square_radius(beam.profile_power) / kThinMeanSquare) : 1.0;
+  float scale = thin_scale(beam, plain);
   // Outside the cone the footprint is that of the nearest place on its edge: rho has no bound there.
   vec2 at = rho / max(length(rho), 1.0);
   vec2 a = (step_x.xy - at * beam.spread * step_x.z) / w;

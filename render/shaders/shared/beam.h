@@ -214,20 +214,27 @@ FL_FN Real chord_t(Chord chord, Real s) {
   return ds * chord.w_base * chord.w_base / denominator;
 }
 
-// o, d: camera and unit ray direction in light space; t_min_m..t_max_m: the visible part of the ray. False: dark.
-// Returns early where it can: on a GPU whole groups of pixels miss together. Comparisons stand so that NaN is dark.
-FL_FN bool beam_chord(BeamShape beam, Vec3 o, Vec3 d, Real t_min_m, Real t_max_m, FL_OUT(Chord) chord) {
-  // The slab 0 <= z <= range.
+// The line of a ray before the disc's rim cuts it: s at the ends of its part in the slab 0 <= z <= range.
+struct ChordLine {
+  Real t_from_m;  // that part, along the ray
+  Real t_to_m;
+  Real s_a;  // s there
+  Real s_b;
+};
+
+// o, d: camera and unit ray direction in light space; t_min_m..t_max_m: the visible part of the ray. Fills the line and
+// its base. False: no part of the ray is in the slab. Comparisons stand so that NaN is dark.
+FL_FN bool beam_line(BeamShape beam, Vec3 o, Vec3 d, Real t_min_m, Real t_max_m, FL_INOUT(Chord) chord,
+                     FL_OUT(ChordLine) line) {
   Real inverse = Real(1) / (abs(d.z) > Real(1e-12) ? d.z : Real(1e-12));
   Real t_lens = -o.z * inverse;
   Real t_end = (beam.range_m - o.z) * inverse;
-  Real t_from = max(t_min_m, min(t_lens, t_end));
-  Real t_to = min(t_max_m, max(t_lens, t_end));
-  bool hit = t_to > t_from;
+  line.t_from_m = max(t_min_m, min(t_lens, t_end));
+  line.t_to_m = min(t_max_m, max(t_lens, t_end));
 
   Real to_lens = -dot(o, d);
   if (FL_NEED_RECTANGLE && beam.squeeze > Real(0)) to_lens = -(o.x * d.x + beam.squeeze * o.y * d.y + o.z * d.z);
-  chord.t_base_m = min(max(to_lens, t_from), t_to);
+  chord.t_base_m = min(max(to_lens, line.t_from_m), line.t_to_m);
   chord.base = o + d * chord.t_base_m;
   chord.w_base = max(beam.lens_radius_m + beam.spread * chord.base.z, Real(1e-9));
   chord.w_slope = beam.spread * d.z;
@@ -239,21 +246,29 @@ FL_FN bool beam_chord(BeamShape beam, Vec3 o, Vec3 d, Real t_min_m, Real t_max_m
   chord.along = v_square > Real(1e-30) ? v * v_inverse : Vec2(1, 0);
   Vec2 rho = Vec2(chord.base.x, chord.base.y) * w_inverse;
   chord.offset = rho.x * chord.along.y - rho.y * chord.along.x;
+  chord.s_base = rho.x * chord.along.x + rho.y * chord.along.y;
+  Real a = line.t_from_m - chord.t_base_m;
+  Real b = line.t_to_m - chord.t_base_m;
+  Real rate = chord.v_length * w_inverse;
+  line.s_a = chord.s_base + rate * a / max(chord.w_base + a * chord.w_slope, Real(1e-9));
+  line.s_b = chord.s_base + rate * b / max(chord.w_base + b * chord.w_slope, Real(1e-9));
+  return line.t_to_m > line.t_from_m;
+}
+
+// The part of the line in the disc. False: dark.
+FL_FN bool beam_chord(BeamShape beam, Vec3 o, Vec3 d, Real t_min_m, Real t_max_m, FL_OUT(Chord) chord) {
+  ChordLine line;
+  bool hit = beam_line(beam, o, d, t_min_m, t_max_m, chord, line);
   Real half_square = Real(1) - chord.offset * chord.offset;
   hit = hit && half_square > Real(0);
-  chord.s_base = rho.x * chord.along.x + rho.y * chord.along.y;
-
   Real half_chord = sqrt(max(half_square, Real(0)));
-  Real a = t_from - chord.t_base_m;
-  Real b = t_to - chord.t_base_m;
-  Real rate = chord.v_length * w_inverse;
-  Real s_a = chord.s_base + rate * a / max(chord.w_base + a * chord.w_slope, Real(1e-9));
-  Real s_b = chord.s_base + rate * b / max(chord.w_base + b * chord.w_slope, Real(1e-9));
-  chord.s_from = max(s_a, -half_chord);
-  chord.s_to = min(s_b, half_chord);
+  Real a = line.t_from_m - chord.t_base_m;
+  Real b = line.t_to_m - chord.t_base_m;
+  chord.s_from = max(line.s_a, -half_chord);
+  chord.s_to = min(line.s_b, half_chord);
   hit = hit && chord.s_to >= chord.s_from;
-  chord.t_from_m = chord.s_from > s_a ? min(max(chord_t(chord, chord.s_from), a), b) : a;
-  chord.t_to_m = chord.s_to < s_b ? min(max(chord_t(chord, chord.s_to), a), b) : b;
+  chord.t_from_m = chord.s_from > line.s_a ? min(max(chord_t(chord, chord.s_from), a), b) : a;
+  chord.t_to_m = chord.s_to < line.s_b ? min(max(chord_t(chord, chord.s_to), a), b) : b;
   chord.w_from = max(chord.w_base + chord.t_from_m * chord.w_slope, Real(1e-9));
   chord.w_to = max(chord.w_base + chord.t_to_m * chord.w_slope, Real(1e-9));
   return hit && chord.t_to_m > chord.t_from_m;

@@ -42,7 +42,10 @@
 #define FL_BINDING_SMOOTH_STATES 33
 // States of each kind of lamp, by its number in FL_LAMPS (fixtures/shared/tables.h).
 #define FL_BINDING_LAMP(number) (33 + number)
-#define FL_BINDING_COUNT (34 + FL_LAMP_COUNT)
+// What the beam passes hand on: TileDepthRow, one a tile; CoarseRow, one a supertile.
+#define FL_BINDING_TILE_DEPTHS (34 + FL_LAMP_COUNT)
+#define FL_BINDING_COARSE (35 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (36 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -75,15 +78,21 @@
 #define FL_SPEC_WIDE 27
 // Whether the rig has a kind of lamp, by its number in FL_LAMPS.
 #define FL_SPEC_LAMP(number) (27 + number)
-#define FL_SPEC_COUNT (28 + FL_LAMP_COUNT)
+#define FL_SPEC_TILES (28 + FL_LAMP_COUNT)
+#define FL_SPEC_COUNT (29 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
 
 #define FL_GROUP_HEADS 64   // heads a workgroup
-#define FL_TILE_PX 16       // a workgroup shades one tile
+#define FL_TILE_PX 16       // a workgroup of the surface pass shades one tile, one of the beam pass 2 x 2
 #define FL_SUPERTILE_PX 64  // beams are listed per supertile, one bit a live beam
 #define FL_GROUP_MASK 64    // beams a workgroup of the tile pass tests
+#define FL_GROUP_TILE 256   // threads of a workgroup of the beam passes
+#define FL_TILE_LIGHT 48    // 4 x 4 coefficients of three channels
+// Nodes of a rectangle lie on a square that is this much larger, so that their hull holds every pixel's centre: the
+// outermost node is at cos(pi / 8) = 0.924 of the square, the outermost centre at 63 / 64 of the rectangle.
+#define FL_HULL 1.07
 
 // Where nothing ends a ray: farther than anything in a rig, m.
 #define FL_FAR_M 1e30
@@ -111,7 +120,7 @@ struct FrameParams {
   float thin;        // radius of the thinnest beam as it is drawn, over its depth (lib/thin.glsl); 0: as thin as it is
   uint supersample;  // pixels of the radiance a side of a pixel of the screen
   float work_lx;     // work light: on faces by their direction
-  uint pad;
+  float tile_error;  // error that the beams of a supertile may have together, over their light (tile_class.glsl)
   uint pad_1;
   uint pad_2;
 };
@@ -161,8 +170,27 @@ struct CountsRow {
   uint dark_count;  // heads
   uint pad;
   uint pad_1;
-  uint tiles_groups[4];  // indirect arguments of the tile pass: x = live / FL_GROUP_MASK, y = supertiles, z = 1
-  uint beams_groups[4];  // of the beam pass: 0 x 0 x 0 when nothing is lit
+  uint tiles_groups[4];   // indirect arguments of the tile pass: x = live / FL_GROUP_MASK, y = supertiles, z = 1
+  uint beams_groups[4];   // of the beam pass: 0 x 0 x 0 when nothing is lit
+  uint coarse_groups[4];  // of the coarse pass: one group a supertile
+};
+
+// What a tile of FL_TILE_PX x FL_TILE_PX pixels shows; 32 bytes.
+struct TileDepthRow {
+  float near_m;  // along the ray; FL_FAR_M where nothing is
+  float far_m;
+  uint is_plane;  // one plane, or nothing
+  uint pad;
+  vec4 plane;  // x: 1 / depth at the tile's middle, 1/m; y, z: its change a pixel to the right and down
+};
+
+// The smooth beams of a supertile: light over sigma_s, coefficients of T_m T_n over the hull, 3 (4 n + m) + channel.
+struct CoarseRow {
+  float light[FL_TILE_LIGHT];
+  float tolerance;  // of one beam there, over sigma_s
+  uint pad;
+  uint pad_1;
+  uint pad_2;
 };
 
 // A solid box, 48 bytes.

@@ -1,0 +1,22 @@
+#include "render/passes/depths.h"
+
+#include "render/passes/compute_pass.h"
+#include "shaders/depths.comp.h"
+
+namespace footlight::render {
+
+const PassEntry kDepthsPass{
+    "depths",
+    [](const fixtures::Needs& needs, const FrameSettings& settings) {
+      return has_tile_classes(needs, settings) && has_solids(needs, settings);
+    },
+    [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
+    [](const PassContext& context) {
+      return make_compute_pass(context, kDepthsComp,
+                               [x = tile_groups(context.settings.width), y = tile_groups(context.settings.height)](
+                                   VkCommandBuffer commands) { vkCmdDispatch(commands, x, y, 1); });
+    },
+    [] { return std::vector<std::vector<vk::Spirv>>{{kDepthsComp}}; },
+    "beams taken together for a tile that shows one plane"};
+
+}  // namespace footlight::render

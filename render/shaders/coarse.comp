@@ -1,0 +1,125 @@
+#version 460
+// Light in the haze, supertile by supertile: beams whose light is smooth over 64 x 64 pixels are summed as one polynomial
+// and taken out of the supertile's mask, and so are those that do not reach it. The beam pass takes the rest. Also finds
+// the tolerance of one beam there.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_vote : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#define FL_USE_BEAMS
+#define FL_BEAMS_ACCESS readonly
+#define FL_USE_COUNTS
+#define FL_COUNTS_ACCESS readonly
+#define FL_USE_MASKS
+#define FL_MASKS_ACCESS
+#include "render/shaders/lib/frame.glsl"
+#include "render/shaders/lib/forms.glsl"
+#include "render/shaders/shared/gauss.h"
+#include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/tile_node.h"
+#include "render/shaders/lib/tile_test.glsl"
+#include "render/shaders/lib/thin.glsl"
+layout(constant_id = FL_SPEC_GOBO) const bool kGobo = false;
+bool has_gobo(BeamRow row) {
+  return kGobo && ((row.gobo | row.gobo_2 | row.animation) != 0u || row.offset_1 != 0.0 || row.offset_2 != 0.0);
+}
+layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
+layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
+const bool kSolids = kBoxes || kBodies;
+#define FL_DEPTHS_ACCESS readonly
+#define FL_DEPTHS_READ
+#include "render/shaders/lib/tile_depth.glsl"
+#include "render/shaders/lib/tile_class.glsl"
+#include "render/shaders/lib/tile_list.glsl"
+#include "render/shaders/lib/tile_sum.glsl"
+
+layout(local_size_x = FL_GROUP_TILE) in;
+layout(set = 0, binding = FL_BINDING_COARSE, std430) writeonly buffer CoarseBuffer { CoarseRow coarse[]; };
+layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform readonly image2D radiance;
+
+shared uint rest_bits[FL_GROUP_TILE];  // of the words of one list
+shared vec2 estimates[64];             // of subgroups: light, and beams that give some
+shared uint beam_count;
+
+// Mean light of the supertile's pixels over sigma_s, and how many beams light one: each beam at 1 to 16 of 16 places.
+vec2 estimate(uint supertile, vec2 low, vec2 size) {
+  uint number = thread_number();
+  uint words = (counts.live_count + 31u) / 32u;
+  if (number == 0u) beam_count = 0u;
+  barrier();
+  uint bits = 0u;
+  for (uint w = number; w < words; w += uint(FL_GROUP_TILE)) bits += bitCount(masks[supertile * params.mask_words + w]);
+  bits = subgroupAdd(bits);
+  if (subgroupElect()) atomicAdd(beam_count, bits);
+  barrier();
+  uint places = clamp(1024u / max(beam_count, 1u), 1u, 16u);
+  Medium medium = Medium(params.anisotropy, params.position.w);
+  vec2 sum = vec2(0.0);
+  for (uint from = 0u; from < words;) {
+    from = list_fill(supertile, from);
+    for (uint e = number; e < list_count * places; e += uint(FL_GROUP_TILE)) {
+      uint which = e / places;
+      BeamRow row = beams[list_ids[which]];
+      if (!tile_knows(row)) continue;
+      uint place = ((e - which * places) * (16u / places) + which * 5u) & 15u;
+      uvec2 cell = uvec2(place & 3u, place >> 2);
+      vec2 at = low + size * (vec2(cell) + vec2((cell.y * 5u + 3u) & 15u, (cell.x * 5u + 2u) & 15u) / 16.0) / 4.0;
+      ivec2 pixel = min(ivec2(at), ivec2(int(params.width), int(params.height)) - 1);
+      vec3 d = normalize(ray_through(vec2(pixel) + 0.5));
+      float end_m = kSolids ? imageLoad(radiance, pixel).a : FL_FAR_M;
+      BeamShape beam = beam_shape(row);
+      beam.profile_power = drawn_profile(beam.profile_power);
+      Chord chord;
+      vec3 ray = to_light(row, d);
+      if (!beam_chord(beam, row.eye.xyz, ray, 0.0, end_m, chord)) continue;
+      float light = chord_inscatter_gauss(beam, medium, chord, ray, 2u, kExtinction);
+      sum += vec2(brightest(row.j0.rgb) * light, 1.0);
+    }
+  }
+  sum = subgroupAdd(sum);
+  if (subgroupElect()) estimates[gl_SubgroupID] = sum;
+  barrier();
+  sum = vec2(0.0);
+  for (uint s = 0u; s < gl_NumSubgroups; ++s) sum += estimates[s];
+  return sum / float(places);
+}
+
+void main() {
+  uint number = thread_number();
+  uvec2 cell = gl_WorkGroupID.xy;
+  uint supertile = cell.y * params.supertiles_x + cell.x;
+  vec2 low = vec2(cell * uint(FL_SUPERTILE_PX));
+  vec2 size = min(vec2(float(FL_SUPERTILE_PX)), vec2(float(params.width), float(params.height)) - low);
+  vec2 mean = estimate(supertile, low, size);
+  float tolerance = params.tile_error * mean.x * inversesqrt(max(mean.y, 1.0));
+  const uint kSide = uint(FL_SUPERTILE_PX / FL_TILE_PX);
+  Rect rect = Rect(low + 0.5 * float(FL_SUPERTILE_PX), FL_HULL * 0.5 * float(FL_SUPERTILE_PX),
+                   rect_depth(cell * kSide, kSide));
+  uint words = (counts.live_count + 31u) / 32u;
+  float total = 0.0;
+  for (uint from = 0u; from < words;) {
+    uint first = from;
+    from = list_fill(supertile, from);
+    rest_bits[number] = 0u;
+    barrier();
+    for (uint at = 0u; at < list_count; at += uint(FL_GROUP_TILE)) {
+      uint kind = kDark;
+      uint id = 0u;
+      vec3 color = vec3(0.0);
+      if (at + number < list_count) {
+        id = list_ids[at + number];
+        BeamRow row = beams[id];
+        kind = tile_knows(row) ? tile_class(row, rect, tolerance) : kGeneral;
+        if (kind == kSmooth) color = row.j0.rgb;
+      }
+      if (kind == kRim || kind == kGeneral) atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
+      total += tile_light_sum(color, 1u);
+    }
+    barrier();
+    if (first + number < from) masks[supertile * params.mask_words + first + number] = rest_bits[number];
+    barrier();
+  }
+  if (number < uint(FL_TILE_LIGHT)) coarse[supertile].light[number] = total;
+  if (number == 0u) coarse[supertile].tolerance = tolerance;
+}

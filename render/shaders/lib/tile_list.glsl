@@ -1,0 +1,70 @@
+// Ordered lists of a workgroup of FL_GROUP_TILE threads. Everything keeps the patch order, so that sums do not depend on
+// which thread was first; lists are filled batch by batch, so that none can overflow.
+//
+// All functions are called by all threads of the group together.
+#define FL_LIST_MAX 1024
+
+shared uint list_ids[FL_LIST_MAX];
+shared uint list_count;
+shared uint list_words;
+shared uint slot_counts[2 * 64];  // of subgroups, two buffers in turn
+uint slot_turn = 0u;
+
+// Number of this thread, in the order of subgroups.
+uint thread_number() { return gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID; }
+
+// The rank of this thread among those of its part of the group for which `is_in` holds, and how many they are. A part is
+// 1 / parts of the group's threads, whole subgroups.
+uint ordered_slot(bool is_in, uint parts, out uint count) {
+  uvec4 ballot = subgroupBallot(is_in);
+  slot_turn = 64u - slot_turn;
+  if (subgroupElect()) slot_counts[slot_turn + gl_SubgroupID] = subgroupBallotBitCount(ballot);
+  barrier();
+  uint per_part = gl_NumSubgroups / parts;
+  uint first = gl_SubgroupID / per_part * per_part;
+  uint before = 0u;
+  count = 0u;
+  for (uint s = first; s < first + per_part; ++s) {
+    uint there = slot_counts[slot_turn + s];
+    if (s < gl_SubgroupID) before += there;
+    count += there;
+  }
+  return before + subgroupBallotExclusiveBitCount(ballot);
+}
+
+// Reads the supertile's mask from its word `from` on and lists its beams, as many whole words as fit. Returns the word
+// after the last one.
+uint list_fill(uint supertile, uint from) {
+  uint number = thread_number();
+  uint words = (counts.live_count + 31u) / 32u;
+  uint at = from + number;
+  uint bits = at < words ? masks[supertile * params.mask_words + at] : 0u;
+  uint here = bitCount(bits);
+  uint before = subgroupExclusiveAdd(here);
+  barrier();  // the list before this one has been read by all
+  if (number == 0u) {
+    list_count = 0u;
+    list_words = 0u;
+  }
+  slot_turn = 64u - slot_turn;
+  if (gl_SubgroupInvocationID == gl_SubgroupSize - 1u) slot_counts[slot_turn + gl_SubgroupID] = before + here;
+  barrier();
+  for (uint s = 0u; s < gl_SubgroupID; ++s) before += slot_counts[slot_turn + s];
+  bool fits = before + here <= uint(FL_LIST_MAX) && at < words;
+  if (fits) {
+    uint slot = before;
+    uint rest = bits;
+    while (rest != 0u) {
+      list_ids[slot++] = at * 32u + uint(findLSB(rest));
+      rest &= rest - 1u;
+    }
+  }
+  uint last = subgroupMax(fits ? number + 1u : 0u);
+  uint filled = subgroupMax(fits ? before + here : 0u);
+  if (subgroupElect()) {
+    atomicMax(list_words, last);
+    atomicMax(list_count, filled);
+  }
+  barrier();
+  return from + list_words;
+}

@@ -1,0 +1,46 @@
+// Polynomials of smooth beams, summed over the threads of a workgroup in a fixed order. After tile_class.glsl and
+// tile_list.glsl.
+#define FL_SUM_SLOTS 32
+
+shared float light_sums[FL_SUM_SLOTS * FL_TILE_LIGHT];
+
+// The sums of one round over a part of the group's threads (tile_list.glsl): each thread adds its beam, color 0 for
+// none. Thread k < FL_TILE_LIGHT of a part gets coefficient k / 3 of channel k % 3. All threads call it together.
+float tile_light_sum(vec3 color, uint parts) {
+  bool any = subgroupAny(color != vec3(0.0));
+  uint number = thread_number();
+  uint per_part = gl_NumSubgroups / parts;
+  uint part = gl_SubgroupID / per_part;
+  uint own = number - part * per_part * gl_SubgroupSize;
+  float total = 0.0;
+  // With more than FL_SUM_SLOTS subgroups they take turns.
+  for (uint first = 0u; first < gl_NumSubgroups; first += uint(FL_SUM_SLOTS)) {
+    bool turn = gl_SubgroupID >= first && gl_SubgroupID < first + uint(FL_SUM_SLOTS);
+    if (turn) {
+      uint slot = (gl_SubgroupID - first) * uint(FL_TILE_LIGHT);
+      if (any) {
+        for (int k = 0; k < 16; ++k) {
+          vec3 sum = subgroupAdd(fit_light[k] * color);
+          if (subgroupElect()) {
+            light_sums[slot + 3u * uint(k)] = sum.r;
+            light_sums[slot + 3u * uint(k) + 1u] = sum.g;
+            light_sums[slot + 3u * uint(k) + 2u] = sum.b;
+          }
+        }
+      } else {
+        for (uint k = gl_SubgroupInvocationID; k < uint(FL_TILE_LIGHT); k += gl_SubgroupSize) light_sums[slot + k] = 0.0;
+      }
+    }
+    barrier();
+    if (own < uint(FL_TILE_LIGHT)) {
+      for (uint s = max(first, part * per_part); s < min(first + uint(FL_SUM_SLOTS), (part + 1u) * per_part); ++s) {
+        total += light_sums[(s - first) * uint(FL_TILE_LIGHT) + own];
+      }
+    }
+    barrier();
+  }
+  return total;
+}
+
+// T_0 to T_3.
+vec4 chebyshev(float x) { return vec4(1.0, x, 2.0 * x * x - 1.0, (4.0 * x * x - 3.0) * x); }
