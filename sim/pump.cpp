@@ -342,9 +342,9 @@ bool Pump::is_watched(int fd) const {
 
 void Pump::notify(NoticeLevel level, std::string_view id, const PortRun& run, const std::string& text,
                   Universe universe) const {
-  if (!options_.say) return;
+  if (!options_.on_notice) return;
   const std::string line = fmt::format("{}: {}", run.name, text);
-  options_.say({.level = level, .id = id, .text = line, .port = run.name, .universe = universe});
+  options_.on_notice({.level = level, .id = id, .text = line, .port = run.name, .universe = universe});
 }
 
 // --- Time ------------------------------------------------------------------------------------------------------------
@@ -701,7 +701,7 @@ void Pump::fill(PumpStatus& status, TimeNs now_ns) const {
 void Pump::fill(PortStatus& port, const PortRun& run) const {
   port.name = run.name;
   port.is_sink = run.sink != nullptr;
-  port.stands_by = run.resting;
+  port.standby = run.resting;
   const PortRun* const main = run_of(run.standby_for);
   port.standby_for = main != nullptr ? main->name : std::string();
   port.state = run.down ? PortState::kGone : run.port->state();

@@ -77,7 +77,7 @@ struct PumpOptions {
   bool stop_at_end = false;               // run() returns when every source is kEnded (a replay)
   DurationNs status_period_ns = kNsPerS;  // time over which rates are measured; > 0
   // Receives notices of unusual events: a port lost or back, a sender refused. Called on the pump's thread.
-  NoticeReceiver say;
+  NoticeReceiver on_notice;
 };
 
 // Quantiles to within 1/8 of their value, the maximum exactly (sim/core/histogram.h). All 0 if count is 0.
@@ -112,7 +112,7 @@ struct PortUniverseStatus {
 struct PortStatus {
   std::string name;
   bool is_sink = false;
-  bool stands_by = false;                 // it gets frames only when its main sink is lost, and that one works
+  bool standby = false;                   // receives no frames now, because its main sink works
   std::string standby_for;                // the name of its main sink; empty: it is no standby
   PortState state = PortState::kWaiting;  // kGone also for a port whose last call failed
   std::string trouble;                    // why it is kGone; empty otherwise

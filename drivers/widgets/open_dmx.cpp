@@ -118,7 +118,7 @@ Status OpenDmx::end(WidgetContext& context) {
 std::vector<WidgetFigure> OpenDmx::figures() const {
   std::vector<WidgetFigure> figures;
   if (periods_.histogram.count() > 0) {
-    figures.push_back({"asked_hz", config_.rate_hz});
+    figures.push_back({"requested_hz", config_.rate_hz});
     figures.push_back({"rate_hz", 1e9 * static_cast<double>(periods_.histogram.count()) /
                                       static_cast<double>(periods_.histogram.sum_ns())});
     figures.push_back({"waits_for_transmitter", static_cast<double>(waits_)});

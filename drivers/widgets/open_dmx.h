@@ -40,7 +40,7 @@ class OpenDmx final : public Widget {
   Status send(WidgetContext& context, int line, std::span<const std::uint8_t, kSlotCountMax> snapshot) override;
   Status listen(WidgetContext& context, TimeNs deadline_ns) override;
   Status end(WidgetContext& context) override;
-  // Output: asked_hz, rate_hz, break_us_min, _p50, _max, mab_us_..., period_us_..., waits_for_transmitter. Input:
+  // Output: requested_hz, rate_hz, break_us_min, _p50, _max, mab_us_..., period_us_..., waits_for_transmitter. Input:
   // frames, short_frames, framing_errors, overruns, stray_bytes.
   std::vector<WidgetFigure> figures() const override;
 

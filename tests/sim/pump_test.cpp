@@ -32,7 +32,7 @@ struct World {
   std::unique_ptr<Pump> pump_owner;
 
   explicit World(PumpOptions options = {}) {
-    options.say = [this](const Notice& notice) { notices.emplace_back(notice.text); };
+    options.on_notice = [this](const Notice& notice) { notices.emplace_back(notice.text); };
     pump_owner = std::make_unique<Pump>(universes, clock, waiter, options);
   }
   Pump& pump() { return *pump_owner; }
@@ -813,7 +813,7 @@ TEST_CASE("the rate of a line that this machine times counts frames sent on the 
   FakeSource source(world.waiter, "desk", {1});
   FakeSink timed(world.waiter, "open-dmx", {1}, 40.0), other(world.waiter, "artnet", {1});
   timed.line_frames = 1000;  // from before
-  timed.figures = {{.name = "asked_hz", .value = 40.0}};
+  timed.figures = {{.name = "requested_hz", .value = 40.0}};
   timed.keep_history = other.keep_history = false;
   source.deadline_ns = world.now_ns();
   source.repeat_ns = 25 * kNsPerMs;
@@ -832,7 +832,7 @@ TEST_CASE("the rate of a line that this machine times counts frames sent on the 
   CHECK(status.ports[1].universes[0].rate_hz == doctest::Approx(30.0).epsilon(0.05));
   CHECK(status.ports[2].rate_hz == doctest::Approx(40.0).epsilon(0.05));
   REQUIRE(status.ports[1].figures.size() == 1);
-  CHECK(status.ports[1].figures[0].name == "asked_hz");
+  CHECK(status.ports[1].figures[0].name == "requested_hz");
   CHECK(status.ports[2].figures.empty());
 }
 
@@ -913,7 +913,7 @@ TEST_CASE("a standby gets nothing while its main works, and every snapshot in th
   CHECK(chain.world.notices[2] == "first: back");
   CHECK(chain.world.notices[3] == "second: on standby again; first is back");
   const PumpStatus status = chain.world.pump().status();
-  CHECK(status.ports[2].stands_by);
+  CHECK(status.ports[2].standby);
   CHECK(status.ports[2].standby_for == "first");
   for (const PortStatus& port : status.ports) CHECK(unaccounted(port) == 0);
 }

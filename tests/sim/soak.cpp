@@ -224,7 +224,7 @@ class Soak {
       sinks_.push_back(
           std::make_unique<SoakSink>(name, all, name == std::string_view("capped") ? kCapHz : 0.0, clock_));
     PumpOptions pump_options;
-    pump_options.say = [this](const Notice& notice) {
+    pump_options.on_notice = [this](const Notice& notice) {
       ++notices_;
       if (notice.id == "standby-takes-over") ++report_.takeovers;
     };

@@ -45,7 +45,7 @@ class Running {
     REQUIRE_MESSAGE(opened.has_value(), (opened ? "" : opened.error().message));
     waiter = std::move(*drivers::EpollWaiter::make());
     PumpOptions options;
-    options.say = [this](const Notice& notice) {
+    options.on_notice = [this](const Notice& notice) {
       const std::lock_guard lock(mutex);
       notice_ids.emplace_back(notice.id);
     };

@@ -96,12 +96,12 @@ TEST_CASE("the JSON of a bridge has the figures that docs/hardware.md lists for 
     summed_up = true;
     for (const auto& port : object["ports"]) {
       if (port["direction"] != "out") continue;
-      for (const char* name : {"asked_hz", "rate_hz", "break_us_min", "break_us_p50", "break_us_max", "mab_us_p50",
+      for (const char* name : {"requested_hz", "rate_hz", "break_us_min", "break_us_p50", "break_us_max", "mab_us_p50",
                                "period_us_p50", "waits_for_transmitter"}) {
         CAPTURE(name);
         CHECK(port["figures"].contains(name));
       }
-      CHECK(port["figures"]["asked_hz"] == 40.0);
+      CHECK(port["figures"]["requested_hz"] == 40.0);
     }
   }
   CHECK(summed_up);

@@ -358,7 +358,7 @@ Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal
   PumpOptions options;
   options.merge = bridge.merge;
   options.stop_at_end = bridge.stop_at_end;
-  options.say = [&reporter](const Notice& notice) { reporter.report(notice); };
+  options.on_notice = [&reporter](const Notice& notice) { reporter.report(notice); };
   Pump pump(universes, clock, *waiter, options);
   for (const auto& source : bridge.sources) pump.add_source(*source);
   for (const auto& sink : bridge.sinks) pump.add_sink(*sink);

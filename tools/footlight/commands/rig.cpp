@@ -90,7 +90,8 @@ std::string clean(const nlohmann::json& json) {
 }
 
 nlohmann::json json_of(const fixtures::Assumption& each) {
-  return {{"code", each.code}, {"wanted", each.wanted}, {"used", each.used}, {"why", each.why}, {"count", each.count}};
+  return {
+      {"code", each.code}, {"requested", each.wanted}, {"used", each.used}, {"why", each.why}, {"count", each.count}};
 }
 
 void print_assumptions(const ImportedRig& rig) {
@@ -209,7 +210,7 @@ Result<int> show(const Options& options) {
                             {"layer", row.layer},
                             {"power_w", row.power_w},
                             {"weight_kg", row.weight_kg}};
-      if (!row.wanted.empty()) its["wanted"] = row.wanted;
+      if (!row.wanted.empty()) its["requested"] = row.wanted;
       json["fixtures"].push_back(std::move(its));
     }
     json["universes"] = nlohmann::json::array();

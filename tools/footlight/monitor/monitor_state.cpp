@@ -52,7 +52,7 @@ MonitorPort port_of(const Json& json) {
   port.name = get<std::string>(json, "name", "");
   port.is_out = get<std::string>(json, "direction", "") == "out";
   port.state = get<std::string>(json, "state", "");
-  port.stands_by = get(json, "stands_by", false);
+  port.standby = get(json, "standby", false);
   port.trouble = get<std::string>(json, "trouble", "");
   port.rate_hz = get(json, "rate_hz", 0.0);
   port.frames = get<std::uint64_t>(json, "frames", 0);

@@ -28,7 +28,7 @@ struct MonitorPort {
   std::string name;  // printable, as what follows
   bool is_out = false;
   std::string state;  // "working", "waiting", "gone", "ended"
-  bool stands_by = false;
+  bool standby = false;
   std::string trouble;
   double rate_hz = 0.0;
   std::uint64_t frames = 0;

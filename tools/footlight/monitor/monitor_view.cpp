@@ -149,7 +149,7 @@ std::string port_line(const MonitorPort& port, const MonitorView& view) {
   line.add(port.is_out ? "out " : "in  ", kDim);
   line.add(field(port.name, std::clamp(view.columns / 3, 8, 48))).add(" ");
   const bool bad = port.state == "gone";
-  line.add(field(port.stands_by && !bad ? "standby" : port.state, 10), bad ? kBad : kGood);
+  line.add(field(port.standby && !bad ? "standby" : port.state, 10), bad ? kBad : kGood);
   line.add(fmt::format("{:7.1f}/s", port.rate_hz));
   if (port.latency_p99_ns != 0) line.add(fmt::format("  p99 {}", show_duration(port.latency_p99_ns)), kDim);
   if (port.rejected != 0) line.add(fmt::format("  {} bad", port.rejected), kWarn);

@@ -22,7 +22,7 @@ Result<std::unique_ptr<LiveLevels>> LiveLevels::start(std::span<const Universe> 
   FL_ASSIGN(live->waiter_, drivers::EpollWaiter::make());
   live->sources_ = std::move(sources);
   PumpOptions options;
-  options.say = [self = live.get()](const Notice& notice) {
+  options.on_notice = [self = live.get()](const Notice& notice) {
     const std::lock_guard lock(self->mutex_);
     if (self->notices_.size() == kNoticesMax) self->notices_.erase(self->notices_.begin());
     self->notices_.emplace_back(notice.text);

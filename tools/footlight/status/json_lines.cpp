@@ -55,7 +55,7 @@ Json ports_of(const PumpStatus& status) {
       json["refused"] = port.refused;
       json["waiting"] = port.waiting;
       if (!port.standby_for.empty()) json["standby_for"] = port.standby_for;
-      json["stands_by"] = port.stands_by;
+      json["standby"] = port.standby;
     }
     ports.push_back(std::move(json));
   }
@@ -461,8 +461,11 @@ std::string json_of_color(const std::string& type, const fixtures::ColorError& c
 std::string json_of_rig_check(const RigCheck& check) {
   Json assumptions = Json::array();
   for (const fixtures::Assumption& each : check.assumptions) {
-    assumptions.push_back(
-        {{"code", each.code}, {"wanted", each.wanted}, {"used", each.used}, {"why", each.why}, {"count", each.count}});
+    assumptions.push_back({{"code", each.code},
+                           {"requested", each.wanted},
+                           {"used", each.used},
+                           {"why", each.why},
+                           {"count", each.count}});
   }
   return line_of({{"file", check.file},
                   {"format", check.format},

@@ -88,7 +88,7 @@ struct RigCheck {
   std::vector<fixtures::Diagnostic> diagnostics;
   std::vector<fixtures::Assumption> assumptions;
 };
-// "file", "format", "status", "fixtures" (number), "diagnostics" as above, "assumptions": "code", "wanted", "used",
+// "file", "format", "status", "fixtures" (number), "diagnostics" as above, "assumptions": "code", "requested", "used",
 // "why", "count".
 [[nodiscard]] std::string json_of_rig_check(const RigCheck& check);
 

@@ -79,7 +79,7 @@ std::string status_line(const PumpStatus& status) {
     line += fmt::format("{}{} {} ", line.empty() ? "" : "  ", port.is_sink ? "->" : "<-", port.name);
     if (port.state == PortState::kGone) {
       line += "gone";
-    } else if (port.stands_by) {
+    } else if (port.standby) {
       line += "standby";
     } else if (port.frames == 0) {
       line += "no frames yet";
