@@ -221,8 +221,8 @@ std::string cheapest_rivals_of(const std::vector<TimeRow>& rows, const std::stri
       least_ns = *ns;
       best = method;
     }
-    text += best.empty() ? "no rival is as near\n"
-                         : fmt::format("as near: {}, {:.3g} times as long\n", best, least_ns / point.cost);
+    text += best.empty() ? "no other method is as accurate\n"
+                         : fmt::format("as accurate: {} in {:.3g} times the time\n", best, least_ns / point.cost);
   }
   return text;
 }

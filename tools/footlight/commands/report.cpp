@@ -1,4 +1,4 @@
-// footlight report: error against run time of every approximation, and what the rig left out.
+// footlight report: error against run time of every approximation, and the features that the rig leaves out.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -27,8 +27,8 @@ Status unwritable(const std::string& path) {
   return fail(ErrorCode::kIo, "{}: cannot be written; choose a folder that exists and is yours", path);
 }
 
-// One line on standard error that a terminal rewrites: how far the report is and how long it takes from here, as far as
-// the parts that are done tell. Without a terminal there is none.
+// Shows one line of progress on standard error, if that is a terminal: the finished share and the remaining time, which
+// is estimated from the finished parts.
 class ReportProgress {
  public:
   ReportProgress() { catch_end_signals(); }
@@ -46,7 +46,7 @@ class ReportProgress {
     if (!terminal_ || now_ns - shown_ns_ < kEveryNs) return true;
     shown_ns_ = now_ns;
     shown_ = true;
-    // Nothing is known of the time while nothing is done.
+    // No estimate is possible before anything is done.
     const double left_ns = done > 0 ? static_cast<double>(now_ns - begin_ns_) * (all - done) / done : 0;
     fmt::print(stderr, "\rfootlight: {}: {:.0f} of {:.0f}{}\033[K", what_, done, all,
                done > 0 ? fmt::format(", about {} left", show_duration(static_cast<DurationNs>(left_ns))) : "");
@@ -57,7 +57,7 @@ class ReportProgress {
     clear();
     fmt::print("{}", text);
     const Result<bool> read_on = flush_output();
-    unread_ = !read_on || !*read_on;  // as behind `| head`: the rest would take minutes for nobody
+    unread_ = !read_on || !*read_on;  // the reader is gone, as with `| head`: end instead of measuring for minutes
   }
 
   void clear() {
@@ -84,7 +84,7 @@ struct Options {
   bool time = false;
 };
 
-// Whether a file can be made there: told before the minutes that the report takes, not after them.
+// Checks that a file can be written there, so that the error comes before minutes of measuring and not after them.
 Status try_report_file(const std::string& path) {
   if (path.empty()) return {};
   FL_TRY(refuse_pipe_output(path));
@@ -95,7 +95,7 @@ Status try_report_file(const std::string& path) {
   return good ? Status{} : unwritable(path);
 }
 
-// Beams and colours of every type of a rig, or of one definition.
+// Prints beams and colours of every type of a rig, or of one definition, beside those of the definition.
 Status report_optics(const std::string& path, bool json) {
   FL_ASSIGN(const fixtures::ImportedRig imported, fixtures::import_rig(path));
   for (const fixtures::FixtureType& type : imported.rig.types) {
@@ -130,7 +130,7 @@ Result<int> report(const Options& options, const ReportHalf& pictures, const Rep
   if ((both || options.time) && !end_signal_came()) FL_TRY(time(shared));
   progress.clear();
   if (end_signal_came()) {
-    fmt::print(stderr, "footlight: ended by a signal; rows that were measured are printed{}\n",
+    fmt::print(stderr, "footlight: ended by a signal; the rows measured so far are printed{}\n",
                shared.csv.empty() && shared.svg.empty() ? "" : " and in the files");
   }
   return kExitOk;
@@ -144,13 +144,13 @@ void add(Arguments& arguments) {
   arguments.flag("--time", options->time, "time behaviour only: lamps, motors, shutters, filters");
   arguments.option(
       "--optics", options->optics, "FILE",
-      "instead: beams, energy and colours of the types of a rig, or of a definition, against what it says");
+      "instead: compare beams, energy and colours of the types of a rig, or of a definition, with the definition");
   arguments.flag("--quick", options->shared.quick, "fewer knobs and scenes");
   arguments.option("--csv", options->shared.csv, "FILE",
-                   "rows of pictures as CSV; those of time go beside it, FILE-time");
+                   "write the rows of pictures as CSV, and those of time beside it as FILE-time");
   arguments.option("--svg,--plot", options->shared.svg, "FILE",
-                   "the plot; those of time go beside it, FILE-time-MODEL");
-  arguments.flag("--json", options->shared.json, "one JSON object a row");
+                   "write the plot of pictures as SVG, and those of time beside it as FILE-time-MODEL");
+  arguments.flag("--json", options->shared.json, "one JSON object per row");
   arguments.job([=]() -> Result<int> { return report(*options, pictures, time); });
 }
 

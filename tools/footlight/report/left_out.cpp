@@ -23,7 +23,8 @@ Result<std::vector<PassTime>> time_once(Frame& frame, const Scene& scene, const 
   return frame.read_times();
 }
 
-// Of the passes that are named. The others have the same shaders and inputs in both frames, and would only add noise.
+// The sum over the named passes. The other passes have the same shaders and inputs in both frames and would only add
+// noise.
 double sum_of(const std::vector<PassTime>& passes, const std::vector<std::string>& names) {
   double ms = 0;
   for (const PassTime& pass : passes) {
@@ -32,7 +33,7 @@ double sum_of(const std::vector<PassTime>& passes, const std::vector<std::string
   return ms;
 }
 
-// The passes of one plan that another plan lacks or has with other constants.
+// Names of the passes in `plan` that `from` lacks or has with other constants.
 std::vector<std::string> changed(const std::vector<PassPlan>& plan, const std::vector<PassPlan>& from) {
   std::vector<std::string> names;
   for (const PassPlan& pass : plan) {
@@ -52,7 +53,7 @@ std::uint64_t bytes_of(const std::vector<PassMemory>& plan) {
   return bytes;
 }
 
-// Measures one need after the other against the frame without it.
+// Measures each missing need against the frame without it.
 class Measurement {
  public:
   Measurement(vk::Device& device, const Scene& scene, const LeftOutOptions& options)
@@ -113,7 +114,7 @@ class Measurement {
     return row;
   }
 
-  // Of the passes with these names together; of each of passes_ in pass_ms.
+  // Returns the times of the passes in `names` together, and writes those of each of passes_ to pass_ms.
   Result<std::optional<LeftOutRow::Times>> measure_times(const fixtures::CompiledRig& forced,
                                                          const std::vector<std::string>& names,
                                                          std::vector<std::vector<double>>& pass_ms) {
@@ -160,7 +161,7 @@ Result<std::vector<LeftOutRow>> measure_left_out(vk::Device& device, const Scene
 std::string text_of(const std::vector<LeftOutRow>& rows, const std::string& scene) {
   const bool timed = std::any_of(rows.begin(), rows.end(), [](const LeftOutRow& row) { return row.times.has_value(); });
   std::string text =
-      fmt::format("Left out, since {} does not need it, with its GPU memory{}:\n", scene,
+      fmt::format("Left out, because {} does not need it, with the GPU memory that each would use{}:\n", scene,
                   timed ? " and the GPU time of the frame with it minus without it (median of pairs, p10 "
                           "to p90)"
                         : "; not timed");

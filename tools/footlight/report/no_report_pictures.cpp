@@ -1,4 +1,4 @@
-// footlight report without the renderer.
+// Replaces report_pictures.cpp in builds without the renderer.
 #include "tools/footlight/report/report_parts.h"
 
 namespace footlight::tools {

@@ -30,7 +30,7 @@ Result<std::unique_ptr<Frame>> make_frame(vk::Device& device, const Scene& scene
   return frame;
 }
 
-// Texels of an image, between which the judge interpolates as the GPU does.
+// Texels of an image. The judge interpolates between them as the GPU does.
 struct Texels {
   int size = 0;
   std::vector<float> rgb;
@@ -55,7 +55,7 @@ struct Texels {
   }
 };
 
-// The images of the rig, in the order of its layers: our own by their formulas, others by their texels.
+// The images of the rig in the order of its layers: built-in ones from their formulas, others from their texels.
 GoboColors gobos_of(const fixtures::CompiledRig& compiled) {
   struct Layer {
     int builtin = 0;
@@ -88,8 +88,8 @@ bool only_builtin(const fixtures::CompiledRig& compiled) {
   });
 }
 
-// Times of `runs` frames after 3 that are not counted; `pass_ms`: of each pass, where it is asked for. `go_on` gets the
-// share that is done before each frame, and ends the timing early when it returns false.
+// Returns the times of `runs` frames after 3 warm-up frames, and writes the times of each pass to `pass_ms` if it is
+// not null. Calls `go_on` with the finished share before each frame; false ends the timing early.
 Result<std::vector<double>> time_frames(Frame& frame, const View& view, const Scene& scene, int runs,
                                         std::vector<std::vector<double>>* pass_ms,
                                         const std::function<bool(double)>& go_on) {
@@ -110,15 +110,15 @@ Result<std::vector<double>> time_frames(Frame& frame, const View& view, const Sc
   return times_ms;
 }
 
-// What is judged of the frames, and what the judge finds there.
+// The pixels that are compared, and the judge's values.
 struct Judged {
   PixelSample sample;
   JudgedPixels pixels;
   double hits_per_px = 0;
-  ScreenImage screen;  // where the whole picture is judged
+  ScreenImage screen;  // empty unless every pixel is compared
 };
 
-// Chosen once; any other number would do.
+// Arbitrary, but fixed.
 constexpr std::uint64_t kSampleSeed = 1;
 
 FrameSettings judged_settings(const PictureReportOptions& options) {
@@ -130,7 +130,7 @@ FrameSettings judged_settings(const PictureReportOptions& options) {
   return settings;
 }
 
-// The sample is stratified by the picture of the default method.
+// Stratifies the sample by the picture of the default method.
 Result<Judged> judge_scene_of(vk::Device& device, const Scene& scene, const View& view,
                               const PictureReportOptions& options) {
   Judged judged;
@@ -172,7 +172,7 @@ Status judge_row(Frame& frame, const Judged& judged, PictureRow& row) {
   row.rel_mse = sampled.norms.rel_mse;
   row.p999 = sampled.norms.p999;
   row.max = sampled.norms.max;
-  // Of every pixel: that needs no judge.
+  // Counts over all pixels, because this needs no judge.
   row.nonfinite = std::count_if(picture.rgb.begin(), picture.rgb.end(), [](float v) { return !std::isfinite(v); });
   row.flip = std::nan("");
   if (!judged.sample.whole) return {};
@@ -202,8 +202,8 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
     if (counts.live_count == 0) {
       return fail(
           ErrorCode::kBadInput,
-          "{}: no beam is lit, so there is nothing to judge; expected --log with --at at a lit moment, --lit, or "
-          "--set",
+          "{}: no beam is lit, so no error can be measured; use --log with an --at at which a beam is lit, --lit "
+          "or --set",
           scene.name);
     }
     report.whole_ms = percentile(times_ms, 0.5);
@@ -224,7 +224,7 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
   const FrameSettings defaults;
   const auto all_rows = static_cast<double>(options.gauss_nodes.size() + options.march_steps.size() +
                                             (scene.compiled.needs.gobo ? options.gobo_taps.size() : 0));
-  // `share` of the row that is being measured is done. True: there shall be no more of it.
+  // Reports that `share` of the current row is done. Returns true if the report shall end.
   const auto ends_at = [&](double share) {
     report.ended = report.ended ||
                    (options.go_on &&

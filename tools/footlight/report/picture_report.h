@@ -1,4 +1,4 @@
-// Error against run time of pictures: GPU methods over their knobs, against the judge.
+// Error against run time of pictures: GPU methods at several knobs, compared with the judge.
 #pragma once
 
 #include <cstdint>
@@ -16,22 +16,22 @@ namespace footlight::tools {
 
 struct PictureReport;
 
-// Chosen between time and the width of the interval. A drawn pixel takes 3 times as long as an evenly spread one, since
-// bright ones and edges are drawn more often (the demo at 30 s; docs/numerics.md).
+// A compromise between time and the width of the interval. A sampled pixel takes 3 times as long as an evenly spread
+// one, because bright pixels and edges are sampled more often (the demo at 30 s; docs/numerics.md).
 inline constexpr int kJudgePixels = 1500;
 
 struct PictureReportOptions {
-  int width = 640;  // of the frames that are timed and judged
+  int width = 640;  // of the frames that are timed and compared
   int height = 360;
-  // So many of their pixels are judged, since the judge is slow: a sample as render/reference/pixel_sample.h draws it,
-  // or all where there are no more.
+  // The number of pixels that the judge computes, because it is slow. They are a sample
+  // (render/reference/pixel_sample.h), or all pixels if the picture has no more.
   int judge_pixels = kJudgePixels;
-  int runs = 11;  // timed frames, after 3 that are not
+  int runs = 11;  // timed frames, after 3 warm-up frames
   std::vector<std::uint32_t> gauss_nodes{1, 2, 3, 4, 6, 8};
   std::vector<std::uint32_t> march_steps{8, 16, 32, 64, 128, 256};
   std::vector<std::uint32_t> gobo_taps{8, 16, 32, 64, 128};  // with the default nodes; for rigs with gobos only
-  bool judge = true;                                         // false: only times
-  // Optional. When the judge is done, and after each row: the last of report.rows.
+  bool judge = true;                                         // false: only times are measured
+  // Optional. on_judged is called when the judge is done, on_row after each row, which is the last of report.rows.
   std::function<void(const PictureReport&report)> on_judged, on_row;
   // Optional. Called between parts; false ends the report with the rows so far.
   std::function<bool(std::string_view what, double done, double all)> go_on;
@@ -40,20 +40,21 @@ struct PictureReportOptions {
 struct PictureReport {
   std::vector<render::PictureRow> rows;
   std::int64_t judged_pixels = 0;
-  double judge_own_rel_l2 = 0;  // the judge's stated error
+  double judge_own_rel_l2 = 0;  // the judge's own error
   double judge_seconds = 0;
   std::vector<render::PassTime> passes;  // median GPU time of each pass with the default method
-  double whole_ms = 0;                   // median of a frame as `footlight render` draws it, bodies and all
+  double whole_ms = 0;                   // median time of a frame as `footlight render` draws it, with bodies
   std::string device;
   std::vector<std::string> validation_messages;
-  bool ended = false;  // by go_on
+  bool ended = false;  // go_on ended it
 };
 
-// The value of which `share` (0 to 1) are not above it, to the nearest of `values`; there is at least one.
+// Returns the quantile at `share` (0 to 1), the nearest of `values`, which must not be empty.
 [[nodiscard]] double percentile(std::vector<double> values, double share);
 
-// Times and judges the same frames: without bodies and lenses, and with thin beams as thin as they are, since the judge
-// knows neither. kBadInput where no beam of the scene is lit, since errors of a black picture say nothing.
+// Times and compares the same frames. They have no bodies, no lenses and no widening of thin beams, because the judge
+// computes none of these. kBadInput if no beam of the scene is lit, because the error of a black picture has no
+// meaning.
 [[nodiscard]] Result<PictureReport> make_picture_report(render::vk::Device& device, const Scene& scene,
                                                         const PictureReportOptions& options);
 

@@ -22,7 +22,7 @@ constexpr std::int64_t kStepNs = 16'666'667;
 constexpr int kJudgedMax = 1'000;
 constexpr int kJudgedSteps = 240;
 constexpr int kStepsPerChange = 2;        // of the levels
-constexpr std::uint32_t kOneSlotIn = 16;  // a slot is held for half a second, as a lively show does
+constexpr std::uint32_t kOneSlotIn = 16;  // each slot is held for half a second on average, as in a busy show
 
 Result<fixtures::Rig> fleet_rig(int count) {
   const fixtures::FixtureType* type = fixtures::find_builtin_type("generic/profile");
@@ -45,7 +45,7 @@ Result<fixtures::Rig> fleet_rig(int count) {
   return rig;
 }
 
-// One slot in `every` changes at random, each second step.
+// One slot in `every` changes at random, every second step.
 class Levels {
  public:
   Levels(std::size_t bytes, std::uint32_t every) : bytes_(bytes), every_(every) {}
@@ -147,7 +147,7 @@ Status judge(render::vk::Device& device, const FleetOptions& options, FleetRepor
       const auto judge = values_of(i, in_double.states, in_double.optics_states);
       const auto cpu = values_of(i, in_float.states, in_float.optics_states);
       for (std::size_t v = 0; v < worst.size(); ++v) {
-        // An angle of a spin wraps where its phase does, which rounding may put into the step before.
+        // Compares angles of a spin modulo one turn, because rounding can move the wrap to a neighbouring step.
         const auto apart = [&](double a, double b) {
           return v == 6 ? std::abs(std::remainder(a - b, 2 * std::numbers::pi)) : std::abs(a - b);
         };
@@ -183,11 +183,12 @@ std::string text_of(const FleetReport& report, const FleetOptions& options) {
   const double per_fixture_ns = report.gpu_ms_p50 * 1e6 / options.fixtures;
   std::string text = fmt::format(
       "{} moving heads (generic/profile, 16 bit), one step of 1/60 s, on {}\n"
-      "  GPU     {:.4f} ms, p10 {:.4f}, p90 {:.4f}, {} runs after 3: {:.2f} ns per fixture{}\n"
-      "  levels  {:.4f} ms for their upload\n"
+      "  GPU     {:.4f} ms, p10 {:.4f}, p90 {:.4f}, {} runs after 3 warm-up runs: {:.2f} ns per fixture{}\n"
+      "  levels  {:.4f} ms to upload\n"
       "  CPU     {:.1f} ns per fixture in float on one core: {:.1f} million fixtures per second\n"
-      "  memory  {} bytes of state per fixture, {} of rows\n"
-      "GPU in float against the CPU in double, {} fixtures, {} steps, one slot in 16 at random each second step:\n",
+      "  memory  {} bytes of state per fixture, {} of tables\n"
+      "GPU in float against the CPU in double, {} fixtures, {} steps, one slot in 16 changes at random every 2 "
+      "steps:\n",
       options.fixtures, report.device, report.gpu_ms_p50, report.gpu_ms_p10, report.gpu_ms_p90, options.runs,
       per_fixture_ns, report.gpu_ms_p90 > 1.15 * report.gpu_ms_p10 ? " (unstable)" : "", report.levels_ms,
       report.walker_ns, 1e3 / report.walker_ns, report.state_bytes / static_cast<std::uint64_t>(options.fixtures),

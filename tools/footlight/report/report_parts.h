@@ -1,4 +1,4 @@
-// The two halves of `footlight report`. That of pictures is there in builds with the renderer only.
+// The two parts of `footlight report`: pictures and time behaviour. Builds without the renderer have no pictures.
 #pragma once
 
 #include <functional>
@@ -10,28 +10,28 @@
 
 namespace footlight::tools {
 
-// What both halves are asked with.
+// Options of both parts.
 struct ReportOptions {
   std::string csv;  // paths; empty: none
   std::string svg;
   bool quick = false;
   bool json = false;
-  // Shows on a terminal how far the half is: `done` of `all` parts of `what`. False once a signal to end has come.
+  // Shows the progress on a terminal: `done` of `all` steps of `what`. Returns false after a signal to end.
   std::function<bool(std::string_view what, double done, double all)> go_on;
-  // Prints rows to standard output at once, with the line of go_on() out of the way.
+  // Clears the progress line and prints rows to standard output at once.
   std::function<void(const std::string& text)> print;
 };
 
-// Prints its half of the report row by row, and writes the files that are asked for. Ended by a signal, it prints and
-// writes what it has.
+// Prints its part of the report row by row and writes the requested files. After a signal to end, prints and writes the
+// rows so far.
 using ReportHalf = std::function<Status(const ReportOptions&)>;
 
-// Declares the options of pictures. Empty in a build without the renderer: then there are neither.
+// Declares the options of pictures. In a build without the renderer, declares none and returns an empty function.
 [[nodiscard]] ReportHalf add_report_pictures(Arguments& arguments);
 // Declares the options of time behaviour.
 [[nodiscard]] ReportHalf add_report_time(Arguments& arguments);
 
-// Replaces a file by this text, or leaves it alone.
+// Writes the text to a file. If that fails, the old file stays unchanged.
 [[nodiscard]] Status write_report_file(const std::string& path, const std::string& text);
 // "plot.svg" and "time" give "plot-time.svg".
 [[nodiscard]] std::string with_report_suffix(const std::string& path, const std::string& suffix);

@@ -1,4 +1,4 @@
-// footlight report --pictures: error against run time of what makes a picture, and what the rig left out.
+// footlight report --pictures: error against run time of the picture methods, and the features that the rig leaves out.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -42,16 +42,16 @@ struct PictureArguments {
   std::vector<std::string> sets;
 };
 
-// What machines have done to the air until the moment that is looked at; without any there is nothing of it.
+// Haze and fog that machines have added to the air until `--at`. Rigs without machines have no report.
 struct AirReport {
   double haze_per_m = 0;
   double fog_per_m = 0;
-  double error_per_m = 0;  // of both together, against the judge
+  double error_per_m = 0;  // of the sum of both, against the judge
   int steps = 0;
-  double ns_a_step = 0;  // wall clock, levels decoded
+  double ns_a_step = 0;  // wall clock time, including the decoding of levels
 };
 
-// Steps as a replay does, a picture every 40 ms.
+// Steps the machines as a replay does, in steps of at most 40 ms.
 class AirWatch {
  public:
   explicit AirWatch(std::unique_ptr<fixtures::MachineAir> air) : air_(std::move(air)) {}
@@ -91,18 +91,17 @@ class AirWatch {
   double ns_ = 0;
 };
 
-// The scene as the log has it at a time. Motors stand where the levels send them, so that GPU and judge start from the
-// same state without a history; what machines have brought into the air by then is haze of the room.
+// The scene at a time of the log. Motors start at their targets, so that GPU and judge start from the same state
+// without a history. Haze and fog that machines have added by then count as haze of the room.
 Result<Scene> scene_of_files(const SceneFiles& files, const PictureArguments& arguments, double aspect,
                              std::optional<AirReport>& air) {
   const DurationNs at_ns = arguments.at_ns;
   const bool by_hand = arguments.lit || !arguments.sets.empty();
   if (by_hand && (!files.log.empty() || arguments.files.demo)) {
-    return fail(ErrorCode::kBadInput, "--lit and --set are for a rig without a log: expected one of them");
+    return fail(ErrorCode::kBadInput, "--lit and --set cannot be used with a log or --demo; leave out one of them");
   }
   if (!by_hand && files.log.empty() && !files.demo) {
-    return fail(ErrorCode::kBadInput,
-                "{}: nothing drives the rig, so its picture is black; expected --log, --lit or --set",
+    return fail(ErrorCode::kBadInput, "{}: nothing drives the rig, so its picture is black; use --log, --lit or --set",
                 printable_utf8(files.rig));
   }
   Scene scene;
@@ -136,13 +135,13 @@ Result<Scene> scene_of_files(const SceneFiles& files, const PictureArguments& ar
   return scene;
 }
 
-// What the rig does without, and what that saves.
+// Prints what the rig leaves out, and the cost of each feature.
 Status report_left_out(render::vk::Device& device, const Scene& scene, const PictureReportOptions& pictures,
                        const ReportOptions& options) {
   LeftOutOptions left_out{.width = pictures.width, .height = pictures.height, .runs = pictures.runs, .go_on = {}};
-  if (options.quick) left_out.runs = 0;  // each row compiles shaders
+  if (options.quick) left_out.runs = 0;  // each timed row compiles shaders
   if (options.go_on) {
-    left_out.go_on = [&](double done, double all) { return options.go_on("things that are left out", done, all); };
+    left_out.go_on = [&](double done, double all) { return options.go_on("features that are left out", done, all); };
   }
   FL_ASSIGN(const std::vector<LeftOutRow> rows, measure_left_out(device, scene, left_out));
   options.print(options.json ? json_of(rows) : text_of(rows, scene.name) + "\n");
@@ -159,30 +158,28 @@ Status report_fleet(const PictureArguments& arguments, const ReportOptions& opti
 
 std::string intro_of(const Scene& scene, const PictureArguments& arguments, const PictureReportOptions& options,
                      const PictureReport& report) {
-  std::string text =
-      fmt::format("Pictures of {}: beams in haze and on surfaces, on {}.\nTimes: GPU, {}x{}, {} runs after 3. ",
-                  scene.name, report.device, options.width, options.height, arguments.runs);
-  if (arguments.no_judge) return text + "Not judged.\n\n";
+  std::string text = fmt::format(
+      "Pictures of {}: beams in haze and on surfaces, on {}.\nTimes: GPU, {}x{}, {} runs after 3 warm-up runs. ",
+      scene.name, report.device, options.width, options.height, arguments.runs);
+  if (arguments.no_judge) return text + "Errors are not measured.\n\n";
   const std::int64_t all = std::int64_t{options.width} * options.height;
   const bool sampled = report.judged_pixels < all;
   return text + fmt::format(
-                    "Errors: {} of the {} pixels of these very frames{}, against adaptive quadrature in double, "
-                    "whose own error is {:.1e} (it took {:.1f} s).\n"
+                    "Errors: at {} of the {} pixels of these frames{}, against adaptive quadrature in double, whose "
+                    "own error is {:.1e} ({:.1f} s).\n"
                     "{}"
-                    "Neither timed nor judged in the rows: bodies and lenses of fixtures, and the widening of thin "
-                    "beams.\n\n",
+                    "The rows leave out the bodies and lenses of fixtures, and the widening of thin beams.\n\n",
                     report.judged_pixels, all, sampled ? ", a stratified random sample" : "", report.judge_own_rel_l2,
                     report.judge_seconds,
-                    sampled
-                        ? "rel_l2 is that of the whole picture, estimated; it lies between rel_l2_low and rel_l2_high "
-                          "with 95 % confidence.\n"
-                        : "");
+                    sampled ? "rel_l2 is an estimate for the whole picture, with rel_l2_low to rel_l2_high as its 95 % "
+                              "confidence interval.\n"
+                            : "");
 }
 
 Status report_pictures(const PictureArguments& arguments, const ReportOptions& options) {
   if (arguments.fleet > 0) return report_fleet(arguments, options);
   if (arguments.beams > 0 && (arguments.files.demo || !arguments.files.rig.empty())) {
-    return fail(ErrorCode::kBadInput, "--beams makes its own scene: expected it without --rig and --demo");
+    return fail(ErrorCode::kBadInput, "--beams generates its own scene; use it without --rig and --demo");
   }
   SceneFiles files = arguments.files;
   if (files.rig.empty()) files.demo = true;
@@ -234,15 +231,14 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
     options.print("\n");
     for (const auto& row : report.rows) {
       if (row.ms_p10 > 0 && row.ms_p90 / row.ms_p10 > 1.15) {
-        fmt::print("unstable: {} {} varies by {:.2f} between p10 and p90\n", row.method, row.knob,
-                   row.ms_p90 / row.ms_p10);
+        fmt::print("unstable: {} {}: p90 is {:.2f} times p10\n", row.method, row.knob, row.ms_p90 / row.ms_p10);
       }
     }
     if (!arguments.no_judge) {
       const double costs[] = {1, 4, 16};
       fmt::print("{}\n", render::summary_of(curves, "ms", costs));
     }
-    fmt::print("GPU time a pass with {} nodes:", render::FrameSettings{}.nodes);
+    fmt::print("GPU time per pass with {} nodes:", render::FrameSettings{}.nodes);
     for (const auto& pass : report.passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
     fmt::print("\nThe whole frame as 'footlight render' draws it, bodies and lenses included: {:.3f} ms\n\n",
                report.whole_ms);
@@ -257,7 +253,7 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
   if (!options.csv.empty()) FL_TRY(write_report_file(options.csv, render::csv_of(report.rows)));
   if (!options.svg.empty()) {
     FL_TRY(write_report_file(options.svg, render::svg_plot({scene.name + ": beams", report.device,
-                                                            "GPU time a frame, ms", "relative L2 error"},
+                                                            "GPU time per frame, ms", "relative L2 error"},
                                                            curves)));
   }
   return {};
@@ -268,22 +264,22 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
 ReportHalf add_report_pictures(Arguments& arguments) {
   auto chosen = std::make_shared<PictureArguments>();
   add_scene_arguments(arguments, chosen->files);
-  arguments.duration("--at", chosen->at_ns, "the moment of the log that is looked at");
-  arguments.option("--beams", chosen->beams, 1, 1'000'000, "a made scene of this many beams in place of a rig");
+  arguments.duration("--at", chosen->at_ns, "the time in the log");
+  arguments.option("--beams", chosen->beams, 1, 1'000'000, "generate a scene of this many beams instead of a rig");
   arguments.option("--photometry", chosen->photometry, "FILE",
-                   "with --beams: all of them throw the light of this IES or EULUMDAT file");
+                   "with --beams: all beams have the light of this IES or EULUMDAT file");
   arguments.option("--fleet", chosen->fleet, 1, 1'000'000,
                    "no pictures: time a step of this many moving heads on the GPU and on one CPU core");
-  arguments.option("--camera", chosen->camera, "NAME", "a camera of the rig; its first one");
-  arguments.option("--size", chosen->size, "WxH", "size of the pictures that are timed and judged");
+  arguments.option("--camera", chosen->camera, "NAME", "a camera of the rig; default: its first one");
+  arguments.option("--size", chosen->size, "WxH", "size of the pictures that are timed and whose error is measured");
   arguments.option("--judge-pixels", chosen->judge_pixels, 100, 100'000'000,
-                   "how many of their pixels are judged, a stratified random sample");
-  arguments.option("--runs", chosen->runs, 3, 1000, "timed frames a row");
-  arguments.option("--device", chosen->device, "TEXT", "the Vulkan device whose name contains this");
-  arguments.flag("--no-judge", chosen->no_judge, "times only");
+                   "how many of their pixels are compared with the judge, a stratified random sample");
+  arguments.option("--runs", chosen->runs, 3, 1000, "timed frames per row");
+  arguments.option("--device", chosen->device, "TEXT", "the Vulkan device whose name contains this text");
+  arguments.flag("--no-judge", chosen->no_judge, "measure times only, no errors");
   arguments.flag("--lit", chosen->lit, "without a log: every fixture at full, open and white, its axes in the middle");
   arguments.list("--set", chosen->sets, "WORDS",
-                 "as --lit, and ATTRIBUTE=VALUE of all fixtures or FIXTURE:ATTRIBUTE=VALUE of one; many times");
+                 "as --lit, and ATTRIBUTE=VALUE of all fixtures or FIXTURE:ATTRIBUTE=VALUE of one; several times");
   return [chosen](const ReportOptions& options) { return report_pictures(*chosen, options); };
 }
 

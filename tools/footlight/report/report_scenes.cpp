@@ -12,7 +12,7 @@ namespace {
 
 using namespace fixtures;
 
-// Counter-based, so that the scene is the same everywhere: SplitMix64 (Steele, Lea, Flood 2014).
+// SplitMix64 (Steele, Lea, Flood 2014): the same numbers on every platform, so the scene is the same everywhere.
 class Random {
  public:
   double uniform() {
@@ -31,7 +31,7 @@ class Random {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kSlots = 6;
 
-// One channel of `bytes` bytes from slot `first`, linear over the whole range.
+// A channel of `bytes` bytes from slot `first` with one function that is linear over the whole range.
 Channel channel(int first, int bytes, const char* attribute, double from, double to) {
   Channel c;
   for (int i = 0; i < bytes; ++i) c.slot_offsets.push_back(first + i);
@@ -92,7 +92,7 @@ Result<Scene> make_beams_scene(int count, const std::string& photometry) {
       Diagnostics ignored;
       FL_TRY(attach_photometry(type, photometry, bytes, ignored));
       FL_ASSIGN(const Photometry measured, read_photometry_file(type.files, type.beams[0].photometry));
-      // Then a zoom is the edge's angle, as it is of the others.
+      // The zoom then sets the angle of the edge, as for the other beams.
       type.beams[0].beam_angle_deg = 2 / kDegree * measured_table(measured, Side::kFront, true).half_angle_rad;
     }
   }

@@ -1,4 +1,4 @@
-// Scenes for the report that are made, not loaded.
+// Scenes that the report generates instead of loading them.
 #pragma once
 
 #include <cstdint>
@@ -8,19 +8,19 @@
 
 namespace footlight::tools {
 
-// A rig with the levels to look at it.
+// A rig with levels and a camera.
 struct Scene {
   std::string name;
   fixtures::Rig rig;
   fixtures::CompiledRig compiled;
-  std::vector<std::uint8_t> levels;  // universes x 512, as compiled.universes orders them
+  std::vector<std::uint8_t> levels;  // universes x 512, in the order of compiled.universes
   fixtures::Camera camera;
 };
 
-// `count` beams over an arena, all lit, the same for the same count: 70 % with half angles of 0.75 to 2.5 degrees, 20 %
-// 5 to 10, 10 % 12 to 25; lenses 5 to 12 cm; four fifths hang 12 to 16 m up, the rest stand on the floor; seen from 40
-// m in front. The mix of a large show, with one profile (m = 1) and no gobos. 1 to 1,000,000 beams.
-// `photometry`: an IES or EULUMDAT file whose light they throw instead, ending where theirs would; empty: none.
+// Generates `count` lit beams over an arena, 1 to 1,000,000. The same count gives the same scene. Half angles: 70 %
+// 0.75 to 2.5 degrees, 20 % 5 to 10, 10 % 12 to 25. Lenses: 5 to 12 cm. Four fifths hang 12 to 16 m up, the others are
+// on the floor. The camera is 40 m in front. This is the mix of a large show, with one profile (m = 1) and no gobos.
+// `photometry`: an IES or EULUMDAT file whose light all beams have, with unchanged half angles; empty: none.
 [[nodiscard]] Result<Scene> make_beams_scene(int count, const std::string& photometry = {});
 
 }  // namespace footlight::tools

@@ -1,4 +1,4 @@
-// footlight report --time: error against run time of what moves, glows and flashes.
+// footlight report --time: error against run time of motors, lamps, shutters and filters.
 #include <algorithm>
 #include <memory>
 #include <span>
@@ -21,41 +21,43 @@ struct TimeArguments {
 
 struct ModelText {
   const char* model;
-  const char* ours;  // what rivals are compared with
+  const char* ours;  // the method that the others are compared with
   const char* title;
 };
 constexpr ModelText kModels[] = {
-    {"filament", "universal curve f32", "Filament: temperature under snaps, fades and chases; relL2 of the light"},
+    {"filament", "universal curve f32", "Filament: temperature during jumps, fades and chases; relL2 of the light"},
     {"motion", "motor f32", "Motion: position of 540 degrees of pan; tau = top speed over acceleration"},
-    {"strobe", "exposure integral f32", "Strobe: the open share of each frame; tau = its period"},
-    {"spin", "64-bit turns f32", "Spin: phase after an hour, a day, a month; tau = one turn; relL2 of the direction"},
+    {"strobe", "exposure integral f32", "Strobe: the open share of each frame; tau = flash period"},
+    {"spin", "64-bit turns f32",
+     "Spin: phase after an hour, a day, a month; tau = time of one turn; relL2 of the direction"},
     {"smoothing", "exact f32", "Smoothing of levels: two equal poles of tau"},
     {"belt", "propagator f32", "Belt resonance: damping 0.05; tau = 1 / angular frequency"},
     {"led", "exact f32", "LED: mean light of a driver that rises in tau and a heat sink of 60 s, droop 1/8"},
-    {"mains", "exposure integral f32", "Phase-cut dimmer without a lamp's inertia: mean power; tau = a half wave"},
-    {"dimmer", "law, then exact f32", "Dimmer law (square) before an LED's driver that rises in tau: mean light"},
-    {"pulse", "exposure integral f32", "Pulses: the open share of each frame; tau = their period, duty 3/8"},
-    {"random-pulse", "exposure integral f32", "Random pulses, one a period: the open share of each frame"},
+    {"mains", "exposure integral f32", "Phase-cut dimmer with a lamp without inertia: mean power; tau = a half wave"},
+    {"dimmer", "law, then exact f32", "Dimmer law (square), then an LED driver that rises in tau: mean light"},
+    {"pulse", "exposure integral f32", "Pulses: the open share of each frame; tau = pulse period, duty 3/8"},
+    {"random-pulse", "exposure integral f32", "Random pulses, one per period: the open share of each frame"},
     {"discharge", "exact f32", "Discharge: mean light of an arc that locks out, strikes and runs up in tau"},
     {"jerk", "exact f32", "Jerk smoothing of 540 degrees of pan in 2.45 s: position; tau = the lag"},
 };
 
-// Inputs stand below their numbers: they are long.
+// Prints inputs below their numbers, because they are long.
 void print_worst(const ReportOptions& options) {
   const auto worst = options.quick ? render::worst_disagreements(20'000) : render::worst_disagreements();
   if (options.json) {
     fmt::print("{}", render::json_lines_of(worst));
     return;
   }
-  fmt::print("Where float and double disagree most: one step from random states, the {} largest of each model.\n\n",
-             render::kWorstCount);
+  fmt::print(
+      "Largest differences between float and double: one step from random states, the {} largest of each model.\n\n",
+      render::kWorstCount);
   for (const render::Disagreement& d : worst) {
     fmt::print("{:<15} {:.1e} {:<6} float {:.9g}, double {:.17g}\n                {}\n", d.model, d.error, d.unit,
                d.f32, d.f64, d.input);
   }
 }
 
-// Tables and plots of the models whose rows begin at `first`.
+// Prints the tables, and writes the plots, of the models whose rows start at `first`.
 Status show_models(const TimeArguments& arguments, const ReportOptions& options,
                    const render::TimeReportOptions& time_options, const render::TimeReport& report, std::size_t first) {
   const std::vector<render::TimeRow> new_rows(report.rows.begin() + static_cast<std::ptrdiff_t>(first),
@@ -87,7 +89,7 @@ Status show_models(const TimeArguments& arguments, const ReportOptions& options,
       FL_TRY(write_report_file(
           with_report_suffix(options.svg, fmt::format("time-{}", text.model)),
           render::svg_plot({text.title, fmt::format("geometric means over {} scenes; one CPU core", summary[0].scenes),
-                            "time a frame, ns", "relative L2 error"},
+                            "time per frame, ns", "relative L2 error"},
                            render::curves_of(summary))));
     }
   }
@@ -115,10 +117,10 @@ Status report_time(const TimeArguments& arguments, const ReportOptions& options)
   };
   if (!options.json) {
     options.print(fmt::format(
-        "Time behaviour: error against run time on one CPU core. Inputs change at 44 Hz and are held for a frame;\n"
-        "{:g} s of show a scene; scenes: tau {} ms (unless said otherwise) x {} frames a second.\n"
-        "Times: median of {} runs after 3, geometric mean over the scenes; unstable: p90 > 1.15 p10.\n"
-        "relL2 mean: geometric, a failed scene stands as 1. Failed: diverged, non-finite, or as wrong as darkness.\n"
+        "Time behaviour: error against run time on one CPU core. Inputs change at 44 Hz and are held for a frame.\n"
+        "Each scene is {:g} s of show. Scenes: tau {} ms (unless the model states another) x {} frames per second.\n"
+        "Times: median of {} runs after 3 warm-up runs, geometric mean over the scenes. Unstable: p90 > 1.15 p10.\n"
+        "relL2 mean: geometric mean; a failed scene counts as 1. Failed: diverged, non-finite, or relL2 >= 0.999.\n"
         "{}\n",
         time_options.seconds, fmt::join(time_options.tau_ms, ", "), fmt::join(time_options.fps, ", "),
         time_options.runs, render::has_cvode() ? "" : "Built without CVODE.\n"));
@@ -139,8 +141,9 @@ Status report_time(const TimeArguments& arguments, const ReportOptions& options)
 
 ReportHalf add_report_time(Arguments& arguments) {
   auto chosen = std::make_shared<TimeArguments>();
-  arguments.flag("--rows", chosen->rows, "of --time: every scene, not only what they add up to");
-  arguments.flag("--worst", chosen->worst, "of --time: where float and double disagree most, in place of the rows");
+  arguments.flag("--rows", chosen->rows, "with --time: print every scene, not only the means");
+  arguments.flag("--worst", chosen->worst,
+                 "with --time: print the largest differences between float and double instead of the rows");
   return [chosen](const ReportOptions& options) { return report_time(*chosen, options); };
 }
 
