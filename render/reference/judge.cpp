@@ -28,7 +28,7 @@ using fixtures::kWheelOpening;
 namespace footlight::render {
 namespace {
 
-// fixtures/ does not see what frost does, and leaves forms of beams out by it.
+// fixtures/ does not include this code and decides by kFrostWidensMost which beam forms to leave out.
 static_assert(fixtures::kFrostWidensMost > 1 + std::numbers::sqrt3 * static_cast<double>(f64::kFrostWidens));
 static_assert(fixtures::kFrostAddsMost > std::numbers::sqrt3 * static_cast<double>(f64::kFrostAdds));
 
@@ -49,17 +49,17 @@ Piece measure_piece(const F& f, double from, double to) {
   Piece piece{from, to, 0, 0};
   const double middle = (from + to) / 2;
   const double half = (to - from) / 2;
-  // Over [-1, 1], where the library's error estimate has the scale of its result.
+  // Integrates over [-1, 1], because the library's error estimate then has the scale of its result.
   piece.value = boost::math::quadrature::gauss_kronrod<double, 15>::integrate(
       [&](double x) { return half * f(middle + half * x); }, -1.0, 1.0, 0, 0.0, &piece.error);
   return piece;
 }
 
-// Globally adaptive: the piece with the largest error is halved until the errors add up to less than tolerance x value.
-// `cuts` are ascending, at least two.
+// Globally adaptive: halves the piece with the largest error until the sum of the errors is less than tolerance x
+// value. `cuts` are ascending, at least two.
 template <class F>
 double integrate(const F& f, const std::vector<double>& cuts, double tolerance) {
-  // Enough for a gobo with a few hundred hard edges along a ray; what is left is part of the stated error.
+  // Enough for a gobo with a few hundred hard edges along a ray. The remaining error is part of the judge's own error.
   constexpr std::size_t kPiecesMax = 20'000;
   std::vector<Piece> pieces;
   pieces.reserve(2 * cuts.size());
@@ -76,7 +76,7 @@ double integrate(const F& f, const std::vector<double>& cuts, double tolerance) 
     std::pop_heap(pieces.begin(), pieces.end(), less_wrong);
     const Piece worst = pieces.back();
     const double middle = (worst.from + worst.to) / 2;
-    // Rounding is all that is left of the error, or the piece has no inside.
+    // Only rounding error is left, or the piece cannot be halved.
     if (worst.error <= 4e-16 * std::abs(value) || !(middle > worst.from && middle < worst.to)) break;
     pieces.pop_back();
     for (const auto& [from, to] : {std::pair(worst.from, middle), std::pair(middle, worst.to)}) {
@@ -88,13 +88,13 @@ double integrate(const F& f, const std::vector<double>& cuts, double tolerance) 
     value -= worst.value;
     error -= worst.error;
   }
-  // Summed anew: the running sums above carry the rounding of every step.
+  // Sums again, because the running sums above contain the rounding error of every step.
   Wide total = 0;
   for (const Piece& piece : pieces) total += piece.value;
   return static_cast<double>(total);
 }
 
-// A ray in light space: (x, y) across the beam, z along it.
+// A ray in light space: (x, y) across the beam, z along its axis.
 struct LightRay {
   Wide ox, oy, oz;
   Wide dx, dy, dz;
@@ -111,8 +111,8 @@ LightRay light_ray(const JudgeBeam& beam, const Ray& ray) {
 
 bool is_finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-// The part of the ray with 0 <= z <= range inside the cone: `from` < `to`, or false. Relative to `base`, the point
-// where the ray is nearest the axis within the slab, so that the roots of far rays keep their digits.
+// Finds the part of the ray with 0 <= z <= range inside the cone: `from` < `to`. Returns false if there is none. Both
+// are relative to `base`, the point nearest the axis within the slab, to avoid cancellation in the roots of far rays.
 bool lit_interval(const JudgeBeam& beam, const LightRay& r, double t_min_m, double t_max_m, Wide& base, Wide& from,
                   Wide& to) {
   constexpr Wide kInfinity = std::numeric_limits<Wide>::infinity();
@@ -151,12 +151,13 @@ bool lit_interval(const JudgeBeam& beam, const LightRay& r, double t_min_m, doub
     }
   }
   std::sort(cuts, cuts + count);
-  // The slab holds one nappe of the cone, so the lit part is one interval; neighbours join where a root is double.
+  // The slab contains one nappe of the cone, so the lit part is one interval. Neighbouring parts join at a double root.
   bool lit = false;
   for (int i = 0; i + 1 < count; ++i) {
     if (!(cuts[i + 1] > cuts[i])) continue;
     const Wide middle =
-        std::isfinite(cuts[i + 1]) ? (cuts[i] + cuts[i + 1]) / 2 : cuts[i] + 1;  // only a cylinder along the ray
+        // unbounded only if a cylinder contains the ray
+        std::isfinite(cuts[i + 1]) ? (cuts[i] + cuts[i + 1]) / 2 : cuts[i] + 1;
     if (!(outside(middle) < 0)) continue;
     if (!lit) from = cuts[i];
     to = cuts[i + 1];
@@ -174,12 +175,12 @@ double profile(double rho_square, double m) {
   return m < 1 ? std::pow(1 - rho_square, 1 / m) : 1 - std::pow(rho_square, m);
 }
 
-// The same where the beam is a rectangle: between four planes, which all pass through one point.
+// The same for a rectangular beam: between four planes that pass through one point.
 bool lit_in_rectangle(const JudgeBeam& beam, const LightRay& r, double t_min_m, double t_max_m, Wide& base, Wide& from,
                       Wide& to) {
   Wide low = t_min_m;
   Wide high = t_max_m;
-  // What has a + b t >= 0 stays.
+  // Keeps the part with a + b t >= 0.
   const auto keep = [&](Wide a, Wide b) {
     if (b == 0) {
       if (a < 0) high = low;
@@ -209,7 +210,7 @@ bool has_gobo(const JudgeBeam& beam) {
          beam.wheels[1].offset != 0;
 }
 
-// Through one wheel at a point of the gate.
+// Transmission of one wheel at a point of the gate.
 double wheel_share(const JudgeWheel& wheel, const GoboTransmission& gobo, glm::dvec2 p) {
   int image = wheel.image;
   if (wheel.offset != 0) {
@@ -221,7 +222,7 @@ double wheel_share(const JudgeWheel& wheel, const GoboTransmission& gobo, glm::d
   return image > 0 ? gobo(image, wheel.cos * p.x + wheel.sin * p.y, wheel.cos * p.y - wheel.sin * p.x) : 1;
 }
 
-// Through all images at a place in the beam, z from the lens.
+// Transmission of all images at a point of the beam, z_m from the lens.
 double gobo_share(const JudgeBeam& beam, const GoboTransmission& gobo, double x, double y, double z_m) {
   if (!gobo || !has_gobo(beam)) return 1;
   const auto sharp = [&](glm::dvec2 p) {
@@ -236,12 +237,12 @@ double gobo_share(const JudgeBeam& beam, const GoboTransmission& gobo, double x,
     }
     return share;
   };
-  // The image's disc goes through the corners of a rectangle, whose half width x counts.
+  // The image's disc passes through the corners of the rectangle, whose half width is 1.
   const double reach = beam.aspect > 0 ? std::hypot(1.0, 1 / beam.aspect) : 1;
   const glm::dvec2 p = glm::dvec2(x, y) * (beam.gobo_scale / reach);
   const double blur = std::max(beam.blur, f64::focus_blur(beam.lens_radius_m, beam.spread, z_m, beam.focus_per_m));
   if (!(blur > 1e-4)) return sharp(p);
-  // A sunflower of points, each of the same area.
+  // Points of a sunflower pattern, each for an equal area.
   constexpr int kPoints = 64;
   double sum = 0;
   for (int i = 0; i < kPoints; ++i) {
@@ -256,14 +257,14 @@ double extinction_per_m(const fixtures::Haze& haze) { return haze.scattering_per
 
 // The light of a beam at a point: illuminance across the light over J0, before extinction.
 struct LightAt {
-  double illuminance = 0;   // 1/m^2, gobo included
+  double illuminance = 0;   // 1/m^2, with gobos
   double distance_m = 0;    // along the light from the lens
   glm::dvec3 direction{0};  // of travel, unit, stage space
-  glm::dvec2 rho{0};        // place in the beam
+  glm::dvec2 rho{0};        // position in the beam, in its radii
   double z_m = 0;           // along the axis
 };
 
-// Blades cut the air sharply.
+// In the air blades have sharp edges.
 bool passes_blades(const JudgeBeam& beam, const glm::dvec2& rho) {
   return std::all_of(beam.edges.begin(), beam.edges.end(),
                      [&](const glm::dvec3& edge) { return edge.x * rho.x + edge.y * rho.y <= edge.z; });
@@ -299,19 +300,19 @@ LightAt light_at(const JudgeBeam& beam, const GoboTransmission& gobo, const glm:
   return light;
 }
 
-// `range_m` of the scene cuts the ray at first, then surfaces do.
+// The air is visible up to `range_m` of the scene or to a nearer surface.
 double visible_air_m(const JudgeScene& scene, const std::optional<SurfaceHit>& hit) {
   return hit ? std::min(hit->t_m, scene.range_m) : scene.range_m;
 }
 
-// `refinement` multiplies the pieces that an integral starts with.
+// `refinement` multiplies the number of pieces at the start of an integral.
 double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& ray, double t_min_m, double t_max_m,
                  const GoboTransmission& gobo, double tolerance, int refinement);
 
 glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, int refinement, double* hits) {
   glm::dvec3 total(0);
   const std::optional<SurfaceHit> hit = judge_hit(scene, ray);
-  // Three times where images are coloured, once where they are not.
+  // Evaluates once for each of three channels if images are coloured, else only once.
   const auto in_colors = [&](const JudgeBeam& beam, const auto& share_through) {
     if (!scene.colors || !has_gobo(beam)) return glm::dvec3(share_through(scene.gobo));
     glm::dvec3 share(0);
@@ -357,7 +358,7 @@ double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& r
   const auto interval = beam.aspect > 0 ? lit_in_rectangle : lit_interval;
   if (!interval(beam, light, t_min_m, t_max_m, base, from, to)) return 0;
 
-  // Relative to the base, which is far away where the camera is.
+  // Relative to the base, because that is far away if the camera is.
   const auto base_m = static_cast<double>(base);
   const glm::dvec3 base_from_lens = static_cast<double>(light.ox + base * light.dx) * beam.x_axis +
                                     static_cast<double>(light.oy + base * light.dy) * beam.y_axis +
@@ -371,8 +372,9 @@ double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& r
            std::exp(-sigma_t * (base_m + t_m + at.distance_m));
   };
 
-  // Cut where the integrand can peak: nearest the lens, nearest the axis (the base) and, since 1 / w^2 can rise over
-  // decades, at points that are even across the gobo plane. A gobo has detail; more cuts see it.
+  // Cuts at points where the integrand can peak: nearest the lens, nearest the axis (the base), and at equal distances
+  // on the gobo plane, because 1 / w^2 can change by decades. Rays through a gobo have more cuts, to resolve its
+  // detail.
   const auto from_m = static_cast<double>(from);
   const auto to_m = static_cast<double>(to);
   std::vector<double> cuts{from_m, to_m};
@@ -397,7 +399,7 @@ double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& r
 }  // namespace
 
 double judge_flux_factor(double spread, double profile_power, double shown) {
-  // In q = rho^2: area of the disc is pi dq.
+  // Substitutes q = rho^2: the area element of the disc is pi dq.
   const auto f = [&](double q) {
     return profile(q * shown * shown, profile_power) * std::pow(1 + spread * spread * q, -1.5);
   };
@@ -418,20 +420,20 @@ double judge_rectangle_factor(double spread, double profile_power, double aspect
 
 namespace {
 
-// Flux over J0 of a beam with a profile, as it is drawn.
+// Flux over J0 of the drawn beam.
 double drawn_factor(const JudgeBeam& beam) {
   return beam.aspect > 0 ? judge_rectangle_factor(beam.spread, beam.profile_power, beam.aspect, beam.shown)
                          : judge_flux_factor(beam.spread, beam.profile_power, beam.shown);
 }
 
-// Where a measured beam's peak and edge are, in the file's own candela.
+// A measured beam's peak and edge, from the candela of its file.
 struct MeasuredBeam {
   fixtures::Photometry photometry;
   fixtures::Side side = fixtures::Side::kFront;
   fixtures::MeasuredTable table;
 };
 
-// Flux over J0 at a spread, by midpoints.
+// Flux over J0 at a spread, by the midpoint rule.
 double measured_factor(const JudgeBeam& beam, double spread) {
   constexpr int kRings = 600;
   constexpr int kTurns = 360;
@@ -454,7 +456,7 @@ std::shared_ptr<const MeasuredBeam> measured_beam(const fixtures::Rig& rig, cons
   const int index = mode.geometries[static_cast<std::size_t>(source.geometry)].beam;
   const fixtures::Beam& beam = type.beams[static_cast<std::size_t>(index)];
   auto photometry = fixtures::read_photometry_file(type.files, beam.photometry);
-  FL_CHECK(photometry.has_value());  // the rig was compiled
+  FL_CHECK(photometry.has_value());  // compiling the rig has succeeded
   const auto side = beam.photometry_back ? fixtures::Side::kBack : fixtures::Side::kFront;
   fixtures::MeasuredTable table = fixtures::measured_table(*photometry, side, fixtures::zooms(mode));
   return std::make_shared<const MeasuredBeam>(MeasuredBeam{std::move(*photometry), side, std::move(table)});
@@ -462,12 +464,12 @@ std::shared_ptr<const MeasuredBeam> measured_beam(const fixtures::Rig& rig, cons
 
 }  // namespace
 
-// The edge of a blade. In a rectangle both ends of its way are those of the side that it comes from, and it turns with
-// true angles: through two points, in half widths.
+// Returns the edge of a blade. In a rectangular beam both insertions are shares of the beam's extent on that side, and
+// the blade turns by true angles. The edge is computed from two points in half widths.
 glm::dvec3 blade_of(double aspect, uint blade, double a, double b, double angle_rad) {
   if (!(aspect > 0)) return f64::blade_edge(blade, a, b, angle_rad);
   const glm::dvec3 edge = f64::blade_edge(blade, a, b, 0.0);
-  // Two points of the edge in the square, then in the rectangle.
+  // Two points of the edge in the square, then mapped to the rectangle.
   const glm::dvec2 n(edge.x, edge.y);
   const glm::dvec2 middle = n * edge.z;
   const auto in_rectangle = [&](const glm::dvec2& p) { return glm::dvec2(p.x, p.y / aspect); };
@@ -510,13 +512,13 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
     const bool shaped = row.optics != fixtures::kNoAddress;
     fixtures::f64::Walker::OpticsState optics{};
     beam.aspect = type.measured != 0 ? 0 : static_cast<double>(type.aspect);
-    double passes = 1;  // share of the flux, of what is in the beam's way before its frost
+    double passes = 1;  // share of the flux that passes the elements before the frost
     if (shaped) {
       optics = walker.optics_states[row.optics];
       const double rim = f64::focus_rim(beam.lens_radius_m, beam.spread, optics.focus);
       const double soft = std::max(optics.frost, rim);
       if (optics.iris < 1) {
-        // Lumens of the same light over a smaller gate.
+        // The ratio of the lumens through the smaller opening.
         JudgeBeam within = beam;
         within.shown = optics.iris;
         within.spread *= optics.iris;
@@ -539,10 +541,10 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
       beam.measured_spread = std::tan(known->table.half_angle_rad);
       measured_peak_cd = known->table.peak_cd;
     }
-    // Its strength, where its spread is `scale` times as large as this: the same lumens.
+    // Returns J0 of a beam whose spread is `scale` times that of `beam`, with the same lumens.
     const auto strength_lm = [&](const JudgeBeam& drawn, double scale) {
       if (!drawn.measured) return flux_lm * passes * colour / drawn_factor(drawn);
-      // Candela as the file has them; where a zoom has them otherwise, the same lumens.
+      // The candela of the file. If a zoom changes the spread, scaled to the same lumens.
       const double as_measured = drawn.measured_spread * drawn.measured_spread * measured_peak_cd;
       const double whole = beam.spread * scale;
       const bool zoomed = std::abs(whole / drawn.measured_spread - 1) > 1e-6;
@@ -571,9 +573,9 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
       beam.edges.push_back(blade_of(beam.aspect, b, optics.blade_a[b], optics.blade_b[b], optics.blade_angle[b]));
       beam.edges.back().z /= optics.iris;
     }
-    // The iris: the middle of the beam.
+    // The iris passes the middle of the images.
     beam.gobo_scale = optics.iris;
-    // Each facet of a prism maps the beam before it: p -> m p + at, in radii of the beam as the zoom has it.
+    // Each facet of a prism maps the beam by p -> m p + at, in radii of the beam at its zoom.
     struct Copy {
       glm::dmat2 m{1};
       glm::dvec2 at{0};
@@ -691,8 +693,8 @@ JudgedPixels judge_pixels(const JudgeScene& scene, const View& view, int width, 
   judged.hits.resize(count);
   std::vector<double> coarse(options.stated_error ? 3 * count : 0);
 
-  // Threads take a few pixels at a time, so that none waits for bright ones. Each pixel is computed alone, so the
-  // picture is the same for every number of threads.
+  // Threads take a few pixels at a time, so that none waits for bright ones. Each pixel is computed independently, so
+  // the picture does not depend on the number of threads.
   constexpr std::size_t kAtOnce = 16;
   std::atomic<std::size_t> next{0};
   std::atomic<std::size_t> done{0};
@@ -710,8 +712,8 @@ JudgedPixels judge_pixels(const JudgeScene& scene, const View& view, int width, 
         const auto across = static_cast<std::uint32_t>(width);
         const Ray ray =
             pixel_ray(view, width, height, static_cast<int>(pixels[i] % across), static_cast<int>(pixels[i] / across));
-        // Three times the pieces, or both passes would take the same nodes wherever the light is smooth, and their
-        // difference would say nothing.
+        // Starts with three times as many pieces. Otherwise both passes would use the same nodes in smooth light, and
+        // their difference would not measure an error.
         const glm::dvec3 fine = radiance(scene, ray, options.tolerance / 100, 3, &judged.hits[i]);
         for (std::size_t c = 0; c < 3; ++c) judged.rgb[3 * i + c] = fine[static_cast<int>(c)];
         if (!options.stated_error) continue;

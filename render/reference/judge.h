@@ -23,26 +23,25 @@
 
 namespace footlight::render {
 
-// Share of the light that a gobo lets through at (x, y) in the unit disc, 0 to 1. gobo > 0: the layer of the compiled
+// The share of light that a gobo transmits at (x, y) in the unit disc, 0 to 1. gobo > 0: the layer of the compiled
 // rig's images.
 using GoboTransmission = std::function<double(int gobo, double x, double y)>;
 // The same for red, green and blue.
 using GoboColors = std::function<glm::dvec3(int gobo, double x, double y)>;
 
-// A gobo wheel in a beam.
+// A gobo wheel of a beam.
 struct JudgeWheel {
   int image = 0;      // 0: open
-  int next = 0;       // of the slot beside, on the side of the gate
-  double offset = 0;  // of the image's middle from the beam's, in beam radii
+  int next = 0;       // image of the neighbouring slot that reaches into the gate
+  double offset = 0;  // of the image's centre from that of the beam, in beam radii
   double cos = 1;     // of the image's rotation
   double sin = 0;
 };
 
-// Intensity over the peak towards (x, y, 1) of a beam's light space.
+// Intensity over peak intensity towards (x, y, 1) in the light space of a beam.
 using MeasuredShare = std::function<double(double x, double y)>;
 
-// One beam in stage space; metres. The axes are unit and at right angles; x cross y = axis, or -axis where a prism
-// mirrors it.
+// One beam in stage space, in metres. The axes are orthonormal; x cross y = axis, or -axis if a prism mirrors it.
 struct JudgeBeam {
   glm::dvec3 lens_m{0};
   glm::dvec3 x_axis{1, 0, 0};
@@ -51,45 +50,45 @@ struct JudgeBeam {
   double lens_radius_m = 0.05;  // R0 > 0
   double spread = 0.1;          // k = tan(half angle) >= 0
   double profile_power = 1;     // f = 1 - rho^(2m); below 1: (1 - rho^2)^(1/m)
-  double range_m = 100;         // the light ends there, along the axis
+  double range_m = 100;         // along the axis; the light ends there
   glm::dvec3 strength_lm{1};    // J0 per channel
   JudgeWheel wheels[2];
   int animation = 0;  // image of the animation wheel; 0: none
   double animation_cos = 1;
   double animation_sin = 0;
-  double gobo_scale = 1;    // share of the images' radius that the beam shows
-  double blur = 0;          // of images, by frost: radius in beam radii
-  double focus_per_m = -1;  // below 0: images are sharp everywhere
-  double aspect = 0;        // width over height of a rectangle; then lens radius and k are those of its half
-                            // width, and f is the product of two, of x and of y. 0: round
-  MeasuredShare measured;   // instead of f, where rho = 1 is at measured_spread
+  double gobo_scale = 1;    // share of the images' radius that is inside the beam
+  double blur = 0;          // blur of images by frost: radius in beam radii
+  double focus_per_m = -1;  // below 0: images are sharp at every distance
+  double aspect = 0;  // width over height of a rectangular beam; then lens radius and k are those of half its width,
+                      // and f is the product of one profile in x and one in y. 0: round
+  MeasuredShare measured;  // replaces f; rho = 1 is at measured_spread
   double measured_spread = 0;
-  double shown = 1;               // share of the radius of f that an iris lets through; f ends there
-  std::vector<glm::dvec3> edges;  // of blades: what has x X + y Y <= z passes
+  double shown = 1;               // share of the radius of f inside the iris; f ends there
+  std::vector<glm::dvec3> edges;  // of blades: points with x X + y Y <= z are lit
 };
 
 struct JudgeScene {
-  std::vector<JudgeBeam> beams;  // only those that give light
+  std::vector<JudgeBeam> beams;  // only lit ones
   std::vector<fixtures::StageBox> boxes;
   fixtures::Haze haze;
   double ambient_lx = 0;
-  double range_m = 100;   // air is seen no further than this from the camera
+  double range_m = 100;   // no air further away than this from the camera is drawn
   GoboTransmission gobo;  // empty: every gobo is open
-  GoboColors colors;      // instead, where images are coloured
+  GoboColors colors;      // used instead of `gobo` if images are coloured
 };
 
-// The scene of a rig as the walker's states have it, with all that shapes its beams; the facets of a prism are beams of
-// their own. The walker is not stepped; it is taken by reference since the shared functions are its members. What
-// A measured beam has its file's own candela, read again and not from the compiled table. What
-// frost, blades, focus and wheels between two slots mean is written in render/shaders/shared/optics.h for both; a blur
-// is the mean over a disc, of 64 points here.
+// Returns the scene of a rig with the states of the walker, including everything that shapes its beams. Facets of a
+// prism become separate beams. The walker is not stepped; it is not const because the shared functions are its members.
+// A measured beam has the candela of its file, which is read again instead of using the compiled table. Frost, blades,
+// focus and wheels between two slots are defined in render/shaders/shared/optics.h. A blur is the mean over 64 points
+// of a disc here.
 [[nodiscard]] JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker,
                                      GoboTransmission gobo = {});
 
-// Integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc by adaptive quadrature: flux in lumens over J0. f is read at
-// shown rho.
+// Integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc by adaptive quadrature: flux in lumens over J0. f is
+// evaluated at shown rho.
 [[nodiscard]] double judge_flux_factor(double spread, double profile_power, double shown = 1);
-// The same over a rectangle: twice as wide as the lens, that over `aspect` high.
+// The same over a rectangle as wide as the lens diameter, with that width over `aspect` as its height.
 [[nodiscard]] double judge_rectangle_factor(double spread, double profile_power, double aspect, double shown = 1);
 
 struct Ray {
@@ -97,12 +96,12 @@ struct Ray {
   glm::dvec3 direction{0, 0, 1};  // unit
 };
 
-// In-scattered light of one beam along a ray from t_min_m to t_max_m (may be infinite), over sigma_s J0: 1/m.
-// Extinction runs from the lens to the air and back to t = 0. Not finite input gives 0.
+// In-scattered light of one beam along a ray from t_min_m to t_max_m (may be infinite), over sigma_s J0, in 1/m.
+// Extinction counts from the lens to the air and back to t = 0. Input that is not finite gives 0.
 [[nodiscard]] double judge_inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& ray, double t_min_m,
                                      double t_max_m, const GoboTransmission& gobo, double tolerance);
 
-// Illuminance over J0 of one beam on a surface with unit normal at a point, 1/m^2; extinction included.
+// Illuminance over J0 of one beam on a surface with unit normal at a point, in 1/m^2, with extinction.
 [[nodiscard]] double judge_illuminance(const JudgeBeam& beam, const fixtures::Haze& haze, const glm::dvec3& point_m,
                                        const glm::dvec3& normal, const GoboTransmission& gobo);
 
@@ -112,7 +111,7 @@ struct SurfaceHit {
   glm::dvec3 albedo{0};
 };
 
-// The nearest box that the ray enters from outside.
+// Returns the nearest box that the ray enters from outside.
 [[nodiscard]] std::optional<SurfaceHit> judge_hit(const JudgeScene& scene, const Ray& ray);
 
 // Radiance along a ray, cd/m^2 per channel.
@@ -122,10 +121,10 @@ struct SurfaceHit {
 [[nodiscard]] Ray pixel_ray(const View& view, int width, int height, int x, int y);
 
 struct JudgeOptions {
-  double tolerance = 1e-7;   // relative, of each integral; the picture is taken at a hundredth of it
+  double tolerance = 1e-7;   // relative, of each integral; the picture is computed at a hundredth of it
   int threads = 0;           // 0: one per core. The picture does not depend on it.
-  bool stated_error = true;  // false: only the finer pass, own_* are 0
-  // Called now and then on the caller's thread, with how many pixels are done; false ends the picture.
+  bool stated_error = true;  // false: only the finer pass is computed, own_* are 0
+  // Called at times on the caller's thread, with the number of finished pixels; false ends the picture.
   std::function<bool(int done, int all)> go_on;
 };
 
@@ -135,22 +134,22 @@ struct JudgedImage {
   double own_rel_l2 = 0;    // between the tolerance and a hundredth of it
   double own_max = 0;       // largest difference over (value + 1e-2 mean)
   double hits_per_px = 0;   // mean number of beams that the visible part of a pixel's ray crosses
-  bool whole = true;        // false: go_on ended it, and rows are missing
+  bool whole = true;        // false: go_on ended it, and pixels are missing
 };
 
 // Some pixels of a picture.
 struct JudgedPixels {
-  std::vector<double> rgb;   // 3 values a pixel, in the order that was asked for
-  std::vector<double> hits;  // of each pixel: how many beams the visible part of its ray crosses
-  double own_rel_l2 = 0;     // as of JudgedImage, over these pixels
+  std::vector<double> rgb;   // 3 values per pixel, in the order of `pixels`
+  std::vector<double> hits;  // per pixel: how many beams the visible part of its ray crosses
+  double own_rel_l2 = 0;     // as in JudgedImage, over these pixels
   double own_max = 0;
   bool whole = true;  // false: go_on ended it, and pixels are missing
 };
 
-// The pixels y * width + x of a picture of width x height.
+// Computes the pixels y * width + x of a picture of width x height.
 [[nodiscard]] JudgedPixels judge_pixels(const JudgeScene& scene, const View& view, int width, int height,
                                         std::span<const std::uint32_t> pixels, const JudgeOptions& options = {});
-// All of them.
+// Computes all pixels.
 [[nodiscard]] JudgedImage judge_image(const JudgeScene& scene, const View& view, int width, int height,
                                       const JudgeOptions& options = {});
 

@@ -12,7 +12,7 @@
 namespace footlight::render {
 namespace {
 
-// The value below which a share of the sorted values lies: the smallest with at least that share at or below it.
+// The smallest sorted value with at least `share` of the values at or below it.
 double percentile(const std::vector<double>& sorted, double share) {
   const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
   return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
@@ -22,7 +22,7 @@ double percentile(const std::vector<double>& sorted, double share) {
 
 using Triple = std::array<double, 3>;
 
-// One value a pixel, rows from the top; reads outside give the nearest pixel.
+// One value per pixel, rows from the top; reads outside return the nearest pixel.
 struct Plane {
   int width = 0;
   int height = 0;
@@ -39,7 +39,7 @@ struct Plane {
   }
 };
 
-// A kernel of odd size around its middle.
+// A kernel of odd size, centred.
 using Kernel = std::vector<double>;
 
 Plane convolved(const Plane& in, const Kernel& along_x, const Kernel& along_y) {
@@ -74,7 +74,7 @@ Triple linear_of_xyz(const Triple& c) {
           0.055639423 * c[0] - 0.204011202 * c[1] + 1.057148933 * c[2]};
 }
 
-// Opponent space in which the eye's contrast sensitivity is given: luminance, red-green, blue-yellow.
+// The opponent space in which contrast sensitivity is defined: luminance, red-green, blue-yellow.
 Triple opponent_of_linear(const Triple& c) {
   const Triple xyz = xyz_of_linear(c);
   const double x = xyz[0] / kWhite[0];
@@ -110,7 +110,8 @@ struct Sensitivity {
   double b;
 };
 
-// Blurs a channel by what the eye does not resolve. The kernel is a sum of two round Gaussians, scaled to sum 1.
+// Filters a channel by the contrast sensitivity of the eye. The kernel is a sum of two round Gaussians, scaled to sum
+// 1.
 Plane resolved(const Plane& in, std::array<Sensitivity, 2> terms, double pixels_per_degree) {
   constexpr double kWidestB = 0.04;
   constexpr double kPi = std::numbers::pi;
@@ -140,7 +141,7 @@ struct Features {
   Plane points;
 };
 
-// How strong edges and points are, from luminance 0 to 1: first and second derivatives of a Gaussian.
+// Strengths of edges and points, from luminance 0 to 1: first and second derivatives of a Gaussian.
 Features features_of(const Plane& luminance, double pixels_per_degree) {
   constexpr double kFeatureDegrees = 0.082;
   const double sigma = 0.5 * kFeatureDegrees * pixels_per_degree;
@@ -152,7 +153,7 @@ Features features_of(const Plane& luminance, double pixels_per_degree) {
     first.push_back(-i * g);
     second.push_back((i * i / (sigma * sigma) - 1) * g);
   }
-  // Positive weights of the two-dimensional kernel sum to 1, negative ones to -1.
+  // Scales the positive weights of the two-dimensional kernel to sum 1 and the negative ones to sum -1.
   const auto balance = [&](Kernel& kernel) {
     double positive = 0;
     double negative = 0;
@@ -225,7 +226,7 @@ PictureNorms picture_norms(std::span<const float> picture, std::span<const doubl
       x = 0;
     }
     const double difference = x - r;
-    // 0 against 0 is equal, also in a reference that is all black.
+    // 0 over 0 counts as equal, also in a reference that is all black.
     const auto over = [&](double scale) {
       return difference == 0 ? 0.0 : scale > 0 ? std::abs(difference) / scale : std::numeric_limits<double>::infinity();
     };
@@ -263,7 +264,7 @@ FlipMap flip_linear(int width, int height, std::span<const float> a, std::span<c
   const Seen first = seen(width, height, a, pixels_per_degree);
   const Seen second = seen(width, height, b, pixels_per_degree);
 
-  // Exponents and knees of the paper; the largest colour distance of a screen is green against blue.
+  // Exponents and knees of the paper. The largest colour distance on a screen is green against blue.
   constexpr double kColourPower = 0.7;
   constexpr double kFeaturePower = 0.5;
   constexpr double kKneeAt = 0.4;

@@ -1,4 +1,4 @@
-// How far a picture is from its reference, as numbers.
+// Distances of a picture from its reference.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,10 @@
 
 namespace footlight::render {
 
-// All over the 3 width height values of a picture. A value that is not finite counts in `nonfinite` and as 0 elsewhere.
+// Computed over the 3 width height values of a picture. A value that is not finite adds to `nonfinite` and counts as 0
+// elsewhere.
 struct PictureNorms {
-  double rel_l2 = 0;   // sqrt(sum (x - r)^2 / sum r^2): the energy of the error
+  double rel_l2 = 0;   // sqrt(sum (x - r)^2 / sum r^2)
   double rel_mse = 0;  // mean of (x - r)^2 / (r^2 + 1e-2 mean(r)^2)
   double p50 = 0;      // percentiles and the largest of |x - r| / (r + 1e-2 mean(r))
   double p99 = 0;
@@ -20,8 +21,8 @@ struct PictureNorms {
   std::int64_t nonfinite = 0;
 };
 
-// `picture` and `reference` have equal size > 0; values of `reference` are finite and >= 0. A reference that is all
-// black gives 0 for a black picture, infinity otherwise.
+// `picture` and `reference` have equal size > 0. Values of `reference` are finite and >= 0. For a black reference a
+// black picture gives 0 and any other infinity.
 [[nodiscard]] PictureNorms picture_norms(std::span<const float> picture, std::span<const double> reference);
 [[nodiscard]] PictureNorms picture_norms(const RadianceImage& picture, const RadianceImage& reference);
 
@@ -36,13 +37,13 @@ inline constexpr double kFlipPixelsPerDegree = 67.02064327658225;
 struct FlipMap {
   int width = 0;
   int height = 0;
-  std::vector<float> value;  // 0 to 1 a pixel, rows from the top
+  std::vector<float> value;  // 0 to 1 per pixel, rows from the top
   double mean = 0;
 };
 
 // Pictures of equal size; both in 8-bit sRGB.
 [[nodiscard]] FlipMap flip(const ScreenImage& a, const ScreenImage& b, double pixels_per_degree = kFlipPixelsPerDegree);
-// The same on linear Rec. 709 values 0 to 1 (clamped), 3 a pixel.
+// The same on linear Rec. 709 values 0 to 1 (clamped), 3 per pixel.
 [[nodiscard]] FlipMap flip_linear(int width, int height, std::span<const float> a, std::span<const float> b,
                                   double pixels_per_degree = kFlipPixelsPerDegree);
 

@@ -14,11 +14,12 @@
 namespace footlight::render {
 namespace {
 
-// Chosen: brightness, and the largest difference from a neighbour, over the root mean square of the picture.
+// Bounds of the strata, chosen: brightness, and the largest difference from a neighbour, over the root mean square of
+// the picture.
 constexpr std::array<double, 3> kBrightness{0.03, 0.3, 1.0};
 constexpr std::array<double, 3> kContrast{0.01, 0.1, 0.5};
 constexpr std::size_t kStrata = (kBrightness.size() + 1) * (kContrast.size() + 1);
-constexpr std::int64_t kDrawnLeast = 24;  // of a stratum that has so many
+constexpr std::int64_t kDrawnLeast = 24;  // of each stratum that has as many pixels
 
 // SplitMix64 (Steele, Lea, Flood 2014).
 std::uint64_t random_of(std::uint64_t seed, std::uint64_t index) {
@@ -34,7 +35,7 @@ struct Class {
   double step = 0;
 };
 
-// Brightness of each pixel: the mean of its channels, 0 where that is not finite.
+// Brightness of each pixel: the mean of its channels, or 0 if that is not finite.
 std::vector<double> brightness_of(const RadianceImage& image) {
   std::vector<double> values(image.rgb.size() / 3);
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -77,8 +78,9 @@ std::vector<Class> classes_of(const RadianceImage& image) {
   return classes;
 }
 
-// How many to draw of each stratum: kDrawnLeast, and of the rest a third each by numbers of pixels, by light and by
-// steps, since a squared error is likely to be a share of either. None gets more than it has.
+// Returns how many pixels to draw from each stratum: kDrawnLeast, plus the rest in thirds by numbers of pixels, by
+// light and by steps, because the squared error is probably proportional to one of them. At most all pixels of a
+// stratum are drawn.
 std::vector<std::int64_t> allocation(const std::vector<std::int64_t>& pixels, const std::vector<double>& light,
                                      const std::vector<double>& step, std::int64_t count) {
   std::vector<std::int64_t> drawn(pixels.size());
@@ -92,7 +94,7 @@ std::vector<std::int64_t> allocation(const std::vector<std::int64_t>& pixels, co
     share[h] = static_cast<double>(pixels[h]) / all_pixels + (all_light > 0 ? light[h] / all_light : 0) +
                (all_step > 0 ? step[h] / all_step : 0);
   }
-  // What a full stratum cannot take goes to the others.
+  // Shares that exceed a stratum go to the others.
   for (std::size_t round = 0; left > 0 && round < pixels.size(); ++round) {
     double open = 0;
     for (std::size_t h = 0; h < pixels.size(); ++h) open += drawn[h] < pixels[h] ? share[h] : 0;
@@ -127,7 +129,7 @@ PixelSample sample_pixels(const RadianceImage& pilot, int count, std::uint64_t s
     return sample;
   }
   const std::vector<Class> classes = classes_of(pilot);
-  using Drawn = std::pair<std::uint64_t, std::uint32_t>;  // its random number, the pixel
+  using Drawn = std::pair<std::uint64_t, std::uint32_t>;  // random number, pixel
   std::array<std::vector<Drawn>, kStrata> members;
   std::vector<double> light(kStrata), step(kStrata);
   for (std::size_t i = 0; i < all; ++i) {
@@ -168,12 +170,12 @@ SampledNorms sampled_norms(const PixelSample& sample, std::span<const float> pic
   }
   const std::size_t count = sample.pixels.size();
   PictureNorms& norms = result.norms;
-  double values = 0;  // of the picture, 3 a pixel
+  double values = 0;  // of the picture, 3 per pixel
   for (const auto& stratum : sample.strata) values += 3 * static_cast<double>(stratum.pixels);
   double mean = 0;
   for (std::size_t v = 0; v < reference.size(); ++v) mean += sample.weight(v / 3) * reference[v] / values;
 
-  std::vector<double> errors(count), squares(count);  // of each pixel, channels together
+  std::vector<double> errors(count), squares(count);  // per pixel, over its channels
   std::vector<std::pair<double, double>> relative;    // error, weight
   relative.reserve(reference.size());
   double error_total = 0;
@@ -202,7 +204,7 @@ SampledNorms sampled_norms(const PixelSample& sample, std::span<const float> pic
     square_total += weight * squares[i];
   }
   std::sort(relative.begin(), relative.end());
-  // The smallest error with at least that share of the picture's values at or below it.
+  // The smallest error with at least `share` of the picture's values at or below it.
   const auto percentile = [&](double share) {
     double below = 0;
     for (const auto& [error, weight] : relative) {
@@ -223,7 +225,7 @@ SampledNorms sampled_norms(const PixelSample& sample, std::span<const float> pic
   const double ratio = error_total / square_total;
   norms.rel_l2 = std::sqrt(ratio);
 
-  // Of the ratio over the ratio.
+  // Relative to the ratio.
   std::vector<double> residual_mean(sample.strata.size()), residual_square(sample.strata.size());
   const auto residual = [&](std::size_t i) { return (errors[i] - ratio * squares[i]) / error_total; };
   for (std::size_t i = 0; i < count; ++i) {

@@ -13,7 +13,7 @@
 namespace footlight::render {
 namespace {
 
-// A row as names and values; every writer goes through this list, so they cannot disagree.
+// A row as names and values. Every writer uses this list, so all outputs have the same fields.
 using Value = std::variant<std::string, double, std::int64_t>;
 using Fields = std::vector<std::pair<const char*, Value>>;
 
@@ -87,7 +87,8 @@ std::string table(std::span<const Row> rows) {
   return text;
 }
 
-// A line of a table whose other rows are not known: numbers take ten characters, counts twelve, words what they need.
+// A line of a table whose other rows are not known yet: numbers have ten characters, counts twelve, texts as many as
+// they need.
 std::string fixed_line(const PictureRow& row, bool names) {
   constexpr std::size_t kNumberWidth = 10, kCountWidth = 12, kWordWidth = 9;
   std::string text;
@@ -160,7 +161,7 @@ bool is_point(const CurvePoint& point) {
   return std::isfinite(point.cost) && std::isfinite(point.error) && point.cost > 0 && point.error > 0;
 }
 
-// The usable points, cheapest first.
+// The points of positive finite cost and error, cheapest first.
 std::vector<CurvePoint> by_cost(const Curve& curve) {
   std::vector<CurvePoint> points;
   std::copy_if(curve.points.begin(), curve.points.end(), std::back_inserter(points), is_point);
@@ -169,7 +170,7 @@ std::vector<CurvePoint> by_cost(const Curve& curve) {
   return points;
 }
 
-// y at x on the straight line through both points in logarithms.
+// y at x on the straight line through both points in log-log scale.
 double log_interpolated(double x0, double y0, double x1, double y1, double x) {
   if (x0 == x1) return std::min(y0, y1);
   const double share = (std::log(x) - std::log(x0)) / (std::log(x1) - std::log(x0));
@@ -192,7 +193,8 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-// Colours that stay apart for colour-blind readers and on paper, and a shape with each for those who see none.
+// Colours that colour-blind readers can distinguish and that stay distinct on paper. Each method also has its own
+// shape.
 constexpr std::array<const char*, 8> kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                               "#e69f00", "#56b4e9", "#444444", "#8a6d00"};
 
@@ -207,7 +209,7 @@ std::string marker(std::size_t index, double x, double y, const char* colour) {
   }
 }
 
-// A power of ten with its exponent raised; small ones as plain numbers.
+// A power of ten as a label: small ones as plain numbers, others with a raised exponent.
 std::string decade_label(int exponent) {
   switch (exponent) {
     case 0: return "1";
@@ -433,7 +435,7 @@ std::string svg_plot(const PlotText& text, std::span<const Curve> curves) {
       "<text x='{2:.0f}' y='52' fill='#666'>{4}</text>\n",
       width, height, kLeft, escaped(text.title), escaped(text.subtitle));
 
-  // Grid: every decade, and its 2 to 9 where there is room for them. Labels where they do not touch.
+  // Grid lines at every decade, and at its 2 to 9 if there is room. Labels do not overlap.
   const auto grid = [&](const LogScale& scale, bool across) {
     const double decade_px = std::abs(scale.end_px - scale.start_px) / (scale.to - scale.from);
     const int label_every = std::max(1, static_cast<int>(std::ceil((across ? 40.0 : 22.0) / decade_px)));

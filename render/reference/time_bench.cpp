@@ -8,7 +8,7 @@
 namespace footlight::render {
 namespace {
 
-constexpr double kEscapeShare = 0.1;  // of the judge's span, past which a method has diverged
+constexpr double kEscapeShare = 0.1;  // of the judge's range; a method further outside has diverged
 constexpr double kUselessRelL2 = 0.999;
 
 double as_float(double value) { return static_cast<double>(static_cast<float>(value)); }

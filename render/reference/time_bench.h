@@ -1,4 +1,4 @@
-// What the files time_*.cpp share: shows as one frame rate sees them, the clock, and rows from values.
+// What the files time_*.cpp share: the inputs of each frame, the clock, and rows from values.
 #pragma once
 
 #include <algorithm>
@@ -20,25 +20,25 @@ inline constexpr std::int64_t kLevelsPeriodNs = 22'727'273;  // DMX at 44 Hz
 [[nodiscard]] std::uint64_t time_hash(std::uint64_t seed, std::uint64_t index);
 [[nodiscard]] double share_of(std::uint64_t bits);  // [0, 1)
 
-// A show as one frame rate sees it: inputs change at 44 Hz, and a frame has the newest at its start.
+// The inputs of a show at one frame rate. Inputs change at 44 Hz; a frame has the newest input at its start.
 struct Frames {
-  std::vector<std::int64_t> start_ns;  // of each frame, and the end of the last
+  std::vector<std::int64_t> start_ns;  // start of each frame, and the end of the last
   std::vector<double> dt_s;
   std::vector<double> input;
 
   [[nodiscard]] std::size_t size() const { return dt_s.size(); }
 };
-// `inputs`: one every kLevelsPeriodNs, enough for `seconds`.
+// `inputs`: one per kLevelsPeriodNs, at least inputs_needed(seconds).
 [[nodiscard]] Frames frames_of(double seconds, double fps, std::span<const double> inputs);
 [[nodiscard]] std::size_t inputs_needed(double seconds);
 
-// Levels of 16 bits in 0 to 1, one every 1/44 s: seconds of rest, of a busy show and of noise take turns at random.
-// Every value is an exact float.
+// Returns levels of 16 bits in 0 to 1, one per 1/44 s. Seconds of rest, of a busy show and of noise alternate at
+// random. Every value is an exact float.
 [[nodiscard]] std::vector<double> moves_of(double seconds, std::uint64_t seed);
-// Levels for lamps: a second of full, a second of dark, a second of fade, a second of chase, and again.
+// Returns levels for lamps, repeating every 4 s: a second of full, of dark, of a fade and of a chase.
 [[nodiscard]] std::vector<double> flashes_of(double seconds, std::uint64_t seed);
 
-// Whether the caller wants no more rows.
+// True if the caller requests no more rows.
 [[nodiscard]] inline bool has_ended(const TimeReportOptions& options) { return options.ended && options.ended(); }
 
 struct TimeScene {
@@ -47,18 +47,18 @@ struct TimeScene {
   double tau_ms = 0;
   double fps = 0;
   double seconds = 0;
-  std::vector<double> judge;      // one value a frame
-  double unit_scale = 1;          // error_max = largest |value - judge| times this
-  std::vector<double> span = {};  // values that are right to reach, beside the judge's
-  // What rel_l2 compares: how much is seen, and how far from it a value is.
+  std::vector<double> judge;      // one value per frame
+  double unit_scale = 1;          // error_max is the largest |value - judge| times this
+  std::vector<double> span = {};  // values that methods may reach besides those of the judge
+  // The quantity of which rel_l2 is computed: its value, and the error of a method's value.
   double (*seen)(double right) = [](double right) { return right; };
   double (*miss)(double value, double right) = [](double value, double right) { return value - right; };
 };
 
-// Time that this thread has had a core: what other programs take from it is not the method's.
+// Processor time of this thread, so that other programs do not count.
 [[nodiscard]] double thread_ns();
 
-// Time a frame over several runs.
+// Time per frame over several runs.
 struct NsPerFrame {
   double p10 = 0;
   double p50 = 0;
@@ -66,7 +66,7 @@ struct NsPerFrame {
 };
 [[nodiscard]] NsPerFrame percentiles_of(std::vector<double> ns);
 
-// Errors and outcome of values against the judge's.
+// Computes errors and outcome of `values` against the judge's values.
 [[nodiscard]] TimeRow time_row_of(const TimeScene& scene, const std::string& method, double knob,
                                   std::span<const double> values);
 
@@ -74,8 +74,8 @@ class TimeBench {
  public:
   TimeBench(const TimeReportOptions& options, std::vector<TimeRow>& rows) : options_(options), rows_(rows) {}
 
-  // `begin()` gives a fresh method; calling that with the number of a frame steps it and gives the value at the frame's
-  // end. Where times are taken: 3 runs to warm up, then `runs` that count, each long enough for the clock.
+  // `begin()` returns a new method. Calling it with the number of a frame steps it and returns the value at the frame's
+  // end. If times are measured, 3 warm-up runs precede `runs` timed ones, each long enough for the clock.
   template <class Begin>
   void add(const TimeScene& scene, const std::string& method, double knob, Begin begin) {
     if (has_ended(options_)) return;
@@ -86,7 +86,7 @@ class TimeBench {
     rows_.push_back(std::move(row));
   }
 
-  // Values that were made elsewhere.
+  // Adds a row of values that were computed elsewhere.
   void add_values(const TimeScene& scene, const std::string& method, double knob, std::span<const double> values,
                   const NsPerFrame& time) {
     if (has_ended(options_)) return;
@@ -134,7 +134,7 @@ class TimeBench {
   std::vector<TimeRow>& rows_;
 };
 
-// The models. Each adds its rows and what its judges say of themselves.
+// One function per model. Each adds its rows and the errors of its judges.
 void report_filament(const TimeReportOptions& options, TimeReport& report);
 void report_motion(const TimeReportOptions& options, TimeReport& report);
 void report_strobe(const TimeReportOptions& options, TimeReport& report);
@@ -144,7 +144,7 @@ void report_belt(const TimeReportOptions& options, TimeReport& report);
 void report_led(const TimeReportOptions& options, TimeReport& report);
 void report_mains(const TimeReportOptions& options, TimeReport& report);
 void report_dimmer(const TimeReportOptions& options, TimeReport& report);
-void report_pulse(const TimeReportOptions& options, TimeReport& report);  // and random ones
+void report_pulse(const TimeReportOptions& options, TimeReport& report);  // also random pulses
 void report_discharge(const TimeReportOptions& options, TimeReport& report);
 void report_jerk(const TimeReportOptions& options, TimeReport& report);
 

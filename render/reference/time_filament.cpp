@@ -1,4 +1,4 @@
-// A tungsten filament under snaps, fades and chases: the integrators of text books, and two libraries.
+// A tungsten filament under jumps, fades and chases, compared with textbook integrators and two libraries.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -31,7 +31,7 @@ double light_of(double y) {
   return 1 / std::expm1(25'924 / kelvin);  // second radiation constant over 555 nm
 }
 
-// Where a step may not go below, since powers of it are taken; kinder than to let it.
+// Limits a step to the ambient temperature, because powers of y need y > 0. This favours the methods that are compared.
 double kept(const FilamentLaw& law, double y) { return std::max(y, law.ambient); }
 
 double explicit_euler(const FilamentLaw& law, double y, double v, double h) {
@@ -51,13 +51,13 @@ double implicit_euler(const FilamentLaw& law, double y, double v, double h) {
   }
   return next;
 }
-// The linear part exactly, by the exponential of its slope.
+// Solves the linear part exactly, with the exponential of the derivative.
 double exponential_rosenbrock(const FilamentLaw& law, double y, double v, double h) {
   const double z = h * law.slope_by_y(y, v);
   const double gain = std::abs(z) < 1e-8 ? 1 : std::expm1(z) / z;
   return kept(law, y + h * gain * law.slope(y, v));
 }
-// Two stages, L-stable with this gamma.
+// Two stages, L-stable for this gamma.
 double ros2(const FilamentLaw& law, double y, double v, double h) {
   constexpr double kGamma = 1 - std::numbers::sqrt2 / 2;
   const double w = 1 / (1 - kGamma * h * law.slope_by_y(y, v));
@@ -65,7 +65,7 @@ double ros2(const FilamentLaw& law, double y, double v, double h) {
   const double k2 = w * (law.slope(kept(law, y + h * k1), v) - 2 * k1);
   return kept(law, y + h * (1.5 * k1 + 0.5 * k2));
 }
-// Trapezium to gamma h, then the backward difference formula of order two; three of Newton's steps each.
+// The trapezoidal rule to gamma h, then the backward difference formula of order two; three Newton steps each.
 double tr_bdf2(const FilamentLaw& law, double y, double v, double h) {
   constexpr double kGamma = 2 - std::numbers::sqrt2;
   constexpr double kOld = (1 - kGamma) * (1 - kGamma) / (kGamma * (2 - kGamma));

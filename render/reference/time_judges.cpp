@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kDegreeMax = 40;
 
-// Coefficients of y^alpha from those of y, one at a time: w' y = alpha w y'.
+// Series coefficient k of y^alpha from those of y: w = y^alpha satisfies w' y = alpha w y'.
 Wide power_term(const std::array<Wide, kDegreeMax + 1>& y, const std::array<Wide, kDegreeMax + 1>& w, Wide alpha,
                 int k) {
   Wide sum = 0;
@@ -34,7 +34,7 @@ Rational rational_of(float rate_hz) {
 
 constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 
-// Turns in units of 1 / (2^shift 1e9), and that unit.
+// Turns in units of 1 / (2^shift 1e9); per_turn units are one turn.
 struct ExactTurns {
   __int128 count = 0;
   __int128 per_turn = 1;
@@ -90,22 +90,22 @@ Wide filament_judged(const FilamentLaw& law, Wide y, Wide v, Wide dt_s, int degr
 
 double filament_flight_error(const FilamentLaw& law, double y0, double v, double dt_s, double y1) {
   const double m = law.p + law.r;
-  const double rest = std::pow(v, 2 / m);  // where it would settle
+  const double rest = std::pow(v, 2 / m);  // steady state
   const bool at_ambient = y1 <= law.ambient;
   if (v > 0 && rest >= law.ambient && std::abs(y0 - rest) < 1e-13) return std::abs(y1 - rest);
   double flight_s = 0;
   double slope = law.slope(y1, v);
   if (rest < 1e-3) {
-    // Cooling: the time is an integral over y itself.
+    // Cooling: the time is an integral over y.
     const auto seconds_by_y = [&](double y) { return -1 / law.slope(y, v); };
     flight_s =
         y0 > y1 ? boost::math::quadrature::gauss_kronrod<double, 15>::integrate(seconds_by_y, y1, y0, 8, 1e-13) : 0;
   } else {
-    // Over u = log |y - rest|, in which the integrand is smooth up to the rest.
+    // Integrates over u = log |y - rest|, in which the integrand is smooth up to the steady state.
     const double side = y0 > rest ? 1 : -1;
     const double u0 = std::log(std::abs(y0 - rest));
     const double miss = std::abs(y1 - rest);
-    if (miss < 1e-12) return miss;  // arrived: what is left is the error's bound
+    if (miss < 1e-12) return miss;  // at the steady state: the rest bounds the error
     const auto seconds_by_u = [&](double u) {
       const double away = std::exp(u);
       const double y = rest + side * away;
@@ -150,7 +150,7 @@ void AxisJudge::advance(double target, Wide dt_s) {
 
 Wide AxisJudge::stop_at(Wide x, Wide v) const { return x + v * std::fabs(v) / (2 * a_max_); }
 
-// Whether the mode is over in this state; once it is, it stays so under the mode's own acceleration.
+// True if the mode has ended in this state. Once true, it stays true under the mode's own acceleration.
 bool AxisJudge::happened(Wide x, Wide v) const {
   switch (mode_) {
     case Mode::kPush: return side_ * v >= v_max_ || side_ * (stop_at(x, v) - target_) >= 0;
@@ -161,7 +161,7 @@ bool AxisJudge::happened(Wide x, Wide v) const {
   return false;
 }
 
-// The first time in 0..left_s at which the mode is over, or left_s.
+// The first time in 0..left_s at which the mode has ended, or left_s.
 Wide AxisJudge::first(Wide left_s, Wide a) const {
   const auto over = [&](Wide t) { return happened(x_ + (v_ + a * t / 2) * t, v_ + a * t); };
   if (over(0)) return 0;
@@ -199,7 +199,7 @@ double open_share_judged(float hz, double duty, std::int64_t from_ns, std::int64
 }
 
 double open_share_judged_exactly(float hz, int duty_65536, std::int64_t from_ns, std::int64_t to_ns) {
-  // Open turns up to an end, in units of 1 / (per_turn 65536).
+  // Open time up to an end, in units of 1 / (per_turn 65536).
   const auto open_up_to = [&](const ExactTurns& turns) {
     const __int128 whole = turns.count / turns.per_turn;
     const __int128 part = (turns.count % turns.per_turn) * 65536;
@@ -220,7 +220,7 @@ void SpringJudge::advance(Wide u, Wide dt_s) {
     h /= 2;
     ++squarings;
   }
-  // E = exp(A h) - 1, so that squaring keeps its digits: (1 + E)^2 - 1 = 2 E + E^2.
+  // E = exp(A h) - 1, to avoid cancellation when squaring: (1 + E)^2 - 1 = 2 E + E^2.
   using Matrix = std::array<Wide, 4>;
   const auto times = [](const Matrix& a, const Matrix& b) {
     return Matrix{a[0] * b[0] + a[1] * b[2], a[0] * b[1] + a[1] * b[3], a[2] * b[0] + a[3] * b[2],
@@ -248,13 +248,13 @@ AirJudged air_judged(const std::vector<AirStretch>& stretches, double tau_s) {
                                     0.9602898564975362317L};
   static constexpr Wide kWeights[] = {0.3626837833783619830L, 0.3137066458778872873L, 0.2223810344533744706L,
                                       0.1012285362903762592L};
-  Wide end_s = 0;  // of the stretch, before the end of all
-  Wide mixed = 0;  // the integral of the mixing from there on
+  Wide end_s = 0;  // from the end of this period to the end of all
+  Wide mixed = 0;  // integral of the mixing from there to the end of all
   AirJudged sum;
   for (std::size_t i = stretches.size(); i-- > 0;) {
     const AirStretch& stretch = stretches[i];
     const Wide length_s = static_cast<Wide>(stretch.dt_ns) * 1e-9L;
-    const auto add = [&](Wide from, Wide to) {  // s before its end
+    const auto add = [&](Wide from, Wide to) {  // seconds before the end of this period
       for (int n = 0; n < 8; ++n) {
         const Wide s = (from + to) / 2 + (n % 2 == 0 ? 1 : -1) * kNodes[n / 2] * (to - from) / 2;
         const Wide weight = kWeights[n / 2] * (to - from) / 2 * static_cast<Wide>(stretch.inflow_per_m_s);

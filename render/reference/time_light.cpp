@@ -1,4 +1,4 @@
-// Pulses and random flashes, arcs that strike and run up, and motors behind jerk smoothing.
+// Pulses and random flashes, arcs that strike and run up, and motors with jerk smoothing.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -14,25 +14,25 @@ glm::uvec2 dt_of(const Frames& show, std::size_t i) {
   return {static_cast<std::uint32_t>(show.start_ns[i + 1] - show.start_ns[i]), 0u};
 }
 
-// ---- Pulses: triangles of the whole duty, one a period; random ones at a place drawn for their period ----
+// ---- Pulses: triangles that fill the duty, one per period; random ones start at a random place in their period ----
 
 constexpr double kPulseDuty = 0.375;
 constexpr std::uint32_t kPulseSeed = 77;
 
-// The level of a triangle that begins at 0 and is `length` long, at one instant of it.
+// The level at time t of a triangle that starts at 0 and has this length.
 Wide triangle(Wide t, Wide length) {
   if (!(t > 0) || !(t < length)) return 0;
   return t < length / 2 ? t / (length / 2) : (length - t) / (length / 2);
 }
 
-// Where the pulse of a period begins, in periods: of random ones by the hash that sim/shared/shutter.h names.
+// The start of a pulse in its period, in periods. Random pulses use the hash that sim/shared/shutter.h names.
 Wide pulse_place(bool random, std::int64_t period) {
   if (!random) return 0;
   const auto drawn = f64::hash_two(kPulseSeed, static_cast<std::uint32_t>(period)) >> 8u;
   return Wide(1 - kPulseDuty) * static_cast<Wide>(drawn) / 16777216;
 }
 
-// The mean over from..to, in periods: of each pulse that overlaps, the straight pieces.
+// The mean over from..to, in periods: the sum over the straight pieces of each pulse that overlaps.
 Wide pulses_judged(bool random, Wide from, Wide to) {
   Wide light = 0;
   for (auto period = static_cast<std::int64_t>(std::floor(from)) - 1; static_cast<Wide>(period) < to; ++period) {
@@ -48,7 +48,7 @@ Wide pulses_judged(bool random, Wide from, Wide to) {
   return light / (to - from);
 }
 
-// The same by midpoints.
+// The same by the midpoint rule.
 double pulses_sampled(bool random, Wide from, Wide to, int samples) {
   Wide light = 0;
   for (int s = 0; s < samples; ++s) {
@@ -138,12 +138,12 @@ struct ArcLaw {
   double first_light = 0.125;
 };
 
-// Steps of a fixed length with a state machine beside them: what programs do, and with short steps the judge.
+// Fixed steps with a state machine, as common programs use them; with short steps it is the judge.
 template <class Number>
 struct ArcSteps {
   ArcLaw law;
   Number warm = 0;
-  Number ignites_s = 0;  // since the lockout ended
+  Number ignites_s = 0;  // time since the lockout ended
   bool lit = false;
   bool powered = false;
 
@@ -166,8 +166,8 @@ struct ArcSteps {
   }
 };
 
-// The mean light over dt_s: RK4 in steps of at most h_s, cut where the lockout ends (by halving) and where the arc
-// strikes.
+// Returns the mean light over dt_s, by RK4 in steps of at most h_s. Steps end where the lockout ends (found by
+// bisection) and where the arc strikes.
 Wide arc_judged(ArcSteps<Wide>& arc, bool on, Wide dt_s, Wide h_s) {
   Wide light = 0;
   arc.power(on);
@@ -215,12 +215,12 @@ std::vector<double> arc_judged_show(const ArcLaw& law, const Frames& show, Wide 
   return values;
 }
 
-// ---- A motor behind jerk smoothing ----
+// ---- A motor with jerk smoothing ----
 
 constexpr double kFadeS = 2.45;
 constexpr double kAccelerationS = 0.4;
 
-// x'' + 2 w x' + w^2 (x - u) = 0 behind a motor's u: RK4 in steps of 1 / (w steps), u from the events' judge.
+// x'' + 2 w x' + w^2 (x - u) = 0 with the motor's position u from AxisJudge, by RK4 in steps of 1 / (w steps).
 std::vector<double> jerk_judged(const Frames& show, double w, int steps) {
   const f64::MotorLimits limits = f64::motor_limits(1, kFadeS, kAccelerationS);
   AxisJudge motor(0, limits.speed_max, limits.acceleration_max, 1e-12);
@@ -249,7 +249,7 @@ std::vector<double> jerk_judged(const Frames& show, double w, int steps) {
   return values;
 }
 
-// The second judge: the matrix exponential with u held at the middle of each step.
+// The second judge: the matrix exponential with u constant during each step, at its value in the middle.
 double jerk_difference(const Frames& show, double w, const std::vector<double>& judge) {
   constexpr std::size_t kFrames = 100;
   const f64::MotorLimits limits = f64::motor_limits(1, kFadeS, kAccelerationS);
@@ -285,7 +285,7 @@ struct JerkRival {
   }
   void two_lerps(double w, double u, double h) {
     const double share = std::min(w * h, 1.0);
-    v += (u - v) * share;  // here a first pole
+    v += (u - v) * share;  // v is the first pole here
     x += (v - x) * share;
   }
 };
@@ -306,7 +306,7 @@ void report_discharge(const TimeReportOptions& options, TimeReport& report) {
   TimeBench bench(options, report.rows);
   for (const double tau_ms : options.tau_ms) {
     ArcLaw law;
-    // Exact floats, so that both types have the same lamp.
+    // Exact floats, so that float and double simulate the same lamp.
     law.ignite_s = 0.15625;
     law.run_up_s = static_cast<double>(static_cast<float>(tau_ms * 1e-3));
     law.cool_s = 2 * law.run_up_s;

@@ -1,5 +1,4 @@
-// A pan axis of 540 degrees and 4 rad/s that is sent to random places, against an integrator that finds each event by
-// bisection.
+// A pan axis of 540 degrees and 4 rad/s with random targets, against an integrator that finds each event by bisection.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -13,7 +12,7 @@ namespace {
 
 constexpr double kRangeRad = 9.42477796076938;  // 540 degrees
 constexpr double kSpeedMax = 4.0;               // rad/s: 540 degrees in 2.4 s
-constexpr double kFineS = 1e-17;                // the judge's bisection
+constexpr double kFineS = 1e-17;                // resolution of the judge's bisection
 constexpr double kCoarseS = 1e-15;
 
 double place_of(double level) { return static_cast<double>(static_cast<float>((level - 0.5) * kRangeRad)); }
@@ -28,7 +27,7 @@ std::vector<double> judged(const Frames& show, double a_max, double resolution_s
   return positions;
 }
 
-// The same with every change of target when it comes.
+// The same, but every new target takes effect when it arrives and not at the next frame.
 std::vector<double> judged_live(const Frames& show, std::span<const double> levels, double a_max) {
   AxisJudge axis(0, kSpeedMax, a_max, kFineS);
   std::vector<double> positions;
@@ -45,19 +44,20 @@ std::vector<double> judged_live(const Frames& show, std::span<const double> leve
   return positions;
 }
 
-// The control law as others write it.
+// The control law as common programs implement it.
 struct Rival {
   double x = 0;
   double v = 0;
 
-  // Full push towards where braking would stop on the target.
+  // Full acceleration towards the point at which braking would stop on the target.
   static double push(double x, double v, double target, double a_max) {
     const double miss = target - x - v * std::abs(v) / (2 * a_max);
     if (std::abs(v) >= kSpeedMax && miss * v > 0) return 0;
     return miss > 0 ? a_max : miss < 0 ? -a_max : 0;
   }
   void limit() { v = std::clamp(v, -kSpeedMax, kSpeedMax); }
-  // Within one step's reach of rest on the target: there. Without it the rivals would tremble around it for ever.
+  // If the target can be reached at rest within one step, goes there. Without this the other methods oscillate around
+  // it for ever.
   bool settles(double target, double a_max, double h) {
     if (!(std::abs(target - x) <= a_max * h * h && std::abs(v) <= a_max * h)) return false;
     x = target;
@@ -90,7 +90,8 @@ struct Rival {
     v += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
     limit();
   }
-  // The trapezoid's speed for the way that is left, planned anew each step, followed with the acceleration limit.
+  // Plans the speed of a trapezoid for the remaining distance at every step, and follows it with the acceleration
+  // limit.
   void trapezoid(double target, double a_max, double h) {
     if (settles(target, a_max, h)) return;
     const double way = target - x;
@@ -154,7 +155,7 @@ void add_scene(const TimeReportOptions& options, std::span<const double> levels,
       });
     }
   }
-  // Knobs: the share of the way that is gone each frame; a time constant in ms.
+  // Knobs: the share of the distance that each frame covers; a time constant in ms.
   for (const double factor : {0.05, 0.1, 0.2}) {
     bench.add(scene, "lerp a frame", factor, [&] {
       return [&, x = 0.0](std::size_t i) mutable { return x += (place_of(show.input[i]) - x) * factor; };
@@ -180,7 +181,8 @@ void report_motion(const TimeReportOptions& options, TimeReport& report) {
       add_scene(options, levels, tau_ms, fps, report, own);
     }
   }
-  // The second judge knows no law: steps of a microsecond that push as long as braking would stop short, on one move.
+  // The second judge has no closed form: steps of a microsecond that accelerate while braking would stop short, on one
+  // move.
   const auto a_max = static_cast<double>(static_cast<float>(kSpeedMax / (options.tau_ms.back() * 1e-3)));
   AxisJudge axis(0, kSpeedMax, a_max, kFineS);
   Rival rival;

@@ -1,4 +1,4 @@
-// The report without SUNDIALS.
+// Replaces time_cvode.cpp in builds without SUNDIALS.
 #include <limits>
 
 #include "render/reference/time_report.h"

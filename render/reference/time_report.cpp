@@ -31,7 +31,7 @@ SceneKey scene_of(const TimeRow& row) { return {row.tau_ms, row.fps, row.seconds
 
 std::string text_of(double value) { return fmt::format("{:.2g}", value); }
 
-// Columns that are as wide as they have to be; the first `words` of them are flush left.
+// Columns of minimal width; the first `words` of them are left-aligned.
 std::string columns_of(const std::vector<std::vector<std::string>>& lines, std::size_t words) {
   std::vector<std::size_t> widths(lines[0].size(), 0);
   for (const auto& line : lines) {
@@ -66,7 +66,7 @@ std::vector<std::string> methods_of(const std::vector<TimeRow>& rows) {
   return methods;
 }
 
-// The knobs of a method in one scene, by one of the errors of a row.
+// The points of a method in one scene, one per knob, with one of the errors of a row.
 Curve curve_in(const std::vector<TimeRow>& rows, const std::string& method, const SceneKey& scene,
                double TimeRow::*error) {
   Curve curve;
@@ -110,7 +110,6 @@ std::vector<TimeSummary> summaries_of(const std::vector<TimeRow>& rows) {
     TimeSummary summary;
     LogMean rel_l2;
     LogMean ns;
-    double worst_rel_l2 = -1;  // by which the outcome is chosen
   };
   std::vector<Gathered> all;
   for (const TimeRow& row : rows) {

@@ -1,4 +1,4 @@
-// uBLAS checks every access unless it is told not to, which would make this rival six times as slow.
+// By default uBLAS checks every access, which would make this method six times as slow.
 #ifndef BOOST_UBLAS_NDEBUG
 #define BOOST_UBLAS_NDEBUG
 #endif
@@ -27,7 +27,7 @@ constexpr int kStepsMax = 100'000;
 
 struct FilamentRosenbrock4::Solver {
   FilamentLaw law;
-  double h_s;  // the step that the controller wants next
+  double h_s;  // the next step of the controller
   Vector y;
   odeint::rosenbrock4_controller<odeint::rosenbrock4<double>> stepper;
 };
@@ -37,7 +37,7 @@ FilamentRosenbrock4::FilamentRosenbrock4(const FilamentLaw& law, double toleranc
 
 double FilamentRosenbrock4::step(double y, double v, double dt_s) {
   Solver& s = *solver_;
-  const double floor = 0.3 * s.law.ambient;  // no power of a negative number
+  const double floor = 0.3 * s.law.ambient;  // avoids powers of negative numbers
   const auto slope = [&](const Vector& at, Vector& out, double) { out[0] = s.law.slope(std::max(at[0], floor), v); };
   const auto slope_by_y = [&](const Vector& at, Matrix& out, double, Vector& by_time) {
     out(0, 0) = s.law.slope_by_y(std::max(at[0], floor), v);

@@ -1,4 +1,4 @@
-// Libraries that solve the filament's equation. Each is seen by one file only.
+// Libraries that solve the filament's equation. Each is included by only one file.
 #pragma once
 
 #include <memory>
@@ -7,12 +7,12 @@
 
 namespace footlight::render {
 
-// Boost.Odeint's Rosenbrock method of order 4 with its own step control, absolute and relative tolerance the same. The
-// step is remembered from frame to frame.
+// Boost.Odeint's Rosenbrock method of order 4 with its own step control and equal absolute and relative tolerances. It
+// keeps the step size from frame to frame.
 class FilamentRosenbrock4 {
  public:
   FilamentRosenbrock4(const FilamentLaw& law, double tolerance);
-  // y after dt_s at v; NaN where the library gives up.
+  // Returns y after dt_s at v; NaN if the library fails.
   [[nodiscard]] double step(double y, double v, double dt_s);
 
  private:
@@ -20,8 +20,9 @@ class FilamentRosenbrock4 {
   std::shared_ptr<Solver> solver_;
 };
 
-// SUNDIALS' CVODE: backward difference formulas of variable order with the exact slope, begun anew each frame, since
-// the voltage jumps. Relative tolerance as given, absolute a hundredth of it. In builds with it only: has_cvode().
+// CVODE of SUNDIALS: backward difference formulas of variable order with the exact derivative. It restarts each frame,
+// because the voltage jumps. The relative tolerance is `tolerance`, the absolute one a hundredth of it. Without CVODE
+// (has_cvode()) it returns NaN.
 class FilamentCvode {
  public:
   FilamentCvode(const FilamentLaw& law, double tolerance);

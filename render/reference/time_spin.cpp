@@ -1,4 +1,4 @@
-// A motor that turns without end at a constant rate, after an hour, a day and a month.
+// A motor that turns endlessly at a constant rate, after an hour, a day and a month.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,10 +10,10 @@
 namespace footlight::render {
 namespace {
 
-// Every frame is stepped through: more than an hour at 60 fps only, more than a day at the last rate only.
+// Every frame is stepped. More than an hour runs at 60 fps only, more than a day at the last rate only.
 constexpr double kHourS = 3600;
 constexpr double kDayS = 86'400;
-constexpr std::size_t kJudgedFrames = 64;  // the last ones of the time
+constexpr std::size_t kJudgedFrames = 64;  // the last ones of the run
 constexpr std::size_t kTimedFrames = 20'000;
 
 double fraction(double turns) { return turns - std::floor(turns); }
@@ -22,8 +22,8 @@ std::int64_t start_ns_of(std::int64_t frame, double fps) {
   return static_cast<std::int64_t>(std::llround(static_cast<double>(frame) * 1e9 / fps));
 }
 
-// The methods, each a step by one frame and the phase in turns, [0, 1).
-struct FloatSum {  // radians that are added up
+// The methods. Each steps by one frame and returns the phase in turns, [0, 1).
+struct FloatSum {  // adds up radians
   float phase = 0;
   void step(float rate_hz, std::int64_t dt_ns) {
     phase += 2 * std::numbers::pi_v<float> * rate_hz * (static_cast<float>(dt_ns) * 1e-9f);
@@ -37,7 +37,7 @@ struct DoubleSum {
   }
   [[nodiscard]] double turns() const { return fraction(phase / (2 * std::numbers::pi)); }
 };
-struct WrappedFloat {  // turns that are kept below 1
+struct WrappedFloat {  // adds up turns and keeps them below 1
   float phase = 0;
   void step(float rate_hz, std::int64_t dt_ns) {
     phase += rate_hz * (static_cast<float>(dt_ns) * 1e-9f);
@@ -45,7 +45,7 @@ struct WrappedFloat {  // turns that are kept below 1
   }
   [[nodiscard]] double turns() const { return static_cast<double>(phase); }
 };
-struct FloatSeconds {  // float seconds since the start, times the rate
+struct FloatSeconds {  // multiplies float seconds since the start by the rate
   std::int64_t now_ns = 0;
   float rate_hz = 0;
   void step(float rate, std::int64_t dt_ns) {
@@ -77,7 +77,7 @@ struct Turns64F64 {
   [[nodiscard]] double turns() const { return turns_of(phase); }
 };
 
-// Turns from the judge's, so that a wrap is no error: within half a turn of it.
+// Moves a phase to within half a turn of the judge's, so that a wrap does not count as an error.
 double beside(double turns, double judge) { return judge + (fraction(turns - judge + 0.5) - 0.5); }
 
 template <class Method>

@@ -1,4 +1,4 @@
-// Two poles: the smoothing of levels (critically damped) and what hangs on a motor by a belt (hardly damped at all).
+// Two poles: the smoothing of levels (critically damped) and a load on a belt (weakly damped).
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -74,7 +74,7 @@ std::vector<double> judged(const Spring& spring, const Frames& show, int halve_u
   return values;
 }
 
-// The second judge: RK4 in steps of a thousandth of the time constant, on the first frames.
+// The second judge: RK4 in steps of a thousandth of the time constant, over the first frames.
 double rk4_difference(const Spring& spring, const Frames& show, const std::vector<double>& judge) {
   constexpr std::size_t kFrames = 100;
   Rival rival;
@@ -157,7 +157,7 @@ void report_smoothing(const TimeReportOptions& options, TimeReport& report) {
           return smooth.now.position;
         };
       });
-      // Two in a row are two poles. The fixed factor is right at 60 frames a second.
+      // Two in series are two poles. The fixed factor is exact at 60 frames per second.
       const double fixed = -std::expm1(-1 / (60 * tau_ms * 1e-3));
       bench.add(c.scene, "lerp, fixed factor", 1, [&] {
         return [&, first = 0.0, second = 0.0](std::size_t i) mutable {

@@ -1,4 +1,4 @@
-// A strobe: the share of each frame that its flashes fill.
+// A strobe: the share of each frame in which its flashes are on.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -70,7 +70,7 @@ void report_strobe(const TimeReportOptions& options, TimeReport& report) {
         return [&, params, shutter](std::size_t i) mutable { return f64::shutter_step(shutter, params, dt_of(i)); };
       };
       bench.add(scene, "exposure integral f64", 1, [&] { return integral_f64({0, 0}); });
-      // The sign of a sine, at so many moments of the frame.
+      // The sign of a sine, at this many times per frame.
       for (const int samples : options.substeps) {
         bench.add(scene, "point samples", samples, [&] {
           return [&, samples](std::size_t i) {
@@ -83,7 +83,7 @@ void report_strobe(const TimeReportOptions& options, TimeReport& report) {
           };
         });
       }
-      // One day after the start: ours, and a shader that multiplies a float of seconds by the rate.
+      // One day after the start: this program, and a shader that multiplies float seconds by the rate.
       const glm::uvec2 day(static_cast<std::uint32_t>(kDayNs), static_cast<std::uint32_t>(kDayNs >> 32));
       bench.add(next_day, "exposure integral f32", 1, [&] { return integral_f32(day); });
       bench.add(next_day, "exposure integral f64", 1, [&] { return integral_f64(day); });

@@ -1,5 +1,5 @@
-// What a camera sees of an LED whose driver and heat lag, and of a lamp without inertia behind a phase-cut dimmer:
-// means over a frame.
+// Means over a frame, as a camera records them: an LED whose driver and heat lag, and a lamp without inertia on a
+// phase-cut dimmer.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -31,7 +31,7 @@ struct LedState {
   Wide heat = 0;
 };
 
-// The mean light over dt_s by Taylor series of level and heat, in pieces of `share` of the rise.
+// The mean light over dt_s, by Taylor series of level and heat in pieces of `share` of the rise time.
 Wide led_judged(LedState& state, Wide rise_s, Wide u, Wide dt_s, Wide share) {
   constexpr std::size_t kDegree = 24;
   const Wide pieces = std::ceil(dt_s / (share * rise_s));
@@ -72,7 +72,7 @@ struct LedRival {
   double heat = 0;
 
   double light() const { return level * (1 - kDroop * heat); }
-  // Mean of the trapezium over explicit steps.
+  // Explicit steps; the light is the mean of both ends.
   double explicit_euler(double rise_s, double u, double h) {
     const double before = light();
     const double slope = (u - level) / rise_s;
@@ -100,7 +100,7 @@ double mains_power(double p, double cut) {
   return p > cut ? 2 * s * s : 0;
 }
 
-// Mean power of the half waves from..to, by quadrature of each.
+// Mean power over the half waves from..to, by quadrature of each half wave.
 double mains_judged(double from, double to, double cut) {
   double energy = 0;
   for (double wave = std::floor(from); wave < to; wave += 1) {
@@ -114,7 +114,7 @@ double mains_judged(double from, double to, double cut) {
   return energy / (to - from);
 }
 
-// The same by the integral of the sine squared, in long double.
+// The same by the antiderivative of the squared sine, in long double.
 double mains_judged_wide(Wide from, Wide to, Wide cut) {
   const auto up_to = [](Wide p) {
     return p - std::sin(2 * std::numbers::pi_v<Wide> * p) / (2 * std::numbers::pi_v<Wide>);
@@ -130,7 +130,7 @@ double mains_judged_wide(Wide from, Wide to, Wide cut) {
 
 double mains_cut(double share) { return share > 0 ? 1 - std::min(share, 1.0) : 1; }
 
-// How far the judge of a show is from itself in pieces of a fifth, and from RK4 in many steps.
+// Measures the judge against itself in pieces of a fifth of the rise time, and against RK4 in many steps.
 void judge_led_judge(const Frames& show, double rise_s, const std::vector<double>& judge, JudgeError& own) {
   const std::vector<double> fine = led_judged_show(show, rise_s, 0.2L);
   LedRival steps;
@@ -304,7 +304,7 @@ void report_mains(const TimeReportOptions& options, TimeReport& report) {
           return power;
         };
       });
-      bench.add(scene, "rms", 1, [&] {  // as if every frame held whole half waves
+      bench.add(scene, "rms", 1, [&] {  // assumes that every frame contains whole half waves
         return [&](std::size_t i) {
           const double rms = f64::phase_cut_rms(show.input[i]);
           return rms * rms;

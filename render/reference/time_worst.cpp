@@ -1,4 +1,4 @@
-// The same step in float and in double, from random states: where they disagree most.
+// The same step in float and in double, from random states, to find their largest differences.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,7 +14,7 @@
 namespace footlight::render {
 namespace {
 
-// Random inputs, all of them exact floats, and their text.
+// Random inputs that are exact floats, and their text.
 class Draw {
  public:
   Draw(std::uint64_t seed, std::uint64_t model) : seed_(seed * 64 + model) {}
@@ -24,9 +24,9 @@ class Draw {
     values_.clear();
   }
   float between(const char* name, double low, double high) { return keep(name, low + share() * (high - low)); }
-  // Every decade as likely as the others.
+  // Log-uniform: every decade is equally likely.
   float decades(const char* name, double low, double high) { return keep(name, low * std::pow(high / low, share())); }
-  // A level as DMX says it, with the ends as likely as the rest.
+  // A level: 5 of 11 are 0, 1/4, 1/2, 3/4 or 1, the others are random values of 16 bits.
   float level(const char* name) {
     const double coarse = std::floor(share() * 11) / 10;
     return keep(name, coarse < 0.45 ? coarse * 2.5 : std::floor(share() * 65536) / 65535);
@@ -75,7 +75,7 @@ glm::uvec2 words(std::int64_t ns) {
   return {static_cast<std::uint32_t>(ns), static_cast<std::uint32_t>(static_cast<std::uint64_t>(ns) >> 32)};
 }
 
-Pair motor(Draw& draw) {  // ranges of 1: the error is a share of it
+Pair motor(Draw& draw) {  // the range is 1, so the error is a share of it
   const float position = draw.between("position", 0, 1);
   const float speed_max = draw.decades("speed_max", 0.01, 10);
   const float speed = draw.between("speed_over_max", -1, 1) * speed_max;
