@@ -1,4 +1,4 @@
-// Triangles in the picture: objects of a scene under work light, and bodies that imported fixtures bring.
+// Triangles in the picture: objects of a scene under work light, and bodies of imported fixtures.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -32,7 +32,7 @@ glm::vec3 pixel(const RadianceImage& image, int x, int y) {
   return {image.rgb[at], image.rgb[at + 1], image.rgb[at + 2]};
 }
 
-// A box of 2 m whose middle is the origin, once through `scale`, under work light alone.
+// A box of 2 m around the origin, scaled by `scale`, under work light alone.
 Scene box_scene(glm::dvec3 scale) {
   Scene scene;
   scene.rig.name = "box";
@@ -59,7 +59,7 @@ TEST_CASE("an object of the scene is drawn in its paint under work light, mirror
     const Scene scene = box_scene(scale);
     REQUIRE(scene.compiled.needs.objects);
     const RadianceImage image = draw_new(vulkan.device(), scene, small());
-    // The front face, -y: normal across z, towards the eye. Paint 255 0 128 of the file.
+    // The front face, -y: its normal is horizontal, towards the camera. The file's paint is 255 0 128.
     const double form = 0.3 + 0.3 * 0.5 + 0.4;
     const glm::vec3 seen = pixel(image, 32, 18);
     CHECK(seen.x == doctest::Approx(kWorkLightLx * form / std::numbers::pi).epsilon(2e-3));
@@ -78,7 +78,7 @@ TEST_CASE("without bodies no object is drawn") {
   CHECK(std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return v == 0; }));
 }
 
-TEST_CASE("a lamp lights an object and not what is behind it") {
+TEST_CASE("a lamp lights the side of an object that faces the lamp, and not the opposite side") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = lamps_scene(1, 1);
@@ -105,7 +105,7 @@ TEST_CASE("a lamp lights an object and not what is behind it") {
   CHECK(brightest_red({0.1, -6, -4}) < 1e-3);  // its underside
 }
 
-TEST_CASE("the models of a type's geometries are drawn where they hang, and turn with the joints that move them") {
+TEST_CASE("the models of a type's geometries are drawn at their places, and turn with the joints that move them") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   using namespace fixtures;
@@ -160,13 +160,13 @@ TEST_CASE("the models of a type's geometries are drawn where they hang, and turn
   PatchedFixture fixture;
   fixture.name = "one";
   scene.rig.fixtures.push_back(fixture);
-  scene.camera = {"c", {6, 0, 0}, {0, 0, 0}, 40, 4};  // from the side: tilting is in the picture
+  scene.camera = {"c", {6, 0, 0}, {0, 0, 0}, 40, 4};  // from the side, so that tilt is visible
   scene.compile();
   const auto seen = [&](std::uint8_t level, int x, int y) {
     scene.levels[0] = level;
     return pixel(draw_new(vulkan.device(), scene, small()), x, y).x > 0;
   };
-  // 36 rows show 4.4 m: the arm of 2 m reaches 8 pixels up and down, or to both sides once it has turned.
+  // 36 rows show 4.4 m. The arm of 2 m reaches 8 pixels up and down, or left and right after it has turned.
   CHECK(seen(0, 32, 18));
   CHECK(seen(0, 32, 12));
   CHECK(!seen(0, 26, 18));

@@ -1,4 +1,4 @@
-// What a frame keeps when its settings change, and what it takes of memory.
+// What a frame keeps when its settings change, and the memory that it uses.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -21,21 +21,21 @@ FrameSettings sized(int width, int height) {
   return settings;
 }
 
-// What is slow to make: models and gobo images, and a table.
+// Objects that are slow to make: models, gobo images and a table.
 std::vector<std::uint64_t> slow_parts(Frame& frame) {
   const RigTables& rig = frame.resources().rig;
   return {reinterpret_cast<std::uint64_t>(rig.vertices.handle), reinterpret_cast<std::uint64_t>(rig.gobos.handle),
           reinterpret_cast<std::uint64_t>(rig.heads.handle), reinterpret_cast<std::uint64_t>(rig.states.handle)};
 }
 
-TEST_CASE("a frame of another size draws what a new frame of that size draws, its heads where they were") {
+TEST_CASE("a frame of another size draws the same as a new frame of that size, and its heads keep their positions") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = demo_scene(70, true);
   const auto old = make_frame(vulkan.device(), scene, sized(96, 54));
   const auto fresh = make_frame(vulkan.device(), scene, sized(64, 36));
   for (Frame* frame : {old.get(), fresh.get()}) {
-    frame->step(scene.levels, 300 * kMs);  // motors are under way
+    frame->step(scene.levels, 300 * kMs);  // motors are moving
     must(frame->draw(view_of(scene.camera), scene.camera.exposure_ev));
   }
   must(old->change(sized(64, 36)));
@@ -44,7 +44,7 @@ TEST_CASE("a frame of another size draws what a new frame of that size draws, it
   CHECK(must(old->read_screen()).rgba == must(fresh->read_screen()).rgba);
 }
 
-TEST_CASE("another size reads no model and no image and compiles nothing") {
+TEST_CASE("a change of size reads no model and no image and compiles nothing") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = demo_scene(71, true);
@@ -60,7 +60,7 @@ TEST_CASE("another size reads no model and no image and compiles nothing") {
   CHECK(vulkan.device().pipelines().compiled() == compiled);
 }
 
-TEST_CASE("two sizes of a picture never stand in memory at the same time") {
+TEST_CASE("two sizes of a picture are never in memory at the same time") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   vk::Device& device = vulkan.device();
@@ -77,7 +77,7 @@ TEST_CASE("two sizes of a picture never stand in memory at the same time") {
   }
 }
 
-TEST_CASE("a knob compiles the pass that has it, once, and nothing when it is put back") {
+TEST_CASE("a changed knob compiles its pass once, and nothing when it is restored") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = demo_scene(73, true);
@@ -100,7 +100,7 @@ TEST_CASE("a knob compiles the pass that has it, once, and nothing when it is pu
   CHECK(slow_parts(*frame) == parts);
 }
 
-TEST_CASE("pipelines that nobody uses are dropped when there are many") {
+TEST_CASE("unused pipelines are destroyed when there are many") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene;
@@ -120,10 +120,10 @@ TEST_CASE("pipelines that nobody uses are dropped when there are many") {
   }
   CHECK(pipelines.compiled() > compiled + vk::Pipelines::kKeptMax);
   CHECK(pipelines.kept() <= vk::Pipelines::kKeptMax);
-  CHECK(draw(*frame, scene).rgb == before.rgb);  // the one in use was kept
+  CHECK(draw(*frame, scene).rgb == before.rgb);  // the pipeline in use was kept
 }
 
-TEST_CASE("without haze the picture is that of the same rig in clear air, and back") {
+TEST_CASE("turning haze off draws the same rig in clear air, and turning it on restores the picture") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = demo_scene(75, true);
@@ -143,7 +143,7 @@ TEST_CASE("without haze the picture is that of the same rig in clear air, and ba
   CHECK(draw(*frame, scene).rgb == hazed.rgb);
 }
 
-TEST_CASE("settings that are refused leave the frame as it was") {
+TEST_CASE("refused settings do not change the frame") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = demo_scene(76, false);
@@ -162,7 +162,7 @@ TEST_CASE("settings that are refused leave the frame as it was") {
   CHECK(draw(*frame, scene).rgb == before.rgb);
 }
 
-TEST_CASE("the memory that is planned is the memory that is taken") {
+TEST_CASE("the planned memory equals the allocated memory") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   for (const Scene& scene : {demo_scene(77, true), time_scene(), optics_scene(true), lamps_scene(77, 300)}) {
@@ -179,7 +179,7 @@ TEST_CASE("the memory that is planned is the memory that is taken") {
   }
 }
 
-TEST_CASE("the memory of a pass is that of the buffers and images that no pass before it has") {
+TEST_CASE("the memory of a pass counts only buffers and images that no earlier pass uses") {
   const Scene scene = demo_scene(78, true);
   FrameSettings settings = sized(640, 360);
   const auto bytes_of = [&](const fixtures::Needs& needs, const std::string& name) {

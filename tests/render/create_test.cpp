@@ -1,4 +1,4 @@
-// What cannot be made says why, and what is nothing is a black picture.
+// Errors of creating devices and frames have a reason, and an empty rig gives a black picture.
 #include <cstdlib>
 #include <numeric>
 #include <optional>
@@ -17,7 +17,7 @@ using footlight::testing::HeadlessVulkan;
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-// Sets an environment variable and puts it back.
+// Sets an environment variable and restores it.
 class WithVariable {
  public:
   WithVariable(const char* name, const char* value) : name_(name) {
@@ -39,7 +39,7 @@ class WithVariable {
   std::optional<std::string> before_;
 };
 
-TEST_CASE("without a driver the message names the package that brings one") {
+TEST_CASE("without a driver the message names the package that contains one") {
   const WithVariable icd("VK_ICD_FILENAMES", "/nonexistent/no_driver.json");
   const WithVariable drivers("VK_DRIVER_FILES", "/nonexistent/no_driver.json");
   const auto device = vk::Device::create({});
@@ -94,7 +94,7 @@ TEST_CASE("validation messages of four threads at the same time are all kept") {
   CHECK((*device)->validation_messages().size() == kThreads * kMessages);
 }
 
-TEST_CASE("sizes that no picture has are refused with what is allowed") {
+TEST_CASE("invalid picture sizes are refused with the allowed range") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = lamps_scene(40, 1);
@@ -109,7 +109,7 @@ TEST_CASE("sizes that no picture has are refused with what is allowed") {
   }
 }
 
-TEST_CASE("node counts without a rule are refused, steps of a march are not") {
+TEST_CASE("node counts without a quadrature rule are refused, any number of march steps is accepted") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = lamps_scene(41, 1);
@@ -131,7 +131,7 @@ TEST_CASE("node counts without a rule are refused, steps of a march are not") {
   CHECK(!Frame::create(vulkan.device(), scene.rig, scene.compiled, settings));
 }
 
-TEST_CASE("an unreadable gobo is named, and another is used") {
+TEST_CASE("an unreadable gobo is reported, and another one is used") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = demo_scene(42, true);

@@ -1,4 +1,4 @@
-// Raw levels to fixture states on the GPU, against the walker in float and in double.
+// Fixture states from levels on the GPU, compared with the walker in float and in double.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -23,10 +23,10 @@ bool equal_bits(float a, float b) { return std::memcmp(&a, &b, sizeof(a)) == 0; 
 struct Differences {
   double position = 0;      // rad, of joints, zoom, gobos and motors
   double speed = 0;         // of motors, rad/s
-  double light = 0;         // red, green, blue, and what lamps keep
+  double light = 0;         // red, green, blue, and the states of lamps
   double kelvin = 0;        // of filaments
-  std::int64_t phases = 0;  // how many spins, strobes and gobos differ at all
-  std::int64_t bits = 0;    // how many floats are not equal to the bit
+  std::int64_t phases = 0;  // how many phases of spins, strobes and gobos differ
+  std::int64_t bits = 0;    // how many floats differ in any bit
   std::int64_t compared = 0;
   void print(const char* what) const {
     std::fprintf(stderr,
@@ -81,7 +81,7 @@ void compare(Frame& frame, const Walker& walker, Differences& d) {
       d.add(d.light, a.blade_b[blade], b.blade_b[blade]);
       d.add(d.position, a.blade_angle[blade], b.blade_angle[blade]);
     }
-    // Like phases, the angle of what spins is not compared to double: after an hour a float's rate is off by that much.
+    // Angles of spins are not compared with double, as phases are not: after an hour the rounding of the rate matters.
     if constexpr (std::is_same_v<Walker, fixtures::f32::Walker>) {
       d.add(d.position, a.angle_1, b.angle_1);
       d.add(d.position, a.angle_2, b.angle_2);
@@ -130,28 +130,28 @@ void randomise(std::vector<std::uint8_t>& levels, Random& random) {
   for (auto& level : levels) level = static_cast<std::uint8_t>(random.next());
 }
 
-// As if no step had been.
+// Resets the states to those before the first step.
 void forget(vk::Device& device, Frame& frame) {
   must(device.run_once([&](VkCommandBuffer commands) { forget_states(commands, frame.resources()); }));
 }
 
-// What a step of 0 s gives has no arithmetic that a compiler could contract or reorder on lavapipe; other drivers may
-// round mix() otherwise, by 2^-23 of the larger end, and the largest end is 270 degrees.
+// A step of 0 s has no arithmetic that a compiler could contract or reorder on lavapipe. Other drivers may round mix()
+// differently, by 2^-23 of the larger end, and the largest end is 270 degrees.
 constexpr double kDecodeMax = 1e-6;
-// To double: tables hold floats, 2^-24 of 4.7 rad, and mix() rounds twice.
+// Against double: tables contain floats, 2^-24 of 4.7 rad, and mix() rounds twice.
 constexpr double kDecodeJudgeMax = 2e-6;
-// Motors, over 400 steps: measured 1.6e-6 rad and 5.0e-6 rad/s to the walker in float on lavapipe, where one in 60
-// floats is not equal to the bit (the driver's square root and quotients), 4.2e-6 rad and 1.2e-5 rad/s to double.
-// Errors do not add up for long, since every arrival is exact; four times the measured ones are allowed.
+// Motors, over 400 steps. Measured on lavapipe: 1.6e-6 rad and 5.0e-6 rad/s against the walker in float, where one in
+// 60 floats differs in a bit (square root and quotients of the driver), 4.2e-6 rad and 1.2e-5 rad/s against double.
+// Errors do not accumulate, because every arrival is exact. The bounds are four times the measured values.
 constexpr double kMotionMax = 1.7e-5;     // rad
 constexpr double kMotionSpeedMax = 5e-5;  // rad/s
 
-// Lamps, over 300 steps: measured 0.0029 K and 7.9e-6 of full light to the walker in float on lavapipe, 0.0024 K and
-// 5.9e-6 to double; four times that are allowed.
+// Lamps, over 300 steps. Measured on lavapipe: 0.0029 K and 7.9e-6 of full light against the walker in float, 0.0024 K
+// and 5.9e-6 against double. The bounds are four times that.
 constexpr double kLampKelvinMax = 0.012;
 constexpr double kLampLightMax = 3.2e-5;
 
-TEST_CASE("random levels produce the walker's states on the GPU, for the demo rig and every built-in mode") {
+TEST_CASE("random levels give the walker's states on the GPU, for the demo rig and every built-in mode") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   for (Scene scene : {demo_scene(1, true), all_modes_scene()}) {
@@ -213,20 +213,20 @@ TEST_CASE("motors, strobes and gobos follow the walker over steps of every lengt
     }
     to_float.print("motion, to the walker in float");
     to_double.print("motion, to the walker in double");
-    // Levels at random strobe most fixtures, and heads with new targets move.
+    // Random levels strobe most fixtures, and heads with new targets move.
     CHECK(moving > 50);
     CHECK(strobing > 50);
     CHECK(to_float.position <= kMotionMax);
     CHECK(to_float.speed <= kMotionSpeedMax);
-    // Where quotients are rounded otherwise, as on an H100, a strobe's rate is another one in its last digit.
+    // On GPUs that round quotients differently, such as an H100, a strobe's rate differs in its last digit.
     if (vulkan.device().is_software()) {
       CHECK(to_float.light <= kDecodeMax);
       CHECK(to_float.phases == 0);
     }
     CHECK(to_double.position <= kMotionMax);
     CHECK(to_double.speed <= kMotionSpeedMax);
-    // Light and phases are not compared to double: a float holds the fraction of a strobe's hertz to 6e-8, so that
-    // after an hour the two can differ in whether the shutter is open.
+    // Light and phases are not compared with double: a float holds the fraction of a strobe's rate to 6e-8 Hz, so after
+    // an hour the shutter can be open in one and closed in the other.
   }
 }
 
@@ -272,8 +272,8 @@ TEST_CASE("lamps of every kind, dimmers of every law and smoothed heads follow t
   CHECK(to_float.phases == 0);
 }
 
-// Irises with a motor and without, frosts, wheels that draw slots and one that shakes: each beside what else its
-// channel does.
+// Irises with and without a motor, frosts, wheels with random slots and one that shakes, each together with the other
+// functions of its channel.
 Scene dials_scene() {
   using fixtures::ChannelFunction;
   fixtures::FixtureType type;
@@ -352,7 +352,7 @@ Scene dials_scene() {
   return scene;
 }
 
-TEST_CASE("pulses, slots at random, shakes and trims follow the walker over steps of every length, phases to the bit") {
+TEST_CASE("pulses, random slots, shakes and trims follow the walker over steps of every length, phases to the bit") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = dials_scene();
@@ -387,7 +387,7 @@ TEST_CASE("pulses, slots at random, shakes and trims follow the walker over step
   CHECK(to_float.phases == 0);
 }
 
-// One fixture for each level: a law, the kind of a pulse, kelvins and metres, over the whole range of a channel.
+// One fixture for each level: a dimmer law, a kind of pulse, kelvins and metres, over the whole range of a channel.
 Scene constants_scene() {
   fixtures::FixtureType type;
   type.name = type.id = "test/constants";
@@ -443,7 +443,8 @@ Scene constants_scene() {
   return scene;
 }
 
-TEST_CASE("laws, kinds of pulses, kelvins and metres are the walker's on the GPU at every level of their range") {
+TEST_CASE(
+    "dimmer laws, kinds of pulses, kelvins and metres on the GPU equal the walker's at every level of their range") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = constants_scene();
@@ -463,7 +464,7 @@ TEST_CASE("laws, kinds of pulses, kelvins and metres are the walker's on the GPU
     to_float.phases += !equal_bits(optics[i].focus, walker.optics_states[i].focus);
     const double metres = 2 + 18 * static_cast<double>(i) / 255;
     CHECK(1 / static_cast<double>(optics[i].focus) == doctest::Approx(metres).epsilon(1e-6));
-    // A quarter of a second into a triangle of 1 Hz, of an iris that closes wholly.
+    // A quarter of a second into a triangle of 1 Hz of an iris that closes completely.
     CHECK(static_cast<double>(optics[i].iris) == doctest::Approx(0.5).epsilon(1e-5));
     CHECK(states[i].green > 0.1f);
   }
@@ -506,7 +507,7 @@ TEST_CASE("macros and programs of colours follow the walker over steps of every 
   CHECK(to_float.phases == 0);
 }
 
-// One of each VRSL type, in its first mode, one row of the grid each or more.
+// One fixture of each VRSL type in its first mode; each takes one row of the grid or more.
 fixtures::Rig vrsl_rig() {
   fixtures::Rig rig;
   rig.name = "VRSL";
@@ -527,7 +528,7 @@ fixtures::Rig vrsl_rig() {
   return rig;
 }
 
-TEST_CASE("a VRSL show replays to the walker's states and, a second time, to the same picture") {
+TEST_CASE("a VRSL show gives the walker's states and, replayed, the same picture") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const fixtures::Rig written = vrsl_rig();
@@ -565,7 +566,7 @@ TEST_CASE("a VRSL show replays to the walker's states and, a second time, to the
   CHECK(std::any_of(pictures[0].rgba.begin(), pictures[0].rgba.end(), bright));
 }
 
-TEST_CASE("a time step that is negative is none") {
+TEST_CASE("a negative time step has no effect") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = demo_scene(3, false);

@@ -1,4 +1,4 @@
-// The light of a picture is the mean over its exposure, however the exposure is cut into steps.
+// The light of a picture is the mean over its exposure, however the exposure is divided into steps.
 #include <cmath>
 #include <cstdio>
 
@@ -14,7 +14,7 @@ namespace {
 using namespace render::testing;
 using footlight::testing::HeadlessVulkan;
 
-// Share of from_ns to from_ns + dt_ns during which a shutter is open that opens at 0 s, by looking.
+// The share of from_ns to from_ns + dt_ns during which a shutter that opens at 0 s is open, by sampling.
 double open_share(double rate_hz, double duty, std::int64_t from_ns, std::int64_t dt_ns) {
   constexpr int kLooks = 20'000;
   int open = 0;
@@ -50,7 +50,7 @@ TEST_CASE("a picture over 20 ms of two snapshots is the mean of both pictures, w
   const PictureNorms norms = picture_norms(mean.rgb, expected);
   std::fprintf(stderr, "mean over two looks: max %.3g\n", norms.max);
   CHECK(norms.max < 5e-6);
-  // A picture without a new step shows the same light; a new exposure forgets it.
+  // A picture without a new step shows the same light. A new exposure clears it.
   must(frame->draw(view, 0));
   CHECK(must(frame->read_radiance()).rgb == mean.rgb);
   frame->step(second.levels, 3 * kMs, true);
@@ -58,7 +58,7 @@ TEST_CASE("a picture over 20 ms of two snapshots is the mean of both pictures, w
   CHECK(must(frame->read_radiance()).rgb == b.rgb);
 }
 
-TEST_CASE("pictures over 20 ms of a strobe at 12 Hz have the share of light that looking often finds, in any cut") {
+TEST_CASE("pictures over 20 ms of a strobe at 12 Hz have the share of light that fine sampling gives, for any steps") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = all_modes_scene();
@@ -70,7 +70,7 @@ TEST_CASE("pictures over 20 ms of a strobe at 12 Hz have the share of light that
   const fixtures::HeadRow& row = scene.compiled.heads[par];
   const fixtures::LightRow& light = scene.compiled.lights[scene.compiled.types[row.type].light];
   const double rate_hz = walker.decoded(scene.levels, par).value[fixtures::kParamStrobeHz];
-  REQUIRE(std::abs(rate_hz - 12) < 0.1);  // as near as 8 bits come
+  REQUIRE(std::abs(rate_hz - 12) < 0.1);  // as exactly as 8 bits allow
 
   const auto whole = make_frame(vulkan.device(), scene, judged_settings(8, 8));
   const auto pieces = make_frame(vulkan.device(), scene, judged_settings(8, 8));
@@ -100,9 +100,9 @@ TEST_CASE("pictures over 20 ms of a strobe at 12 Hz have the share of light that
                                              must(pieces->read_shutters())[row.strobe].phase)) < 1e-15);
   }
   std::fprintf(stderr, "strobe: %.3g from looking, %.3g between cuts\n", worst, worst_cut);
-  CHECK(darkest < 0.1);  // the case has open, closed and half open pictures
+  CHECK(darkest < 0.1);  // open, closed and half open pictures all occur
   CHECK(brightest > 0.9);
-  CHECK(worst < 2e-4);  // 20,000 looks see an edge to 5e-5, and there are up to two
+  CHECK(worst < 2e-4);  // 20,000 samples place an edge to 5e-5, and there are up to two
   CHECK(worst_cut < 5e-6);
 }
 

@@ -1,7 +1,7 @@
-// Lumens: what leaves a lamp arrives, whatever shapes its beam, and its lens shows the light that its beam sends.
+// Lumens: all light that leaves a lamp arrives, whatever shapes its beam, and its lens is as bright as its beam.
 //
-// Everything is judged here by quadrature from the definition of a beam, in double: neither beam.h nor the judge of
-// pictures is asked for the flux.
+// The expected flux is computed here by quadrature from the definition of a beam, in double, and not with beam.h or the
+// judge of pictures.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -26,14 +26,14 @@ using footlight::testing::HeadlessVulkan;
 constexpr double kPi = std::numbers::pi;
 constexpr double kLumens = 10'000;  // of the lamps of scenes.h
 
-// f of the definition at rho.
+// The profile f of the definition, at rho.
 double share_at(double rho, double m) {
   if (!(rho < 1)) return 0;
   return m < 1 ? std::pow(1 - rho * rho, 1 / m) : 1 - std::pow(rho, 2 * m);
 }
 
 // Integral of f(shown tan(angle) / k) over the directions within tan(angle) < k, by Simpson's rule in the angle. Times
-// J0 / k^2: lumens.
+// J0 / k^2 it is the flux in lumens.
 double solid_angle(double spread, double m, double shown) {
   constexpr int kSteps = 20'000;
   const double whole = std::atan(spread);
@@ -57,13 +57,14 @@ double judged_lumens(const JudgeBeam& beam) {
   return beam.strength_lm.x / (beam.spread * beam.spread) * solid_angle(beam.spread, beam.profile_power, beam.shown);
 }
 
-// A lamp 3 m up that shines along +Y at a wall that is 8 m away and all white, seen from the lamp; no haze.
+// A lamp 3 m up that shines along +Y at a white wall, 8 m away, seen from the lamp; no haze.
 Scene wall_scene(double m, bool with_focus) {
   Scene scene = optics_scene(with_focus);
   fixtures::Beam& beam = scene.rig.types[0].beams[0];
   beam.profile_power = m < 1 ? 0 : static_cast<int>(m);
   if (m < 1) {
-    // The angles where this profile is at a half and a tenth, with light to 25 degrees: the fit finds it again.
+    // The angles at which this profile is a half and a tenth, with light to 25 degrees. Compiling must fit the same
+    // profile.
     const auto full_deg = [&](double share) {
       return 2 * std::atan(std::tan(12.5 * kDegree) * std::sqrt(1 - std::pow(share, m))) / kDegree;
     };
@@ -81,7 +82,7 @@ Scene wall_scene(double m, bool with_focus) {
   return scene;
 }
 
-// Lumens on the wall: pixels of a wall across the sight are of equal size.
+// Lumens on the wall. The wall is perpendicular to the line of sight, so all pixels cover equal areas.
 double wall_lumens(Frame& frame, const Scene& scene) {
   const RadianceImage image = draw(frame, scene);
   const double pixel_m = 2 * 8 * std::tan(scene.camera.fov_deg / 2 * kDegree) / image.height;
@@ -109,14 +110,14 @@ TEST_CASE("no profile, frost or focus changes the lumens that arrive on a wall")
         }
         const double error = wall_lumens(*frame, scene) / kLumens - 1;
         worst = std::max(worst, std::abs(error));
-        CHECK(std::abs(error) < 5e-3);  // the pixels' own: their middles stand for them
+        CHECK(std::abs(error) < 5e-3);  // error of the pixels: each is sampled at its centre
       }
     }
   }
   std::fprintf(stderr, "lumens on a wall through frost and focus: off by %.2g at most\n", worst);
 }
 
-TEST_CASE("a sharp iris passes the lumens of its opening and leaves the light within as it is") {
+TEST_CASE("a sharp iris passes the lumens of its opening and does not change the light inside it") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   for (const double m : {0.25, 1.0, 4.0}) {
@@ -131,7 +132,7 @@ TEST_CASE("a sharp iris passes the lumens of its opening and leaves the light wi
       scene.set(0, "Iris", iris);
       const double passes = solid_angle(spread * iris, m, iris) / solid_angle(spread, m, 1);
       if (m == 1 && iris == 0.5) CHECK(passes == doctest::Approx(0.4375).epsilon(0.02));
-      // A hard edge over pixels; the wall is lit from a lens of 6 cm.
+      // The error is that of a hard edge in pixels; the lens has a radius of 6 cm.
       CHECK(wall_lumens(*frame, scene) / kLumens == doctest::Approx(passes).epsilon(0.02));
       const RadianceImage image = draw(*frame, scene);
       CHECK(image.rgb[middle] == doctest::Approx(static_cast<double>(open.rgb[middle])).epsilon(1e-5));
@@ -139,7 +140,7 @@ TEST_CASE("a sharp iris passes the lumens of its opening and leaves the light wi
   }
 }
 
-TEST_CASE("rows of beams and the judge's beams hold the lamp's lumens through iris, frost, focus and prism") {
+TEST_CASE("beam rows and the judge's beams keep the lamp's lumens through iris, frost, focus and prism") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   double worst_row = 0;
@@ -204,7 +205,7 @@ TEST_CASE("a facet that makes the image smaller or larger keeps its share of the
   }
 }
 
-TEST_CASE("floods up to 175 degrees hold their lumens, and a zoom beyond is drawn as 175") {
+TEST_CASE("floods up to 175 degrees keep their lumens, and a wider zoom is drawn as 175") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = optics_scene(false);
@@ -221,7 +222,7 @@ TEST_CASE("floods up to 175 degrees hold their lumens, and a zoom beyond is draw
     const std::vector<BeamRow> rows = must(frame->read_beams());
     REQUIRE(rows.size() == 1);
     const double half_deg = std::min(full_deg / 2, 87.5);
-    // A channel of 16 bits over 360 degrees, and the tangent of a float near 90.
+    // Resolution of a 16-bit channel over 360 degrees, and of the tangent of a float near 90.
     CHECK(std::atan(static_cast<double>(rows[0].y_axis.w)) / kDegree == doctest::Approx(half_deg).epsilon(5e-5));
     CHECK(row_lumens(rows[0]) == doctest::Approx(kLumens).epsilon(2e-6));
     fixtures::f64::Walker walker(scene.compiled);
@@ -233,13 +234,13 @@ TEST_CASE("floods up to 175 degrees hold their lumens, and a zoom beyond is draw
   }
 }
 
-TEST_CASE("a lens lights the camera as its beam does, whatever shapes the beam") {
+TEST_CASE("a lens lights the camera as its beam does, for everything that shapes a beam") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   struct Case {
     const char* what;
     double profile_power;
-    double aside_deg;  // of the camera from the axis, 10 m away
+    double aside_deg;  // distance of the camera from the axis as an angle, 10 m away
     std::vector<std::pair<const char*, double>> values;
   };
   for (const Case& each : {
@@ -275,7 +276,7 @@ TEST_CASE("a lens lights the camera as its beam does, whatever shapes the beam")
     FrameSettings settings = judged_settings(128, 128);
     settings.bodies = true;
     const RadianceImage image = draw_new(vulkan.device(), scene, settings);
-    // Solid angle of a pixel in the middle of so narrow a picture.
+    // Solid angle of a pixel in the centre of the picture, which is narrow.
     const double pixel = 2 * std::tan(0.6 * kDegree) / 128;
     double seen_lx = 0;
     for (std::size_t i = 0; i < image.rgb.size(); i += 3) seen_lx += static_cast<double>(image.rgb[i]) * pixel * pixel;
@@ -288,11 +289,11 @@ TEST_CASE("a lens lights the camera as its beam does, whatever shapes the beam")
       const glm::dvec3 towards = glm::normalize(beam.lens_m - eye);
       beam_lx += judge_illuminance(beam, judge.haze, eye, towards, judge.gobo) * beam.strength_lm.x;
     }
-    // What the lens scatters to all sides, a Lambert disc.
+    // Light that the lens scatters in all directions, as a Lambertian disc.
     const double glow_lx =
         static_cast<double>(walker.rig.types[0].glow_lm) / kPi * std::cos(each.aside_deg * kDegree) / (kAwayM * kAwayM);
     std::fprintf(stderr, "lens, %s: %.4g lx, its beam %.4g, its glow %.3g\n", each.what, seen_lx, beam_lx, glow_lx);
-    // A polygon of 28 corners for a circle takes 0.8 %, the rim of the housing the rest.
+    // A polygon of 28 corners in place of a circle loses 0.8 %; the rim of the housing hides more.
     CHECK(seen_lx == doctest::Approx(beam_lx + glow_lx).epsilon(0.03));
   }
 }

@@ -1,4 +1,4 @@
-// Dark culling and the beam rows: what is lit, in which order, where it shines.
+// Dark beams are left out; the rows of the lit beams have the right order and pose.
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -32,7 +32,7 @@ TEST_CASE("a dark frame has no beam, dispatches no beam work and shows only the 
   if (!vulkan) return;
   Scene scene = lamps_over_floor(1, 100);
   const auto frame = make_frame(vulkan.device(), scene, judged_settings());
-  (void)draw(*frame, scene);  // lit: what the next frame must forget
+  (void)draw(*frame, scene);  // lit, so that the next frame must clear this state
   CHECK(must(frame->read_counts()).live_count == 100);
   dim_lamps(scene, std::vector<bool>(100, false));
   const RadianceImage picture = draw(*frame, scene);
@@ -98,10 +98,10 @@ TEST_CASE("one lit fixture among many is the only beam, at the walker's pose") {
   }
 }
 
-TEST_CASE("rows are in patch order over many workgroups, whatever is dark") {
+TEST_CASE("beam rows are in patch order over many workgroups, whichever fixtures are dark") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
-  constexpr std::size_t kCount = 1000;  // 16 workgroups, the last one not full
+  constexpr std::size_t kCount = 1000;  // 16 workgroups; the last one is not full
   Scene scene = lamps_scene(3, kCount);
   const auto frame = make_frame(vulkan.device(), scene, judged_settings(8, 8));
   Random random(4);
@@ -133,7 +133,7 @@ TEST_CASE("a beam is dark up to the threshold of the settings, and lit above it"
     scene.slots(i)[static_cast<std::size_t>(slot_of_address(scene.rig.fixtures[i].address)) + kLampDimmerSlot] =
         static_cast<std::uint8_t>(i);
     for (const auto color : {"ColorAdd_R", "ColorAdd_B"}) scene.set(i, color, 0.2);
-    scene.set(i, "ColorAdd_G", 1);  // the brightest channel decides
+    scene.set(i, "ColorAdd_G", 1);  // the brightest channel is compared with the threshold
   }
   for (const double dark_lm : {0.0, 1.0, 5000.0, 9990.0, 10'000.0, std::numeric_limits<double>::infinity()}) {
     CAPTURE(dark_lm);

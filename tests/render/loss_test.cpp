@@ -1,4 +1,4 @@
-// A GPU that stops in the middle of the work.
+// A GPU that stops during its work.
 #include <string>
 
 #include "tests/render/scenes.h"

@@ -1,4 +1,4 @@
-// Haze and fog machines in pictures: beams come up when one is opened, and nothing else changes.
+// Haze and fog machines in pictures: beams appear when a machine is opened, and nothing else changes.
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
@@ -15,7 +15,7 @@ using footlight::testing::HeadlessVulkan;
 
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 
-// Lamps in clear air and, last, a hazer with a fan; the camera sees beams alone.
+// Lamps in clear air and, last, a hazer with a fan. The camera sees only beams.
 Scene hazed_scene(bool with_hazer) {
   Scene scene = lamps_scene(12, 10);
   scene.rig.haze = {0, 0, 0.4, 30};
@@ -45,7 +45,7 @@ Scene hazed_scene(bool with_hazer) {
   }
   const auto levels = scene.levels;
   scene.compile();
-  std::copy(levels.begin(), levels.end(), scene.levels.begin());  // its universe is behind the others
+  std::copy(levels.begin(), levels.end(), scene.levels.begin());  // the universe of the hazer comes after the others
   return scene;
 }
 
@@ -64,30 +64,30 @@ FrameSettings small() {
   return settings;
 }
 
-TEST_CASE("beams come up while a hazer is open, linger when it is closed, and are gone after an hour") {
+TEST_CASE("beams appear while a hazer is open, stay when it is closed, and are gone after an hour") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = hazed_scene(true);
   const auto frame = make_frame(vulkan.device(), scene, small());
-  const auto look = [&](double haze, std::int64_t dt_ns) {
+  const auto brightness_after = [&](double haze, std::int64_t dt_ns) {
     scene.set(scene.rig.fixtures.size() - 1, "Haze1", haze);
     frame->step(scene.levels, dt_ns);
     return brightness(picture(*frame, scene));
   };
-  CHECK(look(0, 0) == 0);
-  CHECK(look(0, 60 * kSecondNs) == 0);
+  CHECK(brightness_after(0, 0) == 0);
+  CHECK(brightness_after(0, 60 * kSecondNs) == 0);
   double before = 0;
   for (int i = 0; i < 6; ++i) {
-    const double now = look(1, 10 * kSecondNs);
+    const double now = brightness_after(1, 10 * kSecondNs);
     CHECK(now > 1.2 * before);
     before = now;
   }
   CHECK(frame->machine_air()->scattering_per_m() > 1e-3);
-  CHECK(look(0, 60 * kSecondNs) > 0.9 * before);  // what was near the machine is still mixing with the room
-  CHECK(look(0, 3600 * kSecondNs) < 0.02 * before);
+  CHECK(brightness_after(0, 60 * kSecondNs) > 0.9 * before);  // haze near the machine is still mixing with the room
+  CHECK(brightness_after(0, 3600 * kSecondNs) < 0.02 * before);
 }
 
-TEST_CASE("haze of a machine is drawn as the same haze of the room, to the bit, and a replay twice is the same") {
+TEST_CASE("haze of a machine is drawn as equal haze of the rig, and two replays are equal, to the bit") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = hazed_scene(true);
@@ -109,10 +109,10 @@ TEST_CASE("haze of a machine is drawn as the same haze of the room, to the bit, 
   const auto plain = make_frame(vulkan.device(), room, small());
   plain->step(room.levels, 40 * kSecondNs);
   CHECK(picture(*plain, room).rgb == hazed.rgb);
-  CHECK(plain->machine_air() == nullptr);  // and no cost
+  CHECK(plain->machine_air() == nullptr);  // without machines there is no object and no cost
 }
 
-TEST_CASE("the air stays when the size changes, and clear air is as at the start") {
+TEST_CASE("haze of machines is kept when the size changes, and clearing the air restores the start") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = hazed_scene(true);

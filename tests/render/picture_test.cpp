@@ -1,4 +1,4 @@
-// Pictures of the GPU against the judge in double, against each other, and at every size.
+// Pictures of the GPU compared with the judge in double and with each other, at every size.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -25,7 +25,7 @@ PictureNorms against_judge(vk::Device& device, const Scene& scene, const FrameSe
   const RadianceImage picture = draw_new(device, scene, settings);
   fixtures::f64::Walker walker(scene.compiled);
   walker.step(scene.levels, 0);
-  // A picture of the judge is taken at a hundredth of the tolerance: 1e-7, below what a float picture can show.
+  // The judge computes its picture at a hundredth of its tolerance, 1e-7, below the resolution of a float picture.
   const JudgeScene judge = judge_scene(scene.rig, walker, gobos_of_judge(scene));
   const JudgedImage judged = judge_image(judge, view_of(scene.camera), settings.width, settings.height,
                                          {.tolerance = tolerance, .stated_error = false});
@@ -38,7 +38,7 @@ PictureNorms against_judge(vk::Device& device, const Scene& scene, const FrameSe
   return norms;
 }
 
-// One lamp at the origin of the stage, 5 m up, that shines along +Y.
+// One lamp 5 m above the origin of the stage that shines along +Y.
 Scene one_lamp_scene() {
   Scene scene = lamps_scene(1, 1);
   fixtures::PatchedFixture& lamp = scene.rig.fixtures.front();
@@ -50,11 +50,12 @@ Scene one_lamp_scene() {
   return scene;
 }
 
-// Bounds of relL2 are three times what lavapipe gave with 3 nodes and 32 gobo taps (64 x 36 pixels), since it depends
-// on the looks: 6.4e-5 for beams over the demo rig (profiles m = 1, 2 and 3), 1.2e-5 for light on boxes alone.
+// Bounds of relL2 are three times the values measured on lavapipe with 3 nodes and 32 gobo samples (64 x 36 pixels),
+// because the error depends on the levels. Measured: 6.4e-5 for beams over the demo rig (profiles m = 1, 2 and 3),
+// 1.2e-5 for light on boxes alone.
 constexpr double kBeamsMax = 2e-4;
 constexpr double kSurfacesMax = 4e-5;
-// 6.7e-3 with gobos: 32 looks at an edge that a ray may cross anywhere.
+// Measured: 6.7e-3 with gobos, because 32 samples resolve an edge only to 1/32 of the ray's part in the beam.
 constexpr double kGobosMax = 2e-2;
 
 TEST_CASE("pictures of the demo rig agree with the judge") {
@@ -73,13 +74,13 @@ TEST_CASE("pictures of the demo rig with gobos agree with the judge") {
   CHECK(against_judge(vulkan.device(), scene, judged_settings(), "demo rig, gobos").rel_l2 < kGobosMax);
 }
 
-TEST_CASE("whatever shapes a beam is drawn as the judge has it") {
+TEST_CASE("everything that shapes a beam is drawn as the judge computes it") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   struct Case {
     const char* what;
     std::vector<std::pair<const char*, double>> values;
-    double rel_l2_max;  // twice what lavapipe gave (32 x 18 pixels, 32 looks at a gobo), or 1e-5
+    double rel_l2_max;  // twice the value on lavapipe (32 x 18 pixels, 32 gobo samples), or 1e-5
   };
   for (const Case& each : {
            Case{"open", {}, 1e-5},
@@ -104,13 +105,13 @@ TEST_CASE("whatever shapes a beam is drawn as the judge has it") {
   }
 }
 
-TEST_CASE("frost, focus and iris in a rig of m = 1, and floods, are drawn in haze as the judge has them") {
+TEST_CASE("frost, focus and iris in a rig of m = 1, and floods, are drawn in haze as the judge computes them") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   struct Case {
     const char* what;
     std::vector<std::pair<const char*, double>> values;
-    double rel_l2_max;  // three times what lavapipe gave (32 x 18 pixels), or 1e-5
+    double rel_l2_max;  // three times the value on lavapipe (32 x 18 pixels), or 1e-5
   };
   for (const Case& each : {
            Case{"m = 1", {}, 1e-5},
@@ -136,13 +137,14 @@ TEST_CASE("frost, focus and iris in a rig of m = 1, and floods, are drawn in haz
   }
 }
 
-TEST_CASE("facets of a prism have colours and turns, and a second prism and frost act as the judge has it") {
+TEST_CASE(
+    "coloured and turned facets of a prism, a second prism and a second frost are drawn as the judge computes them") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   struct Case {
     const char* what;
     std::vector<std::pair<const char*, double>> values;
-    double rel_l2_max;  // twice what lavapipe gave (48 x 27 pixels)
+    double rel_l2_max;  // twice the value on lavapipe (48 x 27 pixels)
   };
   for (const Case& each : {
            Case{"three colours", {{"Prism1", 2}}, 1e-5},
@@ -166,15 +168,15 @@ TEST_CASE("facets of a prism have colours and turns, and a second prism and fros
   }
 }
 
-TEST_CASE("measured beams are drawn as the judge finds them in the file's own candela") {
+TEST_CASE("measured beams are drawn as the judge computes them from the candela of the file") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   struct Case {
     const char* what;
     double away_deg;
     double width_deg;
-    double zoom_deg;    // of the lamp with a zoom, alone; 0: the other one
-    double rel_l2_max;  // twice what lavapipe gave
+    double zoom_deg;    // of the lamp with a zoom, alone; 0: the lamp without one
+    double rel_l2_max;  // twice the value on lavapipe
   };
   for (const Case& each :
        {Case{"flood, brightest at 40 degrees", 40, 50, 0, 2e-4}, Case{"spot with spill", 0, 12, 0, 2.5e-4},
@@ -194,7 +196,7 @@ TEST_CASE("measured beams are drawn as the judge finds them in the file's own ca
   }
 }
 
-TEST_CASE("rectangular beams are drawn as the judge has them") {
+TEST_CASE("rectangular beams are drawn as the judge computes them") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   struct Case {
@@ -203,7 +205,7 @@ TEST_CASE("rectangular beams are drawn as the judge has them") {
     double beam_deg;
     int profile_power;
     std::vector<std::pair<const char*, double>> values;
-    double rel_l2_max;  // twice what lavapipe gave
+    double rel_l2_max;  // twice the value on lavapipe
   };
   for (const Case& each :
        {Case{"16 by 9", 16.0 / 9, 25, 0, {}, 3e-6}, Case{"a sheet of light", 14, 25, 0, {}, 3e-6},
@@ -228,7 +230,7 @@ TEST_CASE("rectangular beams are drawn as the judge has them") {
   }
 }
 
-TEST_CASE("light on boxes agrees with the judge where the air is clear") {
+TEST_CASE("light on boxes agrees with the judge in clear air") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = demo_scene(13, false);
@@ -241,7 +243,7 @@ TEST_CASE("light on boxes agrees with the judge where the air is clear") {
   CHECK(against_judge(vulkan.device(), scene, judged_settings(), "no haze").rel_l2 < kSurfacesMax);
 }
 
-TEST_CASE("light in the haze agrees with the judge where there is nothing solid") {
+TEST_CASE("light in haze agrees with the judge in a scene without surfaces") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = demo_scene(14, false);
@@ -252,12 +254,12 @@ TEST_CASE("light in the haze agrees with the judge where there is nothing solid"
   CHECK(against_judge(vulkan.device(), scene, judged_settings(), "haze only").rel_l2 < kBeamsMax);
 }
 
-TEST_CASE("a camera in the beam, at the lens and looking into the lens sees what the judge sees") {
+TEST_CASE("pictures of a camera in the beam, at the lens and in front of the lens agree with the judge") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = one_lamp_scene();
-  // rel_l2_max: three times what was measured with 3 nodes, at least 5e-6, where float rounding is most of it. Where a
-  // ray runs along the beam from its lens the integrand falls as 1/z^2 over 30 m, and 3 nodes are few; 8 give the rest.
+  // rel_l2_max: three times the value measured with 3 nodes, at least 5e-6, where float rounding dominates. If a ray
+  // runs along the beam from its lens, the integrand falls as 1/z^2 over 30 m, and 3 nodes are too few; 8 are enough.
   struct Case {
     const char* what;
     glm::dvec3 from_m;
@@ -283,7 +285,7 @@ TEST_CASE("a camera in the beam, at the lens and looking into the lens sees what
   }
 }
 
-TEST_CASE("a picture does not depend on what its frame or another frame drew before, to the bit") {
+TEST_CASE("a picture does not depend on earlier pictures of its frame or another frame, to the bit") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = demo_scene(15, true);
@@ -300,7 +302,7 @@ TEST_CASE("a picture does not depend on what its frame or another frame drew bef
 
   const auto frame = make_frame(vulkan.device(), scene, settings);
   for (int i = 0; i < 2; ++i) CHECK(draw(*frame, scene).rgb == first.rgb);
-  // Another look, another camera, another exposure, another frame of another size.
+  // Other levels, another camera, another exposure, and another frame of another size.
   Scene other = demo_scene(16, true);
   other.camera = scene.rig.cameras.at(1);
   FrameSettings small = settings;
@@ -313,7 +315,7 @@ TEST_CASE("a picture does not depend on what its frame or another frame drew bef
   CHECK(must(frame->read_screen()).rgba.size() == std::size_t{97} * 61 * 4);
 }
 
-TEST_CASE("pictures of every size are whole: each pixel is that of a picture in which it lies elsewhere") {
+TEST_CASE("at every picture size each pixel equals the pixel of the same ray in a picture of another size") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = demo_scene(17, false);
@@ -328,7 +330,7 @@ TEST_CASE("pictures of every size are whole: each pixel is that of a picture in 
     const RadianceImage picture = draw_new(vulkan.device(), scene, settings);
     REQUIRE(picture.rgb.size() == static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height) * 3);
     for (const float value : picture.rgb) REQUIRE(std::isfinite(value));
-    // The middle of three times as many pixels has the same rays.
+    // With three times as many pixels in each direction, the middle pixel of each 3 x 3 has the same ray.
     settings.bodies = false;
     const RadianceImage plain = draw_new(vulkan.device(), scene, settings);
     settings.width *= 3;

@@ -1,4 +1,4 @@
-// What a rig makes of the frame, without a device: passes, their constants, what is left out.
+// The plan of a frame for a rig, without a device: its passes, their constants, and what is left out.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -31,7 +31,7 @@ std::vector<SpecConstant> constants_of(const std::vector<PassPlan>& plan, const 
   return {};
 }
 
-// Needs of the demo rig, as the rig itself tells them, and those that it lacks.
+// Needs of the demo rig, and those that it lacks.
 Needs demo_needs() {
   Needs needs = fixtures::compile(fixtures::demo_rig())->needs;
   CHECK_FALSE(needs.color);
@@ -52,7 +52,7 @@ Needs demo_needs() {
   return needs;
 }
 
-// Every plan and what it leaves out make up the whole list, in order and without a pass in both.
+// A plan and the passes that it leaves out together are the whole list, in order, without a pass in both.
 void check_left_out(const Needs& needs, const FrameSettings& settings) {
   std::vector<std::string> planned = names_of(plan_frame(needs, settings));
   std::vector<std::string> all;
@@ -66,7 +66,7 @@ void check_left_out(const Needs& needs, const FrameSettings& settings) {
   CHECK(planned.size() + left_out.size() == kAll.size());
 }
 
-TEST_CASE("the demo rig with all that it lacks needs every pass, with every branch") {
+TEST_CASE("the demo rig with all missing needs added has every pass, with every branch") {
   const FrameSettings settings;
   const auto plan = plan_frame(demo_needs(), settings);
   CHECK(plan == std::vector<PassPlan>{{"step",
@@ -132,7 +132,7 @@ TEST_CASE("the demo rig with all that it lacks needs every pass, with every bran
   CHECK(left_out_passes(demo_needs(), settings).empty());
 }
 
-TEST_CASE("method, nodes and taps reach the beam pass and nothing else") {
+TEST_CASE("method, nodes and gobo taps change only the beam pass") {
   FrameSettings settings;
   settings.method = BeamMethod::kMarch;
   settings.nodes = 64;
@@ -147,13 +147,13 @@ TEST_CASE("method, nodes and taps reach the beam pass and nothing else") {
   }
 }
 
-TEST_CASE("each need that goes takes its branches or its passes with it") {
+TEST_CASE("without a need its branches or its passes are left out") {
   const FrameSettings settings;
   struct Case {
     const char* what;
     bool Needs::*need;
     std::vector<std::string> lost;  // passes
-    std::uint32_t constant;         // that turns 0 where it is; FL_SPEC_COUNT: none
+    std::uint32_t constant;         // is 0 without the need; FL_SPEC_COUNT: none
   };
   for (const Case& c :
        {Case{"motion", &Needs::motion, {}, FL_SPEC_MOTION},
@@ -200,14 +200,14 @@ TEST_CASE("each need that goes takes its branches or its passes with it") {
   }
 }
 
-TEST_CASE("without boxes and bodies only light in the air is left") {
+TEST_CASE("without boxes and bodies only passes for light in the air remain") {
   Needs needs = demo_needs();
   needs.surfaces = false;
   FrameSettings settings;
   settings.bodies = false;
   CHECK(names_of(plan_frame(needs, settings)) ==
         std::vector<std::string>{"step", "gather", "tiles", "beams", "tonemap"});
-  needs.haze = false;  // and without haze nothing can be seen
+  needs.haze = false;  // without haze, too, nothing is visible
   CHECK(names_of(plan_frame(needs, settings)) == std::vector<std::string>{"step", "gather", "tonemap"});
   check_left_out(needs, settings);
 }
@@ -223,7 +223,7 @@ TEST_CASE("an empty rig needs no pass at all") {
   CHECK(names_of(plan_frame(needs, {})) == std::vector<std::string>{"surfaces", "tonemap"});
 }
 
-TEST_CASE("every combination of needs has each pass once or states what is lost without it") {
+TEST_CASE("every combination of needs has each pass exactly once: in the plan or in what is left out") {
   for (unsigned bits = 0; bits < 16384; ++bits) {
     const auto bit = [&](unsigned i) { return (bits >> i & 1u) != 0; };
     const Needs needs{bit(0), bit(1), bit(2), bit(3),  bit(4),  bit(5), bit(6),
@@ -234,7 +234,7 @@ TEST_CASE("every combination of needs has each pass once or states what is lost 
   }
 }
 
-TEST_CASE("a frost, a focus, an iris and a wide zoom make a rig of m = 1 need what they need") {
+TEST_CASE("frost, focus, iris and a wide zoom set their needs in a rig of m = 1") {
   const auto needs_with = [](const char* attribute, double from, double to) {
     fixtures::FixtureType type;
     type.id = "test/one";
@@ -286,7 +286,7 @@ TEST_CASE("a frost, a focus, an iris and a wide zoom make a rig of m = 1 need wh
 
 TEST_CASE("the needs of a rig follow from its fixtures and its haze") {
   fixtures::Rig rig = fixtures::demo_rig();
-  // Pars alone: no motor and no gobo, but a flat profile and a strobe.
+  // Only pars: no motor and no gobo, but a flat profile and a strobe.
   std::erase_if(rig.fixtures, [&](const fixtures::PatchedFixture& fixture) {
     return rig.types[static_cast<std::size_t>(fixture.type)].id != "generic/par";
   });

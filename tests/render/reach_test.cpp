@@ -1,4 +1,4 @@
-// What a picture must not leave out: far things, faint beams, beams of a frame that was made anew.
+// Far objects, faint beams and beams after a change of size are drawn.
 #include <cmath>
 #include <cstdio>
 #include <numeric>
@@ -61,7 +61,7 @@ TEST_CASE("a frame whose size changes and changes back draws the same beams, wit
   CHECK(must(frame->read_counts()).live_count == 0);
 }
 
-TEST_CASE("steps of a rig without fixtures are not kept") {
+TEST_CASE("steps of a rig without fixtures use no memory") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene;
@@ -73,7 +73,7 @@ TEST_CASE("steps of a rig without fixtures are not kept") {
   CHECK(frame->pending_steps() == 0);
 }
 
-TEST_CASE("after a blackout a picture without solid things is black") {
+TEST_CASE("after a blackout a picture without surfaces is black") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = one_lamp(16);
@@ -84,7 +84,7 @@ TEST_CASE("after a blackout a picture without solid things is black") {
   CHECK(must(frame->read_counts()).live_count == 0);
 }
 
-// A floor that a lamp above it lights, both so far from the camera.
+// A floor and a lamp above it, both at this distance from the camera.
 Scene far_floor(double distance_m) {
   Scene scene = one_lamp(20);
   scene.rig.fixtures.front().position_m = {0, distance_m, 20};
@@ -111,16 +111,16 @@ PictureNorms far_norms(vk::Device& device, const Scene& scene, const char* what)
   return norms;
 }
 
-TEST_CASE("a lit floor is drawn as the judge has it at 990 m, 1010 m and 9 km") {
+TEST_CASE("a lit floor is drawn as the judge computes it at 990 m, 1010 m and 9 km") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
-  // A float of 9 km has steps of 1 mm: 2.5e-4 of the beam's radius.
+  // Floats at 9 km have steps of 1 mm: 2.5e-4 of the beam's radius.
   CHECK(far_norms(vulkan.device(), far_floor(990), "990 m").rel_l2 < 1e-3);
   CHECK(far_norms(vulkan.device(), far_floor(1010), "1010 m").rel_l2 < 1e-3);
   CHECK(far_norms(vulkan.device(), far_floor(9000), "9 km").rel_l2 < 1e-3);
 }
 
-TEST_CASE("a beam in the haze is drawn as the judge has it 9 km away") {
+TEST_CASE("a beam in haze is drawn as the judge computes it 9 km away") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = far_floor(9000);
@@ -146,8 +146,7 @@ TEST_CASE("light reaches the other end of a rig that is 3 km long") {
   CHECK(far_norms(vulkan.device(), scene, "wall at 3 km").rel_l2 < 1e-3);
 }
 
-TEST_CASE(
-    "a lamp of a thousandth of a lumen gives a ten-millionth of the light of 10,000 lm, in a frame as it is made") {
+TEST_CASE("a lamp of a thousandth of a lumen gives a ten-millionth of the light of 10,000 lm with default settings") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = one_lamp(16);

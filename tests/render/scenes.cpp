@@ -161,7 +161,7 @@ Scene time_scene() {
   add(DimmerLaw::kTable, LampType::kHalogen, pwm);
   add(DimmerLaw::kSquare, LampType::kLed, led);
   add(DimmerLaw::kLinear, LampType::kDischarge, arc);
-  // Heads that are smoothed, ring, and follow a speed channel.
+  // Heads with smoothing, with a belt, and with a speed channel.
   for (const AxisFlex& flex : {AxisFlex{"Pan", 0.1, 0, 0}, AxisFlex{"Pan", 0, 9, 0.05}, AxisFlex{}}) {
     add(DimmerLaw::kLinear, LampType::kIdeal, {});
     FixtureType& type = scene.rig.types.back();

@@ -1,4 +1,4 @@
-// What the tests of the renderer draw: rigs with their levels, made from a seed, and the two ways to a picture.
+// Scenes for the tests of the renderer: rigs with levels that are made from a seed, and two functions that draw them.
 #pragma once
 
 #include <cstdint>
@@ -39,42 +39,42 @@ class Random {
 struct Scene {
   fixtures::Rig rig;
   fixtures::CompiledRig compiled;
-  std::vector<std::uint8_t> levels;  // universes x 512, as compiled.universes orders them
+  std::vector<std::uint8_t> levels;  // universes x 512, in the order of compiled.universes
   fixtures::Camera camera;
 
   // The 512 slots of a fixture's universe.
   std::span<std::uint8_t> slots(std::size_t fixture);
-  // In the units of fixtures/model/fixture_type.h.
+  // Sets a value in the units of fixtures/model/fixture_type.h.
   void set(std::size_t fixture, std::string_view attribute, double value);
-  // Compiles the rig and puts every channel at its default.
+  // Compiles the rig and sets every channel to its default.
   void compile();
 };
 
-// The demo rig: heads aimed about the stage, in colour, no gobo; with_gobos: the profiles have gobos 1 to 8.
+// The demo rig: heads aimed at random targets, in colour, without gobos. with_gobos: the profiles have gobos 1 to 8.
 [[nodiscard]] Scene demo_scene(std::uint64_t seed, bool with_gobos);
 // One fixture of each mode of each built-in type.
 [[nodiscard]] Scene all_modes_scene();
-// One fixture of each kind of lamp and supply and each dimmer law, with 16-bit dimmers and lamp control, and heads that
-// are smoothed, ring and track.
+// One fixture of each kind of lamp and supply and of each dimmer law, with 16-bit dimmers and lamp control, and heads
+// with smoothing, with a belt and with a speed channel.
 [[nodiscard]] Scene time_scene();
-// `count` fixed lamps over a stage without boxes, all lit in colour. Their channels: dimmer, red, green, blue and zoom,
-// of which some are pencils of 0.1 degrees, some cylinders, some washes of 60 degrees.
+// `count` fixed lamps over a stage without boxes, all lit in colour. Their channels are dimmer, red, green, blue and
+// zoom. Some are narrow beams of 0.1 degrees, some cylinders, some washes of 60 degrees.
 [[nodiscard]] Scene lamps_scene(std::uint64_t seed, int count);
-inline constexpr int kLampDimmerSlot = 0;  // from a lamp's address: set to 0 it is dark
-// One lamp 3 m up that shines along +Y at a wall, 8 m away, and can do all that shapes a beam: Gobo1WheelIndex (open,
-// dots, bars, star), Gobo1Pos, Iris, Frost1, Prism1 (open, three facets), Blade1A to Blade4Rot, Focus1 where asked
-// for, AnimationWheel1 (0 or 1) and its Pos. Every channel has 16 bits. stacked: the facets of its prism are of three
-// colours and turned by 0, 72 and 144 degrees, and there are Prism1Pos, Prism2 (open, two facets: one mirrored, one
-// turned and larger), Prism2Pos and Frost2.
+inline constexpr int kLampDimmerSlot = 0;  // offset of the dimmer's slot from a lamp's address; 0 is dark
+// One lamp 3 m up that shines along +Y at a wall, 8 m away, with everything that shapes a beam: Gobo1WheelIndex (open,
+// dots, bars, star), Gobo1Pos, Iris, Frost1, Prism1 (open, three facets), Blade1A to Blade4Rot, Focus1 if with_focus,
+// AnimationWheel1 (0 or 1) and its Pos. Every channel has 16 bits. stacked: the facets of its prism have three colours
+// and are turned by 0, 72 and 144 degrees, and there are Prism1Pos, Prism2 (open, two facets: one mirrored, one turned
+// and larger), Prism2Pos and Frost2.
 [[nodiscard]] Scene optics_scene(bool with_focus, bool stacked = false);
-// An IES file of our own: a lamp of 0 to 90 degrees by 5 and of 12 planes, brightest `away_deg` from its axis towards
-// its top, in a blob of about `width_deg`, with a twentieth of that everywhere.
+// A generated IES file: a lamp of 0 to 90 degrees in steps of 5, and of 12 planes. It is brightest in a spot of about
+// `width_deg`, `away_deg` from its axis towards its top, with a twentieth of that everywhere else.
 [[nodiscard]] std::string flood_ies(double away_deg, double width_deg);
-// Two lamps with that file before a wall, 4 m away, and a floor; the second is turned about its axis and has a zoom,
-// 0 to 60 degrees.
+// Two lamps with that file in front of a wall, 4 m away, and a floor. The second is turned about its axis and has a
+// zoom, 0 to 60 degrees.
 [[nodiscard]] Scene measured_scene(double away_deg, double width_deg, double zoom_deg);
-// A lamp with rectangular beams 3 m up before a wall, 8 m away: 53 degrees wide (or as `beam_deg` says), `aspect` times
-// as wide as high. It can do all that the lamp of optics_scene() can, without focus.
+// A lamp with rectangular beams 3 m up in front of a wall, 8 m away: `beam_deg` wide, `aspect` times as wide as high.
+// It has everything that the lamp of optics_scene() has, except focus.
 [[nodiscard]] Scene rectangle_scene(double aspect, double beam_deg, int profile_power);
 // Sets the dimmer of every lamp.
 void dim_lamps(Scene& scene, const std::vector<bool>& lit);
@@ -82,13 +82,13 @@ void dim_lamps(Scene& scene, const std::vector<bool>& lit);
 // The built-in images of a scene, in the order of its layers.
 [[nodiscard]] GoboTransmission gobos_of_judge(const Scene& scene);
 
-// 64 x 36, no bodies, nothing left out for being dark, thin beams as thin as they are: what the judge computes.
+// 64 x 36, without bodies, widening of thin beams and the threshold for dark beams: what the judge computes.
 [[nodiscard]] FrameSettings judged_settings(int width = 64, int height = 36);
 
 using footlight::testing::must;
 
 [[nodiscard]] std::unique_ptr<Frame> make_frame(vk::Device& device, const Scene& scene, const FrameSettings& settings);
-// The picture of the scene's levels after a step of 0 s.
+// Draws the scene's levels after a step of 0 s.
 [[nodiscard]] RadianceImage draw(Frame& frame, const Scene& scene);
 [[nodiscard]] RadianceImage draw_new(vk::Device& device, const Scene& scene, const FrameSettings& settings);
 

@@ -1,4 +1,4 @@
-// Beams thinner than a pixel, pixels of the screen that stand for several, and the last step to 8 bits.
+// Beams thinner than a pixel, supersampling, and the rounding to 8 bits.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -21,7 +21,7 @@ FrameSettings small_settings(int width = 160, int height = 90) {
   return settings;
 }
 
-// A laser from the left that crosses the picture, 16 m away, rising by so many degrees. zoom_deg: of the whole beam.
+// A laser from the left that crosses the picture, 16 m away, at an upward angle. zoom_deg: full angle of the beam.
 Scene laser_scene(double radius_m, double profile_power, double rise_deg, double zoom_deg) {
   Scene scene = lamps_scene(1, 1);
   scene.rig.haze = {0.02, 0, 0.3, 40};
@@ -35,7 +35,7 @@ Scene laser_scene(double radius_m, double profile_power, double rise_deg, double
     if (function.attribute == "Zoom") function.physical_to = 170;
   }
   scene.compile();
-  // Frost has profiles that no type has.
+  // Sets the profile in the compiled table, because frost gives profiles that no fixture type has.
   for (fixtures::TypeRow& type : scene.compiled.types) type.profile_power = static_cast<float>(profile_power);
   scene.compiled.needs.profile = true;
   scene.set(0, "Zoom", zoom_deg);
@@ -52,12 +52,12 @@ std::vector<double> column_sums(const RadianceImage& picture, const View& view) 
   return sums;
 }
 
-// The same of one column by the judge, over 40 rays through the laser's cross section.
+// The judge's value for one column, over 40 rays through the laser's cross section.
 double judged_sum(const JudgeScene& judge, const View& view, int width, int height, int x) {
   const JudgeBeam& beam = judge.beams.at(0);
   const Ray middle = pixel_ray(view, width, height, x, 0);
   const double across = (2 * (x + 0.5) / width - 1) * view.tan_half_fov * width / height;
-  // Where the beam's axis crosses the plane through the camera and the column.
+  // The point where the beam's axis crosses the plane through the camera and the column.
   const glm::dvec3 n = glm::cross(view.forward + view.right * across, view.up);
   const double along = glm::dot(n, view.position_m - beam.lens_m) / glm::dot(n, beam.axis);
   const glm::dvec3 at = beam.lens_m + beam.axis * along - view.position_m;
@@ -74,7 +74,7 @@ double judged_sum(const JudgeScene& judge, const View& view, int width, int heig
   return sum;
 }
 
-// Makes the lamp's beams rectangular: radius_m is half their width. Keeps the profile and the levels.
+// Makes the lamp's beams rectangular, with radius_m as half their width. Keeps the profile and the levels.
 void make_rectangular(Scene& scene, double aspect) {
   const float profile_power = scene.compiled.types.front().profile_power;
   const auto levels = scene.levels;
@@ -102,7 +102,7 @@ double worst_column(vk::Device& device, const Scene& scene, std::initializer_lis
   return worst;
 }
 
-TEST_CASE("a laser of 4 mm has the light of the judge in every column of 160 x 90 pixels, at every slant") {
+TEST_CASE("a laser of 4 mm has as much light as the judge's in every column of 160 x 90 pixels, at every angle") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   double worst = 0;
@@ -118,7 +118,7 @@ TEST_CASE("a laser of 4 mm has the light of the judge in every column of 160 x 9
   CHECK(worst < 0.012);
 }
 
-TEST_CASE("a rectangular laser has the light of the judge in every column, at every aspect") {
+TEST_CASE("a rectangular laser has as much light as the judge's in every column, at every aspect ratio") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   double worst = 0;
@@ -136,7 +136,7 @@ TEST_CASE("a rectangular laser has the light of the judge in every column, at ev
   std::fprintf(stderr, "rectangular laser in the haze: sums over columns differ by %.3g at most\n", worst);
 }
 
-TEST_CASE("a rectangular laser lights no pixel more than four from its axis") {
+TEST_CASE("a rectangular laser lights no pixel that is more than four pixels from its axis") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = laser_scene(0.002, 1, 0, 0);
@@ -154,7 +154,7 @@ TEST_CASE("a rectangular laser lights no pixel more than four from its axis") {
   CHECK(most <= 5);
 }
 
-TEST_CASE("a bar of light of many pixels' width and a fiftieth of a pixel's height has all of its light") {
+TEST_CASE("a rectangular beam many pixels wide and a fiftieth of a pixel high has all of its light") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = laser_scene(0.6, 1.0 / 3, 0, 0);
@@ -166,7 +166,7 @@ TEST_CASE("a bar of light of many pixels' width and a fiftieth of a pixel's heig
   CHECK(worst < 0.02);
 }
 
-TEST_CASE("the light of a beam that widens stays within a tenth where it becomes as wide as a pixel") {
+TEST_CASE("the light of a widening beam changes by less than a tenth where it becomes as wide as a pixel") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   // 2 cm to 34 cm of radius; a pixel is 19 cm.
@@ -181,11 +181,11 @@ TEST_CASE("the light of a beam that widens stays within a tenth where it becomes
     worst = std::max(worst, std::abs(sums[x] / expected - 1));
   }
   std::fprintf(stderr, "widening beam: sums over columns differ by %.3g at most\n", worst);
-  // Just above the width at which it is widened it is 1.3 pixels wide, and has the error of any picture of pixels.
+  // Just above the limit of widening the beam is 1.3 pixels wide. There it has the sampling error of any picture.
   CHECK(worst < 0.1);
 }
 
-// Light that the floor at z = 0 sends back: green radiance times the floor's area, summed over the picture.
+// Light that the floor at z = 0 reflects: green radiance times the floor's area, summed over the picture.
 double floor_light(const RadianceImage& picture, const View& view) {
   double light = 0;
   for (int y = 0; y < picture.height; ++y) {
@@ -203,7 +203,7 @@ double floor_light(const RadianceImage& picture, const View& view) {
   return light;
 }
 
-// A floor without haze, and a camera 10 m away that looks at its middle.
+// A floor without haze, and a camera 10 m away that is aimed at its centre.
 Scene floor_scene(double radius_m, double profile_power, double zoom_deg, double camera_m) {
   Scene scene = laser_scene(radius_m, profile_power, 0, zoom_deg);
   scene.rig.haze.scattering_per_m = 0;
@@ -233,7 +233,7 @@ double worst_floor(vk::Device& device, Scene& scene, double lamp_m, int places) 
   return worst;
 }
 
-TEST_CASE("the spot of a thin beam on a floor has all of its light, wherever between the pixels and however oblique") {
+TEST_CASE("the spot of a thin beam on a floor has all of its light, at every offset between pixels and every angle") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   double worst = 0;
@@ -245,7 +245,7 @@ TEST_CASE("the spot of a thin beam on a floor has all of its light, wherever bet
   CHECK(worst < 0.015);
 }
 
-TEST_CASE("the spot of a thin bar of light on a floor has all of its light, however oblique and however wide") {
+TEST_CASE("the spot of a thin rectangular beam on a floor has all of its light, at every angle and width") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   double worst = 0;
@@ -263,7 +263,7 @@ TEST_CASE("the spot of a thin bar of light on a floor has all of its light, howe
   std::fprintf(stderr, "thin bar on a floor: light differs by %.3g at most\n", worst);
 }
 
-TEST_CASE("the spot of a wide beam that is thin because it ends near its lens has all of its light") {
+TEST_CASE("the spot of a wide beam on a floor so near its lens that the spot is thin has all of its light") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   double worst = 0;
@@ -280,7 +280,7 @@ TEST_CASE("the spot of a wide beam that is thin because it ends near its lens ha
   std::fprintf(stderr, "thin spot of a wide beam on a floor: light differs by %.3g at most\n", worst);
 }
 
-TEST_CASE("a beam along a floor puts no light beside the plane of its lens, and all of its light within its cone") {
+TEST_CASE("a beam along a floor lights nothing beside the plane of its lens, and all of its light is within its cone") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   for (const double zoom_deg : {22.6, 90.0, 119.0}) {
@@ -310,7 +310,7 @@ TEST_CASE("a beam along a floor puts no light beside the plane of its lens, and 
   }
 }
 
-TEST_CASE("beams of more than two pixels are drawn as they are, to the bit") {
+TEST_CASE("beams wider than two pixels are not widened, to the bit") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = laser_scene(0.5, 2, 10, 6);
@@ -322,7 +322,7 @@ TEST_CASE("beams of more than two pixels are drawn as they are, to the bit") {
         draw_new(vulkan.device(), scene, judged_settings(160, 90)).rgb);
 }
 
-TEST_CASE("in haze a wide beam from a small lens, and a beam that the eye is in, are drawn as they are, to the bit") {
+TEST_CASE("in haze a wide beam from a small lens and a beam around the camera are not widened, to the bit") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const auto unchanged = [&](const Scene& scene) {
@@ -342,7 +342,7 @@ TEST_CASE("in haze a wide beam from a small lens, and a beam that the eye is in,
   CHECK_FALSE(unchanged(scene));
 }
 
-TEST_CASE("with four pixels for one of the screen it shows the tone map of their mean radiance") {
+TEST_CASE("with 2 x 2 supersampling a screen pixel is the tone map of the mean radiance of its four pixels") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = demo_scene(19, false);
@@ -379,7 +379,7 @@ TEST_CASE("with four pixels for one of the screen it shows the tone map of their
   CHECK(odd.error().code == ErrorCode::kBadInput);
 }
 
-TEST_CASE("rounding to 8 bits has no mean error over 16 x 16 pixels, and leaves whole steps as they are") {
+TEST_CASE("rounding to 8 bits has no mean error over 16 x 16 pixels, and does not change whole steps") {
   const auto shown = [](float value, std::uint32_t x, std::uint32_t y) {
     return std::lround(static_cast<double>(f32::dithered(glm::vec3(value), x, y).g) * 255);
   };

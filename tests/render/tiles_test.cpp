@@ -1,4 +1,4 @@
-// Tiles leave out no beam that gives light: pictures of many beams in haze against sums that know no tiles.
+// Tiles contain every beam that lights them: pictures of many beams in haze compared with sums without tiles.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -16,8 +16,8 @@ namespace {
 using namespace render::testing;
 using footlight::testing::HeadlessVulkan;
 
-// Every beam of the frame along every pixel's ray, in double, by the formula of the GPU: differences are rounding, or a
-// tile without its beam.
+// The sum of all beams along every pixel's ray, in double, by the formula of the GPU. A difference beyond rounding
+// means that a tile lacks a beam.
 std::vector<double> sum_without_tiles(const Scene& scene, const std::vector<BeamRow>& beams, const FrameSettings& s) {
   const fixtures::Haze& haze = scene.rig.haze;
   const f64::Medium medium{haze.anisotropy, haze.scattering_per_m + haze.absorption_per_m};
@@ -42,7 +42,7 @@ std::vector<double> sum_without_tiles(const Scene& scene, const std::vector<Beam
   return rgb;
 }
 
-TEST_CASE("no tile lacks a beam, with counts around the sizes of groups and walks") {
+TEST_CASE("no tile lacks a beam, with counts around the sizes of groups and iterations") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   struct Case {
@@ -50,7 +50,8 @@ TEST_CASE("no tile lacks a beam, with counts around the sizes of groups and walk
     int width;
     int height;
   };
-  // 64 beams a group of the tile pass, 256 a walk; pencils of 0.1 degrees, cylinders, washes of 60 degrees.
+  // The tile pass tests 64 beams per group and 256 per iteration. The scenes have narrow beams of 0.1 degrees,
+  // cylinders and washes of 60 degrees.
   for (const Case& c : {Case{1, 130, 70}, Case{65, 130, 70}, Case{257, 80, 45}, Case{1030, 48, 27}}) {
     CAPTURE(c.count);
     const Scene scene = lamps_scene(20, c.count);
@@ -63,8 +64,9 @@ TEST_CASE("no tile lacks a beam, with counts around the sizes of groups and walk
     std::fprintf(stderr, "%d beams without tiles: relL2 %.3g, p99 %.3g, p99.9 %.3g, max %.3g\n", c.count, norms.rel_l2,
                  norms.p99, norms.p999, norms.max);
     CHECK(norms.nonfinite == 0);
-    // Measured: relL2 3.3e-5 and at most 6.3e-4 of a value (of at least a hundredth of the mean), at rims of pencils,
-    // where float places a ray 1e-3 of the radius off. Three times that; the dimmest beam of a tile shows more.
+    // Measured: relL2 3.3e-5, and at most 6.3e-4 of a value (of at least a hundredth of the mean), at the edges of
+    // narrow beams, where float moves a ray by 1e-3 of the radius. The bounds are about three times that. A missing
+    // beam exceeds them, even the dimmest one of a tile.
     CHECK(norms.rel_l2 < 1e-4);
     CHECK(norms.max < 2e-3);
   }
@@ -87,7 +89,7 @@ TEST_CASE("a frame of many beams is the sum of frames of one beam each") {
   }
   const PictureNorms norms = picture_norms(together.rgb, sum);
   std::fprintf(stderr, "%zu beams against one by one: relL2 %.3g, max %.3g\n", kCount, norms.rel_l2, norms.max);
-  // 70 roundings of a float sum, most of them with the same sign at worst.
+  // 70 roundings of a float sum, in the worst case all with the same sign.
   CHECK(norms.max < 70 * 6e-8);
 }
 

@@ -69,8 +69,8 @@ bool is_cpp(std::string_view path) { return is_header(path) || ends_with(path, "
 bool is_shader(std::string_view path) {
   return ends_with(path, ".comp") || ends_with(path, ".vert") || ends_with(path, ".frag") || ends_with(path, ".glsl");
 }
-// Shared headers are C++ and GLSL at once; they are included many times, on purpose.
-// A body is that of a class in two namespaces.
+// Headers that C++ and GLSL share are included several times, on purpose. A *_body.h contains a class that is compiled
+// in two namespaces.
 bool is_shared(std::string_view path) {
   return path.find("/shared/") != std::string_view::npos || ends_with(path, "_body.h");
 }
@@ -256,7 +256,7 @@ TEST_CASE("no work is left for later, and no path of one machine is in the tree"
   check_none(offences);
 }
 
-// The words of docs/ARCHITECTURE.md, in the folders that use them already.
+// The words that the glossary in docs/ARCHITECTURE.md has replaced.
 TEST_CASE("texts use the words of the glossary, not those that it replaced") {
   // In two parts, so that this file does not match itself.
   const std::regex replaced(
@@ -312,7 +312,7 @@ TEST_CASE("every source file is listed in the CMakeLists.txt of its folder or of
     const std::regex listed(fmt::format("(^|[^A-Za-z0-9_])({}{})($|[^A-Za-z0-9_.])",
                                         std::regex_replace(name, std::regex(R"(\.)"), R"(\.)"),
                                         by_word ? "|" + word : ""));
-    // What several folders share is named from the root.
+    // Files that several folders share are named from the root.
     bool found = std::any_of(tree().begin(), tree().end(), [&](const SourceFile& list) {
       return ends_with(list.path, "CMakeLists.txt") &&
              std::any_of(list.lines.begin(), list.lines.end(),
@@ -465,7 +465,8 @@ constexpr LongFile kLongFiles[] = {
     {"tools/footlight/preview/preview_window.cpp", "one window and its keys"},
 };
 
-// Code of the program, its tools and benchmarks; tests are lists, and their length says nothing.
+// Files of the program, its tools and benchmarks. Tests are excluded because their length has no meaning: they are
+// lists.
 bool is_product(std::string_view path) {
   return is_cpp(path) &&
          (starts_with(path, "sim/") || starts_with(path, "drivers/") || starts_with(path, "fixtures/") ||
@@ -493,15 +494,15 @@ bool opens_type(std::string_view line) {
   return ends_with(line, "{") && begins_with_word(line, {"class", "struct", "enum", "union"});
 }
 
-// Functions of namespaces and of classes, by the places of their braces as clang-format sets them: a function begins at
-// the indentation at which its "}" stands alone. Functions of nested classes and lambdas count as part of what holds
-// them.
+// Functions of namespaces and classes, found by the braces as clang-format places them. A function starts at the
+// indentation at which its "}" is alone on a line. Functions of nested classes and lambdas are part of the function
+// around them.
 std::vector<Function> functions_of(const SourceFile& file) {
   static const std::set<std::string_view> kNoFunction = {"namespace", "extern", "for",    "while", "if",     "switch",
                                                          "do",        "else",   "return", "case",  "default"};
   std::vector<Function> found;
   for (const std::size_t indent : {std::size_t{0}, std::size_t{2}}) {
-    std::size_t begin = 0;  // 0: no function has begun
+    std::size_t begin = 0;  // 0: outside a function
     bool in_class = false;
     for (std::size_t i = 0; i < file.lines.size(); ++i) {
       const std::string& line = file.lines[i];

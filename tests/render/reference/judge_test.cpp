@@ -1,4 +1,4 @@
-// The judge against closed forms, brute force and its own conservation laws.
+// The judge compared with closed forms, brute force and conservation laws.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -19,7 +19,7 @@ using cases::Random;
 constexpr double kPi = std::numbers::pi;
 const fixtures::Haze kClear{0, 0, 0};
 
-// A beam that points somewhere, with axes at right angles.
+// A random beam with orthonormal axes.
 JudgeBeam posed_beam(Random& random) {
   JudgeBeam beam;
   beam.axis = random.direction();
@@ -33,7 +33,7 @@ glm::dvec3 stage_direction(const JudgeBeam& beam, const glm::dvec3& v) {
   return v.x * beam.x_axis + v.y * beam.y_axis + v.z * beam.axis;
 }
 
-// A midpoint sum and the largest value in it; nothing shared with the judge.
+// A midpoint sum and its largest value, without any code of the judge.
 struct BruteForce {
   double sum = 0;
   double peak = 0;
@@ -52,7 +52,7 @@ BruteForce brute_force(const JudgeBeam& beam, const fixtures::Haze& haze, const 
     const double w = beam.lens_radius_m + beam.spread * z;
     const double rho = across / w;
     if (rho >= 1) continue;
-    // From the definition by intensity: candela over the square of the distance to the virtual apex.
+    // From the definition of the intensity: candela over the squared distance to the virtual apex.
     const glm::dvec3 apex = -beam.lens_radius_m / std::max(beam.spread, 1e-9) * beam.axis;
     const glm::dvec3 way = p - apex;
     const double r2 = glm::dot(way, way);
@@ -70,7 +70,7 @@ BruteForce brute_force(const JudgeBeam& beam, const fixtures::Haze& haze, const 
 
 }  // namespace
 
-TEST_CASE("a chord across a cylinder of light has the polynomial's integral") {
+TEST_CASE("a chord across a cylinder of light has the integral of its polynomial") {
   JudgeBeam beam;
   beam.spread = 0;
   beam.lens_radius_m = 0.2;
@@ -83,14 +83,15 @@ TEST_CASE("a chord across a cylinder of light has the polynomial's integral") {
   CHECK(judge_inscatter(beam, kClear, {{0.2001, -3, 4}, {0, 1, 0}}, 0, 100, {}, 1e-10) == 0);
 }
 
-TEST_CASE("a ray down the axis has the closed form T / (R0 (R0 + k T)), with the phase function looking back") {
+TEST_CASE(
+    "a ray along the axis has the closed form T / (R0 (R0 + k T)) times the phase function of forward scattering") {
   JudgeBeam beam;
   beam.lens_radius_m = 0.05;
   beam.spread = 0.3;
   const double g = 0.6;
   for (const double end_m : {0.5, 10.0, 100.0}) {
     const double judge = judge_inscatter(beam, {0, 0, g}, {{0, 0, 0}, {0, 0, 1}}, 0, end_m, {}, 1e-12);
-    const double phase = (1 - g * g) / (4 * kPi * std::pow(1 + g, 3));  // light runs away from the eye
+    const double phase = (1 - g * g) / (4 * kPi * std::pow(1 + g, 3));  // the light travels away from the camera
     CHECK(judge == doctest::Approx(phase * end_m / (0.05 * (0.05 + 0.3 * end_m))).epsilon(1e-11));
   }
 }
@@ -111,7 +112,7 @@ TEST_CASE("the judge agrees with a brute-force sum over intensity and distance f
     constexpr int kSteps = 400'000;
     const BruteForce brute = brute_force(beam, haze, ray, 20, kSteps);
     CHECK(judge > 0);
-    // A midpoint sum misplaces each end of the lit part by up to half a step; the rest of its error is of second order.
+    // A midpoint sum misplaces each end of the lit part by up to half a step. The rest of its error is of second order.
     CHECK(std::abs(judge - brute.sum) <= brute.peak * 20 / kSteps + 1e-8 * judge);
     CHECK(judge == doctest::Approx(brute.sum).epsilon(1e-3));
   }
@@ -175,7 +176,7 @@ TEST_CASE("a gobo turns with its phase and dims by what it stops") {
   CHECK(lit(0.0, -0.5));
 }
 
-TEST_CASE("input that is not finite is dark and an endless ray is not") {
+TEST_CASE("input that is not finite gives no light, and an infinite ray gives some") {
   JudgeBeam beam;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
@@ -196,13 +197,13 @@ TEST_CASE("the flux factor of a narrow beam is pi m / (m + 1)") {
   }
 }
 
-TEST_CASE("a floor that catches the whole beam receives its flux, straight or slanted") {
+TEST_CASE("a floor that receives the whole beam has its flux, at a right angle or tilted") {
   for (const double tilt : {0.0, 0.4, 0.8}) {
     for (const double spread : {0.05, 0.3}) {
       for (const double m : {1.0, 4.0}) {
         CAPTURE(tilt);
         CAPTURE(spread);
-        JudgeBeam beam;  // at z = 6 above the floor z = 0, leaning in x
+        JudgeBeam beam;  // the lens is at z = 6 above the floor z = 0, tilted towards x
         beam.lens_m = {0, 0, 6};
         beam.axis = {std::sin(tilt), 0, -std::cos(tilt)};
         beam.y_axis = {0, 1, 0};
@@ -223,14 +224,14 @@ TEST_CASE("a floor that catches the whole beam receives its flux, straight or sl
           }
         }
         flux *= (to_x - from_x) / kCells * 2 * half_y / kCells;
-        // What the grid leaves: measured 4.7e-7 at most.
+        // The error of the grid: measured 4.7e-7 at most.
         CHECK(flux == doctest::Approx(judge_flux_factor(spread, m)).epsilon(1e-6));
       }
     }
   }
 }
 
-TEST_CASE("a ray hits the nearest box that it enters from outside, on the side it comes from") {
+TEST_CASE("a ray hits the nearest box that it enters from outside, on the side that it enters") {
   JudgeScene scene;
   scene.boxes = {{"floor", {-10, -10, -1}, {10, 10, 0}, glm::dvec3(0.1)},
                  {"riser", {-1, -1, 0}, {1, 1, 0.5}, glm::dvec3(0.2)},
@@ -262,7 +263,7 @@ TEST_CASE("work light alone has the radiance albedo / pi times its illuminance, 
   }
 }
 
-TEST_CASE("a surface ends the air behind it") {
+TEST_CASE("a surface hides the air behind it") {
   JudgeScene scene;
   scene.haze = {0.02, 0, 0};
   scene.beams.emplace_back();  // along z from the origin
@@ -275,7 +276,7 @@ TEST_CASE("a surface ends the air behind it") {
   scene.boxes[0].max_m.x = 3;
   CHECK(judge_radiance(scene, ray, 1e-9).x == open);
   scene.boxes.clear();
-  scene.range_m = 4;  // the eye sees air no further than that
+  scene.range_m = 4;  // the air is visible only to here
   CHECK(judge_radiance(scene, ray, 1e-9).x == 0);
 }
 
@@ -310,14 +311,14 @@ TEST_CASE("a picture is the same for every number of threads and states its own 
   CHECK(one.image.rgb.size() == 33 * 17 * 3);
   CHECK(one.whole);
 
-  // Some pixels of it, in any order, are what they are in the whole.
+  // Single pixels in any order equal those of the whole picture.
   const std::vector<std::uint32_t> some = {8 * 33 + 16, 3, 16 * 33 + 32};
   const JudgedPixels pixels = judge_pixels(scene, view, 33, 17, some, options);
   REQUIRE(pixels.rgb.size() == 9);
   for (std::size_t i = 0; i < 9; ++i) CHECK(pixels.rgb[i] == one.rgb[some[i / 3] * 3 + i % 3]);
   CHECK(pixels.own_rel_l2 < 1e-8);
 
-  // It may be ended on the way.
+  // go_on can end it early.
   int most = 0;
   options.threads = 1;
   options.go_on = [&](int done, int all) {
@@ -365,12 +366,12 @@ TEST_CASE("the scene of a rig has the pose, the shape and the lumens of the walk
   }
   walker.states[1].red = walker.states[1].green = 0;  // dark
   walker.states[2].red = walker.states[2].green = 0;
-  walker.states[2].blue = -1;  // no light either
+  walker.states[2].blue = -1;  // counts as dark, too
 
   const JudgeScene scene = judge_scene(rig, walker);
   REQUIRE(scene.beams.size() == 1);
   const JudgeBeam& beam = scene.beams[0];
-  CHECK(beam.axis == glm::dvec3(0, 0, -1));  // hangs straight down
+  CHECK(beam.axis == glm::dvec3(0, 0, -1));  // points straight down
   CHECK(glm::length(beam.lens_m - glm::dvec3(1, 2, 6 - 0.75)) < 1e-12);
   CHECK(beam.spread == std::tan(0.3));
   CHECK(beam.range_m == light_range_m(rig));

@@ -1,13 +1,13 @@
-// The errors that the kernels may have in the extreme cases.
+// The allowed errors of the kernels in the extreme cases.
 #pragma once
 
 #include <array>
 
 namespace footlight::render::cases {
 
-// Largest relL2 of n Gauss nodes, n = 2, 3, 4, 5, 8, for the profiles m = 1 and m = 4: the measured value in double
-// plus a tenth, since the rays are fixed and only rounding can move it. `rounding` is what float may add: measured,
-// times 3, since compilers round differently. `soft`: 5 nodes, the worst of m = 1/2, 1/3 and 1/4.
+// Largest relL2 of n Gauss nodes, n = 2, 3, 4, 5, 8, for the profiles m = 1 and m = 4: the value measured in double
+// plus a tenth, because the rays are fixed and only rounding can change it. `rounding`: the additional error of float,
+// measured, times 3, because compilers round differently. `soft`: 5 nodes, the worst of m = 1/2, 1/3 and 1/4.
 struct Bound {
   const char* name;
   double rounding;
@@ -16,7 +16,7 @@ struct Bound {
   double soft;
 };
 
-// In the order of names(): case, what float may add; m = 1; m = 4; soft.
+// In the order of names(): case, rounding; m = 1; m = 4; soft.
 inline constexpr Bound kBounds[] = {
     {"generic", 3.6e-6, {6.0e-3, 3.7e-4, 8.7e-5, 1.1e-5, 2.0e-6}, {1.1e-1, 3.3e-2, 3.7e-3, 3.8e-5, 2.4e-6}, 1.3e-4},
     {"laser", 3.3e-4, {4.7e-9, 1.0e-9, 1.0e-9, 1.0e-9, 1.0e-9}, {1.3e-1, 3.2e-2, 3.9e-3, 1.0e-9, 1.0e-9}, 3.0e-8},

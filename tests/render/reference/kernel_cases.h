@@ -1,4 +1,4 @@
-// The extreme cases of beams: random rays of each kind, rounded to float so that every precision sees the same input.
+// The extreme cases of beams: random rays of each kind, rounded to float so that every precision has the same input.
 #pragma once
 
 #include <cmath>
@@ -72,7 +72,7 @@ inline std::vector<BeamRay> rays_of(const std::string& name, int count, double p
     if (name == "wide, 60-75 deg") spread = std::tan(random.uniform(60, 75) * kPi / 180);
     if (name == "no end") t_max = std::numeric_limits<double>::infinity();
 
-    // A point in or just beside the beam, and an eye that looks at it.
+    // A point in the beam or close to it, and a camera that is aimed at it.
     const double z = random.uniform(0.1, 25);
     const double rho = 1.05 * std::sqrt(random.uniform(0, 1));
     const double phi = random.uniform(0, 2 * kPi);

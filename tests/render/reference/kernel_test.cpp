@@ -1,5 +1,5 @@
-// The light formulas of render/shaders/shared/beam.h, in float and in double, against the judge on random rays of every
-// extreme case. FOOTLIGHT_PRINT_ERRORS=1 prints the measured errors that docs/numerics.md quotes.
+// The light formulas of render/shaders/shared/beam.h, in float and in double, compared with the judge on random rays of
+// every extreme case. FOOTLIGHT_PRINT_ERRORS=1 prints the measured errors that docs/numerics.md quotes.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -169,7 +169,7 @@ TEST_CASE("Gauss nodes stay within the stated error in every extreme case and re
       CHECK(c.own_rel_l2 < 1e-11);
       const auto lit = std::count_if(c.value.begin(), c.value.end(), [](double v) { return v > 0; });
       CHECK(lit > kRays / 2);
-      Judged twin = c;  // the kernel in double as the reference: what float adds
+      Judged twin = c;  // reference: the kernel in double, to measure the error of float alone
       for (std::size_t k = 0; k < c.rays.size(); ++k) twin.value[k] = in_double(c.rays[k], Rule::kGauss, 8);
       const Distance rounding = error_of(twin, [](const BeamRay& r) { return in_float(r, Rule::kGauss, 8); });
       CHECK(rounding.rel_l2 < bound.rounding);
@@ -225,7 +225,7 @@ TEST_CASE("four Gauss nodes are closer to the judge than a march of 64 steps in 
       if (prints()) fmt::print(" march {} {:.1e}", n, march.rel_l2);
     }
     if (prints()) fmt::print("\n");
-    // A laser is as even along a ray as a march likes it: both stand on the floor that rounding gives.
+    // For a laser the integrand is so smooth that the march, too, has only rounding error.
     CHECK(gauss.rel_l2 <= 1.1 * march.rel_l2 + 1e-6);
   }
 }
@@ -256,14 +256,14 @@ TEST_CASE("gobo samples along the chord converge to the judge's gobo") {
       if (prints()) fmt::print("gobo, {}, {} samples: {:.1e}\n", name, n, real.rel_l2);
       rel_l2[i++] = wide.rel_l2;
     }
-    // 20 rad of pattern across the disc and a smooth beam: order two once the pattern is seen.
+    // 20 rad of pattern across the disc and a smooth beam: order two once the samples resolve the pattern.
     CHECK(rel_l2[0] < 3e-2);
     CHECK(rel_l2[1] < 1.3e-3);
     CHECK(rel_l2[2] < 1.5e-4);
   }
 }
 
-TEST_CASE("a ray that is not a number is dark") {
+TEST_CASE("a ray with NaN is dark") {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const std::vector<BeamRay> rays = cases::rays_of("generic", 50, 1);
   for (const BeamRay& good : rays) {
@@ -299,7 +299,7 @@ TEST_CASE("illuminance of the kernels equals the judge's at random points, and i
                                                                     auto direction) {
       auto r_m = point.x;
       const auto value = illuminance(shape, point, rho, r_m);
-      // The judge holds the surface across the axis: its cosine is the direction's z.
+      // The judge's surface is perpendicular to the axis, so its cosine is the direction's z.
       return value > 0 ? static_cast<double>(value * direction(shape, rho).z) : 0.0;
     };
     const double wide =
@@ -310,7 +310,7 @@ TEST_CASE("illuminance of the kernels equals the judge's at random points, and i
                                          static_cast<float>(beam.profile_power)},
                   p, glm::vec2(0), render::f32::beam_illuminance, render::f32::beam_direction);
     if (judge > 0) ++lit;
-    // Against the light at the beam's middle, since it falls to 0 at the edge.
+    // Relative to the light at the beam's centre, because it falls to 0 at the edge.
     const double scale = w > 0 ? 1 / (w * w) : 1;
     worst_wide = std::max(worst_wide, std::abs(wide - judge) / scale);
     worst_real = std::max(worst_real, std::abs(real - judge) / scale);
@@ -321,11 +321,11 @@ TEST_CASE("illuminance of the kernels equals the judge's at random points, and i
   if (prints()) fmt::print("illuminance over its middle: f64 {:.1e} f32 {:.1e}\n", worst_wide, worst_real);
 }
 
-TEST_CASE("floods of 60 to 175 degrees are drawn in the air and hold their lumens within the stated errors") {
+TEST_CASE("floods of 60 to 175 degrees have light in the air and lumens within the stated errors") {
   static_assert(render::f64::kWideSpread == static_cast<double>(fixtures::kWideSpread));
   struct Flood {
     double full_deg;
-    double air_max;  // relL2 of the nodes that a picture has at 3 nodes: 3, or 8 in wide beams
+    double air_max;  // relL2 with the nodes that a picture uses at the setting 3: 3, or 8 in wide beams
   };
   if (prints()) fmt::print("full angle | m | relL2 in the air | with twice the nodes | float | lumens\n");
   for (const Flood& flood : {Flood{60, 5e-2},
@@ -347,7 +347,7 @@ TEST_CASE("floods of 60 to 175 degrees are drawn in the air and hold their lumen
       double difference = 0;
       double difference_twice = 0;
       double difference_real = 0;
-      // Rays of an eye among the light, 2 to 20 m from a point up to 20 m beside the axis.
+      // Rays of a camera in the light, towards a point 2 to 20 m away and up to 20 m beside the axis.
       for (int i = 0; i < 600; ++i) {
         BeamRay ray{};
         ray.lens_radius_m = static_cast<float>(random.uniform(0.03, 0.1));
@@ -374,7 +374,7 @@ TEST_CASE("floods of 60 to 175 degrees are drawn in the air and hold their lumen
         difference_real += std::pow(in_float(ray, wide ? Rule::kWide : Rule::kGauss, wide ? 1 : 3) - exact, 2);
       }
       const double air = std::sqrt(difference / square);
-      // Lumens: J0 / k^2 f over the directions, by midpoints in the angle.
+      // Lumens: J0 / k^2 f over the directions, by the midpoint rule in the angle.
       double factor = 0;
       constexpr int kSteps = 100'000;
       for (int i = 0; i < kSteps; ++i) {
@@ -417,7 +417,7 @@ TEST_CASE("the flux factor of eight nodes is within its stated error up to 87.5 
   CHECK(worst_stage < kFluxStageBound);
 }
 
-TEST_CASE("a tile that beam_miss rejects holds no ray that sees the beam") {
+TEST_CASE("a tile that beam_miss rejects has no ray that crosses the beam") {
   Random random(5);
   int rejected = 0;
   int dark_tiles = 0;
@@ -425,7 +425,7 @@ TEST_CASE("a tile that beam_miss rejects holds no ray that sees the beam") {
   for (int i = 0; i < 20'000; ++i) {
     const double radius = random.uniform(0.001, 0.1);
     const double spread = i % 5 == 0 ? 0.0 : std::tan(random.uniform(0.001, 1.3));
-    // Eyes around the lens, in the beam, behind it, far away.
+    // Cameras around the lens, in the beam, behind it, far away.
     const double distance = std::exp(random.uniform(std::log(0.01), std::log(100)));
     const glm::dvec3 o = distance * random.direction();
     const glm::dvec3 target(random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(0, 20));
@@ -450,7 +450,7 @@ TEST_CASE("a tile that beam_miss rejects holds no ray that sees the beam") {
     bool lit = false;
     for (int r = 0; r < 40 && !lit; ++r) {
       const Ray ray{o, glm::normalize(direction(random.uniform(-1, 1), random.uniform(-1, 1)))};
-      // Light that an eye can tell from rounding at the beam's edge: over 1e-4 of a full crossing.
+      // Only light above rounding at the beam's edge counts: more than 1e-4 of a full crossing.
       const double value = judge_inscatter(beam, {0, 0, 0}, ray, 0, 200, {}, 1e-4);
       lit = value > 0;
       if (lit && (miss_left || miss_right)) ++wrong;

@@ -82,7 +82,7 @@ TEST_CASE("percentiles distinguish a rare error from a common one") {
   CHECK(common.p999 == doctest::Approx(1 / 1.01));
 }
 
-TEST_CASE("values that are not finite are counted and do not spread") {
+TEST_CASE("values that are not finite are counted and do not affect the other norms") {
   const std::vector<double> reference{1, 1, 1, 1};
   const float infinity = std::numeric_limits<float>::infinity();
   const std::vector<float> picture{std::numeric_limits<float>::quiet_NaN(), infinity, 1, 1};
@@ -92,14 +92,14 @@ TEST_CASE("values that are not finite are counted and do not spread") {
   CHECK(std::isfinite(norms.max));
 }
 
-TEST_CASE("a black reference is equal to black and infinitely far from light") {
+TEST_CASE("against a black reference the error of black is 0 and that of light infinite") {
   const std::vector<double> black(6, 0.0);
   CHECK(picture_norms(std::vector<float>(6, 0.0f), black).rel_l2 == 0);
   CHECK(picture_norms(std::vector<float>(6, 0.0f), black).max == 0);
   CHECK(std::isinf(picture_norms(std::vector<float>(6, 0.1f), black).rel_l2));
 }
 
-TEST_CASE("FLIP of equal pictures is 0, of others between 0 and 1, and the same both ways round") {
+TEST_CASE("FLIP of equal pictures is 0, of others between 0 and 1, and it is symmetric") {
   const std::vector<float> a = blobs(1, 48, 32);
   const std::vector<float> b = blobs(2, 48, 32);
   CHECK(flip_linear(48, 32, a, a).mean == 0);
@@ -113,7 +113,7 @@ TEST_CASE("FLIP of equal pictures is 0, of others between 0 and 1, and the same 
   }
 }
 
-TEST_CASE("FLIP of black against white is near its end, and of two greys near its start") {
+TEST_CASE("FLIP of black against white is near 1, and of two similar greys near 0") {
   const double far = flip_linear(16, 16, flat(256, 0, 0, 0), flat(256, 1, 1, 1)).mean;
   CHECK(far > 0.9);
   CHECK(far <= 1);
@@ -135,7 +135,7 @@ TEST_CASE("FLIP grows with the error and falls with the distance of the viewer")
     const double near = flip_linear(32, 32, a, b, 15).mean;
     CHECK(near > last);
     last = near;
-    // Stripes of one pixel are below what the eye resolves from far away.
+    // From far away the eye does not resolve stripes of one pixel.
     CHECK(flip_linear(32, 32, a, b, 60).mean < near / 2);
   }
 }
@@ -150,6 +150,6 @@ TEST_CASE("FLIP of screen pictures decodes sRGB") {
   CHECK(screen == doctest::Approx(flip_linear(8, 8, flat(64, 1, 1, 1), flat(64, 0.502886f, 0.502886f, 0.502886f)).mean)
                       .epsilon(1e-4));
   b = a;
-  for (std::size_t i = 3; i < b.rgba.size(); i += 4) b.rgba[i] = 0;  // alpha is not seen
+  for (std::size_t i = 3; i < b.rgba.size(); i += 4) b.rgba[i] = 0;  // alpha has no effect
   CHECK(flip(a, b).mean == 0);
 }

@@ -1,4 +1,4 @@
-// The error of a whole picture from a sample of its pixels, on pictures of which every pixel is known.
+// The error of a whole picture estimated from a sample of its pixels, on pictures whose exact error is known.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -19,7 +19,7 @@ constexpr int kWidth = 240;
 constexpr int kHeight = 135;
 constexpr int kPixels = kWidth * kHeight;
 
-// Uniform in [0, 1), by its index.
+// Uniform in [0, 1), a function of the index.
 double random_at(std::uint64_t index) {
   std::uint64_t z = (index + 1) * 0x9e3779b97f4a7c15u;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -35,11 +35,11 @@ struct Pair {
 
 enum class Kind { kSmooth, kEdges, kSpecks, kRareSpecks };
 
-// Light in soft cones over a dim floor, with a few discs of hard edge; and a picture of it that is wrong
-//   kSmooth: by a share that changes slowly, as quadrature with few nodes is;
-//   kEdges:  at the edges of the discs above all, as gobos are;
-//   kSpecks: in one pixel of twenty three times as much as elsewhere, wherever it lies;
-//   kRareSpecks: in one of two hundred ten times as much.
+// Light in soft cones over a dim floor, with a few discs with hard edges, and a picture of it with an error:
+//   kSmooth: a share that changes slowly, as in quadrature with few nodes;
+//   kEdges:  mostly at the edges of the discs, as with gobos;
+//   kSpecks: three times as large in one pixel of twenty, at random places;
+//   kRareSpecks: ten times as large in one pixel of two hundred.
 Pair pictures(Kind kind) {
   Pair pair;
   constexpr const char* kNames[] = {"smooth", "edges", "specks", "rare specks"};
@@ -81,12 +81,12 @@ SampledNorms norms_of(const Pair& pair, const PixelSample& sample) {
 }
 
 struct Coverage {
-  double rate = 0;      // of seeds whose interval holds the truth
-  double estimate = 0;  // root of the mean square over the seeds, over the truth
+  double rate = 0;      // share of seeds whose interval contains the true error
+  double estimate = 0;  // root mean square of the estimates over the seeds, over the true error
   double factor = 0;    // from the estimate to an end of the interval
 };
 
-// Over 400 seeds, with as many pixels as a report judges: the binomial deviation of a rate of 0.95 is 0.011.
+// 400 seeds, with as many pixels as a report uses. The binomial deviation of a rate of 0.95 is 0.011.
 Coverage coverage_of(Kind kind) {
   constexpr int kSeeds = 400;
   const Pair pair = pictures(kind);
@@ -107,12 +107,12 @@ Coverage coverage_of(Kind kind) {
   return coverage;
 }
 
-TEST_CASE("the interval of a sample holds the true error of the picture at about its rate of 95 %") {
+TEST_CASE("the interval of a sample contains the true error of the picture in about 95 % of samples") {
   for (const Kind kind : {Kind::kSmooth, Kind::kEdges, Kind::kSpecks}) {
     CAPTURE(static_cast<int>(kind));
     const Coverage coverage = coverage_of(kind);
-    // Squared errors with a long tail are covered less often: by Student's t they should be near to a normal
-    // distribution in the mean, and these are not quite.
+    // Squared errors with a long tail are covered less often: Student's t assumes that their mean is normally
+    // distributed, which is only nearly true here.
     CHECK(coverage.rate > (kind == Kind::kSpecks ? 0.88 : 0.93));
     CHECK(coverage.rate < 0.98);
     CHECK(coverage.estimate == doctest::Approx(1).epsilon(0.02));
@@ -120,19 +120,19 @@ TEST_CASE("the interval of a sample holds the true error of the picture at about
   }
 }
 
-// What docs/numerics.md warns of.
-TEST_CASE("an error in few pixels leaves the estimate unbiased and is not in the interval") {
+// The case that docs/numerics.md warns of.
+TEST_CASE("an error in few pixels does not bias the estimate, and the interval does not include it") {
   const Coverage coverage = coverage_of(Kind::kRareSpecks);
   CHECK(coverage.estimate == doctest::Approx(1).epsilon(0.02));
   CHECK(coverage.rate < 0.85);
 }
 
-TEST_CASE("a stratified sample is nearer to the error at edges than as many evenly drawn pixels") {
+TEST_CASE("a stratified sample estimates errors at edges better than as many uniformly drawn pixels") {
   const Pair pair = pictures(Kind::kEdges);
   const double truth = picture_norms(pair.picture.rgb, pair.reference).rel_l2;
   double stratified = 0;
   double even = 0;
-  const RadianceImage grey{kWidth, kHeight, std::vector<float>(3 * kPixels, 1.0f)};  // nothing to tell pixels by
+  const RadianceImage grey{kWidth, kHeight, std::vector<float>(3 * kPixels, 1.0f)};  // without features to stratify by
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     for (const auto& [pilot, sum] : {std::pair(&pair.picture, &stratified), std::pair(&grey, &even)}) {
       const PixelSample sample = sample_pixels(*pilot, 1500, seed);
@@ -145,8 +145,7 @@ TEST_CASE("a stratified sample is nearer to the error at edges than as many even
   CHECK(stratified < even / 2);
 }
 
-TEST_CASE(
-    "a sample has each pixel at most once, dim ones and edges among them, and weights that add up to the picture") {
+TEST_CASE("a sample has each pixel at most once, also dim ones and edges, and its weights add up to the picture") {
   const Pair pair = pictures(Kind::kEdges);
   const PixelSample sample = sample_pixels(pair.picture, 1500, 7);
   CHECK(sample.pixels.size() > 1450);
@@ -167,13 +166,12 @@ TEST_CASE(
   CHECK(weights == doctest::Approx(kPixels).epsilon(1e-9));
   CHECK(dim > 200);
   CHECK(edges > 30);
-  // Shuffled: half of the list lies all over the picture.
+  // Shuffled: half of the list is spread over the whole picture.
   CHECK(first_half_of_rows > 200);
   CHECK(first_half_of_rows < 550);
 }
 
-TEST_CASE(
-    "the same seed draws the same pixels, another one others, and a picture with a changed pixel nearly the same") {
+TEST_CASE("a seed draws the same pixels, another seed others, and a picture with one changed pixel nearly the same") {
   Pair pair = pictures(Kind::kSmooth);
   const PixelSample sample = sample_pixels(pair.picture, 1000, 1);
   CHECK(sample_pixels(pair.picture, 1000, 1).pixels == sample.pixels);
@@ -187,7 +185,7 @@ TEST_CASE(
   CHECK(common(sample_pixels(pair.picture, 1000, 1)) > 980);
 }
 
-TEST_CASE("a sample of every pixel is the whole picture, and its interval has no width") {
+TEST_CASE("a sample of every pixel is the whole picture, and its interval has the width 0") {
   const Pair pair = pictures(Kind::kEdges);
   const PixelSample sample = sample_pixels(pair.picture, kPixels, 3);
   CHECK(sample.whole);
@@ -196,7 +194,7 @@ TEST_CASE("a sample of every pixel is the whole picture, and its interval has no
   CHECK(norms.norms.rel_l2 == truth.rel_l2);
   CHECK(norms.rel_l2_low == truth.rel_l2);
   CHECK(norms.rel_l2_high == truth.rel_l2);
-  // One pixel less is a sample; its norms are nearly those of the picture.
+  // With one pixel less it is a sample. Its norms are nearly those of the picture.
   const PixelSample most = sample_pixels(pair.picture, kPixels - 1, 3);
   CHECK(!most.whole);
   const SampledNorms nearly = norms_of(pair, most);
@@ -206,7 +204,7 @@ TEST_CASE("a sample of every pixel is the whole picture, and its interval has no
   CHECK(nearly.norms.p999 == doctest::Approx(truth.p999).epsilon(0.01));
 }
 
-TEST_CASE("equal pictures have no error, black ones no ratio, and values that are not finite are counted") {
+TEST_CASE("equal pictures have no error, black references no ratio, and values that are not finite are counted") {
   Pair pair = pictures(Kind::kSmooth);
   const PixelSample sample = sample_pixels(pair.picture, 1000, 1);
   std::vector<float> picture = at_sample<float>(sample, pair.picture.rgb, 3);

@@ -73,7 +73,7 @@ TEST_CASE("rows printed one by one align with the names of their columns") {
 TEST_CASE("a table's columns align with their names") {
   const std::vector<std::string> lines = lines_of(table_of(picture_rows()));
   REQUIRE(lines.size() == 3);
-  for (const char* name : {"knob", "rel_l2", "bytes"}) {  // numbers end where their name ends, or it where they do
+  for (const char* name : {"knob", "rel_l2", "bytes"}) {  // numbers are right-aligned with their names
     const std::size_t end = lines[0].find(name) + std::string(name).size();
     CAPTURE(name);
     CHECK(lines[1][end - 1] != ' ');
@@ -103,7 +103,7 @@ TEST_CASE("a row states how it ended, and whether its times are stable") {
   CHECK(csv_of(std::vector<TimeRow>{row}).find("unstable") != std::string::npos);
 }
 
-TEST_CASE("JSON lines hold exactly the names of the row, and come back as they went") {
+TEST_CASE("JSON lines have exactly the names of the row, and are read back unchanged") {
   const std::string text = json_lines_of(picture_rows());
   const std::vector<std::string> lines = lines_of(text);
   REQUIRE(lines.size() == 2);
@@ -133,7 +133,7 @@ TEST_CASE("JSON lines hold exactly the names of the row, and come back as they w
   CHECK(time.contains("ns_p50"));
 }
 
-TEST_CASE("a bad line of JSON is named by its number and by what is missing") {
+TEST_CASE("an invalid line of JSON is reported with its number and the missing value") {
   const auto broken = picture_rows_from_json_lines("\n{\"scene\": ", "old.jsonl");
   REQUIRE_FALSE(broken.has_value());
   CHECK(broken.error().message.find("old.jsonl:2: expected one JSON object") != std::string::npos);
@@ -148,7 +148,7 @@ TEST_CASE("a bad line of JSON is named by its number and by what is missing") {
   CHECK(picture_rows_from_json_lines("", "x")->empty());
 }
 
-TEST_CASE("CSV quotes what would break it and keeps every digit") {
+TEST_CASE("CSV quotes texts with separators and keeps every digit") {
   std::vector<PictureRow> rows = picture_rows();
   rows[0].rel_l2 = 0.1234567890123456;
   const std::string text = csv_of(rows);
@@ -161,7 +161,7 @@ TEST_CASE("CSV quotes what would break it and keeps every digit") {
 TEST_CASE("cost at an error is interpolated in logarithms, in order of cost") {
   const Curve curve = power_law(2);
   CHECK(*cost_at_error(curve, 1e-2) == doctest::Approx(std::sqrt(10)));
-  CHECK(*cost_at_error(curve, 0.5) == 1);  // the cheapest is good enough
+  CHECK(*cost_at_error(curve, 0.5) == 1);  // the cheapest point is good enough
   CHECK_FALSE(cost_at_error(curve, 1e-4));
   CHECK_FALSE(cost_at_error(Curve{}, 1));
 }
@@ -171,11 +171,11 @@ TEST_CASE("error at a cost is interpolated in logarithms and never worse than a 
   CHECK(*error_at_cost(curve, 2.5) == doctest::Approx(0.1 / 6.25));
   CHECK(*error_at_cost(curve, 1000) == doctest::Approx(0.1 / 64));
   CHECK_FALSE(error_at_cost(curve, 0.9));
-  curve.points.push_back({16, 1, ""});  // gets worse
+  curve.points.push_back({16, 1, ""});  // a larger error
   CHECK(*error_at_cost(curve, 20) == doctest::Approx(0.1 / 64));
 }
 
-TEST_CASE("the order of a power law is its exponent, and of one point unknown") {
+TEST_CASE("the order of a power law is its exponent, and one point has no order") {
   CHECK(*order_of(power_law(2)) == doctest::Approx(2));
   CHECK(*order_of(power_law(0)) == doctest::Approx(0));
   CHECK_FALSE(order_of(Curve{"one", {{1, 1, ""}}}));
@@ -209,7 +209,7 @@ TEST_CASE("a summary prints not reached for curves that do not reach an error") 
   CHECK(lines[0].size() == lines[1].size());
 }
 
-TEST_CASE("rows become one curve a method, without failed points, and an exact one keeps its place") {
+TEST_CASE("rows become one curve per method without failed points, and an exact method has a point") {
   std::vector<TimeRow> rows(4);
   rows[0].method = "a";
   rows[0].ns_p50 = 5;
@@ -229,7 +229,7 @@ TEST_CASE("rows become one curve a method, without failed points, and an exact o
   CHECK(curves[1].points[1].label == "4");
 }
 
-TEST_CASE("a plot escapes its texts, and draws even when there is nothing to draw") {
+TEST_CASE("a plot escapes its texts, and a plot without points is valid") {
   const std::string svg = svg_plot({"a < b & c", "", "x", "y"}, std::vector<Curve>{power_law(2)});
   CHECK(svg.find("a &lt; b &amp; c") != std::string::npos);
   CHECK(svg.substr(0, 4) == "<svg");

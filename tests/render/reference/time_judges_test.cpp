@@ -22,7 +22,7 @@ double judged(double y, double v, double dt_s) {
 
 }  // namespace
 
-TEST_CASE("a dark filament cools as the closed form of its power law does, down to the room") {
+TEST_CASE("an unpowered filament cools by the closed form of its power law, down to the room's temperature") {
   const double e = kLaw.p - kLaw.q - 1;
   for (const double t_s : {0.01, 0.1, 1.0}) {
     const double closed = std::pow(1 + e * kLaw.rate_per_s * t_s, -1 / e);
@@ -31,7 +31,7 @@ TEST_CASE("a dark filament cools as the closed form of its power law does, down 
   CHECK(judged(1, 0, 1e6) == kLaw.ambient);
 }
 
-TEST_CASE("a filament settles where its voltage holds it") {
+TEST_CASE("a filament reaches the steady temperature of its voltage") {
   for (const double v : {0.1, 0.5, 1.0}) {
     const double rest = std::pow(v, 2 / (kLaw.p + kLaw.r));
     CHECK(judged(kLaw.ambient, v, 1000) == doctest::Approx(rest).epsilon(1e-15));
@@ -57,13 +57,13 @@ TEST_CASE("the time of a filament's heating distinguishes a temperature that is 
   }
 }
 
-TEST_CASE("the filament's judge does not care how time is cut") {
+TEST_CASE("the filament's judge does not depend on how time is divided") {
   const Wide whole = filament_judged(kLaw, 0.3L, 0.8L, 0.25L, 20, 1e-17L);
   const Wide half = filament_judged(kLaw, filament_judged(kLaw, 0.3L, 0.8L, 0.1L, 20, 1e-17L), 0.8L, 0.15L, 20, 1e-17L);
   CHECK(static_cast<double>(std::fabs(whole - half)) < 1e-15);
 }
 
-TEST_CASE("an axis from rest to rest takes twice the root of way over acceleration, and not a microsecond less") {
+TEST_CASE("an axis from rest to rest takes twice the root of distance over acceleration, to a microsecond") {
   constexpr double kWay = 2;
   constexpr double kAcceleration = 8;
   const Wide time_s = 2 * std::sqrt(Wide(kWay) / kAcceleration);
@@ -101,7 +101,7 @@ TEST_CASE("the share of a frame that flashes fill is the same by overlaps and by
   }
 }
 
-TEST_CASE("the matrix exponential equals a critical step's closed form and an undamped swing's sine") {
+TEST_CASE("the matrix exponential equals the closed forms of a critically damped step and an undamped oscillation") {
   SpringJudge critical{.stiffness = 400, .damping = 40};
   critical.advance(1, 0.07L);
   CHECK(static_cast<double>(critical.x) == doctest::Approx(1 - (1 + 1.4) * std::exp(-1.4)).epsilon(1e-15));
@@ -112,18 +112,18 @@ TEST_CASE("the matrix exponential equals a critical step's closed form and an un
 }
 
 TEST_CASE("the judge of a room agrees with the closed forms of closed rooms and of stirred ones") {
-  const std::vector<AirStretch> filling = {{2e-3, 1e9, 50'000'000'000}};  // mixed at once
+  const std::vector<AirStretch> filling = {{2e-3, 1e9, 50'000'000'000}};  // mixes at once
   const double alone = 2e-3 * 120 * (1 - std::exp(-50.0 / 120));
   CHECK(static_cast<double>(air_judged(filling, 120).scattering_per_m) == doctest::Approx(alone).epsilon(1e-9));
   CHECK(static_cast<double>(air_judged(filling, 120).total_per_m) == doctest::Approx(alone).epsilon(1e-14));
-  // In a room that loses nothing the share that has mixed is 1 - (1 - e^-mt) / mt.
+  // In a closed room the mixed share is 1 - (1 - e^-mt) / mt.
   const std::vector<AirStretch> closed = {{1e-3, 0.02, 20'000'000'000}, {1e-3, 0.02, 30'000'000'000}};
   const double mixed = 1e-3 * 50 * (1 - (1 - std::exp(-1.0)) / 1.0);
   CHECK(static_cast<double>(air_judged(closed, 1e15).scattering_per_m) == doctest::Approx(mixed).epsilon(1e-13));
   CHECK(air_judged({}, 120).total_per_m == 0);
 }
 
-TEST_CASE("a room agrees with the integrals over its droplets, from 1 ns to 1e6 s and from stiff to still") {
+TEST_CASE("a room agrees with the integrals over its droplets, from 1 ns to 1e6 s and from fast to slow mixing") {
   double worst = 0, worst_f = 0;
   for (const double tau_s : {1e-3, 0.5, 120.0, 600.0, 1e6}) {
     for (const double mixing_hz : {0.0, 1e-6, 1 / 60.0, 0.1, 50.0}) {
@@ -143,7 +143,7 @@ TEST_CASE("a room agrees with the integrals over its droplets, from 1 ns to 1e6 
         CAPTURE(tau_s);
         CAPTURE(mixing_hz);
         CAPTURE(dt_ns);
-        // Beside all that is in the room; where that has gone out, beside nothing that can be seen.
+        // Relative to everything in the room, or to an invisible amount if nothing is left.
         const auto all = static_cast<double>(std::max(right.total_per_m, footlight::render::Wide{1e-12L}));
         const auto scattering = static_cast<double>(right.scattering_per_m);
         const double error = std::abs(room_scattering(air) - scattering) / all;

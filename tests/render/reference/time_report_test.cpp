@@ -63,7 +63,7 @@ TimeRow made_row(const std::string& method, double tau_ms, double rel_l2, double
 
 }  // namespace
 
-TEST_CASE("a report that is ended keeps the rows that it has, as they would be, and measures no more") {
+TEST_CASE("a report that ends early keeps its rows, equal to those of a full report, and measures no more") {
   TimeReportOptions options = small_options();
   int calls = 0;
   options.ended = [&] { return ++calls > 40; };
@@ -76,7 +76,7 @@ TEST_CASE("a report that is ended keeps the rows that it has, as they would be, 
   }
 }
 
-TEST_CASE("every model has a row for each of its rivals, at every knob, stiffness and frame rate") {
+TEST_CASE("every model has a row for each method, at every knob, stiffness and frame rate") {
   const TimeReportOptions options = small_options();
   const std::size_t fps = options.fps.size();
   const std::size_t scenes = options.tau_ms.size() * fps;
@@ -182,24 +182,24 @@ TEST_CASE("every model has a row for each of its rivals, at every knob, stiffnes
   for (const TimeRow& row : report().rows) CHECK(row.ns_p50 == 0);
 }
 
-TEST_CASE("each judge's error is as small as a report at 1e-12 needs, and an unrelated judge agrees") {
+TEST_CASE("each judge's error is small enough for a report at 1e-12, and an independent judge agrees") {
   struct Bound {
     double own;
     double difference;
   };
   const std::map<std::string, Bound> bounds = {
-      {"filament", {3200e-12, 1e-6}},  // K; the quadrature is in double and divides by the slope
-      {"motion", {1e-12, 1e-6}},       // the second judge steps a microsecond at a time
+      {"filament", {3200e-12, 1e-6}},  // K; the quadrature is in double and divides by the derivative
+      {"motion", {1e-12, 1e-6}},       // the second judge has steps of a microsecond
       {"strobe", {1e-12, 1e-12}},
       {"spin", {1e-12, 1e-11}},
       {"smoothing", {1e-12, 1e-11}},
       {"belt", {1e-12, 1e-11}},
-      {"led", {1e-12, 1e-6}},  // the second judge takes means of two points
+      {"led", {1e-12, 1e-6}},  // the second judge uses means of two points
       {"mains", {1e-12, 1e-12}},
-      {"dimmer", {1e-12, 1e-6}},  // as of the LED
+      {"dimmer", {1e-12, 1e-6}},  // as for the LED
       {"pulse", {1e-12, 1e-6}},   // the second judge samples
       {"random-pulse", {1e-12, 1e-6}},
-      // Two judges that step: as near as their steps make them.
+      // Both judges have steps, so their bounds are larger.
       {"discharge", {1e-8, 1e-6}},
       {"jerk", {1e-7, 1e-6}},
   };
@@ -208,12 +208,12 @@ TEST_CASE("each judge's error is as small as a report at 1e-12 needs, and an unr
     CAPTURE(judge.model);
     CHECK(judge.own < bounds.at(judge.model).own);
     CHECK(judge.difference < bounds.at(judge.model).difference);
-    CHECK(judge.difference > 0);  // it was asked
+    CHECK(judge.difference > 0);  // the second judge has run
   }
 }
 
-// Measured over the default sweep, times three or more for other compilers' rounding.
-TEST_CASE("the exact models are as near to their judges as rounding lets them, at every stiffness and frame rate") {
+// Measured over the default sweep, times three or more for the rounding of other compilers.
+TEST_CASE("the exact models differ from their judges by rounding only, at every stiffness and frame rate") {
   CHECK(worst("filament", "universal curve f64") < 0.05);  // K
   CHECK(worst("filament", "universal curve f32") < 0.05);
   CHECK(worst("smoothing", "exact f64") < 1e-14);
@@ -226,23 +226,23 @@ TEST_CASE("the exact models are as near to their judges as rounding lets them, a
   CHECK(worst("spin", "64-bit turns f32") < 1e-10);
   CHECK(worst("mains", "exposure integral f64") < 1e-12);
   CHECK(worst("mains", "exposure integral f32") < 1e-5);
-  CHECK(worst("led", "exact f64") < 1e-3);  // the droop of the frame's end stands for the frame
+  CHECK(worst("led", "exact f64") < 1e-3);  // the droop at the frame's end is used for the whole frame
   CHECK(worst("led", "exact f32") < 1e-3);
   CHECK(worst("belt", "propagator f64") < 1e-13);
   CHECK(worst("belt", "propagator f32") < 1.5e-5);
-  CHECK(worst("dimmer", "law, then exact f64") < 1e-3);  // as of the LED
+  CHECK(worst("dimmer", "law, then exact f64") < 1e-3);  // as for the LED
   CHECK(worst("dimmer", "law, then exact f32") < 1e-3);
   CHECK(worst("pulse", "exposure integral f64") < 1e-12);
   CHECK(worst("pulse", "exposure integral f32") < 1e-5);
   CHECK(worst("random-pulse", "exposure integral f64") < 1e-12);
   CHECK(worst("random-pulse", "exposure integral f32") < 1e-5);
-  CHECK(worst("discharge", "exact f64") < 1e-8);  // the judge's steps
+  CHECK(worst("discharge", "exact f64") < 1e-8);  // error of the judge's steps
   CHECK(worst("discharge", "exact f32") < 1e-5);
   CHECK(worst("jerk", "exact f64") < 1e-7);
   CHECK(worst("jerk", "exact f32") < 1e-5);
 }
 
-TEST_CASE("rivals that diverge have rows that state it") {
+TEST_CASE("methods that diverge have rows with that outcome") {
   CHECK(row_at("filament", "explicit Euler", 1, 3, 15).outcome == TimeOutcome::kDiverged);
   CHECK(row_at("filament", "RK4", 1, 3, 15).outcome == TimeOutcome::kDiverged);
   CHECK(row_at("belt", "RK4", 1, 3, 15).outcome == TimeOutcome::kNonFinite);
@@ -254,7 +254,8 @@ TEST_CASE("rivals that diverge have rows that state it") {
   }
 }
 
-TEST_CASE("rivals come nearer with more steps a frame, and with 64 none is as near as the exact models in float") {
+TEST_CASE(
+    "methods are more accurate with more steps per frame, but with 64 less accurate than the exact models in float") {
   for (const TimeRow& coarse : report().rows) {
     const bool motion = coarse.model == "motion" && coarse.method != "lerp a frame";
     if (coarse.knob != 1 || !(motion || coarse.model == "filament" || coarse.model == "belt")) continue;
@@ -270,7 +271,7 @@ TEST_CASE("rivals come nearer with more steps a frame, and with 64 none is as ne
   }
 }
 
-TEST_CASE("libraries come nearer with a finer tolerance and reach a thousandth of a kelvin") {
+TEST_CASE("libraries are more accurate with a finer tolerance and reach a thousandth of a kelvin") {
   for (const std::string method : {"Odeint Rosenbrock-4", "CVODE BDF"}) {
     if (method == "CVODE BDF" && !has_cvode()) continue;
     for (const double tau_ms : small_options().tau_ms) {
@@ -288,7 +289,7 @@ TEST_CASE("sums in float lose a tenth of a turn in an hour, and sampled strobes 
   CHECK(worst("strobe", "point samples") > 0.3);
 }
 
-TEST_CASE("without timing the rows are equal on every run, and another seed makes another show") {
+TEST_CASE("without timing the rows are equal on every run, and another seed gives another show") {
   TimeReportOptions options = small_options();
   options.tau_ms = {34};
   options.fps = {60};
@@ -318,7 +319,7 @@ TEST_CASE("with timing every method has a time") {
   }
 }
 
-TEST_CASE("values are ok, useless, diverged or non-finite by what they are against the judge's") {
+TEST_CASE("values are ok, useless, diverged or non-finite, compared with the judge's") {
   const TimeScene scene{.model = "m", .unit = "K", .judge = {0, 1, 0.5}, .unit_scale = 100};
   const auto row = [&](std::vector<double> values) { return time_row_of(scene, "x", 1, values); };
   CHECK(row({0, 1, 0.5}).error_max == 0);
@@ -331,7 +332,7 @@ TEST_CASE("values are ok, useless, diverged or non-finite by what they are again
   CHECK(std::isinf(row({0, 1, std::numeric_limits<double>::quiet_NaN()}).error_max));
 }
 
-TEST_CASE("disagreements of float and double are three a model, largest first, and a longer search finds more") {
+TEST_CASE("differences of float and double are three per model, largest first, and a longer search finds larger ones") {
   const std::vector<Disagreement> some = worst_disagreements(500);
   const std::vector<Disagreement> more = worst_disagreements(5000);
   REQUIRE(some.size() % kWorstCount == 0);
@@ -350,7 +351,7 @@ TEST_CASE("disagreements of float and double are three a model, largest first, a
   CHECK(grew);
 }
 
-TEST_CASE("float and double agree on every model's step within what float can hold") {
+TEST_CASE("float and double agree on every model's step within the resolution of float") {
   const std::map<std::string, double> bounds = {
       {"motor", 1e-4}, {"belt", 1e-4},  {"smoothing", 1e-6}, {"filament", 0.1}, {"filament light", 1e-5},
       {"led", 1e-4},   {"mains", 1e-3}, {"shutter", 1e-3},   {"turns", 1e-15},  {"dimmer law", 1e-6},
@@ -390,7 +391,7 @@ TEST_CASE("time at an error is a mean over the scenes that reach it, with their 
                                      made_row("rival", 3, 1e-1, 20), made_row("rival", 34, 1e-6, 300)};
   const std::string text = time_at_error_of(rows, "ours");
   CHECK(text.find("300 (1/2)") != std::string::npos);
-  CHECK(text.find("30 (1/2)") != std::string::npos);  // times ours
+  CHECK(text.find("30 (1/2)") != std::string::npos);  // relative to `ours`
   const std::string cheapest = cheapest_rivals_of(rows, "ours", 60);
   CHECK(cheapest.find("no other method is as accurate") != std::string::npos);
   CHECK(cheapest.find("rival, 30 times as long") != std::string::npos);

@@ -1,4 +1,4 @@
-// What a device must have, and what is said of one that lacks it.
+// The requirements of a device, and the message for a device that does not meet them.
 #include <functional>
 #include <string>
 #include <vector>
@@ -18,16 +18,16 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 struct Lack {
   std::function<void(DeviceFacts&)> take;
-  std::vector<std::string> words;  // of the message
+  std::vector<std::string> words;  // parts of the message
 };
 
-TEST_CASE("the device of the tests has all that is demanded") {
+TEST_CASE("the device of the tests has everything that is required") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   CHECK(check_demands(vulkan.device().facts()));
 }
 
-TEST_CASE("a device that lacks a limit or a feature is refused with its name, its value and the need") {
+TEST_CASE("a device that lacks a limit or a feature is refused with its name, its value and the required value") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const std::vector<Lack> lacks = {

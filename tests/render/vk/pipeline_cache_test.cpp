@@ -49,7 +49,7 @@ std::size_t files_in(const std::string& folder) {
   return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
 
-TEST_CASE("pipelines are read as they were written, by the same device and driver only") {
+TEST_CASE("pipelines are read back unchanged, by the same device and driver only") {
   const TempFolder folder;
   const DeviceFacts facts = some_facts();
   const std::string path = pipeline_cache_path(folder.file("new/folder"), facts);
@@ -58,7 +58,7 @@ TEST_CASE("pipelines are read as they were written, by the same device and drive
   CHECK(read_pipeline_cache(path, facts) == some_data(1000));
   must(write_pipeline_cache(path, facts, some_data(70)));
   CHECK(read_pipeline_cache(path, facts) == some_data(70));
-  CHECK(files_in(folder.file("new/folder")) == 1);  // replaced, and nothing left beside it
+  CHECK(files_in(folder.file("new/folder")) == 1);  // replaced, without a temporary file
 
   DeviceFacts other = facts;
   other.properties.driverVersion = 0x1235;
@@ -73,7 +73,7 @@ TEST_CASE("pipelines are read as they were written, by the same device and drive
   CHECK(read_pipeline_cache(path, other).empty());
 }
 
-TEST_CASE("a file with a flipped bit, cut off or longer is ignored") {
+TEST_CASE("a file with a flipped bit, a truncated file and a longer file are ignored") {
   const TempFolder folder;
   const DeviceFacts facts = some_facts();
   const std::string path = folder.file("a.bin");
@@ -94,7 +94,7 @@ TEST_CASE("a file with a flipped bit, cut off or longer is ignored") {
   CHECK(read_pipeline_cache(folder.path().string(), facts).empty());
 }
 
-TEST_CASE("a folder that cannot be made is an error that names the way without it") {
+TEST_CASE("a folder that cannot be created is an error that names the setting without a cache") {
   const TempFolder folder;
   write(folder.file("file"), "");
   const Status status = write_pipeline_cache(folder.file("file") + "/a.bin", some_facts(), some_data(1));
@@ -102,7 +102,7 @@ TEST_CASE("a folder that cannot be made is an error that names the way without i
   CHECK((status.error().message.find("FOOTLIGHT_PIPELINE_CACHE=off") != std::string::npos));
 }
 
-TEST_CASE("a device leaves its pipelines in the folder, and another takes them or does without") {
+TEST_CASE("a device writes its pipelines to the folder, and another one reads them or works without them") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const TempFolder folder;
@@ -122,7 +122,7 @@ TEST_CASE("a device leaves its pipelines in the folder, and another takes them o
   compile();
   write(path, "damaged");
   compile();
-  CHECK(!read_pipeline_cache(path, vulkan.device().facts()).empty());  // written anew
+  CHECK(!read_pipeline_cache(path, vulkan.device().facts()).empty());  // written again
   CHECK(files_in(options.cache_folder) == 1);
 }
 

@@ -1,4 +1,4 @@
-// What the SPIR-V of a shader says about its bindings.
+// Bindings read from the SPIR-V of shaders.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -41,14 +41,14 @@ TEST_CASE("each pass stays within the descriptors that a device must have") {
       CHECK(buffers <= vk::kStorageBuffersMax);
       CHECK(vk::count_of(shader, kImage) <= vk::kStorageImagesMax);
       CHECK(vk::count_of(shader, kSampled) <= vk::kSamplersMax);
-      CHECK(shader.push_bytes <= 128);  // that Vulkan guarantees
+      CHECK(shader.push_bytes <= 128);  // the least that Vulkan guarantees
       for (const ShaderBinding& binding : shader.bindings) CHECK(binding.binding < FL_BINDING_COUNT);
     }
   }
-  CHECK(most == 25);  // as render/vk/demands.h states it
+  CHECK(most == 25);  // the value in render/vk/demands.h
 }
 
-TEST_CASE("a pipeline's interface has what its shaders declare, and nothing else") {
+TEST_CASE("a pipeline's interface has exactly the bindings that its shaders declare") {
   CHECK(interface_of("tonemap").bindings == std::vector<ShaderBinding>{{FL_BINDING_PARAMS, kBuffer},
                                                                        {FL_BINDING_RADIANCE, kImage},
                                                                        {FL_BINDING_SCREEN, kImage}});
@@ -68,7 +68,7 @@ TEST_CASE("the stages of a pipeline share a binding of one type") {
   CHECK(must(vk::read_interfaces(twice)).bindings == must(vk::read_interface(vertex)).bindings);
 }
 
-TEST_CASE("SPIR-V that is cut off anywhere is refused or read, and never read past its end") {
+TEST_CASE("truncated SPIR-V is refused or read, and never read past its end") {
   const vk::Spirv whole = pass_shaders().back().pipelines.at(0).at(0);
   const std::vector<std::uint32_t> words(whole.begin(), whole.end());
   for (std::size_t length = 0; length < words.size(); length += 7) {
@@ -80,7 +80,7 @@ TEST_CASE("SPIR-V that is cut off anywhere is refused or read, and never read pa
   other[0] = 0;
   CHECK(!vk::read_interface(other));
   other = words;
-  other[5] &= 0xffff;  // an instruction of no words
+  other[5] &= 0xffff;  // an instruction with a length of 0 words
   CHECK(!vk::read_interface(other));
 }
 

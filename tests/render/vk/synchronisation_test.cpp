@@ -1,4 +1,4 @@
-// That the validation layer of the tests checks barriers.
+// The validation layer of the tests checks barriers.
 #include <algorithm>
 #include <string>
 
@@ -14,7 +14,7 @@ namespace {
 using footlight::testing::HeadlessVulkan;
 using footlight::testing::must;
 
-// Two writes into the same bytes, with a barrier between them or without; the messages of the layer.
+// Writes the same bytes twice, with or without a barrier between the writes. Returns the messages of the layer.
 std::vector<std::string> messages_of_two_writes(const HeadlessVulkan& vulkan, bool barrier) {
   const auto device = must(Device::create({.validation = true, .name_contains = vulkan.device().name()}));
   const Buffer buffer = must(Buffer::device_local(*device, 256, 0));
@@ -26,7 +26,7 @@ std::vector<std::string> messages_of_two_writes(const HeadlessVulkan& vulkan, bo
   return device->validation_messages();
 }
 
-TEST_CASE("a barrier that is missing is reported") {
+TEST_CASE("a missing barrier is reported") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   if (!vulkan.device().validates_synchronisation()) {

@@ -1,4 +1,4 @@
-// The demo show: checks that a lighting designer would make.
+// The demo show, checked for what a lighting designer would check.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -110,8 +110,8 @@ TEST_CASE("the light varies: parts differ in colour, gobo and zoom") {
   CHECK(wide > 40);
 }
 
-// The positions of the heads as their motors reach them. From the front-of-house camera at most a few narrow beams may
-// point straight at the camera at a time.
+// Uses the positions that the motors reach. From the front-of-house camera at most a few narrow beams may point
+// straight at the camera at a time.
 TEST_CASE("few beams at a time point into the main camera") {
   const fixtures::Rig& rig = fixtures::demo_rig();
   const auto compiled = fixtures::compile(rig);

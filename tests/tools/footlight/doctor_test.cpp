@@ -421,7 +421,7 @@ TEST_CASE("the number of universes through a stall grows with the buffer, up to 
   CHECK(universes_through_a_stall(1 << 30) == universes_through_a_stall(4 << 20));
 }
 
-TEST_CASE("doctor --json prints one object a check, and its exit code is 1 if one has failed") {
+TEST_CASE("doctor --json prints one object per check, and its exit code is 1 if one has failed") {
   const auto outcome = testing::footlight({"doctor", "--json"});
   std::istringstream lines(outcome.out);
   std::size_t count = 0;

@@ -1,4 +1,4 @@
-// OpenEXR files, read back with the library itself: the light as the renderer has it, and what the header says.
+// OpenEXR files, read back with the OpenEXR library: the light of the renderer, and the header.
 #include <cerrno>
 #include <cmath>
 #include <csignal>
@@ -82,7 +82,7 @@ TEST_CASE("every float comes back from an OpenEXR file bit for bit, with units, 
   for (int i = 0; i < 37 * 19 * 3; ++i) {
     bits = bits * 1664525u + 1013904223u;
     float value = 0;
-    std::memcpy(&value, &bits, sizeof(value));  // every kind of float: tiny, huge, negative, not a number
+    std::memcpy(&value, &bits, sizeof(value));  // every kind of float: tiny, huge, negative, NaN
     image.rgb.push_back(value);
   }
   image.rgb[0] = std::numeric_limits<float>::denorm_min();
@@ -117,7 +117,7 @@ TEST_CASE("every float comes back from an OpenEXR file bit for bit, with units, 
   CHECK(!Imf::hasFramesPerSecond(header));
 }
 
-TEST_CASE("where a picture cannot be written, its name, the reason and no half of it are left") {
+TEST_CASE("a picture that cannot be written is reported with its name and the reason, and no partial file is left") {
   const TempFolder folder;
   const render::RadianceImage light{64, 64, std::vector<float>(64 * 64 * 3, 0.3f)};
   const render::ScreenImage screen = render::screen_of(light, 0);

@@ -1,4 +1,4 @@
-// Fixture definitions through the command: checked as text and as JSON, and shown.
+// Fixture definitions through the commands check and show, as text and as JSON.
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -84,10 +84,10 @@ TEST_CASE("check finds the definitions in folders, and its exit code is 1 if one
   CHECK(contains(bad.out, "warnings  " + head + ": Us Head, 2 modes"));
 }
 
-TEST_CASE("check prints a summary first, then one line a file and its errors, and the rest with --notes") {
+TEST_CASE("check prints a summary first, then one line per file and its errors, and the rest with --notes") {
   TempFolder folder;
   std::string head = kHead;
-  // Two fades longer than those of any motor, beside the set that is lost.
+  // Two fades longer than those of any motor, and the set that is lost.
   head.replace(head.find("RealFade='3.5'"), 14, "RealFade='999'");
   head.replace(head.find("<ChannelFunction DMXFrom='0/1'>"), 31, "<ChannelFunction DMXFrom='0/1' RealFade='1e3'>");
   const std::string wrong = folder.write("a.gdtf", make_zip({{"description.xml", head, 8}}));
@@ -128,7 +128,7 @@ TEST_CASE("check refuses unreadable arguments, and finds nothing in an empty fol
   CHECK(mixed[0]["diagnostics"][0]["message"] == "No such file or directory");
   CHECK(mixed[1]["file"] == head);
   CHECK(mixed[2]["status"] == "refused");
-  CHECK(footlight({"fixtures", "check", gone}).exit_code == 3);  // as any command that finds nothing
+  CHECK(footlight({"fixtures", "check", gone}).exit_code == 3);  // as for any command that finds nothing
   for (const char* name : {"/a.txt", "/head.gdtf", "/lost.gdtf"}) fs::remove(folder.path().string() + name);
   CHECK(footlight({"fixtures", "check", folder.path().string()}).exit_code == 3);
 }

@@ -119,7 +119,7 @@ double worst_from(const fixtures::Rig& rig, const fixtures::ColorXyY& target) {
   return worst;
 }
 
-// Narrow LEDs; Y is given with the blue of a mode from which CMY is made: at full x 0.21 y 0.11, violet.
+// Narrow-band LEDs. Y has the blue of a mode that makes CMY; at full they are x 0.21 y 0.11, violet.
 constexpr std::array<fixtures::ColorXyY, 3> kNarrow = {
     {{0.702, 0.297, 10.8}, {0.168, 0.689, 20.6}, {0.152, 0.0257, 7.69}}};
 
@@ -227,7 +227,7 @@ TEST_CASE("haze and fog machines start at the level that finally gives the room 
     const auto air = fixtures::MachineAir::make(rig, compiled);
     REQUIRE(air != nullptr);
     air->settle(hand.levels());
-    CHECK(air->scattering_per_m() > 0.9 * kHandHazePerM);  // 8 bits
+    CHECK(air->scattering_per_m() > 0.9 * kHandHazePerM);  // to 8 bits
     CHECK(air->scattering_per_m() < 1.1 * kHandHazePerM);
   }
 }

@@ -35,7 +35,7 @@ std::unique_ptr<HttpServer> listen_at(const std::string& where) {
   return std::move(*server);
 }
 
-// A client that breaks the protocol.
+// A client that does not follow the protocol.
 class Rude {
  public:
   explicit Rude(int port) : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {

@@ -1,4 +1,4 @@
-// What a report says about the things that a rig does not need.
+// The report of the features that a rig does not need.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -26,7 +26,7 @@ const LeftOutRow& row_of(const std::vector<LeftOutRow>& rows, const std::string&
   return *found;
 }
 
-TEST_CASE("each need that a rig lacks has its bytes, and a time where shaders depend on it") {
+TEST_CASE("each need that a rig lacks has its bytes, and a time if shaders depend on it") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = must(make_beams_scene(3, ""));
@@ -49,10 +49,10 @@ TEST_CASE("each need that a rig lacks has its bytes, and a time where shaders de
   CHECK(row_of(rows, "blades", false).bytes == scene.compiled.beams_max * sizeof(render::BladesRow));
   CHECK(row_of(rows, "motion", false).on_gpu);
   CHECK(row_of(rows, "motion", false).bytes == 0);
-  CHECK(!row_of(rows, "machines", false).on_gpu);  // they live on the CPU
+  CHECK(!row_of(rows, "machines", false).on_gpu);  // they have no state on the GPU
 }
 
-TEST_CASE("a pass that is left out has the time and the bytes that it has in the frame that brings it") {
+TEST_CASE("a pass that is left out has its time and bytes in the frame of the need that adds it") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = must(make_beams_scene(3, ""));
@@ -81,7 +81,7 @@ TEST_CASE("without runs nothing is timed, and the bytes are the same") {
   CHECK((text_of(rows, "beams").find("not timed") != std::string::npos));
 }
 
-TEST_CASE("measuring ends between two rows when it is told to") {
+TEST_CASE("measuring ends between two rows when go_on returns false") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = must(make_beams_scene(1, ""));

@@ -1,4 +1,4 @@
-// The display as a function of a state, and the command in a terminal of which the test has the other end.
+// The display as a function of a state, and the command in a terminal whose other end the test holds.
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -32,7 +32,7 @@ std::string all(const std::vector<std::string>& lines) {
   return text;
 }
 
-// Nine universes; the second has two senders, of which one loses and has a name with terminal sequences.
+// Nine universes. The second has two senders. One of them loses the merge and has a name with terminal sequences.
 MonitorState nine() {
   MonitorState state;
   state.title = "sacn:1-9";

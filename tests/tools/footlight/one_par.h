@@ -1,4 +1,4 @@
-// A rig of one lamp over a floor that no log of the demo drives.
+// A rig with one lamp over a floor, on a universe that the demo log does not have.
 #pragma once
 
 namespace footlight::testing {

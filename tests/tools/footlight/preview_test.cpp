@@ -1,4 +1,5 @@
-// The window as users see it. Under Xvfb if that and a Vulkan device are installed; else skipped with a message.
+// The window as users see it. Runs under Xvfb if that and a Vulkan device are installed; else it is skipped with a
+// message.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -30,8 +31,8 @@ bool can_open_window() {
   return has_display;
 }
 
-// Runs the preview on a display of its own with the validation layer; returns the exit code. Leaks are not looked for:
-// drivers that the Vulkan loader has closed leave some (tests/support/headless_vulkan.cpp).
+// Runs the preview on a separate display with the validation layer; returns the exit code. The check for leaks is off,
+// because drivers that the Vulkan loader has closed leak some memory (tests/support/headless_vulkan.cpp).
 int preview(const TempFolder& folder, const std::string& arguments, const std::string& variables = "") {
   const std::string line =
       variables +
@@ -103,7 +104,7 @@ TEST_CASE("a rig without input opens with its fixtures lit") {
   CHECK(summary(folder)["validation_messages"] == 0);
 }
 
-TEST_CASE("a GPU that is lost is replaced, and the preview goes on where the log was") {
+TEST_CASE("a GPU that is lost is replaced, and the preview continues at the same time of the log") {
   if (!can_open_window()) return;
   const TempFolder folder;
   const int code = preview(folder, "--demo --at 12s --seconds 3 --size 160x90 --json", "FOOTLIGHT_LOSE_DEVICE=2 ");

@@ -34,7 +34,7 @@ struct Special {
 
 constexpr const char* kSmall = "--size 48x27";
 constexpr const char* kReport = "--pictures --size 32x18 --judge-pixels 100 --runs 3";
-// --quick: the times of what is left out take a minute of compiling shaders.
+// --quick leaves out the times of what the rig leaves out, which need a minute of compiling shaders.
 constexpr const char* kQuickReport = "--quick --pictures --size 32x18 --judge-pixels 100 --runs 3";
 constexpr const char* kUntilStopped = "it runs until it is stopped";
 constexpr const char* kNoDongle = "no dongle is plugged in; the model of one is";

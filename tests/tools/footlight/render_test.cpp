@@ -71,7 +71,7 @@ TEST_CASE("a video of 0.4 s lasts 0.4 s, and numbered pictures include one at it
   CHECK(!std::filesystem::exists(folder.file("p_3.png")));
 }
 
-TEST_CASE("a GPU that is lost ends render with 1 and a message") {
+TEST_CASE("a GPU that is lost ends render with exit code 1 and a message") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   for (const char* submits : {"0", "5"}) {
@@ -89,7 +89,7 @@ TEST_CASE("a GPU that is lost ends render with 1 and a message") {
   }
 }
 
-TEST_CASE("compiled pipelines are kept in the cache folder unless they are switched off") {
+TEST_CASE("compiled pipelines are kept in the cache folder unless the cache is off") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const TempFolder folder;
@@ -108,7 +108,7 @@ TEST_CASE("compiled pipelines are kept in the cache folder unless they are switc
   CHECK(std::filesystem::exists(folder.file("cache") + "/footlight"));
 }
 
-TEST_CASE("Ctrl-C in render ends with 0, and the video holds the pictures so far") {
+TEST_CASE("Ctrl-C in render ends with exit code 0, and the video contains the pictures so far") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   for (const int number : {SIGINT, SIGTERM}) {
@@ -130,7 +130,7 @@ TEST_CASE("Ctrl-C in render ends with 0, and the video holds the pictures so far
   }
 }
 
-TEST_CASE("Ctrl-C in render leaves whole PNGs") {
+TEST_CASE("Ctrl-C in render leaves complete PNGs") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const TempFolder folder;
@@ -151,7 +151,7 @@ TEST_CASE("Ctrl-C in render leaves whole PNGs") {
   CHECK(files >= 2);
 }
 
-TEST_CASE("a trace is what the GPU's states are at the same times") {
+TEST_CASE("a trace equals the GPU's states at the same times") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Outcome traced =
@@ -200,7 +200,7 @@ TEST_CASE("a trace is what the GPU's states are at the same times") {
   CHECK(brightest > 0.1);
 }
 
-TEST_CASE("report refuses a rig without levels, and judges it with --lit") {
+TEST_CASE("report refuses a rig without levels, and measures it with --lit") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const TempFolder folder;

@@ -28,7 +28,7 @@ std::string text_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-TEST_CASE("the report of time prints a row of JSON for every method, and writes the same rows and a plot a model") {
+TEST_CASE("the report of time prints a JSON row for every method, and writes the same rows and a plot per model") {
   const TempFolder folder;
   const Outcome outcome = footlight(
       {"report", "--time", "--quick", "--json", "--csv", folder.file("r.csv"), "--svg", folder.file("r.svg")});
@@ -56,11 +56,11 @@ TEST_CASE("the report of time prints a row of JSON for every method, and writes 
   }
 }
 
-TEST_CASE("rows of a report are printed as they are measured; Ctrl-C keeps them, in whole files, with exit code 0") {
+TEST_CASE("rows of a report are printed as they are measured; Ctrl-C keeps them, in complete files, with exit code 0") {
   const TempFolder folder;
   Footlight report(
       {"report", "--time", "--quick", "--json", "--csv", folder.file("r.csv"), "--svg", folder.file("r.svg")});
-  report.wait_for(R"("model":"motion")");  // filament is done
+  report.wait_for(R"("model":"motion")");  // all rows of filament are printed
   report.signal(SIGINT);
   const Outcome outcome = report.wait();
   CAPTURE(outcome.err);
@@ -119,7 +119,7 @@ TEST_CASE("on a terminal a report shows its progress and the remaining time") {
   CHECK(WEXITSTATUS(status) == 0);
 }
 
-TEST_CASE("the worst disagreements of float and double are printed with the input that causes them") {
+TEST_CASE("the largest differences of float and double are printed with the input that causes them") {
   const Outcome outcome = footlight({"report", "--time", "--worst", "--quick"});
   CHECK(outcome.exit_code == 0);
   for (const char* word : {"motor", "filament", "shutter", "dt_s=", "rate_hz=", "double"}) {

@@ -30,7 +30,7 @@ class Footlight {
   void wait_for(const std::string& text);
   // True if standard output contains `text` at least this many times by now. Does not wait.
   bool has_printed(const std::string& text, int times);
-  // Closes our end of its standard output.
+  // Closes the reading end of its standard output.
   void stop_reading();
   void signal(int number);
   [[nodiscard]] pid_t pid() const { return pid_; }

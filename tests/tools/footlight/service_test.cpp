@@ -120,11 +120,11 @@ TEST_CASE("a bridge without real-time priority reports this once, and carries fr
   std::ofstream(folder.file("show.toml")) << "[[in]]\nendpoint = \"mock:enttec-pro\"\n[[out]]\nendpoint = "
                                              "\"mock:enttec-pro\"\n";
   std::unique_ptr<Footlight> bridge;
-  // Privileges belong to a thread, and a program gets those of the thread that starts it.
+  // Capabilities belong to a thread, and a program gets those of the thread that starts it.
   std::thread([&] {
     const rlimit none = {0, allowed.rlim_max};
     REQUIRE(::setrlimit(RLIMIT_RTPRIO, &none) == 0);
-    (void)::prctl(PR_CAPBSET_DROP, CAP_SYS_NICE);  // refused if it does not have it
+    (void)::prctl(PR_CAPBSET_DROP, CAP_SYS_NICE);  // refused if the thread does not have it
     bridge = std::make_unique<Footlight>(
         std::vector<std::string>{"run", folder.file("show.toml"), "--json", "--socket", "none"});
     REQUIRE(::setrlimit(RLIMIT_RTPRIO, &allowed) == 0);

@@ -162,7 +162,7 @@ TEST_CASE("a picture at time 0 has one step of length 0 with the levels of time 
   CHECK(first_levels[0] == 7);
 }
 
-TEST_CASE("a log without a frame for the rig gives darkness of any length") {
+TEST_CASE("a log without a frame for the rig is dark for any length") {
   Timeline timeline = timeline_of({frame_of(5 * kMs, 77, 255)}, 20 * kMs);
   Story story;
   REQUIRE(timeline.advance(20 * kMs, 0, story.recorder()));
@@ -171,7 +171,7 @@ TEST_CASE("a log without a frame for the rig gives darkness of any length") {
   CHECK(std::all_of(story.held[0].levels.begin(), story.held[0].levels.end(), [](auto level) { return level == 0; }));
 }
 
-TEST_CASE("a live flash is as long as its stamps, wherever it falls between pictures") {
+TEST_CASE("a live flash is as long as its time stamps state, at any time between pictures") {
   const auto rig = fixtures::parse_rig(
       "[rig]\nname = \"r\"\n[[fixture]]\nname = \"A\"\ntype = \"generic/par\"\nuniverse = 2\naddress = 1\n"
       "position = [0, 0, 5]\n",
@@ -213,7 +213,7 @@ TEST_CASE("a live flash is as long as its stamps, wherever it falls between pict
       TimeNs now_ns = start_ns;
       while (now_ns < start_ns + 200 * kMs) {
         now_ns += kMs + static_cast<DurationNs>(random.below(25'000'000));
-        // Everything before now has arrived by now; pictures are 2 ms behind.
+        // Everything before `now_ns` has arrived. Pictures are 2 ms late.
         if (!is_on && on_ns <= now_ns) send(255, on_ns), is_on = true;
         if (!is_over && on_ns + flash_ns <= now_ns) send(0, on_ns + flash_ns), is_over = true;
         picture(std::max(now_ns - 2 * kMs, timeline.now_ns()));

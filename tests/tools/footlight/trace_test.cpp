@@ -1,4 +1,4 @@
-// footlight trace: what heads do over time, against closed forms and the walker itself.
+// footlight trace: values of heads over time, compared with closed forms and the walker.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -84,7 +84,7 @@ std::string levels_of(int pan, int shutter) {
   return fmt::format("1 {},{},128,0,255,255,{},255,255,255,101,144,0,128\n", pan / 256, pan % 256, shutter);
 }
 
-TEST_CASE("a traced pan accelerates, runs and brakes as the closed form of its limits says") {
+TEST_CASE("a traced pan accelerates, coasts and brakes by the closed form of its limits") {
   const TempFolder folder;
   std::ofstream(folder.file("rig.toml")) << kRig;
   // At 1 s from 0 to 270 degrees, at 240 degrees/s and 700 degrees/s^2.
@@ -116,7 +116,7 @@ TEST_CASE("a traced pan accelerates, runs and brakes as the closed form of its l
   }
   CHECK(rows[0].at("time_s") == "0");
   CHECK(rows[1].at("time_s") == "0.01");
-  // In the middle of its time it is in the middle of its way.
+  // At half of its time it has covered half of its distance.
   const Outcome middle = footlight({"trace", folder.file("rig.toml"), "--log", folder.file("move.show"), "--at",
                                     fmt::format("{}us", std::lround(1e6 * (1 + whole_s / 2))), "--json"});
   REQUIRE(middle.exit_code == 0);
@@ -138,7 +138,7 @@ TEST_CASE("a traced strobe is open for its duty over whole periods, and light is
     REQUIRE(outcome.exit_code == 0);
     return json_lines(outcome.out);
   };
-  // 25 Hz: 40 ms are one period, of which the type has the shutter open for 0.4.
+  // 25 Hz: 40 ms are one period, and the shutter is open for 0.4 of it.
   const auto periods = traced({"--every", "40ms", "--from", "40ms"});
   REQUIRE(periods.size() == 25);
   for (const auto& row : periods) {
@@ -147,7 +147,7 @@ TEST_CASE("a traced strobe is open for its duty over whole periods, and light is
     CHECK(row["light"].get<double>() == doctest::Approx(0.4).epsilon(1e-4));
     CHECK(row["light_lm"].get<double>() == doctest::Approx(0.4 * 16000).epsilon(1e-4));
   }
-  // In milliseconds it is open or closed; the mean of the same 40 is the same.
+  // In steps of a millisecond it is open or closed; the mean over the same 40 ms is equal.
   const auto short_ones = traced({"--every", "1ms", "--from", "40ms", "--until", "79ms"});
   REQUIRE(short_ones.size() == 40);
   double sum = 0;
@@ -155,7 +155,7 @@ TEST_CASE("a traced strobe is open for its duty over whole periods, and light is
   CHECK(sum == doctest::Approx(0.4).epsilon(1e-4));
 }
 
-TEST_CASE("a trace of the demo is the walker's states at the same times, to the bit") {
+TEST_CASE("a trace of the demo equals the walker's states at the same times, to the bit") {
   const Outcome outcome =
       footlight({"trace", "--demo", "--every", "250ms", "--from", "8s", "--until", "20s", "--json"});
   CAPTURE(outcome.err);
@@ -192,7 +192,7 @@ TEST_CASE("a trace of the demo is the walker's states at the same times, to the 
         CHECK(row["pan_deg"].get<float>() == degrees(static_cast<double>(state.pan)));
         moving += state.pan != 0;
       }
-      // One mean of a product against a product of means: equal where the light stands still, or nearly so.
+      // The mean of a product against the product of means: equal if the light is constant, or nearly so.
       CHECK(row["shutter"].get<double>() >= 0);
       CHECK(row["shutter"].get<double>() <= 1);
     }
@@ -201,7 +201,7 @@ TEST_CASE("a trace of the demo is the walker's states at the same times, to the 
   CHECK(moving > 100);
 }
 
-TEST_CASE("parts that a head lacks are empty cells, and a beam goes where its pan and tilt turn it") {
+TEST_CASE("parts that a head lacks are empty cells, and a beam points where its pan and tilt turn it") {
   const TempFolder folder;
   std::ofstream(folder.file("rig.toml")) << kRig;
   const Outcome outcome = footlight({"trace", folder.file("rig.toml"), "--set", "Tilt=90", "--set", "Spot:Pan=90",
@@ -215,14 +215,14 @@ TEST_CASE("parts that a head lacks are empty cells, and a beam goes where its pa
   CHECK(std::stod(rows[0].at("tilt_deg")) == doctest::Approx(90).epsilon(1e-4));
   CHECK(rows[0].at("gobo1") == "3");
   CHECK(rows[0].at("gobo2").empty());
-  // Straight down, turned by 90 degrees about X and then about Z, it goes along -X.
+  // Straight down, turned by 90 degrees about X and then about Z, the beam points along -X.
   CHECK(std::abs(std::stod(rows[0].at("beam_x"))) == doctest::Approx(1).epsilon(1e-4));
   CHECK(std::stod(rows[0].at("beam_z")) == doctest::Approx(0).epsilon(1e-4));
   for (const char* name : {"pan_deg", "tilt_deg", "gobo1", "iris"}) CHECK(rows[1].at(name).empty());
   CHECK(std::stod(rows[1].at("beam_z")) == doctest::Approx(-1));
 }
 
-TEST_CASE("a trace in a file is that of standard output, and a name with a comma is quoted") {
+TEST_CASE("a trace in a file equals that on standard output, and a name with a comma is quoted") {
   const TempFolder folder;
   std::string rig = kRig;
   rig.replace(rig.find("\"Spot\""), 6, "\"Spot, \\\"big\\\"\"");
@@ -240,7 +240,7 @@ TEST_CASE("a trace in a file is that of standard output, and a name with a comma
   CHECK(!std::filesystem::exists(folder.file("heads.csv.part")));
 }
 
-TEST_CASE("wrong words to trace are named, and no file is left") {
+TEST_CASE("invalid arguments of trace are reported, and no file is left") {
   const TempFolder folder;
   std::ofstream(folder.file("rig.toml")) << kRig;
   const std::string rig = folder.file("rig.toml");
