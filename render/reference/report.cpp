@@ -275,7 +275,7 @@ Result<std::vector<PictureRow>> picture_rows_from_json_lines(const std::string& 
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     const auto object = nlohmann::json::parse(line, nullptr, false);
     if (!object.is_object()) {
-      return fail(ErrorCode::kBadInput, "{}:{}: expected one JSON object a line", name, line_number);
+      return fail(ErrorCode::kBadInput, "{}:{}: expected one JSON object per line", name, line_number);
     }
     PictureRow row;
     std::string wrong;

@@ -174,7 +174,7 @@ void report_filament(const TimeReportOptions& options, TimeReport& report) {
   const std::vector<double> levels = flashes_of(options.seconds, options.seed);
   JudgeError own{.model = "filament",
                  .judge = "Taylor series of degree 20 to 1e-17, against degree 28 to 1e-19",
-                 .second = "the time of each way by Gauss-Kronrod quadrature",
+                 .second = "the time between temperatures by Gauss-Kronrod quadrature",
                  .unit = "K"};
   for (const double tau_ms : options.tau_ms) {
     for (const double fps : options.fps) {

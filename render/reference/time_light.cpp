@@ -66,7 +66,7 @@ void report_pulses(const char* model, bool random, const TimeReportOptions& opti
   JudgeError own{.model = model,
                  .judge = "straight pieces of each pulse in long double",
                  .own = 0x1p-53,
-                 .second = "20,000 midpoints a frame, 60 frames",
+                 .second = "20,000 midpoints per frame, 60 frames",
                  .unit = "share"};
   TimeBench bench(options, report.rows);
   for (const double pulse_hz : options.strobe_hz) {

@@ -205,7 +205,7 @@ std::string json_of(const FleetReport& report, const FleetOptions& options) {
   std::string text = fmt::format(
       R"({{"event":"fleet","fixtures":{},"device":"{}","gpu_ms_p10":{:.5f},"gpu_ms_p50":{:.5f},"gpu_ms_p90":{:.5f},)"
       R"("levels_ms":{:.5f},)"
-      R"("walker_ns_a_fixture":{:.2f},"state_bytes":{},"row_bytes":{}}})"
+      R"("walker_ns_per_fixture":{:.2f},"state_bytes":{},"table_bytes":{}}})"
       "\n",
       options.fixtures, report.device, report.gpu_ms_p10, report.gpu_ms_p50, report.gpu_ms_p90, report.levels_ms,
       report.walker_ns, report.state_bytes, report.table_bytes);

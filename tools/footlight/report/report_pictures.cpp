@@ -48,7 +48,7 @@ struct AirReport {
   double fog_per_m = 0;
   double error_per_m = 0;  // of the sum of both, against the judge
   int steps = 0;
-  double ns_a_step = 0;  // wall clock time, including the decoding of levels
+  double ns_per_step = 0;  // wall clock time, including the decoding of levels
 };
 
 // Steps the machines as a replay does, in steps of at most 40 ms.
@@ -223,9 +223,9 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
                               report.whole_ms));
     if (air) {
       fmt::print(R"({{"event":"air","haze_per_m":{:.9g},"fog_per_m":{:.9g},"error_per_m":{:.3g},"steps":{},)"
-                 R"("ns_a_step":{:.1f}}})"
+                 R"("ns_per_step":{:.1f}}})"
                  "\n",
-                 air->haze_per_m, air->fog_per_m, air->error_per_m, air->steps, air->ns_a_step);
+                 air->haze_per_m, air->fog_per_m, air->error_per_m, air->steps, air->ns_per_step);
     }
   } else {
     options.print("\n");
@@ -246,7 +246,7 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
       fmt::print(
           "Air: machines have added {:.4g} /m of haze and {:.4g} /m of fog. Error against integrals over droplets in "
           "long double: {:.1e} /m after {} steps of at most 40 ms, {:.0f} ns each.\n\n",
-          air->haze_per_m, air->fog_per_m, air->error_per_m, air->steps, air->ns_a_step);
+          air->haze_per_m, air->fog_per_m, air->error_per_m, air->steps, air->ns_per_step);
     }
   }
   FL_TRY(report_left_out(*device, scene, picture_options, options));
