@@ -518,7 +518,7 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
       const double rim = f64::focus_rim(beam.lens_radius_m, beam.spread, optics.focus);
       const double soft = std::max(optics.frost, rim);
       if (optics.iris < 1) {
-        // The ratio of the lumens through the smaller opening.
+        // The share of the lumens that pass the smaller opening.
         JudgeBeam within = beam;
         within.shown = optics.iris;
         within.spread *= optics.iris;

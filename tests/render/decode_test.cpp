@@ -131,7 +131,7 @@ void randomise(std::vector<std::uint8_t>& levels, Random& random) {
 }
 
 // Resets the states to those before the first step.
-void forget(vk::Device& device, Frame& frame) {
+void reset_states(vk::Device& device, Frame& frame) {
   must(device.run_once([&](VkCommandBuffer commands) { forget_states(commands, frame.resources()); }));
 }
 
@@ -165,7 +165,7 @@ TEST_CASE("random levels give the walker's states on the GPU, for the demo rig a
       fixtures::f64::Walker judge(scene.compiled);
       walker.step(scene.levels, 0);
       judge.step(scene.levels, 0);
-      forget(vulkan.device(), *frame);
+      reset_states(vulkan.device(), *frame);
       frame->step(scene.levels, 0);
       must(frame->run_steps());
       compare(*frame, walker, to_float);
@@ -274,7 +274,7 @@ TEST_CASE("lamps of every kind, dimmers of every law and smoothed heads follow t
 
 // Irises with and without a motor, frosts, wheels with random slots and one that shakes, each together with the other
 // functions of its channel.
-Scene dials_scene() {
+Scene optics_effects_scene() {
   using fixtures::ChannelFunction;
   fixtures::FixtureType type;
   type.name = type.id = "test/dials";
@@ -355,7 +355,7 @@ Scene dials_scene() {
 TEST_CASE("pulses, random slots, shakes and trims follow the walker over steps of every length, phases to the bit") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
-  Scene scene = dials_scene();
+  Scene scene = optics_effects_scene();
   REQUIRE(scene.compiled.needs.pulses);
   const auto frame = make_frame(vulkan.device(), scene, judged_settings(8, 8));
   fixtures::f32::Walker walker(scene.compiled);

@@ -169,9 +169,9 @@ TEST_CASE("Gauss nodes stay within the stated error in every extreme case and re
       CHECK(c.own_rel_l2 < 1e-11);
       const auto lit = std::count_if(c.value.begin(), c.value.end(), [](double v) { return v > 0; });
       CHECK(lit > kRays / 2);
-      Judged twin = c;  // reference: the kernel in double, to measure the error of float alone
-      for (std::size_t k = 0; k < c.rays.size(); ++k) twin.value[k] = in_double(c.rays[k], Rule::kGauss, 8);
-      const Distance rounding = error_of(twin, [](const BeamRay& r) { return in_float(r, Rule::kGauss, 8); });
+      Judged reference = c;  // the kernel in double, to measure the error of float alone
+      for (std::size_t k = 0; k < c.rays.size(); ++k) reference.value[k] = in_double(c.rays[k], Rule::kGauss, 8);
+      const Distance rounding = error_of(reference, [](const BeamRay& r) { return in_float(r, Rule::kGauss, 8); });
       CHECK(rounding.rel_l2 < bound.rounding);
       if (prints()) fmt::print("{} | {} | {:.0e} | {:.1e} |", name, m, c.own_rel_l2, rounding.rel_l2);
       for (std::size_t j = 0; j < kNodes.size(); ++j) {

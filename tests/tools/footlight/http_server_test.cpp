@@ -36,19 +36,19 @@ std::unique_ptr<HttpServer> listen_at(const std::string& where) {
 }
 
 // A client that does not follow the protocol.
-class Rude {
+class RawClient {
  public:
-  explicit Rude(int port) : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  explicit RawClient(int port) : fd_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in address = {};
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(port));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     REQUIRE(connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
   }
-  ~Rude() { close(fd_); }
-  Rude(Rude&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  Rude(const Rude&) = delete;
-  Rude& operator=(const Rude&) = delete;
+  ~RawClient() { close(fd_); }
+  RawClient(RawClient&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  RawClient(const RawClient&) = delete;
+  RawClient& operator=(const RawClient&) = delete;
 
   bool send_text(const std::string& text) {
     return send(fd_, text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
@@ -71,7 +71,7 @@ const std::string kGet = "GET /echo?universes=1-3 HTTP/1.1\r\nHost: x\r\nConnect
 
 TEST_CASE("a page is served over TCP to any client") {
   const auto server = listen_at("127.0.0.1:0");
-  Rude client(server->port());
+  RawClient client(server->port());
   REQUIRE(client.send_text(kGet));
   const std::string answer = client.read_all();
   CHECK(answer.rfind("HTTP/1.1 200", 0) == 0);
@@ -180,12 +180,12 @@ TEST_CASE("a reload signal without a descriptor is an error, and waiting for it 
 
 TEST_CASE("slow clients cannot block others") {
   const auto server = listen_at("127.0.0.1:0");
-  std::vector<Rude> slow;
+  std::vector<RawClient> slow;
   for (int i = 0; i < 60; ++i) {
     slow.emplace_back(server->port());
     (void)slow.back().send_text("GET /echo HTTP/1.1\r\nX-Slow: ");
     // Between them, a client with a valid request.
-    Rude client(server->port());
+    RawClient client(server->port());
     REQUIRE(client.send_text(kGet));
     CHECK(client.read_all().rfind("HTTP/1.1 200", 0) == 0);
   }
@@ -194,24 +194,24 @@ TEST_CASE("slow clients cannot block others") {
 TEST_CASE("a request without end is cut off, and the next one is answered") {
   const auto server = listen_at("127.0.0.1:0");
   {
-    Rude client(server->port());
+    RawClient client(server->port());
     std::string headers = "GET /echo HTTP/1.1\r\n";
     while (headers.size() < 200'000) headers += "X-More: " + std::string(1'000, 'x') + "\r\n";
     (void)client.send_text(headers);
     CHECK(client.read_all().rfind("HTTP/1.1 200", 0) != 0);
   }
   {
-    Rude client(server->port());
+    RawClient client(server->port());
     (void)client.send_text("POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: 100000000\r\n\r\n" +
                            std::string(100'000, 'x'));
     (void)client.send_text(std::string(100'000, 'x'));
   }
   {
-    Rude client(server->port());
+    RawClient client(server->port());
     (void)client.send_text(std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xFC\x03\x03\r\n\r\n", 15));
     CHECK(client.read_all().rfind("HTTP/1.1 200", 0) != 0);
   }
-  Rude client(server->port());
+  RawClient client(server->port());
   REQUIRE(client.send_text(kGet));
   CHECK(client.read_all().rfind("HTTP/1.1 200", 0) == 0);
 }

@@ -33,7 +33,7 @@ std::string all(const std::vector<std::string>& lines) {
 }
 
 // Nine universes. The second has two senders. One of them loses the merge and has a name with terminal sequences.
-MonitorState nine() {
+MonitorState nine_universes() {
   MonitorState state;
   state.title = "sacn:1-9";
   state.now_ns = 100 * kNsPerS;
@@ -60,7 +60,7 @@ MonitorState nine() {
 }
 
 TEST_CASE("a picture has exactly as many lines as the screen, and none is wider") {
-  const MonitorState full = nine();
+  const MonitorState full = nine_universes();
   const MonitorState empty;
   for (const MonitorState* state : {&full, &empty}) {
     for (int rows = 1; rows <= 70; ++rows) {
@@ -85,7 +85,7 @@ TEST_CASE("a picture has exactly as many lines as the screen, and none is wider"
 TEST_CASE("at 80 x 24 all nine universes, both senders of the selected one and all its levels are visible") {
   MonitorView view;
   view.selected = 2;
-  const std::string text = all(draw_monitor(nine(), view));
+  const std::string text = all(draw_monitor(nine_universes(), view));
   CAPTURE(text);
   for (Universe universe = 1; universe <= 9; ++universe)
     CHECK(contains(text, fmt::format("      {}    44.0", universe)));
@@ -105,7 +105,7 @@ TEST_CASE("at 200 x 60 the levels of the selected universe are numbers") {
   view.columns = 200;
   view.rows = 60;
   view.selected = 2;
-  const std::string text = all(draw_monitor(nine(), view));
+  const std::string text = all(draw_monitor(nine_universes(), view));
   CHECK(contains(text, "universe 2  2 senders"));
   CHECK(contains(text, "   1 255   0   0"));
   CHECK(contains(text, " 128 \n"));
@@ -115,14 +115,14 @@ TEST_CASE("a change is marked for one second") {
   MonitorView view;
   view.selected = 2;
   view.colour = true;
-  MonitorState state = nine();
+  MonitorState state = nine_universes();
   CHECK(contains(all(draw_monitor(state, view)), "\033[1;33m▅"));
   state.now_ns += kNsPerS;
   CHECK_FALSE(contains(all(draw_monitor(state, view)), "\033[1;33m▅"));
 }
 
 TEST_CASE("the table scrolls so that the selected universe is visible") {
-  MonitorState state = nine();
+  MonitorState state = nine_universes();
   for (Universe number = 10; number <= 500; ++number) {
     MonitorUniverse universe = state.universes[0];
     universe.universe = number;
@@ -136,7 +136,7 @@ TEST_CASE("the table scrolls so that the selected universe is visible") {
 }
 
 TEST_CASE("a filter is a list of universes, or part of a sender's name") {
-  const MonitorState state = nine();
+  const MonitorState state = nine_universes();
   CHECK(shown_universes(state, "").size() == 9);
   CHECK(shown_universes(state, "2-3,9") == std::vector<Universe>{2, 3, 9});
   CHECK(shown_universes(state, "BACKUP") == std::vector<Universe>{2});

@@ -27,9 +27,9 @@ fixtures::Rig rig_of_four() {
 }
 
 // Stores the sent frames.
-class Kept : public Sink {
+class RecordingSink : public Sink {
  public:
-  [[nodiscard]] std::string name() const override { return "kept"; }
+  [[nodiscard]] std::string name() const override { return "recording sink"; }
   [[nodiscard]] PortState state() const override { return PortState::kWorking; }
   [[nodiscard]] PortCounters counters() const override { return {}; }
   Status send(TimeNs /*now_ns*/, std::span<const FrameView> frames) override {
@@ -45,12 +45,12 @@ class Kept : public Sink {
 
 struct Run {
   std::shared_ptr<OutputGuard> guard;
-  Kept* kept = nullptr;
+  RecordingSink* recording = nullptr;
   std::unique_ptr<Sink> sink;
 
   explicit Run(FlashMode mode) : guard(must(OutputGuard::make(rig_of_four(), mode))) {
-    auto inner = std::make_unique<Kept>();
-    kept = inner.get();
+    auto inner = std::make_unique<RecordingSink>();
+    recording = inner.get();
     sink = guard_sink(std::move(inner), guard);
   }
   // The levels that are sent instead.
@@ -60,7 +60,7 @@ struct Run {
     frame.stamp_ns = now_ns;
     frame.slots = levels;
     must(sink->send(now_ns, {&frame, 1}));
-    return kept->sent.back();
+    return recording->sent.back();
   }
 };
 
@@ -118,8 +118,8 @@ TEST_CASE(
     for (std::size_t slot = 0; slot < 512; ++slot) REQUIRE(sent[slot] <= levels[slot]);
     REQUIRE(sent[100] == 77);
   }
-  for (std::size_t from = 0; from + 40 <= run.kept->sent.size(); ++from) {
-    CHECK(swings(run.kept->sent, from, from + 40) <= 6);
+  for (std::size_t from = 0; from + 40 <= run.recording->sent.size(); ++from) {
+    CHECK(swings(run.recording->sent, from, from + 40) <= 6);
   }
   CHECK(run.guard->count_held() > 10);
   const auto notice = run.sink->take_notice();
@@ -139,7 +139,7 @@ TEST_CASE("light that was held back is released when allowed, even if the consol
     must(run.sink->poll(now_ns));
   }
   CHECK(run.sink->next_deadline_ns() == kTimeNever);
-  CHECK(run.kept->sent.back()[0] == 255);
+  CHECK(run.recording->sent.back()[0] == 255);
 }
 
 TEST_CASE("a slow chase, a fade and a single cue are not changed") {

@@ -127,12 +127,12 @@ Words words_of(const std::string& line) {
 bool draws(const Words& words) { return words[0] == "render" || (words[0] == "report" && words[1] != "--time"); }
 
 // The folder in which programs are started.
-class In {
+class WorkingFolder {
  public:
-  explicit In(const fs::path& folder) : before_(fs::current_path()) { fs::current_path(folder); }
-  ~In() { fs::current_path(before_); }
-  In(const In&) = delete;
-  In& operator=(const In&) = delete;
+  explicit WorkingFolder(const fs::path& folder) : before_(fs::current_path()) { fs::current_path(folder); }
+  ~WorkingFolder() { fs::current_path(before_); }
+  WorkingFolder(const WorkingFolder&) = delete;
+  WorkingFolder& operator=(const WorkingFolder&) = delete;
 
  private:
   fs::path before_;
@@ -140,7 +140,7 @@ class In {
 
 TEST_CASE("samples writes every file once, the same each time, and replaces none") {
   const TempFolder folder;
-  const In in(folder.file(""));
+  const WorkingFolder in(folder.file(""));
   const Outcome first = footlight({"samples", "a"});
   CHECK(first.exit_code == 0);
   REQUIRE(footlight({"samples", "deep/b"}).exit_code == 0);
@@ -173,7 +173,7 @@ TEST_CASE("samples writes every file once, the same each time, and replaces none
 
 TEST_CASE("the samples load without a warning, and their log, OLA show file and capture are equal") {
   const TempFolder folder;
-  const In in(folder.file(""));
+  const WorkingFolder in(folder.file(""));
   REQUIRE(footlight({"samples", "."}).exit_code == 0);
   for (const Words& words : std::vector<Words>{{"fixtures", "check", "head.gdtf", "head.qxf"},
                                                {"rig", "check", "show.mvr", "show.qxw"},
@@ -222,9 +222,9 @@ TEST_CASE("every line of the README runs in a folder of samples") {
   for (const std::string& line : lines) unused.erase(line);
   for (const std::string& line : unused) CHECK_MESSAGE(false, "not in the README: " << line);
 
-  const In root(folder.file(""));
+  const WorkingFolder root(folder.file(""));
   REQUIRE(footlight({"samples", "samples"}).exit_code == 0);
-  const In samples("samples");
+  const WorkingFolder samples("samples");
   const std::string run_folder = folder.file("run");
   fs::create_directory(run_folder);
   fs::permissions(run_folder, fs::perms::owner_all);

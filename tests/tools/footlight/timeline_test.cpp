@@ -47,7 +47,7 @@ struct Held {
   bool operator==(const Held&) const = default;
 };
 
-struct Story {
+struct RecordedSteps {
   std::vector<Held> held;
   DurationNs total_ns = 0;
   DurationNs exposed_ns = 0;  // since the last step that began an exposure
@@ -76,20 +76,20 @@ TEST_CASE("levels are held from the moment they arrived, and universes that are 
   Timeline timeline = timeline_of({frame_of(0, 2, 10), frame_of(5 * kMs, 3, 99), frame_of(10 * kMs, 5, 20),
                                    frame_of(10 * kMs, 2, 11), frame_of(12 * kMs, 2, 11), frame_of(30 * kMs, 2, 12)},
                                   50 * kMs);
-  Story story;
-  REQUIRE(timeline.advance(40 * kMs, 0, story.recorder()));
+  RecordedSteps recorded;
+  REQUIRE(timeline.advance(40 * kMs, 0, recorded.recorder()));
   CHECK(timeline.now_ns() == 40 * kMs);
   CHECK(timeline.duration_ns() == 50 * kMs);
-  REQUIRE(story.held.size() == 3);
-  CHECK(story.held[0].held_ns == 10 * kMs);
-  CHECK(story.held[0].levels[0] == 10);
-  CHECK(story.held[0].levels[511] == 10);
-  CHECK(story.held[0].levels[512] == 0);  // universe 5 has not been received
-  CHECK(story.held[1].held_ns == 20 * kMs);
-  CHECK(story.held[1].levels[0] == 11);
-  CHECK(story.held[1].levels[512] == 20);
-  CHECK(story.held[2].held_ns == 10 * kMs);
-  CHECK(story.held[2].levels[0] == 12);
+  REQUIRE(recorded.held.size() == 3);
+  CHECK(recorded.held[0].held_ns == 10 * kMs);
+  CHECK(recorded.held[0].levels[0] == 10);
+  CHECK(recorded.held[0].levels[511] == 10);
+  CHECK(recorded.held[0].levels[512] == 0);  // universe 5 has not been received
+  CHECK(recorded.held[1].held_ns == 20 * kMs);
+  CHECK(recorded.held[1].levels[0] == 11);
+  CHECK(recorded.held[1].levels[512] == 20);
+  CHECK(recorded.held[2].held_ns == 10 * kMs);
+  CHECK(recorded.held[2].levels[0] == 12);
 }
 
 TEST_CASE("one long advance and many short ones hold the same levels for the same times") {
@@ -97,7 +97,7 @@ TEST_CASE("one long advance and many short ones hold the same levels for the sam
   std::vector<OwnedFrame> frames = testing::random_frames(3, 400, 3);
   for (OwnedFrame& frame : frames) frame.universe = frame.universe == 1 ? 2 : frame.universe == 8 ? 5 : 9;
   const DurationNs end_ns = frames.back().time_ns + 7 * kMs;
-  Story whole;
+  RecordedSteps whole;
   Timeline in_one_go = timeline_of(frames, end_ns);
   REQUIRE(in_one_go.advance(end_ns, 0, whole.recorder()));
   CHECK(whole.total_ns == end_ns);
@@ -106,7 +106,7 @@ TEST_CASE("one long advance and many short ones hold the same levels for the sam
   Random random(4);
   for (const DurationNs longest_ns : {1 * kMs, 20 * kMs, 400 * kMs}) {
     CAPTURE(longest_ns);
-    Story pieces;
+    RecordedSteps pieces;
     Timeline timeline = timeline_of(frames, end_ns);
     DurationNs at_ns = 0;
     while (at_ns < end_ns) {
@@ -125,27 +125,27 @@ TEST_CASE("the last part of an advance is one exposure of the given length") {
   for (int i = 0; i < 100; ++i) frames.push_back(frame_of(i * 3 * kMs, 2, static_cast<std::uint8_t>(i)));
   Timeline timeline = timeline_of(frames, 300 * kMs);
   for (const DurationNs at_ns : {100 * kMs, 140 * kMs, 180 * kMs, 299 * kMs}) {
-    Story story;
-    REQUIRE(timeline.advance(at_ns, 20 * kMs, story.recorder()));
-    CHECK(story.exposed_ns == 20 * kMs);
-    CHECK(story.exposures == 2);  // one before the shutter opens, one of the picture
+    RecordedSteps recorded;
+    REQUIRE(timeline.advance(at_ns, 20 * kMs, recorded.recorder()));
+    CHECK(recorded.exposed_ns == 20 * kMs);
+    CHECK(recorded.exposures == 2);  // one before the shutter opens, one of the picture
   }
   // An exposure longer than the advance is all of it.
-  Story story;
-  REQUIRE(timeline.advance(305 * kMs, 20 * kMs, story.recorder()));
-  CHECK(story.exposed_ns == 6 * kMs);
-  CHECK(story.exposures == 1);
+  RecordedSteps recorded;
+  REQUIRE(timeline.advance(305 * kMs, 20 * kMs, recorded.recorder()));
+  CHECK(recorded.exposed_ns == 6 * kMs);
+  CHECK(recorded.exposures == 1);
 }
 
 TEST_CASE("after the end of the log the last levels are held") {
   Timeline timeline = timeline_of({frame_of(0, 2, 7), frame_of(10 * kMs, 2, 200)}, 20 * kMs);
-  Story story;
-  REQUIRE(timeline.advance(3'600'000 * kMs, 0, story.recorder()));
-  REQUIRE(timeline.advance(7'200'000 * kMs, 40 * kMs, story.recorder()));
+  RecordedSteps recorded;
+  REQUIRE(timeline.advance(3'600'000 * kMs, 0, recorded.recorder()));
+  REQUIRE(timeline.advance(7'200'000 * kMs, 40 * kMs, recorded.recorder()));
   CHECK(timeline.now_ns() == 7'200'000 * kMs);
-  REQUIRE(story.held.size() == 2);
-  CHECK(story.held[1].levels[0] == 200);
-  CHECK(story.held[1].held_ns == 7'199'990 * kMs);
+  REQUIRE(recorded.held.size() == 2);
+  CHECK(recorded.held[1].levels[0] == 200);
+  CHECK(recorded.held[1].held_ns == 7'199'990 * kMs);
 }
 
 TEST_CASE("a picture at time 0 has one step of length 0 with the levels of time 0") {
@@ -164,11 +164,12 @@ TEST_CASE("a picture at time 0 has one step of length 0 with the levels of time 
 
 TEST_CASE("a log without a frame for the rig is dark for any length") {
   Timeline timeline = timeline_of({frame_of(5 * kMs, 77, 255)}, 20 * kMs);
-  Story story;
-  REQUIRE(timeline.advance(20 * kMs, 0, story.recorder()));
-  REQUIRE(story.held.size() == 1);
-  CHECK(story.held[0].held_ns == 20 * kMs);
-  CHECK(std::all_of(story.held[0].levels.begin(), story.held[0].levels.end(), [](auto level) { return level == 0; }));
+  RecordedSteps recorded;
+  REQUIRE(timeline.advance(20 * kMs, 0, recorded.recorder()));
+  REQUIRE(recorded.held.size() == 1);
+  CHECK(recorded.held[0].held_ns == 20 * kMs);
+  CHECK(std::all_of(recorded.held[0].levels.begin(), recorded.held[0].levels.end(),
+                    [](auto level) { return level == 0; }));
 }
 
 TEST_CASE("a live flash is as long as its time stamps state, at any time between pictures") {
