@@ -222,8 +222,9 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
 
   if (options.on_judged) options.on_judged(report);
   const FrameSettings defaults;
-  const auto all_rows = static_cast<double>(options.gauss_nodes.size() + options.march_steps.size() +
-                                            (scene.compiled.needs.gobo ? options.gobo_taps.size() : 0));
+  const auto all_rows =
+      static_cast<double>(options.tile_errors.size() + options.gauss_nodes.size() + options.march_steps.size() +
+                          (scene.compiled.needs.gobo ? options.gobo_taps.size() : 0));
   // Reports that `share` of the current row is done. Returns true if the report shall end.
   const auto ends_at = [&](double share) {
     report.ended = report.ended ||
@@ -231,18 +232,13 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
                     !options.go_on("methods and knobs", static_cast<double>(report.rows.size()) + share, all_rows));
     return report.ended;
   };
-  const auto run = [&](const std::string& name, BeamMethod method, std::uint32_t nodes,
-                       std::uint32_t gobo_taps = FrameSettings{}.gobo_taps) -> Status {
+  const auto run = [&](const char* name, double knob, const FrameSettings& settings) -> Status {
     if (ends_at(0)) return {};
     PictureRow row;
     row.scene = scene.name;
     row.method = name;
-    row.knob = name == "gobo taps" ? gobo_taps : nodes;
+    row.knob = knob;
     row.hits_per_px = judged.hits_per_px;
-    FrameSettings settings = judged_settings(options);
-    settings.method = method;
-    settings.nodes = nodes;
-    settings.gobo_taps = gobo_taps;
     FL_ASSIGN(auto frame, make_frame(device, scene, settings));
     std::vector<std::vector<double>> pass_ms;
     const auto go_on = [&](double share) { return !ends_at(share); };
@@ -252,7 +248,7 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
     row.ms_p50 = percentile(times_ms, 0.5);
     row.ms_p90 = percentile(times_ms, 0.9);
     row.bytes = static_cast<std::int64_t>(frame->resources().total_bytes);
-    if (method == defaults.method && nodes == defaults.nodes && gobo_taps == defaults.gobo_taps) {
+    if (settings.tile_error == defaults.tile_error && settings.gobo_taps == defaults.gobo_taps) {
       report.passes.clear();
       for (std::size_t p = 0; p < pass_ms.size(); ++p) {
         report.passes.push_back({frame->plan()[p].name, percentile(pass_ms[p], 0.5)});
@@ -263,11 +259,30 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
     if (options.on_row) options.on_row(report);
     return {};
   };
-  for (const std::uint32_t nodes : options.gauss_nodes) FL_TRY(run("gauss", BeamMethod::kGauss, nodes));
-  for (const std::uint32_t steps : options.march_steps) FL_TRY(run("march", BeamMethod::kMarch, steps));
-  if (scene.compiled.needs.gobo) {
-    for (const std::uint32_t taps : options.gobo_taps)
-      FL_TRY(run("gobo taps", BeamMethod::kGauss, defaults.nodes, taps));
+  for (const double error : options.tile_errors) {
+    FrameSettings settings = judged_settings(options);
+    settings.tile_error = error;
+    FL_TRY(run("tiles", error, settings));
+  }
+  for (const std::uint32_t nodes : options.gauss_nodes) {
+    FrameSettings settings = judged_settings(options);
+    settings.tile_error = 0;
+    settings.nodes = nodes;
+    FL_TRY(run("gauss", nodes, settings));
+  }
+  for (const std::uint32_t steps : options.march_steps) {
+    FrameSettings settings = judged_settings(options);
+    settings.method = BeamMethod::kMarch;
+    settings.tile_error = 0;
+    settings.nodes = steps;
+    FL_TRY(run("march", steps, settings));
+  }
+  for (const std::uint32_t taps : options.gobo_taps) {
+    if (!scene.compiled.needs.gobo) break;
+    FrameSettings settings = judged_settings(options);
+    settings.tile_error = 0;
+    settings.gobo_taps = taps;
+    FL_TRY(run("gobo taps", taps, settings));
   }
   report.validation_messages = device.validation_messages();
   return report;

@@ -26,7 +26,8 @@ struct PictureReportOptions {
   // The number of pixels that the judge computes, because it is slow. They are a sample
   // (render/reference/pixel_sample.h), or all pixels if the picture has no more.
   int judge_pixels = kJudgePixels;
-  int runs = 11;  // timed frames, after 3 warm-up frames
+  int runs = 11;                                            // timed frames, after 3 warm-up frames
+  std::vector<double> tile_errors{3e-4, 1e-3, 4e-3, 2e-2};  // FrameSettings::tile_error
   std::vector<std::uint32_t> gauss_nodes{1, 2, 3, 4, 6, 8};
   std::vector<std::uint32_t> march_steps{8, 16, 32, 64, 128, 256};
   std::vector<std::uint32_t> gobo_taps{8, 16, 32, 64, 128};  // with the default nodes; for rigs with gobos only

@@ -196,6 +196,7 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
   picture_options.runs = arguments.runs;
   picture_options.judge = !arguments.no_judge;
   if (options.quick) {
+    picture_options.tile_errors = {1e-3, 4e-3};
     picture_options.gauss_nodes = {2, 3, 4};
     picture_options.march_steps = {16, 64};
     picture_options.gobo_taps = {16, 64};
@@ -238,7 +239,7 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
       const double costs[] = {1, 4, 16};
       fmt::print("{}\n", render::summary_of(curves, "ms", costs));
     }
-    fmt::print("GPU time per pass with {} nodes:", render::FrameSettings{}.nodes);
+    fmt::print("GPU time per pass, tiles with error {:g}:", render::FrameSettings{}.tile_error);
     for (const auto& pass : report.passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
     fmt::print("\nThe whole frame as 'footlight render' draws it, bodies and lenses included: {:.3f} ms\n\n",
                report.whole_ms);
