@@ -9,6 +9,7 @@
 #include "render/passes/bodies.h"
 #include "render/passes/coarse.h"
 #include "render/passes/depths.h"
+#include "render/passes/fine.h"
 #include "render/passes/gather.h"
 #include "render/passes/step.h"
 #include "render/passes/surfaces.h"
@@ -27,7 +28,8 @@ const PassEntry* const kPasses[] = {
     &kSurfacesPass,  // beams x boxes and bodies -> radiance, distance
     &kDepthsPass,    // radiance's distances -> planes of tiles
     &kCoarsePass,    // beams -> those that are smooth over a supertile, and the rest
-    &kBeamsPass,     // beams x air -> radiance
+    &kFinePass,      // the same over 32 x 32 pixels, and beams that are smooth but for their rim -> radiance, the rest
+    &kBeamsPass,     // the rest, pixel by pixel -> radiance
     &kTonemapPass,   // radiance -> screen
 };
 
@@ -181,6 +183,7 @@ Status Frame::change(const FrameSettings& settings) {
   timed_.clear();
   settings_ = settings;
   has_solids_ = has_solids(needs, settings);
+  has_fine_ = has_tile_classes(needs, settings);
   if (!same_images) {
     resources_.picture = {};  // first, so that two sizes never stand in memory
     FL_ASSIGN(resources_.picture, PictureImages::create(device_, needs, settings, resources_.rig.mask_words));
@@ -219,11 +222,13 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
   timed_.clear();
   upload_params(commands, view, exposure_ev);
   mark(commands, "");
+  // The first pass that adds to what surfaces have left.
+  const std::string_view beams_first = has_fine_ ? kFinePass.name : kBeamsPass.name;
   for (std::size_t i = 0; i < passes_.size(); ++i) {
     if (plan_[i].name == kStepPass.name) {
       record_steps(commands, true);
     } else {
-      if (plan_[i].name == kBeamsPass.name && !has_solids_) clear_radiance(commands);
+      if (plan_[i].name == beams_first && !has_solids_) clear_radiance(commands);
       passes_[i]->record(commands, {});
     }
     vk::full_barrier(commands);

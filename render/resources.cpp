@@ -314,6 +314,14 @@ std::uint64_t coarse_bytes(const FrameSettings& settings, bool used) {
   return std::uint64_t{supertiles(settings.width)} * supertiles(settings.height) * sizeof(CoarseRow);
 }
 
+std::uint64_t fine_mask_bytes(const FrameSettings& settings, std::uint32_t mask_words, bool used) {
+  if (!used) return 4;
+  const auto tiles = [](int pixels) {
+    return (static_cast<std::uint64_t>(pixels) + FL_FINE_PX - 1) / FL_FINE_PX;
+  };
+  return 4 * tiles(settings.width) * tiles(settings.height) * mask_words;
+}
+
 std::uint64_t gobo_bytes(const MemoryShape& shape) {
   if (shape.compiled.images.empty()) return 4;
   std::uint64_t texels = 0;
@@ -348,6 +356,8 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_TILE_DEPTHS:
       return tile_depth_bytes(settings,
                               has_tile_classes(shape.needs, settings) && has_solids(shape.needs, settings));
+    case FL_BINDING_FINE_MASKS:
+      return fine_mask_bytes(settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings));
     case FL_BINDING_COARSE: return coarse_bytes(settings, has_tile_classes(shape.needs, settings));
     case FL_BINDING_SURFACE_ID: return solid_pixels * 8;
     case FL_BINDING_DEPTH: return solid_pixels * 4;
@@ -421,6 +431,7 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   p.supertiles_y = supertiles(settings.height);
   FL_ASSIGN(p.masks, zeroed(device, mask_bytes(settings, mask_words)));
   FL_ASSIGN(p.tile_depths, zeroed(device, tile_depth_bytes(settings, classes && has_solids(needs, settings))));
+  FL_ASSIGN(p.fine_masks, zeroed(device, fine_mask_bytes(settings, mask_words, classes)));
   FL_ASSIGN(p.coarse, zeroed(device, coarse_bytes(settings, classes)));
   const std::uint32_t solid_width = bodies ? width : 1;
   const std::uint32_t solid_height = bodies ? height : 1;
@@ -459,6 +470,7 @@ void Resources::bind_all() {
   bind(FL_BINDING_MASKS, picture.masks);
   bind(FL_BINDING_TILE_DEPTHS, picture.tile_depths);
   bind(FL_BINDING_COARSE, picture.coarse);
+  bind(FL_BINDING_FINE_MASKS, picture.fine_masks);
   if (rig.gobos.handle != VK_NULL_HANDLE) {
     bindings.set_image(FL_BINDING_GOBOS, rig.gobos, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   }

@@ -1,4 +1,4 @@
-// Which beams can touch which supertile: one bit each.
+// Beams that are smooth over a supertile, summed as one polynomial; the tolerance there.
 #pragma once
 
 #include "render/pass.h"

@@ -1,4 +1,4 @@
-// Which beams can touch which supertile: one bit each.
+// What each tile shows: distances, and whether it is one plane.
 #pragma once
 
 #include "render/pass.h"

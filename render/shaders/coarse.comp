@@ -3,6 +3,7 @@
 // and taken out of the supertile's mask, and so are those that do not reach it. The beam pass takes the rest. Also finds
 // the tolerance of one beam there.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_vote : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -39,7 +40,7 @@ layout(set = 0, binding = FL_BINDING_COARSE, std430) writeonly buffer CoarseBuff
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform readonly image2D radiance;
 
 shared uint rest_bits[FL_GROUP_TILE];  // of the words of one list
-shared vec2 estimates[64];             // of subgroups: light, and beams that give some
+shared vec2 estimates[FL_SUBGROUPS_MAX];             // of subgroups: light, and beams that give some
 shared uint beam_count;
 
 // Mean light of the supertile's pixels over sigma_s, and how many beams light one: each beam at 1 to 16 of 16 places.

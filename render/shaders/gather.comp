@@ -288,10 +288,12 @@ void main() {
     counts.tiles_groups[1] = params.supertiles_x * supertiles_y;
     counts.tiles_groups[2] = 1u;
     bool any = live > 0u;
-    const uint kSide = 2u * uint(FL_TILE_PX);
-    counts.beams_groups[0] = any ? (params.width + kSide - 1u) / kSide : 0u;
-    counts.beams_groups[1] = any ? (params.height + kSide - 1u) / kSide : 0u;
+    counts.beams_groups[0] = any ? (params.width + uint(FL_TILE_PX) - 1u) / uint(FL_TILE_PX) : 0u;
+    counts.beams_groups[1] = any ? (params.height + uint(FL_TILE_PX) - 1u) / uint(FL_TILE_PX) : 0u;
     counts.beams_groups[2] = 1u;
+    counts.fine_groups[0] = any ? (params.width + uint(FL_FINE_PX) - 1u) / uint(FL_FINE_PX) : 0u;
+    counts.fine_groups[1] = any ? (params.height + uint(FL_FINE_PX) - 1u) / uint(FL_FINE_PX) : 0u;
+    counts.fine_groups[2] = 1u;
     counts.coarse_groups[0] = any ? params.supertiles_x : 0u;
     counts.coarse_groups[1] = any ? supertiles_y : 0u;
     counts.coarse_groups[2] = 1u;

@@ -33,6 +33,11 @@ layout(set = 0, binding = FL_BINDING_COUNTS, std430) FL_COUNTS_ACCESS buffer Cou
 #ifdef FL_USE_MASKS
 layout(set = 0, binding = FL_BINDING_MASKS, std430) FL_MASKS_ACCESS buffer MasksBuffer { uint masks[]; };
 #endif
+#ifdef FL_USE_FINE_MASKS
+layout(set = 0, binding = FL_BINDING_FINE_MASKS, std430) FL_FINE_MASKS_ACCESS buffer FineMasksBuffer {
+  uint fine_masks[];
+};
+#endif
 
 // The ray through picture position p (pixels, (0, 0) at the top left corner), not normalised.
 vec3 ray_through(vec2 p) {

@@ -60,10 +60,10 @@ uint tile_class(BeamRow row, Rect rect, float tolerance) {
   bool many = kNodes > 3u || (kProfile && beam.profile_power != 1.0);
   bool thin = thin_in_haze_applies(row);
   vec3 eye = row.eye.xyz;
-  for (int i = 0; i < 16; ++i) fit_light[i] = 0.0;
+  [[unroll]] for (int i = 0; i < 16; ++i) fit_light[i] = 0.0;
   float rho_tail[4] = float[4](0.0, 0.0, 0.0, 0.0);
   float h_tail[4] = float[4](0.0, 0.0, 0.0, 0.0);
-  for (int i = 0; i < 6; ++i) {
+  [[unroll]] for (int i = 0; i < 6; ++i) {
     fit_rho[i] = 0.0;
     fit_h[i] = 0.0;
   }
@@ -151,7 +151,7 @@ uint tile_class(BeamRow row, Rect rect, float tolerance) {
       rho += chord.offset * t;
       h += node.h * t;
     }
-    for (int m = 0; m < 4; ++m) {
+    [[unroll]] for (int m = 0; m < 4; ++m) {
       fit_light[m] += light[m];
       fit_light[4 + m] += kAt[j] * light[m];
       fit_light[8 + m] += kTwo[j] * light[m];
@@ -204,17 +204,17 @@ uint tile_class(BeamRow row, Rect rect, float tolerance) {
   float lum = max(brightest(row.j0.rgb), 1e-30);
   float allowed = tolerance / lum;
   if (smooth_light) {
-    for (int n = 0; n < 4; ++n) {
-      for (int m = 0; m < 4; ++m) fit_light[4 * n + m] *= (m > 0 ? 0.125 : 0.0625) * (n > 0 ? 2.0 : 1.0);
+    [[unroll]] for (int n = 0; n < 4; ++n) {
+      [[unroll]] for (int m = 0; m < 4; ++m) fit_light[4 * n + m] *= (m > 0 ? 0.125 : 0.0625) * (n > 0 ? 2.0 : 1.0);
     }
     float limit = min(allowed, kTailMax * abs(fit_light[0]));
     float tail = 0.0;
-    for (int k = 0; k < 4; ++k) tail = max(tail, max(abs(fit_light[12 + k]), abs(fit_light[4 * k + 3])));
+    [[unroll]] for (int k = 0; k < 4; ++k) tail = max(tail, max(abs(fit_light[12 + k]), abs(fit_light[4 * k + 3])));
     if (tail <= limit) return kSmooth;
     if (!whole) return kGeneral;
   }
   const float kScale[6] = float[6](0.0625, 0.125, 0.125, 0.125, 0.25, 0.125);
-  for (int k = 0; k < 6; ++k) {
+  [[unroll]] for (int k = 0; k < 6; ++k) {
     fit_rho[k] *= kScale[k];
     fit_h[k] *= kScale[k];
   }

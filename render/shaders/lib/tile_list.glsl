@@ -3,11 +3,12 @@
 //
 // All functions are called by all threads of the group together.
 #define FL_LIST_MAX 1024
+#define FL_SUBGROUPS_MAX (FL_GROUP_TILE / 4)
 
 shared uint list_ids[FL_LIST_MAX];
 shared uint list_count;
 shared uint list_words;
-shared uint slot_counts[2 * 64];  // of subgroups, two buffers in turn
+shared uint slot_counts[2 * FL_SUBGROUPS_MAX];  // of subgroups, two buffers in turn
 uint slot_turn = 0u;
 
 // Number of this thread, in the order of subgroups.
@@ -17,7 +18,7 @@ uint thread_number() { return gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvoc
 // 1 / parts of the group's threads, whole subgroups.
 uint ordered_slot(bool is_in, uint parts, out uint count) {
   uvec4 ballot = subgroupBallot(is_in);
-  slot_turn = 64u - slot_turn;
+  slot_turn = uint(FL_SUBGROUPS_MAX) - slot_turn;
   if (subgroupElect()) slot_counts[slot_turn + gl_SubgroupID] = subgroupBallotBitCount(ballot);
   barrier();
   uint per_part = gl_NumSubgroups / parts;
@@ -46,7 +47,7 @@ uint list_fill(uint supertile, uint from) {
     list_count = 0u;
     list_words = 0u;
   }
-  slot_turn = 64u - slot_turn;
+  slot_turn = uint(FL_SUBGROUPS_MAX) - slot_turn;
   if (gl_SubgroupInvocationID == gl_SubgroupSize - 1u) slot_counts[slot_turn + gl_SubgroupID] = before + here;
   barrier();
   for (uint s = 0u; s < gl_SubgroupID; ++s) before += slot_counts[slot_turn + s];

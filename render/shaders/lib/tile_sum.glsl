@@ -7,7 +7,8 @@ shared float light_sums[FL_SUM_SLOTS * FL_TILE_LIGHT];
 // The sums of one round over a part of the group's threads (tile_list.glsl): each thread adds its beam, color 0 for
 // none. Thread k < FL_TILE_LIGHT of a part gets coefficient k / 3 of channel k % 3. All threads call it together.
 float tile_light_sum(vec3 color, uint parts) {
-  bool any = subgroupAny(color != vec3(0.0));
+  bool has_beam = color != vec3(0.0);
+  bool any = subgroupAny(has_beam);
   uint number = thread_number();
   uint per_part = gl_NumSubgroups / parts;
   uint part = gl_SubgroupID / per_part;
@@ -19,8 +20,9 @@ float tile_light_sum(vec3 color, uint parts) {
     if (turn) {
       uint slot = (gl_SubgroupID - first) * uint(FL_TILE_LIGHT);
       if (any) {
-        for (int k = 0; k < 16; ++k) {
-          vec3 sum = subgroupAdd(fit_light[k] * color);
+        [[unroll]] for (int k = 0; k < 16; ++k) {
+          // Not 0 times what a thread without a beam has there.
+          vec3 sum = subgroupAdd(has_beam ? fit_light[k] * color : vec3(0.0));
           if (subgroupElect()) {
             light_sums[slot + 3u * uint(k)] = sum.r;
             light_sums[slot + 3u * uint(k) + 1u] = sum.g;

@@ -22,21 +22,30 @@ ivec2 tile_pixel(int i) {
 }
 bool in_picture(ivec2 pixel) { return pixel.x < int(params.width) && pixel.y < int(params.height); }
 
+// A word of the masks that are walked: those of tiles of FL_FINE_PX where FL_WALK_FINE is true, else of supertiles.
+#ifdef FL_USE_FINE_MASKS
+uint walk_mask(uint word) { return FL_WALK_FINE ? fine_masks[word] : masks[word]; }
+#else
+#define FL_WALK_FINE false
+uint walk_mask(uint word) { return masks[word]; }
+#endif
+
 bool tile_walk(uint base) {
   uint lane = gl_LocalInvocationIndex;
-  uvec2 cell = gl_WorkGroupID.xy / uint(FL_SUPERTILE_PX / FL_TILE_PX);
-  uint supertile = cell.y * params.supertiles_x + cell.x;
-  uint first = supertile * params.mask_words + base / 32u;
+  uint side = FL_WALK_FINE ? uint(FL_FINE_PX) : uint(FL_SUPERTILE_PX);
+  uvec2 cell = gl_WorkGroupID.xy / (side / uint(FL_TILE_PX));
+  uint across = FL_WALK_FINE ? (params.width + side - 1u) / side : params.supertiles_x;
+  uint first = (cell.y * across + cell.x) * params.mask_words + base / 32u;
   uint words = min((counts.live_count - base + 31u) / 32u, 8u);
   uint any = 0u;
-  for (uint w = 0u; w < words; ++w) any |= masks[first + w];
+  for (uint w = 0u; w < words; ++w) any |= walk_mask(first + w);
   if (any == 0u) return false;
   barrier();  // the walk before this one has been read by all
   if (lane < 8u) walk_bits[lane] = 0u;
   barrier();
   for (uint at = lane; at < FL_WALK_BEAMS; at += uint(FL_TILE_PX * FL_TILE_PX / FL_ROWS)) {
     uint beam = base + at;
-    if (beam < counts.live_count && (masks[first + (at >> 5)] & (1u << (at & 31u))) != 0u) {
+    if (beam < counts.live_count && (walk_mask(first + (at >> 5)) & (1u << (at & 31u))) != 0u) {
       if (tile_touches(beams[beam])) atomicOr(walk_bits[at >> 5], 1u << (at & 31u));
     }
   }

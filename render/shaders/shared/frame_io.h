@@ -42,10 +42,11 @@
 #define FL_BINDING_SMOOTH_STATES 33
 // States of each kind of lamp, by its number in FL_LAMPS (fixtures/shared/tables.h).
 #define FL_BINDING_LAMP(number) (33 + number)
-// What the beam passes hand on: TileDepthRow, one a tile; CoarseRow, one a supertile.
+// What the beam passes hand on: TileDepthRow, one a tile; CoarseRow, one a supertile; masks of FL_FINE_PX.
 #define FL_BINDING_TILE_DEPTHS (34 + FL_LAMP_COUNT)
 #define FL_BINDING_COARSE (35 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (36 + FL_LAMP_COUNT)
+#define FL_BINDING_FINE_MASKS (36 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (37 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -85,10 +86,11 @@
 #define FL_METHOD_MARCH 1
 
 #define FL_GROUP_HEADS 64   // heads a workgroup
-#define FL_TILE_PX 16       // a workgroup of the surface pass shades one tile, one of the beam pass 2 x 2
+#define FL_TILE_PX 16       // a workgroup shades one tile
+#define FL_FINE_PX 32       // a workgroup of the fine pass takes beams together for so many pixels
 #define FL_SUPERTILE_PX 64  // beams are listed per supertile, one bit a live beam
 #define FL_GROUP_MASK 64    // beams a workgroup of the tile pass tests
-#define FL_GROUP_TILE 256   // threads of a workgroup of the beam passes
+#define FL_GROUP_TILE 512   // threads of a workgroup of the coarse and the fine pass
 #define FL_TILE_LIGHT 48    // 4 x 4 coefficients of three channels
 // Nodes of a rectangle lie on a square that is this much larger, so that their hull holds every pixel's centre: the
 // outermost node is at cos(pi / 8) = 0.924 of the square, the outermost centre at 63 / 64 of the rectangle.
@@ -173,6 +175,7 @@ struct CountsRow {
   uint tiles_groups[4];   // indirect arguments of the tile pass: x = live / FL_GROUP_MASK, y = supertiles, z = 1
   uint beams_groups[4];   // of the beam pass: 0 x 0 x 0 when nothing is lit
   uint coarse_groups[4];  // of the coarse pass: one group a supertile
+  uint fine_groups[4];    // of the fine pass: one group FL_FINE_PX x FL_FINE_PX pixels
 };
 
 // What a tile of FL_TILE_PX x FL_TILE_PX pixels shows; 32 bytes.
