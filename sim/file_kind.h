@@ -1,5 +1,4 @@
-// Detects pipes and devices before a file is opened. Opening a pipe blocks, and renaming onto a device
-// replaces it.
+// Checks of a path before its file is opened. Opening a pipe blocks, and renaming onto a device or a file replaces it.
 #pragma once
 
 #include <filesystem>
@@ -27,6 +26,13 @@ namespace footlight {
 [[nodiscard]] inline Status refuse_pipe_output(const std::string& path) {
   if (!is_pipe_or_device(path)) return {};
   return fail(ErrorCode::kBadInput, "{}: is a pipe or a device; expected a name for a file", path);
+}
+
+// For a file or a folder that will be written.
+[[nodiscard]] inline Status refuse_existing(const std::string& path, bool overwrite) {
+  std::error_code ignored;
+  if (overwrite || !std::filesystem::exists(path, ignored)) return {};
+  return fail(ErrorCode::kBadInput, "{}: exists; choose another name or allow overwriting", path);
 }
 
 }  // namespace footlight

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "sim/dmx_log/format.h"
 #include "sim/dmx_log/log_output.h"
 #include "sim/dmx_log/ola_show.h"
@@ -48,6 +50,7 @@ class DmxLogInput final : public LogInput {
     const LogInfo& info = reader_.info();
     return info.origin_ns + (info.finished ? std::max(info.duration_ns, last_ns_) : last_ns_);
   }
+  [[nodiscard]] bool finished() const override { return reader_.info().finished; }
   [[nodiscard]] std::uint64_t damage_count() const override { return reader_.info().damage_count; }
 
  private:
@@ -70,6 +73,14 @@ class OlaShowInput final : public LogInput {
     return true;
   }
   [[nodiscard]] TimeNs end_ns() const override { return reader_.time_ns(); }
+  [[nodiscard]] bool finished() const override { return reader_.open_line() == 0; }
+  [[nodiscard]] std::vector<std::string> notes() const override {
+    if (finished()) return {};
+    return {
+        fmt::format("{}:{}: the last line has no line end: the file may be cut off there. If it is complete, add a "
+                    "line end",
+                    path_, reader_.open_line())};
+  }
 
  private:
   OlaShowReader reader_;
@@ -149,6 +160,7 @@ Result<LogInfo> describe(LogInput& input) {
   std::error_code error;
   const auto size = std::filesystem::file_size(input.path(), error);
   info.file_bytes = error ? 0 : size;
+  info.finished = input.finished();
   info.damage_count = input.damage_count();
   info.checked = true;
   return info;

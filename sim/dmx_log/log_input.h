@@ -30,6 +30,8 @@ class LogInput {
   [[nodiscard]] virtual Result<bool> next(FrameView& frame) = 0;
   // When the recording ended; valid after the end was read.
   [[nodiscard]] virtual TimeNs end_ns() const = 0;
+  // False if the file seems to be cut off; valid after the end was read. notes() names the place.
+  [[nodiscard]] virtual bool finished() const { return true; }
   // Parts of the file that could not be used.
   [[nodiscard]] virtual std::uint64_t damage_count() const { return 0; }
   // What was left out and why, as whole lines for people; complete after the end was read.

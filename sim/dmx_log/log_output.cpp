@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <system_error>
 #include <tuple>
 
@@ -143,11 +144,11 @@ tl::unexpected<Error> fail_open(int error_number, const std::string& path) {
 
 Result<std::unique_ptr<LogOutput>> open_file_output(const std::string& path, bool overwrite) {
   FL_TRY(refuse_pipe_output(path));
-  struct stat info {};
-  if (::stat(path.c_str(), &info) == 0) {
-    if (S_ISDIR(info.st_mode)) return fail(ErrorCode::kBadInput, "{}: is a directory; name a file", path);
-    if (!overwrite) return fail(ErrorCode::kBadInput, "{}: exists; choose another name or allow overwriting", path);
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    return fail(ErrorCode::kBadInput, "{}: is a directory; name a file", path);
   }
+  FL_TRY(refuse_existing(path, overwrite));
   for (int attempt = 1; attempt <= kPartNamesMax; ++attempt) {
     const std::string part_path = part_name(path, attempt);
     const int fd = ::open(part_path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);

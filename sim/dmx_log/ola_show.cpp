@@ -76,7 +76,10 @@ Result<bool> OlaShowReader::read_line(std::string& line) {
     bool any = false;
     while (true) {
       const int c = stream_->get();
-      if (c == std::ifstream::traits_type::eof()) break;
+      if (c == std::ifstream::traits_type::eof()) {
+        if (any) open_line_ = line_;
+        break;
+      }
       any = true;
       if (c == '\n') break;
       if (line.size() == kLineCharsMax) {
@@ -162,9 +165,7 @@ Result<OlaShowWriter> OlaShowWriter::create(const std::string& path, bool overwr
   if (std::filesystem::is_directory(path, ignored)) {
     return fail(ErrorCode::kBadInput, "{}: is a directory; name a file", path);
   }
-  if (!overwrite && std::filesystem::exists(path, ignored)) {
-    return fail(ErrorCode::kBadInput, "{}: exists; choose another name or allow overwriting", path);
-  }
+  FL_TRY(refuse_existing(path, overwrite));
   errno = 0;
   std::ofstream stream(path + ".part", std::ios::binary | std::ios::trunc);
   if (!stream) return dmx_log::fail_errno(errno, path, "cannot create");

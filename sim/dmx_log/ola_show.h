@@ -2,6 +2,9 @@
 // alternating "<universe> <level>,<level>,..." and a delay in whole milliseconds. Unix or DOS line ends; a final delay
 // may follow.
 //
+// OLA ends every line, so a last line without a line end is a sign that the file was cut off. It is read all the same,
+// because editors also write such files. A file that was cut off between two lines cannot be recognised.
+//
 // An empty level is 0, as in OLA's DmxBuffer::SetFromString: "1,,3" is 1, 0, 3, and "1," is 1, 0. OLA also reads text
 // as 0, reads levels past 255 modulo 256, and drops levels past 512. Those are errors here, because they lose levels.
 //
@@ -41,6 +44,8 @@ class OlaShowReader {
   [[nodiscard]] Result<bool> next(OlaShowFrame& frame);
   // The sum of all delays read so far; at the end the length of the show.
   [[nodiscard]] DurationNs time_ns() const { return time_ns_; }
+  // The number of a last line that has no line end; 0: none was read.
+  [[nodiscard]] int open_line() const { return open_line_; }
 
  private:
   OlaShowReader(std::string path, std::unique_ptr<std::istream> stream, int universe_offset);
@@ -55,6 +60,7 @@ class OlaShowReader {
   std::unique_ptr<std::istream> stream_;
   int universe_offset_ = 0;
   int line_ = 0;
+  int open_line_ = 0;
   bool delay_next_ = false;
   DurationNs time_ns_ = 0;
   std::string text_;

@@ -75,6 +75,31 @@ TEST_CASE("an OLA Show is read with either line end, with frames of any length a
   CHECK(read_show(path).empty());
 }
 
+TEST_CASE("an OLA Show that ends inside a line is described as unfinished, and a note names the line") {
+  const TempFolder folder;
+  const std::string path = folder.file("a.show");
+  const std::string whole = "OLA Show\n1 0,255\n20\n1 0,128\n977\n";
+  const auto describe_first = [&](std::size_t size) {
+    write_bytes(path, whole.substr(0, size));
+    auto input = open_log_input(path);
+    REQUIRE_MESSAGE(input, input.error().message);
+    const auto info = describe(**input);
+    REQUIRE_MESSAGE(info, info.error().message);
+    return std::pair{info->finished, (*input)->notes()};
+  };
+  const std::size_t first_line = whole.find('\n') + 1;
+  for (std::size_t size = first_line; size <= whole.size(); ++size) {
+    CAPTURE(size);
+    const auto [finished, notes] = describe_first(size);
+    const bool between_lines = whole[size - 1] == '\n';
+    CHECK(finished == between_lines);
+    REQUIRE(notes.size() == (between_lines ? 0 : 1));
+    if (between_lines) continue;
+    const auto line = 1 + std::count(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size), '\n');
+    CHECK(notes[0].find("a.show:" + std::to_string(line) + ": the last line has no line end") != std::string::npos);
+  }
+}
+
 TEST_CASE("an empty level in an OLA Show is 0, also after the last comma, and stays 0 through a DMX log") {
   const TempFolder folder;
   const std::string path = folder.file("a.show");

@@ -111,6 +111,44 @@ TEST_CASE("check prints a summary first, then one line per file and its errors, 
   CHECK(contains(all.out, "[measured]"));
 }
 
+TEST_CASE("convert, import and export replace a file, or the folder of its files, only with --overwrite") {
+  TempFolder folder;
+  const std::string head = folder.write("head.gdtf", make_zip({{"description.xml", kHead, 8}}));
+  const std::string out = folder.file("mine.toml");
+  const std::string mvr = folder.file("mine.mvr");
+  const std::vector<std::vector<std::string>> commands = {
+      {"fixtures", "convert", head, "-o", out}, {"rig", "import", head, "-o", out}, {"rig", "export", head, "-o", mvr}};
+  const auto text_of = [](const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string{std::istreambuf_iterator<char>(file), {}};
+  };
+  for (auto command : commands) {
+    CAPTURE(command[1]);
+    const std::string& path = command.back();
+    CHECK(footlight(command).exit_code == 0);
+    const std::string written = text_of(path);
+    CHECK_FALSE(written.empty());
+    folder.write(fs::path(path).filename().string(), "by hand");
+    const Outcome refused = footlight(command);
+    CHECK(refused.exit_code == 2);
+    CHECK(contains(refused.err, path + ": exists; choose another name or allow overwriting"));
+    CHECK(text_of(path) == "by hand");
+    auto replacing = command;
+    replacing.push_back("--overwrite");
+    CHECK(footlight(replacing).exit_code == 0);
+    CHECK(text_of(path) == written);
+    fs::remove(path);
+    if (command[1] == "export") continue;
+    fs::remove_all(folder.file("mine_files"));
+    folder.write("mine_files/notes.txt", "by hand");
+    const Outcome files = footlight(command);
+    CHECK(files.exit_code == 2);
+    CHECK(contains(files.err, "mine_files: exists"));
+    CHECK_FALSE(fs::exists(path));
+    fs::remove_all(folder.file("mine_files"));
+  }
+}
+
 TEST_CASE("check refuses unreadable arguments, and finds nothing in an empty folder") {
   TempFolder folder;
   const Outcome text = footlight({"fixtures", "check", folder.write("a.txt", "hello"), "--json"});

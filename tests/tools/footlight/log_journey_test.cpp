@@ -172,6 +172,19 @@ TEST_CASE("through an OLA show file and back, levels stay and times are rounded 
   check_done(footlight({"log", "convert", "--overwrite", folder.file("a.show"), folder.file("b.dmxlog")}));
 }
 
+TEST_CASE("a truncated OLA show file has exit code 1, and the line at which it is cut off is named") {
+  const TempFolder folder;
+  const std::string show = folder.write("cut.show", "OLA Show\n1 0,255,7\n20\n1 0,25");
+  const Outcome info = footlight({"log", "info", "--check", show});
+  CHECK(info.exit_code == 1);
+  CHECK(contains(info.out, "cut.show:4: the last line has no line end"));
+  CHECK(contains(info.err, "the recording was not finished"));
+  CHECK(contains(info.err, "footlight log convert " + show + " whole.dmxlog"));
+  const Outcome converted = footlight({"log", "convert", show, folder.file("whole.dmxlog")});
+  CHECK(converted.exit_code == 0);
+  CHECK(contains(converted.out, "cut.show:4: the last line has no line end"));
+}
+
 TEST_CASE("a truncated log is shown up to its end, with exit code 1 and the command that saves the rest") {
   const TempFolder folder;
   auto frames = pattern();

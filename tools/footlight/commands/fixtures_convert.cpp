@@ -4,12 +4,14 @@
 #include <set>
 #include <system_error>
 
+#include "fixtures/files/export/rig_toml.h"
 #include "fixtures/files/export/write_file.h"
 #include "fixtures/files/import/archive.h"
 #include "fixtures/files/import/import.h"
 #include "fixtures/files/import/text.h"
 #include "fixtures/files/toml/fixture_toml_full.h"
 #include "sim/core/counted.h"
+#include "sim/file_kind.h"
 #include "tools/footlight/commands/fixtures_command.h"
 #include "tools/footlight/status/status_text.h"
 
@@ -23,6 +25,7 @@ constexpr std::uint64_t kFileBytesMax = 64u << 20;
 struct Options {
   std::string file;
   std::string out;
+  bool overwrite = false;
 };
 
 Status write_whole(const fs::path& path, std::string_view bytes) {
@@ -49,11 +52,12 @@ Result<int> convert(const Options& options) {
   if (!options.out.ends_with(".toml")) {
     return fail(ErrorCode::kBadInput, "fixtures convert: expected -o NAME.toml, got '{}'", options.out);
   }
+  // The files that it uses go into a folder beside it.
+  const fs::path folder = fixtures::files_folder_of(options.out);
+  FL_TRY(refuse_existing(options.out, options.overwrite));
+  FL_TRY(refuse_existing(folder.string(), options.overwrite));
   FL_ASSIGN(const fixtures::Imported imported, fixtures::import_fixture(options.file));
   const fixtures::FixtureType& type = imported.type;
-  // The files that it uses go into a folder beside it.
-  const fs::path out = options.out;
-  const std::string folder = out.stem().string() + "_files";
   int copied = 0;
   if (type.files != nullptr) {
     for (const std::string& name : names_used(type)) {
@@ -62,12 +66,12 @@ Result<int> convert(const Options& options) {
         fmt::print(stderr, "footlight: {}\n", printable_utf8(bytes.error().message));
         continue;
       }
-      FL_TRY(write_whole(out.parent_path() / folder / name, fixtures::text_of(*bytes)));
+      FL_TRY(write_whole(folder / name, fixtures::text_of(*bytes)));
       ++copied;
     }
   }
-  const std::string text = fixtures::write_full_form(type, copied > 0 ? folder : "");
-  FL_TRY(write_whole(out, text));
+  const std::string text = fixtures::write_full_form(type, copied > 0 ? folder.filename().string() : "");
+  FL_TRY(write_whole(options.out, text));
   std::size_t warnings = 0;
   for (const fixtures::Diagnostic& diagnostic : imported.diagnostics) {
     if (diagnostic.severity == fixtures::Severity::kNote) continue;
@@ -77,7 +81,7 @@ Result<int> convert(const Options& options) {
   const std::string line =
       fmt::format("{}: {} {}, {}, {} bytes{}{}", options.out, fixtures::shortened(type.manufacturer),
                   fixtures::shortened(type.name), counted(type.modes.size(), "mode"), text.size(),
-                  copied > 0 ? fmt::format(", {} in {}", counted(copied, "file"), folder) : "",
+                  copied > 0 ? fmt::format(", {} in {}", counted(copied, "file"), folder.filename().string()) : "",
                   warnings > 0 ? fmt::format("; {}", counted(warnings, "warning")) : "");
   fmt::print("{}\n", printable_utf8(line));
   return kExitOk;
@@ -94,6 +98,7 @@ void add_fixtures_convert(Arguments& arguments) {
   auto options = std::make_shared<Options>();
   convert_arguments.word("FILE", options->file, "a definition of any supported format");
   convert_arguments.option("--out,-o", options->out, "NAME.toml", "the file to write");
+  convert_arguments.flag("--overwrite", options->overwrite, "replace an existing file and its folder's files");
   convert_arguments.job([options] { return convert(*options); });
 }
 

@@ -20,6 +20,7 @@
 #include "fixtures/paperwork/patch_sheet.h"
 #include "fixtures/paperwork/plan.h"
 #include "sim/core/counted.h"
+#include "sim/file_kind.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/monitor/terminal.h"
 #include "tools/footlight/progress.h"
@@ -41,6 +42,7 @@ struct Options {
   std::string out;
   std::vector<std::string> library;
   std::string paper = "a3";
+  bool overwrite = false;
   bool json = false;
 };
 
@@ -267,6 +269,8 @@ void print_report(const std::string& out, const fixtures::ExportReport& report) 
 
 Result<int> import_it(const Options& options) {
   FL_TRY(expect_ending(options.out, {".toml"}, "footlight rig import show.mvr -o show.toml"));
+  FL_TRY(refuse_existing(options.out, options.overwrite));
+  FL_TRY(refuse_existing(fixtures::files_folder_of(options.out), options.overwrite));
   FL_ASSIGN(const ImportedRig imported, open_or_fail(options));
   Progress progress("files written");
   FL_ASSIGN(const auto report, fixtures::export_rig_toml(imported, options.out, progress.go_on()));
@@ -278,6 +282,7 @@ Result<int> import_it(const Options& options) {
 
 Result<int> export_it(const Options& options) {
   FL_TRY(expect_ending(options.out, {".mvr"}, "footlight rig export show.toml -o show.mvr"));
+  FL_TRY(refuse_existing(options.out, options.overwrite));
   FL_ASSIGN(const ImportedRig imported, open_or_fail(options));
   Progress progress("files written");
   FL_ASSIGN(const auto report, fixtures::export_mvr(imported, options.out, progress.go_on()));
@@ -370,6 +375,9 @@ void add(Arguments& arguments) {
       its.word("FILE", options->path, "the rig: .mvr, .qxw or .toml; the content decides, not the name");
     }
     if (part.out != nullptr) its.option("--out,-o", options->out, "FILE", part.out);
+    if (part.run == import_it)
+      its.flag("--overwrite", options->overwrite, "replace an existing rig file and its folder's files");
+    if (part.run == export_it) its.flag("--overwrite", options->overwrite, "replace an existing file");
     if (part.run == plan) its.option("--paper", options->paper, "SIZE", "a0 to a4, landscape [a3]");
     its.list("--library", options->library, "FOLDER",
              "search fixture definitions here, not in the installed libraries");
