@@ -212,7 +212,7 @@ class Merge {
   bool resolve_by_slot(int index);
   [[nodiscard]] std::uint8_t* priorities_of(int index, int place) const;
   [[nodiscard]] DurationNs silence_of(const FrameView& frame) const;
-  void remove(int index, int sender);
+  void remove(int index, int number);
   void mark_changed(int index);
 
   MergeOptions options_;

@@ -78,10 +78,10 @@ class GpioSource final : public Source {
   Status open_lines(TimeNs now_ns);
   void lose_lines(const Error& error, TimeNs now_ns, FrameReceiver& receiver);
   [[nodiscard]] bool is_open() const { return lines_.front().input != nullptr; }
-  Status listen(std::size_t line, bool on);
+  Status listen(std::size_t index, bool on);
 
   Status read_ready(TimeNs now_ns, FrameReceiver& receiver);
-  Status read_line(std::size_t line, TimeNs now_ns, FrameReceiver& receiver);
+  Status read_line(std::size_t index, TimeNs now_ns, FrameReceiver& receiver);
   Status read_due_levels(TimeNs now_ns, FrameReceiver& receiver);
   void deliver_changes(FrameReceiver& receiver);
   void deliver(TimeNs stamp_ns, std::uint8_t start_code, FrameReceiver& receiver);

@@ -21,7 +21,7 @@ void NodleModel::data_out(std::uint8_t, std::span<const std::uint8_t> bytes) {
     ++mode_count;
     received_any_ = false;
   } else {
-    for (std::size_t i = 0; i < 32; ++i) memory[bytes[0] * 32u + i] = bytes[1 + i];
+    for (std::size_t i = 0; i < 32; ++i) memory[bytes[0] * std::size_t{32} + i] = bytes[1 + i];
     ++block_count;
   }
   if ((mode & 2) == 0) return;

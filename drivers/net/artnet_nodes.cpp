@@ -88,7 +88,7 @@ void ArtnetNodes::subscribers_of(int port_address, bool output, std::span<const 
         std::find(interfaces.begin(), interfaces.end(), device.node.interface_index) == interfaces.end()) {
       continue;
     }
-    if (device.ports.count(2 * port_address + (output ? 1 : 0)) != 0) ipv4s.push_back(ipv4);
+    if (device.ports.contains(2 * port_address + (output ? 1 : 0))) ipv4s.push_back(ipv4);
   }
 }
 

@@ -279,7 +279,7 @@ void ArtnetSource::take_poll(const ArtnetPoll& poll, const Datagram& datagram, T
   answers_.add(poll, datagram, seed_, now_ns);
   if ((poll.flags & kArtnetPollOnChange) == 0) {
     watchers_.erase(datagram.from_ipv4);
-  } else if (watchers_.size() < ArtnetAnswers::kRequestersMax || watchers_.count(datagram.from_ipv4) != 0) {
+  } else if (watchers_.size() < ArtnetAnswers::kRequestersMax || watchers_.contains(datagram.from_ipv4)) {
     ArtnetAnswers::Requester& watcher = watchers_[datagram.from_ipv4];
     watcher.ipv4 = datagram.from_ipv4;
     watcher.udp_port = datagram.from_udp_port;

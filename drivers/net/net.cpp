@@ -19,20 +19,21 @@ tl::unexpected<Error> not_of_the_network(const Endpoint& endpoint) {
 
 }  // namespace
 
-Result<std::unique_ptr<Source>> make_net_source(const Endpoint& endpoint, std::shared_ptr<OwnSenders> own_senders) {
+Result<std::unique_ptr<Source>> make_net_source(const Endpoint& endpoint,
+                                                const std::shared_ptr<OwnSenders>& own_senders) {
   if (endpoint.scheme == "sacn") {
-    return make_sacn_source(options_of<SacnSourceOptions>(endpoint, std::move(own_senders)));
+    return make_sacn_source(options_of<SacnSourceOptions>(endpoint, own_senders));
   }
   if (endpoint.scheme == "artnet") {
-    return make_artnet_source(options_of<ArtnetSourceOptions>(endpoint, std::move(own_senders)));
+    return make_artnet_source(options_of<ArtnetSourceOptions>(endpoint, own_senders));
   }
   return not_of_the_network(endpoint);
 }
 
-Result<std::unique_ptr<Sink>> make_net_sink(const Endpoint& endpoint, std::shared_ptr<OwnSenders> own_senders) {
-  if (endpoint.scheme == "sacn") return make_sacn_sink(options_of<SacnSinkOptions>(endpoint, std::move(own_senders)));
+Result<std::unique_ptr<Sink>> make_net_sink(const Endpoint& endpoint, const std::shared_ptr<OwnSenders>& own_senders) {
+  if (endpoint.scheme == "sacn") return make_sacn_sink(options_of<SacnSinkOptions>(endpoint, own_senders));
   if (endpoint.scheme == "artnet") {
-    return make_artnet_sink(options_of<ArtnetSinkOptions>(endpoint, std::move(own_senders)));
+    return make_artnet_sink(options_of<ArtnetSinkOptions>(endpoint, own_senders));
   }
   return not_of_the_network(endpoint);
 }

@@ -156,22 +156,22 @@ struct ArtnetSinkOptions : NetSinkOptions {
 
 // Options from an endpoint; all other fields keep their defaults.
 template <class Options>
-Options options_of(const Endpoint& endpoint, std::shared_ptr<OwnSenders> own_senders) {
+Options options_of(const Endpoint& endpoint, const std::shared_ptr<OwnSenders>& own_senders) {
   Options options;
   options.name = endpoint.text;
   options.universes = endpoint.universes;
   options.addresses = endpoint.addresses;
   options.interface_names = endpoint.interface_names;
   if (endpoint.udp_port != 0) options.port = endpoint.udp_port;
-  options.own_senders = std::move(own_senders);
+  options.own_senders = own_senders;
   return options;
 }
 
 // As above, from an endpoint whose scheme is sacn or artnet (kBadInput for any other), with default options.
 [[nodiscard]] Result<std::unique_ptr<Source>> make_net_source(const Endpoint& endpoint,
-                                                              std::shared_ptr<OwnSenders> own_senders);
+                                                              const std::shared_ptr<OwnSenders>& own_senders);
 [[nodiscard]] Result<std::unique_ptr<Sink>> make_net_sink(const Endpoint& endpoint,
-                                                          std::shared_ptr<OwnSenders> own_senders);
+                                                          const std::shared_ptr<OwnSenders>& own_senders);
 
 // The default CID of a sink: the same after every start on this machine; different on every other machine, for every
 // other source name and for every other endpoint. A UUID of version 8 (RFC 9562) over a 64-bit digest of

@@ -268,7 +268,7 @@ void NetSource::join_missing() {
         settings_.name);
   }
   for (const int interface_index : wanted) {
-    if (joined_interfaces_.count(interface_index) != 0) continue;
+    if (joined_interfaces_.contains(interface_index)) continue;
     Status status;
     for (const std::uint32_t group : settings_.groups) {
       if (status && settings_.stopping && settings_.stopping()) {
@@ -350,7 +350,7 @@ void NetSource::read_socket(std::size_t index, TimeNs now_ns, FrameReceiver& rec
         continue;
       }
       // A group that other programs on this machine have joined elsewhere; see Socket.
-      if (is_multicast(datagram.to_ipv4) && joined_interfaces_.count(datagram.interface_index) == 0) continue;
+      if (is_multicast(datagram.to_ipv4) && !joined_interfaces_.contains(datagram.interface_index)) continue;
       const TimeNs stamp_ns = now_ns - datagram.age_ns;
       if (inbox_.shared && is_unicast(datagram)) {
         settings_.own_senders->unicast().pass_on(inbox_, datagram, stamp_ns);

@@ -67,7 +67,7 @@ class NetSource : public Source {
   [[nodiscard]] const Settings& settings() const { return settings_; }
   // True if settings().interface_names lists this interface, or is empty.
   [[nodiscard]] bool receives_on(int interface_index) const {
-    return settings_.interface_names.empty() || only_interfaces_.count(interface_index) != 0;
+    return settings_.interface_names.empty() || only_interfaces_.contains(interface_index);
   }
   // Joins one more group on every interface with groups; does nothing if it is joined already.
   Status add_group(std::uint32_t group);

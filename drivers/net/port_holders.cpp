@@ -85,14 +85,14 @@ std::vector<PortHolder> other_holders(std::uint16_t udp_port) {
   read_table("/proc/thread-self/net/udp6", false, udp_port, sockets);
   if (!sockets.empty()) {
     const auto own = inodes_of("self");
-    std::erase_if(sockets, [&](const OpenSocket& one) { return own.count(one.inode) != 0; });
+    std::erase_if(sockets, [&](const OpenSocket& one) { return own.contains(one.inode); });
   }
   std::vector<PortHolder> holders;
   if (sockets.empty()) return holders;
   for (const std::string& process : processes("/proc")) {
     const auto inodes = inodes_of(process);
     for (OpenSocket& one : sockets) {
-      if (inodes.count(one.inode) == 0) continue;
+      if (!inodes.contains(one.inode)) continue;
       one.holder.pid = std::atoi(process.c_str());
       describe(one.holder);
     }

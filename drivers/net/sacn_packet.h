@@ -24,7 +24,8 @@ inline constexpr std::size_t kSacnDataBytesMax = kSacnDataHeaderBytes + kSlotCou
 inline constexpr std::size_t kSacnSyncBytes = 49;
 inline constexpr std::size_t kSacnDiscoveryHeaderBytes = 120;
 inline constexpr int kSacnDiscoveryUniversesMax = 512;  // of one page
-inline constexpr std::size_t kSacnDiscoveryBytesMax = kSacnDiscoveryHeaderBytes + 2 * kSacnDiscoveryUniversesMax;
+inline constexpr std::size_t kSacnDiscoveryBytesMax =
+    kSacnDiscoveryHeaderBytes + std::size_t{2} * kSacnDiscoveryUniversesMax;
 inline constexpr int kSacnDiscoveryUniverse = 64'214;
 inline constexpr std::size_t kSacnSourceNameBytes = 64;  // with the closing zero
 

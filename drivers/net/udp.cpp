@@ -510,7 +510,7 @@ InterfaceWatch::InterfaceWatch()
 bool InterfaceWatch::read(std::vector<int>& lost) {
   if (!socket_) return false;
   bool changed = false;
-  alignas(nlmsghdr) std::array<char, 16 * 1024> buffer;
+  alignas(nlmsghdr) std::array<char, 16u << 10> buffer;
   while (true) {
     const ssize_t size = recv(socket_.get(), buffer.data(), buffer.size(), MSG_DONTWAIT);
     if (size < 0 && errno == ENOBUFS) {  // messages were lost: check everything again

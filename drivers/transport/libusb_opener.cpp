@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kInterface = 0;
 constexpr std::size_t kInTransferCount = 4;         // so that the device never waits for a buffer during a copy
-constexpr std::size_t kWaitingSizeMax = 16 * 1024;  // 30 frames; above it no transfer is submitted
+constexpr std::size_t kWaitingSizeMax = 16u << 10;  // 30 frames; above it no transfer is submitted
 constexpr int kInTransferSize = kUsbTransferSizeMax;
 constexpr DurationNs kEventSliceMaxNs = 60 * kNsPerS;
 constexpr DurationNs kCancelPatienceNs = 5 * kNsPerS;

@@ -38,7 +38,7 @@ struct EnttecProConfig {
 
 class EnttecPro final : public Widget, public RdmWidget {
  public:
-  explicit EnttecPro(EnttecProConfig config) : config_(std::move(config)) {}
+  explicit EnttecPro(EnttecProConfig config) : config_(config) {}
 
   int line_count() const override { return config_.line_count; }
   Status can(int line, LineUse use) const override;

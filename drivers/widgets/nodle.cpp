@@ -57,8 +57,9 @@ class NodleWidget final : public Widget {
     const bool all = !known_ || now_ns >= refreshed_ns_ + kRefreshNs;
     known_ = false;
     for (int block = 0; block < kNodleBlockCount; ++block) {
-      const auto levels = snapshot.subspan(static_cast<std::size_t>(block * kNodleBlockSize), kNodleBlockSize);
-      const auto at = sent_.begin() + block * kNodleBlockSize;
+      const std::ptrdiff_t first = std::ptrdiff_t{block} * kNodleBlockSize;
+      const auto levels = snapshot.subspan(static_cast<std::size_t>(first), kNodleBlockSize);
+      const auto at = sent_.begin() + first;
       if (!all && std::equal(levels.begin(), levels.end(), at)) continue;
       FL_TRY(context.transport().write(encode_nodle_block(block, snapshot), context.now_ns() + kReportPatienceNs));
       std::copy(levels.begin(), levels.end(), at);

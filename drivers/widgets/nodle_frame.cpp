@@ -22,7 +22,7 @@ NodleReport encode_nodle_block(int block, std::span<const std::uint8_t, kSlotCou
   FL_CHECK(block >= 0 && block < kNodleBlockCount);
   NodleReport report{};
   report[1] = static_cast<std::uint8_t>(block);
-  std::copy_n(snapshot.begin() + block * kNodleBlockSize, kNodleBlockSize, report.begin() + 2);
+  std::copy_n(snapshot.begin() + std::ptrdiff_t{block} * kNodleBlockSize, kNodleBlockSize, report.begin() + 2);
   return report;
 }
 
@@ -31,7 +31,7 @@ std::optional<int> apply_nodle_report(std::span<const std::uint8_t> report,
   // A report is never cut on the way: one that is too long is not of this family.
   if (report.size() != std::tuple_size_v<NodleReport> || report[1] >= kNodleBlockCount) return std::nullopt;
   const int block = report[1];
-  std::copy_n(report.begin() + 2, kNodleBlockSize, slots.begin() + block * kNodleBlockSize);
+  std::copy_n(report.begin() + 2, kNodleBlockSize, slots.begin() + std::ptrdiff_t{block} * kNodleBlockSize);
   return block;
 }
 

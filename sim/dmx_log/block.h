@@ -41,7 +41,9 @@ class BlockEncoder {
   [[nodiscard]] DurationNs first_ns() const { return first_ns_; }
   [[nodiscard]] DurationNs last_ns() const { return last_ns_; }
   // Upper bounds of the size from encode(): of this block, and of the part that does not depend on its frames.
-  [[nodiscard]] std::size_t raw_bytes_bound() const { return base_bytes_bound() + row_bytes_ + 64 * frame_count_; }
+  [[nodiscard]] std::size_t raw_bytes_bound() const {
+    return base_bytes_bound() + row_bytes_ + std::size_t{64} * frame_count_;
+  }
   [[nodiscard]] std::size_t base_bytes_bound() const { return 16 + states_.size() * (kSlotCountMax + 176); }
   [[nodiscard]] const std::vector<UniverseState>& states() const { return states_; }
   // Index of a universe in states(), or -1.

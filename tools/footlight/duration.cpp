@@ -6,7 +6,7 @@
 namespace footlight::tools {
 namespace {
 
-constexpr DurationNs kDurationMaxNs = 10'000 * 3'600 * kNsPerS;
+constexpr DurationNs kDurationMaxNs = kNsPerS * 3'600 * 10'000;
 
 struct Unit {
   std::string_view name;

@@ -63,8 +63,8 @@ struct MonitorState {
 };
 
 // Both parse a page. kProtocol if it is not such a page.
-[[nodiscard]] Status take_status(MonitorState& state, const std::string& json);
-[[nodiscard]] Status take_levels(MonitorState& state, const std::string& json);
+[[nodiscard]] Status take_status(MonitorState& state, const std::string& text);
+[[nodiscard]] Status take_levels(MonitorState& state, const std::string& text);
 
 // One line of JSON: the last status, with the age and the levels of every universe added.
 [[nodiscard]] std::string json_of_monitor(const MonitorState& state, const std::string& time);

@@ -27,7 +27,7 @@ struct ExrHeader {
 //   framesPerSecond   of a sequence
 //   footlight/units, footlight/exposureEv, footlight/timeS
 // kUnsupported where this build has no OpenEXR.
-[[nodiscard]] Result<fixtures::Bytes> exr_of(const render::RadianceImage& image, const ExrHeader& header);
+[[nodiscard]] Result<fixtures::Bytes> exr_of(const render::RadianceImage& image, const ExrHeader& given);
 
 // Fails where this build cannot write OpenEXR, for a message before the work and not after it.
 [[nodiscard]] Status check_exr(const std::string& path);

@@ -25,9 +25,9 @@ namespace {
 
 constexpr std::size_t kConnectionsMax = 16;
 constexpr unsigned kSilenceMaxS = 10;
-constexpr std::size_t kConnectionBytesMax = 16 * 1024;
-constexpr std::size_t kUploadBytesMax = 4 * 1024;
-constexpr std::size_t kAnswerBytesMax = 64 * 1024 * 1024;
+constexpr std::size_t kConnectionBytesMax = 16u << 10;
+constexpr std::size_t kUploadBytesMax = 4u << 10;
+constexpr std::size_t kAnswerBytesMax = 64u << 20;
 constexpr std::string_view kUnix = "unix:";
 
 std::optional<sockaddr_un> unix_address(const std::string& path) {
