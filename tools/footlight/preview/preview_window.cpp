@@ -60,7 +60,7 @@ class FrameTimes {
     const std::size_t held = std::min<std::size_t>(static_cast<std::size_t>(count_), ring_.size());
     if (held == 0) return 0;
     std::vector<double> sorted(ring_.begin(), ring_.begin() + static_cast<std::ptrdiff_t>(held));
-    const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(held - 1) + 0.5);
+    const auto at = static_cast<std::ptrdiff_t>(std::llround(share * static_cast<double>(held - 1)));
     std::nth_element(sorted.begin(), sorted.begin() + at, sorted.end());
     return sorted[static_cast<std::size_t>(at)];
   }
