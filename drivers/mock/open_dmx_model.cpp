@@ -6,7 +6,6 @@ namespace footlight::drivers::mock {
 namespace {
 
 constexpr std::uint8_t kOverrun = 0x02, kFramingError = 0x08, kBreak = 0x10, kHoldingEmpty = 0x20, kAllEmpty = 0x40;
-constexpr std::uint8_t kModemStatus = 0x01;
 constexpr std::size_t kPacketDataMax = 62;
 constexpr std::size_t kFrameSizeMax = 513;
 constexpr std::size_t kReceivedMax = 8 * kFrameSizeMax;  // then the oldest is lost, as in a chip that is not read

@@ -5,7 +5,6 @@
 namespace footlight::drivers::mock {
 namespace {
 
-constexpr std::uint8_t kModemStatus = 0x01;
 constexpr std::size_t kPacketSize = 64;
 constexpr std::uint8_t kNotifyEndpoint = 0x83;  // of CDC-ACM; it never sends a notification
 

@@ -46,6 +46,8 @@ class SerialModel : public UsbModel {
   int in_latency_ms(std::uint8_t) const override { return chip == SerialChip::kFtdi ? latency_ms : -1; }
 
  protected:
+  static constexpr std::uint8_t kModemStatus = 0x01;  // the chip's first status byte
+
   // The chip's second status byte, current value.
   [[nodiscard]] virtual std::uint8_t line_status() const { return 0x60; }  // transmitter empty
   virtual void line_settings_changed() {}

@@ -2,23 +2,20 @@
 
 #include <algorithm>
 
+#include "drivers/net/artnet_header.h"
 #include "drivers/net/bytes.h"
 #include "sim/core/check.h"
 
 namespace footlight::drivers {
 namespace {
 
-constexpr std::array<std::uint8_t, 8> kMagic = {'A', 'r', 't', '-', 'N', 'e', 't', 0};
 constexpr std::uint16_t kOpDmx = 0x5000;
 constexpr std::uint16_t kOpSync = 0x5200;
-constexpr std::uint16_t kVersion = 14;
 
-constexpr std::size_t kAtOpCode = 8;
-constexpr std::size_t kAtVersion = 10;
-constexpr std::size_t kAtSequence = 12;
+constexpr std::size_t kAtDmxSequence = 12;
 constexpr std::size_t kAtPhysical = 13;
 constexpr std::size_t kAtSubUni = 14;
-constexpr std::size_t kAtNet = 15;
+constexpr std::size_t kAtDmxNet = 15;
 constexpr std::size_t kAtLength = 16;
 constexpr std::size_t kAtPollFlags = 12;
 constexpr std::size_t kAtPollLast = 14;  // the upper end of the range comes first
@@ -101,15 +98,15 @@ tl::expected<ArtnetPacket, ArtnetFault> parse_poll_reply(std::span<const std::ui
 
 tl::expected<ArtnetPacket, ArtnetFault> parse_dmx(std::span<const std::uint8_t> datagram) {
   if (datagram.size() < kArtnetDmxHeaderBytes) return tl::unexpected(ArtnetFault::kTooShort);
-  if ((datagram[kAtNet] & 0x80u) != 0) return tl::unexpected(ArtnetFault::kPortAddress);
+  if ((datagram[kAtDmxNet] & 0x80u) != 0) return tl::unexpected(ArtnetFault::kPortAddress);
   const std::size_t length = read_u16_be(datagram, kAtLength);
   if (length < 1 || length > kSlotCountMax || length > datagram.size() - kArtnetDmxHeaderBytes) {
     return tl::unexpected(ArtnetFault::kLength);
   }
   ArtnetDmx dmx;
-  dmx.sequence = datagram[kAtSequence];
+  dmx.sequence = datagram[kAtDmxSequence];
   dmx.physical = datagram[kAtPhysical];
-  dmx.port_address = datagram[kAtNet] << 8 | datagram[kAtSubUni];
+  dmx.port_address = datagram[kAtDmxNet] << 8 | datagram[kAtSubUni];
   dmx.slots = datagram.subspan(kArtnetDmxHeaderBytes, length);
   return dmx;
 }
@@ -128,13 +125,13 @@ const char* text_of(ArtnetFault fault) {
 }
 
 tl::expected<ArtnetPacket, ArtnetFault> parse_artnet_packet(std::span<const std::uint8_t> datagram) {
-  if (datagram.size() < kAtVersion) return tl::unexpected(ArtnetFault::kTooShort);
-  if (!std::equal(kMagic.begin(), kMagic.end(), datagram.begin())) return tl::unexpected(ArtnetFault::kNotArtnet);
-  const std::uint16_t op_code = read_u16_le(datagram, kAtOpCode);
+  if (datagram.size() < artnet::kAtVersion) return tl::unexpected(ArtnetFault::kTooShort);
+  if (!artnet::starts_with_magic(datagram)) return tl::unexpected(ArtnetFault::kNotArtnet);
+  const std::uint16_t op_code = read_u16_le(datagram, artnet::kAtOpCode);
   // ArtPollReply is the only packet without a protocol version; it has the address there.
   if (op_code == kArtnetOpPollReply) return parse_poll_reply(datagram);
-  if (datagram.size() < kAtVersion + 2) return tl::unexpected(ArtnetFault::kTooShort);
-  if (read_u16_be(datagram, kAtVersion) < kVersion) return tl::unexpected(ArtnetFault::kVersion);
+  if (datagram.size() < artnet::kAtVersion + 2) return tl::unexpected(ArtnetFault::kTooShort);
+  if (read_u16_be(datagram, artnet::kAtVersion) < artnet::kVersion) return tl::unexpected(ArtnetFault::kVersion);
   if (op_code == kOpDmx) return parse_dmx(datagram);
   if (op_code == kOpSync) return ArtnetSync{};
   if (op_code != kArtnetOpPoll) return ArtnetOther{op_code};
@@ -160,13 +157,11 @@ std::size_t build_artnet_dmx(const ArtnetDmx& dmx, std::span<std::uint8_t> out) 
   FL_CHECK_LE(dmx.slots.size(), std::size_t{kSlotCountMax});
   const std::size_t length = std::max<std::size_t>(2, (dmx.slots.size() + 1) / 2 * 2);
   FL_CHECK_GE(out.size(), kArtnetDmxHeaderBytes + length);
-  std::copy(kMagic.begin(), kMagic.end(), out.begin());
-  write_u16_le(out, kAtOpCode, kOpDmx);
-  write_u16_be(out, kAtVersion, kVersion);
-  out[kAtSequence] = dmx.sequence;
+  artnet::write_header(out, kOpDmx);
+  out[kAtDmxSequence] = dmx.sequence;
   out[kAtPhysical] = dmx.physical;
   out[kAtSubUni] = static_cast<std::uint8_t>(dmx.port_address & 0xFF);
-  out[kAtNet] = static_cast<std::uint8_t>(dmx.port_address >> 8);
+  out[kAtDmxNet] = static_cast<std::uint8_t>(dmx.port_address >> 8);
   write_u16_be(out, kAtLength, static_cast<std::uint16_t>(length));
   const auto data = out.subspan(kArtnetDmxHeaderBytes, length);
   const auto end = std::copy(dmx.slots.begin(), dmx.slots.end(), data.begin());
@@ -176,9 +171,7 @@ std::size_t build_artnet_dmx(const ArtnetDmx& dmx, std::span<std::uint8_t> out) 
 
 std::size_t build_artnet_poll(std::uint8_t flags, std::span<std::uint8_t> out) {
   FL_CHECK_GE(out.size(), kArtnetPollBytesMin);
-  std::copy(kMagic.begin(), kMagic.end(), out.begin());
-  write_u16_le(out, kAtOpCode, kArtnetOpPoll);
-  write_u16_be(out, kAtVersion, kVersion);
+  artnet::write_header(out, kArtnetOpPoll);
   out[kAtPollFlags] = flags;
   out[kAtPollFlags + 1] = 0;  // lowest priority of diagnostics
   return kArtnetPollBytesMin;
@@ -186,9 +179,7 @@ std::size_t build_artnet_poll(std::uint8_t flags, std::span<std::uint8_t> out) {
 
 std::size_t build_artnet_sync(std::span<std::uint8_t> out) {
   FL_CHECK_GE(out.size(), kArtnetSyncBytes);
-  std::copy(kMagic.begin(), kMagic.end(), out.begin());
-  write_u16_le(out, kAtOpCode, kOpSync);
-  write_u16_be(out, kAtVersion, kVersion);
+  artnet::write_header(out, kOpSync);
   out[12] = out[13] = 0;
   return kArtnetSyncBytes;
 }
@@ -202,8 +193,7 @@ std::size_t build_artnet_poll_reply(const ArtnetPollReply& reply, std::span<std:
   FL_CHECK_GE(out.size(), kArtnetPollReplyBytes);
   const auto packet = out.first(kArtnetPollReplyBytes);
   std::fill(packet.begin(), packet.end(), std::uint8_t{0});
-  std::copy(kMagic.begin(), kMagic.end(), packet.begin());
-  write_u16_le(packet, kAtOpCode, kArtnetOpPollReply);
+  artnet::write_start(packet, kArtnetOpPollReply);
   std::copy(reply.ip.begin(), reply.ip.end(), packet.begin() + kAtReplyIp);
   write_u16_le(packet, kAtReplyUdpPort, kArtnetPort);
   const int upper = reply.port_count == 0 ? 0 : reply.port_list[0].port_address >> 4;

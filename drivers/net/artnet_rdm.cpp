@@ -11,7 +11,7 @@
 namespace footlight::drivers {
 namespace {
 
-constexpr std::array<std::uint16_t, 2> kHeard = {kArtnetOpTodData, kArtnetOpRdm};
+constexpr std::array<std::uint16_t, 2> kRdmOpCodes = {kArtnetOpTodData, kArtnetOpRdm};
 // How long a gateway with a table may take to send it.
 constexpr DurationNs kTableTimeoutNs = 3 * kNsPerS;
 
@@ -20,7 +20,7 @@ constexpr DurationNs kTableTimeoutNs = 3 * kNsPerS;
 Result<std::unique_ptr<ArtnetRdmLine>> ArtnetRdmLine::open(const Options& options, Clock& clock) {
   SenderSocket wanted;
   wanted.port_name = options.name;
-  auto socket = open_yielding_sender(wanted, options.udp_port, kHeard);
+  auto socket = open_yielding_sender(wanted, options.udp_port, kRdmOpCodes);
   if (!socket) socket = open_sender(wanted);
   if (!socket) return tl::unexpected(std::move(socket).error());
   return std::unique_ptr<ArtnetRdmLine>(new ArtnetRdmLine(options, std::move(*socket), clock));

@@ -1,31 +1,25 @@
 #include "drivers/net/artnet_rdm_packet.h"
 
-#include <algorithm>
-#include <array>
-
+#include "drivers/net/artnet_header.h"
 #include "drivers/net/bytes.h"
 #include "sim/core/check.h"
 
 namespace footlight::drivers {
 namespace {
 
-constexpr std::array<std::uint8_t, 8> kMagic = {'A', 'r', 't', '-', 'N', 'e', 't', 0};
-constexpr std::size_t kAtOpCode = 8, kAtVersion = 10, kAtRdmVersion = 12, kAtNet = 21, kAtCommand = 22, kAtAddress = 23;
+constexpr std::size_t kAtRdmVersion = 12, kAtRdmNet = 21, kAtCommand = 22, kAtAddress = 23;
 constexpr std::size_t kHeaderSize = 24;  // all four have net, command and address at the same place
 constexpr std::size_t kAtTodPort = 13, kAtTodBindIndex = 20, kAtTodTotal = 24, kAtTodBlock = 26, kAtTodCount = 27;
 constexpr std::size_t kTodHeaderSize = 28, kUidSize = 6;
 constexpr std::size_t kRequestAddressesMax = 32;
-constexpr std::uint16_t kVersion = 14;
 constexpr std::uint8_t kRdmVersion = 1;  // of the standard, not of its draft
 constexpr std::uint8_t kTodNak = 0xFF, kTodFlush = 1;
 
 Octets header_of(std::uint16_t op_code, int port_address, std::size_t size) {
   FL_CHECK(port_address >= 0 && port_address <= kArtnetPortAddressMax);
   Octets packet(size);
-  std::copy(kMagic.begin(), kMagic.end(), packet.begin());
-  write_u16_le(packet, kAtOpCode, op_code);
-  write_u16_be(packet, kAtVersion, kVersion);
-  packet[kAtNet] = static_cast<std::uint8_t>(port_address >> 8);
+  artnet::write_header(packet, op_code);
+  packet[kAtRdmNet] = static_cast<std::uint8_t>(port_address >> 8);
   packet[kAtAddress] = static_cast<std::uint8_t>(port_address & 0xFF);
   return packet;
 }
@@ -53,9 +47,7 @@ Octets build(const ArtnetTodData& data) {
   write_u16_be(packet, kAtTodTotal, data.total);
   packet[kAtTodBlock] = data.block;
   packet[kAtTodCount] = static_cast<std::uint8_t>(data.uids.size());
-  for (const RdmUid& uid : data.uids) {
-    for (int shift = 40; shift >= 0; shift -= 8) packet.push_back(static_cast<std::uint8_t>(uid.number() >> shift));
-  }
+  for (const RdmUid& uid : data.uids) add_uid(packet, uid);
   return packet;
 }
 
@@ -77,13 +69,13 @@ Octets build(const ArtnetRdm& rdm) {
 }  // namespace
 
 std::optional<ArtnetRdmPacket> parse_artnet_rdm_packet(std::span<const std::uint8_t> datagram) {
-  if (datagram.size() < kHeaderSize || !std::equal(kMagic.begin(), kMagic.end(), datagram.begin()) ||
-      read_u16_be(datagram, kAtVersion) < kVersion) {
+  if (datagram.size() < kHeaderSize || !artnet::starts_with_magic(datagram) ||
+      read_u16_be(datagram, artnet::kAtVersion) < artnet::kVersion) {
     return std::nullopt;
   }
-  const int net = (datagram[kAtNet] & 0x7F) << 8;
+  const int net = (datagram[kAtRdmNet] & 0x7F) << 8;
   const int port_address = net | datagram[kAtAddress];
-  switch (read_u16_le(datagram, kAtOpCode)) {
+  switch (read_u16_le(datagram, artnet::kAtOpCode)) {
     case kArtnetOpTodRequest: {
       ArtnetTodRequest request;
       const std::size_t count = datagram[kAtAddress];

@@ -11,9 +11,9 @@ namespace footlight::drivers {
 namespace {
 
 // Op codes that a sink uses; the kernel drops all other broadcasts.
-constexpr std::array<std::uint16_t, 2> kHeard = {kArtnetOpPoll, kArtnetOpPollReply};
+constexpr std::array<std::uint16_t, 2> kPollOpCodes = {kArtnetOpPoll, kArtnetOpPollReply};
 // Per poll(). Remaining datagrams make the descriptor readable again at once.
-constexpr int kBatchesMax = 4;
+constexpr int kReplyBatchesMax = 4;
 
 std::uint32_t broadcast_of(const Interface& one) { return one.loopback ? kLoopbackBroadcast : one.broadcast; }
 
@@ -43,7 +43,7 @@ Result<std::unique_ptr<ArtnetSink>> ArtnetSink::create(const ArtnetSinkOptions& 
   wanted.port_name = options.name;
   // If another program holds the port exclusively, a port of our own is used: devices that answer to it are found.
   auto socket =
-      is_searching ? open_yielding_sender(wanted, options.port, kHeard) : open_send_only(wanted, options.port);
+      is_searching ? open_yielding_sender(wanted, options.port, kPollOpCodes) : open_send_only(wanted, options.port);
   if (!socket) socket = open_sender(wanted);
   if (!socket) return tl::unexpected(std::move(socket).error());
   // The routing table selects the interface for an address, so one socket is enough.
@@ -110,7 +110,7 @@ void ArtnetSink::close(TimeNs now_ns) {
 }
 
 void ArtnetSink::read_socket(TimeNs now_ns) {
-  for (int batch = 0; batch < kBatchesMax; ++batch) {
+  for (int batch = 0; batch < kReplyBatchesMax; ++batch) {
     const int count = reader_->read(socket().get());
     if (count < 0) count_error();
     for (int i = 0; i < count; ++i) {

@@ -11,10 +11,6 @@ constexpr int kMuteTries = 3;
 constexpr std::size_t kRequestsAlways = 1'000;
 constexpr std::size_t kRequestsPerResponder = 200;
 
-void add_uid(Octets& bytes, const RdmUid& uid) {
-  for (int shift = 40; shift >= 0; shift -= 8) bytes.push_back(static_cast<std::uint8_t>(uid.number() >> shift));
-}
-
 }  // namespace
 
 Result<std::optional<RdmMessage>> RdmWire::transact(const RdmMessage& request) {

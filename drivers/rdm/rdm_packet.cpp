@@ -24,12 +24,6 @@ void add_word(Octets& bytes, unsigned value) {
   bytes.push_back(static_cast<std::uint8_t>(value));
 }
 
-void add_uid(Octets& bytes, const RdmUid& uid) {
-  add_word(bytes, uid.manufacturer);
-  add_word(bytes, uid.device >> 16);
-  add_word(bytes, uid.device & 0xFFFF);
-}
-
 RdmUid uid_at(std::span<const std::uint8_t> bytes, std::size_t at) {
   return {word_at(bytes, at), std::uint32_t{word_at(bytes, at + 2)} << 16 | word_at(bytes, at + 4)};
 }
@@ -52,6 +46,12 @@ std::optional<unsigned> number_of(std::string_view text, std::size_t digits) {
 }
 
 }  // namespace
+
+void add_uid(Octets& bytes, const RdmUid& uid) {
+  add_word(bytes, uid.manufacturer);
+  add_word(bytes, uid.device >> 16);
+  add_word(bytes, uid.device & 0xFFFF);
+}
 
 std::string text_of(const RdmUid& uid) {
   return uid == kRdmEverybody ? "all" : fmt::format("{:04X}:{:08X}", uid.manufacturer, uid.device);

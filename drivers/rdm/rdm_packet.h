@@ -75,6 +75,9 @@ inline constexpr std::uint16_t kRdmUnmute = 0x0003;
 inline constexpr std::uint16_t kRdmQueuedMessage = 0x0020;
 inline constexpr std::uint16_t kRdmStatusMessages = 0x0030;
 
+// Appends the six octets of a UID as messages have them.
+void add_uid(Octets& bytes, const RdmUid& uid);
+
 struct RdmMessage {
   RdmUid to;
   RdmUid from;

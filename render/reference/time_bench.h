@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include <glm/glm.hpp>
+
 #include "render/reference/report.h"
 #include "render/reference/time_report.h"
 
@@ -28,6 +30,10 @@ struct Frames {
 
   [[nodiscard]] std::size_t size() const { return dt_s.size(); }
 };
+// The length of frame i as the step functions take it.
+[[nodiscard]] inline glm::uvec2 dt_of(const Frames& show, std::size_t i) {
+  return {static_cast<std::uint32_t>(show.start_ns[i + 1] - show.start_ns[i]), 0u};
+}
 // `inputs`: one per kLevelsPeriodNs, at least inputs_needed(seconds).
 [[nodiscard]] Frames frames_of(double seconds, double fps, std::span<const double> inputs);
 [[nodiscard]] std::size_t inputs_needed(double seconds);

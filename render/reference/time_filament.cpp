@@ -95,8 +95,8 @@ std::vector<double> judged(const FilamentLaw& law, const Frames& show, int degre
   return values;
 }
 
-void add_scene(const TimeReportOptions& options, std::span<const double> levels, double tau_ms, double fps,
-               TimeReport& report, JudgeError& own) {
+void add_filament_scene(const TimeReportOptions& options, std::span<const double> levels, double tau_ms, double fps,
+                        TimeReport& report, JudgeError& own) {
   const Frames show = frames_of(options.seconds, fps, levels);
   const FilamentLaw law = filament_law(tau_ms * 1e-3);
   TimeScene scene{.model = "filament",
@@ -117,20 +117,17 @@ void add_scene(const TimeReportOptions& options, std::span<const double> levels,
     before = scene.judge[i];
   }
   TimeBench bench(options, report.rows);
-  const auto dt_of = [&](std::size_t i) {
-    return glm::uvec2(static_cast<std::uint32_t>(show.start_ns[i + 1] - show.start_ns[i]), 0u);
-  };
   bench.add(scene, "universal curve f32", 1, [&] {
     const f32::FilamentType type{static_cast<float>(kRatedK), static_cast<float>(tau_ms * 1e-3)};
     return [&, type, filament = f32::filament_start(0)](std::size_t i) mutable {
-      f32::filament_move(filament, type, static_cast<float>(show.input[i]), dt_of(i));
+      f32::filament_move(filament, type, static_cast<float>(show.input[i]), dt_of(show, i));
       return static_cast<double>(filament.kelvin) * (1 / kRatedK);
     };
   });
   bench.add(scene, "universal curve f64", 1, [&] {
     const f64::FilamentType type{kRatedK, tau_ms * 1e-3};
     return [&, type, filament = f64::filament_start(0)](std::size_t i) mutable {
-      f64::filament_move(filament, type, show.input[i], dt_of(i));
+      f64::filament_move(filament, type, show.input[i], dt_of(show, i));
       return filament.kelvin * (1 / kRatedK);
     };
   });
@@ -179,7 +176,7 @@ void report_filament(const TimeReportOptions& options, TimeReport& report) {
   for (const double tau_ms : options.tau_ms) {
     for (const double fps : options.fps) {
       if (has_ended(options)) break;
-      add_scene(options, levels, tau_ms, fps, report, own);
+      add_filament_scene(options, levels, tau_ms, fps, report, own);
     }
   }
   report.judges.push_back(own);

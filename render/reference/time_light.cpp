@@ -10,10 +10,6 @@
 namespace footlight::render {
 namespace {
 
-glm::uvec2 dt_of(const Frames& show, std::size_t i) {
-  return {static_cast<std::uint32_t>(show.start_ns[i + 1] - show.start_ns[i]), 0u};
-}
-
 // ---- Pulses: triangles that fill the duty, one per period; random ones start at a random place in their period ----
 
 constexpr double kPulseDuty = 0.375;

@@ -45,7 +45,7 @@ std::vector<double> judged_live(const Frames& show, std::span<const double> leve
 }
 
 // The control law as common programs implement it.
-struct Rival {
+struct MotionRival {
   double x = 0;
   double v = 0;
 
@@ -101,8 +101,8 @@ struct Rival {
   }
 };
 
-void add_scene(const TimeReportOptions& options, std::span<const double> levels, double tau_ms, double fps,
-               TimeReport& report, JudgeError& own) {
+void add_motion_scene(const TimeReportOptions& options, std::span<const double> levels, double tau_ms, double fps,
+                      TimeReport& report, JudgeError& own) {
   const Frames show = frames_of(options.seconds, fps, levels);
   const auto a_max = static_cast<double>(static_cast<float>(kSpeedMax / (tau_ms * 1e-3)));
   TimeScene scene{.model = "motion",
@@ -118,19 +118,16 @@ void add_scene(const TimeReportOptions& options, std::span<const double> levels,
     own.own = std::max(own.own, std::abs(scene.judge[i] - coarse[i]) / kRangeRad);
   }
   TimeBench bench(options, report.rows);
-  const auto dt_of = [&](std::size_t i) {
-    return glm::uvec2(static_cast<std::uint32_t>(show.start_ns[i + 1] - show.start_ns[i]), 0u);
-  };
   bench.add(scene, "motor f32", 1, [&] {
     return [&, motor = f32::motor_start(0)](std::size_t i) mutable {
       const f32::MotorLimits limits{static_cast<float>(kSpeedMax), static_cast<float>(a_max)};
-      motor = f32::motor_step(motor, limits, static_cast<float>(place_of(show.input[i])), dt_of(i));
+      motor = f32::motor_step(motor, limits, static_cast<float>(place_of(show.input[i])), dt_of(show, i));
       return static_cast<double>(motor.now.position);
     };
   });
   const auto motor_f64 = [&] {
     return [&, motor = f64::motor_start(0)](std::size_t i) mutable {
-      motor = f64::motor_step(motor, {kSpeedMax, a_max}, place_of(show.input[i]), dt_of(i));
+      motor = f64::motor_step(motor, {kSpeedMax, a_max}, place_of(show.input[i]), dt_of(show, i));
       return motor.now.position;
     };
   };
@@ -139,15 +136,15 @@ void add_scene(const TimeReportOptions& options, std::span<const double> levels,
   live.judge = judged_live(show, levels, a_max);
   bench.add(live, "hold", 1, motor_f64);
 
-  using Method = void (Rival::*)(double, double, double);
-  const std::pair<const char*, Method> rivals[] = {{"explicit Euler", &Rival::explicit_euler},
-                                                   {"semi-implicit Euler", &Rival::semi_implicit_euler},
-                                                   {"RK4", &Rival::rk4},
-                                                   {"trapezoid anew", &Rival::trapezoid}};
+  using Method = void (MotionRival::*)(double, double, double);
+  const std::pair<const char*, Method> rivals[] = {{"explicit Euler", &MotionRival::explicit_euler},
+                                                   {"semi-implicit Euler", &MotionRival::semi_implicit_euler},
+                                                   {"RK4", &MotionRival::rk4},
+                                                   {"trapezoid anew", &MotionRival::trapezoid}};
   for (const auto& [name, method] : rivals) {
     for (const int substeps : options.substeps) {
       bench.add(scene, name, substeps, [&, m = method] {
-        return [&, m, rival = Rival{}](std::size_t i) mutable {
+        return [&, m, rival = MotionRival{}](std::size_t i) mutable {
           const double h = show.dt_s[i] / substeps;
           for (int s = 0; s < substeps; ++s) (rival.*m)(place_of(show.input[i]), a_max, h);
           return rival.x;
@@ -178,14 +175,14 @@ void report_motion(const TimeReportOptions& options, TimeReport& report) {
   for (const double tau_ms : options.tau_ms) {
     for (const double fps : options.fps) {
       if (has_ended(options)) break;
-      add_scene(options, levels, tau_ms, fps, report, own);
+      add_motion_scene(options, levels, tau_ms, fps, report, own);
     }
   }
   // The second judge has no closed form: steps of a microsecond that accelerate while braking would stop short, on one
   // move.
   const auto a_max = static_cast<double>(static_cast<float>(kSpeedMax / (options.tau_ms.back() * 1e-3)));
   AxisJudge axis(0, kSpeedMax, a_max, kFineS);
-  Rival rival;
+  MotionRival rival;
   const double target = place_of(0.8);
   constexpr int kSteps = 400'000;
   own.second = "semi-implicit Euler in steps of 1 us, one move of 0.4 s";

@@ -18,7 +18,7 @@ struct Spring {
   double damping = 1;
 };
 
-struct Rival {
+struct SpringRival {
   double x = 0;
   double v = 0;
 
@@ -77,7 +77,7 @@ std::vector<double> judged(const Spring& spring, const Frames& show, int halve_u
 // The second judge: RK4 in steps of a thousandth of the time constant, over the first frames.
 double rk4_difference(const Spring& spring, const Frames& show, const std::vector<double>& judge) {
   constexpr std::size_t kFrames = 100;
-  Rival rival;
+  SpringRival rival;
   double difference = 0;
   for (std::size_t i = 0; i < std::min(kFrames, show.size()); ++i) {
     const double steps = std::ceil(show.dt_s[i] * spring.rate * 1000);
@@ -87,7 +87,7 @@ double rk4_difference(const Spring& spring, const Frames& show, const std::vecto
   return difference;
 }
 
-using Method = void (Rival::*)(const Spring&, double, double);
+using Method = void (SpringRival::*)(const Spring&, double, double);
 
 struct Case {
   TimeScene scene;
@@ -114,7 +114,7 @@ void add_rivals(const Case& c, std::span<const std::pair<const char*, Method>> r
   for (const auto& [name, method] : rivals) {
     for (const int count : substeps) {
       bench.add(c.scene, name, count, [&, m = method, count] {
-        return [&, m, count, rival = Rival{}](std::size_t i) mutable {
+        return [&, m, count, rival = SpringRival{}](std::size_t i) mutable {
           const double h = c.show.dt_s[i] / count;
           for (int s = 0; s < count; ++s) (rival.*m)(c.spring, c.show.input[i], h);
           return rival.x;
@@ -141,19 +141,16 @@ void report_smoothing(const TimeReportOptions& options, TimeReport& report) {
     for (const double fps : options.fps) {
       if (has_ended(options)) break;
       const Case c = case_of("smoothing", options, levels, tau_ms, fps, 1, own);
-      const auto dt_of = [&](std::size_t i) {
-        return glm::uvec2(static_cast<std::uint32_t>(c.show.start_ns[i + 1] - c.show.start_ns[i]), 0u);
-      };
       bench.add(c.scene, "exact f32", 1, [&] {
         return [&, smooth = f32::smooth_start(0)](std::size_t i) mutable {
           const auto level = static_cast<float>(c.show.input[i]);
-          smooth = f32::smooth_step(smooth, static_cast<float>(tau_ms * 1e-3), level, dt_of(i));
+          smooth = f32::smooth_step(smooth, static_cast<float>(tau_ms * 1e-3), level, dt_of(c.show, i));
           return static_cast<double>(smooth.now.position);
         };
       });
       bench.add(c.scene, "exact f64", 1, [&] {
         return [&, smooth = f64::smooth_start(0)](std::size_t i) mutable {
-          smooth = f64::smooth_step(smooth, tau_ms * 1e-3, c.show.input[i], dt_of(i));
+          smooth = f64::smooth_step(smooth, tau_ms * 1e-3, c.show.input[i], dt_of(c.show, i));
           return smooth.now.position;
         };
       });
@@ -172,11 +169,11 @@ void report_smoothing(const TimeReportOptions& options, TimeReport& report) {
           return second += (first - second) * factor;
         };
       });
-      const std::pair<const char*, Method> rational[] = {{"rational exp", &Rival::rational}};
+      const std::pair<const char*, Method> rational[] = {{"rational exp", &SpringRival::rational}};
       add_rivals(c, rational, options.substeps, bench);
-      const std::pair<const char*, Method> rivals[] = {{"explicit Euler", &Rival::explicit_euler},
-                                                       {"semi-implicit Euler", &Rival::semi_implicit_euler},
-                                                       {"implicit Euler", &Rival::implicit_euler}};
+      const std::pair<const char*, Method> rivals[] = {{"explicit Euler", &SpringRival::explicit_euler},
+                                                       {"semi-implicit Euler", &SpringRival::semi_implicit_euler},
+                                                       {"implicit Euler", &SpringRival::implicit_euler}};
       add_rivals(c, rivals, options.substeps, bench);
     }
   }
@@ -207,9 +204,9 @@ void report_belt(const TimeReportOptions& options, TimeReport& report) {
           return flex.position;
         };
       });
-      const std::pair<const char*, Method> rivals[] = {{"semi-implicit Euler", &Rival::semi_implicit_euler},
-                                                       {"implicit Euler", &Rival::implicit_euler},
-                                                       {"RK4", &Rival::rk4}};
+      const std::pair<const char*, Method> rivals[] = {{"semi-implicit Euler", &SpringRival::semi_implicit_euler},
+                                                       {"implicit Euler", &SpringRival::implicit_euler},
+                                                       {"RK4", &SpringRival::rk4}};
       add_rivals(c, rivals, options.substeps, bench);
     }
   }

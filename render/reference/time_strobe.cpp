@@ -45,9 +45,6 @@ void report_strobe(const TimeReportOptions& options, TimeReport& report) {
         own.difference = std::max(own.difference,
                                   std::abs(scene.judge[i] - open_share_judged_exactly(hz, kDuty65536, from_ns, to_ns)));
       }
-      const auto dt_of = [&](std::size_t i) {
-        return glm::uvec2(static_cast<std::uint32_t>(show.start_ns[i + 1] - show.start_ns[i]), 0u);
-      };
       const auto integral_f32 = [&](f32::Turns after_ns) {
         f32::ShutterParams params{};
         params.kind = f32::kShutterStrobe;
@@ -56,7 +53,7 @@ void report_strobe(const TimeReportOptions& options, TimeReport& report) {
         f32::Shutter shutter = f32::shutter_begin();
         if (after_ns != f32::Turns(0, 0)) f32::shutter_step(shutter, params, after_ns);
         return [&, params, shutter](std::size_t i) mutable {
-          return static_cast<double>(f32::shutter_step(shutter, params, dt_of(i)));
+          return static_cast<double>(f32::shutter_step(shutter, params, dt_of(show, i)));
         };
       };
       bench.add(scene, "exposure integral f32", 1, [&] { return integral_f32({0, 0}); });
@@ -67,7 +64,8 @@ void report_strobe(const TimeReportOptions& options, TimeReport& report) {
         params.duty = kDuty;
         f64::Shutter shutter = f64::shutter_begin();
         if (after_ns != f64::Turns(0, 0)) f64::shutter_step(shutter, params, after_ns);
-        return [&, params, shutter](std::size_t i) mutable { return f64::shutter_step(shutter, params, dt_of(i)); };
+        return
+            [&, params, shutter](std::size_t i) mutable { return f64::shutter_step(shutter, params, dt_of(show, i)); };
       };
       bench.add(scene, "exposure integral f64", 1, [&] { return integral_f64({0, 0}); });
       // The sign of a sine, at this many times per frame.

@@ -19,10 +19,6 @@ constexpr double kHeatS = 60;
 constexpr double kDroop = 0.125;
 constexpr std::array<float, 2> kHalfWavesHz{100, 120};
 
-glm::uvec2 dt_of(const Frames& show, std::size_t i) {
-  return {static_cast<std::uint32_t>(show.start_ns[i + 1] - show.start_ns[i]), 0u};
-}
-
 // ---- LED ----
 
 // level' = (u - level) / rise, heat' = (level - heat) / heat_s; light = level (1 - droop heat).

@@ -9,6 +9,9 @@
 
 namespace footlight {
 
+// Of ASCII, in any locale.
+[[nodiscard]] constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
 // Without white space (and zero bytes) at both ends; of ASCII, in any locale.
 [[nodiscard]] constexpr std::string_view trimmed(std::string_view text) {
   const auto is_space = [](char c) { return c == ' ' || (c >= '\t' && c <= '\r') || c == '\0'; };

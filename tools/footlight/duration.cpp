@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "sim/core/words.h"
+
 namespace footlight::tools {
 namespace {
 
@@ -16,7 +18,6 @@ struct Unit {
 constexpr Unit kUnits[] = {{"h", 3'600 * kNsPerS}, {"m", 60 * kNsPerS}, {"s", kNsPerS},
                            {"ms", kNsPerMs},       {"us", kNsPerUs},    {"ns", 1}};
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return c >= 'a' && c <= 'z'; }
 
 }  // namespace

@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "fixtures/bodies/body.h"
+#include "fixtures/model/degrees.h"
 #include "tools/footlight/preview/orbit_camera.h"
 
 namespace footlight::tools {
 namespace {
 
-constexpr double kRad = std::numbers::pi / 180;
 constexpr double kMarginM = 0.6;  // bodies reach so far from where they hang
 constexpr double kFilled = 0.92;  // of the picture
 constexpr double kFovMaxDeg = 95;
@@ -162,8 +162,8 @@ fixtures::Camera start_view(const fixtures::Rig& rig, double aspect, bool lit) {
   if (samples.empty()) samples.push_back(centre);
 
   const Obstacles obstacles(rig);
-  const double half_height = std::tan(camera.fov_deg / 2 * kRad) * kFilled;
-  const double half_height_max = std::tan(kFovMaxDeg / 2 * kRad) * kFilled;
+  const double half_height = std::tan(camera.fov_deg / 2 * fixtures::kRadPerDeg) * kFilled;
+  const double half_height_max = std::tan(kFovMaxDeg / 2 * fixtures::kRadPerDeg) * kFilled;
   if (lit) {
     constexpr double kGrey = 0.3;
     constexpr double kHalfWhite = 0.5 * 1.2;
@@ -174,8 +174,8 @@ fixtures::Camera start_view(const fixtures::Rig& rig, double aspect, bool lit) {
   double best = -1;
   for (const double azimuth_deg : {0.0, 25.0, -25.0, 50.0, -50.0, 90.0, -90.0, 135.0, -135.0, 180.0}) {
     for (const double elevation_deg : {8.0, 20.0, -8.0, -20.0}) {
-      const double azimuth = azimuth_deg * kRad;
-      const double elevation = elevation_deg * kRad;
+      const double azimuth = azimuth_deg * fixtures::kRadPerDeg;
+      const double elevation = elevation_deg * fixtures::kRadPerDeg;
       const glm::dvec3 out(std::sin(azimuth) * std::cos(elevation), -std::cos(azimuth) * std::cos(elevation),
                            std::sin(elevation));
       const auto at = [&](double distance) {
@@ -218,7 +218,7 @@ fixtures::Camera start_view(const fixtures::Rig& rig, double aspect, bool lit) {
       best = score;
       camera.position_m = position;
       camera.target_m = centre;
-      camera.fov_deg = 2 * std::atan(fits / kFilled) / kRad;
+      camera.fov_deg = 2 * std::atan(fits / kFilled) / fixtures::kRadPerDeg;
     }
   }
   return camera;

@@ -13,12 +13,12 @@ namespace {
 
 using namespace render;
 
-constexpr std::int64_t kStepNs = 20 * kNsPerMs;
+constexpr std::int64_t kTimedStepNs = 20 * kNsPerMs;
 constexpr int kUncounted = 1;
 
 // GPU times of one frame.
 Result<std::vector<PassTime>> time_once(Frame& frame, const Scene& scene, const View& view) {
-  frame.step(scene.levels, kStepNs);
+  frame.step(scene.levels, kTimedStepNs);
   FL_TRY(frame.draw(view, scene.camera.exposure_ev));
   return frame.read_times();
 }

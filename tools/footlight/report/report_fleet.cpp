@@ -18,7 +18,7 @@
 namespace footlight::tools {
 namespace {
 
-constexpr std::int64_t kStepNs = 16'666'667;
+constexpr std::int64_t kFrameNs = 16'666'667;
 constexpr int kJudgedMax = 1'000;
 constexpr int kJudgedSteps = 240;
 constexpr int kStepsPerChange = 2;        // of the levels
@@ -87,7 +87,7 @@ Status time_steps(render::vk::Device& device, const FleetOptions& options, Fleet
   std::vector<double> times_ms;
   std::vector<double> levels_ms;
   for (int run = 0; run < options.runs + 3; ++run) {
-    frame->step(levels.next(), kStepNs);
+    frame->step(levels.next(), kFrameNs);
     FL_TRY(frame->draw(view, 0));
     FL_ASSIGN(const auto times, frame->read_times());
     for (const auto& pass : times) {
@@ -107,7 +107,7 @@ Status time_steps(render::vk::Device& device, const FleetOptions& options, Fleet
     for (int run = 0; run < options.runs + 3; ++run) {
       const auto now = levels.next();
       const auto start = std::chrono::steady_clock::now();
-      stepper->step(now, kStepNs);
+      stepper->step(now, kFrameNs);
       const double taken = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count();
       if (run >= 3) ns.push_back(taken / options.fixtures);
     }
@@ -136,10 +136,10 @@ Status judge(render::vk::Device& device, const FleetOptions& options, FleetRepor
   std::array<FleetWorst, 7> worst;
   for (int step = 0; step < kJudgedSteps; ++step) {
     const auto now = levels.next();
-    frame->step(now, kStepNs);
+    frame->step(now, kFrameNs);
     FL_TRY(frame->run_steps());
-    in_float.step(now, kStepNs);
-    in_double.step(now, kStepNs);
+    in_float.step(now, kFrameNs);
+    in_double.step(now, kFrameNs);
     FL_ASSIGN(const auto states, frame->read_states());
     FL_ASSIGN(const auto optics, frame->read_optics());
     for (std::size_t i = 0; i < states.size(); ++i) {

@@ -57,9 +57,9 @@ class AirWatch {
   explicit AirWatch(std::unique_ptr<fixtures::MachineAir> air) : air_(std::move(air)) {}
 
   void step(std::span<const std::uint8_t> levels, std::int64_t dt_ns) {
-    for (std::int64_t left = dt_ns; left > 0; left -= kStepNs) {
+    for (std::int64_t left = dt_ns; left > 0; left -= kAirStepNs) {
       const auto start = std::chrono::steady_clock::now();
-      air_->step(levels, std::min(left, kStepNs));
+      air_->step(levels, std::min(left, kAirStepNs));
       ns_ += std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count();
       ++steps_;
     }
@@ -76,7 +76,7 @@ class AirWatch {
   }
 
  private:
-  static constexpr std::int64_t kStepNs = 40 * kNsPerMs;
+  static constexpr std::int64_t kAirStepNs = 40 * kNsPerMs;
 
   static void add(std::vector<render::AirStretch>& list, double inflow, double mixing_hz, std::int64_t dt_ns) {
     if (list.empty() || list.back().inflow_per_m_s != inflow || list.back().mixing_hz != mixing_hz) {
