@@ -14,6 +14,7 @@
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 
 #include "fixtures/photometry/table.h"
+#include "render/reference/wide.h"
 #include "sim/core/check.h"
 #include "sim/shared/shared.h"
 
@@ -31,8 +32,6 @@ namespace {
 // fixtures/ does not include this code and decides by kFrostWidensMost which beam forms to leave out.
 static_assert(fixtures::kFrostWidensMost > 1 + std::numbers::sqrt3 * static_cast<double>(f64::kFrostWidens));
 static_assert(fixtures::kFrostAddsMost > std::numbers::sqrt3 * static_cast<double>(f64::kFrostAdds));
-
-using Wide = long double;
 
 // One piece of an integral with its estimated error.
 struct Piece {

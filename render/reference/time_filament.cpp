@@ -13,7 +13,7 @@ namespace footlight::render {
 namespace {
 
 constexpr double kRatedK = 3200;
-constexpr int kDegree = 20;  // of the judge's series
+constexpr int kSeriesDegree = 20;  // of the judge's series
 constexpr int kFineDegree = 28;
 constexpr Wide kTolerance = 1e-17L;
 constexpr Wide kFineTolerance = 1e-19L;
@@ -104,7 +104,7 @@ void add_filament_scene(const TimeReportOptions& options, std::span<const double
                   .tau_ms = tau_ms,
                   .fps = fps,
                   .seconds = options.seconds,
-                  .judge = judged(law, show, kDegree, kTolerance),
+                  .judge = judged(law, show, kSeriesDegree, kTolerance),
                   .unit_scale = kRatedK};
   scene.seen = light_of;
   scene.miss = [](double value, double judge) { return light_of(value) - light_of(judge); };

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
-namespace footlight::render {
+#include "render/reference/wide.h"
 
-using Wide = long double;
+namespace footlight::render {
 
 // ---- A tungsten filament ----
 
