@@ -1,6 +1,8 @@
 #include "tools/footlight/progress.h"
 
+#include <cmath>
 #include <cstdio>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -24,8 +26,15 @@ void Progress::show(std::size_t done, std::size_t all) {
   const TimeNs now_ns = clock_.now_ns();
   const DurationNs pause_ns = rewrites_ ? kEveryNs : kLineEveryNs;
   if (now_ns - begin_ns_ < kAfterNs || (shown_ && now_ns - shown_ns_ < pause_ns)) return;
-  fmt::print(stderr, "{}footlight: {}{} {}{}", rewrites_ ? "\r" : "", done, all > 0 ? fmt::format(" of {}", all) : "",
-             what_, rewrites_ ? "\033[K" : "\n");
+  const std::string of_all = all > 0 ? fmt::format(" of {}", all) : "";
+  std::string left;
+  if (done > 0 && done < all) {
+    const double left_ns =
+        static_cast<double>(now_ns - begin_ns_) / static_cast<double>(done) * static_cast<double>(all - done);
+    left = fmt::format(", {:.0f} s left", std::ceil(left_ns * 1e-9));
+  }
+  fmt::print(stderr, "{}footlight: {}{} {}{}{}", rewrites_ ? "\r" : "", done, of_all, what_, left,
+             rewrites_ ? "\033[K" : "\n");
   shown_ = true;
   shown_ns_ = now_ns;
 }

@@ -9,7 +9,7 @@
 
 namespace footlight::tools {
 
-// "footlight: 33 of 162 files": one line that is rewritten on a terminal; elsewhere a line every two seconds.
+// "footlight: 33 of 162 files, 4 s left": one line that is rewritten on a terminal; elsewhere a line every two seconds.
 class Progress {
  public:
   explicit Progress(std::string what);
@@ -17,7 +17,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void show(std::size_t done, std::size_t all);  // all = 0: the total is unknown
+  void show(std::size_t done, std::size_t all);  // all = 0: the total is unknown, and so is the time left
   void clear();                                  // call before printing anything else
 
   // Prints the progress; returns false after a stop signal (terminal.h). Refers to this object.

@@ -18,6 +18,7 @@
 #include "tools/footlight/pictures/timeline.h"
 #include "tools/footlight/pictures/video_file.h"
 #include "tools/footlight/preview/hand_levels.h"
+#include "tools/footlight/progress.h"
 #include "tools/footlight/stop_signal.h"
 
 namespace footlight::tools {
@@ -138,7 +139,10 @@ class Job {
     return {};
   }
 
+  void show_progress(std::size_t all) { progress_.show(static_cast<std::size_t>(number_), all); }
+
   Status finish() {
+    progress_.clear();
     if (video_) FL_TRY(video_->close());
     if (!flashes_) return {};
     for (const FlashStretch& stretch : flashes_->stretches()) say_flashes(stretch);
@@ -168,6 +172,7 @@ class Job {
   // Reported as soon as it begins, since a video takes long; measured at the end.
   void watch_flashes(DurationNs at_ns) {
     if (!flashes_ || !flashes_->check(at_ns, picture_) || flashes_->stretches().size() > 1) return;
+    progress_.clear();
     print_event(
         fmt::format(R"({{"event":"flashes-begin","time_ns":{}}})", at_ns),
         fmt::format("flashes that may harm people with photosensitive epilepsy from {} on{}", show_duration(at_ns),
@@ -212,6 +217,7 @@ class Job {
   render::ScreenImage picture_;
   std::unique_ptr<VideoFile> video_;
   std::optional<FlashWatch> flashes_;
+  Progress progress_{"pictures"};
   int number_ = 0;
   DurationNs last_ns_ = 0;  // time of the last picture
 };
@@ -268,11 +274,11 @@ Result<int> render_pictures(const Options& options) {
     const DurationNs exposure_ns = options.exposure_ns >= 0 ? options.exposure_ns : options.every_ns;
     // A picture of a video lasts until the next one, so none begins at the end; but there is at least one.
     const DurationNs last_ns = is_video(options.out) ? std::max(end_ns - 1, options.from_ns) : end_ns;
+    const DurationNs span_ns = std::max<DurationNs>(last_ns - options.from_ns, 0);
+    const auto all = static_cast<std::size_t>(span_ns / options.every_ns) + 1;
     for (DurationNs at_ns = options.from_ns; at_ns <= last_ns && !stop.came(); at_ns += options.every_ns) {
       FL_TRY(job.take(at_ns, exposure_ns));
-      if (!options.json && job.count() % 50 == 0) {
-        fmt::print(stderr, "{} pictures, at {}\n", job.count(), show_duration(at_ns));
-      }
+      if (!options.json) job.show_progress(all);
     }
   }
   FL_TRY(job.finish());
