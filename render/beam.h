@@ -4,12 +4,13 @@
 
 #include "sim/shared/shared.h"
 
-// gauss.h has to come before beam.h.
+// gauss.h has to come before beam.h, tile_node.h after it.
 // clang-format off
 namespace footlight::render::f32 {
 using namespace ::footlight::f32;
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/tile_node.h"
 #include "render/shaders/shared/agx.h"
 }  // namespace footlight::render::f32
 
@@ -17,6 +18,7 @@ namespace footlight::render::f64 {
 using namespace ::footlight::f64;
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/tile_node.h"
 #include "render/shaders/shared/agx.h"
 }  // namespace footlight::render::f64
 // clang-format on

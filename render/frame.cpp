@@ -173,11 +173,10 @@ Status Frame::change(const FrameSettings& settings) {
     return fail(ErrorCode::kBadInput, "bodies were left out when the frame was made: expected a new frame");
   }
   const bool has_images = resources_.picture.screen.handle != VK_NULL_HANDLE;
-  const bool same_images = has_images && settings.width == settings_.width && settings.height == settings_.height &&
-                           settings.supersample == settings_.supersample &&
-                           has_bodies(needs, settings) == has_bodies(needs, settings_) &&
-                           has_tile_classes(needs, settings) ==
-                               has_tile_classes(drawn_needs(needs_, haze_, settings_), settings_);
+  const bool same_images =
+      has_images && settings.width == settings_.width && settings.height == settings_.height &&
+      settings.supersample == settings_.supersample && has_bodies(needs, settings) == has_bodies(needs, settings_) &&
+      has_tile_classes(needs, settings) == has_tile_classes(drawn_needs(needs_, haze_, settings_), settings_);
   passes_.clear();
   plan_.clear();
   timed_.clear();

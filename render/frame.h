@@ -166,7 +166,7 @@ class Frame {
   std::unique_ptr<fixtures::MachineAir> machines_;  // may be null
   double work_light_lx_ = 0;
   bool has_solids_ = false;
-  bool has_fine_ = false;    // beams are taken together for tiles
+  bool has_fine_ = false;  // beams are taken together for tiles
   double range_m_ = 0;
   VkQueryPool times_ = VK_NULL_HANDLE;
   std::vector<std::string_view> timed_;  // what each time stamp of the last record() is the end of

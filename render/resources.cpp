@@ -303,9 +303,7 @@ std::uint64_t mask_bytes(const FrameSettings& settings, std::uint32_t mask_words
 
 std::uint64_t tile_depth_bytes(const FrameSettings& settings, bool used) {
   if (!used) return sizeof(TileDepthRow);
-  const auto tiles = [](int pixels) {
-    return (static_cast<std::uint64_t>(pixels) + FL_TILE_PX - 1) / FL_TILE_PX;
-  };
+  const auto tiles = [](int pixels) { return (static_cast<std::uint64_t>(pixels) + FL_TILE_PX - 1) / FL_TILE_PX; };
   return tiles(settings.width) * tiles(settings.height) * sizeof(TileDepthRow);
 }
 
@@ -316,9 +314,7 @@ std::uint64_t coarse_bytes(const FrameSettings& settings, bool used) {
 
 std::uint64_t fine_mask_bytes(const FrameSettings& settings, std::uint32_t mask_words, bool used) {
   if (!used) return 4;
-  const auto tiles = [](int pixels) {
-    return (static_cast<std::uint64_t>(pixels) + FL_FINE_PX - 1) / FL_FINE_PX;
-  };
+  const auto tiles = [](int pixels) { return (static_cast<std::uint64_t>(pixels) + FL_FINE_PX - 1) / FL_FINE_PX; };
   return 4 * tiles(settings.width) * tiles(settings.height) * mask_words;
 }
 
@@ -354,8 +350,7 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_GOBOS: return gobo_bytes(shape);
     case FL_BINDING_MASKS: return mask_bytes(settings, mask_words_of(shape.compiled));
     case FL_BINDING_TILE_DEPTHS:
-      return tile_depth_bytes(settings,
-                              has_tile_classes(shape.needs, settings) && has_solids(shape.needs, settings));
+      return tile_depth_bytes(settings, has_tile_classes(shape.needs, settings) && has_solids(shape.needs, settings));
     case FL_BINDING_FINE_MASKS:
       return fine_mask_bytes(settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings));
     case FL_BINDING_COARSE: return coarse_bytes(settings, has_tile_classes(shape.needs, settings));

@@ -15,7 +15,10 @@ namespace {
 using fixtures::Needs;
 using vk::SpecConstant;
 
-const std::vector<std::string> kAll{"step", "gather", "bodies", "tiles", "surfaces", "beams", "tonemap"};
+const std::vector<std::string> kAll{"step",   "gather", "bodies", "tiles", "surfaces",
+                                    "depths", "coarse", "fine",   "beams", "tonemap"};
+// Those that take beams together for tiles.
+const std::vector<std::string> kTilePasses{"depths", "coarse", "fine"};
 
 std::vector<std::string> names_of(const std::vector<PassPlan>& plan) {
   std::vector<std::string> names;
@@ -68,6 +71,10 @@ void check_left_out(const Needs& needs, const FrameSettings& settings) {
 
 TEST_CASE("the demo rig with all missing needs added has every pass, with every branch") {
   const FrameSettings settings;
+  const std::vector<SpecConstant> tile_constants{
+      {FL_SPEC_GOBO, 1},  {FL_SPEC_EXTINCTION, 1}, {FL_SPEC_PROFILE, 1},  {FL_SPEC_NODES, settings.nodes},
+      {FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1},     {FL_SPEC_MEASURED, 1}, {FL_SPEC_RECTANGLE, 1},
+      {FL_SPEC_WIDE, 1},  {FL_SPEC_IRIS, 1}};
   const auto plan = plan_frame(demo_needs(), settings);
   CHECK(plan == std::vector<PassPlan>{{"step",
                                        {{FL_SPEC_MOTION, 1},
@@ -112,6 +119,9 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                         {FL_SPEC_RECTANGLE, 1},
                                         {FL_SPEC_WIDE, 1},
                                         {FL_SPEC_IRIS, 1}}},
+                                      {"depths", {}},
+                                      {"coarse", tile_constants},
+                                      {"fine", tile_constants},
                                       {"beams",
                                        {{FL_SPEC_GOBO, 1},
                                         {FL_SPEC_EXTINCTION, 1},
@@ -126,13 +136,14 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                         {FL_SPEC_ANIMATION, 1},
                                         {FL_SPEC_MEASURED, 1},
                                         {FL_SPEC_RECTANGLE, 1},
+                                        {FL_SPEC_TILES, 1},
                                         {FL_SPEC_WIDE, 1},
                                         {FL_SPEC_IRIS, 1}}},
                                       {"tonemap", {}}});
   CHECK(left_out_passes(demo_needs(), settings).empty());
 }
 
-TEST_CASE("method, nodes and gobo taps change only the beam pass") {
+TEST_CASE("method, nodes and gobo taps change only the passes of beams in haze") {
   FrameSettings settings;
   settings.method = BeamMethod::kMarch;
   settings.nodes = 64;
@@ -143,7 +154,11 @@ TEST_CASE("method, nodes and gobo taps change only the beam pass") {
   CHECK(std::count(beams.begin(), beams.end(), SpecConstant{FL_SPEC_NODES, 64}) == 1);
   CHECK(std::count(beams.begin(), beams.end(), SpecConstant{FL_SPEC_GOBO_TAPS, 5}) == 1);
   for (const std::string& name : kAll) {
-    if (name != "beams") CHECK(constants_of(plan, name) == constants_of(plan_frame(demo_needs(), {}), name));
+    if (std::find(kTilePasses.begin(), kTilePasses.end(), name) != kTilePasses.end()) {
+      const auto names = names_of(plan);
+      CHECK(std::find(names.begin(), names.end(), name) == names.end());  // a march takes no beams together
+    } else if (name != "beams")
+      CHECK(constants_of(plan, name) == constants_of(plan_frame(demo_needs(), {}), name));
   }
 }
 
@@ -155,34 +170,36 @@ TEST_CASE("without a need its branches or its passes are left out") {
     std::vector<std::string> lost;  // passes
     std::uint32_t constant;         // is 0 without the need; FL_SPEC_COUNT: none
   };
-  for (const Case& c :
-       {Case{"motion", &Needs::motion, {}, FL_SPEC_MOTION},
-        Case{"spin", &Needs::spin, {}, FL_SPEC_SPIN},
-        Case{"strobe", &Needs::strobe, {}, FL_SPEC_STROBE},
-        Case{"gobo", &Needs::gobo, {}, FL_SPEC_GOBO},
-        Case{"colour", &Needs::color, {}, FL_SPEC_COLOR},
-        Case{"optics", &Needs::optics, {}, FL_SPEC_OPTICS},
-        Case{"blades", &Needs::blades, {}, FL_SPEC_BLADES},
-        Case{"stacked", &Needs::stacked, {}, FL_SPEC_STACKED},
-        Case{"pulses", &Needs::pulses, {}, FL_SPEC_PULSES},
-        Case{"macro", &Needs::macro, {}, FL_SPEC_MACRO},
-        Case{"flex", &Needs::flex, {}, FL_SPEC_FLEX},
-        Case{"smooth", &Needs::smooth, {}, FL_SPEC_SMOOTH},
-        Case{"tungsten", &Needs::tungsten, {}, FL_SPEC_LAMP(fixtures::kLampTungsten)},
-        Case{"led", &Needs::led, {}, FL_SPEC_LAMP(fixtures::kLampLed)},
-        Case{"discharge", &Needs::discharge, {}, FL_SPEC_LAMP(fixtures::kLampDischarge)},
-        Case{"dowser", &Needs::dowser, {}, FL_SPEC_DOWSER},
-        Case{"focus", &Needs::focus, {}, FL_SPEC_FOCUS},
-        Case{"animation", &Needs::animation, {}, FL_SPEC_ANIMATION},
-        Case{"measured", &Needs::measured, {}, FL_SPEC_MEASURED},
-        Case{"rectangle", &Needs::rectangle, {}, FL_SPEC_RECTANGLE},
-        Case{"extinction", &Needs::extinction, {}, FL_SPEC_EXTINCTION},
-        Case{"profile", &Needs::profile, {}, FL_SPEC_PROFILE},
-        Case{"wide", &Needs::wide, {}, FL_SPEC_WIDE},
-        Case{"iris", &Needs::iris, {}, FL_SPEC_IRIS},
-        Case{"surfaces", &Needs::surfaces, {}, FL_SPEC_BOXES},
-        Case{"haze", &Needs::haze, {"beams"}, FL_SPEC_COUNT},
-        Case{"fixtures", &Needs::fixtures, {"step", "gather", "bodies", "tiles", "beams"}, FL_SPEC_BODIES}}) {
+  for (const Case& c : {Case{"motion", &Needs::motion, {}, FL_SPEC_MOTION},
+                        Case{"spin", &Needs::spin, {}, FL_SPEC_SPIN},
+                        Case{"strobe", &Needs::strobe, {}, FL_SPEC_STROBE},
+                        Case{"gobo", &Needs::gobo, {}, FL_SPEC_GOBO},
+                        Case{"colour", &Needs::color, {}, FL_SPEC_COLOR},
+                        Case{"optics", &Needs::optics, {}, FL_SPEC_OPTICS},
+                        Case{"blades", &Needs::blades, {}, FL_SPEC_BLADES},
+                        Case{"stacked", &Needs::stacked, {}, FL_SPEC_STACKED},
+                        Case{"pulses", &Needs::pulses, {}, FL_SPEC_PULSES},
+                        Case{"macro", &Needs::macro, {}, FL_SPEC_MACRO},
+                        Case{"flex", &Needs::flex, {}, FL_SPEC_FLEX},
+                        Case{"smooth", &Needs::smooth, {}, FL_SPEC_SMOOTH},
+                        Case{"tungsten", &Needs::tungsten, {}, FL_SPEC_LAMP(fixtures::kLampTungsten)},
+                        Case{"led", &Needs::led, {}, FL_SPEC_LAMP(fixtures::kLampLed)},
+                        Case{"discharge", &Needs::discharge, {}, FL_SPEC_LAMP(fixtures::kLampDischarge)},
+                        Case{"dowser", &Needs::dowser, {}, FL_SPEC_DOWSER},
+                        Case{"focus", &Needs::focus, {}, FL_SPEC_FOCUS},
+                        Case{"animation", &Needs::animation, {}, FL_SPEC_ANIMATION},
+                        Case{"measured", &Needs::measured, {}, FL_SPEC_MEASURED},
+                        Case{"rectangle", &Needs::rectangle, {}, FL_SPEC_RECTANGLE},
+                        Case{"extinction", &Needs::extinction, {}, FL_SPEC_EXTINCTION},
+                        Case{"profile", &Needs::profile, {}, FL_SPEC_PROFILE},
+                        Case{"wide", &Needs::wide, {}, FL_SPEC_WIDE},
+                        Case{"iris", &Needs::iris, {}, FL_SPEC_IRIS},
+                        Case{"surfaces", &Needs::surfaces, {}, FL_SPEC_BOXES},
+                        Case{"haze", &Needs::haze, {"depths", "coarse", "fine", "beams"}, FL_SPEC_COUNT},
+                        Case{"fixtures",
+                             &Needs::fixtures,
+                             {"step", "gather", "bodies", "tiles", "depths", "coarse", "fine", "beams"},
+                             FL_SPEC_BODIES}}) {
     CAPTURE(c.what);
     Needs needs = demo_needs();
     needs.*c.need = false;
@@ -206,7 +223,11 @@ TEST_CASE("without boxes and bodies only passes for light in the air remain") {
   FrameSettings settings;
   settings.bodies = false;
   CHECK(names_of(plan_frame(needs, settings)) ==
+        std::vector<std::string>{"step", "gather", "tiles", "coarse", "fine", "beams", "tonemap"});
+  settings.tile_error = 0;
+  CHECK(names_of(plan_frame(needs, settings)) ==
         std::vector<std::string>{"step", "gather", "tiles", "beams", "tonemap"});
+  settings.tile_error = FrameSettings{}.tile_error;
   needs.haze = false;  // without haze, too, nothing is visible
   CHECK(names_of(plan_frame(needs, settings)) == std::vector<std::string>{"step", "gather", "tonemap"});
   check_left_out(needs, settings);

@@ -61,11 +61,12 @@ TEST_CASE("a pass that is left out has its time and bytes in the frame of the ne
   const auto rows = must(measure_left_out(vulkan.device(), scene, kSmall));
   const LeftOutRow& beams = row_of(rows, "beams", true);
   const LeftOutRow& haze = row_of(rows, "haze", false);
-  CHECK(&beams == &rows.front());
+  std::uint64_t pass_bytes = 0;
+  for (const char* name : {"depths", "coarse", "fine", "beams"}) pass_bytes += row_of(rows, name, true).bytes;
   REQUIRE(beams.times);
   REQUIRE(haze.times);
   CHECK(beams.times->ms_p10 > 0);
-  CHECK(haze.bytes == beams.bytes);
+  CHECK(haze.bytes == pass_bytes);
 }
 
 TEST_CASE("without runs nothing is timed, and the bytes are the same") {

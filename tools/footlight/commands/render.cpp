@@ -38,6 +38,7 @@ struct Options {
   std::optional<double> exposure_ev;  // default: the camera's own
   int nodes = 3;
   int gobo_taps = 64;
+  double tile_error = render::FrameSettings{}.tile_error;
   int supersample = 1;
   std::string flashes = "warn";
   std::vector<std::string> sets;  // "Prism1=2", "Spot 3:Pan=30"
@@ -246,6 +247,7 @@ Result<int> render_pictures(const Options& options) {
   settings.height = size.height * options.supersample;
   settings.nodes = static_cast<std::uint32_t>(options.nodes);
   settings.gobo_taps = static_cast<std::uint32_t>(options.gobo_taps);
+  settings.tile_error = options.tile_error;
   settings.supersample = options.supersample;
   FL_ASSIGN(const auto frame, render::Frame::create(*device, rig, compiled, settings));
   frame->set_work_light_lx(options.work_light_lx.value_or(usual_lx));
@@ -318,6 +320,8 @@ void add(Arguments& arguments) {
                      "time that the shutter is open before the picture's time; default: 20ms, or all of --every");
   arguments.option("--ev", options->exposure_ev, -20, 30, "exposure value at ISO 100; default: the camera's own");
   arguments.option("--nodes", options->nodes, 1, 8, "Gauss nodes per beam and pixel; error and time: footlight report");
+  arguments.option("--tile-error", options->tile_error, 0, 1,
+                   "error that taking beams together for tiles may add, as a share of the light; 0: pixel by pixel");
   arguments.option(
       "--supersample", options->supersample, 1, 4,
       "pixels per side for each pixel, averaged before the tone map: smooth edges at N x N times the work");

@@ -376,6 +376,7 @@ Status Preview::rebuild(const PixelRect& where) {
   settings.width = std::max(where.width / controls_.divisor, 1);
   settings.height = std::max(where.height / controls_.divisor, 1);
   settings.nodes = static_cast<std::uint32_t>(controls_.nodes);
+  settings.tile_error = options_.tile_error;
   settings.haze = controls_.haze;
   if (frame_) {
     FL_TRY(frame_->change(settings));
