@@ -87,7 +87,7 @@ double rk4_difference(const Spring& spring, const Frames& show, const std::vecto
   return difference;
 }
 
-using Method = void (SpringRival::*)(const Spring&, double, double);
+using SpringMethod = void (SpringRival::*)(const Spring&, double, double);
 
 struct Case {
   TimeScene scene;
@@ -109,8 +109,8 @@ Case case_of(const char* model, const TimeReportOptions& options, std::span<cons
   return made;
 }
 
-void add_rivals(const Case& c, std::span<const std::pair<const char*, Method>> rivals, std::span<const int> substeps,
-                TimeBench& bench) {
+void add_rivals(const Case& c, std::span<const std::pair<const char*, SpringMethod>> rivals,
+                std::span<const int> substeps, TimeBench& bench) {
   for (const auto& [name, method] : rivals) {
     for (const int count : substeps) {
       bench.add(c.scene, name, count, [&, m = method, count] {
@@ -169,11 +169,11 @@ void report_smoothing(const TimeReportOptions& options, TimeReport& report) {
           return second += (first - second) * factor;
         };
       });
-      const std::pair<const char*, Method> rational[] = {{"rational exp", &SpringRival::rational}};
+      const std::pair<const char*, SpringMethod> rational[] = {{"rational exp", &SpringRival::rational}};
       add_rivals(c, rational, options.substeps, bench);
-      const std::pair<const char*, Method> rivals[] = {{"explicit Euler", &SpringRival::explicit_euler},
-                                                       {"semi-implicit Euler", &SpringRival::semi_implicit_euler},
-                                                       {"implicit Euler", &SpringRival::implicit_euler}};
+      const std::pair<const char*, SpringMethod> rivals[] = {{"explicit Euler", &SpringRival::explicit_euler},
+                                                             {"semi-implicit Euler", &SpringRival::semi_implicit_euler},
+                                                             {"implicit Euler", &SpringRival::implicit_euler}};
       add_rivals(c, rivals, options.substeps, bench);
     }
   }
@@ -204,9 +204,9 @@ void report_belt(const TimeReportOptions& options, TimeReport& report) {
           return flex.position;
         };
       });
-      const std::pair<const char*, Method> rivals[] = {{"semi-implicit Euler", &SpringRival::semi_implicit_euler},
-                                                       {"implicit Euler", &SpringRival::implicit_euler},
-                                                       {"RK4", &SpringRival::rk4}};
+      const std::pair<const char*, SpringMethod> rivals[] = {{"semi-implicit Euler", &SpringRival::semi_implicit_euler},
+                                                             {"implicit Euler", &SpringRival::implicit_euler},
+                                                             {"RK4", &SpringRival::rk4}};
       add_rivals(c, rivals, options.substeps, bench);
     }
   }
