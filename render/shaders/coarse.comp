@@ -43,8 +43,8 @@ shared uint rest_bits[FL_GROUP_TILE];  // of the words of one list
 shared vec2 estimates[FL_SUBGROUPS_MAX];             // of subgroups: light, and beams that give some
 shared uint beam_count;
 
-// Mean light of the supertile's pixels over sigma_s, and how many beams light one: each beam at 1 to 16 of 16 places.
-vec2 estimate(uint supertile, vec2 low, vec2 size) {
+// How many beams the supertile's mask has.
+uint count_beams(uint supertile) {
   uint number = thread_number();
   uint words = (counts.live_count + 31u) / 32u;
   if (number == 0u) beam_count = 0u;
@@ -54,6 +54,13 @@ vec2 estimate(uint supertile, vec2 low, vec2 size) {
   bits = subgroupAdd(bits);
   if (subgroupElect()) atomicAdd(beam_count, bits);
   barrier();
+  return beam_count;
+}
+
+// Mean light of the supertile's pixels over sigma_s, and how many beams light one: each beam at 1 to 16 of 16 places.
+vec2 estimate(uint supertile, vec2 low, vec2 size) {
+  uint number = thread_number();
+  uint words = (counts.live_count + 31u) / 32u;
   uint places = clamp(1024u / max(beam_count, 1u), 1u, 16u);
   Medium medium = Medium(params.anisotropy, params.position.w);
   vec2 sum = vec2(0.0);
@@ -92,6 +99,11 @@ void main() {
   uint supertile = cell.y * params.supertiles_x + cell.x;
   vec2 low = vec2(cell * uint(FL_SUPERTILE_PX));
   vec2 size = min(vec2(float(FL_SUPERTILE_PX)), vec2(float(params.width), float(params.height)) - low);
+  if (count_beams(supertile) <= uint(FL_FEW_BEAMS)) {
+    if (number < uint(FL_TILE_LIGHT)) coarse[supertile].light[number] = 0.0;
+    if (number == 0u) coarse[supertile].tolerance = 0.0;
+    return;
+  }
   vec2 mean = estimate(supertile, low, size);
   float tolerance = params.tile_error * mean.x * inversesqrt(max(mean.y, 1.0));
   const uint kSide = uint(FL_SUPERTILE_PX / FL_TILE_PX);

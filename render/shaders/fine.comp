@@ -141,12 +141,18 @@ void main() {
   uint supertile = cell.y * params.supertiles_x + cell.x;
   uint fine_tile = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
   float tolerance = coarse[supertile].tolerance;
+  uint words = (counts.live_count + 31u) / 32u;
+  if (tolerance == 0.0) {
+    for (uint w = number; w < words; w += uint(FL_GROUP_TILE)) {
+      fine_masks[fine_tile * params.mask_words + w] = masks[supertile * params.mask_words + w];
+    }
+    return;
+  }
   const uint kSide = uint(FL_FINE_PX / FL_TILE_PX);
   Rect rect = Rect(middle, FL_HULL * 0.5 * float(FL_FINE_PX), rect_depth(gl_WorkGroupID.xy * kSide, kSide));
   vec2 low = vec2(group_low);
   vec2 high = min(low + float(FL_FINE_PX), vec2(float(params.width), float(params.height)));
   float sum = 0.0;  // of thread k < 48: a coefficient of the smooth beams' light
-  uint words = (counts.live_count + 31u) / 32u;
   for (uint from = 0u; from < words;) {
     uint first = from;
     from = list_fill(supertile, from);

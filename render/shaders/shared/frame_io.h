@@ -91,6 +91,7 @@
 #define FL_SUPERTILE_PX 64  // beams are listed per supertile, one bit a live beam
 #define FL_GROUP_MASK 64    // beams a workgroup of the tile pass tests
 #define FL_GROUP_TILE 512   // threads of a workgroup of the coarse and the fine pass
+#define FL_FEW_BEAMS 12      // in a supertile: so few are computed pixel by pixel, which takes less time
 #define FL_TILE_LIGHT 48    // 4 x 4 coefficients of three channels
 // Nodes of a rectangle lie on a square that is this much larger, so that their hull holds every pixel's centre: the
 // outermost node is at cos(pi / 8) = 0.924 of the square, the outermost centre at 63 / 64 of the rectangle.
@@ -190,7 +191,7 @@ struct TileDepthRow {
 // The smooth beams of a supertile: light over sigma_s, coefficients of T_m T_n over the hull, 3 (4 n + m) + channel.
 struct CoarseRow {
   float light[FL_TILE_LIGHT];
-  float tolerance;  // of one beam there, over sigma_s
+  float tolerance;  // of one beam there, over sigma_s; 0: all beams are left to the beam pass
   uint pad;
   uint pad_1;
   uint pad_2;
