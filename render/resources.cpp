@@ -426,7 +426,14 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   p.supertiles_y = supertiles(settings.height);
   FL_ASSIGN(p.masks, zeroed(device, mask_bytes(settings, mask_words)));
   FL_ASSIGN(p.tile_depths, zeroed(device, tile_depth_bytes(settings, classes && has_solids(needs, settings))));
-  FL_ASSIGN(p.fine_masks, zeroed(device, fine_mask_bytes(settings, mask_words, classes)));
+  const std::uint64_t fine_bytes = fine_mask_bytes(settings, mask_words, classes);
+  if (fine_bytes > device.limits().maxStorageBufferRange) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: maxStorageBufferRange is {}, needed: {} bytes for the masks of tiles; use --tile-error 0 or a "
+                "smaller picture",
+                device.name(), device.limits().maxStorageBufferRange, fine_bytes);
+  }
+  FL_ASSIGN(p.fine_masks, zeroed(device, fine_bytes));
   FL_ASSIGN(p.coarse, zeroed(device, coarse_bytes(settings, classes)));
   const std::uint32_t solid_width = bodies ? width : 1;
   const std::uint32_t solid_height = bodies ? height : 1;

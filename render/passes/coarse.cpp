@@ -12,7 +12,7 @@ const PassEntry kCoarsePass{"coarse",
                             [](const fixtures::Needs& needs, const FrameSettings& settings) {
                               return std::vector<vk::SpecConstant>{
                                   {FL_SPEC_GOBO, needs.gobo},         {FL_SPEC_EXTINCTION, needs.extinction},
-                                  {FL_SPEC_PROFILE, needs.profile},   {FL_SPEC_NODES, settings.nodes},
+                                  {FL_SPEC_PROFILE, needs.profile},   {FL_SPEC_NODES, settings.nodes > 3 ? 5u : 3u},
                                   {FL_SPEC_BOXES, needs.surfaces},    {FL_SPEC_BODIES, has_bodies(needs, settings)},
                                   {FL_SPEC_MEASURED, needs.measured}, {FL_SPEC_RECTANGLE, needs.rectangle},
                                   {FL_SPEC_WIDE, needs.wide},         {FL_SPEC_IRIS, needs.iris}};

@@ -1,11 +1,10 @@
 #version 460
-// Light in the haze, supertile by supertile: beams whose light is smooth over 64 x 64 pixels are summed as one polynomial
-// and taken out of the supertile's mask, and so are those that do not reach it. The beam pass takes the rest. Also finds
-// the tolerance of one beam there.
+// Light in the haze, supertile by supertile. Beams whose light is smooth over its 64 x 64 pixels are added as one
+// polynomial and leave the supertile's mask; beams that do not reach it leave the mask as well. The fine pass and the
+// beam pass compute the rest. This pass also computes the error that one beam may have there.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_vote : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #define FL_USE_BEAMS
@@ -99,13 +98,16 @@ void main() {
   uint supertile = cell.y * params.supertiles_x + cell.x;
   vec2 low = vec2(cell * uint(FL_SUPERTILE_PX));
   vec2 size = min(vec2(float(FL_SUPERTILE_PX)), vec2(float(params.width), float(params.height)) - low);
-  if (count_beams(supertile) <= uint(FL_FEW_BEAMS)) {
+  float tolerance = 0.0;
+  if (count_beams(supertile) > uint(FL_FEW_BEAMS)) {
+    vec2 mean = estimate(supertile, low, size);
+    tolerance = params.tile_error * mean.x * inversesqrt(max(mean.y, 1.0));
+  }
+  if (!(tolerance > 0.0)) {
     if (number < uint(FL_TILE_LIGHT)) coarse[supertile].light[number] = 0.0;
     if (number == 0u) coarse[supertile].tolerance = 0.0;
     return;
   }
-  vec2 mean = estimate(supertile, low, size);
-  float tolerance = params.tile_error * mean.x * inversesqrt(max(mean.y, 1.0));
   const uint kSide = uint(FL_SUPERTILE_PX / FL_TILE_PX);
   Rect rect = Rect(low + 0.5 * float(FL_SUPERTILE_PX), FL_HULL * 0.5 * float(FL_SUPERTILE_PX),
                    rect_depth(cell * kSide, kSide));

@@ -53,12 +53,12 @@ void main() {
   float below = per_depth[(size.y - 1u) * uint(FL_TILE_PX)];
   vec2 slope = vec2(size.x > 1u ? (right - corner) / float(size.x - 1u) : 0.0,
                     size.y > 1u ? (below - corner) / float(size.y - 1u) : 0.0);
-  float slack = kPlaneSlack * max(corner, max(right, below));
   for (uint i = 0u; i < uint(FL_ROWS); ++i) {
     uvec2 at = gl_LocalInvocationID.xy + uvec2(0u, i * uint(FL_TILE_PX / FL_ROWS));
     if (at.x >= size.x || at.y >= size.y) continue;
-    float off = per_depth[at.y * uint(FL_TILE_PX) + at.x] - corner - dot(slope, vec2(at));
-    if (!(abs(off) <= slack)) atomicOr(off_plane, 1u);
+    float own = per_depth[at.y * uint(FL_TILE_PX) + at.x];
+    float off = own - corner - dot(slope, vec2(at));
+    if (!(abs(off) <= kPlaneSlack * own)) atomicOr(off_plane, 1u);
   }
   barrier();
   if (gl_LocalInvocationIndex == 0u) {

@@ -5,7 +5,6 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_vote : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #define FL_USE_BEAMS
@@ -41,10 +40,11 @@ layout(local_size_x = FL_GROUP_TILE) in;
 layout(set = 0, binding = FL_BINDING_COARSE, std430) readonly buffer CoarseBuffer { CoarseRow coarse[]; };
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
 
-#define FL_ROWS (1024 / FL_GROUP_TILE)  // pixels a thread, one below the other, so that a beam's row is read once for all of them
+// Pixels of a thread, one below the other: a record is read once for all of them.
+#define FL_ROWS (1024 / FL_GROUP_TILE)
 
-// A beam that is smooth but for its rim: rho and h as polynomials of pixels from the group's middle; its color; p of the
-// profile in the lowest 3 bits, then a bit for each block of 16 x 8 pixels that it can touch.
+// A beam that is smooth except at its rim: rho and h as polynomials of pixels from the group's middle, its colour, p of
+// its profile in the lowest 3 bits, then a bit for each block of 16 x 8 pixels that it can touch.
 #define FL_RIMS_MAX 256
 shared vec4 rim_rows[4 * FL_RIMS_MAX];
 shared uint rest_bits[FL_GROUP_TILE];  // of the words of one list
@@ -78,7 +78,8 @@ uint rim_blocks(float c[6]) {
 void store_rim(uint slot, BeamRow row, Rect rect) {
   to_pixels(fit_rho, rect.half_px);
   to_pixels(fit_h, rect.half_px);
-  uint bits = uint(rim_power(drawn_profile(row.eye.w))) | rim_blocks(fit_rho) << 3;
+  // With the exponent of 1: a float that is not denormal keeps its bits.
+  uint bits = 0x3f800000u | uint(rim_power(drawn_profile(row.eye.w))) | rim_blocks(fit_rho) << 3;
   rim_rows[4u * slot] = vec4(fit_rho[0], fit_rho[1], fit_rho[2], fit_rho[3]);
   rim_rows[4u * slot + 1u] = vec4(fit_rho[4], fit_rho[5], fit_h[0], fit_h[1]);
   rim_rows[4u * slot + 2u] = vec4(fit_h[2], fit_h[3], fit_h[4], fit_h[5]);
@@ -142,7 +143,7 @@ void main() {
   uint fine_tile = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
   float tolerance = coarse[supertile].tolerance;
   uint words = (counts.live_count + 31u) / 32u;
-  if (tolerance == 0.0) {
+  if (!(tolerance > 0.0)) {
     for (uint w = number; w < words; w += uint(FL_GROUP_TILE)) {
       fine_masks[fine_tile * params.mask_words + w] = masks[supertile * params.mask_words + w];
     }

@@ -21,9 +21,13 @@ constexpr LimitDemand kLimits[] = {
     {"maxStorageBufferRange",
      [](const DeviceFacts& f) -> std::uint64_t { return f.properties.limits.maxStorageBufferRange; },
      std::uint64_t{128} << 20},
-    // Tiles of 16 x 16 pixels.
+    // Of the coarse and the fine pass (FL_GROUP_TILE).
     {"maxComputeWorkGroupInvocations",
-     [](const DeviceFacts& f) -> std::uint64_t { return f.properties.limits.maxComputeWorkGroupInvocations; }, 256},
+     [](const DeviceFacts& f) -> std::uint64_t { return f.properties.limits.maxComputeWorkGroupInvocations; }, 512},
+    {"maxComputeSharedMemorySize",
+     [](const DeviceFacts& f) -> std::uint64_t { return f.properties.limits.maxComputeSharedMemorySize; }, 32768},
+    // Lists of a workgroup have room for the counts of subgroups of 4 (FL_SUBGROUPS_MAX).
+    {"subgroupSize", [](const DeviceFacts& f) -> std::uint64_t { return f.subgroup.subgroupSize; }, 4},
 };
 
 struct FlagDemand {

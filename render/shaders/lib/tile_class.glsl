@@ -3,7 +3,6 @@
 // After beam.h, tile_node.h, tile_test.glsl, thin.glsl, tile_depth.glsl. Design and error: docs/decisions/0100.
 layout(constant_id = FL_SPEC_NODES) const uint kNodes = 3;
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
-layout(constant_id = FL_SPEC_TILES) const bool kTiles = true;
 
 const uint kDark = 0u;
 const uint kSmooth = 1u;
@@ -48,8 +47,22 @@ void powers_of(inout float c[6]) {
   c[5] *= 2.0;
 }
 
-// tolerance: largest error of this beam's light over sigma_s, of its brightest channel. Call for beams that tile_knows()
-// only, and that beam_touches() the rectangle.
+// The beam on the ray through a place of the rectangle, up to the surface there.
+TileNode node_at(BeamRow row, BeamShape beam, Rect rect, vec2 at, bool many, out Chord chord) {
+  vec3 through = ray_through(at);
+  float ray_length = length(through);
+  vec3 ray = to_light(row, through / ray_length);
+  ChordLine line;
+  beam_line(beam, row.eye.xyz, ray, 0.0, FL_FAR_M, chord, line);
+  if (kSolids) {
+    float end_m = rect.depth.is_plane ? plane_distance(rect.depth, at, ray_length) : rect.depth.far_m;
+    if (end_m < line.t_to_m) beam_line(beam, row.eye.xyz, ray, 0.0, end_m, chord, line);
+  }
+  return tile_node(beam, Medium(params.anisotropy, params.position.w), chord, line, ray, many, kExtinction);
+}
+
+// tolerance: largest error of this beam's light over sigma_s, in its brightest channel. Call only for beams for which
+// tile_knows() and beam_touches() are true.
 uint tile_class(BeamRow row, Rect rect, float tolerance) {
   const float kAt[4] = float[4](0.92387953, 0.38268343, -0.38268343, -0.92387953);
   const float kTwo[4] = float[4](0.70710678, -0.70710678, -0.70710678, 0.70710678);
@@ -200,17 +213,21 @@ uint tile_class(BeamRow row, Rect rect, float tolerance) {
     if (!(before && after && shortest >= kShortestCut && q_min > 0.02 && inside)) return kGeneral;
     smooth_light = true;
   }
-  // Coefficients from sums: 1/16, times 2 for each m > 0 and n > 0.
-  float lum = max(brightest(row.j0.rgb), 1e-30);
+  // Coefficients from sums: 1/16, times 2 for each m > 0 and n > 0. The tests below add what the polynomials leave out:
+  // their last terms, and what they miss at the middle, since the terms of a light that is even about the middle are
+  // zero. They are written so that NaN is general.
+  float lum = brightest(row.j0.rgb);
+  if (!(lum > 0.0)) return kGeneral;
   float allowed = tolerance / lum;
+  Chord chord;
+  TileNode middle = node_at(row, beam, rect, rect.middle, many, chord);
   if (smooth_light) {
     [[unroll]] for (int n = 0; n < 4; ++n) {
       [[unroll]] for (int m = 0; m < 4; ++m) fit_light[4 * n + m] *= (m > 0 ? 0.125 : 0.0625) * (n > 0 ? 2.0 : 1.0);
     }
-    float limit = min(allowed, kTailMax * abs(fit_light[0]));
-    float tail = 0.0;
-    [[unroll]] for (int k = 0; k < 4; ++k) tail = max(tail, max(abs(fit_light[12 + k]), abs(fit_light[4 * k + 3])));
-    if (tail <= limit) return kSmooth;
+    float tail = abs(middle.light - (fit_light[0] - fit_light[2] - fit_light[8] + fit_light[10]));
+    [[unroll]] for (int k = 0; k < 4; ++k) tail += abs(fit_light[12 + k]) + (k < 3 ? abs(fit_light[4 * k + 3]) : 0.0);
+    if (tail <= allowed && tail <= kTailMax * abs(fit_light[0])) return kSmooth;
     if (!whole) return kGeneral;
   }
   const float kScale[6] = float[6](0.0625, 0.125, 0.125, 0.125, 0.25, 0.125);
@@ -218,11 +235,14 @@ uint tile_class(BeamRow row, Rect rect, float tolerance) {
     fit_rho[k] *= kScale[k];
     fit_h[k] *= kScale[k];
   }
-  float rho_over = max(max(abs(rho_tail[0]), abs(rho_tail[3])) * 0.125, max(abs(rho_tail[1]), abs(rho_tail[2])) * 0.25);
-  float h_over = max(max(abs(h_tail[0]), abs(h_tail[3])) * 0.125, max(abs(h_tail[1]), abs(h_tail[2])) * 0.25);
-  float h_limit = min(allowed, kTailMax * abs(fit_h[0]));
-  float rho_limit = min(allowed / (1.5 * max(abs(fit_h[0]), 1e-30)), kOffsetTailMax);
-  if (!(h_over <= h_limit) || !(rho_over <= rho_limit)) return kGeneral;
+  float rho_over = (abs(rho_tail[0]) + abs(rho_tail[3])) * 0.125 + (abs(rho_tail[1]) + abs(rho_tail[2])) * 0.25 +
+                   abs(chord.offset - (fit_rho[0] - fit_rho[3] - fit_rho[5]));
+  float h_over = (abs(h_tail[0]) + abs(h_tail[3])) * 0.125 + (abs(h_tail[1]) + abs(h_tail[2])) * 0.25 +
+                 abs(middle.h - (fit_h[0] - fit_h[3] - fit_h[5]));
+  // q^(p + 1/2) changes by at most 2 for a change of rho by 1.
+  bool close = h_over <= allowed && h_over <= kTailMax * abs(fit_h[0]) &&
+               2.0 * abs(fit_h[0]) * rho_over <= allowed && rho_over <= kOffsetTailMax;
+  if (!close) return kGeneral;
   powers_of(fit_rho);
   powers_of(fit_h);
   return kRim;

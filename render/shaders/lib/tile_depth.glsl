@@ -1,5 +1,6 @@
-// Distances of what a rectangle of the picture shows, from one row for each tile of 16 x 16 pixels (depths.comp).
-// FL_DEPTHS_READ: the including pass reads the rows. kSolids: whether anything solid is in the picture; without it nothing ends a ray.
+// Distances of the surfaces in a rectangle of the picture, from one row for each tile of 16 x 16 pixels (depths.comp).
+// FL_DEPTHS_READ: the including pass reads the rows. kSolids: whether the picture has anything solid; without it,
+// nothing ends a ray.
 layout(set = 0, binding = FL_BINDING_TILE_DEPTHS, std430) FL_DEPTHS_ACCESS buffer TileDepthsBuffer {
   TileDepthRow tile_depths[];
 };
@@ -42,7 +43,6 @@ RectDepth rect_depth(uvec2 first, uint side) {
   depth.per_depth_m.x = corner.plane.x;
   depth.per_depth_m.y = step.x > 0.0 ? (right.plane.x - corner.plane.x) / step.x : corner.plane.y;
   depth.per_depth_m.z = step.y > 0.0 ? (below.plane.x - corner.plane.x) / step.y : corner.plane.z;
-  float slack = 2.0 * kPlaneSlack * max(corner.plane.x, max(right.plane.x, below.plane.x));
   const float reach = 0.5 * float(FL_TILE_PX);
   for (uint y = first.y; y < end.y; ++y) {
     for (uint x = first.x; x < end.x; ++x) {
@@ -52,7 +52,7 @@ RectDepth rect_depth(uvec2 first, uint side) {
       vec2 away = vec2(uvec2(x, y) - first) * float(FL_TILE_PX);
       float off = abs(depth.per_depth_m.x + dot(depth.per_depth_m.yz, away) - tile.plane.x) +
                   reach * (abs(depth.per_depth_m.y - tile.plane.y) + abs(depth.per_depth_m.z - tile.plane.z));
-      depth.is_plane = depth.is_plane && tile.is_plane != 0u && off <= slack;
+      depth.is_plane = depth.is_plane && tile.is_plane != 0u && off <= 2.0 * kPlaneSlack * abs(tile.plane.x);
     }
   }
   return depth;

@@ -1,5 +1,5 @@
-// Ordered lists of a workgroup of FL_GROUP_TILE threads. Everything keeps the patch order, so that sums do not depend on
-// which thread was first; lists are filled batch by batch, so that none can overflow.
+// Ordered lists of a workgroup of FL_GROUP_TILE threads. They keep the patch order, so that sums do not depend on the
+// order in which threads run. They are filled batch by batch, so that none can overflow.
 //
 // All functions are called by all threads of the group together.
 #define FL_LIST_MAX 1024
@@ -14,8 +14,8 @@ uint slot_turn = 0u;
 // Number of this thread, in the order of subgroups.
 uint thread_number() { return gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID; }
 
-// The rank of this thread among those of its part of the group for which `is_in` holds, and how many they are. A part is
-// 1 / parts of the group's threads, whole subgroups.
+// The rank of this thread among the threads of its part of the group for which `is_in` is true, and the number of these
+// threads. A part is 1 / parts of the group's threads, whole subgroups.
 uint ordered_slot(bool is_in, uint parts, out uint count) {
   uvec4 ballot = subgroupBallot(is_in);
   slot_turn = uint(FL_SUBGROUPS_MAX) - slot_turn;

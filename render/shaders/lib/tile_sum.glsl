@@ -8,7 +8,7 @@ shared float light_sums[FL_SUM_SLOTS * FL_TILE_LIGHT];
 // none. Thread k < FL_TILE_LIGHT of a part gets coefficient k / 3 of channel k % 3. All threads call it together.
 float tile_light_sum(vec3 color, uint parts) {
   bool has_beam = color != vec3(0.0);
-  bool any = subgroupAny(has_beam);
+  bool any = subgroupBallotBitCount(subgroupBallot(has_beam)) > 0u;
   uint number = thread_number();
   uint per_part = gl_NumSubgroups / parts;
   uint part = gl_SubgroupID / per_part;
@@ -30,7 +30,9 @@ float tile_light_sum(vec3 color, uint parts) {
           }
         }
       } else {
-        for (uint k = gl_SubgroupInvocationID; k < uint(FL_TILE_LIGHT); k += gl_SubgroupSize) light_sums[slot + k] = 0.0;
+        for (uint k = gl_SubgroupInvocationID; k < uint(FL_TILE_LIGHT); k += gl_SubgroupSize) {
+          light_sums[slot + k] = 0.0;
+        }
       }
     }
     barrier();

@@ -181,6 +181,40 @@ Status judge_row(Frame& frame, const Judged& judged, PictureRow& row) {
   return {};
 }
 
+// A method with one value of its knob.
+struct Knob {
+  const char* method;
+  double value;
+  FrameSettings settings;
+};
+
+std::vector<Knob> knobs_of(const PictureReportOptions& options, const fixtures::Needs& needs) {
+  std::vector<Knob> knobs;
+  FrameSettings settings = judged_settings(options);
+  for (const double error : options.tile_errors) {
+    settings.tile_error = error;
+    knobs.push_back({"tiles", error, settings});
+  }
+  settings = judged_settings(options);
+  settings.tile_error = 0;
+  for (const std::uint32_t taps : options.gobo_taps) {
+    if (!needs.gobo) break;
+    settings.gobo_taps = taps;
+    knobs.push_back({"gobo taps", static_cast<double>(taps), settings});
+  }
+  settings.gobo_taps = FrameSettings{}.gobo_taps;
+  for (const std::uint32_t nodes : options.gauss_nodes) {
+    settings.nodes = nodes;
+    knobs.push_back({"gauss", static_cast<double>(nodes), settings});
+  }
+  settings.method = BeamMethod::kMarch;
+  for (const std::uint32_t steps : options.march_steps) {
+    settings.nodes = steps;
+    knobs.push_back({"march", static_cast<double>(steps), settings});
+  }
+  return knobs;
+}
+
 }  // namespace
 
 Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene, const PictureReportOptions& options) {
@@ -222,9 +256,8 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
 
   if (options.on_judged) options.on_judged(report);
   const FrameSettings defaults;
-  const auto all_rows =
-      static_cast<double>(options.tile_errors.size() + options.gauss_nodes.size() + options.march_steps.size() +
-                          (scene.compiled.needs.gobo ? options.gobo_taps.size() : 0));
+  const std::vector<Knob> all_knobs = knobs_of(options, scene.compiled.needs);
+  const auto all_rows = static_cast<double>(all_knobs.size());
   // Reports that `share` of the current row is done. Returns true if the report shall end.
   const auto ends_at = [&](double share) {
     report.ended = report.ended ||
@@ -232,12 +265,13 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
                     !options.go_on("methods and knobs", static_cast<double>(report.rows.size()) + share, all_rows));
     return report.ended;
   };
-  const auto run = [&](const char* name, double knob, const FrameSettings& settings) -> Status {
+  const auto run = [&](const Knob& knob) -> Status {
+    const FrameSettings& settings = knob.settings;
     if (ends_at(0)) return {};
     PictureRow row;
     row.scene = scene.name;
-    row.method = name;
-    row.knob = knob;
+    row.method = knob.method;
+    row.knob = knob.value;
     row.hits_per_px = judged.hits_per_px;
     FL_ASSIGN(auto frame, make_frame(device, scene, settings));
     std::vector<std::vector<double>> pass_ms;
@@ -259,31 +293,7 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
     if (options.on_row) options.on_row(report);
     return {};
   };
-  for (const double error : options.tile_errors) {
-    FrameSettings settings = judged_settings(options);
-    settings.tile_error = error;
-    FL_TRY(run("tiles", error, settings));
-  }
-  for (const std::uint32_t nodes : options.gauss_nodes) {
-    FrameSettings settings = judged_settings(options);
-    settings.tile_error = 0;
-    settings.nodes = nodes;
-    FL_TRY(run("gauss", nodes, settings));
-  }
-  for (const std::uint32_t steps : options.march_steps) {
-    FrameSettings settings = judged_settings(options);
-    settings.method = BeamMethod::kMarch;
-    settings.tile_error = 0;
-    settings.nodes = steps;
-    FL_TRY(run("march", steps, settings));
-  }
-  for (const std::uint32_t taps : options.gobo_taps) {
-    if (!scene.compiled.needs.gobo) break;
-    FrameSettings settings = judged_settings(options);
-    settings.tile_error = 0;
-    settings.gobo_taps = taps;
-    FL_TRY(run("gobo taps", taps, settings));
-  }
+  for (const Knob& knob : all_knobs) FL_TRY(run(knob));
   report.validation_messages = device.validation_messages();
   return report;
 }
