@@ -285,7 +285,8 @@ void main() {
     counts.live_count = live;
     counts.dark_count = params.head_count - lit_before - lit_here;
     counts.tiles_groups[0] = (live + uint(FL_GROUP_MASK) - 1u) / uint(FL_GROUP_MASK);
-    counts.tiles_groups[1] = params.supertiles_x * supertiles_y;
+    const uint kBlock = uint(FL_BLOCK_SUPERTILES);
+    counts.tiles_groups[1] = (params.supertiles_x + kBlock - 1u) / kBlock * ((supertiles_y + kBlock - 1u) / kBlock);
     counts.tiles_groups[2] = 1u;
     bool any = live > 0u;
     counts.beams_groups[0] = any ? (params.width + uint(FL_TILE_PX) - 1u) / uint(FL_TILE_PX) : 0u;

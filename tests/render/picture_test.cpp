@@ -326,7 +326,6 @@ TEST_CASE("at every picture size each pixel equals the pixel of the same ray in 
   for (const Size& size : {Size{1, 1}, Size{17, 13}, Size{65, 63}, Size{16, 16}, Size{3, 130}}) {
     CAPTURE(size.width);
     FrameSettings settings = judged_settings(size.width, size.height);
-    settings.tile_error = 0;  // polynomials of tiles depend on where the tiles are
     settings.bodies = true;
     const RadianceImage picture = draw_new(vulkan.device(), scene, settings);
     REQUIRE(picture.rgb.size() == static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height) * 3);

@@ -80,6 +80,7 @@ TEST_CASE("pictures whose sizes are not whole tiles have every pixel of their ti
   };
   for (const Size size : {Size{1, 1}, Size{63, 37}, Size{33, 130}}) {
     FrameSettings settings = judged_settings(size.width, size.height);
+    settings.tile_error = FrameSettings{}.tile_error;
     const auto what = fmt::format("{} x {}", size.width, size.height);
     CHECK(against_general(vulkan.device(), lamps_scene(22, 100), settings, what).rel_l2 < 1e-3);
   }
@@ -105,6 +106,7 @@ TEST_CASE("beams that are even about the middle of a tile have the light of beam
       scene.set(i, "Zoom", 0);
     }
     FrameSettings settings = judged_settings(320, 180);
+    settings.tile_error = FrameSettings{}.tile_error;
     const PictureNorms norms = against_general(vulkan.device(), scene, settings, fmt::format("{} degrees", fov_deg));
     CHECK(norms.rel_l2 < 1e-3);
     CHECK(norms.max < 3e-2);

@@ -55,8 +55,7 @@ TEST_CASE("no tile lacks a beam, with counts around the sizes of groups and iter
   for (const Case& c : {Case{1, 130, 70}, Case{65, 130, 70}, Case{257, 80, 45}, Case{1030, 48, 27}}) {
     CAPTURE(c.count);
     const Scene scene = lamps_scene(20, c.count);
-    FrameSettings settings = judged_settings(c.width, c.height);
-    settings.tile_error = 0;
+    const FrameSettings settings = judged_settings(c.width, c.height);
     const auto frame = make_frame(vulkan.device(), scene, settings);
     const RadianceImage picture = draw(*frame, scene);
     const auto beams = must(frame->read_beams());
@@ -78,9 +77,7 @@ TEST_CASE("a frame of many beams is the sum of frames of one beam each") {
   if (!vulkan) return;
   constexpr std::size_t kCount = 70;
   Scene scene = lamps_scene(21, kCount);
-  FrameSettings settings = judged_settings(80, 45);
-  settings.tile_error = 0;  // a tile's polynomial depends on its other beams
-  const auto frame = make_frame(vulkan.device(), scene, settings);
+  const auto frame = make_frame(vulkan.device(), scene, judged_settings(80, 45));
   const RadianceImage together = draw(*frame, scene);
   std::vector<double> sum(together.rgb.size());
   for (std::size_t lit = 0; lit < kCount; ++lit) {

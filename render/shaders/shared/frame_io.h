@@ -90,6 +90,7 @@
 #define FL_FINE_PX 32       // a workgroup of the fine pass takes beams together for so many pixels
 #define FL_SUPERTILE_PX 64  // beams are listed per supertile, one bit a live beam
 #define FL_GROUP_MASK 64    // beams a workgroup of the tile pass tests
+#define FL_BLOCK_SUPERTILES 4  // a workgroup of the tile pass tests them against so many supertiles a side
 #define FL_GROUP_TILE 512   // threads of a workgroup of the coarse and the fine pass
 #define FL_FEW_BEAMS 12      // in a supertile: so few are computed pixel by pixel, which takes less time
 #define FL_TILE_LIGHT 48    // 4 x 4 coefficients of three channels
@@ -173,7 +174,7 @@ struct CountsRow {
   uint dark_count;  // heads
   uint pad;
   uint pad_1;
-  uint tiles_groups[4];   // indirect arguments of the tile pass: x = live / FL_GROUP_MASK, y = supertiles, z = 1
+  uint tiles_groups[4];   // indirect arguments of the tile pass: x = live / FL_GROUP_MASK, y = blocks, z = 1
   uint beams_groups[4];   // of the beam pass: 0 x 0 x 0 when nothing is lit
   uint coarse_groups[4];  // of the coarse pass: one group a supertile
   uint fine_groups[4];    // of the fine pass: one group FL_FINE_PX x FL_FINE_PX pixels
