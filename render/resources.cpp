@@ -293,9 +293,11 @@ std::uint32_t mask_words_of(const CompiledRig& compiled) {
   return (compiled.beams_max + FL_GROUP_MASK - 1) / FL_GROUP_MASK * (FL_GROUP_MASK / 32);
 }
 
-std::uint32_t supertiles(int pixels) {
-  return (static_cast<std::uint32_t>(pixels) + FL_SUPERTILE_PX - 1) / FL_SUPERTILE_PX;
+// Cells of `cell_px` pixels that cover a side of the picture.
+std::uint32_t cells(int pixels, std::uint32_t cell_px) {
+  return (static_cast<std::uint32_t>(pixels) + cell_px - 1) / cell_px;
 }
+std::uint32_t supertiles(int pixels) { return cells(pixels, FL_SUPERTILE_PX); }
 
 std::uint64_t mask_bytes(const FrameSettings& settings, std::uint32_t mask_words) {
   return std::uint64_t{4} * supertiles(settings.width) * supertiles(settings.height) * mask_words;
@@ -303,8 +305,7 @@ std::uint64_t mask_bytes(const FrameSettings& settings, std::uint32_t mask_words
 
 std::uint64_t tile_depth_bytes(const FrameSettings& settings, bool used) {
   if (!used) return sizeof(TileDepthRow);
-  const auto tiles = [](int pixels) { return (static_cast<std::uint64_t>(pixels) + FL_TILE_PX - 1) / FL_TILE_PX; };
-  return tiles(settings.width) * tiles(settings.height) * sizeof(TileDepthRow);
+  return std::uint64_t{cells(settings.width, FL_TILE_PX)} * cells(settings.height, FL_TILE_PX) * sizeof(TileDepthRow);
 }
 
 std::uint64_t coarse_bytes(const FrameSettings& settings, bool used) {
@@ -314,8 +315,7 @@ std::uint64_t coarse_bytes(const FrameSettings& settings, bool used) {
 
 std::uint64_t fine_mask_bytes(const FrameSettings& settings, std::uint32_t mask_words, bool used) {
   if (!used) return 4;
-  const auto tiles = [](int pixels) { return (static_cast<std::uint64_t>(pixels) + FL_FINE_PX - 1) / FL_FINE_PX; };
-  return 4 * tiles(settings.width) * tiles(settings.height) * mask_words;
+  return std::uint64_t{4} * cells(settings.width, FL_FINE_PX) * cells(settings.height, FL_FINE_PX) * mask_words;
 }
 
 std::uint64_t gobo_bytes(const MemoryShape& shape) {

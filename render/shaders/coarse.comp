@@ -20,10 +20,7 @@
 #include "render/shaders/shared/tile_node.h"
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/thin.glsl"
-layout(constant_id = FL_SPEC_GOBO) const bool kGobo = false;
-bool has_gobo(BeamRow row) {
-  return kGobo && ((row.gobo | row.gobo_2 | row.animation) != 0u || row.offset_1 != 0.0 || row.offset_2 != 0.0);
-}
+#include "render/shaders/lib/has_gobo.glsl"
 layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
 layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
 const bool kSolids = kBoxes || kBodies;
@@ -129,7 +126,7 @@ void main() {
         if (kind == kSmooth) color = row.j0.rgb;
       }
       if (kind == kRim || kind == kGeneral) atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
-      total += tile_light_sum(color, 1u);
+      total += tile_light_sum(color);
     }
     barrier();
     if (first + number < from) masks[supertile * params.mask_words + first + number] = rest_bits[number];

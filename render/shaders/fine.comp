@@ -22,10 +22,7 @@
 #include "render/shaders/shared/tile_node.h"
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/thin.glsl"
-layout(constant_id = FL_SPEC_GOBO) const bool kGobo = false;
-bool has_gobo(BeamRow row) {
-  return kGobo && ((row.gobo | row.gobo_2 | row.animation) != 0u || row.offset_1 != 0.0 || row.offset_2 != 0.0);
-}
+#include "render/shaders/lib/has_gobo.glsl"
 layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
 layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
 const bool kSolids = kBoxes || kBodies;
@@ -170,7 +167,7 @@ void main() {
         touches = beam_touches(row, beam_bound(row, 1.0), low, high);
       }
       uint count;
-      uint slot = ordered_slot(touches, 1u, count);
+      uint slot = ordered_slot(touches, count);
       if (touches) list_ids[touching + slot] = id;  // not past what has been read
       touching += count;
     }
@@ -187,9 +184,9 @@ void main() {
         if (kind == kSmooth) color = row.j0.rgb;
       }
       if (kind == kGeneral) atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
-      sum += tile_light_sum(color, 1u);
+      sum += tile_light_sum(color);
       uint rim_count;
-      uint slot = ordered_slot(kind == kRim, 1u, rim_count);
+      uint slot = ordered_slot(kind == kRim, rim_count);
       for (uint base = 0u; base < rim_count; base += uint(FL_RIMS_MAX)) {
         if (kind == kRim && slot - base < uint(FL_RIMS_MAX)) store_rim(slot - base, row, rect);
         barrier();

@@ -1,7 +1,7 @@
 // Gobo images and blades: what stands in a beam. Layer i holds image i + 1; transmission over the square -1..1 of the
 // gobo plane. Two wheels and an animation wheel lie behind each other, and an iris shows the middle of them. After
 // forms.glsl.
-layout(constant_id = FL_SPEC_GOBO) const bool kGobo = false;
+#include "render/shaders/lib/has_gobo.glsl"
 layout(constant_id = FL_SPEC_GOBO_TAPS) const uint kGoboTaps = 16;
 layout(constant_id = FL_SPEC_BLADES) const bool kBlades = false;
 layout(constant_id = FL_SPEC_FOCUS) const bool kFocus = false;
@@ -16,9 +16,6 @@ uint gobo_sample;  // how many looks at its images there were
 void gobo_begin(BeamRow row) {
   gobo_row = row;
   gobo_sample = 0u;
-}
-bool has_gobo(BeamRow row) {
-  return kGobo && ((row.gobo | row.gobo_2 | row.animation) != 0u || row.offset_1 != 0.0 || row.offset_2 != 0.0);
 }
 
 // A blur is spread over the looks along a ray: each is moved within the disc of the blur, by a sequence that fills it

@@ -14,18 +14,15 @@ uint slot_turn = 0u;
 // Number of this thread, in the order of subgroups.
 uint thread_number() { return gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID; }
 
-// The rank of this thread among the threads of its part of the group for which `is_in` is true, and the number of these
-// threads. A part is 1 / parts of the group's threads, whole subgroups.
-uint ordered_slot(bool is_in, uint parts, out uint count) {
+// The rank of this thread among the threads for which `is_in` is true, and the number of these threads.
+uint ordered_slot(bool is_in, out uint count) {
   uvec4 ballot = subgroupBallot(is_in);
   slot_turn = uint(FL_SUBGROUPS_MAX) - slot_turn;
   if (subgroupElect()) slot_counts[slot_turn + gl_SubgroupID] = subgroupBallotBitCount(ballot);
   barrier();
-  uint per_part = gl_NumSubgroups / parts;
-  uint first = gl_SubgroupID / per_part * per_part;
   uint before = 0u;
   count = 0u;
-  for (uint s = first; s < first + per_part; ++s) {
+  for (uint s = 0u; s < gl_NumSubgroups; ++s) {
     uint there = slot_counts[slot_turn + s];
     if (s < gl_SubgroupID) before += there;
     count += there;

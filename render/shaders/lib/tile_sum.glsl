@@ -4,15 +4,12 @@
 
 shared float light_sums[FL_SUM_SLOTS * FL_TILE_LIGHT];
 
-// The sums of one round over a part of the group's threads (tile_list.glsl): each thread adds its beam, color 0 for
-// none. Thread k < FL_TILE_LIGHT of a part gets coefficient k / 3 of channel k % 3. All threads call it together.
-float tile_light_sum(vec3 color, uint parts) {
+// The sums of one round over the group's threads: each thread adds its beam, color 0 for none. Thread
+// k < FL_TILE_LIGHT gets coefficient k / 3 of channel k % 3. All threads call it together.
+float tile_light_sum(vec3 color) {
   bool has_beam = color != vec3(0.0);
   bool any = subgroupBallotBitCount(subgroupBallot(has_beam)) > 0u;
-  uint number = thread_number();
-  uint per_part = gl_NumSubgroups / parts;
-  uint part = gl_SubgroupID / per_part;
-  uint own = number - part * per_part * gl_SubgroupSize;
+  uint own = thread_number();
   float total = 0.0;
   // With more than FL_SUM_SLOTS subgroups they take turns.
   for (uint first = 0u; first < gl_NumSubgroups; first += uint(FL_SUM_SLOTS)) {
@@ -37,7 +34,7 @@ float tile_light_sum(vec3 color, uint parts) {
     }
     barrier();
     if (own < uint(FL_TILE_LIGHT)) {
-      for (uint s = max(first, part * per_part); s < min(first + uint(FL_SUM_SLOTS), (part + 1u) * per_part); ++s) {
+      for (uint s = first; s < min(first + uint(FL_SUM_SLOTS), gl_NumSubgroups); ++s) {
         total += light_sums[(s - first) * uint(FL_TILE_LIGHT) + own];
       }
     }
