@@ -2,7 +2,6 @@
 
 #include <cstddef>
 
-#include "render/passes/compute_pass.h"
 #include "render/passes/tile_constants.h"
 #include "shaders/fine.comp.h"
 
@@ -12,7 +11,7 @@ const PassEntry kFinePass{"fine",
                           has_tile_classes,
                           tile_class_constants,
                           [](const PassContext& context) {
-                            return make_compute_pass(
+                            return make_tile_pass(
                                 context, kFineComp,
                                 [counts = context.resources.rig.counts.handle](VkCommandBuffer commands) {
                                   vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, fine_groups));

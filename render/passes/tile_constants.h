@@ -1,9 +1,11 @@
 // What the passes that classify beams for tiles (render/shaders/lib/tile_class.glsl) are specialised by.
 #pragma once
 
+#include <algorithm>
+#include <utility>
 #include <vector>
 
-#include "render/pass.h"
+#include "render/passes/compute_pass.h"
 
 namespace footlight::render {
 
@@ -19,6 +21,17 @@ namespace footlight::render {
           {FL_SPEC_RECTANGLE, needs.rectangle},
           {FL_SPEC_WIDE, needs.wide},
           {FL_SPEC_IRIS, needs.iris}};
+}
+
+// A pass of teams (render/shaders/lib/tile_team.glsl), whose size follows the device's subgroups.
+template <class Dispatch>
+[[nodiscard]] Result<std::unique_ptr<Pass>> make_tile_pass(const PassContext& context, vk::Spirv spirv,
+                                                           Dispatch dispatch) {
+  const std::uint32_t team = std::min(context.device.facts().subgroup.subgroupSize, 16u);
+  std::vector<vk::SpecConstant> constants = context.constants;
+  constants.push_back({FL_SPEC_TEAM, team});
+  return make_compute_pass({context.device, context.resources, context.settings, std::move(constants)}, spirv,
+                           std::move(dispatch));
 }
 
 }  // namespace footlight::render

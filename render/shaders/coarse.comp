@@ -7,6 +7,8 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_vote : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 #define FL_USE_BEAMS
 #define FL_BEAMS_ACCESS readonly
 #define FL_USE_COUNTS
@@ -27,8 +29,9 @@ const bool kSolids = kBoxes || kBodies;
 #define FL_DEPTHS_ACCESS readonly
 #define FL_DEPTHS_READ
 #include "render/shaders/lib/tile_depth.glsl"
-#include "render/shaders/lib/tile_class.glsl"
 #include "render/shaders/lib/tile_list.glsl"
+#include "render/shaders/lib/tile_team.glsl"
+#include "render/shaders/lib/tile_class.glsl"
 #include "render/shaders/lib/tile_sum.glsl"
 
 layout(local_size_x = FL_GROUP_TILE) in;
@@ -109,29 +112,37 @@ void main() {
   Rect rect = Rect(low + 0.5 * float(FL_SUPERTILE_PX), FL_HULL * 0.5 * float(FL_SUPERTILE_PX),
                    rect_depth(cell * kSide, kSide));
   uint words = (counts.live_count + 31u) / 32u;
-  float total = 0.0;
+  vec3 light[kPer];
+  FL_LANE_NODES(k) light[k] = vec3(0.0);
   for (uint from = 0u; from < words;) {
     uint first = from;
     from = list_fill(supertile, from);
     rest_bits[number] = 0u;
-    barrier();
     for (uint at = 0u; at < list_count; at += uint(FL_GROUP_TILE)) {
-      uint kind = kDark;
-      uint id = 0u;
-      vec3 color = vec3(0.0);
-      if (at + number < list_count) {
-        id = list_ids[at + number];
-        BeamRow row = beams[id];
-        kind = tile_knows(row) ? tile_class(row, rect, tolerance) : kGeneral;
-        if (kind == kSmooth) color = row.j0.rgb;
+      uint count = min(list_count - at, uint(FL_GROUP_TILE));
+      barrier();
+      if (number < count) {
+        BeamRow row = beams[list_ids[at + number]];
+        if (tile_knows(row)) store_middle(number, light_at_middle(row, rect));
       }
-      if (kind == kRim || kind == kGeneral) atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
-      total += tile_light_sum(color);
+      barrier();
+      for (uint e = 0u; e < count; e += kTeams) {
+        uint entry = e + team_number();
+        bool is_beam = entry < count;
+        uint id = list_ids[at + min(entry, count - 1u)];
+        BeamRow row = beams[id];
+        bool known = tile_knows(row);
+        uint kind = tile_class(row, is_beam && known, stored_middle(min(entry, count - 1u)), rect, tolerance, false);
+        if (is_beam && !known) kind = kGeneral;
+        if (kind == kSmooth) FL_LANE_NODES(k) light[k] += node_light[k] * row.j0.rgb;
+        if (kind == kGeneral && team_lane() == 0u) atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
+      }
     }
     barrier();
     if (first + number < from) masks[supertile * params.mask_words + first + number] = rest_bits[number];
     barrier();
   }
-  if (number < uint(FL_TILE_LIGHT)) coarse[supertile].light[number] = total;
+  sum_light(light);
+  if (number < uint(FL_TILE_LIGHT)) coarse[supertile].light[number] = group_light[number];
   if (number == 0u) coarse[supertile].tolerance = tolerance;
 }

@@ -23,7 +23,7 @@ constexpr LimitDemand kLimits[] = {
      std::uint64_t{128} << 20},
     // Of the coarse and the fine pass (FL_GROUP_TILE).
     {"maxComputeWorkGroupInvocations",
-     [](const DeviceFacts& f) -> std::uint64_t { return f.properties.limits.maxComputeWorkGroupInvocations; }, 512},
+     [](const DeviceFacts& f) -> std::uint64_t { return f.properties.limits.maxComputeWorkGroupInvocations; }, 256},
     {"maxComputeSharedMemorySize",
      [](const DeviceFacts& f) -> std::uint64_t { return f.properties.limits.maxComputeSharedMemorySize; }, 32768},
     // Lists of a workgroup have room for the counts of subgroups of 4 (FL_SUBGROUPS_MAX).
@@ -35,15 +35,16 @@ struct FlagDemand {
   bool (*has)(const DeviceFacts& facts);
 };
 
-constexpr VkSubgroupFeatureFlags kSubgroups =
-    VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT;
+constexpr VkSubgroupFeatureFlags kSubgroups = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT |
+                                              VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT |
+                                              VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
 constexpr VkFormatFeatureFlags kSurfaceId =
     VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT | VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT;
 constexpr VkFormatFeatureFlags kDepth =
     VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
 
 constexpr FlagDemand kFlags[] = {
-    {"subgroup operations basic, ballot and arithmetic in compute shaders",
+    {"subgroup operations basic, vote, ballot, arithmetic and shuffle in compute shaders",
      [](const DeviceFacts& f) {
        return (f.subgroup.supportedOperations & kSubgroups) == kSubgroups &&
               (f.subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0;

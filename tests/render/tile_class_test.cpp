@@ -152,5 +152,50 @@ TEST_CASE("light at a node is that of eight Gauss nodes, for every profile") {
   }
 }
 
+// Chords that the lens, the eye or a plane at a random distance cuts, in double.
+TEST_CASE("light of a cut chord by moments is that of eight Gauss nodes") {
+  Random random(5);
+  const f64::Medium medium{0.5, 0.02};
+  for (const double power : {1.0, 2.0}) {
+    double sum = 0;
+    double error = 0;
+    int cut = 0;
+    for (int i = 0; i < 20'000; ++i) {
+      const f64::BeamShape beam{random.between(0.03, 0.1), std::tan(random.between(1, 20) * kDegree), 30, power};
+      const glm::dvec3 eye(random.between(-20, 20), random.between(-20, 20), random.between(-10, 30));
+      const double z = random.between(0.5, 29);
+      const double radius = beam.lens_radius_m + beam.spread * z;
+      const glm::dvec3 to(random.between(-1, 1) * radius, random.between(-1, 1) * radius, z);
+      const glm::dvec3 d = glm::normalize(to - eye);
+      const double end_m = glm::length(to - eye) * random.between(0.9, 1.1);
+      f64::Chord chord;
+      if (!f64::beam_chord(beam, eye, d, 0, end_m, chord)) continue;
+      const double light = f64::chord_inscatter_gauss(beam, medium, chord, d, 8, true);
+      f64::ChordLine line;
+      if (!f64::beam_line(beam, eye, d, 0, end_m, chord, line)) continue;
+      const double c_square = 1 - chord.offset * chord.offset;
+      const double c = std::sqrt(c_square);
+      if (line.s_a <= -c && line.s_b >= c) continue;
+      ++cut;
+      const double low = std::max(line.s_a, -c);
+      const double high = std::min(line.s_b, c);
+      const double middle = 0.5 * (low + high);
+      const double half = std::max(0.5 * (high - low), f64::kFitHalfMin);
+      double g[3];
+      for (int k = 0; k < 3; ++k) {
+        const double s = middle + (k - 1) * f64::kFitNode * half;
+        g[k] = f64::tile_integrand(beam, medium, chord, line, d, s, 0, true, true) / chord.v_length;
+      }
+      const double by_moments = glm::dot(f64::cut_fit(g[0], g[1], g[2], middle, half),
+                                         f64::cut_moments(c_square, line.s_a, line.s_b));
+      sum += light * light;
+      error += (by_moments - light) * (by_moments - light);
+    }
+    std::fprintf(stderr, "m = %.3g, %d cut chords: relL2 %.3g by moments\n", power, cut, std::sqrt(error / sum));
+    CHECK(cut > 1000);
+    CHECK(std::sqrt(error / sum) < 1e-3);
+  }
+}
+
 }  // namespace
 }  // namespace footlight::render

@@ -1,13 +1,15 @@
-// What one beam is over one rectangle of pixels, decided at 4 x 4 Chebyshev nodes: dark; smooth, so that its light is a
-// polynomial; smooth but for its rim, so that h and the line's offset rho are (shared/tile_node.h); or none of these.
-// After beam.h, tile_node.h, tile_test.glsl, thin.glsl, tile_depth.glsl. Design and error: docs/decisions/0100.
+// What one beam is over one rectangle of pixels, decided by a team at 4 x 4 Chebyshev nodes: dark; smooth, so that its
+// light is a polynomial; smooth but for its rim, so that h and the line's offset rho are; cut, so that rho, the places
+// of the cuts and the coefficients of g are (shared/tile_node.h); or none of these. After beam.h, tile_node.h,
+// tile_test.glsl, thin.glsl, tile_depth.glsl, tile_team.glsl. Design and error: docs/decisions/0100.
 layout(constant_id = FL_SPEC_NODES) const uint kNodes = 3;
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 
 const uint kDark = 0u;
 const uint kSmooth = 1u;
 const uint kRim = 2u;
-const uint kGeneral = 3u;
+const uint kCut = 3u;
+const uint kGeneral = 4u;
 
 struct Rect {
   vec2 middle;   // pixels
@@ -25,11 +27,10 @@ const float kShortestCut = 0.03;
 // Least cosine between the lines of two rays of a tile. Below it the apex is near.
 const float kAlongMin = 0.7;
 
-// The polynomials of the beam that was classified last. Light: sum of fit_light[4 n + m] T_m(x) T_n(y), x and y from -1
-// to 1 over the hull. rho and h: 1, x, y, x^2, x y, y^2.
-float fit_light[16];
-float fit_rho[6];
-float fit_h[6];
+// The beam that was classified last, at this lane's nodes. kSmooth: its light. kRim and kCut: coefficients of T_m T_n of
+// what the record of the kind has, in its order: rho and h; rho, g_0, g_1, g_2, s_a and s_b.
+float node_light[kPer];
+float fits[6][kPer];
 
 float brightest(vec3 rgb) { return max(rgb.r, max(rgb.g, rgb.b)); }
 
@@ -38,13 +39,6 @@ bool tile_knows(BeamRow row) {
   bool plain = row.j0.w == 0.0 && row.measured == 0u && row.squeeze == 0.0 && (row.flags & FL_BEAM_BLADES) == 0u &&
                row.y_axis.w <= kWideSpread;
   return plain && !has_gobo(row);
-}
-
-// From coefficients of T_m T_n, m + n <= 2, to 1, x, y, x^2, x y, y^2.
-void powers_of(inout float c[6]) {
-  c[0] -= c[3] + c[5];
-  c[3] *= 2.0;
-  c[5] *= 2.0;
 }
 
 // The beam on the ray through a place of the rectangle, up to the surface there.
@@ -61,189 +55,281 @@ TileNode node_at(BeamRow row, BeamShape beam, Rect rect, vec2 at, bool many, out
   return tile_node(beam, Medium(params.anisotropy, params.position.w), chord, line, ray, many, kExtinction);
 }
 
-// tolerance: largest error of this beam's light over sigma_s, in its brightest channel. Call only for beams for which
-// tile_knows() and beam_touches() are true.
-uint tile_class(BeamRow row, Rect rect, float tolerance) {
-  const float kAt[4] = float[4](0.92387953, 0.38268343, -0.38268343, -0.92387953);
-  const float kTwo[4] = float[4](0.70710678, -0.70710678, -0.70710678, 0.70710678);
-  const float kThree[4] = float[4](0.38268343, -0.92387953, 0.92387953, -0.38268343);
+// Light, h and rho at the rectangle's middle.
+vec3 light_at_middle(BeamRow row, Rect rect) {
+  BeamShape beam = beam_shape(row);
+  beam.profile_power = drawn_profile(beam.profile_power);
+  Chord chord;
+  bool many = kNodes > 3u || (kProfile && beam.profile_power != 1.0);
+  TileNode node = node_at(row, beam, rect, rect.middle, many, chord);
+  return vec3(node.light, node.h, chord.offset);
+}
+
+const uint kAlive = 1u;        // some of the ray is in the slab
+const uint kUnlit = 2u;        // none is
+const uint kSameSide = 4u;     // the line runs as that of the first node
+const uint kThick = 8u;        // the beam is not widened (thin.glsl)
+const uint kFromLens = 16u;    // the line begins at the slab
+const uint kFromEye = 32u;
+const uint kToRange = 64u;     // and ends there
+const uint kToPlane = 128u;
+const uint kForward = 256u;    // the ray runs as the light does
+const uint kBackward = 512u;
+const uint kWholeBefore = 1024u;  // nothing cuts the near end of the chord
+const uint kWholeAfter = 2048u;
+const uint kPast = 4096u;      // the line ends before the disc
+const uint kAhead = 8192u;     // the line begins behind it
+const uint kFree = 16384u;     // the light ends before the nearest of several surfaces
+const uint kLongBefore = 32768u;  // the near end is clearly outside the rim
+const uint kCutBefore = 65536u;   // and clearly inside
+const uint kLongAfter = 131072u;
+const uint kCutAfter = 262144u;
+const uint kLong = 524288u;  // the lit part is not short
+
+bool has(uint bits, uint all) { return (bits & all) == all; }
+
+// Value at the middle of a polynomial from its coefficients, this lane's part: T_2(0) = -1, T_1(0) = T_3(0) = 0.
+float at_middle(float f[kPer]) {
+  float sum = 0.0;
+  FL_LANE_NODES(k) {
+    uvec2 place = node_place(k);
+    bool counts = ((place.x | place.y) & 1u) == 0u;
+    sum += counts ? (place.x == place.y ? f[k] : -f[k]) : 0.0;
+  }
+  return sum;
+}
+// Of a quadratic: without T_2 T_2.
+float at_middle_quadratic(float f[kPer]) {
+  float sum = 0.0;
+  FL_LANE_NODES(k) {
+    uvec2 place = node_place(k);
+    bool counts = ((place.x | place.y) & 1u) == 0u && place.x + place.y <= 2u;
+    sum += counts ? (place.x == place.y ? f[k] : -f[k]) : 0.0;
+  }
+  return sum;
+}
+
+// middle: light, h and rho of the beam at the rectangle's middle. tolerance: largest error of this beam's light over
+// sigma_s, in its brightest channel. records: whether kRim and kCut are wanted; without, they are general. All lanes of
+// a subgroup call it together, with one beam a team; where is_beam is false the result is kDark. The beams are such for
+// which tile_knows() and beam_touches() are true.
+uint tile_class(BeamRow row, bool is_beam, vec3 middle, Rect rect, float tolerance, bool records) {
   Medium medium = Medium(params.anisotropy, params.position.w);
   BeamShape beam = beam_shape(row);
   beam.profile_power = drawn_profile(beam.profile_power);
   bool many = kNodes > 3u || (kProfile && beam.profile_power != 1.0);
   bool thin = thin_in_haze_applies(row);
   vec3 eye = row.eye.xyz;
-  [[unroll]] for (int i = 0; i < 16; ++i) fit_light[i] = 0.0;
-  float rho_tail[4] = float[4](0.0, 0.0, 0.0, 0.0);
-  float h_tail[4] = float[4](0.0, 0.0, 0.0, 0.0);
-  [[unroll]] for (int i = 0; i < 6; ++i) {
-    fit_rho[i] = 0.0;
-    fit_h[i] = 0.0;
-  }
+  Chord chord[kPer];
+  ChordLine line[kPer];
+  vec3 ray[kPer];
+  float free[kPer];
+  uint bits = 0xffffffffu;
   float rho_min = 1e30;
   float rho_max = -1e30;
-  float a_min = 1e30;  // s at the ends of the line
-  float a_max = -1e30;
-  float b_min = 1e30;
-  float b_max = -1e30;
-  float free_min = 1e30;       // s at the nearest surface of a rectangle that shows several
-  float shortest = 1e30;       // lit part
-  float cut_before = 1e30;     // how far the near end is behind the rim, least and most
-  float cut_before_max = -1e30;
-  float cut_after = 1e30;
-  float cut_after_max = -1e30;
-  bool any_alive = false;
-  bool all_alive = true;
-  bool same_side = true;
-  bool thick = true;
-  bool from_lens = true;  // the line begins at the slab
-  bool from_eye = true;
-  bool to_range = true;  // and ends there
-  bool to_plane = true;
-  vec2 along = vec2(0.0);
-  for (int j = 0; j < 4; ++j) {
-    vec4 light = vec4(0.0);
-    vec4 rho = vec4(0.0);
-    vec4 h = vec4(0.0);
-    for (int i = 0; i < 4; ++i) {
-      vec2 at = rect.middle + rect.half_px * vec2(kAt[i], kAt[j]);
-      vec3 through = ray_through(at);
-      float ray_length = length(through);
-      vec3 ray = to_light(row, through / ray_length);
-      float end_m = rect.depth.is_plane ? plane_distance(rect.depth, at, ray_length) : rect.depth.far_m;
-      if (thin) {
-        float own;
-        float wide;
-        thin_meets(beam, row, eye, ray, 1.0 / ray_length, end_m, own, wide);
-        thick = thick && wide < 0.8 * own * thin_scale(beam, true);
-      }
-      Chord chord;
-      ChordLine line;
-      beam_line(beam, eye, ray, 0.0, FL_FAR_M, chord, line);
-      float slab_from_m = line.t_from_m;
-      float slab_to_m = line.t_to_m;
-      if (i == 0 && j == 0) along = chord.along;
-      same_side = same_side && dot(chord.along, along) > kAlongMin;
-      // Where the surface ends the ray.
-      bool ends = end_m < slab_to_m;
-      if (kSolids) {
-        if (ends) beam_line(beam, eye, ray, 0.0, end_m, chord, line);
-        if (!rect.depth.is_plane) {
-          // Free of the surfaces: the light ends before the nearest one.
-          float free = 1e30;
-          if (rect.depth.near_m < slab_to_m) {
-            float past_m = rect.depth.near_m - chord.t_base_m;
-            free = rect.depth.near_m > slab_from_m
-                       ? chord.s_base + chord.v_length * past_m /
-                                            (chord.w_base * max(chord.w_base + past_m * chord.w_slope, 1e-9))
-                       : -1e30;
-          }
-          free_min = min(free_min, free);
-        }
-      }
-      TileNode node = tile_node(beam, medium, chord, line, ray, many, kExtinction);
-      any_alive = any_alive || node.alive;
-      all_alive = all_alive && node.alive;
-      from_lens = from_lens && slab_from_m > 0.0;
-      from_eye = from_eye && slab_from_m <= 0.0;
-      to_range = to_range && !ends;
-      to_plane = to_plane && ends;
-      rho_min = min(rho_min, chord.offset);
-      rho_max = max(rho_max, chord.offset);
-      a_min = min(a_min, line.s_a);
-      a_max = max(a_max, line.s_a);
-      b_min = min(b_min, line.s_b);
-      b_max = max(b_max, line.s_b);
-      cut_before = min(cut_before, line.s_a + node.half_chord);
-      cut_before_max = max(cut_before_max, line.s_a + node.half_chord);
-      cut_after = min(cut_after, node.half_chord - line.s_b);
-      cut_after_max = max(cut_after_max, node.half_chord - line.s_b);
-      shortest = min(shortest, min(line.s_b, node.half_chord) - max(line.s_a, -node.half_chord));
-      vec4 t = vec4(1.0, kAt[i], kTwo[i], kThree[i]);
-      light += node.light * t;
-      rho += chord.offset * t;
-      h += node.h * t;
+  FL_LANE_NODES(k) {
+    vec2 at = rect.middle + rect.half_px * node_position(k);
+    vec3 through = ray_through(at);
+    float ray_length = length(through);
+    ray[k] = to_light(row, through / ray_length);
+    float end_m = rect.depth.is_plane ? plane_distance(rect.depth, at, ray_length) : rect.depth.far_m;
+    uint own = kThick;
+    if (thin) {
+      float radius;
+      float wide;
+      thin_meets(beam, row, eye, ray[k], 1.0 / ray_length, end_m, radius, wide);
+      if (!(wide < 0.8 * radius * thin_scale(beam, true))) own = 0u;
     }
-    [[unroll]] for (int m = 0; m < 4; ++m) {
-      fit_light[m] += light[m];
-      fit_light[4 + m] += kAt[j] * light[m];
-      fit_light[8 + m] += kTwo[j] * light[m];
-      fit_light[12 + m] += kThree[j] * light[m];
+    beam_line(beam, eye, ray[k], 0.0, FL_FAR_M, chord[k], line[k]);
+    float slab_from_m = line[k].t_from_m;
+    float slab_to_m = line[k].t_to_m;
+    // Where the surface ends the ray.
+    bool ends = kSolids && end_m < slab_to_m;
+    if (ends) beam_line(beam, eye, ray[k], 0.0, end_m, chord[k], line[k]);
+    free[k] = 1e30;
+    if (kSolids && !rect.depth.is_plane && rect.depth.near_m < slab_to_m) {
+      float past_m = rect.depth.near_m - chord[k].t_base_m;
+      free[k] = rect.depth.near_m > slab_from_m
+                    ? chord[k].s_base + chord[k].v_length * past_m /
+                                            (chord[k].w_base * max(chord[k].w_base + past_m * chord[k].w_slope, 1e-9))
+                    : -1e30;
     }
-    fit_rho[0] += rho.x;
-    fit_rho[1] += rho.y;
-    fit_rho[2] += kAt[j] * rho.x;
-    fit_rho[3] += rho.z;
-    fit_rho[4] += kAt[j] * rho.y;
-    fit_rho[5] += kTwo[j] * rho.x;
-    rho_tail[0] += rho.w;
-    rho_tail[1] += kAt[j] * rho.z;
-    rho_tail[2] += kTwo[j] * rho.y;
-    rho_tail[3] += kThree[j] * rho.x;
-    fit_h[0] += h.x;
-    fit_h[1] += h.y;
-    fit_h[2] += kAt[j] * h.x;
-    fit_h[3] += h.z;
-    fit_h[4] += kAt[j] * h.y;
-    fit_h[5] += kTwo[j] * h.x;
-    h_tail[0] += h.w;
-    h_tail[1] += kAt[j] * h.z;
-    h_tail[2] += kTwo[j] * h.y;
-    h_tail[3] += kThree[j] * h.x;
+    own |= line[k].t_to_m > line[k].t_from_m ? kAlive : kUnlit;
+    own |= slab_from_m > 0.0 ? kFromLens : kFromEye;
+    own |= ends ? kToPlane : kToRange;
+    own |= ray[k].z > 0.0 ? kForward : kBackward;
+    float half_chord = sqrt(max(1.0 - chord[k].offset * chord[k].offset, 0.0));
+    float before = line[k].s_a + half_chord;  // how far the end is inside the rim
+    float after = half_chord - line[k].s_b;
+    own |= (before <= -kEndSlack ? kLongBefore : 0u) | (before >= kEndSlack ? kCutBefore : 0u) |
+           (after <= -kEndSlack ? kLongAfter : 0u) | (after >= kEndSlack ? kCutAfter : 0u);
+    if (min(line[k].s_b, half_chord) - max(line[k].s_a, -half_chord) >= kShortestCut) own |= kLong;
+    bits &= own | kSameSide | kWholeBefore | kWholeAfter | kPast | kAhead | kFree;
+    rho_min = min(rho_min, chord[k].offset);
+    rho_max = max(rho_max, chord[k].offset);
   }
-  if (!any_alive) return kDark;
-  if (!same_side || !thick) return kGeneral;
+  vec2 along = vec2(team_first(chord[0].along.x), team_first(chord[0].along.y));
+  rho_min = team_min(rho_min);
+  rho_max = team_max(rho_max);
   float nearest = rho_min <= 0.0 && rho_max >= 0.0 ? 0.0 : min(abs(rho_min), abs(rho_max));
   float farthest = max(abs(rho_min), abs(rho_max));
   float inner = max(nearest - 0.1 * (rho_max - rho_min), 0.0);
-  if (inner >= 1.0) return kDark;
   float longest = sqrt(max(1.0 - inner * inner, 0.0)) + 0.05;  // half of the longest chord, with slack
-  if (all_alive && (b_max <= -longest || a_min >= longest)) return kDark;
-  if (kSolids && !rect.depth.is_plane && !(free_min >= longest)) return kGeneral;
-  if (!all_alive) return kGeneral;
+  FL_LANE_NODES(k) {
+    uint own = dot(chord[k].along, along) > kAlongMin ? kSameSide : 0u;
+    own |= (line[k].s_a <= -longest ? kWholeBefore : 0u) | (line[k].s_b >= longest ? kWholeAfter : 0u) |
+           (line[k].s_b <= -longest ? kPast : 0u) | (line[k].s_a >= longest ? kAhead : 0u) |
+           (free[k] >= longest ? kFree : 0u);
+    bits &= own | ~(kSameSide | kWholeBefore | kWholeAfter | kPast | kAhead | kFree);
+  }
+  bits = team_and(bits);
 
+  bool dark = !is_beam || has(bits, kUnlit);
+  bool open = !dark && has(bits, kSameSide | kThick);
+  dark = dark || (open && (inner >= 1.0 || (has(bits, kAlive) && (bits & (kPast | kAhead)) != 0u)));
+  float lum = brightest(row.j0.rgb);
+  open = open && !dark && has(bits, kAlive) && lum > 0.0 && (!kSolids || rect.depth.is_plane || has(bits, kFree));
   float q_min = 1.0 - farthest * farthest;
   float q_max = 1.0 - nearest * nearest;
-  bool whole = b_min >= longest && a_max <= -longest;
+  bool whole = has(bits, kWholeBefore | kWholeAfter);
   bool inside = q_min > 0.0 && q_min >= kRatioMin * q_max;
-  bool smooth_light = whole && inside;
-  if (!whole) {
-    bool before = cut_before_max <= -kEndSlack || (cut_before >= kEndSlack && (from_lens || from_eye));
-    bool after = cut_after_max <= -kEndSlack || (cut_after >= kEndSlack && (to_range || to_plane));
-    if (!(before && after && shortest >= kShortestCut && q_min > 0.02 && inside)) return kGeneral;
-    smooth_light = true;
-  }
-  // Coefficients from sums: 1/16, times 2 for each m > 0 and n > 0. The tests below add what the polynomials leave out:
-  // their last terms, and what they miss at the middle, since the terms of a light that is even about the middle are
-  // zero. They are written so that NaN is general.
-  float lum = brightest(row.j0.rgb);
-  if (!(lum > 0.0)) return kGeneral;
-  float allowed = tolerance / lum;
-  Chord chord;
-  TileNode middle = node_at(row, beam, rect, rect.middle, many, chord);
-  if (smooth_light) {
-    [[unroll]] for (int n = 0; n < 4; ++n) {
-      [[unroll]] for (int m = 0; m < 4; ++m) fit_light[4 * n + m] *= (m > 0 ? 0.125 : 0.0625) * (n > 0 ? 2.0 : 1.0);
+  bool from_one = (bits & (kFromLens | kFromEye)) != 0u;
+  bool to_one = (bits & (kToRange | kToPlane)) != 0u;
+  bool alike = has(bits, kLong) && (has(bits, kLongBefore) || (has(bits, kCutBefore) && from_one)) &&
+               (has(bits, kLongAfter) || (has(bits, kCutAfter) && to_one)) && q_min > 0.02 && inside;
+  // Quadratics in s for g are good where the profile adds no high powers.
+  bool moments = kNodes <= 3u && (!kProfile || (beam.profile_power > 0.75 && beam.profile_power < 2.5));
+  bool one_way = (bits & (kForward | kBackward)) != 0u;
+  bool cuts = records && moments && (has(bits, kWholeBefore) || has(bits, kFromEye) || (from_one && one_way)) &&
+              (has(bits, kWholeAfter) || has(bits, kToPlane) || (to_one && one_way));
+  open = open && (whole ? inside || records : alike || cuts);
+
+  // Where g of a cut chord is sampled.
+  float fit_middle = 0.0;
+  float fit_half = 1.0;
+  if (subgroupAny(open && !whole)) {
+    float low = 1e30;
+    float high = -1e30;
+    FL_LANE_NODES(k) {
+      low = min(low, line[k].s_a);
+      high = max(high, line[k].s_b);
     }
-    float tail = abs(middle.light - (fit_light[0] - fit_light[2] - fit_light[8] + fit_light[10]));
-    [[unroll]] for (int k = 0; k < 4; ++k) tail += abs(fit_light[12 + k]) + (k < 3 ? abs(fit_light[4 * k + 3]) : 0.0);
-    if (tail <= allowed && tail <= kTailMax * abs(fit_light[0])) return kSmooth;
-    if (!whole) return kGeneral;
+    low = max(team_min(low), -longest);
+    high = min(team_max(high), longest);
+    fit_middle = 0.5 * (low + high);
+    fit_half = max(0.5 * (high - low), kFitHalfMin);
   }
-  const float kScale[6] = float[6](0.0625, 0.125, 0.125, 0.125, 0.25, 0.125);
-  [[unroll]] for (int k = 0; k < 6; ++k) {
-    fit_rho[k] *= kScale[k];
-    fit_h[k] *= kScale[k];
+  float h[kPer];
+  vec3 g[kPer];
+  bool three = whole ? !many : moments;
+  FL_LANE_NODES(k) {
+    node_light[k] = 0.0;
+    h[k] = 0.0;
+    g[k] = vec3(0.0);
   }
-  float rho_over = (abs(rho_tail[0]) + abs(rho_tail[3])) * 0.125 + (abs(rho_tail[1]) + abs(rho_tail[2])) * 0.25 +
-                   abs(chord.offset - (fit_rho[0] - fit_rho[3] - fit_rho[5]));
-  float h_over = (abs(h_tail[0]) + abs(h_tail[3])) * 0.125 + (abs(h_tail[1]) + abs(h_tail[2])) * 0.25 +
-                 abs(middle.h - (fit_h[0] - fit_h[3] - fit_h[5]));
-  // q^(p + 1/2) changes by at most 2 for a change of rho by 1.
-  bool close = h_over <= allowed && h_over <= kTailMax * abs(fit_h[0]) &&
-               2.0 * abs(fit_h[0]) * rho_over <= allowed && rho_over <= kOffsetTailMax;
-  if (!close) return kGeneral;
-  powers_of(fit_rho);
-  powers_of(fit_h);
-  return kRim;
+  if (subgroupAny(open && three)) {
+    FL_LANE_NODES(k) {
+      float q = 1.0 - chord[k].offset * chord[k].offset;
+      float at = whole ? 0.0 : fit_middle;
+      float away = whole ? kRimNode3 * min(sqrt(abs(q)), 1.0) : kFitNode * fit_half;
+      float inverse = 1.0 / max(chord[k].v_length, 1e-12);
+      float center = inverse * tile_integrand(beam, medium, chord[k], line[k], ray[k], at, 0.0, true, kExtinction);
+      float before = inverse * tile_integrand(beam, medium, chord[k], line[k], ray[k], at - away, 0.0, true, kExtinction);
+      float after = inverse * tile_integrand(beam, medium, chord[k], line[k], ray[k], at + away, 0.0, true, kExtinction);
+      float pair = before + after;
+      if (q < 0.0) pair = 4.0 * center - pair;
+      h[k] = kRimMiddle3 * center + kRimWeight3 * pair;
+      g[k] = cut_fit(before, center, after, fit_middle, fit_half);
+      node_light[k] = whole ? h[k] * rim_factor(max(q, 0.0), 1.0)
+                            : dot(g[k], cut_moments(max(q, 0.0), line[k].s_a, line[k].s_b));
+    }
+  }
+  if ((kProfile || kNodes > 3u) && subgroupAny(open && !three)) {
+    FL_LANE_NODES(k) {
+      TileNode node = tile_node(beam, medium, chord[k], line[k], ray[k], many, kExtinction);
+      if (!three) {
+        h[k] = node.h;
+        node_light[k] = node.light;
+      }
+    }
+  }
+
+  // The tests add what the polynomials leave out, their last terms, and what they miss at the middle, since the terms of
+  // a light that is even about the middle are zero. They are written so that NaN is general.
+  float allowed = tolerance / lum;
+  uint kind = dark ? kDark : kGeneral;
+  bool try_smooth = open && (whole ? inside : alike);
+  if (subgroupAny(try_smooth)) {
+    float f[kPer];
+    FL_LANE_NODES(k) f[k] = node_light[k];
+    to_coefficients(f);
+    float tail = 0.0;
+    FL_LANE_NODES(k) {
+      uvec2 place = node_place(k);
+      if (max(place.x, place.y) == 3u) tail += abs(f[k]);
+    }
+    vec2 sums = team_sum(vec2(tail, at_middle(f)));
+    float over = sums.x + abs(middle.x - sums.y);
+    if (try_smooth && over <= allowed && over <= kTailMax * abs(team_first(f[0]))) kind = kSmooth;
+  }
+  if (!records) return kind;
+  bool try_rim = open && whole && kind == kGeneral;
+  bool try_cut = open && cuts && !whole && kind == kGeneral;
+  if (subgroupAny(try_rim || try_cut)) {
+    FL_LANE_NODES(k) {
+      fits[0][k] = chord[k].offset;
+      fits[1][k] = try_rim ? h[k] : g[k].x;
+    }
+    to_coefficients(fits[0]);
+    to_coefficients(fits[1]);
+    float size = abs(team_first(fits[1][0]));
+    float tail = 0.0;
+    float rho_tail = 0.0;
+    FL_LANE_NODES(k) {
+      uvec2 place = node_place(k);
+      if (place.x + place.y >= 3u) {
+        rho_tail += abs(fits[0][k]);
+        tail += abs(fits[1][k]);
+      }
+    }
+    vec4 sums = team_sum(vec4(rho_tail, tail, at_middle_quadratic(fits[0]), at_middle_quadratic(fits[1])));
+    float rho_over = sums.x + abs(middle.z - sums.z);
+    if (subgroupAny(try_rim)) {
+      float over = sums.y + abs(middle.y - sums.w);
+      // q^(p + 1/2) changes by at most 2 for a change of rho by 1.
+      if (try_rim && over + 2.0 * size * rho_over <= allowed && over <= kTailMax * size && rho_over <= kOffsetTailMax) {
+        kind = kRim;
+      }
+    }
+    if (subgroupAny(try_cut)) {
+      bool cut_a = !has(bits, kWholeBefore);
+      bool cut_b = !has(bits, kWholeAfter);
+      FL_LANE_NODES(k) {
+        fits[2][k] = g[k].y;
+        fits[3][k] = g[k].z;
+        fits[4][k] = cut_a ? line[k].s_a : -4.0;
+        fits[5][k] = cut_b ? line[k].s_b : 4.0;
+      }
+      [[unroll]] for (int i = 2; i < 6; ++i) to_coefficients(fits[i]);
+      // What the light misses for what each of them misses: integrals of 1 - s^2, |s| (1 - s^2), s^2 (1 - s^2).
+      float light_tail = 0.0;
+      float cut_tail = 0.0;
+      FL_LANE_NODES(k) {
+        uvec2 place = node_place(k);
+        if (place.x + place.y >= 3u) {
+          light_tail += 0.25 * abs(fits[2][k]) + 0.27 * abs(fits[3][k]);
+          cut_tail += abs(fits[4][k]) + abs(fits[5][k]);
+        }
+      }
+      vec4 more = team_sum(vec4(light_tail, cut_tail, at_middle_quadratic(fits[2]), at_middle_quadratic(fits[3])));
+      vec2 ends = team_sum(vec2(at_middle_quadratic(fits[4]), at_middle_quadratic(fits[5])));
+      float light = dot(vec3(sums.w, more.zw), cut_moments(max(1.0 - sums.z * sums.z, 0.0), ends.x, ends.y));
+      float over = 1.34 * sums.y + more.x + size * more.y + abs(middle.x - light);
+      if (try_cut && over + 2.0 * size * rho_over <= allowed && 1.34 * sums.y + more.x <= kTailMax * size &&
+          rho_over <= kOffsetTailMax && more.y <= 2.0 * kOffsetTailMax) {
+        kind = kCut;
+      }
+    }
+  }
+  return kind;
 }

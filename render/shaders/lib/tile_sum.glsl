@@ -1,47 +1,54 @@
-// Polynomials of smooth beams, summed over the threads of a workgroup in a fixed order. After tile_class.glsl and
-// tile_list.glsl.
-#define FL_SUM_SLOTS 32
-
-shared float light_sums[FL_SUM_SLOTS * FL_TILE_LIGHT];
-
-// The sums of one round over the group's threads: each thread adds its beam, color 0 for none. Thread
-// k < FL_TILE_LIGHT gets coefficient k / 3 of channel k % 3. All threads call it together.
-float tile_light_sum(vec3 color) {
-  bool has_beam = color != vec3(0.0);
-  bool any = subgroupBallotBitCount(subgroupBallot(has_beam)) > 0u;
-  uint own = thread_number();
-  float total = 0.0;
-  // With more than FL_SUM_SLOTS subgroups they take turns.
-  for (uint first = 0u; first < gl_NumSubgroups; first += uint(FL_SUM_SLOTS)) {
-    bool turn = gl_SubgroupID >= first && gl_SubgroupID < first + uint(FL_SUM_SLOTS);
-    if (turn) {
-      uint slot = (gl_SubgroupID - first) * uint(FL_TILE_LIGHT);
-      if (any) {
-        [[unroll]] for (int k = 0; k < 16; ++k) {
-          // Not 0 times what a thread without a beam has there.
-          vec3 sum = subgroupAdd(has_beam ? fit_light[k] * color : vec3(0.0));
-          if (subgroupElect()) {
-            light_sums[slot + 3u * uint(k)] = sum.r;
-            light_sums[slot + 3u * uint(k) + 1u] = sum.g;
-            light_sums[slot + 3u * uint(k) + 2u] = sum.b;
-          }
-        }
-      } else {
-        for (uint k = gl_SubgroupInvocationID; k < uint(FL_TILE_LIGHT); k += gl_SubgroupSize) {
-          light_sums[slot + k] = 0.0;
-        }
-      }
-    }
-    barrier();
-    if (own < uint(FL_TILE_LIGHT)) {
-      for (uint s = first; s < min(first + uint(FL_SUM_SLOTS), gl_NumSubgroups); ++s) {
-        total += light_sums[(s - first) * uint(FL_TILE_LIGHT) + own];
-      }
-    }
-    barrier();
-  }
-  return total;
-}
+// Light of smooth beams: sums over the teams of a workgroup in a fixed order, as polynomials. After tile_team.glsl.
+shared float node_sums[16 * FL_TILE_LIGHT];  // of 16 teams at a time; also the middles of the beams before
+shared float group_light[FL_TILE_LIGHT];
 
 // T_0 to T_3.
 vec4 chebyshev(float x) { return vec4(1.0, x, 2.0 * x * x - 1.0, (4.0 * x * x - 3.0) * x); }
+
+// Puts into group_light the coefficients 3 (4 n + m) + channel of T_m(x) T_n(y) of the light that the teams' lanes have
+// at their nodes. All threads of the group call it together.
+void sum_light(vec3 light[kPer]) {
+  uint number = thread_number();
+  uint team = team_number();
+  float sum = 0.0;
+  for (uint first = 0u; first < kTeams; first += 16u) {
+    barrier();
+    if (team >= first && team < first + 16u) {
+      FL_LANE_NODES(k) {
+        uint at = (team - first) * uint(FL_TILE_LIGHT) + 3u * (team_lane() + kTeam * k);
+        node_sums[at] = light[k].r;
+        node_sums[at + 1u] = light[k].g;
+        node_sums[at + 2u] = light[k].b;
+      }
+    }
+    barrier();
+    if (number < uint(FL_TILE_LIGHT)) {
+      for (uint t = 0u; t < 16u; ++t) sum += node_sums[t * uint(FL_TILE_LIGHT) + number];
+    }
+  }
+  barrier();
+  if (number < uint(FL_TILE_LIGHT)) node_sums[number] = sum;
+  barrier();
+  if (number < uint(FL_TILE_LIGHT)) {
+    const float kAt[4] = float[4](0.92387953, 0.38268343, -0.38268343, -0.92387953);
+    uint channel = number % 3u;
+    uint m = number / 3u & 3u;
+    uint n = number / 12u;
+    float value = 0.0;
+    for (uint j = 0u; j < 4u; ++j) {
+      float row = 0.0;
+      for (uint i = 0u; i < 4u; ++i) row += node_sums[3u * (4u * j + i) + channel] * chebyshev(kAt[i])[m];
+      value += row * chebyshev(kAt[j])[n];
+    }
+    group_light[number] = value * (m > 0u ? 0.5 : 0.25) * (n > 0u ? 0.5 : 0.25);
+  }
+  barrier();
+}
+
+// What tile_class() compares with: light, h and rho at the rectangle's middle, of FL_GROUP_TILE beams, one a thread.
+void store_middle(uint slot, vec3 middle) {
+  node_sums[3u * slot] = middle.x;
+  node_sums[3u * slot + 1u] = middle.y;
+  node_sums[3u * slot + 2u] = middle.z;
+}
+vec3 stored_middle(uint slot) { return vec3(node_sums[3u * slot], node_sums[3u * slot + 1u], node_sums[3u * slot + 2u]); }

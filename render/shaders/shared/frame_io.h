@@ -80,7 +80,8 @@
 // Whether the rig has a kind of lamp, by its number in FL_LAMPS.
 #define FL_SPEC_LAMP(number) (27 + number)
 #define FL_SPEC_TILES (28 + FL_LAMP_COUNT)
-#define FL_SPEC_COUNT (29 + FL_LAMP_COUNT)
+#define FL_SPEC_TEAM (29 + FL_LAMP_COUNT)
+#define FL_SPEC_COUNT (30 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -91,7 +92,7 @@
 #define FL_SUPERTILE_PX 64  // beams are listed per supertile, one bit a live beam
 #define FL_GROUP_MASK 64    // beams a workgroup of the tile pass tests
 #define FL_BLOCK_SUPERTILES 4  // a workgroup of the tile pass tests them against so many supertiles a side
-#define FL_GROUP_TILE 512   // threads of a workgroup of the coarse and the fine pass
+#define FL_GROUP_TILE 256   // threads of a workgroup of the coarse and the fine pass
 #define FL_FEW_BEAMS 12      // in a supertile: so few are computed pixel by pixel, which takes less time
 #define FL_TILE_LIGHT 48    // 4 x 4 coefficients of three channels
 // Nodes of a rectangle lie on a square that is this much larger, so that their hull holds every pixel's centre: the

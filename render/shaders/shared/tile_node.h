@@ -122,3 +122,35 @@ FL_FN TileNode tile_node(BeamShape beam, Medium medium, Chord chord, ChordLine l
   node.light = node.alive && q > Real(0) ? node.h * factor : Real(0);
   return node;
 }
+
+// A chord that something cuts, with a profile of p = 1. With g = g_0 + g_1 s + g_2 s^2, the light is
+//
+//   L = sum of g_j M_j,   M_j = integral over s_a..s_b of (c^2 - s^2) s^j ds,   c^2 = max(q, 0),
+//
+// where s_a and s_b are cut off at -c and c. g_j and the places of the cuts are smooth through the rim.
+FL_FN Vec3 cut_moments(Real c_square, Real s_a, Real s_b) {
+  Real c = sqrt(c_square);
+  Real a = clamp(s_a, -c, c);
+  Real b = clamp(s_b, -c, c);
+  Real aa = a * a;
+  Real bb = b * b;
+  Real third = (bb * b - aa * a) * Real(0.3333333333333333);
+  Real fourth = (bb * bb - aa * aa) * Real(0.25);
+  Real fifth = (bb * bb * b - aa * aa * a) * Real(0.2);
+  Vec3 m = Vec3(c_square * (b - a) - third, c_square * Real(0.5) * (bb - aa) - fourth, c_square * third - fifth);
+  return b > a ? m : Vec3(0, 0, 0);
+}
+
+// Where g of a cut chord is sampled: at the middle and at this share of half the fitted length, which has its least
+// error for a cubic.
+FL_CONST Real kFitNode = Real(0.866025403784438647);
+// Below it a quadratic in s would be dominated by rounding.
+FL_CONST Real kFitHalfMin = Real(0.1);
+
+// g_0, g_1, g_2 from g at middle - kFitNode half, middle, middle + kFitNode half.
+FL_FN Vec3 cut_fit(Real before, Real center, Real after, Real middle, Real half_length) {
+  Real inverse = Real(1) / half_length;
+  Real first = (after - before) * inverse * (Real(0.5) / kFitNode);
+  Real second = (Real(0.5) * (after + before) - center) * inverse * inverse * Real(1.3333333333333333);
+  return Vec3(center - middle * (first - middle * second), first - Real(2) * middle * second, second);
+}
