@@ -33,6 +33,7 @@ const bool kSolids = kBoxes || kBodies;
 #include "render/shaders/lib/tile_team.glsl"
 #include "render/shaders/lib/tile_class.glsl"
 #include "render/shaders/lib/tile_sum.glsl"
+#include "render/shaders/lib/tile_entry.glsl"
 
 layout(local_size_x = FL_GROUP_TILE) in;
 layout(set = 0, binding = FL_BINDING_COARSE, std430) writeonly buffer CoarseBuffer { CoarseRow coarse[]; };
@@ -118,27 +119,35 @@ void main() {
     uint first = from;
     from = list_fill(supertile, from);
     rest_bits[number] = 0u;
+    barrier();
     for (uint at = 0u; at < list_count; at += uint(FL_GROUP_TILE)) {
-      uint count = min(list_count - at, uint(FL_GROUP_TILE));
-      barrier();
-      if (number < count) {
-        BeamRow row = beams[list_ids[at + number]];
-        if (tile_knows(row)) store_middle(number, light_at_middle(row, rect));
-      }
-      barrier();
-      for (uint e = 0u; e < count; e += kTeams) {
-        uint entry = e + team_number();
-        bool is_beam = entry < count;
-        uint id = list_ids[at + min(entry, count - 1u)];
+      bool tries = false;
+      uint id = 0u;
+      TileGuess guess;
+      if (at + number < list_count) {
+        id = list_ids[at + number];
         BeamRow row = beams[id];
         bool known = tile_knows(row);
-        uint kind = tile_class(row, is_beam && known, stored_middle(min(entry, count - 1u)), rect, tolerance, false);
-        if (is_beam && !known) kind = kGeneral;
-        if (kind == kSmooth) FL_LANE_NODES(k) light[k] += node_light[k] * row.j0.rgb;
-        if (kind == kGeneral && team_lane() == 0u) atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
+        if (known) guess = tile_guess(row, rect);
+        tries = known && (guess.bits & kGuessSmooth) != 0u;
+        if (!tries && !(known && guess.is_dark)) atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
+        if (tries) guess.middle = light_at_middle(row, rect);
       }
+      uint count = add_entry(tries, id, guess);
+      for (uint e = 0u; e < count; e += kTeams) {
+        uint entry = e + team_number();
+        TileEntry own = entry_at(min(entry, count - 1u));
+        bool is_beam = entry < count && own.bits != 0u;
+        BeamRow row = beams[own.id];
+        compute_nodes(row, rect, (own.bits & kGuessWhole) != 0u, own.fit);
+        bool smooth_there = is_smooth(tolerance / brightest(row.j0.rgb), own.middle);
+        if (is_beam && smooth_there) FL_LANE_NODES(k) light[k] += node_light[k] * row.j0.rgb;
+        if (is_beam && !smooth_there && team_lane() == 0u) {
+          atomicOr(rest_bits[own.id / 32u - first], 1u << (own.id & 31u));
+        }
+      }
+      barrier();
     }
-    barrier();
     if (first + number < from) masks[supertile * params.mask_words + first + number] = rest_bits[number];
     barrier();
   }

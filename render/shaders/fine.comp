@@ -35,6 +35,7 @@ const bool kSolids = kBoxes || kBodies;
 #include "render/shaders/lib/tile_team.glsl"
 #include "render/shaders/lib/tile_class.glsl"
 #include "render/shaders/lib/tile_sum.glsl"
+#include "render/shaders/lib/tile_entry.glsl"
 
 layout(local_size_x = FL_GROUP_TILE) in;
 layout(set = 0, binding = FL_BINDING_COARSE, std430) readonly buffer CoarseBuffer { CoarseRow coarse[]; };
@@ -44,8 +45,8 @@ layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance
 #define FL_ROWS (1024 / FL_GROUP_TILE)
 
 // What is left of a beam for the pixels: polynomials of x and y, from -1 to 1 over the hull, each 6 coefficients of 1,
-// T_1(x), T_1(y), T_2(x), T_1(x) T_1(y), T_2(y), in the order of tile_class()'s fits. Then its colour, and p of its
-// profile for kRim, m for kCut.
+// T_1(x), T_1(y), T_2(x), T_1(x) T_1(y), T_2(y). kRim: rho and h; kCut: rho, g_0, g_1, g_2, s_a and s_b. Then the
+// beam's colour, and p of its profile.
 #define FL_RECORDS 128
 #define FL_RECORD_ROWS 10
 shared vec4 records[FL_RECORD_ROWS * FL_RECORDS];
@@ -61,29 +62,88 @@ uint coefficient_slot(uvec2 place) {
   return order == 0u ? 0u : order == 1u ? 1u + place.y : order == 2u ? 3u + place.y : 6u;
 }
 
-void store_record(uint slot, uint kind, BeamRow row) {
-  uint base = uint(FL_RECORD_ROWS) * slot;
+// Puts the coefficients of this team's polynomial number `which` into the record.
+void store_fit(uint slot, uint which, float f[kPer]) {
   FL_LANE_NODES(k) {
-    uvec2 place = node_place(k);
-    uint at = coefficient_slot(place);
-    if (at < 6u) {
-      [[unroll]] for (uint f = 0u; f < 6u; ++f) {
-        uint i = 6u * f + at;
-        if (f < 2u || kind == kCut) records[base + (i >> 2)][i & 3u] = fits[f][k];
-      }
-    } else if (place.y == 3u) {
-      uint color = base + (kind == kCut ? 9u : 3u);
-      float profile = drawn_profile(row.eye.w);
-      vec4 last = vec4(row.j0.rgb, kind == kCut ? profile : rim_power(profile));
-      records[color][place.x] = last[place.x];
-    }
+    uint at = coefficient_slot(node_place(k));
+    uint i = 6u * which + at;
+    if (at < 6u) records[uint(FL_RECORD_ROWS) * slot + (i >> 2)][i & 3u] = f[k];
   }
+}
+void store_color(uint slot, uint row_of_color, vec4 color) {
+  if (team_lane() == 0u) records[uint(FL_RECORD_ROWS) * slot + row_of_color] = color;
+}
+
+// Both put a record of this team's beam into the slot; false: it is not close enough. All lanes of a subgroup call them
+// together; nothing is stored for a team that has no beam.
+bool fit_rim(bool is_beam, uint slot, float allowed, vec3 middle) {
+  float f[kPer];
+  FL_LANE_NODES(k) f[k] = node_rho[k];
+  to_coefficients(f);
+  if (is_beam) store_fit(slot, 0u, f);
+  vec4 own = vec4(quadratic_tail(f), 0.0, at_middle(f, 2u), 0.0);
+  FL_LANE_NODES(k) f[k] = node_g[k].x;
+  to_coefficients(f);
+  if (is_beam) store_fit(slot, 1u, f);
+  float size = abs(team_first(f[0]));
+  own.y = quadratic_tail(f);
+  own.w = at_middle(f, 2u);
+  vec4 sums = team_sum(own);
+  float rho_over = sums.x + abs(middle.z - sums.z);
+  float over = sums.y + abs(middle.y - sums.w);
+  // q^(p + 1/2) changes by at most 2 for a change of rho by 1.
+  return over + 2.0 * size * rho_over <= allowed && over <= kTailMax * size && rho_over <= kOffsetTailMax;
+}
+
+bool fit_cut(bool is_beam, uint slot, float allowed, vec3 middle, bool cut_before, bool cut_after) {
+  float f[kPer];
+  FL_LANE_NODES(k) f[k] = node_rho[k];
+  to_coefficients(f);
+  if (is_beam) store_fit(slot, 0u, f);
+  vec4 own = vec4(quadratic_tail(f), 0.0, 0.0, at_middle(f, 2u));
+  vec4 at = vec4(0.0);
+  FL_LANE_NODES(k) f[k] = node_g[k].x;
+  to_coefficients(f);
+  if (is_beam) store_fit(slot, 1u, f);
+  float size = abs(team_first(f[0]));
+  // What the light misses for what g_0, g_1, g_2 miss: integrals of 1 - s^2, |s| (1 - s^2), s^2 (1 - s^2).
+  own.y = 1.34 * quadratic_tail(f);
+  at.x = at_middle(f, 2u);
+  FL_LANE_NODES(k) f[k] = node_g[k].y;
+  to_coefficients(f);
+  if (is_beam) store_fit(slot, 2u, f);
+  own.y += 0.25 * quadratic_tail(f);
+  at.y = at_middle(f, 2u);
+  FL_LANE_NODES(k) f[k] = node_g[k].z;
+  to_coefficients(f);
+  if (is_beam) store_fit(slot, 3u, f);
+  own.y += 0.27 * quadratic_tail(f);
+  at.z = at_middle(f, 2u);
+  FL_LANE_NODES(k) f[k] = cut_before ? node_ends[k].x : -4.0;
+  to_coefficients(f);
+  if (is_beam) store_fit(slot, 4u, f);
+  own.z = quadratic_tail(f);
+  at.w = at_middle(f, 2u);
+  FL_LANE_NODES(k) f[k] = cut_after ? node_ends[k].y : 4.0;
+  to_coefficients(f);
+  if (is_beam) store_fit(slot, 5u, f);
+  own.z += quadratic_tail(f);
+  float to = at_middle(f, 2u);
+  vec4 sums = team_sum(own);
+  at = team_sum(at);
+  to = team_sum(vec2(to, 0.0)).x;
+  float rho_over = sums.x + abs(middle.z - sums.w);
+  float light = dot(at.xyz, cut_moments(max(1.0 - sums.w * sums.w, 0.0), at.w, to));
+  float over = sums.y + size * sums.z + abs(middle.x - light);
+  return over + 2.0 * size * rho_over <= allowed && sums.y <= kTailMax * size && rho_over <= kOffsetTailMax &&
+         sums.z <= 2.0 * kOffsetTailMax;
 }
 
 float coefficient(uint slot, uint i) { return records[uint(FL_RECORD_ROWS) * slot + (i >> 2)][i & 3u]; }
 
 // A bit for each block of 16 x 8 pixels that |rho| < 1 can reach: blocks 2 q and 2 q + 1 are quarter q's.
-uint record_blocks(uint slot, float half_px) {
+uint record_blocks(uint slot) {
+  const float half_px = FL_HULL * 0.5 * float(FL_FINE_PX);
   float c[6];
   [[unroll]] for (uint i = 0u; i < 6u; ++i) c[i] = coefficient(slot, i);
   vec2 reach = vec2(7.5, 3.5) / half_px;
@@ -102,9 +162,33 @@ uint record_blocks(uint slot, float half_px) {
   return bits;
 }
 
-// The pixels of this thread.
-vec2 first_px;  // the middle of the first one, from the group's middle
-vec3 total[FL_ROWS];
+// What the group's pixels show. It is read again where it is needed: registers decide how many groups run side by side.
+shared RectDepth group_depth;
+Rect group_rect() {
+  const float kHalf = 0.5 * float(FL_FINE_PX);
+  return Rect(vec2(gl_WorkGroupID.xy * uint(FL_FINE_PX)) + kHalf, FL_HULL * kHalf, group_depth);
+}
+
+// This thread's first pixel, from the group's corner; the others are below it.
+uvec2 first_pixel() {
+  uint number = thread_number();
+  const uint kPart = uint(FL_GROUP_TILE / 4);  // threads of a quarter
+  uint quarter = number / kPart;
+  return uvec2((quarter & 1u) * 16u + (number & 15u), (quarter >> 1) * 16u + (number % kPart / 16u) * uint(FL_ROWS));
+}
+// Its middle, from the group's middle.
+vec2 first_place() { return vec2(first_pixel()) + 0.5 - 0.5 * float(FL_FINE_PX); }
+
+// Adds light over sigma_s to this thread's pixels.
+void add_to_pixels(vec3 total[FL_ROWS]) {
+  ivec2 first = ivec2(gl_WorkGroupID.xy * uint(FL_FINE_PX) + first_pixel());
+  [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
+    ivec2 pixel = first + ivec2(0, i);
+    if (pixel.x >= int(params.width) || pixel.y >= int(params.height)) continue;
+    vec4 behind = imageLoad(radiance, pixel);  // its distance stays for the beam pass
+    imageStore(radiance, pixel, vec4(behind.rgb + params.forward.w * total[i], behind.a));
+  }
+}
 
 // A polynomial along this thread's column: 1, T_1(y), T_2(y).
 vec3 column(uint slot, uint first, float x, float x2) {
@@ -112,7 +196,12 @@ vec3 column(uint slot, uint first, float x, float x2) {
               coefficient(slot, first + 2u) + x * coefficient(slot, first + 4u), coefficient(slot, first + 5u));
 }
 
-void add_records(uint block, float half_px) {
+void add_records() {
+  const float half_px = FL_HULL * 0.5 * float(FL_FINE_PX);
+  uint block = thread_number() / uint(FL_GROUP_TILE / 8);
+  vec2 first_px = first_place();
+  vec3 total[FL_ROWS];
+  [[unroll]] for (int i = 0; i < FL_ROWS; ++i) total[i] = vec3(0.0);
   float x = first_px.x / half_px;
   float x2 = 2.0 * x * x - 1.0;
   vec3 y[FL_ROWS];
@@ -121,8 +210,10 @@ void add_records(uint block, float half_px) {
     y[i] = vec3(1.0, at, 2.0 * at * at - 1.0);
   }
   const uint kWords = uint(FL_RECORDS / 32);
+  bool any = false;
   for (uint w = 0u; w < kWords; ++w) {
     uint bits = subgroupBroadcastFirst(rim_bits[block * kWords + w]);
+    any = any || bits != 0u;
     while (bits != 0u) {
       uint slot = 32u * w + uint(findLSB(bits));
       bits &= bits - 1u;
@@ -138,6 +229,7 @@ void add_records(uint block, float half_px) {
       }
     }
     bits = subgroupBroadcastFirst(cut_bits[block * kWords + w]);
+    any = any || bits != 0u;
     while (bits != 0u) {
       uint slot = 32u * w + uint(findLSB(bits));
       bits &= bits - 1u;
@@ -155,10 +247,12 @@ void add_records(uint block, float half_px) {
       }
     }
   }
+  if (any) add_to_pixels(total);
 }
 
-// Adds a polynomial of light over a hull about `middle`, which is `from` from the group's middle.
-void add_light(vec3 light[16], vec2 from, float half_px) {
+// Adds a polynomial of light over a hull whose middle is `from` from the group's middle.
+void add_light(vec3 light[16], vec2 from, float half_px, inout vec3 total[FL_ROWS]) {
+  vec2 first_px = first_place();
   vec4 tx = chebyshev((first_px.x - from.x) / half_px);
   vec3 rows[4];
   [[unroll]] for (int n = 0; n < 4; ++n) {
@@ -172,15 +266,6 @@ void add_light(vec3 light[16], vec2 from, float half_px) {
 
 void main() {
   uint number = thread_number();
-  const uint kPart = uint(FL_GROUP_TILE / 4);  // threads of a quarter
-  uint quarter = number / kPart;
-  uint block = number / (kPart / 2u);
-  uvec2 group_low = gl_WorkGroupID.xy * uint(FL_FINE_PX);
-  vec2 middle = vec2(group_low) + 0.5 * float(FL_FINE_PX);
-  uvec2 pixel_low = group_low + uvec2((quarter & 1u) * 16u + (number & 15u),
-                                      (quarter >> 1) * 16u + (number % kPart / 16u) * uint(FL_ROWS));
-  first_px = vec2(pixel_low) + 0.5 - middle;
-  [[unroll]] for (int i = 0; i < FL_ROWS; ++i) total[i] = vec3(0.0);
   uvec2 cell = gl_WorkGroupID.xy / uint(FL_SUPERTILE_PX / FL_FINE_PX);
   uint supertile = cell.y * params.supertiles_x + cell.x;
   uint fine_tile = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
@@ -193,81 +278,92 @@ void main() {
     return;
   }
   const uint kSide = uint(FL_FINE_PX / FL_TILE_PX);
-  Rect rect = Rect(middle, FL_HULL * 0.5 * float(FL_FINE_PX), rect_depth(gl_WorkGroupID.xy * kSide, kSide));
-  vec2 low = vec2(group_low);
-  vec2 high = min(low + float(FL_FINE_PX), vec2(float(params.width), float(params.height)));
+  RectDepth depth = rect_depth(gl_WorkGroupID.xy * kSide, kSide);
+  if (number == 0u) group_depth = depth;
   vec3 light_here[kPer];  // of smooth beams, at this lane's nodes
   FL_LANE_NODES(k) light_here[k] = vec3(0.0);
   for (uint from = 0u; from < words;) {
     uint first = from;
     from = list_fill(supertile, from);
-    uint listed = list_count;
     rest_bits[number] = 0u;
-    // Those that can touch the group, at the front of the list.
-    uint touching = 0u;
-    for (uint at = 0u; at < listed; at += uint(FL_GROUP_TILE)) {
+    barrier();
+    for (uint at = 0u; at < list_count; at += uint(FL_GROUP_TILE)) {
+      bool tries = false;
       uint id = 0u;
-      bool touches = false;
-      if (at + number < listed) {
+      TileGuess guess;
+      if (at + number < list_count) {
         id = list_ids[at + number];
         BeamRow row = beams[id];
-        touches = beam_touches(row, beam_bound(row, 1.0), low, high);
-      }
-      uint count;
-      uint slot = ordered_slot(touches, count);
-      if (touches) list_ids[touching + slot] = id;  // not past what has been read
-      touching += count;
-    }
-    barrier();
-    for (uint at = 0u; at < touching; at += uint(FL_RECORDS)) {
-      uint count = min(touching - at, uint(FL_RECORDS));
-      if (at % uint(FL_GROUP_TILE) == 0u) {
-        if (at + number < touching) {
-          BeamRow row = beams[list_ids[at + number]];
-          if (tile_knows(row)) store_middle(number, light_at_middle(row, rect));
-        }
-      }
-      if (number < uint(FL_RECORDS / 4)) {
-        rim_bits[number] = 0u;
-        cut_bits[number] = 0u;
-      }
-      if (number < uint(FL_RECORDS)) record_kinds[number] = kDark;
-      barrier();
-      for (uint e = 0u; e < count; e += kTeams) {
-        uint entry = e + team_number();
-        bool is_beam = entry < count;
-        uint slot = at + min(entry, count - 1u);
-        uint id = list_ids[slot];
-        BeamRow row = beams[id];
         bool known = tile_knows(row);
-        uint kind = tile_class(row, is_beam && known, stored_middle(slot % uint(FL_GROUP_TILE)), rect, tolerance, true);
-        if (is_beam && !known) kind = kGeneral;
-        if (kind == kSmooth) FL_LANE_NODES(k) light_here[k] += node_light[k] * row.j0.rgb;
-        if (kind == kRim || kind == kCut) store_record(entry, kind, row);
-        if (team_lane() == 0u) {
-          if (kind == kRim || kind == kCut) record_kinds[entry] = kind;
-          if (kind == kGeneral) atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
+        if (known) guess = tile_guess(row, group_rect());
+        tries = known && guess.bits != 0u;
+        if (tries) guess.middle = light_at_middle(row, group_rect());
+        vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_FINE_PX));
+        vec2 high = min(low + float(FL_FINE_PX), vec2(float(params.width), float(params.height)));
+        if (!tries && !(known && guess.is_dark) && beam_touches(row, beam_bound(row, 1.0), low, high)) {
+          atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
         }
       }
-      barrier();
-      if (number < count && record_kinds[number] != kDark) {
-        uint blocks = record_blocks(number, rect.half_px);
-        bool is_rim = record_kinds[number] == kRim;
-        while (blocks != 0u) {
-          uint word = uint(findLSB(blocks)) * uint(FL_RECORDS / 32) + number / 32u;
-          blocks &= blocks - 1u;
-          if (is_rim) {
-            atomicOr(rim_bits[word], 1u << (number & 31u));
-          } else {
-            atomicOr(cut_bits[word], 1u << (number & 31u));
+      uint entries = add_entry(tries, id, guess);
+      for (uint begin = 0u; begin < entries; begin += uint(FL_RECORDS)) {
+        uint count = min(entries - begin, uint(FL_RECORDS));
+        if (number < uint(FL_RECORDS / 4)) {
+          rim_bits[number] = 0u;
+          cut_bits[number] = 0u;
+        }
+        if (number < uint(FL_RECORDS)) record_kinds[number] = kDark;
+        barrier();
+        for (uint e = 0u; e < count; e += kTeams) {
+          uint slot = e + team_number();
+          TileEntry own = entry_at(begin + min(slot, count - 1u));
+          bool is_beam = slot < count && own.bits != 0u;
+          BeamRow row = beams[own.id];
+          bool whole = (own.bits & kGuessWhole) != 0u;
+          float allowed = tolerance / brightest(row.j0.rgb);
+          compute_nodes(row, group_rect(), whole, own.fit);
+          uint kind = is_beam ? kGeneral : kDark;
+          bool may = is_beam && (own.bits & kGuessSmooth) != 0u;
+          if (subgroupAny(may)) {
+            bool close = is_smooth(allowed, own.middle);
+            if (may && close) kind = kSmooth;
+          }
+          may = kind == kGeneral && whole;
+          if (subgroupAny(may)) {
+            bool close = fit_rim(may, slot, allowed, own.middle);
+            if (may && close) kind = kRim;
+          }
+          may = kind == kGeneral && !whole && (own.bits & kGuessRecord) != 0u;
+          if (subgroupAny(may)) {
+            bool close = fit_cut(may, slot, allowed, own.middle, (own.bits & kGuessCutBefore) != 0u,
+                                 (own.bits & kGuessCutAfter) != 0u);
+            if (may && close) kind = kCut;
+          }
+          if (kind == kSmooth) FL_LANE_NODES(k) light_here[k] += node_light[k] * row.j0.rgb;
+          if (kind == kRim) store_color(slot, 3u, vec4(row.j0.rgb, rim_power(drawn_profile(row.eye.w))));
+          if (kind == kCut) store_color(slot, 9u, vec4(row.j0.rgb, 1.0));
+          if (team_lane() == 0u && (kind == kRim || kind == kCut)) record_kinds[slot] = kind;
+          if (team_lane() == 0u && kind == kGeneral) atomicOr(rest_bits[own.id / 32u - first], 1u << (own.id & 31u));
+        }
+        barrier();
+        if (number < count && record_kinds[number] != kDark) {
+          uint blocks = record_blocks(number);
+          bool is_rim = record_kinds[number] == kRim;
+          while (blocks != 0u) {
+            uint word = uint(findLSB(blocks)) * uint(FL_RECORDS / 32) + number / 32u;
+            blocks &= blocks - 1u;
+            if (is_rim) {
+              atomicOr(rim_bits[word], 1u << (number & 31u));
+            } else {
+              atomicOr(cut_bits[word], 1u << (number & 31u));
+            }
           }
         }
+        barrier();
+        add_records();
+        barrier();
       }
       barrier();
-      add_records(block, rect.half_px);
-      barrier();
     }
-    barrier();
     if (first + number < from) fine_masks[fine_tile * params.mask_words + first + number] = rest_bits[number];
     barrier();
   }
@@ -276,17 +372,15 @@ void main() {
   [[unroll]] for (int k = 0; k < 16; ++k) {
     light[k] = vec3(group_light[3 * k], group_light[3 * k + 1], group_light[3 * k + 2]);
   }
-  add_light(light, vec2(0.0), rect.half_px);
+  vec3 total[FL_ROWS];
+  [[unroll]] for (int i = 0; i < FL_ROWS; ++i) total[i] = vec3(0.0);
+  add_light(light, vec2(0.0), FL_HULL * 0.5 * float(FL_FINE_PX), total);
   [[unroll]] for (int k = 0; k < 16; ++k) {
     light[k] = vec3(coarse[supertile].light[3 * k], coarse[supertile].light[3 * k + 1],
                     coarse[supertile].light[3 * k + 2]);
   }
   const float kSuper = float(FL_SUPERTILE_PX);
-  add_light(light, (vec2(cell) + 0.5) * kSuper - middle, FL_HULL * 0.5 * kSuper);
-  [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
-    ivec2 pixel = ivec2(pixel_low) + ivec2(0, i);
-    if (pixel.x >= int(params.width) || pixel.y >= int(params.height)) continue;
-    vec4 behind = kSolids ? imageLoad(radiance, pixel) : vec4(0.0);  // its distance stays for the beam pass
-    imageStore(radiance, pixel, vec4(behind.rgb + params.forward.w * total[i], behind.a));
-  }
+  vec2 middle = (vec2(gl_WorkGroupID.xy) + 0.5) * float(FL_FINE_PX);
+  add_light(light, (vec2(cell) + 0.5) * kSuper - middle, FL_HULL * 0.5 * kSuper, total);
+  add_to_pixels(total);
 }

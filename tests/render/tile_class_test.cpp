@@ -86,6 +86,24 @@ TEST_CASE("pictures whose sizes are not whole tiles have every pixel of their ti
   }
 }
 
+// Tiles of small pictures turn by many degrees: corners then say little about what is between them.
+TEST_CASE("no camera among the beams loses a beam to the corners of tiles") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Random random(24);
+  for (int i = 0; i < 16; ++i) {
+    Scene scene = i % 2 == 0 ? lamps_scene(25, 300) : furnished_scene(300);
+    const glm::dvec3 from(random.between(-8, 8), random.between(-8, 8), random.between(0.3, 7));
+    const glm::dvec3 to(random.between(-5, 5), random.between(-5, 5), random.between(0, 5));
+    scene.camera = {"among", from, to, random.between(20, 110), 4};
+    FrameSettings settings = judged_settings(i % 3 == 0 ? 1 : 70, i % 3 == 0 ? 1 : 45);
+    settings.tile_error = 1e-5;
+    const PictureNorms norms = against_general(vulkan.device(), scene, settings, fmt::format("camera {}", i));
+    CHECK(norms.rel_l2 < 1e-5);
+    CHECK(norms.max < 1e-3);
+  }
+}
+
 // Parallel beams that stand on the middle column of a picture of 5 supertiles across, and nearly fill it.
 TEST_CASE("beams that are even about the middle of a tile have the light of beams computed pixel by pixel") {
   const HeadlessVulkan vulkan;

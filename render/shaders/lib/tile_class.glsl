@@ -26,11 +26,8 @@ const float kEndSlack = 0.02;
 const float kShortestCut = 0.03;
 // Least cosine between the lines of two rays of a tile. Below it the apex is near.
 const float kAlongMin = 0.7;
-
-// The beam that was classified last, at this lane's nodes. kSmooth: its light. kRim and kCut: coefficients of T_m T_n of
-// what the record of the kind has, in its order: rho and h; rho, g_0, g_1, g_2, s_a and s_b.
-float node_light[kPer];
-float fits[6][kPer];
+// Above it the line hardly turns.
+const float kAlongSteady = 0.97;
 
 float brightest(vec3 rgb) { return max(rgb.r, max(rgb.g, rgb.b)); }
 
@@ -41,18 +38,149 @@ bool tile_knows(BeamRow row) {
   return plain && !has_gobo(row);
 }
 
-// The beam on the ray through a place of the rectangle, up to the surface there.
-TileNode node_at(BeamRow row, BeamShape beam, Rect rect, vec2 at, bool many, out Chord chord) {
+// The beam's line on the ray through a place of the rectangle, up to the surface there.
+void line_at(BeamShape beam, BeamRow row, Rect rect, vec2 at, out Chord chord, out ChordLine line, out vec3 ray) {
   vec3 through = ray_through(at);
   float ray_length = length(through);
-  vec3 ray = to_light(row, through / ray_length);
-  ChordLine line;
-  beam_line(beam, row.eye.xyz, ray, 0.0, FL_FAR_M, chord, line);
-  if (kSolids) {
+  ray = to_light(row, through / ray_length);
+  float end_m = FL_FAR_M;
+  if (kSolids) end_m = rect.depth.is_plane ? plane_distance(rect.depth, at, ray_length) : rect.depth.far_m;
+  beam_line(beam, row.eye.xyz, ray, 0.0, end_m, chord, line);
+}
+
+bool has_many_nodes(BeamShape beam) { return kNodes > 3u || (kProfile && beam.profile_power != 1.0); }
+
+// What is known of a beam before its nodes are computed, from the rectangle's corners and its middle.
+const uint kGuessWhole = 1u;       // every chord crosses the whole disc, or misses it
+const uint kGuessCut = 2u;         // something cuts them, each end in one way
+const uint kGuessSmooth = 4u;      // the light may be smooth
+const uint kGuessRecord = 8u;      // there is a record for what is not smooth
+const uint kGuessCutBefore = 16u;  // what cuts the near end
+const uint kGuessCutAfter = 32u;
+struct TileGuess {
+  uint bits;         // 0: dark, or general
+  bool is_dark;
+  vec2 fit;          // of cut chords: middle and half length of the part of s where g is sampled
+  vec3 middle;       // light, h and rho at the middle
+};
+
+// From all of the rectangle's places.
+const uint kAlive = 1u;           // some of the ray is in the slab
+const uint kUnlit = 2u;           // none is
+const uint kThick = 4u;           // the beam is not widened (thin.glsl)
+const uint kFromLens = 8u;        // the line begins at the slab
+const uint kFromEye = 16u;
+const uint kToRange = 32u;        // and ends there
+const uint kToPlane = 64u;
+const uint kForward = 128u;       // the ray runs as the light does
+const uint kBackward = 256u;
+const uint kLongBefore = 512u;    // the near end is clearly outside the rim
+const uint kCutBefore = 1024u;    // and clearly inside
+const uint kLongAfter = 2048u;
+const uint kCutAfter = 4096u;
+const uint kLong = 8192u;         // the lit part is not short
+
+bool has(uint bits, uint all) { return (bits & all) == all; }
+
+// Call only for beams for which tile_knows() is true.
+TileGuess tile_guess(BeamRow row, Rect rect) {
+  TileGuess guess = TileGuess(0u, false, vec2(0.0, 1.0), vec3(0.0));
+  BeamShape beam = beam_shape(row);
+  beam.profile_power = drawn_profile(beam.profile_power);
+  bool thin = thin_in_haze_applies(row);
+  vec3 eye = row.eye.xyz;
+  uint bits = 0xffffffffu;
+  float rho_min = 1e30;
+  float rho_max = -1e30;
+  float a_min = 1e30;  // s at the ends of the line
+  float a_max = -1e30;
+  float b_min = 1e30;
+  float b_max = -1e30;
+  float free_min = 1e30;  // s at the nearest of several surfaces
+  vec2 first = vec2(0.0);
+  float turn = 1.0;  // cosine between the lines of two places
+  for (uint i = 0u; i < 5u; ++i) {
+    vec2 at = rect.middle;  // of the last round
+    if (i < 4u) at += rect.half_px / FL_HULL * (vec2(uvec2(i & 1u, i >> 1)) * 2.0 - 1.0);
+    vec3 through = ray_through(at);
+    float ray_length = length(through);
+    vec3 ray = to_light(row, through / ray_length);
     float end_m = rect.depth.is_plane ? plane_distance(rect.depth, at, ray_length) : rect.depth.far_m;
-    if (end_m < line.t_to_m) beam_line(beam, row.eye.xyz, ray, 0.0, end_m, chord, line);
+    uint own = kThick;
+    if (thin) {
+      float radius;
+      float wide;
+      thin_meets(beam, row, eye, ray, 1.0 / ray_length, end_m, radius, wide);
+      if (!(wide < 0.8 * radius * thin_scale(beam, true))) own = 0u;
+    }
+    Chord chord;
+    ChordLine line;
+    beam_line(beam, eye, ray, 0.0, FL_FAR_M, chord, line);
+    float slab_from_m = line.t_from_m;
+    float slab_to_m = line.t_to_m;
+    bool ends = kSolids && end_m < slab_to_m;  // at the surface
+    if (ends) beam_line(beam, eye, ray, 0.0, end_m, chord, line);
+    if (kSolids && !rect.depth.is_plane && rect.depth.near_m < slab_to_m) {
+      float past_m = rect.depth.near_m - chord.t_base_m;
+      float free = chord.s_base + chord.v_length * past_m /
+                                      (chord.w_base * max(chord.w_base + past_m * chord.w_slope, 1e-9));
+      free_min = min(free_min, rect.depth.near_m > slab_from_m ? free : -1e30);
+    }
+    own |= line.t_to_m > line.t_from_m ? kAlive : slab_to_m > slab_from_m && !rect.depth.is_plane ? 0u : kUnlit;
+    own |= slab_from_m > 0.0 ? kFromLens : kFromEye;
+    own |= ends ? kToPlane : kToRange;
+    own |= ray.z > 0.0 ? kForward : kBackward;
+    float half_chord = sqrt(max(1.0 - chord.offset * chord.offset, 0.0));
+    float before = line.s_a + half_chord;  // how far the end is inside the rim
+    float after = half_chord - line.s_b;
+    own |= (before <= -kEndSlack ? kLongBefore : 0u) | (before >= kEndSlack ? kCutBefore : 0u) |
+           (after <= -kEndSlack ? kLongAfter : 0u) | (after >= kEndSlack ? kCutAfter : 0u);
+    if (min(line.s_b, half_chord) - max(line.s_a, -half_chord) >= kShortestCut) own |= kLong;
+    bits &= own;
+    rho_min = min(rho_min, chord.offset);
+    rho_max = max(rho_max, chord.offset);
+    a_min = min(a_min, line.s_a);
+    a_max = max(a_max, line.s_a);
+    b_min = min(b_min, line.s_b);
+    b_max = max(b_max, line.s_b);
+    if (i == 0u) first = chord.along;
+    turn = min(turn, dot(chord.along, first));
   }
-  return tile_node(beam, Medium(params.anisotropy, params.position.w), chord, line, ray, many, kExtinction);
+  guess.is_dark = has(bits, kUnlit);
+  if (guess.is_dark || !(turn > kAlongMin) || !has(bits, kThick)) return guess;
+  float nearest = rho_min <= 0.0 && rho_max >= 0.0 ? 0.0 : min(abs(rho_min), abs(rho_max));
+  float farthest = max(abs(rho_min), abs(rho_max));
+  float inner = max(nearest - 0.1 * (rho_max - rho_min), 0.0);
+  float longest = sqrt(max(1.0 - inner * inner, 0.0)) + 0.05;  // half of the longest chord, with slack
+  // Between the places s may pass the values there, by what the line turns.
+  float far_enough = 1.1 * longest;
+  guess.is_dark = inner >= 1.0 || (has(bits, kAlive) && turn > kAlongSteady && (b_max <= -far_enough || a_min >= far_enough));
+  if (guess.is_dark || !has(bits, kAlive) || !(brightest(row.j0.rgb) > 0.0)) return guess;
+  if (kSolids && !rect.depth.is_plane && !(free_min >= longest)) return guess;
+  float q_min = 1.0 - farthest * farthest;
+  bool inside = q_min > 0.0 && q_min >= kRatioMin * (1.0 - nearest * nearest);
+  bool whole_before = a_max <= -longest;
+  bool whole_after = b_min >= longest;
+  if (whole_before && whole_after) {
+    guess.bits = kGuessWhole | kGuessRecord | (inside ? kGuessSmooth : 0u);
+  } else {
+    bool from_one = (bits & (kFromLens | kFromEye)) != 0u;
+    bool to_one = (bits & (kToRange | kToPlane)) != 0u;
+    bool one_way = (bits & (kForward | kBackward)) != 0u;
+    bool alike = has(bits, kLong) && (has(bits, kLongBefore) || (has(bits, kCutBefore) && from_one)) &&
+                 (has(bits, kLongAfter) || (has(bits, kCutAfter) && to_one)) && q_min > 0.02 && inside;
+    // Quadratics in s for g are good where the profile adds no high powers.
+    bool moments = kNodes <= 3u && (!kProfile || (beam.profile_power > 0.75 && beam.profile_power < 2.5));
+    bool record = moments && (whole_before || has(bits, kFromEye) || (from_one && one_way)) &&
+                  (whole_after || has(bits, kToPlane) || (to_one && one_way));
+    if (!alike && !record) return guess;
+    guess.bits = kGuessCut | (alike ? kGuessSmooth : 0u) | (record ? kGuessRecord : 0u) |
+                 (whole_before ? 0u : kGuessCutBefore) | (whole_after ? 0u : kGuessCutAfter);
+    float low = max(a_min, -longest);
+    float high = min(b_max, longest);
+    guess.fit = vec2(0.5 * (low + high), max(0.5 * (high - low), kFitHalfMin));
+  }
+  return guess;
 }
 
 // Light, h and rho at the rectangle's middle.
@@ -60,276 +188,93 @@ vec3 light_at_middle(BeamRow row, Rect rect) {
   BeamShape beam = beam_shape(row);
   beam.profile_power = drawn_profile(beam.profile_power);
   Chord chord;
-  bool many = kNodes > 3u || (kProfile && beam.profile_power != 1.0);
-  TileNode node = node_at(row, beam, rect, rect.middle, many, chord);
+  ChordLine line;
+  vec3 ray;
+  line_at(beam, row, rect, rect.middle, chord, line, ray);
+  TileNode node = tile_node(beam, Medium(params.anisotropy, params.position.w), chord, line, ray, has_many_nodes(beam),
+                            kExtinction);
   return vec3(node.light, node.h, chord.offset);
 }
 
-const uint kAlive = 1u;        // some of the ray is in the slab
-const uint kUnlit = 2u;        // none is
-const uint kSameSide = 4u;     // the line runs as that of the first node
-const uint kThick = 8u;        // the beam is not widened (thin.glsl)
-const uint kFromLens = 16u;    // the line begins at the slab
-const uint kFromEye = 32u;
-const uint kToRange = 64u;     // and ends there
-const uint kToPlane = 128u;
-const uint kForward = 256u;    // the ray runs as the light does
-const uint kBackward = 512u;
-const uint kWholeBefore = 1024u;  // nothing cuts the near end of the chord
-const uint kWholeAfter = 2048u;
-const uint kPast = 4096u;      // the line ends before the disc
-const uint kAhead = 8192u;     // the line begins behind it
-const uint kFree = 16384u;     // the light ends before the nearest of several surfaces
-const uint kLongBefore = 32768u;  // the near end is clearly outside the rim
-const uint kCutBefore = 65536u;   // and clearly inside
-const uint kLongAfter = 131072u;
-const uint kCutAfter = 262144u;
-const uint kLong = 524288u;  // the lit part is not short
-
-bool has(uint bits, uint all) { return (bits & all) == all; }
-
-// Value at the middle of a polynomial from its coefficients, this lane's part: T_2(0) = -1, T_1(0) = T_3(0) = 0.
-float at_middle(float f[kPer]) {
+// The share of the polynomial's value at the middle that this lane's coefficients give: T_2(0) = -1, T_1(0) = T_3(0) =
+// 0. degree: terms with a higher m + n do not count.
+float at_middle(float f[kPer], uint degree) {
   float sum = 0.0;
   FL_LANE_NODES(k) {
     uvec2 place = node_place(k);
-    bool counts = ((place.x | place.y) & 1u) == 0u;
+    bool counts = ((place.x | place.y) & 1u) == 0u && place.x + place.y <= degree;
     sum += counts ? (place.x == place.y ? f[k] : -f[k]) : 0.0;
   }
   return sum;
 }
-// Of a quadratic: without T_2 T_2.
-float at_middle_quadratic(float f[kPer]) {
-  float sum = 0.0;
+// What quadratics leave out, this lane's share.
+float quadratic_tail(float f[kPer]) {
+  float tail = 0.0;
   FL_LANE_NODES(k) {
     uvec2 place = node_place(k);
-    bool counts = ((place.x | place.y) & 1u) == 0u && place.x + place.y <= 2u;
-    sum += counts ? (place.x == place.y ? f[k] : -f[k]) : 0.0;
+    if (place.x + place.y >= 3u) tail += abs(f[k]);
   }
-  return sum;
+  return tail;
 }
 
-// middle: light, h and rho of the beam at the rectangle's middle. tolerance: largest error of this beam's light over
-// sigma_s, in its brightest channel. records: whether kRim and kCut are wanted; without, they are general. All lanes of
-// a subgroup call it together, with one beam a team; where is_beam is false the result is kDark. The beams are such for
-// which tile_knows() and beam_touches() are true.
-uint tile_class(BeamRow row, bool is_beam, vec3 middle, Rect rect, float tolerance, bool records) {
+// The beam at this lane's nodes.
+float node_light[kPer];  // of kSmooth
+float node_rho[kPer];
+vec3 node_g[kPer];     // of cut chords g_0, g_1, g_2; of whole ones x: h
+vec2 node_ends[kPer];  // s_a, s_b
+
+void compute_nodes(BeamRow row, Rect rect, bool whole, vec2 fit) {
   Medium medium = Medium(params.anisotropy, params.position.w);
   BeamShape beam = beam_shape(row);
   beam.profile_power = drawn_profile(beam.profile_power);
-  bool many = kNodes > 3u || (kProfile && beam.profile_power != 1.0);
-  bool thin = thin_in_haze_applies(row);
-  vec3 eye = row.eye.xyz;
-  Chord chord[kPer];
-  ChordLine line[kPer];
-  vec3 ray[kPer];
-  float free[kPer];
-  uint bits = 0xffffffffu;
-  float rho_min = 1e30;
-  float rho_max = -1e30;
-  FL_LANE_NODES(k) {
-    vec2 at = rect.middle + rect.half_px * node_position(k);
-    vec3 through = ray_through(at);
-    float ray_length = length(through);
-    ray[k] = to_light(row, through / ray_length);
-    float end_m = rect.depth.is_plane ? plane_distance(rect.depth, at, ray_length) : rect.depth.far_m;
-    uint own = kThick;
-    if (thin) {
-      float radius;
-      float wide;
-      thin_meets(beam, row, eye, ray[k], 1.0 / ray_length, end_m, radius, wide);
-      if (!(wide < 0.8 * radius * thin_scale(beam, true))) own = 0u;
-    }
-    beam_line(beam, eye, ray[k], 0.0, FL_FAR_M, chord[k], line[k]);
-    float slab_from_m = line[k].t_from_m;
-    float slab_to_m = line[k].t_to_m;
-    // Where the surface ends the ray.
-    bool ends = kSolids && end_m < slab_to_m;
-    if (ends) beam_line(beam, eye, ray[k], 0.0, end_m, chord[k], line[k]);
-    free[k] = 1e30;
-    if (kSolids && !rect.depth.is_plane && rect.depth.near_m < slab_to_m) {
-      float past_m = rect.depth.near_m - chord[k].t_base_m;
-      free[k] = rect.depth.near_m > slab_from_m
-                    ? chord[k].s_base + chord[k].v_length * past_m /
-                                            (chord[k].w_base * max(chord[k].w_base + past_m * chord[k].w_slope, 1e-9))
-                    : -1e30;
-    }
-    own |= line[k].t_to_m > line[k].t_from_m ? kAlive : kUnlit;
-    own |= slab_from_m > 0.0 ? kFromLens : kFromEye;
-    own |= ends ? kToPlane : kToRange;
-    own |= ray[k].z > 0.0 ? kForward : kBackward;
-    float half_chord = sqrt(max(1.0 - chord[k].offset * chord[k].offset, 0.0));
-    float before = line[k].s_a + half_chord;  // how far the end is inside the rim
-    float after = half_chord - line[k].s_b;
-    own |= (before <= -kEndSlack ? kLongBefore : 0u) | (before >= kEndSlack ? kCutBefore : 0u) |
-           (after <= -kEndSlack ? kLongAfter : 0u) | (after >= kEndSlack ? kCutAfter : 0u);
-    if (min(line[k].s_b, half_chord) - max(line[k].s_a, -half_chord) >= kShortestCut) own |= kLong;
-    bits &= own | kSameSide | kWholeBefore | kWholeAfter | kPast | kAhead | kFree;
-    rho_min = min(rho_min, chord[k].offset);
-    rho_max = max(rho_max, chord[k].offset);
-  }
-  vec2 along = vec2(team_first(chord[0].along.x), team_first(chord[0].along.y));
-  rho_min = team_min(rho_min);
-  rho_max = team_max(rho_max);
-  float nearest = rho_min <= 0.0 && rho_max >= 0.0 ? 0.0 : min(abs(rho_min), abs(rho_max));
-  float farthest = max(abs(rho_min), abs(rho_max));
-  float inner = max(nearest - 0.1 * (rho_max - rho_min), 0.0);
-  float longest = sqrt(max(1.0 - inner * inner, 0.0)) + 0.05;  // half of the longest chord, with slack
-  FL_LANE_NODES(k) {
-    uint own = dot(chord[k].along, along) > kAlongMin ? kSameSide : 0u;
-    own |= (line[k].s_a <= -longest ? kWholeBefore : 0u) | (line[k].s_b >= longest ? kWholeAfter : 0u) |
-           (line[k].s_b <= -longest ? kPast : 0u) | (line[k].s_a >= longest ? kAhead : 0u) |
-           (free[k] >= longest ? kFree : 0u);
-    bits &= own | ~(kSameSide | kWholeBefore | kWholeAfter | kPast | kAhead | kFree);
-  }
-  bits = team_and(bits);
-
-  bool dark = !is_beam || has(bits, kUnlit);
-  bool open = !dark && has(bits, kSameSide | kThick);
-  dark = dark || (open && (inner >= 1.0 || (has(bits, kAlive) && (bits & (kPast | kAhead)) != 0u)));
-  float lum = brightest(row.j0.rgb);
-  open = open && !dark && has(bits, kAlive) && lum > 0.0 && (!kSolids || rect.depth.is_plane || has(bits, kFree));
-  float q_min = 1.0 - farthest * farthest;
-  float q_max = 1.0 - nearest * nearest;
-  bool whole = has(bits, kWholeBefore | kWholeAfter);
-  bool inside = q_min > 0.0 && q_min >= kRatioMin * q_max;
-  bool from_one = (bits & (kFromLens | kFromEye)) != 0u;
-  bool to_one = (bits & (kToRange | kToPlane)) != 0u;
-  bool alike = has(bits, kLong) && (has(bits, kLongBefore) || (has(bits, kCutBefore) && from_one)) &&
-               (has(bits, kLongAfter) || (has(bits, kCutAfter) && to_one)) && q_min > 0.02 && inside;
-  // Quadratics in s for g are good where the profile adds no high powers.
+  bool many = has_many_nodes(beam);
   bool moments = kNodes <= 3u && (!kProfile || (beam.profile_power > 0.75 && beam.profile_power < 2.5));
-  bool one_way = (bits & (kForward | kBackward)) != 0u;
-  bool cuts = records && moments && (has(bits, kWholeBefore) || has(bits, kFromEye) || (from_one && one_way)) &&
-              (has(bits, kWholeAfter) || has(bits, kToPlane) || (to_one && one_way));
-  open = open && (whole ? inside || records : alike || cuts);
-
-  // Where g of a cut chord is sampled.
-  float fit_middle = 0.0;
-  float fit_half = 1.0;
-  if (subgroupAny(open && !whole)) {
-    float low = 1e30;
-    float high = -1e30;
-    FL_LANE_NODES(k) {
-      low = min(low, line[k].s_a);
-      high = max(high, line[k].s_b);
-    }
-    low = max(team_min(low), -longest);
-    high = min(team_max(high), longest);
-    fit_middle = 0.5 * (low + high);
-    fit_half = max(0.5 * (high - low), kFitHalfMin);
-  }
-  float h[kPer];
-  vec3 g[kPer];
   bool three = whole ? !many : moments;
   FL_LANE_NODES(k) {
-    node_light[k] = 0.0;
-    h[k] = 0.0;
-    g[k] = vec3(0.0);
-  }
-  if (subgroupAny(open && three)) {
-    FL_LANE_NODES(k) {
-      float q = 1.0 - chord[k].offset * chord[k].offset;
-      float at = whole ? 0.0 : fit_middle;
-      float away = whole ? kRimNode3 * min(sqrt(abs(q)), 1.0) : kFitNode * fit_half;
-      float inverse = 1.0 / max(chord[k].v_length, 1e-12);
-      float center = inverse * tile_integrand(beam, medium, chord[k], line[k], ray[k], at, 0.0, true, kExtinction);
-      float before = inverse * tile_integrand(beam, medium, chord[k], line[k], ray[k], at - away, 0.0, true, kExtinction);
-      float after = inverse * tile_integrand(beam, medium, chord[k], line[k], ray[k], at + away, 0.0, true, kExtinction);
-      float pair = before + after;
-      if (q < 0.0) pair = 4.0 * center - pair;
-      h[k] = kRimMiddle3 * center + kRimWeight3 * pair;
-      g[k] = cut_fit(before, center, after, fit_middle, fit_half);
-      node_light[k] = whole ? h[k] * rim_factor(max(q, 0.0), 1.0)
-                            : dot(g[k], cut_moments(max(q, 0.0), line[k].s_a, line[k].s_b));
-    }
-  }
-  if ((kProfile || kNodes > 3u) && subgroupAny(open && !three)) {
-    FL_LANE_NODES(k) {
-      TileNode node = tile_node(beam, medium, chord[k], line[k], ray[k], many, kExtinction);
-      if (!three) {
-        h[k] = node.h;
-        node_light[k] = node.light;
+    Chord chord;
+    ChordLine line;
+    vec3 ray;
+    line_at(beam, row, rect, rect.middle + rect.half_px * node_position(k), chord, line, ray);
+    node_rho[k] = chord.offset;
+    node_ends[k] = vec2(line.s_a, line.s_b);
+    if ((kProfile || kNodes > 3u) && !three) {
+      TileNode node = tile_node(beam, medium, chord, line, ray, many, kExtinction);
+      node_g[k] = vec3(node.h, 0.0, 0.0);
+      node_light[k] = node.light;
+    } else {
+      float q = 1.0 - chord.offset * chord.offset;
+      float at = whole ? 0.0 : fit.x;
+      float away = whole ? kRimNode3 * min(sqrt(abs(q)), 1.0) : kFitNode * fit.y;
+      float inverse = 1.0 / max(chord.v_length, 1e-12);
+      float center = inverse * tile_integrand(beam, medium, chord, line, ray, at, 0.0, true, kExtinction);
+      float before = inverse * tile_integrand(beam, medium, chord, line, ray, at - away, 0.0, true, kExtinction);
+      float after = inverse * tile_integrand(beam, medium, chord, line, ray, at + away, 0.0, true, kExtinction);
+      if (whole) {
+        float pair = before + after;
+        if (q < 0.0) pair = 4.0 * center - pair;
+        node_g[k] = vec3(kRimMiddle3 * center + kRimWeight3 * pair, 0.0, 0.0);
+        node_light[k] = node_g[k].x * rim_factor(max(q, 0.0), 1.0);
+      } else {
+        node_g[k] = cut_fit(before, center, after, fit.x, fit.y);
+        node_light[k] = dot(node_g[k], cut_moments(max(q, 0.0), line.s_a, line.s_b));
       }
     }
   }
+}
 
-  // The tests add what the polynomials leave out, their last terms, and what they miss at the middle, since the terms of
-  // a light that is even about the middle are zero. They are written so that NaN is general.
-  float allowed = tolerance / lum;
-  uint kind = dark ? kDark : kGeneral;
-  bool try_smooth = open && (whole ? inside : alike);
-  if (subgroupAny(try_smooth)) {
-    float f[kPer];
-    FL_LANE_NODES(k) f[k] = node_light[k];
-    to_coefficients(f);
-    float tail = 0.0;
-    FL_LANE_NODES(k) {
-      uvec2 place = node_place(k);
-      if (max(place.x, place.y) == 3u) tail += abs(f[k]);
-    }
-    vec2 sums = team_sum(vec2(tail, at_middle(f)));
-    float over = sums.x + abs(middle.x - sums.y);
-    if (try_smooth && over <= allowed && over <= kTailMax * abs(team_first(f[0]))) kind = kSmooth;
+// The tests add what the polynomials leave out, their last terms, and what they miss at the middle, since the terms of a
+// light that is even about the middle are zero. They are written so that NaN fails. allowed: largest error of the light
+// over J0 and sigma_s. All lanes of a subgroup call them together, with one beam a team.
+bool is_smooth(float allowed, vec3 middle) {
+  float f[kPer];
+  FL_LANE_NODES(k) f[k] = node_light[k];
+  to_coefficients(f);
+  float tail = 0.0;
+  FL_LANE_NODES(k) {
+    uvec2 place = node_place(k);
+    if (max(place.x, place.y) == 3u) tail += abs(f[k]);
   }
-  if (!records) return kind;
-  bool try_rim = open && whole && kind == kGeneral;
-  bool try_cut = open && cuts && !whole && kind == kGeneral;
-  if (subgroupAny(try_rim || try_cut)) {
-    FL_LANE_NODES(k) {
-      fits[0][k] = chord[k].offset;
-      fits[1][k] = try_rim ? h[k] : g[k].x;
-    }
-    to_coefficients(fits[0]);
-    to_coefficients(fits[1]);
-    float size = abs(team_first(fits[1][0]));
-    float tail = 0.0;
-    float rho_tail = 0.0;
-    FL_LANE_NODES(k) {
-      uvec2 place = node_place(k);
-      if (place.x + place.y >= 3u) {
-        rho_tail += abs(fits[0][k]);
-        tail += abs(fits[1][k]);
-      }
-    }
-    vec4 sums = team_sum(vec4(rho_tail, tail, at_middle_quadratic(fits[0]), at_middle_quadratic(fits[1])));
-    float rho_over = sums.x + abs(middle.z - sums.z);
-    if (subgroupAny(try_rim)) {
-      float over = sums.y + abs(middle.y - sums.w);
-      // q^(p + 1/2) changes by at most 2 for a change of rho by 1.
-      if (try_rim && over + 2.0 * size * rho_over <= allowed && over <= kTailMax * size && rho_over <= kOffsetTailMax) {
-        kind = kRim;
-      }
-    }
-    if (subgroupAny(try_cut)) {
-      bool cut_a = !has(bits, kWholeBefore);
-      bool cut_b = !has(bits, kWholeAfter);
-      FL_LANE_NODES(k) {
-        fits[2][k] = g[k].y;
-        fits[3][k] = g[k].z;
-        fits[4][k] = cut_a ? line[k].s_a : -4.0;
-        fits[5][k] = cut_b ? line[k].s_b : 4.0;
-      }
-      [[unroll]] for (int i = 2; i < 6; ++i) to_coefficients(fits[i]);
-      // What the light misses for what each of them misses: integrals of 1 - s^2, |s| (1 - s^2), s^2 (1 - s^2).
-      float light_tail = 0.0;
-      float cut_tail = 0.0;
-      FL_LANE_NODES(k) {
-        uvec2 place = node_place(k);
-        if (place.x + place.y >= 3u) {
-          light_tail += 0.25 * abs(fits[2][k]) + 0.27 * abs(fits[3][k]);
-          cut_tail += abs(fits[4][k]) + abs(fits[5][k]);
-        }
-      }
-      vec4 more = team_sum(vec4(light_tail, cut_tail, at_middle_quadratic(fits[2]), at_middle_quadratic(fits[3])));
-      vec2 ends = team_sum(vec2(at_middle_quadratic(fits[4]), at_middle_quadratic(fits[5])));
-      float light = dot(vec3(sums.w, more.zw), cut_moments(max(1.0 - sums.z * sums.z, 0.0), ends.x, ends.y));
-      float over = 1.34 * sums.y + more.x + size * more.y + abs(middle.x - light);
-      if (try_cut && over + 2.0 * size * rho_over <= allowed && 1.34 * sums.y + more.x <= kTailMax * size &&
-          rho_over <= kOffsetTailMax && more.y <= 2.0 * kOffsetTailMax) {
-        kind = kCut;
-      }
-    }
-  }
-  return kind;
+  vec2 sums = team_sum(vec2(tail, at_middle(f, 6u)));
+  float over = sums.x + abs(middle.x - sums.y);
+  return over <= allowed && over <= kTailMax * abs(team_first(f[0]));
 }

@@ -2,7 +2,7 @@
 // order in which threads run. They are filled batch by batch, so that none can overflow.
 //
 // All functions are called by all threads of the group together.
-#define FL_LIST_MAX 1024
+#define FL_LIST_MAX 768
 #define FL_SUBGROUPS_MAX (FL_GROUP_TILE / 4)
 
 shared uint list_ids[FL_LIST_MAX];
@@ -14,20 +14,26 @@ uint slot_turn = 0u;
 // Number of this thread, in the order of subgroups.
 uint thread_number() { return gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID; }
 
-// The rank of this thread among the threads for which `is_in` is true, and the number of these threads.
-uint ordered_slot(bool is_in, out uint count) {
-  uvec4 ballot = subgroupBallot(is_in);
+// The rank of this thread among the threads for which `a` is true, and among those for which `b` is, and the numbers of
+// these threads. Groups have less than 65536 threads.
+uvec2 ordered_slots(bool a, bool b, out uvec2 count) {
+  uvec4 first = subgroupBallot(a);
+  uvec4 second = subgroupBallot(b);
   slot_turn = uint(FL_SUBGROUPS_MAX) - slot_turn;
-  if (subgroupElect()) slot_counts[slot_turn + gl_SubgroupID] = subgroupBallotBitCount(ballot);
+  if (subgroupElect()) {
+    slot_counts[slot_turn + gl_SubgroupID] = subgroupBallotBitCount(first) | subgroupBallotBitCount(second) << 16;
+  }
   barrier();
   uint before = 0u;
-  count = 0u;
+  uint all = 0u;
   for (uint s = 0u; s < gl_NumSubgroups; ++s) {
     uint there = slot_counts[slot_turn + s];
     if (s < gl_SubgroupID) before += there;
-    count += there;
+    all += there;
   }
-  return before + subgroupBallotExclusiveBitCount(ballot);
+  count = uvec2(all & 0xffffu, all >> 16);
+  return uvec2((before & 0xffffu) + subgroupBallotExclusiveBitCount(first),
+               (before >> 16) + subgroupBallotExclusiveBitCount(second));
 }
 
 // Reads the supertile's mask from its word `from` on and lists its beams, as many whole words as fit. Returns the word

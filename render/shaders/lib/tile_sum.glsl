@@ -1,5 +1,5 @@
 // Light of smooth beams: sums over the teams of a workgroup in a fixed order, as polynomials. After tile_team.glsl.
-shared float node_sums[16 * FL_TILE_LIGHT];  // of 16 teams at a time; also the middles of the beams before
+shared float node_sums[16 * FL_TILE_LIGHT + 12];  // of 16 teams at a time; also the middles of entries before
 shared float group_light[FL_TILE_LIGHT];
 
 // T_0 to T_3.
@@ -45,7 +45,7 @@ void sum_light(vec3 light[kPer]) {
   barrier();
 }
 
-// What tile_class() compares with: light, h and rho at the rectangle's middle, of FL_GROUP_TILE beams, one a thread.
+// What tile_class() compares with: light, h and rho at the rectangle's middle, of so many entries.
 void store_middle(uint slot, vec3 middle) {
   node_sums[3u * slot] = middle.x;
   node_sums[3u * slot + 1u] = middle.y;
