@@ -230,7 +230,6 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
       if (plan_[i].name == beams_first && !has_solids_) clear_radiance(commands);
       passes_[i]->record(commands, {});
     }
-    vk::full_barrier(commands);
     mark(commands, plan_[i].name);
   }
   pending_.clear();  // a rig without fixtures has no step pass
@@ -264,10 +263,7 @@ void Frame::upload_levels(VkCommandBuffer commands, const PendingStep& pending) 
 void Frame::record_steps(VkCommandBuffer commands, bool timed) {
   for (const PendingStep& pending : pending_) {
     upload_levels(commands, pending);
-    if (timed && &pending == &pending_.front()) {
-      vk::full_barrier(commands);
-      mark(commands, "levels");
-    }
+    if (timed && &pending == &pending_.front()) mark(commands, "levels");
     const auto dt = static_cast<std::uint64_t>(pending.dt_ns);
     const StepPush push{static_cast<std::uint32_t>(dt), static_cast<std::uint32_t>(dt >> 32), pending.new_exposure};
     vk::full_barrier(commands);
@@ -306,11 +302,15 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   vk::full_barrier(commands);
 }
 
+// The barrier comes after the time stamp: lavapipe writes a time stamp when a barrier flushes it, so that one after the
+// barrier would have the next pass in it.
 void Frame::mark(VkCommandBuffer commands, std::string_view ended) {
-  if (times_ == VK_NULL_HANDLE) return;
-  vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, times_,
-                       static_cast<std::uint32_t>(timed_.size()));
-  timed_.push_back(ended);
+  if (times_ != VK_NULL_HANDLE) {
+    vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, times_,
+                         static_cast<std::uint32_t>(timed_.size()));
+    timed_.push_back(ended);
+  }
+  vk::full_barrier(commands);
 }
 
 Status Frame::draw(const View& view, double exposure_ev) {

@@ -11,8 +11,7 @@ namespace footlight::render {
 
 [[nodiscard]] inline std::vector<vk::SpecConstant> tile_class_constants(const fixtures::Needs& needs,
                                                                         const FrameSettings& settings) {
-  return {{FL_SPEC_GOBO, needs.gobo},
-          {FL_SPEC_EXTINCTION, needs.extinction},
+  return {{FL_SPEC_EXTINCTION, needs.extinction},
           {FL_SPEC_PROFILE, needs.profile},
           {FL_SPEC_NODES, settings.nodes > 3 ? 5u : 3u},  // tile_node() has these two rules
           {FL_SPEC_BOXES, needs.surfaces},

@@ -22,7 +22,6 @@
 #include "render/shaders/shared/tile_node.h"
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/thin.glsl"
-#include "render/shaders/lib/has_gobo.glsl"
 layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
 layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
 const bool kSolids = kBoxes || kBodies;
@@ -43,14 +42,20 @@ shared uint rest_bits[FL_GROUP_TILE];  // of the words of one list
 shared vec2 estimates[FL_SUBGROUPS_MAX];             // of subgroups: light, and beams that give some
 shared uint beam_count;
 
-// How many beams the supertile's mask has.
+// How many of the beams in the supertile's mask can be taken together.
 uint count_beams(uint supertile) {
   uint number = thread_number();
   uint words = (counts.live_count + 31u) / 32u;
   if (number == 0u) beam_count = 0u;
   barrier();
   uint bits = 0u;
-  for (uint w = number; w < words; w += uint(FL_GROUP_TILE)) bits += bitCount(masks[supertile * params.mask_words + w]);
+  for (uint w = number; w < words; w += uint(FL_GROUP_TILE)) {
+    uint rest = masks[supertile * params.mask_words + w];
+    while (rest != 0u) {
+      if (tile_knows(beams[w * 32u + uint(findLSB(rest))])) ++bits;
+      rest &= rest - 1u;
+    }
+  }
   bits = subgroupAdd(bits);
   if (subgroupElect()) atomicAdd(beam_count, bits);
   barrier();

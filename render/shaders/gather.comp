@@ -104,6 +104,13 @@ bool thin_somewhere(BeamRow beam) {
          reach * length(beam.eye.xyz - vec3(0.0, 0.0, range_m)) > beam.x_axis.w + beam.y_axis.w * range_m;
 }
 
+// Whether tile_node() of shared/tile_node.h has its light.
+bool is_plain(BeamRow beam) {
+  bool gobo = (beam.gobo | beam.gobo_2 | beam.animation) != 0u || beam.offset_1 != 0.0 || beam.offset_2 != 0.0;
+  return !gobo && (beam.flags & FL_BEAM_BLADES) == 0u && beam.j0.w == 0.0 && beam.measured == 0u &&
+         beam.squeeze == 0.0 && beam.y_axis.w <= kWideSpread;
+}
+
 shared uint beams_before;
 shared uint lit_before;
 shared uint beams_of[FL_GROUP_HEADS];
@@ -231,7 +238,9 @@ void write_beams(uint index, uint first) {
       j0_spread = copy_spread;
     }
     beam.j0.rgb = vec3(state.red, state.green, state.blue) * (j0 * light);
-    beam.flags = thin_somewhere(beam) ? beam.flags | FL_BEAM_THIN : beam.flags & ~FL_BEAM_THIN;
+    beam.flags &= ~(FL_BEAM_THIN | FL_BEAM_PLAIN);
+    if (thin_somewhere(beam)) beam.flags |= FL_BEAM_THIN;
+    if (is_plain(beam)) beam.flags |= FL_BEAM_PLAIN;
     beams[first + b] = beam;
     if (kBlades && (beam.flags & FL_BEAM_BLADES) != 0u) {
       for (uint i = 0u; i < 4u; ++i) {

@@ -204,8 +204,8 @@ TEST_CASE("light of a cut chord by moments is that of eight Gauss nodes") {
         const double s = middle + (k - 1) * f64::kFitNode * half;
         g[k] = f64::tile_integrand(beam, medium, chord, line, d, s, 0, true, true) / chord.v_length;
       }
-      const double by_moments = glm::dot(f64::cut_fit(g[0], g[1], g[2], middle, half),
-                                         f64::cut_moments(c_square, line.s_a, line.s_b));
+      const double by_moments =
+          glm::dot(f64::cut_fit(g[0], g[1], g[2], middle, half), f64::cut_moments(c_square, line.s_a, line.s_b));
       sum += light * light;
       error += (by_moments - light) * (by_moments - light);
     }

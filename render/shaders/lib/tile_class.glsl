@@ -32,11 +32,7 @@ const float kAlongSteady = 0.97;
 float brightest(vec3 rgb) { return max(rgb.r, max(rgb.g, rgb.b)); }
 
 // Whether the beam has a light that tile_node() knows.
-bool tile_knows(BeamRow row) {
-  bool plain = row.j0.w == 0.0 && row.measured == 0u && row.squeeze == 0.0 && (row.flags & FL_BEAM_BLADES) == 0u &&
-               row.y_axis.w <= kWideSpread;
-  return plain && !has_gobo(row);
-}
+bool tile_knows(BeamRow row) { return (row.flags & FL_BEAM_PLAIN) != 0u; }
 
 // The beam's line on the ray through a place of the rectangle, up to the surface there.
 void line_at(BeamShape beam, BeamRow row, Rect rect, vec2 at, out Chord chord, out ChordLine line, out vec3 ray) {
