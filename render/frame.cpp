@@ -296,6 +296,7 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   params.thin = settings_.widen_thin ? static_cast<float>(FL_THIN_RADIUS_PX * pixel) : 0.0f;
   params.supersample = static_cast<std::uint32_t>(settings_.supersample);
   params.tile_error = static_cast<float>(settings_.tile_error);
+  params.tile_beams = settings_.tile_beams;
   params.work_lx = static_cast<float>(work_light_lx_);
   vk::full_barrier(commands);  // the frame before may still be reading
   vkCmdUpdateBuffer(commands, resources_.rig.params.handle, 0, sizeof(params), &params);

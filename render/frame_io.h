@@ -17,7 +17,7 @@ static_assert(sizeof(FrameParams) == 128);
 static_assert(offsetof(FrameParams, width) == 64);
 static_assert(sizeof(BeamRow) == 160);
 static_assert(sizeof(BladesRow) == 64);
-static_assert(sizeof(CountsRow) == 80);
+static_assert(sizeof(CountsRow) == 96);
 static_assert(sizeof(TileDepthRow) == 32);
 static_assert(sizeof(CoarseRow) == 208);
 static_assert(sizeof(BoxRow) == 48);

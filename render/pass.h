@@ -48,9 +48,13 @@ struct PassEntry {
 [[nodiscard]] inline bool has_bodies(const fixtures::Needs& needs, const FrameSettings& settings) {
   return (needs.fixtures || needs.objects) && settings.bodies;
 }
+// Whether light in the air is drawn.
+[[nodiscard]] inline bool has_air(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return needs.fixtures && needs.haze && settings.view != FrameView::kLux;
+}
 // Whether beams are taken together for tiles, where they are smooth.
 [[nodiscard]] inline bool has_tile_classes(const fixtures::Needs& needs, const FrameSettings& settings) {
-  return needs.fixtures && needs.haze && settings.method == BeamMethod::kGauss && settings.tile_error > 0;
+  return has_air(needs, settings) && settings.method == BeamMethod::kGauss && settings.tile_error > 0;
 }
 // Whether anything solid is in the picture.
 [[nodiscard]] inline bool has_solids(const fixtures::Needs& needs, const FrameSettings& settings) {

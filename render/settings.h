@@ -9,6 +9,11 @@ namespace footlight::render {
 
 enum class BeamMethod : std::uint32_t { kGauss = FL_METHOD_GAUSS, kMarch = FL_METHOD_MARCH };
 
+// What the radiance of a frame is. kClasses: how many beams a pixel shows, red those that were computed for the pixel,
+// green those that were taken together as smooth, blue those with a rim or cuts; surfaces are black. kLux: illuminance of
+// the surface of each pixel in lx, per channel, without the air between it and the camera and without work light.
+enum class FrameView : std::uint32_t { kPicture = FL_VIEW_PICTURE, kClasses = FL_VIEW_CLASSES, kLux = FL_VIEW_LUX };
+
 struct FrameSettings {
   int width = 1280;
   int height = 720;
@@ -18,12 +23,15 @@ struct FrameSettings {
   // Beams that are smooth over a tile are taken together. Error that this may add to a tile's light, as a share of it,
   // when the errors of its beams are independent; 0: every beam is computed pixel by pixel.
   double tile_error = 4e-3;
+  // Fewer live beams than that are computed pixel by pixel as well: there the passes of tiles cost more than they save.
+  std::uint32_t tile_beams = 128;
   std::uint32_t gobo_taps = 64;  // samples of the gobo along one ray through one beam
   bool bodies = true;            // draw fixture bodies
   bool haze = true;              // light in the air, where the rig has haze
   double dark_lm = 0;            // beams with no more flux are left out
   bool widen_thin = true;        // beams thinner than a pixel are drawn a pixel wide and as much weaker
-  int supersample = 1;           // pixels a side of one pixel of the screen; the size is that of the radiance
+  FrameView view = FrameView::kPicture;
+  int supersample = 1;  // pixels a side of one pixel of the screen; the size is that of the radiance
 };
 
 }  // namespace footlight::render

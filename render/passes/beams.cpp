@@ -10,17 +10,25 @@ namespace footlight::render {
 // Dispatched indirectly: a frame in which nothing is lit does no work here.
 const PassEntry kBeamsPass{
     "beams",
-    [](const fixtures::Needs& needs, const FrameSettings&) { return needs.fixtures && needs.haze; },
+    has_air,
     [](const fixtures::Needs& needs, const FrameSettings& settings) {
-      return std::vector<vk::SpecConstant>{
-          {FL_SPEC_GOBO, needs.gobo},           {FL_SPEC_EXTINCTION, needs.extinction},
-          {FL_SPEC_PROFILE, needs.profile},     {FL_SPEC_METHOD, static_cast<uint>(settings.method)},
-          {FL_SPEC_NODES, settings.nodes},      {FL_SPEC_GOBO_TAPS, settings.gobo_taps},
-          {FL_SPEC_BOXES, needs.surfaces},      {FL_SPEC_BODIES, has_bodies(needs, settings)},
-          {FL_SPEC_BLADES, needs.blades},       {FL_SPEC_FOCUS, needs.focus},
-          {FL_SPEC_ANIMATION, needs.animation}, {FL_SPEC_MEASURED, needs.measured},
-          {FL_SPEC_RECTANGLE, needs.rectangle}, {FL_SPEC_TILES, has_tile_classes(needs, settings)},
-          {FL_SPEC_WIDE, needs.wide},           {FL_SPEC_IRIS, needs.iris}};
+      return std::vector<vk::SpecConstant>{{FL_SPEC_GOBO, needs.gobo},
+                                           {FL_SPEC_EXTINCTION, needs.extinction},
+                                           {FL_SPEC_PROFILE, needs.profile},
+                                           {FL_SPEC_METHOD, static_cast<uint>(settings.method)},
+                                           {FL_SPEC_NODES, settings.nodes},
+                                           {FL_SPEC_GOBO_TAPS, settings.gobo_taps},
+                                           {FL_SPEC_BOXES, needs.surfaces},
+                                           {FL_SPEC_BODIES, has_bodies(needs, settings)},
+                                           {FL_SPEC_BLADES, needs.blades},
+                                           {FL_SPEC_FOCUS, needs.focus},
+                                           {FL_SPEC_ANIMATION, needs.animation},
+                                           {FL_SPEC_MEASURED, needs.measured},
+                                           {FL_SPEC_RECTANGLE, needs.rectangle},
+                                           {FL_SPEC_TILES, has_tile_classes(needs, settings)},
+                                           {FL_SPEC_WIDE, needs.wide},
+                                           {FL_SPEC_IRIS, needs.iris},
+                                           {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kBeamsComp,

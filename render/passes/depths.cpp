@@ -1,5 +1,7 @@
 #include "render/passes/depths.h"
 
+#include <cstddef>
+
 #include "render/passes/compute_pass.h"
 #include "shaders/depths.comp.h"
 
@@ -13,8 +15,9 @@ const PassEntry kDepthsPass{
     [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
     [](const PassContext& context) {
       return make_compute_pass(context, kDepthsComp,
-                               [x = tile_groups(context.settings.width), y = tile_groups(context.settings.height)](
-                                   VkCommandBuffer commands) { vkCmdDispatch(commands, x, y, 1); });
+                               [counts = context.resources.rig.counts.handle](VkCommandBuffer commands) {
+                                 vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, depths_groups));
+                               });
     },
     [] { return std::vector<std::vector<vk::Spirv>>{{kDepthsComp}}; },
     "beams taken together for a tile that shows one plane"};

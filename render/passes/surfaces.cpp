@@ -20,7 +20,8 @@ const PassEntry kSurfacesPass{
                                            {FL_SPEC_MEASURED, needs.measured},
                                            {FL_SPEC_RECTANGLE, needs.rectangle},
                                            {FL_SPEC_WIDE, needs.wide},
-                                           {FL_SPEC_IRIS, needs.iris}};
+                                           {FL_SPEC_IRIS, needs.iris},
+                                           {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kSurfacesComp,

@@ -19,7 +19,8 @@ namespace footlight::render {
           {FL_SPEC_MEASURED, needs.measured},
           {FL_SPEC_RECTANGLE, needs.rectangle},
           {FL_SPEC_WIDE, needs.wide},
-          {FL_SPEC_IRIS, needs.iris}};
+          {FL_SPEC_IRIS, needs.iris},
+          {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
 }
 
 // A pass of teams (render/shaders/lib/tile_team.glsl), whose size follows the device's subgroups.

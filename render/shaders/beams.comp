@@ -15,6 +15,7 @@
 #define FL_FINE_MASKS_ACCESS readonly
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/forms.glsl"
+#include "render/shaders/lib/view.glsl"
 #include "render/shaders/lib/gobo.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
@@ -28,7 +29,7 @@ bool tile_touches(BeamRow row) {
   return beam_touches(row, beam_bound(row, 1.0), low, high);
 }
 layout(constant_id = FL_SPEC_TILES) const bool kTiles = false;
-#define FL_WALK_FINE kTiles
+#define FL_WALK_FINE (kTiles && counts.fine_groups[0] > 0u)
 #include "render/shaders/lib/tile_walk.glsl"
 
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX / FL_ROWS) in;
@@ -108,7 +109,7 @@ void main() {
           } else {
             value = vec3(chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction));
           }
-          total[i] += row.j0.rgb * (gain * value);
+          total[i] += kShowsClasses ? kClassPixel : row.j0.rgb * (gain * value);
         }
       }
     FL_WALK_END
@@ -117,6 +118,6 @@ void main() {
     ivec2 pixel = tile_pixel(i);
     if (!in_picture(pixel)) continue;
     vec3 behind = kBoxes || kBodies || kTiles ? imageLoad(radiance, pixel).rgb : vec3(0.0);
-    imageStore(radiance, pixel, vec4(behind + params.forward.w * total[i], 1.0));
+    imageStore(radiance, pixel, vec4(behind + light_scale() * total[i], 1.0));
   }
 }

@@ -19,6 +19,7 @@
 #define FL_FINE_MASKS_ACCESS writeonly
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/forms.glsl"
+#include "render/shaders/lib/view.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
 #include "render/shaders/shared/tile_node.h"
@@ -185,7 +186,7 @@ void add_to_pixels(vec3 total[FL_ROWS]) {
     ivec2 pixel = first + ivec2(0, i);
     if (pixel.x >= int(params.width) || pixel.y >= int(params.height)) continue;
     vec4 behind = imageLoad(radiance, pixel);  // its distance stays for the beam pass
-    imageStore(radiance, pixel, vec4(behind.rgb + params.forward.w * total[i], behind.a));
+    imageStore(radiance, pixel, vec4(behind.rgb + light_scale() * total[i], behind.a));
   }
 }
 
@@ -224,7 +225,7 @@ void add_records() {
         float q = max(1.0 - r * r, 0.0);
         float rim = q * sqrt(q);
         if (kProfile) rim = rim_factor(q, color.w);
-        total[i] += (dot(h, y[i]) * rim) * color.rgb;
+        total[i] += kShowsClasses ? (q > 0.0 ? kClassRecord : vec3(0.0)) : (dot(h, y[i]) * rim) * color.rgb;
       }
     }
     bits = subgroupBroadcastFirst(cut_bits[block * kWords + w]);
@@ -242,7 +243,8 @@ void add_records() {
       [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
         float r = dot(rho, y[i]);
         vec3 moments = cut_moments(max(1.0 - r * r, 0.0), dot(from, y[i]), dot(to, y[i]));
-        total[i] += dot(moments, vec3(dot(g0, y[i]), dot(g1, y[i]), dot(g2, y[i]))) * color;
+        vec3 light = dot(moments, vec3(dot(g0, y[i]), dot(g1, y[i]), dot(g2, y[i]))) * color;
+        total[i] += kShowsClasses ? (moments.x > 0.0 ? kClassRecord : vec3(0.0)) : light;
       }
     }
   }
@@ -337,7 +339,9 @@ void main() {
                                  (own.bits & kGuessCutAfter) != 0u);
             if (may && close) kind = kCut;
           }
-          if (kind == kSmooth) FL_LANE_NODES(k) light_here[k] += node_light[k] * row.j0.rgb;
+          if (kind == kSmooth) {
+            FL_LANE_NODES(k) light_here[k] += kShowsClasses ? kClassSmooth : node_light[k] * row.j0.rgb;
+          }
           if (kind == kRim) store_color(slot, 3u, vec4(row.j0.rgb, rim_power(drawn_profile(row.eye.w))));
           if (kind == kCut) store_color(slot, 9u, vec4(row.j0.rgb, 1.0));
           if (team_lane() == 0u && (kind == kRim || kind == kCut)) record_kinds[slot] = kind;

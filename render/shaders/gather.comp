@@ -301,11 +301,15 @@ void main() {
     counts.beams_groups[0] = any ? (params.width + uint(FL_TILE_PX) - 1u) / uint(FL_TILE_PX) : 0u;
     counts.beams_groups[1] = any ? (params.height + uint(FL_TILE_PX) - 1u) / uint(FL_TILE_PX) : 0u;
     counts.beams_groups[2] = 1u;
-    counts.fine_groups[0] = any ? (params.width + uint(FL_FINE_PX) - 1u) / uint(FL_FINE_PX) : 0u;
-    counts.fine_groups[1] = any ? (params.height + uint(FL_FINE_PX) - 1u) / uint(FL_FINE_PX) : 0u;
+    bool tiles = any && live >= params.tile_beams;
+    counts.depths_groups[0] = tiles ? counts.beams_groups[0] : 0u;
+    counts.depths_groups[1] = tiles ? counts.beams_groups[1] : 0u;
+    counts.depths_groups[2] = 1u;
+    counts.fine_groups[0] = tiles ? (params.width + uint(FL_FINE_PX) - 1u) / uint(FL_FINE_PX) : 0u;
+    counts.fine_groups[1] = tiles ? (params.height + uint(FL_FINE_PX) - 1u) / uint(FL_FINE_PX) : 0u;
     counts.fine_groups[2] = 1u;
-    counts.coarse_groups[0] = any ? params.supertiles_x : 0u;
-    counts.coarse_groups[1] = any ? supertiles_y : 0u;
+    counts.coarse_groups[0] = tiles ? params.supertiles_x : 0u;
+    counts.coarse_groups[1] = tiles ? supertiles_y : 0u;
     counts.coarse_groups[2] = 1u;
   }
 }

@@ -17,6 +17,7 @@
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/surface.glsl"
 #include "render/shaders/lib/forms.glsl"
+#include "render/shaders/lib/view.glsl"
 #include "render/shaders/lib/gobo.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
@@ -215,6 +216,8 @@ void main() {
       }
     }
     if (kExtinction) color *= exp(-medium.extinction_per_m * surface[i].t_m);
+    if (kView == uint(FL_VIEW_LUX)) color = surface[i].kind != kNothing ? illuminance_lx[i] : vec3(0.0);
+    if (kShowsClasses) color = vec3(0.0);
     imageStore(radiance, pixel, vec4(color, surface[i].t_m));
   }
 }

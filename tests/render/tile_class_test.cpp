@@ -17,6 +17,7 @@ using footlight::testing::HeadlessVulkan;
 // The picture with tiles against the one without.
 PictureNorms against_general(vk::Device& device, const Scene& scene, FrameSettings settings, const std::string& what) {
   const double error = settings.tile_error;
+  settings.tile_beams = 0;
   settings.tile_error = 0;
   const auto frame = make_frame(device, scene, settings);
   const RadianceImage general = draw(*frame, scene);

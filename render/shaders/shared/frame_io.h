@@ -81,10 +81,16 @@
 #define FL_SPEC_LAMP(number) (27 + number)
 #define FL_SPEC_TILES (28 + FL_LAMP_COUNT)
 #define FL_SPEC_TEAM (29 + FL_LAMP_COUNT)
-#define FL_SPEC_COUNT (30 + FL_LAMP_COUNT)
+#define FL_SPEC_VIEW (30 + FL_LAMP_COUNT)
+#define FL_SPEC_COUNT (31 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
+
+// What a frame shows (FrameView).
+#define FL_VIEW_PICTURE 0
+#define FL_VIEW_CLASSES 1
+#define FL_VIEW_LUX 2
 
 #define FL_GROUP_HEADS 64   // heads a workgroup
 #define FL_TILE_PX 16       // a workgroup shades one tile
@@ -126,8 +132,8 @@ struct FrameParams {
   uint supersample;  // pixels of the radiance a side of a pixel of the screen
   float work_lx;     // work light: on faces by their direction
   float tile_error;  // error that the beams of a supertile may have together, over their light (tile_class.glsl)
+  uint tile_beams;   // fewer live beams than that are computed pixel by pixel, without the passes of tiles
   uint pad_1;
-  uint pad_2;
 };
 
 // One lit beam, 160 bytes: a head's, or one facet's of its prism. Light space is camera-relative: eye = camera in it.
@@ -178,6 +184,7 @@ struct CountsRow {
   uint pad_1;
   uint tiles_groups[4];   // indirect arguments of the tile pass: x = live / FL_GROUP_MASK, y = blocks, z = 1
   uint beams_groups[4];   // of the beam pass: 0 x 0 x 0 when nothing is lit
+  uint depths_groups[4];  // of the depths pass: one group a tile; this and the next two are 0 for few beams
   uint coarse_groups[4];  // of the coarse pass: one group a supertile
   uint fine_groups[4];    // of the fine pass: one group FL_FINE_PX x FL_FINE_PX pixels
 };

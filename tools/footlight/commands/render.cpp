@@ -14,6 +14,7 @@
 #include "tools/footlight/pictures/flash_watch.h"
 #include "tools/footlight/pictures/picture_file.h"
 #include "tools/footlight/pictures/scene_files.h"
+#include "tools/footlight/pictures/shown_view.h"
 #include "tools/footlight/pictures/start_view.h"
 #include "tools/footlight/pictures/timeline.h"
 #include "tools/footlight/pictures/video_file.h"
@@ -41,7 +42,9 @@ struct Options {
   double tile_error = render::FrameSettings{}.tile_error;
   int supersample = 1;
   std::string flashes = "warn";
-  std::vector<std::string> sets;  // "Prism1=2", "Spot 3:Pan=30"
+  std::string show = "picture";
+  std::vector<std::string> probes;  // "320,180"
+  std::vector<std::string> sets;    // "Prism1=2", "Spot 3:Pan=30"
   bool lit = false;
   std::optional<double> work_light_lx;
   bool json = false;
@@ -73,6 +76,10 @@ Status check_options(const Options& options) {
   if (options.flashes != "warn" && options.flashes != "limit" && options.flashes != "ignore") {
     return fail(ErrorCode::kBadInput, "--flashes {}: expected warn, limit or ignore", options.flashes);
   }
+  FL_ASSIGN(const ShownView shown, shown_view_of(options.show));
+  if (!options.probes.empty() && shown != ShownView::kLux) {
+    return fail(ErrorCode::kBadInput, "--probe: reads the light on surfaces; expected --show lux as well");
+  }
   if (is_exr(options.out)) FL_TRY(check_exr(options.out));
   if (options.flashes == "limit" && is_exr(options.out)) {
     return fail(ErrorCode::kBadInput,
@@ -98,8 +105,15 @@ class Job {
  public:
   Job(const Options& options, const StopSignal& stop, Timeline* timeline, render::Frame& frame,
       const render::View& view, double exposure_ev)
-      : options_(options), stop_(stop), timeline_(timeline), frame_(frame), view_(view), exposure_ev_(exposure_ev) {
-    const bool watches = options.flashes != "ignore" && options.every_ns > 0 && options.every_ns <= kFlashPauseMaxNs;
+      : options_(options),
+        stop_(stop),
+        timeline_(timeline),
+        frame_(frame),
+        view_(view),
+        exposure_ev_(exposure_ev),
+        shown_(shown_view_of(options.show).value_or(ShownView::kPicture)) {
+    const bool watches = shown_ == ShownView::kPicture && options.flashes != "ignore" && options.every_ns > 0 &&
+                         options.every_ns <= kFlashPauseMaxNs;
     if (watches) flashes_.emplace(options.flashes == "limit");
   }
 
@@ -120,7 +134,11 @@ class Job {
     }
     if (stop_.came()) return {};
     FL_TRY(frame_.draw(view_, exposure_ev_));
-    FL_ASSIGN(picture_, frame_.read_screen());
+    if (shown_ == ShownView::kPicture) {
+      FL_ASSIGN(picture_, frame_.read_screen());
+    } else {
+      FL_TRY(show_view());
+    }
     const double wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     watch_flashes(at_ns);
     FL_TRY(store(exr));
@@ -139,6 +157,9 @@ class Job {
     last_ns_ = at_ns;
     return {};
   }
+
+  // What each colour of the last picture means, for --show; empty for pictures.
+  [[nodiscard]] const std::string& legend() const { return legend_; }
 
   void show_progress(std::size_t all) { progress_.show(static_cast<std::size_t>(number_), all); }
 
@@ -190,6 +211,84 @@ class Job {
                     stretch.flashes >= 16 ? " or more" : "", 100 * stretch.area, stretch.red ? ", saturated red" : ""));
   }
 
+  // Replaces the picture by one of how it was computed, or of the light on surfaces.
+  Status show_view() {
+    FL_ASSIGN(const render::RadianceImage whole, frame_.read_radiance());
+    const render::RadianceImage image = render::averaged(whole, options_.supersample);
+    switch (shown_) {
+      case ShownView::kPicture: break;
+      case ShownView::kClasses: {
+        picture_ = class_picture(image);
+        const ClassShares shares = class_shares(image);
+        legend_ = fmt::format(
+            "{:.1f} beams a pixel; red: pixel by pixel, {:.1f} % of them; green: smooth, {:.1f} %; blue: rims and "
+            "cuts, "
+            "{:.1f} %",
+            shares.hits_per_px, 100 * shares.pixel, 100 * shares.smooth, 100 * shares.record);
+        break;
+      }
+      case ShownView::kHits: show_heat(hits_of(image), 1, "beams a pixel"); break;
+      case ShownView::kLux: {
+        const Values lux = lux_of(image);
+        for (const std::string& probe : options_.probes) FL_TRY(probe_lux(probe, lux));
+        show_heat(lux, 1, "lx");
+        break;
+      }
+      case ShownView::kError: {
+        // The same states once more: no step is pending.
+        const render::FrameSettings own = frame_.settings();
+        render::FrameSettings reference = own;
+        reference.tile_error = 0;
+        reference.nodes = 8;
+        reference.gobo_taps = std::max(own.gobo_taps, 512u);
+        FL_TRY(frame_.change(reference));
+        FL_TRY(frame_.draw(view_, exposure_ev_));
+        FL_ASSIGN(const render::RadianceImage exact, frame_.read_radiance());
+        FL_TRY(frame_.change(own));
+        show_heat(error_of(image, render::averaged(exact, options_.supersample)), 1e-5, "of the light", 1e-1);
+        break;
+      }
+    }
+    return {};
+  }
+
+  // high: 0 for the largest value.
+  void show_heat(const Values& values, double low, const char* unit, double high = 0) {
+    double most = 0;
+    double sum = 0;
+    for (const float v : values.values) {
+      most = std::max<double>(most, v);
+      sum += v;
+    }
+    const double top = high > 0 ? high : std::max(most, 10 * low);
+    picture_ = heat_picture(values, low, top);
+    legend_ = fmt::format(
+        "black: below {:.3g} {}; blue to red: {:.3g} to {:.3g}, by the logarithm; mean {:.4g}, largest "
+        "{:.4g}",
+        low, unit, low, top, sum / static_cast<double>(std::max<std::size_t>(values.values.size(), 1)), most);
+  }
+
+  Status probe_lux(const std::string& probe, const Values& lux) {
+    int x = 0;
+    int y = 0;
+    char rest = 0;
+    if (std::sscanf(probe.c_str(), "%d,%d%c", &x, &y, &rest) != 2 || x < 0 || y < 0 || x >= lux.width ||
+        y >= lux.height) {
+      return fail(ErrorCode::kBadInput, "--probe {}: expected X,Y in pixels from the top left, up to {},{}", probe,
+                  lux.width - 1, lux.height - 1);
+    }
+    const double value =
+        lux.values[static_cast<std::size_t>(y) * static_cast<std::size_t>(lux.width) + static_cast<std::size_t>(x)];
+    if (options_.json) {
+      fmt::print(R"({{"event":"probe","number":{},"x":{},"y":{},"lx":{:.6g}}})"
+                 "\n",
+                 number_, x, y, value);
+    } else {
+      fmt::print("{},{}: {:.4g} lx\n", x, y, value);
+    }
+    return {};
+  }
+
   Status store_exr(const std::string& path, const ExrHeader& exr) {
     FL_ASSIGN(const render::RadianceImage light, frame_.read_radiance());
     return write_exr(path, render::averaged(light, options_.supersample), exr);
@@ -215,6 +314,8 @@ class Job {
   render::Frame& frame_;
   const render::View& view_;
   double exposure_ev_;
+  ShownView shown_;
+  std::string legend_;
   render::ScreenImage picture_;
   std::unique_ptr<VideoFile> video_;
   std::optional<FlashWatch> flashes_;
@@ -249,6 +350,9 @@ Result<int> render_pictures(const Options& options) {
   settings.gobo_taps = static_cast<std::uint32_t>(options.gobo_taps);
   settings.tile_error = options.tile_error;
   settings.supersample = options.supersample;
+  FL_ASSIGN(const ShownView shown, shown_view_of(options.show));
+  if (shown == ShownView::kClasses || shown == ShownView::kHits) settings.view = render::FrameView::kClasses;
+  if (shown == ShownView::kLux) settings.view = render::FrameView::kLux;
   FL_ASSIGN(const auto frame, render::Frame::create(*device, rig, compiled, settings));
   frame->set_work_light_lx(options.work_light_lx.value_or(usual_lx));
   print_warnings(frame->resources().rig.diagnostics);
@@ -291,6 +395,7 @@ Result<int> render_pictures(const Options& options) {
   if (!options.json) {
     fmt::print("{}: {} picture{} of {}x{} on {}\n", options.out, job.count(), job.count() == 1 ? "" : "s", size.width,
                size.height, device->name());
+    if (!job.legend().empty()) fmt::print("{}\n", job.legend());
   }
   return device->validation_messages().empty() ? kExitOk : kExitFailed;
 }
@@ -316,6 +421,10 @@ void add(Arguments& arguments) {
       "lx on every surface in addition to the rig's; default: 150 or more without input, little with --lit");
   arguments.option("--flashes", options->flashes, "WORD",
                    "harmful flashes (more than three a second): warn, limit or ignore [warn]");
+  arguments.option(
+      "--show", options->show, "WORD",
+      "instead of the picture: classes, hits (beams a pixel), lux (on surfaces) or error, in false colours");
+  arguments.list("--probe", options->probes, "X,Y", "with --show lux: print the lx at a pixel; several times");
   arguments.duration("--exposure", options->exposure_ns,
                      "time that the shutter is open before the picture's time; default: 20ms, or all of --every");
   arguments.option("--ev", options->exposure_ev, -20, 30, "exposure value at ISO 100; default: the camera's own");
@@ -344,6 +453,7 @@ extern const CommandInfo render_command{
         "  footlight render rig.toml --log show.dmxlog --at 12.5s -o frame.exr         linear light in cd/m2, OpenEXR\n"
         "  footlight render hall.mvr --at 0s -o hall.png              in work light\n"
         "  footlight render hall.mvr --lit --set Tilt=30 --set Iris=0.4 --at 0s -o tilted.png\n"
+        "  footlight render hall.mvr --lit --at 0s --show lux --probe 640,500 -o lux.png\n"
         "  footlight render --demo --every 40ms --from 10s --until 20s --camera side -o side.mp4\n"
         "The same rig, log and time give the same picture, bit for bit on one device. Ctrl-C stops after the current\n"
         "picture; the video or the pictures so far are complete.",
