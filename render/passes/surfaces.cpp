@@ -20,12 +20,21 @@ const PassEntry kSurfacesPass{
                                            {FL_SPEC_MEASURED, needs.measured},
                                            {FL_SPEC_RECTANGLE, needs.rectangle},
                                            {FL_SPEC_WIDE, needs.wide},
+                                           {FL_SPEC_TILES, settings.tile_error > 0},
                                            {FL_SPEC_IRIS, needs.iris},
                                            {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
     },
     [](const PassContext& context) {
-      return make_compute_pass(context, kSurfacesComp,
-                               [x = tile_groups(context.settings.width), y = tile_groups(context.settings.height)](
+      // Small subgroups mean a CPU: it executes subgroups one after the other, and stores the state of each at every
+      // barrier.
+      PassContext sized = context;
+      const bool is_wide = context.device.facts().subgroup.subgroupSize >= 32;
+      sized.constants.push_back({FL_SPEC_GROUP, is_wide ? 512u : 128u});
+      const auto groups = [](int size_px) {
+        return (static_cast<std::uint32_t>(size_px) + FL_SURFACE_PX - 1) / FL_SURFACE_PX;
+      };
+      return make_compute_pass(sized, kSurfacesComp,
+                               [x = groups(context.settings.width), y = groups(context.settings.height)](
                                    VkCommandBuffer commands) { vkCmdDispatch(commands, x, y, 1); });
     },
     [] { return std::vector<std::vector<vk::Spirv>>{{kSurfacesComp}}; },

@@ -1,8 +1,10 @@
 #version 460
 // Light on solid things, and how far away they are (alpha of the radiance image, for the beams that follow): albedo /
 // pi times the illuminance of every beam that reaches the pixel's surface, dimmed by the haze between it and the eye.
-// Lenses shine by themselves.
+// Lenses shine by themselves. A workgroup has 32 x 32 pixels. Beams that cover the plane in its middle smoothly are
+// added as one polynomial; the others are computed pixel by pixel, in patch order (docs/decisions/0104).
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
@@ -24,60 +26,27 @@
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/thin.glsl"
 
-// Smallest box of the tile's surface points as ordered integers, camera-relative; then a sphere round it.
-shared int bound_low[3];
-shared int bound_high[3];
-
-// Order-preserving integer of a float.
-int ordered(float x) {
-  int bits = floatBitsToInt(x);
-  return bits ^ ((bits >> 31) & 0x7fffffff);
-}
-float from_ordered(int bits) { return intBitsToFloat(bits ^ ((bits >> 31) & 0x7fffffff)); }
-
-void bound_begin() {
-  uint lane = gl_LocalInvocationIndex;
-  if (lane < 3u) {
-    bound_low[lane] = 0x7fffffff;
-    bound_high[lane] = int(0x80000000);
-  }
-  barrier();
-}
-// The box of one thread's points; low > high where it has none. All threads of the group call it together.
-void bound_add(vec3 low_m, vec3 high_m) {
-  low_m = subgroupMin(low_m);
-  high_m = subgroupMax(high_m);
-  if (!subgroupElect() || low_m.x > high_m.x) return;
-  for (int i = 0; i < 3; ++i) {
-    atomicMin(bound_low[i], ordered(low_m[i]));
-    atomicMax(bound_high[i], ordered(high_m[i]));
-  }
-}
-
-// Whether the cone reaches the sphere round the tile's points.
-bool tile_touches(BeamRow row) {
-  if (bound_low[0] > bound_high[0]) return false;  // nothing solid here
-  vec3 low = vec3(from_ordered(bound_low[0]), from_ordered(bound_low[1]), from_ordered(bound_low[2]));
-  vec3 high = vec3(from_ordered(bound_high[0]), from_ordered(bound_high[1]), from_ordered(bound_high[2]));
-  vec3 p = row.eye.xyz + to_light(row, 0.5 * (low + high));
-  // What float loses of a place grows with its distance from the lens and from the camera.
-  float radius = 0.5001 * length(high - low) + 1e-4 + 1e-6 * (length(row.eye.xyz) + length(p));
-  float spread = row.y_axis.w;
-  float lens_radius_m = beam_bound(row, FL_THIN_ON_SURFACE).lens_radius_m;
-  if (kRectangle && row.squeeze > 0.0) {
-    float stretched = radius * max(1.0, inversesqrt(row.squeeze));
-    return p.z > -radius && p.z < row.axis.w + radius &&
-           length(p.xy) < lens_radius_m + spread * max(p.z, 0.0) + stretched + radius * spread;
-  }
-  return p.z > -radius && p.z < row.axis.w + radius &&
-         length(p.xy) < lens_radius_m + spread * max(p.z, 0.0) + radius * sqrt(1.0 + spread * spread);
-}
-#include "render/shaders/lib/tile_walk.glsl"
-
-layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX / FL_ROWS) in;
+#include "render/shaders/lib/tile_list.glsl"
+#include "render/shaders/lib/surface_tile.glsl"
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
+layout(constant_id = FL_SPEC_TILES) const bool kTiles = false;
+#include "render/shaders/lib/surface_class.glsl"
+
+layout(local_size_x_id = FL_SPEC_GROUP) in;
 
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform writeonly image2D radiance;
+
+// Of FL_BATCH beams of the list: a bit for each that a block of pixels computes, and for each that is in the polynomial
+// (only pixels off the plane compute it), covers the plane, or needs all of its row.
+#define FL_BATCH 256u
+const uint kBatchWords = FL_BATCH / 32u;
+shared uint block_bits[FL_BLOCKS][kBatchWords];
+shared uint smooth_bits[kBatchWords];
+shared uint cover_bits[kBatchWords];
+shared uint shaped_bits[kBatchWords];
+shared bool has_smooth;  // some beam of the tile is in the polynomial
+shared uint covering[FL_COVERS_MAX];  // their numbers in the batch
+shared float plane_facing[FL_BATCH];  // plain_facing() of the tile's plane
 
 const float kPi = 3.141592653589793;
 // Reflectance of painted housings. Chosen by eye.
@@ -138,65 +107,221 @@ float work_light(vec3 normal, vec3 offset_m) {
   return 0.3 + 0.3 * (0.5 + 0.5 * normal.z) + 0.4 * max(-dot(normal, normalize(offset_m)), 0.0);
 }
 
-void main() {
-  Medium medium = Medium(params.anisotropy, params.position.w);
-  Surface surface[FL_ROWS];
-  vec3 offset_m[FL_ROWS];  // of the surface point from the camera
-  vec3 illuminance_lx[FL_ROWS];
-  // A sphere round all surface points of the tile: most beams that cross the tile in the air light none of them.
-  bound_begin();
-  vec3 low_m = vec3(kNothingM * 2.0);
-  vec3 high_m = vec3(-kNothingM * 2.0);
-  for (int i = 0; i < FL_ROWS; ++i) {
-    ivec2 pixel = tile_pixel(i);
-    vec3 d = normalize(ray_through(vec2(pixel) + 0.5));
-    // Threads past the edge of the picture look at its last pixel; what they find is not used.
-    surface[i] = surface_at(min(pixel, ivec2(int(params.width), int(params.height)) - 1), d);
-    offset_m[i] = d * surface[i].t_m;
-    illuminance_lx[i] = vec3(params.ambient_lx);
-    if (surface[i].kind != kNothing && in_picture(pixel)) {
-      low_m = min(low_m, offset_m[i]);
-      high_m = max(high_m, offset_m[i]);
+vec3 illuminance_lx[kRows];  // of the thread's pixels
+
+bool has_others;         // the block has pixels that do not show the plane
+
+// Adds a plain beam to the thread's pixels. off_plane: only to those that do not show the tile's plane. facing:
+// plain_facing() of that plane.
+void add_plain_beam(uint index, Medium medium, bool off_plane, float plane_facing) {
+  BeamRow row = beams[index];
+  float facing[kRows];
+  [[unroll]] for (int i = 0; i < int(kRows); ++i) facing[i] = plane_facing;
+  if (has_others) {
+    vec3 lens_m = lens_place(row);
+    [[unroll]] for (int i = 0; i < int(kRows); ++i) {
+      float own = plain_facing(row, lens_m, surface[i].normal, dot(surface[i].normal, offset_m[i]));
+      facing[i] = on_plane[i] ? (off_plane ? 0.0 : plane_facing) : own;
     }
   }
-  bound_add(low_m, high_m);
-  barrier();
+  [[unroll]] for (int i = 0; i < int(kRows); ++i) {
+    illuminance_lx[i] += row.j0.rgb * plain_illuminance(row, medium, offset_m[i], facing[i]);
+  }
+}
 
-  for (uint base = 0u; base < counts.live_count; base += FL_WALK_BEAMS) {
-    if (!tile_walk(base)) continue;
-    FL_WALK_BEGIN(base, index)
-      BeamRow row = beams[index];
-      BeamShape beam = beam_shape(row);
-      beam.profile_power = drawn_profile(beam.profile_power);
-      gobo_begin(row);
-      bool gobo = has_gobo(row);
-      bool plain = thin_is_plain(row, gobo);
-      bool thin = beam_thin(row) > 0.0;
-      for (int i = 0; i < FL_ROWS; ++i) {
-        vec3 p = row.eye.xyz + to_light(row, offset_m[i]);
-        vec2 rho;
-        float r_m;
-        float share = 0.0;
-        if (thin && surface[i].kind != kNothing) {
-          share = thin_illuminance(beam, row, p, surface[i], offset_m[i], plain, rho, r_m);
-        } else {
-          share = beam_illuminance(beam, p, rho, r_m);
+// Adds a beam that is not plain, or that may be widened.
+void add_shaped_beam(uint index, Medium medium, bool off_plane) {
+  BeamRow row = beams[index];
+  BeamShape beam = beam_shape(row);
+  beam.profile_power = drawn_profile(beam.profile_power);
+  gobo_begin(row);
+  bool gobo = has_gobo(row);
+  bool plain = thin_is_plain(row, gobo);
+  bool thin = beam_thin(row) > 0.0;
+  for (int i = 0; i < int(kRows); ++i) {
+    if (surface[i].kind == kNothing || (off_plane && on_plane[i])) continue;
+    vec3 p = row.eye.xyz + to_light(row, offset_m[i]);
+    vec2 rho;
+    float r_m;
+    float share = thin ? thin_illuminance(beam, row, p, surface[i], offset_m[i], plain, rho, r_m)
+                       : beam_illuminance(beam, p, rho, r_m);
+    if (!(share > 0.0)) continue;
+    share *= max(-dot(to_light(row, surface[i].normal), beam_direction(beam, rho)), 0.0);
+    if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);
+    if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u) share *= blades_at(index, rho, p.z);
+    vec3 through = vec3(share);
+    if (gobo) through *= gobo_on_surface(row.gobo, rho, p.z);
+    illuminance_lx[i] += row.j0.rgb * through;
+  }
+}
+
+// Moves the beams that reach a place of the tile to the front of the list. Returns their number.
+uint keep_touching() {
+  uint number = thread_number();
+  uint listed = list_count;
+  uint touching = 0u;
+  for (uint at = 0u; at < listed; at += kGroup) {
+    uint id = 0u;
+    bool touches = false;
+    // A loop of one round: lavapipe skips a loop without active threads, but no branch.
+    for (uint own = at + number; own < min(at + kGroup, listed); own += kGroup) {
+      id = list_ids[own];
+      BeamRow row = beams[id];
+      BeamShape bound = beam_bound(row, FL_THIN_ON_SURFACE);
+      touches = cone_touches(row, bound, spheres[2u * FL_BLOCKS]) ||
+                cone_touches(row, bound, spheres[2u * FL_BLOCKS + 1u]);
+    }
+    uint count;
+    uint slot = ordered_slot(touches, count);
+    if (touches) list_ids[touching + slot] = id;  // not past what has been read
+    touching += count;
+  }
+  barrier();
+  return touching;
+}
+
+// Fills the bits of `count` beams of the list from `at` on. sum: as add_smooth_beams() adds to it.
+void classify(uint at, uint count, Medium medium, vec4 plane, inout float sum) {
+  uint number = thread_number();
+  if (number < FL_BLOCKS * kBatchWords) block_bits[number / kBatchWords][number % kBatchWords] = 0u;
+  if (number < kBatchWords) {
+    smooth_bits[number] = 0u;
+    shaped_bits[number] = 0u;
+    uint left = count - min(count, number * 32u);
+    cover_bits[number] = left >= 32u ? ~0u : (1u << left) - 1u;
+  }
+  barrier();
+  // A beam a thread, or rather a quarter of the tile: its two blocks, and a corner.
+  const uint kCorner[4] = uint[4](0u, 3u, 12u, 15u);
+  bool has_nodes = kTiles && plane.xyz != vec3(0.0);
+  for (uint e = number; e < count * 4u; e += kGroup) {
+    uint b = e >> 2;
+    uint quarter = e & 3u;
+    uint word = b >> 5;
+    uint bit = 1u << (b & 31u);
+    BeamRow row = beams[list_ids[at + b]];
+    BeamShape bound = beam_bound(row, FL_THIN_ON_SURFACE);
+    bool plain = is_plain(row);
+    bool is_shaped = !plain || beam_thin(row) > 0.0;
+    float facing = plain_facing(row, lens_place(row), plane.xyz, plane.w);
+    for (uint block = 2u * quarter; block < 2u * quarter + 2u; ++block) {
+      bool touches = cone_touches(row, bound, spheres[2u * block]) && (facing > 0.0 || is_shaped);
+      touches = touches || cone_touches(row, bound, spheres[2u * block + 1u]);
+      if (touches) atomicOr(block_bits[block][word], bit);
+    }
+    if (quarter == 0u) {
+      plane_facing[b] = facing;
+      if (is_shaped) atomicOr(shaped_bits[word], bit);
+    }
+    bool lights = has_nodes && plain && light_at_node(row, kCorner[quarter], medium, facing) > 0.0;
+    if (!lights) atomicAnd(cover_bits[word], ~bit);
+  }
+  barrier();
+  if (!has_nodes) return;
+  uint covers = 0u;
+  for (uint w = 0u; w < kBatchWords; ++w) covers += bitCount(cover_bits[w]);
+  if (covers <= FL_FEW_COVERS) return;
+  for (uint base = 0u; base < covers; base += FL_COVERS_MAX) {
+    // In patch order.
+    for (uint b = number; b < count; b += kGroup) {
+      uint slot = bitCount(cover_bits[b >> 5] & ((1u << (b & 31u)) - 1u));
+      for (uint w = 0u; w < b >> 5; ++w) slot += bitCount(cover_bits[w]);
+      bool is_one = (cover_bits[b >> 5] >> (b & 31u) & 1u) != 0u;
+      if (is_one && slot - base < FL_COVERS_MAX) covering[slot - base] = b;
+    }
+    barrier();
+    uint here = min(covers - base, FL_COVERS_MAX);
+    for (uint e = number; e < here * FL_NODES; e += kGroup) {
+      uint b = covering[e / FL_NODES];
+      node_light[e] = light_at_node(beams[list_ids[at + b]], e % FL_NODES, medium, plane_facing[b]);
+    }
+    barrier();
+    uint own = number < here ? covering[number] : 0u;
+    vec3 color = number < here ? beams[list_ids[at + own]].j0.rgb : vec3(0.0);
+    if (add_smooth_beams(here, color, sum)) {
+      atomicOr(smooth_bits[own >> 5], 1u << (own & 31u));
+      has_smooth = true;
+    }
+    barrier();
+  }
+}
+
+// Adds the polynomial in part_sums to the pixels on the plane. from_px: of the thread's first pixel, from the middle.
+void add_polynomial(vec2 from_px) {
+  vec4 tx = chebyshev(from_px.x / kHalfHullPx);
+  vec3 rows[4];
+  [[unroll]] for (int n = 0; n < 4; ++n) {
+    rows[n] = vec3(0.0);
+    [[unroll]] for (int m = 0; m < 4; ++m) {
+      int k = 3 * (4 * n + m);
+      rows[n] += tx[m] * vec3(part_sums[k], part_sums[k + 1], part_sums[k + 2]);
+    }
+  }
+  [[unroll]] for (int i = 0; i < int(kRows); ++i) {
+    vec4 ty = chebyshev((from_px.y + float(i)) / kHalfHullPx);
+    if (on_plane[i]) illuminance_lx[i] += rows[0] * ty.x + rows[1] * ty.y + rows[2] * ty.z + rows[3] * ty.w;
+  }
+}
+
+void main() {
+  Medium medium = Medium(params.anisotropy, params.position.w);
+  uvec2 size = uvec2(params.width, params.height);
+  uvec2 tile_low = gl_WorkGroupID.xy * uint(FL_SURFACE_PX);
+  uvec2 pixel_low = tile_low + first_pixel();
+  for (int i = 0; i < int(kRows); ++i) {
+    uvec2 pixel = pixel_low + uvec2(0, i);
+    vec3 d = normalize(ray_through(vec2(pixel) + 0.5));
+    // Threads past the edge of the picture look at its last pixel.
+    surface[i] = surface_at(ivec2(min(pixel, size - 1u)), d);
+    if (any(greaterThanEqual(pixel, size))) surface[i].kind = kNothing;
+    offset_m[i] = d * surface[i].t_m;
+    illuminance_lx[i] = vec3(params.ambient_lx);
+  }
+  if (thread_number() == 0u) has_smooth = false;
+  find_shapes(pixel_low, min(tile_low + uint(FL_SURFACE_PX / 2), size - 1u));
+  vec4 plane = tile_plane;
+  vec2 middle = vec2(tile_low) + 0.5 * float(FL_SURFACE_PX);
+  if (kTiles) place_nodes(plane, middle);
+
+  uvec2 cell = gl_WorkGroupID.xy / uint(FL_SUPERTILE_PX / FL_SURFACE_PX);
+  uint supertile = cell.y * params.supertiles_x + cell.x;
+  bool is_empty = spheres[2u * FL_BLOCKS].w < 0.0 && spheres[2u * FL_BLOCKS + 1u].w < 0.0;
+  uint words = is_empty ? 0u : (counts.live_count + 31u) / 32u;
+  uint block = own_block();
+  has_others = spheres[2u * block + 1u].w >= 0.0;
+  float smooth_sum = 0.0;  // of thread k < 48: as add_smooth_beams() adds to it
+  for (uint from = 0u; from < words;) {
+    from = list_fill(supertile, from);
+    uint touching = keep_touching();
+    for (uint at = 0u; at < touching; at += FL_BATCH) {
+      classify(at, min(touching - at, FL_BATCH), medium, plane, smooth_sum);
+      for (uint w = 0u; w < kBatchWords; ++w) {
+        uint rest = block_bits[block][w];
+        // Compilers then keep the threads of a subgroup together through the loop.
+        if (gl_SubgroupSize <= kBlockThreads) rest = subgroupBroadcastFirst(rest);
+        uint smooth_ones = smooth_bits[w];
+        if (!has_others) rest &= ~smooth_ones;
+        // Two loops, since lavapipe runs both sides of a branch.
+        for (uint bits = rest & ~shaped_bits[w]; bits != 0u; bits &= bits - 1u) {
+          uint b = uint(findLSB(bits));
+          add_plain_beam(list_ids[at + w * 32u + b], medium, (smooth_ones >> b & 1u) != 0u, plane_facing[w * 32u + b]);
         }
-        if (surface[i].kind != kNothing && share > 0.0) {
-          share *= max(-dot(to_light(row, surface[i].normal), beam_direction(beam, rho)), 0.0);
-          if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);
-          if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u) share *= blades_at(index, rho, p.z);
-          vec3 through = vec3(share);
-          if (gobo) through *= gobo_on_surface(row.gobo, rho, p.z);
-          illuminance_lx[i] += row.j0.rgb * through;
+        for (uint bits = rest & shaped_bits[w]; bits != 0u; bits &= bits - 1u) {
+          uint b = uint(findLSB(bits));
+          add_shaped_beam(list_ids[at + w * 32u + b], medium, (smooth_ones >> b & 1u) != 0u);
         }
       }
-    FL_WALK_END
+      barrier();  // the bits and the list have been read
+    }
+  }
+  if (has_smooth) {
+    fit_sums(smooth_sum);
+    add_polynomial(vec2(pixel_low) + 0.5 - middle);
   }
 
-  for (int i = 0; i < FL_ROWS; ++i) {
-    ivec2 pixel = tile_pixel(i);
-    if (!in_picture(pixel)) continue;
+  for (int i = 0; i < int(kRows); ++i) {
+    uvec2 pixel = pixel_low + uvec2(0, i);
+    if (any(greaterThanEqual(pixel, size))) continue;
     vec3 color = vec3(0.0);
     uint which = surface[i].which;
     if (surface[i].kind == kBox) {
@@ -218,6 +343,6 @@ void main() {
     if (kExtinction) color *= exp(-medium.extinction_per_m * surface[i].t_m);
     if (kView == uint(FL_VIEW_LUX)) color = surface[i].kind != kNothing ? illuminance_lx[i] : vec3(0.0);
     if (kShowsClasses) color = vec3(0.0);
-    imageStore(radiance, pixel, vec4(color, surface[i].t_m));
+    imageStore(radiance, ivec2(pixel), vec4(color, surface[i].t_m));
   }
 }

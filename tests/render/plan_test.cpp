@@ -118,6 +118,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                         {FL_SPEC_MEASURED, 1},
                                         {FL_SPEC_RECTANGLE, 1},
                                         {FL_SPEC_WIDE, 1},
+                                        {FL_SPEC_TILES, 1},
                                         {FL_SPEC_IRIS, 1}}},
                                       {"depths", {}},
                                       {"coarse", tile_constants},

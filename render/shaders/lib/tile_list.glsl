@@ -1,4 +1,4 @@
-// Ordered lists of a workgroup of FL_GROUP_TILE threads. They keep the patch order, so that sums do not depend on the
+// Ordered lists of a workgroup of at most FL_SUBGROUPS_MAX subgroups. They keep the patch order, so that sums do not depend on the
 // order in which threads run. They are filled batch by batch, so that none can overflow.
 //
 // All functions are called by all threads of the group together.
@@ -34,6 +34,14 @@ uvec2 ordered_slots(bool a, bool b, out uvec2 count) {
   count = uvec2(all & 0xffffu, all >> 16);
   return uvec2((before & 0xffffu) + subgroupBallotExclusiveBitCount(first),
                (before >> 16) + subgroupBallotExclusiveBitCount(second));
+}
+
+// The rank of this thread among the threads for which `is_in` is true, and the number of these threads.
+uint ordered_slot(bool is_in, out uint count) {
+  uvec2 counts;
+  uint slot = ordered_slots(is_in, false, counts).x;
+  count = counts.x;
+  return slot;
 }
 
 // Reads the supertile's mask from its word `from` on and lists its beams, as many whole words as fit. Returns the word

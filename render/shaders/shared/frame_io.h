@@ -82,7 +82,8 @@
 #define FL_SPEC_TILES (28 + FL_LAMP_COUNT)
 #define FL_SPEC_TEAM (29 + FL_LAMP_COUNT)
 #define FL_SPEC_VIEW (30 + FL_LAMP_COUNT)
-#define FL_SPEC_COUNT (31 + FL_LAMP_COUNT)
+#define FL_SPEC_GROUP (31 + FL_LAMP_COUNT)  // threads of a workgroup of the surface pass
+#define FL_SPEC_COUNT (32 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -99,6 +100,7 @@
 #define FL_GROUP_MASK 64    // beams a workgroup of the tile pass tests
 #define FL_BLOCK_SUPERTILES 4  // a workgroup of the tile pass tests them against so many supertiles a side
 #define FL_GROUP_TILE 256   // threads of a workgroup of the coarse and the fine pass
+#define FL_SURFACE_PX 32    // a workgroup of the surface pass has so many pixels a side
 #define FL_FEW_BEAMS 12      // in a supertile: so few are computed pixel by pixel, which takes less time
 #define FL_TILE_LIGHT 48    // 4 x 4 coefficients of three channels
 // Nodes of a rectangle lie on a square that is this much larger, so that their hull holds every pixel's centre: the
