@@ -109,7 +109,7 @@ float work_light(vec3 normal, vec3 offset_m) {
 
 vec3 illuminance_lx[kRows];  // of the thread's pixels
 
-bool has_others;         // the block has pixels that do not show the plane
+bool has_others;  // the thread's block has pixels that do not show the plane
 
 // Adds a plain beam to the thread's pixels. off_plane: only to those that do not show the tile's plane. facing:
 // plain_facing() of that plane.
@@ -191,7 +191,7 @@ void classify(uint at, uint count, Medium medium, vec4 plane, inout float sum) {
     cover_bits[number] = left >= 32u ? ~0u : (1u << left) - 1u;
   }
   barrier();
-  // A beam a thread, or rather a quarter of the tile: its two blocks, and a corner.
+  // Each thread has a beam and a quarter of the tile: two blocks and a corner.
   const uint kCorner[4] = uint[4](0u, 3u, 12u, 15u);
   bool has_nodes = kTiles && plane.xyz != vec3(0.0);
   for (uint e = number; e < count * 4u; e += kGroup) {

@@ -19,7 +19,7 @@ const uint kSumParts = kGroup / uint(FL_TILE_LIGHT);  // threads that add one su
 
 shared vec4 nodes[FL_NODES];  // places from the camera; w: 0 where the ray misses the plane
 shared float node_light[FL_COVERS_MAX * FL_NODES];
-shared vec4 smooth_color[FL_COVERS_MAX];     // 0 of a beam that is not smooth
+shared vec4 smooth_color[FL_COVERS_MAX];  // 0 of a beam that is not smooth
 shared float part_sums[kSumParts * uint(FL_TILE_LIGHT)];
 shared vec2 light_means[FL_SUBGROUPS_MAX];  // of subgroups: light, and beams that give some
 
