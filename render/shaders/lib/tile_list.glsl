@@ -1,5 +1,5 @@
-// Ordered lists of a workgroup of at most FL_SUBGROUPS_MAX subgroups. They keep the patch order, so that sums do not depend on the
-// order in which threads run. They are filled batch by batch, so that none can overflow.
+// Ordered lists of a workgroup of at most FL_SUBGROUPS_MAX subgroups. They keep the patch order, so that sums do not
+// depend on the order in which threads run. They are filled batch by batch, so that none can overflow.
 //
 // All functions are called by all threads of the group together.
 #define FL_LIST_MAX 768
