@@ -188,7 +188,7 @@ TEST_CASE("hardware libraries, and those that compile slowly, are included only 
       {"CLI/", R"(tools/(footlight/arguments|[a-z_]+)\.cpp)"},
       {"nlohmann/", R"(.*\.cpp|fixtures/files/import/ofl_json\.h|tests/kernel/guest\.h)"},
       {"tiny_gltf", R"(fixtures/bodies/read_gltf\.cpp)"},
-      {"meshoptimizer", R"(fixtures/bodies/mesh\.cpp)"},
+      {"meshoptimizer", R"(fixtures/bodies/(levels|mesh)\.cpp)"},
       {"toml++/", R"(fixtures/.*\.cpp)"},
       {"cvode/", R"(render/reference/time_cvode\.cpp)"},
       {"boost/numeric/", R"(render/reference/time_rosenbrock4\.cpp)"},
