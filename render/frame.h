@@ -63,6 +63,17 @@ struct PassMemory {
 [[nodiscard]] fixtures::Needs drawn_needs(const fixtures::Needs& needs, const fixtures::Haze& haze,
                                           const FrameSettings& settings);
 
+// What a picture draws of the bodies of fixtures.
+struct BodyCounts {
+  std::uint64_t bodies = 0;           // of the rig
+  std::uint64_t small = 0;            // drawn by compute shaders
+  std::uint64_t rastered = 0;         // drawn by the rasteriser
+  std::uint64_t triangles = 0;        // of the whole models of all bodies
+  std::uint64_t small_triangles = 0;  // of the levels that are drawn
+  std::uint64_t raster_triangles = 0;
+  std::uint64_t object_triangles = 0;  // of the scene, all drawn
+};
+
 struct PassTime {
   std::string name;
   double gpu_ms = 0;
@@ -127,6 +138,7 @@ class Frame {
   [[nodiscard]] Result<std::vector<fixtures::f32::Slew>> read_dowsers();
   [[nodiscard]] Result<std::vector<fixtures::f32::Smooth>> read_smooths();
   [[nodiscard]] Result<std::vector<BeamRow>> read_beams();  // the live ones
+  [[nodiscard]] Result<BodyCounts> read_bodies();           // of the last recorded picture
   // GPU time of each pass of the last recorded picture, which must be finished. Before
   // them "levels", the way of the first step's levels to the GPU, where there was one; all steps count into "step".
   // Empty on a device without time stamps.

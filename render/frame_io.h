@@ -13,7 +13,7 @@ using uint = std::uint32_t;
 using vec4 = glm::vec4;
 #include "render/shaders/shared/frame_io.h"
 
-static_assert(sizeof(FrameParams) == 128);
+static_assert(sizeof(FrameParams) == 144);
 static_assert(offsetof(FrameParams, width) == 64);
 static_assert(sizeof(BeamRow) == 160);
 static_assert(sizeof(BladesRow) == 64);
@@ -21,4 +21,8 @@ static_assert(sizeof(CountsRow) == 96);
 static_assert(sizeof(TileDepthRow) == 32);
 static_assert(sizeof(CoarseRow) == 208);
 static_assert(sizeof(BoxRow) == 48);
+static_assert(sizeof(BodyMeshRow) == 80);
+static_assert(sizeof(BodyLevelRow) == 16);
+static_assert(sizeof(BodyVertexRow) == 28);
+static_assert(sizeof(BodySlotRow) == 16);
 }  // namespace footlight::render

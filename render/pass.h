@@ -52,6 +52,10 @@ struct PassEntry {
 [[nodiscard]] inline bool has_air(const fixtures::Needs& needs, const FrameSettings& settings) {
   return needs.fixtures && needs.haze && settings.view != FrameView::kLux;
 }
+// Whether small bodies are drawn by compute shaders.
+[[nodiscard]] inline bool has_small_bodies(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return needs.fixtures && settings.bodies && settings.small_body_px != 0;
+}
 // Whether beams are taken together for tiles, where they are smooth.
 [[nodiscard]] inline bool has_tile_classes(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_air(needs, settings) && settings.method == BeamMethod::kGauss && settings.tile_error > 0;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "fixtures/bodies/body.h"
+#include "fixtures/bodies/levels.h"
 #include "fixtures/gobos/gobo_images.h"
 #include "fixtures/model/srgb.h"
 #include "render/pass.h"
@@ -138,7 +139,11 @@ std::vector<fixtures::BodyMesh> bodies_of(const fixtures::Rig& rig, const fixtur
   using namespace fixtures;
   static_assert(kBodyDepth == FL_PART_DEPTH && kBodyLens == FL_PART_LENS);
   std::size_t models = 0;
-  for (const PatchedFixture& fixture : rig.fixtures) models += model_count(mode_of(rig, fixture));
+  for (const TypeSource& source : compiled.sources) {
+    if (source.head != 0) continue;
+    const FixtureType& type = rig.types[static_cast<std::size_t>(source.type)];
+    models += model_count(type.modes[static_cast<std::size_t>(source.mode)]);
+  }
   std::vector<BodyMesh> bodies;
   BodyBudget budget;
   while (bodies.size() < compiled.sources.size()) {
@@ -178,33 +183,80 @@ fixtures::BodyMesh objects_of(const fixtures::Rig& rig, fixtures::Diagnostics& d
   return mesh;
 }
 
-// One mesh buffer for the bodies of all types and the objects, heads sorted by type, one indirect command a type.
+// Spheres round the vertices behind each number of joints.
+void add_spheres(const fixtures::BodyMesh& mesh, BodyMeshRow& row) {
+  for (std::uint32_t depth = 0; depth < std::size(row.sphere); ++depth) {
+    std::vector<glm::vec3> points;
+    for (const fixtures::BodyVertex& vertex : mesh.vertices) {
+      if ((vertex.part & FL_PART_DEPTH) != depth) continue;
+      points.emplace_back(vertex.position[0], vertex.position[1], vertex.position[2]);
+    }
+    row.sphere[depth] = vec4(0, 0, 0, -1);
+    if (points.empty()) continue;
+    glm::vec3 low = points.front();
+    glm::vec3 high = low;
+    for (const glm::vec3& p : points) {
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+    const glm::vec3 centre = 0.5f * (low + high);
+    float radius = 0;
+    for (const glm::vec3& p : points) radius = std::max(radius, glm::length(p - centre));
+    row.sphere[depth] = vec4(centre, radius);
+  }
+}
+
+// One mesh buffer for the levels of the bodies of all types and for the objects, heads sorted by type.
 Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
                    fixtures::Diagnostics& diagnostics, RigTables& r) {
+  static_assert(fixtures::kBodyLevelsMax == FL_BODY_LEVELS);
+  static_assert(sizeof(fixtures::BodyVertex) == sizeof(BodyVertexRow));
   std::vector<fixtures::BodyVertex> vertices;
   std::vector<std::uint32_t> indices;
-  std::vector<std::uint32_t> instances;
+  std::vector<BodySlotRow> slots;
+  std::vector<BodyMeshRow> meshes;
+  std::vector<BodyLevelRow> levels;
   std::vector<VkDrawIndexedIndirectCommand> draws;
-  const auto add = [&](const fixtures::BodyMesh& mesh, std::uint32_t count, std::uint32_t first_instance) {
+  const auto add = [&](const fixtures::BodyMesh& mesh, std::uint32_t count) {
     draws.push_back({static_cast<std::uint32_t>(mesh.indices.size()), count, static_cast<std::uint32_t>(indices.size()),
-                     static_cast<std::int32_t>(vertices.size()), first_instance});
+                     static_cast<std::int32_t>(vertices.size()), 0});
     vertices.insert(vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
     indices.insert(indices.end(), mesh.indices.begin(), mesh.indices.end());
   };
   const std::vector<fixtures::BodyMesh> bodies = bodies_of(rig, compiled, diagnostics);
+  std::vector<std::vector<std::uint32_t>> heads(compiled.types.size());
+  for (std::uint32_t i = 0; i < compiled.heads.size(); ++i) heads[compiled.heads[i].type].push_back(i);
   for (std::uint32_t t = 0; t < compiled.types.size(); ++t) {
-    const fixtures::BodyMesh& mesh = bodies[t];
-    if (mesh.indices.empty()) continue;
-    const auto first_instance = static_cast<std::uint32_t>(instances.size());
-    for (std::uint32_t i = 0; i < compiled.heads.size(); ++i) {
-      if (compiled.heads[i].type == t) instances.push_back(i);
+    const fixtures::BodyMesh& body = bodies[t];
+    if (body.indices.empty() || heads[t].empty()) continue;
+    BodyMeshRow mesh{};
+    add_spheres(body, mesh);
+    mesh.slot_first = static_cast<std::uint32_t>(slots.size());
+    mesh.slot_count = static_cast<std::uint32_t>(heads[t].size());
+    mesh.level_first = static_cast<std::uint32_t>(levels.size());
+    for (const fixtures::BodyLevel& level : fixtures::body_levels(body)) {
+      levels.push_back({static_cast<std::uint32_t>(indices.size()),
+                        static_cast<std::uint32_t>(level.mesh.indices.size()),
+                        static_cast<std::uint32_t>(vertices.size()), static_cast<float>(level.error_m)});
+      r.level_triangles.push_back(static_cast<std::uint32_t>(level.mesh.indices.size() / 3));
+      add(level.mesh, 0);
+      ++mesh.level_count;
     }
-    const auto count = static_cast<std::uint32_t>(instances.size()) - first_instance;
-    add(mesh, count, first_instance);
+    const std::uint64_t triangles = body.indices.size() / 3;
+    for (const std::uint32_t head : heads[t]) {
+      const bool numbered = r.body_triangles + triangles < ~std::uint32_t{0};
+      slots.push_back({head, static_cast<std::uint32_t>(meshes.size()),
+                       numbered ? static_cast<std::uint32_t>(r.body_triangles) : 0, numbered ? 1u : 0u});
+      r.body_triangles += triangles;
+    }
+    meshes.push_back(mesh);
   }
+  r.slot_count = static_cast<std::uint32_t>(slots.size());
+  r.mesh_count = static_cast<std::uint32_t>(meshes.size());
   r.draw_count = static_cast<std::uint32_t>(draws.size());
   if (const fixtures::BodyMesh objects = objects_of(rig, diagnostics); !objects.indices.empty()) {
-    add(objects, 1, 0);
+    add(objects, 1);
+    r.object_triangles = objects.indices.size() / 3;
     for (const fixtures::BodyVertex& vertex : objects.vertices) {
       const glm::dvec3 at(vertex.position[0], vertex.position[1], vertex.position[2]);
       r.objects.low_m = glm::min(r.objects.low_m, at);
@@ -214,8 +266,12 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
   }
   FL_ASSIGN(r.vertices, table(device, vertices, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT));
   FL_ASSIGN(r.indices, table(device, indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT));
-  FL_ASSIGN(r.instances, table(device, instances));
+  FL_ASSIGN(r.slots, table(device, slots));
+  FL_ASSIGN(r.meshes, table(device, meshes));
+  FL_ASSIGN(r.body_levels, table(device, levels));
   FL_ASSIGN(r.draws, table(device, draws, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
+  FL_ASSIGN(r.choices, table(device, std::vector<std::uint32_t>(slots.size(), FL_CHOICE_NONE)));
+  FL_ASSIGN(r.drawn, table(device, std::vector<std::uint32_t>(slots.size(), 0)));
   return {};
 }
 
@@ -286,7 +342,11 @@ constexpr TableEntry kTables[] = {
 
 // Those of the other buffers that stand in RigTables: their rows do not lie in the compiled rig.
 constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
-    {FL_BINDING_BLADES, &R::blades}, {FL_BINDING_BOXES, &R::boxes}, {FL_BINDING_INSTANCES, &R::instances}};
+    {FL_BINDING_BLADES, &R::blades},           {FL_BINDING_BOXES, &R::boxes},
+    {FL_BINDING_INSTANCES, &R::slots},         {FL_BINDING_BODY_MESHES, &R::meshes},
+    {FL_BINDING_BODY_LEVELS, &R::body_levels}, {FL_BINDING_BODY_VERTICES, &R::vertices},
+    {FL_BINDING_BODY_INDICES, &R::indices},    {FL_BINDING_BODY_CHOICES, &R::choices},
+    {FL_BINDING_BODY_DRAWN, &R::drawn},        {FL_BINDING_BODY_DRAWS, &R::draws}};
 
 // Words of a supertile's mask. They come in pairs, as one group of the tile pass writes them.
 std::uint32_t mask_words_of(const CompiledRig& compiled) {
@@ -316,6 +376,11 @@ std::uint64_t coarse_bytes(const FrameSettings& settings, bool used) {
 std::uint64_t fine_mask_bytes(const FrameSettings& settings, std::uint32_t mask_words, bool used) {
   if (!used) return 4;
   return std::uint64_t{4} * cells(settings.width, FL_FINE_PX) * cells(settings.height, FL_FINE_PX) * mask_words;
+}
+
+std::uint64_t small_body_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
+  if (!has_small_bodies(needs, settings)) return 4;
+  return std::uint64_t{4} * static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
 }
 
 std::uint64_t gobo_bytes(const MemoryShape& shape) {
@@ -354,6 +419,8 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_FINE_MASKS:
       return fine_mask_bytes(settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings));
     case FL_BINDING_COARSE: return coarse_bytes(settings, has_tile_classes(shape.needs, settings));
+    case FL_BINDING_SMALL_DEPTHS:
+    case FL_BINDING_SMALL_KEYS: return small_body_bytes(shape.needs, settings);
     case FL_BINDING_SURFACE_ID: return solid_pixels * 8;
     case FL_BINDING_DEPTH: return solid_pixels * 4;
     case FL_BINDING_RADIANCE: return pixels * 16;
@@ -435,6 +502,8 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   }
   FL_ASSIGN(p.fine_masks, zeroed(device, fine_bytes));
   FL_ASSIGN(p.coarse, zeroed(device, coarse_bytes(settings, classes)));
+  FL_ASSIGN(p.small_depths, zeroed(device, small_body_bytes(needs, settings)));
+  FL_ASSIGN(p.small_keys, zeroed(device, small_body_bytes(needs, settings)));
   const std::uint32_t solid_width = bodies ? width : 1;
   const std::uint32_t solid_height = bodies ? height : 1;
   FL_ASSIGN(p.surface_id, vk::Image::create(device, solid_width, solid_height, VK_FORMAT_R32G32_UINT,
@@ -473,6 +542,8 @@ void Resources::bind_all() {
   bind(FL_BINDING_TILE_DEPTHS, picture.tile_depths);
   bind(FL_BINDING_COARSE, picture.coarse);
   bind(FL_BINDING_FINE_MASKS, picture.fine_masks);
+  bind(FL_BINDING_SMALL_DEPTHS, picture.small_depths);
+  bind(FL_BINDING_SMALL_KEYS, picture.small_keys);
   if (rig.gobos.handle != VK_NULL_HANDLE) {
     bindings.set_image(FL_BINDING_GOBOS, rig.gobos, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   }
@@ -480,10 +551,19 @@ void Resources::bind_all() {
   bindings.set_image(FL_BINDING_DEPTH, picture.depth);
   bindings.set_image(FL_BINDING_RADIANCE, picture.radiance);
   bindings.set_image(FL_BINDING_SCREEN, picture.screen);
-  for (const vk::Buffer* buffer : {&rig.vertices, &rig.indices, &rig.draws}) total_bytes += buffer->size_bytes;
   for (const vk::Image* image : {&rig.gobos, &picture.surface_id, &picture.depth, &picture.radiance, &picture.screen}) {
     total_bytes += image->size_bytes;
   }
+}
+
+std::uint64_t Resources::body_bytes() const {
+  if (!rig.has_bodies) return 0;
+  std::uint64_t bytes = picture.surface_id.size_bytes + picture.depth.size_bytes;
+  for (const vk::Buffer* buffer : {&rig.slots, &rig.meshes, &rig.body_levels, &rig.vertices, &rig.indices, &rig.draws,
+                                   &rig.choices, &rig.drawn, &picture.small_depths, &picture.small_keys}) {
+    bytes += buffer->size_bytes;
+  }
+  return bytes;
 }
 
 void forget_states(VkCommandBuffer commands, const Resources& resources) {

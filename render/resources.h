@@ -27,7 +27,7 @@ struct MemoryShape {
   FrameSettings settings;
 };
 
-// Bytes of the buffer or image at a binding; of an image, those of its texels. 0 for FL_BINDING_INSTANCES, whose length
+// Bytes of the buffer or image at a binding; of an image, those of its texels. 0 for the meshes of bodies, whose length
 // is known when the models are read.
 [[nodiscard]] std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape);
 
@@ -40,18 +40,20 @@ struct RigTables {
   // Written once. Rows of fixtures/shared/tables.h.
   vk::Buffer types, channels, functions, masters, motors, spins, joints, wheels, wheel_slots, facets, lights, defaults,
       colors, heads;
-  vk::Buffer boxes;                                // BoxRow
-  vk::Buffer instances, vertices, indices, draws;  // bodies: head indices by type; one draw command a type, and one
-                                                   // for all objects of the scene
-  vk::Image gobos;                                 // one layer a gobo
+  vk::Buffer boxes;  // BoxRow
+  // Bodies: BodySlotRow, BodyMeshRow, BodyLevelRow, BodyVertexRow; one draw command a level, and one for all objects of
+  // the scene, whose vertices and indices are behind those of the bodies.
+  vk::Buffer slots, meshes, body_levels, vertices, indices, draws;
+  vk::Image gobos;  // one layer a gobo
 
   // Per frame.
-  vk::Buffer params;         // FrameParams
-  vk::Buffer levels;         // universes x 512 bytes
-  vk::Buffer staged_levels;  // the same, where the host writes them; only for more than kUpdateBytesMax
-  vk::Buffer beams;          // BeamRow, live ones first
-  vk::Buffer blades;         // BladesRow, one a beam
-  vk::Buffer counts;         // CountsRow, then beams and lit heads of each group of FL_GROUP_HEADS
+  vk::Buffer params;          // FrameParams
+  vk::Buffer levels;          // universes x 512 bytes
+  vk::Buffer staged_levels;   // the same, where the host writes them; only for more than kUpdateBytesMax
+  vk::Buffer beams;           // BeamRow, live ones first
+  vk::Buffer blades;          // BladesRow, one a beam
+  vk::Buffer choices, drawn;  // one word a body: its level; heads that the rasteriser draws, by mesh and level
+  vk::Buffer counts;          // CountsRow, then beams and lit heads of each group of FL_GROUP_HEADS
 
   // Carried from frame to frame: HeadState, and Motor, Spin, Shutter, OpticsState, Filament, Led, Discharge, Slew,
   // Flex and Smooth for what has a motor, spins, strobes, shapes its beam, glows, has a driver, an arc or a dowser,
@@ -75,12 +77,17 @@ struct RigTables {
   std::uint32_t dowser_count = 0;
   std::uint32_t smooth_count = 0;  // Flexes, then Smooths
   std::uint32_t box_count = 0;
-  std::uint32_t draw_count = 0;         // of bodies
+  std::uint32_t slot_count = 0;         // bodies
+  std::uint32_t mesh_count = 0;         // of bodies
+  std::uint32_t draw_count = 0;         // of bodies: levels of all meshes
   std::uint32_t object_draw_count = 0;  // of the scene's objects, behind them: 0 or 1
   std::uint32_t mask_words = 0;
   std::uint64_t levels_bytes = 0;
-  bool has_bodies = false;  // the models were read
-  Extent objects;           // what the scene's objects fill
+  bool has_bodies = false;                     // the models were read
+  std::vector<std::uint32_t> level_triangles;  // of each BodyLevelRow
+  std::uint64_t body_triangles = 0;            // of the whole meshes of all bodies
+  std::uint64_t object_triangles = 0;
+  Extent objects;  // what the scene's objects fill
   // Models that were not there or not readable, and what stands in for them.
   std::vector<fixtures::Diagnostic> diagnostics;
 };
@@ -91,10 +98,11 @@ struct PictureImages {
   [[nodiscard]] static Result<PictureImages> create(vk::Device& device, const fixtures::Needs& needs,
                                                     const FrameSettings& settings, std::uint32_t mask_words);
 
-  vk::Buffer masks;        // supertiles x mask_words
-  vk::Buffer tile_depths;  // TileDepthRow, one a tile; one row where no pass reads them
-  vk::Buffer coarse;       // CoarseRow, one a supertile; likewise
-  vk::Buffer fine_masks;   // masks of FL_FINE_PX x FL_FINE_PX pixels; likewise
+  vk::Buffer masks;                     // supertiles x mask_words
+  vk::Buffer tile_depths;               // TileDepthRow, one a tile; one row where no pass reads them
+  vk::Buffer coarse;                    // CoarseRow, one a supertile; likewise
+  vk::Buffer fine_masks;                // masks of FL_FINE_PX x FL_FINE_PX pixels; likewise
+  vk::Buffer small_depths, small_keys;  // of small bodies, one word a pixel; likewise
   vk::Image surface_id, depth, radiance, screen;
   std::uint32_t supertiles_x = 0;
   std::uint32_t supertiles_y = 0;
@@ -108,6 +116,8 @@ struct Resources {
 
   // Enters what both owners have into `bindings` and counts the bytes.
   void bind_all();
+  // GPU memory of bodies and objects: their meshes, and the visibility buffer.
+  [[nodiscard]] std::uint64_t body_bytes() const;
 };
 
 // Gobo images: texels a side, and the width of their edges in units of the gate's radius. Edges are three texels wide,

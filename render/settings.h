@@ -27,9 +27,15 @@ struct FrameSettings {
   std::uint32_t tile_beams = 128;
   std::uint32_t gobo_taps = 64;  // samples of the gobo along one ray through one beam
   bool bodies = true;            // draw fixture bodies
-  bool haze = true;              // light in the air, where the rig has haze
-  double dark_lm = 0;            // beams with no more flux are left out
-  bool widen_thin = true;        // beams thinner than a pixel are drawn a pixel wide and as much weaker
+  // Error in the picture that a plainer model of a body may have, in pixels; 0: whole models. A body is left out if its
+  // diameter is below an eighth of that.
+  double body_error_px = 0.5;
+  // Bodies up to this diameter, 0 to FL_SMALL_BODY_PX, are drawn by compute shaders; 0: the rasteriser draws all. Below
+  // 0: as suits the device, which is 0 on a CPU and else FL_SMALL_BODY_PX.
+  double small_body_px = -1;
+  bool haze = true;        // light in the air, where the rig has haze
+  double dark_lm = 0;      // beams with no more flux are left out
+  bool widen_thin = true;  // beams thinner than a pixel are drawn a pixel wide and as much weaker
   FrameView view = FrameView::kPicture;
   int supersample = 1;  // pixels a side of one pixel of the screen; the size is that of the radiance
 };

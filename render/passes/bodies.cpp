@@ -1,37 +1,80 @@
 #include "render/passes/bodies.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 
 #include "fixtures/bodies/primitives.h"
+#include "render/passes/compute_pass.h"
 #include "shaders/body.vert.h"
+#include "shaders/list.comp.h"
 #include "shaders/object.vert.h"
+#include "shaders/place.comp.h"
+#include "shaders/resolve.comp.h"
+#include "shaders/small.comp.h"
 #include "shaders/surface.frag.h"
 
 namespace footlight::render {
 namespace {
 
+// A pipeline with its descriptors.
+struct Bound {
+  std::shared_ptr<const vk::Pipeline> pipeline;
+  vk::BindingSet set;
+};
+
 class BodiesPass final : public Pass {
  public:
-  // A pipeline with its descriptors.
-  struct Drawing {
-    std::shared_ptr<const vk::Pipeline> pipeline;
-    vk::BindingSet set;
+  // Null pipelines: nothing to do for them.
+  struct Parts {
+    Bound place, list, small_depths, small_keys, resolve, bodies, objects;
   };
 
-  BodiesPass(const PassContext& context, Drawing bodies, Drawing objects)
+  BodiesPass(const PassContext& context, Parts parts)
       : resources_(context.resources),
         width_(static_cast<std::uint32_t>(context.settings.width)),
         height_(static_cast<std::uint32_t>(context.settings.height)),
         multi_draw_(context.device.facts().features.multiDrawIndirect == VK_TRUE),
-        bodies_(std::move(bodies)),
-        objects_(std::move(objects)) {}
+        parts_(std::move(parts)) {}
 
   void record(VkCommandBuffer commands, std::span<const std::byte>) override {
+    const RigTables& rig = resources_.rig;
+    const bool small = parts_.resolve.pipeline != nullptr;
+    if (parts_.place.pipeline) {
+      dispatch(commands, parts_.place, (rig.slot_count + FL_GROUP_HEADS - 1) / FL_GROUP_HEADS, 1);
+      if (small) {
+        vkCmdFillBuffer(commands, resources_.picture.small_depths.handle, 0, VK_WHOLE_SIZE, 0);  // infinitely far
+        vkCmdFillBuffer(commands, resources_.picture.small_keys.handle, 0, VK_WHOLE_SIZE, 0);
+      }
+      vk::full_barrier(commands);
+      dispatch(commands, parts_.list, rig.mesh_count, 1);
+      if (small) draw_small(commands, parts_.small_depths);
+      vk::full_barrier(commands);
+    }
+    raster(commands);
+    if (small) {
+      draw_small(commands, parts_.small_keys);
+      vk::full_barrier(commands);
+      dispatch(commands, parts_.resolve, tile_groups(static_cast<int>(width_)), tile_groups(static_cast<int>(height_)));
+    }
+  }
+
+ private:
+  static void dispatch(VkCommandBuffer commands, const Bound& bound, std::uint32_t x, std::uint32_t y) {
+    bound.pipeline->bind(commands, bound.set);
+    vkCmdDispatch(commands, x, y, 1);
+  }
+
+  void draw_small(VkCommandBuffer commands, const Bound& bound) const {
+    const std::uint32_t x = std::min<std::uint32_t>(resources_.rig.slot_count, FL_SLOTS_X);
+    dispatch(commands, bound, x, (resources_.rig.slot_count + x - 1) / x);
+  }
+
+  void raster(VkCommandBuffer commands) const {
     VkRenderingAttachmentInfo color{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     color.imageView = resources_.picture.surface_id.view;
     color.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
-    color.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;
+    color.loadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;  // read only where there is a depth
     color.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
     VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
     depth.imageView = resources_.picture.depth.view;
@@ -53,16 +96,16 @@ class BodiesPass final : public Pass {
       vkCmdBindVertexBuffers(commands, 0, 1, &resources_.rig.vertices.handle, &zero);
       vkCmdBindIndexBuffer(commands, resources_.rig.indices.handle, 0, VK_INDEX_TYPE_UINT32);
     }
-    draw(commands, bodies_, 0, resources_.rig.draw_count);
-    draw(commands, objects_, resources_.rig.draw_count, resources_.rig.object_draw_count);
+    draw(commands, parts_.bodies, 0, resources_.rig.draw_count);
+    draw(commands, parts_.objects, resources_.rig.draw_count, resources_.rig.object_draw_count);
     vkCmdEndRendering(commands);
+    vk::full_barrier(commands);
   }
 
- private:
-  void draw(VkCommandBuffer commands, const Drawing& drawing, std::uint32_t first, std::uint32_t count) const {
+  void draw(VkCommandBuffer commands, const Bound& bound, std::uint32_t first, std::uint32_t count) const {
     if (count == 0) return;
     constexpr std::uint32_t kDrawBytes = sizeof(VkDrawIndexedIndirectCommand);
-    drawing.pipeline->bind(commands, drawing.set);
+    bound.pipeline->bind(commands, bound.set);
     const std::uint32_t together = multi_draw_ ? count : 1;
     for (std::uint32_t i = 0; i < count; i += together) {
       vkCmdDrawIndexedIndirect(commands, resources_.rig.draws.handle, VkDeviceSize{first + i} * kDrawBytes, together,
@@ -74,14 +117,23 @@ class BodiesPass final : public Pass {
   std::uint32_t width_;
   std::uint32_t height_;
   bool multi_draw_;
-  Drawing bodies_;
-  Drawing objects_;
+  Parts parts_;
 };
 
-Result<BodiesPass::Drawing> make_drawing(const PassContext& context, const vk::Pipeline::Raster& raster) {
-  FL_ASSIGN(auto pipeline, context.device.pipelines().raster(raster));
+Result<Bound> bound(const PassContext& context, std::shared_ptr<const vk::Pipeline> pipeline) {
   FL_ASSIGN(vk::BindingSet set, vk::BindingSet::create(context.device, *pipeline, context.resources.bindings));
-  return BodiesPass::Drawing{std::move(pipeline), std::move(set)};
+  return Bound{std::move(pipeline), std::move(set)};
+}
+
+Result<Bound> raster_part(const PassContext& context, const vk::Pipeline::Raster& raster) {
+  FL_ASSIGN(auto pipeline, context.device.pipelines().raster(raster));
+  return bound(context, std::move(pipeline));
+}
+
+Result<Bound> compute_part(const PassContext& context, vk::Spirv spirv,
+                           const std::vector<vk::SpecConstant>& constants = {}) {
+  FL_ASSIGN(auto pipeline, context.device.pipelines().compute(spirv, constants));
+  return bound(context, std::move(pipeline));
 }
 
 }  // namespace
@@ -101,13 +153,30 @@ const PassEntry kBodiesPass{
                                   {{0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, position)},
                                    {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(BodyVertex, normal)},
                                    {2, 0, VK_FORMAT_R32_UINT, offsetof(BodyVertex, part)}}};
-      FL_ASSIGN(BodiesPass::Drawing bodies, make_drawing(context, raster));
-      raster.vertex_spirv = kObjectVert;
-      FL_ASSIGN(BodiesPass::Drawing objects, make_drawing(context, raster));
-      return std::unique_ptr<Pass>(new BodiesPass(context, std::move(bodies), std::move(objects)));
+      BodiesPass::Parts parts;
+      if (r.rig.slot_count > 0) {
+        FL_ASSIGN(parts.place, compute_part(context, kPlaceComp));
+        FL_ASSIGN(parts.list, compute_part(context, kListComp));
+        FL_ASSIGN(parts.bodies, raster_part(context, raster));
+        if (context.settings.small_body_px > 0) {
+          FL_ASSIGN(parts.small_depths, compute_part(context, kSmallComp, {{FL_SPEC_SMALL_KEYS, 0}}));
+          FL_ASSIGN(parts.small_keys, compute_part(context, kSmallComp, {{FL_SPEC_SMALL_KEYS, 1}}));
+          FL_ASSIGN(parts.resolve, compute_part(context, kResolveComp));
+        }
+      }
+      if (r.rig.object_draw_count > 0) {
+        raster.vertex_spirv = kObjectVert;
+        FL_ASSIGN(parts.objects, raster_part(context, raster));
+      }
+      return std::unique_ptr<Pass>(new BodiesPass(context, std::move(parts)));
     },
     [] {
-      return std::vector<std::vector<vk::Spirv>>{{kBodyVert, kSurfaceFrag}, {kObjectVert, kSurfaceFrag}};
+      return std::vector<std::vector<vk::Spirv>>{{kPlaceComp},
+                                                 {kListComp},
+                                                 {kSmallComp},
+                                                 {kResolveComp},
+                                                 {kBodyVert, kSurfaceFrag},
+                                                 {kObjectVert, kSurfaceFrag}};
     },
     "bodies of fixtures and objects of the scene",
     [] {

@@ -7,7 +7,7 @@
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/project.glsl"
 
-layout(set = 0, binding = FL_BINDING_INSTANCES, std430) readonly buffer InstancesBuffer { uint instances[]; };
+layout(set = 0, binding = FL_BINDING_BODY_DRAWN, std430) readonly buffer DrawnBuffer { uint drawn[]; };
 
 layout(location = 0) in vec3 position_m;
 layout(location = 1) in vec3 normal;
@@ -17,7 +17,7 @@ layout(location = 1) flat out uint out_id;
 layout(location = 2) out vec3 out_offset_m;  // from the camera
 
 void main() {
-  uint index = instances[gl_InstanceIndex];
+  uint index = drawn[gl_InstanceIndex];
   HeadRow row = heads[index];
   TypeRow type = types[row.type];
   HeadState state = states[index];

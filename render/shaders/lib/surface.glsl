@@ -7,6 +7,7 @@ layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
 layout(set = 0, binding = FL_BINDING_SURFACE_ID, rg32ui) uniform readonly uimage2D surface_id;
 layout(set = 0, binding = FL_BINDING_DEPTH) uniform sampler2D depth_image;
 layout(set = 0, binding = FL_BINDING_BOXES, std430) readonly buffer BoxesBuffer { BoxRow boxes[]; };
+layout(set = 0, binding = FL_BINDING_SMALL_DEPTHS, std430) readonly buffer SmallDepthsBuffer { uint small_depths[]; };
 #include "render/shaders/lib/normal.glsl"
 
 // Where a pixel shows nothing.
@@ -27,9 +28,12 @@ struct Surface {
 Surface surface_at(ivec2 pixel, vec3 ray) {
   Surface hit = Surface(kNothing, 0u, vec3(0.0, 0.0, 1.0), kNothingM);
   if (kBodies) {
-    uvec2 id = imageLoad(surface_id, pixel).xy;
-    if (id.y != 0u) {
-      float depth = texelFetch(depth_image, pixel, 0).x;
+    float depth = texelFetch(depth_image, pixel, 0).x;
+    if (params.small_body_px > 0.0) {
+      depth = max(depth, uintBitsToFloat(small_depths[uint(pixel.y) * params.width + uint(pixel.x)]));
+    }
+    if (depth > 0.0) {  // elsewhere nothing has written the identity
+      uvec2 id = imageLoad(surface_id, pixel).xy;
       bool object = (id.y & FL_OBJECT) != 0u;
       hit = Surface(object ? kObject : kBody, object ? id.y & ~FL_OBJECT : id.y - 1u, unpack_normal(id.x),
                     params.right.w / (depth * dot(ray, params.forward.xyz)));

@@ -46,7 +46,18 @@
 #define FL_BINDING_TILE_DEPTHS (34 + FL_LAMP_COUNT)
 #define FL_BINDING_COARSE (35 + FL_LAMP_COUNT)
 #define FL_BINDING_FINE_MASKS (36 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (37 + FL_LAMP_COUNT)
+// Bodies: their meshes (BodyMeshRow, BodyLevelRow, BodyVertexRow, indices), what is drawn of each this frame, and the
+// picture of small ones. FL_BINDING_INSTANCES has one BodySlotRow a body.
+#define FL_BINDING_BODY_MESHES (37 + FL_LAMP_COUNT)
+#define FL_BINDING_BODY_LEVELS (38 + FL_LAMP_COUNT)
+#define FL_BINDING_BODY_VERTICES (39 + FL_LAMP_COUNT)
+#define FL_BINDING_BODY_INDICES (40 + FL_LAMP_COUNT)
+#define FL_BINDING_BODY_CHOICES (41 + FL_LAMP_COUNT)  // one word a body: FL_CHOICE_...
+#define FL_BINDING_BODY_DRAWN (42 + FL_LAMP_COUNT)    // heads, by mesh and level: the instances of the raster
+#define FL_BINDING_BODY_DRAWS (43 + FL_LAMP_COUNT)    // indirect draw commands, one a level
+#define FL_BINDING_SMALL_DEPTHS (44 + FL_LAMP_COUNT)  // one word a pixel: bits of the reversed depth
+#define FL_BINDING_SMALL_KEYS (45 + FL_LAMP_COUNT)    // one word a pixel: ~ the number of the triangle; 0: none
+#define FL_BINDING_COUNT (46 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -83,7 +94,8 @@
 #define FL_SPEC_TEAM (29 + FL_LAMP_COUNT)
 #define FL_SPEC_VIEW (30 + FL_LAMP_COUNT)
 #define FL_SPEC_GROUP (31 + FL_LAMP_COUNT)  // threads of a workgroup of the surface pass
-#define FL_SPEC_COUNT (32 + FL_LAMP_COUNT)
+#define FL_SPEC_SMALL_KEYS (32 + FL_LAMP_COUNT)  // the second pass over small bodies
+#define FL_SPEC_COUNT (33 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -114,7 +126,7 @@
 // On a surface that is seen edge on, at most so many times as wide.
 #define FL_THIN_ON_SURFACE 8.6
 
-// Camera, medium and sizes of one frame; 128 bytes, uploaded each frame.
+// Camera, medium and sizes of one frame; 144 bytes, uploaded each frame.
 struct FrameParams {
   vec4 right;     // xyz: unit right x tan(fov / 2) x width / height; w: near plane, m
   vec4 up;        // xyz: unit up x tan(fov / 2); w: range of light, m
@@ -135,7 +147,11 @@ struct FrameParams {
   float work_lx;     // work light: on faces by their direction
   float tile_error;  // error that the beams of a supertile may have together, over their light (tile_class.glsl)
   uint tile_beams;   // fewer live beams than that are computed pixel by pixel, without the passes of tiles
+  float body_error_px;  // error that a level of a body may have in the picture
+  float small_body_px;  // bodies up to this diameter are drawn by compute shaders; 0: none
   uint pad_1;
+  uint pad_2;
+  uint pad_3;
 };
 
 // One lit beam, 160 bytes: a head's, or one facet's of its prism. Light space is camera-relative: eye = camera in it.
@@ -215,6 +231,51 @@ struct BoxRow {
   vec4 high;    // m
   vec4 albedo;  // linear
 };
+
+// A mesh of bodies: one a fixture type and head; 80 bytes. Its bodies are neighbours in the table of slots.
+struct BodyMeshRow {
+  vec4 sphere[4];    // round the vertices behind so many joints, in their space: centre, radius, m; radius < 0: none
+  uint slot_first;   // index into the BodySlotRow table
+  uint slot_count;
+  uint level_first;  // index into the BodyLevelRow table; level 0 is the whole mesh
+  uint level_count;
+};
+struct BodyLevelRow {
+  uint index_first;
+  uint index_count;
+  uint vertex_first;
+  float error_m;
+};
+struct BodyVertexRow {  // as fixtures::BodyVertex
+  float x;
+  float y;
+  float z;
+  float normal_x;
+  float normal_y;
+  float normal_z;
+  uint part;  // FL_PART_...
+};
+// A body in the rig. The triangles of all bodies are numbered from 0, those of whole meshes in the order of the slots:
+// triangle t of any level of this body is triangle_first + t.
+struct BodySlotRow {
+  uint head;
+  uint mesh;
+  uint triangle_first;
+  uint numbered;  // 0: its triangles have no number below 2^32 - 1, so it is never drawn as a small one
+};
+// What is drawn of a body: the index of its level, with FL_CHOICE_SMALL by compute shaders; or nothing.
+#define FL_CHOICE_SMALL 0x80000000u
+#define FL_CHOICE_WIDE 0x40000000u   // and it may have triangles that one thread should not draw alone
+#define FL_CHOICE_NONE 0xffffffffu
+#define FL_CHOICE_LEVEL 0x3fffffffu
+#define FL_BODY_LEVELS 8     // levels of a mesh at most
+#define FL_GROUP_LIST 256    // threads of a workgroup that lists the bodies of a mesh
+#define FL_GROUP_SMALL 64    // threads of a workgroup that draws a small body
+#define FL_SMALL_BODY_PX 128     // largest diameter of a small body: of larger ones there are few
+#define FL_WIDE_BODY_PX 16       // a body with this diameter has FL_CHOICE_WIDE
+#define FL_SLOTS_X 32768     // workgroups side by side, one a body
+// A body with a diameter below this share of FrameParams::body_error_px is left out.
+#define FL_BODY_LEAST 0.125
 
 // The visibility buffer of fixture bodies, two words a pixel: packed normal; 0 for nothing, else 1 + (head << 3 |
 // part). `part`: how many joints of the head's chain move it, with FL_PART_LENS for a lens.

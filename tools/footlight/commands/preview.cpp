@@ -24,6 +24,8 @@ void add(Arguments& arguments) {
   arguments.option("--nodes", options->nodes, 1, 8, "Gauss nodes per beam and pixel, see footlight report");
   arguments.option("--tile-error", options->tile_error, 0, 1,
                    "error that taking beams together for tiles may add, as a share of the light; 0: pixel by pixel");
+  arguments.option("--body-error", options->body_error_px, 0, 1000,
+                   "error of fixture bodies in pixels, for fewer triangles; 0: whole models");
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this text");
   arguments.option("--seconds", options->seconds, 0, 1e6, "close after this time; 0: stay open");
   arguments.option("--screenshot", options->screenshot, "FILE", "write the last frame as PNG when closing");

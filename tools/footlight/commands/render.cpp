@@ -40,6 +40,7 @@ struct Options {
   int nodes = 3;
   int gobo_taps = 64;
   double tile_error = render::FrameSettings{}.tile_error;
+  double body_error_px = render::FrameSettings{}.body_error_px;
   int supersample = 1;
   std::string flashes = "warn";
   std::string show = "picture";
@@ -349,6 +350,7 @@ Result<int> render_pictures(const Options& options) {
   settings.nodes = static_cast<std::uint32_t>(options.nodes);
   settings.gobo_taps = static_cast<std::uint32_t>(options.gobo_taps);
   settings.tile_error = options.tile_error;
+  settings.body_error_px = options.body_error_px;
   settings.supersample = options.supersample;
   FL_ASSIGN(const ShownView shown, shown_view_of(options.show));
   if (shown == ShownView::kClasses || shown == ShownView::kHits) settings.view = render::FrameView::kClasses;
@@ -431,6 +433,8 @@ void add(Arguments& arguments) {
   arguments.option("--nodes", options->nodes, 1, 8, "Gauss nodes per beam and pixel; error and time: footlight report");
   arguments.option("--tile-error", options->tile_error, 0, 1,
                    "error that taking beams together for tiles may add, as a share of the light; 0: pixel by pixel");
+  arguments.option("--body-error", options->body_error_px, 0, 1000,
+                   "error of fixture bodies in pixels, for fewer triangles; 0: whole models");
   arguments.option(
       "--supersample", options->supersample, 1, 4,
       "pixels per side for each pixel, averaged before the tone map: smooth edges at N x N times the work");

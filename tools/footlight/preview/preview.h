@@ -23,7 +23,8 @@ struct PreviewOptions {
   double seconds = 0;                   // closes after this time; 0: stays open
   std::optional<double> work_light_lx;  // default: work_light_lx() if faders drive the rig, else 0
   int nodes = 3;
-  double tile_error = 4e-3;  // render::FrameSettings
+  double tile_error = 4e-3;    // render::FrameSettings
+  double body_error_px = 0.5;  // the same
   FlashMode flashes = FlashMode::kWarn;
   bool json = false;
 };

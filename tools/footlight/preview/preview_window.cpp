@@ -377,6 +377,7 @@ Status Preview::rebuild(const PixelRect& where) {
   settings.height = std::max(where.height / controls_.divisor, 1);
   settings.nodes = static_cast<std::uint32_t>(controls_.nodes);
   settings.tile_error = options_.tile_error;
+  settings.body_error_px = options_.body_error_px;
   settings.haze = controls_.haze;
   if (frame_) {
     FL_TRY(frame_->change(settings));

@@ -225,8 +225,10 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
     FrameSettings whole;
     whole.width = options.width;
     whole.height = options.height;
+    whole.body_error_px = options.body_error_px;
     FL_ASSIGN(auto frame, make_frame(device, scene, whole));
-    FL_ASSIGN(const auto times_ms, time_frames(*frame, view, scene, options.runs, nullptr, [&](double share) {
+    std::vector<std::vector<double>> pass_ms;
+    FL_ASSIGN(const auto times_ms, time_frames(*frame, view, scene, options.runs, &pass_ms, [&](double share) {
                 report.ended =
                     options.go_on && !options.go_on("frames of the whole picture", share * options.runs, options.runs);
                 return !report.ended;
@@ -241,6 +243,11 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
           scene.name);
     }
     report.whole_ms = percentile(times_ms, 0.5);
+    for (std::size_t p = 0; p < pass_ms.size(); ++p) {
+      report.whole_passes.push_back({frame->plan()[p].name, percentile(pass_ms[p], 0.5)});
+    }
+    FL_ASSIGN(report.bodies, frame->read_bodies());
+    report.body_bytes = static_cast<std::int64_t>(frame->resources().body_bytes());
   }
 
   Judged judged;

@@ -31,6 +31,7 @@ struct PictureReportOptions {
   std::vector<std::uint32_t> gauss_nodes{1, 2, 3, 4, 6, 8};
   std::vector<std::uint32_t> march_steps{8, 16, 32, 64, 128, 256};
   std::vector<std::uint32_t> gobo_taps{8, 16, 32, 64, 128};  // with the default nodes; for rigs with gobos only
+  double body_error_px = 0.5;                                // FrameSettings::body_error_px, of the whole frame
   bool judge = true;                                         // false: only times are measured
   // Optional. on_judged is called when the judge is done, on_row after each row, which is the last of report.rows.
   std::function<void(const PictureReport&report)> on_judged, on_row;
@@ -43,8 +44,11 @@ struct PictureReport {
   std::int64_t judged_pixels = 0;
   double judge_own_rel_l2 = 0;  // the judge's own error
   double judge_seconds = 0;
-  std::vector<render::PassTime> passes;  // median GPU time of each pass with the default method
-  double whole_ms = 0;                   // median time of a frame as `footlight render` draws it, with bodies
+  std::vector<render::PassTime> passes;        // median GPU time of each pass with the default method
+  double whole_ms = 0;                         // median time of a frame as `footlight render` draws it, with bodies
+  std::vector<render::PassTime> whole_passes;  // median GPU time of each of its passes
+  render::BodyCounts bodies;                   // that it draws
+  std::int64_t body_bytes = 0;                 // memory of its bodies and objects
   std::string device;
   std::vector<std::string> validation_messages;
   bool ended = false;  // go_on ended it

@@ -37,6 +37,7 @@ struct PictureArguments {
   std::string camera;
   std::string device;
   int runs = 11;
+  double body_error_px = render::FrameSettings{}.body_error_px;
   bool no_judge = false;
   bool lit = false;
   std::vector<std::string> sets;
@@ -176,6 +177,21 @@ std::string intro_of(const Scene& scene, const PictureArguments& arguments, cons
                             : "");
 }
 
+// What the whole frame draws of bodies, and what it leaves out.
+std::string bodies_text(const PictureReport& report, double body_error_px) {
+  const render::BodyCounts& bodies = report.bodies;
+  if (bodies.bodies + bodies.object_triangles == 0) return "";
+  const auto pass = std::find_if(report.whole_passes.begin(), report.whole_passes.end(),
+                                 [](const render::PassTime& one) { return one.name == "bodies"; });
+  return fmt::format(
+      "Bodies, {:.3f} ms, {:.1f} MB: {} of {} are drawn, {} of them by compute shaders, with {} of {} triangles; "
+      "{} are left out. Their models are off by at most {:g} pixels. Objects of the scene: {} "
+      "triangles.\n\n",
+      pass != report.whole_passes.end() ? pass->gpu_ms : 0.0, static_cast<double>(report.body_bytes) * 1e-6,
+      bodies.small + bodies.rastered, bodies.bodies, bodies.small, bodies.small_triangles + bodies.raster_triangles,
+      bodies.triangles, bodies.bodies - bodies.small - bodies.rastered, body_error_px, bodies.object_triangles);
+}
+
 Status report_pictures(const PictureArguments& arguments, const ReportOptions& options) {
   if (arguments.fleet > 0) return report_fleet(arguments, options);
   if (arguments.beams > 0 && (arguments.files.demo || !arguments.files.rig.empty())) {
@@ -194,6 +210,7 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
   picture_options.height = size.height;
   picture_options.judge_pixels = arguments.judge_pixels;
   picture_options.runs = arguments.runs;
+  picture_options.body_error_px = arguments.body_error_px;
   picture_options.judge = !arguments.no_judge;
   if (options.quick) {
     picture_options.tile_errors = {1e-3, 4e-3};
@@ -222,6 +239,12 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
     options.print(fmt::format(R"({{"event":"whole-frame","ms_p50":{:.4f}}})"
                               "\n",
                               report.whole_ms));
+    const render::BodyCounts& bodies = report.bodies;
+    options.print(fmt::format(R"({{"event":"bodies","bodies":{},"small":{},"rastered":{},"triangles":{},)"
+                              R"("small_triangles":{},"raster_triangles":{},"object_triangles":{},"bytes":{}}})"
+                              "\n",
+                              bodies.bodies, bodies.small, bodies.rastered, bodies.triangles, bodies.small_triangles,
+                              bodies.raster_triangles, bodies.object_triangles, report.body_bytes));
     if (air) {
       fmt::print(R"({{"event":"air","haze_per_m":{:.9g},"fog_per_m":{:.9g},"error_per_m":{:.3g},"steps":{},)"
                  R"("ns_per_step":{:.1f}}})"
@@ -241,8 +264,10 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
     }
     fmt::print("GPU time per pass, tiles with error {:g}:", render::FrameSettings{}.tile_error);
     for (const auto& pass : report.passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
-    fmt::print("\nThe whole frame as 'footlight render' draws it, bodies and lenses included: {:.3f} ms\n\n",
+    fmt::print("\nThe whole frame as 'footlight render' draws it, bodies and lenses included: {:.3f} ms:",
                report.whole_ms);
+    for (const auto& pass : report.whole_passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
+    fmt::print("\n\n{}", bodies_text(report, arguments.body_error_px));
     if (air) {
       fmt::print(
           "Air: machines have added {:.4g} /m of haze and {:.4g} /m of fog. Error against integrals over droplets in "
@@ -276,6 +301,8 @@ ReportHalf add_report_pictures(Arguments& arguments) {
   arguments.option("--judge-pixels", chosen->judge_pixels, 100, 100'000'000,
                    "how many of their pixels are compared with the judge, a stratified random sample");
   arguments.option("--runs", chosen->runs, 3, 1000, "timed frames per row");
+  arguments.option("--body-error", chosen->body_error_px, 0, 1000,
+                   "error of fixture bodies in pixels, in the whole frame; 0: whole models");
   arguments.option("--device", chosen->device, "TEXT", "the Vulkan device whose name contains this text");
   arguments.flag("--no-judge", chosen->no_judge, "measure times only, no errors");
   arguments.flag("--lit", chosen->lit, "without a log: every fixture at full, open and white, its axes in the middle");

@@ -1,0 +1,20 @@
+// The tables of bodies, and where a body is. Needs FL_USE_HEADS and FL_USE_POSE.
+layout(set = 0, binding = FL_BINDING_INSTANCES, std430) readonly buffer SlotsBuffer { BodySlotRow slots[]; };
+layout(set = 0, binding = FL_BINDING_BODY_MESHES, std430) readonly buffer MeshesBuffer { BodyMeshRow meshes[]; };
+layout(set = 0, binding = FL_BINDING_BODY_LEVELS, std430) readonly buffer LevelsBuffer { BodyLevelRow levels[]; };
+
+// The space behind `depth` joints, camera-relative, m.
+struct Placed {
+  vec3 origin;
+  vec3 x_axis;
+  vec3 y_axis;
+  vec3 z_axis;
+};
+Placed place(HeadRow row, TypeRow type, HeadState state, uint depth) {
+  Placed at;
+  at.origin = fixture_to_stage_point(row, chain_to_fixture(type, state, depth, vec3(0.0), 1.0)) - params.position.xyz;
+  at.x_axis = fixture_to_stage_direction(row, chain_to_fixture(type, state, depth, vec3(1.0, 0.0, 0.0), 0.0));
+  at.y_axis = fixture_to_stage_direction(row, chain_to_fixture(type, state, depth, vec3(0.0, 1.0, 0.0), 0.0));
+  at.z_axis = fixture_to_stage_direction(row, chain_to_fixture(type, state, depth, vec3(0.0, 0.0, 1.0), 0.0));
+  return at;
+}
