@@ -11,6 +11,7 @@
 #include "render/passes/depths.h"
 #include "render/passes/fine.h"
 #include "render/passes/gather.h"
+#include "render/passes/gobos.h"
 #include "render/passes/step.h"
 #include "render/passes/surfaces.h"
 #include "render/passes/tiles.h"
@@ -23,6 +24,7 @@ namespace {
 const PassEntry* const kPasses[] = {
     &kStepPass,      // raw levels -> fixture states
     &kGatherPass,    // states -> lit beams, in patch order
+    &kGobosPass,     // beams -> tables of their gobos that are not built yet
     &kBodiesPass,    // fixture bodies -> visibility buffer
     &kTilesPass,     // beams -> which supertile they touch
     &kSurfacesPass,  // beams x boxes and bodies -> radiance, distance
@@ -122,6 +124,8 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   // The tables are those of every setting that change() may bring.
   FrameSettings widest = settings;
   widest.haze = true;
+  widest.method = BeamMethod::kGauss;
+  widest.gobo_method = GoboMethod::kTables;
   std::vector<bool> used(FL_BINDING_COUNT, false);
   for (const std::uint32_t binding : kFrameBindings) used[binding] = true;
   for (const PassEntry* pass : kPasses) {

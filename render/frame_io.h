@@ -25,4 +25,6 @@ static_assert(sizeof(BodyMeshRow) == 80);
 static_assert(sizeof(BodyLevelRow) == 16);
 static_assert(sizeof(BodyVertexRow) == 28);
 static_assert(sizeof(BodySlotRow) == 16);
+static_assert(sizeof(GoboTableRow) == 48);
+static_assert(sizeof(GoboQueue) == 48);
 }  // namespace footlight::render

@@ -60,6 +60,11 @@ struct PassEntry {
 [[nodiscard]] inline bool has_tile_classes(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_air(needs, settings) && settings.method == BeamMethod::kGauss && settings.tile_error > 0;
 }
+// Whether gobos in the air have tables.
+[[nodiscard]] inline bool has_gobo_tables(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return needs.fixtures && needs.haze && needs.gobo && settings.method == BeamMethod::kGauss &&
+         settings.gobo_method == GoboMethod::kTables;
+}
 // Whether anything solid is in the picture.
 [[nodiscard]] inline bool has_solids(const fixtures::Needs& needs, const FrameSettings& settings) {
   return needs.surfaces || has_bodies(needs, settings);

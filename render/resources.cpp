@@ -11,6 +11,7 @@
 #include "fixtures/bodies/levels.h"
 #include "fixtures/gobos/gobo_images.h"
 #include "fixtures/model/srgb.h"
+#include "render/gobo_tables.h"
 #include "render/pass.h"
 
 namespace footlight::render {
@@ -48,8 +49,9 @@ std::uint8_t srgb_of(float linear) {
 
 // Gobo images as one array with all levels of detail, in colour, 8 bits sRGB a channel. A rig without gobos gets a
 // single texel, since the shaders name the binding even where their specialisation never reads it.
+// planes: of each image 1 where it is grey, else 3.
 Result<vk::Image> make_gobos(vk::Device& device, const std::vector<fixtures::ImageSource>& images,
-                             fixtures::Diagnostics& diagnostics) {
+                             fixtures::Diagnostics& diagnostics, std::vector<std::uint32_t>& planes) {
   const int size = images.empty() ? 1 : kGoboSizePx;
   const auto layers = static_cast<uint>(std::max<std::size_t>(images.size(), 1));
   const std::uint32_t layers_max = device.limits().maxImageArrayLayers;
@@ -71,6 +73,11 @@ Result<vk::Image> make_gobos(vk::Device& device, const std::vector<fixtures::Ima
         image = fixtures::stand_in_texels(layer, size, kGoboEdge);
         diagnostics.add(fixtures::image_trouble(read.error()));
       }
+    }
+    planes.push_back(1);
+    for (std::size_t i = 0; i < image.size(); i += 3) {
+      const std::uint8_t red = srgb_of(image[i]);
+      if (srgb_of(image[i + 1]) != red || srgb_of(image[i + 2]) != red) planes.back() = 3;
     }
     int level_size = size;
     for (uint level = 0; level < levels; ++level) {
@@ -346,7 +353,8 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_INSTANCES, &R::slots},         {FL_BINDING_BODY_MESHES, &R::meshes},
     {FL_BINDING_BODY_LEVELS, &R::body_levels}, {FL_BINDING_BODY_VERTICES, &R::vertices},
     {FL_BINDING_BODY_INDICES, &R::indices},    {FL_BINDING_BODY_CHOICES, &R::choices},
-    {FL_BINDING_BODY_DRAWN, &R::drawn},        {FL_BINDING_BODY_DRAWS, &R::draws}};
+    {FL_BINDING_BODY_DRAWN, &R::drawn},        {FL_BINDING_BODY_DRAWS, &R::draws},
+    {FL_BINDING_GOBO_TABLES, &R::gobo_tables}, {FL_BINDING_GOBO_QUEUE, &R::gobo_queue}};
 
 // Words of a supertile's mask. They come in pairs, as one group of the tile pass writes them.
 std::uint32_t mask_words_of(const CompiledRig& compiled) {
@@ -390,6 +398,42 @@ std::uint64_t gobo_bytes(const MemoryShape& shape) {
   return shape.compiled.images.size() * texels * 4;
 }
 
+// What is known before the images are read: built-in gobos are grey, others may have colours.
+GoboTablePlan largest_gobo_tables(const MemoryShape& shape) {
+  if (!has_gobo_tables(shape.needs, shape.settings)) return {};
+  std::vector<std::uint32_t> planes;
+  for (const fixtures::ImageSource& image : shape.compiled.images) {
+    planes.push_back(image.name.starts_with(fixtures::kBuiltinImage) ? 1 : 3);
+  }
+  return plan_gobo_tables(shape.compiled, planes);
+}
+
+std::uint64_t gobo_queue_bytes(const CompiledRig& compiled) {
+  return sizeof(GoboQueue) + std::uint64_t{8} * FL_GOBO_PROFILES * compiled.images.size();
+}
+
+// A table of gobos and, where there is none, a texel, since shaders name it.
+Result<vk::Image> gobo_table_image(vk::Device& device, std::uint32_t columns, std::uint32_t rows, std::uint32_t layers,
+                                   VkFormat format) {
+  return vk::Image::create(device, layers > 0 ? columns : 1, layers > 0 ? rows : 1, format,
+                           VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT, std::max(layers, 1u));
+}
+
+Status make_gobo_tables(vk::Device& device, const CompiledRig& compiled, const GoboTablePlan& plan, RigTables& r) {
+  r.gobo_jobs_max = static_cast<std::uint32_t>(FL_GOBO_PROFILES * compiled.images.size());
+  FL_ASSIGN(r.gobo_tables, table(device, plan.rows));
+  FL_ASSIGN(r.gobo_queue, zeroed(device, gobo_queue_bytes(compiled), VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
+  FL_ASSIGN(r.gobo_whole,
+            gobo_table_image(device, FL_GOBO_CHORDS, kGoboWholeRows, plan.whole_layers, VK_FORMAT_R16G16B16A16_SFLOAT));
+  FL_ASSIGN(r.gobo_lines,
+            gobo_table_image(device, FL_GOBO_LINES, kGoboLinesRows, plan.lines_layers, VK_FORMAT_R16G16_UNORM));
+  return device.run_once([&](VkCommandBuffer commands) {
+    for (const vk::Image* image : {&r.gobo_whole, &r.gobo_lines}) {
+      vk::change_layout(commands, *image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
+    }
+  });
+}
+
 // States of all lamps of a kind, by its number in FL_LAMPS.
 std::uint64_t lamp_bytes(const CompiledRig& compiled, std::uint32_t lamp) {
   return compiled.lamp_counts[lamp] * kLampStateBytes;
@@ -413,6 +457,10 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_BLADES: return shape.needs.blades ? shape.compiled.beams_max * std::uint64_t{sizeof(BladesRow)} : 0;
     case FL_BINDING_BOXES: return shape.rig.boxes.size() * sizeof(BoxRow);
     case FL_BINDING_GOBOS: return gobo_bytes(shape);
+    case FL_BINDING_GOBO_TABLES: return largest_gobo_tables(shape).rows.size() * sizeof(GoboTableRow);
+    case FL_BINDING_GOBO_QUEUE: return gobo_queue_bytes(shape.compiled);
+    case FL_BINDING_GOBO_WHOLE_OUT: return largest_gobo_tables(shape).whole_layers * kGoboWholeBytes;
+    case FL_BINDING_GOBO_LINES_OUT: return largest_gobo_tables(shape).lines_layers * kGoboLinesBytes;
     case FL_BINDING_MASKS: return mask_bytes(settings, mask_words_of(shape.compiled));
     case FL_BINDING_TILE_DEPTHS:
       return tile_depth_bytes(settings, has_tile_classes(shape.needs, settings) && has_solids(shape.needs, settings));
@@ -442,6 +490,7 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   r.dowser_count = compiled.dowser_count;
   r.smooth_count = compiled.flex_count + compiled.smooth_count;
   r.box_count = static_cast<std::uint32_t>(shape.rig.boxes.size());
+  r.beams_max = compiled.beams_max;
   r.mask_words = mask_words_of(compiled);
   r.levels_bytes = compiled.universes.size() * kSlotCountMax;
 
@@ -474,8 +523,15 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   fixtures::Diagnostics diagnostics;
   r.has_bodies = render::has_bodies(shape.needs, shape.settings);
   if (r.has_bodies) FL_TRY(make_bodies(device, shape.rig, compiled, diagnostics, r));
+  std::vector<std::uint32_t> gobo_planes;
   if (used[FL_BINDING_GOBOS]) {
-    FL_ASSIGN(r.gobos, make_gobos(device, compiled.images, diagnostics));
+    FL_ASSIGN(r.gobos, make_gobos(device, compiled.images, diagnostics, gobo_planes));
+  }
+  if (used[FL_BINDING_GOBO_TABLES]) {
+    gobo_planes.resize(compiled.images.size(), 1);
+    const bool has_tables = has_gobo_tables(shape.needs, shape.settings);
+    FL_TRY(
+        make_gobo_tables(device, compiled, has_tables ? plan_gobo_tables(compiled, gobo_planes) : GoboTablePlan{}, r));
   }
   diagnostics.finish();
   r.diagnostics = diagnostics.take();
@@ -547,11 +603,18 @@ void Resources::bind_all() {
   if (rig.gobos.handle != VK_NULL_HANDLE) {
     bindings.set_image(FL_BINDING_GOBOS, rig.gobos, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   }
+  if (rig.gobo_whole.handle != VK_NULL_HANDLE) {
+    bindings.set_image(FL_BINDING_GOBO_WHOLE, rig.gobo_whole);
+    bindings.set_image(FL_BINDING_GOBO_WHOLE_OUT, rig.gobo_whole);
+    bindings.set_image(FL_BINDING_GOBO_LINES, rig.gobo_lines);
+    bindings.set_image(FL_BINDING_GOBO_LINES_OUT, rig.gobo_lines);
+  }
   bindings.set_image(FL_BINDING_SURFACE_ID, picture.surface_id);
   bindings.set_image(FL_BINDING_DEPTH, picture.depth);
   bindings.set_image(FL_BINDING_RADIANCE, picture.radiance);
   bindings.set_image(FL_BINDING_SCREEN, picture.screen);
-  for (const vk::Image* image : {&rig.gobos, &picture.surface_id, &picture.depth, &picture.radiance, &picture.screen}) {
+  for (const vk::Image* image : {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &picture.surface_id, &picture.depth,
+                                 &picture.radiance, &picture.screen}) {
     total_bytes += image->size_bytes;
   }
 }

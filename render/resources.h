@@ -45,6 +45,9 @@ struct RigTables {
   // the scene, whose vertices and indices are behind those of the bodies.
   vk::Buffer slots, meshes, body_levels, vertices, indices, draws;
   vk::Image gobos;  // one layer a gobo
+  // Tables of gobos in haze, filled as lit beams show them: GoboTableRow, GoboQueue, and the two kinds of tables.
+  vk::Buffer gobo_tables, gobo_queue;
+  vk::Image gobo_whole, gobo_lines;
 
   // Per frame.
   vk::Buffer params;          // FrameParams
@@ -76,6 +79,8 @@ struct RigTables {
   std::array<std::uint32_t, FL_LAMP_COUNT + 1> lamp_counts{};
   std::uint32_t dowser_count = 0;
   std::uint32_t smooth_count = 0;  // Flexes, then Smooths
+  std::uint32_t beams_max = 0;
+  std::uint32_t gobo_jobs_max = 0;  // of each kind of tables
   std::uint32_t box_count = 0;
   std::uint32_t slot_count = 0;         // bodies
   std::uint32_t mesh_count = 0;         // of bodies

@@ -7,6 +7,14 @@
 
 namespace footlight::render {
 
+// Gobos in haze (render/shaders/lib/gobo_chord.glsl). kTables: tables of one sharp image, samples of all else. kTaps:
+// samples. kMidpoints: samples with all of the integrand computed at each. The last two are kept for the report.
+enum class GoboMethod : std::uint32_t {
+  kMidpoints = FL_GOBO_MIDPOINTS,
+  kTaps = FL_GOBO_TAPS,
+  kTables = FL_GOBO_TABLES
+};
+
 enum class BeamMethod : std::uint32_t { kGauss = FL_METHOD_GAUSS, kMarch = FL_METHOD_MARCH };
 
 // What the radiance of a frame is. kClasses: how many beams a pixel shows, red those that were computed for the pixel,
@@ -25,8 +33,9 @@ struct FrameSettings {
   double tile_error = 4e-3;
   // Fewer live beams than that are computed pixel by pixel as well: there the passes of tiles cost more than they save.
   std::uint32_t tile_beams = 128;
-  std::uint32_t gobo_taps = 64;  // samples of the gobo along one ray through one beam
-  bool bodies = true;            // draw fixture bodies
+  GoboMethod gobo_method = GoboMethod::kTables;
+  std::uint32_t gobo_taps = 128;  // samples of the gobo along one ray through one beam
+  bool bodies = true;             // draw fixture bodies
   // Error in the picture that a plainer model of a body may have, in pixels; 0: whole models. A body is left out if its
   // diameter is below an eighth of that.
   double body_error_px = 0.5;

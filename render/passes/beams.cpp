@@ -28,7 +28,8 @@ const PassEntry kBeamsPass{
                                            {FL_SPEC_TILES, has_tile_classes(needs, settings)},
                                            {FL_SPEC_WIDE, needs.wide},
                                            {FL_SPEC_IRIS, needs.iris},
-                                           {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
+                                           {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)},
+                                           {FL_SPEC_GOBO_METHOD, static_cast<uint>(settings.gobo_method)}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kBeamsComp,

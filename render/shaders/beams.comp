@@ -19,6 +19,7 @@
 #include "render/shaders/lib/gobo.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#include "render/shaders/lib/gobo_chord.glsl"
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/thin.glsl"
 
@@ -95,11 +96,13 @@ void main() {
         if (seen) {
           vec3 value;
           if (gobo) {
-            gobo_sample = 0u;
-            const vec2 as_it_is = vec2(1.0, 0.0);  // each wheel turns by itself
-            value = kMethod == uint(FL_METHOD_MARCH)
-                        ? chord_inscatter_march_gobo(beam, medium, chord, ray, kNodes, kExtinction, row.gobo, as_it_is)
-                        : chord_inscatter_gobo(beam, medium, chord, ray, kGoboTaps, kExtinction, row.gobo, as_it_is);
+            if (kMethod == uint(FL_METHOD_MARCH)) {
+              gobo_sample = 0u;
+              const vec2 as_it_is = vec2(1.0, 0.0);  // each wheel turns by itself
+              value = chord_inscatter_march_gobo(beam, medium, chord, ray, kNodes, kExtinction, row.gobo, as_it_is);
+            } else {
+              value = gobo_inscatter(row, beam, medium, chord, ray, kExtinction);
+            }
           } else if (kMethod == uint(FL_METHOD_MARCH)) {
             value = vec3(chord_inscatter_march(beam, medium, chord, ray, kNodes, kExtinction));
           } else if (measured) {

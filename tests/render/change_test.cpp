@@ -198,7 +198,7 @@ TEST_CASE("the memory of a pass counts only buffers and images that no earlier p
   CHECK(bytes_of(needs, "tonemap") == 0);
   CHECK(bytes_of(needs, "tiles") == 4 * 10 * 6 * ((scene.compiled.beams_max + 63) / 64 * 2));
   // Gobo images belong to the first pass that reads them.
-  CHECK(bytes_of(needs, "surfaces") > scene.compiled.images.size() * 512 * 512 * 4);
+  CHECK(bytes_of(needs, "gobos") > scene.compiled.images.size() * (512 * 512 * 4 + 1024 * 256 * 8 + 512 * 64 * 65 * 4));
   CHECK(bytes_of(needs, "beams") == 0);
   fixtures::Needs bladed = needs;
   CHECK(!bladed.blades);

@@ -15,8 +15,8 @@ namespace {
 using fixtures::Needs;
 using vk::SpecConstant;
 
-const std::vector<std::string> kAll{"step",   "gather", "bodies", "tiles", "surfaces",
-                                    "depths", "coarse", "fine",   "beams", "tonemap"};
+const std::vector<std::string> kAll{"step",   "gather", "gobos", "bodies", "tiles",  "surfaces",
+                                    "depths", "coarse", "fine",  "beams",  "tonemap"};
 // Those that take beams together for tiles.
 const std::vector<std::string> kTilePasses{"depths", "coarse", "fine"};
 
@@ -104,6 +104,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                         {FL_SPEC_BLADES, 1},
                                         {FL_SPEC_MEASURED, 1},
                                         {FL_SPEC_RECTANGLE, 1}}},
+                                      {"gobos", {}},
                                       {"bodies", {}},
                                       {"tiles", {{FL_SPEC_RECTANGLE, 1}}},
                                       {"surfaces",
@@ -139,7 +140,8 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                         {FL_SPEC_RECTANGLE, 1},
                                         {FL_SPEC_TILES, 1},
                                         {FL_SPEC_WIDE, 1},
-                                        {FL_SPEC_IRIS, 1}}},
+                                        {FL_SPEC_IRIS, 1},
+                                        {FL_SPEC_GOBO_METHOD, FL_GOBO_TABLES}}},
                                       {"tonemap", {}}});
   CHECK(left_out_passes(demo_needs(), settings).empty());
 }
@@ -155,9 +157,10 @@ TEST_CASE("method, nodes and gobo taps change only the passes of beams in haze")
   CHECK(std::count(beams.begin(), beams.end(), SpecConstant{FL_SPEC_NODES, 64}) == 1);
   CHECK(std::count(beams.begin(), beams.end(), SpecConstant{FL_SPEC_GOBO_TAPS, 5}) == 1);
   for (const std::string& name : kAll) {
-    if (std::find(kTilePasses.begin(), kTilePasses.end(), name) != kTilePasses.end()) {
+    if (name == "gobos" || std::find(kTilePasses.begin(), kTilePasses.end(), name) != kTilePasses.end()) {
       const auto names = names_of(plan);
-      CHECK(std::find(names.begin(), names.end(), name) == names.end());  // a march takes no beams together
+      // A march takes no beams together, and samples gobos.
+      CHECK(std::find(names.begin(), names.end(), name) == names.end());
     } else if (name != "beams")
       CHECK(constants_of(plan, name) == constants_of(plan_frame(demo_needs(), {}), name));
   }
@@ -174,7 +177,7 @@ TEST_CASE("without a need its branches or its passes are left out") {
   for (const Case& c : {Case{"motion", &Needs::motion, {}, FL_SPEC_MOTION},
                         Case{"spin", &Needs::spin, {}, FL_SPEC_SPIN},
                         Case{"strobe", &Needs::strobe, {}, FL_SPEC_STROBE},
-                        Case{"gobo", &Needs::gobo, {}, FL_SPEC_GOBO},
+                        Case{"gobo", &Needs::gobo, {"gobos"}, FL_SPEC_GOBO},
                         Case{"colour", &Needs::color, {}, FL_SPEC_COLOR},
                         Case{"optics", &Needs::optics, {}, FL_SPEC_OPTICS},
                         Case{"blades", &Needs::blades, {}, FL_SPEC_BLADES},
@@ -196,10 +199,10 @@ TEST_CASE("without a need its branches or its passes are left out") {
                         Case{"wide", &Needs::wide, {}, FL_SPEC_WIDE},
                         Case{"iris", &Needs::iris, {}, FL_SPEC_IRIS},
                         Case{"surfaces", &Needs::surfaces, {}, FL_SPEC_BOXES},
-                        Case{"haze", &Needs::haze, {"depths", "coarse", "fine", "beams"}, FL_SPEC_COUNT},
+                        Case{"haze", &Needs::haze, {"gobos", "depths", "coarse", "fine", "beams"}, FL_SPEC_COUNT},
                         Case{"fixtures",
                              &Needs::fixtures,
-                             {"step", "gather", "bodies", "tiles", "depths", "coarse", "fine", "beams"},
+                             {"step", "gather", "gobos", "bodies", "tiles", "depths", "coarse", "fine", "beams"},
                              FL_SPEC_BODIES}}) {
     CAPTURE(c.what);
     Needs needs = demo_needs();
@@ -224,10 +227,10 @@ TEST_CASE("without boxes and bodies only passes for light in the air remain") {
   FrameSettings settings;
   settings.bodies = false;
   CHECK(names_of(plan_frame(needs, settings)) ==
-        std::vector<std::string>{"step", "gather", "tiles", "coarse", "fine", "beams", "tonemap"});
+        std::vector<std::string>{"step", "gather", "gobos", "tiles", "coarse", "fine", "beams", "tonemap"});
   settings.tile_error = 0;
   CHECK(names_of(plan_frame(needs, settings)) ==
-        std::vector<std::string>{"step", "gather", "tiles", "beams", "tonemap"});
+        std::vector<std::string>{"step", "gather", "gobos", "tiles", "beams", "tonemap"});
   settings.tile_error = FrameSettings{}.tile_error;
   needs.haze = false;  // without haze, too, nothing is visible
   CHECK(names_of(plan_frame(needs, settings)) == std::vector<std::string>{"step", "gather", "tonemap"});

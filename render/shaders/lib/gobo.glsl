@@ -45,13 +45,19 @@ vec3 gobo_wheel(uint image, uint next, float offset, vec2 turn, vec2 p, float lo
   return open * gobo_image(image, vec2(turn.x * p.x + turn.y * p.y, turn.x * p.y - turn.y * p.x), lod);
 }
 
-// rho in the beam, z_m from its lens.
-vec3 gobo_at(uint gobo, vec2 rho, float z_m) {
+// Where a place in the beam lies in its gate.
+vec2 gobo_place(vec2 rho) {
   vec2 p = rho * gobo_row.gobo_scale;
   // The image is as it is, and its disc goes through the corners of a rectangle.
   if (kRectangle && gobo_row.squeeze > 0.0) {
     p *= sqrt(2.0 / (1.0 + gobo_row.squeeze)) * vec2(1.0, sqrt(gobo_row.squeeze));
   }
+  return p;
+}
+
+// rho in the beam, z_m from its lens.
+vec3 gobo_at(uint gobo, vec2 rho, float z_m) {
+  vec2 p = gobo_place(rho);
   float blur = gobo_row.gobo_blur;
   if (kFocus) blur = max(blur, focus_blur(gobo_row.x_axis.w, gobo_row.y_axis.w, z_m, gobo_row.focus));
   float lod = 0.0;

@@ -57,7 +57,15 @@
 #define FL_BINDING_BODY_DRAWS (43 + FL_LAMP_COUNT)    // indirect draw commands, one a level
 #define FL_BINDING_SMALL_DEPTHS (44 + FL_LAMP_COUNT)  // one word a pixel: bits of the reversed depth
 #define FL_BINDING_SMALL_KEYS (45 + FL_LAMP_COUNT)    // one word a pixel: ~ the number of the triangle; 0: none
-#define FL_BINDING_COUNT (46 + FL_LAMP_COUNT)
+// Tables of gobos in haze (render/passes/gobos.h): GoboTableRow, one an image; those that a frame builds; the images
+// that hold them, as they are read and as they are written.
+#define FL_BINDING_GOBO_TABLES (46 + FL_LAMP_COUNT)
+#define FL_BINDING_GOBO_QUEUE (47 + FL_LAMP_COUNT)
+#define FL_BINDING_GOBO_WHOLE (48 + FL_LAMP_COUNT)
+#define FL_BINDING_GOBO_LINES (49 + FL_LAMP_COUNT)
+#define FL_BINDING_GOBO_WHOLE_OUT (50 + FL_LAMP_COUNT)
+#define FL_BINDING_GOBO_LINES_OUT (51 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (52 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -95,10 +103,15 @@
 #define FL_SPEC_VIEW (30 + FL_LAMP_COUNT)
 #define FL_SPEC_GROUP (31 + FL_LAMP_COUNT)  // threads of a workgroup of the surface pass
 #define FL_SPEC_SMALL_KEYS (32 + FL_LAMP_COUNT)  // the second pass over small bodies
-#define FL_SPEC_COUNT (33 + FL_LAMP_COUNT)
+#define FL_SPEC_GOBO_METHOD (33 + FL_LAMP_COUNT)
+#define FL_SPEC_COUNT (34 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
+
+#define FL_GOBO_MIDPOINTS 0
+#define FL_GOBO_TAPS 1
+#define FL_GOBO_TABLES 2
 
 // What a frame shows (FrameView).
 #define FL_VIEW_PICTURE 0
@@ -114,6 +127,17 @@
 #define FL_GROUP_TILE 256   // threads of a workgroup of the coarse and the fine pass
 #define FL_SURFACE_PX 32    // a workgroup of the surface pass has so many pixels a side
 #define FL_FEW_BEAMS 12      // in a supertile: so few are computed pixel by pixel, which takes less time
+// Tables of a gobo. Whole chords: straight lines of FL_GOBO_CHORDS offsets from the middle and FL_GOBO_ANGLES angles
+// over half a turn. Sums along lines: FL_GOBO_LINES offsets and FL_GOBO_DIRECTIONS directions, at FL_GOBO_NODES places.
+#define FL_GOBO_CHORDS 1024
+#define FL_GOBO_ANGLES 256
+#define FL_GOBO_CHORD_SAMPLES 256  // of the image along a chord through the middle
+#define FL_GOBO_LINES 512
+#define FL_GOBO_DIRECTIONS 64
+#define FL_GOBO_NODES 65
+#define FL_GOBO_LINE_SAMPLES 512
+#define FL_GOBO_PROFILES 8  // numbers of profiles (lib/profile_index.glsl), and one that none has
+#define FL_GROUP_GOBOS 64   // lines, and beams, a workgroup
 #define FL_TILE_LIGHT 48    // 4 x 4 coefficients of three channels
 // Nodes of a rectangle lie on a square that is this much larger, so that their hull holds every pixel's centre: the
 // outermost node is at cos(pi / 8) = 0.924 of the square, the outermost centre at 63 / 64 of the rectangle.
@@ -220,6 +244,27 @@ struct TileDepthRow {
 struct CoarseRow {
   float light[FL_TILE_LIGHT];
   float tolerance;  // of one beam there, over sigma_s; 0: all beams are left to the beam pass
+  uint pad;
+  uint pad_1;
+  uint pad_2;
+};
+
+// The tables of a gobo image, 48 bytes. Layers: those of its first colour, plus 1; 0: it has none.
+struct GoboTableRow {
+  uint planes;                   // 1: it is grey, 3: red, green and blue have tables of their own
+  uint lines;                    // layer of its sums along lines
+  uint built;                    // bits: 1 << profile of its whole chords, FL_GOBO_LINES_BUILT
+  uint pad;
+  uint whole[FL_GOBO_PROFILES];  // layer of its whole chords, by profile
+};
+#define FL_GOBO_LINES_BUILT 0x100u
+
+// Tables that a frame builds: indirect arguments whose z counts the jobs that follow, `capacity` of whole chords and as
+// many of lines.
+struct GoboQueue {
+  uint whole_groups[4];
+  uint lines_groups[4];
+  uint capacity;
   uint pad;
   uint pad_1;
   uint pad_2;

@@ -52,7 +52,7 @@ constexpr double kGoboSin = 0.6;
 
 bool prints() { return std::getenv("FOOTLIGHT_PRINT_ERRORS") != nullptr; }
 
-enum class Rule { kGauss, kWide, kMarch, kGobo };
+enum class Rule { kGauss, kWide, kMarch, kGobo, kTaps };
 
 // One kernel of one precision on one ray.
 #define FL_TEST_KERNEL(name, space)                                                                             \
@@ -68,6 +68,11 @@ enum class Rule { kGauss, kWide, kMarch, kGobo };
       case Rule::kWide: return static_cast<double>(k::chord_inscatter_wide(beam, medium, chord, d, n, true));   \
       case Rule::kMarch: return static_cast<double>(k::chord_inscatter_march(beam, medium, chord, d, n, true)); \
       case Rule::kGobo: break;                                                                                  \
+      case Rule::kTaps: {                                                                                       \
+        const k::ChordWeight weight = k::chord_weight(beam, medium, chord, d, true);                            \
+        const k::Vec2 turn(kGoboCos, kGoboSin);                                                                 \
+        return static_cast<double>(k::chord_inscatter_taps(beam, chord, weight, d, n, 1u, turn).x);             \
+      }                                                                                                         \
     }                                                                                                           \
     return static_cast<double>(                                                                                 \
         k::chord_inscatter_gobo(beam, medium, chord, d, n, true, 1u, k::Vec2(kGoboCos, kGoboSin)).x);           \
@@ -260,6 +265,24 @@ TEST_CASE("gobo samples along the chord converge to the judge's gobo") {
     CHECK(rel_l2[0] < 3e-2);
     CHECK(rel_l2[1] < 1.3e-3);
     CHECK(rel_l2[2] < 1.5e-4);
+  }
+}
+
+TEST_CASE("a gobo's samples with the smooth part at four nodes are as close as samples of the whole") {
+  for (const char* name : {"generic", "inside the beam", "cut by depth", "into the lens"}) {
+    CAPTURE(name);
+    const Judged& c = judged_case(name, 1, true);
+    for (const unsigned n : {16u, 64u, 256u}) {
+      CAPTURE(n);
+      const Distance whole = error_of(c, [n](const BeamRay& r) { return in_double(r, Rule::kGobo, n); });
+      const Distance split = error_of(c, [n](const BeamRay& r) { return in_double(r, Rule::kTaps, n); });
+      const Distance real = error_of(c, [n](const BeamRay& r) { return in_float(r, Rule::kTaps, n); });
+      if (prints())
+        fmt::print("gobo, {}, {} samples: {:.1e} whole, {:.1e} split\n", name, n, whole.rel_l2, split.rel_l2);
+      CHECK(real.nonfinite == 0);
+      CHECK(std::abs(real.rel_l2 - split.rel_l2) < 1e-5);
+      CHECK(split.rel_l2 < 1.1 * whole.rel_l2 + 1e-3);  // what four nodes leave
+    }
   }
 }
 

@@ -177,7 +177,6 @@ TEST_CASE("a rendered OpenEXR file is the frame's radiance bit for bit, and its 
   render::FrameSettings settings;
   settings.width = 96;
   settings.height = 54;
-  settings.gobo_taps = 64;
   auto frame = render::Frame::create(vulkan.device(), rig, driven->compiled, settings);
   REQUIRE(frame);
   REQUIRE(driven->timeline->advance(18 * kNsPerS, 20 * kNsPerMs,

@@ -38,7 +38,7 @@ struct Options {
   DurationNs exposure_ns = -1;
   std::optional<double> exposure_ev;  // default: the camera's own
   int nodes = 3;
-  int gobo_taps = 64;
+  int gobo_taps = 128;
   double tile_error = render::FrameSettings{}.tile_error;
   double body_error_px = render::FrameSettings{}.body_error_px;
   int supersample = 1;
@@ -439,7 +439,7 @@ void add(Arguments& arguments) {
       "--supersample", options->supersample, 1, 4,
       "pixels per side for each pixel, averaged before the tone map: smooth edges at N x N times the work");
   arguments.option("--gobo-taps", options->gobo_taps, 1, 1024,
-                   "samples of the gobo per beam and pixel; error and time: footlight report");
+                   "samples per beam and pixel where gobos have no tables: several images, blur");
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this text");
   arguments.flag("--json", options->json, "one JSON object a line for each picture");
   arguments.job([options]() -> Result<int> { return render_pictures(*options); });

@@ -197,12 +197,19 @@ std::vector<Knob> knobs_of(const PictureReportOptions& options, const fixtures::
   }
   settings = judged_settings(options);
   settings.tile_error = 0;
+  if (needs.gobo && !options.gobo_taps.empty()) {
+    knobs.push_back({"gobo tables", static_cast<double>(settings.gobo_taps), settings});
+  }
   for (const std::uint32_t taps : options.gobo_taps) {
     if (!needs.gobo) break;
     settings.gobo_taps = taps;
+    settings.gobo_method = GoboMethod::kMidpoints;
+    knobs.push_back({"gobo midpoints", static_cast<double>(taps), settings});
+    settings.gobo_method = GoboMethod::kTaps;
     knobs.push_back({"gobo taps", static_cast<double>(taps), settings});
   }
-  settings.gobo_taps = FrameSettings{}.gobo_taps;
+  settings = judged_settings(options);
+  settings.tile_error = 0;
   for (const std::uint32_t nodes : options.gauss_nodes) {
     settings.nodes = nodes;
     knobs.push_back({"gauss", static_cast<double>(nodes), settings});

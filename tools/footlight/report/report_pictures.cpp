@@ -31,6 +31,7 @@ struct PictureArguments {
   DurationNs at_ns = 30 * kNsPerS;
   int beams = 0;
   std::string photometry;
+  bool gobos = false;
   int fleet = 0;
   std::string size = "640x360";
   int judge_pixels = kJudgePixels;
@@ -202,8 +203,9 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
   std::optional<AirReport> air;
   FL_ASSIGN(const PictureSize size, parse_size(arguments.size));
   const double aspect = static_cast<double>(size.width) / size.height;
-  FL_ASSIGN(const Scene scene, arguments.beams > 0 ? make_beams_scene(arguments.beams, arguments.photometry)
-                                                   : scene_of_files(files, arguments, aspect, air));
+  FL_ASSIGN(const Scene scene, arguments.beams > 0
+                                   ? make_beams_scene(arguments.beams, arguments.photometry, arguments.gobos)
+                                   : scene_of_files(files, arguments, aspect, air));
   FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = arguments.device}));
   PictureReportOptions picture_options;
   picture_options.width = size.width;
@@ -294,6 +296,7 @@ ReportHalf add_report_pictures(Arguments& arguments) {
   arguments.option("--beams", chosen->beams, 1, 1'000'000, "generate a scene of this many beams instead of a rig");
   arguments.option("--photometry", chosen->photometry, "FILE",
                    "with --beams: all beams have the light of this IES or EULUMDAT file");
+  arguments.flag("--gobos", chosen->gobos, "with --beams: each beam has one of the eight built-in gobos");
   arguments.option("--fleet", chosen->fleet, 1, 1'000'000,
                    "no pictures: time a step of this many moving heads on the GPU and on one CPU core");
   arguments.option("--camera", chosen->camera, "NAME", "a camera of the rig; default: its first one");

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "fixtures/files/import/archive.h"
+#include "fixtures/gobos/gobo.h"
 #include "fixtures/photometry/attach.h"
 #include "fixtures/simulate/encode.h"
 
@@ -29,7 +30,9 @@ class Random {
 };
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr int kSlots = 6;
+constexpr int kSlots = 8;
+constexpr int kGoboSlot = 6;
+constexpr int kGoboLevels = 28;  // of each slot of the gobo wheel
 
 // A channel of `bytes` bytes from slot `first` with one function that is linear over the whole range.
 Channel channel(int first, int bytes, const char* attribute, double from, double to) {
@@ -48,17 +51,39 @@ Channel channel(int first, int bytes, const char* attribute, double from, double
   return c;
 }
 
-FixtureType beam_type(double lens_radius_m) {
+// Gobo 1 to 8, and which way up it is.
+void add_gobos(FixtureType& type, Mode& mode) {
+  Wheel wheel;
+  wheel.name = "Gobos";
+  Channel choice = channel(kGoboSlot, 1, "Gobo1", 0, 8);
+  ChannelFunction& function = choice.functions.front();
+  function.wheel = 0;
+  for (int gobo = 0; gobo <= kGoboCount; ++gobo) {
+    WheelSlot slot;
+    slot.name = gobo_name(gobo);
+    slot.open = gobo == 0;
+    if (gobo > 0) slot.image = std::string(kBuiltinImage) + slot.name;
+    wheel.slots.push_back(slot);
+    const auto first = static_cast<std::uint32_t>(gobo * kGoboLevels);
+    function.sets.push_back({slot.name, first, first + kGoboLevels - 1, 0, 0, gobo + 1});
+  }
+  type.wheels.push_back(wheel);
+  mode.channels.push_back(choice);
+  mode.channels.push_back(channel(kGoboSlot + 1, 1, "Gobo1Pos", 0, 360));
+}
+
+FixtureType beam_type(double lens_radius_m, bool gobos) {
   FixtureType type;
   type.manufacturer = "Footlight";
   type.name = "Report beam";
   type.id = fmt::format("report/beam-{:.0f}mm", lens_radius_m * 1000);
   Mode mode;
-  mode.name = "6 slots";
+  mode.name = "8 slots";
   mode.slot_count = kSlots;
   mode.channels = {channel(0, 2, "Zoom", 1, 52), channel(2, 1, "Dimmer", 0, 1), channel(3, 1, "ColorAdd_R", 0, 1),
                    channel(4, 1, "ColorAdd_G", 0, 1), channel(5, 1, "ColorAdd_B", 0, 1)};
   mode.geometries = simple_geometries(0.01, 0.01);
+  if (gobos) add_gobos(type, mode);
   type.modes.push_back(std::move(mode));
   Beam beam;
   beam.radius_m = lens_radius_m;
@@ -71,10 +96,10 @@ FixtureType beam_type(double lens_radius_m) {
 
 }  // namespace
 
-Result<Scene> make_beams_scene(int count, const std::string& photometry) {
+Result<Scene> make_beams_scene(int count, const std::string& photometry, bool gobos) {
   if (count < 1 || count > 1'000'000) return fail(ErrorCode::kBadInput, "{} beams: expected 1 to 1000000", count);
   Scene scene;
-  scene.name = fmt::format("beams:{}", count);
+  scene.name = fmt::format("beams:{}{}", count, gobos ? ", gobos" : "");
   Rig& rig = scene.rig;
   rig.name = scene.name;
   rig.haze = {0.01, 0.0, 0.5, 40};
@@ -83,7 +108,7 @@ Result<Scene> make_beams_scene(int count, const std::string& photometry) {
   rig.boxes.push_back({"wall", {-45, 25, 0}, {45, 26, 30}, glm::dvec3(0.2)});
   rig.cameras = {Camera{"foh", {0, -40, 8}, {0, 0, 6}, 50, 10}};
   constexpr int kLenses = 8;
-  for (int i = 0; i < kLenses; ++i) rig.types.push_back(beam_type(0.05 + 0.07 * i / (kLenses - 1)));
+  for (int i = 0; i < kLenses; ++i) rig.types.push_back(beam_type(0.05 + 0.07 * i / (kLenses - 1), gobos));
 
   if (!photometry.empty()) {
     scene.name += ", " + photometry;
@@ -101,6 +126,7 @@ Result<Scene> make_beams_scene(int count, const std::string& photometry) {
   Random random;
   std::vector<double> half_angles_rad;
   std::vector<glm::dvec3> colors;
+  std::vector<double> angles;  // of gobos, turns
   for (int i = 0; i < count; ++i) {
     const double kind = random.uniform();
     half_angles_rad.push_back(kDegree * (kind < 0.7   ? random.between(0.75, 2.5)
@@ -120,6 +146,7 @@ Result<Scene> make_beams_scene(int count, const std::string& photometry) {
     fixture.rotation_deg = glm::dvec3(std::atan2(across, -d.z), 0, across > 0 ? std::atan2(-d.x, d.y) : 0.0) / kDegree;
     rig.fixtures.push_back(fixture);
     colors.emplace_back(random.uniform(), random.uniform(), random.uniform());
+    angles.push_back(gobos ? random.uniform() : 0);
   }
   FL_ASSIGN(scene.compiled, compile(rig));
   scene.levels.assign(scene.compiled.universes.size() * kSlotCountMax, 0);
@@ -133,6 +160,11 @@ Result<Scene> make_beams_scene(int count, const std::string& photometry) {
     encode_attribute(rig, fixture, "ColorAdd_R", colors[index].x, slots);
     encode_attribute(rig, fixture, "ColorAdd_G", colors[index].y, slots);
     encode_attribute(rig, fixture, "ColorAdd_B", colors[index].z, slots);
+    if (gobos) {
+      slots[static_cast<std::size_t>(fixture.address - 1 + kGoboSlot)] =
+          static_cast<std::uint8_t>((1 + i % kGoboCount) * kGoboLevels + kGoboLevels / 2);
+      encode_attribute(rig, fixture, "Gobo1Pos", 360 * angles[index], slots);
+    }
   }
   scene.camera = rig.cameras.front();
   return scene;

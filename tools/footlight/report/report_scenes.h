@@ -21,6 +21,7 @@ struct Scene {
 // 0.75 to 2.5 degrees, 20 % 5 to 10, 10 % 12 to 25. Lenses: 5 to 12 cm. Four fifths hang 12 to 16 m up, the others are
 // on the floor. The camera is 40 m in front. This is the mix of a large show, with one profile (m = 1) and no gobos.
 // `photometry`: an IES or EULUMDAT file whose light all beams have, with unchanged half angles; empty: none.
-[[nodiscard]] Result<Scene> make_beams_scene(int count, const std::string& photometry = {});
+// `gobos`: each beam has one of the eight built-in gobos, turned at random.
+[[nodiscard]] Result<Scene> make_beams_scene(int count, const std::string& photometry = {}, bool gobos = false);
 
 }  // namespace footlight::tools

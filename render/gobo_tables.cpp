@@ -1,0 +1,59 @@
+#include "render/gobo_tables.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "sim/core/check.h"
+
+namespace footlight::render {
+namespace {
+
+// Numbers of profiles, as in lib/profile_index.glsl.
+std::size_t profile_index(float profile_power) {
+  constexpr float kLeast[] = {0.29f, 0.42f, 0.75f, 1.5f, 2.5f, 3.5f};
+  return static_cast<std::size_t>(
+      std::count_if(std::begin(kLeast), std::end(kLeast), [&](float least) { return profile_power > least; }));
+}
+
+}  // namespace
+
+GoboTablePlan plan_gobo_tables(const fixtures::CompiledRig& compiled, const std::vector<std::uint32_t>& planes) {
+  const std::size_t count = compiled.images.size();
+  FL_CHECK_EQ(planes.size(), count);
+  // Of each image, the profiles of the types that show it; and whether it stands in a gobo wheel at all.
+  std::vector<std::uint32_t> profiles(count, 0);
+  std::vector<bool> in_wheel(count, false);
+  for (const fixtures::TypeRow& type : compiled.types) {
+    for (const std::uint32_t wheel_index : {fixtures::kWheelGobo1, fixtures::kWheelGobo2}) {
+      const fixtures::WheelRow& wheel = compiled.wheels[type.wheel_first + wheel_index];
+      for (std::uint32_t s = 0; s < wheel.slot_count; ++s) {
+        const std::uint32_t image = compiled.wheel_slots[wheel.slot_first + s].image;
+        if (image == 0) continue;
+        in_wheel[image - 1] = true;
+        if (type.aspect > 0 || type.measured != 0) continue;
+        profiles[image - 1] |= 1u << profile_index(compiled.needs.profile ? type.profile_power : 1);
+      }
+    }
+  }
+  GoboTablePlan plan;
+  std::uint64_t bytes = 0;
+  const auto take = [&](std::uint32_t& layers, std::uint32_t wanted, std::uint64_t layer_bytes) -> std::uint32_t {
+    if (bytes + wanted * layer_bytes > kGoboTableBytesMax) return 0;
+    bytes += wanted * layer_bytes;
+    layers += wanted;
+    return layers - wanted + 1;
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    plan.rows.push_back({.planes = planes[i], .lines = 0, .built = 0, .pad = 0, .whole = {}});
+    if (in_wheel[i]) plan.rows[i].lines = take(plan.lines_layers, planes[i], kGoboLinesBytes);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::uint32_t p = 0; p < FL_GOBO_PROFILES; ++p) {
+      const bool shown = (profiles[i] >> p & 1u) != 0 && plan.rows[i].lines != 0;
+      if (shown) plan.rows[i].whole[p] = take(plan.whole_layers, planes[i], kGoboWholeBytes);
+    }
+  }
+  return plan;
+}
+
+}  // namespace footlight::render

@@ -1,0 +1,74 @@
+#include "render/passes/gobos.h"
+
+#include <cstddef>
+#include <utility>
+
+#include "shaders/gobochords.comp.h"
+#include "shaders/gobolines.comp.h"
+#include "shaders/gobos.comp.h"
+
+namespace footlight::render {
+namespace {
+
+struct Step {
+  std::shared_ptr<const vk::Pipeline> pipeline;
+  vk::BindingSet set;
+
+  static Result<Step> create(const PassContext& context, vk::Spirv spirv) {
+    Step step;
+    FL_ASSIGN(step.pipeline, context.device.pipelines().compute(spirv, context.constants));
+    FL_ASSIGN(step.set, vk::BindingSet::create(context.device, *step.pipeline, context.resources.bindings));
+    return step;
+  }
+};
+
+class GobosPass final : public Pass {
+ public:
+  GobosPass(Step mark, Step whole, Step lines, const RigTables& rig)
+      : mark_(std::move(mark)), whole_(std::move(whole)), lines_(std::move(lines)), rig_(rig) {}
+
+  void record(VkCommandBuffer commands, std::span<const std::byte>) override {
+    const GoboQueue empty{{FL_GOBO_CHORDS / FL_GROUP_GOBOS, FL_GOBO_ANGLES + 1, 0, 0},
+                          {FL_GOBO_LINES / FL_GROUP_GOBOS, FL_GOBO_DIRECTIONS, 0, 0},
+                          rig_.gobo_jobs_max,
+                          0,
+                          0,
+                          0};
+    const VkBuffer queue = rig_.gobo_queue.handle;
+    vkCmdUpdateBuffer(commands, queue, 0, sizeof(empty), &empty);
+    vk::full_barrier(commands);
+    mark_.pipeline->bind(commands, mark_.set);
+    vkCmdDispatch(commands, (rig_.beams_max + FL_GROUP_GOBOS - 1) / FL_GROUP_GOBOS, 1, 1);
+    vk::full_barrier(commands);
+    whole_.pipeline->bind(commands, whole_.set);
+    vkCmdDispatchIndirect(commands, queue, offsetof(GoboQueue, whole_groups));
+    lines_.pipeline->bind(commands, lines_.set);
+    vkCmdDispatchIndirect(commands, queue, offsetof(GoboQueue, lines_groups));
+  }
+
+ private:
+  Step mark_;
+  Step whole_;
+  Step lines_;
+  const RigTables& rig_;
+};
+
+}  // namespace
+
+const PassEntry kGobosPass{
+    "gobos",
+    has_gobo_tables,
+    [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
+    [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
+      FL_ASSIGN(Step mark, Step::create(context, kGobosComp));
+      FL_ASSIGN(Step whole, Step::create(context, kGobochordsComp));
+      FL_ASSIGN(Step lines, Step::create(context, kGobolinesComp));
+      return std::unique_ptr<Pass>(
+          new GobosPass(std::move(mark), std::move(whole), std::move(lines), context.resources.rig));
+    },
+    [] {
+      return std::vector<std::vector<vk::Spirv>>{{kGobosComp}, {kGobochordsComp}, {kGobolinesComp}};
+    },
+    "tables of gobos in the air, which are sampled instead"};
+
+}  // namespace footlight::render

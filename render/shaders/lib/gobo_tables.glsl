@@ -1,0 +1,33 @@
+// Which tables of moments (lib/gobo_chord.glsl) a beam reads. After forms.glsl and gobo_chord.h; the including pass
+// declares FL_GOBO_TABLES_ACCESS.
+layout(set = 0, binding = FL_BINDING_GOBO_TABLES, std430) FL_GOBO_TABLES_ACCESS buffer GoboTablesBuffer {
+  GoboTableRow gobo_tables[];
+};
+
+// The only image in a beam, sharp or not.
+struct GoboImage {
+  uint image;  // 0: there is none, or more than one thing stands in the beam
+  vec2 turn;   // cos, sin
+};
+GoboImage gobo_only_image(BeamRow row) {
+  GoboImage only = GoboImage(row.gobo, vec2(row.gobo_cos, row.gobo_sin));
+  if (row.gobo == 0u) only = GoboImage(row.gobo_2, vec2(row.gobo_2_cos, row.gobo_2_sin));
+  bool several = (row.gobo != 0u && row.gobo_2 != 0u) || row.offset_1 != 0.0 || row.offset_2 != 0.0;
+  if (several || row.animation != 0u) only.image = 0u;
+  return only;
+}
+
+// Its light comes through as it is drawn.
+bool gobo_is_sharp(BeamRow row) { return row.gobo_blur <= 1e-4 && row.focus < 0.0; }
+
+// The first layer, plus 1, of its sums along lines; 0: none. They serve a blur that is the same all along the beam.
+uint gobo_lines_layer(BeamRow row, GoboImage only) {
+  return only.image != 0u && row.focus < 0.0 ? gobo_tables[only.image - 1u].lines : 0u;
+}
+
+// The same of whole chords. They hold the profile, over the whole image.
+uint gobo_whole_layer(BeamRow row, GoboImage only) {
+  bool plain = only.image != 0u && gobo_is_sharp(row) && row.gobo_scale == 1.0 && row.j0.w == 0.0 &&
+               row.squeeze == 0.0 && row.measured == 0u;
+  return plain ? gobo_tables[only.image - 1u].whole[profile_index(row.eye.w)] : 0u;
+}

@@ -1,0 +1,251 @@
+// Gobos in haze: their tables, built on the GPU, against the judge and against samples.
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "fixtures/gobos/gobo_images.h"
+#include "fixtures/gobos/png.h"
+#include "fixtures/simulate/walker.h"
+#include "render/gobo_tables.h"
+#include "render/reference/judge.h"
+#include "render/reference/norms.h"
+#include "tests/render/scenes.h"
+#include "tests/support/headless_vulkan.h"
+
+namespace footlight::render {
+namespace {
+
+using namespace render::testing;
+using footlight::testing::HeadlessVulkan;
+
+class OneFile final : public fixtures::Files {
+ public:
+  explicit OneFile(fixtures::Bytes bytes) : bytes_(std::move(bytes)) {}
+  [[nodiscard]] const std::vector<std::string>& names() const override { return names_; }
+  [[nodiscard]] Result<fixtures::Bytes> read(std::string_view, std::uint64_t) const override { return bytes_; }
+  [[nodiscard]] std::string shown_name(std::string_view name) const override { return std::string(name); }
+
+ private:
+  std::vector<std::string> names_{"colour.png"};
+  fixtures::Bytes bytes_;
+};
+
+// Light in the air alone.
+Scene in_the_air(Scene scene) {
+  const auto levels = scene.levels;
+  scene.rig.boxes.clear();
+  scene.compile();
+  scene.levels = levels;
+  return scene;
+}
+
+std::vector<double> judged_picture(const Scene& scene, const FrameSettings& settings, double tolerance = 1e-4) {
+  fixtures::f64::Walker walker(scene.compiled);
+  walker.step(scene.levels, 0);
+  const JudgeScene judge = judge_scene(scene.rig, walker, gobos_of_judge(scene));
+  return judge_image(judge, view_of(scene.camera), settings.width, settings.height,
+                     {.tolerance = tolerance, .stated_error = false})
+      .rgb;
+}
+
+double rel_l2(const RadianceImage& picture, const std::vector<double>& judged) {
+  const PictureNorms norms = picture_norms(picture.rgb, judged);
+  CHECK(norms.nonfinite == 0);
+  return norms.rel_l2;
+}
+
+FrameSettings with_method(GoboMethod method, std::uint32_t taps, int width = 64, int height = 36) {
+  FrameSettings settings = judged_settings(width, height);
+  settings.gobo_method = method;
+  settings.gobo_taps = taps;
+  return settings;
+}
+
+TEST_CASE("tables of gobos are nearer to the judge than 64 samples and within 2e-3 over the demo's beams") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = in_the_air(demo_scene(12, true));
+  for (const std::size_t camera : {std::size_t{0}, std::size_t{2}}) {
+    scene.camera = scene.rig.cameras.at(camera);
+    const std::vector<double> judged = judged_picture(scene, judged_settings());
+    const auto error = [&](GoboMethod method, std::uint32_t taps) {
+      return rel_l2(draw_new(vulkan.device(), scene, with_method(method, taps)), judged);
+    };
+    const double tables = error(GoboMethod::kTables, 128);
+    const double taps = error(GoboMethod::kTaps, 64);
+    std::fprintf(stderr, "camera %zu: tables %.3g, 64 taps %.3g, 64 midpoints %.3g, 1024 taps %.3g\n", camera, tables,
+                 taps, error(GoboMethod::kMidpoints, 64), error(GoboMethod::kTaps, 1024));
+    CHECK(tables < 2e-3);
+    CHECK(tables < 0.5 * taps);
+  }
+}
+
+TEST_CASE("a gobo whose chords are cut is drawn from its tables as the judge computes it") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  struct Case {
+    const char* what;
+    std::vector<std::pair<const char*, double>> values;
+    double rel_l2_max;  // twice the value on lavapipe
+  };
+  for (const Case& each : {
+           Case{"open to the rim", {}, 1e-2},
+           Case{"iris", {{"Iris", 0.5}}, 5e-3},
+           Case{"iris, almost closed", {{"Iris", 0.1}}, 1e-4},
+           Case{"blades", {{"Blade1A", 0.4}, {"Blade2A", 0.6}, {"Blade2Rot", 20}}, 4e-3},
+           Case{"prism", {{"Prism1", 2}}, 2.5e-3},
+       }) {
+    CAPTURE(each.what);
+    Scene scene = in_the_air(optics_scene(false));
+    for (const auto& [attribute, value] : each.values) scene.set(0, attribute, value);
+    scene.set(0, "Gobo1WheelIndex", 270);
+    scene.set(0, "Gobo1Pos", 30);
+    const std::vector<double> judged = judged_picture(scene, judged_settings());
+    const double tables = rel_l2(draw_new(vulkan.device(), scene, with_method(GoboMethod::kTables, 128)), judged);
+    const double taps = rel_l2(draw_new(vulkan.device(), scene, with_method(GoboMethod::kTaps, 1024)), judged);
+    std::fprintf(stderr, "%s: tables %.3g, 1024 taps %.3g\n", each.what, tables, taps);
+    CHECK(tables < each.rel_l2_max);
+  }
+}
+
+TEST_CASE("a gobo that frost blurs is drawn from lines beside each other, nearer to the judge than by samples") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  struct Case {
+    double frost;
+    double rel_l2_max;  // twice the value on lavapipe
+  };
+  for (const auto& [frost, rel_l2_max] : {Case{0.05, 2.2e-3}, Case{0.2, 4.2e-3}, Case{0.6, 4e-2}}) {
+    CAPTURE(frost);
+    Scene scene = in_the_air(optics_scene(false));
+    scene.set(0, "Frost1", frost);
+    scene.set(0, "Gobo1WheelIndex", 270);
+    scene.set(0, "Gobo1Pos", 30);
+    const std::vector<double> judged = judged_picture(scene, judged_settings(32, 18), 1e-3);
+    const auto error = [&](GoboMethod method) {
+      return rel_l2(draw_new(vulkan.device(), scene, with_method(method, 128, 32, 18)), judged);
+    };
+    const double lines = error(GoboMethod::kTables);
+    const double samples = error(GoboMethod::kTaps);
+    std::fprintf(stderr, "frost %g: lines %.3g, 128 samples %.3g\n", frost, lines, samples);
+    CHECK(lines < rel_l2_max);
+    CHECK(lines < samples);
+  }
+}
+
+TEST_CASE("each colour of a gobo has its own tables") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  // A disc that is red to the left, green to the right, with a blue bar across.
+  constexpr int kSize = 128;
+  std::vector<std::uint8_t> rgba;
+  for (int row = 0; row < kSize; ++row) {
+    for (int column = 0; column < kSize; ++column) {
+      const bool bar = row > 70 && row < 90;
+      rgba.insert(rgba.end(), {static_cast<std::uint8_t>(column < 50 && !bar ? 255 : 20),
+                               static_cast<std::uint8_t>(column >= 50 && !bar ? 220 : 0),
+                               static_cast<std::uint8_t>(bar ? 255 : 0), 255});
+    }
+  }
+  Scene scene = in_the_air(optics_scene(false));
+  scene.set(0, "Gobo1WheelIndex", 90);
+  const auto files = std::make_shared<OneFile>(fixtures::png_of(kSize, kSize, 4, rgba));
+  for (fixtures::ImageSource& image : scene.compiled.images) image = {files, "colour.png"};
+  const RadianceImage samples = draw_new(vulkan.device(), scene, with_method(GoboMethod::kTaps, 1024));
+  const RadianceImage tables = draw_new(vulkan.device(), scene, with_method(GoboMethod::kTables, 128));
+  std::array<double, 3> light{};
+  for (std::size_t i = 0; i < samples.rgb.size(); ++i) light[i % 3] += static_cast<double>(samples.rgb[i]);
+  CHECK(light[0] > 1.05 * light[2]);  // the colours differ
+  CHECK(light[1] > 1.05 * light[0]);
+  const double error = rel_l2(tables, {samples.rgb.begin(), samples.rgb.end()});
+  std::fprintf(stderr, "colours: %.3g\n", error);
+  CHECK(error < 5e-3);  // twice the value on lavapipe
+}
+
+TEST_CASE("a gobo that comes later gets the tables that a new frame would build, and they stay") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = in_the_air(optics_scene(false));
+  const FrameSettings settings = with_method(GoboMethod::kTables, 128, 32, 18);
+  scene.set(0, "Gobo1WheelIndex", 90);
+  const auto frame = make_frame(vulkan.device(), scene, settings);
+  const RadianceImage first = draw(*frame, scene);
+  CHECK(draw(*frame, scene).rgb == first.rgb);
+  scene.set(0, "Gobo1WheelIndex", 270);
+  const RadianceImage later = draw(*frame, scene);
+  CHECK(later.rgb != first.rgb);
+  CHECK(later.rgb == draw_new(vulkan.device(), scene, settings).rgb);
+  scene.set(0, "Gobo1WheelIndex", 90);
+  CHECK(draw(*frame, scene).rgb == first.rgb);
+}
+
+TEST_CASE("tables of gobos stay within their budget, sums along lines before whole chords") {
+  Scene scene = optics_scene(false);
+  const auto planes_of = [&](std::uint32_t planes) {
+    return std::vector<std::uint32_t>(scene.compiled.images.size(), planes);
+  };
+  REQUIRE(scene.compiled.images.size() == 4);  // the last one is the animation wheel's, which has no tables
+  const GoboTablePlan grey = plan_gobo_tables(scene.compiled, planes_of(1));
+  CHECK(grey.lines_layers == 3);
+  CHECK(grey.whole_layers == 3);
+  std::vector<std::uint32_t> layers;
+  std::vector<std::ptrdiff_t> without;  // profiles
+  for (const GoboTableRow& row : grey.rows) {
+    layers.push_back(row.lines);
+    without.push_back(std::count(std::begin(row.whole), std::end(row.whole), 0u));
+  }
+  CHECK(layers == std::vector<std::uint32_t>{1, 2, 3, 0});
+  CHECK(without == std::vector<std::ptrdiff_t>{FL_GOBO_PROFILES - 1, FL_GOBO_PROFILES - 1, FL_GOBO_PROFILES - 1,
+                                               FL_GOBO_PROFILES});
+  const GoboTablePlan coloured = plan_gobo_tables(scene.compiled, planes_of(3));
+  CHECK(coloured.lines_layers == 9);
+  CHECK(coloured.whole_layers == 9);
+  // A wheel of 100 images: lines of the first ones, and whole chords of none.
+  fixtures::Wheel& wheel = scene.rig.types[0].wheels[0];
+  for (int i = 0; i < 100; ++i) {
+    wheel.slots.emplace_back();
+    wheel.slots.back().name = wheel.slots.back().image = "image" + std::to_string(i) + ".png";
+  }
+  scene.compile();
+  REQUIRE(scene.compiled.images.size() == 104);
+  const GoboTablePlan many = plan_gobo_tables(scene.compiled, planes_of(3));
+  const auto with_lines =
+      std::count_if(many.rows.begin(), many.rows.end(), [](const GoboTableRow& row) { return row.lines != 0; });
+  CHECK(with_lines > 5);
+  CHECK(with_lines < 103);
+  CHECK(many.rows.front().lines == 1);
+  CHECK(many.rows.back().lines == 0);
+  std::uint64_t bytes = 0;
+  const FrameSettings settings;
+  for (const int binding : {FL_BINDING_GOBO_WHOLE_OUT, FL_BINDING_GOBO_LINES_OUT}) {
+    bytes +=
+        binding_bytes(static_cast<std::uint32_t>(binding), {scene.rig, scene.compiled, scene.compiled.needs, settings});
+  }
+  CHECK(bytes <= kGoboTableBytesMax);
+  CHECK(bytes > kGoboTableBytesMax / 2);
+}
+
+TEST_CASE("a rig without gobos, and one whose gobos are sampled, have no tables of gobos") {
+  const auto bytes_of = [](const Scene& scene, const FrameSettings& settings) {
+    std::uint64_t bytes = 0;
+    for (const int binding : {FL_BINDING_GOBO_TABLES, FL_BINDING_GOBO_WHOLE_OUT, FL_BINDING_GOBO_LINES_OUT}) {
+      bytes += binding_bytes(static_cast<std::uint32_t>(binding),
+                             {scene.rig, scene.compiled, scene.compiled.needs, settings});
+    }
+    return bytes;
+  };
+  const Scene lamps = lamps_scene(5, 3);
+  CHECK(!lamps.compiled.needs.gobo);
+  CHECK(bytes_of(lamps, {}) == 0);
+  const Scene gobos = optics_scene(false);
+  CHECK(bytes_of(gobos, {}) > 0);
+  CHECK(bytes_of(gobos, with_method(GoboMethod::kTaps, 64)) == 0);
+}
+
+}  // namespace
+}  // namespace footlight::render
