@@ -18,8 +18,8 @@ enum class GoboMethod : std::uint32_t {
 enum class BeamMethod : std::uint32_t { kGauss = FL_METHOD_GAUSS, kMarch = FL_METHOD_MARCH };
 
 // What the radiance of a frame is. kClasses: how many beams a pixel shows, red those that were computed for the pixel,
-// green those that were taken together as smooth, blue those with a rim or cuts; surfaces are black. kLux: illuminance of
-// the surface of each pixel in lx, per channel, without the air between it and the camera and without work light.
+// green those that were taken together as smooth, blue those with a rim or cuts; surfaces are black. kLux: illuminance
+// of the surface of each pixel in lx, per channel, without the air between it and the camera and without work light.
 enum class FrameView : std::uint32_t { kPicture = FL_VIEW_PICTURE, kClasses = FL_VIEW_CLASSES, kLux = FL_VIEW_LUX };
 
 struct FrameSettings {

@@ -147,7 +147,9 @@ void main() {
         BeamRow row = beams[own.id];
         compute_nodes(row, rect, (own.bits & kGuessWhole) != 0u, own.fit);
         bool smooth_there = is_smooth(tolerance / brightest(row.j0.rgb), own.middle);
-        if (is_beam && smooth_there) FL_LANE_NODES(k) light[k] += kShowsClasses ? kClassSmooth : node_light[k] * row.j0.rgb;
+        if (is_beam && smooth_there) {
+          FL_LANE_NODES(k) light[k] += kShowsClasses ? kClassSmooth : node_light[k] * row.j0.rgb;
+        }
         if (is_beam && !smooth_there && team_lane() == 0u) {
           atomicOr(rest_bits[own.id / 32u - first], 1u << (own.id & 31u));
         }

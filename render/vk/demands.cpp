@@ -42,6 +42,8 @@ constexpr VkFormatFeatureFlags kSurfaceId =
     VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT | VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT;
 constexpr VkFormatFeatureFlags kDepth =
     VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
+constexpr VkFormatFeatureFlags kGoboLines =
+    VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
 
 constexpr FlagDemand kFlags[] = {
     {"subgroup operations basic, vote, ballot, arithmetic and shuffle in compute shaders",
@@ -58,6 +60,10 @@ constexpr FlagDemand kFlags[] = {
      [](const DeviceFacts& f) { return (f.surface_id_format & kSurfaceId) == kSurfaceId; }},
     {"format D32_SFLOAT as depth attachment and sampled image",
      [](const DeviceFacts& f) { return (f.depth_format & kDepth) == kDepth; }},
+    {"feature shaderStorageImageExtendedFormats",
+     [](const DeviceFacts& f) { return f.features.shaderStorageImageExtendedFormats == VK_TRUE; }},
+    {"format R16G16_UNORM as storage image and filtered sampled image",
+     [](const DeviceFacts& f) { return (f.gobo_lines_format & kGoboLines) == kGoboLines; }},
 };
 
 VkFormatFeatureFlags format_features(VkPhysicalDevice device, VkFormat format) {
@@ -85,6 +91,7 @@ DeviceFacts read_facts(VkPhysicalDevice device) {
   facts.id.pNext = facts.driver.pNext = facts.features_13.pNext = nullptr;  // the facts may be copied
   facts.surface_id_format = format_features(device, VK_FORMAT_R32G32_UINT);
   facts.depth_format = format_features(device, VK_FORMAT_D32_SFLOAT);
+  facts.gobo_lines_format = format_features(device, VK_FORMAT_R16G16_UNORM);
   std::uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);

@@ -29,6 +29,7 @@ struct DeviceFacts {
   VkPhysicalDeviceVulkan13Features features_13{};
   VkFormatFeatureFlags surface_id_format = 0;  // VK_FORMAT_R32G32_UINT, optimal tiling
   VkFormatFeatureFlags depth_format = 0;       // VK_FORMAT_D32_SFLOAT
+  VkFormatFeatureFlags gobo_lines_format = 0;  // VK_FORMAT_R16G16_UNORM
   std::uint32_t timestamp_bits = 0;            // of the queue family that draws and computes
 };
 

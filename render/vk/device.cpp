@@ -202,7 +202,7 @@ Status Device::create_logical(const DeviceOptions& options) {
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features_13, {}};
   features.features.multiDrawIndirect = facts_.features.multiDrawIndirect;  // an option
   features.features.drawIndirectFirstInstance = VK_TRUE;
-  features.features.shaderStorageImageExtendedFormats = facts_.features.shaderStorageImageExtendedFormats;
+  features.features.shaderStorageImageExtendedFormats = VK_TRUE;
 
   std::vector<const char*> extensions;
   if (options.swapchain) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "render/vk/device.h"
 
@@ -21,6 +22,12 @@ class Buffer {
   // device_local() filled with `bytes`; at least 16 bytes long, so that an empty table is a valid binding.
   [[nodiscard]] static Result<Buffer> filled(Device& device, std::span<const std::byte> bytes,
                                              VkBufferUsageFlags usage);
+  // A storage buffer of these rows.
+  template <class Row>
+  [[nodiscard]] static Result<Buffer> table(Device& device, const std::vector<Row>& rows,
+                                            VkBufferUsageFlags usage = 0) {
+    return filled(device, std::as_bytes(std::span(rows)), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | usage);
+  }
   ~Buffer();
   Buffer(Buffer&& other) noexcept { swap(other); }
   Buffer& operator=(Buffer&& other) noexcept {

@@ -120,7 +120,8 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                         {FL_SPEC_RECTANGLE, 1},
                                         {FL_SPEC_WIDE, 1},
                                         {FL_SPEC_TILES, 1},
-                                        {FL_SPEC_IRIS, 1}}},
+                                        {FL_SPEC_IRIS, 1},
+                                        {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
                                       {"depths", {}},
                                       {"coarse", tile_constants},
                                       {"fine", tile_constants},
@@ -141,6 +142,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                         {FL_SPEC_TILES, 1},
                                         {FL_SPEC_WIDE, 1},
                                         {FL_SPEC_IRIS, 1},
+                                        {FL_SPEC_VIEW, FL_VIEW_PICTURE},
                                         {FL_SPEC_GOBO_METHOD, FL_GOBO_TABLES}}},
                                       {"tonemap", {}}});
   CHECK(left_out_passes(demo_needs(), settings).empty());

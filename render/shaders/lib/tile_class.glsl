@@ -150,7 +150,8 @@ TileGuess tile_guess(BeamRow row, Rect rect) {
   float longest = sqrt(max(1.0 - inner * inner, 0.0)) + 0.05;  // half of the longest chord, with slack
   // Between the places s may pass the values there, by what the line turns.
   float far_enough = 1.1 * longest;
-  guess.is_dark = inner >= 1.0 || (has(bits, kAlive) && turn > kAlongSteady && (b_max <= -far_enough || a_min >= far_enough));
+  bool steady = has(bits, kAlive) && turn > kAlongSteady;
+  guess.is_dark = inner >= 1.0 || (steady && (b_max <= -far_enough || a_min >= far_enough));
   if (guess.is_dark || !has(bits, kAlive) || !(brightest(row.j0.rgb) > 0.0)) return guess;
   if (kSolids && !rect.depth.is_plane && !(free_min >= longest)) return guess;
   float q_min = 1.0 - farthest * farthest;
@@ -258,9 +259,9 @@ void compute_nodes(BeamRow row, Rect rect, bool whole, vec2 fit) {
   }
 }
 
-// The tests add what the polynomials leave out, their last terms, and what they miss at the middle, since the terms of a
-// light that is even about the middle are zero. They are written so that NaN fails. allowed: largest error of the light
-// over J0 and sigma_s. All lanes of a subgroup call them together, with one beam a team.
+// The tests add what the polynomials leave out, their last terms, and what they miss at the middle, since the terms of
+// a light that is even about the middle are zero. They are written so that NaN fails. allowed: largest error of the
+// light over J0 and sigma_s. All lanes of a subgroup call them together, with one beam a team.
 bool is_smooth(float allowed, vec3 middle) {
   float f[kPer];
   FL_LANE_NODES(k) f[k] = node_light[k];

@@ -1,5 +1,5 @@
-// Beams of which a workgroup's teams compute the nodes: those with whole chords first, then those with cut ones, each in
-// patch order, so that the teams of a subgroup do the same. After tile_class.glsl and tile_sum.glsl.
+// Beams of which a workgroup's teams compute the nodes: those with whole chords first, then those with cut ones, each
+// in patch order, so that the teams of a subgroup do the same. After tile_class.glsl and tile_sum.glsl.
 #define FL_ENTRIES_MAX (FL_GROUP_TILE + 4)
 shared uint entry_ids[FL_ENTRIES_MAX];
 shared uint entry_bits[FL_ENTRIES_MAX];  // TileGuess::bits; 0: no beam

@@ -51,4 +51,6 @@ void store_middle(uint slot, vec3 middle) {
   node_sums[3u * slot + 1u] = middle.y;
   node_sums[3u * slot + 2u] = middle.z;
 }
-vec3 stored_middle(uint slot) { return vec3(node_sums[3u * slot], node_sums[3u * slot + 1u], node_sums[3u * slot + 2u]); }
+vec3 stored_middle(uint slot) {
+  return vec3(node_sums[3u * slot], node_sums[3u * slot + 1u], node_sums[3u * slot + 2u]);
+}

@@ -1,5 +1,5 @@
-// Teams: kTeam lanes of a subgroup that compute one beam at 4 x 4 Chebyshev nodes of a rectangle. A lane has kPer nodes.
-// Node n is at column n & 3 and row n >> 2; lane l has nodes l, l + kTeam, ... After tile_list.glsl.
+// Teams: kTeam lanes of a subgroup that compute one beam at 4 x 4 Chebyshev nodes of a rectangle. A lane has kPer
+// nodes. Node n is at column n & 3 and row n >> 2; lane l has nodes l, l + kTeam, ... After tile_list.glsl.
 //
 // All functions are called by all lanes of a subgroup together; each team gets its own result.
 layout(constant_id = FL_SPEC_TEAM) const uint kTeam = 16;  // 16, or the size of a smaller subgroup: 4 or 8

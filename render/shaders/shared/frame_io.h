@@ -211,7 +211,7 @@ struct BeamRow {
 // Flags of a BeamRow.
 #define FL_BEAM_BLADES 1u  // cut by the blades of the same number
 #define FL_BEAM_THIN 2u    // somewhere thinner than FrameParams::thin, and drawn wider there (lib/thin.glsl)
-#define FL_BEAM_PLAIN 4u   // round, narrower than 90 degrees, with nothing in it: tiles may take it together with others
+#define FL_BEAM_PLAIN 4u   // round, narrower than 90 degrees, with nothing in it: tiles may take it with others
 
 // Four edges in the gobo plane: what has n . rho <= d passes. xy: n, unit; z: d.
 struct BladesRow {

@@ -1,0 +1,188 @@
+#include "render/body_tables.h"
+
+#include <algorithm>
+#include <iterator>
+#include <vector>
+
+#include "fixtures/bodies/body.h"
+#include "fixtures/bodies/levels.h"
+
+namespace footlight::render {
+namespace {
+
+// The body of a type that brings no models, its vertices' parts as FL_PART_...: every part of the mesh is brought into
+// the space behind the last joint that moves it.
+fixtures::BodyMesh plain_body(const fixtures::Rig& rig, const fixtures::TypeSource& source) {
+  using namespace fixtures;
+  const FixtureType& type = rig.types[static_cast<std::size_t>(source.type)];
+  const Mode& mode = type.modes[static_cast<std::size_t>(source.mode)];
+  if (source.head != 0 || mode.geometries.size() != 4) return {};
+  BodyMesh mesh = make_body(type.body, body_size(type, mode));
+  constexpr std::array<int, 4> kGeometryOfPart = {kSimpleBase, kSimpleYoke, kSimpleHead, kSimpleHead};
+  for (BodyVertex& vertex : mesh.vertices) {
+    int geometry = kGeometryOfPart[vertex.part];
+    glm::dmat4 pose(1);  // from the part to the space behind the joint
+    std::uint32_t depth = 0;
+    for (; geometry != kNoIndex; geometry = mode.geometries[static_cast<std::size_t>(geometry)].parent) {
+      const auto joint = std::find(source.joint_geometries.rbegin(), source.joint_geometries.rend(), geometry);
+      if (joint != source.joint_geometries.rend()) {
+        depth = static_cast<std::uint32_t>(source.joint_geometries.rend() - joint);
+        break;
+      }
+      pose = mode.geometries[static_cast<std::size_t>(geometry)].pose * pose;
+    }
+    const glm::dvec3 position = pose * glm::dvec4(vertex.position[0], vertex.position[1], vertex.position[2], 1);
+    const glm::dvec3 normal = glm::dmat3(pose) * glm::dvec3(vertex.normal[0], vertex.normal[1], vertex.normal[2]);
+    for (int i = 0; i < 3; ++i) {
+      vertex.position[i] = static_cast<float>(position[i]);
+      vertex.normal[i] = static_cast<float>(normal[i]);
+    }
+    vertex.part = depth | (vertex.part == kPartLens ? FL_PART_LENS : 0);
+  }
+  return mesh;
+}
+
+// One mesh for each row of compiled.types; empty: no body.
+std::vector<fixtures::BodyMesh> bodies_of(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
+                                          fixtures::Diagnostics& diagnostics) {
+  using namespace fixtures;
+  static_assert(kBodyDepth == FL_PART_DEPTH && kBodyLens == FL_PART_LENS);
+  std::size_t models = 0;
+  for (const TypeSource& source : compiled.sources) {
+    if (source.head != 0) continue;
+    const FixtureType& type = rig.types[static_cast<std::size_t>(source.type)];
+    models += model_count(type.modes[static_cast<std::size_t>(source.mode)]);
+  }
+  std::vector<BodyMesh> bodies;
+  BodyBudget budget;
+  while (bodies.size() < compiled.sources.size()) {
+    // The heads of one mode are neighbours.
+    const TypeSource& first = compiled.sources[bodies.size()];
+    std::vector<BodyHead> heads;
+    for (std::size_t t = bodies.size(); t < compiled.sources.size(); ++t) {
+      const TypeSource& source = compiled.sources[t];
+      if (source.type != first.type || source.mode != first.mode || (t > bodies.size() && source.head == 0)) break;
+      heads.push_back({source.geometry, source.joint_geometries});
+    }
+    const FixtureType& type = rig.types[static_cast<std::size_t>(first.type)];
+    const Mode& mode = type.modes[static_cast<std::size_t>(first.mode)];
+    if (model_count(mode) > 0) {
+      auto made = fixture_bodies(type, mode, heads, model_triangles(models), diagnostics, &budget);
+      std::move(made.begin(), made.end(), std::back_inserter(bodies));
+    } else {
+      for (std::size_t i = 0; i < heads.size(); ++i) bodies.push_back(plain_body(rig, compiled.sources[bodies.size()]));
+    }
+  }
+  return bodies;
+}
+
+// The objects of the scene in stage space; their albedo is in the parts of their vertices.
+fixtures::BodyMesh objects_of(const fixtures::Rig& rig, fixtures::Diagnostics& diagnostics) {
+  const fixtures::Mesh scene = fixtures::scene_mesh(rig, diagnostics);
+  fixtures::BodyMesh mesh;
+  mesh.indices = scene.indices;
+  for (const fixtures::MeshVertex& vertex : scene.vertices) {
+    const glm::vec3 albedo = glm::clamp(scene.materials[vertex.material].albedo, 0.0f, 1.0f) * 1023.0f + 0.5f;
+    const std::uint32_t part = FL_OBJECT | static_cast<std::uint32_t>(albedo.x) << 20 |
+                               static_cast<std::uint32_t>(albedo.y) << 10 | static_cast<std::uint32_t>(albedo.z);
+    const glm::vec3& p = vertex.position_m;
+    const glm::vec3& n = vertex.normal;
+    mesh.vertices.push_back({{p.x, p.y, p.z}, {n.x, n.y, n.z}, part});
+  }
+  return mesh;
+}
+
+// Spheres round the vertices behind each number of joints.
+void add_spheres(const fixtures::BodyMesh& mesh, BodyMeshRow& row) {
+  for (std::uint32_t depth = 0; depth < std::size(row.sphere); ++depth) {
+    std::vector<glm::vec3> points;
+    for (const fixtures::BodyVertex& vertex : mesh.vertices) {
+      if ((vertex.part & FL_PART_DEPTH) != depth) continue;
+      points.emplace_back(vertex.position[0], vertex.position[1], vertex.position[2]);
+    }
+    row.sphere[depth] = vec4(0, 0, 0, -1);
+    if (points.empty()) continue;
+    glm::vec3 low = points.front();
+    glm::vec3 high = low;
+    for (const glm::vec3& p : points) {
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+    const glm::vec3 centre = 0.5f * (low + high);
+    float radius = 0;
+    for (const glm::vec3& p : points) radius = std::max(radius, glm::length(p - centre));
+    row.sphere[depth] = vec4(centre, radius);
+  }
+}
+
+}  // namespace
+
+Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
+                   fixtures::Diagnostics& diagnostics, RigTables& r) {
+  static_assert(fixtures::kBodyLevelsMax == FL_BODY_LEVELS);
+  static_assert(sizeof(fixtures::BodyVertex) == sizeof(BodyVertexRow));
+  std::vector<fixtures::BodyVertex> vertices;
+  std::vector<std::uint32_t> indices;
+  std::vector<BodySlotRow> slots;
+  std::vector<BodyMeshRow> meshes;
+  std::vector<BodyLevelRow> levels;
+  std::vector<VkDrawIndexedIndirectCommand> draws;
+  const auto add = [&](const fixtures::BodyMesh& mesh, std::uint32_t count) {
+    draws.push_back({static_cast<std::uint32_t>(mesh.indices.size()), count, static_cast<std::uint32_t>(indices.size()),
+                     static_cast<std::int32_t>(vertices.size()), 0});
+    vertices.insert(vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+    indices.insert(indices.end(), mesh.indices.begin(), mesh.indices.end());
+  };
+  const std::vector<fixtures::BodyMesh> bodies = bodies_of(rig, compiled, diagnostics);
+  std::vector<std::vector<std::uint32_t>> heads(compiled.types.size());
+  for (std::uint32_t i = 0; i < compiled.heads.size(); ++i) heads[compiled.heads[i].type].push_back(i);
+  for (std::uint32_t t = 0; t < compiled.types.size(); ++t) {
+    const fixtures::BodyMesh& body = bodies[t];
+    if (body.indices.empty() || heads[t].empty()) continue;
+    BodyMeshRow mesh{};
+    add_spheres(body, mesh);
+    mesh.slot_first = static_cast<std::uint32_t>(slots.size());
+    mesh.slot_count = static_cast<std::uint32_t>(heads[t].size());
+    mesh.level_first = static_cast<std::uint32_t>(levels.size());
+    for (const fixtures::BodyLevel& level : fixtures::body_levels(body)) {
+      levels.push_back({static_cast<std::uint32_t>(indices.size()),
+                        static_cast<std::uint32_t>(level.mesh.indices.size()),
+                        static_cast<std::uint32_t>(vertices.size()), static_cast<float>(level.error_m)});
+      r.level_triangles.push_back(static_cast<std::uint32_t>(level.mesh.indices.size() / 3));
+      add(level.mesh, 0);
+      ++mesh.level_count;
+    }
+    const std::uint64_t triangles = body.indices.size() / 3;
+    for (const std::uint32_t head : heads[t]) {
+      const bool numbered = r.body_triangles + triangles < ~std::uint32_t{0};
+      slots.push_back({head, static_cast<std::uint32_t>(meshes.size()),
+                       numbered ? static_cast<std::uint32_t>(r.body_triangles) : 0, numbered ? 1u : 0u});
+      r.body_triangles += triangles;
+    }
+    meshes.push_back(mesh);
+  }
+  r.slot_count = static_cast<std::uint32_t>(slots.size());
+  r.mesh_count = static_cast<std::uint32_t>(meshes.size());
+  r.draw_count = static_cast<std::uint32_t>(draws.size());
+  if (const fixtures::BodyMesh objects = objects_of(rig, diagnostics); !objects.indices.empty()) {
+    add(objects, 1);
+    r.object_triangles = objects.indices.size() / 3;
+    for (const fixtures::BodyVertex& vertex : objects.vertices) {
+      const glm::dvec3 at(vertex.position[0], vertex.position[1], vertex.position[2]);
+      r.objects.low_m = glm::min(r.objects.low_m, at);
+      r.objects.high_m = glm::max(r.objects.high_m, at);
+    }
+    r.object_draw_count = 1;
+  }
+  FL_ASSIGN(r.vertices, vk::Buffer::table(device, vertices, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT));
+  FL_ASSIGN(r.indices, vk::Buffer::table(device, indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT));
+  FL_ASSIGN(r.slots, vk::Buffer::table(device, slots));
+  FL_ASSIGN(r.meshes, vk::Buffer::table(device, meshes));
+  FL_ASSIGN(r.body_levels, vk::Buffer::table(device, levels));
+  FL_ASSIGN(r.draws, vk::Buffer::table(device, draws, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
+  FL_ASSIGN(r.choices, vk::Buffer::table(device, std::vector<std::uint32_t>(slots.size(), FL_CHOICE_NONE)));
+  FL_ASSIGN(r.drawn, vk::Buffer::table(device, std::vector<std::uint32_t>(slots.size(), 0)));
+  return {};
+}
+
+}  // namespace footlight::render
