@@ -177,9 +177,9 @@ Status Frame::check_settings(const FrameSettings& settings) const {
   return {};
 }
 
-Status Frame::change(const FrameSettings& asked) {
-  FL_TRY(check_settings(asked));
-  FrameSettings settings = asked;
+Status Frame::change(const FrameSettings& requested) {
+  FL_TRY(check_settings(requested));
+  FrameSettings settings = requested;
   if (settings.small_body_px < 0) {
     // A CPU draws the demo's bodies at 640 x 360 in half the time with its rasteriser, and thousands in the same time.
     const bool cpu = device_.facts().properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;

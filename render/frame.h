@@ -90,7 +90,7 @@ class Frame {
   // constants are needed on this device. The commands of the record() before must be finished.
   // kBadInput, with nothing changed, where the settings are wrong, or where they have bodies that create() was to leave
   // out. After any other error only change() may follow.
-  Status change(const FrameSettings& settings);
+  Status change(const FrameSettings& requested);
   Frame(const Frame&) = delete;
   Frame& operator=(const Frame&) = delete;
 

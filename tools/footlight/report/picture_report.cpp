@@ -255,6 +255,11 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
     }
     FL_ASSIGN(report.bodies, frame->read_bodies());
     report.body_bytes = static_cast<std::int64_t>(frame->resources().body_bytes());
+    whole.view = render::FrameView::kClasses;
+    FL_TRY(frame->change(whole));
+    FL_TRY(frame->draw(view, scene.camera.exposure_ev));
+    FL_ASSIGN(const RadianceImage classes, frame->read_radiance());
+    report.classes = class_shares(classes);
   }
 
   Judged judged;

@@ -10,6 +10,7 @@
 #include "render/frame.h"
 #include "render/reference/judge.h"
 #include "render/reference/report.h"
+#include "tools/footlight/pictures/shown_view.h"
 #include "tools/footlight/report/report_scenes.h"
 
 namespace footlight::tools {
@@ -49,6 +50,7 @@ struct PictureReport {
   std::vector<render::PassTime> whole_passes;  // median GPU time of each of its passes
   render::BodyCounts bodies;                   // that it draws
   std::int64_t body_bytes = 0;                 // memory of its bodies and objects
+  ClassShares classes;                         // how its beams are computed
   std::string device;
   std::vector<std::string> validation_messages;
   bool ended = false;  // go_on ended it
