@@ -126,6 +126,7 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   widest.haze = true;
   widest.method = BeamMethod::kGauss;
   widest.gobo_method = GoboMethod::kTables;
+  widest.view = FrameView::kPicture;
   std::vector<bool> used(FL_BINDING_COUNT, false);
   for (const std::uint32_t binding : kFrameBindings) used[binding] = true;
   for (const PassEntry* pass : kPasses) {
@@ -180,9 +181,12 @@ Status Frame::check_settings(const FrameSettings& settings) const {
 Status Frame::change(const FrameSettings& requested) {
   FL_TRY(check_settings(requested));
   FrameSettings settings = requested;
+  const bool cpu = device_.facts().properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  if (settings.gobo_method == GoboMethod::kSuited) {
+    settings.gobo_method = cpu ? GoboMethod::kTaps : GoboMethod::kTables;
+  }
   if (settings.small_body_px < 0) {
     // A CPU draws the demo's bodies at 640 x 360 in half the time with its rasteriser, and thousands in the same time.
-    const bool cpu = device_.facts().properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
     settings.small_body_px = cpu ? 0 : FL_SMALL_BODY_PX;
   }
   const fixtures::Needs needs = drawn_needs(needs_, haze_, settings);
@@ -206,11 +210,13 @@ Status Frame::change(const FrameSettings& requested) {
     FL_ASSIGN(resources_.picture, PictureImages::create(device_, needs, settings, resources_.rig.mask_words));
     resources_.bind_all();
   }
+  std::vector<std::unique_ptr<Pass>> passes;
   for (const PassEntry* entry : kPasses) {
     if (!entry->needed(needs, settings)) continue;
     FL_ASSIGN(auto pass, entry->create({device_, resources_, settings_, entry->constants(needs, settings)}));
-    passes_.push_back(std::move(pass));
+    passes.push_back(std::move(pass));
   }
+  passes_ = std::move(passes);
   plan_ = plan_frame(needs, settings);
   return {};
 }
@@ -241,6 +247,9 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
   mark(commands, "");
   // The first pass that adds to what surfaces have left.
   const std::string_view beams_first = has_fine_ ? kFinePass.name : kBeamsPass.name;
+  const bool has_beams =
+      std::any_of(plan_.begin(), plan_.end(), [](const PassPlan& pass) { return pass.name == kBeamsPass.name; });
+  if (!has_solids_ && !has_beams) clear_radiance(commands);
   for (std::size_t i = 0; i < passes_.size(); ++i) {
     if (plan_[i].name == kStepPass.name) {
       record_steps(commands, true);

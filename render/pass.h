@@ -63,7 +63,7 @@ struct PassEntry {
 // Whether gobos in the air have tables.
 [[nodiscard]] inline bool has_gobo_tables(const fixtures::Needs& needs, const FrameSettings& settings) {
   return needs.fixtures && needs.haze && needs.gobo && settings.method == BeamMethod::kGauss &&
-         settings.gobo_method == GoboMethod::kTables;
+         (settings.gobo_method == GoboMethod::kTables || settings.gobo_method == GoboMethod::kSuited);
 }
 // Whether anything solid is in the picture.
 [[nodiscard]] inline bool has_solids(const fixtures::Needs& needs, const FrameSettings& settings) {

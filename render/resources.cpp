@@ -349,9 +349,14 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   }
   if (used[FL_BINDING_GOBO_TABLES]) {
     gobo_planes.resize(compiled.images.size(), 1);
-    const bool has_tables = has_gobo_tables(shape.needs, shape.settings);
-    FL_TRY(
-        make_gobo_tables(device, compiled, has_tables ? plan_gobo_tables(compiled, gobo_planes) : GoboTablePlan{}, r));
+    GoboTablePlan plan;
+    if (has_gobo_tables(shape.needs, shape.settings)) plan = plan_gobo_tables(compiled, gobo_planes);
+    if (device.limits().maxImageDimension2D < kGoboLinesRows) {
+      // Vulkan guarantees 4096: such a device samples all gobos.
+      for (GoboTableRow& row : plan.rows) row = {.planes = row.planes, .lines = 0, .built = 0, .pad = 0, .whole = {}};
+      plan.lines_layers = plan.whole_layers = 0;
+    }
+    FL_TRY(make_gobo_tables(device, compiled, plan, r));
   }
   diagnostics.finish();
   r.diagnostics = diagnostics.take();

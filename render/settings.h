@@ -8,11 +8,13 @@
 namespace footlight::render {
 
 // Gobos in haze (render/shaders/lib/gobo_chord.glsl). kTables: tables of one sharp image, samples of all else. kTaps:
-// samples. kMidpoints: samples with all of the integrand computed at each. The last two are kept for the report.
+// samples. kMidpoints: samples with all of the integrand computed at each, for the report. kSuited: as suits the device,
+// which is kTaps on a CPU and else kTables. A CPU takes seconds to build the demo's tables and is slower with them.
 enum class GoboMethod : std::uint32_t {
   kMidpoints = FL_GOBO_MIDPOINTS,
   kTaps = FL_GOBO_TAPS,
-  kTables = FL_GOBO_TABLES
+  kTables = FL_GOBO_TABLES,
+  kSuited
 };
 
 enum class BeamMethod : std::uint32_t { kGauss = FL_METHOD_GAUSS, kMarch = FL_METHOD_MARCH };
@@ -33,7 +35,7 @@ struct FrameSettings {
   double tile_error = 4e-3;
   // Fewer live beams than that are computed pixel by pixel as well: there the passes of tiles cost more than they save.
   std::uint32_t tile_beams = 128;
-  GoboMethod gobo_method = GoboMethod::kTables;
+  GoboMethod gobo_method = GoboMethod::kSuited;
   std::uint32_t gobo_taps = 128;  // samples of the gobo along one ray through one beam
   bool bodies = true;             // draw fixture bodies
   // Error in the picture that a plainer model of a body may have, in pixels; 0: whole models. A body is left out if its

@@ -29,7 +29,7 @@ const PassEntry kSurfacesPass{
       // barrier.
       PassContext sized = context;
       const std::uint32_t wide = context.device.limits().maxComputeWorkGroupInvocations >= 512 ? 512 : 256;
-      const bool is_wide = context.device.facts().subgroup.subgroupSize >= 32;
+      const bool is_wide = vk::compute_subgroup_size(context.device.facts()) >= 32;
       sized.constants.push_back({FL_SPEC_GROUP, is_wide ? wide : 128u});
       const auto groups = [](int size_px) {
         return (static_cast<std::uint32_t>(size_px) + FL_SURFACE_PX - 1) / FL_SURFACE_PX;

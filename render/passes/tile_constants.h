@@ -27,7 +27,7 @@ namespace footlight::render {
 template <class Dispatch>
 [[nodiscard]] Result<std::unique_ptr<Pass>> make_tile_pass(const PassContext& context, vk::Spirv spirv,
                                                            Dispatch dispatch) {
-  const std::uint32_t team = std::min(context.device.facts().subgroup.subgroupSize, 16u);
+  const std::uint32_t team = std::min(vk::compute_subgroup_size(context.device.facts()), 16u);
   std::vector<vk::SpecConstant> constants = context.constants;
   constants.push_back({FL_SPEC_TEAM, team});
   return make_compute_pass({context.device, context.resources, context.settings, std::move(constants)}, spirv,

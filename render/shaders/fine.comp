@@ -212,7 +212,8 @@ void add_records() {
   const uint kWords = uint(FL_RECORDS / 32);
   bool any = false;
   for (uint w = 0u; w < kWords; ++w) {
-    uint bits = subgroupBroadcastFirst(rim_bits[block * kWords + w]);
+    // The union over the subgroup, which may hold several blocks: a record is right in all of them.
+    uint bits = subgroupOr(rim_bits[block * kWords + w]);
     any = any || bits != 0u;
     while (bits != 0u) {
       uint slot = 32u * w + uint(findLSB(bits));
@@ -228,7 +229,7 @@ void add_records() {
         total[i] += kShowsClasses ? (q > 0.0 ? kClassRecord : vec3(0.0)) : (dot(h, y[i]) * rim) * color.rgb;
       }
     }
-    bits = subgroupBroadcastFirst(cut_bits[block * kWords + w]);
+    bits = subgroupOr(cut_bits[block * kWords + w]);
     any = any || bits != 0u;
     while (bits != 0u) {
       uint slot = 32u * w + uint(findLSB(bits));

@@ -62,7 +62,7 @@ void main() {
   uint choice = FL_CHOICE_NONE;
   if (visible && diameter_px >= params.body_error_px * FL_BODY_LEAST) {
     choice = mesh.level_first;
-    for (uint i = 1u; i < mesh.level_count; ++i) {
+    for (uint i = 1u; i < mesh.level_count && params.body_error_px > 0.0; ++i) {
       if (levels[mesh.level_first + i].error_m * px_per_m <= params.body_error_px) choice = mesh.level_first + i;
     }
     if (body.numbered != 0u && diameter_px <= params.small_body_px) {

@@ -168,7 +168,7 @@ void main() {
   if (choice == FL_CHOICE_NONE || (choice & FL_CHOICE_SMALL) == 0u) return;
   BodySlotRow body = slots[slot];
   uint thread = gl_LocalInvocationIndex;
-  if (thread < 4u) {
+  if (thread < 4u && meshes[body.mesh].sphere[thread].w >= 0.0) {  // so many joints move some vertex
     HeadRow row = heads[body.head];
     Placed at = place(row, types[row.type], states[body.head], thread);
     vec3 across = params.right.xyz * (0.5 * float(params.width) / dot(params.right.xyz, params.right.xyz));

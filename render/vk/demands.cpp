@@ -27,7 +27,7 @@ constexpr LimitDemand kLimits[] = {
     {"maxComputeSharedMemorySize",
      [](const DeviceFacts& f) -> std::uint64_t { return f.properties.limits.maxComputeSharedMemorySize; }, 32768},
     // Lists of a workgroup have room for the counts of subgroups of 4 (FL_SUBGROUPS_MAX).
-    {"subgroupSize", [](const DeviceFacts& f) -> std::uint64_t { return f.subgroup.subgroupSize; }, 4},
+    {"subgroupSize", [](const DeviceFacts& f) -> std::uint64_t { return compute_subgroup_size(f); }, 4},
 };
 
 struct FlagDemand {
@@ -74,10 +74,30 @@ VkFormatFeatureFlags format_features(VkPhysicalDevice device, VkFormat format) {
 
 }  // namespace
 
+bool can_require_subgroups(const DeviceFacts& facts) {
+  constexpr std::uint32_t kThreadsMax = 512;  // of a workgroup of any pass
+  const VkPhysicalDeviceSubgroupSizeControlProperties& sizes = facts.subgroup_sizes;
+  return facts.features_13.subgroupSizeControl == VK_TRUE &&
+         (sizes.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0 && sizes.minSubgroupSize > 0 &&
+         std::clamp(16u, sizes.minSubgroupSize, sizes.maxSubgroupSize) * sizes.maxComputeWorkgroupSubgroups >=
+             kThreadsMax;
+}
+
+std::uint32_t compute_subgroup_size(const DeviceFacts& facts) {
+  // A driver that may choose takes no smaller one.
+  if (!can_require_subgroups(facts)) {
+    return facts.subgroup_sizes.minSubgroupSize > 0 ? facts.subgroup_sizes.minSubgroupSize
+                                                    : facts.subgroup.subgroupSize;
+  }
+  return std::clamp(16u, facts.subgroup_sizes.minSubgroupSize, facts.subgroup_sizes.maxSubgroupSize);
+}
+
 DeviceFacts read_facts(VkPhysicalDevice device) {
   DeviceFacts facts;
   facts.subgroup.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES;
   facts.driver.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES;
+  facts.subgroup_sizes.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES;
+  facts.subgroup.pNext = &facts.subgroup_sizes;
   facts.driver.pNext = &facts.subgroup;
   facts.id.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ID_PROPERTIES;
   facts.id.pNext = &facts.driver;
@@ -88,7 +108,8 @@ DeviceFacts read_facts(VkPhysicalDevice device) {
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &facts.features_13, {}};
   vkGetPhysicalDeviceFeatures2(device, &features);
   facts.features = features.features;
-  facts.id.pNext = facts.driver.pNext = facts.features_13.pNext = nullptr;  // the facts may be copied
+  facts.id.pNext = facts.driver.pNext = facts.subgroup.pNext = facts.features_13.pNext =
+      nullptr;  // the facts may be copied
   facts.surface_id_format = format_features(device, VK_FORMAT_R32G32_UINT);
   facts.depth_format = format_features(device, VK_FORMAT_D32_SFLOAT);
   facts.gobo_lines_format = format_features(device, VK_FORMAT_R16G16_UNORM);

@@ -23,6 +23,7 @@ inline constexpr std::uint32_t kSamplersMax = 16;
 struct DeviceFacts {
   VkPhysicalDeviceProperties properties{};
   VkPhysicalDeviceSubgroupProperties subgroup{};
+  VkPhysicalDeviceSubgroupSizeControlProperties subgroup_sizes{};
   VkPhysicalDeviceDriverProperties driver{};
   VkPhysicalDeviceIDProperties id{};
   VkPhysicalDeviceFeatures features{};
@@ -32,6 +33,11 @@ struct DeviceFacts {
   VkFormatFeatureFlags gobo_lines_format = 0;  // VK_FORMAT_R16G16_UNORM
   std::uint32_t timestamp_bits = 0;            // of the queue family that draws and computes
 };
+
+// Threads of a subgroup of compute pipelines. Where a driver may choose between sizes, pipelines require this one
+// (Pipeline::compute): the nearest to 16 that it has.
+[[nodiscard]] bool can_require_subgroups(const DeviceFacts& facts);
+[[nodiscard]] std::uint32_t compute_subgroup_size(const DeviceFacts& facts);
 
 // The device has Vulkan 1.3.
 [[nodiscard]] DeviceFacts read_facts(VkPhysicalDevice device);

@@ -199,6 +199,7 @@ Status Device::create_logical(const DeviceOptions& options) {
   features_13.synchronization2 = VK_TRUE;
   features_13.dynamicRendering = VK_TRUE;
   features_13.maintenance4 = VK_TRUE;
+  features_13.subgroupSizeControl = facts_.features_13.subgroupSizeControl;
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features_13, {}};
   features.features.multiDrawIndirect = facts_.features.multiDrawIndirect;  // an option
   features.features.drawIndirectFirstInstance = VK_TRUE;

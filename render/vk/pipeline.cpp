@@ -123,6 +123,10 @@ Result<Pipeline> Pipeline::compute(Device& device, VkPipelineCache cache, Spirv 
   info.stage.module = module;
   info.stage.pName = "main";
   info.stage.pSpecializationInfo = &specialization;
+  VkPipelineShaderStageRequiredSubgroupSizeCreateInfo subgroup{
+      VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO};
+  subgroup.requiredSubgroupSize = compute_subgroup_size(device.facts());
+  if (can_require_subgroups(device.facts())) info.stage.pNext = &subgroup;
   info.layout = pipeline.layout;
   const VkResult result = vkCreateComputePipelines(device.handle, cache, 1, &info, nullptr, &pipeline.handle);
   vkDestroyShaderModule(device.handle, module, nullptr);

@@ -40,7 +40,7 @@ float gobo_offset_texel(float offset, float count) {
 
 // A chord across the whole disc. way: its direction in the image.
 vec3 gobo_whole_chord(uint layer, uint planes, Chord chord, ChordWeight weight, vec2 way) {
-  bool back = way.y < 0.0 || (way.y == 0.0 && way.x < 0.0);
+  bool back = way.y < 0.0;  // the last row of the table has the direction (-1, 0)
   vec4 w = vec4(weight.at_node[0], weight.at_node[1], weight.at_node[2], weight.at_node[3]);
   if (back) w = w.wzyx;
   vec2 at = vec2(gobo_offset_texel(back ? -chord.offset : chord.offset, float(FL_GOBO_CHORDS)),

@@ -75,6 +75,8 @@ const uint kCutBefore = 1024u;    // and clearly inside
 const uint kLongAfter = 2048u;
 const uint kCutAfter = 4096u;
 const uint kLong = 8192u;         // the lit part is not short
+const uint kNearWithin = 16384u;  // the nearest of several surfaces is before the end of the slab
+const uint kNearBeyond = 32768u;  // and behind it
 
 bool has(uint bits, uint all) { return (bits & all) == all; }
 
@@ -114,8 +116,12 @@ TileGuess tile_guess(BeamRow row, Rect rect) {
     beam_line(beam, eye, ray, 0.0, FL_FAR_M, chord, line);
     float slab_from_m = line.t_from_m;
     float slab_to_m = line.t_to_m;
+    // A line that the surface cuts may have its base outside the slab; the places it passes are those of the whole one.
+    float offset = chord.offset;
+    vec2 along = chord.along;
     bool ends = kSolids && end_m < slab_to_m;  // at the surface
     if (ends) beam_line(beam, eye, ray, 0.0, end_m, chord, line);
+    own |= rect.depth.near_m < slab_to_m ? kNearWithin : kNearBeyond;
     if (kSolids && !rect.depth.is_plane && rect.depth.near_m < slab_to_m) {
       float past_m = rect.depth.near_m - chord.t_base_m;
       float free = chord.s_base + chord.v_length * past_m /
@@ -126,21 +132,21 @@ TileGuess tile_guess(BeamRow row, Rect rect) {
     own |= slab_from_m > 0.0 ? kFromLens : kFromEye;
     own |= ends ? kToPlane : kToRange;
     own |= ray.z > 0.0 ? kForward : kBackward;
-    float half_chord = sqrt(max(1.0 - chord.offset * chord.offset, 0.0));
+    float half_chord = sqrt(max(1.0 - offset * offset, 0.0));
     float before = line.s_a + half_chord;  // how far the end is inside the rim
     float after = half_chord - line.s_b;
     own |= (before <= -kEndSlack ? kLongBefore : 0u) | (before >= kEndSlack ? kCutBefore : 0u) |
            (after <= -kEndSlack ? kLongAfter : 0u) | (after >= kEndSlack ? kCutAfter : 0u);
     if (min(line.s_b, half_chord) - max(line.s_a, -half_chord) >= kShortestCut) own |= kLong;
     bits &= own;
-    rho_min = min(rho_min, chord.offset);
-    rho_max = max(rho_max, chord.offset);
+    rho_min = min(rho_min, offset);
+    rho_max = max(rho_max, offset);
     a_min = min(a_min, line.s_a);
     a_max = max(a_max, line.s_a);
     b_min = min(b_min, line.s_b);
     b_max = max(b_max, line.s_b);
-    if (i == 0u) first = chord.along;
-    turn = min(turn, dot(chord.along, first));
+    if (i == 0u) first = along;
+    turn = min(turn, dot(along, first));
   }
   guess.is_dark = has(bits, kUnlit);
   if (guess.is_dark || !(turn > kAlongMin) || !has(bits, kThick)) return guess;
@@ -151,9 +157,13 @@ TileGuess tile_guess(BeamRow row, Rect rect) {
   // Between the places s may pass the values there, by what the line turns.
   float far_enough = 1.1 * longest;
   bool steady = has(bits, kAlive) && turn > kAlongSteady;
-  guess.is_dark = inner >= 1.0 || (steady && (b_max <= -far_enough || a_min >= far_enough));
+  // The far end is one function of the place only where it is the same plane everywhere.
+  bool one_way = (bits & (kForward | kBackward)) != 0u;
+  bool ends_alike = (rect.depth.is_plane && has(bits, kToPlane)) || (has(bits, kToRange) && one_way);
+  guess.is_dark = inner >= 1.0 || (steady && ((ends_alike && b_max <= -far_enough) || a_min >= far_enough));
   if (guess.is_dark || !has(bits, kAlive) || !(brightest(row.j0.rgb) > 0.0)) return guess;
-  if (kSolids && !rect.depth.is_plane && !(free_min >= longest)) return guess;
+  bool free = has(bits, kNearBeyond) || (has(bits, kNearWithin) && free_min >= longest);
+  if (kSolids && !rect.depth.is_plane && !free) return guess;
   float q_min = 1.0 - farthest * farthest;
   bool inside = q_min > 0.0 && q_min >= kRatioMin * (1.0 - nearest * nearest);
   bool whole_before = a_max <= -longest;
@@ -163,7 +173,6 @@ TileGuess tile_guess(BeamRow row, Rect rect) {
   } else {
     bool from_one = (bits & (kFromLens | kFromEye)) != 0u;
     bool to_one = (bits & (kToRange | kToPlane)) != 0u;
-    bool one_way = (bits & (kForward | kBackward)) != 0u;
     bool alike = has(bits, kLong) && (has(bits, kLongBefore) || (has(bits, kCutBefore) && from_one)) &&
                  (has(bits, kLongAfter) || (has(bits, kCutAfter) && to_one)) && q_min > 0.02 && inside;
     // Quadratics in s for g are good where the profile adds no high powers.
@@ -272,6 +281,7 @@ bool is_smooth(float allowed, vec3 middle) {
     if (max(place.x, place.y) == 3u) tail += abs(f[k]);
   }
   vec2 sums = team_sum(vec2(tail, at_middle(f, 6u)));
+  float size = abs(team_first(f[0]));
   float over = sums.x + abs(middle.x - sums.y);
-  return over <= allowed && over <= kTailMax * abs(team_first(f[0]));
+  return over <= allowed && over <= kTailMax * size;
 }

@@ -49,6 +49,36 @@ bool no_encoder(const Outcome& outcome) {
   return contains(outcome.err, "libav") && contains(outcome.err, "frame_%04d.png");
 }
 
+TEST_CASE("--show writes false colours and says what they mean, and refuses what is no picture of them") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const TempFolder folder;
+  const auto render = [&](const std::vector<std::string>& more, const std::string& name) {
+    std::vector<std::string> words = {"render", "--demo", "--at", "12s", "--size", "32x18", "-o", folder.file(name)};
+    words.insert(words.end(), more.begin(), more.end());
+    return Footlight(words, kNoLeaks).wait();
+  };
+  const Outcome lux = render({"--show", "lux", "--probe", "16,15", "--probe", "0,0"}, "lux.png");
+  CHECK(lux.exit_code == 0);
+  CHECK(contains(lux.out, "16,15: "));
+  CHECK(contains(lux.out, "0,0: "));
+  CHECK(contains(lux.out, "lx; blue to red"));
+  CHECK(contains(render({"--show", "classes"}, "classes.png").out, "red: pixel by pixel"));
+  CHECK(contains(render({"--show", "error"}, "error.png").out, "of the light"));
+  CHECK(std::filesystem::exists(folder.file("error.png")));
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"--show", "lux", "--probe", "1,x"},
+                                                {"--show", "lux", "--probe", "99999999999,1"},
+                                                {"--show", "lux", "--probe", "32,0"},
+                                                {"--probe", "1,1"},
+                                                {"--show", "heat"}}) {
+    const Outcome refused = render(words, "none.png");
+    CHECK(refused.exit_code != 0);
+    CHECK(contains(refused.err, "expected"));
+    CHECK(!std::filesystem::exists(folder.file("none.png")));
+  }
+  CHECK(contains(render({"--show", "lux"}, "lux.exr").err, "expected .png or .mp4"));
+}
+
 TEST_CASE("a video of 0.4 s lasts 0.4 s, and numbered pictures include one at its end") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

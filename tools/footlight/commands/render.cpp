@@ -1,5 +1,6 @@
 // footlight render: makes pictures and videos of a rig driven by a log, without a display.
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -56,6 +57,20 @@ constexpr std::size_t kStepsHeldMax = 512;  // steps that wait for the GPU betwe
 
 bool is_video(const std::string& path) { return path.size() > 4 && path.compare(path.size() - 4, 4, ".mp4") == 0; }
 
+// "X,Y", pixels from the top left.
+Result<std::pair<int, int>> parse_probe(const std::string& probe) {
+  int x = -1;
+  int y = -1;
+  const char* end = probe.data() + probe.size();
+  const auto first = std::from_chars(probe.data(), end, x);
+  const bool comma = first.ec == std::errc{} && first.ptr != end && *first.ptr == ',';
+  const auto second = comma ? std::from_chars(first.ptr + 1, end, y) : first;
+  if (!comma || second.ec != std::errc{} || second.ptr != end || x < 0 || y < 0) {
+    return fail(ErrorCode::kBadInput, "--probe {}: expected X,Y in pixels from the top left, as in 640,360", probe);
+  }
+  return std::pair{x, y};
+}
+
 Status check_options(const Options& options) {
   if (options.out.empty()) {
     return fail(ErrorCode::kBadInput,
@@ -78,6 +93,14 @@ Status check_options(const Options& options) {
     return fail(ErrorCode::kBadInput, "--flashes {}: expected warn, limit or ignore", options.flashes);
   }
   FL_ASSIGN(const ShownView shown, shown_view_of(options.show));
+  if (shown != ShownView::kPicture && is_exr(options.out)) {
+    return fail(ErrorCode::kBadInput, "--show {}: false colours are no light; expected .png or .mp4 instead of {}",
+                options.show, options.out);
+  }
+  if (shown != ShownView::kPicture && options.flashes == "limit") {
+    return fail(ErrorCode::kBadInput, "--flashes limit: is for pictures; remove it or --show {}", options.show);
+  }
+  for (const std::string& probe : options.probes) FL_TRY(parse_probe(probe));
   if (!options.probes.empty() && shown != ShownView::kLux) {
     return fail(ErrorCode::kBadInput, "--probe: reads the light on surfaces; expected --show lux as well");
   }
@@ -241,7 +264,8 @@ class Job {
         render::FrameSettings reference = own;
         reference.tile_error = 0;
         reference.nodes = 8;
-        reference.gobo_taps = std::max(own.gobo_taps, 512u);
+        reference.gobo_method = render::GoboMethod::kTaps;
+        reference.gobo_taps = 512;
         FL_TRY(frame_.change(reference));
         FL_TRY(frame_.draw(view_, exposure_ev_));
         FL_ASSIGN(const render::RadianceImage exact, frame_.read_radiance());
@@ -270,11 +294,9 @@ class Job {
   }
 
   Status probe_lux(const std::string& probe, const Values& lux) {
-    int x = 0;
-    int y = 0;
-    char rest = 0;
-    if (std::sscanf(probe.c_str(), "%d,%d%c", &x, &y, &rest) != 2 || x < 0 || y < 0 || x >= lux.width ||
-        y >= lux.height) {
+    FL_ASSIGN(const auto place, parse_probe(probe));
+    const auto [x, y] = place;
+    if (x >= lux.width || y >= lux.height) {
       return fail(ErrorCode::kBadInput, "--probe {}: expected X,Y in pixels from the top left, up to {},{}", probe,
                   lux.width - 1, lux.height - 1);
     }

@@ -198,6 +198,7 @@ std::vector<Knob> knobs_of(const PictureReportOptions& options, const fixtures::
   settings = judged_settings(options);
   settings.tile_error = 0;
   if (needs.gobo && !options.gobo_taps.empty()) {
+    settings.gobo_method = GoboMethod::kTables;
     knobs.push_back({"gobo tables", static_cast<double>(settings.gobo_taps), settings});
   }
   for (const std::uint32_t taps : options.gobo_taps) {

@@ -178,6 +178,20 @@ std::string intro_of(const Scene& scene, const PictureArguments& arguments, cons
                             : "");
 }
 
+// How the beams of the whole frame are computed.
+std::string classes_text(const ClassShares& classes) {
+  return fmt::format(
+      "Its beams, {:.1f} a pixel: {:.1f} % computed pixel by pixel, {:.1f} % together as smooth, {:.1f} % together but "
+      "for "
+      "rims and cuts.",
+      classes.hits_per_px, 100 * classes.pixel, 100 * classes.smooth, 100 * classes.record);
+}
+std::string classes_json(const ClassShares& classes) {
+  return fmt::format(R"({{"event":"classes","hits_per_px":{:.4g},"pixel":{:.4f},"smooth":{:.4f},"record":{:.4f}}})"
+                     "\n",
+                     classes.hits_per_px, classes.pixel, classes.smooth, classes.record);
+}
+
 // What the whole frame draws of bodies, and what it leaves out.
 std::string bodies_text(const PictureReport& report, double body_error_px) {
   const render::BodyCounts& bodies = report.bodies;
@@ -241,11 +255,7 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
     options.print(fmt::format(R"({{"event":"whole-frame","ms_p50":{:.4f}}})"
                               "\n",
                               report.whole_ms));
-    options.print(fmt::format(R"({{"event":"classes","hits_per_px":{:.4g},"pixel":{:.4f},"smooth":{:.4f},)"
-                              R"("record":{:.4f}}})"
-                              "\n",
-                              report.classes.hits_per_px, report.classes.pixel, report.classes.smooth,
-                              report.classes.record));
+    options.print(classes_json(report.classes));
     const render::BodyCounts& bodies = report.bodies;
     options.print(fmt::format(R"({{"event":"bodies","bodies":{},"small":{},"rastered":{},"triangles":{},)"
                               R"("small_triangles":{},"raster_triangles":{},"object_triangles":{},"bytes":{}}})"
@@ -274,13 +284,7 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
     fmt::print("\nThe whole frame as 'footlight render' draws it, bodies and lenses included: {:.3f} ms:",
                report.whole_ms);
     for (const auto& pass : report.whole_passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
-    const ClassShares& classes = report.classes;
-    fmt::print(
-        "\nIts beams, {:.1f} a pixel: {:.1f} % computed pixel by pixel, {:.1f} % together as smooth, {:.1f} % together "
-        "but "
-        "for rims and cuts.",
-        classes.hits_per_px, 100 * classes.pixel, 100 * classes.smooth, 100 * classes.record);
-    fmt::print("\n\n{}", bodies_text(report, arguments.body_error_px));
+    fmt::print("\n{}\n\n{}", classes_text(report.classes), bodies_text(report, arguments.body_error_px));
     if (air) {
       fmt::print(
           "Air: machines have added {:.4g} /m of haze and {:.4g} /m of fog. Error against integrals over droplets in "
