@@ -72,9 +72,9 @@ void check_left_out(const Needs& needs, const FrameSettings& settings) {
 TEST_CASE("the demo rig with all missing needs added has every pass, with every branch") {
   const FrameSettings settings;
   const std::vector<SpecConstant> tile_constants{
-      {FL_SPEC_GOBO, 1},  {FL_SPEC_EXTINCTION, 1}, {FL_SPEC_PROFILE, 1},  {FL_SPEC_NODES, settings.nodes},
-      {FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1},     {FL_SPEC_MEASURED, 1}, {FL_SPEC_RECTANGLE, 1},
-      {FL_SPEC_WIDE, 1},  {FL_SPEC_IRIS, 1}};
+      {FL_SPEC_EXTINCTION, 1}, {FL_SPEC_PROFILE, 1},           {FL_SPEC_NODES, settings.nodes}, {FL_SPEC_BOXES, 1},
+      {FL_SPEC_BODIES, 1},     {FL_SPEC_MEASURED, 1},          {FL_SPEC_RECTANGLE, 1},          {FL_SPEC_WIDE, 1},
+      {FL_SPEC_IRIS, 1},       {FL_SPEC_VIEW, FL_VIEW_PICTURE}};
   const auto plan = plan_frame(demo_needs(), settings);
   CHECK(plan == std::vector<PassPlan>{{"step",
                                        {{FL_SPEC_MOTION, 1},
