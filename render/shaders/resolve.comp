@@ -14,7 +14,7 @@ layout(set = 0, binding = FL_BINDING_BODY_VERTICES, std430) readonly buffer Vert
 };
 layout(set = 0, binding = FL_BINDING_BODY_INDICES, std430) readonly buffer IndicesBuffer { uint indices[]; };
 layout(set = 0, binding = FL_BINDING_BODY_CHOICES, std430) readonly buffer ChoicesBuffer { uint choices[]; };
-layout(set = 0, binding = FL_BINDING_SMALL_DEPTHS, std430) readonly buffer DepthsBuffer { uint depths[]; };
+layout(set = 0, binding = FL_BINDING_SMALL_DEPTHS, std430) buffer DepthsBuffer { uint depths[]; };
 layout(set = 0, binding = FL_BINDING_SMALL_KEYS, std430) readonly buffer KeysBuffer { uint keys[]; };
 layout(set = 0, binding = FL_BINDING_DEPTH) uniform sampler2D depth_image;
 layout(set = 0, binding = FL_BINDING_SURFACE_ID, rg32ui) uniform writeonly uimage2D surface_id;
@@ -24,7 +24,11 @@ void main() {
   if (at.x >= params.width || at.y >= params.height) return;
   uint pixel = at.y * params.width + at.x;
   uint key = keys[pixel];
-  if (key == 0u) return;
+  if (key == 0u) {
+    // The two passes compute each depth alike, but no rule says so: without a triangle there is nothing.
+    if (depths[pixel] != 0u) depths[pixel] = 0u;
+    return;
+  }
   if (uintBitsToFloat(depths[pixel]) <= texelFetch(depth_image, ivec2(at), 0).x) return;
   // The last slot whose triangles begin no later.
   uint triangle = ~key;

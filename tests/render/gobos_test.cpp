@@ -78,8 +78,7 @@ TEST_CASE("tables of gobos are nearer to the judge than 64 samples and within 2e
     };
     const double tables = error(GoboMethod::kTables, 128);
     const double taps = error(GoboMethod::kTaps, 64);
-    std::fprintf(stderr, "camera %zu: tables %.3g, 64 taps %.3g, 64 midpoints %.3g, 1024 taps %.3g\n", camera, tables,
-                 taps, error(GoboMethod::kMidpoints, 64), error(GoboMethod::kTaps, 1024));
+    std::fprintf(stderr, "camera %zu: tables %.3g, 64 taps %.3g\n", camera, tables, taps);
     CHECK(tables < 2e-3);
     CHECK(tables < 0.5 * taps);
   }
