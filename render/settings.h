@@ -8,8 +8,8 @@
 namespace footlight::render {
 
 // Gobos in haze (render/shaders/lib/gobo_chord.glsl). kTables: tables of one sharp image, samples of all else. kTaps:
-// samples. kMidpoints: samples with all of the integrand computed at each, for the report. kSuited: as suits the device,
-// which is kTaps on a CPU and else kTables. A CPU takes seconds to build the demo's tables and is slower with them.
+// samples. kMidpoints: samples with all of the integrand computed at each, for the report. kSuited: as suits the
+// device, which is kTaps on a CPU and else kTables. A CPU takes seconds to build the tables, and is slower with them.
 enum class GoboMethod : std::uint32_t {
   kMidpoints = FL_GOBO_MIDPOINTS,
   kTaps = FL_GOBO_TAPS,
