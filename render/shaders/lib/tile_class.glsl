@@ -44,6 +44,10 @@ void line_at(BeamShape beam, BeamRow row, Rect rect, vec2 at, out Chord chord, o
   beam_line(beam, row.eye.xyz, ray, 0.0, end_m, chord, line);
 }
 
+// Quadratics in s for g are good where the profile adds no high powers.
+bool has_moments(BeamShape beam) {
+  return kNodes <= 3u && (!kProfile || (beam.profile_power > 0.75 && beam.profile_power < 2.5));
+}
 bool has_many_nodes(BeamShape beam) { return kNodes > 3u || (kProfile && beam.profile_power != 1.0); }
 
 // What is known of a beam before its nodes are computed, from the rectangle's corners and its middle.
@@ -175,8 +179,7 @@ TileGuess tile_guess(BeamRow row, Rect rect) {
     bool to_one = (bits & (kToRange | kToPlane)) != 0u;
     bool alike = has(bits, kLong) && (has(bits, kLongBefore) || (has(bits, kCutBefore) && from_one)) &&
                  (has(bits, kLongAfter) || (has(bits, kCutAfter) && to_one)) && q_min > 0.02 && inside;
-    // Quadratics in s for g are good where the profile adds no high powers.
-    bool moments = kNodes <= 3u && (!kProfile || (beam.profile_power > 0.75 && beam.profile_power < 2.5));
+    bool moments = has_moments(beam);
     bool record = moments && (whole_before || has(bits, kFromEye) || (from_one && one_way)) &&
                   (whole_after || has(bits, kToPlane) || (to_one && one_way));
     if (!alike && !record) return guess;
@@ -234,7 +237,7 @@ void compute_nodes(BeamRow row, Rect rect, bool whole, vec2 fit) {
   BeamShape beam = beam_shape(row);
   beam.profile_power = drawn_profile(beam.profile_power);
   bool many = has_many_nodes(beam);
-  bool moments = kNodes <= 3u && (!kProfile || (beam.profile_power > 0.75 && beam.profile_power < 2.5));
+  bool moments = has_moments(beam);
   bool three = whole ? !many : moments;
   FL_LANE_NODES(k) {
     Chord chord;
