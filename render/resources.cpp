@@ -201,6 +201,19 @@ std::uint64_t coarse_bytes(const FrameSettings& settings, bool used) {
   return std::uint64_t{supertiles(settings.width)} * supertiles(settings.height) * sizeof(CoarseRow);
 }
 
+// Rows of the RimRow table that a supertile has, of a buffer of at most `bytes_max`: what is beyond is left to the fine
+// pass, which takes longer.
+std::uint32_t rim_rows(const FrameSettings& settings, std::uint32_t mask_words, std::uint64_t bytes_max, bool used) {
+  if (!used) return 0;
+  const std::uint32_t rows = std::clamp<std::uint32_t>(mask_words * 32 / FL_RIMS_SHARE, FL_RIMS_MIN, FL_RIMS_MAX);
+  const std::uint64_t tiles = std::uint64_t{supertiles(settings.width)} * supertiles(settings.height);
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(rows, bytes_max / sizeof(RimRow) / tiles));
+}
+std::uint64_t rim_bytes(const FrameSettings& settings, std::uint32_t rows) {
+  const std::uint64_t tiles = std::uint64_t{supertiles(settings.width)} * supertiles(settings.height);
+  return std::max<std::uint64_t>(tiles * rows, 1) * sizeof(RimRow);
+}
+
 std::uint64_t fine_mask_bytes(const FrameSettings& settings, std::uint32_t mask_words, bool used) {
   if (!used) return 4;
   return std::uint64_t{4} * cells(settings.width, FL_FINE_PX) * cells(settings.height, FL_FINE_PX) * mask_words;
@@ -287,6 +300,9 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_FINE_MASKS:
       return fine_mask_bytes(settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings));
     case FL_BINDING_COARSE: return coarse_bytes(settings, has_tile_classes(shape.needs, settings));
+    case FL_BINDING_RIMS:
+      return rim_bytes(settings, rim_rows(settings, mask_words_of(shape.compiled), UINT32_MAX,
+                                          has_tile_classes(shape.needs, settings)));
     case FL_BINDING_SMALL_DEPTHS:
     case FL_BINDING_SMALL_KEYS: return small_body_bytes(shape.needs, settings);
     case FL_BINDING_SURFACE_ID: return solid_pixels * 8;
@@ -383,6 +399,8 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   }
   FL_ASSIGN(p.fine_masks, zeroed(device, fine_bytes));
   FL_ASSIGN(p.coarse, zeroed(device, coarse_bytes(settings, classes)));
+  p.rims_max = rim_rows(settings, mask_words, device.limits().maxStorageBufferRange, classes);
+  FL_ASSIGN(p.rims, zeroed(device, rim_bytes(settings, p.rims_max)));
   FL_ASSIGN(p.small_depths, zeroed(device, small_body_bytes(needs, settings)));
   FL_ASSIGN(p.small_keys, zeroed(device, small_body_bytes(needs, settings)));
   const std::uint32_t solid_width = bodies ? width : 1;
@@ -422,6 +440,7 @@ void Resources::bind_all() {
   bind(FL_BINDING_MASKS, picture.masks);
   bind(FL_BINDING_TILE_DEPTHS, picture.tile_depths);
   bind(FL_BINDING_COARSE, picture.coarse);
+  bind(FL_BINDING_RIMS, picture.rims);
   bind(FL_BINDING_FINE_MASKS, picture.fine_masks);
   bind(FL_BINDING_SMALL_DEPTHS, picture.small_depths);
   bind(FL_BINDING_SMALL_KEYS, picture.small_keys);

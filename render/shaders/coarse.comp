@@ -1,7 +1,8 @@
 #version 460
 // Light in the haze, supertile by supertile. Beams whose light is smooth over its 64 x 64 pixels are added as one
-// polynomial and leave the supertile's mask; beams that do not reach it leave the mask as well. The fine pass and the
-// beam pass compute the rest. This pass also computes the error that one beam may have there.
+// polynomial and leave the supertile's mask; those that are smooth but for their rim become records for the rims pass,
+// as long as there is room. Beams that do not reach it leave the mask as well. The fine pass and the beam pass compute
+// the rest. This pass also computes the error that one beam may have there.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
@@ -37,11 +38,32 @@ const bool kSolids = kBoxes || kBodies;
 
 layout(local_size_x = FL_GROUP_TILE) in;
 layout(set = 0, binding = FL_BINDING_COARSE, std430) writeonly buffer CoarseBuffer { CoarseRow coarse[]; };
+layout(set = 0, binding = FL_BINDING_RIMS, std430) writeonly buffer RimsBuffer { RimRow rims[]; };
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform readonly image2D radiance;
 
 shared uint rest_bits[FL_GROUP_TILE];  // of the words of one list
 shared vec2 estimates[FL_SUBGROUPS_MAX];             // of subgroups: light, and beams that give some
 shared uint beam_count;
+const uint kEntryWords = (uint(FL_ENTRIES_MAX) + 31u) / 32u;
+shared uint rim_bits[kEntryWords];  // entries that have become records
+
+// How many entries before this one have become records.
+uint rims_before(uint entry) {
+  uint sum = bitCount(rim_bits[entry >> 5] & ~(0xffffffffu << (entry & 31u)));
+  for (uint w = 0u; w < entry >> 5; ++w) sum += bitCount(rim_bits[w]);
+  return sum;
+}
+// Coefficient i of the record is one of this team's lanes' m + n <= 2.
+void store_rim(uint at, float rho[kPer], float h[kPer], vec4 color) {
+  FL_LANE_NODES(k) {
+    uint i = coefficient_slot(node_place(k));
+    if (i < 6u) {
+      rims[at].fits[i >> 2][i & 3u] = rho[k];
+      rims[at].fits[(6u + i) >> 2][(6u + i) & 3u] = h[k];
+    }
+  }
+  if (team_lane() == 0u) rims[at].color = color;
+}
 
 // How many of the beams in the supertile's mask can be taken together.
 uint count_beams(uint supertile) {
@@ -112,7 +134,10 @@ void main() {
   }
   if (!(tolerance > 0.0)) {
     if (number < uint(FL_TILE_LIGHT)) coarse[supertile].light[number] = 0.0;
-    if (number == 0u) coarse[supertile].tolerance = 0.0;
+    if (number == 0u) {
+      coarse[supertile].tolerance = 0.0;
+      coarse[supertile].rims = 0u;
+    }
     return;
   }
   const uint kSide = uint(FL_SUPERTILE_PX / FL_TILE_PX);
@@ -121,6 +146,7 @@ void main() {
   uint words = (counts.live_count + 31u) / 32u;
   vec3 light[kPer];
   FL_LANE_NODES(k) light[k] = vec3(0.0);
+  uint rim_count = 0u;
   for (uint from = 0u; from < words;) {
     uint first = from;
     from = list_fill(supertile, from);
@@ -135,25 +161,49 @@ void main() {
         BeamRow row = beams[id];
         bool known = tile_knows(row);
         if (known) guess = tile_guess(row, rect);
-        tries = known && (guess.bits & kGuessSmooth) != 0u;
+        tries = known && (guess.bits & (kGuessSmooth | kGuessWhole)) != 0u;
         if (!tries && !(known && guess.is_dark)) atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
         if (tries) guess.middle = light_at_middle(row, rect);
       }
+      if (number < kEntryWords) rim_bits[number] = 0u;
       uint count = add_entry(tries, id, guess);
       for (uint e = 0u; e < count; e += kTeams) {
         uint entry = e + team_number();
         TileEntry own = entry_at(min(entry, count - 1u));
         bool is_beam = entry < count && own.bits != 0u;
         BeamRow row = beams[own.id];
+        float allowed = tolerance / brightest(row.j0.rgb);
         compute_nodes(row, rect, (own.bits & kGuessWhole) != 0u, own.fit);
-        bool smooth_there = is_smooth(tolerance / brightest(row.j0.rgb), own.middle);
-        if (is_beam && smooth_there) {
+        bool is_smooth_beam = is_beam && (own.bits & kGuessSmooth) != 0u;
+        if (subgroupAny(is_smooth_beam)) {
+          bool close = is_smooth(allowed, own.middle);
+          is_smooth_beam = is_smooth_beam && close;
+        }
+        if (is_smooth_beam) {
           FL_LANE_NODES(k) light[k] += kShowsClasses ? kClassSmooth : node_light[k] * row.j0.rgb;
         }
-        if (is_beam && !smooth_there && team_lane() == 0u) {
+        bool is_rim = is_beam && !is_smooth_beam && (own.bits & kGuessWhole) != 0u;
+        float rho[kPer];
+        float h[kPer];
+        if (subgroupAny(is_rim)) {
+          bool close = fit_rim(allowed, own.middle, rho, h);
+          is_rim = is_rim && close;
+        }
+        if (is_rim && team_lane() == 0u) atomicOr(rim_bits[entry >> 5], 1u << (entry & 31u));
+        barrier();
+        if (is_rim) {
+          uint slot = rim_count + rims_before(entry);
+          is_rim = slot < params.rims_max;
+          if (is_rim) {
+            store_rim(supertile * params.rims_max + slot, rho, h,
+                      vec4(row.j0.rgb, rim_power(drawn_profile(row.eye.w))));
+          }
+        }
+        if (is_beam && !is_smooth_beam && !is_rim && team_lane() == 0u) {
           atomicOr(rest_bits[own.id / 32u - first], 1u << (own.id & 31u));
         }
       }
+      rim_count += rims_before(count);
       barrier();
     }
     if (first + number < from) masks[supertile * params.mask_words + first + number] = rest_bits[number];
@@ -161,5 +211,8 @@ void main() {
   }
   sum_light(light);
   if (number < uint(FL_TILE_LIGHT)) coarse[supertile].light[number] = group_light[number];
-  if (number == 0u) coarse[supertile].tolerance = tolerance;
+  if (number == 0u) {
+    coarse[supertile].tolerance = tolerance;
+    coarse[supertile].rims = min(rim_count, params.rims_max);
+  }
 }

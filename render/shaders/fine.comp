@@ -36,13 +36,11 @@ const bool kSolids = kBoxes || kBodies;
 #include "render/shaders/lib/tile_class.glsl"
 #include "render/shaders/lib/tile_sum.glsl"
 #include "render/shaders/lib/tile_entry.glsl"
+#include "render/shaders/lib/tile_pixels.glsl"
+#include "render/shaders/lib/tile_record.glsl"
 
 layout(local_size_x = FL_GROUP_TILE) in;
 layout(set = 0, binding = FL_BINDING_COARSE, std430) readonly buffer CoarseBuffer { CoarseRow coarse[]; };
-layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
-
-// Pixels of a thread, one below the other: a record is read once for all of them.
-#define FL_ROWS (1024 / FL_GROUP_TILE)
 
 // What is left of a beam for the pixels: polynomials of x and y, from -1 to 1 over the hull, each 6 coefficients of 1,
 // T_1(x), T_1(y), T_2(x), T_1(x) T_1(y), T_2(y). kRim: rho and h; kCut: rho, g_0, g_1, g_2, s_a and s_b. Then the
@@ -56,12 +54,6 @@ shared uint cut_bits[8 * FL_RECORDS / 32];
 shared uint record_kinds[FL_RECORDS];
 shared uint rest_bits[FL_GROUP_TILE];  // of the words of one list
 
-// Where a record's coefficient of node (m, n) stands; 6 and more: nowhere.
-uint coefficient_slot(uvec2 place) {
-  uint order = place.x + place.y;
-  return order == 0u ? 0u : order == 1u ? 1u + place.y : order == 2u ? 3u + place.y : 6u;
-}
-
 // Puts the coefficients of this team's polynomial number `which` into the record.
 void store_fit(uint slot, uint which, float f[kPer]) {
   FL_LANE_NODES(k) {
@@ -74,27 +66,8 @@ void store_color(uint slot, uint row_of_color, vec4 color) {
   if (team_lane() == 0u) records[uint(FL_RECORD_ROWS) * slot + row_of_color] = color;
 }
 
-// Both put a record of this team's beam into the slot; false: it is not close enough. All lanes of a subgroup call them
+// Puts a record of this team's beam into the slot; false: it is not close enough. All lanes of a subgroup call it
 // together; nothing is stored for a team that has no beam.
-bool fit_rim(bool is_beam, uint slot, float allowed, vec3 middle) {
-  float f[kPer];
-  FL_LANE_NODES(k) f[k] = node_rho[k];
-  to_coefficients(f);
-  if (is_beam) store_fit(slot, 0u, f);
-  vec4 own = vec4(quadratic_tail(f), 0.0, at_middle(f, 2u), 0.0);
-  FL_LANE_NODES(k) f[k] = node_g[k].x;
-  to_coefficients(f);
-  if (is_beam) store_fit(slot, 1u, f);
-  float size = abs(team_first(f[0]));
-  own.y = quadratic_tail(f);
-  own.w = at_middle(f, 2u);
-  vec4 sums = team_sum(own);
-  float rho_over = sums.x + abs(middle.z - sums.z);
-  float over = sums.y + abs(middle.y - sums.w);
-  // q^(p + 1/2) changes by at most 2 for a change of rho by 1.
-  return over + 2.0 * size * rho_over <= allowed && over <= kTailMax * size && rho_over <= kOffsetTailMax;
-}
-
 bool fit_cut(bool is_beam, uint slot, float allowed, vec3 middle, bool cut_before, bool cut_after) {
   float f[kPer];
   FL_LANE_NODES(k) f[k] = node_rho[k];
@@ -139,25 +112,26 @@ bool fit_cut(bool is_beam, uint slot, float allowed, vec3 middle, bool cut_befor
          sums.z <= 2.0 * kOffsetTailMax;
 }
 
-float coefficient(uint slot, uint i) { return records[uint(FL_RECORD_ROWS) * slot + (i >> 2)][i & 3u]; }
+vec4 record_row(uint slot, uint row) { return records[uint(FL_RECORD_ROWS) * slot + row]; }
+// Column of polynomial number `which`, which begins in the middle of a row if it is odd.
+vec3 column(uint slot, uint which, float x, float x2) {
+  uint row = which + (which >> 1);
+  vec4 first = record_row(slot, row);
+  vec4 second = record_row(slot, row + 1u);
+  bool odd = (which & 1u) != 0u;
+  return record_column(odd ? vec4(first.zw, second.xy) : first, odd ? second.zw : second.xy, x, x2);
+}
 
 // A bit for each block of 16 x 8 pixels that |rho| < 1 can reach: blocks 2 q and 2 q + 1 are quarter q's.
 uint record_blocks(uint slot) {
   const float half_px = FL_HULL * 0.5 * float(FL_FINE_PX);
-  float c[6];
-  [[unroll]] for (uint i = 0u; i < 6u; ++i) c[i] = coefficient(slot, i);
-  vec2 reach = vec2(7.5, 3.5) / half_px;
-  float bend = 2.0 * (abs(c[3]) * reach.x * reach.x + abs(c[5]) * reach.y * reach.y) + abs(c[4]) * reach.x * reach.y;
+  vec4 low = record_row(slot, 0u);
+  vec2 high = record_row(slot, 1u).xy;
   uint bits = 0u;
   for (uint block = 0u; block < 8u; ++block) {
     uint quarter = block >> 1;
-    vec2 at = vec2(float(quarter & 1u) * 16.0 - 8.0, float(quarter >> 1) * 16.0 + float(block & 1u) * 8.0 - 12.0) /
-              half_px;
-    vec4 x = chebyshev(at.x);
-    vec4 y = chebyshev(at.y);
-    float value = c[0] + c[1] * x.y + c[2] * y.y + c[3] * x.z + c[4] * x.y * y.y + c[5] * y.z;
-    vec2 slope = vec2(c[1] + 4.0 * at.x * c[3] + at.y * c[4], c[2] + 4.0 * at.y * c[5] + at.x * c[4]);
-    if (abs(value) < 1.0 + dot(abs(slope), reach) + bend) bits |= 1u << block;
+    vec2 at = vec2(float(quarter & 1u) * 16.0 - 8.0, float(quarter >> 1) * 16.0 + float(block & 1u) * 8.0 - 12.0);
+    if (record_reaches(low, high, at / half_px, vec2(7.5, 3.5) / half_px)) bits |= 1u << block;
   }
   return bits;
 }
@@ -167,33 +141,6 @@ shared RectDepth group_depth;
 Rect group_rect() {
   const float kHalf = 0.5 * float(FL_FINE_PX);
   return Rect(vec2(gl_WorkGroupID.xy * uint(FL_FINE_PX)) + kHalf, FL_HULL * kHalf, group_depth);
-}
-
-// This thread's first pixel, from the group's corner; the others are below it.
-uvec2 first_pixel() {
-  uint number = thread_number();
-  const uint kPart = uint(FL_GROUP_TILE / 4);  // threads of a quarter
-  uint quarter = number / kPart;
-  return uvec2((quarter & 1u) * 16u + (number & 15u), (quarter >> 1) * 16u + (number % kPart / 16u) * uint(FL_ROWS));
-}
-// Its middle, from the group's middle.
-vec2 first_place() { return vec2(first_pixel()) + 0.5 - 0.5 * float(FL_FINE_PX); }
-
-// Adds light over sigma_s to this thread's pixels.
-void add_to_pixels(vec3 total[FL_ROWS]) {
-  ivec2 first = ivec2(gl_WorkGroupID.xy * uint(FL_FINE_PX) + first_pixel());
-  [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
-    ivec2 pixel = first + ivec2(0, i);
-    if (pixel.x >= int(params.width) || pixel.y >= int(params.height)) continue;
-    vec4 behind = imageLoad(radiance, pixel);  // its distance stays for the beam pass
-    imageStore(radiance, pixel, vec4(behind.rgb + light_scale() * total[i], behind.a));
-  }
-}
-
-// A polynomial along this thread's column: 1, T_1(y), T_2(y).
-vec3 column(uint slot, uint first, float x, float x2) {
-  return vec3(coefficient(slot, first) + x * coefficient(slot, first + 1u) + x2 * coefficient(slot, first + 3u),
-              coefficient(slot, first + 2u) + x * coefficient(slot, first + 4u), coefficient(slot, first + 5u));
 }
 
 void add_records() {
@@ -219,14 +166,11 @@ void add_records() {
       uint slot = 32u * w + uint(findLSB(bits));
       bits &= bits - 1u;
       vec3 rho = column(slot, 0u, x, x2);
-      vec3 h = column(slot, 6u, x, x2);
-      vec4 color = records[uint(FL_RECORD_ROWS) * slot + 3u];
+      vec3 h = column(slot, 1u, x, x2);
+      vec4 color = record_row(slot, 3u);
       [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
-        float r = dot(rho, y[i]);
-        float q = max(1.0 - r * r, 0.0);
-        float rim = q * sqrt(q);
-        if (kProfile) rim = rim_factor(q, color.w);
-        total[i] += kShowsClasses ? (q > 0.0 ? kClassRecord : vec3(0.0)) : (dot(h, y[i]) * rim) * color.rgb;
+        float light = record_rim(rho, h, y[i], color.w);
+        total[i] += kShowsClasses ? (light > 0.0 ? kClassRecord : vec3(0.0)) : light * color.rgb;
       }
     }
     bits = subgroupOr(cut_bits[block * kWords + w]);
@@ -235,12 +179,12 @@ void add_records() {
       uint slot = 32u * w + uint(findLSB(bits));
       bits &= bits - 1u;
       vec3 rho = column(slot, 0u, x, x2);
-      vec3 g0 = column(slot, 6u, x, x2);
-      vec3 g1 = column(slot, 12u, x, x2);
-      vec3 g2 = column(slot, 18u, x, x2);
-      vec3 from = column(slot, 24u, x, x2);
-      vec3 to = column(slot, 30u, x, x2);
-      vec3 color = records[uint(FL_RECORD_ROWS) * slot + 9u].rgb;
+      vec3 g0 = column(slot, 1u, x, x2);
+      vec3 g1 = column(slot, 2u, x, x2);
+      vec3 g2 = column(slot, 3u, x, x2);
+      vec3 from = column(slot, 4u, x, x2);
+      vec3 to = column(slot, 5u, x, x2);
+      vec3 color = record_row(slot, 9u).rgb;
       [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
         float r = dot(rho, y[i]);
         vec3 moments = cut_moments(max(1.0 - r * r, 0.0), dot(from, y[i]), dot(to, y[i]));
@@ -331,8 +275,14 @@ void main() {
           }
           may = kind == kGeneral && whole;
           if (subgroupAny(may)) {
-            bool close = fit_rim(may, slot, allowed, own.middle);
-            if (may && close) kind = kRim;
+            float rho[kPer];
+            float h[kPer];
+            bool close = fit_rim(allowed, own.middle, rho, h);
+            if (may && close) {
+              kind = kRim;
+              store_fit(slot, 0u, rho);
+              store_fit(slot, 1u, h);
+            }
           }
           may = kind == kGeneral && !whole && (own.bits & kGuessRecord) != 0u;
           if (subgroupAny(may)) {

@@ -288,3 +288,23 @@ bool is_smooth(float allowed, vec3 middle) {
   float over = sums.x + abs(middle.x - sums.y);
   return over <= allowed && over <= kTailMax * size;
 }
+
+// As is_smooth(), for a beam with whole chords that is smooth but for its rim: coefficients of rho and of h. Those with
+// m + n > 2 are left out of a record.
+bool fit_rim(float allowed, vec3 middle, out float rho[kPer], out float h[kPer]) {
+  FL_LANE_NODES(k) rho[k] = node_rho[k];
+  to_coefficients(rho);
+  FL_LANE_NODES(k) h[k] = node_g[k].x;
+  to_coefficients(h);
+  float size = abs(team_first(h[0]));
+  vec4 sums = team_sum(vec4(quadratic_tail(rho), quadratic_tail(h), at_middle(rho, 2u), at_middle(h, 2u)));
+  float rho_over = sums.x + abs(middle.z - sums.z);
+  float over = sums.y + abs(middle.y - sums.w);
+  // q^(p + 1/2) changes by at most 2 for a change of rho by 1.
+  return over + 2.0 * size * rho_over <= allowed && over <= kTailMax * size && rho_over <= kOffsetTailMax;
+}
+// Where a record's coefficient of node (m, n) stands; 6 and more: nowhere.
+uint coefficient_slot(uvec2 place) {
+  uint order = place.x + place.y;
+  return order == 0u ? 0u : order == 1u ? 1u + place.y : order == 2u ? 3u + place.y : 6u;
+}

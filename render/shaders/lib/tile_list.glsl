@@ -11,8 +11,7 @@ shared uint list_words;
 shared uint slot_counts[2 * FL_SUBGROUPS_MAX];  // of subgroups, two buffers in turn
 uint slot_turn = 0u;
 
-// Number of this thread, in the order of subgroups.
-uint thread_number() { return gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID; }
+#include "render/shaders/lib/thread_number.glsl"
 
 // The rank of this thread among the threads for which `a` is true, and among those for which `b` is, and the numbers of
 // these threads. Groups have less than 65536 threads.

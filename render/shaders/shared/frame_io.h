@@ -65,7 +65,8 @@
 #define FL_BINDING_GOBO_LINES (49 + FL_LAMP_COUNT)
 #define FL_BINDING_GOBO_WHOLE_OUT (50 + FL_LAMP_COUNT)
 #define FL_BINDING_GOBO_LINES_OUT (51 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (52 + FL_LAMP_COUNT)
+#define FL_BINDING_RIMS (52 + FL_LAMP_COUNT)  // RimRow, FrameParams::rims_max a supertile
+#define FL_BINDING_COUNT (53 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -173,7 +174,7 @@ struct FrameParams {
   uint tile_beams;   // fewer live beams than that are computed pixel by pixel, without the passes of tiles
   float body_error_px;  // error that a level of a body may have in the picture
   float small_body_px;  // bodies up to this diameter are drawn by compute shaders; 0: none
-  uint pad_1;
+  uint rims_max;  // rows of the RimRow table that a supertile has
   uint pad_2;
   uint pad_3;
 };
@@ -244,10 +245,21 @@ struct TileDepthRow {
 struct CoarseRow {
   float light[FL_TILE_LIGHT];
   float tolerance;  // of one beam there, over sigma_s; 0: all beams are left to the beam pass
+  uint rims;        // rows of the RimRow table that are in use
   uint pad;
   uint pad_1;
-  uint pad_2;
 };
+
+// A beam that is smooth over a rectangle of pixels but for its rim: polynomials of x and y, from -1 to 1 over the hull,
+// each 6 coefficients of 1, T_1(x), T_1(y), T_2(x), T_1(x) T_1(y), T_2(y), of rho and then of h. Light: h (1 -
+// rho^2)^(p + 1/2) times the colour.
+struct RimRow {
+  vec4 fits[3];
+  vec4 color;  // w: p
+};
+#define FL_RIMS_MAX 1024     // of a supertile
+#define FL_RIMS_SHARE 16     // a supertile has room for one of so many beams of the rig, and at least for FL_RIMS_MIN
+#define FL_RIMS_MIN 64
 
 // The tables of a gobo image, 48 bytes. Layers: those of its first colour, plus 1; 0: it has none.
 struct GoboTableRow {
