@@ -12,7 +12,7 @@
 #include "render/passes/fine.h"
 #include "render/passes/gather.h"
 #include "render/passes/gobos.h"
-#include "render/passes/rims.h"
+#include "render/passes/records.h"
 #include "render/passes/step.h"
 #include "render/passes/surfaces.h"
 #include "render/passes/tiles.h"
@@ -31,7 +31,7 @@ const PassEntry* const kPasses[] = {
     &kSurfacesPass,  // beams x boxes and bodies -> radiance, distance
     &kDepthsPass,    // radiance's distances -> planes of tiles
     &kCoarsePass,    // beams -> those that are smooth over a supertile, and the rest
-    &kRimsPass,      // beams that are smooth over a supertile but for their rim -> radiance
+    &kRecordsPass,      // beams that are smooth over a supertile but for rims and cuts -> radiance
     &kFinePass,      // the same over 32 x 32 pixels, and beams that are smooth but for their rim -> radiance, the rest
     &kBeamsPass,     // the rest, pixel by pixel -> radiance
     &kTonemapPass,   // radiance -> screen
@@ -248,7 +248,7 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
   upload_params(commands, view, exposure_ev);
   mark(commands, "");
   // The first pass that adds to what surfaces have left.
-  const std::string_view beams_first = has_fine_ ? kRimsPass.name : kBeamsPass.name;
+  const std::string_view beams_first = has_fine_ ? kRecordsPass.name : kBeamsPass.name;
   const bool has_beams =
       std::any_of(plan_.begin(), plan_.end(), [](const PassPlan& pass) { return pass.name == kBeamsPass.name; });
   if (!has_solids_ && !has_beams) clear_radiance(commands);
@@ -327,6 +327,7 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   params.tile_error = static_cast<float>(settings_.tile_error);
   params.tile_beams = settings_.tile_beams;
   params.rims_max = resources_.picture.rims_max;
+  params.cuts_max = resources_.picture.cuts_max;
   params.work_lx = static_cast<float>(work_light_lx_);
   params.body_error_px = static_cast<float>(settings_.body_error_px);
   params.small_body_px = has_small_bodies(needs_, settings_) ? static_cast<float>(settings_.small_body_px) : 0.0f;

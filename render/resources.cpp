@@ -201,17 +201,30 @@ std::uint64_t coarse_bytes(const FrameSettings& settings, bool used) {
   return std::uint64_t{supertiles(settings.width)} * supertiles(settings.height) * sizeof(CoarseRow);
 }
 
-// Rows of the RimRow table that a supertile has, of a buffer of at most `bytes_max`: what is beyond is left to the fine
-// pass, which takes longer.
-std::uint32_t rim_rows(const FrameSettings& settings, std::uint32_t mask_words, std::uint64_t bytes_max, bool used) {
-  if (!used) return 0;
-  const std::uint32_t rows = std::clamp<std::uint32_t>(mask_words * 32 / FL_RIMS_SHARE, FL_RIMS_MIN, FL_RIMS_MAX);
-  const std::uint64_t tiles = std::uint64_t{supertiles(settings.width)} * supertiles(settings.height);
-  return static_cast<std::uint32_t>(std::min<std::uint64_t>(rows, bytes_max / sizeof(RimRow) / tiles));
+// Rows of the RimRow or the CutRow table that a supertile has. What is beyond is left to the fine pass, which takes
+// longer.
+struct RecordShape {
+  std::uint32_t least;
+  std::uint32_t most;
+  std::uint32_t share;  // one row for so many beams of the rig
+  std::uint32_t row_bytes;
+};
+constexpr RecordShape kRims{FL_RIMS_MIN, FL_RIMS_MAX, FL_RIMS_SHARE, sizeof(RimRow)};
+constexpr RecordShape kCuts{FL_CUTS_MIN, FL_CUTS_MAX, FL_CUTS_SHARE, sizeof(CutRow)};
+
+std::uint64_t supertile_count(const FrameSettings& settings) {
+  return std::uint64_t{supertiles(settings.width)} * supertiles(settings.height);
 }
-std::uint64_t rim_bytes(const FrameSettings& settings, std::uint32_t rows) {
-  const std::uint64_t tiles = std::uint64_t{supertiles(settings.width)} * supertiles(settings.height);
-  return std::max<std::uint64_t>(tiles * rows, 1) * sizeof(RimRow);
+// In a buffer of at most `bytes_max`.
+std::uint32_t record_rows(const RecordShape& shape, const FrameSettings& settings, std::uint32_t mask_words,
+                          std::uint64_t bytes_max, bool used) {
+  if (!used) return 0;
+  const std::uint32_t rows = std::clamp(mask_words * 32 / shape.share, shape.least, shape.most);
+  return static_cast<std::uint32_t>(
+      std::min<std::uint64_t>(rows, bytes_max / shape.row_bytes / supertile_count(settings)));
+}
+std::uint64_t record_bytes(const RecordShape& shape, const FrameSettings& settings, std::uint32_t rows) {
+  return std::max<std::uint64_t>(supertile_count(settings) * rows, 1) * shape.row_bytes;
 }
 
 std::uint64_t fine_mask_bytes(const FrameSettings& settings, std::uint32_t mask_words, bool used) {
@@ -301,8 +314,11 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
       return fine_mask_bytes(settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings));
     case FL_BINDING_COARSE: return coarse_bytes(settings, has_tile_classes(shape.needs, settings));
     case FL_BINDING_RIMS:
-      return rim_bytes(settings, rim_rows(settings, mask_words_of(shape.compiled), UINT32_MAX,
-                                          has_tile_classes(shape.needs, settings)));
+      return record_bytes(kRims, settings, record_rows(kRims, settings, mask_words_of(shape.compiled), UINT32_MAX,
+                                                       has_tile_classes(shape.needs, settings)));
+    case FL_BINDING_CUTS:
+      return record_bytes(kCuts, settings, record_rows(kCuts, settings, mask_words_of(shape.compiled), UINT32_MAX,
+                                                       has_tile_classes(shape.needs, settings)));
     case FL_BINDING_SMALL_DEPTHS:
     case FL_BINDING_SMALL_KEYS: return small_body_bytes(shape.needs, settings);
     case FL_BINDING_SURFACE_ID: return solid_pixels * 8;
@@ -399,8 +415,10 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   }
   FL_ASSIGN(p.fine_masks, zeroed(device, fine_bytes));
   FL_ASSIGN(p.coarse, zeroed(device, coarse_bytes(settings, classes)));
-  p.rims_max = rim_rows(settings, mask_words, device.limits().maxStorageBufferRange, classes);
-  FL_ASSIGN(p.rims, zeroed(device, rim_bytes(settings, p.rims_max)));
+  p.rims_max = record_rows(kRims, settings, mask_words, device.limits().maxStorageBufferRange, classes);
+  p.cuts_max = record_rows(kCuts, settings, mask_words, device.limits().maxStorageBufferRange, classes);
+  FL_ASSIGN(p.rims, zeroed(device, record_bytes(kRims, settings, p.rims_max)));
+  FL_ASSIGN(p.cuts, zeroed(device, record_bytes(kCuts, settings, p.cuts_max)));
   FL_ASSIGN(p.small_depths, zeroed(device, small_body_bytes(needs, settings)));
   FL_ASSIGN(p.small_keys, zeroed(device, small_body_bytes(needs, settings)));
   const std::uint32_t solid_width = bodies ? width : 1;
@@ -441,6 +459,7 @@ void Resources::bind_all() {
   bind(FL_BINDING_TILE_DEPTHS, picture.tile_depths);
   bind(FL_BINDING_COARSE, picture.coarse);
   bind(FL_BINDING_RIMS, picture.rims);
+  bind(FL_BINDING_CUTS, picture.cuts);
   bind(FL_BINDING_FINE_MASKS, picture.fine_masks);
   bind(FL_BINDING_SMALL_DEPTHS, picture.small_depths);
   bind(FL_BINDING_SMALL_KEYS, picture.small_keys);

@@ -106,13 +106,14 @@ struct PictureImages {
   vk::Buffer masks;                     // supertiles x mask_words
   vk::Buffer tile_depths;               // TileDepthRow, one a tile; one row where no pass reads them
   vk::Buffer coarse;                    // CoarseRow, one a supertile; likewise
-  vk::Buffer rims;                      // RimRow, rims_max a supertile; likewise
+  vk::Buffer rims, cuts;                // RimRow and CutRow, rims_max and cuts_max a supertile; likewise
   vk::Buffer fine_masks;                // masks of FL_FINE_PX x FL_FINE_PX pixels; likewise
   vk::Buffer small_depths, small_keys;  // of small bodies, one word a pixel; likewise
   vk::Image surface_id, depth, radiance, screen;
   std::uint32_t supertiles_x = 0;
   std::uint32_t supertiles_y = 0;
   std::uint32_t rims_max = 0;
+  std::uint32_t cuts_max = 0;
 };
 
 struct Resources {

@@ -1,7 +1,7 @@
 #version 460
 // Light in the haze, supertile by supertile. Beams whose light is smooth over its 64 x 64 pixels are added as one
-// polynomial and leave the supertile's mask; those that are smooth but for their rim become records for the rims pass,
-// as long as there is room. Beams that do not reach it leave the mask as well. The fine pass and the beam pass compute
+// polynomial and leave the supertile's mask; those that are smooth but for their rim or for what cuts them become
+// records for the records pass, as long as there is room. Beams that do not reach it leave the mask as well. The fine pass and the beam pass compute
 // the rest. This pass also computes the error that one beam may have there.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -39,30 +39,21 @@ const bool kSolids = kBoxes || kBodies;
 layout(local_size_x = FL_GROUP_TILE) in;
 layout(set = 0, binding = FL_BINDING_COARSE, std430) writeonly buffer CoarseBuffer { CoarseRow coarse[]; };
 layout(set = 0, binding = FL_BINDING_RIMS, std430) writeonly buffer RimsBuffer { RimRow rims[]; };
+layout(set = 0, binding = FL_BINDING_CUTS, std430) writeonly buffer CutsBuffer { CutRow cuts[]; };
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform readonly image2D radiance;
 
 shared uint rest_bits[FL_GROUP_TILE];  // of the words of one list
 shared vec2 estimates[FL_SUBGROUPS_MAX];             // of subgroups: light, and beams that give some
 shared uint beam_count;
 const uint kEntryWords = (uint(FL_ENTRIES_MAX) + 31u) / 32u;
-shared uint rim_bits[kEntryWords];  // entries that have become records
+// Entries that have become records, a bit each: those with a rim, which come first, and those that are cut.
+shared uint record_bits[kEntryWords];
 
-// How many entries before this one have become records.
-uint rims_before(uint entry) {
-  uint sum = bitCount(rim_bits[entry >> 5] & ~(0xffffffffu << (entry & 31u)));
-  for (uint w = 0u; w < entry >> 5; ++w) sum += bitCount(rim_bits[w]);
+// How many of the entries before this one have.
+uint records_before(uint entry) {
+  uint sum = bitCount(record_bits[entry >> 5] & ~(0xffffffffu << (entry & 31u)));
+  for (uint w = 0u; w < entry >> 5; ++w) sum += bitCount(record_bits[w]);
   return sum;
-}
-// Coefficient i of the record is one of this team's lanes' m + n <= 2.
-void store_rim(uint at, float rho[kPer], float h[kPer], vec4 color) {
-  FL_LANE_NODES(k) {
-    uint i = coefficient_slot(node_place(k));
-    if (i < 6u) {
-      rims[at].fits[i >> 2][i & 3u] = rho[k];
-      rims[at].fits[(6u + i) >> 2][(6u + i) & 3u] = h[k];
-    }
-  }
-  if (team_lane() == 0u) rims[at].color = color;
 }
 
 // How many of the beams in the supertile's mask can be taken together.
@@ -137,6 +128,7 @@ void main() {
     if (number == 0u) {
       coarse[supertile].tolerance = 0.0;
       coarse[supertile].rims = 0u;
+      coarse[supertile].cuts = 0u;
     }
     return;
   }
@@ -147,6 +139,7 @@ void main() {
   vec3 light[kPer];
   FL_LANE_NODES(k) light[k] = vec3(0.0);
   uint rim_count = 0u;
+  uint cut_count = 0u;
   for (uint from = 0u; from < words;) {
     uint first = from;
     from = list_fill(supertile, from);
@@ -161,19 +154,20 @@ void main() {
         BeamRow row = beams[id];
         bool known = tile_knows(row);
         if (known) guess = tile_guess(row, rect);
-        tries = known && (guess.bits & (kGuessSmooth | kGuessWhole)) != 0u;
+        tries = known && guess.bits != 0u;
         if (!tries && !(known && guess.is_dark)) atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
         if (tries) guess.middle = light_at_middle(row, rect);
       }
-      if (number < kEntryWords) rim_bits[number] = 0u;
-      uint count = add_entry(tries, id, guess);
-      for (uint e = 0u; e < count; e += kTeams) {
+      if (number < kEntryWords) record_bits[number] = 0u;
+      uvec2 entries = add_entry(tries, id, guess);
+      for (uint e = 0u; e < entries.y; e += kTeams) {
         uint entry = e + team_number();
-        TileEntry own = entry_at(min(entry, count - 1u));
-        bool is_beam = entry < count && own.bits != 0u;
+        TileEntry own = entry_at(min(entry, entries.y - 1u));
+        bool is_beam = entry < entries.y && own.bits != 0u;
         BeamRow row = beams[own.id];
         float allowed = tolerance / brightest(row.j0.rgb);
-        compute_nodes(row, rect, (own.bits & kGuessWhole) != 0u, own.fit);
+        bool whole = (own.bits & kGuessWhole) != 0u;
+        compute_nodes(row, rect, whole, own.fit);
         bool is_smooth_beam = is_beam && (own.bits & kGuessSmooth) != 0u;
         if (subgroupAny(is_smooth_beam)) {
           bool close = is_smooth(allowed, own.middle);
@@ -182,28 +176,58 @@ void main() {
         if (is_smooth_beam) {
           FL_LANE_NODES(k) light[k] += kShowsClasses ? kClassSmooth : node_light[k] * row.j0.rgb;
         }
-        bool is_rim = is_beam && !is_smooth_beam && (own.bits & kGuessWhole) != 0u;
+        bool is_rim = is_beam && !is_smooth_beam && whole;
+        bool is_cut = is_beam && !is_smooth_beam && !whole && (own.bits & kGuessRecord) != 0u;
         float rho[kPer];
         float h[kPer];
         if (subgroupAny(is_rim)) {
           bool close = fit_rim(allowed, own.middle, rho, h);
           is_rim = is_rim && close;
         }
-        if (is_rim && team_lane() == 0u) atomicOr(rim_bits[entry >> 5], 1u << (entry & 31u));
+        CutFits fits;
+        if (subgroupAny(is_cut)) {
+          bool close = fit_cut(allowed, own.middle, own.bits, fits);
+          is_cut = is_cut && close;
+        }
+        if ((is_rim || is_cut) && team_lane() == 0u) atomicOr(record_bits[entry >> 5], 1u << (entry & 31u));
         barrier();
         if (is_rim) {
-          uint slot = rim_count + rims_before(entry);
+          uint slot = rim_count + records_before(entry);
           is_rim = slot < params.rims_max;
+          slot += supertile * params.rims_max;
           if (is_rim) {
-            store_rim(supertile * params.rims_max + slot, rho, h,
-                      vec4(row.j0.rgb, rim_power(drawn_profile(row.eye.w))));
+            FL_LANE_NODES(k) {
+              uint i = coefficient_slot(node_place(k));
+              if (i < 6u) {
+                rims[slot].fits[i >> 2][i & 3u] = rho[k];
+                rims[slot].fits[(6u + i) >> 2][(6u + i) & 3u] = h[k];
+              }
+            }
+            if (team_lane() == 0u) rims[slot].color = vec4(row.j0.rgb, rim_power(drawn_profile(row.eye.w)));
           }
         }
-        if (is_beam && !is_smooth_beam && !is_rim && team_lane() == 0u) {
+        if (is_cut) {
+          uint slot = cut_count + records_before(entry) - records_before(entries.x);
+          is_cut = slot < params.cuts_max;
+          slot += supertile * params.cuts_max;
+          if (is_cut) {
+            FL_LANE_NODES(k) {
+              uint i = coefficient_slot(node_place(k));
+              [[unroll]] for (uint which = 0u; which < 6u; ++which) {
+                uint at = 6u * which + i;
+                if (i < 6u) cuts[slot].fits[at >> 2][at & 3u] = fits.of[which][k];
+              }
+            }
+            if (team_lane() == 0u) cuts[slot].color = vec4(row.j0.rgb, 1.0);
+          }
+        }
+        if (is_beam && !is_smooth_beam && !is_rim && !is_cut && team_lane() == 0u) {
           atomicOr(rest_bits[own.id / 32u - first], 1u << (own.id & 31u));
         }
       }
-      rim_count += rims_before(count);
+      uint rims_here = records_before(entries.x);
+      rim_count += rims_here;
+      cut_count += records_before(entries.y) - rims_here;
       barrier();
     }
     if (first + number < from) masks[supertile * params.mask_words + first + number] = rest_bits[number];
@@ -214,5 +238,6 @@ void main() {
   if (number == 0u) {
     coarse[supertile].tolerance = tolerance;
     coarse[supertile].rims = min(rim_count, params.rims_max);
+    coarse[supertile].cuts = min(cut_count, params.cuts_max);
   }
 }

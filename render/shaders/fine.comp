@@ -66,52 +66,6 @@ void store_color(uint slot, uint row_of_color, vec4 color) {
   if (team_lane() == 0u) records[uint(FL_RECORD_ROWS) * slot + row_of_color] = color;
 }
 
-// Puts a record of this team's beam into the slot; false: it is not close enough. All lanes of a subgroup call it
-// together; nothing is stored for a team that has no beam.
-bool fit_cut(bool is_beam, uint slot, float allowed, vec3 middle, bool cut_before, bool cut_after) {
-  float f[kPer];
-  FL_LANE_NODES(k) f[k] = node_rho[k];
-  to_coefficients(f);
-  if (is_beam) store_fit(slot, 0u, f);
-  vec4 own = vec4(quadratic_tail(f), 0.0, 0.0, at_middle(f, 2u));
-  vec4 at = vec4(0.0);
-  FL_LANE_NODES(k) f[k] = node_g[k].x;
-  to_coefficients(f);
-  if (is_beam) store_fit(slot, 1u, f);
-  float size = abs(team_first(f[0]));
-  // What the light misses for what g_0, g_1, g_2 miss: integrals of 1 - s^2, |s| (1 - s^2), s^2 (1 - s^2).
-  own.y = 1.34 * quadratic_tail(f);
-  at.x = at_middle(f, 2u);
-  FL_LANE_NODES(k) f[k] = node_g[k].y;
-  to_coefficients(f);
-  if (is_beam) store_fit(slot, 2u, f);
-  own.y += 0.25 * quadratic_tail(f);
-  at.y = at_middle(f, 2u);
-  FL_LANE_NODES(k) f[k] = node_g[k].z;
-  to_coefficients(f);
-  if (is_beam) store_fit(slot, 3u, f);
-  own.y += 0.27 * quadratic_tail(f);
-  at.z = at_middle(f, 2u);
-  FL_LANE_NODES(k) f[k] = cut_before ? node_ends[k].x : -4.0;
-  to_coefficients(f);
-  if (is_beam) store_fit(slot, 4u, f);
-  own.z = quadratic_tail(f);
-  at.w = at_middle(f, 2u);
-  FL_LANE_NODES(k) f[k] = cut_after ? node_ends[k].y : 4.0;
-  to_coefficients(f);
-  if (is_beam) store_fit(slot, 5u, f);
-  own.z += quadratic_tail(f);
-  float to = at_middle(f, 2u);
-  vec4 sums = team_sum(own);
-  at = team_sum(at);
-  to = team_sum(vec2(to, 0.0)).x;
-  float rho_over = sums.x + abs(middle.z - sums.w);
-  float light = dot(at.xyz, cut_moments(max(1.0 - sums.w * sums.w, 0.0), at.w, to));
-  float over = sums.y + size * sums.z + abs(middle.x - light);
-  return over + 2.0 * size * rho_over <= allowed && sums.y <= kTailMax * size && rho_over <= kOffsetTailMax &&
-         sums.z <= 2.0 * kOffsetTailMax;
-}
-
 vec4 record_row(uint slot, uint row) { return records[uint(FL_RECORD_ROWS) * slot + row]; }
 // Column of polynomial number `which`, which begins in the middle of a row if it is odd.
 vec3 column(uint slot, uint which, float x, float x2) {
@@ -178,18 +132,12 @@ void add_records() {
     while (bits != 0u) {
       uint slot = 32u * w + uint(findLSB(bits));
       bits &= bits - 1u;
-      vec3 rho = column(slot, 0u, x, x2);
-      vec3 g0 = column(slot, 1u, x, x2);
-      vec3 g1 = column(slot, 2u, x, x2);
-      vec3 g2 = column(slot, 3u, x, x2);
-      vec3 from = column(slot, 4u, x, x2);
-      vec3 to = column(slot, 5u, x, x2);
+      CutColumns columns;
+      [[unroll]] for (uint i = 0u; i < 6u; ++i) columns.of[i] = column(slot, i, x, x2);
       vec3 color = record_row(slot, 9u).rgb;
       [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
-        float r = dot(rho, y[i]);
-        vec3 moments = cut_moments(max(1.0 - r * r, 0.0), dot(from, y[i]), dot(to, y[i]));
-        vec3 light = dot(moments, vec3(dot(g0, y[i]), dot(g1, y[i]), dot(g2, y[i]))) * color;
-        total[i] += kShowsClasses ? (moments.x > 0.0 ? kClassRecord : vec3(0.0)) : light;
+        float light = record_cut(columns, y[i]);
+        total[i] += kShowsClasses ? (light > 0.0 ? kClassRecord : vec3(0.0)) : light * color;
       }
     }
   }
@@ -250,7 +198,7 @@ void main() {
           atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
         }
       }
-      uint entries = add_entry(tries, id, guess);
+      uint entries = add_entry(tries, id, guess).y;
       for (uint begin = 0u; begin < entries; begin += uint(FL_RECORDS)) {
         uint count = min(entries - begin, uint(FL_RECORDS));
         if (number < uint(FL_RECORDS / 4)) {
@@ -286,9 +234,12 @@ void main() {
           }
           may = kind == kGeneral && !whole && (own.bits & kGuessRecord) != 0u;
           if (subgroupAny(may)) {
-            bool close = fit_cut(may, slot, allowed, own.middle, (own.bits & kGuessCutBefore) != 0u,
-                                 (own.bits & kGuessCutAfter) != 0u);
-            if (may && close) kind = kCut;
+            CutFits fits;
+            bool close = fit_cut(allowed, own.middle, own.bits, fits);
+            if (may && close) {
+              kind = kCut;
+              [[unroll]] for (uint i = 0u; i < 6u; ++i) store_fit(slot, i, fits.of[i]);
+            }
           }
           if (kind == kSmooth) {
             FL_LANE_NODES(k) light_here[k] += kShowsClasses ? kClassSmooth : node_light[k] * row.j0.rgb;

@@ -16,9 +16,9 @@ using fixtures::Needs;
 using vk::SpecConstant;
 
 const std::vector<std::string> kAll{"step",   "gather", "gobos", "bodies", "tiles",  "surfaces",
-                                    "depths", "coarse", "rims", "fine", "beams",  "tonemap"};
+                                    "depths", "coarse", "records", "fine", "beams",  "tonemap"};
 // Those that take beams together for tiles.
-const std::vector<std::string> kTilePasses{"depths", "coarse", "rims", "fine"};
+const std::vector<std::string> kTilePasses{"depths", "coarse", "records", "fine"};
 
 std::vector<std::string> names_of(const std::vector<PassPlan>& plan) {
   std::vector<std::string> names;
@@ -124,7 +124,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                         {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
                                       {"depths", {}},
                                       {"coarse", tile_constants},
-                                      {"rims", {{FL_SPEC_PROFILE, 1}, {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
+                                      {"records", {{FL_SPEC_PROFILE, 1}, {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
                                       {"fine", tile_constants},
                                       {"beams",
                                        {{FL_SPEC_GOBO, 1},
@@ -202,10 +202,10 @@ TEST_CASE("without a need its branches or its passes are left out") {
                         Case{"wide", &Needs::wide, {}, FL_SPEC_WIDE},
                         Case{"iris", &Needs::iris, {}, FL_SPEC_IRIS},
                         Case{"surfaces", &Needs::surfaces, {}, FL_SPEC_BOXES},
-                        Case{"haze", &Needs::haze, {"gobos", "depths", "coarse", "rims", "fine", "beams"}, FL_SPEC_COUNT},
+                        Case{"haze", &Needs::haze, {"gobos", "depths", "coarse", "records", "fine", "beams"}, FL_SPEC_COUNT},
                         Case{"fixtures",
                              &Needs::fixtures,
-                             {"step", "gather", "gobos", "bodies", "tiles", "depths", "coarse", "rims", "fine", "beams"},
+                             {"step", "gather", "gobos", "bodies", "tiles", "depths", "coarse", "records", "fine", "beams"},
                              FL_SPEC_BODIES}}) {
     CAPTURE(c.what);
     Needs needs = demo_needs();
@@ -230,7 +230,7 @@ TEST_CASE("without boxes and bodies only passes for light in the air remain") {
   FrameSettings settings;
   settings.bodies = false;
   CHECK(names_of(plan_frame(needs, settings)) ==
-        std::vector<std::string>{"step", "gather", "gobos", "tiles", "coarse", "rims", "fine", "beams", "tonemap"});
+        std::vector<std::string>{"step", "gather", "gobos", "tiles", "coarse", "records", "fine", "beams", "tonemap"});
   settings.tile_error = 0;
   CHECK(names_of(plan_frame(needs, settings)) ==
         std::vector<std::string>{"step", "gather", "gobos", "tiles", "beams", "tonemap"});

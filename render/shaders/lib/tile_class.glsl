@@ -303,6 +303,37 @@ bool fit_rim(float allowed, vec3 middle, out float rho[kPer], out float h[kPer])
   // q^(p + 1/2) changes by at most 2 for a change of rho by 1.
   return over + 2.0 * size * rho_over <= allowed && over <= kTailMax * size && rho_over <= kOffsetTailMax;
 }
+// The same for a beam whose chords are cut: coefficients of rho, g_0, g_1, g_2, s_a and s_b. bits: TileGuess::bits.
+struct CutFits {
+  float of[6][kPer];
+};
+bool fit_cut(float allowed, vec3 middle, uint bits, out CutFits fits) {
+  bool cut_before = (bits & kGuessCutBefore) != 0u;
+  bool cut_after = (bits & kGuessCutAfter) != 0u;
+  FL_LANE_NODES(k) {
+    fits.of[0][k] = node_rho[k];
+    fits.of[1][k] = node_g[k].x;
+    fits.of[2][k] = node_g[k].y;
+    fits.of[3][k] = node_g[k].z;
+    fits.of[4][k] = cut_before ? node_ends[k].x : -4.0;
+    fits.of[5][k] = cut_after ? node_ends[k].y : 4.0;
+  }
+  [[unroll]] for (uint i = 0u; i < 6u; ++i) to_coefficients(fits.of[i]);
+  float size = abs(team_first(fits.of[1][0]));
+  // What the light misses for what g_0, g_1, g_2 miss: integrals of 1 - s^2, |s| (1 - s^2), s^2 (1 - s^2).
+  vec4 sums = team_sum(vec4(quadratic_tail(fits.of[0]),
+                            1.34 * quadratic_tail(fits.of[1]) + 0.25 * quadratic_tail(fits.of[2]) +
+                                0.27 * quadratic_tail(fits.of[3]),
+                            quadratic_tail(fits.of[4]) + quadratic_tail(fits.of[5]), at_middle(fits.of[0], 2u)));
+  vec4 at = team_sum(vec4(at_middle(fits.of[1], 2u), at_middle(fits.of[2], 2u), at_middle(fits.of[3], 2u),
+                          at_middle(fits.of[4], 2u)));
+  float to = team_sum(vec2(at_middle(fits.of[5], 2u), 0.0)).x;
+  float rho_over = sums.x + abs(middle.z - sums.w);
+  float light = dot(at.xyz, cut_moments(max(1.0 - sums.w * sums.w, 0.0), at.w, to));
+  float over = sums.y + size * sums.z + abs(middle.x - light);
+  return over + 2.0 * size * rho_over <= allowed && sums.y <= kTailMax * size && rho_over <= kOffsetTailMax &&
+         sums.z <= 2.0 * kOffsetTailMax;
+}
 // Where a record's coefficient of node (m, n) stands; 6 and more: nowhere.
 uint coefficient_slot(uvec2 place) {
   uint order = place.x + place.y;

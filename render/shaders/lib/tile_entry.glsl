@@ -12,9 +12,9 @@ struct TileEntry {
   vec3 middle;
 };
 
-// Each thread adds its beam, or none. Returns the number of entries. All threads of the group call it together, when
+// Each thread adds its beam, or none. Returns the number of the first entry with cut chords, and that of all. All threads of the group call it together, when
 // the entries before have been read.
-uint add_entry(bool is_beam, uint id, TileGuess guess) {
+uvec2 add_entry(bool is_beam, uint id, TileGuess guess) {
   bool whole = is_beam && (guess.bits & kGuessWhole) != 0u;
   bool cut = is_beam && (guess.bits & kGuessCut) != 0u;
   uvec2 count;
@@ -35,7 +35,7 @@ uint add_entry(bool is_beam, uint id, TileGuess guess) {
     store_middle(count.x + number, vec3(0.0));
   }
   barrier();
-  return cut_first + count.y;
+  return uvec2(cut_first, cut_first + count.y);
 }
 
 TileEntry entry_at(uint slot) {

@@ -20,3 +20,12 @@ float record_rim(vec3 rho, vec3 h, vec3 y, float power) {
   float q = max(1.0 - r * r, 0.0);
   return dot(h, y) * (kProfile ? rim_factor(q, power) : q * sqrt(q));
 }
+// The light of a beam that something cuts, over its colour. Columns of rho, g_0, g_1, g_2, s_a and s_b.
+struct CutColumns {
+  vec3 of[6];
+};
+float record_cut(CutColumns columns, vec3 y) {
+  float r = dot(columns.of[0], y);
+  vec3 moments = cut_moments(max(1.0 - r * r, 0.0), dot(columns.of[4], y), dot(columns.of[5], y));
+  return dot(moments, vec3(dot(columns.of[1], y), dot(columns.of[2], y), dot(columns.of[3], y)));
+}

@@ -66,7 +66,8 @@
 #define FL_BINDING_GOBO_WHOLE_OUT (50 + FL_LAMP_COUNT)
 #define FL_BINDING_GOBO_LINES_OUT (51 + FL_LAMP_COUNT)
 #define FL_BINDING_RIMS (52 + FL_LAMP_COUNT)  // RimRow, FrameParams::rims_max a supertile
-#define FL_BINDING_COUNT (53 + FL_LAMP_COUNT)
+#define FL_BINDING_CUTS (53 + FL_LAMP_COUNT)  // CutRow, FrameParams::cuts_max a supertile
+#define FL_BINDING_COUNT (54 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -175,7 +176,7 @@ struct FrameParams {
   float body_error_px;  // error that a level of a body may have in the picture
   float small_body_px;  // bodies up to this diameter are drawn by compute shaders; 0: none
   uint rims_max;  // rows of the RimRow table that a supertile has
-  uint pad_2;
+  uint cuts_max;  // of the CutRow table
   uint pad_3;
 };
 
@@ -246,8 +247,8 @@ struct CoarseRow {
   float light[FL_TILE_LIGHT];
   float tolerance;  // of one beam there, over sigma_s; 0: all beams are left to the beam pass
   uint rims;        // rows of the RimRow table that are in use
+  uint cuts;
   uint pad;
-  uint pad_1;
 };
 
 // A beam that is smooth over a rectangle of pixels but for its rim: polynomials of x and y, from -1 to 1 over the hull,
@@ -257,9 +258,18 @@ struct RimRow {
   vec4 fits[3];
   vec4 color;  // w: p
 };
+// A beam that something cuts over a rectangle of pixels, likewise: polynomials of rho, g_0, g_1, g_2, s_a and s_b
+// (tile_node.h).
+struct CutRow {
+  vec4 fits[9];
+  vec4 color;
+};
 #define FL_RIMS_MAX 1024     // of a supertile
 #define FL_RIMS_SHARE 16     // a supertile has room for one of so many beams of the rig, and at least for FL_RIMS_MIN
 #define FL_RIMS_MIN 64
+#define FL_CUTS_MAX 512
+#define FL_CUTS_SHARE 32
+#define FL_CUTS_MIN 32
 
 // The tables of a gobo image, 48 bytes. Layers: those of its first colour, plus 1; 0: it has none.
 struct GoboTableRow {

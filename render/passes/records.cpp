@@ -1,13 +1,13 @@
-#include "render/passes/rims.h"
+#include "render/passes/records.h"
 
 #include <cstddef>
 
 #include "render/passes/compute_pass.h"
-#include "shaders/rims.comp.h"
+#include "shaders/records.comp.h"
 
 namespace footlight::render {
 
-const PassEntry kRimsPass{"rims",
+const PassEntry kRecordsPass{"records",
                           has_tile_classes,
                           [](const fixtures::Needs& needs, const FrameSettings& settings) {
                             return std::vector<vk::SpecConstant>{
@@ -16,12 +16,12 @@ const PassEntry kRimsPass{"rims",
                           },
                           [](const PassContext& context) {
                             return make_compute_pass(
-                                context, kRimsComp,
+                                context, kRecordsComp,
                                 [counts = context.resources.rig.counts.handle](VkCommandBuffer commands) {
                                   vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, fine_groups));
                                 });
                           },
-                          [] { return std::vector<std::vector<vk::Spirv>>{{kRimsComp}}; },
-                          "beams with a rim taken together for 64 x 64 pixels"};
+                          [] { return std::vector<std::vector<vk::Spirv>>{{kRecordsComp}}; },
+                          "beams with a rim or cuts taken together for 64 x 64 pixels"};
 
 }  // namespace footlight::render
