@@ -133,6 +133,42 @@ TEST_CASE("beams that are even about the middle of a tile have the light of beam
   }
 }
 
+// Parallel beams in one supertile, each narrower than it: far more of them have a rim there than the table of records
+// has rows for (beams / FL_RIMS_SHARE).
+TEST_CASE("beams for whose rims a supertile has no room have the light of beams computed pixel by pixel") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  constexpr int kCount = 1500;
+  Scene scene = lamps_scene(26, kCount);
+  scene.camera = {"middle", {0, -14, 3}, {0, 0, 3}, 4, 4};
+  scene.rig.cameras.front() = scene.camera;
+  Random random(27);
+  for (fixtures::PatchedFixture& lamp : scene.rig.fixtures) {
+    lamp.type = 1;
+    lamp.position_m = {random.between(-0.5, 0.5), random.between(-1, 1), 7};
+    lamp.rotation_deg = {0, 0, 0};
+  }
+  scene.compile();
+  for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) {
+    for (const auto color : {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"}) scene.set(i, color, 1);
+    scene.set(i, "Zoom", 0);
+  }
+  FrameSettings settings = judged_settings(64, 64);
+  settings.tile_error = 2e-2;
+  const PictureNorms norms = against_general(vulkan.device(), scene, settings, "rims");
+  CHECK(norms.rel_l2 > 0);
+  CHECK(norms.rel_l2 < 1e-3);
+  CHECK(norms.max < 3e-2);
+  settings.view = FrameView::kClasses;
+  settings.tile_beams = 0;
+  const auto frame = make_frame(vulkan.device(), scene, settings);
+  const RadianceImage classes = draw(*frame, scene);
+  float records = 0;  // of one pixel
+  for (std::size_t i = 2; i < classes.rgb.size(); i += 3) records = std::max(records, classes.rgb[i]);
+  std::fprintf(stderr, "%g records in one pixel\n", records);
+  CHECK(records > 2.0f * kCount / FL_RIMS_SHARE);
+}
+
 // Medium and rays of a stage, in double.
 TEST_CASE("light at a node is that of eight Gauss nodes, for every profile") {
   Random random(4);
