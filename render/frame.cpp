@@ -31,7 +31,7 @@ const PassEntry* const kPasses[] = {
     &kSurfacesPass,  // beams x boxes and bodies -> radiance, distance
     &kDepthsPass,    // radiance's distances -> planes of tiles
     &kCoarsePass,    // beams -> those that are smooth over a supertile, and the rest
-    &kRecordsPass,      // beams that are smooth over a supertile but for rims and cuts -> radiance
+    &kRecordsPass,   // beams that are smooth over a supertile but for rims and cuts -> radiance
     &kFinePass,      // the same over 32 x 32 pixels, and beams that are smooth but for their rim -> radiance, the rest
     &kBeamsPass,     // the rest, pixel by pixel -> radiance
     &kTonemapPass,   // radiance -> screen

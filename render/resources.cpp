@@ -314,11 +314,13 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
       return fine_mask_bytes(settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings));
     case FL_BINDING_COARSE: return coarse_bytes(settings, has_tile_classes(shape.needs, settings));
     case FL_BINDING_RIMS:
-      return record_bytes(kRims, settings, record_rows(kRims, settings, mask_words_of(shape.compiled), UINT32_MAX,
-                                                       has_tile_classes(shape.needs, settings)));
+      return record_bytes(kRims, settings,
+                          record_rows(kRims, settings, mask_words_of(shape.compiled), UINT32_MAX,
+                                      has_tile_classes(shape.needs, settings)));
     case FL_BINDING_CUTS:
-      return record_bytes(kCuts, settings, record_rows(kCuts, settings, mask_words_of(shape.compiled), UINT32_MAX,
-                                                       has_tile_classes(shape.needs, settings)));
+      return record_bytes(kCuts, settings,
+                          record_rows(kCuts, settings, mask_words_of(shape.compiled), UINT32_MAX,
+                                      has_tile_classes(shape.needs, settings)));
     case FL_BINDING_SMALL_DEPTHS:
     case FL_BINDING_SMALL_KEYS: return small_body_bytes(shape.needs, settings);
     case FL_BINDING_SURFACE_ID: return solid_pixels * 8;

@@ -15,8 +15,8 @@ namespace {
 using fixtures::Needs;
 using vk::SpecConstant;
 
-const std::vector<std::string> kAll{"step",   "gather", "gobos", "bodies", "tiles",  "surfaces",
-                                    "depths", "coarse", "records", "fine", "beams",  "tonemap"};
+const std::vector<std::string> kAll{"step",   "gather", "gobos",   "bodies", "tiles", "surfaces",
+                                    "depths", "coarse", "records", "fine",   "beams", "tonemap"};
 // Those that take beams together for tiles.
 const std::vector<std::string> kTilePasses{"depths", "coarse", "records", "fine"};
 
@@ -177,36 +177,37 @@ TEST_CASE("without a need its branches or its passes are left out") {
     std::vector<std::string> lost;  // passes
     std::uint32_t constant;         // is 0 without the need; FL_SPEC_COUNT: none
   };
-  for (const Case& c : {Case{"motion", &Needs::motion, {}, FL_SPEC_MOTION},
-                        Case{"spin", &Needs::spin, {}, FL_SPEC_SPIN},
-                        Case{"strobe", &Needs::strobe, {}, FL_SPEC_STROBE},
-                        Case{"gobo", &Needs::gobo, {"gobos"}, FL_SPEC_GOBO},
-                        Case{"colour", &Needs::color, {}, FL_SPEC_COLOR},
-                        Case{"optics", &Needs::optics, {}, FL_SPEC_OPTICS},
-                        Case{"blades", &Needs::blades, {}, FL_SPEC_BLADES},
-                        Case{"stacked", &Needs::stacked, {}, FL_SPEC_STACKED},
-                        Case{"pulses", &Needs::pulses, {}, FL_SPEC_PULSES},
-                        Case{"macro", &Needs::macro, {}, FL_SPEC_MACRO},
-                        Case{"flex", &Needs::flex, {}, FL_SPEC_FLEX},
-                        Case{"smooth", &Needs::smooth, {}, FL_SPEC_SMOOTH},
-                        Case{"tungsten", &Needs::tungsten, {}, FL_SPEC_LAMP(fixtures::kLampTungsten)},
-                        Case{"led", &Needs::led, {}, FL_SPEC_LAMP(fixtures::kLampLed)},
-                        Case{"discharge", &Needs::discharge, {}, FL_SPEC_LAMP(fixtures::kLampDischarge)},
-                        Case{"dowser", &Needs::dowser, {}, FL_SPEC_DOWSER},
-                        Case{"focus", &Needs::focus, {}, FL_SPEC_FOCUS},
-                        Case{"animation", &Needs::animation, {}, FL_SPEC_ANIMATION},
-                        Case{"measured", &Needs::measured, {}, FL_SPEC_MEASURED},
-                        Case{"rectangle", &Needs::rectangle, {}, FL_SPEC_RECTANGLE},
-                        Case{"extinction", &Needs::extinction, {}, FL_SPEC_EXTINCTION},
-                        Case{"profile", &Needs::profile, {}, FL_SPEC_PROFILE},
-                        Case{"wide", &Needs::wide, {}, FL_SPEC_WIDE},
-                        Case{"iris", &Needs::iris, {}, FL_SPEC_IRIS},
-                        Case{"surfaces", &Needs::surfaces, {}, FL_SPEC_BOXES},
-                        Case{"haze", &Needs::haze, {"gobos", "depths", "coarse", "records", "fine", "beams"}, FL_SPEC_COUNT},
-                        Case{"fixtures",
-                             &Needs::fixtures,
-                             {"step", "gather", "gobos", "bodies", "tiles", "depths", "coarse", "records", "fine", "beams"},
-                             FL_SPEC_BODIES}}) {
+  for (const Case& c :
+       {Case{"motion", &Needs::motion, {}, FL_SPEC_MOTION},
+        Case{"spin", &Needs::spin, {}, FL_SPEC_SPIN},
+        Case{"strobe", &Needs::strobe, {}, FL_SPEC_STROBE},
+        Case{"gobo", &Needs::gobo, {"gobos"}, FL_SPEC_GOBO},
+        Case{"colour", &Needs::color, {}, FL_SPEC_COLOR},
+        Case{"optics", &Needs::optics, {}, FL_SPEC_OPTICS},
+        Case{"blades", &Needs::blades, {}, FL_SPEC_BLADES},
+        Case{"stacked", &Needs::stacked, {}, FL_SPEC_STACKED},
+        Case{"pulses", &Needs::pulses, {}, FL_SPEC_PULSES},
+        Case{"macro", &Needs::macro, {}, FL_SPEC_MACRO},
+        Case{"flex", &Needs::flex, {}, FL_SPEC_FLEX},
+        Case{"smooth", &Needs::smooth, {}, FL_SPEC_SMOOTH},
+        Case{"tungsten", &Needs::tungsten, {}, FL_SPEC_LAMP(fixtures::kLampTungsten)},
+        Case{"led", &Needs::led, {}, FL_SPEC_LAMP(fixtures::kLampLed)},
+        Case{"discharge", &Needs::discharge, {}, FL_SPEC_LAMP(fixtures::kLampDischarge)},
+        Case{"dowser", &Needs::dowser, {}, FL_SPEC_DOWSER},
+        Case{"focus", &Needs::focus, {}, FL_SPEC_FOCUS},
+        Case{"animation", &Needs::animation, {}, FL_SPEC_ANIMATION},
+        Case{"measured", &Needs::measured, {}, FL_SPEC_MEASURED},
+        Case{"rectangle", &Needs::rectangle, {}, FL_SPEC_RECTANGLE},
+        Case{"extinction", &Needs::extinction, {}, FL_SPEC_EXTINCTION},
+        Case{"profile", &Needs::profile, {}, FL_SPEC_PROFILE},
+        Case{"wide", &Needs::wide, {}, FL_SPEC_WIDE},
+        Case{"iris", &Needs::iris, {}, FL_SPEC_IRIS},
+        Case{"surfaces", &Needs::surfaces, {}, FL_SPEC_BOXES},
+        Case{"haze", &Needs::haze, {"gobos", "depths", "coarse", "records", "fine", "beams"}, FL_SPEC_COUNT},
+        Case{"fixtures",
+             &Needs::fixtures,
+             {"step", "gather", "gobos", "bodies", "tiles", "depths", "coarse", "records", "fine", "beams"},
+             FL_SPEC_BODIES}}) {
     CAPTURE(c.what);
     Needs needs = demo_needs();
     needs.*c.need = false;

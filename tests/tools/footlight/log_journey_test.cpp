@@ -9,6 +9,7 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -297,6 +298,29 @@ TEST_CASE("levels that one program replays over sACN equal those that another pr
   auto short_snapshot = last_snapshot(copy, 7);
   short_snapshot.resize(24);  // the network carries whole universes
   CHECK(short_snapshot == last_snapshot(original, 7));
+}
+
+TEST_CASE("a bridge whose recording failed exits with 1 and names the log") {
+  const TempFolder folder;
+  const std::string played = folder.file("played.dmxlog");
+  const std::string full = folder.file("full.dmxlog");
+  write_log(played, pattern());
+  // A limit on the size of files makes writes fail like a full disk. The program inherits both.
+  rlimit before{};
+  REQUIRE(::getrlimit(RLIMIT_FSIZE, &before) == 0);
+  const auto previous = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit tight{512, before.rlim_max};
+  REQUIRE(::setrlimit(RLIMIT_FSIZE, &tight) == 0);
+  const Outcome replay = footlight({"replay", played, "--out", "log:" + full});
+  const Outcome run = footlight({"run", "--in", "log:" + played, "--out", "log:" + full + "2", "--for", "1s"});
+  REQUIRE(::setrlimit(RLIMIT_FSIZE, &before) == 0);
+  std::signal(SIGXFSZ, previous);
+  for (const Outcome& outcome : {replay, run}) {
+    CAPTURE(outcome.err);
+    CHECK(outcome.exit_code == 1);
+    CHECK(contains(outcome.err, "log:" + full));
+    CHECK(contains(outcome.err, "the recording is incomplete"));
+  }
 }
 
 }  // namespace

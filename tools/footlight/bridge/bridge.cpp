@@ -340,6 +340,14 @@ Result<Servers> serve(const Bridge& bridge, const StatusPages& pages) {
 
 }  // namespace
 
+Status check_recordings(const BridgeReport& report) {
+  for (const PortStatus& port : report.status.ports) {
+    if (!port.is_sink || !port.name.starts_with("log:") || port.state != PortState::kGone) continue;
+    return fail(ErrorCode::kIo, "{}: the recording is incomplete: {}", port.name, port.trouble);
+  }
+  return {};
+}
+
 std::vector<Universe> sorted_once(std::vector<Universe> universes) {
   std::sort(universes.begin(), universes.end());
   universes.erase(std::unique(universes.begin(), universes.end()), universes.end());

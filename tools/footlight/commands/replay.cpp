@@ -76,6 +76,7 @@ Result<int> replay(const Options& options) {
     bridge.sinks.push_back(std::move(sink));
   }
   FL_ASSIGN(const BridgeReport report, run_bridge(bridge, clock, signal));
+  FL_TRY(check_recordings(report));
   const std::uint64_t damaged = report.status.ports.front().port.rejected;
   if (damaged == 0) return kExitOk;
   fmt::print(stderr, "footlight: {} damaged parts of the log were skipped; see 'footlight log info --check {}'\n",

@@ -133,6 +133,7 @@ Result<int> run(const Options& options) {
   bridge.reload = &reload;
   if (!file.empty()) bridge.load_show = [&] { return show_of(options, file); };
   FL_ASSIGN(const BridgeReport report, run_bridge(bridge, clock, signal));
+  FL_TRY(check_recordings(report));
   return kExitOk;
 }
 
