@@ -30,7 +30,7 @@ const PassEntry* const kPasses[] = {
     &kTilesPass,     // beams -> which supertile they touch
     &kSurfacesPass,  // beams x boxes and bodies -> radiance, distance
     &kDepthsPass,    // radiance's distances -> planes of tiles
-    &kCoarsePass,    // beams -> those that are smooth over a supertile, and the rest
+    &kCoarsePass,    // beams -> those that are smooth over a supertile, records of rims and cuts, and the rest
     &kRecordsPass,   // beams that are smooth over a supertile but for rims and cuts -> radiance
     &kFinePass,      // the same over 32 x 32 pixels, and beams that are smooth but for their rim -> radiance, the rest
     &kBeamsPass,     // the rest, pixel by pixel -> radiance
@@ -461,6 +461,12 @@ Result<std::vector<fixtures::f32::Slew>> Frame::read_dowsers() {
 Result<std::vector<fixtures::f32::Smooth>> Frame::read_smooths() {
   static_assert(sizeof(fixtures::f32::Smooth) == kSmoothStateBytes);
   return read_rows<fixtures::f32::Smooth>(resources_.rig.smooth_states, resources_.rig.smooth_count);
+}
+
+Result<std::vector<CoarseRow>> Frame::read_supertiles() {
+  if (!has_fine_) return std::vector<CoarseRow>{};
+  return read_rows<CoarseRow>(resources_.picture.coarse,
+                              resources_.picture.supertiles_x * resources_.picture.supertiles_y);
 }
 
 Result<std::vector<BeamRow>> Frame::read_beams() {

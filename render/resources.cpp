@@ -215,13 +215,13 @@ constexpr RecordShape kCuts{FL_CUTS_MIN, FL_CUTS_MAX, FL_CUTS_SHARE, sizeof(CutR
 std::uint64_t supertile_count(const FrameSettings& settings) {
   return std::uint64_t{supertiles(settings.width)} * supertiles(settings.height);
 }
-// In a buffer of at most `bytes_max`.
+// A table has at most FL_RECORD_BYTES_MAX, which every device allows.
 std::uint32_t record_rows(const RecordShape& shape, const FrameSettings& settings, std::uint32_t mask_words,
-                          std::uint64_t bytes_max, bool used) {
+                          bool used) {
   if (!used) return 0;
   const std::uint32_t rows = std::clamp(mask_words * 32 / shape.share, shape.least, shape.most);
   return static_cast<std::uint32_t>(
-      std::min<std::uint64_t>(rows, bytes_max / shape.row_bytes / supertile_count(settings)));
+      std::min<std::uint64_t>(rows, FL_RECORD_BYTES_MAX / shape.row_bytes / supertile_count(settings)));
 }
 std::uint64_t record_bytes(const RecordShape& shape, const FrameSettings& settings, std::uint32_t rows) {
   return std::max<std::uint64_t>(supertile_count(settings) * rows, 1) * shape.row_bytes;
@@ -314,13 +314,13 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
       return fine_mask_bytes(settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings));
     case FL_BINDING_COARSE: return coarse_bytes(settings, has_tile_classes(shape.needs, settings));
     case FL_BINDING_RIMS:
-      return record_bytes(kRims, settings,
-                          record_rows(kRims, settings, mask_words_of(shape.compiled), UINT32_MAX,
-                                      has_tile_classes(shape.needs, settings)));
+      return record_bytes(
+          kRims, settings,
+          record_rows(kRims, settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings)));
     case FL_BINDING_CUTS:
-      return record_bytes(kCuts, settings,
-                          record_rows(kCuts, settings, mask_words_of(shape.compiled), UINT32_MAX,
-                                      has_tile_classes(shape.needs, settings)));
+      return record_bytes(
+          kCuts, settings,
+          record_rows(kCuts, settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings)));
     case FL_BINDING_SMALL_DEPTHS:
     case FL_BINDING_SMALL_KEYS: return small_body_bytes(shape.needs, settings);
     case FL_BINDING_SURFACE_ID: return solid_pixels * 8;
@@ -417,8 +417,8 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   }
   FL_ASSIGN(p.fine_masks, zeroed(device, fine_bytes));
   FL_ASSIGN(p.coarse, zeroed(device, coarse_bytes(settings, classes)));
-  p.rims_max = record_rows(kRims, settings, mask_words, device.limits().maxStorageBufferRange, classes);
-  p.cuts_max = record_rows(kCuts, settings, mask_words, device.limits().maxStorageBufferRange, classes);
+  p.rims_max = record_rows(kRims, settings, mask_words, classes);
+  p.cuts_max = record_rows(kCuts, settings, mask_words, classes);
   FL_ASSIGN(p.rims, zeroed(device, record_bytes(kRims, settings, p.rims_max)));
   FL_ASSIGN(p.cuts, zeroed(device, record_bytes(kCuts, settings, p.cuts_max)));
   FL_ASSIGN(p.small_depths, zeroed(device, small_body_bytes(needs, settings)));

@@ -49,7 +49,8 @@ const uint kEntryWords = (uint(FL_ENTRIES_MAX) + 31u) / 32u;
 // Entries that have become records, a bit each: those with a rim, which come first, and those that are cut.
 shared uint record_bits[kEntryWords];
 
-// How many of the entries before this one have.
+// How many of the entries before this one have. Between two rounds the words of the next one may get bits: of later
+// entries only, which do not count.
 uint records_before(uint entry) {
   uint sum = bitCount(record_bits[entry >> 5] & ~(0xffffffffu << (entry & 31u)));
   for (uint w = 0u; w < entry >> 5; ++w) sum += bitCount(record_bits[w]);

@@ -28,6 +28,7 @@ vec2 at;
 vec2 reach;
 vec3 y[FL_ROWS];
 vec3 total[FL_ROWS];
+bool any_reaches = false;  // some record reaches the subgroup's pixels
 
 void add_rims(uint table, uint count) {
   float x2 = 2.0 * first.x * first.x - 1.0;
@@ -36,6 +37,7 @@ void add_rims(uint table, uint count) {
     bool reaches =
         own < table + count && record_reaches(rims[own].fits[0], rims[own].fits[1].xy, at, reach);
     uvec4 ballot = subgroupBallot(reaches);
+    any_reaches = any_reaches || (ballot.x | ballot.y | ballot.z | ballot.w) != 0u;
     for (uint w = 0u; w < (gl_SubgroupSize + 31u) / 32u; ++w) {
       uint bits = ballot[w];
       while (bits != 0u) {
@@ -59,6 +61,7 @@ void add_cuts(uint table, uint count) {
     bool reaches =
         own < table + count && record_reaches(cuts[own].fits[0], cuts[own].fits[1].xy, at, reach);
     uvec4 ballot = subgroupBallot(reaches);
+    any_reaches = any_reaches || (ballot.x | ballot.y | ballot.z | ballot.w) != 0u;
     for (uint w = 0u; w < (gl_SubgroupSize + 31u) / 32u; ++w) {
       uint bits = ballot[w];
       while (bits != 0u) {
@@ -99,5 +102,5 @@ void main() {
   }
   add_rims(supertile * params.rims_max, rim_count);
   add_cuts(supertile * params.cuts_max, cut_count);
-  add_to_pixels(total);
+  if (any_reaches) add_to_pixels(total);
 }

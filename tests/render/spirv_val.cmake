@@ -3,6 +3,6 @@ execute_process(COMMAND ${GLSLANG} --quiet --target-env vulkan1.3 -I${ROOT} -o $
                 COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${SPIRV_VAL} --target-env vulkan1.3 ${OUT} COMMAND_ERROR_IS_FATAL ANY)
 # What the program holds, where spirv-opt has changed it.
-if(EXISTS ${INLINED})
+if(INLINED)
   execute_process(COMMAND ${SPIRV_VAL} --target-env vulkan1.3 ${INLINED} COMMAND_ERROR_IS_FATAL ANY)
 endif()

@@ -133,19 +133,18 @@ TEST_CASE("beams that are even about the middle of a tile have the light of beam
   }
 }
 
-// Parallel beams in one supertile, each narrower than it: far more of them have a rim there than the table of records
-// has rows for (beams / FL_RIMS_SHARE).
-TEST_CASE("beams for whose rims a supertile has no room have the light of beams computed pixel by pixel") {
-  const HeadlessVulkan vulkan;
-  if (!vulkan) return;
-  constexpr int kCount = 1500;
-  Scene scene = lamps_scene(26, kCount);
-  scene.camera = {"middle", {0, -14, 3}, {0, 0, 3}, 4, 4};
+// Parallel beams that the camera sees from the side at a small angle: they are smooth over many pixels. Floor: they end
+// on it, and the camera looks down on it.
+Scene parallel_scene(int count, bool floor) {
+  Scene scene = lamps_scene(26, count);
+  scene.camera = {"beside", {0, -14, floor ? 6 : 3}, {0, 0, 3}, floor ? 0.6 : 4, 4};
   scene.rig.cameras.front() = scene.camera;
+  if (floor) scene.rig.boxes.push_back({"floor", {-20, -20, 2.8}, {20, 20, 3}, glm::dvec3(0.3)});
   Random random(27);
   for (fixtures::PatchedFixture& lamp : scene.rig.fixtures) {
     lamp.type = 1;
-    lamp.position_m = {random.between(-0.5, 0.5), random.between(-1, 1), 7};
+    const double side_m = floor ? 0.2 : 0.5;
+    lamp.position_m = {random.between(-side_m, side_m), random.between(-side_m, side_m), 7};
     lamp.rotation_deg = {0, 0, 0};
   }
   scene.compile();
@@ -153,20 +152,60 @@ TEST_CASE("beams for whose rims a supertile has no room have the light of beams 
     for (const auto color : {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"}) scene.set(i, color, 1);
     scene.set(i, "Zoom", 0);
   }
-  FrameSettings settings = judged_settings(64, 64);
-  settings.tile_error = 2e-2;
-  const PictureNorms norms = against_general(vulkan.device(), scene, settings, "rims");
-  CHECK(norms.rel_l2 > 0);
-  CHECK(norms.rel_l2 < 1e-3);
-  CHECK(norms.max < 3e-2);
-  settings.view = FrameView::kClasses;
+  return scene;
+}
+
+// Rows in use of the tables of all supertiles.
+struct RecordCounts {
+  std::uint32_t rims = 0;
+  std::uint32_t cuts = 0;
+};
+RecordCounts record_counts(vk::Device& device, const Scene& scene, FrameSettings settings) {
   settings.tile_beams = 0;
-  const auto frame = make_frame(vulkan.device(), scene, settings);
-  const RadianceImage classes = draw(*frame, scene);
-  float records = 0;  // of one pixel
-  for (std::size_t i = 2; i < classes.rgb.size(); i += 3) records = std::max(records, classes.rgb[i]);
-  std::fprintf(stderr, "%g records in one pixel\n", records);
-  CHECK(records > 2.0f * kCount / FL_RIMS_SHARE);
+  const auto frame = make_frame(device, scene, settings);
+  (void)draw(*frame, scene);
+  RecordCounts counts;
+  for (const CoarseRow& supertile : must(frame->read_supertiles())) {
+    CHECK(supertile.rims <= frame->resources().picture.rims_max);
+    CHECK(supertile.cuts <= frame->resources().picture.cuts_max);
+    counts.rims += supertile.rims;
+    counts.cuts += supertile.cuts;
+  }
+  std::fprintf(stderr, "%u rims, %u cuts\n", counts.rims, counts.cuts);
+  return counts;
+}
+
+TEST_CASE("beams with rims and beams that are cut become records of supertiles") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  for (const bool floor : {false, true}) {
+    const Scene scene = parallel_scene(200, floor);
+    FrameSettings settings = judged_settings(128, 64);
+    settings.tile_error = FrameSettings{}.tile_error;
+    const PictureNorms norms =
+        against_general(vulkan.device(), scene, settings, floor ? "200 beams on a floor" : "200 beams");
+    CHECK(norms.rel_l2 < 1e-3);
+    CHECK(norms.max < 3e-2);
+    const RecordCounts counts = record_counts(vulkan.device(), scene, settings);
+    CHECK((floor ? counts.cuts : counts.rims) > 0);
+  }
+}
+
+TEST_CASE("beams for whose records a supertile has no room have the light of beams computed pixel by pixel") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  constexpr int kCount = 1500;  // beams / FL_RIMS_SHARE rows for rims, beams / FL_CUTS_SHARE for cuts
+  for (const bool floor : {false, true}) {
+    const Scene scene = parallel_scene(kCount, floor);
+    FrameSettings settings = judged_settings(64, 64);
+    settings.tile_error = 2e-2;
+    const PictureNorms norms = against_general(vulkan.device(), scene, settings, floor ? "cuts" : "rims");
+    CHECK(norms.rel_l2 > 0);
+    CHECK(norms.rel_l2 < 1e-3);
+    CHECK(norms.max < 3e-2);
+    const RecordCounts counts = record_counts(vulkan.device(), scene, settings);
+    CHECK((floor ? counts.cuts >= kCount / FL_CUTS_SHARE : counts.rims >= kCount / FL_RIMS_SHARE));
+  }
 }
 
 // Medium and rays of a stage, in double.

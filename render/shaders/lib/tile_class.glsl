@@ -320,7 +320,7 @@ bool fit_cut(float allowed, vec3 middle, uint bits, out CutFits fits) {
   }
   [[unroll]] for (uint i = 0u; i < 6u; ++i) to_coefficients(fits.of[i]);
   float size = abs(team_first(fits.of[1][0]));
-  // What the light misses for what g_0, g_1, g_2 miss: integrals of 1 - s^2, |s| (1 - s^2), s^2 (1 - s^2).
+  // What the light misses for what g_0, g_1, g_2 miss: the largest |M_0|, |M_1|, |M_2| of a disc.
   vec4 sums = team_sum(vec4(quadratic_tail(fits.of[0]),
                             1.34 * quadratic_tail(fits.of[1]) + 0.25 * quadratic_tail(fits.of[2]) +
                                 0.27 * quadratic_tail(fits.of[3]),

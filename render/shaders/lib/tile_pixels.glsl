@@ -1,6 +1,6 @@
 // The pixels of a workgroup of FL_GROUP_TILE threads with FL_FINE_PX x FL_FINE_PX of them. A thread has FL_ROWS, one
 // below the other, so that a record is read once for all of them; neighbours in a subgroup are neighbours in the
-// picture. After tile_list.glsl, which has thread_number().
+// picture. After thread_number.glsl.
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
 #define FL_ROWS (1024 / FL_GROUP_TILE)
 

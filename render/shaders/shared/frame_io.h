@@ -264,6 +264,7 @@ struct CutRow {
   vec4 fits[9];
   vec4 color;
 };
+#define FL_RECORD_BYTES_MAX 134217728  // of each of the two tables
 #define FL_RIMS_MAX 1024     // of a supertile
 #define FL_RIMS_SHARE 16     // a supertile has room for one of so many beams of the rig, and at least for FL_RIMS_MIN
 #define FL_RIMS_MIN 64
