@@ -38,7 +38,7 @@ const PassEntry* const kPasses[] = {
 };
 
 // Time stamps of a frame: its beginning, the levels, and the end of each pass.
-constexpr std::uint32_t kMarksMax = static_cast<std::uint32_t>(std::size(kPasses)) + 2;
+std::uint32_t marks_max(const PassList& passes) { return static_cast<std::uint32_t>(passes.size()) + 2; }
 
 constexpr double kNearM = 0.05;
 
@@ -51,9 +51,14 @@ struct StepPush {
 
 }  // namespace
 
-std::vector<PassPlan> plan_frame(const fixtures::Needs& needs, const FrameSettings& settings) {
+const PassList& product_passes() {
+  static const PassList kList(std::begin(kPasses), std::end(kPasses));
+  return kList;
+}
+
+std::vector<PassPlan> plan_frame(const fixtures::Needs& needs, const FrameSettings& settings, const PassList& passes) {
   std::vector<PassPlan> plan;
-  for (const PassEntry* pass : kPasses) {
+  for (const PassEntry* pass : passes) {
     if (pass->needed(needs, settings)) plan.push_back({pass->name, pass->constants(needs, settings)});
   }
   return plan;
@@ -79,14 +84,16 @@ namespace {
 constexpr std::uint32_t kFrameBindings[] = {FL_BINDING_PARAMS, FL_BINDING_COUNTS, FL_BINDING_RADIANCE,
                                             FL_BINDING_SCREEN};
 
-// The bindings that a pass reads and writes.
+// The bindings of the frame that a pass reads and writes; not those that it makes for itself.
 std::vector<std::uint32_t> bindings_of(const PassEntry& pass) {
   std::vector<std::uint32_t> bindings;
   if (pass.attachments != nullptr) bindings = pass.attachments();
   for (const auto& stages : pass.shaders()) {
     const auto shader = vk::read_interfaces(stages);
     FL_CHECK(shader.has_value());  // a test reads every shader
-    for (const vk::ShaderBinding& binding : shader->bindings) bindings.push_back(binding.binding);
+    for (const vk::ShaderBinding& binding : shader->bindings) {
+      if (binding.binding < FL_BINDING_COUNT) bindings.push_back(binding.binding);
+    }
   }
   return bindings;
 }
@@ -120,8 +127,9 @@ fixtures::Needs drawn_needs(const fixtures::Needs& needs, const fixtures::Haze& 
 }
 
 Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures::Rig& rig,
-                                             const fixtures::CompiledRig& compiled, const FrameSettings& settings) {
-  std::unique_ptr<Frame> frame(new Frame(device));
+                                             const fixtures::CompiledRig& compiled, const FrameSettings& settings,
+                                             const PassList& passes) {
+  std::unique_ptr<Frame> frame(new Frame(device, passes));
   FL_TRY(frame->check_settings(settings));
   // The tables are those of every setting that change() may bring.
   FrameSettings widest = settings;
@@ -131,7 +139,7 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   widest.view = FrameView::kPicture;
   std::vector<bool> used(FL_BINDING_COUNT, false);
   for (const std::uint32_t binding : kFrameBindings) used[binding] = true;
-  for (const PassEntry* pass : kPasses) {
+  for (const PassEntry* pass : passes) {
     if (!pass->needed(compiled.needs, widest)) continue;
     for (const std::uint32_t binding : bindings_of(*pass)) used[binding] = true;
   }
@@ -143,7 +151,7 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   frame->range_m_ = light_range_m(rig, frame->resources_.rig.objects);
   VkQueryPoolCreateInfo query{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
   query.queryType = VK_QUERY_TYPE_TIMESTAMP;
-  query.queryCount = kMarksMax;
+  query.queryCount = marks_max(passes);
   if (device.facts().timestamp_bits > 0) {
     FL_TRY(vk::check(vkCreateQueryPool(device.handle, &query, nullptr, &frame->times_), "vkCreateQueryPool"));
   }
@@ -151,7 +159,7 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   return frame;
 }
 
-Frame::Frame(vk::Device& device) : device_(device) {}
+Frame::Frame(vk::Device& device, const PassList& passes) : device_(device), entries_(passes) {}
 
 Status Frame::check_settings(const FrameSettings& settings) const {
   if (settings.nodes < 1 || (settings.method == BeamMethod::kGauss && settings.nodes > 8)) {
@@ -213,14 +221,20 @@ Status Frame::change(const FrameSettings& requested) {
     resources_.bind_all();
   }
   std::vector<std::unique_ptr<Pass>> passes;
-  for (const PassEntry* entry : kPasses) {
+  for (const PassEntry* entry : entries_) {
     if (!entry->needed(needs, settings)) continue;
     FL_ASSIGN(auto pass, entry->create({device_, resources_, settings_, entry->constants(needs, settings)}));
     passes.push_back(std::move(pass));
   }
   passes_ = std::move(passes);
-  plan_ = plan_frame(needs, settings);
+  plan_ = plan_frame(needs, settings, entries_);
   return {};
+}
+
+std::uint64_t Frame::bytes() const {
+  std::uint64_t bytes = resources_.total_bytes;
+  for (const auto& pass : passes_) bytes += pass->own_bytes();
+  return bytes;
 }
 
 Frame::~Frame() {
@@ -243,7 +257,7 @@ void Frame::settle_machine_air(std::span<const std::uint8_t> levels) {
 }
 
 void Frame::record(VkCommandBuffer commands, const View& view, double exposure_ev) {
-  if (times_ != VK_NULL_HANDLE) vkCmdResetQueryPool(commands, times_, 0, kMarksMax);
+  if (times_ != VK_NULL_HANDLE) vkCmdResetQueryPool(commands, times_, 0, marks_max(entries_));
   timed_.clear();
   upload_params(commands, view, exposure_ev);
   mark(commands, "");
@@ -264,9 +278,9 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
   pending_.clear();  // a rig without fixtures has no step pass
 }
 
-// Without solid things nothing else writes a pixel when no beam is lit.
+// Without solid things nothing else writes a pixel when no beam is lit. Alpha: no surface ends a ray.
 void Frame::clear_radiance(VkCommandBuffer commands) {
-  const VkClearColorValue black{{0, 0, 0, 1}};
+  const VkClearColorValue black{{0, 0, 0, static_cast<float>(FL_FAR_M)}};
   const VkImageSubresourceRange range{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
   vkCmdClearColorImage(commands, resources_.picture.radiance.handle, VK_IMAGE_LAYOUT_GENERAL, &black, 1, &range);
   vk::full_barrier(commands);

@@ -36,7 +36,13 @@ struct PassPlan {
   bool operator==(const PassPlan&) const = default;
 };
 
-[[nodiscard]] std::vector<PassPlan> plan_frame(const fixtures::Needs& needs, const FrameSettings& settings);
+// The passes of a frame, in order.
+using PassList = std::vector<const PassEntry*>;
+// Those of the product. The report replaces some of them by rivals (render/rivals/rivals.h).
+[[nodiscard]] const PassList& product_passes();
+
+[[nodiscard]] std::vector<PassPlan> plan_frame(const fixtures::Needs& needs, const FrameSettings& settings,
+                                               const PassList& passes = product_passes());
 // Names of the passes that the plan leaves out, with what the picture would gain from them.
 struct LeftOutPass {
   std::string name;
@@ -83,7 +89,8 @@ class Frame {
  public:
   [[nodiscard]] static Result<std::unique_ptr<Frame>> create(vk::Device& device, const fixtures::Rig& rig,
                                                              const fixtures::CompiledRig& compiled,
-                                                             const FrameSettings& settings);
+                                                             const FrameSettings& settings,
+                                                             const PassList& passes = product_passes());
   ~Frame();
   // Takes other settings from the next record() on. Heads keep their states; models and images are not read again. The
   // images of another size replace the old ones, which are freed first. A pipeline is compiled the first time that its
@@ -148,6 +155,8 @@ class Frame {
   [[nodiscard]] const std::vector<PassPlan>& plan() const { return plan_; }
   [[nodiscard]] const FrameSettings& settings() const { return settings_; }
   [[nodiscard]] Resources& resources() { return resources_; }
+  // GPU memory, including that of passes.
+  [[nodiscard]] std::uint64_t bytes() const;
 
  private:
   struct PendingStep {
@@ -155,7 +164,7 @@ class Frame {
     std::int64_t dt_ns;
     bool new_exposure;
   };
-  explicit Frame(vk::Device& device);
+  Frame(vk::Device& device, const PassList& passes);
   Status check_settings(const FrameSettings& settings) const;
   void upload_levels(VkCommandBuffer commands, const PendingStep& pending);
   void record_steps(VkCommandBuffer commands, bool timed);
@@ -173,6 +182,7 @@ class Frame {
   fixtures::Haze haze_;    // the room's own
   double ambient_lx_ = 0;
   Resources resources_;
+  PassList entries_;  // those that the rig and the settings need are in passes_
   std::vector<PassPlan> plan_;
   std::vector<std::unique_ptr<Pass>> passes_;  // one a plan entry
   std::vector<PendingStep> pending_;

@@ -23,6 +23,8 @@ class Pass {
  public:
   virtual ~Pass() = default;
   virtual void record(VkCommandBuffer commands, std::span<const std::byte> push) = 0;
+  // GPU memory of buffers and images that are not in Resources.
+  [[nodiscard]] virtual std::uint64_t own_bytes() const { return 0; }
 };
 
 struct PassContext {

@@ -172,6 +172,13 @@ Result<Pipeline> Pipeline::raster(Device& device, VkPipelineCache cache, const R
   depth.depthCompareOp = VK_COMPARE_OP_GREATER;
   VkPipelineColorBlendAttachmentState attachment{};
   attachment.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT;
+  if (raster.depth_format == VK_FORMAT_UNDEFINED) {
+    depth.depthTestEnable = depth.depthWriteEnable = VK_FALSE;
+    attachment.colorWriteMask |= VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+    attachment.blendEnable = VK_TRUE;
+    attachment.srcColorBlendFactor = attachment.dstColorBlendFactor = VK_BLEND_FACTOR_ONE;
+    attachment.srcAlphaBlendFactor = attachment.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
+  }
   VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
   blend.attachmentCount = 1;
   blend.pAttachments = &attachment;

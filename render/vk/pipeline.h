@@ -90,7 +90,7 @@ class Pipeline {
     Spirv vertex_spirv;
     Spirv fragment_spirv;
     VkFormat color_format;
-    VkFormat depth_format;
+    VkFormat depth_format;                  // VK_FORMAT_UNDEFINED: no depth, and fragments add up in all four channels
     std::uint32_t vertex_stride_bytes = 0;  // 0: no vertex buffer
     std::vector<VkVertexInputAttributeDescription> attributes;
   };
@@ -116,7 +116,7 @@ class Pipeline {
   static Result<Pipeline> begin(Device& device, std::span<const Spirv> stages, VkPipelineBindPoint point);
   static Result<Pipeline> compute(Device& device, VkPipelineCache cache, Spirv spirv,
                                   std::span<const SpecConstant> constants);
-  // Reversed depth (greater wins), no face culled, viewport and scissor dynamic.
+  // With depth it is reversed (greater wins). No face culled, viewport and scissor dynamic.
   static Result<Pipeline> raster(Device& device, VkPipelineCache cache, const Raster& raster);
   void swap(Pipeline& other) {
     std::swap(handle, other.handle);

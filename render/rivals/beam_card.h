@@ -1,0 +1,10 @@
+#pragma once
+
+#include "render/rivals/rivals.h"
+
+namespace footlight::render {
+
+extern const PassEntry kBeamCardPass;
+extern const Rival kBeamCard;
+
+}  // namespace footlight::render

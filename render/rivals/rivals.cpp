@@ -1,0 +1,52 @@
+#include "render/rivals/rivals.h"
+
+#include <algorithm>
+
+#include "render/passes/beams.h"
+#include "render/passes/coarse.h"
+#include "render/passes/depths.h"
+#include "render/passes/fine.h"
+#include "render/passes/surfaces.h"
+#include "render/rivals/beam_card.h"
+#include "render/rivals/clusters.h"
+#include "render/rivals/cone_mesh.h"
+#include "render/rivals/equiangular.h"
+#include "render/rivals/froxels.h"
+#include "render/rivals/raymarch.h"
+
+namespace footlight::render {
+
+const std::vector<Rival>& rivals() {
+  static const std::vector<Rival> kRivals{
+      kRaymarch,     // equal steps along the whole ray
+      kEquiangular,  // samples by the angle at the light, in the beam, random in their strata
+      kEquiangularMiddles,
+      kEquiangularWhole,
+      kFroxels,  // a grid of the picture and its depth
+      kFroxelsSampled,
+      kConeMesh,  // a wall of light, rasterised
+      kBeamCard,  // a flat fan that faces the camera, rasterised
+      kClusters,  // light on surfaces: bits of lights along X, Y and Z
+      kClustersLossy,
+      kClustersOwnLaw,
+  };
+  return kRivals;
+}
+
+PassList passes_with_air(const PassList& air) {
+  const PassEntry* const own[] = {&kDepthsPass, &kCoarsePass, &kFinePass, &kBeamsPass};
+  PassList list;
+  for (const PassEntry* pass : product_passes()) {
+    if (pass == &kBeamsPass) list.insert(list.end(), air.begin(), air.end());
+    if (std::find(std::begin(own), std::end(own), pass) == std::end(own)) list.push_back(pass);
+  }
+  return list;
+}
+
+PassList passes_with_surfaces(const PassEntry* surfaces) {
+  PassList list = product_passes();
+  std::replace(list.begin(), list.end(), &kSurfacesPass, surfaces);
+  return list;
+}
+
+}  // namespace footlight::render
