@@ -25,6 +25,7 @@ Fields fields_of(const PictureRow& row) {
           {"ms_p10", row.ms_p10},
           {"ms_p50", row.ms_p50},
           {"ms_p90", row.ms_p90},
+          {"own_ms", row.own_ms},
           {"rel_l2", row.rel_l2},
           {"rel_l2_low", row.rel_l2_low},
           {"rel_l2_high", row.rel_l2_high},
@@ -305,6 +306,7 @@ Result<std::vector<PictureRow>> picture_rows_from_json_lines(const std::string& 
     number_at("ms_p10", row.ms_p10);
     number_at("ms_p50", row.ms_p50);
     number_at("ms_p90", row.ms_p90);
+    if (object.contains("own_ms")) number_at("own_ms", row.own_ms);  // older reports have none
     number_at("rel_l2", row.rel_l2);
     number_at("rel_l2_low", row.rel_l2_low);
     number_at("rel_l2_high", row.rel_l2_high);

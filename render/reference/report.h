@@ -20,6 +20,7 @@ struct PictureRow {
   double ms_p10 = 0;       // time per frame
   double ms_p50 = 0;
   double ms_p90 = 0;
+  double own_ms = 0;  // median, of the passes in which methods differ: light in the haze, or on surfaces
   double rel_l2 = 0;  // defined in norms.h
   // 95 % confidence interval of rel_l2 if only a sample of the pixels is judged; else equal to rel_l2
   double rel_l2_low = 0;

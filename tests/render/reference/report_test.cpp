@@ -112,8 +112,8 @@ TEST_CASE("JSON lines have exactly the names of the row, and are read back uncha
   for (const auto& item : object.items()) names.push_back(item.key());
   std::sort(names.begin(), names.end());
   CHECK(names == std::vector<std::string>{"bytes", "flip", "hits_per_px", "knob", "max", "method", "ms_p10", "ms_p50",
-                                          "ms_p90", "nonfinite", "p999", "rel_l2", "rel_l2_high", "rel_l2_low",
-                                          "rel_mse", "scene"});
+                                          "ms_p90", "nonfinite", "own_ms", "p999", "rel_l2", "rel_l2_high",
+                                          "rel_l2_low", "rel_mse", "scene"});
   CHECK(nlohmann::json::parse(lines[1])["rel_l2"].is_null());
 
   const auto rows = picture_rows_from_json_lines(text, "report.jsonl");

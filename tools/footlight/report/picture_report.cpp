@@ -12,6 +12,7 @@
 #include "fixtures/simulate/walker.h"
 #include "render/reference/norms.h"
 #include "render/reference/pixel_sample.h"
+#include "render/rivals/rivals.h"
 
 namespace footlight::tools {
 
@@ -24,8 +25,9 @@ namespace {
 
 using namespace render;
 
-Result<std::unique_ptr<Frame>> make_frame(vk::Device& device, const Scene& scene, const FrameSettings& settings) {
-  FL_ASSIGN(auto frame, Frame::create(device, scene.rig, scene.compiled, settings));
+Result<std::unique_ptr<Frame>> make_frame(vk::Device& device, const Scene& scene, const FrameSettings& settings,
+                                          const PassList& passes = product_passes()) {
+  FL_ASSIGN(auto frame, Frame::create(device, scene.rig, scene.compiled, settings, passes));
   frame->step(scene.levels, 0);
   return frame;
 }
@@ -89,14 +91,21 @@ bool only_builtin(const fixtures::CompiledRig& compiled) {
 }
 
 // Returns the times of `runs` frames after 3 warm-up frames, and writes the times of each pass to `pass_ms` if it is
-// not null. Calls `go_on` with the finished share before each frame; false ends the timing early.
+// not null. After row_seconds there are no more than one warm-up and 3 runs. Calls `go_on` with the finished share
+// before each frame; false ends the timing early.
 Result<std::vector<double>> time_frames(Frame& frame, const View& view, const Scene& scene, int runs,
-                                        std::vector<std::vector<double>>* pass_ms,
+                                        double row_seconds, std::vector<std::vector<double>>* pass_ms,
                                         const std::function<bool(double)>& go_on) {
   std::vector<double> times_ms;
   if (pass_ms != nullptr) pass_ms->assign(frame.plan().size(), {});
+  const auto start = std::chrono::steady_clock::now();
   for (int i = -3; i < runs; ++i) {
     if (!go_on((i + 3.0) / (runs + 4.0))) break;
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    if (taken.count() > row_seconds) {
+      if (i > -3) i = std::max(i, 0);
+      if (times_ms.size() >= 3) break;
+    }
     FL_TRY(frame.draw(view, scene.camera.exposure_ev));
     FL_ASSIGN(const auto passes, frame.read_times());
     if (i < 0) continue;
@@ -162,9 +171,7 @@ Result<Judged> judge_scene_of(vk::Device& device, const Scene& scene, const View
   return judged;
 }
 
-Status judge_row(Frame& frame, const Judged& judged, PictureRow& row) {
-  FL_ASSIGN(const RadianceImage picture, frame.read_radiance());
-  const std::vector<float> values = at_sample<float>(judged.sample, picture.rgb, 3);
+void fill_norms(const Judged& judged, const std::vector<float>& values, PictureRow& row) {
   const SampledNorms sampled = sampled_norms(judged.sample, values, judged.pixels.rgb);
   row.rel_l2 = sampled.norms.rel_l2;
   row.rel_l2_low = sampled.rel_l2_low;
@@ -172,6 +179,11 @@ Status judge_row(Frame& frame, const Judged& judged, PictureRow& row) {
   row.rel_mse = sampled.norms.rel_mse;
   row.p999 = sampled.norms.p999;
   row.max = sampled.norms.max;
+}
+
+Status judge_row(Frame& frame, const Judged& judged, PictureRow& row) {
+  FL_ASSIGN(const RadianceImage picture, frame.read_radiance());
+  fill_norms(judged, at_sample<float>(judged.sample, picture.rgb, 3), row);
   // Counts over all pixels, because this needs no judge.
   row.nonfinite = std::count_if(picture.rgb.begin(), picture.rgb.end(), [](float v) { return !std::isfinite(v); });
   row.flip = std::nan("");
@@ -186,7 +198,60 @@ struct Knob {
   const char* method;
   double value;
   FrameSettings settings;
+  PassList passes = product_passes();
+  const Rival* rival = nullptr;  // null: of the product
 };
+
+// The picture without the light that a rival makes, at the pixels that are compared. Without light on surfaces it
+// shows them black, behind the haze.
+Result<std::vector<float>> sample_without(vk::Device& device, const Scene& scene, const View& view,
+                                          const PictureReportOptions& options, const Rival& rival,
+                                          const Judged& judged) {
+  FrameSettings settings = judged_settings(options);
+  settings.tile_error = 0;
+  Scene dark = scene;
+  if (rival.on_surfaces) {
+    for (fixtures::StageBox& box : dark.rig.boxes) box.albedo = glm::dvec3(0);
+  }
+  const PassList passes = rival.on_surfaces ? product_passes() : passes_with_air({});
+  FL_ASSIGN(const auto frame, make_frame(device, dark, settings, passes));
+  FL_TRY(frame->draw(view, scene.camera.exposure_ev));
+  FL_ASSIGN(const RadianceImage picture, frame->read_radiance());
+  return at_sample<float>(judged.sample, picture.rgb, 3);
+}
+
+// Whether a pass is one of those in which methods differ: light in the haze, or on surfaces where the method is one of
+// surfaces.
+bool is_own(const Knob& knob, const std::string& pass) {
+  if (knob.rival != nullptr && knob.rival->on_surfaces) return pass == "clusters";
+  const PassList shared = passes_with_air({});
+  return std::none_of(shared.begin(), shared.end(), [&](const PassEntry* each) { return pass == each->name; });
+}
+
+// The row of a rival without a unit with its light times the factor that gives the least error. The knob is that
+// factor. `without`: the picture without the light that the rival makes.
+Status fit_row(Frame& frame, const Judged& judged, const std::vector<float>& without, double exposure_ev,
+               PictureRow& row) {
+  FL_ASSIGN(const RadianceImage picture, frame.read_radiance());
+  std::vector<float> values = at_sample<float>(judged.sample, picture.rgb, 3);
+  double with_reference = 0;
+  double with_itself = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double light = static_cast<double>(values[i]) - static_cast<double>(without[i]);
+    const double weight = judged.sample.weight(i / 3);
+    if (!std::isfinite(light)) continue;
+    with_reference += weight * light * (judged.pixels.rgb[i] - static_cast<double>(without[i]));
+    with_itself += weight * light * light;
+  }
+  row.knob = with_itself > 0 ? std::max(with_reference / with_itself, 0.0) : 0;
+  const auto factor = static_cast<float>(row.knob);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = without[i] + factor * (values[i] - without[i]);
+  fill_norms(judged, values, row);
+  if (judged.sample.whole) {
+    row.flip = flip(screen_of({picture.width, picture.height, values}, exposure_ev), judged.screen).mean;
+  }
+  return {};
+}
 
 std::vector<Knob> knobs_of(const PictureReportOptions& options, const fixtures::Needs& needs) {
   std::vector<Knob> knobs;
@@ -220,7 +285,51 @@ std::vector<Knob> knobs_of(const PictureReportOptions& options, const fixtures::
     settings.nodes = steps;
     knobs.push_back({"march", static_cast<double>(steps), settings});
   }
+  if (!options.rivals) return knobs;
+  knobs.push_back({"no haze", 0, settings, passes_with_air({})});
+  for (const Rival& rival : rivals()) {
+    for (const double knob : options.quick ? rival.quick_knobs : rival.knobs) {
+      knobs.push_back({rival.method, knob, rival.settings(judged_settings(options), knob), rival.passes(), &rival});
+    }
+  }
   return knobs;
+}
+
+// Times the frame as `footlight render` draws it, and counts its bodies and the classes of its beams.
+Status measure_whole(vk::Device& device, const Scene& scene, const View& view, const PictureReportOptions& options,
+                     PictureReport& report) {
+  FrameSettings whole;
+  whole.width = options.width;
+  whole.height = options.height;
+  whole.body_error_px = options.body_error_px;
+  FL_ASSIGN(auto frame, make_frame(device, scene, whole));
+  std::vector<std::vector<double>> pass_ms;
+  FL_ASSIGN(const auto times_ms,
+            time_frames(*frame, view, scene, options.runs, options.row_seconds, &pass_ms, [&](double share) {
+              report.ended =
+                  options.go_on && !options.go_on("frames of the whole picture", share * options.runs, options.runs);
+              return !report.ended;
+            }));
+  if (report.ended) return {};
+  FL_ASSIGN(const CountsRow counts, frame->read_counts());
+  if (counts.live_count == 0) {
+    return fail(ErrorCode::kBadInput,
+                "{}: no beam is lit, so no error can be measured; use --log with an --at at which a beam is lit, --lit "
+                "or --set",
+                scene.name);
+  }
+  report.whole_ms = percentile(times_ms, 0.5);
+  for (std::size_t p = 0; p < pass_ms.size(); ++p) {
+    report.whole_passes.push_back({frame->plan()[p].name, percentile(pass_ms[p], 0.5)});
+  }
+  FL_ASSIGN(report.bodies, frame->read_bodies());
+  report.body_bytes = static_cast<std::int64_t>(frame->resources().body_bytes());
+  whole.view = render::FrameView::kClasses;
+  FL_TRY(frame->change(whole));
+  FL_TRY(frame->draw(view, scene.camera.exposure_ev));
+  FL_ASSIGN(const RadianceImage classes, frame->read_radiance());
+  report.classes = class_shares(classes);
+  return {};
 }
 
 }  // namespace
@@ -229,39 +338,8 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
   PictureReport report;
   report.device = fmt::format("{} ({})", device.name(), device.driver());
   const View view = view_of(scene.camera);
-  {
-    FrameSettings whole;
-    whole.width = options.width;
-    whole.height = options.height;
-    whole.body_error_px = options.body_error_px;
-    FL_ASSIGN(auto frame, make_frame(device, scene, whole));
-    std::vector<std::vector<double>> pass_ms;
-    FL_ASSIGN(const auto times_ms, time_frames(*frame, view, scene, options.runs, &pass_ms, [&](double share) {
-                report.ended =
-                    options.go_on && !options.go_on("frames of the whole picture", share * options.runs, options.runs);
-                return !report.ended;
-              }));
-    if (report.ended) return report;
-    FL_ASSIGN(const CountsRow counts, frame->read_counts());
-    if (counts.live_count == 0) {
-      return fail(
-          ErrorCode::kBadInput,
-          "{}: no beam is lit, so no error can be measured; use --log with an --at at which a beam is lit, --lit "
-          "or --set",
-          scene.name);
-    }
-    report.whole_ms = percentile(times_ms, 0.5);
-    for (std::size_t p = 0; p < pass_ms.size(); ++p) {
-      report.whole_passes.push_back({frame->plan()[p].name, percentile(pass_ms[p], 0.5)});
-    }
-    FL_ASSIGN(report.bodies, frame->read_bodies());
-    report.body_bytes = static_cast<std::int64_t>(frame->resources().body_bytes());
-    whole.view = render::FrameView::kClasses;
-    FL_TRY(frame->change(whole));
-    FL_TRY(frame->draw(view, scene.camera.exposure_ev));
-    FL_ASSIGN(const RadianceImage classes, frame->read_radiance());
-    report.classes = class_shares(classes);
-  }
+  FL_TRY(measure_whole(device, scene, view, options, report));
+  if (report.ended) return report;
 
   Judged judged;
   if (options.judge) {
@@ -276,8 +354,12 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
 
   if (options.on_judged) options.on_judged(report);
   const FrameSettings defaults;
+  std::vector<float> without_air, without_surfaces;  // of rivals without a unit; empty: not drawn yet
   const std::vector<Knob> all_knobs = knobs_of(options, scene.compiled.needs);
-  const auto all_rows = static_cast<double>(all_knobs.size());
+  const auto fitted = std::count_if(all_knobs.begin(), all_knobs.end(), [&](const Knob& knob) {
+    return options.judge && knob.rival != nullptr && !knob.rival->has_unit;
+  });
+  const auto all_rows = static_cast<double>(all_knobs.size()) + static_cast<double>(fitted);
   // Reports that `share` of the current row is done. Returns true if the report shall end.
   const auto ends_at = [&](double share) {
     report.ended = report.ended ||
@@ -293,15 +375,20 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
     row.method = knob.method;
     row.knob = knob.value;
     row.hits_per_px = judged.hits_per_px;
-    FL_ASSIGN(auto frame, make_frame(device, scene, settings));
+    FL_ASSIGN(auto frame, make_frame(device, scene, settings, knob.passes));
     std::vector<std::vector<double>> pass_ms;
     const auto go_on = [&](double share) { return !ends_at(share); };
-    FL_ASSIGN(const auto times_ms, time_frames(*frame, view, scene, options.runs, &pass_ms, go_on));
+    FL_ASSIGN(const auto times_ms,
+              time_frames(*frame, view, scene, options.runs, options.row_seconds, &pass_ms, go_on));
     if (report.ended) return {};
     row.ms_p10 = percentile(times_ms, 0.1);
     row.ms_p50 = percentile(times_ms, 0.5);
     row.ms_p90 = percentile(times_ms, 0.9);
-    row.bytes = static_cast<std::int64_t>(frame->resources().total_bytes);
+    row.bytes = static_cast<std::int64_t>(frame->bytes());
+    row.own_ms = 0;
+    for (std::size_t p = 0; p < pass_ms.size(); ++p) {
+      if (is_own(knob, frame->plan()[p].name)) row.own_ms += percentile(pass_ms[p], 0.5);
+    }
     if (settings.tile_error == defaults.tile_error && settings.gobo_taps == defaults.gobo_taps) {
       report.passes.clear();
       for (std::size_t p = 0; p < pass_ms.size(); ++p) {
@@ -309,6 +396,15 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
       }
     }
     if (options.judge) FL_TRY(judge_row(*frame, judged, row));
+    report.rows.push_back(row);
+    if (options.on_row) options.on_row(report);
+    if (!options.judge || knob.rival == nullptr || knob.rival->has_unit) return {};
+    std::vector<float>& without = knob.rival->on_surfaces ? without_surfaces : without_air;
+    if (without.empty()) {
+      FL_ASSIGN(without, sample_without(device, scene, view, options, *knob.rival, judged));
+    }
+    FL_TRY(fit_row(*frame, judged, without, scene.camera.exposure_ev, row));
+    row.method += ", fitted";
     report.rows.push_back(row);
     if (options.on_row) options.on_row(report);
     return {};

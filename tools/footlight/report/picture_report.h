@@ -34,6 +34,9 @@ struct PictureReportOptions {
   std::vector<std::uint32_t> gobo_taps{8, 16, 32, 64, 128};  // with the default nodes; for rigs with gobos only
   double body_error_px = 0.5;                                // FrameSettings::body_error_px, of the whole frame
   bool judge = true;                                         // false: only times are measured
+  bool rivals = false;                                       // rows of the methods of render/rivals
+  bool quick = false;                                        // of those, quick_knobs
+  double row_seconds = 1e9;  // a row takes no more frames after that time, but at least three
   // Optional. on_judged is called when the judge is done, on_row after each row, which is the last of report.rows.
   std::function<void(const PictureReport&report)> on_judged, on_row;
   // Optional. Called between parts; false ends the report with the rows so far.

@@ -21,6 +21,7 @@
 #include "tools/footlight/report/picture_report.h"
 #include "tools/footlight/report/report_fleet.h"
 #include "tools/footlight/report/report_parts.h"
+#include "tools/footlight/report/report_sweep.h"
 #include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
@@ -32,6 +33,8 @@ struct PictureArguments {
   int beams = 0;
   std::string photometry;
   bool gobos = false;
+  int clutter = 0;
+  std::string sweep;
   int fleet = 0;
   std::string size = "640x360";
   int judge_pixels = kJudgePixels;
@@ -40,6 +43,8 @@ struct PictureArguments {
   int runs = 11;
   double body_error_px = render::FrameSettings{}.body_error_px;
   bool no_judge = false;
+  bool rivals = false;
+  double row_seconds = PictureReportOptions{}.row_seconds;
   bool lit = false;
   std::vector<std::string> sets;
 };
@@ -207,34 +212,57 @@ std::string bodies_text(const PictureReport& report, double body_error_px) {
       bodies.triangles, bodies.bodies - bodies.small - bodies.rastered, body_error_px, bodies.object_triangles);
 }
 
+PictureReportOptions options_of(const PictureArguments& arguments, const PictureSize& size,
+                                const ReportOptions& options) {
+  PictureReportOptions pictures;
+  pictures.width = size.width;
+  pictures.height = size.height;
+  pictures.judge_pixels = arguments.judge_pixels;
+  pictures.runs = arguments.runs;
+  pictures.body_error_px = arguments.body_error_px;
+  pictures.judge = !arguments.no_judge;
+  pictures.rivals = arguments.rivals;
+  pictures.quick = options.quick;
+  pictures.row_seconds = arguments.row_seconds;
+  if (options.quick) {
+    pictures.tile_errors = {1e-3, 4e-3};
+    pictures.gauss_nodes = {2, 3, 4};
+    pictures.march_steps = {16, 64};
+    pictures.gobo_taps = {16, 64};
+  }
+  pictures.go_on = options.go_on;
+  return pictures;
+}
+
+Status report_swept(const PictureArguments& arguments, const ReportOptions& options) {
+  FL_ASSIGN(const Sweep sweep, parse_sweep(arguments.sweep));
+  FL_ASSIGN(const PictureSize size, parse_size(arguments.size));
+  FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = arguments.device}));
+  SweepScene scene;
+  if (arguments.beams > 0) scene.beams = arguments.beams;
+  scene.gobo_share = arguments.gobos ? 1 : 0;
+  scene.clutter = arguments.clutter;
+  return report_sweep(*device, sweep, scene, options_of(arguments, size, options), options);
+}
+
 Status report_pictures(const PictureArguments& arguments, const ReportOptions& options) {
   if (arguments.fleet > 0) return report_fleet(arguments, options);
-  if (arguments.beams > 0 && (arguments.files.demo || !arguments.files.rig.empty())) {
-    return fail(ErrorCode::kBadInput, "--beams generates its own scene; use it without --rig and --demo");
+  const bool generates = arguments.beams > 0 || !arguments.sweep.empty();
+  if (generates && (arguments.files.demo || !arguments.files.rig.empty())) {
+    return fail(ErrorCode::kBadInput,
+                "--beams and --sweep generate their own scenes; use them without --rig and --demo");
   }
+  if (!arguments.sweep.empty()) return report_swept(arguments, options);
   SceneFiles files = arguments.files;
   if (files.rig.empty()) files.demo = true;
   std::optional<AirReport> air;
   FL_ASSIGN(const PictureSize size, parse_size(arguments.size));
   const double aspect = static_cast<double>(size.width) / size.height;
-  FL_ASSIGN(const Scene scene, arguments.beams > 0
-                                   ? make_beams_scene(arguments.beams, arguments.photometry, arguments.gobos)
-                                   : scene_of_files(files, arguments, aspect, air));
+  FL_ASSIGN(const Scene scene, arguments.beams > 0 ? make_beams_scene(arguments.beams, arguments.photometry,
+                                                                      arguments.gobos ? 1 : 0, arguments.clutter)
+                                                   : scene_of_files(files, arguments, aspect, air));
   FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = arguments.device}));
-  PictureReportOptions picture_options;
-  picture_options.width = size.width;
-  picture_options.height = size.height;
-  picture_options.judge_pixels = arguments.judge_pixels;
-  picture_options.runs = arguments.runs;
-  picture_options.body_error_px = arguments.body_error_px;
-  picture_options.judge = !arguments.no_judge;
-  if (options.quick) {
-    picture_options.tile_errors = {1e-3, 4e-3};
-    picture_options.gauss_nodes = {2, 3, 4};
-    picture_options.march_steps = {16, 64};
-    picture_options.gobo_taps = {16, 64};
-  }
-  picture_options.go_on = options.go_on;
+  PictureReportOptions picture_options = options_of(arguments, size, options);
   picture_options.on_row = [&](const PictureReport& so_far) {
     const render::PictureRow& row = so_far.rows.back();
     if (options.json) {
@@ -312,6 +340,10 @@ ReportHalf add_report_pictures(Arguments& arguments) {
   arguments.option("--photometry", chosen->photometry, "FILE",
                    "with --beams: all beams have the light of this IES or EULUMDAT file");
   arguments.flag("--gobos", chosen->gobos, "with --beams: each beam has one of the eight built-in gobos");
+  arguments.option("--clutter", chosen->clutter, 0, 100'000, "with --beams: boxes on the floor");
+  arguments.option("--sweep", chosen->sweep, "WHAT=N,N",
+                   "the rows of several generated scenes, and with --svg their times against what differs: beams, "
+                   "pixels (16:9), gobos (per cent of the beams), clutter (boxes)");
   arguments.option("--fleet", chosen->fleet, 1, 1'000'000,
                    "no pictures: time a step of this many moving heads on the GPU and on one CPU core");
   arguments.option("--camera", chosen->camera, "NAME", "a camera of the rig; default: its first one");
@@ -323,6 +355,11 @@ ReportHalf add_report_pictures(Arguments& arguments) {
                    "error of fixture bodies in pixels, in the whole frame; 0: whole models");
   arguments.option("--device", chosen->device, "TEXT", "the Vulkan device whose name contains this text");
   arguments.flag("--no-judge", chosen->no_judge, "measure times only, no errors");
+  arguments.flag("--rivals", chosen->rivals,
+                 "also rows of other methods: marches along the whole ray, equi-angular samples, froxels, cone meshes, "
+                 "cards, clusters of lights on surfaces");
+  arguments.option("--row-seconds", chosen->row_seconds, 0, 1e9,
+                   "take no more than three frames of a row after that many seconds");
   arguments.flag("--lit", chosen->lit, "without a log: every fixture at full, open and white, its axes in the middle");
   arguments.list("--set", chosen->sets, "WORDS",
                  "as --lit, and ATTRIBUTE=VALUE of all fixtures or FIXTURE:ATTRIBUTE=VALUE of one; several times");

@@ -16,6 +16,7 @@ using namespace fixtures;
 // SplitMix64 (Steele, Lea, Flood 2014): the same numbers on every platform, so the scene is the same everywhere.
 class Random {
  public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
   double uniform() {
     state_ += 0x9e3779b97f4a7c15u;
     std::uint64_t z = state_;
@@ -26,12 +27,13 @@ class Random {
   double between(double low, double high) { return low + (high - low) * uniform(); }
 
  private:
-  std::uint64_t state_ = 1;
+  std::uint64_t state_;
 };
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kSlots = 8;
 constexpr int kGoboSlot = 6;
+constexpr double kGoldenShare = 0.6180339887498949;
 constexpr int kGoboLevels = 28;  // of each slot of the gobo wheel
 
 // A channel of `bytes` bytes from slot `first` with one function that is linear over the whole range.
@@ -94,18 +96,31 @@ FixtureType beam_type(double lens_radius_m, bool gobos) {
   return type;
 }
 
+void add_clutter(Rig& rig, int count) {
+  Random random(2);
+  for (int i = 0; i < count; ++i) {
+    const glm::dvec3 size{random.between(0.3, 2), random.between(0.3, 2), random.between(0.3, 2)};
+    const glm::dvec3 corner{random.between(-25, 25), random.between(-20, 20), 0};
+    rig.boxes.push_back({fmt::format("box {}", i + 1), corner, corner + size, glm::dvec3(0.2)});
+  }
+}
+
 }  // namespace
 
-Result<Scene> make_beams_scene(int count, const std::string& photometry, bool gobos) {
+Result<Scene> make_beams_scene(int count, const std::string& photometry, double gobo_share, int clutter) {
   if (count < 1 || count > 1'000'000) return fail(ErrorCode::kBadInput, "{} beams: expected 1 to 1000000", count);
   Scene scene;
+  const bool gobos = gobo_share > 0;
   scene.name = fmt::format("beams:{}{}", count, gobos ? ", gobos" : "");
+  if (gobos && gobo_share < 1) scene.name += fmt::format(" in {:g} %", 100 * gobo_share);
+  if (clutter > 0) scene.name += fmt::format(", {} boxes", clutter);
   Rig& rig = scene.rig;
   rig.name = scene.name;
   rig.haze = {0.01, 0.0, 0.5, 40};
   rig.ambient_lx = 0.5;
   rig.boxes.push_back({"floor", {-45, -45, -1}, {45, 25, 0}, glm::dvec3(0.2)});
   rig.boxes.push_back({"wall", {-45, 25, 0}, {45, 26, 30}, glm::dvec3(0.2)});
+  add_clutter(rig, clutter);
   rig.cameras = {Camera{"foh", {0, -40, 8}, {0, 0, 6}, 50, 10}};
   constexpr int kLenses = 8;
   for (int i = 0; i < kLenses; ++i) rig.types.push_back(beam_type(0.05 + 0.07 * i / (kLenses - 1), gobos));
@@ -123,7 +138,7 @@ Result<Scene> make_beams_scene(int count, const std::string& photometry, bool go
   }
 
   constexpr int kPerUniverse = kSlotCountMax / kSlots;
-  Random random;
+  Random random(1);
   std::vector<double> half_angles_rad;
   std::vector<glm::dvec3> colors;
   std::vector<double> angles;  // of gobos, turns
@@ -160,7 +175,8 @@ Result<Scene> make_beams_scene(int count, const std::string& photometry, bool go
     encode_attribute(rig, fixture, "ColorAdd_R", colors[index].x, slots);
     encode_attribute(rig, fixture, "ColorAdd_G", colors[index].y, slots);
     encode_attribute(rig, fixture, "ColorAdd_B", colors[index].z, slots);
-    if (gobos) {
+    // Spread evenly over the beams, whatever the share.
+    if (gobos && std::fmod((i + 1) * kGoldenShare, 1.0) <= gobo_share) {
       slots[static_cast<std::size_t>(fixture.address - 1 + kGoboSlot)] =
           static_cast<std::uint8_t>((1 + i % kGoboCount) * kGoboLevels + kGoboLevels / 2);
       encode_attribute(rig, fixture, "Gobo1Pos", 360 * angles[index], slots);
