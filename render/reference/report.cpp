@@ -195,12 +195,12 @@ std::string escaped(std::string_view text) {
 }
 
 // Colours that colour-blind readers can distinguish and that stay distinct on paper. Each method also has its own
-// shape.
+// shape; colours that come again have another one.
 constexpr std::array<const char*, 8> kColours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                               "#e69f00", "#56b4e9", "#444444", "#8a6d00"};
 
 std::string marker(std::size_t index, double x, double y, const char* colour) {
-  switch (index % 4) {
+  switch ((index + index / kColours.size()) % 4) {
     case 0: return fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='4' fill='{}'/>\n", x, y, colour);
     case 1:
       return fmt::format("<rect x='{:.1f}' y='{:.1f}' width='7' height='7' fill='{}'/>\n", x - 3.5, y - 3.5, colour);
