@@ -8,7 +8,7 @@
 
 layout(location = 0) in vec3 from_camera_m;
 layout(location = 1) in vec3 normal;
-layout(location = 2) in float along;
+layout(location = 2) in float along_wall;
 layout(location = 3) flat in vec3 light;
 layout(location = 4) flat in float zoom;
 layout(location = 0) out vec4 color;
@@ -17,6 +17,7 @@ layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform readonly image2D
 float unit(float x) { return clamp(x, 0.0, 1.0); }
 
 void main() {
+  float along = unit(along_wall);  // at the edge of a triangle it may be a rounding below 0, whose powers are NaN
   float distance_m = length(from_camera_m);
   float surface_m = imageLoad(radiance, ivec2(gl_FragCoord.xy)).a;
   if (distance_m > surface_m) discard;
