@@ -64,6 +64,12 @@ void Arguments::option(const std::string& names, double& value, double from, dou
       ->type_name(fmt::format("{}..{}", from, to));
 }
 
+void Arguments::option(const std::string& names, std::optional<int>& value, int from, int to, const std::string& help) {
+  app_.add_option(names, value, help)
+      ->check(CLI::Range(from, to).description(""))
+      ->type_name(fmt::format("{}..{}", from, to));
+}
+
 void Arguments::option(const std::string& names, std::optional<double>& value, double from, double to,
                        const std::string& help) {
   app_.add_option(names, value, help)

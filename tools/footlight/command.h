@@ -54,6 +54,7 @@ class Arguments {
   void option(const std::string& names, std::string& value, const std::string& unit, const std::string& help);
   void option(const std::string& names, int& value, int from, int to, const std::string& help);
   void option(const std::string& names, double& value, double from, double to, const std::string& help);
+  void option(const std::string& names, std::optional<int>& value, int from, int to, const std::string& help);
   void option(const std::string& names, std::optional<double>& value, double from, double to, const std::string& help);
   // May be given several times, with one value each time.
   void list(const std::string& names, std::vector<std::string>& values, const std::string& unit,

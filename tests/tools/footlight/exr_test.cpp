@@ -89,8 +89,12 @@ TEST_CASE("every float comes back from an OpenEXR file bit for bit, with units, 
   image.rgb[1] = std::numeric_limits<float>::infinity();
   image.rgb[2] = -0.0f;
   const std::string path = folder.file("a.exr");
-  REQUIRE(tools::write_exr(
-      path, image, {.exposure_ev = 4.5, .time_ns = 12'520'000'000, .shutter_ns = 20'000'000, .frame_ns = 40'000'000}));
+  REQUIRE(tools::write_exr(path, image,
+                           {.exposure_ev = 4.5,
+                            .time_ns = 12'520'000'000,
+                            .shutter_ns = 20'000'000,
+                            .frame_ns = 40'000'000,
+                            .settings = R"({"nodes":3})"}));
   CHECK(!std::filesystem::exists(path + ".part"));
   Imf::Header header;
   const render::RadianceImage back = read_exr(path, header);
@@ -109,6 +113,7 @@ TEST_CASE("every float comes back from an OpenEXR file bit for bit, with units, 
   CHECK(Imf::expTime(header) == 0.02f);
   CHECK(Imf::framesPerSecond(header) == 25.0);
   CHECK(header.typedAttribute<Imf::StringAttribute>("footlight/units").value() == "cd/m^2");
+  CHECK(header.typedAttribute<Imf::StringAttribute>("footlight/settings").value() == R"({"nodes":3})");
   CHECK(number_of(header, "footlight/exposureEv") == 4.5);
   CHECK(number_of(header, "footlight/timeS") == doctest::Approx(12.52).epsilon(1e-15));
 

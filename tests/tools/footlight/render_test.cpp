@@ -10,8 +10,11 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "fixtures/gobos/png.h"
 #include "render/frame.h"
+#include "render/quality.h"
 #include "tests/support/headless_vulkan.h"
+#include "tests/support/must.h"
 #include "tests/tools/footlight/one_par.h"
 #include "tests/tools/footlight/run_footlight.h"
 #include "tools/demo_show/demo_assets.h"
@@ -47,6 +50,67 @@ double seconds_of(const std::string& path) {
 
 bool no_encoder(const Outcome& outcome) {
   return contains(outcome.err, "libav") && contains(outcome.err, "frame_%04d.png");
+}
+
+TEST_CASE("--error takes fixed knobs, which the file states and with which the picture can be made again") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const TempFolder folder;
+  const auto render = [&](const std::vector<std::string>& more, const std::string& name) {
+    std::vector<std::string> words = {"render", "--demo", "--at", "12s", "--size", "64x36", "-o", folder.file(name)};
+    words.insert(words.end(), more.begin(), more.end());
+    return Footlight(words, kNoLeaks).wait();
+  };
+  const auto settings_in = [&](const std::string& name) {
+    const std::string bytes = read(folder.file(name));
+    return nlohmann::json::parse(fixtures::png_text(std::as_bytes(std::span(bytes)), "footlight/settings"));
+  };
+  const auto pixels_in = [&](const std::string& name) {
+    const std::string bytes = read(folder.file(name));
+    return fixtures::rgba_of(64, 36, std::as_bytes(std::span(bytes)));
+  };
+  const Outcome chosen = render({"--error", "2%", "--json"}, "chosen.png");
+  REQUIRE(chosen.exit_code == 0);
+  const nlohmann::json settings = settings_in("chosen.png");
+  const render::Knobs knobs = must(render::fixed_knobs(0.02)).knobs;
+  CHECK(settings.at("error") == 0.02);
+  CHECK(settings.at("footlight") == "0.1.0");
+  CHECK(settings.at("nodes") == knobs.nodes);
+  CHECK(settings.at("tile_error") == knobs.tile_error);
+  CHECK(settings.at("gobo_method") == "taps");
+  CHECK(settings.at("gobo_taps") == knobs.gobo_taps);
+  CHECK(settings.at("body_error_px") == knobs.body_error_px);
+  CHECK(nlohmann::json::parse(chosen.out.substr(0, chosen.out.find('\n'))).at("settings") == settings);
+
+  const auto text = [&](const char* name) { return settings.at(name).dump(); };
+  const Outcome again = render({"--nodes", text("nodes"), "--tile-error", text("tile_error"), "--gobos", "samples",
+                                "--gobo-taps", text("gobo_taps"), "--body-error", text("body_error_px")},
+                               "again.png");
+  REQUIRE(again.exit_code == 0);
+  CHECK(!pixels_in("chosen.png").empty());
+  CHECK(pixels_in("again.png") == pixels_in("chosen.png"));
+  nlohmann::json same = settings_in("again.png");
+  CHECK(same.at("error") == 0);
+  same["error"] = 0.02;
+  CHECK(same == settings);
+
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"--error", "0"},
+                                                {"--error", "200%"},
+                                                {"--error", "abc"},
+                                                {"--error", "1e-9"},
+                                                {"--error", "1%", "--nodes", "3"},
+                                                {"--gobos", "many"}}) {
+    const Outcome refused = render(words, "none.png");
+    CHECK(refused.exit_code == 2);
+    CHECK(contains(refused.err, words[0]));
+    CHECK(contains(refused.err, "expected"));
+  }
+  for (const char* ms : {"8", "-1"}) {
+    const Outcome refused = render({"--ms", ms}, "none.png");
+    CHECK(refused.exit_code == 2);
+    CHECK(contains(refused.err, "does not depend on time; use --error"));
+  }
+  CHECK(!std::filesystem::exists(folder.file("none.png")));
 }
 
 TEST_CASE("--show writes false colours and says what they mean, and refuses what is no picture of them") {

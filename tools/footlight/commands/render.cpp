@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "render/frame.h"
+#include "render/quality.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/duration.h"
 #include "tools/footlight/paths.h"
@@ -38,10 +39,13 @@ struct Options {
   DurationNs until_ns = -1;
   DurationNs exposure_ns = -1;
   std::optional<double> exposure_ev;  // default: the camera's own
-  int nodes = 3;
-  int gobo_taps = 128;
-  double tile_error = render::FrameSettings{}.tile_error;
-  double body_error_px = render::FrameSettings{}.body_error_px;
+  std::string error;                  // "0.1%"
+  std::string ms;                     // refused
+  std::optional<int> nodes;
+  std::optional<int> gobo_taps;
+  std::string gobos;  // "samples", "tables"
+  std::optional<double> tile_error;
+  std::optional<double> body_error_px;
   int supersample = 1;
   std::string flashes = "warn";
   std::string show = "picture";
@@ -124,17 +128,62 @@ Status check_options(const Options& options) {
   return {};
 }
 
+// The settings of all pictures, and the error that they were chosen for; 0: none.
+struct Chosen {
+  render::FrameSettings settings;
+  double error = 0;
+};
+
+// A picture must not depend on how fast a machine is, so an error has fixed knobs, and a time has none.
+Result<Chosen> choose_settings(const Options& options) {
+  if (!options.ms.empty()) {
+    return fail(ErrorCode::kBadInput,
+                "--ms {}: a rendered picture does not depend on time; use --error, as in --error 0.1%, or footlight "
+                "preview --ms",
+                options.ms);
+  }
+  FL_ASSIGN(const render::QualityRequest request, render::parse_quality(options.error, ""));
+  Chosen chosen;
+  chosen.error = request.error;
+  render::Knobs knobs = render::knobs_of(chosen.settings);
+  if (request.error > 0) {
+    const std::pair<const char*, bool> others[] = {{"--nodes", options.nodes.has_value()},
+                                                   {"--tile-error", options.tile_error.has_value()},
+                                                   {"--gobos", !options.gobos.empty()},
+                                                   {"--gobo-taps", options.gobo_taps.has_value()},
+                                                   {"--body-error", options.body_error_px.has_value()}};
+    for (const auto& [name, given] : others) {
+      if (given) return fail(ErrorCode::kBadInput, "--error and {}: expected one of them; --error sets it", name);
+    }
+    FL_ASSIGN(const render::KnobPoint point, render::fixed_knobs(request.error));
+    knobs = point.knobs;
+  }
+  if (options.gobos == "samples" || options.gobos == "tables") {
+    knobs.gobo_method = options.gobos == "tables" ? render::GoboMethod::kTables : render::GoboMethod::kTaps;
+  } else if (!options.gobos.empty()) {
+    return fail(ErrorCode::kBadInput, "--gobos {}: expected samples or tables", options.gobos);
+  }
+  if (options.nodes) knobs.nodes = static_cast<std::uint32_t>(*options.nodes);
+  if (options.gobo_taps) knobs.gobo_taps = static_cast<std::uint32_t>(*options.gobo_taps);
+  knobs.tile_error = options.tile_error.value_or(knobs.tile_error);
+  knobs.body_error_px = options.body_error_px.value_or(knobs.body_error_px);
+  chosen.settings = render::with_knobs(chosen.settings, knobs);
+  chosen.settings.supersample = options.supersample;
+  return chosen;
+}
+
 // One render job: steps through the log, takes each picture, and writes it to its file.
 class Job {
  public:
   Job(const Options& options, const StopSignal& stop, Timeline* timeline, render::Frame& frame,
-      const render::View& view, double exposure_ev)
+      const render::View& view, double exposure_ev, std::string settings)
       : options_(options),
         stop_(stop),
         timeline_(timeline),
         frame_(frame),
         view_(view),
         exposure_ev_(exposure_ev),
+        settings_(std::move(settings)),
         shown_(shown_view_of(options.show).value_or(ShownView::kPicture)) {
     const bool watches = shown_ == ShownView::kPicture && options.flashes != "ignore" && options.every_ns > 0 &&
                          options.every_ns <= kFlashPauseMaxNs;
@@ -150,7 +199,7 @@ class Job {
       frame_.step(levels, dt_ns, new_exposure);
       if (frame_.pending_steps() >= kStepsHeldMax && flushed) flushed = frame_.run_steps();
     };
-    ExrHeader exr{exposure_ev_, at_ns, 0, std::max<DurationNs>(options_.every_ns, 0)};
+    ExrHeader exr{exposure_ev_, at_ns, 0, std::max<DurationNs>(options_.every_ns, 0), settings_};
     if (timeline_ != nullptr) {
       exr.shutter_ns = at_ns - std::clamp(timeline_->now_ns(), at_ns - exposure_ns, at_ns);
       FL_TRY(timeline_->advance(at_ns, exposure_ns, step));
@@ -171,10 +220,10 @@ class Job {
       FL_ASSIGN(const auto counts, frame_.read_counts());
       double gpu_ms = 0;
       for (const auto& time : times) gpu_ms += time.gpu_ms;
-      fmt::print(
-          R"({{"event":"picture","number":{},"time_ns":{},"gpu_ms":{:.3f},"wall_ms":{:.3f},"live":{},"dark":{}}})"
-          "\n",
-          number_, at_ns, gpu_ms, wall_ms, counts.live_count, counts.dark_count);
+      fmt::print(R"({{"event":"picture","number":{},"time_ns":{},"gpu_ms":{:.3f},"wall_ms":{:.3f},"live":{},"dark":{},)"
+                 R"("settings":{}}})"
+                 "\n",
+                 number_, at_ns, gpu_ms, wall_ms, counts.live_count, counts.dark_count, settings_);
       std::fflush(stdout);
     }
     ++number_;
@@ -328,7 +377,7 @@ class Job {
     if (options_.every_ns >= 0) {
       FL_ASSIGN(path, numbered_path(options_.out, number_));
     }
-    return is_exr(path) ? store_exr(path, exr) : write_png(path, picture_);
+    return is_exr(path) ? store_exr(path, exr) : write_png(path, picture_, settings_);
   }
 
   const Options& options_;
@@ -337,6 +386,7 @@ class Job {
   render::Frame& frame_;
   const render::View& view_;
   double exposure_ev_;
+  std::string settings_;  // JSON, for the files
   ShownView shown_;
   std::string legend_;
   render::ScreenImage picture_;
@@ -349,6 +399,7 @@ class Job {
 
 Result<int> render_pictures(const Options& options) {
   FL_TRY(check_options(options));
+  FL_ASSIGN(const Chosen chosen, choose_settings(options));
   const StopSignal stop;
   FL_ASSIGN(const PictureSize size, parse_size(options.size));
   FL_ASSIGN(fixtures::Rig rig, load_scene_rig(options.files));
@@ -366,14 +417,9 @@ Result<int> render_pictures(const Options& options) {
   FL_ASSIGN(const auto device,
             render::vk::Device::create({.name_contains = options.device, .cache_folder = cache_folder()}));
   for (const std::string& note : device->notes()) fmt::print(stderr, "footlight: {}\n", note);
-  render::FrameSettings settings;
+  render::FrameSettings settings = chosen.settings;
   settings.width = size.width * options.supersample;
   settings.height = size.height * options.supersample;
-  settings.nodes = static_cast<std::uint32_t>(options.nodes);
-  settings.gobo_taps = static_cast<std::uint32_t>(options.gobo_taps);
-  settings.tile_error = options.tile_error;
-  settings.body_error_px = options.body_error_px;
-  settings.supersample = options.supersample;
   FL_ASSIGN(const ShownView shown, shown_view_of(options.show));
   if (shown == ShownView::kClasses || shown == ShownView::kHits) settings.view = render::FrameView::kClasses;
   if (shown == ShownView::kLux) settings.view = render::FrameView::kLux;
@@ -395,7 +441,8 @@ Result<int> render_pictures(const Options& options) {
   }
   const render::View view = render::view_of(camera);
   device->lose_from_environment();
-  Job job(options, stop, timeline ? &*timeline : nullptr, *frame, view, exposure_ev);
+  Job job(options, stop, timeline ? &*timeline : nullptr, *frame, view, exposure_ev,
+          render::json_of(frame->settings(), FOOTLIGHT_VERSION, chosen.error));
 
   if (options.at_ns >= 0) {
     FL_TRY(job.take(options.at_ns, options.exposure_ns >= 0 ? options.exposure_ns : kStillExposureNs));
@@ -452,16 +499,24 @@ void add(Arguments& arguments) {
   arguments.duration("--exposure", options->exposure_ns,
                      "time that the shutter is open before the picture's time; default: 20ms, or all of --every");
   arguments.option("--ev", options->exposure_ev, -20, 30, "exposure value at ISO 100; default: the camera's own");
-  arguments.option("--nodes", options->nodes, 1, 8, "Gauss nodes per beam and pixel; error and time: footlight report");
+  arguments.option(
+      "--error", options->error, "SHARE",
+      "relative L2 error of the light, as in 0.1%: chooses the five options that follow, by a fixed table");
+  arguments.option("--nodes", options->nodes, 1, 8,
+                   "Gauss nodes per beam and pixel [3]; error and time: footlight report");
   arguments.option("--tile-error", options->tile_error, 0, 1,
-                   "error that taking beams together for tiles may add, as a share of the light; 0: pixel by pixel");
+                   "error that taking beams together for tiles may add, as a share of the light; 0: pixel by pixel "
+                   "[0.004]");
   arguments.option("--body-error", options->body_error_px, 0, 1000,
-                   "error of fixture bodies in pixels, for fewer triangles; 0: whole models");
+                   "error of fixture bodies in pixels, for fewer triangles; 0: whole models [0.5]");
+  arguments.option("--gobos", options->gobos, "WORD",
+                   "in the air: samples or tables; default: tables on a GPU, samples on a CPU");
+  arguments.option("--gobo-taps", options->gobo_taps, 1, 1024,
+                   "samples per beam and pixel where gobos have no tables: several images, blur [128]");
+  arguments.option("--ms", options->ms, "MS", "refused: a rendered picture does not depend on time; use --error");
   arguments.option(
       "--supersample", options->supersample, 1, 4,
       "pixels per side for each pixel, averaged before the tone map: smooth edges at N x N times the work");
-  arguments.option("--gobo-taps", options->gobo_taps, 1, 1024,
-                   "samples per beam and pixel where gobos have no tables: several images, blur");
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this text");
   arguments.flag("--json", options->json, "one JSON object a line for each picture");
   arguments.job([options]() -> Result<int> { return render_pictures(*options); });
@@ -480,9 +535,12 @@ extern const CommandInfo render_command{
         "  footlight render hall.mvr --at 0s -o hall.png              in work light\n"
         "  footlight render hall.mvr --lit --set Tilt=30 --set Iris=0.4 --at 0s -o tilted.png\n"
         "  footlight render hall.mvr --lit --at 0s --show lux --probe 640,500 -o lux.png\n"
+        "  footlight render hall.mvr --lit --at 0s --error 0.1% -o fine.png        the same knobs on every machine\n"
         "  footlight render --demo --every 40ms --from 10s --until 20s --camera side -o side.mp4\n"
-        "The same rig, log and time give the same picture, bit for bit on one device. Ctrl-C stops after the current\n"
-        "picture; the video or the pictures so far are complete.",
+        "The same rig, log and time give the same picture, bit for bit on one device. PNG and OpenEXR files state "
+        "their\n"
+        "settings as footlight/settings. Ctrl-C stops after the current picture; the video or the pictures so far are\n"
+        "complete.",
     .add = add,
 };
 

@@ -61,6 +61,7 @@ Imf::Header header_of(const render::RadianceImage& image, const ExrHeader& given
   header.insert("footlight/units", Imf::StringAttribute("cd/m^2"));
   header.insert("footlight/exposureEv", Imf::DoubleAttribute(given.exposure_ev));
   header.insert("footlight/timeS", Imf::DoubleAttribute(static_cast<double>(given.time_ns) * 1e-9));
+  if (!given.settings.empty()) header.insert(kSettingsKeyword, Imf::StringAttribute(given.settings));
   return header;
 }
 

@@ -16,6 +16,7 @@ struct ExrHeader {
   DurationNs time_ns = 0;     // of the picture in its log
   DurationNs shutter_ns = 0;  // the pixels are the mean light over so long before that time
   DurationNs frame_ns = 0;    // from picture to picture of a sequence; 0: it is a single one
+  std::string settings;       // how it was computed (render/quality.h, json_of()); empty: not stated
 };
 
 [[nodiscard]] inline bool is_exr(const std::string& path) { return path.size() > 4 && path.ends_with(".exr"); }
@@ -25,7 +26,7 @@ struct ExrHeader {
 //   whiteLuminance    1, since (1, 1, 1) is white of 1 cd/m^2
 //   expTime           shutter_ns in s
 //   framesPerSecond   of a sequence
-//   footlight/units, footlight/exposureEv, footlight/timeS
+//   footlight/units, footlight/exposureEv, footlight/timeS, footlight/settings
 // kUnsupported where this build has no OpenEXR.
 [[nodiscard]] Result<fixtures::Bytes> exr_of(const render::RadianceImage& image, const ExrHeader& given);
 

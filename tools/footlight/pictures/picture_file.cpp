@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "fixtures/gobos/png.h"
 #include "sim/file_kind.h"
@@ -35,9 +36,10 @@ Status write_picture(const std::string& path, std::span<const std::byte> bytes) 
   return {};
 }
 
-Status write_png(const std::string& path, const render::ScreenImage& image) {
-  const fixtures::Bytes png = fixtures::png_of(image.width, image.height, 4, image.rgba);
+Status write_png(const std::string& path, const render::ScreenImage& image, const std::string& settings) {
+  fixtures::Bytes png = fixtures::png_of(image.width, image.height, 4, image.rgba);
   if (png.empty()) return fail(ErrorCode::kIo, "{}: no memory for the picture; choose a smaller --size", path);
+  if (!settings.empty()) png = fixtures::with_png_text(std::move(png), kSettingsKeyword, settings);
   return write_picture(path, png);
 }
 

@@ -13,7 +13,10 @@ namespace footlight::tools {
 // Writes the bytes as `path`.part and renames that file: there is never a half-written picture. kIo with the reason
 // where the folder is missing or the disk is full; then `path` is as it was.
 Status write_picture(const std::string& path, std::span<const std::byte> bytes);
-Status write_png(const std::string& path, const render::ScreenImage& image);
+// The keyword of the text in a PNG that states how it was computed, and the attribute of an OpenEXR file.
+inline constexpr const char* kSettingsKeyword = "footlight/settings";
+// settings: ASCII, for kSettingsKeyword; empty: none.
+Status write_png(const std::string& path, const render::ScreenImage& image, const std::string& settings = {});
 
 // Checks for exactly one printf placeholder for a number in `path` ("frame_%04d.png"); returns the name with that
 // number.

@@ -1,0 +1,127 @@
+// Which settings a picture gets for an error or a time that is asked for: curves and a request in, knobs out. No GPU,
+// no clock, no file. Curves are measured by tools/footlight/pictures/knob_curves.h; docs/decisions/0106.
+//
+// The error is the relative L2 error of the light of a picture against the same picture by the general path
+// (general_settings()). It is that of the knobs: what the general path itself leaves against the judge is in
+// docs/numerics.md. Bodies are off by pixels and not by light, so their knob follows from the error that is asked for
+// (body_error_for()).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fixtures/model/rig.h"
+#include "render/settings.h"
+#include "sim/core/clock.h"
+#include "sim/core/result.h"
+
+namespace footlight::render {
+
+// The settings that trade error for time.
+struct Knobs {
+  double tile_error = FrameSettings{}.tile_error;
+  std::uint32_t nodes = FrameSettings{}.nodes;
+  GoboMethod gobo_method = FrameSettings{}.gobo_method;
+  std::uint32_t gobo_taps = FrameSettings{}.gobo_taps;
+  double body_error_px = FrameSettings{}.body_error_px;
+  int divisor = 1;  // pixels of the window a side of one that is computed; the caller sets the size of the frame
+  bool operator==(const Knobs&) const = default;
+};
+[[nodiscard]] Knobs knobs_of(const FrameSettings& settings);
+[[nodiscard]] FrameSettings with_knobs(FrameSettings settings, const Knobs& knobs);
+// Every beam pixel by pixel with 8 nodes and 1024 samples of gobos, and whole models: no tiles, no tables.
+[[nodiscard]] FrameSettings general_settings(FrameSettings settings);
+// "tile error 0.004, 3 nodes, gobo tables, bodies 0.5 px", with "half resolution" and so on.
+[[nodiscard]] std::string text_of(const Knobs& knobs);
+// One JSON object: what a replay needs for an equal picture. error: that was asked for; 0: none.
+[[nodiscard]] std::string json_of(const FrameSettings& settings, std::string_view version, double error);
+
+// One of the two is above 0; neither where nothing was asked for.
+struct QualityRequest {
+  double error = 0;  // share: 0.001 is 0.1 %
+  double ms = 0;     // of GPU time of a frame
+};
+// error: "0.1%" or "0.001"; ms: "8"; empty: not given. kBadInput names the option and what is expected.
+[[nodiscard]] Result<QualityRequest> parse_quality(const std::string& error, const std::string& ms);
+
+struct KnobPoint {
+  Knobs knobs;
+  double error = 0;
+  double ms = 0;
+};
+
+// Groups of knobs, each measured with the others as they are by default (times) or at their best (errors).
+struct KnobCurves {
+  std::vector<KnobPoint> beams;     // tile_error and nodes
+  std::vector<KnobPoint> gobos;     // gobo_method and gobo_taps
+  std::vector<KnobPoint> bodies;    // body_error_px; only their times count
+  std::vector<KnobPoint> divisors;  // divisor, with the cheapest of the others; 1 first; only their times count
+};
+
+// Pixels that bodies may be off beside an error of the light: half a pixel, below 1e-3 a quarter, below 3e-4 none.
+[[nodiscard]] double body_error_for(double error);
+
+// Every setting that is worth its time for such a rig: from the least error to the least time, each at least a tenth
+// cheaper than the one before. Errors of groups add as squares, times as they are. Behind the cheapest of these come
+// plainer bodies, and last lower resolutions: their error is that of the pixels that are computed. Empty without points
+// of beams.
+[[nodiscard]] std::vector<KnobPoint> ladder_of(const KnobCurves& curves, const fixtures::Needs& needs);
+
+// The place in the ladder for a request. An error: the cheapest of full resolution that keeps it, or else the first. A
+// time: the first that takes at most so long when each takes `scale` times its ms, or else the last. The ladder is not
+// empty.
+[[nodiscard]] std::size_t choose(std::span<const KnobPoint> ladder, const QualityRequest& request, double scale = 1);
+// The place that is nearest in time. The ladder is not empty.
+[[nodiscard]] std::size_t nearest(std::span<const KnobPoint> ladder, double ms);
+// What the curves say of these knobs, as a place of a ladder; nothing where they were not measured. kSuited is what the
+// curves have: tables, or else samples.
+[[nodiscard]] std::optional<KnobPoint> predicted(const KnobCurves& curves, const fixtures::Needs& needs, Knobs knobs);
+
+// The knobs that `footlight render` takes for an error: a table, so that no measurement of time changes a picture. With
+// the error that was measured for them. kBadInput below the least error in the table.
+[[nodiscard]] Result<KnobPoint> fixed_knobs(double error);
+[[nodiscard]] std::span<const KnobPoint> fixed_table();
+
+// Moves along a ladder so that a picture takes at most budget_ms, with hysteresis. Its clock is the times it is given:
+// equal ones give equal knobs.
+//
+// The median of the last pictures with the present knobs decides, without the first two, which may have compiled
+// pipelines. Above the budget for a quarter of a second: cheaper knobs, as the ladder predicts them. Better ones only
+// where they are predicted to take 3/4 of the budget, and after a pause, which doubles each time that better knobs had
+// to be taken back soon.
+class TimeKeeper {
+ public:
+  static constexpr DurationNs kSettleNs = 250 * kNsPerMs;
+  static constexpr DurationNs kPauseNs = 2 * kNsPerS;
+  static constexpr DurationNs kPauseMaxNs = 64 * kNsPerS;
+  static constexpr DurationNs kRegretNs = 5 * kNsPerS;  // taken back sooner: the pause doubles
+  static constexpr std::size_t kPicturesMax = 15;       // that the median is of
+  static constexpr std::size_t kPicturesMin = 3;
+
+  // ladder: not empty.
+  TimeKeeper(std::vector<KnobPoint> ladder, double budget_ms, std::size_t start);
+
+  // A picture with the present knobs was finished at now_ns and took gpu_ms. True: the knobs have changed.
+  bool take(TimeNs now_ns, double gpu_ms);
+  [[nodiscard]] const KnobPoint& point() const { return ladder_[at_]; }
+  [[nodiscard]] std::size_t at() const { return at_; }
+  // Median of the last pictures; 0: there were too few.
+  [[nodiscard]] double ms() const;
+
+ private:
+  bool move(std::size_t to, TimeNs now_ns);
+
+  std::vector<KnobPoint> ladder_;
+  double budget_ms_;
+  std::size_t at_;
+  std::vector<double> recent_ms_;  // at most kPicturesMax
+  std::size_t pictures_ = 0;       // with the present knobs
+  std::optional<TimeNs> since_ns_;
+  std::optional<TimeNs> raised_ns_;  // when better knobs were taken
+  DurationNs pause_ns_ = kPauseNs;
+};
+
+}  // namespace footlight::render
