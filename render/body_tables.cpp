@@ -6,6 +6,7 @@
 
 #include "fixtures/bodies/body.h"
 #include "fixtures/bodies/levels.h"
+#include "fixtures/bodies/tree.h"
 
 namespace footlight::render {
 namespace {
@@ -121,19 +122,35 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
                    fixtures::Diagnostics& diagnostics, RigTables& r) {
   static_assert(fixtures::kBodyLevelsMax == FL_BODY_LEVELS);
   static_assert(sizeof(fixtures::BodyVertex) == sizeof(BodyVertexRow));
+  static_assert(sizeof(fixtures::TreeNode) == sizeof(TreeRow));
+  static_assert(fixtures::kTreeCountBits == FL_TREE_COUNT_BITS && fixtures::kNoTree == FL_NONE);
   std::vector<fixtures::BodyVertex> vertices;
   std::vector<std::uint32_t> indices;
   std::vector<BodySlotRow> slots;
   std::vector<BodyMeshRow> meshes;
   std::vector<BodyLevelRow> levels;
+  std::vector<fixtures::TreeNode> trees;
   std::vector<VkDrawIndexedIndirectCommand> draws;
-  const auto add = [&](const fixtures::BodyMesh& mesh, std::uint32_t count) {
+  const auto add = [&](const fixtures::BodyMesh& mesh, std::uint32_t count, double error_m) {
+    BodyLevelRow level{static_cast<std::uint32_t>(indices.size()),
+                       static_cast<std::uint32_t>(mesh.indices.size()),
+                       static_cast<std::uint32_t>(vertices.size()),
+                       static_cast<float>(error_m),
+                       {FL_NONE, FL_NONE, FL_NONE, FL_NONE}};
+    std::vector<std::uint32_t> sorted = mesh.indices;
+    if (r.has_trees) {
+      const auto roots = fixtures::add_trees(mesh.vertices, sorted, level.index_first / 3, count == 0, trees);
+      std::copy(roots.begin(), roots.end(), level.trees);
+    }
+    levels.push_back(level);
     draws.push_back({static_cast<std::uint32_t>(mesh.indices.size()), count, static_cast<std::uint32_t>(indices.size()),
                      static_cast<std::int32_t>(vertices.size()), 0});
     vertices.insert(vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
-    indices.insert(indices.end(), mesh.indices.begin(), mesh.indices.end());
+    indices.insert(indices.end(), sorted.begin(), sorted.end());
   };
-  const std::vector<fixtures::BodyMesh> bodies = bodies_of(rig, compiled, diagnostics);
+  std::vector<fixtures::BodyMesh> bodies(compiled.types.size());
+  if (r.has_bodies) bodies = bodies_of(rig, compiled, diagnostics);
+  std::vector<std::uint32_t> head_slots(compiled.heads.size(), FL_NONE);
   std::vector<std::vector<std::uint32_t>> heads(compiled.types.size());
   for (std::uint32_t i = 0; i < compiled.heads.size(); ++i) heads[compiled.heads[i].type].push_back(i);
   for (std::uint32_t t = 0; t < compiled.types.size(); ++t) {
@@ -145,16 +162,14 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
     mesh.slot_count = static_cast<std::uint32_t>(heads[t].size());
     mesh.level_first = static_cast<std::uint32_t>(levels.size());
     for (const fixtures::BodyLevel& level : fixtures::body_levels(body)) {
-      levels.push_back({static_cast<std::uint32_t>(indices.size()),
-                        static_cast<std::uint32_t>(level.mesh.indices.size()),
-                        static_cast<std::uint32_t>(vertices.size()), static_cast<float>(level.error_m)});
       r.level_triangles.push_back(static_cast<std::uint32_t>(level.mesh.indices.size() / 3));
-      add(level.mesh, 0);
+      add(level.mesh, 0, level.error_m);
       ++mesh.level_count;
     }
     const std::uint64_t triangles = body.indices.size() / 3;
     for (const std::uint32_t head : heads[t]) {
       const bool numbered = r.body_triangles + triangles < ~std::uint32_t{0};
+      head_slots[head] = static_cast<std::uint32_t>(slots.size());
       slots.push_back({head, static_cast<std::uint32_t>(meshes.size()),
                        numbered ? static_cast<std::uint32_t>(r.body_triangles) : 0, numbered ? 1u : 0u});
       r.body_triangles += triangles;
@@ -164,8 +179,10 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
   r.slot_count = static_cast<std::uint32_t>(slots.size());
   r.mesh_count = static_cast<std::uint32_t>(meshes.size());
   r.draw_count = static_cast<std::uint32_t>(draws.size());
-  if (const fixtures::BodyMesh objects = objects_of(rig, diagnostics); !objects.indices.empty()) {
-    add(objects, 1);
+  fixtures::BodyMesh objects;
+  if (r.has_bodies) objects = objects_of(rig, diagnostics);
+  if (!objects.indices.empty()) {
+    add(objects, 1, 0);
     r.object_triangles = objects.indices.size() / 3;
     for (const fixtures::BodyVertex& vertex : objects.vertices) {
       const glm::dvec3 at(vertex.position[0], vertex.position[1], vertex.position[2]);
@@ -180,6 +197,8 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
   FL_ASSIGN(r.meshes, vk::Buffer::table(device, meshes));
   FL_ASSIGN(r.body_levels, vk::Buffer::table(device, levels));
   FL_ASSIGN(r.draws, vk::Buffer::table(device, draws, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
+  FL_ASSIGN(r.trees, vk::Buffer::table(device, trees));
+  FL_ASSIGN(r.head_slots, vk::Buffer::table(device, head_slots));
   FL_ASSIGN(r.choices, vk::Buffer::table(device, std::vector<std::uint32_t>(slots.size(), FL_CHOICE_NONE)));
   FL_ASSIGN(r.drawn, vk::Buffer::table(device, std::vector<std::uint32_t>(slots.size(), 0)));
   return {};

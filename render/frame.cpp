@@ -9,6 +9,7 @@
 #include "render/passes/bodies.h"
 #include "render/passes/coarse.h"
 #include "render/passes/depths.h"
+#include "render/passes/edges.h"
 #include "render/passes/fine.h"
 #include "render/passes/gather.h"
 #include "render/passes/gobos.h"
@@ -34,6 +35,7 @@ const PassEntry* const kPasses[] = {
     &kRecordsPass,   // beams that are smooth over a supertile but for rims and cuts -> radiance
     &kFinePass,      // the same over 32 x 32 pixels, and beams that are smooth but for their rim -> radiance, the rest
     &kBeamsPass,     // the rest, pixel by pixel -> radiance
+    &kEdgesPass,     // solid things -> radiance of pixels that show more than one
     &kTonemapPass,   // radiance -> screen
 };
 
@@ -171,6 +173,11 @@ Status Frame::check_settings(const FrameSettings& settings) const {
   if (!(settings.body_error_px >= 0 && settings.body_error_px <= 1000)) {
     return fail(ErrorCode::kBadInput, "error of bodies {} pixels: expected 0 to 1000", settings.body_error_px);
   }
+  if (settings.edge_samples != 0 && settings.edge_samples != 4 && settings.edge_samples != 8 &&
+      settings.edge_samples != FL_EDGE_SAMPLES_MAX) {
+    return fail(ErrorCode::kBadInput, "{} samples of a pixel with an edge: expected 0, 4, 8 or 16",
+                settings.edge_samples);
+  }
   if (!(settings.small_body_px <= FL_SMALL_BODY_PX)) {
     return fail(ErrorCode::kBadInput, "small bodies up to {} pixels: expected 0 to {}", settings.small_body_px,
                 FL_SMALL_BODY_PX);
@@ -203,11 +210,15 @@ Status Frame::change(const FrameSettings& requested) {
   if (has_bodies(needs, settings) && !resources_.rig.has_bodies) {
     return fail(ErrorCode::kBadInput, "bodies were left out when the frame was made: expected a new frame");
   }
+  if (has_smooth_edges(needs, settings) && !resources_.rig.has_trees) {
+    return fail(ErrorCode::kBadInput, "smooth edges were left out when the frame was made: expected a new frame");
+  }
   const bool has_images = resources_.picture.screen.handle != VK_NULL_HANDLE;
   const bool same_images =
       has_images && settings.width == settings_.width && settings.height == settings_.height &&
       settings.supersample == settings_.supersample && has_bodies(needs, settings) == has_bodies(needs, settings_) &&
       has_small_bodies(needs, settings) == has_small_bodies(needs, settings_) &&
+      has_smooth_edges(needs, settings) == has_smooth_edges(drawn_needs(needs_, haze_, settings_), settings_) &&
       has_tile_classes(needs, settings) == has_tile_classes(drawn_needs(needs_, haze_, settings_), settings_);
   passes_.clear();
   plan_.clear();
@@ -345,6 +356,7 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   params.work_lx = static_cast<float>(work_light_lx_);
   params.body_error_px = static_cast<float>(settings_.body_error_px);
   params.small_body_px = has_small_bodies(needs_, settings_) ? static_cast<float>(settings_.small_body_px) : 0.0f;
+  params.object_level = resources_.rig.object_draw_count > 0 ? resources_.rig.draw_count : FL_NONE;
   vk::full_barrier(commands);  // the frame before may still be reading
   vkCmdUpdateBuffer(commands, resources_.rig.params.handle, 0, sizeof(params), &params);
   vk::full_barrier(commands);

@@ -71,5 +71,9 @@ struct PassEntry {
 [[nodiscard]] inline bool has_solids(const fixtures::Needs& needs, const FrameSettings& settings) {
   return needs.surfaces || has_bodies(needs, settings);
 }
+// Whether the edges of solid things are smoothed.
+[[nodiscard]] inline bool has_smooth_edges(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_solids(needs, settings) && settings.edge_samples > 0 && settings.view == FrameView::kPicture;
+}
 
 }  // namespace footlight::render

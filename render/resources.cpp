@@ -173,6 +173,7 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_INSTANCES, &R::slots},         {FL_BINDING_BODY_MESHES, &R::meshes},
     {FL_BINDING_BODY_LEVELS, &R::body_levels}, {FL_BINDING_BODY_VERTICES, &R::vertices},
     {FL_BINDING_BODY_INDICES, &R::indices},    {FL_BINDING_BODY_CHOICES, &R::choices},
+    {FL_BINDING_BODY_TREES, &R::trees},        {FL_BINDING_HEAD_SLOTS, &R::head_slots},
     {FL_BINDING_BODY_DRAWN, &R::drawn},        {FL_BINDING_BODY_DRAWS, &R::draws},
     {FL_BINDING_GOBO_TABLES, &R::gobo_tables}, {FL_BINDING_GOBO_QUEUE, &R::gobo_queue}};
 
@@ -235,6 +236,11 @@ std::uint64_t fine_mask_bytes(const FrameSettings& settings, std::uint32_t mask_
 std::uint64_t small_body_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
   if (!has_small_bodies(needs, settings)) return 4;
   return std::uint64_t{4} * static_cast<std::uint64_t>(settings.width) * static_cast<std::uint64_t>(settings.height);
+}
+
+std::uint64_t edge_mask_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
+  if (!has_smooth_edges(needs, settings)) return 4;
+  return std::uint64_t{4} * FL_EDGE_WORDS * cells(settings.width, FL_TILE_PX) * cells(settings.height, FL_TILE_PX);
 }
 
 std::uint64_t gobo_bytes(const MemoryShape& shape) {
@@ -323,6 +329,9 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
           record_rows(kCuts, settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings)));
     case FL_BINDING_SMALL_DEPTHS:
     case FL_BINDING_SMALL_KEYS: return small_body_bytes(shape.needs, settings);
+    case FL_BINDING_HEAD_SLOTS: return has_bodies(shape.needs, settings) ? shape.compiled.heads.size() * 4 : 0;
+    case FL_BINDING_EDGES: return (has_smooth_edges(shape.needs, settings) ? pixels : 1) * 16;
+    case FL_BINDING_EDGE_MASKS: return edge_mask_bytes(shape.needs, settings);
     case FL_BINDING_SURFACE_ID: return solid_pixels * 8;
     case FL_BINDING_DEPTH: return solid_pixels * 4;
     case FL_BINDING_RADIANCE: return pixels * 16;
@@ -376,7 +385,8 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   }
   fixtures::Diagnostics diagnostics;
   r.has_bodies = render::has_bodies(shape.needs, shape.settings);
-  if (r.has_bodies) FL_TRY(make_bodies(device, shape.rig, compiled, diagnostics, r));
+  r.has_trees = has_smooth_edges(shape.needs, shape.settings);
+  if (r.has_bodies || r.has_trees) FL_TRY(make_bodies(device, shape.rig, compiled, diagnostics, r));
   std::vector<std::uint32_t> gobo_planes;
   if (used[FL_BINDING_GOBOS]) {
     FL_ASSIGN(r.gobos, make_gobos(device, compiled.images, diagnostics, gobo_planes));
@@ -429,13 +439,17 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
                                             VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_STORAGE_BIT));
   FL_ASSIGN(p.depth, vk::Image::create(device, solid_width, solid_height, VK_FORMAT_D32_SFLOAT,
                                        VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT));
+  const bool edges = has_smooth_edges(needs, settings);
+  FL_ASSIGN(p.edge_masks, zeroed(device, edge_mask_bytes(needs, settings)));
+  FL_ASSIGN(p.edges, vk::Image::create(device, edges ? width : 1, edges ? height : 1, VK_FORMAT_R32G32B32A32_SFLOAT,
+                                       VK_IMAGE_USAGE_STORAGE_BIT));
   constexpr VkImageUsageFlags kPicture =
       VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
   FL_ASSIGN(p.radiance, vk::Image::create(device, width, height, VK_FORMAT_R32G32B32A32_SFLOAT, kPicture));
   const auto side = static_cast<std::uint32_t>(settings.supersample);
   FL_ASSIGN(p.screen, vk::Image::create(device, width / side, height / side, VK_FORMAT_R8G8B8A8_UNORM, kPicture));
   FL_TRY(device.run_once([&](VkCommandBuffer commands) {
-    for (const vk::Image* image : {&p.surface_id, &p.depth, &p.radiance, &p.screen}) {
+    for (const vk::Image* image : {&p.surface_id, &p.depth, &p.edges, &p.radiance, &p.screen}) {
       vk::change_layout(commands, *image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
     }
     const VkClearColorValue black{{0, 0, 0, 1}};  // opaque: what a picture without a pass shows
@@ -465,6 +479,7 @@ void Resources::bind_all() {
   bind(FL_BINDING_FINE_MASKS, picture.fine_masks);
   bind(FL_BINDING_SMALL_DEPTHS, picture.small_depths);
   bind(FL_BINDING_SMALL_KEYS, picture.small_keys);
+  bind(FL_BINDING_EDGE_MASKS, picture.edge_masks);
   if (rig.gobos.handle != VK_NULL_HANDLE) {
     bindings.set_image(FL_BINDING_GOBOS, rig.gobos, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
   }
@@ -476,10 +491,11 @@ void Resources::bind_all() {
   }
   bindings.set_image(FL_BINDING_SURFACE_ID, picture.surface_id);
   bindings.set_image(FL_BINDING_DEPTH, picture.depth);
+  bindings.set_image(FL_BINDING_EDGES, picture.edges);
   bindings.set_image(FL_BINDING_RADIANCE, picture.radiance);
   bindings.set_image(FL_BINDING_SCREEN, picture.screen);
   for (const vk::Image* image : {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &picture.surface_id, &picture.depth,
-                                 &picture.radiance, &picture.screen}) {
+                                 &picture.edges, &picture.radiance, &picture.screen}) {
     total_bytes += image->size_bytes;
   }
 }
@@ -487,8 +503,9 @@ void Resources::bind_all() {
 std::uint64_t Resources::body_bytes() const {
   if (!rig.has_bodies) return 0;
   std::uint64_t bytes = picture.surface_id.size_bytes + picture.depth.size_bytes;
-  for (const vk::Buffer* buffer : {&rig.slots, &rig.meshes, &rig.body_levels, &rig.vertices, &rig.indices, &rig.draws,
-                                   &rig.choices, &rig.drawn, &picture.small_depths, &picture.small_keys}) {
+  for (const vk::Buffer* buffer :
+       {&rig.slots, &rig.meshes, &rig.trees, &rig.head_slots, &rig.body_levels, &rig.vertices, &rig.indices, &rig.draws,
+        &rig.choices, &rig.drawn, &picture.small_depths, &picture.small_keys}) {
     bytes += buffer->size_bytes;
   }
   return bytes;

@@ -50,13 +50,14 @@ struct RigTables {
   vk::Image gobo_whole, gobo_lines;
 
   // Per frame.
-  vk::Buffer params;          // FrameParams
-  vk::Buffer levels;          // universes x 512 bytes
-  vk::Buffer staged_levels;   // the same, where the host writes them; only for more than kUpdateBytesMax
-  vk::Buffer beams;           // BeamRow, live ones first
-  vk::Buffer blades;          // BladesRow, one a beam
-  vk::Buffer choices, drawn;  // one word a body: its level; heads that the rasteriser draws, by mesh and level
-  vk::Buffer counts;          // CountsRow, then beams and lit heads of each group of FL_GROUP_HEADS
+  vk::Buffer params;             // FrameParams
+  vk::Buffer levels;             // universes x 512 bytes
+  vk::Buffer staged_levels;      // the same, where the host writes them; only for more than kUpdateBytesMax
+  vk::Buffer beams;              // BeamRow, live ones first
+  vk::Buffer blades;             // BladesRow, one a beam
+  vk::Buffer trees, head_slots;  // TreeRow; the slot of each head, FL_NONE: it has no body
+  vk::Buffer choices, drawn;     // one word a body: its level; heads that the rasteriser draws, by mesh and level
+  vk::Buffer counts;             // CountsRow, then beams and lit heads of each group of FL_GROUP_HEADS
 
   // Carried from frame to frame: HeadState, and Motor, Spin, Shutter, OpticsState, Filament, Led, Discharge, Slew,
   // Flex and Smooth for what has a motor, spins, strobes, shapes its beam, glows, has a driver, an arc or a dowser,
@@ -89,6 +90,7 @@ struct RigTables {
   std::uint32_t mask_words = 0;
   std::uint64_t levels_bytes = 0;
   bool has_bodies = false;                     // the models were read
+  bool has_trees = false;                      // there is what smooth edges need
   std::vector<std::uint32_t> level_triangles;  // of each BodyLevelRow
   std::uint64_t body_triangles = 0;            // of the whole meshes of all bodies
   std::uint64_t object_triangles = 0;
@@ -109,6 +111,8 @@ struct PictureImages {
   vk::Buffer rims, cuts;                // RimRow and CutRow, rims_max and cuts_max a supertile; likewise
   vk::Buffer fine_masks;                // masks of FL_FINE_PX x FL_FINE_PX pixels; likewise
   vk::Buffer small_depths, small_keys;  // of small bodies, one word a pixel; likewise
+  vk::Buffer edge_masks;                // FL_EDGE_WORDS a tile; likewise
+  vk::Image edges;                      // colours of pixels with edges; likewise
   vk::Image surface_id, depth, radiance, screen;
   std::uint32_t supertiles_x = 0;
   std::uint32_t supertiles_y = 0;

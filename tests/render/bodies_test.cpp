@@ -24,6 +24,7 @@ FrameSettings small() {
   FrameSettings settings;
   settings.width = 64;
   settings.height = 36;
+  settings.edge_samples = 0;  // a pixel is what its middle shows
   return settings;
 }
 

@@ -41,6 +41,7 @@ FrameSettings sized(int width, int height) {
   FrameSettings settings;
   settings.width = width;
   settings.height = height;
+  settings.edge_samples = 0;  // a pixel is what its middle shows
   return settings;
 }
 

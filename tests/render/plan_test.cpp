@@ -15,8 +15,8 @@ namespace {
 using fixtures::Needs;
 using vk::SpecConstant;
 
-const std::vector<std::string> kAll{"step",   "gather", "gobos",   "bodies", "tiles", "surfaces",
-                                    "depths", "coarse", "records", "fine",   "beams", "tonemap"};
+const std::vector<std::string> kAll{"step",   "gather", "gobos",   "bodies", "tiles", "surfaces", "depths",
+                                    "coarse", "records", "fine",  "beams",  "edges", "tonemap"};
 // Those that take beams together for tiles.
 const std::vector<std::string> kTilePasses{"depths", "coarse", "records", "fine"};
 
@@ -145,6 +145,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                         {FL_SPEC_IRIS, 1},
                                         {FL_SPEC_VIEW, FL_VIEW_PICTURE},
                                         {FL_SPEC_GOBO_METHOD, FL_GOBO_TABLES}}},
+                                      {"edges", {{FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1}, {FL_SPEC_EDGE_SAMPLES, 16}}},
                                       {"tonemap", {}}});
   CHECK(left_out_passes(demo_needs(), settings).empty());
 }
@@ -249,7 +250,10 @@ TEST_CASE("an empty rig needs no pass at all") {
   // A stage without fixtures is lit by the work light.
   Needs needs;
   needs.surfaces = true;
-  CHECK(names_of(plan_frame(needs, {})) == std::vector<std::string>{"surfaces", "tonemap"});
+  CHECK(names_of(plan_frame(needs, {})) == std::vector<std::string>{"surfaces", "edges", "tonemap"});
+  FrameSettings jagged;
+  jagged.edge_samples = 0;
+  CHECK(names_of(plan_frame(needs, jagged)) == std::vector<std::string>{"surfaces", "tonemap"});
 }
 
 TEST_CASE("every combination of needs has each pass exactly once: in the plan or in what is left out") {

@@ -82,8 +82,8 @@ void dim_lamps(Scene& scene, const std::vector<bool>& lit);
 // The built-in images of a scene, in the order of its layers.
 [[nodiscard]] GoboTransmission gobos_of_judge(const Scene& scene);
 
-// 64 x 36, every beam pixel by pixel, without bodies, widening of thin beams and the threshold for dark beams: what the
-// judge computes.
+// 64 x 36, every beam pixel by pixel, without bodies, widening of thin beams, smooth edges and the threshold for dark
+// beams: what the judge computes.
 [[nodiscard]] FrameSettings judged_settings(int width = 64, int height = 36);
 
 using footlight::testing::must;

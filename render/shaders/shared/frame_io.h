@@ -67,7 +67,13 @@
 #define FL_BINDING_GOBO_LINES_OUT (51 + FL_LAMP_COUNT)
 #define FL_BINDING_RIMS (52 + FL_LAMP_COUNT)  // RimRow, FrameParams::rims_max a supertile
 #define FL_BINDING_CUTS (53 + FL_LAMP_COUNT)  // CutRow, FrameParams::cuts_max a supertile
-#define FL_BINDING_COUNT (54 + FL_LAMP_COUNT)
+// Smooth edges: trees over the triangles of bodies and objects (TreeRow), the slot of each head, the colours of pixels
+// with edges, and a bit a pixel that has one.
+#define FL_BINDING_BODY_TREES (54 + FL_LAMP_COUNT)
+#define FL_BINDING_HEAD_SLOTS (55 + FL_LAMP_COUNT)
+#define FL_BINDING_EDGES (56 + FL_LAMP_COUNT)
+#define FL_BINDING_EDGE_MASKS (57 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (58 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -106,7 +112,8 @@
 #define FL_SPEC_GROUP (31 + FL_LAMP_COUNT)  // threads of a workgroup of the surface pass
 #define FL_SPEC_SMALL_KEYS (32 + FL_LAMP_COUNT)  // the second pass over small bodies
 #define FL_SPEC_GOBO_METHOD (33 + FL_LAMP_COUNT)
-#define FL_SPEC_COUNT (34 + FL_LAMP_COUNT)
+#define FL_SPEC_EDGE_SAMPLES (34 + FL_LAMP_COUNT)
+#define FL_SPEC_COUNT (35 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -147,6 +154,7 @@
 
 // Where nothing ends a ray: farther than anything in a rig, m.
 #define FL_FAR_M 1e30
+#define FL_NONE 0xffffffffu
 // Thinner beams are drawn with this radius, in pixels (lib/thin.glsl).
 #define FL_THIN_RADIUS_PX 1.74
 // On a surface that is seen edge on, at most so many times as wide.
@@ -177,7 +185,7 @@ struct FrameParams {
   float small_body_px;  // bodies up to this diameter are drawn by compute shaders; 0: none
   uint rims_max;  // rows of the RimRow table that a supertile has
   uint cuts_max;  // of the CutRow table
-  uint pad_3;
+  uint object_level;  // row of the objects in the table of levels; FL_NONE: there are none
 };
 
 // One lit beam, 160 bytes: a head's, or one facet's of its prism. Light space is camera-relative: eye = camera in it.
@@ -313,7 +321,22 @@ struct BodyLevelRow {
   uint index_count;
   uint vertex_first;
   float error_m;
+  uint trees[4];  // by the number of joints: the first node of the tree; FL_NONE: no triangle
 };
+struct TreeRow {  // as fixtures::TreeNode
+  float low_x;
+  float low_y;
+  float low_z;
+  uint skip;
+  float high_x;
+  float high_y;
+  float high_z;
+  uint leaf;
+};
+#define FL_TREE_COUNT_BITS 3
+// A pixel may have so many samples of what it shows; words of a tile's mask of pixels with edges.
+#define FL_EDGE_SAMPLES_MAX 16
+#define FL_EDGE_WORDS (FL_TILE_PX * FL_TILE_PX / 32)
 struct BodyVertexRow {  // as fixtures::BodyVertex
   float x;
   float y;

@@ -12,6 +12,7 @@ namespace {
 void add(Arguments& arguments) {
   auto options = std::make_shared<PreviewOptions>();
   auto flashes = std::make_shared<std::string>("warn");
+  auto edges = std::make_shared<std::string>("16");
   add_scene_arguments(arguments, options->files);
   arguments.list("--in,-i", options->ins, "ENDPOINT", "live input for the rig; may be given several times");
   arguments.duration("--at", options->at_ns, "start time in the log [0]");
@@ -26,11 +27,14 @@ void add(Arguments& arguments) {
                    "error that taking beams together for tiles may add, as a share of the light; 0: pixel by pixel");
   arguments.option("--body-error", options->body_error_px, 0, 1000,
                    "error of fixture bodies in pixels, for fewer triangles; 0: whole models");
+  arguments.option("--edges", *edges, "WORD",
+                   "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges [16]");
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this text");
   arguments.option("--seconds", options->seconds, 0, 1e6, "close after this time; 0: stay open");
   arguments.option("--screenshot", options->screenshot, "FILE", "write the last frame as PNG when closing");
   arguments.flag("--json", options->json, "frame times as JSON, one object a second and a summary");
-  arguments.job([options, flashes]() -> Result<int> {
+  arguments.job([options, flashes, edges]() -> Result<int> {
+    FL_ASSIGN(options->edge_samples, parse_edges(*edges));
     FL_ASSIGN(options->flashes, flash_mode_of(*flashes));
     return run_preview(*options);
   });

@@ -46,6 +46,7 @@ struct Options {
   std::string gobos;  // "samples", "tables"
   std::optional<double> tile_error;
   std::optional<double> body_error_px;
+  std::string edges = "16";
   int supersample = 1;
   std::string flashes = "warn";
   std::string show = "picture";
@@ -420,6 +421,7 @@ Result<int> render_pictures(const Options& options) {
   render::FrameSettings settings = chosen.settings;
   settings.width = size.width * options.supersample;
   settings.height = size.height * options.supersample;
+  FL_ASSIGN(settings.edge_samples, parse_edges(options.edges));
   FL_ASSIGN(const ShownView shown, shown_view_of(options.show));
   if (shown == ShownView::kClasses || shown == ShownView::kHits) settings.view = render::FrameView::kClasses;
   if (shown == ShownView::kLux) settings.view = render::FrameView::kLux;
@@ -509,6 +511,8 @@ void add(Arguments& arguments) {
                    "[0.004]");
   arguments.option("--body-error", options->body_error_px, 0, 1000,
                    "error of fixture bodies in pixels, for fewer triangles; 0: whole models [0.5]");
+  arguments.option("--edges", options->edges, "WORD",
+                   "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges [16]");
   arguments.option("--gobos", options->gobos, "WORD",
                    "in the air: samples or tables; default: tables on a GPU, samples on a CPU");
   arguments.option("--gobo-taps", options->gobo_taps, 1, 1024,

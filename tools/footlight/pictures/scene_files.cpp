@@ -98,6 +98,14 @@ Result<std::optional<LogReader>> open_scene_log(const SceneFiles& files) {
   return log;
 }
 
+Result<std::uint32_t> parse_edges(const std::string& text) {
+  if (text == "off") return 0u;
+  if (text == "4") return 4u;
+  if (text == "8") return 8u;
+  if (text == "16") return 16u;
+  return fail(ErrorCode::kBadInput, "--edges {}: expected off, 4, 8 or 16", printable_utf8(text));
+}
+
 Result<PictureSize> parse_size(const std::string& text) {
   constexpr int kSizeMax = 16'384;
   PictureSize size;

@@ -25,6 +25,7 @@ struct PreviewOptions {
   int nodes = 3;
   double tile_error = 4e-3;    // render::FrameSettings
   double body_error_px = 0.5;  // the same
+  std::uint32_t edge_samples = 16;
   FlashMode flashes = FlashMode::kWarn;
   bool json = false;
 };

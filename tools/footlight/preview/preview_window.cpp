@@ -378,6 +378,7 @@ Status Preview::rebuild(const PixelRect& where) {
   settings.nodes = static_cast<std::uint32_t>(controls_.nodes);
   settings.tile_error = options_.tile_error;
   settings.body_error_px = options_.body_error_px;
+  settings.edge_samples = options_.edge_samples;
   settings.haze = controls_.haze;
   if (frame_) {
     FL_TRY(frame_->change(settings));

@@ -136,6 +136,7 @@ FrameSettings judged_settings(const PictureReportOptions& options) {
   settings.height = options.height;
   settings.bodies = false;
   settings.widen_thin = false;
+  settings.edge_samples = 0;
   return settings;
 }
 
@@ -332,6 +333,74 @@ Status measure_whole(vk::Device& device, const Scene& scene, const View& view, c
   return {};
 }
 
+// Root mean square of the differences of two pictures at the pixels where `jagged` and `smooth` differ; counts these.
+double steps_between(const ScreenImage& a, const ScreenImage& b, const ScreenImage& jagged, const ScreenImage& smooth,
+                     std::int64_t& pixels) {
+  pixels = 0;
+  double sum = 0;
+  for (std::size_t p = 0; p < a.rgba.size(); p += 4) {
+    if (std::equal(&jagged.rgba[p], &jagged.rgba[p] + 3, &smooth.rgba[p])) continue;
+    ++pixels;
+    for (std::size_t c = p; c < p + 3; ++c) sum += (a.rgba[c] - b.rgba[c]) * (a.rgba[c] - b.rgba[c]);
+  }
+  return std::sqrt(sum / std::max(3.0 * static_cast<double>(pixels), 1.0));
+}
+
+// Of the whole frame, but thin beams are left as they are, since their width is in pixels.
+Status report_edges(vk::Device& device, const Scene& scene, const View& view, const PictureReportOptions& options,
+                    PictureReport& report) {
+  constexpr int kSide = 4;
+  FrameSettings whole;
+  whole.width = options.width;
+  whole.height = options.height;
+  whole.body_error_px = options.body_error_px;
+  if (!render::has_smooth_edges(scene.compiled.needs, whole) ||
+      std::int64_t{whole.width} * whole.height > kEdgePixelsMax ||
+      kSide * std::max(whole.width, whole.height) > static_cast<int>(device.limits().maxImageDimension2D)) {
+    return {};
+  }
+  whole.widen_thin = false;
+  FrameSettings fine = whole;
+  fine.width *= kSide;
+  fine.height *= kSide;
+  fine.supersample = kSide;
+  fine.body_error_px *= kSide;
+  fine.edge_samples = 0;
+  ScreenImage reference;
+  {
+    FL_ASSIGN(const auto frame, make_frame(device, scene, fine));
+    FL_TRY(frame->draw(view, scene.camera.exposure_ev));
+    FL_ASSIGN(reference, frame->read_screen());
+  }
+  FL_ASSIGN(const auto frame, make_frame(device, scene, whole));
+  std::vector<ScreenImage> pictures;
+  for (const std::uint32_t samples : {0u, 4u, 8u, 16u}) {
+    whole.edge_samples = samples;
+    FL_TRY(frame->change(whole));
+    EdgeRow row{.samples = samples};
+    std::vector<std::vector<double>> pass_ms;
+    bool ended = false;
+    FL_ASSIGN(const auto times_ms, time_frames(*frame, view, scene, options.runs, options.row_seconds, &pass_ms, [&](double share) {
+                ended =
+                    options.go_on && !options.go_on("smooth edges", static_cast<double>(pictures.size()) + share, 4);
+                return !ended;
+              }));
+    report.ended = ended;
+    if (report.ended) return {};
+    for (std::size_t p = 0; p < pass_ms.size(); ++p) {
+      if (frame->plan()[p].name == "edges" && !pass_ms[p].empty()) row.ms = percentile(pass_ms[p], 0.5);
+    }
+    FL_ASSIGN(pictures.emplace_back(), frame->read_screen());
+    row.flip = flip(pictures.back(), reference).mean;
+    report.edges.push_back(row);
+  }
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    report.edges[i].steps =
+        steps_between(pictures[i], reference, pictures.front(), pictures.back(), report.edge_pixels);
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene, const PictureReportOptions& options) {
@@ -343,6 +412,8 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
 
   Judged judged;
   if (options.judge) {
+    FL_TRY(report_edges(device, scene, view, options, report));
+    if (report.ended) return report;
     const auto start = std::chrono::steady_clock::now();
     FL_ASSIGN(judged, judge_scene_of(device, scene, view, options));
     report.ended = !judged.pixels.whole;

@@ -43,6 +43,17 @@ struct PictureReportOptions {
   std::function<bool(std::string_view what, double done, double all)> go_on;
 };
 
+// How far edges of solid things in the whole frame are from those of the same frame with 4 x 4 pixels for one.
+struct EdgeRow {
+  std::uint32_t samples = 0;  // FrameSettings::edge_samples; 0: jagged
+  double ms = 0;              // median GPU time of the pass
+  double steps = 0;  // root mean square of the error on the screen, of 255 steps, at the pixels that edges change
+  double flip = 0;   // mean FLIP of the whole picture
+};
+
+// Larger frames are not compared: their reference has 16 times as many pixels.
+inline constexpr std::int64_t kEdgePixelsMax = 1'100'000;
+
 struct PictureReport {
   std::vector<render::PictureRow> rows;
   std::int64_t judged_pixels = 0;
@@ -52,6 +63,8 @@ struct PictureReport {
   double whole_ms = 0;                         // median time of a frame as `footlight render` draws it, with bodies
   std::vector<render::PassTime> whole_passes;  // median GPU time of each of its passes
   render::BodyCounts bodies;                   // that it draws
+  std::vector<EdgeRow> edges;                  // jagged, then each number of samples; empty: not measured
+  std::int64_t edge_pixels = 0;                // that 16 samples change
   std::int64_t body_bytes = 0;                 // memory of its bodies and objects
   ClassShares classes;                         // how its beams are computed
   std::string device;
