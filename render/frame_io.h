@@ -28,4 +28,5 @@ static_assert(sizeof(BodyVertexRow) == 28);
 static_assert(sizeof(BodySlotRow) == 16);
 static_assert(sizeof(GoboTableRow) == 48);
 static_assert(sizeof(GoboQueue) == 48);
+static_assert(sizeof(RecheckRow) == 48);
 }  // namespace footlight::render

@@ -31,6 +31,7 @@
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(constant_id = FL_SPEC_TILES) const bool kTiles = false;
 #include "render/shaders/lib/surface_class.glsl"
+#include "render/shaders/lib/surface_light.glsl"
 
 layout(local_size_x_id = FL_SPEC_GROUP) in;
 
@@ -47,65 +48,6 @@ shared uint shaped_bits[kBatchWords];
 shared bool has_smooth;  // some beam of the tile is in the polynomial
 shared uint covering[FL_COVERS_MAX];  // their numbers in the batch
 shared float plane_facing[FL_BATCH];  // plain_facing() of the tile's plane
-
-const float kPi = 3.141592653589793;
-// Reflectance of painted housings. Chosen by eye.
-const float kBodyAlbedo = 0.04;
-
-// The lens of a head, cd/m^2: it lights the eye as all beams of the head do there, and a little of its light goes to
-// all sides. The disc's projected area over the square of its distance is the solid angle that it has for the eye.
-vec3 lens_radiance(uint index, float t_m, vec3 unit_ray, vec3 normal) {
-  TypeRow type = types[heads[index].type];
-  HeadState state = states[index];
-  float facing = dot(normal, -unit_ray);
-  if (!(facing > 0.0)) return vec3(0.0);
-  float area_m2 = kPi * type.lens_radius_m * type.lens_radius_m;
-  if (kRectangle && type.aspect > 0.0) area_m2 = 4.0 * type.lens_radius_m * type.lens_radius_m / type.aspect;
-  vec3 eye_lx = vec3(0.0);
-  uint beam_count = state.beam_first == kNoAddress ? 0u : max(state.beams, 1u);
-  for (uint b = 0u; b < beam_count; ++b) {
-    BeamRow row = beams[state.beam_first + b];
-    if (!(dot(normal, row.axis.xyz) > 0.5)) continue;  // the side of the glass
-    BeamShape beam = beam_shape(row);
-    beam.profile_power = drawn_profile(beam.profile_power);
-    beam.range_m = 1e30;  // a lens is seen from any distance
-    vec2 rho;
-    float r_m;
-    float share = beam_illuminance(beam, row.eye.xyz, rho, r_m);
-    if (!(share > 0.0)) continue;
-    gobo_begin(row);
-    if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u) share *= blades_at(state.beam_first + b, rho, row.eye.z);
-    vec3 through = vec3(share);
-    if (has_gobo(row)) through *= gobo_on_surface(row.gobo, rho, row.eye.z);
-    eye_lx += row.j0.rgb * through;
-  }
-  vec3 glow_lm = vec3(state.red, state.green, state.blue) * type.glow_lm;
-  return eye_lx * (t_m * t_m / (area_m2 * facing)) + glow_lm / (kPi * area_m2);
-}
-
-// How a place on a surface moves in light space for a step by FrameParams::thin along `way`, a unit vector of the
-// picture's plane. A face that is nearly edge on counts as one at kEdgeOn: FL_THIN_ON_SURFACE is sqrt(2) (1 + 1 /
-// kEdgeOn).
-const float kEdgeOn = 0.2;
-vec3 step_on_surface(BeamRow row, Surface surface, vec3 ray, float depth_m, vec3 way) {
-  float facing = min(dot(surface.normal, ray), -kEdgeOn * length(ray));
-  return to_light(row, (way - ray * (dot(surface.normal, way) / facing)) * (beam_thin(row) * depth_m));
-}
-// ray: one of depth 1.
-float thin_illuminance(BeamShape beam, BeamRow row, vec3 p, Surface surface, vec3 offset_m, bool plain, out vec2 rho,
-                       out float r_m) {
-  float depth_m = dot(offset_m, params.forward.xyz);
-  vec3 ray = offset_m / depth_m;
-  return thin_on_surface(beam, p, step_on_surface(row, surface, ray, depth_m, normalize(params.right.xyz)),
-                         step_on_surface(row, surface, ray, depth_m, normalize(params.up.xyz)), plain, rho, r_m);
-}
-
-// Its share that reaches a face. The work light falls on everything from above and from the eye, so that its form
-// shows, and comes back from the floor, so that thin undersides are no black lines. So does a rig's own ambient light
-// on what has triangles; on boxes that is the same everywhere.
-float work_light(vec3 normal, vec3 offset_m) {
-  return 0.3 + 0.3 * (0.5 + 0.5 * normal.z) + 0.4 * max(-dot(normal, normalize(offset_m)), 0.0);
-}
 
 vec3 illuminance_lx[kRows];  // of the thread's pixels
 

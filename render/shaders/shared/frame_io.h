@@ -73,7 +73,8 @@
 #define FL_BINDING_HEAD_SLOTS (55 + FL_LAMP_COUNT)
 #define FL_BINDING_EDGES (56 + FL_LAMP_COUNT)
 #define FL_BINDING_EDGE_MASKS (57 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (58 + FL_LAMP_COUNT)
+#define FL_BINDING_RECHECKED (58 + FL_LAMP_COUNT)  // RecheckRow, one a cell (render/live_error.h)
+#define FL_BINDING_COUNT (59 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -147,6 +148,9 @@
 #define FL_GOBO_LINE_SAMPLES 512
 #define FL_GOBO_PROFILES 8  // numbers of profiles (lib/profile_index.glsl), and one that none has
 #define FL_GROUP_GOBOS 64   // lines, and beams, a workgroup
+#define FL_RECHECK_X 16     // cells of the picture, of each of which one pixel is computed once more
+#define FL_RECHECK_Y 8
+#define FL_GROUP_RECHECK 64  // threads of a cell
 #define FL_TILE_LIGHT 48    // 4 x 4 coefficients of three channels
 // Nodes of a rectangle lie on a square that is this much larger, so that their hull holds every pixel's centre: the
 // outermost node is at cos(pi / 8) = 0.924 of the square, the outermost centre at 63 / 64 of the rectangle.
@@ -299,6 +303,16 @@ struct GoboQueue {
   uint pad;
   uint pad_1;
   uint pad_2;
+};
+
+// A pixel of a cell, as it is shown and by the general path, cd/m^2; 48 bytes.
+struct RecheckRow {
+  uint x;
+  uint y;
+  float weight;  // pixels of the picture that it stands for; 0: the cell has none
+  uint pad;
+  vec4 shown;
+  vec4 general;
 };
 
 // A solid box, 48 bytes.

@@ -1,0 +1,187 @@
+#version 460
+// A few pixels of the finished picture once more, by the general path at high order: every live beam, whether a mask
+// has it or not, 8 Gauss nodes, FL_SPEC_GOBO_TAPS samples of gobos, no tiles, no polynomials, no tables. What the pixel
+// shows (the surface) is as the picture has it. Of each of FL_RECHECK_X x FL_RECHECK_Y cells one pixel is drawn, bright
+// ones more often: each thread of a group proposes one, and one of these is taken with a chance that grows with its
+// brightness (resampled importance sampling: Talbot 2005). Its weight makes the mean of any function over the samples
+// that over the picture.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#define FL_USE_BEAMS
+#define FL_BEAMS_ACCESS readonly
+#define FL_USE_COUNTS
+#define FL_COUNTS_ACCESS readonly
+#define FL_USE_HEADS
+#define FL_STATES_ACCESS readonly
+#include "render/shaders/lib/frame.glsl"
+#include "render/shaders/lib/surface.glsl"
+#include "render/shaders/lib/forms.glsl"
+#include "render/shaders/lib/gobo.glsl"
+#include "render/shaders/shared/gauss.h"
+#include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/gobo_chord.h"
+#include "render/shaders/lib/tile_test.glsl"
+#include "render/shaders/lib/thin.glsl"
+#include "render/shaders/lib/surface_light.glsl"
+
+layout(local_size_x = FL_GROUP_RECHECK) in;
+layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
+layout(push_constant) uniform Push { uint seed; uint first; } push;  // first: place in the order of cells
+layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform readonly image2D radiance;
+layout(set = 0, binding = FL_BINDING_RECHECKED, std430) writeonly buffer RecheckedBuffer { RecheckRow rechecked[]; };
+
+const uint kThreads = uint(FL_GROUP_RECHECK);
+const uint kNodes = 8u;
+// A proposed pixel counts as at least this share of the mean brightness of all, so that dark ones are drawn as well.
+const float kFloor = 0.1;
+
+shared float brightness[kThreads];
+shared uvec2 proposed[kThreads];
+shared uint taken;
+shared float weight;
+shared vec3 sum_lx[kThreads];
+shared vec3 sum_air[kThreads];
+
+// PCG (Jarzynski, Olano 2020, "Hash functions for GPU rendering").
+uint hashed(uint x) {
+  x = x * 747796405u + 2891336453u;
+  x = ((x >> ((x >> 28) + 4u)) ^ x) * 277803737u;
+  return (x >> 22) ^ x;
+}
+float uniform_of(uint x) { return float(x >> 8) * (1.0 / 16777216.0); }
+
+// Light of a beam in the haze along a unit ray, over sigma_s.
+vec3 light_in_air(BeamRow row, uint index, Medium medium, vec3 d, float t_max_m) {
+  BeamShape beam = beam_shape(row);
+  beam.profile_power = drawn_profile(beam.profile_power);
+  bool gobo = has_gobo(row);
+  vec3 eye = row.eye.xyz;
+  vec3 ray = to_light(row, d);
+  float gain = 1.0;
+  if (thin_in_haze_applies(row)) {
+    gain = thin_in_haze(beam, row, eye, ray, dot(d, params.forward.xyz), t_max_m, thin_is_plain(row, gobo));
+  }
+  Chord chord;
+  if (!beam_chord(beam, eye, ray, 0.0, t_max_m, chord)) return vec3(0.0);
+  if (kRectangle && row.squeeze > 0.0 && !chord_in_rectangle(chord)) return vec3(0.0);
+  if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u) {
+    bool seen = true;
+    for (int e = 0; e < 4; ++e) seen = chord_cut(chord, blades[index].edge[e].xy, blades[index].edge[e].z) && seen;
+    chord_close(chord);
+    if (!seen) return vec3(0.0);
+  }
+  vec3 value;
+  const vec2 as_it_is = vec2(1.0, 0.0);  // each wheel turns by itself
+  if (gobo) {
+    gobo_sample = 0u;
+    if (kWide && beam.spread > kWideSpread) {
+      value = chord_inscatter_gobo(beam, medium, chord, ray, kGoboTaps, kExtinction, row.gobo, as_it_is);
+    } else {
+      ChordWeight smooth_part = chord_weight(beam, medium, chord, ray, kExtinction);
+      value = chord_inscatter_taps(beam, chord, smooth_part, ray, kGoboTaps, row.gobo, as_it_is);
+    }
+  } else if (kMeasured && row.measured != 0u) {
+    value = vec3(chord_inscatter_measured(beam, medium, chord, ray, kNodes, kExtinction));
+  } else if (kWide && beam.spread > kWideSpread) {
+    value = vec3(chord_inscatter_wide(beam, medium, chord, ray, 2u, kExtinction));
+  } else {
+    value = vec3(chord_inscatter_gauss(beam, medium, chord, ray, kNodes, kExtinction));
+  }
+  return row.j0.rgb * (gain * value);
+}
+
+// Illuminance of a surface by a beam. offset_m: of the place from the camera.
+vec3 light_on_surface(BeamRow row, uint index, Medium medium, Surface surface, vec3 offset_m) {
+  BeamShape beam = beam_shape(row);
+  beam.profile_power = drawn_profile(beam.profile_power);
+  bool gobo = has_gobo(row);
+  vec3 p = row.eye.xyz + to_light(row, offset_m);
+  vec2 rho;
+  float r_m;
+  float share = beam_thin(row) > 0.0
+                    ? thin_illuminance(beam, row, p, surface, offset_m, thin_is_plain(row, gobo), rho, r_m)
+                    : beam_illuminance(beam, p, rho, r_m);
+  if (!(share > 0.0)) return vec3(0.0);
+  share *= max(-dot(to_light(row, surface.normal), beam_direction(beam, rho)), 0.0);
+  if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);
+  if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u) share *= blades_at(index, rho, p.z);
+  vec3 through = vec3(share);
+  if (gobo) through *= gobo_on_surface(row.gobo, rho, p.z);
+  return row.j0.rgb * through;
+}
+
+// What the eye gets from a surface with this illuminance.
+vec3 seen_of(Surface surface, vec3 offset_m, vec3 lx, Medium medium) {
+  if (surface.kind == kNothing) return vec3(0.0);
+  float form = work_light(surface.normal, offset_m);
+  vec3 albedo = vec3(kBodyAlbedo);
+  if (surface.kind == kBox) albedo = boxes[surface.which].albedo.rgb;
+  if (surface.kind == kObject) albedo = vec3((uvec3(surface.which) >> uvec3(20, 10, 0)) & 1023u) / 1023.0;
+  vec3 ambient = vec3(surface.kind == kBox ? params.ambient_lx : params.ambient_lx * form);
+  vec3 color = albedo / kPi * (lx + ambient + params.work_lx * form);
+  if (surface.kind == kBody && (surface.which & uint(FL_PART_LENS)) != 0u) {
+    color += lens_radiance(surface.which >> 3, surface.t_m, normalize(offset_m), surface.normal);
+  }
+  return kExtinction ? color * exp(-medium.extinction_per_m * surface.t_m) : color;
+}
+
+void main() {
+  uint lane = gl_LocalInvocationIndex;
+  // A step that no cell count of a power of two divides: cells of one picture lie apart.
+  uint cell = (push.first + gl_WorkGroupID.x) * 37u % uint(FL_RECHECK_X * FL_RECHECK_Y);
+  uvec2 size = uvec2(params.width, params.height);
+  uvec2 place = uvec2(cell % uint(FL_RECHECK_X), cell / uint(FL_RECHECK_X));
+  uvec2 cells = uvec2(FL_RECHECK_X, FL_RECHECK_Y);
+  uvec2 low = place * size / cells;
+  uvec2 extent = (place + 1u) * size / cells - low;
+  bool empty = extent.x == 0u || extent.y == 0u;
+
+  uint random = hashed(push.seed ^ hashed(cell * kThreads + lane));
+  uvec2 pixel = min(low + uvec2(vec2(uniform_of(random), uniform_of(hashed(random))) * vec2(extent)), size - 1u);
+  vec3 bright = imageLoad(radiance, ivec2(pixel)).rgb;
+  float b = max(bright.r, max(bright.g, bright.b));
+  proposed[lane] = pixel;
+  brightness[lane] = b > 0.0 && b < 1e30 ? b : 0.0;
+  barrier();
+  if (lane == 0u) {
+    float all = 0.0;
+    for (uint i = 0u; i < kThreads; ++i) all += brightness[i];
+    float floor_of = all > 0.0 ? kFloor * all / float(kThreads) : 1.0;
+    all += floor_of * float(kThreads);
+    float left = uniform_of(hashed(hashed(push.seed + cell) + 1u)) * all;
+    taken = 0u;
+    for (uint i = 0u; i < kThreads; ++i) {
+      taken = i;
+      left -= brightness[i] + floor_of;
+      if (left < 0.0) break;
+    }
+    weight = all / (float(kThreads) * (brightness[taken] + floor_of)) * float(extent.x * extent.y);
+  }
+  barrier();
+  pixel = proposed[taken];
+
+  Medium medium = Medium(params.anisotropy, params.position.w);
+  vec3 d = normalize(ray_through(vec2(pixel) + 0.5));
+  Surface surface = surface_at(ivec2(pixel), d);
+  vec3 offset_m = d * surface.t_m;
+  vec3 lx = vec3(0.0);
+  vec3 air = vec3(0.0);
+  for (uint index = empty ? counts.live_count : lane; index < counts.live_count; index += kThreads) {
+    BeamRow row = beams[index];
+    gobo_begin(row);
+    if (surface.kind != kNothing) lx += light_on_surface(row, index, medium, surface, offset_m);
+    if (params.forward.w > 0.0) air += light_in_air(row, index, medium, d, surface.t_m);
+  }
+  sum_lx[lane] = lx;
+  sum_air[lane] = air;
+  barrier();
+  if (lane != 0u) return;
+  for (uint i = 1u; i < kThreads; ++i) {
+    lx += sum_lx[i];
+    air += sum_air[i];
+  }
+  vec3 general = seen_of(surface, offset_m, lx, medium) + params.forward.w * air;
+  vec4 shown = imageLoad(radiance, ivec2(pixel));
+  rechecked[gl_WorkGroupID.x] =
+      RecheckRow(pixel.x, pixel.y, empty ? 0.0 : weight, 0u, shown, vec4(general, 1.0));
+}
