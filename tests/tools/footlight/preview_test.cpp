@@ -82,6 +82,9 @@ TEST_CASE("the demo opens, draws, saves a picture and closes without a message f
   CHECK(line["frames"].get<int>() >= 1);
   CHECK(line["live"].get<int>() > 0);
   CHECK(line["width"] == 320);
+  // A window this narrow begins without the panel, so the error is not measured.
+  CHECK(!line.contains("error"));
+  CHECK(!line["pass_gpu_ms"].contains("error"));
   // The window shows a text before the first picture.
   CHECK(read(folder.file("out")).starts_with("{\"event\":\"loading\""));
   CHECK(line["first_text_ms"].get<double>() > 0);
@@ -89,6 +92,48 @@ TEST_CASE("the demo opens, draws, saves a picture and closes without a message f
   const std::string png = read(folder.file("a.png"));
   REQUIRE(png.size() > 1000);
   CHECK(png.substr(1, 3) == "PNG");
+}
+
+TEST_CASE("the panel has the error of the pictures, measured at samples of them") {
+  if (!can_open_window()) return;
+  const TempFolder folder;
+  const int code = preview(folder, "--demo --at 12s --seconds 2 --size 900x160 --json");
+  const std::string err = read(folder.file("err"));
+  if (contains(err, "libglfw3-dev")) return;
+  INFO(err);
+  REQUIRE(code == 0);
+  const nlohmann::json line = summary(folder);
+  CHECK(line["validation_messages"] == 0);
+  REQUIRE(line.contains("error"));
+  const nlohmann::json& error = line["error"];
+  CHECK(error["samples"].get<int>() >= 8);
+  CHECK(error["rel_l2"].get<double>() > 1e-6);
+  CHECK(error["rel_l2"].get<double>() < 0.1);
+  CHECK(error["low"] <= error["rel_l2"]);
+  CHECK(error["high"] >= error["rel_l2"]);
+  CHECK(line["pass_gpu_ms"]["error"].get<double>() > 0);
+}
+
+TEST_CASE("an error or a time that is none, or two at once, is refused before a window opens") {
+  const std::pair<std::vector<std::string>, std::string> cases[] = {
+      {{"--error", "0"}, "--error 0: expected"},
+      {{"--error", "200%"}, "--error 200%: expected"},
+      {{"--error", "abc"}, "--error abc: expected"},
+      {{"--ms", "-1"}, "--ms -1: expected"},
+      {{"--error", "1%", "--ms", "8"}, "leave out one of them"},
+      {{"--ms", "8", "--nodes", "3"}, "--ms and --nodes: expected one of them"}};
+  for (const auto& [words, message] : cases) {
+    for (const char* command : {"preview", "report"}) {
+      if (words.back() == "3" && std::string_view(command) == "report") continue;  // it has no --nodes
+      std::vector<std::string> line = {command, "--demo"};
+      line.insert(line.end(), words.begin(), words.end());
+      const Outcome outcome = footlight(line);
+      if (contains(outcome.err, "libglfw3-dev")) continue;
+      CHECK(outcome.exit_code == 2);
+      INFO(outcome.err);
+      CHECK(contains(outcome.err, message));
+    }
+  }
 }
 
 TEST_CASE("a rig without input opens with its fixtures lit") {

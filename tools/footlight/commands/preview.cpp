@@ -2,6 +2,7 @@
 #include "tools/footlight/preview/preview.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "tools/footlight/command.h"
@@ -13,6 +14,11 @@ void add(Arguments& arguments) {
   auto options = std::make_shared<PreviewOptions>();
   auto flashes = std::make_shared<std::string>("warn");
   auto edges = std::make_shared<std::string>("16");
+  auto error = std::make_shared<std::string>();
+  auto ms = std::make_shared<std::string>();
+  auto nodes = std::make_shared<std::optional<int>>();
+  auto tile_error = std::make_shared<std::optional<double>>();
+  auto body_error = std::make_shared<std::optional<double>>();
   add_scene_arguments(arguments, options->files);
   arguments.list("--in,-i", options->ins, "ENDPOINT", "live input for the rig; may be given several times");
   arguments.duration("--at", options->at_ns, "start time in the log [0]");
@@ -22,20 +28,39 @@ void add(Arguments& arguments) {
   arguments.option("--flashes", *flashes, "WORD",
                    "harmful flashes (more than three a second): warn, limit (holds the last picture) or off [warn]");
   arguments.option("--size", options->size, "WxH", "size of the window in pixels");
-  arguments.option("--nodes", options->nodes, 1, 8, "Gauss nodes per beam and pixel, see footlight report");
-  arguments.option("--tile-error", options->tile_error, 0, 1,
-                   "error that taking beams together for tiles may add, as a share of the light; 0: pixel by pixel");
-  arguments.option("--body-error", options->body_error_px, 0, 1000,
-                   "error of fixture bodies in pixels, for fewer triangles; 0: whole models");
+  arguments.option(
+      "--error", *error, "SHARE",
+      "relative L2 error of the light, as in 0.1%: the cheapest knobs by what this machine was measured to "
+      "need (seconds, the first time)");
+  arguments.option("--ms", *ms, "MS",
+                   "GPU time of a picture, as in 8: the best knobs that keep it, adapted all the time");
+  arguments.option("--nodes", *nodes, 1, 8, "Gauss nodes per beam and pixel, see footlight report [3]");
+  arguments.option("--tile-error", *tile_error, 0, 1,
+                   "error that taking beams together for tiles may add, as a share of the light; 0: pixel by pixel "
+                   "[0.004]");
+  arguments.option("--body-error", *body_error, 0, 1000,
+                   "error of fixture bodies in pixels, for fewer triangles; 0: whole models [0.5]");
   arguments.option("--edges", *edges, "WORD",
                    "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges [16]");
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this text");
   arguments.option("--seconds", options->seconds, 0, 1e6, "close after this time; 0: stay open");
   arguments.option("--screenshot", options->screenshot, "FILE", "write the last frame as PNG when closing");
   arguments.flag("--json", options->json, "frame times as JSON, one object a second and a summary");
-  arguments.job([options, flashes, edges]() -> Result<int> {
+  arguments.job([=]() -> Result<int> {
     FL_ASSIGN(options->edge_samples, parse_edges(*edges));
     FL_ASSIGN(options->flashes, flash_mode_of(*flashes));
+    FL_ASSIGN(options->quality, render::parse_quality(*error, *ms));
+    if ((!error->empty() || !ms->empty()) && (*nodes || *tile_error || *body_error)) {
+      return fail(ErrorCode::kBadInput, "{} and {}: expected one of them; {} sets it",
+                  error->empty() ? "--ms" : "--error",
+                  *nodes        ? "--nodes"
+                  : *tile_error ? "--tile-error"
+                                : "--body-error",
+                  error->empty() ? "--ms" : "--error");
+    }
+    options->nodes = nodes->value_or(options->nodes);
+    options->tile_error = tile_error->value_or(options->tile_error);
+    options->body_error_px = body_error->value_or(options->body_error_px);
     return run_preview(*options);
   });
 }
@@ -49,6 +74,7 @@ extern const CommandInfo preview_command{
         "  footlight preview --demo\n"
         "  footlight preview rig.toml --log show.dmxlog --at 12.5s\n"
         "  footlight preview rig.toml --in sacn:1-9            live\n"
+        "  footlight preview rig.toml --in sacn:1-9 --ms 8     as exact as 8 ms of the GPU allow\n"
         "  footlight preview rig.toml --in enttec-pro --in artnet:2-9\n"
         "  footlight preview show.mvr                          with faders\n"
         "  footlight preview head.gdtf                         one fixture alone\n"

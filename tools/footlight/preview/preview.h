@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "render/quality.h"
 #include "sim/core/clock.h"
 #include "tools/footlight/pictures/flash_mode.h"
 #include "tools/footlight/pictures/scene_files.h"
@@ -22,6 +23,7 @@ struct PreviewOptions {
   DurationNs at_ns = 0;                 // start time in the log
   double seconds = 0;                   // closes after this time; 0: stays open
   std::optional<double> work_light_lx;  // default: work_light_lx() if faders drive the rig, else 0
+  render::QualityRequest quality;       // if one is asked for, the three that follow do not matter
   int nodes = 3;
   double tile_error = 4e-3;    // render::FrameSettings
   double body_error_px = 0.5;  // the same

@@ -12,12 +12,6 @@
 namespace footlight::tools {
 namespace {
 
-// 'footlight report --pictures --beams 100' (smooth beams on surfaces and in haze, 64x36 pixels judged): 1, 2, 3, 4, 6
-// and 8 nodes. 5 and 7 are not in that report; they have the figure of one node less.
-constexpr double kRelL2OfNodes[] = {4.3e-1, 1.0e-3, 2.9e-4, 3.3e-5, 3.3e-5, 9.9e-6, 9.9e-6, 9.9e-6};
-// 'footlight report --demo --pictures', at 30 s, 3 and more nodes: the error at the edges of gobos.
-constexpr double kRelL2Gobos = 9.6e-3;
-
 // Going back in a log replays it from its start, so in a long log the picture follows the slider only after release.
 constexpr double kFollowSliderMaxS = 120;
 
@@ -92,12 +86,34 @@ void draw_cost(const PreviewFacts& facts) {
   row("picture", fmt::format("{} x {}, {:.0f} MiB", facts.width, facts.height, std::ceil(facts.gpu_mib)));
 }
 
+// "0.032 %"
+std::string share_text(double share) {
+  const double percent = 100 * share;
+  return fmt::format("{:.{}f} %", percent, percent < 0.01 ? 4 : percent < 0.1 ? 3 : percent < 10 ? 2 : 0);
+}
+
 void draw_quality(const PreviewFacts& facts, PreviewControls& controls) {
   heading("Error");
-  ImGui::SetNextItemWidth(-1);
-  ImGui::SliderInt("##nodes", &controls.nodes, 1, 8, "%d nodes a beam", ImGuiSliderFlags_AlwaysClamp);
-  row("smooth beams, rel. L2", fmt::format("{:.1e}", measured_rel_l2(controls.nodes)));
-  if (facts.gobos) row("gobo edges, rel. L2", fmt::format("{:.1e}", kRelL2Gobos));
+  // Of the light, at a sample of the pixels of the last pictures.
+  if (facts.error.samples > 0) {
+    row("measured, rel. L2", share_text(facts.error.rel_l2));
+    row("95 % interval", fmt::format("{} to {}", share_text(facts.error.low), share_text(facts.error.high)));
+    row("samples", fmt::format("{}", facts.error.samples));
+  } else {
+    text(kDim, "nothing to measure");
+  }
+  if (facts.chosen) {
+    const bool by_error = facts.quality.error > 0;
+    row("asked for", by_error ? share_text(facts.quality.error) : ms_text(facts.quality.ms));
+    row("predicted", share_text(facts.chosen->error));
+    ImGui::PushTextWrapPos(0);
+    text(kDim, render::text_of(facts.chosen->knobs));
+    ImGui::PopTextWrapPos();
+    if (!by_error) return;
+  } else {
+    ImGui::SetNextItemWidth(-1);
+    ImGui::SliderInt("##nodes", &controls.nodes, 1, 8, "%d nodes a beam", ImGuiSliderFlags_AlwaysClamp);
+  }
   const char* divisors[] = {"every pixel", "half resolution", "quarter resolution"};
   int choice = controls.divisor == 4 ? 2 : controls.divisor - 1;
   ImGui::SetNextItemWidth(-1);
@@ -279,8 +295,6 @@ void draw_strip(const PreviewFacts& facts) {
 }
 
 }  // namespace
-
-double measured_rel_l2(int nodes) { return kRelL2OfNodes[std::clamp(nodes, 1, 8) - 1]; }
 
 void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const LiveLevels* live, HandLevels* hand,
                 float scale) {

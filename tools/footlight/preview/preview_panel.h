@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "render/frame.h"
+#include "render/live_error.h"
+#include "render/quality.h"
 #include "tools/footlight/preview/hand_levels.h"
 #include "tools/footlight/preview/live_levels.h"
 
@@ -19,7 +21,6 @@ struct PreviewFacts {
   std::vector<std::string> cameras;
   std::vector<std::string> fixtures;
   bool can_haze = false;       // the rig has haze to turn off
-  bool gobos = false;          // the rig has gobos
   std::size_t machines = 0;    // haze, fog and fan machines; if there are any, the current haze, 1/m:
   double room_haze_per_m = 0;  // of [haze]
   double machine_haze_per_m = 0;
@@ -34,8 +35,11 @@ struct PreviewFacts {
   std::uint32_t live_beams = 0;
   std::uint32_t dark_beams = 0;
   double gpu_mib = 0;
-  bool flashes_harmful = false;  // now
-  bool flashes_held = false;     // the last harmless picture is held
+  render::ErrorWindow::Estimate error;      // of the pictures of the last second
+  render::QualityRequest quality;           // that knobs are chosen for; nothing: the user chooses
+  std::optional<render::KnobPoint> chosen;  // for it
+  bool flashes_harmful = false;             // now
+  bool flashes_held = false;                // the last harmless picture is held
 
   bool has_log = false;
   double time_s = 0;
@@ -66,9 +70,6 @@ struct PreviewControls {
 };
 
 inline constexpr float kPanelWidth = 264;  // units of ImGui at scale 1
-
-// The relative L2 error of pictures with 1 to 8 Gauss nodes, as measured; the definition has the scene and the command.
-[[nodiscard]] double measured_rel_l2(int nodes);
 
 // live, hand: nullptr if the rig is not driven by them.
 void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const LiveLevels* live, HandLevels* hand,

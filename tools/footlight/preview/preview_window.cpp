@@ -17,11 +17,14 @@
 
 #include "fixtures/simulate/machines.h"
 #include "render/frame.h"
+#include "render/live_error.h"
+#include "render/quality.h"
 #include "sim/core/no_signals.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/bridge/open_ports.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/paths.h"
+#include "tools/footlight/pictures/knob_curves.h"
 #include "tools/footlight/pictures/picture_file.h"
 #include "tools/footlight/pictures/start_view.h"
 #include "tools/footlight/pictures/timeline.h"
@@ -106,6 +109,9 @@ class Preview {
   Status show_progress(const char* what);
   Status turn();
   Status rebuild(const PixelRect& where);
+  Status make_ladder();
+  void follow_knobs(const render::KnobPoint& point);
+  Status update_error();
   Status replay_to(DurationNs until_ns, DurationNs exposure_ns);
   Status advance(Timeline& timeline, TimeNs until_ns, DurationNs exposure_ns);
   Status step_levels(DurationNs dt_ns);
@@ -144,10 +150,16 @@ class Preview {
   std::unique_ptr<render::vk::Device> device_;  // outlives the window's swapchain
   std::unique_ptr<Window> window_;
   std::unique_ptr<render::Frame> frame_;
-  std::unique_ptr<PreviewFlashes> flashes_;  // null: --flashes off
-  TimeNs drawn_ns_ = 0;                      // when the current picture was started
-  render::vk::Buffer counts_;                // of the current picture, for the panel
-  bool shown_ = false;                       // a picture is in flight; its figures can be read when it is done
+  std::unique_ptr<PreviewFlashes> flashes_;   // null: --flashes off
+  TimeNs drawn_ns_ = 0;                       // when the current picture was started
+  render::vk::Buffer counts_;                 // of the current picture, for the panel
+  std::unique_ptr<render::LiveError> error_;  // while the panel shows it; null in a rig without light
+  render::Knobs knobs_;                       // but for nodes and divisor, which are those of controls_
+  bool error_tried_ = false;                  // error_ was made, or cannot be
+  bool error_drawn_ = false;                  // the current picture has its samples
+  std::vector<render::KnobPoint> ladder_;     // for --error and --ms; else empty
+  std::optional<render::TimeKeeper> keeper_;  // for --ms
+  bool shown_ = false;                        // a picture is in flight; its figures can be read when it is done
 
   OrbitCamera camera_{fixtures::Camera{}};
   PreviewControls controls_;
@@ -218,6 +230,7 @@ Status Preview::start_again(const Error& loss) {
     fmt::print(stderr, "footlight: {}; going on with a new device\n", loss.message);
   }
   messages_before_ = validation_messages();
+  error_.reset();
   frame_.reset();
   flashes_.reset();
   counts_ = {};
@@ -236,7 +249,11 @@ Status Preview::start_again(const Error& loss) {
 void Preview::set_controls(const fixtures::Camera& camera) {
   camera_ = OrbitCamera(camera);
   controls_.exposure_ev = static_cast<float>(camera.exposure_ev);
+  knobs_.nodes = static_cast<std::uint32_t>(options_.nodes);
+  knobs_.tile_error = options_.tile_error;
+  knobs_.body_error_px = options_.body_error_px;
   controls_.nodes = options_.nodes;
+  facts_.quality = options_.quality;
   const double usual_lx = work_light_lx(camera.exposure_ev);
   controls_.work_light = options_.work_light_lx.value_or(by_hand() ? usual_lx : 0) > 0;
   const double asked_lx = options_.work_light_lx.value_or(0);
@@ -255,7 +272,6 @@ void Preview::set_controls(const fixtures::Camera& camera) {
   for (const auto& one : rig_.cameras) facts_.cameras.push_back(one.name);
   for (const auto& fixture : rig_.fixtures) facts_.fixtures.push_back(fixture.name);
   facts_.can_haze = compiled_.needs.haze;
-  facts_.gobos = compiled_.needs.gobo;
 }
 
 // The window opens first and shows the progress, while another thread reads the rig and then makes the frame. A rig
@@ -291,6 +307,7 @@ Result<bool> Preview::open(const StopSignal& signal) {
   set_controls(camera);
   const PixelRect where = place();
   std::future<Status> making = begin([this, where]() -> Status {
+    FL_TRY(make_ladder());
     FL_TRY(rebuild(where));
     return timeline_ ? replay_to(options_.at_ns, 0) : Status{};
   });
@@ -370,16 +387,58 @@ PixelRect Preview::place() const {
           std::max(window_->height(), 1)};
 }
 
+// The curves of this machine, which take seconds to measure the first time, and the knobs that follow from them.
+Status Preview::make_ladder() {
+  const render::QualityRequest& request = options_.quality;
+  if (!(request.error > 0) && !(request.ms > 0)) return {};
+  FL_ASSIGN(const render::KnobCurves curves,
+            machine_knob_curves(*device_, cache_folder(), suited_curve_options(*device_), [this] {
+              if (!options_.json) fmt::print(stderr, "footlight: measuring the knobs of {}\n", device_->name());
+            }));
+  ladder_ = render::ladder_of(curves, compiled_.needs);
+  if (ladder_.empty()) return {};
+  // For a time, the first picture has the knobs nearest the default ones; how long it takes is then known.
+  const auto usual = render::predicted(curves, compiled_.needs, {});
+  const std::size_t start = request.error > 0 ? render::choose(ladder_, request)
+                            : usual           ? render::nearest(ladder_, usual->ms)
+                                              : 0;
+  if (request.ms > 0) keeper_.emplace(ladder_, request.ms, start);
+  follow_knobs(ladder_[start]);
+  return {};
+}
+
+void Preview::follow_knobs(const render::KnobPoint& point) {
+  facts_.chosen = point;
+  knobs_ = point.knobs;
+  controls_.nodes = static_cast<int>(point.knobs.nodes);
+  if (keeper_) controls_.divisor = point.knobs.divisor;
+}
+
+// The measurement of the error exists while the panel shows it, and is made anew for another frame.
+Status Preview::update_error() {
+  const bool shown = controls_.panel == PanelState::kFull && !window_->minimised();
+  if (!shown) {
+    error_.reset();
+    facts_.error = {};
+    error_tried_ = false;
+  } else if (!error_ && !error_tried_) {
+    error_tried_ = true;
+    FL_ASSIGN(error_, render::LiveError::create(*device_, *frame_, compiled_.needs));
+  }
+  return {};
+}
+
 // A frame of the current size, nodes and haze. The states of the fixtures move from the old frame to the new one.
 Status Preview::rebuild(const PixelRect& where) {
   render::FrameSettings settings;
   settings.width = std::max(where.width / controls_.divisor, 1);
   settings.height = std::max(where.height / controls_.divisor, 1);
+  settings = render::with_knobs(settings, knobs_);
   settings.nodes = static_cast<std::uint32_t>(controls_.nodes);
-  settings.tile_error = options_.tile_error;
-  settings.body_error_px = options_.body_error_px;
   settings.edge_samples = options_.edge_samples;
   settings.haze = controls_.haze;
+  error_.reset();
+  error_tried_ = error_drawn_ = false;
   if (frame_) {
     FL_TRY(frame_->change(settings));
   } else {
@@ -517,6 +576,15 @@ Status Preview::read_figures(DurationNs dt_ns) {
     times_.add(static_cast<double>(dt_ns) * 1e-6);
     ++second_frames_;
     FL_ASSIGN(facts_.passes, frame_->read_times());
+    double gpu_ms = 0;
+    for (const auto& pass : facts_.passes) gpu_ms += pass.gpu_ms;
+    if (facts_.passes.empty()) gpu_ms = static_cast<double>(dt_ns) * 1e-6;  // a device without time stamps
+    if (keeper_ && keeper_->take(drawn_ns_, gpu_ms)) follow_knobs(keeper_->point());
+    if (error_ && error_drawn_) {
+      FL_TRY(error_->take(drawn_ns_));
+      facts_.error = error_->estimate();
+      facts_.passes.push_back({"error", error_->gpu_ms()});
+    }
     render::CountsRow counts{};
     std::memcpy(&counts, counts_.mapped, sizeof(counts));
     facts_.live_beams = counts.live_count;
@@ -579,10 +647,17 @@ Status Preview::turn() {
   const render::FrameSettings& settings = frame_->settings();
   const bool other_size = settings.width != std::max(where.width / controls_.divisor, 1) ||
                           settings.height != std::max(where.height / controls_.divisor, 1);
-  if (static_cast<std::uint32_t>(controls_.nodes) != settings.nodes || controls_.haze != settings.haze ||
+  render::Knobs knobs = knobs_;
+  knobs.nodes = static_cast<std::uint32_t>(controls_.nodes);
+  render::Knobs drawn = render::knobs_of(settings);
+  drawn.divisor = knobs.divisor;  // a part of the size
+  if (knobs.gobo_method == render::GoboMethod::kSuited) drawn.gobo_method = knobs.gobo_method;
+  const bool other_knobs = drawn != knobs;
+  if (other_knobs || controls_.haze != settings.haze ||
       (other_size && now_ns - wanted_since_ns_ >= kSettleNs && !window_->minimised())) {
     FL_TRY(rebuild(where));
   }
+  FL_TRY(update_error());
   FL_TRY(step_levels(dt_ns));
   if (window_->minimised()) {  // the fixtures continue without pictures
     shown_ = false;
@@ -606,6 +681,8 @@ Status Preview::draw(const PixelRect& where, TimeNs now_ns) {
   const auto compute = [&](VkCommandBuffer commands) {
     frame_->set_work_light_lx(controls_.work_light ? static_cast<double>(controls_.work_light_lx) : 0);
     frame_->record(commands, render::view_of(camera_.camera()), controls_.exposure_ev);
+    error_drawn_ = error_ != nullptr;
+    if (error_) error_->record(commands);
     render::vk::full_barrier(commands);
     const VkBufferCopy region{0, 0, sizeof(render::CountsRow)};
     vkCmdCopyBuffer(commands, frame_->resources().rig.counts.handle, counts_.handle, 1, &region);
@@ -668,6 +745,13 @@ nlohmann::json Preview::figures() const {
                          {"nodes", frame_->settings().nodes},
                          {"live", facts_.live_beams},
                          {"dark", facts_.dark_beams}};
+  if (facts_.error.samples > 0) {
+    line["error"] = {{"rel_l2", facts_.error.rel_l2},
+                     {"low", facts_.error.low},
+                     {"high", facts_.error.high},
+                     {"samples", facts_.error.samples}};
+  }
+  if (facts_.chosen) line["knobs"] = render::text_of(facts_.chosen->knobs);
   if (facts_.machines > 0) {
     line["haze_per_m"] = facts_.room_haze_per_m + facts_.machine_haze_per_m + facts_.machine_fog_per_m;
   }

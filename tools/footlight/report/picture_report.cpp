@@ -256,6 +256,10 @@ Status fit_row(Frame& frame, const Judged& judged, const std::vector<float>& wit
 
 std::vector<Knob> knobs_of(const PictureReportOptions& options, const fixtures::Needs& needs) {
   std::vector<Knob> knobs;
+  if (options.chosen) {
+    const FrameSettings chosen = render::with_knobs(judged_settings(options), *options.chosen);
+    knobs.push_back({"chosen", chosen.tile_error, chosen});
+  }
   FrameSettings settings = judged_settings(options);
   for (const double error : options.tile_errors) {
     settings.tile_error = error;

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "render/frame.h"
+#include "render/quality.h"
 #include "render/reference/judge.h"
 #include "render/reference/report.h"
 #include "tools/footlight/pictures/shown_view.h"
@@ -33,6 +35,7 @@ struct PictureReportOptions {
   std::vector<std::uint32_t> march_steps{8, 16, 32, 64, 128, 256};
   std::vector<std::uint32_t> gobo_taps{8, 16, 32, 64, 128};  // with the default nodes; for rigs with gobos only
   double body_error_px = 0.5;                                // FrameSettings::body_error_px, of the whole frame
+  std::optional<render::Knobs> chosen;                       // a row of its own, "chosen", the first one
   bool judge = true;                                         // false: only times are measured
   bool rivals = false;                                       // rows of the methods of render/rivals
   bool quick = false;                                        // of those, quick_knobs

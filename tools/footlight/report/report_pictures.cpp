@@ -13,10 +13,13 @@
 #include "render/reference/report.h"
 #include "render/reference/time_judges.h"
 #include "tools/footlight/duration.h"
+#include "tools/footlight/paths.h"
+#include "tools/footlight/pictures/knob_curves.h"
 #include "tools/footlight/pictures/scene_files.h"
 #include "tools/footlight/pictures/start_view.h"
 #include "tools/footlight/pictures/timeline.h"
 #include "tools/footlight/preview/hand_levels.h"
+#include "tools/footlight/report/chosen_knobs.h"
 #include "tools/footlight/report/left_out.h"
 #include "tools/footlight/report/picture_report.h"
 #include "tools/footlight/report/report_fleet.h"
@@ -42,6 +45,8 @@ struct PictureArguments {
   std::string device;
   int runs = 11;
   double body_error_px = render::FrameSettings{}.body_error_px;
+  std::string error;  // "0.1%"
+  std::string ms;
   bool no_judge = false;
   bool rivals = false;
   double row_seconds = PictureReportOptions{}.row_seconds;
@@ -268,7 +273,55 @@ Status report_swept(const PictureArguments& arguments, const ReportOptions& opti
   return report_sweep(*device, sweep, scene, options_of(arguments, size, options), options);
 }
 
+// For --error or --ms: what this machine's curves choose, and the ladder that it comes from.
+Result<ChosenKnobs> choose_knobs(render::vk::Device& device, const Scene& scene, const PictureReportOptions& pictures,
+                                 const render::QualityRequest& request, const ReportOptions& options) {
+  KnobCurveOptions curve_options = suited_curve_options(device);
+  if (options.go_on) {
+    curve_options.go_on = [&](double done, double all) { return options.go_on("knobs of this machine", done, all); };
+  }
+  FL_ASSIGN(const render::KnobCurves curves, machine_knob_curves(device, cache_folder(), curve_options, {}));
+  FL_ASSIGN(const ChosenKnobs chosen,
+            choose_for(device, scene, curves, request, pictures.width, pictures.height, pictures.runs));
+  if (options.json) return chosen;
+  std::string text = "Knobs of this machine that are worth their time, on generated scenes:\n";
+  for (const render::KnobPoint& point : render::ladder_of(curves, scene.compiled.needs)) {
+    text += fmt::format("{:>10.1e}{:>10.3f} ms  {}\n", point.error, point.ms, render::text_of(point.knobs));
+  }
+  options.print(text + "\n");
+  return chosen;
+}
+
+// The figures behind the rows, as text.
+void print_figures(const PictureArguments& arguments, const ReportOptions& options, const PictureReport& report,
+                   std::int64_t pixels, const std::optional<AirReport>& air) {
+  options.print("\n");
+  for (const auto& row : report.rows) {
+    if (row.ms_p10 > 0 && row.ms_p90 / row.ms_p10 > 1.15) {
+      fmt::print("unstable: {} {}: p90 is {:.2f} times p10\n", row.method, row.knob, row.ms_p90 / row.ms_p10);
+    }
+  }
+  if (!arguments.no_judge) {
+    const double costs[] = {1, 4, 16};
+    fmt::print("{}\n", render::summary_of(render::curves_of(report.rows), "ms", costs));
+  }
+  fmt::print("GPU time per pass, tiles with error {:g}:", render::FrameSettings{}.tile_error);
+  for (const auto& pass : report.passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
+  fmt::print("\nThe whole frame as 'footlight render' draws it, bodies and lenses included: {:.3f} ms:",
+             report.whole_ms);
+  for (const auto& pass : report.whole_passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
+  fmt::print("\n{}\n\n{}{}", classes_text(report.classes), bodies_text(report, arguments.body_error_px),
+             edges_text(report, pixels));
+  if (air) {
+    fmt::print(
+        "Air: machines have added {:.4g} /m of haze and {:.4g} /m of fog. Error against integrals over droplets in "
+        "long double: {:.1e} /m after {} steps of at most 40 ms, {:.0f} ns each.\n\n",
+        air->haze_per_m, air->fog_per_m, air->error_per_m, air->steps, air->ns_per_step);
+  }
+}
+
 Status report_pictures(const PictureArguments& arguments, const ReportOptions& options) {
+  FL_ASSIGN(const render::QualityRequest request, render::parse_quality(arguments.error, arguments.ms));
   if (arguments.fleet > 0) return report_fleet(arguments, options);
   const bool generates = arguments.beams > 0 || !arguments.sweep.empty();
   if (generates && (arguments.files.demo || !arguments.files.rig.empty())) {
@@ -299,8 +352,27 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
       options.print(intro_of(scene, arguments, picture_options, so_far));
     };
   }
+  std::optional<ChosenKnobs> chosen;
+  if (request.error > 0 || request.ms > 0) {
+    FL_ASSIGN(chosen, choose_knobs(*device, scene, picture_options, request, options));
+    picture_options.chosen = chosen->predicted.knobs;
+    if (arguments.no_judge && !options.json) options.print(text_of(*chosen));
+  }
   FL_ASSIGN(const PictureReport report, make_picture_report(*device, scene, picture_options));
   if (report.rows.empty()) return {};
+  if (chosen) {
+    const render::PictureRow& row = report.rows.front();
+    if (picture_options.judge) {
+      chosen->judged = row.rel_l2;
+      chosen->judged_low = row.rel_l2_low;
+      chosen->judged_high = row.rel_l2_high;
+    }
+    if (options.json) {
+      options.print(json_of(*chosen));
+    } else if (picture_options.judge) {
+      options.print("\n" + text_of(*chosen));
+    }
+  }
   const auto curves = render::curves_of(report.rows);
   if (options.json) {
     options.print(fmt::format(R"({{"event":"whole-frame","ms_p50":{:.4f}}})"
@@ -321,29 +393,7 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
                  air->haze_per_m, air->fog_per_m, air->error_per_m, air->steps, air->ns_per_step);
     }
   } else {
-    options.print("\n");
-    for (const auto& row : report.rows) {
-      if (row.ms_p10 > 0 && row.ms_p90 / row.ms_p10 > 1.15) {
-        fmt::print("unstable: {} {}: p90 is {:.2f} times p10\n", row.method, row.knob, row.ms_p90 / row.ms_p10);
-      }
-    }
-    if (!arguments.no_judge) {
-      const double costs[] = {1, 4, 16};
-      fmt::print("{}\n", render::summary_of(curves, "ms", costs));
-    }
-    fmt::print("GPU time per pass, tiles with error {:g}:", render::FrameSettings{}.tile_error);
-    for (const auto& pass : report.passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
-    fmt::print("\nThe whole frame as 'footlight render' draws it, bodies and lenses included: {:.3f} ms:",
-               report.whole_ms);
-    for (const auto& pass : report.whole_passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
-    fmt::print("\n{}\n\n{}{}", classes_text(report.classes), bodies_text(report, arguments.body_error_px),
-               edges_text(report, std::int64_t{size.width} * size.height));
-    if (air) {
-      fmt::print(
-          "Air: machines have added {:.4g} /m of haze and {:.4g} /m of fog. Error against integrals over droplets in "
-          "long double: {:.1e} /m after {} steps of at most 40 ms, {:.0f} ns each.\n\n",
-          air->haze_per_m, air->fog_per_m, air->error_per_m, air->steps, air->ns_per_step);
-    }
+    print_figures(arguments, options, report, std::int64_t{size.width} * size.height, air);
   }
   FL_TRY(report_left_out(*device, scene, picture_options, options));
   if (!options.csv.empty()) FL_TRY(write_report_file(options.csv, render::csv_of(report.rows)));
@@ -378,6 +428,8 @@ ReportHalf add_report_pictures(Arguments& arguments) {
   arguments.option("--runs", chosen->runs, 3, 1000, "timed frames per row");
   arguments.option("--body-error", chosen->body_error_px, 0, 1000,
                    "error of fixture bodies in pixels, in the whole frame; 0: whole models");
+  arguments.option("--error", chosen->error, "SHARE", "choose the knobs for this error, as in 0.1%, and measure them");
+  arguments.option("--ms", chosen->ms, "MS", "choose the knobs for this GPU time of a frame, and measure them");
   arguments.option("--device", chosen->device, "TEXT", "the Vulkan device whose name contains this text");
   arguments.flag("--no-judge", chosen->no_judge, "measure times only, no errors");
   arguments.flag("--rivals", chosen->rivals,
