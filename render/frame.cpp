@@ -502,6 +502,13 @@ Result<std::vector<BeamRow>> Frame::read_beams() {
   return beams;
 }
 
+Result<GatesHead> Frame::read_gates() {
+  GatesHead gates{};
+  if (resources_.rig.gobo_queue_empty.gates == 0) return gates;
+  FL_TRY(read_buffer(resources_.rig.gates, &gates, sizeof(gates)));
+  return gates;
+}
+
 Result<BodyCounts> Frame::read_bodies() {
   const RigTables& rig = resources_.rig;
   BodyCounts counts{

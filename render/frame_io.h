@@ -27,6 +27,8 @@ static_assert(sizeof(TreeRow) == 32);
 static_assert(sizeof(BodyVertexRow) == 28);
 static_assert(sizeof(BodySlotRow) == 16);
 static_assert(sizeof(GoboTableRow) == 48);
-static_assert(sizeof(GoboQueue) == 48);
+static_assert(sizeof(GoboQueue) == 80);
+static_assert(sizeof(GateRow) == 32);
+static_assert(sizeof(GatesHead) == 16);
 static_assert(sizeof(RecheckRow) == 48);
 }  // namespace footlight::render

@@ -17,13 +17,29 @@ std::size_t profile_index(float profile_power) {
 
 }  // namespace
 
-GoboTablePlan plan_gobo_tables(const fixtures::CompiledRig& compiled, const std::vector<std::uint32_t>& planes) {
+GoboTablePlan plan_gobo_tables(const fixtures::CompiledRig& compiled, const std::vector<std::uint32_t>& planes,
+                               std::uint32_t gates) {
   const std::size_t count = compiled.images.size();
   FL_CHECK_EQ(planes.size(), count);
   // Of each image, the profiles of the types that show it; and whether it stands in a gobo wheel at all.
   std::vector<std::uint32_t> profiles(count, 0);
   std::vector<bool> in_wheel(count, false);
+  GoboTablePlan plan;
+  bool several = false;  // images may stand behind each other
   for (const fixtures::TypeRow& type : compiled.types) {
+    const auto images_of = [&](std::uint32_t wheel_index) {
+      const fixtures::WheelRow& wheel = compiled.wheels[type.wheel_first + wheel_index];
+      std::uint32_t images = 0;
+      for (std::uint32_t s = 0; s < wheel.slot_count; ++s) {
+        const std::uint32_t image = compiled.wheel_slots[wheel.slot_first + s].image;
+        if (image == 0) continue;
+        plan.gate_planes = std::max(plan.gate_planes, planes[image - 1]);
+        ++images;
+      }
+      return images;
+    };
+    several |= images_of(fixtures::kWheelAnimation) > 0;
+    several |= images_of(fixtures::kWheelGobo1) > 0 && images_of(fixtures::kWheelGobo2) > 0;
     for (const std::uint32_t wheel_index : {fixtures::kWheelGobo1, fixtures::kWheelGobo2}) {
       const fixtures::WheelRow& wheel = compiled.wheels[type.wheel_first + wheel_index];
       for (std::uint32_t s = 0; s < wheel.slot_count; ++s) {
@@ -35,7 +51,6 @@ GoboTablePlan plan_gobo_tables(const fixtures::CompiledRig& compiled, const std:
       }
     }
   }
-  GoboTablePlan plan;
   std::uint64_t bytes = 0;
   const auto take = [&](std::uint32_t& layers, std::uint32_t wanted, std::uint64_t layer_bytes) -> std::uint32_t {
     if (bytes + wanted * layer_bytes > kGoboTableBytesMax) return 0;
@@ -44,7 +59,7 @@ GoboTablePlan plan_gobo_tables(const fixtures::CompiledRig& compiled, const std:
     return layers - wanted + 1;
   };
   for (std::size_t i = 0; i < count; ++i) {
-    plan.rows.push_back({.planes = planes[i], .lines = 0, .built = 0, .pad = 0, .whole = {}});
+    plan.rows.push_back({.planes = planes[i], .lines = 0, .built = 0, .gate = 0, .whole = {}});
     if (in_wheel[i]) plan.rows[i].lines = take(plan.lines_layers, planes[i], kGoboLinesBytes);
   }
   for (std::size_t i = 0; i < count; ++i) {
@@ -53,6 +68,11 @@ GoboTablePlan plan_gobo_tables(const fixtures::CompiledRig& compiled, const std:
       if (shown) plan.rows[i].whole[p] = take(plan.whole_layers, planes[i], kGoboWholeBytes);
     }
   }
+  if (count == 0) return plan;
+  plan.gates = static_cast<std::uint32_t>(
+      std::min<std::uint64_t>({several ? gates : std::min(gates, kGatesBetweenSlots), FL_GATES_MAX,
+                               kGateBytesMax / (plan.gate_planes * kGateBytes)}));
+  plan.rows.resize(count + plan.gates, {.planes = 1, .lines = 0, .built = 0, .gate = 0, .whole = {}});
   return plan;
 }
 

@@ -169,13 +169,21 @@ constexpr TableEntry kTables[] = {
 
 // Those of the other buffers that stand in RigTables: their rows do not lie in the compiled rig.
 constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
-    {FL_BINDING_BLADES, &R::blades},           {FL_BINDING_BOXES, &R::boxes},
-    {FL_BINDING_INSTANCES, &R::slots},         {FL_BINDING_BODY_MESHES, &R::meshes},
-    {FL_BINDING_BODY_LEVELS, &R::body_levels}, {FL_BINDING_BODY_VERTICES, &R::vertices},
-    {FL_BINDING_BODY_INDICES, &R::indices},    {FL_BINDING_BODY_CHOICES, &R::choices},
-    {FL_BINDING_BODY_TREES, &R::trees},        {FL_BINDING_HEAD_SLOTS, &R::head_slots},
-    {FL_BINDING_BODY_DRAWN, &R::drawn},        {FL_BINDING_BODY_DRAWS, &R::draws},
-    {FL_BINDING_GOBO_TABLES, &R::gobo_tables}, {FL_BINDING_GOBO_QUEUE, &R::gobo_queue}};
+    {FL_BINDING_BLADES, &R::blades},
+    {FL_BINDING_BOXES, &R::boxes},
+    {FL_BINDING_INSTANCES, &R::slots},
+    {FL_BINDING_BODY_MESHES, &R::meshes},
+    {FL_BINDING_BODY_LEVELS, &R::body_levels},
+    {FL_BINDING_BODY_VERTICES, &R::vertices},
+    {FL_BINDING_BODY_INDICES, &R::indices},
+    {FL_BINDING_BODY_CHOICES, &R::choices},
+    {FL_BINDING_BODY_TREES, &R::trees},
+    {FL_BINDING_HEAD_SLOTS, &R::head_slots},
+    {FL_BINDING_BODY_DRAWN, &R::drawn},
+    {FL_BINDING_BODY_DRAWS, &R::draws},
+    {FL_BINDING_GOBO_TABLES, &R::gobo_tables},
+    {FL_BINDING_GOBO_QUEUE, &R::gobo_queue},
+    {FL_BINDING_GATES, &R::gates}};
 
 // Words of a supertile's mask. They come in pairs, as one group of the tile pass writes them.
 std::uint32_t mask_words_of(const CompiledRig& compiled) {
@@ -257,11 +265,18 @@ GoboTablePlan largest_gobo_tables(const MemoryShape& shape) {
   for (const fixtures::ImageSource& image : shape.compiled.images) {
     planes.push_back(image.name.starts_with(fixtures::kBuiltinImage) ? 1 : 3);
   }
-  return plan_gobo_tables(shape.compiled, planes);
+  return plan_gobo_tables(shape.compiled, planes, shape.settings.gobo_gates);
 }
 
+// Tables of each kind that a frame may build.
+std::uint64_t gobo_jobs_max(const CompiledRig& compiled) {
+  return std::uint64_t{FL_GOBO_PROFILES} * compiled.images.size() + FL_GATES_MAX;
+}
 std::uint64_t gobo_queue_bytes(const CompiledRig& compiled) {
-  return sizeof(GoboQueue) + std::uint64_t{8} * FL_GOBO_PROFILES * compiled.images.size();
+  return sizeof(GoboQueue) + 8 * gobo_jobs_max(compiled) + std::uint64_t{4} * FL_GATES_MAX;
+}
+std::uint64_t gates_bytes(const GoboTablePlan& plan) {
+  return plan.gates > 0 ? sizeof(GatesHead) + std::uint64_t{2} * plan.gates * sizeof(GateRow) : 0;
 }
 
 // A table of gobos and, where there is none, a texel, since shaders name it.
@@ -272,15 +287,30 @@ Result<vk::Image> gobo_table_image(vk::Device& device, std::uint32_t columns, st
 }
 
 Status make_gobo_tables(vk::Device& device, const CompiledRig& compiled, const GoboTablePlan& plan, RigTables& r) {
-  r.gobo_jobs_max = static_cast<std::uint32_t>(FL_GOBO_PROFILES * compiled.images.size());
+  r.gobo_queue_empty = {
+      .whole_groups = {FL_GOBO_CHORDS / FL_GROUP_GOBOS, FL_GOBO_ANGLES + 1, 0, 0},
+      .lines_groups = {FL_GOBO_LINES / FL_GROUP_GOBOS, FL_GOBO_DIRECTIONS, 0, 0},
+      .gate_groups = {FL_GATE_PX / FL_GROUP_GATE_PX, FL_GATE_PX / FL_GROUP_GATE_PX, 0, 0},
+      .capacity = static_cast<std::uint32_t>(gobo_jobs_max(compiled)),
+      .gates = plan.gates,
+      .gate_builds = 0,
+      .gate_planes = plan.gate_planes,
+      .gate_row = static_cast<std::uint32_t>(compiled.images.size()),
+      .gate_whole_layer = plan.whole_layers,
+      .gate_lines_layer = plan.lines_layers,
+      .pad = 0,
+  };
+  const std::uint32_t gate_layers = plan.gates * plan.gate_planes;
   FL_ASSIGN(r.gobo_tables, vk::Buffer::table(device, plan.rows));
   FL_ASSIGN(r.gobo_queue, zeroed(device, gobo_queue_bytes(compiled), VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
-  FL_ASSIGN(r.gobo_whole,
-            gobo_table_image(device, FL_GOBO_CHORDS, kGoboWholeRows, plan.whole_layers, VK_FORMAT_R16G16B16A16_SFLOAT));
-  FL_ASSIGN(r.gobo_lines,
-            gobo_table_image(device, FL_GOBO_LINES, kGoboLinesRows, plan.lines_layers, VK_FORMAT_R16G16_UNORM));
+  FL_ASSIGN(r.gobo_whole, gobo_table_image(device, FL_GOBO_CHORDS, kGoboWholeRows, plan.whole_layers + gate_layers,
+                                           VK_FORMAT_R16G16B16A16_SFLOAT));
+  FL_ASSIGN(r.gobo_lines, gobo_table_image(device, FL_GOBO_LINES, kGoboLinesRows, plan.lines_layers + gate_layers,
+                                           VK_FORMAT_R16G16_UNORM));
+  FL_ASSIGN(r.gates, zeroed(device, std::max<std::uint64_t>(gates_bytes(plan), 16)));
+  FL_ASSIGN(r.gate_images, gobo_table_image(device, FL_GATE_PX, FL_GATE_PX, gate_layers, VK_FORMAT_R16_SFLOAT));
   return device.run_once([&](VkCommandBuffer commands) {
-    for (const vk::Image* image : {&r.gobo_whole, &r.gobo_lines}) {
+    for (const vk::Image* image : {&r.gobo_whole, &r.gobo_lines, &r.gate_images}) {
       vk::change_layout(commands, *image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
     }
   });
@@ -311,8 +341,19 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_GOBOS: return gobo_bytes(shape);
     case FL_BINDING_GOBO_TABLES: return largest_gobo_tables(shape).rows.size() * sizeof(GoboTableRow);
     case FL_BINDING_GOBO_QUEUE: return gobo_queue_bytes(shape.compiled);
-    case FL_BINDING_GOBO_WHOLE_OUT: return largest_gobo_tables(shape).whole_layers * kGoboWholeBytes;
-    case FL_BINDING_GOBO_LINES_OUT: return largest_gobo_tables(shape).lines_layers * kGoboLinesBytes;
+    case FL_BINDING_GOBO_WHOLE_OUT: {
+      const GoboTablePlan plan = largest_gobo_tables(shape);
+      return (plan.whole_layers + plan.gates * plan.gate_planes) * kGoboWholeBytes;
+    }
+    case FL_BINDING_GOBO_LINES_OUT: {
+      const GoboTablePlan plan = largest_gobo_tables(shape);
+      return (plan.lines_layers + plan.gates * plan.gate_planes) * kGoboLinesBytes;
+    }
+    case FL_BINDING_GATES: return gates_bytes(largest_gobo_tables(shape));
+    case FL_BINDING_GATE_IMAGES_OUT: {
+      const GoboTablePlan plan = largest_gobo_tables(shape);
+      return plan.gates * plan.gate_planes * kGateImageBytes;
+    }
     case FL_BINDING_MASKS: return mask_bytes(settings, mask_words_of(shape.compiled));
     case FL_BINDING_TILE_DEPTHS:
       return tile_depth_bytes(settings, has_tile_classes(shape.needs, settings) && has_solids(shape.needs, settings));
@@ -394,11 +435,12 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   if (used[FL_BINDING_GOBO_TABLES]) {
     gobo_planes.resize(compiled.images.size(), 1);
     GoboTablePlan plan;
-    if (has_gobo_tables(shape.needs, shape.settings)) plan = plan_gobo_tables(compiled, gobo_planes);
+    if (has_gobo_tables(shape.needs, shape.settings))
+      plan = plan_gobo_tables(compiled, gobo_planes, shape.settings.gobo_gates);
     if (device.limits().maxImageDimension2D < kGoboLinesRows) {
       // Vulkan guarantees 4096: such a device samples all gobos.
-      for (GoboTableRow& row : plan.rows) row = {.planes = row.planes, .lines = 0, .built = 0, .pad = 0, .whole = {}};
-      plan.lines_layers = plan.whole_layers = 0;
+      for (GoboTableRow& row : plan.rows) row = {.planes = row.planes, .lines = 0, .built = 0, .gate = 0, .whole = {}};
+      plan.lines_layers = plan.whole_layers = plan.gates = 0;
     }
     FL_TRY(make_gobo_tables(device, compiled, plan, r));
   }
@@ -488,14 +530,16 @@ void Resources::bind_all() {
     bindings.set_image(FL_BINDING_GOBO_WHOLE_OUT, rig.gobo_whole);
     bindings.set_image(FL_BINDING_GOBO_LINES, rig.gobo_lines);
     bindings.set_image(FL_BINDING_GOBO_LINES_OUT, rig.gobo_lines);
+    bindings.set_image(FL_BINDING_GATE_IMAGES, rig.gate_images);
+    bindings.set_image(FL_BINDING_GATE_IMAGES_OUT, rig.gate_images);
   }
   bindings.set_image(FL_BINDING_SURFACE_ID, picture.surface_id);
   bindings.set_image(FL_BINDING_DEPTH, picture.depth);
   bindings.set_image(FL_BINDING_EDGES, picture.edges);
   bindings.set_image(FL_BINDING_RADIANCE, picture.radiance);
   bindings.set_image(FL_BINDING_SCREEN, picture.screen);
-  for (const vk::Image* image : {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &picture.surface_id, &picture.depth,
-                                 &picture.edges, &picture.radiance, &picture.screen}) {
+  for (const vk::Image* image : {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images, &picture.surface_id,
+                                 &picture.depth, &picture.edges, &picture.radiance, &picture.screen}) {
     total_bytes += image->size_bytes;
   }
 }

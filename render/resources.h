@@ -48,6 +48,9 @@ struct RigTables {
   // Tables of gobos in haze, filled as lit beams show them: GoboTableRow, GoboQueue, and the two kinds of tables.
   vk::Buffer gobo_tables, gobo_queue;
   vk::Image gobo_whole, gobo_lines;
+  // Gates (render/shaders/gates.comp): GatesHead with GateRow, and their images.
+  vk::Buffer gates;
+  vk::Image gate_images;
 
   // Per frame.
   vk::Buffer params;             // FrameParams
@@ -81,7 +84,7 @@ struct RigTables {
   std::uint32_t dowser_count = 0;
   std::uint32_t smooth_count = 0;  // Flexes, then Smooths
   std::uint32_t beams_max = 0;
-  std::uint32_t gobo_jobs_max = 0;  // of each kind of tables
+  GoboQueue gobo_queue_empty{};  // as a frame begins
   std::uint32_t box_count = 0;
   std::uint32_t slot_count = 0;         // bodies
   std::uint32_t mesh_count = 0;         // of bodies

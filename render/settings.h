@@ -37,7 +37,12 @@ struct FrameSettings {
   std::uint32_t tile_beams = 128;
   GoboMethod gobo_method = GoboMethod::kSuited;
   std::uint32_t gobo_taps = 128;  // samples of the gobo along one ray through one beam
-  bool bodies = true;             // draw fixture bodies
+  // Gates: whatever stands in a beam beside one still image is drawn as an image with tables of its own, for as many
+  // states as this, up to FL_GATES_MAX. A new frame takes their memory (kGateBytes each, gobo_tables.h); change() does
+  // not. A frame draws at most gate_builds of them, 0.3 ms each on an H200; beams whose gate has no image are sampled.
+  std::uint32_t gobo_gates = 16;
+  std::uint32_t gate_builds = 8;
+  bool bodies = true;  // draw fixture bodies
   // Error in the picture that a plainer model of a body may have, in pixels; 0: whole models. A body is left out if its
   // diameter is below an eighth of that.
   double body_error_px = 0.5;

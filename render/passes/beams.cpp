@@ -1,9 +1,11 @@
 #include "render/passes/beams.h"
 
+#include <algorithm>
 #include <cstddef>
 
 #include "render/passes/compute_pass.h"
 #include "shaders/beams.comp.h"
+#include "shaders/gobobeams.comp.h"
 
 namespace footlight::render {
 
@@ -34,12 +36,16 @@ const PassEntry kBeamsPass{
            settings.gobo_method == GoboMethod::kSuited ? FL_GOBO_TABLES : static_cast<uint>(settings.gobo_method)}};
     },
     [](const PassContext& context) {
-      return make_compute_pass(context, kBeamsComp,
+      const bool gobos = std::find(context.constants.begin(), context.constants.end(),
+                                   vk::SpecConstant{FL_SPEC_GOBO, 1}) != context.constants.end();
+      return make_compute_pass(context, gobos ? vk::Spirv(kGobobeamsComp) : vk::Spirv(kBeamsComp),
                                [counts = context.resources.rig.counts.handle](VkCommandBuffer commands) {
                                  vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, beams_groups));
                                });
     },
-    [] { return std::vector<std::vector<vk::Spirv>>{{kBeamsComp}}; },
+    [] {
+      return std::vector<std::vector<vk::Spirv>>{{kBeamsComp}, {kGobobeamsComp}};
+    },
     "beams in the air"};
 
 }  // namespace footlight::render

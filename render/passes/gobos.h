@@ -1,5 +1,5 @@
 // Tables of gobos for light in the haze (render/shaders/lib/gobo_chord.glsl): each is built in the first frame in which
-// a lit beam shows its image.
+// a lit beam shows its image. Before them the images of gates (render/shaders/gates.comp).
 #pragma once
 
 #include "render/pass.h"

@@ -1,6 +1,6 @@
 #version 460
 // Light in the haze, pixel by pixel: adds the in-scattered light of every beam along the pixel's ray, up to the surface
-// it shows. With tile classes, of the beams that the fine pass has left.
+// it shows. With tile classes, of the beams that the fine pass has left. FL_GOBO_BEAMS: beams may have gobos.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
@@ -16,10 +16,16 @@
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/forms.glsl"
 #include "render/shaders/lib/view.glsl"
+#ifdef FL_GOBO_BEAMS
 #include "render/shaders/lib/gobo.glsl"
+#else
+#include "render/shaders/lib/blades.glsl"
+#endif
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#ifdef FL_GOBO_BEAMS
 #include "render/shaders/lib/gobo_chord.glsl"
+#endif
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/thin.glsl"
 
@@ -41,6 +47,13 @@ layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
 layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
 
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
+
+// The code of gobos is long: once in the shader, and not once a row.
+#if defined(FL_GOBO_BEAMS) && !defined(FL_UNROLLED)
+#define FL_EACH_ROW [[dont_unroll]]
+#else
+#define FL_EACH_ROW [[unroll]]
+#endif
 
 void main() {
   Medium medium = Medium(params.anisotropy, params.position.w);
@@ -71,12 +84,16 @@ void main() {
       bool measured = kMeasured && row.measured != 0u;
       // A rectangle's profile is the product of two.
       if (kRectangle && row.squeeze > 0.0) nodes = min(kNodes + 5u, 8u);
-      gobo_begin(row);
+#ifdef FL_GOBO_BEAMS
+      gobo_begin(index);
       bool gobo = has_gobo(row);
+#else
+      const bool gobo = false;
+#endif
       bool plain = thin_is_plain(row, gobo);
       bool thin = thin_in_haze_applies(row);
       if (thin && plain) nodes = min(max(nodes, kNodes + 1u), 8u);  // (1 - rho^2)^3
-      [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
+      FL_EACH_ROW for (int i = 0; i < FL_ROWS; ++i) {
         vec3 eye = row.eye.xyz;
         vec3 ray = to_light(row, d[i]);
         BeamShape beam = shape;
@@ -95,6 +112,7 @@ void main() {
         }
         if (seen) {
           vec3 value;
+#ifdef FL_GOBO_BEAMS
           if (gobo) {
             if (kMethod == uint(FL_METHOD_MARCH)) {
               gobo_sample = 0u;
@@ -103,7 +121,9 @@ void main() {
             } else {
               value = gobo_inscatter(row, beam, medium, chord, ray, kExtinction);
             }
-          } else if (kMethod == uint(FL_METHOD_MARCH)) {
+          } else
+#endif
+          if (kMethod == uint(FL_METHOD_MARCH)) {
             value = vec3(chord_inscatter_march(beam, medium, chord, ray, kNodes, kExtinction));
           } else if (measured) {
             value = vec3(chord_inscatter_measured(beam, medium, chord, ray, kNodes, kExtinction));

@@ -19,6 +19,7 @@ void main() {
   uint job = gobo_jobs[gl_WorkGroupID.z];
   uint image = job & 0xffffu;
   uint profile = job >> 16;
+  GoboTableRow table = gobo_tables[image - 1u];
   uint i = gl_GlobalInvocationID.x;
   float angle = kPi * float(gl_WorkGroupID.y) / float(FL_GOBO_ANGLES);
   vec2 direction = vec2(cos(angle), sin(angle));
@@ -34,7 +35,7 @@ void main() {
   for (uint k = 0u; k < n; ++k) {
     float y = (2.0 * float(k) + 1.0) / float(n) - 1.0;
     float s = y * half_chord;
-    vec3 light = gobo_sample_at(image, direction, offset, s) * beam_profile(s * s + offset * offset, power);
+    vec3 light = gobo_sample_at(table, image, direction, offset, s) * beam_profile(s * s + offset * offset, power);
     m0 += light;
     light *= y;
     m1 += light;
@@ -54,7 +55,6 @@ void main() {
   vec3 b = even_inner - odd_inner;
   vec3 c = even_inner + odd_inner;
   vec3 d = even_outer + odd_outer;
-  GoboTableRow table = gobo_tables[image - 1u];
   uint layer = table.whole[profile] - 1u;
   float scale = 0.5 / float(n);
   for (uint plane = 0u; plane < table.planes; ++plane) {

@@ -30,7 +30,7 @@ void main() {
     }
     for (uint k = 0u; k < kBetween; ++k) {
       float s = (float(node * kBetween + k) + 0.5) * kStep - 1.0;
-      vec3 light = gobo_sample_at(image, direction, offset, s) * kStep;
+      vec3 light = gobo_sample_at(table, image, direction, offset, s) * kStep;
       sum += light;
       first += light * s;
     }

@@ -17,6 +17,7 @@ void main() {
   uint index = gl_GlobalInvocationID.x;
   if (index >= counts.live_count) return;
   BeamRow row = beams[index];
+  if (has_several_images(row)) return;  // gates.comp has queued those of gates
   GoboImage only = gobo_only_image(row);
   if (gobo_lines_layer(row, only) != 0u) {
     if ((atomicOr(gobo_tables[only.image - 1u].built, FL_GOBO_LINES_BUILT) & FL_GOBO_LINES_BUILT) == 0u) {

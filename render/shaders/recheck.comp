@@ -168,7 +168,7 @@ void main() {
   vec3 air = vec3(0.0);
   for (uint index = empty ? counts.live_count : lane; index < counts.live_count; index += kThreads) {
     BeamRow row = beams[index];
-    gobo_begin(row);
+    gobo_begin(index);
     if (surface.kind != kNothing) lx += light_on_surface(row, index, medium, surface, offset_m);
     if (params.forward.w > 0.0) air += light_in_air(row, index, medium, d, surface.t_m);
   }

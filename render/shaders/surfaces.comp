@@ -76,7 +76,7 @@ void add_shaped_beam(uint index, Medium medium, bool off_plane) {
   BeamRow row = beams[index];
   BeamShape beam = beam_shape(row);
   beam.profile_power = drawn_profile(beam.profile_power);
-  gobo_begin(row);
+  gobo_begin(index);
   bool gobo = has_gobo(row);
   bool plain = thin_is_plain(row, gobo);
   bool thin = beam_thin(row) > 0.0;

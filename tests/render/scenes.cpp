@@ -302,6 +302,31 @@ Scene optics_scene(bool with_focus, bool stacked) {
   return scene;
 }
 
+Scene gates_scene(int count) {
+  Scene scene = optics_scene(false);
+  FixtureType& type = scene.rig.types[0];
+  Mode& mode = type.modes[0];
+  type.wheels.push_back(type.wheels[0]);
+  type.wheels.back().name = "Gobos 2";
+  for (const char* attribute : {"Gobo2WheelIndex", "Gobo2Pos"}) {
+    mode.channels.push_back(channel({mode.slot_count, mode.slot_count + 1}, attribute, 0, 360, 0));
+    mode.slot_count += 2;
+  }
+  mode.channels[mode.channels.size() - 2].functions.front().wheel = static_cast<int>(type.wheels.size()) - 1;
+  REQUIRE(problems(type).empty());
+  const PatchedFixture first = scene.rig.fixtures[0];
+  for (int i = 1; i < count; ++i) {
+    PatchedFixture lamp = first;
+    lamp.name = fmt::format("Lamp {}", i + 1);
+    lamp.address = first.address + i * mode.slot_count;
+    lamp.position_m.x += i;
+    scene.rig.fixtures.push_back(lamp);
+  }
+  scene.compile();
+  for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) scene.set(i, "Zoom", 24);
+  return scene;
+}
+
 std::string flood_ies(double away_deg, double width_deg) {
   constexpr double kRad = std::numbers::pi / 180;
   std::string text = "IESNA:LM-63-2002\n[LUMINAIRE] Flood\nTILT=NONE\n1 -1 1 19 13 1 2 0 0 0\n1 1 100\n";

@@ -67,6 +67,9 @@ inline constexpr int kLampDimmerSlot = 0;  // offset of the dimmer's slot from a
 // and are turned by 0, 72 and 144 degrees, and there are Prism1Pos, Prism2 (open, two facets: one mirrored, one turned
 // and larger), Prism2Pos and Frost2.
 [[nodiscard]] Scene optics_scene(bool with_focus, bool stacked = false);
+// `count` lamps of optics_scene(false), 1 m apart, with a second gobo wheel: Gobo2WheelIndex (open, dots, bars, star)
+// and Gobo2Pos.
+[[nodiscard]] Scene gates_scene(int count);
 // A generated IES file: a lamp of 0 to 90 degrees in steps of 5, and of 12 planes. It is brightest in a spot of about
 // `width_deg`, `away_deg` from its axis towards its top, with a twentieth of that everywhere else.
 [[nodiscard]] std::string flood_ies(double away_deg, double width_deg);

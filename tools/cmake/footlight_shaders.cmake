@@ -1,6 +1,6 @@
 # footlight_shaders(TARGET SHADER...): a target that compiles files of the folder shaders/ into headers with one array
 # each: step.comp -> shaders/step.comp.h with kStepComp, in the binary folder. Depfiles rebuild exactly the users of a
-# changed include.
+# changed include. FOOTLIGHT_SOURCE_x: another file that x is compiled from; FOOTLIGHT_DEFINES_x: its -D options.
 #
 # spirv-opt puts all functions of a shader into its main(): on an NVIDIA H200 calls that a pipeline never makes took 1.8
 # times the time of its beams, because the driver had not inlined the others (docs/decisions/0109).
@@ -24,12 +24,15 @@ function(footlight_shaders target)
     string(SUBSTRING ${CMAKE_MATCH_2} 1 -1 stage_rest)
     string(TOUPPER ${stage_first} stage_first)
     set(source ${CMAKE_CURRENT_SOURCE_DIR}/shaders/${shader})
+    if(DEFINED FOOTLIGHT_SOURCE_${shader})
+      set(source ${CMAKE_CURRENT_SOURCE_DIR}/shaders/${FOOTLIGHT_SOURCE_${shader}})
+    endif()
     set(header ${CMAKE_CURRENT_BINARY_DIR}/shaders/${shader}.h)
     set(spirv ${CMAKE_CURRENT_BINARY_DIR}/shaders/${shader}.spv)
     add_custom_command(
       OUTPUT ${spirv}
-      COMMAND ${GLSLANG} --quiet --target-env vulkan1.3 -I${CMAKE_SOURCE_DIR} --depfile ${spirv}.d -o ${spirv}
-              ${source}
+      COMMAND ${GLSLANG} --quiet --target-env vulkan1.3 -I${CMAKE_SOURCE_DIR} ${FOOTLIGHT_DEFINES_${shader}}
+              --depfile ${spirv}.d -o ${spirv} ${source}
       DEPENDS ${source}
       DEPFILE ${spirv}.d
       VERBATIM)

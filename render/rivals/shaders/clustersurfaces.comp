@@ -41,7 +41,7 @@ vec3 own_law(BeamRow row, vec3 place_m, vec3 normal) {
 }
 
 vec3 our_law(BeamRow row, uint index, vec3 place_m, vec3 normal) {
-  BeamShape shape = begin_beam(row);
+  BeamShape shape = begin_beam(row, index);
   vec3 p = row.eye.xyz + to_light(row, place_m);
   vec2 rho;
   float r_m;

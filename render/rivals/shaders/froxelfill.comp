@@ -27,7 +27,7 @@ vec3 light_there(vec2 pixel, float depth_m) {
     for (uint rest = masks[first + w]; rest != 0u; rest &= rest - 1u) {
       uint index = w * 32u + uint(findLSB(rest));
       BeamRow row = beams[index];
-      BeamShape shape = begin_beam(row);
+      BeamShape shape = begin_beam(row, index);
       total += scattered_at(row, index, shape, to_light(row, d), depth_m * per_depth);
     }
   }

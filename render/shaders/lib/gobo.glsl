@@ -1,20 +1,19 @@
 // Gobo images and blades: what stands in a beam. Layer i holds image i + 1; transmission over the square -1..1 of the
 // gobo plane. Two wheels and an animation wheel lie behind each other, and an iris shows the middle of them. After
-// forms.glsl.
+// forms.glsl, with FL_USE_BEAMS.
 #include "render/shaders/lib/has_gobo.glsl"
+#include "render/shaders/lib/blades.glsl"
 layout(constant_id = FL_SPEC_GOBO_TAPS) const uint kGoboTaps = 16;
-layout(constant_id = FL_SPEC_BLADES) const bool kBlades = false;
 layout(constant_id = FL_SPEC_FOCUS) const bool kFocus = false;
 layout(constant_id = FL_SPEC_ANIMATION) const bool kAnimation = false;
-layout(set = 0, binding = FL_BINDING_GOBOS) uniform sampler2DArray gobo_images;
-layout(set = 0, binding = FL_BINDING_BLADES, std430) readonly buffer BladesBuffer { BladesRow blades[]; };
-#include "render/shaders/shared/optics.h"
+#include "render/shaders/lib/gobo_wheel.glsl"
 
-// Of the beam that is being drawn.
-BeamRow gobo_row;
+// Of the beam that is being drawn. Its row is read where it is used: a global copy would be stored for each beam.
+uint gobo_beam;
+#define gobo_row beams[gobo_beam]
 uint gobo_sample;  // how many looks at its images there were
-void gobo_begin(BeamRow row) {
-  gobo_row = row;
+void gobo_begin(uint beam) {
+  gobo_beam = beam;
   gobo_sample = 0u;
 }
 
@@ -26,23 +25,6 @@ vec2 gobo_spread(uint look) {
   vec2 u = fract(vec2(0.5) + float(look) * vec2(0.7548776662466927, 0.5698402909980532));
   float angle = 6.283185307179586 * u.y;
   return sqrt(u.x) * vec2(cos(angle), sin(angle));
-}
-
-vec3 gobo_image(uint image, vec2 p, float lod) {
-  return textureLod(gobo_images, vec3(0.5 * p + 0.5, float(image) - 1.0), lod).rgb;
-}
-
-vec3 gobo_wheel(uint image, uint next, float offset, vec2 turn, vec2 p, float lod) {
-  float open = 1.0;
-  if (offset != 0.0) {
-    vec2 at;
-    image = wheel_slot_at(p, offset, at) ? next : image;
-    p = at;
-    // The rim of the opening, a texel and a half wide.
-    open = clamp((1.0 - length(p)) / 0.006 + 0.5, 0.0, 1.0);
-  }
-  if (image == 0u) return vec3(open);
-  return open * gobo_image(image, vec2(turn.x * p.x + turn.y * p.y, turn.x * p.y - turn.y * p.x), lod);
 }
 
 // Where a place in the beam lies in its gate.
@@ -72,9 +54,7 @@ vec3 gobo_at(uint gobo, vec2 rho, float z_m) {
                           vec2(gobo_row.gobo_2_cos, gobo_row.gobo_2_sin), p, lod);
   }
   if (kAnimation && gobo_row.animation != 0u) {
-    vec2 at = (p - vec2(kAnimationAwayX, 0.0)) / kAnimationRadius;
-    vec2 turn = vec2(gobo_row.animation_cos, gobo_row.animation_sin);
-    through *= gobo_image(gobo_row.animation, vec2(turn.x * at.x + turn.y * at.y, turn.x * at.y - turn.y * at.x), lod);
+    through *= gobo_animation(gobo_row.animation, vec2(gobo_row.animation_cos, gobo_row.animation_sin), p, lod);
   }
   return through;
 }

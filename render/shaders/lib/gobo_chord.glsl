@@ -1,10 +1,10 @@
 // Light in the haze of a beam with images in it, for any pass: gobo_inscatter(). After forms.glsl, gobo.glsl, gauss.h
 // and beam.h.
 //
-// One sharp image has tables (the pass of gobos builds them): a chord across the whole disc is one texel, four weights
-// of the nodes of W. A chord that is cut, by a surface, a blade or an iris, is sums along lines of the nearest of 64
-// directions, piece by piece, of one that frost blurs several of these; a short one is samples. Whatever else stands in
-// a beam is samples.
+// One sharp image has tables, and so has the image of a gate (the pass of gobos builds them): a chord across the whole
+// disc is one texel, four weights of the nodes of W. A chord that is cut, by a surface, a blade or an iris, is sums
+// along lines of the nearest of 64 directions, piece by piece, of one that frost blurs several of these; a short one is
+// samples. Whatever else stands in a beam is samples.
 #include "render/shaders/shared/gobo_chord.h"
 #define FL_GOBO_TABLES_ACCESS readonly
 #include "render/shaders/lib/profile_index.glsl"
@@ -12,14 +12,13 @@
 layout(constant_id = FL_SPEC_GOBO_METHOD) const uint kGoboMethod = FL_GOBO_TABLES;
 layout(set = 0, binding = FL_BINDING_GOBO_WHOLE) uniform sampler2DArray gobo_whole;
 layout(set = 0, binding = FL_BINDING_GOBO_LINES) uniform sampler2DArray gobo_lines;
+#include "render/shaders/lib/gate_image.glsl"
 
 // Chords that are shorter, in radii of the image, are sampled, at most so often.
 const float kShortChord = 0.25;
 const uint kShortTaps = 32u;
-// A texel and a half of an image, in its radii: samples nearer to each other show nothing new.
+// A texel and a half of an image of 512, in its radii: samples nearer to each other show nothing new of its edges.
 const float kTapStep = 1.5 * 2.0 / 512.0;
-// Of a chord's pieces, in the same unit.
-const float kPieceLength = 0.125;
 
 // The angle of a straight line, in half turns, 0 to 1, within 3e-6. Polynomial 4.4.49 of Abramowitz and Stegun.
 float half_turns(vec2 way) {
@@ -56,93 +55,119 @@ vec3 gobo_whole_chord(uint layer, uint planes, Chord chord, ChordWeight weight, 
 // Samples and pieces are taken four at a time, so that four times as many texels are on their way: the loops wait for
 // them, not for arithmetic.
 
-// A cut chord from `from` to `to` in the image, in one colour.
-float gobo_lines_plane(float layer, BeamShape beam, Chord chord, ChordWeight weight, vec2 from, vec2 to) {
+// An image as it stands in a beam, with its tables.
+struct GoboTables {
+  uint image;
+  uint gate;    // as GoboTableRow::gate
+  uint planes;
+  uint lines;   // first layers, plus 1; 0: none
+  uint whole;
+};
+vec3 gobo_through(GoboTables tables, vec2 p) {
+  p = 0.5 * p + 0.5;
+  if (tables.gate != 0u) return gate_image(tables.gate - 1u, tables.planes, p);
+  return textureLod(gobo_images, vec3(p, float(tables.image - 1u)), 0.0).rgb;
+}
+
+// The profile times W at a share `at` of the chord.
+float gobo_light_at(BeamShape beam, Chord chord, ChordWeight weight, float at) {
+  float s = chord.s_from + at * (chord.s_to - chord.s_from);
+  vec2 rho = s * chord.along + chord.offset * vec2(chord.along.y, -chord.along.x);
+  return beam_value(beam, rho, s * s + chord.offset * chord.offset) * chord_weight_at(weight, at);
+}
+
+// Samples of the stretch x_from..x_to of a chord from `from` to `to` in the image, four at a time; over the chord's
+// measure.
+vec3 gobo_stretch(GoboTables tables, BeamShape beam, Chord chord, ChordWeight weight, vec2 from, vec2 to, float x_from,
+                  float x_to, uint fours) {
+  float part = 0.25 * (x_to - x_from) / float(fours);
+  vec3 total = vec3(0.0);
+  for (uint four = 0u; four < fours; ++four) {
+    float x = x_from + (float(4u * four) + 0.5) * part;
+    vec3 through[4];
+    [[unroll]] for (int i = 0; i < 4; ++i) through[i] = gobo_through(tables, mix(from, to, x + float(i) * part));
+    [[unroll]] for (int i = 0; i < 4; ++i) {
+      total += through[i] * gobo_light_at(beam, chord, weight, x + float(i) * part);
+    }
+  }
+  return part * total;
+}
+
+// A cut chord from `from` to `to` in the image, in one colour, over the chord's measure. Pieces begin and end at places
+// of the table, since a sum between two places would be that of an even image. What is left at the ends is sampled.
+float gobo_lines_plane(GoboTables tables, uint plane, BeamShape beam, Chord chord, ChordWeight weight, vec2 from,
+                       vec2 to) {
   vec2 way = to - from;
   uint direction = uint(half_turns(way) * float(FL_GOBO_DIRECTIONS) + 0.5) % uint(FL_GOBO_DIRECTIONS);
   float angle = float(direction) * (3.141592653589793 / float(FL_GOBO_DIRECTIONS));
   vec2 along = vec2(cos(angle), sin(angle));
   vec2 aside = vec2(along.y, -along.x);
   float s_length = dot(way, along);
-  uint fours = uint(clamp(ceil(abs(s_length) / (4.0 * kPieceLength)), 2.0, 4.0));
-  float piece = 0.25 / float(fours);
-  // Rows and columns of the texture, from 0 to 1, at x = 0, and how far they move for x = 1.
-  const float kRows = float(FL_GOBO_DIRECTIONS * FL_GOBO_NODES);
-  const float kRowsOfOne = 0.5 * float(FL_GOBO_NODES - 1) / kRows;
-  float row_least = (float(direction * uint(FL_GOBO_NODES)) + 0.5) / kRows;
-  float row_most = row_least + 2.0 * kRowsOfOne;
+  // In places of the table from the chord's beginning, whose direction is that of the table or its opposite.
+  const float kHalf = 0.5 * float(FL_GOBO_NODES - 1);
+  float u_from = clamp((dot(from, along) + 1.0) * kHalf, 0.0, 2.0 * kHalf);
+  float u_to = clamp((dot(to, along) + 1.0) * kHalf, 0.0, 2.0 * kHalf);
+  bool back = s_length < 0.0;
+  int first = int(back ? floor(u_from) : ceil(u_from));
+  int last = int(back ? ceil(u_to) : floor(u_to));
+  int cells = last - first;
+  int fours = clamp((abs(cells) + 15) / 16, 1, 4);
+  float inverse = 1.0 / s_length;
   float s_from = dot(from, along);
-  float row_from = row_least + (s_from + 1.0) * kRowsOfOne;
-  float row_length = s_length * kRowsOfOne;
+  const float kRows = float(FL_GOBO_DIRECTIONS * FL_GOBO_NODES);
+  float row_first = float(direction * uint(FL_GOBO_NODES)) + 0.5;
   float column_from = gobo_offset_texel(dot(from, aside), float(FL_GOBO_LINES));
   float column_length = 0.5 * float(FL_GOBO_LINES - 1) / float(FL_GOBO_LINES) * dot(way, aside);
-  float inverse = 1.0 / s_length;
+  float layer = float(tables.lines - 1u + plane);
   float total = 0.0;
-  for (uint four = 0u; four < fours; ++four) {
-    float x = (float(4u * four) + 0.5) * piece;
+  for (int four = 0; four < fours; ++four) {
     vec2 sums[4];
+    vec2 ends[4];
     [[unroll]] for (int i = 0; i < 4; ++i) {
-      float at = x + float(i) * piece;
-      float column = column_from + at * column_length;
-      float high = clamp(row_from + (at + 0.5 * piece) * row_length, row_least, row_most);
-      float low = clamp(row_from + (at - 0.5 * piece) * row_length, row_least, row_most);
-      sums[i] = textureLod(gobo_lines, vec3(column, high, layer), 0.0).xy -
-                textureLod(gobo_lines, vec3(column, low, layer), 0.0).xy;
+      float low = float(first + cells * (4 * four + i) / (4 * fours));
+      float high = float(first + cells * (4 * four + i + 1) / (4 * fours));
+      ends[i] = (vec2(low, high) / kHalf - 1.0 - s_from) * inverse;
+      float column = column_from + 0.5 * (ends[i].x + ends[i].y) * column_length;
+      sums[i] = textureLod(gobo_lines, vec3(column, (row_first + high) / kRows, layer), 0.0).xy -
+                textureLod(gobo_lines, vec3(column, (row_first + low) / kRows, layer), 0.0).xy;
     }
     [[unroll]] for (int i = 0; i < 4; ++i) {
-      float at = x + float(i) * piece;
       float mass = 2.0 * sums[i].x * inverse;
-      float middle = mass > 1e-6 ? (sums[i].y * inverse / mass - (s_from + at * s_length)) * inverse : 0.0;
-      middle = at + clamp(middle, -0.5 * piece, 0.5 * piece);
-      float s = chord.s_from + middle * (chord.s_to - chord.s_from);
-      vec2 rho = s * chord.along + chord.offset * vec2(chord.along.y, -chord.along.x);
-      total += mass * beam_value(beam, rho, s * s + chord.offset * chord.offset) * chord_weight_at(weight, middle);
+      float middle = mass > 1e-6 ? (sums[i].y * inverse / mass - s_from) * inverse : 0.0;
+      total += mass * gobo_light_at(beam, chord, weight, clamp(middle, ends[i].x, ends[i].y));
     }
   }
-  return total * chord_measure(chord);
+  float x_first = (float(first) / kHalf - 1.0 - s_from) * inverse;
+  float x_last = (float(last) / kHalf - 1.0 - s_from) * inverse;
+  total += gobo_stretch(tables, beam, chord, weight, from, to, 0.0, x_first, 1u)[plane];
+  total += gobo_stretch(tables, beam, chord, weight, from, to, x_last, 1.0, 1u)[plane];
+  return total;
 }
 
 // A cut chord. Frost blurs it by a radius `blur`: the mean of straight lines beside it, by Gauss's rule for the shadow
 // of the blur's disc. A shift along the chord is left out; it would change its ends alone.
 const uint kBlurLines = 6u;
-vec3 gobo_lines_chord(uint layer, uint planes, BeamShape beam, Chord chord, ChordWeight weight, vec2 from, vec2 to,
+vec3 gobo_lines_chord(GoboTables tables, BeamShape beam, Chord chord, ChordWeight weight, vec2 from, vec2 to,
                       float blur) {
   uint count = blur > 0.0 ? kBlurLines : 1u;
   vec2 aside = blur * normalize(to - from).yx * vec2(1.0, -1.0);
   vec3 total = vec3(0.0);
   // One loop over colours and lines, so that the code of a line is there once.
-  for (uint i = 0u; i < planes * count; ++i) {
+  for (uint i = 0u; i < tables.planes * count; ++i) {
     float angle = 3.141592653589793 / float(count + 1u) * float(i % count + 1u);
     float share = 2.0 / float(count + 1u) * sin(angle) * sin(angle);
     vec2 shift = cos(angle) * aside;
     uint plane = i / count;
-    float light = share * gobo_lines_plane(float(layer - 1u + plane), beam, chord, weight, from + shift, to + shift);
+    float light = share * gobo_lines_plane(tables, plane, beam, chord, weight, from + shift, to + shift);
     total += light * vec3(plane == 0u, plane == 1u, plane == 2u);
   }
-  return planes == 1u ? vec3(total.r) : total;
+  return (tables.planes == 1u ? vec3(total.r) : total) * chord_measure(chord);
 }
 
 // A short chord from `from` to `to` in the image.
-vec3 gobo_short_chord(uint image, BeamShape beam, Chord chord, ChordWeight weight, vec2 from, vec2 to) {
+vec3 gobo_short_chord(GoboTables tables, BeamShape beam, Chord chord, ChordWeight weight, vec2 from, vec2 to) {
   uint fours = uint(clamp(distance(from, to) / (4.0 * kTapStep) + 1.0, 1.0, float(kShortTaps / 4u)));
-  float part = 0.25 / float(fours);
-  vec3 total = vec3(0.0);
-  for (uint four = 0u; four < fours; ++four) {
-    float x = (float(4u * four) + 0.5) * part;
-    vec3 through[4];
-    [[unroll]] for (int i = 0; i < 4; ++i) {
-      vec2 p = mix(from, to, x + float(i) * part);
-      through[i] = textureLod(gobo_images, vec3(0.5 * p + 0.5, float(image - 1u)), 0.0).rgb;
-    }
-    [[unroll]] for (int i = 0; i < 4; ++i) {
-      float at = x + float(i) * part;
-      float s = chord.s_from + at * (chord.s_to - chord.s_from);
-      vec2 rho = s * chord.along + chord.offset * vec2(chord.along.y, -chord.along.x);
-      total += through[i] *
-               (beam_value(beam, rho, s * s + chord.offset * chord.offset) * chord_weight_at(weight, at));
-    }
-  }
-  return total * (part * chord_measure(chord));
+  return gobo_stretch(tables, beam, chord, weight, from, to, 0.0, 1.0, fours) * chord_measure(chord);
 }
 
 // The light along a chord of the beam that gobo_begin() was called with, over sigma_s J0. d: the ray in light space.
@@ -155,16 +180,20 @@ vec3 gobo_inscatter(BeamRow row, BeamShape beam, Medium medium, Chord chord, vec
   ChordWeight weight = chord_weight(beam, medium, chord, d, with_extinction);
   if (kGoboMethod == uint(FL_GOBO_TABLES)) {
     GoboImage only = gobo_only_image(row);
-    uint lines = gobo_lines_layer(row, only);
-    if (lines != 0u) {
-      uint planes = gobo_tables[only.image - 1u].planes;
-      uint whole = gobo_whole_layer(row, only);
+    GoboTables tables;
+    tables.lines = gobo_lines_layer(row, only);
+    if (tables.lines != 0u) {
+      tables.image = only.image;
+      tables.gate = gobo_tables[only.image - 1u].gate;
+      tables.planes = gobo_tables[only.image - 1u].planes;
+      tables.whole = gobo_whole_layer(row, only);
       float nearer = min(chord.s_from * chord.s_from, chord.s_to * chord.s_to);
       vec2 turn = only.turn;
-      if (whole != 0u && nearer + chord.offset * chord.offset > 0.998 && chord.s_from < 0.0 && chord.s_to > 0.0) {
+      if (tables.whole != 0u && nearer + chord.offset * chord.offset > 0.998 && chord.s_from < 0.0 &&
+          chord.s_to > 0.0) {
         vec2 way = vec2(turn.x * chord.along.x + turn.y * chord.along.y,
                         turn.x * chord.along.y - turn.y * chord.along.x);
-        return gobo_whole_chord(whole, planes, chord, weight, way);
+        return gobo_whole_chord(tables.whole, tables.planes, chord, weight, way);
       }
       vec2 across = chord.offset * vec2(chord.along.y, -chord.along.x);
       vec2 from = gobo_place(chord.s_from * chord.along + across);
@@ -173,10 +202,9 @@ vec3 gobo_inscatter(BeamRow row, BeamShape beam, Medium medium, Chord chord, vec
       to = vec2(turn.x * to.x + turn.y * to.y, turn.x * to.y - turn.y * to.x);
       bool sharp = gobo_is_sharp(row);
       if (distance(from, to) > kShortChord) {
-        float blur = sharp ? 0.0 : row.gobo_blur;
-        return gobo_lines_chord(lines, planes, beam, chord, weight, from, to, blur);
+        return gobo_lines_chord(tables, beam, chord, weight, from, to, sharp ? 0.0 : row.gobo_blur);
       }
-      if (sharp) return gobo_short_chord(only.image, beam, chord, weight, from, to);
+      if (sharp) return gobo_short_chord(tables, beam, chord, weight, from, to);
     }
   }
   return chord_inscatter_taps(beam, chord, weight, d, kGoboTaps, row.gobo, as_it_is);

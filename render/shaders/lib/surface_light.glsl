@@ -25,7 +25,7 @@ vec3 lens_radiance(uint index, float t_m, vec3 unit_ray, vec3 normal) {
     float r_m;
     float share = beam_illuminance(beam, row.eye.xyz, rho, r_m);
     if (!(share > 0.0)) continue;
-    gobo_begin(row);
+    gobo_begin(state.beam_first + b);
     if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u) share *= blades_at(state.beam_first + b, rho, row.eye.z);
     vec3 through = vec3(share);
     if (has_gobo(row)) through *= gobo_on_surface(row.gobo, rho, row.eye.z);

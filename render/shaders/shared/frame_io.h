@@ -74,7 +74,12 @@
 #define FL_BINDING_EDGES (56 + FL_LAMP_COUNT)
 #define FL_BINDING_EDGE_MASKS (57 + FL_LAMP_COUNT)
 #define FL_BINDING_RECHECKED (58 + FL_LAMP_COUNT)  // RecheckRow, one a cell (render/live_error.h)
-#define FL_BINDING_COUNT (59 + FL_LAMP_COUNT)
+// Gates with more than one thing in them (render/shaders/gates.comp): GatesHead with GateRow, and the images that are
+// drawn of them, as they are read and as they are written.
+#define FL_BINDING_GATES (59 + FL_LAMP_COUNT)
+#define FL_BINDING_GATE_IMAGES (60 + FL_LAMP_COUNT)
+#define FL_BINDING_GATE_IMAGES_OUT (61 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (62 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -151,6 +156,15 @@
 #define FL_RECHECK_X 16     // cells of the picture, of each of which one pixel is computed once more
 #define FL_RECHECK_Y 8
 #define FL_GROUP_RECHECK 64  // threads of a cell
+// Gates: what stands in a beam, if that is more than one still image. Their states are told apart by steps of a turn
+// and of the beam's radius: half a step moves the rim by 0.1 texels of an image, and an offset by 0.06.
+#define FL_GATE_TURN_STEPS 8192
+#define FL_GATE_OFFSET_STEPS 2048
+#define FL_GATE_PX 1024     // texels a side of the image of a gate
+#define FL_GATES_MAX 64     // states that may have images
+#define FL_GATE_WORDS 6     // of the number of a state
+#define FL_GROUP_GATES 256  // threads of the workgroup that numbers them
+#define FL_GROUP_GATE_PX 16 // threads a side of a workgroup that draws a gate
 #define FL_TILE_LIGHT 48    // 4 x 4 coefficients of three channels
 // Nodes of a rectangle lie on a square that is this much larger, so that their hull holds every pixel's centre: the
 // outermost node is at cos(pi / 8) = 0.924 of the square, the outermost centre at 63 / 64 of the rectangle.
@@ -226,6 +240,7 @@ struct BeamRow {
 #define FL_BEAM_BLADES 1u  // cut by the blades of the same number
 #define FL_BEAM_THIN 2u    // somewhere thinner than FrameParams::thin, and drawn wider there (lib/thin.glsl)
 #define FL_BEAM_PLAIN 4u   // round, narrower than 90 degrees, with nothing in it: tiles may take it with others
+#define FL_BEAM_GATE_SHIFT 16  // above it: 1 + the GoboTableRow of the image of its gate; 0: it has none
 
 // Four edges in the gobo plane: what has n . rho <= d passes. xy: n, unit; z: d.
 struct BladesRow {
@@ -284,25 +299,45 @@ struct CutRow {
 #define FL_CUTS_SHARE 32
 #define FL_CUTS_MIN 32
 
-// The tables of a gobo image, 48 bytes. Layers: those of its first colour, plus 1; 0: it has none.
+// The tables of a gobo image or of the image of a gate, 48 bytes. The rows of images come first. Layers: those of its
+// first colour, plus 1; 0: it has none.
 struct GoboTableRow {
   uint planes;                   // 1: it is grey, 3: red, green and blue have tables of their own
   uint lines;                    // layer of its sums along lines
   uint built;                    // bits: 1 << profile of its whole chords, FL_GOBO_LINES_BUILT
-  uint pad;
+  uint gate;                     // of a gate: the first layer of its image, plus 1; 0: the row of a slot's image
   uint whole[FL_GOBO_PROFILES];  // layer of its whole chords, by profile
 };
 #define FL_GOBO_LINES_BUILT 0x100u
 
-// Tables that a frame builds: indirect arguments whose z counts the jobs that follow, `capacity` of whole chords and as
-// many of lines.
+// Tables that a frame builds: indirect arguments whose z counts the jobs that follow, `capacity` of whole chords, as
+// many of lines, then the layers of gates to be drawn.
 struct GoboQueue {
   uint whole_groups[4];
   uint lines_groups[4];
+  uint gate_groups[4];
   uint capacity;
+  uint gates;             // layers of gates
+  uint gate_builds;       // that a frame may draw
+  uint gate_planes;       // layers of textures that each has
+  uint gate_row;          // first GoboTableRow
+  uint gate_whole_layer;  // first layers in the tables
+  uint gate_lines_layer;
   uint pad;
-  uint pad_1;
-  uint pad_2;
+};
+
+// A layer of the gates, or a state that the frame before had, 32 bytes.
+struct GateRow {
+  uint key[FL_GATE_WORDS];  // lib/gate_key.glsl; the last one is 0 where there is none
+  uint last_frame;          // in which it was in use
+  uint planes;
+};
+// What the last frame did with gates; GateRow follow: `gates` layers, then as many states of that frame.
+struct GatesHead {
+  uint frame;          // number
+  uint states;         // different ones in it, at most `gates`
+  uint builds;         // that it drew
+  uint sampled_beams;  // with a gate that has no image, since there are too many states or builds
 };
 
 // A pixel of a cell, as it is shown and by the general path, cd/m^2; 48 bytes.

@@ -20,9 +20,9 @@ constexpr VkDescriptorType kBuffer = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 constexpr VkDescriptorType kImage = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
 constexpr VkDescriptorType kSampled = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
 
-vk::ShaderInterface interface_of(const std::string& pass) {
+vk::ShaderInterface interface_of(const std::string& pass, std::size_t pipeline = 0) {
   for (const PassShaders& each : pass_shaders()) {
-    if (each.name == pass) return must(vk::read_interfaces(each.pipelines.at(0)));
+    if (each.name == pass) return must(vk::read_interfaces(each.pipelines.at(pipeline)));
   }
   FAIL("no pass " << pass);
   return {};
@@ -54,9 +54,15 @@ TEST_CASE("a pipeline's interface has exactly the bindings that its shaders decl
                                                                        {FL_BINDING_SCREEN, kImage}});
   CHECK(interface_of("tonemap").push_bytes == 0);
   CHECK(interface_of("step").push_bytes == 12);
-  const auto beams = interface_of("beams").bindings;
-  CHECK(std::count(beams.begin(), beams.end(), ShaderBinding{FL_BINDING_GOBOS, kSampled}) == 1);
-  CHECK(std::count(beams.begin(), beams.end(), ShaderBinding{FL_BINDING_MOTORS, kBuffer}) == 0);
+  for (const std::size_t with_gobos : {0u, 1u}) {
+    const auto beams = interface_of("beams", with_gobos).bindings;
+    const auto count = [&](const ShaderBinding& binding) { return std::count(beams.begin(), beams.end(), binding); };
+    for (const std::uint32_t binding :
+         {FL_BINDING_GOBOS, FL_BINDING_GOBO_WHOLE, FL_BINDING_GOBO_LINES, FL_BINDING_GATE_IMAGES}) {
+      CHECK(count({binding, kSampled}) == static_cast<std::ptrdiff_t>(with_gobos));
+    }
+    CHECK(count({FL_BINDING_MOTORS, kBuffer}) == 0);
+  }
 }
 
 TEST_CASE("the stages of a pipeline share a binding of one type") {

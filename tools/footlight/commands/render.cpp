@@ -43,6 +43,7 @@ struct Options {
   std::string ms;                     // refused
   std::optional<int> nodes;
   std::optional<int> gobo_taps;
+  int gobo_gates = static_cast<int>(render::FrameSettings{}.gobo_gates);
   std::string gobos;  // "samples", "tables"
   std::optional<double> tile_error;
   std::optional<double> body_error_px;
@@ -422,6 +423,8 @@ Result<int> render_pictures(const Options& options) {
   settings.width = size.width * options.supersample;
   settings.height = size.height * options.supersample;
   FL_ASSIGN(settings.edge_samples, parse_edges(options.edges));
+  settings.gobo_gates = static_cast<std::uint32_t>(options.gobo_gates);
+  settings.gate_builds = FL_GATES_MAX;  // a picture may wait for all of them
   FL_ASSIGN(const ShownView shown, shown_view_of(options.show));
   if (shown == ShownView::kClasses || shown == ShownView::kHits) settings.view = render::FrameView::kClasses;
   if (shown == ShownView::kLux) settings.view = render::FrameView::kLux;
@@ -516,11 +519,13 @@ void add(Arguments& arguments) {
   arguments.option("--gobos", options->gobos, "WORD",
                    "in the air: samples or tables; default: tables on a GPU, samples on a CPU");
   arguments.option("--gobo-taps", options->gobo_taps, 1, 1024,
-                   "samples per beam and pixel where gobos have no tables: several images, blur [128]");
+                   "samples per beam and pixel where gobos have no tables: focus, too many gates [128]");
   arguments.option("--ms", options->ms, "MS", "refused: a rendered picture does not depend on time; use --error");
   arguments.option(
       "--supersample", options->supersample, 1, 4,
       "pixels per side for each pixel, averaged before the tone map: smooth edges at N x N times the work");
+  arguments.option("--gobo-gates", options->gobo_gates, 0, FL_GATES_MAX,
+                   "states of gates with several images, or a wheel between slots, that may have tables; 13 MB each");
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this text");
   arguments.flag("--json", options->json, "one JSON object a line for each picture");
   arguments.job([options]() -> Result<int> { return render_pictures(*options); });

@@ -69,6 +69,8 @@ struct PictureReport {
   std::vector<EdgeRow> edges;                  // jagged, then each number of samples; empty: not measured
   std::int64_t edge_pixels = 0;                // that 16 samples change
   std::int64_t body_bytes = 0;                 // memory of its bodies and objects
+  render::GatesHead gates{};                   // of the whole frame; 0 where gobos are sampled
+  double gobo_build_ms = 0;                    // GPU time of the pass of gobos in its first frame
   ClassShares classes;                         // how its beams are computed
   std::string device;
   std::vector<std::string> validation_messages;

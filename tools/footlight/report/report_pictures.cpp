@@ -36,6 +36,7 @@ struct PictureArguments {
   int beams = 0;
   std::string photometry;
   bool gobos = false;
+  bool gates = false;
   int clutter = 0;
   std::string sweep;
   int fleet = 0;
@@ -217,6 +218,19 @@ std::string bodies_text(const PictureReport& report, double body_error_px) {
       bodies.triangles, bodies.bodies - bodies.small - bodies.rastered, body_error_px, bodies.object_triangles);
 }
 
+// Tables of gobos, and how many beams have several images in them but no table.
+std::string gates_text(const PictureReport& report) {
+  return fmt::format(
+      "Gobos: the first frame took {:.3f} ms for their tables. Gates with several images: {} different ones, {} drawn "
+      "in the last frame; {} beams are sampled for want of a gate.\n\n",
+      report.gobo_build_ms, report.gates.states, report.gates.builds, report.gates.sampled_beams);
+}
+std::string gates_json(const PictureReport& report) {
+  return fmt::format(R"({{"event":"gates","build_ms":{:.4f},"states":{},"builds":{},"sampled_beams":{}}})"
+                     "\n",
+                     report.gobo_build_ms, report.gates.states, report.gates.builds, report.gates.sampled_beams);
+}
+
 // How jagged the edges of solid things in the whole frame are, and what smoothing them costs.
 std::string edges_text(const PictureReport& report, std::int64_t pixels) {
   if (report.edges.empty()) return "";
@@ -335,7 +349,8 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
   FL_ASSIGN(const PictureSize size, parse_size(arguments.size));
   const double aspect = static_cast<double>(size.width) / size.height;
   FL_ASSIGN(const Scene scene, arguments.beams > 0 ? make_beams_scene(arguments.beams, arguments.photometry,
-                                                                      arguments.gobos ? 1 : 0, arguments.clutter)
+                                                                      arguments.gobos || arguments.gates ? 1 : 0,
+                                                                      arguments.clutter, arguments.gates ? 2 : 1)
                                                    : scene_of_files(files, arguments, aspect, air));
   FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = arguments.device}));
   PictureReportOptions picture_options = options_of(arguments, size, options);
@@ -380,6 +395,7 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
                               report.whole_ms));
     options.print(classes_json(report.classes));
     options.print(edges_json(report));
+    if (scene.compiled.needs.gobo) options.print(gates_json(report));
     const render::BodyCounts& bodies = report.bodies;
     options.print(fmt::format(R"({{"event":"bodies","bodies":{},"small":{},"rastered":{},"triangles":{},)"
                               R"("small_triangles":{},"raster_triangles":{},"object_triangles":{},"bytes":{}}})"
@@ -394,6 +410,7 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
     }
   } else {
     print_figures(arguments, options, report, std::int64_t{size.width} * size.height, air);
+    if (scene.compiled.needs.gobo) options.print(gates_text(report));
   }
   FL_TRY(report_left_out(*device, scene, picture_options, options));
   if (!options.csv.empty()) FL_TRY(write_report_file(options.csv, render::csv_of(report.rows)));
@@ -415,6 +432,7 @@ ReportHalf add_report_pictures(Arguments& arguments) {
   arguments.option("--photometry", chosen->photometry, "FILE",
                    "with --beams: all beams have the light of this IES or EULUMDAT file");
   arguments.flag("--gobos", chosen->gobos, "with --beams: each beam has one of the eight built-in gobos");
+  arguments.flag("--gates", chosen->gates, "with --beams: each beam has one of eight pairs of them");
   arguments.option("--clutter", chosen->clutter, 0, 100'000, "with --beams: boxes on the floor");
   arguments.option("--sweep", chosen->sweep, "WHAT=N,N",
                    "the rows of several generated scenes, and with --svg their times against what differs: beams, "

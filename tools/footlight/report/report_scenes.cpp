@@ -31,7 +31,7 @@ class Random {
 };
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr int kSlots = 8;
+constexpr int kSlots = 10;
 constexpr int kGoboSlot = 6;
 constexpr double kGoldenShare = 0.6180339887498949;
 constexpr int kGoboLevels = 28;  // of each slot of the gobo wheel
@@ -53,13 +53,14 @@ Channel channel(int first, int bytes, const char* attribute, double from, double
   return c;
 }
 
-// Gobo 1 to 8, and which way up it is.
-void add_gobos(FixtureType& type, Mode& mode) {
+// Gobo 1 to 8 of wheel 1 or 2, and which way up it is.
+void add_gobos(FixtureType& type, Mode& mode, int number) {
   Wheel wheel;
-  wheel.name = "Gobos";
-  Channel choice = channel(kGoboSlot, 1, "Gobo1", 0, 8);
+  wheel.name = fmt::format("Gobos {}", number);
+  const int first_slot = kGoboSlot + 2 * (number - 1);
+  Channel choice = channel(first_slot, 1, fmt::format("Gobo{}", number).c_str(), 0, 8);
   ChannelFunction& function = choice.functions.front();
-  function.wheel = 0;
+  function.wheel = number - 1;
   for (int gobo = 0; gobo <= kGoboCount; ++gobo) {
     WheelSlot slot;
     slot.name = gobo_name(gobo);
@@ -71,21 +72,21 @@ void add_gobos(FixtureType& type, Mode& mode) {
   }
   type.wheels.push_back(wheel);
   mode.channels.push_back(choice);
-  mode.channels.push_back(channel(kGoboSlot + 1, 1, "Gobo1Pos", 0, 360));
+  mode.channels.push_back(channel(first_slot + 1, 1, fmt::format("Gobo{}Pos", number).c_str(), 0, 360));
 }
 
-FixtureType beam_type(double lens_radius_m, bool gobos) {
+FixtureType beam_type(double lens_radius_m, int gobos) {
   FixtureType type;
   type.manufacturer = "Footlight";
   type.name = "Report beam";
   type.id = fmt::format("report/beam-{:.0f}mm", lens_radius_m * 1000);
   Mode mode;
-  mode.name = "8 slots";
+  mode.name = "10 slots";
   mode.slot_count = kSlots;
   mode.channels = {channel(0, 2, "Zoom", 1, 52), channel(2, 1, "Dimmer", 0, 1), channel(3, 1, "ColorAdd_R", 0, 1),
                    channel(4, 1, "ColorAdd_G", 0, 1), channel(5, 1, "ColorAdd_B", 0, 1)};
   mode.geometries = simple_geometries(0.01, 0.01);
-  if (gobos) add_gobos(type, mode);
+  for (int wheel = 1; wheel <= gobos; ++wheel) add_gobos(type, mode, wheel);
   type.modes.push_back(std::move(mode));
   Beam beam;
   beam.radius_m = lens_radius_m;
@@ -107,12 +108,12 @@ void add_clutter(Rig& rig, int count) {
 
 }  // namespace
 
-Result<Scene> make_beams_scene(int count, const std::string& photometry, double gobo_share, int clutter) {
+Result<Scene> make_beams_scene(int count, const std::string& photometry, double gobo_share, int clutter, int wheels) {
   if (count < 1 || count > 1'000'000) return fail(ErrorCode::kBadInput, "{} beams: expected 1 to 1000000", count);
   Scene scene;
-  const bool gobos = gobo_share > 0;
-  scene.name = fmt::format("beams:{}{}", count, gobos ? ", gobos" : "");
-  if (gobos && gobo_share < 1) scene.name += fmt::format(" in {:g} %", 100 * gobo_share);
+  const int gobos = gobo_share > 0 ? wheels : 0;
+  scene.name = fmt::format("beams:{}{}", count, gobos > 1 ? ", gates" : gobos > 0 ? ", gobos" : "");
+  if (gobos > 0 && gobo_share < 1) scene.name += fmt::format(" in {:g} %", 100 * gobo_share);
   if (clutter > 0) scene.name += fmt::format(", {} boxes", clutter);
   Rig& rig = scene.rig;
   rig.name = scene.name;
@@ -161,7 +162,7 @@ Result<Scene> make_beams_scene(int count, const std::string& photometry, double 
     fixture.rotation_deg = glm::dvec3(std::atan2(across, -d.z), 0, across > 0 ? std::atan2(-d.x, d.y) : 0.0) / kDegree;
     rig.fixtures.push_back(fixture);
     colors.emplace_back(random.uniform(), random.uniform(), random.uniform());
-    angles.push_back(gobos ? random.uniform() : 0);
+    angles.push_back(gobos > 0 ? random.uniform() : 0);
   }
   FL_ASSIGN(scene.compiled, compile(rig));
   scene.levels.assign(scene.compiled.universes.size() * kSlotCountMax, 0);
@@ -176,11 +177,12 @@ Result<Scene> make_beams_scene(int count, const std::string& photometry, double 
     encode_attribute(rig, fixture, "ColorAdd_G", colors[index].y, slots);
     encode_attribute(rig, fixture, "ColorAdd_B", colors[index].z, slots);
     // Spread evenly over the beams, whatever the share.
-    if (gobos && std::fmod((i + 1) * kGoldenShare, 1.0) <= gobo_share) {
-      slots[static_cast<std::size_t>(fixture.address - 1 + kGoboSlot)] =
-          static_cast<std::uint8_t>((1 + i % kGoboCount) * kGoboLevels + kGoboLevels / 2);
-      encode_attribute(rig, fixture, "Gobo1Pos", 360 * angles[index], slots);
+    const bool has_gobo = gobos > 0 && std::fmod((i + 1) * kGoldenShare, 1.0) <= gobo_share;
+    for (int wheel = 0; has_gobo && wheel < gobos; ++wheel) {
+      slots[static_cast<std::size_t>(fixture.address - 1 + kGoboSlot + 2 * wheel)] =
+          static_cast<std::uint8_t>((1 + (i + wheel) % kGoboCount) * kGoboLevels + kGoboLevels / 2);
     }
+    if (has_gobo && gobos == 1) encode_attribute(rig, fixture, "Gobo1Pos", 360 * angles[index], slots);
   }
   scene.camera = rig.cameras.front();
   return scene;

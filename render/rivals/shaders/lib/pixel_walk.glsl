@@ -38,7 +38,7 @@ void main() {
     if (!tile_walk(base)) continue;
     FL_WALK_BEGIN(base, index)
       BeamRow row = beams[index];
-      BeamShape shape = begin_beam(row);
+      BeamShape shape = begin_beam(row, index);
       for (int i = 0; i < FL_ROWS; ++i) {
         total[i] += air_light(row, index, shape, to_light(row, d[i]), t_max_m[i], uvec2(tile_pixel(i)));
       }

@@ -12,10 +12,10 @@
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 
 // Before the first sample of a beam: its shape as it is drawn.
-BeamShape begin_beam(BeamRow row) {
+BeamShape begin_beam(BeamRow row, uint index) {
   BeamShape shape = beam_shape(row);
   shape.profile_power = drawn_profile(shape.profile_power);
-  gobo_begin(row);
+  gobo_begin(index);
   return shape;
 }
 
