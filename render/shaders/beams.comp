@@ -119,7 +119,7 @@ void main() {
               const vec2 as_it_is = vec2(1.0, 0.0);  // each wheel turns by itself
               value = chord_inscatter_march_gobo(beam, medium, chord, ray, kNodes, kExtinction, row.gobo, as_it_is);
             } else {
-              value = gobo_inscatter(row, beam, medium, chord, ray, kExtinction);
+              value = gobo_inscatter(beam, medium, chord, ray, kExtinction);
             }
           } else
 #endif

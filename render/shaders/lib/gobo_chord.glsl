@@ -171,7 +171,9 @@ vec3 gobo_short_chord(GoboTables tables, BeamShape beam, Chord chord, ChordWeigh
 }
 
 // The light along a chord of the beam that gobo_begin() was called with, over sigma_s J0. d: the ray in light space.
-vec3 gobo_inscatter(BeamRow row, BeamShape beam, Medium medium, Chord chord, vec3 d, bool with_extinction) {
+// Without the row as an argument: a driver that does not inline this function would store all of it for each call.
+vec3 gobo_inscatter(BeamShape beam, Medium medium, Chord chord, vec3 d, bool with_extinction) {
+  BeamRow row = gobo_row;
   const vec2 as_it_is = vec2(1.0, 0.0);  // each wheel turns by itself
   gobo_sample = 0u;
   if (kGoboMethod == uint(FL_GOBO_MIDPOINTS) || (kWide && beam.spread > kWideSpread)) {
