@@ -44,9 +44,9 @@ std::uint8_t srgb_of(float linear) {
 // Gobo images as one array with all levels of detail, in colour, 8 bits sRGB a channel. A rig without gobos gets a
 // single texel, since the shaders name the binding even where their specialisation never reads it.
 // planes: of each image 1 where it is grey, else 3.
-Result<vk::Image> make_gobos(vk::Device& device, const std::vector<fixtures::ImageSource>& images,
+Result<vk::Image> make_gobos(vk::Device& device, const std::vector<fixtures::ImageSource>& images, int size_px,
                              fixtures::Diagnostics& diagnostics, std::vector<std::uint32_t>& planes) {
-  const int size = images.empty() ? 1 : kGoboSizePx;
+  const int size = images.empty() ? 1 : size_px;
   const auto layers = static_cast<uint>(std::max<std::size_t>(images.size(), 1));
   const std::uint32_t layers_max = device.limits().maxImageArrayLayers;
   if (layers > layers_max) {
@@ -251,11 +251,16 @@ std::uint64_t edge_mask_bytes(const fixtures::Needs& needs, const FrameSettings&
   return std::uint64_t{4} * FL_EDGE_WORDS * cells(settings.width, FL_TILE_PX) * cells(settings.height, FL_TILE_PX);
 }
 
-std::uint64_t gobo_bytes(const MemoryShape& shape) {
-  if (shape.compiled.images.empty()) return 4;
+// With all levels of detail.
+std::uint64_t image_bytes(int size_px) {
   std::uint64_t texels = 0;
-  for (std::uint64_t size = kGoboSizePx; size > 0; size /= 2) texels += size * size;
-  return shape.compiled.images.size() * texels * 4;
+  for (auto size = static_cast<std::uint64_t>(size_px); size > 0; size /= 2) texels += size * size;
+  return texels * 4;
+}
+
+std::uint64_t gobo_bytes(const MemoryShape& shape) {
+  const std::size_t images = shape.compiled.images.size();
+  return images == 0 ? 4 : images * image_bytes(gobo_size_px(shape.settings, images, false));
 }
 
 // What is known before the images are read: built-in gobos are grey, others may have colours.
@@ -322,6 +327,11 @@ std::uint64_t lamp_bytes(const CompiledRig& compiled, std::uint32_t lamp) {
 }
 
 }  // namespace
+
+int gobo_size_px(const FrameSettings& settings, std::size_t images, bool cpu) {
+  if (settings.gobo_px > 0) return settings.gobo_px;
+  return cpu || images * image_bytes(kGoboFineSizePx) > kGoboFineBytesMax ? kGoboSizePx : kGoboFineSizePx;
+}
 
 std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
   for (const TableEntry& table : kTables) {
@@ -430,7 +440,9 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   if (r.has_bodies || r.has_trees) FL_TRY(make_bodies(device, shape.rig, compiled, diagnostics, r));
   std::vector<std::uint32_t> gobo_planes;
   if (used[FL_BINDING_GOBOS]) {
-    FL_ASSIGN(r.gobos, make_gobos(device, compiled.images, diagnostics, gobo_planes));
+    const bool cpu = device.facts().properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+    FL_ASSIGN(r.gobos, make_gobos(device, compiled.images, gobo_size_px(shape.settings, compiled.images.size(), cpu),
+                                  diagnostics, gobo_planes));
   }
   if (used[FL_BINDING_GOBO_TABLES]) {
     gobo_planes.resize(compiled.images.size(), 1);

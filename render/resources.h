@@ -135,10 +135,15 @@ struct Resources {
   [[nodiscard]] std::uint64_t body_bytes() const;
 };
 
-// Gobo images: texels a side, and the width of their edges in units of the gate's radius. Edges are three texels wide,
-// so that interpolation between texels follows them.
+// Gobo images: texels a side, and the width of their edges in units of the gate's radius. Edges are three texels of the
+// smaller size wide, so that interpolation between texels follows them.
 inline constexpr int kGoboSizePx = 512;
+inline constexpr int kGoboFineSizePx = 1024;
 inline constexpr double kGoboEdge = 3.0 * 2.0 / kGoboSizePx;
+// GPU memory up to which images have the larger size: 24 or fewer of them. A CPU has the smaller one, as it makes them
+// and reads them slowly.
+inline constexpr std::uint64_t kGoboFineBytesMax = std::uint64_t{128} << 20;
+[[nodiscard]] int gobo_size_px(const FrameSettings& settings, std::size_t images, bool cpu);
 
 // Bytes on the GPU of a HeadState, a Motor, a Spin, a Shutter, an OpticsState and so on.
 inline constexpr std::uint64_t kStateBytes = 48;

@@ -37,6 +37,9 @@ struct FrameSettings {
   std::uint32_t tile_beams = 128;
   GoboMethod gobo_method = GoboMethod::kSuited;
   std::uint32_t gobo_taps = 128;  // samples of the gobo along one ray through one beam
+  // Texels a side of gobo images, a power of two; 0: as suits the device and their number (gobo_size_px, resources.h).
+  // A new frame reads it; change() does not.
+  int gobo_px = 0;
   // Gates: whatever stands in a beam beside one still image is drawn as an image with tables of its own, for as many
   // states as this, up to FL_GATES_MAX. A new frame takes their memory (kGateBytes each, gobo_tables.h); change() does
   // not. A frame draws at most gate_builds of them, 0.3 ms each on an H200; beams whose gate has no image are sampled.

@@ -166,6 +166,36 @@ TEST_CASE("each colour of a gobo has its own tables") {
   CHECK(error < 5e-3);  // twice the value on lavapipe
 }
 
+TEST_CASE("gobos on a surface have half the error with images of 1024 texels") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = optics_scene(false);
+  scene.camera = {"wall", {0, 3, 3}, {0, 8, 3}, 40, 6};
+  scene.set(0, "Gobo1WheelIndex", 270);
+  scene.set(0, "Gobo1Pos", 30);
+  FrameSettings settings = judged_settings(160, 90);
+  settings.haze = false;
+  Scene clear = scene;
+  clear.rig.haze.scattering_per_m = 0;
+  const std::vector<double> judged = judged_picture(clear, settings);
+  const auto error = [&](int size_px) {
+    settings.gobo_px = size_px;
+    return rel_l2(draw_new(vulkan.device(), scene, settings), judged);
+  };
+  const double coarse = error(kGoboSizePx);
+  const double fine = error(kGoboFineSizePx);
+  std::fprintf(stderr, "on a wall: 512 texels %.3g, 1024 texels %.3g\n", coarse, fine);
+  CHECK(fine < 0.5 * coarse);
+}
+
+TEST_CASE("images of gobos are larger where all of them fit, and not on a CPU") {
+  const FrameSettings settings;
+  CHECK(gobo_size_px(settings, 9, false) == kGoboFineSizePx);
+  CHECK(gobo_size_px(settings, 22, false) == kGoboFineSizePx);
+  CHECK(gobo_size_px(settings, 25, false) == kGoboSizePx);
+  CHECK(gobo_size_px(settings, 9, true) == kGoboSizePx);
+}
+
 TEST_CASE("a gobo that comes later gets the tables that a new frame would build, and they stay") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

@@ -20,7 +20,7 @@ void gobo_begin(uint beam) {
 // A blur is spread over the looks along a ray: each is moved within the disc of the blur, by a sequence that fills it
 // evenly (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018), and sees what is around it
 // through a quarter of the disc, by levels of detail. A square of that many texels has the variance of the disc.
-const float kTexelsOfBlur = 443.0 * 0.25;  // sqrt(3) * 512 / 2
+float texels_of_blur() { return 0.25 * 0.8660254 * float(textureSize(gobo_images, 0).x); }
 vec2 gobo_spread(uint look) {
   vec2 u = fract(vec2(0.5) + float(look) * vec2(0.7548776662466927, 0.5698402909980532));
   float angle = 6.283185307179586 * u.y;
@@ -45,7 +45,7 @@ vec3 gobo_at(uint gobo, vec2 rho, float z_m) {
   float lod = 0.0;
   if (blur > 1e-4) {
     p += blur * gobo_spread(gobo_sample++);
-    lod = log2(max(kTexelsOfBlur * blur, 1.0));
+    lod = log2(max(texels_of_blur() * blur, 1.0));
   }
   vec3 through = gobo_wheel(gobo, gobo_row.next_1, gobo_row.offset_1, vec2(gobo_row.gobo_cos, gobo_row.gobo_sin), p,
                             lod);

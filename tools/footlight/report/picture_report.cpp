@@ -58,7 +58,7 @@ struct Texels {
 };
 
 // The images of the rig in the order of its layers: built-in ones from their formulas, others from their texels.
-GoboColors gobos_of(const fixtures::CompiledRig& compiled) {
+GoboColors gobos_of(const fixtures::CompiledRig& compiled, int size_px) {
   struct Layer {
     int builtin = 0;
     Texels texels;
@@ -70,9 +70,9 @@ GoboColors gobos_of(const fixtures::CompiledRig& compiled) {
       if (image.name == std::string(fixtures::kBuiltinImage) + fixtures::gobo_name(gobo)) layer.builtin = gobo;
     }
     if (layer.builtin == 0) {
-      auto texels = fixtures::gobo_texels(image, kGoboSizePx, kGoboEdge);
-      layer.texels = {kGoboSizePx,
-                      texels ? std::move(*texels) : fixtures::stand_in_texels(layers.size(), kGoboSizePx, kGoboEdge)};
+      auto texels = fixtures::gobo_texels(image, size_px, kGoboEdge);
+      layer.texels = {size_px,
+                      texels ? std::move(*texels) : fixtures::stand_in_texels(layers.size(), size_px, kGoboEdge)};
     }
     layers.push_back(std::move(layer));
   }
@@ -154,7 +154,9 @@ Result<Judged> judge_scene_of(vk::Device& device, const Scene& scene, const View
   }
   fixtures::f64::Walker walker(scene.compiled);
   walker.step(scene.levels, 0);
-  const GoboColors gobos = gobos_of(scene.compiled);
+  const bool cpu = device.facts().properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  const int size_px = gobo_size_px(judged_settings(options), scene.compiled.images.size(), cpu);
+  const GoboColors gobos = gobos_of(scene.compiled, size_px);
   JudgeScene judge =
       judge_scene(scene.rig, walker, [gobos](int gobo, double x, double y) { return gobos(gobo, x, y).x; });
   if (!only_builtin(scene.compiled)) judge.colors = gobos;
