@@ -144,10 +144,10 @@ class Frame {
 #undef FL_LAMP_READ
   [[nodiscard]] Result<std::vector<fixtures::f32::Slew>> read_dowsers();
   [[nodiscard]] Result<std::vector<fixtures::f32::Smooth>> read_smooths();
-  [[nodiscard]] Result<std::vector<BeamRow>> read_beams();  // the live ones
+  [[nodiscard]] Result<std::vector<BeamRow>> read_beams();         // the live ones
   [[nodiscard]] Result<std::vector<CoarseRow>> read_supertiles();  // row by row; empty without tile classes
-  [[nodiscard]] Result<GatesHead> read_gates();             // of the last recorded picture; 0 without gates
-  [[nodiscard]] Result<BodyCounts> read_bodies();           // of the last recorded picture
+  [[nodiscard]] Result<GatesHead> read_gates();                    // of the last recorded picture; 0 without gates
+  [[nodiscard]] Result<BodyCounts> read_bodies();                  // of the last recorded picture
   // GPU time of each pass of the last recorded picture, which must be finished. Before
   // them "levels", the way of the first step's levels to the GPU, where there was one; all steps count into "step".
   // Empty on a device without time stamps.

@@ -110,7 +110,8 @@ std::string json_of(const FrameSettings& settings, std::string_view version, dou
       version, error, settings.width, settings.height, settings.supersample,
       settings.method == BeamMethod::kGauss ? "gauss" : "march", settings.nodes, settings.tile_error,
       settings.tile_beams, word_of(settings.gobo_method), settings.gobo_taps, settings.body_error_px,
-      settings.small_body_px, settings.edge_samples, settings.bodies, settings.haze, settings.dark_lm, settings.widen_thin);
+      settings.small_body_px, settings.edge_samples, settings.bodies, settings.haze, settings.dark_lm,
+      settings.widen_thin);
 }
 
 Result<QualityRequest> parse_quality(const std::string& error, const std::string& ms) {
@@ -153,8 +154,8 @@ double body_ms(const KnobCurves& curves, const fixtures::Needs& needs, double er
   return needs.fixtures && std::isfinite(own_ms) ? own_ms - least_ms : 0;
 }
 
-// Every combination of the groups that matter for such a rig.
-std::vector<KnobPoint> combinations(const KnobCurves& curves, const fixtures::Needs& needs) {
+// Every combination of the groups that matter for such a rig, with these bodies.
+std::vector<KnobPoint> combinations(const KnobCurves& curves, const fixtures::Needs& needs, double body_error_px) {
   std::vector<KnobPoint> all = curves.beams;
   if (needs.gobo && needs.haze) {
     all = combined(all, curves.gobos, [](Knobs& knobs, const Knobs& own) {
@@ -163,8 +164,8 @@ std::vector<KnobPoint> combinations(const KnobCurves& curves, const fixtures::Ne
     });
   }
   for (KnobPoint& point : all) {
-    point.knobs.body_error_px = body_error_for(point.error);
-    point.ms += body_ms(curves, needs, point.knobs.body_error_px);
+    point.knobs.body_error_px = body_error_px;
+    point.ms += body_ms(curves, needs, body_error_px);
   }
   return all;
 }
@@ -181,17 +182,17 @@ std::optional<KnobPoint> predicted(const KnobCurves& curves, const fixtures::Nee
     });
     knobs.gobo_method = has_tables ? GoboMethod::kTables : GoboMethod::kTaps;
   }
-  for (KnobPoint point : combinations(curves, needs)) {
-    point.ms += body_ms(curves, needs, knobs.body_error_px) - body_ms(curves, needs, point.knobs.body_error_px);
-    point.knobs.body_error_px = knobs.body_error_px;
-    knobs.divisor = 1;
+  knobs.divisor = 1;
+  for (const KnobPoint& point : combinations(curves, needs, knobs.body_error_px)) {
     if (point.knobs == knobs) return point;
   }
   return std::nullopt;
 }
 
-std::vector<KnobPoint> ladder_of(const KnobCurves& curves, const fixtures::Needs& needs) {
-  std::vector<KnobPoint> all = combinations(curves, needs);
+std::vector<KnobPoint> ladder_of(const KnobCurves& curves, const fixtures::Needs& needs,
+                                 const QualityRequest& request) {
+  const double body_error_px = request.error > 0 ? body_error_for(request.error) : Knobs{}.body_error_px;
+  std::vector<KnobPoint> all = combinations(curves, needs, body_error_px);
   std::stable_sort(all.begin(), all.end(), [](const KnobPoint& a, const KnobPoint& b) {
     return a.error != b.error ? a.error < b.error : a.ms < b.ms;
   });
@@ -225,7 +226,9 @@ std::size_t choose(std::span<const KnobPoint> ladder, const QualityRequest& requ
   if (request.error > 0) {
     std::size_t chosen = 0;
     for (std::size_t i = 0; i < ladder.size(); ++i) {
-      if (ladder[i].knobs.divisor == 1 && ladder[i].error <= request.error) chosen = i;
+      const Knobs& knobs = ladder[i].knobs;
+      if (knobs.divisor != 1 || knobs.body_error_px != ladder.front().knobs.body_error_px) break;
+      if (ladder[i].error <= request.error) chosen = i;
     }
     return chosen;
   }

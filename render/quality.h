@@ -65,12 +65,15 @@ struct KnobCurves {
 [[nodiscard]] double body_error_for(double error);
 
 // Every setting that is worth its time for such a rig: from the least error to the least time, each at least a tenth
-// cheaper than the one before. Errors of groups add as squares, times as they are. Behind the cheapest of these come
+// cheaper than the one before. Bodies are those for the error that is asked for, without one the default. Errors of
+// groups add as squares, times as they are. Behind the cheapest of these come
 // plainer bodies, and last lower resolutions: their error is that of the pixels that are computed. Empty without points
 // of beams.
-[[nodiscard]] std::vector<KnobPoint> ladder_of(const KnobCurves& curves, const fixtures::Needs& needs);
+[[nodiscard]] std::vector<KnobPoint> ladder_of(const KnobCurves& curves, const fixtures::Needs& needs,
+                                               const QualityRequest& request = {});
 
-// The place in the ladder for a request. An error: the cheapest of full resolution that keeps it, or else the first. A
+// The place in the ladder for a request. An error: the cheapest of full resolution, with the bodies that the ladder
+// begins with, that keeps it, or else the first. A
 // time: the first that takes at most so long when each takes `scale` times its ms, or else the last. The ladder is not
 // empty.
 [[nodiscard]] std::size_t choose(std::span<const KnobPoint> ladder, const QualityRequest& request, double scale = 1);

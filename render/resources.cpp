@@ -185,6 +185,10 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_GOBO_QUEUE, &R::gobo_queue},
     {FL_BINDING_GATES, &R::gates}};
 
+// Of beams in one place, with 8 nodes. Mesa counts the rounds of all loops of a thread
+// together (LP_MAX_TGSI_LOOP_ITERATIONS).
+constexpr std::uint32_t kLavapipeBeamsMax = 1024;
+
 // Words of a supertile's mask. They come in pairs, as one group of the tile pass writes them.
 std::uint32_t mask_words_of(const CompiledRig& compiled) {
   return (compiled.beams_max + FL_GROUP_MASK - 1) / FL_GROUP_MASK * (FL_GROUP_MASK / 32);
@@ -435,6 +439,15 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
     FL_ASSIGN(r.boxes, vk::Buffer::table(device, boxes));
   }
   fixtures::Diagnostics diagnostics;
+  if (compiled.beams_max > kLavapipeBeamsMax && device.name().find("llvmpipe") != std::string::npos) {
+    diagnostics.add({fixtures::Severity::kWarning,
+                     "many-beams",
+                     {},
+                     fmt::format("{} beams: {} ends the loops of a shader after 65,535 rounds, so where more than {} "
+                                 "beams meet, light may be missing; a GPU has no such limit",
+                                 compiled.beams_max, device.name(), kLavapipeBeamsMax),
+                     ""});
+  }
   r.has_bodies = render::has_bodies(shape.needs, shape.settings);
   r.has_trees = has_smooth_edges(shape.needs, shape.settings);
   if (r.has_bodies || r.has_trees) FL_TRY(make_bodies(device, shape.rig, compiled, diagnostics, r));

@@ -1,8 +1,8 @@
 #version 460
 // Light in the haze, supertile by supertile. Beams whose light is smooth over its 64 x 64 pixels are added as one
 // polynomial and leave the supertile's mask; those that are smooth but for their rim or for what cuts them become
-// records for the records pass, as long as there is room. Beams that do not reach it leave the mask as well. The fine pass and the beam pass compute
-// the rest. This pass also computes the error that one beam may have there.
+// records for the records pass, as long as there is room. Beams that do not reach it leave the mask as well. The fine
+// pass and the beam pass compute the rest. This pass also computes the error that one beam may have there.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require

@@ -1,4 +1,5 @@
 // Errors of creating devices and frames have a reason, and an empty rig gives a black picture.
+#include <algorithm>
 #include <cstdlib>
 #include <numeric>
 #include <optional>
@@ -195,6 +196,18 @@ TEST_CASE("a picture reports the time of each pass, in order") {
     if (i > 0) CHECK(times[i].name == frame->plan()[i - 1].name);
     CHECK(times[i].gpu_ms >= 0);
     CHECK(times[i].gpu_ms < 60'000);
+  }
+}
+
+TEST_CASE("a rig of more beams than lavapipe can add up has a warning, and one of few has none") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan || !contains(vulkan.device().name(), "llvmpipe")) return;
+  for (const int count : {10, 1100}) {
+    const Scene scene = lamps_scene(31, count);
+    const auto frame = make_frame(vulkan.device(), scene, judged_settings(16, 16));
+    const auto& found = frame->resources().rig.diagnostics;
+    CHECK(std::count_if(found.begin(), found.end(), [](const auto& one) { return one.code == "many-beams"; }) ==
+          (count > 1024 ? 1 : 0));
   }
 }
 

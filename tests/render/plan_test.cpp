@@ -15,7 +15,7 @@ namespace {
 using fixtures::Needs;
 using vk::SpecConstant;
 
-const std::vector<std::string> kAll{"step",   "gather", "gobos",   "bodies", "tiles", "surfaces", "depths",
+const std::vector<std::string> kAll{"step",   "gather",  "gobos", "bodies", "tiles", "surfaces", "depths",
                                     "coarse", "records", "fine",  "beams",  "edges", "tonemap"};
 // Those that take beams together for tiles.
 const std::vector<std::string> kTilePasses{"depths", "coarse", "records", "fine"};

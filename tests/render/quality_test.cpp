@@ -55,6 +55,17 @@ fixtures::Needs some_needs(bool gobo) {
   return needs;
 }
 
+TEST_CASE("bodies follow from the error that is asked for, whatever the error of the knobs that keep it") {
+  for (const double error : {1e-4, 5e-4, 3e-3}) {
+    const QualityRequest request{.error = error, .ms = 0};
+    const auto ladder = ladder_of(some_curves(), some_needs(false), request);
+    const KnobPoint& chosen = ladder[choose(ladder, request)];
+    CHECK(chosen.knobs.body_error_px == body_error_for(error));
+    CHECK(chosen.error <= error);
+    CHECK(ladder.front().knobs.body_error_px == body_error_for(error));
+  }
+}
+
 TEST_CASE("each place of a ladder takes less time and has no less error than the one before") {
   for (const bool gobo : {false, true}) {
     const auto ladder = ladder_of(some_curves(), some_needs(gobo));
@@ -65,7 +76,7 @@ TEST_CASE("each place of a ladder takes less time and has no less error than the
       CHECK(ladder[i].knobs.divisor >= ladder[i - 1].knobs.divisor);
     }
     CHECK(ladder.front().error == 0);
-    CHECK(ladder.front().knobs.body_error_px == 0);
+    CHECK(ladder.front().knobs.body_error_px == Knobs{}.body_error_px);
     CHECK(ladder.back().knobs.divisor == 4);
     CHECK(ladder.back().knobs.body_error_px == 2);  // plainer bodies come before fewer pixels
     CHECK(ladder.back().knobs.nodes == 2);

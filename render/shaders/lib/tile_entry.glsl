@@ -12,8 +12,8 @@ struct TileEntry {
   vec3 middle;
 };
 
-// Each thread adds its beam, or none. Returns the number of the first entry with cut chords, and that of all. All threads of the group call it together, when
-// the entries before have been read.
+// Each thread adds its beam, or none. Returns the number of the first entry with cut chords, and that of all. All
+// threads of the group call it together, when the entries before have been read.
 uvec2 add_entry(bool is_beam, uint id, TileGuess guess) {
   bool whole = is_beam && (guess.bits & kGuessWhole) != 0u;
   bool cut = is_beam && (guess.bits & kGuessCut) != 0u;

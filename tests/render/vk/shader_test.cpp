@@ -58,7 +58,8 @@ TEST_CASE("a pipeline's interface has exactly the bindings that its shaders decl
     const auto beams = interface_of("beams", with_gobos).bindings;
     const auto count = [&](const ShaderBinding& binding) { return std::count(beams.begin(), beams.end(), binding); };
     for (const std::uint32_t binding :
-         {FL_BINDING_GOBOS, FL_BINDING_GOBO_WHOLE, FL_BINDING_GOBO_LINES, FL_BINDING_GATE_IMAGES}) {
+         std::initializer_list<std::uint32_t>{FL_BINDING_GOBOS, FL_BINDING_GOBO_WHOLE, FL_BINDING_GOBO_LINES,
+                                              FL_BINDING_GATE_IMAGES}) {
       CHECK(count({binding, kSampled}) == static_cast<std::ptrdiff_t>(with_gobos));
     }
     CHECK(count({FL_BINDING_MOTORS, kBuffer}) == 0);

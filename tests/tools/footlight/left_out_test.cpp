@@ -63,7 +63,9 @@ TEST_CASE("a pass that is left out has its time and bytes in the frame of the ne
   const LeftOutRow& beams = row_of(rows, "beams", true);
   const LeftOutRow& haze = row_of(rows, "haze", false);
   std::uint64_t pass_bytes = 0;
-  for (const char* name : {"depths", "coarse", "records", "fine", "beams"}) pass_bytes += row_of(rows, name, true).bytes;
+  for (const char* name : {"depths", "coarse", "records", "fine", "beams"}) {
+    pass_bytes += row_of(rows, name, true).bytes;
+  }
   REQUIRE(beams.times);
   REQUIRE(haze.times);
   CHECK(beams.times->ms_p10 > 0);

@@ -395,7 +395,7 @@ Status Preview::make_ladder() {
             machine_knob_curves(*device_, cache_folder(), suited_curve_options(*device_), [this] {
               if (!options_.json) fmt::print(stderr, "footlight: measuring the knobs of {}\n", device_->name());
             }));
-  ladder_ = render::ladder_of(curves, compiled_.needs);
+  ladder_ = render::ladder_of(curves, compiled_.needs, request);
   if (ladder_.empty()) return {};
   // For a time, the first picture has the knobs nearest the default ones; how long it takes is then known.
   const auto usual = render::predicted(curves, compiled_.needs, {});

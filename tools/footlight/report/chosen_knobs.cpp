@@ -4,7 +4,7 @@ namespace footlight::tools {
 
 Result<ChosenKnobs> choose_for(render::vk::Device& device, const Scene& scene, const render::KnobCurves& curves,
                                const render::QualityRequest& request, int width, int height, int runs) {
-  const std::vector<render::KnobPoint> ladder = render::ladder_of(curves, scene.compiled.needs);
+  const std::vector<render::KnobPoint> ladder = render::ladder_of(curves, scene.compiled.needs, request);
   if (ladder.empty()) return fail(ErrorCode::kUnsupported, "no curves of knobs: nothing can be chosen");
   render::FrameSettings settings;
   settings.width = width;

@@ -91,8 +91,8 @@ bool only_builtin(const fixtures::CompiledRig& compiled) {
 }
 
 // Returns the times of `runs` frames after 3 warm-up frames. Writes the times of each pass to `pass_ms` and those of
-// the first frame to `first`, if they are not null. After row_seconds there are no more than one warm-up and 3 runs. Calls `go_on` with the finished share
-// before each frame; false ends the timing early.
+// the first frame to `first`, if they are not null. After row_seconds there are no more than one warm-up and 3 runs.
+// Calls `go_on` with the finished share before each frame; false ends the timing early.
 Result<std::vector<double>> time_frames(Frame& frame, const View& view, const Scene& scene, int runs,
                                         double row_seconds, std::vector<std::vector<double>>* pass_ms,
                                         const std::function<bool(double)>& go_on,
@@ -314,12 +314,15 @@ Status measure_whole(vk::Device& device, const Scene& scene, const View& view, c
   FL_ASSIGN(auto frame, make_frame(device, scene, whole));
   std::vector<std::vector<double>> pass_ms;
   std::vector<PassTime> first;
-  FL_ASSIGN(const auto times_ms,
-            time_frames(*frame, view, scene, options.runs, options.row_seconds, &pass_ms, [&](double share) {
-              report.ended =
-                  options.go_on && !options.go_on("frames of the whole picture", share * options.runs, options.runs);
-              return !report.ended;
-            }, &first));
+  FL_ASSIGN(const auto times_ms, time_frames(
+                                     *frame, view, scene, options.runs, options.row_seconds, &pass_ms,
+                                     [&](double share) {
+                                       report.ended =
+                                           options.go_on && !options.go_on("frames of the whole picture",
+                                                                           share * options.runs, options.runs);
+                                       return !report.ended;
+                                     },
+                                     &first));
   if (report.ended) return {};
   FL_ASSIGN(const CountsRow counts, frame->read_counts());
   if (counts.live_count == 0) {
@@ -391,7 +394,8 @@ Status report_edges(vk::Device& device, const Scene& scene, const View& view, co
     EdgeRow row{.samples = samples};
     std::vector<std::vector<double>> pass_ms;
     bool ended = false;
-    FL_ASSIGN(const auto times_ms, time_frames(*frame, view, scene, options.runs, options.row_seconds, &pass_ms, [&](double share) {
+    FL_ASSIGN(const auto times_ms,
+              time_frames(*frame, view, scene, options.runs, options.row_seconds, &pass_ms, [&](double share) {
                 ended =
                     options.go_on && !options.go_on("smooth edges", static_cast<double>(pictures.size()) + share, 4);
                 return !ended;

@@ -299,7 +299,7 @@ Result<ChosenKnobs> choose_knobs(render::vk::Device& device, const Scene& scene,
             choose_for(device, scene, curves, request, pictures.width, pictures.height, pictures.runs));
   if (options.json) return chosen;
   std::string text = "Knobs of this machine that are worth their time, on generated scenes:\n";
-  for (const render::KnobPoint& point : render::ladder_of(curves, scene.compiled.needs)) {
+  for (const render::KnobPoint& point : render::ladder_of(curves, scene.compiled.needs, request)) {
     text += fmt::format("{:>10.1e}{:>10.3f} ms  {}\n", point.error, point.ms, render::text_of(point.knobs));
   }
   options.print(text + "\n");
