@@ -221,6 +221,31 @@ FrameSettings extreme_settings(int width, int height, double tile_error) {
   return settings;
 }
 
+TEST_CASE("1,000 equal beams in one tile have 1,000 times the light of one: no list overflows") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan || !is_long()) return;
+  const auto cluster = [](int count) {
+    Scene scene = lamp_cluster({.apart_m = 0, .apart_deg = 0}, count);
+    furnish(scene);
+    scene.camera = {"beside", {4, 4, 5}, {0, 5, 5}, 60, 4};
+    return scene;
+  };
+  constexpr int kCount = 1000;  // lavapipe adds up no more than some 1,600 (docs/numerics.md)
+  FrameSettings settings = extreme_settings(64, 36, 0);
+  const RadianceImage one = draw_new(vulkan.device(), cluster(1), settings);
+  const Scene many = cluster(kCount);
+  for (const double tile_error : {0.0, FrameSettings{}.tile_error}) {
+    settings.tile_error = tile_error;
+    const auto frame = make_frame(vulkan.device(), many, settings);
+    RadianceImage sum = draw(*frame, many);
+    CHECK(must(frame->read_counts()).live_count == kCount);
+    for (float& value : sum.rgb) value /= static_cast<float>(kCount);
+    const PictureNorms norms = norms_of(sum, one);
+    std::fprintf(stderr, "1,000 equal beams, tile error %g: relL2 %.3g\n", tile_error, norms.rel_l2);
+    CHECK(norms.rel_l2 < (tile_error > 0 ? 1e-3 : 3e-5));
+  }
+}
+
 TEST_CASE("extreme cameras and beams: tiles give the picture of beams pixel by pixel, and that is the judge's") {
   const HeadlessVulkan vulkan;
   if (!vulkan || !is_long()) return;
