@@ -504,7 +504,9 @@ Result<std::vector<BeamRow>> Frame::read_beams() {
 
 Result<GatesHead> Frame::read_gates() {
   GatesHead gates{};
-  if (resources_.rig.gobo_queue_empty.gates == 0) return gates;
+  const bool drawn =
+      std::any_of(plan_.begin(), plan_.end(), [](const PassPlan& pass) { return pass.name == kGobosPass.name; });
+  if (!drawn || resources_.rig.gobo_queue_empty.gates == 0) return gates;
   FL_TRY(read_buffer(resources_.rig.gates, &gates, sizeof(gates)));
   return gates;
 }

@@ -185,9 +185,13 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_GOBO_QUEUE, &R::gobo_queue},
     {FL_BINDING_GATES, &R::gates}};
 
-// Of beams in one place, with 8 nodes. Mesa counts the rounds of all loops of a thread
-// together (LP_MAX_TGSI_LOOP_ITERATIONS).
-constexpr std::uint32_t kLavapipeBeamsMax = 1024;
+// Beams in one place that lavapipe adds up. Mesa ends the loops of a thread after 65,535 rounds of all of them together
+// (LP_MAX_TGSI_LOOP_ITERATIONS). A gobo takes about a round a sample.
+std::uint32_t lavapipe_beams_max(const MemoryShape& shape) {
+  constexpr std::uint32_t kRounds = 65'535;
+  constexpr std::uint32_t kPlainBeams = 1024;  // with 8 nodes; 2,000 were too many
+  return shape.needs.gobo ? std::min(kPlainBeams, kRounds / std::max(shape.settings.gobo_taps, 1u)) : kPlainBeams;
+}
 
 // Words of a supertile's mask. They come in pairs, as one group of the tile pass writes them.
 std::uint32_t mask_words_of(const CompiledRig& compiled) {
@@ -366,7 +370,7 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_GATES: return gates_bytes(largest_gobo_tables(shape));
     case FL_BINDING_GATE_IMAGES_OUT: {
       const GoboTablePlan plan = largest_gobo_tables(shape);
-      return plan.gates * plan.gate_planes * kGateImageBytes;
+      return std::uint64_t{plan.gates} * plan.gate_planes * kGateImageBytes;
     }
     case FL_BINDING_MASKS: return mask_bytes(settings, mask_words_of(shape.compiled));
     case FL_BINDING_TILE_DEPTHS:
@@ -439,13 +443,14 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
     FL_ASSIGN(r.boxes, vk::Buffer::table(device, boxes));
   }
   fixtures::Diagnostics diagnostics;
-  if (compiled.beams_max > kLavapipeBeamsMax && device.name().find("llvmpipe") != std::string::npos) {
+  const std::uint32_t beams_max = lavapipe_beams_max(shape);
+  if (compiled.beams_max > beams_max && device.name().find("llvmpipe") != std::string::npos) {
     diagnostics.add({fixtures::Severity::kWarning,
                      "many-beams",
                      {},
                      fmt::format("{} beams: {} ends the loops of a shader after 65,535 rounds, so where more than {} "
                                  "beams meet, light may be missing; a GPU has no such limit",
-                                 compiled.beams_max, device.name(), kLavapipeBeamsMax),
+                                 compiled.beams_max, device.name(), beams_max),
                      ""});
   }
   r.has_bodies = render::has_bodies(shape.needs, shape.settings);

@@ -125,6 +125,18 @@ vec3 seen_of(Surface surface, vec3 offset_m, vec3 lx, Medium medium) {
   return kExtinction ? color * exp(-medium.extinction_per_m * surface.t_m) : color;
 }
 
+// Whether the picture shows a mixture there (edges.comp), which the light at the pixel's centre is not.
+layout(constant_id = FL_SPEC_EDGES) const bool kEdges = false;
+layout(set = 0, binding = FL_BINDING_EDGE_MASKS, std430) readonly buffer EdgeMasksBuffer { uint edge_masks[]; };
+bool has_edge(uvec2 pixel) {
+  if (!kEdges) return false;
+  uvec2 tile = pixel / uint(FL_TILE_PX);
+  uvec2 at = pixel % uint(FL_TILE_PX);
+  uint across = (params.width + uint(FL_TILE_PX) - 1u) / uint(FL_TILE_PX);
+  uint word = edge_masks[(tile.y * across + tile.x) * uint(FL_EDGE_WORDS) + at.y / 2u];
+  return (word >> (at.x + 16u * (at.y & 1u)) & 1u) != 0u;
+}
+
 void main() {
   uint lane = gl_LocalInvocationIndex;
   // A step that no cell count of a power of two divides: cells of one picture lie apart.
@@ -182,6 +194,7 @@ void main() {
   }
   vec3 general = seen_of(surface, offset_m, lx, medium) + params.forward.w * air;
   vec4 shown = imageLoad(radiance, ivec2(pixel));
+  empty = empty || has_edge(pixel);
   rechecked[gl_WorkGroupID.x] =
       RecheckRow(pixel.x, pixel.y, empty ? 0.0 : weight, 0u, shown, vec4(general, 1.0));
 }

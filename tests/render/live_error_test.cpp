@@ -90,7 +90,10 @@ ErrorWindow::Estimate live_error(vk::Device& device, Frame& frame, const Scene& 
   if (times > 1) CHECK(places.size() > live->rows().size());  // other pixels each time
   CHECK(live->gpu_ms() > 0);
   const auto estimate = live->estimate();
-  CHECK(estimate.samples == static_cast<std::size_t>(times) * live->rows().size());
+  // Pixels with edges do not count.
+  const std::size_t all = static_cast<std::size_t>(times) * live->rows().size();
+  CHECK(estimate.samples <= all);
+  CHECK(estimate.samples > all / 2);
   return estimate;
 }
 

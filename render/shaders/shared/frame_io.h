@@ -119,7 +119,8 @@
 #define FL_SPEC_SMALL_KEYS (32 + FL_LAMP_COUNT)  // the second pass over small bodies
 #define FL_SPEC_GOBO_METHOD (33 + FL_LAMP_COUNT)
 #define FL_SPEC_EDGE_SAMPLES (34 + FL_LAMP_COUNT)
-#define FL_SPEC_COUNT (35 + FL_LAMP_COUNT)
+#define FL_SPEC_EDGES (35 + FL_LAMP_COUNT)  // edges of solid things are smooth
+#define FL_SPEC_COUNT (36 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -157,7 +158,7 @@
 #define FL_RECHECK_Y 8
 #define FL_GROUP_RECHECK 64  // threads of a cell
 // Gates: what stands in a beam, if that is more than one still image. Their states are told apart by steps of a turn
-// and of the beam's radius: half a step moves the rim by 0.1 texels of an image, and an offset by 0.06.
+// and of the beam's radius: half a step moves the rim by 0.2 texels of an image, and an offset by 0.13.
 #define FL_GATE_TURN_STEPS 8192
 #define FL_GATE_OFFSET_STEPS 2048
 #define FL_GATE_PX 1024     // texels a side of the image of a gate

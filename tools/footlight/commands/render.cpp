@@ -312,11 +312,8 @@ class Job {
       case ShownView::kError: {
         // The same states once more: no step is pending.
         const render::FrameSettings own = frame_.settings();
-        render::FrameSettings reference = own;
-        reference.tile_error = 0;
-        reference.nodes = 8;
-        reference.gobo_method = render::GoboMethod::kTaps;
-        reference.gobo_taps = 512;
+        render::FrameSettings reference = render::general_settings(own);
+        reference.body_error_px = own.body_error_px;  // what a pixel shows is the same
         FL_TRY(frame_.change(reference));
         FL_TRY(frame_.draw(view_, exposure_ev_));
         FL_ASSIGN(const render::RadianceImage exact, frame_.read_radiance());
@@ -425,6 +422,12 @@ Result<int> render_pictures(const Options& options) {
   FL_ASSIGN(settings.edge_samples, parse_edges(options.edges));
   settings.gobo_gates = static_cast<std::uint32_t>(options.gobo_gates);
   settings.gate_builds = FL_GATES_MAX;  // a picture may wait for all of them
+  // Samples need no images of gates.
+  if (settings.gobo_method == render::GoboMethod::kTaps ||
+      (settings.gobo_method == render::GoboMethod::kSuited && device->is_software())) {
+    settings.gobo_gates = 0;
+  }
+  if (chosen.error > 0) settings.gobo_px = render::kGoboSizePx;  // the same on every device
   FL_ASSIGN(const ShownView shown, shown_view_of(options.show));
   if (shown == ShownView::kClasses || shown == ShownView::kHits) settings.view = render::FrameView::kClasses;
   if (shown == ShownView::kLux) settings.view = render::FrameView::kLux;
@@ -514,18 +517,19 @@ void add(Arguments& arguments) {
                    "[0.004]");
   arguments.option("--body-error", options->body_error_px, 0, 1000,
                    "error of fixture bodies in pixels, for fewer triangles; 0: whole models [0.5]");
-  arguments.option("--edges", options->edges, "WORD",
-                   "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges [16]");
   arguments.option("--gobos", options->gobos, "WORD",
                    "in the air: samples or tables; default: tables on a GPU, samples on a CPU");
   arguments.option("--gobo-taps", options->gobo_taps, 1, 1024,
                    "samples per beam and pixel where gobos have no tables: focus, too many gates [128]");
+  arguments.option("--edges", options->edges, "WORD",
+                   "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges [16]");
   arguments.option("--ms", options->ms, "MS", "refused: a rendered picture does not depend on time; use --error");
   arguments.option(
       "--supersample", options->supersample, 1, 4,
       "pixels per side for each pixel, averaged before the tone map: smooth edges at N x N times the work");
   arguments.option("--gobo-gates", options->gobo_gates, 0, FL_GATES_MAX,
-                   "states of gates with several images, or a wheel between slots, that may have tables; 13 MB each");
+                   "states of gates with several images, or a wheel between slots, that may have tables, at most 21 of "
+                   "13 MB each, fewer with colours [16]; without tables none");
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this text");
   arguments.flag("--json", options->json, "one JSON object a line for each picture");
   arguments.job([options]() -> Result<int> { return render_pictures(*options); });

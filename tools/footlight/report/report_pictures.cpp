@@ -282,7 +282,8 @@ Status report_swept(const PictureArguments& arguments, const ReportOptions& opti
   FL_ASSIGN(const auto device, render::vk::Device::create({.name_contains = arguments.device}));
   SweepScene scene;
   if (arguments.beams > 0) scene.beams = arguments.beams;
-  scene.gobo_share = arguments.gobos ? 1 : 0;
+  scene.gobo_share = arguments.gobos || arguments.gates ? 1 : 0;
+  scene.wheels = arguments.gates ? 2 : 1;
   scene.clutter = arguments.clutter;
   return report_sweep(*device, sweep, scene, options_of(arguments, size, options), options);
 }
@@ -336,6 +337,10 @@ void print_figures(const PictureArguments& arguments, const ReportOptions& optio
 
 Status report_pictures(const PictureArguments& arguments, const ReportOptions& options) {
   FL_ASSIGN(const render::QualityRequest request, render::parse_quality(arguments.error, arguments.ms));
+  if ((request.error > 0 || request.ms > 0) && (arguments.fleet > 0 || !arguments.sweep.empty())) {
+    return fail(ErrorCode::kBadInput, "{} chooses settings for one scene; use it without --sweep and --fleet",
+                request.error > 0 ? "--error" : "--ms");
+  }
   if (arguments.fleet > 0) return report_fleet(arguments, options);
   const bool generates = arguments.beams > 0 || !arguments.sweep.empty();
   if (generates && (arguments.files.demo || !arguments.files.rig.empty())) {

@@ -67,7 +67,7 @@ Result<Scene> scene_of_sweep(const Sweep& sweep, double value, const SweepScene&
       break;
     }
   }
-  FL_ASSIGN(Scene made, make_beams_scene(of.beams, {}, of.gobo_share, of.clutter));
+  FL_ASSIGN(Scene made, make_beams_scene(of.beams, {}, of.gobo_share, of.clutter, of.wheels));
   if (sweep.of == Sweep::Of::kPixels) made.name += fmt::format(", {}x{}", options.width, options.height);
   return made;
 }

@@ -27,6 +27,7 @@ struct SweepScene {
   int beams = 1000;
   double gobo_share = 0;
   int clutter = 0;
+  int wheels = 1;  // with gobos on each
 };
 [[nodiscard]] Result<Scene> scene_of_sweep(const Sweep& sweep, double value, const SweepScene& scene,
                                            PictureReportOptions& options);
