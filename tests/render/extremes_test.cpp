@@ -15,6 +15,7 @@
 #include "render/reference/norms.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
+#include "tests/support/long_tests.h"
 
 namespace footlight::render {
 namespace {
@@ -28,8 +29,6 @@ constexpr int kLamps = 144;
 constexpr int kWidth = 160;
 constexpr int kHeight = 90;
 const double kTileError = FrameSettings{}.tile_error;
-
-bool is_long() { return std::getenv("FOOTLIGHT_LONG_TESTS") != nullptr; }
 
 struct Lamps {
   double radius_m = 0.05;
@@ -223,7 +222,7 @@ FrameSettings extreme_settings(int width, int height, double tile_error) {
 
 TEST_CASE("1,000 equal beams in one tile have 1,000 times the light of one: no list overflows") {
   const HeadlessVulkan vulkan;
-  if (!vulkan || !is_long()) return;
+  if (!vulkan || !footlight::testing::runs_long_tests()) return;
   const auto cluster = [](int count) {
     Scene scene = lamp_cluster({.apart_m = 0, .apart_deg = 0}, count);
     furnish(scene);
@@ -248,7 +247,7 @@ TEST_CASE("1,000 equal beams in one tile have 1,000 times the light of one: no l
 
 TEST_CASE("extreme cameras and beams: tiles give the picture of beams pixel by pixel, and that is the judge's") {
   const HeadlessVulkan vulkan;
-  if (!vulkan || !is_long()) return;
+  if (!vulkan || !footlight::testing::runs_long_tests()) return;
   for (const Row& row : rows()) {
     CAPTURE(row.name);
     const Scene scene = scene_of(row);
@@ -298,7 +297,7 @@ TEST_CASE("extreme cameras and beams: tiles give the picture of beams pixel by p
 
 TEST_CASE("every mode with all slots at 255 gives a finite picture") {
   const HeadlessVulkan vulkan;
-  if (!vulkan || !is_long()) return;
+  if (!vulkan || !footlight::testing::runs_long_tests()) return;
   Scene scene = all_modes_scene();
   std::fill(scene.levels.begin(), scene.levels.end(), std::uint8_t{255});
   FrameSettings settings;
@@ -317,7 +316,7 @@ TEST_CASE("every mode with all slots at 255 gives a finite picture") {
 // FOOTLIGHT_RANDOM_PIXELS: how many; default: 100,000,000.
 TEST_CASE("random cameras among extreme beams see only finite light") {
   const HeadlessVulkan vulkan;
-  if (!vulkan || !is_long()) return;
+  if (!vulkan || !footlight::testing::runs_long_tests()) return;
   const char* wanted = std::getenv("FOOTLIGHT_RANDOM_PIXELS");
   const double pixels = wanted != nullptr ? std::atof(wanted) : 1e8;
   const int size = pixels > 1e6 ? 1000 : 100;
@@ -356,7 +355,7 @@ TEST_CASE("random cameras among extreme beams see only finite light") {
 
 TEST_CASE("a picture of 7680 x 4320 is finite, and has the pixels of its middle in a narrow picture") {
   const HeadlessVulkan vulkan;
-  if (!vulkan || !is_long()) return;
+  if (!vulkan || !footlight::testing::runs_long_tests()) return;
   Scene scene = scene_of(rows().front());
   FrameSettings settings = judged_settings(7680, 4320);
   for (const double tile_error : {0.0, FrameSettings{}.tile_error}) {

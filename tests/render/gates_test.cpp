@@ -12,6 +12,7 @@
 #include "render/reference/norms.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
+#include "tests/support/long_tests.h"
 
 namespace footlight::render {
 namespace {
@@ -145,7 +146,7 @@ TEST_CASE("gates of eight beams, by tables and by samples, have errors below 1e-
 
 TEST_CASE("frost blurs the image of a gate as samples show it") {
   const HeadlessVulkan vulkan;
-  if (!vulkan) return;
+  if (!vulkan || !footlight::testing::runs_long_tests()) return;
   Scene scene = gates_in_the_air(1);
   set_two_wheels(scene, 0, 70);
   scene.set(0, "Frost1", 0.1);

@@ -9,6 +9,7 @@
 #include "render/reference/norms.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
+#include "tests/support/long_tests.h"
 
 namespace footlight::render {
 namespace {
@@ -128,7 +129,7 @@ TEST_CASE("samples by the general path equal the frame that is drawn by it, bodi
 
 TEST_CASE("the live error is that of the whole picture, within its interval") {
   const HeadlessVulkan vulkan;
-  if (!vulkan) return;
+  if (!vulkan || !footlight::testing::runs_long_tests()) return;
   struct Case {
     const char* what;
     Scene scene;
