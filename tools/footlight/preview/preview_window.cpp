@@ -1,6 +1,7 @@
 // The loop of `footlight preview`: levels from a log, an input or faders -> Frame -> window.
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -159,6 +160,7 @@ class Preview {
   bool error_drawn_ = false;                  // the current picture has its samples
   std::vector<render::KnobPoint> ladder_;     // for --error and --ms; else empty
   std::optional<render::TimeKeeper> keeper_;  // for --ms
+  std::atomic<bool> closed_ = false;          // while other threads worked: they may end early
   bool shown_ = false;                        // a picture is in flight; its figures can be read when it is done
 
   OrbitCamera camera_{fixtures::Camera{}};
@@ -320,7 +322,8 @@ Result<bool> Preview::wait_for(std::future<Status>& work, const StopSignal& sign
     window_->poll(kProgressS);
     if (signal.came() || window_->wants_close()) {
       window_->hide();
-      FL_TRY(work.get());
+      closed_ = true;
+      (void)work.get();  // what failed since is of no use any more
       return false;
     }
     FL_TRY(show_progress(what));
@@ -391,8 +394,9 @@ PixelRect Preview::place() const {
 Status Preview::make_ladder() {
   const render::QualityRequest& request = options_.quality;
   if (!(request.error > 0) && !(request.ms > 0)) return {};
-  FL_ASSIGN(const render::KnobCurves curves,
-            machine_knob_curves(*device_, cache_folder(), suited_curve_options(*device_), [this] {
+  KnobCurveOptions curve_options = suited_curve_options(*device_);
+  curve_options.go_on = [this](double, double) { return !closed_; };
+  FL_ASSIGN(const render::KnobCurves curves, machine_knob_curves(*device_, cache_folder(), curve_options, [this] {
               if (!options_.json) fmt::print(stderr, "footlight: measuring the knobs of {}\n", device_->name());
             }));
   ladder_ = render::ladder_of(curves, compiled_.needs, request);
