@@ -368,7 +368,8 @@ Status report_edges(vk::Device& device, const Scene& scene, const View& view, co
   whole.width = options.width;
   whole.height = options.height;
   whole.body_error_px = options.body_error_px;
-  if (!render::has_smooth_edges(scene.compiled.needs, whole) ||
+  const int runs = std::min(options.runs, 3);  // a CPU takes seconds for each
+  if (options.quick || !render::has_smooth_edges(scene.compiled.needs, whole) ||
       std::int64_t{whole.width} * whole.height > kEdgePixelsMax ||
       kSide * std::max(whole.width, whole.height) > static_cast<int>(device.limits().maxImageDimension2D)) {
     return {};
@@ -394,12 +395,11 @@ Status report_edges(vk::Device& device, const Scene& scene, const View& view, co
     EdgeRow row{.samples = samples};
     std::vector<std::vector<double>> pass_ms;
     bool ended = false;
-    FL_ASSIGN(const auto times_ms,
-              time_frames(*frame, view, scene, options.runs, options.row_seconds, &pass_ms, [&](double share) {
-                ended =
-                    options.go_on && !options.go_on("smooth edges", static_cast<double>(pictures.size()) + share, 4);
-                return !ended;
-              }));
+    FL_ASSIGN(
+        const auto times_ms, time_frames(*frame, view, scene, runs, options.row_seconds, &pass_ms, [&](double share) {
+          ended = options.go_on && !options.go_on("smooth edges", static_cast<double>(pictures.size()) + share, 4);
+          return !ended;
+        }));
     report.ended = ended;
     if (report.ended) return {};
     for (std::size_t p = 0; p < pass_ms.size(); ++p) {
