@@ -198,7 +198,7 @@ Status Frame::check_settings(const FrameSettings& settings) const {
 Status Frame::change(const FrameSettings& requested) {
   FL_TRY(check_settings(requested));
   FrameSettings settings = requested;
-  const bool cpu = device_.facts().properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  const bool cpu = device_.is_software();
   if (settings.gobo_method == GoboMethod::kSuited) {
     settings.gobo_method = cpu ? GoboMethod::kTaps : GoboMethod::kTables;
   }
@@ -242,6 +242,10 @@ Status Frame::change(const FrameSettings& requested) {
   return {};
 }
 
+bool Frame::draws(const PassEntry& entry) const {
+  return std::any_of(plan_.begin(), plan_.end(), [&](const PassPlan& pass) { return pass.name == entry.name; });
+}
+
 std::uint64_t Frame::bytes() const {
   std::uint64_t bytes = resources_.total_bytes;
   for (const auto& pass : passes_) bytes += pass->own_bytes();
@@ -274,9 +278,7 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
   mark(commands, "");
   // The first pass that adds to what surfaces have left.
   const std::string_view beams_first = has_fine_ ? kRecordsPass.name : kBeamsPass.name;
-  const bool has_beams =
-      std::any_of(plan_.begin(), plan_.end(), [](const PassPlan& pass) { return pass.name == kBeamsPass.name; });
-  if (!has_solids_ && !has_beams) clear_radiance(commands);
+  if (!has_solids_ && !draws(kBeamsPass)) clear_radiance(commands);
   for (std::size_t i = 0; i < passes_.size(); ++i) {
     if (plan_[i].name == kStepPass.name) {
       record_steps(commands, true);
@@ -504,9 +506,7 @@ Result<std::vector<BeamRow>> Frame::read_beams() {
 
 Result<GatesHead> Frame::read_gates() {
   GatesHead gates{};
-  const bool drawn =
-      std::any_of(plan_.begin(), plan_.end(), [](const PassPlan& pass) { return pass.name == kGobosPass.name; });
-  if (!drawn || resources_.rig.gobo_queue_empty.gates == 0) return gates;
+  if (!draws(kGobosPass) || resources_.rig.gobo_queue_empty.gates == 0) return gates;
   FL_TRY(read_buffer(resources_.rig.gates, &gates, sizeof(gates)));
   return gates;
 }

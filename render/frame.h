@@ -167,6 +167,7 @@ class Frame {
   };
   Frame(vk::Device& device, const PassList& passes);
   Status check_settings(const FrameSettings& settings) const;
+  [[nodiscard]] bool draws(const PassEntry& entry) const;
   void upload_levels(VkCommandBuffer commands, const PendingStep& pending);
   void record_steps(VkCommandBuffer commands, bool timed);
   void upload_params(VkCommandBuffer commands, const View& view, double exposure_ev);

@@ -379,13 +379,11 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
       return fine_mask_bytes(settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings));
     case FL_BINDING_COARSE: return coarse_bytes(settings, has_tile_classes(shape.needs, settings));
     case FL_BINDING_RIMS:
-      return record_bytes(
-          kRims, settings,
-          record_rows(kRims, settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings)));
-    case FL_BINDING_CUTS:
-      return record_bytes(
-          kCuts, settings,
-          record_rows(kCuts, settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings)));
+    case FL_BINDING_CUTS: {
+      const RecordShape& records = binding == FL_BINDING_RIMS ? kRims : kCuts;
+      const bool classes = has_tile_classes(shape.needs, settings);
+      return record_bytes(records, settings, record_rows(records, settings, mask_words_of(shape.compiled), classes));
+    }
     case FL_BINDING_SMALL_DEPTHS:
     case FL_BINDING_SMALL_KEYS: return small_body_bytes(shape.needs, settings);
     case FL_BINDING_HEAD_SLOTS: return has_bodies(shape.needs, settings) ? shape.compiled.heads.size() * 4 : 0;
@@ -458,7 +456,7 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   if (r.has_bodies || r.has_trees) FL_TRY(make_bodies(device, shape.rig, compiled, diagnostics, r));
   std::vector<std::uint32_t> gobo_planes;
   if (used[FL_BINDING_GOBOS]) {
-    const bool cpu = device.facts().properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+    const bool cpu = device.is_software();
     FL_ASSIGN(r.gobos, make_gobos(device, compiled.images, gobo_size_px(shape.settings, compiled.images.size(), cpu),
                                   diagnostics, gobo_planes));
   }

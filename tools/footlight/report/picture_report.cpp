@@ -154,7 +154,7 @@ Result<Judged> judge_scene_of(vk::Device& device, const Scene& scene, const View
   }
   fixtures::f64::Walker walker(scene.compiled);
   walker.step(scene.levels, 0);
-  const bool cpu = device.facts().properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  const bool cpu = device.is_software();
   const int size_px = gobo_size_px(judged_settings(options), scene.compiled.images.size(), cpu);
   const GoboColors gobos = gobos_of(scene.compiled, size_px);
   JudgeScene judge =
