@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "render/passes/surfaces.h"
 #include "shaders/recheck.comp.h"
 
 namespace footlight::render {
@@ -67,14 +68,9 @@ ErrorWindow::Estimate ErrorWindow::estimate() const {
 
 Result<std::unique_ptr<LiveError>> LiveError::create(vk::Device& device, Frame& frame, const fixtures::Needs& needs) {
   const FrameSettings& settings = frame.settings();
-  const std::vector<vk::SpecConstant> constants = {
-      {FL_SPEC_GOBO, needs.gobo},           {FL_SPEC_EXTINCTION, needs.extinction},
-      {FL_SPEC_PROFILE, needs.profile},     {FL_SPEC_GOBO_TAPS, 1024},
-      {FL_SPEC_BOXES, needs.surfaces},      {FL_SPEC_BODIES, has_bodies(needs, settings)},
-      {FL_SPEC_BLADES, needs.blades},       {FL_SPEC_FOCUS, needs.focus},
-      {FL_SPEC_ANIMATION, needs.animation}, {FL_SPEC_MEASURED, needs.measured},
-      {FL_SPEC_RECTANGLE, needs.rectangle}, {FL_SPEC_WIDE, needs.wide},
-      {FL_SPEC_IRIS, needs.iris},           {FL_SPEC_EDGES, has_smooth_edges(needs, settings)}};
+  std::vector<vk::SpecConstant> constants = kSurfacesPass.constants(needs, settings);
+  constants.push_back({FL_SPEC_GOBO_TAPS, 1024});
+  constants.push_back({FL_SPEC_EDGES, has_smooth_edges(needs, settings)});
   std::unique_ptr<LiveError> live(new LiveError(device));
   live->cells_ = device.is_software() ? kCellsOfCpu : kCells;
   FL_ASSIGN(live->pipeline_, device.pipelines().compute(kRecheckComp, constants));

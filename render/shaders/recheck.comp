@@ -22,10 +22,10 @@
 #include "render/shaders/shared/gobo_chord.h"
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/thin.glsl"
+layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 #include "render/shaders/lib/surface_light.glsl"
 
 layout(local_size_x = FL_GROUP_RECHECK) in;
-layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(push_constant) uniform Push { uint seed; uint first; } push;  // first: place in the order of cells
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform readonly image2D radiance;
 layout(set = 0, binding = FL_BINDING_RECHECKED, std430) writeonly buffer RecheckedBuffer { RecheckRow rechecked[]; };
@@ -88,26 +88,6 @@ vec3 light_in_air(BeamRow row, uint index, Medium medium, vec3 d, float t_max_m)
     value = vec3(chord_inscatter_gauss(beam, medium, chord, ray, kNodes, kExtinction));
   }
   return row.j0.rgb * (gain * value);
-}
-
-// Illuminance of a surface by a beam. offset_m: of the place from the camera.
-vec3 light_on_surface(BeamRow row, uint index, Medium medium, Surface surface, vec3 offset_m) {
-  BeamShape beam = beam_shape(row);
-  beam.profile_power = drawn_profile(beam.profile_power);
-  bool gobo = has_gobo(row);
-  vec3 p = row.eye.xyz + to_light(row, offset_m);
-  vec2 rho;
-  float r_m;
-  float share = beam_thin(row) > 0.0
-                    ? thin_illuminance(beam, row, p, surface, offset_m, thin_is_plain(row, gobo), rho, r_m)
-                    : beam_illuminance(beam, p, rho, r_m);
-  if (!(share > 0.0)) return vec3(0.0);
-  share *= max(-dot(to_light(row, surface.normal), beam_direction(beam, rho)), 0.0);
-  if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);
-  if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u) share *= blades_at(index, rho, p.z);
-  vec3 through = vec3(share);
-  if (gobo) through *= gobo_on_surface(row.gobo, rho, p.z);
-  return row.j0.rgb * through;
 }
 
 // What the eye gets from a surface with this illuminance.
@@ -181,7 +161,7 @@ void main() {
   for (uint index = empty ? counts.live_count : lane; index < counts.live_count; index += kThreads) {
     BeamRow row = beams[index];
     gobo_begin(index);
-    if (surface.kind != kNothing) lx += light_on_surface(row, index, medium, surface, offset_m);
+    if (surface.kind != kNothing) lx += light_on_surface(surface_beam(row), row, index, medium, surface, offset_m);
     if (params.forward.w > 0.0) air += light_in_air(row, index, medium, d, surface.t_m);
   }
   sum_lx[lane] = lx;

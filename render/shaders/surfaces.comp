@@ -74,26 +74,11 @@ void add_plain_beam(uint index, Medium medium, bool off_plane, float plane_facin
 // Adds a beam that is not plain, or that may be widened.
 void add_shaped_beam(uint index, Medium medium, bool off_plane) {
   BeamRow row = beams[index];
-  BeamShape beam = beam_shape(row);
-  beam.profile_power = drawn_profile(beam.profile_power);
   gobo_begin(index);
-  bool gobo = has_gobo(row);
-  bool plain = thin_is_plain(row, gobo);
-  bool thin = beam_thin(row) > 0.0;
+  SurfaceBeam beam = surface_beam(row);
   for (int i = 0; i < int(kRows); ++i) {
     if (surface[i].kind == kNothing || (off_plane && on_plane[i])) continue;
-    vec3 p = row.eye.xyz + to_light(row, offset_m[i]);
-    vec2 rho;
-    float r_m;
-    float share = thin ? thin_illuminance(beam, row, p, surface[i], offset_m[i], plain, rho, r_m)
-                       : beam_illuminance(beam, p, rho, r_m);
-    if (!(share > 0.0)) continue;
-    share *= max(-dot(to_light(row, surface[i].normal), beam_direction(beam, rho)), 0.0);
-    if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);
-    if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u) share *= blades_at(index, rho, p.z);
-    vec3 through = vec3(share);
-    if (gobo) through *= gobo_on_surface(row.gobo, rho, p.z);
-    illuminance_lx[i] += row.j0.rgb * through;
+    illuminance_lx[i] += light_on_surface(beam, row, index, medium, surface[i], offset_m[i]);
   }
 }
 

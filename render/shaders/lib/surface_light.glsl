@@ -1,5 +1,5 @@
-// What a surface does with light: lenses that shine, the work light, and how a thin beam is widened there. After
-// surface.glsl, gobo.glsl, beam.h, tile_test.glsl and thin.glsl.
+// What a surface does with light: lenses that shine, the work light, the light of a beam, and how a thin one is widened
+// there. After surface.glsl, gobo.glsl, beam.h, tile_test.glsl, thin.glsl and kExtinction.
 const float kPi = 3.141592653589793;
 // Reflectance of painted housings. Chosen by eye.
 const float kBodyAlbedo = 0.04;
@@ -57,4 +57,36 @@ float thin_illuminance(BeamShape beam, BeamRow row, vec3 p, Surface surface, vec
 // on what has triangles; on boxes that is the same everywhere.
 float work_light(vec3 normal, vec3 offset_m) {
   return 0.3 + 0.3 * (0.5 + 0.5 * normal.z) + 0.4 * max(-dot(normal, normalize(offset_m)), 0.0);
+}
+
+// What is the same for all places that a beam lights.
+struct SurfaceBeam {
+  BeamShape shape;
+  bool gobo;
+  bool plain;  // thin.glsl
+  bool thin;
+};
+SurfaceBeam surface_beam(BeamRow row) {
+  SurfaceBeam beam;
+  beam.shape = beam_shape(row);
+  beam.shape.profile_power = drawn_profile(beam.shape.profile_power);
+  beam.gobo = has_gobo(row);
+  beam.plain = thin_is_plain(row, beam.gobo);
+  beam.thin = beam_thin(row) > 0.0;
+  return beam;
+}
+// Illuminance of a surface by the beam that gobo_begin() was called with. offset_m: of the place from the camera.
+vec3 light_on_surface(SurfaceBeam beam, BeamRow row, uint index, Medium medium, Surface surface, vec3 offset_m) {
+  vec3 p = row.eye.xyz + to_light(row, offset_m);
+  vec2 rho;
+  float r_m;
+  float share = beam.thin ? thin_illuminance(beam.shape, row, p, surface, offset_m, beam.plain, rho, r_m)
+                          : beam_illuminance(beam.shape, p, rho, r_m);
+  if (!(share > 0.0)) return vec3(0.0);
+  share *= max(-dot(to_light(row, surface.normal), beam_direction(beam.shape, rho)), 0.0);
+  if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);
+  if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u) share *= blades_at(index, rho, p.z);
+  vec3 through = vec3(share);
+  if (beam.gobo) through *= gobo_on_surface(row.gobo, rho, p.z);
+  return row.j0.rgb * through;
 }
