@@ -84,7 +84,8 @@ TEST_CASE("--error takes fixed knobs, which the file states and with which the p
 
   const auto text = [&](const char* name) { return settings.at(name).dump(); };
   const Outcome again = render({"--nodes", text("nodes"), "--tile-error", text("tile_error"), "--gobos", "samples",
-                                "--gobo-taps", text("gobo_taps"), "--body-error", text("body_error_px")},
+                                "--gobo-taps", text("gobo_taps"), "--gobo-px", text("gobo_px"), "--body-error",
+                                text("body_error_px")},
                                "again.png");
   REQUIRE(again.exit_code == 0);
   CHECK(!pixels_in("chosen.png").empty());
@@ -99,6 +100,8 @@ TEST_CASE("--error takes fixed knobs, which the file states and with which the p
                                                 {"--error", "abc"},
                                                 {"--error", "1e-9"},
                                                 {"--error", "1%", "--nodes", "3"},
+                                                {"--error", "1%", "--gobo-px", "512"},
+                                                {"--gobo-px", "500"},
                                                 {"--gobos", "many"}}) {
     const Outcome refused = render(words, "none.png");
     CHECK(refused.exit_code == 2);

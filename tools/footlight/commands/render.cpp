@@ -1,5 +1,6 @@
 // footlight render: makes pictures and videos of a rig driven by a log, without a display.
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <chrono>
 #include <cstdio>
@@ -44,6 +45,7 @@ struct Options {
   std::optional<int> nodes;
   std::optional<int> gobo_taps;
   int gobo_gates = static_cast<int>(render::FrameSettings{}.gobo_gates);
+  std::optional<int> gobo_px;
   std::string gobos;  // "samples", "tables"
   std::optional<double> tile_error;
   std::optional<double> body_error_px;
@@ -153,6 +155,7 @@ Result<Chosen> choose_settings(const Options& options) {
                                                    {"--tile-error", options.tile_error.has_value()},
                                                    {"--gobos", !options.gobos.empty()},
                                                    {"--gobo-taps", options.gobo_taps.has_value()},
+                                                   {"--gobo-px", options.gobo_px.has_value()},
                                                    {"--body-error", options.body_error_px.has_value()}};
     for (const auto& [name, given] : others) {
       if (given) return fail(ErrorCode::kBadInput, "--error and {}: expected one of them; --error sets it", name);
@@ -164,6 +167,9 @@ Result<Chosen> choose_settings(const Options& options) {
     knobs.gobo_method = options.gobos == "tables" ? render::GoboMethod::kTables : render::GoboMethod::kTaps;
   } else if (!options.gobos.empty()) {
     return fail(ErrorCode::kBadInput, "--gobos {}: expected samples or tables", options.gobos);
+  }
+  if (options.gobo_px && !std::has_single_bit(static_cast<unsigned>(*options.gobo_px))) {
+    return fail(ErrorCode::kBadInput, "--gobo-px {}: expected a power of two", *options.gobo_px);
   }
   if (options.nodes) knobs.nodes = static_cast<std::uint32_t>(*options.nodes);
   if (options.gobo_taps) knobs.gobo_taps = static_cast<std::uint32_t>(*options.gobo_taps);
@@ -428,6 +434,7 @@ Result<int> render_pictures(const Options& options) {
     settings.gobo_gates = 0;
   }
   if (chosen.error > 0) settings.gobo_px = render::kGoboSizePx;  // the same on every device
+  settings.gobo_px = options.gobo_px.value_or(settings.gobo_px);
   FL_ASSIGN(const ShownView shown, shown_view_of(options.show));
   if (shown == ShownView::kClasses || shown == ShownView::kHits) settings.view = render::FrameView::kClasses;
   if (shown == ShownView::kLux) settings.view = render::FrameView::kLux;
@@ -509,7 +516,7 @@ void add(Arguments& arguments) {
   arguments.option("--ev", options->exposure_ev, -20, 30, "exposure value at ISO 100; default: the camera's own");
   arguments.option(
       "--error", options->error, "SHARE",
-      "relative L2 error of the light, as in 0.1%: chooses the five options that follow, by a fixed table");
+      "relative L2 error of the light, as in 0.1%: chooses the six options that follow, by a fixed table");
   arguments.option("--nodes", options->nodes, 1, 8,
                    "Gauss nodes per beam and pixel [3]; error and time: footlight report");
   arguments.option("--tile-error", options->tile_error, 0, 1,
@@ -521,6 +528,8 @@ void add(Arguments& arguments) {
                    "in the air: samples or tables; default: tables on a GPU, samples on a CPU");
   arguments.option("--gobo-taps", options->gobo_taps, 1, 1024,
                    "samples per beam and pixel where gobos have no tables: focus, too many gates [128]");
+  arguments.option("--gobo-px", options->gobo_px, 64, 2048,
+                   "texels a side of gobo images, a power of two; default: 1024 on a GPU where they fit, else 512");
   arguments.option("--edges", options->edges, "WORD",
                    "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges [16]");
   arguments.option("--ms", options->ms, "MS", "refused: a rendered picture does not depend on time; use --error");
