@@ -10,6 +10,7 @@ namespace footlight::render::f32 {
 using namespace ::footlight::f32;
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/shadow.h"
 #include "render/shaders/shared/gobo_chord.h"
 #include "render/shaders/shared/tile_node.h"
 #include "render/shaders/shared/agx.h"
@@ -19,6 +20,7 @@ namespace footlight::render::f64 {
 using namespace ::footlight::f64;
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/shadow.h"
 #include "render/shaders/shared/gobo_chord.h"
 #include "render/shaders/shared/tile_node.h"
 #include "render/shaders/shared/agx.h"

@@ -116,6 +116,23 @@ void add_spheres(const fixtures::BodyMesh& mesh, BodyMeshRow& row) {
   }
 }
 
+// Boxes around the same vertices.
+void add_boxes(const fixtures::BodyMesh& mesh, std::vector<BodyBoxRow>& boxes) {
+  for (std::uint32_t depth = 0; depth < FL_BODY_BOXES; ++depth) {
+    bool any = false;
+    glm::vec3 low(0);
+    glm::vec3 high(0);
+    for (const fixtures::BodyVertex& vertex : mesh.vertices) {
+      if ((vertex.part & FL_PART_DEPTH) != depth) continue;
+      const glm::vec3 at(vertex.position[0], vertex.position[1], vertex.position[2]);
+      low = any ? glm::min(low, at) : at;
+      high = any ? glm::max(high, at) : at;
+      any = true;
+    }
+    boxes.push_back({vec4(0.5f * (low + high), any ? 0 : -1), vec4(0.5f * (high - low), 0)});
+  }
+}
+
 }  // namespace
 
 Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
@@ -129,6 +146,7 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
   std::vector<BodySlotRow> slots;
   std::vector<BodyMeshRow> meshes;
   std::vector<BodyLevelRow> levels;
+  std::vector<BodyBoxRow> boxes;
   std::vector<fixtures::TreeNode> trees;
   std::vector<VkDrawIndexedIndirectCommand> draws;
   const auto add = [&](const fixtures::BodyMesh& mesh, std::uint32_t count, double error_m) {
@@ -158,6 +176,7 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
     if (body.indices.empty() || heads[t].empty()) continue;
     BodyMeshRow mesh{};
     add_spheres(body, mesh);
+    add_boxes(body, boxes);
     mesh.slot_first = static_cast<std::uint32_t>(slots.size());
     mesh.slot_count = static_cast<std::uint32_t>(heads[t].size());
     mesh.level_first = static_cast<std::uint32_t>(levels.size());
@@ -195,6 +214,7 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
   FL_ASSIGN(r.indices, vk::Buffer::table(device, indices, VK_BUFFER_USAGE_INDEX_BUFFER_BIT));
   FL_ASSIGN(r.slots, vk::Buffer::table(device, slots));
   FL_ASSIGN(r.meshes, vk::Buffer::table(device, meshes));
+  FL_ASSIGN(r.body_boxes, vk::Buffer::table(device, boxes));
   FL_ASSIGN(r.body_levels, vk::Buffer::table(device, levels));
   FL_ASSIGN(r.draws, vk::Buffer::table(device, draws, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
   FL_ASSIGN(r.trees, vk::Buffer::table(device, trees));

@@ -14,6 +14,7 @@
 #include "render/passes/gather.h"
 #include "render/passes/gobos.h"
 #include "render/passes/records.h"
+#include "render/passes/shadows.h"
 #include "render/passes/step.h"
 #include "render/passes/surfaces.h"
 #include "render/passes/tiles.h"
@@ -26,6 +27,7 @@ namespace {
 const PassEntry* const kPasses[] = {
     &kStepPass,      // raw levels -> fixture states
     &kGatherPass,    // states -> lit beams, in patch order
+    &kShadowsPass,   // beams x boxes and bodies -> which part of each beam they hide
     &kGobosPass,     // beams -> tables of their gobos that are not built yet
     &kBodiesPass,    // fixture bodies -> visibility buffer
     &kTilesPass,     // beams -> which supertile they touch
@@ -209,6 +211,9 @@ Status Frame::change(const FrameSettings& requested) {
   const fixtures::Needs needs = drawn_needs(needs_, haze_, settings);
   if (has_bodies(needs, settings) && !resources_.rig.has_bodies) {
     return fail(ErrorCode::kBadInput, "bodies were left out when the frame was made: expected a new frame");
+  }
+  if (has_shadows(needs, settings) && !resources_.rig.has_shadows) {
+    return fail(ErrorCode::kBadInput, "shadows were left out when the frame was made: expected a new frame");
   }
   if (has_smooth_edges(needs, settings) && !resources_.rig.has_trees) {
     return fail(ErrorCode::kBadInput, "smooth edges were left out when the frame was made: expected a new frame");

@@ -71,6 +71,10 @@ struct PassEntry {
 [[nodiscard]] inline bool has_solids(const fixtures::Needs& needs, const FrameSettings& settings) {
   return needs.surfaces || has_bodies(needs, settings);
 }
+// Whether anything hides light of a beam.
+[[nodiscard]] inline bool has_shadows(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return needs.fixtures && settings.shadows && has_solids(needs, settings);
+}
 // Whether the edges of solid things are smoothed.
 [[nodiscard]] inline bool has_smooth_edges(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_solids(needs, settings) && settings.edge_samples > 0 && settings.view == FrameView::kPicture;

@@ -107,12 +107,12 @@ std::string json_of(const FrameSettings& settings, std::string_view version, dou
       R"({{"footlight":"{}","error":{},"width":{},"height":{},"supersample":{},"method":"{}","nodes":{},)"
       R"("tile_error":{},"tile_beams":{},"gobo_method":"{}","gobo_taps":{},"gobo_gates":{},"gobo_px":{},)"
       R"("body_error_px":{},"small_body_px":{},)"
-      R"("edge_samples":{},"bodies":{},"haze":{},"dark_lm":{},"widen_thin":{}}})",
+      R"("edge_samples":{},"bodies":{},"haze":{},"shadows":{},"dark_lm":{},"widen_thin":{}}})",
       version, error, settings.width, settings.height, settings.supersample,
       settings.method == BeamMethod::kGauss ? "gauss" : "march", settings.nodes, settings.tile_error,
       settings.tile_beams, word_of(settings.gobo_method), settings.gobo_taps, settings.gobo_gates, settings.gobo_px,
       settings.body_error_px, settings.small_body_px, settings.edge_samples, settings.bodies, settings.haze,
-      settings.dark_lm, settings.widen_thin);
+      settings.shadows, settings.dark_lm, settings.widen_thin);
 }
 
 Result<QualityRequest> parse_quality(const std::string& error, const std::string& ms) {

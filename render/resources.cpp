@@ -7,100 +7,14 @@
 #include <iterator>
 #include <utility>
 
-#include "fixtures/gobos/gobo_images.h"
-#include "fixtures/model/srgb.h"
 #include "render/body_tables.h"
 #include "render/gobo_tables.h"
+#include "render/gobo_textures.h"
 #include "render/pass.h"
+#include "render/shadow_tables.h"
 
 namespace footlight::render {
 namespace {
-
-// Halves an image of three values a texel a side: the mean of four texels.
-std::vector<float> halved(const std::vector<float>& image, int size) {
-  const auto at = [&](int row, int column, std::size_t c) {
-    return image[3 * (static_cast<std::size_t>(row) * static_cast<std::size_t>(size) +
-                      static_cast<std::size_t>(column)) +
-                 c];
-  };
-  std::vector<float> half;
-  half.reserve(image.size() / 4);
-  for (int row = 0; row < size / 2; ++row) {
-    for (int column = 0; column < size / 2; ++column) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        half.push_back((at(2 * row, 2 * column, c) + at(2 * row, 2 * column + 1, c) + at(2 * row + 1, 2 * column, c) +
-                        at(2 * row + 1, 2 * column + 1, c)) /
-                       4);
-      }
-    }
-  }
-  return half;
-}
-
-std::uint8_t srgb_of(float linear) {
-  return static_cast<std::uint8_t>(std::lround(255.0f * fixtures::srgb_of_linear(std::clamp(linear, 0.0f, 1.0f))));
-}
-
-// Gobo images as one array with all levels of detail, in colour, 8 bits sRGB a channel. A rig without gobos gets a
-// single texel, since the shaders name the binding even where their specialisation never reads it.
-// planes: of each image 1 where it is grey, else 3.
-Result<vk::Image> make_gobos(vk::Device& device, const std::vector<fixtures::ImageSource>& images, int size_px,
-                             fixtures::Diagnostics& diagnostics, std::vector<std::uint32_t>& planes) {
-  const int size = images.empty() ? 1 : size_px;
-  const auto layers = static_cast<uint>(std::max<std::size_t>(images.size(), 1));
-  const std::uint32_t layers_max = device.limits().maxImageArrayLayers;
-  if (layers > layers_max) {
-    return fail(ErrorCode::kBadInput, "{} gobo images: expected at most {} on {}", layers, layers_max, device.name());
-  }
-  uint levels = 1;
-  while (size >> levels > 0) ++levels;
-  std::vector<std::uint8_t> texels;
-  std::vector<VkBufferImageCopy> regions;
-  fixtures::ImageBudget budget;
-  for (uint layer = 0; layer < layers; ++layer) {
-    std::vector<float> image(3, 1.0f);
-    if (!images.empty()) {
-      auto read = fixtures::gobo_texels(images[layer], size, kGoboEdge, &budget);
-      if (read) {
-        image = std::move(*read);
-      } else {
-        image = fixtures::stand_in_texels(layer, size, kGoboEdge);
-        diagnostics.add(fixtures::image_trouble(read.error()));
-      }
-    }
-    planes.push_back(1);
-    for (std::size_t i = 0; i < image.size(); i += 3) {
-      const std::uint8_t red = srgb_of(image[i]);
-      if (srgb_of(image[i + 1]) != red || srgb_of(image[i + 2]) != red) planes.back() = 3;
-    }
-    int level_size = size;
-    for (uint level = 0; level < levels; ++level) {
-      VkBufferImageCopy region{};
-      region.bufferOffset = texels.size();
-      region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, level, layer, 1};
-      region.imageExtent = {static_cast<uint>(level_size), static_cast<uint>(level_size), 1};
-      regions.push_back(region);
-      for (std::size_t i = 0; i < image.size(); ++i) {
-        texels.push_back(srgb_of(image[i]));
-        if (i % 3 == 2) texels.push_back(255);
-      }
-      if (level_size > 1) image = halved(image, level_size);
-      level_size /= 2;
-    }
-  }
-  FL_ASSIGN(vk::Image image,
-            vk::Image::create(device, static_cast<uint>(size), static_cast<uint>(size), VK_FORMAT_R8G8B8A8_SRGB,
-                              VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT, layers, levels));
-  FL_ASSIGN(vk::Buffer staging, vk::Buffer::host_visible(device, texels.size(), 0));
-  std::memcpy(staging.mapped, texels.data(), texels.size());
-  FL_TRY(device.run_once([&](VkCommandBuffer commands) {
-    vk::change_layout(commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    vkCmdCopyBufferToImage(commands, staging.handle, image.handle, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                           static_cast<uint>(regions.size()), regions.data());
-    vk::change_layout(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-  }));
-  return image;
-}
 
 Result<vk::Buffer> zeroed(vk::Device& device, VkDeviceSize bytes, VkBufferUsageFlags usage = 0) {
   FL_ASSIGN(vk::Buffer buffer,
@@ -171,6 +85,10 @@ constexpr TableEntry kTables[] = {
 constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_BLADES, &R::blades},
     {FL_BINDING_BOXES, &R::boxes},
+    {FL_BINDING_OCCLUDERS, &R::occluders},
+    {FL_BINDING_BODY_BOXES, &R::body_boxes},
+    {FL_BINDING_SHADOW_LISTS, &R::shadow_lists},
+    {FL_BINDING_SHADOWS, &R::shadows},
     {FL_BINDING_INSTANCES, &R::slots},
     {FL_BINDING_BODY_MESHES, &R::meshes},
     {FL_BINDING_BODY_LEVELS, &R::body_levels},
@@ -189,8 +107,9 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
 // (LP_MAX_TGSI_LOOP_ITERATIONS). A gobo takes about a round a sample.
 std::uint32_t lavapipe_beams_max(const MemoryShape& shape) {
   constexpr std::uint32_t kRounds = 65'535;
-  constexpr std::uint32_t kPlainBeams = 1024;  // with 8 nodes; 2,000 were too many
-  return shape.needs.gobo ? std::min(kPlainBeams, kRounds / std::max(shape.settings.gobo_taps, 1u)) : kPlainBeams;
+  // 1,024 with 8 nodes and without shadows; 2,000 were too many. A shadow that reaches a tile takes three rounds a row.
+  const std::uint32_t plain = has_shadows(shape.needs, shape.settings) ? 512 : 1024;
+  return shape.needs.gobo ? std::min(plain, kRounds / std::max(shape.settings.gobo_taps, 1u)) : plain;
 }
 
 // Words of a supertile's mask. They come in pairs, as one group of the tile pass writes them.
@@ -355,6 +274,9 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
   const auto side = static_cast<std::uint64_t>(settings.supersample);
   switch (binding) {
     case FL_BINDING_BLADES: return shape.needs.blades ? shape.compiled.beams_max * std::uint64_t{sizeof(BladesRow)} : 0;
+    case FL_BINDING_OCCLUDERS: return occluder_bytes(shape);
+    case FL_BINDING_SHADOW_LISTS: return shadow_list_bytes(shape);
+    case FL_BINDING_SHADOWS: return shadow_bytes(shape);
     case FL_BINDING_BOXES: return shape.rig.boxes.size() * sizeof(BoxRow);
     case FL_BINDING_GOBOS: return gobo_bytes(shape);
     case FL_BINDING_GOBO_TABLES: return largest_gobo_tables(shape).rows.size() * sizeof(GoboTableRow);
@@ -453,7 +375,9 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   }
   r.has_bodies = render::has_bodies(shape.needs, shape.settings);
   r.has_trees = has_smooth_edges(shape.needs, shape.settings);
+  r.has_shadows = render::has_shadows(shape.needs, shape.settings);
   if (r.has_bodies || r.has_trees) FL_TRY(make_bodies(device, shape.rig, compiled, diagnostics, r));
+  if (used[FL_BINDING_SHADOWS]) FL_TRY(make_shadow_tables(device, shape, r));
   std::vector<std::uint32_t> gobo_planes;
   if (used[FL_BINDING_GOBOS]) {
     const bool cpu = device.is_software();
@@ -576,8 +500,8 @@ std::uint64_t Resources::body_bytes() const {
   if (!rig.has_bodies) return 0;
   std::uint64_t bytes = picture.surface_id.size_bytes + picture.depth.size_bytes;
   for (const vk::Buffer* buffer :
-       {&rig.slots, &rig.meshes, &rig.trees, &rig.head_slots, &rig.body_levels, &rig.vertices, &rig.indices, &rig.draws,
-        &rig.choices, &rig.drawn, &picture.small_depths, &picture.small_keys}) {
+       {&rig.slots, &rig.meshes, &rig.body_boxes, &rig.trees, &rig.head_slots, &rig.body_levels, &rig.vertices,
+        &rig.indices, &rig.draws, &rig.choices, &rig.drawn, &picture.small_depths, &picture.small_keys}) {
     bytes += buffer->size_bytes;
   }
   return bytes;

@@ -44,7 +44,9 @@ struct RigTables {
   // Bodies: BodySlotRow, BodyMeshRow, BodyLevelRow, BodyVertexRow; one draw command a level, and one for all objects of
   // the scene, whose vertices and indices are behind those of the bodies.
   vk::Buffer slots, meshes, body_levels, vertices, indices, draws;
-  vk::Image gobos;  // one layer a gobo
+  vk::Buffer occluders;   // OccluderRow: those that do not move, then FL_BODY_BOXES of each body
+  vk::Buffer body_boxes;  // BodyBoxRow, FL_BODY_BOXES a mesh
+  vk::Image gobos;        // one layer a gobo
   // Tables of gobos in haze, filled as lit beams show them: GoboTableRow, GoboQueue, and the two kinds of tables.
   vk::Buffer gobo_tables, gobo_queue;
   vk::Image gobo_whole, gobo_lines;
@@ -58,6 +60,8 @@ struct RigTables {
   vk::Buffer staged_levels;      // the same, where the host writes them; only for more than kUpdateBytesMax
   vk::Buffer beams;              // BeamRow, live ones first
   vk::Buffer blades;             // BladesRow, one a beam
+  vk::Buffer shadow_lists;       // ShadowListRow, one a beam
+  vk::Buffer shadows;            // ShadowRow
   vk::Buffer trees, head_slots;  // TreeRow; the slot of each head, FL_NONE: it has no body
   vk::Buffer choices, drawn;     // one word a body: its level; heads that the rasteriser draws, by mesh and level
   vk::Buffer counts;             // CountsRow, then beams and lit heads of each group of FL_GROUP_HEADS
@@ -93,6 +97,7 @@ struct RigTables {
   std::uint32_t mask_words = 0;
   std::uint64_t levels_bytes = 0;
   bool has_bodies = false;                     // the models were read
+  bool has_shadows = false;                    // there is what shadows need
   bool has_trees = false;                      // there is what smooth edges need
   std::vector<std::uint32_t> level_triangles;  // of each BodyLevelRow
   std::uint64_t body_triangles = 0;            // of the whole meshes of all bodies

@@ -57,6 +57,7 @@ struct FrameSettings {
   bool widen_thin = true;  // beams thinner than a pixel are drawn a pixel wide and as much weaker
   // Samples of what a pixel shows, where the edge of something solid may be in it: 4, 8 or 16; 0: edges stay jagged.
   std::uint32_t edge_samples = 16;
+  bool shadows = true;  // boxes and bodies hide light
   FrameView view = FrameView::kPicture;
   int supersample = 1;  // pixels a side of one pixel of the screen; the size is that of the radiance
 };

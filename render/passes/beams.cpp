@@ -31,6 +31,7 @@ const PassEntry kBeamsPass{
           {FL_SPEC_TILES, has_tile_classes(needs, settings)},
           {FL_SPEC_WIDE, needs.wide},
           {FL_SPEC_IRIS, needs.iris},
+          {FL_SPEC_SHADOWS, has_shadows(needs, settings)},
           {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)},
           {FL_SPEC_GOBO_METHOD,
            settings.gobo_method == GoboMethod::kSuited ? FL_GOBO_TABLES : static_cast<uint>(settings.gobo_method)}};

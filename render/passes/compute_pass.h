@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "render/pass.h"
 
@@ -13,6 +14,21 @@ namespace footlight::render {
 [[nodiscard]] inline std::uint32_t tile_groups(int size_px) {
   return (static_cast<std::uint32_t>(size_px) + FL_TILE_PX - 1) / FL_TILE_PX;
 }
+
+// One pipeline of a pass that has several.
+struct ComputeStep {
+  std::shared_ptr<const vk::Pipeline> pipeline;
+  vk::BindingSet set;
+
+  [[nodiscard]] static Result<ComputeStep> create(const PassContext& context, vk::Spirv spirv,
+                                                  const std::vector<vk::SpecConstant>& constants) {
+    ComputeStep step;
+    FL_ASSIGN(step.pipeline, context.device.pipelines().compute(spirv, constants));
+    FL_ASSIGN(step.set, vk::BindingSet::create(context.device, *step.pipeline, context.resources.bindings));
+    return step;
+  }
+  void bind(VkCommandBuffer commands) const { pipeline->bind(commands, set); }
+};
 
 // Dispatch: a callable (VkCommandBuffer); the pipeline and its descriptors are bound before.
 template <class Dispatch>

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "render/passes/compute_pass.h"
 #include "shaders/gateimages.comp.h"
 #include "shaders/gates.comp.h"
 #include "shaders/gobochords.comp.h"
@@ -12,21 +13,10 @@
 namespace footlight::render {
 namespace {
 
-struct Step {
-  std::shared_ptr<const vk::Pipeline> pipeline;
-  vk::BindingSet set;
-
-  static Result<Step> create(const PassContext& context, vk::Spirv spirv) {
-    Step step;
-    FL_ASSIGN(step.pipeline, context.device.pipelines().compute(spirv, context.constants));
-    FL_ASSIGN(step.set, vk::BindingSet::create(context.device, *step.pipeline, context.resources.bindings));
-    return step;
-  }
-};
-
 class GobosPass final : public Pass {
  public:
-  GobosPass(Step gates, Step mark, Step images, Step whole, Step lines, const RigTables& rig, std::uint32_t builds)
+  GobosPass(ComputeStep gates, ComputeStep mark, ComputeStep images, ComputeStep whole, ComputeStep lines,
+            const RigTables& rig, std::uint32_t builds)
       : gates_(std::move(gates)),
         mark_(std::move(mark)),
         images_(std::move(images)),
@@ -42,53 +32,54 @@ class GobosPass final : public Pass {
     vkCmdUpdateBuffer(commands, queue, 0, sizeof(empty), &empty);
     vk::full_barrier(commands);
     if (empty.gates > 0) {
-      gates_.pipeline->bind(commands, gates_.set);
+      gates_.bind(commands);
       vkCmdDispatch(commands, 1, 1, 1);
       vk::full_barrier(commands);
     }
-    mark_.pipeline->bind(commands, mark_.set);
+    mark_.bind(commands);
     vkCmdDispatch(commands, (rig_.beams_max + FL_GROUP_GOBOS - 1) / FL_GROUP_GOBOS, 1, 1);
     vk::full_barrier(commands);
     if (empty.gates > 0) {
-      images_.pipeline->bind(commands, images_.set);
+      images_.bind(commands);
       vkCmdDispatchIndirect(commands, queue, offsetof(GoboQueue, gate_groups));
       vk::full_barrier(commands);
     }
-    whole_.pipeline->bind(commands, whole_.set);
+    whole_.bind(commands);
     vkCmdDispatchIndirect(commands, queue, offsetof(GoboQueue, whole_groups));
-    lines_.pipeline->bind(commands, lines_.set);
+    lines_.bind(commands);
     vkCmdDispatchIndirect(commands, queue, offsetof(GoboQueue, lines_groups));
   }
 
  private:
-  Step gates_;
-  Step mark_;
-  Step images_;
-  Step whole_;
-  Step lines_;
+  ComputeStep gates_;
+  ComputeStep mark_;
+  ComputeStep images_;
+  ComputeStep whole_;
+  ComputeStep lines_;
   const RigTables& rig_;
   std::uint32_t gate_builds_;
 };
 
 }  // namespace
 
-const PassEntry kGobosPass{"gobos",
-                           has_gobo_tables,
-                           [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
-                           [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
-                             FL_ASSIGN(Step gates, Step::create(context, kGatesComp));
-                             FL_ASSIGN(Step mark, Step::create(context, kGobosComp));
-                             FL_ASSIGN(Step images, Step::create(context, kGateimagesComp));
-                             FL_ASSIGN(Step whole, Step::create(context, kGobochordsComp));
-                             FL_ASSIGN(Step lines, Step::create(context, kGobolinesComp));
-                             return std::unique_ptr<Pass>(
-                                 new GobosPass(std::move(gates), std::move(mark), std::move(images), std::move(whole),
-                                               std::move(lines), context.resources.rig, context.settings.gate_builds));
-                           },
-                           [] {
-                             return std::vector<std::vector<vk::Spirv>>{
-                                 {kGatesComp}, {kGobosComp}, {kGateimagesComp}, {kGobochordsComp}, {kGobolinesComp}};
-                           },
-                           "tables of gobos in the air, which are sampled instead"};
+const PassEntry kGobosPass{
+    "gobos",
+    has_gobo_tables,
+    [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
+    [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
+      FL_ASSIGN(ComputeStep gates, ComputeStep::create(context, kGatesComp, context.constants));
+      FL_ASSIGN(ComputeStep mark, ComputeStep::create(context, kGobosComp, context.constants));
+      FL_ASSIGN(ComputeStep images, ComputeStep::create(context, kGateimagesComp, context.constants));
+      FL_ASSIGN(ComputeStep whole, ComputeStep::create(context, kGobochordsComp, context.constants));
+      FL_ASSIGN(ComputeStep lines, ComputeStep::create(context, kGobolinesComp, context.constants));
+      return std::unique_ptr<Pass>(new GobosPass(std::move(gates), std::move(mark), std::move(images), std::move(whole),
+                                                 std::move(lines), context.resources.rig,
+                                                 context.settings.gate_builds));
+    },
+    [] {
+      return std::vector<std::vector<vk::Spirv>>{
+          {kGatesComp}, {kGobosComp}, {kGateimagesComp}, {kGobochordsComp}, {kGobolinesComp}};
+    },
+    "tables of gobos in the air, which are sampled instead"};
 
 }  // namespace footlight::render

@@ -299,6 +299,80 @@ LightAt light_at(const JudgeBeam& beam, const GoboTransmission& gobo, const glm:
   return light;
 }
 
+// Whether the light of a beam can come near a solid at all.
+bool may_hide(const JudgeBeam& beam, const JudgeSolid& solid) {
+  const double radius = glm::length(solid.half_m[0]) + glm::length(solid.half_m[1]) + glm::length(solid.half_m[2]);
+  const glm::dvec3 from_lens = solid.center_m - beam.lens_m;
+  const double z = glm::dot(from_lens, beam.axis);
+  if (z < -radius || z > beam.range_m + radius) return false;
+  const double reach = beam.aspect > 0 ? std::hypot(1.0, 1 / beam.aspect) : 1;
+  const double aside = std::hypot(glm::dot(from_lens, beam.x_axis), glm::dot(from_lens, beam.y_axis)) -
+                       reach * (beam.lens_radius_m + beam.spread * std::max(z, 0.0));
+  return aside <= radius * std::hypot(1.0, reach * beam.spread);
+}
+
+// A plate without thickness gets a nanometre, so that it is a body; what has less than two directions stays nothing.
+JudgeSolid thickened(const JudgeSolid& solid) {
+  JudgeSolid thick = solid;
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3 normal = glm::cross(solid.half_m[(i + 1) % 3], solid.half_m[(i + 2) % 3]);
+    if (glm::length(solid.half_m[i]) == 0 && glm::length(normal) > 0) thick.half_m[i] = 1e-9 * glm::normalize(normal);
+  }
+  return thick;
+}
+
+// Adds the parts from..to of a ray on which a solid hides the light. A part begins and ends where the ray meets a plane
+// through a face, or a plane of light paths through an edge or through where a face meets the lens plane; between two
+// such places a traced path in the middle decides.
+void add_dark_parts(const JudgeBeam& beam, const JudgeSolid& given, const glm::dvec3& base_from_lens,
+                    const glm::dvec3& direction, double from, double to, std::vector<std::pair<double, double>>& dark) {
+  const JudgeSolid solid = thickened(given);
+  const auto turned = [&](const glm::dvec3& v) {
+    return glm::dvec3(glm::dot(v, beam.x_axis), glm::dot(v, beam.y_axis), glm::dot(v, beam.axis));
+  };
+  const auto weight = [&](const glm::dvec3& p, double one) { return beam.lens_radius_m * one + beam.spread * p.z; };
+  const glm::dvec3 base = turned(base_from_lens);
+  const glm::dvec3 way = turned(direction);
+  std::vector<double> places{from, to};
+  const auto meet = [&](double at, double rise) {
+    const double t = -at / rise;
+    if (t > from && t < to) places.push_back(t);
+  };
+  const auto meet_paths = [&](const glm::dvec3& plane) {
+    meet(glm::dot(plane, glm::dvec3(base.x, base.y, weight(base, 1))),
+         glm::dot(plane, glm::dvec3(way.x, way.y, weight(way, 0))));
+  };
+  const glm::dvec3 center = turned(solid.center_m - beam.lens_m);
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3 u = turned(solid.half_m[i]);
+    const glm::dvec3 v = turned(solid.half_m[(i + 1) % 3]);
+    const glm::dvec3 w = turned(solid.half_m[(i + 2) % 3]);
+    const glm::dvec3 normal = glm::cross(v, w);
+    for (const double side : {-1.0, 1.0}) {
+      const double offset = glm::dot(normal, center + side * u);
+      meet(glm::dot(normal, base) - offset, glm::dot(normal, way));
+      meet_paths({beam.lens_radius_m * normal.x, beam.lens_radius_m * normal.y, -offset});
+      for (const double other : {-1.0, 1.0}) {
+        const glm::dvec3 first = center + side * v + other * w - u;
+        const glm::dvec3 last = first + 2.0 * u;
+        meet_paths(
+            glm::cross(glm::dvec3(first.x, first.y, weight(first, 1)), glm::dvec3(last.x, last.y, weight(last, 1))));
+      }
+    }
+  }
+  std::sort(places.begin(), places.end());
+  for (std::size_t i = 0; i + 1 < places.size(); ++i) {
+    const double middle = 0.5 * (places[i] + places[i + 1]);
+    if (!(middle > places[i])) continue;
+    if (!judge_hides(beam, solid, beam.lens_m + base_from_lens + middle * direction)) continue;
+    if (!dark.empty() && dark.back().second == places[i]) {
+      dark.back().second = places[i + 1];
+    } else {
+      dark.emplace_back(places[i], places[i + 1]);
+    }
+  }
+}
+
 // The air is visible up to `range_m` of the scene or to a nearer surface.
 double visible_air_m(const JudgeScene& scene, const std::optional<SurfaceHit>& hit) {
   return hit ? std::min(hit->t_m, scene.range_m) : scene.range_m;
@@ -306,7 +380,7 @@ double visible_air_m(const JudgeScene& scene, const std::optional<SurfaceHit>& h
 
 // `refinement` multiplies the number of pieces at the start of an integral.
 double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& ray, double t_min_m, double t_max_m,
-                 const GoboTransmission& gobo, double tolerance, int refinement);
+                 const GoboTransmission& gobo, double tolerance, int refinement, std::span<const JudgeSolid> solids);
 
 glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, int refinement, double* hits) {
   glm::dvec3 total(0);
@@ -324,7 +398,7 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
     const double t_max_m = visible_air_m(scene, hit);
     for (const JudgeBeam& beam : scene.beams) {
       const glm::dvec3 share = in_colors(beam, [&](const GoboTransmission& gobo) {
-        return inscatter(beam, scene.haze, ray, 0, t_max_m, gobo, tolerance, refinement);
+        return inscatter(beam, scene.haze, ray, 0, t_max_m, gobo, tolerance, refinement, scene.solids);
       });
       if (share.x + share.y + share.z > 0) *hits += 1;
       total += scene.haze.scattering_per_m * share * beam.strength_lm;
@@ -334,6 +408,10 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
     const glm::dvec3 point_m = ray.origin_m + hit->t_m * ray.direction;
     glm::dvec3 lux(scene.ambient_lx);
     for (const JudgeBeam& beam : scene.beams) {
+      const bool hidden = std::any_of(scene.solids.begin(), scene.solids.end(), [&](const JudgeSolid& solid) {
+        return may_hide(beam, solid) && judge_hides(beam, solid, point_m);
+      });
+      if (hidden) continue;
       lux += in_colors(beam,
                        [&](const GoboTransmission& gobo) {
                          return judge_illuminance(beam, scene.haze, point_m, hit->normal, gobo);
@@ -346,7 +424,7 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
 }
 
 double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& ray, double t_min_m, double t_max_m,
-                 const GoboTransmission& gobo, double tolerance, int refinement) {
+                 const GoboTransmission& gobo, double tolerance, int refinement, std::span<const JudgeSolid> solids) {
   if (!is_finite(ray.origin_m) || !is_finite(ray.direction) || !std::isfinite(t_min_m) || !(t_max_m > t_min_m)) {
     return 0;
   }
@@ -363,7 +441,16 @@ double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& r
                                     static_cast<double>(light.oy + base * light.dy) * beam.y_axis +
                                     static_cast<double>(light.oz + base * light.dz) * beam.axis;
   const double sigma_t = extinction_per_m(haze);
+  std::vector<std::pair<double, double>> dark;
+  for (const JudgeSolid& solid : solids) {
+    if (!may_hide(beam, solid)) continue;
+    add_dark_parts(beam, solid, base_from_lens, ray.direction, static_cast<double>(from), static_cast<double>(to),
+                   dark);
+  }
   const auto integrand = [&](double t_m) {
+    const bool hidden =
+        std::any_of(dark.begin(), dark.end(), [&](const auto& part) { return t_m > part.first && t_m < part.second; });
+    if (hidden) return 0.0;
     const LightAt at = light_at(beam, gobo, base_from_lens + t_m * ray.direction);
     if (!(at.illuminance > 0) || !passes_blades(beam, at.rho)) return 0.0;
     const double scattering_cosine = -glm::dot(at.direction, ray.direction);
@@ -380,6 +467,10 @@ double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& r
   const auto cut = [&](double t_m) {
     if (t_m > from_m && t_m < to_m) cuts.push_back(t_m);
   };
+  for (const auto& [dark_from, dark_to] : dark) {
+    cut(dark_from);
+    cut(dark_to);
+  }
   cut(0);
   cut(-glm::dot(base_from_lens, ray.direction) / glm::dot(ray.direction, ray.direction));
   const double w_base = beam.lens_radius_m + beam.spread * glm::dot(base_from_lens, beam.axis);
@@ -485,6 +576,10 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
   JudgeScene scene;
   std::map<uint, std::shared_ptr<const MeasuredBeam>> measured;
   scene.boxes = rig.boxes;
+  for (const fixtures::StageBox& box : rig.boxes) {
+    const glm::dvec3 half = 0.5 * (box.max_m - box.min_m);
+    scene.solids.push_back({0.5 * (box.min_m + box.max_m), {{half.x, 0, 0}, {0, half.y, 0}, {0, 0, half.z}}});
+  }
   scene.haze = rig.haze;
   scene.ambient_lx = rig.ambient_lx;
   scene.range_m = kAirRangeM;
@@ -619,8 +714,37 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
 }
 
 double judge_inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& ray, double t_min_m,
-                       double t_max_m, const GoboTransmission& gobo, double tolerance) {
-  return inscatter(beam, haze, ray, t_min_m, t_max_m, gobo, tolerance, 1);
+                       double t_max_m, const GoboTransmission& gobo, double tolerance,
+                       std::span<const JudgeSolid> solids) {
+  return inscatter(beam, haze, ray, t_min_m, t_max_m, gobo, tolerance, 1, solids);
+}
+
+bool judge_hides(const JudgeBeam& beam, const JudgeSolid& given, const glm::dvec3& point_m) {
+  const JudgeSolid solid = thickened(given);
+  const glm::dvec3 from_lens = point_m - beam.lens_m;
+  const double radius_m = beam.lens_radius_m + beam.spread * glm::dot(from_lens, beam.axis);
+  const double scale = beam.lens_radius_m / radius_m;
+  const glm::dvec3 lens_m = beam.lens_m + scale * (glm::dot(from_lens, beam.x_axis) * beam.x_axis +
+                                                   glm::dot(from_lens, beam.y_axis) * beam.y_axis);
+  const glm::dvec3 path = point_m - lens_m;
+  double enter = 0;
+  double leave = 1;
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3 normal = glm::cross(solid.half_m[(i + 1) % 3], solid.half_m[(i + 2) % 3]);
+    const double reach = std::abs(glm::dot(normal, solid.half_m[i]));
+    if (!(reach > 0)) return false;
+    const double at = glm::dot(normal, lens_m - solid.center_m);
+    const double rise = glm::dot(normal, path);
+    if (rise == 0) {
+      if (std::abs(at) > reach) return false;
+      continue;
+    }
+    const double first = (-reach - at) / rise;
+    const double last = (reach - at) / rise;
+    enter = std::max(enter, std::min(first, last));
+    leave = std::min(leave, std::max(first, last));
+  }
+  return leave >= enter && (1 - enter) * glm::length(path) > 1e-6;
 }
 
 double judge_illuminance(const JudgeBeam& beam, const fixtures::Haze& haze, const glm::dvec3& point_m,

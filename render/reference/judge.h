@@ -5,8 +5,8 @@
 // tolerance. Every picture is computed at a tolerance and again, from other pieces, at a hundredth of it; the
 // difference is the judge's stated error.
 //
-// The model: single scattering in homogeneous haze, Henyey-Greenstein, diffuse boxes. Fixtures, boxes and beams do not
-// shade each other, and fixture bodies are left out of judged pictures.
+// The model: single scattering in homogeneous haze, Henyey-Greenstein, diffuse boxes that hide light along the paths on
+// which it travels in its beam. Fixture bodies are left out of judged pictures.
 #pragma once
 
 #include <cstdint>
@@ -67,8 +67,15 @@ struct JudgeBeam {
   std::vector<glm::dvec3> edges;  // of blades: points with x X + y Y <= z are lit
 };
 
+// What hides light: a parallelepiped, from its centre to the middles of three of its faces.
+struct JudgeSolid {
+  glm::dvec3 center_m{0};
+  glm::dvec3 half_m[3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+};
+
 struct JudgeScene {
-  std::vector<JudgeBeam> beams;  // only lit ones
+  std::vector<JudgeBeam> beams;    // only lit ones
+  std::vector<JudgeSolid> solids;  // empty: nothing hides light
   std::vector<fixtures::StageBox> boxes;
   fixtures::Haze haze;
   double ambient_lx = 0;
@@ -99,7 +106,12 @@ struct Ray {
 // In-scattered light of one beam along a ray from t_min_m to t_max_m (may be infinite), over sigma_s J0, in 1/m.
 // Extinction counts from the lens to the air and back to t = 0. Input that is not finite gives 0.
 [[nodiscard]] double judge_inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& ray, double t_min_m,
-                                     double t_max_m, const GoboTransmission& gobo, double tolerance);
+                                     double t_max_m, const GoboTransmission& gobo, double tolerance,
+                                     std::span<const JudgeSolid> solids = {});
+
+// Whether a solid hides the light of a beam at a point of the beam: the path from the lens to there is inside the solid
+// for more than a micrometre.
+[[nodiscard]] bool judge_hides(const JudgeBeam& beam, const JudgeSolid& solid, const glm::dvec3& point_m);
 
 // Illuminance over J0 of one beam on a surface with unit normal at a point, in 1/m^2, with extinction.
 [[nodiscard]] double judge_illuminance(const JudgeBeam& beam, const fixtures::Haze& haze, const glm::dvec3& point_m,

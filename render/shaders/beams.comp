@@ -23,11 +23,13 @@
 #endif
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/shadow.h"
 #ifdef FL_GOBO_BEAMS
 #include "render/shaders/lib/gobo_chord.glsl"
 #endif
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/thin.glsl"
+#include "render/shaders/lib/shadow.glsl"
 
 // The tile itself, 16 x 16 pixels.
 bool tile_touches(BeamRow row) {
@@ -55,6 +57,53 @@ layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance
 #define FL_EACH_ROW [[unroll]]
 #endif
 
+// Those of a beam's shadows that can reach the tile, a bit each.
+shared uint shadow_bits[FL_BEAM_SHADOWS_MAX / 32];
+shared uint shadow_found;  // the largest kShadow...
+shared uint tile_far_m;    // bits of the largest depth that a pixel shows
+
+// Tests the shadows of a beam against the tile, shared out among the threads. All threads call it together.
+uint tile_shadows(uint index, BeamRow row) {
+  uint lane = gl_LocalInvocationIndex;
+  const uint kThreads = uint(FL_TILE_PX * FL_TILE_PX / FL_ROWS);
+  uint first = shadow_lists[index].first;
+  uint count = shadow_lists[index].count;
+  if (count == 0u) return kShadowNone;
+  barrier();  // the bits before have been read
+  for (uint w = lane; w < (count + 31u) / 32u; w += kThreads) shadow_bits[w] = 0u;
+  if (lane == 0u) shadow_found = kShadowNone;
+  barrier();
+  vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
+  vec2 high = min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height)));
+  ShadowCell cell = shadow_cell(row, low, high, uintBitsToFloat(tile_far_m));
+  for (uint s = lane; s < count; s += kThreads) {
+    uint found = shadow_in_cell(first + s, cell);
+    if (found != kShadowNone) {
+      atomicOr(shadow_bits[s >> 5], 1u << (s & 31u));
+      atomicMax(shadow_found, found);
+    }
+  }
+  barrier();
+  return shadow_found;
+}
+
+// The shadows of one chord.
+ShadowParts chord_shadows(uint index, Chord chord, vec3 ray) {
+  ShadowParts parts;
+  shadow_parts_clear(parts);
+  ShadowChord ends = shadow_chord(chord, ray);
+  uint first = shadow_lists[index].first;
+  uint words = (shadow_lists[index].count + 31u) / 32u;
+  for (uint w = 0u; w < words; ++w) {
+    for (uint bits = subgroupBroadcastFirst(shadow_bits[w]); bits != 0u; bits &= bits - 1u) {
+      float x0;
+      float x1;
+      if (shadow_part(first + w * 32u + uint(findLSB(bits)), ends, x0, x1)) shadow_parts_add(parts, x0, x1);
+    }
+  }
+  return parts;
+}
+
 void main() {
   Medium medium = Medium(params.anisotropy, params.position.w);
   vec3 d[FL_ROWS];
@@ -67,6 +116,14 @@ void main() {
     t_max_m[i] = inside ? FL_FAR_M : 0.0;
     if ((kBoxes || kBodies) && inside) t_max_m[i] = imageLoad(radiance, pixel).a;  // the surface pass left it there
     total[i] = vec3(0.0);
+  }
+  if (kShadows) {
+    if (gl_LocalInvocationIndex == 0u) tile_far_m = 0u;
+    barrier();
+    float far_m = 0.0;
+    [[unroll]] for (int i = 0; i < FL_ROWS; ++i) far_m = max(far_m, t_max_m[i] * dot(d[i], params.forward.xyz));
+    atomicMax(tile_far_m, floatBitsToUint(far_m));
+    barrier();
   }
   for (uint base = 0u; base < counts.live_count; base += FL_WALK_BEAMS) {
     if (!tile_walk(base)) continue;
@@ -81,6 +138,8 @@ void main() {
         float degree = max(shape.profile_power, 1.0 / shape.profile_power);
         nodes = min(nodes + (degree > 2.5 ? 1u : 0u) + (degree > 3.5 ? 1u : 0u), 8u);
       }
+      uint shadowed = kShadows ? tile_shadows(index, row) : kShadowNone;
+      if (shadowed == kShadowAll) continue;
       bool measured = kMeasured && row.measured != 0u;
       // A rectangle's profile is the product of two.
       if (kRectangle && row.squeeze > 0.0) nodes = min(kNodes + 5u, 8u);
@@ -111,26 +170,47 @@ void main() {
           chord_close(chord);
         }
         if (seen) {
-          vec3 value;
-#ifdef FL_GOBO_BEAMS
-          if (gobo) {
-            if (kMethod == uint(FL_METHOD_MARCH)) {
-              gobo_sample = 0u;
-              const vec2 as_it_is = vec2(1.0, 0.0);  // each wheel turns by itself
-              value = chord_inscatter_march_gobo(beam, medium, chord, ray, kNodes, kExtinction, row.gobo, as_it_is);
+          ShadowParts parts;
+          shadow_parts_clear(parts);
+          if (kShadows && shadowed != kShadowNone) parts = chord_shadows(index, chord, ray);
+          Chord whole = chord;
+          vec3 value = vec3(0.0);
+          // The lit parts, one after the other. Without shadows there is one.
+          float from = 0.0;
+          bool more = true;
+          while (more) {
+            float to = 1.0;
+            float next = 1.0;
+            if (kShadows) {
+              more = shadow_parts_next(parts, from, to, next);
+              to = min(to, 1.0);
+              chord = shadowed != kShadowNone ? chord_part(whole, from, to) : whole;
             } else {
-              value = gobo_inscatter(beam, medium, chord, ray, kExtinction);
+              more = false;
             }
-          } else
+            vec3 part = vec3(0.0);
+#ifdef FL_GOBO_BEAMS
+            if (gobo) {
+              if (kMethod == uint(FL_METHOD_MARCH)) {
+                gobo_sample = 0u;
+                const vec2 as_it_is = vec2(1.0, 0.0);  // each wheel turns by itself
+                part = chord_inscatter_march_gobo(beam, medium, chord, ray, kNodes, kExtinction, row.gobo, as_it_is);
+              } else {
+                part = gobo_inscatter(beam, medium, chord, ray, kExtinction);
+              }
+            } else
 #endif
-          if (kMethod == uint(FL_METHOD_MARCH)) {
-            value = vec3(chord_inscatter_march(beam, medium, chord, ray, kNodes, kExtinction));
-          } else if (measured) {
-            value = vec3(chord_inscatter_measured(beam, medium, chord, ray, kNodes, kExtinction));
-          } else if (kWide && beam.spread > kWideSpread) {
-            value = vec3(chord_inscatter_wide(beam, medium, chord, ray, kNodes > 3u ? 2u : 1u, kExtinction));
-          } else {
-            value = vec3(chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction));
+            if (kMethod == uint(FL_METHOD_MARCH)) {
+              part = vec3(chord_inscatter_march(beam, medium, chord, ray, kNodes, kExtinction));
+            } else if (measured) {
+              part = vec3(chord_inscatter_measured(beam, medium, chord, ray, kNodes, kExtinction));
+            } else if (kWide && beam.spread > kWideSpread) {
+              part = vec3(chord_inscatter_wide(beam, medium, chord, ray, kNodes > 3u ? 2u : 1u, kExtinction));
+            } else {
+              part = vec3(chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction));
+            }
+            value += to > from ? part : vec3(0.0);
+            from = next;
           }
           total[i] += kShowsClasses ? kClassPixel : row.j0.rgb * (gain * value);
         }

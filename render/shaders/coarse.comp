@@ -21,15 +21,18 @@
 #include "render/shaders/lib/view.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/shadow.h"
 #include "render/shaders/shared/tile_node.h"
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/thin.glsl"
+#include "render/shaders/lib/shadow.glsl"
 layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
 layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
 const bool kSolids = kBoxes || kBodies;
 #define FL_DEPTHS_ACCESS readonly
 #define FL_DEPTHS_READ
 #include "render/shaders/lib/tile_depth.glsl"
+#include "render/shaders/lib/shadow_rect.glsl"
 #include "render/shaders/lib/tile_list.glsl"
 #include "render/shaders/lib/tile_team.glsl"
 #include "render/shaders/lib/tile_class.glsl"
@@ -153,10 +156,14 @@ void main() {
       if (at + number < list_count) {
         id = list_ids[at + number];
         BeamRow row = beams[id];
-        bool known = tile_knows(row);
+        // Shadows have edges that no polynomial has.
+        uint shadowed = kShadowNone;
+        if (kShadows) shadowed = shadows_in_cell(id, shadow_cell_before(row, low, low + size, rect.depth));
+        bool known = tile_knows(row) && shadowed == kShadowNone;
         if (known) guess = tile_guess(row, rect);
         tries = known && guess.bits != 0u;
-        if (!tries && !(known && guess.is_dark)) atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
+        bool is_dark = shadowed == kShadowAll || (known && guess.is_dark);
+        if (!tries && !is_dark) atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
         if (tries) guess.middle = light_at_middle(row, rect);
       }
       if (number < kEntryWords) record_bits[number] = 0u;

@@ -22,15 +22,18 @@
 #include "render/shaders/lib/view.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/shadow.h"
 #include "render/shaders/shared/tile_node.h"
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/thin.glsl"
+#include "render/shaders/lib/shadow.glsl"
 layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
 layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
 const bool kSolids = kBoxes || kBodies;
 #define FL_DEPTHS_ACCESS readonly
 #define FL_DEPTHS_READ
 #include "render/shaders/lib/tile_depth.glsl"
+#include "render/shaders/lib/shadow_rect.glsl"
 #include "render/shaders/lib/tile_list.glsl"
 #include "render/shaders/lib/tile_team.glsl"
 #include "render/shaders/lib/tile_class.glsl"
@@ -188,13 +191,16 @@ void main() {
       if (at + number < list_count) {
         id = list_ids[at + number];
         BeamRow row = beams[id];
-        bool known = tile_knows(row);
+        vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_FINE_PX));
+        vec2 high = min(low + float(FL_FINE_PX), vec2(float(params.width), float(params.height)));
+        uint shadowed = kShadowNone;
+        if (kShadows) shadowed = shadows_in_cell(id, shadow_cell_before(row, low, high, group_depth));
+        bool known = tile_knows(row) && shadowed == kShadowNone;
         if (known) guess = tile_guess(row, group_rect());
         tries = known && guess.bits != 0u;
         if (tries) guess.middle = light_at_middle(row, group_rect());
-        vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_FINE_PX));
-        vec2 high = min(low + float(FL_FINE_PX), vec2(float(params.width), float(params.height)));
-        if (!tries && !(known && guess.is_dark) && beam_touches(row, beam_bound(row, 1.0), low, high)) {
+        bool is_dark = shadowed == kShadowAll || (known && guess.is_dark);
+        if (!tries && !is_dark && beam_touches(row, beam_bound(row, 1.0), low, high)) {
           atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
         }
       }

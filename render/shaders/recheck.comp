@@ -19,9 +19,11 @@
 #include "render/shaders/lib/gobo.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/shadow.h"
 #include "render/shaders/shared/gobo_chord.h"
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/thin.glsl"
+#include "render/shaders/lib/shadow.glsl"
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 #include "render/shaders/lib/surface_light.glsl"
 
@@ -50,6 +52,26 @@ uint hashed(uint x) {
 }
 float uniform_of(uint x) { return float(x >> 8) * (1.0 / 16777216.0); }
 
+// Light of a part of a beam's chord over sigma_s J0.
+vec3 light_of_chord(BeamShape beam, BeamRow row, Medium medium, Chord chord, vec3 ray, bool gobo) {
+  const vec2 as_it_is = vec2(1.0, 0.0);  // each wheel turns by itself
+  if (gobo) {
+    gobo_sample = 0u;
+    if (kWide && beam.spread > kWideSpread) {
+      return chord_inscatter_gobo(beam, medium, chord, ray, kGoboTaps, kExtinction, row.gobo, as_it_is);
+    }
+    ChordWeight smooth_part = chord_weight(beam, medium, chord, ray, kExtinction);
+    return chord_inscatter_taps(beam, chord, smooth_part, ray, kGoboTaps, row.gobo, as_it_is);
+  }
+  if (kMeasured && row.measured != 0u) {
+    return vec3(chord_inscatter_measured(beam, medium, chord, ray, kNodes, kExtinction));
+  }
+  if (kWide && beam.spread > kWideSpread) {
+    return vec3(chord_inscatter_wide(beam, medium, chord, ray, 2u, kExtinction));
+  }
+  return vec3(chord_inscatter_gauss(beam, medium, chord, ray, kNodes, kExtinction));
+}
+
 // Light of a beam in the haze along a unit ray, over sigma_s.
 vec3 light_in_air(BeamRow row, uint index, Medium medium, vec3 d, float t_max_m) {
   BeamShape beam = beam_shape(row);
@@ -70,22 +92,29 @@ vec3 light_in_air(BeamRow row, uint index, Medium medium, vec3 d, float t_max_m)
     chord_close(chord);
     if (!seen) return vec3(0.0);
   }
-  vec3 value;
-  const vec2 as_it_is = vec2(1.0, 0.0);  // each wheel turns by itself
-  if (gobo) {
-    gobo_sample = 0u;
-    if (kWide && beam.spread > kWideSpread) {
-      value = chord_inscatter_gobo(beam, medium, chord, ray, kGoboTaps, kExtinction, row.gobo, as_it_is);
-    } else {
-      ChordWeight smooth_part = chord_weight(beam, medium, chord, ray, kExtinction);
-      value = chord_inscatter_taps(beam, chord, smooth_part, ray, kGoboTaps, row.gobo, as_it_is);
+  ShadowParts parts;
+  shadow_parts_clear(parts);
+  if (kShadows) {
+    ShadowChord ends = shadow_chord(chord, ray);
+    uint first = shadow_lists[index].first;
+    for (uint n = first; n < first + shadow_lists[index].count; ++n) {
+      float x0;
+      float x1;
+      if (shadow_part(n, ends, x0, x1)) shadow_parts_add(parts, x0, x1);
     }
-  } else if (kMeasured && row.measured != 0u) {
-    value = vec3(chord_inscatter_measured(beam, medium, chord, ray, kNodes, kExtinction));
-  } else if (kWide && beam.spread > kWideSpread) {
-    value = vec3(chord_inscatter_wide(beam, medium, chord, ray, 2u, kExtinction));
-  } else {
-    value = vec3(chord_inscatter_gauss(beam, medium, chord, ray, kNodes, kExtinction));
+  }
+  Chord whole = chord;
+  vec3 value = vec3(0.0);
+  float from = 0.0;
+  bool more = true;
+  while (more) {
+    float to = 1.0;
+    float next = 1.0;
+    more = shadow_parts_next(parts, from, to, next);
+    to = min(to, 1.0);
+    if (kShadows) chord = chord_part(whole, from, to);
+    if (to > from) value += light_of_chord(beam, row, medium, chord, ray, gobo);
+    from = next;
   }
   return row.j0.rgb * (gain * value);
 }

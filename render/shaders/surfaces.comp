@@ -23,8 +23,10 @@
 #include "render/shaders/lib/gobo.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/shadow.h"
 #include "render/shaders/lib/tile_test.glsl"
 #include "render/shaders/lib/thin.glsl"
+#include "render/shaders/lib/shadow.glsl"
 
 #include "render/shaders/lib/tile_list.glsl"
 #include "render/shaders/lib/surface_tile.glsl"
@@ -71,7 +73,7 @@ void add_plain_beam(uint index, Medium medium, bool off_plane, float plane_facin
   }
 }
 
-// Adds a beam that is not plain, or that may be widened.
+// Adds a beam that is not plain, or that may be widened, or that has shadows in the tile.
 void add_shaped_beam(uint index, Medium medium, bool off_plane) {
   BeamRow row = beams[index];
   gobo_begin(index);
@@ -107,6 +109,19 @@ uint keep_touching() {
   return touching;
 }
 
+// Whether a beam's shadows can reach anything that the tile shows.
+bool tile_is_shaded(uint beam, BeamRow row, vec3 plane_normal) {
+  bool shaded = false;
+  // A loop, since lavapipe runs both sides of a branch.
+  for (uint i = 2u * FL_BLOCKS; i < 2u * FL_BLOCKS + 2u && !shaded; ++i) {
+    vec3 center = row.eye.xyz + to_light(row, spheres[i].xyz);
+    bool on_plane_only = i == 2u * FL_BLOCKS && !(kRectangle && row.squeeze > 0.0);
+    vec3 normal = on_plane_only ? to_light(row, plane_normal) : vec3(0.0);
+    if (spheres[i].w >= 0.0) shaded = shadow_near(beam, center, spheres[i].w * beam_stretch(row.squeeze), normal);
+  }
+  return shaded;
+}
+
 // Fills the bits of `count` beams of the list from `at` on. sum: as add_smooth_beams() adds to it.
 void classify(uint at, uint count, Medium medium, vec4 plane, inout float sum) {
   uint number = thread_number();
@@ -130,6 +145,7 @@ void classify(uint at, uint count, Medium medium, vec4 plane, inout float sum) {
     BeamShape bound = beam_bound(row, FL_THIN_ON_SURFACE);
     bool plain = is_plain(row);
     bool is_shaped = !plain || beam_thin(row) > 0.0;
+    bool is_shaded = kShadows && quarter == 0u && tile_is_shaded(list_ids[at + b], row, plane.xyz);
     float facing = plain_facing(row, lens_place(row), plane.xyz, plane.w);
     for (uint block = 2u * quarter; block < 2u * quarter + 2u; ++block) {
       bool touches = cone_touches(row, bound, spheres[2u * block]) && (facing > 0.0 || is_shaped);
@@ -138,9 +154,9 @@ void classify(uint at, uint count, Medium medium, vec4 plane, inout float sum) {
     }
     if (quarter == 0u) {
       plane_facing[b] = facing;
-      if (is_shaped) atomicOr(shaped_bits[word], bit);
+      if (is_shaped || is_shaded) atomicOr(shaped_bits[word], bit);
     }
-    bool lights = has_nodes && plain && light_at_node(row, kCorner[quarter], medium, facing) > 0.0;
+    bool lights = has_nodes && plain && !is_shaded && light_at_node(row, kCorner[quarter], medium, facing) > 0.0;
     if (!lights) atomicAnd(cover_bits[word], ~bit);
   }
   barrier();

@@ -15,8 +15,8 @@ namespace {
 using fixtures::Needs;
 using vk::SpecConstant;
 
-const std::vector<std::string> kAll{"step",   "gather",  "gobos", "bodies", "tiles", "surfaces", "depths",
-                                    "coarse", "records", "fine",  "beams",  "edges", "tonemap"};
+const std::vector<std::string> kAll{"step",   "gather", "shadows", "gobos", "bodies", "tiles", "surfaces",
+                                    "depths", "coarse", "records", "fine",  "beams",  "edges", "tonemap"};
 // Those that take beams together for tiles.
 const std::vector<std::string> kTilePasses{"depths", "coarse", "records", "fine"};
 
@@ -72,9 +72,9 @@ void check_left_out(const Needs& needs, const FrameSettings& settings) {
 TEST_CASE("the demo rig with all missing needs added has every pass, with every branch") {
   const FrameSettings settings;
   const std::vector<SpecConstant> tile_constants{
-      {FL_SPEC_EXTINCTION, 1}, {FL_SPEC_PROFILE, 1},           {FL_SPEC_NODES, settings.nodes}, {FL_SPEC_BOXES, 1},
-      {FL_SPEC_BODIES, 1},     {FL_SPEC_MEASURED, 1},          {FL_SPEC_RECTANGLE, 1},          {FL_SPEC_WIDE, 1},
-      {FL_SPEC_IRIS, 1},       {FL_SPEC_VIEW, FL_VIEW_PICTURE}};
+      {FL_SPEC_EXTINCTION, 1}, {FL_SPEC_PROFILE, 1},  {FL_SPEC_NODES, settings.nodes}, {FL_SPEC_BOXES, 1},
+      {FL_SPEC_BODIES, 1},     {FL_SPEC_MEASURED, 1}, {FL_SPEC_RECTANGLE, 1},          {FL_SPEC_WIDE, 1},
+      {FL_SPEC_IRIS, 1},       {FL_SPEC_SHADOWS, 1},  {FL_SPEC_VIEW, FL_VIEW_PICTURE}};
   const auto plan = plan_frame(demo_needs(), settings);
   CHECK(plan == std::vector<PassPlan>{{"step",
                                        {{FL_SPEC_MOTION, 1},
@@ -104,6 +104,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                         {FL_SPEC_BLADES, 1},
                                         {FL_SPEC_MEASURED, 1},
                                         {FL_SPEC_RECTANGLE, 1}}},
+                                      {"shadows", {{FL_SPEC_RECTANGLE, 1}}},
                                       {"gobos", {}},
                                       {"bodies", {}},
                                       {"tiles", {{FL_SPEC_RECTANGLE, 1}}},
@@ -121,6 +122,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                         {FL_SPEC_WIDE, 1},
                                         {FL_SPEC_TILES, 1},
                                         {FL_SPEC_IRIS, 1},
+                                        {FL_SPEC_SHADOWS, 1},
                                         {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
                                       {"depths", {}},
                                       {"coarse", tile_constants},
@@ -143,6 +145,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                         {FL_SPEC_TILES, 1},
                                         {FL_SPEC_WIDE, 1},
                                         {FL_SPEC_IRIS, 1},
+                                        {FL_SPEC_SHADOWS, 1},
                                         {FL_SPEC_VIEW, FL_VIEW_PICTURE},
                                         {FL_SPEC_GOBO_METHOD, FL_GOBO_TABLES}}},
                                       {"edges", {{FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1}, {FL_SPEC_EDGE_SAMPLES, 16}}},
@@ -177,6 +180,7 @@ TEST_CASE("without a need its branches or its passes are left out") {
     bool Needs::*need;
     std::vector<std::string> lost;  // passes
     std::uint32_t constant;         // is 0 without the need; FL_SPEC_COUNT: none
+    std::uint32_t another = FL_SPEC_COUNT;
   };
   for (const Case& c :
        {Case{"motion", &Needs::motion, {}, FL_SPEC_MOTION},
@@ -207,8 +211,9 @@ TEST_CASE("without a need its branches or its passes are left out") {
         Case{"haze", &Needs::haze, {"gobos", "depths", "coarse", "records", "fine", "beams"}, FL_SPEC_COUNT},
         Case{"fixtures",
              &Needs::fixtures,
-             {"step", "gather", "gobos", "bodies", "tiles", "depths", "coarse", "records", "fine", "beams"},
-             FL_SPEC_BODIES}}) {
+             {"step", "gather", "shadows", "gobos", "bodies", "tiles", "depths", "coarse", "records", "fine", "beams"},
+             FL_SPEC_BODIES,
+             FL_SPEC_SHADOWS}}) {
     CAPTURE(c.what);
     Needs needs = demo_needs();
     needs.*c.need = false;
@@ -218,7 +223,7 @@ TEST_CASE("without a need its branches or its passes are left out") {
     });
     for (PassPlan& pass : expected) {
       for (SpecConstant& constant : pass.constants) {
-        if (constant.id == c.constant) constant.value = 0;
+        if (constant.id == c.constant || constant.id == c.another) constant.value = 0;
       }
     }
     CHECK(plan_frame(needs, settings) == expected);

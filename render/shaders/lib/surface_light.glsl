@@ -1,5 +1,5 @@
 // What a surface does with light: lenses that shine, the work light, the light of a beam, and how a thin one is widened
-// there. After surface.glsl, gobo.glsl, beam.h, tile_test.glsl, thin.glsl and kExtinction.
+// there. After surface.glsl, gobo.glsl, beam.h, tile_test.glsl, thin.glsl, shadow.glsl and kExtinction.
 const float kPi = 3.141592653589793;
 // Reflectance of painted housings. Chosen by eye.
 const float kBodyAlbedo = 0.04;
@@ -83,6 +83,10 @@ vec3 light_on_surface(SurfaceBeam beam, BeamRow row, uint index, Medium medium, 
   float share = beam.thin ? thin_illuminance(beam.shape, row, p, surface, offset_m, beam.plain, rho, r_m)
                           : beam_illuminance(beam.shape, p, rho, r_m);
   if (!(share > 0.0)) return vec3(0.0);
+  if (kShadows) {
+    uint fixture = surface.kind == kBody ? heads[surface.which >> 3].fixture : kNoFixture;
+    if (is_shadowed(index, p, fixture)) return vec3(0.0);
+  }
   share *= max(-dot(to_light(row, surface.normal), beam_direction(beam.shape, rho)), 0.0);
   if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);
   if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u) share *= blades_at(index, rho, p.z);

@@ -79,7 +79,12 @@
 #define FL_BINDING_GATES (59 + FL_LAMP_COUNT)
 #define FL_BINDING_GATE_IMAGES (60 + FL_LAMP_COUNT)
 #define FL_BINDING_GATE_IMAGES_OUT (61 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (62 + FL_LAMP_COUNT)
+// Shadows (render/shaders/shadows.comp): OccluderRow, BodyBoxRow, ShadowListRow and ShadowRow.
+#define FL_BINDING_OCCLUDERS (62 + FL_LAMP_COUNT)
+#define FL_BINDING_BODY_BOXES (63 + FL_LAMP_COUNT)
+#define FL_BINDING_SHADOW_LISTS (64 + FL_LAMP_COUNT)
+#define FL_BINDING_SHADOWS (65 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (66 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -120,7 +125,9 @@
 #define FL_SPEC_GOBO_METHOD (33 + FL_LAMP_COUNT)
 #define FL_SPEC_EDGE_SAMPLES (34 + FL_LAMP_COUNT)
 #define FL_SPEC_EDGES (35 + FL_LAMP_COUNT)  // edges of solid things are smooth
-#define FL_SPEC_COUNT (36 + FL_LAMP_COUNT)
+#define FL_SPEC_SHADOWS (36 + FL_LAMP_COUNT)
+#define FL_SPEC_WRITE (37 + FL_LAMP_COUNT)  // shadows are written, not counted
+#define FL_SPEC_COUNT (38 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -166,6 +173,9 @@
 #define FL_GATE_WORDS 6     // of the number of a state
 #define FL_GROUP_GATES 256  // threads of the workgroup that numbers them
 #define FL_GROUP_GATE_PX 16 // threads a side of a workgroup that draws a gate
+#define FL_GROUP_SHADOWS 64 // threads of a workgroup that finds the shadows in a beam
+#define FL_GROUP_PLACES 256 // threads of the workgroup that gives them their places
+#define FL_BEAM_SHADOWS_MAX 4096  // in one beam
 #define FL_TILE_LIGHT 48    // 4 x 4 coefficients of three channels
 // Nodes of a rectangle lie on a square that is this much larger, so that their hull holds every pixel's centre: the
 // outermost node is at cos(pi / 8) = 0.924 of the square, the outermost centre at 63 / 64 of the rectangle.
@@ -252,13 +262,14 @@ struct BladesRow {
 struct CountsRow {
   uint live_count;  // beams
   uint dark_count;  // heads
-  uint pad;
-  uint pad_1;
+  uint shadows;     // of all beams
+  uint shadows_lost;  // of them, for which the ShadowRow table has no room
   uint tiles_groups[4];   // indirect arguments of the tile pass: x = live / FL_GROUP_MASK, y = blocks, z = 1
   uint beams_groups[4];   // of the beam pass: 0 x 0 x 0 when nothing is lit
   uint depths_groups[4];  // of the depths pass: one group a tile; this and the next two are 0 for few beams
   uint coarse_groups[4];  // of the coarse pass: one group a supertile
   uint fine_groups[4];    // of the fine pass: one group FL_FINE_PX x FL_FINE_PX pixels
+  uint shadow_groups[4];  // of the passes that find shadows: one group a beam
 };
 
 // What a tile of FL_TILE_PX x FL_TILE_PX pixels shows; 32 bytes.
@@ -357,6 +368,38 @@ struct BoxRow {
   vec4 high;    // m
   vec4 albedo;  // linear
 };
+
+// What hides light: a parallelepiped on the stage, 64 bytes. Those that do not move come first, then FL_BODY_BOXES of
+// each body.
+struct OccluderRow {
+  float center_x;  // m
+  float center_y;
+  float center_z;
+  uint fixture;      // whose own beams it does not hide; FL_NONE: of none
+  vec4 half_edge_0;  // from the centre to the middles of faces, m; w: radius of the sphere around it, below 0: nothing
+  vec4 half_edge_1;  // w: the thing itself may be this much smaller on each side, m
+  vec4 half_edge_2;
+};
+#define FL_BODY_BOXES 4
+// What bounds the vertices of a mesh of bodies behind so many joints, in their space: FL_BODY_BOXES a mesh.
+struct BodyBoxRow {
+  vec4 center;  // m; w: below 0: there are none
+  vec4 half_size;
+};
+// The shadows in a beam, a row each of ShadowRow, in the order of the occluders.
+struct ShadowListRow {
+  uint first;
+  uint count;
+};
+// A ShadowPrism (shadow.h), 208 bytes. Planes: normal, offset, in the beam's light space.
+struct ShadowRow {
+  uint count;
+  uint fronts;
+  uint fixture;   // as OccluderRow
+  float slack_m;  // likewise
+  vec4 planes[12];  // filled up to a multiple of 4
+};
+#define FL_SHADOW_BYTES_MAX 134217728  // of the table of ShadowRow
 
 // A mesh of bodies: one a fixture type and head; 80 bytes. Its bodies are neighbours in the table of slots.
 struct BodyMeshRow {

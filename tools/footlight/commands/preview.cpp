@@ -14,6 +14,7 @@ void add(Arguments& arguments) {
   auto options = std::make_shared<PreviewOptions>();
   auto flashes = std::make_shared<std::string>("warn");
   auto edges = std::make_shared<std::string>("16");
+  auto shadows = std::make_shared<std::string>("on");
   auto error = std::make_shared<std::string>();
   auto ms = std::make_shared<std::string>();
   auto nodes = std::make_shared<std::optional<int>>();
@@ -42,12 +43,14 @@ void add(Arguments& arguments) {
                    "error of fixture bodies in pixels, for fewer triangles; 0: whole models [0.5]");
   arguments.option("--edges", *edges, "WORD",
                    "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges [16]");
+  arguments.option("--shadows", *shadows, "WORD", "on; off: light passes through boxes and fixtures [on]");
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this text");
   arguments.option("--seconds", options->seconds, 0, 1e6, "close after this time; 0: stay open");
   arguments.option("--screenshot", options->screenshot, "FILE", "write the last frame as PNG when closing");
   arguments.flag("--json", options->json, "frame times as JSON, one object a second and a summary");
   arguments.job([=]() -> Result<int> {
     FL_ASSIGN(options->edge_samples, parse_edges(*edges));
+    FL_ASSIGN(options->shadows, parse_shadows(*shadows));
     FL_ASSIGN(options->flashes, flash_mode_of(*flashes));
     FL_ASSIGN(options->quality, render::parse_quality(*error, *ms));
     if ((!error->empty() || !ms->empty()) && (*nodes || *tile_error || *body_error)) {

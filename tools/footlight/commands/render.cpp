@@ -50,6 +50,7 @@ struct Options {
   std::optional<double> tile_error;
   std::optional<double> body_error_px;
   std::string edges = "16";
+  std::string shadows = "on";
   int supersample = 1;
   std::string flashes = "warn";
   std::string show = "picture";
@@ -151,12 +152,10 @@ Result<Chosen> choose_settings(const Options& options) {
   chosen.error = request.error;
   render::Knobs knobs = render::knobs_of(chosen.settings);
   if (request.error > 0) {
-    const std::pair<const char*, bool> others[] = {{"--nodes", options.nodes.has_value()},
-                                                   {"--tile-error", options.tile_error.has_value()},
-                                                   {"--gobos", !options.gobos.empty()},
-                                                   {"--gobo-taps", options.gobo_taps.has_value()},
-                                                   {"--gobo-px", options.gobo_px.has_value()},
-                                                   {"--body-error", options.body_error_px.has_value()}};
+    const std::pair<const char*, bool> others[] = {
+        {"--nodes", options.nodes.has_value()},     {"--tile-error", options.tile_error.has_value()},
+        {"--gobos", !options.gobos.empty()},        {"--gobo-taps", options.gobo_taps.has_value()},
+        {"--gobo-px", options.gobo_px.has_value()}, {"--body-error", options.body_error_px.has_value()}};
     for (const auto& [name, given] : others) {
       if (given) return fail(ErrorCode::kBadInput, "--error and {}: expected one of them; --error sets it", name);
     }
@@ -223,9 +222,17 @@ class Job {
     const double wall_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     watch_flashes(at_ns);
     FL_TRY(store(exr));
+    FL_ASSIGN(const auto counts, frame_.read_counts());
+    if (counts.shadows_lost > 0 && !lost_shadows_) {
+      progress_.clear();
+      fmt::print(stderr,
+                 "footlight: {} of {} shadows are missing in this picture, since there is no room for them; "
+                 "use fewer boxes or beams\n",
+                 counts.shadows_lost, counts.shadows);
+      lost_shadows_ = true;
+    }
     if (options_.json) {
       FL_ASSIGN(const auto times, frame_.read_times());
-      FL_ASSIGN(const auto counts, frame_.read_counts());
       double gpu_ms = 0;
       for (const auto& time : times) gpu_ms += time.gpu_ms;
       fmt::print(R"({{"event":"picture","number":{},"time_ns":{},"gpu_ms":{:.3f},"wall_ms":{:.3f},"live":{},"dark":{},)"
@@ -386,6 +393,7 @@ class Job {
   }
 
   const Options& options_;
+  bool lost_shadows_ = false;  // this was reported
   const StopSignal& stop_;
   Timeline* timeline_;
   render::Frame& frame_;
@@ -426,6 +434,7 @@ Result<int> render_pictures(const Options& options) {
   settings.width = size.width * options.supersample;
   settings.height = size.height * options.supersample;
   FL_ASSIGN(settings.edge_samples, parse_edges(options.edges));
+  FL_ASSIGN(settings.shadows, parse_shadows(options.shadows));
   settings.gobo_gates = static_cast<std::uint32_t>(options.gobo_gates);
   settings.gate_builds = FL_GATES_MAX;  // a picture may wait for all of them
   // Samples need no images of gates.
@@ -514,9 +523,8 @@ void add(Arguments& arguments) {
   arguments.duration("--exposure", options->exposure_ns,
                      "time that the shutter is open before the picture's time; default: 20ms, or all of --every");
   arguments.option("--ev", options->exposure_ev, -20, 30, "exposure value at ISO 100; default: the camera's own");
-  arguments.option(
-      "--error", options->error, "SHARE",
-      "relative L2 error of the light, as in 0.1%: chooses the six options that follow, by a fixed table");
+  arguments.option("--error", options->error, "SHARE",
+                   "relative L2 error of the light, as in 0.1%: chooses the six options that follow, by a fixed table");
   arguments.option("--nodes", options->nodes, 1, 8,
                    "Gauss nodes per beam and pixel [3]; error and time: footlight report");
   arguments.option("--tile-error", options->tile_error, 0, 1,
@@ -532,6 +540,7 @@ void add(Arguments& arguments) {
                    "texels a side of gobo images, a power of two; default: 1024 on a GPU where they fit, else 512");
   arguments.option("--edges", options->edges, "WORD",
                    "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges [16]");
+  arguments.option("--shadows", options->shadows, "WORD", "on; off: light passes through boxes and fixtures [on]");
   arguments.option("--ms", options->ms, "MS", "refused: a rendered picture does not depend on time; use --error");
   arguments.option(
       "--supersample", options->supersample, 1, 4,

@@ -106,6 +106,12 @@ Result<std::uint32_t> parse_edges(const std::string& text) {
   return fail(ErrorCode::kBadInput, "--edges {}: expected off, 4, 8 or 16", printable_utf8(text));
 }
 
+Result<bool> parse_shadows(const std::string& text) {
+  if (text == "on") return true;
+  if (text == "off") return false;
+  return fail(ErrorCode::kBadInput, "--shadows {}: expected on or off", printable_utf8(text));
+}
+
 Result<PictureSize> parse_size(const std::string& text) {
   constexpr int kSizeMax = 16'384;
   PictureSize size;

@@ -28,6 +28,7 @@ struct PreviewOptions {
   double tile_error = 4e-3;    // render::FrameSettings
   double body_error_px = 0.5;  // the same
   std::uint32_t edge_samples = 16;
+  bool shadows = true;
   FlashMode flashes = FlashMode::kWarn;
   bool json = false;
 };

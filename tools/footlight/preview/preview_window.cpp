@@ -440,6 +440,7 @@ Status Preview::rebuild(const PixelRect& where) {
   settings = render::with_knobs(settings, knobs_);
   settings.nodes = static_cast<std::uint32_t>(controls_.nodes);
   settings.edge_samples = options_.edge_samples;
+  settings.shadows = options_.shadows;
   settings.haze = controls_.haze;
   error_.reset();
   error_tried_ = error_drawn_ = false;

@@ -1,0 +1,80 @@
+#include "render/passes/shadows.h"
+
+#include <cstddef>
+#include <optional>
+#include <utility>
+
+#include "render/passes/compute_pass.h"
+#include "shaders/occluders.comp.h"
+#include "shaders/places.comp.h"
+#include "shaders/shadows.comp.h"
+
+namespace footlight::render {
+namespace {
+
+class ShadowsPass final : public Pass {
+ public:
+  ShadowsPass(std::optional<ComputeStep> bodies, ComputeStep count, ComputeStep places, ComputeStep write,
+              const RigTables& rig)
+      : bodies_(std::move(bodies)),
+        count_(std::move(count)),
+        places_(std::move(places)),
+        write_(std::move(write)),
+        rig_(rig) {}
+
+  void record(VkCommandBuffer commands, std::span<const std::byte>) override {
+    if (bodies_ && rig_.slot_count > 0) {
+      bodies_->bind(commands);
+      const std::uint32_t boxes = rig_.slot_count * FL_BODY_BOXES;
+      vkCmdDispatch(commands, (boxes + FL_GROUP_HEADS - 1) / FL_GROUP_HEADS, 1, 1);
+      vk::full_barrier(commands);
+    }
+    each_beam(commands, count_);
+    vk::full_barrier(commands);
+    places_.bind(commands);
+    vkCmdDispatch(commands, 1, 1, 1);
+    vk::full_barrier(commands);
+    each_beam(commands, write_);
+  }
+
+ private:
+  void each_beam(VkCommandBuffer commands, const ComputeStep& step) const {
+    step.bind(commands);
+    vkCmdDispatchIndirect(commands, rig_.counts.handle, offsetof(CountsRow, shadow_groups));
+  }
+
+  std::optional<ComputeStep> bodies_;
+  ComputeStep count_;
+  ComputeStep places_;
+  ComputeStep write_;
+  const RigTables& rig_;
+};
+
+}  // namespace
+
+const PassEntry kShadowsPass{
+    "shadows",
+    has_shadows,
+    [](const fixtures::Needs& needs, const FrameSettings&) {
+      return std::vector<vk::SpecConstant>{{FL_SPEC_RECTANGLE, needs.rectangle}};
+    },
+    [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
+      std::optional<ComputeStep> bodies;
+      // Without bodies the boxes that stand for them are never read.
+      if (context.resources.rig.has_bodies && context.settings.bodies) {
+        FL_ASSIGN(bodies, ComputeStep::create(context, kOccludersComp, {}));
+      }
+      std::vector<vk::SpecConstant> writes = context.constants;
+      writes.push_back({FL_SPEC_WRITE, 1});
+      FL_ASSIGN(ComputeStep count, ComputeStep::create(context, kShadowsComp, context.constants));
+      FL_ASSIGN(ComputeStep places, ComputeStep::create(context, kPlacesComp, {}));
+      FL_ASSIGN(ComputeStep write, ComputeStep::create(context, kShadowsComp, writes));
+      return std::unique_ptr<Pass>(new ShadowsPass(std::move(bodies), std::move(count), std::move(places),
+                                                   std::move(write), context.resources.rig));
+    },
+    [] {
+      return std::vector<std::vector<vk::Spirv>>{{kOccludersComp}, {kShadowsComp}, {kPlacesComp}};
+    },
+    "shadows of boxes and fixtures"};
+
+}  // namespace footlight::render

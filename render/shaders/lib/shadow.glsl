@@ -1,0 +1,193 @@
+// The shadows in a beam: which of them can reach a rectangle of pixels, and whether a place is in one. After beam.h,
+// shadow.h and tile_test.glsl.
+layout(constant_id = FL_SPEC_SHADOWS) const bool kShadows = false;
+layout(set = 0, binding = FL_BINDING_SHADOW_LISTS, std430) readonly buffer ShadowListsBuffer {
+  ShadowListRow shadow_lists[];
+};
+layout(set = 0, binding = FL_BINDING_SHADOWS, std430) readonly buffer ShadowsBuffer { ShadowRow shadows[]; };
+
+// Planes are read four at a time, since Mesa ends the loops of a thread after 65,535 rounds. Everything is inside those
+// that fill up the last round.
+const uint kShadowRound = 4u;
+uint shadow_rounds(uint shadow) { return (shadows[shadow].count + kShadowRound - 1u) / kShadowRound; }
+
+// Light that has passed this much of a body, m, is not hidden by it on a surface: else faces would hide themselves.
+const float kShadowSlackM = 1e-4;
+// The same in the air, for whole rectangles: their planes are exact to 2e-5 of the depth (tile_depth.glsl).
+const float kShadowAirSlackM = 1e-3;
+
+// What the pixels of a rectangle show of a beam lies between two depths, in the pyramid through the rectangle's
+// corners.
+struct ShadowCell {
+  vec3 eye;        // in the beam's light space, m
+  vec3 corner[4];  // rays of depth 1 there
+  float near_m;    // depths
+  float far_m;     // below near_m: nothing of the beam is there
+  float end_m[4];  // of the corners: where far_m ends them, or a plane that all pixels show
+};
+
+// Keeps the depths at which a corner can be inside: at + depth way[c] <= 0.
+void shadow_cell_keep(inout ShadowCell cell, float at, float way[4]) {
+  float enter = FL_FAR_M;
+  float leave = 0.0;
+  [[unroll]] for (int c = 0; c < 4; ++c) {
+    float crossing = way[c] != 0.0 ? -at / way[c] : FL_FAR_M;
+    enter = way[c] < 0.0 ? min(enter, crossing) : enter;
+    leave = max(leave, way[c] > 0.0 ? crossing : FL_FAR_M);
+  }
+  if (at > 0.0) cell.near_m = max(cell.near_m, enter);
+  else cell.far_m = min(cell.far_m, leave);
+}
+
+// low, high: corners of the rectangle in pixels. far_m: no pixel shows anything beyond this depth.
+ShadowCell shadow_cell(BeamRow row, vec2 low, vec2 high, float far_m) {
+  ShadowCell cell;
+  cell.eye = row.eye.xyz;
+  cell.corner[0] = to_light(row, ray_through(vec2(low.x, low.y)));
+  cell.corner[1] = to_light(row, ray_through(vec2(high.x, low.y)));
+  cell.corner[2] = to_light(row, ray_through(vec2(high.x, high.y)));
+  cell.corner[3] = to_light(row, ray_through(vec2(low.x, high.y)));
+  cell.near_m = 0.0;
+  cell.far_m = far_m;
+  BeamShape beam = beam_bound(row, 1.0);
+  float way[4];
+  // In front of the lens, and within the range.
+  [[unroll]] for (int c = 0; c < 4; ++c) way[c] = -cell.corner[c].z;
+  shadow_cell_keep(cell, -cell.eye.z, way);
+  [[unroll]] for (int c = 0; c < 4; ++c) way[c] = cell.corner[c].z;
+  shadow_cell_keep(cell, cell.eye.z - beam.range_m, way);
+  // Within the disc, along the line that the middle's ray draws in the gobo plane and across it.
+  vec3 middle = 0.25 * (cell.corner[0] + cell.corner[1] + cell.corner[2] + cell.corner[3]);
+  float w = beam.lens_radius_m + beam.spread * cell.eye.z;
+  vec2 v = middle.xy * w - cell.eye.xy * (beam.spread * middle.z);
+  vec2 along = dot(v, v) > 1e-30 ? v * inversesqrt(dot(v, v)) : vec2(1.0, 0.0);
+  [[unroll]] for (int side = 0; side < 2; ++side) {
+    float sign_of = side == 0 ? 1.0 : -1.0;
+    [[unroll]] for (int c = 0; c < 4; ++c) {
+      way[c] = sign_of * dot(along, cell.corner[c].xy) - beam.spread * cell.corner[c].z;
+    }
+    shadow_cell_keep(cell, sign_of * dot(along, cell.eye.xy) - w, way);
+  }
+  // Nothing is farther than the end of the range, which a float can hold.
+  cell.far_m = min(cell.far_m, 1e7);
+  [[unroll]] for (int c = 0; c < 4; ++c) cell.end_m[c] = cell.far_m;
+  return cell;
+}
+// All pixels show one plane, at these depths in the corners. Where it does not end the beam at all of them, its largest
+// depth does.
+void shadow_cell_end(inout ShadowCell cell, vec4 plane_m) {
+  float most = max(max(plane_m.x, plane_m.y), max(plane_m.z, plane_m.w));
+  bool ends = most <= cell.far_m;
+  cell.far_m = min(cell.far_m, most);
+  [[unroll]] for (int c = 0; c < 4; ++c) cell.end_m[c] = ends ? plane_m[c] : cell.far_m;
+}
+
+const uint kShadowNone = 0u;  // it does not reach the cell
+const uint kShadowSome = 1u;
+const uint kShadowAll = 2u;   // all of the cell is in it
+uint shadow_in_cell(uint shadow, ShadowCell cell) {
+  uint rounds = shadow_rounds(shadow);
+  bool outside = cell.near_m > cell.far_m;
+  bool all_inside = true;
+  uint outline = shadows[shadow].count - shadows[shadow].fronts;
+  float slack_m = max(shadows[shadow].slack_m, kShadowAirSlackM);
+  for (uint round_of = 0u; round_of < rounds && !outside; ++round_of) {
+    [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
+      uint own = kShadowRound * round_of + k;
+      vec4 plane = shadows[shadow].planes[own];
+      float at = dot(plane.xyz, cell.eye) - plane.w;
+      float least = FL_FAR_M;
+      float most = -FL_FAR_M;
+      [[unroll]] for (int c = 0; c < 4; ++c) {
+        float way = dot(plane.xyz, cell.corner[c]);
+        float near = at + way * cell.near_m;
+        float far = at + way * cell.end_m[c];
+        least = min(least, min(near, far));
+        most = max(most, max(near, far));
+      }
+      outside = outside || least > (own < outline ? 0.0 : -slack_m);
+      all_inside = all_inside && most <= 0.0;
+    }
+  }
+  return outside ? kShadowNone : all_inside ? kShadowAll : kShadowSome;
+}
+
+// The same for all shadows of a beam.
+uint shadows_in_cell(uint beam, ShadowCell cell) {
+  uint first = shadow_lists[beam].first;
+  uint count = shadow_lists[beam].count;
+  uint found = kShadowNone;
+  for (uint s = 0u; s < count && found != kShadowAll; ++s) found = max(found, shadow_in_cell(first + s, cell));
+  return found;
+}
+
+// Whether any of a beam's shadows can reach a sphere, or the part of a plane that is in it; light space, m. normal: of
+// the plane, unit; 0: all of the sphere. Of a rectangular beam the radius is stretched.
+bool shadow_near(uint beam, vec3 center, float radius_m, vec3 normal) {
+  uint first = shadow_lists[beam].first;
+  uint count = shadow_lists[beam].count;
+  bool any = false;
+  for (uint s = first; s < first + count && !any; ++s) {
+    uint rounds = shadow_rounds(s);
+    uint outline = shadows[s].count - shadows[s].fronts;
+    float slack_m = max(shadows[s].slack_m, kShadowSlackM);
+    any = true;
+    for (uint round_of = 0u; round_of < rounds && any; ++round_of) {
+      [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
+        uint own = kShadowRound * round_of + k;
+        vec4 plane = shadows[s].planes[own];
+        float reach_m = radius_m * length(plane.xyz - normal * dot(plane.xyz, normal));
+        any = any && dot(plane.xyz, center) - plane.w <= reach_m - (own < outline ? 0.0 : slack_m);
+      }
+    }
+  }
+  return any;
+}
+
+// Whether a place on a surface is in one of a beam's shadows; p: light space, m. fixture: what stands for its body does
+// not hide it.
+const uint kNoFixture = FL_NONE - 1u;  // and FL_NONE is what belongs to none
+bool is_shadowed(uint beam, vec3 p, uint fixture) {
+  uint first = shadow_lists[beam].first;
+  uint count = shadow_lists[beam].count;
+  bool dark = false;
+  for (uint s = first; s < first + count && !dark; ++s) {
+    uint rounds = shadow_rounds(s);
+    uint outline = shadows[s].count - shadows[s].fronts;
+    float slack_m = max(shadows[s].slack_m, kShadowSlackM);
+    dark = shadows[s].fixture != fixture;
+    for (uint round_of = 0u; round_of < rounds && dark; ++round_of) {
+      [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
+        uint own = kShadowRound * round_of + k;
+        vec4 plane = shadows[s].planes[own];
+        dark = dark && dot(plane.xyz, p) - plane.w <= (own < outline ? 0.0 : -slack_m);
+      }
+    }
+  }
+  return dark;
+}
+
+// The part of a chord that is in one shadow. h over w is linear in its measure: from, to are (p, -1) / w at its ends.
+struct ShadowChord {
+  vec4 from;
+  vec4 to;
+};
+ShadowChord shadow_chord(Chord chord, vec3 ray) {
+  ShadowChord ends;
+  ends.from = vec4(chord.base + ray * chord.t_from_m, -1.0) / chord.w_from;
+  ends.to = vec4(chord.base + ray * chord.t_to_m, -1.0) / chord.w_to;
+  return ends;
+}
+bool shadow_part(uint shadow, ShadowChord ends, out float x0, out float x1) {
+  x0 = 0.0;
+  x1 = 1.0;
+  uint rounds = shadow_rounds(shadow);
+  bool dark = true;
+  for (uint round_of = 0u; round_of < rounds && dark; ++round_of) {
+    [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
+      vec4 plane = shadows[shadow].planes[kShadowRound * round_of + k];
+      dark = shadow_cut(dot(plane, ends.from), dot(plane, ends.to), x0, x1) && dark;
+    }
+  }
+  return dark;
+}

@@ -1,0 +1,198 @@
+// Shadows of convex bodies in the light of one beam, after beam.h.
+//
+// Light moves along lines of constant rho = (x, y) / w, w = R0 + k z, that come from the apex (0, 0, -R0 / k). What a
+// body hides is the body and all that is behind it: the points inside every plane through the apex and an edge of the
+// body's outline, and behind every face that the light enters. All of them are half-spaces of light space, so the
+// shadow of a convex body is convex, and a chord has one shadow of it.
+//
+// h of a plane at a point over w there is linear in x, the share of the chord's measure (chord_point()): the values at
+// the chord's two ends give the place where it changes its sign, without a division by a small slope.
+//
+// Bodies are parallelepipeds: a box in any direction, in the stretched light space of a rectangular beam as well. What
+// lies before the lens plane, z < 0, hides nothing. Error: docs/numerics.md.
+
+// A body in light space: its centre, and from there to the middle of a face of each pair, m. Any may be 0.
+struct ShadowSolid {
+  Vec3 center;
+  Vec3 half_edge[3];
+};
+
+// Inside: dot(normal, p) <= offset. The normal is a unit vector, or 0.
+struct ShadowPlane {
+  Vec3 normal;
+  Real offset;
+};
+
+// Of 6 pairs of faces and edges at most 3 are fronts, 6 are outlines, and 3 backs cross the lens plane.
+#define FL_SHADOW_PLANES 12
+
+// First the planes of the outline, then `fronts` faces that the light enters.
+struct ShadowPrism {
+  uint count;
+  uint fronts;
+  Real z_min_m;  // no part of the body is nearer to the lens plane
+  ShadowPlane planes[FL_SHADOW_PLANES];
+};
+
+FL_FN void shadow_add_plane(FL_INOUT(ShadowPrism) prism, Vec3 normal, Real offset) {
+  Real inverse = inversesqrt(dot(normal, normal));
+  prism.planes[prism.count].normal = normal * inverse;
+  prism.planes[prism.count].offset = offset * inverse;
+  prism.count += uint(1);
+}
+
+// A plane through the apex: rho_plane . (x, y, w) <= 0. False: the whole beam is outside it.
+FL_FN bool shadow_add_outline(FL_INOUT(ShadowPrism) prism, Real lens_radius_m, Real spread, Vec3 rho_plane) {
+  Real across = rho_plane.x * rho_plane.x + rho_plane.y * rho_plane.y;
+  Vec3 normal = Vec3(rho_plane.x, rho_plane.y, spread * rho_plane.z);
+  if (!(dot(normal, normal) > Real(1e-30))) return true;  // an edge that is seen end on
+  if (rho_plane.z > sqrt(across)) return false;
+  if (prism.count < uint(FL_SHADOW_PLANES)) shadow_add_plane(prism, normal, -lens_radius_m * rho_plane.z);
+  return true;
+}
+
+// The shadow of a body. False: it has none in the beam.
+FL_FN bool shadow_prism(Real lens_radius_m, Real spread, FL_IN(ShadowSolid) solid, FL_OUT(ShadowPrism) prism) {
+  prism.count = uint(0);
+  prism.fronts = uint(0);
+  Vec3 center = solid.center;
+  Real reach_z = abs(solid.half_edge[0].z) + abs(solid.half_edge[1].z) + abs(solid.half_edge[2].z);
+  prism.z_min_m = max(center.z - reach_z, Real(0));
+  if (!(center.z + reach_z > Real(0))) return false;
+
+  // The faces of pair i have the normal +-normal[i], and are `away` from the centre.
+  Vec3 normal[3];
+  Real away[3];
+  bool front[6];  // 2 i: of +normal[i]
+  bool crosses[6];
+  Real g[6];  // below 0: the apex is outside that face
+  bool any_front = false;
+  bool inside = true;  // the apex is
+  for (int i = 0; i < 3; ++i) {
+    Vec3 v = solid.half_edge[(i + 1) % 3];
+    Vec3 w = solid.half_edge[(i + 2) % 3];
+    Vec3 n = cross(v, w);
+    Real square = dot(n, n);
+    n = square > Real(1e-30) ? n * inversesqrt(square) : Vec3(0, 0, 0);
+    if (dot(n, solid.half_edge[i]) < Real(0)) n = n * Real(-1);
+    normal[i] = n;
+    away[i] = dot(n, solid.half_edge[i]);
+    Real reach = abs(v.z) + abs(w.z);
+    for (int side = 0; side < 2; ++side) {
+      Real sign = side == 0 ? Real(1) : Real(-1);
+      Real face_z = center.z + sign * solid.half_edge[i].z;
+      int face = 2 * i + side;
+      g[face] = lens_radius_m * sign * n.z + spread * (sign * dot(n, center) + away[i]);
+      front[face] = g[face] < Real(0);
+      crosses[face] = face_z - reach < Real(0) && face_z + reach > Real(0);
+      any_front = any_front || front[face];
+      inside = inside && g[face] > Real(0);
+    }
+  }
+  if (!any_front && !inside) return false;  // it has no thickness for the light
+
+  for (int i = 0; i < 3; ++i) {
+    int j = (i + 1) % 3;
+    int k = (i + 2) % 3;
+    Vec3 along = solid.half_edge[i];
+    Vec3 along_w = Vec3(along.x, along.y, spread * along.z);
+    for (int corner = 0; corner < 4; ++corner) {
+      int at_j = corner & 1;
+      int at_k = corner >> 1;
+      if (front[2 * j + at_j] == front[2 * k + at_k]) continue;
+      Vec3 middle = center + solid.half_edge[j] * (at_j == 0 ? Real(1) : Real(-1)) +
+                    solid.half_edge[k] * (at_k == 0 ? Real(1) : Real(-1));
+      Vec3 rho_plane = cross(Vec3(middle.x, middle.y, lens_radius_m + spread * middle.z), along_w);
+      Real size = dot(rho_plane, rho_plane);
+      rho_plane = size > Real(0) ? rho_plane * inversesqrt(size) : Vec3(0, 0, 0);
+      // The body is inside.
+      if (dot(rho_plane, Vec3(center.x, center.y, lens_radius_m + spread * center.z)) > Real(0)) {
+        rho_plane = rho_plane * Real(-1);
+      }
+      if (!shadow_add_outline(prism, lens_radius_m, spread, rho_plane)) return false;
+    }
+  }
+  // The lens plane cuts off what is before it. Where a back face crosses it, the cut is part of the outline.
+  for (int face = 0; face < 6; ++face) {
+    if (front[face] || !crosses[face]) continue;
+    Real sign = (face & 1) == 0 ? Real(1) : Real(-1);
+    Vec3 n = normal[face >> 1] * sign;
+    Vec3 rho_plane = Vec3(lens_radius_m * n.x, lens_radius_m * n.y, -(dot(n, center) + away[face >> 1]));
+    if (!shadow_add_outline(prism, lens_radius_m, spread, rho_plane)) return false;
+  }
+  for (int face = 0; face < 6; ++face) {
+    if (!front[face] || prism.count >= uint(FL_SHADOW_PLANES)) continue;
+    Vec3 n = normal[face >> 1] * ((face & 1) == 0 ? Real(1) : Real(-1));
+    shadow_add_plane(prism, n, dot(n, center) + away[face >> 1]);
+    prism.fronts += uint(1);
+  }
+  return true;
+}
+
+// Cuts the part x0..x1 of a chord to what is inside a plane; from, to: h over w at the chord's ends. False: nothing.
+FL_FN bool shadow_cut(Real from, Real to, FL_INOUT(Real) x0, FL_INOUT(Real) x1) {
+  if (from > Real(0)) {
+    if (!(to <= Real(0))) return false;
+    x0 = max(x0, from / (from - to));
+  } else if (to > Real(0)) {
+    x1 = min(x1, from / (from - to));
+  }
+  return x1 > x0;
+}
+
+// Disjoint parts of a chord that are in shadow, in shares of its measure, in any order. An empty one is from 2 to 2.
+// When more than these do not touch each other, the narrowest is given up.
+#define FL_SHADOW_PARTS 6
+struct ShadowParts {
+  Real from[FL_SHADOW_PARTS];
+  Real to[FL_SHADOW_PARTS];
+};
+
+FL_FN void shadow_parts_clear(FL_OUT(ShadowParts) parts) {
+  for (int i = 0; i < FL_SHADOW_PARTS; ++i) {
+    parts.from[i] = Real(2);
+    parts.to[i] = Real(2);
+  }
+}
+
+FL_FN void shadow_parts_add(FL_INOUT(ShadowParts) parts, Real from, Real to) {
+  for (int i = 0; i < FL_SHADOW_PARTS; ++i) {
+    bool joins = parts.from[i] <= to && parts.to[i] >= from;
+    from = joins ? min(from, parts.from[i]) : from;
+    to = joins ? max(to, parts.to[i]) : to;
+    parts.from[i] = joins ? Real(2) : parts.from[i];
+    parts.to[i] = joins ? Real(2) : parts.to[i];
+  }
+  // It takes the place of the first one that is narrower, and that one the next place, and so on: widest first.
+  for (int i = 0; i < FL_SHADOW_PARTS; ++i) {
+    bool wider = to - from > parts.to[i] - parts.from[i];
+    Real other_from = parts.from[i];
+    Real other_to = parts.to[i];
+    parts.from[i] = wider ? from : other_from;
+    parts.to[i] = wider ? to : other_to;
+    from = wider ? other_from : from;
+    to = wider ? other_to : to;
+  }
+}
+
+// The next shadow from x on. False: there is none. Then the rest of the chord is lit.
+FL_FN bool shadow_parts_next(FL_IN(ShadowParts) parts, Real x, FL_OUT(Real) from, FL_OUT(Real) to) {
+  from = Real(2);
+  to = Real(2);
+  for (int i = 0; i < FL_SHADOW_PARTS; ++i) {
+    bool nearer = parts.from[i] >= x && parts.from[i] < from;
+    from = nearer ? parts.from[i] : from;
+    to = nearer ? parts.to[i] : to;
+  }
+  return from < Real(1.5);
+}
+
+// The part x0..x1 of a chord.
+FL_FN Chord chord_part(Chord chord, Real x0, Real x1) {
+  Chord part = chord;
+  chord_point(chord, x0, part.s_from, part.t_from_m);
+  chord_point(chord, x1, part.s_to, part.t_to_m);
+  part.w_from = max(chord.w_base + part.t_from_m * chord.w_slope, Real(1e-9));
+  part.w_to = max(chord.w_base + part.t_to_m * chord.w_slope, Real(1e-9));
+  return part;
+}

@@ -1,0 +1,65 @@
+#include "render/shadow_tables.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "render/pass.h"
+
+namespace footlight::render {
+namespace {
+
+// What hides light and does not move.
+std::vector<OccluderRow> still_occluders(const fixtures::Rig& rig) {
+  std::vector<OccluderRow> rows;
+  for (const fixtures::StageBox& box : rig.boxes) {
+    const glm::vec3 center = 0.5 * (box.min_m + box.max_m);
+    const glm::vec3 half = 0.5 * (box.max_m - box.min_m);
+    rows.push_back({center.x, center.y, center.z, FL_NONE, vec4(half.x, 0, 0, glm::length(half)), vec4(0, half.y, 0, 0),
+                    vec4(0, 0, half.z, 0)});
+  }
+  return rows;
+}
+
+// Bodies that hide light: at most one a head.
+std::uint64_t shading_bodies_max(const MemoryShape& shape) {
+  return has_bodies(shape.needs, shape.settings) ? shape.compiled.heads.size() : 0;
+}
+
+}  // namespace
+
+std::uint64_t occluder_bytes(const MemoryShape& shape) {
+  const bool used = has_shadows(shape.needs, shape.settings);
+  const std::uint64_t count = used ? shape.rig.boxes.size() + shading_bodies_max(shape) * FL_BODY_BOXES : 0;
+  return std::max<std::uint64_t>(count, 1) * sizeof(OccluderRow);
+}
+
+std::uint64_t shadow_list_bytes(const MemoryShape& shape) {
+  const std::uint64_t beams = has_shadows(shape.needs, shape.settings) ? shape.compiled.beams_max : 0;
+  return std::max<std::uint64_t>(beams, 1) * sizeof(ShadowListRow);
+}
+
+std::uint64_t shadow_bytes(const MemoryShape& shape) {
+  if (!has_shadows(shape.needs, shape.settings)) return sizeof(ShadowRow);
+  const std::uint64_t pairs = shape.compiled.beams_max * (occluder_bytes(shape) / sizeof(OccluderRow));
+  return std::clamp<std::uint64_t>(pairs, 1, FL_SHADOW_BYTES_MAX / sizeof(ShadowRow)) * sizeof(ShadowRow);
+}
+
+Status make_shadow_tables(vk::Device& device, const MemoryShape& shape, RigTables& r) {
+  // The rows of bodies are written by each frame; nothing of a body hides light before.
+  std::vector<OccluderRow> rows(occluder_bytes(shape) / sizeof(OccluderRow));
+  for (OccluderRow& row : rows) row.half_edge_0.w = -1;
+  if (r.has_shadows) {
+    const std::vector<OccluderRow> still = still_occluders(shape.rig);
+    std::copy(still.begin(), still.end(), rows.begin());
+  }
+  FL_ASSIGN(r.occluders, vk::Buffer::table(device, rows));
+  FL_ASSIGN(r.shadow_lists,
+            vk::Buffer::device_local(device, shadow_list_bytes(shape), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
+  FL_ASSIGN(r.shadows, vk::Buffer::device_local(device, shadow_bytes(shape), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
+  return device.run_once([&](VkCommandBuffer commands) {
+    vkCmdFillBuffer(commands, r.shadow_lists.handle, 0, VK_WHOLE_SIZE, 0);
+    vkCmdFillBuffer(commands, r.shadows.handle, 0, VK_WHOLE_SIZE, 0);
+  });
+}
+
+}  // namespace footlight::render

@@ -1,0 +1,212 @@
+// Boxes and bodies that hide light: pictures compared with the judge's traced paths.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "render/frame.h"
+#include "render/reference/judge.h"
+#include "render/reference/norms.h"
+#include "tests/render/scenes.h"
+#include "tests/support/headless_vulkan.h"
+
+namespace {
+
+using namespace footlight;
+using namespace footlight::render;
+using namespace render::testing;
+using footlight::testing::HeadlessVulkan;
+
+JudgedImage judged(const Scene& scene, int width, int height) {
+  fixtures::f64::Walker walker(scene.compiled);
+  walker.step(scene.levels, 0);
+  const JudgeScene judge = judge_scene(scene.rig, walker, gobos_of_judge(scene));
+  return judge_image(judge, view_of(scene.camera), width, height, {.tolerance = 1e-5, .stated_error = false});
+}
+
+// Lamps over a floor, with `boxes` boxes in the beam of each.
+Scene cluttered_scene(std::uint64_t seed, int lamps, int boxes) {
+  Scene scene = lamps_scene(seed, lamps);
+  fixtures::f64::Walker walker(scene.compiled);
+  walker.step(scene.levels, 0);
+  Random random(seed);
+  const auto between = [&](double from, double to) {
+    return glm::dvec3(random.between(from, to), random.between(from, to), random.between(from, to));
+  };
+  for (const JudgeBeam& beam : judge_scene(scene.rig, walker).beams) {
+    for (int i = 0; i < boxes; ++i) {
+      const double z = random.between(0.4, 5);
+      const double w = beam.lens_radius_m + std::min(beam.spread, 1.0) * z;
+      const glm::dvec3 low = beam.lens_m + z * beam.axis + w * between(-1, 1);
+      scene.rig.boxes.push_back({"box", low, low + between(0.2, 1.2) * w, glm::dvec3(0.5)});
+    }
+  }
+  scene.rig.boxes.push_back({"floor", {-30, -30, -3.2}, {30, 30, -3}, glm::dvec3(0.3)});
+  const std::vector<std::uint8_t> levels = scene.levels;
+  scene.compile();
+  scene.levels = levels;
+  return scene;
+}
+
+TEST_CASE("boxes hide light in the air and on surfaces as the judge's traced paths say") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = cluttered_scene(3, 16, 2);
+  FrameSettings settings = judged_settings(96, 54);
+  settings.nodes = 5;
+  const JudgedImage judge = judged(scene, 96, 54);
+  const PictureNorms shaded = picture_norms(draw_new(vulkan.device(), scene, settings).rgb, judge.rgb);
+  settings.shadows = false;
+  const PictureNorms lit = picture_norms(draw_new(vulkan.device(), scene, settings).rgb, judge.rgb);
+  std::fprintf(stderr, "shadows: relL2 %.3g, p99 %.3g, max %.3g; without %.3g\n", shaded.rel_l2, shaded.p99, shaded.max,
+               lit.rel_l2);
+  CHECK(shaded.nonfinite == 0);
+  CHECK(shaded.rel_l2 < 1e-4);
+  CHECK(lit.rel_l2 > 0.05);
+}
+
+TEST_CASE("whatever shapes a beam, its light behind a box is dark as the judge computes it") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const auto check = [&](Scene scene, const char* what, double rel_l2_max) {
+    scene.rig.boxes.push_back({"in front", {-0.6, 3, 2.9}, {0.1, 3.3, 3.2}, glm::dvec3(0.5)});
+    scene.rig.boxes.push_back({"behind", {0.2, 5, 2.2}, {0.9, 5.5, 3.1}, glm::dvec3(0.5)});
+    const std::vector<std::uint8_t> levels = scene.levels;
+    scene.compile();
+    scene.levels = levels;
+    FrameSettings settings = judged_settings(64, 36);
+    settings.nodes = 5;
+    settings.gobo_taps = 256;
+    settings.gobo_method = GoboMethod::kTaps;
+    const JudgedImage judge = judged(scene, 64, 36);
+    const PictureNorms norms = picture_norms(draw_new(vulkan.device(), scene, settings).rgb, judge.rgb);
+    settings.shadows = false;
+    const PictureNorms lit = picture_norms(draw_new(vulkan.device(), scene, settings).rgb, judge.rgb);
+    std::fprintf(stderr, "%s: relL2 %.3g, without shadows %.3g\n", what, norms.rel_l2, lit.rel_l2);
+    CHECK(norms.nonfinite == 0);
+    CHECK(norms.rel_l2 < rel_l2_max);
+    CHECK(lit.rel_l2 > 0.02);
+  };
+  // Bounds are three times what lavapipe gave.
+  Scene scene = optics_scene(false);
+  scene.set(0, "Blade1A", 0.3);
+  scene.set(0, "Iris", 0.7);
+  scene.set(0, "Frost1", 0.2);
+  check(scene, "blade, iris, frost", 1e-3);
+  scene = optics_scene(false);
+  scene.set(0, "Gobo1WheelIndex", 2);
+  scene.set(0, "Prism1", 1);
+  check(scene, "gobo and prism", 2e-2);
+  scene = rectangle_scene(2.5, 30, 2);
+  check(scene, "rectangle", 1e-3);
+}
+
+// 200 washes above a stage with boxes.
+TEST_CASE("beams that are taken together for tiles have the shadows of beams computed pixel by pixel") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = lamps_scene(25, 200);
+  Random random(26);
+  for (auto& fixture : scene.rig.fixtures) {
+    fixture.position_m.z = random.between(6, 10);
+    fixture.rotation_deg = {random.between(-30, 30), random.between(-30, 30), 0};
+  }
+  scene.rig.boxes.push_back({"floor", {-20, -20, -0.2}, {20, 20, 0}, glm::dvec3(0.3)});
+  for (int i = 0; i < 8; ++i) {
+    const glm::dvec3 low(random.between(-6, 6), random.between(-5, 6), random.between(0, 5));
+    scene.rig.boxes.push_back({"box", low, low + glm::dvec3(0.6, 0.2, 0.8), glm::dvec3(0.4)});
+  }
+  scene.compile();
+  for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) {
+    for (const auto color : {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"}) scene.set(i, color, random.between(0.2, 1));
+    scene.set(i, "Zoom", random.between(10, 40));
+  }
+  FrameSettings settings = judged_settings(256, 144);
+  const auto frame = make_frame(vulkan.device(), scene, settings);
+  const RadianceImage each = draw(*frame, scene);
+  settings.tile_error = FrameSettings{}.tile_error;
+  must(frame->change(settings));
+  const RadianceImage together = draw(*frame, scene);
+  const PictureNorms norms = picture_norms(together, each);
+  settings.shadows = false;
+  must(frame->change(settings));
+  const PictureNorms lit = picture_norms(draw(*frame, scene), each);
+  std::fprintf(stderr, "tiles with shadows: relL2 %.3g, p99 %.3g, max %.3g; without %.3g\n", norms.rel_l2, norms.p99,
+               norms.max, lit.rel_l2);
+  CHECK(norms.nonfinite == 0);
+  CHECK(norms.rel_l2 < 3e-4);
+  CHECK(norms.rel_l2 > 0);  // some are taken together
+  CHECK(lit.rel_l2 > 0.02);
+  settings.shadows = true;
+  must(frame->change(settings));
+  CHECK(draw(*frame, scene).rgb == together.rgb);
+}
+
+TEST_CASE("a fixture hides light of others, and none of its own") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  // Two heads above a floor, both straight down: the upper one lights the lower one's back.
+  Scene scene;
+  scene.rig = fixtures::demo_rig();
+  fixtures::PatchedFixture upper = scene.rig.fixtures.front();
+  upper.pose.reset();
+  upper.position_m = {0, 0, 7};
+  upper.rotation_deg = {0, 0, 0};
+  fixtures::PatchedFixture lower = upper;
+  lower.name = "lower";
+  lower.position_m = {0, 0, 4};
+  lower.address = upper.address + 64;
+  scene.rig.boxes = {{"floor", {-20, -20, -0.2}, {20, 20, 0}, glm::dvec3(0.3)}};
+  scene.rig.cameras = {{"above", {0, -0.1, 30}, {0, 0, 0}, 20, 4}};
+  const auto lux_below = [&](const std::vector<fixtures::PatchedFixture>& rig, bool shadows) {
+    scene.rig.fixtures = rig;
+    scene.compile();
+    scene.camera = scene.rig.cameras.front();
+    scene.set(0, "Dimmer", 1);
+    scene.set(0, "Zoom", 6);
+    FrameSettings settings = judged_settings(65, 65);
+    settings.bodies = true;
+    settings.shadows = shadows;
+    settings.view = render::FrameView::kLux;
+    const RadianceImage lux = draw_new(vulkan.device(), scene, settings);
+    double sum = 0;
+    for (std::size_t i = 0; i < lux.rgb.size(); i += 3) sum += static_cast<double>(lux.rgb[i]);
+    return sum;
+  };
+  const double alone = lux_below({upper}, true);
+  CHECK(alone > 1000);
+  CHECK(alone == lux_below({upper}, false));
+  const double behind = lux_below({upper, lower}, true);
+  const double through = lux_below({upper, lower}, false);
+  std::fprintf(stderr, "alone %.6g, behind a body %.6g, through it %.6g\n", alone, behind, through);
+  CHECK(behind < 0.8 * alone);
+  CHECK(through > 0.95 * alone);
+}
+
+TEST_CASE("a beam that is blocked at its lens gives no light, and 5,000 shadows of one beam are counted") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = optics_scene(false);
+  scene.rig.boxes.push_back({"around the lamp", {-0.5, -0.5, 2.5}, {0.5, 0.5, 3.5}, glm::dvec3(0.5)});
+  scene.compile();
+  const RadianceImage dark = draw_new(vulkan.device(), scene, judged_settings());
+  CHECK(*std::max_element(dark.rgb.begin(), dark.rgb.end()) == 0);
+
+  scene = optics_scene(false);
+  for (int i = 0; i < 5000; ++i) {
+    const double y = 1 + 1e-3 * i;
+    scene.rig.boxes.push_back({"plate", {-0.01, y, 2.99}, {0.01, y + 1e-4, 3.01}, glm::dvec3(0.5)});
+  }
+  scene.compile();
+  const auto frame = make_frame(vulkan.device(), scene, judged_settings(8, 8));
+  const RadianceImage picture = draw(*frame, scene);
+  const CountsRow counts = must(frame->read_counts());
+  CHECK(counts.shadows == 5001);  // and the wall's
+  CHECK(counts.shadows_lost == 5001 - FL_BEAM_SHADOWS_MAX);
+  CHECK(std::all_of(picture.rgb.begin(), picture.rgb.end(), [](float v) { return std::isfinite(v) && v >= 0; }));
+}
+
+}  // namespace
