@@ -3,19 +3,24 @@
 #include <algorithm>
 #include <vector>
 
+#include "fixtures/bodies/solids.h"
 #include "render/pass.h"
 
 namespace footlight::render {
 namespace {
 
-// What hides light and does not move.
-std::vector<OccluderRow> still_occluders(const fixtures::Rig& rig) {
+// What hides light and does not move: stage boxes, and the built-in scenery where it is drawn.
+std::vector<OccluderRow> still_occluders(const MemoryShape& shape) {
+  if (!has_shadows(shape.needs, shape.settings)) return {};
+  std::vector<fixtures::SolidBox> solids = fixtures::scene_solids(shape.rig);
+  if (!has_bodies(shape.needs, shape.settings)) solids.resize(shape.rig.boxes.size());
   std::vector<OccluderRow> rows;
-  for (const fixtures::StageBox& box : rig.boxes) {
-    const glm::vec3 center = 0.5 * (box.min_m + box.max_m);
-    const glm::vec3 half = 0.5 * (box.max_m - box.min_m);
-    rows.push_back({center.x, center.y, center.z, FL_NONE, vec4(half.x, 0, 0, glm::length(half)), vec4(0, half.y, 0, 0),
-                    vec4(0, 0, half.z, 0)});
+  for (const fixtures::SolidBox& solid : solids) {
+    const glm::vec3 center(solid.center_m);
+    double radius_m = 0;
+    for (const glm::dvec3& half : solid.half_m) radius_m += glm::length(half);
+    rows.push_back({center.x, center.y, center.z, FL_NONE, vec4(solid.half_m[0], radius_m),
+                    vec4(solid.half_m[1], solid.slack_m), vec4(solid.half_m[2], 0)});
   }
   return rows;
 }
@@ -29,7 +34,7 @@ std::uint64_t shading_bodies_max(const MemoryShape& shape) {
 
 std::uint64_t occluder_bytes(const MemoryShape& shape) {
   const bool used = has_shadows(shape.needs, shape.settings);
-  const std::uint64_t count = used ? shape.rig.boxes.size() + shading_bodies_max(shape) * FL_BODY_BOXES : 0;
+  const std::uint64_t count = used ? still_occluders(shape).size() + shading_bodies_max(shape) * FL_BODY_BOXES : 0;
   return std::max<std::uint64_t>(count, 1) * sizeof(OccluderRow);
 }
 
@@ -48,10 +53,8 @@ Status make_shadow_tables(vk::Device& device, const MemoryShape& shape, RigTable
   // The rows of bodies are written by each frame; nothing of a body hides light before.
   std::vector<OccluderRow> rows(occluder_bytes(shape) / sizeof(OccluderRow));
   for (OccluderRow& row : rows) row.half_edge_0.w = -1;
-  if (r.has_shadows) {
-    const std::vector<OccluderRow> still = still_occluders(shape.rig);
-    std::copy(still.begin(), still.end(), rows.begin());
-  }
+  const std::vector<OccluderRow> still = still_occluders(shape);
+  std::copy(still.begin(), still.end(), rows.begin());
   FL_ASSIGN(r.occluders, vk::Buffer::table(device, rows));
   FL_ASSIGN(r.shadow_lists,
             vk::Buffer::device_local(device, shadow_list_bytes(shape), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
