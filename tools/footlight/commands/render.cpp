@@ -234,11 +234,15 @@ class Job {
     if (options_.json) {
       FL_ASSIGN(const auto times, frame_.read_times());
       double gpu_ms = 0;
-      for (const auto& time : times) gpu_ms += time.gpu_ms;
-      fmt::print(R"({{"event":"picture","number":{},"time_ns":{},"gpu_ms":{:.3f},"wall_ms":{:.3f},"live":{},"dark":{},)"
-                 R"("settings":{}}})"
+      std::string passes;
+      for (const auto& time : times) {
+        gpu_ms += time.gpu_ms;
+        passes += fmt::format(R"({}"{}":{:.3f})", passes.empty() ? "" : ",", time.name, time.gpu_ms);
+      }
+      fmt::print(R"({{"event":"picture","number":{},"time_ns":{},"gpu_ms":{:.3f},"passes_ms":{{{}}},"wall_ms":{:.3f},)"
+                 R"("live":{},"dark":{},"settings":{}}})"
                  "\n",
-                 number_, at_ns, gpu_ms, wall_ms, counts.live_count, counts.dark_count, settings_);
+                 number_, at_ns, gpu_ms, passes, wall_ms, counts.live_count, counts.dark_count, settings_);
       std::fflush(stdout);
     }
     ++number_;
