@@ -57,9 +57,7 @@ std::uint64_t bytes_of(const std::vector<PassMemory>& plan) {
 class Measurement {
  public:
   Measurement(vk::Device& device, const Scene& scene, const LeftOutOptions& options)
-      : device_(device), scene_(scene), options_(options), view_(view_of(scene.camera)) {
-    settings_.width = options.width;
-    settings_.height = options.height;
+      : device_(device), scene_(scene), options_(options), view_(view_of(scene.camera)), settings_(options.settings) {
     plan_ = plan_frame(scene.compiled.needs, settings_);
     memory_ = plan_memory({scene.rig, scene.compiled, scene.compiled.needs, settings_});
     for (const LeftOutPass& pass : left_out_passes(scene.compiled.needs, settings_)) {

@@ -14,8 +14,7 @@
 namespace footlight::tools {
 
 struct LeftOutOptions {
-  int width = 640;
-  int height = 360;
+  render::FrameSettings settings{.width = 640, .height = 360};
   int runs = 11;  // pairs of timed frames per row, after one uncounted pair; 0: only bytes
   // Optional. Called between rows; false ends the measurement with the rows so far.
   std::function<bool(double done, double all)> go_on;

@@ -151,7 +151,8 @@ Result<Scene> scene_of_files(const SceneFiles& files, const PictureArguments& ar
 // Prints what the rig leaves out, and the cost of each feature.
 Status report_left_out(render::vk::Device& device, const Scene& scene, const PictureReportOptions& pictures,
                        const ReportOptions& options) {
-  LeftOutOptions left_out{.width = pictures.width, .height = pictures.height, .runs = pictures.runs, .go_on = {}};
+  LeftOutOptions left_out{
+      .settings = {.width = pictures.width, .height = pictures.height}, .runs = pictures.runs, .go_on = {}};
   if (options.quick) left_out.runs = 0;  // each timed row compiles shaders
   if (options.go_on) {
     left_out.go_on = [&](double done, double all) { return options.go_on("features that are left out", done, all); };
