@@ -93,6 +93,8 @@ TEST_CASE(
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = dark_scene();
+  const auto frame = make_frame(vulkan.device(), scene, sized(8, 8));
+  const auto around = make_frame(vulkan.device(), scene, sized(8, 8));
   for (const auto& [width, height] : {std::pair{63, 37}, std::pair{1, 1}}) {
     for (const double small_px : {0.0, 128.0}) {
       FrameSettings settings = sized(width, height);
@@ -101,8 +103,8 @@ TEST_CASE(
       FrameSettings larger = settings;
       larger.width *= 3;
       larger.height *= 3;
-      const auto frame = make_frame(vulkan.device(), scene, settings);
-      const auto around = make_frame(vulkan.device(), scene, larger);
+      must(frame->change(settings));
+      must(around->change(larger));
       int bodies = 0;
       for (const fixtures::Camera& camera : cameras(scene)) {
         CAPTURE(camera.name);

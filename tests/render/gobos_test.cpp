@@ -70,14 +70,13 @@ TEST_CASE("tables of gobos are nearer to the judge than 64 samples and within 2e
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   Scene scene = in_the_air(demo_scene(12, true));
+  const auto by_tables = make_frame(vulkan.device(), scene, with_method(GoboMethod::kTables, 128));
+  const auto by_taps = make_frame(vulkan.device(), scene, with_method(GoboMethod::kTaps, 64));
   for (const std::size_t camera : {std::size_t{0}, std::size_t{2}}) {
     scene.camera = scene.rig.cameras.at(camera);
     const std::vector<double> judged = judged_picture(scene, judged_settings());
-    const auto error = [&](GoboMethod method, std::uint32_t taps) {
-      return rel_l2(draw_new(vulkan.device(), scene, with_method(method, taps)), judged);
-    };
-    const double tables = error(GoboMethod::kTables, 128);
-    const double taps = error(GoboMethod::kTaps, 64);
+    const double tables = rel_l2(draw(*by_tables, scene), judged);
+    const double taps = rel_l2(draw(*by_taps, scene), judged);
     std::fprintf(stderr, "camera %zu: tables %.3g, 64 taps %.3g\n", camera, tables, taps);
     CHECK(tables < 2e-3);
     CHECK(tables < 0.5 * taps);
@@ -119,18 +118,17 @@ TEST_CASE("a gobo that frost blurs is drawn from lines beside each other, nearer
     double frost;
     double rel_l2_max;  // twice the value on lavapipe
   };
+  Scene scene = in_the_air(optics_scene(false));
+  scene.set(0, "Gobo1WheelIndex", 270);
+  scene.set(0, "Gobo1Pos", 30);
+  const auto by_tables = make_frame(vulkan.device(), scene, with_method(GoboMethod::kTables, 128, 32, 18));
+  const auto by_taps = make_frame(vulkan.device(), scene, with_method(GoboMethod::kTaps, 128, 32, 18));
   for (const auto& [frost, rel_l2_max] : {Case{0.05, 2.2e-3}, Case{0.2, 4.2e-3}, Case{0.6, 4e-2}}) {
     CAPTURE(frost);
-    Scene scene = in_the_air(optics_scene(false));
     scene.set(0, "Frost1", frost);
-    scene.set(0, "Gobo1WheelIndex", 270);
-    scene.set(0, "Gobo1Pos", 30);
     const std::vector<double> judged = judged_picture(scene, judged_settings(32, 18), 1e-3);
-    const auto error = [&](GoboMethod method) {
-      return rel_l2(draw_new(vulkan.device(), scene, with_method(method, 128, 32, 18)), judged);
-    };
-    const double lines = error(GoboMethod::kTables);
-    const double samples = error(GoboMethod::kTaps);
+    const double lines = rel_l2(draw(*by_tables, scene), judged);
+    const double samples = rel_l2(draw(*by_taps, scene), judged);
     std::fprintf(stderr, "frost %g: lines %.3g, 128 samples %.3g\n", frost, lines, samples);
     CHECK(lines < rel_l2_max);
     CHECK(lines < samples);

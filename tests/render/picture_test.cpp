@@ -318,7 +318,14 @@ TEST_CASE("a picture does not depend on earlier pictures of its frame or another
 TEST_CASE("at every picture size each pixel equals the pixel of the same ray in a picture of another size") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
-  Scene scene = demo_scene(17, false);
+  const Scene scene = demo_scene(17, false);
+  FrameSettings first = judged_settings(8, 8);
+  first.bodies = true;
+  const auto frame = make_frame(vulkan.device(), scene, first);
+  const auto drawn = [&](const FrameSettings& settings) {
+    must(frame->change(settings));
+    return draw(*frame, scene);
+  };
   struct Size {
     int width;
     int height;
@@ -327,15 +334,15 @@ TEST_CASE("at every picture size each pixel equals the pixel of the same ray in 
     CAPTURE(size.width);
     FrameSettings settings = judged_settings(size.width, size.height);
     settings.bodies = true;
-    const RadianceImage picture = draw_new(vulkan.device(), scene, settings);
+    const RadianceImage picture = drawn(settings);
     REQUIRE(picture.rgb.size() == static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height) * 3);
     for (const float value : picture.rgb) REQUIRE(std::isfinite(value));
     // With three times as many pixels in each direction, the middle pixel of each 3 x 3 has the same ray.
     settings.bodies = false;
-    const RadianceImage plain = draw_new(vulkan.device(), scene, settings);
+    const RadianceImage plain = drawn(settings);
     settings.width *= 3;
     settings.height *= 3;
-    const RadianceImage fine = draw_new(vulkan.device(), scene, settings);
+    const RadianceImage fine = drawn(settings);
     double worst = 0;
     double mean = 0;
     for (const float value : plain.rgb) mean += static_cast<double>(value) / static_cast<double>(plain.rgb.size());
