@@ -1,5 +1,5 @@
-// The light formulas of render/shaders/shared/beam.h and the tone map of agx.h for C++: footlight::render::f32 in float
-// as on the GPU, f64 in double.
+// The light formulas of render/shaders/shared/beam.h, the tone map of agx.h and the weights of glare.h for C++:
+// footlight::render::f32 in float as on the GPU, f64 in double.
 #pragma once
 
 #include "sim/shared/shared.h"
@@ -14,6 +14,7 @@ using namespace ::footlight::f32;
 #include "render/shaders/shared/gobo_chord.h"
 #include "render/shaders/shared/tile_node.h"
 #include "render/shaders/shared/agx.h"
+#include "render/shaders/shared/glare.h"
 }  // namespace footlight::render::f32
 
 namespace footlight::render::f64 {
@@ -24,5 +25,6 @@ using namespace ::footlight::f64;
 #include "render/shaders/shared/gobo_chord.h"
 #include "render/shaders/shared/tile_node.h"
 #include "render/shaders/shared/agx.h"
+#include "render/shaders/shared/glare.h"
 }  // namespace footlight::render::f64
 // clang-format on

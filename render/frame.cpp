@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "fixtures/simulate/machines.h"
+#include "render/glare.h"
 #include "render/passes/beams.h"
 #include "render/passes/bodies.h"
 #include "render/passes/coarse.h"
@@ -12,6 +13,7 @@
 #include "render/passes/edges.h"
 #include "render/passes/fine.h"
 #include "render/passes/gather.h"
+#include "render/passes/glare.h"
 #include "render/passes/gobos.h"
 #include "render/passes/records.h"
 #include "render/passes/shadows.h"
@@ -38,7 +40,8 @@ const PassEntry* const kPasses[] = {
     &kFinePass,      // the same over 32 x 32 pixels, and beams that are smooth but for their rim -> radiance, the rest
     &kBeamsPass,     // the rest, pixel by pixel -> radiance
     &kEdgesPass,     // solid things -> radiance of pixels that show more than one
-    &kTonemapPass,   // radiance -> screen
+    &kGlarePass,     // radiance -> light that the camera's lens scatters
+    &kTonemapPass,   // radiance, scattered light -> screen
 };
 
 // Time stamps of a frame: its beginning, the levels, and the end of each pass.
@@ -180,6 +183,9 @@ Status Frame::check_settings(const FrameSettings& settings) const {
     return fail(ErrorCode::kBadInput, "{} samples of a pixel with an edge: expected 0, 4, 8 or 16",
                 settings.edge_samples);
   }
+  if (!(settings.glare >= 0 && settings.glare <= 1)) {
+    return fail(ErrorCode::kBadInput, "glare {}: expected a share of the light, 0 to 1", settings.glare);
+  }
   if (!(settings.small_body_px <= FL_SMALL_BODY_PX)) {
     return fail(ErrorCode::kBadInput, "small bodies up to {} pixels: expected 0 to {}", settings.small_body_px,
                 FL_SMALL_BODY_PX);
@@ -224,6 +230,7 @@ Status Frame::change(const FrameSettings& requested) {
       settings.supersample == settings_.supersample && has_bodies(needs, settings) == has_bodies(needs, settings_) &&
       has_small_bodies(needs, settings) == has_small_bodies(needs, settings_) &&
       has_smooth_edges(needs, settings) == has_smooth_edges(drawn_needs(needs_, haze_, settings_), settings_) &&
+      has_glare(needs, settings) == has_glare(drawn_needs(needs_, haze_, settings_), settings_) &&
       has_tile_classes(needs, settings) == has_tile_classes(drawn_needs(needs_, haze_, settings_), settings_);
   passes_.clear();
   plan_.clear();
@@ -431,6 +438,16 @@ Result<RadianceImage> Frame::read_radiance() {
   RadianceImage image{settings_.width, settings_.height, std::vector<float>(pixels * 3)};
   for (std::size_t i = 0; i < pixels; ++i) std::copy_n(&rgba[i * 4], 3, &image.rgb[i * 3]);
   return image;
+}
+
+Result<RadianceImage> Frame::read_seen() {
+  FL_ASSIGN(const RadianceImage whole, read_radiance());
+  const RadianceImage light = averaged(whole, settings_.supersample);
+  if (resources_.picture.glare.handle == VK_NULL_HANDLE) return light;
+  const GlareShape shape = glare_shape(settings_);
+  std::vector<float> rgba(static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height) * 4);
+  FL_TRY(read_image(resources_.picture.glare, shape.width, shape.height, rgba.data(), rgba.size() * sizeof(float)));
+  return with_glare(light, shape, rgba);
 }
 
 Result<ScreenImage> Frame::read_screen() {

@@ -130,6 +130,8 @@ class Frame {
   [[nodiscard]] std::size_t pending_steps() const { return pending_.size(); }
 
   [[nodiscard]] Result<RadianceImage> read_radiance();
+  // The light as the camera's lens leaves it: of the screen's pixels, with glare. What the tone map gets.
+  [[nodiscard]] Result<RadianceImage> read_seen();
   [[nodiscard]] Result<ScreenImage> read_screen();
   [[nodiscard]] Result<CountsRow> read_counts();
   [[nodiscard]] Result<std::vector<fixtures::f32::Walker::HeadState>> read_states();

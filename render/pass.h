@@ -79,5 +79,10 @@ struct PassEntry {
 [[nodiscard]] inline bool has_smooth_edges(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_solids(needs, settings) && settings.edge_samples > 0 && settings.view == FrameView::kPicture;
 }
+// Whether the camera's lens scatters light.
+[[nodiscard]] inline bool has_glare(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return settings.glare > 0 && settings.view == FrameView::kPicture &&
+         (has_air(needs, settings) || has_solids(needs, settings));
+}
 
 }  // namespace footlight::render

@@ -107,12 +107,18 @@ std::string json_of(const FrameSettings& settings, std::string_view version, dou
       R"({{"footlight":"{}","error":{},"width":{},"height":{},"supersample":{},"method":"{}","nodes":{},)"
       R"("tile_error":{},"tile_beams":{},"gobo_method":"{}","gobo_taps":{},"gobo_gates":{},"gobo_px":{},)"
       R"("body_error_px":{},"small_body_px":{},)"
-      R"("edge_samples":{},"bodies":{},"haze":{},"shadows":{},"dark_lm":{},"widen_thin":{}}})",
+      R"("edge_samples":{},"glare":{},"bodies":{},"haze":{},"shadows":{},"dark_lm":{},"widen_thin":{}}})",
       version, error, settings.width, settings.height, settings.supersample,
       settings.method == BeamMethod::kGauss ? "gauss" : "march", settings.nodes, settings.tile_error,
       settings.tile_beams, word_of(settings.gobo_method), settings.gobo_taps, settings.gobo_gates, settings.gobo_px,
-      settings.body_error_px, settings.small_body_px, settings.edge_samples, settings.bodies, settings.haze,
-      settings.shadows, settings.dark_lm, settings.widen_thin);
+      settings.body_error_px, settings.small_body_px, settings.edge_samples, settings.glare, settings.bodies,
+      settings.haze, settings.shadows, settings.dark_lm, settings.widen_thin);
+}
+
+std::optional<double> share_of(std::string_view text) {
+  bool percent = false;
+  const std::optional<double> value = number_of(text, '%', percent);
+  return value && percent ? *value * 0.01 : value;
 }
 
 Result<QualityRequest> parse_quality(const std::string& error, const std::string& ms) {
@@ -122,9 +128,7 @@ Result<QualityRequest> parse_quality(const std::string& error, const std::string
                 ms);
   }
   if (!error.empty()) {
-    bool percent = false;
-    const std::optional<double> value = number_of(error, '%', percent);
-    request.error = value.value_or(0) * (percent ? 0.01 : 1);
+    request.error = share_of(error).value_or(0);
     if (!(request.error > 0 && request.error < 1)) {
       return fail(ErrorCode::kBadInput, "--error {}: expected a share of the light above 0 and below 100%, as in 0.1%",
                   error);

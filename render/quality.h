@@ -44,6 +44,8 @@ struct QualityRequest {
   double error = 0;  // share: 0.001 is 0.1 %
   double ms = 0;     // of GPU time of a frame
 };
+// 0.001 of "0.1%" or "0.001"; nothing if it is no finite number.
+[[nodiscard]] std::optional<double> share_of(std::string_view text);
 // error: "0.1%" or "0.001"; ms: "8"; empty: not given. kBadInput names the option and what is expected.
 [[nodiscard]] Result<QualityRequest> parse_quality(const std::string& error, const std::string& ms);
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "render/body_tables.h"
+#include "render/glare.h"
 #include "render/gobo_tables.h"
 #include "render/gobo_textures.h"
 #include "render/pass.h"
@@ -311,6 +312,7 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_HEAD_SLOTS: return has_bodies(shape.needs, settings) ? shape.compiled.heads.size() * 4 : 0;
     case FL_BINDING_EDGES: return (has_smooth_edges(shape.needs, settings) ? pixels : 1) * 16;
     case FL_BINDING_EDGE_MASKS: return edge_mask_bytes(shape.needs, settings);
+    case FL_BINDING_GLARE: return has_glare(shape.needs, settings) ? glare_shape(settings).bytes() : 0;
     case FL_BINDING_SURFACE_ID: return solid_pixels * 8;
     case FL_BINDING_DEPTH: return solid_pixels * 4;
     case FL_BINDING_RADIANCE: return pixels * 16;
@@ -437,6 +439,9 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   FL_ASSIGN(p.edge_masks, zeroed(device, edge_mask_bytes(needs, settings)));
   FL_ASSIGN(p.edges, vk::Image::create(device, edges ? width : 1, edges ? height : 1, VK_FORMAT_R32G32B32A32_SFLOAT,
                                        VK_IMAGE_USAGE_STORAGE_BIT));
+  if (has_glare(needs, settings)) {
+    FL_ASSIGN(p.glare, make_glare_image(device, glare_shape(settings)));
+  }
   constexpr VkImageUsageFlags kPicture =
       VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
   FL_ASSIGN(p.radiance, vk::Image::create(device, width, height, VK_FORMAT_R32G32B32A32_SFLOAT, kPicture));
@@ -489,9 +494,10 @@ void Resources::bind_all() {
   bindings.set_image(FL_BINDING_DEPTH, picture.depth);
   bindings.set_image(FL_BINDING_EDGES, picture.edges);
   bindings.set_image(FL_BINDING_RADIANCE, picture.radiance);
+  if (picture.glare.handle != VK_NULL_HANDLE) bindings.set_image(FL_BINDING_GLARE, picture.glare);
   bindings.set_image(FL_BINDING_SCREEN, picture.screen);
   for (const vk::Image* image : {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images, &picture.surface_id,
-                                 &picture.depth, &picture.edges, &picture.radiance, &picture.screen}) {
+                                 &picture.depth, &picture.edges, &picture.glare, &picture.radiance, &picture.screen}) {
     total_bytes += image->size_bytes;
   }
 }

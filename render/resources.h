@@ -121,6 +121,7 @@ struct PictureImages {
   vk::Buffer small_depths, small_keys;  // of small bodies, one word a pixel; likewise
   vk::Buffer edge_masks;                // FL_EDGE_WORDS a tile; likewise
   vk::Image edges;                      // colours of pixels with edges; likewise
+  vk::Image glare;                      // GlareShape (render/glare.h); none without glare
   vk::Image surface_id, depth, radiance, screen;
   std::uint32_t supertiles_x = 0;
   std::uint32_t supertiles_y = 0;

@@ -58,6 +58,9 @@ struct FrameSettings {
   // Samples of what a pixel shows, where the edge of something solid may be in it: 4, 8 or 16; 0: edges stay jagged.
   std::uint32_t edge_samples = 16;
   bool shadows = true;  // boxes and bodies hide light
+  // Share of the light that the camera's lens scatters, 0 to 1 (render/shaders/shared/glare.h); 0: no glare. The light
+  // that is read back has none.
+  double glare = 0.01;
   FrameView view = FrameView::kPicture;
   int supersample = 1;  // pixels a side of one pixel of the screen; the size is that of the radiance
 };

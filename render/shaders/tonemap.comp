@@ -7,6 +7,19 @@
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX) in;
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform readonly image2D radiance;
 layout(set = 0, binding = FL_BINDING_SCREEN, rgba8) uniform writeonly image2D screen;
+#ifdef FL_GLARE_TONE
+layout(set = 0, binding = FL_BINDING_GLARE, rgba32f) uniform readonly image2D glare;
+
+// The light of so many pixels as the camera's lens leaves it: what stays in place, and what is scattered, of the
+// pyramid's first level.
+vec3 with_glare(vec3 sum, float pixels, ivec2 pixel) {
+  ivec2 own = ivec2(FL_GLARE_MARGIN, FL_GLARE_MARGIN + 1) + (pixel >> 1);
+  ivec2 nearer = own + 2 * (pixel & 1) - 1;
+  vec3 row = 0.75 * imageLoad(glare, own).rgb + 0.25 * imageLoad(glare, ivec2(nearer.x, own.y)).rgb;
+  vec3 next = 0.75 * imageLoad(glare, ivec2(own.x, nearer.y)).rgb + 0.25 * imageLoad(glare, nearer).rgb;
+  return imageLoad(glare, ivec2(0, 0)).r * sum + pixels * (0.75 * row + 0.25 * next);
+}
+#endif
 
 void main() {
   ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -16,6 +29,9 @@ void main() {
   for (int y = 0; y < side; ++y) {
     for (int x = 0; x < side; ++x) sum += imageLoad(radiance, pixel * side + ivec2(x, y)).rgb;
   }
+#ifdef FL_GLARE_TONE
+  sum = with_glare(sum, float(side * side), pixel);
+#endif
   vec3 shown = agx(sum * (params.exposure / float(side * side)));
   imageStore(screen, pixel, vec4(dithered(shown, uint(pixel.x), uint(pixel.y)), 1.0));
 }

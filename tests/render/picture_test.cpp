@@ -362,7 +362,7 @@ TEST_CASE("at every picture size each pixel equals the pixel of the same ray in 
   }
 }
 
-TEST_CASE("the screen is the tone map of the radiance, within one step of 255") {
+TEST_CASE("the screen is the tone map of the light behind the lens, within one step of 255") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = demo_scene(18, false);
@@ -376,7 +376,7 @@ TEST_CASE("the screen is the tone map of the radiance, within one step of 255") 
   for (const double exposure_ev : {-20.0, -4.0, 0.0, 2.0, 4.6, 8.0, 14.0, 30.0}) {
     must(frame->draw(view_of(scene.camera), exposure_ev));
     const ScreenImage gpu = must(frame->read_screen());
-    const ScreenImage cpu = screen_of(must(frame->read_radiance()), exposure_ev);
+    const ScreenImage cpu = screen_of(must(frame->read_seen()), exposure_ev);
     REQUIRE(gpu.rgba.size() == cpu.rgba.size());
     int alpha_wrong = 0;
     for (std::size_t i = 0; i < gpu.rgba.size(); ++i) {

@@ -15,8 +15,8 @@ namespace {
 using fixtures::Needs;
 using vk::SpecConstant;
 
-const std::vector<std::string> kAll{"step",   "gather", "shadows", "gobos", "bodies", "tiles", "surfaces",
-                                    "depths", "coarse", "records", "fine",  "beams",  "edges", "tonemap"};
+const std::vector<std::string> kAll{"step",   "gather",  "shadows", "gobos", "bodies", "tiles", "surfaces", "depths",
+                                    "coarse", "records", "fine",    "beams", "edges",  "glare", "tonemap"};
 // Those that take beams together for tiles.
 const std::vector<std::string> kTilePasses{"depths", "coarse", "records", "fine"};
 
@@ -149,6 +149,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                         {FL_SPEC_VIEW, FL_VIEW_PICTURE},
                                         {FL_SPEC_GOBO_METHOD, FL_GOBO_TABLES}}},
                                       {"edges", {{FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1}, {FL_SPEC_EDGE_SAMPLES, 16}}},
+                                      {"glare", {}},
                                       {"tonemap", {}}});
   CHECK(left_out_passes(demo_needs(), settings).empty());
 }
@@ -236,11 +237,12 @@ TEST_CASE("without boxes and bodies only passes for light in the air remain") {
   needs.surfaces = false;
   FrameSettings settings;
   settings.bodies = false;
-  CHECK(names_of(plan_frame(needs, settings)) ==
-        std::vector<std::string>{"step", "gather", "gobos", "tiles", "coarse", "records", "fine", "beams", "tonemap"});
+  CHECK(names_of(plan_frame(needs, settings)) == std::vector<std::string>{"step", "gather", "gobos", "tiles", "coarse",
+                                                                          "records", "fine", "beams", "glare",
+                                                                          "tonemap"});
   settings.tile_error = 0;
   CHECK(names_of(plan_frame(needs, settings)) ==
-        std::vector<std::string>{"step", "gather", "gobos", "tiles", "beams", "tonemap"});
+        std::vector<std::string>{"step", "gather", "gobos", "tiles", "beams", "glare", "tonemap"});
   settings.tile_error = FrameSettings{}.tile_error;
   needs.haze = false;  // without haze, too, nothing is visible
   CHECK(names_of(plan_frame(needs, settings)) == std::vector<std::string>{"step", "gather", "tonemap"});
@@ -255,10 +257,11 @@ TEST_CASE("an empty rig needs no pass at all") {
   // A stage without fixtures is lit by the work light.
   Needs needs;
   needs.surfaces = true;
-  CHECK(names_of(plan_frame(needs, {})) == std::vector<std::string>{"surfaces", "edges", "tonemap"});
-  FrameSettings jagged;
-  jagged.edge_samples = 0;
-  CHECK(names_of(plan_frame(needs, jagged)) == std::vector<std::string>{"surfaces", "tonemap"});
+  CHECK(names_of(plan_frame(needs, {})) == std::vector<std::string>{"surfaces", "edges", "glare", "tonemap"});
+  FrameSettings plain;
+  plain.edge_samples = 0;
+  plain.glare = 0;
+  CHECK(names_of(plan_frame(needs, plain)) == std::vector<std::string>{"surfaces", "tonemap"});
 }
 
 TEST_CASE("every combination of needs has each pass exactly once: in the plan or in what is left out") {

@@ -423,6 +423,7 @@ FrameSettings judged_settings(int width, int height) {
   settings.dark_lm = 0;
   settings.widen_thin = false;
   settings.edge_samples = 0;
+  settings.glare = 0;
   settings.tile_error = 0;
   return settings;
 }

@@ -350,6 +350,7 @@ TEST_CASE("with 2 x 2 supersampling a screen pixel is the tone map of the mean r
   settings.width = 96;
   settings.height = 54;
   settings.supersample = 2;
+  settings.glare = 0;
   const auto frame = make_frame(vulkan.device(), scene, settings);
   frame->step(scene.levels, 0);
   must(frame->draw(view_of(scene.camera), 4.6));

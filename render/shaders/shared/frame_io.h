@@ -84,7 +84,8 @@
 #define FL_BINDING_BODY_BOXES (63 + FL_LAMP_COUNT)
 #define FL_BINDING_SHADOW_LISTS (64 + FL_LAMP_COUNT)
 #define FL_BINDING_SHADOWS (65 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (66 + FL_LAMP_COUNT)
+#define FL_BINDING_GLARE (66 + FL_LAMP_COUNT)  // the pyramid of the camera's glare, in one image (render/glare.h)
+#define FL_BINDING_COUNT (67 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -127,7 +128,8 @@
 #define FL_SPEC_EDGES (35 + FL_LAMP_COUNT)  // edges of solid things are smooth
 #define FL_SPEC_SHADOWS (36 + FL_LAMP_COUNT)
 #define FL_SPEC_WRITE (37 + FL_LAMP_COUNT)  // shadows are written, not counted
-#define FL_SPEC_COUNT (38 + FL_LAMP_COUNT)
+#define FL_SPEC_GLARE_FIRST (38 + FL_LAMP_COUNT)  // the first level of the glare's pyramid
+#define FL_SPEC_COUNT (39 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -161,6 +163,9 @@
 #define FL_GOBO_LINE_SAMPLES 512
 #define FL_GOBO_PROFILES 8  // numbers of profiles (lib/profile_index.glsl), and one that none has
 #define FL_GROUP_GOBOS 64   // lines, and beams, a workgroup
+#define FL_GROUP_GLARE 8     // threads a side of a workgroup of the glare pass
+#define FL_GLARE_MARGIN 2    // pixels beyond the picture that each level has, on each side
+#define FL_GLARE_WEIGHTS 25  // 1 + levels that have a weight; the first row of the image has them, behind what stays
 #define FL_RECHECK_X 16     // cells of the picture, of each of which one pixel is computed once more
 #define FL_RECHECK_Y 8
 #define FL_GROUP_RECHECK 64  // threads of a cell

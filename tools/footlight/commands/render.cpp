@@ -51,6 +51,7 @@ struct Options {
   std::optional<double> body_error_px;
   std::string edges = "16";
   std::string shadows = "on";
+  std::string glare = "1%";
   int supersample = 1;
   std::string flashes = "warn";
   std::string show = "picture";
@@ -439,6 +440,7 @@ Result<int> render_pictures(const Options& options) {
   settings.height = size.height * options.supersample;
   FL_ASSIGN(settings.edge_samples, parse_edges(options.edges));
   FL_ASSIGN(settings.shadows, parse_shadows(options.shadows));
+  FL_ASSIGN(settings.glare, parse_glare(options.glare));
   settings.gobo_gates = static_cast<std::uint32_t>(options.gobo_gates);
   settings.gate_builds = FL_GATES_MAX;  // a picture may wait for all of them
   // Samples need no images of gates.
@@ -545,6 +547,8 @@ void add(Arguments& arguments) {
   arguments.option("--edges", options->edges, "WORD",
                    "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges [16]");
   arguments.option("--shadows", options->shadows, "WORD", "on; off: light passes through boxes and fixtures [on]");
+  arguments.option("--glare", options->glare, "SHARE",
+                   "share of the light that the camera's lens scatters, as in 1%, or off [1%]");
   arguments.option("--ms", options->ms, "MS", "refused: a rendered picture does not depend on time; use --error");
   arguments.option(
       "--supersample", options->supersample, 1, 4,

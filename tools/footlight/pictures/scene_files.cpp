@@ -9,6 +9,7 @@
 #include "fixtures/files/import/import_rig.h"
 #include "fixtures/model/lamp.h"
 #include "fixtures/model/smoothing.h"
+#include "render/quality.h"
 #include "sim/core/counted.h"
 #include "tools/demo_show/demo_assets.h"
 #include "tools/footlight/status/status_text.h"
@@ -110,6 +111,14 @@ Result<bool> parse_shadows(const std::string& text) {
   if (text == "on") return true;
   if (text == "off") return false;
   return fail(ErrorCode::kBadInput, "--shadows {}: expected on or off", printable_utf8(text));
+}
+
+Result<double> parse_glare(const std::string& text) {
+  if (text == "off") return 0.0;
+  const std::optional<double> share = render::share_of(text);
+  if (share && *share >= 0 && *share <= 1) return *share;
+  return fail(ErrorCode::kBadInput, "--glare {}: expected off or a share of the light up to 100%, as in 1%",
+              printable_utf8(text));
 }
 
 Result<PictureSize> parse_size(const std::string& text) {

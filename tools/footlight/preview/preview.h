@@ -29,6 +29,7 @@ struct PreviewOptions {
   double body_error_px = 0.5;  // the same
   std::uint32_t edge_samples = 16;
   bool shadows = true;
+  double glare = 0.01;
   FlashMode flashes = FlashMode::kWarn;
   bool json = false;
 };

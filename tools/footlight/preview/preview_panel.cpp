@@ -133,6 +133,9 @@ void draw_view(const PreviewFacts& facts, PreviewControls& controls) {
   }
   ImGui::SetNextItemWidth(-1);
   ImGui::SliderFloat("##ev", &controls.exposure_ev, -4, 16, "exposure %.1f EV");
+  ImGui::SetNextItemWidth(-1);
+  ImGui::SliderFloat("##glare", &controls.glare_percent, 0, 20, "glare %.1f %%",
+                     ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
   if (facts.can_haze) ImGui::Checkbox("haze", &controls.haze);
   if (facts.machines > 0) {
     row("haze of the room", fmt::format("{:.4f} /m", facts.room_haze_per_m));

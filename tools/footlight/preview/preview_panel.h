@@ -55,6 +55,7 @@ enum class PanelState { kFull, kStrip, kHidden };
 struct PreviewControls {
   PanelState panel = PanelState::kFull;
   float exposure_ev = 4;
+  float glare_percent = 1;
   bool work_light = false;
   float work_light_lx = 0;  // while it is on
   int nodes = 3;

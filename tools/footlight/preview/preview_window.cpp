@@ -74,6 +74,8 @@ class FrameTimes {
   std::uint64_t count_ = 0;
 };
 
+double glare_of(const PreviewControls& controls) { return static_cast<double>(controls.glare_percent) / 100; }
+
 class Preview {
  public:
   explicit Preview(const PreviewOptions& options) : options_(options), opener_(clock_) {}
@@ -255,6 +257,7 @@ void Preview::set_controls(const fixtures::Camera& camera) {
   knobs_.tile_error = options_.tile_error;
   knobs_.body_error_px = options_.body_error_px;
   controls_.nodes = options_.nodes;
+  controls_.glare_percent = static_cast<float>(100 * options_.glare);
   facts_.quality = options_.quality;
   const double usual_lx = work_light_lx(camera.exposure_ev);
   controls_.work_light = options_.work_light_lx.value_or(by_hand() ? usual_lx : 0) > 0;
@@ -441,6 +444,7 @@ Status Preview::rebuild(const PixelRect& where) {
   settings.nodes = static_cast<std::uint32_t>(controls_.nodes);
   settings.edge_samples = options_.edge_samples;
   settings.shadows = options_.shadows;
+  settings.glare = glare_of(controls_);
   settings.haze = controls_.haze;
   error_.reset();
   error_tried_ = error_drawn_ = false;
@@ -658,7 +662,7 @@ Status Preview::turn() {
   drawn.divisor = knobs.divisor;  // a part of the size
   if (knobs.gobo_method == render::GoboMethod::kSuited) drawn.gobo_method = knobs.gobo_method;
   const bool other_knobs = drawn != knobs;
-  if (other_knobs || controls_.haze != settings.haze ||
+  if (other_knobs || controls_.haze != settings.haze || glare_of(controls_) != settings.glare ||
       (other_size && now_ns - wanted_since_ns_ >= kSettleNs && !window_->minimised())) {
     FL_TRY(rebuild(where));
   }

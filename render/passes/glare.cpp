@@ -1,0 +1,98 @@
+#include "render/passes/glare.h"
+
+#include "render/glare.h"
+#include "shaders/glaredown.comp.h"
+#include "shaders/glareup.comp.h"
+
+namespace footlight::render {
+namespace {
+
+// The push constants of both shaders (render/shaders/lib/glare.glsl).
+struct GlarePush {
+  GlareLevel fine;
+  GlareLevel coarse;
+  std::int32_t level;
+  std::uint32_t is_last;
+  float share;
+};
+static_assert(sizeof(GlarePush) == 44);
+
+// Pixels a side of a workgroup: 4 x 4 of the coarse level a thread, or 2 x 2 of the fine one.
+constexpr int kDownPx = 4 * FL_GROUP_GLARE;
+constexpr int kUpPx = 2 * FL_GROUP_GLARE;
+
+std::uint32_t glare_groups(int size_px, int group_px) {
+  return static_cast<std::uint32_t>((size_px + 2 * FL_GLARE_MARGIN + group_px - 1) / group_px);
+}
+
+// Down the pyramid, then up again: each level becomes its own share of the scattered light and that of all above it.
+class GlarePass final : public Pass {
+ public:
+  struct Shader {
+    std::shared_ptr<const vk::Pipeline> pipeline;
+    vk::BindingSet set;
+  };
+  GlarePass(GlareShape shape, double share, Shader first, Shader down, Shader up)
+      : shape_(std::move(shape)),
+        share_(static_cast<float>(share)),
+        first_(std::move(first)),
+        down_(std::move(down)),
+        up_(std::move(up)) {}
+
+  void record(VkCommandBuffer commands, std::span<const std::byte> /*push*/) override {
+    const std::size_t last = shape_.levels.size() - 1;
+    first_.pipeline->bind(commands, first_.set);
+    step(commands, first_, 1, shape_.levels[1], kDownPx);
+    down_.pipeline->bind(commands, down_.set);
+    for (std::size_t level = 2; level <= last; ++level) {
+      step(commands, down_, level, shape_.levels[level], kDownPx);
+    }
+    up_.pipeline->bind(commands, up_.set);
+    for (std::size_t level = last; level >= 2; --level) {
+      step(commands, up_, level, shape_.levels[level - 1], kUpPx);
+    }
+  }
+
+ private:
+  // Between a level and the one before it; `written` is one of them. A workgroup writes group_px pixels a side.
+  void step(VkCommandBuffer commands, const Shader& shader, std::size_t level, const GlareLevel& written,
+            int group_px) const {
+    const GlarePush push{shape_.levels[level - 1], shape_.levels[level], static_cast<std::int32_t>(level),
+                         level + 1 == shape_.levels.size(), share_};
+    shader.pipeline->push(commands, std::as_bytes(std::span(&push, 1)));
+    vkCmdDispatch(commands, glare_groups(written.width, group_px), glare_groups(written.height, group_px), 1);
+    vk::full_barrier(commands);
+  }
+
+  GlareShape shape_;
+  float share_;
+  Shader first_, down_, up_;
+};
+
+Result<GlarePass::Shader> make_shader(const PassContext& context, vk::Spirv spirv,
+                                      std::vector<vk::SpecConstant> constants) {
+  GlarePass::Shader shader;
+  FL_ASSIGN(shader.pipeline, context.device.pipelines().compute(spirv, constants));
+  FL_ASSIGN(shader.set, vk::BindingSet::create(context.device, *shader.pipeline, context.resources.bindings));
+  return shader;
+}
+
+}  // namespace
+
+const PassEntry kGlarePass{
+    "glare",
+    has_glare,
+    [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
+    [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
+      FL_ASSIGN(auto first, make_shader(context, kGlaredownComp, {{FL_SPEC_GLARE_FIRST, 1}}));
+      FL_ASSIGN(auto down, make_shader(context, kGlaredownComp, {{FL_SPEC_GLARE_FIRST, 0}}));
+      FL_ASSIGN(auto up, make_shader(context, kGlareupComp, {}));
+      return std::unique_ptr<Pass>(new GlarePass(glare_shape(context.settings), context.settings.glare,
+                                                 std::move(first), std::move(down), std::move(up)));
+    },
+    [] {
+      return std::vector<std::vector<vk::Spirv>>{{kGlaredownComp}, {kGlareupComp}};
+    },
+    "light that the camera's lens scatters"};
+
+}  // namespace footlight::render
