@@ -129,7 +129,9 @@ void add_boxes(const fixtures::BodyMesh& mesh, std::vector<BodyBoxRow>& boxes) {
       high = any ? glm::max(high, at) : at;
       any = true;
     }
-    boxes.push_back({vec4(0.5f * (low + high), any ? 0 : -1), vec4(0.5f * (high - low), 0)});
+    // Plates get a millimetre: which way a plate faces the light has to be certain.
+    const glm::vec3 half = glm::max(0.5f * (high - low), glm::vec3(5e-4f));
+    boxes.push_back({vec4(0.5f * (low + high), any ? 0 : -1), vec4(half, 0)});
   }
 }
 

@@ -108,8 +108,14 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
 // (LP_MAX_TGSI_LOOP_ITERATIONS). A gobo takes about a round a sample.
 std::uint32_t lavapipe_beams_max(const MemoryShape& shape) {
   constexpr std::uint32_t kRounds = 65'535;
-  // 1,024 with 8 nodes and without shadows; 2,000 were too many. A shadow that reaches a tile takes three rounds a row.
-  const std::uint32_t plain = has_shadows(shape.needs, shape.settings) ? 512 : 1024;
+  // 1,024 with 8 nodes and without shadows; 2,000 were too many. A shadow takes two rounds or more in each of the eight
+  // pixels of a thread of the surface pass; few beams have more than 24.
+  std::uint32_t plain = 1024;
+  if (has_shadows(shape.needs, shape.settings)) {
+    const auto occluders =
+        static_cast<std::uint32_t>(std::min<std::uint64_t>(occluder_bytes(shape) / sizeof(OccluderRow), 24));
+    plain = std::min(plain, kRounds / (16 + 16 * occluders));
+  }
   return shape.needs.gobo ? std::min(plain, kRounds / std::max(shape.settings.gobo_taps, 1u)) : plain;
 }
 

@@ -55,12 +55,12 @@ class ShadowsPass final : public Pass {
 const PassEntry kShadowsPass{
     "shadows",
     has_shadows,
-    [](const fixtures::Needs& needs, const FrameSettings&) {
-      return std::vector<vk::SpecConstant>{{FL_SPEC_RECTANGLE, needs.rectangle}};
+    [](const fixtures::Needs& needs, const FrameSettings& settings) {
+      return std::vector<vk::SpecConstant>{{FL_SPEC_RECTANGLE, needs.rectangle},
+                                           {FL_SPEC_BODIES, has_bodies(needs, settings)}};
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
       std::optional<ComputeStep> bodies;
-      // Without bodies the boxes that stand for them are never read.
       if (context.resources.rig.has_bodies && context.settings.bodies) {
         FL_ASSIGN(bodies, ComputeStep::create(context, kOccludersComp, {}));
       }

@@ -109,8 +109,8 @@ struct Ray {
                                      double t_max_m, const GoboTransmission& gobo, double tolerance,
                                      std::span<const JudgeSolid> solids = {});
 
-// Whether a solid hides the light of a beam at a point of the beam: the path from the lens to there is inside the solid
-// for more than a micrometre.
+// Whether a solid hides the light of a beam at a point of the beam: the path from the lens to there enters the solid
+// more than a micrometre before its end.
 [[nodiscard]] bool judge_hides(const JudgeBeam& beam, const JudgeSolid& solid, const glm::dvec3& point_m);
 
 // Illuminance over J0 of one beam on a surface with unit normal at a point, in 1/m^2, with extinction.

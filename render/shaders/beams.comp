@@ -76,8 +76,9 @@ uint tile_shadows(uint index, BeamRow row) {
   vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
   vec2 high = min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height)));
   ShadowCell cell = shadow_cell(row, low, high, uintBitsToFloat(tile_far_m));
+  bool widened = beam_thin(row) > 0.0;  // its shadows may be anywhere
   for (uint s = lane; s < count; s += kThreads) {
-    uint found = shadow_in_cell(first + s, cell);
+    uint found = widened ? kShadowSome : shadow_in_cell(first + s, cell);
     if (found != kShadowNone) {
       atomicOr(shadow_bits[s >> 5], 1u << (s & 31u));
       atomicMax(shadow_found, found);
@@ -88,10 +89,10 @@ uint tile_shadows(uint index, BeamRow row) {
 }
 
 // The shadows of one chord.
-ShadowParts chord_shadows(uint index, Chord chord, vec3 ray) {
+ShadowParts chord_shadows(uint index, BeamRow row, BeamShape beam, Chord chord, vec3 ray) {
   ShadowParts parts;
   shadow_parts_clear(parts);
-  ShadowChord ends = shadow_chord(chord, ray);
+  ShadowChord ends = shadow_chord(row, beam, chord, ray);
   uint first = shadow_lists[index].first;
   uint words = (shadow_lists[index].count + 31u) / 32u;
   for (uint w = 0u; w < words; ++w) {
@@ -172,7 +173,7 @@ void main() {
         if (seen) {
           ShadowParts parts;
           shadow_parts_clear(parts);
-          if (kShadows && shadowed != kShadowNone) parts = chord_shadows(index, chord, ray);
+          if (kShadows && shadowed != kShadowNone) parts = chord_shadows(index, row, beam, chord, ray);
           Chord whole = chord;
           vec3 value = vec3(0.0);
           // The lit parts, one after the other. Without shadows there is one.

@@ -104,6 +104,8 @@ vec2 estimate(uint supertile, vec2 low, vec2 size) {
       Chord chord;
       vec3 ray = to_light(row, d);
       if (!beam_chord(beam, row.eye.xyz, ray, 0.0, end_m, chord)) continue;
+      vec3 middle = chord.base + ray * (0.5 * (chord.t_from_m + chord.t_to_m));
+      if (kShadows && is_shadowed(list_ids[which], middle, middle, kNoFixture)) continue;
       float light = chord_inscatter_gauss(beam, medium, chord, ray, 2u, kExtinction);
       sum += vec2(brightest(row.j0.rgb) * light, 1.0);
     }
@@ -158,7 +160,7 @@ void main() {
         BeamRow row = beams[id];
         // Shadows have edges that no polynomial has.
         uint shadowed = kShadowNone;
-        if (kShadows) shadowed = shadows_in_cell(id, shadow_cell_before(row, low, low + size, rect.depth));
+        if (kShadows) shadowed = shadows_in_cell(id, row, shadow_cell_before(row, low, low + size, rect.depth));
         bool known = tile_knows(row) && shadowed == kShadowNone;
         if (known) guess = tile_guess(row, rect);
         tries = known && guess.bits != 0u;

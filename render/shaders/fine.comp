@@ -194,7 +194,7 @@ void main() {
         vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_FINE_PX));
         vec2 high = min(low + float(FL_FINE_PX), vec2(float(params.width), float(params.height)));
         uint shadowed = kShadowNone;
-        if (kShadows) shadowed = shadows_in_cell(id, shadow_cell_before(row, low, high, group_depth));
+        if (kShadows) shadowed = shadows_in_cell(id, row, shadow_cell_before(row, low, high, group_depth));
         bool known = tile_knows(row) && shadowed == kShadowNone;
         if (known) guess = tile_guess(row, group_rect());
         tries = known && guess.bits != 0u;

@@ -311,8 +311,8 @@ void main() {
     counts.coarse_groups[0] = tiles ? params.supertiles_x : 0u;
     counts.coarse_groups[1] = tiles ? supertiles_y : 0u;
     counts.coarse_groups[2] = 1u;
-    counts.shadow_groups[0] = live;
-    counts.shadow_groups[1] = 1u;
+    counts.shadow_groups[0] = min(live, uint(FL_SHADOWS_X));
+    counts.shadow_groups[1] = (live + uint(FL_SHADOWS_X) - 1u) / uint(FL_SHADOWS_X);
     counts.shadow_groups[2] = 1u;
   }
 }

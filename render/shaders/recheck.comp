@@ -95,7 +95,7 @@ vec3 light_in_air(BeamRow row, uint index, Medium medium, vec3 d, float t_max_m)
   ShadowParts parts;
   shadow_parts_clear(parts);
   if (kShadows) {
-    ShadowChord ends = shadow_chord(chord, ray);
+    ShadowChord ends = shadow_chord(row, beam, chord, ray);
     uint first = shadow_lists[index].first;
     for (uint n = first; n < first + shadow_lists[index].count; ++n) {
       float x0;

@@ -4,6 +4,8 @@
 #extension GL_GOOGLE_include_directive : require
 #define FL_USE_BEAMS
 #define FL_BEAMS_ACCESS readonly
+#define FL_USE_COUNTS
+#define FL_COUNTS_ACCESS readonly
 #define FL_USE_HEADS
 #define FL_STATES_ACCESS readonly
 #include "render/shaders/lib/frame.glsl"
@@ -15,6 +17,8 @@
 
 layout(local_size_x = FL_GROUP_SHADOWS) in;
 layout(constant_id = FL_SPEC_WRITE) const bool kWrite = false;
+// Whether anything beside the stage boxes, which come first, hides light.
+layout(constant_id = FL_SPEC_BODIES) const bool kBodies = false;
 layout(set = 0, binding = FL_BINDING_OCCLUDERS, std430) readonly buffer OccludersBuffer { OccluderRow occluders[]; };
 layout(set = 0, binding = FL_BINDING_SHADOW_LISTS, std430) buffer ShadowListsBuffer { ShadowListRow shadow_lists[]; };
 layout(set = 0, binding = FL_BINDING_SHADOWS, std430) writeonly buffer ShadowsBuffer { ShadowRow shadows[]; };
@@ -47,7 +51,8 @@ bool find(uint index, BeamRow row, BeamShape beam, uint fixture, out ShadowPrism
 
 void main() {
   uint lane = gl_LocalInvocationIndex;
-  uint beam_index = gl_WorkGroupID.x;
+  uint beam_index = gl_WorkGroupID.y * uint(FL_SHADOWS_X) + gl_WorkGroupID.x;
+  if (beam_index >= counts.live_count) return;
   BeamRow row = beams[beam_index];
   BeamShape beam = beam_shape(row);
   uint fixture = heads[row.head].fixture;
@@ -55,6 +60,7 @@ void main() {
   uint first = kWrite ? shadow_lists[beam_index].first : 0u;
   uint room = kWrite ? shadow_lists[beam_index].count : 0u;
   uint all = uint(occluders.length());
+  if (!kBodies) all = min(all, params.box_count);
   for (uint at = 0u; at < all; at += uint(FL_GROUP_SHADOWS)) {
     barrier();  // the bits have been read
     if (lane < kWords) found_bits[lane] = 0u;
@@ -84,5 +90,6 @@ void main() {
       }
     }
   }
-  if (!kWrite && lane == 0u) shadow_lists[beam_index].count = count;
+  // Two pipelines need not compute the last bit alike: no row that was not written is read.
+  if (lane == 0u) shadow_lists[beam_index].count = kWrite ? min(count, room) : count;
 }

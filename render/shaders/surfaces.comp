@@ -110,13 +110,16 @@ uint keep_touching() {
 }
 
 // Whether a beam's shadows can reach anything that the tile shows.
-bool tile_is_shaded(uint beam, BeamRow row, vec3 plane_normal) {
-  bool shaded = false;
+bool tile_is_shaded(uint beam, BeamRow row, vec4 plane) {
+  bool shaded = beam_thin(row) > 0.0 && shadow_lists[beam].count > 0u;
   // A loop, since lavapipe runs both sides of a branch.
   for (uint i = 2u * FL_BLOCKS; i < 2u * FL_BLOCKS + 2u && !shaded; ++i) {
-    vec3 center = row.eye.xyz + to_light(row, spheres[i].xyz);
     bool on_plane_only = i == 2u * FL_BLOCKS && !(kRectangle && row.squeeze > 0.0);
-    vec3 normal = on_plane_only ? to_light(row, plane_normal) : vec3(0.0);
+    vec3 normal = on_plane_only ? to_light(row, plane.xyz) : vec3(0.0);
+    // The middle of the part of the plane that the sphere holds.
+    vec3 from_eye = spheres[i].xyz;
+    if (on_plane_only) from_eye -= plane.xyz * (dot(plane.xyz, from_eye) - plane.w);
+    vec3 center = row.eye.xyz + to_light(row, from_eye);
     if (spheres[i].w >= 0.0) shaded = shadow_near(beam, center, spheres[i].w * beam_stretch(row.squeeze), normal);
   }
   return shaded;
@@ -145,7 +148,7 @@ void classify(uint at, uint count, Medium medium, vec4 plane, inout float sum) {
     BeamShape bound = beam_bound(row, FL_THIN_ON_SURFACE);
     bool plain = is_plain(row);
     bool is_shaped = !plain || beam_thin(row) > 0.0;
-    bool is_shaded = kShadows && quarter == 0u && tile_is_shaded(list_ids[at + b], row, plane.xyz);
+    bool is_shaded = kShadows && quarter == 0u && tile_is_shaded(list_ids[at + b], row, plane);
     float facing = plain_facing(row, lens_place(row), plane.xyz, plane.w);
     for (uint block = 2u * quarter; block < 2u * quarter + 2u; ++block) {
       bool touches = cone_touches(row, bound, spheres[2u * block]) && (facing > 0.0 || is_shaped);

@@ -104,7 +104,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                         {FL_SPEC_BLADES, 1},
                                         {FL_SPEC_MEASURED, 1},
                                         {FL_SPEC_RECTANGLE, 1}}},
-                                      {"shadows", {{FL_SPEC_RECTANGLE, 1}}},
+                                      {"shadows", {{FL_SPEC_RECTANGLE, 1}, {FL_SPEC_BODIES, 1}}},
                                       {"gobos", {}},
                                       {"bodies", {}},
                                       {"tiles", {{FL_SPEC_RECTANGLE, 1}}},

@@ -112,14 +112,18 @@ uint shadow_in_cell(uint shadow, ShadowCell cell) {
   return outside ? kShadowNone : all_inside ? kShadowAll : kShadowSome;
 }
 
-// The same for all shadows of a beam.
-uint shadows_in_cell(uint beam, ShadowCell cell) {
+// The same for all shadows of a beam. Where it is drawn wider than it is, they may be anywhere.
+uint shadows_in_cell(uint beam, BeamRow row, ShadowCell cell) {
   uint first = shadow_lists[beam].first;
   uint count = shadow_lists[beam].count;
+  if (beam_thin(row) > 0.0) return count > 0u ? kShadowSome : kShadowNone;
   uint found = kShadowNone;
   for (uint s = 0u; s < count && found != kShadowAll; ++s) found = max(found, shadow_in_cell(first + s, cell));
   return found;
 }
+
+// What float may lose of a place in light space, m.
+float shadow_rounding(vec3 p) { return 1e-6 * length(p) + 1e-7 * length(params.position.xyz); }
 
 // Whether any of a beam's shadows can reach a sphere, or the part of a plane that is in it; light space, m. normal: of
 // the plane, unit; 0: all of the sphere. Of a rectangular beam the radius is stretched.
@@ -127,10 +131,11 @@ bool shadow_near(uint beam, vec3 center, float radius_m, vec3 normal) {
   uint first = shadow_lists[beam].first;
   uint count = shadow_lists[beam].count;
   bool any = false;
+  float rounding_m = shadow_rounding(center);
   for (uint s = first; s < first + count && !any; ++s) {
     uint rounds = shadow_rounds(s);
     uint outline = shadows[s].count - shadows[s].fronts;
-    float slack_m = max(shadows[s].slack_m, kShadowSlackM);
+    float slack_m = max(shadows[s].slack_m, kShadowSlackM) + rounding_m;
     any = true;
     for (uint round_of = 0u; round_of < rounds && any; ++round_of) {
       [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
@@ -144,23 +149,24 @@ bool shadow_near(uint beam, vec3 center, float radius_m, vec3 normal) {
   return any;
 }
 
-// Whether a place on a surface is in one of a beam's shadows; p: light space, m. fixture: what stands for its body does
-// not hide it.
+// Whether a place on a surface is in one of a beam's shadows; p: light space, m. aside: the same place within the beam,
+// where it is drawn wider than it is; else p. fixture: what stands for its body does not hide it.
 const uint kNoFixture = FL_NONE - 1u;  // and FL_NONE is what belongs to none
-bool is_shadowed(uint beam, vec3 p, uint fixture) {
+bool is_shadowed(uint beam, vec3 p, vec3 aside, uint fixture) {
   uint first = shadow_lists[beam].first;
   uint count = shadow_lists[beam].count;
   bool dark = false;
+  float rounding_m = shadow_rounding(p);
   for (uint s = first; s < first + count && !dark; ++s) {
     uint rounds = shadow_rounds(s);
     uint outline = shadows[s].count - shadows[s].fronts;
-    float slack_m = max(shadows[s].slack_m, kShadowSlackM);
+    float slack_m = max(shadows[s].slack_m, kShadowSlackM) + rounding_m;
     dark = shadows[s].fixture != fixture;
     for (uint round_of = 0u; round_of < rounds && dark; ++round_of) {
       [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
         uint own = kShadowRound * round_of + k;
         vec4 plane = shadows[s].planes[own];
-        dark = dark && dot(plane.xyz, p) - plane.w <= (own < outline ? 0.0 : -slack_m);
+        dark = dark && (own < outline ? dot(plane.xyz, aside) <= plane.w : dot(plane.xyz, p) <= plane.w - slack_m);
       }
     }
   }
@@ -172,10 +178,14 @@ struct ShadowChord {
   vec4 from;
   vec4 to;
 };
-ShadowChord shadow_chord(Chord chord, vec3 ray) {
+// beam: as it is drawn; where that is wider than it is, its places across are brought back into the beam.
+ShadowChord shadow_chord(BeamRow row, BeamShape beam, Chord chord, vec3 ray) {
+  float w = 0.5 * (chord.w_from + chord.w_to);
+  float narrow = (w - (beam.lens_radius_m - row.x_axis.w)) / w;
+  vec4 back = vec4(narrow, narrow, 1.0, 1.0);
   ShadowChord ends;
-  ends.from = vec4(chord.base + ray * chord.t_from_m, -1.0) / chord.w_from;
-  ends.to = vec4(chord.base + ray * chord.t_to_m, -1.0) / chord.w_to;
+  ends.from = back * vec4(chord.base + ray * chord.t_from_m, -1.0) / chord.w_from;
+  ends.to = back * vec4(chord.base + ray * chord.t_to_m, -1.0) / chord.w_to;
   return ends;
 }
 bool shadow_part(uint shadow, ShadowChord ends, out float x0, out float x1) {

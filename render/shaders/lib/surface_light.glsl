@@ -85,7 +85,8 @@ vec3 light_on_surface(SurfaceBeam beam, BeamRow row, uint index, Medium medium, 
   if (!(share > 0.0)) return vec3(0.0);
   if (kShadows) {
     uint fixture = surface.kind == kBody ? heads[surface.which >> 3].fixture : kNoFixture;
-    if (is_shadowed(index, p, fixture)) return vec3(0.0);
+    vec3 aside = beam.thin ? vec3(rho * (beam.shape.lens_radius_m + beam.shape.spread * p.z), p.z) : p;
+    if (is_shadowed(index, p, aside, fixture)) return vec3(0.0);
   }
   share *= max(-dot(to_light(row, surface.normal), beam_direction(beam.shape, rho)), 0.0);
   if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);

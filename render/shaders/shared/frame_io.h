@@ -181,6 +181,7 @@
 #define FL_GROUP_SHADOWS 64 // threads of a workgroup that finds the shadows in a beam
 #define FL_GROUP_PLACES 256 // threads of the workgroup that gives them their places
 #define FL_BEAM_SHADOWS_MAX 4096  // in one beam
+#define FL_SHADOWS_X 32768  // workgroups side by side, one a beam
 #define FL_TILE_LIGHT 48    // 4 x 4 coefficients of three channels
 // Nodes of a rectangle lie on a square that is this much larger, so that their hull holds every pixel's centre: the
 // outermost node is at cos(pi / 8) = 0.924 of the square, the outermost centre at 63 / 64 of the rectangle.
@@ -274,7 +275,7 @@ struct CountsRow {
   uint depths_groups[4];  // of the depths pass: one group a tile; this and the next two are 0 for few beams
   uint coarse_groups[4];  // of the coarse pass: one group a supertile
   uint fine_groups[4];    // of the fine pass: one group FL_FINE_PX x FL_FINE_PX pixels
-  uint shadow_groups[4];  // of the passes that find shadows: one group a beam
+  uint shadow_groups[4];  // of the passes that find shadows: one group a beam, FL_SHADOWS_X side by side
 };
 
 // What a tile of FL_TILE_PX x FL_TILE_PX pixels shows; 32 bytes.
