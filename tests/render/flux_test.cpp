@@ -234,6 +234,42 @@ TEST_CASE("floods up to 175 degrees keep their lumens, and a wider zoom is drawn
   }
 }
 
+// Light of the lens of the first head at the camera of the scene, which looks at it: of the picture, and by the judge
+// of its beams and the glow of its lens, lx in the red channel. The picture is square and as wide as the camera sees
+// high.
+struct LensLight {
+  double seen_lx = 0;
+  double beam_lx = 0;
+  double glow_lx = 0;
+};
+LensLight lens_light(vk::Device& device, const Scene& scene, int side_px, std::uint32_t edge_samples = 0) {
+  FrameSettings settings = judged_settings(side_px, side_px);
+  settings.bodies = true;
+  settings.edge_samples = edge_samples;
+  const RadianceImage image = draw_new(device, scene, settings);
+  // Solid angle of a pixel in the centre of the picture, which is narrow.
+  const double pixel = 2 * std::tan(scene.camera.fov_deg / 2 * kDegree) / side_px;
+  LensLight light;
+  for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
+    light.seen_lx += static_cast<double>(image.rgb[i]) * pixel * pixel;
+  }
+  const glm::dvec3 eye = scene.camera.position_m;
+  fixtures::f64::Walker walker(scene.compiled);
+  walker.step(scene.levels, 0);
+  const JudgeScene judge = judge_scene(scene.rig, walker, gobos_of_judge(scene));
+  for (JudgeBeam beam : judge.beams) {
+    beam.range_m = 1e9;  // a lens is seen from any distance
+    const glm::dvec3 towards = glm::normalize(beam.lens_m - eye);
+    light.beam_lx += judge_illuminance(beam, judge.haze, eye, towards, judge.gobo) * beam.strength_lm.x;
+  }
+  // Light that the lens scatters in all directions, as a Lambertian disc.
+  REQUIRE(!judge.beams.empty());
+  const glm::dvec3 to_eye = eye - judge.beams[0].lens_m;
+  const double facing = glm::dot(glm::normalize(to_eye), judge.beams[0].axis);
+  light.glow_lx = static_cast<double>(walker.rig.types[0].glow_lm) / kPi * facing / glm::dot(to_eye, to_eye);
+  return light;
+}
+
 TEST_CASE("a lens lights the camera as its beam does, for everything that shapes a beam") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
@@ -273,28 +309,76 @@ TEST_CASE("a lens lights the camera as its beam does, for everything that shapes
     scene.set(0, "Zoom", 24);
     for (const auto& [attribute, value] : each.values) scene.set(0, attribute, value);
 
-    FrameSettings settings = judged_settings(128, 128);
-    settings.bodies = true;
-    const RadianceImage image = draw_new(vulkan.device(), scene, settings);
-    // Solid angle of a pixel in the centre of the picture, which is narrow.
-    const double pixel = 2 * std::tan(0.6 * kDegree) / 128;
-    double seen_lx = 0;
-    for (std::size_t i = 0; i < image.rgb.size(); i += 3) seen_lx += static_cast<double>(image.rgb[i]) * pixel * pixel;
-
-    fixtures::f64::Walker walker(scene.compiled);
-    walker.step(scene.levels, 0);
-    const JudgeScene judge = judge_scene(scene.rig, walker, gobos_of_judge(scene));
-    double beam_lx = 0;
-    for (const JudgeBeam& beam : judge.beams) {
-      const glm::dvec3 towards = glm::normalize(beam.lens_m - eye);
-      beam_lx += judge_illuminance(beam, judge.haze, eye, towards, judge.gobo) * beam.strength_lm.x;
-    }
-    // Light that the lens scatters in all directions, as a Lambertian disc.
-    const double glow_lx =
-        static_cast<double>(walker.rig.types[0].glow_lm) / kPi * std::cos(each.aside_deg * kDegree) / (kAwayM * kAwayM);
-    std::fprintf(stderr, "lens, %s: %.4g lx, its beam %.4g, its glow %.3g\n", each.what, seen_lx, beam_lx, glow_lx);
+    const LensLight light = lens_light(vulkan.device(), scene, 128);
+    std::fprintf(stderr, "lens, %s: %.4g lx, its beam %.4g, its glow %.3g\n", each.what, light.seen_lx, light.beam_lx,
+                 light.glow_lx);
     // A polygon of 28 corners in place of a circle loses 0.8 %; the rim of the housing hides more.
-    CHECK(seen_lx == doctest::Approx(beam_lx + glow_lx).epsilon(0.03));
+    CHECK(light.seen_lx == doctest::Approx(light.beam_lx + light.glow_lx).epsilon(0.03));
+  }
+}
+
+TEST_CASE("a rectangular lens lights the camera as its beam does, up to 15 degrees from its axis") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  struct Case {
+    double aspect;
+    double beam_deg;
+    double aside_deg;  // of the camera from the axis
+    double iris;
+  };
+  for (const Case& each : {Case{3, 30, 0, 1}, Case{0.5, 30, 5, 1}, Case{1, 60, 15, 0.9}, Case{2, 60, 10, 1}}) {
+    CAPTURE(each.aspect);
+    CAPTURE(each.aside_deg);
+    Scene scene = rectangle_scene(each.aspect, each.beam_deg, 4);
+    scene.rig.haze.scattering_per_m = scene.rig.haze.absorption_per_m = 0;
+    scene.rig.boxes.clear();
+    constexpr double kLensOffsetM = 0.12;
+    scene.rig.types[0].modes[0].geometries = fixtures::simple_geometries(0, kLensOffsetM);
+    const glm::dvec3 lens_m(0, kLensOffsetM, 3);
+    const double aside_rad = each.aside_deg * kDegree;
+    scene.rig.cameras = {
+        {"lens", lens_m + 10.0 * glm::dvec3(std::sin(aside_rad), std::cos(aside_rad), 0), lens_m, 1.2, 6}};
+    scene.compile();
+    scene.set(0, "Iris", each.iris);
+    const LensLight light = lens_light(vulkan.device(), scene, 128);
+    std::fprintf(stderr, "lens of %g:1, %g degrees aside: %.4g lx, its beam %.4g, its glow %.3g\n", each.aspect,
+                 each.aside_deg, light.seen_lx, light.beam_lx, light.glow_lx);
+    CHECK(light.beam_lx > 1);
+    CHECK(light.seen_lx == doctest::Approx(light.beam_lx + light.glow_lx).epsilon(0.03));
+  }
+}
+
+TEST_CASE("a lens of eight pixels keeps its light wherever it is in the picture, one of four within 6 %") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  // Smaller ones are printed: docs/numerics.md.
+  for (const double diameter_px : {8.0, 4.0, 1.0}) {
+    double low = 1e9;
+    double high = 0;
+    double mean = 0;
+    constexpr int kPlaces = 4;
+    for (int k = 0; k < kPlaces; ++k) {
+      Scene scene = optics_scene(false);
+      scene.rig.haze.scattering_per_m = scene.rig.haze.absorption_per_m = 0;
+      scene.rig.boxes.clear();
+      scene.rig.types[0].modes[0].geometries = fixtures::simple_geometries(0, 0.12);
+      const glm::dvec3 lens_m(0, 0.12, 3);
+      const double pixel_m = 2 * scene.rig.types[0].beams[0].radius_m / diameter_px;
+      const double away_m = 16 * pixel_m / std::tan(0.5 * kDegree);
+      const glm::dvec3 shift(std::fmod(0.37 * k, 1) * pixel_m, 0, std::fmod(0.61 * k, 1) * pixel_m);
+      scene.rig.cameras = {{"lens", lens_m + glm::dvec3(0, away_m, 0), lens_m + shift, 1.0, 6}};
+      scene.compile();
+      scene.set(0, "Zoom", 24);
+      const LensLight light = lens_light(vulkan.device(), scene, 32, 16);
+      const double share = light.seen_lx / (light.beam_lx + light.glow_lx);
+      low = std::min(low, share);
+      high = std::max(high, share);
+      mean += share / kPlaces;
+    }
+    std::fprintf(stderr, "lens of %g pixels: %.3f to %.3f of its light, mean %.3f\n", diameter_px, low, high, mean);
+    const double error_max = diameter_px >= 8 ? 0.02 : diameter_px >= 4 ? 0.06 : 1;
+    CHECK(low >= 1 - error_max);
+    CHECK(high < 1 + 2 * error_max);
   }
 }
 

@@ -138,7 +138,7 @@ TEST_CASE("the glare of a point is that of the judge wherever it is, and none of
   constexpr int kWidth = 95;
   constexpr int kHeight = 61;
   Camera camera(vulkan.device(), kWidth, kHeight, 1);
-  const std::vector<std::pair<int, int>> places{{47, 30}, {46, 31}, {45, 31}, {0, 0}, {94, 60}, {1, 33}};
+  const std::vector<std::pair<int, int>> places{{47, 30}, {46, 31}, {0, 0}, {94, 60}, {1, 33}};
   for (const auto& [x, y] : places) {
     RadianceImage point = black(kWidth, kHeight);
     at(point, x, y, 0) = 1e6f;
