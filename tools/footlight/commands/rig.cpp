@@ -127,6 +127,8 @@ void print(const RigCheck& check, const Opened& opened) {
   if (opened.rig) {
     line += fmt::format(", {} {}: {} fixtures of {} types, {} objects", opened.rig->format, opened.rig->version,
                         opened.rig->rig.fixtures.size(), opened.rig->rig.types.size(), opened.rig->rig.objects.size());
+    if (!opened.rig->rig.scenery.empty())
+      line += ", " + counted(opened.rig->rig.scenery.size(), "piece") + " of scenery";
   } else {
     line += ": " + opened.rig.error().message;
   }
@@ -229,6 +231,7 @@ Result<int> show(const Options& options) {
   fmt::print("{}: {} {}{}{}, {}, {}, {}\n\n", printable_utf8(options.path), cut(imported.rig.name, 60), imported.format,
              imported.version.empty() ? "" : " ", cut(imported.version, 20), counted(rows.size(), "fixture"),
              counted(imported.rig.objects.size(), "object"), counted(imported.rig.focus_points.size(), "focus point"));
+  if (!imported.rig.scenery.empty()) fmt::print("{} of scenery\n\n", counted(imported.rig.scenery.size(), "piece"));
   fmt::print("{:<10} {:<24} {:<32} {:<18} {:>5}  {:<14} {:>7} {:>7} {:>7}\n", "id", "name", "type", "mode", "slots",
              "address", "x m", "y m", "z m");
   for (const fixtures::PatchRow& row : rows) {
