@@ -58,9 +58,11 @@ struct PassEntry {
 [[nodiscard]] inline bool has_small_bodies(const fixtures::Needs& needs, const FrameSettings& settings) {
   return needs.fixtures && settings.bodies && settings.small_body_px != 0;
 }
-// Whether beams are taken together for tiles, where they are smooth.
+// Whether beams are taken together for tiles, where they are smooth. A rig that never has enough of them lit goes
+// without.
 [[nodiscard]] inline bool has_tile_classes(const fixtures::Needs& needs, const FrameSettings& settings) {
-  return has_air(needs, settings) && settings.method == BeamMethod::kGauss && settings.tile_error > 0;
+  return has_air(needs, settings) && settings.method == BeamMethod::kGauss && settings.tile_error > 0 &&
+         needs.beams_max >= settings.tile_beams;
 }
 // Whether gobos in the air have tables.
 [[nodiscard]] inline bool has_gobo_tables(const fixtures::Needs& needs, const FrameSettings& settings) {

@@ -1,7 +1,9 @@
 #version 460
-// Finds the shadows in a beam: a workgroup goes through all that hides light, in its order. The first time they are
-// counted, the second time they are written to where places.comp has made room.
+// Finds the shadows in a beam: a workgroup goes through all that hides light, in its order. The first time the bodies
+// that may have a shadow in it are counted, the second time their shadows are written to where places.comp has made
+// room.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #define FL_USE_BEAMS
 #define FL_BEAMS_ACCESS readonly
 #define FL_USE_COUNTS
@@ -12,8 +14,13 @@
 #include "render/shaders/lib/forms.glsl"
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
-#include "render/shaders/shared/shadow.h"
 #include "render/shaders/lib/tile_test.glsl"
+
+layout(set = 0, binding = FL_BINDING_SHADOWS, std430) writeonly buffer ShadowsBuffer { ShadowRow shadows[]; };
+uint emit_slot;
+void emit_plane(uint index, vec3 normal, float offset) { shadows[emit_slot].planes[index] = vec4(normal, offset); }
+#define FL_SHADOW_EMIT emit_plane
+#include "render/shaders/shared/shadow.h"
 
 layout(local_size_x = FL_GROUP_SHADOWS) in;
 layout(constant_id = FL_SPEC_WRITE) const bool kWrite = false;
@@ -21,32 +28,57 @@ layout(constant_id = FL_SPEC_WRITE) const bool kWrite = false;
 layout(constant_id = FL_SPEC_BODIES) const bool kBodies = false;
 layout(set = 0, binding = FL_BINDING_OCCLUDERS, std430) readonly buffer OccludersBuffer { OccluderRow occluders[]; };
 layout(set = 0, binding = FL_BINDING_SHADOW_LISTS, std430) buffer ShadowListsBuffer { ShadowListRow shadow_lists[]; };
-layout(set = 0, binding = FL_BINDING_SHADOWS, std430) writeonly buffer ShadowsBuffer { ShadowRow shadows[]; };
 
 const uint kWords = uint(FL_GROUP_SHADOWS / 32);
 shared uint found_bits[kWords];
 
-// Whether a sphere touches the beam's cone; light space, m.
-bool sphere_touches(BeamShape beam, vec3 center, float radius_m) {
-  if (center.z < -radius_m || center.z > beam.range_m + radius_m) return false;
-  // The distance from the cone's side, and not less than it is beyond the lens plane.
-  float slant = inversesqrt(1.0 + beam.spread * beam.spread);
-  float aside = (length(center.xy) - beam.lens_radius_m - beam.spread * max(center.z, 0.0)) * slant;
-  return aside <= radius_m;
+// Whether all of the body is beyond the side of the beam towards `way`, a direction across it.
+bool is_beside(ShadowSolid solid, BeamShape beam, vec2 way) {
+  float most = dot(way, way) > 1e-30 ? inversesqrt(dot(way, way)) : 0.0;
+  vec2 u = way * most;
+  float nearest = dot(u, solid.center.xy) - beam.lens_radius_m - beam.spread * solid.center.z;
+  [[unroll]] for (int i = 0; i < 3; ++i) {
+    nearest -= abs(dot(u, solid.half_edge[i].xy) - beam.spread * solid.half_edge[i].z);
+  }
+  return nearest > 0.0;
 }
 
-bool find(uint index, BeamRow row, BeamShape beam, uint fixture, out ShadowPrism prism) {
-  OccluderRow occluder = occluders[index];
-  prism.count = 0u;
-  if (occluder.half_edge_0.w < 0.0 || occluder.fixture == fixture) return false;
+ShadowSolid solid_of(OccluderRow occluder, BeamRow row) {
   ShadowSolid solid;
   vec3 center = vec3(occluder.center_x, occluder.center_y, occluder.center_z);
   solid.center = row.eye.xyz + to_light(row, center - params.position.xyz);
-  if (!sphere_touches(beam, solid.center, occluder.half_edge_0.w * beam_stretch(row.squeeze))) return false;
   solid.half_edge[0] = to_light(row, occluder.half_edge_0.xyz);
   solid.half_edge[1] = to_light(row, occluder.half_edge_1.xyz);
   solid.half_edge[2] = to_light(row, occluder.half_edge_2.xyz);
-  return shadow_prism(beam.lens_radius_m, beam.spread, solid, prism) && prism.z_min_m < beam.range_m;
+  return solid;
+}
+
+// False only where the body has no shadow in the beam.
+bool may_hide(OccluderRow occluder, BeamRow row, BeamShape beam, uint fixture) {
+  if (occluder.half_edge_0.w < 0.0 || occluder.fixture == fixture) return false;
+  ShadowSolid solid = solid_of(occluder, row);
+  float reach_z = abs(solid.half_edge[0].z) + abs(solid.half_edge[1].z) + abs(solid.half_edge[2].z);
+  bool may = solid.center.z + reach_z > 0.0 && solid.center.z - reach_z < beam.range_m;
+  // Towards its centre, and across each of its edges.
+  may = may && !is_beside(solid, beam, solid.center.xy);
+  [[unroll]] for (int i = 0; i < 3; ++i) {
+    vec2 across = vec2(solid.half_edge[i].y, -solid.half_edge[i].x);
+    may = may && !is_beside(solid, beam, dot(across, solid.center.xy) < 0.0 ? -across : across);
+  }
+  return may;
+}
+
+void write_shadow(OccluderRow occluder, BeamRow row, BeamShape beam) {
+  ShadowSolid solid = solid_of(occluder, row);
+  ShadowPrism prism;
+  bool has_shadow = shadow_prism(beam.lens_radius_m, beam.spread, solid, prism) && prism.z_min_m < beam.range_m;
+  // Nothing is inside the only plane of a body without a shadow. Everything is inside those that fill up a round.
+  uint count = has_shadow ? prism.count : 0u;
+  for (uint k = count; k < uint(FL_SHADOW_PLANES); ++k) emit_plane(k, vec3(0.0), has_shadow ? 1.0 : -1.0);
+  shadows[emit_slot].count = max(count, 1u);
+  shadows[emit_slot].fronts = has_shadow ? prism.fronts : 0u;
+  shadows[emit_slot].fixture = occluder.fixture;
+  shadows[emit_slot].slack_m = occluder.half_edge_1.w;
 }
 
 void main() {
@@ -65,9 +97,7 @@ void main() {
     barrier();  // the bits have been read
     if (lane < kWords) found_bits[lane] = 0u;
     barrier();
-    ShadowPrism prism;
-    bool found = false;
-    if (at + lane < all) found = find(at + lane, row, beam, fixture, prism);
+    bool found = at + lane < all && may_hide(occluders[at + lane], row, beam, fixture);
     if (found) atomicOr(found_bits[lane >> 5], 1u << (lane & 31u));
     barrier();
     uint rank = count + bitCount(found_bits[lane >> 5] & ((1u << (lane & 31u)) - 1u));
@@ -77,17 +107,8 @@ void main() {
       if (w < lane >> 5) rank += here;
     }
     if (kWrite && found && rank < room) {
-      uint slot = first + rank;
-      shadows[slot].count = prism.count;
-      shadows[slot].fronts = prism.fronts;
-      shadows[slot].fixture = occluders[at + lane].fixture;
-      shadows[slot].slack_m = occluders[at + lane].half_edge_1.w;
-      for (uint k = 0u; k < uint(FL_SHADOW_PLANES); ++k) {
-        // Everything is inside those that fill up a round.
-        vec4 plane = vec4(0.0, 0.0, 0.0, 1.0);
-        if (k < prism.count) plane = vec4(prism.planes[k].normal, prism.planes[k].offset);
-        shadows[slot].planes[k] = plane;
-      }
+      emit_slot = first + rank;
+      write_shadow(occluders[at + lane], row, beam);
     }
   }
   // Two pipelines need not compute the last bit alike: no row that was not written is read.

@@ -54,6 +54,7 @@ Needs demo_needs() {
   needs.focus = true;
   needs.animation = true;
   needs.params_end = fixtures::kParamCount;
+  needs.beams_max = FrameSettings{}.tile_beams;
   return needs;
 }
 

@@ -75,9 +75,9 @@ Scene one_beam_scene(double full_angle_deg, int type = 1) {
 std::vector<double> judged_values(const Scene& scene) {
   fixtures::f64::Walker walker(scene.compiled);
   walker.step(scene.levels, 0);
-  return judge_image(judge_scene(scene.rig, walker), view_of(scene.camera), kWidth, kHeight,
-                     {.tolerance = 1e-5, .stated_error = false})
-      .rgb;
+  JudgeScene judge = judge_scene(scene.rig, walker);
+  judge.solids.clear();  // rivals have no shadows
+  return judge_image(judge, view_of(scene.camera), kWidth, kHeight, {.tolerance = 1e-5, .stated_error = false}).rgb;
 }
 
 double error_of(const RadianceImage& image, const std::vector<double>& judged, std::string_view method, double knob) {

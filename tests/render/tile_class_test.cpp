@@ -216,6 +216,8 @@ TEST_CASE("beams for whose records a supertile has no room have the light of bea
   for (const bool floor : {false, true}) {
     const Scene scene = parallel_scene(kCount, floor);
     FrameSettings settings = judged_settings(64, 64);
+    // With shadows 1,500 beams in one place are more rounds of loops than Mesa allows (render/resources.cpp).
+    settings.shadows = false;
     const auto frame = make_frame(vulkan.device(), scene, settings);
     settings.tile_error = 2e-2;
     const PictureNorms norms = against_general(*frame, scene, settings, floor ? "cuts" : "rims");

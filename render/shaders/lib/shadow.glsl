@@ -23,7 +23,7 @@ struct ShadowCell {
   vec3 corner[4];  // rays of depth 1 there
   float near_m;    // depths
   float far_m;     // below near_m: nothing of the beam is there
-  float end_m[4];  // of the corners: where far_m ends them, or a plane that all pixels show
+  float end_m[4];  // of the corners: a plane that all pixels show; far_m where they show none
 };
 
 // Keeps the depths at which a corner can be inside: at + depth way[c] <= 0.
@@ -73,13 +73,12 @@ ShadowCell shadow_cell(BeamRow row, vec2 low, vec2 high, float far_m) {
   [[unroll]] for (int c = 0; c < 4; ++c) cell.end_m[c] = cell.far_m;
   return cell;
 }
-// All pixels show one plane, at these depths in the corners. Where it does not end the beam at all of them, its largest
-// depth does.
+// All pixels show one plane, at these depths in the corners. The pyramid up to the plane and that up to far_m both hold
+// what is visible of the beam; a hull of nearer ends than the plane's would not.
 void shadow_cell_end(inout ShadowCell cell, vec4 plane_m) {
   float most = max(max(plane_m.x, plane_m.y), max(plane_m.z, plane_m.w));
-  bool ends = most <= cell.far_m;
   cell.far_m = min(cell.far_m, most);
-  [[unroll]] for (int c = 0; c < 4; ++c) cell.end_m[c] = ends ? plane_m[c] : cell.far_m;
+  [[unroll]] for (int c = 0; c < 4; ++c) cell.end_m[c] = most < 1e7 ? plane_m[c] : cell.far_m;
 }
 
 const uint kShadowNone = 0u;  // it does not reach the cell
@@ -96,16 +95,18 @@ uint shadow_in_cell(uint shadow, ShadowCell cell) {
       uint own = kShadowRound * round_of + k;
       vec4 plane = shadows[shadow].planes[own];
       float at = dot(plane.xyz, cell.eye) - plane.w;
-      float least = FL_FAR_M;
+      vec2 least = vec2(FL_FAR_M);  // up to far_m, and up to the plane
       float most = -FL_FAR_M;
       [[unroll]] for (int c = 0; c < 4; ++c) {
         float way = dot(plane.xyz, cell.corner[c]);
         float near = at + way * cell.near_m;
-        float far = at + way * cell.end_m[c];
-        least = min(least, min(near, far));
+        float far = at + way * cell.far_m;
+        // Where the plane is nearer than the beam, what is between them is outside of the beam.
+        float before = at + way * min(cell.near_m, cell.end_m[c]);
+        least = min(least, min(vec2(near, before), vec2(far, at + way * cell.end_m[c])));
         most = max(most, max(near, far));
       }
-      outside = outside || least > (own < outline ? 0.0 : -slack_m);
+      outside = outside || max(least.x, least.y) > (own < outline ? 0.0 : -slack_m);
       all_inside = all_inside && most <= 0.0;
     }
   }
@@ -149,8 +150,20 @@ bool shadow_near(uint beam, vec3 center, float radius_m, vec3 normal) {
   return any;
 }
 
-// Whether a place on a surface is in one of a beam's shadows; p: light space, m. aside: the same place within the beam,
-// where it is drawn wider than it is; else p. fixture: what stands for its body does not hide it.
+// Whether a place is inside the planes of one round. aside: the same place within the beam, where it is drawn wider
+// than it is; else p.
+bool shadow_holds(uint shadow, uint round_of, uint outline, vec3 p, vec3 aside, float slack_m) {
+  bool inside = true;
+  [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
+    uint own = kShadowRound * round_of + k;
+    vec4 plane = shadows[shadow].planes[own];
+    inside = inside && (own < outline ? dot(plane.xyz, aside) <= plane.w : dot(plane.xyz, p) <= plane.w - slack_m);
+  }
+  return inside;
+}
+
+// Whether a place on a surface is in one of a beam's shadows; p, aside: light space, m. fixture: what stands for its
+// body does not hide it. The first round has no loop of its own, since most shadows end there.
 const uint kNoFixture = FL_NONE - 1u;  // and FL_NONE is what belongs to none
 bool is_shadowed(uint beam, vec3 p, vec3 aside, uint fixture) {
   uint first = shadow_lists[beam].first;
@@ -161,14 +174,8 @@ bool is_shadowed(uint beam, vec3 p, vec3 aside, uint fixture) {
     uint rounds = shadow_rounds(s);
     uint outline = shadows[s].count - shadows[s].fronts;
     float slack_m = max(shadows[s].slack_m, kShadowSlackM) + rounding_m;
-    dark = shadows[s].fixture != fixture;
-    for (uint round_of = 0u; round_of < rounds && dark; ++round_of) {
-      [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
-        uint own = kShadowRound * round_of + k;
-        vec4 plane = shadows[s].planes[own];
-        dark = dark && (own < outline ? dot(plane.xyz, aside) <= plane.w : dot(plane.xyz, p) <= plane.w - slack_m);
-      }
-    }
+    dark = shadows[s].fixture != fixture && shadow_holds(s, 0u, outline, p, aside, slack_m);
+    for (uint next = 1u; next < rounds && dark; ++next) dark = shadow_holds(s, next, outline, p, aside, slack_m);
   }
   return dark;
 }

@@ -31,13 +31,21 @@ struct ShadowPrism {
   uint count;
   uint fronts;
   Real z_min_m;  // no part of the body is nearer to the lens plane
+#ifndef FL_SHADOW_EMIT
   ShadowPlane planes[FL_SHADOW_PLANES];
+#endif
 };
 
+// FL_SHADOW_EMIT(index, normal, offset): what takes the planes in place of the array. An array of a thread's own with
+// an index that its neighbours do not share is long code: lavapipe compiled it for 6 s.
 FL_FN void shadow_add_plane(FL_INOUT(ShadowPrism) prism, Vec3 normal, Real offset) {
   Real inverse = inversesqrt(dot(normal, normal));
+#ifdef FL_SHADOW_EMIT
+  FL_SHADOW_EMIT(prism.count, normal * inverse, offset * inverse);
+#else
   prism.planes[prism.count].normal = normal * inverse;
   prism.planes[prism.count].offset = offset * inverse;
+#endif
   prism.count += uint(1);
 }
 

@@ -49,7 +49,7 @@ struct Options {
   std::string gobos;  // "samples", "tables"
   std::optional<double> tile_error;
   std::optional<double> body_error_px;
-  std::string edges = "16";
+  std::string edges;
   std::string shadows = "on";
   std::string glare = "1%";
   int supersample = 1;
@@ -241,9 +241,10 @@ class Job {
         passes += fmt::format(R"({}"{}":{:.3f})", passes.empty() ? "" : ",", time.name, time.gpu_ms);
       }
       fmt::print(R"({{"event":"picture","number":{},"time_ns":{},"gpu_ms":{:.3f},"passes_ms":{{{}}},"wall_ms":{:.3f},)"
-                 R"("live":{},"dark":{},"settings":{}}})"
+                 R"("live":{},"dark":{},"shadows":{},"settings":{}}})"
                  "\n",
-                 number_, at_ns, gpu_ms, passes, wall_ms, counts.live_count, counts.dark_count, settings_);
+                 number_, at_ns, gpu_ms, passes, wall_ms, counts.live_count, counts.dark_count, counts.shadows,
+                 settings_);
       std::fflush(stdout);
     }
     ++number_;
@@ -438,7 +439,10 @@ Result<int> render_pictures(const Options& options) {
   render::FrameSettings settings = chosen.settings;
   settings.width = size.width * options.supersample;
   settings.height = size.height * options.supersample;
-  FL_ASSIGN(settings.edge_samples, parse_edges(options.edges));
+  settings.edge_samples = render::suited_edge_samples(*device);
+  if (!options.edges.empty()) {
+    FL_ASSIGN(settings.edge_samples, parse_edges(options.edges));
+  }
   FL_ASSIGN(settings.shadows, parse_shadows(options.shadows));
   FL_ASSIGN(settings.glare, parse_glare(options.glare));
   settings.gobo_gates = static_cast<std::uint32_t>(options.gobo_gates);
@@ -545,7 +549,8 @@ void add(Arguments& arguments) {
   arguments.option("--gobo-px", options->gobo_px, 64, 2048,
                    "texels a side of gobo images, a power of two; default: 1024 on a GPU where they fit, else 512");
   arguments.option("--edges", options->edges, "WORD",
-                   "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges [16]");
+                   "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges; "
+                   "default: 16 on a GPU, 4 on a CPU");
   arguments.option("--shadows", options->shadows, "WORD", "on; off: light passes through boxes and fixtures [on]");
   arguments.option("--glare", options->glare, "SHARE",
                    "share of the light that the camera's lens scatters, as in 1%, or off [1%]");

@@ -27,7 +27,7 @@ struct PreviewOptions {
   int nodes = 3;
   double tile_error = 4e-3;    // render::FrameSettings
   double body_error_px = 0.5;  // the same
-  std::uint32_t edge_samples = 16;
+  std::optional<std::uint32_t> edge_samples;  // default: render::suited_edge_samples()
   bool shadows = true;
   double glare = 0.01;
   FlashMode flashes = FlashMode::kWarn;

@@ -442,7 +442,7 @@ Status Preview::rebuild(const PixelRect& where) {
   settings.height = std::max(where.height / controls_.divisor, 1);
   settings = render::with_knobs(settings, knobs_);
   settings.nodes = static_cast<std::uint32_t>(controls_.nodes);
-  settings.edge_samples = options_.edge_samples;
+  settings.edge_samples = options_.edge_samples.value_or(render::suited_edge_samples(*device_));
   settings.shadows = options_.shadows;
   settings.glare = glare_of(controls_);
   settings.haze = controls_.haze;
