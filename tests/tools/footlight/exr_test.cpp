@@ -163,7 +163,7 @@ TEST_CASE("a rendered OpenEXR file is the frame's radiance bit for bit, and its 
   if (!vulkan) return;
   const TempFolder folder;
   const auto rendered = [&](const std::string& name, const std::vector<std::string>& more) {
-    std::vector<std::string> words = {"render", "--demo", "--size", "48x28", "-o", folder.file(name)};
+    std::vector<std::string> words = {"render", "--demo", "--size", "48x28", "--glare", "off", "-o", folder.file(name)};
     words.insert(words.end(), more.begin(), more.end());
     const Outcome outcome = Footlight(words, kNoLeaks).wait();
     INFO(outcome.err);
@@ -182,6 +182,7 @@ TEST_CASE("a rendered OpenEXR file is the frame's radiance bit for bit, and its 
   render::FrameSettings settings;
   settings.width = 48;
   settings.height = 28;
+  settings.edge_samples = render::suited_edge_samples(vulkan.device());
   auto frame = render::Frame::create(vulkan.device(), rig, driven->compiled, settings);
   REQUIRE(frame);
   REQUIRE(driven->timeline->advance(18 * kNsPerS, 20 * kNsPerMs,

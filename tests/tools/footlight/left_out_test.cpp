@@ -19,7 +19,9 @@ using footlight::testing::must;
 
 // Bodies and smooth edges are left out, because each row compiles the shaders of a whole frame.
 const LeftOutOptions kSmall{
-    .settings = {.width = 32, .height = 18, .bodies = false, .edge_samples = 0}, .runs = 3, .go_on = {}};
+    .settings = {.width = 32, .height = 18, .tile_beams = 1, .bodies = false, .edge_samples = 0},
+    .runs = 3,
+    .go_on = {}};
 
 // Without haze and boxes the rig has neither beams nor surfaces to draw: those shaders compile longest, and only the
 // rows of the needs that add their passes compile them.
@@ -71,7 +73,7 @@ TEST_CASE("each need that a rig lacks, and the passes that it adds, have bytes, 
   const LeftOutRow& beams = row_of(rows, "beams", true);
   const LeftOutRow& haze = row_of(rows, "haze", false);
   std::uint64_t pass_bytes = 0;
-  for (const char* name : {"tiles", "depths", "coarse", "records", "fine", "beams"}) {
+  for (const char* name : {"tiles", "depths", "coarse", "records", "fine", "beams", "glare"}) {
     pass_bytes += row_of(rows, name, true).bytes;
   }
   REQUIRE(beams.times);
@@ -84,7 +86,7 @@ TEST_CASE("without runs nothing is timed, and the bytes are the same") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;
   const Scene scene = must(make_beams_scene(3, ""));
-  const LeftOutOptions options{.settings = {.width = 32, .height = 18}, .runs = 0, .go_on = {}};
+  const LeftOutOptions options{.settings = {.width = 32, .height = 18, .tile_beams = 1}, .runs = 0, .go_on = {}};
   const auto rows = must(measure_left_out(vulkan.device(), scene, options));
   CHECK(row_of(rows, "blades", false).bytes == scene.compiled.beams_max * sizeof(render::BladesRow));
   CHECK(row_of(rows, "motion", false).on_gpu);
