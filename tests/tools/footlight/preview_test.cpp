@@ -97,7 +97,7 @@ TEST_CASE("the demo opens, draws, saves a picture and closes without a message f
 TEST_CASE("the panel has the error of the pictures, measured at samples of them") {
   if (!can_open_window()) return;
   const TempFolder folder;
-  const int code = preview(folder, "--demo --at 12s --seconds 15 --size 600x120 --json");
+  const int code = preview(folder, "--demo --at 12s --seconds 60 --size 900x160 --json");
   const std::string err = read(folder.file("err"));
   if (contains(err, "libglfw3-dev")) return;
   INFO(err);
