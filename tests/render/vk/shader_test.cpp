@@ -37,7 +37,7 @@ TEST_CASE("each pass stays within the descriptors that a device must have") {
       const vk::ShaderInterface shader = must(vk::read_interfaces(stages));
       const std::uint32_t buffers = vk::count_of(shader, kBuffer);
       most = std::max(most, buffers);
-      CHECK(buffers >= 1);  // the frame's parameters
+      CHECK(!shader.bindings.empty());
       CHECK(buffers <= vk::kStorageBuffersMax);
       CHECK(vk::count_of(shader, kImage) <= vk::kStorageImagesMax);
       CHECK(vk::count_of(shader, kSampled) <= vk::kSamplersMax);
