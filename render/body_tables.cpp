@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 #include "fixtures/bodies/body.h"
@@ -93,22 +94,34 @@ fixtures::BodyMesh objects_of(const fixtures::Rig& rig, fixtures::Diagnostics& d
   return mesh;
 }
 
+// The vertices behind a number of joints.
+std::vector<glm::vec3> points_behind(const fixtures::BodyMesh& mesh, std::uint32_t depth) {
+  std::vector<glm::vec3> points;
+  for (const fixtures::BodyVertex& vertex : mesh.vertices) {
+    if ((vertex.part & FL_PART_DEPTH) != depth) continue;
+    points.emplace_back(vertex.position[0], vertex.position[1], vertex.position[2]);
+  }
+  return points;
+}
+
+// The corners of the box around points, at least one.
+std::pair<glm::vec3, glm::vec3> corners_of(const std::vector<glm::vec3>& points) {
+  glm::vec3 low = points.front();
+  glm::vec3 high = low;
+  for (const glm::vec3& p : points) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  return {low, high};
+}
+
 // Spheres round the vertices behind each number of joints.
 void add_spheres(const fixtures::BodyMesh& mesh, BodyMeshRow& row) {
   for (std::uint32_t depth = 0; depth < std::size(row.sphere); ++depth) {
-    std::vector<glm::vec3> points;
-    for (const fixtures::BodyVertex& vertex : mesh.vertices) {
-      if ((vertex.part & FL_PART_DEPTH) != depth) continue;
-      points.emplace_back(vertex.position[0], vertex.position[1], vertex.position[2]);
-    }
+    const std::vector<glm::vec3> points = points_behind(mesh, depth);
     row.sphere[depth] = vec4(0, 0, 0, -1);
     if (points.empty()) continue;
-    glm::vec3 low = points.front();
-    glm::vec3 high = low;
-    for (const glm::vec3& p : points) {
-      low = glm::min(low, p);
-      high = glm::max(high, p);
-    }
+    const auto [low, high] = corners_of(points);
     const glm::vec3 centre = 0.5f * (low + high);
     float radius = 0;
     for (const glm::vec3& p : points) radius = std::max(radius, glm::length(p - centre));
@@ -119,19 +132,15 @@ void add_spheres(const fixtures::BodyMesh& mesh, BodyMeshRow& row) {
 // Boxes around the same vertices.
 void add_boxes(const fixtures::BodyMesh& mesh, std::vector<BodyBoxRow>& boxes) {
   for (std::uint32_t depth = 0; depth < FL_BODY_BOXES; ++depth) {
-    bool any = false;
-    glm::vec3 low(0);
-    glm::vec3 high(0);
-    for (const fixtures::BodyVertex& vertex : mesh.vertices) {
-      if ((vertex.part & FL_PART_DEPTH) != depth) continue;
-      const glm::vec3 at(vertex.position[0], vertex.position[1], vertex.position[2]);
-      low = any ? glm::min(low, at) : at;
-      high = any ? glm::max(high, at) : at;
-      any = true;
+    const std::vector<glm::vec3> points = points_behind(mesh, depth);
+    if (points.empty()) {
+      boxes.push_back({vec4(0, 0, 0, -1), vec4(0)});
+      continue;
     }
+    const auto [low, high] = corners_of(points);
     // Plates get a millimetre: which way a plate faces the light has to be certain.
     const glm::vec3 half = glm::max(0.5f * (high - low), glm::vec3(5e-4f));
-    boxes.push_back({vec4(0.5f * (low + high), any ? 0 : -1), vec4(half, 0)});
+    boxes.push_back({vec4(0.5f * (low + high), 0), vec4(half, 0)});
   }
 }
 

@@ -30,35 +30,42 @@ std::uint64_t shading_bodies_max(const MemoryShape& shape) {
   return has_bodies(shape.needs, shape.settings) ? shape.compiled.heads.size() : 0;
 }
 
+// All rows, at least one. Those of bodies are written by each frame; nothing of a body hides light before.
+std::vector<OccluderRow> all_occluders(const MemoryShape& shape) {
+  std::vector<OccluderRow> rows = still_occluders(shape);
+  OccluderRow nothing{};
+  nothing.half_edge_0.w = -1;
+  const bool used = has_shadows(shape.needs, shape.settings);
+  rows.resize(rows.size() + (used ? shading_bodies_max(shape) * FL_BODY_BOXES : 0), nothing);
+  if (rows.empty()) rows.push_back(nothing);
+  return rows;
+}
+
+// Every beam may have a shadow of everything, up to the bytes that every device allows.
+std::uint64_t shadow_bytes_of(const MemoryShape& shape, std::size_t occluders) {
+  if (!has_shadows(shape.needs, shape.settings)) return sizeof(ShadowRow);
+  const std::uint64_t pairs = shape.compiled.beams_max * std::uint64_t{occluders};
+  return std::clamp<std::uint64_t>(pairs, 1, FL_SHADOW_BYTES_MAX / sizeof(ShadowRow)) * sizeof(ShadowRow);
+}
+
 }  // namespace
 
-std::uint64_t occluder_bytes(const MemoryShape& shape) {
-  const bool used = has_shadows(shape.needs, shape.settings);
-  const std::uint64_t count = used ? still_occluders(shape).size() + shading_bodies_max(shape) * FL_BODY_BOXES : 0;
-  return std::max<std::uint64_t>(count, 1) * sizeof(OccluderRow);
-}
+std::uint64_t occluder_bytes(const MemoryShape& shape) { return all_occluders(shape).size() * sizeof(OccluderRow); }
 
 std::uint64_t shadow_list_bytes(const MemoryShape& shape) {
   const std::uint64_t beams = has_shadows(shape.needs, shape.settings) ? shape.compiled.beams_max : 0;
   return std::max<std::uint64_t>(beams, 1) * sizeof(ShadowListRow);
 }
 
-std::uint64_t shadow_bytes(const MemoryShape& shape) {
-  if (!has_shadows(shape.needs, shape.settings)) return sizeof(ShadowRow);
-  const std::uint64_t pairs = shape.compiled.beams_max * (occluder_bytes(shape) / sizeof(OccluderRow));
-  return std::clamp<std::uint64_t>(pairs, 1, FL_SHADOW_BYTES_MAX / sizeof(ShadowRow)) * sizeof(ShadowRow);
-}
+std::uint64_t shadow_bytes(const MemoryShape& shape) { return shadow_bytes_of(shape, all_occluders(shape).size()); }
 
 Status make_shadow_tables(vk::Device& device, const MemoryShape& shape, RigTables& r) {
-  // The rows of bodies are written by each frame; nothing of a body hides light before.
-  std::vector<OccluderRow> rows(occluder_bytes(shape) / sizeof(OccluderRow));
-  for (OccluderRow& row : rows) row.half_edge_0.w = -1;
-  const std::vector<OccluderRow> still = still_occluders(shape);
-  std::copy(still.begin(), still.end(), rows.begin());
+  const std::vector<OccluderRow> rows = all_occluders(shape);
   FL_ASSIGN(r.occluders, vk::Buffer::table(device, rows));
   FL_ASSIGN(r.shadow_lists,
             vk::Buffer::device_local(device, shadow_list_bytes(shape), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
-  FL_ASSIGN(r.shadows, vk::Buffer::device_local(device, shadow_bytes(shape), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
+  FL_ASSIGN(r.shadows,
+            vk::Buffer::device_local(device, shadow_bytes_of(shape, rows.size()), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
   return device.run_once([&](VkCommandBuffer commands) {
     vkCmdFillBuffer(commands, r.shadow_lists.handle, 0, VK_WHOLE_SIZE, 0);
     vkCmdFillBuffer(commands, r.shadows.handle, 0, VK_WHOLE_SIZE, 0);
