@@ -17,17 +17,11 @@
 namespace footlight::render {
 namespace {
 
-// A pipeline with its descriptors.
-struct Bound {
-  std::shared_ptr<const vk::Pipeline> pipeline;
-  vk::BindingSet set;
-};
-
 class BodiesPass final : public Pass {
  public:
   // Null pipelines: nothing to do for them.
   struct Parts {
-    Bound place, list, small_depths, small_keys, resolve, bodies, objects;
+    BoundPipeline place, list, small_depths, small_keys, resolve, bodies, objects;
   };
 
   BodiesPass(const PassContext& context, Parts parts)
@@ -60,12 +54,12 @@ class BodiesPass final : public Pass {
   }
 
  private:
-  static void dispatch(VkCommandBuffer commands, const Bound& bound, std::uint32_t x, std::uint32_t y) {
-    bound.pipeline->bind(commands, bound.set);
+  static void dispatch(VkCommandBuffer commands, const BoundPipeline& bound, std::uint32_t x, std::uint32_t y) {
+    bound.bind(commands);
     vkCmdDispatch(commands, x, y, 1);
   }
 
-  void draw_small(VkCommandBuffer commands, const Bound& bound) const {
+  void draw_small(VkCommandBuffer commands, const BoundPipeline& bound) const {
     const std::uint32_t x = std::min<std::uint32_t>(resources_.rig.slot_count, FL_SLOTS_X);
     dispatch(commands, bound, x, (resources_.rig.slot_count + x - 1) / x);
   }
@@ -102,10 +96,10 @@ class BodiesPass final : public Pass {
     vk::full_barrier(commands);
   }
 
-  void draw(VkCommandBuffer commands, const Bound& bound, std::uint32_t first, std::uint32_t count) const {
+  void draw(VkCommandBuffer commands, const BoundPipeline& bound, std::uint32_t first, std::uint32_t count) const {
     if (count == 0) return;
     constexpr std::uint32_t kDrawBytes = sizeof(VkDrawIndexedIndirectCommand);
-    bound.pipeline->bind(commands, bound.set);
+    bound.bind(commands);
     const std::uint32_t together = multi_draw_ ? count : 1;
     for (std::uint32_t i = 0; i < count; i += together) {
       vkCmdDrawIndexedIndirect(commands, resources_.rig.draws.handle, VkDeviceSize{first + i} * kDrawBytes, together,
@@ -120,20 +114,9 @@ class BodiesPass final : public Pass {
   Parts parts_;
 };
 
-Result<Bound> bound(const PassContext& context, std::shared_ptr<const vk::Pipeline> pipeline) {
-  FL_ASSIGN(vk::BindingSet set, vk::BindingSet::create(context.device, *pipeline, context.resources.bindings));
-  return Bound{std::move(pipeline), std::move(set)};
-}
-
-Result<Bound> raster_part(const PassContext& context, const vk::Pipeline::Raster& raster) {
+Result<BoundPipeline> raster_part(const PassContext& context, const vk::Pipeline::Raster& raster) {
   FL_ASSIGN(auto pipeline, context.device.pipelines().raster(raster));
-  return bound(context, std::move(pipeline));
-}
-
-Result<Bound> compute_part(const PassContext& context, vk::Spirv spirv,
-                           const std::vector<vk::SpecConstant>& constants = {}) {
-  FL_ASSIGN(auto pipeline, context.device.pipelines().compute(spirv, constants));
-  return bound(context, std::move(pipeline));
+  return BoundPipeline::create(context, std::move(pipeline));
 }
 
 }  // namespace
@@ -155,13 +138,13 @@ const PassEntry kBodiesPass{
                                    {2, 0, VK_FORMAT_R32_UINT, offsetof(BodyVertex, part)}}};
       BodiesPass::Parts parts;
       if (r.rig.slot_count > 0) {
-        FL_ASSIGN(parts.place, compute_part(context, kPlaceComp));
-        FL_ASSIGN(parts.list, compute_part(context, kListComp));
+        FL_ASSIGN(parts.place, BoundPipeline::compute(context, kPlaceComp, {}));
+        FL_ASSIGN(parts.list, BoundPipeline::compute(context, kListComp, {}));
         FL_ASSIGN(parts.bodies, raster_part(context, raster));
         if (context.settings.small_body_px > 0) {
-          FL_ASSIGN(parts.small_depths, compute_part(context, kSmallComp, {{FL_SPEC_SMALL_KEYS, 0}}));
-          FL_ASSIGN(parts.small_keys, compute_part(context, kSmallComp, {{FL_SPEC_SMALL_KEYS, 1}}));
-          FL_ASSIGN(parts.resolve, compute_part(context, kResolveComp));
+          FL_ASSIGN(parts.small_depths, BoundPipeline::compute(context, kSmallComp, {{FL_SPEC_SMALL_KEYS, 0}}));
+          FL_ASSIGN(parts.small_keys, BoundPipeline::compute(context, kSmallComp, {{FL_SPEC_SMALL_KEYS, 1}}));
+          FL_ASSIGN(parts.resolve, BoundPipeline::compute(context, kResolveComp, {}));
         }
       }
       if (r.rig.object_draw_count > 0) {

@@ -15,17 +15,20 @@ namespace footlight::render {
   return (static_cast<std::uint32_t>(size_px) + FL_TILE_PX - 1) / FL_TILE_PX;
 }
 
-// One pipeline of a pass that has several.
-struct ComputeStep {
-  std::shared_ptr<const vk::Pipeline> pipeline;
+// A pipeline with its descriptors.
+struct BoundPipeline {
+  std::shared_ptr<const vk::Pipeline> pipeline;  // null: none
   vk::BindingSet set;
 
-  [[nodiscard]] static Result<ComputeStep> create(const PassContext& context, vk::Spirv spirv,
-                                                  const std::vector<vk::SpecConstant>& constants) {
-    ComputeStep step;
-    FL_ASSIGN(step.pipeline, context.device.pipelines().compute(spirv, constants));
-    FL_ASSIGN(step.set, vk::BindingSet::create(context.device, *step.pipeline, context.resources.bindings));
-    return step;
+  [[nodiscard]] static Result<BoundPipeline> create(const PassContext& context,
+                                                    std::shared_ptr<const vk::Pipeline> pipeline) {
+    FL_ASSIGN(vk::BindingSet set, vk::BindingSet::create(context.device, *pipeline, context.resources.bindings));
+    return BoundPipeline{std::move(pipeline), std::move(set)};
+  }
+  [[nodiscard]] static Result<BoundPipeline> compute(const PassContext& context, vk::Spirv spirv,
+                                                     const std::vector<vk::SpecConstant>& constants) {
+    FL_ASSIGN(auto pipeline, context.device.pipelines().compute(spirv, constants));
+    return create(context, std::move(pipeline));
   }
   void bind(VkCommandBuffer commands) const { pipeline->bind(commands, set); }
 };
@@ -34,26 +37,23 @@ struct ComputeStep {
 template <class Dispatch>
 class ComputePass final : public Pass {
  public:
-  ComputePass(std::shared_ptr<const vk::Pipeline> pipeline, vk::BindingSet set, Dispatch dispatch)
-      : pipeline_(std::move(pipeline)), set_(std::move(set)), dispatch_(std::move(dispatch)) {}
+  ComputePass(BoundPipeline bound, Dispatch dispatch) : bound_(std::move(bound)), dispatch_(std::move(dispatch)) {}
   void record(VkCommandBuffer commands, std::span<const std::byte> push) override {
-    pipeline_->bind(commands, set_);
-    pipeline_->push(commands, push);
+    bound_.bind(commands);
+    bound_.pipeline->push(commands, push);
     dispatch_(commands);
   }
 
  private:
-  std::shared_ptr<const vk::Pipeline> pipeline_;
-  vk::BindingSet set_;
+  BoundPipeline bound_;
   Dispatch dispatch_;
 };
 
 template <class Dispatch>
 [[nodiscard]] Result<std::unique_ptr<Pass>> make_compute_pass(const PassContext& context, vk::Spirv spirv,
                                                               Dispatch dispatch) {
-  FL_ASSIGN(auto pipeline, context.device.pipelines().compute(spirv, context.constants));
-  FL_ASSIGN(vk::BindingSet set, vk::BindingSet::create(context.device, *pipeline, context.resources.bindings));
-  return std::unique_ptr<Pass>(new ComputePass<Dispatch>(std::move(pipeline), std::move(set), std::move(dispatch)));
+  FL_ASSIGN(BoundPipeline bound, BoundPipeline::compute(context, spirv, context.constants));
+  return std::unique_ptr<Pass>(new ComputePass<Dispatch>(std::move(bound), std::move(dispatch)));
 }
 
 }  // namespace footlight::render

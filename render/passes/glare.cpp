@@ -1,6 +1,7 @@
 #include "render/passes/glare.h"
 
 #include "render/glare.h"
+#include "render/passes/compute_pass.h"
 #include "shaders/glaredown.comp.h"
 #include "shaders/glareup.comp.h"
 
@@ -28,11 +29,7 @@ std::uint32_t glare_groups(int size_px, int group_px) {
 // Down the pyramid, then up again: each level becomes its own share of the scattered light and that of all above it.
 class GlarePass final : public Pass {
  public:
-  struct Shader {
-    std::shared_ptr<const vk::Pipeline> pipeline;
-    vk::BindingSet set;
-  };
-  GlarePass(GlareShape shape, double share, Shader first, Shader down, Shader up)
+  GlarePass(GlareShape shape, double share, BoundPipeline first, BoundPipeline down, BoundPipeline up)
       : shape_(std::move(shape)),
         share_(static_cast<float>(share)),
         first_(std::move(first)),
@@ -41,13 +38,13 @@ class GlarePass final : public Pass {
 
   void record(VkCommandBuffer commands, std::span<const std::byte> /*push*/) override {
     const std::size_t last = shape_.levels.size() - 1;
-    first_.pipeline->bind(commands, first_.set);
+    first_.bind(commands);
     step(commands, first_, 1, shape_.levels[1], kDownPx);
-    down_.pipeline->bind(commands, down_.set);
+    down_.bind(commands);
     for (std::size_t level = 2; level <= last; ++level) {
       step(commands, down_, level, shape_.levels[level], kDownPx);
     }
-    up_.pipeline->bind(commands, up_.set);
+    up_.bind(commands);
     for (std::size_t level = last; level >= 2; --level) {
       step(commands, up_, level, shape_.levels[level - 1], kUpPx);
     }
@@ -55,7 +52,7 @@ class GlarePass final : public Pass {
 
  private:
   // Between a level and the one before it; `written` is one of them. A workgroup writes group_px pixels a side.
-  void step(VkCommandBuffer commands, const Shader& shader, std::size_t level, const GlareLevel& written,
+  void step(VkCommandBuffer commands, const BoundPipeline& shader, std::size_t level, const GlareLevel& written,
             int group_px) const {
     const GlarePush push{shape_.levels[level - 1], shape_.levels[level], static_cast<std::int32_t>(level),
                          level + 1 == shape_.levels.size(), share_};
@@ -66,16 +63,8 @@ class GlarePass final : public Pass {
 
   GlareShape shape_;
   float share_;
-  Shader first_, down_, up_;
+  BoundPipeline first_, down_, up_;
 };
-
-Result<GlarePass::Shader> make_shader(const PassContext& context, vk::Spirv spirv,
-                                      std::vector<vk::SpecConstant> constants) {
-  GlarePass::Shader shader;
-  FL_ASSIGN(shader.pipeline, context.device.pipelines().compute(spirv, constants));
-  FL_ASSIGN(shader.set, vk::BindingSet::create(context.device, *shader.pipeline, context.resources.bindings));
-  return shader;
-}
 
 }  // namespace
 
@@ -84,9 +73,9 @@ const PassEntry kGlarePass{
     has_glare,
     [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
-      FL_ASSIGN(auto first, make_shader(context, kGlaredownComp, {{FL_SPEC_GLARE_FIRST, 1}}));
-      FL_ASSIGN(auto down, make_shader(context, kGlaredownComp, {{FL_SPEC_GLARE_FIRST, 0}}));
-      FL_ASSIGN(auto up, make_shader(context, kGlareupComp, {}));
+      FL_ASSIGN(auto first, BoundPipeline::compute(context, kGlaredownComp, {{FL_SPEC_GLARE_FIRST, 1}}));
+      FL_ASSIGN(auto down, BoundPipeline::compute(context, kGlaredownComp, {{FL_SPEC_GLARE_FIRST, 0}}));
+      FL_ASSIGN(auto up, BoundPipeline::compute(context, kGlareupComp, {}));
       return std::unique_ptr<Pass>(new GlarePass(glare_shape(context.settings), context.settings.glare,
                                                  std::move(first), std::move(down), std::move(up)));
     },

@@ -15,7 +15,7 @@ namespace {
 
 class GobosPass final : public Pass {
  public:
-  GobosPass(ComputeStep gates, ComputeStep mark, ComputeStep images, ComputeStep whole, ComputeStep lines,
+  GobosPass(BoundPipeline gates, BoundPipeline mark, BoundPipeline images, BoundPipeline whole, BoundPipeline lines,
             const RigTables& rig, std::uint32_t builds)
       : gates_(std::move(gates)),
         mark_(std::move(mark)),
@@ -51,11 +51,11 @@ class GobosPass final : public Pass {
   }
 
  private:
-  ComputeStep gates_;
-  ComputeStep mark_;
-  ComputeStep images_;
-  ComputeStep whole_;
-  ComputeStep lines_;
+  BoundPipeline gates_;
+  BoundPipeline mark_;
+  BoundPipeline images_;
+  BoundPipeline whole_;
+  BoundPipeline lines_;
   const RigTables& rig_;
   std::uint32_t gate_builds_;
 };
@@ -67,11 +67,11 @@ const PassEntry kGobosPass{
     has_gobo_tables,
     [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
-      FL_ASSIGN(ComputeStep gates, ComputeStep::create(context, kGatesComp, context.constants));
-      FL_ASSIGN(ComputeStep mark, ComputeStep::create(context, kGobosComp, context.constants));
-      FL_ASSIGN(ComputeStep images, ComputeStep::create(context, kGateimagesComp, context.constants));
-      FL_ASSIGN(ComputeStep whole, ComputeStep::create(context, kGobochordsComp, context.constants));
-      FL_ASSIGN(ComputeStep lines, ComputeStep::create(context, kGobolinesComp, context.constants));
+      FL_ASSIGN(BoundPipeline gates, BoundPipeline::compute(context, kGatesComp, context.constants));
+      FL_ASSIGN(BoundPipeline mark, BoundPipeline::compute(context, kGobosComp, context.constants));
+      FL_ASSIGN(BoundPipeline images, BoundPipeline::compute(context, kGateimagesComp, context.constants));
+      FL_ASSIGN(BoundPipeline whole, BoundPipeline::compute(context, kGobochordsComp, context.constants));
+      FL_ASSIGN(BoundPipeline lines, BoundPipeline::compute(context, kGobolinesComp, context.constants));
       return std::unique_ptr<Pass>(new GobosPass(std::move(gates), std::move(mark), std::move(images), std::move(whole),
                                                  std::move(lines), context.resources.rig,
                                                  context.settings.gate_builds));

@@ -14,7 +14,7 @@ namespace {
 
 class ShadowsPass final : public Pass {
  public:
-  ShadowsPass(std::optional<ComputeStep> bodies, ComputeStep count, ComputeStep places, ComputeStep write,
+  ShadowsPass(std::optional<BoundPipeline> bodies, BoundPipeline count, BoundPipeline places, BoundPipeline write,
               const RigTables& rig)
       : bodies_(std::move(bodies)),
         count_(std::move(count)),
@@ -38,15 +38,15 @@ class ShadowsPass final : public Pass {
   }
 
  private:
-  void each_beam(VkCommandBuffer commands, const ComputeStep& step) const {
+  void each_beam(VkCommandBuffer commands, const BoundPipeline& step) const {
     step.bind(commands);
     vkCmdDispatchIndirect(commands, rig_.counts.handle, offsetof(CountsRow, shadow_groups));
   }
 
-  std::optional<ComputeStep> bodies_;
-  ComputeStep count_;
-  ComputeStep places_;
-  ComputeStep write_;
+  std::optional<BoundPipeline> bodies_;
+  BoundPipeline count_;
+  BoundPipeline places_;
+  BoundPipeline write_;
   const RigTables& rig_;
 };
 
@@ -60,15 +60,15 @@ const PassEntry kShadowsPass{
                                            {FL_SPEC_BODIES, has_bodies(needs, settings)}};
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
-      std::optional<ComputeStep> bodies;
+      std::optional<BoundPipeline> bodies;
       if (context.resources.rig.has_bodies && context.settings.bodies) {
-        FL_ASSIGN(bodies, ComputeStep::create(context, kOccludersComp, {}));
+        FL_ASSIGN(bodies, BoundPipeline::compute(context, kOccludersComp, {}));
       }
       std::vector<vk::SpecConstant> writes = context.constants;
       writes.push_back({FL_SPEC_WRITE, 1});
-      FL_ASSIGN(ComputeStep count, ComputeStep::create(context, kShadowsComp, context.constants));
-      FL_ASSIGN(ComputeStep places, ComputeStep::create(context, kPlacesComp, {}));
-      FL_ASSIGN(ComputeStep write, ComputeStep::create(context, kShadowsComp, writes));
+      FL_ASSIGN(BoundPipeline count, BoundPipeline::compute(context, kShadowsComp, context.constants));
+      FL_ASSIGN(BoundPipeline places, BoundPipeline::compute(context, kPlacesComp, {}));
+      FL_ASSIGN(BoundPipeline write, BoundPipeline::compute(context, kShadowsComp, writes));
       return std::unique_ptr<Pass>(new ShadowsPass(std::move(bodies), std::move(count), std::move(places),
                                                    std::move(write), context.resources.rig));
     },
