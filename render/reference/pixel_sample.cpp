@@ -10,6 +10,7 @@
 #include <boost/math/distributions/students_t.hpp>
 
 #include "sim/core/check.h"
+#include "sim/core/random.h"
 
 namespace footlight::render {
 namespace {
@@ -21,13 +22,8 @@ constexpr std::array<double, 3> kContrast{0.01, 0.1, 0.5};
 constexpr std::size_t kStrata = (kBrightness.size() + 1) * (kContrast.size() + 1);
 constexpr std::int64_t kDrawnLeast = 24;  // of each stratum that has as many pixels
 
-// SplitMix64 (Steele, Lea, Flood 2014).
-std::uint64_t random_of(std::uint64_t seed, std::uint64_t index) {
-  std::uint64_t z = seed + (index + 1) * 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
+// The number that SeededNumbers has in this place.
+std::uint64_t random_of(std::uint64_t seed, std::uint64_t index) { return mixed_bits(seed + (index + 1) * kMixStep); }
 
 struct Class {
   std::uint8_t stratum = 0;

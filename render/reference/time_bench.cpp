@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "sim/core/random.h"
+
 namespace footlight::render {
 namespace {
 
@@ -16,10 +18,7 @@ double as_float(double value) { return static_cast<double>(static_cast<float>(va
 }  // namespace
 
 std::uint64_t time_hash(std::uint64_t seed, std::uint64_t index) {
-  std::uint64_t z = seed * 0x9e3779b97f4a7c15u + index * 0xd1b54a32d192ed03u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
+  return mixed_bits(seed * kMixStep + index * 0xd1b54a32d192ed03u);
 }
 
 double share_of(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1.0p-53; }

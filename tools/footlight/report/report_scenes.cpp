@@ -7,28 +7,12 @@
 #include "fixtures/gobos/gobo.h"
 #include "fixtures/photometry/attach.h"
 #include "fixtures/simulate/encode.h"
+#include "sim/core/random.h"
 
 namespace footlight::tools {
 namespace {
 
 using namespace fixtures;
-
-// SplitMix64 (Steele, Lea, Flood 2014): the same numbers on every platform, so the scene is the same everywhere.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  double uniform() {
-    state_ += 0x9e3779b97f4a7c15u;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
-  }
-  double between(double low, double high) { return low + (high - low) * uniform(); }
-
- private:
-  std::uint64_t state_;
-};
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr int kSlots = 10;
@@ -98,7 +82,7 @@ FixtureType beam_type(double lens_radius_m, int gobos) {
 }
 
 void add_clutter(Rig& rig, int count) {
-  Random random(2);
+  SeededNumbers random(2);
   for (int i = 0; i < count; ++i) {
     const glm::dvec3 size{random.between(0.3, 2), random.between(0.3, 2), random.between(0.3, 2)};
     const glm::dvec3 corner{random.between(-25, 25), random.between(-20, 20), 0};
@@ -139,7 +123,7 @@ Result<Scene> make_beams_scene(int count, const std::string& photometry, double 
   }
 
   constexpr int kPerUniverse = kSlotCountMax / kSlots;
-  Random random(1);
+  SeededNumbers random(1);
   std::vector<double> half_angles_rad;
   std::vector<glm::dvec3> colors;
   std::vector<double> angles;  // of gobos, turns
