@@ -147,6 +147,28 @@ TEST_CASE("sim/core includes only itself, and render/vk does not depend on DMX")
   check_none(offences);
 }
 
+// These files are also linked where the renderer is not built.
+TEST_CASE("the scene without pictures includes nothing of the renderer but what C++ and GLSL share") {
+  const std::vector<std::string> lines = lines_of(kRoot / "tools/footlight/CMakeLists.txt");
+  auto line = std::find(lines.begin(), lines.end(), "add_library(footlight_scene STATIC");
+  REQUIRE(line != lines.end());
+  std::set<std::string> sources;
+  while (line->find(')') == std::string::npos) {
+    std::istringstream words(*++line);
+    for (std::string word; words >> word;) sources.insert("tools/footlight/" + word.substr(0, word.find('.')));
+  }
+  REQUIRE(sources.size() > 3);
+  std::vector<std::string> offences;
+  for (const SourceFile& file : tree()) {
+    if (!is_cpp(file.path) || !sources.contains(file.path.substr(0, file.path.find('.')))) continue;
+    for (const Include& include : includes_of(file)) {
+      if (!starts_with(include.target, "render/") || is_shared(include.target)) continue;
+      offences.push_back(fmt::format("{}:{}: \"{}\"", file.path, include.line, include.target));
+    }
+  }
+  check_none(offences);
+}
+
 TEST_CASE("quoted includes start at the root and name an existing file") {
   std::vector<std::string> offences;
   for (const SourceFile& file : tree()) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tools/footlight/command.h"
+#include "tools/footlight/pictures/frame_options.h"
 
 namespace footlight::tools {
 namespace {

@@ -15,6 +15,7 @@
 #include "tools/footlight/paths.h"
 #include "tools/footlight/pictures/exr_file.h"
 #include "tools/footlight/pictures/flash_watch.h"
+#include "tools/footlight/pictures/frame_options.h"
 #include "tools/footlight/pictures/picture_file.h"
 #include "tools/footlight/pictures/scene_files.h"
 #include "tools/footlight/pictures/shown_view.h"

@@ -9,7 +9,6 @@
 #include "fixtures/files/import/import_rig.h"
 #include "fixtures/model/lamp.h"
 #include "fixtures/model/smoothing.h"
-#include "render/quality.h"
 #include "sim/core/counted.h"
 #include "tools/demo_show/demo_assets.h"
 #include "tools/footlight/status/status_text.h"
@@ -97,28 +96,6 @@ Result<std::optional<LogReader>> open_scene_log(const SceneFiles& files) {
     FL_ASSIGN(log, LogReader::open_bytes({bytes.begin(), bytes.end()}, "the built-in show"));
   }
   return log;
-}
-
-Result<std::uint32_t> parse_edges(const std::string& text) {
-  if (text == "off") return 0u;
-  if (text == "4") return 4u;
-  if (text == "8") return 8u;
-  if (text == "16") return 16u;
-  return fail(ErrorCode::kBadInput, "--edges {}: expected off, 4, 8 or 16", printable_utf8(text));
-}
-
-Result<bool> parse_shadows(const std::string& text) {
-  if (text == "on") return true;
-  if (text == "off") return false;
-  return fail(ErrorCode::kBadInput, "--shadows {}: expected on or off", printable_utf8(text));
-}
-
-Result<double> parse_glare(const std::string& text) {
-  if (text == "off") return 0.0;
-  const std::optional<double> share = render::share_of(text);
-  if (share && *share >= 0 && *share <= 1) return *share;
-  return fail(ErrorCode::kBadInput, "--glare {}: expected off or a share of the light up to 100%, as in 1%",
-              printable_utf8(text));
 }
 
 Result<PictureSize> parse_size(const std::string& text) {

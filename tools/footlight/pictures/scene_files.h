@@ -37,12 +37,6 @@ struct PictureSize {
   int width = 0;
   int height = 0;
 };
-// FrameSettings::edge_samples of "off", "4", "8" or "16".
-[[nodiscard]] Result<std::uint32_t> parse_edges(const std::string& text);
-// FrameSettings::shadows of "on" or "off".
-[[nodiscard]] Result<bool> parse_shadows(const std::string& text);
-// FrameSettings::glare of "off", "1%" or "0.01".
-[[nodiscard]] Result<double> parse_glare(const std::string& text);
 [[nodiscard]] Result<PictureSize> parse_size(const std::string& text);
 
 // The rig's camera of this name; the first one if the name is empty. The message of kBadInput lists the names.
