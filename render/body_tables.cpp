@@ -79,8 +79,9 @@ std::vector<fixtures::BodyMesh> bodies_of(const fixtures::Rig& rig, const fixtur
 }
 
 // The objects of the scene in stage space; their albedo is in the parts of their vertices.
-fixtures::BodyMesh objects_of(const fixtures::Rig& rig, fixtures::Diagnostics& diagnostics) {
-  const fixtures::Mesh scene = fixtures::scene_mesh(rig, diagnostics);
+fixtures::BodyMesh objects_of(const fixtures::Rig& rig, fixtures::Diagnostics& diagnostics,
+                              std::vector<fixtures::SolidBox>* object_solids) {
+  const fixtures::Mesh scene = fixtures::scene_mesh(rig, diagnostics, object_solids);
   fixtures::BodyMesh mesh;
   mesh.indices = scene.indices;
   for (const fixtures::MeshVertex& vertex : scene.vertices) {
@@ -147,7 +148,7 @@ void add_boxes(const fixtures::BodyMesh& mesh, std::vector<BodyBoxRow>& boxes) {
 }  // namespace
 
 Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
-                   fixtures::Diagnostics& diagnostics, RigTables& r) {
+                   fixtures::Diagnostics& diagnostics, RigTables& r, std::vector<fixtures::SolidBox>* object_solids) {
   static_assert(fixtures::kBodyLevelsMax == FL_BODY_LEVELS);
   static_assert(sizeof(fixtures::BodyVertex) == sizeof(BodyVertexRow));
   static_assert(sizeof(fixtures::TreeNode) == sizeof(TreeRow));
@@ -210,7 +211,7 @@ Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures:
   r.mesh_count = static_cast<std::uint32_t>(meshes.size());
   r.draw_count = static_cast<std::uint32_t>(draws.size());
   fixtures::BodyMesh objects;
-  if (r.has_bodies) objects = objects_of(rig, diagnostics);
+  if (r.has_bodies) objects = objects_of(rig, diagnostics, object_solids);
   if (!objects.indices.empty()) {
     add(objects, 1, 0);
     r.object_triangles = objects.indices.size() / 3;

@@ -1,13 +1,17 @@
 // The tables of bodies and objects.
 #pragma once
 
+#include <vector>
+
+#include "fixtures/bodies/solids.h"
 #include "render/resources.h"
 
 namespace footlight::render {
 
 // Fills the members of `r` for bodies: one mesh buffer for the levels of the bodies of all types and for the objects,
-// heads sorted by type. Adds what is wrong with models to the diagnostics.
+// heads sorted by type. Adds what is wrong with models to the diagnostics. `object_solids`, if not null, receives what
+// stands for the objects where light is blocked.
 Status make_bodies(vk::Device& device, const fixtures::Rig& rig, const fixtures::CompiledRig& compiled,
-                   fixtures::Diagnostics& diagnostics, RigTables& r);
+                   fixtures::Diagnostics& diagnostics, RigTables& r, std::vector<fixtures::SolidBox>* object_solids);
 
 }  // namespace footlight::render

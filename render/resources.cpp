@@ -384,8 +384,11 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   r.has_bodies = render::has_bodies(shape.needs, shape.settings);
   r.has_trees = has_smooth_edges(shape.needs, shape.settings);
   r.has_shadows = render::has_shadows(shape.needs, shape.settings);
-  if (r.has_bodies || r.has_trees) FL_TRY(make_bodies(device, shape.rig, compiled, diagnostics, r));
-  if (used[FL_BINDING_SHADOWS]) FL_TRY(make_shadow_tables(device, shape, r));
+  std::vector<fixtures::SolidBox> object_solids;
+  if (r.has_bodies || r.has_trees) {
+    FL_TRY(make_bodies(device, shape.rig, compiled, diagnostics, r, r.has_shadows ? &object_solids : nullptr));
+  }
+  if (used[FL_BINDING_SHADOWS]) FL_TRY(make_shadow_tables(device, shape, object_solids, r));
   std::vector<std::uint32_t> gobo_planes;
   if (used[FL_BINDING_GOBOS]) {
     const bool cpu = device.is_software();

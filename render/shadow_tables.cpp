@@ -9,11 +9,16 @@
 namespace footlight::render {
 namespace {
 
-// What hides light and does not move: stage boxes, and the built-in scenery where it is drawn.
-std::vector<OccluderRow> still_occluders(const MemoryShape& shape) {
+// What hides light and does not move: stage boxes, and scenery and objects where they are drawn.
+std::vector<OccluderRow> still_occluders(const MemoryShape& shape,
+                                         const std::vector<fixtures::SolidBox>& object_solids) {
   if (!has_shadows(shape.needs, shape.settings)) return {};
   std::vector<fixtures::SolidBox> solids = fixtures::scene_solids(shape.rig);
-  if (!has_bodies(shape.needs, shape.settings)) solids.resize(shape.rig.boxes.size());
+  if (has_bodies(shape.needs, shape.settings)) {
+    solids.insert(solids.end(), object_solids.begin(), object_solids.end());
+  } else {
+    solids.resize(shape.rig.boxes.size());
+  }
   std::vector<OccluderRow> rows;
   for (const fixtures::SolidBox& solid : solids) {
     const glm::vec3 center(solid.center_m);
@@ -31,14 +36,21 @@ std::uint64_t shading_bodies_max(const MemoryShape& shape) {
 }
 
 // All rows, at least one. Those of bodies are written by each frame; nothing of a body hides light before.
-std::vector<OccluderRow> all_occluders(const MemoryShape& shape) {
-  std::vector<OccluderRow> rows = still_occluders(shape);
+std::vector<OccluderRow> all_occluders(const MemoryShape& shape, const std::vector<fixtures::SolidBox>& object_solids) {
+  std::vector<OccluderRow> rows = still_occluders(shape, object_solids);
   OccluderRow nothing{};
   nothing.half_edge_0.w = -1;
   const bool used = has_shadows(shape.needs, shape.settings);
   rows.resize(rows.size() + (used ? shading_bodies_max(shape) * FL_BODY_BOXES : 0), nothing);
   if (rows.empty()) rows.push_back(nothing);
   return rows;
+}
+
+// One solid a part of an object, before its file is read.
+std::size_t planned_occluders(const MemoryShape& shape) {
+  std::vector<fixtures::SolidBox> parts;
+  for (const fixtures::SceneObject& object : shape.rig.objects) parts.resize(parts.size() + object.parts.size());
+  return all_occluders(shape, parts).size();
 }
 
 // Every beam may have a shadow of everything, up to the bytes that every device allows.
@@ -50,17 +62,18 @@ std::uint64_t shadow_bytes_of(const MemoryShape& shape, std::size_t occluders) {
 
 }  // namespace
 
-std::uint64_t occluder_bytes(const MemoryShape& shape) { return all_occluders(shape).size() * sizeof(OccluderRow); }
+std::uint64_t occluder_bytes(const MemoryShape& shape) { return planned_occluders(shape) * sizeof(OccluderRow); }
 
 std::uint64_t shadow_list_bytes(const MemoryShape& shape) {
   const std::uint64_t beams = has_shadows(shape.needs, shape.settings) ? shape.compiled.beams_max : 0;
   return std::max<std::uint64_t>(beams, 1) * sizeof(ShadowListRow);
 }
 
-std::uint64_t shadow_bytes(const MemoryShape& shape) { return shadow_bytes_of(shape, all_occluders(shape).size()); }
+std::uint64_t shadow_bytes(const MemoryShape& shape) { return shadow_bytes_of(shape, planned_occluders(shape)); }
 
-Status make_shadow_tables(vk::Device& device, const MemoryShape& shape, RigTables& r) {
-  const std::vector<OccluderRow> rows = all_occluders(shape);
+Status make_shadow_tables(vk::Device& device, const MemoryShape& shape,
+                          const std::vector<fixtures::SolidBox>& object_solids, RigTables& r) {
+  const std::vector<OccluderRow> rows = all_occluders(shape, object_solids);
   FL_ASSIGN(r.occluders, vk::Buffer::table(device, rows));
   FL_ASSIGN(r.shadow_lists,
             vk::Buffer::device_local(device, shadow_list_bytes(shape), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));

@@ -2,16 +2,20 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "render/frame.h"
 #include "render/reference/judge.h"
 #include "render/reference/norms.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
+#include "tests/support/model_bytes.h"
 
 namespace {
 
@@ -184,6 +188,54 @@ TEST_CASE("a fixture hides light of others, and none of its own") {
   std::fprintf(stderr, "alone %.6g, behind a body %.6g, through it %.6g\n", alone, behind, through);
   CHECK(behind < 0.8 * alone);
   CHECK(through > 0.95 * alone);
+}
+
+TEST_CASE("an object from a file hides light where its triangles are, and a hall around the lamp hides none") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  // A lamp straight down on a floor, and below it a 3DS box of 2 x 1 x 0.5 m whose lowest corner is at an origin.
+  Scene scene;
+  scene.rig = fixtures::demo_rig();
+  scene.rig.scenery.clear();
+  fixtures::PatchedFixture lamp = scene.rig.fixtures.front();
+  lamp.pose.reset();
+  lamp.position_m = {0, 0, 7};
+  lamp.rotation_deg = {0, 0, 0};
+  scene.rig.fixtures = {lamp};
+  scene.rig.boxes = {{"floor", {-20, -20, -0.2}, {20, 20, 0}, glm::dvec3(0.3)}};
+  scene.rig.cameras = {{"below the box", {0, -6, 1}, {0, 0, 0}, 20, 4}};
+  scene.rig.ambient_lx = 0;
+  scene.camera = scene.rig.cameras.front();
+  scene.rig.files = std::make_shared<footlight::testing::MemoryFiles>(
+      std::map<std::string, std::string>{{"box.3ds", footlight::testing::box_3ds(2000, 1000, 500)},
+                                         {"hall.3ds", footlight::testing::box_3ds(20000, 20000, 12000)}});
+  const auto floor_lux = [&](const char* file, const glm::dvec3& origin_m, bool shadows) {
+    scene.rig.objects.clear();
+    if (file[0] != 0) {
+      fixtures::SceneObject object;
+      object.name = file;
+      object.parts.push_back({file, glm::translate(glm::dmat4(1), origin_m)});
+      scene.rig.objects.push_back(object);
+    }
+    scene.compile();
+    scene.set(0, "Dimmer", 1);
+    scene.set(0, "Zoom", 12);
+    FrameSettings settings = judged_settings(64, 36);
+    settings.bodies = true;
+    settings.shadows = shadows;
+    settings.view = render::FrameView::kLux;
+    const RadianceImage lux = draw_new(vulkan.device(), scene, settings);
+    double sum = 0;
+    for (const float value : lux.rgb) sum += static_cast<double>(value);
+    return sum;
+  };
+  const double open = floor_lux("", {}, true);
+  CHECK(open > 100);
+  CHECK(floor_lux("box.3ds", {-1, -0.5, 3}, false) == doctest::Approx(open).epsilon(1e-6));
+  CHECK(floor_lux("box.3ds", {-1, -0.5, 3}, true) < 1e-3 * open);                          // in the way
+  CHECK(floor_lux("box.3ds", {3, -0.5, 3}, true) == doctest::Approx(open).epsilon(1e-6));  // beside the beam
+  CHECK(floor_lux("hall.3ds", {-10, -13, -0.5}, true) ==
+        doctest::Approx(open).epsilon(1e-6));  // around lamp and camera
 }
 
 TEST_CASE("a beam that is blocked at its lens gives no light, and 5,000 shadows of one beam are counted") {
