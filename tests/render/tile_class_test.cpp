@@ -10,6 +10,7 @@
 #include "render/reference/norms.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
+#include "tests/support/long_tests.h"
 
 namespace footlight::render {
 namespace {
@@ -106,7 +107,7 @@ TEST_CASE("no camera among the beams loses a beam to the corners of tiles") {
   Random random(24);
   Scene scenes[] = {lamps_scene(25, 300), furnished_scene(300)};
   std::unique_ptr<Frame> frames[2];
-  for (int i = 0; i < 16; ++i) {
+  for (int i = 0; i < (footlight::testing::runs_long_tests() ? 32 : 8); ++i) {
     Scene& scene = scenes[i % 2];
     const glm::dvec3 from(random.between(-8, 8), random.between(-8, 8), random.between(0.3, 7));
     const glm::dvec3 to(random.between(-5, 5), random.between(-5, 5), random.between(0, 5));

@@ -2,6 +2,7 @@
 //
 // Reads the source tree as text. To break a rule somewhere, add an exception here, with the reason beside it.
 #include <algorithm>
+#include <cctype>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -287,13 +288,26 @@ TEST_CASE("texts use the words of the glossary, not those that it replaced") {
       "nd(s|ed|ing)?|(last|merged|newest|unchanged|whole) lo"
       "oks?)\\b",
       std::regex::icase);
+  // Searched for first, since the regular expression is slow.
+  const std::vector<std::string> stems = {
+      "wi"
+      "sh",
+      "me"
+      "nd",
+      "lo"
+      "ok"};
+  const auto may_match = [&](std::string line) {
+    std::transform(line.begin(), line.end(), line.begin(), [](unsigned char c) { return std::tolower(c); });
+    return std::any_of(stems.begin(), stems.end(),
+                       [&](const std::string& stem) { return line.find(stem) != std::string::npos; });
+  };
   std::vector<std::string> offences;
   for (const SourceFile& file : tree()) {
     const bool text = is_cpp(file.path) || is_shader(file.path) || ends_with(file.path, ".md");
     if (!text || starts_with(file.path, "docs/decisions/") || file.path == "CHANGELOG.md") continue;
     for (std::size_t i = 0; i < file.lines.size(); ++i) {
       std::smatch match;
-      if (!std::regex_search(file.lines[i], match, replaced)) continue;
+      if (!may_match(file.lines[i]) || !std::regex_search(file.lines[i], match, replaced)) continue;
       offences.push_back(fmt::format("{}:{}: {}", file.path, i + 1, match.str()));
     }
   }
