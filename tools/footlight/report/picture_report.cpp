@@ -10,6 +10,7 @@
 #include "fixtures/gobos/gobo.h"
 #include "fixtures/gobos/gobo_images.h"
 #include "fixtures/simulate/walker.h"
+#include "render/pass.h"
 #include "render/reference/norms.h"
 #include "render/reference/pixel_sample.h"
 #include "render/rivals/rivals.h"
@@ -296,6 +297,11 @@ std::vector<Knob> knobs_of(const PictureReportOptions& options, const fixtures::
   }
   if (!options.rivals) return knobs;
   knobs.push_back({"no haze", 0, settings, passes_with_air({})});
+  settings = judged_settings(options);
+  if (render::has_shadows(needs, settings)) {
+    settings.shadows = false;
+    knobs.push_back({"no shadows", settings.tile_error, settings});
+  }
   for (const Rival& rival : rivals()) {
     for (const double knob : options.quick ? rival.quick_knobs : rival.knobs) {
       knobs.push_back({rival.method, knob, rival.settings(judged_settings(options), knob), rival.passes(), &rival});
@@ -475,7 +481,7 @@ Result<PictureReport> make_picture_report(vk::Device& device, const Scene& scene
     for (std::size_t p = 0; p < pass_ms.size(); ++p) {
       if (is_own(knob, frame->plan()[p].name)) row.own_ms += percentile(pass_ms[p], 0.5);
     }
-    if (settings.tile_error == defaults.tile_error && settings.gobo_taps == defaults.gobo_taps) {
+    if (settings.tile_error == defaults.tile_error && settings.gobo_taps == defaults.gobo_taps && settings.shadows) {
       report.passes.clear();
       for (std::size_t p = 0; p < pass_ms.size(); ++p) {
         report.passes.push_back({frame->plan()[p].name, percentile(pass_ms[p], 0.5)});
