@@ -14,6 +14,7 @@
 #include "render/rivals/equiangular.h"
 #include "render/rivals/froxels.h"
 #include "render/rivals/raymarch.h"
+#include "render/rivals/shadow_maps.h"
 
 namespace footlight::render {
 
@@ -25,6 +26,8 @@ const std::vector<Rival>& rivals() {
       kEquiangularWhole,
       kFroxels,  // a grid of the picture and its depth
       kFroxelsSampled,
+      kShadowMapsSmall,  // equal steps in the beam, each in a map of what hides light
+      kShadowMaps,
       kConeMesh,  // a wall of light, rasterised
       kBeamCard,  // a flat fan that faces the camera, rasterised
       kClusters,  // light on surfaces: bits of lights along X, Y and Z

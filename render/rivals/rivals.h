@@ -23,6 +23,7 @@ struct Rival {
   PassList (*passes)() = nullptr;
   // The settings of a frame at a knob.
   FrameSettings (*settings)(FrameSettings judged, double knob) = nullptr;
+  bool of_shadows = false;  // it has rows only where something hides light
 };
 
 [[nodiscard]] const std::vector<Rival>& rivals();

@@ -72,11 +72,12 @@ Scene one_beam_scene(double full_angle_deg, int type = 1) {
   return scene;
 }
 
-std::vector<double> judged_values(const Scene& scene) {
+// shadows: only shadow maps have any.
+std::vector<double> judged_values(const Scene& scene, bool shadows = false) {
   fixtures::f64::Walker walker(scene.compiled);
   walker.step(scene.levels, 0);
   JudgeScene judge = judge_scene(scene.rig, walker);
-  judge.solids.clear();  // rivals have no shadows
+  if (!shadows) judge.solids.clear();
   return judge_image(judge, view_of(scene.camera), kWidth, kHeight, {.tolerance = 1e-5, .stated_error = false}).rgb;
 }
 
@@ -157,6 +158,35 @@ TEST_CASE("rivals that sample light converge to the judge in wide beams") {
     }
     CHECK(before < c.last_max);
   }
+}
+
+TEST_CASE("shadow maps come nearer to the judge with more texels, and stay behind exact shadows") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = one_beam_scene(40);
+  for (int i = 0; i < 4; ++i) {
+    const double x = -0.9 + 0.5 * i;
+    scene.rig.boxes.push_back({"bar", {x, 2 + 0.4 * i, 3}, {x + 0.12, 2.1 + 0.4 * i, 7}, glm::dvec3(0.3)});
+  }
+  scene.camera = {"away", {9, 9, 6}, {0, 8, 5}, 40, 8};  // without the lens, which is far brighter
+  const std::vector<std::uint8_t> levels = scene.levels;
+  scene.compile();
+  scene.levels = levels;
+  const std::vector<double> judged = judged_values(scene, true);
+  FrameSettings settings = judged_settings(kWidth, kHeight);
+  settings.nodes = 4;
+  const double exact = error_of(draw_passes(vulkan.device(), scene, settings, product_passes()), judged, "exact", 4);
+  settings.shadows = false;
+  const double none = error_of(draw_passes(vulkan.device(), scene, settings, product_passes()), judged, "none", 4);
+  const auto error = [&](const char* method) {
+    return error_of(draw_rival(vulkan.device(), scene, method, 256), judged, method, 256);
+  };
+  const double small = error("shadow maps 256");
+  const double large = error("shadow maps 1024");
+  CHECK(none > 0.03);
+  CHECK(small < 0.3 * none);
+  CHECK(large < small);
+  CHECK(exact < 0.1 * large);
 }
 
 TEST_CASE("samples outside of beams miss narrow ones, and samples inside do not") {

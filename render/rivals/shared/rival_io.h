@@ -5,6 +5,7 @@
 #define FL_BINDING_FROXELS (FL_BINDING_COUNT + 1)   // vec4, by x, y and depth
 #define FL_BINDING_CLUSTERS (FL_BINDING_COUNT + 2)  // bits of lights: axis, slab, word
 #define FL_BINDING_BLENDED (FL_BINDING_COUNT + 3)   // what a rasteriser has summed up
+#define FL_BINDING_SHADOW_MAPS (FL_BINDING_COUNT + 4)  // m along the axis: beam, row, texel
 
 #define FL_SPEC_WHOLE_RAY (FL_SPEC_COUNT + 0)   // samples lie on the whole ray, not in the beam alone
 #define FL_SPEC_JITTER (FL_SPEC_COUNT + 1)      // a random place in each stratum, else its middle
@@ -15,6 +16,7 @@
 #define FL_SPEC_CLUSTER_LIGHTS (FL_SPEC_COUNT + 6)  // only so many lights; 0: all
 #define FL_SPEC_CLUSTER_EDGES (FL_SPEC_COUNT + 7)   // a slab has a light if one of its two faces cuts it
 #define FL_SPEC_CLUSTER_LAW (FL_SPEC_COUNT + 8)     // its own law of light, in half floats
+#define FL_SPEC_MAP_TEXELS (FL_SPEC_COUNT + 9)      // a side of a beam's shadow map
 
 // The box that holds all live beams, from the camera, m; and their depths in the picture.
 struct BoundsRow {
@@ -30,3 +32,4 @@ struct BoundsRow {
 #define FL_CLUSTER_REACH_M 100.0  // slabs divide a cube that reaches so far from the camera on each side
 #define FL_GROUP_CLUSTERS 64      // slabs of a workgroup
 #define FL_GROUP_SURFACE 8        // pixels a side of a workgroup
+#define FL_GROUP_MAPS 8           // texels a side of a workgroup

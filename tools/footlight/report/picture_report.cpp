@@ -303,6 +303,7 @@ std::vector<Knob> knobs_of(const PictureReportOptions& options, const fixtures::
     knobs.push_back({"no shadows", settings.tile_error, settings});
   }
   for (const Rival& rival : rivals()) {
+    if (rival.of_shadows && !render::has_shadows(needs, judged_settings(options))) continue;
     for (const double knob : options.quick ? rival.quick_knobs : rival.knobs) {
       knobs.push_back({rival.method, knob, rival.settings(judged_settings(options), knob), rival.passes(), &rival});
     }
