@@ -1,7 +1,8 @@
-// The light formulas of render/shaders/shared/beam.h, the tone map of agx.h and the weights of glare.h for C++:
-// footlight::render::f32 in float as on the GPU, f64 in double.
+// The light formulas of render/shaders/shared/beam.h, the tone curves of agx.h and tone.h and the weights of glare.h
+// for C++: footlight::render::f32 in float as on the GPU, f64 in double.
 #pragma once
 
+#include "render/frame_io.h"
 #include "sim/shared/shared.h"
 
 // gauss.h has to come before beam.h, tile_node.h after it.
@@ -13,7 +14,9 @@ using namespace ::footlight::f32;
 #include "render/shaders/shared/shadow.h"
 #include "render/shaders/shared/gobo_chord.h"
 #include "render/shaders/shared/tile_node.h"
+#include "fixtures/shared/color.h"
 #include "render/shaders/shared/agx.h"
+#include "render/shaders/shared/tone.h"
 #include "render/shaders/shared/glare.h"
 }  // namespace footlight::render::f32
 
@@ -24,7 +27,9 @@ using namespace ::footlight::f64;
 #include "render/shaders/shared/shadow.h"
 #include "render/shaders/shared/gobo_chord.h"
 #include "render/shaders/shared/tile_node.h"
+#include "fixtures/shared/color.h"
 #include "render/shaders/shared/agx.h"
+#include "render/shaders/shared/tone.h"
 #include "render/shaders/shared/glare.h"
 }  // namespace footlight::render::f64
 // clang-format on

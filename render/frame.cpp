@@ -48,6 +48,7 @@ const PassEntry* const kPasses[] = {
 std::uint32_t marks_max(const PassList& passes) { return static_cast<std::uint32_t>(passes.size()) + 2; }
 
 constexpr double kNearM = 0.05;
+constexpr double kAdaptNs = 1e9;  // time constant of the automatic exposure
 
 // Where the step pass finds its time step: the push constants of step.comp.
 struct StepPush {
@@ -186,6 +187,10 @@ Status Frame::check_settings(const FrameSettings& settings) const {
   if (!(settings.glare >= 0 && settings.glare <= 1)) {
     return fail(ErrorCode::kBadInput, "glare {}: expected a share of the light, 0 to 1", settings.glare);
   }
+  if (settings.white_k != 0 && !(settings.white_k >= kWhiteMinK && settings.white_k <= kWhiteMaxK)) {
+    return fail(ErrorCode::kBadInput, "white balance {} K: expected 0 for none, or {} to {}", settings.white_k,
+                kWhiteMinK, kWhiteMaxK);
+  }
   if (!(settings.small_body_px <= FL_SMALL_BODY_PX)) {
     return fail(ErrorCode::kBadInput, "small bodies up to {} pixels: expected 0 to {}", settings.small_body_px,
                 FL_SMALL_BODY_PX);
@@ -294,6 +299,9 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
   for (std::size_t i = 0; i < passes_.size(); ++i) {
     if (plan_[i].name == kStepPass.name) {
       record_steps(commands, true);
+    } else if (plan_[i].name == kTonemapPass.name) {
+      const auto kept = static_cast<float>(std::exp(-static_cast<double>(adapt_ns_) / kAdaptNs));
+      passes_[i]->record(commands, std::as_bytes(std::span(&kept, 1)));
     } else {
       if (plan_[i].name == beams_first && !has_solids_) clear_radiance(commands);
       passes_[i]->record(commands, {});
@@ -301,6 +309,8 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
     mark(commands, plan_[i].name);
   }
   pending_.clear();  // a rig without fixtures has no step pass
+  adapt_ns_ = 0;
+  exposure_ev_ = exposure_ev;
 }
 
 // Without solid things nothing else writes a pixel when no beam is lit. Alpha: no surface ends a ray.
@@ -448,6 +458,13 @@ Result<RadianceImage> Frame::read_seen() {
   std::vector<float> rgba(static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height) * 4);
   FL_TRY(read_image(resources_.picture.glare, shape.width, shape.height, rgba.data(), rgba.size() * sizeof(float)));
   return with_glare(light, shape, rgba);
+}
+
+Result<double> Frame::read_exposure_ev() {
+  if (!settings_.auto_exposure) return exposure_ev_;
+  float luminance = 0;
+  FL_TRY(read_buffer(resources_.rig.meter, &luminance, sizeof(luminance)));
+  return luminance > 0 ? std::log2(static_cast<double>(luminance) * exposure_factor(0)) : exposure_ev_;
 }
 
 Result<ScreenImage> Frame::read_screen() {

@@ -115,7 +115,12 @@ class Frame {
   // Records the pending steps and the whole picture; the caller submits. Afterwards resources().screen holds the
   // picture in VK_IMAGE_LAYOUT_GENERAL. Times can be read once the GPU is done with these commands.
   // The commands of the record() before must be finished: both use the same memory.
+  // exposure_ev: with FrameSettings::auto_exposure that of pictures before the first light.
   void record(VkCommandBuffer commands, const View& view, double exposure_ev);
+
+  // The automatic exposure follows the light for dt_ns >= 0 before the next record(). Whatever the number of pictures,
+  // it comes as near in the same time. The first picture with light in it has the exposure that suits it.
+  void adapt_for(std::int64_t dt_ns) { adapt_ns_ += dt_ns; }
 
   // What haze and fog machines have brought into the air by the last step(); null in a rig without any. A picture has
   // the air of its end: its haze differs from the mean over an exposure by what comes in half of that.
@@ -139,6 +144,8 @@ class Frame {
   // The light as the camera's lens leaves it: of the screen's pixels, with glare. What the tone map gets.
   [[nodiscard]] Result<RadianceImage> read_seen();
   [[nodiscard]] Result<ScreenImage> read_screen();
+  // Exposure of the last recorded picture: that of record(), or the automatic one.
+  [[nodiscard]] Result<double> read_exposure_ev();
   [[nodiscard]] Result<CountsRow> read_counts();
   [[nodiscard]] Result<std::vector<fixtures::f32::Walker::HeadState>> read_states();
   [[nodiscard]] Result<std::vector<fixtures::f32::Motor>> read_motors();
@@ -198,6 +205,8 @@ class Frame {
   std::vector<PendingStep> pending_;
   std::unique_ptr<fixtures::MachineAir> machines_;  // may be null
   double work_light_lx_ = 0;
+  std::int64_t adapt_ns_ = 0;  // since the last record()
+  double exposure_ev_ = 0;     // of the last record()
   bool has_solids_ = false;
   bool has_fine_ = false;  // beams are taken together for tiles
   double range_m_ = 0;

@@ -7,6 +7,7 @@
 #include <glm/glm.hpp>
 
 #include "fixtures/model/rig.h"
+#include "render/display.h"
 #include "render/frame_io.h"
 
 namespace footlight::render {
@@ -38,7 +39,7 @@ struct View {
 };
 
 // The picture on a screen, as the tone map pass makes it; on the CPU, in float.
-[[nodiscard]] ScreenImage screen_of(const RadianceImage& image, double exposure_ev);
+[[nodiscard]] ScreenImage screen_of(const RadianceImage& image, double exposure_ev, const Display& display = {});
 // One pixel for each side x side pixels: their mean, as the tone map pass takes it. side >= 1 divides width and height.
 [[nodiscard]] RadianceImage averaged(const RadianceImage& image, int side);
 // What the radiance is multiplied by before the tone map: the brightest luminance is 1.2 x 2^EV cd/m^2 (EV at ISO 100).

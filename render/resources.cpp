@@ -64,6 +64,7 @@ constexpr TableEntry kTables[] = {
     {FL_BINDING_COLORS, &R::colors, rows_of<&C::colors>},
     {FL_BINDING_HEADS, &R::heads, rows_of<&C::heads>},
     {FL_BINDING_PARAMS, &R::params, nullptr, [](const C&) -> std::uint64_t { return sizeof(FrameParams); }},
+    {FL_BINDING_METER, &R::meter, nullptr, [](const C&) -> std::uint64_t { return sizeof(MeterRow); }},
     {FL_BINDING_LEVELS, &R::levels, nullptr,
      [](const C& c) { return std::uint64_t{c.universes.size() * kSlotCountMax}; }},
     {FL_BINDING_STATES, &R::states, nullptr, [](const C& c) { return c.heads.size() * kStateBytes; }},

@@ -24,6 +24,14 @@ enum class BeamMethod : std::uint32_t { kGauss = FL_METHOD_GAUSS, kMarch = FL_ME
 // of the surface of each pixel in lx, per channel, without the air between it and the camera and without work light.
 enum class FrameView : std::uint32_t { kPicture = FL_VIEW_PICTURE, kClasses = FL_VIEW_CLASSES, kLux = FL_VIEW_LUX };
 
+// From exposed light to the screen (render/shaders/shared/tone.h); words: render/display.h.
+enum class ToneCurve : std::uint32_t {
+  kAgx = FL_TONE_AGX,
+  kFilmic = FL_TONE_FILMIC,
+  kReinhard = FL_TONE_REINHARD,
+  kLinear = FL_TONE_LINEAR
+};
+
 struct FrameSettings {
   int width = 1280;
   int height = 720;
@@ -61,6 +69,11 @@ struct FrameSettings {
   // Share of the light that the camera's lens scatters, 0 to 1 (render/shaders/shared/glare.h); 0: no glare. The light
   // that is read back has none.
   double glare = 0.01;
+  // What the camera makes of the light; the light that is read back stays as it is. white_k: light of a black body of
+  // that temperature is shown as white, 1,500 to 20,000 K; 0: as it is, so that white is D65.
+  double white_k = 0;
+  ToneCurve tone = ToneCurve::kAgx;
+  bool auto_exposure = false;  // Frame::record() then takes its exposure from the picture
   FrameView view = FrameView::kPicture;
   int supersample = 1;  // pixels a side of one pixel of the screen; the size is that of the radiance
 };

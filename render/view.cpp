@@ -20,15 +20,18 @@ View view_of(const fixtures::Camera& camera) {
 
 double exposure_factor(double exposure_ev) { return 1.0 / (1.2 * std::exp2(exposure_ev)); }
 
-ScreenImage screen_of(const RadianceImage& image, double exposure_ev) {
+ScreenImage screen_of(const RadianceImage& image, double exposure_ev, const Display& display) {
   ScreenImage screen{image.width, image.height, {}};
   screen.rgba.reserve(image.rgb.size() / 3 * 4);
   const auto factor = static_cast<float>(exposure_factor(exposure_ev));
+  const glm::mat3 white(white_balance(display.white_k));
   for (std::size_t i = 0; i + 2 < image.rgb.size(); i += 3) {
     const auto pixel = static_cast<std::uint32_t>(i / 3);
     const auto width = static_cast<std::uint32_t>(image.width);
-    const glm::vec3 shown = f32::dithered(
-        f32::agx(glm::vec3(image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]) * factor), pixel % width, pixel / width);
+    glm::vec3 exposed = glm::vec3(image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]) * factor;
+    if (display.white_k > 0) exposed = f32::rgb_into_gamut(white * exposed);
+    const glm::vec3 shown =
+        f32::dithered(f32::tone_shown(static_cast<std::uint32_t>(display.tone), exposed), pixel % width, pixel / width);
     for (int c = 0; c < 3; ++c) screen.rgba.push_back(static_cast<std::uint8_t>(std::lround(shown[c] * 255.0f)));
     screen.rgba.push_back(255);
   }

@@ -1,4 +1,5 @@
-// Radiance to the screen.
+// Radiance to the screen: the meter of the automatic exposure, and the tone map. Its push constants from the frame are
+// the share of the old exposure that stays, a float.
 #pragma once
 
 #include "render/pass.h"

@@ -201,7 +201,7 @@ TEST_CASE("the memory of a pass counts only buffers and images that no earlier p
   CHECK(bytes_of(needs, "bodies") ==
         kPixels * (8 + 4 + 4 + 4));  // identity and depth; depth and triangle of small ones
   CHECK(bytes_of(needs, "frame") == kPixels * (16 + 4) + sizeof(FrameParams) + sizeof(CountsRow) + 8);
-  CHECK(bytes_of(needs, "tonemap") == 0);
+  CHECK(bytes_of(needs, "tonemap") == sizeof(MeterRow));
   CHECK(bytes_of(needs, "tiles") == 4 * 10 * 6 * ((scene.compiled.beams_max + 63) / 64 * 2));
   // Gobo images belong to the first pass that reads them.
   CHECK(bytes_of(needs, "gobos") > scene.compiled.images.size() * (512 * 512 * 4 + 1024 * 256 * 8 + 512 * 64 * 65 * 4));

@@ -85,7 +85,8 @@
 #define FL_BINDING_SHADOW_LISTS (64 + FL_LAMP_COUNT)
 #define FL_BINDING_SHADOWS (65 + FL_LAMP_COUNT)
 #define FL_BINDING_GLARE (66 + FL_LAMP_COUNT)  // the pyramid of the camera's glare, in one image (render/glare.h)
-#define FL_BINDING_COUNT (67 + FL_LAMP_COUNT)
+#define FL_BINDING_METER (67 + FL_LAMP_COUNT)  // MeterRow
+#define FL_BINDING_COUNT (68 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -129,7 +130,10 @@
 #define FL_SPEC_SHADOWS (36 + FL_LAMP_COUNT)
 #define FL_SPEC_WRITE (37 + FL_LAMP_COUNT)  // shadows are written, not counted
 #define FL_SPEC_GLARE_FIRST (38 + FL_LAMP_COUNT)  // the first level of the glare's pyramid
-#define FL_SPEC_COUNT (39 + FL_LAMP_COUNT)
+#define FL_SPEC_TONE (39 + FL_LAMP_COUNT)   // FL_TONE_...
+#define FL_SPEC_WHITE (40 + FL_LAMP_COUNT)  // white is balanced
+#define FL_SPEC_METER (41 + FL_LAMP_COUNT)  // the exposure is that of the meter
+#define FL_SPEC_COUNT (42 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -142,6 +146,12 @@
 #define FL_VIEW_PICTURE 0
 #define FL_VIEW_CLASSES 1
 #define FL_VIEW_LUX 2
+
+// Tone curves (ToneCurve, shared/tone.h).
+#define FL_TONE_AGX 0
+#define FL_TONE_FILMIC 1
+#define FL_TONE_REINHARD 2
+#define FL_TONE_LINEAR 3
 
 #define FL_GROUP_HEADS 64   // heads a workgroup
 #define FL_TILE_PX 16       // a workgroup shades one tile
@@ -166,6 +176,13 @@
 #define FL_GROUP_GLARE 8     // threads a side of a workgroup of the glare pass
 #define FL_GLARE_MARGIN 2    // pixels beyond the picture that each level has, on each side
 #define FL_GLARE_WEIGHTS 25  // 1 + levels that have a weight; the first row of the image has them, behind what stays
+// The meter of the automatic exposure counts pixels by their luminance: FL_METER_STEPS bins an octave, from
+// 2^FL_METER_LOW cd/m^2.
+#define FL_METER_STEPS_LOG2 5
+#define FL_METER_LOW -20
+#define FL_METER_BINS 1536
+#define FL_GROUP_METER 16  // threads a side of a workgroup that counts, each with 4 x 4 pixels
+#define FL_GROUP_EXPOSE 256
 #define FL_RECHECK_X 16     // cells of the picture, of each of which one pixel is computed once more
 #define FL_RECHECK_Y 8
 #define FL_GROUP_RECHECK 64  // threads of a cell
@@ -366,6 +383,15 @@ struct RecheckRow {
   uint pad;
   vec4 shown;
   vec4 general;
+};
+
+// The meter of the automatic exposure.
+struct MeterRow {
+  float luminance;  // that the exposure is made for, cd/m^2; 0: there was no light yet
+  uint pad_0;
+  uint pad_1;
+  uint pad_2;
+  uint bins[FL_METER_BINS];  // pixels of this frame; empty between frames
 };
 
 // A solid box, 48 bytes.

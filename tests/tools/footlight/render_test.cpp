@@ -83,10 +83,10 @@ TEST_CASE("--error takes fixed knobs, which the file states and with which the p
   CHECK(nlohmann::json::parse(chosen.out.substr(0, chosen.out.find('\n'))).at("settings") == settings);
 
   const auto text = [&](const char* name) { return settings.at(name).dump(); };
-  const Outcome again = render({"--nodes", text("nodes"), "--tile-error", text("tile_error"), "--gobos", "samples",
-                                "--gobo-taps", text("gobo_taps"), "--gobo-px", text("gobo_px"), "--body-error",
-                                text("body_error_px")},
-                               "again.png");
+  const Outcome again =
+      render({"--nodes", text("nodes"), "--tile-error", text("tile_error"), "--gobos", "samples", "--gobo-taps",
+              text("gobo_taps"), "--gobo-px", text("gobo_px"), "--body-error", text("body_error_px")},
+             "again.png");
   REQUIRE(again.exit_code == 0);
   CHECK(!pixels_in("chosen.png").empty());
   CHECK(pixels_in("again.png") == pixels_in("chosen.png"));
@@ -114,6 +114,33 @@ TEST_CASE("--error takes fixed knobs, which the file states and with which the p
     CHECK(contains(refused.err, "does not depend on time; use --error"));
   }
   CHECK(!std::filesystem::exists(folder.file("none.png")));
+}
+
+TEST_CASE("the camera's words are stated in the file, and wrong ones are refused with a list of the right ones") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const TempFolder folder;
+  const auto render = [&](const std::vector<std::string>& more, const std::string& name) {
+    std::vector<std::string> words = {"render", "--demo", "--at", "6s", "--size", "16x9", "-o", folder.file(name)};
+    words.insert(words.end(), more.begin(), more.end());
+    return Footlight(words, kNoLeaks).wait();
+  };
+  const Outcome done =
+      render({"--tone", "filmic", "--white-balance", "3200K", "--auto-exposure", "--json"}, "camera.png");
+  INFO(done.err);
+  REQUIRE(done.exit_code == 0);
+  CHECK(contains(done.out, R"("white_balance_k":3200,"tone":"filmic","auto_exposure":true)"));
+  CHECK(!contains(done.out, R"("ev":4.6,)"));  // that of the camera
+  for (const auto& [words, message] :
+       {std::pair<std::vector<std::string>, std::string>{{"--tone", "film"},
+                                                         "--tone film: expected agx, filmic, reinhard or linear"},
+        {{"--white-balance", "warm"}, "--white-balance warm: expected off or 1500K to 20000K"},
+        {{"--white-balance", "320K"}, "--white-balance 320K: expected off or 1500K to 20000K"},
+        {{"--auto-exposure", "--ev", "3"}, "each sets the exposure; leave out one of them"}}) {
+    const Outcome refused = render(words, "none.png");
+    CHECK(refused.exit_code == 2);
+    CHECK(contains(refused.err, message));
+  }
 }
 
 TEST_CASE("--show writes false colours and says what they mean, and refuses what is no picture of them") {

@@ -52,7 +52,7 @@ struct Options {
   std::optional<double> body_error_px;
   std::string edges;
   std::string shadows = "on";
-  std::string glare = "1%";
+  CameraWords camera_words;
   int supersample = 1;
   std::string flashes = "warn";
   std::string show = "picture";
@@ -99,6 +99,10 @@ Status check_options(const Options& options) {
                 "{}: with --every, expected a placeholder for the number, such as frame_%04d.png, or a name that ends "
                 "in .mp4",
                 options.out);
+  }
+  if (options.camera_words.auto_exposure && options.exposure_ev) {
+    return fail(ErrorCode::kBadInput, "--ev {} and --auto-exposure: each sets the exposure; leave out one of them",
+                *options.exposure_ev);
   }
   if (options.flashes != "warn" && options.flashes != "limit" && options.flashes != "ignore") {
     return fail(ErrorCode::kBadInput, "--flashes {}: expected warn, limit or ignore", options.flashes);
@@ -215,7 +219,9 @@ class Job {
       FL_TRY(flushed);
     }
     if (stop_.came()) return {};
+    if (number_ > 0) frame_.adapt_for(at_ns - last_ns_);
     FL_TRY(frame_.draw(view_, exposure_ev_));
+    FL_ASSIGN(exr.exposure_ev, frame_.read_exposure_ev());
     if (shown_ == ShownView::kPicture) {
       FL_ASSIGN(picture_, frame_.read_screen());
     } else {
@@ -242,10 +248,10 @@ class Job {
         passes += fmt::format(R"({}"{}":{:.3f})", passes.empty() ? "" : ",", time.name, time.gpu_ms);
       }
       fmt::print(R"({{"event":"picture","number":{},"time_ns":{},"gpu_ms":{:.3f},"passes_ms":{{{}}},"wall_ms":{:.3f},)"
-                 R"("live":{},"dark":{},"shadows":{},"settings":{}}})"
+                 R"("live":{},"dark":{},"shadows":{},"ev":{:.6g},"settings":{}}})"
                  "\n",
                  number_, at_ns, gpu_ms, passes, wall_ms, counts.live_count, counts.dark_count, counts.shadows,
-                 settings_);
+                 exr.exposure_ev, settings_);
       std::fflush(stdout);
     }
     ++number_;
@@ -445,7 +451,7 @@ Result<int> render_pictures(const Options& options) {
     FL_ASSIGN(settings.edge_samples, parse_edges(options.edges));
   }
   FL_ASSIGN(settings.shadows, parse_shadows(options.shadows));
-  FL_ASSIGN(settings.glare, parse_glare(options.glare));
+  FL_TRY(take_camera_words(options.camera_words, settings));
   settings.gobo_gates = static_cast<std::uint32_t>(options.gobo_gates);
   settings.gate_builds = FL_GATES_MAX;  // a picture may wait for all of them
   // Samples need no images of gates.
@@ -553,8 +559,7 @@ void add(Arguments& arguments) {
                    "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges; "
                    "default: 16 on a GPU, 4 on a CPU");
   arguments.option("--shadows", options->shadows, "WORD", "on; off: light passes through boxes and fixtures [on]");
-  arguments.option("--glare", options->glare, "SHARE",
-                   "share of the light that the camera's lens scatters, as in 1%, or off [1%]");
+  add_camera_arguments(arguments, options->camera_words);
   arguments.option("--ms", options->ms, "MS", "refused: a rendered picture does not depend on time; use --error");
   arguments.option(
       "--supersample", options->supersample, 1, 4,

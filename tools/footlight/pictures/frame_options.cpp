@@ -1,11 +1,28 @@
 #include "tools/footlight/pictures/frame_options.h"
 
+#include <charconv>
+#include <iterator>
 #include <optional>
 
+#include "render/display.h"
 #include "render/quality.h"
 #include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
+namespace {
+
+// "agx, filmic, reinhard or linear".
+std::string tone_words() {
+  std::string words;
+  const std::size_t count = std::size(render::kToneCurves);
+  for (std::size_t i = 0; i < count; ++i) {
+    words += i == 0 ? "" : i + 1 < count ? ", " : " or ";
+    words += render::word_of(render::kToneCurves[i]);
+  }
+  return words;
+}
+
+}  // namespace
 
 Result<std::uint32_t> parse_edges(const std::string& text) {
   if (text == "off") return 0u;
@@ -27,6 +44,45 @@ Result<double> parse_glare(const std::string& text) {
   if (share && *share >= 0 && *share <= 1) return *share;
   return fail(ErrorCode::kBadInput, "--glare {}: expected off or a share of the light up to 100%, as in 1%",
               printable_utf8(text));
+}
+
+Result<double> parse_white_balance(const std::string& text) {
+  if (text == "off") return 0.0;
+  std::string_view number = text;
+  if (number.ends_with('K') || number.ends_with('k')) number.remove_suffix(1);
+  double white_k = 0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), white_k);
+  if (error == std::errc{} && end == number.data() + number.size() && white_k >= render::kWhiteMinK &&
+      white_k <= render::kWhiteMaxK) {
+    return white_k;
+  }
+  return fail(ErrorCode::kBadInput, "--white-balance {}: expected off or {:g}K to {:g}K, as in 3200K or 5600K",
+              printable_utf8(text), render::kWhiteMinK, render::kWhiteMaxK);
+}
+
+Result<render::ToneCurve> parse_tone(const std::string& text) {
+  if (const auto tone = render::tone_of(text)) return *tone;
+  return fail(ErrorCode::kBadInput, "--tone {}: expected {}", printable_utf8(text), tone_words());
+}
+
+void add_camera_arguments(Arguments& arguments, CameraWords& words) {
+  arguments.option("--glare", words.glare, "SHARE",
+                   "share of the light that the camera's lens scatters, as in 1%, or off [1%]");
+  arguments.option("--white-balance", words.white_balance, "KELVIN",
+                   "light of this colour temperature is shown as white, as in 3200K or 5600K; off: daylight of 6500 K "
+                   "is [off]");
+  arguments.option("--tone", words.tone, "WORD", "tone curve: " + tone_words() + " [agx]");
+  arguments.flag("--auto-exposure", words.auto_exposure,
+                 "the exposure follows the light (time constant 1 s): 1 % of the pixels are brighter than 1.2 x 2^EV "
+                 "cd/m2");
+}
+
+Status take_camera_words(const CameraWords& words, render::FrameSettings& settings) {
+  FL_ASSIGN(settings.glare, parse_glare(words.glare));
+  FL_ASSIGN(settings.white_k, parse_white_balance(words.white_balance));
+  FL_ASSIGN(settings.tone, parse_tone(words.tone));
+  settings.auto_exposure = words.auto_exposure;
+  return {};
 }
 
 }  // namespace footlight::tools

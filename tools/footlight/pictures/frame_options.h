@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <string>
 
+#include "render/settings.h"
 #include "sim/core/result.h"
+#include "tools/footlight/command.h"
 
 namespace footlight::tools {
 
@@ -14,5 +16,20 @@ namespace footlight::tools {
 [[nodiscard]] Result<bool> parse_shadows(const std::string& text);
 // FrameSettings::glare of "off", "1%" or "0.01".
 [[nodiscard]] Result<double> parse_glare(const std::string& text);
+
+// FrameSettings::white_k of "off", "5600K" or "5600".
+[[nodiscard]] Result<double> parse_white_balance(const std::string& text);
+// FrameSettings::tone of the word of a curve.
+[[nodiscard]] Result<render::ToneCurve> parse_tone(const std::string& text);
+
+// What the camera makes of light, as words of the command line: glare, white balance, tone curve, automatic exposure.
+struct CameraWords {
+  std::string glare = "1%";
+  std::string white_balance = "off";
+  std::string tone = "agx";
+  bool auto_exposure = false;
+};
+void add_camera_arguments(Arguments& arguments, CameraWords& words);
+Status take_camera_words(const CameraWords& words, render::FrameSettings& settings);
 
 }  // namespace footlight::tools

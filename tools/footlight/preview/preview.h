@@ -25,11 +25,11 @@ struct PreviewOptions {
   std::optional<double> work_light_lx;  // default: work_light_lx() if faders drive the rig, else 0
   render::QualityRequest quality;       // if one is asked for, the three that follow do not matter
   int nodes = 3;
-  double tile_error = 4e-3;    // render::FrameSettings
-  double body_error_px = 0.5;  // the same
+  double tile_error = 4e-3;                   // render::FrameSettings
+  double body_error_px = 0.5;                 // the same
   std::optional<std::uint32_t> edge_samples;  // default: render::suited_edge_samples()
   bool shadows = true;
-  double glare = 0.01;
+  render::FrameSettings display;  // of which glare, white balance, tone curve and automatic exposure
   FlashMode flashes = FlashMode::kWarn;
   bool json = false;
 };

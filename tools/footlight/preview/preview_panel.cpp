@@ -131,8 +131,25 @@ void draw_view(const PreviewFacts& facts, PreviewControls& controls) {
     }
     if (ImGui::Button(label.c_str())) controls.camera = static_cast<int>(i);
   }
+  ImGui::Checkbox("auto exposure", &controls.auto_exposure);
+  if (!controls.auto_exposure) {
+    ImGui::SetNextItemWidth(-1);
+    ImGui::SliderFloat("##ev", &controls.exposure_ev, -4, 16, "exposure %.1f EV");
+  }
+  ImGui::Checkbox("white balance", &controls.balances_white);
+  if (controls.balances_white) {
+    ImGui::SetNextItemWidth(-1);
+    ImGui::SliderFloat("##white", &controls.white_k, static_cast<float>(render::kWhiteMinK),
+                       static_cast<float>(render::kWhiteMaxK), "white %.0f K",
+                       ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
+  }
   ImGui::SetNextItemWidth(-1);
-  ImGui::SliderFloat("##ev", &controls.exposure_ev, -4, 16, "exposure %.1f EV");
+  if (ImGui::BeginCombo("##tone", fmt::format("tone curve {}", render::word_of(controls.tone)).c_str())) {
+    for (const render::ToneCurve tone : render::kToneCurves) {
+      if (ImGui::Selectable(render::word_of(tone).data(), tone == controls.tone)) controls.tone = tone;
+    }
+    ImGui::EndCombo();
+  }
   ImGui::SetNextItemWidth(-1);
   ImGui::SliderFloat("##glare", &controls.glare_percent, 0, 20, "glare %.1f %%",
                      ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);

@@ -55,6 +55,10 @@ enum class PanelState { kFull, kStrip, kHidden };
 struct PreviewControls {
   PanelState panel = PanelState::kFull;
   float exposure_ev = 4;
+  bool auto_exposure = false;  // exposure_ev does not matter then
+  render::ToneCurve tone = render::ToneCurve::kAgx;
+  bool balances_white = false;
+  float white_k = 5600;  // where it does
   float glare_percent = 1;
   bool work_light = false;
   float work_light_lx = 0;  // while it is on

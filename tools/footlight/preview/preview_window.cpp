@@ -74,7 +74,19 @@ class FrameTimes {
   std::uint64_t count_ = 0;
 };
 
-double glare_of(const PreviewControls& controls) { return static_cast<double>(controls.glare_percent) / 100; }
+// What the camera makes of the light.
+void take_display(const PreviewControls& controls, render::FrameSettings& settings) {
+  settings.glare = static_cast<double>(controls.glare_percent) / 100;
+  settings.white_k = controls.balances_white ? static_cast<double>(controls.white_k) : 0;
+  settings.tone = controls.tone;
+  settings.auto_exposure = controls.auto_exposure;
+}
+bool other_display(const PreviewControls& controls, const render::FrameSettings& settings) {
+  render::FrameSettings own;
+  take_display(controls, own);
+  return own.glare != settings.glare || own.white_k != settings.white_k || own.tone != settings.tone ||
+         own.auto_exposure != settings.auto_exposure;
+}
 
 class Preview {
  public:
@@ -257,7 +269,11 @@ void Preview::set_controls(const fixtures::Camera& camera) {
   knobs_.tile_error = options_.tile_error;
   knobs_.body_error_px = options_.body_error_px;
   controls_.nodes = options_.nodes;
-  controls_.glare_percent = static_cast<float>(100 * options_.glare);
+  controls_.glare_percent = static_cast<float>(100 * options_.display.glare);
+  controls_.auto_exposure = options_.display.auto_exposure;
+  controls_.tone = options_.display.tone;
+  controls_.balances_white = options_.display.white_k > 0;
+  if (options_.display.white_k > 0) controls_.white_k = static_cast<float>(options_.display.white_k);
   facts_.quality = options_.quality;
   const double usual_lx = work_light_lx(camera.exposure_ev);
   controls_.work_light = options_.work_light_lx.value_or(by_hand() ? usual_lx : 0) > 0;
@@ -444,7 +460,7 @@ Status Preview::rebuild(const PixelRect& where) {
   settings.nodes = static_cast<std::uint32_t>(controls_.nodes);
   settings.edge_samples = options_.edge_samples.value_or(render::suited_edge_samples(*device_));
   settings.shadows = options_.shadows;
-  settings.glare = glare_of(controls_);
+  take_display(controls_, settings);
   settings.haze = controls_.haze;
   error_.reset();
   error_tried_ = error_drawn_ = false;
@@ -662,12 +678,13 @@ Status Preview::turn() {
   drawn.divisor = knobs.divisor;  // a part of the size
   if (knobs.gobo_method == render::GoboMethod::kSuited) drawn.gobo_method = knobs.gobo_method;
   const bool other_knobs = drawn != knobs;
-  if (other_knobs || controls_.haze != settings.haze || glare_of(controls_) != settings.glare ||
+  if (other_knobs || controls_.haze != settings.haze || other_display(controls_, settings) ||
       (other_size && now_ns - wanted_since_ns_ >= kSettleNs && !window_->minimised())) {
     FL_TRY(rebuild(where));
   }
   FL_TRY(update_error());
   FL_TRY(step_levels(dt_ns));
+  frame_->adapt_for(dt_ns);    // also while the log is paused
   if (window_->minimised()) {  // the fixtures continue without pictures
     shown_ = false;
     return frame_->run_steps();
