@@ -81,6 +81,8 @@ TEST_CASE("the demo opens, draws, saves a picture and closes without a message f
   CHECK(line["validation_messages"] == 0);
   CHECK(line["frames"].get<int>() >= 1);
   CHECK(line["live"].get<int>() > 0);
+  CHECK(line["shadows"].get<int>() > 0);
+  CHECK(line["shadows_lost"] == 0);
   CHECK(line["width"] == 320);
   // A window this narrow begins without the panel, so the error is not measured.
   CHECK(!line.contains("error"));

@@ -83,6 +83,11 @@ void draw_cost(const PreviewFacts& facts) {
   row("GPU", ms_text(total_ms));
   for (const auto& pass : facts.passes) pass_bar(pass, longest_ms);
   row("beams", fmt::format("{} lit, {} dark", facts.live_beams, facts.dark_beams));
+  if (facts.shadows_lost > 0) {
+    ImGui::PushTextWrapPos(0);
+    text(kRed, fmt::format("{} of {} shadows are missing: no room", facts.shadows_lost, facts.shadows));
+    ImGui::PopTextWrapPos();
+  }
   row("picture", fmt::format("{} x {}, {:.0f} MiB", facts.width, facts.height, std::ceil(facts.gpu_mib)));
 }
 

@@ -34,6 +34,8 @@ struct PreviewFacts {
   std::vector<render::PassTime> passes;
   std::uint32_t live_beams = 0;
   std::uint32_t dark_beams = 0;
+  std::uint32_t shadows = 0;
+  std::uint32_t shadows_lost = 0;  // of them, for want of room
   double gpu_mib = 0;
   render::ErrorWindow::Estimate error;      // of the pictures of the last second
   render::QualityRequest quality;           // that knobs are chosen for; nothing: the user chooses

@@ -614,6 +614,8 @@ Status Preview::read_figures(DurationNs dt_ns) {
     std::memcpy(&counts, counts_.mapped, sizeof(counts));
     facts_.live_beams = counts.live_count;
     facts_.dark_beams = counts.dark_count;
+    facts_.shadows = counts.shadows;
+    facts_.shadows_lost = counts.shadows_lost;
     if (flashes_ && !flashes_->limits()) tell_flashes(flashes_->take(drawn_ns_ - start_ns_));
   }
   facts_.now_ns = clock_.now_ns();
@@ -770,7 +772,9 @@ nlohmann::json Preview::figures() const {
                          {"height", frame_->settings().height},
                          {"nodes", frame_->settings().nodes},
                          {"live", facts_.live_beams},
-                         {"dark", facts_.dark_beams}};
+                         {"dark", facts_.dark_beams},
+                         {"shadows", facts_.shadows},
+                         {"shadows_lost", facts_.shadows_lost}};
   if (facts_.error.samples > 0) {
     line["error"] = {{"rel_l2", facts_.error.rel_l2},
                      {"low", facts_.error.low},
