@@ -8,6 +8,7 @@
 #include "render/glare.h"
 #include "render/passes/beams.h"
 #include "render/passes/bodies.h"
+#include "render/passes/bounce.h"
 #include "render/passes/coarse.h"
 #include "render/passes/depths.h"
 #include "render/passes/edges.h"
@@ -33,6 +34,7 @@ const PassEntry* const kPasses[] = {
     &kGobosPass,     // beams -> tables of their gobos that are not built yet
     &kBodiesPass,    // fixture bodies -> visibility buffer
     &kTilesPass,     // beams -> which supertile they touch
+    &kBouncePass,    // beams x boxes and scenery -> light that these reflect
     &kSurfacesPass,  // beams x boxes and bodies -> radiance, distance
     &kDepthsPass,    // radiance's distances -> planes of tiles
     &kCoarsePass,    // beams -> those that are smooth over a supertile, records of rims and cuts, and the rest
@@ -225,6 +227,9 @@ Status Frame::change(const FrameSettings& requested) {
   }
   if (has_shadows(needs, settings) && !resources_.rig.has_shadows) {
     return fail(ErrorCode::kBadInput, "shadows were left out when the frame was made: expected a new frame");
+  }
+  if (has_bounce(needs, settings) && !resources_.rig.has_bounce) {
+    return fail(ErrorCode::kBadInput, "reflected light was left out when the frame was made: expected a new frame");
   }
   if (has_smooth_edges(needs, settings) && !resources_.rig.has_trees) {
     return fail(ErrorCode::kBadInput, "smooth edges were left out when the frame was made: expected a new frame");

@@ -37,4 +37,8 @@ static_assert(sizeof(GatesHead) == 16);
 static_assert(sizeof(RecheckRow) == 48);
 static_assert(sizeof(MeterRow) == 16 + 4 * FL_METER_BINS);
 static_assert(FL_METER_BINS % FL_GROUP_EXPOSE == 0);
+static_assert(sizeof(BounceSolidRow) == 96);
+static_assert(sizeof(BouncePatchRow) == 80);
+static_assert(sizeof(BounceGrid) == 32);
+static_assert(sizeof(BounceProbeRow) == 32);
 }  // namespace footlight::render

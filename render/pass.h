@@ -77,6 +77,11 @@ struct PassEntry {
 [[nodiscard]] inline bool has_shadows(const fixtures::Needs& needs, const FrameSettings& settings) {
   return needs.fixtures && settings.shadows && has_solids(needs, settings);
 }
+// Whether solid things reflect light to others.
+[[nodiscard]] inline bool has_bounce(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return needs.fixtures && settings.bounce && settings.view != FrameView::kClasses &&
+         (needs.surfaces || (needs.objects && settings.bodies));
+}
 // Whether the edges of solid things are smoothed.
 [[nodiscard]] inline bool has_smooth_edges(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_solids(needs, settings) && settings.edge_samples > 0 && settings.view == FrameView::kPicture;

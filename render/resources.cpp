@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "render/body_tables.h"
+#include "render/bounce_tables.h"
 #include "render/glare.h"
 #include "render/gobo_tables.h"
 #include "render/gobo_textures.h"
@@ -91,6 +92,13 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_BODY_BOXES, &R::body_boxes},
     {FL_BINDING_SHADOW_LISTS, &R::shadow_lists},
     {FL_BINDING_SHADOWS, &R::shadows},
+    {FL_BINDING_BOUNCE_SOLIDS, &R::bounce_solids},
+    {FL_BINDING_BOUNCE_TREE, &R::bounce_tree},
+    {FL_BINDING_BOUNCE_PATCHES, &R::bounce_patch_rows},
+    {FL_BINDING_BOUNCE_GRID, &R::bounce_grid},
+    {FL_BINDING_BOUNCE_FORMS, &R::bounce_forms},
+    {FL_BINDING_BOUNCE_FLUX, &R::bounce_flux},
+    {FL_BINDING_BOUNCE_LIGHT, &R::bounce_light},
     {FL_BINDING_INSTANCES, &R::slots},
     {FL_BINDING_BODY_MESHES, &R::meshes},
     {FL_BINDING_BODY_LEVELS, &R::body_levels},
@@ -285,6 +293,13 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_OCCLUDERS: return occluder_bytes(shape);
     case FL_BINDING_SHADOW_LISTS: return shadow_list_bytes(shape);
     case FL_BINDING_SHADOWS: return shadow_bytes(shape);
+    case FL_BINDING_BOUNCE_SOLIDS:
+    case FL_BINDING_BOUNCE_TREE:
+    case FL_BINDING_BOUNCE_PATCHES:
+    case FL_BINDING_BOUNCE_GRID:
+    case FL_BINDING_BOUNCE_FORMS:
+    case FL_BINDING_BOUNCE_FLUX:
+    case FL_BINDING_BOUNCE_LIGHT: return bounce_bytes(binding, shape);
     case FL_BINDING_BOXES: return shape.rig.boxes.size() * sizeof(BoxRow);
     case FL_BINDING_GOBOS: return gobo_bytes(shape);
     case FL_BINDING_GOBO_TABLES: return largest_gobo_tables(shape).rows.size() * sizeof(GoboTableRow);
@@ -390,6 +405,7 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
     FL_TRY(make_bodies(device, shape.rig, compiled, diagnostics, r, r.has_shadows ? &object_solids : nullptr));
   }
   if (used[FL_BINDING_SHADOWS]) FL_TRY(make_shadow_tables(device, shape, object_solids, r));
+  if (used[FL_BINDING_BOUNCE_LIGHT]) FL_TRY(make_bounce_tables(device, shape, r));
   std::vector<std::uint32_t> gobo_planes;
   if (used[FL_BINDING_GOBOS]) {
     const bool cpu = device.is_software();

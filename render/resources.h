@@ -63,6 +63,8 @@ struct RigTables {
   vk::Buffer blades;             // BladesRow, one a beam
   vk::Buffer shadow_lists;       // ShadowListRow, one a beam
   vk::Buffer shadows;            // ShadowRow
+  // Light that surfaces reflect (render/bounce_tables.h). The forms are computed by the first frame that reads them.
+  vk::Buffer bounce_solids, bounce_tree, bounce_patch_rows, bounce_grid, bounce_forms, bounce_flux, bounce_light;
   vk::Buffer trees, head_slots;  // TreeRow; the slot of each head, FL_NONE: it has no body
   vk::Buffer choices, drawn;     // one word a body: its level; heads that the rasteriser draws, by mesh and level
   vk::Buffer counts;             // CountsRow, then beams and lit heads of each group of FL_GROUP_HEADS
@@ -100,6 +102,10 @@ struct RigTables {
   bool has_bodies = false;                     // the models were read
   bool has_shadows = false;                    // there is what shadows need
   bool has_trees = false;                      // there is what smooth edges need
+  bool has_bounce = false;                     // there is what reflected light needs
+  bool has_bounce_forms = false;               // they were computed
+  std::uint32_t bounce_patches = 0;
+  std::uint32_t bounce_probes = 0;
   std::vector<std::uint32_t> level_triangles;  // of each BodyLevelRow
   std::uint64_t body_triangles = 0;            // of the whole meshes of all bodies
   std::uint64_t object_triangles = 0;

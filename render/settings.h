@@ -66,6 +66,9 @@ struct FrameSettings {
   // Samples of what a pixel shows, where the edge of something solid may be in it: 4, 8 or 16; 0: edges stay jagged.
   std::uint32_t edge_samples = 16;
   bool shadows = true;  // boxes and bodies hide light
+  // Boxes and built-in scenery reflect light to each other and to bodies (render/bounce_tables.h). Off here since the
+  // judge has no such light; `render` and `preview` turn it on.
+  bool bounce = false;
   // Share of the light that the camera's lens scatters, 0 to 1 (render/shaders/shared/glare.h); 0: no glare. The light
   // that is read back has none.
   double glare = 0.01;

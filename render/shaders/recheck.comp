@@ -26,6 +26,7 @@
 #include "render/shaders/lib/shadow.glsl"
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 #include "render/shaders/lib/surface_light.glsl"
+#include "render/shaders/lib/bounce.glsl"
 
 layout(local_size_x = FL_GROUP_RECHECK) in;
 layout(push_constant) uniform Push { uint seed; uint first; } push;  // first: place in the order of cells
@@ -123,6 +124,7 @@ vec3 light_in_air(BeamRow row, uint index, Medium medium, vec3 d, float t_max_m)
 vec3 seen_of(Surface surface, vec3 offset_m, vec3 lx, Medium medium) {
   if (surface.kind == kNothing) return vec3(0.0);
   float form = work_light(surface.normal, offset_m);
+  if (kBounce) lx += bounced_lx(surface, params.position.xyz + offset_m);
   vec3 albedo = vec3(kBodyAlbedo);
   if (surface.kind == kBox) albedo = boxes[surface.which].albedo.rgb;
   if (surface.kind == kObject) albedo = vec3((uvec3(surface.which) >> uvec3(20, 10, 0)) & 1023u) / 1023.0;

@@ -34,6 +34,7 @@ layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(constant_id = FL_SPEC_TILES) const bool kTiles = false;
 #include "render/shaders/lib/surface_class.glsl"
 #include "render/shaders/lib/surface_light.glsl"
+#include "render/shaders/lib/bounce.glsl"
 
 layout(local_size_x_id = FL_SPEC_GROUP) in;
 
@@ -270,6 +271,7 @@ void main() {
     if (any(greaterThanEqual(pixel, size))) continue;
     vec3 color = vec3(0.0);
     uint which = surface[i].which;
+    if (kBounce) illuminance_lx[i] += bounced_lx(surface[i], params.position.xyz + offset_m[i]);
     if (surface[i].kind == kBox) {
       float form = work_light(surface[i].normal, offset_m[i]);
       color = boxes[which].albedo.rgb / kPi * (illuminance_lx[i] + params.work_lx * form);

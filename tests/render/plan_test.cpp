@@ -15,8 +15,8 @@ namespace {
 using fixtures::Needs;
 using vk::SpecConstant;
 
-const std::vector<std::string> kAll{"step",   "gather",  "shadows", "gobos", "bodies", "tiles", "surfaces", "depths",
-                                    "coarse", "records", "fine",    "beams", "edges",  "glare", "tonemap"};
+const std::vector<std::string> kAll{"step",   "gather", "shadows", "gobos", "bodies", "tiles", "bounce", "surfaces",
+                                    "depths", "coarse", "records", "fine",  "beams",  "edges", "glare",  "tonemap"};
 // Those that take beams together for tiles.
 const std::vector<std::string> kTilePasses{"depths", "coarse", "records", "fine"};
 
@@ -58,6 +58,13 @@ Needs demo_needs() {
   return needs;
 }
 
+// Settings with every pass: what is off by default is on.
+FrameSettings every_setting() {
+  FrameSettings settings;
+  settings.bounce = true;
+  return settings;
+}
+
 // A plan and the passes that it leaves out together are the whole list, in order, without a pass in both.
 void check_left_out(const Needs& needs, const FrameSettings& settings) {
   std::vector<std::string> planned = names_of(plan_frame(needs, settings));
@@ -73,7 +80,7 @@ void check_left_out(const Needs& needs, const FrameSettings& settings) {
 }
 
 TEST_CASE("the demo rig with all missing needs added has every pass, with every branch") {
-  const FrameSettings settings;
+  const FrameSettings settings = every_setting();
   const std::vector<SpecConstant> tile_constants{
       {FL_SPEC_EXTINCTION, 1}, {FL_SPEC_PROFILE, 1},  {FL_SPEC_NODES, settings.nodes}, {FL_SPEC_BOXES, 1},
       {FL_SPEC_BODIES, 1},     {FL_SPEC_MEASURED, 1}, {FL_SPEC_RECTANGLE, 1},          {FL_SPEC_WIDE, 1},
@@ -112,6 +119,17 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                               {"gobos", {}},
                               {"bodies", {}},
                               {"tiles", {{FL_SPEC_RECTANGLE, 1}}},
+                              {"bounce",
+                               {{FL_SPEC_GOBO, 1},
+                                {FL_SPEC_EXTINCTION, 1},
+                                {FL_SPEC_PROFILE, 1},
+                                {FL_SPEC_BLADES, 1},
+                                {FL_SPEC_FOCUS, 1},
+                                {FL_SPEC_ANIMATION, 1},
+                                {FL_SPEC_MEASURED, 1},
+                                {FL_SPEC_RECTANGLE, 1},
+                                {FL_SPEC_WIDE, 1},
+                                {FL_SPEC_IRIS, 1}}},
                               {"surfaces",
                                {{FL_SPEC_GOBO, 1},
                                 {FL_SPEC_EXTINCTION, 1},
@@ -127,6 +145,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_TILES, 1},
                                 {FL_SPEC_IRIS, 1},
                                 {FL_SPEC_SHADOWS, 1},
+                                {FL_SPEC_BOUNCE, 1},
                                 {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
                               {"depths", {}},
                               {"coarse", tile_constants},
@@ -159,7 +178,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
 }
 
 TEST_CASE("method, nodes and gobo taps change only the passes of beams in haze") {
-  FrameSettings settings;
+  FrameSettings settings = every_setting();
   settings.method = BeamMethod::kMarch;
   settings.nodes = 64;
   settings.gobo_taps = 5;
@@ -174,18 +193,19 @@ TEST_CASE("method, nodes and gobo taps change only the passes of beams in haze")
       // A march takes no beams together, and samples gobos.
       CHECK(std::find(names.begin(), names.end(), name) == names.end());
     } else if (name != "beams")
-      CHECK(constants_of(plan, name) == constants_of(plan_frame(demo_needs(), {}), name));
+      CHECK(constants_of(plan, name) == constants_of(plan_frame(demo_needs(), every_setting()), name));
   }
 }
 
 TEST_CASE("without a need its branches or its passes are left out") {
-  const FrameSettings settings;
+  const FrameSettings settings = every_setting();
   struct Case {
     const char* what;
     bool Needs::*need;
     std::vector<std::string> lost;  // passes
     std::uint32_t constant;         // is 0 without the need; FL_SPEC_COUNT: none
     std::uint32_t another = FL_SPEC_COUNT;
+    std::uint32_t third = FL_SPEC_COUNT;
   };
   for (const Case& c :
        {Case{"motion", &Needs::motion, {}, FL_SPEC_MOTION},
@@ -212,13 +232,15 @@ TEST_CASE("without a need its branches or its passes are left out") {
         Case{"profile", &Needs::profile, {}, FL_SPEC_PROFILE},
         Case{"wide", &Needs::wide, {}, FL_SPEC_WIDE},
         Case{"iris", &Needs::iris, {}, FL_SPEC_IRIS},
-        Case{"surfaces", &Needs::surfaces, {}, FL_SPEC_BOXES},
+        Case{"surfaces", &Needs::surfaces, {"bounce"}, FL_SPEC_BOXES, FL_SPEC_BOUNCE},
         Case{"haze", &Needs::haze, {"gobos", "depths", "coarse", "records", "fine", "beams"}, FL_SPEC_COUNT},
         Case{"fixtures",
              &Needs::fixtures,
-             {"step", "gather", "shadows", "gobos", "bodies", "tiles", "depths", "coarse", "records", "fine", "beams"},
+             {"step", "gather", "shadows", "gobos", "bodies", "tiles", "bounce", "depths", "coarse", "records", "fine",
+              "beams"},
              FL_SPEC_BODIES,
-             FL_SPEC_SHADOWS}}) {
+             FL_SPEC_SHADOWS,
+             FL_SPEC_BOUNCE}}) {
     CAPTURE(c.what);
     Needs needs = demo_needs();
     needs.*c.need = false;
@@ -228,7 +250,7 @@ TEST_CASE("without a need its branches or its passes are left out") {
     });
     for (PassPlan& pass : expected) {
       for (SpecConstant& constant : pass.constants) {
-        if (constant.id == c.constant || constant.id == c.another) constant.value = 0;
+        if (constant.id == c.constant || constant.id == c.another || constant.id == c.third) constant.value = 0;
       }
     }
     CHECK(plan_frame(needs, settings) == expected);
@@ -275,6 +297,7 @@ TEST_CASE("every combination of needs has each pass exactly once: in the plan or
                       bit(7), bit(8), bit(9), bit(10), bit(11), bit(12)};
     FrameSettings settings;
     settings.bodies = bit(13);
+    settings.bounce = bit(4) != bit(5);
     check_left_out(needs, settings);
   }
 }

@@ -86,7 +86,17 @@
 #define FL_BINDING_SHADOWS (65 + FL_LAMP_COUNT)
 #define FL_BINDING_GLARE (66 + FL_LAMP_COUNT)  // the pyramid of the camera's glare, in one image (render/glare.h)
 #define FL_BINDING_METER (67 + FL_LAMP_COUNT)  // MeterRow
-#define FL_BINDING_COUNT (68 + FL_LAMP_COUNT)
+// Light that surfaces reflect to others (render/bounce_tables.h): BounceSolidRow; TreeRow over them; BouncePatchRow;
+// BounceGrid with BounceProbeRow. What of the light of a patch reaches a patch, and a probe. Of a frame: the flux that
+// beams bring to each patch, in units of 1 / FL_BOUNCE_FLUX lm, 64 bits a channel; the light of patches and of probes.
+#define FL_BINDING_BOUNCE_SOLIDS (68 + FL_LAMP_COUNT)
+#define FL_BINDING_BOUNCE_TREE (69 + FL_LAMP_COUNT)
+#define FL_BINDING_BOUNCE_PATCHES (70 + FL_LAMP_COUNT)
+#define FL_BINDING_BOUNCE_GRID (71 + FL_LAMP_COUNT)
+#define FL_BINDING_BOUNCE_FORMS (72 + FL_LAMP_COUNT)
+#define FL_BINDING_BOUNCE_FLUX (73 + FL_LAMP_COUNT)
+#define FL_BINDING_BOUNCE_LIGHT (74 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (75 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -133,7 +143,8 @@
 #define FL_SPEC_TONE (39 + FL_LAMP_COUNT)   // FL_TONE_...
 #define FL_SPEC_WHITE (40 + FL_LAMP_COUNT)  // white is balanced
 #define FL_SPEC_METER (41 + FL_LAMP_COUNT)  // the exposure is that of the meter
-#define FL_SPEC_COUNT (42 + FL_LAMP_COUNT)
+#define FL_SPEC_BOUNCE (42 + FL_LAMP_COUNT)  // surfaces get the light that others reflect
+#define FL_SPEC_COUNT (43 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -432,6 +443,52 @@ struct ShadowRow {
   vec4 planes[12];  // filled up to a multiple of 4
 };
 #define FL_SHADOW_BYTES_MAX 134217728  // of the table of ShadowRow
+
+// A solid that light ends at and may be reflected by, 96 bytes. Inside it all dual[i].xyz . place + dual[i].w are
+// between -1 and 1. Faces: 2 axis, and 2 axis + 1 for the side at 1.
+struct BounceSolidRow {
+  vec4 dual[3];
+  uint first[6];  // patch of each face; FL_NONE: what reaches the face is lost
+  uint count[6];  // patches along the axis after that of the face, and << 16 along the next; rows of the former
+};
+// A rectangle of a face, 80 bytes. Its cells are 4 x 4.
+struct BouncePatchRow {
+  vec4 center;  // m; w: area that no other solid covers, m^2
+  vec4 half_u;  // from the centre to the middle of an edge, m; w: the length of the longer edge, m
+  vec4 half_v;
+  vec4 normal;
+  float red;  // albedo
+  float green;
+  float blue;
+  uint exposed;  // bits of cells that no other solid covers, 1 << (4 v + u)
+};
+#define FL_BOUNCE_CELLS 4
+#define FL_BOUNCE_PATCHES_MAX 512
+#define FL_BOUNCE_PROBES_MAX 512
+#define FL_BOUNCE_RAYS 64       // of a beam; threads of a workgroup
+#define FL_BOUNCE_FLUX 1048576.0
+#define FL_BOUNCE_TIMES 5       // light reaches patches by so many reflections
+#define FL_BOUNCE_LISTS 4       // of patches in the light: what others reflect to it, then what it emits (bouncelight)
+#define FL_GROUP_FORMS 64       // receivers of a workgroup that computes what reaches them
+#define FL_GROUP_BOUNCE 8       // threads that have four receivers each, in a workgroup
+#define FL_BOUNCE_PARTS 8       // of which each has so many: they share the sums
+// Steps of bounceforms.comp and bouncelight.comp.
+#define FL_BOUNCE_DIRECT 0u
+#define FL_BOUNCE_TO_PATCHES 1u
+#define FL_BOUNCE_TO_PROBES 2u
+// Probes: a regular grid of places with the illuminance of planes towards +x, -x, +y, -y, +z, -z.
+struct BounceGrid {
+  vec4 low;  // of the first probe, m; w: from one to the next, m
+  uint probes_x;
+  uint probes_y;
+  uint probes_z;
+  uint patches;
+};
+struct BounceProbeRow {
+  float clear_m[6];  // to the next face that has patches, towards +x, -x and so on
+  uint usable;       // 0: inside a solid
+  uint pad;
+};
 
 // A mesh of bodies: one a fixture type and head; 80 bytes. Its bodies are neighbours in the table of slots.
 struct BodyMeshRow {

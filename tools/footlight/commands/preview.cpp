@@ -16,6 +16,7 @@ void add(Arguments& arguments) {
   auto flashes = std::make_shared<std::string>("warn");
   auto edges = std::make_shared<std::string>();
   auto shadows = std::make_shared<std::string>("on");
+  auto bounce = std::make_shared<std::string>("on");
   auto camera_words = std::make_shared<CameraWords>();
   auto error = std::make_shared<std::string>();
   auto ms = std::make_shared<std::string>();
@@ -47,6 +48,7 @@ void add(Arguments& arguments) {
                    "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges; "
                    "default: 16 on a GPU, 4 on a CPU");
   arguments.option("--shadows", *shadows, "WORD", "on; off: light passes through boxes and fixtures [on]");
+  arguments.option("--bounce", *bounce, "WORD", "on; off: boxes and scenery reflect no light to others [on]");
   add_camera_arguments(arguments, *camera_words);
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this text");
   arguments.option("--seconds", options->seconds, 0, 1e6, "close after this time; 0: stay open");
@@ -57,6 +59,7 @@ void add(Arguments& arguments) {
       FL_ASSIGN(options->edge_samples, parse_edges(*edges));
     }
     FL_ASSIGN(options->shadows, parse_shadows(*shadows));
+    FL_ASSIGN(options->bounce, parse_bounce(*bounce));
     FL_TRY(take_camera_words(*camera_words, options->display));
     FL_ASSIGN(options->flashes, flash_mode_of(*flashes));
     FL_ASSIGN(options->quality, render::parse_quality(*error, *ms));

@@ -52,6 +52,7 @@ struct Options {
   std::optional<double> body_error_px;
   std::string edges;
   std::string shadows = "on";
+  std::string bounce = "on";
   CameraWords camera_words;
   int supersample = 1;
   std::string flashes = "warn";
@@ -451,6 +452,7 @@ Result<int> render_pictures(const Options& options) {
     FL_ASSIGN(settings.edge_samples, parse_edges(options.edges));
   }
   FL_ASSIGN(settings.shadows, parse_shadows(options.shadows));
+  FL_ASSIGN(settings.bounce, parse_bounce(options.bounce));
   FL_TRY(take_camera_words(options.camera_words, settings));
   settings.gobo_gates = static_cast<std::uint32_t>(options.gobo_gates);
   settings.gate_builds = FL_GATES_MAX;  // a picture may wait for all of them
@@ -559,6 +561,7 @@ void add(Arguments& arguments) {
                    "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges; "
                    "default: 16 on a GPU, 4 on a CPU");
   arguments.option("--shadows", options->shadows, "WORD", "on; off: light passes through boxes and fixtures [on]");
+  arguments.option("--bounce", options->bounce, "WORD", "on; off: boxes and scenery reflect no light to others [on]");
   add_camera_arguments(arguments, options->camera_words);
   arguments.option("--ms", options->ms, "MS", "refused: a rendered picture does not depend on time; use --error");
   arguments.option(

@@ -32,11 +32,19 @@ Result<std::uint32_t> parse_edges(const std::string& text) {
   return fail(ErrorCode::kBadInput, "--edges {}: expected off, 4, 8 or 16", printable_utf8(text));
 }
 
-Result<bool> parse_shadows(const std::string& text) {
+namespace {
+
+Result<bool> parse_switch(const char* option, const std::string& text) {
   if (text == "on") return true;
   if (text == "off") return false;
-  return fail(ErrorCode::kBadInput, "--shadows {}: expected on or off", printable_utf8(text));
+  return fail(ErrorCode::kBadInput, "{} {}: expected on or off", option, printable_utf8(text));
 }
+
+}  // namespace
+
+Result<bool> parse_shadows(const std::string& text) { return parse_switch("--shadows", text); }
+
+Result<bool> parse_bounce(const std::string& text) { return parse_switch("--bounce", text); }
 
 Result<double> parse_glare(const std::string& text) {
   if (text == "off") return 0.0;

@@ -14,6 +14,8 @@ namespace footlight::tools {
 [[nodiscard]] Result<std::uint32_t> parse_edges(const std::string& text);
 // FrameSettings::shadows of "on" or "off".
 [[nodiscard]] Result<bool> parse_shadows(const std::string& text);
+// FrameSettings::bounce of "on" or "off".
+[[nodiscard]] Result<bool> parse_bounce(const std::string& text);
 // FrameSettings::glare of "off", "1%" or "0.01".
 [[nodiscard]] Result<double> parse_glare(const std::string& text);
 

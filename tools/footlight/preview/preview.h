@@ -29,6 +29,7 @@ struct PreviewOptions {
   double body_error_px = 0.5;                 // the same
   std::optional<std::uint32_t> edge_samples;  // default: render::suited_edge_samples()
   bool shadows = true;
+  bool bounce = true;
   render::FrameSettings display;  // of which glare, white balance, tone curve and automatic exposure
   FlashMode flashes = FlashMode::kWarn;
   bool json = false;

@@ -460,6 +460,7 @@ Status Preview::rebuild(const PixelRect& where) {
   settings.nodes = static_cast<std::uint32_t>(controls_.nodes);
   settings.edge_samples = options_.edge_samples.value_or(render::suited_edge_samples(*device_));
   settings.shadows = options_.shadows;
+  settings.bounce = options_.bounce;
   take_display(controls_, settings);
   settings.haze = controls_.haze;
   error_.reset();
