@@ -16,6 +16,7 @@
 #include "render/passes/gather.h"
 #include "render/passes/glare.h"
 #include "render/passes/gobos.h"
+#include "render/passes/lenses.h"
 #include "render/passes/records.h"
 #include "render/passes/shadows.h"
 #include "render/passes/step.h"
@@ -42,6 +43,7 @@ const PassEntry* const kPasses[] = {
     &kFinePass,      // the same over 32 x 32 pixels, and beams that are smooth but for their rim -> radiance, the rest
     &kBeamsPass,     // the rest, pixel by pixel -> radiance
     &kEdgesPass,     // solid things -> radiance of pixels that show more than one
+    &kLensesPass,    // lenses of a few pixels -> radiance
     &kGlarePass,     // radiance -> light that the camera's lens scatters
     &kTonemapPass,   // radiance, scattered light -> screen
 };
@@ -147,8 +149,10 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   widest.method = BeamMethod::kGauss;
   widest.gobo_method = GoboMethod::kTables;
   widest.view = FrameView::kPicture;
+  widest.widen_thin = true;
   std::vector<bool> used(FL_BINDING_COUNT, false);
   for (const std::uint32_t binding : kFrameBindings) used[binding] = true;
+  used[FL_BINDING_LENSES] = true;  // live_error.h names it in any frame
   for (const PassEntry* pass : passes) {
     if (!pass->needed(compiled.needs, widest)) continue;
     for (const std::uint32_t binding : bindings_of(*pass)) used[binding] = true;

@@ -1,6 +1,7 @@
 // The frame: from raw levels to a picture, headless and windowed alike.
 //
-//   levels, dt -> step -> gather -> gobos -> bodies -> tiles -> surfaces -> beams -> edges -> tonemap -> screen
+//   levels, dt -> step -> gather -> gobos -> bodies -> tiles -> surfaces -> beams -> edges -> lenses -> glare
+//     -> tonemap -> screen
 //
 // Per frame only the levels, the camera and the time step are uploaded. Passes that the rig does not need do not exist.
 // Three owners hold what a frame is made of: RigTables (once a rig), PictureImages (once a size), and the pipelines of

@@ -35,6 +35,7 @@ static_assert(sizeof(ShadowRow) == 208);
 static_assert(sizeof(GateRow) == 32);
 static_assert(sizeof(GatesHead) == 16);
 static_assert(sizeof(RecheckRow) == 48);
+static_assert(sizeof(LensesHead) == 16 && sizeof(LensRow) == 48);
 static_assert(sizeof(MeterRow) == 16 + 4 * FL_METER_BINS);
 static_assert(FL_METER_BINS % FL_GROUP_EXPOSE == 0);
 static_assert(sizeof(BounceSolidRow) == 96);

@@ -86,6 +86,10 @@ struct PassEntry {
 [[nodiscard]] inline bool has_smooth_edges(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_solids(needs, settings) && settings.edge_samples > 0 && settings.view == FrameView::kPicture;
 }
+// Whether small lenses are splats. Beams that are not widened are drawn as the judge sees them, and so are lenses.
+[[nodiscard]] inline bool has_small_lenses(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return needs.fixtures && settings.bodies && settings.widen_thin && settings.view == FrameView::kPicture;
+}
 // Whether the camera's lens scatters light.
 [[nodiscard]] inline bool has_glare(const fixtures::Needs& needs, const FrameSettings& settings) {
   return settings.glare > 0 && settings.view == FrameView::kPicture &&

@@ -56,6 +56,7 @@ struct RigTables {
 
   // Per frame.
   vk::Buffer params;             // FrameParams
+  vk::Buffer lenses;             // LensesHead, then LensRow, one a head
   vk::Buffer meter;              // MeterRow; its luminance is carried from frame to frame
   vk::Buffer levels;             // universes x 512 bytes
   vk::Buffer staged_levels;      // the same, where the host writes them; only for more than kUpdateBytesMax

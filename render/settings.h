@@ -62,7 +62,9 @@ struct FrameSettings {
   double small_body_px = -1;
   bool haze = true;        // light in the air, where the rig has haze
   double dark_lm = 0;      // beams with no more flux are left out
-  bool widen_thin = true;  // beams thinner than a pixel are drawn a pixel wide and as much weaker
+  // Beams thinner than a pixel are drawn a pixel wide and as much weaker, and lenses of a few pixels as splats of their
+  // light.
+  bool widen_thin = true;
   // Samples of what a pixel shows, where the edge of something solid may be in it: 4, 8 or 16; 0: edges stay jagged.
   std::uint32_t edge_samples = 16;
   bool shadows = true;  // boxes and bodies hide light

@@ -27,6 +27,8 @@
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 #include "render/shaders/lib/surface_light.glsl"
 #include "render/shaders/lib/bounce.glsl"
+#define FL_LENSES_ACCESS readonly
+#include "render/shaders/lib/lens_row.glsl"
 
 layout(local_size_x = FL_GROUP_RECHECK) in;
 layout(push_constant) uniform Push { uint seed; uint first; } push;  // first: place in the order of cells
@@ -44,6 +46,7 @@ shared uint taken;
 shared float weight;
 shared vec3 sum_lx[kThreads];
 shared vec3 sum_air[kThreads];
+shared vec3 sum_lenses[kThreads];
 
 // PCG (Jarzynski, Olano 2020, "Hash functions for GPU rendering").
 uint hashed(uint x) {
@@ -195,6 +198,11 @@ void main() {
     if (surface.kind != kNothing) lx += light_on_surface(surface_beam(row), row, index, medium, surface, offset_m);
     if (params.forward.w > 0.0) air += light_in_air(row, index, medium, d, surface.t_m);
   }
+  vec3 small = vec3(0.0);
+  for (uint head = empty || !kSmallLenses ? params.head_count : lane; head < params.head_count; head += kThreads) {
+    if (lenses[head].place.w > 0.0) small += lens_splat(lenses[head], vec2(pixel) + 0.5, surface.t_m);
+  }
+  sum_lenses[lane] = small;
   sum_lx[lane] = lx;
   sum_air[lane] = air;
   barrier();
@@ -202,8 +210,9 @@ void main() {
   for (uint i = 1u; i < kThreads; ++i) {
     lx += sum_lx[i];
     air += sum_air[i];
+    small += sum_lenses[i];
   }
-  vec3 general = seen_of(surface, offset_m, lx, medium) + params.forward.w * air;
+  vec3 general = seen_of(surface, offset_m, lx, medium) + params.forward.w * air + small;
   vec4 shown = imageLoad(radiance, ivec2(pixel));
   empty = empty || has_edge(pixel);
   rechecked[gl_WorkGroupID.x] =

@@ -15,8 +15,9 @@ namespace {
 using fixtures::Needs;
 using vk::SpecConstant;
 
-const std::vector<std::string> kAll{"step",   "gather", "shadows", "gobos", "bodies", "tiles", "bounce", "surfaces",
-                                    "depths", "coarse", "records", "fine",  "beams",  "edges", "glare",  "tonemap"};
+const std::vector<std::string> kAll{"step",   "gather",   "shadows", "gobos",  "bodies",  "tiles",
+                                    "bounce", "surfaces", "depths",  "coarse", "records", "fine",
+                                    "beams",  "edges",    "lenses",  "glare",  "tonemap"};
 // Those that take beams together for tiles.
 const std::vector<std::string> kTilePasses{"depths", "coarse", "records", "fine"};
 
@@ -146,6 +147,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_IRIS, 1},
                                 {FL_SPEC_SHADOWS, 1},
                                 {FL_SPEC_BOUNCE, 1},
+                                {FL_SPEC_LENSES, 1},
                                 {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
                               {"depths", {}},
                               {"coarse", tile_constants},
@@ -172,6 +174,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_VIEW, FL_VIEW_PICTURE},
                                 {FL_SPEC_GOBO_METHOD, FL_GOBO_TABLES}}},
                               {"edges", {{FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1}, {FL_SPEC_EDGE_SAMPLES, 16}}},
+                              {"lenses", constants_of(plan_frame(demo_needs(), settings), "surfaces")},
                               {"glare", {}},
                               {"tonemap", {{FL_SPEC_TONE, FL_TONE_AGX}, {FL_SPEC_WHITE, 0}, {FL_SPEC_METER, 0}}}});
   CHECK(left_out_passes(demo_needs(), settings).empty());
@@ -206,6 +209,7 @@ TEST_CASE("without a need its branches or its passes are left out") {
     std::uint32_t constant;         // is 0 without the need; FL_SPEC_COUNT: none
     std::uint32_t another = FL_SPEC_COUNT;
     std::uint32_t third = FL_SPEC_COUNT;
+    std::uint32_t fourth = FL_SPEC_COUNT;
   };
   for (const Case& c :
        {Case{"motion", &Needs::motion, {}, FL_SPEC_MOTION},
@@ -237,10 +241,11 @@ TEST_CASE("without a need its branches or its passes are left out") {
         Case{"fixtures",
              &Needs::fixtures,
              {"step", "gather", "shadows", "gobos", "bodies", "tiles", "bounce", "depths", "coarse", "records", "fine",
-              "beams"},
+              "beams", "lenses"},
              FL_SPEC_BODIES,
              FL_SPEC_SHADOWS,
-             FL_SPEC_BOUNCE}}) {
+             FL_SPEC_BOUNCE,
+             FL_SPEC_LENSES}}) {
     CAPTURE(c.what);
     Needs needs = demo_needs();
     needs.*c.need = false;
@@ -250,7 +255,9 @@ TEST_CASE("without a need its branches or its passes are left out") {
     });
     for (PassPlan& pass : expected) {
       for (SpecConstant& constant : pass.constants) {
-        if (constant.id == c.constant || constant.id == c.another || constant.id == c.third) constant.value = 0;
+        const bool lost =
+            constant.id == c.constant || constant.id == c.another || constant.id == c.third || constant.id == c.fourth;
+        if (lost) constant.value = 0;
       }
     }
     CHECK(plan_frame(needs, settings) == expected);

@@ -1,38 +1,23 @@
 // What a surface does with light: lenses that shine, the work light, the light of a beam, and how a thin one is widened
 // there. After surface.glsl, gobo.glsl, beam.h, tile_test.glsl, thin.glsl, shadow.glsl and kExtinction.
-const float kPi = 3.141592653589793;
+#include "render/shaders/lib/lens.glsl"
 // Reflectance of painted housings. Chosen by eye.
 const float kBodyAlbedo = 0.04;
 
-// The lens of a head, cd/m^2: it lights the eye as all beams of the head do there, and a little of its light goes to
-// all sides. The disc's projected area over the square of its distance is the solid angle that it has for the eye.
+// The lens of a head, cd/m^2, as far as it is no splat: it lights the eye as all beams of the head do there, and a
+// little of its light goes to all sides. The disc's projected area over the square of its distance is the solid angle
+// that it has for the eye.
 vec3 lens_radiance(uint index, float t_m, vec3 unit_ray, vec3 normal) {
   TypeRow type = types[heads[index].type];
   HeadState state = states[index];
   float facing = dot(normal, -unit_ray);
   if (!(facing > 0.0)) return vec3(0.0);
-  float area_m2 = kPi * type.lens_radius_m * type.lens_radius_m;
-  if (kRectangle && type.aspect > 0.0) area_m2 = 4.0 * type.lens_radius_m * type.lens_radius_m / type.aspect;
-  vec3 eye_lx = vec3(0.0);
-  uint beam_count = state.beam_first == kNoAddress ? 0u : max(state.beams, 1u);
-  for (uint b = 0u; b < beam_count; ++b) {
-    BeamRow row = beams[state.beam_first + b];
-    if (!(dot(normal, row.axis.xyz) > 0.5)) continue;  // the side of the glass
-    BeamShape beam = beam_shape(row);
-    beam.profile_power = drawn_profile(beam.profile_power);
-    beam.range_m = 1e30;  // a lens is seen from any distance
-    vec2 rho;
-    float r_m;
-    float share = beam_illuminance(beam, row.eye.xyz, rho, r_m);
-    if (!(share > 0.0)) continue;
-    gobo_begin(state.beam_first + b);
-    if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u) share *= blades_at(state.beam_first + b, rho, row.eye.z);
-    vec3 through = vec3(share);
-    if (has_gobo(row)) through *= gobo_on_surface(row.gobo, rho, row.eye.z);
-    eye_lx += row.j0.rgb * through;
-  }
-  vec3 glow_lm = vec3(state.red, state.green, state.blue) * type.glow_lm;
-  return eye_lx * (t_m * t_m / (area_m2 * facing)) + glow_lm / (kPi * area_m2);
+  float drawn = 1.0 - splat_share(type, t_m * dot(unit_ray, params.forward.xyz));
+  if (!(drawn > 0.0)) return vec3(0.0);
+  float area_m2 = lens_area(type);
+  vec3 radiance = lens_beams_lx(state, normal) * (t_m * t_m / (area_m2 * facing)) +
+                  lens_glow_lm(state, type) / (kPi * area_m2);
+  return drawn * radiance;
 }
 
 // How a place on a surface moves in light space for a step by FrameParams::thin along `way`, a unit vector of the

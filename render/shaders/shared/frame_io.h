@@ -96,7 +96,8 @@
 #define FL_BINDING_BOUNCE_FORMS (72 + FL_LAMP_COUNT)
 #define FL_BINDING_BOUNCE_FLUX (73 + FL_LAMP_COUNT)
 #define FL_BINDING_BOUNCE_LIGHT (74 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (75 + FL_LAMP_COUNT)
+#define FL_BINDING_LENSES (75 + FL_LAMP_COUNT)  // LensesHead, then LensRow, one a head (render/shaders/lenses.comp)
+#define FL_BINDING_COUNT (76 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -144,7 +145,8 @@
 #define FL_SPEC_WHITE (40 + FL_LAMP_COUNT)  // white is balanced
 #define FL_SPEC_METER (41 + FL_LAMP_COUNT)  // the exposure is that of the meter
 #define FL_SPEC_BOUNCE (42 + FL_LAMP_COUNT)  // surfaces get the light that others reflect
-#define FL_SPEC_COUNT (43 + FL_LAMP_COUNT)
+#define FL_SPEC_LENSES (43 + FL_LAMP_COUNT)  // small lenses are splats
+#define FL_SPEC_COUNT (44 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -187,6 +189,7 @@
 #define FL_GROUP_GLARE 8     // threads a side of a workgroup of the glare pass
 #define FL_GLARE_MARGIN 2    // pixels beyond the picture that each level has, on each side
 #define FL_GLARE_WEIGHTS 25  // 1 + levels that have a weight; the first row of the image has them, behind what stays
+#define FL_SPLAT_PX 32  // a workgroup that adds the splats of lenses has so many pixels a side
 // The meter of the automatic exposure counts pixels by their luminance: FL_METER_STEPS bins an octave, from
 // 2^FL_METER_LOW cd/m^2.
 #define FL_METER_STEPS_LOG2 5
@@ -394,6 +397,17 @@ struct RecheckRow {
   uint pad;
   vec4 shown;
   vec4 general;
+};
+
+// The splat of a small lens: an ellipse with a soft edge.
+struct LensRow {
+  vec4 place;  // xy: of its middle, pixels from the top left; z: what is nearer than this hides it, m; w: no pixel's
+               // middle is farther away along x or y, pixels; below 0: there is none
+  vec4 color;  // rgb: radiance of a pixel with weight 1; w: the smaller half axis, pixels
+  vec4 shape;  // xx, xy, yy of the form that is 1 on the ellipse
+};
+struct LensesHead {
+  uint groups[4];  // indirect arguments
 };
 
 // The meter of the automatic exposure.
