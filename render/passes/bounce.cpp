@@ -22,6 +22,10 @@ struct BouncePush {
   std::uint32_t from;  // the list of light that is read: 0 or 1
 };
 
+// So often patches reflect light to each other. In a closed room whose walls have an albedo of 0.5, 0.4 % of the
+// reflected light is missing after 8 times.
+constexpr std::uint32_t kTimes = 8;
+
 std::uint32_t bounce_groups(std::uint32_t count, std::uint32_t size) { return (count + size - 1) / size; }
 
 class BouncePass final : public Pass {
@@ -51,10 +55,10 @@ class BouncePass final : public Pass {
     vk::full_barrier(commands);
     light_.bind(commands);
     step(commands, FL_BOUNCE_DIRECT, 0, patches);
-    for (std::uint32_t time = 0; time < FL_BOUNCE_TIMES; ++time) {
+    for (std::uint32_t time = 0; time < kTimes; ++time) {
       step(commands, FL_BOUNCE_TO_PATCHES, time % 2, patches);
     }
-    step(commands, FL_BOUNCE_TO_PROBES, FL_BOUNCE_TIMES % 2, 6 * rig_.bounce_probes);
+    step(commands, FL_BOUNCE_TO_PROBES, kTimes % 2, 6 * rig_.bounce_probes);
   }
 
  private:

@@ -109,6 +109,7 @@ TEST_CASE("boxes reflect light to each other as traced paths say") {
   if (!vulkan) return;
   check(vulkan, room_scene(), "room", 20, 3e-2, 0.15);
   if (!footlight::testing::runs_long_tests()) return;
+  check(vulkan, room_scene(), "room, 16 times the paths", 80, 2e-2, 0.1);
   // What shapes a beam, on a wall whose light reaches a floor and a box beside it.
   const auto check_wall = [&](Scene scene, const char* what) {
     scene.rig.haze.scattering_per_m = 0;

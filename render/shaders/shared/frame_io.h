@@ -481,7 +481,6 @@ struct BouncePatchRow {
 #define FL_BOUNCE_PROBES_MAX 512
 #define FL_BOUNCE_RAYS 64       // of a beam; threads of a workgroup
 #define FL_BOUNCE_FLUX 1048576.0
-#define FL_BOUNCE_TIMES 5       // light reaches patches by so many reflections
 #define FL_BOUNCE_LISTS 4       // of patches in the light: what others reflect to it, then what it emits (bouncelight)
 #define FL_GROUP_FORMS 64       // receivers of a workgroup that computes what reaches them
 #define FL_GROUP_BOUNCE 8       // threads that have four receivers each, in a workgroup
