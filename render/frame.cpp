@@ -6,6 +6,7 @@
 
 #include "fixtures/simulate/machines.h"
 #include "render/glare.h"
+#include "render/haze.h"
 #include "render/passes/beams.h"
 #include "render/passes/bodies.h"
 #include "render/passes/bounce.h"
@@ -16,6 +17,7 @@
 #include "render/passes/gather.h"
 #include "render/passes/glare.h"
 #include "render/passes/gobos.h"
+#include "render/passes/haze.h"
 #include "render/passes/lenses.h"
 #include "render/passes/records.h"
 #include "render/passes/shadows.h"
@@ -38,6 +40,7 @@ const PassEntry* const kPasses[] = {
     &kBouncePass,    // beams x boxes and scenery -> light that these reflect
     &kSurfacesPass,  // beams x boxes and bodies -> radiance, distance
     &kDepthsPass,    // radiance's distances -> planes of tiles
+    &kHazePass,      // haze that is not even -> what rays pass through
     &kCoarsePass,    // beams -> those that are smooth over a supertile, records of rims and cuts, and the rest
     &kRecordsPass,   // beams that are smooth over a supertile but for rims and cuts -> radiance
     &kFinePass,      // the same over 32 x 32 pixels, and beams that are smooth but for their rim -> radiance, the rest
@@ -134,6 +137,7 @@ fixtures::Needs drawn_needs(const fixtures::Needs& needs, const fixtures::Haze& 
   fixtures::Needs drawn = needs;
   if (settings.haze) return drawn;
   drawn.haze = false;
+  drawn.haze_field = false;
   drawn.extinction = needs.extinction && haze.absorption_per_m > 0;
   return drawn;
 }
@@ -163,6 +167,9 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   frame->ambient_lx_ = rig.ambient_lx;
   frame->machines_ = fixtures::MachineAir::make(rig, compiled);
   frame->range_m_ = light_range_m(rig, frame->resources_.rig.objects);
+  const HazeReach reach = haze_reach(rig, frame->range_m_);
+  frame->haze_center_m_ = reach.center_m;
+  frame->haze_radius_m_ = reach.radius_m;
   VkQueryPoolCreateInfo query{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
   query.queryType = VK_QUERY_TYPE_TIMESTAMP;
   query.queryCount = marks_max(passes);
@@ -287,9 +294,11 @@ void Frame::step(std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool 
   FL_CHECK_EQ(levels.size(), resources_.rig.levels_bytes);
   pending_.push_back({{levels.begin(), levels.end()}, std::max<std::int64_t>(dt_ns, 0), new_exposure});
   if (machines_) machines_->step(levels, dt_ns);
+  time_ns_ += std::max<std::int64_t>(dt_ns, 0);
 }
 
-void Frame::forget_machine_air() {
+void Frame::forget_air() {
+  time_ns_ = 0;
   if (machines_) machines_->forget();
 }
 
@@ -392,6 +401,14 @@ void Frame::upload_params(VkCommandBuffer commands, const View& view, double exp
   params.object_level = resources_.rig.object_draw_count > 0 ? resources_.rig.draw_count : FL_NONE;
   vk::full_barrier(commands);  // the frame before may still be reading
   vkCmdUpdateBuffer(commands, resources_.rig.params.handle, 0, sizeof(params), &params);
+  if (draws(kHazePass)) {
+    f64::HazeField field = haze_field(haze_, time_ns_);
+    const double away_m = glm::length(view.position_m - haze_center_m_);
+    field.from_m = std::max(away_m - haze_radius_m_, 0.0);
+    field.length_m = away_m + haze_radius_m_ - field.from_m;
+    const f32::HazeField single = haze_field_in_float(field);
+    vkCmdUpdateBuffer(commands, resources_.rig.haze.handle, 0, sizeof(single), &single);
+  }
   vk::full_barrier(commands);
 }
 

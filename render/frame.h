@@ -126,8 +126,8 @@ class Frame {
   // What haze and fog machines have brought into the air by the last step(); null in a rig without any. A picture has
   // the air of its end: its haze differs from the mean over an exposure by what comes in half of that.
   [[nodiscard]] const fixtures::MachineAir* machine_air() const { return machines_.get(); }
-  // Goes on with clear air.
-  void forget_machine_air();
+  // Goes on with air without what machines have made, and with clouds of haze as at the start.
+  void forget_air();
   // The air after an hour of these levels.
   void settle_machine_air(std::span<const std::uint8_t> levels);
 
@@ -208,6 +208,9 @@ class Frame {
   double work_light_lx_ = 0;
   std::int64_t adapt_ns_ = 0;  // since the last record()
   double exposure_ev_ = 0;     // of the last record()
+  std::int64_t time_ns_ = 0;     // of all steps: clouds of haze drift by it
+  glm::dvec3 haze_center_m_{0};  // of a sphere that all light in the air lies in
+  double haze_radius_m_ = 0;
   bool has_solids_ = false;
   bool has_fine_ = false;  // beams are taken together for tiles
   double range_m_ = 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "render/passes/surfaces.h"
+#include "shaders/hazerecheck.comp.h"
 #include "shaders/recheck.comp.h"
 
 namespace footlight::render {
@@ -73,7 +74,9 @@ Result<std::unique_ptr<LiveError>> LiveError::create(vk::Device& device, Frame& 
   constants.push_back({FL_SPEC_EDGES, has_smooth_edges(needs, settings)});
   std::unique_ptr<LiveError> live(new LiveError(device));
   live->cells_ = device.is_software() ? kCellsOfCpu : kCells;
-  FL_ASSIGN(live->pipeline_, device.pipelines().compute(kRecheckComp, constants));
+  FL_ASSIGN(live->pipeline_,
+            device.pipelines().compute(
+                has_haze_field(needs, settings) ? vk::Spirv(kHazerecheckComp) : vk::Spirv(kRecheckComp), constants));
   constexpr VkDeviceSize kBytes = kCells * sizeof(RecheckRow);
   FL_ASSIGN(live->rechecked_, vk::Buffer::device_local(device, kBytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
   FL_ASSIGN(live->read_, vk::Buffer::host_visible(device, kBytes, 0));

@@ -4,6 +4,7 @@
 // render/frame.cpp. Passes meet only through the buffers and images of Resources, never through each other.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -34,6 +35,12 @@ struct PassContext {
   std::vector<vk::SpecConstant> constants;  // the result of PassEntry::constants
 };
 
+// Whether a constant is set that only selects a shader.
+[[nodiscard]] inline bool has_constant(const PassContext& context, std::uint32_t id) {
+  return std::find(context.constants.begin(), context.constants.end(), vk::SpecConstant{id, 1}) !=
+         context.constants.end();
+}
+
 // An entry in the list of the frame. needed() and constants() are pure: tests call them without a device.
 struct PassEntry {
   const char* name;
@@ -53,6 +60,10 @@ struct PassEntry {
 // Whether light in the air is drawn.
 [[nodiscard]] inline bool has_air(const fixtures::Needs& needs, const FrameSettings& settings) {
   return needs.fixtures && needs.haze && settings.view != FrameView::kLux;
+}
+// Whether haze is not even.
+[[nodiscard]] inline bool has_haze_field(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_air(needs, settings) && needs.haze_field;
 }
 // Whether small bodies are drawn by compute shaders.
 [[nodiscard]] inline bool has_small_bodies(const fixtures::Needs& needs, const FrameSettings& settings) {

@@ -12,6 +12,7 @@
 #include "render/glare.h"
 #include "render/gobo_tables.h"
 #include "render/gobo_textures.h"
+#include "render/haze.h"
 #include "render/pass.h"
 #include "render/shadow_tables.h"
 
@@ -102,6 +103,7 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_BOUNCE_FORMS, &R::bounce_forms},
     {FL_BINDING_BOUNCE_FLUX, &R::bounce_flux},
     {FL_BINDING_BOUNCE_LIGHT, &R::bounce_light},
+    {FL_BINDING_HAZE, &R::haze},
     {FL_BINDING_INSTANCES, &R::slots},
     {FL_BINDING_BODY_MESHES, &R::meshes},
     {FL_BINDING_BODY_LEVELS, &R::body_levels},
@@ -130,6 +132,8 @@ std::uint32_t lavapipe_beams_max(const MemoryShape& shape) {
   }
   return shape.needs.gobo ? std::min(plain, kRounds / std::max(shape.settings.gobo_taps, 1u)) : plain;
 }
+
+constexpr std::uint64_t kHazeTableBytes = std::uint64_t{8} * FL_HAZE_X * FL_HAZE_Y * FL_HAZE_SLICES;
 
 // Words of a supertile's mask. They come in pairs, as one group of the tile pass writes them.
 std::uint32_t mask_words_of(const CompiledRig& compiled) {
@@ -230,9 +234,9 @@ std::uint64_t gates_bytes(const GoboTablePlan& plan) {
   return plan.gates > 0 ? sizeof(GatesHead) + std::uint64_t{2} * plan.gates * sizeof(GateRow) : 0;
 }
 
-// A table of gobos and, where there is none, a texel, since shaders name it.
-Result<vk::Image> gobo_table_image(vk::Device& device, std::uint32_t columns, std::uint32_t rows, std::uint32_t layers,
-                                   VkFormat format) {
+// A table in an image and, where there is none, a texel, since shaders name it.
+Result<vk::Image> table_image(vk::Device& device, std::uint32_t columns, std::uint32_t rows, std::uint32_t layers,
+                              VkFormat format) {
   return vk::Image::create(device, layers > 0 ? columns : 1, layers > 0 ? rows : 1, format,
                            VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_STORAGE_BIT, std::max(layers, 1u));
 }
@@ -254,12 +258,12 @@ Status make_gobo_tables(vk::Device& device, const CompiledRig& compiled, const G
   const std::uint32_t gate_layers = plan.gates * plan.gate_planes;
   FL_ASSIGN(r.gobo_tables, vk::Buffer::table(device, plan.rows));
   FL_ASSIGN(r.gobo_queue, zeroed(device, gobo_queue_bytes(compiled), VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT));
-  FL_ASSIGN(r.gobo_whole, gobo_table_image(device, FL_GOBO_CHORDS, kGoboWholeRows, plan.whole_layers + gate_layers,
-                                           VK_FORMAT_R16G16B16A16_SFLOAT));
-  FL_ASSIGN(r.gobo_lines, gobo_table_image(device, FL_GOBO_LINES, kGoboLinesRows, plan.lines_layers + gate_layers,
-                                           VK_FORMAT_R16G16_UNORM));
+  FL_ASSIGN(r.gobo_whole, table_image(device, FL_GOBO_CHORDS, kGoboWholeRows, plan.whole_layers + gate_layers,
+                                      VK_FORMAT_R16G16B16A16_SFLOAT));
+  FL_ASSIGN(r.gobo_lines, table_image(device, FL_GOBO_LINES, kGoboLinesRows, plan.lines_layers + gate_layers,
+                                      VK_FORMAT_R16G16_UNORM));
   FL_ASSIGN(r.gates, zeroed(device, std::max<std::uint64_t>(gates_bytes(plan), 16)));
-  FL_ASSIGN(r.gate_images, gobo_table_image(device, FL_GATE_PX, FL_GATE_PX, gate_layers, VK_FORMAT_R16_SFLOAT));
+  FL_ASSIGN(r.gate_images, table_image(device, FL_GATE_PX, FL_GATE_PX, gate_layers, VK_FORMAT_R16_SFLOAT));
   return device.run_once([&](VkCommandBuffer commands) {
     for (const vk::Image* image : {&r.gobo_whole, &r.gobo_lines, &r.gate_images}) {
       vk::change_layout(commands, *image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
@@ -303,6 +307,8 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_BOUNCE_FORMS:
     case FL_BINDING_BOUNCE_FLUX:
     case FL_BINDING_BOUNCE_LIGHT: return bounce_bytes(binding, shape);
+    case FL_BINDING_HAZE: return shape.needs.haze_field ? sizeof(f32::HazeField) : 0;
+    case FL_BINDING_HAZE_TABLE_OUT: return shape.needs.haze_field ? kHazeTableBytes : 0;
     case FL_BINDING_BOXES: return shape.rig.boxes.size() * sizeof(BoxRow);
     case FL_BINDING_GOBOS: return gobo_bytes(shape);
     case FL_BINDING_GOBO_TABLES: return largest_gobo_tables(shape).rows.size() * sizeof(GoboTableRow);
@@ -381,6 +387,14 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   }
   if (used[FL_BINDING_BLADES]) {
     FL_ASSIGN(r.blades, zeroed(device, binding_bytes(FL_BINDING_BLADES, shape)));
+  }
+  if (used[FL_BINDING_HAZE]) {
+    FL_ASSIGN(r.haze, zeroed(device, binding_bytes(FL_BINDING_HAZE, shape)));
+    const std::uint32_t slices = shape.needs.haze_field ? FL_HAZE_SLICES : 0;
+    FL_ASSIGN(r.haze_table, table_image(device, FL_HAZE_X, FL_HAZE_Y, slices, VK_FORMAT_R32G32_SFLOAT));
+    FL_TRY(device.run_once([&](VkCommandBuffer commands) {
+      vk::change_layout(commands, r.haze_table, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL);
+    }));
   }
   if (used[FL_BINDING_BOXES]) {
     std::vector<BoxRow> boxes;
@@ -519,14 +533,19 @@ void Resources::bind_all() {
     bindings.set_image(FL_BINDING_GATE_IMAGES, rig.gate_images);
     bindings.set_image(FL_BINDING_GATE_IMAGES_OUT, rig.gate_images);
   }
+  if (rig.haze_table.handle != VK_NULL_HANDLE) {
+    bindings.set_image(FL_BINDING_HAZE_TABLE, rig.haze_table);
+    bindings.set_image(FL_BINDING_HAZE_TABLE_OUT, rig.haze_table);
+  }
   bindings.set_image(FL_BINDING_SURFACE_ID, picture.surface_id);
   bindings.set_image(FL_BINDING_DEPTH, picture.depth);
   bindings.set_image(FL_BINDING_EDGES, picture.edges);
   bindings.set_image(FL_BINDING_RADIANCE, picture.radiance);
   if (picture.glare.handle != VK_NULL_HANDLE) bindings.set_image(FL_BINDING_GLARE, picture.glare);
   bindings.set_image(FL_BINDING_SCREEN, picture.screen);
-  for (const vk::Image* image : {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images, &picture.surface_id,
-                                 &picture.depth, &picture.edges, &picture.glare, &picture.radiance, &picture.screen}) {
+  for (const vk::Image* image :
+       {&rig.gobos, &rig.gobo_whole, &rig.gobo_lines, &rig.gate_images, &rig.haze_table, &picture.surface_id,
+        &picture.depth, &picture.edges, &picture.glare, &picture.radiance, &picture.screen}) {
     total_bytes += image->size_bytes;
   }
 }

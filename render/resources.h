@@ -55,17 +55,19 @@ struct RigTables {
   vk::Image gate_images;
 
   // Per frame.
-  vk::Buffer params;             // FrameParams
-  vk::Buffer lenses;             // LensesHead, then LensRow, one a head
-  vk::Buffer meter;              // MeterRow; its luminance is carried from frame to frame
-  vk::Buffer levels;             // universes x 512 bytes
-  vk::Buffer staged_levels;      // the same, where the host writes them; only for more than kUpdateBytesMax
-  vk::Buffer beams;              // BeamRow, live ones first
-  vk::Buffer blades;             // BladesRow, one a beam
-  vk::Buffer shadow_lists;       // ShadowListRow, one a beam
-  vk::Buffer shadows;            // ShadowRow
+  vk::Buffer params;         // FrameParams
+  vk::Buffer lenses;         // LensesHead, then LensRow, one a head
+  vk::Buffer meter;          // MeterRow; its luminance is carried from frame to frame
+  vk::Buffer levels;         // universes x 512 bytes
+  vk::Buffer staged_levels;  // the same, where the host writes them; only for more than kUpdateBytesMax
+  vk::Buffer beams;          // BeamRow, live ones first
+  vk::Buffer blades;         // BladesRow, one a beam
+  vk::Buffer shadow_lists;   // ShadowListRow, one a beam
+  vk::Buffer shadows;        // ShadowRow
   // Light that surfaces reflect (render/bounce_tables.h). The forms are computed by the first frame that reads them.
   vk::Buffer bounce_solids, bounce_tree, bounce_patch_rows, bounce_grid, bounce_forms, bounce_flux, bounce_light;
+  vk::Buffer haze;               // HazeField
+  vk::Image haze_table;          // of haze that is not even; a texel where it is even
   vk::Buffer trees, head_slots;  // TreeRow; the slot of each head, FL_NONE: it has no body
   vk::Buffer choices, drawn;     // one word a body: its level; heads that the rasteriser draws, by mesh and level
   vk::Buffer counts;             // CountsRow, then beams and lit heads of each group of FL_GROUP_HEADS
@@ -100,11 +102,11 @@ struct RigTables {
   std::uint32_t object_draw_count = 0;  // of the scene's objects, behind them: 0 or 1
   std::uint32_t mask_words = 0;
   std::uint64_t levels_bytes = 0;
-  bool has_bodies = false;                     // the models were read
-  bool has_shadows = false;                    // there is what shadows need
-  bool has_trees = false;                      // there is what smooth edges need
-  bool has_bounce = false;                     // there is what reflected light needs
-  bool has_bounce_forms = false;               // they were computed
+  bool has_bodies = false;        // the models were read
+  bool has_shadows = false;       // there is what shadows need
+  bool has_trees = false;         // there is what smooth edges need
+  bool has_bounce = false;        // there is what reflected light needs
+  bool has_bounce_forms = false;  // they were computed
   std::uint32_t bounce_patches = 0;
   std::uint32_t bounce_probes = 0;
   std::vector<std::uint32_t> level_triangles;  // of each BodyLevelRow

@@ -1,11 +1,12 @@
 #include "render/passes/beams.h"
 
-#include <algorithm>
 #include <cstddef>
 
 #include "render/passes/compute_pass.h"
 #include "shaders/beams.comp.h"
 #include "shaders/gobobeams.comp.h"
+#include "shaders/hazebeams.comp.h"
+#include "shaders/hazegobobeams.comp.h"
 
 namespace footlight::render {
 
@@ -32,20 +33,25 @@ const PassEntry kBeamsPass{
           {FL_SPEC_WIDE, needs.wide},
           {FL_SPEC_IRIS, needs.iris},
           {FL_SPEC_SHADOWS, has_shadows(needs, settings)},
+          {FL_SPEC_HAZE, needs.haze_field},
           {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)},
           {FL_SPEC_GOBO_METHOD,
            settings.gobo_method == GoboMethod::kSuited ? FL_GOBO_TABLES : static_cast<uint>(settings.gobo_method)}};
     },
     [](const PassContext& context) {
-      const bool gobos = std::find(context.constants.begin(), context.constants.end(),
-                                   vk::SpecConstant{FL_SPEC_GOBO, 1}) != context.constants.end();
-      return make_compute_pass(context, gobos ? vk::Spirv(kGobobeamsComp) : vk::Spirv(kBeamsComp),
+      const bool haze = has_constant(context, FL_SPEC_HAZE);
+      vk::Spirv spirv = haze ? vk::Spirv(kHazebeamsComp) : vk::Spirv(kBeamsComp);
+      if (has_constant(context, FL_SPEC_GOBO)) {
+        spirv = haze ? vk::Spirv(kHazegobobeamsComp) : vk::Spirv(kGobobeamsComp);
+      }
+      return make_compute_pass(context, spirv,
                                [counts = context.resources.rig.counts.handle](VkCommandBuffer commands) {
                                  vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, beams_groups));
                                });
     },
     [] {
-      return std::vector<std::vector<vk::Spirv>>{{kBeamsComp}, {kGobobeamsComp}};
+      return std::vector<std::vector<vk::Spirv>>{
+          {kBeamsComp}, {kGobobeamsComp}, {kHazebeamsComp}, {kHazegobobeamsComp}};
     },
     "beams in the air"};
 

@@ -4,6 +4,7 @@
 
 #include "render/passes/tile_constants.h"
 #include "shaders/fine.comp.h"
+#include "shaders/hazefine.comp.h"
 
 namespace footlight::render {
 
@@ -12,12 +13,15 @@ const PassEntry kFinePass{"fine",
                           tile_class_constants,
                           [](const PassContext& context) {
                             return make_tile_pass(
-                                context, kFineComp,
+                                context,
+                                has_constant(context, FL_SPEC_HAZE) ? vk::Spirv(kHazefineComp) : vk::Spirv(kFineComp),
                                 [counts = context.resources.rig.counts.handle](VkCommandBuffer commands) {
                                   vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, fine_groups));
                                 });
                           },
-                          [] { return std::vector<std::vector<vk::Spirv>>{{kFineComp}}; },
+                          [] {
+                            return std::vector<std::vector<vk::Spirv>>{{kFineComp}, {kHazefineComp}};
+                          },
                           "beams taken together for 32 x 32 pixels"};
 
 }  // namespace footlight::render

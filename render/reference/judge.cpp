@@ -14,6 +14,7 @@
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 
 #include "fixtures/photometry/table.h"
+#include "render/haze.h"
 #include "render/reference/wide.h"
 #include "sim/core/check.h"
 #include "sim/shared/shared.h"
@@ -379,7 +380,13 @@ double visible_air_m(const JudgeScene& scene, const std::optional<SurfaceHit>& h
 }
 
 // `refinement` multiplies the number of pieces at the start of an integral.
-double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& ray, double t_min_m, double t_max_m,
+const HazeDensity kEven;
+struct Air {
+  const fixtures::Haze& haze;
+  const HazeDensity& density;
+  bool even_extinction;
+};
+double inscatter(const JudgeBeam& beam, const Air& air, const Ray& ray, double t_min_m, double t_max_m,
                  const GoboTransmission& gobo, double tolerance, int refinement, std::span<const JudgeSolid> solids);
 
 glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, int refinement, double* hits) {
@@ -398,7 +405,8 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
     const double t_max_m = visible_air_m(scene, hit);
     for (const JudgeBeam& beam : scene.beams) {
       const glm::dvec3 share = in_colors(beam, [&](const GoboTransmission& gobo) {
-        return inscatter(beam, scene.haze, ray, 0, t_max_m, gobo, tolerance, refinement, scene.solids);
+        return inscatter(beam, {scene.haze, scene.density, scene.even_extinction}, ray, 0, t_max_m, gobo, tolerance,
+                         refinement, scene.solids);
       });
       if (share.x + share.y + share.z > 0) *hits += 1;
       total += scene.haze.scattering_per_m * share * beam.strength_lm;
@@ -423,8 +431,19 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
   return total;
 }
 
-double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& ray, double t_min_m, double t_max_m,
+// Haze on a straight way, 1/m times m, by midpoints of 0.1 m.
+double optical_depth(const Air& air, const glm::dvec3& from_m, const glm::dvec3& to_m) {
+  const double length_m = glm::length(to_m - from_m);
+  if (!air.density || air.even_extinction) return extinction_per_m(air.haze) * length_m;
+  const int steps = std::max(1, static_cast<int>(std::ceil(length_m / 0.1)));
+  double sum = 0;
+  for (int i = 0; i < steps; ++i) sum += air.density(glm::mix(from_m, to_m, (i + 0.5) / steps));
+  return (air.haze.scattering_per_m * sum / steps + air.haze.absorption_per_m) * length_m;
+}
+
+double inscatter(const JudgeBeam& beam, const Air& air, const Ray& ray, double t_min_m, double t_max_m,
                  const GoboTransmission& gobo, double tolerance, int refinement, std::span<const JudgeSolid> solids) {
+  const fixtures::Haze& haze = air.haze;
   if (!is_finite(ray.origin_m) || !is_finite(ray.direction) || !std::isfinite(t_min_m) || !(t_max_m > t_min_m)) {
     return 0;
   }
@@ -454,8 +473,15 @@ double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& r
     const LightAt at = light_at(beam, gobo, base_from_lens + t_m * ray.direction);
     if (!(at.illuminance > 0) || !passes_blades(beam, at.rho)) return 0.0;
     const double scattering_cosine = -glm::dot(at.direction, ray.direction);
-    return at.illuminance * henyey_greenstein(scattering_cosine, haze.anisotropy) *
-           std::exp(-sigma_t * (base_m + t_m + at.distance_m));
+    const double light = at.illuminance * henyey_greenstein(scattering_cosine, haze.anisotropy);
+    if (!air.density) return light * std::exp(-sigma_t * (base_m + t_m + at.distance_m));
+    const glm::dvec3 place_m = beam.lens_m + base_from_lens + t_m * ray.direction;
+    double depth = sigma_t * (base_m + t_m + at.distance_m);
+    if (!air.even_extinction) {
+      depth = optical_depth(air, ray.origin_m, place_m) +
+              optical_depth(air, place_m - at.distance_m * at.direction, place_m);
+    }
+    return light * air.density(place_m) * std::exp(-depth);
   };
 
   // Cuts at points where the integrand can peak: nearest the lens, nearest the axis (the base), and at equal distances
@@ -481,6 +507,10 @@ double inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& r
   for (int i = 1; i < parts; ++i) {
     const double x = static_cast<double>(i) / parts;
     cut(from_m + (to_m - from_m) * x * w_from / (w_to + x * (w_from - w_to)));
+  }
+  if (air.density) {
+    const int clouds = refinement * std::min(static_cast<int>(std::ceil((to_m - from_m) / 0.25)), 400);
+    for (int i = 1; i < clouds; ++i) cut(from_m + (to_m - from_m) * i / clouds);
   }
   std::sort(cuts.begin(), cuts.end());
   return integrate(integrand, cuts, tolerance);
@@ -572,7 +602,8 @@ glm::dvec3 blade_of(double aspect, uint blade, double a, double b, double angle_
   return {normal.x, normal.y, distance};
 }
 
-JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, GoboTransmission gobo) {
+JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, GoboTransmission gobo,
+                       std::int64_t time_ns) {
   JudgeScene scene;
   std::map<uint, std::shared_ptr<const MeasuredBeam>> measured;
   scene.boxes = rig.boxes;
@@ -581,6 +612,11 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
     scene.solids.push_back({0.5 * (box.min_m + box.max_m), {{half.x, 0, 0}, {0, half.y, 0}, {0, 0, half.z}}});
   }
   scene.haze = rig.haze;
+  if (!rig.haze.even()) {
+    scene.density = [field = haze_field(rig.haze, time_ns)](const glm::dvec3& place_m) {
+      return f64::haze_density(field, place_m, 0.0);
+    };
+  }
   scene.ambient_lx = rig.ambient_lx;
   scene.range_m = kAirRangeM;
   const double range_m = light_range_m(rig);
@@ -716,7 +752,7 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
 double judge_inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const Ray& ray, double t_min_m,
                        double t_max_m, const GoboTransmission& gobo, double tolerance,
                        std::span<const JudgeSolid> solids) {
-  return inscatter(beam, haze, ray, t_min_m, t_max_m, gobo, tolerance, 1, solids);
+  return inscatter(beam, {haze, kEven, true}, ray, t_min_m, t_max_m, gobo, tolerance, 1, solids);
 }
 
 bool judge_hides(const JudgeBeam& beam, const JudgeSolid& given, const glm::dvec3& point_m) {

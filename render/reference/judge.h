@@ -73,11 +73,16 @@ struct JudgeSolid {
   glm::dvec3 half_m[3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
 };
 
+// Density of haze at a place on the stage, over that of even haze.
+using HazeDensity = std::function<double(const glm::dvec3& place_m)>;
+
 struct JudgeScene {
   std::vector<JudgeBeam> beams;    // only lit ones
   std::vector<JudgeSolid> solids;  // empty: nothing hides light
   std::vector<fixtures::StageBox> boxes;
   fixtures::Haze haze;
+  HazeDensity density;          // empty: haze is even
+  bool even_extinction = true;  // light is lost as in even haze; false: to the density on its way, 1000 times slower
   double ambient_lx = 0;
   double range_m = 100;   // no air further away than this from the camera is drawn
   GoboTransmission gobo;  // empty: every gobo is open
@@ -88,9 +93,9 @@ struct JudgeScene {
 // prism become separate beams. The walker is not stepped; it is not const because the shared functions are its members.
 // A measured beam has the candela of its file, which is read again instead of using the compiled table. Frost, blades,
 // focus and wheels between two slots are defined in render/shaders/shared/optics.h. A blur is the mean over 64 points
-// of a disc here.
+// of a disc here. time_ns: of the show, for clouds of haze that drift.
 [[nodiscard]] JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker,
-                                     GoboTransmission gobo = {});
+                                     GoboTransmission gobo = {}, std::int64_t time_ns = 0);
 
 // Integral of f (1 + k^2 rho^2)^(-3/2) over the unit disc by adaptive quadrature: flux in lumens over J0. f is
 // evaluated at shown rho.

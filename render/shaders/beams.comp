@@ -1,6 +1,7 @@
 #version 460
 // Light in the haze, pixel by pixel: adds the in-scattered light of every beam along the pixel's ray, up to the surface
 // it shows. With tile classes, of the beams that the fine pass has left. FL_GOBO_BEAMS: beams may have gobos.
+// FL_USE_HAZE: haze is not even.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
@@ -161,6 +162,9 @@ void main() {
         if (thin) {
           gain = thin_in_haze(beam, row, eye, ray, dot(d[i], params.forward.xyz), t_max_m[i], plain);
         }
+#ifdef FL_HAZE_FIELD
+        haze_begin(vec2(tile_pixel(i)) + 0.5);
+#endif
         Chord chord;
         bool seen = beam_chord(beam, eye, ray, 0.0, t_max_m[i], chord);
         if (kRectangle && row.squeeze > 0.0 && seen) seen = chord_in_rectangle(chord);

@@ -101,6 +101,9 @@ vec2 estimate(uint supertile, vec2 low, vec2 size) {
       float end_m = kSolids ? imageLoad(radiance, pixel).a : FL_FAR_M;
       BeamShape beam = beam_shape(row);
       beam.profile_power = drawn_profile(beam.profile_power);
+#ifdef FL_HAZE_FIELD
+      haze_begin(vec2(pixel) + 0.5);
+#endif
       Chord chord;
       vec3 ray = to_light(row, d);
       if (!beam_chord(beam, row.eye.xyz, ray, 0.0, end_m, chord)) continue;

@@ -187,6 +187,9 @@ void main() {
   pixel = proposed[taken];
 
   Medium medium = Medium(params.anisotropy, params.position.w);
+#ifdef FL_HAZE_FIELD
+  haze_begin(vec2(pixel) + 0.5);
+#endif
   vec3 d = normalize(ray_through(vec2(pixel) + 0.5));
   Surface surface = surface_at(ivec2(pixel), d);
   vec3 offset_m = d * surface.t_m;

@@ -128,7 +128,7 @@ TEST_CASE("haze of machines is kept when the size changes, and clearing the air 
   second->step(scene.levels, kSecondNs);
   CHECK(first->machine_air()->scattering_per_m() > 0);
   CHECK(first->machine_air()->scattering_per_m() == second->machine_air()->scattering_per_m());
-  second->forget_machine_air();
+  second->forget_air();
   CHECK(second->machine_air()->scattering_per_m() == 0);
 }
 

@@ -15,9 +15,9 @@ namespace {
 using fixtures::Needs;
 using vk::SpecConstant;
 
-const std::vector<std::string> kAll{"step",   "gather",   "shadows", "gobos",  "bodies",  "tiles",
-                                    "bounce", "surfaces", "depths",  "coarse", "records", "fine",
-                                    "beams",  "edges",    "lenses",  "glare",  "tonemap"};
+const std::vector<std::string> kAll{"step",   "gather",   "shadows", "gobos",  "bodies", "tiles",
+                                    "bounce", "surfaces", "depths",  "haze",   "coarse", "records",
+                                    "fine",   "beams",    "edges",   "lenses", "glare",  "tonemap"};
 // Those that take beams together for tiles.
 const std::vector<std::string> kTilePasses{"depths", "coarse", "records", "fine"};
 
@@ -44,6 +44,7 @@ Needs demo_needs() {
   CHECK_FALSE(needs.blades);
   needs.color = true;
   needs.blades = true;
+  needs.haze_field = true;
   for (bool Needs::*need : {&Needs::flex, &Needs::smooth, &Needs::tungsten, &Needs::led, &Needs::discharge,
                             &Needs::dowser, &Needs::measured, &Needs::rectangle, &Needs::stacked, &Needs::shake,
                             &Needs::pulses, &Needs::macro, &Needs::wide, &Needs::iris}) {
@@ -83,9 +84,10 @@ void check_left_out(const Needs& needs, const FrameSettings& settings) {
 TEST_CASE("the demo rig with all missing needs added has every pass, with every branch") {
   const FrameSettings settings = every_setting();
   const std::vector<SpecConstant> tile_constants{
-      {FL_SPEC_EXTINCTION, 1}, {FL_SPEC_PROFILE, 1},  {FL_SPEC_NODES, settings.nodes}, {FL_SPEC_BOXES, 1},
-      {FL_SPEC_BODIES, 1},     {FL_SPEC_MEASURED, 1}, {FL_SPEC_RECTANGLE, 1},          {FL_SPEC_WIDE, 1},
-      {FL_SPEC_IRIS, 1},       {FL_SPEC_SHADOWS, 1},  {FL_SPEC_VIEW, FL_VIEW_PICTURE}};
+      {FL_SPEC_EXTINCTION, 1}, {FL_SPEC_PROFILE, 1}, {FL_SPEC_NODES, settings.nodes},
+      {FL_SPEC_BOXES, 1},      {FL_SPEC_BODIES, 1},  {FL_SPEC_MEASURED, 1},
+      {FL_SPEC_RECTANGLE, 1},  {FL_SPEC_WIDE, 1},    {FL_SPEC_IRIS, 1},
+      {FL_SPEC_SHADOWS, 1},    {FL_SPEC_HAZE, 1},    {FL_SPEC_VIEW, FL_VIEW_PICTURE}};
   const auto plan = plan_frame(demo_needs(), settings);
   CHECK(plan ==
         std::vector<PassPlan>{{"step",
@@ -150,6 +152,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_LENSES, 1},
                                 {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
                               {"depths", {}},
+                              {"haze", {}},
                               {"coarse", tile_constants},
                               {"records", {{FL_SPEC_PROFILE, 1}, {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
                               {"fine", tile_constants},
@@ -171,6 +174,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_WIDE, 1},
                                 {FL_SPEC_IRIS, 1},
                                 {FL_SPEC_SHADOWS, 1},
+                                {FL_SPEC_HAZE, 1},
                                 {FL_SPEC_VIEW, FL_VIEW_PICTURE},
                                 {FL_SPEC_GOBO_METHOD, FL_GOBO_TABLES}}},
                               {"edges", {{FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1}, {FL_SPEC_EDGE_SAMPLES, 16}}},
@@ -237,11 +241,12 @@ TEST_CASE("without a need its branches or its passes are left out") {
         Case{"wide", &Needs::wide, {}, FL_SPEC_WIDE},
         Case{"iris", &Needs::iris, {}, FL_SPEC_IRIS},
         Case{"surfaces", &Needs::surfaces, {"bounce"}, FL_SPEC_BOXES, FL_SPEC_BOUNCE},
-        Case{"haze", &Needs::haze, {"gobos", "depths", "coarse", "records", "fine", "beams"}, FL_SPEC_COUNT},
+        Case{"clouds", &Needs::haze_field, {"haze"}, FL_SPEC_HAZE},
+        Case{"haze", &Needs::haze, {"gobos", "depths", "haze", "coarse", "records", "fine", "beams"}, FL_SPEC_COUNT},
         Case{"fixtures",
              &Needs::fixtures,
-             {"step", "gather", "shadows", "gobos", "bodies", "tiles", "bounce", "depths", "coarse", "records", "fine",
-              "beams", "lenses"},
+             {"step", "gather", "shadows", "gobos", "bodies", "tiles", "bounce", "depths", "haze", "coarse", "records",
+              "fine", "beams", "lenses"},
              FL_SPEC_BODIES,
              FL_SPEC_SHADOWS,
              FL_SPEC_BOUNCE,
@@ -270,12 +275,12 @@ TEST_CASE("without boxes and bodies only passes for light in the air remain") {
   needs.surfaces = false;
   FrameSettings settings;
   settings.bodies = false;
-  CHECK(names_of(plan_frame(needs, settings)) == std::vector<std::string>{"step", "gather", "gobos", "tiles", "coarse",
-                                                                          "records", "fine", "beams", "glare",
+  CHECK(names_of(plan_frame(needs, settings)) == std::vector<std::string>{"step", "gather", "gobos", "tiles", "haze",
+                                                                          "coarse", "records", "fine", "beams", "glare",
                                                                           "tonemap"});
   settings.tile_error = 0;
   CHECK(names_of(plan_frame(needs, settings)) ==
-        std::vector<std::string>{"step", "gather", "gobos", "tiles", "beams", "glare", "tonemap"});
+        std::vector<std::string>{"step", "gather", "gobos", "tiles", "haze", "beams", "glare", "tonemap"});
   settings.tile_error = FrameSettings{}.tile_error;
   needs.haze = false;  // without haze, too, nothing is visible
   CHECK(names_of(plan_frame(needs, settings)) == std::vector<std::string>{"step", "gather", "tonemap"});

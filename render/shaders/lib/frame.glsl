@@ -38,6 +38,9 @@ layout(set = 0, binding = FL_BINDING_FINE_MASKS, std430) FL_FINE_MASKS_ACCESS bu
   uint fine_masks[];
 };
 #endif
+#ifdef FL_USE_HAZE
+#include "render/shaders/lib/haze.glsl"
+#endif
 
 // The ray through picture position p (pixels, (0, 0) at the top left corner), not normalised.
 vec3 ray_through(vec2 p) {

@@ -36,6 +36,9 @@ bool tile_knows(BeamRow row) { return (row.flags & FL_BEAM_PLAIN) != 0u; }
 
 // The beam's line on the ray through a place of the rectangle, up to the surface there.
 void line_at(BeamShape beam, BeamRow row, Rect rect, vec2 at, out Chord chord, out ChordLine line, out vec3 ray) {
+#ifdef FL_HAZE_FIELD
+  haze_begin(at);
+#endif
   vec3 through = ray_through(at);
   float ray_length = length(through);
   ray = to_light(row, through / ray_length);
@@ -254,10 +257,14 @@ void compute_nodes(BeamRow row, Rect rect, bool whole, vec2 fit) {
       float q = 1.0 - chord.offset * chord.offset;
       float at = whole ? 0.0 : fit.x;
       float away = whole ? kRimNode3 * min(sqrt(abs(q)), 1.0) : kFitNode * fit.y;
+      float half_length = whole ? min(sqrt(abs(q)), 1.0) : fit.y;
       float inverse = 1.0 / max(chord.v_length, 1e-12);
-      float center = inverse * tile_integrand(beam, medium, chord, line, ray, at, 0.0, true, kExtinction);
-      float before = inverse * tile_integrand(beam, medium, chord, line, ray, at - away, 0.0, true, kExtinction);
-      float after = inverse * tile_integrand(beam, medium, chord, line, ray, at + away, 0.0, true, kExtinction);
+      float center = inverse * tile_integrand(beam, medium, chord, line, ray, at, 0.0, true, kExtinction)
+          FL_TIMES_DENSITY(at, 0.35 * half_length);
+      float before = inverse * tile_integrand(beam, medium, chord, line, ray, at - away, 0.0, true, kExtinction)
+          FL_TIMES_DENSITY(at - away, 0.3 * half_length);
+      float after = inverse * tile_integrand(beam, medium, chord, line, ray, at + away, 0.0, true, kExtinction)
+          FL_TIMES_DENSITY(at + away, 0.3 * half_length);
       if (whole) {
         float pair = before + after;
         if (q < 0.0) pair = 4.0 * center - pair;

@@ -19,6 +19,9 @@
 //
 // An iris keeps the middle of the beam: R0 and k shrink to its share of the radius, and f is read at (1 - hidden) rho.
 //
+// Where haze is not even (haze_field.h) the including file provides Real haze_until(Real t_m), the integral of its
+// density minus 1 up to a distance along the camera ray, and defines FL_HAZE_FIELD.
+//
 // Error and cost of each method: docs/numerics.md, printed by `footlight report`. Half angles go up to 87.5 degrees.
 // What a picture does not need the including file leaves out: FL_NEED_RECTANGLE, FL_NEED_IRIS, FL_NEED_WIDE, constants,
 // true where they are not defined; FL_MEASURED where measured.h is there, with FL_NEED_MEASURED.
@@ -344,6 +347,57 @@ FL_FN void chord_point(Chord chord, Real x, FL_OUT(Real) s, FL_OUT(Real) t_m) {
         (chord.t_to_m - chord.t_from_m) * x * chord.w_from / (chord.w_to + x * (chord.w_from - chord.w_to));
 }
 
+#ifdef FL_HAZE_FIELD
+// Each node of a quadrature has the mean density of the piece of the chord that it stands for, so no cloud is missed
+// between two nodes. A chord shorter than this gets the densities of one as long, m: differences of sums are rough.
+FL_CONST float kHazeShortest = 0.1f;
+
+// Mean density between two distances along the camera ray.
+FL_FN Real haze_mean(Real from_m, Real to_m) {
+  Real middle_m = Real(0.5) * (from_m + to_m);
+  Real half_m = Real(0.5) * max(to_m - from_m, Real(kHazeShortest));
+  return Real(1) + Real(0.5) * (haze_until(middle_m + half_m) - haze_until(middle_m - half_m)) / half_m;
+}
+
+// The pieces of a chord, one after the other.
+struct HazePieces {
+  Real middle_m;  // of the chord, along the ray
+  Real stretch;   // of a short one
+  Real end_m;     // of the last piece
+  Real until;
+};
+FL_FN HazePieces haze_pieces(Chord chord) {
+  HazePieces pieces;
+  Real length_m = chord.t_to_m - chord.t_from_m;
+  pieces.middle_m = chord.t_base_m + Real(0.5) * (chord.t_from_m + chord.t_to_m);
+  pieces.stretch = max(Real(1), Real(kHazeShortest) / max(length_m, Real(1e-6)));
+  pieces.end_m = pieces.middle_m - Real(0.5) * length_m * pieces.stretch;
+  pieces.until = haze_until(pieces.end_m);
+  return pieces;
+}
+// Mean density of the next piece, which ends at a share x of the chord's measure.
+FL_FN Real haze_piece(FL_INOUT(HazePieces) pieces, Chord chord, Real x) {
+  Real s;
+  Real t_m;
+  chord_point(chord, x, s, t_m);
+  Real end_m = pieces.middle_m + (chord.t_base_m + t_m - pieces.middle_m) * pieces.stretch;
+  Real until = haze_until(end_m);
+  Real density = Real(1) + (until - pieces.until) / max(end_m - pieces.end_m, Real(1e-6));
+  pieces.end_m = end_m;
+  pieces.until = until;
+  return density;
+}
+// Mean density around a share x of the chord's measure, half_x on both sides.
+FL_FN Real haze_around(Chord chord, Real x, Real half_x) {
+  Real s;
+  Real from_m;
+  Real to_m;
+  chord_point(chord, max(x - half_x, Real(0)), s, from_m);
+  chord_point(chord, min(x + half_x, Real(1)), s, to_m);
+  return haze_mean(chord.t_base_m + from_m, chord.t_base_m + to_m);
+}
+#endif
+
 // In a wide beam 1 / (1 + k^2 rho^2) is a narrow peak along the chord, of half width c about s = middle. With
 // s = middle + c sinh(v) places are even in v, and what is integrated is smooth there.
 struct WideChord {
@@ -399,11 +453,20 @@ FL_FN uint gauss_index(uint n, uint i) { return n * (n - uint(1)) / uint(2) + i;
 // Projective beam integral with n Gauss nodes: in-scattered light over sigma_s J0, 1/m.
 FL_FN Real chord_inscatter_gauss(BeamShape beam, Medium medium, Chord chord, Vec3 d, uint n, bool with_extinction) {
   Real total = Real(0);
+#ifdef FL_HAZE_FIELD
+  HazePieces haze = haze_pieces(chord);
+  Real end = Real(0);
+#endif
   for (uint i = uint(0); i < n; ++i) {
     Real s;
     Real t_m;
     chord_point(chord, kGaussNode[gauss_index(n, i)], s, t_m);
-    total += kGaussWeight[gauss_index(n, i)] * chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true);
+    Real weight = kGaussWeight[gauss_index(n, i)];
+#ifdef FL_HAZE_FIELD
+    end += weight;
+    weight *= haze_piece(haze, chord, end);
+#endif
+    total += weight * chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true);
   }
   return total * chord_measure(chord);
 }
@@ -425,6 +488,9 @@ FL_FN Real chord_inscatter_wide(BeamShape beam, Medium medium, Chord chord, Vec3
     Real s;
     Real t_m;
     chord_point(chord, share, s, t_m);
+#ifdef FL_HAZE_FIELD
+    weight *= haze_around(chord, share, Real(0.5) * weight);
+#endif
     total += weight * chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true);
   }
   return total * chord_measure(chord);
@@ -496,6 +562,9 @@ FL_FN Real chord_inscatter_measured(BeamShape beam, Medium medium, Chord chord, 
       Real s;
       Real t_m;
       chord_point(chord, share, s, t_m);
+#ifdef FL_HAZE_FIELD
+      weight *= haze_around(chord, share, Real(0.17) / Real(pieces));
+#endif
       total += weight * chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, is_short);
     }
     before = after;
@@ -513,7 +582,12 @@ FL_FN Real chord_inscatter_march(BeamShape beam, Medium medium, Chord chord, Vec
     Real t_m = chord.t_from_m + (Real(i) + Real(0.5)) * h;
     Real w = chord.w_base + t_m * chord.w_slope;
     Real s = chord.s_base + chord.v_length * t_m / (chord.w_base * w);
-    total += chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true) / (w * w);
+    Real light = chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true) / (w * w);
+#ifdef FL_HAZE_FIELD
+    Real from_m = chord.t_base_m + t_m - Real(0.5) * h;
+    light *= haze_mean(from_m, from_m + h);
+#endif
+    total += light;
   }
   return total * h;
 }
@@ -535,7 +609,12 @@ FL_FN Vec3 chord_inscatter_march_gobo(BeamShape beam, Medium medium, Chord chord
     Real w = chord.w_base + t_m * chord.w_slope;
     Real s = chord.s_base + chord.v_length * t_m / (chord.w_base * w);
     Vec3 through = gobo_at(gobo, gobo_position(chord, s, turn), chord.base.z + t_m * d.z);
-    total += through * (chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true) / (w * w));
+    Real light = chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true) / (w * w);
+#ifdef FL_HAZE_FIELD
+    Real from_m = chord.t_base_m + t_m - Real(0.5) * h;
+    light *= haze_mean(from_m, from_m + h);
+#endif
+    total += through * light;
   }
   return total * h;
 }
@@ -555,6 +634,9 @@ FL_FN Vec3 chord_inscatter_gobo(BeamShape beam, Medium medium, Chord chord, Vec3
     Vec3 through = gobo_at(gobo, gobo_position(chord, s, turn), chord.base.z + t_m * d.z);
     Real light = chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, true);
     if (FL_NEED_WIDE) light *= weight;
+#ifdef FL_HAZE_FIELD
+    light *= haze_around(chord, x, Real(0.5) * weight / Real(n));
+#endif
     total += through * light;
   }
   return total * (chord_measure(chord) / Real(n));

@@ -97,7 +97,11 @@
 #define FL_BINDING_BOUNCE_FLUX (73 + FL_LAMP_COUNT)
 #define FL_BINDING_BOUNCE_LIGHT (74 + FL_LAMP_COUNT)
 #define FL_BINDING_LENSES (75 + FL_LAMP_COUNT)  // LensesHead, then LensRow, one a head (render/shaders/lenses.comp)
-#define FL_BINDING_COUNT (76 + FL_LAMP_COUNT)
+// Haze that is not even (lib/haze.glsl): HazeField, and the table, as it is read and as it is written.
+#define FL_BINDING_HAZE (76 + FL_LAMP_COUNT)
+#define FL_BINDING_HAZE_TABLE (77 + FL_LAMP_COUNT)
+#define FL_BINDING_HAZE_TABLE_OUT (78 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (79 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -146,7 +150,8 @@
 #define FL_SPEC_METER (41 + FL_LAMP_COUNT)  // the exposure is that of the meter
 #define FL_SPEC_BOUNCE (42 + FL_LAMP_COUNT)  // surfaces get the light that others reflect
 #define FL_SPEC_LENSES (43 + FL_LAMP_COUNT)  // small lenses are splats
-#define FL_SPEC_COUNT (44 + FL_LAMP_COUNT)
+#define FL_SPEC_HAZE (44 + FL_LAMP_COUNT)  // haze is not even: selects another shader
+#define FL_SPEC_COUNT (45 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -213,6 +218,11 @@
 #define FL_GROUP_PLACES 256 // threads of the workgroup that gives them their places
 #define FL_BEAM_SHADOWS_MAX 4096  // in one beam
 #define FL_SHADOWS_X 32768  // workgroups side by side, one a beam
+#define FL_GROUP_HAZE 64    // rays a workgroup
+// The table of haze that is not even: rays across and down, and values of each.
+#define FL_HAZE_X 160
+#define FL_HAZE_Y 90
+#define FL_HAZE_SLICES 160
 #define FL_TILE_LIGHT 48    // 4 x 4 coefficients of three channels
 // Nodes of a rectangle lie on a square that is this much larger, so that their hull holds every pixel's centre: the
 // outermost node is at cos(pi / 8) = 0.924 of the square, the outermost centre at 63 / 64 of the rectangle.

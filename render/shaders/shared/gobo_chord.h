@@ -20,11 +20,19 @@ struct ChordWeight {
 
 FL_FN ChordWeight chord_weight(BeamShape beam, Medium medium, Chord chord, Vec3 d, bool with_extinction) {
   ChordWeight weight;
+#ifdef FL_HAZE_FIELD
+  HazePieces haze = haze_pieces(chord);
+  Real end = Real(0);
+#endif
   for (uint i = uint(0); i < uint(4); ++i) {
     Real s;
     Real t_m;
     chord_point(chord, kGaussNode[uint(6) + i], s, t_m);
     weight.at_node[i] = chord_integrand(beam, medium, chord, d, s, t_m, with_extinction, false);
+#ifdef FL_HAZE_FIELD
+    end += kGaussWeight[uint(6) + i];
+    weight.at_node[i] *= haze_piece(haze, chord, end);
+#endif
   }
   // The nodes lie at y = -outer, -inner, inner, outer.
   Real outer = Real(0.8611363115940526);

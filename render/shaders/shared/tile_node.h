@@ -73,6 +73,20 @@ FL_FN Real tile_integrand(BeamShape beam, Medium medium, Chord chord, ChordLine 
   return value;
 }
 
+#ifdef FL_HAZE_FIELD
+// Mean density of haze that is not even, half_s on both sides of a place of the line.
+FL_FN Real tile_density(Chord chord, ChordLine line, Real s, Real half_s) {
+  Real low = line.t_from_m - chord.t_base_m;
+  Real high = line.t_to_m - chord.t_base_m;
+  Real from_m = min(max(chord_t(chord, s - half_s), low), high);
+  Real to_m = min(max(chord_t(chord, s + half_s), low), high);
+  return haze_mean(chord.t_base_m + from_m, chord.t_base_m + to_m);
+}
+#define FL_TIMES_DENSITY(s, half_s) * tile_density(chord, line, s, half_s)
+#else
+#define FL_TIMES_DENSITY(s, half_s)
+#endif
+
 // chord and line are those of beam_line(). `many`: five nodes, else three. Beams as wide as kWideSpread, rectangles,
 // measured ones and irises are not for this.
 FL_FN TileNode tile_node(BeamShape beam, Medium medium, Chord chord, ChordLine line, Vec3 d, bool many,
@@ -88,13 +102,16 @@ FL_FN TileNode tile_node(BeamShape beam, Medium medium, Chord chord, ChordLine l
   Real middle = node.is_whole ? Real(0) : Real(0.5) * (s_from + s_to);
   Real c = min(sqrt(abs(q)), Real(1));
   Real half_length = node.is_whole ? c : max(Real(0.5) * (s_to - s_from), Real(0));
-  Real center = tile_integrand(beam, medium, chord, line, d, middle, Real(0), node.is_whole, with_extinction);
+  Real center = tile_integrand(beam, medium, chord, line, d, middle, Real(0), node.is_whole, with_extinction)
+      FL_TIMES_DENSITY(middle, half_length * (many ? Real(0.24) : Real(0.35)));
   Real sum = Real(0);
   if (!many) {
     Real x = node.is_whole ? kRimNode3 : kCutNode3;
     Real ds = half_length * x;
-    Real pair = tile_integrand(beam, medium, chord, line, d, middle + ds, x, node.is_whole, with_extinction) +
-                tile_integrand(beam, medium, chord, line, d, middle - ds, x, node.is_whole, with_extinction);
+    Real pair = tile_integrand(beam, medium, chord, line, d, middle + ds, x, node.is_whole, with_extinction)
+                    FL_TIMES_DENSITY(middle + ds, half_length * Real(0.3)) +
+                tile_integrand(beam, medium, chord, line, d, middle - ds, x, node.is_whole, with_extinction)
+                    FL_TIMES_DENSITY(middle - ds, half_length * Real(0.3));
     if (node.is_whole && q < Real(0)) pair = Real(4) * center - pair;
     sum = (node.is_whole ? kRimMiddle3 : kCutMiddle3) * center + (node.is_whole ? kRimWeight3 : kCutWeight3) * pair;
   } else {
@@ -104,11 +121,14 @@ FL_FN TileNode tile_node(BeamShape beam, Medium medium, Chord chord, ChordLine l
       Real cut = i == uint(0) ? kCutNode5a : kCutNode5b;
       Real x = node.is_whole ? rim : cut;
       Real ds = half_length * x;
-      Real pair = tile_integrand(beam, medium, chord, line, d, middle + ds, x, node.is_whole, with_extinction) +
-                  tile_integrand(beam, medium, chord, line, d, middle - ds, x, node.is_whole, with_extinction);
+      Real pair = tile_integrand(beam, medium, chord, line, d, middle + ds, x, node.is_whole, with_extinction)
+                      FL_TIMES_DENSITY(middle + ds, half_length * Real(0.2)) +
+                  tile_integrand(beam, medium, chord, line, d, middle - ds, x, node.is_whole, with_extinction)
+                      FL_TIMES_DENSITY(middle - ds, half_length * Real(0.2));
       // (1 - x^2)^(p - 1) is the same on both sides of the rim.
       if (node.is_whole && q < Real(0)) {
-        Real shape = tile_integrand(beam, medium, chord, line, d, middle, x, true, with_extinction);
+        Real shape = tile_integrand(beam, medium, chord, line, d, middle, x, true, with_extinction)
+            FL_TIMES_DENSITY(middle, half_length * Real(0.24));
         pair = Real(4) * shape - pair;
       }
       Real rim_weight = i == uint(0) ? kRimWeight5a : kRimWeight5b;

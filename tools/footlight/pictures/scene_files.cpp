@@ -16,9 +16,14 @@
 namespace footlight::tools {
 namespace {
 
-// Applies --smooth, --dimmer-law, --haze and --room.
+// Applies --smooth, --dimmer-law, --haze, --haze-noise and --room.
 Status adjust(fixtures::Rig& rig, const SceneFiles& files) {
   rig.haze.scattering_per_m = files.haze_per_m.value_or(rig.haze.scattering_per_m);
+  if (files.haze_noise) {
+    constexpr glm::dvec3 kDraught{0.2, 0.05, 0.02};
+    rig.haze.noise = *files.haze_noise;
+    if (rig.haze.wind_m_s == glm::dvec3(0)) rig.haze.wind_m_s = kDraught;
+  }
   rig.room.volume_m3 = files.volume_m3.value_or(rig.room.volume_m3);
   if (!files.smooth.empty()) {
     FL_ASSIGN(const auto smoothing, fixtures::parse_smoothing(files.smooth));
@@ -49,6 +54,9 @@ void add_scene_arguments(Arguments& arguments, SceneFiles& files) {
                    "of every fixture: linear, square, s, 'inverse square'; default: as defined");
   arguments.option("--haze", files.haze_per_m, 0, 10,
                    "scattering of the room's own haze, 1/m; default: as in the rig, or 0.02");
+  arguments.option("--haze-noise", files.haze_noise, 0, 1,
+                   "clouds of haze: how far its density is from the even one; with a slow draught where the rig has no "
+                   "wind; 0: even haze; default: as in the rig, or 0");
   arguments.option("--room", files.volume_m3, 1, 1e7,
                    "m^3 that haze and fog machines fill; default: as in the rig, or 1000");
 }

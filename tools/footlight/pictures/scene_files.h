@@ -18,6 +18,7 @@ struct SceneFiles {
   bool demo = false;                 // the built-in rig, and the built-in log unless --log is given
   std::string smooth;                // smoothing of levels, as in fixtures/model/smoothing.h; empty: as in the rig
   std::string dimmer_law;            // of all fixtures; empty: as in the rig
+  std::optional<double> haze_noise;  // clouds of haze; default: as in the rig
   std::optional<double> haze_per_m;  // scattering of the room's own haze; default: as in the rig
   std::optional<double> volume_m3;   // of the room that machines fill; default: as in the rig
 };

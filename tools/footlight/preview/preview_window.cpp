@@ -488,7 +488,7 @@ Status Preview::replay_to(DurationNs until_ns, DurationNs exposure_ns) {
     timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_, vrsl_replay());
     FL_TRY(frame_->run_steps());
     FL_TRY(device_->run_once([&](VkCommandBuffer commands) { render::forget_states(commands, frame_->resources()); }));
-    frame_->forget_machine_air();
+    frame_->forget_air();
   }
   return advance(*timeline_, until_ns, exposure_ns);
 }
