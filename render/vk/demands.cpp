@@ -42,7 +42,7 @@ constexpr VkFormatFeatureFlags kSurfaceId =
     VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT | VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT;
 constexpr VkFormatFeatureFlags kDepth =
     VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
-constexpr VkFormatFeatureFlags kGoboLines =
+constexpr VkFormatFeatureFlags kFilteredTable =
     VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT;
 
 constexpr FlagDemand kFlags[] = {
@@ -63,7 +63,9 @@ constexpr FlagDemand kFlags[] = {
     {"feature shaderStorageImageExtendedFormats",
      [](const DeviceFacts& f) { return f.features.shaderStorageImageExtendedFormats == VK_TRUE; }},
     {"format R16G16_UNORM as storage image and filtered sampled image",
-     [](const DeviceFacts& f) { return (f.gobo_lines_format & kGoboLines) == kGoboLines; }},
+     [](const DeviceFacts& f) { return (f.gobo_lines_format & kFilteredTable) == kFilteredTable; }},
+    {"format R32G32_SFLOAT as storage image and filtered sampled image",
+     [](const DeviceFacts& f) { return (f.haze_format & kFilteredTable) == kFilteredTable; }},
 };
 
 VkFormatFeatureFlags format_features(VkPhysicalDevice device, VkFormat format) {
@@ -113,6 +115,7 @@ DeviceFacts read_facts(VkPhysicalDevice device) {
   facts.surface_id_format = format_features(device, VK_FORMAT_R32G32_UINT);
   facts.depth_format = format_features(device, VK_FORMAT_D32_SFLOAT);
   facts.gobo_lines_format = format_features(device, VK_FORMAT_R16G16_UNORM);
+  facts.haze_format = format_features(device, VK_FORMAT_R32G32_SFLOAT);
   std::uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);

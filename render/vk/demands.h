@@ -31,6 +31,7 @@ struct DeviceFacts {
   VkFormatFeatureFlags surface_id_format = 0;  // VK_FORMAT_R32G32_UINT, optimal tiling
   VkFormatFeatureFlags depth_format = 0;       // VK_FORMAT_D32_SFLOAT
   VkFormatFeatureFlags gobo_lines_format = 0;  // VK_FORMAT_R16G16_UNORM
+  VkFormatFeatureFlags haze_format = 0;        // VK_FORMAT_R32G32_SFLOAT
   std::uint32_t timestamp_bits = 0;            // of the queue family that draws and computes
 };
 

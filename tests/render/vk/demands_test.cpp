@@ -51,6 +51,7 @@ TEST_CASE("a device that lacks a limit or a feature is refused with its name, it
       {[](DeviceFacts& f) { f.surface_id_format &= ~VkFormatFeatureFlags{VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT}; },
        {"R32G32_UINT"}},
       {[](DeviceFacts& f) { f.depth_format = 0; }, {"D32_SFLOAT"}},
+      {[](DeviceFacts& f) { f.haze_format = 0; }, {"R32G32_SFLOAT"}},
       {[](DeviceFacts& f) { f.gobo_lines_format = 0; }, {"R16G16_UNORM"}},
       {[](DeviceFacts& f) { f.features.shaderStorageImageExtendedFormats = VK_FALSE; }, {"ExtendedFormats is missing"}},
       {[](DeviceFacts& f) {
