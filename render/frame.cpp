@@ -8,48 +8,14 @@
 #include "render/glare.h"
 #include "render/haze.h"
 #include "render/passes/beams.h"
-#include "render/passes/bodies.h"
-#include "render/passes/bounce.h"
-#include "render/passes/coarse.h"
-#include "render/passes/depths.h"
-#include "render/passes/edges.h"
-#include "render/passes/fine.h"
-#include "render/passes/gather.h"
-#include "render/passes/glare.h"
 #include "render/passes/gobos.h"
 #include "render/passes/haze.h"
-#include "render/passes/lenses.h"
 #include "render/passes/records.h"
-#include "render/passes/shadows.h"
 #include "render/passes/step.h"
-#include "render/passes/surfaces.h"
-#include "render/passes/tiles.h"
 #include "render/passes/tonemap.h"
 
 namespace footlight::render {
 namespace {
-
-// The frame, in order. A new pass is one line here.
-const PassEntry* const kPasses[] = {
-    &kStepPass,      // raw levels -> fixture states
-    &kGatherPass,    // states -> lit beams, in patch order
-    &kShadowsPass,   // beams x boxes and bodies -> which part of each beam they hide
-    &kGobosPass,     // beams -> tables of their gobos that are not built yet
-    &kBodiesPass,    // fixture bodies -> visibility buffer
-    &kTilesPass,     // beams -> which supertile they touch
-    &kBouncePass,    // beams x boxes and scenery -> light that these reflect
-    &kSurfacesPass,  // beams x boxes and bodies -> radiance, distance
-    &kDepthsPass,    // radiance's distances -> planes of tiles
-    &kHazePass,      // haze that is not even -> what rays pass through
-    &kCoarsePass,    // beams -> those that are smooth over a supertile, records of rims and cuts, and the rest
-    &kRecordsPass,   // beams that are smooth over a supertile but for rims and cuts -> radiance
-    &kFinePass,      // the same over 32 x 32 pixels, and beams that are smooth but for their rim -> radiance, the rest
-    &kBeamsPass,     // the rest, pixel by pixel -> radiance
-    &kEdgesPass,     // solid things -> radiance of pixels that show more than one
-    &kLensesPass,    // lenses of a few pixels -> radiance
-    &kGlarePass,     // radiance -> light that the camera's lens scatters
-    &kTonemapPass,   // radiance, scattered light -> screen
-};
 
 // Time stamps of a frame: its beginning, the levels, and the end of each pass.
 std::uint32_t marks_max(const PassList& passes) { return static_cast<std::uint32_t>(passes.size()) + 2; }
@@ -66,82 +32,6 @@ struct StepPush {
 
 }  // namespace
 
-const PassList& product_passes() {
-  static const PassList kList(std::begin(kPasses), std::end(kPasses));
-  return kList;
-}
-
-std::vector<PassPlan> plan_frame(const fixtures::Needs& needs, const FrameSettings& settings, const PassList& passes) {
-  std::vector<PassPlan> plan;
-  for (const PassEntry* pass : passes) {
-    if (pass->needed(needs, settings)) plan.push_back({pass->name, pass->constants(needs, settings)});
-  }
-  return plan;
-}
-
-std::vector<LeftOutPass> left_out_passes(const fixtures::Needs& needs, const FrameSettings& settings) {
-  std::vector<LeftOutPass> out;
-  for (const PassEntry* pass : kPasses) {
-    if (!pass->needed(needs, settings)) out.push_back({pass->name, pass->loss});
-  }
-  return out;
-}
-
-std::vector<PassShaders> pass_shaders() {
-  std::vector<PassShaders> all;
-  for (const PassEntry* pass : kPasses) all.push_back({pass->name, pass->shaders()});
-  return all;
-}
-
-namespace {
-
-// What a frame has, whatever its passes are: commands and read-backs use them.
-constexpr std::uint32_t kFrameBindings[] = {FL_BINDING_PARAMS, FL_BINDING_COUNTS, FL_BINDING_RADIANCE,
-                                            FL_BINDING_SCREEN};
-
-// The bindings of the frame that a pass reads and writes; not those that it makes for itself.
-std::vector<std::uint32_t> bindings_of(const PassEntry& pass) {
-  std::vector<std::uint32_t> bindings;
-  if (pass.attachments != nullptr) bindings = pass.attachments();
-  for (const auto& stages : pass.shaders()) {
-    const auto shader = vk::read_interfaces(stages);
-    FL_CHECK(shader.has_value());  // a test reads every shader
-    for (const vk::ShaderBinding& binding : shader->bindings) {
-      if (binding.binding < FL_BINDING_COUNT) bindings.push_back(binding.binding);
-    }
-  }
-  return bindings;
-}
-
-}  // namespace
-
-std::vector<PassMemory> plan_memory(const MemoryShape& shape) {
-  std::vector<bool> counted(FL_BINDING_COUNT, false);
-  const auto bytes_of = [&](const std::vector<std::uint32_t>& bindings) {
-    std::uint64_t bytes = 0;
-    for (const std::uint32_t binding : bindings) {
-      if (!counted[binding]) bytes += binding_bytes(binding, shape);
-      counted[binding] = true;
-    }
-    return bytes;
-  };
-  std::vector<PassMemory> plan;
-  plan.push_back({"frame", bytes_of({std::begin(kFrameBindings), std::end(kFrameBindings)})});
-  for (const PassEntry* pass : kPasses) {
-    if (pass->needed(shape.needs, shape.settings)) plan.push_back({pass->name, bytes_of(bindings_of(*pass))});
-  }
-  return plan;
-}
-
-fixtures::Needs drawn_needs(const fixtures::Needs& needs, const fixtures::Haze& haze, const FrameSettings& settings) {
-  fixtures::Needs drawn = needs;
-  if (settings.haze) return drawn;
-  drawn.haze = false;
-  drawn.haze_field = false;
-  drawn.extinction = needs.extinction && haze.absorption_per_m > 0;
-  return drawn;
-}
-
 Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures::Rig& rig,
                                              const fixtures::CompiledRig& compiled, const FrameSettings& settings,
                                              const PassList& passes) {
@@ -155,7 +45,7 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   widest.view = FrameView::kPicture;
   widest.widen_thin = true;
   std::vector<bool> used(FL_BINDING_COUNT, false);
-  for (const std::uint32_t binding : kFrameBindings) used[binding] = true;
+  for (const std::uint32_t binding : frame_bindings()) used[binding] = true;
   used[FL_BINDING_LENSES] = true;  // live_error.h names it in any frame
   for (const PassEntry* pass : passes) {
     if (!pass->needed(compiled.needs, widest)) continue;
@@ -241,6 +131,9 @@ Status Frame::change(const FrameSettings& requested) {
   }
   if (has_bounce(needs, settings) && !resources_.rig.has_bounce) {
     return fail(ErrorCode::kBadInput, "reflected light was left out when the frame was made: expected a new frame");
+  }
+  if (has_bounce(needs, settings) && has_bodies(needs, settings) != resources_.rig.has_bodies) {
+    return fail(ErrorCode::kBadInput, "reflected light was made with other bodies: expected a new frame");
   }
   if (has_smooth_edges(needs, settings) && !resources_.rig.has_trees) {
     return fail(ErrorCode::kBadInput, "smooth edges were left out when the frame was made: expected a new frame");

@@ -20,6 +20,7 @@
 #include "fixtures/simulate/walker.h"
 #include "render/image.h"
 #include "render/pass.h"
+#include "render/plan.h"
 #include "render/resources.h"
 #include "render/settings.h"
 #include "render/vk/device.h"
@@ -29,46 +30,6 @@ class MachineAir;  // fixtures/simulate/machines.h
 }
 
 namespace footlight::render {
-
-// A pass as the rig and the settings make it.
-struct PassPlan {
-  std::string name;
-  std::vector<vk::SpecConstant> constants;
-  bool operator==(const PassPlan&) const = default;
-};
-
-// The passes of a frame, in order.
-using PassList = std::vector<const PassEntry*>;
-// Those of the product. The report replaces some of them by rivals (render/rivals/rivals.h).
-[[nodiscard]] const PassList& product_passes();
-
-[[nodiscard]] std::vector<PassPlan> plan_frame(const fixtures::Needs& needs, const FrameSettings& settings,
-                                               const PassList& passes = product_passes());
-// Names of the passes that the plan leaves out, with what the picture would gain from them.
-struct LeftOutPass {
-  std::string name;
-  std::string loss;
-};
-[[nodiscard]] std::vector<LeftOutPass> left_out_passes(const fixtures::Needs& needs, const FrameSettings& settings);
-
-// The shaders of all passes, needed or not: the stages of each pipeline.
-struct PassShaders {
-  std::string name;
-  std::vector<std::vector<vk::Spirv>> pipelines;
-};
-[[nodiscard]] std::vector<PassShaders> pass_shaders();
-
-// GPU memory of each pass that the plan has: the buffers and images of its shaders that no pass before it has. "frame"
-// comes first with what every frame has. Without the meshes of bodies, whose length is known when they are read.
-struct PassMemory {
-  std::string name;
-  std::uint64_t bytes = 0;
-};
-[[nodiscard]] std::vector<PassMemory> plan_memory(const MemoryShape& shape);
-
-// The needs of a rig with these settings: without light in the air where settings.haze is false.
-[[nodiscard]] fixtures::Needs drawn_needs(const fixtures::Needs& needs, const fixtures::Haze& haze,
-                                          const FrameSettings& settings);
 
 // What a picture draws of the bodies of fixtures.
 struct BodyCounts {
@@ -206,8 +167,8 @@ class Frame {
   std::vector<PendingStep> pending_;
   std::unique_ptr<fixtures::MachineAir> machines_;  // may be null
   double work_light_lx_ = 0;
-  std::int64_t adapt_ns_ = 0;  // since the last record()
-  double exposure_ev_ = 0;     // of the last record()
+  std::int64_t adapt_ns_ = 0;    // since the last record()
+  double exposure_ev_ = 0;       // of the last record()
   std::int64_t time_ns_ = 0;     // of all steps: clouds of haze drift by it
   glm::dvec3 haze_center_m_{0};  // of a sphere that all light in the air lies in
   double haze_radius_m_ = 0;

@@ -9,25 +9,12 @@
 #include <optional>
 #include <thread>
 
+#include "sim/core/random.h"
+
 namespace footlight::render {
 namespace {
 
 using glm::dvec3;
-
-// SplitMix64 (Steele, Lea, Flood 2014).
-class PathNumbers {
- public:
-  explicit PathNumbers(std::uint64_t seed) : state_(seed) {}
-  double next() {
-    std::uint64_t z = state_ += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
-  }
-
- private:
-  std::uint64_t state_;
-};
 
 struct PathHit {
   std::size_t box = 0;
@@ -89,12 +76,12 @@ PathScene path_scene(const JudgeScene& scene) {
 }
 
 dvec3 judge_bounced(const PathScene& scene, const dvec3& point_m, const dvec3& normal, const PathOptions& options) {
-  PathNumbers numbers(options.seed);
+  SeededNumbers numbers(options.seed);
   dvec3 sum(0);
   for (int cell = 0; cell < options.side * options.side; ++cell) {
     dvec3 from = point_m, facing = normal, through(1);
     for (int bounce = 0; bounce < options.bounces; ++bounce) {
-      double x = numbers.next(), y = numbers.next();
+      double x = numbers.uniform(), y = numbers.uniform();
       if (bounce == 0) {
         x = (cell % options.side + x) / options.side;
         y = (static_cast<double>(cell / options.side) + y) / options.side;

@@ -6,6 +6,7 @@
 #include "render/passes/coarse.h"
 #include "render/passes/depths.h"
 #include "render/passes/fine.h"
+#include "render/passes/haze.h"
 #include "render/passes/records.h"
 #include "render/passes/surfaces.h"
 #include "render/rivals/beam_card.h"
@@ -38,7 +39,7 @@ const std::vector<Rival>& rivals() {
 }
 
 PassList passes_with_air(const PassList& air) {
-  const PassEntry* const own[] = {&kDepthsPass, &kCoarsePass, &kRecordsPass, &kFinePass, &kBeamsPass};
+  const PassEntry* const own[] = {&kDepthsPass, &kHazePass, &kCoarsePass, &kRecordsPass, &kFinePass, &kBeamsPass};
   PassList list;
   for (const PassEntry* pass : product_passes()) {
     if (pass == &kBeamsPass) list.insert(list.end(), air.begin(), air.end());

@@ -27,8 +27,8 @@ layout(set = 0, binding = FL_BINDING_BOUNCE_FORMS, std430) writeonly buffer Form
 const float kPi = 3.141592653589793;
 const float kAwayM = 2e-3;  // from both ends of a ray: what is there belongs to the surfaces themselves
 
-// The middle of part (x, y) of side x side of a patch, and how much of its area is not covered. Of a part that is
-// covered in its middle, another place.
+// The middle of what is open of part (x, y) of side x side of a patch, and its share of the patch's area. Where that
+// middle is covered, the middle of the open cell nearest to it.
 vec3 place_of(BouncePatchRow patch_row, uint side, uint x, uint y, out float share) {
   uint cells = uint(FL_BOUNCE_CELLS) / side;  // of a part, along each side
   float count = 0.0;
@@ -40,7 +40,18 @@ vec3 place_of(BouncePatchRow patch_row, uint side, uint x, uint y, out float sha
     sum += open * (vec2(cell) + 0.5);
   }
   share = count / float(FL_BOUNCE_CELLS * FL_BOUNCE_CELLS);
-  vec2 at = sum / max(count, 1.0) * (2.0 / float(FL_BOUNCE_CELLS)) - 1.0;
+  vec2 mean = sum / max(count, 1.0);
+  vec2 open_place = mean;
+  float least = count < float(cells * cells) ? 1e9 : 0.0;
+  for (uint c = 0u; c < cells * cells; ++c) {
+    uvec2 cell = uvec2(x * cells + c % cells, y * cells + c / cells);
+    bool open = (patch_row.exposed >> (uint(FL_BOUNCE_CELLS) * cell.y + cell.x) & 1u) != 0u;
+    float away = length(vec2(cell) + 0.5 - mean);
+    bool nearer = open && away < least;
+    least = nearer ? away : least;
+    open_place = nearer ? vec2(cell) + 0.5 : open_place;
+  }
+  vec2 at = open_place * (2.0 / float(FL_BOUNCE_CELLS)) - 1.0;
   return patch_row.center.xyz + at.x * patch_row.half_u.xyz + at.y * patch_row.half_v.xyz;
 }
 

@@ -27,9 +27,16 @@ layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(local_size_x = FL_BOUNCE_RAYS) in;
 layout(set = 0, binding = FL_BINDING_BOUNCE_FLUX, std430) buffer FluxBuffer { uint flux[]; };
 
+layout(set = 0, binding = FL_BINDING_BOUNCE_PATCHES, std430) readonly buffer PatchesBuffer {
+  BouncePatchRow patches[];
+};
+
+const float kLensAwayM = 2e-3;  // a face in the plane of a lens does not hold the lens
+
 void add_flux(uint at, float lm) {
-  float units = min(lm * FL_BOUNCE_FLUX, 1e18);
-  if (!(units >= 1.0)) return;
+  float units = lm * FL_BOUNCE_FLUX;
+  if (!(units >= 1.0)) return;  // nor what is no number
+  units = min(units, 1e18);
   float high = floor(units / 4294967296.0);
   uint low = uint(units - high * 4294967296.0);
   uint before = atomicAdd(flux[at], low);
@@ -63,9 +70,9 @@ void main() {
   vec3 way = row.x_axis.xyz * (rho.x * row.y_axis.w) + y_axis * (rho.y * row.y_axis.w) + row.axis.xyz;
   float t;
   uint face;
-  uint solid = bounce_hit(params.position.xyz + at_lens, way, 0.0, row.axis.w, false, t, face);
+  uint solid = bounce_hit(params.position.xyz + at_lens, way, kLensAwayM, row.axis.w, false, t, face);
   // A solid around the lens keeps all of the light.
-  if (solid == FL_NONE || !(t > 0.0)) return;
+  if (solid == FL_NONE || !(t > kLensAwayM)) return;
   uint first = solids[solid].first[face];
   if (first == FL_NONE) return;
 
@@ -90,6 +97,9 @@ void main() {
   vec2 spread = fract(vec2(0.5) + float(ray) * vec2(0.7548776662466927, 0.5698402909980532)) - 0.5;
   uvec2 own = uvec2(clamp(at * vec2(count) + spread, vec2(0.0), vec2(count) - 0.5));
   uint patch_index = first + own.y * count.x + own.x;
+  // A patch that is covered emits nothing: the ray stays where it ends.
+  uvec2 ends = uvec2(clamp(at * vec2(count), vec2(0.0), vec2(count) - 0.5));
+  if (!(patches[patch_index].center.w > 0.0)) patch_index = first + ends.y * count.x + ends.x;
   add_flux(6u * patch_index, lm.r);
   add_flux(6u * patch_index + 2u, lm.g);
   add_flux(6u * patch_index + 4u, lm.b);

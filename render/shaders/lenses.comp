@@ -63,7 +63,9 @@ void main() {
     float most = 0.5 * (xx + yy) + sqrt(0.25 * (xx - yy) * (xx - yy) + xy * xy);
     row.color.w = sqrt(det / most);  // the smaller half axis, in pixels
     float reach = sqrt(max(xx, yy)) * (1.0 + 0.5 / row.color.w);
-    bool seen = all(greaterThan(row.place.xy + reach, vec2(0.0))) && all(lessThan(row.place.xy - reach, size));
+    // Far outside of the picture the ellipse, which is linear in its place, means nothing.
+    bool near = all(lessThan(abs(at), vec2(4.0)));
+    bool seen = near && all(greaterThan(row.place.xy + reach, vec2(0.0))) && all(lessThan(row.place.xy - reach, size));
 
     vec3 eye_lx = vec3(0.0);
     float sum = 0.0;

@@ -238,6 +238,33 @@ TEST_CASE("an object from a file hides light where its triangles are, and a hall
         doctest::Approx(open).epsilon(1e-6));  // around lamp and camera
 }
 
+TEST_CASE("a wall that ends in the plane of a lens hides nothing of its beam, wherever the camera is") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = optics_scene(false);
+  fixtures::f64::Walker walker(scene.compiled);
+  walker.step(scene.levels, 0);
+  const JudgeBeam beam = judge_scene(scene.rig, walker).beams.front();
+  REQUIRE(beam.axis.y > 0.999);
+  scene.rig.boxes.push_back({"behind the lens", beam.lens_m - glm::dvec3(0.5, 0.4, 0.5),
+                             beam.lens_m + glm::dvec3(0.5, 0, 0.5), glm::dvec3(0.5)});
+  const std::vector<std::uint8_t> levels = scene.levels;
+  scene.compile();
+  scene.levels = levels;
+  FrameSettings settings = judged_settings(16, 9);
+  const auto frame = make_frame(vulkan.device(), scene, settings);
+  Random random(5);
+  for (int i = 0; i < 12; ++i) {
+    scene.camera.position_m += glm::dvec3(random.between(-0.3, 0.3), random.between(-0.3, 0.3), 0.1);
+    settings.shadows = true;
+    must(frame->change(settings));
+    const RadianceImage shaded = draw(*frame, scene);
+    settings.shadows = false;
+    must(frame->change(settings));
+    CHECK(picture_norms(shaded, draw(*frame, scene)).rel_l2 < 1e-5);
+  }
+}
+
 TEST_CASE("a beam that is blocked at its lens gives no light, and 5,000 shadows of one beam are counted") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

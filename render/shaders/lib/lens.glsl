@@ -18,7 +18,9 @@ float lens_area(TypeRow type) {
 }
 float pixel_at_1m() { return 2.0 * length(params.up.xyz) / float(params.height); }
 float splat_share(TypeRow type, float depth_m) {
-  if (!kSmallLenses) return 0.0;
+  // What only glows shines to all sides and has any form, and a measured lamp's face may be far longer than its lens of
+  // equal area is wide: their bodies show them.
+  if (!kSmallLenses || !(type.flux_lm > 0.0) || type.measured != 0u) return 0.0;
   vec2 size = lens_half(type);
   return 1.0 - smoothstep(kSplatPx, kDrawnPx, max(size.x, size.y) / (pixel_at_1m() * max(depth_m, 1e-6)));
 }

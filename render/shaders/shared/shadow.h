@@ -66,7 +66,8 @@ FL_FN bool shadow_prism(Real lens_radius_m, Real spread, FL_IN(ShadowSolid) soli
   Vec3 center = solid.center;
   Real reach_z = abs(solid.half_edge[0].z) + abs(solid.half_edge[1].z) + abs(solid.half_edge[2].z);
   prism.z_min_m = max(center.z - reach_z, Real(0));
-  if (!(center.z + reach_z > Real(0))) return false;
+  // A face in the plane of the lens hides nothing, whatever rounding makes of it.
+  if (!(center.z + reach_z > Real(1e-4))) return false;
 
   // The faces of pair i have the normal +-normal[i], and are `away` from the centre.
   Vec3 normal[3];

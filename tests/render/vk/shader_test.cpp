@@ -49,10 +49,13 @@ TEST_CASE("each pass stays within the descriptors that a device must have") {
 }
 
 TEST_CASE("a pipeline's interface has exactly the bindings that its shaders declare") {
-  CHECK(interface_of("tonemap").bindings == std::vector<ShaderBinding>{{FL_BINDING_PARAMS, kBuffer},
-                                                                       {FL_BINDING_RADIANCE, kImage},
-                                                                       {FL_BINDING_SCREEN, kImage}});
-  CHECK(interface_of("tonemap").push_bytes == 0);
+  const vk::ShaderInterface tonemap = interface_of("tonemap", 2);  // behind the two of the meter
+  CHECK(tonemap.bindings == std::vector<ShaderBinding>{{FL_BINDING_PARAMS, kBuffer},
+                                                       {FL_BINDING_RADIANCE, kImage},
+                                                       {FL_BINDING_SCREEN, kImage},
+                                                       {FL_BINDING_METER, kBuffer}});
+  CHECK(tonemap.push_bytes == 36);
+  CHECK(interface_of("tonemap", 0).push_bytes == 0);
   CHECK(interface_of("step").push_bytes == 12);
   for (const std::size_t with_gobos : {0u, 1u}) {
     const auto beams = interface_of("beams", with_gobos).bindings;

@@ -183,6 +183,7 @@ TEST_CASE("a rendered OpenEXR file is the frame's radiance bit for bit, and its 
   settings.width = 48;
   settings.height = 28;
   settings.edge_samples = render::suited_edge_samples(vulkan.device());
+  settings.bounce = true;
   auto frame = render::Frame::create(vulkan.device(), rig, driven->compiled, settings);
   REQUIRE(frame);
   REQUIRE(driven->timeline->advance(18 * kNsPerS, 20 * kNsPerMs,

@@ -47,7 +47,8 @@ void add(Arguments& arguments) {
   arguments.option("--edges", *edges, "WORD",
                    "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges; "
                    "default: 16 on a GPU, 4 on a CPU");
-  arguments.option("--shadows", *shadows, "WORD", "on; off: light passes through boxes and fixtures [on]");
+  arguments.option("--shadows", *shadows, "WORD",
+                   "on; off: beams pass through boxes and fixtures, what they reflect does not [on]");
   arguments.option("--bounce", *bounce, "WORD", "on; off: boxes and scenery reflect no light to others [on]");
   add_camera_arguments(arguments, *camera_words);
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this text");

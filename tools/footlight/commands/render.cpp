@@ -560,7 +560,8 @@ void add(Arguments& arguments) {
   arguments.option("--edges", options->edges, "WORD",
                    "samples of each pixel that shows the edge of something solid: 4, 8 or 16; off: jagged edges; "
                    "default: 16 on a GPU, 4 on a CPU");
-  arguments.option("--shadows", options->shadows, "WORD", "on; off: light passes through boxes and fixtures [on]");
+  arguments.option("--shadows", options->shadows, "WORD",
+                   "on; off: beams pass through boxes and fixtures, what they reflect does not [on]");
   arguments.option("--bounce", options->bounce, "WORD", "on; off: boxes and scenery reflect no light to others [on]");
   add_camera_arguments(arguments, options->camera_words);
   arguments.option("--ms", options->ms, "MS", "refused: a rendered picture does not depend on time; use --error");
@@ -590,10 +591,9 @@ extern const CommandInfo render_command{
         "  footlight render hall.mvr --lit --at 0s --show lux --probe 640,500 -o lux.png\n"
         "  footlight render hall.mvr --lit --at 0s --error 0.1% -o fine.png        the same knobs on every machine\n"
         "  footlight render --demo --every 40ms --from 10s --until 20s --camera side -o side.mp4\n"
-        "The same rig, log and time give the same picture, bit for bit on one device. PNG and OpenEXR files state "
-        "their\n"
-        "settings as footlight/settings. Ctrl-C stops after the current picture; the video or the pictures so far are\n"
-        "complete.",
+        "The same rig, log and time give the same picture, bit for bit on one device. PNG and OpenEXR files\n"
+        "state their settings as footlight/settings. Ctrl-C stops after the current picture; the video or the\n"
+        "pictures so far are complete.",
     .add = add,
 };
 

@@ -56,7 +56,7 @@ void add_scene_arguments(Arguments& arguments, SceneFiles& files) {
                    "scattering of the room's own haze, 1/m; default: as in the rig, or 0.02");
   arguments.option("--haze-noise", files.haze_noise, 0, 1,
                    "clouds of haze: how far its density is from the even one; with a slow draught where the rig has no "
-                   "wind; 0: even haze; default: as in the rig, or 0");
+                   "wind; 0: no clouds; default: as in the rig, or 0");
   arguments.option("--room", files.volume_m3, 1, 1e7,
                    "m^3 that haze and fog machines fill; default: as in the rig, or 1000");
 }

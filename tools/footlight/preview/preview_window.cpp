@@ -588,6 +588,7 @@ void Preview::take_key(int code, bool repeat) {
 }
 
 void Preview::expose(double steps_ev) {
+  if (controls_.auto_exposure) return;
   controls_.exposure_ev = std::clamp(controls_.exposure_ev + static_cast<float>(steps_ev), -20.0f, 30.0f);
 }
 
