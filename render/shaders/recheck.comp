@@ -1,10 +1,10 @@
 #version 460
 // A few pixels of the finished picture once more, by the general path at high order: every live beam, whether a mask
-// has it or not, 8 Gauss nodes, FL_SPEC_GOBO_TAPS samples of gobos, no tiles, no polynomials, no tables of gobos. What the
-// pixel shows (the surface) and clouds of haze are as the picture has them. Of each of FL_RECHECK_X x FL_RECHECK_Y cells one pixel is drawn, bright
-// ones more often: each thread of a group proposes one, and one of these is taken with a chance that grows with its
-// brightness (resampled importance sampling: Talbot 2005). Its weight makes the mean of any function over the samples
-// that over the picture.
+// has it or not, 8 Gauss nodes, FL_SPEC_GOBO_TAPS samples of gobos, no tiles, no polynomials, no tables of gobos. What
+// the pixel shows (the surface) and clouds of haze are as the picture has them. Of each of FL_RECHECK_X x FL_RECHECK_Y
+// cells one pixel is drawn, bright ones more often: each thread of a group proposes one, and one of these is taken with
+// a chance that grows with its brightness (resampled importance sampling: Talbot 2005). Its weight makes the mean of
+// any function over the samples that over the picture.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #define FL_USE_BEAMS

@@ -261,7 +261,8 @@ TEST_CASE("a wall that ends in the plane of a lens hides nothing of its beam, wh
     const RadianceImage shaded = draw(*frame, scene);
     settings.shadows = false;
     must(frame->change(settings));
-    CHECK(picture_norms(shaded, draw(*frame, scene)).rel_l2 < 1e-5);
+    // The far wall hides a little, at most a pixel of 1e-4 of the light; the wall behind the lens would hide all of it.
+    CHECK(picture_norms(shaded, draw(*frame, scene)).rel_l2 < 1e-3);
   }
 }
 
