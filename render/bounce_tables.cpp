@@ -225,8 +225,9 @@ void add_probes(const Bounds& lit, BounceScene& scene) {
         BounceProbeRow probe{};
         probe.usable = is_covered(scene, at) ? 0 : 1;
         for (int axis = 0; axis < 3; ++axis) {
-          probe.clear_m[2 * axis] = clear_m(walls, at, axis, 1);
-          probe.clear_m[2 * axis + 1] = clear_m(walls, at, axis, -1);
+          const auto side = static_cast<std::size_t>(axis) * 2;
+          probe.clear_m[side] = clear_m(walls, at, axis, 1);
+          probe.clear_m[side + 1] = clear_m(walls, at, axis, -1);
         }
         scene.probes.push_back(probe);
       }
@@ -262,7 +263,8 @@ BounceScene bounce_scene(const fixtures::Rig& rig, const Extent& objects, bool w
   const auto patches = [&] {
     std::uint64_t count = 0;
     for (const Face& face : faces) {
-      if (!is_thin(face, side_m)) count += patches_along(face.u_m, side_m) * patches_along(face.v_m, side_m);
+      if (is_thin(face, side_m)) continue;
+      count += std::uint64_t{patches_along(face.u_m, side_m)} * patches_along(face.v_m, side_m);
     }
     return count;
   };

@@ -83,8 +83,9 @@ dvec3 judge_bounced(const PathScene& scene, const dvec3& point_m, const dvec3& n
     for (int bounce = 0; bounce < options.bounces; ++bounce) {
       double x = numbers.uniform(), y = numbers.uniform();
       if (bounce == 0) {
+        const int row = cell / options.side;
         x = (cell % options.side + x) / options.side;
-        y = (static_cast<double>(cell / options.side) + y) / options.side;
+        y = (row + y) / options.side;
       }
       const std::optional<PathHit> hit = path_hit(scene, from, direction_of(facing, x, y));
       if (!hit) break;
