@@ -281,11 +281,13 @@ std::uint64_t bounce_bytes(std::uint32_t binding, const MemoryShape& shape) {
   constexpr std::uint64_t kPatches = FL_BOUNCE_PATCHES_MAX, kProbes = FL_BOUNCE_PROBES_MAX;
   if (!has_bounce(shape.needs, shape.settings)) return 0;
   const std::uint64_t boxes = shape.rig.boxes.size();
-  const std::uint64_t solids =
-      has_bodies(shape.needs, shape.settings) ? fixtures::scene_solids(shape.rig).size() : boxes;
+  // Builds the scenery.
+  const auto solids = [&]() -> std::uint64_t {
+    return has_bodies(shape.needs, shape.settings) ? fixtures::scene_solids(shape.rig).size() : boxes;
+  };
   switch (binding) {
-    case FL_BINDING_BOUNCE_SOLIDS: return (boxes + solids) * sizeof(BounceSolidRow);  // boxes twice
-    case FL_BINDING_BOUNCE_TREE: return 2 * solids * sizeof(TreeRow);
+    case FL_BINDING_BOUNCE_SOLIDS: return (boxes + solids()) * sizeof(BounceSolidRow);  // boxes twice
+    case FL_BINDING_BOUNCE_TREE: return 2 * solids() * sizeof(TreeRow);
     case FL_BINDING_BOUNCE_PATCHES: return kPatches * sizeof(BouncePatchRow);
     case FL_BINDING_BOUNCE_GRID: return sizeof(BounceGrid) + kProbes * sizeof(BounceProbeRow);
     case FL_BINDING_BOUNCE_FORMS: return kPatches * (kPatches + 6 * kProbes) * sizeof(float);
