@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <string_view>
 
 #include <glm/glm.hpp>
@@ -29,6 +28,5 @@ struct Display {
   ToneCurve tone = ToneCurve::kAgx;
   double white_k = 0;
 };
-[[nodiscard]] inline Display display_of(const FrameSettings& settings) { return {settings.tone, settings.white_k}; }
 
 }  // namespace footlight::render

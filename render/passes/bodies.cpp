@@ -35,7 +35,7 @@ class BodiesPass final : public Pass {
     const RigTables& rig = resources_.rig;
     const bool small = parts_.resolve.pipeline != nullptr;
     if (parts_.place.pipeline) {
-      dispatch(commands, parts_.place, (rig.slot_count + FL_GROUP_HEADS - 1) / FL_GROUP_HEADS, 1);
+      dispatch(commands, parts_.place, groups_of(rig.slot_count, FL_GROUP_HEADS), 1);
       if (small) {
         vkCmdFillBuffer(commands, resources_.picture.small_depths.handle, 0, VK_WHOLE_SIZE, 0);  // infinitely far
         vkCmdFillBuffer(commands, resources_.picture.small_keys.handle, 0, VK_WHOLE_SIZE, 0);

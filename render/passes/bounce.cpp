@@ -26,8 +26,6 @@ struct BouncePush {
 // reflected light is missing after 8 times.
 constexpr std::uint32_t kTimes = 8;
 
-std::uint32_t bounce_groups(std::uint32_t count, std::uint32_t size) { return (count + size - 1) / size; }
-
 class BouncePass final : public Pass {
  public:
   BouncePass(BoundPipeline forms, BoundPipeline rays, BoundPipeline light, RigTables& rig)
@@ -44,7 +42,7 @@ class BouncePass final : public Pass {
       for (const std::uint32_t step : {FL_BOUNCE_TO_PATCHES, FL_BOUNCE_TO_PROBES}) {
         push(commands, forms_, step, 0);
         const std::uint32_t receivers = step == FL_BOUNCE_TO_PATCHES ? patches : rig_.bounce_probes;
-        vkCmdDispatch(commands, bounce_groups(receivers, FL_GROUP_FORMS), patches, 1);
+        vkCmdDispatch(commands, groups_of(receivers, FL_GROUP_FORMS), patches, 1);
       }
       rig_.has_bounce_forms = true;
     }
@@ -73,7 +71,7 @@ class BouncePass final : public Pass {
   }
   void step(VkCommandBuffer commands, std::uint32_t step, std::uint32_t from, std::uint32_t receivers) const {
     push(commands, light_, step, from);
-    vkCmdDispatch(commands, bounce_groups(receivers, 4 * FL_GROUP_BOUNCE), 1, 1);
+    vkCmdDispatch(commands, groups_of(receivers, 4 * FL_GROUP_BOUNCE), 1, 1);
     vk::full_barrier(commands);
   }
 

@@ -10,9 +10,13 @@
 
 namespace footlight::render {
 
+// Workgroups that cover `count` threads, pixels and so on.
+[[nodiscard]] constexpr std::uint32_t groups_of(std::uint32_t count, std::uint32_t of_a_group) {
+  return (count + of_a_group - 1) / of_a_group;
+}
 // Groups of FL_TILE_PX pixels that cover the picture.
 [[nodiscard]] inline std::uint32_t tile_groups(int size_px) {
-  return (static_cast<std::uint32_t>(size_px) + FL_TILE_PX - 1) / FL_TILE_PX;
+  return groups_of(static_cast<std::uint32_t>(size_px), FL_TILE_PX);
 }
 
 // A pipeline with its descriptors.

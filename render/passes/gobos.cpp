@@ -37,7 +37,7 @@ class GobosPass final : public Pass {
       vk::full_barrier(commands);
     }
     mark_.bind(commands);
-    vkCmdDispatch(commands, (rig_.beams_max + FL_GROUP_GOBOS - 1) / FL_GROUP_GOBOS, 1, 1);
+    vkCmdDispatch(commands, groups_of(rig_.beams_max, FL_GROUP_GOBOS), 1, 1);
     vk::full_barrier(commands);
     if (empty.gates > 0) {
       images_.bind(commands);

@@ -11,7 +11,7 @@ const PassEntry kHazePass{"haze",
                           [](const PassContext& context) {
                             return make_compute_pass(context, kHazeComp, [](VkCommandBuffer commands) {
                               constexpr std::uint32_t kRays = FL_HAZE_X * FL_HAZE_Y;
-                              vkCmdDispatch(commands, (kRays + FL_GROUP_HAZE - 1) / FL_GROUP_HAZE, 1, 1);
+                              vkCmdDispatch(commands, groups_of(kRays, FL_GROUP_HAZE), 1, 1);
                             });
                           },
                           [] { return std::vector<std::vector<vk::Spirv>>{{kHazeComp}}; },

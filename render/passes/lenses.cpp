@@ -14,7 +14,7 @@ class LensesPass final : public Pass {
   LensesPass(const PassContext& context, BoundPipeline find, BoundPipeline add)
       : rows_(context.resources.rig.lenses.handle),
         heads_(context.resources.rig.head_count),
-        rows_of_tiles_((static_cast<std::uint32_t>(context.settings.height) + FL_SPLAT_PX - 1) / FL_SPLAT_PX),
+        rows_of_tiles_(groups_of(static_cast<std::uint32_t>(context.settings.height), FL_SPLAT_PX)),
         find_(std::move(find)),
         add_(std::move(add)) {}
 
@@ -23,7 +23,7 @@ class LensesPass final : public Pass {
     vkCmdUpdateBuffer(commands, rows_, 0, sizeof(none), &none);
     vk::full_barrier(commands);
     find_.bind(commands);
-    vkCmdDispatch(commands, (heads_ + FL_GROUP_HEADS - 1) / FL_GROUP_HEADS, 1, 1);
+    vkCmdDispatch(commands, groups_of(heads_, FL_GROUP_HEADS), 1, 1);
     vk::full_barrier(commands);
     add_.bind(commands);
     vkCmdDispatchIndirect(commands, rows_, 0);

@@ -26,7 +26,7 @@ class ShadowsPass final : public Pass {
     if (bodies_ && rig_.slot_count > 0) {
       bodies_->bind(commands);
       const std::uint32_t boxes = rig_.slot_count * FL_BODY_BOXES;
-      vkCmdDispatch(commands, (boxes + FL_GROUP_HEADS - 1) / FL_GROUP_HEADS, 1, 1);
+      vkCmdDispatch(commands, groups_of(boxes, FL_GROUP_HEADS), 1, 1);
       vk::full_barrier(commands);
     }
     each_beam(commands, count_);

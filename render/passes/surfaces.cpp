@@ -34,9 +34,7 @@ const PassEntry kSurfacesPass{
       const std::uint32_t wide = context.device.limits().maxComputeWorkGroupInvocations >= 512 ? 512 : 256;
       const bool is_wide = vk::compute_subgroup_size(context.device.facts()) >= 32;
       sized.constants.push_back({FL_SPEC_GROUP, is_wide ? wide : 128u});
-      const auto groups = [](int size_px) {
-        return (static_cast<std::uint32_t>(size_px) + FL_SURFACE_PX - 1) / FL_SURFACE_PX;
-      };
+      const auto groups = [](int size_px) { return groups_of(static_cast<std::uint32_t>(size_px), FL_SURFACE_PX); };
       return make_compute_pass(sized, kSurfacesComp,
                                [x = groups(context.settings.width), y = groups(context.settings.height)](
                                    VkCommandBuffer commands) { vkCmdDispatch(commands, x, y, 1); });

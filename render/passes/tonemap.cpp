@@ -18,10 +18,7 @@ struct Meter {
   BoundPipeline count, expose;
 };
 
-std::uint32_t meter_groups(int size_px) {
-  constexpr std::uint32_t kPx = 4 * FL_GROUP_METER;
-  return (static_cast<std::uint32_t>(size_px) + kPx - 1) / kPx;
-}
+std::uint32_t meter_groups(int size_px) { return groups_of(static_cast<std::uint32_t>(size_px), 4 * FL_GROUP_METER); }
 
 class TonemapPass final : public Pass {
  public:

@@ -100,8 +100,6 @@ std::uint64_t RivalPass::own_bytes() const {
   return bytes;
 }
 
-std::uint32_t groups_of(std::uint32_t count, std::uint32_t of_a_group) { return (count + of_a_group - 1) / of_a_group; }
-
 RivalPass::Commands tiles_of_beams(const PassContext& context) {
   return [counts = context.resources.rig.counts.handle](VkCommandBuffer commands) {
     vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, beams_groups));

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "render/pass.h"
+#include "render/passes/compute_pass.h"
 
 namespace footlight::render {
 #include "render/rivals/shared/rival_io.h"
@@ -53,7 +54,6 @@ class RivalPass final : public Pass {
   std::vector<Step> steps_;
 };
 
-[[nodiscard]] std::uint32_t groups_of(std::uint32_t count, std::uint32_t of_a_group);
 // A dispatch over the tiles of a picture in which something is lit, as the beam pass has.
 [[nodiscard]] RivalPass::Commands tiles_of_beams(const PassContext& context);
 
