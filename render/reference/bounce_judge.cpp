@@ -7,8 +7,8 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <thread>
 
+#include "render/reference/cores.h"
 #include "sim/core/random.h"
 
 namespace footlight::render {
@@ -120,12 +120,7 @@ std::vector<double> judge_reflected(const PathScene& scene, const fixtures::Haze
       }
     }
   };
-  const auto cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  {
-    std::vector<std::jthread> pool;
-    for (int i = 1; i < (options.threads > 0 ? options.threads : cores); ++i) pool.emplace_back(work);
-    work();
-  }
+  on_threads(options.threads, work);
   return rgb;
 }
 

@@ -15,6 +15,7 @@
 
 #include "fixtures/photometry/table.h"
 #include "render/haze.h"
+#include "render/reference/cores.h"
 #include "render/reference/wide.h"
 #include "sim/core/check.h"
 #include "sim/shared/shared.h"
@@ -755,8 +756,8 @@ double judge_inscatter(const JudgeBeam& beam, const fixtures::Haze& haze, const 
   return inscatter(beam, {haze, kEven, true}, ray, t_min_m, t_max_m, gobo, tolerance, 1, solids);
 }
 
-bool judge_hides(const JudgeBeam& beam, const JudgeSolid& given, const glm::dvec3& point_m) {
-  const JudgeSolid solid = thickened(given);
+bool judge_hides(const JudgeBeam& beam, const JudgeSolid& solid, const glm::dvec3& point_m) {
+  const JudgeSolid thick = thickened(solid);
   const glm::dvec3 from_lens = point_m - beam.lens_m;
   const double radius_m = beam.lens_radius_m + beam.spread * glm::dot(from_lens, beam.axis);
   const double scale = beam.lens_radius_m / radius_m;
@@ -766,10 +767,10 @@ bool judge_hides(const JudgeBeam& beam, const JudgeSolid& given, const glm::dvec
   double enter = 0;
   double leave = 1;
   for (int i = 0; i < 3; ++i) {
-    const glm::dvec3 normal = glm::cross(solid.half_m[(i + 1) % 3], solid.half_m[(i + 2) % 3]);
-    const double reach = std::abs(glm::dot(normal, solid.half_m[i]));
+    const glm::dvec3 normal = glm::cross(thick.half_m[(i + 1) % 3], thick.half_m[(i + 2) % 3]);
+    const double reach = std::abs(glm::dot(normal, thick.half_m[i]));
     if (!(reach > 0)) return false;
-    const double at = glm::dot(normal, lens_m - solid.center_m);
+    const double at = glm::dot(normal, lens_m - thick.center_m);
     const double rise = glm::dot(normal, path);
     if (rise == 0) {
       if (std::abs(at) > reach) return false;
@@ -882,13 +883,7 @@ JudgedPixels judge_pixels(const JudgeScene& scene, const View& view, int width, 
       done += last - first;
     }
   };
-  const auto cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  const int threads = options.threads > 0 ? options.threads : cores;
-  {
-    std::vector<std::jthread> pool;
-    for (int i = 1; i < threads; ++i) pool.emplace_back(work);
-    work();
-  }
+  on_threads(options.threads, work);
   judged.whole = !ended;
 
   Wide sum = 0;
