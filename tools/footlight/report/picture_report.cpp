@@ -338,6 +338,9 @@ Status measure_whole(vk::Device& device, const Scene& scene, const View& view, c
                 "or --set",
                 scene.name);
   }
+  report.live_beams = counts.live_count;
+  report.shadows = counts.shadows;
+  report.shadows_lost = counts.shadows_lost;
   report.whole_ms = percentile(times_ms, 0.5);
   for (std::size_t p = 0; p < pass_ms.size(); ++p) {
     report.whole_passes.push_back({frame->plan()[p].name, percentile(pass_ms[p], 0.5)});

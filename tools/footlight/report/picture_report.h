@@ -70,6 +70,9 @@ struct PictureReport {
   std::int64_t edge_pixels = 0;                // that 16 samples change
   std::int64_t body_bytes = 0;                 // memory of its bodies and objects
   render::GatesHead gates{};                   // of the whole frame; 0 where gobos are sampled
+  std::uint32_t live_beams = 0;                // that it draws
+  std::uint32_t shadows = 0;                   // pairs of a beam and what hides some of its light
+  std::uint32_t shadows_lost = 0;              // of them, for want of room
   double gobo_build_ms = 0;                    // GPU time of the pass of gobos in its first frame
   ClassShares classes;                         // how its beams are computed
   std::string device;

@@ -219,6 +219,19 @@ std::string bodies_text(const PictureReport& report, double body_error_px) {
       bodies.triangles, bodies.bodies - bodies.small - bodies.rastered, body_error_px, bodies.object_triangles);
 }
 
+// What hides light in the whole frame.
+std::string shadows_text(const PictureReport& report) {
+  if (report.shadows == 0) return "";
+  return fmt::format("Shadows: {} pairs of a beam and what stands in it, {:.1f} a lit beam; {} are missing for want of "
+                     "room.\n\n",
+                     report.shadows, static_cast<double>(report.shadows) / report.live_beams, report.shadows_lost);
+}
+std::string shadows_json(const PictureReport& report) {
+  return fmt::format(R"({{"event":"shadows","pairs":{},"beams":{},"missing":{}}})"
+                     "\n",
+                     report.shadows, report.live_beams, report.shadows_lost);
+}
+
 // Tables of gobos, and how many beams have several images in them but no table.
 std::string gates_text(const PictureReport& report) {
   return fmt::format(
@@ -326,8 +339,8 @@ void print_figures(const PictureArguments& arguments, const ReportOptions& optio
   fmt::print("\nThe whole frame as 'footlight render' draws it, bodies and lenses included: {:.3f} ms:",
              report.whole_ms);
   for (const auto& pass : report.whole_passes) fmt::print("  {} {:.3f} ms", pass.name, pass.gpu_ms);
-  fmt::print("\n{}\n\n{}{}", classes_text(report.classes), bodies_text(report, arguments.body_error_px),
-             edges_text(report, pixels));
+  fmt::print("\n{}\n\n{}{}{}", classes_text(report.classes), shadows_text(report),
+             bodies_text(report, arguments.body_error_px), edges_text(report, pixels));
   if (air) {
     fmt::print(
         "Air: machines have added {:.4g} /m of haze and {:.4g} /m of fog. Error against integrals over droplets in "
@@ -400,6 +413,7 @@ Status report_pictures(const PictureArguments& arguments, const ReportOptions& o
                               "\n",
                               report.whole_ms));
     options.print(classes_json(report.classes));
+    if (report.shadows > 0) options.print(shadows_json(report));
     options.print(edges_json(report));
     if (scene.compiled.needs.gobo) options.print(gates_json(report));
     const render::BodyCounts& bodies = report.bodies;

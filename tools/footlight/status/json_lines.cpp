@@ -261,6 +261,8 @@ const char* word_of(LogFormat format) {
     case LogFormat::kOlaShow: return "ola-show";
     case LogFormat::kPacketCapture: return "packet-capture";
     case LogFormat::kLineCapture: return "line-capture";
+    case LogFormat::kSound: return "sound";
+    case LogFormat::kVideo: return "video";
   }
   return "?";
 }
