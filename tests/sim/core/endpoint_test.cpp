@@ -113,6 +113,49 @@ TEST_CASE("the name of a log may hold every character that endpoints use elsewhe
   }
 }
 
+TEST_CASE("a vrsl endpoint names universes, a target and options") {
+  const auto plain = parsed("vrsl:1-3=11-13@frame_%05d.png");
+  CHECK(plain.kind == EndpointKind::kPicture);
+  CHECK(plain.target == "frame_%05d.png");
+  CHECK(plain.universes == std::vector<WireUniverse>{{1, 11}, {2, 12}, {3, 13}});
+  CHECK(plain.options.empty());
+  const auto full = parsed("vrsl:9,1@/dev/video3?layout=vertical-left&fps=60");
+  CHECK(full.target == "/dev/video3");
+  CHECK(full.show_universes() == std::vector<Universe>{9, 1});
+  CHECK(full.options == std::vector<EndpointOption>{{"layout", "vertical-left"}, {"fps", "60"}});
+  // The last "?" begins the options, and an empty one ends a URL.
+  const auto url = parsed("vrsl:1@rtmp://user@host/live?key=1&x=2?");
+  CHECK(url.target == "rtmp://user@host/live?key=1&x=2");
+  CHECK(url.options.empty());
+  for (const char* const bad :
+       {"vrsl", "vrsl:", "vrsl:1-9", "vrsl:@a.png", "vrsl:1-9@", "vrsl:1-9@?fps=1", "vrsl:0@a.png", "vrsl:1-10@a.png",
+        "vrsl:1-2=5@a.png", "vrsl:1@a.png?fps", "vrsl:1@a.png?=1", "vrsl:1@a.png?fps=", "vrsl:1@a.png?fps=1&&x=2",
+        "vrsl:1@a.png?fps=1&fps=2"}) {
+    CAPTURE(bad);
+    CHECK(refusal(bad).find(bad) == 0);
+  }
+  CHECK(contains(refusal("vrsl:10@a.png"), "expected 1 to 9"));
+}
+
+TEST_CASE("sound is a map, or a file or device with the place of its five slots") {
+  const auto map = parsed("audio:/a b/map.toml");
+  CHECK(map.kind == EndpointKind::kFile);
+  CHECK(map.target == "/a b/map.toml");
+  CHECK(map.universes.empty());
+  const auto file = parsed("audio:/tmp/a=b:c.flac=63999.508");
+  CHECK(file.target == "/tmp/a=b:c.flac");
+  CHECK(file.show_universes() == std::vector<Universe>{63'999});
+  CHECK(file.first_address == 508);
+  CHECK_FALSE(is_sound_device(file.target));
+  CHECK(is_sound_device(parsed("audio:alsa:hw:1,0=1.1").target));
+  CHECK(parsed("audio:alsa=2.7").target == "alsa");
+  for (const char* const bad : {"audio", "audio:", "audio:track.flac", "audio:=1.1", "audio:track.flac=1",
+                                "audio:track.flac=0.1", "audio:track.flac=1.0", "audio:track.flac=1.509"}) {
+    CAPTURE(bad);
+    CHECK(refusal(bad).find(bad) == 0);
+  }
+}
+
 TEST_CASE("universe 0, universe 64000 and Art-Net universe 32769 are refused, and the highest ones are not") {
   CHECK(contains(refusal("sacn:0-9"), "universe 0 does not exist; expected 1 to 63999"));
   CHECK(contains(refusal("sacn:64000"), "universe 64000 does not exist"));
@@ -145,7 +188,7 @@ TEST_CASE("the error for an unknown scheme lists the known schemes") {
   for (const char* text : {"scan:1-9", "", "1-9", "SACN:1", ":1-9", "=3"}) {
     const auto message = refusal(text);
     CHECK(contains(message, "unknown scheme"));
-    CHECK(contains(message, "sacn, artnet, enttec-pro, mock, gpio, log"));
+    CHECK(contains(message, "sacn, artnet, vrsl-osc, enttec-pro, mock, gpio, vrsl, log"));
   }
 }
 

@@ -1,0 +1,10 @@
+#include "drivers/sound/sound_file.h"
+
+namespace footlight::drivers {
+
+Result<std::unique_ptr<SoundFile>> SoundFile::open(const std::string& path) {
+  return fail(ErrorCode::kUnsupported,
+              "{}: this build reads no sound files; install libavcodec-dev and libavformat-dev, and build again", path);
+}
+
+}  // namespace footlight::drivers

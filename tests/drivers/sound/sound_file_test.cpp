@@ -1,0 +1,99 @@
+#include "drivers/sound/sound_file.h"
+
+#include <cmath>
+#include <limits>
+
+#include <doctest/doctest.h>
+
+#include "tests/support/must.h"
+#include "tests/support/temp_folder.h"
+#include "tests/support/wav_bytes.h"
+
+namespace footlight::drivers {
+namespace {
+
+using testing::must;
+using testing::wav_bytes;
+using testing::WavForm;
+
+std::vector<float> ramp(std::size_t count) {
+  std::vector<float> samples;
+  for (std::size_t i = 0; i < count; ++i) samples.push_back(static_cast<float>(static_cast<int>(i % 199) - 99) / 100);
+  return samples;
+}
+
+std::vector<float> read_all(SoundFile& file) {
+  std::vector<float> all;
+  std::vector<float> piece;
+  while (must(file.read(piece))) all.insert(all.end(), piece.begin(), piece.end());
+  return all;
+}
+
+std::string refusal(const std::string& path, ErrorCode code) {
+  const auto file = SoundFile::open(path);
+  REQUIRE_FALSE(file.has_value());
+  CHECK(file.error().code == code);
+  CHECK(file.error().message.find(path) == 0);
+  return file.error().message;
+}
+
+TEST_CASE("samples of every form and number of channels are read within half a step of the form") {
+  const testing::TempFolder folder;
+  const std::vector<float> samples = ramp(8 * 3'000);
+  const double steps[] = {0.5 / 128, 0.5 / 32'768, 0.5 / 8'388'608, 1e-7, 0, 0};
+  for (const WavForm form :
+       {WavForm::kU8, WavForm::kS16, WavForm::kS24, WavForm::kS32, WavForm::kFloat, WavForm::kDouble}) {
+    for (const int channels : {1, 2, 8}) {
+      const auto file = must(SoundFile::open(folder.write("a.wav", wav_bytes(samples, 22'050, channels, form))));
+      CHECK(file->info().rate_hz == 22'050);
+      CHECK(file->info().channels == channels);
+      const std::vector<float> read = read_all(*file);
+      REQUIRE(read.size() == samples.size());
+      double worst = 0;
+      for (std::size_t i = 0; i < read.size(); ++i) worst = std::max<double>(worst, std::abs(read[i] - samples[i]));
+      CAPTURE(static_cast<int>(form));
+      CHECK(worst <= steps[static_cast<int>(form)]);
+      CHECK(file->damaged_packets() == 0);
+    }
+  }
+}
+
+TEST_CASE("a file that is cut off is read up to its end") {
+  const testing::TempFolder folder;
+  const std::string whole = wav_bytes(ramp(40'000), 44'100, 2);
+  const auto file = must(SoundFile::open(folder.write("cut.wav", whole.substr(0, whole.size() / 2))));
+  const std::size_t read = read_all(*file).size();
+  CHECK(read >= 19'000);
+  CHECK(read <= 20'000);
+}
+
+TEST_CASE("files without sound, folders, devices and odd rates are refused with their name and the reason") {
+  const testing::TempFolder folder;
+  refusal(folder.file("nothing.wav"), ErrorCode::kNotFound);
+  refusal(folder.path().string(), ErrorCode::kBadInput);
+  refusal("/dev/zero", ErrorCode::kBadInput);
+  refusal(folder.write("text.wav", "this is no sound at all, but it is long enough to be tested as one"),
+          ErrorCode::kBadInput);
+  refusal(folder.write("empty.wav", ""), ErrorCode::kBadInput);
+  CHECK(refusal(folder.write("slow.wav", wav_bytes(ramp(4'000), 4'000, 1)), ErrorCode::kBadInput)
+            .find("8000 to 192000") != std::string::npos);
+  CHECK(refusal(folder.write("fast.wav", wav_bytes(ramp(4'000), 384'000, 1)), ErrorCode::kBadInput).find("384000") !=
+        std::string::npos);
+  CHECK(refusal(folder.write("wide.wav", wav_bytes(ramp(10 * 400), 44'100, 10)), ErrorCode::kBadInput)
+            .find("10 channels") != std::string::npos);
+}
+
+TEST_CASE("samples that are not numbers are passed on as they are in the file") {
+  const testing::TempFolder folder;
+  std::vector<float> samples = ramp(4'000);
+  samples[100] = std::numeric_limits<float>::quiet_NaN();
+  samples[200] = std::numeric_limits<float>::infinity();
+  const auto file = must(SoundFile::open(folder.write("nan.wav", wav_bytes(samples, 8'000, 1, WavForm::kFloat))));
+  const std::vector<float> read = read_all(*file);
+  REQUIRE(read.size() == samples.size());
+  CHECK(std::isnan(read[100]));
+  CHECK(std::isinf(read[200]));
+}
+
+}  // namespace
+}  // namespace footlight::drivers

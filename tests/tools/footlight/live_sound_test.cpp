@@ -1,0 +1,128 @@
+// A sound device as a port, with a device that a test controls.
+#include "tools/footlight/sound/live_sound.h"
+
+#include <condition_variable>
+#include <mutex>
+
+#include <doctest/doctest.h>
+#include <poll.h>
+
+#include "tests/sim/sound/tones.h"
+#include "tests/support/must.h"
+
+namespace footlight::tools {
+namespace {
+
+using testing::must;
+
+// What the test and the devices share.
+struct Stage {
+  std::mutex mutex;
+  std::condition_variable changed;
+  bool plugged = true;
+  int opened = 0;
+};
+
+// Endless sound at 8 kHz, in pieces of 10 ms; gone when it is unplugged.
+class FakeDevice final : public drivers::SoundDevice {
+ public:
+  explicit FakeDevice(Stage& stage) : stage_(stage) {}
+  [[nodiscard]] const drivers::SoundInfo& info() const override { return info_; }
+  [[nodiscard]] std::uint64_t overruns() const override { return 0; }
+  Status read(std::vector<float>& interleaved, DurationNs /*timeout_ns*/) override {
+    const std::lock_guard lock(stage_.mutex);
+    if (!stage_.plugged) return fail(ErrorCode::kDisconnected, "fake: no such device");
+    interleaved = sine(100, 0.01, 8'000, 0.8);
+    return {};
+  }
+
+ private:
+  Stage& stage_;
+  drivers::SoundInfo info_{8'000, 1, "fake", "fake"};
+};
+
+OpenSoundDevice opener(Stage& stage) {
+  return [&stage]() -> Result<std::unique_ptr<drivers::SoundDevice>> {
+    const std::lock_guard lock(stage.mutex);
+    if (!stage.plugged) return fail(ErrorCode::kNotFound, "fake: not plugged in");
+    ++stage.opened;
+    return std::make_unique<FakeDevice>(stage);
+  };
+}
+
+void plug(Stage& stage, bool plugged) {
+  const std::lock_guard lock(stage.mutex);
+  stage.plugged = plugged;
+}
+
+struct Received final : FrameReceiver {
+  void receive(const FrameView& frame) override {
+    ++frames;
+    universe = frame.universe;
+    bass = frame.slots[0];
+    size = frame.slots.size();
+  }
+  int frames = 0;
+  Universe universe = 0;
+  int bass = 0;
+  std::size_t size = 0;
+};
+
+fixtures::SoundLevels levels() {
+  return must(fixtures::SoundLevels::create(fixtures::plain_sound_map("alsa", 7, 1), fixtures::Rig{}));
+}
+
+// Polls whenever the port has work, until the condition is true; at most 20 s.
+template <class Condition>
+bool poll_until(Source& source, Received& received, Condition condition) {
+  for (int i = 0; i < 4'000 && !condition(); ++i) {
+    pollfd ready{source.poll_fd(), POLLIN, 0};
+    if (::poll(&ready, 1, 5'000) != 1) return false;
+    must(source.poll(i, received));
+  }
+  return condition();
+}
+
+TEST_CASE("a device's sound arrives as levels of its universe") {
+  Stage stage;
+  auto source = must(make_live_sound(levels(), opener(stage), {.name = "audio:fake=7.1"}));
+  Received received;
+  CHECK(poll_until(*source, received, [&] { return received.bass > 0; }));
+  CHECK(received.universe == 7);
+  CHECK(received.size == 512);
+  CHECK(source->state() == PortState::kWorking);
+  CHECK(source->name() == "audio:fake=7.1");
+}
+
+TEST_CASE("a device that vanishes is reported with the reason, and its levels come back with it") {
+  Stage stage;
+  auto source = must(make_live_sound(levels(), opener(stage), {.name = "audio:fake=7.1"}));
+  Received received;
+  REQUIRE(poll_until(*source, received, [&] { return received.frames > 0; }));
+  plug(stage, false);
+  REQUIRE(poll_until(*source, received, [&] { return source->state() == PortState::kGone; }));
+  CHECK(source->trouble().find("fake") != std::string::npos);
+  plug(stage, true);
+  const int before = received.frames;
+  CHECK(poll_until(*source, received, [&] { return received.frames > before + 2; }));
+  CHECK(source->state() == PortState::kWorking);
+  CHECK(source->trouble().empty());
+  const std::lock_guard lock(stage.mutex);
+  CHECK(stage.opened == 2);
+}
+
+TEST_CASE("a device that is absent at the start is an error, unless the port may wait for it") {
+  Stage stage;
+  stage.plugged = false;
+  const auto refused = make_live_sound(levels(), opener(stage), {.name = "audio:fake=7.1"});
+  REQUIRE_FALSE(refused.has_value());
+  CHECK(refused.error().message.find("audio:fake=7.1: fake") == 0);
+  auto source = must(make_live_sound(levels(), opener(stage), {.name = "audio:fake=7.1", .wait_for_device = true}));
+  CHECK(source->state() == PortState::kGone);
+  plug(stage, true);
+  Received received;
+  CHECK(poll_until(*source, received, [&] { return received.frames > 0; }));
+}
+
+}  // namespace
+}  // namespace footlight::tools

@@ -1,0 +1,226 @@
+// footlight audio: what is in a sound, and AudioLink's texture of it.
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+
+#include <nlohmann/json.hpp>
+
+#include "fixtures/gobos/png.h"
+#include "sim/core/endpoint.h"
+#include "sim/sound/audio_texture.h"
+#include "tools/footlight/command.h"
+#include "tools/footlight/duration.h"
+#include "tools/footlight/sound/sound_check.h"
+#include "tools/footlight/sound/sound_log.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr const char* kSoundHelp = "a sound file (FLAC, WAV, MP3, Ogg ...) or a sound map (.toml)";
+constexpr int kPicturesMax = 100'000;
+
+// A sound file stands for a map with AudioLink's own settings.
+Result<fixtures::SoundMap> map_or_sound(const std::string& path, const char* command) {
+  if (path.empty()) {
+    return fail(ErrorCode::kBadInput, "audio {}: expected a sound file or map, for example 'footlight audio {} {}'",
+                command, command, "track.flac");
+  }
+  if (!is_sound_log(path)) return fixtures::plain_sound_map(path, 1, 1);
+  FL_ASSIGN(fixtures::SoundMap map, sound_map_of(path));
+  if (is_sound_device(map.sound)) {
+    return fail(ErrorCode::kBadInput, "{}: {} is a device; expected a sound file", path, map.sound);
+  }
+  return map;
+}
+
+std::string json_of(const SoundCheck& check) {
+  nlohmann::ordered_json bands;
+  for (std::size_t i = 0; i < check.bands.size(); ++i) {
+    const BandCheck& band = check.bands[i];
+    bands.push_back({{"band", fixtures::sound_signal_words()[i]},
+                     {"from_hz", band.from_hz},
+                     {"to_hz", band.to_hz},
+                     {"mean", band.mean},
+                     {"max", band.max},
+                     {"lit_share", band.lit},
+                     {"full_share", band.full}});
+  }
+  const nlohmann::ordered_json json = {{"sound", check.sound},
+                                       {"codec", check.codec},
+                                       {"rate_hz", check.rate_hz},
+                                       {"channels", check.channels},
+                                       {"duration_s", check.duration_s},
+                                       {"peak_db", check.peak_db},
+                                       {"rms_db", check.rms_db},
+                                       {"dc", check.dc},
+                                       {"clipped_samples", check.clipped},
+                                       {"not_finite_samples", check.not_finite},
+                                       {"damaged_packets", check.damaged_packets},
+                                       {"silent_share", check.silent},
+                                       {"silent_start_s", check.silent_start_s},
+                                       {"bpm", check.bpm},
+                                       {"bpm_share", check.bpm_share},
+                                       {"beats", check.beats},
+                                       {"bands", bands},
+                                       {"advice", check.advice}};
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+void print(const SoundCheck& check) {
+  fmt::print("{}\n", check.sound);
+  fmt::print("  sound:    {}, {} Hz, {} channel{}, {}\n", check.codec, check.rate_hz, check.channels,
+             check.channels == 1 ? "" : "s", show_duration(std::llround(check.duration_s * 1e9)));
+  fmt::print("  level:    peak {:.1f} dB, mean {:.1f} dB, constant part {:.4f}\n", check.peak_db, check.rms_db,
+             check.dc);
+  fmt::print("  clipping: {} samples at full scale\n", check.clipped);
+  fmt::print("  silence:  {:.1f} % of the time, {:.2f} s before the first sound\n", 100 * check.silent,
+             check.silent_start_s);
+  if (check.bpm > 0) {
+    fmt::print("  tempo:    {:.1f} beats a minute for {:.0f} % of the time; {} beats\n", check.bpm,
+               100 * check.bpm_share, check.beats);
+  } else {
+    fmt::print("  tempo:    none found\n");
+  }
+  fmt::print("  band           from Hz    to Hz   mean    max    lit   full\n");
+  for (std::size_t i = 0; i < check.bands.size(); ++i) {
+    const BandCheck& band = check.bands[i];
+    fmt::print("  {:<12} {:9.0f} {:8.0f} {:6.2f} {:6.2f} {:4.0f} % {:4.0f} %\n", fixtures::sound_signal_words()[i],
+               band.from_hz, band.to_hz, band.mean, band.max, 100 * band.lit, 100 * band.full);
+  }
+  if (check.not_finite > 0) fmt::print("  {} samples are not numbers\n", check.not_finite);
+  if (check.damaged_packets > 0) fmt::print("  {} packets are damaged\n", check.damaged_packets);
+  for (const std::string& line : check.advice) fmt::print("  note: {}\n", line);
+}
+
+struct CheckOptions {
+  std::string file;
+  bool json = false;
+};
+
+Result<int> check(const CheckOptions& options) {
+  FL_ASSIGN(const fixtures::SoundMap map, map_or_sound(options.file, "check"));
+  FL_ASSIGN(const SoundCheck found, check_sound(map));
+  if (options.json) {
+    fmt::print("{}\n", json_of(found));
+  } else {
+    print(found);
+  }
+  return kExitOk;
+}
+
+struct TextureOptions {
+  std::string file;
+  std::string out;
+  DurationNs at_ns = -1;
+  DurationNs every_ns = -1;
+};
+
+Status write_texture(const AudioLinkState& state, const fixtures::SoundMap& map, const std::string& path) {
+  std::vector<std::uint8_t> bytes;
+  for (const float value : audio_texture(state, map.theme)) {
+    bytes.push_back(static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0F, 1.0F) * 255)));
+  }
+  const auto png = fixtures::png_of(kAudioTextureWidth, kAudioTextureHeight, 4, bytes);
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+  file.close();
+  if (!file) return fail(ErrorCode::kIo, "{}: cannot be written", path);
+  return {};
+}
+
+// "frame_%04d.png" with a number.
+Result<std::string> numbered(const std::string& pattern, int number) {
+  const std::size_t at = pattern.find('%');
+  if (at != std::string::npos && pattern.compare(at, 4, "%04d") == 0) {
+    return pattern.substr(0, at) + fmt::format("{:04}", number) + pattern.substr(at + 4);
+  }
+  return fail(ErrorCode::kBadInput, "-o {}: expected a name with %04d, as in frame_%04d.png", pattern);
+}
+
+Status check_texture_options(const TextureOptions& options) {
+  if ((options.at_ns < 0) == (options.every_ns < 0)) {
+    return fail(ErrorCode::kBadInput, "audio texture: expected --at for one picture or --every for many");
+  }
+  if (options.every_ns == 0) return fail(ErrorCode::kBadInput, "--every: expected more than 0");
+  if (!options.out.ends_with(".png")) {
+    return fail(ErrorCode::kBadInput, "-o {}: expected a name that ends in .png, as in texture.png",
+                options.out.empty() ? "\"\"" : options.out);
+  }
+  if (options.every_ns > 0) FL_TRY(numbered(options.out, 0));
+  return {};
+}
+
+Result<int> texture(const TextureOptions& options) {
+  FL_TRY(check_texture_options(options));
+  FL_ASSIGN(const fixtures::SoundMap map, map_or_sound(options.file, "texture"));
+  Status written;
+  int count = 0;
+  TimeNs due_ns = std::max<TimeNs>(options.at_ns, 0);
+  bool more = true;
+  AudioLinkState before;  // the state at a time is that of the last step at or before it
+  const auto store = [&]() -> Status {
+    std::string path = options.out;
+    if (options.every_ns > 0) {
+      FL_ASSIGN(path, numbered(options.out, count));
+    }
+    ++count;
+    return write_texture(before, map, path);
+  };
+  const auto on_step = [&](const AudioLinkState& state) {
+    while (more && written && step_time_ns(state.step) > due_ns) {
+      written = store();
+      more = options.every_ns > 0 && count < kPicturesMax;
+      due_ns += std::max<DurationNs>(options.every_ns, 0);
+    }
+    before = state;
+  };
+  FL_ASSIGN(const SoundRun run, run_sound_file(map.sound, map.link, on_step,
+                                               [&](std::span<const float>) { return more && written.has_value(); }));
+  FL_TRY(written);
+  const DurationNs length_ns = std::llround(static_cast<double>(run.frames) / run.rate_hz * 1e9);
+  if (more && due_ns <= length_ns) FL_TRY(store());
+  if (count == 0) {
+    return fail(ErrorCode::kBadInput, "--at {}: {} ends at {}", show_duration(options.at_ns), map.sound,
+                show_duration(length_ns));
+  }
+  fmt::print("{}: {} picture{} of {}x{}\n", options.out, count, count == 1 ? "" : "s", kAudioTextureWidth,
+             kAudioTextureHeight);
+  return kExitOk;
+}
+
+void add(Arguments& arguments) {
+  Arguments checker = arguments.subcommand("check", "Print level, clipping, tempo, and how far each band moves",
+                                           "  footlight audio check track.flac\n"
+                                           "  footlight audio check map.toml --json\n");
+  auto check_options = std::make_shared<CheckOptions>();
+  checker.word("FILE", check_options->file, kSoundHelp);
+  checker.flag("--json", check_options->json, "one JSON object");
+  checker.job([check_options]() -> Result<int> { return check(*check_options); });
+
+  Arguments painter = arguments.subcommand("texture", "Write AudioLink's texture of a sound as PNG",
+                                           "  footlight audio texture track.flac --at 12.5s -o texture.png\n"
+                                           "  footlight audio texture track.flac --every 40ms -o texture_%04d.png\n");
+  auto texture_options = std::make_shared<TextureOptions>();
+  painter.word("FILE", texture_options->file, kSoundHelp);
+  painter.option("--out,-o", texture_options->out, "FILE", "texture.png or texture_%04d.png");
+  painter.duration("--at", texture_options->at_ns, "one picture, at this time of the sound");
+  painter.duration("--every", texture_options->every_ns, "many pictures, at this interval");
+  painter.job([texture_options]() -> Result<int> { return texture(*texture_options); });
+}
+
+}  // namespace
+
+extern const CommandInfo audio_command{
+    .name = "audio",
+    .help = "Check sound files, and write AudioLink's texture of them",
+    .examples =
+        "  footlight audio check track.flac\n"
+        "  footlight audio texture track.flac --at 12.5s -o texture.png\n"
+        "Sound drives lights through a sound map (docs/sound.md):\n"
+        "  footlight render rig.toml --log map.toml --at 12.5s -o frame.png\n"
+        "  footlight run --in audio:track.flac=1.25 --out sacn:1\n",
+    .add = add,
+};
+
+}  // namespace footlight::tools

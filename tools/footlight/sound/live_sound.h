@@ -1,0 +1,35 @@
+// A sound device as a source of DMX: a thread reads it and computes the levels; the port delivers the newest ones.
+//
+// If the device vanishes, the port is gone, and the thread opens it again, at intervals that grow from 10 ms to 1 s.
+// Threads: create(), poll() and the rest on the pump's thread.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "drivers/sound/sound_device.h"
+#include "fixtures/simulate/sound_levels.h"
+#include "sim/core/clock.h"
+#include "sim/core/ports.h"
+
+namespace footlight::tools {
+
+using OpenSoundDevice = std::function<Result<std::unique_ptr<drivers::SoundDevice>>()>;
+
+struct LiveSoundOptions {
+  std::string name;  // the endpoint
+  AudioLinkSettings link;
+  bool wait_for_device = false;  // start without the device
+  int priority = kPriorityDefault;
+};
+
+// Errors: those of `open`, unless it waits.
+[[nodiscard]] Result<std::unique_ptr<Source>> make_live_sound(fixtures::SoundLevels levels, OpenSoundDevice open,
+                                                              const LiveSoundOptions& options);
+
+// Of a map whose sound is a device.
+[[nodiscard]] Result<std::unique_ptr<Source>> open_live_sound(const fixtures::SoundMap& map,
+                                                              const LiveSoundOptions& options);
+
+}  // namespace footlight::tools
