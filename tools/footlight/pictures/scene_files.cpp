@@ -5,12 +5,12 @@
 #include <cstdio>
 #include <utility>
 
-#include "drivers/capture/captures.h"
 #include "fixtures/files/import/import_rig.h"
 #include "fixtures/model/lamp.h"
 #include "fixtures/model/smoothing.h"
 #include "sim/core/counted.h"
 #include "tools/demo_show/demo_assets.h"
+#include "tools/footlight/sound/sound_log.h"
 #include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
@@ -46,7 +46,7 @@ Status adjust(fixtures::Rig& rig, const SceneFiles& files) {
 
 void add_scene_arguments(Arguments& arguments, SceneFiles& files) {
   arguments.option("RIG,--rig", files.rig, "FILE", "the rig: TOML, MVR or QLC+; or one fixture definition");
-  arguments.option("--log", files.log, "FILE", "the levels: a DMX log, an OLA show file or a capture");
+  arguments.option("--log", files.log, "FILE", "the levels: a DMX log, an OLA show file, a capture or a sound map");
   arguments.flag("--vrsl-compat", files.vrsl, "draw VRSL fixtures as VRSL does, with its errors (docs/vrsl.md)");
   arguments.flag("--demo", files.demo, "the built-in rig, driven by the built-in show");
   arguments.option("--smooth", files.smooth, "SECONDS", "smooth the levels: 0.1, or Pan=0.1,Tilt=0.1,Dimmer=0.05");
@@ -98,7 +98,7 @@ void print_warnings(const std::vector<fixtures::Diagnostic>& diagnostics) {
 Result<std::optional<LogReader>> open_scene_log(const SceneFiles& files) {
   std::optional<LogReader> log;
   if (!files.log.empty()) {
-    FL_ASSIGN(log, drivers::read_any_log(files.log));
+    FL_ASSIGN(log, read_level_log(files.log));
   } else if (files.demo) {
     const auto bytes = demo::demo_log_bytes();
     FL_ASSIGN(log, LogReader::open_bytes({bytes.begin(), bytes.end()}, "the built-in show"));

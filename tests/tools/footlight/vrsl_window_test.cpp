@@ -1,0 +1,131 @@
+// The window of a vrsl endpoint on a display of its own, whose pixels Xvfb writes into a file. Skipped without Xvfb.
+#include <doctest/doctest.h>
+
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include "drivers/vrsl/grid.h"
+#include "tests/drivers/net/port_helpers.h"
+#include "tests/support/must.h"
+#include "tests/tools/footlight/run_footlight.h"
+#include "tools/footlight/vrsl/png_pictures.h"
+
+extern char** environ;
+
+namespace footlight::tools {
+namespace {
+
+using drivers::Picture;
+using testing::must;
+using testing::TempFolder;
+
+constexpr int kWidth = 960, kHeight = 104;
+constexpr int kScreenWidth = 1024, kScreenHeight = 128;
+
+// A display; its number comes from Xvfb.
+class Display {
+ public:
+  explicit Display(const TempFolder& folder) {
+    std::array<int, 2> ends{};
+    REQUIRE(::pipe(ends.data()) == 0);
+    const std::string number_fd = std::to_string(ends[1]);
+    const std::string screen = fmt::format("{}x{}x24", kScreenWidth, kScreenHeight);
+    const std::string place = folder.path().string();
+    std::vector<std::string> words = {"Xvfb", "-displayfd", number_fd, "-screen", "0", screen, "-fbdir", place};
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    if (::posix_spawnp(&pid_, "Xvfb", nullptr, nullptr, arguments.data(), environ) != 0) pid_ = -1;
+    ::close(ends[1]);
+    std::string number;
+    char letter = 0;
+    while (pid_ > 0 && ::read(ends[0], &letter, 1) == 1 && letter != '\n') number += letter;
+    if (!number.empty()) name_ = ":" + number;
+    ::close(ends[0]);
+  }
+  ~Display() {
+    if (pid_ <= 0) return;
+    ::kill(pid_, SIGTERM);
+    ::waitpid(pid_, nullptr, 0);
+  }
+  Display(const Display&) = delete;
+  Display& operator=(const Display&) = delete;
+  [[nodiscard]] const std::string& name() const { return name_; }
+
+ private:
+  pid_t pid_ = -1;
+  std::string name_;  // empty: there is none
+};
+
+// The upper left part of the screen. XWD: a header of big-endian words, a table of colours of 12 bytes each, then rows
+// of 32-bit pixels, blue first.
+bool read_screen(const std::string& path, Picture& picture) {
+  std::ifstream file(path, std::ios::binary);
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+  const auto word = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<std::uint8_t>(bytes[4 * at + i]);
+    return std::size_t{value};
+  };
+  if (bytes.size() < 100) return false;
+  const std::size_t start = word(0) + 12 * word(19);
+  const std::size_t stride = word(12);
+  if (word(11) != 32 || bytes.size() < start + stride * kScreenHeight) return false;
+  picture.clear(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const std::size_t at = start + stride * static_cast<std::size_t>(y) + 4 * static_cast<std::size_t>(x);
+      for (std::size_t i = 0; i < 3; ++i) picture.at(x, y)[i] = static_cast<std::uint8_t>(bytes[at + 2 - i]);
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("the window shows every pixel of the grid with its own code") {
+  const TempFolder folder;
+  const Display display(folder);
+  if (display.name().empty()) {
+    MESSAGE("skipped: needs Xvfb; 'sudo apt-get install xvfb'");
+    return;
+  }
+  std::mt19937 random(5);  // NOLINT(bugprone-random-generator-seed)
+  std::vector<std::uint8_t> levels(std::size_t{9} * kSlotCountMax);
+  for (std::uint8_t& level : levels) level = static_cast<std::uint8_t>(random());
+  Picture sent;
+  must(drivers::GridCodec::make({.planes = drivers::GridPlanes::kRgb, .width = kWidth, .height = kHeight}))
+      .encode(levels, sent);
+  must(write_picture_file(folder.file("show.png"), sent.view()));
+  testing::Footlight bridge({"run", "--in", "vrsl:1-9@" + folder.file("show.png") + "?layout=horizontal-bottom",
+                             "--out", "vrsl:1-9@window?size=960x104", "--for", "60s"},
+                            {{"DISPLAY", display.name()}, {"WAYLAND_DISPLAY", ""}, {"ASAN_OPTIONS", "detect_leaks=0"}});
+  const TimeNs deadline_ns = testing::real_now_ns() + 30 * kNsPerS;
+  Picture shown;
+  while (!(read_screen(folder.file("Xvfb_screen0"), shown) && shown.rgb == sent.rgb)) {
+    REQUIRE(testing::real_now_ns() < deadline_ns);
+    REQUIRE(::poll(nullptr, 0, 20) == 0);
+  }
+  bridge.signal(SIGTERM);
+  const testing::Outcome outcome = bridge.wait();
+  CHECK(outcome.exit_code == 0);
+}
+
+TEST_CASE("a window without a display is refused with the other ways") {
+  const testing::Outcome outcome = testing::Footlight({"run", "--in", "sacn:1%lo", "--out", "vrsl:1@window"},
+                                                      {{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}})
+                                       .wait();
+  CHECK(outcome.exit_code == 3);
+  CHECK(outcome.err.find("vrsl:1-9@/dev/video9") != std::string::npos);
+}
+
+}  // namespace footlight::tools
