@@ -8,7 +8,9 @@ Result<std::unique_ptr<LogInput>> open_any_log(const std::string& path, const Ca
     case LogFormat::kPacketCapture: return open_pcap(path, options);
     case LogFormat::kLineCapture: return open_sigrok(path, options);
     case LogFormat::kDmxLog:
-    case LogFormat::kOlaShow: break;
+    case LogFormat::kOlaShow:
+    case LogFormat::kSound: break;
+    case LogFormat::kVideo: break;
   }
   return open_log_input(path, options.universe_offset);
 }

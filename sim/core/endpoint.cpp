@@ -10,16 +10,22 @@ namespace footlight {
 namespace {
 
 constexpr int kArtnetWireMax = 32'768;  // 15 bits of port address, counted from 1
+constexpr int kVrslWireMax = 9;         // three universes in each colour of its grid
 constexpr int kConnectorMax = 64;
 constexpr const char* kFileScheme = "log";
 constexpr const char* kGpioScheme = "gpio";
+constexpr const char* kPictureScheme = "vrsl";
+constexpr int kPictureWireMax = 9;
+constexpr const char* kSoundScheme = "audio";
+constexpr int kPlainSoundSlots = 5;  // four bands and the beat
 constexpr int kGpioLineMax = 65'535;
 
 struct NetworkScheme {
   std::string_view name;
   int wire_max;
 };
-constexpr NetworkScheme kNetworkSchemes[] = {{"sacn", kUniverseMax}, {"artnet", kArtnetWireMax}};
+constexpr NetworkScheme kNetworkSchemes[] = {
+    {"sacn", kUniverseMax}, {"artnet", kArtnetWireMax}, {"vrsl-osc", kVrslWireMax}};
 
 // The whole text as a number from 0; nullopt for anything else.
 std::optional<int> number_of(std::string_view text) {
@@ -204,6 +210,17 @@ Result<std::vector<std::string>> parse_lines(std::string_view text) {
   return lines;
 }
 
+// "1.25": a universe and an address.
+Result<std::pair<Universe, Address>> parse_place(std::string_view text, std::string_view place) {
+  const std::size_t dot = place.find('.');
+  const auto universe = number_of(place.substr(0, dot));
+  const auto address = dot == std::string_view::npos ? std::nullopt : number_of(place.substr(dot + 1));
+  if (universe && address && is_universe(*universe) && is_address(*address)) return std::pair(*universe, *address);
+  return fail(ErrorCode::kBadInput,
+              "{}: expected a universe from {} to {} and an address from 1 to {} after \"=\", as in =1.25, got \"{}\"",
+              text, kUniverseMin, kUniverseMax, kSlotCountMax, place);
+}
+
 Status parse_gpio(std::string_view text, std::string_view rest, Endpoint& endpoint) {
   constexpr std::string_view kForm = "gpio:CHIP/LINES=UNIVERSE.ADDRESS, as in gpio:gpiochip0/17=1.25";
   const auto place = take_suffix(rest, '=');
@@ -211,29 +228,89 @@ Status parse_gpio(std::string_view text, std::string_view rest, Endpoint& endpoi
   if (!place || !lines || rest.empty() || lines->empty()) {
     return fail(ErrorCode::kBadInput, "{}: expected {}", text, kForm);
   }
-  const std::size_t dot = place->find('.');
-  const auto universe = number_of(place->substr(0, dot));
-  const auto address = dot == std::string_view::npos ? std::nullopt : number_of(place->substr(dot + 1));
-  if (!universe || !address || !is_universe(*universe) || !is_address(*address)) {
-    return fail(
-        ErrorCode::kBadInput,
-        "{}: expected a universe from {} to {} and an address from 1 to {} after \"=\", as in =1.25, got \"{}\"", text,
-        kUniverseMin, kUniverseMax, kSlotCountMax, *place);
-  }
+  FL_ASSIGN(const auto slot, parse_place(text, *place));
+  const auto [universe, address] = slot;
   auto parsed = parse_lines(*lines);
   if (!parsed) return fail(ErrorCode::kBadInput, "{}: {}; expected {}", text, parsed.error().message, kForm);
   endpoint.lines = std::move(*parsed);
-  if (static_cast<int>(endpoint.lines.size()) > kSlotCountMax - slot_of_address(*address)) {
+  if (static_cast<int>(endpoint.lines.size()) > kSlotCountMax - slot_of_address(address)) {
     return fail(ErrorCode::kBadInput, "{}: {} lines from address {} on do not fit; a universe has {} addresses", text,
-                endpoint.lines.size(), *address, kSlotCountMax);
+                endpoint.lines.size(), address, kSlotCountMax);
   }
   endpoint.target = rest;
-  endpoint.first_address = *address;
-  endpoint.universes = {{*universe, *universe}};
+  endpoint.first_address = address;
+  endpoint.universes = {{universe, universe}};
+  return {};
+}
+
+// A map, or a sound with the place of its plain map.
+Status parse_sound(std::string_view text, std::string_view rest, Endpoint& endpoint) {
+  endpoint.target = rest;
+  if (rest.ends_with(".toml")) return {};
+  const auto place = take_suffix(rest, '=');
+  if (!place || rest.empty()) {
+    return fail(ErrorCode::kBadInput,
+                "{}: expected a sound map, as in audio:map.toml, or audio:SOUND=UNIVERSE.ADDRESS, as in "
+                "audio:track.flac=1.25 or audio:alsa:default=1.25",
+                text);
+  }
+  FL_ASSIGN(const auto slot, parse_place(text, *place));
+  if (slot.second > kSlotCountMax - kPlainSoundSlots + 1) {
+    return fail(ErrorCode::kBadInput, "{}: four bands and the beat from address {} on do not fit; use 1 to {}", text,
+                slot.second, kSlotCountMax - kPlainSoundSlots + 1);
+  }
+  endpoint.target = rest;
+  endpoint.universes = {{slot.first, slot.first}};
+  endpoint.first_address = slot.second;
+  return {};
+}
+
+Result<std::vector<EndpointOption>> parse_options(std::string_view text) {
+  std::vector<EndpointOption> options;
+  while (!text.empty()) {
+    const std::size_t end = text.find('&');
+    const std::string_view part = text.substr(0, end);
+    const std::size_t equals = part.find('=');
+    if (equals == 0 || equals == std::string_view::npos || equals + 1 == part.size()) {
+      return fail(ErrorCode::kBadInput,
+                  "expected KEY=VALUE after the last \"?\", as in ?layout=vertical-left, got \"{}\"", part);
+    }
+    EndpointOption option{std::string(part.substr(0, equals)), std::string(part.substr(equals + 1))};
+    const auto same = [&](const EndpointOption& other) { return other.key == option.key; };
+    if (std::any_of(options.begin(), options.end(), same)) {
+      return fail(ErrorCode::kBadInput, "option {} is named twice; name each option once", option.key);
+    }
+    options.push_back(std::move(option));
+    if (end == std::string_view::npos) break;
+    text.remove_prefix(end + 1);
+  }
+  return options;
+}
+
+Status parse_picture(std::string_view text, std::string_view rest, Endpoint& endpoint) {
+  constexpr std::string_view kForm = "vrsl:UNIVERSES@TARGET, as in vrsl:1-9@frame_%05d.png";
+  const std::size_t at = rest.find('@');
+  const std::size_t mark = rest.rfind('?');
+  const bool has_options = mark != std::string_view::npos && at != std::string_view::npos && mark > at;
+  if (has_options) {
+    auto options = parse_options(rest.substr(mark + 1));
+    if (!options) return fail(ErrorCode::kBadInput, "{}: {}", text, options.error().message);
+    endpoint.options = std::move(*options);
+    rest = rest.substr(0, mark);
+  }
+  if (at == std::string_view::npos || at == 0 || at + 1 >= rest.size()) {
+    return fail(ErrorCode::kBadInput, "{}: expected {}", text, kForm);
+  }
+  auto universes = parse_wire_universes(rest.substr(0, at), kPictureWireMax);
+  if (!universes) return fail(ErrorCode::kBadInput, "{}: {}", text, universes.error().message);
+  endpoint.universes = std::move(*universes);
+  endpoint.target = rest.substr(at + 1);
   return {};
 }
 
 }  // namespace
+
+bool is_sound_device(std::string_view sound) { return sound == "alsa" || sound.starts_with("alsa:"); }
 
 std::vector<Universe> Endpoint::show_universes() const {
   std::vector<Universe> numbers;
@@ -315,6 +392,16 @@ Result<Endpoint> parse_endpoint(std::string_view text, std::span<const std::stri
     FL_TRY(parse_gpio(text, has_colon ? rest : std::string_view{}, endpoint));
     return endpoint;
   }
+  if (endpoint.scheme == kPictureScheme) {
+    endpoint.kind = EndpointKind::kPicture;
+    FL_TRY(parse_picture(text, has_colon ? rest : std::string_view{}, endpoint));
+    return endpoint;
+  }
+  if (endpoint.scheme == kSoundScheme) {
+    endpoint.kind = EndpointKind::kFile;
+    FL_TRY(parse_sound(text, has_colon ? rest : std::string_view{}, endpoint));
+    return endpoint;
+  }
   for (const std::string_view scheme : device_schemes) {
     if (endpoint.scheme != scheme) continue;
     endpoint.kind = EndpointKind::kDevice;
@@ -325,7 +412,7 @@ Result<Endpoint> parse_endpoint(std::string_view text, std::span<const std::stri
   std::string known;
   for (const NetworkScheme& scheme : kNetworkSchemes) known += fmt::format("{}, ", scheme.name);
   for (const std::string_view scheme : device_schemes) known += fmt::format("{}, ", scheme);
-  known += fmt::format("{}, {}", kGpioScheme, kFileScheme);
+  known += fmt::format("{}, {}, {}, {}", kGpioScheme, kPictureScheme, kFileScheme, kSoundScheme);
   return fail(ErrorCode::kBadInput, "{}: unknown scheme \"{}\"; expected one of {}, as in sacn:1-9",
               text.empty() ? "\"\"" : text, endpoint.scheme, known);
 }

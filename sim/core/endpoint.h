@@ -6,12 +6,19 @@
 //   sacn:1-9@10.0.0.7,10.0.0.8                                  to several, on one UDP port
 //   sacn:1-9%eth0,eth1        through several interfaces
 //   sacn:101-109=1-9          renumbered: wire on the left, show on the right
+//   vrsl-osc:1-9@10.0.0.7     the OSC messages of VR Stage Lighting's grid node; universes 1 to 9
 //   enttec-pro:EN123456=3     a device by its serial, as universe 3 of the show; without "=" as universe 1
 //   enttec-pro:EN123456=3,4   its connectors 1 and 2                   enttec-pro:EN123456/2=4  connector 2 alone
 //   enttec-pro                the only one plugged in                  mock:enttec-pro a model of one in this process
 //   gpio:gpiochip0/17=1.25    an input line of a GPIO chip, as universe 1 address 25
 //   gpio:gpiochip0/16-23=1.25 eight lines, as addresses 25 to 32       gpio:gpiochip0/BLACKOUT,4=1.25  names, lists
 //   gpio:mock/2=1.25          a line of a model in this process: a contact that closes twice a second
+//   vrsl:1-9@frame_%05d.png   universes as pictures, for or from VR Stage Lighting (docs/vrsl_pictures.md)
+//   vrsl:1-3=11-13@show.png   its universes 1 to 3 as 11 to 13 of the show
+//   vrsl:1-9@TARGET?KEY=VALUE&KEY=VALUE     with options; the last "?" begins them, so that of a URL is followed by one
+//   audio:map.toml            a sound map: the sound, and the slots that it sets (docs/sound.md)
+//   audio:track.flac=1.25     a sound file: its four bands and its beat as addresses 25 to 29 of universe 1
+//   audio:alsa:default=1.25   the same of a device
 //   log:FILE                  a file; everything after "log:" is its name
 //
 // Universe numbers count from 1 on both sides, in every protocol. Parsing checks the text only. Opening the endpoint
@@ -37,22 +44,33 @@ struct WireUniverse {
 };
 
 enum class EndpointKind {
-  kNetwork,  // sacn, artnet: universes are required
+  kNetwork,  // sacn, artnet, vrsl-osc: universes are required
   kDevice,   // one of the device schemes: a universe for each connector
   kGpio,     // gpio: input lines, one slot each; one universe
-  kFile,     // log: the file determines the universes
+  kFile,     // log, audio: the file determines the universes, except for audio with a place
+  kPicture,  // vrsl: universes 1 to 9 of a grid in pictures
+};
+
+// "layout=vertical-left" of an endpoint of pictures.
+struct EndpointOption {
+  std::string key;
+  std::string value;
+  friend bool operator==(const EndpointOption&, const EndpointOption&) = default;
 };
 
 struct Endpoint {
   std::string text;  // as the user wrote it
   EndpointKind kind = EndpointKind::kNetwork;
-  std::string scheme;                  // "sacn"
-  std::string target;                  // device: serial or model, or empty; gpio: chip; file: its name; network: empty
-  std::vector<std::string> addresses;  // network: IPv4 addresses, or none
-  std::uint16_t udp_port = 0;          // network: 0: the protocol's own port
+  std::string scheme;  // "sacn"
+  // device: serial or model, or empty; gpio: chip; file and picture: its name; audio: a map, a sound file or
+  // alsa:DEVICE; network: empty
+  std::string target;
+  std::vector<std::string> addresses;        // network: IPv4 addresses, or none
+  std::uint16_t udp_port = 0;                // network: 0: the protocol's own port
   std::vector<std::string> interface_names;  // network: "eth0", or none
   std::vector<std::string> lines;            // gpio: numbers or names, at least one, each once
-  Address first_address = 1;                 // gpio: of the first line; the others follow and must fit
+  Address first_address = 1;                 // gpio: of the first line; audio: of the first band; the others follow
+  std::vector<EndpointOption> options;       // picture: each key once; the port checks keys and values
   // In the order in which they were written; empty for a file. Device: `wire` is the connector, from 1.
   std::vector<WireUniverse> universes;
   bool names_connectors = false;  // device: false: the first connectors that can do what is needed
@@ -60,6 +78,9 @@ struct Endpoint {
   [[nodiscard]] std::vector<Universe> show_universes() const;
   friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };
+
+// True for "alsa" and "alsa:DEVICE", which are no files.
+[[nodiscard]] bool is_sound_device(std::string_view sound);
 
 // `device_schemes`: the ids of the drivers of this build. All errors are kBadInput; the message begins with the
 // endpoint and names what was expected, with an example.

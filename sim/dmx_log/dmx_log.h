@@ -125,6 +125,8 @@ enum class LogFormat {
   kOlaShow,
   kPacketCapture,  // pcap or pcapng holding sACN or Art-Net
   kLineCapture,    // sigrok's samples of a DMX line
+  kSound,          // a sound file through a sound map
+  kVideo,          // pictures of VRSL's grid
 };
 
 struct LogInfo {

@@ -130,7 +130,9 @@ Result<std::unique_ptr<LogInput>> open_log_input(const std::string& path, int un
       return std::make_unique<OlaShowInput>(std::move(reader), path);
     }
     case LogFormat::kPacketCapture:
-    case LogFormat::kLineCapture: break;
+    case LogFormat::kLineCapture:
+    case LogFormat::kSound: break;
+    case LogFormat::kVideo: break;
   }
   return fail(ErrorCode::kUnsupported, "{}: is a capture, expected a DMX log or an OLA Show", path);
 }

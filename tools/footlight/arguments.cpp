@@ -123,7 +123,9 @@ int run_command_line(int argc, const char* const* argv, std::span<const CommandI
       "  sacn:1-9              sACN universes 1 to 9, multicast       sacn:1-9@10.0.0.7     to one address\n"
       "  artnet:1-9            Art-Net, to the nodes of a universe    artnet:1-4%eth1       through one interface\n"
       "  sacn:101-109=1-9      101-109 on the wire, 1-9 in the show   enttec-pro:EN123=3    a dongle as universe 3\n"
+      "  vrsl-osc:1-3          OSC of VR Stage Lighting's grid node   vrsl-osc:1-9@10.0.0.7:12001\n"
       "  log:show.dmxlog       a log file                             mock:enttec-pro       a model of a dongle\n"
+      "  vrsl:1-9@f_%05d.png   pictures for VR Stage Lighting         gpio:gpiochip0/17=1.25    a line as one slot\n"
       "\n"
       "Exit codes: 0 done, also when stopped by Ctrl-C; 1 the job failed; 2 wrong argument or file; 3 nothing found.\n"
       "'footlight COMMAND --help' shows the options and examples of a command.");

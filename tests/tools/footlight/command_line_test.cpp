@@ -101,6 +101,8 @@ TEST_CASE("wrong arguments end with an exit code and a message that names the th
       {{"run", "--in", "sacn:1-9"}, 2, {"--out"}},
       {{"run", "--in", "sacn:0-9", "--out", "mock:enttec-pro"}, 2, {"sacn:0-9", "universe 0", "1 to 63999"}},
       {{"run", "--in", "sacn:64000", "--out", "mock:enttec-pro"}, 2, {"sacn:64000", "universe 64000"}},
+      {{"run", "--in", "vrsl-osc:10", "--out", "mock:enttec-pro"}, 2, {"vrsl-osc:10", "1 to 9"}},
+      {{"run", "--in", "mock:enttec-pro", "--out", "vrsl-osc:1%lo"}, 2, {"vrsl-osc:1%lo", "leave out"}},
       {{"run", "--in", "scan:1", "--out", "mock:enttec-pro"}, 2, {"scan:1", "unknown scheme", "sacn, artnet"}},
       {{"run", "--in", "sacn:1@10.0.0.300", "--out", "mock:enttec-pro"}, 2, {"10.0.0.300", "IPv4", "@10.0.0.7"}},
       {{"run", "--in", "sacn:1%nosuch0", "--out", "mock:enttec-pro"}, 3, {"sacn:1%nosuch0", "nosuch0"}},

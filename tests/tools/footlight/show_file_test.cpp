@@ -78,6 +78,9 @@ overwrite = true
 endpoint = "artnet:1-9"
 sync = true
 broadcast = false
+[[out]]
+endpoint = "vrsl:1-3=11-13@live.png?fps=60"
+overwrite = true
 )",
                                "show.toml");
   REQUIRE_MESSAGE(show.has_value(), (show ? "" : show.error().message));
@@ -103,7 +106,7 @@ broadcast = false
   CHECK(show->ins[3].options.log_start_ns == 10 * kNsPerS);
   CHECK(show->ins[3].options.log_stop_ns == 60 * kNsPerS);
   CHECK(show->ins[3].options.log_speed == 2.0);
-  REQUIRE(show->outs.size() == 4);
+  REQUIRE(show->outs.size() == 5);
   CHECK(show->outs[0].options.blackout_on_exit);
   CHECK(show->outs[0].options.wait_for_device);
   CHECK(show->outs[0].options.rate_hz_max == 25.0);
@@ -119,6 +122,9 @@ broadcast = false
   CHECK(show->outs[2].options.log_overwrite);
   CHECK(show->outs[3].options.sync);
   CHECK_FALSE(show->outs[3].options.broadcast);
+  CHECK(show->outs[4].endpoint.kind == EndpointKind::kPicture);
+  CHECK(show->outs[4].endpoint.show_universes() == std::vector<Universe>{11, 12, 13});
+  CHECK(show->outs[4].options.log_overwrite);
 }
 
 // One port of that endpoint with these lines, and one of the other direction.

@@ -3,16 +3,19 @@
 #include <algorithm>
 #include <chrono>
 
-#include "drivers/capture/captures.h"
 #include "drivers/device/device_rdm.h"
 #include "drivers/driver.h"
 #include "drivers/gpio/gpio_source.h"
 #include "drivers/net/net.h"
+#include "drivers/net/vrsl_osc.h"
 #include "drivers/ports_factory.h"
 #include "drivers/rdm/rdm_controller.h"
 #include "drivers/rdm/rdm_directory.h"
 #include "sim/dmx_log/log_ports.h"
 #include "tools/demo_show/demo_assets.h"
+#include "tools/footlight/sound/live_sound.h"
+#include "tools/footlight/sound/sound_log.h"
+#include "tools/footlight/vrsl/open_pictures.h"
 
 namespace footlight::tools {
 namespace {
@@ -106,9 +109,16 @@ drivers::ArtnetSinkOptions artnet_sink_options(const Endpoint& endpoint, const O
 Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint, const InOptions& options) {
   switch (endpoint.kind) {
     case EndpointKind::kFile: {
-      FL_ASSIGN(LogReader reader, drivers::read_any_log(endpoint.target));
-      return as_source(
-          LogSource::from_reader(std::move(reader), "log:" + endpoint.target, log_source_options(options)));
+      const bool sound = endpoint.scheme == "audio";
+      if (sound) {
+        FL_ASSIGN(const fixtures::SoundMap map, sound_map_of(endpoint.text));
+        if (is_sound_device(map.sound)) {
+          return open_live_sound(map, {endpoint.text, map.link, options.wait_for_device, options.priority});
+        }
+      }
+      FL_ASSIGN(LogReader reader, read_level_log(sound ? endpoint.text : endpoint.target, {}, stopping_));
+      return as_source(LogSource::from_reader(std::move(reader), sound ? endpoint.text : "log:" + endpoint.target,
+                                              log_source_options(options)));
     }
     case EndpointKind::kDevice: {
       drivers::PortRequest request = device_request(endpoint);
@@ -131,6 +141,7 @@ Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint
       gpio.wait_for_device = options.wait_for_device;
       return drivers::open_gpio_source(std::move(gpio), clock_);
     }
+    case EndpointKind::kPicture: return open_picture_source(endpoint);
     case EndpointKind::kNetwork: break;
   }
   if (endpoint.scheme == "sacn") {
@@ -138,6 +149,11 @@ Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint
     sacn.own_senders = own_senders_;
     sacn.stopping = stopping_;
     return drivers::make_sacn_source(sacn);
+  }
+  if (endpoint.scheme == "vrsl-osc") {
+    auto osc = drivers::options_of<drivers::VrslOscSourceOptions>(endpoint, own_senders_);
+    osc.yields = options.yields;
+    return drivers::make_vrsl_osc_source(osc);
   }
   auto artnet = artnet_source_options(endpoint, options);
   artnet.own_senders = own_senders_;
@@ -149,6 +165,9 @@ Result<std::unique_ptr<Sink>> PortOpener::open_sink(const Endpoint& endpoint, st
                                                     const OutOptions& options) {
   switch (endpoint.kind) {
     case EndpointKind::kFile: {
+      if (endpoint.scheme == "audio") {
+        return fail(ErrorCode::kBadInput, "{}: sound is an input; use --in or [[in]]", endpoint.text);
+      }
       LogSinkOptions log;
       log.universes.assign(show_universes.begin(), show_universes.end());
       log.start_ns = clock_.now_ns();
@@ -171,12 +190,18 @@ Result<std::unique_ptr<Sink>> PortOpener::open_sink(const Endpoint& endpoint, st
     }
     case EndpointKind::kGpio:
       return fail(ErrorCode::kBadInput, "{}: GPIO lines are inputs; use --in or [[in]]", endpoint.text);
+    case EndpointKind::kPicture: return open_picture_sink(endpoint, options.log_overwrite);
     case EndpointKind::kNetwork: break;
   }
   if (endpoint.scheme == "sacn") {
     auto sacn = sacn_sink_options(endpoint, options);
     sacn.own_senders = own_senders_;
     return drivers::make_sacn_sink(sacn);
+  }
+  if (endpoint.scheme == "vrsl-osc") {
+    auto osc = drivers::options_of<drivers::VrslOscSinkOptions>(endpoint, own_senders_);
+    osc.rate_hz_max = options.rate_hz_max;
+    return drivers::make_vrsl_osc_sink(osc);
   }
   auto artnet = artnet_sink_options(endpoint, options);
   artnet.own_senders = own_senders_;

@@ -72,7 +72,7 @@ struct OutOptions {
   int multicast_ttl = 0;  // 0: default
   bool announce = true;
   drivers::Cid cid = {};  // all zero: derived from the machine, the name and the endpoint
-  bool log_overwrite = false;
+  bool log_overwrite = false;  // log, vrsl: replace files
   friend bool operator==(const OutOptions&, const OutOptions&) = default;
 };
 

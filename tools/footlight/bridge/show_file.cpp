@@ -202,7 +202,9 @@ Result<InPlan> read_in(const TomlNode& node, const std::string& file) {
         break;
       }
       case EndpointKind::kGpio: read_gpio(reader, options); break;
+      case EndpointKind::kPicture: break;
       case EndpointKind::kFile:
+        if (plan.endpoint.scheme == "audio") options.wait_for_device = reader.boolean("wait_for_device", false);
         options.log_loop = reader.boolean("loop", false);
         options.log_start_ns = read_duration(reader, "start", 0);
         options.log_stop_ns = read_duration(reader, "stop", kTimeNever);
@@ -246,6 +248,7 @@ Result<OutPlan> read_out(const TomlNode& node, const std::string& file) {
         break;
       }
       case EndpointKind::kGpio: break;  // refused when it is opened
+      case EndpointKind::kPicture:
       case EndpointKind::kFile: options.log_overwrite = reader.boolean("overwrite", false); break;
     }
   }

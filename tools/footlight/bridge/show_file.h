@@ -25,7 +25,7 @@
 //   priority = 120                 # sacn; also source_name = "FOH", preview = true
 //   address_priorities = "1-100:150, 101-512:0"  # sacn: per-address priority
 //   sync_universe = 7000           # sacn; also multicast_ttl = 20, announce = true, cid = "8fd2a1c0-1b7e-..."
-//   overwrite = true               # log
+//   overwrite = true               # log, vrsl
 //   standby_for = "sacn:1-9"       # any: sends only while the output with that endpoint is lost
 //
 // A key that does not apply to the kind of endpoint is an error, with the line.

@@ -12,23 +12,31 @@
 #include "sim/dmx_log/log_input.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/duration.h"
+#include "tools/footlight/sound/sound_log.h"
 #include "tools/footlight/status/json_lines.h"
+#include "tools/footlight/vrsl/video_log.h"
+#include "tools/footlight/vrsl/video_reader.h"
 
 namespace footlight::tools {
 namespace {
 
-constexpr const char* kFileHelp = "a DMX log, OLA show file, packet capture (pcap, pcapng) or sigrok capture (.sr)";
+constexpr const char* kFileHelp =
+    "a DMX log, OLA show file, packet capture (pcap, pcapng), sigrok capture (.sr), sound map (.toml) or video";
 
 // Options for reading files that are not DMX logs.
 struct ReadArguments {
   drivers::CaptureOptions options;
   std::string protocol;
+  std::string grid;
 
   void add(Arguments& arguments) {
     arguments.option("--universe-offset", options.universe_offset, 0, 1,
                      "OLA show file: 1 if it counts universes from 0");
     arguments.option("--protocol", protocol, "NAME", "packet capture: only 'sacn' or only 'artnet'");
     arguments.flag("--preview", options.net.hear_preview, "packet capture: include sACN frames for visualisers");
+    arguments.option("--grid", grid, "OPTIONS",
+                     "video: options of the grid, as of a vrsl endpoint ('layout=vertical-left&planes=rgb'); default: "
+                     "what is found in its pictures");
     add_line(arguments);
     arguments.option("--universe", options.universe, kUniverseMin, kUniverseMax,
                      "sigrok capture: the universe of the line");
@@ -56,6 +64,22 @@ struct ReadArguments {
   }
 };
 
+Result<std::unique_ptr<LogInput>> open_input(const std::string& path, const drivers::CaptureOptions& read,
+                                             const ReadArguments& arguments) {
+  if (is_video_name(path)) {
+    FL_ASSIGN(std::unique_ptr<VideoLog> video, open_video_log(path, arguments.grid, "--grid"));
+    return video;
+  }
+  return open_level_log(path, read);
+}
+
+Result<LogReader> read_input(const std::string& path, const drivers::CaptureOptions& read,
+                             const ReadArguments& arguments) {
+  if (!is_video_name(path)) return read_level_log(path, read);
+  FL_ASSIGN(const std::unique_ptr<LogInput> input, open_input(path, read, arguments));
+  return read_into_memory(*input);
+}
+
 struct InfoOptions {
   std::string file;
   bool check = false;
@@ -77,6 +101,8 @@ std::string format_of(const LogInfo& info) {
     case LogFormat::kOlaShow: return "OLA show file";
     case LogFormat::kPacketCapture: return "packet capture";
     case LogFormat::kLineCapture: return "sigrok capture of a line";
+    case LogFormat::kSound: return "sound map";
+    case LogFormat::kVideo: return "video of a VRSL grid";
   }
   return "?";
 }
@@ -105,13 +131,16 @@ Result<int> print_info(const InfoOptions& options) {
   if (options.file.empty())
     return fail(ErrorCode::kBadInput, "log info: expected a file, for example 'footlight log info show.dmxlog'");
   FL_ASSIGN(const drivers::CaptureOptions read, options.read.read());
-  FL_ASSIGN(const LogFormat format, detect_log_format(options.file));
+  LogFormat format = is_sound_log(options.file) ? LogFormat::kSound : LogFormat::kVideo;
+  if (!is_sound_log(options.file) && !is_video_name(options.file)) {
+    FL_ASSIGN(format, detect_log_format(options.file));
+  }
   LogInfo info;
   std::vector<std::string> notes;
   if (format == LogFormat::kDmxLog) {
     FL_ASSIGN(info, read_log_info(options.file, options.check));
   } else {
-    FL_ASSIGN(const std::unique_ptr<LogInput> input, drivers::open_any_log(options.file, read));
+    FL_ASSIGN(const std::unique_ptr<LogInput> input, open_input(options.file, read, options.read));
     FL_ASSIGN(info, describe(*input));
     notes = input->notes();
   }
@@ -150,7 +179,7 @@ Result<int> convert(const ConvertArguments& arguments) {
     if (!renumber) return fail(ErrorCode::kBadInput, "--universes: {}", renumber.error().message);
     for (const WireUniverse& universe : *renumber) options.renumber.emplace_back(universe.wire, universe.show);
   }
-  FL_ASSIGN(const std::unique_ptr<LogInput> input, drivers::open_any_log(arguments.in, read));
+  FL_ASSIGN(const std::unique_ptr<LogInput> input, open_input(arguments.in, read, arguments.read));
   FL_ASSIGN(const ConvertReport report, convert_log(*input, arguments.out, options));
   if (arguments.json) {
     fmt::print("{}\n", json_of_conversion(arguments.in, arguments.out, report));
@@ -284,8 +313,8 @@ Result<int> diff(const DiffArguments& arguments) {
   FL_ASSIGN(const drivers::CaptureOptions read, arguments.read.read());
   LogDiffOptions options = arguments.options;
   if (arguments.same_start) options.offset_ns = 0;
-  FL_ASSIGN(LogReader a, drivers::read_any_log(arguments.a, read));
-  FL_ASSIGN(LogReader b, drivers::read_any_log(arguments.b, read));
+  FL_ASSIGN(LogReader a, read_input(arguments.a, read, arguments.read));
+  FL_ASSIGN(LogReader b, read_input(arguments.b, read, arguments.read));
   FL_ASSIGN(const LogDiff diff, diff_logs(a, b, options));
   const int exit_code = diff.equal ? kExitOk : kExitFailed;
   if (arguments.json) {
@@ -387,6 +416,7 @@ extern const CommandInfo log_command{
         "  footlight log info show.dmxlog\n"
         "  footlight log convert foh.show foh.dmxlog\n"
         "  footlight log convert capture.pcapng show.dmxlog\n"
+        "  footlight log convert club.mp4 club.dmxlog\n"
         "  footlight log diff sent.dmxlog received.pcapng\n"
         "  footlight log timing desk.sr\n",
     .add = add,

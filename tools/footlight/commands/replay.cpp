@@ -86,7 +86,8 @@ Result<int> replay(const Options& options) {
 
 void add(Arguments& arguments) {
   auto options = std::make_shared<Options>();
-  arguments.word("FILE", options->file, "a DMX log, an OLA show file or a capture (pcap, pcapng, .sr)");
+  arguments.word("FILE", options->file,
+                 "a DMX log, an OLA show file, a capture (pcap, pcapng, .sr) or a sound map (.toml)");
   arguments.flag("--demo", options->demo, "the demo show instead of a file");
   arguments.list("--out,-o", options->outs, "ENDPOINT", "an output; may be given several times");
   arguments.duration("--at", options->start_ns, "start at this time of the log, with all levels of that moment");
