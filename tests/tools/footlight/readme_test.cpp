@@ -35,6 +35,7 @@ struct Special {
 constexpr const char* kSmall = "--size 48x27";
 constexpr const char* kReport = "--pictures --size 32x18 --judge-pixels 100 --runs 3";
 constexpr const char* kUntilStopped = "it runs until it is stopped";
+constexpr const char* kOtherBridges = "other bridges may run on this machine, those of other tests as well";
 constexpr const char* kNoDongle = "no dongle is plugged in; the model of one is";
 constexpr const char* kWindow = "a window needs a display and its own time (preview_test.cpp); the rig is drawn";
 
@@ -51,7 +52,8 @@ constexpr Special kSpecials[] = {
      "footlight run --in sacn:1 --out mock:enttec-pro/EN1 --backup mock:enttec-pro/EN2", "--for 100ms", 0, kNoDongle},
     {"footlight run show.toml --json", nullptr, "--for 100ms", 0, kUntilStopped},
     {"footlight monitor sacn:1-9", nullptr, "--once", 0, kUntilStopped},
-    {"footlight monitor", nullptr, "--once", 0, kUntilStopped},
+    {"footlight monitor", nullptr, "--once --socket ../run/footlight/run.sock", 0, kOtherBridges},
+    {"footlight reload", nullptr, "--socket ../run/footlight/run.sock", 0, kOtherBridges},
     {"footlight monitor sacn:1-9 --json --period 200ms", nullptr, "--once", 0, kUntilStopped},
     {"footlight run show.toml --metrics 127.0.0.1:9477", nullptr, "--for 100ms", 0, kUntilStopped},
     {"footlight run show.toml --flashes limit --rig rig.toml", nullptr, "--for 100ms", 0, kUntilStopped},
