@@ -24,7 +24,8 @@ struct Block {
   int left = 0, top = 0, right = 0, bottom = 0;  // pixels
 };
 
-Block block_of(const GridFormat& format, const GridPlace& place, int index) {
+// Within the picture: a place may reach half a pixel beyond its edge.
+Block block_of(const GridFormat& format, const GridPlace& place, int index, int width, int height) {
   double left = place.left;
   double top = place.top;
   if (is_horizontal(format.layout)) {
@@ -34,8 +35,8 @@ Block block_of(const GridFormat& format, const GridPlace& place, int index) {
     left += format.layout == GridLayout::kVerticalLeft ? kGridColumns * place.cell_width : -place.cell_width;
     top += (kGridRowsVertical - 1 - index) * place.cell_height;
   }
-  const auto px = [](double at) { return static_cast<int>(std::lround(at)); };
-  return {px(left), px(top), px(left + place.cell_width), px(top + place.cell_height)};
+  const auto px = [](double at, int size) { return std::clamp(static_cast<int>(std::lround(at)), 0, size); };
+  return {px(left, width), px(top, height), px(left + place.cell_width, width), px(top + place.cell_height, height)};
 }
 
 }  // namespace
@@ -66,7 +67,7 @@ void GridCodec::draw_check(std::span<const std::uint8_t> levels, Picture& pictur
   const std::uint64_t bits =
       std::uint64_t{kGridCheckMark} << 48 | std::uint64_t{sequence} << 32 | check_sum(levels, sequence);
   for (int i = 0; i < kGridCheckBlocks; ++i) {
-    const Block block = block_of(format_, place_, i);
+    const Block block = block_of(format_, place_, i, picture.width, picture.height);
     const std::uint8_t code = code_of_[(bits >> (kGridCheckBlocks - 1 - i) & 1) != 0 ? 255 : 0];
     for (int y = block.top; y < block.bottom; ++y) {
       std::fill_n(picture.at(block.left, y), 3 * (block.right - block.left), code);
@@ -80,7 +81,7 @@ void GridCodec::read_check(const PictureView& picture, std::span<const std::uint
   const int half = (code_of_[0] + code_of_[255]) / 2;
   std::uint64_t bits = 0;
   for (int i = 0; i < kGridCheckBlocks; ++i) {
-    const Block block = block_of(format_, place_, i);
+    const Block block = block_of(format_, place_, i, picture.width, picture.height);
     const int quarter_x = (block.right - block.left) / 4, quarter_y = (block.bottom - block.top) / 4;
     int sum = 0, count = 0;
     for (int y = block.top + quarter_y; y < block.bottom - quarter_y; ++y) {

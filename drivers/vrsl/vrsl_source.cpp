@@ -91,7 +91,8 @@ bool VrslReader::read(const PictureView& picture) {
       codec_ && (codec_->format().width != picture.width || codec_->format().height != picture.height);
   if (other_size || (options_.find && refused_in_a_row_ >= kFindAgainAfter)) codec_.reset();
   if (!codec_) {
-    if (refused_in_a_row_ % kFindEvery != 0) return refuse(counters_.no_grid);
+    // A search takes long; a grid that is named does not.
+    if (options_.find && refused_in_a_row_ % kFindEvery != 0) return refuse(counters_.no_grid);
     if (!find(picture)) return refuse(counters_.no_grid);
   }
   if (const Status status = codec_->decode(picture, levels_, reading_); !status) {

@@ -252,6 +252,20 @@ TEST_CASE("the check row finds every damaged picture, and carries the number") {
   CHECK(crc32_of(digits) == 0xCBF4'3926);  // the check value of ISO 3309
 }
 
+TEST_CASE("a check row half a pixel beyond the edge of the picture is drawn within it, and read") {
+  for (const auto& [layout, place] : {std::pair{GridLayout::kVerticalLeft, GridPlace{0, 8.5, 16, 16}},
+                                      std::pair{GridLayout::kHorizontalBottom, GridPlace{-0.5, 16, 16, 16}}}) {
+    const GridCodec codec = codec_of({.layout = layout, .check_row = true, .place = place});
+    Picture picture;
+    codec.encode(random_levels(3), picture, 4'321);
+    REQUIRE(picture.rgb.size() == 3 * 1920 * 1080);
+    GridReading reading;
+    (void)decoded(codec, picture.view(), reading);
+    CHECK(reading.sequence == 4'321);
+    CHECK(!reading.damaged);
+  }
+}
+
 TEST_CASE("a picture that is encoded again is not allocated again, and keeps what is around the grid") {
   const GridCodec codec = codec_of({});
   Picture picture;

@@ -224,6 +224,18 @@ TEST_CASE("a source refuses and counts pictures of something else") {
   CHECK(notice->text.find("no grid") != std::string::npos);
 }
 
+TEST_CASE("a named grid is read from the first good picture on, also after a refused one and in another size") {
+  VrslReader reader(in_options("vrsl:1-3@x?layout=horizontal-bottom&planes=luma"));
+  Picture noise;
+  noise.clear(1280, 720);
+  for (std::size_t i = 0; i < noise.rgb.size(); ++i) noise.rgb[i] = static_cast<std::uint8_t>(i * i >> 3);
+  CHECK_FALSE(reader.read(noise.view()));
+  CHECK(reader.read(picture_of({}, random_levels(1)).view()));
+  CHECK_FALSE(reader.read(noise.view()));
+  CHECK(reader.read(picture_of({}, random_levels(2)).view()));
+  CHECK(reader.counters().used == 2);
+}
+
 TEST_CASE("refused pictures of a file are not read ahead of their time") {
   Picture small;
   small.clear(64, 36);

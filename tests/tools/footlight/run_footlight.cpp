@@ -11,6 +11,8 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/support/temp_folder.h"
+
 namespace footlight::testing {
 namespace {
 
@@ -32,6 +34,9 @@ void take(int& fd, std::string& text, bool& open) {
 }  // namespace
 
 Footlight::Footlight(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment) {
+  // Bridges put their sockets here and not in /run/footlight, where those of tests at the same time would be found.
+  static const TempFolder runtime_folder;
+  const std::string runtime = runtime_folder.file("");
   int out[2];
   int err[2];
   REQUIRE(pipe2(out, O_CLOEXEC) == 0);
@@ -43,6 +48,7 @@ Footlight::Footlight(const std::vector<std::string>& arguments, const std::map<s
     dup2(err[1], STDERR_FILENO);
     const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
     dup2(nothing, STDIN_FILENO);
+    setenv("XDG_RUNTIME_DIR", runtime.c_str(), 1);
     for (const auto& [name, value] : environment) setenv(name.c_str(), value.c_str(), 1);
     std::vector<std::string> copies{FOOTLIGHT_BINARY};
     copies.insert(copies.end(), arguments.begin(), arguments.end());

@@ -200,6 +200,26 @@ TEST_CASE("a device that disappears is opened again, by output and input") {
   CHECK(model.mapped == 0);
 }
 
+TEST_CASE("a device that returns with another format gets no picture until it has the format of the pictures") {
+  LoopbackModel model;
+  const auto output = must(open_v4l2_output(device_target(), model));
+  std::vector<std::uint8_t> levels;
+  const v4l2_pix_format own = model.format;
+  model.gone = true;
+  CHECK_FALSE(output->show(grid_of(1, levels), 0).has_value());
+  model.gone = false;
+  model.fixed_format = true;
+  model.format.width = 640;
+  model.format.height = 156;  // as many bytes
+  for (int i = 0; i < 2; ++i) {
+    CHECK(contains(output->show(grid_of(1, levels), 0).error().message, "another program fixed its format"));
+  }
+  CHECK(model.waiting.empty());
+  model.format = own;
+  must(output->show(grid_of(1, levels), 0));
+  CHECK(model.waiting.size() == 1);
+}
+
 TEST_CASE("devices that cannot be used are refused with the reason and the next step") {
   LoopbackModel model;
   model.gone = true;

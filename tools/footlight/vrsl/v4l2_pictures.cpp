@@ -149,7 +149,13 @@ class V4l2Output final : public drivers::PictureOutput {
   }
 
   Status show(const drivers::Picture& picture, DurationNs /*time_ns*/) override {
-    if (device_.fd() < 0) FL_TRY(open());
+    if (device_.fd() < 0) {
+      const Status opened = open();
+      if (!opened) {
+        device_.close();  // its format may be another one
+        return opened;
+      }
+    }
     const std::vector<std::uint8_t>& bytes = yuyv_ ? pack(picture) : picture.rgb;
     const ssize_t written = device_.calls().write(device_.fd(), bytes.data(), bytes.size());
     if (written == static_cast<ssize_t>(bytes.size())) return {};
@@ -215,9 +221,10 @@ std::optional<PixelLayout> layout_of(const v4l2_pix_format& pixels) {
     }
     case V4L2_PIX_FMT_YUV420: {
       const std::size_t stride = line(pixels.width);
-      layout.view.strides = {static_cast<std::ptrdiff_t>(stride), static_cast<std::ptrdiff_t>(stride / 2),
-                             static_cast<std::ptrdiff_t>(stride / 2)};
-      layout.bytes = stride * height + 2 * (stride / 2) * ((height + 1) / 2);
+      const std::size_t chroma_stride = (stride + 1) / 2;
+      layout.view.strides = {static_cast<std::ptrdiff_t>(stride), static_cast<std::ptrdiff_t>(chroma_stride),
+                             static_cast<std::ptrdiff_t>(chroma_stride)};
+      layout.bytes = stride * height + 2 * chroma_stride * ((height + 1) / 2);
       return layout;
     }
     default: return std::nullopt;

@@ -4,7 +4,9 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <climits>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -132,7 +134,9 @@ class H264Stream {
       const int ready = ::poll(&waiting, 1, kPipeWaitMs);
       if (ready == 0) return AVERROR(ETIMEDOUT);
       if (ready < 0 && errno == EINTR) continue;
-      const ssize_t sent = ::write(fd, bytes + written, static_cast<std::size_t>(size - written));
+      // As much as a pipe with room takes at once: more would block on standard output, which may not be non-blocking.
+      const auto part = std::min<std::size_t>(static_cast<std::size_t>(size - written), PIPE_BUF);
+      const ssize_t sent = ::write(fd, bytes + written, part);
       if (sent < 0 && (errno == EAGAIN || errno == EINTR)) continue;
       if (sent < 0) return AVERROR(errno);
       written += static_cast<int>(sent);
