@@ -124,5 +124,27 @@ TEST_CASE("a device that is absent at the start is an error, unless the port may
   CHECK(poll_until(*source, received, [&] { return received.frames > 0; }));
 }
 
+TEST_CASE("a build or machine without sound devices is an error, also for a port that waits for its device") {
+  const OpenSoundDevice open = []() -> Result<std::unique_ptr<drivers::SoundDevice>> {
+    return fail(ErrorCode::kUnsupported, "built without ALSA");
+  };
+  const auto refused = make_live_sound(levels(), open, {.name = "audio:fake=7.1", .wait_for_device = true});
+  REQUIRE_FALSE(refused.has_value());
+  CHECK(refused.error().message == "audio:fake=7.1: built without ALSA");
+}
+
+TEST_CASE("a device without a clock is read at its rate, and a fast card without pauses, for 30 days") {
+  for (const int rate_hz : {8'000, 44'100, 48'000, 192'000}) {
+    for (const DurationNs elapsed_s : {1, 600, 86'400, 30 * 86'400}) {
+      const DurationNs elapsed_ns = elapsed_s * kNsPerS;
+      const auto frames = static_cast<std::uint64_t>(elapsed_s) * static_cast<std::uint64_t>(rate_hz);
+      CHECK(read_pause_ns(frames + frames / 2'000, rate_hz, elapsed_ns) == 0);  // 500 ppm fast
+      CHECK(read_pause_ns(frames / 2, rate_hz, elapsed_ns) == 0);
+      // Twice its rate: the time that is left, less the share of fast cards.
+      CHECK(read_pause_ns(2 * frames, rate_hz, elapsed_ns) == elapsed_ns - elapsed_ns / 1'000);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace footlight::tools

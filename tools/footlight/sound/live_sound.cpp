@@ -20,6 +20,7 @@ constexpr DurationNs kRetryMinNs = 10 * kNsPerMs;
 constexpr DurationNs kRetryMaxNs = kNsPerS;
 constexpr DurationNs kSilentMaxNs = 3 * kNsPerS;  // a device without samples for so long counts as gone
 constexpr DurationNs kAheadMaxNs = 50 * kNsPerMs;
+constexpr DurationNs kFastCardShare = 1'000;  // clocks of cards differ by less than one part in so many
 
 using Levels = std::map<Universe, fixtures::SoundLevels::Slots>;
 using Device = std::unique_ptr<drivers::SoundDevice>;
@@ -77,9 +78,8 @@ class LiveSound final : public Source {
     DurationNs retry_ns = kRetryMinNs;
     while (!stop.stop_requested()) {
       if (device) {
-        listen(stop, *device);
+        if (listen(stop, *device)) retry_ns = kRetryMinNs;
         device.reset();
-        retry_ns = kRetryMinNs;
       }
       if (pause(stop, retry_ns)) return;
       retry_ns = std::min(2 * retry_ns, kRetryMaxNs);
@@ -93,22 +93,23 @@ class LiveSound final : public Source {
     }
   }
 
-  // Until the device is gone.
-  void listen(const std::stop_token& stop, drivers::SoundDevice& device) {
+  // Until the device is gone. True if it gave samples.
+  bool listen(const std::stop_token& stop, drivers::SoundDevice& device) {
     AudioLink link(options_.link, device.info().rate_hz, device.info().channels);
     std::vector<float> samples;
     DurationNs silent_ns = 0;
     std::uint64_t overruns = 0;
+    const auto gave_samples = [&link] { return link.frames() > 0; };
     const auto start = std::chrono::steady_clock::now();
     while (!stop.stop_requested()) {
       if (const Status read = device.read(samples, kReadTimeoutNs); !read) {
         report(PortState::kGone, read.error().message);
-        return;
+        return gave_samples();
       }
       silent_ns = samples.empty() ? silent_ns + kReadTimeoutNs : 0;
       if (silent_ns >= kSilentMaxNs) {
         report(PortState::kGone, "the device gives no samples");
-        return;
+        return gave_samples();
       }
       link.push(samples, [this](const AudioLinkState& state) {
         levels_.step(state);
@@ -119,12 +120,11 @@ class LiveSound final : public Source {
         counters_.errors += device.overruns() - overruns;
         overruns = device.overruns();
       }
-      // A device without a clock of its own, such as ALSA's null and file, is read at its rate.
-      const std::chrono::nanoseconds played(link.frames() * static_cast<std::uint64_t>(kNsPerS) /
-                                            static_cast<std::uint64_t>(device.info().rate_hz));
-      const auto ahead = start + played - std::chrono::steady_clock::now();
-      if (ahead > std::chrono::nanoseconds(kAheadMaxNs) && pause(stop, ahead.count())) return;
+      const std::chrono::nanoseconds elapsed = std::chrono::steady_clock::now() - start;
+      const DurationNs wait_ns = read_pause_ns(link.frames(), device.info().rate_hz, elapsed.count());
+      if (wait_ns > 0 && pause(stop, wait_ns)) break;
     }
+    return gave_samples();
   }
 
   // True if the thread is to end.
@@ -175,10 +175,18 @@ class LiveSound final : public Source {
 
 }  // namespace
 
+DurationNs read_pause_ns(std::uint64_t frames, int rate_hz, DurationNs elapsed_ns) {
+  const auto rate = static_cast<std::uint64_t>(rate_hz);
+  const auto ns_per_s = static_cast<std::uint64_t>(kNsPerS);
+  const std::uint64_t played_ns = frames / rate * ns_per_s + frames % rate * ns_per_s / rate;  // no product wraps
+  const DurationNs ahead_ns = static_cast<DurationNs>(played_ns) - elapsed_ns - elapsed_ns / kFastCardShare;
+  return ahead_ns > kAheadMaxNs ? ahead_ns : 0;
+}
+
 Result<std::unique_ptr<Source>> make_live_sound(fixtures::SoundLevels levels, OpenSoundDevice open,
                                                 const LiveSoundOptions& options) {
   auto device = open();
-  if (!device && !options.wait_for_device) {
+  if (!device && (!options.wait_for_device || device.error().code == ErrorCode::kUnsupported)) {
     return fail(device.error().code, "{}: {}", options.name, device.error().message);
   }
   return std::make_unique<LiveSound>(std::move(levels), std::move(open), options,

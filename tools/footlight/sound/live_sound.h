@@ -24,7 +24,12 @@ struct LiveSoundOptions {
   int priority = kPriorityDefault;
 };
 
-// Errors: those of `open`, unless it waits.
+// How long to wait before the next read, so that a device without a clock of its own, such as ALSA's null and file, is
+// read at its rate: what `frames` last beyond `elapsed_ns`, both since the device was opened. 0 up to 50 ms, and for a
+// card whose clock is fast by up to 0.1 %.
+[[nodiscard]] DurationNs read_pause_ns(std::uint64_t frames, int rate_hz, DurationNs elapsed_ns);
+
+// Errors: those of `open`. If it waits for the device, only kUnsupported: no device can be opened later.
 [[nodiscard]] Result<std::unique_ptr<Source>> make_live_sound(fixtures::SoundLevels levels, OpenSoundDevice open,
                                                               const LiveSoundOptions& options);
 
