@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "fixtures/simulate/vrsl_compat.h"
+#include "tests/support/must.h"
 #include "tests/support/temp_folder.h"
 #include "tools/footlight/vrsl/open_pictures.h"
 #include "tools/footlight/vrsl/png_pictures.h"
@@ -131,6 +132,22 @@ TEST_CASE("nine universes go out as numbered pictures and come back as they were
   REQUIRE(!again.has_value());
   CHECK(again.error().message.find("exists; choose another name, or add ?overwrite=yes") != std::string::npos);
   CHECK(open_picture_sink(endpoint_of("vrsl:1@" + name + "?overwrite=yes"), false).has_value());
+}
+
+TEST_CASE("numbered pictures replace no file without overwrite=yes, whatever its number") {
+  const testing::TempFolder folder;
+  const std::string own = folder.write("f_00001.png", "mine");
+  drivers::PictureTarget target;
+  target.endpoint = "vrsl:1@f_%05d.png";
+  target.name = folder.file("f_%05d.png");
+  Picture picture;
+  picture.clear(16, 16);
+  const auto output = testing::must(open_png_output(target));
+  testing::must(output->show(picture, 0));
+  const Status refused = output->show(picture, 0);
+  REQUIRE_FALSE(refused.has_value());
+  CHECK(refused.error().message == own + " exists; choose another name, or add ?overwrite=yes");
+  CHECK(std::filesystem::file_size(own) == 4);
 }
 
 TEST_CASE("targets that nothing takes are refused with those that exist") {

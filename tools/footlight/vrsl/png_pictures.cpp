@@ -27,12 +27,16 @@ bool exists(const std::string& path) {
 
 class PngOutput final : public drivers::PictureOutput {
  public:
-  PngOutput(std::string path, bool numbered) : path_(std::move(path)), numbered_(numbered) {}
+  PngOutput(std::string path, bool numbered, bool overwrite)
+      : path_(std::move(path)), numbered_(numbered), overwrite_(overwrite) {}
 
   Status show(const drivers::Picture& picture, DurationNs /*time_ns*/) override {
     if (!numbered_) return write_picture_file(path_, picture.view());
     if (number_ > kNumberMax) return fail(ErrorCode::kIo, "{}: more than {} pictures", path_, kNumberMax);
     FL_ASSIGN(const std::string path, numbered_path(path_, number_));
+    if (!overwrite_ && exists(path)) {
+      return fail(ErrorCode::kIo, "{} exists; choose another name, or add ?overwrite=yes", path);
+    }
     FL_TRY(write_picture_file(path, picture.view()));
     ++number_;
     return {};
@@ -41,6 +45,7 @@ class PngOutput final : public drivers::PictureOutput {
  private:
   const std::string path_;
   const bool numbered_;
+  const bool overwrite_;
   int number_ = 0;
 };
 
@@ -176,7 +181,7 @@ Result<std::unique_ptr<drivers::PictureOutput>> open_png_output(const drivers::P
     return fail(ErrorCode::kNotFound, "{}: the folder {} does not exist; create it first", target.endpoint,
                 folder.string());
   }
-  return std::make_unique<PngOutput>(target.name, numbered);
+  return std::make_unique<PngOutput>(target.name, numbered, overwrite);
 }
 
 Result<std::unique_ptr<drivers::PictureInput>> open_picture_files(const drivers::PictureTarget& target) {
