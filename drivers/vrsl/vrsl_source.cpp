@@ -51,33 +51,28 @@ float VrslReader::confidence() const {
 }
 
 bool VrslReader::find(const PictureView& picture) {
-  if (!options_.find) {
-    GridFormat format = options_.format;
-    if (options_.any_size) {
-      format.width = picture.width;
-      format.height = picture.height;
+  GridFormat format = options_.format;
+  std::vector<std::string> open;
+  if (options_.find) {
+    auto found = find_grid(picture);
+    if (!found) {
+      refusal_ = found.error().message;
+      return false;
     }
-    auto codec = GridCodec::make(format);
-    if (codec) {
-      codec_ = std::move(*codec);
-    } else {
-      refusal_ = codec.error().message;
-    }
-    return codec.has_value();
+    format = found->format;
+    format.check_row = options_.format.check_row;
+    open = std::move(found->open);
+  } else if (options_.any_size) {
+    format.width = picture.width;
+    format.height = picture.height;
   }
-  auto found = find_grid(picture);
-  if (!found) {
-    refusal_ = found.error().message;
-    return false;
-  }
-  found->format.check_row = options_.format.check_row;
-  auto codec = GridCodec::make(found->format);
+  auto codec = GridCodec::make(format);
   if (!codec) {
     refusal_ = codec.error().message;
     return false;
   }
   codec_ = std::move(*codec);
-  open_ = std::move(found->open);
+  open_ = std::move(open);
   return true;
 }
 

@@ -10,14 +10,12 @@ namespace footlight {
 namespace {
 
 constexpr int kArtnetWireMax = 32'768;  // 15 bits of port address, counted from 1
-constexpr int kVrslWireMax = 9;         // three universes in each colour of its grid
+constexpr int kVrslWireMax = 9;         // three universes in each colour of its grid, as pictures and over OSC
 constexpr int kConnectorMax = 64;
 constexpr const char* kFileScheme = "log";
 constexpr const char* kGpioScheme = "gpio";
 constexpr const char* kPictureScheme = "vrsl";
-constexpr int kPictureWireMax = 9;
 constexpr const char* kSoundScheme = "audio";
-constexpr int kPlainSoundSlots = 5;  // four bands and the beat
 constexpr int kGpioLineMax = 65'535;
 
 struct NetworkScheme {
@@ -301,7 +299,7 @@ Status parse_picture(std::string_view text, std::string_view rest, Endpoint& end
   if (at == std::string_view::npos || at == 0 || at + 1 >= rest.size()) {
     return fail(ErrorCode::kBadInput, "{}: expected {}", text, kForm);
   }
-  auto universes = parse_wire_universes(rest.substr(0, at), kPictureWireMax);
+  auto universes = parse_wire_universes(rest.substr(0, at), kVrslWireMax);
   if (!universes) return fail(ErrorCode::kBadInput, "{}: {}", text, universes.error().message);
   endpoint.universes = std::move(*universes);
   endpoint.target = rest.substr(at + 1);

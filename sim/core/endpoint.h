@@ -79,6 +79,8 @@ struct Endpoint {
   friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };
 
+// The slots of audio with a place: four bands and the beat.
+inline constexpr int kPlainSoundSlots = 5;
 // True for "alsa" and "alsa:DEVICE", which are no files.
 [[nodiscard]] bool is_sound_device(std::string_view sound);
 

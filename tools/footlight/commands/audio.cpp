@@ -1,7 +1,6 @@
 // footlight audio: what is in a sound, and AudioLink's texture of it.
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 
 #include <nlohmann/json.hpp>
@@ -11,6 +10,7 @@
 #include "sim/sound/audio_texture.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/duration.h"
+#include "tools/footlight/pictures/numbered_file.h"
 #include "tools/footlight/sound/sound_check.h"
 #include "tools/footlight/sound/sound_log.h"
 
@@ -122,11 +122,7 @@ Status write_texture(const AudioLinkState& state, const fixtures::SoundMap& map,
     bytes.push_back(static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0F, 1.0F) * 255)));
   }
   const auto png = fixtures::png_of(kAudioTextureWidth, kAudioTextureHeight, 4, bytes);
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
-  file.close();
-  if (!file) return fail(ErrorCode::kIo, "{}: cannot be written", path);
-  return {};
+  return write_picture(path, png);
 }
 
 // "frame_%04d.png" with a number.
@@ -154,6 +150,7 @@ Status check_texture_options(const TextureOptions& options) {
 Result<int> texture(const TextureOptions& options) {
   FL_TRY(check_texture_options(options));
   FL_ASSIGN(const fixtures::SoundMap map, map_or_sound(options.file, "texture"));
+  FL_ASSIGN(const auto file, drivers::SoundFile::open(map.sound));
   Status written;
   int count = 0;
   TimeNs due_ns = std::max<TimeNs>(options.at_ns, 0);
@@ -175,10 +172,11 @@ Result<int> texture(const TextureOptions& options) {
     }
     before = state;
   };
-  FL_ASSIGN(const SoundRun run, run_sound_file(map.sound, map.link, on_step,
-                                               [&](std::span<const float>) { return more && written.has_value(); }));
+  FL_ASSIGN(const std::uint64_t frames, run_sound_file(*file, map.link, on_step, [&](std::span<const float>) {
+              return more && written.has_value();
+            }));
   FL_TRY(written);
-  const DurationNs length_ns = std::llround(static_cast<double>(run.frames) / run.rate_hz * 1e9);
+  const DurationNs length_ns = std::llround(static_cast<double>(frames) / file->info().rate_hz * 1e9);
   if (more && due_ns <= length_ns) FL_TRY(store());
   if (count == 0) {
     return fail(ErrorCode::kBadInput, "--at {}: {} ends at {}", show_duration(options.at_ns), map.sound,

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "drivers/sound/sound_file.h"
 #include "tools/footlight/sound/sound_log.h"
 
 namespace footlight::tools {
@@ -141,13 +140,13 @@ Result<SoundCheck> check_sound(const fixtures::SoundMap& map) {
       check.bands[band].full += now >= kFull ? 1 : 0;
     }
   };
-  FL_ASSIGN(const SoundRun run, run_sound_file(map.sound, map.link, on_step, [&](std::span<const float> piece) {
+  FL_ASSIGN(const std::uint64_t frames, run_sound_file(*file, map.link, on_step, [&](std::span<const float> piece) {
               samples.add(piece);
               return true;
             }));
   samples.finish(check);
-  check.duration_s = static_cast<double>(run.frames) / check.rate_hz;
-  check.damaged_packets = run.damaged_packets;
+  check.duration_s = static_cast<double>(frames) / check.rate_hz;
+  check.damaged_packets = file->damaged_packets();
   const auto count = static_cast<double>(std::max<std::uint64_t>(steps, 1));
   for (int band = 0; band < kSoundBands; ++band) {
     BandCheck& one = check.bands[static_cast<std::size_t>(band)];

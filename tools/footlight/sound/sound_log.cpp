@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <deque>
 
-#include "drivers/sound/sound_file.h"
 #include "fixtures/files/toml/sound_toml.h"
 #include "sim/core/endpoint.h"
 
@@ -136,18 +135,16 @@ Result<LogReader> read_level_log(const std::string& path, const drivers::Capture
   return read_into_memory(*input);
 }
 
-Result<SoundRun> run_sound_file(const std::string& path, const AudioLinkSettings& settings,
-                                const AudioLink::OnStep& on_step,
-                                const std::function<bool(std::span<const float>)>& on_samples) {
-  FL_ASSIGN(auto file, drivers::SoundFile::open(path));
-  AudioLink link(settings, file->info().rate_hz, file->info().channels);
+Result<std::uint64_t> run_sound_file(drivers::SoundFile& file, const AudioLinkSettings& settings,
+                                     const AudioLink::OnStep& on_step,
+                                     const std::function<bool(std::span<const float>)>& on_samples) {
+  AudioLink link(settings, file.info().rate_hz, file.info().channels);
   std::vector<float> samples;
   while (true) {
-    FL_ASSIGN(const bool more, file->read(samples));
-    if (!more || (on_samples && !on_samples(samples))) break;
+    FL_ASSIGN(const bool more, file.read(samples));
+    if (!more || !on_samples(samples)) return link.frames();
     link.push(samples, on_step);
   }
-  return SoundRun{file->info().rate_hz, file->info().channels, link.frames(), file->damaged_packets()};
 }
 
 }  // namespace footlight::tools

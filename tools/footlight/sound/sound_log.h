@@ -9,6 +9,7 @@
 #include <string>
 
 #include "drivers/capture/captures.h"
+#include "drivers/sound/sound_file.h"
 #include "fixtures/simulate/sound_levels.h"
 #include "sim/dmx_log/log_input.h"
 #include "sim/sound/audio_link.h"
@@ -32,15 +33,10 @@ inline constexpr int kLongSoundS = 600;
 // The levels of a map, with the rig of its lights.
 [[nodiscard]] Result<fixtures::SoundLevels> sound_levels_of(const fixtures::SoundMap& map);
 
-// Runs a sound file through an AudioLink. `on_samples` gets each piece of samples before its steps.
-struct SoundRun {
-  int rate_hz = 0;
-  int channels = 0;
-  std::uint64_t frames = 0;
-  std::uint64_t damaged_packets = 0;
-};
-[[nodiscard]] Result<SoundRun> run_sound_file(const std::string& path, const AudioLinkSettings& settings,
-                                              const AudioLink::OnStep& on_step,
-                                              const std::function<bool(std::span<const float>)>& on_samples = {});
+// Runs a sound file from where it is through an AudioLink, and returns the number of frames. `on_samples` gets each
+// piece of samples before its steps; false ends the run.
+[[nodiscard]] Result<std::uint64_t> run_sound_file(drivers::SoundFile& file, const AudioLinkSettings& settings,
+                                                   const AudioLink::OnStep& on_step,
+                                                   const std::function<bool(std::span<const float>)>& on_samples);
 
 }  // namespace footlight::tools

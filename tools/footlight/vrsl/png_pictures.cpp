@@ -1,6 +1,5 @@
 #include "tools/footlight/vrsl/png_pictures.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -9,6 +8,7 @@
 #include <optional>
 #include <system_error>
 
+#include "fixtures/files/import/text.h"
 #include "fixtures/gobos/gobo_images.h"
 #include "fixtures/gobos/png.h"
 #include "sim/file_kind.h"
@@ -96,17 +96,10 @@ class StillInput final : public drivers::PictureInput {
   std::optional<std::filesystem::file_time_type> changed_;
 };
 
-std::string lower_end(std::string_view name) {
-  std::string end(name.substr(name.size() - std::min<std::size_t>(name.size(), 5)));
-  std::transform(end.begin(), end.end(), end.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return end;
-}
-
 }  // namespace
 
 bool is_picture_file(std::string_view name) {
-  const std::string end = lower_end(name);
+  const std::string end = fixtures::lower(name);
   return end.ends_with(".png") || end.ends_with(".jpg") || end.ends_with(".jpeg");
 }
 
@@ -160,7 +153,7 @@ Result<std::unique_ptr<drivers::PictureOutput>> open_png_output(const drivers::P
     }
     overwrite = option.value == "yes";
   }
-  if (!lower_end(target.name).ends_with(".png")) {
+  if (!fixtures::lower(target.name).ends_with(".png")) {
     return fail(ErrorCode::kBadInput, "{}: JPEG changes levels; expected a name such as frame_%05d.png",
                 target.endpoint);
   }

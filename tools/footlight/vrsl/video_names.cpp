@@ -4,6 +4,7 @@
 #include <charconv>
 #include <string_view>
 
+#include "fixtures/files/import/text.h"
 #include "sim/file_kind.h"
 #include "tools/footlight/vrsl/video_output.h"
 #include "tools/footlight/vrsl/video_reader.h"
@@ -41,9 +42,7 @@ Result<std::size_t> word_option(const drivers::PictureTarget& target, const Endp
 }  // namespace
 
 bool is_video_name(std::string_view name) {
-  std::string lower(name);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(c >= 'A' && c <= 'Z' ? c + 32 : c); });
+  const std::string lower = fixtures::lower(name);
   return std::any_of(kVideoEndings.begin(), kVideoEndings.end(),
                      [&](std::string_view ending) { return lower.ends_with(ending); });
 }
