@@ -19,7 +19,7 @@ Result<std::unique_ptr<Pass>> create_clusters(const PassContext& context) {
   const std::uint32_t words = context.resources.rig.mask_words;
   const auto width = static_cast<std::uint32_t>(context.settings.width);
   const auto height = static_cast<std::uint32_t>(context.settings.height);
-  FL_TRY(pass->add_buffer(FL_BINDING_CLUSTERS, VkDeviceSize{3 * FL_CLUSTER_SLABS * 4} * words));
+  FL_TRY(pass->add_buffer(FL_BINDING_CLUSTERS, VkDeviceSize{3} * FL_CLUSTER_SLABS * 4 * words));
   FL_TRY(pass->add_compute(kClusterbitsComp, [words](VkCommandBuffer commands) {
     vkCmdDispatch(commands, FL_CLUSTER_SLABS / FL_GROUP_CLUSTERS, words, 3);
   }));
