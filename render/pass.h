@@ -88,6 +88,14 @@ struct PassEntry {
 [[nodiscard]] inline bool has_shadows(const fixtures::Needs& needs, const FrameSettings& settings) {
   return needs.fixtures && settings.shadows && has_solids(needs, settings);
 }
+// Whether anything hides light in the air.
+[[nodiscard]] inline bool has_shadows_in_air(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_shadows(needs, settings) && has_air(needs, settings);
+}
+// Whether the distances of tiles are needed.
+[[nodiscard]] inline bool has_tile_depths(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_solids(needs, settings) && (has_tile_classes(needs, settings) || has_shadows_in_air(needs, settings));
+}
 // Whether solid things reflect light to others.
 [[nodiscard]] inline bool has_bounce(const fixtures::Needs& needs, const FrameSettings& settings) {
   return needs.fixtures && settings.bounce && settings.view != FrameView::kClasses &&

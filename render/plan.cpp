@@ -13,7 +13,9 @@
 #include "render/passes/haze.h"
 #include "render/passes/lenses.h"
 #include "render/passes/records.h"
+#include "render/passes/shade.h"
 #include "render/passes/shadows.h"
+#include "render/passes/shadowtiles.h"
 #include "render/passes/step.h"
 #include "render/passes/surfaces.h"
 #include "render/passes/tiles.h"
@@ -34,10 +36,12 @@ const PassEntry* const kPasses[] = {
     &kBouncePass,    // beams x boxes and scenery -> light that these reflect
     &kSurfacesPass,  // beams x boxes and bodies -> radiance, distance
     &kDepthsPass,    // radiance's distances -> planes of tiles
+    &kShadowtilesPass,  // beams x their shadows -> which of these reach each supertile
     &kHazePass,      // haze that is not even -> what rays pass through
     &kCoarsePass,    // beams -> those that are smooth over a supertile, records of rims and cuts, and the rest
     &kRecordsPass,   // beams that are smooth over a supertile but for rims and cuts -> radiance
     &kFinePass,      // the same over 32 x 32 pixels, and beams that are smooth but for their rim -> radiance, the rest
+    &kShadePass,     // shadows of beams that were taken together -> radiance, and those left to the beam pass
     &kBeamsPass,     // the rest, pixel by pixel -> radiance
     &kEdgesPass,     // solid things -> radiance of pixels that show more than one
     &kLensesPass,    // lenses of a few pixels -> radiance

@@ -186,6 +186,16 @@ std::uint64_t record_bytes(const RecordShape& shape, const FrameSettings& settin
   return std::max<std::uint64_t>(supertile_count(settings) * rows, 1) * shape.row_bytes;
 }
 
+std::uint64_t shadow_word_bytes(const FrameSettings& settings, std::uint32_t mask_words, bool used) {
+  return used ? mask_bytes(settings, mask_words) / 4 * sizeof(ShadowWordRow) : sizeof(ShadowWordRow);
+}
+// The words of all supertiles together, and the number of those in use.
+std::uint64_t shadow_pick_bytes(const FrameSettings& settings, std::uint32_t mask_words, bool used) {
+  if (!used) return 8;
+  const std::uint64_t words = std::max<std::uint64_t>(std::uint64_t{mask_words} * 32 * FL_PICKS_A_BEAM, FL_PICKS_MIN);
+  return std::min<std::uint64_t>(4 + supertile_count(settings) * words * 4, FL_SHADOW_BYTES_MAX);
+}
+
 std::uint64_t fine_mask_bytes(const FrameSettings& settings, std::uint32_t mask_words, bool used) {
   if (!used) return 4;
   return std::uint64_t{4} * cells(settings.width, FL_FINE_PX) * cells(settings.height, FL_FINE_PX) * mask_words;
@@ -327,10 +337,16 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
       return std::uint64_t{plan.gates} * plan.gate_planes * kGateImageBytes;
     }
     case FL_BINDING_MASKS: return mask_bytes(settings, mask_words_of(shape.compiled));
-    case FL_BINDING_TILE_DEPTHS:
-      return tile_depth_bytes(settings, has_tile_classes(shape.needs, settings) && has_solids(shape.needs, settings));
+    case FL_BINDING_TILE_DEPTHS: return tile_depth_bytes(settings, has_tile_depths(shape.needs, settings));
+    case FL_BINDING_SHADOW_WORDS:
+      return shadow_word_bytes(settings, mask_words_of(shape.compiled), has_shadows_in_air(shape.needs, settings));
+    case FL_BINDING_SHADOW_PICKS:
+      return shadow_pick_bytes(settings, mask_words_of(shape.compiled), has_shadows_in_air(shape.needs, settings));
     case FL_BINDING_FINE_MASKS:
       return fine_mask_bytes(settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings));
+    case FL_BINDING_SHADE_MASKS:
+      return fine_mask_bytes(settings, mask_words_of(shape.compiled),
+                             has_tile_classes(shape.needs, settings) && has_shadows(shape.needs, settings));
     case FL_BINDING_COARSE: return coarse_bytes(settings, has_tile_classes(shape.needs, settings));
     case FL_BINDING_RIMS:
     case FL_BINDING_CUTS: {
@@ -456,7 +472,7 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   p.supertiles_x = supertiles(settings.width);
   p.supertiles_y = supertiles(settings.height);
   FL_ASSIGN(p.masks, zeroed(device, mask_bytes(settings, mask_words)));
-  FL_ASSIGN(p.tile_depths, zeroed(device, tile_depth_bytes(settings, classes && has_solids(needs, settings))));
+  FL_ASSIGN(p.tile_depths, zeroed(device, tile_depth_bytes(settings, has_tile_depths(needs, settings))));
   const std::uint64_t fine_bytes = fine_mask_bytes(settings, mask_words, classes);
   if (fine_bytes > device.limits().maxStorageBufferRange) {
     return fail(ErrorCode::kUnsupported,
@@ -464,6 +480,10 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
                 "smaller picture",
                 device.name(), device.limits().maxStorageBufferRange, fine_bytes);
   }
+  const bool shadows = has_shadows_in_air(needs, settings);
+  FL_ASSIGN(p.shadow_words, zeroed(device, shadow_word_bytes(settings, mask_words, shadows)));
+  FL_ASSIGN(p.shadow_picks, zeroed(device, shadow_pick_bytes(settings, mask_words, shadows)));
+  FL_ASSIGN(p.shade_masks, zeroed(device, shadows && classes ? fine_bytes : 4));
   FL_ASSIGN(p.fine_masks, zeroed(device, fine_bytes));
   FL_ASSIGN(p.coarse, zeroed(device, coarse_bytes(settings, classes)));
   p.rims_max = record_rows(kRims, settings, mask_words, classes);
@@ -518,6 +538,9 @@ void Resources::bind_all() {
   bind(FL_BINDING_COARSE, picture.coarse);
   bind(FL_BINDING_RIMS, picture.rims);
   bind(FL_BINDING_CUTS, picture.cuts);
+  bind(FL_BINDING_SHADOW_WORDS, picture.shadow_words);
+  bind(FL_BINDING_SHADOW_PICKS, picture.shadow_picks);
+  bind(FL_BINDING_SHADE_MASKS, picture.shade_masks);
   bind(FL_BINDING_FINE_MASKS, picture.fine_masks);
   bind(FL_BINDING_SMALL_DEPTHS, picture.small_depths);
   bind(FL_BINDING_SMALL_KEYS, picture.small_keys);

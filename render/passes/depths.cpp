@@ -9,17 +9,20 @@ namespace footlight::render {
 
 const PassEntry kDepthsPass{
     "depths",
-    [](const fixtures::Needs& needs, const FrameSettings& settings) {
-      return has_tile_classes(needs, settings) && has_solids(needs, settings);
-    },
+    has_tile_depths,
     [](const fixtures::Needs&, const FrameSettings&) { return std::vector<vk::SpecConstant>{}; },
     [](const PassContext& context) {
-      return make_compute_pass(context, kDepthsComp,
-                               [counts = context.resources.rig.counts.handle](VkCommandBuffer commands) {
-                                 vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, depths_groups));
-                               });
+      // Shadows need them for few beams as well.
+      const bool always = context.resources.rig.has_shadows;
+      return make_compute_pass(
+          context, kDepthsComp,
+          [counts = context.resources.rig.counts.handle, always, x = tile_groups(context.settings.width),
+           y = tile_groups(context.settings.height)](VkCommandBuffer commands) {
+            if (always) vkCmdDispatch(commands, x, y, 1);
+            else vkCmdDispatchIndirect(commands, counts, offsetof(CountsRow, depths_groups));
+          });
     },
     [] { return std::vector<std::vector<vk::Spirv>>{{kDepthsComp}}; },
-    "beams taken together for a tile that shows one plane"};
+    "beams taken together for a tile that shows one plane, and what of a shadow is visible there"};
 
 }  // namespace footlight::render

@@ -6,6 +6,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 #define FL_USE_BEAMS
 #define FL_BEAMS_ACCESS readonly
 #define FL_USE_COUNTS
@@ -32,22 +33,114 @@
 #include "render/shaders/lib/thin.glsl"
 #include "render/shaders/lib/shadow.glsl"
 
+layout(constant_id = FL_SPEC_TILES) const bool kTiles = false;
+layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
+layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
+const bool kSolids = kBoxes || kBodies;
+#define FL_DEPTHS_ACCESS readonly
+#define FL_DEPTHS_READ
+#include "render/shaders/lib/tile_depth.glsl"
+#include "render/shaders/lib/shadow_rect.glsl"
+layout(set = 0, binding = FL_BINDING_SHADE_MASKS, std430) readonly buffer ShadeMasksBuffer { uint shade_masks[]; };
+#define FL_PICKS_ACCESS readonly
+#define FL_PICKS_READ
+#include "render/shaders/lib/shadow_picks.glsl"
+
+uint supertile() {
+  uvec2 cell = gl_WorkGroupID.xy / uint(FL_SUPERTILE_PX / FL_TILE_PX);
+  return cell.y * params.supertiles_x + cell.x;
+}
+
+// Beams with shadows, of which the passes before have added all of their light: what is in the shadows is subtracted.
+#define FL_WALK_FINE (kTiles && counts.fine_groups[0] > 0u)
+#define FL_WALK_ALSO(word) \
+  (kShadows && FL_WALK_FINE ? shade_masks[walk_word(word)] : 0u)
+uint walk_word(uint word);
+bool tile_takes(uint beam, uint number);
+#include "render/shaders/lib/tile_walk.glsl"
+
+// Those of a beam's shadows in the supertile that reach the tile, a bit each; all, where it has more than 32.
+shared uint walk_shadows[FL_WALK_BEAMS];
+shared uint walk_pairs[FL_WALK_BEAMS];  // their number; then the first of their pairs
+shared uint walk_sums[FL_TILE_PX * FL_TILE_PX / FL_ROWS / 4];
+
+// Whether the passes before have left the beam to this one.
+bool is_left(uint beam) {
+  return !FL_WALK_FINE || (walk_mask(walk_word(beam >> 5)) & (1u << (beam & 31u))) != 0u;
+}
+
 // The tile itself, 16 x 16 pixels.
-bool tile_touches(BeamRow row) {
+bool tile_takes(uint beam, uint number) {
+  BeamRow row = beams[beam];
   vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
   vec2 high = min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height)));
-  return beam_touches(row, beam_bound(row, 1.0), low, high);
+  if (!beam_touches(row, beam_bound(row, 1.0), low, high)) return false;
+  if (!kShadows) return true;
+  uint count = shadow_picks_of(supertile(), beam).count;
+  walk_shadows[number] = count > 32u ? ~0u : 0u;
+  walk_pairs[number] = count > 32u ? 0u : count;
+  return true;
 }
-layout(constant_id = FL_SPEC_TILES) const bool kTiles = false;
-#define FL_WALK_FINE (kTiles && counts.fine_groups[0] > 0u)
-#include "render/shaders/lib/tile_walk.glsl"
+
+// Fills walk_shadows, and removes from the walk what it has not to compute. All threads call it together.
+void walk_test_shadows(uint base) {
+  const uint kThreads = uint(FL_TILE_PX * FL_TILE_PX / FL_ROWS);
+  const uint kRun = FL_WALK_BEAMS / kThreads;
+  uint lane = gl_LocalInvocationIndex;
+  // The pairs of a beam and a shadow, one after the other, are shared out among the threads.
+  uint own = 0u;
+  for (uint i = 0u; i < kRun; ++i) {
+    uint at = lane * kRun + i;
+    if ((walk_bits[at >> 5] >> (at & 31u) & 1u) == 0u) walk_pairs[at] = 0u;
+    own += walk_pairs[at];
+  }
+  uint before = subgroupExclusiveAdd(own);
+  if (gl_SubgroupInvocationID == gl_SubgroupSize - 1u) walk_sums[gl_SubgroupID] = before + own;
+  barrier();
+  uint all = 0u;
+  for (uint s = 0u; s < gl_NumSubgroups; ++s) {
+    if (s < gl_SubgroupID) before += walk_sums[s];
+    all += walk_sums[s];
+  }
+  for (uint i = 0u; i < kRun; ++i) {
+    uint at = lane * kRun + i;
+    uint count = walk_pairs[at];
+    walk_pairs[at] = before;
+    before += count;
+  }
+  barrier();
+  vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
+  vec2 high = min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height)));
+  RectDepth depth = rect_depth(gl_WorkGroupID.xy, 1u);
+  for (uint pair = lane; pair < all; pair += kThreads) {
+    uint number = 0u;  // the last beam that begins at this pair or before
+    for (uint step_of = FL_WALK_BEAMS / 2u; step_of > 0u; step_of >>= 1) {
+      if (walk_pairs[number + step_of] <= pair) number += step_of;
+    }
+    uint beam = base + number;
+    uint k = pair - walk_pairs[number];
+    BeamRow row = beams[beam];
+    ShadowPicks picks = shadow_picks_of(supertile(), beam);
+    uint found = shadow_in_cell(shadow_picked(picks, k), shadow_cell_before(row, low, high, depth));
+    if (found != kShadowNone) atomicOr(walk_shadows[number], 1u << k);
+    if (found == kShadowAll && is_left(beam)) atomicAnd(walk_bits[number >> 5], ~(1u << (number & 31u)));
+  }
+  barrier();
+  if (!FL_WALK_FINE) return;
+  for (uint at = lane; at < FL_WALK_BEAMS; at += kThreads) {
+    uint bit = 1u << (at & 31u);
+    if ((walk_bits[at >> 5] & bit) != 0u && walk_shadows[at] == 0u && !is_left(base + at)) {
+      atomicAnd(walk_bits[at >> 5], ~bit);
+    }
+  }
+  barrier();
+}
 
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX / FL_ROWS) in;
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(constant_id = FL_SPEC_METHOD) const uint kMethod = FL_METHOD_GAUSS;
 layout(constant_id = FL_SPEC_NODES) const uint kNodes = 3;
-layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
-layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
+#include "render/shaders/lib/air_nodes.glsl"
 
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
 
@@ -57,54 +150,6 @@ layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance
 #else
 #define FL_EACH_ROW [[unroll]]
 #endif
-
-// Those of a beam's shadows that can reach the tile, a bit each.
-shared uint shadow_bits[FL_BEAM_SHADOWS_MAX / 32];
-shared uint shadow_found;  // the largest kShadow...
-shared uint tile_far_m;    // bits of the largest depth that a pixel shows
-
-// Tests the shadows of a beam against the tile, shared out among the threads. All threads call it together.
-uint tile_shadows(uint index, BeamRow row) {
-  uint lane = gl_LocalInvocationIndex;
-  const uint kThreads = uint(FL_TILE_PX * FL_TILE_PX / FL_ROWS);
-  uint first = shadow_lists[index].first;
-  uint count = shadow_lists[index].count;
-  if (count == 0u) return kShadowNone;
-  barrier();  // the bits before have been read
-  for (uint w = lane; w < (count + 31u) / 32u; w += kThreads) shadow_bits[w] = 0u;
-  if (lane == 0u) shadow_found = kShadowNone;
-  barrier();
-  vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
-  vec2 high = min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height)));
-  ShadowCell cell = shadow_cell(row, low, high, uintBitsToFloat(tile_far_m));
-  bool widened = beam_thin(row) > 0.0;  // its shadows may be anywhere
-  for (uint s = lane; s < count; s += kThreads) {
-    uint found = widened ? kShadowSome : shadow_in_cell(first + s, cell);
-    if (found != kShadowNone) {
-      atomicOr(shadow_bits[s >> 5], 1u << (s & 31u));
-      atomicMax(shadow_found, found);
-    }
-  }
-  barrier();
-  return shadow_found;
-}
-
-// The shadows of one chord.
-ShadowParts chord_shadows(uint index, BeamRow row, BeamShape beam, Chord chord, vec3 ray) {
-  ShadowParts parts;
-  shadow_parts_clear(parts);
-  ShadowChord ends = shadow_chord(row, beam, chord, ray);
-  uint first = shadow_lists[index].first;
-  uint words = (shadow_lists[index].count + 31u) / 32u;
-  for (uint w = 0u; w < words; ++w) {
-    for (uint bits = subgroupBroadcastFirst(shadow_bits[w]); bits != 0u; bits &= bits - 1u) {
-      float x0;
-      float x1;
-      if (shadow_part(first + w * 32u + uint(findLSB(bits)), ends, x0, x1)) shadow_parts_add(parts, x0, x1);
-    }
-  }
-  return parts;
-}
 
 void main() {
   Medium medium = Medium(params.anisotropy, params.position.w);
@@ -119,29 +164,19 @@ void main() {
     if ((kBoxes || kBodies) && inside) t_max_m[i] = imageLoad(radiance, pixel).a;  // the surface pass left it there
     total[i] = vec3(0.0);
   }
-  if (kShadows) {
-    if (gl_LocalInvocationIndex == 0u) tile_far_m = 0u;
-    barrier();
-    float far_m = 0.0;
-    [[unroll]] for (int i = 0; i < FL_ROWS; ++i) far_m = max(far_m, t_max_m[i] * dot(d[i], params.forward.xyz));
-    atomicMax(tile_far_m, floatBitsToUint(far_m));
-    barrier();
-  }
   for (uint base = 0u; base < counts.live_count; base += FL_WALK_BEAMS) {
     if (!tile_walk(base)) continue;
+    if (kShadows) walk_test_shadows(base);
     FL_WALK_BEGIN(base, index)
       BeamRow row = beams[index];
       BeamShape shape = beam_shape(row);
       shape.profile_power = drawn_profile(shape.profile_power);
-      // A flat profile 1 - rho^(2m) is a polynomial of degree 2m in s: m = 3 and 4 need one and two nodes more. So do
-      // the soft ones, of degree 2/m.
-      uint nodes = kNodes;
-      if (kProfile) {
-        float degree = max(shape.profile_power, 1.0 / shape.profile_power);
-        nodes = min(nodes + (degree > 2.5 ? 1u : 0u) + (degree > 3.5 ? 1u : 0u), 8u);
-      }
-      uint shadowed = kShadows ? tile_shadows(index, row) : kShadowNone;
-      if (shadowed == kShadowAll) continue;
+      uint nodes = air_nodes(shape.profile_power);
+      // The light of the beam's lit parts; of a beam that was added as a whole, that of its dark parts, to be subtracted.
+      uint shadow_bits = kShadows ? subgroupBroadcastFirst(walk_shadows[index - base]) : 0u;
+      bool subtracts = shadow_bits != 0u && !is_left(index);
+      ShadowPicks picks = ShadowPicks(0u, 0u, false);
+      if (shadow_bits != 0u) picks = shadow_picks_of(supertile(), index);
       bool measured = kMeasured && row.measured != 0u;
       // A rectangle's profile is the product of two.
       if (kRectangle && row.squeeze > 0.0) nodes = min(kNodes + 5u, 8u);
@@ -177,21 +212,25 @@ void main() {
         if (seen) {
           ShadowParts parts;
           shadow_parts_clear(parts);
-          if (kShadows && shadowed != kShadowNone) parts = chord_shadows(index, row, beam, chord, ray);
+          if (shadow_bits != 0u) parts = chord_shadows(picks, shadow_bits, row, beam, chord, ray);
           Chord whole = chord;
           vec3 value = vec3(0.0);
-          // The lit parts, one after the other. Without shadows there is one.
-          float from = 0.0;
+          // The parts, one after the other. Without shadows there is one.
+          float at = 0.0;
           bool more = true;
           while (more) {
+            float from = 0.0;
             float to = 1.0;
-            float next = 1.0;
+            more = false;
             if (kShadows) {
-              more = shadow_parts_next(parts, from, to, next);
-              to = min(to, 1.0);
-              chord = shadowed != kShadowNone ? chord_part(whole, from, to) : whole;
-            } else {
-              more = false;
+              float dark_from;
+              float dark_to;
+              more = shadow_parts_next(parts, at, dark_from, dark_to);
+              if (subtracts && !more) break;
+              from = subtracts ? dark_from : at;
+              to = subtracts ? dark_to : min(dark_from, 1.0);
+              at = dark_to;
+              if (shadow_bits != 0u) chord = chord_part(whole, from, to);
             }
             vec3 part = vec3(0.0);
 #ifdef FL_GOBO_BEAMS
@@ -215,9 +254,10 @@ void main() {
               part = vec3(chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction));
             }
             value += to > from ? part : vec3(0.0);
-            from = next;
           }
-          total[i] += kShowsClasses ? kClassPixel : row.j0.rgb * (gain * value);
+          if (subtracts) value = -value;
+          if (!kShowsClasses) total[i] += row.j0.rgb * (gain * value);
+          else if (!subtracts) total[i] += kClassPixel;
         }
       }
     FL_WALK_END
@@ -226,6 +266,9 @@ void main() {
     ivec2 pixel = tile_pixel(i);
     if (!in_picture(pixel)) continue;
     vec3 behind = kBoxes || kBodies || kTiles ? imageLoad(radiance, pixel).rgb : vec3(0.0);
-    imageStore(radiance, pixel, vec4(behind + light_scale() * total[i], 1.0));
+    vec3 light = behind + light_scale() * total[i];
+    // What is subtracted may be more than what was added, by their errors.
+    if (kShadows && kTiles) light = max(light, vec3(0.0));
+    imageStore(radiance, pixel, vec4(light, 1.0));
   }
 }

@@ -32,7 +32,9 @@ const bool kSolids = kBoxes || kBodies;
 #define FL_DEPTHS_ACCESS readonly
 #define FL_DEPTHS_READ
 #include "render/shaders/lib/tile_depth.glsl"
-#include "render/shaders/lib/shadow_rect.glsl"
+#define FL_PICKS_ACCESS readonly
+#define FL_PICKS_READ
+#include "render/shaders/lib/shadow_picks.glsl"
 #include "render/shaders/lib/tile_list.glsl"
 #include "render/shaders/lib/tile_team.glsl"
 #include "render/shaders/lib/tile_class.glsl"
@@ -108,7 +110,7 @@ vec2 estimate(uint supertile, vec2 low, vec2 size) {
       vec3 ray = to_light(row, d);
       if (!beam_chord(beam, row.eye.xyz, ray, 0.0, end_m, chord)) continue;
       vec3 middle = chord.base + ray * (0.5 * (chord.t_from_m + chord.t_to_m));
-      if (kShadows && is_shadowed(list_ids[which], middle, middle, kNoFixture)) continue;
+      if (kShadows && is_in_picked(supertile, list_ids[which], middle)) continue;
       float light = chord_inscatter_gauss(beam, medium, chord, ray, 2u, kExtinction);
       sum += vec2(brightest(row.j0.rgb) * light, 1.0);
     }
@@ -161,13 +163,11 @@ void main() {
       if (at + number < list_count) {
         id = list_ids[at + number];
         BeamRow row = beams[id];
-        // Shadows have edges that no polynomial has.
-        uint shadowed = kShadowNone;
-        if (kShadows) shadowed = shadows_in_cell(id, row, shadow_cell_before(row, low, low + size, rect.depth));
-        bool known = tile_knows(row) && shadowed == kShadowNone;
+        bool known = tile_knows(row);
         if (known) guess = tile_guess(row, rect);
         tries = known && guess.bits != 0u;
-        bool is_dark = shadowed == kShadowAll || (known && guess.is_dark);
+        if (tries && has_shadows(supertile, id)) guess.bits |= kGuessShadowed;
+        bool is_dark = known && guess.is_dark;
         if (!tries && !is_dark) atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
         if (tries) guess.middle = light_at_middle(row, rect);
       }
@@ -183,7 +183,7 @@ void main() {
         compute_nodes(row, rect, whole, own.fit);
         bool is_smooth_beam = is_beam && (own.bits & kGuessSmooth) != 0u;
         if (subgroupAny(is_smooth_beam)) {
-          bool close = is_smooth(allowed, own.middle);
+          bool close = is_smooth(allowed, own.bits, own.middle);
           is_smooth_beam = is_smooth_beam && close;
         }
         if (is_smooth_beam) {
@@ -194,12 +194,12 @@ void main() {
         float rho[kPer];
         float h[kPer];
         if (subgroupAny(is_rim)) {
-          bool close = fit_rim(allowed, own.middle, rho, h);
+          bool close = fit_rim(allowed, own.bits, own.middle, rho, h);
           is_rim = is_rim && close;
         }
         CutFits fits;
         if (subgroupAny(is_cut)) {
-          bool close = fit_cut(allowed, own.middle, own.bits, fits);
+          bool close = fit_cut(allowed, own.bits, own.middle, fits);
           is_cut = is_cut && close;
         }
         if ((is_rim || is_cut) && team_lane() == 0u) atomicOr(record_bits[entry >> 5], 1u << (entry & 31u));

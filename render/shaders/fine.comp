@@ -33,7 +33,9 @@ const bool kSolids = kBoxes || kBodies;
 #define FL_DEPTHS_ACCESS readonly
 #define FL_DEPTHS_READ
 #include "render/shaders/lib/tile_depth.glsl"
-#include "render/shaders/lib/shadow_rect.glsl"
+#define FL_PICKS_ACCESS readonly
+#define FL_PICKS_READ
+#include "render/shaders/lib/shadow_picks.glsl"
 #include "render/shaders/lib/tile_list.glsl"
 #include "render/shaders/lib/tile_team.glsl"
 #include "render/shaders/lib/tile_class.glsl"
@@ -41,6 +43,7 @@ const bool kSolids = kBoxes || kBodies;
 #include "render/shaders/lib/tile_entry.glsl"
 #include "render/shaders/lib/tile_pixels.glsl"
 #include "render/shaders/lib/tile_record.glsl"
+#include "render/shaders/lib/tile_polynomial.glsl"
 
 layout(local_size_x = FL_GROUP_TILE) in;
 layout(set = 0, binding = FL_BINDING_COARSE, std430) readonly buffer CoarseBuffer { CoarseRow coarse[]; };
@@ -147,20 +150,6 @@ void add_records() {
   if (any) add_to_pixels(total);
 }
 
-// Adds a polynomial of light over a hull whose middle is `from` from the group's middle.
-void add_light(vec3 light[16], vec2 from, float half_px, inout vec3 total[FL_ROWS]) {
-  vec2 first_px = first_place();
-  vec4 tx = chebyshev((first_px.x - from.x) / half_px);
-  vec3 rows[4];
-  [[unroll]] for (int n = 0; n < 4; ++n) {
-    rows[n] = light[4 * n] * tx.x + light[4 * n + 1] * tx.y + light[4 * n + 2] * tx.z + light[4 * n + 3] * tx.w;
-  }
-  [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
-    vec4 ty = chebyshev((first_px.y + float(i) - from.y) / half_px);
-    total[i] += rows[0] * ty.x + rows[1] * ty.y + rows[2] * ty.z + rows[3] * ty.w;
-  }
-}
-
 void main() {
   uint number = thread_number();
   uvec2 cell = gl_WorkGroupID.xy / uint(FL_SUPERTILE_PX / FL_FINE_PX);
@@ -193,13 +182,12 @@ void main() {
         BeamRow row = beams[id];
         vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_FINE_PX));
         vec2 high = min(low + float(FL_FINE_PX), vec2(float(params.width), float(params.height)));
-        uint shadowed = kShadowNone;
-        if (kShadows) shadowed = shadows_in_cell(id, row, shadow_cell_before(row, low, high, group_depth));
-        bool known = tile_knows(row) && shadowed == kShadowNone;
+        bool known = tile_knows(row);
         if (known) guess = tile_guess(row, group_rect());
         tries = known && guess.bits != 0u;
         if (tries) guess.middle = light_at_middle(row, group_rect());
-        bool is_dark = shadowed == kShadowAll || (known && guess.is_dark);
+        if (tries && has_shadows(supertile, id)) guess.bits |= kGuessShadowed;
+        bool is_dark = known && guess.is_dark;
         if (!tries && !is_dark && beam_touches(row, beam_bound(row, 1.0), low, high)) {
           atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
         }
@@ -224,14 +212,14 @@ void main() {
           uint kind = is_beam ? kGeneral : kDark;
           bool may = is_beam && (own.bits & kGuessSmooth) != 0u;
           if (subgroupAny(may)) {
-            bool close = is_smooth(allowed, own.middle);
+            bool close = is_smooth(allowed, own.bits, own.middle);
             if (may && close) kind = kSmooth;
           }
           may = kind == kGeneral && whole;
           if (subgroupAny(may)) {
             float rho[kPer];
             float h[kPer];
-            bool close = fit_rim(allowed, own.middle, rho, h);
+            bool close = fit_rim(allowed, own.bits, own.middle, rho, h);
             if (may && close) {
               kind = kRim;
               store_fit(slot, 0u, rho);
@@ -241,7 +229,7 @@ void main() {
           may = kind == kGeneral && !whole && (own.bits & kGuessRecord) != 0u;
           if (subgroupAny(may)) {
             CutFits fits;
-            bool close = fit_cut(allowed, own.middle, own.bits, fits);
+            bool close = fit_cut(allowed, own.bits, own.middle, fits);
             if (may && close) {
               kind = kCut;
               [[unroll]] for (uint i = 0u; i < 6u; ++i) store_fit(slot, i, fits.of[i]);
@@ -279,13 +267,10 @@ void main() {
     barrier();
   }
   sum_light(light_here);
-  vec3 light[16];
-  [[unroll]] for (int k = 0; k < 16; ++k) {
-    light[k] = vec3(group_light[3 * k], group_light[3 * k + 1], group_light[3 * k + 2]);
-  }
   vec3 total[FL_ROWS];
   [[unroll]] for (int i = 0; i < FL_ROWS; ++i) total[i] = vec3(0.0);
-  add_light(light, vec2(0.0), FL_HULL * 0.5 * float(FL_FINE_PX), total);
+  add_group_light(total);
+  vec3 light[16];
   [[unroll]] for (int k = 0; k < 16; ++k) {
     light[k] = vec3(coarse[supertile].light[3 * k], coarse[supertile].light[3 * k + 1],
                     coarse[supertile].light[3 * k + 2]);

@@ -33,6 +33,8 @@
 layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 layout(constant_id = FL_SPEC_TILES) const bool kTiles = false;
 #include "render/shaders/lib/surface_class.glsl"
+#define FL_SHADED(beam, index, p, aside, fixture) is_shaded(index, (beam).number, p, aside, fixture)
+bool is_shaded(uint index, uint number, vec3 p, vec3 aside, uint fixture);
 #include "render/shaders/lib/surface_light.glsl"
 #include "render/shaders/lib/bounce.glsl"
 
@@ -51,6 +53,14 @@ shared uint shaped_bits[kBatchWords];
 shared bool has_smooth;  // some beam of the tile is in the polynomial
 shared uint covering[FL_COVERS_MAX];  // their numbers in the batch
 shared float plane_facing[FL_BATCH];  // plain_facing() of the tile's plane
+
+// Of each beam of the batch, its shadows that reach something that the tile shows: their numbers stand from
+// shaded_first on. FL_NONE: all of its shadows count, since there was no room.
+#define FL_SHADED_MAX 1536u
+shared uint shaded[FL_SHADED_MAX];
+shared uint shaded_used;
+shared uint shaded_first[FL_BATCH];
+shared uint shaded_count[FL_BATCH];
 
 vec3 illuminance_lx[kRows];  // of the thread's pixels
 
@@ -74,11 +84,24 @@ void add_plain_beam(uint index, Medium medium, bool off_plane, float plane_facin
   }
 }
 
-// Adds a beam that is not plain, or that may be widened, or that has shadows in the tile.
-void add_shaped_beam(uint index, Medium medium, bool off_plane) {
+// Whether a place is in one of the shadows of a beam of the batch.
+bool is_shaded(uint index, uint number, vec3 p, vec3 aside, uint fixture) {
+  uint count = shaded_count[number];
+  if (count == 0u) return false;
+  uint first = shaded_first[number];
+  if (first == FL_NONE) return is_shadowed(index, p, aside, fixture);
+  float rounding_m = shadow_rounding(p);
+  bool dark = false;
+  for (uint k = 0u; k < count && !dark; ++k) dark = is_in_shadow(shaded[first + k], p, aside, fixture, rounding_m);
+  return dark;
+}
+
+// Adds a beam that is not plain, or that may be widened, or that has shadows in the tile. number: in the batch.
+void add_shaped_beam(uint index, uint number, Medium medium, bool off_plane) {
   BeamRow row = beams[index];
   gobo_begin(index);
   SurfaceBeam beam = surface_beam(row);
+  beam.number = number;
   for (int i = 0; i < int(kRows); ++i) {
     if (surface[i].kind == kNothing || (off_plane && on_plane[i])) continue;
     illuminance_lx[i] += light_on_surface(beam, row, index, medium, surface[i], offset_m[i]);
@@ -110,20 +133,66 @@ uint keep_touching() {
   return touching;
 }
 
-// Whether a beam's shadows can reach anything that the tile shows.
-bool tile_is_shaded(uint beam, BeamRow row, vec4 plane) {
-  bool shaded = beam_thin(row) > 0.0 && shadow_lists[beam].count > 0u;
+// Whether a shadow can reach anything that the tile shows.
+bool reaches_tile(uint shadow, BeamRow row, vec4 plane) {
+  bool reaches = false;
   // A loop, since lavapipe runs both sides of a branch.
-  for (uint i = 2u * FL_BLOCKS; i < 2u * FL_BLOCKS + 2u && !shaded; ++i) {
-    bool on_plane_only = i == 2u * FL_BLOCKS && !(kRectangle && row.squeeze > 0.0);
+  for (uint i = 2u * FL_BLOCKS; i < 2u * FL_BLOCKS + 2u && !reaches; ++i) {
+    bool on_plane_only = i == 2u * FL_BLOCKS && !(kRectangle && row.squeeze > 0.0) && beam_thin(row) == 0.0;
     vec3 normal = on_plane_only ? to_light(row, plane.xyz) : vec3(0.0);
     // The middle of the part of the plane that the sphere holds.
     vec3 from_eye = spheres[i].xyz;
     if (on_plane_only) from_eye -= plane.xyz * (dot(plane.xyz, from_eye) - plane.w);
     vec3 center = row.eye.xyz + to_light(row, from_eye);
-    if (spheres[i].w >= 0.0) shaded = shadow_near(beam, center, spheres[i].w * beam_stretch(row.squeeze), normal);
+    float radius_m = spheres[i].w * beam_stretch(row.squeeze);
+    // A place beside the beam is brought back into it, where that is widened.
+    if (beam_thin(row) > 0.0) radius_m += FL_THIN_ON_SURFACE * beam_thin(row) * (length(from_eye) + spheres[i].w);
+    if (spheres[i].w >= 0.0) reaches = shadow_near(shadow, center, radius_m, normal);
   }
-  return shaded;
+  return reaches;
+}
+
+// Lists the shadows of `count` beams of the list from `at` on. Subgroups take beams in turn, threads their shadows.
+void list_shaded(uint at, uint count, vec4 plane) {
+  if (thread_number() == 0u) shaded_used = 0u;
+  barrier();
+  for (uint b = gl_SubgroupID; b < count; b += gl_NumSubgroups) {
+    uint beam = list_ids[at + b];
+    ShadowListRow list = shadow_lists[beam];
+    uint total = 0u;
+    uint first = FL_NONE;
+    uint bits = 0u;  // of this thread's shadows, one a round
+    uint rounds = (list.count + gl_SubgroupSize - 1u) / gl_SubgroupSize;
+    if (rounds > 32u) {
+      total = list.count;
+    } else if (rounds > 0u) {
+      BeamRow row = beams[beam];
+      for (uint round_of = 0u; round_of < rounds; ++round_of) {
+        uint own = round_of * gl_SubgroupSize + gl_SubgroupInvocationID;
+        if (own < list.count && reaches_tile(list.first + own, row, plane)) bits |= 1u << round_of;
+      }
+      total = subgroupAdd(bitCount(bits));
+      if (total > 0u) {
+        if (subgroupElect()) first = atomicAdd(shaded_used, total);
+        first = subgroupBroadcastFirst(first);
+        if (first + total > FL_SHADED_MAX) first = FL_NONE;
+      }
+      uint place = first;
+      for (uint round_of = 0u; first != FL_NONE && round_of < rounds; ++round_of) {
+        bool is_one = (bits >> round_of & 1u) != 0u;
+        uvec4 ones = subgroupBallot(is_one);
+        if (is_one) {
+          shaded[place + subgroupBallotExclusiveBitCount(ones)] =
+              list.first + round_of * gl_SubgroupSize + gl_SubgroupInvocationID;
+        }
+        place += subgroupBallotBitCount(ones);
+      }
+    }
+    if (subgroupElect()) {
+      shaded_first[b] = first;
+      shaded_count[b] = total;
+    }
+  }
 }
 
 // Fills the bits of `count` beams of the list from `at` on. sum: as add_smooth_beams() adds to it.
@@ -136,6 +205,7 @@ void classify(uint at, uint count, Medium medium, vec4 plane, inout float sum) {
     uint left = count - min(count, number * 32u);
     cover_bits[number] = left >= 32u ? ~0u : (1u << left) - 1u;
   }
+  if (kShadows) list_shaded(at, count, plane);
   barrier();
   // Each thread has a beam and a quarter of the tile: two blocks and a corner.
   const uint kCorner[4] = uint[4](0u, 3u, 12u, 15u);
@@ -149,7 +219,7 @@ void classify(uint at, uint count, Medium medium, vec4 plane, inout float sum) {
     BeamShape bound = beam_bound(row, FL_THIN_ON_SURFACE);
     bool plain = is_plain(row);
     bool is_shaped = !plain || beam_thin(row) > 0.0;
-    bool is_shaded = kShadows && quarter == 0u && tile_is_shaded(list_ids[at + b], row, plane);
+    bool has_shade = kShadows && shaded_count[b] > 0u;
     float facing = plain_facing(row, lens_place(row), plane.xyz, plane.w);
     for (uint block = 2u * quarter; block < 2u * quarter + 2u; ++block) {
       bool touches = cone_touches(row, bound, spheres[2u * block]) && (facing > 0.0 || is_shaped);
@@ -158,9 +228,9 @@ void classify(uint at, uint count, Medium medium, vec4 plane, inout float sum) {
     }
     if (quarter == 0u) {
       plane_facing[b] = facing;
-      if (is_shaped || is_shaded) atomicOr(shaped_bits[word], bit);
+      if (is_shaped || has_shade) atomicOr(shaped_bits[word], bit);
     }
-    bool lights = has_nodes && plain && !is_shaded && light_at_node(row, kCorner[quarter], medium, facing) > 0.0;
+    bool lights = has_nodes && plain && !has_shade && light_at_node(row, kCorner[quarter], medium, facing) > 0.0;
     if (!lights) atomicAnd(cover_bits[word], ~bit);
   }
   barrier();
@@ -255,7 +325,8 @@ void main() {
         }
         for (uint bits = rest & shaped_bits[w]; bits != 0u; bits &= bits - 1u) {
           uint b = uint(findLSB(bits));
-          add_shaped_beam(list_ids[at + w * 32u + b], medium, (smooth_ones >> b & 1u) != 0u);
+          uint own = w * 32u + b;
+          add_shaped_beam(list_ids[at + own], own, medium, (smooth_ones >> b & 1u) != 0u);
         }
       }
       barrier();  // the bits and the list have been read

@@ -15,11 +15,11 @@ namespace {
 using fixtures::Needs;
 using vk::SpecConstant;
 
-const std::vector<std::string> kAll{"step",   "gather",   "shadows", "gobos",  "bodies", "tiles",
-                                    "bounce", "surfaces", "depths",  "haze",   "coarse", "records",
-                                    "fine",   "beams",    "edges",   "lenses", "glare",  "tonemap"};
+const std::vector<std::string> kAll{"step",     "gather", "shadows",     "gobos", "bodies", "tiles",   "bounce",
+                                    "surfaces", "depths", "shadowtiles", "haze",  "coarse", "records", "fine",
+                                    "shade",    "beams",  "edges",       "lenses", "glare",  "tonemap"};
 // Those that take beams together for tiles.
-const std::vector<std::string> kTilePasses{"depths", "coarse", "records", "fine"};
+const std::vector<std::string> kTilePasses{"coarse", "records", "fine", "shade"};
 
 std::vector<std::string> names_of(const std::vector<PassPlan>& plan) {
   std::vector<std::string> names;
@@ -152,10 +152,12 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_LENSES, 1},
                                 {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
                               {"depths", {}},
+                              {"shadowtiles", {{FL_SPEC_RECTANGLE, 1}, {FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1}}},
                               {"haze", {}},
                               {"coarse", tile_constants},
                               {"records", {{FL_SPEC_PROFILE, 1}, {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
                               {"fine", tile_constants},
+                              {"shade", tile_constants},
                               {"beams",
                                {{FL_SPEC_GOBO, 1},
                                 {FL_SPEC_EXTINCTION, 1},
@@ -239,11 +241,11 @@ TEST_CASE("without a need its branches or its passes are left out") {
         Case{"iris", &Needs::iris, {}, {FL_SPEC_IRIS}},
         Case{"surfaces", &Needs::surfaces, {"bounce"}, {FL_SPEC_BOXES, FL_SPEC_BOUNCE}},
         Case{"clouds", &Needs::haze_field, {"haze"}, {FL_SPEC_HAZE}},
-        Case{"haze", &Needs::haze, {"gobos", "depths", "haze", "coarse", "records", "fine", "beams"}, {}},
+        Case{"haze", &Needs::haze, {"gobos", "depths", "shadowtiles", "haze", "coarse", "records", "fine", "shade", "beams"}, {}},
         Case{"fixtures",
              &Needs::fixtures,
-             {"step", "gather", "shadows", "gobos", "bodies", "tiles", "bounce", "depths", "haze", "coarse", "records",
-              "fine", "beams", "lenses"},
+             {"step", "gather", "shadows", "gobos", "bodies", "tiles", "bounce", "depths", "shadowtiles", "haze",
+              "coarse", "records", "fine", "shade", "beams", "lenses"},
              {FL_SPEC_BODIES, FL_SPEC_SHADOWS, FL_SPEC_BOUNCE, FL_SPEC_LENSES}}}) {
     CAPTURE(c.what);
     Needs needs = demo_needs();

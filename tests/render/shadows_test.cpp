@@ -149,6 +149,39 @@ TEST_CASE("beams that are taken together for tiles have the shadows of beams com
   CHECK(draw(*frame, scene).rgb == together.rgb);
 }
 
+TEST_CASE("thin plates in beams that are taken together hide what they hide of beams computed pixel by pixel") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = lamps_scene(31, 160);
+  Random random(32);
+  for (auto& fixture : scene.rig.fixtures) fixture.position_m.z = random.between(6, 10);
+  for (int i = 0; i < 24; ++i) {
+    const glm::dvec3 low(-6, -5 + 0.45 * i, random.between(1, 4));
+    scene.rig.boxes.push_back({"plate", low, low + glm::dvec3(12, 0.05, 0.05), glm::dvec3(0.4)});
+  }
+  scene.compile();
+  for (std::size_t i = 0; i < scene.rig.fixtures.size(); ++i) {
+    for (const auto color : {"ColorAdd_R", "ColorAdd_G", "ColorAdd_B"}) scene.set(i, color, random.between(0.2, 1));
+    scene.set(i, "Zoom", random.between(1, 30));  // some are thinner than a pixel, and widened
+  }
+  FrameSettings settings = judged_settings(192, 108);
+  settings.widen_thin = true;
+  const auto frame = make_frame(vulkan.device(), scene, settings);
+  const RadianceImage each = draw(*frame, scene);
+  settings.tile_error = FrameSettings{}.tile_error;
+  must(frame->change(settings));
+  const RadianceImage together = draw(*frame, scene);
+  const PictureNorms norms = picture_norms(together, each);
+  std::fprintf(stderr, "tiles with plates: relL2 %.3g, p99 %.3g, max %.3g\n", norms.rel_l2, norms.p99, norms.max);
+  CHECK(norms.nonfinite == 0);
+  CHECK(*std::min_element(together.rgb.begin(), together.rgb.end()) >= 0);
+  CHECK(norms.rel_l2 < 1e-3);
+  CHECK(norms.rel_l2 > 0);
+  settings.tile_error = 1e-6;
+  must(frame->change(settings));
+  CHECK(picture_norms(draw(*frame, scene), each).rel_l2 < 1e-5);
+}
+
 TEST_CASE("a fixture hides light of others, and none of its own") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

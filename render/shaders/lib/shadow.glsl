@@ -24,7 +24,21 @@ struct ShadowCell {
   float near_m;    // depths
   float far_m;     // below near_m: nothing of the beam is there
   float end_m[4];  // of the corners: a plane that all pixels show; far_m where they show none
+  vec2 z_m;        // what is visible of the beam lies between these places of its axis
+  vec2 w_m;        // its radii there
+  bool is_thin;    // places are brought back into the beam (thin.glsl): the corners do not bound them
 };
+// When the ends of the cell are known.
+void shadow_cell_close(inout ShadowCell cell, BeamRow row) {
+  vec2 z = vec2(FL_FAR_M, 0.0);
+  [[unroll]] for (int c = 0; c < 4; ++c) {
+    vec3 at = cell.eye.z + cell.corner[c].z * vec3(cell.near_m, cell.far_m, min(cell.near_m, cell.end_m[c]));
+    z = vec2(min(z.x, min(at.x, min(at.y, at.z))), max(z.y, max(at.x, max(at.y, at.z))));
+  }
+  cell.z_m = clamp(z, 0.0, row.axis.w);
+  cell.w_m = row.x_axis.w + row.y_axis.w * cell.z_m;
+  cell.is_thin = beam_thin(row) > 0.0;
+}
 
 // Keeps the depths at which a corner can be inside: at + depth way[c] <= 0.
 void shadow_cell_keep(inout ShadowCell cell, float at, float way[4]) {
@@ -106,48 +120,39 @@ uint shadow_in_cell(uint shadow, ShadowCell cell) {
         least = min(least, min(vec2(near, before), vec2(far, at + way * cell.end_m[c])));
         most = max(most, max(near, far));
       }
-      outside = outside || max(least.x, least.y) > (own < outline ? 0.0 : -slack_m);
-      all_inside = all_inside && most <= 0.0;
+      float slack = own < outline ? 0.0 : -slack_m;
+      outside = outside || (!cell.is_thin && max(least.x, least.y) > slack);
+      // The same for the beam between two places of its axis.
+      vec2 on_axis = plane.z * cell.z_m - plane.w;
+      vec2 reach = length(plane.xy) * cell.w_m;
+      vec2 nearest = on_axis - reach;
+      vec2 farthest = on_axis + reach;
+      outside = outside || min(nearest.x, nearest.y) > slack;
+      all_inside = all_inside && ((!cell.is_thin && most <= 0.0) || max(farthest.x, farthest.y) <= 0.0);
     }
   }
   return outside ? kShadowNone : all_inside ? kShadowAll : kShadowSome;
 }
 
-// The same for all shadows of a beam. Where it is drawn wider than it is, they may be anywhere.
-uint shadows_in_cell(uint beam, BeamRow row, ShadowCell cell) {
-  uint first = shadow_lists[beam].first;
-  uint count = shadow_lists[beam].count;
-  if (beam_thin(row) > 0.0) return count > 0u ? kShadowSome : kShadowNone;
-  uint found = kShadowNone;
-  for (uint s = 0u; s < count && found != kShadowAll; ++s) found = max(found, shadow_in_cell(first + s, cell));
-  return found;
-}
-
 // What float may lose of a place in light space, m.
 float shadow_rounding(vec3 p) { return 1e-6 * length(p) + 1e-7 * length(params.position.xyz); }
 
-// Whether any of a beam's shadows can reach a sphere, or the part of a plane that is in it; light space, m. normal: of
-// the plane, unit; 0: all of the sphere. Of a rectangular beam the radius is stretched.
-bool shadow_near(uint beam, vec3 center, float radius_m, vec3 normal) {
-  uint first = shadow_lists[beam].first;
-  uint count = shadow_lists[beam].count;
-  bool any = false;
-  float rounding_m = shadow_rounding(center);
-  for (uint s = first; s < first + count && !any; ++s) {
-    uint rounds = shadow_rounds(s);
-    uint outline = shadows[s].count - shadows[s].fronts;
-    float slack_m = max(shadows[s].slack_m, kShadowSlackM) + rounding_m;
-    any = true;
-    for (uint round_of = 0u; round_of < rounds && any; ++round_of) {
-      [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
-        uint own = kShadowRound * round_of + k;
-        vec4 plane = shadows[s].planes[own];
-        float reach_m = radius_m * length(plane.xyz - normal * dot(plane.xyz, normal));
-        any = any && dot(plane.xyz, center) - plane.w <= reach_m - (own < outline ? 0.0 : slack_m);
-      }
+// Whether a shadow can reach a sphere, or the part of a plane that is in it; light space, m. normal: of the plane,
+// unit; 0: all of the sphere. Of a rectangular beam the radius is stretched.
+bool shadow_near(uint shadow, vec3 center, float radius_m, vec3 normal) {
+  uint rounds = shadow_rounds(shadow);
+  uint outline = shadows[shadow].count - shadows[shadow].fronts;
+  float slack_m = max(shadows[shadow].slack_m, kShadowSlackM) + shadow_rounding(center);
+  bool may = true;
+  for (uint round_of = 0u; round_of < rounds && may; ++round_of) {
+    [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
+      uint own = kShadowRound * round_of + k;
+      vec4 plane = shadows[shadow].planes[own];
+      float reach_m = radius_m * length(plane.xyz - normal * dot(plane.xyz, normal));
+      may = may && dot(plane.xyz, center) - plane.w <= reach_m - (own < outline ? 0.0 : slack_m);
     }
   }
-  return any;
+  return may;
 }
 
 // Whether a place is inside the planes of one round. aside: the same place within the beam, where it is drawn wider
@@ -165,18 +170,20 @@ bool shadow_holds(uint shadow, uint round_of, uint outline, vec3 p, vec3 aside, 
 // Whether a place on a surface is in one of a beam's shadows; p, aside: light space, m. fixture: what stands for its
 // body does not hide it. The first round has no loop of its own, since most shadows end there.
 const uint kNoFixture = FL_NONE - 1u;  // and FL_NONE is what belongs to none
+bool is_in_shadow(uint shadow, vec3 p, vec3 aside, uint fixture, float rounding_m) {
+  uint rounds = shadow_rounds(shadow);
+  uint outline = shadows[shadow].count - shadows[shadow].fronts;
+  float slack_m = max(shadows[shadow].slack_m, kShadowSlackM) + rounding_m;
+  bool dark = shadows[shadow].fixture != fixture && shadow_holds(shadow, 0u, outline, p, aside, slack_m);
+  for (uint next = 1u; next < rounds && dark; ++next) dark = shadow_holds(shadow, next, outline, p, aside, slack_m);
+  return dark;
+}
 bool is_shadowed(uint beam, vec3 p, vec3 aside, uint fixture) {
   uint first = shadow_lists[beam].first;
   uint count = shadow_lists[beam].count;
   bool dark = false;
   float rounding_m = shadow_rounding(p);
-  for (uint s = first; s < first + count && !dark; ++s) {
-    uint rounds = shadow_rounds(s);
-    uint outline = shadows[s].count - shadows[s].fronts;
-    float slack_m = max(shadows[s].slack_m, kShadowSlackM) + rounding_m;
-    dark = shadows[s].fixture != fixture && shadow_holds(s, 0u, outline, p, aside, slack_m);
-    for (uint next = 1u; next < rounds && dark; ++next) dark = shadow_holds(s, next, outline, p, aside, slack_m);
-  }
+  for (uint s = first; s < first + count && !dark; ++s) dark = is_in_shadow(s, p, aside, fixture, rounding_m);
   return dark;
 }
 

@@ -8,5 +8,6 @@ ShadowCell shadow_cell_before(BeamRow row, vec2 low, vec2 high, RectDepth depth)
                         plane_distance(depth, vec2(low.x, high.y), 1.0));
     shadow_cell_end(cell, plane_m);
   }
+  shadow_cell_close(cell, row);
   return cell;
 }

@@ -50,7 +50,12 @@ struct SurfaceBeam {
   bool gobo;
   bool plain;  // thin.glsl
   bool thin;
+  uint number;  // for FL_SHADED
 };
+// Whether a place is in a shadow of a beam: an including pass may know which ones reach what it shows.
+#ifndef FL_SHADED
+#define FL_SHADED(beam, index, p, aside, fixture) is_shadowed(index, p, aside, fixture)
+#endif
 SurfaceBeam surface_beam(BeamRow row) {
   SurfaceBeam beam;
   beam.shape = beam_shape(row);
@@ -58,6 +63,7 @@ SurfaceBeam surface_beam(BeamRow row) {
   beam.gobo = has_gobo(row);
   beam.plain = thin_is_plain(row, beam.gobo);
   beam.thin = beam_thin(row) > 0.0;
+  beam.number = 0u;
   return beam;
 }
 // Illuminance of a surface by the beam that gobo_begin() was called with. offset_m: of the place from the camera.
@@ -71,7 +77,7 @@ vec3 light_on_surface(SurfaceBeam beam, BeamRow row, uint index, Medium medium, 
   if (kShadows) {
     uint fixture = surface.kind == kBody ? heads[surface.which >> 3].fixture : kNoFixture;
     vec3 aside = beam.thin ? vec3(rho * (beam.shape.lens_radius_m + beam.shape.spread * p.z), p.z) : p;
-    if (is_shadowed(index, p, aside, fixture)) return vec3(0.0);
+    if (FL_SHADED(beam, index, p, aside, fixture)) return vec3(0.0);
   }
   share *= max(-dot(to_light(row, surface.normal), beam_direction(beam.shape, rho)), 0.0);
   if (kExtinction) share *= exp(-medium.extinction_per_m * r_m);

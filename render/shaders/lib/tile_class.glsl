@@ -60,6 +60,7 @@ const uint kGuessSmooth = 4u;      // the light may be smooth
 const uint kGuessRecord = 8u;      // there is a record for what is not smooth
 const uint kGuessCutBefore = 16u;  // what cuts the near end
 const uint kGuessCutAfter = 32u;
+const uint kGuessShadowed = 64u;   // what shadows hide of it is subtracted later (beams.comp)
 struct TileGuess {
   uint bits;         // 0: dark, or general
   bool is_dark;
@@ -281,7 +282,11 @@ void compute_nodes(BeamRow row, Rect rect, bool whole, vec2 fit) {
 // The tests add what the polynomials leave out, their last terms, and what they miss at the middle, since the terms of
 // a light that is even about the middle are zero. They are written so that NaN fails. allowed: largest error of the
 // light over J0 and sigma_s. All lanes of a subgroup call them together, with one beam a team.
-bool is_smooth(float allowed, vec3 middle) {
+// The error of what is subtracted, of a beam with that light: that of the nodes of a dark part.
+const float kSubtractedShare = 1e-3;
+float subtracted(uint bits, float size) { return (bits & kGuessShadowed) != 0u ? kSubtractedShare * size : 0.0; }
+
+bool is_smooth(float allowed, uint bits, vec3 middle) {
   float f[kPer];
   FL_LANE_NODES(k) f[k] = node_light[k];
   to_coefficients(f);
@@ -293,12 +298,12 @@ bool is_smooth(float allowed, vec3 middle) {
   vec2 sums = team_sum(vec2(tail, at_middle(f, 6u)));
   float size = abs(team_first(f[0]));
   float over = sums.x + abs(middle.x - sums.y);
-  return over <= allowed && over <= kTailMax * size;
+  return over + subtracted(bits, size) <= allowed && over <= kTailMax * size;
 }
 
 // As is_smooth(), for a beam with whole chords that is smooth but for its rim: coefficients of rho and of h. Those with
 // m + n > 2 are left out of a record.
-bool fit_rim(float allowed, vec3 middle, out float rho[kPer], out float h[kPer]) {
+bool fit_rim(float allowed, uint bits, vec3 middle, out float rho[kPer], out float h[kPer]) {
   FL_LANE_NODES(k) rho[k] = node_rho[k];
   to_coefficients(rho);
   FL_LANE_NODES(k) h[k] = node_g[k].x;
@@ -308,13 +313,14 @@ bool fit_rim(float allowed, vec3 middle, out float rho[kPer], out float h[kPer])
   float rho_over = sums.x + abs(middle.z - sums.z);
   float over = sums.y + abs(middle.y - sums.w);
   // q^(p + 1/2) changes by at most 2 for a change of rho by 1.
-  return over + 2.0 * size * rho_over <= allowed && over <= kTailMax * size && rho_over <= kOffsetTailMax;
+  return over + 2.0 * size * rho_over + subtracted(bits, size) <= allowed && over <= kTailMax * size &&
+         rho_over <= kOffsetTailMax;
 }
 // The same for a beam whose chords are cut: coefficients of rho, g_0, g_1, g_2, s_a and s_b. bits: TileGuess::bits.
 struct CutFits {
   float of[6][kPer];
 };
-bool fit_cut(float allowed, vec3 middle, uint bits, out CutFits fits) {
+bool fit_cut(float allowed, uint bits, vec3 middle, out CutFits fits) {
   bool cut_before = (bits & kGuessCutBefore) != 0u;
   bool cut_after = (bits & kGuessCutAfter) != 0u;
   FL_LANE_NODES(k) {
@@ -338,8 +344,8 @@ bool fit_cut(float allowed, vec3 middle, uint bits, out CutFits fits) {
   float rho_over = sums.x + abs(middle.z - sums.w);
   float light = dot(at.xyz, cut_moments(max(1.0 - sums.w * sums.w, 0.0), at.w, to));
   float over = sums.y + size * sums.z + abs(middle.x - light);
-  return over + 2.0 * size * rho_over <= allowed && sums.y <= kTailMax * size && rho_over <= kOffsetTailMax &&
-         sums.z <= 2.0 * kOffsetTailMax;
+  return over + 2.0 * size * rho_over + subtracted(bits, size) <= allowed && sums.y <= kTailMax * size &&
+         rho_over <= kOffsetTailMax && sums.z <= 2.0 * kOffsetTailMax;
 }
 // Where a record's coefficient of node (m, n) stands; 6 and more: nowhere.
 uint coefficient_slot(uvec2 place) {

@@ -43,13 +43,18 @@ uint ordered_slot(bool is_in, out uint count) {
   return slot;
 }
 
+// A word of bits to be listed: by default of the supertile's mask.
+#ifndef FL_LIST_WORD
+#define FL_LIST_WORD(supertile, word) masks[(supertile) * params.mask_words + (word)]
+#endif
+
 // Reads the supertile's mask from its word `from` on and lists its beams, as many whole words as fit. Returns the word
 // after the last one.
 uint list_fill(uint supertile, uint from) {
   uint number = thread_number();
   uint words = (counts.live_count + 31u) / 32u;
   uint at = from + number;
-  uint bits = at < words ? masks[supertile * params.mask_words + at] : 0u;
+  uint bits = at < words ? FL_LIST_WORD(supertile, at) : 0u;
   uint here = bitCount(bits);
   uint before = subgroupExclusiveAdd(here);
   barrier();  // the list before this one has been read by all

@@ -5,8 +5,8 @@
 //     FL_WALK_BEGIN(base, index) ... beams[index] ... FL_WALK_END
 //   }
 //
-// tile_walk() puts 256 beams of the supertile's mask to the test of the including pass, bool tile_touches(BeamRow),
-// shared out among the threads. All threads of the group must call it together; it returns the same for all.
+// tile_walk() puts 256 beams of the supertile's mask to the test of the including pass, bool tile_takes(uint beam, uint
+// number), shared out among the threads; `number` counts from `base`. FL_WALK_ALSO(word): further beams, a word of bits. All threads of the group must call it together; it returns the same for all.
 //
 // A thread has FL_ROWS pixels, one below the other, so that a beam's row is read once for all of them: on an H200
 // 10,000 beams at 3840 x 2160 take 45 ms with one pixel a thread, 41 ms with four (3 nodes). The including pass
@@ -29,24 +29,34 @@ uint walk_mask(uint word) { return FL_WALK_FINE ? fine_masks[word] : masks[word]
 #define FL_WALK_FINE false
 uint walk_mask(uint word) { return masks[word]; }
 #endif
+#ifndef FL_WALK_ALSO
+#define FL_WALK_ALSO(word) 0u
+#endif
 
-bool tile_walk(uint base) {
-  uint lane = gl_LocalInvocationIndex;
+// The number of that word, of beams word * 32 and the following.
+uint walk_word(uint word) {
   uint side = FL_WALK_FINE ? uint(FL_FINE_PX) : uint(FL_SUPERTILE_PX);
   uvec2 cell = gl_WorkGroupID.xy / (side / uint(FL_TILE_PX));
   uint across = FL_WALK_FINE ? (params.width + side - 1u) / side : params.supertiles_x;
-  uint first = (cell.y * across + cell.x) * params.mask_words + base / 32u;
+  return (cell.y * across + cell.x) * params.mask_words + word;
+}
+
+bool tile_walk(uint base) {
+  uint lane = gl_LocalInvocationIndex;
+  uint first = walk_word(base / 32u);
   uint words = min((counts.live_count - base + 31u) / 32u, 8u);
   uint any = 0u;
-  for (uint w = 0u; w < words; ++w) any |= walk_mask(first + w);
+  for (uint w = 0u; w < words; ++w) any |= walk_mask(first + w) | FL_WALK_ALSO(base / 32u + w);
   if (any == 0u) return false;
   barrier();  // the walk before this one has been read by all
   if (lane < 8u) walk_bits[lane] = 0u;
   barrier();
   for (uint at = lane; at < FL_WALK_BEAMS; at += uint(FL_TILE_PX * FL_TILE_PX / FL_ROWS)) {
     uint beam = base + at;
-    if (beam < counts.live_count && (walk_mask(first + (at >> 5)) & (1u << (at & 31u))) != 0u) {
-      if (tile_touches(beams[beam])) atomicOr(walk_bits[at >> 5], 1u << (at & 31u));
+    if (beam >= counts.live_count) continue;
+    uint bits = walk_mask(first + (at >> 5)) | FL_WALK_ALSO(beam >> 5);
+    if ((bits & (1u << (at & 31u))) != 0u) {
+      if (tile_takes(beam, at)) atomicOr(walk_bits[at >> 5], 1u << (at & 31u));
     }
   }
   barrier();

@@ -101,7 +101,12 @@
 #define FL_BINDING_HAZE (76 + FL_LAMP_COUNT)
 #define FL_BINDING_HAZE_TABLE (77 + FL_LAMP_COUNT)
 #define FL_BINDING_HAZE_TABLE_OUT (78 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (79 + FL_LAMP_COUNT)
+// Shadows in the haze by supertile (lib/shadow_picks.glsl): ShadowWordRow, one a word of the masks, and the numbers of
+// rows of the ShadowRow table; the first word is the number of words in use.
+#define FL_BINDING_SHADOW_WORDS (79 + FL_LAMP_COUNT)
+#define FL_BINDING_SHADOW_PICKS (80 + FL_LAMP_COUNT)
+#define FL_BINDING_SHADE_MASKS (81 + FL_LAMP_COUNT)  // as the fine masks: beams whose dark parts are left to pixels
+#define FL_BINDING_COUNT (82 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -458,6 +463,13 @@ struct ShadowListRow {
   uint first;
   uint count;
 };
+// Beams of a word of a supertile's mask that have shadows there, but are not all in one, and where in the picks the
+// places of their lists stand, in the order of the beams; FL_NONE: all their shadows count. A list is its length and
+// the numbers of ShadowRows.
+struct ShadowWordRow {
+  uint beams;
+  uint first;
+};
 // A ShadowPrism (shadow.h), 208 bytes. Planes: normal, offset, in the beam's light space.
 struct ShadowRow {
   uint count;
@@ -467,6 +479,10 @@ struct ShadowRow {
   vec4 planes[12];  // filled up to a multiple of 4
 };
 #define FL_SHADOW_BYTES_MAX 134217728  // of the table of ShadowRow
+// Words that the lists of all supertiles together have, for each supertile: so many a beam of the rig, and at least
+// FL_PICKS_MIN. All together at most FL_SHADOW_BYTES_MAX.
+#define FL_PICKS_A_BEAM 4
+#define FL_PICKS_MIN 256
 
 // A solid that light ends at and may be reflected by, 96 bytes. Inside it all dual[i].xyz . place + dual[i].w are
 // between -1 and 1. Faces: 2 axis, and 2 axis + 1 for the side at 1.

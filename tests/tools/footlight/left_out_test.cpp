@@ -73,7 +73,7 @@ TEST_CASE("each need that a rig lacks, and the passes that it adds, have bytes, 
   const LeftOutRow& beams = row_of(rows, "beams", true);
   const LeftOutRow& haze = row_of(rows, "haze", false);
   std::uint64_t pass_bytes = 0;
-  for (const char* name : {"tiles", "depths", "coarse", "records", "fine", "beams", "glare"}) {
+  for (const char* name : {"tiles", "depths", "shadowtiles", "coarse", "records", "fine", "shade", "beams", "glare"}) {
     pass_bytes += row_of(rows, name, true).bytes;
   }
   REQUIRE(beams.times);

@@ -1,0 +1,164 @@
+#version 460
+// For each supertile and each beam in its mask: which of the beam's shadows reach what the supertile's pixels see of it
+// in the haze. Beams that are dark in all of it leave the mask. A thread has all shadows of a beam where these are few;
+// else the threads of a subgroup have one each.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#define FL_USE_BEAMS
+#define FL_BEAMS_ACCESS readonly
+#define FL_USE_COUNTS
+#define FL_COUNTS_ACCESS readonly
+#define FL_USE_MASKS
+#define FL_MASKS_ACCESS
+#include "render/shaders/lib/frame.glsl"
+#include "render/shaders/lib/forms.glsl"
+#include "render/shaders/shared/gauss.h"
+#include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/shadow.h"
+#include "render/shaders/lib/tile_test.glsl"
+#include "render/shaders/lib/shadow.glsl"
+layout(constant_id = FL_SPEC_BOXES) const bool kBoxes = true;
+layout(constant_id = FL_SPEC_BODIES) const bool kBodies = true;
+const bool kSolids = kBoxes || kBodies;
+#define FL_DEPTHS_ACCESS readonly
+#define FL_DEPTHS_READ
+#include "render/shaders/lib/tile_depth.glsl"
+#include "render/shaders/lib/shadow_rect.glsl"
+#include "render/shaders/lib/tile_list.glsl"
+#define FL_PICKS_ACCESS coherent
+#include "render/shaders/lib/shadow_picks.glsl"
+
+layout(local_size_x = FL_GROUP_TILE) in;
+
+shared uint some_bits[FL_GROUP_TILE];    // of the words of one list: beams with a shadow, but not all of them in it
+shared uint dark_bits[FL_GROUP_TILE];    // and beams that are all in one
+shared uint word_places[FL_GROUP_TILE];  // where the places of the lists of a word's beams stand
+shared uint list_places[FL_LIST_MAX];    // of the beams of the list
+
+// Room for so many words; FL_NONE: there is none. Its readers then take all shadows of the beam.
+uint take_words(uint count) {
+  uint all = uint(shadow_picks.length());
+  if (shadow_words_used >= all) return FL_NONE;  // so that the number does not overflow
+  uint place = atomicAdd(shadow_words_used, count);
+  return place + count <= all ? place : FL_NONE;
+}
+
+// For each of these functions: returns whether the beam has shadows in the cell, and where those that reach it are
+// listed.
+const uint kFewShadows = 8u;
+uint list_few_shadows(ShadowListRow list, ShadowCell cell, out uint place) {
+  uint bits = 0u;
+  uint most = kShadowNone;
+  place = FL_NONE;
+  for (uint own = 0u; own < list.count; ++own) {
+    uint found = shadow_in_cell(list.first + own, cell);
+    if (found != kShadowNone) bits |= 1u << own;
+    most = max(most, found);
+  }
+  if (most != kShadowSome) return most;
+  place = take_words(bitCount(bits) + 1u);
+  if (place == FL_NONE) return most;
+  shadow_picks[place] = bitCount(bits);
+  for (uint at = place + 1u; bits != 0u; ++at) {
+    shadow_picks[at] = list.first + uint(findLSB(bits));
+    bits &= bits - 1u;
+  }
+  return most;
+}
+
+// All threads of a subgroup call it together.
+uint list_shadows(ShadowListRow list, ShadowCell cell, out uint place) {
+  uint lane = gl_SubgroupInvocationID;
+  uint bits = 0u;  // of this thread's shadows, one a round
+  uint most = kShadowNone;
+  place = FL_NONE;
+  uint rounds = (list.count + gl_SubgroupSize - 1u) / gl_SubgroupSize;
+  for (uint round_of = 0u; round_of < rounds; ++round_of) {
+    uint own = round_of * gl_SubgroupSize + lane;
+    uint found = own < list.count ? shadow_in_cell(list.first + own, cell) : kShadowNone;
+    if (found != kShadowNone) bits |= 1u << round_of;
+    most = max(most, found);
+  }
+  most = subgroupMax(most);
+  if (most != kShadowSome) return most;
+  uint total = subgroupAdd(bitCount(bits));
+  if (subgroupElect()) place = take_words(total + 1u);
+  place = subgroupBroadcastFirst(place);
+  if (place == FL_NONE) return most;
+  if (subgroupElect()) shadow_picks[place] = total;
+  uint at = place + 1u;
+  for (uint round_of = 0u; round_of < rounds; ++round_of) {
+    bool is_one = (bits >> round_of & 1u) != 0u;
+    uvec4 ones = subgroupBallot(is_one);
+    if (is_one) {
+      shadow_picks[at + subgroupBallotExclusiveBitCount(ones)] = list.first + round_of * gl_SubgroupSize + lane;
+    }
+    at += subgroupBallotBitCount(ones);
+  }
+  return most;
+}
+
+// Stores what the functions above found of entry e of the list. first: word of the list.
+void store_found(uint e, uint first, uint found, uint place) {
+  uint id = list_ids[e];
+  list_places[e] = place;
+  uint bit = 1u << (id & 31u);
+  if (found == kShadowSome) atomicOr(some_bits[id / 32u - first], bit);
+  if (found == kShadowAll) atomicOr(dark_bits[id / 32u - first], bit);
+}
+
+void main() {
+  uint number = thread_number();
+  uvec2 cell_at = gl_WorkGroupID.xy;
+  uint supertile = cell_at.y * params.supertiles_x + cell_at.x;
+  vec2 low = vec2(cell_at * uint(FL_SUPERTILE_PX));
+  vec2 high = min(low + float(FL_SUPERTILE_PX), vec2(float(params.width), float(params.height)));
+  const uint kSide = uint(FL_SUPERTILE_PX / FL_TILE_PX);
+  RectDepth depth = rect_depth(cell_at * kSide, kSide);
+  uint words = (counts.live_count + 31u) / 32u;
+  for (uint from = 0u; from < words;) {
+    uint first = from;
+    from = list_fill(supertile, from);
+    some_bits[number] = 0u;
+    dark_bits[number] = 0u;
+    barrier();
+    for (uint e = number; e < list_count; e += uint(FL_GROUP_TILE)) {
+      ShadowListRow list = shadow_lists[list_ids[e]];
+      if (list.count == 0u || list.count > kFewShadows) continue;
+      uint place;
+      uint found = list_few_shadows(list, shadow_cell_before(beams[list_ids[e]], low, high, depth), place);
+      store_found(e, first, found, place);
+    }
+    for (uint e = gl_SubgroupID; e < list_count; e += gl_NumSubgroups) {
+      ShadowListRow list = shadow_lists[list_ids[e]];
+      if (list.count <= kFewShadows) continue;
+      uint place = FL_NONE;
+      uint found = kShadowSome;
+      // More do not fit into the bits of a thread.
+      if (list.count <= 32u * gl_SubgroupSize) {
+        found = list_shadows(list, shadow_cell_before(beams[list_ids[e]], low, high, depth), place);
+      }
+      if (subgroupElect()) store_found(e, first, found, place);
+    }
+    barrier();
+    if (first + number < from) {
+      uint some = some_bits[number];
+      uint place = some != 0u ? take_words(bitCount(some)) : FL_NONE;
+      uint word = supertile * params.mask_words + first + number;
+      shadow_words[word] = ShadowWordRow(some, place);
+      word_places[number] = place;
+      if (dark_bits[number] != 0u) masks[word] &= ~dark_bits[number];
+    }
+    barrier();
+    for (uint e = number; e < list_count; e += uint(FL_GROUP_TILE)) {
+      uint id = list_ids[e];
+      uint word = id / 32u - first;
+      uint bit = 1u << (id & 31u);
+      if ((some_bits[word] & bit) == 0u || word_places[word] == FL_NONE) continue;
+      shadow_picks[word_places[word] + bitCount(some_bits[word] & (bit - 1u))] = list_places[e];
+    }
+  }
+}
