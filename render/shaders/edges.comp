@@ -3,6 +3,7 @@
 // show, and gives each sample the colour of the pixel next to it that shows the same surface. Colours are those of the
 // whole picture, so the haze in front of each surface ends where that surface is.
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #define FL_USE_HEADS
 #define FL_STATES_ACCESS readonly
 #define FL_USE_POSE
@@ -140,7 +141,7 @@ vec3 color_of(ivec2 pixel, ivec2 p) {
   }
   find_planes(pixel, p);
   uint counts[9] = uint[9](0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u, 0u);
-  for (uint i = 0u; i < kSamples; ++i) ++counts[best_neighbour(i)];
+  [[unroll]] for (uint i = 0u; i < kSamples; ++i) ++counts[best_neighbour(i)];
   // A pixel without an edge keeps its colour to the bit.
   vec3 sum = vec3(0.0);
   for (int n = 0; n < 9; ++n) {
