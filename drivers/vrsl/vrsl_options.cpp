@@ -163,6 +163,7 @@ Result<VrslOptions> options_of(const Endpoint& endpoint, bool is_input) {
     }
   }
   options.target.options = taker.rest();
+  options.target.grid = format;
   return options;
 }
 
