@@ -58,6 +58,22 @@ TEST_CASE("samples of every form and number of channels are read within half a s
   }
 }
 
+TEST_CASE("rates from 8 to 192 kHz and 1 to 8 channels are read as they are in the file") {
+  const testing::TempFolder folder;
+  for (const int rate_hz : {8'000, 11'025, 44'100, 48'000, 96'000, 192'000}) {
+    for (int channels = 1; channels <= 8; ++channels) {
+      CAPTURE(rate_hz);
+      CAPTURE(channels);
+      const auto frames = static_cast<std::size_t>(100);
+      const std::vector<float> samples = ramp(frames * static_cast<std::size_t>(channels));
+      const auto file = must(SoundFile::open(folder.write("a.wav", wav_bytes(samples, rate_hz, channels))));
+      CHECK(file->info().rate_hz == rate_hz);
+      CHECK(file->info().channels == channels);
+      CHECK(read_all(*file).size() == samples.size());
+    }
+  }
+}
+
 TEST_CASE("a file that is cut off is read up to its end") {
   const testing::TempFolder folder;
   const std::string whole = wav_bytes(ramp(40'000), 44'100, 2);
