@@ -36,7 +36,8 @@ class MockSound final : public SoundDevice {
       const bool second_chord = frame_ / kBarFrames % 2 == 1;
       const double kick = 0.6 * mock_sine(60, frame_) * std::exp(-since_beat_s / 0.08);
       const double hiss = 0.15 * mock_noise(frame_) * std::exp(-since_off_beat_s / 0.03);
-      const double chord = 0.08 * (mock_sine(second_chord ? 294 : 220, frame_) + mock_sine(second_chord ? 440 : 330, frame_));
+      const double chord =
+          0.08 * (mock_sine(second_chord ? 294 : 220, frame_) + mock_sine(second_chord ? 440 : 330, frame_));
       interleaved.push_back(static_cast<float>(kick + chord + hiss));
       interleaved.push_back(static_cast<float>(kick + chord - hiss));
     }

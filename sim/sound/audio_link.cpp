@@ -133,8 +133,8 @@ void AudioLink::take_band(int band) {
     confidence_[at] = 1;
     boost_[at] = std::max(boost_[at] - 0.01, 0.0);
   }
-  state_.autolevel[at] = {static_cast<float>(raw), static_cast<float>(boost_[at]),
-                          static_cast<float>(confidence_[at]), settings_.autolevel};
+  state_.autolevel[at] = {static_cast<float>(raw), static_cast<float>(boost_[at]), static_cast<float>(confidence_[at]),
+                          settings_.autolevel};
   auto& history = state_.bands[at];
   const double lost = std::pow(1 - settings_.fade_length, 3);
   double last = history[0] - lost;

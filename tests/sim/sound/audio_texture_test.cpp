@@ -120,7 +120,7 @@ TEST_CASE("every texel of a sound is finite, and exactly the stated places are f
     }
   }
   CHECK(rows == std::set<int>{0, 1, 2, 3, 4, 5, 22, 23, 24, 25, 27, 28, 29, 30, 31, 32, 33});  // 3 s: 270 steps
-  for (int x = 16; x < 24; ++x) CHECK(at(texture, x, 28) == std::array<float, 4>{});  // chronotensity
+  for (int x = 16; x < 24; ++x) CHECK(at(texture, x, 28) == std::array<float, 4>{});           // chronotensity
   CHECK(at(texture, 9, 22)[1] >= at(texture, 8, 22)[1]);
   CHECK(at(texture, 32, 28)[1] == 1);  // autolevel is on
 }

@@ -175,7 +175,8 @@ TEST_CASE("what one port shows on a model of a loopback device, another one read
 TEST_CASE("an input from a model that nothing is shown on reads a moving pattern, in each layout") {
   for (const char* options : {"", "layout=horizontal-top&planes=rgb&", "layout=vertical-left&planes=rgb&"}) {
     CAPTURE(std::string(options));
-    const std::string universes = std::string(options).find("vertical") == std::string::npos ? "1-9=11-19" : "1,7=11,19";
+    const std::string universes =
+        std::string(options).find("vertical") == std::string::npos ? "1-9=11-19" : "1,7=11,19";
     const auto source =
         testing::must(open_picture_source(endpoint_of("vrsl:" + universes + "@mock/p?" + options + "fps=100")));
     LastFrames frames;

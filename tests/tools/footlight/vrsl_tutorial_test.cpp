@@ -16,7 +16,8 @@ namespace {
 const std::string kTutorial = FOOTLIGHT_SOURCE_DIR "/docs/vrsl_tutorial.md";
 
 constexpr const char* kUntilStopped = "it runs until it is stopped";
-constexpr const char* kWindow = "a window needs a display (vrsl_window_test.cpp); the model of a device takes its place";
+constexpr const char* kWindow =
+    "a window needs a display (vrsl_window_test.cpp); the model of a device takes its place";
 constexpr const char* kSmall = "--size 48x27";
 constexpr const char* kLarge = "a large picture takes long without a GPU";
 
@@ -40,8 +41,8 @@ constexpr Special kSpecials[] = {
     {"footlight render club.toml --log captured.dmxlog --at 2s -o captured.png", nullptr, kSmall, 0, kLarge},
     {"footlight run --in sacn:1-3 --out vrsl-osc:1-3@127.0.0.1", nullptr, "--for 100ms", 0, kUntilStopped},
     {"footlight run --in vrsl-osc:1-3 --out sacn:1-3", nullptr, "--for 100ms", 0, kUntilStopped},
-    {"footlight run --in audio:beat.toml --out vrsl:1-3@window", "footlight run --in audio:beat.toml --out vrsl:1-3@mock",
-     "--for 300ms", 0, kWindow},
+    {"footlight run --in audio:beat.toml --out vrsl:1-3@window",
+     "footlight run --in audio:beat.toml --out vrsl:1-3@mock", "--for 300ms", 0, kWindow},
     {"footlight run --in audio:alsa:default=1.1 --out vrsl:1-3@window",
      "footlight run --in audio:mock=1.1 --out vrsl:1-3@mock", "--for 300ms", 0, "no sound device is there"},
     {"footlight run --in audio:track.wav=1.1 --out 'vrsl:1-3@dance.mkv?overwrite=yes'", nullptr, "--for 300ms", 0,

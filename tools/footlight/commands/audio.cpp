@@ -217,14 +217,15 @@ void add(Arguments& arguments) {
   checker.flag("--json", check_options->json, "one JSON object");
   checker.job([check_options]() -> Result<int> { return check(*check_options); });
 
-  Arguments painter = arguments.subcommand(
-      "texture", "Write AudioLink's texture of a sound as PNG or as a stream",
-      "  footlight audio texture track.flac --at 12.5s -o texture.png\n"
-      "  footlight audio texture track.flac --every 40ms -o texture_%04d.png\n"
-      "  footlight audio texture track.flac --every 16.667ms -o 'texture.mkv?lossless=yes'\n"
-      "  footlight audio texture audio:alsa:default=1.1 --every 20ms --scale 8 -o /dev/video9\n");
+  Arguments painter =
+      arguments.subcommand("texture", "Write AudioLink's texture of a sound as PNG or as a stream",
+                           "  footlight audio texture track.flac --at 12.5s -o texture.png\n"
+                           "  footlight audio texture track.flac --every 40ms -o texture_%04d.png\n"
+                           "  footlight audio texture track.flac --every 16.667ms -o 'texture.mkv?lossless=yes'\n"
+                           "  footlight audio texture audio:alsa:default=1.1 --every 20ms --scale 8 -o /dev/video9\n");
   auto texture_options = std::make_shared<TextureOptions>();
-  painter.word("FILE", texture_options->file, "a sound file, a sound map (.toml) or, for streams, audio:alsa:DEVICE=1.1");
+  painter.word("FILE", texture_options->file,
+               "a sound file, a sound map (.toml) or, for streams, audio:alsa:DEVICE=1.1");
   painter.option("--out,-o", texture_options->out, "FILE",
                  "texture.png, texture_%04d.png, or a stream: texture.mkv, -, a pipe, /dev/video9, window");
   painter.duration("--at", texture_options->at_ns, "one picture, at this time of the sound");

@@ -382,7 +382,8 @@ void add(Arguments& arguments) {
     if (many) {
       its.words("PATH", options->paths, "rigs, or folders that are searched for .mvr and .qxw");
     } else {
-      its.word("FILE", options->path, "the rig: .mvr, .qxw, .toml or a patch of VRSL; the content decides, not the name");
+      its.word("FILE", options->path,
+               "the rig: .mvr, .qxw, .toml or a patch of VRSL; the content decides, not the name");
     }
     if (part.out != nullptr) its.option("--out,-o", options->out, "FILE", part.out);
     if (part.run == import_it)

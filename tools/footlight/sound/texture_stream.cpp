@@ -169,10 +169,9 @@ Result<std::uint64_t> write_texture_stream(const fixtures::SoundMap& map, const 
   if (device) {
     FL_TRY(listen(map, writer));
   } else {
-    FL_ASSIGN(const std::uint64_t frames,
-              run_sound_file(
-                  *file, map.link, [&](const AudioLinkState& state) { writer.step(state); },
-                  [&](std::span<const float>) { return writer.more(); }));
+    FL_ASSIGN(const std::uint64_t frames, run_sound_file(
+                                              *file, map.link, [&](const AudioLinkState& state) { writer.step(state); },
+                                              [&](std::span<const float>) { return writer.more(); }));
     writer.end(std::llround(static_cast<double>(frames) / file->info().rate_hz * 1e9));
   }
   return writer.finish();
