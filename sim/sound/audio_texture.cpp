@@ -46,7 +46,7 @@ void write_strip(const AudioLinkState& state, Texture& texture) {
   double total = 0;
   for (std::size_t i = 0; i < order.size(); ++i) {
     order[i] = &state.notes[i];
-    total += std::max(order[i]->power, 0.0);
+    if (order[i]->slow > 0) total += std::max(order[i]->power, 0.0);
   }
   const auto place = [&](const ChordNote& note) {
     const double bin = note.bin - state.notes[0].bin + 0.5;

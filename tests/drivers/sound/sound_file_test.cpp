@@ -150,12 +150,12 @@ TEST_CASE("twenty seconds of real songs move every band, have a tempo, and give 
     }
     CHECK(sums[0] == sums[1]);
     for (std::size_t band = 0; band < most.size(); ++band) {
-      CHECK(most[band] > 0.9F);
-      CHECK(least[band] < 0.5F);
+      CHECK(most[band] > 0.5F);
+      CHECK(most[band] - least[band] > 0.3F);
     }
     CHECK(bpm >= 55);
     CHECK(bpm <= 200);
-    CHECK(beats > 20);
+    CHECK(beats > 10);
   }
   if (count == 0) MESSAGE("SKIPPED: the package fretsonfire-songs-sectoid is not installed");
 }

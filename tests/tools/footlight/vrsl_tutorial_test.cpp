@@ -35,7 +35,7 @@ constexpr Special kSpecials[] = {
     {"footlight run --in sacn:1-3 --out vrsl:1-3@mock", nullptr, "--for 100ms", 0, kUntilStopped},
     {"footlight monitor vrsl:1-3@mock", nullptr, "--once", 0, kUntilStopped},
     {"footlight vrsl round-trip --way yuv420", nullptr, "", 0, ""},
-    {"footlight preview club.toml --in sacn:1-3", "footlight render club.toml --lit -o preview.png", kSmall, 0,
+    {"footlight preview club.toml --in sacn:1-3", "footlight render club.toml --lit --at 1s -o preview.png", kSmall, 0,
      "a window needs a display"},
     {"footlight render club.toml --log club.dmxlog --at 2s --vrsl-compat -o club.png", nullptr, kSmall, 0, kLarge},
     {"footlight render club.toml --log captured.dmxlog --at 2s -o captured.png", nullptr, kSmall, 0, kLarge},
