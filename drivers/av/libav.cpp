@@ -78,96 +78,104 @@ using footlight::drivers::kUtil;
   }
 // NOLINTEND(bugprone-macro-parentheses)
 
+// NOLINTBEGIN(readability-identifier-naming): functions and parameters are named as in libav's headers
+// clang-format off
 extern "C" {
 
 FL_PASS_ON(kUtil, const char*, av_color_range_name, (AVColorRange range), (range))
 FL_PASS_ON(kUtil, const char*, av_color_space_name, (AVColorSpace space), (space))
 FL_PASS_ON(kUtil, const char*, av_color_transfer_name, (AVColorTransferCharacteristic transfer), (transfer))
-FL_PASS_ON(kUtil, AVRational, av_d2q, (double number, int max), (number, max))
+FL_PASS_ON(kUtil, AVRational, av_d2q, (double d, int max), (d, max))
 FL_PASS_ON(kUtil, AVFrame*, av_frame_alloc, (), ())
-FL_PASS_ON(kUtil, void, av_frame_free, (AVFrame * *frame), (frame))
-FL_PASS_ON(kUtil, int, av_frame_get_buffer, (AVFrame * frame, int align), (frame, align))
-FL_PASS_ON(kUtil, int, av_frame_make_writable, (AVFrame * frame), (frame))
-FL_PASS_ON(kUtil, void, av_freep, (void* pointer), (pointer))
-FL_PASS_ON(kUtil, AVSampleFormat, av_get_packed_sample_fmt, (AVSampleFormat format), (format))
-FL_PASS_ON(kUtil, const char*, av_get_pix_fmt_name, (AVPixelFormat format), (format))
+FL_PASS_ON(kUtil, void, av_frame_free, (AVFrame** frame), (frame))
+FL_PASS_ON(kUtil, int, av_frame_get_buffer, (AVFrame* frame, int align), (frame, align))
+FL_PASS_ON(kUtil, int, av_frame_make_writable, (AVFrame* frame), (frame))
+FL_PASS_ON(kUtil, void, av_freep, (void* ptr), (ptr))
+FL_PASS_ON(kUtil, AVSampleFormat, av_get_packed_sample_fmt, (AVSampleFormat sample_fmt), (sample_fmt))
+FL_PASS_ON(kUtil, const char*, av_get_pix_fmt_name, (AVPixelFormat pix_fmt), (pix_fmt))
 FL_PASS_ON(kUtil, void, av_log_set_level, (int level), (level))
 FL_PASS_ON(kUtil, void*, av_malloc, (std::size_t size), (size))
-FL_PASS_ON(kUtil, int, av_opt_set, (void* object, const char* name, const char* value, int flags),
-           (object, name, value, flags))
-FL_PASS_ON(kUtil, const AVPixFmtDescriptor*, av_pix_fmt_desc_get, (AVPixelFormat format), (format))
-FL_PASS_ON(kUtil, std::int64_t, av_rescale_q, (std::int64_t number, AVRational from, AVRational to), (number, from, to))
-FL_PASS_ON(kUtil, int, av_sample_fmt_is_planar, (AVSampleFormat format), (format))
-FL_PASS_ON(kUtil, int, av_strerror, (int code, char* text, std::size_t size), (code, text, size))
+FL_PASS_ON(kUtil, int, av_opt_set,
+           (void* obj, const char* name, const char* val, int search_flags),
+           (obj, name, val, search_flags))
+FL_PASS_ON(kUtil, const AVPixFmtDescriptor*, av_pix_fmt_desc_get, (AVPixelFormat pix_fmt), (pix_fmt))
+FL_PASS_ON(kUtil, std::int64_t, av_rescale_q, (std::int64_t a, AVRational bq, AVRational cq), (a, bq, cq))
+FL_PASS_ON(kUtil, int, av_sample_fmt_is_planar, (AVSampleFormat sample_fmt), (sample_fmt))
+FL_PASS_ON(kUtil, int, av_strerror, (int errnum, char* errbuf, std::size_t errbuf_size), (errnum, errbuf, errbuf_size))
 
 FL_PASS_ON(kCodec, AVPacket*, av_packet_alloc, (), ())
-FL_PASS_ON(kCodec, void, av_packet_free, (AVPacket * *packet), (packet))
-FL_PASS_ON(kCodec, void, av_packet_rescale_ts, (AVPacket * packet, AVRational from, AVRational to), (packet, from, to))
-FL_PASS_ON(kCodec, void, av_packet_unref, (AVPacket * packet), (packet))
+FL_PASS_ON(kCodec, void, av_packet_free, (AVPacket** pkt), (pkt))
+FL_PASS_ON(kCodec, void, av_packet_rescale_ts,
+           (AVPacket* pkt, AVRational tb_src, AVRational tb_dst),
+           (pkt, tb_src, tb_dst))
+FL_PASS_ON(kCodec, void, av_packet_unref, (AVPacket* pkt), (pkt))
 FL_PASS_ON(kCodec, AVCodecContext*, avcodec_alloc_context3, (const AVCodec* codec), (codec))
 FL_PASS_ON(kCodec, const AVCodec*, avcodec_find_decoder, (AVCodecID id), (id))
 FL_PASS_ON(kCodec, const AVCodec*, avcodec_find_encoder, (AVCodecID id), (id))
 FL_PASS_ON(kCodec, const AVCodec*, avcodec_find_encoder_by_name, (const char* name), (name))
-FL_PASS_ON(kCodec, void, avcodec_free_context, (AVCodecContext * *context), (context))
+FL_PASS_ON(kCodec, void, avcodec_free_context, (AVCodecContext** avctx), (avctx))
 FL_PASS_ON(kCodec, const char*, avcodec_get_name, (AVCodecID id), (id))
-FL_PASS_ON(kCodec, int, avcodec_open2, (AVCodecContext * context, const AVCodec* codec, AVDictionary** options),
-           (context, codec, options))
+FL_PASS_ON(kCodec, int, avcodec_open2,
+           (AVCodecContext* avctx, const AVCodec* codec, AVDictionary** options),
+           (avctx, codec, options))
 FL_PASS_ON(kCodec, int, avcodec_parameters_from_context,
-           (AVCodecParameters * parameters, const AVCodecContext* context), (parameters, context))
-FL_PASS_ON(kCodec, int, avcodec_parameters_to_context, (AVCodecContext * context, const AVCodecParameters* parameters),
-           (context, parameters))
-FL_PASS_ON(kCodec, int, avcodec_receive_frame, (AVCodecContext * context, AVFrame* frame), (context, frame))
-FL_PASS_ON(kCodec, int, avcodec_receive_packet, (AVCodecContext * context, AVPacket* packet), (context, packet))
-FL_PASS_ON(kCodec, int, avcodec_send_frame, (AVCodecContext * context, const AVFrame* frame), (context, frame))
-FL_PASS_ON(kCodec, int, avcodec_send_packet, (AVCodecContext * context, const AVPacket* packet), (context, packet))
+           (AVCodecParameters* par, const AVCodecContext* codec),
+           (par, codec))
+FL_PASS_ON(kCodec, int, avcodec_parameters_to_context,
+           (AVCodecContext* codec, const AVCodecParameters* par),
+           (codec, par))
+FL_PASS_ON(kCodec, int, avcodec_receive_frame, (AVCodecContext* avctx, AVFrame* frame), (avctx, frame))
+FL_PASS_ON(kCodec, int, avcodec_receive_packet, (AVCodecContext* avctx, AVPacket* avpkt), (avctx, avpkt))
+FL_PASS_ON(kCodec, int, avcodec_send_frame, (AVCodecContext* avctx, const AVFrame* frame), (avctx, frame))
+FL_PASS_ON(kCodec, int, avcodec_send_packet, (AVCodecContext* avctx, const AVPacket* avpkt), (avctx, avpkt))
 
 FL_PASS_ON(kFormat, int, av_find_best_stream,
-           (AVFormatContext * format, AVMediaType type, int wanted, int related, const AVCodec** decoder, int flags),
-           (format, type, wanted, related, decoder, flags))
-FL_PASS_ON(kFormat, int, av_interleaved_write_frame, (AVFormatContext * format, AVPacket* packet), (format, packet))
-FL_PASS_ON(kFormat, int, av_read_frame, (AVFormatContext * format, AVPacket* packet), (format, packet))
-FL_PASS_ON(kFormat, int, av_write_trailer, (AVFormatContext * format), (format))
+           (AVFormatContext* ic, AVMediaType type, int wanted_stream_nb, int related_stream, const AVCodec**
+            decoder_ret, int flags),
+           (ic, type, wanted_stream_nb, related_stream, decoder_ret, flags))
+FL_PASS_ON(kFormat, int, av_interleaved_write_frame, (AVFormatContext* s, AVPacket* pkt), (s, pkt))
+FL_PASS_ON(kFormat, int, av_read_frame, (AVFormatContext* s, AVPacket* pkt), (s, pkt))
+FL_PASS_ON(kFormat, int, av_write_trailer, (AVFormatContext* s), (s))
 FL_PASS_ON(kFormat, int, avformat_alloc_output_context2,
-           (AVFormatContext * *format, const AVOutputFormat* output, const char* name, const char* file),
-           (format, output, name, file))
-FL_PASS_ON(kFormat, void, avformat_close_input, (AVFormatContext * *format), (format))
-FL_PASS_ON(kFormat, int, avformat_find_stream_info, (AVFormatContext * format, AVDictionary** options),
-           (format, options))
-FL_PASS_ON(kFormat, void, avformat_free_context, (AVFormatContext * format), (format))
-FL_PASS_ON(kFormat, AVStream*, avformat_new_stream, (AVFormatContext * format, const AVCodec* codec), (format, codec))
+           (AVFormatContext** ctx, const AVOutputFormat* oformat, const char* format_name, const char* filename),
+           (ctx, oformat, format_name, filename))
+FL_PASS_ON(kFormat, void, avformat_close_input, (AVFormatContext** s), (s))
+FL_PASS_ON(kFormat, int, avformat_find_stream_info, (AVFormatContext* ic, AVDictionary** options), (ic, options))
+FL_PASS_ON(kFormat, void, avformat_free_context, (AVFormatContext* s), (s))
+FL_PASS_ON(kFormat, AVStream*, avformat_new_stream, (AVFormatContext* s, const AVCodec* c), (s, c))
 FL_PASS_ON(kFormat, int, avformat_open_input,
-           (AVFormatContext * *format, const char* url, const AVInputFormat* input, AVDictionary** options),
-           (format, url, input, options))
-FL_PASS_ON(kFormat, int, avformat_write_header, (AVFormatContext * format, AVDictionary** options), (format, options))
+           (AVFormatContext** ps, const char* url, const AVInputFormat* fmt, AVDictionary** options),
+           (ps, url, fmt, options))
+FL_PASS_ON(kFormat, int, avformat_write_header, (AVFormatContext* s, AVDictionary** options), (s, options))
 FL_PASS_ON(kFormat, AVIOContext*, avio_alloc_context,
-           (unsigned char* buffer, int size, int writes, void* object, int (*read)(void*, std::uint8_t*, int),
-            int (*write)(void*, std::uint8_t*, int), std::int64_t (*seek)(void*, std::int64_t, int)),
-           (buffer, size, writes, object, read, write, seek))
-FL_PASS_ON(kFormat, int, avio_closep, (AVIOContext * *io), (io))
-FL_PASS_ON(kFormat, void, avio_context_free, (AVIOContext * *io), (io))
-FL_PASS_ON(kFormat, int, avio_open, (AVIOContext * *io, const char* url, int flags), (io, url, flags))
+           (unsigned char* buffer, int buffer_size, int write_flag, void* opaque, int (*read_packet)(void*,
+            std::uint8_t*, int), int (*write_packet)(void*, std::uint8_t*, int), std::int64_t (*seek)(void*,
+            std::int64_t, int)),
+           (buffer, buffer_size, write_flag, opaque, read_packet, write_packet, seek))
+FL_PASS_ON(kFormat, int, avio_closep, (AVIOContext** s), (s))
+FL_PASS_ON(kFormat, void, avio_context_free, (AVIOContext** s), (s))
+FL_PASS_ON(kFormat, int, avio_open, (AVIOContext** s, const char* url, int flags), (s, url, flags))
 
-FL_PASS_ON(kScale, void, sws_freeContext, (SwsContext * context), (context))
+FL_PASS_ON(kScale, void, sws_freeContext, (SwsContext* swsContext), (swsContext))
 FL_PASS_ON(kScale, SwsContext*, sws_getCachedContext,
-           (SwsContext * context, int from_width, int from_height, AVPixelFormat from_format, int to_width,
-            int to_height, AVPixelFormat to_format, int flags, SwsFilter* from_filter, SwsFilter* to_filter,
-            const double* parameters),
-           (context, from_width, from_height, from_format, to_width, to_height, to_format, flags, from_filter,
-            to_filter, parameters))
-FL_PASS_ON(kScale, const int*, sws_getCoefficients, (int space), (space))
+           (SwsContext* context, int srcW, int srcH, AVPixelFormat srcFormat, int dstW, int dstH, AVPixelFormat
+            dstFormat, int flags, SwsFilter* srcFilter, SwsFilter* dstFilter, const double* param),
+           (context, srcW, srcH, srcFormat, dstW, dstH, dstFormat, flags, srcFilter, dstFilter, param))
+FL_PASS_ON(kScale, const int*, sws_getCoefficients, (int colorspace), (colorspace))
 FL_PASS_ON(kScale, SwsContext*, sws_getContext,
-           (int from_width, int from_height, AVPixelFormat from_format, int to_width, int to_height,
-            AVPixelFormat to_format, int flags, SwsFilter* from_filter, SwsFilter* to_filter, const double* parameters),
-           (from_width, from_height, from_format, to_width, to_height, to_format, flags, from_filter, to_filter,
-            parameters))
+           (int srcW, int srcH, AVPixelFormat srcFormat, int dstW, int dstH, AVPixelFormat dstFormat, int flags,
+            SwsFilter* srcFilter, SwsFilter* dstFilter, const double* param),
+           (srcW, srcH, srcFormat, dstW, dstH, dstFormat, flags, srcFilter, dstFilter, param))
 FL_PASS_ON(kScale, int, sws_scale,
-           (SwsContext * context, const std::uint8_t* const from[], const int from_strides[], int from_y,
-            int from_height, std::uint8_t* const to[], const int to_strides[]),
-           (context, from, from_strides, from_y, from_height, to, to_strides))
+           (SwsContext* c, const std::uint8_t* const srcSlice[], const int srcStride[], int srcSliceY, int srcSliceH,
+            std::uint8_t* const dst[], const int dstStride[]),
+           (c, srcSlice, srcStride, srcSliceY, srcSliceH, dst, dstStride))
 FL_PASS_ON(kScale, int, sws_setColorspaceDetails,
-           (SwsContext * context, const int inverse[4], int from_range, const int table[4], int to_range,
-            int brightness, int contrast, int saturation),
-           (context, inverse, from_range, table, to_range, brightness, contrast, saturation))
+           (SwsContext* c, const int inv_table[4], int srcRange, const int table[4], int dstRange, int brightness, int
+            contrast, int saturation),
+           (c, inv_table, srcRange, table, dstRange, brightness, contrast, saturation))
 }
+// clang-format on
+// NOLINTEND(readability-identifier-naming)
 
 #undef FL_PASS_ON
