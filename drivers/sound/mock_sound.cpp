@@ -35,11 +35,11 @@ class MockSound final : public SoundDevice {
       const double since_off_beat_s = static_cast<double>((frame_ + kBeatFrames / 2) % kBeatFrames) / kMockRateHz;
       const bool second_chord = frame_ / kBarFrames % 2 == 1;
       const double kick = 0.6 * mock_sine(60, frame_) * std::exp(-since_beat_s / 0.08);
-      const double hiss = 0.15 * mock_noise(frame_) * std::exp(-since_off_beat_s / 0.03);
+      const double hiss = 0.5 * mock_noise(frame_) * std::exp(-since_off_beat_s / 0.06);
       const double chord =
-          0.08 * (mock_sine(second_chord ? 294 : 220, frame_) + mock_sine(second_chord ? 440 : 330, frame_));
+          0.14 * (mock_sine(second_chord ? 294 : 220, frame_) + mock_sine(second_chord ? 440 : 330, frame_));
       interleaved.push_back(static_cast<float>(kick + chord + hiss));
-      interleaved.push_back(static_cast<float>(kick + chord - hiss));
+      interleaved.push_back(static_cast<float>(kick + chord + hiss / 2));
     }
     return {};
   }
