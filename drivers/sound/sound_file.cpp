@@ -9,6 +9,7 @@ extern "C" {
 #include <libavformat/avformat.h>
 }
 
+#include "drivers/av/libav.h"
 #include "sim/sound/audio_link.h"
 
 namespace footlight::drivers {
@@ -148,6 +149,9 @@ Status check_file(const std::string& path) {
 
 Result<std::unique_ptr<SoundFile>> SoundFile::open(const std::string& path) {
   FL_TRY(check_file(path));
+  if (const Status has_libav = load_libav(); !has_libav) {
+    return fail(has_libav.error().code, "{}: {}", path, has_libav.error().message);
+  }
   av_log_set_level(AV_LOG_QUIET);
   AVFormatContext* opened = nullptr;
   const int got = avformat_open_input(&opened, ("file:" + path).c_str(), nullptr, nullptr);

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "drivers/vrsl/grid.h"
 #include "drivers/vrsl/picture.h"
 #include "sim/core/clock.h"
 #include "sim/core/endpoint.h"
@@ -24,6 +25,7 @@ struct PictureTarget {
   int height = 0;
   bool overwrite = false;               // out: files may be replaced
   std::vector<EndpointOption> options;  // those that the grid does not use (vrsl_options.h)
+  GridFormat grid;                      // as named; where it is searched for, only its planes are known
 };
 
 // The error for an option that neither the grid nor the target has.

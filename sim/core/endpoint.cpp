@@ -249,7 +249,7 @@ Status parse_sound(std::string_view text, std::string_view rest, Endpoint& endpo
   if (!place || rest.empty()) {
     return fail(ErrorCode::kBadInput,
                 "{}: expected a sound map, as in audio:map.toml, or audio:SOUND=UNIVERSE.ADDRESS, as in "
-                "audio:track.flac=1.25 or audio:alsa:default=1.25",
+                "audio:track.flac=1.25, audio:alsa:default=1.25 or audio:mock=1.25",
                 text);
   }
   FL_ASSIGN(const auto slot, parse_place(text, *place));
@@ -308,7 +308,9 @@ Status parse_picture(std::string_view text, std::string_view rest, Endpoint& end
 
 }  // namespace
 
-bool is_sound_device(std::string_view sound) { return sound == "alsa" || sound.starts_with("alsa:"); }
+bool is_sound_device(std::string_view sound) {
+  return sound == "alsa" || sound.starts_with("alsa:") || sound == kMockSound;
+}
 
 std::vector<Universe> Endpoint::show_universes() const {
   std::vector<Universe> numbers;

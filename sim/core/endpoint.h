@@ -15,10 +15,12 @@
 //   gpio:mock/2=1.25          a line of a model in this process: a contact that closes twice a second
 //   vrsl:1-9@frame_%05d.png   universes as pictures, for or from VR Stage Lighting (docs/vrsl_pictures.md)
 //   vrsl:1-3=11-13@show.png   its universes 1 to 3 as 11 to 13 of the show
+//   vrsl:1-9@mock             a loopback device in this process; read alone: a moving pattern
 //   vrsl:1-9@TARGET?KEY=VALUE&KEY=VALUE     with options; the last "?" begins them, so that of a URL is followed by one
 //   audio:map.toml            a sound map: the sound, and the slots that it sets (docs/sound.md)
 //   audio:track.flac=1.25     a sound file: its four bands and its beat as addresses 25 to 29 of universe 1
 //   audio:alsa:default=1.25   the same of a device
+//   audio:mock=1.25           of a model of a device: a beat of 120 a minute
 //   log:FILE                  a file; everything after "log:" is its name
 //
 // Universe numbers count from 1 on both sides, in every protocol. Parsing checks the text only. Opening the endpoint
@@ -62,8 +64,8 @@ struct Endpoint {
   std::string text;  // as the user wrote it
   EndpointKind kind = EndpointKind::kNetwork;
   std::string scheme;  // "sacn"
-  // device: serial or model, or empty; gpio: chip; file and picture: its name; audio: a map, a sound file or
-  // alsa:DEVICE; network: empty
+  // device: serial or model, or empty; gpio: chip; file and picture: its name; audio: a map, a sound file,
+  // alsa:DEVICE or mock; network: empty
   std::string target;
   std::vector<std::string> addresses;        // network: IPv4 addresses, or none
   std::uint16_t udp_port = 0;                // network: 0: the protocol's own port
@@ -81,7 +83,8 @@ struct Endpoint {
 
 // The slots of audio with a place: four bands and the beat.
 inline constexpr int kPlainSoundSlots = 5;
-// True for "alsa" and "alsa:DEVICE", which are no files.
+// True for "alsa", "alsa:DEVICE" and "mock", which are no files.
+inline constexpr std::string_view kMockSound = "mock";
 [[nodiscard]] bool is_sound_device(std::string_view sound);
 
 // `device_schemes`: the ids of the drivers of this build. All errors are kBadInput; the message begins with the

@@ -50,6 +50,7 @@ AudioLink::AudioLink(const AudioLinkSettings& settings, int rate_hz, int channel
       spectrum_(rate_hz),
       beat_finder_(kSoundStepsPerS),
       chord_(kStepS),
+      meter_(kStepS),
       newest_(static_cast<std::size_t>(kLevelS * rate_hz)) {
   FL_CHECK(rate_hz >= kSoundRateMinHz && rate_hz <= kSoundRateMaxHz);
   FL_CHECK(channels >= 1 && channels <= kSoundChannelsMax);
@@ -101,6 +102,8 @@ void AudioLink::measure_level(double gain) {
     state_.rms[side] = static_cast<float>(std::sqrt(total[side] / static_cast<double>(newest_.size())));
     state_.peak[side] = static_cast<float>(peak[side]);
   }
+  meter_.step({state_.rms[0], state_.peak[0], state_.rms[1], state_.peak[1]});
+  state_.meter = meter_.state();
   const double level = state_.autogain_level;
   const double next = peak[0] / (level + settings_.autogain_derate);
   state_.autogain_level = static_cast<float>(mixed(next, level, next > level ? 0.5 : 0.995));
@@ -130,6 +133,8 @@ void AudioLink::take_band(int band) {
     confidence_[at] = 1;
     boost_[at] = std::max(boost_[at] - 0.01, 0.0);
   }
+  state_.autolevel[at] = {static_cast<float>(raw), static_cast<float>(boost_[at]), static_cast<float>(confidence_[at]),
+                          settings_.autolevel};
   auto& history = state_.bands[at];
   const double lost = std::pow(1 - settings_.fade_length, 3);
   double last = history[0] - lost;

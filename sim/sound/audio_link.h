@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "sim/core/clock.h"
+#include "sim/sound/audio_meter.h"
 #include "sim/sound/beat.h"
 #include "sim/sound/color_chord.h"
 #include "sim/sound/spectrum.h"
@@ -62,6 +63,14 @@ struct AudioLinkState {
   std::array<float, 2> rms{};  // left and right, over 43 ms, with autogain
   std::array<float, 2> peak{};
   float autogain_level = 0;  // the running level that autogain divides by
+  MeterState meter;
+  struct Autolevel {
+    float magnitude = 0;  // of the band of this step, with threshold and contrast; may be below 0 and above 1
+    float boost = 0;      // what its threshold is lowered by
+    float confidence = 0;
+    bool on = false;
+  };
+  std::array<Autolevel, kSoundBands> autolevel{};
   Beat beat;
   std::array<ChordNote, kChordNotes> notes{};
   std::array<SoundColor, 4> theme{};
@@ -93,6 +102,7 @@ class AudioLink {
   Spectrum spectrum_;
   BeatFinder beat_finder_;
   ColorChord chord_;
+  AudioMeter meter_;
   SpectrumBins treble_;  // correction of each bin
   AudioLinkState state_;
   std::uint64_t frames_ = 0;

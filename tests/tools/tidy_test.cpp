@@ -197,10 +197,10 @@ TEST_CASE("hardware libraries, and those that compile slowly, are included only 
       {"GLFW/", R"(tools/footlight/preview/(window|preview_).*|tools/footlight/vrsl/vrsl_window.*)"},
       {"imgui", R"(tools/footlight/preview/(window|preview_).*)"},
       {"libav", R"(tools/footlight/pictures/video.*\.cpp|tools/footlight/vrsl/(video_.*\.cpp|av_error\.h)|)"
-                R"(drivers/sound/sound_file\.cpp|tests/tools/.*\.cpp)"},
+                R"(drivers/(sound/sound_file|av/libav)\.cpp|tests/tools/.*\.cpp)"},
       {"OpenEXR/", R"(tools/footlight/pictures/exr_file\.cpp|tests/tools/.*\.cpp)"},
       {"alsa/", R"(drivers/sound/alsa_device\.cpp)"},
-      {"libsw", R"(tools/footlight/(pictures|vrsl)/video.*\.cpp|tests/tools/.*\.cpp)"},
+      {"libsw", R"(tools/footlight/(pictures|vrsl)/video.*\.cpp|drivers/av/libav\.cpp|tests/tools/.*\.cpp)"},
       {"microhttpd", R"(tools/footlight/status/http_server\.cpp)"},
       {"systemd/", R"(tools/footlight/bridge/(service|event_log)\.cpp)"},
       {"pcap/", R"(drivers/capture/pcap_input\.cpp)"},

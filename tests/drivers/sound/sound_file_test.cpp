@@ -1,10 +1,14 @@
 #include "drivers/sound/sound_file.h"
 
+#include <array>
+#include <bit>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 #include <doctest/doctest.h>
 
+#include "sim/sound/audio_link.h"
 #include "tests/support/must.h"
 #include "tests/support/temp_folder.h"
 #include "tests/support/wav_bytes.h"
@@ -58,6 +62,22 @@ TEST_CASE("samples of every form and number of channels are read within half a s
   }
 }
 
+TEST_CASE("rates from 8 to 192 kHz and 1 to 8 channels are read as they are in the file") {
+  const testing::TempFolder folder;
+  for (const int rate_hz : {8'000, 11'025, 44'100, 48'000, 96'000, 192'000}) {
+    for (int channels = 1; channels <= 8; ++channels) {
+      CAPTURE(rate_hz);
+      CAPTURE(channels);
+      const auto frames = static_cast<std::size_t>(100);
+      const std::vector<float> samples = ramp(frames * static_cast<std::size_t>(channels));
+      const auto file = must(SoundFile::open(folder.write("a.wav", wav_bytes(samples, rate_hz, channels))));
+      CHECK(file->info().rate_hz == rate_hz);
+      CHECK(file->info().channels == channels);
+      CHECK(read_all(*file).size() == samples.size());
+    }
+  }
+}
+
 TEST_CASE("a file that is cut off is read up to its end") {
   const testing::TempFolder folder;
   const std::string whole = wav_bytes(ramp(40'000), 44'100, 2);
@@ -93,6 +113,51 @@ TEST_CASE("samples that are not numbers are passed on as they are in the file") 
   REQUIRE(read.size() == samples.size());
   CHECK(std::isnan(read[100]));
   CHECK(std::isinf(read[200]));
+}
+
+// Songs of Debian's package fretsonfire-songs-sectoid, under a free licence.
+TEST_CASE("twenty seconds of real songs move every band, have a tempo, and give the same states each time") {
+  const std::filesystem::path songs = "/usr/share/games/fretsonfire/data/songs";
+  std::error_code missing;
+  int count = 0;
+  for (std::filesystem::recursive_directory_iterator at(songs, missing), end; !missing && at != end;
+       at.increment(missing)) {
+    if (at->path().filename() != "song.ogg") continue;
+    CAPTURE(at->path().string());
+    ++count;
+    std::array<float, kSoundBands> most{}, least{1, 1, 1, 1};
+    int beats = 0;
+    double bpm = 0;
+    std::array<std::uint64_t, 2> sums{};
+    for (std::uint64_t& sum : sums) {
+      const auto file = must(SoundFile::open(at->path().string()));
+      AudioLink link({}, file->info().rate_hz, file->info().channels);
+      std::vector<float> samples;
+      while (link.frames() < 20U * static_cast<unsigned>(file->info().rate_hz) && must(file->read(samples))) {
+        link.push(samples, [&](const AudioLinkState& state) {
+          beats += state.beat.is_beat ? 1 : 0;
+          bpm = state.beat.bpm;
+          for (std::size_t band = 0; band < most.size(); ++band) {
+            const float level = state.bands[band][0];
+            sum = sum * 31 + std::bit_cast<std::uint32_t>(level);
+            if (state.step < 450) continue;  // the song has begun
+            most[band] = std::max(most[band], level);
+            least[band] = std::min(least[band], level);
+          }
+        });
+      }
+      CHECK(file->damaged_packets() == 0);
+    }
+    CHECK(sums[0] == sums[1]);
+    for (std::size_t band = 0; band < most.size(); ++band) {
+      CHECK(most[band] > 0.5F);
+      CHECK(most[band] - least[band] > 0.3F);
+    }
+    CHECK(bpm >= 55);
+    CHECK(bpm <= 200);
+    CHECK(beats > 10);
+  }
+  if (count == 0) MESSAGE("SKIPPED: the package fretsonfire-songs-sectoid is not installed");
 }
 
 }  // namespace

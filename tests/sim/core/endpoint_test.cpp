@@ -148,6 +148,8 @@ TEST_CASE("sound is a map, or a file or device with the place of its five slots"
   CHECK(file.first_address == 508);
   CHECK_FALSE(is_sound_device(file.target));
   CHECK(is_sound_device(parsed("audio:alsa:hw:1,0=1.1").target));
+  CHECK(is_sound_device(parsed("audio:mock=1.1").target));
+  CHECK_FALSE(is_sound_device("mocks"));
   CHECK(parsed("audio:alsa=2.7").target == "alsa");
   for (const char* const bad : {"audio", "audio:", "audio:track.flac", "audio:=1.1", "audio:track.flac=1",
                                 "audio:track.flac=0.1", "audio:track.flac=1.0", "audio:track.flac=1.509"}) {

@@ -5,6 +5,7 @@
 
 #include "sim/sound/audio_link.h"
 #include "tests/sim/sound/tones.h"
+#include "tests/support/long_tests.h"
 
 namespace footlight {
 namespace {
@@ -55,6 +56,30 @@ TEST_CASE("spectra that rise 62 to 178 times a minute give that tempo within 1 p
     }
     check_beats(found, bpm, 20);
   }
+}
+
+TEST_CASE("beats are within 35 ms of a click track after three minutes of play, and with --long after 24 hours") {
+  const double bpm = 128;
+  const int rate_hz = 8'000;
+  const double seconds = testing::runs_long_tests() ? 24 * 3'600 : 180;
+  AudioLink link({}, rate_hz, 1);
+  // 15 s hold 32 clicks, so the pieces continue each other.
+  const std::vector<float> piece = clicks(bpm, 15, rate_hz);
+  double worst_s = 0;
+  int beats = 0;
+  const double counted_from_s = seconds - 30;
+  for (double at_s = 0; at_s < seconds; at_s += 15) {
+    link.push(piece, [&](const AudioLinkState& state) {
+      const double t = static_cast<double>(state.step) / kSoundStepsPerS;
+      if (t < counted_from_s || !state.beat.is_beat) return;
+      ++beats;
+      const double off = std::fmod(t, 60 / bpm);
+      worst_s = std::max(worst_s, std::min(off, 60 / bpm - off));
+    });
+  }
+  CHECK(link.frames() == static_cast<std::uint64_t>(seconds * rate_hz));
+  CHECK(std::abs(beats - 64) <= 1);
+  CHECK(worst_s < 0.035);
 }
 
 TEST_CASE("silence and a steady tone have no tempo and no beats") {

@@ -146,5 +146,29 @@ TEST_CASE("a device without a clock is read at its rate, and a fast card without
   }
 }
 
+TEST_CASE("the model of a device has a beat of 120 a minute, moves every band, and plays as a port") {
+  const auto device = must(open_sound_device("mock"));
+  AudioLink link({}, device->info().rate_hz, device->info().channels);
+  std::vector<float> samples;
+  std::array<float, kSoundBands> most{};
+  float least_bass = 1;
+  while (link.frames() < 12U * 48'000) {
+    REQUIRE(device->read(samples, 0));
+    link.push(samples, [&](const AudioLinkState& state) {
+      for (std::size_t band = 0; band < most.size(); ++band) most[band] = std::max(most[band], state.bands[band][0]);
+      if (state.step > 200) least_bass = std::min(least_bass, state.bands[0][0]);
+    });
+  }
+  for (const float one : most) CHECK(one > 0.5F);
+  CHECK(least_bass < 0.2F);
+  CHECK(link.state().beat.bpm == doctest::Approx(120).epsilon(0.01));
+
+  const auto port = must(open_live_sound(fixtures::plain_sound_map("mock", 7, 1), {"audio:mock=7.1"}));
+  Received received;
+  CHECK(poll_until(*port, received, [&] { return received.bass > 100; }));
+  CHECK(received.universe == 7);
+  CHECK(port->state() == PortState::kWorking);
+}
+
 }  // namespace
 }  // namespace footlight::tools

@@ -6,31 +6,20 @@
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <set>
-#include <sstream>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
 
 #include "tests/drivers/net/private_network.h"
+#include "tests/tools/footlight/doc_lines.h"
 #include "tests/tools/footlight/run_footlight.h"
 
 namespace footlight::testing {
 namespace {
 
 namespace fs = std::filesystem;
-using Words = std::vector<std::string>;
-
-// How a line is changed for the test. Every entry must match a line of the README.
-struct Special {
-  const char* line;     // as in the README, without its comment
-  const char* instead;  // the command to run; nullptr: the line itself with `more`
-  const char* more;     // arguments added at the end
-  int exit_code;        // besides 0
-  const char* reason;
-};
+const std::string kReadme = FOOTLIGHT_SOURCE_DIR "/README.md";
 
 constexpr const char* kSmall = "--size 48x27";
 constexpr const char* kReport = "--pictures --size 32x18 --judge-pixels 100 --runs 3";
@@ -85,60 +74,7 @@ constexpr Special kSpecials[] = {
     {"footlight report --time --worst", nullptr, "--quick", 0, "it takes minutes"},
 };
 
-std::string trimmed(const std::string& text) {
-  const std::size_t begin = text.find_first_not_of(' ');
-  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(' ') - begin + 1);
-}
-
-// Lines of the code blocks that begin with the program's name, without their comments.
-Words readme_lines() {
-  std::ifstream file(FOOTLIGHT_SOURCE_DIR "/README.md");
-  REQUIRE(file.good());
-  Words lines;
-  bool in_block = false;
-  for (std::string line; std::getline(file, line);) {
-    if (line.starts_with("```")) {
-      in_block = !in_block;
-    } else if (in_block && line.starts_with("footlight ")) {
-      lines.push_back(trimmed(line.substr(0, line.find(" #"))));
-    }
-  }
-  return lines;
-}
-
-// Splits words as a shell does, with single quotes.
-Words words_of(const std::string& line) {
-  Words words;
-  std::string word;
-  bool any = false, quoted = false;
-  for (const char c : line + " ") {
-    if (c == '\'') {
-      quoted = !quoted;
-      any = true;
-    } else if (c == ' ' && !quoted) {
-      if (any) words.push_back(std::exchange(word, {}));
-      any = false;
-    } else {
-      word += c;
-      any = true;
-    }
-  }
-  return words;
-}
-
 bool draws(const Words& words) { return words[0] == "render" || (words[0] == "report" && words[1] != "--time"); }
-
-// The folder in which programs are started.
-class WorkingFolder {
- public:
-  explicit WorkingFolder(const fs::path& folder) : before_(fs::current_path()) { fs::current_path(folder); }
-  ~WorkingFolder() { fs::current_path(before_); }
-  WorkingFolder(const WorkingFolder&) = delete;
-  WorkingFolder& operator=(const WorkingFolder&) = delete;
-
- private:
-  fs::path before_;
-};
 
 TEST_CASE("samples writes every file once, the same each time, and replaces none") {
   const TempFolder folder;
@@ -201,7 +137,7 @@ TEST_CASE("the README's search finds a QLC+ definition") {
     return;
   }
   int searches = 0;
-  for (const std::string& line : readme_lines()) {
+  for (const std::string& line : doc_lines(kReadme)) {
     if (!line.starts_with("footlight fixtures find ")) continue;
     Words words = words_of(line);
     words.erase(words.begin());
@@ -216,13 +152,10 @@ TEST_CASE("every line of the README runs in a folder of samples") {
   if (!enter_private_network()) return;
   if (!add_interface("stage0", "10.0.0.2")) return;  // 10.0.0.7 is a neighbour
   const TempFolder folder;
-  const Words lines = readme_lines();
+  const Words lines = doc_lines(kReadme);
   REQUIRE(lines.size() > 40);
   REQUIRE(std::find(lines.begin(), lines.end(), "footlight samples samples") != lines.end());
-  std::set<std::string> unused;
-  for (const Special& special : kSpecials) unused.insert(special.line);
-  for (const std::string& line : lines) unused.erase(line);
-  for (const std::string& line : unused) CHECK_MESSAGE(false, "not in the README: " << line);
+  check_specials(kSpecials, lines);
 
   const WorkingFolder root(folder.file(""));
   REQUIRE(footlight({"samples", "samples"}).exit_code == 0);
@@ -236,11 +169,7 @@ TEST_CASE("every line of the README runs in a folder of samples") {
   bridge.wait_for(R"("event":"ready")");
   for (const std::string& line : lines) {
     if (line == "footlight samples samples") continue;
-    Special special{line.c_str(), nullptr, "", 0, ""};
-    for (const Special& one : kSpecials)
-      if (line == one.line) special = one;
-    Words words = words_of((special.instead != nullptr ? special.instead : line) + (" " + std::string(special.more)));
-    words.erase(words.begin());
+    const auto [words, special] = command_of(line, kSpecials);
     if (draws(words)) {
       if (FOOTLIGHT_HAS_PICTURES == 0) continue;
       environment["ASAN_OPTIONS"] = "detect_leaks=0";  // drivers of GPUs leak (tests/support/headless_vulkan.cpp)

@@ -1,5 +1,7 @@
 // Sound on the command line: the same levels each time, checks, the texture, and messages.
 #include <cmath>
+#include <csignal>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
@@ -130,6 +132,8 @@ TEST_CASE("the texture has AudioLink's size, its bands in rows 0 to 3 and 0 in w
   CHECK(red(0, 0) > 0);                                        // the tone is in the bass
   CHECK(red(60, 0) == 0);                                      // two thirds of a second ago it was silent
   CHECK(red(0, 28) > 0);                                       // filtered
+  CHECK(red(0, 32) > 0);                                       // the history of levels
+  CHECK(red(127, 32) == 0);                                    // 1.4 s ago
   for (std::size_t y = 6; y < 22; ++y) CHECK(red(5, y) == 0);  // the waveform is not filled
   CHECK(footlight({"audio", "texture", tone, "--every", "500ms", "-o", folder.file("t_%04d.png")}).exit_code == 0);
   CHECK(std::filesystem::exists(folder.file("t_0004.png")));
@@ -162,6 +166,52 @@ TEST_CASE("an ALSA device plays into a log, and an unknown one is reported") {
   CHECK(contains(refused.err, "arecord -L"));
 }
 #endif
+
+struct Running {
+  bool alsa = false;
+  bool libav = false;
+  int threads = 0;
+};
+
+// A bridge with a GPIO model and these arguments, once it runs.
+Running running_with(const std::vector<std::string>& more) {
+  const TempFolder folder;
+  std::vector<std::string> arguments = {
+      "run", "--in", "gpio:mock/2=1.1", "--out", "log:" + folder.file("o.dmxlog"), "--json", "--for", "30s"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  Footlight bridge(arguments, {{"XDG_RUNTIME_DIR", folder.file("")}});
+  bridge.wait_for(R"("event":"ready")");
+  Running found;
+  const std::string process = "/proc/" + std::to_string(bridge.pid());
+  const std::string maps = bytes_of(process + "/maps");
+  CHECK(contains(maps, "libc.so"));
+  found.alsa = contains(maps, "libasound");
+  found.libav = contains(maps, "libavcodec") || contains(maps, "libavformat") || contains(maps, "libswscale");
+  const std::filesystem::directory_iterator tasks(process + "/task");
+  found.threads = static_cast<int>(std::distance(begin(tasks), end(tasks)));
+  bridge.signal(SIGTERM);
+  bridge.wait();
+  return found;
+}
+
+TEST_CASE("a bridge loads no library and has no thread for sound and video unless an endpoint needs them") {
+  const TempFolder folder;
+  const std::string tone = write_tone(folder);
+  const Running plain = running_with({});
+  CHECK_FALSE(plain.alsa);
+  CHECK_FALSE(plain.libav);
+  const Running device = running_with({"--in", "audio:mock=1.10"});
+  CHECK(device.threads == plain.threads + 1);
+  CHECK_FALSE(device.alsa);
+  CHECK_FALSE(device.libav);
+  const Running file = running_with({"--in", "audio:" + tone + "=1.10"});
+  CHECK(file.threads == plain.threads);
+  CHECK(file.libav);
+  CHECK_FALSE(file.alsa);
+  const Running picture = running_with({"--out", "vrsl:1@" + folder.file("p.png")});
+  CHECK(picture.threads == plain.threads + 1);
+  CHECK_FALSE(picture.libav);
+}
 
 TEST_CASE("wrong arguments of sound are reported with the next step") {
   const TempFolder folder;

@@ -3,12 +3,14 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 
 #include "fixtures/simulate/vrsl_compat.h"
 #include "tests/support/must.h"
 #include "tests/support/temp_folder.h"
+#include "tools/footlight/vrsl/mock_pictures.h"
 #include "tools/footlight/vrsl/open_pictures.h"
 #include "tools/footlight/vrsl/png_pictures.h"
 #include "tools/footlight/vrsl/round_trip.h"
@@ -148,6 +150,53 @@ TEST_CASE("numbered pictures replace no file without overwrite=yes, whatever its
   REQUIRE_FALSE(refused.has_value());
   CHECK(refused.error().message == own + " exists; choose another name, or add ?overwrite=yes");
   CHECK(std::filesystem::file_size(own) == 4);
+}
+
+TEST_CASE("what one port shows on a model of a loopback device, another one reads, and other models do not") {
+  const auto output = testing::must(open_picture_output({.endpoint = "out", .name = "mock/a"}));
+  const auto input = testing::must(open_picture_input({.endpoint = "in", .name = "mock/a"}));
+  const auto other = testing::must(open_picture_output({.endpoint = "out", .name = "mock/b"}));
+  const auto stranger = testing::must(open_picture_input({.endpoint = "in", .name = "mock/b"}));
+  Picture read;
+  std::optional<DurationNs> time_ns;
+  CHECK(*input->next(read, time_ns, 0) == drivers::PictureStep::kNothing);  // nothing has been shown
+  for (int i = 0; i < 3; ++i) {
+    const Picture shown = encoded(codec_of({.planes = GridPlanes::kRgb}), some_levels(i));
+    REQUIRE(output->show(shown, 0));
+    REQUIRE(*input->next(read, time_ns, kNsPerS) == drivers::PictureStep::kPicture);
+    CHECK(read.rgb == shown.rgb);
+    CHECK_FALSE(time_ns);  // live
+  }
+  CHECK(*input->next(read, time_ns, 0) == drivers::PictureStep::kNothing);
+  CHECK(*stranger->next(read, time_ns, 0) == drivers::PictureStep::kNothing);
+  CHECK_FALSE(open_picture_output({.endpoint = "out", .name = "mock", .options = {{"quality", "1"}}}));
+}
+
+TEST_CASE("an input from a model that nothing is shown on reads a moving pattern, in each layout") {
+  for (const char* options : {"", "layout=horizontal-top&planes=rgb&", "layout=vertical-left&planes=rgb&"}) {
+    CAPTURE(std::string(options));
+    const std::string universes =
+        std::string(options).find("vertical") == std::string::npos ? "1-9=11-19" : "1,7=11,19";
+    const auto source =
+        testing::must(open_picture_source(endpoint_of("vrsl:" + universes + "@mock/p?" + options + "fps=100")));
+    LastFrames frames;
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    TimeNs now_ns = 0;
+    while (frames.first.size() < 3 && std::chrono::steady_clock::now() < end) {
+      pollfd ready{source->poll_fd(), POLLIN, 0};
+      ::poll(&ready, 1, 10);
+      REQUIRE(source->poll(now_ns += kNsPerMs, frames));
+    }
+    REQUIRE(frames.first.size() >= 3);
+    REQUIRE(!frames.last.empty());
+    // Two pictures of the pattern differ by the same number at every address.
+    const int step = (frames.first[2][0] - frames.first[1][0]) & 255;
+    CHECK(step > 0);
+    for (std::size_t slot = 0; slot < 512; ++slot) {
+      CHECK(((frames.first[2][slot] - frames.first[1][slot]) & 255) == step);
+      CHECK(((frames.first[1][slot] - frames.first[1][0]) & 255) == static_cast<int>(7 * slot & 255));
+    }
+  }
 }
 
 TEST_CASE("targets that nothing takes are refused with those that exist") {

@@ -18,9 +18,12 @@
 #include "drivers/fd.h"
 #include "drivers/vrsl/grid.h"
 #include "sim/dmx_log/log_input.h"
+#include "tests/sim/sound/tones.h"
 #include "tests/support/must.h"
 #include "tests/support/temp_folder.h"
+#include "tests/support/wav_bytes.h"
 #include "tests/tools/footlight/run_footlight.h"
+#include "tools/footlight/vrsl/png_pictures.h"
 #include "tools/footlight/vrsl/video_output.h"
 #include "tools/footlight/vrsl/video_reader.h"
 #include "tools/footlight/vrsl/yuv.h"
@@ -292,6 +295,74 @@ TEST_CASE("a pipe without a reader refuses pictures, and each reader gets a stre
     bool refused = false;
     for (int i = 0; i < 3 && !refused; ++i) refused = !output->show(picture, (round + 1) * kNsPerS).has_value();
     CHECK(refused);
+  }
+}
+
+TEST_CASE("a pipe has each picture as a whole as soon as it is shown") {
+  const TempFolder folder;
+  const std::string pipe = folder.file("pipe");
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  const auto output = must(open_video_output(target_of(pipe)));
+  drivers::Fd reading(::open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  const GridCodec codec = codec_of(GridPlanes::kLuma);
+  Picture picture;
+  std::string bytes;
+  for (unsigned shown = 1; shown <= 4; ++shown) {
+    codec.encode(random_levels(shown, 3), picture);
+    REQUIRE(output->show(picture, time_of(static_cast<int>(shown) - 1)).has_value());
+    std::vector<char> part(1 << 20);
+    for (ssize_t count = 0; (count = ::read(reading.get(), part.data(), part.size())) > 0;) {
+      bytes.append(part.data(), static_cast<std::size_t>(count));
+    }
+    write_bytes(folder.file("got.ts"), bytes);
+    const ReadVideo video = read_video(folder.file("got.ts"), GridPlanes::kLuma);
+    CAPTURE(shown);
+    REQUIRE(video.levels.size() == shown);
+    CHECK(largest_error(video.levels.back(), random_levels(shown, 3)) <= kWithin);
+  }
+}
+
+TEST_CASE("the texture of a sound as a video is that of its pictures, and a stream ends after its time") {
+  const TempFolder folder;
+  const std::string tone = folder.write("tone.wav", testing::wav_bytes(sine(100, 1, 16'000, 0.7), 16'000, 1));
+  const std::string video = folder.file("t.mkv"), png = folder.file("t_%04d.png");
+  const testing::Outcome stream =
+      testing::footlight({"audio", "texture", tone, "--every", "100ms", "--scale", "2", "-o", video + "?lossless=yes"});
+  CHECK_MESSAGE(stream.exit_code == 0, stream.err);
+  CHECK(stream.err.find("11 pictures of 256x128") != std::string::npos);
+  CHECK(testing::footlight({"audio", "texture", tone, "--every", "100ms", "-o", png}).exit_code == 0);
+  const auto reader = must(VideoReader::open(video));
+  Picture picture, still;
+  std::optional<DurationNs> time_ns;
+  for (int i = 0; i <= 10; ++i) {
+    CAPTURE(i);
+    REQUIRE(must(reader->next(picture, time_ns, 0)) == PictureStep::kPicture);
+    CHECK(std::abs(time_ns.value_or(-1) - i * 100 * kNsPerMs) <= kNsPerMs);
+    REQUIRE(read_picture_file(folder.file(fmt::format("t_{:04}.png", i)), still).has_value());
+    REQUIRE(still.width == 128);
+    bool same = true;
+    for (int y = 0; y < 128; ++y) {
+      for (int x = 0; x < 256; ++x)
+        same = same && std::equal(picture.at(x, y), picture.at(x, y) + 3, still.at(x / 2, y / 2));
+    }
+    CHECK(same);
+  }
+  // A pipe gets its pictures in time: 0.2 s of a sound of a second take 0.2 s.
+  const testing::Outcome cut =
+      testing::footlight({"audio", "texture", tone, "--every", "50ms", "--for", "200ms", "-o", "mock"});
+  CHECK(cut.err.find("mock: 4 pictures of 128x64") != std::string::npos);
+  const testing::Outcome device =
+      testing::footlight({"audio", "texture", "audio:mock=1.1", "--every", "50ms", "--for", "200ms", "-o", "mock"});
+  CHECK(device.err.find("mock: 4 pictures of 128x64") != std::string::npos);
+  for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
+           {"audio", "texture", tone, "--every", "50ms", "-o", "t.pigeon"},
+           {"audio", "texture", tone, "--every", "1ms", "-o", "t.mkv"},
+           {"audio", "texture", tone, "--at", "1s", "-o", "t.mkv"},
+           {"audio", "texture", tone, "--every", "50ms", "--scale", "2", "-o", png},
+           {"audio", "texture", tone, "--every", "50ms", "-o", "t.mkv?speed=3"},
+           {"audio", "texture", "audio:mock=1.1", "--at", "1s", "-o", folder.file("x.png")}}) {
+    CAPTURE(wrong.back());
+    CHECK(testing::footlight(wrong).exit_code == 2);
   }
 }
 

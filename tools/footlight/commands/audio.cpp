@@ -6,13 +6,16 @@
 #include <nlohmann/json.hpp>
 
 #include "fixtures/gobos/png.h"
+#include "sim/core/counted.h"
 #include "sim/core/endpoint.h"
 #include "sim/sound/audio_texture.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/duration.h"
+#include "tools/footlight/monitor/terminal.h"
 #include "tools/footlight/pictures/numbered_file.h"
 #include "tools/footlight/sound/sound_check.h"
 #include "tools/footlight/sound/sound_log.h"
+#include "tools/footlight/sound/texture_stream.h"
 
 namespace footlight::tools {
 namespace {
@@ -21,14 +24,13 @@ constexpr const char* kSoundHelp = "a sound file (FLAC, WAV, MP3, Ogg ...) or a 
 constexpr int kPicturesMax = 100'000;
 
 // A sound file stands for a map with AudioLink's own settings.
-Result<fixtures::SoundMap> map_or_sound(const std::string& path, const char* command) {
+Result<fixtures::SoundMap> map_or_sound(const std::string& path, const char* command, bool device_too = false) {
   if (path.empty()) {
     return fail(ErrorCode::kBadInput, "audio {}: expected a sound file or map, for example 'footlight audio {} {}'",
                 command, command, "track.flac");
   }
-  if (!is_sound_log(path)) return fixtures::plain_sound_map(path, 1, 1);
-  FL_ASSIGN(fixtures::SoundMap map, sound_map_of(path));
-  if (is_sound_device(map.sound)) {
+  FL_ASSIGN(fixtures::SoundMap map, is_sound_log(path) ? sound_map_of(path) : fixtures::plain_sound_map(path, 1, 1));
+  if (is_sound_device(map.sound) && !device_too) {
     return fail(ErrorCode::kBadInput, "{}: {} is a device; expected a sound file", path, map.sound);
   }
   return map;
@@ -114,6 +116,8 @@ struct TextureOptions {
   std::string out;
   DurationNs at_ns = -1;
   DurationNs every_ns = -1;
+  DurationNs for_ns = -1;
+  int scale = 1;
 };
 
 Status write_texture(const AudioLinkState& state, const fixtures::SoundMap& map, const std::string& path) {
@@ -139,15 +143,32 @@ Status check_texture_options(const TextureOptions& options) {
     return fail(ErrorCode::kBadInput, "audio texture: expected --at for one picture or --every for many");
   }
   if (options.every_ns == 0) return fail(ErrorCode::kBadInput, "--every: expected more than 0");
-  if (!options.out.ends_with(".png")) {
-    return fail(ErrorCode::kBadInput, "-o {}: expected a name that ends in .png, as in texture.png",
-                options.out.empty() ? "\"\"" : options.out);
+  if (options.scale != 1 || options.for_ns >= 0) {
+    return fail(ErrorCode::kBadInput, "-o {}: --scale and --for are for streams, as in texture.mkv", options.out);
   }
   if (options.every_ns > 0) FL_TRY(numbered(options.out, 0));
   return {};
 }
 
+Result<int> stream_texture(const TextureOptions& options) {
+  if (options.out.empty() || options.at_ns >= 0 || options.every_ns < 0) {
+    return fail(ErrorCode::kBadInput,
+                "audio texture: expected -o texture.png with --at, -o texture_%04d.png or a stream with --every, as in "
+                "-o texture.mkv --every 40ms");
+  }
+  FL_ASSIGN(const fixtures::SoundMap map, map_or_sound(options.file, "texture", true));
+  catch_end_signals();
+  FL_ASSIGN(const std::uint64_t count,
+            write_texture_stream(map, {options.out, options.every_ns, options.for_ns, options.scale},
+                                 [] { return end_signal_came(); }));
+  // Standard output may be the stream.
+  fmt::print(stderr, "{}: {} of {}x{}\n", options.out, counted(count, "picture"), kAudioTextureWidth * options.scale,
+             kAudioTextureHeight * options.scale);
+  return kExitOk;
+}
+
 Result<int> texture(const TextureOptions& options) {
+  if (!options.out.ends_with(".png")) return stream_texture(options);
   FL_TRY(check_texture_options(options));
   FL_ASSIGN(const fixtures::SoundMap map, map_or_sound(options.file, "texture"));
   FL_ASSIGN(const auto file, drivers::SoundFile::open(map.sound));
@@ -196,14 +217,21 @@ void add(Arguments& arguments) {
   checker.flag("--json", check_options->json, "one JSON object");
   checker.job([check_options]() -> Result<int> { return check(*check_options); });
 
-  Arguments painter = arguments.subcommand("texture", "Write AudioLink's texture of a sound as PNG",
-                                           "  footlight audio texture track.flac --at 12.5s -o texture.png\n"
-                                           "  footlight audio texture track.flac --every 40ms -o texture_%04d.png\n");
+  Arguments painter =
+      arguments.subcommand("texture", "Write AudioLink's texture of a sound as PNG or as a stream",
+                           "  footlight audio texture track.flac --at 12.5s -o texture.png\n"
+                           "  footlight audio texture track.flac --every 40ms -o texture_%04d.png\n"
+                           "  footlight audio texture track.flac --every 16.667ms -o 'texture.mkv?lossless=yes'\n"
+                           "  footlight audio texture audio:alsa:default=1.1 --every 20ms --scale 8 -o /dev/video9\n");
   auto texture_options = std::make_shared<TextureOptions>();
-  painter.word("FILE", texture_options->file, kSoundHelp);
-  painter.option("--out,-o", texture_options->out, "FILE", "texture.png or texture_%04d.png");
+  painter.word("FILE", texture_options->file,
+               "a sound file, a sound map (.toml) or, for streams, audio:alsa:DEVICE=1.1");
+  painter.option("--out,-o", texture_options->out, "FILE",
+                 "texture.png, texture_%04d.png, or a stream: texture.mkv, -, a pipe, /dev/video9, window");
   painter.duration("--at", texture_options->at_ns, "one picture, at this time of the sound");
   painter.duration("--every", texture_options->every_ns, "many pictures, at this interval");
+  painter.duration("--for", texture_options->for_ns, "end a stream after this time");
+  painter.option("--scale", texture_options->scale, 1, 16, "pixels of a texel of a stream, in both directions [1]");
   painter.job([texture_options]() -> Result<int> { return texture(*texture_options); });
 }
 

@@ -12,6 +12,7 @@
 
 #include "fixtures/files/export/mvr.h"
 #include "fixtures/files/export/rig_toml.h"
+#include "fixtures/files/export/vrsl_patch_json.h"
 #include "fixtures/files/export/write_file.h"
 #include "fixtures/files/import/import_rig.h"
 #include "fixtures/files/import/text.h"
@@ -284,9 +285,14 @@ Result<int> import_it(const Options& options) {
 }
 
 Result<int> export_it(const Options& options) {
-  FL_TRY(expect_ending(options.out, {".mvr"}, "footlight rig export show.toml -o show.mvr"));
+  FL_TRY(expect_ending(options.out, {".mvr", ".json"}, "footlight rig export show.toml -o show.mvr"));
   FL_TRY(refuse_existing(options.out, options.overwrite));
   FL_ASSIGN(const ImportedRig imported, open_or_fail(options));
+  if (fixtures::lower(options.out).ends_with(".json")) {
+    FL_ASSIGN(const auto patch, fixtures::export_vrsl_patch(imported, options.out));
+    print_report(options.out, patch);
+    return kExitOk;
+  }
   Progress progress("files written");
   FL_ASSIGN(const auto report, fixtures::export_mvr(imported, options.out, progress.go_on()));
   progress.clear();
@@ -354,10 +360,11 @@ void add(Arguments& arguments) {
        "  footlight rig import show.mvr -o show.toml\n"
        "The definitions and meshes go to show_files/ in the same folder.",
        import_it, "the rig file, .toml"},
-      {"export", "Write a rig as MVR 1.6",
+      {"export", "Write a rig as MVR 1.6, or its VRSL fixtures as a patch of VRSL",
        "  footlight rig export show.toml -o show.mvr\n"
-       "GDTF definitions are copied unchanged; others are written as GDTF.",
-       export_it, "the file, .mvr"},
+       "  footlight rig export club.toml -o club.json\n"
+       "MVR: GDTF definitions are copied unchanged; others are written as GDTF.",
+       export_it, "the file, .mvr or .json"},
       {"patch", "Write the patch sheet as PDF, HTML or CSV",
        "  footlight rig patch show.mvr -o patch.pdf\n"
        "  footlight rig patch show.mvr -o patch.html\n"
@@ -375,7 +382,8 @@ void add(Arguments& arguments) {
     if (many) {
       its.words("PATH", options->paths, "rigs, or folders that are searched for .mvr and .qxw");
     } else {
-      its.word("FILE", options->path, "the rig: .mvr, .qxw or .toml; the content decides, not the name");
+      its.word("FILE", options->path,
+               "the rig: .mvr, .qxw, .toml or a patch of VRSL; the content decides, not the name");
     }
     if (part.out != nullptr) its.option("--out,-o", options->out, "FILE", part.out);
     if (part.run == import_it)
@@ -400,6 +408,7 @@ extern const CommandInfo rig_command{
         "  footlight rig show show.mvr\n"
         "  footlight rig import show.mvr -o show.toml\n"
         "  footlight rig export show.toml -o show.mvr\n"
+        "  footlight rig export club.toml -o club.json\n"
         "  footlight rig patch show.mvr -o patch.pdf\n"
         "  footlight rig plan show.mvr -o plan.svg\n",
     .add = add,

@@ -12,6 +12,7 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
+#include "drivers/av/libav.h"
 #include "sim/file_kind.h"
 
 namespace footlight::tools {
@@ -142,6 +143,9 @@ Result<std::unique_ptr<VideoFile>> VideoFile::create(const std::string& path, in
     return fail(ErrorCode::kBadInput, "{}: a video needs an even width and height, got {}x{}", path, width, height);
   }
   FL_TRY(refuse_pipe_output(path));
+  if (const Status has_libav = drivers::load_libav(); !has_libav) {
+    return fail(has_libav.error().code, "{}: {}", path, has_libav.error().message);
+  }
   auto file = std::make_unique<AvVideoFile>(path);
   FL_TRY(file->open(width, height, frame_ns));
   return file;

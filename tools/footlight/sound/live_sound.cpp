@@ -9,6 +9,8 @@
 #include <thread>
 
 #include "drivers/fd.h"
+#include "drivers/sound/mock_sound.h"
+#include "sim/core/endpoint.h"
 #include "sim/core/no_signals.h"
 #include "tools/footlight/sound/sound_log.h"
 
@@ -197,9 +199,13 @@ Result<std::unique_ptr<Source>> open_live_sound(const fixtures::SoundMap& map, c
   FL_ASSIGN(fixtures::SoundLevels levels, sound_levels_of(map));
   LiveSoundOptions with_link = options;
   with_link.link = map.link;
-  const std::string device = map.sound.starts_with("alsa:") ? map.sound.substr(5) : "";
   return make_live_sound(
-      std::move(levels), [device] { return drivers::SoundDevice::open(device); }, with_link);
+      std::move(levels), [sound = map.sound] { return open_sound_device(sound); }, with_link);
+}
+
+Result<std::unique_ptr<drivers::SoundDevice>> open_sound_device(const std::string& sound) {
+  if (sound == kMockSound) return drivers::make_mock_sound();
+  return drivers::SoundDevice::open(sound.starts_with("alsa:") ? sound.substr(5) : "");
 }
 
 }  // namespace footlight::tools

@@ -33,6 +33,9 @@ struct LiveSoundOptions {
 [[nodiscard]] Result<std::unique_ptr<Source>> make_live_sound(fixtures::SoundLevels levels, OpenSoundDevice open,
                                                               const LiveSoundOptions& options);
 
+// The device of a map's `sound` or of an endpoint: is_sound_device() must be true.
+[[nodiscard]] Result<std::unique_ptr<drivers::SoundDevice>> open_sound_device(const std::string& sound);
+
 // Of a map whose sound is a device.
 [[nodiscard]] Result<std::unique_ptr<Source>> open_live_sound(const fixtures::SoundMap& map,
                                                               const LiveSoundOptions& options);

@@ -5,6 +5,7 @@
 #include "drivers/vrsl/vrsl_options.h"
 #include "drivers/vrsl/vrsl_sink.h"
 #include "drivers/vrsl/vrsl_source.h"
+#include "tools/footlight/vrsl/mock_pictures.h"
 #include "tools/footlight/vrsl/png_pictures.h"
 #include "tools/footlight/vrsl/v4l2_pictures.h"
 #include "tools/footlight/vrsl/video_output.h"
@@ -27,6 +28,7 @@ constexpr TargetKind kKinds[] = {
     {is_video_target, open_video_output, open_video_input, "stream.mp4, stream.mkv, -"},
     {is_window_target, open_window_output, nullptr, "window"},
     {is_v4l2_target, open_v4l2_output, open_v4l2_input, "/dev/video9"},
+    {is_mock_target, open_mock_output, open_mock_input, "mock"},
 };
 
 const TargetKind* kind_of_target(std::string_view name) {

@@ -145,14 +145,7 @@ Status write_picture_file(const std::string& path, const drivers::PictureView& p
 }
 
 Result<std::unique_ptr<drivers::PictureOutput>> open_png_output(const drivers::PictureTarget& target) {
-  bool overwrite = target.overwrite;
-  for (const EndpointOption& option : target.options) {
-    if (option.key != "overwrite") return drivers::unused_option(target, option.key);
-    if (option.value != "yes" && option.value != "no") {
-      return fail(ErrorCode::kBadInput, "{}: overwrite={}: expected yes or no", target.endpoint, option.value);
-    }
-    overwrite = option.value == "yes";
-  }
+  if (!target.options.empty()) return drivers::unused_option(target, target.options.front().key);
   if (!fixtures::lower(target.name).ends_with(".png")) {
     return fail(ErrorCode::kBadInput, "{}: JPEG changes levels; expected a name such as frame_%05d.png",
                 target.endpoint);
@@ -165,7 +158,7 @@ Result<std::unique_ptr<drivers::PictureOutput>> open_png_output(const drivers::P
     return fail(ErrorCode::kBadInput, "{}: expected one placeholder for the picture's number, such as frame_%05d.png",
                 target.endpoint);
   }
-  if (!overwrite && exists(first)) {
+  if (!target.overwrite && exists(first)) {
     return fail(ErrorCode::kBadInput, "{}: {} exists; choose another name, or add ?overwrite=yes", target.endpoint,
                 first);
   }
@@ -174,7 +167,7 @@ Result<std::unique_ptr<drivers::PictureOutput>> open_png_output(const drivers::P
     return fail(ErrorCode::kNotFound, "{}: the folder {} does not exist; create it first", target.endpoint,
                 folder.string());
   }
-  return std::make_unique<PngOutput>(target.name, numbered, overwrite);
+  return std::make_unique<PngOutput>(target.name, numbered, target.overwrite);
 }
 
 Result<std::unique_ptr<drivers::PictureInput>> open_picture_files(const drivers::PictureTarget& target) {

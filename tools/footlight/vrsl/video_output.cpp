@@ -17,6 +17,7 @@ extern "C" {
 #include <libavutil/opt.h>
 }
 
+#include "drivers/av/libav.h"
 #include "drivers/fd.h"
 #include "sim/file_kind.h"
 #include "tools/footlight/vrsl/av_error.h"
@@ -242,6 +243,9 @@ Result<std::unique_ptr<drivers::PictureOutput>> open_video_output(const drivers:
   if (!settings.lossless && (target.width % 2 != 0 || target.height % 2 != 0)) {
     return fail(ErrorCode::kBadInput, "{}: a video needs an even width and height, got {}x{}", target.endpoint,
                 target.width, target.height);
+  }
+  if (const Status has_libav = drivers::load_libav(); !has_libav) {
+    return fail(has_libav.error().code, "{}: {}", target.endpoint, has_libav.error().message);
   }
   std::error_code ignored;
   if (target.name == "-" && ::isatty(STDOUT_FILENO) != 0) {

@@ -11,6 +11,7 @@ extern "C" {
 #include <libswscale/swscale.h>
 }
 
+#include "drivers/av/libav.h"
 #include "drivers/vrsl/grid.h"
 #include "sim/file_kind.h"
 #include "tools/footlight/vrsl/av_error.h"
@@ -279,6 +280,9 @@ Status AvVideoReader::scale(drivers::Picture& picture) {
 }  // namespace
 
 Result<std::unique_ptr<VideoReader>> VideoReader::open(const std::string& path) {
+  if (const Status has_libav = drivers::load_libav(); !has_libav) {
+    return fail(has_libav.error().code, "{}: {}", path, has_libav.error().message);
+  }
   auto reader = std::make_unique<AvVideoReader>(path);
   FL_TRY(reader->open());
   return reader;

@@ -8,6 +8,7 @@ extern "C" {
 #include <libavcodec/avcodec.h>
 }
 
+#include "drivers/av/libav.h"
 #include "tools/footlight/vrsl/av_error.h"
 #include "tools/footlight/vrsl/video_encoder.h"
 #include "tools/footlight/vrsl/yuv.h"
@@ -105,6 +106,7 @@ PictureWay way_of(const std::string& name, int bitrate_kbps, const std::function
 }  // namespace
 
 std::vector<PictureWay> video_ways() {
+  if (!drivers::load_libav()) return {};
   std::function<Status(drivers::Picture&)> smaller;
   for (const PictureWay& way : plain_ways()) {
     if (way.name == "1280x720") smaller = way.pass;
