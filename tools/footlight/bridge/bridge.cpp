@@ -17,6 +17,7 @@
 #include "tools/footlight/bridge/open_ports.h"
 #include "tools/footlight/bridge/service.h"
 #include "tools/footlight/duration.h"
+#include "tools/footlight/hand/hand_desk.h"
 #include "tools/footlight/paths.h"
 #include "tools/footlight/status/json_lines.h"
 #include "tools/footlight/status/status_pages.h"
@@ -313,7 +314,10 @@ class Reloader {
   std::thread thread_;
 };
 
-using Servers = std::vector<std::unique_ptr<HttpServer>>;
+struct Servers {
+  std::vector<std::unique_ptr<HttpServer>> list;
+  std::string socket;  // the file; empty: none
+};
 
 Result<Servers> serve(const Bridge& bridge, const StatusPages& pages) {
   Servers servers;
@@ -321,19 +325,25 @@ Result<Servers> serve(const Bridge& bridge, const StatusPages& pages) {
     FL_ASSIGN(auto server, HttpServer::listen("--metrics", bridge.metrics, [&pages](const HttpRequest& request) {
                 return pages.answer_metrics(request);
               }));
-    servers.push_back(std::move(server));
+    servers.list.push_back(std::move(server));
   }
   const auto handler = [&pages](const HttpRequest& request) { return pages.answer(request); };
   if (bridge.socket == "auto") {
     const std::string folder = make_socket_folder();
     if (folder.empty()) return servers;
-    auto server = HttpServer::listen("--socket", fmt::format("unix:{}/{}", folder, kSocketName), handler);
-    // Several bridges on one machine: the first has the plain name, the others have their process id in it.
-    if (!server) server = HttpServer::listen("--socket", fmt::format("unix:{}/run-{}.sock", folder, getpid()), handler);
-    if (server) servers.push_back(std::move(*server));
+    servers.socket = fmt::format("{}/{}", folder, kSocketName);
+    auto server = HttpServer::listen("--socket", "unix:" + servers.socket, handler);
+    if (!server) {
+      // Several bridges on one machine: the first has the plain name, the others have their process id in it.
+      servers.socket = fmt::format("{}/run-{}.sock", folder, getpid());
+      server = HttpServer::listen("--socket", "unix:" + servers.socket, handler);
+    }
+    if (server) servers.list.push_back(std::move(*server));
+    if (!server) servers.socket.clear();
   } else if (!bridge.socket.empty()) {
+    servers.socket = bridge.socket;
     FL_ASSIGN(auto server, HttpServer::listen("--socket", "unix:" + bridge.socket, handler));
-    servers.push_back(std::move(server));
+    servers.list.push_back(std::move(server));
   }
   return servers;
 }
@@ -381,9 +391,19 @@ Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal
     sinks = bridge.live->sinks();
   }
 
+  HandDesk desk(pump, clock);
+  if (bridge.live != nullptr) bridge.live->after_move = [&desk] { desk.follow_pump(); };
   StatusPages pages(pump, clock);
   pages.guard = bridge.guard;
+  pages.hand = &desk;
+  pages.rig = bridge.rig;
   FL_ASSIGN(const Servers servers, serve(bridge, pages));
+  if (!servers.socket.empty() && desk.remember_in(servers.socket + ".blackout")) {
+    reporter.report({.level = NoticeLevel::kWarning,
+                     .id = "starts-dark",
+                     .text = "a blackout was on when this bridge ended: it starts dark; 'footlight blackout off' ends "
+                             "the blackout"});
+  }
 
   if (!bridge.json) report_started(sources, sinks, reporter);  // with json there is the line "ready"
   report_unfed(sources, sinks, reporter);

@@ -57,6 +57,9 @@ class LiveShow {
   [[nodiscard]] std::vector<const Source*> sources() const;
   [[nodiscard]] std::vector<const Sink*> sinks() const;
 
+  // Called on the pump's thread after it has moved to another buffer, before its next tick. Set before the pump runs.
+  std::function<void()> after_move;
+
  private:
   struct In {
     InPlan plan;

@@ -357,10 +357,9 @@ Result<Show> parse_show(std::string_view text, const std::string& file) {
     show.outs.push_back(std::move(plan));
   }
   FL_TRY(reader.finish());
-  if (show.ins.empty() || show.outs.empty()) {
-    return fail(ErrorCode::kBadInput, "{}: a show needs at least one {}, for example\n  [[{}]]\n  endpoint = \"{}\"",
-                file, show.ins.empty() ? "[[in]]" : "[[out]]", show.ins.empty() ? "in" : "out",
-                show.ins.empty() ? "sacn:1-9" : "enttec-pro");
+  if (show.outs.empty()) {
+    return fail(ErrorCode::kBadInput,
+                "{}: a show needs at least one [[out]], for example\n  [[out]]\n  endpoint = \"enttec-pro\"", file);
   }
   if (const Status ordered = order_standbys(show); !ordered) {
     return fail(ErrorCode::kBadInput, "{}: {}", file, ordered.error().message);
