@@ -77,6 +77,28 @@ struct HandCommand {
   friend bool operator==(const HandCommand&, const HandCommand&) = default;
 };
 
+// A scene to recall: names and paths as in a control map.
+struct SceneCall {
+  std::string name;
+  std::string file;  // of scenes
+  std::string rig;   // for fixtures in it; "": none
+  DurationNs over_ns = 0;
+  std::uint8_t priority = kHandPriorityDefault;
+};
+
+// What ports that only control the hand (OSC, MIDI) speak to. Called on the pump's thread, also within a tick.
+class HandTaker {
+ public:
+  virtual ~HandTaker() = default;
+  virtual Status take(const HandCommand& command, TimeNs now_ns) = 0;
+  // Returns at once. The file is read on another thread; errors are reported as events.
+  virtual void recall(const SceneCall& call) = 0;
+};
+// Shared by the ports and the bridge, which sets it while it runs. nullptr: commands are lost.
+struct HandLink {
+  HandTaker* taker = nullptr;
+};
+
 // The level of a fade at a time, rounded to the nearest integer, halves up. `elapsed_ns`: 0 to over_ns.
 [[nodiscard]] std::uint32_t faded_value(std::uint32_t from, std::uint32_t to, DurationNs elapsed_ns,
                                         DurationNs over_ns);

@@ -141,7 +141,7 @@ class Reporter {
   void report_silent_inputs(const PumpStatus& status) {
     if (status.stamp_ns == 0) return;
     for (const PortStatus& port : status.ports) {
-      if (port.is_sink) continue;
+      if (port.is_sink || port.universes.empty()) continue;
       const auto known = std::find(silent_.begin(), silent_.end(), port.name);
       const bool waits = (port.state == PortState::kWaiting || port.state == PortState::kWorking) &&
                          port.name.rfind("log:", 0) != 0;  // a log has no sender
@@ -391,8 +391,11 @@ Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal
     sinks = bridge.live->sinks();
   }
 
-  HandDesk desk(pump, clock);
-  if (bridge.live != nullptr) bridge.live->after_move = [&desk] { desk.follow_pump(); };
+  HandDesk desk(pump, clock, options.on_notice);
+  if (bridge.live != nullptr) {
+    bridge.live->after_move = [&desk] { desk.follow_pump(); };
+    bridge.live->hand_link().taker = &desk;
+  }
   StatusPages pages(pump, clock);
   pages.guard = bridge.guard;
   pages.hand = &desk;
@@ -420,6 +423,7 @@ Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal
     pump.run();
     signal.stops(nullptr);
   }
+  if (bridge.live != nullptr) bridge.live->hand_link().taker = nullptr;
   drivers::leave_real_time();
   BridgeReport report;
   report.elapsed_ns = clock.now_ns() - start_ns;

@@ -202,6 +202,7 @@ Result<InPlan> read_in(const TomlNode& node, const std::string& file) {
         break;
       }
       case EndpointKind::kGpio: read_gpio(reader, options); break;
+      case EndpointKind::kControl:
       case EndpointKind::kPicture: break;
       case EndpointKind::kFile:
         if (plan.endpoint.scheme == "audio") options.wait_for_device = reader.boolean("wait_for_device", false);
@@ -247,6 +248,7 @@ Result<OutPlan> read_out(const TomlNode& node, const std::string& file) {
         FL_ASSIGN(options.second_port, read_second_port(reader, file));
         break;
       }
+      case EndpointKind::kControl:
       case EndpointKind::kGpio: break;  // refused when it is opened
       case EndpointKind::kPicture:
       case EndpointKind::kFile: options.log_overwrite = reader.boolean("overwrite", false); break;

@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "fixtures/simulate/hand_fixtures.h"
 #include "tools/footlight/bridge/bridge_sockets.h"
+#include "tools/footlight/hand/hand_targets.h"
 #include "tools/footlight/hand/hand_text.h"
 #include "tools/footlight/status/http_server.h"
 
@@ -119,25 +119,8 @@ Result<const fixtures::Rig*> HandClient::rig(const std::string& target) {
 Result<std::vector<HandLevel>> HandClient::assignments(const std::vector<std::string>& texts) {
   std::vector<HandLevel> levels;
   for (const std::string& text : texts) {
-    const std::size_t equals = text.rfind('=');
-    const std::size_t colon = equals == std::string::npos ? std::string::npos : text.rfind(':', equals);
-    if (colon == std::string::npos) {
-      if (!names_slots(text)) {
-        return fail(ErrorCode::kBadInput,
-                    "{}: expected UNIVERSE.ADDRESS=LEVEL or FIXTURE:ATTRIBUTE=VALUE, for example 1.17=255 or 'Mover "
-                    "3:Tilt=30'",
-                    text);
-      }
-      FL_TRY(parse_slot_assignment(text, levels));
-      continue;
-    }
-    const auto number = parse_hand_number(text.substr(equals + 1));
-    if (!number) return fail(ErrorCode::kBadInput, "{}: {}", text, number.error().message);
-    FL_ASSIGN(const fixtures::Rig* used, rig(text));
-    FL_ASSIGN(const auto more,
-              fixtures::levels_of_attribute(*used, text.substr(0, colon), text.substr(colon + 1, equals - colon - 1),
-                                            {number->number, number->percent}));
-    levels.insert(levels.end(), more.begin(), more.end());
+    FL_TRY(add_assignment(
+        text, [this](const std::string& target) { return rig(target); }, levels));
   }
   return levels;
 }
@@ -145,20 +128,8 @@ Result<std::vector<HandLevel>> HandClient::assignments(const std::vector<std::st
 Result<std::vector<HandLevel>> HandClient::targets(const std::vector<std::string>& texts) {
   std::vector<HandLevel> levels;
   for (const std::string& text : texts) {
-    if (names_slots(text)) {
-      FL_TRY(parse_slots(text, levels));
-      continue;
-    }
-    FL_ASSIGN(const fixtures::Rig* used, rig(text));
-    const std::size_t colon = text.rfind(':');
-    auto more = colon == std::string::npos
-                    ? fixtures::slots_of_fixtures(*used, text)
-                    : fixtures::levels_of_attribute(*used, text.substr(0, colon), text.substr(colon + 1), {0, false});
-    if (!more) return tl::unexpected(std::move(more).error());
-    for (HandLevel& level : *more) {
-      level.value = 0;
-      levels.push_back(level);
-    }
+    FL_TRY(add_target(
+        text, [this](const std::string& target) { return rig(target); }, levels));
   }
   return levels;
 }

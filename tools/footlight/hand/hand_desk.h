@@ -6,15 +6,23 @@
 // finds the file starts dark, so that a crash during a blackout does not bring the light back. 'footlight blackout off'
 // removes the file.
 //
+// Ports of controls (OSC, MIDI) reach it as their HandTaker. What they cause on a disk, reading a scene and remembering a
+// blackout, is done by a thread that begins with the first such task.
+//
 // Threads: apply() and report() any but the pump's; the rest as stated.
 #pragma once
 
+#include <condition_variable>
+#include <deque>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "sim/core/clock.h"
+#include "sim/core/notice.h"
 #include "sim/core/result.h"
 #include "sim/hand.h"
 #include "sim/pump.h"
@@ -28,10 +36,14 @@ struct HandReport {
   std::vector<HandSource::Held> held;
 };
 
-class HandDesk {
+class HandDesk final : public HandTaker {
  public:
   // Both outlive the desk. The desk outlives every run of the pump.
-  HandDesk(Pump& pump, Clock& clock) : pump_(pump), clock_(clock) {}
+  HandDesk(Pump& pump, Clock& clock, NoticeReceiver on_notice = {})
+      : pump_(pump), clock_(clock), on_notice_(std::move(on_notice)) {}
+  ~HandDesk() override;
+  HandDesk(const HandDesk&) = delete;
+  HandDesk& operator=(const HandDesk&) = delete;
 
   // Before the pump runs. `path`: of the file that remembers a blackout; "": none. True if the bridge starts dark.
   bool remember_in(std::string path);
@@ -42,17 +54,31 @@ class HandDesk {
 
   // The pump's thread, between two ticks: its universes have changed.
   void follow_pump();
+  // The pump's thread, also within a tick.
+  Status take(const HandCommand& command, TimeNs now_ns) override;
+  void recall(const SceneCall& call) override;
 
  private:
   [[nodiscard]] Status on_pump(std::function<void()> job);
   [[nodiscard]] Status mark(const HandCommand& command) const;
-  Result<int> take(const HandCommand& command);
+  Result<int> apply_now(const HandCommand& command);
+  void do_later(std::function<void()> task);
+  void work();
+  [[nodiscard]] Status recall_now(const SceneCall& call);
+  void report_trouble(const Error& error) const;
 
   Pump& pump_;
   Clock& clock_;
+  const NoticeReceiver on_notice_;  // any thread
   std::string memory_path_;
   std::unique_ptr<HandSource> source_;          // of the pump's thread
   std::shared_ptr<const Universes> universes_;  // of the source
+
+  std::mutex tasks_mutex_;  // guards what follows
+  std::condition_variable tasks_wake_;
+  std::deque<std::function<void()>> tasks_;
+  bool ending_ = false;
+  std::thread worker_;  // of tasks; begins with the first
 };
 
 }  // namespace footlight::tools

@@ -146,6 +146,15 @@ bool names_slots(std::string_view text) {
   return !text.empty() && text.front() >= '0' && text.front() <= '9' && text.find(':') == std::string_view::npos;
 }
 
+std::string osc_name(std::string_view name) {
+  constexpr std::string_view kReserved = " #*,/?[]{}";
+  std::string text(name);
+  for (char& c : text) {
+    if (kReserved.find(c) != std::string_view::npos || static_cast<unsigned char>(c) < 0x20) c = '_';
+  }
+  return text;
+}
+
 Result<HandNumber> parse_hand_number(std::string_view text) {
   HandNumber number;
   number.percent = text.ends_with('%');

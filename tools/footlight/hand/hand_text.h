@@ -20,6 +20,9 @@ namespace footlight::tools {
 // True for what the functions below read: it begins with a digit and has no colon. Others name fixtures.
 [[nodiscard]] bool names_slots(std::string_view text);
 
+// A name as a part of an OSC address: "Mover 3" is "Mover_3".
+[[nodiscard]] std::string osc_name(std::string_view name);
+
 // A number, or a percentage. Neither is checked against a range, except that a percentage is from 0 to 100.
 struct HandNumber {
   double number = 0;

@@ -134,6 +134,8 @@ Result<const Scene*> SceneFile::find(std::string_view name) const {
     if (scene.name == name) return &scene;
     names += fmt::format("{}'{}'", names.empty() ? "" : ", ", scene.name);
   }
+  for (const Scene& scene : scenes)
+    if (osc_name(scene.name) == name) return &scene;
   return fail(ErrorCode::kNotFound, "{}: there is no scene '{}'; there {} {}", path, name,
               scenes.size() == 1 ? "is" : "are", names.empty() ? "none" : names);
 }

@@ -41,7 +41,7 @@ struct SceneFile {
   std::string text;
   std::vector<Scene> scenes;  // in the order of the file; no name twice
 
-  // kNotFound lists the names.
+  // Exact, or with underscores for characters that OSC reserves. kNotFound lists the names.
   [[nodiscard]] Result<const Scene*> find(std::string_view name) const;
 };
 
