@@ -132,10 +132,11 @@ TEST_CASE("levels are set, faded, released and blacked out in a running bridge, 
 TEST_CASE("fixtures are set by name and attribute, through the rig of the bridge or of the command") {
   const TempFolder folder;
   REQUIRE(footlight({"samples", folder.file("a")}).exit_code == 0);
-  std::ofstream(folder.file("rig.toml")) << "[[fixture]]\nname = \"Mover 1\"\ntype = \"generic/profile\"\nposition = "
-                                            "[0, 0, 5]\nuniverse = 1\naddress = 1\n"
-                                            "[[fixture]]\nname = \"Mover 2\"\ntype = \"generic/profile\"\nposition = "
-                                            "[1, 0, 5]\nuniverse = 1\naddress = 101\n";
+  std::ofstream(folder.file("rig.toml"))
+      << "[rig]\nname = \"r\"\n[[fixture]]\nname = \"Mover 1\"\ntype = \"generic/profile\"\nposition = "
+         "[0, 0, 5]\nuniverse = 1\naddress = 1\n"
+         "[[fixture]]\nname = \"Mover 2\"\ntype = \"generic/profile\"\nposition = "
+         "[1, 0, 5]\nuniverse = 1\naddress = 101\n";
   const Bridge bridge(folder.file("s"), {"--out", "mock:enttec-pro", "--rig", folder.file("rig.toml")});
   bridge.must({"set", "Mover 1:Dimmer=100%", "Mover 2:Dimmer=0.5"});
   const json held = json::parse(bridge.say({"set", "--list"}).out)["held"][0]["levels"];
