@@ -232,6 +232,7 @@ void HandSource::lift() {
   black_all_ = false;
   black_slots_ = 0;
   for (const auto& board : boards_) {
+    board->hand.levels_changed = true;  // so that the newest frame of these slots is one of now
     Layer& black = board->black;
     for (std::size_t slot = 0; slot < kSlotCountMax; ++slot) {
       if (black.priorities[slot] == 0) continue;

@@ -37,7 +37,10 @@ struct AlsaSequencer {
   decltype(&::snd_seq_port_info_get_capability) port_capability = nullptr;
   decltype(&::snd_seq_query_next_port) next_port = nullptr;
   decltype(&::snd_strerror) text = nullptr;
+  decltype(&::snd_lib_error_set_handler) set_handler = nullptr;
 };
+
+void ignore_message_of_alsa(const char*, int, const char*, int, const char*, ...) {}  // NOLINT(cert-dcl50-cpp): of ALSA
 
 template <class Function>
 bool find_in(void* library, const char* name, Function& function) {
@@ -71,8 +74,11 @@ Result<const AlsaSequencer*> load_sequencer() {
         find_in(library, "snd_seq_port_info_get_port", alsa.port_get) &&
         find_in(library, "snd_seq_port_info_get_name", alsa.port_name) &&
         find_in(library, "snd_seq_port_info_get_capability", alsa.port_capability) &&
-        find_in(library, "snd_seq_query_next_port", alsa.next_port) && find_in(library, "snd_strerror", alsa.text);
-    return complete ? &alsa : nullptr;
+        find_in(library, "snd_seq_query_next_port", alsa.next_port) && find_in(library, "snd_strerror", alsa.text) &&
+        find_in(library, "snd_lib_error_set_handler", alsa.set_handler);
+    if (!complete) return nullptr;
+    alsa.set_handler(ignore_message_of_alsa);  // errors are returned
+    return &alsa;
   }();
   if (loaded == nullptr) {
     return fail(ErrorCode::kUnsupported, "libasound.so.2 cannot be loaded; run 'sudo apt-get install libasound2'");

@@ -57,8 +57,8 @@ bool eventually(Condition condition) {
 // A bridge on a socket in a folder of the test, and commands to it.
 class Bridge {
  public:
-  explicit Bridge(const std::string& socket, Words more = {"--out", "mock:enttec-pro"}) : socket(socket) {
-    Words words = {"run", "--json", "--no-realtime", "--socket", socket};
+  explicit Bridge(const std::string& path, Words more = {"--out", "mock:enttec-pro"}) : socket(path) {
+    Words words = {"run", "--json", "--no-realtime", "--socket", path};
     words.insert(words.end(), more.begin(), more.end());
     run = std::make_unique<Footlight>(words);
     run->wait_for("\"ready\"");

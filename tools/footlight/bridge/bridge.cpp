@@ -212,13 +212,17 @@ void report_started(const std::vector<const Source*>& sources, const std::vector
   std::string from, to;
   for (const Source* source : sources) from += fmt::format("{}{}", from.empty() ? "" : ", ", source->name());
   for (const Sink* sink : sinks) to += fmt::format("{}{}", to.empty() ? "" : ", ", sink->name());
+  if (from.empty()) from = "'footlight set'";
   const std::string text = fmt::format("from {} to {}; Ctrl-C or SIGTERM stops", from, to);
   reporter.report({.level = NoticeLevel::kInfo, .id = "started", .text = text});
 }
 
-// An output without an input is usually a typing mistake.
+// An output without an input is usually a typing mistake, unless all levels are set by hand.
 void report_unfed(const std::vector<const Source*>& sources, const std::vector<const Sink*>& sinks,
                   Reporter& reporter) {
+  if (std::all_of(sources.begin(), sources.end(), [](const Source* source) { return source->universes().empty(); })) {
+    return;
+  }
   const auto fed = [&](Universe universe) {
     return std::any_of(sources.begin(), sources.end(), [&](const Source* source) {
       const auto universes = source->universes();

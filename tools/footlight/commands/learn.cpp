@@ -19,6 +19,7 @@
 namespace footlight::tools {
 namespace {
 
+constexpr const char* kPrompt = "Move one fader, knob or button.\n";
 constexpr DurationNs kStepNs = 100 * kNsPerMs;
 
 struct Options {
@@ -34,6 +35,7 @@ Result<std::string> learn_midi(const std::string& device_name, DurationNs patien
   const TimeNs end_ns = clock.now_ns() + patience_ns;
   FL_ASSIGN(const auto device, drivers::MidiDevice::open(device_name, clock.now_ns()));
   std::vector<drivers::MidiEvent> events;
+  std::fputs(kPrompt, stderr);
   while (!signal.came() && clock.now_ns() < end_ns) {
     FL_TRY(device->read(events, clock.now_ns()));
     // The end of a key that was held before is no choice.
@@ -54,6 +56,7 @@ Result<std::string> learn_osc(OscHandOptions options, DurationNs patience_ns, co
   FL_ASSIGN(const auto source, OscHand::open(std::move(options)));
   drivers::DatagramReader reader;
   std::vector<drivers::OscMessage> messages;
+  std::fputs(kPrompt, stderr);
   while (!signal.came() && clock.now_ns() < end_ns) {
     const int count = reader.read(source->poll_fd());
     for (int i = 0; i < count; ++i) {
@@ -77,7 +80,6 @@ Result<int> learn(const Options& options) {
   if (!midi && !osc) return fail(ErrorCode::kBadInput, "{}: expected midi:DEVICE or osc:PORT", text);
   const std::string target = text.substr(text.find(':') + 1);
   StopSignal signal;
-  std::fputs("Move one fader, knob or button.\n", stderr);
   std::string input;
   if (midi) {
     FL_ASSIGN(input, learn_midi(target, options.patience_ns, signal));

@@ -57,7 +57,7 @@ Status MidiHand::poll(TimeNs now_ns, FrameReceiver& /*receiver*/) {
     retry_ns_ = now_ns + kReconnectNs;
   }
   counters_.errors = device_->overruns();
-  for (const drivers::MidiEvent& event : events_) ++(obey(event, now_ns) ? counters_.frames : counters_.dropped);
+  for (const drivers::MidiEvent& event : events_) ++(obey(event, now_ns) ? counters_.frames : others_);
   return {};
 }
 

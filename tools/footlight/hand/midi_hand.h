@@ -43,6 +43,9 @@ class MidiHand final : public Source {
   }
   [[nodiscard]] std::string trouble() const override { return trouble_; }
   [[nodiscard]] PortCounters counters() const override { return counters_; }  // frames: events that did something
+  void take_figures(std::vector<PortFigure>& into) const override {
+    into.assign(1, {"other_events", static_cast<double>(others_)});
+  }
   Status poll(TimeNs now_ns, FrameReceiver& receiver) override;
   [[nodiscard]] std::span<const Universe> universes() const override { return {}; }
   [[nodiscard]] std::optional<PortNotice> take_notice() override { return std::exchange(notice_, std::nullopt); }
@@ -67,6 +70,7 @@ class MidiHand final : public Source {
   std::vector<drivers::MidiEvent> events_;
   HandCommand command_;
   PortCounters counters_;
+  std::uint64_t others_ = 0;  // that mean nothing here
   std::string trouble_;
   TimeNs retry_ns_ = kTimeNever;
   std::optional<PortNotice> notice_;

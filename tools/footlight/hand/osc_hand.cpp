@@ -145,7 +145,7 @@ void OscHand::take(std::span<const std::uint8_t> packet, TimeNs now_ns) {
     ++counters_.rejected;
     return;
   }
-  for (const drivers::OscMessage& message : messages_) ++(obey(message, now_ns) ? counters_.frames : counters_.dropped);
+  for (const drivers::OscMessage& message : messages_) ++(obey(message, now_ns) ? counters_.frames : others_);
 }
 
 bool OscHand::give(const HandCommand& command, TimeNs now_ns) {

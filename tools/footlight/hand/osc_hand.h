@@ -8,7 +8,7 @@
 //   /footlight/scene/Warm            with 0 nothing happens, so that a button recalls once
 //
 // and the addresses of a control map. In names, characters that OSC reserves (space # * , ? [ ] { } and /) are
-// underscores. Other addresses are counted as dropped. It delivers no frames: it speaks to a HandTaker.
+// underscores. Other addresses are counted. It delivers no frames: it speaks to a HandTaker.
 //
 // Threads: the pump's. A message allocates nothing.
 #pragma once
@@ -47,6 +47,9 @@ class OscHand final : public Source {
     return counters_.frames == 0 ? PortState::kWaiting : PortState::kWorking;
   }
   [[nodiscard]] PortCounters counters() const override { return counters_; }  // frames: messages that did something
+  void take_figures(std::vector<PortFigure>& into) const override {
+    into.assign(1, {"other_messages", static_cast<double>(others_)});
+  }
   Status poll(TimeNs now_ns, FrameReceiver& receiver) override;
   [[nodiscard]] std::span<const Universe> universes() const override { return {}; }
   [[nodiscard]] std::optional<PortNotice> take_notice() override { return std::exchange(notice_, std::nullopt); }
@@ -78,6 +81,7 @@ class OscHand final : public Source {
   Controls controls_;  // by address
   HandCommand command_;
   PortCounters counters_;
+  std::uint64_t others_ = 0;  // that mean nothing here
   std::optional<PortNotice> notice_;
   bool refused_ = false;  // a command was refused, which was reported
 };
