@@ -39,6 +39,7 @@ Result<int> hold(const Options& options, const HandClient& client) {
     clock.sleep_until_ns(next_ns);
     if (signal.came()) break;
     const Status renewed = client.send(renew);
+    if (signal.came()) break;  // it interrupts the call
     if (!renewed && renewed.error().code == ErrorCode::kBadInput) {
       std::fprintf(stderr, "footlight: %s\n", renewed.error().message.c_str());
       return kExitOk;

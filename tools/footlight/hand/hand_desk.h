@@ -6,8 +6,8 @@
 // finds the file starts dark, so that a crash during a blackout does not bring the light back. 'footlight blackout off'
 // removes the file.
 //
-// Ports of controls (OSC, MIDI) reach it as their HandTaker. What they cause on a disk, reading a scene and remembering a
-// blackout, is done by a thread that begins with the first such task.
+// Ports of controls (OSC, MIDI) reach it as their HandTaker. What they cause on a disk, reading a scene and remembering
+// a blackout, is done by a thread that begins with the first such task.
 //
 // Threads: apply() and report() any but the pump's; the rest as stated.
 #pragma once

@@ -41,7 +41,9 @@ struct Place {
 bool add_address(std::string_view text, Place& place) {
   int address = 0;
   if (!read_whole(text, address) || !is_address(address)) return false;
-  place.slots.push_back(static_cast<std::uint16_t>(slot_of_address(address)));
+  const auto slot = static_cast<std::uint16_t>(slot_of_address(address));
+  if (place.one_number && std::find(place.slots.begin(), place.slots.end(), slot) != place.slots.end()) return false;
+  place.slots.push_back(slot);
   return true;
 }
 
