@@ -60,9 +60,9 @@ TEST_CASE("a percentage is the nearest level") {
 }
 
 TEST_CASE("a wrong assignment is refused with what was expected, and huge ranges are as well") {
-  for (const char* text : {"", "1", "1.=5", "1.0=5", "1.513=5", "0.1=5", "64000.1=5", "1.12-1=5", "1.1-99999999999=0",
-                           "1.1-=0", "1.1+=0", "1.1+2+3+4+5=0", "1.-1=5", "1.17+17=5", "99999999999.1=0", " 1.1=5",
-                           "1.1 =5"}) {
+  for (const char* text :
+       {"", "1", "1.=5", "1.0=5", "1.513=5", "0.1=5", "64000.1=5", "1.12-1=5", "1.1-99999999999=0", "1.1-=0", "1.1+=0",
+        "1.1+2+3+4+5=0", "1.-1=5", "1.17+17=5", "99999999999.1=0", " 1.1=5", "1.1 =5"}) {
     CAPTURE(text);
     const std::string message = refusal_of(std::string(text) + (contains(text, "=") ? "" : "=1"));
     CHECK(contains(message, "1.17"));
