@@ -227,17 +227,18 @@ void Merge::forget_source(SourceId source) {
   }
 }
 
-Merge::Received Merge::receive(int index, const FrameView& frame, TimeNs now_ns, SourceId source) {
+Merge::Received Merge::receive(int index, const FrameView& frame, TimeNs now_ns, SourceId source,
+                               std::uint8_t priority_max) {
   FL_CHECK(index >= 0 && index < count());
   FL_CHECK_LE(frame.slots.size(), static_cast<std::size_t>(kSlotCountMax));
   PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
-  if (frame.priority > kPriorityMax) {
+  if (frame.priority > priority_max) {
     ++universe.counters.frames;
     ++universe.counters.refused_priority;
     return Received::kRefusedPriority;
   }
   if (frame.start_code == kStartCodePriorities && !frame.terminated)
-    return receive_priorities(index, frame, now_ns, source);
+    return receive_priorities(index, frame, now_ns, source, priority_max);
   Sender* sender = find(universe, source, frame.sender);
   if (sender != nullptr && sender->fresh) return Received::kResolveFirst;
   ++universe.counters.frames;
@@ -312,10 +313,11 @@ Merge::Received Merge::receive(int index, const FrameView& frame, TimeNs now_ns,
   return Received::kStored;
 }
 
-Merge::Received Merge::receive_priorities(int index, const FrameView& frame, TimeNs now_ns, SourceId source) {
+Merge::Received Merge::receive_priorities(int index, const FrameView& frame, TimeNs now_ns, SourceId source,
+                                          std::uint8_t priority_max) {
   PerUniverse& universe = universes_[static_cast<std::size_t>(index)];
   ++universe.counters.frames;
-  if (std::any_of(frame.slots.begin(), frame.slots.end(), [](std::uint8_t p) { return p > kPriorityMax; })) {
+  if (std::any_of(frame.slots.begin(), frame.slots.end(), [&](std::uint8_t p) { return p > priority_max; })) {
     ++universe.counters.refused_priority;
     return Received::kRefusedPriority;
   }
@@ -528,7 +530,7 @@ FrameView Merge::snapshot(int index) const {
   frame.stamp_ns = universe.snapshot_stamp_ns;
   frame.sender = universe.snapshot_sender;
   frame.sequence = universe.snapshot_sequence;
-  frame.priority = universe.snapshot_priority;
+  frame.priority = std::min(universe.snapshot_priority, kPriorityMax);  // logs of snapshots are read again
   frame.slots = {snapshots_.get() + static_cast<std::size_t>(index) * kSlotCountMax, kSlotCountMax};
   return frame;
 }

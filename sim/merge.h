@@ -10,7 +10,8 @@
 // - The snapshot stays as it is when the last sender is removed.
 // - Slots that no winner ever sent stay as they are. Slots past the end of a short frame keep the sender's earlier
 //   levels.
-// - A priority above 200 violates the protocol: the frame is ignored and counted.
+// - A priority above 200 violates the protocol: the frame is ignored and counted. Only a source that the caller allows
+//   it to may have kPriorityOverride, which wins over every sender (a blackout). Snapshots have at most 200.
 // - Single slots may be LTP in a universe that is otherwise HTP. Such a slot has the level of the winner that changed
 //   it last.
 //
@@ -60,6 +61,7 @@ namespace footlight {
 
 inline constexpr int kSendersPerUniverseMax = 8;
 inline constexpr DurationNs kSenderTimeoutDefaultNs = 2'500 * kNsPerMs;  // E1.31-2018 section 6.7.1
+inline constexpr std::uint8_t kPriorityOverride = kPriorityMax + 1;      // no protocol can carry it
 inline constexpr DurationNs kPrioritiesWaitNs = 1'500 * kNsPerMs;        // ETC's rule 13
 
 using SlotSet = std::bitset<kSlotCountMax>;  // bit 0 = address 1
@@ -119,8 +121,10 @@ class Merge {
     kResolveFirst,  // not accepted and not counted: the sender's last frame is not resolved yet; resolve, then pass it
                     // again
   };
-  // Takes one frame. Frames of one sender come oldest first. `now_ns` never decreases between calls.
-  Received receive(int index, const FrameView& frame, TimeNs now_ns, SourceId source = 0);
+  // Takes one frame. Frames of one sender come oldest first. `now_ns` never decreases between calls. `priority_max`:
+  // kPriorityMax or kPriorityOverride, of the source.
+  Received receive(int index, const FrameView& frame, TimeNs now_ns, SourceId source = 0,
+                   std::uint8_t priority_max = kPriorityMax);
 
   // Removes every sender of a source that has gone.
   void forget_source(SourceId source);
@@ -206,7 +210,8 @@ class Merge {
   [[nodiscard]] std::uint8_t* levels_of(int index, int place) const;
   [[nodiscard]] static Sender* find(PerUniverse& universe, SourceId source, SenderId sender);
   [[nodiscard]] Sender* add(int index, const FrameView& frame, SourceId source);
-  Received receive_priorities(int index, const FrameView& frame, TimeNs now_ns, SourceId source);
+  Received receive_priorities(int index, const FrameView& frame, TimeNs now_ns, SourceId source,
+                              std::uint8_t priority_max);
   void drop_priorities(int index, Sender& sender);
   void set_by_slot(int index);
   bool resolve_by_slot(int index);

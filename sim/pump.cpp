@@ -100,10 +100,10 @@ void Pump::Inlet::receive(const FrameView& frame) {
   }
   ++run->lanes[static_cast<std::size_t>(lane)].frames;
   UniverseRun& universe = pump_.universe_runs_[static_cast<std::size_t>(index)];
-  Merge::Received received = pump_.merge_.receive(index, frame, now_ns, run->source_id);
+  Merge::Received received = pump_.merge_.receive(index, frame, now_ns, run->source_id, run->priority_max);
   if (received == Merge::Received::kResolveFirst) {
     pump_.pass_on(now_ns);
-    received = pump_.merge_.receive(index, frame, now_ns, run->source_id);
+    received = pump_.merge_.receive(index, frame, now_ns, run->source_id, run->priority_max);
   }
   // A priority frame or a sender's end shows earlier levels. Their age is not a latency.
   if (frame.start_code == kStartCodeLevels && !frame.terminated) universe.received = true;
@@ -390,11 +390,12 @@ Pump::Pump(std::shared_ptr<Universes> universes, Clock& clock, Waiter& waiter, P
   FL_CHECK_GT(options_.status_period_ns, 0);
 }
 
-void Pump::add_source(Source& source) {
+void Pump::add_source(Source& source, SourceRole role) {
   FL_CHECK(!in_tick_);
   PortRun& run = sources_.emplace_back();
   run.port = run.source = &source;
   run.source_id = ++last_source_id_;
+  run.priority_max = role.may_override ? kPriorityOverride : kPriorityMax;
   add(run, source.universes());
 }
 

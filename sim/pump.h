@@ -173,6 +173,10 @@ struct SinkRole {
   const Sink* standby_for = nullptr;
 };
 
+struct SourceRole {
+  bool may_override = false;  // its frames may have kPriorityOverride (sim/merge.h)
+};
+
 class Pump {
  public:
   // All three outlive the pump. Only the pump writes the universes.
@@ -182,7 +186,7 @@ class Pump {
   Pump& operator=(const Pump&) = delete;
 
   // Before start() or between two ticks. The ports outlive the pump, or are removed.
-  void add_source(Source& source);
+  void add_source(Source& source, SourceRole role = {});
   void add_sink(Sink& sink, SinkRole role = {});
   // Between two ticks, or while stopped. Removes the source's senders: the remaining senders win the universes. Without
   // any, the snapshots stay.
@@ -251,6 +255,7 @@ class Pump {
     Sink* sink = nullptr;
     std::string name;
     SourceId source_id = 0;  // of its senders, in the merge
+    std::uint8_t priority_max = kPriorityMax;
 
     bool ready = false;   // its descriptor is readable
     bool down = false;    // it failed or reports kGone

@@ -60,6 +60,7 @@ Parsed take_argument(char type, Bytes& rest, OscMessage& message) {
     if (!is_number || message.number_count == kOscNumbersMax) {
       message.all_numbers = false;
     } else {
+      message.is_float[message.number_count] = type == 'f' || type == 'd';
       message.numbers[message.number_count++] = number_of(type, rest);
     }
     rest = rest.subspan(*size);
@@ -140,6 +141,13 @@ tl::expected<void, OscFault> parse_osc(std::span<const std::uint8_t> packet, std
   const Parsed parsed = parse_packet(packet, 0, into);
   if (!parsed) into.resize(before);
   return parsed;
+}
+
+std::size_t build_osc_float(std::string_view address, float number, std::span<std::uint8_t> out) {
+  std::size_t size = 0;
+  if (!add_string(address, out, size) || !add_string(",f", out, size) || out.size() - size < 4) return 0;
+  write_u32_be(out, size, std::bit_cast<std::uint32_t>(number));
+  return size + 4;
 }
 
 std::size_t build_osc(std::string_view address, std::span<const std::int32_t> numbers, std::span<std::uint8_t> out) {

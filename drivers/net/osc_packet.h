@@ -33,6 +33,7 @@ struct OscMessage {
   std::string_view address;  // "/VRSL/ch12"
   // Its arguments, if all are numbers (i, f, h, d, T, F) and at most kOscNumbersMax; then `all_numbers`.
   std::array<double, kOscNumbersMax> numbers = {};
+  std::array<bool, kOscNumbersMax> is_float = {};  // f or d
   std::size_t number_count = 0;
   bool all_numbers = false;
 };
@@ -42,6 +43,8 @@ struct OscMessage {
 [[nodiscard]] tl::expected<void, OscFault> parse_osc(std::span<const std::uint8_t> packet,
                                                      std::vector<OscMessage>& into);
 
+// As below, with one 32-bit float.
+[[nodiscard]] std::size_t build_osc_float(std::string_view address, float number, std::span<std::uint8_t> out);
 // Writes a message with up to kOscNumbersMax 32-bit integers and returns its size; 0: it does not fit.
 [[nodiscard]] std::size_t build_osc(std::string_view address, std::span<const std::int32_t> numbers,
                                     std::span<std::uint8_t> out);

@@ -16,6 +16,8 @@ constexpr const char* kFileScheme = "log";
 constexpr const char* kGpioScheme = "gpio";
 constexpr const char* kPictureScheme = "vrsl";
 constexpr const char* kSoundScheme = "audio";
+constexpr const char* kOscScheme = "osc";
+constexpr const char* kMidiScheme = "midi";
 constexpr int kGpioLineMax = 65'535;
 
 struct NetworkScheme {
@@ -263,6 +265,42 @@ Status parse_sound(std::string_view text, std::string_view rest, Endpoint& endpo
   return {};
 }
 
+// A map, or a UDP port with an address.
+Status parse_osc(std::string_view text, std::string_view rest, Endpoint& endpoint) {
+  if (rest.ends_with(".toml")) {
+    endpoint.target = rest;
+    return {};
+  }
+  const auto address = take_suffix(rest, '@');
+  const auto port = number_of(rest);
+  if (!port || *port < 1 || *port > 65'535 || (address && !is_ipv4(*address))) {
+    return fail(ErrorCode::kBadInput,
+                "{}: expected a UDP port, as in osc:8000 or osc:8000@10.0.0.7, or a control map, as in osc:map.toml",
+                text);
+  }
+  endpoint.udp_port = static_cast<std::uint16_t>(*port);
+  if (address) endpoint.addresses.emplace_back(*address);
+  return {};
+}
+
+// A map, or a device with the place of its controllers.
+Status parse_midi(std::string_view text, std::string_view rest, Endpoint& endpoint) {
+  endpoint.target = rest;
+  if (rest.ends_with(".toml")) return {};
+  const auto place = take_suffix(rest, '=');
+  if (!place || rest.empty()) {
+    return fail(ErrorCode::kBadInput,
+                "{}: expected a control map, as in midi:map.toml, or midi:DEVICE=UNIVERSE.ADDRESS, as in "
+                "midi:nanoKONTROL2=1.1 or midi:mock=1.1",
+                text);
+  }
+  FL_ASSIGN(const auto slot, parse_place(text, *place));
+  endpoint.target = rest;
+  endpoint.universes = {{slot.first, slot.first}};
+  endpoint.first_address = slot.second;
+  return {};
+}
+
 Result<std::vector<EndpointOption>> parse_options(std::string_view text) {
   std::vector<EndpointOption> options;
   while (!text.empty()) {
@@ -402,6 +440,12 @@ Result<Endpoint> parse_endpoint(std::string_view text, std::span<const std::stri
     FL_TRY(parse_sound(text, has_colon ? rest : std::string_view{}, endpoint));
     return endpoint;
   }
+  if (endpoint.scheme == kOscScheme || endpoint.scheme == kMidiScheme) {
+    endpoint.kind = EndpointKind::kControl;
+    const std::string_view after = has_colon ? rest : std::string_view{};
+    FL_TRY(endpoint.scheme == kOscScheme ? parse_osc(text, after, endpoint) : parse_midi(text, after, endpoint));
+    return endpoint;
+  }
   for (const std::string_view scheme : device_schemes) {
     if (endpoint.scheme != scheme) continue;
     endpoint.kind = EndpointKind::kDevice;
@@ -412,7 +456,8 @@ Result<Endpoint> parse_endpoint(std::string_view text, std::span<const std::stri
   std::string known;
   for (const NetworkScheme& scheme : kNetworkSchemes) known += fmt::format("{}, ", scheme.name);
   for (const std::string_view scheme : device_schemes) known += fmt::format("{}, ", scheme);
-  known += fmt::format("{}, {}, {}, {}", kGpioScheme, kPictureScheme, kFileScheme, kSoundScheme);
+  known += fmt::format("{}, {}, {}, {}, {}, {}", kGpioScheme, kPictureScheme, kFileScheme, kSoundScheme, kOscScheme,
+                       kMidiScheme);
   return fail(ErrorCode::kBadInput, "{}: unknown scheme \"{}\"; expected one of {}, as in sacn:1-9",
               text.empty() ? "\"\"" : text, endpoint.scheme, known);
 }

@@ -21,6 +21,10 @@
 //   audio:track.flac=1.25     a sound file: its four bands and its beat as addresses 25 to 29 of universe 1
 //   audio:alsa:default=1.25   the same of a device
 //   audio:mock=1.25           of a model of a device: a beat of 120 a minute
+//   osc:8000                  OSC of phones on a UDP port, which sets levels by hand (docs/control.md)
+//   osc:8000@10.0.0.7         only on that address of this machine       osc:map.toml    with a control map
+//   midi:nanoKONTROL2=1.1     a MIDI device: controller n sets address n after the first
+//   midi:map.toml             with a control map                         midi:mock=1.1   a model of a device
 //   log:FILE                  a file; everything after "log:" is its name
 //
 // Universe numbers count from 1 on both sides, in every protocol. Parsing checks the text only. Opening the endpoint
@@ -50,6 +54,7 @@ enum class EndpointKind {
   kDevice,   // one of the device schemes: a universe for each connector
   kGpio,     // gpio: input lines, one slot each; one universe
   kFile,     // log, audio: the file determines the universes, except for audio with a place
+  kControl,  // osc, midi: sets levels by hand, in no universe of its own
   kPicture,  // vrsl: universes 1 to 9 of a grid in pictures
 };
 
@@ -65,13 +70,13 @@ struct Endpoint {
   EndpointKind kind = EndpointKind::kNetwork;
   std::string scheme;  // "sacn"
   // device: serial or model, or empty; gpio: chip; file and picture: its name; audio: a map, a sound file,
-  // alsa:DEVICE or mock; network: empty
+  // alsa:DEVICE or mock; control: a map, or the name of a MIDI device; network: empty
   std::string target;
   std::vector<std::string> addresses;        // network: IPv4 addresses, or none
-  std::uint16_t udp_port = 0;                // network: 0: the protocol's own port
+  std::uint16_t udp_port = 0;                // network: 0: the protocol's own port; osc
   std::vector<std::string> interface_names;  // network: "eth0", or none
   std::vector<std::string> lines;            // gpio: numbers or names, at least one, each once
-  Address first_address = 1;                 // gpio: of the first line; audio: of the first band; the others follow
+  Address first_address = 1;                 // gpio, audio, midi: of the first line, band or controller
   std::vector<EndpointOption> options;       // picture: each key once; the port checks keys and values
   // In the order in which they were written; empty for a file. Device: `wire` is the connector, from 1.
   std::vector<WireUniverse> universes;

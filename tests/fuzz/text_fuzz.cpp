@@ -14,7 +14,8 @@ void footlight::testing::add_seeds(Seeds& seeds) {
        {"sacn:1-9", "sacn:1,3,5-7@10.0.0.7:5569", "artnet:1-9@10.9.0.255", "sacn:101-109=1-9%eth0",
         "enttec-pro:EN123456=3", "enttec-pro:port-1-2.3", "mock:enttec-pro", "log:show.dmxlog", "sacn:1-9%eth0,eth1",
         "artnet:1-9@10.0.0.7,10.0.0.8", "gpio:gpiochip0/17=1.25", "vrsl:1-3=4-6@a.png?fps=30&layout=top",
-        "vrsl-osc:1-9@127.0.0.1", "audio:track.flac=1.25", "audio:mock=1.1", "audio:map.toml"}) {
+        "vrsl-osc:1-9@127.0.0.1", "audio:track.flac=1.25", "audio:mock=1.1", "audio:map.toml", "osc:8000@10.0.0.7",
+        "midi:mock=1.1"}) {
     std::string name = text;
     std::replace(name.begin(), name.end(), '/', '_');
     seeds.add("endpoint-" + name, "\x01" + std::string(text));

@@ -199,7 +199,7 @@ TEST_CASE("hardware libraries, and those that compile slowly, are included only 
       {"libav", R"(tools/footlight/pictures/video.*\.cpp|tools/footlight/vrsl/(video_.*\.cpp|av_error\.h)|)"
                 R"(drivers/(sound/sound_file|av/libav)\.cpp|tests/tools/.*\.cpp)"},
       {"OpenEXR/", R"(tools/footlight/pictures/exr_file\.cpp|tests/tools/.*\.cpp)"},
-      {"alsa/", R"(drivers/sound/alsa_device\.cpp)"},
+      {"alsa/", R"(drivers/(sound/alsa_device|midi/alsa_midi)\.cpp)"},
       {"libsw", R"(tools/footlight/(pictures|vrsl)/video.*\.cpp|drivers/av/libav\.cpp|tests/tools/.*\.cpp)"},
       {"microhttpd", R"(tools/footlight/status/http_server\.cpp)"},
       {"systemd/", R"(tools/footlight/bridge/(service|event_log)\.cpp)"},

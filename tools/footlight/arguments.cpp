@@ -126,6 +126,7 @@ int run_command_line(int argc, const char* const* argv, std::span<const CommandI
       "  vrsl-osc:1-3          OSC of VR Stage Lighting's grid node   vrsl-osc:1-9@10.0.0.7:12001\n"
       "  log:show.dmxlog       a log file                             mock:enttec-pro       a model of a dongle\n"
       "  vrsl:1-9@f_%05d.png   pictures for VR Stage Lighting         gpio:gpiochip0/17=1.25    a line as one slot\n"
+      "  osc:8000              phones, which set levels by hand       midi:NAME=1.1         faders\n"
       "\n"
       "Exit codes: 0 done, also when stopped by Ctrl-C; 1 the job failed; 2 wrong argument or file; 3 nothing found.\n"
       "'footlight COMMAND --help' shows the options and examples of a command.");

@@ -17,13 +17,18 @@ std::string folder_of(const char* variable) {
   return value != nullptr && value[0] == '/' ? value : "";
 }
 
+// Empty: neither variable is set.
+std::string config_folder() {
+  const std::string config = folder_of("XDG_CONFIG_HOME");
+  const std::string home = folder_of("HOME");
+  return config.empty() && !home.empty() ? home + "/.config" : config;
+}
+
 }  // namespace
 
 std::vector<std::string> show_file_places() {
   std::vector<std::string> places;
-  std::string config = folder_of("XDG_CONFIG_HOME");
-  const std::string home = folder_of("HOME");
-  if (config.empty() && !home.empty()) config = home + "/.config";
+  const std::string config = config_folder();
   if (!config.empty()) places.push_back(config + "/footlight/show.toml");
   places.emplace_back("/etc/footlight/show.toml");
   return places;
@@ -40,6 +45,11 @@ Result<std::string> find_show_file() {
               "no show file: there is no {}; create one, name one, or give ports as in 'footlight run --in sacn:1-9 "
               "--out enttec-pro'",
               list);
+}
+
+std::string scene_file_place() {
+  const std::string config = config_folder();
+  return config.empty() ? "" : config + "/footlight/scenes.toml";
 }
 
 std::vector<std::string> socket_folders() {

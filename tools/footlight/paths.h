@@ -15,6 +15,9 @@ namespace footlight::tools {
 // The first of them that exists. kNotFound lists them.
 [[nodiscard]] Result<std::string> find_show_file();
 
+// The scenes of 'footlight scene': $XDG_CONFIG_HOME/footlight/scenes.toml (or ~/.config/...). Empty: neither is set.
+[[nodiscard]] std::string scene_file_place();
+
 // Folders for the socket of a bridge, best first: $RUNTIME_DIRECTORY (of a service), $XDG_RUNTIME_DIR/footlight,
 // /run/footlight.
 [[nodiscard]] std::vector<std::string> socket_folders();

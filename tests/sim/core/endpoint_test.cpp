@@ -158,6 +158,26 @@ TEST_CASE("sound is a map, or a file or device with the place of its five slots"
   }
 }
 
+TEST_CASE("controls are a map, a UDP port for OSC, or a MIDI device with the place of its controllers") {
+  const auto osc = parsed("osc:8000@10.0.0.7");
+  CHECK(osc.kind == EndpointKind::kControl);
+  CHECK(osc.udp_port == 8000);
+  CHECK(osc.addresses == std::vector<std::string>{"10.0.0.7"});
+  CHECK(osc.universes.empty());
+  CHECK(parsed("osc:a@b/map.toml").target == "a@b/map.toml");
+  const auto midi = parsed("midi:nano KONTROL=2=3.101");
+  CHECK(midi.kind == EndpointKind::kControl);
+  CHECK(midi.target == "nano KONTROL=2");
+  CHECK(midi.show_universes() == std::vector<Universe>{3});
+  CHECK(midi.first_address == 101);
+  CHECK(parsed("midi:map.toml").target == "map.toml");
+  for (const char* const bad : {"osc", "osc:", "osc:0", "osc:65536", "osc:8000@", "osc:8000@x", "osc:8000=1", "osc:x",
+                                "midi", "midi:", "midi:nano", "midi:=1.1", "midi:nano=1", "midi:nano=0.1"}) {
+    CAPTURE(bad);
+    CHECK(refusal(bad).find(bad) == 0);
+  }
+}
+
 TEST_CASE("universe 0, universe 64000 and Art-Net universe 32769 are refused, and the highest ones are not") {
   CHECK(contains(refusal("sacn:0-9"), "universe 0 does not exist; expected 1 to 63999"));
   CHECK(contains(refusal("sacn:64000"), "universe 64000 does not exist"));

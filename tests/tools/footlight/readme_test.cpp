@@ -25,6 +25,7 @@ constexpr const char* kSmall = "--size 48x27";
 constexpr const char* kReport = "--pictures --size 32x18 --judge-pixels 100 --runs 3";
 constexpr const char* kUntilStopped = "it runs until it is stopped";
 constexpr const char* kOtherBridges = "other bridges may run on this machine, those of other tests as well";
+constexpr const char* kThatBridge = "--socket ../run/footlight/run.sock";
 constexpr const char* kNoDongle = "no dongle is plugged in; the model of one is";
 constexpr const char* kWindow = "a window needs a display and its own time (preview_test.cpp); the rig is drawn";
 
@@ -42,6 +43,20 @@ constexpr Special kSpecials[] = {
     {"footlight run show.toml --json", nullptr, "--for 100ms", 0, kUntilStopped},
     {"footlight monitor sacn:1-9", nullptr, "--once", 0, kUntilStopped},
     {"footlight monitor", nullptr, "--once --socket ../run/footlight/run.sock", 0, kOtherBridges},
+    {"footlight run --out enttec-pro --rig rig.toml", "footlight run --out mock:enttec-pro --rig rig.toml",
+     "--for 100ms", 0, kNoDongle},
+    {"footlight set 1.17=255 1.1-12=50%", nullptr, kThatBridge, 0, kOtherBridges},
+    {"footlight fade 'Profile 1:Tilt=30' --over 3s", nullptr, "--rig rig.toml --socket ../run/footlight/run.sock", 0,
+     kOtherBridges},
+    {"footlight release 1.1-12", nullptr, kThatBridge, 0, kOtherBridges},
+    {"footlight scene store Warm", nullptr, "--file scenes.toml --socket ../run/footlight/run.sock", 0, kOtherBridges},
+    {"footlight scene recall Warm --over 3s", nullptr, "--file scenes.toml --socket ../run/footlight/run.sock", 0,
+     kOtherBridges},
+    {"footlight blackout", nullptr, kThatBridge, 0, kOtherBridges},
+    {"footlight blackout off", nullptr, kThatBridge, 0, kOtherBridges},
+    {"footlight run --in osc:8000 --out enttec-pro", "footlight run --in osc:8000 --out mock:enttec-pro", "--for 100ms",
+     0, kNoDongle},
+    {"footlight run --in midi:mock=1.1 --out mock:enttec-pro", nullptr, "--for 100ms", 0, kUntilStopped},
     {"footlight reload", nullptr, "--socket ../run/footlight/run.sock", 0, kOtherBridges},
     {"footlight monitor sacn:1-9 --json --period 200ms", nullptr, "--once", 0, kUntilStopped},
     {"footlight run show.toml --metrics 127.0.0.1:9477", nullptr, "--for 100ms", 0, kUntilStopped},

@@ -17,6 +17,7 @@
 #include "tools/footlight/bridge/open_ports.h"
 #include "tools/footlight/bridge/service.h"
 #include "tools/footlight/duration.h"
+#include "tools/footlight/hand/hand_desk.h"
 #include "tools/footlight/paths.h"
 #include "tools/footlight/status/json_lines.h"
 #include "tools/footlight/status/status_pages.h"
@@ -140,7 +141,7 @@ class Reporter {
   void report_silent_inputs(const PumpStatus& status) {
     if (status.stamp_ns == 0) return;
     for (const PortStatus& port : status.ports) {
-      if (port.is_sink) continue;
+      if (port.is_sink || port.universes.empty()) continue;
       const auto known = std::find(silent_.begin(), silent_.end(), port.name);
       const bool waits = (port.state == PortState::kWaiting || port.state == PortState::kWorking) &&
                          port.name.rfind("log:", 0) != 0;  // a log has no sender
@@ -211,13 +212,17 @@ void report_started(const std::vector<const Source*>& sources, const std::vector
   std::string from, to;
   for (const Source* source : sources) from += fmt::format("{}{}", from.empty() ? "" : ", ", source->name());
   for (const Sink* sink : sinks) to += fmt::format("{}{}", to.empty() ? "" : ", ", sink->name());
+  if (from.empty()) from = "'footlight set'";
   const std::string text = fmt::format("from {} to {}; Ctrl-C or SIGTERM stops", from, to);
   reporter.report({.level = NoticeLevel::kInfo, .id = "started", .text = text});
 }
 
-// An output without an input is usually a typing mistake.
+// An output without an input is usually a typing mistake, unless all levels are set by hand.
 void report_unfed(const std::vector<const Source*>& sources, const std::vector<const Sink*>& sinks,
                   Reporter& reporter) {
+  if (std::all_of(sources.begin(), sources.end(), [](const Source* source) { return source->universes().empty(); })) {
+    return;
+  }
   const auto fed = [&](Universe universe) {
     return std::any_of(sources.begin(), sources.end(), [&](const Source* source) {
       const auto universes = source->universes();
@@ -313,7 +318,10 @@ class Reloader {
   std::thread thread_;
 };
 
-using Servers = std::vector<std::unique_ptr<HttpServer>>;
+struct Servers {
+  std::vector<std::unique_ptr<HttpServer>> list;
+  std::string socket;  // the file; empty: none
+};
 
 Result<Servers> serve(const Bridge& bridge, const StatusPages& pages) {
   Servers servers;
@@ -321,19 +329,25 @@ Result<Servers> serve(const Bridge& bridge, const StatusPages& pages) {
     FL_ASSIGN(auto server, HttpServer::listen("--metrics", bridge.metrics, [&pages](const HttpRequest& request) {
                 return pages.answer_metrics(request);
               }));
-    servers.push_back(std::move(server));
+    servers.list.push_back(std::move(server));
   }
   const auto handler = [&pages](const HttpRequest& request) { return pages.answer(request); };
   if (bridge.socket == "auto") {
     const std::string folder = make_socket_folder();
     if (folder.empty()) return servers;
-    auto server = HttpServer::listen("--socket", fmt::format("unix:{}/{}", folder, kSocketName), handler);
-    // Several bridges on one machine: the first has the plain name, the others have their process id in it.
-    if (!server) server = HttpServer::listen("--socket", fmt::format("unix:{}/run-{}.sock", folder, getpid()), handler);
-    if (server) servers.push_back(std::move(*server));
+    servers.socket = fmt::format("{}/{}", folder, kSocketName);
+    auto server = HttpServer::listen("--socket", "unix:" + servers.socket, handler);
+    if (!server) {
+      // Several bridges on one machine: the first has the plain name, the others have their process id in it.
+      servers.socket = fmt::format("{}/run-{}.sock", folder, getpid());
+      server = HttpServer::listen("--socket", "unix:" + servers.socket, handler);
+    }
+    if (server) servers.list.push_back(std::move(*server));
+    if (!server) servers.socket.clear();
   } else if (!bridge.socket.empty()) {
+    servers.socket = bridge.socket;
     FL_ASSIGN(auto server, HttpServer::listen("--socket", "unix:" + bridge.socket, handler));
-    servers.push_back(std::move(server));
+    servers.list.push_back(std::move(server));
   }
   return servers;
 }
@@ -381,9 +395,22 @@ Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal
     sinks = bridge.live->sinks();
   }
 
+  HandDesk desk(pump, clock, options.on_notice);
+  if (bridge.live != nullptr) {
+    bridge.live->after_move = [&desk] { desk.follow_pump(); };
+    bridge.live->hand_link().taker = &desk;
+  }
   StatusPages pages(pump, clock);
   pages.guard = bridge.guard;
+  pages.hand = &desk;
+  pages.rig = bridge.rig;
   FL_ASSIGN(const Servers servers, serve(bridge, pages));
+  if (!servers.socket.empty() && desk.remember_in(servers.socket + ".blackout")) {
+    reporter.report({.level = NoticeLevel::kWarning,
+                     .id = "starts-dark",
+                     .text = "a blackout was on when this bridge ended: it starts dark; 'footlight blackout off' ends "
+                             "the blackout"});
+  }
 
   if (!bridge.json) report_started(sources, sinks, reporter);  // with json there is the line "ready"
   report_unfed(sources, sinks, reporter);
@@ -400,6 +427,7 @@ Result<BridgeReport> run_bridge(Bridge& bridge, Clock& clock, StopSignal& signal
     pump.run();
     signal.stops(nullptr);
   }
+  if (bridge.live != nullptr) bridge.live->hand_link().taker = nullptr;
   drivers::leave_real_time();
   BridgeReport report;
   report.elapsed_ns = clock.now_ns() - start_ns;

@@ -48,6 +48,7 @@ struct Bridge {
   // there is no folder.
   std::string socket;
   std::shared_ptr<const OutputGuard> guard;  // its counters are part of /metrics; null: none
+  std::string rig;      // the rig that the outputs drive, for commands of the hand with names of fixtures; "": unknown
   std::string metrics;  // address of a server with /metrics alone, as for HttpServer::listen(); "": none
 };
 

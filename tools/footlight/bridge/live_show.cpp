@@ -249,6 +249,7 @@ Status LiveShow::exchange_ports(Exchange& exchange, Pump& pump) {
   if (exchange.moves) {
     pump.move_to(exchange.buffer, exchange.show.merge);
     set_modes(pump, exchange.show.ltp, exchange.show.ltp_slots);
+    if (after_move) after_move();
   }
   for (const In* in : exchange.added_ins) pump.add_source(*in->port);
   for (const In& old : exchange.old_ins) pump.remove_source(*old.port);

@@ -42,7 +42,9 @@ struct ShowChange {
 class LiveShow {
  public:
   // `stopping`: returns true to end an open() that takes long.
-  explicit LiveShow(Clock& clock, std::function<bool()> stopping = {}) : opener_(clock, std::move(stopping)) {}
+  explicit LiveShow(Clock& clock, std::function<bool()> stopping = {}) : opener_(clock, std::move(stopping)) {
+    opener_.hand_link = std::make_shared<HandLink>();
+  }
 
   // From open() on, every output goes through this guard. Null: no guard, no cost.
   void guard_with(std::shared_ptr<OutputGuard> guard) { guard_ = std::move(guard); }
@@ -56,6 +58,11 @@ class LiveShow {
 
   [[nodiscard]] std::vector<const Source*> sources() const;
   [[nodiscard]] std::vector<const Sink*> sinks() const;
+
+  // What the ports of controls speak to; set it while the pump does not run.
+  [[nodiscard]] HandLink& hand_link() { return *opener_.hand_link; }
+  // Called on the pump's thread after it has moved to another buffer, before its next tick. Set before the pump runs.
+  std::function<void()> after_move;
 
  private:
   struct In {

@@ -13,6 +13,8 @@
 #include "drivers/rdm/rdm_directory.h"
 #include "sim/dmx_log/log_ports.h"
 #include "tools/demo_show/demo_assets.h"
+#include "tools/footlight/hand/midi_hand.h"
+#include "tools/footlight/hand/osc_hand.h"
 #include "tools/footlight/sound/live_sound.h"
 #include "tools/footlight/sound/sound_log.h"
 #include "tools/footlight/vrsl/open_pictures.h"
@@ -141,6 +143,7 @@ Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint
       gpio.wait_for_device = options.wait_for_device;
       return drivers::open_gpio_source(std::move(gpio), clock_);
     }
+    case EndpointKind::kControl: return open_control(endpoint);
     case EndpointKind::kPicture: return open_picture_source(endpoint);
     case EndpointKind::kNetwork: break;
   }
@@ -159,6 +162,44 @@ Result<std::unique_ptr<Source>> PortOpener::open_source(const Endpoint& endpoint
   artnet.own_senders = own_senders_;
   if (options.rdm) artnet.rdm_directory = rdm_directory_;
   return drivers::make_artnet_source(artnet);
+}
+
+Result<std::unique_ptr<Source>> PortOpener::open_control(const Endpoint& endpoint) {
+  if (hand_link == nullptr) {
+    return fail(ErrorCode::kBadInput, "{}: controls set levels by hand, which only 'footlight run' has", endpoint.text);
+  }
+  ControlMap map;
+  const bool mapped = endpoint.target.ends_with(".toml");
+  if (mapped) {
+    FL_ASSIGN(map, load_control_map(endpoint.target));
+  }
+  if (endpoint.scheme == "osc") {
+    OscHandOptions osc{.name = endpoint.text, .link = hand_link};
+    if (!endpoint.addresses.empty()) osc.address = endpoint.addresses.front();
+    osc.udp_port = mapped ? static_cast<std::uint16_t>(map.port) : endpoint.udp_port;
+    if (osc.udp_port == 0) {
+      return fail(ErrorCode::kBadInput, "{}: the map needs a line port = 8000, the UDP port", endpoint.text);
+    }
+    osc.map = std::move(map);
+    FL_ASSIGN(std::unique_ptr<OscHand> source, OscHand::open(std::move(osc)));
+    return std::unique_ptr<Source>(std::move(source));
+  }
+  const std::string device_name = mapped ? map.device : endpoint.target;
+  if (device_name.empty()) {
+    return fail(ErrorCode::kBadInput, "{}: the map needs a line device = \"NAME\", a part of the device's name",
+                endpoint.text);
+  }
+  if (mapped && map.controls.empty()) {
+    return fail(ErrorCode::kBadInput, "{}: the map has no [[control]]; 'footlight learn midi:{} --map {}' adds one",
+                endpoint.text, device_name, endpoint.target);
+  }
+  MidiHandOptions midi{.name = endpoint.text, .link = hand_link};
+  if (!endpoint.universes.empty()) midi.universe = endpoint.universes.front().show;
+  midi.first_address = endpoint.first_address;
+  midi.map = std::move(map);
+  FL_ASSIGN(auto device, drivers::MidiDevice::open(device_name, clock_.now_ns()));
+  FL_ASSIGN(std::unique_ptr<MidiHand> source, MidiHand::make(std::move(midi), std::move(device)));
+  return std::unique_ptr<Source>(std::move(source));
 }
 
 Result<std::unique_ptr<Sink>> PortOpener::open_sink(const Endpoint& endpoint, std::span<const Universe> show_universes,
@@ -190,6 +231,8 @@ Result<std::unique_ptr<Sink>> PortOpener::open_sink(const Endpoint& endpoint, st
     }
     case EndpointKind::kGpio:
       return fail(ErrorCode::kBadInput, "{}: GPIO lines are inputs; use --in or [[in]]", endpoint.text);
+    case EndpointKind::kControl:
+      return fail(ErrorCode::kBadInput, "{}: controls are inputs; use --in or [[in]]", endpoint.text);
     case EndpointKind::kPicture: return open_picture_sink(endpoint, options.log_overwrite);
     case EndpointKind::kNetwork: break;
   }

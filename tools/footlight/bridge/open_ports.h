@@ -24,6 +24,7 @@
 #include "sim/core/endpoint.h"
 #include "sim/core/ports.h"
 #include "sim/core/result.h"
+#include "sim/hand.h"
 
 namespace footlight::drivers {
 class OwnSenders;
@@ -71,7 +72,7 @@ struct OutOptions {
   int sync_universe = 0;
   int multicast_ttl = 0;  // 0: default
   bool announce = true;
-  drivers::Cid cid = {};  // all zero: derived from the machine, the name and the endpoint
+  drivers::Cid cid = {};       // all zero: derived from the machine, the name and the endpoint
   bool log_overwrite = false;  // log, vrsl: replace files
   friend bool operator==(const OutOptions&, const OutOptions&) = default;
 };
@@ -95,7 +96,12 @@ class PortOpener {
                                                         std::span<const Universe> show_universes,
                                                         const OutOptions& options = {});
 
+  // Control endpoints (osc, midi) speak to what the link names. Null, as at first: they are refused.
+  std::shared_ptr<HandLink> hand_link;
+
  private:
+  [[nodiscard]] Result<std::unique_ptr<Source>> open_control(const Endpoint& endpoint);
+
   Clock& clock_;
   const std::function<bool()> stopping_;
   std::shared_ptr<drivers::RdmDirectory> rdm_directory_;  // lines of open devices

@@ -202,6 +202,7 @@ Result<InPlan> read_in(const TomlNode& node, const std::string& file) {
         break;
       }
       case EndpointKind::kGpio: read_gpio(reader, options); break;
+      case EndpointKind::kControl:
       case EndpointKind::kPicture: break;
       case EndpointKind::kFile:
         if (plan.endpoint.scheme == "audio") options.wait_for_device = reader.boolean("wait_for_device", false);
@@ -247,6 +248,7 @@ Result<OutPlan> read_out(const TomlNode& node, const std::string& file) {
         FL_ASSIGN(options.second_port, read_second_port(reader, file));
         break;
       }
+      case EndpointKind::kControl:
       case EndpointKind::kGpio: break;  // refused when it is opened
       case EndpointKind::kPicture:
       case EndpointKind::kFile: options.log_overwrite = reader.boolean("overwrite", false); break;
@@ -357,10 +359,9 @@ Result<Show> parse_show(std::string_view text, const std::string& file) {
     show.outs.push_back(std::move(plan));
   }
   FL_TRY(reader.finish());
-  if (show.ins.empty() || show.outs.empty()) {
-    return fail(ErrorCode::kBadInput, "{}: a show needs at least one {}, for example\n  [[{}]]\n  endpoint = \"{}\"",
-                file, show.ins.empty() ? "[[in]]" : "[[out]]", show.ins.empty() ? "in" : "out",
-                show.ins.empty() ? "sacn:1-9" : "enttec-pro");
+  if (show.outs.empty()) {
+    return fail(ErrorCode::kBadInput,
+                "{}: a show needs at least one [[out]], for example\n  [[out]]\n  endpoint = \"enttec-pro\"", file);
   }
   if (const Status ordered = order_standbys(show); !ordered) {
     return fail(ErrorCode::kBadInput, "{}: {}", file, ordered.error().message);

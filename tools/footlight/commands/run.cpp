@@ -1,6 +1,7 @@
 // footlight run: runs the bridge.
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include <fmt/format.h>
@@ -71,10 +72,10 @@ Result<Show> show_of(const Options& options, const std::string& file) {
   }
   for (std::size_t i = 0; i < options.backups.size(); ++i) FL_TRY(add_out(options.backups[i], options.outs[i]));
   FL_TRY(order_standbys(show));
-  if (show.ins.empty() || show.outs.empty()) {
+  if (show.outs.empty()) {
     return fail(ErrorCode::kBadInput,
-                "run: expected a show file, or at least one --in and one --out, for example "
-                "'footlight run --in sacn:1-9 --out enttec-pro'");
+                "run: expected a show file, or at least one --out, for example 'footlight run --in sacn:1-9 --out "
+                "enttec-pro'; without --in the levels come from 'footlight set'");
   }
   return show;
 }
@@ -113,6 +114,11 @@ Result<int> run(const Options& options) {
   bridge.run_for_ns = options.run_for_ns;
   bridge.socket = options.socket == "none" ? "" : options.socket;
   bridge.metrics = options.metrics;
+  if (!options.rig.empty()) {
+    std::error_code trouble;
+    bridge.rig = std::filesystem::canonical(options.rig, trouble).string();
+    if (trouble) return fail(ErrorCode::kNotFound, "--rig {}: {}", options.rig, trouble.message());
+  }
   bridge.merge = show.merge;
 
   StopSignal signal;
@@ -152,7 +158,8 @@ void add(Arguments& arguments) {
   arguments.duration("--for", options->run_for_ns, "stop after this time, for example 90s or 1h30m");
   arguments.option("--flashes", options->flashes, "WORD",
                    "harmful flashes: off, warn, or limit, which holds them back; needs --rig [off]");
-  arguments.option("--rig", options->rig, "FILE", "the rig that the outputs drive, for --flashes");
+  arguments.option("--rig", options->rig, "FILE",
+                   "the rig that the outputs drive, for --flashes and for names in 'footlight set'");
   arguments.flag("--json", options->json, "status and events as JSON, one object a line");
   arguments.option("--log-level", options->log_level, "WORD", "lowest level of events: info, warning or error [info]");
   arguments.option("--log-format", options->log_format, "WORD",
@@ -178,6 +185,7 @@ extern const CommandInfo run_command{
         "  footlight run show.toml --flashes limit --rig rig.toml    at most three flashes a second\n"
         "  footlight run --in sacn:1 --out enttec-pro:EN1 --backup enttec-pro:EN2    EN2 takes over when EN1 fails\n"
         "Several inputs are merged by priority, then highest level. When no sender is left, the last levels are held.\n"
+        "'footlight set', fade, blackout and scene set levels in the running bridge, with or without a console.\n"
         "SIGHUP or 'footlight reload' reads the show file again; ports with unchanged lines are not touched.\n"
         "Ctrl-C or SIGTERM stops cleanly (exit code 0); a second one at once.",
     .add = add,

@@ -26,7 +26,6 @@ namespace {
 constexpr std::size_t kConnectionsMax = 16;
 constexpr unsigned kSilenceMaxS = 10;
 constexpr std::size_t kConnectionBytesMax = 16u << 10;
-constexpr std::size_t kUploadBytesMax = 4u << 10;
 constexpr std::size_t kAnswerBytesMax = 64u << 20;
 constexpr std::string_view kUnix = "unix:";
 
@@ -108,6 +107,11 @@ struct HttpServer::Daemon {
     fds.push_back(fd);
   }
 
+  static void on_completed(void*, MHD_Connection*, void** state, MHD_RequestTerminationCode) {
+    delete static_cast<std::string*>(*state);  // NOLINT(cppcoreguidelines-owning-memory)
+    *state = nullptr;
+  }
+
   bool is_owner(MHD_Connection* connection) const {
     if (socket_path.empty()) return false;
     const int fd = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD)->connect_fd;
@@ -118,22 +122,24 @@ struct HttpServer::Daemon {
   }
 
   static MHD_Result on_request(void* self, MHD_Connection* connection, const char* url, const char* method, const char*,
-                               const char*, std::size_t* upload_size, void** uploaded) {
+                               const char* upload, std::size_t* upload_size, void** state) {
     const auto& daemon = *static_cast<const Daemon*>(self);
     // Called once with the headers, then for each part of a body, then for the answer.
-    static const char kSeen = 0;
-    if (*uploaded == nullptr) {
-      *uploaded = const_cast<char*>(&kSeen);
+    if (*state == nullptr) {
+      *state = new std::string();  // NOLINT(cppcoreguidelines-owning-memory): freed in on_completed()
       return MHD_YES;
     }
-    if (*upload_size != 0) {  // bodies are ignored
-      if (*upload_size > kUploadBytesMax) return MHD_NO;
+    std::string& body = *static_cast<std::string*>(*state);
+    if (*upload_size != 0) {
+      if (body.size() + *upload_size > kHttpBodyBytesMax) return MHD_NO;
+      body.append(upload, *upload_size);
       *upload_size = 0;
       return MHD_YES;
     }
     HttpRequest request;
     request.method = std::string_view(method) == MHD_HTTP_METHOD_HEAD ? MHD_HTTP_METHOD_GET : method;
     request.path = url;
+    request.body = body;
     request.from_owner = daemon.is_owner(connection);
     if (const char* universes = MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "universes")) {
       request.universes = universes;
@@ -199,7 +205,8 @@ Result<std::unique_ptr<HttpServer>> HttpServer::listen(std::string_view option, 
                                  MHD_OPTION_LISTEN_SOCKET, fd, MHD_OPTION_CONNECTION_LIMIT,
                                  static_cast<unsigned>(2 * kConnectionsMax), MHD_OPTION_CONNECTION_TIMEOUT,
                                  kSilenceMaxS, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionBytesMax,
-                                 MHD_OPTION_NOTIFY_CONNECTION, &Daemon::on_connection, daemon.get(), MHD_OPTION_END);
+                                 MHD_OPTION_NOTIFY_CONNECTION, &Daemon::on_connection, daemon.get(),
+                                 MHD_OPTION_NOTIFY_COMPLETED, &Daemon::on_completed, nullptr, MHD_OPTION_END);
   if (daemon->mhd == nullptr) {
     close(fd);
     return fail(ErrorCode::kIo, "{} {}: the server cannot start; see 'ulimit -n'", option, where);
@@ -219,7 +226,7 @@ int HttpServer::port() const {
 }
 
 Result<HttpAnswer> http_request(const std::string& socket_path, std::string_view method, std::string_view target,
-                                DurationNs patience_ns) {
+                                DurationNs patience_ns, std::string_view body) {
   const auto address = unix_address(socket_path);
   if (!address) return fail(ErrorCode::kBadInput, "{}: expected a file name of at most 107 bytes", socket_path);
   struct Closer {
@@ -252,11 +259,14 @@ Result<HttpAnswer> http_request(const std::string& socket_path, std::string_view
   };
   if (!limit_next_call()) return refused(EAGAIN);
   if (connect(connection.fd, plain(*address), sizeof *address) != 0) return refused(errno);
-  const std::string request = fmt::format(
-      "{} {} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Length: 0\r\n\r\n", method, target);
-  if (!limit_next_call()) return refused(EAGAIN);
-  if (send(connection.fd, request.data(), request.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(request.size())) {
-    return refused(errno);
+  const std::string request =
+      fmt::format("{} {} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nContent-Length: {}\r\n\r\n{}", method,
+                  target, body.size(), body);
+  for (std::size_t sent = 0; sent < request.size();) {
+    if (!limit_next_call()) return refused(EAGAIN);
+    const ssize_t now = send(connection.fd, request.data() + sent, request.size() - sent, MSG_NOSIGNAL);
+    if (now <= 0) return refused(errno);
+    sent += static_cast<std::size_t>(now);
   }
   std::string text;
   char buffer[16 * 1024];

@@ -1,7 +1,7 @@
 // A small HTTP/1.1 server for status pages, on a Unix socket or on a TCP port, with its own thread.
 //
-// It limits its load: 16 connections at a time, of which the oldest is closed for a new one; 16 KiB of memory each; 10
-// s of silence. It never blocks the thread of the pump.
+// It limits its load: 16 connections at a time, of which the oldest is closed for a new one; 16 KiB of memory each, and
+// 256 KiB for the body of a POST; 10 s of silence. It never blocks the thread of the pump.
 #pragma once
 
 #include <functional>
@@ -18,6 +18,7 @@ struct HttpRequest {
   std::string_view method;  // "GET", "POST"; HEAD is answered as GET
   std::string_view path;    // "/metrics"
   std::string universes;    // the query parameter of that name; empty: none
+  std::string_view body;    // of a POST
   bool from_owner = false;  // over a Unix socket, by the user that runs this program or by root
 };
 
@@ -28,6 +29,7 @@ struct HttpAnswer {
 };
 
 // Called on the server's thread.
+inline constexpr std::size_t kHttpBodyBytesMax = 256u << 10;  // a connection with more is closed
 using HttpHandler = std::function<HttpAnswer(const HttpRequest&)>;
 
 class HttpServer {
@@ -56,6 +58,7 @@ class HttpServer {
 // slowly the answer arrives. Errors: kNotFound (no such socket), kDisconnected (no listener), kPermission, kTimeout,
 // kProtocol.
 [[nodiscard]] Result<HttpAnswer> http_request(const std::string& socket_path, std::string_view method,
-                                              std::string_view target, DurationNs patience_ns = 2 * kNsPerS);
+                                              std::string_view target, DurationNs patience_ns = 2 * kNsPerS,
+                                              std::string_view body = {});
 
 }  // namespace footlight::tools

@@ -1,12 +1,14 @@
 #include "tools/footlight/status/json_lines.h"
 
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "fixtures/photometry/fit.h"
 #include "fixtures/photometry/photometry.h"
 #include "fixtures/photometry/table.h"
+#include "tools/footlight/hand/hand_text.h"
 #include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
@@ -156,6 +158,28 @@ std::string json_of_levels(const Universes& universes, std::span<const Universe>
 std::string json_of_reloads(std::uint64_t taken, std::uint64_t refused, bool running, const std::string& trouble) {
   return line_of(
       {{"event", "reload"}, {"taken", taken}, {"refused", refused}, {"running", running}, {"trouble", trouble}});
+}
+
+std::string json_of_hand(const HandReport& report, const std::string& rig) {
+  std::map<int, std::vector<HandLevel>> by_priority;
+  for (const HandSource::Held& each : report.held) {
+    HandLevel level;
+    level.universe = each.universe;
+    level.slots[0] = static_cast<std::uint16_t>(slot_of_address(each.address));
+    level.value = each.level;
+    by_priority[each.priority].push_back(level);
+  }
+  Json held = Json::array();
+  for (const auto& [priority, levels] : by_priority) {
+    held.push_back({{"priority", priority}, {"levels", assignments_of(levels)}});
+  }
+  return line_of({{"event", "hand"},
+                  {"version", kHandVersion},
+                  {"blackout", report.blackout},
+                  {"hold", report.hold},
+                  {"fades", report.fades},
+                  {"rig", rig},
+                  {"held", held}});
 }
 
 std::string json_of_device(const drivers::FoundDevice& device) {

@@ -23,6 +23,7 @@
 #include "tools/footlight/bridge/network_finding.h"
 #include "tools/footlight/bridge/rdm_device.h"
 #include "tools/footlight/doctor/doctor_checks.h"
+#include "tools/footlight/hand/hand_desk.h"
 
 namespace footlight::tools {
 
@@ -42,6 +43,8 @@ namespace footlight::tools {
 // the last one, empty if it was used.
 [[nodiscard]] std::string json_of_reloads(std::uint64_t taken, std::uint64_t refused, bool running,
                                           const std::string& trouble);
+// "blackout", "hold", "fades" (number), "rig" (a path), "held": "priority" and "levels" as assignments ("1.17=255").
+[[nodiscard]] std::string json_of_hand(const HandReport& report, const std::string& rig);
 // "kind": "usb", "serial", "hid", or "unknown" if nothing identifies it as a DMX device. "transport": "libusb", "tty",
 // "hidraw": how it would be opened now. "driver": the scheme of its endpoint.
 [[nodiscard]] std::string json_of_device(const drivers::FoundDevice& device);

@@ -2,6 +2,7 @@
 
 #include "sim/core/endpoint.h"
 #include "tools/footlight/bridge/open_ports.h"
+#include "tools/footlight/hand/hand_text.h"
 #include "tools/footlight/status/json_lines.h"
 
 namespace footlight::tools {
@@ -49,8 +50,9 @@ HttpAnswer StatusPages::answer(const HttpRequest& request) const {
     request_reload();
     return {.status = 202, .body = "reload requested; the bridge's events report the result\n"};
   }
+  if (request.path == "/hand") return answer_hand(request);
   if (request.path != "/status" && request.path != "/levels") {
-    return refusal(404, "no such page; try /status, /levels?universes=1-9 or /metrics");
+    return refusal(404, "no such page; try /status, /levels?universes=1-9, /hand or /metrics");
   }
   if (request.method != "GET") return refusal(405, "expected GET");
   if (request.path == "/status") return {.type = kJsonType, .body = json_of_status(pump_.latest_status())};
@@ -64,6 +66,23 @@ HttpAnswer StatusPages::answer(const HttpRequest& request) const {
     requested.assign(universes->numbers().begin(), universes->numbers().end());
   }
   return {.type = kJsonType, .body = json_of_levels(*universes, requested, clock_.now_ns())};
+}
+
+HttpAnswer StatusPages::answer_hand(const HttpRequest& request) const {
+  if (hand == nullptr) return refusal(404, "this program takes no levels by hand");
+  if (request.method == "GET") {
+    const auto report = hand->report();
+    if (!report) return refusal(503, report.error().message);
+    return {.type = kJsonType, .body = json_of_hand(*report, rig)};
+  }
+  if (request.method != "POST") return refusal(405, "expected GET or POST");
+  if (!request.from_owner) return refusal(403, "only the user that runs this bridge, or root, may set levels");
+  const auto command = parse_hand_message(request.body);
+  if (!command) return refusal(422, command.error().message);
+  const auto slots = hand->apply(*command);
+  if (slots) return {.type = kJsonType, .body = fmt::format("{{\"event\":\"hand\",\"slots\":{}}}\n", *slots)};
+  const ErrorCode code = slots.error().code;
+  return refusal(code == ErrorCode::kTimeout ? 503 : code == ErrorCode::kIo ? 500 : 422, slots.error().message);
 }
 
 }  // namespace footlight::tools

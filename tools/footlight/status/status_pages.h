@@ -1,7 +1,9 @@
 // The HTTP pages of a running bridge: /status and /levels (JSON, docs/monitor.md) and /metrics (docs/metrics.md).
-// POST /reload reads the show file again; GET /reload returns the result.
+// POST /reload reads the show file again; GET /reload returns the result. POST /hand takes a command of the hand
+// (tools/footlight/hand/hand_text.h); GET /hand returns what is set (docs/control.md).
 //
-// Answers use the pump's published status and the buffer, so they never wait for the pump.
+// Answers use the pump's published status and the buffer, so they never wait for the pump; those of /hand wait until
+// the pump has taken the command, for at most 2 s.
 // Threads: answer() any, one at a time for each object; the rest any.
 #pragma once
 
@@ -15,6 +17,7 @@
 #include "sim/core/clock.h"
 #include "sim/pump.h"
 #include "tools/footlight/bridge/output_guard.h"
+#include "tools/footlight/hand/hand_desk.h"
 #include "tools/footlight/status/http_server.h"
 #include "tools/footlight/status/metrics.h"
 
@@ -36,10 +39,15 @@ class StatusPages {
   void set_reload_trouble(const std::string& trouble);  // of the last one; empty: it was used
   // The action of POST /reload: requests a reload and returns. Empty: no reload. Set before the server starts.
   std::function<void()> request_reload;
+  // Takes commands; null: none. And the rig that the outputs drive, for commands with names of fixtures; "": unknown.
+  // Set before the server starts.
+  HandDesk* hand = nullptr;
+  std::string rig;
   // Of the outputs; null: none. Set before the server starts.
   std::shared_ptr<const OutputGuard> guard;
 
  private:
+  [[nodiscard]] HttpAnswer answer_hand(const HttpRequest& request) const;
   const Pump& pump_;
   Clock& clock_;
   const std::int64_t start_unix_ns_;

@@ -1,0 +1,84 @@
+// The hand of a running bridge (sim/hand.h): takes commands from any thread and keeps the source in the pump.
+//
+// The source joins the pump with the first command. Before that there is nothing: no port, no thread, no deadline.
+//
+// A blackout or a hold is remembered in a file beside the bridge's socket, "SOCKET.blackout". A bridge that starts and
+// finds the file starts dark, so that a crash during a blackout does not bring the light back. 'footlight blackout off'
+// removes the file.
+//
+// Ports of controls (OSC, MIDI) reach it as their HandTaker. What they cause on a disk, reading a scene and remembering
+// a blackout, is done by a thread that begins with the first such task.
+//
+// Threads: apply() and report() any but the pump's; the rest as stated.
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "sim/core/clock.h"
+#include "sim/core/notice.h"
+#include "sim/core/result.h"
+#include "sim/hand.h"
+#include "sim/pump.h"
+
+namespace footlight::tools {
+
+struct HandReport {
+  bool blackout = false;
+  bool hold = false;
+  std::size_t fades = 0;
+  std::vector<HandSource::Held> held;
+};
+
+class HandDesk final : public HandTaker {
+ public:
+  // Both outlive the desk. The desk outlives every run of the pump.
+  HandDesk(Pump& pump, Clock& clock, NoticeReceiver on_notice = {})
+      : pump_(pump), clock_(clock), on_notice_(std::move(on_notice)) {}
+  ~HandDesk() override;
+  HandDesk(const HandDesk&) = delete;
+  HandDesk& operator=(const HandDesk&) = delete;
+
+  // Before the pump runs. `path`: of the file that remembers a blackout; "": none. True if the bridge starts dark.
+  bool remember_in(std::string path);
+  // Returns the number of slots. Errors: those of HandSource::apply(); kTimeout: the pump does not answer; kIo: done,
+  // but a blackout cannot be remembered.
+  [[nodiscard]] Result<int> apply(const HandCommand& command);
+  [[nodiscard]] Result<HandReport> report();
+
+  // The pump's thread, between two ticks: its universes have changed.
+  void follow_pump();
+  // The pump's thread, also within a tick.
+  Status take(const HandCommand& command, TimeNs now_ns) override;
+  void recall(const SceneCall& call) override;
+
+ private:
+  [[nodiscard]] Status on_pump(std::function<void()> job);
+  [[nodiscard]] Status mark(const HandCommand& command) const;
+  Result<int> apply_now(const HandCommand& command);
+  void do_later(std::function<void()> task);
+  void work();
+  [[nodiscard]] Status recall_now(const SceneCall& call);
+  void report_trouble(const Error& error) const;
+
+  Pump& pump_;
+  Clock& clock_;
+  const NoticeReceiver on_notice_;  // any thread
+  std::string memory_path_;
+  std::unique_ptr<HandSource> source_;          // of the pump's thread
+  std::shared_ptr<const Universes> universes_;  // of the source
+
+  std::mutex tasks_mutex_;  // guards what follows
+  std::condition_variable tasks_wake_;
+  std::deque<std::function<void()>> tasks_;
+  bool ending_ = false;
+  std::thread worker_;  // of tasks; begins with the first
+};
+
+}  // namespace footlight::tools
