@@ -3,8 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <utility>
+
+#include "fixtures/laser/figure.h"
+#include "fixtures/laser/power.h"
+#include "sim/shared/shared.h"
 
 namespace footlight::render {
 namespace {
@@ -210,7 +215,80 @@ class LaserJudge {
   std::vector<double> rgb_;
 };
 
+// The frame of a figure whose row is at a place in the table of defaults; null: there is none.
+const fixtures::LaserFrame* frame_at(const fixtures::CompiledRig& compiled, std::uint32_t laser,
+                                     const std::vector<const fixtures::LaserFigure*>& figures, std::uint32_t row) {
+  for (std::size_t f = 0; f < figures.size(); ++f) {
+    const std::size_t figure = laser + fixtures::kLaserFigureRows + fixtures::kLaserFigureSize * f;
+    const auto first = static_cast<std::uint32_t>(compiled.defaults[figure + fixtures::kFigureFrame]);
+    const std::uint32_t number = (row - first) / fixtures::kLaserFrameSize;
+    if (row >= first && number < figures[f]->frames.size()) return &figures[f]->frames[number];
+  }
+  return nullptr;
+}
+
+// The moves of a frame of which an exposure sees the part from `begun` on, `passes` of it.
+std::vector<JudgeMove> moves_of(const fixtures::LaserFrame& frame, double begun, double passes,
+                                const std::function<glm::dvec2(const glm::dvec2&)>& angles_of) {
+  std::vector<JudgeMove> moves;
+  const auto count = static_cast<double>(frame.size());
+  const bool whole = !(passes > 0) || passes >= 0.999999;
+  for (std::size_t i = 0; i < frame.size(); ++i) {
+    const glm::dvec2 from = frame[i == 0 ? frame.size() - 1 : i - 1].at;
+    const glm::dvec2 way = frame[i].at - from;
+    const double begin = static_cast<double>(i) / count;
+    for (int turn = 0; turn < (whole ? 1 : 2); ++turn) {
+      const double low = whole ? begin : std::max(begin, begun - turn);
+      const double high = whole ? begin + 1 / count : std::min(begin + 1 / count, begun - turn + passes);
+      if (!(high > low)) continue;
+      moves.push_back({angles_of(from + way * ((low - begin) * count)), angles_of(from + way * ((high - begin) * count)),
+                       (high - low) / (whole ? 1 : passes), frame[i].rgb});
+    }
+  }
+  return moves;
+}
+
 }  // namespace
+
+Result<std::vector<JudgeLaser>> judged_lasers(const fixtures::Rig& rig, fixtures::f64::Walker& walker,
+                                              double range_m) {
+  std::vector<JudgeLaser> judged;
+  const fixtures::CompiledRig& compiled = walker.rig;
+  for (std::size_t head = 0; head < compiled.heads.size(); ++head) {
+    const fixtures::HeadRow& row = compiled.heads[head];
+    if (row.laser == fixtures::kNoAddress) continue;
+    const fixtures::PatchedFixture& fixture = rig.fixtures[row.fixture];
+    const fixtures::FixtureType& type = fixtures::type_of(rig, fixture);
+    const auto geometry = static_cast<std::size_t>(compiled.sources[row.type].geometry);
+    const auto& laser =
+        type.lasers[static_cast<std::size_t>(fixtures::mode_of(rig, fixture).geometries[geometry].laser)];
+    FL_ASSIGN(const auto figures, fixtures::figures_of(laser));
+    const auto& state = walker.laser_states[row.laser];
+    const fixtures::LaserFrame* const frame = frame_at(compiled, compiled.types[row.type].laser, figures, state.frame);
+    if (frame == nullptr) continue;
+    const auto pose = walker.pose(head);
+    JudgeLaser one;
+    one.lens_m = pose.lens_m;
+    one.right = pose.x_axis;
+    one.up = -pose.y_axis;
+    one.axis = pose.axis;
+    one.sigma_m = (state.thickness_m > 0 ? state.thickness_m : laser.diameter_m) / 4;
+    one.slope = laser.divergence_mrad * 1e-3 / 4;
+    one.range_m = state.length_m > 0 ? std::min(state.length_m, range_m) : range_m;
+    const auto& light = walker.states[head];
+    one.flux_lm = glm::dvec3(light.red, light.green, light.blue) * fixtures::laser_flux_lm(laser);
+    const glm::dvec2 half_rad = glm::radians(glm::dvec2(laser.scan_pan_deg, laser.scan_tilt_deg) / 2.0);
+    const auto angles_of = [&](const glm::dvec2& place) {
+      const glm::dvec2 at = place * glm::dvec2(state.size_x, state.size_y) * half_rad;
+      const double c = std::cos(state.angle), s = std::sin(state.angle);
+      const glm::dvec2 turned(c * at.x - s * at.y, s * at.x + c * at.y);
+      return glm::clamp(turned + glm::dvec2(state.x, state.y) * half_rad, -half_rad, half_rad);
+    };
+    one.moves = moves_of(*frame, static_cast<double>(footlight::f64::turns_real(state.begun)), state.passes, angles_of);
+    judged.push_back(std::move(one));
+  }
+  return judged;
+}
 
 std::vector<double> judge_lasers(const JudgeScene& scene, const std::vector<JudgeLaser>& lasers, const View& view,
                                  int width, int height, double step_px) {

@@ -10,6 +10,7 @@
 
 #include "render/image.h"
 #include "render/reference/judge.h"
+#include "sim/core/result.h"
 
 namespace footlight::render {
 
@@ -32,6 +33,11 @@ struct JudgeLaser {
   glm::dvec3 flux_lm{1000};
   std::vector<JudgeMove> moves;
 };
+
+// The lasers of a rig as the states of the walker have them. The path is the figure's points, not the parts that the
+// compiled tables have of it; an exposure of less than a pass shows its share of them.
+[[nodiscard]] Result<std::vector<JudgeLaser>> judged_lasers(const fixtures::Rig& rig, fixtures::f64::Walker& walker,
+                                                            double range_m);
 
 // Light of the lasers in the air and on the boxes of a scene, cd/m^2; 3 values a pixel. step_px: length of the pieces
 // in the picture; half of it tells the judge's own error.

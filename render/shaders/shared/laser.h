@@ -106,9 +106,11 @@ FL_FN LaserLine laser_line(FL_IN(LaserSheet) sheet, FL_IN(LaserPixel) pixel, Vec
   return line;
 }
 
-FL_CONST uint kLaserPanels = uint(2);
+FL_FN Real laser_arsinh(Real x) { return log(x + sqrt(x * x + Real(1))); }
+
+FL_CONST uint kLaserPanels = uint(3);
 FL_CONST uint kLaserNodes = uint(6);  // of each panel
-FL_CONST float kLaserNearest = 0.01f;  // depth, m: light that is nearer to the eye is left out
+FL_CONST float kLaserNearest = 0.001f;  // depth, m: light that is nearer to the eye is left out
 // So many pixels around the place where a beam goes to, its depth changes with the pixels: it is summed along itself.
 FL_CONST float kLaserGonePx = 100.0f;
 
@@ -127,29 +129,47 @@ FL_FN Real laser_air_along(FL_IN(LaserSheet) sheet, FL_IN(LaserPixel) pixel, Las
   Real w_from = Real(1) / far_m;
   Real w_to = Real(1) / near_m;
   Vec3 sideways = laser_picture(pixel, side);
-  // What of it the pixel sees.
+  // What of it the pixel sees: where its picture, and where that of the sheet, is within 4.5 deviations. That of
+  // a pixel and the width of the beam, which grows with w, are added.
   Real square = line.way.x * line.way.x + line.way.y * line.way.y;
-  if (square > Real(1e-20)) {
-    Real w_middle = -(line.gone.x * line.way.x + line.gone.y * line.way.y) / square;
-    Real w_at = clamp(w_middle, w_from, w_to);
-    Real r_m = clamp((Real(1) / w_at - line.depth_m) / line.deeper, Real(0), length_m);
-    Real wide = sqrt((sheet.variance + sheet.slope_square * r_m * r_m) / (px_1 * px_2)) * w_at;
-    Real swept = r_m * w_at * angle * (abs(sideways.x) + abs(sideways.y) + (abs(line.gone.x + line.way.x * w_at) + abs(line.gone.y + line.way.y * w_at)) * abs(sideways.z));
-    Real reach = (Real(4.5) * sqrt(Real(kLaserPixel) + wide * wide) + swept) / sqrt(square);
-    // A wide beam near the eye may be wider in front than it is at its nearest place.
-    if (wide < Real(2)) {
-      w_from = max(w_from, w_middle - reach);
-      w_to = min(w_to, w_middle + reach);
-      if (!(w_to > w_from)) return Real(0);
+  Real w_at = w_from;
+  if (square > Real(0)) w_at = clamp(-(line.gone.x * line.way.x + line.gone.y * line.way.y) / square, w_from, w_to);
+  Real at_m = clamp((Real(1) / w_at - line.depth_m) / line.deeper, Real(0), length_m);
+  Real wide_1 = sqrt((sheet.variance + sheet.slope_square * at_m * at_m) / (px_1 * px_2));
+  Vec2 at_px = Vec2(line.gone.x + line.way.x * w_at, line.gone.y + line.way.y * w_at);
+  Vec2 sweep = Vec2((sideways.x - at_px.x * sideways.z) * at_m * angle, (sideways.y - at_px.y * sideways.z) * at_m * angle);
+  Real sweep_1 = sqrt(sweep.x * sweep.x + sweep.y * sweep.y);
+  for (uint which = uint(0); which < uint(2); ++which) {
+    // Along its own picture; then across the way that it sweeps.
+    Vec2 way = line.way;
+    Real spare = Real(0.5) * sweep_1;
+    if (which == uint(1)) {
+      way = sweep_1 > Real(0) ? Vec2(-sweep.y / sweep_1, sweep.x / sweep_1) : Vec2(0, 0);
+      spare = Real(0);
     }
+    Real speed = line.way.x * way.x + line.way.y * way.y;
+    Real size = sqrt(way.x * way.x + way.y * way.y);
+    if (!(abs(speed) > Real(1e-9) * size) || !(size > Real(0))) continue;
+    Real middle = -(line.gone.x * way.x + line.gone.y * way.y) / speed;
+    Real pixels = Real(4.5 * 0.6) * size / abs(speed);
+    Real growth = (Real(4.5) * wide_1 + spare) * size / abs(speed);
+    w_from = max(w_from, (middle - pixels) / (Real(1) + growth));
+    if (growth < Real(0.99)) w_to = min(w_to, (middle + pixels) / (Real(1) - growth));
   }
+  if (!(w_to > w_from)) return Real(0);
+  // Where the beam, or what it sweeps, becomes wider than a pixel, its light falls as 1 / w or faster: from there on
+  // nodes are even in the logarithm.
+  Real turn_w = Real(0.6) / max(wide_1 + sweep_1, Real(1e-9));
+  Real from = laser_arsinh(w_from / turn_w);
+  Real way_x = laser_arsinh(w_to / turn_w) - from;
   Real cosine = dot(pixel.ray, beam) / ray_length;
   Real sum = Real(0);
   for (uint i = uint(0); i < kLaserPanels * kLaserNodes; ++i) {
     uint panel = i / kLaserNodes;
     uint node = kLaserNodes * (kLaserNodes - uint(1)) / uint(2) + i % kLaserNodes;
     Real x = (Real(panel) + Real(kGaussNode[node])) / Real(kLaserPanels);
-    Real w = w_from + (w_to - w_from) * x;
+    Real e = exp(from + way_x * x);
+    Real w = clamp(Real(0.5) * turn_w * (e - Real(1) / e), w_from, w_to);
     Real r_m = clamp((Real(1) / w - line.depth_m) / line.deeper, Real(0), length_m);
     Real wide = (sheet.variance + sheet.slope_square * r_m * r_m) * w * w;
     Real sigma = sqrt(Real(kLaserPixel) + wide / (px_1 * px_2));
@@ -166,10 +186,10 @@ FL_FN Real laser_air_along(FL_IN(LaserSheet) sheet, FL_IN(LaserPixel) pixel, Las
                 normal_at(beside_px / sigma) / (sigma * sigma);
     Real t_m = ray_length / w;
     Real haze_m = Real(0.25) * (w_to - w_from) / (w * w);
-    sum += Real(kGaussWeight[node]) * seen *
+    sum += Real(kGaussWeight[node]) * seen * Real(0.5) * turn_w * (e + Real(1) / e) *
            laser_scatter(cosine, t_m, r_m, haze_m, anisotropy, extinction_per_m, with_extinction);
   }
-  return sum * (w_to - w_from) * ray_length / (Real(kLaserPanels) * px_1 * px_2 * abs(line.deeper));
+  return sum * way_x * ray_length / (Real(kLaserPanels) * px_1 * px_2 * abs(line.deeper));
 }
 
 // Light in the air of a sheet in a pixel up to t_max_m, over sigma_s and the flux; 1/(m sr).
@@ -251,11 +271,20 @@ FL_FN Real laser_in_air(FL_IN(LaserSheet) sheet, FL_IN(LaserPixel) pixel, Real t
   Real beam_low = normal_below(-beam_at / beam_sigma);
   Real beam_high = normal_below((length_m - beam_at) / beam_sigma);
   Real lit = max(min(ray_high, beam_high) - max(ray_low, beam_low), Real(0));
-  Real t_m = clamp(ray_at * ray_length, Real(0), min(t_max_m, Real(1e7)));
-  Real r_m = clamp(beam_at, Real(0), length_m);
+  // At an end of the beam the light comes from the side of the pixel that still has it.
+  Real low_z = -beam_at / beam_sigma;
+  Real high_z = (length_m - beam_at) / beam_sigma;
+  Real of_beam = max(beam_high - beam_low, Real(1e-3));
+  Real shift_m = beam_sigma * clamp((normal_at(low_z) - normal_at(high_z)) / of_beam, Real(-3), Real(3));
+  Real t_size = sqrt(t_square);
+  Real aside_px = Real(kLaserPixel) * b_along / (t_size * beam_sigma * beam_sigma) * shift_m;
+  Vec3 ray = pixel.ray + (pixel.step_x * ty - pixel.step_y * tx) * (aside_px / t_size);
+  Real aside_length = length(ray);
+  Real t_m = clamp((ray_at + s_along / t_size * aside_px) * aside_length, Real(0), min(t_max_m, Real(1e7)));
+  Real r_m = clamp(beam_at + shift_m, Real(0), length_m);
   Real haze_m = Real(2) * ray_sigma * ray_length;
-  return sheet.spread * ray_length * share * lit * scale * root *
-         laser_scatter(along / ray_length, t_m, r_m, haze_m, anisotropy, extinction_per_m, with_extinction);
+  return sheet.spread * aside_length * share * lit * scale * root *
+         laser_scatter(dot(ray, beam) / aside_length, t_m, r_m, haze_m, anisotropy, extinction_per_m, with_extinction);
 }
 
 // Where a beam meets a surface.
