@@ -41,7 +41,7 @@ class LasersPass final : public Pass {
 const PassEntry kLasersPass{
     "lasers",
     [](const fixtures::Needs& needs, const FrameSettings& settings) {
-      return needs.laser && settings.view != FrameView::kClasses &&
+      return needs.fixtures && needs.laser && settings.view != FrameView::kClasses &&
              (has_air(needs, settings) || has_solids(needs, settings));
     },
     [](const fixtures::Needs& needs, const FrameSettings& settings) {
