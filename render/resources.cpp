@@ -470,8 +470,8 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   const std::uint64_t laser_bytes = laser_mask_bytes(settings, laser_rows);
   if (laser_bytes > device.limits().maxStorageBufferRange) {
     return fail(ErrorCode::kUnsupported,
-                "{}: maxStorageBufferRange is {}, needed: {} bytes for the masks of lasers; use figures with fewer points "
-                "or a smaller picture",
+                "{}: maxStorageBufferRange is {}, needed: {} bytes for the masks of lasers; use figures with fewer "
+                "points or a smaller picture",
                 device.name(), device.limits().maxStorageBufferRange, laser_bytes);
   }
   FL_ASSIGN(p.laser_masks, zeroed(device, laser_bytes));

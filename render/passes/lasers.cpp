@@ -54,8 +54,7 @@ const PassEntry kLasersPass{
                                            {FL_SPEC_VIEW, static_cast<std::uint32_t>(settings.view)}};
     },
     [](const PassContext& context) -> Result<std::unique_ptr<Pass>> {
-      const vk::Spirv light =
-          has_constant(context, FL_SPEC_HAZE) ? vk::Spirv(kHazelasersComp) : vk::Spirv(kLasersComp);
+      const vk::Spirv light = has_constant(context, FL_SPEC_HAZE) ? vk::Spirv(kHazelasersComp) : vk::Spirv(kLasersComp);
       FL_ASSIGN(auto rows, BoundPipeline::compute(context, kLaserrowsComp, context.constants));
       FL_ASSIGN(auto masks, BoundPipeline::compute(context, kLasermasksComp, context.constants));
       FL_ASSIGN(auto lights, BoundPipeline::compute(context, light, context.constants));

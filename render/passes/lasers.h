@@ -1,5 +1,5 @@
-// The pass of scanned lasers: sheets of light from the states of the heads (laserrows.comp), which supertiles they touch
-// (lasermasks.comp), and their light in the air and on surfaces (lasers.comp).
+// The pass of scanned lasers: sheets of light from the states of the heads (laserrows.comp), the supertiles that they
+// touch (lasermasks.comp), and their light in the air and on surfaces (lasers.comp).
 #pragma once
 
 #include "render/pass.h"

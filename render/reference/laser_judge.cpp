@@ -93,16 +93,14 @@ class LaserJudge {
     const auto hit = judge_hit(scene_, {laser.lens_m, way});
     return hit ? std::min(hit->t_m, laser.range_m) : laser.range_m;
   }
-  [[nodiscard]] double extinction_per_m() const {
-    return scene_.haze.scattering_per_m + scene_.haze.absorption_per_m;
-  }
+  [[nodiscard]] double extinction_per_m() const { return scene_.haze.scattering_per_m + scene_.haze.absorption_per_m; }
   [[nodiscard]] static double sigma_at(const JudgeLaser& laser, double r_m) {
     return std::hypot(laser.sigma_m, laser.slope * r_m);
   }
 
   void add_beam(const JudgeLaser& laser, const glm::dvec3& way, const glm::dvec3& flux_lm) {
-    const glm::dvec3 across = glm::normalize(
-        glm::cross(way, std::abs(way.z) < 0.7 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0)));
+    const glm::dvec3 across =
+        glm::normalize(glm::cross(way, std::abs(way.z) < 0.7 ? glm::dvec3(0, 0, 1) : glm::dvec3(1, 0, 0)));
     const glm::dvec3 beside = glm::cross(way, across);
     const double end_m = end_of(laser, way);
     if (scene_.haze.scattering_per_m > 0) add_air(laser, way, across, beside, end_m, flux_lm);
@@ -114,8 +112,8 @@ class LaserJudge {
     for (double r_m = 0; r_m < end_m;) {
       double step_m = 0.02 * std::max(glm::length(laser.lens_m + way * r_m - view_.position_m), 0.05);
       glm::dvec2 from, to;
-      for (int i = 0; i < 40 && seen_at(laser.lens_m + way * r_m, from) && seen_at(laser.lens_m + way * (r_m + step_m), to) &&
-                      glm::length(to - from) > step_px_;
+      for (int i = 0; i < 40 && seen_at(laser.lens_m + way * r_m, from) &&
+                      seen_at(laser.lens_m + way * (r_m + step_m), to) && glm::length(to - from) > step_px_;
            ++i) {
         step_m *= std::clamp(0.9 * step_px_ / glm::length(to - from), 0.1, 0.9);
       }
@@ -136,8 +134,7 @@ class LaserJudge {
           if (hit && hit->t_m < t_m) continue;
           const double g = scene_.haze.anisotropy;
           const double cosine = -glm::dot(way, away) / t_m;
-          const double phase =
-              (1 - g * g) / (4 * std::numbers::pi * std::pow(1 + g * g - 2 * g * cosine, 1.5));
+          const double phase = (1 - g * g) / (4 * std::numbers::pi * std::pow(1 + g * g - 2 * g * cosine, 1.5));
           const double light = scene_.haze.scattering_per_m * phase * step_m * wx * wy / (t_m * t_m) *
                                std::exp(-extinction_per_m() * (t_m + middle_m));
           put(bit_m, flux_lm * light);
@@ -164,8 +161,8 @@ class LaserJudge {
         const auto shown = judge_hit(scene_, {view_.position_m, away / t_m});
         const double facing = -glm::dot(hit->normal, away) / t_m;
         if ((shown && shown->t_m < t_m - 1e-6) || !(facing > 0)) continue;
-        const double light = wx * wy * facing / (std::numbers::pi * t_m * t_m) *
-                             std::exp(-extinction_per_m() * (t_m + hit->t_m));
+        const double light =
+            wx * wy * facing / (std::numbers::pi * t_m * t_m) * std::exp(-extinction_per_m() * (t_m + hit->t_m));
         put(bit_m, flux_lm * hit->albedo * light);
       }
     }
@@ -201,7 +198,8 @@ class LaserJudge {
       const double down = std::exp(-away_px * away_px / kSquare);
       for (int x = x0; x <= x1; ++x) {
         const double weight = down * across[static_cast<std::size_t>(x - x0)];
-        const auto at = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x));
+        const auto at =
+            3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x));
         for (int c = 0; c < 3; ++c) rgb_[at + static_cast<std::size_t>(c)] += scaled[c] * weight;
       }
     }
@@ -241,8 +239,9 @@ std::vector<JudgeMove> moves_of(const fixtures::LaserFrame& frame, double begun,
       const double low = whole ? begin : std::max(begin, begun - turn);
       const double high = whole ? begin + 1 / count : std::min(begin + 1 / count, begun - turn + passes);
       if (!(high > low)) continue;
-      moves.push_back({angles_of(from + way * ((low - begin) * count)), angles_of(from + way * ((high - begin) * count)),
-                       (high - low) / (whole ? 1 : passes), frame[i].rgb});
+      moves.push_back({angles_of(from + way * ((low - begin) * count)),
+                       angles_of(from + way * ((high - begin) * count)), (high - low) / (whole ? 1 : passes),
+                       frame[i].rgb});
     }
   }
   return moves;
@@ -250,8 +249,7 @@ std::vector<JudgeMove> moves_of(const fixtures::LaserFrame& frame, double begun,
 
 }  // namespace
 
-Result<std::vector<JudgeLaser>> judged_lasers(const fixtures::Rig& rig, fixtures::f64::Walker& walker,
-                                              double range_m) {
+Result<std::vector<JudgeLaser>> judged_lasers(const fixtures::Rig& rig, fixtures::f64::Walker& walker, double range_m) {
   std::vector<JudgeLaser> judged;
   const fixtures::CompiledRig& compiled = walker.rig;
   for (std::size_t head = 0; head < compiled.heads.size(); ++head) {

@@ -173,13 +173,15 @@ void main() {
   row.slack_m = end.slack_m;
 
   float longest_m = sqrt(1.0 + reach * reach) / min(min(row.ends.x, row.ends.y), min(row.ends.z, row.ends.w));
+  if (longest_m < 2.0 * kInside) return;  // something stands around the place where the light leaves
   float sides = sqrt(1.0 + reach * reach);
   vec3 corners[3] = vec3[3](pose.lens_m, pose.lens_m + a * longest_m * sides,
                             pose.lens_m + (a + row.second.xyz * reach) * longest_m);
   float widest_m = sqrt(sigma_m * sigma_m + slope * slope * longest_m * longest_m);
   float pixel = 2.0 * length(params.up.xyz) / float(params.height);
   float width_px = widest_m / (max(nearest_m(corners) - kLaserReach * widest_m, 1e-4) * pixel);
-  float margin_px = kLaserReach * sqrt(kLaserPixel + width_px * width_px) * sqrt(1.0 + dot(params.right.xyz, params.right.xyz) + dot(params.up.xyz, params.up.xyz));
+  float corner = sqrt(1.0 + dot(params.right.xyz, params.right.xyz) + dot(params.up.xyz, params.up.xyz));
+  float margin_px = kLaserReach * sqrt(kLaserPixel + width_px * width_px) * corner;
   row.cross_2.w = margin_px;
   row.box = picture_of(corners, margin_px);
   lasers[index] = row;

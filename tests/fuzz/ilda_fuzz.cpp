@@ -9,9 +9,8 @@ using namespace footlight;
 using footlight::testing::require;
 
 void footlight::testing::add_seeds(Seeds& seeds) {
-  const std::vector<IldaRecord> points = {{-20000, 0, 0, 0x40, 0, 0, 0, 0},
-                                          {20000, 100, 5, 0, 3, 255, 10, 20},
-                                          {0, 32767, -5, 0x80, 60, 0, 255, 0}};
+  const std::vector<IldaRecord> points = {
+      {-20000, 0, 0, 0x40, 0, 0, 0, 0}, {20000, 100, 5, 0, 3, 255, 10, 20}, {0, 32767, -5, 0x80, 60, 0, 255, 0}};
   for (const int format : {0, 1, 4, 5}) {
     seeds.add("format" + std::to_string(format), ilda_section(format, points) + ilda_end());
   }

@@ -284,9 +284,9 @@ TEST_CASE("without boxes and bodies only passes for light in the air remain") {
   needs.surfaces = false;
   FrameSettings settings;
   settings.bodies = false;
-  CHECK(names_of(plan_frame(needs, settings)) == std::vector<std::string>{"step", "gather", "gobos", "tiles", "haze",
-                                                                          "coarse", "records", "fine", "beams", "lasers",
-                                                                          "glare", "tonemap"});
+  CHECK(names_of(plan_frame(needs, settings)) ==
+        std::vector<std::string>{"step", "gather", "gobos", "tiles", "haze", "coarse", "records", "fine", "beams",
+                                 "lasers", "glare", "tonemap"});
   settings.tile_error = 0;
   CHECK(names_of(plan_frame(needs, settings)) ==
         std::vector<std::string>{"step", "gather", "gobos", "tiles", "haze", "beams", "lasers", "glare",

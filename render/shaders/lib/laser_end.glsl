@@ -2,6 +2,7 @@
 // laser_row.glsl and kShadows.
 layout(set = 0, binding = FL_BINDING_OCCLUDERS, std430) readonly buffer OccludersBuffer { OccluderRow occluders[]; };
 
+const float kInside = 1e-4;  // length of a beam that leaves within a thing, m
 struct BeamEnd {
   float length_m;
   uint which;  // occluder; FL_NONE: none
@@ -36,7 +37,7 @@ BeamEnd beam_end(vec3 lens_m, vec3 way, uint own, float range_m) {
       leave_m = min(leave_m, max(first, second));
     }
     if (enter_m > leave_m || leave_m < 0.0) continue;
-    float length_m = max(enter_m, 1e-4);
+    float length_m = max(enter_m, kInside);
     if (length_m < end.length_m) end = BeamEnd(length_m, i);
   }
   return end;

@@ -101,7 +101,7 @@
 #define FL_BINDING_HAZE (76 + FL_LAMP_COUNT)
 #define FL_BINDING_HAZE_TABLE (77 + FL_LAMP_COUNT)
 #define FL_BINDING_HAZE_TABLE_OUT (78 + FL_LAMP_COUNT)
-// Scanned lasers (render/shaders/laserrows.comp): LaserState, LaserSegmentRow, LaserRow, and bits of those in a supertile.
+// Scanned lasers (laserrows.comp): LaserState, LaserSegmentRow, LaserRow, and bits of those in a supertile.
 #define FL_BINDING_LASER_STATES (79 + FL_LAMP_COUNT)
 #define FL_BINDING_LASER_SEGMENTS (80 + FL_LAMP_COUNT)
 #define FL_BINDING_LASERS (81 + FL_LAMP_COUNT)
@@ -301,8 +301,8 @@ struct BeamRow {
   float squeeze;  // 0: round; a rectangle's height over its width, squared
 };
 
-// A part of a sheet of light that a laser draws: 160 bytes. Directions of its beams: first + tau second for tau from 0 to
-// `reach`, not normalised; shared/laser.h has the rest.
+// A part of a sheet of light that a laser draws, 160 bytes. The directions of its beams are first + tau second, not
+// normalised, for tau from 0 to `reach`; shared/laser.h has the rest.
 struct LaserRow {
   vec4 first;    // xyz: unit; w: reach
   vec4 second;   // xyz: unit, perpendicular to first; w: reach over the angle that it stands for

@@ -33,8 +33,8 @@ struct LaserPixel {
 FL_FN Real normal_below(Real z) {
   Real x = min(abs(z), Real(6)) * Real(0.7071067811865476);
   Real t = Real(1) / (Real(1) + Real(0.3275911) * x);
-  Real tail = t * (Real(0.254829592) +
-                   t * (Real(-0.284496736) + t * (Real(1.421413741) + t * (Real(-1.453152027) + t * Real(1.061405429)))));
+  Real tail = Real(1.421413741) + t * (Real(-1.453152027) + t * Real(1.061405429));
+  tail = t * (Real(0.254829592) + t * (Real(-0.284496736) + t * tail));
   tail = Real(0.5) * tail * exp(-x * x);
   return z < Real(0) ? tail : Real(1) - tail;
 }
@@ -48,8 +48,8 @@ FL_FN Real normal_mean(Real from, Real to, FL_OUT(Real) middle) {
   if (abs(way) < Real(0.6)) {
     Real w = way * way;
     middle = clamp(Real(0.5) - at * way * Real(0.08333333333333333), Real(0), Real(1));
-    return normal_at(at) * (Real(1) + w * ((square - Real(1)) * Real(0.041666666666666664) +
-                                           w * (square * square - Real(6) * square + Real(3)) * Real(0.0005208333333333333)));
+    Real fourth = (square * square - Real(6) * square + Real(3)) * Real(0.0005208333333333333);
+    return normal_at(at) * (Real(1) + w * ((square - Real(1)) * Real(0.041666666666666664) + w * fourth));
   }
   Real share = normal_below(to) - normal_below(from);
   // In a tail the middle is at the end that is nearer.
@@ -137,7 +137,8 @@ FL_FN Real laser_air_along(FL_IN(LaserSheet) sheet, FL_IN(LaserPixel) pixel, Las
   Real at_m = clamp((Real(1) / w_at - line.depth_m) / line.deeper, Real(0), length_m);
   Real wide_1 = sqrt((sheet.variance + sheet.slope_square * at_m * at_m) / (px_1 * px_2));
   Vec2 at_px = Vec2(line.gone.x + line.way.x * w_at, line.gone.y + line.way.y * w_at);
-  Vec2 sweep = Vec2((sideways.x - at_px.x * sideways.z) * at_m * angle, (sideways.y - at_px.y * sideways.z) * at_m * angle);
+  Vec2 sweep = Vec2((sideways.x - at_px.x * sideways.z) * at_m * angle,
+                    (sideways.y - at_px.y * sideways.z) * at_m * angle);
   Real sweep_1 = sqrt(sweep.x * sweep.x + sweep.y * sweep.y);
   for (uint which = uint(0); which < uint(2); ++which) {
     // Along its own picture; then across the way that it sweeps.
@@ -239,7 +240,8 @@ FL_FN Real laser_in_air(FL_IN(LaserSheet) sheet, FL_IN(LaserPixel) pixel, Real t
     Real half_root = Real(1) / sqrt(Real(1) + half_tau * half_tau);
     Vec3 middle = (sheet.first + sheet.second * half_tau) * half_root;
     Vec3 side = (sheet.second - sheet.first * half_tau) * half_root;
-    return laser_air_along(sheet, pixel, laser_line(sheet, pixel, middle), middle, side, sheet.reach / max(sheet.spread, Real(1e-6)),
+    Real angle = sheet.reach / max(sheet.spread, Real(1e-6));
+    return laser_air_along(sheet, pixel, laser_line(sheet, pixel, middle), middle, side, angle,
                            laser_length(sheet, half_tau), t_max_m, anisotropy, extinction_per_m, with_extinction);
   }
   if (!(share > Real(0))) return Real(0);

@@ -46,7 +46,9 @@ Result<fixtures::LaserPlace> place_of(const std::string& text) {
   return place;
 }
 
-std::string duration(double s) { return s < 1e-3 ? fmt::format("{:.3g} us", s * 1e6) : fmt::format("{:.3g} ms", s * 1e3); }
+std::string duration(double s) {
+  return s < 1e-3 ? fmt::format("{:.3g} us", s * 1e6) : fmt::format("{:.3g} ms", s * 1e3);
+}
 
 Result<int> safety(const Options& options) {
   std::vector<fixtures::LaserPlace> places;
@@ -67,15 +69,17 @@ Result<int> safety(const Options& options) {
   for (const fixtures::LaserSafetyRow& row : report.rows) {
     const double most = std::max(row.still_over, row.exposure.over_mpe);
     above = above || (row.in_field && most > 1);
-    fmt::print("{} at {}: {:.1f} m, {}; a beam that stands still {:.3g} times the MPE; {} {:.3g} times (on the pupil {} "
-               "at a time, {} in a pass of {})\n",
-               row.fixture, row.place, row.distance_m,
-               row.in_field ? "in the field of its scanner" : "beside the field of its scanner as it hangs", row.still_over,
-               row.worst, row.exposure.over_mpe, duration(row.exposure.on_s), counted(static_cast<std::size_t>(row.exposure.times), "time"),
-               duration(row.exposure.pass_s));
+    fmt::print(
+        "{} at {}: {:.1f} m, {}; a beam that stands still {:.3g} times the MPE; {} {:.3g} times (on the pupil {} "
+        "at a time, {} in a pass of {})\n",
+        row.fixture, row.place, row.distance_m,
+        row.in_field ? "in the field of its scanner" : "beside the field of its scanner as it hangs", row.still_over,
+        row.worst, row.exposure.over_mpe, duration(row.exposure.on_s),
+        counted(static_cast<std::size_t>(row.exposure.times), "time"), duration(row.exposure.pass_s));
   }
-  fmt::print("Computed from IEC 60825-1's limits for visible light, at full power and full size. This is a report of "
-             "figures and no statement that anything is safe: docs/lasers.md says what it leaves out.\n");
+  fmt::print(
+      "Computed from IEC 60825-1's limits for visible light, at full power and full size. This is a report of "
+      "figures and no statement that anything is safe: docs/lasers.md says what it leaves out.\n");
   FL_TRY(flush_output());
   return above ? kExitFailed : kExitOk;
 }
@@ -87,12 +91,13 @@ void add(Arguments& arguments) {
                                          "Exit code 1 if a file has no frame to show.");
   files.words("FILE", options->paths, "ILDA files (.ild)");
   files.job([options]() -> Result<int> { return check(*options); });
-  Arguments rig = arguments.subcommand(
-      "safety", "Compare the lasers of a rig with the maximum permissible exposure of the eye",
-      "  footlight laser safety club.toml\n"
-      "  footlight laser safety club.toml --at 0,-6,1.6\n"
-      "Places are the rig's cameras unless --at names some. Exit code 1 if a place in the field of a laser is above the "
-      "MPE. The report does not say that anything is safe.");
+  Arguments rig =
+      arguments.subcommand("safety", "Compare the lasers of a rig with the maximum permissible exposure of the eye",
+                           "  footlight laser safety club.toml\n"
+                           "  footlight laser safety club.toml --at 0,-6,1.6\n"
+                           "Places are the rig's cameras unless --at names some. Exit code 1 if a place in the field "
+                           "of a laser is above the "
+                           "MPE. The report does not say that anything is safe.");
   rig.word("RIG", options->rig, "a rig file");
   rig.list("--at", options->places, "X,Y,Z", "a place of eyes, metres; may be given several times");
   rig.job([options]() -> Result<int> { return safety(*options); });
