@@ -11,6 +11,7 @@ namespace footlight::render::f32 {
 using namespace ::footlight::f32;
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/laser.h"
 #include "render/shaders/shared/shadow.h"
 #include "render/shaders/shared/gobo_chord.h"
 #include "render/shaders/shared/tile_node.h"
@@ -24,6 +25,7 @@ namespace footlight::render::f64 {
 using namespace ::footlight::f64;
 #include "render/shaders/shared/gauss.h"
 #include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/laser.h"
 #include "render/shaders/shared/shadow.h"
 #include "render/shaders/shared/gobo_chord.h"
 #include "render/shaders/shared/tile_node.h"

@@ -154,7 +154,8 @@ Status Frame::change(const FrameSettings& requested) {
   has_fine_ = has_tile_classes(needs, settings);
   if (!same_images) {
     resources_.picture = {};  // first, so that two sizes never stand in memory
-    FL_ASSIGN(resources_.picture, PictureImages::create(device_, needs, settings, resources_.rig.mask_words));
+    FL_ASSIGN(resources_.picture, PictureImages::create(device_, needs, settings, resources_.rig.mask_words,
+                                                                    resources_.rig.laser_rows));
     resources_.bind_all();
   }
   std::vector<std::unique_ptr<Pass>> passes;

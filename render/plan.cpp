@@ -11,6 +11,7 @@
 #include "render/passes/glare.h"
 #include "render/passes/gobos.h"
 #include "render/passes/haze.h"
+#include "render/passes/lasers.h"
 #include "render/passes/lenses.h"
 #include "render/passes/records.h"
 #include "render/passes/shade.h"
@@ -43,6 +44,7 @@ const PassEntry* const kPasses[] = {
     &kFinePass,      // the same over 32 x 32 pixels, and beams that are smooth but for their rim -> radiance, the rest
     &kShadePass,     // shadows of beams that were taken together -> radiance, and those left to the beam pass
     &kBeamsPass,     // the rest, pixel by pixel -> radiance
+    &kLasersPass,    // lasers -> sheets of light -> radiance
     &kEdgesPass,     // solid things -> radiance of pixels that show more than one
     &kLensesPass,    // lenses of a few pixels -> radiance
     &kGlarePass,     // radiance -> light that the camera's lens scatters

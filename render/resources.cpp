@@ -83,6 +83,9 @@ constexpr TableEntry kTables[] = {
      [](const C& c) { return c.dowser_count * kDowserStateBytes; }},
     {FL_BINDING_SMOOTH_STATES, &R::smooth_states, nullptr,
      [](const C& c) { return (c.flex_count + c.smooth_count) * kSmoothStateBytes; }},
+    {FL_BINDING_LASER_STATES, &R::laser_states, nullptr, [](const C& c) { return c.laser_count * kLaserStateBytes; }},
+    {FL_BINDING_LASER_SEGMENTS, &R::laser_segments, rows_of<&C::laser_segments>},
+    {FL_BINDING_LASERS, &R::lasers, nullptr, [](const C& c) { return c.laser_rows * std::uint64_t{sizeof(LaserRow)}; }},
     {FL_BINDING_BEAMS, &R::beams, nullptr, [](const C& c) { return c.beams_max * std::uint64_t{sizeof(BeamRow)}; }},
     {FL_BINDING_COUNTS, &R::counts, nullptr, [](const C& c) { return sizeof(CountsRow) + groups_of(c) * 8; },
      VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT},
@@ -148,6 +151,10 @@ std::uint32_t supertiles(int pixels) { return cells(pixels, FL_SUPERTILE_PX); }
 
 std::uint64_t mask_bytes(const FrameSettings& settings, std::uint32_t mask_words) {
   return std::uint64_t{4} * supertiles(settings.width) * supertiles(settings.height) * mask_words;
+}
+
+std::uint64_t laser_mask_bytes(const FrameSettings& settings, std::uint32_t laser_rows) {
+  return std::max<std::uint64_t>(mask_bytes(settings, (laser_rows + 31) / 32), 4);
 }
 
 std::uint64_t tile_depth_bytes(const FrameSettings& settings, bool used) {
@@ -337,6 +344,7 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
       return std::uint64_t{plan.gates} * plan.gate_planes * kGateImageBytes;
     }
     case FL_BINDING_MASKS: return mask_bytes(settings, mask_words_of(shape.compiled));
+    case FL_BINDING_LASER_MASKS: return laser_mask_bytes(settings, shape.compiled.laser_rows);
     case FL_BINDING_TILE_DEPTHS: return tile_depth_bytes(settings, has_tile_depths(shape.needs, settings));
     case FL_BINDING_SHADOW_WORDS:
       return shadow_word_bytes(settings, mask_words_of(shape.compiled), has_shadows_in_air(shape.needs, settings));
@@ -381,6 +389,8 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   r.dowser_count = compiled.dowser_count;
   r.smooth_count = compiled.flex_count + compiled.smooth_count;
   r.box_count = static_cast<std::uint32_t>(shape.rig.boxes.size());
+  r.laser_count = compiled.laser_count;
+  r.laser_rows = compiled.laser_rows;
   r.beams_max = compiled.beams_max;
   r.mask_words = mask_words_of(compiled);
   r.levels_bytes = compiled.universes.size() * kSlotCountMax;
@@ -463,7 +473,8 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
 }
 
 Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::Needs& needs,
-                                            const FrameSettings& settings, std::uint32_t mask_words) {
+                                            const FrameSettings& settings, std::uint32_t mask_words,
+                                            std::uint32_t laser_rows) {
   const bool bodies = render::has_bodies(needs, settings);
   const bool classes = has_tile_classes(needs, settings);
   const auto width = static_cast<std::uint32_t>(settings.width);
@@ -472,6 +483,14 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   p.supertiles_x = supertiles(settings.width);
   p.supertiles_y = supertiles(settings.height);
   FL_ASSIGN(p.masks, zeroed(device, mask_bytes(settings, mask_words)));
+  const std::uint64_t laser_bytes = laser_mask_bytes(settings, laser_rows);
+  if (laser_bytes > device.limits().maxStorageBufferRange) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: maxStorageBufferRange is {}, needed: {} bytes for the masks of lasers; use figures with fewer "
+                "points or a smaller picture",
+                device.name(), device.limits().maxStorageBufferRange, laser_bytes);
+  }
+  FL_ASSIGN(p.laser_masks, zeroed(device, laser_bytes));
   FL_ASSIGN(p.tile_depths, zeroed(device, tile_depth_bytes(settings, has_tile_depths(needs, settings))));
   const std::uint64_t fine_bytes = fine_mask_bytes(settings, mask_words, classes);
   if (fine_bytes > device.limits().maxStorageBufferRange) {
@@ -534,6 +553,7 @@ void Resources::bind_all() {
   for (std::uint32_t lamp = 1; lamp <= FL_LAMP_COUNT; ++lamp) bind(FL_BINDING_LAMP(lamp), rig.lamp_states[lamp]);
   for (const auto& [binding, buffer] : kOtherBuffers) bind(binding, rig.*buffer);
   bind(FL_BINDING_MASKS, picture.masks);
+  bind(FL_BINDING_LASER_MASKS, picture.laser_masks);
   bind(FL_BINDING_TILE_DEPTHS, picture.tile_depths);
   bind(FL_BINDING_COARSE, picture.coarse);
   bind(FL_BINDING_RIMS, picture.rims);

@@ -62,6 +62,8 @@ struct RigTables {
   vk::Buffer staged_levels;  // the same, where the host writes them; only for more than kUpdateBytesMax
   vk::Buffer beams;          // BeamRow, live ones first
   vk::Buffer blades;         // BladesRow, one a beam
+  vk::Buffer laser_segments;  // LaserSegmentRow
+  vk::Buffer lasers;          // LaserRow
   vk::Buffer shadow_lists;   // ShadowListRow, one a beam
   vk::Buffer shadows;        // ShadowRow
   // Light that surfaces reflect (render/bounce_tables.h). The forms are computed by the first frame that reads them.
@@ -75,11 +77,12 @@ struct RigTables {
   // Carried from frame to frame: HeadState, and Motor, Spin, Shutter, OpticsState, Filament, Led, Discharge, Slew,
   // Flex and Smooth for what has a motor, spins, strobes, shapes its beam, glows, has a driver, an arc or a dowser,
   // hangs on a motor, is smoothed. `counts` goes with them: the step pass leaves the lit heads of each group in it.
-  vk::Buffer states, motor_states, spin_states, shutter_states, optics_states, dowser_states, smooth_states;
+  vk::Buffer states, motor_states, spin_states, shutter_states, optics_states, dowser_states, smooth_states,
+      laser_states;
   std::array<vk::Buffer, FL_LAMP_COUNT + 1> lamp_states;  // by kLamp...; the first stays empty
   [[nodiscard]] std::vector<const vk::Buffer*> all_states() const {
     std::vector<const vk::Buffer*> all = {&states,        &motor_states,  &spin_states,   &shutter_states,
-                                          &optics_states, &dowser_states, &smooth_states, &counts};
+                                          &optics_states, &dowser_states, &smooth_states, &laser_states, &counts};
     for (std::size_t lamp = 1; lamp < lamp_states.size(); ++lamp) all.push_back(&lamp_states[lamp]);
     return all;
   }
@@ -93,6 +96,8 @@ struct RigTables {
   std::array<std::uint32_t, FL_LAMP_COUNT + 1> lamp_counts{};
   std::uint32_t dowser_count = 0;
   std::uint32_t smooth_count = 0;  // Flexes, then Smooths
+  std::uint32_t laser_count = 0;
+  std::uint32_t laser_rows = 0;
   std::uint32_t beams_max = 0;
   GoboQueue gobo_queue_empty{};  // as a frame begins
   std::uint32_t box_count = 0;
@@ -121,9 +126,11 @@ struct RigTables {
 // two images, since shaders name them.
 struct PictureImages {
   [[nodiscard]] static Result<PictureImages> create(vk::Device& device, const fixtures::Needs& needs,
-                                                    const FrameSettings& settings, std::uint32_t mask_words);
+                                                    const FrameSettings& settings, std::uint32_t mask_words,
+                                                    std::uint32_t laser_rows);
 
   vk::Buffer masks;                     // supertiles x mask_words
+  vk::Buffer laser_masks;               // supertiles x words of the lasers' rows; one word without lasers
   vk::Buffer tile_depths;               // TileDepthRow, one a tile; one row where no pass reads them
   vk::Buffer coarse;                    // CoarseRow, one a supertile; likewise
   vk::Buffer rims, cuts;                // RimRow and CutRow, rims_max and cuts_max a supertile; likewise
@@ -173,6 +180,7 @@ inline constexpr std::uint64_t kOpticsStateBytes = 116;
 inline constexpr std::uint64_t kLampStateBytes = 32;  // of every kind
 inline constexpr std::uint64_t kDowserStateBytes = 24;
 inline constexpr std::uint64_t kSmoothStateBytes = 32;
+inline constexpr std::uint64_t kLaserStateBytes = 64;
 
 // Records that the heads begin anew, as if no step had been, with the barriers that this needs.
 void forget_states(VkCommandBuffer commands, const Resources& resources);

@@ -36,7 +36,7 @@ const PassEntry kStepPass{
           {FL_SPEC_STACKED, needs.stacked},       {FL_SPEC_FLEX, needs.flex},
           {FL_SPEC_SMOOTH, needs.smooth},         FL_LAMPS(FL_LAMP_CONSTANT){FL_SPEC_DOWSER, needs.dowser},
           {FL_SPEC_PULSES, needs.pulses},         {FL_SPEC_MACRO, needs.macro},
-          {FL_SPEC_DECODED_COUNT, decoded_count(needs)}};
+          {FL_SPEC_LASER, needs.laser},           {FL_SPEC_DECODED_COUNT, decoded_count(needs)}};
     },
     [](const PassContext& context) {
       return make_compute_pass(context, kStepComp,

@@ -21,6 +21,7 @@ layout(constant_id = FL_SPEC_ANIMATION) const bool kAnimation = true;
 layout(constant_id = FL_SPEC_STACKED) const bool kStacked = true;
 layout(constant_id = FL_SPEC_PULSES) const bool kPulses = true;
 layout(constant_id = FL_SPEC_MACRO) const bool kMacro = true;
+layout(constant_id = FL_SPEC_LASER) const bool kLaser = true;
 layout(constant_id = FL_SPEC_FLEX) const bool kFlex = true;
 layout(constant_id = FL_SPEC_SMOOTH) const bool kSmooth = true;
 layout(constant_id = FL_SPEC_DOWSER) const bool kDowser = true;
@@ -43,7 +44,7 @@ layout(set = 0, binding = FL_BINDING_SHUTTER_STATES, std430) buffer ShutterState
 layout(set = 0, binding = FL_BINDING_OPTICS_STATES, std430) writeonly buffer OpticsStatesBuffer {
   OpticsState optics_states[];
 };
-
+layout(set = 0, binding = FL_BINDING_LASER_STATES, std430) buffer LaserStatesBuffer { LaserState laser_states[]; };
 layout(set = 0, binding = FL_BINDING_SMOOTH_STATES, std430) buffer SmoothStatesBuffer { Smooth smooth_states[]; };
 layout(set = 0, binding = FL_BINDING_LIGHTS, std430) readonly buffer LightsBuffer { LightRow lights[]; };
 // Of each kind of lamp: whether the rig has one, the states of its lamps, and access to them.
@@ -83,6 +84,8 @@ LightRow fl_light(uint index) { return lights[index]; }
 float fl_filament(uint index) { return fl_default(index); }  // a rig with filaments has them first
 Slew fl_dowser_state(uint index) { return dowsers[index]; }
 void fl_set_dowser_state(uint index, Slew slew) { dowsers[index] = slew; }
+LaserState fl_laser_state(uint index) { return laser_states[index]; }
+void fl_set_laser_state(uint index, LaserState laser) { laser_states[index] = laser; }
 // What no beam of the rig has stays 0, as it was made.
 void fl_set_optics_state(uint index, OpticsState optics) {
   optics_states[index].image_1 = optics.image_1;
@@ -125,6 +128,7 @@ void fl_set_optics_state(uint index, OpticsState optics) {
 #define FL_NEED_STACKED kStacked
 #define FL_NEED_PULSES kPulses
 #define FL_NEED_MACRO kMacro
+#define FL_NEED_LASER kLaser
 #define FL_NEED_FLEX kFlex
 #define FL_NEED_SMOOTH kSmooth
 #define FL_NEED_DOWSER kDowser

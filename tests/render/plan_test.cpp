@@ -15,9 +15,9 @@ namespace {
 using fixtures::Needs;
 using vk::SpecConstant;
 
-const std::vector<std::string> kAll{"step",     "gather", "shadows",     "gobos", "bodies", "tiles",   "bounce",
+const std::vector<std::string> kAll{"step",   "gather",   "shadows", "gobos",       "bodies", "tiles",  "bounce",
                                     "surfaces", "depths", "shadowtiles", "haze",  "coarse", "records", "fine",
-                                    "shade",    "beams",  "edges",       "lenses", "glare",  "tonemap"};
+                                    "shade",  "beams",    "lasers",  "edges",       "lenses", "glare",  "tonemap"};
 // Those that take beams together for tiles.
 const std::vector<std::string> kTilePasses{"coarse", "records", "fine", "shade"};
 
@@ -47,7 +47,7 @@ Needs demo_needs() {
   needs.haze_field = true;
   for (bool Needs::*need : {&Needs::flex, &Needs::smooth, &Needs::tungsten, &Needs::led, &Needs::discharge,
                             &Needs::dowser, &Needs::measured, &Needs::rectangle, &Needs::stacked, &Needs::shake,
-                            &Needs::pulses, &Needs::macro, &Needs::wide, &Needs::iris}) {
+                            &Needs::pulses, &Needs::macro, &Needs::wide, &Needs::iris, &Needs::laser}) {
     CHECK_FALSE(needs.*need);
     needs.*need = true;
   }
@@ -108,6 +108,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_DOWSER, 1},
                                 {FL_SPEC_PULSES, 1},
                                 {FL_SPEC_MACRO, 1},
+                                {FL_SPEC_LASER, 1},
                                 {FL_SPEC_DECODED_COUNT, fixtures::kParamCount}}},
                               {"gather",
                                {{FL_SPEC_OPTICS, 1},
@@ -179,6 +180,14 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_HAZE, 1},
                                 {FL_SPEC_VIEW, FL_VIEW_PICTURE},
                                 {FL_SPEC_GOBO_METHOD, FL_GOBO_TABLES}}},
+                              {"lasers",
+                               {{FL_SPEC_EXTINCTION, 1},
+                                {FL_SPEC_BOXES, 1},
+                                {FL_SPEC_BODIES, 1},
+                                {FL_SPEC_SHADOWS, 1},
+                                {FL_SPEC_LASER, 1},
+                                {FL_SPEC_HAZE, 1},
+                                {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
                               {"edges", {{FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1}, {FL_SPEC_EDGE_SAMPLES, 16}}},
                               {"lenses", constants_of(plan_frame(demo_needs(), settings), "surfaces")},
                               {"glare", {}},
@@ -213,6 +222,7 @@ TEST_CASE("without a need its branches or its passes are left out") {
     bool Needs::*need;
     std::vector<std::string> lost;         // passes
     std::vector<std::uint32_t> constants;  // are 0 without the need
+    bool dry = false;                      // lasers are then drawn on surfaces alone
   };
   for (const Case& c :
        {Case{"motion", &Needs::motion, {}, {FL_SPEC_MOTION}},
@@ -225,6 +235,7 @@ TEST_CASE("without a need its branches or its passes are left out") {
         Case{"stacked", &Needs::stacked, {}, {FL_SPEC_STACKED}},
         Case{"pulses", &Needs::pulses, {}, {FL_SPEC_PULSES}},
         Case{"macro", &Needs::macro, {}, {FL_SPEC_MACRO}},
+        Case{"laser", &Needs::laser, {"lasers"}, {}},
         Case{"flex", &Needs::flex, {}, {FL_SPEC_FLEX}},
         Case{"smooth", &Needs::smooth, {}, {FL_SPEC_SMOOTH}},
         Case{"tungsten", &Needs::tungsten, {}, {FL_SPEC_LAMP(fixtures::kLampTungsten)}},
@@ -241,11 +252,15 @@ TEST_CASE("without a need its branches or its passes are left out") {
         Case{"iris", &Needs::iris, {}, {FL_SPEC_IRIS}},
         Case{"surfaces", &Needs::surfaces, {"bounce"}, {FL_SPEC_BOXES, FL_SPEC_BOUNCE}},
         Case{"clouds", &Needs::haze_field, {"haze"}, {FL_SPEC_HAZE}},
-        Case{"haze", &Needs::haze, {"gobos", "depths", "shadowtiles", "haze", "coarse", "records", "fine", "shade", "beams"}, {}},
+        Case{"haze",
+             &Needs::haze,
+             {"gobos", "depths", "shadowtiles", "haze", "coarse", "records", "fine", "shade", "beams"},
+             {},
+             true},
         Case{"fixtures",
              &Needs::fixtures,
              {"step", "gather", "shadows", "gobos", "bodies", "tiles", "bounce", "depths", "shadowtiles", "haze",
-              "coarse", "records", "fine", "shade", "beams", "lenses"},
+              "coarse", "records", "fine", "shade", "beams", "lasers", "lenses"},
              {FL_SPEC_BODIES, FL_SPEC_SHADOWS, FL_SPEC_BOUNCE, FL_SPEC_LENSES}}}) {
     CAPTURE(c.what);
     Needs needs = demo_needs();
@@ -258,6 +273,10 @@ TEST_CASE("without a need its branches or its passes are left out") {
       for (SpecConstant& constant : pass.constants) {
         const bool lost = std::find(c.constants.begin(), c.constants.end(), constant.id) != c.constants.end();
         if (lost) constant.value = 0;
+        const bool air = constant.id == FL_SPEC_LASER || constant.id == FL_SPEC_HAZE;
+        if (c.dry && pass.name == std::string("lasers") && air) constant.value = 0;
+        const bool stepped = c.need == &Needs::laser && pass.name == std::string("step");
+        if (stepped && constant.id == FL_SPEC_LASER) constant.value = 0;
       }
     }
     CHECK(plan_frame(needs, settings) == expected);
@@ -270,12 +289,13 @@ TEST_CASE("without boxes and bodies only passes for light in the air remain") {
   needs.surfaces = false;
   FrameSettings settings;
   settings.bodies = false;
-  CHECK(names_of(plan_frame(needs, settings)) == std::vector<std::string>{"step", "gather", "gobos", "tiles", "haze",
-                                                                          "coarse", "records", "fine", "beams", "glare",
-                                                                          "tonemap"});
+  CHECK(names_of(plan_frame(needs, settings)) ==
+        std::vector<std::string>{"step", "gather", "gobos", "tiles", "haze", "coarse", "records", "fine", "beams",
+                                 "lasers", "glare", "tonemap"});
   settings.tile_error = 0;
   CHECK(names_of(plan_frame(needs, settings)) ==
-        std::vector<std::string>{"step", "gather", "gobos", "tiles", "haze", "beams", "glare", "tonemap"});
+        std::vector<std::string>{"step", "gather", "gobos", "tiles", "haze", "beams", "lasers", "glare",
+                                 "tonemap"});
   settings.tile_error = FrameSettings{}.tile_error;
   needs.haze = false;  // without haze, too, nothing is visible
   CHECK(names_of(plan_frame(needs, settings)) == std::vector<std::string>{"step", "gather", "tonemap"});
@@ -390,6 +410,7 @@ TEST_CASE("the needs of a rig follow from its fixtures and its haze") {
                                   {FL_SPEC_DOWSER, 0},
                                   {FL_SPEC_PULSES, 0},
                                   {FL_SPEC_MACRO, 0},
+                                  {FL_SPEC_LASER, 0},
                                   {FL_SPEC_DECODED_COUNT, fixtures::kParamBasicEnd}});
   rig.haze.scattering_per_m = 0;
   rig.haze.absorption_per_m = 0;

@@ -497,6 +497,7 @@ constexpr LongFile kLongFiles[] = {
     {"fixtures/shared/decode.h", "decoding as one source for C++ and GLSL"},
     {"render/reference/judge.cpp", "one integral from the definition, apart from all that it judges"},
     {"render/shaders/shared/beam.h", "the light of a beam as one source for C++ and GLSL"},
+    {"render/shaders/shared/frame_io.h", "numbers and rows that every pass shares, once"},
     {"sim/merge.cpp", "who wins a universe, in one place"},
     {"sim/pump.cpp", "the loop, from top to bottom"},
     {"sim/shared/lamp.h", "lamps as one source for C++ and GLSL"},

@@ -101,12 +101,17 @@
 #define FL_BINDING_HAZE (76 + FL_LAMP_COUNT)
 #define FL_BINDING_HAZE_TABLE (77 + FL_LAMP_COUNT)
 #define FL_BINDING_HAZE_TABLE_OUT (78 + FL_LAMP_COUNT)
+// Scanned lasers (laserrows.comp): LaserState, LaserSegmentRow, LaserRow, and bits of those in a supertile.
+#define FL_BINDING_LASER_STATES (79 + FL_LAMP_COUNT)
+#define FL_BINDING_LASER_SEGMENTS (80 + FL_LAMP_COUNT)
+#define FL_BINDING_LASERS (81 + FL_LAMP_COUNT)
+#define FL_BINDING_LASER_MASKS (82 + FL_LAMP_COUNT)
 // Shadows in the haze by supertile (lib/shadow_picks.glsl): ShadowWordRow, one a word of the masks, and the numbers of
 // rows of the ShadowRow table; the first word is the number of words in use.
-#define FL_BINDING_SHADOW_WORDS (79 + FL_LAMP_COUNT)
-#define FL_BINDING_SHADOW_PICKS (80 + FL_LAMP_COUNT)
-#define FL_BINDING_SHADE_MASKS (81 + FL_LAMP_COUNT)  // as the fine masks: beams whose dark parts are left to pixels
-#define FL_BINDING_COUNT (82 + FL_LAMP_COUNT)
+#define FL_BINDING_SHADOW_WORDS (83 + FL_LAMP_COUNT)
+#define FL_BINDING_SHADOW_PICKS (84 + FL_LAMP_COUNT)
+#define FL_BINDING_SHADE_MASKS (85 + FL_LAMP_COUNT)  // as the fine masks: beams whose dark parts are left to pixels
+#define FL_BINDING_COUNT (86 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -156,7 +161,8 @@
 #define FL_SPEC_BOUNCE (42 + FL_LAMP_COUNT)  // surfaces get the light that others reflect
 #define FL_SPEC_LENSES (43 + FL_LAMP_COUNT)  // small lenses are splats
 #define FL_SPEC_HAZE (44 + FL_LAMP_COUNT)  // haze is not even: selects another shader
-#define FL_SPEC_COUNT (45 + FL_LAMP_COUNT)
+#define FL_SPEC_LASER (45 + FL_LAMP_COUNT)
+#define FL_SPEC_COUNT (46 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -199,6 +205,7 @@
 #define FL_GROUP_GLARE 8     // threads a side of a workgroup of the glare pass
 #define FL_GLARE_MARGIN 2    // pixels beyond the picture that each level has, on each side
 #define FL_GLARE_WEIGHTS 25  // 1 + levels that have a weight; the first row of the image has them, behind what stays
+#define FL_GROUP_LASERS 64  // rows a workgroup
 #define FL_SPLAT_PX 32  // a workgroup that adds the splats of lenses has so many pixels a side
 // The meter of the automatic exposure counts pixels by their luminance: FL_METER_STEPS bins an octave, from
 // 2^FL_METER_LOW cd/m^2.
@@ -297,6 +304,24 @@ struct BeamRow {
   float animation_sin;
   uint measured;  // as TypeRow::measured
   float squeeze;  // 0: round; a rectangle's height over its width, squared
+};
+
+// A part of a sheet of light that a laser draws, 160 bytes. The directions of its beams are first + tau second, not
+// normalised, for tau from 0 to `reach`; shared/laser.h has the rest.
+struct LaserRow {
+  vec4 first;    // xyz: unit; w: reach
+  vec4 second;   // xyz: unit, perpendicular to first; w: reach over the angle that it stands for
+  vec4 eye;      // xyz: the camera from where the light leaves, m; w: variance of the light across a beam there, m^2
+  vec4 cross_1;  // xyz: first x eye, m; w: of the variance with the square of the distance
+  vec4 cross_2;  // xyz: second x eye, m; w: pixels around it that it touches
+  vec4 light;    // rgb: lm; w: tau at which the ends jump
+  vec4 ends;     // sqrt(1 + tau^2) over the length of the beam: at 0, on both sides of the jump, at reach; 1/m
+  vec4 box;      // pixels that it may touch: low, high; empty: it is dark
+  uint end_fixture_1;  // of the thing at the end, on both sides of the jump; FL_NONE: of none
+  uint end_fixture_2;
+  float slack_m;  // that such a thing may be smaller
+  uint pad;
+  vec4 pad_2;
 };
 
 // Flags of a BeamRow.
