@@ -39,7 +39,7 @@ namespace footlight {
 // Above the 100 of consoles, so that a command has an effect; below 200, so that a console may be set to win.
 inline constexpr std::uint8_t kHandPriorityDefault = 150;
 inline constexpr int kHandSlotsMax = 4;                             // of one number
-inline constexpr DurationNs kHandFadeMaxNs = 24 * 3'600 * kNsPerS;  // a day
+inline constexpr DurationNs kHandFadeMaxNs = kNsPerS * 3'600 * 24;  // a day
 inline constexpr int kHandFadeRateHz = 44;
 inline constexpr DurationNs kHandHoldMinNs = 200 * kNsPerMs;
 inline constexpr DurationNs kHandHoldMaxNs = 3'600 * kNsPerS;

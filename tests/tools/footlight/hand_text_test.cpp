@@ -176,6 +176,16 @@ TEST_CASE("a scene file is begun with its folder, and a link to it stays a link"
   CHECK(load_scenes(path)->scenes.size() == 2);
 }
 
+TEST_CASE("a scene file may be named without a folder") {
+  const TempFolder folder;
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.file(""));
+  CHECK(store_scene("plain.toml", "a", {"1.1=1"}).has_value());
+  CHECK(store_scene("plain.toml", "b", {"1.1=1"}).has_value());
+  std::filesystem::current_path(before);
+  CHECK(load_scenes(folder.file("plain.toml"))->scenes.size() == 2);
+}
+
 TEST_CASE("errors of a scene file name the file, the line and what was expected") {
   const auto refused = [](const std::string& text) {
     const auto file = parse_scenes(text, "s.toml");

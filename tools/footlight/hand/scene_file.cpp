@@ -111,7 +111,7 @@ class FolderLock {
 
 Status change(const std::string& path, const std::function<Result<std::string>(const SceneFile&)>& edit, bool create) {
   std::error_code trouble;
-  const fs::path target = fs::weakly_canonical(path, trouble);  // a link stays a link
+  const fs::path target = fs::weakly_canonical(fs::absolute(path), trouble);  // a link stays a link
   const fs::path folder = target.parent_path();
   if (create) fs::create_directories(folder, trouble);
   if (trouble) return fail(ErrorCode::kIo, "{}: {}", folder.string(), trouble.message());
