@@ -62,8 +62,8 @@ struct FrameSettings {
   double small_body_px = -1;
   bool haze = true;        // light in the air, where the rig has haze
   double dark_lm = 0;      // beams with no more flux are left out
-  // Beams thinner than a pixel are drawn a pixel wide and as much weaker, and lenses of a few pixels as splats of their
-  // light.
+  // Beams thinner than a pixel are drawn a pixel wide and as much weaker, lenses of a few pixels as splats of their
+  // light, and lasers at all. Off in frames that are compared with the judge of beams.
   bool widen_thin = true;
   // Samples of what a pixel shows, where the edge of something solid may be in it: 4, 8 or 16; 0: edges stay jagged.
   std::uint32_t edge_samples = 16;

@@ -41,7 +41,8 @@ class LasersPass final : public Pass {
 const PassEntry kLasersPass{
     "lasers",
     [](const fixtures::Needs& needs, const FrameSettings& settings) {
-      return needs.fixtures && needs.laser && settings.view != FrameView::kClasses &&
+      // Frames that are compared with the judge of beams, which has no lasers, are drawn without.
+      return needs.fixtures && needs.laser && settings.widen_thin && settings.view != FrameView::kClasses &&
              (has_air(needs, settings) || has_solids(needs, settings));
     },
     [](const fixtures::Needs& needs, const FrameSettings& settings) {

@@ -48,8 +48,14 @@ void show(Scene& scene, int figure, double size_x, double size_y, int beams = 8)
   scene.set(0, "LaserCount", beams);
 }
 
+FrameSettings laser_settings() {
+  FrameSettings settings = judged_settings(kWidth, kHeight);
+  settings.widen_thin = true;
+  return settings;
+}
+
 RadianceImage drawn(vk::Device& device, const Scene& scene, std::int64_t dt_ns = 0) {
-  auto frame = make_frame(device, scene, judged_settings(kWidth, kHeight));
+  auto frame = make_frame(device, scene, laser_settings());
   frame->step(scene.levels, dt_ns);
   must(frame->draw(view_of(scene.camera), 0));
   return must(frame->read_radiance());
@@ -142,7 +148,7 @@ TEST_CASE("a laser draws the same picture to the bit each time") {
   Scene scene = laser_scene(kWall);
   show(scene, 6, 0.7, 0.5, 3);
   const auto run = [&] {
-    auto frame = make_frame(vulkan.device(), scene, judged_settings(kWidth, kHeight));
+    auto frame = make_frame(vulkan.device(), scene, laser_settings());
     for (int i = 0; i < 3; ++i) {
       frame->step(scene.levels, 17'000'000);
       must(frame->draw(view_of(scene.camera), 0));

@@ -17,6 +17,7 @@ struct Options {
 };
 
 Result<int> check(const Options& options) {
+  if (options.paths.empty()) return fail(ErrorCode::kBadInput, "laser check: expected ILDA files, such as logo.ild");
   bool refused = false;
   for (const std::string& path : options.paths) {
     auto file = fixtures::load_ilda(path);
