@@ -69,7 +69,12 @@ FL_FN Real laser_length(FL_IN(LaserSheet) sheet, Real tau) {
 }
 
 // Light that a place of a beam sends along a ray, over sigma_s and its illuminance: phase function, extinction, haze.
-FL_FN Real laser_scatter(Real cosine, Real t_m, Real r_m, Real haze_m, Real anisotropy, Real extinction_per_m,
+#ifdef __cplusplus
+#define FL_WITH_CLOUDS [[maybe_unused]]  // C++ has no clouds here
+#else
+#define FL_WITH_CLOUDS
+#endif
+FL_FN Real laser_scatter(Real cosine, Real t_m, Real r_m, FL_WITH_CLOUDS Real haze_m, Real anisotropy, Real extinction_per_m,
                          bool with_extinction) {
   Real value = phase_function(cosine, anisotropy);
   if (with_extinction) value *= exp(-extinction_per_m * (t_m + r_m));
@@ -78,6 +83,7 @@ FL_FN Real laser_scatter(Real cosine, Real t_m, Real r_m, Real haze_m, Real anis
 #endif
   return value;
 }
+#undef FL_WITH_CLOUDS
 
 // A vector from the eye as x, y in pixels from the pixel's middle, times its depth; z: its depth.
 FL_FN Vec3 laser_picture(FL_IN(LaserPixel) pixel, Vec3 v) {
