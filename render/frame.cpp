@@ -145,7 +145,8 @@ Status Frame::change(const FrameSettings& requested) {
       has_small_bodies(needs, settings) == has_small_bodies(needs, settings_) &&
       has_smooth_edges(needs, settings) == has_smooth_edges(drawn_needs(needs_, haze_, settings_), settings_) &&
       has_glare(needs, settings) == has_glare(drawn_needs(needs_, haze_, settings_), settings_) &&
-      has_tile_classes(needs, settings) == has_tile_classes(drawn_needs(needs_, haze_, settings_), settings_);
+      has_tile_classes(needs, settings) == has_tile_classes(drawn_needs(needs_, haze_, settings_), settings_) &&
+      has_shadows_in_air(needs, settings) == has_shadows_in_air(drawn_needs(needs_, haze_, settings_), settings_);
   passes_.clear();
   plan_.clear();
   timed_.clear();

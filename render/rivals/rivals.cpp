@@ -8,6 +8,8 @@
 #include "render/passes/fine.h"
 #include "render/passes/haze.h"
 #include "render/passes/records.h"
+#include "render/passes/shade.h"
+#include "render/passes/shadowtiles.h"
 #include "render/passes/surfaces.h"
 #include "render/rivals/beam_card.h"
 #include "render/rivals/clusters.h"
@@ -39,7 +41,8 @@ const std::vector<Rival>& rivals() {
 }
 
 PassList passes_with_air(const PassList& air) {
-  const PassEntry* const own[] = {&kDepthsPass, &kHazePass, &kCoarsePass, &kRecordsPass, &kFinePass, &kBeamsPass};
+  const PassEntry* const own[] = {&kDepthsPass,  &kShadowtilesPass, &kHazePass,  &kCoarsePass,
+                                  &kRecordsPass, &kFinePass,        &kShadePass, &kBeamsPass};
   PassList list;
   for (const PassEntry* pass : product_passes()) {
     if (pass == &kBeamsPass) list.insert(list.end(), air.begin(), air.end());

@@ -86,7 +86,8 @@ bool tile_takes(uint beam, uint number) {
 void walk_test_shadows(uint base) {
   const uint kThreads = uint(FL_TILE_PX * FL_TILE_PX / FL_ROWS);
   const uint kRun = FL_WALK_BEAMS / kThreads;
-  uint lane = gl_LocalInvocationIndex;
+  // In the order of subgroups, which gl_LocalInvocationIndex need not be.
+  uint lane = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
   // The pairs of a beam and a shadow, one after the other, are shared out among the threads.
   uint own = 0u;
   for (uint i = 0u; i < kRun; ++i) {

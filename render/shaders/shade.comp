@@ -70,7 +70,7 @@ float dark_light(BeamRow row, BeamShape beam, ShadowPicks picks, RectDepth depth
   if (kSolids) end_m = depth.is_plane ? plane_distance(depth, at, ray_length) : depth.far_m;
   Chord chord;
   if (!beam_chord(beam, row.eye.xyz, ray, 0.0, end_m, chord)) return 0.0;
-  known = known && (!kSolids || depth.is_plane || chord.t_to_m <= depth.near_m);
+  known = known && (!kSolids || depth.is_plane || chord.t_base_m + chord.t_to_m <= depth.near_m);
   ShadowParts parts = chord_shadows(picks, ~0u, row, beam, chord, ray);
   float value = 0.0;
   float from = 0.0;

@@ -38,10 +38,11 @@ shared uint dark_bits[FL_GROUP_TILE];    // and beams that are all in one
 shared uint word_places[FL_GROUP_TILE];  // where the places of the lists of a word's beams stand
 shared uint list_places[FL_LIST_MAX];    // of the beams of the list
 
-// Room for so many words; FL_NONE: there is none. Its readers then take all shadows of the beam.
+// Room for so many words; FL_NONE: there is none. Then more words are in use than there are, whatever the order of
+// threads, and no list of the frame is read.
 uint take_words(uint count) {
   uint all = uint(shadow_picks.length());
-  if (shadow_words_used >= all) return FL_NONE;  // so that the number does not overflow
+  if (shadow_words_used > all) return FL_NONE;  // so that the number does not overflow
   uint place = atomicAdd(shadow_words_used, count);
   return place + count <= all ? place : FL_NONE;
 }
@@ -132,6 +133,7 @@ void main() {
       uint found = list_few_shadows(list, shadow_cell_before(beams[list_ids[e]], low, high, depth), place);
       store_found(e, first, found, place);
     }
+    barrier();  // the threads of a subgroup are together again
     for (uint e = gl_SubgroupID; e < list_count; e += gl_NumSubgroups) {
       ShadowListRow list = shadow_lists[list_ids[e]];
       if (list.count <= kFewShadows) continue;

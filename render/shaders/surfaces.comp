@@ -146,7 +146,10 @@ bool reaches_tile(uint shadow, BeamRow row, vec4 plane) {
     vec3 center = row.eye.xyz + to_light(row, from_eye);
     float radius_m = spheres[i].w * beam_stretch(row.squeeze);
     // A place beside the beam is brought back into it, where that is widened.
-    if (beam_thin(row) > 0.0) radius_m += FL_THIN_ON_SURFACE * beam_thin(row) * (length(from_eye) + spheres[i].w);
+    if (beam_thin(row) > 0.0) {
+      radius_m += FL_THIN_ON_SURFACE * beam_thin(row) * beam_stretch(row.squeeze) *
+                  sqrt(1.0 + row.y_axis.w * row.y_axis.w) * (length(from_eye) + spheres[i].w);
+    }
     if (spheres[i].w >= 0.0) reaches = shadow_near(shadow, center, radius_m, normal);
   }
   return reaches;

@@ -149,6 +149,20 @@ TEST_CASE("turning haze off draws the same rig in clear air, and turning it on r
   CHECK(draw(*frame, scene).rgb == hazed.rgb);
 }
 
+TEST_CASE("a frame that changes its size without haze draws shadows in haze as a new frame does") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Scene scene = demo_scene(75, false);
+  const auto frame = make_frame(vulkan.device(), scene, sized(64, 36));
+  FrameSettings settings = sized(160, 90);
+  settings.haze = false;
+  must(frame->change(settings));
+  (void)draw(*frame, scene);
+  settings.haze = true;
+  must(frame->change(settings));
+  CHECK(draw(*frame, scene).rgb == draw_new(vulkan.device(), scene, sized(160, 90)).rgb);
+}
+
 TEST_CASE("refused settings do not change the frame") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

@@ -1,5 +1,6 @@
-// Which shadows of a beam reach what a supertile shows of its light in the haze (shadowtiles.comp). Readers need not
-// depend on the order of the words, which differs from frame to frame: the shadows of each beam are in their own order.
+// Which shadows of a beam reach what a supertile shows of its light in the haze (shadowtiles.comp). The places of lists
+// differ from frame to frame. Nothing depends on them: the shadows of each beam are in their own order, and if not all
+// lists of a frame have room, none of them is read.
 layout(set = 0, binding = FL_BINDING_SHADOW_WORDS, std430) FL_PICKS_ACCESS buffer ShadowWordsBuffer {
   ShadowWordRow shadow_words[];
 };
@@ -19,7 +20,8 @@ ShadowPicks shadow_picks_of(uint supertile, uint beam) {
   uint bit = 1u << (beam & 31u);
   if ((word.beams & bit) == 0u) return ShadowPicks(0u, 0u, false);
   uint place = FL_NONE;
-  if (word.first != FL_NONE) place = shadow_picks[word.first + bitCount(word.beams & (bit - 1u))];
+  bool all_listed = shadow_words_used <= uint(shadow_picks.length());
+  if (all_listed && word.first != FL_NONE) place = shadow_picks[word.first + bitCount(word.beams & (bit - 1u))];
   if (place == FL_NONE) return ShadowPicks(shadow_lists[beam].count, shadow_lists[beam].first, false);
   return ShadowPicks(shadow_picks[place], place + 1u, true);
 }

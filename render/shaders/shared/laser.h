@@ -74,8 +74,8 @@ FL_FN Real laser_length(FL_IN(LaserSheet) sheet, Real tau) {
 #else
 #define FL_WITH_CLOUDS
 #endif
-FL_FN Real laser_scatter(Real cosine, Real t_m, Real r_m, FL_WITH_CLOUDS Real haze_m, Real anisotropy, Real extinction_per_m,
-                         bool with_extinction) {
+FL_FN Real laser_scatter(Real cosine, Real t_m, Real r_m, FL_WITH_CLOUDS Real haze_m, Real anisotropy,
+                         Real extinction_per_m, bool with_extinction) {
   Real value = phase_function(cosine, anisotropy);
   if (with_extinction) value *= exp(-extinction_per_m * (t_m + r_m));
 #ifdef FL_HAZE_FIELD
