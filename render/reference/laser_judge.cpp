@@ -230,11 +230,17 @@ std::vector<JudgeMove> moves_of(const fixtures::LaserFrame& frame, double begun,
                                 const std::function<glm::dvec2(const glm::dvec2&)>& angles_of) {
   std::vector<JudgeMove> moves;
   const auto count = static_cast<double>(frame.size());
-  const bool whole = !(passes > 0) || passes >= 0.999999;
+  const bool whole = passes < 0 || passes >= 0.999999;
   for (std::size_t i = 0; i < frame.size(); ++i) {
     const glm::dvec2 from = frame[i == 0 ? frame.size() - 1 : i - 1].at;
     const glm::dvec2 way = frame[i].at - from;
     const double begin = static_cast<double>(i) / count;
+    if (passes == 0) {  // the scanner stands still
+      const double there = (begun - begin) * count;
+      const glm::dvec2 at = angles_of(from + way * there);
+      if (there >= 0 && there < 1) moves.push_back({at, at, 1, frame[i].rgb});
+      continue;
+    }
     for (int turn = 0; turn < (whole ? 1 : 2); ++turn) {
       const double low = whole ? begin : std::max(begin, begun - turn);
       const double high = whole ? begin + 1 / count : std::min(begin + 1 / count, begun - turn + passes);

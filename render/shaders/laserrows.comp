@@ -14,6 +14,7 @@
 
 layout(local_size_x = FL_GROUP_LASERS) in;
 layout(constant_id = FL_SPEC_SHADOWS) const bool kShadows = false;
+layout(constant_id = FL_SPEC_BODIES) const bool kBodies = false;
 layout(set = 0, binding = FL_BINDING_LASER_STATES, std430) readonly buffer LaserStatesBuffer {
   LaserState laser_states[];
 };
@@ -34,10 +35,13 @@ uint head_of(uint row) {
   return low;
 }
 
+// An exposure of less of a pass sees the scanner stand still: in float, its ends are not apart.
+const float kStillPasses = 1e-5;
+
 // The part of a segment that the exposure sees, as times; empty where it sees none. second: the part behind the one
 // that it begins with, where an exposure of nearly a pass begins and ends in the same segment.
 vec2 seen_part(vec2 times, float begun, float passes, bool second) {
-  if (!(passes > 0.0) || passes >= 0.999999) return second ? vec2(1.0, 0.0) : times;
+  if (passes >= 0.999999) return second ? vec2(1.0, 0.0) : times;
   vec2 early = vec2(max(times.x, begun - 1.0), min(times.y, begun - 1.0 + passes));
   vec2 late = vec2(max(times.x, begun), min(times.y, begun + passes));
   bool has_early = early.y > early.x;
@@ -131,16 +135,18 @@ void main() {
   uint most = uint(defaults[type.laser + kLaserSegments]);
   uint first = uint(defaults[laser.frame + kFrameSegment]);
   uint count = uint(defaults[laser.frame + kFrameSegments]);
-  float begun = turns_real(laser.begun);
+  float begun = min(turns_real(laser.begun), 0.9999999);
   uint number = index - heads[head].laser_first;
   bool second = number == most;
   if (count == 0u || (!second && number >= count)) return;
   LaserSegmentRow segment = segments[first + (second ? segment_at(first, count, begun) : number)];
   vec2 times = vec2(segment.begin, segment.end);
-  vec2 seen = seen_part(times, begun, laser.passes, second);
-  if (!(seen.y > seen.x)) return;
-  bool all_of_it = !(laser.passes > 0.0) || laser.passes >= 0.999999;
-  float share = (seen.y - seen.x) / (all_of_it ? 1.0 : laser.passes);
+  float passes = laser.passes < 0.0 ? 1.0 : laser.passes;
+  bool still = passes < kStillPasses;
+  if (still && (second || begun < times.x || begun >= times.y)) return;
+  vec2 seen = still ? vec2(begun) : seen_part(times, begun, passes, second);
+  if (!still && !(seen.y > seen.x)) return;
+  float share = still ? 1.0 : (seen.y - seen.x) / (passes >= 0.999999 ? 1.0 : passes);
   vec2 part = (seen - times.x) / (times.y - times.x);
   vec2 from = vec2(segment.from_x, segment.from_y);
   vec2 way = vec2(segment.to_x, segment.to_y) - from;
@@ -153,6 +159,7 @@ void main() {
   bool is_sheet = sine > 2e-6;
   if (!is_sheet) beside = abs(a.z) < 0.7 ? cross(a, vec3(0.0, 0.0, 1.0)) : cross(a, vec3(1.0, 0.0, 0.0));
   float cosine = dot(a, b);
+  if (cosine < 0.5) return;  // parts are far narrower; a wide one has no tangent
   float reach = is_sheet ? sine / cosine : 0.0;
   row.first = vec4(a, reach);
   row.second = vec4(normalize(beside), is_sheet ? reach / atan(sine, cosine) : 1.0);
@@ -174,10 +181,12 @@ void main() {
 
   float longest_m = sqrt(1.0 + reach * reach) / min(min(row.ends.x, row.ends.y), min(row.ends.z, row.ends.w));
   if (longest_m < 2.0 * kInside) return;  // something stands around the place where the light leaves
+  float shown_m = longest_m * 1.0005 + 1e-3 + row.slack_m;  // as gets_there() of lasers.comp
+  if (row.end_fixture_1 != FL_NONE || row.end_fixture_2 != FL_NONE) shown_m += 1.0;
   float sides = sqrt(1.0 + reach * reach);
-  vec3 corners[3] = vec3[3](pose.lens_m, pose.lens_m + a * longest_m * sides,
-                            pose.lens_m + (a + row.second.xyz * reach) * longest_m);
-  float widest_m = sqrt(sigma_m * sigma_m + slope * slope * longest_m * longest_m);
+  vec3 corners[3] = vec3[3](pose.lens_m, pose.lens_m + a * shown_m * sides,
+                            pose.lens_m + (a + row.second.xyz * reach) * shown_m);
+  float widest_m = sqrt(sigma_m * sigma_m + slope * slope * shown_m * shown_m);
   float pixel = 2.0 * length(params.up.xyz) / float(params.height);
   float width_px = widest_m / (max(nearest_m(corners) - kLaserReach * widest_m, 1e-4) * pixel);
   float corner = sqrt(1.0 + dot(params.right.xyz, params.right.xyz) + dot(params.up.xyz, params.up.xyz));

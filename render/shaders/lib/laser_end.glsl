@@ -1,8 +1,10 @@
 // Where the beams of a sheet end: at the first thing that hides light, or at the end of their range. After
-// laser_row.glsl and kShadows.
+// laser_row.glsl, kShadows and kBodies.
 layout(set = 0, binding = FL_BINDING_OCCLUDERS, std430) readonly buffer OccludersBuffer { OccluderRow occluders[]; };
 
-const float kInside = 1e-4;  // length of a beam that leaves within a thing, m
+// Length of a beam that leaves within a thing, m. A thing that ends within it is behind the place: that stands on a
+// face.
+const float kInside = 1e-4;
 struct BeamEnd {
   float length_m;
   uint which;  // occluder; FL_NONE: none
@@ -11,7 +13,9 @@ struct BeamEnd {
 // The first thing that a beam enters. What holds the place where it leaves hides all of it.
 BeamEnd beam_end(vec3 lens_m, vec3 way, uint own, float range_m) {
   BeamEnd end = BeamEnd(range_m, FL_NONE);
-  for (uint i = 0u; i < uint(occluders.length()); ++i) {
+  uint all = uint(occluders.length());
+  if (!kBodies) all = min(all, params.box_count);
+  for (uint i = 0u; i < all; ++i) {
     OccluderRow solid = occluders[i];
     if (solid.half_edge_0.w < 0.0 || solid.fixture == own) continue;
     vec3 to_center = vec3(solid.center_x, solid.center_y, solid.center_z) - lens_m;
@@ -36,7 +40,7 @@ BeamEnd beam_end(vec3 lens_m, vec3 way, uint own, float range_m) {
       enter_m = max(enter_m, min(first, second));
       leave_m = min(leave_m, max(first, second));
     }
-    if (enter_m > leave_m || leave_m < 0.0) continue;
+    if (enter_m > leave_m || leave_m < kInside) continue;
     float length_m = max(enter_m, kInside);
     if (length_m < end.length_m) end = BeamEnd(length_m, i);
   }

@@ -1,4 +1,5 @@
 // footlight laser: what is in ILDA files, and how far the lasers of a rig are above the MPE.
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -41,7 +42,8 @@ Result<fixtures::LaserPlace> place_of(const std::string& text) {
   fixtures::LaserPlace place{text, {}};
   int used = 0;
   const int count = std::sscanf(text.c_str(), "%lf,%lf,%lf%n", &place.at_m.x, &place.at_m.y, &place.at_m.z, &used);
-  if (count != 3 || static_cast<std::size_t>(used) != text.size()) {
+  const bool finite = std::isfinite(place.at_m.x) && std::isfinite(place.at_m.y) && std::isfinite(place.at_m.z);
+  if (count != 3 || static_cast<std::size_t>(used) != text.size() || !finite) {
     return fail(ErrorCode::kBadInput, "--at {}: expected X,Y,Z in metres, such as 0,-6,1.6", text);
   }
   return place;
@@ -59,24 +61,36 @@ Result<int> safety(const Options& options) {
   }
   FL_ASSIGN(const fixtures::Rig rig, fixtures::load_rig(options.rig));
   if (places.empty()) {
+    if (rig.usual_camera || rig.made_up_cameras) {
+      return fail(ErrorCode::kBadInput, "{}: the rig has no camera; name the places of eyes, such as --at 0,-6,1.6",
+                  options.rig);
+    }
     for (const fixtures::Camera& camera : rig.cameras) {
       places.push_back({fmt::format("camera \"{}\"", camera.name), camera.position_m});
     }
   }
   FL_ASSIGN(const fixtures::LaserSafety report, fixtures::laser_safety(rig, places));
-  if (report.lasers.empty()) return fail(ErrorCode::kNotFound, "{}: the rig has no laser", options.rig);
+  if (report.lasers.empty()) return {
+    return fail(ErrorCode::kNotFound,
+                "{}: the rig has no laser; add a [[fixture]] of a type with one, such as type = \"generic/laser\"",
+                options.rig);
+  }
   for (const std::string& line : report.lasers) fmt::print("{}\n", line);
-  bool above = false;
+  bool above = report.not_computed;
   for (const fixtures::LaserSafetyRow& row : report.rows) {
     const double most = std::max(row.still_over, row.exposure.over_mpe);
     above = above || (row.in_field && most > 1);
     fmt::print(
         "{} at {}: {:.1f} m, {}; a beam that stands still {:.3g} times the MPE; {} {:.3g} times (on the pupil {} "
-        "at a time, {} in a pass of {})\n",
+        "at a time, {} in a pass of {}; asked at {} of {} places in {} of {} frames)\n",
         row.fixture, row.place, row.distance_m,
-        row.in_field ? "in the field of its scanner" : "beside the field of its scanner as it hangs", row.still_over,
+        row.moves      ? "taken as in the field of its scanner, since pan or tilt turns it"
+        : row.in_field ? "in the field of its scanner"
+                       : "beside the field of its scanner as it hangs",
+        row.still_over,
         row.worst, row.exposure.over_mpe, duration(row.exposure.on_s),
-        counted(static_cast<std::size_t>(row.exposure.times), "time"), duration(row.exposure.pass_s));
+        counted(static_cast<std::size_t>(row.exposure.times), "time"), duration(row.exposure.pass_s),
+        row.exposure.places_asked, row.exposure.places, row.exposure.frames_asked, row.exposure.frames);
   }
   fmt::print(
       "Computed from IEC 60825-1's limits for visible light, at full power and full size. This is a report of "
@@ -98,7 +112,7 @@ void add(Arguments& arguments) {
                            "  footlight laser safety club.toml --at 0,-6,1.6\n"
                            "Places are the rig's cameras unless --at names some. Exit code 1 if a place in the field "
                            "of a laser is above the "
-                           "MPE. The report does not say that anything is safe.");
+                           "MPE, or if the wavelength of a laser is not computed. The report does not say that anything is safe.");
   rig.word("RIG", options->rig, "a rig file");
   rig.list("--at", options->places, "X,Y,Z", "a place of eyes, metres; may be given several times");
   rig.job([options]() -> Result<int> { return safety(*options); });
