@@ -115,6 +115,28 @@ TEST_CASE("lasers in the air and on a wall are near brute force over the scanner
   }
 }
 
+// No pixel is near the place where a beam goes to: the closed form alone draws the air.
+TEST_CASE("lasers that are seen from the side are near brute force") {
+  HeadlessVulkan vulkan;
+  struct Case {
+    const char* what;
+    int figure;
+    double size;
+    double most;
+  };
+  for (const Case& c : {Case{"a beam from the side", 1, 1, 1e-3}, Case{"a fan of 5 from the side", 3, 0.3, 1e-3},
+                        Case{"a line from the side", 2, 0.3, 1e-3}}) {
+    CAPTURE(std::string(c.what));
+    Scene scene = laser_scene("");
+    show(scene, c.figure, c.size, c.size, 5);
+    scene.camera.position_m = {9, 5, 1.7};
+    scene.camera.target_m = {0, 5, 3};
+    const double error = rel_l2(drawn(vulkan.device(), scene), judged(scene));
+    print(c.what, error);
+    CHECK(error < c.most);
+  }
+}
+
 TEST_CASE("a beam of a laser that comes towards the camera is near brute force") {
   HeadlessVulkan vulkan;
   Scene scene = laser_scene("", "scattering_per_m = 0.02\nabsorption_per_m = 0.001");
@@ -141,6 +163,20 @@ TEST_CASE("an exposure of a part of a pass of a laser shows that part, with all 
     CHECK(sum_of(part) == doctest::Approx(sum_of(whole)).epsilon(0.06));
     CHECK(rel_l2(whole, judged(scene, dt_ns)) > 0.05);
   }
+}
+
+TEST_CASE("a laser whose scanner stands still draws a dot, and one for which no time has gone by its figure") {
+  HeadlessVulkan vulkan;
+  Scene scene = laser_scene(kWall);
+  show(scene, 2, 0.8, 1);
+  const RadianceImage figure = drawn(vulkan.device(), scene);
+  scene.set(0, "LaserScan", 0);
+  const RadianceImage dot = drawn(vulkan.device(), scene, 20'000'000);
+  CHECK(rel_l2(dot, judged(scene, 20'000'000)) < 2.9e-3);
+  const auto brightest = [](const RadianceImage& image) {
+    return static_cast<double>(*std::max_element(image.rgb.begin(), image.rgb.end()));
+  };
+  CHECK(brightest(dot) > 3 * brightest(figure));
 }
 
 TEST_CASE("a laser draws the same picture to the bit each time") {
@@ -237,6 +273,13 @@ TEST_CASE("no laser gives a picture that is not finite") {
                         Case{"a range of 180 degrees",
                              [&](Scene& s) {
                                s.rig.types[0].lasers[0].scan_pan_deg = 180;
+                               s.compile();
+                               s.set(0, "Dimmer", 1);
+                               show(s, 2, 1, 1);
+                             }},
+                        Case{"the lens on a face of a box",
+                             [&](Scene& s) {
+                               s.rig.boxes.push_back({"Behind", {-1, -1, 1}, {1, 0.165, 5}, glm::dvec3(0.3)});
                                s.compile();
                                s.set(0, "Dimmer", 1);
                                show(s, 2, 1, 1);

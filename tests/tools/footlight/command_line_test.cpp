@@ -152,6 +152,7 @@ TEST_CASE("wrong arguments end with an exit code and a message that names the th
       {{"laser"}, 2, {"footlight laser --help"}},
       {{"laser", "check"}, 2, {"logo.ild"}},
       {{"laser", "safety", "club.toml", "--at", "1,2"}, 2, {"--at 1,2", "X,Y,Z"}},
+      {{"laser", "safety", "club.toml", "--at", "nan,0,0"}, 2, {"--at nan,0,0", "X,Y,Z"}},
       {{"rdm"}, 2, {"footlight rdm --help"}},
       {{"rdm", "list"}, 2, {"--port", "mock:enttec-pro"}},
       {{"rdm", "list", "--port", "sacn:1"}, 2, {"sacn:1", "does not support RDM", "artnet:1@10.0.0.7"}},

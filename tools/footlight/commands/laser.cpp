@@ -112,7 +112,8 @@ void add(Arguments& arguments) {
                            "  footlight laser safety club.toml --at 0,-6,1.6\n"
                            "Places are the rig's cameras unless --at names some. Exit code 1 if a place in the field "
                            "of a laser is above the "
-                           "MPE, or if the wavelength of a laser is not computed. The report does not say that anything is safe.");
+                           "MPE, or if the wavelength of a laser is not computed. The report does not say that "
+                           "anything is safe.");
   rig.word("RIG", options->rig, "a rig file");
   rig.list("--at", options->places, "X,Y,Z", "a place of eyes, metres; may be given several times");
   rig.job([options]() -> Result<int> { return safety(*options); });
