@@ -173,7 +173,8 @@ void main() {
       BeamShape shape = beam_shape(row);
       shape.profile_power = drawn_profile(shape.profile_power);
       uint nodes = air_nodes(shape.profile_power);
-      // The light of the beam's lit parts; of a beam that was added as a whole, that of its dark parts, to be subtracted.
+      // The light of the beam's lit parts; of a beam that was added as a whole that of its dark parts, which is
+      // subtracted.
       uint shadow_bits = kShadows ? subgroupBroadcastFirst(walk_shadows[index - base]) : 0u;
       bool subtracts = shadow_bits != 0u && !is_left(index);
       ShadowPicks picks = ShadowPicks(0u, 0u, false);

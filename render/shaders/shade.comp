@@ -136,7 +136,8 @@ void main() {
       float f[kPer];
       float most = 0.0;
       FL_LANE_NODES(k) {
-        dark[k] = dark_light(row, beam, picks, depth, medium, nodes, middle + FL_HULL * kHalf * node_position(k), known);
+        vec2 at = middle + FL_HULL * kHalf * node_position(k);
+        dark[k] = dark_light(row, beam, picks, depth, medium, nodes, at, known);
         f[k] = dark[k];
         most = max(most, dark[k]);
       }

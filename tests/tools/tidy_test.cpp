@@ -496,6 +496,7 @@ constexpr LongFile kLongFiles[] = {
     {"fixtures/photometry/parse.cpp", "two formats that share their numbers"},
     {"fixtures/shared/decode.h", "decoding as one source for C++ and GLSL"},
     {"render/reference/judge.cpp", "one integral from the definition, apart from all that it judges"},
+    {"render/resources.cpp", "sizes and makers of the buffers, in the order of what they follow from"},
     {"render/shaders/shared/beam.h", "the light of a beam as one source for C++ and GLSL"},
     {"render/shaders/shared/frame_io.h", "numbers and rows that every pass shares, once"},
     {"sim/merge.cpp", "who wins a universe, in one place"},
