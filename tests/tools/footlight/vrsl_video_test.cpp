@@ -340,8 +340,8 @@ TEST_CASE("targets that are no files have no option overwrite, and files take ye
       const std::string target = "vrsl:1@" + folder.file(name) + "?overwrite=" + value;
       return open_picture_sink(must(parse_endpoint(target, {})), false);
     };
-    CHECK(opened("yes").has_value());
     CHECK(opened("no").has_value());
+    CHECK(opened("yes").has_value());
     const auto refused = opened("maybe");
     REQUIRE_FALSE(refused.has_value());
     CHECK(refused.error().message.find("overwrite=maybe: expected yes or no") != std::string::npos);
