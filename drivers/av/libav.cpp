@@ -37,10 +37,12 @@ const Loaded& loaded() {
     for (std::size_t i = 0; i < kLibraries; ++i) {
       result.handles[i] = ::dlopen(names[i].c_str(), RTLD_NOW | RTLD_LOCAL);
       if (result.handles[i] != nullptr) continue;
+      const char* const reason = ::dlerror();
       result.status = fail(ErrorCode::kUnsupported,
-                           "{} cannot be loaded, which sound files and videos need; run 'sudo apt-get install "
+                           "{} cannot be loaded, which sound files and videos need ({}); run 'sudo apt-get install "
                            "libavformat{} libswscale{}'",
-                           names[i], LIBAVFORMAT_VERSION_MAJOR, LIBSWSCALE_VERSION_MAJOR);
+                           names[i], reason == nullptr ? "no reason was given" : reason, LIBAVFORMAT_VERSION_MAJOR,
+                           LIBSWSCALE_VERSION_MAJOR);
       break;
     }
     return result;

@@ -4,7 +4,9 @@ namespace footlight::drivers {
 
 Result<std::unique_ptr<SoundFile>> SoundFile::open(const std::string& path) {
   return fail(ErrorCode::kUnsupported,
-              "{}: this build reads no sound files; install libavcodec-dev and libavformat-dev, and build again", path);
+              "{}: this build reads no sound files; install libavcodec-dev, libavformat-dev, libavutil-dev and "
+              "libswscale-dev, and build again",
+              path);
 }
 
 }  // namespace footlight::drivers

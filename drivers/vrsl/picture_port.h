@@ -23,7 +23,7 @@ struct PictureTarget {
   double pictures_hz = 30;  // out: the rate of the pictures; in: of files that have none of their own
   int width = 0;            // out: of every picture
   int height = 0;
-  bool overwrite = false;               // out: files may be replaced
+  bool overwrite = false;               // out: files may be replaced; the option of that name is not among `options`
   std::vector<EndpointOption> options;  // those that the grid does not use (vrsl_options.h)
   GridFormat grid;                      // as named; where it is searched for, only its planes are known
 };

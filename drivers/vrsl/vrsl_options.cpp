@@ -128,7 +128,6 @@ Result<VrslOptions> options_of(const Endpoint& endpoint, bool is_input) {
     format.layout = *found;
   }
   FL_TRY(taker.choose("check", format.check_row));
-  if (!is_input) FL_TRY(taker.choose("overwrite", options.target.overwrite));
   if (const auto text = taker.take("fps")) {
     const auto rate = whole_number(*text);
     if (!rate || *rate < kPicturesHzMin || *rate > kPicturesHzMax) {

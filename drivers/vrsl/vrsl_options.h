@@ -9,7 +9,6 @@
 //   size      1920x1080: of the whole picture; in: only with a layout, and scaled from any size if left out
 //   place     LEFT,TOP,CELL: of the grid in the picture, in pixels
 //   fps       0.1 to 240; 30
-//   overwrite yes, no; out: files may be replaced
 #pragma once
 
 #include <vector>

@@ -19,7 +19,7 @@ struct MeterState {
   LevelAndPeak held_s{};  // how long they have been held
   float slow_peak = 0;
   struct Filter {
-    float level = 0;   // of the left side, smoothed; the first filter is the fastest to rise
+    float level = 0;   // of the left side, smoothed; the first filter is the slowest
     float marker = 0;  // above it, sinking to `held`
     float held = 0;    // the largest value of the last half second
     float held_s = 0;

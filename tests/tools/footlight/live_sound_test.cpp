@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 #include <poll.h>
 
+#include "drivers/sound/mock_sound.h"
 #include "tests/sim/sound/tones.h"
 #include "tests/support/must.h"
 
@@ -147,7 +148,8 @@ TEST_CASE("a device without a clock is read at its rate, and a fast card without
 }
 
 TEST_CASE("the model of a device has a beat of 120 a minute, moves every band, and plays as a port") {
-  const auto device = must(open_sound_device("mock"));
+  std::vector<DurationNs> waits;
+  const auto device = drivers::make_mock_sound([&](DurationNs time_ns) { waits.push_back(time_ns); });
   AudioLink link({}, device->info().rate_hz, device->info().channels);
   std::vector<float> samples;
   std::array<float, kSoundBands> most{};
@@ -159,6 +161,9 @@ TEST_CASE("the model of a device has a beat of 120 a minute, moves every band, a
       if (state.step > 200) least_bass = std::min(least_bass, state.bands[0][0]);
     });
   }
+  // Each read waits until its 10 ms are over.
+  REQUIRE(waits.size() == 1 + 12U * 100);
+  for (std::size_t i = 0; i < waits.size(); ++i) REQUIRE(waits[i] == static_cast<DurationNs>(i) * 10 * kNsPerMs);
   for (const float one : most) CHECK(one > 0.5F);
   CHECK(least_bass < 0.2F);
   CHECK(link.state().beat.bpm == doctest::Approx(120).epsilon(0.01));

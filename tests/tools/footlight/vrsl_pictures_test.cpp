@@ -152,6 +152,20 @@ TEST_CASE("numbered pictures replace no file without overwrite=yes, whatever its
   CHECK(std::filesystem::file_size(own) == 4);
 }
 
+TEST_CASE("after a time with an output, a model's pattern goes on at its rate, without the pictures of that time") {
+  drivers::PictureTarget target{.endpoint = "in", .name = "mock/late"};
+  target.pictures_hz = 4;
+  const auto input = testing::must(open_picture_input(target));
+  Picture read;
+  std::optional<DurationNs> time_ns;
+  {
+    const auto output = testing::must(open_picture_output({.endpoint = "out", .name = "mock/late"}));
+    CHECK(*input->next(read, time_ns, 800 * kNsPerMs) == drivers::PictureStep::kNothing);
+  }
+  CHECK(*input->next(read, time_ns, 0) == drivers::PictureStep::kPicture);
+  CHECK(*input->next(read, time_ns, 0) == drivers::PictureStep::kNothing);
+}
+
 TEST_CASE("what one port shows on a model of a loopback device, another one reads, and other models do not") {
   const auto output = testing::must(open_picture_output({.endpoint = "out", .name = "mock/a"}));
   const auto input = testing::must(open_picture_input({.endpoint = "in", .name = "mock/a"}));

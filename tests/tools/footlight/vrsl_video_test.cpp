@@ -23,6 +23,7 @@
 #include "tests/support/temp_folder.h"
 #include "tests/support/wav_bytes.h"
 #include "tests/tools/footlight/run_footlight.h"
+#include "tools/footlight/vrsl/open_pictures.h"
 #include "tools/footlight/vrsl/png_pictures.h"
 #include "tools/footlight/vrsl/video_output.h"
 #include "tools/footlight/vrsl/video_reader.h"
@@ -322,6 +323,31 @@ TEST_CASE("a pipe has each picture as a whole as soon as it is shown") {
   }
 }
 
+TEST_CASE("targets that are no files have no option overwrite, and files take yes or no") {
+  const TempFolder folder;
+  const std::string pipe = folder.file("pipe.ts");
+  REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
+  for (const std::string& target : {std::string("mock"), std::string("window"), std::string("/dev/video99"),
+                                    std::string("-"), pipe}) {
+    CAPTURE(target);
+    const auto refused = open_picture_sink(must(parse_endpoint("vrsl:1@" + target + "?overwrite=yes", {})), false);
+    REQUIRE_FALSE(refused.has_value());
+    CHECK(refused.error().message.find("\"overwrite\" is not an option of this target") != std::string::npos);
+  }
+  for (const std::string& name : {std::string("f_%05d.png"), std::string("live.png"), std::string("a.mkv")}) {
+    CAPTURE(name);
+    const auto opened = [&](const char* value) {
+      const std::string target = "vrsl:1@" + folder.file(name) + "?overwrite=" + value;
+      return open_picture_sink(must(parse_endpoint(target, {})), false);
+    };
+    CHECK(opened("no").has_value());
+    CHECK(opened("yes").has_value());
+    const auto refused = opened("maybe");
+    REQUIRE_FALSE(refused.has_value());
+    CHECK(refused.error().message.find("overwrite=maybe: expected yes or no") != std::string::npos);
+  }
+}
+
 TEST_CASE("the texture of a sound as a video is that of its pictures, and a stream ends after its time") {
   const TempFolder folder;
   const std::string tone = folder.write("tone.wav", testing::wav_bytes(sine(100, 1, 16'000, 0.7), 16'000, 1));
@@ -354,7 +380,19 @@ TEST_CASE("the texture of a sound as a video is that of its pictures, and a stre
   const testing::Outcome device =
       testing::footlight({"audio", "texture", "audio:mock=1.1", "--every", "50ms", "--for", "200ms", "-o", "mock"});
   CHECK(device.err.find("mock: 4 pictures of 128x64") != std::string::npos);
+  // An existing picture is reported, whatever its number, and a missing device leaves no file.
+  folder.write("s_00003.png", "mine");
+  const testing::Outcome exists = testing::footlight(
+      {"audio", "texture", tone, "--every", "50ms", "-o", folder.file("s_%05d.png") + "?overwrite=no"});
+  CHECK(exists.exit_code == 1);
+  CHECK(exists.err.find("s_00003.png exists; choose another name") != std::string::npos);
+  const std::string night = folder.file("night.mp4");
+  CHECK(testing::footlight({"audio", "texture", "audio:alsa:no_such=1.1", "--every", "50ms", "-o", night}).exit_code !=
+        0);
+  CHECK_FALSE(std::filesystem::exists(night + ".part"));
   for (const std::vector<std::string>& wrong : std::vector<std::vector<std::string>>{
+           {"audio", "texture", tone, "--every", "50ms", "-o", "mock?overwrite=yes"},
+           {"audio", "texture", tone, "--every", "50ms", "-o", "t.mkv?overwrite=maybe"},
            {"audio", "texture", tone, "--every", "50ms", "-o", "t.pigeon"},
            {"audio", "texture", tone, "--every", "1ms", "-o", "t.mkv"},
            {"audio", "texture", tone, "--at", "1s", "-o", "t.mkv"},

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <memory>
 #include <optional>
 
@@ -188,12 +189,18 @@ struct TripOptions {
 
 Result<int> round_trip(const TripOptions& options) {
   std::vector<PictureWay> ways = plain_ways();
-  for (PictureWay& way : video_ways()) ways.push_back(std::move(way));
+  auto videos = video_ways();
+  if (videos) std::move(videos->begin(), videos->end(), std::back_inserter(ways));
   std::string known;
   for (const PictureWay& way : ways) known += fmt::format("{}{}", known.empty() ? "" : ", ", way.name);
   if (!options.way.empty()) {
     std::erase_if(ways, [&](const PictureWay& way) { return way.name != options.way; });
+    if (ways.empty() && !videos && is_video_way(options.way)) {
+      return fail(videos.error().code, "--way {}: {}", options.way, videos.error().message);
+    }
     if (ways.empty()) return fail(ErrorCode::kBadInput, "--way {}: expected one of {}", options.way, known);
+  } else if (!videos) {
+    fmt::print(stderr, "without the ways of videos: {}\n", videos.error().message);
   }
   FL_ASSIGN(const std::vector<RoundTripRow> rows, round_trips(ways, options.pictures));
   if (!options.json) {

@@ -10,9 +10,12 @@
 #include "sim/core/endpoint.h"
 #include "sim/sound/audio_texture.h"
 #include "tools/footlight/duration.h"
+#include "tools/footlight/pictures/numbered_file.h"
 #include "tools/footlight/sound/live_sound.h"
 #include "tools/footlight/sound/sound_log.h"
 #include "tools/footlight/vrsl/open_pictures.h"
+#include "tools/footlight/vrsl/png_pictures.h"
+#include "tools/footlight/vrsl/v4l2_pictures.h"
 #include "tools/footlight/vrsl/video_reader.h"
 
 namespace footlight::tools {
@@ -42,21 +45,20 @@ Result<drivers::PictureTarget> target_of(const TextureStream& stream) {
   target.pictures_hz = static_cast<double>(kNsPerS) / static_cast<double>(stream.every_ns);
   target.width = kAudioTextureWidth * stream.scale;
   target.height = kAudioTextureHeight * stream.scale;
-  for (EndpointOption& option : endpoint->options) {
-    if (option.key == "overwrite" && (option.value == "yes" || option.value == "no")) {
-      target.overwrite = option.value == "yes";
-    } else {
-      target.options.push_back(std::move(option));
-    }
-  }
+  target.options = std::move(endpoint->options);
   return target;
 }
 
 class TextureWriter {
  public:
   TextureWriter(const fixtures::SoundMap& map, const TextureStream& stream, const std::function<bool()>& stopping,
-                std::unique_ptr<drivers::PictureOutput> output, bool paced)
-      : map_(map), stream_(stream), stopping_(stopping), output_(std::move(output)), paced_(paced) {}
+                std::unique_ptr<drivers::PictureOutput> output, bool paced, bool retries)
+      : map_(map),
+        stream_(stream),
+        stopping_(stopping),
+        output_(std::move(output)),
+        paced_(paced),
+        retries_(retries) {}
 
   // The state at a time is that of the last step at or before it.
   void step(const AudioLinkState& state) {
@@ -85,7 +87,7 @@ class TextureWriter {
       ++count_;
     } else if (shown.error().code == ErrorCode::kDisconnected) {
       closed_ = true;
-    } else if (!paced_ || shown.error().code != ErrorCode::kIo) {  // a pipe without a reader: the next one is tried
+    } else if (!retries_ || shown.error().code != ErrorCode::kIo) {
       status_ = shown;
     }
     ++number_;
@@ -106,7 +108,8 @@ class TextureWriter {
   const TextureStream& stream_;
   const std::function<bool()>& stopping_;
   std::unique_ptr<drivers::PictureOutput> output_;
-  const bool paced_;
+  const bool paced_;    // each picture at its time
+  const bool retries_;  // after kIo the next picture is tried
   const SteadyClock::time_point start_ = SteadyClock::now();
   AudioLinkState before_;
   drivers::Picture picture_;
@@ -117,21 +120,28 @@ class TextureWriter {
   std::uint64_t count_ = 0;
 };
 
-Status listen(const fixtures::SoundMap& map, TextureWriter& writer) {
-  FL_ASSIGN(const auto device, open_sound_device(map.sound));
-  AudioLink link(map.link, device->info().rate_hz, device->info().channels);
+Status listen(const fixtures::SoundMap& map, drivers::SoundDevice& device, TextureWriter& writer) {
+  AudioLink link(map.link, device.info().rate_hz, device.info().channels);
   const auto start = SteadyClock::now();
   std::vector<float> samples;
   DurationNs silent_ns = 0;
   while (writer.more()) {
-    FL_TRY(device->read(samples, kReadTimeoutNs));
+    FL_TRY(device.read(samples, kReadTimeoutNs));
     silent_ns = samples.empty() ? silent_ns + kReadTimeoutNs : 0;
     if (silent_ns >= kSilentMaxNs) return fail(ErrorCode::kIo, "{}: the device gives no samples", map.sound);
     link.push(samples, [&](const AudioLinkState& state) { writer.step(state); });
     const std::chrono::nanoseconds elapsed = SteadyClock::now() - start;
-    const DurationNs pause_ns = read_pause_ns(link.frames(), device->info().rate_hz, elapsed.count());
+    const DurationNs pause_ns = read_pause_ns(link.frames(), device.info().rate_hz, elapsed.count());
     std::this_thread::sleep_for(std::chrono::nanoseconds(std::min(pause_ns, kStopLookNs)));
   }
+  return {};
+}
+
+Status play(const fixtures::SoundMap& map, drivers::SoundFile& file, TextureWriter& writer) {
+  FL_ASSIGN(const std::uint64_t frames, run_sound_file(
+                                            file, map.link, [&](const AudioLinkState& state) { writer.step(state); },
+                                            [&](std::span<const float>) { return writer.more(); }));
+  writer.end(std::llround(static_cast<double>(frames) / file.info().rate_hz * 1e9));
   return {};
 }
 
@@ -157,24 +167,25 @@ Result<std::uint64_t> write_texture_stream(const fixtures::SoundMap& map, const 
   }
   FL_ASSIGN(const drivers::PictureTarget target, target_of(stream));
   std::error_code ignored;
-  const bool is_file = target.name.find('.') != std::string::npos && is_video_name(target.name) &&
-                       !std::filesystem::is_fifo(target.name, ignored);
-  const bool device = is_sound_device(map.sound);
+  const bool is_pipe = std::filesystem::is_fifo(target.name, ignored);
+  const bool is_film = !is_pipe && (is_video_name(target.name) ||
+                                    (is_picture_file(target.name) && is_numbered(target.name)));
+  // The sound is opened first, so that a missing one leaves no file.
+  std::unique_ptr<drivers::SoundDevice> device;
   std::unique_ptr<drivers::SoundFile> file;
-  if (!device) {
+  if (is_sound_device(map.sound)) {
+    FL_ASSIGN(device, open_sound_device(map.sound));
+  } else {
     FL_ASSIGN(file, drivers::SoundFile::open(map.sound));
   }
   FL_ASSIGN(auto output, open_picture_output(target));
-  TextureWriter writer(map, stream, stopping, std::move(output), !is_file && !device);
-  if (device) {
-    FL_TRY(listen(map, writer));
-  } else {
-    FL_ASSIGN(const std::uint64_t frames, run_sound_file(
-                                              *file, map.link, [&](const AudioLinkState& state) { writer.step(state); },
-                                              [&](std::span<const float>) { return writer.more(); }));
-    writer.end(std::llround(static_cast<double>(frames) / file->info().rate_hz * 1e9));
-  }
-  return writer.finish();
+  // A pipe may get a reader, and a video device a program, later.
+  TextureWriter writer(map, stream, stopping, std::move(output), !is_film && device == nullptr,
+                       is_pipe || is_v4l2_target(target.name));
+  const Status heard = device ? listen(map, *device, writer) : play(map, *file, writer);
+  auto count = writer.finish();  // what came before an error is kept
+  FL_TRY(heard);
+  return count;
 }
 
 }  // namespace footlight::tools

@@ -22,9 +22,10 @@ struct TextureStream {
 // Texels from 0 to 1 as 0 to 255; AudioLink's fourth number has no place in a video.
 void paint_texture(const std::vector<float>& texture, int scale, drivers::Picture& picture);
 
-// Writes the stream of a sound file or a device and returns the number of pictures. Files are written as fast as they
-// can be; all other targets get each picture at its time. `stopping` ends it. Errors: those of the target and of the
-// sound, kBadInput for a rate or scale out of range.
+// Writes the stream of a sound file or a device and returns the number of pictures. Videos and numbered pictures are
+// written as fast as they can be; all other targets get each picture at its time. `stopping` ends it. A sound that ends
+// with an error leaves a whole video of what came before. Errors: those of the target and of the sound, kBadInput for a
+// rate or scale out of range.
 [[nodiscard]] Result<std::uint64_t> write_texture_stream(const fixtures::SoundMap& map, const TextureStream& stream,
                                                          const std::function<bool()>& stopping);
 

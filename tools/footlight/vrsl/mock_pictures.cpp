@@ -67,29 +67,30 @@ class MockOutput final : public drivers::PictureOutput {
 class MockInput final : public drivers::PictureInput {
  public:
   MockInput(std::shared_ptr<Loop> loop, drivers::GridCodec codec, double pictures_hz)
-      : loop_(std::move(loop)), codec_(std::move(codec)), pictures_hz_(pictures_hz) {}
+      : loop_(std::move(loop)), codec_(std::move(codec)), period_(std::llround(1e9 / pictures_hz)) {}
 
   [[nodiscard]] Result<PictureStep> next(Picture& picture, std::optional<DurationNs>& /*time_ns*/,
                                          DurationNs wait_ns) override {
     std::unique_lock lock(loop_->mutex);
     const auto until = SteadyClock::now() + std::chrono::nanoseconds(wait_ns);
-    const SteadyClock::time_point due = loop_->outputs > 0 ? until : std::min(until, pattern_due());
+    const SteadyClock::time_point due = loop_->outputs > 0 ? until : std::min(until, pattern_due_);
     loop_->shown.wait_until(lock, due, [this] { return loop_->count != seen_; });
     if (loop_->count != seen_) {
       seen_ = loop_->count;
       picture = loop_->picture;
       return PictureStep::kPicture;
     }
-    if (loop_->outputs > 0 || SteadyClock::now() < pattern_due()) return PictureStep::kNothing;
+    const auto now = SteadyClock::now();
+    if (loop_->outputs > 0 || now < pattern_due_) return PictureStep::kNothing;
     lock.unlock();
+    // Patterns of the time in which there was an output, or nobody read, are left out.
+    pattern_due_ += period_;
+    if (pattern_due_ < now) pattern_due_ = now + period_;
     write_pattern(picture);
     return PictureStep::kPicture;
   }
 
  private:
-  [[nodiscard]] SteadyClock::time_point pattern_due() const {
-    return start_ + std::chrono::nanoseconds(std::llround(static_cast<double>(patterns_) * 1e9 / pictures_hz_));
-  }
   void write_pattern(Picture& picture) {
     std::vector<std::uint8_t> levels(std::size_t{drivers::kGridUniversesMax} * kSlotCountMax);
     for (int universe = 1; universe <= drivers::kGridUniversesMax; ++universe) {
@@ -104,8 +105,8 @@ class MockInput final : public drivers::PictureInput {
 
   std::shared_ptr<Loop> loop_;
   drivers::GridCodec codec_;
-  double pictures_hz_;
-  SteadyClock::time_point start_ = SteadyClock::now();
+  const std::chrono::nanoseconds period_;
+  SteadyClock::time_point pattern_due_ = SteadyClock::now();
   std::uint64_t patterns_ = 0;
   std::uint64_t seen_ = 0;
 };

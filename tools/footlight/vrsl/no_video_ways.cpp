@@ -3,6 +3,10 @@
 
 namespace footlight::tools {
 
-std::vector<PictureWay> video_ways() { return {}; }
+Result<std::vector<PictureWay>> video_ways() {
+  return fail(ErrorCode::kUnsupported,
+              "this build has no video; install libavcodec-dev, libavformat-dev, libavutil-dev and libswscale-dev, and "
+              "build again");
+}
 
 }  // namespace footlight::tools

@@ -11,7 +11,8 @@
 namespace footlight::tools {
 
 // By the target's name: "*.png" are files. Errors: kBadInput for a name or an option that nothing takes, and those of
-// the target; the message begins with the endpoint.
+// the target; the message begins with the endpoint. Outputs that are files have the option overwrite=yes: they may be
+// replaced.
 [[nodiscard]] Result<std::unique_ptr<drivers::PictureOutput>> open_picture_output(const drivers::PictureTarget& target);
 [[nodiscard]] Result<std::unique_ptr<drivers::PictureInput>> open_picture_input(const drivers::PictureTarget& target);
 

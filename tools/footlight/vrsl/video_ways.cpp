@@ -105,15 +105,15 @@ PictureWay way_of(const std::string& name, int bitrate_kbps, const std::function
 
 }  // namespace
 
-std::vector<PictureWay> video_ways() {
-  if (!drivers::load_libav()) return {};
+Result<std::vector<PictureWay>> video_ways() {
+  FL_TRY(drivers::load_libav());
   std::function<Status(drivers::Picture&)> smaller;
   for (const PictureWay& way : plain_ways()) {
     if (way.name == "1280x720") smaller = way.pass;
   }
   av_log_set_level(AV_LOG_QUIET);
-  return {way_of("h264-8000k", 8'000, {}), way_of("h264-4000k", 4'000, {}), way_of("h264-1000k", 1'000, {}),
-          way_of("720p-4000k", 4'000, smaller)};
+  return std::vector<PictureWay>{way_of("h264-8000k", 8'000, {}), way_of("h264-4000k", 4'000, {}),
+                                 way_of("h264-1000k", 1'000, {}), way_of("720p-4000k", 4'000, smaller)};
 }
 
 }  // namespace footlight::tools
