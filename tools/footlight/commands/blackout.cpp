@@ -78,7 +78,7 @@ void add(Arguments& arguments) {
   arguments.word("WORD", options->word, "on, off or hold [on]");
   arguments.option("--socket", options->bridge.socket, "FILE", "the socket of the bridge, if several run");
   arguments.option("--rig", options->bridge.rig, "FILE",
-                   "on: only the dimmers of this rig, so that heads do not turn; default: every slot");
+                   "on: only the dimmers and emitters of this rig, so that heads do not turn; default: every slot");
   arguments.duration("--within", options->within_ns, "hold: dark this long after the command has died [2s]");
   arguments.job([options]() -> Result<int> { return blackout(*options); });
 }
@@ -90,7 +90,7 @@ extern const CommandInfo blackout_command{
     .help = "Everything dark in the running bridge, above all inputs",
     .examples =
         "  footlight blackout                         every slot of every universe at 0\n"
-        "  footlight blackout on --rig rig.toml       only what makes light: dimmers, or emitters without a dimmer\n"
+        "  footlight blackout on --rig rig.toml       only what makes light: dimmers and emitters\n"
         "  footlight blackout off\n"
         "  footlight blackout hold                    a dead man's switch: dark when this command ends, in any way\n"
         "Blackout stays until 'blackout off', also over a restart of the bridge. Levels that are set meanwhile show "
