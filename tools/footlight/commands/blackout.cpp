@@ -1,4 +1,5 @@
 // footlight blackout: makes everything dark in the running bridge, and ends that.
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -13,6 +14,7 @@ namespace {
 
 constexpr DurationNs kHoldDefaultNs = 2 * kNsPerS;
 constexpr int kRenewalsPerHold = 4;
+constexpr DurationNs kStepMaxNs = 100 * kNsPerMs;
 
 struct Options {
   HandClientOptions bridge;
@@ -36,7 +38,10 @@ Result<int> hold(const Options& options, const HandClient& client) {
   TimeNs next_ns = clock.now_ns();
   while (!signal.came()) {
     next_ns += options.within_ns / kRenewalsPerHold;
-    clock.sleep_until_ns(next_ns);
+    // The sleep goes on after a signal, so it is short.
+    while (!signal.came() && clock.now_ns() < next_ns) {
+      clock.sleep_until_ns(std::min(next_ns, clock.now_ns() + kStepMaxNs));
+    }
     if (signal.came()) break;
     const Status renewed = client.send(renew);
     if (signal.came()) break;  // it interrupts the call
