@@ -94,6 +94,7 @@ class HandTaker {
   virtual Status take(const HandCommand& command, TimeNs now_ns) = 0;
   // Returns at once. The file is read on another thread; errors are reported as events.
   virtual void recall(const SceneCall& call) = 0;
+  [[nodiscard]] virtual bool blacked_out() const = 0;
 };
 // Shared by the ports and the bridge, which sets it while it runs. nullptr: commands are lost.
 struct HandLink {
