@@ -67,11 +67,18 @@ Status HandSource::check(const HandCommand& command) const {
   if (holds && (command.over_ns < kHandHoldMinNs || command.over_ns > kHandHoldMaxNs)) {
     return fail(ErrorCode::kBadInput, "expected a hold of 200ms to 1h");
   }
+  if (command.action == HandAction::kHold && holding()) {
+    return fail(ErrorCode::kBadInput,
+                "another 'footlight blackout hold' has the hold of this bridge; stop that command, or end its hold "
+                "with 'footlight blackout off'");
+  }
   if (command.action == HandAction::kRenew && !holding()) {
     return fail(ErrorCode::kNotFound, "there is no hold; 'footlight blackout off' ended it, or it ran out");
   }
   const bool needs_levels = command.action == HandAction::kSet || command.action == HandAction::kRelease;
   if (needs_levels && command.levels.empty()) return fail(ErrorCode::kBadInput, "the command names no slot");
+  const HandLevel* foreign = nullptr;
+  std::size_t foreign_count = 0;
   for (const HandLevel& level : command.levels) {
     if (level.count < 1 || level.count > kHandSlotsMax) {
       return fail(ErrorCode::kBadInput, "expected a number in 1 to {} slots", kHandSlotsMax);
@@ -83,12 +90,17 @@ Status HandSource::check(const HandCommand& command) const {
     if (level.value > hand_value_max(level.count)) {
       return fail(ErrorCode::kBadInput, "{} does not fit into {} slots", level.value, level.count);
     }
-    if (buffer_->index_of(level.universe) < 0) {
-      return fail(ErrorCode::kNotFound, "universe {} is not part of this bridge, which has {}", level.universe,
-                  universe_list(buffer_->numbers()));
-    }
+    if (has(level.universe)) continue;
+    foreign = &level;
+    ++foreign_count;
   }
-  return {};
+  // A rig may be larger than the bridge: what is there goes dark, or is released.
+  const bool may_skip = command.action == HandAction::kBlackout || command.action == HandAction::kRelease;
+  if (foreign == nullptr || (may_skip && foreign_count < command.levels.size())) return {};
+  return fail(ErrorCode::kNotFound,
+              "universe {} is not part of this bridge, which has {}; name one of these, or start the bridge with an "
+              "endpoint for it",
+              foreign->universe, universe_list(buffer_->numbers()));
 }
 
 Result<int> HandSource::apply(const HandCommand& command, TimeNs now_ns) {
@@ -114,7 +126,7 @@ Result<int> HandSource::apply(const HandCommand& command, TimeNs now_ns) {
   }
   dirty_ = true;
   int slots = 0;
-  for (const HandLevel& level : command.levels) slots += level.count;
+  for (const HandLevel& level : command.levels) slots += has(level.universe) ? level.count : 0;
   return slots;
 }
 
@@ -152,6 +164,7 @@ void HandSource::set(const HandCommand& command, TimeNs now_ns) {
       if (layer.priorities[slot] == 0) layer.levels[slot] = before[slot];
       layer.priorities_changed = layer.priorities_changed || layer.priorities[slot] != command.priority;
       layer.priorities[slot] = command.priority;
+      board->leaving.reset(slot);
       board->fade[slot] = 0;
     }
     const std::uint32_t from = read_value(layer.levels, level);
@@ -169,6 +182,7 @@ void HandSource::set(const HandCommand& command, TimeNs now_ns) {
 
 void HandSource::release(const HandCommand& command) {
   for (const HandLevel& level : command.levels) {
+    if (!has(level.universe)) continue;
     Board& board = board_of(level.universe);
     for (int i = 0; i < level.count; ++i) release_slot(board, level.slots[static_cast<std::size_t>(i)]);
   }
@@ -176,9 +190,29 @@ void HandSource::release(const HandCommand& command) {
 
 void HandSource::release_slot(Board& board, std::size_t slot) {
   board.fade[slot] = 0;
-  if (board.hand.priorities[slot] == 0) return;
-  board.hand.priorities[slot] = 0;
-  board.hand.priorities_changed = true;
+  Layer& layer = board.hand;
+  if (layer.priorities[slot] == 0) return;
+  // The level that it keeps without another sender, also at the end of a blackout.
+  if (board.black.priorities[slot] == kPriorityOverride) board.look[slot] = layer.levels[slot];
+  if (layer.levels_changed) {
+    board.leaving.set(slot);  // that level has not been sent yet
+    return;
+  }
+  layer.priorities[slot] = 0;
+  layer.priorities_changed = true;
+}
+
+// Gives up the slots that were released before their levels were sent, once these were.
+void HandSource::let_leave() {
+  leave_ns_ = kTimeNever;
+  for (const auto& board : boards_) {
+    for (std::size_t slot = 0; slot < kSlotCountMax && board->leaving.any(); ++slot) {
+      if (!board->leaving.test(slot)) continue;
+      board->leaving.reset(slot);
+      board->hand.priorities[slot] = 0;
+      board->hand.priorities_changed = dirty_ = true;
+    }
+  }
 }
 
 // --- Blackout --------------------------------------------------------------------------------------------------------
@@ -211,6 +245,7 @@ void HandSource::begin_blackout(std::span<const HandLevel> only) {
   Board* board = nullptr;
   Slots look = {};
   for (const HandLevel& level : only) {
+    if (!has(level.universe)) continue;
     if (board == nullptr || board->universe != level.universe) {
       board = &board_of(level.universe);
       look = merged(*board);
@@ -288,7 +323,9 @@ void HandSource::advance(TimeNs now_ns) {
   fade_due_ns_ = std::min(fade_due_ns_, grid_ns);
 }
 
-TimeNs HandSource::next_deadline_ns() const { return dirty_ ? INT64_MIN : std::min(fade_due_ns_, hold_until_ns_); }
+TimeNs HandSource::next_deadline_ns() const {
+  return dirty_ ? INT64_MIN : std::min({fade_due_ns_, hold_until_ns_, leave_ns_});
+}
 
 Status HandSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
   if (now_ns >= hold_until_ns_) {
@@ -298,12 +335,14 @@ Status HandSource::poll(TimeNs now_ns, FrameReceiver& receiver) {
     begin_blackout({});
   }
   advance(now_ns);
+  if (now_ns >= leave_ns_) let_leave();
   if (!dirty_) return {};
   dirty_ = false;
   for (const auto& board : boards_) {
     deliver(board->hand, board->universe, kHandSender, now_ns, receiver);
     deliver(board->black, board->universe, kBlackoutSender, now_ns, receiver);
     give_up_looks(*board, now_ns, receiver);
+    if (board->leaving.any()) leave_ns_ = now_ns + 1;  // in the next tick: this one shows the levels
   }
   return {};
 }
@@ -344,14 +383,11 @@ void HandSource::deliver(Layer& layer, Universe universe, SenderId sender, TimeN
     end.terminated = true;
     ++counters_.frames;
     receiver.receive(end);
-  } else {
-    // Priorities first: levels of the other slots must not be used.
-    if (layer.priorities_changed || !layer.sending) {
-      send(layer, universe, sender, now_ns, kStartCodePriorities, receiver);
-    }
-    if (layer.levels_changed || !layer.sending) {
-      send(layer, universe, sender, now_ns, kStartCodeLevels, receiver);
-    }
+  } else if (layer.priorities_changed || layer.levels_changed || !layer.sending) {
+    // Priorities first: levels of the other slots must not be used. Each time both, since the merge may have displaced
+    // this sender, which is not reported: without priorities it would claim every slot.
+    send(layer, universe, sender, now_ns, kStartCodePriorities, receiver);
+    send(layer, universe, sender, now_ns, kStartCodeLevels, receiver);
   }
   layer.sending = claims;
   layer.levels_changed = layer.priorities_changed = false;
@@ -395,7 +431,7 @@ std::vector<HandSource::Held> HandSource::held() const {
   for (const auto& board : boards_) {
     for (std::size_t slot = 0; slot < kSlotCountMax; ++slot) {
       const std::uint8_t priority = board->hand.priorities[slot];
-      if (priority == 0) continue;
+      if (priority == 0 || board->leaving.test(slot)) continue;
       held.push_back({board->universe, static_cast<Address>(slot) + 1, board->hand.levels[slot], priority});
     }
   }

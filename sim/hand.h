@@ -21,6 +21,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -60,12 +61,12 @@ struct HandLevel {
 
 enum class HandAction : std::uint8_t {
   kSet,         // levels, over_ns, priority
-  kRelease,     // levels, without their values
+  kRelease,     // levels, without their values. This and kBlackout skip universes that are not part of the bridge
   kReleaseAll,  // every slot; blackout stays
   kBlackout,    // levels: only these slots, at these levels; none: every slot of every universe at 0. Adds to a
                 // blackout that is on
   kLift,        // ends blackout and hold
-  kHold,        // begins a hold that lasts over_ns
+  kHold,        // begins a hold that lasts over_ns; an error during another one
   kRenew,       // continues it for over_ns from now; an error if there is none
 };
 
@@ -93,6 +94,7 @@ class HandTaker {
   virtual Status take(const HandCommand& command, TimeNs now_ns) = 0;
   // Returns at once. The file is read on another thread; errors are reported as events.
   virtual void recall(const SceneCall& call) = 0;
+  [[nodiscard]] virtual bool blacked_out() const = 0;
 };
 // Shared by the ports and the bridge, which sets it while it runs. nullptr: commands are lost.
 struct HandLink {
@@ -151,6 +153,7 @@ class HandSource final : public Source {
     Layer hand;
     Layer black;
     Slots look = {};                                     // merged levels at the start of the blackout
+    std::bitset<kSlotCountMax> leaving;                  // released before the hand's levels were sent
     std::array<std::uint32_t, kSlotCountMax> fade = {};  // number of the fade of the slot; 0: none
   };
   struct Fade {
@@ -168,6 +171,8 @@ class HandSource final : public Source {
   void set(const HandCommand& command, TimeNs now_ns);
   void release(const HandCommand& command);
   void release_slot(Board& board, std::size_t slot);
+  void let_leave();
+  [[nodiscard]] bool has(Universe universe) const { return buffer_->index_of(universe) >= 0; }
   void begin_blackout(std::span<const HandLevel> only);
   void black_out(Board& board, const Slots& look, std::size_t slot, std::uint8_t level);
   void black_out_everything();
@@ -185,6 +190,7 @@ class HandSource final : public Source {
   TimeNs grid_start_ns_ = 0;           // of the 44 polls a second
   TimeNs fade_due_ns_ = kTimeNever;    // next poll for the fades
   TimeNs hold_until_ns_ = kTimeNever;  // of the dead man's switch
+  TimeNs leave_ns_ = kTimeNever;       // when leaving slots are given up
   bool black_all_ = false;             // blackout of everything, also of universes that come later
   std::int64_t black_slots_ = 0;       // slots that are blacked out
   bool dirty_ = false;                 // the next poll() has something to send

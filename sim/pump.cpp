@@ -86,6 +86,10 @@ void Pump::tick(TimeNs now_ns) {
 }
 
 void Pump::receive_ready(TimeNs now_ns) {
+  // A blackout first: queued frames of other sources must not be shown before it. It is asked again in its turn, since
+  // those sources may have given it commands.
+  for (PortRun& run : sources_)
+    if (run.priority_max == kPriorityOverride && is_due(run, now_ns)) poll(run, now_ns);
   for (PortRun& run : sources_)
     if (is_due(run, now_ns)) poll(run, now_ns);
 }

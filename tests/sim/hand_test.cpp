@@ -335,6 +335,121 @@ TEST_CASE("a hold that is not renewed in time ends in a blackout, which renewing
   CHECK_FALSE(world.hand.blacked_out());
 }
 
+TEST_CASE("a blackout and a release of a rig larger than the bridge reach the universes that are there") {
+  World world;
+  world.give(10);
+  const HandCommand dark{.action = HandAction::kBlackout, .levels = {level(77, 1, 0), level(1, 3, 0)}};
+  const auto slots = world.hand.apply(dark, world.clock.now_ns());
+  REQUIRE(slots.has_value());
+  CHECK(*slots == 1);
+  world.run_for(1);
+  CHECK(world.at(3) == 0);
+  CHECK(world.at(4) == 10);
+  world.apply(only(HandAction::kLift));
+  world.apply(set({level(1, 5, 99)}));
+  world.apply(release({level(77, 1, 0), level(1, 5, 0)}));
+  CHECK(world.at(5) == 10);
+  const auto none = world.hand.apply({.action = HandAction::kBlackout, .levels = {level(77, 1, 0)}}, 0);
+  REQUIRE_FALSE(none.has_value());
+  CHECK(none.error().message.find("start the bridge with") != std::string::npos);
+  CHECK_FALSE(world.hand.blacked_out());
+}
+
+TEST_CASE("a slot that is set and released during a blackout has that level when the blackout ends") {
+  World world;
+  world.apply(set({level(1, 5, 255)}));
+  world.apply(only(HandAction::kBlackout));
+  world.apply(set({level(1, 5, 0)}));
+  world.apply(release({level(1, 5, 0)}));
+  world.apply(only(HandAction::kLift));
+  CHECK(world.at(5) == 0);
+}
+
+TEST_CASE("a slot that is set and released in one tick keeps the level, and is released") {
+  World world;
+  world.apply(set({level(1, 5, 255), level(1, 6, 255)}));
+  REQUIRE(world.hand.apply(set({level(1, 5, 0)}), world.clock.now_ns()).has_value());
+  REQUIRE(world.hand.apply(release({level(1, 5, 0)}), world.clock.now_ns()).has_value());
+  CHECK(world.hand.held().size() == 1);
+  world.run_for(2);
+  CHECK(world.at(5) == 0);
+  CHECK(world.at(6) == 255);
+  world.give(33);
+  CHECK(world.at(5) == 33);
+  CHECK(world.at(6) == 255);
+}
+
+TEST_CASE("a second hold is refused while another one is active, and does not renew it") {
+  World world;
+  world.apply(only(HandAction::kHold, kNsPerS));
+  const auto second = world.hand.apply(only(HandAction::kHold, 100 * kNsPerS), world.clock.now_ns());
+  REQUIRE_FALSE(second.has_value());
+  CHECK(second.error().message.find("footlight blackout off") != std::string::npos);
+  world.run_for(2 * kNsPerS);
+  CHECK(world.hand.blacked_out());
+  world.apply(only(HandAction::kLift));
+  world.apply(only(HandAction::kHold, kNsPerS));
+  CHECK(world.hand.holding());
+}
+
+TEST_CASE("a hand that the merge displaced claims only its own slots when it comes back") {
+  World world;
+  world.apply(set({level(1, 17, 255)}));
+  for (SenderId sender = 1; sender <= kSendersPerUniverseMax; ++sender) {
+    world.desk.sender = sender;
+    world.give(10, 180);
+  }
+  REQUIRE(world.pump.status().universes[0].merge.senders_displaced == 1);
+  world.desk.end(1);
+  world.run_for(1);
+  for (SenderId sender = 1; sender < kSendersPerUniverseMax; ++sender) {
+    world.desk.sender = sender;
+    world.give(10, 120);
+  }
+  world.apply(set({level(1, 17, 254)}));
+  CHECK(world.at(17) == 254);
+  CHECK(world.at(16) == 10);
+}
+
+TEST_CASE("a blackout that is there before the first tick comes before the frames that wait in a source") {
+  FakeClock clock;
+  FakeWaiter waiter{clock};
+  const auto universes = std::make_shared<Universes>();
+  Pump pump{universes, clock, waiter};
+  HandSource hand{universes};
+  FakeSource desk{waiter, "desk", {1}};
+  FakeSink sink{waiter, "dongle", {1}};
+  pump.add_source(desk);
+  pump.add_source(hand, {.may_override = true});
+  pump.add_sink(sink);
+  desk.give(1, 200);
+  desk.give(1, 201);  // the first one is passed on when this one comes
+  REQUIRE(hand.apply(only(HandAction::kBlackout), clock.now_ns()).has_value());
+  struct Highest final : FrameReceiver {
+    explicit Highest(const Universes& all) : universes(all) {}
+    void receive(const FrameView& /*frame*/) override {
+      Slots levels;
+      FrameStamp stamp;
+      universes.snapshot(0, levels, stamp);
+      level = std::max<int>(level, levels[0]);
+    }
+    const Universes& universes;
+    int level = 0;
+  } highest(*universes);
+  pump.add_tap(highest);
+  pump.start();
+  waiter.at(clock.now_ns() + 1, [&] { waiter.interrupt(); });
+  for (int i = 0; i < 3; ++i) pump.step();
+  Slots levels;
+  FrameStamp stamp;
+  universes->snapshot(0, levels, stamp);
+  CHECK(levels[0] == 0);
+  CHECK(highest.level == 0);
+  for (const FakeSink::Sent& sent : sink.sent) CHECK(sent.levels[0] == 0);
+  pump.stop();
+  pump.remove_tap(highest);
+}
+
 TEST_CASE("a command with an error changes nothing, and its message names what is wrong") {
   World world;
   const auto refused = [&](const HandCommand& command) {

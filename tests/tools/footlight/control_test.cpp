@@ -22,11 +22,15 @@ bool contains(const std::string& text, std::string_view part) { return text.find
 struct Taker final : HandTaker {
   std::vector<HandCommand> commands;
   std::vector<SceneCall> scenes;
+  bool black = false;
   Status take(const HandCommand& command, TimeNs /*now_ns*/) override {
     commands.push_back(command);
+    if (command.action == HandAction::kBlackout) black = true;
+    if (command.action == HandAction::kLift) black = false;
     return {};
   }
   void recall(const SceneCall& call) override { scenes.push_back(call); }
+  [[nodiscard]] bool blacked_out() const override { return black; }
   // The last command's levels as values.
   std::vector<std::uint32_t> values() const {
     std::vector<std::uint32_t> values;
@@ -158,6 +162,58 @@ TEST_CASE("a map gives OSC addresses a target, and its rig the attributes of fix
   CHECK(phone.taker.values() == std::vector<std::uint32_t>{65'535});
   phone.say_float("/1/tilt", 0.5F);
   CHECK(phone.taker.values()[0] == doctest::Approx(32'768).epsilon(0.0001));
+}
+
+TEST_CASE("OSC buttons of a map are pressed by the integer 1, and by messages without arguments each time") {
+  const auto map = parse_control_map(
+      "[[control]]\ninput = \"/scene\"\nto = \"scene Warm\"\n[[control]]\ninput = \"/dark\"\nto = \"blackout\"\n"
+      "[[control]]\ninput = \"/release\"\nto = \"release\"\n[[control]]\ninput = \"/toggle\"\nto = \"blackout\"\n"
+      "toggle = true\n",
+      "m.toml");
+  REQUIRE(map.has_value());
+  Phone phone(*map);
+  phone.say("/scene", {1});
+  phone.say("/scene", {0});
+  phone.say("/scene", {});
+  phone.say("/scene", {});
+  CHECK(phone.taker.scenes.size() == 3);
+  phone.say("/release", {1});
+  REQUIRE(phone.taker.commands.size() == 1);
+  CHECK(phone.taker.commands[0].action == HandAction::kReleaseAll);
+  phone.say("/dark", {1});
+  CHECK(phone.taker.black);
+  phone.say("/dark", {0});
+  CHECK_FALSE(phone.taker.black);
+  phone.say("/dark", {});
+  CHECK(phone.taker.black);
+  phone.say("/dark", {0});
+  CHECK(phone.taker.black);  // it has no end
+  phone.say("/toggle", {});
+  CHECK_FALSE(phone.taker.black);
+  phone.say("/toggle", {});
+  CHECK(phone.taker.black);
+}
+
+TEST_CASE("a control of the blackout follows the bridge, and ends no blackout that another one began") {
+  const auto map = parse_control_map(
+      "[[control]]\ninput = \"/dark\"\nto = \"blackout\"\n[[control]]\ninput = \"/toggle\"\nto = \"blackout\"\n"
+      "toggle = true\n",
+      "m.toml");
+  Phone phone(*map);
+  phone.taker.black = true;  // by 'footlight blackout'
+  phone.say_float("/dark", 1);
+  CHECK(phone.taker.commands.back().action == HandAction::kBlackout);
+  phone.say_float("/dark", 0);
+  CHECK(phone.taker.black);
+  phone.say_float("/toggle", 1);
+  phone.say_float("/toggle", 0);
+  CHECK_FALSE(phone.taker.black);
+  phone.say_float("/dark", 1);  // the end of this press is lost
+  phone.taker.black = false;    // 'footlight blackout off'
+  phone.say_float("/dark", 1);
+  CHECK(phone.taker.black);
+  phone.say_float("/dark", 0);
+  CHECK_FALSE(phone.taker.black);
 }
 
 TEST_CASE("errors of a control map name the file, the line and what was expected") {

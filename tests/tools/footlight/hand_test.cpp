@@ -271,6 +271,21 @@ TEST_CASE("when the command that holds the dead man's switch is killed, blackout
   CHECK(bridge.at(17) == 255);
 }
 
+TEST_CASE("a hold for an hour ends at once when its command is interrupted, and a second one is refused meanwhile") {
+  const TempFolder folder;
+  const Bridge bridge(folder.file("s"));
+  bridge.must({"set", "1.17=255"});
+  Footlight holder({"blackout", "hold", "--within", "1h", "--socket", bridge.socket});
+  REQUIRE(eventually([&] { return page(bridge.socket, "/hand")["hold"] == true; }));
+  const Outcome second = bridge.say({"blackout", "hold"});
+  CHECK(second.exit_code == 2);
+  CHECK(contains(second.err, "another 'footlight blackout hold'"));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // until the command sleeps
+  holder.signal(SIGINT);
+  CHECK(bridge.shows(17, 0));  // gives up after 30 s
+  CHECK(holder.wait().exit_code == 0);
+}
+
 TEST_CASE("a reload that adds a universe during a blackout adds it dark") {
   const TempFolder folder;
   const std::string show = folder.file("show.toml");

@@ -164,6 +164,17 @@ TEST_CASE("a scene that is stored or deleted changes only its own lines") {
   CHECK(contains(text_of(path), "# The last one"));
 }
 
+TEST_CASE("a scene is found by its name for OSC, but deleted by its exact name only") {
+  const auto file = parse_scenes("[[scene]]\nname = \"Walk in\"\nlevels = [\"1.1=1\"]\n", "s.toml");
+  REQUIRE(file.has_value());
+  CHECK(file->find("Walk_in").has_value());
+  CHECK(file->find("Walk").error().message.find("there is 'Walk in'") != std::string::npos);
+  const auto kept = without_scene(*file, "Walk_in");
+  REQUIRE_FALSE(kept.has_value());
+  CHECK(kept.error().message.find("there is 'Walk in'") != std::string::npos);
+  CHECK(without_scene(*file, "Walk in").has_value());
+}
+
 TEST_CASE("a scene file is begun with its folder, and a link to it stays a link") {
   const TempFolder folder;
   const std::string path = folder.file("deep/er/scenes.toml");

@@ -56,6 +56,14 @@ TEST_CASE("the unit allows the real-time priority that the service requests") {
   CHECK(text.find("@FOOTLIGHT") == std::string::npos);
 }
 
+TEST_CASE("the unit keeps a remembered blackout while it is stopped, and lets MIDI devices be read") {
+  std::ifstream file(FOOTLIGHT_UNIT);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  CHECK(text.find("\nRuntimeDirectoryPreserve=yes\n") != std::string::npos);
+  CHECK(text.find("\nDeviceAllow=/dev/snd/seq rw\n") != std::string::npos);
+  CHECK(std::regex_search(text, std::regex(R"(\nSupplementaryGroups=[^\n]*\baudio\b)")));
+}
+
 TEST_CASE("the unit allows every address family that the ports use") {
   std::ifstream file(FOOTLIGHT_UNIT);
   const std::string text{std::istreambuf_iterator<char>(file), {}};

@@ -1,4 +1,5 @@
 // footlight blackout: makes everything dark in the running bridge, and ends that.
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 
@@ -13,6 +14,7 @@ namespace {
 
 constexpr DurationNs kHoldDefaultNs = 2 * kNsPerS;
 constexpr int kRenewalsPerHold = 4;
+constexpr DurationNs kStepMaxNs = 100 * kNsPerMs;
 
 struct Options {
   HandClientOptions bridge;
@@ -36,7 +38,10 @@ Result<int> hold(const Options& options, const HandClient& client) {
   TimeNs next_ns = clock.now_ns();
   while (!signal.came()) {
     next_ns += options.within_ns / kRenewalsPerHold;
-    clock.sleep_until_ns(next_ns);
+    // The sleep goes on after a signal, so it is short.
+    while (!signal.came() && clock.now_ns() < next_ns) {
+      clock.sleep_until_ns(std::min(next_ns, clock.now_ns() + kStepMaxNs));
+    }
     if (signal.came()) break;
     const Status renewed = client.send(renew);
     if (signal.came()) break;  // it interrupts the call
@@ -78,7 +83,7 @@ void add(Arguments& arguments) {
   arguments.word("WORD", options->word, "on, off or hold [on]");
   arguments.option("--socket", options->bridge.socket, "FILE", "the socket of the bridge, if several run");
   arguments.option("--rig", options->bridge.rig, "FILE",
-                   "on: only the dimmers of this rig, so that heads do not turn; default: every slot");
+                   "on: only the dimmers and emitters of this rig, so that heads do not turn; default: every slot");
   arguments.duration("--within", options->within_ns, "hold: dark this long after the command has died [2s]");
   arguments.job([options]() -> Result<int> { return blackout(*options); });
 }
@@ -90,7 +95,7 @@ extern const CommandInfo blackout_command{
     .help = "Everything dark in the running bridge, above all inputs",
     .examples =
         "  footlight blackout                         every slot of every universe at 0\n"
-        "  footlight blackout on --rig rig.toml       only what makes light: dimmers, or emitters without a dimmer\n"
+        "  footlight blackout on --rig rig.toml       only what makes light: dimmers and emitters\n"
         "  footlight blackout off\n"
         "  footlight blackout hold                    a dead man's switch: dark when this command ends, in any way\n"
         "Blackout stays until 'blackout off', also over a restart of the bridge. Levels that are set meanwhile show "

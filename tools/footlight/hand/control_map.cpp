@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "fixtures/files/export/write_file.h"
 #include "fixtures/files/import/archive.h"
@@ -117,6 +118,7 @@ Status Control::move(double share, TimeNs now_ns, HandTaker& taker) {
   const bool was_pressed = pressed_;
   pressed_ = share >= 0.5;
   const bool press = pressed_ && !was_pressed;
+  if (kind_ == Kind::kBlackout) return black_out(press, was_pressed && !pressed_, now_ns, taker);
   if (toggle_) {
     if (!press) return {};
     on_ = !on_;
@@ -127,11 +129,7 @@ Status Control::move(double share, TimeNs now_ns, HandTaker& taker) {
       if (press) taker.recall(scene_);
       return {};
     case Kind::kRelease: return press ? taker.take(command_, now_ns) : Status();
-    case Kind::kBlackout: {
-      if (!toggle_ && pressed_ == was_pressed) return {};
-      command_.action = share >= 0.5 ? HandAction::kBlackout : HandAction::kLift;
-      return taker.take(command_, now_ns);
-    }
+    case Kind::kBlackout:
     case Kind::kLevels: break;
   }
   for (std::size_t i = 0; i < low_.size(); ++i) {
@@ -139,6 +137,32 @@ Status Control::move(double share, TimeNs now_ns, HandTaker& taker) {
     command_.levels[i].value =
         static_cast<std::uint32_t>(std::llround(low + (high - low) * std::clamp(share, 0.0, 1.0)));
   }
+  return taker.take(command_, now_ns);
+}
+
+Status Control::tap(TimeNs now_ns, HandTaker& taker) {
+  pressed_ = false;
+  Status done = move(1, now_ns, taker);
+  pressed_ = began_ = false;
+  return done;
+}
+
+// What is sent depends on the bridge, not on what this control did before: others begin and end blackouts, too.
+Status Control::black_out(bool press, bool end, TimeNs now_ns, HandTaker& taker) {
+  const bool is_on = taker.blacked_out();
+  if (toggle_) {
+    if (!press) return {};
+    command_.action = is_on ? HandAction::kLift : HandAction::kBlackout;
+    return taker.take(command_, now_ns);
+  }
+  if (pressed_) {
+    // Also if it was pressed before: the message of its end may have been lost.
+    began_ = (began_ && !press) || !is_on;
+    command_.action = HandAction::kBlackout;
+    return taker.take(command_, now_ns);
+  }
+  if (!end || !std::exchange(began_, false)) return {};
+  command_.action = HandAction::kLift;
   return taker.take(command_, now_ns);
 }
 

@@ -47,15 +47,22 @@ class Control {
   // Errors: those of add_assignment(); the message names the map and the position.
   [[nodiscard]] static Result<Control> make(const ControlPlan& plan, const ControlMap& map, const RigOf& rig);
 
+  // Does something when it is pressed, at a share of one half; else its share is a level.
+  [[nodiscard]] bool is_button() const { return toggle_ || kind_ != Kind::kLevels; }
   // A new share. `now_ns`: of the pump. Does not allocate once it was called.
   Status move(double share, TimeNs now_ns, HandTaker& taker);
+  // A press of a button that does not tell its end. A blackout that it begins stays.
+  Status tap(TimeNs now_ns, HandTaker& taker);
 
  private:
+  Status black_out(bool press, bool end, TimeNs now_ns, HandTaker& taker);
+
   enum class Kind { kLevels, kScene, kBlackout, kRelease };
   Kind kind_ = Kind::kLevels;
   bool toggle_ = false;
-  bool on_ = false;       // of a toggle
+  bool on_ = false;       // of a toggle of levels
   bool pressed_ = false;  // the last share was half or more
+  bool began_ = false;    // this press began the blackout that is on
   HandCommand command_;
   std::vector<std::uint32_t> low_, high_;  // of command_.levels
   SceneCall scene_;

@@ -3,10 +3,12 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
-#include <fstream>
 #include <future>
 #include <optional>
+#include <string_view>
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "fixtures/model/rig.h"
@@ -21,11 +23,18 @@ namespace {
 constexpr std::chrono::seconds kPatience{2};
 constexpr std::size_t kTasksMax = 16;  // more are dropped: someone plays with a button
 
+// Whether a command may change what is remembered.
+bool concerns_memory(const HandCommand& command) {
+  return command.action == HandAction::kBlackout || command.action == HandAction::kLift ||
+         command.action == HandAction::kHold;
+}
+
 }  // namespace
 
 bool HandDesk::remember_in(std::string path) {
   memory_path_ = std::move(path);
-  if (memory_path_.empty() || access(memory_path_.c_str(), F_OK) != 0) return false;
+  struct stat found = {};
+  if (memory_path_.empty() || lstat(memory_path_.c_str(), &found) != 0) return false;  // a link counts, too
   (void)apply_now({.action = HandAction::kBlackout, .levels = {}});
   return true;
 }
@@ -44,25 +53,44 @@ Status HandDesk::on_pump(std::function<void()> job) {
 
 Result<int> HandDesk::apply(const HandCommand& command) {
   const auto result = std::make_shared<Result<int>>(0);
-  FL_TRY(on_pump([this, command, result] { *result = apply_now(command); }));
+  const auto given_up = std::make_shared<std::atomic<bool>>(false);
+  const bool remembers = concerns_memory(command);
+  const Status ran = on_pump([this, command, result, given_up, remembers] {
+    *result = apply_now(command);
+    if (remembers && given_up->load()) remember_later();
+  });
+  if (!ran) {
+    given_up->store(true);
+    if (remembers) (void)remember();  // it may have run after the last look at it
+    return tl::unexpected(ran.error());
+  }
   FL_TRY(*result);
-  FL_TRY(mark(command));
+  if (remembers) FL_TRY(remember());
   return *result;
 }
 
-Status HandDesk::mark(const HandCommand& command) const {
+// Makes the file say what is on now. It is called after each change, in any order: the last call sees the last change.
+Status HandDesk::remember() {
   if (memory_path_.empty()) return {};
-  if (command.action == HandAction::kLift) {
+  const std::lock_guard lock(memory_mutex_);
+  if (!dark_.load()) {
     if (unlink(memory_path_.c_str()) == 0 || errno == ENOENT) return {};
     return fail(ErrorCode::kIo, "blackout is off, but {} cannot be removed ({}): the next start of this bridge is dark",
                 memory_path_, std::strerror(errno));
   }
-  if (command.action != HandAction::kBlackout && command.action != HandAction::kHold) return {};
-  std::ofstream file(memory_path_);
-  file << "Blackout of 'footlight blackout'. While this file exists, the bridge starts dark.\n";
-  file.close();
-  if (file) return {};
-  return fail(ErrorCode::kIo, "done, but {} cannot be written: a restart of the bridge would end it", memory_path_);
+  constexpr int kFlags = O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+  const int fd = open(memory_path_.c_str(), kFlags, 0600);
+  if (fd < 0) {
+    return fail(ErrorCode::kIo,
+                "done, but {} cannot be written ({}), so a restart of the bridge may end it; make its folder writable, "
+                "or remove what is there",
+                memory_path_, std::strerror(errno));
+  }
+  constexpr std::string_view kText =
+      "Blackout of 'footlight blackout'. While this file exists, the bridge starts dark.\n";
+  (void)!write(fd, kText.data(), kText.size());  // for readers only: that the file exists is what counts
+  close(fd);
+  return {};
 }
 
 Result<HandReport> HandDesk::report() {
@@ -84,9 +112,12 @@ Result<int> HandDesk::apply_now(const HandCommand& command) {
     FL_ASSIGN(const int slots, source->apply(command, clock_.now_ns()));
     source_ = std::move(source);
     pump_.add_source(*source_, {.may_override = true});
+    dark_.store(source_->blacked_out() || source_->holding());
     return slots;
   }
-  return source_->apply(command, clock_.now_ns());
+  FL_ASSIGN(const int slots, source_->apply(command, clock_.now_ns()));
+  dark_.store(source_->blacked_out() || source_->holding());
+  return slots;
 }
 
 void HandDesk::follow_pump() {
@@ -103,16 +134,15 @@ Status HandDesk::take(const HandCommand& command, TimeNs now_ns) {
   if (source_ == nullptr) {
     // The pump takes sources between two ticks only.
     pump_.call([this, command] {
-      if (const auto applied = apply_now(command); !applied) report_trouble(applied.error());
+      const auto applied = apply_now(command);
+      if (!applied) report_trouble(applied.error());
+      if (applied && concerns_memory(command)) remember_later();
     });
-  } else if (const auto applied = source_->apply(command, now_ns); !applied) {
-    return tl::unexpected(applied.error());
+    return {};
   }
-  if (command.action == HandAction::kBlackout || command.action == HandAction::kLift) {
-    do_later([this, command] {
-      if (const Status marked = mark(command); !marked) report_trouble(marked.error());
-    });
-  }
+  FL_TRY(source_->apply(command, now_ns));
+  dark_.store(source_->blacked_out() || source_->holding());
+  if (concerns_memory(command)) remember_later();
   return {};
 }
 
@@ -155,18 +185,37 @@ void HandDesk::do_later(std::function<void()> task) {
     const std::lock_guard lock(tasks_mutex_);
     if (tasks_.size() >= kTasksMax) return;
     tasks_.push_back(std::move(task));
-    if (!worker_.joinable()) {
-      const NoSignals for_the_thread;
-      worker_ = std::thread([this] { work(); });
-    }
+    need_worker();
   }
   tasks_wake_.notify_one();
+}
+
+void HandDesk::remember_later() {
+  {
+    const std::lock_guard lock(tasks_mutex_);
+    remembers_ = true;
+    need_worker();
+  }
+  tasks_wake_.notify_one();
+}
+
+void HandDesk::need_worker() {
+  if (worker_.joinable()) return;
+  const NoSignals for_the_thread;
+  worker_ = std::thread([this] { work(); });
 }
 
 void HandDesk::work() {
   std::unique_lock lock(tasks_mutex_);
   while (true) {
-    tasks_wake_.wait(lock, [this] { return ending_ || !tasks_.empty(); });
+    tasks_wake_.wait(lock, [this] { return ending_ || remembers_ || !tasks_.empty(); });
+    if (remembers_) {
+      remembers_ = false;
+      lock.unlock();
+      if (const Status done = remember(); !done) report_trouble(done.error());
+      lock.lock();
+      continue;
+    }
     if (ending_) return;
     const std::function<void()> task = std::move(tasks_.front());
     tasks_.pop_front();

@@ -12,6 +12,7 @@
 // Threads: apply() and report() any but the pump's; the rest as stated.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <functional>
@@ -57,10 +58,13 @@ class HandDesk final : public HandTaker {
   // The pump's thread, also within a tick.
   Status take(const HandCommand& command, TimeNs now_ns) override;
   void recall(const SceneCall& call) override;
+  [[nodiscard]] bool blacked_out() const override { return source_ != nullptr && source_->blacked_out(); }
 
  private:
   [[nodiscard]] Status on_pump(std::function<void()> job);
-  [[nodiscard]] Status mark(const HandCommand& command) const;
+  [[nodiscard]] Status remember();
+  void remember_later();
+  void need_worker();
   Result<int> apply_now(const HandCommand& command);
   void do_later(std::function<void()> task);
   void work();
@@ -71,12 +75,15 @@ class HandDesk final : public HandTaker {
   Clock& clock_;
   const NoticeReceiver on_notice_;  // any thread
   std::string memory_path_;
+  std::mutex memory_mutex_;         // guards the file
+  std::atomic<bool> dark_ = false;  // blackout or a hold is on; set on the pump's thread, before the file is written
   std::unique_ptr<HandSource> source_;          // of the pump's thread
   std::shared_ptr<const Universes> universes_;  // of the source
 
   std::mutex tasks_mutex_;  // guards what follows
   std::condition_variable tasks_wake_;
   std::deque<std::function<void()>> tasks_;
+  bool remembers_ = false;  // remember() is to be called; done also at the end
   bool ending_ = false;
   std::thread worker_;  // of tasks; begins with the first
 };

@@ -183,10 +183,16 @@ bool OscHand::set_slots(std::string_view place, const drivers::OscMessage& messa
 bool OscHand::obey(const drivers::OscMessage& message, TimeNs now_ns) {
   if (options_.link->taker == nullptr) return false;
   if (const auto found = controls_.find(message.address); found != controls_.end()) {
-    const auto share = share_of(message);
-    if (!share) return false;
+    const auto share = share_of(message), press = press_of(message);
+    if (!share || !press) return false;
+    HandTaker& taker = *options_.link->taker;
     bool done = true;
-    for (Control& control : found->second) done = control.move(*share, now_ns, *options_.link->taker) && done;
+    for (Control& control : found->second) {
+      const bool is_tap = control.is_button() && message.number_count == 0;
+      done = (is_tap ? control.tap(now_ns, taker)
+                     : control.move(control.is_button() ? *press : *share, now_ns, taker)) &&
+             done;
+    }
     return done;
   }
   std::string_view rest = message.address;
@@ -195,19 +201,19 @@ bool OscHand::obey(const drivers::OscMessage& message, TimeNs now_ns) {
   const auto press = press_of(message);
   if (!press) return false;
   const bool pressed = *press >= 0.5;
-  constexpr std::string_view kRelease = "release/", kScene = "scene/";
+  constexpr std::string_view kReleasePath = "release/", kScenePath = "scene/";
   if (rest == "blackout" || rest == "release") {
     if (rest == "release" && !pressed) return false;
     command_.action = rest == "release" ? HandAction::kReleaseAll : pressed ? HandAction::kBlackout : HandAction::kLift;
     command_.levels.clear();
     return give(command_, now_ns);
   }
-  if (rest.starts_with(kRelease)) {
-    return pressed && set_slots(rest.substr(kRelease.size()), message, HandAction::kRelease, now_ns);
+  if (rest.starts_with(kReleasePath)) {
+    return pressed && set_slots(rest.substr(kReleasePath.size()), message, HandAction::kRelease, now_ns);
   }
-  if (rest.starts_with(kScene)) {
+  if (rest.starts_with(kScenePath)) {
     if (!pressed) return false;
-    options_.link->taker->recall({.name = std::string(rest.substr(kScene.size())),
+    options_.link->taker->recall({.name = std::string(rest.substr(kScenePath.size())),
                                   .file = options_.map.scenes,
                                   .rig = options_.map.rig,
                                   .over_ns = 0,

@@ -128,16 +128,21 @@ Status change(const std::string& path, const std::function<Result<std::string>(c
 
 }  // namespace
 
-Result<const Scene*> SceneFile::find(std::string_view name) const {
+Result<const Scene*> SceneFile::find_exactly(std::string_view name) const {
   std::string names;
   for (const Scene& scene : scenes) {
     if (scene.name == name) return &scene;
     names += fmt::format("{}'{}'", names.empty() ? "" : ", ", scene.name);
   }
-  for (const Scene& scene : scenes)
-    if (osc_name(scene.name) == name) return &scene;
   return fail(ErrorCode::kNotFound, "{}: there is no scene '{}'; there {} {}", path, name,
               scenes.size() == 1 ? "is" : "are", names.empty() ? "none" : names);
+}
+
+Result<const Scene*> SceneFile::find(std::string_view name) const {
+  auto found = find_exactly(name);
+  for (std::size_t i = 0; i < scenes.size() && !found; ++i)
+    if (osc_name(scenes[i].name) == name) return &scenes[i];
+  return found;
 }
 
 Result<SceneFile> parse_scenes(std::string text, const std::string& path) {
@@ -187,7 +192,7 @@ Result<std::string> with_scene(const SceneFile& file, std::string_view name, con
 }
 
 Result<std::string> without_scene(const SceneFile& file, std::string_view name) {
-  FL_ASSIGN(const Scene* scene, file.find(name));
+  FL_ASSIGN(const Scene* scene, file.find_exactly(name));
   return cut(file, static_cast<std::size_t>(scene - file.scenes.data()));
 }
 

@@ -41,7 +41,8 @@ struct SceneFile {
   std::string text;
   std::vector<Scene> scenes;  // in the order of the file; no name twice
 
-  // Exact, or with underscores for characters that OSC reserves. kNotFound lists the names.
+  // kNotFound lists the names. find() also takes underscores for characters that OSC reserves.
+  [[nodiscard]] Result<const Scene*> find_exactly(std::string_view name) const;
   [[nodiscard]] Result<const Scene*> find(std::string_view name) const;
 };
 
