@@ -70,7 +70,7 @@ Result<int> safety(const Options& options) {
     }
   }
   FL_ASSIGN(const fixtures::LaserSafety report, fixtures::laser_safety(rig, places));
-  if (report.lasers.empty()) return {
+  if (report.lasers.empty()) {
     return fail(ErrorCode::kNotFound,
                 "{}: the rig has no laser; add a [[fixture]] of a type with one, such as type = \"generic/laser\"",
                 options.rig);
