@@ -124,11 +124,10 @@ TEST_CASE("lasers that are seen from the side are near brute force") {
     double size;
     double most;
   };
-  for (const Case& c : {Case{"a beam from the side", 1, 1, 1e-3}, Case{"a fan of 5 from the side", 3, 0.3, 1e-3},
-                        Case{"a line from the side", 2, 0.3, 1e-3}}) {
+  for (const Case& c : {Case{"a beam from the side", 1, 1, 1e-3}, Case{"a line from the side", 2, 0.3, 1e-3}}) {
     CAPTURE(std::string(c.what));
     Scene scene = laser_scene("");
-    show(scene, c.figure, c.size, c.size, 5);
+    show(scene, c.figure, c.size, c.size);
     scene.camera.position_m = {9, 5, 1.7};
     scene.camera.target_m = {0, 5, 3};
     const double error = rel_l2(drawn(vulkan.device(), scene), judged(scene));

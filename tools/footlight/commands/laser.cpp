@@ -70,7 +70,7 @@ Result<int> safety(const Options& options) {
     }
   }
   FL_ASSIGN(const fixtures::LaserSafety report, fixtures::laser_safety(rig, places));
-  if (report.lasers.empty()) return {
+  if (report.lasers.empty()) {
     return fail(ErrorCode::kNotFound,
                 "{}: the rig has no laser; add a [[fixture]] of a type with one, such as type = \"generic/laser\"",
                 options.rig);
@@ -87,8 +87,7 @@ Result<int> safety(const Options& options) {
         row.moves      ? "taken as in the field of its scanner, since pan or tilt turns it"
         : row.in_field ? "in the field of its scanner"
                        : "beside the field of its scanner as it hangs",
-        row.still_over,
-        row.worst, row.exposure.over_mpe, duration(row.exposure.on_s),
+        row.still_over, row.worst, row.exposure.over_mpe, duration(row.exposure.on_s),
         counted(static_cast<std::size_t>(row.exposure.times), "time"), duration(row.exposure.pass_s),
         row.exposure.places_asked, row.exposure.places, row.exposure.frames_asked, row.exposure.frames);
   }
