@@ -6,7 +6,8 @@
 //   }
 //
 // tile_walk() puts 256 beams of the supertile's mask to the test of the including pass, bool tile_takes(uint beam, uint
-// number), shared out among the threads; `number` counts from `base`. FL_WALK_ALSO(word): further beams, a word of bits.
+// number), shared out among the threads; `number` counts from `base`. FL_WALK_ALSO(word): a word of bits of further
+// beams.
 // All threads of the group must call it together; it returns the same for all.
 //
 // A thread has FL_ROWS pixels, one below the other, so that a beam's row is read once for all of them: on an H200

@@ -61,7 +61,7 @@ Result<int> HandDesk::apply(const HandCommand& command) {
   });
   if (!ran) {
     given_up->store(true);
-    if (remembers) (void)remember();  // it may have run after the last look at it
+    if (remembers) (void)remember();  // it may have run after it was asked for
     return tl::unexpected(ran.error());
   }
   FL_TRY(*result);
