@@ -94,12 +94,12 @@ TEST_CASE("a changed knob compiles its passes once, and nothing when it is resto
   CHECK(pipelines.compiled() == compiled + 1);  // beams
   settings.nodes = 7;
   must(frame->change(settings));
-  CHECK(pipelines.compiled() == compiled + 4);  // coarse, fine, beams
+  CHECK(pipelines.compiled() == compiled + 5);  // coarse, fine, shade, beams
   const RadianceImage finer = draw(*frame, scene);
   CHECK(finer.rgb != before.rgb);
   CHECK(finer.rgb == draw_new(vulkan.device(), scene, settings).rgb);
   must(frame->change(first));
-  CHECK(pipelines.compiled() == compiled + 4);
+  CHECK(pipelines.compiled() == compiled + 5);
   CHECK(draw(*frame, scene).rgb == before.rgb);
   CHECK(slow_parts(*frame) == parts);
 }
