@@ -89,7 +89,7 @@ std::uint64_t pane_texel_bytes(const fixtures::Rig& rig) {
 }
 
 std::uint64_t pane_mask_bytes(const fixtures::Rig& rig, std::uint64_t occluders) {
-  return rig.panes.size() * ((occluders + 31) / 32) * 4;
+  return std::max<std::uint64_t>(rig.panes.size() * ((occluders + 31) / 32), 1) * 4;
 }
 
 Status make_pane_tables(vk::Device& device, const fixtures::Rig& rig, RigTables& r) {
