@@ -40,7 +40,8 @@ std::shared_ptr<const fixtures::PaneImage> picture(int width, int height) {
 
 // A pane 2 m wide and 3 m high in the plane y = 4, through which the sun shines down and towards the camera; no
 // fixtures. boxes: text of the rig file.
-Scene pane_scene(const std::string& boxes, const std::string& haze = "scattering_per_m = 0.03\nabsorption_per_m = 0.005",
+const std::string kHaze = "scattering_per_m = 0.03\nabsorption_per_m = 0.005";
+Scene pane_scene(const std::string& boxes, const std::string& haze = kHaze,
                  const std::string& direction = "[0.35, -0.8, -0.55]") {
   Scene scene;
   scene.rig = must(fixtures::parse_rig("[rig]\nname = \"Shafts\"\nambient_lx = 0\n[haze]\nreach_m = 40\n" + haze +
@@ -55,7 +56,8 @@ Scene pane_scene(const std::string& boxes, const std::string& haze = "scattering
   scene.compile();
   return scene;
 }
-const std::string kFloor = "[[box]]\nname = \"Floor\"\nmin = [-20, -20, -1]\nmax = [20, 20, 0]\nalbedo = [0.5, 0.4, 0.3]\n";
+const std::string kFloor =
+    "[[box]]\nname = \"Floor\"\nmin = [-20, -20, -1]\nmax = [20, 20, 0]\nalbedo = [0.5, 0.4, 0.3]\n";
 // One in the shaft, one that reaches through the plane of the pane, one before the pane, which hides nothing, and one
 // that lies in the shadow of the first.
 const std::string kThings =
@@ -207,7 +209,7 @@ TEST_CASE("no pane gives a picture that is not finite, and only a sun in its pla
         Case{"an image of one column", usual, [](Scene& s) { s.rig.panes[0].image = picture(1, 300); }},
         Case{"a huge image", usual, [](Scene& s) { s.rig.panes[0].image = picture(2048, 1024); }},
         Case{"haze that lets nothing through", usual,
-             [](Scene& s) {
+             [&](Scene& s) {
                s.rig.haze.scattering_per_m = 10;
                s.rig.haze.absorption_per_m = 10;
                look(s, {0.5, 2.8, 2.2}, {0, 4, 3});
