@@ -52,7 +52,6 @@ Scene pane_scene(const std::string& boxes, const std::string& haze = kHaze,
                                            "\n[[camera]]\nname = \"main\"\nposition = [-5, -5, 1.7]\n"
                                            "target = [0, 2, 2]\nfov_deg = 60\n",
                                        "shafts.toml"));
-  scene.camera = scene.rig.cameras.front();
   scene.compile();
   return scene;
 }
@@ -66,12 +65,17 @@ const std::string kThings =
     "[[box]]\nname = \"C\"\nmin = [-1, 4.2, 4]\nmax = [1, 5, 4.4]\nalbedo = [0.3, 0.3, 0.3]\n"
     "[[box]]\nname = \"D\"\nmin = [0.7, 0.9, 0.6]\nmax = [1.2, 1.2, 1]\nalbedo = [0.3, 0.3, 0.3]\n";
 
+void look(Scene& scene, glm::dvec3 from, glm::dvec3 to) {
+  scene.rig.cameras[0].position_m = from;
+  scene.rig.cameras[0].target_m = to;
+}
+
 RadianceImage drawn(vk::Device& device, const Scene& scene, bool judged = true) {
   FrameSettings settings = judged_settings(kWidth, kHeight);
   settings.widen_thin = !judged;
   auto frame = make_frame(device, scene, settings);
   frame->step(scene.levels, 0);
-  must(frame->draw(view_of(scene.camera), 0));
+  must(frame->draw(view_of(scene.rig.cameras[0]), 0));
   return must(frame->read_radiance());
 }
 
@@ -80,7 +84,7 @@ std::vector<double> judged(const Scene& scene) {
   walker.step(scene.levels, 0);
   JudgeOptions options;
   options.stated_error = false;
-  return judge_image(judge_scene(scene.rig, walker), view_of(scene.camera), kWidth, kHeight, options).rgb;
+  return judge_image(judge_scene(scene.rig, walker), view_of(scene.rig.cameras[0]), kWidth, kHeight, options).rgb;
 }
 
 double rel_l2(const RadianceImage& image, const std::vector<double>& judge) {
@@ -113,21 +117,16 @@ TEST_CASE("shafts in the air and on surfaces are near the judge, with and withou
     double most;
     std::function<void(Scene&)> change = [](Scene&) {};
   };
-  const auto look = [](glm::dvec3 from, glm::dvec3 to) {
-    return [=](Scene& scene) {
-      scene.camera.position_m = from;
-      scene.camera.target_m = to;
-    };
-  };
+  const auto looks = [](glm::dvec3 from, glm::dvec3 to) { return [=](Scene& scene) { look(scene, from, to); }; };
   for (const Case& c :
        {Case{"even, air", false, "", 1e-4}, Case{"even, floor", false, kFloor, 1e-3},
         Case{"image, air", true, "", 1e-3}, Case{"image, floor", true, kFloor, 1e-3},
         Case{"even, shadows", false, kFloor + kThings, 1e-3}, Case{"image, shadows", true, kFloor + kThings, 1e-3},
         Case{"image, shadows, air alone", true, kThings, 1e-3},
-        Case{"image, in the shaft", true, kFloor + kThings, 1e-3, look({0.4, 1.2, 1.1}, {0, 4, 3})},
+        Case{"image, in the shaft", true, kFloor + kThings, 1e-3, looks({0.4, 1.2, 1.1}, {0, 4, 3})},
         Case{"image, along the light", true, kFloor, 1e-3,
-             look(glm::dvec3(0, 4, 3) + 6.0 * glm::normalize(glm::dvec3(0.35, -0.8, -0.55)), {0, 4, 3})},
-        Case{"image, from behind the pane", true, kFloor + kThings, 1e-3, look({2, 9, 5}, {0, 2, 1})},
+             looks(glm::dvec3(0, 4, 3) + 6.0 * glm::normalize(glm::dvec3(0.35, -0.8, -0.55)), {0, 4, 3})},
+        Case{"image, from behind the pane", true, kFloor + kThings, 1e-3, looks({2, 9, 5}, {0, 2, 1})},
         Case{"image, with the sky", true, kFloor, 1e-3, [](Scene& scene) { scene.rig.sun.sky_lx = 3000; }},
         Case{"image, tilted, dense haze", true, kFloor + kThings, 1e-3, [](Scene& scene) {
                scene.rig.haze.scattering_per_m = 1;
@@ -181,10 +180,6 @@ TEST_CASE("no pane gives a picture that is not finite, and only a sun in its pla
     std::function<void(Scene&)> change;
     bool dark = false;
   };
-  const auto look = [](Scene& scene, glm::dvec3 from, glm::dvec3 to) {
-    scene.camera.position_m = from;
-    scene.camera.target_m = to;
-  };
   const std::string usual = "[0.35, -0.8, -0.55]";
   for (const Case& c :
        {Case{"the sun in the plane of the pane", "[1, 0, 0]", [](Scene&) {}, true},
@@ -202,7 +197,7 @@ TEST_CASE("no pane gives a picture that is not finite, and only a sun in its pla
                s.rig.boxes[0].min_m = {-9999, -9999, -1};
                s.rig.boxes[0].max_m = {9999, 9999, 0};
                look(s, {-900, -900, 40}, {0, 0, 3});
-               s.camera.fov_deg = 2;
+               s.rig.cameras[0].fov_deg = 2;
              }},
         Case{"a single texel", usual,
              [](Scene& s) { s.rig.panes[0].image = std::make_shared<fixtures::PaneImage>(); }},
