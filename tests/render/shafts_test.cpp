@@ -154,22 +154,70 @@ TEST_CASE("shafts in clouds of haze are near the judge") {
   CHECK(error < 2e-2);
 }
 
-TEST_CASE("a pane and the sun that come with fixtures leave the light of beams as it is") {
+// The pixel that shows a place.
+std::size_t pixel_of(const Scene& scene, const glm::dvec3& place_m) {
+  const View view = view_of(scene.rig.cameras[0]);
+  const glm::dvec3 away = place_m - view.position_m;
+  const double scale = glm::dot(away, view.forward) * view.tan_half_fov;
+  const int x = static_cast<int>(kWidth / 2.0 + glm::dot(away, view.right) / scale * kHeight / 2.0);
+  const int y = static_cast<int>(kHeight / 2.0 - glm::dot(away, view.up) / scale * kHeight / 2.0);
+  REQUIRE(x >= 0);
+  REQUIRE(x < kWidth);
+  REQUIRE(y >= 0);
+  REQUIRE(y < kHeight);
+  return 3 * static_cast<std::size_t>(y * kWidth + x);
+}
+
+TEST_CASE("the image of a pane stands upright as it is seen from the audience, and falls on the floor from there") {
   HeadlessVulkan vulkan;
-  const std::string lamp =
-      "[[fixture]]\nname = \"Lamp\"\ntype = \"generic/profile\"\nuniverse = 1\naddress = 1\nposition = [0, 0, 5]\n";
-  Scene both = pane_scene(kFloor + lamp);
-  both.set(0, "Dimmer", 1);
-  const RadianceImage all = drawn(vulkan.device(), both);
-  CHECK(rel_l2(all, judged(both)) < 2e-3);
-  Scene beam = both;
-  beam.rig.panes.clear();
-  beam.compile();
-  beam.set(0, "Dimmer", 1);
-  Scene sun = pane_scene(kFloor);
-  const RadianceImage only_beam = drawn(vulkan.device(), beam), only_sun = drawn(vulkan.device(), sun);
-  CHECK(sum_of(only_beam) > 0);
-  CHECK(sum_of(all) == doctest::Approx(sum_of(only_beam) + sum_of(only_sun)).epsilon(1e-5));
+  Scene scene = pane_scene(kFloor, "scattering_per_m = 0", "[0, -1, -1]");
+  scene.rig.sun.sky_lx = 1000;
+  scene.rig.panes[0].color = glm::dvec3(1);
+  // From the top left: red, green, blue, white.
+  auto image = std::make_shared<fixtures::PaneImage>(fixtures::PaneImage{2, 2, {}});
+  image->texels = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
+  scene.rig.panes[0].image = image;
+  look(scene, {0, -4, 6}, {0, 2, 1});
+  scene.rig.cameras[0].fov_deg = 90;
+  scene.compile();
+  const RadianceImage shown = drawn(vulkan.device(), scene);
+  const auto at = [&](glm::dvec3 place_m) {
+    const std::size_t pixel = pixel_of(scene, place_m);
+    return glm::vec3(shown.rgb[pixel], shown.rgb[pixel + 1], shown.rgb[pixel + 2]);
+  };
+  const auto is_mostly = [](glm::vec3 color, int channel) {
+    return color[channel] > 3 * color[(channel + 1) % 3] && color[channel] > 3 * color[(channel + 2) % 3];
+  };
+  // On the pane, and where the light of the same place meets the floor: as far towards the audience as it is high.
+  CHECK(is_mostly(at({-0.7, 4, 4}), 0));
+  CHECK(is_mostly(at({-0.7, 0, 0}), 0));
+  CHECK(is_mostly(at({0.7, 4, 4}), 1));
+  CHECK(is_mostly(at({0.7, 0, 0}), 1));
+  CHECK(is_mostly(at({-0.7, 4, 2}), 2));
+  CHECK(is_mostly(at({-0.7, 2, 0}), 2));
+  CHECK(at({0.7, 4, 2}).r > 0.8f * at({0.7, 4, 2}).b);
+  CHECK(at({0.7, 2, 0}).r > 0.8f * at({0.7, 2, 0}).b);
+}
+
+TEST_CASE("scenery in a shaft is lit and throws a shadow") {
+  HeadlessVulkan vulkan;
+  const std::string riser =
+      "[[scenery]]\nkind = \"riser\"\nposition = [0, 1, 0]\nwidth_m = 1\ndepth_m = 1\nheight_m = 1\n";
+  const auto shown = [&](const std::string& boxes, glm::dvec3 place_m) {
+    Scene scene = pane_scene(boxes, "scattering_per_m = 0", "[0, -1, -1]");
+    look(scene, {0, -6, 5}, {0, 1, 0});
+    scene.compile();
+    FrameSettings settings = judged_settings(kWidth, kHeight);
+    settings.bodies = true;
+    auto frame = make_frame(vulkan.device(), scene, settings);
+    frame->step(scene.levels, 0);
+    must(frame->draw(view_of(scene.rig.cameras[0]), 0));
+    return must(frame->read_radiance()).rgb[pixel_of(scene, place_m)];
+  };
+  const glm::dvec3 behind{0, 0.1, 0};  // in the light that goes through the riser
+  CHECK(shown(kFloor, behind) > 1);
+  CHECK(shown(kFloor + riser, behind) == 0);
+  CHECK(shown(kFloor + riser, {0, 1, 1}) > 1);
 }
 
 TEST_CASE("no pane gives a picture that is not finite, and only a sun in its plane leaves it dark") {
@@ -231,6 +279,24 @@ TEST_CASE("levels of detail keep the light of a fine image") {
   const RadianceImage whole = drawn(vulkan.device(), scene, true);
   const RadianceImage pixels = drawn(vulkan.device(), scene, false);
   CHECK(sum_of(pixels) == doctest::Approx(sum_of(whole)).epsilon(0.02));
+}
+
+TEST_CASE("the steps of a pixel are the cells that its ray goes through, without a largest number") {
+  HeadlessVulkan vulkan;
+  Scene scene = pane_scene("", kHaze, "[0, -1, -1]");
+  look(scene, {-6, 1, 1.5}, {0, 1, 1.5});  // across the light: a line through the image from its left to its right
+  FrameSettings settings = judged_settings(kWidth, kHeight);
+  settings.view = FrameView::kSteps;
+  for (const int columns : {1, 10, 1000}) {
+    scene.rig.panes[0].image = picture(columns, 1);
+    scene.compile();
+    auto frame = make_frame(vulkan.device(), scene, settings);
+    frame->step(scene.levels, 0);
+    must(frame->draw(view_of(scene.rig.cameras[0]), 0));
+    const float steps = must(frame->read_radiance()).rgb[pixel_of(scene, {0, 1.02, 1.52})];
+    CHECK(steps >= static_cast<float>(columns + 1));
+    CHECK(steps <= static_cast<float>(columns + 3));
+  }
 }
 
 TEST_CASE("a pane draws the same picture to the bit each time") {

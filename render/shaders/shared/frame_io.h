@@ -182,6 +182,7 @@
 #define FL_VIEW_PICTURE 0
 #define FL_VIEW_CLASSES 1
 #define FL_VIEW_LUX 2
+#define FL_VIEW_STEPS 3
 
 // Tone curves (ToneCurve, shared/tone.h).
 #define FL_TONE_AGX 0
