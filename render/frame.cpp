@@ -126,7 +126,7 @@ Status Frame::change(const FrameSettings& requested) {
   if (has_bodies(needs, settings) && !resources_.rig.has_bodies) {
     return fail(ErrorCode::kBadInput, "bodies were left out when the frame was made: expected a new frame");
   }
-  if (has_shadows(needs, settings) && !resources_.rig.has_shadows) {
+  if (has_occluders(needs, settings) && !resources_.rig.has_occluders) {
     return fail(ErrorCode::kBadInput, "shadows were left out when the frame was made: expected a new frame");
   }
   if (has_bounce(needs, settings) && !resources_.rig.has_bounce) {

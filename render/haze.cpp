@@ -1,6 +1,7 @@
 #include "render/haze.h"
 
 #include <cmath>
+#include <limits>
 
 namespace footlight::render {
 
@@ -54,12 +55,17 @@ f32::HazeField haze_field_in_float(const f64::HazeField& field) {
 }
 
 HazeReach haze_reach(const fixtures::Rig& rig, double range_m) {
-  if (rig.fixtures.empty()) return {};
-  glm::dvec3 low = rig.fixtures.front().position_m;
-  glm::dvec3 high = low;
+  if (rig.fixtures.empty() && rig.panes.empty()) return {};
+  glm::dvec3 low(std::numeric_limits<double>::infinity());
+  glm::dvec3 high = -low;
   for (const fixtures::PatchedFixture& fixture : rig.fixtures) {
     low = glm::min(low, fixture.position_m);
     high = glm::max(high, fixture.position_m);
+  }
+  for (const fixtures::Pane& pane : rig.panes) {
+    const glm::dvec3 radius_m(std::hypot(pane.width_m, pane.height_m) / 2);
+    low = glm::min(low, pane.position_m - radius_m);
+    high = glm::max(high, pane.position_m + radius_m);
   }
   return {0.5 * (low + high), 0.5 * glm::length(high - low) + range_m};
 }

@@ -63,7 +63,8 @@ struct PassEntry {
 }
 // Whether haze is not even.
 [[nodiscard]] inline bool has_haze_field(const fixtures::Needs& needs, const FrameSettings& settings) {
-  return has_air(needs, settings) && needs.haze_field;
+  return (has_air(needs, settings) || (needs.panes && needs.haze && settings.view == FrameView::kPicture)) &&
+         needs.haze_field;
 }
 // Whether small bodies are drawn by compute shaders.
 [[nodiscard]] inline bool has_small_bodies(const fixtures::Needs& needs, const FrameSettings& settings) {
@@ -92,6 +93,22 @@ struct PassEntry {
 [[nodiscard]] inline bool has_shadows_in_air(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_shadows(needs, settings) && has_air(needs, settings);
 }
+// Whether the sun shines through panes.
+[[nodiscard]] inline bool has_shafts(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return needs.panes && settings.view != FrameView::kClasses;
+}
+// Whether their light in the air is drawn.
+[[nodiscard]] inline bool has_shafts_in_air(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_shafts(needs, settings) && needs.haze && settings.view != FrameView::kLux;
+}
+// Whether anything hides light of the sun.
+[[nodiscard]] inline bool has_shafts_shadowed(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_shafts(needs, settings) && settings.shadows && has_solids(needs, settings);
+}
+// Whether it is known what hides light.
+[[nodiscard]] inline bool has_occluders(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_shadows(needs, settings) || has_shafts_shadowed(needs, settings);
+}
 // Whether the distances of tiles are needed.
 [[nodiscard]] inline bool has_tile_depths(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_solids(needs, settings) && (has_tile_classes(needs, settings) || has_shadows_in_air(needs, settings));
@@ -112,7 +129,7 @@ struct PassEntry {
 // Whether the camera's lens scatters light.
 [[nodiscard]] inline bool has_glare(const fixtures::Needs& needs, const FrameSettings& settings) {
   return settings.glare > 0 && settings.view == FrameView::kPicture &&
-         (has_air(needs, settings) || has_solids(needs, settings));
+         (has_air(needs, settings) || needs.panes || has_solids(needs, settings));
 }
 
 }  // namespace footlight::render

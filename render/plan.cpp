@@ -17,6 +17,7 @@
 #include "render/passes/shade.h"
 #include "render/passes/shadows.h"
 #include "render/passes/shadowtiles.h"
+#include "render/passes/shafts.h"
 #include "render/passes/step.h"
 #include "render/passes/surfaces.h"
 #include "render/passes/tiles.h"
@@ -45,6 +46,7 @@ const PassEntry* const kPasses[] = {
     &kShadePass,     // shadows of beams that were taken together -> radiance, and those left to the beam pass
     &kBeamsPass,     // the rest, pixel by pixel -> radiance
     &kLasersPass,    // lasers -> sheets of light -> radiance
+    &kShaftsPass,    // panes of glass -> light of the sun behind them -> radiance
     &kEdgesPass,     // solid things -> radiance of pixels that show more than one
     &kLensesPass,    // lenses of a few pixels -> radiance
     &kGlarePass,     // radiance -> light that the camera's lens scatters

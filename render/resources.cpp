@@ -13,6 +13,7 @@
 #include "render/gobo_tables.h"
 #include "render/gobo_textures.h"
 #include "render/haze.h"
+#include "render/pane_tables.h"
 #include "render/pass.h"
 #include "render/shadow_tables.h"
 
@@ -107,6 +108,9 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_BOUNCE_FLUX, &R::bounce_flux},
     {FL_BINDING_BOUNCE_LIGHT, &R::bounce_light},
     {FL_BINDING_HAZE, &R::haze},
+    {FL_BINDING_PANES, &R::panes},
+    {FL_BINDING_PANE_TEXELS, &R::pane_texels},
+    {FL_BINDING_PANE_MASKS, &R::pane_masks},
     {FL_BINDING_INSTANCES, &R::slots},
     {FL_BINDING_BODY_MESHES, &R::meshes},
     {FL_BINDING_BODY_LEVELS, &R::body_levels},
@@ -324,6 +328,9 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_BOUNCE_FORMS:
     case FL_BINDING_BOUNCE_FLUX:
     case FL_BINDING_BOUNCE_LIGHT: return bounce_bytes(binding, shape);
+    case FL_BINDING_PANES: return shape.rig.panes.size() * sizeof(PaneRow);
+    case FL_BINDING_PANE_TEXELS: return pane_texel_bytes(shape.rig);
+    case FL_BINDING_PANE_MASKS: return pane_mask_bytes(shape.rig, occluder_bytes(shape) / sizeof(OccluderRow));
     case FL_BINDING_HAZE: return shape.needs.haze_field ? sizeof(f32::HazeField) : 0;
     case FL_BINDING_HAZE_TABLE_OUT: return shape.needs.haze_field ? kHazeTableBytes : 0;
     case FL_BINDING_BOXES: return shape.rig.boxes.size() * sizeof(BoxRow);
@@ -443,11 +450,15 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
   r.has_bodies = render::has_bodies(shape.needs, shape.settings);
   r.has_trees = has_smooth_edges(shape.needs, shape.settings);
   r.has_shadows = render::has_shadows(shape.needs, shape.settings);
+  r.has_occluders = render::has_occluders(shape.needs, shape.settings);
   std::vector<fixtures::SolidBox> object_solids;
   if (r.has_bodies || r.has_trees) {
-    FL_TRY(make_bodies(device, shape.rig, compiled, diagnostics, r, r.has_shadows ? &object_solids : nullptr));
+    FL_TRY(make_bodies(device, shape.rig, compiled, diagnostics, r, r.has_occluders ? &object_solids : nullptr));
   }
-  if (used[FL_BINDING_SHADOWS]) FL_TRY(make_shadow_tables(device, shape, object_solids, r));
+  if (used[FL_BINDING_SHADOWS] || used[FL_BINDING_OCCLUDERS]) {
+    FL_TRY(make_shadow_tables(device, shape, object_solids, r));
+  }
+  if (used[FL_BINDING_PANES]) FL_TRY(make_pane_tables(device, shape.rig, r));
   if (used[FL_BINDING_BOUNCE_LIGHT]) FL_TRY(make_bounce_tables(device, shape, r));
   std::vector<std::uint32_t> gobo_planes;
   if (used[FL_BINDING_GOBOS]) {

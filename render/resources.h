@@ -64,6 +64,8 @@ struct RigTables {
   vk::Buffer blades;         // BladesRow, one a beam
   vk::Buffer laser_segments;  // LaserSegmentRow
   vk::Buffer lasers;          // LaserRow
+  vk::Buffer panes, pane_texels;  // PaneRow; two words of half floats a texel
+  vk::Buffer pane_masks;          // bits of the occluders that reach into each shaft
   vk::Buffer shadow_lists;   // ShadowListRow, one a beam
   vk::Buffer shadows;        // ShadowRow
   // Light that surfaces reflect (render/bounce_tables.h). The forms are computed by the first frame that reads them.
@@ -98,6 +100,8 @@ struct RigTables {
   std::uint32_t smooth_count = 0;  // Flexes, then Smooths
   std::uint32_t laser_count = 0;
   std::uint32_t laser_rows = 0;
+  std::uint32_t pane_count = 0;
+  std::uint32_t occluder_words = 0;  // of a pane's bits
   std::uint32_t beams_max = 0;
   GoboQueue gobo_queue_empty{};  // as a frame begins
   std::uint32_t box_count = 0;
@@ -108,7 +112,8 @@ struct RigTables {
   std::uint32_t mask_words = 0;
   std::uint64_t levels_bytes = 0;
   bool has_bodies = false;        // the models were read
-  bool has_shadows = false;       // there is what shadows need
+  bool has_shadows = false;       // there is what shadows of beams need
+  bool has_occluders = false;     // it is known what hides light
   bool has_trees = false;         // there is what smooth edges need
   bool has_bounce = false;        // there is what reflected light needs
   bool has_bounce_forms = false;  // they were computed

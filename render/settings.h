@@ -22,7 +22,14 @@ enum class BeamMethod : std::uint32_t { kGauss = FL_METHOD_GAUSS, kMarch = FL_ME
 // What the radiance of a frame is. kClasses: how many beams a pixel shows, red those that were computed for the pixel,
 // green those that were taken together as smooth, blue those with a rim or cuts; surfaces are black. kLux: illuminance
 // of the surface of each pixel in lx, per channel, without the air between it and the camera and without work light.
-enum class FrameView : std::uint32_t { kPicture = FL_VIEW_PICTURE, kClasses = FL_VIEW_CLASSES, kLux = FL_VIEW_LUX };
+// kSteps: in each channel the cells of the images of panes that were integrated along the pixel's ray, of a rig with
+// panes.
+enum class FrameView : std::uint32_t {
+  kPicture = FL_VIEW_PICTURE,
+  kClasses = FL_VIEW_CLASSES,
+  kLux = FL_VIEW_LUX,
+  kSteps = FL_VIEW_STEPS
+};
 
 // From exposed light to the screen (render/shaders/shared/tone.h); words: render/display.h.
 enum class ToneCurve : std::uint32_t {

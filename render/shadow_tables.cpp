@@ -12,7 +12,7 @@ namespace {
 // What hides light and does not move: stage boxes, and scenery and objects where they are drawn.
 std::vector<OccluderRow> still_occluders(const MemoryShape& shape,
                                          const std::vector<fixtures::SolidBox>& object_solids) {
-  if (!has_shadows(shape.needs, shape.settings)) return {};
+  if (!has_occluders(shape.needs, shape.settings)) return {};
   std::vector<fixtures::SolidBox> solids = fixtures::scene_solids(shape.rig);
   if (has_bodies(shape.needs, shape.settings)) {
     solids.insert(solids.end(), object_solids.begin(), object_solids.end());
@@ -40,7 +40,7 @@ std::vector<OccluderRow> all_occluders(const MemoryShape& shape, const std::vect
   std::vector<OccluderRow> rows = still_occluders(shape, object_solids);
   OccluderRow nothing{};
   nothing.half_edge_0.w = -1;
-  const bool used = has_shadows(shape.needs, shape.settings);
+  const bool used = has_occluders(shape.needs, shape.settings);
   rows.resize(rows.size() + (used ? shading_bodies_max(shape) * FL_BODY_BOXES : 0), nothing);
   if (rows.empty()) rows.push_back(nothing);
   return rows;

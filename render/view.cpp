@@ -73,6 +73,10 @@ double light_range_m(const fixtures::Rig& rig, const Extent& objects) {
     low = glm::min(low, box.min_m);
     high = glm::max(high, box.max_m);
   }
+  for (const auto& pane : rig.panes) {
+    low = glm::min(low, pane.position_m);
+    high = glm::max(high, pane.position_m);
+  }
   const double diagonal_m = low.x <= high.x ? glm::length(high - low) : 0.0;
   return diagonal_m + 20.0;
 }

@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -73,6 +74,21 @@ struct JudgeSolid {
   glm::dvec3 half_m[3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
 };
 
+// A pane of glass that the sun shines through.
+struct JudgePane {
+  glm::dvec3 center_m{0};
+  glm::dvec3 right_m{0.5, 0, 0};  // to the middles of two edges, as the image has them; perpendicular
+  glm::dvec3 up_m{0, 0, 0.5};
+  std::shared_ptr<const fixtures::PaneImage> image;  // null: even
+  glm::dvec3 color{1};                               // share of light that passes, times that of the image
+};
+struct JudgeSun {
+  glm::dvec3 direction{0, 0, -1};  // unit
+  glm::dvec3 light_lx{0};          // across it
+  glm::dvec3 sky_cd_m2{0};         // luminance of the sky behind the panes
+  double range_m = 100;            // light ends this far from a pane
+};
+
 // Density of haze at a place on the stage, over that of even haze.
 using HazeDensity = std::function<double(const glm::dvec3& place_m)>;
 
@@ -80,6 +96,8 @@ struct JudgeScene {
   std::vector<JudgeBeam> beams;    // only lit ones
   std::vector<JudgeSolid> solids;  // empty: nothing hides light
   std::vector<fixtures::StageBox> boxes;
+  JudgeSun sun;
+  std::vector<JudgePane> panes;
   fixtures::Haze haze;
   HazeDensity density;          // empty: haze is even
   bool even_extinction = true;  // light is lost as in even haze; false: to the density on its way, 1000 times slower

@@ -18,6 +18,7 @@
 #include "render/rivals/froxels.h"
 #include "render/rivals/raymarch.h"
 #include "render/rivals/shadow_maps.h"
+#include "render/rivals/shaft_march.h"
 
 namespace footlight::render {
 
@@ -36,6 +37,7 @@ const std::vector<Rival>& rivals() {
       kClusters,  // light on surfaces: bits of lights along X, Y and Z
       kClustersLossy,
       kClustersOwnLaw,
+      kShaftMarch,  // equal steps through the box of a shaft of sunlight
   };
   return kRivals;
 }

@@ -24,6 +24,7 @@ struct Rival {
   // The settings of a frame at a knob.
   FrameSettings (*settings)(FrameSettings judged, double knob) = nullptr;
   bool of_shadows = false;  // it has rows only where something hides light
+  bool of_panes = false;    // it replaces the light behind panes, and has rows only where a rig has some
 };
 
 [[nodiscard]] const std::vector<Rival>& rivals();

@@ -11,6 +11,9 @@ void footlight::testing::add_seeds(Seeds& seeds) {
   for (const auto& [name, text] : fixtures::builtin_files()) {
     seeds.add(name, (std::string_view(name) == "demo_rig.toml" ? "\x02" : "\x01") + std::string(text));
   }
+  seeds.add("panes",
+            "\x02[rig]\nname = \"x\"\n[sun]\ndirection = [0, -1, -1]\nsky_lx = 5\n[[pane]]\nposition = [0, 1, 2]\n"
+            "rotation = [0, 0, 30]\nwidth_m = 2\nheight_m = 3\ncolor = [1, 0.5, 0]\n");
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -111,7 +111,12 @@
 #define FL_BINDING_SHADOW_WORDS (83 + FL_LAMP_COUNT)
 #define FL_BINDING_SHADOW_PICKS (84 + FL_LAMP_COUNT)
 #define FL_BINDING_SHADE_MASKS (85 + FL_LAMP_COUNT)  // as the fine masks: beams whose dark parts are left to pixels
-#define FL_BINDING_COUNT (86 + FL_LAMP_COUNT)
+// Panes that the sun shines through (shafts.comp): PaneRow; their images with all levels of detail, two words a texel
+// of half floats; bits of the occluders that reach into each shaft.
+#define FL_BINDING_PANES (86 + FL_LAMP_COUNT)
+#define FL_BINDING_PANE_TEXELS (87 + FL_LAMP_COUNT)
+#define FL_BINDING_PANE_MASKS (88 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (89 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -162,7 +167,9 @@
 #define FL_SPEC_LENSES (43 + FL_LAMP_COUNT)  // small lenses are splats
 #define FL_SPEC_HAZE (44 + FL_LAMP_COUNT)  // haze is not even: selects another shader
 #define FL_SPEC_LASER (45 + FL_LAMP_COUNT)
-#define FL_SPEC_COUNT (46 + FL_LAMP_COUNT)
+#define FL_SPEC_AIR (46 + FL_LAMP_COUNT)  // light in the air is drawn
+#define FL_SPEC_DETAIL (47 + FL_LAMP_COUNT)  // images of panes as fine as pixels, not whole
+#define FL_SPEC_COUNT (48 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
 #define FL_METHOD_MARCH 1
@@ -175,6 +182,7 @@
 #define FL_VIEW_PICTURE 0
 #define FL_VIEW_CLASSES 1
 #define FL_VIEW_LUX 2
+#define FL_VIEW_STEPS 3
 
 // Tone curves (ToneCurve, shared/tone.h).
 #define FL_TONE_AGX 0
@@ -206,6 +214,7 @@
 #define FL_GLARE_MARGIN 2    // pixels beyond the picture that each level has, on each side
 #define FL_GLARE_WEIGHTS 25  // 1 + levels that have a weight; the first row of the image has them, behind what stays
 #define FL_GROUP_LASERS 64  // rows a workgroup
+#define FL_GROUP_SHAFTS 64  // words of occluders a workgroup
 #define FL_SPLAT_PX 32  // a workgroup that adds the splats of lenses has so many pixels a side
 // The meter of the automatic exposure counts pixels by their luminance: FL_METER_STEPS bins an octave, from
 // 2^FL_METER_LOW cd/m^2.
@@ -322,6 +331,27 @@ struct LaserRow {
   float slack_m;  // that such a thing may be smaller
   uint pad;
   vec4 pad_2;
+};
+
+// A pane of glass that the sun shines through, 144 bytes. Its light goes through the places center + u T + v B + c sun
+// with u and v between -1 and 1 and c between 0 and the range of light; T and B go to the middles of its right and its
+// upper edge. A vector p has the u, v and c of its dot products with `across`, `upward` and `along`.
+struct PaneRow {
+  vec4 center;  // m
+  vec4 across;  // 1/m
+  vec4 upward;
+  vec4 along;   // without a unit
+  vec4 sun;     // xyz: unit, in which light travels
+  vec4 light;   // rgb: lx across the sun's light behind clear glass; 0 where the sun lies in the plane of the pane
+  vec4 glass;   // rgb: cd/m^2 of clear glass against the sky
+  uint texel_first;
+  uint width;   // of its image, texels
+  uint height;
+  uint levels;  // of its image: each half as wide and high as the one before, rounded up
+  uint pad_0;
+  uint pad_1;
+  uint pad_2;
+  uint pad_3;
 };
 
 // Flags of a BeamRow.

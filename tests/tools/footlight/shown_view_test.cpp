@@ -13,7 +13,7 @@ TEST_CASE("words of --show that are none are refused with those that are") {
   CHECK(shown_view_of("lux").value() == ShownView::kLux);
   const auto none = shown_view_of("luxx");
   REQUIRE(!none);
-  CHECK(none.error().message.find("expected picture, classes, hits, lux or error") != std::string::npos);
+  CHECK(none.error().message.find("expected picture, classes, hits, steps, lux or error") != std::string::npos);
 }
 
 TEST_CASE("shares of classes are those of all hits, and zero where nothing is hit") {

@@ -329,6 +329,11 @@ class Job {
             shares.hits_per_px, 100 * shares.pixel, 100 * shares.smooth, 100 * shares.record);
         break;
       }
+      case ShownView::kSteps: {
+        // All channels are equal, so their photometric mean is each of them.
+        show_heat(lux_of(image), 1, "steps through glass");
+        break;
+      }
       case ShownView::kHits: show_heat(hits_of(image), 1, "beams a pixel"); break;
       case ShownView::kLux: {
         const Values lux = lux_of(image);
@@ -466,6 +471,13 @@ Result<int> render_pictures(const Options& options) {
   FL_ASSIGN(const ShownView shown, shown_view_of(options.show));
   if (shown == ShownView::kClasses || shown == ShownView::kHits) settings.view = render::FrameView::kClasses;
   if (shown == ShownView::kLux) settings.view = render::FrameView::kLux;
+  if (shown == ShownView::kSteps) {
+    if (!compiled.needs.panes) {
+      return fail(ErrorCode::kBadInput, "--show steps: {} has no pane; expected a rig with [[pane]], see docs/shafts.md",
+                  rig.name);
+    }
+    settings.view = render::FrameView::kSteps;
+  }
   FL_ASSIGN(const auto frame, render::Frame::create(*device, rig, compiled, settings));
   frame->set_work_light_lx(options.work_light_lx.value_or(usual_lx));
   print_warnings(frame->resources().rig.diagnostics);
@@ -537,7 +549,8 @@ void add(Arguments& arguments) {
                    "harmful flashes (more than three a second): warn, limit or ignore [warn]");
   arguments.option(
       "--show", options->show, "WORD",
-      "instead of the picture: classes, hits (beams a pixel), lux (on surfaces) or error, in false colours");
+      "instead of the picture: classes, hits (beams a pixel), steps (through the glass of panes), lux (on surfaces) or "
+      "error, in false colours");
   arguments.list("--probe", options->probes, "X,Y", "with --show lux: print the lx at a pixel; several times");
   arguments.duration("--exposure", options->exposure_ns,
                      "time that the shutter is open before the picture's time; default: 20ms, or all of --every");

@@ -41,12 +41,13 @@ Result<ShownView> shown_view_of(std::string_view word) {
   constexpr std::pair<std::string_view, ShownView> kWords[] = {{"picture", ShownView::kPicture},
                                                                {"classes", ShownView::kClasses},
                                                                {"hits", ShownView::kHits},
+                                                               {"steps", ShownView::kSteps},
                                                                {"lux", ShownView::kLux},
                                                                {"error", ShownView::kError}};
   for (const auto& [name, view] : kWords) {
     if (word == name) return view;
   }
-  return fail(ErrorCode::kBadInput, "--show {}: expected picture, classes, hits, lux or error", word);
+  return fail(ErrorCode::kBadInput, "--show {}: expected picture, classes, hits, steps, lux or error", word);
 }
 
 Values hits_of(const render::RadianceImage& classes) {

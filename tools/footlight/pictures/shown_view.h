@@ -13,11 +13,12 @@ enum class ShownView {
   kPicture,
   kClasses,  // red: beams computed pixel by pixel; green: taken together as smooth; blue: with a rim or cuts
   kHits,     // how many beams each pixel shows
+  kSteps,    // cells of the glass of panes along each pixel's ray
   kLux,      // illuminance of surfaces
   kError     // difference from the same frame computed pixel by pixel with eight nodes
 };
 
-// "picture", "classes", "hits", "lux" or "error"; kBadInput for others.
+// "picture", "classes", "hits", "steps", "lux" or "error"; kBadInput for others.
 [[nodiscard]] Result<ShownView> shown_view_of(std::string_view word);
 
 // One number a pixel, in the rows of the image that it was made of.

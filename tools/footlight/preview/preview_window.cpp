@@ -446,7 +446,7 @@ Status Preview::update_error() {
     error_tried_ = false;
   } else if (!error_ && !error_tried_) {
     error_tried_ = true;
-    if (compiled_.needs.laser) return {};  // it computes beams again, and no lasers
+    if (compiled_.needs.laser || compiled_.needs.panes) return {};  // it computes beams again, and nothing else
     FL_ASSIGN(error_, render::LiveError::create(*device_, *frame_, compiled_.needs));
   }
   return {};

@@ -304,6 +304,7 @@ std::vector<Knob> knobs_of(const PictureReportOptions& options, const fixtures::
   }
   for (const Rival& rival : rivals()) {
     if (rival.of_shadows && !render::has_shadows(needs, judged_settings(options))) continue;
+    if (rival.of_panes && !needs.panes) continue;
     for (const double knob : options.quick ? rival.quick_knobs : rival.knobs) {
       knobs.push_back({rival.method, knob, rival.settings(judged_settings(options), knob), rival.passes(), &rival});
     }
@@ -332,7 +333,7 @@ Status measure_whole(vk::Device& device, const Scene& scene, const View& view, c
                                      &first));
   if (report.ended) return {};
   FL_ASSIGN(const CountsRow counts, frame->read_counts());
-  if (counts.live_count == 0) {
+  if (counts.live_count == 0 && !scene.compiled.needs.panes) {
     return fail(ErrorCode::kBadInput,
                 "{}: no beam is lit, so no error can be measured; use --log with an --at at which a beam is lit, --lit "
                 "or --set",

@@ -1,0 +1,152 @@
+// A pixel of the pass of shafts; a method defines light_in_air(). One thread a pixel.
+#include "render/shaders/lib/frame.glsl"
+#include "render/shaders/lib/forms.glsl"
+#include "render/shaders/shared/gauss.h"
+#include "render/shaders/shared/beam.h"
+#include "render/shaders/shared/shadow.h"
+#include "render/shaders/shared/shaft.h"
+#include "render/shaders/lib/surface.glsl"
+#include "render/shaders/lib/pane.glsl"
+
+layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX) in;
+layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
+layout(constant_id = FL_SPEC_SHADOWS) const bool kShadows = false;
+layout(constant_id = FL_SPEC_VIEW) const uint kView = FL_VIEW_PICTURE;
+layout(constant_id = FL_SPEC_AIR) const bool kAir = true;
+layout(constant_id = FL_SPEC_DETAIL) const bool kDetail = true;  // images as fine as pixels; else always whole ones
+layout(set = 0, binding = FL_BINDING_HEADS, std430) readonly buffer HeadsBuffer { HeadRow heads[]; };
+layout(set = 0, binding = FL_BINDING_OCCLUDERS, std430) readonly buffer OccludersBuffer { OccluderRow occluders[]; };
+layout(set = 0, binding = FL_BINDING_PANE_MASKS, std430) readonly buffer PaneMasksBuffer { uint pane_masks[]; };
+layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
+
+const float kPi = 3.141592653589793;
+const float kBodyAlbedo = 0.04;  // as in surface_light.glsl
+const float kSlackM = 1e-4;      // of a body that light has passed, which does not hide it on a surface
+const float kLeastFacing = 0.02;
+
+struct View {
+  vec3 ray;     // unit
+  vec3 step_x;  // of it, a pixel to the right
+  vec3 step_y;
+};
+
+// u, v and c (PaneRow) of a vector.
+vec3 glass_of(PaneRow row, vec3 v) {
+  return vec3(dot(row.across.xyz, v), dot(row.upward.xyz, v), dot(row.along.xyz, v));
+}
+
+ShaftSolid solid_of(OccluderRow row) {
+  // From the camera.
+  return ShaftSolid(vec3(row.center_x, row.center_y, row.center_z) - params.position.xyz, row.half_edge_0.xyz,
+                    row.half_edge_1.xyz, row.half_edge_2.xyz);
+}
+
+// Whether something hides the sun at a place on a surface; place: from the camera, c_m behind the pane.
+bool is_dark(uint pane, PaneRow row, vec3 place, float c_m, float facing, uint fixture) {
+  uint words = (uint(occluders.length()) + 31u) / 32u;
+  float rounding_m = 1e-6 * length(place) + 1e-7 * length(params.position.xyz);
+  bool dark = false;
+  for (uint word = 0u; word < words && !dark; ++word) {
+    for (uint bits = pane_masks[pane * words + word]; bits != 0u && !dark; bits &= bits - 1u) {
+      OccluderRow occluder = occluders[32u * word + uint(findLSB(bits))];
+      if (occluder.fixture == fixture && fixture != FL_NONE) continue;
+      float slack_m = (max(occluder.half_edge_1.w, kSlackM) + rounding_m) / max(facing, kLeastFacing);
+      float x0 = 0.0;
+      float x1 = 1.0;
+      dark = shaft_shadow(solid_of(occluder), row.sun.xyz, place, place, c_m, c_m, slack_m, x0, x1);
+    }
+  }
+  return dark;
+}
+
+float steps_taken = 0.0;  // of all panes
+
+// Light in the air of a pane up to end_m, over sigma_s. eye, way: u, v and c of the camera and of the ray.
+vec3 light_in_air(uint pane, PaneRow row, View view, vec3 eye, vec3 way, float end_m);
+
+// Illuminance of a surface, lx.
+vec3 light_on(uint pane, PaneRow row, View view, vec3 at, Surface surface) {
+  float facing = -dot(surface.normal, row.sun.xyz);
+  bool reaches = facing > 0.0 && abs(at.x) <= 1.0 && abs(at.y) <= 1.0 && at.z > 0.0 && at.z <= params.up.w;
+  if (!reaches) return vec3(0.0);
+  uint fixture = surface.kind == kBody ? heads[surface.which >> 3].fixture : FL_NONE;
+  if (kShadows && is_dark(pane, row, view.ray * surface.t_m, at.z, facing, fixture)) return vec3(0.0);
+  float texels = 0.0;
+  if (kDetail) {
+    // Of the parallelogram that a pixel has on the surface, the root of its area on the glass.
+    float towards = dot(surface.normal, view.ray);
+    towards = abs(towards) > 1e-3 ? towards : -1e-3;
+    vec2 scale = vec2(row.width, row.height) * (0.5 * surface.t_m);
+    vec2 right = glass_of(row, view.step_x - view.ray * (dot(surface.normal, view.step_x) / towards)).xy * scale;
+    vec2 down = glass_of(row, view.step_y - view.ray * (dot(surface.normal, view.step_y) / towards)).xy * scale;
+    texels = sqrt(abs(right.x * down.y - right.y * down.x));
+  }
+  float lost = kExtinction ? exp(-params.position.w * at.z) : 1.0;
+  return row.light.rgb * pane_mean(row, at.xy, texels) * (facing * lost);
+}
+
+// The pane itself against the sky, where nothing stands before it.
+vec3 light_of_glass(PaneRow row, View view, vec3 eye, vec3 way, float end_m) {
+  if (way.z == 0.0) return vec3(0.0);
+  float t_m = -eye.z / way.z;
+  vec2 at = eye.xy + way.xy * t_m;
+  if (!(t_m > 0.0 && t_m < end_m && abs(at.x) <= 1.0 && abs(at.y) <= 1.0)) return vec3(0.0);
+  vec2 scale = vec2(row.width, row.height) * (0.5 * t_m);
+  vec2 right = (glass_of(row, view.step_x).xy - way.xy * (dot(row.along.xyz, view.step_x) / way.z)) * scale;
+  vec2 down = (glass_of(row, view.step_y).xy - way.xy * (dot(row.along.xyz, view.step_y) / way.z)) * scale;
+  float texels = kDetail ? sqrt(abs(right.x * down.y - right.y * down.x)) : 0.0;
+  float lost = kExtinction ? exp(-params.position.w * t_m) : 1.0;
+  return row.glass.rgb * pane_mean(row, at, texels) * lost;
+}
+
+vec3 albedo_of(Surface surface) {
+  if (surface.kind == kBox) return boxes[surface.which].albedo.rgb;
+  if (surface.kind == kBody) return vec3(kBodyAlbedo);
+  return vec3((uvec3(surface.which) >> uvec3(20, 10, 0)) & 1023u) / 1023.0;
+}
+
+void main() {
+  uvec2 pixel = gl_GlobalInvocationID.xy;
+  if (pixel.x >= params.width || pixel.y >= params.height) return;
+  vec3 through = ray_through(vec2(pixel) + 0.5);
+  float size = length(through);
+  View view;
+  view.ray = through / size;
+  view.step_x = params.right.xyz * (2.0 / float(params.width));
+  view.step_y = params.up.xyz * (-2.0 / float(params.height));
+  view.step_x = (view.step_x - view.ray * dot(view.ray, view.step_x)) / size;
+  view.step_y = (view.step_y - view.ray * dot(view.ray, view.step_y)) / size;
+  Surface surface = surface_at(ivec2(pixel), view.ray);
+#ifdef FL_USE_HAZE
+  haze_begin(vec2(pixel) + 0.5);
+#endif
+  vec3 air = vec3(0.0);
+  vec3 lx = vec3(0.0);
+  vec3 glass = vec3(0.0);
+  for (uint pane = 0u; pane < uint(panes.length()); ++pane) {
+    PaneRow row = panes[pane];
+    vec3 from = params.position.xyz - row.center.xyz;
+    vec3 eye = glass_of(row, from);
+    vec3 way = glass_of(row, view.ray);
+    // Nothing of the shaft is farther away.
+    float end_m = min(surface.t_m, length(from) + row.center.w + params.up.w);
+    bool shines = row.light.r + row.light.g + row.light.b > 0.0;
+    if (kAir && shines) air += light_in_air(pane, row, view, eye, way, end_m);
+    if (shines && surface.kind != kNothing) lx += light_on(pane, row, view, eye + way * surface.t_m, surface);
+    if (kView == uint(FL_VIEW_PICTURE)) glass += light_of_glass(row, view, eye, way, surface.t_m);
+  }
+  vec3 sum = lx;
+  if (kView == uint(FL_VIEW_PICTURE)) {
+    sum = params.forward.w * air + glass;
+    if (surface.kind != kNothing) {
+      float lost = kExtinction ? exp(-params.position.w * surface.t_m) : 1.0;
+      sum += albedo_of(surface) / kPi * lx * lost;
+    }
+  }
+  if (kView == uint(FL_VIEW_STEPS)) {
+    imageStore(radiance, ivec2(pixel), vec4(vec3(steps_taken), 1.0));
+    return;
+  }
+  vec4 behind = imageLoad(radiance, ivec2(pixel));
+  imageStore(radiance, ivec2(pixel), vec4(behind.rgb + sum, behind.a));
+}
