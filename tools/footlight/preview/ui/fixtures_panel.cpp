@@ -1,0 +1,186 @@
+// The patch of the rig as a table: sorted by any column, filtered by text, with rows to select.
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <imgui/imgui.h>
+
+#include "fixtures/paperwork/patch_sheet.h"
+#include "tools/footlight/preview/ui/panels.h"
+#include "tools/footlight/preview/ui/ui_theme.h"
+
+namespace footlight::tools {
+namespace {
+
+enum Column : int { kColumnId, kColumnName, kColumnType, kColumnMode, kColumnAddress, kColumnPlace, kColumnX, kColumnY,
+                    kColumnZ, kColumnCount };
+constexpr std::array<const char*, kColumnCount> kHeads{"Id",    "Name", "Type", "Mode", "Address",
+                                                       "Hangs", "x m",  "y m",  "z m"};
+
+std::string lower_case(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+class FixturesPanel final : public Panel {
+ public:
+  explicit FixturesPanel(UiDesk& desk) : rows_(fixtures::patch_rows(desk.rig())) {
+    texts_.reserve(rows_.size());
+    for (const fixtures::PatchRow& row : rows_) {
+      texts_.push_back(lower_case(fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}", row.id, row.name, row.type, row.mode,
+                                              row.addresses, row.place, row.layer)));
+    }
+    for (std::size_t i = 0; i < rows_.size(); ++i) shown_.push_back(static_cast<int>(i));
+  }
+
+  void draw(UiDesk& desk, const UiInput& input) override {
+    draw_head(desk, input);
+    constexpr ImGuiTableFlags kFlags = ImGuiTableFlags_Sortable | ImGuiTableFlags_ScrollY | ImGuiTableFlags_ScrollX |
+                                       ImGuiTableFlags_Resizable | ImGuiTableFlags_RowBg | ImGuiTableFlags_Hideable |
+                                       ImGuiTableFlags_SizingFixedFit;
+    if (!ImGui::BeginTable("patch", kColumnCount, kFlags)) return;
+    const std::array<float, kColumnCount> widths{44, 130, 150, 90, 76, 60, 52, 52, 52};
+    for (std::size_t i = 0; i < widths.size(); ++i) {
+      ImGui::TableSetupColumn(kHeads[i],
+                              i == kColumnAddress ? ImGuiTableColumnFlags_DefaultSort : ImGuiTableColumnFlags_None,
+                              widths[i] * input.scale);
+    }
+    ImGui::TableSetupScrollFreeze(0, 1);
+    ImGui::TableHeadersRow();
+    sort();
+    ImGuiListClipper clipper;
+    clipper.Begin(static_cast<int>(shown_.size()));
+    while (clipper.Step()) {
+      for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) draw_row(desk, static_cast<std::size_t>(i));
+    }
+    ImGui::EndTable();
+  }
+
+ private:
+  [[nodiscard]] const fixtures::PatchRow& row_at(int index) const { return rows_[static_cast<std::size_t>(index)]; }
+
+  void draw_head(UiDesk& desk, const UiInput& input) {
+    ImGui::SetNextItemWidth(180 * input.scale);
+    if (ImGui::InputTextWithHint("##filter", "filter", filter_.data(), filter_.size())) filter(desk);
+    ImGui::SameLine();
+    const std::size_t selected = desk.state().selection.fixtures.size();
+    ui_text(kUiDim, fmt::format("{} of {} fixtures, {} selected", shown_.size(), rows_.size(), selected));
+    if (const std::size_t conflicts = desk.index().conflict_count(); conflicts > 0) {
+      ImGui::SameLine();
+      ImGui::PushStyleColor(ImGuiCol_Text, kUiRed);
+      if (ImGui::Checkbox(fmt::format("{} share addresses###conflicts", conflicts).c_str(), &only_conflicts_)) filter(desk);
+      ImGui::PopStyleColor();
+    }
+  }
+
+  void filter(UiDesk& desk) {
+    const std::string wanted = lower_case(filter_.data());
+    shown_.clear();
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      if (only_conflicts_ && desk.index().conflict(rows_[i].fixture) < 0) continue;
+      if (texts_[i].find(wanted) != std::string::npos) shown_.push_back(static_cast<int>(i));
+    }
+    sorted_ = false;
+    anchor_ = -1;
+  }
+
+  void sort() {
+    ImGuiTableSortSpecs* specs = ImGui::TableGetSortSpecs();
+    if (specs == nullptr || (!specs->SpecsDirty && sorted_)) return;
+    specs->SpecsDirty = false;
+    sorted_ = true;
+    if (specs->SpecsCount == 0) return;
+    const ImGuiTableColumnSortSpecs& one = specs->Specs[0];
+    const bool down = one.SortDirection == ImGuiSortDirection_Descending;
+    std::stable_sort(shown_.begin(), shown_.end(), [&](int a, int b) {
+      return down ? before(b, a, one.ColumnIndex) : before(a, b, one.ColumnIndex);
+    });
+    anchor_ = -1;
+  }
+
+  [[nodiscard]] bool before(int a, int b, int column) const {
+    const fixtures::PatchRow& x = row_at(a);
+    const fixtures::PatchRow& y = row_at(b);
+    switch (column) {
+      case kColumnId: return x.id.size() != y.id.size() ? x.id.size() < y.id.size() : x.id < y.id;  // 9 before 10
+      case kColumnName: return x.name < y.name;
+      case kColumnType: return x.type < y.type;
+      case kColumnMode: return x.mode < y.mode;
+      case kColumnPlace: return x.place < y.place;
+      case kColumnX: return x.position_m.x < y.position_m.x;
+      case kColumnY: return x.position_m.y < y.position_m.y;
+      case kColumnZ: return x.position_m.z < y.position_m.z;
+      default: return a < b;  // patch_rows() has the order of addresses
+    }
+  }
+
+  void draw_row(UiDesk& desk, std::size_t at) {
+    const fixtures::PatchRow& row = row_at(shown_[at]);
+    const int conflict = desk.index().conflict(row.fixture);
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::PushID(row.fixture);
+    constexpr ImGuiSelectableFlags kFlags = ImGuiSelectableFlags_SpanAllColumns;
+    if (ImGui::Selectable(row.id.c_str(), desk.state().selection.has(row.fixture), kFlags)) click(desk, at);
+    ImGui::PopID();
+    for (const std::string* text : {&row.name, &row.type, &row.mode}) {
+      ImGui::TableNextColumn();
+      ui_text(*text);
+    }
+    ImGui::TableNextColumn();
+    if (conflict >= 0) {
+      ui_text(kUiRed, row.addresses + " !");
+      if (ImGui::IsItemHovered()) {
+        ImGui::SetTooltip("%s has some of the same slots", desk.rig().fixtures[static_cast<std::size_t>(conflict)].name.c_str());
+      }
+    } else {
+      ui_text(row.addresses);
+    }
+    ImGui::TableNextColumn();
+    ui_text(row.place);
+    for (int c = 0; c < 3; ++c) {
+      ImGui::TableNextColumn();
+      std::array<char, 32> number{};
+      (void)std::snprintf(number.data(), number.size(), "%8.2f", row.position_m[c]);
+      ui_text(number.data());
+    }
+  }
+
+  // As in any list: a click selects, Ctrl adds or removes, Shift extends from the last click.
+  void click(UiDesk& desk, std::size_t at) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const int fixture = row_at(shown_[at]).fixture;
+    if (!io.KeyShift || anchor_ < 0) {
+      desk.select(fixture, io.KeyCtrl);
+      anchor_ = static_cast<int>(at);
+      return;
+    }
+    Selection next = io.KeyCtrl ? desk.state().selection : Selection{};
+    const auto from = std::min(static_cast<std::size_t>(anchor_), at);
+    const auto to = std::max(static_cast<std::size_t>(anchor_), at);
+    for (std::size_t i = from; i <= to; ++i) next.fixtures.push_back(row_at(shown_[i]).fixture);
+    std::sort(next.fixtures.begin(), next.fixtures.end());
+    next.fixtures.erase(std::unique(next.fixtures.begin(), next.fixtures.end()), next.fixtures.end());
+    next.lead = fixture;
+    desk.select(std::move(next));
+  }
+
+  std::vector<fixtures::PatchRow> rows_;
+  std::vector<std::string> texts_;  // of each row, for the filter
+  std::vector<int> shown_;          // indices into rows_, filtered and sorted
+  std::array<char, 128> filter_{};
+  bool sorted_ = false;
+  int anchor_ = -1;  // index into shown_: where Shift extends from
+  bool only_conflicts_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> make_fixtures_panel(UiDesk& desk) { return std::make_unique<FixturesPanel>(desk); }
+
+}  // namespace footlight::tools
