@@ -68,6 +68,12 @@ void set_style(float scale) {
   colours[ImGuiCol_HeaderActive] = {0.30f, 0.25f, 0.17f, 1};
   colours[ImGuiCol_Separator] = {0.16f, 0.17f, 0.20f, 1};
   colours[ImGuiCol_ScrollbarBg] = {0, 0, 0, 0};
+  colours[ImGuiCol_TitleBg] = {0.09f, 0.095f, 0.11f, 1};
+  colours[ImGuiCol_TitleBgActive] = {0.17f, 0.155f, 0.125f, 1};
+  colours[ImGuiCol_MenuBarBg] = {0.09f, 0.095f, 0.11f, 1};
+  colours[ImGuiCol_ResizeGrip] = {0.20f, 0.21f, 0.24f, 1};
+  colours[ImGuiCol_ResizeGripHovered] = {0.52f, 0.36f, 0.14f, 1};
+  colours[ImGuiCol_ResizeGripActive] = {0.68f, 0.47f, 0.18f, 1};
   style.ScaleAllSizes(scale);
 }
 

@@ -2,8 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cstring>
+#include <cstdio>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -25,6 +26,31 @@ constexpr std::array<const char*, kColumnCount> kHeads{"Id",    "Name", "Type", 
 std::string lower_case(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
+}
+
+// "Spot 9" before "Spot 10": numbers by their value, the rest by its letters.
+bool before_in_words(std::string_view a, std::string_view b) {
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  while (!a.empty() && !b.empty()) {
+    if (digit(a.front()) && digit(b.front())) {
+      const auto number = [&](std::string_view& text) {
+        text.remove_prefix(std::min(text.find_first_not_of('0'), text.size()));
+        std::size_t end = 0;
+        while (end < text.size() && digit(text[end])) ++end;
+        const std::string_view digits = text.substr(0, end);
+        text.remove_prefix(end);
+        return digits;
+      };
+      const std::string_view x = number(a);
+      const std::string_view y = number(b);
+      if (x != y) return x.size() != y.size() ? x.size() < y.size() : x < y;
+      continue;
+    }
+    if (a.front() != b.front()) return a.front() < b.front();
+    a.remove_prefix(1);
+    b.remove_prefix(1);
+  }
+  return a.size() < b.size();
 }
 
 class FixturesPanel final : public Panel {
@@ -107,11 +133,11 @@ class FixturesPanel final : public Panel {
     const fixtures::PatchRow& x = row_at(a);
     const fixtures::PatchRow& y = row_at(b);
     switch (column) {
-      case kColumnId: return x.id.size() != y.id.size() ? x.id.size() < y.id.size() : x.id < y.id;  // 9 before 10
-      case kColumnName: return x.name < y.name;
-      case kColumnType: return x.type < y.type;
-      case kColumnMode: return x.mode < y.mode;
-      case kColumnPlace: return x.place < y.place;
+      case kColumnId: return before_in_words(x.id, y.id);
+      case kColumnName: return before_in_words(x.name, y.name);
+      case kColumnType: return before_in_words(x.type, y.type);
+      case kColumnMode: return before_in_words(x.mode, y.mode);
+      case kColumnPlace: return before_in_words(x.place, y.place);
       case kColumnX: return x.position_m.x < y.position_m.x;
       case kColumnY: return x.position_m.y < y.position_m.y;
       case kColumnZ: return x.position_m.z < y.position_m.z;
@@ -126,8 +152,12 @@ class FixturesPanel final : public Panel {
     ImGui::TableNextColumn();
     ImGui::PushID(row.fixture);
     constexpr ImGuiSelectableFlags kFlags = ImGuiSelectableFlags_SpanAllColumns;
-    if (ImGui::Selectable(row.id.c_str(), desk.state().selection.has(row.fixture), kFlags)) click(desk, at);
+    if (ImGui::Selectable("##row", desk.state().selection.has(row.fixture), kFlags)) click(desk, at);
     ImGui::PopID();
+    if (row.id != row.name) {  // it has an id of its own
+      ImGui::SameLine(0, 0);
+      ui_text(row.id);
+    }
     for (const std::string* text : {&row.name, &row.type, &row.mode}) {
       ImGui::TableNextColumn();
       ui_text(*text);

@@ -40,6 +40,11 @@ TraceWords words_of_trace(std::string_view column) {
     words = {std::string(column.substr(0, column.size() - std::string_view(end).size())), unit};
     break;
   }
+  // A wheel has a place and an angle.
+  static constexpr std::array<std::string_view, 5> kWheels{"gobo1", "gobo2", "animation", "prism1", "prism2"};
+  if (words.unit[0] != '\0' && std::find(kWheels.begin(), kWheels.end(), words.name) != kWheels.end()) {
+    words.name += " turn";
+  }
   std::replace(words.name.begin(), words.name.end(), '_', ' ');
   return words;
 }

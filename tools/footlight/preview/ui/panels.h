@@ -40,12 +40,13 @@ class Panel {
   virtual void restart() {}
 };
 
-// Where a panel opens, in shares of the stage and units at scale 1.
+// Where a panel opens.
 struct PanelPlace {
-  float left = 0;  // 0: at the left edge, 1: at the right one
-  float top = 0;   // 0: at the top, 1: at the bottom
-  float width = 400;
-  float height = 300;
+  float left = 0;   // 0: at the left edge of the stage, 1: at the right one
+  float top = 0;    // 0: at its top, 1: at its bottom
+  float width = 0;  // units of the user interface at scale 1
+  float height = 0;
+  float height_share = 1;  // of the stage's height, at most
 };
 
 struct PanelInfo {
