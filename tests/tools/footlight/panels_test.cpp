@@ -115,8 +115,8 @@ TEST_CASE("every panel survives an empty rig, modes without channels, no levels 
   rigs.push_back(compiled_rig(parsed_rig(kUiRig)));
   rigs.push_back(many_fixtures(10'000));
   for (const UiRig& rig : rigs) {
-    for (const auto& [width, height] : {std::pair(640.0f, 400.0f), std::pair(1920.0f, 1080.0f), std::pair(1.0f, 1.0f)}) {
-      HeadlessUi ui(rig, width, height);
+    for (const ImVec2 size : {ImVec2(640, 400), ImVec2(1920, 1080), ImVec2(1, 1)}) {
+      HeadlessUi ui(rig, size.x, size.y);
       for (std::size_t i = 0; i < panels().size(); ++i) ui.show(i);
       CHECK(ui.frame() > 0);
       ui.desk.select_all();

@@ -1,11 +1,10 @@
-// Rigs for the tests of the window's panels.
+// Rigs for the tests and the benchmark of the window's panels.
 #pragma once
 
-#include <string>
+#include <cstdio>
+#include <cstdlib>
 
 #include <fmt/format.h>
-
-#include <doctest/doctest.h>
 
 #include "fixtures/model/rig.h"
 
@@ -45,16 +44,23 @@ struct UiRig {
   fixtures::CompiledRig compiled;
 };
 
+// What these rigs are made of is right, or a test or benchmark is wrong.
+template <class Value>
+Value taken(Result<Value> result) {
+  if (!result) {
+    fmt::print(stderr, "{}\n", result.error().message);
+    std::abort();
+  }
+  return std::move(*result);
+}
+
 inline UiRig compiled_rig(fixtures::Rig rig) {
-  auto compiled = fixtures::compile(rig);
-  if (!compiled) FAIL(compiled.error().message);
-  return {std::move(rig), std::move(*compiled)};
+  fixtures::CompiledRig compiled = taken(fixtures::compile(rig));
+  return {std::move(rig), std::move(compiled)};
 }
 
 inline fixtures::Rig parsed_rig(const char* text) {
-  auto rig = fixtures::parse_rig(text, "ui.toml");
-  if (!rig) FAIL(rig.error().message);
-  return std::move(*rig);
+  return taken(fixtures::parse_rig(text, "ui.toml"));
 }
 
 inline int slots_of(const fixtures::Rig& rig, std::size_t fixture) {

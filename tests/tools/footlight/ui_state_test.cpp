@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <map>
 #include <random>
 #include <vector>
 
@@ -8,6 +10,7 @@
 #include "tools/footlight/preview/ui/channel_reading.h"
 #include "tools/footlight/preview/ui/rig_index.h"
 #include "tools/footlight/preview/ui/ui_desk.h"
+#include "tools/footlight/trace/head_trace.h"
 
 namespace footlight::tools {
 namespace {
@@ -266,6 +269,24 @@ TEST_CASE("a function counts only while its masters let it") {
   CHECK(reading(15) == &channel.functions[0]);
   CHECK(reading(25) == &channel.functions[1]);
   CHECK(reading(0) == nullptr);
+}
+
+TEST_CASE("a head that is followed alone moves as it does among all heads") {
+  const auto rig = compiled_rig(parsed_rig(kUiRig));
+  UiDesk desk(rig.rig, rig.compiled);
+  HeadTrace all(rig.rig, rig.compiled);
+  HeadTrace one(rig.rig, rig.compiled);
+  one.follow({1});
+  auto levels = dark(desk);
+  for (int step = 0; step < 20; ++step) {
+    const ChannelKey pan{1, channel_named(desk, 1, "Pan")};
+    desk.index().write(pan, step < 10 ? 20'000 : 60'000, levels);
+    all.step(levels, 20 * kNsPerMs, true);
+    one.step(levels, 20 * kNsPerMs, true);
+    REQUIRE(one.row(1, 0) == all.row(1, 0));
+  }
+  // It is on its way, so the rows were not all alike.
+  CHECK(one.row(1, 0) != one.row(0, 0));
 }
 
 TEST_CASE("an empty rig has nothing to select, take over or undo") {

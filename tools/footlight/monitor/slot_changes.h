@@ -10,8 +10,8 @@
 
 namespace footlight::tools {
 
-inline constexpr DurationNs kChangeShownNs = kNsPerS;          // how long a change is marked
-inline constexpr DurationNs kSilentNs = 2'500 * kNsPerMs;      // E1.31-2018 section 6.7.1
+inline constexpr DurationNs kChangeShownNs = kNsPerS;      // how long a change is marked
+inline constexpr DurationNs kSilentNs = 2'500 * kNsPerMs;  // E1.31-2018 section 6.7.1
 
 struct SlotChanges {
   Slots levels{};

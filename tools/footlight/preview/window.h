@@ -67,8 +67,8 @@ class Window {
   // Handles events. Waits up to wait_s for one; while the window is minimised, up to 100 ms.
   void poll(double wait_s = 0);
   [[nodiscard]] bool wants_close() const;
-  // The keys that went down during the last poll(), or repeated while held, in order. ImGui's own list misses a key that
-  // goes down and up within one slow frame.
+  // The keys that went down during the last poll(), or repeated while held, in order. ImGui's own list misses a key
+  // that goes down and up within one slow frame.
   struct Key {
     int code = 0;  // GLFW_KEY_...; of a letter that which is printed on the key: Z on a German keyboard is where Y was
     int mods = 0;  // GLFW_MOD_...

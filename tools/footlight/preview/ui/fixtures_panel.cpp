@@ -60,6 +60,8 @@ class FixturesPanel final : public Panel {
     for (const fixtures::PatchRow& row : rows_) {
       texts_.push_back(lower_case(fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}", row.id, row.name, row.type, row.mode,
                                               row.addresses, row.place, row.layer)));
+      ids_ = ids_ || row.id != row.name;
+      places_ = places_ || !row.place.empty();
     }
     for (std::size_t i = 0; i < rows_.size(); ++i) shown_.push_back(static_cast<int>(i));
   }
@@ -72,9 +74,12 @@ class FixturesPanel final : public Panel {
     if (!ImGui::BeginTable("patch", kColumnCount, kFlags)) return;
     const std::array<float, kColumnCount> widths{44, 130, 150, 90, 76, 60, 52, 52, 52};
     for (std::size_t i = 0; i < widths.size(); ++i) {
-      ImGui::TableSetupColumn(kHeads[i],
-                              i == kColumnAddress ? ImGuiTableColumnFlags_DefaultSort : ImGuiTableColumnFlags_None,
-                              widths[i] * input.scale);
+      const ImGuiTableColumnFlags flags = i == kColumnAddress                ? ImGuiTableColumnFlags_DefaultSort
+                                          : i == kColumnName ? ImGuiTableColumnFlags_NoHide
+                                          : i == kColumnId && !ids_          ? ImGuiTableColumnFlags_DefaultHide
+                                          : i == kColumnPlace && !places_    ? ImGuiTableColumnFlags_DefaultHide
+                                                                             : ImGuiTableColumnFlags_None;
+      ImGui::TableSetupColumn(kHeads[i], flags, widths[i] * input.scale);
     }
     ImGui::TableSetupScrollFreeze(0, 1);
     ImGui::TableHeadersRow();
@@ -99,7 +104,8 @@ class FixturesPanel final : public Panel {
     if (const std::size_t conflicts = desk.index().conflict_count(); conflicts > 0) {
       ImGui::SameLine();
       ImGui::PushStyleColor(ImGuiCol_Text, kUiRed);
-      if (ImGui::Checkbox(fmt::format("{} share addresses###conflicts", conflicts).c_str(), &only_conflicts_)) filter(desk);
+      const std::string label = fmt::format("{} share addresses###conflicts", conflicts);
+      if (ImGui::Checkbox(label.c_str(), &only_conflicts_)) filter(desk);
       ImGui::PopStyleColor();
     }
   }
@@ -150,15 +156,16 @@ class FixturesPanel final : public Panel {
     const int conflict = desk.index().conflict(row.fixture);
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
+    if (row.id != row.name) ui_text(row.id);
+    // In the column of the name, which cannot be hidden.
+    ImGui::TableNextColumn();
     ImGui::PushID(row.fixture);
     constexpr ImGuiSelectableFlags kFlags = ImGuiSelectableFlags_SpanAllColumns;
     if (ImGui::Selectable("##row", desk.state().selection.has(row.fixture), kFlags)) click(desk, at);
     ImGui::PopID();
-    if (row.id != row.name) {  // it has an id of its own
-      ImGui::SameLine(0, 0);
-      ui_text(row.id);
-    }
-    for (const std::string* text : {&row.name, &row.type, &row.mode}) {
+    ImGui::SameLine(0, 0);
+    ui_text(row.name);
+    for (const std::string* text : {&row.type, &row.mode}) {
       ImGui::TableNextColumn();
       ui_text(*text);
     }
@@ -166,7 +173,8 @@ class FixturesPanel final : public Panel {
     if (conflict >= 0) {
       ui_text(kUiRed, row.addresses + " !");
       if (ImGui::IsItemHovered()) {
-        ImGui::SetTooltip("%s has some of the same slots", desk.rig().fixtures[static_cast<std::size_t>(conflict)].name.c_str());
+        const std::string& other = desk.rig().fixtures[static_cast<std::size_t>(conflict)].name;
+        ImGui::SetTooltip("%s has some of the same slots", other.c_str());
       }
     } else {
       ui_text(row.addresses);
@@ -202,6 +210,8 @@ class FixturesPanel final : public Panel {
 
   std::vector<fixtures::PatchRow> rows_;
   std::vector<std::string> texts_;  // of each row, for the filter
+  bool ids_ = false;                // some fixture has an id
+  bool places_ = false;             // or a pipe that it hangs from
   std::vector<int> shown_;          // indices into rows_, filtered and sorted
   std::array<char, 128> filter_{};
   bool sorted_ = false;

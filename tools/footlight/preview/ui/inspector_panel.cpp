@@ -142,7 +142,7 @@ class InspectorPanel final : public Panel {
     const float line = ImGui::GetFrameHeightWithSpacing();
     const float room = ImGui::GetContentRegionAvail().y;
     const float wanted = line * static_cast<float>(channels.size() + 1) + 4;
-    const float height = std::min(wanted, std::max(room - 8 * line, std::min(room, 6 * line)));
+    const float height = std::min(wanted, std::max(room - 6 * line, std::min(room, 7 * line)));
     if (!ImGui::BeginTable("channels", 4, kFlags, {0, height})) return;
     ImGui::TableSetupScrollFreeze(0, 1);
     ImGui::TableSetupColumn("Channel", ImGuiTableColumnFlags_WidthStretch, 1.1f);
@@ -192,7 +192,8 @@ class InspectorPanel final : public Panel {
   // A slider in real units over the function that the channel is in, and a list of all its functions and ranges.
   void draw_control(UiDesk& desk, ChannelKey key, const fixtures::Channel& channel, const ChannelReading& reading,
                     std::uint32_t raw) {
-    const bool lists = channel.functions.size() > 1 || (!channel.functions.empty() && !channel.functions[0].sets.empty());
+    const bool lists =
+        channel.functions.size() > 1 || (!channel.functions.empty() && !channel.functions[0].sets.empty());
     const float arrow = lists ? ImGui::GetFrameHeight() + 2 : 0;
     ImGui::SetNextItemWidth(-arrow - 0.01f);
     const fixtures::ChannelFunction* function = reading.function;
@@ -284,7 +285,8 @@ class InspectorPanel final : public Panel {
       ImGui::TableNextColumn();
       ui_text(kUiDim, words.name);
       ImGui::TableNextColumn();
-      ui_text(fmt::format("{:.4g} {}", number, words.unit));
+      ui_text(std::abs(number) >= 1000 ? fmt::format("{:.0f} {}", number, words.unit)
+                                       : fmt::format("{:.4g} {}", number, words.unit));
     }
     ImGui::EndTable();
   }

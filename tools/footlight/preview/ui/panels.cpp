@@ -30,7 +30,8 @@ Status for_words(std::string_view words, const std::function<void(std::size_t)>&
     const std::size_t comma = words.find(',');
     const std::string_view word = words.substr(0, comma);
     words = comma == std::string_view::npos ? std::string_view() : words.substr(comma + 1);
-    const auto at = std::find_if(kPanels.begin(), kPanels.end(), [&](const PanelInfo& one) { return word == one.word; });
+    const auto at =
+        std::find_if(kPanels.begin(), kPanels.end(), [&](const PanelInfo& one) { return word == one.word; });
     if (at == kPanels.end()) {
       std::string known;
       for (const PanelInfo& one : kPanels) known += (known.empty() ? "" : ", ") + std::string(one.word);

@@ -70,7 +70,8 @@ std::optional<ChannelPlace> RigIndex::place(ChannelKey key) const {
 }
 
 std::size_t RigIndex::conflict_count() const {
-  return static_cast<std::size_t>(std::count_if(conflicts_.begin(), conflicts_.end(), [](int one) { return one >= 0; }));
+  const auto none = std::count(conflicts_.begin(), conflicts_.end(), -1);
+  return conflicts_.size() - static_cast<std::size_t>(none);
 }
 
 std::uint32_t RigIndex::read(ChannelKey key, std::span<const std::uint8_t> levels) const {

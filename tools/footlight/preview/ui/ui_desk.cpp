@@ -105,7 +105,8 @@ std::vector<TakeChannels::Edit> UiDesk::edits_of(ChannelKey key, std::optional<s
     if (attribute.empty() || fixtures::same_attribute(attribute, "NoFeature")) continue;
     const fixtures::Mode& its = fixtures::mode_of(rig_, one);
     for (std::size_t c = 0; c < its.channels.size(); ++c) {
-      const auto nearest = fixtures::nearest_raw(fixtures::type_of(rig_, one), its.channels[c], attribute, reading.value);
+      const auto nearest =
+          fixtures::nearest_raw(fixtures::type_of(rig_, one), its.channels[c], attribute, reading.value);
       if (nearest) add({fixture, static_cast<int>(c)}, raw ? std::optional(nearest->raw) : std::nullopt);
     }
   }

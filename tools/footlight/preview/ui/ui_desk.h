@@ -37,7 +37,7 @@ class UiDesk {
   // Where the camera starts. Not a command.
   void start_camera(const OrbitCamera& camera) { state_.camera = camera; }
 
-  // As a click in a list does: `add` (Ctrl) adds or removes, else replaces. -1: nothing; keeps what is there with `add`.
+  // As a click in a list does: `add` (Ctrl) adds or removes, else replaces. -1: nothing, so all stays with `add`.
   void select(int fixture, bool add);
   void select(Selection selection) { run(SelectFixtures{std::move(selection), {}}); }
   void select_all();
@@ -56,7 +56,9 @@ class UiDesk {
   void set_highlight(bool on) { highlight_ = on; }
 
   // Whether overlay() changes anything.
-  [[nodiscard]] bool overlays() const { return !state_.taken.empty() || (highlight_ && !state_.selection.fixtures.empty()); }
+  [[nodiscard]] bool overlays() const {
+    return !state_.taken.empty() || (highlight_ && !state_.selection.fixtures.empty());
+  }
   // Writes what was taken over, and above that Highlight, over the levels of the rig.
   void overlay(std::span<std::uint8_t> levels);
 

@@ -30,7 +30,7 @@ ImU32 mixed(const ImVec4& a, const ImVec4& b, float share) {
 const std::array<std::array<char, 4>, 256>& level_words() {
   static const auto kWords = [] {
     std::array<std::array<char, 4>, 256> words{};
-    for (std::size_t i = 0; i < words.size(); ++i) (void)std::snprintf(words[i].data(), 4, "%u", static_cast<unsigned>(i));
+    for (std::size_t i = 0; i < words.size(); ++i) (void)std::snprintf(words[i].data(), 4, "%d", static_cast<int>(i));
     return words;
   }();
   return kWords;
