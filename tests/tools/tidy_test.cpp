@@ -194,7 +194,8 @@ TEST_CASE("hardware libraries, and those that compile slowly, are included only 
       {"gpiod", R"((drivers|tests/drivers)/.*\.cpp)"},
       {"libudev", R"((drivers|tests/drivers)/.*\.cpp)"},
       {"vulkan/", R"((render|tests/render)/.*|tools/footlight/preview/window.*)"},
-      {"GLFW/", R"(tools/footlight/preview/(window|preview_|ui/keys\.|ui/panels\.).*|tools/footlight/vrsl/vrsl_window.*)"},
+      {"GLFW/",
+       R"(tools/footlight/preview/(window|preview_|ui/keys\.|ui/panels\.).*|tools/footlight/vrsl/vrsl_window.*)"},
       {"imgui", R"(tools/footlight/preview/(window|preview_|ui/(.*panels?|menu|stage_marks|ui_theme)\.).*)"},
       {"libav", R"(tools/footlight/pictures/video.*\.cpp|tools/footlight/vrsl/(video_.*\.cpp|av_error\.h)|)"
                 R"(drivers/(sound/sound_file|av/libav)\.cpp|tests/tools/.*\.cpp)"},

@@ -37,8 +37,8 @@ constexpr KeyRow kKeyRows[] = {
     {GLFW_KEY_H, 0, {A::kSidePanel}, false, "H", "side panel: all, a line, none", UiMenu::kView},
     {GLFW_KEY_F11, 0, {A::kFullScreen}, false, "F11", "full screen", UiMenu::kView},
     {GLFW_KEY_F12, 0, {A::kShot}, false, "F12", "save the window as a PNG", UiMenu::kView},
-    {GLFW_KEY_ESCAPE, 0, {A::kEscape}, false, "Esc", "close the list of keys; then select nothing; then close the window",
-     UiMenu::kNone},
+    {GLFW_KEY_ESCAPE, 0, {A::kEscape}, false, "Esc",
+     "close the list of keys; then select nothing; then close the window", UiMenu::kNone},
 };
 
 constexpr MouseRow kMouseRows[] = {
