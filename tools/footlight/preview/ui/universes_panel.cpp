@@ -158,8 +158,9 @@ class UniversesPanel final : public Panel {
                     address.c_str());
     }
     for (int slot = 0; slot < kSlotCountMax; ++slot) {
-      const ImVec2 low{at.x + head + static_cast<float>(slot % kColumns) * width,
-                       at.y + static_cast<float>(slot / kColumns) * height};
+      const int row = slot / kColumns;
+      const int column = slot % kColumns;
+      const ImVec2 low{at.x + head + static_cast<float>(column) * width, at.y + static_cast<float>(row) * height};
       draw_cell(desk, *draw, static_cast<std::size_t>(slot), low, {width, height}, numbers ? size : 0);
     }
     return under;
