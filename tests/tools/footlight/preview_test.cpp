@@ -151,6 +151,39 @@ TEST_CASE("a rig without input opens with its fixtures lit") {
   CHECK(summary(folder)["validation_messages"] == 0);
 }
 
+TEST_CASE("all panels draw in a small window, and the picture keeps its size") {
+  if (!can_open_window()) return;
+  const TempFolder folder;
+  std::ofstream(folder.file("rig.toml")) << kOnePar;
+  const std::string line = folder.file("rig.toml") + " --seconds 1 --size 640x360 --json --screenshot ";
+  const std::string all = " --panels universes,fixtures,inspector,keys --select Par";
+  const int code = preview(folder, line + folder.file("a.png") + all);
+  const std::string err = read(folder.file("err"));
+  if (contains(err, "libglfw3-dev")) return;
+  INFO(err);
+  REQUIRE(code == 0);
+  CHECK(err.empty());
+  const nlohmann::json with = summary(folder);
+  CHECK(with["validation_messages"] == 0);
+  CHECK(with["live"] == 1);
+  CHECK(with["ui_ms_p50"].get<double>() > 0);
+  CHECK(with["width"] == 640);  // the most that software renders in full resolution at first
+  CHECK(with["height"] == 360);
+}
+
+TEST_CASE("a panel or a selection that is none is refused with what there is") {
+  const Outcome wrong_panel = footlight({"preview", "--demo", "--panels", "universes,nonsense"});
+  if (contains(wrong_panel.err, "libglfw3-dev")) return;
+  CHECK(wrong_panel.exit_code == 2);
+  CHECK(contains(wrong_panel.err, "nonsense"));
+  CHECK(contains(wrong_panel.err, "inspector"));
+  if (!can_open_window()) return;
+  const TempFolder folder;
+  std::ofstream(folder.file("rig.toml")) << kOnePar;
+  CHECK(preview(folder, folder.file("rig.toml") + " --seconds 1 --size 320x180 --select Nobody") != 0);
+  CHECK(contains(read(folder.file("err")), "--select Nobody"));
+}
+
 TEST_CASE("a GPU that is lost is replaced, and the preview continues at the same time of the log") {
   if (!can_open_window()) return;
   const TempFolder folder;

@@ -27,6 +27,9 @@ void add(Arguments& arguments) {
   arguments.list("--in,-i", options->ins, "ENDPOINT", "live input for the rig; may be given several times");
   arguments.duration("--at", options->at_ns, "start time in the log [0]");
   arguments.option("--camera", options->camera, "NAME", "a camera of the rig; default: its first one");
+  arguments.option("--panels", options->panels, "WORDS",
+                   "panels that are open at the start: universes, fixtures, inspector, keys");
+  arguments.option("--select", options->select, "NAME", "fixtures that are selected at the start; * for any text");
   arguments.option("--work-light", options->work_light_lx, 0, 1e6,
                    "lx on every surface, key W turns it off and on; default without input: 150 or more");
   arguments.option("--flashes", *flashes, "WORD",
@@ -92,9 +95,10 @@ extern const CommandInfo preview_command{
         "  footlight preview rig.toml --in enttec-pro --in artnet:2-9\n"
         "  footlight preview show.mvr                          with faders\n"
         "  footlight preview head.gdtf                         one fixture alone\n"
-        "Mouse: left button orbits, right or middle button pans, wheel zooms. Keys: 1-9 cameras, F frames the rig,\n"
-        "W work light, space pauses, left and right seek 5 s, Q and E change the exposure, H hides the panel, Esc\n"
-        "closes. Without a display use footlight render.",
+        "  footlight preview --demo --panels universes,inspector --select 'Spot 1'\n"
+        "Click selects a fixture, left drag orbits, right drag pans, the wheel zooms. Keys: F1 lists them all, F2 the\n"
+        "universes, F3 the fixtures, F4 the inspector, 1-9 cameras, F frames what is selected, Ctrl+Z undoes, H hides\n"
+        "the side panel, Esc closes. docs/window.md says more. Without a display use footlight render.",
     .add = add,
 };
 

@@ -127,14 +127,14 @@ Status take_levels(MonitorState& state, const std::string& text) {
     const bool first = universe->revision == 0;
     universe->stamp_ns = get<TimeNs>(entry, "stamp_ns", 0);
     universe->revision = get<std::uint64_t>(entry, "revision", 0);
-    for (std::size_t i = 0; i < universe->levels.size(); ++i) {
+    Slots levels{};
+    for (std::size_t i = 0; i < levels.size(); ++i) {
       const int high = digit_of(digits[2 * i]);
       const int low = digit_of(digits[2 * i + 1]);
       if (high < 0 || low < 0) return fail(ErrorCode::kProtocol, "levels: expected hexadecimal digits");
-      const auto level = static_cast<std::uint8_t>(high * 16 + low);
-      if (level != universe->levels[i] && !first) universe->changed_ns[i] = state.now_ns;
-      universe->levels[i] = level;
+      levels[i] = static_cast<std::uint8_t>(high * 16 + low);
     }
+    universe->take(levels, state.now_ns, first);
   }
   return {};
 }

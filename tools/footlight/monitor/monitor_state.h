@@ -2,7 +2,6 @@
 // bridge is another program or the monitor's own pump; both give the same pages.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -10,6 +9,7 @@
 #include "sim/core/clock.h"
 #include "sim/core/dmx.h"
 #include "sim/core/result.h"
+#include "tools/footlight/monitor/slot_changes.h"
 
 namespace footlight::tools {
 
@@ -37,7 +37,7 @@ struct MonitorPort {
   DurationNs latency_p99_ns = 0;
 };
 
-struct MonitorUniverse {
+struct MonitorUniverse : SlotChanges {
   Universe universe = 0;
   double rate_hz = 0.0;
   int priority = 0;
@@ -46,8 +46,6 @@ struct MonitorUniverse {
   std::uint64_t frames_refused = 0;
   TimeNs stamp_ns = 0;         // of the newest frame; 0: none yet
   std::uint64_t revision = 0;  // 0: never written
-  Slots levels{};
-  std::array<TimeNs, kSlotCountMax> changed_ns{};  // time of the last change of each level; 0: none
 };
 
 struct MonitorState {

@@ -13,8 +13,6 @@
 namespace footlight::tools {
 namespace {
 
-constexpr DurationNs kChangedNs = kNsPerS;          // how long a change is marked
-constexpr DurationNs kSilentNs = 2'500 * kNsPerMs;  // E1.31-2018 section 6.7.1
 constexpr int kBlocksPerRow = 64;
 constexpr int kNumbersPerRow = 32;
 
@@ -125,7 +123,7 @@ void add_blocks(Line& line, const MonitorUniverse& universe, TimeNs now_ns, int 
          i < std::max(begin + (g + 1) * count / groups, begin + g * count / groups + 1); ++i) {
       const auto slot = static_cast<std::size_t>(i);
       level = std::max(level, static_cast<int>(universe.levels[slot]));
-      changed = changed || (universe.changed_ns[slot] != 0 && now_ns - universe.changed_ns[slot] < kChangedNs);
+      changed = changed || universe.heat(slot, now_ns) > 0;
     }
     line.add(level == 0 ? zero : block_of(level), changed ? kChanged : level == 0 ? kDim : kGood);
   }
@@ -222,8 +220,7 @@ std::string grid_line(const MonitorUniverse& universe, const MonitorState& state
   }
   for (int i = begin; i < begin + per_row; ++i) {
     const auto slot = static_cast<std::size_t>(i);
-    const TimeNs changed_ns = universe.changed_ns[slot];
-    const bool changed = changed_ns != 0 && state.now_ns - changed_ns < kChangedNs;
+    const bool changed = universe.heat(slot, state.now_ns) > 0;
     line.add(fmt::format("{:>3} ", universe.levels[slot]), changed                      ? kChanged
                                                            : universe.levels[slot] == 0 ? kDim
                                                                                         : std::string_view{});

@@ -9,23 +9,13 @@
 
 #include <imgui/imgui.h>
 
+#include "tools/footlight/preview/ui/ui_theme.h"
+
 namespace footlight::tools {
 namespace {
 
 // Going back in a log replays it from its start, so in a long log the picture follows the slider only after release.
 constexpr double kFollowSliderMaxS = 120;
-
-const ImVec4 kAmber{0.95f, 0.66f, 0.25f, 1};
-const ImVec4 kGreen{0.42f, 0.78f, 0.48f, 1};
-const ImVec4 kRed{0.93f, 0.36f, 0.33f, 1};
-const ImVec4 kDim{0.50f, 0.52f, 0.56f, 1};
-
-void text(const std::string& words) { ImGui::TextUnformatted(words.data(), words.data() + words.size()); }
-void text(const ImVec4& colour, const std::string& words) {
-  ImGui::PushStyleColor(ImGuiCol_Text, colour);
-  text(words);
-  ImGui::PopStyleColor();
-}
 
 std::string flash_words(const PreviewFacts& facts) {
   return facts.flashes_held ? "Harmful flashes are held back" : "Harmful flashes: more than 3 a second";
@@ -39,16 +29,16 @@ std::string clock_text(double time_s) {
 
 // A label on the left, a value on the right edge.
 void row(const char* word, const std::string& figure) {
-  text(kDim, word);
+  ui_text(kUiDim, word);
   const float width = ImGui::CalcTextSize(figure.c_str()).x;
   ImGui::SameLine(ImGui::GetContentRegionMax().x - width);
-  text(figure);
+  ui_text(figure);
 }
 
 void heading(const char* word) {
   ImGui::Dummy({0, 1});
   ImGui::Separator();
-  text(kAmber, word);
+  ui_text(kUiAmber, word);
 }
 
 // About three digits.
@@ -85,9 +75,10 @@ void draw_cost(const PreviewFacts& facts) {
   row("beams", fmt::format("{} lit, {} dark", facts.live_beams, facts.dark_beams));
   if (facts.shadows_lost > 0) {
     ImGui::PushTextWrapPos(0);
-    text(kRed, fmt::format("{} of {} shadows are missing: no room", facts.shadows_lost, facts.shadows));
+    ui_text(kUiRed, fmt::format("{} of {} shadows are missing: no room", facts.shadows_lost, facts.shadows));
     ImGui::PopTextWrapPos();
   }
+  row("panels", ms_text(facts.ui_ms));
   row("picture", fmt::format("{} x {}, {:.0f} MiB", facts.width, facts.height, std::ceil(facts.gpu_mib)));
 }
 
@@ -105,14 +96,14 @@ void draw_quality(const PreviewFacts& facts, PreviewControls& controls) {
     row("95 % interval", fmt::format("{} to {}", share_text(facts.error.low), share_text(facts.error.high)));
     row("samples", fmt::format("{}", facts.error.samples));
   } else {
-    text(kDim, "nothing to measure");
+    ui_text(kUiDim, "nothing to measure");
   }
   if (facts.chosen) {
     const bool by_error = facts.quality.error > 0;
     row("asked for", by_error ? share_text(facts.quality.error) : ms_text(facts.quality.ms));
     row("predicted", share_text(facts.chosen->error));
     ImGui::PushTextWrapPos(0);
-    text(kDim, render::text_of(facts.chosen->knobs));
+    ui_text(kUiDim, render::text_of(facts.chosen->knobs));
     ImGui::PopTextWrapPos();
     if (!by_error) return;
   } else {
@@ -193,12 +184,12 @@ void draw_log(const PreviewFacts& facts, PreviewControls& controls) {
 
 const ImVec4& colour_of(PortState state) {
   switch (state) {
-    case PortState::kWorking: return kGreen;
-    case PortState::kGone: return kRed;
+    case PortState::kWorking: return kUiGreen;
+    case PortState::kGone: return kUiRed;
     case PortState::kWaiting:
     case PortState::kEnded: break;
   }
-  return kAmber;
+  return kUiAmber;
 }
 
 const char* word_of(PortState state) {
@@ -221,14 +212,14 @@ std::string age_text(DurationNs age_ns) {
 void draw_live(const PreviewFacts& facts, const LiveLevels& live) {
   heading("Live");
   for (const PortStatus& port : facts.status.ports) {
-    text(colour_of(port.state), port.name);
+    ui_text(colour_of(port.state), port.name);
     const std::string figure =
         port.state == PortState::kWorking ? fmt::format("{:.0f} /s", port.rate_hz) : word_of(port.state);
     ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(figure.c_str()).x);
-    text(figure);
+    ui_text(figure);
     if (!port.trouble.empty()) {
       ImGui::PushTextWrapPos(0);
-      text(kRed, port.trouble);
+      ui_text(kUiRed, port.trouble);
       ImGui::PopTextWrapPos();
     }
   }
@@ -241,10 +232,10 @@ void draw_live(const PreviewFacts& facts, const LiveLevels& live) {
                       : stamp.revision == 0 ? "no frames yet"
                                             : age_text(std::max<DurationNs>(facts.now_ns - stamp.stamp_ns, 0)));
   }
-  if (universes.size() > 32) text(kDim, fmt::format("and {} more universes", universes.size() - 32));
+  if (universes.size() > 32) ui_text(kUiDim, fmt::format("and {} more universes", universes.size() - 32));
   if (!facts.notice.empty()) {
     ImGui::PushTextWrapPos(0);
-    text(kDim, facts.notice);
+    ui_text(kUiDim, facts.notice);
     ImGui::PopTextWrapPos();
   }
 }
@@ -310,10 +301,10 @@ void draw_strip(const PreviewFacts& facts) {
         fmt::format("{}    {:.1f} fps    GPU {:.1f} ms    {} beams", facts.rig, facts.fps, total_ms, facts.live_beams);
     if (facts.has_log) words += fmt::format("    {} / {}", clock_text(facts.time_s), clock_text(facts.duration_s));
     if (facts.flashes_harmful || facts.flashes_held) {
-      text(kRed, flash_words(facts));
+      ui_text(kUiRed, flash_words(facts));
       ImGui::SameLine();
     }
-    text(words + "    H: panel");
+    ui_text(words + "    H: panel  F1: keys");
   }
   ImGui::End();
   ImGui::PopStyleVar(2);
@@ -322,7 +313,7 @@ void draw_strip(const PreviewFacts& facts) {
 }  // namespace
 
 void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const LiveLevels* live, HandLevels* hand,
-                float scale) {
+                float scale, const std::function<void()>& menu) {
   if (controls.panel == PanelState::kStrip) draw_strip(facts);
   if (controls.panel != PanelState::kFull) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -330,13 +321,19 @@ void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const Live
   ImGui::SetNextWindowPos({size.x - width, 0});
   ImGui::SetNextWindowSize({width, size.y});
   constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
-                                      ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoNav;
+                                      ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
+                                      ImGuiWindowFlags_NoNav | ImGuiWindowFlags_MenuBar |
+                                      ImGuiWindowFlags_NoBringToFrontOnFocus;
   if (ImGui::Begin("panel", nullptr, kFlags)) {
-    text(kAmber, "FOOTLIGHT");
-    text(facts.rig);
+    if (ImGui::BeginMenuBar()) {
+      menu();
+      ImGui::EndMenuBar();
+    }
+    ui_text(kUiAmber, "FOOTLIGHT");
+    ui_text(facts.rig);
     ImGui::PushTextWrapPos(0);
-    text(kDim, facts.device);
-    if (facts.flashes_harmful || facts.flashes_held) text(kRed, flash_words(facts));
+    ui_text(kUiDim, facts.device);
+    if (facts.flashes_harmful || facts.flashes_held) ui_text(kUiRed, flash_words(facts));
     ImGui::PopTextWrapPos();
     if (facts.has_log) draw_log(facts, controls);
     if (live != nullptr) draw_live(facts, *live);
@@ -344,11 +341,7 @@ void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const Live
     draw_view(facts, controls);
     draw_quality(facts, controls);
     draw_cost(facts);
-    heading("Keys");
-    ImGui::PushTextWrapPos(0);
-    text(kDim, std::string("Drag orbits, right drag pans, wheel zooms. F frames the rig, W work light, Q and E ") +
-                   "exposure, " + (facts.has_log ? "space pauses, arrows seek 5 s, " : "") + "H hides this panel.");
-    ImGui::PopTextWrapPos();
+    ui_text(kUiDim, "F1: keys and mouse");
   }
   ImGui::End();
 }

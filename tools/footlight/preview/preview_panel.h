@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,6 +32,7 @@ struct PreviewFacts {
   double fps = 0;
   double frame_p50_ms = 0;  // from picture to picture
   double frame_p90_ms = 0;
+  double ui_ms = 0;  // CPU time of all panels; the median
   std::vector<render::PassTime> passes;
   std::uint32_t live_beams = 0;
   std::uint32_t dark_beams = 0;
@@ -78,9 +80,9 @@ struct PreviewControls {
 
 inline constexpr float kPanelWidth = 264;  // units of ImGui at scale 1
 
-// live, hand: nullptr if the rig is not driven by them.
+// live, hand: nullptr if the rig is not driven by them. menu: draws the entries of the bar at its top.
 void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const LiveLevels* live, HandLevels* hand,
-                float scale);
+                float scale, const std::function<void()>& menu);
 
 // A line of text in the middle of the window before the first picture. Call between the begin and end of a UI.
 void draw_progress(const std::string& text);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <future>
 #include <memory>
 #include <optional>
@@ -26,6 +27,7 @@
 #include "tools/footlight/command.h"
 #include "tools/footlight/paths.h"
 #include "tools/footlight/pictures/knob_curves.h"
+#include "tools/footlight/pictures/numbered_file.h"
 #include "tools/footlight/pictures/picture_file.h"
 #include "tools/footlight/pictures/start_view.h"
 #include "tools/footlight/pictures/timeline.h"
@@ -35,6 +37,12 @@
 #include "tools/footlight/preview/preview.h"
 #include "tools/footlight/preview/preview_flashes.h"
 #include "tools/footlight/preview/preview_panel.h"
+#include "tools/footlight/preview/ui/keys.h"
+#include "tools/footlight/preview/ui/menu.h"
+#include "tools/footlight/preview/ui/panels.h"
+#include "tools/footlight/preview/ui/stage_marks.h"
+#include "tools/footlight/preview/ui/stage_pick.h"
+#include "tools/footlight/preview/ui/ui_desk.h"
 #include "tools/footlight/preview/window.h"
 #include "tools/footlight/stop_signal.h"
 
@@ -54,6 +62,9 @@ constexpr int kLossesMax = 3;
 constexpr double kSeekStepS = 5;
 constexpr double kExposureStepEv = 0.25;
 constexpr double kOrbitRad = 3;  // per drag over the height of the window
+constexpr float kClickUnits = 4;  // a press that moves less is a click
+constexpr DurationNs kNewsNs = 4 * kNsPerS;
+constexpr int kShotsMax = 9999;
 
 // The last times from picture to picture.
 class FrameTimes {
@@ -119,7 +130,10 @@ class Preview {
   [[nodiscard]] std::size_t validation_messages() const {
     return messages_before_ + device_->validation_messages().size();
   }
-  void set_controls(const fixtures::Camera& camera);
+  Status set_controls(const fixtures::Camera& camera);
+  void give(std::span<const std::uint8_t> levels, DurationNs dt_ns, bool new_exposure);
+  [[nodiscard]] std::span<const std::uint8_t> panel_levels();
+  void draw_ui();
   Result<bool> wait_for(std::future<Status>& work, const StopSignal& signal, const char* what);
   Status show_progress(const char* what);
   Status turn();
@@ -134,8 +148,13 @@ class Preview {
   Status draw(const PixelRect& where, TimeNs now_ns);
   void tell_flashes(bool begins);
   void take_input();
-  void take_key(int code, bool repeat);
+  void take_mouse();
+  void call(const UiCall& call);
+  void escape();
   void take_camera(std::size_t index);
+  void frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m);
+  void tell(std::string news);
+  void write_own_shot();
   void expose(double steps_ev);
   void seek(double by_s);
   Status write_shot();
@@ -144,6 +163,8 @@ class Preview {
   void print_summary();
   [[nodiscard]] std::optional<fixtures::VrslReplay> vrsl_replay() const;
   [[nodiscard]] PixelRect place() const;
+  [[nodiscard]] StagePlace stage() const;
+  [[nodiscard]] const StagePick& pick();
   // True if neither a log nor an input drives the rig.
   [[nodiscard]] bool by_hand() const {
     return options_.ins.empty() && options_.files.log.empty() && !options_.files.demo;
@@ -177,7 +198,19 @@ class Preview {
   std::atomic<bool> closed_ = false;          // while other threads worked: they may end early
   bool shown_ = false;                        // a picture is in flight; its figures can be read when it is done
 
-  OrbitCamera camera_{fixtures::Camera{}};
+  std::unique_ptr<UiDesk> desk_;  // once the rig is read
+  UiPanels panels_;
+  std::unique_ptr<StagePick> pick_;       // made by the first selection
+  std::vector<std::uint8_t> log_levels_;  // that the log gave last
+  std::vector<std::uint8_t> overlaid_;    // levels with what was taken over
+  std::vector<std::uint8_t> panel_levels_;
+  bool moves_in_pause_ = false;   // something was taken over since the log was paused
+  bool pressed_on_stage_ = false;
+  bool shot_asked_ = false;  // the next picture is kept
+  bool shot_taken_ = false;
+  std::string news_;
+  TimeNs news_until_ns_ = 0;
+  FrameTimes ui_times_;
   PreviewControls controls_;
   PreviewFacts facts_;
   FrameTimes times_;
@@ -262,8 +295,16 @@ Status Preview::start_again(const Error& loss) {
   return advance(*timeline_, until_ns, 0);
 }
 
-void Preview::set_controls(const fixtures::Camera& camera) {
-  camera_ = OrbitCamera(camera);
+Status Preview::set_controls(const fixtures::Camera& camera) {
+  desk_ = std::make_unique<UiDesk>(rig_, compiled_);
+  desk_->start_camera(OrbitCamera(camera));
+  FL_TRY(panels_.open_words(options_.panels, *desk_));
+  if (!options_.select.empty()) {
+    desk_->select_named(options_.select);
+    if (desk_->state().selection.fixtures.empty()) {
+      return fail(ErrorCode::kNotFound, "--select {}: no fixture of this rig has such a name", options_.select);
+    }
+  }
   controls_.exposure_ev = static_cast<float>(camera.exposure_ev);
   knobs_.nodes = static_cast<std::uint32_t>(options_.nodes);
   knobs_.tile_error = options_.tile_error;
@@ -293,6 +334,7 @@ void Preview::set_controls(const fixtures::Camera& camera) {
   for (const auto& one : rig_.cameras) facts_.cameras.push_back(one.name);
   for (const auto& fixture : rig_.fixtures) facts_.fixtures.push_back(fixture.name);
   facts_.can_haze = compiled_.needs.haze;
+  return {};
 }
 
 // The window opens first and shows the progress, while another thread reads the rig and then makes the frame. A rig
@@ -302,6 +344,7 @@ Result<bool> Preview::open(const StopSignal& signal) {
   if (!options_.ins.empty() && !options_.files.log.empty()) {
     return fail(ErrorCode::kBadInput, "--log and --in: expected one of them");
   }
+  FL_TRY(check_panel_words(options_.panels));
   begun_ns_ = clock_.now_ns();
   const double aspect = static_cast<double>(size.width) / size.height;
   std::future<Status> reading = begin([this, aspect] { return load_rig(aspect); });
@@ -325,7 +368,7 @@ Result<bool> Preview::open(const StopSignal& signal) {
   }
   window_->set_title(fmt::format("{} - Footlight", rig_.name));
   FL_TRY(show_progress("Preparing the picture"));
-  set_controls(camera);
+  FL_TRY(set_controls(camera));
   const PixelRect where = place();
   std::future<Status> making = begin([this, where]() -> Status {
     FL_TRY(make_ladder());
@@ -490,6 +533,7 @@ Status Preview::replay_to(DurationNs until_ns, DurationNs exposure_ns) {
     FL_TRY(frame_->run_steps());
     FL_TRY(device_->run_once([&](VkCommandBuffer commands) { render::forget_states(commands, frame_->resources()); }));
     frame_->forget_air();
+    panels_.restart();
   }
   return advance(*timeline_, until_ns, exposure_ns);
 }
@@ -498,10 +542,33 @@ Status Preview::advance(Timeline& timeline, TimeNs until_ns, DurationNs exposure
   Status flushed;
   FL_TRY(timeline.advance(until_ns, exposure_ns,
                           [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
-                            frame_->step(levels, dt_ns, new_exposure);
+                            if (timeline_) log_levels_.assign(levels.begin(), levels.end());
+                            give(levels, dt_ns, new_exposure);
                             if (frame_->pending_steps() >= kStepsHeldMax && flushed) flushed = frame_->run_steps();
                           }));
   return flushed;
+}
+
+// One step of the fixtures and of what the panels follow, with what the user has taken over.
+void Preview::give(std::span<const std::uint8_t> levels, DurationNs dt_ns, bool new_exposure) {
+  if (desk_->overlays()) {
+    overlaid_.assign(levels.begin(), levels.end());
+    desk_->overlay(overlaid_);
+    levels = overlaid_;
+  }
+  frame_->step(levels, dt_ns, new_exposure);
+  panels_.step(levels, dt_ns, new_exposure);
+}
+
+// The newest levels, as the panels show them.
+std::span<const std::uint8_t> Preview::panel_levels() {
+  const std::span<const std::uint8_t> newest = live_   ? live_->levels()
+                                               : hand_ ? hand_->levels()
+                                                       : std::span<const std::uint8_t>(log_levels_);
+  if (!desk_->overlays()) return newest;
+  panel_levels_.assign(newest.begin(), newest.end());
+  desk_->overlay(panel_levels_);
+  return panel_levels_;
 }
 
 Status Preview::step_levels(DurationNs dt_ns) {
@@ -510,15 +577,21 @@ Status Preview::step_levels(DurationNs dt_ns) {
     const TimeNs until_ns = std::max(last_ns_ - kWireDelayNs, live_timeline_->now_ns());
     FL_TRY(advance(*live_timeline_, until_ns, std::min(dt_ns, kExposureMaxNs)));
   } else if (hand_) {
-    frame_->step(hand_->levels(), dt_ns);
+    give(hand_->levels(), dt_ns, true);
   } else {
     if (controls_.seek_s) {
+      moves_in_pause_ = false;
       FL_TRY(replay_to(static_cast<DurationNs>(*controls_.seek_s * 1e9), kExposureMaxNs));
       controls_.seek_s.reset();
     } else if (controls_.playing) {
       DurationNs until_ns = timeline_->now_ns() + dt_ns;
       if (until_ns > timeline_->duration_ns() && controls_.loop) until_ns = 0;
       FL_TRY(replay_to(until_ns, std::min(dt_ns, kExposureMaxNs)));
+      moves_in_pause_ = false;
+    } else {
+      // What is taken over moves in a pause, and goes back when it is released; then all fixtures go on.
+      moves_in_pause_ = moves_in_pause_ || desk_->overlays();
+      if (moves_in_pause_ && !log_levels_.empty()) give(log_levels_, dt_ns, true);
     }
     facts_.time_s = static_cast<double>(timeline_->now_ns()) * 1e-9;
   }
@@ -527,64 +600,161 @@ Status Preview::step_levels(DurationNs dt_ns) {
 
 void Preview::take_camera(std::size_t index) {
   if (index >= rig_.cameras.size()) return;
-  camera_ = OrbitCamera(rig_.cameras[index]);
+  desk_->run(MoveCamera{OrbitCamera(rig_.cameras[index]), {}});
   controls_.exposure_ev = static_cast<float>(rig_.cameras[index].exposure_ev);
+}
+
+StagePlace Preview::stage() const {
+  const PixelRect where = place();
+  const double scale = static_cast<double>(window_->pixels_per_unit());
+  return {render::view_of(desk_->state().camera.camera()), {where.width / scale, where.height / scale}};
+}
+
+const StagePick& Preview::pick() {
+  if (!pick_) pick_ = std::make_unique<StagePick>(rig_);
+  return *pick_;
+}
+
+void Preview::frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m) {
+  const PixelRect where = place();
+  OrbitCamera camera = desk_->state().camera;
+  camera.frame(low_m, high_m, static_cast<double>(where.width) / where.height);
+  desk_->run(MoveCamera{camera, {}});
+}
+
+void Preview::tell(std::string news) {
+  news_ = std::move(news);
+  news_until_ns_ = clock_.now_ns() + kNewsNs;
+}
+
+// Everything that is drawn over the picture, and what it and the keys ask for.
+void Preview::draw_ui() {
+  const TimeNs begun_ns = clock_.now_ns();
+  window_->begin_ui();
+  for (int button = 0; button < 3; ++button) {
+    if (ImGui::IsMouseClicked(button) || ImGui::IsMouseReleased(button)) desk_->begin_gesture();
+  }
+  std::optional<UiCall> chosen;
+  draw_panel(facts_, controls_, live_.get(), hand_.get(), window_->ui_scale(),
+             [&] { chosen = draw_menu(*desk_, panels_, timeline_ != nullptr); });
+  const StagePlace where = stage();
+  if (panels_.any_open()) {
+    UiInput input;
+    input.levels = panel_levels();
+    if (live_) input.stamps = live_->stamps();
+    if (live_) input.status = &facts_.status;
+    input.now_ns = clock_.now_ns();
+    input.scale = window_->ui_scale();
+    panels_.draw(*desk_, input, static_cast<float>(where.size.x), static_cast<float>(where.size.y));
+  }
+  if (chosen) call(*chosen);
+  take_input();
+  if (const Selection& selection = desk_->state().selection; !selection.fixtures.empty()) {
+    draw_marks(rig_, pick(), stage(), selection, window_->ui_scale());
+  }
+  if (begun_ns < news_until_ns_) draw_news(news_, where, window_->ui_scale());
+  if (closing_ || window_->wants_close() || shot_asked_) window_->keep_shot();
+  window_->end_ui();
+  ui_times_.add(static_cast<double>(clock_.now_ns() - begun_ns) * 1e-6);
+}
+
+void Preview::take_mouse() {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) pressed_on_stage_ = !io.WantCaptureMouse;
+  if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) && std::exchange(pressed_on_stage_, false) &&
+      io.MouseDragMaxDistanceSqr[0] < kClickUnits * kClickUnits) {
+    const int fixture = pick().fixture_at(stage(), {io.MouseClickedPos[0].x, io.MouseClickedPos[0].y});
+    desk_->select(fixture, io.KeyCtrl || io.KeyShift);
+  }
+  if (io.WantCaptureMouse) return;
+  // Mouse movement before the button went down in the same frame does not count, nor that of a click.
+  const auto drags = [&](ImGuiMouseButton button) {
+    return ImGui::IsMouseDown(button) && !ImGui::IsMouseClicked(button) &&
+           io.MouseDragMaxDistanceSqr[button] >= kClickUnits * kClickUnits;
+  };
+  const double heights = 1.0 / std::max(static_cast<double>(io.DisplaySize.y), 1.0);
+  const double right = static_cast<double>(io.MouseDelta.x) * heights;
+  const double down = static_cast<double>(io.MouseDelta.y) * heights;
+  OrbitCamera camera = desk_->state().camera;
+  bool moves = io.MouseWheel != 0;
+  if (drags(ImGuiMouseButton_Left)) {
+    camera.orbit(-right * kOrbitRad, down * kOrbitRad);
+    moves = moves || right != 0 || down != 0;
+  } else if (drags(ImGuiMouseButton_Right) || drags(ImGuiMouseButton_Middle)) {
+    camera.pan(-right, down);
+    moves = moves || right != 0 || down != 0;
+  }
+  camera.approach(static_cast<double>(io.MouseWheel));
+  if (moves) desk_->run(MoveCamera{camera, {}});
 }
 
 void Preview::take_input() {
   const ImGuiIO& io = ImGui::GetIO();
   if (controls_.camera) take_camera(static_cast<std::size_t>(*std::exchange(controls_.camera, std::nullopt)));
-  if (!io.WantCaptureMouse) {
-    // Mouse movement before the button went down in the same frame does not count.
-    const auto drags = [](ImGuiMouseButton button) {
-      return ImGui::IsMouseDown(button) && !ImGui::IsMouseClicked(button);
-    };
-    const double heights = 1.0 / std::max(static_cast<double>(io.DisplaySize.y), 1.0);
-    const double right = static_cast<double>(io.MouseDelta.x) * heights;
-    const double down = static_cast<double>(io.MouseDelta.y) * heights;
-    if (drags(ImGuiMouseButton_Left)) {
-      camera_.orbit(-right * kOrbitRad, down * kOrbitRad);
-    } else if (drags(ImGuiMouseButton_Right) || drags(ImGuiMouseButton_Middle)) {
-      camera_.pan(-right, down);
-    }
-    camera_.approach(static_cast<double>(io.MouseWheel));
-  }
+  take_mouse();
   if (io.WantTextInput) return;
-  for (const Window::Key& key : window_->keys()) take_key(key.code, key.repeat);
+  for (const Window::Key& key : window_->keys()) {
+    const auto asked = call_of(key.code, key.mods, key.repeat);
+    if (!asked) continue;
+    desk_->begin_gesture();
+    call(*asked);
+  }
+  // Where this character is differs from keyboard to keyboard.
+  if (io.InputQueueCharacters.contains('?')) call({UiAction::kPanel, 0});
 }
 
-void Preview::take_key(int code, bool repeat) {
-  switch (code) {  // keys that repeat while they are held
-    case GLFW_KEY_E:
-    case GLFW_KEY_EQUAL:
-    case GLFW_KEY_KP_ADD: expose(-kExposureStepEv); return;  // a lower EV makes a brighter picture
-    case GLFW_KEY_Q:
-    case GLFW_KEY_MINUS:
-    case GLFW_KEY_KP_SUBTRACT: expose(kExposureStepEv); return;
-    case GLFW_KEY_LEFT: seek(-kSeekStepS); return;
-    case GLFW_KEY_RIGHT: seek(kSeekStepS); return;
-    default: break;
+void Preview::escape() {
+  if (panels_.is_open(0)) {
+    panels_.set_open(0, false, *desk_);
+  } else if (!desk_->state().selection.fixtures.empty()) {
+    desk_->select(-1, false);
+  } else {
+    closing_ = true;
   }
-  if (repeat) return;
-  switch (code) {
-    case GLFW_KEY_F: {
+}
+
+void Preview::call(const UiCall& call) {
+  const auto tell_edit = [&](const char* word, const std::string& edit) {
+    tell(edit.empty() ? fmt::format("nothing to {}", word) : fmt::format("{}: {}", word, edit));
+  };
+  switch (call.action) {
+    case UiAction::kUndo: tell_edit("undo", desk_->undo()); break;
+    case UiAction::kRedo: tell_edit("redo", desk_->redo()); break;
+    case UiAction::kSelectAll: desk_->select_all(); break;
+    case UiAction::kHighlight: desk_->set_highlight(!desk_->highlights()); break;
+    case UiAction::kReleaseAll: desk_->release_all(); break;
+    case UiAction::kFrame:
+      if (const auto& which = desk_->state().selection.fixtures; !which.empty()) {
+        const StagePick::Box box = pick().bounds_of(which);
+        frame_box(box.low_m, box.high_m);
+        break;
+      }
+      [[fallthrough]];
+    case UiAction::kFrameRig: {
       const Bounds bounds = bounds_of(rig_);
-      const PixelRect where = place();
-      camera_.frame(bounds.low_m, bounds.high_m, static_cast<double>(where.width) / where.height);
+      frame_box(bounds.low_m, bounds.high_m);
       break;
     }
-    case GLFW_KEY_H:
+    case UiAction::kCamera: take_camera(static_cast<std::size_t>(call.argument)); break;
+    case UiAction::kWorkLight: controls_.work_light = !controls_.work_light; break;
+    case UiAction::kBrighter: expose(-kExposureStepEv); break;  // a lower EV makes a brighter picture
+    case UiAction::kDarker: expose(kExposureStepEv); break;
+    case UiAction::kPlay: controls_.playing = !controls_.playing; break;
+    case UiAction::kSeekBack: seek(-kSeekStepS); break;
+    case UiAction::kSeekOn: seek(kSeekStepS); break;
+    case UiAction::kSidePanel:
       controls_.panel = controls_.panel == PanelState::kFull    ? PanelState::kStrip
                         : controls_.panel == PanelState::kStrip ? PanelState::kHidden
                                                                 : PanelState::kFull;
       break;
-    case GLFW_KEY_W: controls_.work_light = !controls_.work_light; break;
-    case GLFW_KEY_SPACE: controls_.playing = !controls_.playing; break;
-    case GLFW_KEY_ESCAPE: closing_ = true; break;
-    default:
-      if (code >= GLFW_KEY_1 && code <= GLFW_KEY_9) take_camera(static_cast<std::size_t>(code - GLFW_KEY_1));
-      if (code >= GLFW_KEY_KP_1 && code <= GLFW_KEY_KP_9) take_camera(static_cast<std::size_t>(code - GLFW_KEY_KP_1));
+    case UiAction::kPanel: {
+      const auto index = static_cast<std::size_t>(call.argument);
+      panels_.set_open(index, !panels_.is_open(index), *desk_);
       break;
+    }
+    case UiAction::kFullScreen: window_->toggle_full_screen(); break;
+    case UiAction::kShot: shot_asked_ = true; break;
+    case UiAction::kEscape: escape(); break;
   }
 }
 
@@ -645,6 +815,7 @@ Status Preview::read_figures(DurationNs dt_ns) {
     }
     facts_.frame_p50_ms = times_.quantile_ms(0.5);
     facts_.frame_p90_ms = times_.quantile_ms(0.9);
+    facts_.ui_ms = ui_times_.quantile_ms(0.5);
     if (options_.json) print_second();
   }
   return {};
@@ -660,12 +831,9 @@ Status Preview::turn() {
     closing_ = true;
     window_->keep_shot();
   }
-  window_->begin_ui();
-  draw_panel(facts_, controls_, live_.get(), hand_.get(), window_->ui_scale());
-  take_input();
-  if (closing_ || window_->wants_close()) window_->keep_shot();
-  window_->end_ui();
+  draw_ui();
   FL_TRY(window_->wait_gpu());
+  if (std::exchange(shot_taken_, false)) write_own_shot();
   FL_TRY(read_figures(dt_ns));
 
   const PixelRect where = place();
@@ -696,6 +864,7 @@ Status Preview::turn() {
   }
 
   FL_TRY(draw(where, now_ns));
+  if (shown_) shot_taken_ = std::exchange(shot_asked_, false);
   if (shown_ && picture_ns_ < 0) picture_ns_ = clock_.now_ns() - begun_ns_;
   return {};
 }
@@ -711,7 +880,7 @@ Status Preview::draw(const PixelRect& where, TimeNs now_ns) {
   drawn_ns_ = now_ns;
   const auto compute = [&](VkCommandBuffer commands) {
     frame_->set_work_light_lx(controls_.work_light ? static_cast<double>(controls_.work_light_lx) : 0);
-    frame_->record(commands, render::view_of(camera_.camera()), controls_.exposure_ev);
+    frame_->record(commands, render::view_of(desk_->state().camera.camera()), controls_.exposure_ev);
     error_drawn_ = error_ != nullptr;
     if (error_) error_->record(commands);
     render::vk::full_barrier(commands);
@@ -759,6 +928,26 @@ Status Preview::write_shot() {
   return write_png(options_.screenshot, image);
 }
 
+// Of key F12: the window as a file of the current folder that did not exist.
+void Preview::write_own_shot() {
+  const auto write = [&]() -> Result<std::string> {
+    FL_ASSIGN(const render::ScreenImage image, window_->read_shot());
+    if (image.rgba.empty()) return fail(ErrorCode::kUnsupported, "this window system does not let windows be read");
+    for (int number = 1; number <= kShotsMax; ++number) {
+      FL_ASSIGN(std::string path, numbered_path("footlight_%04d.png", number));
+      std::FILE* file = std::fopen(path.c_str(), "wx");  // fails where the file exists
+      if (file == nullptr && errno == EEXIST) continue;
+      if (file == nullptr) return fail(ErrorCode::kIo, "{}: {}", path, std::strerror(errno));
+      std::fclose(file);
+      FL_TRY(write_png(path, image));
+      return path;
+    }
+    return fail(ErrorCode::kIo, "there are {} screenshots in this folder; move some of them", kShotsMax);
+  };
+  const Result<std::string> path = write();
+  tell(path ? fmt::format("saved {}", (std::filesystem::current_path() / *path).string()) : path.error().message);
+}
+
 nlohmann::json Preview::figures() const {
   nlohmann::json passes = nlohmann::json::object();
   double gpu_ms = 0;
@@ -769,6 +958,8 @@ nlohmann::json Preview::figures() const {
   nlohmann::json line = {{"frames", times_.count()},
                          {"frame_ms_p50", times_.quantile_ms(0.5)},
                          {"frame_ms_p90", times_.quantile_ms(0.9)},
+                         {"ui_ms_p50", ui_times_.quantile_ms(0.5)},
+                         {"ui_ms_p90", ui_times_.quantile_ms(0.9)},
                          {"gpu_ms", gpu_ms},
                          {"pass_gpu_ms", passes},
                          {"width", frame_->settings().width},

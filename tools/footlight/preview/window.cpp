@@ -68,6 +68,12 @@ void set_style(float scale) {
   colours[ImGuiCol_HeaderActive] = {0.30f, 0.25f, 0.17f, 1};
   colours[ImGuiCol_Separator] = {0.16f, 0.17f, 0.20f, 1};
   colours[ImGuiCol_ScrollbarBg] = {0, 0, 0, 0};
+  colours[ImGuiCol_TitleBg] = {0.09f, 0.095f, 0.11f, 1};
+  colours[ImGuiCol_TitleBgActive] = {0.17f, 0.155f, 0.125f, 1};
+  colours[ImGuiCol_MenuBarBg] = {0.09f, 0.095f, 0.11f, 1};
+  colours[ImGuiCol_ResizeGrip] = {0.20f, 0.21f, 0.24f, 1};
+  colours[ImGuiCol_ResizeGripHovered] = {0.52f, 0.36f, 0.14f, 1};
+  colours[ImGuiCol_ResizeGripActive] = {0.68f, 0.47f, 0.18f, 1};
   style.ScaleAllSizes(scale);
 }
 
@@ -357,9 +363,52 @@ Status Window::start_ui() {
   return {};
 }
 
-void Window::on_key(GLFWwindow* window, int key, int, int action, int) {
+void Window::on_key(GLFWwindow* window, int key, int scancode, int action, int mods) {
   auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));
-  if (action != GLFW_RELEASE) self->keys_.push_back({key, action == GLFW_REPEAT});
+  if (action == GLFW_RELEASE) return;
+  const bool letter = key >= GLFW_KEY_A && key <= GLFW_KEY_Z;
+  const char* printed = letter ? glfwGetKeyName(key, scancode) : nullptr;
+  if (printed != nullptr && printed[0] >= 'a' && printed[0] <= 'z' && printed[1] == '\0') {
+    key = GLFW_KEY_A + (printed[0] - 'a');
+  }
+  self->keys_.push_back({key, mods, action == GLFW_REPEAT});
+}
+
+PixelRect Window::rect() const {
+  PixelRect rect;
+  glfwGetWindowPos(window_, &rect.x, &rect.y);
+  glfwGetWindowSize(window_, &rect.width, &rect.height);
+  return rect;
+}
+
+void Window::toggle_full_screen() {
+  if (glfwGetWindowMonitor(window_) != nullptr) {
+    glfwSetWindowMonitor(window_, nullptr, before_full_.x, before_full_.y, before_full_.width, before_full_.height,
+                         GLFW_DONT_CARE);
+    return;
+  }
+  before_full_ = rect();
+  int count = 0;
+  GLFWmonitor** monitors = glfwGetMonitors(&count);
+  GLFWmonitor* best = nullptr;
+  const GLFWvidmode* its_mode = nullptr;
+  int most = -1;
+  for (int i = 0; i < count; ++i) {
+    const GLFWvidmode* mode = glfwGetVideoMode(monitors[i]);
+    if (mode == nullptr) continue;
+    int x = 0;
+    int y = 0;
+    glfwGetMonitorPos(monitors[i], &x, &y);
+    const int across = std::min(before_full_.x + before_full_.width, x + mode->width) - std::max(before_full_.x, x);
+    const int down = std::min(before_full_.y + before_full_.height, y + mode->height) - std::max(before_full_.y, y);
+    const int common = std::max(across, 0) * std::max(down, 0);
+    if (common <= most) continue;
+    most = common;
+    best = monitors[i];
+    its_mode = mode;
+  }
+  if (best == nullptr) return;
+  glfwSetWindowMonitor(window_, best, 0, 0, its_mode->width, its_mode->height, its_mode->refreshRate);
 }
 
 void Window::set_title(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }

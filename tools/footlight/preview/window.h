@@ -61,14 +61,17 @@ class Window {
 
   void set_title(const std::string& title);
   void hide();
+  // On the screen that most of the window is on, and back to where it was.
+  void toggle_full_screen();
 
   // Handles events. Waits up to wait_s for one; while the window is minimised, up to 100 ms.
   void poll(double wait_s = 0);
   [[nodiscard]] bool wants_close() const;
-  // The keys that went down during the last poll(), or repeated while held, in order: GLFW_KEY_... ImGui's own list
-  // misses a key that goes down and up within one slow frame.
+  // The keys that went down during the last poll(), or repeated while held, in order. ImGui's own list misses a key
+  // that goes down and up within one slow frame.
   struct Key {
-    int code = 0;
+    int code = 0;  // GLFW_KEY_...; of a letter that which is printed on the key: Z on a German keyboard is where Y was
+    int mods = 0;  // GLFW_MOD_...
     bool repeat = false;
   };
   [[nodiscard]] const std::vector<Key>& keys() const { return keys_; }
@@ -103,6 +106,7 @@ class Window {
   Status start_ui();
   void record_all(VkCommandBuffer commands, std::uint32_t index, const WindowPicture& picture);
   static void on_key(GLFWwindow* window, int key, int scancode, int action, int mods);
+  [[nodiscard]] PixelRect rect() const;
   void record_shot(VkCommandBuffer commands, VkImage image);
 
   struct Target {
@@ -118,6 +122,7 @@ class Window {
   int height_ = 0;
   bool minimised_ = false;
   std::vector<Key> keys_;
+  PixelRect before_full_;  // where the window was before it became full screen
   float ui_scale_ = 1;
   bool ui_started_ = false;
 

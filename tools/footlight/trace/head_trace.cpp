@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -52,9 +53,13 @@ struct HeadTrace::State {
 };
 
 HeadTrace::HeadTrace(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled)
-    : rig_(rig), compiled_(compiled), state_(std::make_unique<State>(compiled)) {}
+    : rig_(rig), compiled_(compiled), state_(std::make_unique<State>(compiled)), followed_(compiled.heads.size()) {
+  std::iota(followed_.begin(), followed_.end(), std::size_t{0});
+}
 
 HeadTrace::~HeadTrace() = default;
+
+void HeadTrace::follow(std::vector<std::size_t> heads) { followed_ = std::move(heads); }
 
 // As Walker::step(), and keeps what that forgets.
 void HeadTrace::step(std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
@@ -64,7 +69,7 @@ void HeadTrace::step(std::span<const std::uint8_t> levels, std::int64_t dt_ns, b
   walker.levels = levels;
   const auto dt = static_cast<std::uint64_t>(dt_ns);
   const f32::Turns dt_words(static_cast<std::uint32_t>(dt), static_cast<std::uint32_t>(dt >> 32));
-  for (std::size_t i = 0; i < walker.states.size(); ++i) {
+  for (const std::size_t i : followed_) {
     const fixtures::HeadRow& row = compiled_.heads[i];
     const fixtures::TypeRow& type = compiled_.types[row.type];
     Walker::Decoded& decoded = state_->decoded[i];

@@ -32,6 +32,9 @@ class HeadTrace {
   HeadTrace(const HeadTrace&) = delete;
   HeadTrace& operator=(const HeadTrace&) = delete;
 
+  // Only these heads are stepped from here on, and only they may be given to row(). Others keep their states.
+  void follow(std::vector<std::size_t> heads);
+
   // As Timeline::Step: levels that are held for dt_ns >= 0. new_exposure: the means of light and shutter begin anew.
   void step(std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure);
 
@@ -48,6 +51,7 @@ class HeadTrace {
   const fixtures::Rig& rig_;
   const fixtures::CompiledRig& compiled_;
   std::unique_ptr<State> state_;
+  std::vector<std::size_t> followed_;  // all, unless follow() said otherwise
 };
 
 // One line with its newline. CSV as RFC 4180 has it but for the line's end, which is that of the system: names, and

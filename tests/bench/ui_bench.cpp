@@ -1,0 +1,103 @@
+// CPU time of the panels of the window for one picture, without a window: each panel alone, all of them, and none, with
+// a rig of as many fixtures as the argument says. Its figures are in docs/window.md.
+#include <benchmark/benchmark.h>
+
+#include <string>
+#include <vector>
+
+#include <imgui/imgui.h>
+
+#include "tests/tools/footlight/ui_rigs.h"
+#include "tools/footlight/preview/ui/panels.h"
+#include "tools/footlight/preview/ui/stage_marks.h"
+
+using namespace footlight;
+using namespace footlight::tools;
+
+namespace {
+
+// words: of the open panels. everything: all fixtures are selected, and all levels change all the time.
+void draw_panels(benchmark::State& state, const std::string& words, bool everything) {
+  const testing::UiRig rig = testing::many_fixtures(static_cast<int>(state.range(0)));
+  UiDesk desk(rig.rig, rig.compiled);
+  UiPanels open;
+  if (!open.open_words(words, desk)) state.SkipWithError("no such panel");
+  desk.select(0, false);
+  if (everything) desk.select_all();
+  std::vector<std::uint8_t> levels(rig.compiled.universes.size() * kSlotCountMax);
+  const StagePick pick(rig.rig);
+  fixtures::Camera camera;
+  camera.position_m = {50, -120, 60};
+  camera.target_m = {50, 50, 0};
+  const StagePlace place{render::view_of(camera), {1920, 1080}};
+
+  ImGui::CreateContext();
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;
+  io.DisplaySize = {1920, 1080};
+  io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;  // as the window has it
+  unsigned char* pixels = nullptr;
+  int unused = 0;
+  io.Fonts->GetTexDataAsRGBA32(&pixels, &unused, &unused);
+  UiInput input;
+  input.now_ns = kNsPerS;
+  std::uint8_t level = 0;
+  const auto draw = [&] {
+    if (everything) std::fill(levels.begin(), levels.end(), ++level);
+    input.now_ns += 16 * kNsPerMs;
+    input.levels = levels;
+    io.DeltaTime = 0.016f;
+    open.step(levels, 16 * kNsPerMs, true);
+    ImGui::NewFrame();
+    open.draw(desk, input, 1920, 1080);
+    if (everything) draw_marks(rig.rig, pick, place, desk.state().selection, 1);
+    ImGui::Render();
+    benchmark::DoNotOptimize(ImGui::GetDrawData()->TotalVtxCount);
+  };
+  for (int i = 0; i < 3; ++i) draw();  // what is made once
+  for (auto _ : state) draw();
+  ImGui::DestroyContext();
+}
+
+void closed(benchmark::State& state) { draw_panels(state, "", false); }
+void universes(benchmark::State& state) { draw_panels(state, "universes", false); }
+void universes_changing(benchmark::State& state) { draw_panels(state, "universes", true); }
+void patch(benchmark::State& state) { draw_panels(state, "fixtures", false); }
+void inspector(benchmark::State& state) { draw_panels(state, "inspector", false); }
+void all_selected(benchmark::State& state) { draw_panels(state, "universes,fixtures,inspector", true); }
+
+// A click on the picture.
+void click(benchmark::State& state) {
+  const testing::UiRig rig = testing::many_fixtures(static_cast<int>(state.range(0)));
+  const StagePick pick(rig.rig);
+  fixtures::Camera camera;
+  camera.position_m = {50, -120, 60};
+  camera.target_m = {50, 50, 0};
+  const StagePlace place{render::view_of(camera), {1920, 1080}};
+  for (auto _ : state) benchmark::DoNotOptimize(pick.fixture_at(place, {960, 540}));
+}
+
+// One step of a slider's drag with all fixtures selected.
+void take_all(benchmark::State& state) {
+  const testing::UiRig rig = testing::many_fixtures(static_cast<int>(state.range(0)));
+  UiDesk desk(rig.rig, rig.compiled);
+  desk.select_all();
+  desk.begin_gesture();
+  std::vector<std::uint8_t> levels(rig.compiled.universes.size() * kSlotCountMax);
+  std::uint32_t raw = 0;
+  for (auto _ : state) {
+    desk.take({0, 2}, ++raw & 0xFFFF);
+    desk.overlay(levels);
+  }
+}
+
+}  // namespace
+
+BENCHMARK(closed)->Arg(10'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(universes)->Arg(24)->Arg(10'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(universes_changing)->Arg(10'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(patch)->Arg(24)->Arg(10'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(inspector)->Arg(24)->Arg(10'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(all_selected)->Arg(10'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(click)->Arg(10'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(take_all)->Arg(10'000)->Unit(benchmark::kMillisecond);

@@ -1,0 +1,226 @@
+// The patch of the rig as a table: sorted by any column, filtered by text, with rows to select.
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdio>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <imgui/imgui.h>
+
+#include "fixtures/paperwork/patch_sheet.h"
+#include "tools/footlight/preview/ui/panels.h"
+#include "tools/footlight/preview/ui/ui_theme.h"
+
+namespace footlight::tools {
+namespace {
+
+enum Column : int { kColumnId, kColumnName, kColumnType, kColumnMode, kColumnAddress, kColumnPlace, kColumnX, kColumnY,
+                    kColumnZ, kColumnCount };
+constexpr std::array<const char*, kColumnCount> kHeads{"Id",    "Name", "Type", "Mode", "Address",
+                                                       "Hangs", "x m",  "y m",  "z m"};
+
+std::string lower_case(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+// "Spot 9" before "Spot 10": numbers by their value, the rest by its letters.
+bool before_in_words(std::string_view a, std::string_view b) {
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  while (!a.empty() && !b.empty()) {
+    if (digit(a.front()) && digit(b.front())) {
+      const auto number = [&](std::string_view& text) {
+        text.remove_prefix(std::min(text.find_first_not_of('0'), text.size()));
+        std::size_t end = 0;
+        while (end < text.size() && digit(text[end])) ++end;
+        const std::string_view digits = text.substr(0, end);
+        text.remove_prefix(end);
+        return digits;
+      };
+      const std::string_view x = number(a);
+      const std::string_view y = number(b);
+      if (x != y) return x.size() != y.size() ? x.size() < y.size() : x < y;
+      continue;
+    }
+    if (a.front() != b.front()) return a.front() < b.front();
+    a.remove_prefix(1);
+    b.remove_prefix(1);
+  }
+  return a.size() < b.size();
+}
+
+class FixturesPanel final : public Panel {
+ public:
+  explicit FixturesPanel(UiDesk& desk) : rows_(fixtures::patch_rows(desk.rig())) {
+    texts_.reserve(rows_.size());
+    for (const fixtures::PatchRow& row : rows_) {
+      texts_.push_back(lower_case(fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}", row.id, row.name, row.type, row.mode,
+                                              row.addresses, row.place, row.layer)));
+      ids_ = ids_ || row.id != row.name;
+      places_ = places_ || !row.place.empty();
+    }
+    for (std::size_t i = 0; i < rows_.size(); ++i) shown_.push_back(static_cast<int>(i));
+  }
+
+  void draw(UiDesk& desk, const UiInput& input) override {
+    draw_head(desk, input);
+    constexpr ImGuiTableFlags kFlags = ImGuiTableFlags_Sortable | ImGuiTableFlags_ScrollY | ImGuiTableFlags_ScrollX |
+                                       ImGuiTableFlags_Resizable | ImGuiTableFlags_RowBg | ImGuiTableFlags_Hideable |
+                                       ImGuiTableFlags_SizingFixedFit;
+    if (!ImGui::BeginTable("patch", kColumnCount, kFlags)) return;
+    const std::array<float, kColumnCount> widths{44, 130, 150, 90, 76, 60, 52, 52, 52};
+    for (std::size_t i = 0; i < widths.size(); ++i) {
+      const ImGuiTableColumnFlags flags = i == kColumnAddress                ? ImGuiTableColumnFlags_DefaultSort
+                                          : i == kColumnName ? ImGuiTableColumnFlags_NoHide
+                                          : i == kColumnId && !ids_          ? ImGuiTableColumnFlags_DefaultHide
+                                          : i == kColumnPlace && !places_    ? ImGuiTableColumnFlags_DefaultHide
+                                                                             : ImGuiTableColumnFlags_None;
+      ImGui::TableSetupColumn(kHeads[i], flags, widths[i] * input.scale);
+    }
+    ImGui::TableSetupScrollFreeze(0, 1);
+    ImGui::TableHeadersRow();
+    sort();
+    ImGuiListClipper clipper;
+    clipper.Begin(static_cast<int>(shown_.size()));
+    while (clipper.Step()) {
+      for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) draw_row(desk, static_cast<std::size_t>(i));
+    }
+    ImGui::EndTable();
+  }
+
+ private:
+  [[nodiscard]] const fixtures::PatchRow& row_at(int index) const { return rows_[static_cast<std::size_t>(index)]; }
+
+  void draw_head(UiDesk& desk, const UiInput& input) {
+    ImGui::SetNextItemWidth(180 * input.scale);
+    if (ImGui::InputTextWithHint("##filter", "filter", filter_.data(), filter_.size())) filter(desk);
+    ImGui::SameLine();
+    const std::size_t selected = desk.state().selection.fixtures.size();
+    ui_text(kUiDim, fmt::format("{} of {} fixtures, {} selected", shown_.size(), rows_.size(), selected));
+    if (const std::size_t conflicts = desk.index().conflict_count(); conflicts > 0) {
+      ImGui::SameLine();
+      ImGui::PushStyleColor(ImGuiCol_Text, kUiRed);
+      const std::string label = fmt::format("{} share addresses###conflicts", conflicts);
+      if (ImGui::Checkbox(label.c_str(), &only_conflicts_)) filter(desk);
+      ImGui::PopStyleColor();
+    }
+  }
+
+  void filter(UiDesk& desk) {
+    const std::string wanted = lower_case(filter_.data());
+    shown_.clear();
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      if (only_conflicts_ && desk.index().conflict(rows_[i].fixture) < 0) continue;
+      if (texts_[i].find(wanted) != std::string::npos) shown_.push_back(static_cast<int>(i));
+    }
+    sorted_ = false;
+    anchor_ = -1;
+  }
+
+  void sort() {
+    ImGuiTableSortSpecs* specs = ImGui::TableGetSortSpecs();
+    if (specs == nullptr || (!specs->SpecsDirty && sorted_)) return;
+    specs->SpecsDirty = false;
+    sorted_ = true;
+    if (specs->SpecsCount == 0) return;
+    const ImGuiTableColumnSortSpecs& one = specs->Specs[0];
+    const bool down = one.SortDirection == ImGuiSortDirection_Descending;
+    std::stable_sort(shown_.begin(), shown_.end(), [&](int a, int b) {
+      return down ? before(b, a, one.ColumnIndex) : before(a, b, one.ColumnIndex);
+    });
+    anchor_ = -1;
+  }
+
+  [[nodiscard]] bool before(int a, int b, int column) const {
+    const fixtures::PatchRow& x = row_at(a);
+    const fixtures::PatchRow& y = row_at(b);
+    switch (column) {
+      case kColumnId: return before_in_words(x.id, y.id);
+      case kColumnName: return before_in_words(x.name, y.name);
+      case kColumnType: return before_in_words(x.type, y.type);
+      case kColumnMode: return before_in_words(x.mode, y.mode);
+      case kColumnPlace: return before_in_words(x.place, y.place);
+      case kColumnX: return x.position_m.x < y.position_m.x;
+      case kColumnY: return x.position_m.y < y.position_m.y;
+      case kColumnZ: return x.position_m.z < y.position_m.z;
+      default: return a < b;  // patch_rows() has the order of addresses
+    }
+  }
+
+  void draw_row(UiDesk& desk, std::size_t at) {
+    const fixtures::PatchRow& row = row_at(shown_[at]);
+    const int conflict = desk.index().conflict(row.fixture);
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    if (row.id != row.name) ui_text(row.id);
+    // In the column of the name, which cannot be hidden.
+    ImGui::TableNextColumn();
+    ImGui::PushID(row.fixture);
+    constexpr ImGuiSelectableFlags kFlags = ImGuiSelectableFlags_SpanAllColumns;
+    if (ImGui::Selectable("##row", desk.state().selection.has(row.fixture), kFlags)) click(desk, at);
+    ImGui::PopID();
+    ImGui::SameLine(0, 0);
+    ui_text(row.name);
+    for (const std::string* text : {&row.type, &row.mode}) {
+      ImGui::TableNextColumn();
+      ui_text(*text);
+    }
+    ImGui::TableNextColumn();
+    if (conflict >= 0) {
+      ui_text(kUiRed, row.addresses + " !");
+      if (ImGui::IsItemHovered()) {
+        const std::string& other = desk.rig().fixtures[static_cast<std::size_t>(conflict)].name;
+        ImGui::SetTooltip("%s has some of the same slots", other.c_str());
+      }
+    } else {
+      ui_text(row.addresses);
+    }
+    ImGui::TableNextColumn();
+    ui_text(row.place);
+    for (int c = 0; c < 3; ++c) {
+      ImGui::TableNextColumn();
+      std::array<char, 32> number{};
+      (void)std::snprintf(number.data(), number.size(), "%8.2f", row.position_m[c]);
+      ui_text(number.data());
+    }
+  }
+
+  // As in any list: a click selects, Ctrl adds or removes, Shift extends from the last click.
+  void click(UiDesk& desk, std::size_t at) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const int fixture = row_at(shown_[at]).fixture;
+    if (!io.KeyShift || anchor_ < 0) {
+      desk.select(fixture, io.KeyCtrl);
+      anchor_ = static_cast<int>(at);
+      return;
+    }
+    Selection next = io.KeyCtrl ? desk.state().selection : Selection{};
+    const auto from = std::min(static_cast<std::size_t>(anchor_), at);
+    const auto to = std::max(static_cast<std::size_t>(anchor_), at);
+    for (std::size_t i = from; i <= to; ++i) next.fixtures.push_back(row_at(shown_[i]).fixture);
+    std::sort(next.fixtures.begin(), next.fixtures.end());
+    next.fixtures.erase(std::unique(next.fixtures.begin(), next.fixtures.end()), next.fixtures.end());
+    next.lead = fixture;
+    desk.select(std::move(next));
+  }
+
+  std::vector<fixtures::PatchRow> rows_;
+  std::vector<std::string> texts_;  // of each row, for the filter
+  bool ids_ = false;                // some fixture has an id
+  bool places_ = false;             // or a pipe that it hangs from
+  std::vector<int> shown_;          // indices into rows_, filtered and sorted
+  std::array<char, 128> filter_{};
+  bool sorted_ = false;
+  int anchor_ = -1;  // index into shown_: where Shift extends from
+  bool only_conflicts_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> make_fixtures_panel(UiDesk& desk) { return std::make_unique<FixturesPanel>(desk); }
+
+}  // namespace footlight::tools

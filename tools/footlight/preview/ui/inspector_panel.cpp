@@ -1,0 +1,308 @@
+// The selected fixtures: every channel in real units with controls that take it over, and what the heads do now.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <imgui/imgui.h>
+
+#include "fixtures/model/attributes.h"
+#include "fixtures/paperwork/patch_sheet.h"
+#include "fixtures/simulate/encode.h"
+#include "tools/footlight/preview/ui/channel_reading.h"
+#include "tools/footlight/preview/ui/panels.h"
+#include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/trace/head_trace.h"
+
+namespace footlight::tools {
+namespace {
+
+using fixtures::PhysicalUnit;
+
+// A name of the trace: "strobe_hz" is "strobe" in Hz (docs/trace.md).
+struct TraceWords {
+  std::string name;
+  const char* unit;
+};
+TraceWords words_of_trace(std::string_view column) {
+  static constexpr std::array<std::array<const char*, 2>, 5> kEnds{
+      {{"_per_m", "1/m"}, {"_deg", "\u00b0"}, {"_lm", "lm"}, {"_hz", "Hz"}, {"_m", "m"}}};
+  TraceWords words{std::string(column), ""};
+  for (const auto& [end, unit] : kEnds) {
+    if (!column.ends_with(end)) continue;
+    words = {std::string(column.substr(0, column.size() - std::string_view(end).size())), unit};
+    break;
+  }
+  // A wheel has a place and an angle.
+  static constexpr std::array<std::string_view, 5> kWheels{"gobo1", "gobo2", "animation", "prism1", "prism2"};
+  if (words.unit[0] != '\0' && std::find(kWheels.begin(), kWheels.end(), words.name) != kWheels.end()) {
+    words.name += " turn";
+  }
+  std::replace(words.name.begin(), words.name.end(), '_', ' ');
+  return words;
+}
+
+class InspectorPanel final : public Panel {
+ public:
+  explicit InspectorPanel(UiDesk& desk) : desk_(desk) { follow(); }
+
+  void step(std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) override {
+    follow();
+    if (trace_) trace_->step(levels, dt_ns, new_exposure);
+  }
+
+  void restart() override { lead_ = kNobody; }
+
+  void draw(UiDesk& desk, const UiInput& input) override {
+    follow();
+    draw_buttons(desk);
+    if (lead_ < 0) {
+      ImGui::PushTextWrapPos(0);
+      ui_text(kUiDim, "Nothing is selected. Click a fixture in the picture or in the list of fixtures (F3).");
+      ImGui::PopTextWrapPos();
+      return;
+    }
+    draw_fixture(desk);
+    draw_channels(desk, input);
+    if (ImGui::CollapsingHeader("Simulated now", ImGuiTreeNodeFlags_DefaultOpen)) draw_heads();
+  }
+
+ private:
+  // Notes what the lead fixture is where another one is selected. Its heads then start from where its levels are.
+  void follow() {
+    const int lead = desk_.state().selection.lead;
+    if (lead == lead_) return;
+    lead_ = lead;
+    trace_.reset();
+    heads_.clear();
+    units_.clear();
+    head_ = 0;
+    if (lead < 0) return;
+    const auto& firsts = desk_.compiled().head_first;
+    const auto at = static_cast<std::size_t>(lead);
+    for (std::size_t head = firsts[at]; head < firsts[at + 1]; ++head) heads_.push_back(head);
+    for (const auto& channel : mode().channels) {
+      std::vector<PhysicalUnit> of_functions;
+      for (const auto& function : channel.functions) {
+        of_functions.push_back(fixtures::attribute_info(function.attribute).unit);
+      }
+      units_.push_back(std::move(of_functions));
+    }
+    if (heads_.empty()) return;
+    trace_ = std::make_unique<HeadTrace>(desk_.rig(), desk_.compiled());
+    trace_->follow({heads_.front()});
+  }
+
+  [[nodiscard]] const fixtures::PatchedFixture& fixture() const {
+    return desk_.rig().fixtures[static_cast<std::size_t>(lead_)];
+  }
+  [[nodiscard]] const fixtures::Mode& mode() const { return fixtures::mode_of(desk_.rig(), fixture()); }
+
+  static void draw_buttons(UiDesk& desk) {
+    bool highlight = desk.highlights();
+    if (ImGui::Checkbox("highlight (L)", &highlight)) desk.set_highlight(highlight);
+    ImGui::SameLine();
+    const std::size_t taken = desk.state().taken.size();
+    ImGui::BeginDisabled(taken == 0);
+    if (ImGui::Button(fmt::format("release all {} (R)###release", taken).c_str())) desk.release_all();
+    ImGui::EndDisabled();
+  }
+
+  void draw_fixture(const UiDesk& desk) const {
+    const fixtures::PatchedFixture& one = fixture();
+    const fixtures::FixtureType& type = fixtures::type_of(desk.rig(), one);
+    ui_text(kUiAmber, one.name);
+    if (const std::size_t count = desk.state().selection.fixtures.size(); count > 1) {
+      ImGui::SameLine();
+      ui_text(kUiDim, fmt::format("and {} more; controls set them all", count - 1));
+    }
+    ImGui::PushTextWrapPos(0);
+    ui_text(kUiDim, fmt::format("{} {}, {}", type.manufacturer, type.name, mode().name));
+    ui_text(kUiDim, fmt::format("{}  at {:.2f} {:.2f} {:.2f} m",
+                                one.patched ? fmt::format("{}.{}", one.universe, one.address) : "no address",
+                                one.position_m.x, one.position_m.y, one.position_m.z));
+    ImGui::PopTextWrapPos();
+  }
+
+  void draw_channels(UiDesk& desk, const UiInput& input) {
+    const auto& channels = mode().channels;
+    if (channels.empty()) {
+      ui_text(kUiDim, "This mode has no channels.");
+      return;
+    }
+    constexpr ImGuiTableFlags kFlags =
+        ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_Resizable | ImGuiTableFlags_BordersInnerV;
+    const float line = ImGui::GetFrameHeightWithSpacing();
+    const float room = ImGui::GetContentRegionAvail().y;
+    const float wanted = line * static_cast<float>(channels.size() + 1) + 4;
+    const float height = std::min(wanted, std::max(room - 6 * line, std::min(room, 7 * line)));
+    if (!ImGui::BeginTable("channels", 4, kFlags, {0, height})) return;
+    ImGui::TableSetupScrollFreeze(0, 1);
+    ImGui::TableSetupColumn("Channel", ImGuiTableColumnFlags_WidthStretch, 1.1f);
+    ImGui::TableSetupColumn("Value", ImGuiTableColumnFlags_WidthStretch, 1.9f);
+    ImGui::TableSetupColumn("Level", ImGuiTableColumnFlags_WidthStretch, 0.6f);
+    ImGui::TableSetupColumn("Slot", ImGuiTableColumnFlags_WidthStretch, 0.6f);
+    ImGui::TableHeadersRow();
+    ImGuiListClipper clipper;
+    clipper.Begin(static_cast<int>(channels.size()), line);
+    while (clipper.Step()) {
+      for (int c = clipper.DisplayStart; c < clipper.DisplayEnd; ++c) draw_channel(desk, input, c);
+    }
+    ImGui::EndTable();
+  }
+
+  void draw_channel(UiDesk& desk, const UiInput& input, int c) {
+    const ChannelKey key{lead_, c};
+    const fixtures::Channel& channel = desk.index().channel(key);
+    const auto place = desk.index().place(key);
+    const std::uint32_t raw = desk.index().read(key, input.levels);
+    const bool taken = desk.state().taken.contains(key);
+    const ChannelReading reading =
+        reading_of(fixtures::type_of(desk.rig(), fixture()), channel, raw, [&](int other) {
+          return desk.index().read({lead_, other}, input.levels);
+        });
+    ImGui::PushID(c);
+    ImGui::TableNextRow(0, ImGui::GetFrameHeightWithSpacing());
+    ImGui::TableNextColumn();
+    ImGui::AlignTextToFramePadding();
+    ui_text(taken ? kUiGreen : ImGui::GetStyleColorVec4(ImGuiCol_Text), name_of(channel));
+    ImGui::TableNextColumn();
+    ImGui::BeginDisabled(!place);
+    draw_control(desk, key, channel, reading, raw);
+    ImGui::EndDisabled();
+    ImGui::TableNextColumn();
+    ui_text(kUiDim, fmt::format("{}", raw));
+    ImGui::TableNextColumn();
+    if (taken) {
+      if (ImGui::SmallButton("x")) desk.release(key);
+      if (ImGui::IsItemHovered()) ImGui::SetTooltip("release: the input sets it again");
+      ImGui::SameLine(0, 4);
+    }
+    ui_text(kUiDim, place ? fmt::format("{}.{}", place->universe, place->address) : "-");
+    ImGui::PopID();
+  }
+
+  // A slider in real units over the function that the channel is in, and a list of all its functions and ranges.
+  void draw_control(UiDesk& desk, ChannelKey key, const fixtures::Channel& channel, const ChannelReading& reading,
+                    std::uint32_t raw) {
+    const bool lists =
+        channel.functions.size() > 1 || (!channel.functions.empty() && !channel.functions[0].sets.empty());
+    const float arrow = lists ? ImGui::GetFrameHeight() + 2 : 0;
+    ImGui::SetNextItemWidth(-arrow - 0.01f);
+    const fixtures::ChannelFunction* function = reading.function;
+    const bool slides = function != nullptr && function->physical_from != function->physical_to &&
+                        (reading.set == nullptr || reading.set->wheel_slot < 1);
+    const std::string text = ui_format(text_of(reading));
+    if (slides) {
+      const auto unit = units_[static_cast<std::size_t>(key.channel)]
+                              [static_cast<std::size_t>(function - channel.functions.data())];
+      const double factor = unit == PhysicalUnit::kShare ? 100 : 1;
+      auto value = static_cast<float>(reading.value * factor);
+      // What is typed (Ctrl and a click) is in the same unit.
+      const char* format = unit == PhysicalUnit::kShare          ? "%.1f %%"
+                           : unit == PhysicalUnit::kAngle        ? "%.1f\u00b0"
+                           : unit == PhysicalUnit::kAngularSpeed ? "%.1f\u00b0/s"
+                           : unit == PhysicalUnit::kFrequency    ? "%.2f Hz"
+                           : unit == PhysicalUnit::kTemperature  ? "%.0f K"
+                           : unit == PhysicalUnit::kTime         ? "%.2f s"
+                           : unit == PhysicalUnit::kLength       ? "%.2f m"
+                                                                 : "%.3g";
+      const auto from = static_cast<float>(function->physical_from * factor);
+      const auto to = static_cast<float>(function->physical_to * factor);
+      if (ImGui::SliderFloat("##value", &value, std::min(from, to), std::max(from, to), format,
+                             ImGuiSliderFlags_AlwaysClamp)) {
+        fixtures::Channel only = channel;
+        only.functions = {*function};
+        const auto nearest = fixtures::nearest_raw(fixtures::type_of(desk.rig(), fixture()), only, function->attribute,
+                                                   static_cast<double>(value) / factor);
+        if (nearest) desk.take(key, nearest->raw);
+      }
+    } else {
+      std::uint32_t level = raw;
+      const std::uint32_t low = 0;
+      const std::uint32_t high = fixtures::raw_max(channel.byte_count);
+      if (ImGui::SliderScalar("##raw", ImGuiDataType_U32, &level, &low, &high, text.c_str(),
+                              ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput)) {
+        desk.take(key, level);
+      }
+    }
+    if (!lists) return;
+    ImGui::SameLine(0, 2);
+    if (ImGui::ArrowButton("ranges", ImGuiDir_Down)) ImGui::OpenPopup("ranges of it");
+    if (ImGui::BeginPopup("ranges of it")) {
+      for (const auto& each : channel.functions) draw_ranges(desk, key, each, raw);
+      ImGui::EndPopup();
+    }
+  }
+
+  static void draw_ranges(UiDesk& desk, ChannelKey key, const fixtures::ChannelFunction& function, std::uint32_t raw) {
+    const auto entry = [&](const std::string& name, std::uint32_t from, std::uint32_t to, const char* indent) {
+      const std::string label = fmt::format("{}{}  {}-{}###{}", indent, name, from, to, from);
+      if (ImGui::Selectable(label.c_str(), raw >= from && raw <= to)) desk.take(key, from + (to - from) / 2);
+    };
+    ImGui::PushID(&function);
+    entry(function.name.empty() ? function.attribute : function.name, function.dmx_from, function.dmx_to, "");
+    for (std::size_t i = 0; i < function.sets.size(); ++i) {
+      const fixtures::ChannelSet& set = function.sets[i];
+      if (set.name.empty() && set.wheel_slot < 1) continue;
+      ImGui::PushID(static_cast<int>(i));
+      entry(set.name.empty() ? fmt::format("slot {}", set.wheel_slot) : set.name, set.dmx_from, set.dmx_to, "    ");
+      ImGui::PopID();
+    }
+    ImGui::PopID();
+  }
+
+  // The values that the motors, lamps and shutters of a head have reached.
+  void draw_heads() {
+    if (!trace_) {
+      ui_text(kUiDim, "This fixture has no beam.");
+      return;
+    }
+    if (heads_.size() > 1) {
+      ImGui::SetNextItemWidth(-1);
+      int shown = static_cast<int>(head_) + 1;
+      if (ImGui::SliderInt("##head", &shown, 1, static_cast<int>(heads_.size()), "head %d",
+                           ImGuiSliderFlags_AlwaysClamp)) {
+        head_ = static_cast<std::size_t>(shown - 1);
+        trace_->follow({heads_[head_]});
+      }
+    }
+    if (!ImGui::BeginTable("now", 4, ImGuiTableFlags_SizingStretchProp)) return;
+    for (const auto& [column, value] : trace_->row(heads_[head_], 0)) {
+      if (std::holds_alternative<std::monostate>(value) || std::holds_alternative<std::string>(value)) continue;
+      if (std::string_view(column) == "head") continue;
+      const TraceWords words = words_of_trace(column);
+      const double number = std::holds_alternative<float>(value)
+                                ? static_cast<double>(std::get<float>(value))
+                                : static_cast<double>(std::get<std::int64_t>(value));
+      ImGui::TableNextColumn();
+      ui_text(kUiDim, words.name);
+      ImGui::TableNextColumn();
+      ui_text(std::abs(number) >= 1000 ? fmt::format("{:.0f} {}", number, words.unit)
+                                       : fmt::format("{:.4g} {}", number, words.unit));
+    }
+    ImGui::EndTable();
+  }
+
+  static constexpr int kNobody = -2;  // follow() has to look
+
+  UiDesk& desk_;
+  int lead_ = kNobody;  // index into Rig::fixtures; -1: none is selected
+  std::vector<std::vector<PhysicalUnit>> units_;  // of each function of each channel of the lead fixture
+  std::vector<std::size_t> heads_;                // of it
+  std::size_t head_ = 0;                          // which of them is shown
+  std::unique_ptr<HeadTrace> trace_;              // null: it has no head
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> make_inspector_panel(UiDesk& desk) { return std::make_unique<InspectorPanel>(desk); }
+
+}  // namespace footlight::tools

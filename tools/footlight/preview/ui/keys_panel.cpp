@@ -1,0 +1,42 @@
+// The list of keys, from the table that handles them.
+#include <string>
+
+#include <imgui/imgui.h>
+
+#include "tools/footlight/preview/ui/keys.h"
+#include "tools/footlight/preview/ui/panels.h"
+#include "tools/footlight/preview/ui/ui_theme.h"
+
+namespace footlight::tools {
+namespace {
+
+class KeysPanel final : public Panel {
+ public:
+  void draw(UiDesk&, const UiInput& input) override {
+    keys_width_ = 160 * input.scale;
+    for (const KeyRow& row : key_rows()) {
+      if (row.keys != nullptr) line(row.keys, row.does);
+    }
+    ImGui::Separator();
+    for (const PanelInfo& panel : panels()) line(panel.key_text, std::string(panel.title) + ": " + panel.shows);
+    ImGui::Separator();
+    for (const MouseRow& row : mouse_rows()) line(row.hands, row.does);
+  }
+
+ private:
+  void line(const char* keys, const std::string& does) const {
+    ui_text(kUiAmber, keys);
+    ImGui::SameLine(keys_width_);
+    ImGui::PushTextWrapPos(0);
+    ui_text(does);
+    ImGui::PopTextWrapPos();
+  }
+
+  float keys_width_ = 160;
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> make_keys_panel(UiDesk&) { return std::make_unique<KeysPanel>(); }
+
+}  // namespace footlight::tools

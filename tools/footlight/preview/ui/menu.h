@@ -1,0 +1,14 @@
+// The menu of the side panel, from the tables of keys and panels.
+#pragma once
+
+#include <optional>
+
+#include "tools/footlight/preview/ui/keys.h"
+#include "tools/footlight/preview/ui/panels.h"
+
+namespace footlight::tools {
+
+// Between the begin and end of a menu bar. What was chosen. has_log: there is something to play.
+[[nodiscard]] std::optional<UiCall> draw_menu(const UiDesk& desk, const UiPanels& open, bool has_log);
+
+}  // namespace footlight::tools

@@ -1,0 +1,71 @@
+#include "tools/footlight/preview/ui/stage_marks.h"
+
+#include <algorithm>
+#include <string>
+
+#include <imgui/imgui.h>
+
+#include "tools/footlight/preview/ui/ui_theme.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr std::size_t kNamesMax = 24;  // with more of them selected, names would hide the picture
+constexpr float kSmallestUnits = 10;
+
+// The four corners of a rectangle.
+void draw_corners(ImDrawList& draw, ImVec2 low, ImVec2 high, ImU32 colour, float width) {
+  const float arm = std::max(std::min(high.x - low.x, high.y - low.y) * 0.3f, 3.0f);
+  for (int corner = 0; corner < 4; ++corner) {
+    const bool right = (corner & 1) != 0;
+    const bool down = (corner & 2) != 0;
+    const ImVec2 at{right ? high.x : low.x, down ? high.y : low.y};
+    const float along = right ? -arm : arm;
+    const float up = down ? -arm : arm;
+    draw.AddLine(at, {at.x + along, at.y}, colour, width);
+    draw.AddLine(at, {at.x, at.y + up}, colour, width);
+  }
+}
+
+}  // namespace
+
+void draw_marks(const fixtures::Rig& rig, const StagePick& pick, const StagePlace& place, const Selection& selection,
+                float scale) {
+  ImDrawList& draw = *ImGui::GetBackgroundDrawList();
+  const ImVec2 size(static_cast<float>(place.size.x), static_cast<float>(place.size.y));
+  draw.PushClipRect({0, 0}, size);
+  const ImU32 shade = IM_COL32(0, 0, 0, 160);
+  const bool names = selection.fixtures.size() <= kNamesMax;
+  for (std::size_t i = 0; i < std::min(selection.fixtures.size(), kMarksMax); ++i) {
+    const int fixture = selection.fixtures[i];
+    const auto mark = pick.mark_of(place, fixture);
+    if (!mark) continue;
+    const glm::dvec2 middle = (mark->low + mark->high) / 2.0;
+    const glm::dvec2 half =
+        glm::max((mark->high - mark->low) / 2.0, glm::dvec2(static_cast<double>(kSmallestUnits * scale / 2)));
+    const ImVec2 low(static_cast<float>(middle.x - half.x) - 2, static_cast<float>(middle.y - half.y) - 2);
+    const ImVec2 high(static_cast<float>(middle.x + half.x) + 2, static_cast<float>(middle.y + half.y) + 2);
+    const bool lead = fixture == selection.lead;
+    const ImU32 colour = ImGui::GetColorU32(lead ? kUiAmber : ImVec4{0.85f, 0.86f, 0.88f, 0.9f});
+    draw_corners(draw, {low.x + 1, low.y + 1}, {high.x + 1, high.y + 1}, shade, 2 * scale);
+    draw_corners(draw, low, high, colour, 1.5f * scale);
+    if (!names) continue;
+    const std::string& name = rig.fixtures[static_cast<std::size_t>(fixture)].name;
+    const ImVec2 needed = ImGui::CalcTextSize(name.c_str());
+    const ImVec2 at((low.x + high.x - needed.x) / 2, high.y + 2);
+    draw.AddText({at.x + 1, at.y + 1}, shade, name.c_str());
+    draw.AddText(at, colour, name.c_str());
+  }
+  draw.PopClipRect();
+}
+
+void draw_news(std::string_view words, const StagePlace& place, float scale) {
+  ImDrawList& draw = *ImGui::GetForegroundDrawList();
+  const std::string text(words);
+  const ImVec2 needed = ImGui::CalcTextSize(text.c_str());
+  const ImVec2 at(12 * scale, static_cast<float>(place.size.y) - needed.y - 40 * scale);
+  draw.AddRectFilled({at.x - 6, at.y - 4}, {at.x + needed.x + 6, at.y + needed.y + 4}, IM_COL32(14, 15, 18, 220), 3);
+  draw.AddText(at, ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
+}
+
+}  // namespace footlight::tools

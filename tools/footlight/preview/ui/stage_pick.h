@@ -1,0 +1,58 @@
+// Which fixture is at a point of the picture, and where fixtures are in it. On the CPU, by boxes around bodies: the
+// visibility buffer knows no boxes of the stage, has nothing at all where bodies are left out, and a fixture far away
+// covers less than the pixel under the mouse. A box is exact enough to click on (decision 0135).
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "fixtures/model/rig.h"
+#include "render/image.h"
+
+namespace footlight::tools {
+
+// A part of the window in units of the user interface, with a picture of `view` in it.
+struct StagePlace {
+  render::View view;
+  glm::dvec2 size{1};  // from (0, 0)
+};
+
+class StagePick {
+ public:
+  // Computes a box for every mode in use: around its models, or the built-in body, with every axis at its default.
+  explicit StagePick(const fixtures::Rig& rig);
+
+  // -1: none. Of the boxes that the ray meets before a box of the stage, the nearest; else the fixture whose middle is
+  // nearest to the point and within reach_units of it.
+  [[nodiscard]] int fixture_at(const StagePlace& place, glm::dvec2 at, double reach_units = 10) const;
+
+  // The rectangle around a fixture; nothing if it is behind the camera or beside the picture.
+  struct Mark {
+    glm::dvec2 low{0};
+    glm::dvec2 high{0};
+  };
+  [[nodiscard]] std::optional<Mark> mark_of(const StagePlace& place, int fixture) const;
+
+  // The box of a fixture in fixture space, metres.
+  struct Box {
+    glm::dvec3 low_m{1e30};
+    glm::dvec3 high_m{-1e30};
+  };
+  [[nodiscard]] const Box& box_of(int fixture) const { return boxes_[box_index_[static_cast<std::size_t>(fixture)]]; }
+  // Around these fixtures, in stage space: what Frame selection shows.
+  [[nodiscard]] Box bounds_of(std::span<const int> which) const;
+
+ private:
+  const fixtures::Rig& rig_;
+  std::vector<Box> boxes_;              // of each mode in use
+  std::vector<std::size_t> box_index_;  // of each fixture
+};
+
+// Where a point of the stage is; nothing if it is not in front of the camera.
+[[nodiscard]] std::optional<glm::dvec2> projected(const StagePlace& place, const glm::dvec3& point_m);
+
+}  // namespace footlight::tools

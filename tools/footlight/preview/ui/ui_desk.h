@@ -1,0 +1,78 @@
+// The editable state of the window with its history, and what follows from it: the levels that were taken over, and
+// the values of Highlight. Knows neither a window nor Dear ImGui.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fixtures/model/rig.h"
+#include "tools/footlight/preview/hand_levels.h"
+#include "tools/footlight/preview/ui/rig_index.h"
+#include "tools/footlight/preview/ui/ui_state.h"
+
+namespace footlight::tools {
+
+class UiDesk {
+ public:
+  // Both outlive this.
+  UiDesk(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled) : rig_(rig), compiled_(compiled) {}
+
+  [[nodiscard]] const fixtures::Rig& rig() const { return rig_; }
+  [[nodiscard]] const fixtures::CompiledRig& compiled() const { return compiled_; }
+  // Made by the first call.
+  [[nodiscard]] const RigIndex& index();
+  [[nodiscard]] const UiState& state() const { return state_; }
+  [[nodiscard]] const UiHistory& history() const { return history_; }
+
+  void run(UiCommand command) { history_.run(state_, std::move(command), gesture_); }
+  // What the commands that follow belong to, until the next call: a drag is one gesture.
+  void begin_gesture() { ++gesture_; }
+  // The text of the command; empty: there was none.
+  std::string undo();
+  std::string redo();
+  // Where the camera starts. Not a command.
+  void start_camera(const OrbitCamera& camera) { state_.camera = camera; }
+
+  // As a click in a list does: `add` (Ctrl) adds or removes, else replaces. -1: nothing, so all stays with `add`.
+  void select(int fixture, bool add);
+  void select(Selection selection) { run(SelectFixtures{std::move(selection), {}}); }
+  void select_all();
+  // Fixtures whose name matches, with * for any text.
+  void select_named(std::string_view pattern);
+
+  // Sets a channel to a raw value, and to the same in all selected fixtures of the same type and mode. In others their
+  // channels with the same attribute go as near to the same physical value as they can.
+  void take(ChannelKey key, std::uint32_t raw);
+  // The channel, and those that take() would set with it.
+  void release(ChannelKey key);
+  void release_all();
+
+  // Selected fixtures are lit in white, wherever they point to.
+  [[nodiscard]] bool highlights() const { return highlight_; }
+  void set_highlight(bool on) { highlight_ = on; }
+
+  // Whether overlay() changes anything.
+  [[nodiscard]] bool overlays() const {
+    return !state_.taken.empty() || (highlight_ && !state_.selection.fixtures.empty());
+  }
+  // Writes what was taken over, and above that Highlight, over the levels of the rig.
+  void overlay(std::span<std::uint8_t> levels);
+
+ private:
+  [[nodiscard]] std::vector<TakeChannels::Edit> edits_of(ChannelKey key, std::optional<std::uint32_t> raw);
+
+  const fixtures::Rig& rig_;
+  const fixtures::CompiledRig& compiled_;
+  std::unique_ptr<RigIndex> index_;
+  std::unique_ptr<HandLevels> lit_;  // what Highlight writes; made when it is first used
+  UiState state_;
+  UiHistory history_;
+  std::uint64_t gesture_ = 1;
+  bool highlight_ = false;
+};
+
+}  // namespace footlight::tools

@@ -1,0 +1,130 @@
+#include "tools/footlight/preview/ui/ui_state.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tools/footlight/preview/ui/channel_reading.h"
+
+namespace footlight::tools {
+namespace {
+
+const std::string& fixture_name(const fixtures::Rig& rig, int fixture) {
+  return rig.fixtures[static_cast<std::size_t>(fixture)].name;
+}
+
+void set_taken(UiState& state, ChannelKey key, const std::optional<std::uint32_t>& raw) {
+  if (raw) {
+    state.taken[key] = *raw;
+  } else {
+    state.taken.erase(key);
+  }
+}
+
+}  // namespace
+
+bool Selection::has(int fixture) const { return std::binary_search(fixtures.begin(), fixtures.end(), fixture); }
+
+bool SelectFixtures::apply(UiState& state) {
+  before = std::exchange(state.selection, after);
+  return before != after;
+}
+void SelectFixtures::undo(UiState& state) const { state.selection = before; }
+std::string SelectFixtures::text(const fixtures::Rig& rig) const {
+  if (after.fixtures.empty()) return "select nothing";
+  if (after.fixtures.size() == 1) return "select " + fixture_name(rig, after.fixtures.front());
+  return fmt::format("select {} fixtures", after.fixtures.size());
+}
+bool SelectFixtures::join(const SelectFixtures& later) {
+  after = later.after;
+  return true;
+}
+
+bool TakeChannels::apply(UiState& state) {
+  bool any = false;
+  for (Edit& edit : edits) {
+    const auto at = state.taken.find(edit.key);
+    edit.before = at != state.taken.end() ? std::optional(at->second) : std::nullopt;
+    any = any || edit.before != edit.after;
+    set_taken(state, edit.key, edit.after);
+  }
+  return any;
+}
+void TakeChannels::undo(UiState& state) const {
+  for (const Edit& edit : edits) set_taken(state, edit.key, edit.before);
+}
+std::string TakeChannels::text(const fixtures::Rig& rig) const {
+  if (edits.empty()) return "take nothing over";
+  const char* word = edits.front().after ? "set" : "release";
+  const bool one_fixture = std::all_of(edits.begin(), edits.end(), [&](const Edit& edit) {
+    return edit.key.fixture == edits.front().key.fixture;
+  });
+  const ChannelKey key = edits.front().key;
+  const auto& mode = fixtures::mode_of(rig, rig.fixtures[static_cast<std::size_t>(key.fixture)]);
+  const std::string channel = name_of(mode.channels[static_cast<std::size_t>(key.channel)]);
+  if (edits.size() == 1) return fmt::format("{} {} of {}", word, channel, fixture_name(rig, key.fixture));
+  if (one_fixture) return fmt::format("{} {} channels of {}", word, edits.size(), fixture_name(rig, key.fixture));
+  return fmt::format("{} {} channels", word, edits.size());
+}
+bool TakeChannels::join(const TakeChannels& later) {
+  const bool same = std::equal(edits.begin(), edits.end(), later.edits.begin(), later.edits.end(),
+                               [](const Edit& a, const Edit& b) { return a.key == b.key; });
+  for (std::size_t i = 0; same && i < edits.size(); ++i) edits[i].after = later.edits[i].after;
+  return same;
+}
+
+bool MoveCamera::apply(UiState& state) {
+  before = std::exchange(state.camera, after);
+  return true;
+}
+void MoveCamera::undo(UiState& state) const { state.camera = before.value_or(after); }
+std::string MoveCamera::text(const fixtures::Rig&) const { return "move the camera"; }
+bool MoveCamera::join(const MoveCamera& later) {
+  after = later.after;
+  return true;
+}
+
+std::string text_of(const UiCommand& command, const fixtures::Rig& rig) {
+  return std::visit([&](const auto& one) { return one.text(rig); }, command);
+}
+
+void UiHistory::run(UiState& state, UiCommand command, std::uint64_t gesture) {
+  if (!std::visit([&](auto& one) { return one.apply(state); }, command)) return;
+  commands_.erase(commands_.begin() + static_cast<std::ptrdiff_t>(done_), commands_.end());
+  bool joined = false;
+  if (gesture != 0 && gesture == gesture_ && done_ > 0) {
+    joined = std::visit(
+        [](auto& last, const auto& next) {
+          if constexpr (std::is_same_v<std::decay_t<decltype(last)>, std::decay_t<decltype(next)>>) {
+            return last.join(next);
+          } else {
+            return false;
+          }
+        },
+        commands_.back(), command);
+  }
+  gesture_ = gesture;
+  if (joined) return;
+  if (commands_.size() == kCommandsMax) commands_.erase(commands_.begin());
+  commands_.push_back(std::move(command));
+  done_ = commands_.size();
+}
+
+const UiCommand* UiHistory::undo(UiState& state) {
+  if (done_ == 0) return nullptr;
+  const UiCommand& command = commands_[--done_];
+  std::visit([&](const auto& one) { one.undo(state); }, command);
+  gesture_ = 0;
+  return &command;
+}
+
+const UiCommand* UiHistory::redo(UiState& state) {
+  if (done_ == commands_.size()) return nullptr;
+  UiCommand& command = commands_[done_++];
+  std::visit([&](auto& one) { (void)one.apply(state); }, command);
+  gesture_ = 0;
+  return &command;
+}
+
+}  // namespace footlight::tools

@@ -1,0 +1,95 @@
+// What the user of the window edits, as plain data, and the commands that edit it (decision 0135).
+//
+// A command is a struct with apply(), undo() and text(). apply() notes what it replaces, so undo() after it gives the
+// state from before. Everything that edits, a panel, a key or a test, makes a command and gives it to UiHistory::run().
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "fixtures/model/rig.h"
+#include "tools/footlight/preview/orbit_camera.h"
+#include "tools/footlight/preview/ui/rig_index.h"
+
+namespace footlight::tools {
+
+// Indices into Rig::fixtures.
+struct Selection {
+  std::vector<int> fixtures;  // ascending, each once
+  int lead = -1;              // the one selected last; -1: none
+  [[nodiscard]] bool has(int fixture) const;
+  bool operator==(const Selection&) const = default;
+};
+
+struct UiState {
+  Selection selection;
+  std::map<ChannelKey, std::uint32_t> taken;  // channels with a value of the user's instead of the input's
+  OrbitCamera camera{fixtures::Camera{}};
+};
+
+struct SelectFixtures {
+  Selection after;
+  Selection before;  // set by apply()
+
+  bool apply(UiState& state);  // false: nothing changes
+  void undo(UiState& state) const;
+  [[nodiscard]] std::string text(const fixtures::Rig& rig) const;
+  // Goes on to where a later command of the same gesture leads; false: they are two edits.
+  bool join(const SelectFixtures& later);
+};
+
+// Takes channels over, or releases them.
+struct TakeChannels {
+  struct Edit {
+    ChannelKey key;
+    std::optional<std::uint32_t> after;  // a raw value; nothing: released
+    std::optional<std::uint32_t> before;
+  };
+  std::vector<Edit> edits;  // each channel once
+
+  bool apply(UiState& state);
+  void undo(UiState& state) const;
+  [[nodiscard]] std::string text(const fixtures::Rig& rig) const;
+  bool join(const TakeChannels& later);
+};
+
+struct MoveCamera {
+  OrbitCamera after;
+  std::optional<OrbitCamera> before;
+
+  bool apply(UiState& state);
+  void undo(UiState& state) const;
+  [[nodiscard]] std::string text(const fixtures::Rig& rig) const;
+  bool join(const MoveCamera& later);
+};
+
+using UiCommand = std::variant<SelectFixtures, TakeChannels, MoveCamera>;
+[[nodiscard]] std::string text_of(const UiCommand& command, const fixtures::Rig& rig);
+
+// The commands so far, and those that were undone. Keeps the last kCommandsMax.
+class UiHistory {
+ public:
+  static constexpr std::size_t kCommandsMax = 1000;
+
+  // Applies a command and remembers it; forgets what was undone. A command that changes nothing is not remembered.
+  // Commands of one gesture, such as the drag of a slider, become one if they edit the same; 0: no gesture.
+  void run(UiState& state, UiCommand command, std::uint64_t gesture = 0);
+  // nullptr: there is nothing to undo or redo. Else the command that was.
+  const UiCommand* undo(UiState& state);
+  const UiCommand* redo(UiState& state);
+  [[nodiscard]] const UiCommand* next_undo() const { return done_ > 0 ? &commands_[done_ - 1] : nullptr; }
+  [[nodiscard]] const UiCommand* next_redo() const { return done_ < commands_.size() ? &commands_[done_] : nullptr; }
+  [[nodiscard]] std::size_t size() const { return commands_.size(); }
+
+ private:
+  std::vector<UiCommand> commands_;
+  std::size_t done_ = 0;       // of commands_ are applied
+  std::uint64_t gesture_ = 0;  // of the last one
+};
+
+}  // namespace footlight::tools

@@ -1,0 +1,237 @@
+// The levels of one universe as a grid: what each slot is for, how high it is and when it last changed.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include <imgui/imgui.h>
+
+#include "tools/footlight/monitor/slot_changes.h"
+#include "tools/footlight/preview/ui/channel_reading.h"
+#include "tools/footlight/preview/ui/panels.h"
+#include "tools/footlight/preview/ui/ui_theme.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr int kColumns = 32;
+constexpr int kRows = kSlotCountMax / kColumns;
+
+ImU32 mixed(const ImVec4& a, const ImVec4& b, float share) {
+  return ImGui::GetColorU32(
+      {a.x + (b.x - a.x) * share, a.y + (b.y - a.y) * share, a.z + (b.z - a.z) * share, 1});
+}
+
+// "0" to "255".
+const std::array<std::array<char, 4>, 256>& level_words() {
+  static const auto kWords = [] {
+    std::array<std::array<char, 4>, 256> words{};
+    for (std::size_t i = 0; i < words.size(); ++i) (void)std::snprintf(words[i].data(), 4, "%d", static_cast<int>(i));
+    return words;
+  }();
+  return kWords;
+}
+
+class UniversesPanel final : public Panel {
+ public:
+  void draw(UiDesk& desk, const UiInput& input) override {
+    const auto& universes = desk.compiled().universes;
+    if (universes.empty()) {
+      ui_text(kUiDim, "No fixture of this rig has an address.");
+      return;
+    }
+    shown_ = std::min(shown_, universes.size() - 1);
+    draw_choice(desk, input);
+    take(input);
+    draw_source(desk, input);
+    const std::optional<std::size_t> under = draw_grid(desk);
+    draw_slot(desk, under.value_or(last_under_));
+    if (under) last_under_ = *under;
+  }
+
+ private:
+  void draw_choice(UiDesk& desk, const UiInput& input) {
+    const auto& universes = desk.compiled().universes;
+    const std::size_t before = shown_;
+    if (ImGui::ArrowButton("before", ImGuiDir_Left) && shown_ > 0) --shown_;
+    ImGui::SameLine(0, 2);
+    ImGui::SetNextItemWidth(120 * input.scale);
+    if (ImGui::BeginCombo("##universe", fmt::format("universe {}", universes[shown_]).c_str())) {
+      ImGuiListClipper clipper;
+      clipper.Begin(static_cast<int>(universes.size()));
+      while (clipper.Step()) {
+        for (auto i = static_cast<std::size_t>(clipper.DisplayStart); i < static_cast<std::size_t>(clipper.DisplayEnd);
+             ++i) {
+          if (ImGui::Selectable(fmt::format("universe {}", universes[i]).c_str(), i == shown_)) shown_ = i;
+        }
+      }
+      ImGui::EndCombo();
+    }
+    ImGui::SameLine(0, 2);
+    if (ImGui::ArrowButton("after", ImGuiDir_Right) && shown_ + 1 < universes.size()) ++shown_;
+    ImGui::SameLine();
+    ImGui::Checkbox("freeze", &frozen_);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("Keeps what is shown. The picture goes on.");
+    if (shown_ != before) fresh_ = true;
+  }
+
+  void take(const UiInput& input) {
+    if (frozen_ && !fresh_) return;
+    const std::size_t from = shown_ * kSlotCountMax;
+    if (from + kSlotCountMax > input.levels.size()) return;
+    if (fresh_) changes_ = {};
+    changes_.take(input.levels.subspan(from, kSlotCountMax), input.now_ns, fresh_);
+    now_ns_ = input.now_ns;
+    fresh_ = false;
+  }
+
+  // Who sends the universe, and how old its newest frame is.
+  void draw_source(const UiDesk& desk, const UiInput& input) const {
+    if (shown_ >= input.stamps.size()) {
+      ui_text(kUiDim, "levels as the fixtures get them");
+      return;
+    }
+    const FrameStamp& stamp = input.stamps[shown_];
+    if (stamp.revision == 0) {
+      ui_text(kUiAmber, "no frames yet");
+      return;
+    }
+    const DurationNs age_ns = std::max<DurationNs>(input.now_ns - stamp.stamp_ns, 0);
+    std::string words;
+    if (input.status != nullptr) {
+      const Universe universe = desk.compiled().universes[shown_];
+      for (const UniverseStatus& one : input.status->universes) {
+        if (one.universe != universe) continue;
+        for (const SenderStatus& sender : one.senders) {
+          if (!sender.wins) continue;
+          words += fmt::format("{}{} (priority {})", words.empty() ? "" : " + ", sender.name, sender.priority);
+        }
+        const std::size_t losers = one.senders.size() - static_cast<std::size_t>(std::count_if(
+                                       one.senders.begin(), one.senders.end(), [](const auto& s) { return s.wins; }));
+        if (losers > 0) words += fmt::format(", {} outranked", losers);
+        words += fmt::format("  {:.0f} /s", one.rate_hz);
+      }
+    }
+    const bool silent = age_ns >= kSilentNs;
+    ui_text(silent ? kUiRed : kUiGreen, silent ? "no signal since" : "last frame");
+    ImGui::SameLine(0, 4);
+    ui_text(fmt::format("{:.1f} s", static_cast<double>(age_ns) * 1e-9));
+    ImGui::SameLine();
+    ui_text(kUiDim, words);
+  }
+
+  // The slot under the mouse.
+  std::optional<std::size_t> draw_grid(UiDesk& desk) {
+    const float line = ImGui::GetTextLineHeight();
+    const ImVec2 room = ImGui::GetContentRegionAvail();
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const float head = line * 2.2f;  // the address of the first slot of a row
+    const float width = std::max(std::floor((room.x - head) / kColumns), 4.0f);
+    const float height = std::clamp(std::floor((room.y - 2 * line - 8) / kRows), 5.0f, line * 1.8f);
+    ImGui::InvisibleButton("grid", {head + width * kColumns, height * kRows});
+    std::optional<std::size_t> under;
+    if (ImGui::IsItemHovered()) {
+      const ImVec2 mouse = ImGui::GetIO().MousePos;
+      const int column = static_cast<int>(std::floor((mouse.x - at.x - head) / width));
+      const int row = static_cast<int>((mouse.y - at.y) / height);
+      if (column >= 0 && column < kColumns && row >= 0 && row < kRows) {
+        under = static_cast<std::size_t>(row * kColumns + column);
+      }
+      if (under && ImGui::IsItemClicked()) {
+        const auto uses = desk.index().uses(shown_, *under);
+        const ImGuiIO& io = ImGui::GetIO();
+        desk.select(uses.empty() ? -1 : uses.front().key.fixture, io.KeyCtrl || io.KeyShift);
+      }
+    }
+    ImDrawList* draw = ImGui::GetWindowDrawList();
+    const float size = ImGui::GetFontSize() * 0.8f;
+    const bool numbers = width >= size * 2 && height >= size;
+    const bool heads = height >= size;
+    for (int row = 0; row < kRows; ++row) {
+      if (!heads && row % 4 != 0) continue;
+      const std::string address = fmt::format("{}", row * kColumns + 1);
+      draw->AddText(ImGui::GetFont(), size, {at.x, at.y + static_cast<float>(row) * height}, ImGui::GetColorU32(kUiDim),
+                    address.c_str());
+    }
+    for (int slot = 0; slot < kSlotCountMax; ++slot) {
+      const int row = slot / kColumns;
+      const int column = slot % kColumns;
+      const ImVec2 low{at.x + head + static_cast<float>(column) * width, at.y + static_cast<float>(row) * height};
+      draw_cell(desk, *draw, static_cast<std::size_t>(slot), low, {width, height}, numbers ? size : 0);
+    }
+    return under;
+  }
+
+  // A slot: a bar as high as its level, brighter where it changed; frames for what is selected, taken over or shared.
+  void draw_cell(UiDesk& desk, ImDrawList& draw, std::size_t slot, ImVec2 low, ImVec2 size, float text_size) const {
+    static const ImVec4 kUnused{0.075f, 0.080f, 0.090f, 1};
+    static const ImVec4 kEven{0.125f, 0.140f, 0.170f, 1};
+    static const ImVec4 kOdd{0.165f, 0.175f, 0.200f, 1};
+    static const ImVec4 kBar{0.20f, 0.36f, 0.56f, 1};
+    static const ImVec4 kHot{0.90f, 0.56f, 0.16f, 1};
+    const auto uses = desk.index().uses(shown_, slot);
+    const std::uint8_t level = changes_.levels[slot];
+    const float heat = changes_.heat(slot, now_ns_);
+    const ImVec2 high{low.x + size.x - 1, low.y + size.y - 1};
+    const ImVec4& ground = uses.empty() ? kUnused : uses.front().key.fixture % 2 == 0 ? kEven : kOdd;
+    draw.AddRectFilled(low, high, ImGui::GetColorU32(ground));
+    if (level > 0) {
+      const float top = high.y - (high.y - low.y) * static_cast<float>(level) / 255;
+      draw.AddRectFilled({low.x, top}, high, mixed(kBar, kHot, heat));
+    } else if (heat > 0) {
+      draw.AddRectFilled({low.x, high.y - 2}, high, mixed(ground, kHot, heat));
+    }
+    if (!uses.empty()) {
+      const UiState& state = desk.state();
+      const bool taken = state.taken.contains(uses.front().key);
+      const bool shared = uses.size() > 1 && uses.back().key.fixture != uses.front().key.fixture;
+      const bool selected = state.selection.has(uses.front().key.fixture);
+      if (selected) draw.AddRect(low, high, ImGui::GetColorU32(kUiAmber));
+      if (taken) draw.AddRectFilled({high.x - 4, low.y}, {high.x, low.y + 4}, ImGui::GetColorU32(kUiGreen));
+      if (shared) draw.AddRectFilled({low.x, high.y - 2}, high, ImGui::GetColorU32(kUiRed));
+    }
+    if (text_size > 0 && (level > 0 || !uses.empty())) {
+      const float lift = (size.y - 1 - text_size) / 2;
+      draw.AddText(ImGui::GetFont(), text_size, {low.x + 2, low.y + lift},
+                   ImGui::GetColorU32(level > 0 ? ImGuiCol_Text : ImGuiCol_TextDisabled), level_words()[level].data());
+    }
+  }
+
+  // What the slot is for.
+  void draw_slot(UiDesk& desk, std::size_t slot) const {
+    const auto uses = desk.index().uses(shown_, slot);
+    std::string words = fmt::format("{}.{}  level {} ({:.0f} %)", desk.compiled().universes[shown_], slot + 1,
+                                    changes_.levels[slot], changes_.levels[slot] / 2.55);
+    if (changes_.changed_ns[slot] != 0) {
+      words += fmt::format("  changed {:.1f} s ago", static_cast<double>(now_ns_ - changes_.changed_ns[slot]) * 1e-9);
+    }
+    ui_text(words);
+    std::string meaning = uses.empty() ? "no fixture listens to this slot" : "";
+    for (const SlotUse& use : uses) {
+      const fixtures::Channel& channel = desk.index().channel(use.key);
+      const fixtures::PatchedFixture& fixture = desk.rig().fixtures[static_cast<std::size_t>(use.key.fixture)];
+      meaning += fmt::format("{}{}: {}", meaning.empty() ? "" : " | ", fixture.name, name_of(channel));
+      if (channel.slot_offsets.size() > 1) {
+        meaning += fmt::format(", byte {} of {}", use.byte + 1, channel.slot_offsets.size());
+      }
+    }
+    ui_text(uses.empty() ? kUiDim : kUiAmber, meaning);
+  }
+
+  std::size_t shown_ = 0;  // which universe of the rig
+  bool frozen_ = false;
+  bool fresh_ = true;  // no levels of this universe were taken yet
+  SlotChanges changes_;
+  TimeNs now_ns_ = 0;  // of changes_
+  std::size_t last_under_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> make_universes_panel(UiDesk&) { return std::make_unique<UniversesPanel>(); }
+
+}  // namespace footlight::tools
