@@ -6,6 +6,7 @@
 
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
+#include "tests/support/long_tests.h"
 
 namespace footlight::render {
 namespace {
@@ -91,7 +92,7 @@ std::vector<fixtures::Camera> cameras(const Scene& scene) {
 TEST_CASE(
     "no body is missing at the edge of a picture: the same pixels in the middle of a picture three times as large") {
   const HeadlessVulkan vulkan;
-  if (!vulkan) return;
+  if (!vulkan || !footlight::testing::runs_long_tests()) return;
   Scene scene = dark_scene();
   const auto frame = make_frame(vulkan.device(), scene, sized(8, 8));
   const auto around = make_frame(vulkan.device(), scene, sized(8, 8));
@@ -160,7 +161,7 @@ TEST_CASE("compute shaders draw whole models as the rasteriser does") {
 
 TEST_CASE("plainer levels have fewer triangles and change few pixels") {
   const HeadlessVulkan vulkan;
-  if (!vulkan) return;
+  if (!vulkan || !footlight::testing::runs_long_tests()) return;
   const Scene scene = dark_scene();
   FrameSettings settings = sized(320, 180);
   settings.body_error_px = 0;

@@ -7,6 +7,7 @@
 #include "render/vk/pipeline.h"
 #include "tests/render/scenes.h"
 #include "tests/support/headless_vulkan.h"
+#include "tests/support/long_tests.h"
 
 namespace footlight::render {
 namespace {
@@ -30,7 +31,7 @@ std::vector<std::uint64_t> slow_parts(Frame& frame) {
 
 TEST_CASE("a frame of another size draws the same as a new frame of that size, and its heads keep their positions") {
   const HeadlessVulkan vulkan;
-  if (!vulkan) return;
+  if (!vulkan || !footlight::testing::runs_long_tests()) return;
   const Scene scene = demo_scene(70, true);
   const auto old = make_frame(vulkan.device(), scene, sized(96, 54));
   const auto fresh = make_frame(vulkan.device(), scene, sized(64, 36));
@@ -46,7 +47,7 @@ TEST_CASE("a frame of another size draws the same as a new frame of that size, a
 
 TEST_CASE("a change of size reads no model and no image and compiles nothing") {
   const HeadlessVulkan vulkan;
-  if (!vulkan) return;
+  if (!vulkan || !footlight::testing::runs_long_tests()) return;
   const Scene scene = demo_scene(71, true);
   const auto frame = make_frame(vulkan.device(), scene, sized(96, 54));
   (void)draw(*frame, scene);
@@ -79,7 +80,7 @@ TEST_CASE("two sizes of a picture are never in memory at the same time") {
 
 TEST_CASE("a changed knob compiles its passes once, and nothing when it is restored") {
   const HeadlessVulkan vulkan;
-  if (!vulkan) return;
+  if (!vulkan || !footlight::testing::runs_long_tests()) return;
   const Scene scene = demo_scene(73, true);
   FrameSettings settings = sized(64, 36);
   settings.tile_beams = 1;  // the demo has fewer than the passes of tiles are for
@@ -106,7 +107,7 @@ TEST_CASE("a changed knob compiles its passes once, and nothing when it is resto
 
 TEST_CASE("unused pipelines are destroyed when there are many") {
   const HeadlessVulkan vulkan;
-  if (!vulkan) return;
+  if (!vulkan || !footlight::testing::runs_long_tests()) return;
   Scene scene;
   scene.rig.boxes.push_back({"floor", {-1, -1, -1}, {1, 1, 0}, glm::dvec3(0.3)});
   scene.rig.cameras.emplace_back();

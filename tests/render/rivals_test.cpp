@@ -125,7 +125,7 @@ TEST_CASE("no rival is among the passes of the product, and each replaces passes
       CHECK(std::string_view(pass->loss) == (rival.on_surfaces ? "light on surfaces" : "light in the haze"));
     }
     CHECK(strange == 1);
-    CHECK(rival.passes().size() == product.size() - (rival.on_surfaces || rival.of_panes ? 0 : 5));
+    CHECK(rival.passes().size() == product.size() - (rival.on_surfaces || rival.of_panes ? 0 : 7));
   }
 }
 

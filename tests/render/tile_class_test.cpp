@@ -103,7 +103,7 @@ TEST_CASE("pictures whose sizes are not whole tiles have every pixel of their ti
 // Tiles of small pictures turn by many degrees: corners then say little about what is between them.
 TEST_CASE("no camera among the beams loses a beam to the corners of tiles") {
   const HeadlessVulkan vulkan;
-  if (!vulkan) return;
+  if (!vulkan || !footlight::testing::runs_long_tests()) return;
   Random random(24);
   Scene scenes[] = {lamps_scene(25, 300), furnished_scene(300)};
   std::unique_ptr<Frame> frames[2];
@@ -196,7 +196,7 @@ RecordCounts record_counts(Frame& frame) {
 
 TEST_CASE("beams with rims and beams that are cut become records of supertiles") {
   const HeadlessVulkan vulkan;
-  if (!vulkan) return;
+  if (!vulkan || !footlight::testing::runs_long_tests()) return;
   for (const bool floor : {false, true}) {
     const Scene scene = parallel_scene(200, floor);
     FrameSettings settings = judged_settings(128, 64);
