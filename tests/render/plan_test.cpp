@@ -15,9 +15,10 @@ namespace {
 using fixtures::Needs;
 using vk::SpecConstant;
 
-const std::vector<std::string> kAll{"step",   "gather",   "shadows", "gobos",       "bodies", "tiles",  "bounce",
-                                    "surfaces", "depths", "shadowtiles", "haze",  "coarse", "records", "fine",
-                                    "shade",  "beams",    "lasers",  "shafts", "edges",       "lenses", "glare",  "tonemap"};
+const std::vector<std::string> kAll{"step",   "gather",   "shadows", "gobos",       "bodies", "tiles",
+                                    "bounce", "surfaces", "depths",  "shadowtiles", "haze",   "coarse",
+                                    "records", "fine",    "shade",   "beams",       "lasers", "shafts",
+                                    "edges",  "lenses",   "glare",   "tonemap"};
 // Those that take beams together for tiles.
 const std::vector<std::string> kTilePasses{"coarse", "records", "fine", "shade"};
 

@@ -324,16 +324,11 @@ class Job {
         const ClassShares shares = class_shares(image);
         legend_ = fmt::format(
             "{:.1f} beams a pixel; red: pixel by pixel, {:.1f} % of them; green: smooth, {:.1f} %; blue: rims and "
-            "cuts, "
-            "{:.1f} %",
+            "cuts, {:.1f} %",
             shares.hits_per_px, 100 * shares.pixel, 100 * shares.smooth, 100 * shares.record);
         break;
       }
-      case ShownView::kSteps: {
-        // All channels are equal, so their photometric mean is each of them.
-        show_heat(lux_of(image), 1, "steps through glass");
-        break;
-      }
+      case ShownView::kSteps: show_heat(lux_of(image), 1, "steps through glass"); break;  // all channels are equal
       case ShownView::kHits: show_heat(hits_of(image), 1, "beams a pixel"); break;
       case ShownView::kLux: {
         const Values lux = lux_of(image);
@@ -469,15 +464,7 @@ Result<int> render_pictures(const Options& options) {
   if (chosen.error > 0) settings.gobo_px = render::kGoboSizePx;  // the same on every device
   settings.gobo_px = options.gobo_px.value_or(settings.gobo_px);
   FL_ASSIGN(const ShownView shown, shown_view_of(options.show));
-  if (shown == ShownView::kClasses || shown == ShownView::kHits) settings.view = render::FrameView::kClasses;
-  if (shown == ShownView::kLux) settings.view = render::FrameView::kLux;
-  if (shown == ShownView::kSteps) {
-    if (!compiled.needs.panes) {
-      return fail(ErrorCode::kBadInput, "--show steps: {} has no pane; expected a rig with [[pane]], see docs/shafts.md",
-                  rig.name);
-    }
-    settings.view = render::FrameView::kSteps;
-  }
+  FL_ASSIGN(settings.view, frame_view_of(shown, compiled.needs.panes));
   FL_ASSIGN(const auto frame, render::Frame::create(*device, rig, compiled, settings));
   frame->set_work_light_lx(options.work_light_lx.value_or(usual_lx));
   print_warnings(frame->resources().rig.diagnostics);

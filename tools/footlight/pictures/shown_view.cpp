@@ -50,6 +50,22 @@ Result<ShownView> shown_view_of(std::string_view word) {
   return fail(ErrorCode::kBadInput, "--show {}: expected picture, classes, hits, steps, lux or error", word);
 }
 
+Result<render::FrameView> frame_view_of(ShownView shown, bool has_panes) {
+  switch (shown) {
+    case ShownView::kClasses:
+    case ShownView::kHits: return render::FrameView::kClasses;
+    case ShownView::kLux: return render::FrameView::kLux;
+    case ShownView::kSteps:
+      if (!has_panes) {
+        return fail(ErrorCode::kBadInput, "--show steps: no pane; expected a rig with [[pane]], see docs/shafts.md");
+      }
+      return render::FrameView::kSteps;
+    case ShownView::kPicture:
+    case ShownView::kError: break;
+  }
+  return render::FrameView::kPicture;
+}
+
 Values hits_of(const render::RadianceImage& classes) {
   return values_of(classes, [](float r, float g, float b) { return r + g + b; });
 }

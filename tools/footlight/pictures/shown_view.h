@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "render/image.h"
+#include "render/settings.h"
 #include "sim/core/result.h"
 
 namespace footlight::tools {
@@ -20,6 +21,9 @@ enum class ShownView {
 
 // "picture", "classes", "hits", "steps", "lux" or "error"; kBadInput for others.
 [[nodiscard]] Result<ShownView> shown_view_of(std::string_view word);
+
+// What the frame writes for it. kBadInput for kSteps of a rig without panes.
+[[nodiscard]] Result<render::FrameView> frame_view_of(ShownView shown, bool has_panes);
 
 // One number a pixel, in the rows of the image that it was made of.
 struct Values {
