@@ -100,7 +100,8 @@ struct JudgeScene {
   std::vector<JudgePane> panes;
   fixtures::Haze haze;
   HazeDensity density;          // empty: haze is even
-  bool even_extinction = true;  // light is lost as in even haze; false: to the density on its way, 1000 times slower
+  bool even_extinction = true;  // light is lost as in even haze; false: to the density on its way, 1000 times slower;
+                                // light of the sun is lost as in even haze in both
   double ambient_lx = 0;
   double range_m = 100;   // no air further away than this from the camera is drawn
   GoboTransmission gobo;  // empty: every gobo is open

@@ -22,6 +22,9 @@ bool part_of(PaneRow row, vec3 eye, vec3 way, float end_m, out Part part) {
   part.to_m = x1 * end_m;
   part.from = eye + way * part.from_m;
   part.to = eye + way * part.to_m;
+  // Of an eye far away, rounding takes the ends out of the pane.
+  part.from = vec3(clamp(part.from.xy, -1.0, 1.0), max(part.from.z, 0.0));
+  part.to = vec3(clamp(part.to.xy, -1.0, 1.0), max(part.to.z, 0.0));
   return any_of;
 }
 
@@ -93,11 +96,12 @@ vec3 walk(PaneLevel level, Part piece) {
 
 // The same over a lit part, with levels of detail as fine as pixels.
 vec3 walk_levels(PaneRow row, Part part, float texels_per_m) {
+  float length_m = part.to_m - part.from_m;
+  if (!(length_m > 0.0)) return vec3(0.0);  // two dark intervals that differ by rounding
   if (!kDetail) return walk(pane_level(row, 0u), part);
   float fine = log2(max(texels_per_m * part.from_m, 1.0));
   uint level = min(uint(fine), row.levels - 1u);
   vec3 sum = vec3(0.0);
-  float length_m = part.to_m - part.from_m;
   Part piece = part;
   // A level is used up to the distance at which a pixel covers two of its texels.
   for (bool more = true; more; ++level) {

@@ -257,6 +257,13 @@ TEST_CASE("no pane gives a picture that is not finite, and only a sun in its pla
                s.rig.haze.absorption_per_m = 10;
                look(s, {0.5, 2.8, 2.2}, {0, 4, 3});
              }},
+        Case{"decks that touch in the shaft", usual,
+             [](Scene& s) {
+               for (int i = 0; i < 12; ++i) {
+                 const glm::dvec3 low(-1.1 + 0.17 * i, 2.3, 1.3);
+                 s.rig.boxes.push_back({"deck", low, low + glm::dvec3(0.17, 0.7, 0.6), glm::dvec3(0.3)});
+               }
+             }},
         Case{"no haze", usual, [](Scene& s) { s.rig.haze.scattering_per_m = 0; }}}) {
     CAPTURE(std::string(c.what));
     Scene scene = pane_scene(kFloor + kThings, "scattering_per_m = 0.03", c.direction);
