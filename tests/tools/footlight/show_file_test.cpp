@@ -446,9 +446,12 @@ TEST_CASE("an option that does not apply to the kind of port is refused, not ign
   CHECK(contains(refusal("[[in]]\nendpoint = \"sacn:1\"\nloop = true\n"), "loop"));
 }
 
-TEST_CASE("a show without inputs or without outputs is refused with an example of the missing lines") {
-  CHECK(contains(refusal(""), "[[in]]"));
-  CHECK(contains(refusal("[[in]]\nendpoint = \"sacn:1\"\n"), "[[out]]"));
+TEST_CASE("a show without outputs is refused with an example of the missing lines; inputs may be missing") {
+  CHECK(contains(refusal(""), "[[out]]\n  endpoint = "));
+  CHECK(contains(refusal("[[in]]\nendpoint = \"sacn:1\"\n"), "[[out]]\n  endpoint = "));
+  const auto by_hand = parse_show("[[out]]\nendpoint = \"mock:enttec-pro\"\n", "show.toml");  // levels of `set`
+  REQUIRE_MESSAGE(by_hand.has_value(), (by_hand ? "" : by_hand.error().message));
+  CHECK(by_hand->ins.empty());
 }
 
 TEST_CASE("a standby is placed behind its main output, whatever the order in the file") {
