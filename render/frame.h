@@ -18,6 +18,7 @@
 
 #include "fixtures/model/rig.h"
 #include "fixtures/simulate/walker.h"
+#include "render/frame_state.h"
 #include "render/image.h"
 #include "render/pass.h"
 #include "render/plan.h"
@@ -92,6 +93,11 @@ class Frame {
   // The air after an hour of these levels.
   void settle_machine_air(std::span<const std::uint8_t> levels);
 
+  // Where fixtures and air are now, and going back there: to the bit. Both carry pending steps out first. `state` is of
+  // a frame of the same rig, of this device or another of the same kind.
+  [[nodiscard]] Result<FrameState> save_state();
+  Status load_state(const FrameState& state);
+
   // Work light from the next picture on, lx on a face that looks up and at the camera, on top of the rig's ambient
   // light. At first there is none.
   void set_work_light_lx(double work_light_lx) { work_light_lx_ = work_light_lx; }
@@ -152,6 +158,7 @@ class Frame {
   template <class Row>
   [[nodiscard]] Result<std::vector<Row>> read_rows(const vk::Buffer& buffer, std::uint32_t count);
   [[nodiscard]] Status read_buffer(const vk::Buffer& buffer, void* out, std::size_t bytes);
+  [[nodiscard]] std::vector<const vk::Buffer*> head_states() const;
   void clear_radiance(VkCommandBuffer commands);
   [[nodiscard]] Status read_image(const vk::Image& image, int width, int height, void* out, std::size_t bytes);
 
@@ -175,6 +182,7 @@ class Frame {
   bool has_solids_ = false;
   bool has_fine_ = false;  // beams are taken together for tiles
   double range_m_ = 0;
+  vk::Buffer state_bytes_;  // on their way to or from the GPU; made when first needed
   VkQueryPool times_ = VK_NULL_HANDLE;
   std::vector<std::string_view> timed_;  // what each time stamp of the last record() is the end of
 };

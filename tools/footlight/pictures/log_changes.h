@@ -13,6 +13,8 @@ class LogChanges final : public LevelChanges {
   // universes: those of the rig, ascending; others are skipped. Takes ownership of the reader.
   LogChanges(LogReader reader, std::vector<Universe> universes);
   Result<bool> next(LevelChange& change) override;
+  // next() returns the first change after this time.
+  Status seek(DurationNs time_ns) { return reader_.seek(time_ns); }
 
  private:
   LogReader reader_;

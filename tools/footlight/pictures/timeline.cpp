@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "sim/core/check.h"
-#include "tools/footlight/pictures/log_changes.h"
 
 namespace footlight::tools {
 
@@ -50,12 +49,22 @@ void Timeline::give(DurationNs dt_ns, bool new_exposure, const Step& step) {
   }
 }
 
+// Afterwards next_ is the next change, or has no universe.
+Status Timeline::read_next() {
+  if (next_.universe >= 0 || changes_ == nullptr) return {};
+  FL_ASSIGN(const bool more, changes_->next(next_));
+  if (!more) next_.universe = -1;
+  return {};
+}
+
+void Timeline::take_next() {
+  std::copy(next_.levels.begin(), next_.levels.end(), levels_.begin() + std::ptrdiff_t{next_.universe} * kSlotCountMax);
+  next_.universe = -1;
+}
+
 Status Timeline::advance_to(TimeNs until_ns, bool new_exposure, const Step& step) {
   while (true) {
-    if (next_.universe < 0 && changes_ != nullptr) {
-      FL_ASSIGN(const bool more, changes_->next(next_));
-      if (!more) next_.universe = -1;
-    }
+    FL_TRY(read_next());
     if (next_.universe < 0 || next_.at_ns > until_ns) break;
     if (next_.at_ns > now_ns_) {
       give(next_.at_ns - now_ns_, new_exposure, step);
@@ -63,9 +72,7 @@ Status Timeline::advance_to(TimeNs until_ns, bool new_exposure, const Step& step
       stepped_ = true;
       now_ns_ = next_.at_ns;
     }
-    std::copy(next_.levels.begin(), next_.levels.end(),
-              levels_.begin() + std::ptrdiff_t{next_.universe} * kSlotCountMax);
-    next_.universe = -1;
+    take_next();
   }
   if (until_ns > now_ns_ || !stepped_) {
     give(until_ns - now_ns_, new_exposure, step);
@@ -73,6 +80,30 @@ Status Timeline::advance_to(TimeNs until_ns, bool new_exposure, const Step& step
     now_ns_ = until_ns;
   }
   return {};
+}
+
+Result<bool> Timeline::advance_to_change(TimeNs from_ns, TimeNs until_ns, const Step& step) {
+  while (true) {
+    FL_TRY(read_next());
+    if (next_.universe < 0 || next_.at_ns > until_ns) return stepped_ && now_ns_ >= from_ns;
+    if (next_.at_ns > now_ns_) {
+      if (stepped_ && now_ns_ >= from_ns) return true;
+      give(next_.at_ns - now_ns_, false, step);
+      stepped_ = true;
+      now_ns_ = next_.at_ns;
+    }
+    take_next();
+  }
+}
+
+Status Timeline::go_to(const Position& position) {
+  FL_CHECK(can_go());
+  FL_CHECK_EQ(position.levels.size(), levels_.size());
+  next_.universe = -1;
+  now_ns_ = position.now_ns;
+  levels_ = position.levels;
+  stepped_ = position.stepped;
+  return log_->seek(position.now_ns);
 }
 
 Status Timeline::advance(TimeNs until_ns, DurationNs exposure_ns, const Step& step) {

@@ -13,6 +13,7 @@
 #include "fixtures/simulate/vrsl_compat.h"
 #include "sim/dmx_log/dmx_log.h"
 #include "sim/level_changes.h"
+#include "tools/footlight/pictures/log_changes.h"
 
 namespace footlight::tools {
 
@@ -35,15 +36,34 @@ class Timeline {
   // be before the last call's. After the last change the levels are held.
   Status advance(TimeNs until_ns, DurationNs exposure_ns, const Step& step);
 
+  // Steps to the first change of the levels at or after from_ns, but not beyond until_ns. False: there is none, and it
+  // stands at the last change before. advance() to any later time then makes the same steps as without this call.
+  Result<bool> advance_to_change(TimeNs from_ns, TimeNs until_ns, const Step& step);
+
+  // A moment of a log that it has come to, for going back to it.
+  struct Position {
+    TimeNs now_ns = 0;
+    std::vector<std::uint8_t> levels;
+    bool stepped = false;
+  };
+  // Whether it reads a log, and each moment follows from the levels at it: not with VRSL's fixtures, whose levels
+  // depend on those before.
+  [[nodiscard]] bool can_go() const { return log_ != nullptr && !vrsl_; }
+  [[nodiscard]] Position position() const { return {now_ns_, levels_, stepped_}; }
+  // To a position of a timeline of the same log and rig. Only if can_go().
+  Status go_to(const Position& position);
+
   [[nodiscard]] TimeNs now_ns() const { return now_ns_; }
   [[nodiscard]] DurationNs duration_ns() const { return duration_ns_; }  // of the log; 0 without one
 
  private:
   Timeline(const fixtures::CompiledRig& compiled, std::optional<fixtures::VrslReplay> vrsl, TimeNs start_ns);
   Status advance_to(TimeNs until_ns, bool new_exposure, const Step& step);
+  Status read_next();
+  void take_next();
   void give(DurationNs dt_ns, bool new_exposure, const Step& step);
 
-  std::unique_ptr<LevelChanges> log_;  // if it reads one
+  std::unique_ptr<LogChanges> log_;  // if it reads one
   LevelChanges* changes_ = nullptr;
   std::optional<fixtures::VrslReplay> vrsl_;
   std::vector<std::uint8_t> levels_;

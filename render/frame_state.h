@@ -1,0 +1,19 @@
+// Where the fixtures and the air of a rig are at a moment of a show.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "fixtures/simulate/machines.h"
+
+namespace footlight::render {
+
+struct FrameState {
+  std::vector<std::byte> heads;  // what the GPU knows of them: 48 bytes a head, and 24 to 116 for each part that moves
+  fixtures::MachineAir::Air air;
+  std::int64_t time_ns = 0;  // of all steps so far: clouds of haze drift by it
+  [[nodiscard]] std::size_t bytes() const { return heads.size() + sizeof(*this); }
+};
+
+}  // namespace footlight::render
