@@ -157,6 +157,10 @@ TEST_CASE("the history needs at most so much memory, and keeps the last command 
   while (history.undo(state) != nullptr) {
   }
   CHECK(state.selection.fixtures.front() == 39 - static_cast<int>(kept));
+  while (history.redo(state) != nullptr) {
+  }
+  CHECK(history.size() == kept);
+  CHECK(history.bytes() <= 2 * UiHistory::kBytesMax);
   select(10'000'000, 7);
   CHECK(history.size() == 1);
   CHECK(history.bytes() > UiHistory::kBytesMax);

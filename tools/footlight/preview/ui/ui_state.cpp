@@ -178,7 +178,9 @@ const UiCommand* UiHistory::undo(UiState& state) {
 const UiCommand* UiHistory::redo(UiState& state) {
   if (done_ == commands_.size()) return nullptr;
   UiCommand& command = commands_[done_++];
+  bytes_ -= bytes_of(command);
   std::visit([&](auto& one) { (void)one.apply(state); }, command);
+  bytes_ += bytes_of(command);
   gesture_ = 0;
   return &command;
 }
