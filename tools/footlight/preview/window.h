@@ -25,6 +25,8 @@
 #include "render/image.h"
 #include "render/vk/device.h"
 #include "render/vk/memory.h"
+#include "tools/footlight/preview/key_presses.h"
+#include "tools/footlight/preview/mouse_queue.h"
 
 struct GLFWwindow;
 
@@ -69,12 +71,7 @@ class Window {
   [[nodiscard]] bool wants_close() const;
   // The keys that went down during the last poll(), or repeated while held, in order. ImGui's own list misses a key
   // that goes down and up within one slow frame.
-  struct Key {
-    int code = 0;  // GLFW_KEY_...; of a letter that which is printed on the key: Z on a German keyboard is where Y was
-    int mods = 0;  // GLFW_MOD_...
-    bool repeat = false;
-  };
-  [[nodiscard]] const std::vector<Key>& keys() const { return keys_; }
+  [[nodiscard]] const std::vector<KeyPress>& keys() const { return keys_.presses(); }
   // As of the last poll(): true if the window is not visible.
   [[nodiscard]] bool minimised() const { return minimised_; }
   // Pixels.
@@ -84,6 +81,7 @@ class Window {
   [[nodiscard]] float pixels_per_unit() const;
   [[nodiscard]] float ui_scale() const { return ui_scale_; }
 
+  // ImGui's mouse is where it was when a button went down or up; a picture gets at most one of these.
   void begin_ui();
   void end_ui();
 
@@ -106,6 +104,9 @@ class Window {
   Status start_ui();
   void record_all(VkCommandBuffer commands, std::uint32_t index, const WindowPicture& picture);
   static void on_key(GLFWwindow* window, int key, int scancode, int action, int mods);
+  static void on_character(GLFWwindow* window, unsigned int character);
+  static void on_cursor(GLFWwindow* window, double x, double y);
+  static void on_button(GLFWwindow* window, int button, int action, int mods);
   [[nodiscard]] PixelRect rect() const;
   void record_shot(VkCommandBuffer commands, VkImage image);
 
@@ -121,7 +122,8 @@ class Window {
   int width_ = 0;
   int height_ = 0;
   bool minimised_ = false;
-  std::vector<Key> keys_;
+  KeyPresses keys_;
+  MouseQueue mouse_;
   PixelRect before_full_;  // where the window was before it became full screen
   float ui_scale_ = 1;
   bool ui_started_ = false;
