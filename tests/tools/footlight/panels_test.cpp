@@ -1,6 +1,7 @@
 // The panels of the window without a window: Dear ImGui makes the lists that a GPU would draw.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,6 +30,7 @@ constexpr std::size_t kKeys = 0;
 constexpr std::size_t kUniverses = 1;
 constexpr std::size_t kFixtures = 2;
 constexpr std::size_t kInspector = 3;
+constexpr std::size_t kTimeline = 4;
 
 // A user interface of one size with a mouse.
 class HeadlessUi {
@@ -54,6 +56,8 @@ class HeadlessUi {
     UiInput input;
     input.levels = levels;
     input.now_ns = now_ns;
+    input.transport = transport;
+    input.curve = curve;
     ImGui::NewFrame();
     if (logs) ImGui::LogToClipboard();
     open.draw(desk, input, ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y);
@@ -92,6 +96,8 @@ class HeadlessUi {
     return {-1, -1};
   }
 
+  Transport* transport = nullptr;
+  const LightCurve* curve = nullptr;
   UiDesk desk;
   UiPanels open;
   bool logs = false;
@@ -373,6 +379,44 @@ TEST_CASE("Esc closes the open list only, then the list of keys, then selects no
   CHECK(draw(true));
   CHECK(ui.desk.state().selection.lead == -1);
   CHECK(!draw(true));
+}
+
+TEST_CASE("a click on the timeline seeks to the time under it, and a slow seek waits for the release") {
+  const auto rig = compiled_rig(parsed_rig(kUiRig));
+  HeadlessUi ui(rig);
+  ui.show(kTimeline);
+  CHECK(ui.words().find("No log plays") != std::string::npos);
+  Transport transport;
+  transport.duration_ns = transport.known_ns = 1'000 * kNsPerS;
+  LightCurve curve(rig.rig, ui.desk.index());
+  curve.add(0, ui.levels);
+  curve.add(400 * kNsPerS, ui.levels);
+  ui.transport = &transport;
+  ui.curve = &curve;
+  ui.show(kTimeline);
+  CHECK(ui.words().find("0:00.0 of 16:40.0") != std::string::npos);
+  const auto near_middle = [&] {
+    return transport.seek_ns && std::abs(static_cast<double>(*transport.seek_ns) * 1e-9 - 500) < 10;
+  };
+  const ImVec2 place = ui.click_down(640, 550, 700, [&] { return transport.seek_ns.has_value(); });
+  REQUIRE(place.x > 0);
+  CHECK(near_middle());
+
+  transport.known_ns = 100 * kNsPerS;
+  transport.seek_ns.reset();
+  ImGui::GetIO().MouseDown[0] = true;
+  ui.frame();
+  ui.frame();
+  CHECK(!transport.seek_ns);
+  ImGui::GetIO().MouseDown[0] = false;
+  ui.frame();
+  ui.frame();
+  CHECK(near_middle());
+  transport.repeat_from(200 * kNsPerS);
+  CHECK(ui.words().find("repeats 3:20.0 to 16:40.0") != std::string::npos);
+  CHECK(ui.words().find("known up to 1:40.0") != std::string::npos);
+  transport = {};  // a log without a length
+  CHECK(ui.frame() > 0);
 }
 
 TEST_CASE("panels are opened by their words, and a wrong word is refused with the right ones") {

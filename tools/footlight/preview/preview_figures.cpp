@@ -56,6 +56,7 @@ void Preview::print_second() {
   line["event"] = "frames";
   line["fps"] = facts_.fps;
   if (timeline_) line["time_ns"] = timeline_->now_ns();
+  if (index_) line["indexed_ns"] = index_->known_ns();
   fmt::print("{}\n", line.dump());
   std::fflush(stdout);
 }

@@ -14,7 +14,7 @@
 namespace footlight::tools {
 namespace {
 
-constexpr double kSeekStepS = 5;
+constexpr DurationNs kSeekStepNs = 5 * kNsPerS;
 constexpr double kExposureStepEv = 0.25;
 constexpr double kOrbitRad = 3;   // per drag over the height of the window
 constexpr float kClickUnits = 4;  // a press that moves less is a click
@@ -59,6 +59,8 @@ void Preview::draw_ui() {
     input.levels = panel_levels();
     if (live_) input.stamps = live_->stamps();
     if (live_) input.status = &facts_.status;
+    if (timeline_) input.transport = &controls_.transport;
+    if (curve_) input.curve = &*curve_;
     input.now_ns = clock_.now_ns();
     input.scale = window_->ui_scale();
     panels_.draw(*desk_, input, static_cast<float>(where.size.x), static_cast<float>(where.size.y));
@@ -156,9 +158,14 @@ void Preview::call(const UiCall& call) {
     case UiAction::kWorkLight: controls_.work_light = !controls_.work_light; break;
     case UiAction::kBrighter: expose(-kExposureStepEv); break;  // a lower EV makes a brighter picture
     case UiAction::kDarker: expose(kExposureStepEv); break;
-    case UiAction::kPlay: controls_.playing = !controls_.playing; break;
-    case UiAction::kSeekBack: seek(-kSeekStepS); break;
-    case UiAction::kSeekOn: seek(kSeekStepS); break;
+    case UiAction::kPlay: controls_.transport.playing = !controls_.transport.playing; break;
+    case UiAction::kSeekBack: controls_.transport.seek_by(-kSeekStepNs); break;
+    case UiAction::kSeekOn: controls_.transport.seek_by(kSeekStepNs); break;
+    case UiAction::kSlower: controls_.transport.change_speed(-1); break;
+    case UiAction::kFaster: controls_.transport.change_speed(1); break;
+    case UiAction::kRepeatFrom: controls_.transport.repeat_from(controls_.transport.now_ns); break;
+    case UiAction::kRepeatTo: controls_.transport.repeat_to(controls_.transport.now_ns); break;
+    case UiAction::kRepeatAll: controls_.transport.repeat_all(); break;
     case UiAction::kSidePanel:
       controls_.panel = controls_.panel == PanelState::kFull    ? PanelState::kStrip
                         : controls_.panel == PanelState::kStrip ? PanelState::kHidden

@@ -80,7 +80,7 @@ Status Preview::set_controls(const fixtures::Camera& camera) {
   controls_.work_light = options_.work_light_lx.value_or(by_hand() ? usual_lx : 0) > 0;
   const double asked_lx = options_.work_light_lx.value_or(0);
   controls_.work_light_lx = static_cast<float>(asked_lx > 0 ? asked_lx : usual_lx);
-  controls_.loop = options_.files.demo && options_.files.log.empty();
+  controls_.transport.repeats = options_.files.demo && options_.files.log.empty();
   controls_.panel = window_->width() < kStripWidth ? PanelState::kStrip : PanelState::kFull;
   if (device_->is_software()) {
     // One picture every few seconds is too slow: start with fewer pixels; the user can select all of them.
@@ -191,7 +191,8 @@ Status Preview::open_levels() {
   if (log) {
     timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_, vrsl_replay());
     facts_.has_log = true;
-    facts_.duration_s = static_cast<double>(timeline_->duration_ns()) * 1e-9;
+    controls_.transport.duration_ns = timeline_->duration_ns();
+    FL_TRY(make_index());
   } else {
     hand_ = std::make_unique<HandLevels>(rig_, compiled_);
   }

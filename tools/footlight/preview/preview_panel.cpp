@@ -15,7 +15,6 @@ namespace footlight::tools {
 namespace {
 
 // Going back in a log replays it from its start, so in a long log the picture follows the slider only after release.
-constexpr double kFollowSliderMaxS = 120;
 
 std::string flash_words(const PreviewFacts& facts) {
   return facts.flashes_held ? "Harmful flashes are held back" : "Harmful flashes: more than 3 a second";
@@ -162,24 +161,34 @@ void draw_view(const PreviewFacts& facts, PreviewControls& controls) {
   }
 }
 
-void draw_log(const PreviewFacts& facts, PreviewControls& controls) {
+double seconds_of(DurationNs time_ns) { return static_cast<double>(time_ns) * 1e-9; }
+
+void draw_log(PreviewControls& controls) {
   heading("Log");
-  float time_s = controls.drag_s.value_or(static_cast<float>(facts.time_s));
+  Transport& transport = controls.transport;
+  const double duration_s = seconds_of(transport.duration_ns);
+  float time_s = controls.drag_s.value_or(static_cast<float>(seconds_of(transport.now_ns)));
   ImGui::SetNextItemWidth(-1);
   // The label is a format string for ImGui; it has no per cent sign.
-  const std::string label =
-      fmt::format("{} of {}", clock_text(static_cast<double>(time_s)), clock_text(facts.duration_s));
-  if (ImGui::SliderFloat("##time", &time_s, 0, static_cast<float>(std::max(facts.duration_s, 0.1)), label.c_str(),
+  const std::string label = fmt::format("{} of {}", clock_text(static_cast<double>(time_s)), clock_text(duration_s));
+  if (ImGui::SliderFloat("##time", &time_s, 0, static_cast<float>(std::max(duration_s, 0.1)), label.c_str(),
                          ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput)) {
     controls.drag_s = time_s;
-    if (facts.duration_s <= kFollowSliderMaxS) controls.seek_s = time_s;
+    const auto time_ns = static_cast<TimeNs>(static_cast<double>(time_s) * 1e9);
+    if (transport.is_quick(time_ns)) transport.seek_ns = time_ns;
   }
-  if (ImGui::IsItemDeactivated() && controls.drag_s) controls.seek_s = *std::exchange(controls.drag_s, std::nullopt);
-  if (ImGui::Button(controls.playing ? "pause" : "play", {ImGui::GetTextLineHeight() * 4, 0})) {
-    controls.playing = !controls.playing;
+  if (ImGui::IsItemDeactivated() && controls.drag_s) {
+    transport.seek_ns = static_cast<TimeNs>(static_cast<double>(*std::exchange(controls.drag_s, std::nullopt)) * 1e9);
+  }
+  if (ImGui::Button(transport.playing ? "pause" : "play", {ImGui::GetTextLineHeight() * 4, 0})) {
+    transport.playing = !transport.playing;
   }
   ImGui::SameLine();
-  ImGui::Checkbox("repeat", &controls.loop);
+  ImGui::Checkbox("repeat", &transport.repeats);
+  if (transport.speed != 1) {
+    ImGui::SameLine();
+    ui_text(kUiAmber, fmt::format("x {}", transport.speed));
+  }
 }
 
 const ImVec4& colour_of(PortState state) {
@@ -286,7 +295,7 @@ void draw_hand(const PreviewFacts& facts, PreviewControls& controls, HandLevels&
   }
 }
 
-void draw_strip(const PreviewFacts& facts) {
+void draw_strip(const PreviewFacts& facts, const Transport& transport) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   const float height = ImGui::GetTextLineHeight() + 8;
   ImGui::SetNextWindowPos({0, size.y - height});
@@ -299,7 +308,9 @@ void draw_strip(const PreviewFacts& facts) {
     for (const auto& pass : facts.passes) total_ms += pass.gpu_ms;
     std::string words =
         fmt::format("{}    {:.1f} fps    GPU {:.1f} ms    {} beams", facts.rig, facts.fps, total_ms, facts.live_beams);
-    if (facts.has_log) words += fmt::format("    {} / {}", clock_text(facts.time_s), clock_text(facts.duration_s));
+    if (facts.has_log)
+      words += fmt::format("    {} / {}", clock_text(seconds_of(transport.now_ns)),
+                           clock_text(seconds_of(transport.duration_ns)));
     if (facts.flashes_harmful || facts.flashes_held) {
       ui_text(kUiRed, flash_words(facts));
       ImGui::SameLine();
@@ -314,16 +325,15 @@ void draw_strip(const PreviewFacts& facts) {
 
 void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const LiveLevels* live, HandLevels* hand,
                 float scale, const std::function<void()>& menu) {
-  if (controls.panel == PanelState::kStrip) draw_strip(facts);
+  if (controls.panel == PanelState::kStrip) draw_strip(facts, controls.transport);
   if (controls.panel != PanelState::kFull) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   const float width = kPanelWidth * scale;
   ImGui::SetNextWindowPos({size.x - width, 0});
   ImGui::SetNextWindowSize({width, size.y});
   constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
-                                      ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
-                                      ImGuiWindowFlags_NoNav | ImGuiWindowFlags_MenuBar |
-                                      ImGuiWindowFlags_NoBringToFrontOnFocus;
+                                      ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoNav |
+                                      ImGuiWindowFlags_MenuBar | ImGuiWindowFlags_NoBringToFrontOnFocus;
   if (ImGui::Begin("panel", nullptr, kFlags)) {
     if (ImGui::BeginMenuBar()) {
       menu();
@@ -335,7 +345,7 @@ void draw_panel(const PreviewFacts& facts, PreviewControls& controls, const Live
     ui_text(kUiDim, facts.device);
     if (facts.flashes_harmful || facts.flashes_held) ui_text(kUiRed, flash_words(facts));
     ImGui::PopTextWrapPos();
-    if (facts.has_log) draw_log(facts, controls);
+    if (facts.has_log) draw_log(controls);
     if (live != nullptr) draw_live(facts, *live);
     if (hand != nullptr) draw_hand(facts, controls, *hand);
     draw_view(facts, controls);

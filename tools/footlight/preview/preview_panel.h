@@ -12,6 +12,7 @@
 #include "render/quality.h"
 #include "tools/footlight/preview/hand_levels.h"
 #include "tools/footlight/preview/live_levels.h"
+#include "tools/footlight/preview/ui/transport.h"
 
 namespace footlight::tools {
 
@@ -46,8 +47,6 @@ struct PreviewFacts {
   bool flashes_held = false;                // the last harmless picture is held
 
   bool has_log = false;
-  double time_s = 0;
-  double duration_s = 0;
   TimeNs now_ns = 0;   // on the clock of the live stamps
   PumpStatus status;   // live
   std::string notice;  // the newest event of the inputs
@@ -69,11 +68,9 @@ struct PreviewControls {
   int nodes = 3;
   int divisor = 1;  // the picture is computed with 1/divisor of the window's pixels a side
   bool haze = true;
-  bool playing = true;
-  bool loop = false;
+  Transport transport;  // of a log
   int hand_fixture = -1;  // -1: all
 
-  std::optional<double> seek_s;
   std::optional<float> drag_s;  // the position of the log's slider while it is dragged
   std::optional<int> camera;
 };

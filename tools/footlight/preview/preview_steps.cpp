@@ -10,7 +10,10 @@ namespace {
 
 constexpr DurationNs kExposureMaxNs = 20 * kNsPerMs;  // as `footlight render --at`; less if the frame is shorter
 constexpr std::size_t kStepsHeldMax = 512;            // steps that wait for the GPU
-constexpr DurationNs kWireDelayNs = 2 * kNsPerMs;     // live pictures are that late: looks may be on their way
+constexpr DurationNs kIndexNs = 2 * kNsPerMs;         // for the index of a log, each picture
+constexpr DurationNs kIndexPausedNs = 10 * kNsPerMs;
+constexpr DurationNs kLeapNs = kNsPerS;            // a moment this far ahead is taken instead of the steps to it
+constexpr DurationNs kWireDelayNs = 2 * kNsPerMs;  // live pictures are that late: looks may be on their way
 
 }  // namespace
 
@@ -20,18 +23,62 @@ std::optional<fixtures::VrslReplay> Preview::vrsl_replay() const {
   return fixtures::VrslReplay(*vrsl_rig_, compiled_);
 }
 
-// Seeks to a time of the log, from its start if that is earlier. Then every fixture starts again, so that the picture
-// is the one that `footlight render` makes of this moment.
-Status Preview::replay_to(DurationNs until_ns, DurationNs exposure_ns) {
-  until_ns = std::clamp<DurationNs>(until_ns, 0, timeline_->duration_ns());
-  if (until_ns < timeline_->now_ns()) {
+// A second reading of the log, which runs ahead between pictures.
+Status Preview::make_index() {
+  index_.reset();
+  curve_.reset();
+  curved_ = 0;
+  if (!timeline_->can_go()) return {};
+  FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
+  if (log) index_.emplace(Timeline(std::move(*log), compiled_));
+  return {};
+}
+
+Status Preview::work_at_index() {
+  Transport& transport = controls_.transport;
+  if (index_ && !index_->done()) FL_TRY(index_->work(*frame_, clock_, transport.playing ? kIndexNs : kIndexPausedNs));
+  if (index_) transport.known_ns = index_->known_ns();
+  if (!index_ || !panels_.any_open()) return {};
+  if (!curve_) curve_.emplace(rig_, desk_->index());
+  const auto& moments = index_->moments();
+  curved_ = std::min(curved_, moments.size());  // some were dropped
+  for (; curved_ < moments.size(); ++curved_) {
+    const Timeline::Position& position = moments[curved_].position;
+    curve_->add(position.now_ns, position.levels);
+  }
+  return {};
+}
+
+// Moments lack what the user has taken over.
+const SeekIndex::Moment* Preview::known_before(TimeNs time_ns) const {
+  return index_ && !desk_->overlays() ? index_->before(time_ns) : nullptr;
+}
+
+// Plays or seeks to a time of the log. If that is earlier, or far ahead, every fixture takes the states of the last
+// known moment before it, or starts again: the picture is the one that `footlight render` makes of this time.
+Status Preview::replay_to(TimeNs until_ns, DurationNs exposure_ns) {
+  until_ns = std::clamp<TimeNs>(until_ns, 0, timeline_->duration_ns());
+  const SeekIndex::Moment* known = known_before(until_ns - exposure_ns);
+  const bool leaps = known != nullptr && known->position.now_ns > timeline_->now_ns() + kLeapNs;
+  if (until_ns < timeline_->now_ns() || leaps) return go_back(until_ns, exposure_ns);
+  return advance(*timeline_, until_ns, exposure_ns);
+}
+
+// From a known moment, else from the start of the log.
+Status Preview::go_back(TimeNs until_ns, DurationNs exposure_ns) {
+  panels_.restart();
+  const SeekIndex::Moment* known = known_before(until_ns - exposure_ns);
+  if (known != nullptr) {
+    FL_TRY(timeline_->go_to(known->position));
+    log_levels_ = known->position.levels;
+    FL_TRY(frame_->load_state(known->state));
+  } else {
     FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
     if (!log) return fail(ErrorCode::kIo, "{}: the log can no longer be read", options_.files.log);
     timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_, vrsl_replay());
     FL_TRY(frame_->run_steps());
     FL_TRY(device_->run_once([&](VkCommandBuffer commands) { render::forget_states(commands, frame_->resources()); }));
     frame_->forget_air();
-    panels_.restart();
   }
   return advance(*timeline_, until_ns, exposure_ns);
 }
@@ -77,28 +124,24 @@ Status Preview::step_levels(DurationNs dt_ns) {
   } else if (hand_) {
     give(hand_->levels(), dt_ns, true);
   } else {
-    if (controls_.seek_s) {
+    Transport& transport = controls_.transport;
+    if (transport.seek_ns) {
       moves_in_pause_ = false;
-      FL_TRY(replay_to(static_cast<DurationNs>(*controls_.seek_s * 1e9), kExposureMaxNs));
-      controls_.seek_s.reset();
-    } else if (controls_.playing) {
-      DurationNs until_ns = timeline_->now_ns() + dt_ns;
-      if (until_ns > timeline_->duration_ns() && controls_.loop) until_ns = 0;
-      FL_TRY(replay_to(until_ns, std::min(dt_ns, kExposureMaxNs)));
+      FL_TRY(replay_to(*transport.seek_ns, kExposureMaxNs));
+      transport.seek_ns.reset();
+    } else if (transport.playing) {
+      transport.now_ns = timeline_->now_ns();
+      FL_TRY(replay_to(transport.next_ns(dt_ns), std::min(dt_ns, kExposureMaxNs)));
       moves_in_pause_ = false;
     } else {
       // What is taken over moves in a pause, and goes back when it is released; then all fixtures go on.
       moves_in_pause_ = moves_in_pause_ || desk_->overlays();
       if (moves_in_pause_ && !log_levels_.empty()) give(log_levels_, dt_ns, true);
     }
-    facts_.time_s = static_cast<double>(timeline_->now_ns()) * 1e-9;
+    transport.now_ns = timeline_->now_ns();
+    FL_TRY(work_at_index());
   }
   return {};
-}
-
-// Several steps may come in one frame.
-void Preview::seek(double by_s) {
-  if (timeline_) controls_.seek_s = std::clamp(controls_.seek_s.value_or(facts_.time_s) + by_s, 0.0, facts_.duration_s);
 }
 
 }  // namespace footlight::tools

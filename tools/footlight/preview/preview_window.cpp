@@ -280,12 +280,7 @@ Status Preview::start_again(const Error& loss) {
   facts_.device = device_->name();
   FL_TRY(rebuild(place()));
   panels_.restart();
-  if (!timeline_) return {};
-  FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
-  if (!log) return fail(ErrorCode::kIo, "{}: the log is gone", options_.files.log);
-  const TimeNs until_ns = timeline_->now_ns();
-  timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_, vrsl_replay());
-  return advance(*timeline_, until_ns, 0);
+  return timeline_ ? go_back(timeline_->now_ns(), 0) : Status{};
 }
 
 Result<int> run_preview(const PreviewOptions& options) { return Preview(options).run(); }

@@ -21,6 +21,7 @@
 #include "render/quality.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/bridge/open_ports.h"
+#include "tools/footlight/pictures/seek_index.h"
 #include "tools/footlight/pictures/timeline.h"
 #include "tools/footlight/preview/frame_times.h"
 #include "tools/footlight/preview/hand_levels.h"
@@ -68,10 +69,13 @@ class Preview {
 
   // What drives the fixtures: preview_steps.cpp.
   Status step_levels(DurationNs dt_ns);
-  Status replay_to(DurationNs until_ns, DurationNs exposure_ns);
+  Status replay_to(TimeNs until_ns, DurationNs exposure_ns);
+  Status go_back(TimeNs until_ns, DurationNs exposure_ns);
+  [[nodiscard]] const SeekIndex::Moment* known_before(TimeNs time_ns) const;
+  Status make_index();
+  Status work_at_index();
   Status advance(Timeline& timeline, TimeNs until_ns, DurationNs exposure_ns);
   void give(std::span<const std::uint8_t> levels, DurationNs dt_ns, bool new_exposure);
-  void seek(double by_s);
   [[nodiscard]] std::span<const std::uint8_t> panel_levels();
   [[nodiscard]] std::optional<fixtures::VrslReplay> vrsl_replay() const;
   // True if neither a log nor an input drives the rig.
@@ -115,6 +119,9 @@ class Preview {
   std::unique_ptr<LiveLevels> live_;
   std::unique_ptr<Timeline> live_timeline_;
   std::unique_ptr<HandLevels> hand_;
+  std::optional<SeekIndex> index_;   // of the log, for seeks; none with VRSL's fixtures
+  std::optional<LightCurve> curve_;  // from its moments
+  std::size_t curved_ = 0;           // moments of the index that curve_ was given
 
   std::unique_ptr<render::vk::Device> device_;  // outlives the window's swapchain
   std::unique_ptr<Window> window_;

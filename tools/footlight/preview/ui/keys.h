@@ -17,17 +17,22 @@ enum class UiAction {
   kSelectAll,
   kHighlight,
   kReleaseAll,
-  kFrame,     // the selection; the rig if there is none
+  kFrame,  // the selection; the rig if there is none
   kFrameRig,
-  kCamera,    // argument: its index
+  kCamera,  // argument: its index
   kWorkLight,
   kBrighter,
   kDarker,
   kPlay,
   kSeekBack,
   kSeekOn,
+  kSlower,
+  kFaster,
+  kRepeatFrom,
+  kRepeatTo,
+  kRepeatAll,
   kSidePanel,
-  kPanel,     // argument: index into panels()
+  kPanel,  // argument: index into panels()
   kFullScreen,
   kShot,
   kEscape,

@@ -16,13 +16,30 @@ namespace {
 
 constexpr float kEdge = 8;  // between a panel and the edge of the stage
 
-constexpr std::array<PanelInfo, 4> kPanels{{
+constexpr std::array<PanelInfo, 5> kPanels{{
     {"keys", "Keys", GLFW_KEY_F1, "F1, ?", "this list", {0.5f, 0.5f, 560, 620, 1}, make_keys_panel},
-    {"universes", "Universes", GLFW_KEY_F2, "F2", "the levels of a universe", {0, 1, 830, 430, 0.43f},
+    {"universes",
+     "Universes",
+     GLFW_KEY_F2,
+     "F2",
+     "the levels of a universe",
+     {0, 1, 830, 430, 0.43f},
      make_universes_panel},
     {"fixtures", "Fixtures", GLFW_KEY_F3, "F3", "the patch of the rig", {0, 0, 560, 420, 0.54f}, make_fixtures_panel},
-    {"inspector", "Inspector", GLFW_KEY_F4, "F4", "values and controls of what is selected", {1, 0, 420, 640, 0.54f},
+    {"inspector",
+     "Inspector",
+     GLFW_KEY_F4,
+     "F4",
+     "values and controls of what is selected",
+     {1, 0, 420, 640, 0.54f},
      make_inspector_panel},
+    {"timeline",
+     "Timeline",
+     GLFW_KEY_F5,
+     "F5",
+     "the log in time: seek, speed, a part that repeats",
+     {0.5f, 1, 900, 170, 0.3f},
+     make_timeline_panel},
 }};
 
 Status for_words(std::string_view words, const std::function<void(std::size_t)>& act) {
@@ -70,9 +87,8 @@ void UiPanels::draw(UiDesk& desk, const UiInput& input, float stage_width, float
     if (!open_[i]) continue;
     const PanelInfo& info = kPanels[i];
     const float width = std::clamp(info.place.width * input.scale, 1.0f, std::max(stage_width - 2 * kEdge, 1.0f));
-    const float height =
-        std::clamp(std::min(info.place.height * input.scale, info.place.height_share * stage_height), 1.0f,
-                   std::max(stage_height - 2 * kEdge, 1.0f));
+    const float height = std::clamp(std::min(info.place.height * input.scale, info.place.height_share * stage_height),
+                                    1.0f, std::max(stage_height - 2 * kEdge, 1.0f));
     const float left = kEdge + info.place.left * std::max(stage_width - 2 * kEdge - width, 0.0f);
     const float top = kEdge + info.place.top * std::max(stage_height - 2 * kEdge - height, 0.0f);
     ImGui::SetNextWindowPos({left, top}, ImGuiCond_FirstUseEver);

@@ -13,6 +13,7 @@
 #include "sim/core/dmx.h"
 #include "sim/core/result.h"
 #include "sim/pump.h"
+#include "tools/footlight/preview/ui/transport.h"
 #include "tools/footlight/preview/ui/ui_desk.h"
 
 namespace footlight::tools {
@@ -23,6 +24,8 @@ struct UiInput {
   std::span<const FrameStamp> stamps;    // of live universes, in the same order; else empty
   const PumpStatus* status = nullptr;    // of live inputs; at most two seconds old
   TimeNs now_ns = 0;                     // on the clock of the stamps
+  Transport* transport = nullptr;        // of the log that plays; its second part may be changed
+  const LightCurve* curve = nullptr;     // of it; may be missing
   float scale = 1;                       // of the user interface
 };
 
@@ -63,6 +66,7 @@ struct PanelInfo {
 [[nodiscard]] std::unique_ptr<Panel> make_universes_panel(UiDesk& desk);
 [[nodiscard]] std::unique_ptr<Panel> make_fixtures_panel(UiDesk& desk);
 [[nodiscard]] std::unique_ptr<Panel> make_inspector_panel(UiDesk& desk);
+[[nodiscard]] std::unique_ptr<Panel> make_timeline_panel(UiDesk& desk);
 [[nodiscard]] std::unique_ptr<Panel> make_keys_panel(UiDesk& desk);
 
 // Which panels are open.

@@ -1,0 +1,62 @@
+#include "tools/footlight/preview/ui/transport.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace footlight::tools {
+
+TimeNs Transport::next_ns(DurationNs dt_ns) const {
+  const TimeNs next = now_ns + static_cast<DurationNs>(std::llround(static_cast<double>(dt_ns) * speed));
+  const TimeNs start = from_ns.value_or(0);
+  if (to_ns && now_ns <= *to_ns && next > *to_ns) return start;
+  if (next <= duration_ns) return next;
+  return repeats || from_ns || to_ns ? start : duration_ns;
+}
+
+void Transport::repeat_from(TimeNs time_ns) {
+  from_ns = time_ns;
+  if (to_ns && *to_ns <= time_ns) to_ns.reset();
+}
+
+void Transport::repeat_to(TimeNs time_ns) {
+  to_ns = time_ns;
+  if (from_ns && *from_ns >= time_ns) from_ns.reset();
+}
+
+void Transport::change_speed(int by) {
+  const auto at = std::lower_bound(std::begin(kSpeeds), std::end(kSpeeds), speed) - std::begin(kSpeeds);
+  speed = kSpeeds[std::clamp<std::ptrdiff_t>(at + by, 0, std::ssize(kSpeeds) - 1)];
+}
+
+void Transport::seek_by(DurationNs by_ns) {
+  seek_ns = std::clamp<TimeNs>(seek_ns.value_or(now_ns) + by_ns, 0, duration_ns);
+}
+
+LightCurve::LightCurve(const fixtures::Rig& rig, const RigIndex& index) {
+  std::vector<std::uint32_t> all;
+  for (std::size_t f = 0; f < rig.fixtures.size(); ++f) {
+    const int fixture = static_cast<int>(f);
+    for (std::size_t c = 0; c < index.channel_count(fixture); ++c) {
+      const ChannelKey key{fixture, static_cast<int>(c)};
+      const auto place = index.place(key);
+      if (!place) continue;
+      all.push_back(place->slots[0]);
+      const auto& functions = index.channel(key).functions;
+      const bool dims = std::any_of(functions.begin(), functions.end(),
+                                    [](const auto& function) { return function.attribute == "Dimmer"; });
+      if (dims) slots_.push_back(place->slots[0]);
+    }
+  }
+  if (slots_.empty()) slots_ = std::move(all);
+}
+
+void LightCurve::add(TimeNs at_ns, std::span<const std::uint8_t> levels) {
+  if (!points_.empty() && at_ns <= points_.back().at_ns) return;
+  double sum = 0;
+  for (const std::uint32_t slot : slots_) sum += levels[slot];
+  const double light = slots_.empty() ? 0 : sum / 255 / static_cast<double>(slots_.size());
+  points_.push_back({at_ns, static_cast<float>(light)});
+}
+
+}  // namespace footlight::tools

@@ -1,0 +1,65 @@
+// How a log plays in the window: its time, its speed, the part that repeats, and the light of the rig over the log.
+// Plain data. The loop of the preview fills it in and carries out what panels and keys ask for.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "fixtures/model/rig.h"
+#include "sim/core/clock.h"
+#include "tools/footlight/preview/ui/rig_index.h"
+
+namespace footlight::tools {
+
+inline constexpr DurationNs kQuickLogNs = 120 * kNsPerS;  // a log that is no longer than this is replayed at once
+inline constexpr double kSpeeds[] = {0.1, 0.25, 0.5, 1, 2, 4};
+
+struct Transport {
+  // What is.
+  TimeNs now_ns = 0;
+  DurationNs duration_ns = 0;
+  TimeNs known_ns = 0;  // seeks up to here are quick (SeekIndex)
+
+  // What the user asks for.
+  bool playing = true;
+  bool repeats = false;  // the whole log
+  double speed = 1;      // one of kSpeeds
+  // A part that repeats, from < to; each may be missing: then the start or the end of the log.
+  std::optional<TimeNs> from_ns;
+  std::optional<TimeNs> to_ns;
+  std::optional<TimeNs> seek_ns;  // the loop carries it out and resets it
+
+  // Whether a seek to this time is quick enough to follow a drag.
+  [[nodiscard]] bool is_quick(TimeNs time_ns) const { return time_ns <= known_ns || duration_ns <= kQuickLogNs; }
+  // Where playing leads in dt_ns >= 0 of real time. Before now_ns: it goes back to the start of what repeats.
+  [[nodiscard]] TimeNs next_ns(DurationNs dt_ns) const;
+  // The start or the end of the part that repeats is here. The other end is forgotten if it lies on the wrong side.
+  void repeat_from(TimeNs time_ns);
+  void repeat_to(TimeNs time_ns);
+  void repeat_all() { from_ns = to_ns = std::nullopt; }
+  // To the next of kSpeeds in this direction.
+  void change_speed(int by);
+  // A seek by this much from where the last one goes to.
+  void seek_by(DurationNs by_ns);
+};
+
+// The mean level of all dimmers of a rig over a log, as far as it is known.
+class LightCurve {
+ public:
+  struct Point {
+    TimeNs at_ns = 0;
+    float light = 0;  // 0 to 1; without a dimmer in the rig the mean of all slots that are used
+  };
+  LightCurve(const fixtures::Rig& rig, const RigIndex& index);
+  // levels: universes x 512 in the order of the compiled rig. Times ascend; others are ignored.
+  void add(TimeNs at_ns, std::span<const std::uint8_t> levels);
+  [[nodiscard]] const std::vector<Point>& points() const { return points_; }
+
+ private:
+  std::vector<std::uint32_t> slots_;
+  std::vector<Point> points_;
+};
+
+}  // namespace footlight::tools
