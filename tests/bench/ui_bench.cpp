@@ -41,6 +41,13 @@ void draw_panels(benchmark::State& state, const std::string& words, bool everyth
   io.Fonts->GetTexDataAsRGBA32(&pixels, &unused, &unused);
   UiInput input;
   input.now_ns = kNsPerS;
+  // A log of three hours with a moment every 2 s.
+  Transport transport;
+  transport.duration_ns = transport.known_ns = 10'800 * kNsPerS;
+  LightCurve curve(rig.rig, desk.index());
+  for (TimeNs at_ns = 0; at_ns < transport.duration_ns; at_ns += 2 * kNsPerS) curve.add(at_ns, levels);
+  input.transport = &transport;
+  input.curve = &curve;
   std::uint8_t level = 0;
   const auto draw = [&] {
     if (everything) std::fill(levels.begin(), levels.end(), ++level);
@@ -64,6 +71,7 @@ void universes(benchmark::State& state) { draw_panels(state, "universes", false)
 void universes_changing(benchmark::State& state) { draw_panels(state, "universes", true); }
 void patch(benchmark::State& state) { draw_panels(state, "fixtures", false); }
 void inspector(benchmark::State& state) { draw_panels(state, "inspector", false); }
+void timeline(benchmark::State& state) { draw_panels(state, "timeline", false); }
 void all_selected(benchmark::State& state) { draw_panels(state, "universes,fixtures,inspector", true); }
 
 // A click on the picture.
@@ -98,6 +106,7 @@ BENCHMARK(universes)->Arg(24)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(universes_changing)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(patch)->Arg(24)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(inspector)->Arg(24)->Arg(10'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(timeline)->Arg(24)->Unit(benchmark::kMillisecond);
 BENCHMARK(all_selected)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(click)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(take_all)->Arg(10'000)->Unit(benchmark::kMillisecond);
