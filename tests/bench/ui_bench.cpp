@@ -86,7 +86,7 @@ void take_all(benchmark::State& state) {
   std::vector<std::uint8_t> levels(rig.compiled.universes.size() * kSlotCountMax);
   std::uint32_t raw = 0;
   for (auto _ : state) {
-    desk.take({0, 2}, ++raw & 0xFFFF);
+    desk.take({0, 2}, ++raw & 0xFFFF, levels);
     desk.overlay(levels);
   }
 }

@@ -505,7 +505,6 @@ constexpr LongFile kLongFiles[] = {
     {"sim/pump.cpp", "the loop, from top to bottom"},
     {"sim/shared/lamp.h", "lamps as one source for C++ and GLSL"},
     {"tools/footlight/doctor/doctor_checks.cpp", "one check after another"},
-    {"tools/footlight/preview/preview_window.cpp", "one window and its keys"},
 };
 
 // Files of the program, its tools and benchmarks. Tests are excluded because their length has no meaning: they are

@@ -1,17 +1,18 @@
 // The panels of the window without a window: Dear ImGui makes the lists that a GPU would draw.
+#include <algorithm>
 #include <array>
-#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
-
-#include <GLFW/glfw3.h>
 
 #include <imgui/imgui.h>
 
 #include <doctest/doctest.h>
 
 #include "tests/tools/footlight/ui_rigs.h"
+#include "tools/footlight/preview/ui/escape.h"
 #include "tools/footlight/preview/ui/keys.h"
-#include "tools/footlight/preview/ui/menu.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/stage_marks.h"
 
@@ -54,9 +55,18 @@ class HeadlessUi {
     input.levels = levels;
     input.now_ns = now_ns;
     ImGui::NewFrame();
+    if (logs) ImGui::LogToClipboard();
     open.draw(desk, input, ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y);
+    if (logs) ImGui::LogFinish();
     ImGui::Render();
     return ImGui::GetDrawData()->TotalVtxCount;
+  }
+  // All text of a picture, also what is scrolled out of sight.
+  std::string words() {
+    logs = true;
+    frame();
+    logs = false;
+    return ImGui::GetClipboardText();
   }
   void show(std::size_t panel) {
     open.set_open(panel, true, desk);
@@ -84,6 +94,7 @@ class HeadlessUi {
 
   UiDesk desk;
   UiPanels open;
+  bool logs = false;
   std::vector<std::uint8_t> levels;
   TimeNs now_ns = kNsPerS;
 };
@@ -122,7 +133,7 @@ TEST_CASE("every panel survives an empty rig, modes without channels, no levels 
       ui.desk.select_all();
       ui.desk.set_highlight(true);
       ui.frame();
-      if (!rig.rig.fixtures.empty() && ui.desk.index().channel_count(0) > 0) ui.desk.take({0, 0}, 3);
+      if (!rig.rig.fixtures.empty() && ui.desk.index().channel_count(0) > 0) ui.desk.take({0, 0}, 3, ui.levels);
       ui.open.step(ui.levels, kNsPerMs, true);
       ui.open.restart();
       ui.levels.clear();
@@ -203,6 +214,167 @@ TEST_CASE("a slider of the inspector takes its channel over") {
   CHECK(ui.desk.state().taken.empty());
 }
 
+bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+TEST_CASE("the inspector has simulated values before the first step, as in a log that is paused") {
+  const auto rig = compiled_rig(parsed_rig(kUiRig));
+  HeadlessUi ui(rig);
+  std::fill(ui.levels.begin(), ui.levels.end(), std::uint8_t{255});
+  ui.show(kInspector);
+  ui.desk.select(0, false);
+  CHECK(contains(ui.words(), "tilt 135 "));
+  // Another fixture, and after a seek to other levels.
+  std::fill(ui.levels.begin(), ui.levels.end(), std::uint8_t{0});
+  ui.desk.select(1, false);
+  CHECK(contains(ui.words(), "tilt -135 "));
+  std::fill(ui.levels.begin(), ui.levels.end(), std::uint8_t{255});
+  ui.open.restart();
+  CHECK(contains(ui.words(), "tilt 135 "));
+}
+
+TEST_CASE("a log that begins anew keeps the head that was chosen, and the head begins anew") {
+  const auto rig = compiled_rig(parsed_rig(R"([rig]
+name = "Bar"
+[[fixture]]
+name = "Bar"
+type = "vrsl/multi-bar"
+universe = 1
+address = 1
+position = [0, 0, 5]
+)"));
+  HeadlessUi ui(rig);
+  ui.desk.select(0, false);
+  ui.show(kInspector);
+  REQUIRE(contains(ui.words(), "head 1"));
+  // A click into the slider of the heads: below the channels.
+  const ImVec2 at = ui.click_down(1280 - 8 - 420 + 300, 200, 640, [&] { return !contains(ui.words(), "head 1"); });
+  REQUIRE(at.y > 0);
+  const std::string words = ui.words();
+  const std::string chosen = words.substr(words.find("head "), 7);
+  std::fill(ui.levels.begin(), ui.levels.end(), std::uint8_t{255});
+  ui.open.step(ui.levels, kNsPerMs, true);
+  const std::string lit = ui.words();
+  CHECK(contains(lit, chosen));
+  std::fill(ui.levels.begin(), ui.levels.end(), std::uint8_t{0});
+  ui.open.restart();
+  CHECK(contains(ui.words(), chosen));
+  CHECK(ui.words().substr(words.find("head ")) != lit.substr(lit.find("head ")));
+}
+
+TEST_CASE("a slider is dragged from one function of its channel into the next, and from slots into angles") {
+  fixtures::Rig one = parsed_rig(kUiRig);
+  fixtures::Mode& mode = one.types[static_cast<std::size_t>(one.fixtures[0].type)].modes[0];
+  fixtures::Channel gobo = mode.channels[8];
+  REQUIRE(gobo.name == "Gobo");
+  // The upper half turns the gobo instead.
+  std::erase_if(gobo.functions, [](const auto& function) { return function.dmx_from >= 112; });
+  fixtures::ChannelFunction turn = gobo.functions.back();
+  turn.attribute = "Gobo1Pos";
+  turn.sets.clear();
+  turn.wheel = fixtures::kNoIndex;
+  turn.dmx_from = gobo.functions.back().dmx_to + 1;
+  turn.dmx_to = 255;
+  turn.physical_from = 0;
+  turn.physical_to = 360;
+  gobo.functions.push_back(turn);
+  mode.channels = {gobo};
+  mode.relations.clear();
+  const auto rig = compiled_rig(std::move(one));
+  HeadlessUi ui(rig);
+  ui.desk.select(0, false);
+  ui.show(kInspector);
+  const auto raw = [&] {
+    const auto& taken = ui.desk.state().taken;
+    return taken.empty() ? -1 : static_cast<int>(taken.begin()->second);
+  };
+  // As the window does: the fixtures get what was taken over.
+  const auto move = [&](float x, float y) {
+    ImGui::GetIO().MousePos = {x, y};
+    for (int i = 0; i < 2; ++i) {
+      ui.frame();
+      ui.desk.overlay(ui.levels);
+    }
+  };
+  const float left = 1280 - 8 - 420 + 120;
+  const ImVec2 at = ui.click_down(left, 60, 300, [&] { return raw() >= 0; });
+  REQUIRE(at.y > 0);
+  ui.desk.undo();
+  move(left, at.y);
+  const std::size_t before = ui.desk.history().size();
+  ui.desk.begin_gesture();
+  ImGui::GetIO().MouseDown[0] = true;
+  int highest = 0;
+  for (float x = left; x < 1272; x += 8) {
+    move(x, at.y);
+    highest = std::max(highest, raw());
+  }
+  CHECK(highest == 255);
+  for (float x = 1272; x > left - 120; x -= 8) move(x, at.y);
+  CHECK(raw() == 0);
+  ImGui::GetIO().MouseDown[0] = false;
+  ui.frame();
+  CHECK(ui.desk.history().size() == before + 1);
+}
+
+TEST_CASE("a slot is marked for every selected fixture that listens to it") {
+  fixtures::Rig one = parsed_rig(kUiRig);
+  one.fixtures[3].address = one.fixtures[1].address + 2;
+  one.fixtures[3].shares_address = true;
+  const auto rig = compiled_rig(std::move(one));
+  HeadlessUi ui(rig);
+  ui.show(kUniverses);
+  const int nobody = ui.frame();
+  ui.desk.select(3, false);
+  CHECK(ui.frame() > nobody);
+  ui.desk.select(-1, false);
+  const int released = ui.frame();
+  ui.desk.take({3, 0}, 0, ui.levels);
+  CHECK(ui.frame() > released);
+}
+
+TEST_CASE("Esc closes the open list only, then the list of keys, then selects nothing, then the window") {
+  const auto rig = compiled_rig(parsed_rig(kUiRig));
+  HeadlessUi ui(rig);
+  ui.desk.select(0, false);
+  ui.show(kKeys);
+  // A menu with a list in it.
+  bool menu = false;
+  bool list = false;
+  bool opens = true;
+  const auto draw = [&](bool escapes) {
+    bool closed = true;
+    ImGui::NewFrame();
+    ImGui::Begin("host");
+    if (std::exchange(opens, false)) ImGui::OpenPopup("menu");
+    menu = ImGui::BeginPopup("menu");
+    if (menu) {
+      if (!list && !escapes) ImGui::OpenPopup("list");
+      list = ImGui::BeginPopup("list");
+      if (list) ImGui::EndPopup();
+      ImGui::EndPopup();
+    }
+    ImGui::End();
+    if (escapes) closed = close_topmost(ui.open, ui.desk);
+    ImGui::Render();
+    return closed;
+  };
+  for (int i = 0; i < 3; ++i) draw(false);
+  REQUIRE(menu);
+  REQUIRE(list);
+  CHECK(draw(true));
+  CHECK(draw(true));
+  CHECK(menu);
+  CHECK(!list);
+  CHECK(ui.open.is_open(kKeys));
+  CHECK(draw(true));
+  CHECK(!menu);
+  CHECK(!ui.open.is_open(kKeys));
+  CHECK(ui.desk.state().selection.lead == 0);
+  CHECK(draw(true));
+  CHECK(ui.desk.state().selection.lead == -1);
+  CHECK(!draw(true));
+}
+
 TEST_CASE("panels are opened by their words, and a wrong word is refused with the right ones") {
   const auto rig = compiled_rig(parsed_rig(kUiRig));
   UiDesk desk(rig.rig, rig.compiled);
@@ -216,31 +388,6 @@ TEST_CASE("panels are opened by their words, and a wrong word is refused with th
   CHECK(wrong.error().message.find("nonsense") != std::string::npos);
   CHECK(wrong.error().message.find("universes") != std::string::npos);
   CHECK(check_panel_words(""));
-}
-
-TEST_CASE("no key has two meanings, and every key that does something is in the list") {
-  std::set<std::pair<int, int>> seen;
-  for (const KeyRow& row : key_rows()) {
-    CHECK(seen.emplace(row.key, row.mods).second);
-    CHECK((row.keys == nullptr) == (row.does == nullptr));
-    const auto call = call_of(row.key, row.mods, false);
-    REQUIRE(call);
-    CHECK(call->action == row.call.action);
-    CHECK(call_of(row.key, row.mods, true).has_value() == row.repeats);
-    if (row.menu != UiMenu::kNone) CHECK(row.keys != nullptr);
-  }
-  for (std::size_t i = 0; i < panels().size(); ++i) {
-    CHECK(seen.emplace(panels()[i].key, 0).second);
-    const auto call = call_of(panels()[i].key, 0, false);
-    REQUIRE(call);
-    CHECK(call->action == UiAction::kPanel);
-    CHECK(call->argument == static_cast<int>(i));
-  }
-  CHECK(call_of(GLFW_KEY_3, 0, false)->argument == 2);
-  CHECK(call_of(GLFW_KEY_Z, kKeyControl | kKeyShift, false)->action == UiAction::kRedo);
-  CHECK(call_of(GLFW_KEY_Z, kKeyControl | GLFW_MOD_NUM_LOCK, false)->action == UiAction::kUndo);
-  CHECK(!call_of(GLFW_KEY_Z, 0, false));
-  CHECK(!call_of(GLFW_KEY_UNKNOWN, 0, false));
 }
 
 TEST_CASE("the list of keys draws a line for every key") {

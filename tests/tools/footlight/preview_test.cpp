@@ -187,7 +187,10 @@ TEST_CASE("a panel or a selection that is none is refused with what there is") {
 TEST_CASE("a GPU that is lost is replaced, and the preview continues at the same time of the log") {
   if (!can_open_window()) return;
   const TempFolder folder;
-  const int code = preview(folder, "--demo --at 12s --seconds 3 --size 160x90 --json", "FOOTLIGHT_LOSE_DEVICE=2 ");
+  const int code = preview(folder,
+                           "--demo --at 12s --seconds 3 --size 160x90 --json --panels inspector,universes "
+                           "--select 'Profile 2'",
+                           "FOOTLIGHT_LOSE_DEVICE=2 ");
   const std::string err = read(folder.file("err"));
   if (contains(err, "libglfw3-dev")) return;
   INFO(err);

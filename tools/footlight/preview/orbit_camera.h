@@ -1,6 +1,8 @@
 // A camera that the mouse moves: around a target, sideways, and towards it. Z up, metres.
 #pragma once
 
+#include <string>
+
 #include <glm/glm.hpp>
 
 #include "fixtures/model/rig.h"
@@ -23,6 +25,7 @@ class OrbitCamera {
   void frame(const glm::dvec3& low_m, const glm::dvec3& high_m, double aspect);
 
   [[nodiscard]] double distance_m() const { return distance_m_; }
+  [[nodiscard]] const std::string& name() const { return camera_.name; }
 
  private:
   [[nodiscard]] glm::dvec3 forward() const;

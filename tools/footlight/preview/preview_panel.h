@@ -58,7 +58,7 @@ enum class PanelState { kFull, kStrip, kHidden };
 // The values that the user can change. The caller executes requests and resets them.
 struct PreviewControls {
   PanelState panel = PanelState::kFull;
-  float exposure_ev = 4;
+  float exposure_ev = 4;       // those of UiState::exposure, and what the user makes of them
   bool auto_exposure = false;  // exposure_ev does not matter then
   render::ToneCurve tone = render::ToneCurve::kAgx;
   bool balances_white = false;

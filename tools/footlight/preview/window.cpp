@@ -337,6 +337,7 @@ Status Window::start_ui() {
   // ImGui calls the callbacks that are set already.
   glfwSetWindowUserPointer(window_, this);
   glfwSetKeyCallback(window_, &Window::on_key);
+  glfwSetCharCallback(window_, &Window::on_character);
   ImGui_ImplGlfw_InitForVulkan(window_, true);
 
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
@@ -365,13 +366,12 @@ Status Window::start_ui() {
 
 void Window::on_key(GLFWwindow* window, int key, int scancode, int action, int mods) {
   auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));
-  if (action == GLFW_RELEASE) return;
-  const bool letter = key >= GLFW_KEY_A && key <= GLFW_KEY_Z;
-  const char* printed = letter ? glfwGetKeyName(key, scancode) : nullptr;
-  if (printed != nullptr && printed[0] >= 'a' && printed[0] <= 'z' && printed[1] == '\0') {
-    key = GLFW_KEY_A + (printed[0] - 'a');
-  }
-  self->keys_.push_back({key, mods, action == GLFW_REPEAT});
+  const char* name = key != GLFW_KEY_UNKNOWN ? glfwGetKeyName(key, scancode) : nullptr;
+  self->keys_.take_key(key, name, action, mods);
+}
+
+void Window::on_character(GLFWwindow* window, unsigned int character) {
+  static_cast<Window*>(glfwGetWindowUserPointer(window))->keys_.take_character(character);
 }
 
 PixelRect Window::rect() const {

@@ -25,6 +25,7 @@
 #include "render/image.h"
 #include "render/vk/device.h"
 #include "render/vk/memory.h"
+#include "tools/footlight/preview/key_presses.h"
 
 struct GLFWwindow;
 
@@ -69,12 +70,7 @@ class Window {
   [[nodiscard]] bool wants_close() const;
   // The keys that went down during the last poll(), or repeated while held, in order. ImGui's own list misses a key
   // that goes down and up within one slow frame.
-  struct Key {
-    int code = 0;  // GLFW_KEY_...; of a letter that which is printed on the key: Z on a German keyboard is where Y was
-    int mods = 0;  // GLFW_MOD_...
-    bool repeat = false;
-  };
-  [[nodiscard]] const std::vector<Key>& keys() const { return keys_; }
+  [[nodiscard]] const std::vector<KeyPress>& keys() const { return keys_.presses(); }
   // As of the last poll(): true if the window is not visible.
   [[nodiscard]] bool minimised() const { return minimised_; }
   // Pixels.
@@ -106,6 +102,7 @@ class Window {
   Status start_ui();
   void record_all(VkCommandBuffer commands, std::uint32_t index, const WindowPicture& picture);
   static void on_key(GLFWwindow* window, int key, int scancode, int action, int mods);
+  static void on_character(GLFWwindow* window, unsigned int character);
   [[nodiscard]] PixelRect rect() const;
   void record_shot(VkCommandBuffer commands, VkImage image);
 
@@ -121,7 +118,7 @@ class Window {
   int width_ = 0;
   int height_ = 0;
   bool minimised_ = false;
-  std::vector<Key> keys_;
+  KeyPresses keys_;
   PixelRect before_full_;  // where the window was before it became full screen
   float ui_scale_ = 1;
   bool ui_started_ = false;

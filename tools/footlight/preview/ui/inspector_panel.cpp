@@ -55,10 +55,12 @@ class InspectorPanel final : public Panel {
 
   void step(std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) override {
     follow();
-    if (trace_) trace_->step(levels, dt_ns, new_exposure);
+    if (!trace_) return;
+    trace_->step(levels, dt_ns, new_exposure);
+    stepped_ = true;
   }
 
-  void restart() override { lead_ = kNobody; }
+  void restart() override { start_trace(); }
 
   void draw(UiDesk& desk, const UiInput& input) override {
     follow();
@@ -71,7 +73,7 @@ class InspectorPanel final : public Panel {
     }
     draw_fixture(desk);
     draw_channels(desk, input);
-    if (ImGui::CollapsingHeader("Simulated now", ImGuiTreeNodeFlags_DefaultOpen)) draw_heads();
+    if (ImGui::CollapsingHeader("Simulated now", ImGuiTreeNodeFlags_DefaultOpen)) draw_heads(input);
   }
 
  private:
@@ -84,6 +86,7 @@ class InspectorPanel final : public Panel {
     heads_.clear();
     units_.clear();
     head_ = 0;
+    dragged_.reset();
     if (lead < 0) return;
     const auto& firsts = desk_.compiled().head_first;
     const auto at = static_cast<std::size_t>(lead);
@@ -95,9 +98,15 @@ class InspectorPanel final : public Panel {
       }
       units_.push_back(std::move(of_functions));
     }
+    start_trace();
+  }
+
+  // Of the shown head, from where its levels are.
+  void start_trace() {
     if (heads_.empty()) return;
     trace_ = std::make_unique<HeadTrace>(desk_.rig(), desk_.compiled());
-    trace_->follow({heads_.front()});
+    trace_->follow({heads_[head_]});
+    stepped_ = false;
   }
 
   [[nodiscard]] const fixtures::PatchedFixture& fixture() const {
@@ -164,10 +173,9 @@ class InspectorPanel final : public Panel {
     const auto place = desk.index().place(key);
     const std::uint32_t raw = desk.index().read(key, input.levels);
     const bool taken = desk.state().taken.contains(key);
-    const ChannelReading reading =
-        reading_of(fixtures::type_of(desk.rig(), fixture()), channel, raw, [&](int other) {
-          return desk.index().read({lead_, other}, input.levels);
-        });
+    const ChannelReading reading = reading_of(fixtures::type_of(desk.rig(), fixture()), channel, raw, [&](int other) {
+      return desk.index().read({lead_, other}, input.levels);
+    });
     ImGui::PushID(c);
     ImGui::TableNextRow(0, ImGui::GetFrameHeightWithSpacing());
     ImGui::TableNextColumn();
@@ -175,13 +183,13 @@ class InspectorPanel final : public Panel {
     ui_text(taken ? kUiGreen : ImGui::GetStyleColorVec4(ImGuiCol_Text), name_of(channel));
     ImGui::TableNextColumn();
     ImGui::BeginDisabled(!place);
-    draw_control(desk, key, channel, reading, raw);
+    draw_control(desk, input, key, channel, reading, raw);
     ImGui::EndDisabled();
     ImGui::TableNextColumn();
     ui_text(kUiDim, fmt::format("{}", raw));
     ImGui::TableNextColumn();
     if (taken) {
-      if (ImGui::SmallButton("x")) desk.release(key);
+      if (ImGui::SmallButton("x")) desk.release(key, input.levels);
       if (ImGui::IsItemHovered()) ImGui::SetTooltip("release: the input sets it again");
       ImGui::SameLine(0, 4);
     }
@@ -189,63 +197,84 @@ class InspectorPanel final : public Panel {
     ImGui::PopID();
   }
 
-  // A slider in real units over the function that the channel is in, and a list of all its functions and ranges.
-  void draw_control(UiDesk& desk, ChannelKey key, const fixtures::Channel& channel, const ChannelReading& reading,
-                    std::uint32_t raw) {
+  // A slider in real units over the function that the channel is in, else one over all its raw values, and a list of
+  // all its functions and ranges. A slider stays what it is while it is dragged, whatever the channel gets to.
+  void draw_control(UiDesk& desk, const UiInput& input, ChannelKey key, const fixtures::Channel& channel,
+                    const ChannelReading& reading, std::uint32_t raw) {
     const bool lists =
         channel.functions.size() > 1 || (!channel.functions.empty() && !channel.functions[0].sets.empty());
     const float arrow = lists ? ImGui::GetFrameHeight() + 2 : 0;
     ImGui::SetNextItemWidth(-arrow - 0.01f);
-    const fixtures::ChannelFunction* function = reading.function;
-    const bool slides = function != nullptr && function->physical_from != function->physical_to &&
-                        (reading.set == nullptr || reading.set->wheel_slot < 1);
-    const std::string text = ui_format(text_of(reading));
+    const Drag* drag = dragged_ && dragged_->channel == key.channel ? &*dragged_ : nullptr;
+    const bool in_slot = reading.set != nullptr && reading.set->wheel_slot > 0;
+    const fixtures::ChannelFunction* function = drag != nullptr ? drag->function : reading.function;
+    const bool slides = drag != nullptr
+                            ? function != nullptr
+                            : function != nullptr && function->physical_from != function->physical_to && !in_slot;
+    Drag next{key.channel, slides ? function : nullptr, 0};
     if (slides) {
-      const auto unit = units_[static_cast<std::size_t>(key.channel)]
-                              [static_cast<std::size_t>(function - channel.functions.data())];
-      const double factor = unit == PhysicalUnit::kShare ? 100 : 1;
-      auto value = static_cast<float>(reading.value * factor);
-      // What is typed (Ctrl and a click) is in the same unit.
-      const char* format = unit == PhysicalUnit::kShare          ? "%.1f %%"
-                           : unit == PhysicalUnit::kAngle        ? "%.1f\u00b0"
-                           : unit == PhysicalUnit::kAngularSpeed ? "%.1f\u00b0/s"
-                           : unit == PhysicalUnit::kFrequency    ? "%.2f Hz"
-                           : unit == PhysicalUnit::kTemperature  ? "%.0f K"
-                           : unit == PhysicalUnit::kTime         ? "%.2f s"
-                           : unit == PhysicalUnit::kLength       ? "%.2f m"
-                                                                 : "%.3g";
-      const auto from = static_cast<float>(function->physical_from * factor);
-      const auto to = static_cast<float>(function->physical_to * factor);
-      if (ImGui::SliderFloat("##value", &value, std::min(from, to), std::max(from, to), format,
-                             ImGuiSliderFlags_AlwaysClamp)) {
-        fixtures::Channel only = channel;
-        only.functions = {*function};
-        const auto nearest = fixtures::nearest_raw(fixtures::type_of(desk.rig(), fixture()), only, function->attribute,
-                                                   static_cast<double>(value) / factor);
-        if (nearest) desk.take(key, nearest->raw);
-      }
+      const bool has_value = drag == nullptr || (reading.function == function && !in_slot);
+      next.value = draw_value(desk, input, key, *function, has_value ? reading.value : drag->value);
     } else {
       std::uint32_t level = raw;
       const std::uint32_t low = 0;
       const std::uint32_t high = fixtures::raw_max(channel.byte_count);
-      if (ImGui::SliderScalar("##raw", ImGuiDataType_U32, &level, &low, &high, text.c_str(),
+      if (ImGui::SliderScalar("##raw", ImGuiDataType_U32, &level, &low, &high, ui_format(text_of(reading)).c_str(),
                               ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput)) {
-        desk.take(key, level);
+        desk.take(key, level, input.levels);
       }
+    }
+    if (ImGui::IsItemActive()) {
+      dragged_ = next;
+    } else if (drag != nullptr) {
+      dragged_.reset();
     }
     if (!lists) return;
     ImGui::SameLine(0, 2);
     if (ImGui::ArrowButton("ranges", ImGuiDir_Down)) ImGui::OpenPopup("ranges of it");
     if (ImGui::BeginPopup("ranges of it")) {
-      for (const auto& each : channel.functions) draw_ranges(desk, key, each, raw);
+      for (const auto& each : channel.functions) draw_ranges(desk, input, key, each, raw);
       ImGui::EndPopup();
     }
   }
 
-  static void draw_ranges(UiDesk& desk, ChannelKey key, const fixtures::ChannelFunction& function, std::uint32_t raw) {
+  // The slider of a function in its unit. Returns the value that it has.
+  double draw_value(UiDesk& desk, const UiInput& input, ChannelKey key, const fixtures::ChannelFunction& function,
+                    double shown) {
+    const fixtures::Channel& channel = desk.index().channel(key);
+    const auto unit =
+        units_[static_cast<std::size_t>(key.channel)][static_cast<std::size_t>(&function - channel.functions.data())];
+    const double factor = unit == PhysicalUnit::kShare ? 100 : 1;
+    auto value = static_cast<float>(shown * factor);
+    // What is typed (Ctrl and a click) is in the same unit.
+    const char* format = unit == PhysicalUnit::kShare          ? "%.1f %%"
+                         : unit == PhysicalUnit::kAngle        ? "%.1f\u00b0"
+                         : unit == PhysicalUnit::kAngularSpeed ? "%.1f\u00b0/s"
+                         : unit == PhysicalUnit::kFrequency    ? "%.2f Hz"
+                         : unit == PhysicalUnit::kTemperature  ? "%.0f K"
+                         : unit == PhysicalUnit::kTime         ? "%.2f s"
+                         : unit == PhysicalUnit::kLength       ? "%.2f m"
+                                                               : "%.3g";
+    const auto from = static_cast<float>(function.physical_from * factor);
+    const auto to = static_cast<float>(function.physical_to * factor);
+    if (ImGui::SliderFloat("##value", &value, std::min(from, to), std::max(from, to), format,
+                           ImGuiSliderFlags_AlwaysClamp)) {
+      fixtures::Channel only = channel;
+      only.functions = {function};
+      const auto nearest = fixtures::nearest_raw(fixtures::type_of(desk.rig(), fixture()), only, function.attribute,
+                                                 static_cast<double>(value) / factor);
+      if (nearest) desk.take(key, nearest->raw, input.levels);
+    }
+    return static_cast<double>(value) / factor;
+  }
+
+  static void draw_ranges(UiDesk& desk, const UiInput& input, ChannelKey key, const fixtures::ChannelFunction& function,
+                          std::uint32_t raw) {
     const auto entry = [&](const std::string& name, std::uint32_t from, std::uint32_t to, const char* indent) {
       const std::string label = fmt::format("{}{}  {}-{}###{}", indent, name, from, to, from);
-      if (ImGui::Selectable(label.c_str(), raw >= from && raw <= to)) desk.take(key, from + (to - from) / 2);
+      if (ImGui::Selectable(label.c_str(), raw >= from && raw <= to)) {
+        desk.take(key, from + (to - from) / 2, input.levels);
+      }
     };
     ImGui::PushID(&function);
     entry(function.name.empty() ? function.attribute : function.name, function.dmx_from, function.dmx_to, "");
@@ -260,7 +289,7 @@ class InspectorPanel final : public Panel {
   }
 
   // The values that the motors, lamps and shutters of a head have reached.
-  void draw_heads() {
+  void draw_heads(const UiInput& input) {
     if (!trace_) {
       ui_text(kUiDim, "This fixture has no beam.");
       return;
@@ -271,17 +300,21 @@ class InspectorPanel final : public Panel {
       if (ImGui::SliderInt("##head", &shown, 1, static_cast<int>(heads_.size()), "head %d",
                            ImGuiSliderFlags_AlwaysClamp)) {
         head_ = static_cast<std::size_t>(shown - 1);
-        trace_->follow({heads_[head_]});
+        start_trace();
       }
     }
+    // Without a step since it was chosen, as in a paused log, the head is where its levels are.
+    if (!stepped_ && input.levels.size() == desk_.compiled().universes.size() * kSlotCountMax) {
+      step(input.levels, 0, true);
+    }
+    if (!stepped_) return;
     if (!ImGui::BeginTable("now", 4, ImGuiTableFlags_SizingStretchProp)) return;
     for (const auto& [column, value] : trace_->row(heads_[head_], 0)) {
       if (std::holds_alternative<std::monostate>(value) || std::holds_alternative<std::string>(value)) continue;
       if (std::string_view(column) == "head") continue;
       const TraceWords words = words_of_trace(column);
-      const double number = std::holds_alternative<float>(value)
-                                ? static_cast<double>(std::get<float>(value))
-                                : static_cast<double>(std::get<std::int64_t>(value));
+      const double number = std::holds_alternative<float>(value) ? static_cast<double>(std::get<float>(value))
+                                                                 : static_cast<double>(std::get<std::int64_t>(value));
       ImGui::TableNextColumn();
       ui_text(kUiDim, words.name);
       ImGui::TableNextColumn();
@@ -291,14 +324,21 @@ class InspectorPanel final : public Panel {
     ImGui::EndTable();
   }
 
-  static constexpr int kNobody = -2;  // follow() has to look
+  // The slider that the mouse or the keyboard holds.
+  struct Drag {
+    int channel = 0;
+    const fixtures::ChannelFunction* function = nullptr;  // it slides over; nullptr: over all raw values
+    double value = 0;                                     // that it has, of the function
+  };
 
   UiDesk& desk_;
-  int lead_ = kNobody;  // index into Rig::fixtures; -1: none is selected
+  int lead_ = -1;                                 // index into Rig::fixtures; -1: none is selected
   std::vector<std::vector<PhysicalUnit>> units_;  // of each function of each channel of the lead fixture
   std::vector<std::size_t> heads_;                // of it
   std::size_t head_ = 0;                          // which of them is shown
   std::unique_ptr<HeadTrace> trace_;              // null: it has no head
+  bool stepped_ = false;                          // trace_ was, so it has something to show
+  std::optional<Drag> dragged_;                   // of the lead fixture
 };
 
 }  // namespace

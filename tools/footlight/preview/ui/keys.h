@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/footlight/preview/key_presses.h"
+
 namespace footlight::tools {
 
 enum class UiAction {
@@ -39,7 +41,7 @@ struct UiCall {
 enum class UiMenu { kNone, kEdit, kView, kPlayback };
 
 struct KeyRow {
-  int key;  // GLFW_KEY_...; of letters that which is printed on the key
+  int key;  // as KeyPress has it
   int mods;
   UiCall call;
   bool repeats;      // while it is held
@@ -48,13 +50,9 @@ struct KeyRow {
   UiMenu menu;
 };
 
-inline constexpr int kKeyShift = 1;  // as GLFW has them
-inline constexpr int kKeyControl = 2;
-
 [[nodiscard]] std::span<const KeyRow> key_rows();
-// What a key does; panels are opened by theirs. mods: of shift and control, others are ignored. `repeated`: the key is
-// held.
-[[nodiscard]] std::optional<UiCall> call_of(int key, int mods, bool repeated);
+// What a key does; panels are opened by theirs. A key with Alt or Super belongs to the desktop and does nothing.
+[[nodiscard]] std::optional<UiCall> call_of(const KeyPress& press);
 
 // What the mouse does, for the list.
 struct MouseRow {

@@ -1,6 +1,7 @@
 #include "tools/footlight/preview/ui/ui_desk.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "fixtures/model/names.h"
@@ -11,11 +12,35 @@
 namespace footlight::tools {
 namespace {
 
-// Highlight shows where a fixture points, so it leaves that alone.
-bool points(const fixtures::Channel& channel) {
-  return std::any_of(channel.functions.begin(), channel.functions.end(), [](const fixtures::ChannelFunction& function) {
-    return fixtures::same_attribute(function.attribute, "Pan") || fixtures::same_attribute(function.attribute, "Tilt");
-  });
+// Decides where a head points: its angles, its continuous rotation, and how fast it gets there.
+bool points(const fixtures::ChannelFunction& function) {
+  const auto use = fixtures::use_of(function.attribute);
+  if (!use) return false;
+  for (const auto param : {fixtures::kParamPan, fixtures::kParamTilt, fixtures::kParamPanSpinHz,
+                           fixtures::kParamTiltSpinHz, fixtures::kParamPositionSpeed, fixtures::kParamTracking}) {
+    if (use->param == param) return true;
+  }
+  return false;
+}
+
+// Highlight shows where a fixture points, so it leaves alone the channels that decide it: those with such a function,
+// and those that switch such a function on or act on it.
+std::vector<bool> pointing_channels(const fixtures::Mode& mode) {
+  std::vector<bool> pointing(mode.channels.size());
+  for (std::size_t c = 0; c < pointing.size(); ++c) {
+    for (const fixtures::ChannelFunction& function : mode.channels[c].functions) {
+      if (!points(function)) continue;
+      pointing[c] = true;
+      for (const auto& master : function.masters) pointing[static_cast<std::size_t>(master.channel)] = true;
+    }
+  }
+  for (const fixtures::Relation& relation : mode.relations) {
+    const auto& functions = mode.channels[static_cast<std::size_t>(relation.follower)].functions;
+    if (std::any_of(functions.begin(), functions.end(), points)) {
+      pointing[static_cast<std::size_t>(relation.master)] = true;
+    }
+  }
+  return pointing;
 }
 
 // Machines that fill the room are not lit.
@@ -75,27 +100,26 @@ void UiDesk::select_named(std::string_view pattern) {
   select(std::move(next));
 }
 
-std::vector<TakeChannels::Edit> UiDesk::edits_of(ChannelKey key, std::optional<std::uint32_t> raw) {
-  std::vector<TakeChannels::Edit> edits;
+// What take() and release() change: the channel at this value, and those that follow it.
+TakeChannels UiDesk::command_of(ChannelKey key, std::uint32_t raw, bool takes, std::span<const std::uint8_t> levels) {
+  TakeChannels command;
+  command.moved = key;
   const auto& all = rig_.fixtures;
   const fixtures::PatchedFixture& own = all[static_cast<std::size_t>(key.fixture)];
-  const auto add = [&](ChannelKey one, std::optional<std::uint32_t> value) {
-    if (index().place(one)) edits.push_back({one, value, std::nullopt});
+  const auto add = [&](ChannelKey one, std::uint32_t value) {
+    if (index().place(one)) command.edits.push_back({one, takes ? std::optional(value) : std::nullopt, std::nullopt});
   };
   if (!state_.selection.has(key.fixture)) {
     add(key, raw);
-    return edits;
+    return command;
   }
   const fixtures::FixtureType& type = fixtures::type_of(rig_, own);
   const fixtures::Mode& mode = fixtures::mode_of(rig_, own);
   const fixtures::Channel& channel = mode.channels[static_cast<std::size_t>(key.channel)];
-  const ChannelReading reading = reading_of(type, channel, raw.value_or(channel.default_value), [&](int other) {
-    return mode.channels[static_cast<std::size_t>(other)].default_value;
+  const ChannelReading reading = reading_of(type, channel, raw, [&](int other) {
+    return index().read({key.fixture, other}, levels);
   });
-  // Released: all that is left of an attribute.
-  const std::string attribute = reading.function != nullptr ? reading.function->attribute
-                                : channel.functions.empty() ? std::string()
-                                                            : channel.functions.front().attribute;
+  const std::string attribute = reading.function != nullptr ? reading.function->attribute : std::string();
   for (const int fixture : state_.selection.fixtures) {
     const fixtures::PatchedFixture& one = all[static_cast<std::size_t>(fixture)];
     if (one.type == own.type && one.mode == own.mode) {
@@ -107,20 +131,46 @@ std::vector<TakeChannels::Edit> UiDesk::edits_of(ChannelKey key, std::optional<s
     for (std::size_t c = 0; c < its.channels.size(); ++c) {
       const auto nearest =
           fixtures::nearest_raw(fixtures::type_of(rig_, one), its.channels[c], attribute, reading.value);
-      if (nearest) add({fixture, static_cast<int>(c)}, raw ? std::optional(nearest->raw) : std::nullopt);
+      if (nearest) add({fixture, static_cast<int>(c)}, nearest->raw);
     }
   }
-  return edits;
+  return command;
 }
 
-void UiDesk::take(ChannelKey key, std::uint32_t raw) { run(TakeChannels{edits_of(key, raw)}); }
+void UiDesk::take(ChannelKey key, std::uint32_t raw, std::span<const std::uint8_t> levels) {
+  run(command_of(key, raw, true, levels));
+}
 
-void UiDesk::release(ChannelKey key) { run(TakeChannels{edits_of(key, std::nullopt)}); }
+void UiDesk::release(ChannelKey key, std::span<const std::uint8_t> levels) {
+  const auto held = state_.taken.find(key);
+  run(command_of(key, held != state_.taken.end() ? held->second : index().read(key, levels), false, levels));
+}
+
+void UiDesk::jump_camera(const OrbitCamera& camera, std::optional<float> exposure_ev) {
+  begin_gesture();
+  run(MoveCamera{camera, exposure_ev});
+  begin_gesture();
+}
+
+void UiDesk::set_exposure(Exposure exposure) {
+  if (!std::isfinite(exposure.ev)) return;
+  exposure.ev = std::clamp(exposure.ev, kBrightestEv, kDarkestEv);
+  run(SetExposure{exposure});
+}
 
 void UiDesk::release_all() {
   TakeChannels command;
   for (const auto& [key, raw] : state_.taken) command.edits.push_back({key, std::nullopt, std::nullopt});
   run(std::move(command));
+}
+
+const std::vector<bool>& UiDesk::lit_channels(const fixtures::PatchedFixture& fixture) {
+  const auto [at, fresh] = lit_channels_.try_emplace({fixture.type, fixture.mode});
+  if (!fresh) return at->second;
+  const fixtures::Mode& mode = fixtures::mode_of(rig_, fixture);
+  at->second = pointing_channels(mode);
+  for (std::size_t c = 0; c < at->second.size(); ++c) at->second[c] = !at->second[c] && !blows(mode.channels[c]);
+  return at->second;
 }
 
 void UiDesk::overlay(std::span<std::uint8_t> levels) {
@@ -129,10 +179,11 @@ void UiDesk::overlay(std::span<std::uint8_t> levels) {
   if (!highlight_ || state_.selection.fixtures.empty()) return;
   if (!lit_) lit_ = std::make_unique<HandLevels>(rig_, compiled_);
   for (const int fixture : state_.selection.fixtures) {
-    for (std::size_t c = 0; c < slots.channel_count(fixture); ++c) {
+    const std::vector<bool>& lit = lit_channels(rig_.fixtures[static_cast<std::size_t>(fixture)]);
+    for (std::size_t c = 0; c < lit.size(); ++c) {
+      if (!lit[c]) continue;
       const ChannelKey key{fixture, static_cast<int>(c)};
       const fixtures::Channel& channel = slots.channel(key);
-      if (points(channel) || blows(channel)) continue;
       slots.write(key, channel.has_highlight ? channel.highlight_value : slots.read(key, lit_->levels()), levels);
     }
   }

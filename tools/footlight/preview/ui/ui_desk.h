@@ -3,10 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "fixtures/model/rig.h"
@@ -15,6 +18,10 @@
 #include "tools/footlight/preview/ui/ui_state.h"
 
 namespace footlight::tools {
+
+// The limits of what a user can set.
+inline constexpr float kBrightestEv = -20;
+inline constexpr float kDarkestEv = 30;
 
 class UiDesk {
  public:
@@ -34,8 +41,19 @@ class UiDesk {
   // The text of the command; empty: there was none.
   std::string undo();
   std::string redo();
-  // Where the camera starts. Not a command.
-  void start_camera(const OrbitCamera& camera) { state_.camera = camera; }
+  // Where the camera and the exposure start. Not a command.
+  void start_view(const OrbitCamera& camera, const Exposure& exposure) {
+    state_.camera = camera;
+    state_.exposure = exposure;
+  }
+
+  // As the mouse does; movements of one gesture join.
+  void move_camera(const OrbitCamera& camera) { run(MoveCamera{camera}); }
+  // To another place at once, also to its exposure if it has one. A gesture of its own: the turn of the wheel that
+  // follows is another edit.
+  void jump_camera(const OrbitCamera& camera, std::optional<float> exposure_ev = std::nullopt);
+  // Within kDarkestEv and kBrightestEv; nothing happens if it is no number.
+  void set_exposure(Exposure exposure);
 
   // As a click in a list does: `add` (Ctrl) adds or removes, else replaces. -1: nothing, so all stays with `add`.
   void select(int fixture, bool add);
@@ -45,13 +63,14 @@ class UiDesk {
   void select_named(std::string_view pattern);
 
   // Sets a channel to a raw value, and to the same in all selected fixtures of the same type and mode. In others their
-  // channels with the same attribute go as near to the same physical value as they can.
-  void take(ChannelKey key, std::uint32_t raw);
-  // The channel, and those that take() would set with it.
-  void release(ChannelKey key);
+  // channels with the same attribute go as near to the same physical value as they can. levels: that the fixtures get,
+  // since other channels may decide what the value means.
+  void take(ChannelKey key, std::uint32_t raw, std::span<const std::uint8_t> levels);
+  // The channel, and those that take() would set with it to the value that it has now.
+  void release(ChannelKey key, std::span<const std::uint8_t> levels);
   void release_all();
 
-  // Selected fixtures are lit in white, wherever they point to.
+  // Selected fixtures are lit in white, wherever they point to or turn.
   [[nodiscard]] bool highlights() const { return highlight_; }
   void set_highlight(bool on) { highlight_ = on; }
 
@@ -63,12 +82,15 @@ class UiDesk {
   void overlay(std::span<std::uint8_t> levels);
 
  private:
-  [[nodiscard]] std::vector<TakeChannels::Edit> edits_of(ChannelKey key, std::optional<std::uint32_t> raw);
+  [[nodiscard]] TakeChannels command_of(ChannelKey key, std::uint32_t raw, bool takes,
+                                        std::span<const std::uint8_t> levels);
+  [[nodiscard]] const std::vector<bool>& lit_channels(const fixtures::PatchedFixture& fixture);
 
   const fixtures::Rig& rig_;
   const fixtures::CompiledRig& compiled_;
   std::unique_ptr<RigIndex> index_;
-  std::unique_ptr<HandLevels> lit_;  // what Highlight writes; made when it is first used
+  std::unique_ptr<HandLevels> lit_;                                // what Highlight writes; made when it is first used
+  std::map<std::pair<int, int>, std::vector<bool>> lit_channels_;  // which channels it writes, of a type and a mode
   UiState state_;
   UiHistory history_;
   std::uint64_t gesture_ = 1;

@@ -22,6 +22,10 @@ void set_taken(UiState& state, ChannelKey key, const std::optional<std::uint32_t
   }
 }
 
+std::size_t bytes_of(const UiCommand& command) {
+  return sizeof(UiCommand) + std::visit([](const auto& one) { return one.heap_bytes(); }, command);
+}
+
 }  // namespace
 
 bool Selection::has(int fixture) const { return std::binary_search(fixtures.begin(), fixtures.end(), fixture); }
@@ -40,6 +44,9 @@ bool SelectFixtures::join(const SelectFixtures& later) {
   after = later.after;
   return true;
 }
+std::size_t SelectFixtures::heap_bytes() const {
+  return (after.fixtures.capacity() + before.fixtures.capacity()) * sizeof(int);
+}
 
 bool TakeChannels::apply(UiState& state) {
   bool any = false;
@@ -57,9 +64,8 @@ void TakeChannels::undo(UiState& state) const {
 std::string TakeChannels::text(const fixtures::Rig& rig) const {
   if (edits.empty()) return "take nothing over";
   const char* word = edits.front().after ? "set" : "release";
-  const bool one_fixture = std::all_of(edits.begin(), edits.end(), [&](const Edit& edit) {
-    return edit.key.fixture == edits.front().key.fixture;
-  });
+  const bool one_fixture = std::all_of(edits.begin(), edits.end(),
+                                       [&](const Edit& edit) { return edit.key.fixture == edits.front().key.fixture; });
   const ChannelKey key = edits.front().key;
   const auto& mode = fixtures::mode_of(rig, rig.fixtures[static_cast<std::size_t>(key.fixture)]);
   const std::string channel = name_of(mode.channels[static_cast<std::size_t>(key.channel)]);
@@ -70,17 +76,59 @@ std::string TakeChannels::text(const fixtures::Rig& rig) const {
 bool TakeChannels::join(const TakeChannels& later) {
   const bool same = std::equal(edits.begin(), edits.end(), later.edits.begin(), later.edits.end(),
                                [](const Edit& a, const Edit& b) { return a.key == b.key; });
-  for (std::size_t i = 0; same && i < edits.size(); ++i) edits[i].after = later.edits[i].after;
-  return same;
+  if (same) {
+    for (std::size_t i = 0; i < edits.size(); ++i) edits[i].after = later.edits[i].after;
+    return true;
+  }
+  if (!moved || moved != later.moved) return false;
+  // Its function changed on the way, and with it the channels that follow: all of them are one edit.
+  std::vector<Edit> both;
+  both.reserve(edits.size() + later.edits.size());
+  auto own = edits.begin();
+  for (const Edit& edit : later.edits) {
+    while (own != edits.end() && own->key < edit.key) both.push_back(*own++);
+    both.push_back(edit);
+    if (own == edits.end() || own->key != edit.key) continue;
+    both.back().before = own->before;
+    ++own;
+  }
+  both.insert(both.end(), own, edits.end());
+  edits = std::move(both);
+  return true;
 }
+std::size_t TakeChannels::heap_bytes() const { return edits.capacity() * sizeof(Edit); }
 
 bool MoveCamera::apply(UiState& state) {
   before = std::exchange(state.camera, after);
+  before_ev = state.exposure.ev;
+  if (exposure_ev) state.exposure.ev = *exposure_ev;
   return true;
 }
-void MoveCamera::undo(UiState& state) const { state.camera = before.value_or(after); }
+void MoveCamera::undo(UiState& state) const {
+  state.camera = before.value_or(after);
+  if (exposure_ev) state.exposure.ev = before_ev;
+}
 std::string MoveCamera::text(const fixtures::Rig&) const { return "move the camera"; }
 bool MoveCamera::join(const MoveCamera& later) {
+  after = later.after;
+  if (!exposure_ev) before_ev = later.before_ev;
+  if (later.exposure_ev) exposure_ev = later.exposure_ev;
+  return true;
+}
+std::size_t MoveCamera::heap_bytes() const {
+  return after.name().capacity() + (before ? before->name().capacity() : 0);
+}
+
+bool SetExposure::apply(UiState& state) {
+  before = std::exchange(state.exposure, after);
+  return before != after;
+}
+void SetExposure::undo(UiState& state) const { state.exposure = before; }
+std::string SetExposure::text(const fixtures::Rig&) const {
+  if (after.automatic) return "automatic exposure";
+  return fmt::format("set the exposure to {:.2f} EV", after.ev);
+}
+bool SetExposure::join(const SetExposure& later) {
   after = later.after;
   return true;
 }
@@ -91,9 +139,10 @@ std::string text_of(const UiCommand& command, const fixtures::Rig& rig) {
 
 void UiHistory::run(UiState& state, UiCommand command, std::uint64_t gesture) {
   if (!std::visit([&](auto& one) { return one.apply(state); }, command)) return;
-  commands_.erase(commands_.begin() + static_cast<std::ptrdiff_t>(done_), commands_.end());
+  for (; commands_.size() > done_; commands_.pop_back()) bytes_ -= bytes_of(commands_.back());
   bool joined = false;
   if (gesture != 0 && gesture == gesture_ && done_ > 0) {
+    bytes_ -= bytes_of(commands_.back());
     joined = std::visit(
         [](auto& last, const auto& next) {
           if constexpr (std::is_same_v<std::decay_t<decltype(last)>, std::decay_t<decltype(next)>>) {
@@ -103,11 +152,18 @@ void UiHistory::run(UiState& state, UiCommand command, std::uint64_t gesture) {
           }
         },
         commands_.back(), command);
+    bytes_ += bytes_of(commands_.back());
   }
   gesture_ = gesture;
-  if (joined) return;
-  if (commands_.size() == kCommandsMax) commands_.erase(commands_.begin());
-  commands_.push_back(std::move(command));
+  if (!joined) {
+    if (auto* take = std::get_if<TakeChannels>(&command)) take->edits.shrink_to_fit();
+    bytes_ += bytes_of(command);
+    commands_.push_back(std::move(command));
+  }
+  while (commands_.size() > kCommandsMax || (bytes_ > kBytesMax && commands_.size() > 1)) {
+    bytes_ -= bytes_of(commands_.front());
+    commands_.pop_front();
+  }
   done_ = commands_.size();
 }
 
@@ -122,7 +178,9 @@ const UiCommand* UiHistory::undo(UiState& state) {
 const UiCommand* UiHistory::redo(UiState& state) {
   if (done_ == commands_.size()) return nullptr;
   UiCommand& command = commands_[done_++];
+  bytes_ -= bytes_of(command);
   std::visit([&](auto& one) { (void)one.apply(state); }, command);
+  bytes_ += bytes_of(command);
   gesture_ = 0;
   return &command;
 }

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <string>
@@ -26,10 +27,18 @@ struct Selection {
   bool operator==(const Selection&) const = default;
 };
 
+// How bright the picture is.
+struct Exposure {
+  float ev = 4;            // a lower one makes a brighter picture
+  bool automatic = false;  // ev does not matter then
+  bool operator==(const Exposure&) const = default;
+};
+
 struct UiState {
   Selection selection;
   std::map<ChannelKey, std::uint32_t> taken;  // channels with a value of the user's instead of the input's
   OrbitCamera camera{fixtures::Camera{}};
+  Exposure exposure;
 };
 
 struct SelectFixtures {
@@ -41,6 +50,7 @@ struct SelectFixtures {
   [[nodiscard]] std::string text(const fixtures::Rig& rig) const;
   // Goes on to where a later command of the same gesture leads; false: they are two edits.
   bool join(const SelectFixtures& later);
+  [[nodiscard]] std::size_t heap_bytes() const;  // memory outside of the struct
 };
 
 // Takes channels over, or releases them.
@@ -50,31 +60,52 @@ struct TakeChannels {
     std::optional<std::uint32_t> after;  // a raw value; nothing: released
     std::optional<std::uint32_t> before;
   };
-  std::vector<Edit> edits;  // each channel once
+  std::vector<Edit> edits;  // in the order of their keys, each channel once
+  // The channel that the user moved. Commands of one gesture join if it is the same one, although the channels that
+  // follow it in other fixtures may change on the way.
+  std::optional<ChannelKey> moved = std::nullopt;
 
   bool apply(UiState& state);
   void undo(UiState& state) const;
   [[nodiscard]] std::string text(const fixtures::Rig& rig) const;
   bool join(const TakeChannels& later);
+  [[nodiscard]] std::size_t heap_bytes() const;
 };
 
 struct MoveCamera {
   OrbitCamera after;
-  std::optional<OrbitCamera> before;
+  std::optional<float> exposure_ev = std::nullopt;  // of a camera of the rig; nothing: the exposure stays
+  std::optional<OrbitCamera> before = std::nullopt;
+  float before_ev = 0;
 
   bool apply(UiState& state);
   void undo(UiState& state) const;
   [[nodiscard]] std::string text(const fixtures::Rig& rig) const;
   bool join(const MoveCamera& later);
+  [[nodiscard]] std::size_t heap_bytes() const;
 };
 
-using UiCommand = std::variant<SelectFixtures, TakeChannels, MoveCamera>;
+struct SetExposure {
+  Exposure after;
+  Exposure before = {};
+
+  bool apply(UiState& state);
+  void undo(UiState& state) const;
+  [[nodiscard]] std::string text(const fixtures::Rig& rig) const;
+  bool join(const SetExposure& later);
+  [[nodiscard]] std::size_t heap_bytes() const { return 0; }
+};
+
+using UiCommand = std::variant<SelectFixtures, TakeChannels, MoveCamera, SetExposure>;
 [[nodiscard]] std::string text_of(const UiCommand& command, const fixtures::Rig& rig);
 
-// The commands so far, and those that were undone. Keeps the last kCommandsMax.
+// The commands so far, and those that were undone. Keeps the last kCommandsMax of them, and fewer if they need more
+// than kBytesMax: a drag of one channel of 10,000 fixtures needs 240 kB, so 139 such drags are kept. The last command
+// is kept whatever it needs.
 class UiHistory {
  public:
   static constexpr std::size_t kCommandsMax = 1000;
+  static constexpr std::size_t kBytesMax = std::size_t{32} << 20;
 
   // Applies a command and remembers it; forgets what was undone. A command that changes nothing is not remembered.
   // Commands of one gesture, such as the drag of a slider, become one if they edit the same; 0: no gesture.
@@ -85,9 +116,12 @@ class UiHistory {
   [[nodiscard]] const UiCommand* next_undo() const { return done_ > 0 ? &commands_[done_ - 1] : nullptr; }
   [[nodiscard]] const UiCommand* next_redo() const { return done_ < commands_.size() ? &commands_[done_] : nullptr; }
   [[nodiscard]] std::size_t size() const { return commands_.size(); }
+  // What the commands need.
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
 
  private:
-  std::vector<UiCommand> commands_;
+  std::deque<UiCommand> commands_;
+  std::size_t bytes_ = 0;      // of commands_
   std::size_t done_ = 0;       // of commands_ are applied
   std::uint64_t gesture_ = 0;  // of the last one
 };

@@ -22,8 +22,7 @@ constexpr int kColumns = 32;
 constexpr int kRows = kSlotCountMax / kColumns;
 
 ImU32 mixed(const ImVec4& a, const ImVec4& b, float share) {
-  return ImGui::GetColorU32(
-      {a.x + (b.x - a.x) * share, a.y + (b.y - a.y) * share, a.z + (b.z - a.z) * share, 1});
+  return ImGui::GetColorU32({a.x + (b.x - a.x) * share, a.y + (b.y - a.y) * share, a.z + (b.z - a.z) * share, 1});
 }
 
 // "0" to "255".
@@ -110,8 +109,9 @@ class UniversesPanel final : public Panel {
           if (!sender.wins) continue;
           words += fmt::format("{}{} (priority {})", words.empty() ? "" : " + ", sender.name, sender.priority);
         }
-        const std::size_t losers = one.senders.size() - static_cast<std::size_t>(std::count_if(
-                                       one.senders.begin(), one.senders.end(), [](const auto& s) { return s.wins; }));
+        const std::size_t losers =
+            one.senders.size() - static_cast<std::size_t>(std::count_if(one.senders.begin(), one.senders.end(),
+                                                                        [](const auto& s) { return s.wins; }));
         if (losers > 0) words += fmt::format(", {} outranked", losers);
         words += fmt::format("  {:.0f} /s", one.rate_hz);
       }
@@ -187,9 +187,11 @@ class UniversesPanel final : public Panel {
     }
     if (!uses.empty()) {
       const UiState& state = desk.state();
-      const bool taken = state.taken.contains(uses.front().key);
+      const bool taken =
+          std::any_of(uses.begin(), uses.end(), [&](const SlotUse& use) { return state.taken.contains(use.key); });
       const bool shared = uses.size() > 1 && uses.back().key.fixture != uses.front().key.fixture;
-      const bool selected = state.selection.has(uses.front().key.fixture);
+      const bool selected = std::any_of(uses.begin(), uses.end(),
+                                        [&](const SlotUse& use) { return state.selection.has(use.key.fixture); });
       if (selected) draw.AddRect(low, high, ImGui::GetColorU32(kUiAmber));
       if (taken) draw.AddRectFilled({high.x - 4, low.y}, {high.x, low.y + 4}, ImGui::GetColorU32(kUiGreen));
       if (shared) draw.AddRectFilled({low.x, high.y - 2}, high, ImGui::GetColorU32(kUiRed));

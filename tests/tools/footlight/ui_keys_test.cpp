@@ -1,0 +1,130 @@
+// Keys of the window, as keyboards of several countries send them.
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <GLFW/glfw3.h>
+
+#include <doctest/doctest.h>
+
+#include "tools/footlight/preview/key_presses.h"
+#include "tools/footlight/preview/ui/keys.h"
+#include "tools/footlight/preview/ui/panels.h"
+
+namespace footlight::tools {
+namespace {
+
+// A key of a keyboard: where it is on an American one, its name and the character that it types in its own layout; 0:
+// none.
+struct Press {
+  int key;
+  const char* name;
+  unsigned int types = 0;
+  int mods = 0;
+};
+
+// All that one press does.
+std::vector<UiAction> actions(const Press& press, int action = GLFW_PRESS) {
+  KeyPresses keys;
+  keys.take_key(press.key, press.name, action, press.mods);
+  if (press.types != 0) keys.take_character(press.types);
+  std::vector<UiAction> done;
+  for (const KeyPress& one : keys.presses()) {
+    if (const auto call = call_of(one)) done.push_back(call->action);
+  }
+  return done;
+}
+using Actions = std::vector<UiAction>;
+
+TEST_CASE("no key has two meanings, and every key that does something is in the list") {
+  std::set<std::pair<int, int>> seen;
+  for (const KeyRow& row : key_rows()) {
+    CHECK(seen.emplace(row.key, row.mods).second);
+    CHECK((row.keys == nullptr) == (row.does == nullptr));
+    const auto call = call_of({row.key, row.mods, false});
+    REQUIRE(call);
+    CHECK(call->action == row.call.action);
+    CHECK(call_of({row.key, row.mods, true}).has_value() == row.repeats);
+    if (row.menu != UiMenu::kNone) CHECK(row.keys != nullptr);
+  }
+  for (std::size_t i = 0; i < panels().size(); ++i) {
+    CHECK(seen.emplace(panels()[i].key, 0).second);
+    const auto call = call_of({panels()[i].key, 0, false});
+    CHECK(!call_of({panels()[i].key, 0, true}));
+    REQUIRE(call);
+    CHECK(call->action == UiAction::kPanel);
+    CHECK(call->argument == static_cast<int>(i));
+  }
+  CHECK(call_of({kTyped + '3', 0, false})->argument == 2);
+  CHECK(call_of({GLFW_KEY_Z, GLFW_MOD_CONTROL | GLFW_MOD_SHIFT, false})->action == UiAction::kRedo);
+  CHECK(call_of({GLFW_KEY_Z, GLFW_MOD_CONTROL | GLFW_MOD_NUM_LOCK | GLFW_MOD_CAPS_LOCK, false})->action ==
+        UiAction::kUndo);
+  CHECK(!call_of({GLFW_KEY_Z, 0, false}));
+  CHECK(!call_of({GLFW_KEY_UNKNOWN, 0, false}));
+}
+
+TEST_CASE("letters are those of the keyboard's layout") {
+  // German.
+  CHECK(actions({GLFW_KEY_Y, "z", 0, GLFW_MOD_CONTROL}) == Actions{UiAction::kUndo});
+  CHECK(actions({GLFW_KEY_Z, "y", 0, GLFW_MOD_CONTROL}) == Actions{UiAction::kRedo});
+  // Dvorak has W where the comma is, L where P is, and a quotation mark where Q is.
+  CHECK(actions({GLFW_KEY_COMMA, "w", 'w'}) == Actions{UiAction::kWorkLight});
+  CHECK(actions({GLFW_KEY_P, "l", 'l'}) == Actions{UiAction::kHighlight});
+  CHECK(actions({GLFW_KEY_SLASH, "z", 0, GLFW_MOD_CONTROL}) == Actions{UiAction::kUndo});
+  CHECK(actions({GLFW_KEY_Q, "'", '\''}).empty());
+  CHECK(actions({GLFW_KEY_W, ",", ','}).empty());
+  CHECK(actions({GLFW_KEY_E, ".", '.'}).empty());
+  // Greek has no Latin letters: they are where they are on an American keyboard.
+  CHECK(actions({GLFW_KEY_L, "\u03bb", 0x3BB}) == Actions{UiAction::kHighlight});
+  CHECK(actions({GLFW_KEY_Z, "\u03b6", 0, GLFW_MOD_CONTROL}) == Actions{UiAction::kUndo});
+  // A system that has no names.
+  CHECK(actions({GLFW_KEY_L, nullptr}) == Actions{UiAction::kHighlight});
+  CHECK(actions({GLFW_KEY_F11, nullptr}) == Actions{UiAction::kFullScreen});
+}
+
+TEST_CASE("plus and minus are what is typed, and count once") {
+  CHECK(actions({GLFW_KEY_EQUAL, "=", '+', GLFW_MOD_SHIFT}) == Actions{UiAction::kBrighter});  // American
+  CHECK(actions({GLFW_KEY_EQUAL, "=", '='}) == Actions{UiAction::kBrighter});
+  CHECK(actions({GLFW_KEY_MINUS, "-", '-'}) == Actions{UiAction::kDarker});
+  CHECK(actions({GLFW_KEY_KP_ADD, "+", '+'}) == Actions{UiAction::kBrighter});
+  CHECK(actions({GLFW_KEY_KP_SUBTRACT, "-", '-'}) == Actions{UiAction::kDarker});
+  CHECK(actions({GLFW_KEY_RIGHT_BRACKET, "+", '+'}) == Actions{UiAction::kBrighter});  // German
+  CHECK(actions({GLFW_KEY_SLASH, "-", '-'}) == Actions{UiAction::kDarker});
+  CHECK(actions({GLFW_KEY_MINUS, "\u00df", 0xDF}).empty());
+  CHECK(actions({GLFW_KEY_EQUAL, nullptr}).empty());                                       // a dead accent
+  CHECK(actions({GLFW_KEY_APOSTROPHE, "-", '-'}) == Actions{UiAction::kDarker});           // Dvorak
+  CHECK(actions({GLFW_KEY_1, "1", '+', GLFW_MOD_SHIFT}) == Actions{UiAction::kBrighter});  // Swiss
+}
+
+TEST_CASE("cameras are the digits that are typed") {
+  CHECK(actions({GLFW_KEY_6, "6", '6'}) == Actions{UiAction::kCamera});
+  CHECK(actions({GLFW_KEY_KP_6, "6", '6'}) == Actions{UiAction::kCamera});
+  CHECK(actions({GLFW_KEY_6, "-", '6', GLFW_MOD_SHIFT}) == Actions{UiAction::kCamera});  // French
+  CHECK(actions({GLFW_KEY_6, "-", '-'}) == Actions{UiAction::kDarker});
+  CHECK(actions({GLFW_KEY_0, "0", '0'}).empty());
+}
+
+TEST_CASE("a key with Alt or Super does not act as the key alone") {
+  for (const int mods : {GLFW_MOD_ALT, GLFW_MOD_SUPER, GLFW_MOD_ALT | GLFW_MOD_SHIFT}) {
+    INFO(mods);
+    CHECK(actions({GLFW_KEY_L, "l", 'l', mods}).empty());
+    CHECK(actions({GLFW_KEY_EQUAL, "=", '+', mods}).empty());
+    CHECK(actions({GLFW_KEY_1, "1", '1', mods}).empty());
+    CHECK(actions({GLFW_KEY_F2, nullptr, 0, mods}).empty());
+    CHECK(actions({GLFW_KEY_Z, "z", 0, mods | GLFW_MOD_CONTROL}).empty());
+    CHECK(actions({GLFW_KEY_ESCAPE, nullptr, 0, mods}).empty());
+  }
+}
+
+TEST_CASE("a key that is held does again only what may be repeated") {
+  const Press question{GLFW_KEY_SLASH, "/", '?', GLFW_MOD_SHIFT};
+  CHECK(actions(question) == Actions{UiAction::kPanel});
+  CHECK(actions(question, GLFW_REPEAT).empty());
+  CHECK(actions({GLFW_KEY_EQUAL, "=", '+', GLFW_MOD_SHIFT}, GLFW_REPEAT) == Actions{UiAction::kBrighter});
+  CHECK(actions({GLFW_KEY_1, "1", '1'}, GLFW_REPEAT).empty());
+  CHECK(actions({GLFW_KEY_L, "l", 'l'}, GLFW_REPEAT).empty());
+  CHECK(actions({GLFW_KEY_L, "l"}, GLFW_RELEASE).empty());
+}
+
+}  // namespace
+}  // namespace footlight::tools

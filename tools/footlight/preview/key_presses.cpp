@@ -1,0 +1,34 @@
+#include "tools/footlight/preview/key_presses.h"
+
+#include <GLFW/glfw3.h>
+
+namespace footlight::tools {
+namespace {
+
+bool is_letter(int code) { return (code >= 'a' && code <= 'z') || (code >= 'A' && code <= 'Z'); }
+
+// A letter of the layout as its GLFW_KEY_...; the key itself if it has another meaning than a letter everywhere, or
+// types letters of another script, such as Greek.
+int meant(int key, const char* name) {
+  const bool prints_ascii = name != nullptr && name[0] > ' ' && name[0] <= '~' && name[1] == '\0';
+  if (!prints_ascii) return key;
+  if (is_letter(name[0])) return name[0] >= 'a' ? GLFW_KEY_A + (name[0] - 'a') : GLFW_KEY_A + (name[0] - 'A');
+  return key >= GLFW_KEY_A && key <= GLFW_KEY_Z ? GLFW_KEY_UNKNOWN : key;
+}
+
+}  // namespace
+
+void KeyPresses::take_key(int key, const char* name, int action, int mods) {
+  if (action == GLFW_RELEASE) return;
+  mods_ = mods;
+  repeated_ = action == GLFW_REPEAT;
+  presses_.push_back({meant(key, name), mods, repeated_});
+}
+
+void KeyPresses::take_character(unsigned int character) {
+  constexpr int kCommands = GLFW_MOD_CONTROL | GLFW_MOD_ALT | GLFW_MOD_SUPER;
+  if (character <= ' ' || character > '~' || is_letter(static_cast<int>(character)) || (mods_ & kCommands) != 0) return;
+  presses_.push_back({kTyped + static_cast<int>(character), 0, repeated_});
+}
+
+}  // namespace footlight::tools

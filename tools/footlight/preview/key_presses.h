@@ -1,0 +1,37 @@
+// The keys that are pressed in a window, by what they mean in the layout of the keyboard: Z on a German keyboard is
+// where Y is on an American one, W on a Dvorak keyboard where the comma is. Knows no window.
+//
+// Letters go by the name that GLFW has for the key. Other characters go by what is typed, because Shift is needed for +
+// on some keyboards and not on others.
+#pragma once
+
+#include <vector>
+
+namespace footlight::tools {
+
+// Added to a character: it was typed, with whatever keys.
+inline constexpr int kTyped = 1 << 16;
+
+struct KeyPress {
+  int code = 0;           // GLFW_KEY_..., or kTyped and an ASCII character that is no letter
+  int mods = 0;           // GLFW_MOD_...; 0 with kTyped
+  bool repeated = false;  // the key is held
+};
+
+class KeyPresses {
+ public:
+  // As GLFW's callbacks give them, in their order: a key, and then the character that it types, if any. name: of
+  // glfwGetKeyName(); may be nullptr.
+  void take_key(int key, const char* name, int action, int mods);
+  void take_character(unsigned int character);
+  // Since the last clear(), in order.
+  [[nodiscard]] const std::vector<KeyPress>& presses() const { return presses_; }
+  void clear() { presses_.clear(); }
+
+ private:
+  std::vector<KeyPress> presses_;
+  int mods_ = 0;  // of the last key
+  bool repeated_ = false;
+};
+
+}  // namespace footlight::tools

@@ -1,0 +1,105 @@
+// What the preview prints and saves.
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "tools/footlight/pictures/numbered_file.h"
+#include "tools/footlight/pictures/picture_file.h"
+#include "tools/footlight/preview/preview_window.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr int kShotsMax = 9999;
+
+}  // namespace
+
+nlohmann::json Preview::figures() const {
+  nlohmann::json passes = nlohmann::json::object();
+  double gpu_ms = 0;
+  for (const auto& pass : facts_.passes) {
+    passes[pass.name] = pass.gpu_ms;
+    gpu_ms += pass.gpu_ms;
+  }
+  nlohmann::json line = {{"frames", times_.count()},
+                         {"frame_ms_p50", times_.quantile_ms(0.5)},
+                         {"frame_ms_p90", times_.quantile_ms(0.9)},
+                         {"ui_ms_p50", ui_times_.quantile_ms(0.5)},
+                         {"ui_ms_p90", ui_times_.quantile_ms(0.9)},
+                         {"gpu_ms", gpu_ms},
+                         {"pass_gpu_ms", passes},
+                         {"width", frame_->settings().width},
+                         {"height", frame_->settings().height},
+                         {"nodes", frame_->settings().nodes},
+                         {"live", facts_.live_beams},
+                         {"dark", facts_.dark_beams},
+                         {"shadows", facts_.shadows},
+                         {"shadows_lost", facts_.shadows_lost}};
+  if (facts_.error.samples > 0) {
+    line["error"] = {{"rel_l2", facts_.error.rel_l2},
+                     {"low", facts_.error.low},
+                     {"high", facts_.error.high},
+                     {"samples", facts_.error.samples}};
+  }
+  if (facts_.chosen) line["knobs"] = render::text_of(facts_.chosen->knobs);
+  if (facts_.machines > 0) {
+    line["haze_per_m"] = facts_.room_haze_per_m + facts_.machine_haze_per_m + facts_.machine_fog_per_m;
+  }
+  return line;
+}
+
+void Preview::print_second() {
+  nlohmann::json line = figures();
+  line["event"] = "frames";
+  line["fps"] = facts_.fps;
+  if (timeline_) line["time_ns"] = timeline_->now_ns();
+  fmt::print("{}\n", line.dump());
+  std::fflush(stdout);
+}
+
+void Preview::print_summary() {
+  nlohmann::json line = figures();
+  const double elapsed_s = static_cast<double>(clock_.now_ns() - start_ns_) * 1e-9;
+  line["event"] = "summary";
+  line["device"] = device_->name();
+  line["seconds"] = elapsed_s;
+  line["first_text_ms"] = static_cast<double>(progress_ns_) * 1e-6;
+  line["first_picture_ms"] = static_cast<double>(picture_ns_) * 1e-6;
+  line["fps"] = elapsed_s > 0 ? static_cast<double>(times_.count()) / elapsed_s : 0;
+  line["validation_messages"] = validation_messages();
+  fmt::print("{}\n", line.dump());
+}
+
+// The window as shown; only the picture if the window system does not allow reading the window.
+Status Preview::write_shot() {
+  FL_ASSIGN(render::ScreenImage image, window_->read_shot());
+  if (image.rgba.empty()) {
+    FL_ASSIGN(image, frame_->read_screen());
+  }
+  return write_png(options_.screenshot, image);
+}
+
+// Of key F12: the window as a file of the current folder that did not exist.
+void Preview::write_own_shot() {
+  const auto write = [&]() -> Result<std::string> {
+    FL_ASSIGN(const render::ScreenImage image, window_->read_shot());
+    if (image.rgba.empty()) return fail(ErrorCode::kUnsupported, "this window system does not let windows be read");
+    for (int number = 1; number <= kShotsMax; ++number) {
+      FL_ASSIGN(std::string path, numbered_path("footlight_%04d.png", number));
+      std::FILE* file = std::fopen(path.c_str(), "wx");  // fails where the file exists
+      if (file == nullptr && errno == EEXIST) continue;
+      if (file == nullptr) return fail(ErrorCode::kIo, "{}: {}", path, std::strerror(errno));
+      std::fclose(file);
+      FL_TRY(write_png(path, image));
+      return path;
+    }
+    return fail(ErrorCode::kIo, "there are {} screenshots in this folder; move some of them", kShotsMax);
+  };
+  const Result<std::string> path = write();
+  tell(path ? fmt::format("saved {}", (std::filesystem::current_path() / *path).string()) : path.error().message);
+}
+
+}  // namespace footlight::tools

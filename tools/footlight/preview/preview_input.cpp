@@ -1,0 +1,198 @@
+// What lies over the picture of the preview, and what mouse, keys and menus do.
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <imgui/imgui.h>
+
+#include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/preview/ui/escape.h"
+#include "tools/footlight/preview/ui/menu.h"
+#include "tools/footlight/preview/ui/stage_marks.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr double kSeekStepS = 5;
+constexpr double kExposureStepEv = 0.25;
+constexpr double kOrbitRad = 3;   // per drag over the height of the window
+constexpr float kClickUnits = 4;  // a press that moves less is a click
+constexpr DurationNs kNewsNs = 4 * kNsPerS;
+
+}  // namespace
+
+// The part of the window beside the panel.
+PixelRect Preview::place() const {
+  const float panel_px =
+      controls_.panel == PanelState::kFull ? kPanelWidth * window_->ui_scale() * window_->pixels_per_unit() : 0;
+  return {0, 0, std::max(window_->width() - static_cast<int>(std::lround(panel_px)), 1),
+          std::max(window_->height(), 1)};
+}
+
+StagePlace Preview::stage() const {
+  const PixelRect where = place();
+  const double scale = static_cast<double>(window_->pixels_per_unit());
+  return {render::view_of(desk_->state().camera.camera()), {where.width / scale, where.height / scale}};
+}
+
+const StagePick& Preview::pick() {
+  if (!pick_) pick_ = std::make_unique<StagePick>(rig_);
+  return *pick_;
+}
+
+// Everything that is drawn over the picture, and what it and the keys ask for.
+void Preview::draw_ui() {
+  const TimeNs begun_ns = clock_.now_ns();
+  window_->begin_ui();
+  for (int button = 0; button < 3; ++button) {
+    if (ImGui::IsMouseClicked(button) || ImGui::IsMouseReleased(button)) desk_->begin_gesture();
+  }
+  std::optional<UiCall> chosen;
+  draw_panel(facts_, controls_, live_.get(), hand_.get(), window_->ui_scale(),
+             [&] { chosen = draw_menu(*desk_, panels_, timeline_ != nullptr); });
+  if (const Exposure shown{controls_.exposure_ev, controls_.auto_exposure}; shown != desk_->state().exposure) {
+    desk_->set_exposure(shown);
+  }
+  const StagePlace where = stage();
+  if (panels_.any_open()) {
+    UiInput input;
+    input.levels = panel_levels();
+    if (live_) input.stamps = live_->stamps();
+    if (live_) input.status = &facts_.status;
+    input.now_ns = clock_.now_ns();
+    input.scale = window_->ui_scale();
+    panels_.draw(*desk_, input, static_cast<float>(where.size.x), static_cast<float>(where.size.y));
+  }
+  if (chosen) call(*chosen);
+  take_input();
+  if (const Selection& selection = desk_->state().selection; !selection.fixtures.empty()) {
+    draw_marks(rig_, pick(), stage(), selection, window_->ui_scale());
+  }
+  show_exposure();
+  if (begun_ns < news_until_ns_) draw_news(news_, where, window_->ui_scale());
+  if (closing_ || window_->wants_close() || shot_asked_) window_->keep_shot();
+  window_->end_ui();
+  ui_times_.add(static_cast<double>(clock_.now_ns() - begun_ns) * 1e-6);
+}
+
+void Preview::take_mouse() {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) pressed_on_stage_ = !io.WantCaptureMouse;
+  if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) && std::exchange(pressed_on_stage_, false) &&
+      io.MouseDragMaxDistanceSqr[0] < kClickUnits * kClickUnits) {
+    const int fixture = pick().fixture_at(stage(), {io.MouseClickedPos[0].x, io.MouseClickedPos[0].y});
+    desk_->select(fixture, io.KeyCtrl || io.KeyShift);
+  }
+  if (io.WantCaptureMouse) return;
+  // Mouse movement before the button went down in the same frame does not count, nor that of a click.
+  const auto drags = [&](ImGuiMouseButton button) {
+    return ImGui::IsMouseDown(button) && !ImGui::IsMouseClicked(button) &&
+           io.MouseDragMaxDistanceSqr[button] >= kClickUnits * kClickUnits;
+  };
+  const double heights = 1.0 / std::max(static_cast<double>(io.DisplaySize.y), 1.0);
+  const double right = static_cast<double>(io.MouseDelta.x) * heights;
+  const double down = static_cast<double>(io.MouseDelta.y) * heights;
+  OrbitCamera camera = desk_->state().camera;
+  bool moves = io.MouseWheel != 0;
+  if (drags(ImGuiMouseButton_Left)) {
+    camera.orbit(-right * kOrbitRad, down * kOrbitRad);
+    moves = moves || right != 0 || down != 0;
+  } else if (drags(ImGuiMouseButton_Right) || drags(ImGuiMouseButton_Middle)) {
+    camera.pan(-right, down);
+    moves = moves || right != 0 || down != 0;
+  }
+  camera.approach(static_cast<double>(io.MouseWheel));
+  if (moves) desk_->move_camera(camera);
+}
+
+void Preview::take_input() {
+  const ImGuiIO& io = ImGui::GetIO();
+  if (controls_.camera) take_camera(static_cast<std::size_t>(*std::exchange(controls_.camera, std::nullopt)));
+  take_mouse();
+  if (io.WantTextInput) return;
+  for (const KeyPress& key : window_->keys()) {
+    const auto asked = call_of(key);
+    if (!asked) continue;
+    if (!key.repeated) desk_->begin_gesture();
+    call(*asked);
+  }
+}
+
+void Preview::call(const UiCall& call) {
+  const auto tell_edit = [&](const char* word, const std::string& edit) {
+    tell(edit.empty() ? fmt::format("nothing to {}", word) : fmt::format("{}: {}", word, edit));
+  };
+  switch (call.action) {
+    case UiAction::kUndo: tell_edit("undo", desk_->undo()); break;
+    case UiAction::kRedo: tell_edit("redo", desk_->redo()); break;
+    case UiAction::kSelectAll: desk_->select_all(); break;
+    case UiAction::kHighlight: desk_->set_highlight(!desk_->highlights()); break;
+    case UiAction::kReleaseAll: desk_->release_all(); break;
+    case UiAction::kFrame:
+      if (const auto& which = desk_->state().selection.fixtures; !which.empty()) {
+        const StagePick::Box box = pick().bounds_of(which);
+        frame_box(box.low_m, box.high_m);
+        break;
+      }
+      [[fallthrough]];
+    case UiAction::kFrameRig: {
+      const Bounds bounds = bounds_of(rig_);
+      frame_box(bounds.low_m, bounds.high_m);
+      break;
+    }
+    case UiAction::kCamera: take_camera(static_cast<std::size_t>(call.argument)); break;
+    case UiAction::kWorkLight: controls_.work_light = !controls_.work_light; break;
+    case UiAction::kBrighter: expose(-kExposureStepEv); break;  // a lower EV makes a brighter picture
+    case UiAction::kDarker: expose(kExposureStepEv); break;
+    case UiAction::kPlay: controls_.playing = !controls_.playing; break;
+    case UiAction::kSeekBack: seek(-kSeekStepS); break;
+    case UiAction::kSeekOn: seek(kSeekStepS); break;
+    case UiAction::kSidePanel:
+      controls_.panel = controls_.panel == PanelState::kFull    ? PanelState::kStrip
+                        : controls_.panel == PanelState::kStrip ? PanelState::kHidden
+                                                                : PanelState::kFull;
+      break;
+    case UiAction::kPanel: {
+      const auto index = static_cast<std::size_t>(call.argument);
+      panels_.set_open(index, !panels_.is_open(index), *desk_);
+      break;
+    }
+    case UiAction::kFullScreen: window_->toggle_full_screen(); break;
+    case UiAction::kShot: shot_asked_ = true; break;
+    case UiAction::kEscape: closing_ = !close_topmost(panels_, *desk_) || closing_; break;
+  }
+}
+
+void Preview::take_camera(std::size_t index) {
+  if (index >= rig_.cameras.size()) return;
+  const fixtures::Camera& camera = rig_.cameras[index];
+  desk_->jump_camera(OrbitCamera(camera), static_cast<float>(camera.exposure_ev));
+}
+
+void Preview::frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m) {
+  const PixelRect where = place();
+  OrbitCamera camera = desk_->state().camera;
+  camera.frame(low_m, high_m, static_cast<double>(where.width) / where.height);
+  desk_->jump_camera(camera);
+}
+
+void Preview::expose(double steps_ev) {
+  Exposure exposure = desk_->state().exposure;
+  if (exposure.automatic) return;
+  exposure.ev += static_cast<float>(steps_ev);
+  desk_->set_exposure(exposure);
+}
+
+// In the side panel and the picture.
+void Preview::show_exposure() {
+  controls_.exposure_ev = desk_->state().exposure.ev;
+  controls_.auto_exposure = desk_->state().exposure.automatic;
+}
+
+void Preview::tell(std::string news) {
+  news_ = std::move(news);
+  news_until_ns_ = clock_.now_ns() + kNewsNs;
+}
+
+}  // namespace footlight::tools

@@ -1,0 +1,222 @@
+// The preview up to its first picture.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sim/core/no_signals.h"
+#include "tools/footlight/command.h"
+#include "tools/footlight/paths.h"
+#include "tools/footlight/pictures/knob_curves.h"
+#include "tools/footlight/pictures/start_view.h"
+#include "tools/footlight/preview/preview_window.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr int kStripWidth = 800;                      // in a window narrower than this the panel begins as a strip
+constexpr int kSoftwarePixels = 640 * 360;            // about as many as a software renderer begins with
+constexpr std::chrono::milliseconds kQuickRead(200);  // a rig that is read sooner is read before the window opens
+constexpr double kProgressS = 0.1;                    // from text to text while it loads
+
+// Runs `work` on its own thread.
+template <class Work>
+std::future<Status> begin(Work work) {
+  const NoSignals no_signals;
+  return std::async(std::launch::async, std::move(work));
+}
+
+}  // namespace
+
+Status Preview::load_rig(double aspect) {
+  FL_ASSIGN(rig_, load_scene_rig(options_.files));
+  add_start_view(rig_, aspect, true);
+  if (by_hand()) give_hand_addresses(rig_);
+  if (rig_.vrsl && !by_hand()) vrsl_rig_ = std::exchange(rig_, fixtures::vrsl_shown(rig_));
+  FL_ASSIGN(compiled_, fixtures::compile(rig_));
+  return {};
+}
+
+// The device and what is made from it but for the frame.
+Status Preview::open_device() {
+  render::vk::DeviceOptions device;
+  device.instance_extensions = window_->instance_extensions();
+  device.swapchain = true;
+  device.name_contains = options_.device;
+  device.cache_folder = cache_folder();
+  FL_ASSIGN(device_, render::vk::Device::create(device));
+  for (const std::string& note : device_->notes()) fmt::print(stderr, "footlight: {}\n", note);
+  FL_TRY(window_->attach(*device_));
+  FL_ASSIGN(counts_, render::vk::Buffer::host_visible(*device_, sizeof(render::CountsRow), 0));
+  if (options_.flashes != FlashMode::kOff) {
+    FL_ASSIGN(flashes_, PreviewFlashes::make(*device_, options_.flashes == FlashMode::kLimit));
+  }
+  return {};
+}
+
+Status Preview::set_controls(const fixtures::Camera& camera) {
+  desk_ = std::make_unique<UiDesk>(rig_, compiled_);
+  desk_->start_view(OrbitCamera(camera), {static_cast<float>(camera.exposure_ev), options_.display.auto_exposure});
+  show_exposure();
+  FL_TRY(panels_.open_words(options_.panels, *desk_));
+  if (!options_.select.empty()) {
+    desk_->select_named(options_.select);
+    if (desk_->state().selection.fixtures.empty()) {
+      return fail(ErrorCode::kNotFound, "--select {}: no fixture of this rig has such a name", options_.select);
+    }
+  }
+  knobs_.nodes = static_cast<std::uint32_t>(options_.nodes);
+  knobs_.tile_error = options_.tile_error;
+  knobs_.body_error_px = options_.body_error_px;
+  controls_.nodes = options_.nodes;
+  controls_.glare_percent = static_cast<float>(100 * options_.display.glare);
+  controls_.tone = options_.display.tone;
+  controls_.balances_white = options_.display.white_k > 0;
+  if (options_.display.white_k > 0) controls_.white_k = static_cast<float>(options_.display.white_k);
+  facts_.quality = options_.quality;
+  const double usual_lx = work_light_lx(camera.exposure_ev);
+  controls_.work_light = options_.work_light_lx.value_or(by_hand() ? usual_lx : 0) > 0;
+  const double asked_lx = options_.work_light_lx.value_or(0);
+  controls_.work_light_lx = static_cast<float>(asked_lx > 0 ? asked_lx : usual_lx);
+  controls_.loop = options_.files.demo && options_.files.log.empty();
+  controls_.panel = window_->width() < kStripWidth ? PanelState::kStrip : PanelState::kFull;
+  if (device_->is_software()) {
+    // One picture every few seconds is too slow: start with fewer pixels; the user can select all of them.
+    const int pixels = place().width * place().height;
+    while (controls_.divisor < 4 && pixels / (controls_.divisor * controls_.divisor) > kSoftwarePixels) {
+      controls_.divisor *= 2;
+    }
+  }
+  facts_.rig = rig_.name;
+  facts_.device = device_->name();
+  for (const auto& one : rig_.cameras) facts_.cameras.push_back(one.name);
+  for (const auto& fixture : rig_.fixtures) facts_.fixtures.push_back(fixture.name);
+  facts_.can_haze = compiled_.needs.haze;
+  return {};
+}
+
+// The window opens first and shows the progress, while another thread reads the rig and then makes the frame. A rig
+// that loads quickly is read first, so that its errors are printed before the window opens.
+Result<bool> Preview::open(const StopSignal& signal) {
+  FL_ASSIGN(const PictureSize size, parse_size(options_.size));
+  if (!options_.ins.empty() && !options_.files.log.empty()) {
+    return fail(ErrorCode::kBadInput, "--log and --in: expected one of them");
+  }
+  FL_TRY(check_panel_words(options_.panels));
+  begun_ns_ = clock_.now_ns();
+  const double aspect = static_cast<double>(size.width) / size.height;
+  std::future<Status> reading = begin([this, aspect] { return load_rig(aspect); });
+  fixtures::Camera camera;
+  const auto take_rig = [&]() -> Status {
+    FL_ASSIGN(camera, find_camera(rig_, options_.camera));
+    return open_levels();
+  };
+  const bool quick = reading.wait_for(kQuickRead) == std::future_status::ready;
+  if (quick) {
+    FL_TRY(reading.get());
+    FL_TRY(take_rig());
+  }
+  FL_ASSIGN(window_, Window::open("Footlight", size.width, size.height));
+  FL_TRY(open_device());
+  if (!quick) {
+    FL_TRY(show_progress("Reading the rig"));
+    FL_ASSIGN(const bool goes_on, wait_for(reading, signal, "Reading the rig"));
+    if (!goes_on) return false;
+    FL_TRY(take_rig());
+  }
+  window_->set_title(fmt::format("{} - Footlight", rig_.name));
+  FL_TRY(show_progress("Preparing the picture"));
+  FL_TRY(set_controls(camera));
+  const PixelRect where = place();
+  std::future<Status> making = begin([this, where]() -> Status {
+    FL_TRY(make_ladder());
+    FL_TRY(rebuild(where));
+    return timeline_ ? replay_to(options_.at_ns, 0) : Status{};
+  });
+  return wait_for(making, signal, "Preparing the picture");
+}
+
+// Keeps the window responsive until the work is done. False: it was closed, and the work is done.
+Result<bool> Preview::wait_for(std::future<Status>& work, const StopSignal& signal, const char* what) {
+  while (work.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+    window_->poll(kProgressS);
+    if (signal.came() || window_->wants_close()) {
+      window_->hide();
+      closed_ = true;
+      (void)work.get();  // what failed since is of no use any more
+      return false;
+    }
+    FL_TRY(show_progress(what));
+  }
+  FL_TRY(work.get());
+  return true;
+}
+
+Status Preview::show_progress(const char* what) {
+  window_->begin_ui();
+  const double seconds = static_cast<double>(clock_.now_ns() - begun_ns_) * 1e-9;
+  draw_progress(fmt::format("{} ... {:.0f} s", what, seconds));
+  window_->end_ui();
+  FL_ASSIGN(const bool shown, window_->show({}, [](VkCommandBuffer) {}));
+  if (shown && progress_ns_ < 0) {
+    progress_ns_ = clock_.now_ns() - begun_ns_;
+    if (options_.json) {
+      fmt::print(R"({{"event":"loading","ms":{:.1f}}})"
+                 "\n",
+                 static_cast<double>(progress_ns_) * 1e-6);
+      std::fflush(stdout);
+    }
+  }
+  return {};
+}
+
+Status Preview::open_levels() {
+  if (!options_.ins.empty()) {
+    std::vector<std::unique_ptr<Source>> sources;
+    for (const std::string& text : options_.ins) {
+      FL_ASSIGN(const Endpoint endpoint, parse_port(text));
+      InOptions in;
+      in.hear_preview = true;  // such frames are meant for visualisers like this one
+      in.yields = true;        // a bridge keeps its unicast frames
+      FL_ASSIGN(std::unique_ptr<Source> source, opener_.open_source(endpoint, in));
+      sources.push_back(std::move(source));
+    }
+    FL_ASSIGN(live_, LiveLevels::start(compiled_.universes, std::move(sources), clock_));
+    live_timeline_ = std::make_unique<Timeline>(live_->changes(), compiled_, vrsl_replay(), clock_.now_ns());
+    return {};
+  }
+  FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
+  if (log) {
+    timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_, vrsl_replay());
+    facts_.has_log = true;
+    facts_.duration_s = static_cast<double>(timeline_->duration_ns()) * 1e-9;
+  } else {
+    hand_ = std::make_unique<HandLevels>(rig_, compiled_);
+  }
+  return {};
+}
+
+// The curves of this machine, which take seconds to measure the first time, and the knobs that follow from them.
+Status Preview::make_ladder() {
+  const render::QualityRequest& request = options_.quality;
+  if (!(request.error > 0) && !(request.ms > 0)) return {};
+  KnobCurveOptions curve_options = suited_curve_options(*device_);
+  curve_options.go_on = [this](double, double) { return !closed_; };
+  FL_ASSIGN(const render::KnobCurves curves, machine_knob_curves(*device_, cache_folder(), curve_options, [this] {
+              if (!options_.json) fmt::print(stderr, "footlight: measuring the knobs of {}\n", device_->name());
+            }));
+  ladder_ = render::ladder_of(curves, compiled_.needs, request);
+  if (ladder_.empty()) return {};
+  // For a time, the first picture has the knobs nearest the default ones; how long it takes is then known.
+  const auto usual = render::predicted(curves, compiled_.needs, {});
+  const std::size_t start = request.error > 0 ? render::choose(ladder_, request)
+                            : usual           ? render::nearest(ladder_, usual->ms)
+                                              : 0;
+  if (request.ms > 0) keeper_.emplace(ladder_, request.ms, start);
+  follow_knobs(ladder_[start]);
+  return {};
+}
+
+}  // namespace footlight::tools

@@ -1,0 +1,166 @@
+// The loop of `footlight preview`: levels from a log, an input or faders -> Frame -> window. Only for the files
+// preview_*.cpp, each of which has one part of it.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <future>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include <nlohmann/json.hpp>
+
+#include "render/frame.h"
+#include "render/live_error.h"
+#include "render/quality.h"
+#include "sim/system_clock.h"
+#include "tools/footlight/bridge/open_ports.h"
+#include "tools/footlight/pictures/timeline.h"
+#include "tools/footlight/preview/frame_times.h"
+#include "tools/footlight/preview/hand_levels.h"
+#include "tools/footlight/preview/live_levels.h"
+#include "tools/footlight/preview/preview.h"
+#include "tools/footlight/preview/preview_flashes.h"
+#include "tools/footlight/preview/preview_panel.h"
+#include "tools/footlight/preview/ui/keys.h"
+#include "tools/footlight/preview/ui/panels.h"
+#include "tools/footlight/preview/ui/stage_pick.h"
+#include "tools/footlight/preview/ui/ui_desk.h"
+#include "tools/footlight/preview/window.h"
+#include "tools/footlight/stop_signal.h"
+
+namespace footlight::tools {
+
+class Preview {
+ public:
+  // The options outlive this.
+  explicit Preview(const PreviewOptions& options) : options_(options), opener_(clock_) {}
+
+  // Until the window is closed.
+  Result<int> run();
+
+ private:
+  // Up to the first picture: preview_open.cpp. open(): false if it was closed while loading.
+  Result<bool> open(const StopSignal& signal);
+  Status load_rig(double aspect);
+  Status open_levels();
+  Status open_device();
+  Status set_controls(const fixtures::Camera& camera);
+  Status make_ladder();
+  Result<bool> wait_for(std::future<Status>& work, const StopSignal& signal, const char* what);
+  Status show_progress(const char* what);
+
+  // Picture after picture: preview_window.cpp.
+  Status turn();
+  Status rebuild(const PixelRect& where);
+  Status update_error();
+  void follow_knobs(const render::KnobPoint& point);
+  Status draw(const PixelRect& where, TimeNs now_ns);
+  Status read_figures(DurationNs dt_ns);
+  void tell_flashes(bool begins);
+  Status start_again(const Error& loss);
+
+  // What drives the fixtures: preview_steps.cpp.
+  Status step_levels(DurationNs dt_ns);
+  Status replay_to(DurationNs until_ns, DurationNs exposure_ns);
+  Status advance(Timeline& timeline, TimeNs until_ns, DurationNs exposure_ns);
+  void give(std::span<const std::uint8_t> levels, DurationNs dt_ns, bool new_exposure);
+  void seek(double by_s);
+  [[nodiscard]] std::span<const std::uint8_t> panel_levels();
+  [[nodiscard]] std::optional<fixtures::VrslReplay> vrsl_replay() const;
+  // True if neither a log nor an input drives the rig.
+  [[nodiscard]] bool by_hand() const {
+    return options_.ins.empty() && options_.files.log.empty() && !options_.files.demo;
+  }
+
+  // What lies over the picture, mouse and keys: preview_input.cpp.
+  void draw_ui();
+  void take_input();
+  void take_mouse();
+  void call(const UiCall& call);
+  void take_camera(std::size_t index);
+  void frame_box(const glm::dvec3& low_m, const glm::dvec3& high_m);
+  void expose(double steps_ev);
+  void show_exposure();
+  void tell(std::string news);
+  [[nodiscard]] PixelRect place() const;
+  [[nodiscard]] StagePlace stage() const;
+  [[nodiscard]] const StagePick& pick();
+
+  // Figures and pictures for files and standard output: preview_figures.cpp.
+  [[nodiscard]] nlohmann::json figures() const;
+  void print_second();
+  void print_summary();
+  Status write_shot();
+  void write_own_shot();
+  [[nodiscard]] std::size_t validation_messages() const {
+    return messages_before_ + device_->validation_messages().size();
+  }
+
+  const PreviewOptions& options_;
+  SystemClock clock_;
+  PortOpener opener_;
+  fixtures::Rig rig_;
+  fixtures::CompiledRig compiled_;
+  std::optional<fixtures::Rig> vrsl_rig_;  // as written, where rig_ is what VRSL shows of it
+
+  // What drives the rig: one of the three.
+  std::unique_ptr<Timeline> timeline_;
+  std::unique_ptr<LiveLevels> live_;
+  std::unique_ptr<Timeline> live_timeline_;
+  std::unique_ptr<HandLevels> hand_;
+
+  std::unique_ptr<render::vk::Device> device_;  // outlives the window's swapchain
+  std::unique_ptr<Window> window_;
+  std::unique_ptr<render::Frame> frame_;
+  std::unique_ptr<PreviewFlashes> flashes_;   // null: --flashes off
+  TimeNs drawn_ns_ = 0;                       // when the current picture was started
+  render::vk::Buffer counts_;                 // of the current picture, for the panel
+  std::unique_ptr<render::LiveError> error_;  // while the panel shows it; null in a rig without light
+  render::Knobs knobs_;                       // but for nodes and divisor, which are those of controls_
+  bool error_tried_ = false;                  // error_ was made, or cannot be
+  bool error_drawn_ = false;                  // the current picture has its samples
+  std::vector<render::KnobPoint> ladder_;     // for --error and --ms; else empty
+  std::optional<render::TimeKeeper> keeper_;  // for --ms
+  std::atomic<bool> closed_ = false;          // while other threads worked: they may end early
+  bool shown_ = false;                        // a picture is in flight; its figures can be read when it is done
+
+  std::unique_ptr<UiDesk> desk_;  // once the rig is read
+  UiPanels panels_;
+  std::unique_ptr<StagePick> pick_;       // made by the first selection
+  std::vector<std::uint8_t> log_levels_;  // that the log gave last
+  std::vector<std::uint8_t> overlaid_;    // levels with what was taken over
+  std::vector<std::uint8_t> panel_levels_;
+  bool moves_in_pause_ = false;  // something was taken over since the log was paused
+  bool pressed_on_stage_ = false;
+  bool shot_asked_ = false;  // the next picture is kept
+  bool shot_taken_ = false;
+  std::string news_;
+  TimeNs news_until_ns_ = 0;
+  FrameTimes ui_times_;
+  PreviewControls controls_;
+  PreviewFacts facts_;
+  FrameTimes times_;
+  int wanted_width_ = 0;  // of the window's place for the picture when last looked at, and since when
+  int wanted_height_ = 0;
+  TimeNs wanted_since_ns_ = 0;
+
+  TimeNs begun_ns_ = 0;
+  DurationNs progress_ns_ = -1;  // from there to the first text in the window; -1: not yet
+  DurationNs picture_ns_ = -1;   // to the first picture
+  TimeNs start_ns_ = 0;
+  TimeNs last_ns_ = 0;
+  TimeNs second_ns_ = 0;  // when the figures were last computed
+  std::uint64_t second_frames_ = 0;
+  bool closing_ = false;
+  int losses_ = 0;  // of devices, shortly one after the other
+  TimeNs lost_ns_ = 0;
+  std::size_t messages_before_ = 0;  // of the validation layer, of devices that were lost
+};
+
+}  // namespace footlight::tools
