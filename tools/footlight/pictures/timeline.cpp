@@ -19,8 +19,12 @@ Timeline::Timeline(LevelChanges& changes, const fixtures::CompiledRig& compiled,
 
 Timeline::Timeline(std::span<const std::uint8_t> held, const fixtures::CompiledRig& compiled)
     : Timeline(compiled, std::nullopt, 0) {
-  FL_CHECK_EQ(held.size(), levels_.size());
-  levels_.assign(held.begin(), held.end());
+  hold(held);
+}
+
+void Timeline::hold(std::span<const std::uint8_t> levels) {
+  FL_CHECK_EQ(levels.size(), levels_.size());
+  levels_.assign(levels.begin(), levels.end());
 }
 
 Result<DrivenRig> compile_driven(fixtures::Rig& rig, std::optional<LogReader> log) {

@@ -35,6 +35,9 @@ class Timeline {
   // be before the last call's. After the last change the levels are held.
   Status advance(TimeNs until_ns, DurationNs exposure_ns, const Step& step);
 
+  // Levels that are held until the next change: universes x 512 bytes in the rig's order.
+  void hold(std::span<const std::uint8_t> levels);
+
   [[nodiscard]] TimeNs now_ns() const { return now_ns_; }
   [[nodiscard]] DurationNs duration_ns() const { return duration_ns_; }  // of the log; 0 without one
 
