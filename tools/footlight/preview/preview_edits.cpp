@@ -59,13 +59,12 @@ Status Preview::begin_frame(const PixelRect& where) {
                        [this, scene = making_scene_, settings = frame_settings(where), until_ns,
                         logs = timeline_ != nullptr]() -> Result<std::unique_ptr<Made>> {
                          auto made = std::make_unique<Made>();
-                         FL_ASSIGN(made->frame,
-                                   render::Frame::create(*device_, scene->rig, scene->compiled, settings));
+                         FL_ASSIGN(made->frame, render::Frame::create(*device_, scene->rig, scene->compiled, settings));
                          if (!logs) return made;
                          FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
                          if (!log) return fail(ErrorCode::kIo, "{}: the log is gone", options_.files.log);
-                         made->timeline = std::make_unique<Timeline>(std::move(*log), scene->compiled,
-                                                                     vrsl_replay(*scene));
+                         made->timeline =
+                             std::make_unique<Timeline>(std::move(*log), scene->compiled, vrsl_replay(*scene));
                          Status flushed;
                          FL_TRY(made->timeline->advance(
                              until_ns, 0, [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool exposes) {

@@ -46,9 +46,8 @@ const StagePick& Preview::pick() {
 void Preview::draw_ui() {
   const TimeNs begun_ns = clock_.now_ns();
   window_->begin_ui();
-  for (int button = 0; button < 3; ++button) {
-    if (ImGui::IsMouseClicked(button) || ImGui::IsMouseReleased(button)) desk_->begin_gesture();
-  }
+  const auto any_button = [](bool (*is)(ImGuiMouseButton)) { return is(0) || is(1) || is(2); };
+  if (any_button([](ImGuiMouseButton button) { return ImGui::IsMouseClicked(button); })) desk_->begin_gesture();
   std::optional<UiCall> chosen;
   draw_panel(facts_, controls_, live_.get(), hand_.get(), window_->ui_scale(),
              [&] { chosen = draw_menu(*desk_, panels_, timeline_ != nullptr); });
@@ -67,6 +66,8 @@ void Preview::draw_ui() {
   }
   if (chosen) call(*chosen);
   take_input();
+  // The last movement of a drag comes with the release.
+  if (any_button([](ImGuiMouseButton button) { return ImGui::IsMouseReleased(button); })) desk_->begin_gesture();
   if (const Selection& selection = desk_->state().selection; !selection.fixtures.empty()) {
     draw_marks(edited_->scene()->rig, pick(), stage(), selection, window_->ui_scale());
   }
@@ -81,31 +82,41 @@ void Preview::draw_ui() {
 
 void Preview::take_mouse() {
   const ImGuiIO& io = ImGui::GetIO();
-  if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) pressed_on_stage_ = !io.WantCaptureMouse;
-  if (ImGui::IsMouseReleased(ImGuiMouseButton_Left) && std::exchange(pressed_on_stage_, false) &&
-      io.MouseDragMaxDistanceSqr[0] < kClickUnits * kClickUnits) {
-    const int fixture = pick().fixture_at(stage(), {io.MouseClickedPos[0].x, io.MouseClickedPos[0].y});
-    desk_->select(fixture, io.KeyCtrl || io.KeyShift);
-  }
-  if (io.WantCaptureMouse) return;
-  // Mouse movement before the button went down in the same frame does not count, nor that of a click.
-  const auto drags = [&](ImGuiMouseButton button) {
-    return ImGui::IsMouseDown(button) && !ImGui::IsMouseClicked(button) &&
-           io.MouseDragMaxDistanceSqr[button] >= kClickUnits * kClickUnits;
-  };
   const double heights = 1.0 / std::max(static_cast<double>(io.DisplaySize.y), 1.0);
   const double right = static_cast<double>(io.MouseDelta.x) * heights;
   const double down = static_cast<double>(io.MouseDelta.y) * heights;
   OrbitCamera camera = desk_->state().camera;
-  bool moves = io.MouseWheel != 0;
-  if (drags(ImGuiMouseButton_Left)) {
-    camera.orbit(-right * kOrbitRad, down * kOrbitRad);
-    moves = moves || right != 0 || down != 0;
-  } else if (drags(ImGuiMouseButton_Right) || drags(ImGuiMouseButton_Middle)) {
-    camera.pan(-right, down);
+  bool moves = false;
+  for (int button = 0; button < static_cast<int>(pressed_on_stage_.size()); ++button) {
+    bool& on_stage = pressed_on_stage_[static_cast<std::size_t>(button)];
+    if (ImGui::IsMouseClicked(button)) {
+      on_stage = !io.WantCaptureMouse;
+      continue;  // how the mouse moved before does not count
+    }
+    const bool ends = !ImGui::IsMouseDown(button);
+    if (!on_stage) continue;
+    on_stage = !ends;
+    const ImVec2 from = io.MouseClickedPos[button];
+    const float x = io.MousePos.x - from.x;
+    const float y = io.MousePos.y - from.y;
+    if (std::max(io.MouseDragMaxDistanceSqr[button], x * x + y * y) < kClickUnits * kClickUnits) {
+      if (ends && button == ImGuiMouseButton_Left) {
+        desk_->select(pick().fixture_at(stage(), {from.x, from.y}), selects_more_);
+      }
+      continue;
+    }
+    if (button == ImGuiMouseButton_Left) {
+      camera.orbit(-right * kOrbitRad, down * kOrbitRad);
+    } else {
+      camera.pan(-right, down);
+    }
     moves = moves || right != 0 || down != 0;
   }
-  camera.approach(static_cast<double>(io.MouseWheel));
+  if (ImGui::IsMouseClicked(ImGuiMouseButton_Left)) selects_more_ = io.KeyCtrl || io.KeyShift;
+  if (io.MouseWheel != 0 && !io.WantCaptureMouse) {
+    camera.approach(static_cast<double>(io.MouseWheel));
+    moves = true;
+  }
   if (moves) desk_->move_camera(camera);
 }
 

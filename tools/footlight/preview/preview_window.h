@@ -2,6 +2,7 @@
 // preview_*.cpp, each of which has one part of it.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <future>
@@ -178,7 +179,8 @@ class Preview {
   std::vector<std::uint8_t> overlaid_;    // levels with what was taken over
   std::vector<std::uint8_t> panel_levels_;
   bool moves_in_pause_ = false;  // something was taken over since the log was paused
-  bool pressed_on_stage_ = false;
+  std::array<bool, 3> pressed_on_stage_{};  // buttons of the mouse
+  bool selects_more_ = false;               // Ctrl or Shift was held at the last press
   bool shot_asked_ = false;  // the next picture is kept
   bool shot_taken_ = false;
   std::string news_;

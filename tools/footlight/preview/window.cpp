@@ -138,6 +138,7 @@ void Window::detach() {
   }
   if (ImGui::GetCurrentContext() != nullptr) ImGui::DestroyContext();
   shot_ = {};
+  mouse_.clear();
   device_ = nullptr;
   ui_started_ = false;
   stale_ = true;
@@ -338,6 +339,12 @@ Status Window::start_ui() {
   glfwSetWindowUserPointer(window_, this);
   glfwSetKeyCallback(window_, &Window::on_key);
   glfwSetCharCallback(window_, &Window::on_character);
+  glfwSetCursorPosCallback(window_, &Window::on_cursor);
+  glfwSetMouseButtonCallback(window_, &Window::on_button);
+  double x = 0;
+  double y = 0;
+  glfwGetCursorPos(window_, &x, &y);  // it may be pressed before it moves
+  on_cursor(window_, x, y);
   ImGui_ImplGlfw_InitForVulkan(window_, true);
 
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
@@ -372,6 +379,16 @@ void Window::on_key(GLFWwindow* window, int key, int scancode, int action, int m
 
 void Window::on_character(GLFWwindow* window, unsigned int character) {
   static_cast<Window*>(glfwGetWindowUserPointer(window))->keys_.take_character(character);
+}
+
+void Window::on_cursor(GLFWwindow* window, double x, double y) {
+  auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));
+  self->mouse_.take_move(static_cast<float>(x), static_cast<float>(y));
+}
+
+void Window::on_button(GLFWwindow* window, int button, int action, int mods) {
+  auto* self = static_cast<Window*>(glfwGetWindowUserPointer(window));
+  self->mouse_.take_button(button, action == GLFW_PRESS, mods);
 }
 
 PixelRect Window::rect() const {
@@ -443,6 +460,20 @@ float Window::pixels_per_unit() const {
 void Window::begin_ui() {
   ImGui_ImplVulkan_NewFrame();
   ImGui_ImplGlfw_NewFrame();
+  ImGuiIO& io = ImGui::GetIO();
+  const auto held = [&](int left, int right) {
+    return glfwGetKey(window_, left) == GLFW_PRESS || glfwGetKey(window_, right) == GLFW_PRESS;
+  };
+  io.KeyCtrl = held(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
+  io.KeyShift = held(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
+  if (const auto moment = mouse_.next()) {
+    io.MousePos = {moment->x, moment->y};
+    std::copy(moment->down.begin(), moment->down.end(), io.MouseDown);
+    if (moment->mods) {
+      io.KeyCtrl = (*moment->mods & GLFW_MOD_CONTROL) != 0;
+      io.KeyShift = (*moment->mods & GLFW_MOD_SHIFT) != 0;
+    }
+  }
   ImGui::NewFrame();
 }
 

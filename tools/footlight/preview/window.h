@@ -26,6 +26,7 @@
 #include "render/vk/device.h"
 #include "render/vk/memory.h"
 #include "tools/footlight/preview/key_presses.h"
+#include "tools/footlight/preview/mouse_queue.h"
 
 struct GLFWwindow;
 
@@ -82,6 +83,7 @@ class Window {
   [[nodiscard]] float pixels_per_unit() const;
   [[nodiscard]] float ui_scale() const { return ui_scale_; }
 
+  // ImGui's mouse is where it was when a button went down or up; a picture gets at most one of these.
   void begin_ui();
   void end_ui();
 
@@ -105,6 +107,8 @@ class Window {
   void record_all(VkCommandBuffer commands, std::uint32_t index, const WindowPicture& picture);
   static void on_key(GLFWwindow* window, int key, int scancode, int action, int mods);
   static void on_character(GLFWwindow* window, unsigned int character);
+  static void on_cursor(GLFWwindow* window, double x, double y);
+  static void on_button(GLFWwindow* window, int button, int action, int mods);
   [[nodiscard]] PixelRect rect() const;
   void record_shot(VkCommandBuffer commands, VkImage image);
 
@@ -121,6 +125,7 @@ class Window {
   int height_ = 0;
   bool minimised_ = false;
   KeyPresses keys_;
+  MouseQueue mouse_;
   PixelRect before_full_;  // where the window was before it became full screen
   float ui_scale_ = 1;
   bool ui_started_ = false;

@@ -10,6 +10,8 @@
 namespace footlight::tools {
 namespace {
 
+static_assert(sizeof(TakeChannels::Edit) == 24);  // the figure of UiHistory
+
 const std::string& fixture_name(const fixtures::Rig& rig, int fixture) {
   return rig.fixtures[static_cast<std::size_t>(fixture)].name;
 }

@@ -1,4 +1,5 @@
-// Keys of the window, as keyboards of several countries send them.
+// Keys of the window, as keyboards of several countries send them, and its mouse between slow pictures.
+#include <array>
 #include <set>
 #include <utility>
 #include <vector>
@@ -8,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include "tools/footlight/preview/key_presses.h"
+#include "tools/footlight/preview/mouse_queue.h"
 #include "tools/footlight/preview/ui/keys.h"
 #include "tools/footlight/preview/ui/panels.h"
 
@@ -124,6 +126,66 @@ TEST_CASE("a key that is held does again only what may be repeated") {
   CHECK(actions({GLFW_KEY_1, "1", '1'}, GLFW_REPEAT).empty());
   CHECK(actions({GLFW_KEY_L, "l", 'l'}, GLFW_REPEAT).empty());
   CHECK(actions({GLFW_KEY_L, "l"}, GLFW_RELEASE).empty());
+}
+
+TEST_CASE("a drag between two pictures begins where the button went down and ends where it went up") {
+  MouseQueue mouse;
+  CHECK(!mouse.next());
+  mouse.take_move(5, 5);
+  mouse.take_move(10, 20);
+  mouse.take_button(0, true, GLFW_MOD_CONTROL);
+  mouse.take_move(50, 60);
+  mouse.take_move(110, 120);
+  mouse.take_button(0, false, 0);
+  mouse.take_move(300, 300);
+  auto moment = mouse.next();
+  REQUIRE(moment);
+  CHECK(moment->x == 10);
+  CHECK(moment->y == 20);
+  CHECK(moment->down == std::array<bool, 3>{true, false, false});
+  CHECK(moment->mods == GLFW_MOD_CONTROL);
+  moment = mouse.next();
+  REQUIRE(moment);
+  CHECK(moment->x == 110);
+  CHECK(moment->y == 120);
+  CHECK(moment->down == std::array<bool, 3>{});
+  CHECK(!moment->mods);
+  moment = mouse.next();
+  REQUIRE(moment);
+  CHECK(moment->x == 300);
+  CHECK(!mouse.next());
+}
+
+TEST_CASE("a mouse that only moves is where it is, and a button that is held stays down") {
+  MouseQueue mouse;
+  mouse.take_button(1, true, 0);
+  CHECK(mouse.next()->down[1]);
+  for (int i = 0; i < 10'000; ++i) mouse.take_move(static_cast<float>(i), 0);
+  const auto moment = mouse.next();
+  REQUIRE(moment);
+  CHECK(moment->x == 9999);
+  CHECK(moment->down[1]);
+  CHECK(!mouse.next());
+  // A fourth button is nothing to the window.
+  mouse.take_button(3, true, 0);
+  CHECK(!mouse.next());
+}
+
+TEST_CASE("a mouse that is clicked during a long picture does not fill the memory") {
+  MouseQueue mouse;
+  for (int i = 0; i < 1000; ++i) {
+    mouse.take_button(0, i % 2 == 0, 0);
+    mouse.take_move(static_cast<float>(i), 0);
+  }
+  mouse.take_button(0, true, 0);
+  std::size_t pictures = 0;
+  bool down = false;
+  while (const auto moment = mouse.next()) {
+    ++pictures;
+    down = moment->down[0];
+  }
+  CHECK(pictures <= MouseQueue::kEventsMax);
+  CHECK(down);
 }
 
 }  // namespace
