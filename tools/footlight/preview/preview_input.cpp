@@ -127,7 +127,7 @@ void Preview::take_input() {
   if (io.WantTextInput) return;
   for (const KeyPress& key : window_->keys()) {
     const auto asked = call_of(key);
-    if (!asked) continue;
+    if (!asked || (asks_close_ && asked->action != UiAction::kEscape)) continue;
     if (!key.repeated) desk_->begin_gesture();
     call(*asked);
   }
