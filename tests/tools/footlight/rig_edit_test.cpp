@@ -86,7 +86,7 @@ TEST_CASE("without -o nothing is written, and a file that exists is replaced onl
   CHECK(contains(shown.out, "Par: address 1.100 -> -\n"));
   CHECK(contains(shown.out, "nothing is written; -o FILE.toml writes the edited rig\n"));
   const Outcome refused = edit({rig, "--select", "Par", "--unpatch", "-o", rig});
-  CHECK(refused.exit_code == 1);
+  CHECK(refused.exit_code == 2);
   CHECK(contains(refused.err, "rig.toml: exists; choose another name or allow overwriting"));
   CHECK(fixtures_of(rig)["Par"]["addresses"] == "1.100");
   const Outcome done = edit({rig, "--select", "Par", "--delete", "-o", rig, "--overwrite"});
@@ -103,7 +103,7 @@ TEST_CASE("edits that would share slots, or are not possible, name the fixture a
   const std::string rig = folder.write("rig.toml", kEditedRig);
   const std::string out = folder.file("out.toml");
   const Outcome shared = edit({rig, "--select", "Par", "--patch", "3", "-o", out});
-  CHECK(shared.exit_code == 1);
+  CHECK(shared.exit_code == 2);
   CHECK(contains(shared.err,
                  "Spot 1 and Par share universe 1, addresses 3 to 7; choose another address, --free, or "
                  "--share to let them"));
@@ -129,6 +129,14 @@ TEST_CASE("edits that would share slots, or are not possible, name the fixture a
   refused({"--select", "Par", "--move", "1,2"}, "--move '1,2': expected three numbers such as 1,-2.5,0");
   refused({"--select", "Par", "--place", "1,-,x"}, "with - for an axis that stays");
   refused({"--select", "Par", "--unpatch", "-o", "x.mvr"}, "-o 'x.mvr': expected a file name that ends in .toml");
+}
+
+TEST_CASE("numbers may begin with a minus") {
+  const TempFolder folder;
+  const std::string rig = folder.write("rig.toml", kEditedRig);
+  const std::string out = folder.file("out.toml");
+  CHECK(edit({rig, "-s", "Par", "--move", "-1,-2,-0.5", "-o", out}).exit_code == 0);
+  CHECK(fixtures_of(out)["Par"]["position_m"] == Json({-1.0, 0.0, 4.5}));
 }
 
 TEST_CASE("places are set axis by axis, and - keeps an axis") {

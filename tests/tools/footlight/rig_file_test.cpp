@@ -167,7 +167,7 @@ TEST_CASE("a program that is killed while it saves leaves a whole file from befo
   std::mt19937 random(5);
   double highest = 5;
   for (int round = 0; round < 12; ++round) {
-    killed_after(std::chrono::microseconds(30'000 + random() % 60'000), [&] {
+    killed_after(std::chrono::microseconds(100'000 + random() % 200'000), [&] {
       RigFile file = opened_file(target);
       for (;;) {
         lift(file, {0, 1, 2, 3});

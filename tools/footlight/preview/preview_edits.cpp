@@ -166,6 +166,7 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
 // The last picture again, under what lies over it.
 Status Preview::show_still(const PixelRect& where) {
   shown_ = false;
+  if (window_->minimised()) return {};
   WindowPicture picture;
   if (picture_ns_ >= 0) {
     picture.image = facts_.flashes_held ? flashes_->standing() : frame_->resources().picture.screen.handle;

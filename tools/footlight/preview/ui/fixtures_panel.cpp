@@ -76,7 +76,9 @@ class FixturesPanel final : public Panel {
     draw_head(desk, input);
     draw_table(desk, input);
     // Edits come last, since the rows are then those of the rig from before.
-    if (const auto field = std::exchange(wanted_, std::nullopt)) editor_.open(desk, *field, in_order(desk));
+    if (const auto field = std::exchange(wanted_, std::nullopt); field && !desk.selected().empty()) {
+      editor_.open(desk, *field, in_order(desk));
+    }
     if (std::exchange(menu_wanted_, false)) ImGui::OpenPopup("menu of the selection");
     if (ImGui::BeginPopup("menu of the selection")) {
       editor_.draw_menu(desk, in_order(desk));

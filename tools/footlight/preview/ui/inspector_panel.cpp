@@ -139,9 +139,11 @@ class InspectorPanel final : public Panel {
     }
     ImGui::PushTextWrapPos(0);
     ui_text(kUiDim, fmt::format("{} {}, {}", type.manufacturer, type.name, mode().name));
-    ui_text(kUiDim, fmt::format("{}  at {:.2f} {:.2f} {:.2f} m",
-                                one.patched ? fmt::format("{}.{}", one.universe, one.address) : "no address",
-                                one.position_m.x, one.position_m.y, one.position_m.z));
+    const fixtures::PatchedFixture& edited = desk.edited().fixtures[static_cast<std::size_t>(lead_)];
+    const glm::dvec3 at_m = fixtures::position_of(edited);
+    ui_text(kUiDim,
+            fmt::format("{}  at {:.2f} {:.2f} {:.2f} m",
+                        edited.patched ? fixtures::text_of_patch(edited) : "no address", at_m.x, at_m.y, at_m.z));
     ImGui::PopTextWrapPos();
   }
 
