@@ -7,6 +7,7 @@
 
 #include <imgui/imgui.h>
 
+#include "tests/tools/footlight/edit_desk.h"
 #include "tests/tools/footlight/ui_rigs.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/stage_marks.h"
@@ -99,6 +100,45 @@ void take_all(benchmark::State& state) {
   }
 }
 
+// One fixture is selected, then all of them.
+void select_all(benchmark::State& state) {
+  const testing::UiRig rig = testing::many_fixtures(static_cast<int>(state.range(0)));
+  UiDesk desk(rig.rig, rig.compiled);
+  for (auto _ : state) {
+    desk.select(0, false);
+    desk.select_all();
+  }
+}
+
+// A step of a drag that moves all fixtures: the edit, and the tables of the new rig, without a frame of it.
+void move_all(benchmark::State& state) {
+  testing::EditDesk edit(testing::many_fixtures(static_cast<int>(state.range(0))).rig);
+  edit.desk.select_all();
+  edit.desk.begin_gesture();
+  double by_m = 0.01;
+  for (auto _ : state) {
+    by_m = -by_m;
+    if (!edit.desk.edit(fixtures::move_fixtures(edit.desk.edited(), edit.desk.selected(), {0, 0, by_m}))) {
+      state.SkipWithError("refused");
+    }
+  }
+}
+
+// New addresses for all fixtures, and the conflicts among them.
+void patch_all(benchmark::State& state) {
+  testing::EditDesk edit(testing::many_fixtures(static_cast<int>(state.range(0))).rig);
+  edit.desk.select_all();
+  edit.desk.begin_gesture();
+  Address address = 1;
+  for (auto _ : state) {
+    address = 3 - address;
+    if (!edit.desk.edit(fixtures::patch_fixtures(edit.desk.edited(), edit.desk.selected(), {1, address}))) {
+      state.SkipWithError("refused");
+    }
+    benchmark::DoNotOptimize(fixtures::patch_conflicts(edit.desk.edited()).size());
+  }
+}
+
 }  // namespace
 
 BENCHMARK(closed)->Arg(10'000)->Unit(benchmark::kMillisecond);
@@ -110,3 +150,6 @@ BENCHMARK(timeline)->Arg(24)->Unit(benchmark::kMillisecond);
 BENCHMARK(all_selected)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(click)->Arg(10'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(take_all)->Arg(10'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(select_all)->Arg(10'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(move_all)->Arg(1'000)->Arg(10'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(patch_all)->Arg(1'000)->Arg(10'000)->Unit(benchmark::kMillisecond);

@@ -81,6 +81,13 @@ std::string cache_folder() {
   return home.empty() ? "" : home + "/.cache/footlight";
 }
 
+std::string state_folder() {
+  const std::string state = folder_of("XDG_STATE_HOME");
+  const std::string home = folder_of("HOME");
+  if (!state.empty()) return state + "/footlight";
+  return home.empty() ? "" : home + "/.local/state/footlight";
+}
+
 std::vector<std::string> sockets() {
   std::vector<std::string> found;
   for (const std::string& folder : socket_folders()) {

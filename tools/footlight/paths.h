@@ -32,4 +32,8 @@ inline constexpr std::string_view kSocketName = "run.sock";
 // FOOTLIGHT_PIPELINE_CACHE=off asks for.
 [[nodiscard]] std::string cache_folder();
 
+// Where what must survive a crash is kept: $XDG_STATE_HOME/footlight (or ~/.local/state/footlight). Empty: neither is
+// set.
+[[nodiscard]] std::string state_folder();
+
 }  // namespace footlight::tools

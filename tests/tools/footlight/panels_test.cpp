@@ -251,20 +251,25 @@ position = [0, 0, 5]
   HeadlessUi ui(rig);
   ui.desk.select(0, false);
   ui.show(kInspector);
-  REQUIRE(contains(ui.words(), "head 1"));
-  // A click into the slider of the heads: below the channels.
-  const ImVec2 at = ui.click_down(1280 - 8 - 420 + 300, 200, 640, [&] { return !contains(ui.words(), "head 1"); });
-  REQUIRE(at.y > 0);
-  const std::string words = ui.words();
-  const std::string chosen = words.substr(words.find("head "), 7);
+  // What is below the channels: the shown head and its values.
+  const auto simulated = [&] {
+    const std::string words = ui.words();
+    return words.substr(words.find("head "));
+  };
+  REQUIRE(simulated().starts_with("head 1}"));
+  // Clicks up the panel, whose lowest control is the slider of the heads.
+  for (float y = 390; y > 200 && simulated().starts_with("head 1}"); y -= 5) ui.click(1280 - 8 - 420 + 300, y);
+  const std::string dark = simulated();
+  const std::string chosen = dark.substr(0, dark.find('}'));
+  REQUIRE(chosen != "head 1");
   std::fill(ui.levels.begin(), ui.levels.end(), std::uint8_t{255});
-  ui.open.step(ui.levels, kNsPerMs, true);
-  const std::string lit = ui.words();
-  CHECK(contains(lit, chosen));
+  ui.open.step(ui.levels, kNsPerS, true);
+  const std::string lit = simulated();
+  CHECK(lit.starts_with(chosen));
+  CHECK(lit != dark);
   std::fill(ui.levels.begin(), ui.levels.end(), std::uint8_t{0});
   ui.open.restart();
-  CHECK(contains(ui.words(), chosen));
-  CHECK(ui.words().substr(words.find("head ")) != lit.substr(lit.find("head ")));
+  CHECK(simulated() == dark);
 }
 
 TEST_CASE("a slider is dragged from one function of its channel into the next, and from slots into angles") {
@@ -272,17 +277,20 @@ TEST_CASE("a slider is dragged from one function of its channel into the next, a
   fixtures::Mode& mode = one.types[static_cast<std::size_t>(one.fixtures[0].type)].modes[0];
   fixtures::Channel gobo = mode.channels[8];
   REQUIRE(gobo.name == "Gobo");
-  // The upper half turns the gobo instead.
-  std::erase_if(gobo.functions, [](const auto& function) { return function.dmx_from >= 112; });
-  fixtures::ChannelFunction turn = gobo.functions.back();
+  // A gobo below, and above that its angle.
+  fixtures::ChannelFunction slots = gobo.functions[0];
+  slots.dmx_from = 0;
+  slots.dmx_to = 127;
+  slots.sets = {{.name = "Dots", .dmx_from = 0, .dmx_to = 127, .wheel_slot = 2}};
+  fixtures::ChannelFunction turn = slots;
   turn.attribute = "Gobo1Pos";
   turn.sets.clear();
   turn.wheel = fixtures::kNoIndex;
-  turn.dmx_from = gobo.functions.back().dmx_to + 1;
+  turn.dmx_from = 128;
   turn.dmx_to = 255;
   turn.physical_from = 0;
   turn.physical_to = 360;
-  gobo.functions.push_back(turn);
+  gobo.functions = {slots, turn};
   mode.channels = {gobo};
   mode.relations.clear();
   const auto rig = compiled_rig(std::move(one));
@@ -301,12 +309,12 @@ TEST_CASE("a slider is dragged from one function of its channel into the next, a
       ui.desk.overlay(ui.levels);
     }
   };
-  const float left = 1280 - 8 - 420 + 120;
+  const float left = 1280 - 8 - 420 + 160;
   const ImVec2 at = ui.click_down(left, 60, 300, [&] { return raw() >= 0; });
   REQUIRE(at.y > 0);
   ui.desk.undo();
+  REQUIRE(raw() == -1);
   move(left, at.y);
-  const std::size_t before = ui.desk.history().size();
   ui.desk.begin_gesture();
   ImGui::GetIO().MouseDown[0] = true;
   int highest = 0;
@@ -319,7 +327,19 @@ TEST_CASE("a slider is dragged from one function of its channel into the next, a
   CHECK(raw() == 0);
   ImGui::GetIO().MouseDown[0] = false;
   ui.frame();
-  CHECK(ui.desk.history().size() == before + 1);
+  ui.desk.undo();
+  CHECK(raw() == -1);
+  // From an angle into slots it ends at the lowest angle: the slider of the angle has nothing else.
+  std::fill(ui.levels.begin(), ui.levels.end(), std::uint8_t{200});
+  move(left, at.y);
+  ImGui::GetIO().MouseDown[0] = true;
+  move(left, at.y);
+  move(left - 120, at.y);
+  CHECK(raw() == 128);
+  move(1272, at.y);
+  CHECK(raw() == 255);
+  ImGui::GetIO().MouseDown[0] = false;
+  ui.frame();
 }
 
 TEST_CASE("a slot is marked for every selected fixture that listens to it") {

@@ -56,6 +56,19 @@ TEST_CASE("a show file is searched where the XDG specification requires, then in
   CHECK(show_file_places() == Paths{etc});
 }
 
+TEST_CASE("what survives a crash is where the XDG specification has a user's state") {
+  {
+    const Environment environment({{"XDG_STATE_HOME", "/x/state"}, {"HOME", "/x/home"}});
+    CHECK(state_folder() == "/x/state/footlight");
+  }
+  {
+    const Environment environment({{"XDG_STATE_HOME", "relative"}, {"HOME", "/x/home"}});
+    CHECK(state_folder() == "/x/home/.local/state/footlight");
+  }
+  const Environment environment({{"XDG_STATE_HOME", nullptr}, {"HOME", nullptr}});
+  CHECK(state_folder().empty());
+}
+
 TEST_CASE("the socket is in the folder of the service, else of the user, else of the system") {
   {
     const Environment environment(

@@ -72,6 +72,44 @@ struct RecordedSteps {
   }
 };
 
+TEST_CASE("a timeline that goes back to a position makes the steps that it made before, and one can start within a log") {
+  std::vector<OwnedFrame> frames;
+  Random random(5);
+  DurationNs at_ns = 0;
+  for (int i = 0; i < 300; ++i) {
+    at_ns += random.below(3) * kMs;  // some at the same time
+    frames.push_back(frame_of(at_ns, random.below(2) == 0 ? 2 : 5, static_cast<std::uint8_t>(random.below(4))));
+  }
+  const DurationNs end_ns = at_ns + 20 * kMs;
+  RecordedSteps whole;
+  Timeline played = timeline_of(frames, end_ns);
+  REQUIRE(played.advance(end_ns, 0, whole.recorder()));
+
+  Timeline other = timeline_of(frames, end_ns);
+  for (const DurationNs stop_ns : {0 * kMs, 1 * kMs, at_ns / 3, at_ns / 2, at_ns}) {
+    CAPTURE(stop_ns);
+    Timeline stopped = timeline_of(frames, end_ns);
+    RecordedSteps parts;
+    while (stopped.now_ns() < stop_ns) {
+      const auto more = stopped.advance_to_change(stopped.now_ns() + 1, end_ns, parts.recorder());
+      REQUIRE(more);
+      if (!*more) break;
+    }
+    REQUIRE(other.go_to(stopped.position()));
+    REQUIRE(other.advance(end_ns, 0, parts.recorder()));
+    CHECK(parts.held == whole.held);
+    CHECK(parts.steps == whole.steps);
+    CHECK(parts.total_ns == end_ns);
+
+    RecordedSteps rest;
+    REQUIRE(other.start_at(stop_ns));
+    REQUIRE(other.advance(end_ns, 0, rest.recorder()));
+    CHECK(rest.total_ns == end_ns - stop_ns);
+    REQUIRE(!rest.held.empty());
+    CHECK(rest.held.back().levels == whole.held.back().levels);
+  }
+}
+
 TEST_CASE("levels are held from the moment they arrived, and universes that are not in the rig split nothing") {
   Timeline timeline = timeline_of({frame_of(0, 2, 10), frame_of(5 * kMs, 3, 99), frame_of(10 * kMs, 5, 20),
                                    frame_of(10 * kMs, 2, 11), frame_of(12 * kMs, 2, 11), frame_of(30 * kMs, 2, 12)},

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -142,12 +143,13 @@ TEST_CASE("the history needs at most so much memory, and keeps the last command 
   UiHistory history;
   const auto select = [&](int count, int first) {
     SelectFixtures command;
-    for (int i = 0; i < count; ++i) command.after.fixtures.push_back(first + i);
+    command.after.fixtures.resize(static_cast<std::size_t>(count));
+    std::iota(command.after.fixtures.begin(), command.after.fixtures.end(), first);
     history.run(state, std::move(command));
   };
   for (int i = 0; i < 40; ++i) {
-    select(500'000, i);
-    CHECK(history.bytes() >= 500'000 * sizeof(int));
+    select(2'000'000, i);
+    CHECK(history.bytes() >= 2'000'000 * sizeof(int));
     CHECK(history.bytes() <= UiHistory::kBytesMax);
   }
   const std::size_t kept = history.size();
@@ -161,7 +163,7 @@ TEST_CASE("the history needs at most so much memory, and keeps the last command 
   }
   CHECK(history.size() == kept);
   CHECK(history.bytes() <= 2 * UiHistory::kBytesMax);
-  select(10'000'000, 7);
+  select(40'000'000, 7);
   CHECK(history.size() == 1);
   CHECK(history.bytes() > UiHistory::kBytesMax);
   select(0, 0);

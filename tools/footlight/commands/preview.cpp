@@ -57,6 +57,7 @@ void add(Arguments& arguments) {
   arguments.option("--device", options->device, "TEXT", "the Vulkan device whose name contains this text");
   arguments.option("--seconds", options->seconds, 0, 1e6, "close after this time; 0: stay open");
   arguments.option("--screenshot", options->screenshot, "FILE", "write the last frame as PNG when closing");
+  arguments.flag("--recover", options->recover, "open the edits of this rig that a session lost when it was killed");
   arguments.flag("--json", options->json, "frame times as JSON, one object a second and a summary");
   arguments.job([=]() -> Result<int> {
     if (!edges->empty()) {

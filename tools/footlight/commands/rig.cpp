@@ -23,6 +23,7 @@
 #include "sim/core/counted.h"
 #include "sim/file_kind.h"
 #include "tools/footlight/command.h"
+#include "tools/footlight/commands/rig_command.h"
 #include "tools/footlight/monitor/terminal.h"
 #include "tools/footlight/progress.h"
 #include "tools/footlight/status/json_lines.h"
@@ -69,23 +70,7 @@ Opened open(const std::string& path, const std::vector<std::string>& folders, bo
   return {std::move(rig), diagnostics.take()};
 }
 
-// For commands that only use the rig: prints the number of warnings on standard error, and how to list them.
-Result<ImportedRig> open_or_fail(const Options& options) {
-  if (options.path.empty()) {
-    return fail(ErrorCode::kBadInput,
-                "expected a rig (.mvr, .qxw, .toml) or a fixture definition; 'footlight rig --help' has examples");
-  }
-  Opened opened = open(options.path, options.library, false);
-  if (!opened.rig) return tl::unexpected<Error>(std::move(opened.rig).error());
-  const auto wrong = std::count_if(opened.diagnostics.begin(), opened.diagnostics.end(),
-                                   [](const Diagnostic& each) { return each.severity != fixtures::Severity::kNote; });
-  if (wrong > 0) {
-    const std::string path = printable_utf8(options.path);
-    fmt::print(stderr, "footlight: {}: {}; 'footlight rig check {}' lists them\n", path, counted(wrong, "warning"),
-               path);
-  }
-  return std::move(*opened.rig);
-}
+Result<ImportedRig> open_or_fail(const Options& options) { return open_rig(options.path, options.library); }
 
 // Makes text from foreign files valid in JSON.
 std::string clean(const nlohmann::json& json) {
@@ -396,17 +381,36 @@ void add(Arguments& arguments) {
       its.flag("--json", options->json, "one JSON object a line for each file");
     its.job([options, run = part.run]() -> Result<int> { return run(*options); });
   }
+  add_rig_edit(arguments);
 }
 
 }  // namespace
 
+Result<ImportedRig> open_rig(const std::string& path, const std::vector<std::string>& library) {
+  if (path.empty()) {
+    return fail(ErrorCode::kBadInput,
+                "expected a rig (.mvr, .qxw, .toml) or a fixture definition; 'footlight rig --help' has examples");
+  }
+  Opened opened = open(path, library, false);
+  if (!opened.rig) return tl::unexpected<Error>(std::move(opened.rig).error());
+  const auto wrong = std::count_if(opened.diagnostics.begin(), opened.diagnostics.end(),
+                                   [](const Diagnostic& each) { return each.severity != fixtures::Severity::kNote; });
+  if (wrong > 0) {
+    const std::string shown = printable_utf8(path);
+    fmt::print(stderr, "footlight: {}: {}; 'footlight rig check {}' lists them\n", shown, counted(wrong, "warning"),
+               shown);
+  }
+  return std::move(*opened.rig);
+}
+
 extern const CommandInfo rig_command{
     .name = "rig",
-    .help = "Check, show, convert and print rigs from MVR, QLC+ and Footlight files",
+    .help = "Check, show, edit, convert and print rigs from MVR, QLC+ and Footlight files",
     .examples =
         "  footlight rig check show.mvr\n"
         "  footlight rig show show.mvr\n"
         "  footlight rig import show.mvr -o show.toml\n"
+        "  footlight rig edit show.toml --select 'Spot *' --patch 2.1 -o moved.toml\n"
         "  footlight rig export show.toml -o show.mvr\n"
         "  footlight rig export club.toml -o club.json\n"
         "  footlight rig patch show.mvr -o patch.pdf\n"

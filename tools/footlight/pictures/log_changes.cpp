@@ -23,4 +23,13 @@ Result<bool> LogChanges::next(LevelChange& change) {
   }
 }
 
+void LogChanges::read_levels(std::span<std::uint8_t> levels) {
+  std::fill(levels.begin(), levels.end(), std::uint8_t{0});
+  for (const LogSnapshot& each : reader_.snapshot()) {
+    const auto at = std::lower_bound(universes_.begin(), universes_.end(), each.universe);
+    if (at == universes_.end() || *at != each.universe) continue;
+    std::copy(each.levels.begin(), each.levels.end(), levels.begin() + (at - universes_.begin()) * kSlotCountMax);
+  }
+}
+
 }  // namespace footlight::tools

@@ -14,10 +14,9 @@
 #include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
-namespace {
 
-// Applies --smooth, --dimmer-law, --haze, --haze-noise and --room.
-Status adjust(fixtures::Rig& rig, const SceneFiles& files) {
+Status adjust_scene_rig(fixtures::Rig& rig, const SceneFiles& files) {
+  if (files.vrsl && !files.demo && !rig.vrsl) rig.vrsl.emplace();
   rig.haze.scattering_per_m = files.haze_per_m.value_or(rig.haze.scattering_per_m);
   if (files.haze_noise) {
     constexpr glm::dvec3 kDraught{0.2, 0.05, 0.02};
@@ -42,8 +41,6 @@ Status adjust(fixtures::Rig& rig, const SceneFiles& files) {
   return {};
 }
 
-}  // namespace
-
 void add_scene_arguments(Arguments& arguments, SceneFiles& files) {
   arguments.option("RIG,--rig", files.rig, "FILE", "the rig: TOML, MVR or QLC+; or one fixture definition");
   arguments.option("--log", files.log, "FILE", "the levels: a DMX log, an OLA show file, a capture or a sound map");
@@ -67,7 +64,7 @@ Result<fixtures::Rig> load_scene_rig(const SceneFiles& files) {
   }
   if (files.demo) {
     fixtures::Rig rig = fixtures::demo_rig();
-    FL_TRY(adjust(rig, files));
+    FL_TRY(adjust_scene_rig(rig, files));
     return rig;
   }
   if (files.rig.empty()) {
@@ -83,8 +80,7 @@ Result<fixtures::Rig> load_scene_rig(const SceneFiles& files) {
                path);
   }
   fixtures::Rig rig = std::move(imported.rig);
-  if (files.vrsl && !rig.vrsl) rig.vrsl.emplace();
-  FL_TRY(adjust(rig, files));
+  FL_TRY(adjust_scene_rig(rig, files));
   return rig;
 }
 

@@ -26,6 +26,8 @@ struct SceneFiles {
 // Adds the rig, as the first word or --rig; --log, --demo and the options that change the rig.
 void add_scene_arguments(Arguments& arguments, SceneFiles& files);
 
+// Applies --vrsl-compat, --smooth, --dimmer-law, --haze, --haze-noise and --room to a rig.
+[[nodiscard]] Status adjust_scene_rig(fixtures::Rig& rig, const SceneFiles& files);
 // Loads the rig; kBadInput if neither a file nor --demo is given.
 [[nodiscard]] Result<fixtures::Rig> load_scene_rig(const SceneFiles& files);
 // Prints errors and warnings on standard error, without notes.

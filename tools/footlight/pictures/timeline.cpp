@@ -18,8 +18,12 @@ Timeline::Timeline(LevelChanges& changes, const fixtures::CompiledRig& compiled,
 
 Timeline::Timeline(std::span<const std::uint8_t> held, const fixtures::CompiledRig& compiled)
     : Timeline(compiled, std::nullopt, 0) {
-  FL_CHECK_EQ(held.size(), levels_.size());
-  levels_.assign(held.begin(), held.end());
+  hold(held);
+}
+
+void Timeline::hold(std::span<const std::uint8_t> levels) {
+  FL_CHECK_EQ(levels.size(), levels_.size());
+  levels_.assign(levels.begin(), levels.end());
 }
 
 Result<DrivenRig> compile_driven(fixtures::Rig& rig, std::optional<LogReader> log) {
@@ -104,6 +108,16 @@ Status Timeline::go_to(const Position& position) {
   levels_ = position.levels;
   stepped_ = position.stepped;
   return log_->seek(position.now_ns);
+}
+
+Status Timeline::start_at(TimeNs time_ns) {
+  FL_CHECK(can_go());
+  FL_TRY(log_->seek(time_ns));
+  log_->read_levels(levels_);
+  next_.universe = -1;
+  now_ns_ = time_ns;
+  stepped_ = false;
+  return {};
 }
 
 Status Timeline::advance(TimeNs until_ns, DurationNs exposure_ns, const Step& step) {

@@ -53,6 +53,13 @@ class Timeline {
   // To a position of a timeline of the same log and rig. Only if can_go().
   Status go_to(const Position& position);
 
+  // To a time of the log with its levels, as if they had come then for the first time: fixtures do not know what was
+  // before. Only if can_go().
+  Status start_at(TimeNs time_ns);
+
+  // Levels that are held until the next change: universes x 512 bytes in the rig's order.
+  void hold(std::span<const std::uint8_t> levels);
+
   [[nodiscard]] TimeNs now_ns() const { return now_ns_; }
   [[nodiscard]] DurationNs duration_ns() const { return duration_ns_; }  // of the log; 0 without one
 

@@ -34,6 +34,7 @@ struct PreviewOptions {
   bool bounce = true;
   render::FrameSettings display;  // of which glare, white balance, tone curve and automatic exposure
   FlashMode flashes = FlashMode::kWarn;
+  bool recover = false;  // opens the newest edits of the rig that a session lost
   bool json = false;
 };
 

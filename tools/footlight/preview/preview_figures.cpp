@@ -44,6 +44,7 @@ nlohmann::json Preview::figures() const {
                      {"high", facts_.error.high},
                      {"samples", facts_.error.samples}};
   }
+  if (made_ns_ >= 0) line["edit_to_frame_ms"] = static_cast<double>(made_ns_) * 1e-6;  // of the last edit
   if (facts_.chosen) line["knobs"] = render::text_of(facts_.chosen->knobs);
   if (facts_.machines > 0) {
     line["haze_per_m"] = facts_.room_haze_per_m + facts_.machine_haze_per_m + facts_.machine_fog_per_m;

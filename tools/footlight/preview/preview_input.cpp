@@ -9,6 +9,7 @@
 #include "tools/footlight/preview/preview_window.h"
 #include "tools/footlight/preview/ui/escape.h"
 #include "tools/footlight/preview/ui/menu.h"
+#include "tools/footlight/preview/ui/rig_editor.h"
 #include "tools/footlight/preview/ui/stage_marks.h"
 
 namespace footlight::tools {
@@ -37,7 +38,7 @@ StagePlace Preview::stage() const {
 }
 
 const StagePick& Preview::pick() {
-  if (!pick_) pick_ = std::make_unique<StagePick>(rig_);
+  if (!pick_) pick_ = std::make_unique<StagePick>(edited_->scene()->rig);
   return *pick_;
 }
 
@@ -57,7 +58,7 @@ void Preview::draw_ui() {
   if (panels_.any_open()) {
     UiInput input;
     input.levels = panel_levels();
-    if (live_) input.stamps = live_->stamps();
+    if (live_ && desk_->compiled().universes == framed_->compiled.universes) input.stamps = live_->stamps();
     if (live_) input.status = &facts_.status;
     if (timeline_) input.transport = &controls_.transport;
     if (curve_) input.curve = &*curve_;
@@ -70,9 +71,11 @@ void Preview::draw_ui() {
   // The last movement of a drag comes with the release.
   if (any_button([](ImGuiMouseButton button) { return ImGui::IsMouseReleased(button); })) desk_->begin_gesture();
   if (const Selection& selection = desk_->state().selection; !selection.fixtures.empty()) {
-    draw_marks(rig_, pick(), stage(), selection, window_->ui_scale());
+    draw_marks(edited_->scene()->rig, pick(), stage(), selection, window_->ui_scale());
   }
   show_exposure();
+  draw_questions();
+  if (std::string news = desk_->take_news(); !news.empty()) tell(std::move(news));
   if (begun_ns < news_until_ns_) draw_news(news_, where, window_->ui_scale());
   if (closing_ || window_->wants_close() || shot_asked_) window_->keep_shot();
   window_->end_ui();
@@ -126,7 +129,7 @@ void Preview::take_input() {
   if (io.WantTextInput) return;
   for (const KeyPress& key : window_->keys()) {
     const auto asked = call_of(key);
-    if (!asked) continue;
+    if (!asked || (asks_close_ && asked->action != UiAction::kEscape)) continue;
     if (!key.repeated) desk_->begin_gesture();
     call(*asked);
   }
@@ -139,6 +142,10 @@ void Preview::call(const UiCall& call) {
   switch (call.action) {
     case UiAction::kUndo: tell_edit("undo", desk_->undo()); break;
     case UiAction::kRedo: tell_edit("redo", desk_->redo()); break;
+    case UiAction::kSave: save(); break;
+    case UiAction::kDelete:
+      if (std::string news = delete_selected(*desk_); !news.empty()) tell(std::move(news));
+      break;
     case UiAction::kSelectAll: desk_->select_all(); break;
     case UiAction::kHighlight: desk_->set_highlight(!desk_->highlights()); break;
     case UiAction::kReleaseAll: desk_->release_all(); break;
@@ -150,7 +157,7 @@ void Preview::call(const UiCall& call) {
       }
       [[fallthrough]];
     case UiAction::kFrameRig: {
-      const Bounds bounds = bounds_of(rig_);
+      const Bounds bounds = bounds_of(edited_->scene()->rig);
       frame_box(bounds.low_m, bounds.high_m);
       break;
     }
@@ -183,8 +190,8 @@ void Preview::call(const UiCall& call) {
 }
 
 void Preview::take_camera(std::size_t index) {
-  if (index >= rig_.cameras.size()) return;
-  const fixtures::Camera& camera = rig_.cameras[index];
+  if (index >= edited_->scene()->rig.cameras.size()) return;
+  const fixtures::Camera& camera = edited_->scene()->rig.cameras[index];
   desk_->jump_camera(OrbitCamera(camera), static_cast<float>(camera.exposure_ev));
 }
 

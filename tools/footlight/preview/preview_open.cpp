@@ -31,11 +31,9 @@ std::future<Status> begin(Work work) {
 }  // namespace
 
 Status Preview::load_rig(double aspect) {
-  FL_ASSIGN(rig_, load_scene_rig(options_.files));
-  add_start_view(rig_, aspect, true);
-  if (by_hand()) give_hand_addresses(rig_);
-  if (rig_.vrsl && !by_hand()) vrsl_rig_ = std::exchange(rig_, fixtures::vrsl_shown(rig_));
-  FL_ASSIGN(compiled_, fixtures::compile(rig_));
+  FL_ASSIGN(RigFile file, open_file());
+  FL_ASSIGN(edited_, EditedScene::make(std::move(file), options_.files, aspect, by_hand()));
+  framed_ = edited_->scene();
   return {};
 }
 
@@ -57,7 +55,8 @@ Status Preview::open_device() {
 }
 
 Status Preview::set_controls(const fixtures::Camera& camera) {
-  desk_ = std::make_unique<UiDesk>(rig_, compiled_);
+  desk_ = std::make_unique<UiDesk>(framed_->rig, framed_->compiled);
+  start_edits();
   desk_->start_view(OrbitCamera(camera), {static_cast<float>(camera.exposure_ev), options_.display.auto_exposure});
   show_exposure();
   FL_TRY(panels_.open_words(options_.panels, *desk_));
@@ -89,11 +88,11 @@ Status Preview::set_controls(const fixtures::Camera& camera) {
       controls_.divisor *= 2;
     }
   }
-  facts_.rig = rig_.name;
+  facts_.rig = framed_->rig.name;
   facts_.device = device_->name();
-  for (const auto& one : rig_.cameras) facts_.cameras.push_back(one.name);
-  for (const auto& fixture : rig_.fixtures) facts_.fixtures.push_back(fixture.name);
-  facts_.can_haze = compiled_.needs.haze;
+  for (const auto& one : framed_->rig.cameras) facts_.cameras.push_back(one.name);
+  for (const auto& fixture : framed_->rig.fixtures) facts_.fixtures.push_back(fixture.name);
+  facts_.can_haze = framed_->compiled.needs.haze;
   return {};
 }
 
@@ -110,7 +109,7 @@ Result<bool> Preview::open(const StopSignal& signal) {
   std::future<Status> reading = begin([this, aspect] { return load_rig(aspect); });
   fixtures::Camera camera;
   const auto take_rig = [&]() -> Status {
-    FL_ASSIGN(camera, find_camera(rig_, options_.camera));
+    FL_ASSIGN(camera, find_camera(framed_->rig, options_.camera));
     return open_levels();
   };
   const bool quick = reading.wait_for(kQuickRead) == std::future_status::ready;
@@ -126,7 +125,8 @@ Result<bool> Preview::open(const StopSignal& signal) {
     if (!goes_on) return false;
     FL_TRY(take_rig());
   }
-  window_->set_title(fmt::format("{} - Footlight", rig_.name));
+  title_ = fmt::format("{} - Footlight", framed_->rig.name);
+  window_->set_title(title_);
   FL_TRY(show_progress("Preparing the picture"));
   FL_TRY(set_controls(camera));
   const PixelRect where = place();
@@ -183,18 +183,18 @@ Status Preview::open_levels() {
       FL_ASSIGN(std::unique_ptr<Source> source, opener_.open_source(endpoint, in));
       sources.push_back(std::move(source));
     }
-    FL_ASSIGN(live_, LiveLevels::start(compiled_.universes, std::move(sources), clock_));
-    live_timeline_ = std::make_unique<Timeline>(live_->changes(), compiled_, vrsl_replay(), clock_.now_ns());
+    FL_ASSIGN(live_, LiveLevels::start(framed_->compiled.universes, std::move(sources), clock_));
+    live_timeline_ = std::make_unique<Timeline>(live_->changes(), framed_->compiled, vrsl_replay(*framed_), clock_.now_ns());
     return {};
   }
   FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
   if (log) {
-    timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_, vrsl_replay());
+    timeline_ = std::make_unique<Timeline>(std::move(*log), framed_->compiled, vrsl_replay(*framed_));
     facts_.has_log = true;
     controls_.transport.duration_ns = timeline_->duration_ns();
     FL_TRY(make_index());
   } else {
-    hand_ = std::make_unique<HandLevels>(rig_, compiled_);
+    hand_ = std::make_unique<HandLevels>(framed_->rig, framed_->compiled);
   }
   return {};
 }
@@ -208,10 +208,10 @@ Status Preview::make_ladder() {
   FL_ASSIGN(const render::KnobCurves curves, machine_knob_curves(*device_, cache_folder(), curve_options, [this] {
               if (!options_.json) fmt::print(stderr, "footlight: measuring the knobs of {}\n", device_->name());
             }));
-  ladder_ = render::ladder_of(curves, compiled_.needs, request);
+  ladder_ = render::ladder_of(curves, framed_->compiled.needs, request);
   if (ladder_.empty()) return {};
   // For a time, the first picture has the knobs nearest the default ones; how long it takes is then known.
-  const auto usual = render::predicted(curves, compiled_.needs, {});
+  const auto usual = render::predicted(curves, framed_->compiled.needs, {});
   const std::size_t start = request.error > 0 ? render::choose(ladder_, request)
                             : usual           ? render::nearest(ladder_, usual->ms)
                                               : 0;

@@ -9,7 +9,6 @@ namespace footlight::tools {
 namespace {
 
 constexpr DurationNs kExposureMaxNs = 20 * kNsPerMs;  // as `footlight render --at`; less if the frame is shorter
-constexpr std::size_t kStepsHeldMax = 512;            // steps that wait for the GPU
 constexpr DurationNs kIndexNs = 2 * kNsPerMs;         // for the index of a log, each picture
 constexpr DurationNs kIndexPausedNs = 10 * kNsPerMs;
 constexpr DurationNs kLeapNs = kNsPerS;            // a moment this far ahead is taken instead of the steps to it
@@ -18,9 +17,9 @@ constexpr DurationNs kWireDelayNs = 2 * kNsPerMs;  // live pictures are that lat
 }  // namespace
 
 // VRSL's processing of the levels, from its start; nothing if the rig does not use it.
-std::optional<fixtures::VrslReplay> Preview::vrsl_replay() const {
-  if (!vrsl_rig_) return std::nullopt;
-  return fixtures::VrslReplay(*vrsl_rig_, compiled_);
+std::optional<fixtures::VrslReplay> Preview::vrsl_replay(const PreviewScene& scene) {
+  if (!scene.written) return std::nullopt;
+  return fixtures::VrslReplay(*scene.written, scene.compiled);
 }
 
 // A second reading of the log, which runs ahead between pictures.
@@ -30,7 +29,7 @@ Status Preview::make_index() {
   curved_ = 0;
   if (!timeline_->can_go()) return {};
   FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
-  if (log) index_.emplace(Timeline(std::move(*log), compiled_));
+  if (log) index_.emplace(Timeline(std::move(*log), framed_->compiled));
   return {};
 }
 
@@ -39,7 +38,7 @@ Status Preview::work_at_index() {
   if (index_ && !index_->done()) FL_TRY(index_->work(*frame_, clock_, transport.playing ? kIndexNs : kIndexPausedNs));
   if (index_) transport.known_ns = index_->known_ns();
   if (!index_ || !panels_.any_open()) return {};
-  if (!curve_) curve_.emplace(rig_, desk_->index());
+  if (!curve_) curve_.emplace(framed_->rig, RigIndex(framed_->rig, framed_->compiled));
   const auto& moments = index_->moments();
   curved_ = std::min(curved_, moments.size());  // some were dropped
   for (; curved_ < moments.size(); ++curved_) {
@@ -75,7 +74,7 @@ Status Preview::go_back(TimeNs until_ns, DurationNs exposure_ns) {
   } else {
     FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
     if (!log) return fail(ErrorCode::kIo, "{}: the log can no longer be read", options_.files.log);
-    timeline_ = std::make_unique<Timeline>(std::move(*log), compiled_, vrsl_replay());
+    timeline_ = std::make_unique<Timeline>(std::move(*log), framed_->compiled, vrsl_replay(*framed_));
     FL_TRY(frame_->run_steps());
     FL_TRY(device_->run_once([&](VkCommandBuffer commands) { render::forget_states(commands, frame_->resources()); }));
     frame_->forget_air();
@@ -110,8 +109,18 @@ std::span<const std::uint8_t> Preview::panel_levels() {
   const std::span<const std::uint8_t> newest = live_   ? live_->levels()
                                                : hand_ ? hand_->levels()
                                                        : std::span<const std::uint8_t>(log_levels_);
-  if (!desk_->overlays()) return newest;
-  panel_levels_.assign(newest.begin(), newest.end());
+  const auto& universes = desk_->compiled().universes;
+  const auto& given = framed_->compiled.universes;
+  if (!desk_->overlays() && universes == given) return newest;
+  // The rig may have been edited since, and its frame is not yet there.
+  panel_levels_.assign(universes.size() * kSlotCountMax, 0);
+  for (std::size_t i = 0; i < universes.size(); ++i) {
+    const auto at = std::lower_bound(given.begin(), given.end(), universes[i]);
+    const auto from = static_cast<std::size_t>(at - given.begin()) * kSlotCountMax;
+    if (at == given.end() || *at != universes[i] || from + kSlotCountMax > newest.size()) continue;
+    std::copy_n(newest.begin() + static_cast<std::ptrdiff_t>(from), kSlotCountMax,
+                panel_levels_.begin() + static_cast<std::ptrdiff_t>(i * kSlotCountMax));
+  }
   desk_->overlay(panel_levels_);
   return panel_levels_;
 }

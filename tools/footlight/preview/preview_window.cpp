@@ -39,12 +39,18 @@ bool other_display(const PreviewControls& controls, const render::FrameSettings&
 }  // namespace
 
 Result<int> Preview::run() {
+  const Result<int> result = open_and_turn();
+  end_edits();
+  return result;
+}
+
+Result<int> Preview::open_and_turn() {
   const StopSignal signal;
   FL_ASSIGN(const bool opened, open(signal));
   if (!opened) return kExitOk;
   start_ns_ = last_ns_ = second_ns_ = clock_.now_ns();
   device_->lose_from_environment();
-  while (!window_->wants_close() && !signal.came() && !closing_) {
+  while (!signal.came() && !((window_->wants_close() || closing_) && may_close())) {
     Status turned = turn();
     if (!turned && device_->lost()) turned = start_again(turned.error());
     FL_TRY(turned);
@@ -62,15 +68,18 @@ Status Preview::turn() {
   const DurationNs dt_ns = now_ns - last_ns_;
   last_ns_ = now_ns;
   if (options_.seconds > 0 && static_cast<double>(now_ns - start_ns_) >= options_.seconds * 1e9) {
-    closing_ = true;
+    closing_ = times_out_ = true;
     window_->keep_shot();
   }
   draw_ui();
   FL_TRY(window_->wait_gpu());
   if (std::exchange(shot_taken_, false)) write_own_shot();
+  keep_edits();
+  const PixelRect where = place();
+  FL_ASSIGN(const bool still, follow_edits(where));
+  if (still) return show_still(where);
   FL_TRY(read_figures(dt_ns));
 
-  const PixelRect where = place();
   if (where.width != wanted_width_ || where.height != wanted_height_) {
     wanted_width_ = where.width;
     wanted_height_ = where.height;
@@ -165,7 +174,7 @@ Status Preview::read_figures(DurationNs dt_ns) {
     if (flashes_ && !flashes_->limits()) tell_flashes(flashes_->take(drawn_ns_ - start_ns_));
   }
   facts_.now_ns = clock_.now_ns();
-  facts_.room_haze_per_m = rig_.haze.scattering_per_m;
+  facts_.room_haze_per_m = framed_->rig.haze.scattering_per_m;
   if (const fixtures::MachineAir* air = frame_->machine_air(); air != nullptr) {
     facts_.machines = air->count();
     facts_.machine_haze_per_m = air->haze_per_m();
@@ -222,14 +231,14 @@ Status Preview::update_error() {
     error_tried_ = false;
   } else if (!error_ && !error_tried_) {
     error_tried_ = true;
-    if (compiled_.needs.laser || compiled_.needs.panes) return {};  // it computes beams again, and nothing else
-    FL_ASSIGN(error_, render::LiveError::create(*device_, *frame_, compiled_.needs));
+    if (framed_->compiled.needs.laser || framed_->compiled.needs.panes) return {};  // it computes beams again, and nothing else
+    FL_ASSIGN(error_, render::LiveError::create(*device_, *frame_, framed_->compiled.needs));
   }
   return {};
 }
 
-// A frame of the current size, nodes and haze. The states of the fixtures move from the old frame to the new one.
-Status Preview::rebuild(const PixelRect& where) {
+// The current size, nodes and haze.
+render::FrameSettings Preview::frame_settings(const PixelRect& where) const {
   render::FrameSettings settings;
   settings.width = std::max(where.width / controls_.divisor, 1);
   settings.height = std::max(where.height / controls_.divisor, 1);
@@ -240,12 +249,18 @@ Status Preview::rebuild(const PixelRect& where) {
   settings.bounce = options_.bounce;
   take_display(controls_, settings);
   settings.haze = controls_.haze;
+  return settings;
+}
+
+// A frame of these settings. The states of the fixtures move from the old frame to the new one.
+Status Preview::rebuild(const PixelRect& where) {
+  const render::FrameSettings settings = frame_settings(where);
   error_.reset();
   error_tried_ = error_drawn_ = false;
   if (frame_) {
     FL_TRY(frame_->change(settings));
   } else {
-    FL_ASSIGN(frame_, render::Frame::create(*device_, rig_, compiled_, settings));
+    FL_ASSIGN(frame_, render::Frame::create(*device_, framed_->rig, framed_->compiled, settings));
     print_warnings(frame_->resources().rig.diagnostics);
     if (hand_) frame_->settle_machine_air(hand_->levels());
   }
@@ -270,6 +285,7 @@ Status Preview::start_again(const Error& loss) {
     fmt::print(stderr, "footlight: {}; going on with a new device\n", loss.message);
   }
   messages_before_ = validation_messages();
+  drop_frame();
   error_.reset();
   frame_.reset();
   flashes_.reset();
@@ -278,7 +294,12 @@ Status Preview::start_again(const Error& loss) {
   device_.reset();
   FL_TRY(open_device());
   facts_.device = device_->name();
+  const SharedScene before = std::exchange(framed_, edited_->scene());
   FL_TRY(rebuild(place()));
+  if (before != framed_) {
+    FL_TRY(take_scene(*before));
+    if (timeline_) FL_TRY(make_index());
+  }
   panels_.restart();
   return timeline_ ? go_back(timeline_->now_ns(), 0) : Status{};
 }

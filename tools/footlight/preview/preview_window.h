@@ -21,8 +21,10 @@
 #include "render/quality.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/bridge/open_ports.h"
+#include "tools/footlight/edit/autosave.h"
 #include "tools/footlight/pictures/seek_index.h"
 #include "tools/footlight/pictures/timeline.h"
+#include "tools/footlight/preview/edited_scene.h"
 #include "tools/footlight/preview/frame_times.h"
 #include "tools/footlight/preview/hand_levels.h"
 #include "tools/footlight/preview/live_levels.h"
@@ -31,12 +33,15 @@
 #include "tools/footlight/preview/preview_panel.h"
 #include "tools/footlight/preview/ui/keys.h"
 #include "tools/footlight/preview/ui/panels.h"
+#include "tools/footlight/preview/ui/questions.h"
 #include "tools/footlight/preview/ui/stage_pick.h"
 #include "tools/footlight/preview/ui/ui_desk.h"
 #include "tools/footlight/preview/window.h"
 #include "tools/footlight/stop_signal.h"
 
 namespace footlight::tools {
+
+inline constexpr std::size_t kStepsHeldMax = 512;  // steps that wait for the GPU
 
 class Preview {
  public:
@@ -47,9 +52,12 @@ class Preview {
   Result<int> run();
 
  private:
+  Result<int> open_and_turn();
+
   // Up to the first picture: preview_open.cpp. open(): false if it was closed while loading.
   Result<bool> open(const StopSignal& signal);
   Status load_rig(double aspect);
+  Result<RigFile> open_file();
   Status open_levels();
   Status open_device();
   Status set_controls(const fixtures::Camera& camera);
@@ -59,6 +67,7 @@ class Preview {
 
   // Picture after picture: preview_window.cpp.
   Status turn();
+  [[nodiscard]] render::FrameSettings frame_settings(const PixelRect& where) const;
   Status rebuild(const PixelRect& where);
   Status update_error();
   void follow_knobs(const render::KnobPoint& point);
@@ -77,11 +86,26 @@ class Preview {
   Status advance(Timeline& timeline, TimeNs until_ns, DurationNs exposure_ns);
   void give(std::span<const std::uint8_t> levels, DurationNs dt_ns, bool new_exposure);
   [[nodiscard]] std::span<const std::uint8_t> panel_levels();
-  [[nodiscard]] std::optional<fixtures::VrslReplay> vrsl_replay() const;
+  [[nodiscard]] static std::optional<fixtures::VrslReplay> vrsl_replay(const PreviewScene& scene);
   // True if neither a log nor an input drives the rig.
   [[nodiscard]] bool by_hand() const {
     return options_.ins.empty() && options_.files.log.empty() && !options_.files.demo;
   }
+
+  // Edits of the rig: preview_edits.cpp.
+  void start_edits();
+  Status begin_frame(const PixelRect& where);
+  void drop_frame();
+  Result<bool> follow_edits(const PixelRect& where);
+  Status take_scene(const PreviewScene& before);
+  void take_hand(const PreviewScene& before);
+  Status show_still(const PixelRect& where);
+  void save();
+  void keep_edits();
+  void end_edits();
+  bool may_close();
+  void draw_questions();
+  [[nodiscard]] bool unsaved() const { return desk_ && desk_->state().revision != saved_revision_; }
 
   // What lies over the picture, mouse and keys: preview_input.cpp.
   void draw_ui();
@@ -110,9 +134,8 @@ class Preview {
   const PreviewOptions& options_;
   SystemClock clock_;
   PortOpener opener_;
-  fixtures::Rig rig_;
-  fixtures::CompiledRig compiled_;
-  std::optional<fixtures::Rig> vrsl_rig_;  // as written, where rig_ is what VRSL shows of it
+  std::unique_ptr<EditedScene> edited_;  // the rig that is edited; its scene() is what panels show
+  SharedScene framed_;                   // what frame_ was made from
 
   // What drives the rig: one of the three.
   std::unique_ptr<Timeline> timeline_;
@@ -137,6 +160,24 @@ class Preview {
   std::optional<render::TimeKeeper> keeper_;  // for --ms
   std::atomic<bool> closed_ = false;          // while other threads worked: they may end early
   bool shown_ = false;                        // a picture is in flight; its figures can be read when it is done
+
+  // Edits.
+  struct Made;
+  std::future<Result<std::unique_ptr<Made>>> making_;  // valid: a frame of an edited rig is being made
+  SharedScene making_scene_;                           // of it
+  SharedScene failed_;                                 // of which no frame can be made
+  TimeNs made_begun_ns_ = 0;
+  DurationNs made_ns_ = -1;  // from the last edit that was followed to its frame
+  std::unique_ptr<Autosave> autosave_;
+  std::optional<FolderClaim> recovered_;  // of the copy that the rig was read from
+  std::uint64_t saved_revision_ = 0;      // of the edited rig as it is in its file
+  std::string lost_when_;                 // when a session before lost edits; empty: none did
+  std::string save_error_;                // of the last save
+  std::string title_;
+  CloseQuestion close_question_;
+  bool asks_close_ = false;
+  bool discards_ = false;
+  bool times_out_ = false;  // --seconds have passed
 
   std::unique_ptr<UiDesk> desk_;  // once the rig is read
   UiPanels panels_;

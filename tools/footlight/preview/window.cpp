@@ -444,6 +444,8 @@ void Window::poll(double wait_s) {
   minimised_ = width_ == 0 || height_ == 0 || glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE;
 }
 
+void Window::keep_open() { glfwSetWindowShouldClose(window_, GLFW_FALSE); }
+
 bool Window::wants_close() const { return glfwWindowShouldClose(window_) == GLFW_TRUE; }
 
 float Window::pixels_per_unit() const {

@@ -69,6 +69,8 @@ class Window {
   // Handles events. Waits up to wait_s for one; while the window is minimised, up to 100 ms.
   void poll(double wait_s = 0);
   [[nodiscard]] bool wants_close() const;
+  // The user is asked first: wants_close() is false until the next time.
+  void keep_open();
   // The keys that went down during the last poll(), or repeated while held, in order. ImGui's own list misses a key
   // that goes down and up within one slow frame.
   [[nodiscard]] const std::vector<KeyPress>& keys() const { return keys_.presses(); }

@@ -1,25 +1,39 @@
-// The patch of the rig as a table: sorted by any column, filtered by text, with rows to select.
+// The patch of the rig as a table: sorted by any column, filtered by text, with rows to select and to edit.
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include <imgui/imgui.h>
 
+#include "fixtures/edit/patch_slots.h"
 #include "fixtures/paperwork/patch_sheet.h"
 #include "tools/footlight/preview/ui/panels.h"
+#include "tools/footlight/preview/ui/rig_editor.h"
 #include "tools/footlight/preview/ui/ui_theme.h"
 
 namespace footlight::tools {
 namespace {
 
-enum Column : int { kColumnId, kColumnName, kColumnType, kColumnMode, kColumnAddress, kColumnPlace, kColumnX, kColumnY,
-                    kColumnZ, kColumnCount };
+enum Column : int {
+  kColumnId,
+  kColumnName,
+  kColumnType,
+  kColumnMode,
+  kColumnAddress,
+  kColumnPlace,
+  kColumnX,
+  kColumnY,
+  kColumnZ,
+  kColumnCount
+};
 constexpr std::array<const char*, kColumnCount> kHeads{"Id",    "Name", "Type", "Mode", "Address",
                                                        "Hangs", "x m",  "y m",  "z m"};
 
@@ -55,30 +69,60 @@ bool before_in_words(std::string_view a, std::string_view b) {
 
 class FixturesPanel final : public Panel {
  public:
-  explicit FixturesPanel(UiDesk& desk) : rows_(fixtures::patch_rows(desk.rig())) {
+  explicit FixturesPanel(UiDesk& desk) { read(desk); }
+
+  void draw(UiDesk& desk, const UiInput& input) override {
+    if (read_count_ != desk.shown_count()) read(desk);
+    draw_head(desk, input);
+    draw_table(desk, input);
+    // Edits come last, since the rows are then those of the rig from before.
+    if (const auto field = std::exchange(wanted_, std::nullopt); field && !desk.selected().empty()) {
+      editor_.open(desk, *field, in_order(desk));
+    }
+    if (std::exchange(menu_wanted_, false)) ImGui::OpenPopup("menu of the selection");
+    if (ImGui::BeginPopup("menu of the selection")) {
+      editor_.draw_menu(desk, in_order(desk));
+      ImGui::EndPopup();
+    }
+    editor_.draw(desk, input.scale);
+  }
+
+ private:
+  // The rows of the rig as it is.
+  void read(UiDesk& desk) {
+    read_count_ = desk.shown_count();
+    rows_ = fixtures::patch_rows(desk.edited());
+    texts_.clear();
     texts_.reserve(rows_.size());
+    ids_ = places_ = false;
     for (const fixtures::PatchRow& row : rows_) {
       texts_.push_back(lower_case(fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{}", row.id, row.name, row.type, row.mode,
                                               row.addresses, row.place, row.layer)));
       ids_ = ids_ || row.id != row.name;
       places_ = places_ || !row.place.empty();
     }
-    for (std::size_t i = 0; i < rows_.size(); ++i) shown_.push_back(static_cast<int>(i));
+    conflicts_.assign(rows_.size(), {});
+    conflict_count_ = 0;
+    for (const fixtures::PatchConflict& each : fixtures::patch_conflicts(desk.edited())) {
+      conflicts_[static_cast<std::size_t>(each.fixture)] = each;
+      ++conflict_count_;
+    }
+    only_conflicts_ = only_conflicts_ && conflict_count_ > 0;
+    filter();
   }
 
-  void draw(UiDesk& desk, const UiInput& input) override {
-    draw_head(desk, input);
+  void draw_table(UiDesk& desk, const UiInput& input) {
     constexpr ImGuiTableFlags kFlags = ImGuiTableFlags_Sortable | ImGuiTableFlags_ScrollY | ImGuiTableFlags_ScrollX |
                                        ImGuiTableFlags_Resizable | ImGuiTableFlags_RowBg | ImGuiTableFlags_Hideable |
                                        ImGuiTableFlags_SizingFixedFit;
     if (!ImGui::BeginTable("patch", kColumnCount, kFlags)) return;
     const std::array<float, kColumnCount> widths{44, 130, 150, 90, 76, 60, 52, 52, 52};
     for (std::size_t i = 0; i < widths.size(); ++i) {
-      const ImGuiTableColumnFlags flags = i == kColumnAddress                ? ImGuiTableColumnFlags_DefaultSort
-                                          : i == kColumnName ? ImGuiTableColumnFlags_NoHide
-                                          : i == kColumnId && !ids_          ? ImGuiTableColumnFlags_DefaultHide
-                                          : i == kColumnPlace && !places_    ? ImGuiTableColumnFlags_DefaultHide
-                                                                             : ImGuiTableColumnFlags_None;
+      const ImGuiTableColumnFlags flags = i == kColumnAddress             ? ImGuiTableColumnFlags_DefaultSort
+                                          : i == kColumnName              ? ImGuiTableColumnFlags_NoHide
+                                          : i == kColumnId && !ids_       ? ImGuiTableColumnFlags_DefaultHide
+                                          : i == kColumnPlace && !places_ ? ImGuiTableColumnFlags_DefaultHide
+                                                                          : ImGuiTableColumnFlags_None;
       ImGui::TableSetupColumn(kHeads[i], flags, widths[i] * input.scale);
     }
     ImGui::TableSetupScrollFreeze(0, 1);
@@ -92,29 +136,45 @@ class FixturesPanel final : public Panel {
     ImGui::EndTable();
   }
 
- private:
+  // The selected fixtures as they are listed, then those that the filter hides.
+  [[nodiscard]] std::vector<int> in_order(const UiDesk& desk) const {
+    const Selection& selection = desk.state().selection;
+    std::vector<int> order;
+    std::vector<bool> listed(rows_.size());
+    for (const int row : shown_) {
+      const int fixture = row_at(row).fixture;
+      if (!selection.has(fixture)) continue;
+      order.push_back(fixture);
+      listed[static_cast<std::size_t>(fixture)] = true;
+    }
+    for (const int fixture : selection.fixtures) {
+      if (!listed[static_cast<std::size_t>(fixture)]) order.push_back(fixture);
+    }
+    return order;
+  }
+
   [[nodiscard]] const fixtures::PatchRow& row_at(int index) const { return rows_[static_cast<std::size_t>(index)]; }
 
   void draw_head(UiDesk& desk, const UiInput& input) {
     ImGui::SetNextItemWidth(180 * input.scale);
-    if (ImGui::InputTextWithHint("##filter", "filter", filter_.data(), filter_.size())) filter(desk);
+    if (ImGui::InputTextWithHint("##filter", "filter", filter_.data(), filter_.size())) filter();
     ImGui::SameLine();
     const std::size_t selected = desk.state().selection.fixtures.size();
     ui_text(kUiDim, fmt::format("{} of {} fixtures, {} selected", shown_.size(), rows_.size(), selected));
-    if (const std::size_t conflicts = desk.index().conflict_count(); conflicts > 0) {
+    if (conflict_count_ > 0) {
       ImGui::SameLine();
       ImGui::PushStyleColor(ImGuiCol_Text, kUiRed);
-      const std::string label = fmt::format("{} share addresses###conflicts", conflicts);
-      if (ImGui::Checkbox(label.c_str(), &only_conflicts_)) filter(desk);
+      const std::string label = fmt::format("{} share addresses###conflicts", conflict_count_);
+      if (ImGui::Checkbox(label.c_str(), &only_conflicts_)) filter();
       ImGui::PopStyleColor();
     }
   }
 
-  void filter(UiDesk& desk) {
+  void filter() {
     const std::string wanted = lower_case(filter_.data());
     shown_.clear();
     for (std::size_t i = 0; i < rows_.size(); ++i) {
-      if (only_conflicts_ && desk.index().conflict(rows_[i].fixture) < 0) continue;
+      if (only_conflicts_ && !conflicts_[static_cast<std::size_t>(rows_[i].fixture)]) continue;
       if (texts_[i].find(wanted) != std::string::npos) shown_.push_back(static_cast<int>(i));
     }
     sorted_ = false;
@@ -153,15 +213,20 @@ class FixturesPanel final : public Panel {
 
   void draw_row(UiDesk& desk, std::size_t at) {
     const fixtures::PatchRow& row = row_at(shown_[at]);
-    const int conflict = desk.index().conflict(row.fixture);
+    const auto& conflict = conflicts_[static_cast<std::size_t>(row.fixture)];
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
     if (row.id != row.name) ui_text(row.id);
     // In the column of the name, which cannot be hidden.
     ImGui::TableNextColumn();
     ImGui::PushID(row.fixture);
-    constexpr ImGuiSelectableFlags kFlags = ImGuiSelectableFlags_SpanAllColumns;
-    if (ImGui::Selectable("##row", desk.state().selection.has(row.fixture), kFlags)) click(desk, at);
+    constexpr ImGuiSelectableFlags kFlags = ImGuiSelectableFlags_SpanAllColumns | ImGuiSelectableFlags_AllowDoubleClick;
+    if (ImGui::Selectable("##row", desk.state().selection.has(row.fixture), kFlags)) {
+      const bool twice = desk.can_edit() && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left);
+      if (!twice || !desk.state().selection.has(row.fixture)) click(desk, at);
+      if (twice) wanted_ = field_under_mouse();
+    }
+    if (desk.can_edit()) take_right_click(desk, row.fixture);
     ImGui::PopID();
     ImGui::SameLine(0, 0);
     ui_text(row.name);
@@ -170,12 +235,9 @@ class FixturesPanel final : public Panel {
       ui_text(*text);
     }
     ImGui::TableNextColumn();
-    if (conflict >= 0) {
+    if (conflict) {
       ui_text(kUiRed, row.addresses + " !");
-      if (ImGui::IsItemHovered()) {
-        const std::string& other = desk.rig().fixtures[static_cast<std::size_t>(conflict)].name;
-        ImGui::SetTooltip("%s has some of the same slots", other.c_str());
-      }
+      if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", fixtures::text_of(*conflict, desk.edited()).c_str());
     } else {
       ui_text(row.addresses);
     }
@@ -187,6 +249,24 @@ class FixturesPanel final : public Panel {
       (void)std::snprintf(number.data(), number.size(), "%8.2f", row.position_m[c]);
       ui_text(number.data());
     }
+  }
+
+  // A double click edits the cell under the mouse: number, name or address.
+  [[nodiscard]] static std::optional<RigEditor::Field> field_under_mouse() {
+    for (const auto& [column, field] :
+         {std::pair(kColumnId, RigEditor::Field::kNumber), std::pair(kColumnName, RigEditor::Field::kName),
+          std::pair(kColumnAddress, RigEditor::Field::kAddress)}) {
+      if ((ImGui::TableGetColumnFlags(column) & ImGuiTableColumnFlags_IsHovered) != 0) return field;
+    }
+    return std::nullopt;
+  }
+
+  // A right click on a row that is not selected selects it.
+  void take_right_click(UiDesk& desk, int fixture) {
+    if (ImGui::IsItemClicked(ImGuiMouseButton_Right) && !desk.state().selection.has(fixture)) {
+      desk.select(fixture, false);
+    }
+    menu_wanted_ = menu_wanted_ || ImGui::IsItemClicked(ImGuiMouseButton_Right);
   }
 
   // As in any list: a click selects, Ctrl adds or removes, Shift extends from the last click.
@@ -217,6 +297,12 @@ class FixturesPanel final : public Panel {
   bool sorted_ = false;
   int anchor_ = -1;  // index into shown_: where Shift extends from
   bool only_conflicts_ = false;
+  std::uint64_t read_count_ = 0;                                   // UiDesk::shown_count() of the rows
+  std::vector<std::optional<fixtures::PatchConflict>> conflicts_;  // of each fixture
+  std::size_t conflict_count_ = 0;
+  RigEditor editor_;
+  std::optional<RigEditor::Field> wanted_;  // to be edited, of what is selected
+  bool menu_wanted_ = false;
 };
 
 }  // namespace

@@ -72,6 +72,8 @@ class InspectorPanel final : public Panel {
       return;
     }
     draw_fixture(desk);
+    if (desk.can_edit()) draw_place(desk);
+    follow();
     draw_channels(desk, input);
     if (ImGui::CollapsingHeader("Simulated now", ImGuiTreeNodeFlags_DefaultOpen)) draw_heads(input);
   }
@@ -80,12 +82,14 @@ class InspectorPanel final : public Panel {
   // Notes what the lead fixture is where another one is selected. Its heads then start from where its levels are.
   void follow() {
     const int lead = desk_.state().selection.lead;
-    if (lead == lead_) return;
+    if (lead == lead_ && shown_count_ == desk_.shown_count()) return;
+    const bool other = lead != lead_;
     lead_ = lead;
+    shown_count_ = desk_.shown_count();
     trace_.reset();
     heads_.clear();
     units_.clear();
-    head_ = 0;
+    if (other) head_ = 0;
     dragged_.reset();
     if (lead < 0) return;
     const auto& firsts = desk_.compiled().head_first;
@@ -98,6 +102,7 @@ class InspectorPanel final : public Panel {
       }
       units_.push_back(std::move(of_functions));
     }
+    head_ = std::min(head_, heads_.empty() ? 0 : heads_.size() - 1);
     start_trace();
   }
 
@@ -134,10 +139,59 @@ class InspectorPanel final : public Panel {
     }
     ImGui::PushTextWrapPos(0);
     ui_text(kUiDim, fmt::format("{} {}, {}", type.manufacturer, type.name, mode().name));
-    ui_text(kUiDim, fmt::format("{}  at {:.2f} {:.2f} {:.2f} m",
-                                one.patched ? fmt::format("{}.{}", one.universe, one.address) : "no address",
-                                one.position_m.x, one.position_m.y, one.position_m.z));
+    const fixtures::PatchedFixture& edited = desk.edited().fixtures[static_cast<std::size_t>(lead_)];
+    const glm::dvec3 at_m = fixtures::position_of(edited);
+    ui_text(kUiDim,
+            fmt::format("{}  at {:.2f} {:.2f} {:.2f} m",
+                        edited.patched ? fixtures::text_of_patch(edited) : "no address", at_m.x, at_m.y, at_m.z));
     ImGui::PopTextWrapPos();
+  }
+
+  // Position and rotation. A change moves all selected fixtures by as much, or sets them all to the same number.
+  void draw_place(UiDesk& desk) {
+    if (!ImGui::CollapsingHeader("Place", ImGuiTreeNodeFlags_DefaultOpen)) return;
+    const auto& one = desk.edited().fixtures[static_cast<std::size_t>(lead_)];
+    const bool several = desk.selected().size() > 1;
+    if (several) ImGui::Checkbox("the same for all", &same_);
+    const bool same = several && same_;
+    // Of one axis that was changed: by how much, and to what.
+    const auto drag = [](const char* label, const glm::dvec3& shown, float speed, const char* format, int& axis) {
+      std::array<double, 3> values{shown.x, shown.y, shown.z};
+      ImGui::DragScalarN(label, ImGuiDataType_Double, values.data(), 3, speed, nullptr, nullptr, format);
+      axis = -1;
+      double value = 0;
+      for (int i = 0; i < 3; ++i) {
+        if (values.at(static_cast<std::size_t>(i)) == shown[i]) continue;
+        axis = i;
+        value = values.at(static_cast<std::size_t>(i));
+      }
+      return value;
+    };
+    int axis = -1;
+    const glm::dvec3 position_m = fixtures::position_of(one);
+    const double place = drag("m", position_m, 0.02f, "%.3f", axis);
+    if (axis >= 0) {
+      fixtures::PlaceAt at;
+      at.position_m.at(static_cast<std::size_t>(axis)) = place;
+      glm::dvec3 by_m(0);
+      by_m[axis] = place - position_m[axis];
+      put(desk, same ? fixtures::place_fixtures(desk.edited(), desk.selected(), at)
+                     : fixtures::move_fixtures(desk.edited(), desk.selected(), by_m));
+      return;
+    }
+    const glm::dvec3 rotation_deg = fixtures::rotation_deg_of(one);
+    const double angle = drag("\u00b0", rotation_deg, 0.5f, "%.2f", axis);
+    if (axis < 0) return;
+    glm::dvec3 by_deg(0);
+    by_deg[axis] = angle - rotation_deg[axis];
+    std::array<std::optional<double>, 3> to_deg;
+    to_deg.at(static_cast<std::size_t>(axis)) = angle;
+    put(desk, several && !same ? fixtures::add_rotation(desk.edited(), desk.selected(), by_deg)
+                               : fixtures::turn_fixtures(desk.edited(), desk.selected(), to_deg));
+  }
+
+  static void put(UiDesk& desk, Result<fixtures::RigEdit> edit) {
+    if (const Status edited = desk.edit(std::move(edit)); !edited) desk.tell(edited.error().message);
   }
 
   void draw_channels(UiDesk& desk, const UiInput& input) {
@@ -332,6 +386,8 @@ class InspectorPanel final : public Panel {
   };
 
   UiDesk& desk_;
+  std::uint64_t shown_count_ = 0;                 // UiDesk::shown_count() of what follows
+  bool same_ = false;                             // places are set, not changed by as much
   int lead_ = -1;                                 // index into Rig::fixtures; -1: none is selected
   std::vector<std::vector<PhysicalUnit>> units_;  // of each function of each channel of the lead fixture
   std::vector<std::size_t> heads_;                // of it

@@ -13,6 +13,8 @@ constexpr KeyRow kKeyRows[] = {
     {GLFW_KEY_Z, GLFW_MOD_CONTROL, {A::kUndo}, true, "Ctrl+Z", "undo", UiMenu::kEdit},
     {GLFW_KEY_Z, GLFW_MOD_CONTROL | GLFW_MOD_SHIFT, {A::kRedo}, true, "Ctrl+Shift+Z, Ctrl+Y", "redo", UiMenu::kEdit},
     {GLFW_KEY_Y, GLFW_MOD_CONTROL, {A::kRedo}, true, nullptr, nullptr, UiMenu::kNone},
+    {GLFW_KEY_S, GLFW_MOD_CONTROL, {A::kSave}, false, "Ctrl+S", "save the rig", UiMenu::kEdit},
+    {GLFW_KEY_DELETE, 0, {A::kDelete}, false, "Del", "delete the selected fixtures from the rig", UiMenu::kEdit},
     {GLFW_KEY_A, GLFW_MOD_CONTROL, {A::kSelectAll}, false, "Ctrl+A", "select all fixtures", UiMenu::kEdit},
     {GLFW_KEY_L, 0, {A::kHighlight}, false, "L", "highlight what is selected", UiMenu::kEdit},
     {GLFW_KEY_R, 0, {A::kReleaseAll}, false, "R", "release all values that were taken over", UiMenu::kEdit},

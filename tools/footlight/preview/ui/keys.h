@@ -14,6 +14,8 @@ namespace footlight::tools {
 enum class UiAction {
   kUndo,
   kRedo,
+  kSave,
+  kDelete,  // what is selected
   kSelectAll,
   kHighlight,
   kReleaseAll,

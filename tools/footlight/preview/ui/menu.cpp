@@ -14,13 +14,15 @@ std::string label_of(const KeyRow& row, const UiDesk& desk) {
   const UiCommand* command = row.call.action == UiAction::kUndo   ? desk.history().next_undo()
                              : row.call.action == UiAction::kRedo ? desk.history().next_redo()
                                                                   : nullptr;
-  return command == nullptr ? row.does : fmt::format("{}: {}", row.does, text_of(*command, desk.rig()));
+  return command == nullptr ? row.does : fmt::format("{}: {}", row.does, text_of(*command, desk.edited()));
 }
 
 bool can(const KeyRow& row, const UiDesk& desk) {
   switch (row.call.action) {
     case UiAction::kUndo: return desk.history().next_undo() != nullptr;
     case UiAction::kRedo: return desk.history().next_redo() != nullptr;
+    case UiAction::kSave: return desk.can_edit();
+    case UiAction::kDelete: return desk.can_edit() && !desk.selected().empty();
     case UiAction::kReleaseAll: return !desk.state().taken.empty();
     case UiAction::kSelectAll: return !desk.rig().fixtures.empty();
     default: return true;

@@ -54,18 +54,67 @@ bool blows(const fixtures::Channel& channel) {
 }  // namespace
 
 const RigIndex& UiDesk::index() {
-  if (!index_) index_ = std::make_unique<RigIndex>(rig_, compiled_);
+  if (!index_) index_ = std::make_unique<RigIndex>(*rig_, *compiled_);
   return *index_;
+}
+
+void UiDesk::show(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled) {
+  rig_ = &rig;
+  compiled_ = &compiled;
+  ++shown_count_;
+  index_.reset();
+  lit_.reset();
+  lit_channels_.clear();
+}
+
+// After a command that may have changed the rig.
+Status UiDesk::follow_rig(const UiCommand& command) {
+  return std::holds_alternative<EditRig>(command) && remake_ ? remake_() : Status();
+}
+
+Status UiDesk::edit(Result<fixtures::RigEdit> edit, std::optional<Selection> selects) {
+  if (!edit) return tl::unexpected<Error>(std::move(edit).error());
+  if (!can_edit()) return fail(ErrorCode::kUnsupported, "this rig cannot be edited");
+  const std::uint64_t before = state_.revision;
+  history_.run(state_, EditRig{std::move(*edit), std::move(selects)}, gesture_);
+  if (state_.revision == before) return {};
+  Status made = remake_ ? remake_() : Status();
+  if (made) return {};
+  // A drag is taken back as a whole, so what is shown is not yet what is left.
+  history_.undo(state_);
+  history_.forget_undone();
+  (void)remake_();
+  return made;
+}
+
+Status UiDesk::clone_selected(const fixtures::CloneRow& row) {
+  auto copies = fixtures::clone_fixtures(edited(), selected(), row);
+  Selection after;
+  if (copies) {
+    for (const auto& entry : copies->added) after.fixtures.push_back(entry.fixture);
+    after.lead = after.fixtures.empty() ? -1 : after.fixtures.front();
+  }
+  return edit(std::move(copies), std::move(after));
 }
 
 std::string UiDesk::undo() {
   const UiCommand* command = history_.undo(state_);
-  return command != nullptr ? text_of(*command, rig_) : "";
+  if (command == nullptr) return "";
+  if (const Status made = follow_rig(*command); !made) {
+    history_.redo(state_);
+    return made.error().message;
+  }
+  return text_of(*command, edited());
 }
 
 std::string UiDesk::redo() {
   const UiCommand* command = history_.redo(state_);
-  return command != nullptr ? text_of(*command, rig_) : "";
+  if (command == nullptr) return "";
+  if (const Status made = follow_rig(*command); !made) {
+    history_.undo(state_);
+    return made.error().message;
+  }
+  return text_of(*command, edited());
 }
 
 void UiDesk::select(int fixture, bool add) {
@@ -85,7 +134,7 @@ void UiDesk::select(int fixture, bool add) {
 
 void UiDesk::select_all() {
   Selection all;
-  all.fixtures.resize(rig_.fixtures.size());
+  all.fixtures.resize(rig_->fixtures.size());
   std::iota(all.fixtures.begin(), all.fixtures.end(), 0);
   all.lead = state_.selection.lead >= 0 ? state_.selection.lead : all.fixtures.empty() ? -1 : 0;
   select(std::move(all));
@@ -93,8 +142,8 @@ void UiDesk::select_all() {
 
 void UiDesk::select_named(std::string_view pattern) {
   Selection next;
-  for (std::size_t i = 0; i < rig_.fixtures.size(); ++i) {
-    if (fixtures::name_matches(pattern, rig_.fixtures[i].name)) next.fixtures.push_back(static_cast<int>(i));
+  for (std::size_t i = 0; i < rig_->fixtures.size(); ++i) {
+    if (fixtures::name_matches(pattern, rig_->fixtures[i].name)) next.fixtures.push_back(static_cast<int>(i));
   }
   next.lead = next.fixtures.empty() ? -1 : next.fixtures.front();
   select(std::move(next));
@@ -104,7 +153,7 @@ void UiDesk::select_named(std::string_view pattern) {
 TakeChannels UiDesk::command_of(ChannelKey key, std::uint32_t raw, bool takes, std::span<const std::uint8_t> levels) {
   TakeChannels command;
   command.moved = key;
-  const auto& all = rig_.fixtures;
+  const auto& all = rig_->fixtures;
   const fixtures::PatchedFixture& own = all[static_cast<std::size_t>(key.fixture)];
   const auto add = [&](ChannelKey one, std::uint32_t value) {
     if (index().place(one)) command.edits.push_back({one, takes ? std::optional(value) : std::nullopt, std::nullopt});
@@ -113,8 +162,8 @@ TakeChannels UiDesk::command_of(ChannelKey key, std::uint32_t raw, bool takes, s
     add(key, raw);
     return command;
   }
-  const fixtures::FixtureType& type = fixtures::type_of(rig_, own);
-  const fixtures::Mode& mode = fixtures::mode_of(rig_, own);
+  const fixtures::FixtureType& type = fixtures::type_of(*rig_, own);
+  const fixtures::Mode& mode = fixtures::mode_of(*rig_, own);
   const fixtures::Channel& channel = mode.channels[static_cast<std::size_t>(key.channel)];
   const ChannelReading reading = reading_of(type, channel, raw, [&](int other) {
     return index().read({key.fixture, other}, levels);
@@ -127,10 +176,10 @@ TakeChannels UiDesk::command_of(ChannelKey key, std::uint32_t raw, bool takes, s
       continue;
     }
     if (attribute.empty() || fixtures::same_attribute(attribute, "NoFeature")) continue;
-    const fixtures::Mode& its = fixtures::mode_of(rig_, one);
+    const fixtures::Mode& its = fixtures::mode_of(*rig_, one);
     for (std::size_t c = 0; c < its.channels.size(); ++c) {
       const auto nearest =
-          fixtures::nearest_raw(fixtures::type_of(rig_, one), its.channels[c], attribute, reading.value);
+          fixtures::nearest_raw(fixtures::type_of(*rig_, one), its.channels[c], attribute, reading.value);
       if (nearest) add({fixture, static_cast<int>(c)}, nearest->raw);
     }
   }
@@ -167,7 +216,7 @@ void UiDesk::release_all() {
 const std::vector<bool>& UiDesk::lit_channels(const fixtures::PatchedFixture& fixture) {
   const auto [at, fresh] = lit_channels_.try_emplace({fixture.type, fixture.mode});
   if (!fresh) return at->second;
-  const fixtures::Mode& mode = fixtures::mode_of(rig_, fixture);
+  const fixtures::Mode& mode = fixtures::mode_of(*rig_, fixture);
   at->second = pointing_channels(mode);
   for (std::size_t c = 0; c < at->second.size(); ++c) at->second[c] = !at->second[c] && !blows(mode.channels[c]);
   return at->second;
@@ -177,9 +226,9 @@ void UiDesk::overlay(std::span<std::uint8_t> levels) {
   const RigIndex& slots = index();
   for (const auto& [key, raw] : state_.taken) slots.write(key, raw, levels);
   if (!highlight_ || state_.selection.fixtures.empty()) return;
-  if (!lit_) lit_ = std::make_unique<HandLevels>(rig_, compiled_);
+  if (!lit_) lit_ = std::make_unique<HandLevels>(*rig_, *compiled_);
   for (const int fixture : state_.selection.fixtures) {
-    const std::vector<bool>& lit = lit_channels(rig_.fixtures[static_cast<std::size_t>(fixture)]);
+    const std::vector<bool>& lit = lit_channels(rig_->fixtures[static_cast<std::size_t>(fixture)]);
     for (std::size_t c = 0; c < lit.size(); ++c) {
       if (!lit[c]) continue;
       const ChannelKey key{fixture, static_cast<int>(c)};

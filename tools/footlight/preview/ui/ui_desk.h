@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "fixtures/edit/rig_edits.h"
 #include "fixtures/model/rig.h"
 #include "tools/footlight/preview/hand_levels.h"
 #include "tools/footlight/preview/ui/rig_index.h"
@@ -25,11 +27,36 @@ inline constexpr float kDarkestEv = 30;
 
 class UiDesk {
  public:
-  // Both outlive this.
-  UiDesk(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled) : rig_(rig), compiled_(compiled) {}
+  // Both outlive this, or until show().
+  UiDesk(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled) : rig_(&rig), compiled_(&compiled) {}
 
-  [[nodiscard]] const fixtures::Rig& rig() const { return rig_; }
-  [[nodiscard]] const fixtures::CompiledRig& compiled() const { return compiled_; }
+  // The rig as it is shown: with addresses for faders, and what VRSL makes of it.
+  [[nodiscard]] const fixtures::Rig& rig() const { return *rig_; }
+  [[nodiscard]] const fixtures::CompiledRig& compiled() const { return *compiled_; }
+  // Shows another rig, with as many fixtures as the edited one. Panels notice by shown_count().
+  void show(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled);
+  [[nodiscard]] std::uint64_t shown_count() const { return shown_count_; }
+
+  // Lets a rig be edited, which outlives this. remake() is called after each change of it; it calls show(), or fails
+  // and shows the same as before. Then the edit is taken back.
+  void let_edit(fixtures::Rig& edited, std::function<Status()> remake) {
+    state_.edited = &edited;
+    remake_ = std::move(remake);
+  }
+  [[nodiscard]] bool can_edit() const { return state_.edited != nullptr; }
+  // The rig as its file has it, or will have it; as it is shown if it cannot be edited.
+  [[nodiscard]] const fixtures::Rig& edited() const { return state_.edited != nullptr ? *state_.edited : *rig_; }
+  // Makes an edit, or fails with its reason, and nothing is changed. `selects`: the selection after it; nothing: the
+  // same fixtures.
+  Status edit(Result<fixtures::RigEdit> edit, std::optional<Selection> selects = std::nullopt);
+  // Copies what is selected, and selects the copies.
+  Status clone_selected(const fixtures::CloneRow& row);
+  // A message for the line of news, from where there is no other place for it.
+  void tell(std::string news) { news_ = std::move(news); }
+  [[nodiscard]] std::string take_news() { return std::exchange(news_, {}); }
+  // What is selected, by index.
+  [[nodiscard]] fixtures::Fixtures selected() const { return state_.selection.fixtures; }
+
   // Made by the first call.
   [[nodiscard]] const RigIndex& index();
   [[nodiscard]] const UiState& state() const { return state_; }
@@ -86,8 +113,13 @@ class UiDesk {
                                         std::span<const std::uint8_t> levels);
   [[nodiscard]] const std::vector<bool>& lit_channels(const fixtures::PatchedFixture& fixture);
 
-  const fixtures::Rig& rig_;
-  const fixtures::CompiledRig& compiled_;
+  [[nodiscard]] Status follow_rig(const UiCommand& command);
+
+  const fixtures::Rig* rig_;
+  const fixtures::CompiledRig* compiled_;
+  std::function<Status()> remake_;
+  std::uint64_t shown_count_ = 0;
+  std::string news_;
   std::unique_ptr<RigIndex> index_;
   std::unique_ptr<HandLevels> lit_;                                // what Highlight writes; made when it is first used
   std::map<std::pair<int, int>, std::vector<bool>> lit_channels_;  // which channels it writes, of a type and a mode

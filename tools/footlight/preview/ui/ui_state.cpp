@@ -10,6 +10,8 @@
 namespace footlight::tools {
 namespace {
 
+static_assert(sizeof(TakeChannels::Edit) == 24);  // the figure of UiHistory
+
 const std::string& fixture_name(const fixtures::Rig& rig, int fixture) {
   return rig.fixtures[static_cast<std::size_t>(fixture)].name;
 }
@@ -133,13 +135,74 @@ bool SetExposure::join(const SetExposure& later) {
   return true;
 }
 
+// Whether values that were taken over do not stay as they are.
+bool EditRig::releases() const {
+  return edit.moves_indices() || std::any_of(edit.changes.begin(), edit.changes.end(), [](const auto& change) {
+           return change.before.mode != change.after.mode || change.before.type != change.after.type;
+         });
+}
+bool EditRig::apply(UiState& state) {
+  const bool any = edit.moves_indices() || std::any_of(edit.changes.begin(), edit.changes.end(), [](const auto& each) {
+                     return !fixtures::same_fixture(each.before, each.after);
+                   });
+  if (!any || state.edited == nullptr) return false;
+  edit.apply(state.edited->fixtures);
+  if (revision == 0) revision = ++state.revision_last;
+  before = std::exchange(state.revision, revision);
+  selection_before = state.selection;
+  if (selects) {
+    state.selection = *selects;
+  } else if (edit.moves_indices()) {
+    Selection next;
+    for (const int fixture : selection_before.fixtures) {
+      if (const int now = edit.index_after(fixture); now >= 0) next.fixtures.push_back(now);
+    }
+    next.lead = selection_before.lead >= 0 ? edit.index_after(selection_before.lead) : -1;
+    if (next.lead < 0 && !next.fixtures.empty()) next.lead = next.fixtures.back();
+    state.selection = std::move(next);
+  }
+  if (state.taken.empty() || !releases()) return true;
+  taken_before = std::exchange(state.taken, {});
+  std::vector<int> released;
+  for (const auto& change : edit.changes) {
+    if (change.before.mode != change.after.mode || change.before.type != change.after.type) {
+      released.push_back(change.fixture);
+    }
+  }
+  std::sort(released.begin(), released.end());
+  for (const auto& [key, raw] : taken_before) {
+    const int now = edit.index_after(key.fixture);
+    if (now >= 0 && !std::binary_search(released.begin(), released.end(), key.fixture)) {
+      state.taken[{now, key.channel}] = raw;
+    }
+  }
+  return true;
+}
+void EditRig::undo(UiState& state) const {
+  edit.undo(state.edited->fixtures);
+  state.revision = before;
+  state.selection = selection_before;
+  if (!taken_before.empty()) state.taken = taken_before;
+}
+std::string EditRig::text(const fixtures::Rig&) const { return edit.text; }
+bool EditRig::join(const EditRig& later) {
+  if (selects || later.selects || releases() || later.releases() || !edit.join(later.edit)) return false;
+  revision = later.revision;
+  return true;
+}
+std::size_t EditRig::heap_bytes() const {
+  return edit.bytes() + selection_before.fixtures.capacity() * sizeof(int) +
+         (selects ? selects->fixtures.capacity() * sizeof(int) : 0) +
+         taken_before.size() * (sizeof(std::pair<const ChannelKey, std::uint32_t>) + 4 * sizeof(void*));
+}
+
 std::string text_of(const UiCommand& command, const fixtures::Rig& rig) {
   return std::visit([&](const auto& one) { return one.text(rig); }, command);
 }
 
 void UiHistory::run(UiState& state, UiCommand command, std::uint64_t gesture) {
   if (!std::visit([&](auto& one) { return one.apply(state); }, command)) return;
-  for (; commands_.size() > done_; commands_.pop_back()) bytes_ -= bytes_of(commands_.back());
+  forget_undone();
   bool joined = false;
   if (gesture != 0 && gesture == gesture_ && done_ > 0) {
     bytes_ -= bytes_of(commands_.back());
@@ -165,6 +228,10 @@ void UiHistory::run(UiState& state, UiCommand command, std::uint64_t gesture) {
     commands_.pop_front();
   }
   done_ = commands_.size();
+}
+
+void UiHistory::forget_undone() {
+  for (; commands_.size() > done_; commands_.pop_back()) bytes_ -= bytes_of(commands_.back());
 }
 
 const UiCommand* UiHistory::undo(UiState& state) {

@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "fixtures/edit/rig_edit.h"
 #include "fixtures/model/rig.h"
 #include "tools/footlight/preview/orbit_camera.h"
 #include "tools/footlight/preview/ui/rig_index.h"
@@ -39,6 +40,11 @@ struct UiState {
   std::map<ChannelKey, std::uint32_t> taken;  // channels with a value of the user's instead of the input's
   OrbitCamera camera{fixtures::Camera{}};
   Exposure exposure;
+  // The rig as its file has it, which EditRig changes; nullptr: it cannot be edited. Its fixtures have the indices of
+  // the selection.
+  fixtures::Rig* edited = nullptr;
+  std::uint64_t revision = 0;       // of the edited rig: equal ones have equal contents; 0: as it was opened
+  std::uint64_t revision_last = 0;  // that was given
 };
 
 struct SelectFixtures {
@@ -96,16 +102,38 @@ struct SetExposure {
   [[nodiscard]] std::size_t heap_bytes() const { return 0; }
 };
 
-using UiCommand = std::variant<SelectFixtures, TakeChannels, MoveCamera, SetExposure>;
+// Edits the rig. Where fixtures get other indices, the selection and what was taken over follow them. What was taken
+// over of fixtures that get another mode or are deleted is released.
+struct EditRig {
+  fixtures::RigEdit edit;
+  std::optional<Selection> selects = std::nullopt;  // the selection after it; nothing: the same fixtures
+
+  // Set by apply().
+  std::uint64_t revision = 0;
+  std::uint64_t before = 0;
+  Selection selection_before = {};
+  std::map<ChannelKey, std::uint32_t> taken_before = {};  // empty unless it changes
+
+  bool apply(UiState& state);
+  void undo(UiState& state) const;
+  [[nodiscard]] std::string text(const fixtures::Rig& rig) const;
+  bool join(const EditRig& later);
+  [[nodiscard]] std::size_t heap_bytes() const;
+
+ private:
+  [[nodiscard]] bool releases() const;
+};
+
+using UiCommand = std::variant<SelectFixtures, TakeChannels, MoveCamera, SetExposure, EditRig>;
 [[nodiscard]] std::string text_of(const UiCommand& command, const fixtures::Rig& rig);
 
 // The commands so far, and those that were undone. Keeps the last kCommandsMax of them, and fewer if they need more
-// than kBytesMax: a drag of one channel of 10,000 fixtures needs 240 kB, so 139 such drags are kept. The last command
-// is kept whatever it needs.
+// than kBytesMax: a drag of one channel of 10,000 fixtures needs 240 kB, so 559 such drags are kept; an edit of 10,000
+// fixtures of the rig needs some 12 MB. The last command is kept whatever it needs.
 class UiHistory {
  public:
   static constexpr std::size_t kCommandsMax = 1000;
-  static constexpr std::size_t kBytesMax = std::size_t{32} << 20;
+  static constexpr std::size_t kBytesMax = std::size_t{128} << 20;
 
   // Applies a command and remembers it; forgets what was undone. A command that changes nothing is not remembered.
   // Commands of one gesture, such as the drag of a slider, become one if they edit the same; 0: no gesture.
@@ -116,6 +144,8 @@ class UiHistory {
   [[nodiscard]] const UiCommand* next_undo() const { return done_ > 0 ? &commands_[done_ - 1] : nullptr; }
   [[nodiscard]] const UiCommand* next_redo() const { return done_ < commands_.size() ? &commands_[done_] : nullptr; }
   [[nodiscard]] std::size_t size() const { return commands_.size(); }
+  // Forgets what was undone.
+  void forget_undone();
   // What the commands need.
   [[nodiscard]] std::size_t bytes() const { return bytes_; }
 

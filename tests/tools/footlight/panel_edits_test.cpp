@@ -1,0 +1,324 @@
+// Panels that edit the rig, without a window.
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <imgui/imgui.h>
+
+#include <doctest/doctest.h>
+
+#include "tests/tools/footlight/edit_desk.h"
+#include "tools/footlight/preview/ui/keys.h"
+#include "tools/footlight/preview/ui/menu.h"
+#include "tools/footlight/preview/ui/panels.h"
+#include "tools/footlight/preview/ui/questions.h"
+#include "tools/footlight/preview/ui/rig_editor.h"
+
+namespace footlight::tools {
+namespace {
+
+using footlight::testing::EditDesk;
+using footlight::testing::kUiRig;
+using footlight::testing::many_fixtures;
+using footlight::testing::parsed_rig;
+
+constexpr std::size_t kFixtures = 2;
+constexpr std::size_t kInspector = 3;
+constexpr int kEnter = 13;
+
+bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+// A user interface with a mouse and a keyboard, over a rig that can be edited.
+class EditUi {
+ public:
+  explicit EditUi(fixtures::Rig rig) : edit(std::move(rig)), desk(edit.desk) {
+    ImGui::CreateContext();
+    ImGuiIO& io = ImGui::GetIO();
+    io.IniFilename = nullptr;
+    io.DisplaySize = {1280, 720};
+    io.DeltaTime = 1.0f / 60;
+    io.KeyMap[ImGuiKey_Enter] = kEnter;
+    unsigned char* pixels = nullptr;
+    int unused = 0;
+    io.Fonts->GetTexDataAsRGBA32(&pixels, &unused, &unused);
+  }
+  ~EditUi() { ImGui::DestroyContext(); }
+  EditUi(const EditUi&) = delete;
+  EditUi& operator=(const EditUi&) = delete;
+
+  void frame() {
+    const std::vector<std::uint8_t> levels(desk.compiled().universes.size() * kSlotCountMax);
+    UiInput input;
+    input.levels = levels;
+    input.now_ns = now_ns += kNsPerS / 60;
+    ImGui::NewFrame();
+    if (logs) ImGui::LogToClipboard();
+    open.draw(desk, input, 1280, 720);
+    if (asks) answer = question.draw("/shows/club.toml", "");
+    if (logs) ImGui::LogFinish();
+    ImGui::Render();
+  }
+  std::string words() {
+    logs = true;
+    frame();
+    logs = false;
+    return ImGui::GetClipboardText();
+  }
+  void show(std::size_t panel) {
+    open.set_open(panel, true, desk);
+    for (int i = 0; i < 3; ++i) frame();
+  }
+  void press(float x, float y, int button = 0) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.MousePos = {x, y};
+    frame();
+    io.MouseDown[button] = true;
+    frame();
+    io.MouseDown[button] = false;
+    frame();
+  }
+  void pause() {
+    for (int i = 0; i < 60; ++i) frame();  // clicks after it do not count as double clicks
+  }
+  void twice(float x, float y) {
+    pause();
+    press(x, y);
+    press(x, y);
+    frame();
+  }
+  // Over what is in the field, which is selected.
+  void type(const std::string& text) {
+    for (int i = 0; i < 3; ++i) frame();
+    for (const char c : text) ImGui::GetIO().AddInputCharacter(static_cast<unsigned>(c));
+    frame();
+    ImGui::GetIO().KeysDown[kEnter] = true;
+    frame();
+    ImGui::GetIO().KeysDown[kEnter] = false;
+    frame();
+  }
+  // Where a click selects a fixture of the patch; a negative place if there is none.
+  ImVec2 row_of(int fixture, float x) {
+    for (float y = 78; y < 420; y += 4) {  // below the headings
+      pause();
+      press(x, y);
+      if (desk.state().selection.lead == fixture) return {x, y + 2};
+    }
+    return {-1, -1};
+  }
+  static bool has_popup() { return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel); }
+
+  EditDesk edit;
+  UiDesk& desk;
+  UiPanels open;
+  bool logs = false;
+  bool asks = false;
+  CloseQuestion question;
+  std::optional<CloseAnswer> answer;
+  TimeNs now_ns = kNsPerS;
+};
+
+TEST_CASE("a double click on a name edits it, Enter takes it, and undo brings it back") {
+  EditUi ui(parsed_rig(kUiRig));
+  ui.show(kFixtures);
+  const ImVec2 row = ui.row_of(1, 60);
+  REQUIRE(row.y > 0);
+  ui.twice(row.x, row.y);
+  CHECK(ui.has_popup());
+  CHECK(contains(ui.words(), "Name of Spot 2"));
+  ui.type("LX 7");
+  CHECK(!ui.has_popup());
+  CHECK(ui.edit.fixture(1).name == "LX 7");
+  CHECK(contains(ui.words(), "LX 7"));
+  CHECK(ui.desk.undo() == "rename Spot 2 to LX 7");
+  CHECK(contains(ui.words(), "Spot 2"));
+}
+
+TEST_CASE("a wrong name stays in the field with the reason, and changes nothing") {
+  EditUi ui(parsed_rig(kUiRig));
+  ui.show(kFixtures);
+  const ImVec2 row = ui.row_of(1, 60);
+  REQUIRE(row.y > 0);
+  ui.twice(row.x, row.y);
+  ui.type("Par");
+  CHECK(ui.has_popup());
+  CHECK(contains(ui.words(), "another fixture is called 'Par'"));
+  CHECK(ui.edit.fixture(1).name == "Spot 2");
+}
+
+// Opens the menu of the selection at a row and clicks the entry at which `done` becomes true.
+template <class Done>
+bool choose(EditUi& ui, ImVec2 row, Done done) {
+  for (float down = 20; down < 260; down += 8) {
+    ui.press(1200, 700);  // closes what is open, beside all
+    ui.press(row.x, row.y, 1);
+    if (!EditUi::has_popup()) return false;
+    ui.press(row.x + 30, row.y + down);
+    ui.frame();
+    if (done()) return true;
+  }
+  return false;
+}
+
+TEST_CASE("a right click selects a row and opens a menu, and addresses count up as the rows are listed") {
+  EditUi ui(parsed_rig(kUiRig));
+  ui.show(kFixtures);
+  const ImVec2 row = ui.row_of(1, 60);
+  REQUIRE(row.y > 0);
+  ui.desk.select(-1, false);
+  ui.press(row.x, row.y, 1);
+  CHECK(ui.desk.state().selection.fixtures == std::vector<int>{1});
+  CHECK(ui.has_popup());
+  for (const char* entry : {"Address...", "Name...", "Number...", "Mode", "Clone...", "Unpatch", "Delete"}) {
+    CHECK(contains(ui.words(), entry));
+  }
+  ui.desk.select(0, false);
+  ui.desk.select(1, true);
+  ui.desk.select(2, true);
+  REQUIRE(choose(ui, row, [&] { return contains(ui.words(), "Address of 3 fixtures"); }));
+  ui.type("7.490");
+  CHECK(ui.edit.patch(0) == "7.490");
+  CHECK(ui.edit.patch(1) == "8.1");
+  CHECK(ui.edit.patch(2) == "8.15");
+  CHECK(ui.desk.undo() == "patch 3 fixtures from 7.490");
+}
+
+TEST_CASE("the menu unpatches, deletes and copies what is selected") {
+  EditUi ui(parsed_rig(kUiRig));
+  ui.show(kFixtures);
+  const ImVec2 row = ui.row_of(1, 60);
+  REQUIRE(row.y > 0);
+  const auto count = [&] { return ui.desk.edited().fixtures.size(); };
+  CHECK(choose(ui, row, [&] { return contains(ui.words(), "Clone of Spot 2"); }));
+  ui.press(1200, 700);
+  CHECK(choose(ui, row, [&] {
+    if (count() < 5) ui.desk.undo();
+    return ui.edit.patch(1) == "-";
+  }));
+  CHECK(ui.desk.undo() == "unpatch Spot 2");
+  ui.desk.select(1, false);
+  CHECK(choose(ui, row, [&] {
+    if (ui.edit.patch(1) == "-") ui.desk.undo();
+    return count() == 4;
+  }));
+  CHECK(ui.desk.undo() == "delete Spot 2");
+  CHECK(ui.edit.fixture(1).name == "Spot 2");
+}
+
+TEST_CASE("fixtures that share slots are marked while they do") {
+  EditUi ui(parsed_rig(kUiRig));
+  ui.show(kFixtures);
+  CHECK(!contains(ui.words(), "share addresses"));
+  ui.desk.select(3, false);
+  REQUIRE(ui.desk.edit(fixtures::patch_fixtures(ui.desk.edited(), ui.desk.selected(), {1, 3})));
+  CHECK(contains(ui.words(), "2 share addresses"));
+  CHECK(contains(ui.words(), "1.3 !"));
+  ui.desk.undo();
+  CHECK(!contains(ui.words(), "share addresses"));
+}
+
+TEST_CASE("the inspector's place is dragged as one edit, and follows other edits") {
+  EditUi ui(parsed_rig(kUiRig));
+  ui.desk.select(0, false);
+  ui.desk.select(1, true);  // the lead
+  ui.show(kInspector);
+  CHECK(contains(ui.words(), "Place"));
+  const auto x_of = [&](std::size_t i) { return fixtures::position_of(ui.edit.fixture(i)).x; };
+  // Drags to the right in lines of the panel until the x of the position follows.
+  const std::size_t before = ui.desk.history().size();
+  for (float y = 60; y < 400 && x_of(1) == 0; y += 6) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.MousePos = {890, y};
+    ui.frame();
+    ui.desk.begin_gesture();
+    io.MouseDown[0] = true;
+    for (int i = 0; i < 10; ++i) {
+      io.MousePos.x += 10;
+      ui.frame();
+    }
+    io.MousePos.y = 700;  // a release beside a button does not press it
+    ui.frame();
+    io.MouseDown[0] = false;
+    ui.frame();
+    while (x_of(1) == 0 && ui.desk.history().size() > before) ui.desk.undo();
+    if (x_of(1) == 0) ui.desk.release_all();
+  }
+  REQUIRE(x_of(1) > 0);
+  CHECK(x_of(0) == doctest::Approx(x_of(1) - 3));
+  CHECK(x_of(2) == 3);
+  CHECK(contains(ui.desk.undo(), "move 2 fixtures by"));
+  CHECK(x_of(1) == 0);
+  CHECK(x_of(0) == -3);
+}
+
+TEST_CASE("panels survive every edit of a rig that they show") {
+  EditUi ui(parsed_rig(kUiRig));
+  for (std::size_t i = 0; i < panels().size(); ++i) ui.show(i);
+  const auto edit = [&](Result<fixtures::RigEdit> one) {
+    CHECK(ui.desk.edit(std::move(one)));
+    ui.frame();
+    ui.frame();
+  };
+  ui.desk.select_all();
+  ui.frame();
+  CHECK(ui.desk.clone_selected({3, {0, 1, 0}}));
+  ui.frame();
+  edit(fixtures::patch_fixtures(ui.desk.edited(), ui.desk.selected(), {9, 1}));
+  edit(fixtures::unpatch_fixtures(ui.desk.edited(), ui.desk.selected()));
+  edit(fixtures::set_mode(ui.desk.edited(), std::vector{0}, "8 bit"));
+  edit(fixtures::delete_fixtures(ui.desk.edited(), ui.desk.selected()));
+  ui.desk.select_all();
+  ui.frame();
+  edit(fixtures::delete_fixtures(ui.desk.edited(), ui.desk.selected()));
+  CHECK(ui.desk.edited().fixtures.empty());
+  while (!ui.desk.undo().empty()) ui.frame();
+  while (!ui.desk.redo().empty()) ui.frame();
+}
+
+TEST_CASE("Del deletes what is selected, and only if the rig can be edited") {
+  EditUi ui(parsed_rig(kUiRig));
+  CHECK(delete_selected(ui.desk).empty());
+  ui.desk.select(1, false);
+  CHECK(delete_selected(ui.desk) == "delete Spot 2 (Ctrl+Z brings it back)");
+  CHECK(ui.desk.edited().fixtures.size() == 4);
+  const auto rig = footlight::testing::compiled_rig(parsed_rig(kUiRig));
+  UiDesk fixed(rig.rig, rig.compiled);
+  fixed.select(1, false);
+  CHECK(delete_selected(fixed).empty());
+}
+
+TEST_CASE("the question before closing has three answers, and goes away with one") {
+  for (const auto expected : {CloseAnswer::kSave, CloseAnswer::kDiscard, CloseAnswer::kStay}) {
+    EditUi ui(parsed_rig(kUiRig));
+    ui.asks = true;
+    for (int i = 0; i < 3; ++i) ui.frame();
+    CHECK(contains(ui.words(), "/shows/club.toml"));
+    CHECK(!ui.answer);
+    // The buttons are in a line below the middle.
+    for (float y = 350; y < 420 && ui.answer != expected; y += 5) {
+      for (float x = 480; x < 800 && ui.answer != expected; x += 20) {
+        ImGui::GetIO().MousePos = {x, y};
+        ui.frame();
+        ImGui::GetIO().MouseDown[0] = true;
+        ui.frame();
+        ImGui::GetIO().MouseDown[0] = false;
+        ui.frame();
+      }
+    }
+    CHECK(ui.answer == expected);
+  }
+}
+
+TEST_CASE("10,000 fixtures are edited and listed") {
+  EditUi ui(many_fixtures(10'000).rig);
+  ui.show(kFixtures);
+  ui.desk.select_all();
+  CHECK(ui.desk.edit(fixtures::move_fixtures(ui.desk.edited(), ui.desk.selected(), {0, 0, 1})));
+  ui.frame();
+  CHECK(ui.edit.fixture(9'999).position_m.z == 6);
+  CHECK(ui.desk.undo() == "move 10000 fixtures by 0.00, 0.00, 1.00 m");
+}
+
+}  // namespace
+}  // namespace footlight::tools

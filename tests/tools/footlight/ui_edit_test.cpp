@@ -1,0 +1,254 @@
+// Edits of the rig on the desk of the window, without a window.
+#include <algorithm>
+#include <map>
+#include <random>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "tests/tools/footlight/edit_desk.h"
+
+namespace footlight::tools {
+namespace {
+
+using footlight::testing::EditDesk;
+using footlight::testing::kUiRig;
+using footlight::testing::many_fixtures;
+using footlight::testing::parsed_rig;
+
+bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+struct Snapshot {
+  std::vector<fixtures::PatchedFixture> fixtures;
+  Selection selection;
+  std::map<ChannelKey, std::uint32_t> taken;
+  std::uint64_t revision = 0;
+};
+Snapshot snapshot(const UiDesk& desk) {
+  return {desk.edited().fixtures, desk.state().selection, desk.state().taken, desk.state().revision};
+}
+bool same(const Snapshot& a, const Snapshot& b) {
+  return a.selection == b.selection && a.taken == b.taken && a.revision == b.revision &&
+         std::equal(a.fixtures.begin(), a.fixtures.end(), b.fixtures.begin(), b.fixtures.end(), fixtures::same_fixture);
+}
+
+// What every panel counts on.
+void check_consistent(const UiDesk& desk) {
+  const std::size_t count = desk.edited().fixtures.size();
+  REQUIRE(desk.rig().fixtures.size() == count);
+  REQUIRE(desk.compiled().head_first.size() == count + 1);
+  const Selection& selection = desk.state().selection;
+  for (const int fixture : selection.fixtures) REQUIRE(static_cast<std::size_t>(fixture) < count);
+  REQUIRE((selection.lead < 0 || selection.has(selection.lead)));
+  for (const auto& [key, raw] : desk.state().taken) {
+    REQUIRE(static_cast<std::size_t>(key.fixture) < count);
+    const auto& fixture = desk.rig().fixtures[static_cast<std::size_t>(key.fixture)];
+    REQUIRE(static_cast<std::size_t>(key.channel) < fixtures::mode_of(desk.rig(), fixture).channels.size());
+  }
+}
+
+TEST_CASE("edits of the rig, selections and values taken over are undone and done again in any order") {
+  EditDesk edit(parsed_rig(kUiRig));
+  UiDesk& desk = edit.desk;
+  std::mt19937 random(9);
+  std::vector<Snapshot> states{snapshot(desk)};
+  while (states.size() < 120) {
+    desk.begin_gesture();
+    const auto count = static_cast<int>(desk.edited().fixtures.size());
+    const int fixture = count > 0 ? static_cast<int>(random() % static_cast<unsigned>(count)) : -1;
+    const std::vector<std::uint8_t> levels(desk.compiled().universes.size() * kSlotCountMax);
+    switch (random() % 9) {
+      case 0: desk.select(fixture, random() % 2 == 0); break;
+      case 1: desk.select_all(); break;
+      case 2:
+        if (fixture >= 0) desk.take({fixture, static_cast<int>(random() % 3)}, random() % 256, levels);
+        break;
+      case 3: (void)desk.clone_selected({1, {0, 1, 0}}); break;
+      case 4:
+        if (count > 20 || random() % 3 == 0) (void)desk.edit(fixtures::delete_fixtures(desk.edited(), desk.selected()));
+        break;
+      case 5:
+        (void)desk.edit(
+            fixtures::patch_fixtures(desk.edited(), desk.selected(),
+                                     {1 + static_cast<int>(random() % 3), 1 + static_cast<int>(random() % 300)}));
+        break;
+      case 6: (void)desk.edit(fixtures::set_mode(desk.edited(), desk.selected(), "8 bit")); break;
+      case 7: (void)desk.edit(fixtures::move_fixtures(desk.edited(), desk.selected(), {0, 0, 0.1})); break;
+      default: (void)desk.edit(fixtures::unpatch_fixtures(desk.edited(), desk.selected())); break;
+    }
+    check_consistent(desk);
+    if (!same(snapshot(desk), states.back())) states.push_back(snapshot(desk));
+  }
+  const std::size_t edits = desk.history().size();
+  CHECK(edits == states.size() - 1);
+  for (std::size_t i = states.size() - 1; i-- > 0;) {
+    CHECK(!desk.undo().empty());
+    check_consistent(desk);
+    REQUIRE(same(snapshot(desk), states[i]));
+  }
+  CHECK(desk.state().revision == 0);
+  for (std::size_t i = 1; i < states.size(); ++i) {
+    CHECK(!desk.redo().empty());
+    check_consistent(desk);
+    REQUIRE(same(snapshot(desk), states[i]));
+  }
+}
+
+TEST_CASE("copies are selected, and what is deleted takes its values with it") {
+  EditDesk edit(parsed_rig(kUiRig));
+  UiDesk& desk = edit.desk;
+  const std::vector<std::uint8_t> levels(desk.compiled().universes.size() * kSlotCountMax);
+  desk.take({0, 2}, 200, levels);
+  desk.take({2, 2}, 100, levels);
+  desk.select(1, false);
+  desk.select(2, true);
+  CHECK(desk.clone_selected({1, {0, 0, 1}}));
+  CHECK(desk.state().selection.fixtures == std::vector<int>{5, 6});
+  CHECK(edit.fixture(5).name == "Spot 4");
+  CHECK(desk.undo() == "clone 2 fixtures");
+  CHECK(desk.state().selection.fixtures == std::vector<int>{1, 2});
+
+  desk.select(0, false);
+  CHECK(desk.edit(fixtures::delete_fixtures(desk.edited(), desk.selected())));
+  CHECK(desk.state().selection.fixtures.empty());
+  CHECK(desk.state().taken.size() == 1);
+  CHECK(desk.state().taken.at({1, 2}) == 100);
+  CHECK(desk.undo() == "delete Spot 1");
+  CHECK(desk.state().taken.at({2, 2}) == 100);
+  CHECK(desk.state().taken.at({0, 2}) == 200);
+}
+
+TEST_CASE("a refused edit changes nothing and says why") {
+  EditDesk edit(parsed_rig(kUiRig));
+  UiDesk& desk = edit.desk;
+  desk.select(0, false);
+  const std::size_t before = desk.history().size();
+  const Status refused = desk.edit(fixtures::patch_fixtures(desk.edited(), desk.selected(), {1, 511}));
+  REQUIRE(!refused);
+  CHECK(contains(refused.error().message, "choose an address of at most 499"));
+  CHECK(desk.history().size() == before);
+  CHECK(desk.state().revision == 0);
+  CHECK(desk.edit(fixtures::patch_fixtures(desk.edited(), desk.selected(), {1, 1})));  // where it is already
+  CHECK(desk.history().size() == before);
+
+  const auto rig = footlight::testing::compiled_rig(parsed_rig(kUiRig));
+  UiDesk fixed(rig.rig, rig.compiled);
+  CHECK(!fixed.can_edit());
+  fixed.select(0, false);
+  CHECK(!fixed.edit(fixtures::delete_fixtures(fixed.edited(), fixed.selected())));
+}
+
+TEST_CASE("an edit whose rig cannot be made is taken back as a whole") {
+  EditDesk edit(parsed_rig(kUiRig));
+  UiDesk& desk = edit.desk;
+  bool fails = false;
+  desk.let_edit(edit.scene->file().rig(), [&]() -> Status {
+    if (fails) return fail(ErrorCode::kBadInput, "not this one");
+    FL_TRY(edit.scene->remake());
+    desk.show(edit.scene->scene()->rig, edit.scene->scene()->compiled);
+    return {};
+  });
+  desk.select(0, false);
+  const Snapshot before = snapshot(desk);
+  desk.begin_gesture();
+  CHECK(desk.edit(fixtures::move_fixtures(desk.edited(), desk.selected(), {1, 0, 0})));
+  fails = true;
+  const Status refused = desk.edit(fixtures::move_fixtures(desk.edited(), desk.selected(), {1, 0, 0}));
+  REQUIRE(!refused);
+  CHECK(refused.error().message == "not this one");
+  CHECK(same(snapshot(desk), before));
+  CHECK(desk.history().next_redo() == nullptr);
+}
+
+TEST_CASE("a drag is one step, and undone to what was saved the rig counts as saved") {
+  EditDesk edit(parsed_rig(kUiRig));
+  UiDesk& desk = edit.desk;
+  desk.select(0, false);
+  desk.begin_gesture();
+  for (int i = 0; i < 10; ++i) {
+    CHECK(desk.edit(fixtures::move_fixtures(desk.edited(), desk.selected(), {0.1, 0, 0})));
+  }
+  desk.begin_gesture();
+  CHECK(desk.history().size() == 2);
+  CHECK(fixtures::position_of(edit.fixture(0)).x == doctest::Approx(-2));
+  const std::uint64_t saved = desk.state().revision;
+  CHECK(saved != 0);
+  CHECK(desk.edit(fixtures::unpatch_fixtures(desk.edited(), desk.selected())));
+  CHECK(desk.state().revision != saved);
+  CHECK(desk.undo() == "unpatch Spot 1");
+  CHECK(desk.state().revision == saved);
+  CHECK(contains(desk.undo(), "move Spot 1 by"));
+  CHECK(fixtures::position_of(edit.fixture(0)).x == -3);
+  CHECK(desk.state().revision == 0);
+}
+
+TEST_CASE("fixtures that share slots are shown with both on them, and the rig itself is not marked") {
+  EditDesk edit(parsed_rig(kUiRig));
+  UiDesk& desk = edit.desk;
+  desk.select(3, false);
+  CHECK(desk.edit(fixtures::patch_fixtures(desk.edited(), desk.selected(), {1, 3})));
+  CHECK(desk.index().conflict(3) == 0);
+  CHECK(desk.rig().fixtures[3].shares_address);
+  CHECK(!edit.fixture(3).shares_address);
+  CHECK(fixtures::patch_conflicts(desk.edited()).size() == 2);
+  desk.undo();
+  CHECK(!desk.rig().fixtures[3].shares_address);
+}
+
+TEST_CASE("faders reach fixtures without an address, which stay without one in the rig") {
+  EditDesk edit(parsed_rig(kUiRig), true);
+  UiDesk& desk = edit.desk;
+  desk.select(1, false);
+  CHECK(desk.edit(fixtures::unpatch_fixtures(desk.edited(), desk.selected())));
+  CHECK(edit.patch(1) == "-");
+  CHECK(desk.rig().fixtures[1].patched);
+  CHECK(HandLevels(desk.rig(), desk.compiled()).fixture_count() == 5);
+}
+
+TEST_CASE("a scene that a frame was made from stays as it is, and universes stay for the inputs") {
+  EditDesk edit(parsed_rig(kUiRig));
+  UiDesk& desk = edit.desk;
+  const SharedScene framed = edit.scene->scene();
+  const glm::dvec3 before = framed->rig.fixtures[0].position_m;
+  desk.select_all();
+  for (int i = 0; i < 5; ++i) {
+    CHECK(desk.edit(fixtures::move_fixtures(desk.edited(), desk.selected(), {0, 0, 1})));
+    CHECK(edit.scene->scene() != framed);
+    CHECK(framed->rig.fixtures[0].position_m == before);
+    CHECK(edit.scene->scene()->rig.fixtures[0].position_m.z == before.z + i + 1);
+  }
+  desk.select(4, false);
+  CHECK(desk.edit(fixtures::delete_fixtures(desk.edited(), desk.selected())));
+  CHECK(desk.compiled().universes == framed->compiled.universes);
+  desk.select_all();
+  CHECK(desk.edit(fixtures::delete_fixtures(desk.edited(), desk.selected())));
+  CHECK(desk.compiled().universes == framed->compiled.universes);
+  CHECK(desk.rig().fixtures.empty());
+}
+
+TEST_CASE("a rig with VRSL's decoding is edited, too") {
+  EditDesk edit(parsed_rig(R"([rig]
+name = "Club"
+[vrsl]
+grid = "horizontal"
+[[fixture]]
+name = "Spot {}"
+type = "vrsl/spot"
+universe = 1
+address = 1
+count = 2
+position = [0, 0, 5]
+position_step = [1, 0, 0]
+)"));
+  UiDesk& desk = edit.desk;
+  REQUIRE(edit.scene->scene()->written);
+  desk.select(1, false);
+  CHECK(desk.edit(fixtures::move_fixtures(desk.edited(), desk.selected(), {0, 2, 0})));
+  CHECK(desk.rig().fixtures[1].position_m == glm::dvec3(1, 2, 5));
+  CHECK(edit.scene->scene()->written->fixtures[1].position_m == glm::dvec3(1, 2, 5));
+  CHECK(desk.clone_selected({1, {1, 0, 0}}));
+  check_consistent(desk);
+}
+
+}  // namespace
+}  // namespace footlight::tools

@@ -1,0 +1,141 @@
+#include "tools/footlight/edit/rig_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include "fixtures/edit/patch_slots.h"
+#include "fixtures/files/export/rig_toml.h"
+#include "fixtures/files/export/write_file.h"
+#include "sim/file_kind.h"
+
+namespace footlight::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+// True if the rig was read from a rig file of our own, not from the definition of one fixture.
+bool is_rig_file(const fixtures::ImportedRig& imported, const std::string& path) {
+  return imported.format == "toml" &&
+         std::none_of(imported.rig.types.begin(), imported.rig.types.end(),
+                      [&](const fixtures::FixtureType& type) { return type.provenance.file == path; });
+}
+
+std::string target_of(const fixtures::ImportedRig& imported, const std::string& path) {
+  if (is_rig_file(imported, path)) return path;
+  fs::path whole = fs::path(path).lexically_normal();
+  if (!whole.has_filename()) whole = whole.parent_path();  // "unpacked/"
+  fs::path target = whole;
+  target.replace_extension(".toml");
+  if (target == whole) target.replace_filename(whole.stem().string() + "_rig.toml");
+  return target.string();
+}
+
+// Keeps the file as "NAME~" unless there is one. Returns its path; empty: there was one.
+Result<std::string> keep_old(const std::string& path) {
+  const std::string old = path + "~";
+  const std::string part = old + ".part";
+  std::error_code trouble;
+  if (fs::exists(fs::symlink_status(old, trouble))) return std::string();
+  fs::copy_file(path, part, fs::copy_options::overwrite_existing, trouble);
+  if (!trouble) fs::rename(part, old, trouble);
+  if (!trouble) return old;
+  std::error_code ignored;
+  fs::remove(part, ignored);
+  return fail(ErrorCode::kIo, "{}: a copy of the file from before cannot be written: {}", old, trouble.message());
+}
+
+}  // namespace
+
+std::optional<FileMark> mark_of_file(const std::string& path) {
+  if (is_pipe_or_device(path)) return std::nullopt;
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+  if (!file) return std::nullopt;
+  FileMark mark{0, 0xcbf29ce484222325u};
+  std::array<unsigned char, 65536> piece{};
+  while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), file.get())) {
+    for (std::size_t i = 0; i < count; ++i) mark.sum = (mark.sum ^ piece[i]) * 0x100000001b3u;
+    mark.size += count;
+  }
+  if (std::ferror(file.get()) != 0) return std::nullopt;
+  return mark;
+}
+
+Result<RigFile> RigFile::open(const std::string& path, const fixtures::Library* library,
+                              fixtures::Diagnostics& diagnostics, const fixtures::GoOn& go_on) {
+  RigFile file;
+  // Before it is read: a change in the meantime is then found by save().
+  const std::optional<FileMark> mark = mark_of_file(path);
+  FL_ASSIGN(file.imported_, fixtures::import_rig(path, library, diagnostics, go_on));
+  file.path_ = path;
+  file.target_ = target_of(file.imported_, path);
+  if (file.target_ == path) file.known_ = mark;
+  return file;
+}
+
+RigFile RigFile::made(fixtures::ImportedRig imported, const std::string& target) {
+  return recovered(std::move(imported), "", target, std::nullopt);
+}
+
+RigFile RigFile::recovered(fixtures::ImportedRig imported, const std::string& path, const std::string& target,
+                           const std::optional<FileMark>& known) {
+  RigFile file;
+  file.imported_ = std::move(imported);
+  file.path_ = path;
+  file.target_ = target;
+  file.known_ = known;
+  return file;
+}
+
+Result<SaveReport> write_rig(fixtures::ImportedRig& imported, const std::string& path, RigFiles files) {
+  SaveReport report;
+  report.path = path;
+  std::vector<fixtures::PatchedFixture> own = imported.rig.fixtures;
+  report.shared = fixtures::share_conflicting_addresses(imported.rig);
+  const auto write = [&]() -> Status {
+    // A rig file that cannot be compiled cannot be read either.
+    FL_TRY(fixtures::compile(imported.rig));
+    if (files == RigFiles::kThere) {
+      const std::string folder = fs::path(fixtures::files_folder_of(path)).filename().string();
+      return fixtures::write_file(path, fixtures::rig_toml(imported, folder));
+    }
+    FL_TRY(fixtures::export_rig_toml(imported, path, {}, fixtures::FilesThere::kKeepEqual));
+    return {};
+  };
+  const Status written = write();
+  imported.rig.fixtures = std::move(own);
+  if (!written) return tl::unexpected<Error>(written.error());
+  return report;
+}
+
+Result<SaveReport> RigFile::save() {
+  std::error_code trouble;
+  if (fs::is_symlink(target_, trouble)) {
+    return fail(ErrorCode::kBadInput, "{}: is a link; open the file that it names to save it", target_);
+  }
+  const bool there = fs::exists(target_, trouble);
+  if (there && !known_) {
+    return fail(ErrorCode::kBadInput, "{}: exists already; open it instead, or move it away, then save again", target_);
+  }
+  if (there && mark_of_file(target_) != known_) {
+    return fail(ErrorCode::kBadInput,
+                "{}: was changed by another program since it was read; move it away, then save again", target_);
+  }
+  std::string old;
+  const fs::perms perms = fs::status(target_, trouble).permissions();
+  if (there && !saved_) {
+    FL_ASSIGN(old, keep_old(target_));
+  }
+  FL_ASSIGN(SaveReport report, write_rig(imported_, target_));
+  if (there) fs::permissions(target_, perms, trouble);
+  known_ = mark_of_file(target_);
+  saved_ = true;
+  report.old = std::move(old);
+  return report;
+}
+
+}  // namespace footlight::tools

@@ -1,0 +1,51 @@
+// The rig that the window shows, made from the rig that is edited: with the options of the scene, a camera to start
+// with, addresses for faders, and what VRSL shows of it. Knows neither a window nor a GPU.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "fixtures/model/rig.h"
+#include "tools/footlight/edit/rig_file.h"
+#include "tools/footlight/pictures/scene_files.h"
+
+namespace footlight::tools {
+
+// A rig with its tables. Not changed while somebody else holds it.
+struct PreviewScene {
+  fixtures::Rig rig;
+  fixtures::CompiledRig compiled;
+  std::optional<fixtures::Rig> written;  // as written, where `rig` is what VRSL shows of it
+};
+using SharedScene = std::shared_ptr<PreviewScene>;
+
+// The rig of the options: a file of any format, or the demo. Prints the number of its warnings.
+[[nodiscard]] Result<RigFile> open_scene_file(const SceneFiles& files);
+
+class EditedScene {
+ public:
+  // aspect: width over height of the picture that the start camera is for. by_hand: faders drive the rig.
+  [[nodiscard]] static Result<std::unique_ptr<EditedScene>> make(RigFile file, const SceneFiles& files, double aspect,
+                                                                 bool by_hand);
+  EditedScene(const EditedScene&) = delete;
+  EditedScene& operator=(const EditedScene&) = delete;
+
+  [[nodiscard]] RigFile& file() { return file_; }
+  [[nodiscard]] const SharedScene& scene() const { return scene_; }
+  // Makes a new scene() after the fixtures of file() have changed. Fixtures that share slots both use them. If the rig
+  // cannot be compiled, scene() stays. Universes stay in the tables once they were there, so that inputs need not be
+  // opened again.
+  Status remake();
+
+ private:
+  explicit EditedScene(RigFile file) : file_(std::move(file)) {}
+
+  RigFile file_;
+  fixtures::Rig base_;  // with the options of the scene and its cameras; its fixtures do not matter
+  bool by_hand_ = false;
+  SharedScene scene_;
+  std::vector<SharedScene> held_;  // scenes so far; those that nobody else holds are used again, with their types
+};
+
+}  // namespace footlight::tools

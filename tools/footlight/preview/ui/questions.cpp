@@ -1,0 +1,56 @@
+#include "tools/footlight/preview/ui/questions.h"
+
+#include <fmt/format.h>
+
+#include <imgui/imgui.h>
+
+#include "tools/footlight/preview/ui/ui_theme.h"
+
+namespace footlight::tools {
+
+std::optional<CloseAnswer> CloseQuestion::draw(const std::string& target, const std::string& error) {
+  constexpr const char* kTitle = "Unsaved edits";
+  if (!open_) ImGui::OpenPopup(kTitle);
+  std::optional<CloseAnswer> answer;
+  const ImVec2 middle = ImGui::GetMainViewport()->GetCenter();
+  ImGui::SetNextWindowPos(middle, ImGuiCond_Appearing, {0.5f, 0.5f});
+  if (ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_AlwaysAutoResize)) {
+    ui_text("The rig has edits that are not saved.");
+    ui_text(kUiDim, target);
+    if (!error.empty()) {
+      ImGui::PushTextWrapPos(ImGui::GetFontSize() * 30);
+      ui_text(kUiRed, error);
+      ImGui::PopTextWrapPos();
+    }
+    if (ImGui::Button("Save and close")) answer = CloseAnswer::kSave;
+    ImGui::SameLine();
+    if (ImGui::Button("Discard them")) answer = CloseAnswer::kDiscard;
+    ImGui::SameLine();
+    if (ImGui::Button("Stay")) answer = CloseAnswer::kStay;
+    if (answer) ImGui::CloseCurrentPopup();
+    ImGui::EndPopup();
+  } else if (open_) {
+    answer = CloseAnswer::kStay;
+  }
+  open_ = !answer;
+  return answer;
+}
+
+std::optional<LostAnswer> draw_lost_edits(const std::string& when, float scale) {
+  std::optional<LostAnswer> answer;
+  ImGui::SetNextWindowPos({8 * scale, 8 * scale}, ImGuiCond_Always);
+  constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize |
+                                      ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoSavedSettings |
+                                      ImGuiWindowFlags_NoMove;
+  if (ImGui::Begin("lost edits", nullptr, kFlags)) {
+    ui_text(kUiAmber, fmt::format("Edits of {} were not saved. Start with --recover to open them.", when));
+    ImGui::SameLine();
+    if (ImGui::SmallButton("Keep")) answer = LostAnswer::kKeep;
+    ImGui::SameLine();
+    if (ImGui::SmallButton("Discard")) answer = LostAnswer::kDiscard;
+  }
+  ImGui::End();
+  return answer;
+}
+
+}  // namespace footlight::tools

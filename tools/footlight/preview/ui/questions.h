@@ -1,0 +1,26 @@
+// Questions of the window: before it closes with unsaved edits, and about edits of a session that was lost. Dear ImGui
+// only.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace footlight::tools {
+
+enum class CloseAnswer { kSave, kDiscard, kStay };
+
+// In the middle of the window, over everything else, from the first call of draw() until an answer. Esc means to stay.
+class CloseQuestion {
+ public:
+  // target: where the rig would be saved. error: why it could not be; else empty.
+  [[nodiscard]] std::optional<CloseAnswer> draw(const std::string& target, const std::string& error);
+
+ private:
+  bool open_ = false;
+};
+
+enum class LostAnswer { kKeep, kDiscard };
+// A line at the top of the window. when: "12:31, 26 November".
+[[nodiscard]] std::optional<LostAnswer> draw_lost_edits(const std::string& when, float scale);
+
+}  // namespace footlight::tools
