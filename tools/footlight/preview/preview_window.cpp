@@ -489,7 +489,7 @@ Status Preview::update_error() {
     error_tried_ = false;
   } else if (!error_ && !error_tried_) {
     error_tried_ = true;
-    if (compiled_.needs.laser || compiled_.needs.panes) return {};  // it computes beams again, and nothing else
+    if (compiled_.needs.laser || compiled_.needs.panes || compiled_.needs.displays) return {};  // it computes beams again, and nothing else
     FL_ASSIGN(error_, render::LiveError::create(*device_, *frame_, compiled_.needs));
   }
   return {};
