@@ -206,6 +206,7 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
   timed_.clear();
   upload_params(commands, view, exposure_ev);
   mark(commands, "");
+  record_levels(commands);
   // The first pass that adds to what surfaces have left.
   const std::string_view beams_first = has_fine_ ? kRecordsPass.name : kBeamsPass.name;
   if (!has_solids_ && !draws(kBeamsPass)) clear_radiance(commands);
@@ -221,7 +222,6 @@ void Frame::record(VkCommandBuffer commands, const View& view, double exposure_e
     }
     mark(commands, plan_[i].name);
   }
-  pending_.clear();  // a rig without fixtures has no step pass
   adapt_ns_ = 0;
   exposure_ev_ = exposure_ev;
 }
@@ -248,6 +248,16 @@ void Frame::upload_levels(VkCommandBuffer commands, const PendingStep& pending) 
     vkCmdUpdateBuffer(commands, resources_.rig.levels.handle, at, std::min(kUpdateBytesMax, size - at),
                       pending.levels.data() + at);
   }
+}
+
+// Without fixtures there is no step pass: the newest levels alone count, for displays.
+void Frame::record_levels(VkCommandBuffer commands) {
+  if (pending_.empty() || draws(kStepPass)) return;
+  if (resources_.rig.levels.handle != VK_NULL_HANDLE && !pending_.back().levels.empty()) {
+    upload_levels(commands, pending_.back());
+    vk::full_barrier(commands);
+  }
+  pending_.clear();
 }
 
 // Each pending step: its levels, its dt, one dispatch. Timed are the levels of the first.
@@ -325,7 +335,9 @@ Status Frame::draw(const View& view, double exposure_ev) {
 Status Frame::run_steps() {
   if (pending_.empty()) return {};
   if (passes_.empty() || plan_.front().name != kStepPass.name) {  // nothing to step
-    pending_.clear();
+    // Displays show the newest levels.
+    const bool shown = resources_.rig.levels.handle != VK_NULL_HANDLE;
+    pending_.erase(pending_.begin(), shown ? pending_.end() - 1 : pending_.end());
     return {};
   }
   return device_.run_once([&](VkCommandBuffer commands) {

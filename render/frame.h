@@ -153,6 +153,7 @@ class Frame {
   [[nodiscard]] bool draws(const PassEntry& entry) const;
   void upload_levels(VkCommandBuffer commands, const PendingStep& pending);
   void record_steps(VkCommandBuffer commands, bool timed);
+  void record_levels(VkCommandBuffer commands);
   void upload_params(VkCommandBuffer commands, const View& view, double exposure_ev);
   void mark(VkCommandBuffer commands, std::string_view ended);
   template <class Row>

@@ -18,6 +18,8 @@ static_assert(offsetof(FrameParams, width) == 64);
 static_assert(sizeof(BeamRow) == 160);
 static_assert(sizeof(LaserRow) == 160);
 static_assert(sizeof(PaneRow) == 144);
+static_assert(sizeof(DisplayRow) == 144);
+static_assert(sizeof(DisplayLevelRow) == 16 && sizeof(DisplayJobRow) == 16);
 static_assert(sizeof(BladesRow) == 64);
 static_assert(sizeof(CountsRow) == 112);
 static_assert(sizeof(TileDepthRow) == 32);

@@ -55,7 +55,7 @@ f32::HazeField haze_field_in_float(const f64::HazeField& field) {
 }
 
 HazeReach haze_reach(const fixtures::Rig& rig, double range_m) {
-  if (rig.fixtures.empty() && rig.panes.empty()) return {};
+  if (rig.fixtures.empty() && rig.panes.empty() && rig.displays.empty()) return {};
   glm::dvec3 low(std::numeric_limits<double>::infinity());
   glm::dvec3 high = -low;
   for (const fixtures::PatchedFixture& fixture : rig.fixtures) {
@@ -66,6 +66,11 @@ HazeReach haze_reach(const fixtures::Rig& rig, double range_m) {
     const glm::dvec3 radius_m(std::hypot(pane.width_m, pane.height_m) / 2);
     low = glm::min(low, pane.position_m - radius_m);
     high = glm::max(high, pane.position_m + radius_m);
+  }
+  for (const fixtures::Display& display : rig.displays) {
+    const glm::dvec3 radius_m(std::hypot(display.width_m, display.height_m) / 2);
+    low = glm::min(low, display.position_m - radius_m);
+    high = glm::max(high, display.position_m + radius_m);
   }
   return {0.5 * (low + high), 0.5 * glm::length(high - low) + range_m};
 }

@@ -63,8 +63,8 @@ struct PassEntry {
 }
 // Whether haze is not even.
 [[nodiscard]] inline bool has_haze_field(const fixtures::Needs& needs, const FrameSettings& settings) {
-  return (has_air(needs, settings) || (needs.panes && needs.haze && settings.view == FrameView::kPicture)) &&
-         needs.haze_field;
+  const bool others = (needs.panes || needs.displays) && needs.haze && settings.view == FrameView::kPicture;
+  return (has_air(needs, settings) || others) && needs.haze_field;
 }
 // Whether small bodies are drawn by compute shaders.
 [[nodiscard]] inline bool has_small_bodies(const fixtures::Needs& needs, const FrameSettings& settings) {
@@ -105,6 +105,14 @@ struct PassEntry {
 [[nodiscard]] inline bool has_shafts_shadowed(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_shafts(needs, settings) && settings.shadows && has_solids(needs, settings);
 }
+// Whether there are displays; a picture of steps has none.
+[[nodiscard]] inline bool has_displays(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return needs.displays && (settings.view == FrameView::kPicture || settings.view == FrameView::kLux);
+}
+// Whether their light in the air is drawn.
+[[nodiscard]] inline bool has_displays_in_air(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_displays(needs, settings) && needs.haze && settings.view == FrameView::kPicture;
+}
 // Whether it is known what hides light.
 [[nodiscard]] inline bool has_occluders(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_shadows(needs, settings) || has_shafts_shadowed(needs, settings);
@@ -129,7 +137,7 @@ struct PassEntry {
 // Whether the camera's lens scatters light.
 [[nodiscard]] inline bool has_glare(const fixtures::Needs& needs, const FrameSettings& settings) {
   return settings.glare > 0 && settings.view == FrameView::kPicture &&
-         (has_air(needs, settings) || needs.panes || has_solids(needs, settings));
+         (has_air(needs, settings) || needs.panes || needs.displays || has_solids(needs, settings));
 }
 
 }  // namespace footlight::render

@@ -5,6 +5,7 @@
 #include "render/passes/bounce.h"
 #include "render/passes/coarse.h"
 #include "render/passes/depths.h"
+#include "render/passes/displays.h"
 #include "render/passes/edges.h"
 #include "render/passes/fine.h"
 #include "render/passes/gather.h"
@@ -47,6 +48,7 @@ const PassEntry* const kPasses[] = {
     &kBeamsPass,     // the rest, pixel by pixel -> radiance
     &kLasersPass,    // lasers -> sheets of light -> radiance
     &kShaftsPass,    // panes of glass -> light of the sun behind them -> radiance
+    &kDisplaysPass,  // displays -> their pixels, and their light in the air and on surfaces -> radiance
     &kEdgesPass,     // solid things -> radiance of pixels that show more than one
     &kLensesPass,    // lenses of a few pixels -> radiance
     &kGlarePass,     // radiance -> light that the camera's lens scatters

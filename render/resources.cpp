@@ -9,6 +9,7 @@
 
 #include "render/body_tables.h"
 #include "render/bounce_tables.h"
+#include "render/display_tables.h"
 #include "render/glare.h"
 #include "render/gobo_tables.h"
 #include "render/gobo_textures.h"
@@ -111,6 +112,10 @@ constexpr std::pair<std::uint32_t, vk::Buffer RigTables::*> kOtherBuffers[] = {
     {FL_BINDING_PANES, &R::panes},
     {FL_BINDING_PANE_TEXELS, &R::pane_texels},
     {FL_BINDING_PANE_MASKS, &R::pane_masks},
+    {FL_BINDING_DISPLAYS, &R::displays},
+    {FL_BINDING_DISPLAY_LEVELS, &R::display_levels},
+    {FL_BINDING_DISPLAY_CELLS, &R::display_cells},
+    {FL_BINDING_DISPLAY_JOBS, &R::display_jobs},
     {FL_BINDING_INSTANCES, &R::slots},
     {FL_BINDING_BODY_MESHES, &R::meshes},
     {FL_BINDING_BODY_LEVELS, &R::body_levels},
@@ -139,6 +144,9 @@ std::uint32_t lavapipe_beams_max(const MemoryShape& shape) {
   }
   return shape.needs.gobo ? std::min(plain, kRounds / std::max(shape.settings.gobo_taps, 1u)) : plain;
 }
+
+// A ray through the light of a display nearby takes some 2,400 rounds.
+constexpr std::size_t kLavapipeDisplays = 24;
 
 constexpr std::uint64_t kHazeTableBytes = std::uint64_t{8} * FL_HAZE_X * FL_HAZE_Y * FL_HAZE_SLICES;
 
@@ -331,6 +339,10 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
     case FL_BINDING_PANES: return shape.rig.panes.size() * sizeof(PaneRow);
     case FL_BINDING_PANE_TEXELS: return pane_texel_bytes(shape.rig);
     case FL_BINDING_PANE_MASKS: return pane_mask_bytes(shape.rig, occluder_bytes(shape) / sizeof(OccluderRow));
+    case FL_BINDING_DISPLAYS:
+    case FL_BINDING_DISPLAY_LEVELS:
+    case FL_BINDING_DISPLAY_CELLS:
+    case FL_BINDING_DISPLAY_JOBS: return display_bytes(binding, shape);
     case FL_BINDING_HAZE: return shape.needs.haze_field ? sizeof(f32::HazeField) : 0;
     case FL_BINDING_HAZE_TABLE_OUT: return shape.needs.haze_field ? kHazeTableBytes : 0;
     case FL_BINDING_BOXES: return shape.rig.boxes.size() * sizeof(BoxRow);
@@ -447,6 +459,15 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
                                  compiled.beams_max, device.name(), beams_max),
                      ""});
   }
+  if (shape.rig.displays.size() > kLavapipeDisplays && device.name().find("llvmpipe") != std::string::npos) {
+    diagnostics.add({fixtures::Severity::kWarning,
+                     "many-displays",
+                     {},
+                     fmt::format("{} displays: {} ends the loops of a shader after 65,535 rounds, so light of the last "
+                                 "may be missing where more than {} are near; a GPU has no such limit",
+                                 shape.rig.displays.size(), device.name(), kLavapipeDisplays),
+                     ""});
+  }
   r.has_bodies = render::has_bodies(shape.needs, shape.settings);
   r.has_trees = has_smooth_edges(shape.needs, shape.settings);
   r.has_shadows = render::has_shadows(shape.needs, shape.settings);
@@ -459,6 +480,7 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
     FL_TRY(make_shadow_tables(device, shape, object_solids, r));
   }
   if (used[FL_BINDING_PANES]) FL_TRY(make_pane_tables(device, shape.rig, r));
+  if (used[FL_BINDING_DISPLAYS]) FL_TRY(make_display_tables(device, shape, r));
   if (used[FL_BINDING_BOUNCE_LIGHT]) FL_TRY(make_bounce_tables(device, shape, r));
   std::vector<std::uint32_t> gobo_planes;
   if (used[FL_BINDING_GOBOS]) {

@@ -31,6 +31,13 @@ struct MemoryShape {
 // is known when the models are read.
 [[nodiscard]] std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape);
 
+// Workgroups that compute the cells of displays: rows of the DisplayJobRow table, one range a level, the lowest first.
+struct DisplayJobRange {
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+};
+using DisplayJobs = std::vector<DisplayJobRange>;
+
 // Tables, models, gobo images and states of a rig. Made once; reading models and images is slow.
 struct RigTables {
   // `used`: the bindings of all passes that may be in use; the others are not allocated.
@@ -66,6 +73,8 @@ struct RigTables {
   vk::Buffer lasers;          // LaserRow
   vk::Buffer panes, pane_texels;  // PaneRow; two words of half floats a texel
   vk::Buffer pane_masks;          // bits of the occluders that reach into each shaft
+  vk::Buffer displays, display_levels, display_jobs;  // DisplayRow, DisplayLevelRow, DisplayJobRow
+  vk::Buffer display_cells;                           // words of the cells of displays, on all levels
   vk::Buffer shadow_lists;   // ShadowListRow, one a beam
   vk::Buffer shadows;        // ShadowRow
   // Light that surfaces reflect (render/bounce_tables.h). The forms are computed by the first frame that reads them.
@@ -102,6 +111,8 @@ struct RigTables {
   std::uint32_t laser_rows = 0;
   std::uint32_t pane_count = 0;
   std::uint32_t occluder_words = 0;  // of a pane's bits
+  DisplayJobs display_still;         // of images: once
+  DisplayJobs display_live;          // of pixel maps: each frame
   std::uint32_t beams_max = 0;
   GoboQueue gobo_queue_empty{};  // as a frame begins
   std::uint32_t box_count = 0;

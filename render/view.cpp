@@ -77,6 +77,10 @@ double light_range_m(const fixtures::Rig& rig, const Extent& objects) {
     low = glm::min(low, pane.position_m);
     high = glm::max(high, pane.position_m);
   }
+  for (const auto& display : rig.displays) {
+    low = glm::min(low, display.position_m);
+    high = glm::max(high, display.position_m);
+  }
   const double diagonal_m = low.x <= high.x ? glm::length(high - low) : 0.0;
   return diagonal_m + 20.0;
 }

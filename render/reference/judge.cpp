@@ -16,6 +16,7 @@
 #include "fixtures/photometry/table.h"
 #include "render/haze.h"
 #include "render/reference/cores.h"
+#include "render/reference/display_judge.h"
 #include "render/reference/shaft_judge.h"
 #include "render/reference/wide.h"
 #include "sim/core/check.h"
@@ -415,6 +416,7 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
     }
   }
   total += judge_shafts(scene, ray, hit ? hit->t_m : std::numeric_limits<double>::infinity());
+  total += judge_displays(scene, ray, hit ? hit->t_m : std::numeric_limits<double>::infinity());
   if (hit) {
     const glm::dvec3 point_m = ray.origin_m + hit->t_m * ray.direction;
     glm::dvec3 lux(scene.ambient_lx);
@@ -430,6 +432,7 @@ glm::dvec3 radiance(const JudgeScene& scene, const Ray& ray, double tolerance, i
              beam.strength_lm;
     }
     lux += judge_sun_lux(scene, point_m, hit->normal);
+    lux += judge_display_lux(scene, point_m, hit->normal);
     total += std::exp(-extinction_per_m(scene.haze) * hit->t_m) / std::numbers::pi * hit->albedo * lux;
   }
   return total;
@@ -625,6 +628,7 @@ JudgeScene judge_scene(const fixtures::Rig& rig, fixtures::f64::Walker& walker, 
   scene.range_m = kAirRangeM;
   const double range_m = light_range_m(rig);
   add_panes(scene, rig, range_m);
+  add_displays(scene, rig, walker.rig.universes, walker.levels);
   scene.gobo = std::move(gobo);
   for (std::size_t i = 0; i < walker.states.size(); ++i) {
     const auto& state = walker.states[i];

@@ -89,6 +89,16 @@ struct JudgeSun {
   double range_m = 100;            // light ends this far from a pane
 };
 
+// A display: a rectangle of pixels that shines to the side of right x up.
+struct JudgeDisplay {
+  glm::dvec3 center_m{0};
+  glm::dvec3 right_m{0.5, 0, 0};  // to the middles of two edges, as the image has them; perpendicular
+  glm::dvec3 up_m{0, 0, 0.5};
+  int columns = 1;
+  int rows = 1;
+  std::vector<glm::dvec3> pixels_cd_m2{glm::dvec3(1)};  // rows from the top
+};
+
 // Density of haze at a place on the stage, over that of even haze.
 using HazeDensity = std::function<double(const glm::dvec3& place_m)>;
 
@@ -98,6 +108,7 @@ struct JudgeScene {
   std::vector<fixtures::StageBox> boxes;
   JudgeSun sun;
   std::vector<JudgePane> panes;
+  std::vector<JudgeDisplay> displays;
   fixtures::Haze haze;
   HazeDensity density;          // empty: haze is even
   bool even_extinction = true;  // light is lost as in even haze; false: to the density on its way, 1000 times slower;

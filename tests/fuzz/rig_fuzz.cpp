@@ -14,6 +14,10 @@ void footlight::testing::add_seeds(Seeds& seeds) {
   seeds.add("panes",
             "\x02[rig]\nname = \"x\"\n[sun]\ndirection = [0, -1, -1]\nsky_lx = 5\n[[pane]]\nposition = [0, 1, 2]\n"
             "rotation = [0, 0, 30]\nwidth_m = 2\nheight_m = 3\ncolor = [1, 0.5, 0]\n");
+  seeds.add("displays",
+            "\x02[rig]\nname = \"x\"\n[[display]]\nposition = [0, 1, 2]\nwidth_m = 2\nheight_m = 3\ncolumns = 30\n"
+            "rows = 9\nnits = 900\nuniverse = 3\naddress = 7\norder = \"grbw\"\nserpentine = true\n"
+            "start = \"bottom-left\"\ncolumns_first = true\npixels_per_universe = 100\ngamma = 2.2\n");
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

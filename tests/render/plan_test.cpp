@@ -18,7 +18,7 @@ using vk::SpecConstant;
 const std::vector<std::string> kAll{"step",   "gather",   "shadows", "gobos",       "bodies", "tiles",
                                     "bounce", "surfaces", "depths",  "shadowtiles", "haze",   "coarse",
                                     "records", "fine",    "shade",   "beams",       "lasers", "shafts",
-                                    "edges",  "lenses",   "glare",   "tonemap"};
+                                    "displays", "edges",  "lenses",  "glare",       "tonemap"};
 // Those that take beams together for tiles.
 const std::vector<std::string> kTilePasses{"coarse", "records", "fine", "shade"};
 
@@ -49,7 +49,7 @@ Needs demo_needs() {
   for (bool Needs::*need : {&Needs::flex, &Needs::smooth, &Needs::tungsten, &Needs::led, &Needs::discharge,
                             &Needs::dowser, &Needs::measured, &Needs::rectangle, &Needs::stacked, &Needs::shake,
                             &Needs::pulses, &Needs::macro, &Needs::wide, &Needs::iris, &Needs::laser,
-                            &Needs::panes}) {
+                            &Needs::panes, &Needs::displays}) {
     CHECK_FALSE(needs.*need);
     needs.*need = true;
   }
@@ -199,6 +199,14 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_DETAIL, 1},
                                 {FL_SPEC_HAZE, 1},
                                 {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
+                              {"displays",
+                               {{FL_SPEC_EXTINCTION, 1},
+                                {FL_SPEC_BOXES, 1},
+                                {FL_SPEC_BODIES, 1},
+                                {FL_SPEC_AIR, 1},
+                                {FL_SPEC_DETAIL, 1},
+                                {FL_SPEC_HAZE, 1},
+                                {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
                               {"edges", {{FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1}, {FL_SPEC_EDGE_SAMPLES, 16}}},
                               {"lenses", constants_of(plan_frame(demo_needs(), settings), "surfaces")},
                               {"glare", {}},
@@ -233,7 +241,7 @@ TEST_CASE("without a need its branches or its passes are left out") {
     bool Needs::*need;
     std::vector<std::string> lost;         // passes
     std::vector<std::uint32_t> constants;  // are 0 without the need
-    bool dry = false;                      // lasers and shafts are then drawn on surfaces alone
+    bool dry = false;                      // lasers, shafts and displays then light surfaces alone
   };
   for (const Case& c :
        {Case{"motion", &Needs::motion, {}, {FL_SPEC_MOTION}},
@@ -248,6 +256,7 @@ TEST_CASE("without a need its branches or its passes are left out") {
         Case{"macro", &Needs::macro, {}, {FL_SPEC_MACRO}},
         Case{"laser", &Needs::laser, {"lasers"}, {}},
         Case{"panes", &Needs::panes, {"shafts"}, {}},
+        Case{"displays", &Needs::displays, {"displays"}, {}},
         Case{"flex", &Needs::flex, {}, {FL_SPEC_FLEX}},
         Case{"smooth", &Needs::smooth, {}, {FL_SPEC_SMOOTH}},
         Case{"tungsten", &Needs::tungsten, {}, {FL_SPEC_LAMP(fixtures::kLampTungsten)}},
@@ -285,12 +294,13 @@ TEST_CASE("without a need its branches or its passes are left out") {
       for (SpecConstant& constant : pass.constants) {
         const bool lost = std::find(c.constants.begin(), c.constants.end(), constant.id) != c.constants.end();
         const bool shafts = pass.name == std::string("shafts");
+        const bool others = shafts || pass.name == std::string("lasers") || pass.name == std::string("displays");
         // Boxes hide the sun where there are no fixtures.
         const bool sunny = shafts && c.need == &Needs::fixtures && constant.id == FL_SPEC_SHADOWS;
         if (lost && !sunny) constant.value = 0;
         const bool air =
             constant.id == FL_SPEC_LASER || constant.id == FL_SPEC_AIR || constant.id == FL_SPEC_HAZE;
-        if (c.dry && (shafts || pass.name == std::string("lasers")) && air) constant.value = 0;
+        if (c.dry && others && air) constant.value = 0;
         const bool stepped = c.need == &Needs::laser && pass.name == std::string("step");
         if (stepped && constant.id == FL_SPEC_LASER) constant.value = 0;
       }
@@ -307,16 +317,16 @@ TEST_CASE("without boxes and bodies only passes for light in the air remain") {
   settings.bodies = false;
   CHECK(names_of(plan_frame(needs, settings)) ==
         std::vector<std::string>{"step", "gather", "gobos", "tiles", "haze", "coarse", "records", "fine", "beams",
-                                 "lasers", "shafts", "glare", "tonemap"});
+                                 "lasers", "shafts", "displays", "glare", "tonemap"});
   settings.tile_error = 0;
   CHECK(names_of(plan_frame(needs, settings)) ==
         std::vector<std::string>{"step", "gather", "gobos", "tiles", "haze", "beams", "lasers", "shafts",
-                                 "glare", "tonemap"});
+                                 "displays", "glare", "tonemap"});
   settings.tile_error = FrameSettings{}.tile_error;
   needs.haze = false;  // without haze, too, no light is visible
-  // Only panes are, against the sky.
+  // Only panes are, against the sky, and displays.
   CHECK(names_of(plan_frame(needs, settings)) ==
-        std::vector<std::string>{"step", "gather", "shafts", "glare", "tonemap"});
+        std::vector<std::string>{"step", "gather", "shafts", "displays", "glare", "tonemap"});
   check_left_out(needs, settings);
 }
 

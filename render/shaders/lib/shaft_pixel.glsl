@@ -6,6 +6,7 @@
 #include "render/shaders/shared/shadow.h"
 #include "render/shaders/shared/shaft.h"
 #include "render/shaders/lib/surface.glsl"
+#include "render/shaders/lib/albedo.glsl"
 #include "render/shaders/lib/pane.glsl"
 
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX) in;
@@ -20,7 +21,6 @@ layout(set = 0, binding = FL_BINDING_PANE_MASKS, std430) readonly buffer PaneMas
 layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance;
 
 const float kPi = 3.141592653589793;
-const float kBodyAlbedo = 0.04;  // as in surface_light.glsl
 const float kSlackM = 1e-4;      // of a body that light has passed, which does not hide it on a surface
 const float kLeastFacing = 0.02;
 
@@ -97,12 +97,6 @@ vec3 light_of_glass(PaneRow row, View view, vec3 eye, vec3 way, float end_m) {
   float texels = kDetail ? sqrt(abs(right.x * down.y - right.y * down.x)) : 0.0;
   float lost = kExtinction ? exp(-params.position.w * t_m) : 1.0;
   return row.glass.rgb * pane_mean(row, at, texels) * lost;
-}
-
-vec3 albedo_of(Surface surface) {
-  if (surface.kind == kBox) return boxes[surface.which].albedo.rgb;
-  if (surface.kind == kBody) return vec3(kBodyAlbedo);
-  return vec3((uvec3(surface.which) >> uvec3(20, 10, 0)) & 1023u) / 1023.0;
 }
 
 void main() {

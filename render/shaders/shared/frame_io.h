@@ -116,7 +116,12 @@
 #define FL_BINDING_PANES (86 + FL_LAMP_COUNT)
 #define FL_BINDING_PANE_TEXELS (87 + FL_LAMP_COUNT)
 #define FL_BINDING_PANE_MASKS (88 + FL_LAMP_COUNT)
-#define FL_BINDING_COUNT (89 + FL_LAMP_COUNT)
+// Displays (displays.comp): DisplayRow; DisplayLevelRow; the words of their cells, on all levels; DisplayJobRow.
+#define FL_BINDING_DISPLAYS (89 + FL_LAMP_COUNT)
+#define FL_BINDING_DISPLAY_LEVELS (90 + FL_LAMP_COUNT)
+#define FL_BINDING_DISPLAY_CELLS (91 + FL_LAMP_COUNT)
+#define FL_BINDING_DISPLAY_JOBS (92 + FL_LAMP_COUNT)
+#define FL_BINDING_COUNT (93 + FL_LAMP_COUNT)
 
 // Specialisation constants: what the rig needs, and the settings of the frame.
 #define FL_SPEC_MOTION 0
@@ -168,7 +173,7 @@
 #define FL_SPEC_HAZE (44 + FL_LAMP_COUNT)  // haze is not even: selects another shader
 #define FL_SPEC_LASER (45 + FL_LAMP_COUNT)
 #define FL_SPEC_AIR (46 + FL_LAMP_COUNT)  // light in the air is drawn
-#define FL_SPEC_DETAIL (47 + FL_LAMP_COUNT)  // images of panes as fine as pixels, not whole
+#define FL_SPEC_DETAIL (47 + FL_LAMP_COUNT)  // images of panes and displays as fine as pixels, not whole
 #define FL_SPEC_COUNT (48 + FL_LAMP_COUNT)
 
 #define FL_METHOD_GAUSS 0
@@ -353,6 +358,53 @@ struct PaneRow {
   uint pad_2;
   uint pad_3;
 };
+
+// A display: a rectangle of pixels that shines from one side, 144 bytes.
+struct DisplayRow {
+  vec4 center;  // m
+  vec4 right;   // unit; w: half the width, m
+  vec4 down;    // unit; w: half the height, m
+  vec4 front;   // unit, to where it shines
+  vec4 light;   // rgb: cd/m^2 of a pixel whose share is 1
+  uint columns;
+  uint rows;
+  uint levels;       // of cells, down to pixels
+  uint level_first;  // row of the DisplayLevelRow table
+  uint axes;         // bits: a cell has two of this level, beside each other, or above each other where the bit is 1
+  uint part_axes;    // the same for the FL_DISPLAY_PARTS halvings of a pixel, the smallest first
+  uint slot_first;  // in the levels, of its first universe; FL_NONE: an image, or even
+  uint slot_start;  // in it, of the first pixel
+  uint slots;       // of a pixel
+  uint offsets;     // of red, green, blue and white in them, 8 bits each from red (lowest); 255: none
+  uint first_pixels;     // in the first universe
+  uint universe_pixels;  // in others
+  uint order;            // FL_ORDER_...
+  float gamma;
+  uint pad_0;
+  uint pad_1;
+};
+#define FL_DISPLAY_PARTS 16  // a pixel may be halved so many times where it is near
+#define FL_ORDER_COLUMNS 1u
+#define FL_ORDER_SERPENTINE 2u
+#define FL_ORDER_FROM_RIGHT 4u
+#define FL_ORDER_FROM_BOTTOM 8u
+// A cell of the lowest level is a pixel, 3 words: its light, share of DisplayRow::light. Others have 6: the mean share,
+// then half floats of its moments: the mean of the share times the distance from the middle of the cell, in pixels, to
+// the right and then down.
+struct DisplayLevelRow {
+  uint first;  // word
+  uint columns;
+  uint rows;
+  uint pad;
+};
+// Cells that a workgroup computes.
+struct DisplayJobRow {
+  uint display;
+  uint level;
+  uint first;
+  uint pad;
+};
+#define FL_GROUP_DISPLAY 64  // cells a workgroup
 
 // Flags of a BeamRow.
 #define FL_BEAM_BLADES 1u  // cut by the blades of the same number

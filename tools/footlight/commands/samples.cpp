@@ -1,11 +1,8 @@
 // footlight samples: writes a folder with one file of each kind, to try the other commands with.
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,11 +14,11 @@
 #include "fixtures/files/export/write_file.h"
 #include "fixtures/files/export/zip_writer.h"
 #include "fixtures/files/import/import_rig.h"
-#include "fixtures/gobos/png.h"
 #include "sim/dmx_log/dmx_log.h"
 #include "sim/dmx_log/ola_show.h"
 #include "tools/demo_show/demo_assets.h"
 #include "tools/footlight/command.h"
+#include "tools/footlight/sample_rigs.h"
 
 namespace footlight::tools {
 namespace {
@@ -126,146 +123,6 @@ Status write_qxw(const std::string& path) {
   </Fixture>
  </Engine>
 </Workspace>
-)");
-}
-
-// ---- A chapel with stained glass -----------------------------------------------------------------------------------
-
-constexpr int kGlassWidth = 160, kGlassHeight = 400;
-
-// A rose of twelve petals above rhombs, with lead between the pieces.
-std::array<std::uint8_t, 3> glass_at(int column, int row) {
-  constexpr std::array<std::array<std::uint8_t, 3>, 7> kColors = {{{214, 40, 40},
-                                                                   {36, 76, 200},
-                                                                   {240, 190, 40},
-                                                                   {40, 150, 80},
-                                                                   {120, 40, 150},
-                                                                   {40, 160, 200},
-                                                                   {240, 240, 225}}};
-  constexpr std::array<std::uint8_t, 3> kLead = {8, 8, 8};
-  const double x = (column + 0.5) / kGlassWidth - 0.5, y = (row + 0.5) / kGlassWidth - 0.5;
-  const double radius = std::hypot(x, y);
-  int piece = 0;
-  double to_lead = std::min(0.5 - std::abs(x), std::min(y + 0.5, 2.0 - y));  // in widths of the pane
-  if (radius < 0.47) {
-    const double turn = 12 * (std::atan2(y, x) / (2 * std::numbers::pi) + 0.5);
-    const int ring = radius < 0.12 ? 0 : radius < 0.3 ? 1 : 2;
-    piece = ring == 0 ? 6 : ring + 2 * static_cast<int>(turn);
-    for (const double edge : {0.12, 0.3, 0.47}) to_lead = std::min(to_lead, std::abs(radius - edge));
-    if (ring > 0) to_lead = std::min(to_lead, std::abs(turn - std::round(turn)) * radius / 2);
-  } else {
-    const double a = 4 * (x + y / 2), b = 4 * (x - y / 2);
-    piece = 3 + static_cast<int>(std::floor(a)) + 5 * static_cast<int>(std::floor(b));
-    to_lead = std::min({to_lead, std::abs(a - std::round(a)) / 4, std::abs(b - std::round(b)) / 4,
-                        std::abs(radius - 0.47)});
-  }
-  if (to_lead < 0.008) return kLead;
-  return kColors[static_cast<std::size_t>(((piece % 7) + 7) % 7)];
-}
-
-Status write_glass(const std::string& path) {
-  std::vector<std::uint8_t> pixels;
-  for (int row = 0; row < kGlassHeight; ++row) {
-    for (int column = 0; column < kGlassWidth; ++column) {
-      const auto color = glass_at(column, row);
-      pixels.insert(pixels.end(), color.begin(), color.end());
-    }
-  }
-  const fixtures::Bytes png = fixtures::png_of(kGlassWidth, kGlassHeight, 3, pixels);
-  return fixtures::write_file(path, {reinterpret_cast<const char*>(png.data()), png.size()});
-}
-
-Status write_chapel(const std::string& path) {
-  return fixtures::write_file(path, R"(# Sunlight through stained glass; docs/shafts.md
-[rig]
-name = "Chapel"
-ambient_lx = 20
-
-[haze]
-scattering_per_m = 0.02
-anisotropy = 0.4
-
-[sun]
-direction = [0.3, -1, -0.75]   # in which its light travels
-illuminance_lx = 60000
-temperature_k = 5200
-sky_lx = 6000                  # on the outside of the glass
-
-[[pane]]
-name = "Left"
-position = [-4, 5, 4]
-width_m = 1.6
-height_m = 4
-image = "glass.png"
-
-[[pane]]
-name = "Middle"
-position = [0, 5, 4]
-width_m = 1.6
-height_m = 4
-image = "glass.png"
-
-[[pane]]
-name = "Right"
-position = [4, 5, 4]
-width_m = 1.6
-height_m = 4
-image = "glass.png"
-
-[[box]]
-name = "Floor"
-min = [-12, -12, -0.2]
-max = [12, 12, 0]
-albedo = [0.5, 0.48, 0.45]
-
-[[box]]
-name = "Wall below"
-min = [-12, 5, 0]
-max = [12, 5.3, 2]
-albedo = [0.4, 0.38, 0.35]
-
-[[box]]
-name = "Wall above"
-min = [-12, 5, 6]
-max = [12, 5.3, 9]
-albedo = [0.4, 0.38, 0.35]
-
-[[box]]
-name = "Wall left"
-min = [-12, 5, 2]
-max = [-4.8, 5.3, 6]
-albedo = [0.4, 0.38, 0.35]
-
-[[box]]
-name = "Pier left"
-min = [-3.2, 5, 2]
-max = [-0.8, 5.3, 6]
-albedo = [0.4, 0.38, 0.35]
-
-[[box]]
-name = "Pier right"
-min = [0.8, 5, 2]
-max = [3.2, 5.3, 6]
-albedo = [0.4, 0.38, 0.35]
-
-[[box]]
-name = "Wall right"
-min = [4.8, 5, 2]
-max = [12, 5.3, 6]
-albedo = [0.4, 0.38, 0.35]
-
-[[box]]
-name = "Pillar"
-min = [0.9, 1.5, 0]
-max = [1.5, 2.1, 8]
-albedo = [0.45, 0.43, 0.4]
-
-[[camera]]
-name = "nave"
-position = [-7.5, -8, 2]
-target = [0.5, 2, 2.6]
-fov_deg = 60
-exposure_ev = 8.5
 )");
 }
 
@@ -444,8 +301,10 @@ Status write_line(const std::string& path) {
 constexpr Sample kSamples[] = {
     {"rig.toml", "the demo rig: 24 fixtures, two universes", write_rig},
     {"show.mvr", "the same rig as MVR", write_mvr},
-    {"chapel.toml", "three panes of stained glass in the sun", write_chapel},
-    {"glass.png", "the image of these panes", write_glass},
+    {"chapel.toml", "three panes of stained glass in the sun", write_chapel_rig},
+    {"glass.png", "the image of these panes", write_glass_image},
+    {"wall.toml", "LED walls with an image and with pixels from DMX", write_wall_rig},
+    {"wall.png", "the image of the wall", write_wall_image},
     {"show.qxw", "a QLC+ workspace with six dimmers", write_qxw},
     {"head.gdtf", "the generic profile as GDTF", write_gdtf},
     {"head.qxf", "a moving head as a QLC+ definition", write_qxf},

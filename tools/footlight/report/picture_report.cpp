@@ -333,7 +333,7 @@ Status measure_whole(vk::Device& device, const Scene& scene, const View& view, c
                                      &first));
   if (report.ended) return {};
   FL_ASSIGN(const CountsRow counts, frame->read_counts());
-  if (counts.live_count == 0 && !scene.compiled.needs.panes) {
+  if (counts.live_count == 0 && !scene.compiled.needs.panes && !scene.compiled.needs.displays) {
     return fail(ErrorCode::kBadInput,
                 "{}: no beam is lit, so no error can be measured; use --log with an --at at which a beam is lit, --lit "
                 "or --set",

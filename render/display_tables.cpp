@@ -1,0 +1,151 @@
+#include "render/display_tables.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace footlight::render {
+namespace {
+
+constexpr std::uint32_t kPixelWords = 3, kCellWords = 6;
+
+// Sizes of the levels from the pixels up, and the axes of all halvings (DisplayRow::axes).
+struct CellShape {
+  std::vector<DisplayLevelRow> levels;
+  std::uint32_t axes = 0;
+  std::uint32_t part_axes = 0;
+};
+
+CellShape cell_shape_of(const fixtures::Display& display, std::uint64_t& words) {
+  CellShape shape;
+  auto columns = static_cast<std::uint32_t>(display.columns), rows = static_cast<std::uint32_t>(display.rows);
+  double width_m = display.width_m / columns, height_m = display.height_m / rows;
+  double part_width_m = width_m, part_height_m = height_m;
+  for (int bit = FL_DISPLAY_PARTS - 1; bit >= 0; --bit) {
+    const bool down = part_height_m > part_width_m;
+    (down ? part_height_m : part_width_m) /= 2;
+    if (down) shape.part_axes |= 1u << bit;
+  }
+  for (std::uint32_t level = 0;; ++level) {
+    shape.levels.push_back({static_cast<std::uint32_t>(words), columns, rows, 0});
+    words += std::uint64_t{level == 0 ? kPixelWords : kCellWords} * columns * rows;
+    if (columns == 1 && rows == 1) return shape;
+    const bool down = columns == 1 || (rows > 1 && height_m < width_m);
+    if (down) shape.axes |= 1u << level;
+    (down ? rows : columns) = ((down ? rows : columns) + 1) / 2;
+    (down ? height_m : width_m) *= 2;
+  }
+}
+
+void set_map(const fixtures::PixelMap& map, const std::vector<Universe>& universes, DisplayRow& row) {
+  const auto at = std::lower_bound(universes.begin(), universes.end(), map.universe);
+  row.slot_first = static_cast<std::uint32_t>((at - universes.begin()) * kSlotCountMax);
+  row.slot_start = static_cast<std::uint32_t>(slot_of_address(map.address));
+  row.slots = static_cast<std::uint32_t>(map.slots);
+  for (std::size_t i = 0; i < map.offsets.size(); ++i) {
+    row.offsets |= (static_cast<std::uint32_t>(map.offsets[i]) & 255u) << (8 * i);
+  }
+  row.first_pixels = static_cast<std::uint32_t>(map.first_pixels);
+  row.universe_pixels = static_cast<std::uint32_t>(map.pixels_per_universe);
+  row.order = (map.columns_first ? FL_ORDER_COLUMNS : 0) | (map.serpentine ? FL_ORDER_SERPENTINE : 0) |
+              (map.from_right ? FL_ORDER_FROM_RIGHT : 0) | (map.from_bottom ? FL_ORDER_FROM_BOTTOM : 0);
+  row.gamma = static_cast<float>(map.gamma);
+}
+
+DisplayRow display_row(const fixtures::Display& display, const fixtures::CompiledRig& compiled) {
+  const glm::dmat4 pose = fixtures::pose_of(display);
+  const glm::dvec3 right(pose[0]), up(pose[2]);
+  DisplayRow row{};
+  row.center = vec4(display.position_m, 0);
+  row.right = vec4(right, display.width_m / 2);
+  row.down = vec4(-up, display.height_m / 2);
+  row.front = vec4(glm::cross(right, up), 0);
+  row.light = vec4(display.nits * display.color, 0);
+  row.columns = static_cast<std::uint32_t>(display.columns);
+  row.rows = static_cast<std::uint32_t>(display.rows);
+  row.slot_first = FL_NONE;
+  if (display.map) set_map(*display.map, compiled.universes, row);
+  return row;
+}
+
+// Words of all cells; only the pixels of images and of even displays are filled.
+std::vector<std::uint32_t> first_cells(const fixtures::Rig& rig, const DisplayTables& tables) {
+  std::vector<std::uint32_t> cells(tables.words, 0);
+  for (std::size_t i = 0; i < rig.displays.size(); ++i) {
+    const fixtures::Display& display = rig.displays[i];
+    if (display.map) continue;
+    const std::uint64_t first = tables.levels[tables.rows[i].level_first].first;
+    const std::uint64_t pixels = std::uint64_t{tables.rows[i].columns} * tables.rows[i].rows;
+    for (std::uint64_t pixel = 0; pixel < pixels; ++pixel) {
+      const glm::vec3 light = display.image ? display.image->texels[pixel] : glm::vec3(1);
+      for (int c = 0; c < 3; ++c) {
+        cells[first + kPixelWords * pixel + static_cast<std::uint64_t>(c)] = std::bit_cast<std::uint32_t>(light[c]);
+      }
+    }
+  }
+  return cells;
+}
+
+}  // namespace
+
+DisplayTables display_tables(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled) {
+  DisplayTables tables;
+  std::size_t levels_most = 0;
+  for (const fixtures::Display& display : rig.displays) {
+    const CellShape shape = cell_shape_of(display, tables.words);
+    DisplayRow row = display_row(display, compiled);
+    row.levels = static_cast<std::uint32_t>(shape.levels.size());
+    row.level_first = static_cast<std::uint32_t>(tables.levels.size());
+    row.axes = shape.axes;
+    row.part_axes = shape.part_axes;
+    tables.rows.push_back(row);
+    tables.levels.insert(tables.levels.end(), shape.levels.begin(), shape.levels.end());
+    levels_most = std::max(levels_most, shape.levels.size());
+  }
+  for (const bool live : {false, true}) {
+    DisplayJobs& jobs = live ? tables.live : tables.still;
+    for (std::uint32_t level = 0; level < levels_most; ++level) {
+      const auto first = static_cast<std::uint32_t>(tables.jobs.size());
+      for (std::uint32_t i = 0; i < tables.rows.size(); ++i) {
+        const DisplayRow& row = tables.rows[i];
+        if ((row.slot_first != FL_NONE) != live || level >= row.levels || (level == 0 && !live)) continue;
+        const DisplayLevelRow& size = tables.levels[row.level_first + level];
+        for (std::uint32_t cell = 0; cell < size.columns * size.rows; cell += FL_GROUP_DISPLAY) {
+          tables.jobs.push_back({i, level, cell, 0});
+        }
+      }
+      const auto count = static_cast<std::uint32_t>(tables.jobs.size()) - first;
+      if (count > 0) jobs.push_back({first, count});
+    }
+  }
+  return tables;
+}
+
+std::uint64_t display_bytes(std::uint32_t binding, const MemoryShape& shape) {
+  if (shape.rig.displays.empty()) return 0;
+  const DisplayTables tables = display_tables(shape.rig, shape.compiled);
+  switch (binding) {
+    case FL_BINDING_DISPLAYS: return tables.rows.size() * sizeof(DisplayRow);
+    case FL_BINDING_DISPLAY_LEVELS: return tables.levels.size() * sizeof(DisplayLevelRow);
+    case FL_BINDING_DISPLAY_CELLS: return tables.words * sizeof(std::uint32_t);
+    default: return tables.jobs.size() * sizeof(DisplayJobRow);
+  }
+}
+
+Status make_display_tables(vk::Device& device, const MemoryShape& shape, RigTables& r) {
+  const DisplayTables tables = display_tables(shape.rig, shape.compiled);
+  if (const std::uint64_t bytes = tables.words * sizeof(std::uint32_t); bytes > device.limits().maxStorageBufferRange) {
+    return fail(
+        ErrorCode::kUnsupported,
+        "{}: maxStorageBufferRange is {}, needed: {} bytes for the pixels of displays; use fewer columns or rows",
+        device.name(), device.limits().maxStorageBufferRange, bytes);
+  }
+  r.display_still = tables.still;
+  r.display_live = tables.live;
+  FL_ASSIGN(r.displays, vk::Buffer::table(device, tables.rows));
+  FL_ASSIGN(r.display_levels, vk::Buffer::table(device, tables.levels));
+  FL_ASSIGN(r.display_cells, vk::Buffer::table(device, first_cells(shape.rig, tables)));
+  FL_ASSIGN(r.display_jobs, vk::Buffer::table(device, tables.jobs));
+  return {};
+}
+
+}  // namespace footlight::render

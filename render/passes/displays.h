@@ -1,0 +1,11 @@
+// The pass of displays: the cells of their pixels (displaycells.comp), of images once, of pixel maps each frame; and
+// the displays themselves, and their light in the air and on surfaces (displays.comp).
+#pragma once
+
+#include "render/pass.h"
+
+namespace footlight::render {
+
+extern const PassEntry kDisplaysPass;
+
+}  // namespace footlight::render

@@ -1,0 +1,174 @@
+// Light of the cells of a display at a place: on a surface, or in the air towards the eye. After beam.h, display.h and
+// display_cells.glsl. Places and directions are in the space of the display (display.h).
+
+// A cell is as large as this at most, as its extent over its distance: what it gives is then linear over it but for
+// this error. Larger ones are halved, down to pixels. In the air and in dense haze pixels are halved as well.
+const float kWidestOnSurface = 0.35;
+const float kWidestInAir = 0.5;
+const float kWidestHaze = 2e-3;  // of a pixel's extent times the extinction; else it is halved where it is wide
+
+// A cell as it is seen from a place.
+struct SeenCell {
+  vec3 from;     // to its middle, m
+  vec2 side;     // m
+  vec2 pixel_m;  // of the display
+  float area;    // m^2
+  float square;  // of the distance
+  float away;
+  float lost;     // share of light that arrives
+  float per_m;    // extinction
+  bool is_wide;
+  bool is_whole;  // larger than a pixel: it has moments
+};
+
+// Illuminance, lx.
+vec3 cell_on_surface(DisplayCell cell, SeenCell seen, vec3 normal) {
+  float above = dot(seen.from, normal);
+  float place_m = -seen.from.z;
+  float point = place_m * seen.area / (seen.square * seen.square);
+  bool is_point = max(seen.side.x, seen.side.y) < FL_DISPLAY_POINT * seen.away;
+  float form = is_point ? max(above, 0.0) * point
+                        : display_form(seen.from, 0.5 * seen.side.x, 0.5 * seen.side.y, normal);
+  vec3 lx = cell.mean * form;
+  if (seen.is_whole && above > 0.0) {
+    vec2 slope = normal.xy - seen.from.xy * (above * (4.0 / seen.square + seen.per_m / seen.away));
+    slope *= point * seen.pixel_m;
+    lx += cell.moment_x * slope.x + cell.moment_y * slope.y;
+  }
+  return lx * seen.lost;
+}
+
+// Light that a metre of haze scatters towards the eye, over sigma_s. ray: from the eye.
+vec3 cell_in_air(DisplayCell cell, SeenCell seen, vec3 ray) {
+  float g = params.anisotropy;
+  float mu = -dot(seen.from, ray) / seen.away;
+  float point = -seen.from.z * seen.area / (seen.square * seen.away);
+  // What is integrated is -from.z / away^3 times the phase function and the loss. slope: its derivatives over itself,
+  // times the distance; bend: its second derivatives over itself, times the square.
+  float forward = max(1.0 + g * g + 2.0 * g * mu, 1e-6);
+  float loss = seen.per_m * seen.away;
+  vec2 to = seen.from.xy / seen.away;
+  vec2 turn = ray.xy + mu * to;
+  vec2 slope = turn * (3.0 * g / forward) - to * (3.0 + loss);
+  vec2 bend = slope * slope - 3.0 + 6.0 * to * to + (to * to - 1.0) * loss +
+              (mu * (1.0 - to * to) - 2.0 * turn * to + turn * turn * (2.0 * g / forward)) * (3.0 * g / forward);
+  float angle = seen.is_wide ? display_angle(seen.from, 0.5 * seen.side.x, 0.5 * seen.side.y)
+                             : point * (1.0 + dot(seen.side * seen.side, bend) / (24.0 * seen.square));
+  vec3 light = cell.mean * angle;
+  if (seen.is_whole) {
+    slope *= point / seen.away * seen.pixel_m;
+    light += cell.moment_x * slope.x + cell.moment_y * slope.y;
+  }
+  return light * (seen.lost * phase_function(mu, g));
+}
+
+// towards: the normal of the surface, or the ray. per_m: extinction.
+vec3 light_of_cells(DisplayRow row, vec3 place, vec3 towards, bool in_air, float per_m) {
+  uvec2 parts = halvings(row, FL_DISPLAY_PARTS);
+  uvec2 size = uvec2(row.columns, row.rows) << parts;
+  vec2 half_m = vec2(row.right.w, row.down.w);
+  vec2 part_m = 2.0 * half_m / vec2(size);
+  uint root = FL_DISPLAY_PARTS + row.levels - 1u;
+  uint level = root;
+  uvec2 at = uvec2(0u);
+  float widest = in_air ? kWidestInAir : kWidestOnSurface;
+  vec3 sum = vec3(0.0);
+  for (bool more = true; more;) {
+    uvec2 shift = halvings(row, level);
+    vec2 low = vec2(at << shift);
+    vec2 high = vec2(min((at + 1u) << shift, size));
+    SeenCell seen;
+    seen.from = vec3(0.5 * (low + high) * part_m - half_m - place.xy, -place.z);
+    seen.side = (high - low) * part_m;
+    seen.square = max(dot(seen.from, seen.from), 1e-20);
+    float extent = max(seen.side.x, seen.side.y);
+    seen.is_wide = extent * extent > widest * widest * seen.square;
+    bool is_pixel = level <= uint(FL_DISPLAY_PARTS);
+    bool halves = !is_pixel || ((in_air || per_m * extent > kWidestHaze) && level > 0u);
+    bool dark = !in_air && dot(seen.from, towards) + 0.5 * dot(seen.side, abs(towards.xy)) <= 0.0;  // below the horizon
+    if (seen.is_wide && halves && !dark) {
+      --level;
+      at[halves_down(row, level) ? 1 : 0] *= 2u;
+      continue;
+    }
+    if (!dark) {
+      seen.pixel_m = part_m * vec2(uvec2(1u) << parts);
+      seen.area = seen.side.x * seen.side.y;
+      seen.away = sqrt(seen.square);
+      seen.per_m = per_m;
+      seen.lost = exp(-per_m * seen.away);
+      seen.is_whole = !is_pixel;
+      DisplayCell cell = is_pixel ? read_cell(row, 0u, at >> (parts - shift))
+                                  : read_cell(row, level - uint(FL_DISPLAY_PARTS), at);
+      sum += in_air ? cell_in_air(cell, seen, towards) : cell_on_surface(cell, seen, towards);
+    }
+    // The next cell in the order of the halves.
+    more = false;
+    while (level < root && !more) {
+      uint axis = halves_down(row, level) ? 1u : 0u;
+      more = (at[axis] & 1u) == 0u && (at[axis] + 1u) << halvings(row, level)[axis] < size[axis];
+      if (more) {
+        ++at[axis];
+      } else {
+        at[axis] >>= 1;
+        ++level;
+      }
+    }
+  }
+  return max(sum, 0.0);
+}
+
+// Rays are integrated over w, where the distance from the nearest place is d sinh(w): near a display a node stands for
+// a part of d, and far away each has the same share of the distance. Pieces of w have four nodes.
+const float kPieceW = 1.0;
+const uint kPiecesMost = 32u;
+const float kFar = 30.0;       // in sizes of what is seen; beyond, light falls with the square of the distance
+const float kNearest = 0.25;   // of the shorter side of a display: nearer to it d stays
+const float kAhead = 2.0;      // of the largest part of a pixel: nearer to its face light is as there
+
+float w_of(float x) { return sign(x) * log(abs(x) + sqrt(x * x + 1.0)); }
+
+// Light in the air along a ray up to end_m, over sigma_s. eye: the camera.
+vec3 air_of_display(DisplayRow row, vec3 eye, vec3 ray, float end_m, float per_m) {
+  float begin_m = 0.0;
+  if (ray.z > 0.0) begin_m = max(-eye.z / ray.z, 0.0);
+  if (ray.z < 0.0) end_m = min(end_m, eye.z / -ray.z);
+  if (ray.z == 0.0 && !(eye.z > 0.0)) return vec3(0.0);
+  vec2 half_m = vec2(row.right.w, row.down.w);
+  float middle_m = max(-dot(eye, ray), begin_m);
+  float far_m = middle_m + kFar * (length(half_m) + length(eye + ray * middle_m));
+  bool has_tail = far_m < end_m;
+  end_m = min(end_m, far_m);
+  if (!(end_m > begin_m)) return vec3(0.0);
+  float nearest_m = display_nearest(eye, ray, half_m.x, half_m.y, begin_m, end_m);
+  float d = max(display_distance(eye + ray * nearest_m, half_m.x, half_m.y), 2.0 * kNearest * min(half_m.x, half_m.y));
+  float first = w_of((begin_m - nearest_m) / d);
+  float whole = w_of((end_m - nearest_m) / d) - first;
+  uint pieces = uint(clamp(ceil(whole / kPieceW), 1.0, float(kPiecesMost)));
+  vec2 part_m = 2.0 * half_m / vec2(uvec2(row.columns, row.rows) << halvings(row, FL_DISPLAY_PARTS));
+  float ahead_m = kAhead * max(part_m.x, part_m.y);
+  float piece = whole / float(pieces);
+  vec3 sum = vec3(0.0);
+  for (uint i = 0u; i < 4u * pieces; ++i) {
+    float node = kGaussNode[6u + (i & 3u)];
+    float weight = kGaussWeight[6u + (i & 3u)];
+    float w = first + piece * (float(i >> 2) + node);
+    float grown = exp(w);
+    float t_m = clamp(nearest_m + 0.5 * d * (grown - 1.0 / grown), begin_m, end_m);
+    float step_m = 0.5 * d * (grown + 1.0 / grown) * piece * weight;
+    vec3 place = eye + ray * t_m;
+    bool is_ahead = all(lessThan(abs(place.xy), half_m));
+    place.z = max(place.z, is_ahead ? ahead_m : 1e-6 * d);
+    vec3 light = light_of_cells(row, place, ray, true, per_m) * (step_m * exp(-per_m * t_m));
+#ifdef FL_USE_HAZE
+    light *= haze_mean(max(t_m - 0.5 * step_m, begin_m), min(t_m + 0.5 * step_m, end_m));
+#endif
+    sum += light;
+  }
+  if (has_tail) {
+    vec3 last = light_of_cells(row, eye + ray * end_m, ray, true, per_m) * exp(-per_m * end_m);
+    float away_m = end_m - middle_m;
+    sum += last * (away_m / (1.0 + 2.0 * per_m * away_m));
+  }
+  return sum;
+}

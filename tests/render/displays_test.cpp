@@ -1,0 +1,500 @@
+// Displays: pictures against the judge, which integrates every pixel, and what must hold of them anywhere.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "fixtures/simulate/walker.h"
+#include "render/beam.h"
+#include "render/display_tables.h"
+#include "render/frame.h"
+#include "render/reference/display_judge.h"
+#include "tests/render/scenes.h"
+#include "tests/support/headless_vulkan.h"
+
+namespace footlight::render {
+namespace {
+
+using namespace render::testing;
+using footlight::testing::HeadlessVulkan;
+
+constexpr int kWidth = 48, kHeight = 27;
+
+const std::string kHaze = "scattering_per_m = 0.03\nabsorption_per_m = 0.005\nanisotropy = 0.5";
+const std::string kClear = "scattering_per_m = 0";
+const std::string kFloor =
+    "[[box]]\nname = \"Floor\"\nmin = [-20, -20, -1]\nmax = [20, 20, 0]\nalbedo = [0.5, 0.4, 0.3]\n";
+const std::string kRisers =
+    "[[box]]\nname = \"A\"\nmin = [-1.5, 1, 0]\nmax = [-0.5, 2, 1.4]\nalbedo = [0.5, 0.5, 0.5]\n"
+    "[[box]]\nname = \"B\"\nmin = [0.8, 2.2, 0]\nmax = [1.6, 3, 2.2]\nalbedo = [0.5, 0.5, 0.5]\n";
+
+// A display of 3.2 x 1.8 m in the plane y = 4, seen from ahead and the left; no fixtures. more: of the display.
+Scene display_scene(const std::string& haze, const std::string& boxes, const std::string& more = "") {
+  Scene scene;
+  scene.rig = must(fixtures::parse_rig("[rig]\nname = \"Displays\"\nambient_lx = 0\n[haze]\n" + haze +
+                                           "\n[[display]]\nname = \"Wall\"\nposition = [0, 4, 1.9]\nwidth_m = 3.2\n"
+                                           "height_m = 1.8\nnits = 800\n" +
+                                           more + "\n" + boxes +
+                                           "\n[[camera]]\nname = \"main\"\nposition = [-3, -4, 2]\n"
+                                           "target = [0, 2.5, 1.2]\nfov_deg = 55\n",
+                                       "displays.toml"));
+  scene.compile();
+  return scene;
+}
+
+// Coloured fields, dark lines and single bright pixels.
+void give_picture(fixtures::Display& display, int columns, int rows) {
+  auto image = std::make_shared<fixtures::PaneImage>(fixtures::PaneImage{columns, rows, {}});
+  Random random(5);
+  for (int y = 0; y < rows; ++y) {
+    for (int x = 0; x < columns; ++x) {
+      Random field(static_cast<std::uint64_t>(x / 5 + 100 * (y / 4)) + 3);
+      const glm::vec3 color(field.between(0, 1), field.between(0, 1), field.between(0, 1));
+      const bool line = x % 5 == 0, bright = random.below(11) == 0;
+      image->texels.push_back(bright ? glm::vec3(1) : line ? glm::vec3(0) : color);
+    }
+  }
+  display.columns = columns;
+  display.rows = rows;
+  display.image = image;
+}
+
+void view_from(Scene& scene, glm::dvec3 from, glm::dvec3 to) {
+  scene.rig.cameras[0].position_m = from;
+  scene.rig.cameras[0].target_m = to;
+}
+
+RadianceImage drawn(
+    vk::Device& device, const Scene& scene, bool judged = true,
+    const std::function<void(FrameSettings&)>& change = [](FrameSettings&) {}) {
+  FrameSettings settings = judged_settings(kWidth, kHeight);
+  settings.widen_thin = !judged;
+  change(settings);
+  auto frame = make_frame(device, scene, settings);
+  frame->step(scene.levels, 0);
+  must(frame->draw(view_of(scene.rig.cameras[0]), 0));
+  return must(frame->read_radiance());
+}
+
+std::vector<double> judged(const Scene& scene) {
+  fixtures::f64::Walker walker(scene.compiled);
+  walker.step(scene.levels, 0);
+  JudgeOptions options;
+  options.stated_error = false;
+  return judge_image(judge_scene(scene.rig, walker), view_of(scene.rig.cameras[0]), kWidth, kHeight, options).rgb;
+}
+
+double rel_l2(const RadianceImage& image, const std::vector<double>& judge) {
+  double error = 0, light = 0;
+  for (std::size_t i = 0; i < judge.size(); ++i) {
+    const double difference = static_cast<double>(image.rgb[i]) - judge[i];
+    error += difference * difference;
+    light += judge[i] * judge[i];
+  }
+  REQUIRE(light > 0);
+  return std::sqrt(error / light);
+}
+
+double sum_of(const RadianceImage& image) {
+  double sum = 0;
+  for (const float value : image.rgb) sum += static_cast<double>(value);
+  return sum;
+}
+
+void print(const char* what, double error) {
+  if (std::getenv("FOOTLIGHT_PRINT_ERRORS") != nullptr) std::printf("%-44s %.2e\n", what, error);
+}
+
+// A case against the judge. Cameras that see no display judge its light alone, without its bright pixels.
+struct Case {
+  const char* what;
+  double most;
+  std::string haze;
+  std::string boxes;
+  std::function<void(Scene&)> change = [](Scene&) {};
+};
+const auto picture = [](Scene& scene) { give_picture(scene.rig.displays[0], 32, 18); };
+// Away from the display: of what it lights nothing else is in the picture.
+const auto away = [](Scene& scene) { view_from(scene, {1, 3.9, 2.5}, {-1, -2, 0}); };
+
+TEST_CASE("light of displays on surfaces is near the judge") {
+  HeadlessVulkan vulkan;
+  for (const Case& c :
+       {Case{"even, floor", 1e-3, kClear, kFloor, away}, Case{"even, floor and the display", 1e-3, kClear, kFloor},
+        Case{"even, risers", 1e-3, kClear, kFloor + kRisers, away},
+        Case{"even, horizon through it", 1e-3, kClear, kFloor + kRisers,
+             [](Scene& s) {
+               away(s);
+               s.rig.displays[0].rotation_deg = {10, 20, 30};
+             }},
+        Case{"even, at its foot", 1e-3, kClear, kFloor,
+             [](Scene& s) {
+               s.rig.displays[0].position_m.z = 0.9;
+               view_from(s, {-0.6, 2.6, 0.5}, {0, 3.95, 0});
+             }},
+        Case{"image, floor", 5e-3, kClear, kFloor, [](Scene& s) { picture(s), away(s); }},
+        Case{"image, risers", 5e-3, kClear, kFloor + kRisers, [](Scene& s) { picture(s), away(s); }},
+        Case{"image, at its foot", 5e-3, kClear, kFloor,
+             [](Scene& s) {
+               picture(s);
+               s.rig.displays[0].position_m.z = 0.9;
+               view_from(s, {-0.6, 3.99, 0.5}, {0.3, 3.7, 0});
+             }},
+        Case{"image, in what absorbs", 5e-3, "scattering_per_m = 0\nabsorption_per_m = 0.5", kFloor,
+             [](Scene& s) { picture(s), away(s); }},
+        Case{"strip of 100 pixels", 5e-3, kClear, kFloor,
+             [](Scene& s) {
+               away(s);
+               s.rig.displays[0].height_m = 0.012;
+               s.rig.displays[0].position_m.z = 0.3;
+               give_picture(s.rig.displays[0], 100, 1);
+             }},
+        Case{"odd sizes: 37 x 5, two displays", 5e-3, kClear, kFloor, [](Scene& s) {
+               away(s);
+               give_picture(s.rig.displays[0], 37, 5);
+               s.rig.displays.push_back(s.rig.displays[0]);
+               s.rig.displays[1].position_m = {-4, 0, 1};
+               s.rig.displays[1].rotation_deg = {0, 0, 90};
+             }}}) {
+    CAPTURE(std::string(c.what));
+    Scene scene = display_scene(c.haze, c.boxes);
+    c.change(scene);
+    scene.compile();
+    const double error = rel_l2(drawn(vulkan.device(), scene), judged(scene));
+    print(c.what, error);
+    CHECK(error < c.most);
+  }
+}
+
+TEST_CASE("light of displays in the air is near the judge") {
+  HeadlessVulkan vulkan;
+  const auto from_behind = [](Scene& s) { view_from(s, {3, 9, 3}, {0, 2, 1}); };
+  const auto from_side = [](Scene& s) { view_from(s, {-6, 2.5, 2}, {0, 2.5, 1.5}); };
+  const auto near = [](Scene& s) { view_from(s, {-1.8, 3.8, 1.6}, {1.5, 3.2, 2}); };
+  for (const Case& c :
+       {Case{"even, with the display", 1e-3, kHaze, ""}, Case{"even, from behind", 1e-3, kHaze, "", from_behind},
+        Case{"even, from the side", 1e-3, kHaze, "", from_side}, Case{"even, along its face", 1e-3, kHaze, "", near},
+        Case{"even, with a floor", 1e-3, kHaze, kFloor, from_side},
+        Case{"image, with the display", 5e-3, kHaze, "", picture},
+        Case{"image, from behind", 5e-3, kHaze, "", [&](Scene& s) { picture(s), from_behind(s); }},
+        Case{"image, from the side", 5e-3, kHaze, kFloor, [&](Scene& s) { picture(s), from_side(s); }},
+        Case{"image, along its face", 5e-3, kHaze, "", [&](Scene& s) { picture(s), near(s); }},
+        Case{"image, strongly forward (g = 0.85)", 5e-3, "scattering_per_m = 0.03\nanisotropy = 0.85", kFloor,
+             [&](Scene& s) { picture(s), from_behind(s); }},
+        Case{"image, dense haze", 5e-3, "scattering_per_m = 0.8\nabsorption_per_m = 0.4", kFloor,
+             [&](Scene& s) { picture(s), from_side(s); }},
+        Case{"strip of 40 pixels", 5e-3, kHaze, "", [&](Scene& s) {
+               from_side(s);
+               s.rig.displays[0].height_m = 0.012;
+               give_picture(s.rig.displays[0], 40, 1);
+             }}}) {
+    CAPTURE(std::string(c.what));
+    Scene scene = display_scene(c.haze, c.boxes);
+    c.change(scene);
+    scene.compile();
+    const double error = rel_l2(drawn(vulkan.device(), scene), judged(scene));
+    print(c.what, error);
+    CHECK(error < c.most);
+  }
+}
+
+TEST_CASE("light of displays in clouds of haze is near the judge") {
+  HeadlessVulkan vulkan;
+  Scene scene = display_scene("scattering_per_m = 0.03\nnoise = 0.8\nsize_m = 3\nseed = 4", "");
+  view_from(scene, {-6, 2.5, 2}, {0, 2.5, 1.5});
+  scene.compile();
+  const double error = rel_l2(drawn(vulkan.device(), scene), judged(scene));
+  print("even, clouds", error);
+  CHECK(error < 2e-2);
+}
+
+TEST_CASE("the judge of displays has the light of a point far away, and half of a plane nearby") {
+  JudgeScene scene;
+  scene.haze.scattering_per_m = 0;
+  scene.displays.push_back({{0, 0, 0}, {0.1, 0, 0}, {0, 0, 0.1}, 2, 2, std::vector<glm::dvec3>(4, glm::dvec3(1000))});
+  // 0.04 m^2 of 1000 cd/m^2 are 40 cd ahead, which is towards -y.
+  CHECK(judge_display_lux(scene, {0, -20, 0}, {0, 1, 0}).r == doctest::Approx(40.0 / 400).epsilon(1e-4));
+  CHECK(judge_display_lux(scene, {0, 20, 0}, {0, -1, 0}) == glm::dvec3(0));
+  scene.displays[0].right_m = {1000, 0, 0};
+  scene.displays[0].up_m = {0, 0, 1000};
+  CHECK(judge_display_lux(scene, {3, -0.1, 0}, {0, 1, 0}).r == doctest::Approx(1000 * std::numbers::pi).epsilon(1e-6));
+  CHECK(judge_display_lux(scene, {3, -0.1, 0}, {1, 0, 0}).r == doctest::Approx(500 * std::numbers::pi).epsilon(1e-4));
+}
+
+TEST_CASE("form factors and solid angles of rectangles are those of sums over their parts") {
+  Random random(3);
+  for (int i = 0; i < 200; ++i) {
+    const double half_x = random.between(0.05, 2), half_y = random.between(0.05, 2);
+    const glm::dvec3 from(random.between(-3, 3), random.between(-3, 3), -random.between(0.5, 3));
+    const glm::dvec3 normal =
+        glm::normalize(glm::dvec3(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1)));
+    double form = 0, angle = 0;
+    const int parts = 200;
+    for (int y = 0; y < parts; ++y) {
+      for (int x = 0; x < parts; ++x) {
+        const glm::dvec3 to =
+            from + glm::dvec3(half_x * ((2.0 * x + 1) / parts - 1), half_y * ((2.0 * y + 1) / parts - 1), 0);
+        const double square = glm::dot(to, to), area = 4 * half_x * half_y / (parts * parts);
+        form += area * std::max(glm::dot(to, normal), 0.0) * -to.z / (square * square);
+        angle += area * -to.z / (square * std::sqrt(square));
+      }
+    }
+    CHECK(f64::display_form(from, half_x, half_y, normal) == doctest::Approx(form).epsilon(1e-3).scale(0.05));
+    CHECK(f64::display_angle(from, half_x, half_y) == doctest::Approx(angle).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("levels of a pixel map give the same picture to the bit as an image of the same light") {
+  HeadlessVulkan vulkan;
+  for (const char* order : {"rgb", "grb", "rgbw"}) {
+    Scene scene = display_scene(kHaze, kFloor,
+                                "columns = 30\nrows = 17\nuniverse = 4\naddress = 20\nserpentine = true\n"
+                                "start = \"bottom-right\"\norder = \"" +
+                                    std::string(order) + "\"\n");
+    Random random(9);
+    for (std::uint8_t& level : scene.levels) level = static_cast<std::uint8_t>(random.below(256));
+    const RadianceImage mapped = drawn(vulkan.device(), scene, false);
+    fixtures::Display& display = scene.rig.displays[0];
+    auto image = std::make_shared<fixtures::PaneImage>(fixtures::PaneImage{30, 17, {}});
+    for (int y = 0; y < 17; ++y) {
+      for (int x = 0; x < 30; ++x) {
+        const fixtures::PixelPlace place = fixtures::place_of_pixel(display, x, y);
+        const std::uint8_t* slots =
+            &scene.levels[static_cast<std::size_t>(place.universe * kSlotCountMax + place.slot)];
+        glm::vec3 light(0);
+        const auto share = [&](std::size_t emitter) {
+          const int offset = display.map->offsets[emitter];
+          return offset < 0 ? 0.0f : static_cast<float>(slots[offset]) / 255.0f;
+        };
+        for (std::size_t i = 0; i < 3; ++i) light[static_cast<int>(i)] = share(i) + share(3);
+        image->texels.push_back(light);
+      }
+    }
+    display.map.reset();
+    display.image = image;
+    scene.compile();
+    const RadianceImage shown = drawn(vulkan.device(), scene, false);
+    CHECK(sum_of(shown) > 0);
+    CHECK(mapped.rgb == shown.rgb);
+    CHECK(shown.rgb == drawn(vulkan.device(), scene, false).rgb);
+  }
+}
+
+TEST_CASE("new levels change the picture of a frame, and old ones bring the old picture back") {
+  HeadlessVulkan vulkan;
+  Scene scene = display_scene(kClear, kFloor, "columns = 8\nrows = 4\nuniverse = 1\n");
+  auto frame = make_frame(vulkan.device(), scene, judged_settings(kWidth, kHeight));
+  const auto with = [&](std::uint8_t level) {
+    std::fill(scene.levels.begin(), scene.levels.end(), level);
+    frame->step(scene.levels, 0);
+    must(frame->run_steps());
+    must(frame->draw(view_of(scene.rig.cameras[0]), 0));
+    return must(frame->read_radiance());
+  };
+  const RadianceImage full = with(255);
+  CHECK(sum_of(with(0)) == 0);
+  const double half = sum_of(with(51));
+  CHECK(half == doctest::Approx(0.2 * sum_of(full)).epsilon(1e-4));
+  CHECK(with(255).rgb == full.rgb);
+  // Without a step the last levels stay.
+  must(frame->draw(view_of(scene.rig.cameras[0]), 0));
+  CHECK(must(frame->read_radiance()).rgb == full.rgb);
+}
+
+TEST_CASE("no display gives a picture that is not finite") {
+  HeadlessVulkan vulkan;
+  struct Extreme {
+    const char* what;
+    std::function<void(Scene&)> change;
+    bool dark = false;
+  };
+  for (const Extreme& c :
+       {Extreme{"as it is", [](Scene&) {}},
+        Extreme{"seen edge on",
+                [](Scene& s) {
+                  view_from(s, {-6, 4, 1.9}, {0, 4, 1.9});
+                }},
+        Extreme{"the eye nearly in its plane",
+                [](Scene& s) {
+                  view_from(s, {-6, 3.9999, 1.9}, {0, 4, 1.9});
+                }},
+        Extreme{"the eye on its face",
+                [](Scene& s) {
+                  view_from(s, {0.1, 4, 1.9}, {0, 2, 1.9});
+                }},
+        Extreme{"the eye a micrometre ahead of its face",
+                [](Scene& s) {
+                  view_from(s, {0.1, 3.999999, 1.9}, {1, 4, 1.9});
+                }},
+        Extreme{"the eye at its corner",
+                [](Scene& s) {
+                  view_from(s, {1.6, 4, 2.8}, {0, 0, 0});
+                }},
+        Extreme{"an image of one pixel",
+                [](Scene& s) {
+                  give_picture(s.rig.displays[0], 1, 1);
+                  s.rig.displays[0].image = nullptr;
+                }},
+        Extreme{"a column of pixels", [](Scene& s) { give_picture(s.rig.displays[0], 1, 500); }},
+        Extreme{"1 x 1 mm", [](Scene& s) { s.rig.displays[0].width_m = s.rig.displays[0].height_m = 0.001; }},
+        Extreme{"1 km wide", [](Scene& s) { s.rig.displays[0].width_m = 1000; }},
+        Extreme{"1 km long and 1 mm high",
+                [](Scene& s) {
+                  s.rig.displays[0].width_m = 1000;
+                  s.rig.displays[0].height_m = 0.001;
+                }},
+        Extreme{"in the plane of the floor",
+                [](Scene& s) {
+                  s.rig.displays[0].position_m.z = 0;
+                  s.rig.displays[0].rotation_deg = {-90, 0, 0};
+                }},
+        Extreme{"through the floor", [](Scene& s) { s.rig.displays[0].position_m.z = 0; }},
+        Extreme{"9 km away",
+                [](Scene& s) {
+                  view_from(s, {0, -9000, 40}, {0, 0, 2});
+                  s.rig.cameras[0].fov_deg = 1;
+                }},
+        Extreme{"haze that lets nothing through",
+                [](Scene& s) {
+                  s.rig.haze.scattering_per_m = 10;
+                  s.rig.haze.absorption_per_m = 10;
+                  s.rig.haze.anisotropy = 0.95;
+                  view_from(s, {0, 3.8, 2}, {0, 2, 1});
+                }},
+        Extreme{"scattered back", [](Scene& s) { s.rig.haze.anisotropy = -0.95; }},
+        Extreme{"no haze", [](Scene& s) { s.rig.haze.scattering_per_m = 0; }},
+        Extreme{"a million nits", [](Scene& s) { s.rig.displays[0].nits = 1e6; }},
+        Extreme{"black", [](Scene& s) { s.rig.displays[0].nits = 0; }, true}}) {
+    CAPTURE(std::string(c.what));
+    Scene scene = display_scene("scattering_per_m = 0.03", kFloor);
+    c.change(scene);
+    scene.compile();
+    for (const bool judged_picture : {true, false}) {
+      const RadianceImage image = drawn(vulkan.device(), scene, judged_picture);
+      CHECK(std::all_of(image.rgb.begin(), image.rgb.end(), [](float v) { return std::isfinite(v) && v >= 0; }));
+      CHECK((sum_of(image) > 0) == !c.dark);
+    }
+  }
+}
+
+TEST_CASE("a million pixels from 5,883 universes light the floor as one pixel of their mean, at about the same cost") {
+  HeadlessVulkan vulkan;
+  Scene many = display_scene(kClear, kFloor, "columns = 1000\nrows = 1000\nuniverse = 1\n");
+  CHECK(many.compiled.universes.size() == 5883);
+  Scene one = display_scene(kClear, kFloor, "columns = 1\nrows = 1\nuniverse = 1\n");
+  for (Scene* scene : {&many, &one}) {
+    away(*scene);
+    std::fill(scene->levels.begin(), scene->levels.end(), std::uint8_t{128});
+  }
+  const RadianceImage fine = drawn(vulkan.device(), many), coarse = drawn(vulkan.device(), one);
+  for (std::size_t i = 0; i < fine.rgb.size(); ++i) {
+    CHECK(fine.rgb[i] == doctest::Approx(coarse.rgb[i]).epsilon(2e-3));
+  }
+}
+
+TEST_CASE("pixels of a display that are finer than those of the picture keep their light") {
+  HeadlessVulkan vulkan;
+  // Mean over the picture of a display that is smaller than it, against 64 pixels for one.
+  const auto light = [&](const std::function<void(Scene&)>& change, double most) {
+    Scene scene = display_scene(kClear, "");
+    give_picture(scene.rig.displays[0], 300, 200);
+    change(scene);
+    scene.compile();
+    const double few = sum_of(drawn(vulkan.device(), scene, false));
+    const double many = sum_of(drawn(vulkan.device(), scene, true,
+                                     [](FrameSettings& settings) {
+                                       settings.width *= 16;
+                                       settings.height *= 16;
+                                     })) /
+                        256;
+    CHECK(few == doctest::Approx(many).epsilon(most));
+  };
+  light([](Scene&) {}, 0.03);
+  light([](Scene& s) { view_from(s, {-9, 3, 2}, {0, 4, 2}); }, 0.06);  // nearly edge on
+  light(
+      [](Scene& s) {
+        s.rig.displays[0].height_m = 0.02;  // a fraction of a pixel
+        give_picture(s.rig.displays[0], 100, 1);
+      },
+      0.05);
+}
+
+TEST_CASE("the image of a display stands upright as it is seen from the audience, and its back is dark") {
+  HeadlessVulkan vulkan;
+  Scene scene = display_scene(kClear, kFloor);
+  auto image = std::make_shared<fixtures::PaneImage>(fixtures::PaneImage{2, 2, {}});
+  image->texels = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};  // from the top left: red, green, blue, white
+  scene.rig.displays[0].columns = scene.rig.displays[0].rows = 2;
+  scene.rig.displays[0].image = image;
+  const auto at = [&](glm::dvec3 place_m) {
+    const RadianceImage shown = drawn(vulkan.device(), scene, false, [](FrameSettings& s) { s.bodies = true; });
+    const View view = view_of(scene.rig.cameras[0]);
+    const glm::dvec3 to = place_m - view.position_m;
+    const double scale = glm::dot(to, view.forward) * view.tan_half_fov;
+    const int x = static_cast<int>(kWidth / 2.0 + glm::dot(to, view.right) / scale * kHeight / 2.0);
+    const int y = static_cast<int>(kHeight / 2.0 - glm::dot(to, view.up) / scale * kHeight / 2.0);
+    const auto pixel = 3 * static_cast<std::size_t>(y * kWidth + x);
+    return glm::vec3(shown.rgb.at(pixel), shown.rgb.at(pixel + 1), shown.rgb.at(pixel + 2));
+  };
+  view_from(scene, {0, -4, 2}, {0, 4, 1.9});
+  scene.compile();
+  const auto is_near = [](glm::vec3 color, glm::vec3 nits) {
+    return glm::length(color - nits) < 0.02f * glm::length(nits);
+  };
+  CHECK(is_near(at({-0.8, 4, 2.4}), {800, 0, 0}));
+  CHECK(is_near(at({0.8, 4, 2.4}), {0, 800, 0}));
+  CHECK(is_near(at({-0.8, 4, 1.4}), {0, 0, 800}));
+  CHECK(is_near(at({0.8, 4, 1.4}), {800, 800, 800}));
+  // Its case hides the lit floor ahead of it, and stands in its own dark.
+  view_from(scene, {0, 9, 2.5}, {0, 0, 1.2});
+  scene.compile();
+  CHECK(at({0, 4, 1.9}) == glm::vec3(0));
+}
+
+TEST_CASE("the cells of a display lie in levels down to one, near squares wherever there are pixels for it") {
+  for (const auto& [columns, rows, width_m, height_m] :
+       {std::tuple{1, 1, 1.0, 1.0}, std::tuple{37, 5, 3.2, 1.8}, std::tuple{1000, 1, 1.0, 1.0},
+        std::tuple{4096, 3, 5.0, 0.01}, std::tuple{2, 4000, 1.0, 9.0}}) {
+    Scene scene = display_scene(kClear, "");
+    fixtures::Display& display = scene.rig.displays[0];
+    display.columns = columns;
+    display.rows = rows;
+    display.width_m = width_m;
+    display.height_m = height_m;
+    const DisplayTables tables = display_tables(scene.rig, scene.compiled);
+    const DisplayRow& row = tables.rows[0];
+    REQUIRE(row.levels <= 32);
+    CHECK(tables.levels.back().columns == 1);
+    CHECK(tables.levels.back().rows == 1);
+    double cell_width_m = width_m / columns, cell_height_m = height_m / rows;
+    for (std::uint32_t level = 0; level + 1 < row.levels; ++level) {
+      const bool down = (row.axes >> level & 1u) != 0;
+      (down ? cell_height_m : cell_width_m) *= 2;
+      const DisplayLevelRow &from = tables.levels[level], &to = tables.levels[level + 1];
+      CHECK(to.columns == (down ? from.columns : (from.columns + 1) / 2));
+      CHECK(to.rows == (down ? (from.rows + 1) / 2 : from.rows));
+      const bool both = from.columns > 1 && from.rows > 1;
+      if (both) CHECK((down ? cell_height_m : cell_width_m) <= 2.01 * (down ? cell_width_m : cell_height_m));
+    }
+    CHECK(tables.words * 4 ==
+          display_bytes(FL_BINDING_DISPLAY_CELLS, {scene.rig, scene.compiled, scene.compiled.needs, {}}));
+  }
+}
+
+TEST_CASE("a rig without a display has no pass and no buffer for them, and says so") {
+  const auto compiled = must(fixtures::compile(fixtures::demo_rig()));
+  CHECK(!compiled.needs.displays);
+  const auto out = left_out_passes(compiled.needs, {});
+  CHECK(std::any_of(out.begin(), out.end(), [](const LeftOutPass& pass) { return pass.name == "displays"; }));
+  for (const int binding :
+       {FL_BINDING_DISPLAYS, FL_BINDING_DISPLAY_LEVELS, FL_BINDING_DISPLAY_CELLS, FL_BINDING_DISPLAY_JOBS}) {
+    CHECK(display_bytes(static_cast<std::uint32_t>(binding), {fixtures::demo_rig(), compiled, compiled.needs, {}}) == 0);
+  }
+}
+
+}  // namespace
+}  // namespace footlight::render
