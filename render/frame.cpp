@@ -334,11 +334,8 @@ Status Frame::draw(const View& view, double exposure_ev) {
 
 Status Frame::run_steps() {
   if (pending_.empty()) return {};
-  if (passes_.empty() || plan_.front().name != kStepPass.name) {  // nothing to step
-    // Displays show the newest levels.
-    const bool shown = resources_.rig.levels.handle != VK_NULL_HANDLE;
-    pending_.erase(pending_.begin(), shown ? pending_.end() - 1 : pending_.end());
-    return {};
+  if (!draws(kStepPass)) {
+    return device_.run_once([&](VkCommandBuffer commands) { record_levels(commands); });
   }
   return device_.run_once([&](VkCommandBuffer commands) {
     upload_params(commands, View{}, 0);

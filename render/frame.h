@@ -159,7 +159,7 @@ class Frame {
   template <class Row>
   [[nodiscard]] Result<std::vector<Row>> read_rows(const vk::Buffer& buffer, std::uint32_t count);
   [[nodiscard]] Status read_buffer(const vk::Buffer& buffer, void* out, std::size_t bytes);
-  [[nodiscard]] std::vector<const vk::Buffer*> head_states() const;
+  [[nodiscard]] std::vector<const vk::Buffer*> state_buffers() const;
   void clear_radiance(VkCommandBuffer commands);
   [[nodiscard]] Status read_image(const vk::Image& image, int width, int height, void* out, std::size_t bytes);
 

@@ -8,9 +8,10 @@
 
 namespace footlight::render {
 
-// Of the buffers that the steps write. Counts are those of a picture.
-std::vector<const vk::Buffer*> Frame::head_states() const {
+// The buffers that the steps write, and the newest levels, which displays show. Counts are those of a picture.
+std::vector<const vk::Buffer*> Frame::state_buffers() const {
   std::vector<const vk::Buffer*> states;
+  if (resources_.rig.levels.handle != VK_NULL_HANDLE) states.push_back(&resources_.rig.levels);
   for (const vk::Buffer* buffer : resources_.rig.all_states()) {
     if (buffer->handle != VK_NULL_HANDLE && buffer != &resources_.rig.counts) states.push_back(buffer);
   }
@@ -22,7 +23,7 @@ Result<FrameState> Frame::save_state() {
   FrameState state;
   state.time_ns = time_ns_;
   if (machines_) state.air = machines_->air();
-  const auto buffers = head_states();
+  const auto buffers = state_buffers();
   VkDeviceSize bytes = 0;
   for (const vk::Buffer* buffer : buffers) bytes += buffer->size_bytes;
   if (bytes == 0) return state;
@@ -46,7 +47,7 @@ Result<FrameState> Frame::save_state() {
 
 Status Frame::load_state(const FrameState& state) {
   FL_TRY(run_steps());
-  const auto buffers = head_states();
+  const auto buffers = state_buffers();
   VkDeviceSize bytes = 0;
   for (const vk::Buffer* buffer : buffers) bytes += buffer->size_bytes;
   FL_CHECK_EQ(state.heads.size(), bytes);

@@ -10,7 +10,8 @@
 namespace footlight::render {
 
 struct FrameState {
-  std::vector<std::byte> heads;  // what the GPU knows of them: 48 bytes a head, and 24 to 116 for each part that moves
+  // The newest levels, and what the GPU knows of heads: 48 bytes a head, and 24 to 116 for each part that moves.
+  std::vector<std::byte> heads;
   fixtures::MachineAir::Air air;
   std::int64_t time_ns = 0;  // of all steps so far: clouds of haze drift by it
   [[nodiscard]] std::size_t bytes() const { return heads.size() + sizeof(*this); }
