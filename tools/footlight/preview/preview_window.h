@@ -14,8 +14,6 @@
 
 #include <glm/glm.hpp>
 
-#include <nlohmann/json.hpp>
-
 #include "render/frame.h"
 #include "render/live_error.h"
 #include "render/quality.h"
@@ -122,7 +120,6 @@ class Preview {
   [[nodiscard]] const StagePick& pick();
 
   // Figures and pictures for files and standard output: preview_figures.cpp.
-  [[nodiscard]] nlohmann::json figures() const;
   void print_second();
   void print_summary();
   Status write_shot();
