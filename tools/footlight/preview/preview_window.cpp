@@ -231,8 +231,9 @@ Status Preview::update_error() {
     error_tried_ = false;
   } else if (!error_ && !error_tried_) {
     error_tried_ = true;
-    if (framed_->compiled.needs.laser || framed_->compiled.needs.panes) return {};  // it computes beams again, and nothing else
-    FL_ASSIGN(error_, render::LiveError::create(*device_, *frame_, framed_->compiled.needs));
+    const fixtures::Needs& needs = framed_->compiled.needs;
+    if (needs.laser || needs.panes) return {};  // it computes beams again, and nothing else
+    FL_ASSIGN(error_, render::LiveError::create(*device_, *frame_, needs));
   }
   return {};
 }
