@@ -184,7 +184,8 @@ Status Preview::open_levels() {
       sources.push_back(std::move(source));
     }
     FL_ASSIGN(live_, LiveLevels::start(framed_->compiled.universes, std::move(sources), clock_));
-    live_timeline_ = std::make_unique<Timeline>(live_->changes(), framed_->compiled, vrsl_replay(*framed_), clock_.now_ns());
+    live_timeline_ =
+        std::make_unique<Timeline>(live_->changes(), framed_->compiled, vrsl_replay(*framed_), clock_.now_ns());
     return {};
   }
   FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));

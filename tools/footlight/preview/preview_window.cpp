@@ -235,7 +235,7 @@ Status Preview::update_error() {
     error_tried_ = true;
     const fixtures::Needs& needs = framed_->compiled.needs;
     if (needs.laser || needs.panes || needs.displays) return {};  // it computes beams again, and nothing else
-    FL_ASSIGN(error_, render::LiveError::create(*device_, *frame_, framed_->compiled.needs));
+    FL_ASSIGN(error_, render::LiveError::create(*device_, *frame_, needs));
   }
   return {};
 }
