@@ -222,14 +222,14 @@ TEST_CASE("the inspector has simulated values before the first step, as in a log
   std::fill(ui.levels.begin(), ui.levels.end(), std::uint8_t{255});
   ui.show(kInspector);
   ui.desk.select(0, false);
-  CHECK(contains(ui.words(), "tilt 135 "));
+  CHECK(contains(ui.words(), "tilt | 135 "));
   // Another fixture, and after a seek to other levels.
   std::fill(ui.levels.begin(), ui.levels.end(), std::uint8_t{0});
   ui.desk.select(1, false);
-  CHECK(contains(ui.words(), "tilt -135 "));
+  CHECK(contains(ui.words(), "tilt | -135 "));
   std::fill(ui.levels.begin(), ui.levels.end(), std::uint8_t{255});
   ui.open.restart();
-  CHECK(contains(ui.words(), "tilt 135 "));
+  CHECK(contains(ui.words(), "tilt | 135 "));
 }
 
 TEST_CASE("a log that begins anew keeps the head that was chosen, and the head begins anew") {
@@ -250,9 +250,9 @@ position = [0, 0, 5]
     const std::string words = ui.words();
     return words.substr(words.find("head "));
   };
-  REQUIRE(simulated().starts_with("head 1}"));
+  REQUIRE(simulated().starts_with("head 1 }"));
   // Clicks up the panel, whose lowest control is the slider of the heads.
-  for (float y = 390; y > 200 && simulated().starts_with("head 1}"); y -= 5) ui.click(1280 - 8 - 420 + 300, y);
+  for (float y = 390; y > 200 && simulated().starts_with("head 1 }"); y -= 5) ui.click(1280 - 8 - 420 + 300, y);
   const std::string dark = simulated();
   const std::string chosen = dark.substr(0, dark.find('}'));
   REQUIRE(chosen != "head 1");

@@ -178,7 +178,7 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
       }
       const SharedScene before = std::exchange(framed_, std::exchange(making_scene_, nullptr));
       FL_TRY(take_scene(*before));
-      made_ns_ = clock_.now_ns() - made_begun_ns_;
+      facts_.edit_to_frame_ms = static_cast<double>(clock_.now_ns() - made_begun_ns_) * 1e-6;
     } else {
       failed_ = std::exchange(making_scene_, nullptr);
       tell(made.error().message + "; the picture shows the rig from before");

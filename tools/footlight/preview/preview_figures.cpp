@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tools/footlight/pictures/numbered_file.h"
 #include "tools/footlight/pictures/picture_file.h"
 #include "tools/footlight/preview/preview_window.h"
@@ -15,45 +17,46 @@ namespace {
 
 constexpr int kShotsMax = 9999;
 
-}  // namespace
-
-nlohmann::json Preview::figures() const {
+nlohmann::json figures_of(const PreviewFacts& facts, const FrameTimes& times, const FrameTimes& ui_times,
+                          const render::FrameSettings& settings) {
   nlohmann::json passes = nlohmann::json::object();
   double gpu_ms = 0;
-  for (const auto& pass : facts_.passes) {
+  for (const auto& pass : facts.passes) {
     passes[pass.name] = pass.gpu_ms;
     gpu_ms += pass.gpu_ms;
   }
-  nlohmann::json line = {{"frames", times_.count()},
-                         {"frame_ms_p50", times_.quantile_ms(0.5)},
-                         {"frame_ms_p90", times_.quantile_ms(0.9)},
-                         {"ui_ms_p50", ui_times_.quantile_ms(0.5)},
-                         {"ui_ms_p90", ui_times_.quantile_ms(0.9)},
+  nlohmann::json line = {{"frames", times.count()},
+                         {"frame_ms_p50", times.quantile_ms(0.5)},
+                         {"frame_ms_p90", times.quantile_ms(0.9)},
+                         {"ui_ms_p50", ui_times.quantile_ms(0.5)},
+                         {"ui_ms_p90", ui_times.quantile_ms(0.9)},
                          {"gpu_ms", gpu_ms},
                          {"pass_gpu_ms", passes},
-                         {"width", frame_->settings().width},
-                         {"height", frame_->settings().height},
-                         {"nodes", frame_->settings().nodes},
-                         {"live", facts_.live_beams},
-                         {"dark", facts_.dark_beams},
-                         {"shadows", facts_.shadows},
-                         {"shadows_lost", facts_.shadows_lost}};
-  if (facts_.error.samples > 0) {
-    line["error"] = {{"rel_l2", facts_.error.rel_l2},
-                     {"low", facts_.error.low},
-                     {"high", facts_.error.high},
-                     {"samples", facts_.error.samples}};
+                         {"width", settings.width},
+                         {"height", settings.height},
+                         {"nodes", settings.nodes},
+                         {"live", facts.live_beams},
+                         {"dark", facts.dark_beams},
+                         {"shadows", facts.shadows},
+                         {"shadows_lost", facts.shadows_lost}};
+  if (facts.error.samples > 0) {
+    line["error"] = {{"rel_l2", facts.error.rel_l2},
+                     {"low", facts.error.low},
+                     {"high", facts.error.high},
+                     {"samples", facts.error.samples}};
   }
-  if (made_ns_ >= 0) line["edit_to_frame_ms"] = static_cast<double>(made_ns_) * 1e-6;  // of the last edit
-  if (facts_.chosen) line["knobs"] = render::text_of(facts_.chosen->knobs);
-  if (facts_.machines > 0) {
-    line["haze_per_m"] = facts_.room_haze_per_m + facts_.machine_haze_per_m + facts_.machine_fog_per_m;
+  if (facts.edit_to_frame_ms >= 0) line["edit_to_frame_ms"] = facts.edit_to_frame_ms;
+  if (facts.chosen) line["knobs"] = render::text_of(facts.chosen->knobs);
+  if (facts.machines > 0) {
+    line["haze_per_m"] = facts.room_haze_per_m + facts.machine_haze_per_m + facts.machine_fog_per_m;
   }
   return line;
 }
 
+}  // namespace
+
 void Preview::print_second() {
-  nlohmann::json line = figures();
+  nlohmann::json line = figures_of(facts_, times_, ui_times_, frame_->settings());
   line["event"] = "frames";
   line["fps"] = facts_.fps;
   if (timeline_) line["time_ns"] = timeline_->now_ns();
@@ -62,7 +65,7 @@ void Preview::print_second() {
 }
 
 void Preview::print_summary() {
-  nlohmann::json line = figures();
+  nlohmann::json line = figures_of(facts_, times_, ui_times_, frame_->settings());
   const double elapsed_s = static_cast<double>(clock_.now_ns() - start_ns_) * 1e-9;
   line["event"] = "summary";
   line["device"] = device_->name();

@@ -11,6 +11,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "fixtures/simulate/machines.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/pictures/scene_files.h"

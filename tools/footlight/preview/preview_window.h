@@ -14,8 +14,6 @@
 
 #include <glm/glm.hpp>
 
-#include <nlohmann/json.hpp>
-
 #include "render/frame.h"
 #include "render/live_error.h"
 #include "render/quality.h"
@@ -118,7 +116,6 @@ class Preview {
   [[nodiscard]] const StagePick& pick();
 
   // Figures and pictures for files and standard output: preview_figures.cpp.
-  [[nodiscard]] nlohmann::json figures() const;
   void print_second();
   void print_summary();
   Status write_shot();
@@ -160,7 +157,6 @@ class Preview {
   SharedScene making_scene_;                           // of it
   SharedScene failed_;                                 // of which no frame can be made
   TimeNs made_begun_ns_ = 0;
-  DurationNs made_ns_ = -1;  // from the last edit that was followed to its frame
   std::unique_ptr<Autosave> autosave_;
   std::optional<FolderClaim> recovered_;  // of the copy that the rig was read from
   std::uint64_t saved_revision_ = 0;      // of the edited rig as it is in its file

@@ -13,6 +13,9 @@ inline const ImVec4 kUiGreen{0.42f, 0.78f, 0.48f, 1};
 inline const ImVec4 kUiRed{0.93f, 0.36f, 0.33f, 1};
 inline const ImVec4 kUiDim{0.50f, 0.52f, 0.56f, 1};
 
+// A dark theme: few colours, no borders, small spacing. Of the current context.
+void set_ui_style(float scale);
+
 inline void ui_text(std::string_view words) { ImGui::TextUnformatted(words.data(), words.data() + words.size()); }
 inline void ui_text(const ImVec4& colour, std::string_view words) {
   ImGui::PushStyleColor(ImGuiCol_Text, colour);
