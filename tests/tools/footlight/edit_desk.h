@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "fixtures/files/import/import_rig.h"
 #include "tests/tools/footlight/ui_rigs.h"
 #include "tools/footlight/preview/edited_scene.h"
 #include "tools/footlight/preview/ui/ui_desk.h"

@@ -1,39 +1,14 @@
 #include "tools/footlight/preview/edited_scene.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <utility>
 
 #include "fixtures/edit/patch_slots.h"
-#include "fixtures/files/import/import_rig.h"
 #include "fixtures/simulate/vrsl_compat.h"
-#include "sim/core/counted.h"
 #include "tools/footlight/pictures/start_view.h"
 #include "tools/footlight/preview/hand_levels.h"
-#include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
-
-Result<RigFile> open_scene_file(const SceneFiles& files) {
-  if (!files.rig.empty() && files.demo) return fail(ErrorCode::kBadInput, "expected a rig or --demo, not both");
-  if (files.demo) return RigFile::made(fixtures::as_imported(fixtures::demo_rig(), "toml"), "demo.toml");
-  if (files.rig.empty()) {
-    return fail(ErrorCode::kBadInput, "no rig: expected a file, or --demo for the built-in rig");
-  }
-  fixtures::Diagnostics diagnostics;
-  FL_ASSIGN(RigFile file, RigFile::open(files.rig, nullptr, diagnostics));
-  diagnostics.finish();
-  const auto& all = diagnostics.all();
-  const auto wrong = std::count_if(all.begin(), all.end(), [](const fixtures::Diagnostic& one) {
-    return one.severity != fixtures::Severity::kNote;
-  });
-  if (wrong > 0) {
-    const std::string path = printable_utf8(files.rig);
-    fmt::print(stderr, "footlight: {}: {}; 'footlight rig check {}' lists them\n", path, counted(wrong, "warning"),
-               path);
-  }
-  return file;
-}
 
 Result<std::unique_ptr<EditedScene>> EditedScene::make(RigFile file, const SceneFiles& files, double aspect,
                                                        bool by_hand) {

@@ -20,9 +20,6 @@ struct PreviewScene {
 };
 using SharedScene = std::shared_ptr<PreviewScene>;
 
-// The rig of the options: a file of any format, or the demo. Prints the number of its warnings.
-[[nodiscard]] Result<RigFile> open_scene_file(const SceneFiles& files);
-
 class EditedScene {
  public:
   // aspect: width over height of the picture that the start camera is for. by_hand: faders drive the rig.

@@ -8,11 +8,38 @@
 
 #include <fmt/chrono.h>
 
+#include "sim/core/counted.h"
 #include "sim/core/no_signals.h"
 #include "tools/footlight/paths.h"
 #include "tools/footlight/preview/preview_window.h"
+#include "tools/footlight/status/status_text.h"
 
 namespace footlight::tools {
+namespace {
+
+// The rig of the options: a file of any format, or the demo. Prints the number of its warnings.
+Result<RigFile> open_scene_file(const SceneFiles& files) {
+  if (!files.rig.empty() && files.demo) return fail(ErrorCode::kBadInput, "expected a rig or --demo, not both");
+  if (files.demo) return RigFile::made(fixtures::as_imported(fixtures::demo_rig(), "toml"), "demo.toml");
+  if (files.rig.empty()) {
+    return fail(ErrorCode::kBadInput, "no rig: expected a file, or --demo for the built-in rig");
+  }
+  fixtures::Diagnostics diagnostics;
+  FL_ASSIGN(RigFile file, RigFile::open(files.rig, nullptr, diagnostics));
+  diagnostics.finish();
+  const auto& all = diagnostics.all();
+  const auto wrong = std::count_if(all.begin(), all.end(), [](const fixtures::Diagnostic& one) {
+    return one.severity != fixtures::Severity::kNote;
+  });
+  if (wrong > 0) {
+    const std::string path = printable_utf8(files.rig);
+    fmt::print(stderr, "footlight: {}: {}; 'footlight rig check {}' lists them\n", path, counted(wrong, "warning"),
+               path);
+  }
+  return file;
+}
+
+}  // namespace
 
 struct Preview::Made {
   std::unique_ptr<render::Frame> frame;
@@ -156,7 +183,7 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
       const SharedScene before = std::exchange(framed_, std::exchange(making_scene_, nullptr));
       if (timeline_) FL_TRY(make_index());
       FL_TRY(take_scene(*before));
-      made_ns_ = clock_.now_ns() - made_begun_ns_;
+      facts_.edit_to_frame_ms = static_cast<double>(clock_.now_ns() - made_begun_ns_) * 1e-6;
     } else {
       failed_ = std::exchange(making_scene_, nullptr);
       tell(made.error().message + "; the picture shows the rig from before");

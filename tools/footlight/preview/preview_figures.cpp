@@ -45,6 +45,7 @@ nlohmann::json figures_of(const PreviewFacts& facts, const FrameTimes& times, co
                      {"high", facts.error.high},
                      {"samples", facts.error.samples}};
   }
+  if (facts.edit_to_frame_ms >= 0) line["edit_to_frame_ms"] = facts.edit_to_frame_ms;
   if (facts.chosen) line["knobs"] = render::text_of(facts.chosen->knobs);
   if (facts.machines > 0) {
     line["haze_per_m"] = facts.room_haze_per_m + facts.machine_haze_per_m + facts.machine_fog_per_m;
@@ -71,7 +72,6 @@ void Preview::print_summary() {
   line["device"] = device_->name();
   line["seconds"] = elapsed_s;
   line["first_text_ms"] = static_cast<double>(progress_ns_) * 1e-6;
-  if (made_ns_ >= 0) line["edit_to_frame_ms"] = static_cast<double>(made_ns_) * 1e-6;  // of the last edit
   line["first_picture_ms"] = static_cast<double>(picture_ns_) * 1e-6;
   line["fps"] = elapsed_s > 0 ? static_cast<double>(times_.count()) / elapsed_s : 0;
   line["validation_messages"] = validation_messages();

@@ -33,6 +33,7 @@ struct PreviewFacts {
   double fps = 0;
   double frame_p50_ms = 0;  // from picture to picture
   double frame_p90_ms = 0;
+  double edit_to_frame_ms = -1;  // from the last edit of the rig to the frame made for it; -1: there was none
   double ui_ms = 0;  // CPU time of all panels; the median
   std::vector<render::PassTime> passes;
   std::uint32_t live_beams = 0;

@@ -164,7 +164,6 @@ class Preview {
   SharedScene making_scene_;                           // of it
   SharedScene failed_;                                 // of which no frame can be made
   TimeNs made_begun_ns_ = 0;
-  DurationNs made_ns_ = -1;  // from the last edit that was followed to its frame
   std::unique_ptr<Autosave> autosave_;
   std::optional<FolderClaim> recovered_;  // of the copy that the rig was read from
   std::uint64_t saved_revision_ = 0;      // of the edited rig as it is in its file
