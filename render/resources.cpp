@@ -305,6 +305,29 @@ std::uint64_t lamp_bytes(const CompiledRig& compiled, std::uint32_t lamp) {
   return compiled.lamp_counts[lamp] * kLampStateBytes;
 }
 
+// What lavapipe leaves out of a picture without an error.
+void add_lavapipe_limits(const vk::Device& device, const MemoryShape& shape, fixtures::Diagnostics& diagnostics) {
+  const std::uint32_t beams_max = lavapipe_beams_max(shape);
+  if (shape.compiled.beams_max > beams_max) {
+    diagnostics.add({fixtures::Severity::kWarning,
+                     "many-beams",
+                     {},
+                     fmt::format("{} beams: {} ends the loops of a shader after 65,535 rounds, so where more than {} "
+                                 "beams meet, light may be missing; a GPU has no such limit",
+                                 shape.compiled.beams_max, device.name(), beams_max),
+                     ""});
+  }
+  if (shape.rig.displays.size() > kLavapipeDisplays) {
+    diagnostics.add({fixtures::Severity::kWarning,
+                     "many-displays",
+                     {},
+                     fmt::format("{} displays: {} ends the loops of a shader after 65,535 rounds, so light of the last "
+                                 "may be missing where more than {} are near; a GPU has no such limit",
+                                 shape.rig.displays.size(), device.name(), kLavapipeDisplays),
+                     ""});
+  }
+}
+
 }  // namespace
 
 int gobo_size_px(const FrameSettings& settings, std::size_t images, bool cpu) {
@@ -449,25 +472,7 @@ Result<RigTables> RigTables::create(vk::Device& device, const MemoryShape& shape
     FL_ASSIGN(r.boxes, vk::Buffer::table(device, boxes));
   }
   fixtures::Diagnostics diagnostics;
-  const std::uint32_t beams_max = lavapipe_beams_max(shape);
-  if (compiled.beams_max > beams_max && device.name().find("llvmpipe") != std::string::npos) {
-    diagnostics.add({fixtures::Severity::kWarning,
-                     "many-beams",
-                     {},
-                     fmt::format("{} beams: {} ends the loops of a shader after 65,535 rounds, so where more than {} "
-                                 "beams meet, light may be missing; a GPU has no such limit",
-                                 compiled.beams_max, device.name(), beams_max),
-                     ""});
-  }
-  if (shape.rig.displays.size() > kLavapipeDisplays && device.name().find("llvmpipe") != std::string::npos) {
-    diagnostics.add({fixtures::Severity::kWarning,
-                     "many-displays",
-                     {},
-                     fmt::format("{} displays: {} ends the loops of a shader after 65,535 rounds, so light of the last "
-                                 "may be missing where more than {} are near; a GPU has no such limit",
-                                 shape.rig.displays.size(), device.name(), kLavapipeDisplays),
-                     ""});
-  }
+  if (device.name().find("llvmpipe") != std::string::npos) add_lavapipe_limits(device, shape, diagnostics);
   r.has_bodies = render::has_bodies(shape.needs, shape.settings);
   r.has_trees = has_smooth_edges(shape.needs, shape.settings);
   r.has_shadows = render::has_shadows(shape.needs, shape.settings);

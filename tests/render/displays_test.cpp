@@ -492,7 +492,8 @@ TEST_CASE("a rig without a display has no pass and no buffer for them, and says 
   CHECK(std::any_of(out.begin(), out.end(), [](const LeftOutPass& pass) { return pass.name == "displays"; }));
   for (const int binding :
        {FL_BINDING_DISPLAYS, FL_BINDING_DISPLAY_LEVELS, FL_BINDING_DISPLAY_CELLS, FL_BINDING_DISPLAY_JOBS}) {
-    CHECK(display_bytes(static_cast<std::uint32_t>(binding), {fixtures::demo_rig(), compiled, compiled.needs, {}}) == 0);
+    CHECK(display_bytes(static_cast<std::uint32_t>(binding), {fixtures::demo_rig(), compiled, compiled.needs, {}}) ==
+          0);
   }
 }
 

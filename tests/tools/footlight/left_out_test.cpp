@@ -94,8 +94,8 @@ TEST_CASE("without runs nothing is timed, and the bytes are the same") {
   for (const LeftOutRow& row : rows) {
     CHECK(!row.times);
     CAPTURE(row.name);
-    // Nothing has a gobo, haze is even, there is neither a laser nor a sun, and judged pictures have no reflected light.
-    const std::set<std::string> passes = {"gobos", "haze", "lasers", "shafts", "bounce"};
+    // Nothing has a gobo, haze is even, there is no laser, sun or display, and judged pictures have no reflected light.
+    const std::set<std::string> passes = {"gobos", "haze", "lasers", "shafts", "displays", "bounce"};
     CHECK(row.pass == passes.contains(row.name));
   }
   CHECK(row_of(rows, "gobo", false).bytes > 0);

@@ -72,7 +72,7 @@ struct RecordedSteps {
   }
 };
 
-TEST_CASE("a timeline that goes back to a position makes the steps that it made before, and one can start within a log") {
+TEST_CASE("a timeline makes the steps again that it made after a position, and can start within a log") {
   std::vector<OwnedFrame> frames;
   Random random(5);
   DurationNs at_ns = 0;
