@@ -25,7 +25,6 @@ using footlight::testing::many_fixtures;
 using footlight::testing::parsed_rig;
 
 constexpr std::size_t kFixtures = 2;
-constexpr std::size_t kInspector = 3;
 constexpr int kEnter = 13;
 
 bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
@@ -216,40 +215,6 @@ TEST_CASE("fixtures that share slots are marked while they do") {
   CHECK(contains(ui.words(), "1.3 !"));
   ui.desk.undo();
   CHECK(!contains(ui.words(), "share addresses"));
-}
-
-TEST_CASE("the inspector's place is dragged as one edit, and follows other edits") {
-  EditUi ui(parsed_rig(kUiRig));
-  ui.desk.select(0, false);
-  ui.desk.select(1, true);  // the lead
-  ui.show(kInspector);
-  CHECK(contains(ui.words(), "Place"));
-  const auto x_of = [&](std::size_t i) { return fixtures::position_of(ui.edit.fixture(i)).x; };
-  // Drags to the right in lines of the panel until the x of the position follows.
-  const std::size_t before = ui.desk.history().size();
-  for (float y = 60; y < 400 && x_of(1) == 0; y += 6) {
-    ImGuiIO& io = ImGui::GetIO();
-    io.MousePos = {890, y};
-    ui.frame();
-    ui.desk.begin_gesture();
-    io.MouseDown[0] = true;
-    for (int i = 0; i < 10; ++i) {
-      io.MousePos.x += 10;
-      ui.frame();
-    }
-    io.MousePos.y = 700;  // a release beside a button does not press it
-    ui.frame();
-    io.MouseDown[0] = false;
-    ui.frame();
-    while (x_of(1) == 0 && ui.desk.history().size() > before) ui.desk.undo();
-    if (x_of(1) == 0) ui.desk.release_all();
-  }
-  REQUIRE(x_of(1) > 0);
-  CHECK(x_of(0) == doctest::Approx(x_of(1) - 3));
-  CHECK(x_of(2) == 3);
-  CHECK(contains(ui.desk.undo(), "move 2 fixtures by"));
-  CHECK(x_of(1) == 0);
-  CHECK(x_of(0) == -3);
 }
 
 TEST_CASE("panels survive every edit of a rig that they show") {

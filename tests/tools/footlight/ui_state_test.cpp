@@ -148,8 +148,8 @@ TEST_CASE("the history needs at most so much memory, and keeps the last command 
     history.run(state, std::move(command));
   };
   for (int i = 0; i < 40; ++i) {
-    select(2'000'000, i);
-    CHECK(history.bytes() >= 2'000'000 * sizeof(int));
+    select(500'000, i);
+    CHECK(history.bytes() >= 500'000 * sizeof(int));
     CHECK(history.bytes() <= UiHistory::kBytesMax);
   }
   const std::size_t kept = history.size();
@@ -163,7 +163,7 @@ TEST_CASE("the history needs at most so much memory, and keeps the last command 
   }
   CHECK(history.size() == kept);
   CHECK(history.bytes() <= 2 * UiHistory::kBytesMax);
-  select(40'000'000, 7);
+  select(10'000'000, 7);
   CHECK(history.size() == 1);
   CHECK(history.bytes() > UiHistory::kBytesMax);
   select(0, 0);

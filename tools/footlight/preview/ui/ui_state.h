@@ -128,12 +128,12 @@ using UiCommand = std::variant<SelectFixtures, TakeChannels, MoveCamera, SetExpo
 [[nodiscard]] std::string text_of(const UiCommand& command, const fixtures::Rig& rig);
 
 // The commands so far, and those that were undone. Keeps the last kCommandsMax of them, and fewer if they need more
-// than kBytesMax: a drag of one channel of 10,000 fixtures needs 240 kB, so 559 such drags are kept; an edit of 10,000
+// than kBytesMax: a drag of one channel of 10,000 fixtures needs 240 kB, so 139 such drags are kept; an edit of 10,000
 // fixtures of the rig needs some 12 MB. The last command is kept whatever it needs.
 class UiHistory {
  public:
   static constexpr std::size_t kCommandsMax = 1000;
-  static constexpr std::size_t kBytesMax = std::size_t{128} << 20;
+  static constexpr std::size_t kBytesMax = std::size_t{32} << 20;
 
   // Applies a command and remembers it; forgets what was undone. A command that changes nothing is not remembered.
   // Commands of one gesture, such as the drag of a slider, become one if they edit the same; 0: no gesture.
