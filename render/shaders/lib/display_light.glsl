@@ -2,8 +2,11 @@
 // display_cells.glsl. Places and directions are in the space of the display (display.h).
 
 // A cell is as large as this at most, as its extent over its distance: what it gives is then linear over it but for
-// this error. Larger ones are halved, down to pixels. In the air and in dense haze pixels are halved as well.
+// this error. Larger ones are halved, down to pixels. In the air and in dense haze pixels are halved as well. On
+// surfaces it is smaller where much is lost on the way, as that bends what it gives; at most by kMostLoss, beyond which
+// hardly any light arrives.
 const float kWidestOnSurface = 0.35;
+const float kMostLoss = 12.0;
 const float kWidestInAir = 0.5;
 const float kWidestHaze = 2e-3;  // of a pixel's extent times the extinction; else it is halved where it is wide
 
@@ -71,7 +74,6 @@ vec3 light_of_cells(DisplayRow row, vec3 place, vec3 towards, bool in_air, float
   uint root = FL_DISPLAY_PARTS + row.levels - 1u;
   uint level = root;
   uvec2 at = uvec2(0u);
-  float widest = in_air ? kWidestInAir : kWidestOnSurface;
   vec3 sum = vec3(0.0);
   for (bool more = true; more;) {
     uvec2 shift = halvings(row, level);
@@ -81,7 +83,9 @@ vec3 light_of_cells(DisplayRow row, vec3 place, vec3 towards, bool in_air, float
     seen.from = vec3(0.5 * (low + high) * part_m - half_m - place.xy, -place.z);
     seen.side = (high - low) * part_m;
     seen.square = max(dot(seen.from, seen.from), 1e-20);
+    seen.away = sqrt(seen.square);
     float extent = max(seen.side.x, seen.side.y);
+    float widest = in_air ? kWidestInAir : kWidestOnSurface * 4.0 / (4.0 + min(per_m * seen.away, kMostLoss));
     seen.is_wide = extent * extent > widest * widest * seen.square;
     bool is_pixel = level <= uint(FL_DISPLAY_PARTS);
     bool halves = !is_pixel || ((in_air || per_m * extent > kWidestHaze) && level > 0u);
@@ -94,7 +98,6 @@ vec3 light_of_cells(DisplayRow row, vec3 place, vec3 towards, bool in_air, float
     if (!dark) {
       seen.pixel_m = part_m * vec2(uvec2(1u) << parts);
       seen.area = seen.side.x * seen.side.y;
-      seen.away = sqrt(seen.square);
       seen.per_m = per_m;
       seen.lost = exp(-per_m * seen.away);
       seen.is_whole = !is_pixel;
