@@ -433,6 +433,8 @@ TEST_CASE("a click on the timeline seeks to the time under it, and a slow seek w
   ui.frame();
   CHECK(near_middle());
   transport.repeat_from(200 * kNsPerS);
+  ImGui::GetIO().MousePos = {1, 1};  // the end of a tooltip ends the log of words, too
+  ui.frame();
   CHECK(ui.words().find("repeats 3:20.0 to 16:40.0") != std::string::npos);
   CHECK(ui.words().find("known up to 1:40.0") != std::string::npos);
   transport = {};  // a log without a length
