@@ -1,5 +1,6 @@
 // Displays: pictures against the judge, which integrates every pixel, and what must hold of them anywhere.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -404,35 +405,52 @@ TEST_CASE("a million pixels from 5,883 universes light the floor as one pixel of
 
 TEST_CASE("pixels of a display that are finer than those of the picture keep their light") {
   HeadlessVulkan vulkan;
-  // Mean over the picture of a display that is smaller than it, against 64 pixels for one.
-  const auto light = [&](const std::function<void(Scene&)>& change, double most) {
+  // The light of all pixels of the picture, against the mean of the image times the area in which the display is seen.
+  const auto light = [&](int finer, const std::function<void(Scene&)>& change, double most) {
     Scene scene = display_scene(kClear, "");
     give_picture(scene.rig.displays[0], 300, 200);
     change(scene);
     scene.compile();
-    // Where the border of the display is, a pixel is of it or not: 72 rows have less of that than 18.
-    const double few = sum_of(drawn(vulkan.device(), scene, false,
-                                    [](FrameSettings& settings) {
-                                      settings.width *= 4;
-                                      settings.height *= 4;
-                                    })) /
-                       16;
-    const double many = sum_of(drawn(vulkan.device(), scene, true,
-                                     [](FrameSettings& settings) {
-                                       settings.width *= 16;
-                                       settings.height *= 16;
-                                     })) /
-                        256;
-    CHECK(few == doctest::Approx(many).epsilon(most));
+    const double sum = sum_of(drawn(vulkan.device(), scene, false, [finer](FrameSettings& settings) {
+      settings.width *= finer;
+      settings.height *= finer;
+    }));
+    const fixtures::Display& display = scene.rig.displays[0];
+    const View view = view_of(scene.rig.cameras[0]);
+    std::array<glm::dvec2, 4> corners;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double x = i == 0 || i == 3 ? -0.5 : 0.5, z = i < 2 ? -0.5 : 0.5;
+      const glm::dvec3 to =
+          display.position_m + glm::dvec3(x * display.width_m, 0, z * display.height_m) - view.position_m;
+      corners[i] = glm::dvec2(glm::dot(to, view.right), glm::dot(to, view.up)) *
+                   (kHeight * finer / 2.0 / view.tan_half_fov / glm::dot(to, view.forward));
+    }
+    double area = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const glm::dvec2 from = corners[i], to = corners[(i + 1) % 4];
+      area += 0.5 * (from.x * to.y - to.x * from.y);
+    }
+    double mean = 0;
+    for (const glm::vec3& texel : display.image->texels) mean += static_cast<double>(texel.r + texel.g + texel.b);
+    mean *= display.nits / static_cast<double>(display.image->texels.size());
+    CHECK(sum == doctest::Approx(mean * std::abs(area)).epsilon(most));
   };
-  light([](Scene&) {}, 0.03);
-  light([](Scene& s) { view_from(s, {-9, 3, 2}, {0, 4, 2}); }, 0.06);  // nearly edge on
+  // At its border a pixel is of the display or not, until the edges are smoothed: less of that in a larger picture.
   light(
+      4, [](Scene&) {}, 0.03);
+  // A display that is thinner than two pixels is drawn by the share of each that it covers.
+  light(
+      1,
       [](Scene& s) {
-        s.rig.displays[0].height_m = 0.02;  // a fraction of a pixel
-        give_picture(s.rig.displays[0], 100, 1);
+        view_from(s, {-9, 3, 2}, {0, 4, 2});
       },
-      0.05);
+      0.1);  // nearly edge on
+  const auto thin = [](Scene& s) {
+    s.rig.displays[0].height_m = 0.02;
+    give_picture(s.rig.displays[0], 100, 1);
+  };
+  light(1, thin, 0.05);
+  light(4, thin, 0.05);
 }
 
 TEST_CASE("the image of a display stands upright as it is seen from the audience, and its back is dark") {
