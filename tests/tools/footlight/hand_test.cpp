@@ -29,7 +29,7 @@ using Words = std::vector<std::string>;
 bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
 
 json page(const std::string& socket, const std::string& path) {
-  const auto answer = tools::http_request(socket, "GET", path);
+  const auto answer = tools::http_request(socket, "GET", path, 30 * kNsPerS);  // a loaded machine is slow
   REQUIRE_MESSAGE(answer.has_value(), (answer ? "" : answer.error().message));
   REQUIRE(answer->status == 200);
   return json::parse(answer->body);
