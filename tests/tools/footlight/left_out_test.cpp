@@ -91,13 +91,14 @@ TEST_CASE("without runs nothing is timed, and the bytes are the same") {
   const auto rows = must(measure_left_out(vulkan.device(), scene, options));
   CHECK(row_of(rows, "blades", false).bytes == scene.compiled.beams_max * sizeof(render::BladesRow));
   CHECK(row_of(rows, "motion", false).on_gpu);
+  std::set<std::string> passes;
   for (const LeftOutRow& row : rows) {
-    CHECK(!row.times);
     CAPTURE(row.name);
-    // Nothing has a gobo, haze is even, there is no laser, sun or display, and judged pictures have no reflected light.
-    const std::set<std::string> passes = {"gobos", "haze", "lasers", "shafts", "displays", "bounce"};
-    CHECK(row.pass == passes.contains(row.name));
+    CHECK(!row.times);
+    if (row.pass) passes.insert(row.name);
   }
+  // Nothing has a gobo, haze is even, there is no laser, sun or display, and judged pictures have no reflected light.
+  CHECK(passes == std::set<std::string>{"gobos", "haze", "lasers", "shafts", "displays", "bounce"});
   CHECK(row_of(rows, "gobo", false).bytes > 0);
   CHECK((text_of(rows, "beams").find("not timed") != std::string::npos));
 }
