@@ -43,7 +43,8 @@ Json fixtures_of(const std::string& path) {
   const Outcome shown = footlight({"rig", "show", path, "--json"});
   REQUIRE(shown.exit_code == 0);
   Json by_name;
-  for (const Json& each : Json::parse(shown.out)["fixtures"]) by_name[each["name"].get<std::string>()] = each;
+  const Json whole = Json::parse(shown.out);
+  for (const Json& each : whole["fixtures"]) by_name[each["name"].get<std::string>()] = each;
   return by_name;
 }
 
