@@ -86,7 +86,7 @@ TEST_CASE("the light of a rig is the mean level of its dimmers, whatever else mo
     for (int channel = 0; channel < static_cast<int>(index.channel_count(fixture)); ++channel) {
       for (const auto& function : index.channel({fixture, channel}).functions) {
         if (function.attribute != "Dimmer") continue;
-        index.write({fixture, channel}, 255, dimmers);
+        index.write({fixture, channel}, fixtures::raw_max(index.channel({fixture, channel}).byte_count), dimmers);
         index.write({fixture, channel}, 0, others);
       }
     }
