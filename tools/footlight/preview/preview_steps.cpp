@@ -35,6 +35,7 @@ Status Preview::make_index() {
 
 Status Preview::work_at_index() {
   Transport& transport = controls_.transport;
+  if (picture_ns_ < 0) return {};  // the first picture comes first
   if (index_ && !index_->done()) FL_TRY(index_->work(*frame_, clock_, transport.playing ? kIndexNs : kIndexPausedNs));
   if (index_) transport.known_ns = index_->known_ns();
   if (!index_ || !panels_.any_open()) return {};
