@@ -7,6 +7,8 @@
 
 #include <unistd.h>
 
+#include "sim/core/fnv.h"
+
 namespace footlight::render::vk {
 namespace {
 
@@ -23,13 +25,6 @@ struct Header {
 };
 static_assert(sizeof(Header) == 64);
 
-// FNV-1a, 64 bits (Fowler, Noll, Vo).
-std::uint64_t checksum_of(std::span<const std::byte> data) {
-  std::uint64_t sum = 0xcbf29ce484222325u;
-  for (const std::byte byte : data) sum = (sum ^ static_cast<std::uint64_t>(byte)) * 0x100000001b3u;
-  return sum;
-}
-
 Header header_of(const DeviceFacts& facts, std::span<const std::byte> data) {
   Header header{};
   std::memcpy(header.magic, "FLPIPE01", sizeof(header.magic));
@@ -37,7 +32,7 @@ Header header_of(const DeviceFacts& facts, std::span<const std::byte> data) {
   std::memcpy(header.device_uuid, facts.id.deviceUUID, VK_UUID_SIZE);
   header.driver_version = facts.properties.driverVersion;
   header.bytes = data.size();
-  header.checksum = checksum_of(data);
+  header.checksum = fnv_sum(data);
   return header;
 }
 

@@ -16,6 +16,7 @@
 #include "fixtures/files/import/archive.h"
 #include "fixtures/files/toml/toml_reader.h"
 #include "fixtures/files/toml/toml_text.h"
+#include "sim/core/fnv.h"
 #include "sim/core/no_signals.h"
 
 namespace footlight::tools {
@@ -39,8 +40,7 @@ std::string absolute_path(const std::string& path) {
 // The folders of a rig's copies, in the order in which sessions take them.
 std::vector<std::string> folders_of(const std::string& state, const std::string& path) {
   const std::string absolute = absolute_path(path);
-  std::uint64_t sum = 0xcbf29ce484222325u;
-  for (const char c : absolute) sum = (sum ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+  const std::uint64_t sum = fnv_sum(absolute);
   std::string stem = absolute.empty() ? "demo" : fs::path(absolute).stem().string();
   stem.resize(std::min<std::size_t>(stem.size(), 60));
   std::vector<std::string> folders;

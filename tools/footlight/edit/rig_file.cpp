@@ -5,12 +5,14 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <system_error>
 #include <utility>
 
 #include "fixtures/edit/patch_slots.h"
 #include "fixtures/files/export/rig_toml.h"
 #include "fixtures/files/export/write_file.h"
+#include "sim/core/fnv.h"
 #include "sim/file_kind.h"
 
 namespace footlight::tools {
@@ -55,10 +57,10 @@ std::optional<FileMark> mark_of_file(const std::string& path) {
   if (is_pipe_or_device(path)) return std::nullopt;
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
   if (!file) return std::nullopt;
-  FileMark mark{0, 0xcbf29ce484222325u};
-  std::array<unsigned char, 65536> piece{};
+  FileMark mark{0, kFnvStart};
+  std::array<std::byte, 65536> piece{};
   while (const std::size_t count = std::fread(piece.data(), 1, piece.size(), file.get())) {
-    for (std::size_t i = 0; i < count; ++i) mark.sum = (mark.sum ^ piece[i]) * 0x100000001b3u;
+    mark.sum = fnv_sum(std::span(piece).first(count), mark.sum);
     mark.size += count;
   }
   if (std::ferror(file.get()) != 0) return std::nullopt;

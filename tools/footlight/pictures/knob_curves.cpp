@@ -11,6 +11,8 @@
 
 #include <unistd.h>
 
+#include "sim/core/fnv.h"
+
 namespace footlight::tools {
 namespace {
 
@@ -31,16 +33,13 @@ constexpr int kDivisors[] = {1, 2, 4};
 constexpr std::size_t kPointsMax = 1000;
 constexpr std::uintmax_t kFileBytesMax = 1 << 20;
 
-// FNV-1a, 64 bits (Fowler, Noll, Vo).
 class Checksum {
  public:
-  void add(std::span<const std::byte> bytes) {
-    for (const std::byte byte : bytes) sum_ = (sum_ ^ static_cast<std::uint64_t>(byte)) * 0x100000001b3u;
-  }
+  void add(std::span<const std::byte> bytes) { sum_ = fnv_sum(bytes, sum_); }
   [[nodiscard]] std::string text() const { return fmt::format("{:016x}", sum_); }
 
  private:
-  std::uint64_t sum_ = 0xcbf29ce484222325u;
+  std::uint64_t sum_ = kFnvStart;
 };
 
 double relative_l2(const RadianceImage& picture, const RadianceImage& reference) {
