@@ -188,7 +188,11 @@ TEST_CASE("fixtures that share slots are shown with both on them, and the rig it
   UiDesk& desk = edit.desk;
   desk.select(3, false);
   CHECK(desk.edit(fixtures::patch_fixtures(desk.edited(), desk.selected(), {1, 3})));
-  CHECK(desk.index().conflict(3) == 0);
+  const auto shown = fixtures::patch_conflicts(desk.rig());
+  REQUIRE(shown.size() == 2);
+  CHECK(shown[1].fixture == 3);
+  CHECK(shown[1].other == 0);
+  CHECK(desk.index().uses(0, 2).size() == 2);
   CHECK(desk.rig().fixtures[3].shares_address);
   CHECK(!edit.fixture(3).shares_address);
   CHECK(fixtures::patch_conflicts(desk.edited()).size() == 2);

@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include "fixtures/edit/patch_slots.h"
 #include "fixtures/simulate/encode.h"
 #include "tests/tools/footlight/ui_rigs.h"
 #include "tools/footlight/preview/ui/channel_reading.h"
@@ -259,7 +260,7 @@ TEST_CASE("every slot of a fixture names its channel, and what is written to a c
   }
   CHECK(used > 40);
   CHECK(index.uses(0, 500).empty());
-  CHECK(index.conflict_count() == 0);
+  CHECK(fixtures::patch_conflicts(rig.rig).empty());
 }
 
 TEST_CASE("fixtures that share slots are in conflict with each other, and no others") {
@@ -267,11 +268,12 @@ TEST_CASE("fixtures that share slots are in conflict with each other, and no oth
   rig.fixtures[3].address = rig.fixtures[1].address + 2;
   rig.fixtures[3].shares_address = true;
   const auto shared = compiled_rig(std::move(rig));
-  const RigIndex index(shared.rig, shared.compiled);
-  CHECK(index.conflict(0) == -1);
-  CHECK(index.conflict(1) == 3);
-  CHECK(index.conflict(3) == 1);
-  CHECK(index.conflict_count() == 2);
+  const auto conflicts = fixtures::patch_conflicts(shared.rig);
+  REQUIRE(conflicts.size() == 2);  // none of fixture 0
+  CHECK(conflicts[0].fixture == 1);
+  CHECK(conflicts[0].other == 3);
+  CHECK(conflicts[1].fixture == 3);
+  CHECK(conflicts[1].other == 1);
 }
 
 TEST_CASE("a fixture without an address has no place, and cannot be taken over") {

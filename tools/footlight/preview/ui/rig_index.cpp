@@ -11,8 +11,7 @@ using fixtures::Channel;
 RigIndex::RigIndex(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled)
     : rig_(rig),
       compiled_(compiled),
-      first_(compiled.universes.size() * kSlotCountMax + 1),
-      conflicts_(rig.fixtures.size(), -1) {
+      first_(compiled.universes.size() * kSlotCountMax + 1) {
   const auto for_each = [&](const auto& act) {
     for (std::size_t f = 0; f < rig_.fixtures.size(); ++f) {
       const int fixture = static_cast<int>(f);
@@ -28,18 +27,6 @@ RigIndex::RigIndex(const fixtures::Rig& rig, const fixtures::CompiledRig& compil
   uses_.resize(first_.back());
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   for_each([&](std::uint32_t slot, const SlotUse& use) { uses_[next[slot]++] = use; });
-
-  // Uses of a slot are in patch order, so a fixture with several channels there stands beside itself.
-  for (std::size_t slot = 0; slot + 1 < first_.size(); ++slot) {
-    if (first_[slot + 1] - first_[slot] < 2) continue;
-    const int front = uses_[first_[slot]].key.fixture;
-    for (std::uint32_t i = first_[slot] + 1; i < first_[slot + 1]; ++i) {
-      const int other = uses_[i].key.fixture;
-      if (other == front) continue;
-      if (conflicts_[static_cast<std::size_t>(other)] < 0) conflicts_[static_cast<std::size_t>(other)] = front;
-      if (conflicts_[static_cast<std::size_t>(front)] < 0) conflicts_[static_cast<std::size_t>(front)] = other;
-    }
-  }
 }
 
 std::span<const SlotUse> RigIndex::uses(std::size_t universe, std::size_t slot) const {
@@ -67,11 +54,6 @@ std::optional<ChannelPlace> RigIndex::place(ChannelKey key) const {
         static_cast<std::uint32_t>(universe * kSlotCountMax + static_cast<std::size_t>(slot));
   }
   return place;
-}
-
-std::size_t RigIndex::conflict_count() const {
-  const auto none = std::count(conflicts_.begin(), conflicts_.end(), -1);
-  return conflicts_.size() - static_cast<std::size_t>(none);
 }
 
 std::uint32_t RigIndex::read(ChannelKey key, std::span<const std::uint8_t> levels) const {

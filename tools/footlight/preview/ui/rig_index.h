@@ -42,9 +42,6 @@ class RigIndex {
   [[nodiscard]] std::span<const SlotUse> uses(std::size_t universe, std::size_t slot) const;
   // Nothing if the channel is virtual, or its fixture or break has no address.
   [[nodiscard]] std::optional<ChannelPlace> place(ChannelKey key) const;
-  // A fixture that has a slot in common with this one; -1: none.
-  [[nodiscard]] int conflict(int fixture) const { return conflicts_[static_cast<std::size_t>(fixture)]; }
-  [[nodiscard]] std::size_t conflict_count() const;
 
   // The channel's raw value; its default where it has no place.
   [[nodiscard]] std::uint32_t read(ChannelKey key, std::span<const std::uint8_t> levels) const;
@@ -58,7 +55,6 @@ class RigIndex {
   const fixtures::CompiledRig& compiled_;
   std::vector<std::uint32_t> first_;  // of each slot's uses in uses_; one more at the end
   std::vector<SlotUse> uses_;
-  std::vector<int> conflicts_;
 };
 
 }  // namespace footlight::tools
