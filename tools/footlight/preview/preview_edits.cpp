@@ -89,10 +89,7 @@ Status Preview::begin_frame(const PixelRect& where) {
                          auto made = std::make_unique<Made>();
                          FL_ASSIGN(made->frame, render::Frame::create(*device_, scene->rig, scene->compiled, settings));
                          if (!logs) return made;
-                         FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
-                         if (!log) return fail(ErrorCode::kIo, "{}: the log is gone", options_.files.log);
-                         made->timeline =
-                             std::make_unique<Timeline>(std::move(*log), scene->compiled, vrsl_replay(*scene));
+                         FL_ASSIGN(made->timeline, read_log(*scene));
                          if (made->timeline->can_go() && until_ns > kQuickLogNs) {
                            FL_TRY(made->timeline->start_at(until_ns - kQuickLogNs));
                          }

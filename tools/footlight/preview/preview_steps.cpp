@@ -22,14 +22,21 @@ std::optional<fixtures::VrslReplay> Preview::vrsl_replay(const PreviewScene& sce
   return fixtures::VrslReplay(*scene.written, scene.compiled);
 }
 
+// The log from its start, once more, for a scene.
+Result<std::unique_ptr<Timeline>> Preview::read_log(const PreviewScene& scene) const {
+  FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
+  if (!log) return fail(ErrorCode::kIo, "{}: the log can no longer be read", options_.files.log);
+  return std::make_unique<Timeline>(std::move(*log), scene.compiled, vrsl_replay(scene));
+}
+
 // A second reading of the log, which runs ahead between pictures.
 Status Preview::make_index() {
   index_.reset();
   curve_.reset();
   curved_ = 0;
   if (!timeline_->can_go()) return {};
-  FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
-  if (log) index_.emplace(Timeline(std::move(*log), framed_->compiled));
+  FL_ASSIGN(const std::unique_ptr<Timeline> timeline, read_log(*framed_));
+  index_.emplace(std::move(*timeline));
   return {};
 }
 
@@ -73,9 +80,7 @@ Status Preview::go_back(TimeNs until_ns, DurationNs exposure_ns) {
     log_levels_ = known->position.levels;
     FL_TRY(frame_->load_state(known->state));
   } else {
-    FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
-    if (!log) return fail(ErrorCode::kIo, "{}: the log can no longer be read", options_.files.log);
-    timeline_ = std::make_unique<Timeline>(std::move(*log), framed_->compiled, vrsl_replay(*framed_));
+    FL_ASSIGN(timeline_, read_log(*framed_));
     FL_TRY(frame_->run_steps());
     FL_TRY(device_->run_once([&](VkCommandBuffer commands) { render::forget_states(commands, frame_->resources()); }));
     frame_->forget_air();

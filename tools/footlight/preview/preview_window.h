@@ -79,6 +79,7 @@ class Preview {
   Status replay_to(TimeNs until_ns, DurationNs exposure_ns);
   Status go_back(TimeNs until_ns, DurationNs exposure_ns);
   [[nodiscard]] const SeekIndex::Moment* known_before(TimeNs time_ns) const;
+  [[nodiscard]] Result<std::unique_ptr<Timeline>> read_log(const PreviewScene& scene) const;
   Status make_index();
   Status work_at_index();
   Status advance(Timeline& timeline, TimeNs until_ns, DurationNs exposure_ns);
