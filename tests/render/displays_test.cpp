@@ -14,7 +14,7 @@
 #include "render/display_tables.h"
 #include "render/frame.h"
 #include "render/reference/display_judge.h"
-#include "tests/render/scenes.h"
+#include "tests/render/judged_light.h"
 #include "tests/support/headless_vulkan.h"
 #include "tests/support/long_tests.h"
 
@@ -65,51 +65,12 @@ void give_picture(fixtures::Display& display, int columns, int rows) {
   display.image = image;
 }
 
-void view_from(Scene& scene, glm::dvec3 from, glm::dvec3 to) {
-  scene.rig.cameras[0].position_m = from;
-  scene.rig.cameras[0].target_m = to;
-}
-
 RadianceImage drawn(
     vk::Device& device, const Scene& scene, bool judged = true,
     const std::function<void(FrameSettings&)>& change = [](FrameSettings&) {}) {
-  FrameSettings settings = judged_settings(kWidth, kHeight);
-  settings.widen_thin = !judged;
-  change(settings);
-  auto frame = make_frame(device, scene, settings);
-  frame->step(scene.levels, 0);
-  must(frame->draw(view_of(scene.rig.cameras[0]), 0));
-  return must(frame->read_radiance());
+  return drawn_light(device, scene, kWidth, kHeight, judged, change);
 }
-
-std::vector<double> judged(const Scene& scene) {
-  fixtures::f64::Walker walker(scene.compiled);
-  walker.step(scene.levels, 0);
-  JudgeOptions options;
-  options.stated_error = false;
-  return judge_image(judge_scene(scene.rig, walker), view_of(scene.rig.cameras[0]), kWidth, kHeight, options).rgb;
-}
-
-double rel_l2(const RadianceImage& image, const std::vector<double>& judge) {
-  double error = 0, light = 0;
-  for (std::size_t i = 0; i < judge.size(); ++i) {
-    const double difference = static_cast<double>(image.rgb[i]) - judge[i];
-    error += difference * difference;
-    light += judge[i] * judge[i];
-  }
-  REQUIRE(light > 0);
-  return std::sqrt(error / light);
-}
-
-double sum_of(const RadianceImage& image) {
-  double sum = 0;
-  for (const float value : image.rgb) sum += static_cast<double>(value);
-  return sum;
-}
-
-void print(const char* what, double error) {
-  if (std::getenv("FOOTLIGHT_PRINT_ERRORS") != nullptr) std::printf("%-44s %.2e\n", what, error);
-}
+std::vector<double> judged(const Scene& scene) { return judged_light(scene, kWidth, kHeight); }
 
 // A case against the judge. Cameras that see no display judge its light alone, without its bright pixels.
 struct Case {
@@ -167,7 +128,7 @@ TEST_CASE("light of displays on surfaces is near the judge") {
     c.change(scene);
     scene.compile();
     const double error = rel_l2(drawn(vulkan.device(), scene), judged(scene));
-    print(c.what, error);
+    print_error(c.what, error);
     CHECK(error < c.most);
   }
 }
@@ -201,7 +162,7 @@ TEST_CASE("light of displays in the air is near the judge") {
     c.change(scene);
     scene.compile();
     const double error = rel_l2(drawn(vulkan.device(), scene), judged(scene));
-    print(c.what, error);
+    print_error(c.what, error);
     CHECK(error < c.most);
   }
 }
@@ -212,7 +173,7 @@ TEST_CASE("light of displays in clouds of haze is near the judge") {
   view_from(scene, {-6, 2.5, 2}, {0, 2.5, 1.5});
   scene.compile();
   const double error = rel_l2(drawn(vulkan.device(), scene), judged(scene));
-  print("even, clouds", error);
+  print_error("even, clouds", error);
   CHECK(error < 2e-2);
 }
 

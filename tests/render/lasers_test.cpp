@@ -11,7 +11,7 @@
 #include "fixtures/simulate/walker.h"
 #include "render/frame.h"
 #include "render/reference/laser_judge.h"
-#include "tests/render/scenes.h"
+#include "tests/render/judged_light.h"
 #include "tests/support/headless_vulkan.h"
 
 namespace footlight::render {
@@ -71,26 +71,6 @@ std::vector<double> judged(const Scene& scene, std::int64_t dt_ns = 0, double st
                       kWidth, kHeight, step_px);
 }
 
-double rel_l2(const RadianceImage& image, const std::vector<double>& judge) {
-  double error = 0, light = 0;
-  for (std::size_t i = 0; i < judge.size(); ++i) {
-    const double difference = static_cast<double>(image.rgb[i]) - judge[i];
-    error += difference * difference;
-    light += judge[i] * judge[i];
-  }
-  return std::sqrt(error / light);
-}
-
-double sum_of(const RadianceImage& image) {
-  double sum = 0;
-  for (const float value : image.rgb) sum += static_cast<double>(value);
-  return sum;
-}
-
-void print(const char* what, double error) {
-  if (std::getenv("FOOTLIGHT_PRINT_ERRORS") != nullptr) std::printf("%-40s %.2e\n", what, error);
-}
-
 TEST_CASE("lasers in the air and on a wall are near brute force over the scanner's path") {
   HeadlessVulkan vulkan;
   struct Case {
@@ -110,7 +90,7 @@ TEST_CASE("lasers in the air and on a wall are near brute force over the scanner
     Scene scene = laser_scene(c.wall ? kWall : "");
     show(scene, c.figure, c.size_x, c.size_y, c.beams);
     const double error = rel_l2(drawn(vulkan.device(), scene), judged(scene));
-    print(c.what, error);
+    print_error(c.what, error);
     CHECK(error < c.most);
   }
 }
@@ -131,7 +111,7 @@ TEST_CASE("lasers that are seen from the side are near brute force") {
     scene.camera.position_m = {9, 5, 1.7};
     scene.camera.target_m = {0, 5, 3};
     const double error = rel_l2(drawn(vulkan.device(), scene), judged(scene));
-    print(c.what, error);
+    print_error(c.what, error);
     CHECK(error < c.most);
   }
 }
@@ -145,7 +125,7 @@ TEST_CASE("a beam of a laser that comes towards the camera is near brute force")
   camera.position_m = {0.02, 12, 3.01};
   camera.target_m = {0, 0, 3};
   const double error = rel_l2(drawn(vulkan.device(), scene), judged(scene));
-  print("a beam towards the camera", error);
+  print_error("a beam towards the camera", error);
   CHECK(error < 2e-3);
 }
 

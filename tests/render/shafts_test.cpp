@@ -12,7 +12,7 @@
 #include "render/beam.h"
 #include "render/frame.h"
 #include "render/reference/judge.h"
-#include "tests/render/scenes.h"
+#include "tests/render/judged_light.h"
 #include "tests/support/headless_vulkan.h"
 
 namespace footlight::render {
@@ -65,48 +65,10 @@ const std::string kThings =
     "[[box]]\nname = \"C\"\nmin = [-1, 4.2, 4]\nmax = [1, 5, 4.4]\nalbedo = [0.3, 0.3, 0.3]\n"
     "[[box]]\nname = \"D\"\nmin = [0.7, 0.9, 0.6]\nmax = [1.2, 1.2, 1]\nalbedo = [0.3, 0.3, 0.3]\n";
 
-void look(Scene& scene, glm::dvec3 from, glm::dvec3 to) {
-  scene.rig.cameras[0].position_m = from;
-  scene.rig.cameras[0].target_m = to;
-}
-
 RadianceImage drawn(vk::Device& device, const Scene& scene, bool judged = true) {
-  FrameSettings settings = judged_settings(kWidth, kHeight);
-  settings.widen_thin = !judged;
-  auto frame = make_frame(device, scene, settings);
-  frame->step(scene.levels, 0);
-  must(frame->draw(view_of(scene.rig.cameras[0]), 0));
-  return must(frame->read_radiance());
+  return drawn_light(device, scene, kWidth, kHeight, judged);
 }
-
-std::vector<double> judged(const Scene& scene) {
-  fixtures::f64::Walker walker(scene.compiled);
-  walker.step(scene.levels, 0);
-  JudgeOptions options;
-  options.stated_error = false;
-  return judge_image(judge_scene(scene.rig, walker), view_of(scene.rig.cameras[0]), kWidth, kHeight, options).rgb;
-}
-
-double rel_l2(const RadianceImage& image, const std::vector<double>& judge) {
-  double error = 0, light = 0;
-  for (std::size_t i = 0; i < judge.size(); ++i) {
-    const double difference = static_cast<double>(image.rgb[i]) - judge[i];
-    error += difference * difference;
-    light += judge[i] * judge[i];
-  }
-  REQUIRE(light > 0);
-  return std::sqrt(error / light);
-}
-
-double sum_of(const RadianceImage& image) {
-  double sum = 0;
-  for (const float value : image.rgb) sum += static_cast<double>(value);
-  return sum;
-}
-
-void print(const char* what, double error) {
-  if (std::getenv("FOOTLIGHT_PRINT_ERRORS") != nullptr) std::printf("%-40s %.2e\n", what, error);
-}
+std::vector<double> judged(const Scene& scene) { return judged_light(scene, kWidth, kHeight); }
 
 TEST_CASE("shafts in the air and on surfaces are near the judge, with and without images and shadows") {
   HeadlessVulkan vulkan;
@@ -117,7 +79,7 @@ TEST_CASE("shafts in the air and on surfaces are near the judge, with and withou
     double most;
     std::function<void(Scene&)> change = [](Scene&) {};
   };
-  const auto looks = [](glm::dvec3 from, glm::dvec3 to) { return [=](Scene& scene) { look(scene, from, to); }; };
+  const auto looks = [](glm::dvec3 from, glm::dvec3 to) { return [=](Scene& scene) { view_from(scene, from, to); }; };
   for (const Case& c :
        {Case{"even, air", false, "", 1e-4}, Case{"even, floor", false, kFloor, 1e-3},
         Case{"image, air", true, "", 1e-3}, Case{"image, floor", true, kFloor, 1e-3},
@@ -139,7 +101,7 @@ TEST_CASE("shafts in the air and on surfaces are near the judge, with and withou
     c.change(scene);
     scene.compile();
     const double error = rel_l2(drawn(vulkan.device(), scene), judged(scene));
-    print(c.what, error);
+    print_error(c.what, error);
     CHECK(error < c.most);
   }
 }
@@ -150,7 +112,7 @@ TEST_CASE("shafts in clouds of haze are near the judge") {
   scene.rig.panes[0].image = picture(36, 48);
   scene.compile();
   const double error = rel_l2(drawn(vulkan.device(), scene), judged(scene));
-  print("image, clouds", error);
+  print_error("image, clouds", error);
   CHECK(error < 2e-2);
 }
 
@@ -177,7 +139,7 @@ TEST_CASE("the image of a pane stands upright as it is seen from the audience, a
   auto image = std::make_shared<fixtures::PaneImage>(fixtures::PaneImage{2, 2, {}});
   image->texels = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}};
   scene.rig.panes[0].image = image;
-  look(scene, {0, -4, 6}, {0, 2, 1});
+  view_from(scene, {0, -4, 6}, {0, 2, 1});
   scene.rig.cameras[0].fov_deg = 90;
   scene.compile();
   const RadianceImage shown = drawn(vulkan.device(), scene);
@@ -205,7 +167,7 @@ TEST_CASE("scenery in a shaft is lit and throws a shadow") {
       "[[scenery]]\nkind = \"riser\"\nposition = [0, 1, 0]\nwidth_m = 1\ndepth_m = 1\nheight_m = 1\n";
   const auto shown = [&](const std::string& boxes, glm::dvec3 place_m) {
     Scene scene = pane_scene(boxes, "scattering_per_m = 0", "[0, -1, -1]");
-    look(scene, {0, -6, 5}, {0, 1, 0});
+    view_from(scene, {0, -6, 5}, {0, 1, 0});
     scene.compile();
     FrameSettings settings = judged_settings(kWidth, kHeight);
     settings.bodies = true;
@@ -234,17 +196,17 @@ TEST_CASE("no pane gives a picture that is not finite, and only a sun in its pla
         Case{"the sun nearly in the plane of the pane", "[1, -0.0002, -0.2]", [](Scene&) {}},
         Case{"the sun at the horizon", "[0, -1, 0]", [](Scene&) {}},
         Case{"the sun below the horizon", "[0, -1, 0.2]", [](Scene&) {}},
-        Case{"the sun from the other side", "[0, 1, -0.4]", [&](Scene& s) { look(s, {4, 9, 2}, {0, 6, 2}); }},
-        Case{"a shaft seen edge on", "[0, -1, -1]", [&](Scene& s) { look(s, {1, -5, 1}, {1, 2, 1.5}); }},
-        Case{"a ray along the light", "[0, -1, 0]", [&](Scene& s) { look(s, {0, -3, 3}, {0, 4, 3}); }},
-        Case{"the eye in the shaft", usual, [&](Scene& s) { look(s, {0.5, 2.8, 2.2}, {0, 4, 3}); }},
-        Case{"the eye in the pane", usual, [&](Scene& s) { look(s, {0, 4, 3}, {0.2, 3, 2}); }},
+        Case{"the sun from the other side", "[0, 1, -0.4]", [&](Scene& s) { view_from(s, {4, 9, 2}, {0, 6, 2}); }},
+        Case{"a shaft seen edge on", "[0, -1, -1]", [&](Scene& s) { view_from(s, {1, -5, 1}, {1, 2, 1.5}); }},
+        Case{"a ray along the light", "[0, -1, 0]", [&](Scene& s) { view_from(s, {0, -3, 3}, {0, 4, 3}); }},
+        Case{"the eye in the shaft", usual, [&](Scene& s) { view_from(s, {0.5, 2.8, 2.2}, {0, 4, 3}); }},
+        Case{"the eye in the pane", usual, [&](Scene& s) { view_from(s, {0, 4, 3}, {0.2, 3, 2}); }},
         Case{"a plane far away", usual,
              [&](Scene& s) {
                s.rig.haze.reach_m = 10000;
                s.rig.boxes[0].min_m = {-9999, -9999, -1};
                s.rig.boxes[0].max_m = {9999, 9999, 0};
-               look(s, {-900, -900, 40}, {0, 0, 3});
+               view_from(s, {-900, -900, 40}, {0, 0, 3});
                s.rig.cameras[0].fov_deg = 2;
              }},
         Case{"a single texel", usual,
@@ -255,7 +217,7 @@ TEST_CASE("no pane gives a picture that is not finite, and only a sun in its pla
              [&](Scene& s) {
                s.rig.haze.scattering_per_m = 10;
                s.rig.haze.absorption_per_m = 10;
-               look(s, {0.5, 2.8, 2.2}, {0, 4, 3});
+               view_from(s, {0.5, 2.8, 2.2}, {0, 4, 3});
              }},
         Case{"decks that touch in the shaft", usual,
              [](Scene& s) {
@@ -291,7 +253,7 @@ TEST_CASE("levels of detail keep the light of a fine image") {
 TEST_CASE("the steps of a pixel are the cells that its ray goes through, without a largest number") {
   HeadlessVulkan vulkan;
   Scene scene = pane_scene("", kHaze, "[0, -1, -1]");
-  look(scene, {-6, 1, 1.5}, {0, 1, 1.5});  // across the light: a line through the image from its left to its right
+  view_from(scene, {-6, 1, 1.5}, {0, 1, 1.5});  // across the light: a line through the image from its left to its right
   FrameSettings settings = judged_settings(kWidth, kHeight);
   settings.view = FrameView::kSteps;
   for (const int columns : {1, 10, 1000}) {
