@@ -7,6 +7,37 @@
 #include "sim/core/check.h"
 
 namespace footlight::render {
+namespace {
+
+// Makes the memory that states pass through, once. Returns the bytes of all states.
+Result<VkDeviceSize> prepare(vk::Device& device, const std::vector<const vk::Buffer*>& states, vk::Buffer& staging) {
+  VkDeviceSize bytes = 0;
+  for (const vk::Buffer* state : states) bytes += state->size_bytes;
+  if (bytes > 0 && staging.handle == VK_NULL_HANDLE) {
+    FL_ASSIGN(staging, vk::Buffer::host_visible(device, bytes, 0));
+  }
+  return bytes;
+}
+
+enum class Way { kOut, kIn };
+
+// One after the other, in `staging`.
+void copy(VkCommandBuffer commands, const std::vector<const vk::Buffer*>& states, const vk::Buffer& staging, Way way) {
+  vk::full_barrier(commands);
+  VkDeviceSize at = 0;
+  for (const vk::Buffer* state : states) {
+    const VkBufferCopy out{0, at, state->size_bytes};
+    const VkBufferCopy in{at, 0, state->size_bytes};
+    if (way == Way::kOut) {
+      vkCmdCopyBuffer(commands, state->handle, staging.handle, 1, &out);
+    } else {
+      vkCmdCopyBuffer(commands, staging.handle, state->handle, 1, &in);
+    }
+    at += state->size_bytes;
+  }
+}
+
+}  // namespace
 
 // The buffers that the steps write, and the newest levels, which displays show. Counts are those of a picture.
 std::vector<const vk::Buffer*> Frame::state_buffers() const {
@@ -24,20 +55,10 @@ Result<FrameState> Frame::save_state() {
   state.time_ns = time_ns_;
   if (machines_) state.air = machines_->air();
   const auto buffers = state_buffers();
-  VkDeviceSize bytes = 0;
-  for (const vk::Buffer* buffer : buffers) bytes += buffer->size_bytes;
+  FL_ASSIGN(const VkDeviceSize bytes, prepare(device_, buffers, state_bytes_));
   if (bytes == 0) return state;
-  if (state_bytes_.handle == VK_NULL_HANDLE) {
-    FL_ASSIGN(state_bytes_, vk::Buffer::host_visible(device_, bytes, 0));
-  }
   FL_TRY(device_.run_once([&](VkCommandBuffer commands) {
-    vk::full_barrier(commands);
-    VkDeviceSize at = 0;
-    for (const vk::Buffer* buffer : buffers) {
-      const VkBufferCopy region{0, at, buffer->size_bytes};
-      vkCmdCopyBuffer(commands, buffer->handle, state_bytes_.handle, 1, &region);
-      at += buffer->size_bytes;
-    }
+    copy(commands, buffers, state_bytes_, Way::kOut);
     vk::host_barrier(commands);
   }));
   state.heads.resize(bytes);
@@ -48,24 +69,14 @@ Result<FrameState> Frame::save_state() {
 Status Frame::load_state(const FrameState& state) {
   FL_TRY(run_steps());
   const auto buffers = state_buffers();
-  VkDeviceSize bytes = 0;
-  for (const vk::Buffer* buffer : buffers) bytes += buffer->size_bytes;
+  FL_ASSIGN(const VkDeviceSize bytes, prepare(device_, buffers, state_bytes_));
   FL_CHECK_EQ(state.heads.size(), bytes);
   time_ns_ = state.time_ns;
   if (machines_) machines_->set_air(state.air);
   if (bytes == 0) return {};
-  if (state_bytes_.handle == VK_NULL_HANDLE) {
-    FL_ASSIGN(state_bytes_, vk::Buffer::host_visible(device_, bytes, 0));
-  }
   std::memcpy(state_bytes_.mapped, state.heads.data(), bytes);
   return device_.run_once([&](VkCommandBuffer commands) {
-    vk::full_barrier(commands);
-    VkDeviceSize at = 0;
-    for (const vk::Buffer* buffer : buffers) {
-      const VkBufferCopy region{at, 0, buffer->size_bytes};
-      vkCmdCopyBuffer(commands, state_bytes_.handle, buffer->handle, 1, &region);
-      at += buffer->size_bytes;
-    }
+    copy(commands, buffers, state_bytes_, Way::kIn);
     vk::full_barrier(commands);
   });
 }
