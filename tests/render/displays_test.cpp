@@ -80,6 +80,16 @@ struct Case {
   std::string boxes;
   std::function<void(Scene&)> change = [](Scene&) {};
 };
+void check_near_judge(vk::Device& device, const Case& c) {
+  CAPTURE(std::string(c.what));
+  Scene scene = display_scene(c.haze, c.boxes);
+  c.change(scene);
+  scene.compile();
+  const double error = rel_l2(drawn(device, scene), judged(scene));
+  print_error(c.what, error);
+  CHECK(error < c.most);
+}
+
 const auto picture = [](Scene& scene) { give_picture(scene.rig.displays[0], 16, 9); };
 // Away from the display: of what it lights nothing else is in the picture.
 const auto away = [](Scene& scene) { view_from(scene, {1, 3.9, 2.5}, {-1, -2, 0}); };
@@ -123,13 +133,7 @@ TEST_CASE("light of displays on surfaces is near the judge") {
                s.rig.displays[1].position_m = {-4, 0, 1};
                s.rig.displays[1].rotation_deg = {0, 0, 90};
              }}}) {
-    CAPTURE(std::string(c.what));
-    Scene scene = display_scene(c.haze, c.boxes);
-    c.change(scene);
-    scene.compile();
-    const double error = rel_l2(drawn(vulkan.device(), scene), judged(scene));
-    print_error(c.what, error);
-    CHECK(error < c.most);
+    check_near_judge(vulkan.device(), c);
   }
 }
 
@@ -157,13 +161,7 @@ TEST_CASE("light of displays in the air is near the judge") {
                give_picture(s.rig.displays[0], 40, 1);
              }}}) {
     if (number++ % 5 != 0 && !footlight::testing::runs_long_tests()) continue;  // a case takes the judge half a minute
-    CAPTURE(std::string(c.what));
-    Scene scene = display_scene(c.haze, c.boxes);
-    c.change(scene);
-    scene.compile();
-    const double error = rel_l2(drawn(vulkan.device(), scene), judged(scene));
-    print_error(c.what, error);
-    CHECK(error < c.most);
+    check_near_judge(vulkan.device(), c);
   }
 }
 
@@ -401,7 +399,12 @@ TEST_CASE("pixels of a display that are finer than those of the picture keep the
       4, [](Scene&) {}, 0.03);
   // A display that is thinner than two pixels is drawn by the share of each that it covers.
   // Nearly edge on its pixels are twice as large at one end as at the other, within one pixel of the picture.
-  light(1, [](Scene& s) { view_from(s, {-9, 3, 2}, {0, 4, 2}); }, 0.15);
+  light(
+      1,
+      [](Scene& s) {
+        view_from(s, {-9, 3, 2}, {0, 4, 2});
+      },
+      0.15);
   const auto thin = [](Scene& s) {
     s.rig.displays[0].height_m = 0.02;
     give_picture(s.rig.displays[0], 100, 1);
