@@ -8,6 +8,7 @@
 #include <imgui/imgui.h>
 
 #include "tests/tools/footlight/edit_desk.h"
+#include "tests/tools/footlight/panels_test_imgui.h"
 #include "tests/tools/footlight/ui_rigs.h"
 #include "tools/footlight/preview/ui/panels.h"
 #include "tools/footlight/preview/ui/stage_marks.h"
@@ -32,14 +33,9 @@ void draw_panels(benchmark::State& state, const std::string& words, bool everyth
   camera.target_m = {50, 50, 0};
   const StagePlace place{render::view_of(camera), {1920, 1080}};
 
-  ImGui::CreateContext();
+  const testing::HeadlessImGui imgui(1920, 1080);
   ImGuiIO& io = ImGui::GetIO();
-  io.IniFilename = nullptr;
-  io.DisplaySize = {1920, 1080};
   io.BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;  // as the window has it
-  unsigned char* pixels = nullptr;
-  int unused = 0;
-  io.Fonts->GetTexDataAsRGBA32(&pixels, &unused, &unused);
   UiInput input;
   input.now_ns = kNsPerS;
   // A log of three hours with a moment every 2 s.
@@ -64,7 +60,6 @@ void draw_panels(benchmark::State& state, const std::string& words, bool everyth
   };
   for (int i = 0; i < 3; ++i) draw();  // what is made once
   for (auto _ : state) draw();
-  ImGui::DestroyContext();
 }
 
 void closed(benchmark::State& state) { draw_panels(state, "", false); }

@@ -10,6 +10,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/tools/footlight/edit_desk.h"
+#include "tests/tools/footlight/panels_test_imgui.h"
 #include "tools/footlight/preview/ui/keys.h"
 #include "tools/footlight/preview/ui/menu.h"
 #include "tools/footlight/preview/ui/panels.h"
@@ -33,19 +34,8 @@ bool contains(const std::string& text, std::string_view part) { return text.find
 class EditUi {
  public:
   explicit EditUi(fixtures::Rig rig) : edit(std::move(rig)), desk(edit.desk) {
-    ImGui::CreateContext();
-    ImGuiIO& io = ImGui::GetIO();
-    io.IniFilename = nullptr;
-    io.DisplaySize = {1280, 720};
-    io.DeltaTime = 1.0f / 60;
-    io.KeyMap[ImGuiKey_Enter] = kEnter;
-    unsigned char* pixels = nullptr;
-    int unused = 0;
-    io.Fonts->GetTexDataAsRGBA32(&pixels, &unused, &unused);
+    ImGui::GetIO().KeyMap[ImGuiKey_Enter] = kEnter;
   }
-  ~EditUi() { ImGui::DestroyContext(); }
-  EditUi(const EditUi&) = delete;
-  EditUi& operator=(const EditUi&) = delete;
 
   void frame() {
     const std::vector<std::uint8_t> levels(desk.compiled().universes.size() * kSlotCountMax);
@@ -108,6 +98,7 @@ class EditUi {
   }
   static bool has_popup() { return ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel); }
 
+  testing::HeadlessImGui imgui{1280, 720};
   EditDesk edit;
   UiDesk& desk;
   UiPanels open;

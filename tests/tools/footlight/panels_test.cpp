@@ -11,6 +11,7 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/tools/footlight/panels_test_imgui.h"
 #include "tests/tools/footlight/ui_rigs.h"
 #include "tools/footlight/preview/ui/escape.h"
 #include "tools/footlight/preview/ui/keys.h"
@@ -36,19 +37,9 @@ constexpr std::size_t kTimeline = 4;
 class HeadlessUi {
  public:
   explicit HeadlessUi(const UiRig& rig, float width = 1280, float height = 720)
-      : desk(rig.rig, rig.compiled), levels(rig.compiled.universes.size() * kSlotCountMax) {
-    ImGui::CreateContext();
-    ImGuiIO& io = ImGui::GetIO();
-    io.IniFilename = nullptr;
-    io.DisplaySize = {width, height};
-    io.DeltaTime = 1.0f / 60;
-    unsigned char* pixels = nullptr;
-    int unused = 0;
-    io.Fonts->GetTexDataAsRGBA32(&pixels, &unused, &unused);
-  }
-  ~HeadlessUi() { ImGui::DestroyContext(); }
-  HeadlessUi(const HeadlessUi&) = delete;
-  HeadlessUi& operator=(const HeadlessUi&) = delete;
+      : imgui(width, height),
+        desk(rig.rig, rig.compiled),
+        levels(rig.compiled.universes.size() * kSlotCountMax) {}
 
   // Returns the number of vertices that it draws.
   int frame() {
@@ -96,6 +87,7 @@ class HeadlessUi {
     return {-1, -1};
   }
 
+  testing::HeadlessImGui imgui;
   Transport* transport = nullptr;
   const LightCurve* curve = nullptr;
   UiDesk desk;
