@@ -34,6 +34,22 @@ inline std::size_t entries_of(const char* folder) {
       std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()));
 }
 
+// Descriptors and threads of this process. The kernel lists a thread for a moment after it was joined, and an emulated
+// device closes its end of a file on a thread of its own, so a count right after a close may be too high.
+struct ProcessCounts {
+  std::size_t fds = entries_of("/proc/self/fd"), threads = entries_of("/proc/self/task");
+};
+// Until no more are left than before, for at most 10 s. What leaks stays: repeat what may leak more often than once.
+inline bool returns_to(const ProcessCounts& before) {
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (true) {
+    const ProcessCounts now;
+    if (now.fds <= before.fds && now.threads <= before.threads) return true;
+    if (std::chrono::steady_clock::now() >= give_up) return false;
+    ::poll(nullptr, 0, 1);
+  }
+}
+
 // Keeps copies of the frames that a source delivers.
 class FrameKeeper final : public FrameReceiver {
  public:

@@ -213,10 +213,9 @@ TEST_CASE("closing ends without traffic, and leaves no descriptor and no thread"
   Bench<NodleModel, testing::SharedFakeClock> bench("nodle");  // no wait ends by a timeout
   bench.socket.plug();
   { const auto warm_up = bench.open_sink(); }
-  const std::size_t fds = testing::entries_of("/proc/self/fd"), threads = testing::entries_of("/proc/self/task");
+  const testing::ProcessCounts before;
   for (int i = 0; i < 20; ++i) (void)bench.open_sink();
-  CHECK(testing::entries_of("/proc/self/fd") == fds);
-  CHECK(testing::entries_of("/proc/self/task") == threads);
+  CHECK(testing::returns_to(before));
 }
 
 TEST_CASE("a device that leaves within 100 ms of its check is never opened by hidapi") {
@@ -256,7 +255,7 @@ void replug(AnyBench& bench, int count, const std::function<void(int)>& plug) {
   const auto sink = bench.open_sink();
   bench.send(*sink, some_snapshot(0));
   REQUIRE(bench.shows(some_snapshot(0)));
-  const std::size_t fds = testing::entries_of("/proc/self/fd"), threads = testing::entries_of("/proc/self/task");
+  const testing::ProcessCounts before;
   for (int i = 1; i <= count; ++i) {
     CAPTURE(i);
     bench.socket.unplug();
@@ -267,8 +266,7 @@ void replug(AnyBench& bench, int count, const std::function<void(int)>& plug) {
     REQUIRE(bench.shows(snapshot));
     REQUIRE(wait_for_state(*sink, PortState::kWorking));
   }
-  CHECK(testing::entries_of("/proc/self/fd") == fds);
-  CHECK(testing::entries_of("/proc/self/task") == threads);
+  CHECK(testing::returns_to(before));
 }
 
 TEST_CASE("replugs over hidraw leak no descriptor and no thread, and lose no frame") {
