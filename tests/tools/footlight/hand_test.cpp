@@ -104,7 +104,9 @@ class Connection {
 TEST_CASE("levels are set, faded, released and blacked out in a running bridge, and the monitor names the hand") {
   const TempFolder folder;
   const Bridge bridge(folder.file("s"), {"--in", "mock:enttec-pro=2", "--out", "mock:enttec-pro/out"});
-  CHECK(page(bridge.socket, "/status")["ports"].size() == 2);  // the hand is not there before it is used
+  // The hand is not there before it is used. The first period's status comes after "ready".
+  CHECK(eventually([&] { return !page(bridge.socket, "/status")["ports"].empty(); }));
+  CHECK(page(bridge.socket, "/status")["ports"].size() == 2);
   bridge.must({"set", "1.17=255", "1.1-3=50%", "1.20+21=258"});
   CHECK(bridge.shows(17, 255));
   CHECK(bridge.at(2) == 128);
