@@ -215,6 +215,14 @@ TEST_CASE("rig check reports files in the same form as fixtures check") {
   CHECK(contains(outcome.err, "2 files: 1 loaded, 0 with warnings, 1 refused"));
 }
 
+TEST_CASE("rig check counts panes of glass and displays") {
+  TempFolder folder;
+  const std::string samples = folder.file("samples");
+  REQUIRE(footlight({"samples", samples}).exit_code == 0);
+  CHECK(contains(footlight({"rig", "check", samples + "/chapel.toml"}).out, ", 3 panes of glass"));
+  CHECK(contains(footlight({"rig", "check", samples + "/wall.toml"}).out, ", 4 displays"));
+}
+
 TEST_CASE("a file that is not a rig is reported as the format of its name and its first bytes") {
   TempFolder folder;
   const std::string archive = make_zip({{"a.txt", "x"}});

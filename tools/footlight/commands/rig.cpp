@@ -111,10 +111,12 @@ void print(const RigCheck& check, const Opened& opened) {
   for (const Diagnostic& each : check.diagnostics) fmt::print("{}\n", printable_line(fixtures::text(each)));
   std::string line = fmt::format("{}: {}", check.file, fixtures::status_name(check.status));
   if (opened.rig) {
+    const fixtures::Rig& rig = opened.rig->rig;
     line += fmt::format(", {} {}: {} fixtures of {} types, {} objects", opened.rig->format, opened.rig->version,
-                        opened.rig->rig.fixtures.size(), opened.rig->rig.types.size(), opened.rig->rig.objects.size());
-    if (!opened.rig->rig.scenery.empty())
-      line += ", " + counted(opened.rig->rig.scenery.size(), "piece") + " of scenery";
+                        rig.fixtures.size(), rig.types.size(), rig.objects.size());
+    if (!rig.scenery.empty()) line += ", " + counted(rig.scenery.size(), "piece") + " of scenery";
+    if (!rig.panes.empty()) line += ", " + counted(rig.panes.size(), "pane") + " of glass";
+    if (!rig.displays.empty()) line += ", " + counted(rig.displays.size(), "display");
   } else {
     line += ": " + opened.rig.error().message;
   }
