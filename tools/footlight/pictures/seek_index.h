@@ -31,8 +31,8 @@ class SeekIndex {
   explicit SeekIndex(Timeline timeline, std::uint64_t bytes_max = kBytesMax, DurationNs spacing_ns = kSpacingNs);
 
   // Makes moments for about budget_ns, at least one change of levels. Pending steps of the frame are carried out. After
-  // an error of the log the frame has its own states. After the loss of a device its states are undefined, and the index
-  // goes on with the next frame.
+  // an error of the log the frame has its own states. After the loss of a device they are undefined, and the index goes
+  // on with the next frame.
   Status work(render::Frame& frame, Clock& clock, DurationNs budget_ns);
 
   // The last moment at or before this time; nullptr: none is known, so a seek begins at the start of the log.
