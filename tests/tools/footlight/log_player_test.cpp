@@ -149,6 +149,25 @@ TEST_CASE("a seek gives the states of a replay from the start, to the bit, from 
   }
 }
 
+TEST_CASE("a seek ahead of what is indexed begins at the seek before") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Stage stage(vulkan.device(), 20 * kNsPerS);
+  stage.transport.duration_ns = stage.player->duration_ns();
+  must(stage.player->show(8 * kNsPerS, stage.driven()));
+  stage.play(9 * kNsPerS);
+  const int before = stage.steps;
+  must(stage.player->seek(9 * kNsPerS + kNsPerS / 2, stage.driven()));
+  CHECK(stage.steps - before < 45);  // a change each 70 ms, from 7 s on
+  CHECK(stage.state().heads == stage.replayed(stage.player->now_ns()).heads);
+  // Not one whose levels were not those of the log alone.
+  stage.taken_over = true;
+  must(stage.player->seek(15 * kNsPerS, stage.driven()));
+  stage.taken_over = false;
+  must(stage.player->seek(16 * kNsPerS, stage.driven()));
+  CHECK(stage.state().heads == stage.replayed(16 * kNsPerS).heads);
+}
+
 TEST_CASE("the first picture of a frame is exposed for 20 ms, also at the end of the log and after an edit") {
   const HeadlessVulkan vulkan;
   if (!vulkan) return;

@@ -10,17 +10,22 @@ namespace {
 
 constexpr std::size_t kStepsHeldMax = 512;  // steps that wait for the GPU
 constexpr DurationNs kLeapNs = kNsPerS;     // a moment this far ahead is taken instead of the steps to it
+constexpr DurationNs kKeptNs = kNsPerS;     // a seek keeps a moment that is at most this much before its picture
+
+// `step`, and the frame's steps are carried out before too many wait. `flushed`: how that went.
+Timeline::Step flushing(const Timeline::Step& step, render::Frame& frame, Status& flushed) {
+  return [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+    step(levels, dt_ns, new_exposure);
+    if (frame.pending_steps() >= kStepsHeldMax && flushed) flushed = frame.run_steps();
+  };
+}
 
 }  // namespace
 
 Status advance_frame(Timeline& timeline, render::Frame& frame, TimeNs until_ns, DurationNs exposure_ns,
                      const Timeline::Step& step) {
   Status flushed;
-  FL_TRY(timeline.advance(until_ns, exposure_ns,
-                          [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
-                            step(levels, dt_ns, new_exposure);
-                            if (frame.pending_steps() >= kStepsHeldMax && flushed) flushed = frame.run_steps();
-                          }));
+  FL_TRY(timeline.advance(until_ns, exposure_ns, flushing(step, frame, flushed)));
   return flushed;
 }
 
@@ -44,8 +49,24 @@ Status LogPlayer::advance(TimeNs until_ns, DurationNs exposure_ns, const Driven&
                        });
 }
 
+// advance() from states that follow from the whole log, and a moment on the way for the next seek.
+Status LogPlayer::replay(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) {
+  if (timeline_->can_go() && !driven.taken_over) {
+    Status flushed;
+    const TimeNs last_ns = until_ns - exposure_ns;
+    FL_TRY(timeline_->advance_to_change(last_ns - kKeptNs, last_ns, flushing(driven.step, driven.frame, flushed)));
+    FL_TRY(flushed);
+    Timeline::Position position = timeline_->position();
+    if (position.stepped) {
+      FL_ASSIGN(render::FrameState state, driven.frame.save_state());
+      kept_ = {std::move(position), std::move(state)};
+    }
+  }
+  return advance(until_ns, exposure_ns, driven);
+}
+
 Status LogPlayer::show(TimeNs until_ns, const Driven& driven) {
-  return advance(std::clamp<TimeNs>(until_ns, 0, duration_ns()), kExposureNs, driven);
+  return replay(std::clamp<TimeNs>(until_ns, 0, duration_ns()), kExposureNs, driven);
 }
 
 Status LogPlayer::show_soon(TimeNs until_ns, const Driven& driven) {
@@ -56,12 +77,16 @@ Status LogPlayer::show_soon(TimeNs until_ns, const Driven& driven) {
     FL_ASSIGN(render::FrameState state, driven.frame.save_state());
     state.time_ns = start_ns;
     FL_TRY(driven.frame.load_state(state));
+    return advance(std::min(until_ns, duration_ns()), kExposureNs, driven);
   }
   return show(until_ns, driven);
 }
 
 const SeekIndex::Moment* LogPlayer::known_before(TimeNs time_ns, const Driven& driven) const {
-  return index_ && !driven.taken_over ? index_->before(time_ns) : nullptr;
+  if (driven.taken_over) return nullptr;
+  const SeekIndex::Moment* known = index_ ? index_->before(time_ns) : nullptr;
+  const bool kept = kept_ && kept_->position.now_ns <= time_ns;
+  return kept && (known == nullptr || known->position.now_ns < kept_->position.now_ns) ? &*kept_ : known;
 }
 
 Status LogPlayer::seek(TimeNs until_ns, const Driven& driven) {
@@ -99,7 +124,7 @@ Status LogPlayer::go_back(TimeNs until_ns, DurationNs exposure_ns, const Driven&
         [&](VkCommandBuffer commands) { render::forget_states(commands, driven.frame.resources()); }));
     driven.frame.forget_air();
   }
-  FL_TRY(advance(until_ns, exposure_ns, driven));
+  FL_TRY(replay(until_ns, exposure_ns, driven));
   FL_TRY(driven.frame.run_steps());
   sought_ns_ += clock_.now_ns() - begun_ns;
   return {};

@@ -1,8 +1,8 @@
 // A log that drives the fixtures of a window: it plays, stands still, and goes to any time.
 //
-// A seek gives the states of a replay from the start of the log, to the bit. It begins at the last moment of an index
-// (SeekIndex) before its time, or at the start. While the log plays, steps are cut at the times of pictures, so the
-// states differ from those of a replay in their last bits. Needs no window. One thread.
+// A seek gives the states of a replay from the start of the log, to the bit. It begins at the last moment before its
+// time, of an index (SeekIndex) or of the seek before, or at the start. While the log plays, steps are cut at the times
+// of pictures, so the states differ from those of a replay in their last bits. Needs no window. One thread.
 #pragma once
 
 #include <functional>
@@ -70,12 +70,14 @@ class LogPlayer {
   [[nodiscard]] const SeekIndex::Moment* known_before(TimeNs time_ns, const Driven& driven) const;
   Status play_to(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
   Status go_back(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
+  Status replay(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
   Status advance(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
 
   std::function<Timeline()> read_;
   Clock& clock_;
   std::optional<Timeline> timeline_;  // always there
   std::optional<SeekIndex> index_;
+  std::optional<SeekIndex::Moment> kept_;  // shortly before where the last seek came to
   std::vector<std::uint8_t> levels_;
   std::string news_;
   DurationNs sought_ns_ = 0;     // that seeks took since the last turn() began
