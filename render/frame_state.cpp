@@ -9,10 +9,17 @@
 namespace footlight::render {
 namespace {
 
+// Of `counts` only what the step pass writes is a state: the beams and lit heads of each group. Its CountsRow is that
+// of a picture.
+VkDeviceSize state_offset(const RigTables& rig, const vk::Buffer& state) {
+  return &state == &rig.counts ? sizeof(CountsRow) : 0;
+}
+
 // Makes the memory that states pass through, once. Returns the bytes of all states.
-Result<VkDeviceSize> prepare(vk::Device& device, const std::vector<const vk::Buffer*>& states, vk::Buffer& staging) {
+Result<VkDeviceSize> prepare(vk::Device& device, const RigTables& rig, const std::vector<const vk::Buffer*>& states,
+                             vk::Buffer& staging) {
   VkDeviceSize bytes = 0;
-  for (const vk::Buffer* state : states) bytes += state->size_bytes;
+  for (const vk::Buffer* state : states) bytes += state->size_bytes - state_offset(rig, *state);
   if (bytes > 0 && staging.handle == VK_NULL_HANDLE) {
     FL_ASSIGN(staging, vk::Buffer::host_visible(device, bytes, 0));
   }
@@ -22,29 +29,33 @@ Result<VkDeviceSize> prepare(vk::Device& device, const std::vector<const vk::Buf
 enum class Way { kOut, kIn };
 
 // One after the other, in `staging`.
-void copy(VkCommandBuffer commands, const std::vector<const vk::Buffer*>& states, const vk::Buffer& staging, Way way) {
+void copy(VkCommandBuffer commands, const RigTables& rig, const std::vector<const vk::Buffer*>& states,
+          const vk::Buffer& staging, Way way) {
   vk::full_barrier(commands);
   VkDeviceSize at = 0;
   for (const vk::Buffer* state : states) {
-    const VkBufferCopy out{0, at, state->size_bytes};
-    const VkBufferCopy in{at, 0, state->size_bytes};
+    const VkDeviceSize first = state_offset(rig, *state);
+    const VkDeviceSize bytes = state->size_bytes - first;
+    if (bytes == 0) continue;
+    const VkBufferCopy out{first, at, bytes};
+    const VkBufferCopy in{at, first, bytes};
     if (way == Way::kOut) {
       vkCmdCopyBuffer(commands, state->handle, staging.handle, 1, &out);
     } else {
       vkCmdCopyBuffer(commands, staging.handle, state->handle, 1, &in);
     }
-    at += state->size_bytes;
+    at += bytes;
   }
 }
 
 }  // namespace
 
-// The buffers that the steps write, and the newest levels, which displays show. Counts are those of a picture.
+// The buffers that the steps write, and the newest levels, which displays show.
 std::vector<const vk::Buffer*> Frame::state_buffers() const {
   std::vector<const vk::Buffer*> states;
   if (resources_.rig.levels.handle != VK_NULL_HANDLE) states.push_back(&resources_.rig.levels);
   for (const vk::Buffer* buffer : resources_.rig.all_states()) {
-    if (buffer->handle != VK_NULL_HANDLE && buffer != &resources_.rig.counts) states.push_back(buffer);
+    if (buffer->handle != VK_NULL_HANDLE) states.push_back(buffer);
   }
   return states;
 }
@@ -55,10 +66,10 @@ Result<FrameState> Frame::save_state() {
   state.time_ns = time_ns_;
   if (machines_) state.air = machines_->air();
   const auto buffers = state_buffers();
-  FL_ASSIGN(const VkDeviceSize bytes, prepare(device_, buffers, state_bytes_));
+  FL_ASSIGN(const VkDeviceSize bytes, prepare(device_, resources_.rig, buffers, state_bytes_));
   if (bytes == 0) return state;
   FL_TRY(device_.run_once([&](VkCommandBuffer commands) {
-    copy(commands, buffers, state_bytes_, Way::kOut);
+    copy(commands, resources_.rig, buffers, state_bytes_, Way::kOut);
     vk::host_barrier(commands);
   }));
   state.heads.resize(bytes);
@@ -69,14 +80,14 @@ Result<FrameState> Frame::save_state() {
 Status Frame::load_state(const FrameState& state) {
   FL_TRY(run_steps());
   const auto buffers = state_buffers();
-  FL_ASSIGN(const VkDeviceSize bytes, prepare(device_, buffers, state_bytes_));
+  FL_ASSIGN(const VkDeviceSize bytes, prepare(device_, resources_.rig, buffers, state_bytes_));
   FL_CHECK_EQ(state.heads.size(), bytes);
   time_ns_ = state.time_ns;
   if (machines_) machines_->set_air(state.air);
   if (bytes == 0) return {};
   std::memcpy(state_bytes_.mapped, state.heads.data(), bytes);
   return device_.run_once([&](VkCommandBuffer commands) {
-    copy(commands, buffers, state_bytes_, Way::kIn);
+    copy(commands, resources_.rig, buffers, state_bytes_, Way::kIn);
     vk::full_barrier(commands);
   });
 }

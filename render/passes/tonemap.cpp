@@ -80,4 +80,11 @@ const PassEntry kTonemapPass{
     },
     "anything to see"};
 
+void forget_exposure(VkCommandBuffer commands, const Resources& resources) {
+  if (resources.rig.meter.handle == VK_NULL_HANDLE) return;
+  vk::full_barrier(commands);
+  vkCmdFillBuffer(commands, resources.rig.meter.handle, 0, VK_WHOLE_SIZE, 0);
+  vk::full_barrier(commands);
+}
+
 }  // namespace footlight::render

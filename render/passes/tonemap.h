@@ -3,7 +3,11 @@
 #pragma once
 
 #include "render/pass.h"
+#include "render/resources.h"
 
 namespace footlight::render {
 extern const PassEntry kTonemapPass;
+
+// The automatic exposure begins anew: the next picture has the one that suits it.
+void forget_exposure(VkCommandBuffer commands, const Resources& resources);
 }  // namespace footlight::render

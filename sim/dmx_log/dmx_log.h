@@ -205,6 +205,9 @@ class LogReader {
   LogReader(LogReader&&) noexcept;
   LogReader& operator=(LogReader&&) noexcept;
   ~LogReader();
+  // Another reader of the same log, at its start. It shares the open file or the bytes in memory, so it needs nothing
+  // from the path: the file may have been renamed since. Readers of one log may be used in different threads.
+  [[nodiscard]] LogReader again() const;
 
   // The contents of the index, and the damage found so far. For an unfinished log: from a scan of the block headers;
   // counts per universe then need read_log_info().

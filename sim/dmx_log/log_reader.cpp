@@ -38,7 +38,7 @@ class Input {
   virtual ~Input() = default;
   [[nodiscard]] virtual std::uint64_t size() const = 0;
   // Fills `out`; fails if the file has fewer bytes there.
-  virtual Status read(std::uint64_t offset, std::span<std::uint8_t> out) = 0;
+  virtual Status read(std::uint64_t offset, std::span<std::uint8_t> out) const = 0;
 };
 
 // Uses pread, not a mapping: if the file is truncated while it is read, the result is an error instead of a signal.
@@ -50,7 +50,7 @@ class FileInput final : public Input {
   ~FileInput() override { ::close(fd_); }
 
   std::uint64_t size() const override { return size_; }
-  Status read(std::uint64_t offset, std::span<std::uint8_t> out) override {
+  Status read(std::uint64_t offset, std::span<std::uint8_t> out) const override {
     std::size_t done = 0;
     while (done < out.size()) {
       const ssize_t count = ::pread(fd_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
@@ -72,7 +72,7 @@ class MemoryInput final : public Input {
  public:
   explicit MemoryInput(Bytes bytes) : bytes_(std::move(bytes)) {}
   std::uint64_t size() const override { return bytes_.size(); }
-  Status read(std::uint64_t offset, std::span<std::uint8_t> out) override {
+  Status read(std::uint64_t offset, std::span<std::uint8_t> out) const override {
     FL_CHECK(offset <= bytes_.size() && out.size() <= bytes_.size() - offset);
     std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), out.size(), out.begin());
     return {};
@@ -91,7 +91,7 @@ struct FoundBlock {
 }  // namespace
 
 struct LogReader::Impl {
-  Impl(std::unique_ptr<Input> input_in, std::string name, const LogReaderOptions& options_in)
+  Impl(std::shared_ptr<const Input> input_in, std::string name, const LogReaderOptions& options_in)
       : input(std::move(input_in)), options(options_in), zstd(ZSTD_createDCtx(), &ZSTD_freeDCtx) {
     info.path = std::move(name);
     info.file_bytes = input->size();
@@ -498,7 +498,7 @@ struct LogReader::Impl {
     return snapshots;
   }
 
-  std::unique_ptr<Input> input;
+  std::shared_ptr<const Input> input;  // of all readers of this log; its reads change nothing
   LogReaderOptions options;
   LogInfo info;
   std::unique_ptr<ZSTD_DCtx, decltype(&ZSTD_freeDCtx)> zstd;
@@ -531,7 +531,7 @@ Result<LogReader> LogReader::open(const std::string& path, const LogReaderOption
   if (fd < 0) return dmx_log::fail_open(errno, path);
   struct stat status {};
   const bool known = ::fstat(fd, &status) == 0;
-  auto input = std::make_unique<FileInput>(fd, known ? static_cast<std::uint64_t>(status.st_size) : 0, path);
+  auto input = std::make_shared<FileInput>(fd, known ? static_cast<std::uint64_t>(status.st_size) : 0, path);
   if (!known) return dmx_log::fail_errno(errno, path, "cannot read");
   if (!S_ISREG(status.st_mode)) return fail(ErrorCode::kBadInput, "{}: is not a regular file", path);
   auto impl = std::make_unique<Impl>(std::move(input), path, options);
@@ -541,8 +541,19 @@ Result<LogReader> LogReader::open(const std::string& path, const LogReaderOption
 
 Result<LogReader> LogReader::open_bytes(std::vector<std::uint8_t> bytes, const std::string& name,
                                         const LogReaderOptions& options) {
-  auto impl = std::make_unique<Impl>(std::make_unique<MemoryInput>(std::move(bytes)), name, options);
+  auto impl = std::make_unique<Impl>(std::make_shared<MemoryInput>(std::move(bytes)), name, options);
   FL_TRY(impl->open());
+  return LogReader(std::move(impl));
+}
+
+LogReader LogReader::again() const {
+  auto impl = std::make_unique<Impl>(impl_->input, impl_->info.path, impl_->options);
+  impl->info = impl_->info;
+  impl->damage_offsets = impl_->damage_offsets;
+  impl->first_block = impl_->first_block;
+  impl->data_end = impl_->data_end;
+  impl->entries = impl_->entries;
+  impl->rewind();
   return LogReader(std::move(impl));
 }
 

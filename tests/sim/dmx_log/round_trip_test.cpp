@@ -80,6 +80,24 @@ TEST_CASE("a recording stores its duration to the nanosecond, also if its last f
   CHECK(open_log(log_bytes({frame}, 1)).info().duration_ns == frame.time_ns);
 }
 
+TEST_CASE("another reader of a log begins at its start, and reads the file that was opened whatever its name is now") {
+  const TempFolder folder;
+  const auto frames = random_frames(7, 500, 5);
+  const auto bytes = log_bytes(frames, frames.back().time_ns, small_blocks());
+  write_bytes(folder.file("a.dmxlog"), std::string(bytes.begin(), bytes.end()));
+  auto opened = LogReader::open(folder.file("a.dmxlog"));
+  REQUIRE_MESSAGE(opened, opened.error().message);
+  LogFrame frame;
+  for (int i = 0; i < 250; ++i) REQUIRE(*opened->next(frame));
+  std::filesystem::remove(folder.file("a.dmxlog"));
+  LogReader other = opened->again();
+  CHECK(other.info().duration_ns == opened->info().duration_ns);
+  CHECK(all_frames(other) == frames);
+  REQUIRE(other.seek(frames[100].time_ns));  // the first one stays where it is
+  REQUIRE(*opened->next(frame));
+  CHECK(own(frame) == frames[250]);
+}
+
 TEST_CASE("seeking to any time gives the same snapshot as reading from the start") {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     CAPTURE(seed);

@@ -1,13 +1,16 @@
 // Moments of a log with the states of its fixtures: a seek from them equals a replay from the start.
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <memory>
 #include <vector>
 
 #include <doctest/doctest.h>
 
 #include "render/frame.h"
+#include "render/passes/gather.h"
 #include "render/passes/step.h"
+#include "tests/sim/dmx_log/support.h"
 #include "tests/support/headless_vulkan.h"
 #include "tests/support/must.h"
 #include "tools/demo_show/demo_assets.h"
@@ -105,6 +108,75 @@ TEST_CASE("a seek from a moment of the index gives the states of a replay from t
     CHECK(sought.heads == played.heads);
     CHECK(sought.time_ns == played.time_ns);
     CHECK(sought.air.haze.total == played.air.haze.total);
+  }
+}
+
+TEST_CASE("the beams of a picture stay while the index is made, also those of more than one workgroup of heads") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  constexpr std::size_t kPars = 100;  // of 5 slots: dimmer, strobe, red, green, blue
+  static_assert(kPars > FL_GROUP_HEADS);
+  const fixtures::Rig rig = must(fixtures::parse_rig(
+      "[rig]\nname = \"r\"\n[[fixture]]\nname = \"A {}\"\ntype = \"generic/par\"\nuniverse = 1\naddress = 1\n"
+      "position = [0, 0, 5]\nposition_step = [0.2, 0, 0]\ncount = 100\n",
+      "r.toml"));
+  const fixtures::CompiledRig compiled = must(fixtures::compile(rig));
+  std::vector<testing::OwnedFrame> frames;
+  for (std::size_t i = 0; i < 60; ++i) {  // one more is dark each tenth of a second
+    testing::OwnedFrame frame;
+    frame.time_ns = static_cast<DurationNs>(i) * 100 * kNsPerMs;
+    frame.universe = 1;
+    frame.slots.assign(kSlotCountMax, 255);
+    for (std::size_t par = 0; par < kPars; ++par) {
+      frame.slots[5 * par] = par < i ? 0 : 255;
+      frame.slots[5 * par + 1] = 0;
+    }
+    frames.push_back(std::move(frame));
+  }
+  const auto log = testing::log_bytes(frames, 6 * kNsPerS);
+  const auto frame = must(render::Frame::create(vulkan.device(), rig, compiled, {.width = 16, .height = 16},
+                                                {&render::kStepPass, &render::kGatherPass}));
+  Timeline shown(testing::open_log(log), compiled);
+  advance(shown, *frame, kNsPerS - kNsPerMs);
+  must(frame->draw(render::View{}, 0));
+  const auto before = must(frame->read_beams());
+  REQUIRE(before.size() == kPars - 9);
+  const auto same = [&](const std::vector<render::BeamRow>& beams) {
+    return beams.size() == before.size() &&
+           std::memcmp(beams.data(), before.data(), beams.size() * sizeof(render::BeamRow)) == 0;
+  };
+
+  CountingClock clock;
+  SeekIndex index(Timeline(testing::open_log(log), compiled));
+  while (!index.done()) {
+    must(index.work(*frame, clock, 20 * kNsPerMs));
+    must(frame->draw(render::View{}, 0));
+    CHECK(must(frame->read_counts()).live_count == before.size());
+    CHECK(same(must(frame->read_beams())));
+  }
+}
+
+TEST_CASE("an index goes on after the loss of a device as if nothing had happened") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Demo demo;
+  CountingClock clock;
+  const auto whole_frame = demo.frame(vulkan.device());
+  SeekIndex whole(demo.timeline());
+  for (int i = 0; i < 3; ++i) must(whole.work(*whole_frame, clock, 3 * kNsPerMs));
+  REQUIRE(!whole.moments().empty());
+
+  const auto device = must(render::vk::Device::create({.validation = true, .name_contains = vulkan.device().name()}));
+  const auto lost_frame = demo.frame(*device);
+  SeekIndex index(demo.timeline(), SeekIndex::kBytesMax);
+  device->lose_after(3);  // states out and in, steps; then the states after them are not read
+  REQUIRE(!index.work(*lost_frame, clock, kNsPerMs));
+  CHECK(device->lost());
+  CHECK(index.known_ns() == 0);
+  while (index.moments().size() < whole.moments().size()) must(index.work(*whole_frame, clock, 3 * kNsPerMs));
+  for (std::size_t i = 0; i < whole.moments().size(); ++i) {
+    CHECK(index.moments()[i].position.now_ns == whole.moments()[i].position.now_ns);
+    CHECK(index.moments()[i].state.heads == whole.moments()[i].state.heads);
   }
 }
 

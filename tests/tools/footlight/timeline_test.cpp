@@ -73,7 +73,7 @@ struct RecordedSteps {
 };
 
 TEST_CASE("a timeline makes the steps again that it made after a position, and can start within a log") {
-  std::vector<OwnedFrame> frames;
+  std::vector<OwnedFrame> frames = {frame_of(0, 2, 9)};
   Random random(5);
   DurationNs at_ns = 0;
   for (int i = 0; i < 300; ++i) {

@@ -18,7 +18,7 @@ Transport at(TimeNs now_ns) {
   return transport;
 }
 
-TEST_CASE("a log plays at its speed, stops at its end, and begins again if it repeats") {
+TEST_CASE("a log plays at its speed, stops at its end, and goes on from its start if it repeats") {
   Transport transport = at(kNsPerS);
   CHECK(transport.next_ns(kFrameNs) == kNsPerS + kFrameNs);
   CHECK(transport.next_ns(0) == kNsPerS);
@@ -33,6 +33,8 @@ TEST_CASE("a log plays at its speed, stops at its end, and begins again if it re
   transport = at(10 * kNsPerS - 1);
   CHECK(transport.next_ns(kFrameNs) == 10 * kNsPerS);
   transport.repeats = true;
+  CHECK(transport.next_ns(kFrameNs) == kFrameNs - 1);
+  transport.duration_ns = transport.now_ns = 0;
   CHECK(transport.next_ns(kFrameNs) == 0);
 }
 
@@ -40,11 +42,11 @@ TEST_CASE("a part repeats from its end to its start, and a seek behind its end p
   Transport transport = at(4 * kNsPerS);
   transport.repeat_from(2 * kNsPerS);
   transport.repeat_to(4 * kNsPerS + kFrameNs / 2);
-  CHECK(transport.next_ns(kFrameNs) == 2 * kNsPerS);
+  CHECK(transport.next_ns(kFrameNs) == 2 * kNsPerS + kFrameNs / 2);
   transport.now_ns = 5 * kNsPerS;
   CHECK(transport.next_ns(kFrameNs) == 5 * kNsPerS + kFrameNs);
   transport.now_ns = 10 * kNsPerS;
-  CHECK(transport.next_ns(kFrameNs) == 2 * kNsPerS);
+  CHECK(transport.next_ns(kFrameNs) == 2 * kNsPerS + kFrameNs);
   transport.now_ns = 0;  // before it: plays into it
   CHECK(transport.next_ns(kFrameNs) == kFrameNs);
   transport.repeat_all();
@@ -62,6 +64,44 @@ TEST_CASE("an end of the part that repeats removes the other one where it lies o
   transport.repeat_to(5 * kNsPerS);
   CHECK(!transport.from_ns);
   CHECK(transport.to_ns == 5 * kNsPerS);
+}
+
+TEST_CASE("pictures that take longer than the part that repeats show all of it in turn") {
+  Transport transport = at(2 * kNsPerS);
+  transport.repeat_from(2 * kNsPerS);
+  transport.repeat_to(5 * kNsPerS);
+  std::vector<TimeNs> shown;
+  for (int i = 0; i < 4; ++i) {
+    transport.now_ns = transport.next_ns(4 * kNsPerS);
+    shown.push_back(transport.now_ns);
+  }
+  CHECK(shown == std::vector<TimeNs>{3 * kNsPerS, 4 * kNsPerS, 2 * kNsPerS, 3 * kNsPerS});
+}
+
+TEST_CASE("a part that repeats has a length, also at the ends of the log") {
+  Transport transport = at(0);
+  transport.repeat_to(0);
+  CHECK(!transport.to_ns);
+  CHECK(transport.next_ns(kFrameNs) == kFrameNs);
+  transport.repeat_from(10 * kNsPerS);
+  CHECK(!transport.from_ns);
+  transport.repeat_from(kNsPerS);
+  transport.repeat_to(0);  // changes nothing
+  CHECK(transport.from_ns == kNsPerS);
+  transport.repeat_to(kNsPerS + kRepeatMinNs - 1);
+  CHECK(!transport.from_ns);
+  transport.repeat_from(kNsPerS);
+  CHECK(!transport.to_ns);
+  transport.repeat_to(kNsPerS + kRepeatMinNs);
+  CHECK(transport.from_ns == kNsPerS);
+  CHECK(transport.to_ns == kNsPerS + kRepeatMinNs);
+}
+
+TEST_CASE("the text of a time has at most 59.9 seconds") {
+  CHECK(time_text(0) == "0:00.0");
+  CHECK(time_text(59'960 * kNsPerMs) == "0:59.9");
+  CHECK(time_text(60 * kNsPerS) == "1:00.0");
+  CHECK(time_text(3'723'456 * kNsPerMs) == "1:02:03.4");
 }
 
 TEST_CASE("seeks add up until they are carried out, and stay within the log") {

@@ -26,9 +26,15 @@ Status SeekIndex::work(render::Frame& frame, Clock& clock, DurationNs budget_ns)
   if (done_) return {};
   const TimeNs until_ns = clock.now_ns() + budget_ns;
   FL_ASSIGN(const render::FrameState shown, frame.save_state());
+  at_.state.heads.resize(shown.heads.size());  // at first of zeros: no step yet
+  const Status made = make_moments(frame, clock, until_ns);
+  const Status back = frame.load_state(shown);
+  return made ? back : made;
+}
+
+Status SeekIndex::make_moments(render::Frame& frame, Clock& clock, TimeNs until_ns) {
   if (interrupted_) FL_TRY(timeline_.go_to(at_.position));
   interrupted_ = true;
-  at_.state.heads.resize(shown.heads.size());  // at first of zeros: no step yet
   FL_TRY(frame.load_state(at_.state));
   const Timeline::Step step = [&frame](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
     frame.step(levels, dt_ns, new_exposure);
@@ -42,12 +48,11 @@ Status SeekIndex::work(render::Frame& frame, Clock& clock, DurationNs budget_ns)
     FL_TRY(frame.run_steps());
     ended = !more || clock.now_ns() >= until_ns;
     if (!due && !ended) continue;
-    at_.position = timeline_.position();
-    FL_ASSIGN(at_.state, frame.save_state());
+    FL_ASSIGN(render::FrameState state, frame.save_state());
+    at_ = {timeline_.position(), std::move(state)};
     if (due) keep();
     done_ = !more;
   }
-  FL_TRY(frame.load_state(shown));
   interrupted_ = false;
   return {};
 }
@@ -65,10 +70,15 @@ void SeekIndex::keep() {
   for (const Moment& moment : moments_) bytes_ += bytes_of(moment);
 }
 
-const SeekIndex::Moment* SeekIndex::before(TimeNs time_ns) const {
-  const auto after = std::upper_bound(moments_.begin(), moments_.end(), time_ns,
+std::span<const SeekIndex::Moment> SeekIndex::after(TimeNs time_ns) const {
+  const auto first = std::upper_bound(moments_.begin(), moments_.end(), time_ns,
                                       [](TimeNs time, const Moment& moment) { return time < moment.position.now_ns; });
-  return after == moments_.begin() ? nullptr : &*std::prev(after);
+  return {first, moments_.end()};
+}
+
+const SeekIndex::Moment* SeekIndex::before(TimeNs time_ns) const {
+  const std::size_t count = moments_.size() - after(time_ns).size();
+  return count == 0 ? nullptr : &moments_[count - 1];
 }
 
 }  // namespace footlight::tools

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "render/frame.h"
@@ -30,17 +31,21 @@ class SeekIndex {
   explicit SeekIndex(Timeline timeline, std::uint64_t bytes_max = kBytesMax, DurationNs spacing_ns = kSpacingNs);
 
   // Makes moments for about budget_ns, at least one change of levels. Pending steps of the frame are carried out. After
-  // an error the frame's states are undefined, as those of a lost device are; the index goes on with the next frame.
+  // an error of the log the frame has its own states. After the loss of a device they are undefined, and the index goes
+  // on with the next frame.
   Status work(render::Frame& frame, Clock& clock, DurationNs budget_ns);
 
   // The last moment at or before this time; nullptr: none is known, so a seek begins at the start of the log.
   [[nodiscard]] const Moment* before(TimeNs time_ns) const;
+  // The moments later than this time, ascending.
+  [[nodiscard]] std::span<const Moment> after(TimeNs time_ns) const;
   [[nodiscard]] bool done() const { return done_; }
   [[nodiscard]] TimeNs known_ns() const { return done_ ? timeline_.duration_ns() : at_.position.now_ns; }
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
   [[nodiscard]] const std::vector<Moment>& moments() const { return moments_; }
 
  private:
+  Status make_moments(render::Frame& frame, Clock& clock, TimeNs until_ns);
   void keep();
 
   Timeline timeline_;

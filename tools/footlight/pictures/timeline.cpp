@@ -107,7 +107,8 @@ Status Timeline::go_to(const Position& position) {
   now_ns_ = position.now_ns;
   levels_ = position.levels;
   stepped_ = position.stepped;
-  return log_->seek(position.now_ns);
+  // At the start not even the changes of time 0 have been taken.
+  return log_->seek(position.stepped || position.now_ns > 0 ? position.now_ns : -1);
 }
 
 Status Timeline::start_at(TimeNs time_ns) {

@@ -43,8 +43,7 @@ Result<RigFile> open_scene_file(const SceneFiles& files) {
 
 struct Preview::Made {
   std::unique_ptr<render::Frame> frame;
-  std::unique_ptr<Timeline> timeline;  // of a log, at the time of the one before
-  std::vector<std::uint8_t> log_levels;
+  std::unique_ptr<LogPlayer> player;  // at the time of the one before; null without a log
 };
 
 Result<RigFile> Preview::open_file() {
@@ -81,28 +80,19 @@ void Preview::start_edits() {
 Status Preview::begin_frame(const PixelRect& where) {
   making_scene_ = edited_->scene();
   made_begun_ns_ = clock_.now_ns();
-  const TimeNs until_ns = timeline_ ? timeline_->now_ns() : 0;
+  const TimeNs until_ns = player_ ? player_->now_ns() : 0;
   const NoSignals no_signals;
   making_ = std::async(std::launch::async,
                        [this, scene = making_scene_, settings = frame_settings(where), until_ns,
-                        logs = timeline_ != nullptr]() -> Result<std::unique_ptr<Made>> {
+                        logs = player_ != nullptr]() -> Result<std::unique_ptr<Made>> {
                          auto made = std::make_unique<Made>();
                          FL_ASSIGN(made->frame, render::Frame::create(*device_, scene->rig, scene->compiled, settings));
                          if (!logs) return made;
-                         FL_ASSIGN(made->timeline, read_log(*scene));
-                         if (made->timeline->can_go() && until_ns > kQuickLogNs) {
-                           FL_TRY(made->timeline->start_at(until_ns - kQuickLogNs));
-                         }
-                         Status flushed;
-                         FL_TRY(made->timeline->advance(
-                             until_ns, 0, [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool exposes) {
-                               made->log_levels.assign(levels.begin(), levels.end());
-                               made->frame->step(levels, dt_ns, exposes);
-                               if (made->frame->pending_steps() >= kStepsHeldMax && flushed) {
-                                 flushed = made->frame->run_steps();
-                               }
-                             }));
-                         FL_TRY(flushed);
+                         made->player = make_player(scene);
+                         const auto step = [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool exposes) {
+                           made->frame->step(levels, dt_ns, exposes);
+                         };
+                         FL_TRY(made->player->show_soon(until_ns, {*device_, *made->frame, false, step, [] {}}));
                          return made;
                        });
   return {};
@@ -173,12 +163,9 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
       error_.reset();
       error_tried_ = error_drawn_ = shown_ = false;
       frame_ = std::move((*made)->frame);
-      if ((*made)->timeline) {
-        timeline_ = std::move((*made)->timeline);
-        log_levels_ = std::move((*made)->log_levels);
-      }
+      if ((*made)->player) player_ = std::move((*made)->player);
+      curve_.reset();
       const SharedScene before = std::exchange(framed_, std::exchange(making_scene_, nullptr));
-      if (timeline_) FL_TRY(make_index());
       FL_TRY(take_scene(*before));
       facts_.edit_to_frame_ms = static_cast<double>(clock_.now_ns() - made_begun_ns_) * 1e-6;
     } else {

@@ -59,8 +59,8 @@ void Preview::print_second() {
   nlohmann::json line = figures_of(facts_, times_, ui_times_, frame_->settings());
   line["event"] = "frames";
   line["fps"] = facts_.fps;
-  if (timeline_) line["time_ns"] = timeline_->now_ns();
-  if (index_) line["indexed_ns"] = index_->known_ns();
+  if (player_) line["time_ns"] = player_->now_ns();
+  if (player_ && player_->index() != nullptr) line["indexed_ns"] = player_->index()->known_ns();
   fmt::print("{}\n", line.dump());
   std::fflush(stdout);
 }

@@ -50,7 +50,7 @@ void Preview::draw_ui() {
   if (any_button([](ImGuiMouseButton button) { return ImGui::IsMouseClicked(button); })) desk_->begin_gesture();
   std::optional<UiCall> chosen;
   draw_panel(facts_, controls_, live_.get(), hand_.get(), window_->ui_scale(),
-             [&] { chosen = draw_menu(*desk_, panels_, timeline_ != nullptr); });
+             [&] { chosen = draw_menu(*desk_, panels_, player_ != nullptr); });
   if (const Exposure shown{controls_.exposure_ev, controls_.auto_exposure}; shown != desk_->state().exposure) {
     desk_->set_exposure(shown);
   }
@@ -60,7 +60,7 @@ void Preview::draw_ui() {
     input.levels = panel_levels();
     if (live_ && desk_->compiled().universes == framed_->compiled.universes) input.stamps = live_->stamps();
     if (live_) input.status = &facts_.status;
-    if (timeline_) input.transport = &controls_.transport;
+    if (player_) input.transport = &controls_.transport;
     if (curve_) input.curve = &*curve_;
     input.now_ns = clock_.now_ns();
     input.scale = window_->ui_scale();

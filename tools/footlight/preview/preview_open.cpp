@@ -133,7 +133,7 @@ Result<bool> Preview::open(const StopSignal& signal) {
   std::future<Status> making = begin([this, where]() -> Status {
     FL_TRY(make_ladder());
     FL_TRY(rebuild(where));
-    return timeline_ ? replay_to(options_.at_ns, 0) : Status{};
+    return player_ ? player_->show(options_.at_ns, driven()) : Status{};
   });
   return wait_for(making, signal, "Preparing the picture");
 }
@@ -188,12 +188,11 @@ Status Preview::open_levels() {
         std::make_unique<Timeline>(live_->changes(), framed_->compiled, vrsl_replay(*framed_), clock_.now_ns());
     return {};
   }
-  FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
-  if (log) {
-    timeline_ = std::make_unique<Timeline>(std::move(*log), framed_->compiled, vrsl_replay(*framed_));
+  FL_ASSIGN(log_, open_scene_log(options_.files));
+  if (log_) {
+    player_ = make_player(framed_);
     facts_.has_log = true;
-    controls_.transport.duration_ns = timeline_->duration_ns();
-    FL_TRY(make_index());
+    controls_.transport.duration_ns = player_->duration_ns();
   } else {
     hand_ = std::make_unique<HandLevels>(framed_->rig, framed_->compiled);
   }

@@ -14,16 +14,8 @@
 namespace footlight::tools {
 namespace {
 
-// Going back in a log replays it from its start, so in a long log the picture follows the slider only after release.
-
 std::string flash_words(const PreviewFacts& facts) {
   return facts.flashes_held ? "Harmful flashes are held back" : "Harmful flashes: more than 3 a second";
-}
-
-// "12:34.5"
-std::string clock_text(double time_s) {
-  const int minutes = static_cast<int>(time_s / 60);
-  return fmt::format("{}:{:04.1f}", minutes, time_s - 60.0 * minutes);
 }
 
 // A label on the left, a value on the right edge.
@@ -162,23 +154,25 @@ void draw_view(const PreviewFacts& facts, PreviewControls& controls) {
 }
 
 double seconds_of(DurationNs time_ns) { return static_cast<double>(time_ns) * 1e-9; }
+TimeNs ns_of(float time_s) { return static_cast<TimeNs>(static_cast<double>(time_s) * 1e9); }
 
 void draw_log(PreviewControls& controls) {
   heading("Log");
   Transport& transport = controls.transport;
   const double duration_s = seconds_of(transport.duration_ns);
   float time_s = controls.drag_s.value_or(static_cast<float>(seconds_of(transport.now_ns)));
+  const TimeNs shown_ns = controls.drag_s ? ns_of(*controls.drag_s) : transport.now_ns;
   ImGui::SetNextItemWidth(-1);
   // The label is a format string for ImGui; it has no per cent sign.
-  const std::string label = fmt::format("{} of {}", clock_text(static_cast<double>(time_s)), clock_text(duration_s));
+  const std::string label = fmt::format("{} of {}", time_text(shown_ns), time_text(transport.duration_ns));
   if (ImGui::SliderFloat("##time", &time_s, 0, static_cast<float>(std::max(duration_s, 0.1)), label.c_str(),
                          ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput)) {
     controls.drag_s = time_s;
-    const auto time_ns = static_cast<TimeNs>(static_cast<double>(time_s) * 1e9);
-    if (transport.is_quick(time_ns)) transport.seek_ns = time_ns;
+    // A seek that is slow waits for the release.
+    if (transport.is_quick(ns_of(time_s))) transport.seek_ns = ns_of(time_s);
   }
   if (ImGui::IsItemDeactivated() && controls.drag_s) {
-    transport.seek_ns = static_cast<TimeNs>(static_cast<double>(*std::exchange(controls.drag_s, std::nullopt)) * 1e9);
+    transport.seek_ns = ns_of(*std::exchange(controls.drag_s, std::nullopt));
   }
   if (ImGui::Button(transport.playing ? "pause" : "play", {ImGui::GetTextLineHeight() * 4, 0})) {
     transport.playing = !transport.playing;
@@ -309,8 +303,7 @@ void draw_strip(const PreviewFacts& facts, const Transport& transport) {
     std::string words =
         fmt::format("{}    {:.1f} fps    GPU {:.1f} ms    {} beams", facts.rig, facts.fps, total_ms, facts.live_beams);
     if (facts.has_log)
-      words += fmt::format("    {} / {}", clock_text(seconds_of(transport.now_ns)),
-                           clock_text(seconds_of(transport.duration_ns)));
+      words += fmt::format("    {} / {}", time_text(transport.now_ns), time_text(transport.duration_ns));
     if (facts.flashes_harmful || facts.flashes_held) {
       ui_text(kUiRed, flash_words(facts));
       ImGui::SameLine();

@@ -297,14 +297,17 @@ Status Preview::start_again(const Error& loss) {
   device_.reset();
   FL_TRY(open_device());
   facts_.device = device_->name();
+  const TimeNs at_ns = player_ ? player_->now_ns() : 0;
   const SharedScene before = std::exchange(framed_, edited_->scene());
   FL_TRY(rebuild(place()));
   if (before != framed_) {
     FL_TRY(take_scene(*before));
-    if (timeline_) FL_TRY(make_index());
+    if (player_) player_ = make_player(framed_);
+    curve_.reset();
   }
   panels_.restart();
-  return timeline_ ? go_back(timeline_->now_ns(), 0) : Status{};
+  last_ns_ = clock_.now_ns();  // a log does not play meanwhile
+  return player_ ? player_->seek(at_ns, driven()) : Status{};
 }
 
 Result<int> run_preview(const PreviewOptions& options) { return Preview(options).run(); }

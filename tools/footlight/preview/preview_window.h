@@ -20,12 +20,12 @@
 #include "sim/system_clock.h"
 #include "tools/footlight/bridge/open_ports.h"
 #include "tools/footlight/edit/autosave.h"
-#include "tools/footlight/pictures/seek_index.h"
 #include "tools/footlight/pictures/timeline.h"
 #include "tools/footlight/preview/edited_scene.h"
 #include "tools/footlight/preview/frame_times.h"
 #include "tools/footlight/preview/hand_levels.h"
 #include "tools/footlight/preview/live_levels.h"
+#include "tools/footlight/preview/log_player.h"
 #include "tools/footlight/preview/preview.h"
 #include "tools/footlight/preview/preview_flashes.h"
 #include "tools/footlight/preview/preview_panel.h"
@@ -38,8 +38,6 @@
 #include "tools/footlight/stop_signal.h"
 
 namespace footlight::tools {
-
-inline constexpr std::size_t kStepsHeldMax = 512;  // steps that wait for the GPU
 
 class Preview {
  public:
@@ -76,13 +74,9 @@ class Preview {
 
   // What drives the fixtures: preview_steps.cpp.
   Status step_levels(DurationNs dt_ns);
-  Status replay_to(TimeNs until_ns, DurationNs exposure_ns);
-  Status go_back(TimeNs until_ns, DurationNs exposure_ns);
-  [[nodiscard]] const SeekIndex::Moment* known_before(TimeNs time_ns) const;
-  [[nodiscard]] Result<std::unique_ptr<Timeline>> read_log(const PreviewScene& scene) const;
-  Status make_index();
+  [[nodiscard]] std::unique_ptr<LogPlayer> make_player(SharedScene scene);
+  [[nodiscard]] LogPlayer::Driven driven();
   Status work_at_index();
-  Status advance(Timeline& timeline, TimeNs until_ns, DurationNs exposure_ns);
   void give(std::span<const std::uint8_t> levels, DurationNs dt_ns, bool new_exposure);
   [[nodiscard]] std::span<const std::uint8_t> panel_levels();
   [[nodiscard]] static std::optional<fixtures::VrslReplay> vrsl_replay(const PreviewScene& scene);
@@ -136,13 +130,12 @@ class Preview {
   SharedScene framed_;                   // what frame_ was made from
 
   // What drives the rig: one of the three.
-  std::unique_ptr<Timeline> timeline_;
+  std::optional<LogReader> log_;  // not read itself: player_ has readers of its own
+  std::unique_ptr<LogPlayer> player_;
   std::unique_ptr<LiveLevels> live_;
   std::unique_ptr<Timeline> live_timeline_;
   std::unique_ptr<HandLevels> hand_;
-  std::optional<SeekIndex> index_;   // of the log, for seeks; none with VRSL's fixtures
-  std::optional<LightCurve> curve_;  // from its moments
-  std::size_t curved_ = 0;           // moments of the index that curve_ was given
+  std::optional<LightCurve> curve_;  // of the log, from the moments of its index
 
   std::unique_ptr<render::vk::Device> device_;  // outlives the window's swapchain
   std::unique_ptr<Window> window_;
@@ -178,14 +171,12 @@ class Preview {
 
   std::unique_ptr<UiDesk> desk_;  // once the rig is read
   UiPanels panels_;
-  std::unique_ptr<StagePick> pick_;       // made by the first selection
-  std::vector<std::uint8_t> log_levels_;  // that the log gave last
-  std::vector<std::uint8_t> overlaid_;    // levels with what was taken over
+  std::unique_ptr<StagePick> pick_;     // made by the first selection
+  std::vector<std::uint8_t> overlaid_;  // levels with what was taken over
   std::vector<std::uint8_t> panel_levels_;
-  bool moves_in_pause_ = false;  // something was taken over since the log was paused
   std::array<bool, 3> pressed_on_stage_{};  // buttons of the mouse
   bool selects_more_ = false;               // Ctrl or Shift was held at the last press
-  bool shot_asked_ = false;  // the next picture is kept
+  bool shot_asked_ = false;                 // the next picture is kept
   bool shot_taken_ = false;
   std::string news_;
   TimeNs news_until_ns_ = 0;

@@ -14,15 +14,6 @@
 namespace footlight::tools {
 namespace {
 
-// "1:02:03.4"
-std::string time_text(TimeNs time_ns) {
-  const std::int64_t tenths = time_ns / (100 * kNsPerMs);
-  const std::int64_t minutes = tenths / 600;
-  const std::string rest = fmt::format("{:02}.{}", tenths / 10 % 60, tenths % 10);
-  return minutes < 60 ? fmt::format("{}:{}", minutes, rest)
-                      : fmt::format("{}:{:02}:{}", minutes / 60, minutes % 60, rest);
-}
-
 class TimelinePanel final : public Panel {
  public:
   void draw(UiDesk&, const UiInput& input) override {
@@ -103,9 +94,9 @@ class TimelinePanel final : public Panel {
       ImGui::SetTooltip("%s", time_text(under_ns).c_str());
     }
     line(transport.seek_ns.value_or(transport.now_ns), kUiAmber);
-    ui_text(kUiDim, transport.known_ns < transport.duration_ns
-                        ? fmt::format("mean level of all dimmers; known up to {}", time_text(transport.known_ns))
-                        : std::string("mean level of all dimmers"));
+    const bool partly = transport.known_ns > 0 && transport.known_ns < transport.duration_ns;
+    ui_text(kUiDim, partly ? fmt::format("mean level of all dimmers; known up to {}", time_text(transport.known_ns))
+                           : std::string("mean level of all dimmers"));
   }
 
   // One bar for each column of pixels: as high as the highest point in it.

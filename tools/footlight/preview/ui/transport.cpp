@@ -4,24 +4,29 @@
 #include <cmath>
 #include <iterator>
 
+#include <fmt/format.h>
+
 namespace footlight::tools {
 
 TimeNs Transport::next_ns(DurationNs dt_ns) const {
   const TimeNs next = now_ns + static_cast<DurationNs>(std::llround(static_cast<double>(dt_ns) * speed));
   const TimeNs start = from_ns.value_or(0);
-  if (to_ns && now_ns <= *to_ns && next > *to_ns) return start;
-  if (next <= duration_ns) return next;
-  return repeats || from_ns || to_ns ? start : duration_ns;
+  const TimeNs end = to_ns && now_ns <= *to_ns ? *to_ns : duration_ns;
+  if (next <= end) return next;
+  if (!repeats && !from_ns && !to_ns) return duration_ns;
+  return end > start ? start + (next - start) % (end - start) : start;
 }
 
 void Transport::repeat_from(TimeNs time_ns) {
+  if (time_ns > duration_ns - kRepeatMinNs) return;
   from_ns = time_ns;
-  if (to_ns && *to_ns <= time_ns) to_ns.reset();
+  if (to_ns && *to_ns < time_ns + kRepeatMinNs) to_ns.reset();
 }
 
 void Transport::repeat_to(TimeNs time_ns) {
+  if (time_ns < kRepeatMinNs) return;
   to_ns = time_ns;
-  if (from_ns && *from_ns >= time_ns) from_ns.reset();
+  if (from_ns && *from_ns > time_ns - kRepeatMinNs) from_ns.reset();
 }
 
 void Transport::change_speed(int by) {
@@ -31,6 +36,14 @@ void Transport::change_speed(int by) {
 
 void Transport::seek_by(DurationNs by_ns) {
   seek_ns = std::clamp<TimeNs>(seek_ns.value_or(now_ns) + by_ns, 0, duration_ns);
+}
+
+std::string time_text(TimeNs time_ns) {
+  const std::int64_t tenths = time_ns / (100 * kNsPerMs);
+  const std::int64_t minutes = tenths / 600;
+  const std::string rest = fmt::format("{:02}.{}", tenths / 10 % 60, tenths % 10);
+  return minutes < 60 ? fmt::format("{}:{}", minutes, rest)
+                      : fmt::format("{}:{:02}:{}", minutes / 60, minutes % 60, rest);
 }
 
 LightCurve::LightCurve(const fixtures::Rig& rig, const RigIndex& index) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "fixtures/model/rig.h"
@@ -14,28 +15,30 @@
 namespace footlight::tools {
 
 inline constexpr DurationNs kQuickLogNs = 120 * kNsPerS;  // a log that is no longer than this is replayed at once
+inline constexpr DurationNs kRepeatMinNs = 100 * kNsPerMs;
 inline constexpr double kSpeeds[] = {0.1, 0.25, 0.5, 1, 2, 4};
 
 struct Transport {
   // What is.
   TimeNs now_ns = 0;
   DurationNs duration_ns = 0;
-  TimeNs known_ns = 0;  // seeks up to here are quick (SeekIndex)
+  TimeNs known_ns = 0;  // seeks up to here are quick (SeekIndex); 0 while channels are taken over
 
   // What the user asks for.
   bool playing = true;
   bool repeats = false;  // the whole log
   double speed = 1;      // one of kSpeeds
-  // A part that repeats, from < to; each may be missing: then the start or the end of the log.
+  // A part that repeats, at least kRepeatMinNs long; each end may be missing: then the start or the end of the log.
   std::optional<TimeNs> from_ns;
   std::optional<TimeNs> to_ns;
   std::optional<TimeNs> seek_ns;  // the loop carries it out and resets it
 
   // Whether a seek to this time is quick enough to follow a drag.
   [[nodiscard]] bool is_quick(TimeNs time_ns) const { return time_ns <= known_ns || duration_ns <= kQuickLogNs; }
-  // Where playing leads in dt_ns >= 0 of real time. Before now_ns: it goes back to the start of what repeats.
+  // Where playing leads in dt_ns >= 0 of real time. What goes beyond the end of what repeats goes on from its start.
   [[nodiscard]] TimeNs next_ns(DurationNs dt_ns) const;
-  // The start or the end of the part that repeats is here. The other end is forgotten if it lies on the wrong side.
+  // The start or the end of the part that repeats is here. The other end is forgotten if it lies on the wrong side, or
+  // nearer than kRepeatMinNs. Nothing changes if the log itself is shorter than that on the other side.
   void repeat_from(TimeNs time_ns);
   void repeat_to(TimeNs time_ns);
   void repeat_all() { from_ns = to_ns = std::nullopt; }
@@ -44,6 +47,9 @@ struct Transport {
   // A seek by this much from where the last one goes to.
   void seek_by(DurationNs by_ns);
 };
+
+// "2:03.4", "1:02:03.4": tenths of seconds that have passed, not rounded up.
+[[nodiscard]] std::string time_text(TimeNs time_ns);
 
 // The mean level of all dimmers of a rig over a log, as far as it is known.
 class LightCurve {

@@ -1,0 +1,343 @@
+// A log that plays in a window: what a seek shows, what its time does to the log, and what goes on in a pause.
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "render/frame.h"
+#include "render/passes/step.h"
+#include "render/passes/tonemap.h"
+#include "tests/sim/dmx_log/support.h"
+#include "tests/support/headless_vulkan.h"
+#include "tests/support/must.h"
+#include "tools/footlight/preview/log_player.h"
+
+namespace footlight::tools {
+namespace {
+
+using footlight::testing::HeadlessVulkan;
+using footlight::testing::must;
+using footlight::testing::OwnedFrame;
+using footlight::testing::TempFolder;
+
+constexpr DurationNs kPictureNs = 17 * kNsPerMs;
+
+class SetClock final : public Clock {
+ public:
+  TimeNs now_ns() override { return time_ns; }
+  void sleep_until_ns(TimeNs) override {}
+  TimeNs time_ns = 0;
+};
+
+// Each look is a millisecond after the one before.
+class LookedAtClock final : public Clock {
+ public:
+  TimeNs now_ns() override { return now_ns_ += kNsPerMs; }
+  void sleep_until_ns(TimeNs) override {}
+
+ private:
+  TimeNs now_ns_ = 0;
+};
+
+// A moving head whose levels change every 70 ms, in a random way.
+std::vector<std::uint8_t> log_of(DurationNs end_ns) {
+  testing::Random random(3);
+  std::vector<OwnedFrame> frames;
+  for (TimeNs time_ns = 0; time_ns < end_ns || frames.empty(); time_ns += 70 * kNsPerMs) {
+    OwnedFrame frame;
+    frame.time_ns = time_ns;
+    frame.universe = 1;
+    for (std::size_t slot = 0; slot < 40; ++slot) frame.slots.push_back(random.byte());
+    frames.push_back(std::move(frame));
+  }
+  LogWriterOptions options;
+  options.block_span_ns = 500 * kNsPerMs;
+  return testing::log_bytes(frames, end_ns, options);
+}
+
+// A player with the frame that it drives, and what it gave.
+struct Stage {
+  static constexpr const char* kRig =
+      "[rig]\nname = \"r\"\n[[fixture]]\nname = \"A\"\ntype = \"generic/profile\"\nuniverse = 1\naddress = 1\n"
+      "position = [0, 0, 5]\n";
+
+  Stage(render::vk::Device& device_in, LogReader log_in)
+      : device(device_in), log(std::move(log_in)), frame(make_frame()), player(make_player()) {}
+  Stage(render::vk::Device& device_in, DurationNs end_ns) : Stage(device_in, testing::open_log(log_of(end_ns))) {}
+
+  [[nodiscard]] std::unique_ptr<render::Frame> make_frame() const {
+    render::FrameSettings settings{.width = 16, .height = 16};
+    settings.auto_exposure = true;
+    return must(render::Frame::create(device, rig, compiled, settings, {&render::kStepPass, &render::kTonemapPass}));
+  }
+  [[nodiscard]] std::unique_ptr<LogPlayer> make_player() {
+    return std::make_unique<LogPlayer>([this] { return Timeline(log.again(), compiled); }, clock);
+  }
+  // The first step after a restart takes jump_ns.
+  [[nodiscard]] LogPlayer::Driven driven() {
+    return {device, *frame, taken_over,
+            [this](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+              ++steps;
+              exposed_ns = new_exposure ? dt_ns : exposed_ns + dt_ns;
+              frame->step(levels, dt_ns, new_exposure);
+            },
+            [this] {
+              ++restarts;
+              clock.time_ns += jump_ns;
+            }};
+  }
+  void turn(DurationNs dt_ns = kPictureNs) { must(player->turn(transport, dt_ns, driven())); }
+  void play(TimeNs until_ns) {
+    while (player->now_ns() < until_ns) turn();
+  }
+  void make_index() {
+    while (!player->index()->done()) must(player->work_at_index(kNsPerS, driven()));
+  }
+  [[nodiscard]] render::FrameState state() const { return must(frame->save_state()); }
+  // From the start.
+  [[nodiscard]] render::FrameState replayed(TimeNs until_ns) const {
+    const auto other = make_frame();
+    Timeline timeline(log.again(), compiled);
+    must(advance_frame(timeline, *other, until_ns, LogPlayer::kExposureNs,
+                       [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+                         other->step(levels, dt_ns, new_exposure);
+                       }));
+    return must(other->save_state());
+  }
+
+  render::vk::Device& device;
+  LogReader log;
+  fixtures::Rig rig = must(fixtures::parse_rig(kRig, "r.toml"));
+  fixtures::CompiledRig compiled = must(fixtures::compile(rig));
+  SetClock clock;
+  std::unique_ptr<render::Frame> frame;
+  std::unique_ptr<LogPlayer> player;
+  Transport transport;
+  bool taken_over = false;
+  int steps = 0;
+  int restarts = 0;
+  DurationNs exposed_ns = 0;
+  DurationNs jump_ns = 0;
+};
+
+TEST_CASE("a seek gives the states of a replay from the start, to the bit, from wherever the log has played to") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  for (const bool indexed : {false, true}) {
+    CAPTURE(indexed);
+    Stage stage(vulkan.device(), 20 * kNsPerS);
+    stage.transport.duration_ns = stage.player->duration_ns();
+    if (indexed) stage.make_index();
+    stage.play(8 * kNsPerS);
+    const TimeNs from_ns = stage.player->now_ns();
+    REQUIRE(stage.state().heads != stage.replayed(from_ns).heads);  // steps were cut at the times of pictures
+    for (const DurationNs by_ns : {300 * kNsPerMs, 5 * kNsPerMs, DurationNs{0}, 5 * kNsPerS, -2 * kNsPerS}) {
+      CAPTURE(by_ns);
+      const TimeNs until_ns = stage.player->now_ns() + by_ns;
+      must(stage.player->seek(until_ns, stage.driven()));
+      CHECK(stage.player->now_ns() == until_ns);
+      CHECK(stage.exposed_ns == LogPlayer::kExposureNs);
+      const render::FrameState state = stage.state();
+      const render::FrameState expected = stage.replayed(until_ns);
+      CHECK(state.heads == expected.heads);
+      CHECK(state.time_ns == expected.time_ns);
+    }
+  }
+}
+
+TEST_CASE("a seek ahead of what is indexed begins at the seek before") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Stage stage(vulkan.device(), 20 * kNsPerS);
+  stage.transport.duration_ns = stage.player->duration_ns();
+  must(stage.player->show(8 * kNsPerS, stage.driven()));
+  stage.play(9 * kNsPerS);
+  const int before = stage.steps;
+  must(stage.player->seek(9 * kNsPerS + kNsPerS / 2, stage.driven()));
+  CHECK(stage.steps - before < 45);  // a change each 70 ms, from 7 s on
+  CHECK(stage.state().heads == stage.replayed(stage.player->now_ns()).heads);
+  // Not one whose levels were not those of the log alone.
+  stage.taken_over = true;
+  must(stage.player->seek(15 * kNsPerS, stage.driven()));
+  stage.taken_over = false;
+  must(stage.player->seek(16 * kNsPerS, stage.driven()));
+  CHECK(stage.state().heads == stage.replayed(16 * kNsPerS).heads);
+}
+
+TEST_CASE("the first picture of a frame is exposed for 20 ms, also at the end of the log and after an edit") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Stage stage(vulkan.device(), 150 * kNsPerS);
+  must(stage.player->show(12 * kNsPerS, stage.driven()));
+  CHECK(stage.exposed_ns == LogPlayer::kExposureNs);
+  stage.player = stage.make_player();
+  must(stage.player->show(1000 * kNsPerS, stage.driven()));
+  CHECK(stage.exposed_ns == LogPlayer::kExposureNs);
+  CHECK(stage.player->now_ns() == 150 * kNsPerS);
+
+  // In a long log an edit starts two minutes before. Clouds of haze are where they were; a seek makes all exact.
+  const TimeNs at_ns = 140 * kNsPerS;
+  stage.frame = stage.make_frame();
+  stage.player = stage.make_player();
+  must(stage.player->show_soon(at_ns, stage.driven()));
+  CHECK(stage.exposed_ns == LogPlayer::kExposureNs);
+  CHECK(stage.player->now_ns() == at_ns);
+  CHECK(stage.state().time_ns == at_ns);
+  must(stage.player->seek(at_ns + kNsPerS, stage.driven()));
+  CHECK(stage.state().heads == stage.replayed(at_ns + kNsPerS).heads);
+}
+
+TEST_CASE("the time that a seek takes is not played") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Stage stage(vulkan.device(), 20 * kNsPerS);
+  stage.transport.duration_ns = stage.player->duration_ns();
+  stage.jump_ns = 4 * kNsPerS;
+  stage.transport.seek_ns = 10 * kNsPerS;
+  stage.turn();
+  CHECK(!stage.transport.seek_ns);
+  stage.turn(stage.jump_ns + kPictureNs);
+  CHECK(stage.transport.now_ns == 10 * kNsPerS + kPictureNs);
+
+  // A part that is shorter than the time to go back to its start.
+  stage.transport.repeat_from(10 * kNsPerS);
+  stage.transport.repeat_to(11 * kNsPerS);
+  DurationNs dt_ns = kPictureNs;
+  const int before = stage.restarts;
+  std::vector<TimeNs> shown;
+  for (int i = 0; i < 180; ++i) {
+    const TimeNs begun_ns = stage.clock.time_ns;
+    stage.turn(dt_ns);
+    shown.push_back(stage.player->now_ns());
+    dt_ns = stage.clock.time_ns - begun_ns + kPictureNs;
+  }
+  CHECK(stage.restarts - before == 3);  // in 180 pictures of 17 ms
+  CHECK(*std::min_element(shown.begin(), shown.end()) >= 10 * kNsPerS);
+  CHECK(*std::max_element(shown.begin(), shown.end()) <= 11 * kNsPerS);
+}
+
+TEST_CASE("what is taken over moves in a pause, and at the end of a log that does not repeat") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  for (const DurationNs end_ns : {DurationNs{0}, kNsPerS}) {
+    CAPTURE(end_ns);
+    Stage stage(vulkan.device(), end_ns);
+    stage.transport.duration_ns = end_ns;
+    must(stage.player->show(end_ns, stage.driven()));
+    for (const bool playing : {true, false}) {
+      CAPTURE(playing);
+      stage.transport.playing = playing;
+      stage.taken_over = false;
+      must(stage.player->seek(end_ns, stage.driven()));
+      int steps = stage.steps;
+      stage.turn();
+      CHECK(stage.steps == steps);  // the fixtures stand still
+      stage.taken_over = true;
+      stage.turn();
+      CHECK(stage.steps == ++steps);
+      CHECK(stage.exposed_ns == kPictureNs);
+      stage.taken_over = false;
+      stage.turn();
+      CHECK(stage.steps == ++steps);  // back to the levels of the log
+    }
+  }
+}
+
+TEST_CASE("while something is taken over no seek back is quick, and a seek ahead goes on from what is shown") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Stage stage(vulkan.device(), 20 * kNsPerS);
+  stage.transport.duration_ns = stage.player->duration_ns();
+  stage.transport.playing = false;
+  stage.make_index();
+  stage.turn();
+  CHECK(stage.transport.known_ns == stage.player->duration_ns());
+  stage.taken_over = true;
+  stage.turn();
+  CHECK(stage.transport.known_ns == 0);
+  const int restarts = stage.restarts;
+  must(stage.player->seek(10 * kNsPerS, stage.driven()));
+  CHECK(stage.restarts == restarts);
+  CHECK(stage.exposed_ns == LogPlayer::kExposureNs);
+  must(stage.player->seek(10 * kNsPerS + kNsPerMs, stage.driven()));
+  CHECK(stage.restarts == restarts + 1);
+  CHECK(stage.exposed_ns == LogPlayer::kExposureNs);
+}
+
+TEST_CASE("a log that cannot be read to its end loses its index with a message, and plays on where it is") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const TempFolder folder;
+  const std::string path = folder.file("a.dmxlog.part");
+  const auto bytes = log_of(20 * kNsPerS);
+  testing::write_bytes(path, std::string(bytes.begin(), bytes.end()));
+  Stage stage(vulkan.device(), must(LogReader::open(path)));
+  stage.transport.duration_ns = stage.player->duration_ns();
+  stage.play(kNsPerS);
+  std::filesystem::rename(path, folder.file("a.dmxlog"));
+  must(stage.player->seek(kNsPerS / 2, stage.driven()));  // from the start
+  CHECK(stage.state().heads == stage.replayed(kNsPerS / 2).heads);
+
+  std::filesystem::resize_file(folder.file("a.dmxlog"), bytes.size() / 2);
+  const render::FrameState before = stage.state();
+  for (int i = 0; i < 1000 && stage.player->index() != nullptr; ++i) {
+    must(stage.player->work_at_index(kNsPerMs, stage.driven()));
+  }
+  CHECK(stage.player->index() == nullptr);
+  const std::string news = stage.player->take_news();
+  CHECK(news.find(path + ": ") == 0);
+  CHECK(news.find("start of the log") != std::string::npos);
+  CHECK(stage.state().heads == before.heads);
+  CHECK(stage.state().time_ns == before.time_ns);
+  stage.turn();
+  CHECK(stage.player->now_ns() == kNsPerS / 2 + kPictureNs);
+  CHECK(stage.transport.known_ns == 0);
+  must(stage.player->seek(kNsPerS, stage.driven()));
+  CHECK(stage.state().heads == stage.replayed(kNsPerS).heads);
+}
+
+TEST_CASE("the automatic exposure begins anew after a seek, and goes on while the log plays") {
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Stage stage(vulkan.device(), 5 * kNsPerS);
+  stage.transport.duration_ns = stage.player->duration_ns();
+  must(vulkan.device().run_once([&](VkCommandBuffer commands) {
+    constexpr float kLuminance = 8;
+    vkCmdUpdateBuffer(commands, stage.frame->resources().rig.meter.handle, 0, sizeof(kLuminance), &kLuminance);
+  }));
+  const double metered_ev = must(stage.frame->read_exposure_ev());
+  REQUIRE(metered_ev != 0);
+  stage.play(kNsPerS);
+  CHECK(must(stage.frame->read_exposure_ev()) == metered_ev);
+  must(stage.player->seek(3 * kNsPerS, stage.driven()));
+  CHECK(must(stage.frame->read_exposure_ev()) == 0);  // that of pictures before the first light
+}
+
+TEST_CASE("the curve of a log has every moment, also after every other one was dropped") {
+  const fixtures::Rig rig = must(fixtures::parse_rig(Stage::kRig, "r.toml"));
+  const fixtures::CompiledRig compiled = must(fixtures::compile(rig));
+  const HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  const Stage stage(vulkan.device(), 40 * kNsPerS);
+  const auto timeline = [&] { return Timeline(stage.log.again(), compiled); };
+  LookedAtClock clock;
+  SeekIndex whole(timeline());
+  while (!whole.done()) must(whole.work(*stage.frame, clock, kNsPerS));
+  SeekIndex index(timeline(), whole.bytes() / 2);
+  LightCurve curve(rig, RigIndex(rig, compiled));
+  while (!index.done()) {
+    must(index.work(*stage.frame, clock, 6 * kNsPerMs));  // some moments
+    extend(curve, index);
+    for (const SeekIndex::Moment& moment : index.moments()) {
+      CHECK(std::any_of(curve.points().begin(), curve.points().end(),
+                        [&](const LightCurve::Point& point) { return point.at_ns == moment.position.now_ns; }));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace footlight::tools

@@ -1,0 +1,161 @@
+#include "tools/footlight/preview/log_player.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "render/passes/tonemap.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr std::size_t kStepsHeldMax = 512;  // steps that wait for the GPU
+constexpr DurationNs kLeapNs = kNsPerS;     // a moment this far ahead is taken instead of the steps to it
+constexpr DurationNs kKeptNs = kNsPerS;     // a seek keeps a moment that is at most this much before its picture
+
+// `step`, and the frame's steps are carried out before too many wait. `flushed`: how that went.
+Timeline::Step flushing(const Timeline::Step& step, render::Frame& frame, Status& flushed) {
+  return [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+    step(levels, dt_ns, new_exposure);
+    if (frame.pending_steps() >= kStepsHeldMax && flushed) flushed = frame.run_steps();
+  };
+}
+
+}  // namespace
+
+Status advance_frame(Timeline& timeline, render::Frame& frame, TimeNs until_ns, DurationNs exposure_ns,
+                     const Timeline::Step& step) {
+  Status flushed;
+  FL_TRY(timeline.advance(until_ns, exposure_ns, flushing(step, frame, flushed)));
+  return flushed;
+}
+
+void extend(LightCurve& curve, const SeekIndex& index) {
+  const TimeNs last_ns = curve.points().empty() ? -1 : curve.points().back().at_ns;
+  for (const SeekIndex::Moment& moment : index.after(last_ns)) {
+    curve.add(moment.position.now_ns, moment.position.levels);
+  }
+}
+
+LogPlayer::LogPlayer(std::function<Timeline()> read, Clock& clock) : read_(std::move(read)), clock_(clock) {
+  timeline_.emplace(read_());
+  if (timeline_->can_go()) index_.emplace(read_());
+}
+
+Status LogPlayer::advance(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) {
+  return advance_frame(*timeline_, driven.frame, until_ns, exposure_ns,
+                       [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+                         levels_.assign(levels.begin(), levels.end());
+                         driven.step(levels, dt_ns, new_exposure);
+                       });
+}
+
+// advance() from states that follow from the whole log, and a moment on the way for the next seek.
+Status LogPlayer::replay(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) {
+  if (timeline_->can_go() && !driven.taken_over) {
+    Status flushed;
+    const TimeNs last_ns = until_ns - exposure_ns;
+    FL_TRY(timeline_->advance_to_change(last_ns - kKeptNs, last_ns, flushing(driven.step, driven.frame, flushed)));
+    FL_TRY(flushed);
+    Timeline::Position position = timeline_->position();
+    if (position.stepped) {
+      FL_ASSIGN(render::FrameState state, driven.frame.save_state());
+      kept_ = {std::move(position), std::move(state)};
+    }
+  }
+  return advance(until_ns, exposure_ns, driven);
+}
+
+Status LogPlayer::show(TimeNs until_ns, const Driven& driven) {
+  return replay(std::clamp<TimeNs>(until_ns, 0, duration_ns()), kExposureNs, driven);
+}
+
+Status LogPlayer::show_soon(TimeNs until_ns, const Driven& driven) {
+  const TimeNs start_ns = until_ns - kQuickLogNs;
+  if (timeline_->can_go() && start_ns > 0) {
+    FL_TRY(timeline_->start_at(start_ns));
+    // Clouds of haze drift by the time alone.
+    FL_ASSIGN(render::FrameState state, driven.frame.save_state());
+    state.time_ns = start_ns;
+    FL_TRY(driven.frame.load_state(state));
+    return advance(std::min(until_ns, duration_ns()), kExposureNs, driven);
+  }
+  return show(until_ns, driven);
+}
+
+const SeekIndex::Moment* LogPlayer::known_before(TimeNs time_ns, const Driven& driven) const {
+  if (driven.taken_over) return nullptr;
+  const SeekIndex::Moment* known = index_ ? index_->before(time_ns) : nullptr;
+  const bool kept = kept_ && kept_->position.now_ns <= time_ns;
+  return kept && (known == nullptr || known->position.now_ns < kept_->position.now_ns) ? &*kept_ : known;
+}
+
+Status LogPlayer::seek(TimeNs until_ns, const Driven& driven) {
+  until_ns = std::clamp<TimeNs>(until_ns, 0, duration_ns());
+  moves_in_pause_ = false;
+  FL_TRY(driven.device.run_once(
+      [&](VkCommandBuffer commands) { render::forget_exposure(commands, driven.frame.resources()); }));
+  // While something is taken over no states are those of the log, so going on from them is as good and sooner.
+  if (driven.taken_over && until_ns >= now_ns() + kExposureNs) return advance(until_ns, kExposureNs, driven);
+  return go_back(until_ns, kExposureNs, driven);
+}
+
+// Where that is earlier, or far ahead, from a moment or the start.
+Status LogPlayer::play_to(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) {
+  moves_in_pause_ = false;
+  const SeekIndex::Moment* known = known_before(until_ns - exposure_ns, driven);
+  const bool leaps = known != nullptr && known->position.now_ns > now_ns() + kLeapNs;
+  if (until_ns < now_ns() || leaps) return go_back(until_ns, exposure_ns, driven);
+  return advance(until_ns, exposure_ns, driven);
+}
+
+// From the last moment before this time, else from the start of the log.
+Status LogPlayer::go_back(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven) {
+  const TimeNs begun_ns = clock_.now_ns();
+  driven.restart();
+  const SeekIndex::Moment* known = known_before(until_ns - exposure_ns, driven);
+  if (known != nullptr) {
+    FL_TRY(timeline_->go_to(known->position));
+    levels_ = known->position.levels;
+    FL_TRY(driven.frame.load_state(known->state));
+  } else {
+    timeline_.emplace(read_());
+    FL_TRY(driven.frame.run_steps());
+    FL_TRY(driven.device.run_once(
+        [&](VkCommandBuffer commands) { render::forget_states(commands, driven.frame.resources()); }));
+    driven.frame.forget_air();
+  }
+  FL_TRY(replay(until_ns, exposure_ns, driven));
+  FL_TRY(driven.frame.run_steps());
+  sought_ns_ += clock_.now_ns() - begun_ns;
+  return {};
+}
+
+Status LogPlayer::turn(Transport& transport, DurationNs dt_ns, const Driven& driven) {
+  dt_ns = std::max<DurationNs>(dt_ns - std::exchange(sought_ns_, 0), 0);
+  transport.now_ns = now_ns();
+  const TimeNs next_ns = transport.playing ? transport.next_ns(dt_ns) : now_ns();
+  if (transport.seek_ns) {
+    FL_TRY(seek(*transport.seek_ns, driven));
+    transport.seek_ns.reset();
+  } else if (next_ns != now_ns()) {
+    FL_TRY(play_to(next_ns, std::min(dt_ns, kExposureNs), driven));
+  } else {
+    // What is taken over goes back when it is released; then all fixtures go on.
+    moves_in_pause_ = moves_in_pause_ || driven.taken_over;
+    if (moves_in_pause_ && !levels_.empty()) driven.step(levels_, dt_ns, true);
+  }
+  transport.now_ns = now_ns();
+  transport.known_ns = index_ && !driven.taken_over ? index_->known_ns() : 0;
+  return {};
+}
+
+Status LogPlayer::work_at_index(DurationNs budget_ns, const Driven& driven) {
+  if (!index_ || index_->done()) return {};
+  Status worked = index_->work(driven.frame, clock_, budget_ns);
+  if (worked || driven.device.lost()) return worked;
+  index_.reset();
+  news_ = worked.error().message + "; seeks begin at the start of the log";
+  return {};
+}
+
+}  // namespace footlight::tools

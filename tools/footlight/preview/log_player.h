@@ -1,0 +1,87 @@
+// A log that drives the fixtures of a window: it plays, stands still, and goes to any time.
+//
+// A seek gives the states of a replay from the start of the log, to the bit. It begins at the last moment before its
+// time, of an index (SeekIndex) or of the seek before, or at the start. While the log plays, steps are cut at the times
+// of pictures, so the states differ from those of a replay in their last bits. Needs no window. One thread.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "render/frame.h"
+#include "sim/core/clock.h"
+#include "tools/footlight/pictures/seek_index.h"
+#include "tools/footlight/pictures/timeline.h"
+#include "tools/footlight/preview/ui/transport.h"
+
+namespace footlight::tools {
+
+// Timeline::advance(), where `step` passes the steps to `frame`: carries them out before too many wait.
+Status advance_frame(Timeline& timeline, render::Frame& frame, TimeNs until_ns, DurationNs exposure_ns,
+                     const Timeline::Step& step);
+
+// Adds what the moments have beyond the curve's last point.
+void extend(LightCurve& curve, const SeekIndex& index);
+
+class LogPlayer {
+ public:
+  static constexpr DurationNs kExposureNs = 20 * kNsPerMs;  // of a picture after a seek, as `footlight render --at`
+
+  // What the log drives.
+  struct Driven {
+    render::vk::Device& device;
+    render::Frame& frame;
+    bool taken_over = false;        // `step` changes levels: moments lack that
+    Timeline::Step step;            // passes a step to the frame and to whatever else follows the levels
+    std::function<void()> restart;  // called before steps that do not follow from the steps before
+  };
+
+  // read: makes a timeline of the log from its start, for the rig of the frames that are driven. It is called again for
+  // the index and for each seek without a moment. The clock outlives this.
+  LogPlayer(std::function<Timeline()> read, Clock& clock);
+
+  // For the first picture of a frame, at this time. show() replays the log. show_soon() replays the last kQuickLogNs
+  // before the time, or all with VRSL's fixtures: what came before is missing until a seek.
+  Status show(TimeNs until_ns, const Driven& driven);
+  Status show_soon(TimeNs until_ns, const Driven& driven);
+
+  Status seek(TimeNs until_ns, const Driven& driven);
+
+  // The steps of one picture, as `transport` has it: a seek, playing or a pause. Sets its times. dt_ns >= 0: since the
+  // last call; the part of it that a seek took is not played. In a pause, and at the end of the log, fixtures stand
+  // still until something is taken over; then they go on with the levels held.
+  Status turn(Transport& transport, DurationNs dt_ns, const Driven& driven);
+
+  // Makes moments for about budget_ns. After an error of the log there is no index any more, and take_news() returns
+  // why; else it is empty.
+  Status work_at_index(DurationNs budget_ns, const Driven& driven);
+  [[nodiscard]] std::string take_news() { return std::exchange(news_, {}); }
+
+  [[nodiscard]] TimeNs now_ns() const { return timeline_->now_ns(); }
+  [[nodiscard]] DurationNs duration_ns() const { return timeline_->duration_ns(); }
+  [[nodiscard]] std::span<const std::uint8_t> levels() const { return levels_; }  // of the last step; none before one
+  [[nodiscard]] const SeekIndex* index() const { return index_ ? &*index_ : nullptr; }  // null: VRSL's fixtures
+
+ private:
+  [[nodiscard]] const SeekIndex::Moment* known_before(TimeNs time_ns, const Driven& driven) const;
+  Status play_to(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
+  Status go_back(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
+  Status replay(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
+  Status advance(TimeNs until_ns, DurationNs exposure_ns, const Driven& driven);
+
+  std::function<Timeline()> read_;
+  Clock& clock_;
+  std::optional<Timeline> timeline_;  // always there
+  std::optional<SeekIndex> index_;
+  std::optional<SeekIndex::Moment> kept_;  // shortly before where the last seek came to
+  std::vector<std::uint8_t> levels_;
+  std::string news_;
+  DurationNs sought_ns_ = 0;     // that seeks took since the last turn() began
+  bool moves_in_pause_ = false;  // something was taken over since the log was paused
+};
+
+}  // namespace footlight::tools
