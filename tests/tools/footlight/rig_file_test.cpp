@@ -265,15 +265,25 @@ TEST_CASE("of programs that save one rig at once, each file is whole and only on
   const TempFolder folder;
   const std::string path = folder.write("club.toml", kCommentedRig);
   std::vector<pid_t> children;
+  int ready[2] = {-1, -1};
+  int go[2] = {-1, -1};
+  REQUIRE(pipe(ready) == 0);
+  REQUIRE(pipe(go) == 0);
   for (int i = 0; i < 6; ++i) {
     children.push_back(fork());
     REQUIRE(children.back() >= 0);
     if (children.back() != 0) continue;
     RigFile file = opened_file(path);
     for (int k = 0; k <= i; ++k) lift(file, {0});
-    ::usleep(200'000);  // all have read it
+    close(go[1]);
+    char word = '+';
+    if (write(ready[1], &word, 1) != 1) _exit(2);
+    if (::read(go[0], &word, 1) != 0) _exit(2);  // ends when all have read the file
     _exit(file.save() ? 0 : 1);
   }
+  char word = 0;
+  for (int i = 0; i < 6; ++i) REQUIRE(::read(ready[0], &word, 1) == 1);
+  for (const int end : {go[0], go[1], ready[0], ready[1]}) close(end);
   int done = 0;
   for (const pid_t child : children) {
     int status = 0;
