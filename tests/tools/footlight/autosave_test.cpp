@@ -96,6 +96,47 @@ TEST_CASE("two windows with one rig have a copy each, and a lost one is not over
   CHECK(fixtures::position_of(recovered->rig().fixtures[0]).z == 5.5);
 }
 
+TEST_CASE("lost edits of a rig that is in no file are found, and discarded only while they are the same copy") {
+  const TempFolder folder;
+  const std::string state = folder.file("state");
+  {
+    RigFile demo =
+        RigFile::made(opened_file(folder.write("club.toml", kCommentedRig)).imported(), folder.file("demo.toml"));
+    Autosave copies(demo, state);
+    lift(demo, {0});
+    CHECK(copies.write_now(1).has_value());
+  }
+  auto lost = tools::find_lost_edits(state, "");
+  REQUIRE(lost);
+  CHECK(lost->path.empty());
+  CHECK(!lost->older);
+  const auto recovered = tools::open_lost_edits(*lost);
+  REQUIRE(recovered);
+  CHECK(fixtures::position_of(recovered->rig().fixtures[0]).z == 5.5);
+  lost->claim.release();
+  tools::LostEdits before{*tools::FolderClaim::take(folder.file("other")), lost->written_s - 1, {}, {}, {}, false};
+  before.claim = *tools::FolderClaim::take(lost->claim.folder());
+  before.claim.release();
+  tools::discard_lost_edits(before);
+  CHECK(copy_count(state) == 1);
+  tools::discard_lost_edits(*lost);
+  CHECK(copy_count(state) == 0);
+}
+
+TEST_CASE("a copy is older if the file was saved after it") {
+  const TempFolder folder;
+  const std::string state = folder.file("state");
+  RigFile file = opened_file(folder.write("club.toml", kCommentedRig));
+  {
+    Autosave copies(file, state);
+    lift(file, {0});
+    CHECK(copies.write_now(1).has_value());
+  }
+  CHECK(!tools::find_lost_edits(state, file.path())->older);
+  saved(file);
+  CHECK(tools::find_lost_edits(state, file.path())->older);
+}
+
 TEST_CASE("a copy that cannot be written is told once, and tried again") {
   const TempFolder folder;
   RigFile file = opened_file(folder.write("club.toml", kCommentedRig));

@@ -19,7 +19,7 @@ struct EditDesk {
             by_hand))),
         desk(scene->scene()->rig, scene->scene()->compiled) {
     desk.let_edit(scene->file().rig(), [this]() -> Status {
-      FL_TRY(scene->remake());
+      FL_TRY(scene->remake(desk.state().ids));
       desk.show(scene->scene()->rig, scene->scene()->compiled);
       return {};
     });

@@ -11,6 +11,7 @@
 
 #include "tests/tools/footlight/edit_desk.h"
 #include "tests/tools/footlight/panels_test_imgui.h"
+#include "tools/footlight/preview/mouse_queue.h"
 #include "tools/footlight/preview/ui/keys.h"
 #include "tools/footlight/preview/ui/menu.h"
 #include "tools/footlight/preview/ui/panels.h"
@@ -26,6 +27,7 @@ using footlight::testing::many_fixtures;
 using footlight::testing::parsed_rig;
 
 constexpr std::size_t kFixtures = 2;
+constexpr std::size_t kInspector = 3;
 constexpr int kEnter = 13;
 
 bool contains(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
@@ -194,6 +196,92 @@ TEST_CASE("the menu unpatches, deletes and copies what is selected") {
   }));
   CHECK(ui.desk.undo() == "delete Spot 2");
   CHECK(ui.edit.fixture(1).name == "Spot 2");
+}
+
+TEST_CASE("a popup of an edit closes when another edit changes the rig") {
+  EditUi ui(parsed_rig(kUiRig));
+  ui.show(kFixtures);
+  const ImVec2 row = ui.row_of(1, 60);
+  REQUIRE(row.y > 0);
+  ui.desk.select(0, false);
+  REQUIRE(ui.desk.edit(fixtures::delete_fixtures(ui.desk.edited(), ui.desk.selected())));
+  for (int i = 0; i < 3; ++i) ui.frame();
+  const ImVec2 now = ui.row_of(0, 60);
+  REQUIRE(now.y > 0);
+  ui.twice(now.x, now.y);
+  REQUIRE(contains(ui.words(), "Name of Spot 2"));
+  while (ui.desk.edited().fixtures.size() == 4) REQUIRE(!ui.desk.undo().empty());
+  ui.frame();
+  ui.frame();
+  CHECK(!ui.has_popup());
+}
+
+TEST_CASE("the inspector's place is dragged as one edit, also between two pictures, and typed") {
+  EditUi ui(parsed_rig(kUiRig));
+  ui.desk.select(0, false);
+  ui.desk.select(1, true);  // the lead
+  ui.show(kInspector);
+  const auto x_of = [&](std::size_t i) { return fixtures::position_of(ui.edit.fixture(i)).x; };
+  MouseQueue mouse;
+  const auto give = [&] {
+    ImGuiIO& io = ImGui::GetIO();
+    while (const auto moment = mouse.next()) {
+      io.MousePos = {moment->x, moment->y};
+      const bool ends = io.MouseDown[0] && !moment->down[0];
+      if (!io.MouseDown[0] && moment->down[0]) ui.desk.begin_gesture();
+      io.MouseDown[0] = moment->down[0];
+      ui.frame();
+      if (ends) ui.desk.begin_gesture();
+    }
+    ui.frame();
+  };
+  // A press, a move and the release come within one picture. Lines of the panel are tried until the position follows.
+  float y = 60;
+  for (; y < 400 && x_of(1) == 0; y += 6) {
+    mouse.take_move(890, y);
+    give();
+    mouse.take_button(0, true, 0);
+    mouse.take_move(940, 700);  // a release beside a button does not press it
+    mouse.take_button(0, false, 0);
+    const std::size_t before = ui.desk.history().size();
+    give();
+    while (x_of(1) == 0 && ui.desk.history().size() > before && !ui.desk.undo().empty()) continue;
+    ui.pause();
+  }
+  REQUIRE(x_of(1) > 0);
+  CHECK(x_of(1) == doctest::Approx(1));  // 50 units, 2 cm each
+  CHECK(x_of(0) == doctest::Approx(x_of(1) - 3));
+  CHECK(x_of(2) == 3);
+  CHECK(contains(ui.desk.undo(), "move 2 fixtures by"));
+  CHECK(x_of(1) == 0);
+  CHECK(x_of(0) == -3);
+  y -= 6;
+  ui.pause();
+  ImGui::GetIO().KeyCtrl = true;
+  ui.press(890, y);
+  ImGui::GetIO().KeyCtrl = false;
+  ui.type("2.5");
+  CHECK(x_of(1) == 2.5);
+  CHECK(x_of(0) == -0.5);
+}
+
+TEST_CASE("panels and values taken over rest while fixtures of another rig move") {
+  EditUi ui(parsed_rig(kUiRig));
+  ui.desk.select(0, false);
+  ui.show(kInspector);
+  const std::vector<std::uint8_t> levels(ui.desk.compiled().universes.size() * kSlotCountMax);
+  ui.desk.take({0, 0}, 7, levels);
+  CHECK(ui.desk.overlays());
+  ui.desk.pause_overlay(true);
+  ui.open.pause(true);
+  CHECK(!ui.desk.overlays());
+  const std::vector<std::uint8_t> of_more_universes(levels.size() + kSlotCountMax);
+  ui.open.step(of_more_universes, kNsPerS, true);  // the inspector's head has fewer
+  ui.desk.pause_overlay(false);
+  ui.open.pause(false);
+  CHECK(ui.desk.overlays());
+  ui.open.step(levels, kNsPerS, true);
+  ui.frame();
 }
 
 TEST_CASE("fixtures that share slots are marked while they do") {

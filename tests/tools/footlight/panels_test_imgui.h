@@ -11,6 +11,7 @@ class HeadlessImGui {
     ImGui::CreateContext();
     ImGuiIO& io = ImGui::GetIO();
     io.IniFilename = nullptr;
+    io.ConfigWindowsMoveFromTitleBarOnly = true;
     io.DisplaySize = {width, height};
     io.DeltaTime = 1.0f / 60;
     unsigned char* pixels = nullptr;

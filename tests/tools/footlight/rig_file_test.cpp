@@ -11,6 +11,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "fixtures/builtin/builtin.h"
+#include "fixtures/files/toml/fixture_toml_full.h"
 #include "tests/tools/footlight/edit_rigs.h"
 #include "tools/footlight/edit/autosave.h"
 
@@ -58,6 +60,241 @@ TEST_CASE("a rig of another program is saved beside it, with its definitions, an
   CHECK(saved(file).old.empty());  // its own file from before is not kept
   CHECK(fixtures::position_of(opened_file(folder.file("show.toml")).rig().fixtures[0]).z == 6);
   CHECK(!fs::exists(folder.file("show.toml~")));
+}
+
+constexpr const char* kGoboHead =
+    "<!DOCTYPE FixtureDefinition>\n<FixtureDefinition><Manufacturer>A</Manufacturer><Model>B</Model>"
+    "<Type>Moving Head</Type><Channel Name=\"Gobo wheel\"><Group Byte=\"0\">Gobo</Group>"
+    "<Capability Min=\"0\" Max=\"9\" Preset=\"GoboMacro\" Res1=\"Mine/a.svg\">A</Capability>"
+    "<Capability Min=\"10\" Max=\"255\" Preset=\"GoboMacro\" Res1=\"Mine/gone.svg\">Gone</Capability></Channel>"
+    "<Mode Name=\"M\"><Channel Number=\"0\">Gobo wheel</Channel></Mode></FixtureDefinition>";
+
+// Definitions of three kinds with files of their own, beside the rig file: two of them have the same names.
+std::string write_heads(const TempFolder& folder) {
+  const std::string head = fixtures::write_full_form(*fixtures::find_builtin_type("generic/par"), "head_files");
+  for (const char* place : {"a/", "b/"}) {
+    folder.write(std::string(place) + "head.toml", head);
+    folder.write(std::string(place) + "head_files/wheel/star.png", place);
+  }
+  folder.write("wash.qxf", kGoboHead);
+  folder.write("gobos/Mine/a.svg", "hole");
+  folder.write("Unpacked.gdtf/description.xml",
+               "<GDTF DataVersion='1.2'><FixtureType Name='Bar' Manufacturer='Us'><Geometries><Beam Name='B'/>"
+               "</Geometries><DMXModes><DMXMode Name='M' Geometry='B'><DMXChannels><DMXChannel Geometry='B' Offset='1'>"
+               "<LogicalChannel Attribute='Dimmer'><ChannelFunction/></LogicalChannel></DMXChannel></DMXChannels>"
+               "</DMXMode></DMXModes></FixtureType></GDTF>");
+  std::string rig = "[rig]\nname = \"Heads\"\n";
+  int number = 0;
+  for (const char* type : {"a/head.toml", "b/head.toml", "wash.qxf", "Unpacked.gdtf"}) {
+    rig +=
+        fmt::format("[[fixture]]\nname = \"F{0}\"\ntype = \"{1}\"\nuniverse = {0}\naddress = 1\nposition = [0, 0, 5]\n",
+                    ++number, type);
+  }
+  return folder.write("rig.toml", rig);
+}
+
+std::string file_of(const fixtures::FixtureType& type, const std::string& name) {
+  REQUIRE(type.files != nullptr);
+  const auto bytes = type.files->read(name, 1000);
+  REQUIRE_MESSAGE(bytes, bytes.error().message);
+  return {reinterpret_cast<const char*>(bytes->data()), bytes->size()};
+}
+
+void check_heads(const RigFile& file) {
+  REQUIRE(file.rig().types.size() == 4);
+  CHECK(file_of(file.rig().types[0], "wheel/star.png") == "a/");
+  CHECK(file_of(file.rig().types[1], "wheel/star.png") == "b/");
+  CHECK(file_of(file.rig().types[2], "Mine/a.svg") == "hole");
+  CHECK(file.rig().types[3].name == "Bar");
+}
+
+TEST_CASE("files that definitions name beside them are saved, copied and recovered with a rig") {
+  const TempFolder folder;
+  const std::string state = folder.file("state");
+  const std::string path = write_heads(folder);
+  {
+    RigFile file = opened_file(path);
+    check_heads(file);
+    tools::Autosave copies(file, state);
+    lift(file, {0});
+    const Status copied = copies.write_now(1);
+    REQUIRE_MESSAGE(copied, copied.error().message);
+    saved(file);
+    lift(file, {0});
+    saved(file);
+  }
+  for (const char* each : {"a", "b", "wash.qxf", "gobos", "Unpacked.gdtf"}) fs::remove_all(folder.file(each));
+  RigFile again = opened_file(path);
+  check_heads(again);
+  CHECK(fixtures::position_of(again.rig().fixtures[0]).z == 6);
+  lift(again, {0});
+  saved(again);
+  check_heads(opened_file(path));
+  const auto lost = tools::find_lost_edits(state, path);
+  REQUIRE(lost);
+  CHECK(lost->older);
+  const auto recovered = tools::open_lost_edits(*lost);
+  REQUIRE_MESSAGE(recovered, recovered.error().message);
+  check_heads(*recovered);
+}
+
+TEST_CASE("a rig that could not be read again is not saved, and no file is left") {
+  const TempFolder folder;
+  RigFile file = opened_file(write_show(folder));
+  file.rig().fixtures[0].pose = glm::dmat4(1);
+  (*file.rig().fixtures[0].pose)[3].x = 20'000;
+  CHECK(contains(refused(file), "show.toml: is not written, since it could not be read again: "));
+  CHECK(!fs::exists(folder.file("show.toml")));
+  CHECK(!fs::exists(folder.file("show_files")));
+}
+
+TEST_CASE("an unpacked MVR with a slash at its end, far meshes and names with braces are saved and read again") {
+  const TempFolder folder;
+  std::string objects;
+  for (const char* x : {"1000", "30000000"}) {
+    objects += fmt::format(
+        "<Truss name=\"T\"><Matrix>{{1,0,0}}{{0,1,0}}{{0,0,1}}{{{0},0,5000}}</Matrix><Geometries><Geometry3D "
+        "fileName=\"leg.3ds\"/></Geometries></Truss><FocusPoint "
+        "name=\"P\"><Matrix>{{1,0,0}}{{0,1,0}}{{0,0,1}}{{{0},0,0}}"
+        "</Matrix></FocusPoint>",
+        x);
+  }
+  folder.write("unpacked/leg.3ds", "mesh");
+  folder.write("unpacked/GeneralSceneDescription.xml",
+               "<GeneralSceneDescription verMajor=\"1\" verMinor=\"6\"><Scene><Layers><Layer name=\"L\"><ChildList>"
+               "<Fixture name=\"A{}\"><GDTFSpec>Generic@Par</GDTFSpec><Addresses><Address>1</Address></Addresses>"
+               "</Fixture>" +
+                   objects + "</ChildList></Layer></Layers></Scene></GeneralSceneDescription>");
+  RigFile file = opened_file(folder.file("unpacked") + "/");
+  CHECK(file.target() == folder.file("unpacked.toml"));
+  CHECK(file.rig().objects.size() == 1);
+  CHECK(file.rig().focus_points.size() == 1);
+  saved(file);
+  const RigFile again = opened_file(folder.file("unpacked.toml"));
+  CHECK(again.rig().name == "unpacked");
+  CHECK(again.rig().fixtures[0].name == "A{ }");
+  // Cameras that the import made up are made up again, so that the window starts with its own view.
+  CHECK(again.rig().made_up_cameras);
+  CHECK(again.rig().cameras.size() == file.rig().cameras.size());
+}
+
+TEST_CASE("values of the rig that have no effect now are kept by a save") {
+  const TempFolder folder;
+  const std::string path = folder.write("rig.toml", R"([rig]
+name = "Dormant"
+files = "meshes"
+[haze]
+size_m = 7
+wind_m_s = [1, 0, 0]
+seed = 9
+[sun]
+direction = [0, 1, 0]
+illuminance_lx = 1234
+[[fixture]]
+name = "Spare"
+type = "generic/par"
+patched = false
+universe = 3
+address = 510
+breaks = [{ break = 2, universe = 4, address = 101 }]
+position = [0, 0, 5]
+[[object]]
+name = "Truss"
+parts = [
+  { file = "gone.3ds", pose = [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 5] },
+]
+[[scenery]]
+kind = "crowd"
+width_m = 0.5
+depth_m = 0.5
+density_per_m2 = 6
+)");
+  fs::create_directory(folder.file("meshes"));
+  RigFile file = opened_file(path);
+  CHECK(file.rig().usual_camera);
+  saved(file);
+  const RigFile again = opened_file(path);
+  const fixtures::Rig& rig = again.rig();
+  CHECK(rig.usual_camera);
+  CHECK(rig.haze.size_m == 7);
+  CHECK(rig.haze.wind_m_s.x == 1);
+  CHECK(rig.haze.seed == 9);
+  CHECK(rig.sun.illuminance_lx == 1234);
+  CHECK(rig.sun.direction == glm::dvec3(0, 1, 0));
+  REQUIRE(rig.fixtures.size() == 1);
+  CHECK(!rig.fixtures[0].patched);
+  CHECK(rig.fixtures[0].universe == 3);
+  CHECK(rig.fixtures[0].address == 510);
+  CHECK(rig.fixtures[0].further_addresses.size() == 1);
+  REQUIRE(rig.objects.size() == 1);
+  REQUIRE(rig.objects[0].parts.size() == 1);
+  CHECK(rig.objects[0].parts[0].file == "gone.3ds");
+  CHECK(rig.scenery.at(0).count == 2);
+}
+
+TEST_CASE("comments that were written after a save are kept by the next session, and those before while none are") {
+  const TempFolder folder;
+  const std::string path = folder.write("club.toml", kCommentedRig);
+  const auto session = [&] {
+    RigFile file = opened_file(path);
+    lift(file, {0});
+    return saved(file).old;
+  };
+  CHECK(session() == path + "~");
+  CHECK(session().empty());  // nothing of it would be lost
+  CHECK(read(path + "~") == kCommentedRig);
+  folder.write("club.toml", read(path) + "# by hand\n");
+  CHECK(session() == path + "~");
+  CHECK(contains(read(path + "~"), "# by hand"));
+}
+
+TEST_CASE("a file that is read-only is not replaced, and a private one stays private") {
+  const TempFolder folder;
+  const std::string path = folder.write("club.toml", kCommentedRig);
+  RigFile file = opened_file(path);
+  lift(file, {0});
+  fs::permissions(path, fs::perms::owner_read | fs::perms::group_read | fs::perms::others_read);
+  CHECK(refused(file) == path + ": is read-only; allow to write it, then save again");
+  CHECK(read(path) == kCommentedRig);
+  fs::permissions(path, fs::perms::owner_read | fs::perms::owner_write);
+  saved(file);
+  CHECK(fs::status(path).permissions() == (fs::perms::owner_read | fs::perms::owner_write));
+}
+
+TEST_CASE("of programs that save one rig at once, each file is whole and only one saves over what it read") {
+  const TempFolder folder;
+  const std::string path = folder.write("club.toml", kCommentedRig);
+  std::vector<pid_t> children;
+  int ready[2] = {-1, -1};
+  int go[2] = {-1, -1};
+  REQUIRE(pipe(ready) == 0);
+  REQUIRE(pipe(go) == 0);
+  for (int i = 0; i < 6; ++i) {
+    children.push_back(fork());
+    REQUIRE(children.back() >= 0);
+    if (children.back() != 0) continue;
+    RigFile file = opened_file(path);
+    for (int k = 0; k <= i; ++k) lift(file, {0});
+    close(go[1]);
+    char word = '+';
+    if (write(ready[1], &word, 1) != 1) _exit(2);
+    if (::read(go[0], &word, 1) != 0) _exit(2);  // ends when all have read the file
+    _exit(file.save() ? 0 : 1);
+  }
+  char word = 0;
+  for (int i = 0; i < 6; ++i) REQUIRE(::read(ready[0], &word, 1) == 1);
+  for (const int end : {go[0], go[1], ready[0], ready[1]}) close(end);
+  int done = 0;
+  for (const pid_t child : children) {
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    done += WIFEXITED(status) && WEXITSTATUS(status) == 0 ? 1 : 0;
+  }
+  CHECK(done == 1);
+  (void)opened_file(path);
+  for (const auto& entry : fs::directory_iterator(folder.path())) {
+    CHECK(!entry.path().string().ends_with(".part"));
+  }
 }
 
 TEST_CASE("a rig file is saved to itself, and the file from before is kept once") {
@@ -134,7 +371,7 @@ TEST_CASE("fixtures that share slots are saved so that the file can be read agai
   auto edit = fixtures::patch_fixtures(file.rig(), std::vector{3}, {1, 3});
   REQUIRE(edit);
   edit->apply(file.rig().fixtures);
-  CHECK(saved(file).shared == 3);  // it reaches into two others
+  CHECK(saved(file).shared == 3);                 // it reaches into two others
   CHECK(!file.rig().fixtures[3].shares_address);  // a later edit may end the conflict
   const RigFile again = opened_file(folder.file("club.toml"));
   CHECK(fixtures::text_of_patch(again.rig().fixtures[3]) == "1.3");

@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/tools/footlight/edit_desk.h"
+#include "tools/footlight/preview/ui/channel_reading.h"
 
 namespace footlight::tools {
 namespace {
@@ -117,6 +118,58 @@ TEST_CASE("copies are selected, and what is deleted takes its values with it") {
   CHECK(desk.undo() == "delete Spot 1");
   CHECK(desk.state().taken.at({2, 2}) == 100);
   CHECK(desk.state().taken.at({0, 2}) == 200);
+}
+
+TEST_CASE("faders and the chosen fixture follow their fixtures over deletions, copies and undo") {
+  EditDesk edit(parsed_rig(kUiRig), true);
+  UiDesk& desk = edit.desk;
+  const SharedScene before = edit.scene->scene();
+  HandLevels hand(before->rig, before->compiled);
+  const auto attribute = hand.faders(2)[0].attribute;
+  const double usual = hand.faders(2)[0].value;
+  hand.set(2, attribute, usual == 0.25 ? 0.5 : 0.25);
+  const double own = hand.faders(2)[0].value;
+  desk.select(1, false);
+  REQUIRE(desk.edit(fixtures::delete_fixtures(desk.edited(), desk.selected())));
+  desk.select(0, false);
+  REQUIRE(desk.clone_selected({1, {0, 1, 0}}));  // as many fixtures as before
+  const SharedScene after = edit.scene->scene();
+  CHECK(fixture_moves(*before, *after) == std::vector{0, -1, 1, 2, 3});
+  const auto moved = moved_hand(hand, *before, *after);
+  CHECK(moved->faders(1)[0].value == own);
+  CHECK(moved->faders(2)[0].value != own);
+  while (!desk.undo().empty()) continue;
+  CHECK(fixture_moves(*before, *edit.scene->scene()) == std::vector{0, 1, 2, 3, 4});
+  CHECK(fixture_moves(*after, *edit.scene->scene()) == std::vector{0, 2, 3, 4, -1});
+  while (!desk.redo().empty()) continue;
+  CHECK(fixture_moves(*after, *edit.scene->scene()) == std::vector{0, 1, 2, 3, 4});
+}
+
+TEST_CASE("undo names the channel of a VRSL fixture that was shown") {
+  EditDesk edit(parsed_rig(R"([rig]
+name = "Club"
+[vrsl]
+[[fixture]]
+name = "Mover"
+type = "vrsl/spot"
+mode = "13 channels"
+universe = 1
+address = 1
+position = [0, 0, 5]
+)"));
+  UiDesk& desk = edit.desk;
+  const auto& shown = fixtures::mode_of(desk.rig(), desk.rig().fixtures[0]).channels;
+  const auto& written = fixtures::mode_of(desk.edited(), desk.edited().fixtures[0]).channels;
+  int channel = 0;
+  while (static_cast<std::size_t>(channel) < std::min(shown.size(), written.size()) &&
+         (name_of(shown[static_cast<std::size_t>(channel)]) == name_of(written[static_cast<std::size_t>(channel)]) ||
+          !desk.index().place({0, channel}))) {
+    ++channel;
+  }
+  REQUIRE(static_cast<std::size_t>(channel) < shown.size());
+  const std::vector<std::uint8_t> levels(desk.compiled().universes.size() * kSlotCountMax);
+  desk.take({0, channel}, 1, levels);
+  CHECK(desk.undo() == "set " + name_of(shown[static_cast<std::size_t>(channel)]) + " of Mover");
 }
 
 TEST_CASE("a refused edit changes nothing and says why") {

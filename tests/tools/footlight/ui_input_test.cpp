@@ -144,6 +144,11 @@ TEST_CASE("a drag between two pictures begins where the button went down and end
   CHECK(moment->y == 20);
   CHECK(moment->down == std::array<bool, 3>{true, false, false});
   CHECK(moment->mods == GLFW_MOD_CONTROL);
+  moment = mouse.next();  // where it was moved to, while the button is down: a drag moves before it ends
+  REQUIRE(moment);
+  CHECK(moment->x == 110);
+  CHECK(moment->y == 120);
+  CHECK(moment->down == std::array<bool, 3>{true, false, false});
   moment = mouse.next();
   REQUIRE(moment);
   CHECK(moment->x == 110);

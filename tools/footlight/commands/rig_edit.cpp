@@ -253,7 +253,7 @@ void add_rig_edit(Arguments& arguments) {
       "  footlight rig edit rig.toml --select 'Par 1' --clone 7 --offset 0.5,0,0 -o row.toml\n"
       "  footlight rig edit rig.toml --select 'Spot *' --rename 'LX1 {}' --number 101    # only prints it\n"
       "Edits are made in the order of this list; after --clone they act on the copies. Without -o nothing is written.\n"
-      "A file that is replaced is kept as NAME.toml~ (once); its comments are lost. docs/rigs.md says more.");
+      "A file with comments that is replaced is kept as NAME.toml~. docs/rigs.md says more.");
   its.word("FILE", options->path, "the rig: .mvr, .qxw, .toml or a patch of VRSL");
   its.list("--select,-s", options->select, "NAME",
            "the fixtures, with * for any text; several patterns give the order of the selection");

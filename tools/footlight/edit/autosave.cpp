@@ -58,8 +58,8 @@ bool there(const std::string& path) {
 
 std::string about_text(const RigFile& file) {
   std::string text = "# What rig.toml is an automatic copy of: 'footlight preview --recover RIG' opens it.\n";
-  text += fmt::format("path = {}\ntarget = {}\n", fixtures::toml_text(absolute_path(file.path())),
-                      fixtures::toml_text(absolute_path(file.target())));
+  if (!file.path().empty()) text += fmt::format("path = {}\n", fixtures::toml_text(absolute_path(file.path())));
+  text += fmt::format("target = {}\n", fixtures::toml_text(absolute_path(file.target())));
   if (const auto& known = file.known()) text += fmt::format("known = \"{}:{:016x}\"\n", known->size, known->sum);
   return text;
 }
@@ -78,7 +78,7 @@ Status read_about(const std::string& path, LostEdits& lost) {
   FL_ASSIGN(const auto bytes, fixtures::read_whole_file(path, kAboutBytesMax));
   FL_ASSIGN(const fixtures::TomlNode root, fixtures::parse_toml(fixtures::text_of(bytes), path));
   fixtures::TomlReader reader(root, path, "");
-  lost.path = reader.text("path");
+  lost.path = reader.text("path", "");
   lost.target = reader.text("target");
   lost.known = mark_of_text(reader.text("known", ""));
   return reader.finish();
@@ -108,8 +108,10 @@ FolderClaim& FolderClaim::operator=(FolderClaim&& other) noexcept {
   return *this;
 }
 
-FolderClaim::~FolderClaim() {
-  if (fd_ >= 0) close(fd_);
+FolderClaim::~FolderClaim() { release(); }
+
+void FolderClaim::release() {
+  if (fd_ >= 0) close(std::exchange(fd_, -1));
 }
 
 void FolderClaim::remove() {
@@ -127,11 +129,20 @@ std::optional<LostEdits> find_lost_edits(const std::string& state, const std::st
     if (newest && its.st_mtime <= newest->written_s) continue;
     auto claim = FolderClaim::take(folder);
     if (!claim) continue;
-    LostEdits lost{std::move(*claim), its.st_mtime, {}, {}, {}};
+    LostEdits lost{std::move(*claim), its.st_mtime, {}, {}, {}, false};
     if (!read_about(folder + kAboutName, lost) || lost.path != absolute_path(path)) continue;
+    lost.older = mark_of_file(lost.target) != lost.known;
     newest = std::move(lost);
   }
   return newest;
+}
+
+void discard_lost_edits(const LostEdits& lost) {
+  const std::string& folder = lost.claim.folder();
+  struct stat its {};
+  if (stat((folder + kRigName).c_str(), &its) != 0) return;
+  auto claim = FolderClaim::take(folder);
+  if (claim && stat((folder + kRigName).c_str(), &its) == 0 && its.st_mtime == lost.written_s) claim->remove();
 }
 
 Result<RigFile> open_lost_edits(const LostEdits& lost) {

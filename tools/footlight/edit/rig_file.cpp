@@ -2,12 +2,20 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <span>
 #include <system_error>
+#include <thread>
 #include <utility>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include "fixtures/edit/patch_slots.h"
 #include "fixtures/files/export/rig_toml.h"
@@ -37,12 +45,33 @@ std::string target_of(const fixtures::ImportedRig& imported, const std::string& 
   return target.string();
 }
 
-// Keeps the file as "NAME~" unless there is one. Returns its path; empty: there was one.
+// True if a "#" outside of quotes begins a comment. A save would lose it.
+bool has_comments(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  for (std::string line; std::getline(file, line);) {
+    char quote = 0;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const char c = line[i];
+      if (quote == 0 && c == '#') return true;
+      if (quote == 0 && (c == '"' || c == '\'')) {
+        quote = c;
+      } else if (quote == '"' && c == '\\') {
+        ++i;
+      } else if (c == quote) {
+        quote = 0;
+      }
+    }
+  }
+  return false;
+}
+
+// Keeps the file as "NAME~" if there is none, or if the file has comments: one that this program wrote has none, and
+// does not replace one by hand. Returns its path; empty: it was not kept.
 Result<std::string> keep_old(const std::string& path) {
   const std::string old = path + "~";
-  const std::string part = old + ".part";
+  const std::string part = fixtures::part_name(old);
   std::error_code trouble;
-  if (fs::exists(fs::symlink_status(old, trouble))) return std::string();
+  if (fs::exists(fs::symlink_status(old, trouble)) && !has_comments(path)) return std::string();
   fs::copy_file(path, part, fs::copy_options::overwrite_existing, trouble);
   if (!trouble) fs::rename(part, old, trouble);
   if (!trouble) return old;
@@ -50,6 +79,35 @@ Result<std::string> keep_old(const std::string& path) {
   fs::remove(part, ignored);
   return fail(ErrorCode::kIo, "{}: a copy of the file from before cannot be written: {}", old, trouble.message());
 }
+
+// Locks the folder of a file against other programs that save in it, until the object is destroyed. Folders of file
+// systems without locks are not locked.
+class SaveLock {
+ public:
+  static Result<SaveLock> take(const std::string& path) {
+    const std::string folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path().string() : ".";
+    SaveLock lock(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    for (int tries = 0; lock.fd_ >= 0 && flock(lock.fd_, LOCK_EX | LOCK_NB) != 0; ++tries) {
+      if (errno != EWOULDBLOCK) return lock;
+      if (tries == 50) {
+        return fail(ErrorCode::kIo, "{}: another program is saving in this folder; try again", path);
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return lock;
+  }
+  SaveLock(SaveLock&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  SaveLock(const SaveLock&) = delete;
+  SaveLock& operator=(const SaveLock&) = delete;
+  SaveLock& operator=(SaveLock&&) = delete;
+  ~SaveLock() {
+    if (fd_ >= 0) close(fd_);
+  }
+
+ private:
+  explicit SaveLock(int fd) : fd_(fd) {}
+  int fd_;
+};
 
 }  // namespace
 
@@ -99,11 +157,9 @@ Result<SaveReport> write_rig(fixtures::ImportedRig& imported, const std::string&
   std::vector<fixtures::PatchedFixture> own = imported.rig.fixtures;
   report.shared = fixtures::share_conflicting_addresses(imported.rig);
   const auto write = [&]() -> Status {
-    // A rig file that cannot be compiled cannot be read either.
-    FL_TRY(fixtures::compile(imported.rig));
     if (files == RigFiles::kThere) {
       const std::string folder = fs::path(fixtures::files_folder_of(path)).filename().string();
-      return fixtures::write_file(path, fixtures::rig_toml(imported, folder));
+      return fixtures::write_rig_toml(imported, path, folder);
     }
     FL_TRY(fixtures::export_rig_toml(imported, path, {}, fixtures::FilesThere::kKeepEqual));
     return {};
@@ -115,6 +171,7 @@ Result<SaveReport> write_rig(fixtures::ImportedRig& imported, const std::string&
 }
 
 Result<SaveReport> RigFile::save() {
+  FL_ASSIGN(const SaveLock lock, SaveLock::take(target_));
   std::error_code trouble;
   if (fs::is_symlink(target_, trouble)) {
     return fail(ErrorCode::kBadInput, "{}: is a link; open the file that it names to save it", target_);
@@ -127,13 +184,16 @@ Result<SaveReport> RigFile::save() {
     return fail(ErrorCode::kBadInput,
                 "{}: was changed by another program since it was read; move it away, then save again", target_);
   }
+  constexpr fs::perms kWriters = fs::perms::owner_write | fs::perms::group_write | fs::perms::others_write;
+  if (there && ((fs::status(target_, trouble).permissions() & kWriters) == fs::perms::none ||
+                access(target_.c_str(), W_OK) != 0)) {
+    return fail(ErrorCode::kPermission, "{}: is read-only; allow to write it, then save again", target_);
+  }
   std::string old;
-  const fs::perms perms = fs::status(target_, trouble).permissions();
   if (there && !saved_) {
     FL_ASSIGN(old, keep_old(target_));
   }
   FL_ASSIGN(SaveReport report, write_rig(imported_, target_));
-  if (there) fs::permissions(target_, perms, trouble);
   known_ = mark_of_file(target_);
   saved_ = true;
   report.old = std::move(old);

@@ -25,7 +25,7 @@ struct FileMark {
 
 struct SaveReport {
   std::string path;
-  std::string old;  // where the file from before is kept; empty: it was not kept
+  std::string old;  // where the file from before is kept; empty: it was not kept now
   int shared = 0;   // fixtures that share slots and are marked so in the file
 };
 
@@ -49,8 +49,10 @@ class RigFile {
   [[nodiscard]] const std::optional<FileMark>& known() const { return known_; }  // of the target
 
   // Writes the rig. Fixtures that share slots get shares_address in the file, so that it can be read again. The first
-  // save over a file keeps it as "show.toml~", if there is none. Comments are lost.
-  // Errors: the target is a link, or was made or changed by others; the rig cannot be compiled; export_rig_toml().
+  // save over a file keeps it as "show.toml~", if there is none or if the file has comments, which are lost.
+  // Permissions stay. Locks the folder meanwhile; waits for another program that saves in it, at most 1 s.
+  // Errors: the target is a link, read-only, or was made or changed by others; the folder is locked for longer; the
+  // text could not be read as a rig; export_rig_toml().
   [[nodiscard]] Result<SaveReport> save();
 
  private:

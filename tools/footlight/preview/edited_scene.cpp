@@ -1,12 +1,12 @@
 #include "tools/footlight/preview/edited_scene.h"
 
 #include <algorithm>
+#include <unordered_map>
 #include <utility>
 
 #include "fixtures/edit/patch_slots.h"
 #include "fixtures/simulate/vrsl_compat.h"
 #include "tools/footlight/pictures/start_view.h"
-#include "tools/footlight/preview/hand_levels.h"
 
 namespace footlight::tools {
 
@@ -21,11 +21,41 @@ Result<std::unique_ptr<EditedScene>> EditedScene::make(RigFile file, const Scene
   return edited;
 }
 
-Status EditedScene::remake() {
+std::vector<int> fixture_moves(const PreviewScene& from, const PreviewScene& to) {
+  std::unordered_map<int, int> index_of;
+  for (std::size_t i = 0; i < to.ids.size(); ++i) index_of[to.ids[i]] = static_cast<int>(i);
+  std::vector<int> moves;
+  moves.reserve(from.ids.size());
+  for (const int id : from.ids) {
+    const auto at = index_of.find(id);
+    moves.push_back(at == index_of.end() ? -1 : at->second);
+  }
+  return moves;
+}
+
+std::unique_ptr<HandLevels> moved_hand(const HandLevels& hand, const PreviewScene& from, const PreviewScene& to) {
+  auto next = std::make_unique<HandLevels>(to.rig, to.compiled);
+  const HandLevels untouched(from.rig, from.compiled);
+  const std::vector<int> moves = fixture_moves(from, to);
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    if (moves[i] < 0) continue;
+    const auto usual = untouched.faders(i);
+    const auto faders = hand.faders(i);
+    for (std::size_t f = 0; f < faders.size(); ++f) {
+      if (faders[f].value == usual[f].value) continue;
+      next->set(static_cast<std::size_t>(moves[i]), faders[f].attribute, faders[f].value);
+    }
+  }
+  return next;
+}
+
+Status EditedScene::remake(std::vector<int> ids) {
   const auto free = std::find_if(held_.begin(), held_.end(),
                                  [](const SharedScene& each) { return each.use_count() == 1 && !each->written; });
-  SharedScene next = free != held_.end() ? *free : std::make_shared<PreviewScene>(PreviewScene{base_, {}, {}});
+  SharedScene next = free != held_.end() ? *free : std::make_shared<PreviewScene>(PreviewScene{base_, {}, {}, {}});
   next->rig.fixtures = file_.rig().fixtures;
+  next->ids = std::move(ids);
+  for (std::size_t i = next->ids.size(); i < next->rig.fixtures.size(); ++i) next->ids.push_back(static_cast<int>(i));
   fixtures::share_conflicting_addresses(next->rig);
   if (by_hand_) give_hand_addresses(next->rig);
   if (scene_ && !scene_->written) next->rig.heard = scene_->compiled.universes;

@@ -9,6 +9,7 @@
 #include "fixtures/model/rig.h"
 #include "tools/footlight/edit/rig_file.h"
 #include "tools/footlight/pictures/scene_files.h"
+#include "tools/footlight/preview/hand_levels.h"
 
 namespace footlight::tools {
 
@@ -17,8 +18,15 @@ struct PreviewScene {
   fixtures::Rig rig;
   fixtures::CompiledRig compiled;
   std::optional<fixtures::Rig> written;  // as written, where `rig` is what VRSL shows of it
+  std::vector<int> ids;                  // of its fixtures: equal ones in two scenes are the same fixture
 };
 using SharedScene = std::shared_ptr<PreviewScene>;
+
+// For each fixture of one scene its index in another one; -1: it is not there.
+[[nodiscard]] std::vector<int> fixture_moves(const PreviewScene& from, const PreviewScene& to);
+// What the user set by faders, for another scene. `hand` is of `from`.
+[[nodiscard]] std::unique_ptr<HandLevels> moved_hand(const HandLevels& hand, const PreviewScene& from,
+                                                     const PreviewScene& to);
 
 class EditedScene {
  public:
@@ -32,8 +40,8 @@ class EditedScene {
   [[nodiscard]] const SharedScene& scene() const { return scene_; }
   // Makes a new scene() after the fixtures of file() have changed. Fixtures that share slots both use them. If the rig
   // cannot be compiled, scene() stays. Universes stay in the tables once they were there, so that inputs need not be
-  // opened again.
-  Status remake();
+  // opened again. ids: UiState::ids; empty: as many new ones as there are fixtures.
+  Status remake(std::vector<int> ids = {});
 
  private:
   explicit EditedScene(RigFile file) : file_(std::move(file)) {}

@@ -1,5 +1,7 @@
 #include "tools/footlight/preview/mouse_queue.h"
 
+#include <algorithm>
+
 namespace footlight::tools {
 
 void MouseQueue::take_move(float x, float y) {
@@ -18,9 +20,13 @@ void MouseQueue::take_button(int button, bool down, int mods) {
 std::optional<MouseMoment> MouseQueue::next() {
   if (events_.empty()) return std::nullopt;
   MouseMoment moment;
+  const bool drags = std::find(down_.begin(), down_.end(), true) != down_.end();
+  bool moved = false;
   while (!events_.empty()) {
     const Event event = events_.front();
+    if (event.button >= 0 && !event.down && drags && moved) break;  // Dear ImGui ends a drag before it moves it
     events_.pop_front();
+    moved = moved || event.button < 0;
     moment.x = event.x;
     moment.y = event.y;
     if (event.button < 0) continue;

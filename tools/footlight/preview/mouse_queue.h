@@ -25,8 +25,8 @@ class MouseQueue {
   void take_move(float x, float y);
   // Where the mouse was moved to last.
   void take_button(int button, bool down, int mods);
-  // For the next picture: the mouse at its next press or release, else where it is. Nothing: it did nothing since the
-  // last call.
+  // For the next picture: the mouse at its next press or release, else where it is. At the end of a drag first where it
+  // was moved to, then the release there. Nothing: it did nothing since the last call.
   [[nodiscard]] std::optional<MouseMoment> next();
   // Forgets what was not given yet.
   void clear();

@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <unordered_map>
 #include <utility>
 
 #include <fmt/chrono.h>
@@ -50,7 +49,8 @@ Result<RigFile> Preview::open_file() {
   const std::string state = state_folder();
   auto lost = find_lost_edits(state, options_.files.rig);
   if (!options_.recover) {
-    if (lost) lost_when_ = fmt::format("{:%H:%M, %d %B}", fmt::localtime(static_cast<std::time_t>(lost->written_s)));
+    lost_ = std::move(lost);
+    if (lost_) lost_->claim.release();  // --recover may open them meanwhile
     return open_scene_file(options_.files);
   }
   if (!lost) {
@@ -58,6 +58,10 @@ Result<RigFile> Preview::open_file() {
                 options_.files.rig.empty() ? "the demo" : options_.files.rig);
   }
   FL_ASSIGN(RigFile file, open_lost_edits(*lost));
+  if (lost->older) {
+    fmt::print(stderr, "footlight: {}: has changed since these edits; move it away before you save them\n",
+               printable_utf8(lost->target));
+  }
   recovered_ = std::move(lost->claim);
   saved_revision_ = UINT64_MAX;
   return file;
@@ -66,7 +70,7 @@ Result<RigFile> Preview::open_file() {
 // Lets the panels edit the rig.
 void Preview::start_edits() {
   desk_->let_edit(edited_->file().rig(), [this]() -> Status {
-    FL_TRY(edited_->remake());
+    FL_TRY(edited_->remake(desk_->state().ids));
     desk_->show(edited_->scene()->rig, edited_->scene()->compiled);
     pick_.reset();
     return {};
@@ -98,27 +102,20 @@ Status Preview::begin_frame(const PixelRect& where) {
   return {};
 }
 
-// What the user set by faders goes on in another scene: by index, or by name where there are more or fewer fixtures.
-void Preview::take_hand(const PreviewScene& before) {
-  auto next = std::make_unique<HandLevels>(framed_->rig, framed_->compiled);
-  const HandLevels untouched(before.rig, before.compiled);
-  const bool same = before.rig.fixtures.size() == framed_->rig.fixtures.size();
-  std::unordered_map<std::string_view, std::size_t> by_name;
-  for (std::size_t i = 0; i < framed_->rig.fixtures.size(); ++i) by_name[framed_->rig.fixtures[i].name] = i;
-  for (std::size_t i = 0; i < hand_->fixture_count(); ++i) {
-    std::size_t index = i;
-    if (!same) {
-      const auto at = by_name.find(before.rig.fixtures[i].name);
-      if (at == by_name.end()) continue;
-      index = at->second;
-    }
-    const auto usual = untouched.faders(i);
-    const auto faders = hand_->faders(i);
-    for (std::size_t f = 0; f < faders.size(); ++f) {
-      if (faders[f].value != usual[f].value) next->set(index, faders[f].attribute, faders[f].value);
-    }
+// For other universes. If they cannot be opened, faders drive the rig until an edit after which they can.
+void Preview::open_inputs_again(const PreviewScene& before) {
+  live_timeline_.reset();
+  live_.reset();
+  const Status opened = open_levels(true);
+  if (opened) {
+    hand_.reset();
+    return;
   }
-  hand_ = std::move(next);
+  live_.reset();
+  facts_.status = {};
+  hand_ = hand_ ? moved_hand(*hand_, before, *framed_) : std::make_unique<HandLevels>(framed_->rig, framed_->compiled);
+  frame_->settle_machine_air(hand_->levels());
+  tell("faders drive the rig, the inputs are closed: " + opened.error().message);
 }
 
 // What drives the fixtures, for framed_ instead of the scene before.
@@ -132,18 +129,21 @@ Status Preview::take_scene(const PreviewScene& before) {
                                                   live_timeline_->now_ns());
       live_timeline_->hold(live_->levels());
     } else {  // inputs are opened for their universes; senders repeat their levels within seconds
-      live_timeline_.reset();
-      live_.reset();
-      FL_TRY(open_levels());
+      open_inputs_again(before);
     }
+  } else if (hand_ && !options_.ins.empty()) {
+    open_inputs_again(before);
   } else if (hand_) {
-    take_hand(before);
+    hand_ = moved_hand(*hand_, before, *framed_);
     frame_->settle_machine_air(hand_->levels());
   }
   facts_.fixtures.clear();
   for (const auto& fixture : framed_->rig.fixtures) facts_.fixtures.push_back(fixture.name);
   facts_.can_haze = framed_->compiled.needs.haze;
-  if (controls_.hand_fixture >= static_cast<int>(facts_.fixtures.size())) controls_.hand_fixture = -1;
+  if (const auto chosen = static_cast<std::size_t>(std::max(controls_.hand_fixture, 0)); controls_.hand_fixture >= 0) {
+    const std::vector<int> moves = fixture_moves(before, *framed_);
+    controls_.hand_fixture = chosen < moves.size() ? moves[chosen] : -1;
+  }
   panels_.restart();
   return {};
 }
@@ -154,12 +154,15 @@ void Preview::drop_frame() {
   making_scene_.reset();
 }
 
-// True while the picture stands still: the rig was edited, and the frame of the edited rig is not yet there.
+// True while the picture stands still: the rig was edited, and the frame of the edited rig is not yet there. A frame of
+// a rig that was edited since is left: the last picture of the frame before stays until one is the newest.
 Result<bool> Preview::follow_edits(const PixelRect& where) {
   if (making_.valid() && making_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
     auto made = making_.get();
     if (!made && device_->lost()) return tl::unexpected<Error>(std::move(made).error());
-    if (made) {
+    if (made && making_scene_ != edited_->scene()) {
+      making_scene_.reset();
+    } else if (made) {
       error_.reset();
       error_tried_ = error_drawn_ = shown_ = false;
       frame_ = std::move((*made)->frame);
@@ -174,9 +177,12 @@ Result<bool> Preview::follow_edits(const PixelRect& where) {
     }
   }
   const SharedScene& scene = edited_->scene();
-  if (scene == framed_) failed_.reset();
+  if (scene != failed_ || scene == framed_) failed_.reset();
   if (!making_.valid() && scene != framed_ && scene != failed_) FL_TRY(begin_frame(where));
-  return making_.valid() || scene != framed_;
+  // If no frame can be made, the fixtures of the rig from before move on; the panels have the indices of the new rig.
+  panels_.pause(failed_ != nullptr);
+  desk_->pause_overlay(failed_ != nullptr);
+  return making_.valid() || (scene != framed_ && scene != failed_);
 }
 
 // The last picture again, under what lies over it.
@@ -229,12 +235,11 @@ bool Preview::may_close() {
 }
 
 void Preview::draw_questions() {
-  if (!lost_when_.empty()) {
-    if (const auto answer = draw_lost_edits(lost_when_, window_->ui_scale())) {
-      lost_when_.clear();
-      if (*answer == LostAnswer::kDiscard) {
-        if (auto lost = find_lost_edits(state_folder(), options_.files.rig)) lost->claim.remove();
-      }
+  if (lost_) {
+    const auto when = fmt::localtime(static_cast<std::time_t>(lost_->written_s));
+    if (const auto answer = draw_lost_edits(fmt::format("{:%H:%M, %d %B}", when), lost_->older, window_->ui_scale())) {
+      if (*answer == LostAnswer::kDiscard) discard_lost_edits(*lost_);
+      lost_.reset();
     }
   }
   if (!asks_close_) return;

@@ -172,7 +172,8 @@ Status Preview::show_progress(const char* what) {
   return {};
 }
 
-Status Preview::open_levels() {
+// again: while it runs, when a device that is unplugged is no reason to stop.
+Status Preview::open_levels(bool again) {
   if (!options_.ins.empty()) {
     std::vector<std::unique_ptr<Source>> sources;
     for (const std::string& text : options_.ins) {
@@ -180,6 +181,7 @@ Status Preview::open_levels() {
       InOptions in;
       in.hear_preview = true;  // such frames are meant for visualisers like this one
       in.yields = true;        // a bridge keeps its unicast frames
+      in.wait_for_device = again;
       FL_ASSIGN(std::unique_ptr<Source> source, opener_.open_source(endpoint, in));
       sources.push_back(std::move(source));
     }

@@ -54,7 +54,7 @@ class Preview {
   Result<bool> open(const StopSignal& signal);
   Status load_rig(double aspect);
   Result<RigFile> open_file();
-  Status open_levels();
+  Status open_levels(bool again = false);
   Status open_device();
   Status set_controls(const fixtures::Camera& camera);
   Status make_ladder();
@@ -91,7 +91,7 @@ class Preview {
   void drop_frame();
   Result<bool> follow_edits(const PixelRect& where);
   Status take_scene(const PreviewScene& before);
-  void take_hand(const PreviewScene& before);
+  void open_inputs_again(const PreviewScene& before);
   Status show_still(const PixelRect& where);
   void save();
   void keep_edits();
@@ -161,7 +161,7 @@ class Preview {
   std::unique_ptr<Autosave> autosave_;
   std::optional<FolderClaim> recovered_;  // of the copy that the rig was read from
   std::uint64_t saved_revision_ = 0;      // of the edited rig as it is in its file
-  std::string lost_when_;                 // when a session before lost edits; empty: none did
+  std::optional<LostEdits> lost_;         // of a session before, until the user has answered
   std::string save_error_;                // of the last save
   std::string title_;
   CloseQuestion close_question_;

@@ -290,7 +290,8 @@ Status Window::start_ui() {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
-  io.IniFilename = nullptr;  // writes no file into the current folder
+  io.IniFilename = nullptr;                     // writes no file into the current folder
+  io.ConfigWindowsMoveFromTitleBarOnly = true;  // else a drag beside a field moves the panel
   set_ui_style(ui_scale_);
   if (access(kFontPath, R_OK) != 0 || io.Fonts->AddFontFromFileTTF(kFontPath, kFontPx * ui_scale_) == nullptr) {
     io.Fonts->AddFontDefault();

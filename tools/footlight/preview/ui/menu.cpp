@@ -14,7 +14,7 @@ std::string label_of(const KeyRow& row, const UiDesk& desk) {
   const UiCommand* command = row.call.action == UiAction::kUndo   ? desk.history().next_undo()
                              : row.call.action == UiAction::kRedo ? desk.history().next_redo()
                                                                   : nullptr;
-  return command == nullptr ? row.does : fmt::format("{}: {}", row.does, text_of(*command, desk.edited()));
+  return command == nullptr ? row.does : fmt::format("{}: {}", row.does, text_of(*command, desk.rig()));
 }
 
 bool can(const KeyRow& row, const UiDesk& desk) {

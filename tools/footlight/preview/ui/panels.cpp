@@ -104,6 +104,7 @@ void UiPanels::draw(UiDesk& desk, const UiInput& input, float stage_width, float
 }
 
 void UiPanels::step(std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
+  if (pauses_) return;
   for (const auto& panel : open_) {
     if (panel) panel->step(levels, dt_ns, new_exposure);
   }

@@ -83,9 +83,12 @@ class UiPanels {
   void draw(UiDesk& desk, const UiInput& input, float stage_width, float stage_height);
   void step(std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure);
   void restart();
+  // While the fixtures that move are not those that the panels show: step() does nothing.
+  void pause(bool pauses) { pauses_ = pauses; }
 
  private:
   std::vector<std::unique_ptr<Panel>> open_;  // as panels(); null: closed
+  bool pauses_ = false;
 };
 
 // Whether the words name panels only; for the command line.

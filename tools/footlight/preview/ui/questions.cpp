@@ -36,14 +36,17 @@ std::optional<CloseAnswer> CloseQuestion::draw(const std::string& target, const 
   return answer;
 }
 
-std::optional<LostAnswer> draw_lost_edits(const std::string& when, float scale) {
+std::optional<LostAnswer> draw_lost_edits(const std::string& when, bool older, float scale) {
   std::optional<LostAnswer> answer;
   ImGui::SetNextWindowPos({8 * scale, 8 * scale}, ImGuiCond_Always);
   constexpr ImGuiWindowFlags kFlags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_AlwaysAutoResize |
                                       ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoSavedSettings |
                                       ImGuiWindowFlags_NoMove;
   if (ImGui::Begin("lost edits", nullptr, kFlags)) {
-    ui_text(kUiAmber, fmt::format("Edits of {} were not saved. Start with --recover to open them.", when));
+    ui_text(kUiAmber, fmt::format("{} of {}. Start with --recover to open it.",
+                                  older ? "The file has changed since the automatic copy"
+                                        : "Edits were not saved: there is an automatic copy",
+                                  when));
     ImGui::SameLine();
     if (ImGui::SmallButton("Keep")) answer = LostAnswer::kKeep;
     ImGui::SameLine();

@@ -20,7 +20,7 @@ class CloseQuestion {
 };
 
 enum class LostAnswer { kKeep, kDiscard };
-// A line at the top of the window. when: "12:31, 26 November".
-[[nodiscard]] std::optional<LostAnswer> draw_lost_edits(const std::string& when, float scale);
+// A line at the top of the window. when: "12:31, 26 November". older: the file was saved or changed since.
+[[nodiscard]] std::optional<LostAnswer> draw_lost_edits(const std::string& when, bool older, float scale);
 
 }  // namespace footlight::tools

@@ -44,6 +44,7 @@ int number_at_end(const std::string& name) {
 void RigEditor::open(const UiDesk& desk, Field field, std::vector<int> which) {
   field_ = field;
   which_ = std::move(which);
+  shown_count_ = desk.shown_count();
   opens_ = focuses_ = true;
   error_.clear();
   const fixtures::PatchedFixture& first = first_of(desk, which_);
@@ -96,11 +97,12 @@ void RigEditor::apply(UiDesk& desk) {
       fixtures::CloneRow row;
       row.count = count_;
       row.offset_m = {offset_m_[0], offset_m_[1], offset_m_[2]};
-      tell(desk.clone_selected(row));
+      tell(desk.clone(which_, row));
       break;
     }
   }
   desk.begin_gesture();
+  shown_count_ = desk.shown_count();
 }
 
 void RigEditor::draw_fields(UiDesk& desk, float scale) {
@@ -144,10 +146,8 @@ void RigEditor::draw_fields(UiDesk& desk, float scale) {
 void RigEditor::draw(UiDesk& desk, float scale) {
   if (std::exchange(opens_, false)) ImGui::OpenPopup(kPopup);
   if (!ImGui::BeginPopup(kPopup)) return;
-  // Undone in the meantime.
-  const auto count = static_cast<int>(desk.edited().fixtures.size());
-  const bool there = std::all_of(which_.begin(), which_.end(), [&](int fixture) { return fixture < count; });
-  if (there && !which_.empty()) {
+  // After another edit the indices may be those of other fixtures.
+  if (shown_count_ == desk.shown_count() && !which_.empty()) {
     draw_fields(desk, scale);
   } else {
     ImGui::CloseCurrentPopup();

@@ -28,6 +28,7 @@ class RigEditor {
 
   Field field_ = Field::kAddress;
   std::vector<int> which_;
+  std::uint64_t shown_count_ = 0;  // UiDesk::shown_count() whose indices which_ has
   bool opens_ = false;
   bool focuses_ = false;
   std::array<char, 256> text_{};

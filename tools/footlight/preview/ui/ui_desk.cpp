@@ -87,8 +87,8 @@ Status UiDesk::edit(Result<fixtures::RigEdit> edit, std::optional<Selection> sel
   return made;
 }
 
-Status UiDesk::clone_selected(const fixtures::CloneRow& row) {
-  auto copies = fixtures::clone_fixtures(edited(), selected(), row);
+Status UiDesk::clone(fixtures::Fixtures which, const fixtures::CloneRow& row) {
+  auto copies = fixtures::clone_fixtures(edited(), which, row);
   Selection after;
   if (copies) {
     for (const auto& entry : copies->added) after.fixtures.push_back(entry.fixture);
@@ -104,7 +104,7 @@ std::string UiDesk::undo() {
     history_.redo(state_);
     return made.error().message;
   }
-  return text_of(*command, edited());
+  return text_of(*command, rig());
 }
 
 std::string UiDesk::redo() {
@@ -114,7 +114,7 @@ std::string UiDesk::redo() {
     history_.undo(state_);
     return made.error().message;
   }
-  return text_of(*command, edited());
+  return text_of(*command, rig());
 }
 
 void UiDesk::select(int fixture, bool add) {

@@ -41,6 +41,7 @@ class UiDesk {
   // and shows the same as before. Then the edit is taken back.
   void let_edit(fixtures::Rig& edited, std::function<Status()> remake) {
     state_.edited = &edited;
+    while (state_.ids.size() < edited.fixtures.size()) state_.ids.push_back(state_.next_id++);
     remake_ = std::move(remake);
   }
   [[nodiscard]] bool can_edit() const { return state_.edited != nullptr; }
@@ -49,8 +50,9 @@ class UiDesk {
   // Makes an edit, or fails with its reason, and nothing is changed. `selects`: the selection after it; nothing: the
   // same fixtures.
   Status edit(Result<fixtures::RigEdit> edit, std::optional<Selection> selects = std::nullopt);
-  // Copies what is selected, and selects the copies.
-  Status clone_selected(const fixtures::CloneRow& row);
+  // Copies fixtures, and selects the copies.
+  Status clone(fixtures::Fixtures which, const fixtures::CloneRow& row);
+  Status clone_selected(const fixtures::CloneRow& row) { return clone(selected(), row); }
   // A message for the line of news, from where there is no other place for it.
   void tell(std::string news) { news_ = std::move(news); }
   [[nodiscard]] std::string take_news() { return std::exchange(news_, {}); }
@@ -103,8 +105,10 @@ class UiDesk {
 
   // Whether overlay() changes anything.
   [[nodiscard]] bool overlays() const {
-    return !state_.taken.empty() || (highlight_ && !state_.selection.fixtures.empty());
+    return !pauses_ && (!state_.taken.empty() || (highlight_ && !state_.selection.fixtures.empty()));
   }
+  // While the fixtures that move are not those that are shown: nothing is written over their levels.
+  void pause_overlay(bool pauses) { pauses_ = pauses; }
   // Writes what was taken over, and above that Highlight, over the levels of the rig.
   void overlay(std::span<std::uint8_t> levels);
 
@@ -127,6 +131,7 @@ class UiDesk {
   UiHistory history_;
   std::uint64_t gesture_ = 1;
   bool highlight_ = false;
+  bool pauses_ = false;
 };
 
 }  // namespace footlight::tools

@@ -141,11 +141,30 @@ bool EditRig::releases() const {
            return change.before.mode != change.after.mode || change.before.type != change.after.type;
          });
 }
+// Removes and adds ids as the edit does with fixtures.
+void EditRig::move_ids(UiState& state) {
+  if (!edit.moves_indices()) return;
+  if (added_ids.empty()) {
+    for (std::size_t i = 0; i < edit.added.size(); ++i) added_ids.push_back(state.next_id++);
+  }
+  removed_ids.clear();
+  std::vector<int> kept;
+  kept.reserve(state.ids.size() + added_ids.size());
+  for (const int id : state.ids) {
+    const int index = static_cast<int>(kept.size() + removed_ids.size());
+    const bool gone = removed_ids.size() < edit.removed.size() && edit.removed[removed_ids.size()].fixture == index;
+    (gone ? removed_ids : kept).push_back(id);
+  }
+  for (std::size_t i = 0; i < added_ids.size(); ++i) kept.insert(kept.begin() + edit.added[i].fixture, added_ids[i]);
+  state.ids = std::move(kept);
+}
 bool EditRig::apply(UiState& state) {
   const bool any = edit.moves_indices() || std::any_of(edit.changes.begin(), edit.changes.end(), [](const auto& each) {
                      return !fixtures::same_fixture(each.before, each.after);
                    });
   if (!any || state.edited == nullptr) return false;
+  while (state.ids.size() < state.edited->fixtures.size()) state.ids.push_back(state.next_id++);
+  move_ids(state);
   edit.apply(state.edited->fixtures);
   if (revision == 0) revision = ++state.revision_last;
   before = std::exchange(state.revision, revision);
@@ -180,6 +199,12 @@ bool EditRig::apply(UiState& state) {
 }
 void EditRig::undo(UiState& state) const {
   edit.undo(state.edited->fixtures);
+  for (auto each = edit.added.rbegin(); each != edit.added.rend(); ++each) {
+    state.ids.erase(state.ids.begin() + each->fixture);
+  }
+  for (std::size_t i = 0; i < removed_ids.size(); ++i) {
+    state.ids.insert(state.ids.begin() + edit.removed[i].fixture, removed_ids[i]);
+  }
   state.revision = before;
   state.selection = selection_before;
   if (!taken_before.empty()) state.taken = taken_before;
@@ -192,6 +217,7 @@ bool EditRig::join(const EditRig& later) {
 }
 std::size_t EditRig::heap_bytes() const {
   return edit.bytes() + selection_before.fixtures.capacity() * sizeof(int) +
+         (removed_ids.capacity() + added_ids.capacity()) * sizeof(int) +
          (selects ? selects->fixtures.capacity() * sizeof(int) : 0) +
          taken_before.size() * (sizeof(std::pair<const ChannelKey, std::uint32_t>) + 4 * sizeof(void*));
 }

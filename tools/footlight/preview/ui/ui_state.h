@@ -43,6 +43,8 @@ struct UiState {
   // The rig as its file has it, which EditRig changes; nullptr: it cannot be edited. Its fixtures have the indices of
   // the selection.
   fixtures::Rig* edited = nullptr;
+  std::vector<int> ids;             // of its fixtures: an id stays with its fixture while others come and go
+  int next_id = 0;                  // that no fixture had yet
   std::uint64_t revision = 0;       // of the edited rig: equal ones have equal contents; 0: as it was opened
   std::uint64_t revision_last = 0;  // that was given
 };
@@ -113,6 +115,8 @@ struct EditRig {
   std::uint64_t before = 0;
   Selection selection_before = {};
   std::map<ChannelKey, std::uint32_t> taken_before = {};  // empty unless it changes
+  std::vector<int> removed_ids = {};                      // of edit.removed
+  std::vector<int> added_ids = {};                        // of edit.added, from the first apply() on
 
   bool apply(UiState& state);
   void undo(UiState& state) const;
@@ -122,6 +126,7 @@ struct EditRig {
 
  private:
   [[nodiscard]] bool releases() const;
+  void move_ids(UiState& state);
 };
 
 using UiCommand = std::variant<SelectFixtures, TakeChannels, MoveCamera, SetExposure, EditRig>;
