@@ -42,8 +42,9 @@ class Timeline {
   // be before the last call's. After the last change the levels are held.
   Status advance(TimeNs until_ns, DurationNs exposure_ns, const Step& step);
 
-  // Steps to the first change, of those that make steps, of the levels at or after from_ns, but not beyond until_ns. False: there is none, and it
-  // stands at the last change before. advance() to any later time then makes the same steps as without this call.
+  // Steps to the first change of the levels at or after from_ns, of those that make steps, but not beyond until_ns.
+  // False: there is none, and it stands at the last change before. advance() to any later time then makes the same
+  // steps as without this call.
   Result<bool> advance_to_change(TimeNs from_ns, TimeNs until_ns, const Step& step);
 
   // A moment of a log that it has come to, for going back to it.
