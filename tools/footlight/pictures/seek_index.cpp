@@ -44,7 +44,8 @@ Status SeekIndex::make_moments(render::Frame& frame, Clock& clock, TimeNs until_
     const TimeNs next_ns = moments_.empty() ? spacing_ns_ : moments_.back().position.now_ns + spacing_ns_;
     FL_ASSIGN(const bool more, timeline_.advance_to_change(timeline_.now_ns() + 1, timeline_.duration_ns(), step));
     const bool due = more && timeline_.now_ns() >= next_ns;
-    if (!due && more && frame.pending_steps() < kStepsTogether) continue;
+    const bool fits = frame.pending_steps() < kStepsTogether && !frame.steps_are_due();
+    if (!due && more && fits) continue;
     FL_TRY(frame.run_steps());
     ended = !more || clock.now_ns() >= until_ns;
     if (!due && !ended) continue;

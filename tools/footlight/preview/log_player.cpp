@@ -8,7 +8,6 @@
 namespace footlight::tools {
 namespace {
 
-constexpr std::size_t kStepsHeldMax = 512;  // steps that wait for the GPU
 constexpr DurationNs kLeapNs = kNsPerS;     // a moment this far ahead is taken instead of the steps to it
 constexpr DurationNs kKeptNs = kNsPerS;     // a seek keeps a moment that is at most this much before its picture
 
@@ -16,7 +15,7 @@ constexpr DurationNs kKeptNs = kNsPerS;     // a seek keeps a moment that is at 
 Timeline::Step flushing(const Timeline::Step& step, render::Frame& frame, Status& flushed) {
   return [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
     step(levels, dt_ns, new_exposure);
-    if (frame.pending_steps() >= kStepsHeldMax && flushed) flushed = frame.run_steps();
+    if (frame.steps_are_due() && flushed) flushed = frame.run_steps();
   };
 }
 

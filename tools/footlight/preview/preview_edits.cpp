@@ -127,6 +127,7 @@ Status Preview::take_scene(const PreviewScene& before) {
       live_->take();
       live_timeline_ = std::make_unique<Timeline>(live_->changes(), framed_->compiled, vrsl_replay(*framed_),
                                                   live_timeline_->now_ns());
+      live_timeline_->pass_over(fixtures::pixel_universes(framed_->rig, framed_->compiled));
       live_timeline_->hold(live_->levels());
     } else {  // inputs are opened for their universes; senders repeat their levels within seconds
       open_inputs_again(before);

@@ -188,6 +188,7 @@ Status Preview::open_levels(bool again) {
     FL_ASSIGN(live_, LiveLevels::start(framed_->compiled.universes, std::move(sources), clock_));
     live_timeline_ =
         std::make_unique<Timeline>(live_->changes(), framed_->compiled, vrsl_replay(*framed_), clock_.now_ns());
+    live_timeline_->pass_over(fixtures::pixel_universes(framed_->rig, framed_->compiled));
     return {};
   }
   FL_ASSIGN(log_, open_scene_log(options_.files));

@@ -23,7 +23,9 @@ std::optional<fixtures::VrslReplay> Preview::vrsl_replay(const PreviewScene& sce
 // Of the log that was opened first, whatever has become of its file since. Any thread.
 std::unique_ptr<LogPlayer> Preview::make_player(SharedScene scene) {
   const auto read = [this, scene = std::move(scene)] {
-    return Timeline(log_->again(), scene->compiled, vrsl_replay(*scene));
+    Timeline timeline(log_->again(), scene->compiled, vrsl_replay(*scene));
+    timeline.pass_over(fixtures::pixel_universes(scene->rig, scene->compiled));
+    return timeline;
   };
   return std::make_unique<LogPlayer>(read, clock_);
 }
