@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "fixtures/displays/pixel_slots.h"
 #include "fixtures/simulate/machines.h"
 #include "render/glare.h"
 #include "render/haze.h"
@@ -53,6 +54,14 @@ Result<std::unique_ptr<Frame>> Frame::create(vk::Device& device, const fixtures:
   }
   FL_ASSIGN(frame->resources_.rig, RigTables::create(device, {rig, compiled, compiled.needs, widest}, used));
   frame->needs_ = compiled.needs;
+  const std::vector<bool> only_pixels = fixtures::pixel_universes(rig, compiled);
+  for (std::size_t i = 0; i < only_pixels.size(); ++i) {
+    if (only_pixels[i]) continue;
+    auto& ranges = frame->stepped_;
+    const VkDeviceSize at = i * kSlotCountMax;
+    if (ranges.empty() || ranges.back().first + ranges.back().size != at) ranges.push_back({at, 0});
+    ranges.back().size += kSlotCountMax;
+  }
   frame->haze_ = rig.haze;
   frame->ambient_lx_ = rig.ambient_lx;
   frame->machines_ = fixtures::MachineAir::make(rig, compiled);
@@ -155,8 +164,8 @@ Status Frame::change(const FrameSettings& requested) {
   has_fine_ = has_tile_classes(needs, settings);
   if (!same_images) {
     resources_.picture = {};  // first, so that two sizes never stand in memory
-    FL_ASSIGN(resources_.picture, PictureImages::create(device_, needs, settings, resources_.rig.mask_words,
-                                                                    resources_.rig.laser_rows));
+    FL_ASSIGN(resources_.picture,
+              PictureImages::create(device_, needs, settings, resources_.rig.mask_words, resources_.rig.laser_rows));
     resources_.bind_all();
   }
   std::vector<std::unique_ptr<Pass>> passes;
@@ -167,6 +176,7 @@ Status Frame::change(const FrameSettings& requested) {
   }
   passes_ = std::move(passes);
   plan_ = plan_frame(needs, settings, entries_);
+  has_step_ = draws(kStepPass);
   return {};
 }
 
@@ -187,9 +197,25 @@ Frame::~Frame() {
 
 void Frame::step(std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
   FL_CHECK_EQ(levels.size(), resources_.rig.levels_bytes);
-  pending_.push_back({{levels.begin(), levels.end()}, std::max<std::int64_t>(dt_ns, 0), new_exposure});
+  ++pending_count_;
+  if (has_step_) {
+    hold_newest();
+    pending_.push_back({{}, std::max<std::int64_t>(dt_ns, 0), new_exposure});
+  }
+  newest_.assign(levels.begin(), levels.end());
   if (machines_) machines_->step(levels, dt_ns);
   time_ns_ += std::max<std::int64_t>(dt_ns, 0);
+}
+
+// The last pending step is no longer the last.
+void Frame::hold_newest() {
+  if (pending_.empty()) return;
+  std::vector<std::uint8_t>& held = pending_.back().levels;
+  for (const LevelRange& range : stepped_) {
+    const auto from = newest_.begin() + static_cast<std::ptrdiff_t>(range.first);
+    held.insert(held.end(), from, from + static_cast<std::ptrdiff_t>(range.size));
+  }
+  pending_bytes_ += held.size();
 }
 
 void Frame::forget_air() {
@@ -235,29 +261,41 @@ void Frame::clear_radiance(VkCommandBuffer commands) {
 }
 
 // vkCmdUpdateBuffer keeps the bytes in the command buffer: quick for a few universes, slow for hundreds. Of those the
-// levels of the last step are copied from memory that only one step of a recording can use.
-void Frame::upload_levels(VkCommandBuffer commands, const PendingStep& pending) {
-  const VkDeviceSize size = pending.levels.size();
-  if (size > kUpdateBytesMax && &pending == &pending_.back()) {
-    std::memcpy(resources_.rig.staged_levels.mapped, pending.levels.data(), size);
+// newest levels are copied from memory that only one step of a recording can use.
+void Frame::upload_newest(VkCommandBuffer commands) {
+  const VkDeviceSize size = newest_.size();
+  if (size > kUpdateBytesMax) {
+    std::memcpy(resources_.rig.staged_levels.mapped, newest_.data(), size);
     const VkBufferCopy region{0, 0, size};
     vkCmdCopyBuffer(commands, resources_.rig.staged_levels.handle, resources_.rig.levels.handle, 1, &region);
+  } else if (size > 0) {
+    vkCmdUpdateBuffer(commands, resources_.rig.levels.handle, 0, size, newest_.data());
+  }
+}
+
+void Frame::upload_levels(VkCommandBuffer commands, const PendingStep& pending) {
+  if (&pending == &pending_.back()) {
+    upload_newest(commands);
     return;
   }
-  for (VkDeviceSize at = 0; at < size; at += kUpdateBytesMax) {
-    vkCmdUpdateBuffer(commands, resources_.rig.levels.handle, at, std::min(kUpdateBytesMax, size - at),
-                      pending.levels.data() + at);
+  const std::uint8_t* from = pending.levels.data();
+  for (const LevelRange& range : stepped_) {
+    for (VkDeviceSize at = 0; at < range.size; at += kUpdateBytesMax) {
+      const VkDeviceSize size = std::min(kUpdateBytesMax, range.size - at);
+      vkCmdUpdateBuffer(commands, resources_.rig.levels.handle, range.first + at, size, from);
+      from += size;
+    }
   }
 }
 
 // Without fixtures there is no step pass: the newest levels alone count, for displays.
 void Frame::record_levels(VkCommandBuffer commands) {
-  if (pending_.empty() || draws(kStepPass)) return;
-  if (resources_.rig.levels.handle != VK_NULL_HANDLE && !pending_.back().levels.empty()) {
-    upload_levels(commands, pending_.back());
+  if (pending_count_ == 0 || has_step_) return;
+  if (resources_.rig.levels.handle != VK_NULL_HANDLE && !newest_.empty()) {
+    upload_newest(commands);
     vk::full_barrier(commands);
   }
-  pending_.clear();
+  pending_count_ = 0;
 }
 
 // Each pending step: its levels, its dt, one dispatch. Timed are the levels of the first.
@@ -272,6 +310,8 @@ void Frame::record_steps(VkCommandBuffer commands, bool timed) {
     vk::full_barrier(commands);
   }
   pending_.clear();
+  pending_count_ = 0;
+  pending_bytes_ = 0;
 }
 
 void Frame::upload_params(VkCommandBuffer commands, const View& view, double exposure_ev) {
@@ -333,8 +373,8 @@ Status Frame::draw(const View& view, double exposure_ev) {
 }
 
 Status Frame::run_steps() {
-  if (pending_.empty()) return {};
-  if (!draws(kStepPass)) {
+  if (pending_count_ == 0) return {};
+  if (!has_step_) {
     return device_.run_once([&](VkCommandBuffer commands) { record_levels(commands); });
   }
   return device_.run_once([&](VkCommandBuffer commands) {

@@ -32,6 +32,10 @@ class MachineAir;  // fixtures/simulate/machines.h
 
 namespace footlight::render {
 
+// Steps that wait for the GPU, at most about: above either, steps_are_due().
+inline constexpr std::size_t kStepsHeldMax = 512;
+inline constexpr std::size_t kStepBytesHeldMax = std::size_t{64} << 20;
+
 // What a picture draws of the bodies of fixtures.
 struct BodyCounts {
   std::uint64_t bodies = 0;           // of the rig
@@ -106,7 +110,14 @@ class Frame {
   Status draw(const View& view, double exposure_ev);
   // Carries the pending steps out without making a picture: for long replays between pictures.
   Status run_steps();
-  [[nodiscard]] std::size_t pending_steps() const { return pending_.size(); }
+  [[nodiscard]] std::size_t pending_steps() const { return pending_count_; }
+  // Of their levels. Levels of universes that only pixels of displays read are held once, those of the others once a
+  // step; without a step pass all are held once.
+  [[nodiscard]] std::size_t pending_bytes() const { return pending_bytes_ + newest_.size(); }
+  // Whether so much is held that run_steps() is better than more steps.
+  [[nodiscard]] bool steps_are_due() const {
+    return pending_count_ >= kStepsHeldMax || pending_bytes_ >= kStepBytesHeldMax;
+  }
 
   [[nodiscard]] Result<RadianceImage> read_radiance();
   // The light as the camera's lens leaves it: of the screen's pixels, with glare. What the tone map gets.
@@ -144,14 +155,16 @@ class Frame {
 
  private:
   struct PendingStep {
-    std::vector<std::uint8_t> levels;
+    std::vector<std::uint8_t> levels;  // of stepped_, one after the other; of the last step: empty, they are newest_
     std::int64_t dt_ns;
     bool new_exposure;
   };
   Frame(vk::Device& device, const PassList& passes);
   Status check_settings(const FrameSettings& settings) const;
   [[nodiscard]] bool draws(const PassEntry& entry) const;
+  void hold_newest();
   void upload_levels(VkCommandBuffer commands, const PendingStep& pending);
+  void upload_newest(VkCommandBuffer commands);
   void record_steps(VkCommandBuffer commands, bool timed);
   void record_levels(VkCommandBuffer commands);
   void upload_params(VkCommandBuffer commands, const View& view, double exposure_ev);
@@ -172,7 +185,15 @@ class Frame {
   PassList entries_;  // those that the rig and the settings need are in passes_
   std::vector<PassPlan> plan_;
   std::vector<std::unique_ptr<Pass>> passes_;  // one a plan entry
-  std::vector<PendingStep> pending_;
+  std::vector<PendingStep> pending_;           // empty without a step pass
+  std::size_t pending_count_ = 0;
+  std::size_t pending_bytes_ = 0;
+  std::vector<std::uint8_t> newest_;  // levels of the last pending step, of all universes
+  struct LevelRange {
+    VkDeviceSize first;
+    VkDeviceSize size;
+  };
+  std::vector<LevelRange> stepped_;  // of the levels, bytes: universes that more than pixels of displays read
   std::unique_ptr<fixtures::MachineAir> machines_;  // may be null
   double work_light_lx_ = 0;
   std::int64_t adapt_ns_ = 0;    // since the last record()
@@ -180,6 +201,7 @@ class Frame {
   std::int64_t time_ns_ = 0;     // of all steps: clouds of haze drift by it
   glm::dvec3 haze_center_m_{0};  // of a sphere that all light in the air lies in
   double haze_radius_m_ = 0;
+  bool has_step_ = false;
   bool has_solids_ = false;
   bool has_fine_ = false;  // beams are taken together for tiles
   double range_m_ = 0;

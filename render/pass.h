@@ -113,6 +113,10 @@ struct PassEntry {
 [[nodiscard]] inline bool has_displays_in_air(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_displays(needs, settings) && needs.haze && settings.view == FrameView::kPicture;
 }
+// Whether displays that are thin in the picture are drawn by the share of pixels that they cover.
+[[nodiscard]] inline bool has_strips(const fixtures::Needs& needs, const FrameSettings& settings) {
+  return has_displays(needs, settings) && settings.widen_thin && settings.view == FrameView::kPicture;
+}
 // Whether it is known what hides light.
 [[nodiscard]] inline bool has_occluders(const fixtures::Needs& needs, const FrameSettings& settings) {
   return has_shadows(needs, settings) || has_shafts_shadowed(needs, settings);

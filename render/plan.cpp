@@ -20,6 +20,7 @@
 #include "render/passes/shadowtiles.h"
 #include "render/passes/shafts.h"
 #include "render/passes/step.h"
+#include "render/passes/strips.h"
 #include "render/passes/surfaces.h"
 #include "render/passes/tiles.h"
 #include "render/passes/tonemap.h"
@@ -50,6 +51,7 @@ const PassEntry* const kPasses[] = {
     &kShaftsPass,    // panes of glass -> light of the sun behind them -> radiance
     &kDisplaysPass,  // displays -> their pixels, and their light in the air and on surfaces -> radiance
     &kEdgesPass,     // solid things -> radiance of pixels that show more than one
+    &kStripsPass,    // displays that are thin in the picture -> radiance
     &kLensesPass,    // lenses of a few pixels -> radiance
     &kGlarePass,     // radiance -> light that the camera's lens scatters
     &kTonemapPass,   // radiance, scattered light -> screen

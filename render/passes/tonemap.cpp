@@ -56,7 +56,7 @@ class TonemapPass final : public Pass {
 const PassEntry kTonemapPass{
     "tonemap",
     [](const fixtures::Needs& needs, const FrameSettings& settings) {
-      return needs.fixtures || needs.panes || has_solids(needs, settings);
+      return needs.fixtures || needs.panes || needs.displays || has_solids(needs, settings);
     },
     [](const fixtures::Needs&, const FrameSettings& settings) {
       return std::vector<vk::SpecConstant>{{FL_SPEC_TONE, static_cast<std::uint32_t>(settings.tone)},

@@ -175,6 +175,48 @@ TEST_CASE("light of displays in clouds of haze is near the judge") {
   CHECK(error < 2e-2);
 }
 
+TEST_CASE(
+    "light of displays in haze that thins with height is near the judge along rays that rise and leave its table") {
+  HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = display_scene("scattering_per_m = 0.001\nheight_m = 2\nanisotropy = 0.5", "");
+  fixtures::Display& display = scene.rig.displays[0];
+  display.width_m = display.height_m = 1;
+  display.position_m = {0, 4, 2};
+  // Away from the wall, up to and beyond 45 degrees.
+  view_from(scene, {0, -1, 2}, {0, -2, 3});
+  scene.rig.cameras[0].fov_deg = 60;
+  scene.compile();
+  const double error = rel_l2(drawn_light(vulkan.device(), scene, 4, 4, true), judged_light(scene, 4, 4));
+  print_error("even, haze that thins with height", error);
+  CHECK(error < 2e-2);
+}
+
+TEST_CASE("light of displays in the air ends where the ray does, also just beyond where it counts as a point") {
+  HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  // The eye is 2 m ahead of 1 x 1 m and looks away: it counts as a point beyond 81 m.
+  const auto sum_to = [&](const std::string& box) {
+    Scene scene = display_scene("scattering_per_m = 1e-6", box);
+    fixtures::Display& display = scene.rig.displays[0];
+    display.width_m = display.height_m = 1;
+    display.color = {1, 1, 1};
+    display.nits = 1e6;
+    display.position_m = {0, 4, 2};
+    view_from(scene, {0, 2, 2}, {0, -2, 2});
+    scene.rig.cameras[0].fov_deg = 1;
+    scene.compile();
+    return sum_of(drawn_light(vulkan.device(), scene, 2, 2, true));
+  };
+  const auto wall_at = [](double y) {
+    return "[[box]]\nname = \"Far\"\nmin = [-50, " + std::to_string(y - 1) + ", -50]\nmax = [50, " + std::to_string(y) +
+           ", 50]\nalbedo = [0, 0, 0]\n";
+  };
+  const double near = sum_to(wall_at(2 - 80)), far = sum_to(wall_at(2 - 85)), none = sum_to("");
+  // From t on, the square gives area / (4 pi t) on the axis; over 80 to 85 m that is 5 / 80 of what is beyond 80 m.
+  CHECK((far - near) / (none - near) == doctest::Approx(1 - (80 + 2) / (85.0 + 2)).epsilon(0.1));
+}
+
 TEST_CASE("the judge of displays has the light of a point far away, and half of a plane nearby") {
   JudgeScene scene;
   scene.haze.scattering_per_m = 0;
@@ -411,6 +453,83 @@ TEST_CASE("pixels of a display that are finer than those of the picture keep the
   };
   light(1, thin, 0.05);
   light(4, thin, 0.05);
+}
+
+TEST_CASE("a rig of a strip alone is on the screen, not only in the radiance") {
+  HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = display_scene(kClear, "");
+  scene.rig.displays[0].height_m = 0.05;
+  scene.compile();
+  CHECK_FALSE(scene.compiled.needs.objects);
+  FrameSettings settings = judged_settings(kWidth, kHeight);
+  settings.widen_thin = true;
+  auto frame = make_frame(vulkan.device(), scene, settings);
+  frame->step(scene.levels, 0);
+  must(frame->draw(view_of(scene.rig.cameras[0]), 4));
+  const ScreenImage screen = must(frame->read_screen());
+  int lit = 0;
+  for (std::size_t i = 0; i < screen.rgba.size(); i += 4) lit += screen.rgba[i] > 0;
+  CHECK(lit > 0);
+  CHECK(lit < kWidth * kHeight / 2);
+}
+
+TEST_CASE("a thin display with a case is as bright wherever it lies between pixels, also where edges are smooth") {
+  HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  // 0.1 m high: it has a case. Some 0.5 pixels thick, and moved down by parts of a pixel.
+  Scene scene = display_scene(kClear, "");
+  scene.rig.displays[0].height_m = 0.1;
+  view_from(scene, {0, -4, 1.9}, {0, 4, 1.9});
+  scene.rig.cameras[0].fov_deg = 25;
+  scene.compile();
+  const double pixel_m = 2 * 8 * std::tan(glm::radians(12.5)) / kHeight;  // at its distance
+  double least = 1e30, most = 0;
+  for (const double shift : {0.0, 0.25, 0.5, 0.75}) {
+    view_from(scene, {0, -4, 1.9 + shift * pixel_m}, {0, 4, 1.9 + shift * pixel_m});
+    const double sum = sum_of(drawn(vulkan.device(), scene, false, [](FrameSettings& settings) {
+      settings.bodies = true;
+      settings.edge_samples = 16;
+    }));
+    least = std::min(least, sum);
+    most = std::max(most, sum);
+  }
+  CHECK(0.1 / pixel_m == doctest::Approx(0.5).epsilon(0.02));
+  CHECK(most / least < 1.02);
+  // Three colours of 800 cd/m^2 from its area in the picture.
+  CHECK(most == doctest::Approx(3 * 800 * 3.2 * 0.1 / (pixel_m * pixel_m)).epsilon(0.02));
+}
+
+TEST_CASE("levels of a wall are held once however many steps wait, and the newest are shown beside a fixture's") {
+  HeadlessVulkan vulkan;
+  if (!vulkan) return;
+  Scene scene = display_scene(kClear, "", "columns = 100\nrows = 100\nuniverse = 2\n");  // 59 universes
+  const auto noted = [&](Frame& frame, int steps) {
+    for (int i = 0; i < steps; ++i) {
+      std::fill(scene.levels.begin(), scene.levels.end(), static_cast<std::uint8_t>(i));
+      std::fill_n(scene.levels.begin(), kSlotCountMax, std::uint8_t{0});  // of the fixture, if there is one
+      frame.step(scene.levels, 0);
+    }
+    return frame.pending_bytes();
+  };
+  const FrameSettings settings = judged_settings(kWidth, kHeight);
+  auto alone = make_frame(vulkan.device(), scene, settings);
+  CHECK(noted(*alone, 100) == scene.levels.size());
+  CHECK(alone->pending_steps() == 100);
+  const std::string fixture =
+      "[[fixture]]\nname = \"A\"\ntype = \"generic/par\"\nuniverse = 1\naddress = 1\nposition = [0, 0, 5]\n";
+  scene = display_scene(kClear, fixture, "columns = 100\nrows = 100\nuniverse = 2\n");
+  REQUIRE(scene.compiled.universes.size() == 60);
+  auto both = make_frame(vulkan.device(), scene, settings);
+  CHECK(noted(*both, 100) == scene.levels.size() + 99 * kSlotCountMax);
+  must(both->draw(view_of(scene.rig.cameras[0]), 0));
+  CHECK(both->pending_bytes() == scene.levels.size());
+  auto once = make_frame(vulkan.device(), scene, settings);
+  once->step(scene.levels, 0);
+  must(once->draw(view_of(scene.rig.cameras[0]), 0));
+  const RadianceImage shown = must(both->read_radiance());
+  CHECK(sum_of(shown) > 0);
+  CHECK(shown.rgb == must(once->read_radiance()).rgb);
 }
 
 TEST_CASE("the image of a display stands upright as it is seen from the audience, and its back is dark") {

@@ -18,7 +18,7 @@ using vk::SpecConstant;
 const std::vector<std::string> kAll{"step",   "gather",   "shadows", "gobos",       "bodies", "tiles",
                                     "bounce", "surfaces", "depths",  "shadowtiles", "haze",   "coarse",
                                     "records", "fine",    "shade",   "beams",       "lasers", "shafts",
-                                    "displays", "edges",  "lenses",  "glare",       "tonemap"};
+                                    "displays", "edges",  "strips",  "lenses",      "glare",  "tonemap"};
 // Those that take beams together for tiles.
 const std::vector<std::string> kTilePasses{"coarse", "records", "fine", "shade"};
 
@@ -208,6 +208,7 @@ TEST_CASE("the demo rig with all missing needs added has every pass, with every 
                                 {FL_SPEC_HAZE, 1},
                                 {FL_SPEC_VIEW, FL_VIEW_PICTURE}}},
                               {"edges", {{FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1}, {FL_SPEC_EDGE_SAMPLES, 16}}},
+                              {"strips", {{FL_SPEC_EXTINCTION, 1}, {FL_SPEC_BOXES, 1}, {FL_SPEC_BODIES, 1}}},
                               {"lenses", constants_of(plan_frame(demo_needs(), settings), "surfaces")},
                               {"glare", {}},
                               {"tonemap", {{FL_SPEC_TONE, FL_TONE_AGX}, {FL_SPEC_WHITE, 0}, {FL_SPEC_METER, 0}}}});
@@ -256,7 +257,7 @@ TEST_CASE("without a need its branches or its passes are left out") {
         Case{"macro", &Needs::macro, {}, {FL_SPEC_MACRO}},
         Case{"laser", &Needs::laser, {"lasers"}, {}},
         Case{"panes", &Needs::panes, {"shafts"}, {}},
-        Case{"displays", &Needs::displays, {"displays"}, {}},
+        Case{"displays", &Needs::displays, {"displays", "strips"}, {}},
         Case{"flex", &Needs::flex, {}, {FL_SPEC_FLEX}},
         Case{"smooth", &Needs::smooth, {}, {FL_SPEC_SMOOTH}},
         Case{"tungsten", &Needs::tungsten, {}, {FL_SPEC_LAMP(fixtures::kLampTungsten)}},
@@ -317,16 +318,16 @@ TEST_CASE("without boxes and bodies only passes for light in the air remain") {
   settings.bodies = false;
   CHECK(names_of(plan_frame(needs, settings)) ==
         std::vector<std::string>{"step", "gather", "gobos", "tiles", "haze", "coarse", "records", "fine", "beams",
-                                 "lasers", "shafts", "displays", "glare", "tonemap"});
+                                 "lasers", "shafts", "displays", "strips", "glare", "tonemap"});
   settings.tile_error = 0;
   CHECK(names_of(plan_frame(needs, settings)) ==
         std::vector<std::string>{"step", "gather", "gobos", "tiles", "haze", "beams", "lasers", "shafts",
-                                 "displays", "glare", "tonemap"});
+                                 "displays", "strips", "glare", "tonemap"});
   settings.tile_error = FrameSettings{}.tile_error;
   needs.haze = false;  // without haze, too, no light is visible
   // Only panes are, against the sky, and displays.
   CHECK(names_of(plan_frame(needs, settings)) ==
-        std::vector<std::string>{"step", "gather", "shafts", "displays", "glare", "tonemap"});
+        std::vector<std::string>{"step", "gather", "shafts", "displays", "strips", "glare", "tonemap"});
   check_left_out(needs, settings);
 }
 
@@ -343,6 +344,12 @@ TEST_CASE("an empty rig needs no pass at all") {
   plain.edge_samples = 0;
   plain.glare = 0;
   CHECK(names_of(plan_frame(needs, plain)) == std::vector<std::string>{"surfaces", "tonemap"});
+  // Displays without cases are nothing solid, but they are to be seen.
+  needs = {};
+  needs.displays = true;
+  CHECK(names_of(plan_frame(needs, plain)) == std::vector<std::string>{"displays", "strips", "tonemap"});
+  plain.view = FrameView::kClasses;
+  CHECK(names_of(plan_frame(needs, plain)) == std::vector<std::string>{"tonemap"});
 }
 
 TEST_CASE("every combination of needs has each pass exactly once: in the plan or in what is left out") {

@@ -131,6 +131,27 @@ const float kAhead = 2.0;      // of the largest part of a pixel: nearer to its 
 
 float w_of(float x) { return sign(x) * log(abs(x) + sqrt(x * x + 1.0)); }
 
+#ifdef FL_USE_HAZE
+// Beyond the table of haze there are no clouds, but haze thins with height all the same (haze_field.h). This is
+// (z / height)^4.
+float haze_thins(float z_m) {
+  float height = max(z_m, 0.0) * haze_field.per_height;
+  height *= height;
+  return height * height;
+}
+// Mean density of the piece of a ray that a node at t_m stands for. up: what the ray rises in a metre.
+float haze_of_piece(float t_m, float from_m, float to_m, float up) {
+  float density = haze_mean(from_m, to_m);
+  float begin_m = haze_field.from_m;
+  float end_m = begin_m + haze_field.length_m;
+  float inside = clamp((min(to_m, end_m) - max(from_m, begin_m)) / max(to_m - from_m, 1e-6), 0.0, 1.0);
+  if (inside == 1.0) return density;
+  if (t_m >= begin_m && t_m <= end_m) t_m = to_m > end_m ? 0.5 * (end_m + to_m) : 0.5 * (from_m + begin_m);
+  float thins = haze_thins(params.position.z + up * t_m);
+  return density - (1.0 - inside) * thins / (1.0 + thins);
+}
+#endif
+
 // Light in the air along a ray up to end_m, over sigma_s. eye: the camera.
 vec3 air_of_display(DisplayRow row, vec3 eye, vec3 ray, float end_m, float per_m) {
   float begin_m = 0.0;
@@ -140,7 +161,7 @@ vec3 air_of_display(DisplayRow row, vec3 eye, vec3 ray, float end_m, float per_m
   vec2 half_m = vec2(row.right.w, row.down.w);
   float middle_m = max(-dot(eye, ray), begin_m);
   float far_m = middle_m + kFar * (length(half_m) + length(eye + ray * middle_m));
-  bool has_tail = far_m < end_m;
+  float last_m = end_m;
   end_m = min(end_m, far_m);
   if (!(end_m > begin_m)) return vec3(0.0);
   float nearest_m = display_nearest(eye, ray, half_m.x, half_m.y, begin_m, end_m);
@@ -151,6 +172,9 @@ vec3 air_of_display(DisplayRow row, vec3 eye, vec3 ray, float end_m, float per_m
   vec2 part_m = 2.0 * half_m / vec2(uvec2(row.columns, row.rows) << halvings(row, FL_DISPLAY_PARTS));
   float ahead_m = kAhead * max(part_m.x, part_m.y);
   float piece = whole / float(pieces);
+#ifdef FL_USE_HAZE
+  float up = row.right.z * ray.x + row.down.z * ray.y + row.front.z * ray.z;
+#endif
   vec3 sum = vec3(0.0);
   for (uint i = 0u; i < 4u * pieces; ++i) {
     float node = kGaussNode[6u + (i & 3u)];
@@ -164,14 +188,23 @@ vec3 air_of_display(DisplayRow row, vec3 eye, vec3 ray, float end_m, float per_m
     place.z = max(place.z, is_ahead ? ahead_m : 1e-6 * d);
     vec3 light = light_of_cells(row, place, ray, true, per_m) * (step_m * exp(-per_m * t_m));
 #ifdef FL_USE_HAZE
-    light *= haze_mean(max(t_m - 0.5 * step_m, begin_m), min(t_m + 0.5 * step_m, end_m));
+    light *= haze_of_piece(t_m, max(t_m - 0.5 * step_m, begin_m), min(t_m + 0.5 * step_m, end_m), up);
 #endif
     sum += light;
   }
-  if (has_tail) {
-    vec3 last = light_of_cells(row, eye + ray * end_m, ray, true, per_m) * exp(-per_m * end_m);
-    float away_m = end_m - middle_m;
-    sum += last * (away_m / (1.0 + 2.0 * per_m * away_m));
+  if (far_m < last_m) {
+    // The light falls by this power of the distance, and one more: by its square, the loss, and what haze thins.
+    float away_m = far_m - middle_m;
+    float power = 1.0 + 2.0 * per_m * away_m;
+    vec3 last = light_of_cells(row, eye + ray * far_m, ray, true, per_m) * exp(-per_m * far_m);
+#ifdef FL_USE_HAZE
+    last *= haze_of_piece(far_m, 0.95 * far_m, 1.05 * far_m, up);
+    float z_m = params.position.z + up * far_m;
+    float thins = haze_thins(z_m);
+    power += 4.0 * thins / (1.0 + thins) * max(up, 0.0) * away_m / max(z_m, 1e-3);
+#endif
+    // Less what is beyond the end of the ray.
+    sum += last * (away_m / power) * (1.0 - pow(away_m / (last_m - middle_m), power));
   }
   return sum;
 }

@@ -428,5 +428,16 @@ TEST_CASE("with faders every fixture without an address gets slots that no other
   }
 }
 
+TEST_CASE("fixtures without an address get no slot of a pixel") {
+  fixtures::Rig rig = fixtures::demo_rig();
+  for (auto& fixture : rig.fixtures) fixture.patched = false;
+  fixtures::Display display;
+  display.columns = display.rows = 20;  // 400 pixels: universes 1 to 3
+  display.map.emplace();
+  rig.displays.push_back(display);
+  give_hand_addresses(rig);
+  for (const auto& fixture : rig.fixtures) CHECK(fixture.universe >= 4);
+}
+
 }  // namespace
 }  // namespace footlight::tools

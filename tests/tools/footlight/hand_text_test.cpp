@@ -23,6 +23,32 @@ std::vector<HandLevel> levels_of(std::string_view text) {
   return levels;
 }
 
+TEST_CASE("the parts of a long command are messages that a bridge reads, and have all of its levels") {
+  HandCommand command;
+  command.action = HandAction::kBlackout;
+  for (int i = 0; i < 40'000; ++i) {  // no two in a row, so that no range is shorter
+    HandLevel level;
+    level.universe = 60'000 - i / 100;
+    level.count = 4;
+    for (int b = 0; b < 4; ++b)
+      level.slots[static_cast<std::size_t>(b)] = static_cast<std::uint16_t>(500 - 5 * (i % 100) + b);
+    level.value = 4'000'000'000u;
+    command.levels.push_back(level);
+  }
+  std::vector<HandLevel> levels;
+  for (const HandCommand& part : hand_parts(command)) {
+    const std::string message = hand_message(part);
+    CHECK(message.size() <= kHandMessageBytesMax);
+    const auto read = parse_hand_message(message);
+    REQUIRE(read.has_value());
+    CHECK(read->action == HandAction::kBlackout);
+    levels.insert(levels.end(), read->levels.begin(), read->levels.end());
+  }
+  CHECK(levels == command.levels);
+  command.levels.clear();
+  CHECK(hand_parts(command).size() == 1);  // everything
+}
+
 std::string refusal_of(std::string_view text) {
   std::vector<HandLevel> levels;
   const Status read = parse_slot_assignment(text, levels);

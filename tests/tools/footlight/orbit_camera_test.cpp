@@ -130,6 +130,19 @@ TEST_CASE("a camera at its own target can still be moved") {
   CHECK(orbit.distance_m() == doctest::Approx(1));
 }
 
+TEST_CASE("the bounds contain the corners of displays") {
+  fixtures::Rig rig;
+  rig.boxes.push_back({"floor", {-30, -20, -0.1}, {30, 20, 0}, {}});
+  fixtures::Display display;
+  display.position_m = {1, 4, 3};
+  display.rotation_deg = {0, 0, 90};  // its width is along y
+  display.width_m = 6;
+  display.height_m = 2;
+  rig.displays.push_back(display);
+  check_near(bounds_of(rig).low_m, {1, 1, 2});
+  check_near(bounds_of(rig).high_m, {1, 7, 4});
+}
+
 TEST_CASE("the bounds contain every fixture and the floor under it; without fixtures, the boxes") {
   const fixtures::Rig& demo = fixtures::demo_rig();
   const Bounds bounds = bounds_of(demo);

@@ -37,9 +37,7 @@ constexpr std::size_t kTimeline = 4;
 class HeadlessUi {
  public:
   explicit HeadlessUi(const UiRig& rig, float width = 1280, float height = 720)
-      : imgui(width, height),
-        desk(rig.rig, rig.compiled),
-        levels(rig.compiled.universes.size() * kSlotCountMax) {}
+      : imgui(width, height), desk(rig.rig, rig.compiled), levels(rig.compiled.universes.size() * kSlotCountMax) {}
 
   // Returns the number of vertices that it draws.
   int frame() {
@@ -148,6 +146,20 @@ TEST_CASE("a slot of the grid says which fixture it belongs to and selects it") 
   const ImVec2 at = ui.click_down(300, 250, 700, [&] { return ui.desk.state().selection.lead >= 0; });
   CHECK(at.y > 0);
   CHECK(ui.desk.state().selection.lead < 3);
+}
+
+TEST_CASE("a slot of the grid says which pixel of which display it belongs to") {
+  const auto rig =
+      compiled_rig(parsed_rig("[rig]\nname = \"r\"\n[[display]]\nname = \"Wall\"\nposition = [0, 0, 0]\nwidth_m = 1\n"
+                              "height_m = 1\ncolumns = 10\nrows = 10\nuniverse = 1\n"));
+  HeadlessUi ui(rig);
+  ui.show(kUniverses);
+  std::string words;
+  ui.click_down(300, 100, 700, [&] {
+    words = ui.words();
+    return words.find("Wall: column") != std::string::npos;
+  });
+  CHECK_MESSAGE(words.find("Wall: column") != std::string::npos, words);
 }
 
 TEST_CASE("levels are drawn as bars, until the grid is frozen") {

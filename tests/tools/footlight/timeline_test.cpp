@@ -210,6 +210,31 @@ TEST_CASE("a log without a frame for the rig is dark for any length") {
                     [](auto level) { return level == 0; }));
 }
 
+TEST_CASE("changes that are passed over make no step, and the next step has them") {
+  const auto with_two = [](std::vector<bool> passed_over) {
+    Timeline timeline = timeline_of({frame_of(0, 2, 1), frame_of(0, 5, 10), frame_of(4 * kMs, 5, 20),
+                                     frame_of(10 * kMs, 2, 2), frame_of(14 * kMs, 5, 30)},
+                                    30 * kMs);
+    timeline.pass_over(std::move(passed_over));
+    return timeline;
+  };
+  const auto steps_of = [](Timeline timeline) {
+    RecordedSteps recorded;
+    REQUIRE(timeline.advance(20 * kMs, 0, recorded.recorder()));
+    CHECK(recorded.total_ns == 20 * kMs);
+    CHECK(recorded.held.back().levels.back() == 30);
+    return recorded.steps;
+  };
+  CHECK(steps_of(with_two({false, false})) == 4);
+  CHECK(steps_of(with_two({false, true})) == 2);
+  CHECK(steps_of(with_two({true, true})) == 4);  // nothing but pixels: none is passed over
+  Timeline timeline = with_two({false, true});
+  RecordedSteps recorded;
+  const auto more = timeline.advance_to_change(1, 30 * kMs, recorded.recorder());
+  REQUIRE(more.has_value());
+  CHECK(timeline.now_ns() == 10 * kMs);
+}
+
 TEST_CASE("a live flash is as long as its time stamps state, at any time between pictures") {
   const auto rig = fixtures::parse_rig(
       "[rig]\nname = \"r\"\n[[fixture]]\nname = \"A\"\ntype = \"generic/par\"\nuniverse = 2\naddress = 1\n"

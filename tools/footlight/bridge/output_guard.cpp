@@ -118,7 +118,9 @@ class GuardedSink : public Sink {
 Result<std::shared_ptr<OutputGuard>> OutputGuard::make(const fixtures::Rig& rig, FlashMode mode) {
   FL_ASSIGN(fixtures::CompiledRig compiled, fixtures::compile(rig));
   if (compiled.heads.empty() || compiled.universes.empty()) {
-    return fail(ErrorCode::kBadInput, "{}: has no fixture with an address, so there is nothing to check", rig.name);
+    return fail(ErrorCode::kBadInput,
+                "{}: has no fixture with an address, so there is nothing to check; pixels of displays are not checked",
+                rig.name);
   }
   return std::shared_ptr<OutputGuard>(new OutputGuard(std::move(compiled), mode));
 }

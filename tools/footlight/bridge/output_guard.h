@@ -8,7 +8,7 @@
 // counts as a screen's white. A fixture with a strobe channel counts with the rate of that channel. Holding back lowers
 // only dimmer channels, or those of the emitters if a fixture has no dimmer. No light is ever brighter than the input,
 // and other channels are not changed. If the levels do not change while light is held back, it is released as soon as
-// the guidance allows.
+// the guidance allows. Pixels of displays are not checked.
 //
 // Threads: the pump's; count_...() any.
 #pragma once

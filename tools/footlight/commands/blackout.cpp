@@ -2,11 +2,13 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <utility>
 
 #include "fixtures/simulate/hand_fixtures.h"
 #include "sim/system_clock.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/hand/hand_client.h"
+#include "tools/footlight/hand/hand_text.h"
 #include "tools/footlight/stop_signal.h"
 
 namespace footlight::tools {
@@ -70,11 +72,13 @@ Result<int> blackout(const Options& options) {
     FL_ASSIGN(const fixtures::Rig* rig, client.named_rig());
     if (rig != nullptr) command.levels = fixtures::dark_levels(*rig);
     if (rig != nullptr && command.levels.empty()) {
-      return fail(ErrorCode::kBadInput, "{}: no fixture has an address; without --rig every slot is set to 0",
+      return fail(ErrorCode::kBadInput,
+                  "{}: no fixture and no display has an address; without --rig every slot is set to 0",
                   options.bridge.rig);
     }
   }
-  FL_TRY(client.send(command));
+  // A part adds to the blackout of those before.
+  for (const HandCommand& part : hand_parts(std::move(command))) FL_TRY(client.send(part));
   return kExitOk;
 }
 
@@ -82,8 +86,9 @@ void add(Arguments& arguments) {
   auto options = std::make_shared<Options>();
   arguments.word("WORD", options->word, "on, off or hold [on]");
   arguments.option("--socket", options->bridge.socket, "FILE", "the socket of the bridge, if several run");
-  arguments.option("--rig", options->bridge.rig, "FILE",
-                   "on: only the dimmers and emitters of this rig, so that heads do not turn; default: every slot");
+  arguments.option(
+      "--rig", options->bridge.rig, "FILE",
+      "on: only the dimmers, emitters and pixels of this rig, so that heads do not turn; default: every slot");
   arguments.duration("--within", options->within_ns, "hold: dark this long after the command has died [2s]");
   arguments.job([options]() -> Result<int> { return blackout(*options); });
 }
@@ -95,7 +100,7 @@ extern const CommandInfo blackout_command{
     .help = "Everything dark in the running bridge, above all inputs",
     .examples =
         "  footlight blackout                         every slot of every universe at 0\n"
-        "  footlight blackout on --rig rig.toml       only what makes light: dimmers and emitters\n"
+        "  footlight blackout on --rig rig.toml       only what makes light: dimmers, emitters, pixels\n"
         "  footlight blackout off\n"
         "  footlight blackout hold                    a dead man's switch: dark when this command ends, in any way\n"
         "Blackout stays until 'blackout off', also over a restart of the bridge. Levels that are set meanwhile show "

@@ -65,7 +65,6 @@ struct Options {
 };
 
 constexpr DurationNs kStillExposureNs = 20 * kNsPerMs;
-constexpr std::size_t kStepsHeldMax = 512;  // steps that wait for the GPU between pictures
 
 bool is_video(const std::string& path) { return path.size() > 4 && path.compare(path.size() - 4, 4, ".mp4") == 0; }
 
@@ -211,7 +210,7 @@ class Job {
     const auto step = [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
       if (stop_.came()) return;
       frame_.step(levels, dt_ns, new_exposure);
-      if (frame_.pending_steps() >= kStepsHeldMax && flushed) flushed = frame_.run_steps();
+      if (frame_.steps_are_due() && flushed) flushed = frame_.run_steps();
     };
     ExrHeader exr{exposure_ev_, at_ns, 0, std::max<DurationNs>(options_.every_ns, 0), settings_};
     if (timeline_ != nullptr) {

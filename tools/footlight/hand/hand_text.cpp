@@ -253,6 +253,19 @@ std::string hand_message(const HandCommand& command) {
   return text;
 }
 
+std::vector<HandCommand> hand_parts(HandCommand command) {
+  constexpr std::size_t kPartLevels = kHandMessageBytesMax / 32;  // more bytes than the text of a level has
+  std::vector<HandCommand> parts;
+  const std::vector<HandLevel> levels = std::exchange(command.levels, {});
+  for (std::size_t at = 0; at < levels.size() || parts.empty(); at += kPartLevels) {
+    parts.push_back(command);
+    const auto first = levels.begin() + static_cast<std::ptrdiff_t>(at);
+    const auto count = static_cast<std::ptrdiff_t>(std::min(kPartLevels, levels.size() - at));
+    parts.back().levels.assign(first, first + count);
+  }
+  return parts;
+}
+
 Result<HandCommand> parse_hand_message(std::string_view text) {
   HandCommand command;
   for (int number = 1; number <= 2 || !text.empty(); ++number) {

@@ -50,6 +50,8 @@ inline constexpr int kHandVersion = 1;
 inline constexpr std::size_t kHandMessageBytesMax = 256u << 10;
 inline constexpr std::size_t kHandLevelsMax = 1u << 18;  // of one message: all slots of 512 universes
 [[nodiscard]] std::string hand_message(const HandCommand& command);
+// The same command in parts that are each short enough for a message. For actions that add up, such as a blackout.
+[[nodiscard]] std::vector<HandCommand> hand_parts(HandCommand command);
 // Errors: kBadInput, with the line; kUnsupported: another version.
 [[nodiscard]] Result<HandCommand> parse_hand_message(std::string_view text);
 

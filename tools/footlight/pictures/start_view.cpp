@@ -141,6 +141,9 @@ fixtures::Camera start_view(const fixtures::Rig& rig, double aspect, bool lit) {
   const double width_m = std::max({bounds.high_m.x - bounds.low_m.x, bounds.high_m.y - bounds.low_m.y, 4.0});
   double lowest_m = bounds.high_m.z;
   for (const auto& fixture : rig.fixtures) lowest_m = std::min(lowest_m, fixtures::pose_of(fixture)[3].z);
+  for (const auto& display : rig.displays) {
+    lowest_m = std::min(lowest_m, display.position_m.z - 0.5 * std::hypot(display.width_m, display.height_m));
+  }
   bounds.low_m.z = std::max(bounds.low_m.z, lowest_m - width_m);
   bounds.low_m -= glm::dvec3(kMarginM, kMarginM, 0);
   bounds.high_m += glm::dvec3(kMarginM, kMarginM, 0.5 * kMarginM);

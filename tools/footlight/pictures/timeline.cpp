@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "fixtures/displays/pixel_slots.h"
 #include "sim/core/check.h"
 
 namespace footlight::tools {
@@ -26,6 +27,17 @@ void Timeline::hold(std::span<const std::uint8_t> levels) {
   levels_.assign(levels.begin(), levels.end());
 }
 
+void Timeline::pass_over(std::vector<bool> universes) {
+  FL_CHECK_EQ(universes.size() * kSlotCountMax, levels_.size());
+  // Without a fixture steps cost nothing but their levels, and advance_to_change() needs some.
+  const bool all = std::find(universes.begin(), universes.end(), false) == universes.end();
+  passed_over_ = all ? std::vector<bool>() : std::move(universes);
+}
+
+bool Timeline::makes_step() const {
+  return passed_over_.empty() || !passed_over_[static_cast<std::size_t>(next_.universe)];
+}
+
 Result<DrivenRig> compile_driven(fixtures::Rig& rig, std::optional<LogReader> log) {
   std::optional<fixtures::Rig> vrsl_rig;  // as written
   if (rig.vrsl && log) vrsl_rig = std::exchange(rig, fixtures::vrsl_shown(rig));
@@ -35,6 +47,7 @@ Result<DrivenRig> compile_driven(fixtures::Rig& rig, std::optional<LogReader> lo
   std::optional<fixtures::VrslReplay> vrsl;
   if (vrsl_rig) vrsl.emplace(*vrsl_rig, driven.compiled);
   driven.timeline.emplace(std::move(*log), driven.compiled, std::move(vrsl));
+  driven.timeline->pass_over(fixtures::pixel_universes(rig, driven.compiled));
   return driven;
 }
 
@@ -70,7 +83,7 @@ Status Timeline::advance_to(TimeNs until_ns, bool new_exposure, const Step& step
   while (true) {
     FL_TRY(read_next());
     if (next_.universe < 0 || next_.at_ns > until_ns) break;
-    if (next_.at_ns > now_ns_) {
+    if (makes_step() && next_.at_ns > now_ns_) {
       give(next_.at_ns - now_ns_, new_exposure, step);
       new_exposure = false;
       stepped_ = true;
@@ -90,7 +103,7 @@ Result<bool> Timeline::advance_to_change(TimeNs from_ns, TimeNs until_ns, const 
   while (true) {
     FL_TRY(read_next());
     if (next_.universe < 0 || next_.at_ns > until_ns) return stepped_ && now_ns_ >= from_ns;
-    if (next_.at_ns > now_ns_) {
+    if (makes_step() && next_.at_ns > now_ns_) {
       if (stepped_ && now_ns_ >= from_ns) return true;
       give(next_.at_ns - now_ns_, false, step);
       stepped_ = true;

@@ -1,5 +1,6 @@
 // The levels of a rig over time, split at every moment at which one of them changes. Between two such moments the
-// levels are constant, so every step of the fixtures is exact and pictures do not depend on their rate.
+// levels are constant, so every step of the fixtures is exact and pictures do not depend on their rate. Changes that
+// only pixels of displays read need no step: pass_over().
 #pragma once
 
 #include <cstdint>
@@ -29,6 +30,11 @@ class Timeline {
   Timeline(LogReader reader, const fixtures::CompiledRig& compiled,
            std::optional<fixtures::VrslReplay> vrsl = std::nullopt);
 
+  // Changes of these universes (one entry for each of the rig's) make no step of their own: they are in the levels of
+  // the next one. For those that only pixels of displays read (fixtures/displays/pixel_slots.h): pixels show the newest
+  // levels and have no states, and walls have thousands of universes. Ignored if it is all of them.
+  void pass_over(std::vector<bool> universes);
+
   // levels: universes x 512 bytes in the rig's order, held for dt_ns. new_exposure: a picture's exposure begins.
   using Step = std::function<void(std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure)>;
 
@@ -36,7 +42,7 @@ class Timeline {
   // be before the last call's. After the last change the levels are held.
   Status advance(TimeNs until_ns, DurationNs exposure_ns, const Step& step);
 
-  // Steps to the first change of the levels at or after from_ns, but not beyond until_ns. False: there is none, and it
+  // Steps to the first change, of those that make steps, of the levels at or after from_ns, but not beyond until_ns. False: there is none, and it
   // stands at the last change before. advance() to any later time then makes the same steps as without this call.
   Result<bool> advance_to_change(TimeNs from_ns, TimeNs until_ns, const Step& step);
 
@@ -68,13 +74,15 @@ class Timeline {
   Status advance_to(TimeNs until_ns, bool new_exposure, const Step& step);
   Status read_next();
   void take_next();
+  [[nodiscard]] bool makes_step() const;  // the next change
   void give(DurationNs dt_ns, bool new_exposure, const Step& step);
 
   std::unique_ptr<LogChanges> log_;  // if it reads one
   LevelChanges* changes_ = nullptr;
   std::optional<fixtures::VrslReplay> vrsl_;
   std::vector<std::uint8_t> levels_;
-  LevelChange next_;  // universe -1: none read yet
+  std::vector<bool> passed_over_;  // empty: none
+  LevelChange next_;               // universe -1: none read yet
   TimeNs now_ns_ = 0;
   DurationNs duration_ns_ = 0;
   bool stepped_ = false;

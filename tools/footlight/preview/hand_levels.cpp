@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "fixtures/compile/compile_type.h"
+#include "fixtures/displays/pixel_slots.h"
 #include "fixtures/model/color.h"
 #include "fixtures/model/params.h"
 #include "fixtures/simulate/encode.h"
@@ -272,6 +273,9 @@ void give_hand_addresses(fixtures::Rig& rig) {
     if (!fixture.patched) continue;
     universe = std::max(universe, fixture.universe + 1);
     for (const auto& further : fixture.further_addresses) universe = std::max(universe, further.universe + 1);
+  }
+  for (const fixtures::PixelSlots& pixels : fixtures::pixel_slots(rig)) {
+    universe = std::max(universe, pixels.universe + 1);
   }
   Address next = 1;
   for (fixtures::PatchedFixture& fixture : rig.fixtures) {

@@ -15,7 +15,9 @@ constexpr std::size_t kNoticesMax = 64;
 Result<std::unique_ptr<LiveLevels>> LiveLevels::start(std::span<const Universe> universes,
                                                       std::vector<std::unique_ptr<Source>> sources, Clock& clock) {
   if (universes.empty()) {
-    return fail(ErrorCode::kBadInput, "this rig has no fixture with an address; remove the inputs, or patch a fixture");
+    return fail(ErrorCode::kBadInput,
+                "this rig has no fixture and no display with an address; remove the inputs, patch a fixture, or give a "
+                "display a universe");
   }
   std::unique_ptr<LiveLevels> live(new LiveLevels());
   FL_ASSIGN(live->universes_, Universes::make(universes));

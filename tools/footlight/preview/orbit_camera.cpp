@@ -100,7 +100,16 @@ Bounds bounds_of(const fixtures::Rig& rig) {
     bounds.low_m.z = std::min(bounds.low_m.z, fixture.position_m.z);
     bounds.high_m = glm::max(bounds.high_m, fixture.position_m);
   }
-  if (rig.fixtures.empty()) {
+  for (const fixtures::Display& display : rig.displays) {
+    const glm::dmat4 pose = fixtures::pose_of(display);
+    for (int corner = 0; corner < 4; ++corner) {
+      const double x = (corner & 1) != 0 ? 0.5 : -0.5, z = (corner & 2) != 0 ? 0.5 : -0.5;
+      const glm::dvec3 at = pose * glm::dvec4(x * display.width_m, 0, z * display.height_m, 1);
+      bounds.low_m = glm::min(bounds.low_m, at);
+      bounds.high_m = glm::max(bounds.high_m, at);
+    }
+  }
+  if (rig.fixtures.empty() && rig.displays.empty()) {
     for (const fixtures::StageBox& box : rig.boxes) {
       bounds.low_m = glm::min(bounds.low_m, box.min_m);
       bounds.high_m = glm::max(bounds.high_m, box.max_m);

@@ -36,7 +36,7 @@ class OrbitCamera {
   double elevation_rad_ = 0;
 };
 
-// What key F frames: every fixture and the floor under it; the boxes if there are no fixtures.
+// What key F frames: every fixture and the floor under it, and every display; the boxes if there are neither.
 struct Bounds {
   glm::dvec3 low_m{-1};
   glm::dvec3 high_m{1};

@@ -98,7 +98,7 @@ Status Preview::begin_frame(const PixelRect& where) {
                              until_ns, 0, [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool exposes) {
                                made->log_levels.assign(levels.begin(), levels.end());
                                made->frame->step(levels, dt_ns, exposes);
-                               if (made->frame->pending_steps() >= kStepsHeldMax && flushed) {
+                               if (made->frame->steps_are_due() && flushed) {
                                  flushed = made->frame->run_steps();
                                }
                              }));
@@ -140,6 +140,7 @@ Status Preview::take_scene(const PreviewScene& before) {
       live_->take();
       live_timeline_ = std::make_unique<Timeline>(live_->changes(), framed_->compiled, vrsl_replay(*framed_),
                                                   live_timeline_->now_ns());
+      live_timeline_->pass_over(fixtures::pixel_universes(framed_->rig, framed_->compiled));
       live_timeline_->hold(live_->levels());
     } else {  // inputs are opened for their universes; senders repeat their levels within seconds
       live_timeline_.reset();

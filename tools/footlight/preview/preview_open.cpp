@@ -186,11 +186,13 @@ Status Preview::open_levels() {
     FL_ASSIGN(live_, LiveLevels::start(framed_->compiled.universes, std::move(sources), clock_));
     live_timeline_ =
         std::make_unique<Timeline>(live_->changes(), framed_->compiled, vrsl_replay(*framed_), clock_.now_ns());
+    live_timeline_->pass_over(fixtures::pixel_universes(framed_->rig, framed_->compiled));
     return {};
   }
   FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
   if (log) {
     timeline_ = std::make_unique<Timeline>(std::move(*log), framed_->compiled, vrsl_replay(*framed_));
+    timeline_->pass_over(fixtures::pixel_universes(framed_->rig, framed_->compiled));
     facts_.has_log = true;
     controls_.transport.duration_ns = timeline_->duration_ns();
     FL_TRY(make_index());

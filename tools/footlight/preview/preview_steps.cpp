@@ -26,7 +26,9 @@ std::optional<fixtures::VrslReplay> Preview::vrsl_replay(const PreviewScene& sce
 Result<std::unique_ptr<Timeline>> Preview::read_log(const PreviewScene& scene) const {
   FL_ASSIGN(std::optional<LogReader> log, open_scene_log(options_.files));
   if (!log) return fail(ErrorCode::kIo, "{}: the log can no longer be read", options_.files.log);
-  return std::make_unique<Timeline>(std::move(*log), scene.compiled, vrsl_replay(scene));
+  auto timeline = std::make_unique<Timeline>(std::move(*log), scene.compiled, vrsl_replay(scene));
+  timeline->pass_over(fixtures::pixel_universes(scene.rig, scene.compiled));
+  return timeline;
 }
 
 // A second reading of the log, which runs ahead between pictures.
@@ -94,7 +96,7 @@ Status Preview::advance(Timeline& timeline, TimeNs until_ns, DurationNs exposure
                           [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool new_exposure) {
                             if (timeline_) log_levels_.assign(levels.begin(), levels.end());
                             give(levels, dt_ns, new_exposure);
-                            if (frame_->pending_steps() >= kStepsHeldMax && flushed) flushed = frame_->run_steps();
+                            if (frame_->steps_are_due() && flushed) flushed = frame_->run_steps();
                           }));
   return flushed;
 }

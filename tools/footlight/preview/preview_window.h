@@ -14,6 +14,7 @@
 
 #include <glm/glm.hpp>
 
+#include "fixtures/displays/pixel_slots.h"
 #include "render/frame.h"
 #include "render/live_error.h"
 #include "render/quality.h"
@@ -38,8 +39,6 @@
 #include "tools/footlight/stop_signal.h"
 
 namespace footlight::tools {
-
-inline constexpr std::size_t kStepsHeldMax = 512;  // steps that wait for the GPU
 
 class Preview {
  public:
@@ -182,10 +181,10 @@ class Preview {
   std::vector<std::uint8_t> log_levels_;  // that the log gave last
   std::vector<std::uint8_t> overlaid_;    // levels with what was taken over
   std::vector<std::uint8_t> panel_levels_;
-  bool moves_in_pause_ = false;  // something was taken over since the log was paused
+  bool moves_in_pause_ = false;             // something was taken over since the log was paused
   std::array<bool, 3> pressed_on_stage_{};  // buttons of the mouse
   bool selects_more_ = false;               // Ctrl or Shift was held at the last press
-  bool shot_asked_ = false;  // the next picture is kept
+  bool shot_asked_ = false;                 // the next picture is kept
   bool shot_taken_ = false;
   std::string news_;
   TimeNs news_until_ns_ = 0;

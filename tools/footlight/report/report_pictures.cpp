@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "fixtures/displays/pixel_slots.h"
 #include "fixtures/simulate/machines.h"
 #include "render/frame.h"
 #include "render/reference/report.h"
@@ -129,6 +130,7 @@ Result<Scene> scene_of_files(const SceneFiles& files, const PictureArguments& ar
   if (auto machines = fixtures::MachineAir::make(scene.rig, scene.compiled)) watch.emplace(std::move(machines));
   if (log) {
     Timeline timeline(std::move(*log), scene.compiled);
+    timeline.pass_over(fixtures::pixel_universes(scene.rig, scene.compiled));
     FL_TRY(timeline.advance(at_ns, 0, [&](std::span<const std::uint8_t> levels, std::int64_t dt_ns, bool) {
       scene.levels.assign(levels.begin(), levels.end());
       if (watch) watch->step(levels, dt_ns);
@@ -222,9 +224,10 @@ std::string bodies_text(const PictureReport& report, double body_error_px) {
 // What hides light in the whole frame.
 std::string shadows_text(const PictureReport& report) {
   if (report.shadows == 0) return "";
-  return fmt::format("Shadows: {} pairs of a beam and what stands in it, {:.1f} a lit beam; {} are missing for want of "
-                     "room.\n\n",
-                     report.shadows, static_cast<double>(report.shadows) / report.live_beams, report.shadows_lost);
+  return fmt::format(
+      "Shadows: {} pairs of a beam and what stands in it, {:.1f} a lit beam; {} are missing for want of "
+      "room.\n\n",
+      report.shadows, static_cast<double>(report.shadows) / report.live_beams, report.shadows_lost);
 }
 std::string shadows_json(const PictureReport& report) {
   return fmt::format(R"({{"event":"shadows","pairs":{},"beams":{},"missing":{}}})"

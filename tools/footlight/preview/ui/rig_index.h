@@ -38,7 +38,7 @@ class RigIndex {
   // Both outlive this.
   RigIndex(const fixtures::Rig& rig, const fixtures::CompiledRig& compiled);
 
-  // All uses of a slot, in patch order; empty: no fixture listens to it. `universe` counts in CompiledRig::universes.
+  // All uses of a slot, in patch order; empty: no fixture uses it. `universe` counts in CompiledRig::universes.
   [[nodiscard]] std::span<const SlotUse> uses(std::size_t universe, std::size_t slot) const;
   // Nothing if the channel is virtual, or its fixture or break has no address.
   [[nodiscard]] std::optional<ChannelPlace> place(ChannelKey key) const;

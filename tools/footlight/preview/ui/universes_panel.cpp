@@ -5,11 +5,13 @@
 #include <cstdio>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include <imgui/imgui.h>
 
+#include "fixtures/displays/pixel_slots.h"
 #include "tools/footlight/monitor/slot_changes.h"
 #include "tools/footlight/preview/ui/channel_reading.h"
 #include "tools/footlight/preview/ui/panels.h"
@@ -174,10 +176,13 @@ class UniversesPanel final : public Panel {
     static const ImVec4 kBar{0.20f, 0.36f, 0.56f, 1};
     static const ImVec4 kHot{0.90f, 0.56f, 0.16f, 1};
     const auto uses = desk.index().uses(shown_, slot);
+    const auto pixels = pixels_of(desk, slot);
     const std::uint8_t level = changes_.levels[slot];
     const float heat = changes_.heat(slot, now_ns_);
     const ImVec2 high{low.x + size.x - 1, low.y + size.y - 1};
-    const ImVec4& ground = uses.empty() ? kUnused : uses.front().key.fixture % 2 == 0 ? kEven : kOdd;
+    const bool used = !uses.empty() || !pixels.empty();
+    const int user = !uses.empty() ? uses.front().key.fixture : used ? pixels.front().column : 0;
+    const ImVec4& ground = !used ? kUnused : user % 2 == 0 ? kEven : kOdd;
     draw.AddRectFilled(low, high, ImGui::GetColorU32(ground));
     if (level > 0) {
       const float top = high.y - (high.y - low.y) * static_cast<float>(level) / 255;
@@ -196,11 +201,15 @@ class UniversesPanel final : public Panel {
       if (taken) draw.AddRectFilled({high.x - 4, low.y}, {high.x, low.y + 4}, ImGui::GetColorU32(kUiGreen));
       if (shared) draw.AddRectFilled({low.x, high.y - 2}, high, ImGui::GetColorU32(kUiRed));
     }
-    if (text_size > 0 && (level > 0 || !uses.empty())) {
+    if (text_size > 0 && (level > 0 || used)) {
       const float lift = (size.y - 1 - text_size) / 2;
       draw.AddText(ImGui::GetFont(), text_size, {low.x + 2, low.y + lift},
                    ImGui::GetColorU32(level > 0 ? ImGuiCol_Text : ImGuiCol_TextDisabled), level_words()[level].data());
     }
+  }
+
+  [[nodiscard]] std::vector<fixtures::PixelUse> pixels_of(const UiDesk& desk, std::size_t slot) const {
+    return fixtures::pixel_uses(desk.rig(), desk.compiled().universes[shown_], static_cast<int>(slot));
   }
 
   // What the slot is for.
@@ -212,7 +221,7 @@ class UniversesPanel final : public Panel {
       words += fmt::format("  changed {:.1f} s ago", static_cast<double>(now_ns_ - changes_.changed_ns[slot]) * 1e-9);
     }
     ui_text(words);
-    std::string meaning = uses.empty() ? "no fixture listens to this slot" : "";
+    std::string meaning;
     for (const SlotUse& use : uses) {
       const fixtures::Channel& channel = desk.index().channel(use.key);
       const fixtures::PatchedFixture& fixture = desk.rig().fixtures[static_cast<std::size_t>(use.key.fixture)];
@@ -221,7 +230,11 @@ class UniversesPanel final : public Panel {
         meaning += fmt::format(", byte {} of {}", use.byte + 1, channel.slot_offsets.size());
       }
     }
-    ui_text(uses.empty() ? kUiDim : kUiAmber, meaning);
+    for (const fixtures::PixelUse& pixel : pixels_of(desk, slot)) {
+      meaning += fmt::format("{}{}", meaning.empty() ? "" : " | ", fixtures::text_of(pixel, desk.rig()));
+    }
+    const bool used = !meaning.empty();
+    ui_text(used ? kUiAmber : kUiDim, used ? meaning : "no fixture and no display uses this slot");
   }
 
   std::size_t shown_ = 0;  // which universe of the rig
