@@ -3,6 +3,7 @@
 #include <optional>
 #include <utility>
 
+#include "fixtures/glass/pane.h"
 #include "render/passes/compute_pass.h"
 #include "shaders/hazeshafts.comp.h"
 #include "shaders/shaftmasks.comp.h"
@@ -10,6 +11,8 @@
 
 namespace footlight::render {
 namespace {
+
+static_assert(FL_PANES_MAX == fixtures::kPanesMax);
 
 class ShaftsPass final : public Pass {
  public:

@@ -26,8 +26,18 @@ layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance
 const float kPi = 3.141592653589793;
 const float kTileError = 1e-3;
 
+// What one of the lanes of a place computes: every stride_of-th display from first on, and of each every parts-th place
+// on the ray from number `part` on.
+struct Lane {
+  uint first;
+  uint stride_of;
+  uint part;
+  uint parts;
+};
+const Lane kAlone = Lane(0u, 1u, 0u, 1u);
+
 // Light of displays without their pixels: in the air over sigma_s, and on the surface, lx.
-void light_at(ivec2 pixel, out vec3 air, out vec3 lx) {
+void light_at(ivec2 pixel, Lane lane, out vec3 air, out vec3 lx) {
   vec3 ray = normalize(ray_through(vec2(pixel) + 0.5));
   Surface surface = surface_at(pixel, ray);
 #ifdef FL_USE_HAZE
@@ -35,17 +45,17 @@ void light_at(ivec2 pixel, out vec3 air, out vec3 lx) {
 #endif
   air = vec3(0.0);
   lx = vec3(0.0);
-  for (uint i = 0u; i < uint(displays.length()); ++i) {
+  for (uint i = lane.first; i < uint(displays.length()); i += lane.stride_of) {
     DisplayRow row = displays[i];
     vec3 mean = row.light.rgb * read_cell(row, row.levels - 1u, uvec2(0u)).mean;
     if (!(mean.r + mean.g + mean.b > 0.0)) continue;
     vec3 eye = in_display(row, params.position.xyz - row.center.xyz);
     vec3 way = in_display(row, ray);
     vec3 place = eye + way * surface.t_m;
-    if (surface.kind != kNothing && place.z > 0.0) {
+    if (lane.part == 0u && surface.kind != kNothing && place.z > 0.0) {
       lx += row.light.rgb * light_of_cells(row, place, in_display(row, surface.normal), false, extinction());
     }
-    if (kAir) air += row.light.rgb * air_of_display(row, eye, way, surface.t_m, extinction());
+    if (kAir) air += row.light.rgb * air_of_display(row, eye, way, surface.t_m, extinction(), lane.part, lane.parts);
   }
 }
 
@@ -59,6 +69,15 @@ const uint kNodes = 16u;
 const uint kChecks = 8u;
 const uvec2 kCheckPx[8] = uvec2[8](uvec2(2, 7), uvec2(7, 2), uvec2(7, 12), uvec2(12, 7), uvec2(2, 2), uvec2(13, 13),
                                    uvec2(13, 2), uvec2(2, 13));
+// The places of a tile are shared out among its threads, kLanes to a place; their sums are added in their order.
+const uint kPlaces = kNodes + kChecks;
+const uint kLanes = uint(FL_TILE_PX * FL_TILE_PX) / kPlaces;
+Lane lane_of(uint number) {
+  uint parts = max(kLanes / uint(displays.length()), 1u);
+  return Lane(number / parts, max(kLanes / parts, 1u), number % parts, parts);
+}
+shared vec3 lane_air[kPlaces * kLanes];
+shared vec3 lane_lx[kPlaces * kLanes];
 shared vec3 node_air[kNodes];
 shared vec3 node_lx[kNodes];
 shared vec4 plane;  // that the first pixel shows
@@ -100,18 +119,36 @@ void main() {
   barrier();
   vec3 air = vec3(0.0);
   vec3 lx = vec3(0.0);
+  // First the places, then, where these do not do, each pixel. One call in a loop, since it is long code.
   for (uint stage = 0u; stage < 2u; ++stage) {
     bool each = uneven != 0u;
-    uvec2 node = thread < kNodes ? 5u * uvec2(thread & 3u, thread >> 2) : kCheckPx[(thread - kNodes) & 7u];
-    bool works = stage == 0u ? !each && thread < kNodes + kChecks : each && is_drawn;
-    if (works) light_at(stage == 0u ? low + ivec2(node) : pixel, air, lx);
+    uint place = thread / kLanes;
+    Lane lane = stage == 0u ? lane_of(thread % kLanes) : kAlone;
+    uvec2 node = place < kNodes ? 5u * uvec2(place & 3u, place >> 2) : kCheckPx[(place - kNodes) & 7u];
+    bool works = stage == 0u ? !each && place < kPlaces : each && is_drawn;
+    if (works) light_at(stage == 0u ? low + ivec2(node) : pixel, lane, air, lx);
     if (stage == 0u) {
-      if (works && thread < kNodes) {
+      if (works) {
+        lane_air[thread] = air;
+        lane_lx[thread] = lx;
+      }
+      barrier();
+      bool sums = !each && thread < kPlaces;
+      node = thread < kNodes ? 5u * uvec2(thread & 3u, thread >> 2) : kCheckPx[(thread - kNodes) & 7u];
+      if (sums) {
+        air = vec3(0.0);
+        lx = vec3(0.0);
+        for (uint i = 0u; i < kLanes; ++i) {
+          air += lane_air[thread * kLanes + i];
+          lx += lane_lx[thread * kLanes + i];
+        }
+      }
+      if (sums && thread < kNodes) {
         node_air[thread] = air;
         node_lx[thread] = lx;
       }
       barrier();
-      bool checks = works && thread >= kNodes;
+      bool checks = sums && thread >= kNodes;
       if (checks && (is_off(node_mean(node, true), air) || is_off(node_mean(node, false), lx))) atomicOr(uneven, 2u);
       barrier();
     }

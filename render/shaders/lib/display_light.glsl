@@ -152,8 +152,9 @@ float haze_of_piece(float t_m, float from_m, float to_m, float up) {
 }
 #endif
 
-// Light in the air along a ray up to end_m, over sigma_s. eye: the camera.
-vec3 air_of_display(DisplayRow row, vec3 eye, vec3 ray, float end_m, float per_m) {
+// Light in the air along a ray up to end_m, over sigma_s. eye: the camera. With parts > 1 that of every parts-th place
+// on the ray from number `part` on; the sum over the parts is the light.
+vec3 air_of_display(DisplayRow row, vec3 eye, vec3 ray, float end_m, float per_m, uint part, uint parts) {
   float begin_m = 0.0;
   if (ray.z > 0.0) begin_m = max(-eye.z / ray.z, 0.0);
   if (ray.z < 0.0) end_m = min(end_m, eye.z / -ray.z);
@@ -176,7 +177,7 @@ vec3 air_of_display(DisplayRow row, vec3 eye, vec3 ray, float end_m, float per_m
   float up = row.right.z * ray.x + row.down.z * ray.y + row.front.z * ray.z;
 #endif
   vec3 sum = vec3(0.0);
-  for (uint i = 0u; i < 4u * pieces; ++i) {
+  for (uint i = part; i < 4u * pieces; i += parts) {
     float node = kGaussNode[6u + (i & 3u)];
     float weight = kGaussWeight[6u + (i & 3u)];
     float w = first + piece * (float(i >> 2) + node);
@@ -192,7 +193,7 @@ vec3 air_of_display(DisplayRow row, vec3 eye, vec3 ray, float end_m, float per_m
 #endif
     sum += light;
   }
-  if (far_m < last_m) {
+  if (part == 0u && far_m < last_m) {
     // The light falls by this power of the distance, and one more: by its square, the loss, and what haze thins.
     float away_m = far_m - middle_m;
     float power = 1.0 + 2.0 * per_m * away_m;

@@ -99,7 +99,39 @@ vec3 light_of_glass(PaneRow row, View view, vec3 eye, vec3 way, float end_m) {
   return row.glass.rgb * pane_mean(row, at, texels) * lost;
 }
 
+// The panes whose shafts the rays of the tile's pixels may meet, a bit each.
+const uint kPaneWords = uint(FL_PANES_MAX) / 32u;
+shared uint tile_panes[kPaneWords];
+
+// False only where no ray of the tile meets the pane or what lies behind it: all of its corners are beyond one side of
+// the tile's pyramid.
+bool pane_meets_tile(PaneRow row) {
+  vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
+  vec2 high = low + float(FL_TILE_PX);
+  vec3 corner[4] = vec3[4](ray_through(low), ray_through(vec2(high.x, low.y)), ray_through(high),
+                           ray_through(vec2(low.x, high.y)));
+  vec3 middle = ray_through(0.5 * (low + high));
+  mat3 axes = inverse(transpose(mat3(row.across.xyz, row.upward.xyz, row.along.xyz)));  // of u, v and c, m
+  vec3 center = row.center.xyz - params.position.xyz;
+  bool meets = true;
+  for (int side = 0; side < 4; ++side) {
+    vec3 normal = normalize(cross(corner[side], corner[(side + 1) & 3]));
+    if (dot(normal, middle) < 0.0) normal = -normal;
+    vec3 reach = vec3(dot(normal, axes[0]), dot(normal, axes[1]), dot(normal, axes[2]) * params.up.w);
+    float most = dot(normal, center) + abs(reach.x) + abs(reach.y) + max(reach.z, 0.0);
+    float slack = 1e-5 * (length(center) + length(axes[0]) + length(axes[1]) + params.up.w * length(axes[2]));
+    meets = meets && !(most < -slack);  // where the sun is in the plane of the pane, nothing is a number
+  }
+  return meets;
+}
+
 void main() {
+  if (gl_LocalInvocationIndex < kPaneWords) tile_panes[gl_LocalInvocationIndex] = 0u;
+  barrier();
+  for (uint pane = gl_LocalInvocationIndex; pane < uint(panes.length()); pane += uint(FL_TILE_PX * FL_TILE_PX)) {
+    if (pane_meets_tile(panes[pane])) atomicOr(tile_panes[pane / 32u], 1u << (pane % 32u));
+  }
+  barrier();
   uvec2 pixel = gl_GlobalInvocationID.xy;
   if (pixel.x >= params.width || pixel.y >= params.height) return;
   vec3 through = ray_through(vec2(pixel) + 0.5);
@@ -117,17 +149,20 @@ void main() {
   vec3 air = vec3(0.0);
   vec3 lx = vec3(0.0);
   vec3 glass = vec3(0.0);
-  for (uint pane = 0u; pane < uint(panes.length()); ++pane) {
-    PaneRow row = panes[pane];
-    vec3 from = params.position.xyz - row.center.xyz;
-    vec3 eye = glass_of(row, from);
-    vec3 way = glass_of(row, view.ray);
-    // Nothing of the shaft is farther away.
-    float end_m = min(surface.t_m, length(from) + row.center.w + params.up.w);
-    bool shines = row.light.r + row.light.g + row.light.b > 0.0;
-    if (kAir && shines) air += light_in_air(pane, row, view, eye, way, end_m);
-    if (shines && surface.kind != kNothing) lx += light_on(pane, row, view, eye + way * surface.t_m, surface);
-    if (kView == uint(FL_VIEW_PICTURE)) glass += light_of_glass(row, view, eye, way, surface.t_m);
+  for (uint word = 0u; word < kPaneWords; ++word) {
+    for (uint bits = tile_panes[word]; bits != 0u; bits &= bits - 1u) {
+      uint pane = 32u * word + uint(findLSB(bits));
+      PaneRow row = panes[pane];
+      vec3 from = params.position.xyz - row.center.xyz;
+      vec3 eye = glass_of(row, from);
+      vec3 way = glass_of(row, view.ray);
+      // Nothing of the shaft is farther away.
+      float end_m = min(surface.t_m, length(from) + row.center.w + params.up.w);
+      bool shines = row.light.r + row.light.g + row.light.b > 0.0;
+      if (kAir && shines) air += light_in_air(pane, row, view, eye, way, end_m);
+      if (shines && surface.kind != kNothing) lx += light_on(pane, row, view, eye + way * surface.t_m, surface);
+      if (kView == uint(FL_VIEW_PICTURE)) glass += light_of_glass(row, view, eye, way, surface.t_m);
+    }
   }
   vec3 sum = lx;
   if (kView == uint(FL_VIEW_PICTURE)) {

@@ -220,6 +220,7 @@
 #define FL_GLARE_WEIGHTS 25  // 1 + levels that have a weight; the first row of the image has them, behind what stays
 #define FL_GROUP_LASERS 64  // rows a workgroup
 #define FL_GROUP_SHAFTS 64  // words of occluders a workgroup
+#define FL_PANES_MAX 256  // of a rig; a multiple of 32
 #define FL_SPLAT_PX 32  // a workgroup that adds the splats of lenses has so many pixels a side
 // The meter of the automatic exposure counts pixels by their luminance: FL_METER_STEPS bins an octave, from
 // 2^FL_METER_LOW cd/m^2.
