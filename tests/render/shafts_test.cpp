@@ -268,6 +268,20 @@ TEST_CASE("the steps of a pixel are the cells that its ray goes through, without
   }
 }
 
+TEST_CASE("panes out of sight change no bit of the picture, and the last of many is drawn") {
+  HeadlessVulkan vulkan;
+  const auto pane = [](double x, double y, const std::string& color) {
+    return "[[pane]]\nposition = [" + std::to_string(x) + ", " + std::to_string(y) +
+           ", 2.5]\nwidth_m = 0.8\nheight_m = 2\ncolor = " + color + "\n";
+  };
+  std::string unseen;  // behind the camera, with their shafts
+  for (int i = 0; i < 69; ++i) unseen += pane(i - 35, -40, "[1, 1, 1]");
+  const std::string last = pane(2.5, 4, "[0.2, 0.9, 0.4]");
+  const RadianceImage both = drawn(vulkan.device(), pane_scene(last + kFloor));
+  CHECK(drawn(vulkan.device(), pane_scene(unseen + last + kFloor)).rgb == both.rgb);
+  CHECK(drawn(vulkan.device(), pane_scene(kFloor)).rgb != both.rgb);
+}
+
 TEST_CASE("a pane draws the same picture to the bit each time") {
   HeadlessVulkan vulkan;
   Scene scene = pane_scene(kFloor + kThings);

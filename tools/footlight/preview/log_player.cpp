@@ -8,8 +8,8 @@
 namespace footlight::tools {
 namespace {
 
-constexpr DurationNs kLeapNs = kNsPerS;     // a moment this far ahead is taken instead of the steps to it
-constexpr DurationNs kKeptNs = kNsPerS;     // a seek keeps a moment that is at most this much before its picture
+constexpr DurationNs kLeapNs = kNsPerS;  // a moment this far ahead is taken instead of the steps to it
+constexpr DurationNs kKeptNs = kNsPerS;  // a seek keeps a moment that is at most this much before its picture
 
 // `step`, and the frame's steps are carried out before too many wait. `flushed`: how that went.
 Timeline::Step flushing(const Timeline::Step& step, render::Frame& frame, Status& flushed) {
