@@ -254,7 +254,7 @@ std::string hand_message(const HandCommand& command) {
 }
 
 std::vector<HandCommand> hand_parts(HandCommand command) {
-  constexpr std::size_t kPartLevels = kHandMessageBytesMax / 32;  // more bytes than the text of a level has
+  constexpr std::size_t kPartLevels = kHandMessageBytesMax / 48;  // more bytes than the line of a level has
   std::vector<HandCommand> parts;
   const std::vector<HandLevel> levels = std::exchange(command.levels, {});
   for (std::size_t at = 0; at < levels.size() || parts.empty(); at += kPartLevels) {
