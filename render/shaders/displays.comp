@@ -69,6 +69,10 @@ const uint kNodes = 16u;
 const uint kChecks = 8u;
 const uvec2 kCheckPx[8] = uvec2[8](uvec2(2, 7), uvec2(7, 2), uvec2(7, 12), uvec2(12, 7), uvec2(2, 2), uvec2(13, 13),
                                    uvec2(13, 2), uvec2(2, 13));
+// Where a place of a tile is, in pixels: the nodes, then the checks.
+uvec2 place_px(uint place) {
+  return place < kNodes ? 5u * uvec2(place & 3u, place >> 2) : kCheckPx[(place - kNodes) & 7u];
+}
 // The places of a tile are shared out among its threads, kLanes to a place; their sums are added in their order.
 const uint kPlaces = kNodes + kChecks;
 const uint kLanes = uint(FL_TILE_PX * FL_TILE_PX) / kPlaces;
@@ -124,9 +128,8 @@ void main() {
     bool each = uneven != 0u;
     uint place = thread / kLanes;
     Lane lane = stage == 0u ? lane_of(thread % kLanes) : kAlone;
-    uvec2 node = place < kNodes ? 5u * uvec2(place & 3u, place >> 2) : kCheckPx[(place - kNodes) & 7u];
     bool works = stage == 0u ? !each && place < kPlaces : each && is_drawn;
-    if (works) light_at(stage == 0u ? low + ivec2(node) : pixel, lane, air, lx);
+    if (works) light_at(stage == 0u ? low + ivec2(place_px(place)) : pixel, lane, air, lx);
     if (stage == 0u) {
       if (works) {
         lane_air[thread] = air;
@@ -134,7 +137,6 @@ void main() {
       }
       barrier();
       bool sums = !each && thread < kPlaces;
-      node = thread < kNodes ? 5u * uvec2(thread & 3u, thread >> 2) : kCheckPx[(thread - kNodes) & 7u];
       if (sums) {
         air = vec3(0.0);
         lx = vec3(0.0);
@@ -149,7 +151,8 @@ void main() {
       }
       barrier();
       bool checks = sums && thread >= kNodes;
-      if (checks && (is_off(node_mean(node, true), air) || is_off(node_mean(node, false), lx))) atomicOr(uneven, 2u);
+      uvec2 px = place_px(thread);
+      if (checks && (is_off(node_mean(px, true), air) || is_off(node_mean(px, false), lx))) atomicOr(uneven, 2u);
       barrier();
     }
   }
