@@ -7,6 +7,7 @@
 
 #include <fmt/chrono.h>
 
+#include "fixtures/displays/pixel_slots.h"
 #include "sim/core/counted.h"
 #include "sim/core/no_signals.h"
 #include "tools/footlight/paths.h"

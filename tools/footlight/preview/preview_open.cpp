@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "fixtures/displays/pixel_slots.h"
 #include "sim/core/no_signals.h"
 #include "tools/footlight/command.h"
 #include "tools/footlight/paths.h"

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "fixtures/displays/pixel_slots.h"
 #include "tools/footlight/preview/preview_window.h"
 
 namespace footlight::tools {

@@ -14,7 +14,6 @@
 
 #include <glm/glm.hpp>
 
-#include "fixtures/displays/pixel_slots.h"
 #include "render/frame.h"
 #include "render/live_error.h"
 #include "render/quality.h"
