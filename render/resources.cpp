@@ -210,14 +210,18 @@ std::uint64_t shadow_word_bytes(const FrameSettings& settings, std::uint32_t mas
 }
 // The words of all supertiles together, and the number of those in use.
 std::uint64_t shadow_pick_bytes(const FrameSettings& settings, std::uint32_t mask_words, bool used) {
-  if (!used) return 8;
+  if (!used) return 12;
   const std::uint64_t words = std::max<std::uint64_t>(std::uint64_t{mask_words} * 32 * FL_PICKS_A_BEAM, FL_PICKS_MIN);
-  return std::min<std::uint64_t>(4 + supertile_count(settings) * words * 4, FL_SHADOW_BYTES_MAX);
+  return std::min<std::uint64_t>(8 + supertile_count(settings) * words * 4, FL_PICKS_BYTES_MAX);
 }
 
 std::uint64_t fine_mask_bytes(const FrameSettings& settings, std::uint32_t mask_words, bool used) {
   if (!used) return 4;
   return std::uint64_t{4} * cells(settings.width, FL_FINE_PX) * cells(settings.height, FL_FINE_PX) * mask_words;
+}
+
+std::uint64_t shade_word_bytes(const FrameSettings& settings, std::uint32_t mask_words, bool used) {
+  return used ? fine_mask_bytes(settings, mask_words, true) / 4 * sizeof(ShadowWordRow) : sizeof(ShadowWordRow);
 }
 
 std::uint64_t small_body_bytes(const fixtures::Needs& needs, const FrameSettings& settings) {
@@ -394,8 +398,8 @@ std::uint64_t binding_bytes(std::uint32_t binding, const MemoryShape& shape) {
       return shadow_pick_bytes(settings, mask_words_of(shape.compiled), has_shadows_in_air(shape.needs, settings));
     case FL_BINDING_FINE_MASKS:
       return fine_mask_bytes(settings, mask_words_of(shape.compiled), has_tile_classes(shape.needs, settings));
-    case FL_BINDING_SHADE_MASKS:
-      return fine_mask_bytes(settings, mask_words_of(shape.compiled),
+    case FL_BINDING_SHADE_WORDS:
+      return shade_word_bytes(settings, mask_words_of(shape.compiled),
                              has_tile_classes(shape.needs, settings) && has_shadows(shape.needs, settings));
     case FL_BINDING_COARSE: return coarse_bytes(settings, has_tile_classes(shape.needs, settings));
     case FL_BINDING_RIMS:
@@ -539,8 +543,10 @@ Result<PictureImages> PictureImages::create(vk::Device& device, const fixtures::
   }
   const bool shadows = has_shadows_in_air(needs, settings);
   FL_ASSIGN(p.shadow_words, zeroed(device, shadow_word_bytes(settings, mask_words, shadows)));
-  FL_ASSIGN(p.shadow_picks, zeroed(device, shadow_pick_bytes(settings, mask_words, shadows)));
-  FL_ASSIGN(p.shade_masks, zeroed(device, shadows && classes ? fine_bytes : 4));
+  // With less room no list may be read, which is slow; nothing is lost.
+  FL_ASSIGN(p.shadow_picks, zeroed(device, std::min<std::uint64_t>(shadow_pick_bytes(settings, mask_words, shadows),
+                                                                   device.limits().maxStorageBufferRange)));
+  FL_ASSIGN(p.shade_words, zeroed(device, shade_word_bytes(settings, mask_words, shadows && classes)));
   FL_ASSIGN(p.fine_masks, zeroed(device, fine_bytes));
   FL_ASSIGN(p.coarse, zeroed(device, coarse_bytes(settings, classes)));
   p.rims_max = record_rows(kRims, settings, mask_words, classes);
@@ -598,7 +604,7 @@ void Resources::bind_all() {
   bind(FL_BINDING_CUTS, picture.cuts);
   bind(FL_BINDING_SHADOW_WORDS, picture.shadow_words);
   bind(FL_BINDING_SHADOW_PICKS, picture.shadow_picks);
-  bind(FL_BINDING_SHADE_MASKS, picture.shade_masks);
+  bind(FL_BINDING_SHADE_WORDS, picture.shade_words);
   bind(FL_BINDING_FINE_MASKS, picture.fine_masks);
   bind(FL_BINDING_SMALL_DEPTHS, picture.small_depths);
   bind(FL_BINDING_SMALL_KEYS, picture.small_keys);

@@ -152,7 +152,7 @@ struct PictureImages {
   vk::Buffer rims, cuts;                // RimRow and CutRow, rims_max and cuts_max a supertile; likewise
   vk::Buffer shadow_words;              // ShadowWordRow, one a word of the masks
   vk::Buffer shadow_picks;              // lists of shadows by supertile (lib/shadow_picks.glsl)
-  vk::Buffer shade_masks;               // as fine_masks
+  vk::Buffer shade_words;               // ShadowWordRow, one a word of fine_masks
   vk::Buffer fine_masks;                // masks of FL_FINE_PX x FL_FINE_PX pixels; likewise
   vk::Buffer small_depths, small_keys;  // of small bodies, one word a pixel; likewise
   vk::Buffer edge_masks;                // FL_EDGE_WORDS a tile; likewise

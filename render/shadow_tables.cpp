@@ -53,11 +53,11 @@ std::size_t planned_occluders(const MemoryShape& shape) {
   return all_occluders(shape, parts).size();
 }
 
-// Every beam may have a shadow of everything, up to the bytes that every device allows.
+// Every beam may have a shadow of everything, up to what the entries of lists can number.
 std::uint64_t shadow_bytes_of(const MemoryShape& shape, std::size_t occluders) {
   if (!has_shadows(shape.needs, shape.settings)) return sizeof(ShadowRow);
   const std::uint64_t pairs = shape.compiled.beams_max * std::uint64_t{occluders};
-  return std::clamp<std::uint64_t>(pairs, 1, FL_SHADOW_BYTES_MAX / sizeof(ShadowRow)) * sizeof(ShadowRow);
+  return std::clamp<std::uint64_t>(pairs, 1, FL_SHADOW_ROWS_MAX) * sizeof(ShadowRow);
 }
 
 }  // namespace
@@ -77,8 +77,10 @@ Status make_shadow_tables(vk::Device& device, const MemoryShape& shape,
   FL_ASSIGN(r.occluders, vk::Buffer::table(device, rows));
   FL_ASSIGN(r.shadow_lists,
             vk::Buffer::device_local(device, shadow_list_bytes(shape), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
-  FL_ASSIGN(r.shadows,
-            vk::Buffer::device_local(device, shadow_bytes_of(shape, rows.size()), VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
+  const std::uint64_t range = device.limits().maxStorageBufferRange;
+  const std::uint64_t bytes =
+      std::min(shadow_bytes_of(shape, rows.size()), range / sizeof(ShadowRow) * sizeof(ShadowRow));
+  FL_ASSIGN(r.shadows, vk::Buffer::device_local(device, bytes, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT));
   return device.run_once([&](VkCommandBuffer commands) {
     vkCmdFillBuffer(commands, r.shadow_lists.handle, 0, VK_WHOLE_SIZE, 0);
     vkCmdFillBuffer(commands, r.shadows.handle, 0, VK_WHOLE_SIZE, 0);

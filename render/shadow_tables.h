@@ -10,8 +10,8 @@
 namespace footlight::render {
 
 // Bytes of the OccluderRow, ShadowListRow and ShadowRow tables; of one row where nothing hides light. Every beam may
-// have a shadow of everything, up to FL_SHADOW_BYTES_MAX. Each part of an object counts as one row: how many it has is
-// known when its file is read.
+// have a shadow of everything, up to FL_SHADOW_ROWS_MAX; a device that allows less for a table gets less. Each part of
+// an object counts as one row: how many it has is known when its file is read.
 [[nodiscard]] std::uint64_t occluder_bytes(const MemoryShape& shape);
 [[nodiscard]] std::uint64_t shadow_list_bytes(const MemoryShape& shape);
 [[nodiscard]] std::uint64_t shadow_bytes(const MemoryShape& shape);

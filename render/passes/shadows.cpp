@@ -7,6 +7,7 @@
 #include "render/passes/compute_pass.h"
 #include "shaders/occluders.comp.h"
 #include "shaders/places.comp.h"
+#include "shaders/prune.comp.h"
 #include "shaders/shadows.comp.h"
 
 namespace footlight::render {
@@ -15,11 +16,12 @@ namespace {
 class ShadowsPass final : public Pass {
  public:
   ShadowsPass(std::optional<BoundPipeline> bodies, BoundPipeline count, BoundPipeline places, BoundPipeline write,
-              const RigTables& rig)
+              BoundPipeline prune, const RigTables& rig)
       : bodies_(std::move(bodies)),
         count_(std::move(count)),
         places_(std::move(places)),
         write_(std::move(write)),
+        prune_(std::move(prune)),
         rig_(rig) {}
 
   void record(VkCommandBuffer commands, std::span<const std::byte>) override {
@@ -35,6 +37,8 @@ class ShadowsPass final : public Pass {
     vkCmdDispatch(commands, 1, 1, 1);
     vk::full_barrier(commands);
     each_beam(commands, write_);
+    vk::full_barrier(commands);
+    each_beam(commands, prune_);
   }
 
  private:
@@ -47,6 +51,7 @@ class ShadowsPass final : public Pass {
   BoundPipeline count_;
   BoundPipeline places_;
   BoundPipeline write_;
+  BoundPipeline prune_;
   const RigTables& rig_;
 };
 
@@ -69,11 +74,12 @@ const PassEntry kShadowsPass{
       FL_ASSIGN(BoundPipeline count, BoundPipeline::compute(context, kShadowsComp, context.constants));
       FL_ASSIGN(BoundPipeline places, BoundPipeline::compute(context, kPlacesComp, {}));
       FL_ASSIGN(BoundPipeline write, BoundPipeline::compute(context, kShadowsComp, writes));
+      FL_ASSIGN(BoundPipeline prune, BoundPipeline::compute(context, kPruneComp, context.constants));
       return std::unique_ptr<Pass>(new ShadowsPass(std::move(bodies), std::move(count), std::move(places),
-                                                   std::move(write), context.resources.rig));
+                                                   std::move(write), std::move(prune), context.resources.rig));
     },
     [] {
-      return std::vector<std::vector<vk::Spirv>>{{kOccludersComp}, {kShadowsComp}, {kPlacesComp}};
+      return std::vector<std::vector<vk::Spirv>>{{kOccludersComp}, {kShadowsComp}, {kPlacesComp}, {kPruneComp}};
     },
     "shadows of boxes and fixtures"};
 

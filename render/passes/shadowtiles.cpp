@@ -13,7 +13,7 @@ class ShadowtilesPass final : public Pass {
   ShadowtilesPass(BoundPipeline step, const PictureImages& picture) : step_(std::move(step)), picture_(picture) {}
 
   void record(VkCommandBuffer commands, std::span<const std::byte>) override {
-    vkCmdFillBuffer(commands, picture_.shadow_picks.handle, 0, 4, 0);  // no word is in use
+    vkCmdFillBuffer(commands, picture_.shadow_picks.handle, 0, 8, 0);  // no word is in use
     vk::full_barrier(commands);
     step_.bind(commands);
     vkCmdDispatch(commands, picture_.supertiles_x, picture_.supertiles_y, 1);

@@ -41,7 +41,9 @@ const bool kSolids = kBoxes || kBodies;
 #define FL_DEPTHS_READ
 #include "render/shaders/lib/tile_depth.glsl"
 #include "render/shaders/lib/shadow_rect.glsl"
-layout(set = 0, binding = FL_BINDING_SHADE_MASKS, std430) readonly buffer ShadeMasksBuffer { uint shade_masks[]; };
+layout(set = 0, binding = FL_BINDING_SHADE_WORDS, std430) readonly buffer ShadeWordsBuffer {
+  ShadowWordRow shade_words[];
+};
 #define FL_PICKS_ACCESS readonly
 #define FL_PICKS_READ
 #include "render/shaders/lib/shadow_picks.glsl"
@@ -53,21 +55,13 @@ uint supertile() {
 
 // Beams with shadows, of which the passes before have added all of their light: what is in the shadows is subtracted.
 #define FL_WALK_FINE (kTiles && counts.fine_groups[0] > 0u)
-#define FL_WALK_ALSO(word) \
-  (kShadows && FL_WALK_FINE ? shade_masks[walk_word(word)] : 0u)
+#define FL_WALK_ALSO(word) (kShadows && FL_WALK_FINE ? shade_words[walk_word(word)].beams : 0u)
+#define FL_WALK_BITS(word) (kShadows ? walk_now[word] : walk_bits[word])
 uint walk_word(uint word);
 bool tile_takes(uint beam, uint number);
 #include "render/shaders/lib/tile_walk.glsl"
 
-// Those of a beam's shadows in the supertile that reach the tile, a bit each; all, where it has more than 32.
-shared uint walk_shadows[FL_WALK_BEAMS];
-shared uint walk_pairs[FL_WALK_BEAMS];  // their number; then the first of their pairs
-shared uint walk_sums[FL_TILE_PX * FL_TILE_PX / FL_ROWS / 4];
-
-// Whether the passes before have left the beam to this one.
-bool is_left(uint beam) {
-  return !FL_WALK_FINE || (walk_mask(walk_word(beam >> 5)) & (1u << (beam & 31u))) != 0u;
-}
+#include "render/shaders/lib/shadow_walk.glsl"
 
 // The tile itself, 16 x 16 pixels.
 bool tile_takes(uint beam, uint number) {
@@ -75,66 +69,8 @@ bool tile_takes(uint beam, uint number) {
   vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
   vec2 high = min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height)));
   if (!beam_touches(row, beam_bound(row, 1.0), low, high)) return false;
-  if (!kShadows) return true;
-  uint count = shadow_picks_of(supertile(), beam).count;
-  walk_shadows[number] = count > 32u ? ~0u : 0u;
-  walk_pairs[number] = count > 32u ? 0u : count;
+  if (kShadows) walk_pairs[number] = picks_here(beam).count;
   return true;
-}
-
-// Fills walk_shadows, and removes from the walk what it has not to compute. All threads call it together.
-void walk_test_shadows(uint base) {
-  const uint kThreads = uint(FL_TILE_PX * FL_TILE_PX / FL_ROWS);
-  const uint kRun = FL_WALK_BEAMS / kThreads;
-  // In the order of subgroups, which gl_LocalInvocationIndex need not be.
-  uint lane = gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID;
-  // The pairs of a beam and a shadow, one after the other, are shared out among the threads.
-  uint own = 0u;
-  for (uint i = 0u; i < kRun; ++i) {
-    uint at = lane * kRun + i;
-    if ((walk_bits[at >> 5] >> (at & 31u) & 1u) == 0u) walk_pairs[at] = 0u;
-    own += walk_pairs[at];
-  }
-  uint before = subgroupExclusiveAdd(own);
-  if (gl_SubgroupInvocationID == gl_SubgroupSize - 1u) walk_sums[gl_SubgroupID] = before + own;
-  barrier();
-  uint all = 0u;
-  for (uint s = 0u; s < gl_NumSubgroups; ++s) {
-    if (s < gl_SubgroupID) before += walk_sums[s];
-    all += walk_sums[s];
-  }
-  for (uint i = 0u; i < kRun; ++i) {
-    uint at = lane * kRun + i;
-    uint count = walk_pairs[at];
-    walk_pairs[at] = before;
-    before += count;
-  }
-  barrier();
-  vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_TILE_PX));
-  vec2 high = min(low + float(FL_TILE_PX), vec2(float(params.width), float(params.height)));
-  RectDepth depth = rect_depth(gl_WorkGroupID.xy, 1u);
-  for (uint pair = lane; pair < all; pair += kThreads) {
-    uint number = 0u;  // the last beam that begins at this pair or before
-    for (uint step_of = FL_WALK_BEAMS / 2u; step_of > 0u; step_of >>= 1) {
-      if (walk_pairs[number + step_of] <= pair) number += step_of;
-    }
-    uint beam = base + number;
-    uint k = pair - walk_pairs[number];
-    BeamRow row = beams[beam];
-    ShadowPicks picks = shadow_picks_of(supertile(), beam);
-    uint found = shadow_in_cell(shadow_picked(picks, k), shadow_cell_before(row, low, high, depth));
-    if (found != kShadowNone) atomicOr(walk_shadows[number], 1u << k);
-    if (found == kShadowAll && is_left(beam)) atomicAnd(walk_bits[number >> 5], ~(1u << (number & 31u)));
-  }
-  barrier();
-  if (!FL_WALK_FINE) return;
-  for (uint at = lane; at < FL_WALK_BEAMS; at += kThreads) {
-    uint bit = 1u << (at & 31u);
-    if ((walk_bits[at >> 5] & bit) != 0u && walk_shadows[at] == 0u && !is_left(base + at)) {
-      atomicAnd(walk_bits[at >> 5], ~bit);
-    }
-  }
-  barrier();
 }
 
 layout(local_size_x = FL_TILE_PX, local_size_y = FL_TILE_PX / FL_ROWS) in;
@@ -152,6 +88,103 @@ layout(set = 0, binding = FL_BINDING_RADIANCE, rgba32f) uniform image2D radiance
 #define FL_EACH_ROW [[unroll]]
 #endif
 
+// Adds the light of one beam to the thread's pixels. base: of the walk; begin: of its beams that are tested together.
+void add_beam(uint index, uint base, uint begin, Medium medium, vec3 d[FL_ROWS], float t_max_m[FL_ROWS],
+              inout vec3 total[FL_ROWS]) {
+  BeamRow row = beams[index];
+  BeamShape shape = beam_shape(row);
+  shape.profile_power = drawn_profile(shape.profile_power);
+  uint nodes = air_nodes(shape.profile_power);
+  // The light of the beam's lit parts; of a beam that was added as a whole that of its dark parts, which is subtracted.
+  uint found = kShadows ? subgroupBroadcastFirst(walk_found[index - base]) : 0u;
+  bool subtracts = found != 0u && !is_left(index);
+  bool measured = kMeasured && row.measured != 0u;
+  // A rectangle's profile is the product of two.
+  if (kRectangle && row.squeeze > 0.0) nodes = min(kNodes + 5u, 8u);
+#ifdef FL_GOBO_BEAMS
+  gobo_begin(index);
+  bool gobo = has_gobo(row);
+#else
+  const bool gobo = false;
+#endif
+  bool plain = thin_is_plain(row, gobo);
+  bool thin = thin_in_haze_applies(row);
+  if (thin && plain) nodes = min(max(nodes, kNodes + 1u), 8u);  // (1 - rho^2)^3
+  FL_EACH_ROW for (int i = 0; i < FL_ROWS; ++i) {
+    vec3 eye = row.eye.xyz;
+    vec3 ray = to_light(row, d[i]);
+    BeamShape beam = shape;
+    float gain = 1.0;
+    if (thin) {
+      gain = thin_in_haze(beam, row, eye, ray, dot(d[i], params.forward.xyz), t_max_m[i], plain);
+    }
+#ifdef FL_HAZE_FIELD
+    haze_begin(vec2(tile_pixel(i)) + 0.5);
+#endif
+    Chord chord;
+    bool seen = beam_chord(beam, eye, ray, 0.0, t_max_m[i], chord);
+    if (kRectangle && row.squeeze > 0.0 && seen) seen = chord_in_rectangle(chord);
+    if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u && seen) {
+      for (int e = 0; e < 4; ++e) {
+        seen = chord_cut(chord, blades[index].edge[e].xy, blades[index].edge[e].z) && seen;
+      }
+      chord_close(chord);
+    }
+    if (seen) {
+      ShadowParts parts;
+      shadow_parts_clear(parts);
+      if (found != 0u) {
+        parts = chord_shadows(walk_shadows_of(base, index - base, begin), shadow_chord(row, beam, chord, ray));
+      }
+      Chord whole = chord;
+      vec3 value = vec3(0.0);
+      // The parts, one after the other. Without shadows there is one.
+      float at = 0.0;
+      bool more = true;
+      while (more) {
+        float from = 0.0;
+        float to = 1.0;
+        more = false;
+        if (kShadows) {
+          float dark_from;
+          float dark_to;
+          more = shadow_parts_next(parts, at, dark_from, dark_to);
+          if (subtracts && !more) break;
+          from = subtracts ? dark_from : at;
+          to = subtracts ? dark_to : min(dark_from, 1.0);
+          at = dark_to;
+          if (found != 0u) chord = chord_part(whole, from, to);
+        }
+        vec3 part = vec3(0.0);
+#ifdef FL_GOBO_BEAMS
+        if (gobo) {
+          if (kMethod == uint(FL_METHOD_MARCH)) {
+            gobo_sample = 0u;
+            const vec2 as_it_is = vec2(1.0, 0.0);  // each wheel turns by itself
+            part = chord_inscatter_march_gobo(beam, medium, chord, ray, kNodes, kExtinction, row.gobo, as_it_is);
+          } else {
+            part = gobo_inscatter(beam, medium, chord, ray, kExtinction);
+          }
+        } else
+#endif
+        if (kMethod == uint(FL_METHOD_MARCH)) {
+          part = vec3(chord_inscatter_march(beam, medium, chord, ray, kNodes, kExtinction));
+        } else if (measured) {
+          part = vec3(chord_inscatter_measured(beam, medium, chord, ray, kNodes, kExtinction));
+        } else if (kWide && beam.spread > kWideSpread) {
+          part = vec3(chord_inscatter_wide(beam, medium, chord, ray, kNodes > 3u ? 2u : 1u, kExtinction));
+        } else {
+          part = vec3(chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction));
+        }
+        value += to > from ? part : vec3(0.0);
+      }
+      if (subtracts) value = -value;
+      if (!kShowsClasses) total[i] += row.j0.rgb * (gain * value);
+      else if (!subtracts) total[i] += kClassPixel;
+    }
+  }
+}
+
 void main() {
   Medium medium = Medium(params.anisotropy, params.position.w);
   vec3 d[FL_ROWS];
@@ -165,104 +198,18 @@ void main() {
     if ((kBoxes || kBodies) && inside) t_max_m[i] = imageLoad(radiance, pixel).a;  // the surface pass left it there
     total[i] = vec3(0.0);
   }
+  RectDepth depth;
+  if (kShadows) depth = rect_depth(gl_WorkGroupID.xy, 1u);
   for (uint base = 0u; base < counts.live_count; base += FL_WALK_BEAMS) {
     if (!tile_walk(base)) continue;
-    if (kShadows) walk_test_shadows(base);
-    FL_WALK_BEGIN(base, index)
-      BeamRow row = beams[index];
-      BeamShape shape = beam_shape(row);
-      shape.profile_power = drawn_profile(shape.profile_power);
-      uint nodes = air_nodes(shape.profile_power);
-      // The light of the beam's lit parts; of a beam that was added as a whole that of its dark parts, which is
-      // subtracted.
-      uint shadow_bits = kShadows ? subgroupBroadcastFirst(walk_shadows[index - base]) : 0u;
-      bool subtracts = shadow_bits != 0u && !is_left(index);
-      ShadowPicks picks = ShadowPicks(0u, 0u, false);
-      if (shadow_bits != 0u) picks = shadow_picks_of(supertile(), index);
-      bool measured = kMeasured && row.measured != 0u;
-      // A rectangle's profile is the product of two.
-      if (kRectangle && row.squeeze > 0.0) nodes = min(kNodes + 5u, 8u);
-#ifdef FL_GOBO_BEAMS
-      gobo_begin(index);
-      bool gobo = has_gobo(row);
-#else
-      const bool gobo = false;
-#endif
-      bool plain = thin_is_plain(row, gobo);
-      bool thin = thin_in_haze_applies(row);
-      if (thin && plain) nodes = min(max(nodes, kNodes + 1u), 8u);  // (1 - rho^2)^3
-      FL_EACH_ROW for (int i = 0; i < FL_ROWS; ++i) {
-        vec3 eye = row.eye.xyz;
-        vec3 ray = to_light(row, d[i]);
-        BeamShape beam = shape;
-        float gain = 1.0;
-        if (thin) {
-          gain = thin_in_haze(beam, row, eye, ray, dot(d[i], params.forward.xyz), t_max_m[i], plain);
-        }
-#ifdef FL_HAZE_FIELD
-        haze_begin(vec2(tile_pixel(i)) + 0.5);
-#endif
-        Chord chord;
-        bool seen = beam_chord(beam, eye, ray, 0.0, t_max_m[i], chord);
-        if (kRectangle && row.squeeze > 0.0 && seen) seen = chord_in_rectangle(chord);
-        if (kBlades && (row.flags & FL_BEAM_BLADES) != 0u && seen) {
-          for (int e = 0; e < 4; ++e) {
-            seen = chord_cut(chord, blades[index].edge[e].xy, blades[index].edge[e].z) && seen;
-          }
-          chord_close(chord);
-        }
-        if (seen) {
-          ShadowParts parts;
-          shadow_parts_clear(parts);
-          if (shadow_bits != 0u) parts = chord_shadows(picks, shadow_bits, row, beam, chord, ray);
-          Chord whole = chord;
-          vec3 value = vec3(0.0);
-          // The parts, one after the other. Without shadows there is one.
-          float at = 0.0;
-          bool more = true;
-          while (more) {
-            float from = 0.0;
-            float to = 1.0;
-            more = false;
-            if (kShadows) {
-              float dark_from;
-              float dark_to;
-              more = shadow_parts_next(parts, at, dark_from, dark_to);
-              if (subtracts && !more) break;
-              from = subtracts ? dark_from : at;
-              to = subtracts ? dark_to : min(dark_from, 1.0);
-              at = dark_to;
-              if (shadow_bits != 0u) chord = chord_part(whole, from, to);
-            }
-            vec3 part = vec3(0.0);
-#ifdef FL_GOBO_BEAMS
-            if (gobo) {
-              if (kMethod == uint(FL_METHOD_MARCH)) {
-                gobo_sample = 0u;
-                const vec2 as_it_is = vec2(1.0, 0.0);  // each wheel turns by itself
-                part = chord_inscatter_march_gobo(beam, medium, chord, ray, kNodes, kExtinction, row.gobo, as_it_is);
-              } else {
-                part = gobo_inscatter(beam, medium, chord, ray, kExtinction);
-              }
-            } else
-#endif
-            if (kMethod == uint(FL_METHOD_MARCH)) {
-              part = vec3(chord_inscatter_march(beam, medium, chord, ray, kNodes, kExtinction));
-            } else if (measured) {
-              part = vec3(chord_inscatter_measured(beam, medium, chord, ray, kNodes, kExtinction));
-            } else if (kWide && beam.spread > kWideSpread) {
-              part = vec3(chord_inscatter_wide(beam, medium, chord, ray, kNodes > 3u ? 2u : 1u, kExtinction));
-            } else {
-              part = vec3(chord_inscatter_gauss(beam, medium, chord, ray, nodes, kExtinction));
-            }
-            value += to > from ? part : vec3(0.0);
-          }
-          if (subtracts) value = -value;
-          if (!kShowsClasses) total[i] += row.j0.rgb * (gain * value);
-          else if (!subtracts) total[i] += kClassPixel;
-        }
-      }
-    FL_WALK_END
+    if (kShadows) walk_number_pairs();
+    for (uint begin = 0u; begin < FL_WALK_BEAMS;) {
+      uint end = kShadows ? walk_test_shadows(base, begin, depth) : FL_WALK_BEAMS;
+      FL_WALK_BEGIN(base, index)
+        add_beam(index, base, begin, medium, d, t_max_m, total);
+      FL_WALK_END
+      begin = end;
+    }
   }
   [[unroll]] for (int i = 0; i < FL_ROWS; ++i) {
     ivec2 pixel = tile_pixel(i);

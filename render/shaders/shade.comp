@@ -1,7 +1,9 @@
 #version 460
 // Light in the haze, 32 x 32 pixels a workgroup: the passes before have added beams as if nothing hid their light. Of
 // those that have shadows here, subtracts what is dark of them where that is smooth over the tile, as one polynomial.
-// The others are left to the beam pass, which subtracts it pixel by pixel.
+// The others are left to the beam pass, which subtracts it pixel by pixel: for them, and for beams that were not taken
+// together, lists the shadows that reach what the tile shows of their light. A beam that was not taken and is dark in
+// all of it leaves the mask.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_basic : require
@@ -13,7 +15,7 @@
 #define FL_USE_COUNTS
 #define FL_COUNTS_ACCESS readonly
 #define FL_USE_FINE_MASKS
-#define FL_FINE_MASKS_ACCESS readonly
+#define FL_FINE_MASKS_ACCESS
 #include "render/shaders/lib/frame.glsl"
 #include "render/shaders/lib/forms.glsl"
 #include "render/shaders/lib/view.glsl"
@@ -31,11 +33,11 @@ layout(constant_id = FL_SPEC_EXTINCTION) const bool kExtinction = false;
 #define FL_DEPTHS_ACCESS readonly
 #define FL_DEPTHS_READ
 #include "render/shaders/lib/tile_depth.glsl"
-#define FL_PICKS_ACCESS readonly
+#include "render/shaders/lib/shadow_rect.glsl"
+#define FL_PICKS_ACCESS coherent
 #define FL_PICKS_READ
 #include "render/shaders/lib/shadow_picks.glsl"
-uint taken_word(uint supertile, uint word);
-#define FL_LIST_WORD(supertile, word) taken_word(supertile, word)
+#define FL_LIST_WORD(supertile, word) shadow_words[(supertile) * params.mask_words + (word)].beams
 #include "render/shaders/lib/tile_list.glsl"
 #include "render/shaders/lib/tile_team.glsl"
 #include "render/shaders/lib/tile_sum.glsl"
@@ -44,22 +46,96 @@ uint taken_word(uint supertile, uint word);
 
 layout(local_size_x = FL_GROUP_TILE) in;
 layout(set = 0, binding = FL_BINDING_COARSE, std430) readonly buffer CoarseBuffer { CoarseRow coarse[]; };
-layout(set = 0, binding = FL_BINDING_SHADE_MASKS, std430) writeonly buffer ShadeMasksBuffer { uint shade_masks[]; };
+layout(set = 0, binding = FL_BINDING_SHADE_WORDS, std430) writeonly buffer ShadeWordsBuffer {
+  ShadowWordRow shade_words[];
+};
 
 uint mask_word(uint word) {
   return (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * params.mask_words + word;
 }
-// Beams with shadows in the supertile that are not left to the beam pass.
-uint taken_word(uint supertile, uint word) {
-  return shadow_words[supertile * params.mask_words + word].beams & ~fine_masks[mask_word(word)];
+
+shared uint rest_bits[FL_GROUP_TILE];    // of the words of one list: beams that the beam pass gets a list of
+shared uint dark_bits[FL_GROUP_TILE];    // and beams that leave the mask
+shared uint word_places[FL_GROUP_TILE];  // where the places of the lists of a word's beams stand
+shared uint list_places[FL_LIST_MAX];    // of the beams of the list
+shared bool any_light;                   // something is subtracted
+
+// Of each team's beam, the shadows that reach what the tile shows of it.
+const uint kTeamRoom = 4u * kTeam;
+shared uint team_entries[4 * FL_GROUP_TILE];
+
+// Bits of the team's lanes for which `is_one` is true.
+uint team_ballot(bool is_one) {
+  uvec4 ones = subgroupBallot(is_one);
+  uint from = gl_SubgroupInvocationID & ~(kTeam - 1u);
+  return ones[from >> 5] >> (from & 31u) & ((1u << kTeam) - 1u);
 }
 
-shared uint rest_bits[FL_GROUP_TILE];  // of the words of one list
+// Fills the team's entries. Returns their number, of which those past kTeamRoom are not kept. is_dark: the tile is all
+// in one of them, which then is the only one. All lanes of a subgroup call it together.
+uint list_team_entries(ShadowPicks picks, ShadowCell cell, out bool is_dark) {
+  uint count = 0u;
+  uint dark = 0u;
+  uint rounds = subgroupMax((picks.count + kTeam - 1u) / kTeam);
+  subgroupBarrier();  // the entries before these have been read
+  for (uint round_of = 0u; round_of < rounds; ++round_of) {
+    uint own = round_of * kTeam + team_lane();
+    uint entry = own < picks.count ? shadow_in_cell(shadow_picked(picks, own), cell) : FL_NONE;
+    uint ones = team_ballot(entry != FL_NONE);
+    uint at = count + bitCount(ones & ((1u << team_lane()) - 1u));
+    if (entry != FL_NONE && at < kTeamRoom) team_entries[team_number() * kTeamRoom + at] = entry;
+    count += bitCount(ones);
+    dark |= team_ballot(entry != FL_NONE && entry_planes(entry) == 0u);
+  }
+  is_dark = dark != 0u;
+  subgroupBarrier();
+  if (is_dark && team_lane() == 0u) team_entries[team_number() * kTeamRoom] = shadow_entry(0u, 0u);
+  subgroupBarrier();
+  return is_dark ? 1u : count;
+}
 
-// The dark part of a beam's light on the ray through a place, over J0 and sigma_s. known: false where the place's ray
-// may end at another surface than those of the pixels round it.
-float dark_light(BeamRow row, BeamShape beam, ShadowPicks picks, RectDepth depth, Medium medium, uint nodes, vec2 at,
-                 inout bool known) {
+// Room for so many words behind the lists of supertiles; FL_NONE: there is none, and no list of this pass is read.
+uint take_words(uint count) {
+  uint all = uint(shadow_picks.length());
+  if (shade_words_used > all) return FL_NONE;  // so that the number does not overflow
+  uint place = shadow_words_used + atomicAdd(shade_words_used, count);
+  return place + count <= all ? place : FL_NONE;
+}
+
+// Stores the team's entries as the list of entry e; all lanes of a subgroup call it together.
+void store_team_entries(bool stores, uint e, uint count, ShadowPicks picks, ShadowCell cell) {
+  uint place = FL_NONE;
+  if (stores && team_lane() == 0u) place = take_words(count + 1u);
+  place = subgroupShuffle(place, gl_SubgroupInvocationID & ~(kTeam - 1u));
+  if (stores && team_lane() == 0u) {
+    list_places[e] = place;
+    if (place != FL_NONE) shadow_picks[place] = count;
+  }
+  stores = stores && place != FL_NONE;
+  bool is_long = stores && count > kTeamRoom;
+  if (stores && !is_long) {
+    for (uint k = team_lane(); k < count; k += kTeam) {
+      shadow_picks[place + 1u + k] = team_entries[team_number() * kTeamRoom + k];
+    }
+  }
+  // Entries that had no room are found again.
+  uint rounds = subgroupMax(is_long ? (picks.count + kTeam - 1u) / kTeam : 0u);
+  uint kept = 0u;
+  for (uint round_of = 0u; round_of < rounds; ++round_of) {
+    uint own = round_of * kTeam + team_lane();
+    uint entry = is_long && own < picks.count ? shadow_in_cell(shadow_picked(picks, own), cell) : FL_NONE;
+    uint ones = team_ballot(entry != FL_NONE);
+    uint at = kept + bitCount(ones & ((1u << team_lane()) - 1u));
+    if (entry != FL_NONE && at < count) shadow_picks[place + 1u + at] = entry;
+    kept += bitCount(ones);
+  }
+}
+
+// The dark part of a beam's light on the ray through a place, over J0 and sigma_s; its shadows are `count` team entries
+// from `first` on. known:
+// false where the place's ray may end at another surface than those of the pixels round it.
+float dark_light(BeamRow row, BeamShape beam, uint first, uint count, RectDepth depth, Medium medium, uint nodes,
+                 vec2 at, inout bool known) {
 #ifdef FL_HAZE_FIELD
   haze_begin(at);
 #endif
@@ -71,7 +147,10 @@ float dark_light(BeamRow row, BeamShape beam, ShadowPicks picks, RectDepth depth
   Chord chord;
   if (!beam_chord(beam, row.eye.xyz, ray, 0.0, end_m, chord)) return 0.0;
   known = known && (!kSolids || depth.is_plane || chord.t_base_m + chord.t_to_m <= depth.near_m);
-  ShadowParts parts = chord_shadows(picks, ~0u, row, beam, chord, ray);
+  ShadowParts parts;
+  shadow_parts_clear(parts);
+  ShadowChord ends = shadow_chord(row, beam, chord, ray);
+  for (uint k = first; k < first + count; ++k) shadow_parts_join(parts, team_entries[k], ends);
   float value = 0.0;
   float from = 0.0;
   float to = 0.0;
@@ -111,6 +190,8 @@ void main() {
   RectDepth depth = rect_depth(gl_WorkGroupID.xy * kSide, kSide);
   const float kHalf = 0.5 * float(FL_FINE_PX);
   vec2 middle = vec2(gl_WorkGroupID.xy * uint(FL_FINE_PX)) + kHalf;
+  vec2 low = vec2(gl_WorkGroupID.xy * uint(FL_FINE_PX));
+  vec2 high = low + float(FL_FINE_PX);  // also past the edge of the picture, where nodes may be
   Medium medium = Medium(params.anisotropy, params.position.w);
   vec3 light_here[kPer];
   FL_LANE_NODES(k) light_here[k] = vec3(0.0);
@@ -119,8 +200,8 @@ void main() {
     uint first = from;
     from = list_fill(supertile, from);
     rest_bits[number] = 0u;
+    dark_bits[number] = 0u;
     barrier();
-    any = any || list_count > 0u;
     for (uint e = 0u; e < list_count; e += kTeams) {
       uint entry = e + team_number();
       bool is_beam = entry < list_count;
@@ -131,13 +212,20 @@ void main() {
       uint nodes = air_nodes(beam.profile_power);
       ShadowPicks picks = shadow_picks_of(supertile, id);
       if (!is_beam) picks.count = 0u;
+      bool is_taken = (fine_masks[mask_word(id >> 5)] >> (id & 31u) & 1u) == 0u;
+      bool is_dark;
+      ShadowCell cell_of = shadow_cell_before(row, low, high, depth);
+      uint count = list_team_entries(picks, cell_of, is_dark);
+      bool fits = count <= kTeamRoom;
+      uint first_entry = team_number() * kTeamRoom;
+      uint tried = is_taken && fits ? count : 0u;
       bool known = true;
       float dark[kPer];
       float f[kPer];
       float most = 0.0;
       FL_LANE_NODES(k) {
         vec2 at = middle + FL_HULL * kHalf * node_position(k);
-        dark[k] = dark_light(row, beam, picks, depth, medium, nodes, at, known);
+        dark[k] = dark_light(row, beam, first_entry, tried, depth, medium, nodes, at, known);
         f[k] = dark[k];
         most = max(most, dark[k]);
       }
@@ -150,7 +238,8 @@ void main() {
       off = team_sum(vec2(off, 0.0)).x;
       FL_LANE_NODES(k) {
         vec2 at = check_position(k);
-        float there = dark_light(row, beam, picks, depth, medium, nodes, middle + FL_HULL * kHalf * at, known);
+        float there = dark_light(row, beam, first_entry, tried, depth, medium, nodes, middle + FL_HULL * kHalf * at,
+                                 known);
         most = max(most, there);
         off = max(off, abs(there - polynomial(f, at)));
       }
@@ -158,17 +247,42 @@ void main() {
       most = team_max(most);
       // A shadow that none of the places meets may still be between them.
       bool close = off <= tolerance / max(row.j0.r, max(row.j0.g, row.j0.b)) && most > 0.0;
-      if (is_beam && close) {
+      bool leaves = is_dark && !is_taken;
+      bool stores = count > 0u && !close && !leaves;
+      if (close) {
         FL_LANE_NODES(k) light_here[k] -= dark[k] * row.j0.rgb;
-      } else if (is_beam && team_lane() == 0u) {
-        atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
+        any = true;
+      }
+      store_team_entries(stores, entry, count, picks, cell_of);
+      if (team_lane() == 0u) {
+        if (stores) atomicOr(rest_bits[id / 32u - first], 1u << (id & 31u));
+        if (leaves) atomicOr(dark_bits[id / 32u - first], 1u << (id & 31u));
       }
     }
     barrier();
-    if (first + number < from) shade_masks[mask_word(first + number)] = rest_bits[number];
+    if (first + number < from) {
+      uint rest = rest_bits[number];
+      uint place = rest != 0u ? take_words(bitCount(rest)) : FL_NONE;
+      word_places[number] = place;
+      uint word = mask_word(first + number);
+      shade_words[word] = ShadowWordRow(rest, place);
+      if (dark_bits[number] != 0u) fine_masks[word] &= ~dark_bits[number];
+    }
+    barrier();
+    for (uint e = number; e < list_count; e += uint(FL_GROUP_TILE)) {
+      uint id = list_ids[e];
+      uint word = id / 32u - first;
+      uint bit = 1u << (id & 31u);
+      if ((rest_bits[word] & bit) == 0u || word_places[word] == FL_NONE) continue;
+      shadow_picks[word_places[word] + bitCount(rest_bits[word] & (bit - 1u))] = list_places[e];
+    }
     barrier();
   }
-  if (!any) return;
+  if (number == 0u) any_light = false;
+  barrier();
+  if (any) any_light = true;
+  barrier();
+  if (!any_light) return;
   sum_light(light_here);
   vec3 total[FL_ROWS];
   [[unroll]] for (int i = 0; i < FL_ROWS; ++i) total[i] = vec3(0.0);

@@ -26,7 +26,7 @@ layout(local_size_x = FL_GROUP_SHADOWS) in;
 layout(constant_id = FL_SPEC_WRITE) const bool kWrite = false;
 // Whether anything beside the stage boxes, which come first, hides light.
 layout(constant_id = FL_SPEC_BODIES) const bool kBodies = false;
-layout(set = 0, binding = FL_BINDING_OCCLUDERS, std430) readonly buffer OccludersBuffer { OccluderRow occluders[]; };
+#include "render/shaders/lib/solid.glsl"
 layout(set = 0, binding = FL_BINDING_SHADOW_LISTS, std430) buffer ShadowListsBuffer { ShadowListRow shadow_lists[]; };
 
 const uint kWords = uint(FL_GROUP_SHADOWS / 32);
@@ -41,16 +41,6 @@ bool is_beside(ShadowSolid solid, BeamShape beam, vec2 way) {
     nearest -= abs(dot(u, solid.half_edge[i].xy) - beam.spread * solid.half_edge[i].z);
   }
   return nearest > 0.0;
-}
-
-ShadowSolid solid_of(OccluderRow occluder, BeamRow row) {
-  ShadowSolid solid;
-  vec3 center = vec3(occluder.center_x, occluder.center_y, occluder.center_z);
-  solid.center = row.eye.xyz + to_light(row, center - params.position.xyz);
-  solid.half_edge[0] = to_light(row, occluder.half_edge_0.xyz);
-  solid.half_edge[1] = to_light(row, occluder.half_edge_1.xyz);
-  solid.half_edge[2] = to_light(row, occluder.half_edge_2.xyz);
-  return solid;
 }
 
 // False only where the body has no shadow in the beam.
@@ -68,15 +58,16 @@ bool may_hide(OccluderRow occluder, BeamRow row, BeamShape beam, uint fixture) {
   return may;
 }
 
-void write_shadow(OccluderRow occluder, BeamRow row, BeamShape beam) {
+void write_shadow(uint which, BeamRow row, BeamShape beam) {
+  OccluderRow occluder = occluders[which];
   ShadowSolid solid = solid_of(occluder, row);
   ShadowPrism prism;
   bool has_shadow = shadow_prism(beam.lens_radius_m, beam.spread, solid, prism) && prism.z_min_m < beam.range_m;
   // Nothing is inside the only plane of a body without a shadow. Everything is inside those that fill up a round.
   uint count = has_shadow ? prism.count : 0u;
   for (uint k = count; k < uint(FL_SHADOW_PLANES); ++k) emit_plane(k, vec3(0.0), has_shadow ? 1.0 : -1.0);
-  shadows[emit_slot].count = max(count, 1u);
-  shadows[emit_slot].fronts = has_shadow ? prism.fronts : 0u;
+  shadows[emit_slot].count = max(count, 1u) | (has_shadow ? prism.fronts : 0u) << 8;
+  shadows[emit_slot].occluder = which;
   shadows[emit_slot].fixture = occluder.fixture;
   shadows[emit_slot].slack_m = occluder.half_edge_1.w;
 }
@@ -108,7 +99,7 @@ void main() {
     }
     if (kWrite && found && rank < room) {
       emit_slot = first + rank;
-      write_shadow(occluders[at + lane], row, beam);
+      write_shadow(at + lane, row, beam);
     }
   }
   // Two pipelines need not compute the last bit alike: no row that was not written is read.

@@ -47,24 +47,44 @@ uint take_words(uint count) {
   return place + count <= all ? place : FL_NONE;
 }
 
+const uint kShadowNone = 0u;  // the beam has none in the cell
+const uint kShadowSome = 1u;
+const uint kShadowAll = 2u;   // all of the cell is in one
+uint found_in(uint entry) {
+  return entry == FL_NONE ? kShadowNone : entry_planes(entry) == 0u ? kShadowAll : kShadowSome;
+}
+
+// Planes of a thread's first shadows, 16 bits each. A mask that is not kept counts as all planes.
+const uint kKept = 8u;
+void keep_planes(inout uvec4 kept, uint at, uint entry) {
+  if (at < kKept) kept[at >> 1] |= entry_planes(entry) << 16u * (at & 1u);
+}
+uint kept_entry(uvec4 kept, uint at, uint shadow) {
+  if (at >= kKept) return shadow_whole(shadow);
+  return shadow_entry(shadow, kept[at >> 1] >> 16u * (at & 1u) & kAllPlanes);
+}
+
 // For each of these functions: returns whether the beam has shadows in the cell, and where those that reach it are
 // listed.
-const uint kFewShadows = 8u;
+const uint kFewShadows = kKept;
 uint list_few_shadows(ShadowListRow list, ShadowCell cell, out uint place) {
   uint bits = 0u;
+  uvec4 kept = uvec4(0u);
   uint most = kShadowNone;
   place = FL_NONE;
   for (uint own = 0u; own < list.count; ++own) {
-    uint found = shadow_in_cell(list.first + own, cell);
-    if (found != kShadowNone) bits |= 1u << own;
-    most = max(most, found);
+    uint entry = shadow_in_cell(shadow_whole(list.first + own), cell);
+    if (entry != FL_NONE) bits |= 1u << own;
+    keep_planes(kept, own, entry);
+    most = max(most, found_in(entry));
   }
   if (most != kShadowSome) return most;
   place = take_words(bitCount(bits) + 1u);
   if (place == FL_NONE) return most;
   shadow_picks[place] = bitCount(bits);
   for (uint at = place + 1u; bits != 0u; ++at) {
-    shadow_picks[at] = list.first + uint(findLSB(bits));
+    uint own = uint(findLSB(bits));
+    shadow_picks[at] = kept_entry(kept, own, list.first + own);
     bits &= bits - 1u;
   }
   return most;
@@ -74,14 +94,16 @@ uint list_few_shadows(ShadowListRow list, ShadowCell cell, out uint place) {
 uint list_shadows(ShadowListRow list, ShadowCell cell, out uint place) {
   uint lane = gl_SubgroupInvocationID;
   uint bits = 0u;  // of this thread's shadows, one a round
+  uvec4 kept = uvec4(0u);
   uint most = kShadowNone;
   place = FL_NONE;
   uint rounds = (list.count + gl_SubgroupSize - 1u) / gl_SubgroupSize;
   for (uint round_of = 0u; round_of < rounds; ++round_of) {
     uint own = round_of * gl_SubgroupSize + lane;
-    uint found = own < list.count ? shadow_in_cell(list.first + own, cell) : kShadowNone;
-    if (found != kShadowNone) bits |= 1u << round_of;
-    most = max(most, found);
+    uint entry = own < list.count ? shadow_in_cell(shadow_whole(list.first + own), cell) : FL_NONE;
+    if (entry != FL_NONE) bits |= 1u << round_of;
+    keep_planes(kept, round_of, entry);
+    most = max(most, found_in(entry));
   }
   most = subgroupMax(most);
   if (most != kShadowSome) return most;
@@ -95,7 +117,8 @@ uint list_shadows(ShadowListRow list, ShadowCell cell, out uint place) {
     bool is_one = (bits >> round_of & 1u) != 0u;
     uvec4 ones = subgroupBallot(is_one);
     if (is_one) {
-      shadow_picks[at + subgroupBallotExclusiveBitCount(ones)] = list.first + round_of * gl_SubgroupSize + lane;
+      shadow_picks[at + subgroupBallotExclusiveBitCount(ones)] =
+          kept_entry(kept, round_of, list.first + round_of * gl_SubgroupSize + lane);
     }
     at += subgroupBallotBitCount(ones);
   }

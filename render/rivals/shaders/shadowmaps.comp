@@ -16,14 +16,15 @@ layout(set = 0, binding = FL_BINDING_SHADOW_LISTS, std430) readonly buffer Shado
   ShadowListRow shadow_lists[];
 };
 layout(set = 0, binding = FL_BINDING_SHADOWS, std430) readonly buffer ShadowsBuffer { ShadowRow shadows[]; };
+#include "render/shaders/lib/shadow_row.glsl"
 layout(set = 0, binding = FL_BINDING_SHADOW_MAPS, std430) writeonly buffer ShadowMapsBuffer { float shadow_maps[]; };
 
 // Where the light enters a shadow, m along the axis; FL_FAR_M: nowhere.
 float enters_m(uint shadow, vec2 rho, float lens_radius_m, float spread) {
-  uint outline = shadows[shadow].count - shadows[shadow].fronts;
+  uint outline = shadow_outline(shadow);
   float from_m = 0.0;
   float to_m = FL_FAR_M;
-  for (uint k = 0u; k < shadows[shadow].count && from_m <= to_m; ++k) {
+  for (uint k = 0u; k < shadow_planes(shadow) && from_m <= to_m; ++k) {
     vec4 plane = shadows[shadow].planes[k];
     float at_lens = dot(plane.xy, rho * lens_radius_m) - plane.w;
     float slope = dot(plane.xy, rho * spread) + plane.z;

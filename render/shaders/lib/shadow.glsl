@@ -5,11 +5,29 @@ layout(set = 0, binding = FL_BINDING_SHADOW_LISTS, std430) readonly buffer Shado
   ShadowListRow shadow_lists[];
 };
 layout(set = 0, binding = FL_BINDING_SHADOWS, std430) readonly buffer ShadowsBuffer { ShadowRow shadows[]; };
+#include "render/shaders/lib/shadow_row.glsl"
 
 // Planes are read four at a time, since Mesa ends the loops of a thread after 65,535 rounds. Everything is inside those
 // that fill up the last round.
 const uint kShadowRound = 4u;
-uint shadow_rounds(uint shadow) { return (shadows[shadow].count + kShadowRound - 1u) / kShadowRound; }
+uint shadow_rounds(uint shadow) { return (shadow_planes(shadow) + kShadowRound - 1u) / kShadowRound; }
+
+// A shadow in a rectangle of pixels: its number, and a bit for each of its planes that has some of the rectangle on
+// its outer side. Everything there is inside the others.
+const uint kAllPlanes = (1u << FL_SHADOW_PLANE_BITS) - 1u;
+uint shadow_entry(uint shadow, uint planes) { return shadow << FL_SHADOW_PLANE_BITS | planes; }
+uint entry_shadow(uint entry) { return entry >> FL_SHADOW_PLANE_BITS; }
+uint entry_planes(uint entry) { return entry & kAllPlanes; }
+// All planes of a shadow.
+uint shadow_whole(uint shadow) { return shadow_entry(shadow, (1u << shadow_planes(shadow)) - 1u); }
+// Rounds of a loop over planes; next_plane() gives the last one again where no other is left.
+uint plane_rounds(uint planes) { return (uint(bitCount(planes)) + kShadowRound - 1u) / kShadowRound; }
+uint next_plane(inout uint planes) {
+  uint own = uint(findLSB(planes));
+  uint rest = planes & (planes - 1u);
+  planes = rest != 0u ? rest : planes;
+  return own;
+}
 
 // Light that has passed this much of a body, m, is not hidden by it on a surface: else faces would hide themselves.
 const float kShadowSlackM = 1e-4;
@@ -95,18 +113,19 @@ void shadow_cell_end(inout ShadowCell cell, vec4 plane_m) {
   [[unroll]] for (int c = 0; c < 4; ++c) cell.end_m[c] = most < 1e7 ? plane_m[c] : cell.far_m;
 }
 
-const uint kShadowNone = 0u;  // it does not reach the cell
-const uint kShadowSome = 1u;
-const uint kShadowAll = 2u;   // all of the cell is in it
-uint shadow_in_cell(uint shadow, ShadowCell cell) {
-  uint rounds = shadow_rounds(shadow);
+// The entry of a shadow in a cell, from that in a larger one. FL_NONE: it does not reach the cell. Without planes: all
+// of the cell is in it.
+uint shadow_in_cell(uint entry, ShadowCell cell) {
+  uint shadow = entry_shadow(entry);
+  uint planes = entry_planes(entry);
+  uint rounds = plane_rounds(planes);
   bool outside = cell.near_m > cell.far_m;
-  bool all_inside = true;
-  uint outline = shadows[shadow].count - shadows[shadow].fronts;
+  uint crossing = 0u;
+  uint outline = shadow_outline(shadow);
   float slack_m = max(shadows[shadow].slack_m, kShadowAirSlackM);
   for (uint round_of = 0u; round_of < rounds && !outside; ++round_of) {
     [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
-      uint own = kShadowRound * round_of + k;
+      uint own = next_plane(planes);
       vec4 plane = shadows[shadow].planes[own];
       float at = dot(plane.xyz, cell.eye) - plane.w;
       vec2 least = vec2(FL_FAR_M);  // up to far_m, and up to the plane
@@ -128,10 +147,11 @@ uint shadow_in_cell(uint shadow, ShadowCell cell) {
       vec2 nearest = on_axis - reach;
       vec2 farthest = on_axis + reach;
       outside = outside || min(nearest.x, nearest.y) > slack;
-      all_inside = all_inside && ((!cell.is_thin && most <= 0.0) || max(farthest.x, farthest.y) <= 0.0);
+      bool inside = (!cell.is_thin && most <= 0.0) || max(farthest.x, farthest.y) <= 0.0;
+      if (!inside) crossing |= 1u << own;
     }
   }
-  return outside ? kShadowNone : all_inside ? kShadowAll : kShadowSome;
+  return outside ? FL_NONE : shadow_entry(shadow, crossing);
 }
 
 // What float may lose of a place in light space, m.
@@ -141,7 +161,7 @@ float shadow_rounding(vec3 p) { return 1e-6 * length(p) + 1e-7 * length(params.p
 // unit; 0: all of the sphere. Of a rectangular beam the radius is stretched.
 bool shadow_near(uint shadow, vec3 center, float radius_m, vec3 normal) {
   uint rounds = shadow_rounds(shadow);
-  uint outline = shadows[shadow].count - shadows[shadow].fronts;
+  uint outline = shadow_outline(shadow);
   float slack_m = max(shadows[shadow].slack_m, kShadowSlackM) + shadow_rounding(center);
   bool may = true;
   for (uint round_of = 0u; round_of < rounds && may; ++round_of) {
@@ -172,7 +192,7 @@ bool shadow_holds(uint shadow, uint round_of, uint outline, vec3 p, vec3 aside, 
 const uint kNoFixture = FL_NONE - 1u;  // and FL_NONE is what belongs to none
 bool is_in_shadow(uint shadow, vec3 p, vec3 aside, uint fixture, float rounding_m) {
   uint rounds = shadow_rounds(shadow);
-  uint outline = shadows[shadow].count - shadows[shadow].fronts;
+  uint outline = shadow_outline(shadow);
   float slack_m = max(shadows[shadow].slack_m, kShadowSlackM) + rounding_m;
   bool dark = shadows[shadow].fixture != fixture && shadow_holds(shadow, 0u, outline, p, aside, slack_m);
   for (uint next = 1u; next < rounds && dark; ++next) dark = shadow_holds(shadow, next, outline, p, aside, slack_m);
@@ -202,16 +222,24 @@ ShadowChord shadow_chord(BeamRow row, BeamShape beam, Chord chord, vec3 ray) {
   ends.to = back * vec4(chord.base + ray * chord.t_to_m, -1.0) / chord.w_to;
   return ends;
 }
-bool shadow_part(uint shadow, ShadowChord ends, out float x0, out float x1) {
+// entry: in a rectangle that shows the chord.
+bool shadow_part(uint entry, ShadowChord ends, out float x0, out float x1) {
   x0 = 0.0;
   x1 = 1.0;
-  uint rounds = shadow_rounds(shadow);
+  uint shadow = entry_shadow(entry);
+  uint planes = entry_planes(entry);
+  uint rounds = plane_rounds(planes);
   bool dark = true;
   for (uint round_of = 0u; round_of < rounds && dark; ++round_of) {
     [[unroll]] for (uint k = 0u; k < kShadowRound; ++k) {
-      vec4 plane = shadows[shadow].planes[kShadowRound * round_of + k];
+      vec4 plane = shadows[shadow].planes[next_plane(planes)];
       dark = shadow_cut(dot(plane, ends.from), dot(plane, ends.to), x0, x1) && dark;
     }
   }
   return dark;
+}
+void shadow_parts_join(inout ShadowParts parts, uint entry, ShadowChord ends) {
+  float x0;
+  float x1;
+  if (shadow_part(entry, ends, x0, x1)) shadow_parts_add(parts, x0, x1);
 }

@@ -7,7 +7,7 @@
 //
 // tile_walk() puts 256 beams of the supertile's mask to the test of the including pass, bool tile_takes(uint beam, uint
 // number), shared out among the threads; `number` counts from `base`. FL_WALK_ALSO(word): a word of bits of further
-// beams.
+// beams. FL_WALK_BITS(word): a word of the beams that FL_WALK_BEGIN takes.
 // All threads of the group must call it together; it returns the same for all.
 //
 // A thread has FL_ROWS pixels, one below the other, so that a beam's row is read once for all of them: on an H200
@@ -33,6 +33,9 @@ uint walk_mask(uint word) { return masks[word]; }
 #endif
 #ifndef FL_WALK_ALSO
 #define FL_WALK_ALSO(word) 0u
+#endif
+#ifndef FL_WALK_BITS
+#define FL_WALK_BITS(word) walk_bits[word]
 #endif
 
 // The number of that word, of beams word * 32 and the following.
@@ -68,7 +71,7 @@ bool tile_walk(uint base) {
 // The word is made uniform over the subgroup: compilers then keep its threads together through the loop.
 #define FL_WALK_BEGIN(base, index)                                 \
   for (uint walk_w = 0u; walk_w < 8u; ++walk_w) {                  \
-    uint walk_rest = subgroupBroadcastFirst(walk_bits[walk_w]);    \
+    uint walk_rest = subgroupBroadcastFirst(FL_WALK_BITS(walk_w)); \
     while (walk_rest != 0u) {                                      \
       uint index = base + walk_w * 32u + uint(findLSB(walk_rest)); \
       walk_rest &= walk_rest - 1u;

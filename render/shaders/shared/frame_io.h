@@ -110,7 +110,7 @@
 // rows of the ShadowRow table; the first word is the number of words in use.
 #define FL_BINDING_SHADOW_WORDS (83 + FL_LAMP_COUNT)
 #define FL_BINDING_SHADOW_PICKS (84 + FL_LAMP_COUNT)
-#define FL_BINDING_SHADE_MASKS (85 + FL_LAMP_COUNT)  // as the fine masks: beams whose dark parts are left to pixels
+#define FL_BINDING_SHADE_WORDS (85 + FL_LAMP_COUNT)  // ShadowWordRow, one a word of the fine masks
 // Panes that the sun shines through (shafts.comp): PaneRow; their images with all levels of detail, two words a texel
 // of half floats; bits of the occluders that reach into each shaft.
 #define FL_BINDING_PANES (86 + FL_LAMP_COUNT)
@@ -573,23 +573,26 @@ struct ShadowListRow {
 };
 // Beams of a word of a supertile's mask that have shadows there, but are not all in one, and where in the picks the
 // places of their lists stand, in the order of the beams; FL_NONE: all their shadows count. A list is its length and
-// the numbers of ShadowRows.
+// an entry a shadow: bits of its planes that cross what the rectangle shows, and above them the number of its
+// ShadowRow. Of a fine mask: beams whose shadows are left to pixels; FL_NONE: the supertile's list counts.
 struct ShadowWordRow {
   uint beams;
   uint first;
 };
 // A ShadowPrism (shadow.h), 208 bytes. Planes: normal, offset, in the beam's light space.
 struct ShadowRow {
-  uint count;
-  uint fronts;
+  uint count;     // of planes; << 8: of them, those at the end that are fronts
+  uint occluder;  // its row
   uint fixture;   // as OccluderRow
   float slack_m;  // likewise
   vec4 planes[12];  // filled up to a multiple of 4
 };
-#define FL_SHADOW_BYTES_MAX 134217728  // of the table of ShadowRow
-// Words that the lists of all supertiles together have, for each supertile: so many a beam of the rig, and at least
-// FL_PICKS_MIN. All together at most FL_SHADOW_BYTES_MAX.
-#define FL_PICKS_A_BEAM 4
+#define FL_SHADOW_PLANE_BITS 12        // of an entry of a list
+#define FL_SHADOW_ROWS_MAX 1048575     // what the other bits can number
+// Words that all lists together have, for each supertile: so many a beam of the rig, and at least FL_PICKS_MIN. All
+// together at most FL_PICKS_BYTES_MAX, or what a table of the device may have.
+#define FL_PICKS_A_BEAM 8
+#define FL_PICKS_BYTES_MAX 536870912
 #define FL_PICKS_MIN 256
 
 // A solid that light ends at and may be reflected by, 96 bytes. Inside it all dual[i].xyz . place + dual[i].w are
