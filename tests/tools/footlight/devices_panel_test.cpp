@@ -106,9 +106,11 @@ class Ui {
 };
 
 TEST_CASE("without outputs the panel says how to add one, and what drives the rig") {
-  Ui ui;
+  OutputsView view;
+  Ui ui(&view);
   const std::string words = ui.words();
   CHECK(has(words, "--output ENDPOINT"));
+  CHECK(has(words, "No DMX interface"));
   CHECK(has(words, "faders drive the rig"));
 }
 
@@ -199,6 +201,28 @@ TEST_CASE("armed outputs are disarmed and blacked out by one click") {
   CHECK(has(dark, "end the blackout"));
   CHECK(has(dark, "zeros"));
   CHECK(!has(dark, "LIVE"));
+}
+
+TEST_CASE("interfaces that are plugged in are listed with their fix, and a click adds one for a universe of the rig") {
+  OutputsView view;
+  view.universes = {3, 5};
+  view.devices.resize(2);
+  view.devices[0] = {"enttec-pro:EN1", "ENTTEC DMX USB Pro", "ready", "", true};
+  view.devices[1] = {"udmx:port-1", "uDMX", "no-permission", "not yours: sudo something", false};
+  Ui ui(&view);
+  CHECK(view.looks);
+  const std::string words = ui.words();
+  for (const char* part : {"There are none", "enttec-pro:EN1", "ready", "udmx:port-1", "sudo something", "universe"}) {
+    INFO(part);
+    CHECK(has(words, part));
+  }
+  CHECK(ui.click_over(Ui::body(), false, [&] {
+    if (Ui::asks()) ImGui::ClosePopupToLevel(0, true);  // the list of universes
+    return view.add.has_value();
+  }));
+  CHECK(view.add == "enttec-pro:EN1=3");
+  view.refusal = "enttec-pro:EN1=3: it is in the list already";
+  CHECK(has(ui.words(), "in the list already"));
 }
 
 TEST_CASE("the band names what is live, and a blackout") {

@@ -312,6 +312,50 @@ TEST_CASE("outputs that cannot be meant are refused before the window opens, wit
   CHECK(has(refusal({"sacn:1"}), "VR Stage Lighting"));
 }
 
+TEST_CASE("an output is added while others are armed, and is not armed itself") {
+  Window window({"sacn:1-2"});
+  window.view.arm = {0};
+  REQUIRE(window.until(200, [&] { return window.wires[0]->last() == 200; }));
+  auto more = plan_outputs(std::vector<std::string>{"artnet:1"}, scene_of(kUiRig));
+  REQUIRE(more);
+  const PlannedOutput planned = more->outputs[0];
+  REQUIRE(window.outputs->add(planned));
+  for (int i = 0; i < 50; ++i) window.picture(200);
+  REQUIRE(window.view.rows.size() == 2);
+  CHECK(window.off(1));
+  CHECK(window.opened == 1);
+  CHECK(!window.outputs->add(planned));  // twice
+  PlannedOutput unknown = planned;
+  unknown.endpoint.text = "artnet:7";
+  unknown.universes = {7};
+  CHECK(!window.outputs->add(unknown));
+  window.view.arm = {1};
+  CHECK(window.until(30, [&] { return window.wires[1]->last() == 30 && window.wires[0]->last() == 30; }));
+}
+
+TEST_CASE("devices that are plugged in can be outputs only if they are ready and have one") {
+  drivers::DeviceList list;
+  list.devices.resize(4);
+  list.devices[0].endpoint = "enttec-pro:EN1";
+  list.devices[0].capabilities = drivers::kCanOutput | drivers::kCanInput;
+  list.devices[1] = list.devices[0];
+  list.devices[1].readiness = drivers::Readiness::kNoPermission;
+  list.devices[1].reason = "not yours";
+  list.devices[1].remedy = "sudo install the rules";
+  list.devices[2] = list.devices[0];
+  list.devices[2].capabilities = drivers::kCanInput;
+  list.devices[3].readiness = drivers::Readiness::kNotDmx;
+  const auto plugged = plugged_devices(list);
+  REQUIRE(plugged.size() == 4);
+  CHECK(plugged[0].can_send);
+  CHECK(plugged[0].state == "ready");
+  CHECK(plugged[0].fix.empty());
+  CHECK(!plugged[1].can_send);
+  CHECK(plugged[1].fix == "not yours: sudo install the rules");
+  CHECK(!plugged[2].can_send);
+  CHECK(!plugged[3].can_send);
+}
+
 TEST_CASE("a rig whose fixtures have no address has no universe of its own, whatever its faders use") {
   fixtures::Rig rig = parsed_rig(kUiRig);
   for (auto& fixture : rig.fixtures) {

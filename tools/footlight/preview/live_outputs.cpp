@@ -47,12 +47,25 @@ Status check_kind(const Endpoint& endpoint) {
 
 }  // namespace
 
+Status check_outputs(std::span<const std::string> texts) {
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    FL_ASSIGN(const Endpoint endpoint, parse_port(texts[i]));
+    FL_TRY(check_kind(endpoint));
+    if (std::find(texts.begin(), texts.begin() + static_cast<std::ptrdiff_t>(i), texts[i]) !=
+        texts.begin() + static_cast<std::ptrdiff_t>(i)) {
+      return fail(ErrorCode::kBadInput, "--output {}: named twice; expected it once", texts[i]);
+    }
+  }
+  return {};
+}
+
 Result<OutputPlan> plan_outputs(std::span<const std::string> texts, const PreviewScene& scene) {
+  FL_TRY(check_outputs(texts));
   OutputPlan plan;
+  plan.universes = scene.own_universes;
   const auto& own = scene.own_universes;
   for (const std::string& text : texts) {
     FL_ASSIGN(Endpoint endpoint, parse_port(text));
-    FL_TRY(check_kind(endpoint));
     if (scene.written) {
       return fail(
           ErrorCode::kBadInput,
@@ -66,10 +79,6 @@ Result<OutputPlan> plan_outputs(std::span<const std::string> texts, const Previe
           "--output {}: no fixture of this rig has an address, and the made-up ones of its faders are not sent; "
           "give the fixtures addresses (key F3, or 'footlight rig edit')",
           text);
-    }
-    if (std::any_of(plan.outputs.begin(), plan.outputs.end(),
-                    [&](const PlannedOutput& other) { return other.endpoint.text == text; })) {
-      return fail(ErrorCode::kBadInput, "--output {}: named twice; expected it once", text);
     }
     std::vector<Universe> universes = endpoint.show_universes();
     if (universes.empty()) universes = own;  // a log
@@ -93,11 +102,25 @@ Result<OutputPlan> plan_outputs(std::span<const std::string> texts, const Previe
   return plan;
 }
 
+std::vector<PluggedDevice> plugged_devices(const drivers::DeviceList& list) {
+  std::vector<PluggedDevice> plugged;
+  for (const drivers::FoundDevice& device : list.devices) {
+    PluggedDevice& one = plugged.emplace_back();
+    one.endpoint = device.endpoint;
+    one.model = printable_line(device.model_name);
+    one.state = drivers::name_of(device.readiness);
+    const bool ready = device.readiness == drivers::Readiness::kReady;
+    one.can_send = ready && !device.endpoint.empty() && (device.capabilities & drivers::kCanOutput) != 0;
+    if (!ready) one.fix = device.remedy.empty() ? device.reason : fmt::format("{}: {}", device.reason, device.remedy);
+  }
+  return plugged;
+}
+
 Result<std::unique_ptr<LiveOutputs>> LiveOutputs::start(OutputPlan plan, Open open, Clock& clock) {
   std::unique_ptr<LiveOutputs> live(new LiveOutputs());
   live->clock_ = &clock;
   live->open_ = std::move(open);
-  std::vector<Universe> universes;
+  std::vector<Universe> universes = plan.universes;
   for (PlannedOutput& planned : plan.outputs) {
     universes.insert(universes.end(), planned.universes.begin(), planned.universes.end());
     live->outputs_.emplace_back().plan = std::move(planned);
@@ -124,6 +147,22 @@ LiveOutputs::~LiveOutputs() {
   thread_.join();
 }
 
+Status LiveOutputs::add(PlannedOutput planned) {
+  const std::string& text = planned.endpoint.text;
+  for (const Output& other : outputs_) {
+    if (other.plan.endpoint.text == text) return fail(ErrorCode::kBadInput, "{}: it is in the list already", text);
+  }
+  const std::vector<Universe> unknown = without(planned.universes, universes_->numbers());
+  if (!unknown.empty()) {
+    return fail(
+        ErrorCode::kBadInput,
+        "{}: the rig did not use universe {} when its first output was added; start the window with --output {}", text,
+        show_universes(unknown), text);
+  }
+  outputs_.emplace_back().plan = std::move(planned);
+  return {};
+}
+
 void LiveOutputs::give(std::span<const Universe> universes, std::span<const std::uint8_t> levels,
                        std::span<const Universe> sendable) {
   sendable_.assign(sendable.begin(), sendable.end());
@@ -137,7 +176,7 @@ void LiveOutputs::arm(std::size_t index) {
   output.cancelled = false;
   output.trouble.clear();
   const NoSignals for_the_thread;
-  output.opening = std::async(std::launch::async, [this, plan = &output.plan] { return open_(*plan); });
+  output.opening = std::async(std::launch::async, [this, plan = output.plan] { return open_(plan); });
 }
 
 void LiveOutputs::take_opened(Output& output) {

@@ -23,6 +23,7 @@
 #include <thread>
 #include <vector>
 
+#include "drivers/registry.h"
 #include "sim/core/clock.h"
 #include "sim/core/endpoint.h"
 #include "sim/core/ports.h"
@@ -41,11 +42,17 @@ struct PlannedOutput {
 };
 struct OutputPlan {
   std::vector<PlannedOutput> outputs;
+  std::vector<Universe> universes;    // of the rig, ascending: outputs for them can be added
   std::vector<std::string> warnings;  // universes that are left out, and why
 };
-// Opens nothing. kBadInput for an endpoint that is an input or has its own window, for one that is named twice, for a
-// rig whose levels are not those of real lamps, and for an output without any universe in which the rig has an address.
+// kBadInput for an endpoint that is an input or has its own window, and for one that is named twice.
+[[nodiscard]] Status check_outputs(std::span<const std::string> texts);
+// Opens nothing. Errors: those of check_outputs(); kBadInput for a rig whose levels are not those of real lamps, and
+// for an output without any universe in which the rig has an address.
 [[nodiscard]] Result<OutputPlan> plan_outputs(std::span<const std::string> texts, const PreviewScene& scene);
+
+// What `footlight devices` lists, for the panel.
+[[nodiscard]] std::vector<PluggedDevice> plugged_devices(const drivers::DeviceList& list);
 
 class LiveOutputs {
  public:
@@ -62,7 +69,10 @@ class LiveOutputs {
   // As OutputFeed::give().
   void give(std::span<const Universe> universes, std::span<const std::uint8_t> levels,
             std::span<const Universe> sendable);
-  // Carries out what the view asks for, and makes it show what is.
+  // One more output, not armed. kBadInput if it is there already, or carries a universe that the plan of start() did
+  // not have.
+  Status add(PlannedOutput planned);
+  // Carries out what the view asks of its rows, and makes it show what is.
   void follow(OutputsView& view);
 
   // Does nothing with one that is not kOff.

@@ -63,7 +63,7 @@ void Preview::draw_ui() {
     if (live_) input.status = &facts_.status;
     if (player_) input.transport = &controls_.transport;
     if (curve_) input.curve = &*curve_;
-    if (outputs_) input.outputs = &outputs_view_;
+    input.outputs = &outputs_view_;
     input.now_ns = clock_.now_ns();
     input.scale = window_->ui_scale();
     panels_.draw(*desk_, input, static_cast<float>(where.size.x), static_cast<float>(where.size.y));

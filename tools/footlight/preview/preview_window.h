@@ -88,7 +88,7 @@ class Preview {
   }
 
   // Outputs to real lamps: preview_outputs.cpp.
-  Status open_outputs();
+  Status open_outputs(std::span<const std::string> texts);
   void drive_outputs();
   bool call_outputs(const UiCall& call);
 
@@ -147,6 +147,7 @@ class Preview {
   std::unique_ptr<LiveOutputs> outputs_;  // null: there are none
   OutputsView outputs_view_;
   bool outputs_told_ = false;        // that there are some, with the first picture
+  TimeNs looked_ns_ = 0;             // for devices that are plugged in
   std::optional<LightCurve> curve_;  // of the log, from the moments of its index
 
   std::unique_ptr<render::vk::Device> device_;  // outlives the window's swapchain

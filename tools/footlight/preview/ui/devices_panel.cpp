@@ -67,11 +67,19 @@ class DevicesPanel final : public Panel {
     draw_inputs(input);
     ImGui::Dummy({0, 4 * input.scale});
     ui_text(kUiAmber, "Outputs to real lamps");
-    if (input.outputs == nullptr) {
+    if (input.outputs == nullptr) return;
+    draw_all_outputs(input);
+    ImGui::Dummy({0, 4 * input.scale});
+    ui_text(kUiAmber, "Plugged in");
+    input.outputs->looks = true;
+    draw_devices(*input.outputs);
+  }
+
+ private:
+  void draw_all_outputs(const UiInput& input) {
+    if (input.outputs->rows.empty()) {
       asks_.reset();
-      wrapped(kUiDim,
-              "There are none. `footlight preview RIG --output ENDPOINT` adds one; `footlight devices` lists what "
-              "is plugged in.");
+      wrapped(kUiDim, "There are none. `footlight preview RIG --output ENDPOINT` adds one.");
       return;
     }
     draw_buttons(*input.outputs, input.scale);
@@ -80,7 +88,6 @@ class DevicesPanel final : public Panel {
     draw_question(input);
   }
 
- private:
   // Six columns: endpoint, state, universes, frames, rate, the last one.
   static bool begin_table(const char* id, const char* last, float last_width) {
     if (!ImGui::BeginTable(id, 6, ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp)) return false;
@@ -225,6 +232,39 @@ class DevicesPanel final : public Panel {
     }
   }
 
+  // DMX interfaces of this machine, and a button that adds one as an output.
+  void draw_devices(OutputsView& outputs) {
+    if (outputs.devices.empty()) wrapped(kUiDim, "No DMX interface. `footlight doctor` checks this machine.");
+    const bool sends = std::any_of(outputs.devices.begin(), outputs.devices.end(),
+                                   [](const PluggedDevice& device) { return device.can_send; });
+    if (sends && !outputs.universes.empty()) draw_universe(outputs.universes);
+    for (std::size_t i = 0; i < outputs.devices.size(); ++i) {
+      const PluggedDevice& device = outputs.devices[i];
+      ImGui::PushID(static_cast<int>(i));
+      ui_text(kUiText, device.endpoint.empty() ? device.model : device.endpoint + "  " + device.model);
+      ImGui::SameLine();
+      ui_text(device.fix.empty() ? kUiGreen : kUiAmber, device.state);
+      if (device.can_send && !outputs.universes.empty()) {
+        ImGui::SameLine();
+        if (ImGui::SmallButton("add")) outputs.add = fmt::format("{}={}", device.endpoint, universe_);
+      }
+      if (!device.fix.empty()) wrapped(kUiDim, device.fix);
+      ImGui::PopID();
+    }
+    if (!outputs.refusal.empty()) wrapped(kUiRed, outputs.refusal);
+  }
+
+  // That an interface is added for.
+  void draw_universe(const std::vector<Universe>& universes) {
+    if (!std::binary_search(universes.begin(), universes.end(), universe_)) universe_ = universes.front();
+    ImGui::SetNextItemWidth(ImGui::GetFontSize() * 5);
+    if (!ImGui::BeginCombo("is the universe that `add` sends", fmt::format("{}", universe_).c_str())) return;
+    for (const Universe universe : universes) {
+      if (ImGui::Selectable(fmt::format("{}", universe).c_str(), universe == universe_)) universe_ = universe;
+    }
+    ImGui::EndCombo();
+  }
+
   void asks(std::size_t which) {
     asks_ = which;
     opens_ = true;
@@ -277,6 +317,7 @@ class DevicesPanel final : public Panel {
   std::optional<std::size_t> asks_;  // which output the question is about, or kAll
   bool opens_ = false;               // the question opens with this picture
   bool clear_ = false;               // its tick
+  Universe universe_ = kUniverseMin;
 };
 
 }  // namespace

@@ -39,16 +39,30 @@ struct OutputRow {
   [[nodiscard]] std::vector<Universe> sent() const;
 };
 
+// A DMX interface that is plugged in.
+struct PluggedDevice {
+  std::string endpoint;  // "enttec-pro:EN172589"; empty: not known to be one
+  std::string model;
+  std::string state;      // "ready", "no-permission" ...
+  std::string fix;        // why it cannot be used, and the command that helps; empty if it is ready
+  bool can_send = false;  // it is ready and has an output
+};
+
 struct OutputsView {
   // What is.
   std::vector<OutputRow> rows;
   Darkness darkness = Darkness::kNone;
-  std::string notice;  // the newest event
+  std::string notice;                  // the newest event
+  std::vector<Universe> universes;     // in which the rig has an address of its own, ascending
+  std::vector<PluggedDevice> devices;  // while somebody looks for them; at most two seconds old
+  std::string refusal;                 // why the last output that was to be added was not; empty: it was
 
   // What the user asks for; the loop carries it out and resets it. Indices into rows.
   std::vector<std::size_t> arm;
   std::vector<std::size_t> disarm;
-  std::optional<bool> blackout;  // false: ends
+  std::optional<bool> blackout;    // false: ends
+  std::optional<std::string> add;  // an endpoint; it is not armed
+  bool looks = false;              // for devices; asked for with each picture
 
   // How many of them send.
   [[nodiscard]] std::size_t live_count() const;

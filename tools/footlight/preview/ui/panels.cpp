@@ -45,7 +45,7 @@ constexpr std::array<PanelInfo, 6> kPanels{{
      GLFW_KEY_F6,
      "F6",
      "inputs and outputs; arms outputs to real lamps",
-     {0.5f, 0.5f, 700, 320, 0.6f},
+     {0.5f, 0.5f, 700, 380, 0.6f},
      make_devices_panel},
 }};
 

@@ -27,7 +27,7 @@ struct UiInput {
   TimeNs now_ns = 0;                     // on the clock of the stamps
   Transport* transport = nullptr;        // of the log that plays; its second part may be changed
   const LightCurve* curve = nullptr;     // of it; may be missing
-  OutputsView* outputs = nullptr;        // to real lamps; its second part may be changed. nullptr: there are none
+  OutputsView* outputs = nullptr;        // to real lamps; its second part may be changed
   float scale = 1;                       // of the user interface
 };
 
