@@ -169,6 +169,23 @@ TEST_CASE("clicks anywhere in the panel arm nothing: a question comes, whose but
   CHECK(!Ui::asks());
 }
 
+TEST_CASE("a panel that is closed with its question leaves the other windows usable, and arms nothing when it is back") {
+  OutputsView view = two_outputs();
+  Ui ui(&view);
+  REQUIRE(ui.click_over(Ui::body(), false, [] { return Ui::asks(); }));
+  for (int i = 0; i < 2; ++i) ui.frame();
+  ui.open.set_open(kDevices, false, ui.desk);
+  ui.open.set_open(1, true, ui.desk);  // another panel
+  for (int i = 0; i < 3; ++i) ui.frame();
+  CHECK(!Ui::asks());
+  ui.open.set_open(1, false, ui.desk);
+  ui.open.set_open(kDevices, true, ui.desk);
+  for (int i = 0; i < 3; ++i) ui.frame();
+  CHECK(!Ui::asks());
+  CHECK(ui.click_over(Ui::body(), false, [&] { return view.blackout.has_value() || Ui::asks(); }));
+  CHECK(view.arm.empty());
+}
+
 TEST_CASE("armed outputs are disarmed and blacked out by one click") {
   OutputsView view = two_outputs();
   view.rows[1].state = ArmState::kArmed;

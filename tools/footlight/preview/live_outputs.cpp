@@ -14,6 +14,7 @@ namespace footlight::tools {
 namespace {
 
 constexpr std::size_t kNoticesMax = 64;
+static_assert(OutputFeed::kSilenceMaxNs == 2'500 * kNsPerMs);  // as messages, here and of blackout_words(), say
 
 bool has(std::span<const Universe> ascending, Universe universe) {
   return std::binary_search(ascending.begin(), ascending.end(), universe);
@@ -230,7 +231,9 @@ void LiveOutputs::follow(OutputsView& view) {
   for (const std::size_t index : std::exchange(view.disarm, {})) disarm(index);
   if (const auto blackout = std::exchange(view.blackout, std::nullopt)) *blackout ? black_out() : lift();
 
-  const PumpStatus status = pump_->latest_status();
+  const bool any_armed =
+      std::any_of(outputs_.begin(), outputs_.end(), [](const Output& one) { return one.state == ArmState::kArmed; });
+  const PumpStatus status = any_armed ? pump_->latest_status() : PumpStatus{};
   view.rows.resize(outputs_.size());
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
     Output& output = outputs_[i];
