@@ -169,7 +169,7 @@ TEST_CASE("clicks anywhere in the panel arm nothing: a question comes, whose but
   CHECK(!Ui::asks());
 }
 
-TEST_CASE("a panel that is closed with its question leaves the other windows usable, and arms nothing when it is back") {
+TEST_CASE("a panel that is closed takes its question along, and arms nothing when it is back") {
   OutputsView view = two_outputs();
   Ui ui(&view);
   REQUIRE(ui.click_over(Ui::body(), false, [] { return Ui::asks(); }));

@@ -13,7 +13,7 @@
 namespace footlight::tools {
 namespace {
 
-constexpr std::size_t kNoticesMax = 64;
+constexpr std::size_t kOutputNoticesMax = 64;
 static_assert(OutputFeed::kSilenceMaxNs == 2'500 * kNsPerMs);  // as messages, here and of blackout_words(), say
 
 bool has(std::span<const Universe> ascending, Universe universe) {
@@ -261,7 +261,7 @@ void LiveOutputs::follow(OutputsView& view) {
 
 void LiveOutputs::note(std::string text) {
   const std::lock_guard lock(mutex_);
-  if (notices_.size() == kNoticesMax) notices_.erase(notices_.begin());
+  if (notices_.size() == kOutputNoticesMax) notices_.erase(notices_.begin());
   notices_.push_back(std::move(text));
 }
 

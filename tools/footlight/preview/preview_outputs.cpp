@@ -23,6 +23,10 @@ Status Preview::open_outputs(std::span<const std::string> texts) {
   if (texts.empty()) return {};
   FL_ASSIGN(OutputPlan plan, plan_outputs(texts, *edited_->scene()));
   for (const std::string& warning : plan.warnings) fmt::print(stderr, "footlight: {}\n", warning);
+  if (options_.flashes == FlashMode::kLimit) {
+    fmt::print(stderr,
+               "footlight: --flashes limit holds back the picture, not outputs; 'footlight run' has it for them\n");
+  }
   if (outputs_) {
     for (PlannedOutput& planned : plan.outputs) FL_TRY(outputs_->add(std::move(planned)));
   } else {
