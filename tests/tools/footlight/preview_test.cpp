@@ -66,16 +66,25 @@ TEST_CASE("a log and a live input at once are refused before a window opens") {
   CHECK(contains(outcome.err, "--log and --in"));
 }
 
+TEST_CASE("an output that cannot be one is refused before a window opens") {
+  const Outcome outcome = footlight({"preview", "--demo", "--output", "gpio:mock/2=1.25"});
+  if (contains(outcome.err, "libglfw3-dev")) return;  // a build without a window
+  CHECK(outcome.exit_code == 2);
+  CHECK(contains(outcome.err, "gpio:mock/2=1.25: this is an input"));
+}
+
 TEST_CASE("the demo opens, draws, saves a picture and closes without a message from the validation layer") {
   if (!can_open_window()) return;
   const TempFolder folder;
   const int code =
-      preview(folder, "--demo --at 12s --seconds 1 --size 320x180 --json --screenshot " + folder.file("a.png"));
+      preview(folder, "--demo --at 12s --seconds 1 --size 320x180 --json --output log:" + folder.file("sent.dmxlog") +
+                          " --panels devices --screenshot " + folder.file("a.png"));
   const std::string err = read(folder.file("err"));
   if (contains(err, "libglfw3-dev")) return;
   INFO(err);
   REQUIRE(code == 0);
   CHECK(err.empty());
+  CHECK(!std::filesystem::exists(folder.file("sent.dmxlog")));  // an output that was not armed
   const nlohmann::json line = summary(folder);
   CHECK(line["event"] == "summary");
   CHECK(line["validation_messages"] == 0);

@@ -67,6 +67,8 @@ constexpr Special kSpecials[] = {
      kWindow},
     {"footlight preview rig.toml --in sacn:1-9 --ms 8", "footlight render rig.toml --at 1s --error 5% -o preview5.png",
      kSmall, 0, kWindow},
+    {"footlight preview rig.toml --output enttec-pro", "footlight render rig.toml --at 1s -o preview6.png", kSmall, 0,
+     kWindow},
     {"footlight preview show.mvr", "footlight render show.mvr --at 1s -o preview3.png", kSmall, 0, kWindow},
     {"footlight preview head.gdtf", "footlight render head.gdtf --at 1s -o preview4.png", kSmall, 0, kWindow},
     {"footlight render rig.toml --log show.dmxlog --at 12.5s --size 1920x1080 -o frame.png",

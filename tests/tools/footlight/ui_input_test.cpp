@@ -128,6 +128,19 @@ TEST_CASE("a key that is held does again only what may be repeated") {
   CHECK(actions({GLFW_KEY_L, "l"}, GLFW_RELEASE).empty());
 }
 
+TEST_CASE("blackout has a key of its own in every keyboard, one more that acts while text is typed, and no key arms") {
+  CHECK(actions({GLFW_KEY_B, "b", 'b'}) == Actions{UiAction::kBlackout});
+  CHECK(actions({GLFW_KEY_N, "b", 'b'}) == Actions{UiAction::kBlackout});  // Dvorak
+  CHECK(actions({GLFW_KEY_B, "b", 'b'}, GLFW_REPEAT).empty());
+  CHECK(actions({GLFW_KEY_F9, nullptr}) == Actions{UiAction::kBlackout});
+  CHECK(actions({GLFW_KEY_B, "b", 'B', GLFW_MOD_SHIFT}) == Actions{UiAction::kEndBlackout});
+  CHECK(actions({GLFW_KEY_D, "d", 0, GLFW_MOD_CONTROL}) == Actions{UiAction::kDisarm});
+  CHECK(acts_always({GLFW_KEY_F9, 0, false}));
+  CHECK(!acts_always({GLFW_KEY_F9, GLFW_MOD_ALT, false}));
+  CHECK(!acts_always({GLFW_KEY_B, 0, false}));
+  CHECK(!acts_always({GLFW_KEY_F8, 0, false}));
+}
+
 TEST_CASE("a drag between two pictures begins where the button went down and ends where it went up") {
   MouseQueue mouse;
   CHECK(!mouse.next());

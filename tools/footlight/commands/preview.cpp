@@ -25,10 +25,13 @@ void add(Arguments& arguments) {
   auto body_error = std::make_shared<std::optional<double>>();
   add_scene_arguments(arguments, options->files);
   arguments.list("--in,-i", options->ins, "ENDPOINT", "live input for the rig; may be given several times");
+  arguments.list("--output", options->outputs, "ENDPOINT",
+                 "output of the picture's levels to real lamps, which sends nothing until it is armed in the window "
+                 "(F6); may be given several times");
   arguments.duration("--at", options->at_ns, "start time in the log [0]");
   arguments.option("--camera", options->camera, "NAME", "a camera of the rig; default: its first one");
   arguments.option("--panels", options->panels, "WORDS",
-                   "panels that are open at the start: universes, fixtures, inspector, keys");
+                   "panels that are open at the start: universes, fixtures, inspector, timeline, devices, keys");
   arguments.option("--select", options->select, "NAME", "fixtures that are selected at the start; * for any text");
   arguments.option("--work-light", options->work_light_lx, 0, 1e6,
                    "lx on every surface, key W turns it off and on; default without input: 150 or more");
@@ -94,11 +97,13 @@ extern const CommandInfo preview_command{
         "  footlight preview rig.toml --in sacn:1-9            live\n"
         "  footlight preview rig.toml --in sacn:1-9 --ms 8     as exact as 8 ms of the GPU allow\n"
         "  footlight preview rig.toml --in enttec-pro --in artnet:2-9\n"
+        "  footlight preview rig.toml --in sacn:1-9 --output enttec-pro    F6 arms it for real lamps\n"
         "  footlight preview show.mvr                          with faders\n"
         "  footlight preview head.gdtf                         one fixture alone\n"
         "  footlight preview --demo --panels universes,inspector --select 'Spot 1'\n"
         "Click selects a fixture, left drag orbits, right drag pans, the wheel zooms. Keys: F1 lists them all, F2 the\n"
-        "universes, F3 the fixtures, F4 the inspector, 1-9 cameras, F frames what is selected, Ctrl+Z undoes, H hides\n"
+        "universes, F3 the fixtures, F4 the inspector, F6 inputs and outputs, B is the blackout of outputs, 1-9 "
+        "cameras, F frames what is selected, Ctrl+Z undoes, H hides\n"
         "the side panel, Esc closes. docs/window.md says more. Without a display use footlight render.",
     .add = add,
 };

@@ -4,11 +4,29 @@
 #include <unordered_map>
 #include <utility>
 
+#include "fixtures/displays/pixel_slots.h"
 #include "fixtures/edit/patch_slots.h"
 #include "fixtures/simulate/vrsl_compat.h"
 #include "tools/footlight/pictures/start_view.h"
 
 namespace footlight::tools {
+namespace {
+
+// Ascending, each once.
+std::vector<Universe> used_universes(const fixtures::Rig& rig) {
+  std::vector<Universe> used;
+  for (const fixtures::PatchedFixture& fixture : rig.fixtures) {
+    if (!fixture.patched) continue;
+    used.push_back(fixture.universe);
+    for (const auto& further : fixture.further_addresses) used.push_back(further.universe);
+  }
+  for (const fixtures::PixelSlots& pixels : fixtures::pixel_slots(rig)) used.push_back(pixels.universe);
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  return used;
+}
+
+}  // namespace
 
 Result<std::unique_ptr<EditedScene>> EditedScene::make(RigFile file, const SceneFiles& files, double aspect,
                                                        bool by_hand) {
@@ -52,11 +70,12 @@ std::unique_ptr<HandLevels> moved_hand(const HandLevels& hand, const PreviewScen
 Status EditedScene::remake(std::vector<int> ids) {
   const auto free = std::find_if(held_.begin(), held_.end(),
                                  [](const SharedScene& each) { return each.use_count() == 1 && !each->written; });
-  SharedScene next = free != held_.end() ? *free : std::make_shared<PreviewScene>(PreviewScene{base_, {}, {}, {}});
+  SharedScene next = free != held_.end() ? *free : std::make_shared<PreviewScene>(PreviewScene{base_, {}, {}, {}, {}});
   next->rig.fixtures = file_.rig().fixtures;
   next->ids = std::move(ids);
   for (std::size_t i = next->ids.size(); i < next->rig.fixtures.size(); ++i) next->ids.push_back(static_cast<int>(i));
   fixtures::share_conflicting_addresses(next->rig);
+  next->own_universes = used_universes(next->rig);
   if (by_hand_) give_hand_addresses(next->rig);
   if (scene_ && !scene_->written) next->rig.heard = scene_->compiled.universes;
   if (next->rig.vrsl && !by_hand_) next->written = std::exchange(next->rig, fixtures::vrsl_shown(next->rig));

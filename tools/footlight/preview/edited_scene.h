@@ -19,6 +19,8 @@ struct PreviewScene {
   fixtures::CompiledRig compiled;
   std::optional<fixtures::Rig> written;  // as written, where `rig` is what VRSL shows of it
   std::vector<int> ids;                  // of its fixtures: equal ones in two scenes are the same fixture
+  // Ascending: those in which the rig has an address of its own, not one that was made up for faders.
+  std::vector<Universe> own_universes;
 };
 using SharedScene = std::shared_ptr<PreviewScene>;
 

@@ -15,7 +15,8 @@ namespace footlight::tools {
 
 struct PreviewOptions {
   SceneFiles files;
-  std::vector<std::string> ins;  // endpoints; if there are any, no log drives the rig
+  std::vector<std::string> ins;      // endpoints; if there are any, no log drives the rig
+  std::vector<std::string> outputs;  // endpoints to real lamps; each sends nothing until the user arms it
   std::string size = "1280x720";
   std::string camera;
   std::string panels;  // words of open panels, separated by commas

@@ -116,6 +116,7 @@ void Preview::open_inputs_again(const PreviewScene& before) {
   facts_.status = {};
   hand_ = hand_ ? moved_hand(*hand_, before, *framed_) : std::make_unique<HandLevels>(framed_->rig, framed_->compiled);
   frame_->settle_machine_air(hand_->levels());
+  if (outputs_) outputs_->black_out();  // real lamps must not follow faders that nobody has set
   tell("faders drive the rig, the inputs are closed: " + opened.error().message);
 }
 

@@ -8,6 +8,7 @@
 
 #include "tools/footlight/preview/preview_window.h"
 #include "tools/footlight/preview/ui/escape.h"
+#include "tools/footlight/preview/ui/live_band.h"
 #include "tools/footlight/preview/ui/menu.h"
 #include "tools/footlight/preview/ui/rig_editor.h"
 #include "tools/footlight/preview/ui/stage_marks.h"
@@ -50,7 +51,7 @@ void Preview::draw_ui() {
   if (any_button([](ImGuiMouseButton button) { return ImGui::IsMouseClicked(button); })) desk_->begin_gesture();
   std::optional<UiCall> chosen;
   draw_panel(facts_, controls_, live_.get(), hand_.get(), window_->ui_scale(),
-             [&] { chosen = draw_menu(*desk_, panels_, player_ != nullptr); });
+             [&] { chosen = draw_menu(*desk_, panels_, player_ != nullptr, outputs_ ? &outputs_view_ : nullptr); });
   if (const Exposure shown{controls_.exposure_ev, controls_.auto_exposure}; shown != desk_->state().exposure) {
     desk_->set_exposure(shown);
   }
@@ -62,6 +63,7 @@ void Preview::draw_ui() {
     if (live_) input.status = &facts_.status;
     if (player_) input.transport = &controls_.transport;
     if (curve_) input.curve = &*curve_;
+    input.outputs = &outputs_view_;
     input.now_ns = clock_.now_ns();
     input.scale = window_->ui_scale();
     panels_.draw(*desk_, input, static_cast<float>(where.size.x), static_cast<float>(where.size.y));
@@ -77,6 +79,7 @@ void Preview::draw_ui() {
   draw_questions();
   if (std::string news = desk_->take_news(); !news.empty()) tell(std::move(news));
   if (begun_ns < news_until_ns_) draw_news(news_, where, window_->ui_scale());
+  if (outputs_) draw_live_band(outputs_view_, static_cast<float>(where.size.x), window_->ui_scale());
   if (closing_ || window_->wants_close() || shot_asked_) window_->keep_shot();
   window_->end_ui();
   ui_times_.add(static_cast<double>(clock_.now_ns() - begun_ns) * 1e-6);
@@ -126,16 +129,19 @@ void Preview::take_input() {
   const ImGuiIO& io = ImGui::GetIO();
   if (controls_.camera) take_camera(static_cast<std::size_t>(*std::exchange(controls_.camera, std::nullopt)));
   take_mouse();
-  if (io.WantTextInput) return;
   for (const KeyPress& key : window_->keys()) {
     const auto asked = call_of(key);
-    if (!asked || (asks_close_ && asked->action != UiAction::kEscape)) continue;
+    if (!asked) continue;
+    const bool dark = acts_always(key) || asked->action == UiAction::kBlackout;
+    if (io.WantTextInput && !acts_always(key)) continue;
+    if (asks_close_ && !dark && asked->action != UiAction::kEscape) continue;
     if (!key.repeated) desk_->begin_gesture();
     call(*asked);
   }
 }
 
 void Preview::call(const UiCall& call) {
+  if (call_outputs(call)) return;
   const auto tell_edit = [&](const char* word, const std::string& edit) {
     tell(edit.empty() ? fmt::format("nothing to {}", word) : fmt::format("{}: {}", word, edit));
   };
@@ -185,6 +191,9 @@ void Preview::call(const UiCall& call) {
     }
     case UiAction::kFullScreen: window_->toggle_full_screen(); break;
     case UiAction::kShot: shot_asked_ = true; break;
+    case UiAction::kBlackout:
+    case UiAction::kEndBlackout:
+    case UiAction::kDisarm: break;  // of call_outputs()
     case UiAction::kEscape: closing_ = !close_topmost(panels_, *desk_) || closing_; break;
   }
 }

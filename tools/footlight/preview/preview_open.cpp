@@ -105,12 +105,14 @@ Result<bool> Preview::open(const StopSignal& signal) {
     return fail(ErrorCode::kBadInput, "--log and --in: expected one of them");
   }
   FL_TRY(check_panel_words(options_.panels));
+  FL_TRY(check_outputs(options_.outputs));
   begun_ns_ = clock_.now_ns();
   const double aspect = static_cast<double>(size.width) / size.height;
   std::future<Status> reading = begin([this, aspect] { return load_rig(aspect); });
   fixtures::Camera camera;
   const auto take_rig = [&]() -> Status {
     FL_ASSIGN(camera, find_camera(framed_->rig, options_.camera));
+    FL_TRY(open_outputs(options_.outputs));
     return open_levels();
   };
   const bool quick = reading.wait_for(kQuickRead) == std::future_status::ready;
@@ -183,6 +185,7 @@ Status Preview::open_levels(bool again) {
       in.hear_preview = true;  // such frames are meant for visualisers like this one
       in.yields = true;        // a bridge keeps its unicast frames
       in.wait_for_device = again;
+      const std::lock_guard lock(opener_mutex_);
       FL_ASSIGN(std::unique_ptr<Source> source, opener_.open_source(endpoint, in));
       sources.push_back(std::move(source));
     }

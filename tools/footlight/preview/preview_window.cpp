@@ -42,6 +42,7 @@ bool other_display(const PreviewControls& controls, const render::FrameSettings&
 
 Result<int> Preview::run() {
   const Result<int> result = open_and_turn();
+  outputs_.reset();  // also after an error: real lamps go dark before anything else is waited for
   end_edits();
   return result;
 }
@@ -57,6 +58,7 @@ Result<int> Preview::open_and_turn() {
     if (!turned && device_->lost()) turned = start_again(turned.error());
     FL_TRY(turned);
   }
+  outputs_.reset();
   FL_TRY(window_->wait_gpu());
   if (!options_.screenshot.empty()) FL_TRY(write_shot());
   if (options_.json) print_summary();
@@ -79,7 +81,10 @@ Status Preview::turn() {
   keep_edits();
   const PixelRect where = place();
   FL_ASSIGN(const bool still, follow_edits(where));
-  if (still) return show_still(where);
+  if (still) {
+    drive_outputs();
+    return show_still(where);
+  }
   FL_TRY(read_figures(dt_ns));
 
   if (where.width != wanted_width_ || where.height != wanted_height_) {
@@ -102,6 +107,7 @@ Status Preview::turn() {
   }
   FL_TRY(update_error());
   FL_TRY(step_levels(dt_ns));
+  drive_outputs();
   frame_->adapt_for(dt_ns);    // also while the log is paused
   if (window_->minimised()) {  // the fixtures continue without pictures
     shown_ = false;

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <future>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <string>
@@ -25,6 +26,7 @@
 #include "tools/footlight/preview/frame_times.h"
 #include "tools/footlight/preview/hand_levels.h"
 #include "tools/footlight/preview/live_levels.h"
+#include "tools/footlight/preview/live_outputs.h"
 #include "tools/footlight/preview/log_player.h"
 #include "tools/footlight/preview/preview.h"
 #include "tools/footlight/preview/preview_flashes.h"
@@ -85,6 +87,11 @@ class Preview {
     return options_.ins.empty() && options_.files.log.empty() && !options_.files.demo;
   }
 
+  // Outputs to real lamps: preview_outputs.cpp.
+  Status open_outputs(std::span<const std::string> texts);
+  void drive_outputs();
+  bool call_outputs(const UiCall& call);
+
   // Edits of the rig: preview_edits.cpp.
   void start_edits();
   Status begin_frame(const PixelRect& where);
@@ -126,6 +133,7 @@ class Preview {
   const PreviewOptions& options_;
   SystemClock clock_;
   PortOpener opener_;
+  std::mutex opener_mutex_;              // outputs are opened on threads of their own
   std::unique_ptr<EditedScene> edited_;  // the rig that is edited; its scene() is what panels show
   SharedScene framed_;                   // what frame_ was made from
 
@@ -135,6 +143,11 @@ class Preview {
   std::unique_ptr<LiveLevels> live_;
   std::unique_ptr<Timeline> live_timeline_;
   std::unique_ptr<HandLevels> hand_;
+
+  std::unique_ptr<LiveOutputs> outputs_;  // null: there are none
+  OutputsView outputs_view_;
+  bool outputs_told_ = false;        // that there are some, with the first picture
+  TimeNs looked_ns_ = 0;             // for devices that are plugged in
   std::optional<LightCurve> curve_;  // of the log, from the moments of its index
 
   std::unique_ptr<render::vk::Device> device_;  // outlives the window's swapchain

@@ -38,6 +38,10 @@ constexpr KeyRow kKeyRows[] = {
     {GLFW_KEY_H, 0, {A::kSidePanel}, false, "H", "side panel: all, a line, none", UiMenu::kView},
     {GLFW_KEY_F11, 0, {A::kFullScreen}, false, "F11", "full screen", UiMenu::kView},
     {GLFW_KEY_F12, 0, {A::kShot}, false, "F12", "save the window as a PNG", UiMenu::kView},
+    {GLFW_KEY_B, 0, {A::kBlackout}, false, "B, F9", "blackout: all armed outputs send zeros", UiMenu::kOutputs},
+    {GLFW_KEY_F9, 0, {A::kBlackout}, false, nullptr, nullptr, UiMenu::kNone},
+    {GLFW_KEY_B, GLFW_MOD_SHIFT, {A::kEndBlackout}, false, "Shift+B", "end the blackout", UiMenu::kOutputs},
+    {GLFW_KEY_D, GLFW_MOD_CONTROL, {A::kDisarm}, false, "Ctrl+D", "disarm all outputs", UiMenu::kOutputs},
     {kTyped + '?', 0, {A::kPanel, 0}, false, nullptr, nullptr, UiMenu::kNone},
     {GLFW_KEY_ESCAPE,
      0,
@@ -73,6 +77,12 @@ std::optional<UiCall> call_of(const KeyPress& press) {
     if (row.key == press.code && row.mods == mods && (row.repeats || !press.repeated)) return row.call;
   }
   return std::nullopt;
+}
+
+bool acts_always(const KeyPress& press) {
+  if (press.code != GLFW_KEY_F9) return false;
+  const auto call = call_of(press);
+  return call && call->action == A::kBlackout;
 }
 
 }  // namespace footlight::tools

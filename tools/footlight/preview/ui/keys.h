@@ -37,6 +37,9 @@ enum class UiAction {
   kPanel,  // argument: index into panels()
   kFullScreen,
   kShot,
+  kBlackout,  // of all armed outputs
+  kEndBlackout,
+  kDisarm,  // all outputs; no key arms one
   kEscape,
 };
 
@@ -45,7 +48,7 @@ struct UiCall {
   int argument = 0;
 };
 
-enum class UiMenu { kNone, kEdit, kView, kPlayback };
+enum class UiMenu { kNone, kEdit, kView, kPlayback, kOutputs };
 
 struct KeyRow {
   int key;  // as KeyPress has it
@@ -60,6 +63,8 @@ struct KeyRow {
 [[nodiscard]] std::span<const KeyRow> key_rows();
 // What a key does; panels are opened by theirs. A key with Alt or Super belongs to the desktop and does nothing.
 [[nodiscard]] std::optional<UiCall> call_of(const KeyPress& press);
+// Whether a key acts while text is typed or a question is open: the blackout key that types nothing.
+[[nodiscard]] bool acts_always(const KeyPress& press);
 
 // What the mouse does, for the list.
 struct MouseRow {

@@ -29,6 +29,14 @@ bool can(const KeyRow& row, const UiDesk& desk) {
   }
 }
 
+bool can(const KeyRow& row, const OutputsView& outputs) {
+  switch (row.call.action) {
+    case UiAction::kEndBlackout: return outputs.darkness != Darkness::kNone;
+    case UiAction::kDisarm: return outputs.live_count() > 0;
+    default: return true;
+  }
+}
+
 void draw_rows(UiMenu menu, const UiDesk& desk, std::optional<UiCall>& chosen) {
   for (const KeyRow& row : key_rows()) {
     if (row.menu != menu) continue;
@@ -40,7 +48,7 @@ void draw_rows(UiMenu menu, const UiDesk& desk, std::optional<UiCall>& chosen) {
 
 }  // namespace
 
-std::optional<UiCall> draw_menu(const UiDesk& desk, const UiPanels& open, bool has_log) {
+std::optional<UiCall> draw_menu(const UiDesk& desk, const UiPanels& open, bool has_log, const OutputsView* outputs) {
   std::optional<UiCall> chosen;
   if (ImGui::BeginMenu("Panels")) {
     for (std::size_t i = 0; i < panels().size(); ++i) {
@@ -60,6 +68,13 @@ std::optional<UiCall> draw_menu(const UiDesk& desk, const UiPanels& open, bool h
   }
   if (has_log && ImGui::BeginMenu("Play")) {
     draw_rows(UiMenu::kPlayback, desk, chosen);
+    ImGui::EndMenu();
+  }
+  if (outputs != nullptr && ImGui::BeginMenu("Outputs")) {
+    for (const KeyRow& row : key_rows()) {
+      if (row.menu != UiMenu::kOutputs) continue;
+      if (ImGui::MenuItem(row.does, row.keys, false, can(row, *outputs))) chosen = row.call;
+    }
     ImGui::EndMenu();
   }
   return chosen;

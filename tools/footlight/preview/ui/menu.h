@@ -8,7 +8,9 @@
 
 namespace footlight::tools {
 
-// Between the begin and end of a menu bar. What was chosen. has_log: there is something to play.
-[[nodiscard]] std::optional<UiCall> draw_menu(const UiDesk& desk, const UiPanels& open, bool has_log);
+// Between the begin and end of a menu bar. What was chosen. has_log: there is something to play. outputs: nullptr if
+// there are none.
+[[nodiscard]] std::optional<UiCall> draw_menu(const UiDesk& desk, const UiPanels& open, bool has_log,
+                                              const OutputsView* outputs);
 
 }  // namespace footlight::tools

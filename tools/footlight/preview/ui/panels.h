@@ -13,6 +13,7 @@
 #include "sim/core/dmx.h"
 #include "sim/core/result.h"
 #include "sim/pump.h"
+#include "tools/footlight/preview/ui/outputs_view.h"
 #include "tools/footlight/preview/ui/transport.h"
 #include "tools/footlight/preview/ui/ui_desk.h"
 
@@ -26,6 +27,7 @@ struct UiInput {
   TimeNs now_ns = 0;                     // on the clock of the stamps
   Transport* transport = nullptr;        // of the log that plays; its second part may be changed
   const LightCurve* curve = nullptr;     // of it; may be missing
+  OutputsView* outputs = nullptr;        // to real lamps; its second part may be changed
   float scale = 1;                       // of the user interface
 };
 
@@ -67,6 +69,7 @@ struct PanelInfo {
 [[nodiscard]] std::unique_ptr<Panel> make_fixtures_panel(UiDesk& desk);
 [[nodiscard]] std::unique_ptr<Panel> make_inspector_panel(UiDesk& desk);
 [[nodiscard]] std::unique_ptr<Panel> make_timeline_panel(UiDesk& desk);
+[[nodiscard]] std::unique_ptr<Panel> make_devices_panel(UiDesk& desk);
 [[nodiscard]] std::unique_ptr<Panel> make_keys_panel(UiDesk& desk);
 
 // Which panels are open.

@@ -1,0 +1,299 @@
+// The panel of inputs and outputs, and the band over the picture, without a window.
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <imgui/imgui.h>
+#include <imgui/imgui_internal.h>
+
+#include <doctest/doctest.h>
+
+#include "tests/tools/footlight/panels_test_imgui.h"
+#include "tests/tools/footlight/ui_rigs.h"
+#include "tools/footlight/preview/ui/live_band.h"
+#include "tools/footlight/preview/ui/panels.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr std::size_t kDevices = 5;
+constexpr const char* kQuestion = "Send to real lamps?";
+
+bool has(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
+
+OutputsView two_outputs() {
+  OutputsView view;
+  view.rows.resize(2);
+  view.rows[0].endpoint = "sacn:1-2";
+  view.rows[0].universes = {1, 2};
+  view.rows[1].endpoint = "enttec-pro:EN1";
+  view.rows[1].universes = {1};
+  return view;
+}
+
+class Ui {
+ public:
+  explicit Ui(OutputsView* view = nullptr, float width = 1280, float height = 720)
+      : imgui(width, height),
+        rig(testing::compiled_rig(testing::parsed_rig(testing::kUiRig))),
+        desk(rig.rig, rig.compiled),
+        levels(rig.compiled.universes.size() * kSlotCountMax),
+        outputs(view) {
+    open.set_open(kDevices, true, desk);
+    for (int i = 0; i < 3; ++i) frame();
+  }
+
+  void frame() {
+    UiInput input;
+    input.levels = levels;
+    input.status = status;
+    input.now_ns = now_ns += kNsPerS / 60;
+    input.outputs = outputs;
+    ImGui::NewFrame();
+    if (logs) ImGui::LogToClipboard();
+    open.draw(desk, input, ImGui::GetIO().DisplaySize.x, ImGui::GetIO().DisplaySize.y);
+    if (logs) ImGui::LogFinish();
+    ImGui::Render();
+  }
+  std::string words() {
+    logs = true;
+    frame();
+    logs = false;
+    return ImGui::GetClipboardText();
+  }
+  void click(float x, float y) {
+    ImGuiIO& io = ImGui::GetIO();
+    io.MousePos = {x, y};
+    frame();
+    io.MouseDown[0] = true;
+    frame();
+    io.MouseDown[0] = false;
+    frame();
+  }
+  static ImRect place(const char* window) {
+    const ImGuiWindow* found = ImGui::FindWindowByName(window);
+    REQUIRE(found != nullptr);
+    return found->Rect();
+  }
+  static bool asks() { return ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopupId | ImGuiPopupFlags_AnyPopupLevel); }
+  // Clicks over a part of a window, row after row, from below if `up`, until `done`.
+  template <class Done>
+  bool click_over(ImRect where, bool up, Done done) {
+    for (float y = 4; y < where.GetHeight(); y += 6) {
+      for (float x = where.Min.x + 16; x < where.Max.x; x += 24) {
+        click(x, up ? where.Max.y - y : where.Min.y + y);
+        if (done()) return true;
+      }
+    }
+    return false;
+  }
+  // The panel below its title, which has a button that closes it.
+  static ImRect body() {
+    ImRect where = place("Devices");
+    where.Min.y += 24;
+    return where;
+  }
+
+  testing::HeadlessImGui imgui;
+  testing::UiRig rig;
+  UiDesk desk;
+  UiPanels open;
+  std::vector<std::uint8_t> levels;
+  OutputsView* outputs;
+  const PumpStatus* status = nullptr;
+  TimeNs now_ns = kNsPerS;
+  bool logs = false;
+};
+
+TEST_CASE("without outputs the panel says how to add one, and what drives the rig") {
+  OutputsView view;
+  Ui ui(&view);
+  const std::string words = ui.words();
+  CHECK(has(words, "--output ENDPOINT"));
+  CHECK(has(words, "No DMX interface"));
+  CHECK(has(words, "faders drive the rig"));
+}
+
+TEST_CASE("inputs are listed with state, rate and age, and what is wrong with them") {
+  PumpStatus status;
+  status.stamp_ns = 10 * kNsPerS;
+  status.ports.resize(2);
+  status.ports[0].name = "sacn:1-2";
+  status.ports[0].state = PortState::kWorking;
+  status.ports[0].frames = 880;
+  status.ports[0].rate_hz = 88;
+  status.ports[0].universes = {{.universe = 1, .frames = 440, .rate_hz = 44}, {.universe = 2, .frames = 440}};
+  status.ports[0].port.rejected = 3;
+  status.ports[1].name = "enttec-pro:EN7";
+  status.ports[1].state = PortState::kGone;
+  status.ports[1].trouble = "enttec-pro:EN7: unplugged; plug it in again";
+  status.universes.resize(2);
+  status.universes[0].universe = 1;
+  status.universes[0].newest.stamp_ns = 10 * kNsPerS - 12 * kNsPerMs;
+  Ui ui;
+  ui.status = &status;
+  std::string words = ui.words();
+  for (const char* part :
+       {"sacn:1-2", "working", "880", "88.0 /s", "12 ms", "3 rejected", "EN7", "gone", "unplugged"}) {
+    INFO(part);
+    CHECK(has(words, part));
+  }
+  status.ports[0].frames = 0;
+  status.ports[0].universes[0].frames = status.ports[0].universes[1].frames = 0;
+  words = ui.words();
+  CHECK(has(words, "no frames yet"));
+  CHECK(has(words, "footlight doctor"));
+}
+
+TEST_CASE("clicks anywhere in the panel arm nothing: a question comes, whose button needs a tick") {
+  OutputsView view = two_outputs();
+  Ui ui(&view);
+  REQUIRE(ui.click_over(Ui::body(), false, [] { return Ui::asks(); }));
+  CHECK(view.arm.empty());
+  for (int i = 0; i < 2; ++i) ui.frame();
+  const ImRect question = Ui::place(kQuestion);
+  // Only over the left button, which is below the tick: it is disabled.
+  ImRect button = question;
+  button.Min.y = question.Max.y - 28;
+  button.Max.x = question.Min.x + 40;
+  ui.click_over(button, true, [&] { return !view.arm.empty(); });
+  CHECK(view.arm.empty());
+  REQUIRE(Ui::asks());
+  ImRect left = question;
+  left.Max.x = question.Min.x + 40;
+  ui.click_over(left, true, [&] { return !view.arm.empty(); });  // up to the tick
+  CHECK(view.arm.empty());
+  CHECK(ui.click_over(button, true, [&] { return !view.arm.empty(); }));
+  CHECK(view.arm == std::vector<std::size_t>{0, 1});  // the first button is that of all
+  ui.frame();
+  CHECK(!Ui::asks());
+}
+
+TEST_CASE("a panel that is closed takes its question along, and arms nothing when it is back") {
+  OutputsView view = two_outputs();
+  Ui ui(&view);
+  REQUIRE(ui.click_over(Ui::body(), false, [] { return Ui::asks(); }));
+  for (int i = 0; i < 2; ++i) ui.frame();
+  ui.open.set_open(kDevices, false, ui.desk);
+  ui.open.set_open(1, true, ui.desk);  // another panel
+  for (int i = 0; i < 3; ++i) ui.frame();
+  CHECK(!Ui::asks());
+  ui.open.set_open(1, false, ui.desk);
+  ui.open.set_open(kDevices, true, ui.desk);
+  for (int i = 0; i < 3; ++i) ui.frame();
+  CHECK(!Ui::asks());
+  CHECK(ui.click_over(Ui::body(), false, [&] { return view.blackout.has_value() || Ui::asks(); }));
+  CHECK(view.arm.empty());
+}
+
+TEST_CASE("armed outputs are disarmed and blacked out by one click") {
+  OutputsView view = two_outputs();
+  view.rows[1].state = ArmState::kArmed;
+  view.rows[1].status = PortStatus{.name = "enttec-pro:EN1", .is_sink = true, .state = PortState::kWorking};
+  view.rows[1].status->frames = 123;
+  view.rows[1].status->rate_hz = 40;
+  view.rows[0].trouble = "sacn:1-2: no route";
+  view.rows[0].left_out = {2};
+  Ui ui(&view);
+  const std::string words = ui.words();
+  for (const char* part : {"LIVE", "123", "40.0 /s", "not armed", "no route", "universe 2 is not sent"}) {
+    INFO(part);
+    CHECK(has(words, part));
+  }
+  bool disarmed = false;
+  bool darkened = false;
+  ui.click_over(Ui::body(), false, [&] {
+    if (Ui::asks()) ImGui::ClosePopupToLevel(0, true);
+    disarmed = disarmed || view.disarm == std::vector<std::size_t>{1};
+    darkened = darkened || view.blackout == true;
+    view.disarm.clear();
+    view.blackout.reset();
+    return disarmed && darkened;
+  });
+  CHECK(disarmed);
+  CHECK(darkened);
+  CHECK(view.arm.empty());
+  view.darkness = Darkness::kAsked;
+  const std::string dark = ui.words();
+  CHECK(has(dark, "end the blackout"));
+  CHECK(has(dark, "zeros"));
+  CHECK(!has(dark, "LIVE"));
+}
+
+TEST_CASE("interfaces that are plugged in are listed with their fix, and a click adds one for a universe of the rig") {
+  OutputsView view;
+  view.universes = {3, 5};
+  view.devices.resize(2);
+  view.devices[0] = {"enttec-pro:EN1", "ENTTEC DMX USB Pro", "ready", "", true};
+  view.devices[1] = {"udmx:port-1", "uDMX", "no-permission", "not yours: sudo something", false};
+  Ui ui(&view);
+  CHECK(view.looks);
+  const std::string words = ui.words();
+  for (const char* part : {"There are none", "enttec-pro:EN1", "ready", "udmx:port-1", "sudo something", "universe"}) {
+    INFO(part);
+    CHECK(has(words, part));
+  }
+  CHECK(ui.click_over(Ui::body(), false, [&] {
+    if (Ui::asks()) ImGui::ClosePopupToLevel(0, true);  // the list of universes
+    return view.add.has_value();
+  }));
+  CHECK(view.add == "enttec-pro:EN1=3");
+  view.refusal = "enttec-pro:EN1=3: it is in the list already";
+  CHECK(has(ui.words(), "in the list already"));
+}
+
+TEST_CASE("the band names what is live, and a blackout") {
+  OutputsView view = two_outputs();
+  CHECK(live_words(view).empty());
+  view.rows[0].state = ArmState::kOpening;
+  CHECK(live_words(view).empty());
+  view.rows[0].state = ArmState::kArmed;
+  CHECK(live_words(view) == "LIVE: 1 output");
+  view.rows[1].state = ArmState::kArmed;
+  CHECK(live_words(view) == "LIVE: 2 outputs");
+  CHECK(blackout_words(view).empty());
+  view.darkness = Darkness::kAsked;
+  CHECK(live_words(view) == "BLACKOUT: 2 outputs send zeros");
+  CHECK(has(blackout_words(view), "Shift+B"));
+  view.darkness = Darkness::kSilence;
+  CHECK(has(blackout_words(view), "no levels for 2.5 s"));
+  view.rows[0].state = view.rows[1].state = ArmState::kOff;
+  CHECK(live_words(view) == "BLACKOUT: no output is armed");
+}
+
+TEST_CASE("the band is a red frame at the edges of the window, over everything, only while something is live") {
+  const testing::HeadlessImGui imgui(800, 600);
+  OutputsView view = two_outputs();
+  // Whether something red is drawn at each edge of the window.
+  const auto red_edges = [&] {
+    ImGui::NewFrame();
+    draw_live_band(view, 536, 1);
+    const ImDrawList& draw = *ImGui::GetForegroundDrawList();
+    std::vector<bool> edges(4);
+    for (const ImDrawVert& vertex : draw.VtxBuffer) {
+      if ((vertex.col & 0xff) < 180 || (vertex.col >> 8 & 0xff) > 60 || (vertex.col >> 24) < 200) continue;
+      edges[0] = edges[0] || vertex.pos.x < 6;
+      edges[1] = edges[1] || vertex.pos.y < 6;
+      edges[2] = edges[2] || vertex.pos.x > 794;
+      edges[3] = edges[3] || vertex.pos.y > 594;
+    }
+    const int count = draw.VtxBuffer.Size;
+    ImGui::Render();
+    return std::pair(edges, count);
+  };
+  CHECK(red_edges().second == 0);
+  view.rows[1].state = ArmState::kArmed;
+  CHECK(red_edges().first == std::vector<bool>(4, true));
+  const int live = red_edges().second;
+  view.darkness = Darkness::kAsked;
+  CHECK(red_edges().first == std::vector<bool>(4, true));
+  CHECK(red_edges().second > live);
+  view.rows[1].state = ArmState::kOff;
+  for (const std::size_t edge : {std::size_t{0}, std::size_t{2}, std::size_t{3}})
+    CHECK(!red_edges().first[edge]);  // only its text, at the top
+  view.darkness = Darkness::kNone;
+  CHECK(red_edges().second == 0);
+}
+
+}  // namespace
+}  // namespace footlight::tools

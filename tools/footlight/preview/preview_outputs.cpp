@@ -1,0 +1,92 @@
+// The outputs of the preview to real lamps: what they get of the picture, and what the user asks of them.
+#include <algorithm>
+#include <cstdio>
+#include <iterator>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "sim/core/counted.h"
+#include "tools/footlight/preview/preview_window.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr DurationNs kLookNs = 2 * kNsPerS;  // for devices that are plugged in
+
+}  // namespace
+
+// Adds outputs, and opens none of them.
+Status Preview::open_outputs(std::span<const std::string> texts) {
+  if (texts.empty()) return {};
+  FL_ASSIGN(OutputPlan plan, plan_outputs(texts, *edited_->scene()));
+  for (const std::string& warning : plan.warnings) fmt::print(stderr, "footlight: {}\n", warning);
+  if (options_.flashes == FlashMode::kLimit) {
+    fmt::print(stderr,
+               "footlight: --flashes limit holds back the picture, not outputs; 'footlight run' has it for them\n");
+  }
+  if (outputs_) {
+    for (PlannedOutput& planned : plan.outputs) FL_TRY(outputs_->add(std::move(planned)));
+  } else {
+    const auto open = [this](const PlannedOutput& planned) {
+      OutOptions out;
+      out.source_name = "Footlight preview";  // so that it is another sender than a bridge of this machine
+      const std::lock_guard lock(opener_mutex_);
+      return opener_.open_sink(planned.endpoint, planned.universes, out);
+    };
+    FL_ASSIGN(outputs_, LiveOutputs::start(std::move(plan), open, clock_));
+  }
+  outputs_->follow(outputs_view_);
+  return {};
+}
+
+// Once a picture, also while it stands still: the levels that it shows, and what the user asks for.
+void Preview::drive_outputs() {
+  // While a frame of an edited rig is being made, the levels are still in the places of the rig from before.
+  const auto& before = framed_->own_universes;
+  const auto& now = edited_->scene()->own_universes;
+  auto& sendable = outputs_view_.universes;
+  sendable.clear();
+  std::set_intersection(before.begin(), before.end(), now.begin(), now.end(), std::back_inserter(sendable));
+  if (std::exchange(outputs_view_.looks, false) && clock_.now_ns() - looked_ns_ >= kLookNs) {
+    outputs_view_.devices = plugged_devices(drivers::find_devices());
+    looked_ns_ = clock_.now_ns();
+  }
+  if (const auto endpoint = std::exchange(outputs_view_.add, std::nullopt)) {
+    const Status added = open_outputs({&*endpoint, 1});
+    outputs_view_.refusal = added ? "" : added.error().message;
+  }
+  if (!outputs_) return;
+  if (live_) live_->take();
+  const auto levels = panel_levels();
+  outputs_->give(desk_->compiled().universes, levels, sendable);
+  outputs_->follow(outputs_view_);
+  if (picture_ns_ >= 0 && !std::exchange(outputs_told_, true)) {
+    tell(fmt::format("{} to real lamps, not armed: F6", counted(outputs_view_.rows.size(), "output")));
+  }
+  for (std::string& notice : outputs_->notices()) {
+    fmt::print(stderr, "footlight: {}\n", notice);
+    tell(notice);
+    outputs_view_.notice = std::move(notice);
+  }
+}
+
+// True if the call was for outputs.
+bool Preview::call_outputs(const UiCall& call) {
+  const bool is_blackout = call.action == UiAction::kBlackout;
+  if (!is_blackout && call.action != UiAction::kEndBlackout && call.action != UiAction::kDisarm) return false;
+  if (!outputs_) {
+    tell("there is no output to real lamps; F6 or --output ENDPOINT adds one");
+  } else if (is_blackout) {
+    outputs_->black_out();
+  } else if (call.action == UiAction::kEndBlackout) {
+    outputs_->lift();
+  } else {
+    outputs_view_.disarm_all();
+  }
+  return true;
+}
+
+}  // namespace footlight::tools

@@ -1,0 +1,327 @@
+// Inputs and outputs: what they receive and send, what is wrong with them, and the buttons that arm outputs.
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include <imgui/imgui.h>
+
+#include "sim/core/counted.h"
+#include "tools/footlight/preview/ui/panels.h"
+#include "tools/footlight/preview/ui/ui_theme.h"
+#include "tools/footlight/status/status_text.h"
+
+namespace footlight::tools {
+namespace {
+
+constexpr std::size_t kAll = SIZE_MAX;  // of the question
+
+const ImVec4 kUiText{0.86f, 0.87f, 0.89f, 1};
+
+std::string age_text(DurationNs age_ns) {
+  const double age_s = static_cast<double>(std::max<DurationNs>(age_ns, 0)) * 1e-9;
+  return age_s < 1 ? fmt::format("{:.0f} ms", age_s * 1e3) : fmt::format("{:.1f} s", age_s);
+}
+
+// Frames that were lost or refused, by cause; empty: none.
+std::string errors_text(const PortStatus& port) {
+  std::string words;
+  const auto add = [&](std::uint64_t count, const char* what) {
+    if (count > 0) words += fmt::format("{}{} {}", words.empty() ? "" : ", ", count, what);
+  };
+  add(port.port.rejected, "rejected");
+  add(port.port.dropped, "replaced unsent");
+  add(port.port.errors + port.failures, "errors");
+  add(port.refused, "refused");
+  add(port.unrouted, "of other universes");
+  return words;
+}
+
+const char* word_of(ArmState state) {
+  switch (state) {
+    case ArmState::kOff: return "not armed";
+    case ArmState::kOpening: return "opening";
+    case ArmState::kArmed: return "LIVE";
+    case ArmState::kClosing: return "ends dark";
+  }
+  return "";
+}
+
+const ImVec4& colour_of(PortState state) {
+  return state == PortState::kWorking ? kUiGreen : state == PortState::kGone ? kUiRed : kUiAmber;
+}
+
+// A line of its own below a row, over all columns.
+void wrapped(const ImVec4& colour, const std::string& words) {
+  ImGui::PushTextWrapPos(0);
+  ui_text(colour, words);
+  ImGui::PopTextWrapPos();
+}
+
+class DevicesPanel final : public Panel {
+ public:
+  void draw(UiDesk&, const UiInput& input) override {
+    ui_text(kUiAmber, "Inputs");
+    draw_inputs(input);
+    ImGui::Dummy({0, 4 * input.scale});
+    ui_text(kUiAmber, "Outputs to real lamps");
+    if (input.outputs == nullptr) return;
+    draw_all_outputs(input);
+    ImGui::Dummy({0, 4 * input.scale});
+    ui_text(kUiAmber, "Plugged in");
+    input.outputs->looks = true;
+    draw_devices(*input.outputs);
+  }
+
+ private:
+  void draw_all_outputs(const UiInput& input) {
+    if (input.outputs->rows.empty()) {
+      asks_.reset();
+      wrapped(kUiDim, "There are none. `footlight preview RIG --output ENDPOINT` adds one.");
+      return;
+    }
+    draw_buttons(*input.outputs, input.scale);
+    draw_outputs(*input.outputs);
+    if (!input.outputs->notice.empty()) wrapped(kUiDim, input.outputs->notice);
+    draw_question(input);
+  }
+
+  // Six columns: endpoint, state, universes, frames, rate, the last one.
+  static bool begin_table(const char* id, const char* last, float last_width) {
+    if (!ImGui::BeginTable(id, 6, ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingStretchProp)) return false;
+    const float unit = ImGui::GetFontSize();
+    ImGui::TableSetupColumn("endpoint", ImGuiTableColumnFlags_WidthStretch);
+    ImGui::TableSetupColumn("state", ImGuiTableColumnFlags_WidthFixed, unit * 5);
+    ImGui::TableSetupColumn("universes", ImGuiTableColumnFlags_WidthFixed, unit * 6);
+    ImGui::TableSetupColumn("frames", ImGuiTableColumnFlags_WidthFixed, unit * 5);
+    ImGui::TableSetupColumn("rate", ImGuiTableColumnFlags_WidthFixed, unit * 4.5f);
+    ImGui::TableSetupColumn(last, ImGuiTableColumnFlags_WidthFixed, unit * last_width);
+    ImGui::TableHeadersRow();
+    return true;
+  }
+  static void cell(const ImVec4& colour, const std::string& words) {
+    ImGui::TableNextColumn();
+    ui_text(colour, words);
+  }
+  static void rate_cells(const PortStatus& port) {
+    cell(kUiText, fmt::format("{}", port.frames));
+    cell(kUiText, fmt::format("{:.1f} /s", port.rate_hz));
+  }
+
+  static void draw_inputs(const UiInput& input) {
+    if (input.status == nullptr) {
+      wrapped(kUiDim, input.transport != nullptr ? "None: a log drives the rig." : "None: faders drive the rig.");
+      return;
+    }
+    std::string troubles;
+    if (begin_table("inputs", "newest", 6)) {
+      for (const PortStatus& port : input.status->ports) {
+        if (port.is_sink) continue;
+        ImGui::TableNextRow();
+        draw_input(port, input);
+      }
+      ImGui::EndTable();
+    }
+    for (const PortStatus& port : input.status->ports) {
+      if (!port.is_sink) draw_trouble(port, input.status->stamp_ns != 0);
+    }
+  }
+
+  static void draw_input(const PortStatus& port, const UiInput& input) {
+    cell(kUiText, port.name);
+    cell(colour_of(port.state), name_of(port.state));
+    std::vector<Universe> universes;
+    TimeNs newest_ns = 0;
+    for (const PortUniverseStatus& one : port.universes) {
+      universes.push_back(one.universe);
+      for (const UniverseStatus& universe : input.status->universes) {
+        if (one.frames > 0 && universe.universe == one.universe)
+          newest_ns = std::max(newest_ns, universe.newest.stamp_ns);
+      }
+    }
+    cell(kUiText, show_universes(universes));
+    rate_cells(port);
+    cell(newest_ns == 0 ? kUiDim : kUiText, newest_ns == 0 ? "none yet" : age_text(input.status->stamp_ns - newest_ns));
+  }
+
+  // What is wrong and what to do.
+  static void draw_trouble(const PortStatus& port, bool known) {
+    if (!port.trouble.empty()) {
+      wrapped(kUiRed, port.trouble);
+    } else if (known && !port.is_sink && port.frames == 0 && port.state != PortState::kEnded) {
+      wrapped(kUiAmber,
+              fmt::format("{}: no frames yet. Start the sender; `footlight doctor` checks this machine.", port.name));
+    }
+    if (const std::string errors = errors_text(port); !errors.empty()) {
+      wrapped(kUiDim, fmt::format("{}: {}", port.name, errors));
+    }
+  }
+
+  void draw_buttons(OutputsView& outputs, float scale) {
+    const bool any_off = std::any_of(outputs.rows.begin(), outputs.rows.end(),
+                                     [](const OutputRow& row) { return row.state == ArmState::kOff; });
+    const bool any_on = std::any_of(outputs.rows.begin(), outputs.rows.end(), [](const OutputRow& row) {
+      return row.state == ArmState::kArmed || row.state == ArmState::kOpening;
+    });
+    ImGui::BeginDisabled(!any_off);
+    if (ImGui::Button("arm all ...")) asks(kAll);
+    ImGui::EndDisabled();
+    ImGui::SameLine();
+    ImGui::BeginDisabled(!any_on);
+    if (ImGui::Button("disarm all")) outputs.disarm_all();
+    ImGui::EndDisabled();
+    ImGui::SameLine(0, 24 * scale);
+    if (outputs.darkness == Darkness::kNone) {
+      ImGui::PushStyleColor(ImGuiCol_Button, {0.45f, 0.10f, 0.10f, 1});
+      ImGui::PushStyleColor(ImGuiCol_ButtonHovered, {0.62f, 0.14f, 0.14f, 1});
+      if (ImGui::Button("BLACKOUT")) outputs.blackout = true;
+      ImGui::PopStyleColor(2);
+    } else if (ImGui::Button("end the blackout")) {
+      outputs.blackout = false;
+    }
+    if (outputs.darkness == Darkness::kSilence) {
+      ImGui::SameLine();
+      ui_text(kUiRed, blackout_words(outputs));
+    }
+  }
+
+  void draw_outputs(OutputsView& outputs) {
+    if (begin_table("outputs", "##arm", 5)) {
+      for (std::size_t i = 0; i < outputs.rows.size(); ++i) {
+        ImGui::TableNextRow();
+        ImGui::PushID(static_cast<int>(i));
+        draw_output(outputs, i);
+        ImGui::PopID();
+      }
+      ImGui::EndTable();
+    }
+    for (const OutputRow& row : outputs.rows) {
+      if (!row.trouble.empty()) wrapped(kUiRed, "not armed: " + row.trouble);
+      if (!row.left_out.empty()) {
+        wrapped(kUiAmber, fmt::format("{}: universe {} is not sent: no fixture of this rig has an address there",
+                                      row.endpoint, show_universes(row.left_out)));
+      }
+      if (row.status) draw_trouble(*row.status, true);
+    }
+  }
+
+  void draw_output(OutputsView& outputs, std::size_t index) {
+    const OutputRow& row = outputs.rows[index];
+    cell(kUiText, row.endpoint);
+    const bool lost = row.status && row.status->state == PortState::kGone;
+    cell(row.state == ArmState::kOff     ? kUiDim
+         : row.state == ArmState::kArmed ? kUiRed
+                                         : kUiAmber,
+         lost                                                                   ? "LIVE, lost"
+         : row.state == ArmState::kArmed && outputs.darkness != Darkness::kNone ? "zeros"
+                                                                                : word_of(row.state));
+    cell(kUiText, show_universes(row.universes));
+    if (row.status) {
+      rate_cells(*row.status);
+    } else {
+      cell(kUiDim, "-");
+      cell(kUiDim, "-");
+    }
+    ImGui::TableNextColumn();
+    if (row.state == ArmState::kOff) {
+      if (ImGui::SmallButton("arm ...")) asks(index);
+    } else if (row.state != ArmState::kClosing) {
+      if (ImGui::SmallButton("disarm")) outputs.disarm.push_back(index);
+    }
+  }
+
+  // DMX interfaces of this machine, and a button that adds one as an output.
+  void draw_devices(OutputsView& outputs) {
+    if (outputs.devices.empty()) wrapped(kUiDim, "No DMX interface. `footlight doctor` checks this machine.");
+    const bool sends = std::any_of(outputs.devices.begin(), outputs.devices.end(),
+                                   [](const PluggedDevice& device) { return device.can_send; });
+    if (sends && !outputs.universes.empty()) draw_universe(outputs.universes);
+    for (std::size_t i = 0; i < outputs.devices.size(); ++i) {
+      const PluggedDevice& device = outputs.devices[i];
+      ImGui::PushID(static_cast<int>(i));
+      ui_text(kUiText, device.endpoint.empty() ? device.model : device.endpoint + "  " + device.model);
+      ImGui::SameLine();
+      ui_text(device.fix.empty() ? kUiGreen : kUiAmber, device.state);
+      if (device.can_send && !outputs.universes.empty()) {
+        ImGui::SameLine();
+        if (ImGui::SmallButton("add")) outputs.add = fmt::format("{}={}", device.endpoint, universe_);
+      }
+      if (!device.fix.empty()) wrapped(kUiDim, device.fix);
+      ImGui::PopID();
+    }
+    if (!outputs.refusal.empty()) wrapped(kUiRed, outputs.refusal);
+  }
+
+  // That an interface is added for.
+  void draw_universe(const std::vector<Universe>& universes) {
+    if (!std::binary_search(universes.begin(), universes.end(), universe_)) universe_ = universes.front();
+    ImGui::SetNextItemWidth(ImGui::GetFontSize() * 5);
+    if (!ImGui::BeginCombo("is the universe that `add` sends", fmt::format("{}", universe_).c_str())) return;
+    for (const Universe universe : universes) {
+      if (ImGui::Selectable(fmt::format("{}", universe).c_str(), universe == universe_)) universe_ = universe;
+    }
+    ImGui::EndCombo();
+  }
+
+  void asks(std::size_t which) {
+    asks_ = which;
+    opens_ = true;
+    clear_ = false;
+  }
+
+  // Two acts at two places: a tick, and the button that it enables. A click that comes twice arms nothing.
+  void draw_question(const UiInput& input) {
+    constexpr const char* kTitle = "Send to real lamps?";
+    if (!asks_) return;
+    OutputsView& outputs = *input.outputs;
+    if (opens_) ImGui::OpenPopup(kTitle);
+    opens_ = false;
+    ImGui::SetNextWindowPos(ImGui::GetMainViewport()->GetCenter(), ImGuiCond_Appearing, {0.5f, 0.5f});
+    if (!ImGui::BeginPopupModal(kTitle, nullptr, ImGuiWindowFlags_AlwaysAutoResize)) {
+      asks_.reset();
+      return;
+    }
+    for (std::size_t i = 0; i < outputs.rows.size(); ++i) {
+      const OutputRow& row = outputs.rows[i];
+      if ((*asks_ == kAll || *asks_ == i) && row.state == ArmState::kOff) {
+        ui_text(kUiAmber, fmt::format("{}  universe {}", row.endpoint, show_universes(row.sent())));
+      }
+    }
+    const auto lit =
+        std::count_if(input.levels.begin(), input.levels.end(), [](std::uint8_t level) { return level > 0; });
+    ImGui::PushTextWrapPos(ImGui::GetFontSize() * 26);
+    ui_text(fmt::format("Real lamps get the levels of the picture at once, and move: {} of the rig {} above zero.",
+                        counted(lit, "slot"), lit == 1 ? "is" : "are"));
+    ui_text(kUiDim, "B or F9 is the blackout, Ctrl+D disarms all. Disarmed outputs end dark.");
+    ImGui::PopTextWrapPos();
+    ImGui::Checkbox("The stage is clear, and nobody is near the lamps", &clear_);
+    ImGui::BeginDisabled(!clear_);
+    const bool arms = ImGui::Button("Arm");
+    ImGui::EndDisabled();
+    ImGui::SameLine();
+    const bool leaves = ImGui::Button("Leave it");
+    if (arms) {
+      for (std::size_t i = 0; i < outputs.rows.size(); ++i) {
+        if (*asks_ == kAll || *asks_ == i) outputs.arm.push_back(i);
+      }
+    }
+    if (arms || leaves) {
+      asks_.reset();
+      ImGui::CloseCurrentPopup();
+    }
+    ImGui::EndPopup();
+  }
+
+  std::optional<std::size_t> asks_;  // which output the question is about, or kAll
+  bool opens_ = false;               // the question opens with this picture
+  bool clear_ = false;               // its tick
+  Universe universe_ = kUniverseMin;
+};
+
+}  // namespace
+
+std::unique_ptr<Panel> make_devices_panel(UiDesk&) { return std::make_unique<DevicesPanel>(); }
+
+}  // namespace footlight::tools

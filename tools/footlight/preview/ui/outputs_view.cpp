@@ -1,0 +1,42 @@
+#include "tools/footlight/preview/ui/outputs_view.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "sim/core/counted.h"
+
+namespace footlight::tools {
+
+std::vector<Universe> OutputRow::sent() const {
+  std::vector<Universe> rest;
+  std::set_difference(universes.begin(), universes.end(), left_out.begin(), left_out.end(), std::back_inserter(rest));
+  return rest;
+}
+
+std::size_t OutputsView::live_count() const {
+  return static_cast<std::size_t>(
+      std::count_if(rows.begin(), rows.end(), [](const OutputRow& row) { return row.state == ArmState::kArmed; }));
+}
+
+void OutputsView::disarm_all() {
+  disarm.clear();
+  for (std::size_t i = 0; i < rows.size(); ++i) disarm.push_back(i);
+}
+
+std::string live_words(const OutputsView& view) {
+  const auto count = static_cast<std::int64_t>(view.live_count());
+  if (view.darkness == Darkness::kNone) return count == 0 ? "" : "LIVE: " + counted(count, "output");
+  if (count == 0) return "BLACKOUT: no output is armed";
+  return fmt::format("BLACKOUT: {} {} zeros", counted(count, "output"), count == 1 ? "sends" : "send");
+}
+
+std::string blackout_words(const OutputsView& view) {
+  switch (view.darkness) {
+    case Darkness::kNone: return "";
+    case Darkness::kAsked: return "Shift+B ends it";
+    case Darkness::kSilence: return "The window gave no levels for 2.5 s. Shift+B ends it";
+  }
+  return "";
+}
+
+}  // namespace footlight::tools

@@ -1,0 +1,78 @@
+// The outputs of the window to real lamps as panels show them, and what the user asks for. Plain data: the loop of the
+// preview fills it in and carries it out (live_outputs.h).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/core/dmx.h"
+#include "sim/pump.h"
+
+namespace footlight::tools {
+
+enum class ArmState : std::uint8_t {
+  kOff,      // not open: nothing is sent
+  kOpening,  // asked for; nothing is sent yet
+  kArmed,    // sends the levels of the picture
+  kClosing,  // sends zeros and closes
+};
+
+// Why armed outputs send zeros.
+enum class Darkness : std::uint8_t {
+  kNone,     // they send the levels of the picture
+  kAsked,    // the user asked for a blackout
+  kSilence,  // the window gave no levels for OutputFeed::kSilenceMaxNs
+};
+
+struct OutputRow {
+  std::string endpoint;
+  std::vector<Universe> universes;  // that it carries
+  std::vector<Universe> left_out;   // of them, those that are not sent: no address of the rig is in them
+  ArmState state = ArmState::kOff;
+  std::string trouble;               // why it could not be armed; empty: it could, or was not asked for
+  std::optional<PortStatus> status;  // while it is armed; at most two seconds old
+
+  // Those that it sends.
+  [[nodiscard]] std::vector<Universe> sent() const;
+};
+
+// A DMX interface that is plugged in.
+struct PluggedDevice {
+  std::string endpoint;  // "enttec-pro:EN172589"; empty: not known to be one
+  std::string model;
+  std::string state;      // "ready", "no-permission" ...
+  std::string fix;        // why it cannot be used, and the command that helps; empty if it is ready
+  bool can_send = false;  // it is ready and has an output
+};
+
+struct OutputsView {
+  // What is.
+  std::vector<OutputRow> rows;
+  Darkness darkness = Darkness::kNone;
+  std::string notice;                  // the newest event
+  std::vector<Universe> universes;     // in which the rig has an address of its own, ascending
+  std::vector<PluggedDevice> devices;  // while somebody looks for them; at most two seconds old
+  std::string refusal;                 // why the last output that was to be added was not; empty: it was
+
+  // What the user asks for; the loop carries it out and resets it. Indices into rows.
+  std::vector<std::size_t> arm;
+  std::vector<std::size_t> disarm;
+  std::optional<bool> blackout;    // false: ends
+  std::optional<std::string> add;  // an endpoint; it is not armed
+  bool looks = false;              // for devices; asked for with each picture
+
+  // How many of them send.
+  [[nodiscard]] std::size_t live_count() const;
+  void disarm_all();
+};
+
+// "LIVE: 2 outputs", "BLACKOUT: 2 outputs send zeros"; empty if there is nothing to say: no output is armed, and there
+// is no blackout.
+[[nodiscard]] std::string live_words(const OutputsView& view);
+// How a blackout ends, and why it began if the user did not ask for it; empty without one.
+[[nodiscard]] std::string blackout_words(const OutputsView& view);
+
+}  // namespace footlight::tools
