@@ -370,7 +370,7 @@ TEST_CASE("fixtures that share slots are saved so that the file can be read agai
   RigFile file = opened_file(folder.write("club.toml", kCommentedRig));
   auto edit = fixtures::patch_fixtures(file.rig(), std::vector{3}, {1, 3});
   REQUIRE(edit);
-  edit->apply(file.rig().fixtures);
+  edit->apply(file.rig());
   CHECK(saved(file).shared == 3);                 // it reaches into two others
   CHECK(!file.rig().fixtures[3].shares_address);  // a later edit may end the conflict
   const RigFile again = opened_file(folder.file("club.toml"));

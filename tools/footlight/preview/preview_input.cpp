@@ -66,6 +66,10 @@ void Preview::draw_ui() {
     input.scale = window_->ui_scale();
     panels_.draw(*desk_, input, static_cast<float>(where.size.x), static_cast<float>(where.size.y));
   }
+  if (const auto found = palette_.draw(*desk_, player_ != nullptr, window_->ui_scale())) {
+    desk_->begin_gesture();
+    chosen = found;
+  }
   if (chosen) call(*chosen);
   take_input();
   // The last movement of a drag comes with the release.
@@ -185,6 +189,7 @@ void Preview::call(const UiCall& call) {
     }
     case UiAction::kFullScreen: window_->toggle_full_screen(); break;
     case UiAction::kShot: shot_asked_ = true; break;
+    case UiAction::kPalette: palette_.open(); break;
     case UiAction::kEscape: closing_ = !close_topmost(panels_, *desk_) || closing_; break;
   }
 }

@@ -37,12 +37,14 @@ enum class UiAction {
   kPanel,  // argument: index into panels()
   kFullScreen,
   kShot,
+  kPalette,
   kEscape,
 };
 
 struct UiCall {
   UiAction action;
   int argument = 0;
+  bool operator==(const UiCall&) const = default;
 };
 
 enum class UiMenu { kNone, kEdit, kView, kPlayback };

@@ -6,35 +6,17 @@
 
 #include <imgui/imgui.h>
 
+#include "tools/footlight/preview/ui/actions.h"
+
 namespace footlight::tools {
 namespace {
-
-// "undo: set Pan of Spot 3"
-std::string label_of(const KeyRow& row, const UiDesk& desk) {
-  const UiCommand* command = row.call.action == UiAction::kUndo   ? desk.history().next_undo()
-                             : row.call.action == UiAction::kRedo ? desk.history().next_redo()
-                                                                  : nullptr;
-  return command == nullptr ? row.does : fmt::format("{}: {}", row.does, text_of(*command, desk.rig()));
-}
-
-bool can(const KeyRow& row, const UiDesk& desk) {
-  switch (row.call.action) {
-    case UiAction::kUndo: return desk.history().next_undo() != nullptr;
-    case UiAction::kRedo: return desk.history().next_redo() != nullptr;
-    case UiAction::kSave: return desk.can_edit();
-    case UiAction::kDelete: return desk.can_edit() && !desk.selected().empty();
-    case UiAction::kReleaseAll: return !desk.state().taken.empty();
-    case UiAction::kSelectAll: return !desk.rig().fixtures.empty();
-    default: return true;
-  }
-}
 
 void draw_rows(UiMenu menu, const UiDesk& desk, std::optional<UiCall>& chosen) {
   for (const KeyRow& row : key_rows()) {
     if (row.menu != menu) continue;
     const bool checked = row.call.action == UiAction::kHighlight && desk.highlights();
     const std::string label = fmt::format("{}###{}", label_of(row, desk), row.keys);
-    if (ImGui::MenuItem(label.c_str(), row.keys, checked, can(row, desk))) chosen = row.call;
+    if (ImGui::MenuItem(label.c_str(), row.keys, checked, is_possible(row, desk, true))) chosen = row.call;
   }
 }
 
