@@ -88,7 +88,10 @@ Result<glm::dvec3> parse_vector(const char* option, const std::string& text) {
 // In the order of the patterns, then of the file; each once.
 Result<std::vector<int>> selected(const fixtures::Rig& rig, const std::vector<std::string>& patterns) {
   if (patterns.empty()) {
-    return fail(ErrorCode::kBadInput, "expected --select with the name of fixtures, for example: --select 'Spot *'");
+    return fail(
+        ErrorCode::kBadInput,
+        "expected --select with the name of fixtures, for example: --select 'Spot *'; or --add with the file of a "
+        "definition");
   }
   std::vector<int> which;
   std::unordered_set<int> seen;

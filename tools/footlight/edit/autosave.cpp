@@ -196,7 +196,8 @@ Status Autosave::begin(std::uint64_t revision) {
   FL_TRY(claim_folder());
   if (!copy_) copy_ = std::make_unique<Copy>(Copy{file_.imported(), claim_->folder(), {}, false});
   copy_->imported.rig.fixtures = file_.rig().fixtures;
-  if (copy_->imported.definitions != file_.imported().definitions) {  // an edit added types, or took them back
+  if (copy_->imported.rig.types.size() != file_.rig().types.size() ||
+      copy_->imported.definitions != file_.imported().definitions) {  // an edit added types, or took them back
     copy_->imported.rig.types = file_.rig().types;
     copy_->imported.definitions = file_.imported().definitions;
     copy_->has_files = false;

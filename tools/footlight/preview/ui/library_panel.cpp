@@ -25,8 +25,9 @@
 namespace footlight::tools {
 namespace {
 
-constexpr int kCountMax = 10'000;  // of fixtures that are added at once
-constexpr float kNarrow = 560;     // in a narrower panel the details are below the list
+constexpr int kCountMax = 10'000;                                            // of fixtures that are added at once
+constexpr ImGuiInputTextFlags kSelects = ImGuiInputTextFlags_AutoSelectAll;  // a click selects what is in a field
+constexpr float kNarrow = 560;  // in a narrower panel the details are below the list
 
 enum Column : int { kColumnMaker, kColumnName, kColumnKind, kColumnModes, kColumnSlots, kColumnFile, kColumnCount };
 constexpr std::array<const char*, kColumnCount> kHeads{"Maker", "Name", "Kind", "Modes", "Slots", "File"};
@@ -102,7 +103,8 @@ class LibraryPanel final : public Panel {
 
   void draw_search(const UiInput& input) {
     ImGui::SetNextItemWidth(240 * input.scale);
-    if (ImGui::InputTextWithHint("##words", "maker, name, kind, mode", words_.data(), words_.size())) search();
+    if (ImGui::InputTextWithHint("##words", "maker, name, kind, mode", words_.data(), words_.size(), kSelects))
+      search();
     ImGui::SameLine();
     std::string text = fmt::format("{} of {}", shown_.size(), counted(list_.size(), "definition"));
     if (broken_ > 0) text += fmt::format(", {} cannot be read", broken_);
@@ -236,9 +238,10 @@ class LibraryPanel final : public Panel {
     changed = ImGui::InputInt("count", &row_.count) || changed;
     row_.count = std::clamp(row_.count, 1, kCountMax);
     ImGui::SetNextItemWidth(240 * input.scale);
-    changed = ImGui::InputTextWithHint("name", row_.type->name.c_str(), name_.data(), name_.size()) || changed;
+    changed =
+        ImGui::InputTextWithHint("name", row_.type->name.c_str(), name_.data(), name_.size(), kSelects) || changed;
     ImGui::SetNextItemWidth(110 * input.scale);
-    changed = ImGui::InputTextWithHint("address", "first free", address_.data(), address_.size()) || changed;
+    changed = ImGui::InputTextWithHint("address", "first free", address_.data(), address_.size(), kSelects) || changed;
     if (address_[0] != '\0') {
       ImGui::SameLine();
       changed = ImGui::Checkbox("skip slots of others", &only_free_) || changed;
