@@ -91,7 +91,7 @@ TEST_CASE("Add puts fixtures into the rig at the first free addresses and select
   const std::string details = ui.words();
   CHECK(contains(details, "qxf, moving head, 2 gobos"));
   CHECK(contains(details, "long: 4 slots, 4 channels"));
-  CHECK(contains(details, "3        Dimmer"));
+  CHECK(contains(details, "3 Dimmer"));
   CHECK(contains(details, "Spot One 1 at 1.43"));  // what Add would do
   const auto count = [&] { return ui.desk.edited().fixtures.size(); };
   const ImVec2 add = ui.click_down(730, 200, 400, [&] { return count() > 5; });
@@ -144,7 +144,7 @@ TEST_CASE("count, mode and address are those that the fields say, and what canno
   }
   REQUIRE(contains(ui.words(), "long: 4 slots"));
   float count_y = 0;
-  for (float y = combo.y + 10; y < combo.y + 40 && count_y == 0; y += 4) {
+  for (float y = combo.y + 20; y < combo.y + 44 && count_y == 0; y += 4) {
     fill(ui, y, "3");
     if (contains(ui.words(), "Spot One 1 to Spot One 3, 1.43 to 1.51")) count_y = y;
   }

@@ -25,13 +25,21 @@
 namespace footlight::tools {
 namespace {
 
-constexpr int kCountMax = 10'000;                                            // of fixtures that are added at once
+constexpr int kAddedMax = 10'000;                                            // of fixtures that are added at once
 constexpr ImGuiInputTextFlags kSelects = ImGuiInputTextFlags_AutoSelectAll;  // a click selects what is in a field
 constexpr float kNarrow = 560;  // in a narrower panel the details are below the list
 
-enum Column : int { kColumnMaker, kColumnName, kColumnKind, kColumnModes, kColumnSlots, kColumnFile, kColumnCount };
-constexpr std::array<const char*, kColumnCount> kHeads{"Maker", "Name", "Kind", "Modes", "Slots", "File"};
-constexpr std::array<float, kColumnCount> kWidths{110, 160, 110, 44, 52, 200};
+enum LibraryColumn : int {
+  kLibraryMaker,
+  kLibraryName,
+  kLibraryKind,
+  kLibraryModes,
+  kLibrarySlots,
+  kLibraryFile,
+  kLibraryCount
+};
+constexpr std::array<const char*, kLibraryCount> kLibraryHeads{"Maker", "Name", "Kind", "Modes", "Slots", "File"};
+constexpr std::array<float, kLibraryCount> kLibraryWidths{110, 160, 115, 46, 58, 200};
 
 // Where the first new fixture hangs: amid those of the rig, to 10 cm.
 glm::dvec3 usual_place(const fixtures::Rig& rig) {
@@ -42,7 +50,7 @@ glm::dvec3 usual_place(const fixtures::Rig& rig) {
 }
 
 // "14", "8 - 24"
-std::string slots_of(const fixtures::Definition& one) {
+std::string span_of_slots(const fixtures::Definition& one) {
   if (one.modes.empty()) return "";
   int least = one.modes.front().slots;
   int most = least;
@@ -53,12 +61,12 @@ std::string slots_of(const fixtures::Definition& one) {
   return least == most ? std::to_string(least) : fmt::format("{} - {}", least, most);
 }
 
-// "3, 4     Pan"
-std::string line_of(const fixtures::Channel& channel) {
+// "3, 4": where a channel is in its mode.
+std::string slots_text(const fixtures::Channel& channel) {
   std::string slots;
   for (const int offset : channel.slot_offsets) slots += fmt::format("{}{}", slots.empty() ? "" : ", ", offset + 1);
-  if (channel.dmx_break > 1) slots = fmt::format("{} of break {}", slots, channel.dmx_break);
-  return fmt::format("{:<8} {}", slots.empty() ? "-" : slots, name_of(channel));
+  if (channel.dmx_break > 1) slots += fmt::format(" of break {}", channel.dmx_break);
+  return slots.empty() ? "-" : slots;
 }
 
 class LibraryPanel final : public Panel {
@@ -126,10 +134,11 @@ class LibraryPanel final : public Panel {
     constexpr ImGuiTableFlags kFlags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_ScrollX | ImGuiTableFlags_Resizable |
                                        ImGuiTableFlags_RowBg | ImGuiTableFlags_Hideable |
                                        ImGuiTableFlags_SizingFixedFit;
-    if (!ImGui::BeginTable("definitions", kColumnCount, kFlags)) return;
-    for (std::size_t i = 0; i < kHeads.size(); ++i) {
-      ImGui::TableSetupColumn(kHeads[i], i == kColumnName ? ImGuiTableColumnFlags_NoHide : ImGuiTableColumnFlags_None,
-                              kWidths[i] * input.scale);
+    if (!ImGui::BeginTable("definitions", kLibraryCount, kFlags)) return;
+    for (std::size_t i = 0; i < kLibraryHeads.size(); ++i) {
+      ImGui::TableSetupColumn(kLibraryHeads[i],
+                              i == kLibraryName ? ImGuiTableColumnFlags_NoHide : ImGuiTableColumnFlags_None,
+                              kLibraryWidths[i] * input.scale);
     }
     ImGui::TableSetupScrollFreeze(0, 1);
     ImGui::TableHeadersRow();
@@ -161,7 +170,7 @@ class LibraryPanel final : public Panel {
     ImGui::TableNextColumn();
     if (!one.modes.empty()) ui_text(std::to_string(one.modes.size()));
     ImGui::TableNextColumn();
-    ui_text(slots_of(one));
+    ui_text(span_of_slots(one));
     ImGui::TableNextColumn();
     ui_text(one.file.format == "built" ? one.file.path : std::filesystem::path(one.file.path).filename().string());
   }
@@ -208,7 +217,7 @@ class LibraryPanel final : public Panel {
     } else {
       ui_text(kUiDim, "This rig cannot be edited.");
     }
-    draw_channels();
+    draw_channels(input.scale);
   }
 
   [[nodiscard]] const fixtures::Mode& mode() const { return row_.type->modes[static_cast<std::size_t>(row_.mode)]; }
@@ -236,7 +245,7 @@ class LibraryPanel final : public Panel {
     bool changed = false;
     ImGui::SetNextItemWidth(110 * input.scale);
     changed = ImGui::InputInt("count", &row_.count) || changed;
-    row_.count = std::clamp(row_.count, 1, kCountMax);
+    row_.count = std::clamp(row_.count, 1, kAddedMax);
     ImGui::SetNextItemWidth(240 * input.scale);
     changed =
         ImGui::InputTextWithHint("name", row_.type->name.c_str(), name_.data(), name_.size(), kSelects) || changed;
@@ -306,7 +315,8 @@ class LibraryPanel final : public Panel {
     planned_ = false;
   }
 
-  void draw_channels() const {
+  void draw_channels(float scale) const {
+    const float slots_width = 90 * scale;
     const std::vector<fixtures::Channel>& channels = mode().channels;
     if (!ImGui::BeginChild("channels")) {
       ImGui::EndChild();
@@ -316,7 +326,10 @@ class LibraryPanel final : public Panel {
     clipper.Begin(static_cast<int>(channels.size()));
     while (clipper.Step()) {
       for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i) {
-        ui_text(line_of(channels[static_cast<std::size_t>(i)]));
+        const fixtures::Channel& channel = channels[static_cast<std::size_t>(i)];
+        ui_text(kUiDim, slots_text(channel));
+        ImGui::SameLine(slots_width);
+        ui_text(name_of(channel));
       }
     }
     ImGui::EndChild();

@@ -15,11 +15,11 @@
 namespace footlight::tools {
 namespace {
 
-constexpr const char* kPopup = "actions";
-constexpr float kWidth = 560;
-constexpr int kRowsShown = 14;
+constexpr const char* kPalettePopup = "actions";
+constexpr float kPaletteWidth = 560;
+constexpr std::size_t kPaletteRows = 14;
 
-std::string lower_case(std::string_view text) {
+std::string small_letters(std::string_view text) {
   std::string lower(text);
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return lower;
@@ -40,10 +40,10 @@ bool pressed(ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key))
 }  // namespace
 
 void Palette::search(const UiDesk& desk, bool has_log) {
-  const std::string words = lower_case(text_.data());
+  const std::string words = small_letters(text_.data());
   rows_ = action_items(desk, has_log);
   std::erase_if(rows_, [&](const UiActionItem& item) {
-    return item.call.action == UiAction::kPalette || !has_words(lower_case(item.label + " " + item.keys), words);
+    return item.call.action == UiAction::kPalette || !has_words(small_letters(item.label + " " + item.keys), words);
   });
 }
 
@@ -59,7 +59,8 @@ void Palette::mark_next(int step) {
 
 std::optional<UiCall> Palette::draw_rows(bool entered, bool scrolls, float scale) {
   std::optional<UiCall> chosen;
-  const float height = static_cast<float>(kRowsShown) * ImGui::GetTextLineHeightWithSpacing();
+  const std::size_t shown = std::clamp<std::size_t>(rows_.size(), 1, kPaletteRows);
+  const float height = static_cast<float>(shown) * ImGui::GetTextLineHeightWithSpacing();
   if (ImGui::BeginChild("rows", {0, height})) {
     const float keys_width = 150 * scale;
     for (std::size_t i = 0; i < rows_.size(); ++i) {
@@ -90,12 +91,12 @@ std::optional<UiCall> Palette::draw(const UiDesk& desk, bool has_log, float scal
   if (begins) {
     text_.fill(0);
     marked_ = 0;
-    ImGui::OpenPopup(kPopup);
+    ImGui::OpenPopup(kPalettePopup);
   }
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({size.x / 2, size.y * 0.12f}, ImGuiCond_Always, {0.5f, 0});
-  ImGui::SetNextWindowSize({std::min(kWidth * scale, std::max(size.x - 16, 1.0f)), 0});
-  if (!ImGui::BeginPopup(kPopup)) return std::nullopt;
+  ImGui::SetNextWindowSize({std::min(kPaletteWidth * scale, std::max(size.x - 16, 1.0f)), 0});
+  if (!ImGui::BeginPopup(kPalettePopup)) return std::nullopt;
   std::optional<UiCall> chosen;
   if (begins) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
