@@ -4,8 +4,6 @@
 #include <string_view>
 #include <vector>
 
-#include <GLFW/glfw3.h>
-
 #include <imgui/imgui.h>
 
 #include <doctest/doctest.h>
@@ -168,7 +166,12 @@ TEST_CASE("what is not possible now is shown and not run") {
 }
 
 TEST_CASE("Ctrl+P is the key of the palette") {
-  const auto call = call_of({GLFW_KEY_P, GLFW_MOD_CONTROL, false});
+  const auto rows = key_rows();
+  const auto row = std::find_if(rows.begin(), rows.end(),
+                                [](const KeyRow& one) { return one.call.action == UiAction::kPalette; });
+  REQUIRE(row != rows.end());
+  CHECK(std::string(row->keys) == "Ctrl+P");
+  const auto call = call_of({row->key, row->mods, false});
   REQUIRE(call);
   CHECK(call->action == UiAction::kPalette);
 }
