@@ -125,7 +125,7 @@ class UiDesk {
   [[nodiscard]] const std::vector<bool>& lit_channels(const fixtures::PatchedFixture& fixture);
 
   [[nodiscard]] Status follow_rig(const UiCommand& command);
-  Status edit_and_select_added(Result<fixtures::RigEdit> edit);
+  Status edit_and_select_added(Result<fixtures::RigEdit> one);
 
   const fixtures::Rig* rig_;
   const fixtures::CompiledRig* compiled_;
